@@ -1,7 +1,8 @@
 #version 450 core
 // Draws rectangles of posts in the atlas, in one draw: four vertices for each.
 // Defines:
-// - BY_CELLS: draws only cells near marked ones (steep.frag): with FLAGS those of blocks, otherwise all
+// - BY_CELLS: draws only cells near marked ones (steep.frag)
+// - OF_BLOCKS: with BY_CELLS: only those of blocks
 
 #include "lib/squares.glsl"
 #include "lib/cells.glsl"
@@ -25,7 +26,7 @@ void main()
 	int quad = gl_VertexID >> 2;
 	passed = parameters;
 #ifdef BY_CELLS
-#ifdef FLAGS
+#ifdef OF_BLOCKS
 	ivec4 square = squares[quad >> 2];
 	ivec2 first = square.xy + CELL * ivec2(quad & 1, quad >> 1 & 1);
 	block = square.xyw;

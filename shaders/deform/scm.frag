@@ -47,15 +47,6 @@ layout(std430, binding = 3) restrict buffer standings {
 };
 #endif
 
-const int COLUMNS = 4; // rows side by side in the viewport, so that its blocks of pixels are full
-
-// Returns the row of this invocation.
-int row_of_pass()
-{
-	ivec2 at = ivec2(gl_FragCoord.xy);
-	return shadow.y + at.x + COLUMNS * at.y;
-}
-
 // Tells whether the object was less than two spacings above the surface. Then it has just left the post, or comes next, and the shear
 // that the post stores ends. Below a higher object that shear may belong to a second object, so it stays.
 bool is_near(ground g, object o, int offset)
@@ -64,55 +55,60 @@ bool is_near(ground g, object o, int offset)
 	return o.lowest != UNDER_NONE && g.base != BASE_NODATA && o.lowest - surface < int(min(scale.y * 2097152.0, 1e9));
 }
 
-// Returns the place of a post in the frame of laying.
-ivec2 frame_of(int x, int y)
-{
-	return frame.xy + ivec2(x * frame_axis.x + y * frame_axis.y, y * frame_axis.x - x * frame_axis.y);
-}
-
 // Tells whether the post stores shear, which ends with a contact.
 bool remembers(int x, int y)
 {
 	return imageLoad(shears, ivec3(x, y, zero.z)).r != 0;
 }
 
-// Tells whether the object may touch the post, may bear on its cell, or leaves it.
-bool concerns(int x, int y, int raised)
+const int NOTHING = 0, REACHED = 1, CONCERNED = 2;
+
+// Tells whether the object was near the post, and whether it may touch it, may bear on its cell, or ends its shear. fell: how much
+// lower the object was before the contact than it is now, fixed-point units.
+int concerns(int x, int y, int raised, int fell)
 {
 	ground g = ground_at(x, y);
 	object o = object_at(x, y, raised);
-	bool some = may_touch(g, o) || remembers(x, y) && is_near(g, o, imageLoad(offsets, ivec3(x, y, zero.z)).r);
+	int offset = imageLoad(offsets, ivec3(x, y, zero.z)).r;
+	bool some = may_touch(g, o) || remembers(x, y) && is_near(g, o, offset);
 #ifdef FORCES
 	some = some || touch_room(ground_normal(x, y, g), g, o, cell_at(x, y, o)) > 0;
 #endif
-	return some;
+	return some ? CONCERNED : is_near(g, o, offset + fell) ? REACHED : NOTHING;
 }
 
 void main()
 {
-	int y = row_of_pass();
+	int y = row_of_pass(shadow.y);
 	bool begins = y == shadow.y; // one invocation tells what all have in common, also where the object is above no post
 	if (!begins && y >= shadow.w)
 		return;
-	int raised = 0;
+	int raised = 0, fell = 0;
 	float by_width = scale.w, unit = scale.z;
 #ifdef LOAD
 	unit /= found_share;
 	raised = found_raised;
+	fell = max(raised - found_before, 0);
 	if (begins && load.z > 0.0)
 		standing[int(load.z) - 1] = raised;
 #endif
 #ifdef PATCH
 	by_width = found_by_width(found_posts, place.w);
 #endif
-	// The posts of this row, without those at its ends that the object does not concern.
-	int first = shadow.x, last = shadow.z;
-	while (first < last && !concerns(first, y, raised))
+	// The posts of this row, without those at its ends that the object does not concern. It may have left some of these.
+	int first = shadow.x, last = shadow.z, what = NOTHING;
+	ivec2 reaches = ivec2(last, first);
+	while (first < last && (what = concerns(first, y, raised, fell)) != CONCERNED) {
+		reaches = what == REACHED ? ivec2(min(reaches.x, first), first + 1) : reaches;
 		first++;
-	while (first < last && !concerns(last - 1, y, raised))
+	}
+	while (first < last && (what = concerns(last - 1, y, raised, fell)) != CONCERNED) {
+		reaches.y = what == REACHED ? max(reaches.y, last) : reaches.y;
 		last--;
+	}
+	reach(y, min(reaches.x, first < last ? first : reaches.x), max(reaches.y, first < last ? last : reaches.y));
 	total lost = total(0, 0u), moved = lost;
-	uint over = 0u, moving = 0u;
+	uint over = 0u, moving = 0u, of_classes = 0u;
 	int hollow = 0, first_touched = last, last_touched = first;
 #ifdef FORCES
 	total force[3] = total[3](lost, lost, lost), moment[3] = total[3](lost, lost, lost);
@@ -145,6 +141,7 @@ void main()
 		}
 		total_add(moved, b.carried);
 		moving += uint(b.carried > 0);
+		of_classes |= b.carried > 0 ? 1u << class_at(x, y) : 0u;
 		hollow = max(hollow, b.touched ? depth_of(b.carried, b.after.offset, frame.w) : 0);
 		first_touched = b.touched ? min(first_touched, x) : first_touched;
 		last_touched = b.touched ? x : last_touched;
@@ -182,7 +179,8 @@ void main()
 	if (last <= first)
 		return;
 	if (first_touched < last)
-		measured(total_words(moved), moving, hollow, ivec2[2](frame_of(first_touched, y), frame_of(last_touched, y)));
+		measured(total_words(moved), moving, of_classes, hollow,
+			 ivec2[2](frame_of(frame.xy, frame_axis.xy, first_touched, y), frame_of(frame.xy, frame_axis.xy, last_touched, y)));
 	tally_sum(COMPACTED, total_words(lost));
 	if (over > 0u)
 		tally_add(REFUSED, over);

@@ -245,6 +245,7 @@ void main()
 		found_state = state;
 		found_share = carried;
 #ifdef LOAD
+		found_before = load.z > 0.0 ? standing[int(load.z) - 1] : 0;
 		if (state == SLIDES || state == SUNK)
 			tally_add(state == SLIDES ? SLID : CARRIED_NOWHERE, 1u);
 #endif

@@ -1,11 +1,10 @@
 #version 450 core
-// The first pass of relaxation. It adds the soil that a contact deposited, and computes the heights with which the iterations
-// begin. One fragment for each post of the window.
+// The first pass of relaxation. It computes the heights with which the iterations begin, with the soil that a contact deposited. One fragment for each post.
 //
 // Defines, each present or absent:
-// - DEPOSITS: a contact deposited soil on posts; it is added to their offsets
+// - WINDOW: over a window: only posts near what the contact reached. Soil that it deposited counts; the last iteration adds it to offsets
 // - LOAD: the object carries a load, so its height is found on the GPU and may change
-// - THICKNESS: the deposited thickness is kept for each post, and changes with the offset
+// - THICKNESS: the deposited thickness is kept for each post
 // - BOUNDED: only soil down to a depth below the base relaxes, so a floor is written too
 // - STEEP: neighbouring posts may differ in height by 1536 m and more
 // - HELD_STILL: posts on which an object rests do not relax
@@ -16,9 +15,6 @@
 layout(binding = 0, r32i) readonly uniform iimage2DArray bases;
 layout(binding = 1, r32i) readonly uniform iimage2DArray offsets;
 layout(binding = 2, r8ui) readonly uniform uimage2DArray contacts;
-#ifdef DEPOSITS
-layout(binding = 3, r32i) readonly uniform iimage2DArray deposits;
-#endif
 #ifdef THICKNESS
 layout(binding = 4, r32i) readonly uniform iimage2DArray heaps;
 #endif
@@ -27,17 +23,14 @@ flat in ivec4 passed[PASSED]; // the parameters, from the vertex shader: passed.
 ivec4 place = passed[1];   // x: layer of the images; y: depth of relaxing soil below the base, fixed-point units
 ivec4 written = passed[2]; // posts that exchange soil: the first (x, y), one behind the last (z, w)
 
-layout(location = 0) out int offset_out;
-layout(location = 1) out int height_out;
-layout(location = 2) out uint still_out;
-#ifdef THICKNESS
-layout(location = 3) out int heap_out;
-#define FLOOR 4
-#else
-#define FLOOR 3
+#ifdef WINDOW
+layout(binding = 3, r32i) readonly uniform iimage2DArray deposits;
 #endif
+
+layout(location = 0) out int height_out;
+layout(location = 1) out uint still_out;
 #ifdef BOUNDED
-layout(location = FLOOR) out int floor_out;
+layout(location = 2) out int floor_out;
 #endif
 
 void main()
@@ -62,9 +55,9 @@ void main()
 #ifdef HELD_STILL
 	still = still || (contact & HELD) != 0u;
 #endif
-#ifdef DEPOSITS
+#ifdef WINDOW
 	uint deposit = ours ? uint(imageLoad(deposits, at).r) : 0u;
-	uint room = uint(max(0, SLIDE_HIGH - max(offset, heap)));
+	uint room = room_at(offset, heap);
 	if (deposit > room) {
 		tally_add(COMPACTED, deposit - room);
 		tally_add(REFUSED, 1u);
@@ -81,7 +74,7 @@ void main()
 	for (int k = 0; k < 8; k++) {
 		ivec3 there = ivec3(post + SLIDE_NEAR[k], place.x);
 		int other = imageLoad(bases, there).r, other_offset = imageLoad(offsets, there).r;
-#ifdef DEPOSITS
+#ifdef WINDOW
 		other_offset = int(min(uint(max(SLIDE_HIGH - other_offset, 0)), uint(imageLoad(deposits, there).r))) + other_offset;
 #endif
 		int apart = base - other;
@@ -89,12 +82,8 @@ void main()
 		still = still || (other != BASE_NODATA && (wrapped || abs(apart + ((offset - other_offset) >> 2)) >= SLIDE_APART));
 	}
 #endif
-	offset_out = offset;
 	height_out = still ? STILL : int(uint(base) * 4u + uint(offset));
 	still_out = marks | (still ? IS_STILL : 0u);
-#ifdef THICKNESS
-	heap_out = heap;
-#endif
 #ifdef BOUNDED
 	floor_out = int(uint(base) * 4u + uint(offset) - uint(heap) - uint(place.y));
 #endif

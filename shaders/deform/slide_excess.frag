@@ -7,9 +7,8 @@
 // - SOILS: number of soil classes in the parameters
 // - LAST: the last iteration, which writes offsets
 // - THICKNESS: with LAST: writes the deposited thickness too
-// - FLAGS: over blocks
 // - SLOPES: the critical difference depends on the height of the slope, over blocks
-// - WAKES: as in slid.glsl
+// - WINDOW, WAKES: as in slid.glsl
 
 #include "lib/slide.glsl"
 #include "lib/squares.glsl"
@@ -25,16 +24,13 @@ layout(binding = 2, r8ui) readonly uniform uimage2DArray classes;
 layout(binding = 6, r32i) readonly uniform iimage2DArray slopes; // by slope.frag: the axial critical difference in each post's slope
 #endif
 
-flat in ivec4 passed[PASSED]; // the parameters, from the vertex shader: passed.vert says why
-ivec4 region = passed[0]; // over blocks: z: the least critical difference in a slope; over a window: its first post from its first block; blocks in a row; first word
-ivec4 place = passed[1];  // the layer; a post this near a block's side concerns the neighbour too
-ivec4 edge = passed[2];   // over a window: posts whose neighbours were all computed: first, one behind the last
+#include "lib/slide_params.glsl"
 
 // Of a soil: critical difference of heights, axial, diagonal; tolerance; difference that is steeper than the friction angle.
 #if SOILS > 1
 layout(std140, binding = 0) uniform slopes_of_soils {
 	SQUARES_FIRST
-	ivec4 others[3];
+	ivec4 others[5];
 	ivec4 limits[SOILS];
 };
 
@@ -45,7 +41,7 @@ ivec4 limits_of(int soil)
 #else
 ivec4 limits_of(int soil)
 {
-	return passed[3];
+	return passed[5];
 }
 #endif
 
@@ -60,7 +56,6 @@ int soil_at(ivec3 at)
 	return 0;
 #endif
 }
-
 
 void main()
 {

@@ -9,6 +9,7 @@
 // - SOILS: number of soil classes in the parameters
 
 #include "lib/slide.glsl"
+#include "lib/reached.glsl"
 
 layout(binding = 0, r32i) restrict uniform iimage2DArray heights;
 #ifdef BOUNDED
@@ -20,9 +21,12 @@ layout(binding = 2, r8ui) readonly restrict uniform uimage2DArray classes;
 
 layout(std140, binding = 0) uniform params {
 	ivec4 place;         // layer; direction: x, y, north-east, south-east; tolerance; no difference up to this slides
-	ivec4 written;       // posts that exchange soil: first, one behind the last
+	ivec4 window;        // the posts that the window writes: first, one behind the last
+	ivec4 around;        // x: of reached_posts
 	ivec4 limits[SOILS]; // critical difference of heights in this direction
 };
+
+ivec4 written = reached_posts(window, around.x); // posts that exchange soil: first, one behind the last
 
 const int COLUMNS = 4;      // lines side by side in the pass's viewport, so that its blocks of pixels are full
 const int POPS_MOST = 512;  // posts that join from before the pool, of all pools of a walk: drivers end long loops

@@ -17,11 +17,11 @@ struct sumner {
 	uvec4 few, many;  // in 2^-32: share of the sum of differences that each of 1 .. 8 neighbours gets
 };
 
-layout(std140, binding = 0) uniform params {
+#include "lib/slide_params.glsl"
+
+layout(std140, binding = 0) uniform soils_of_posts {
 	SQUARES_FIRST
-	ivec4 region; // not read
-	ivec4 place;  // the layer
-	ivec4 edge;
+	ivec4 others[PASSED];
 	sumner soils[SOILS];
 };
 

@@ -2,21 +2,14 @@
 // Sumner's erosion, second pass: each post takes the soil that its neighbours shed. One fragment for each post.
 // Defines:
 // - LAST: the last iteration, which writes offsets
-// - FLAGS: the pass computes active blocks instead of a window, and writes for each where soil still moves
+// - WINDOW: as in slid.glsl
 
 #include "lib/slide.glsl"
-#include "lib/squares.glsl"
 
 layout(binding = 0, r32i) readonly uniform iimage2DArray heights;
 layout(binding = 1, r32i) readonly uniform iimage2DArray sheds;
 
-layout(std140, binding = 0) uniform params {
-	SQUARES_FIRST
-	ivec4 region; // over a window: its first post from its first block; blocks in a row; first word
-	ivec4 place;  // the layer; a post this near a block's side concerns the neighbour too
-	ivec4 edge;   // over a window: posts whose neighbours were all computed: first, one behind the last
-};
-
+#include "lib/slide_params.glsl"
 #include "lib/slid.glsl"
 
 const int SHARE = (1 << 23) - 1;
@@ -33,7 +26,7 @@ void main()
 		nothing |= other;
 	}
 	bool moves = change != 0 || come != 0;
-#ifndef FLAGS
+#ifdef WINDOW
 	// A share that rounds to 0 counts as motion: beside another object fewer posts may share it, and then it is more than 0.
 	moves = nothing != 0;
 #endif

@@ -36,12 +36,13 @@ void main()
 	uvec4 sum = uvec4(0u); // of the row's weights so far, by face
 	ivec4 sent = ivec4(0); // the soil that these weights get; differences fit 32 bits
 	find_band();
-	ivec2 posts = posts_of_row(y);
+	ivec2 posts = posts_of_row(y), takes = posts.yx;
 	for (int x = posts.x; x < posts.y; x++) {
 		ivec3 post = ivec3(x, y, place.x);
 		int weighed = imageLoad(deposits, post).r, face = weighed >> 16;
 		if (weighed == 0)
 			continue;
+		takes = ivec2(min(takes.x, x), x + 1);
 		bvec4 here = equal(ivec4(face), ivec4(0, 1, 2, 3));
 		sum += uvec4(here) * uint(weighed & 0xffff);
 		uint weight = here.x ? sum.x : here.y ? sum.y : here.z ? sum.z : sum.w;
@@ -50,6 +51,7 @@ void main()
 		imageStore(deposits, post, ivec4(sends - before));
 		sent = mix(sent, ivec4(sends), here);
 	}
+	reach(y, takes.x, takes.y);
 	for (int face = 0; face < FACES; face++)
 		if (sum[face] > 0u) {
 			i64 all = amount(rate[face], sum[face]);

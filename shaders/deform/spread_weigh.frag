@@ -34,7 +34,7 @@ int beside_face(ivec2 at, out int face)
 	int along = max(at.x - rectangle.x, rectangle.y - at.x), aside = max(at.y - rectangle.z, rectangle.w - at.y);
 	bool beside = along <= 0;
 	face = beside ? (at.y > 0 ? 2 : 3) : (at.x > 0 ? 0 : 1);
-	bool far = beside ? abs(at.x) > axis.w : aside > 0;
+	bool far = beside ? abs(at.x) > axis.z : aside > 0;
 	return far || shares[face] == 0 ? 0 : profile((beside ? aside : along) >> 10);
 }
 
@@ -86,7 +86,7 @@ uvec4 sum = uvec4(0u), best = uvec4(0u); // of this row, by face
 void weigh(int x, int y, int face, int weight)
 {
 	ivec3 post = ivec3(x, y, place.x);
-	if (weight <= 0 || imageLoad(contacts, post).r != 0u || texelFetch(bases, post, 0).r == BASE_NODATA)
+	if (weight <= 0 || (imageLoad(contacts, post).r & TOUCHED_POST) != 0u || texelFetch(bases, post, 0).r == BASE_NODATA)
 		return;
 	imageStore(weighed, post, ivec4(face << 16 | weight));
 	uvec4 here = uvec4(equal(ivec4(face), ivec4(0, 1, 2, 3)));
@@ -104,7 +104,7 @@ void main()
 	ivec2 row = posts_of_row(y);
 	for (int x = row.x; x < row.y && place.y != 0; x++)
 		weigh(x, y, 0, from_patch(x, y));
-	ivec2 at = frame_of(row.x, y), step = frame_of(1, 0) - frame_of(0, 0);
+	ivec2 at = frame_of(origin.xy, axis.xy, row.x, y), step = ivec2(axis.x, -axis.y);
 	for (int x = row.x; x < row.y && place.y == 0; x++, at += step) {
 		int face, weight = beside_face(at, face);
 		weigh(x, y, face, weight);

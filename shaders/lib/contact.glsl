@@ -18,7 +18,8 @@ layout(binding = 3) uniform isampler2DArray rests;
 #define CONTACT_MORE
 #endif
 layout(std140, binding = 0) uniform params {
-	ivec4 zero;    // lo, hi: the window's zero height, fixed-point units from the store's reference; the layer
+	// lo, hi: the window's zero height, fixed-point units from the store's reference; the layer; two spacings, fixed-point units
+	ivec4 zero;
 	ivec4 written; // the posts this window writes: first, one behind the last
 	CONTACT_MORE
 };
@@ -44,6 +45,10 @@ contact_result contact_at(ivec2 post)
 	i64 ground = i64_sub(i64_shl(i64_from(base), 2), i64(zero.y, uint(zero.x)));
 	i64 wanted = i64_sub(i64_from(under), ground);
 	bool touches = base != BASE_NODATA && under != UNDER_NONE && !i64_less(i64_from(offset), wanted);
+#ifdef CONTACT
+	if (base != BASE_NODATA && under != UNDER_NONE && i64_less(wanted, i64_from(offset + zero.w)))
+		p.contact |= NEAR;
+#endif
 	if (touches && i64_less(wanted, i64_from(-OFFSET_LIMIT))) {
 		if (p.written)
 			tally_add(REFUSED, 1u);

@@ -13,6 +13,7 @@ layout(std430, binding = 2) restrict buffer finds {
 	// The share of the load that the soil carries at that height. It is not quite 1, since heights are whole units. At the exact
 	// height, a fraction of a unit away, all stresses are smaller by about this factor.
 	float found_share;
+	int found_before;  // the height that the last contact of this object found; 0: none is kept
 };
 
 // 1 / b of a patch of so many posts of this area, m2. At least one post is counted.

@@ -3,25 +3,55 @@
 // Defines:
 // - LAST: this is the last iteration
 // - THICKNESS: the deposited thickness is written too
-// - FLAGS: the pass computes active blocks; otherwise it computes a window
+// - WINDOW: the pass computes posts of a window, near what a contact reached, and its last iteration adds the deposited soil. Otherwise it
+//   computes active blocks
 // - TOUCHED: flags also tell which parts of a block changed
 // - WAKES: the height of a slope counts, so a change may set near posts in motion
 
 #ifdef LAST
-layout(binding = 3, r32i) readonly uniform iimage2DArray bases;
-layout(binding = 4, r32i) readonly uniform iimage2DArray offsets; // before the first iteration
+layout(binding = 4, r32i) restrict uniform iimage2DArray offsets; // before the first iteration
 layout(binding = 5, r8ui) readonly uniform uimage2DArray stills;
-layout(location = 0) out int offset_out;
 #ifdef THICKNESS
-layout(binding = 6, r32i) readonly uniform iimage2DArray heaps; // deposited thickness before the first iteration
-layout(location = 1) out int heap_out;
+layout(binding = 6, r32i) restrict uniform iimage2DArray heaps; // deposited thickness before the first iteration
 #endif
-#include "lib/flags.glsl"
-#ifdef FLAGS
+#ifdef WINDOW
+layout(binding = 3, r32i) readonly uniform iimage2DArray deposits; // not yet in the offsets
+#else
 flat in ivec3 block;
 #endif
+#include "lib/flags.glsl"
 #else
 layout(location = 0) out int height_out;
+#endif
+
+#ifdef LAST
+// Sets the flags of a post. moves: soil may go on moving; changed: since before the contact, or the interval; borders: not all of its
+// neighbours were computed
+#ifdef WINDOW
+void flag(ivec2 post, bool moves, bool changed)
+{
+	// Beyond the border no soil slid. So a change at the border may make soil move there, and flags the block.
+	bool border = any(lessThan(post, looked.xy)) || any(greaterThanEqual(post, looked.zw));
+	ivec2 from_first = post + region.xy;
+	int word = region.w + (from_first.y >> 5) * region.z + (from_first.x >> 5);
+	if (moves || (border && changed))
+		flag_post(from_first & (BLOCK - 1), word, place.y);
+#ifdef TOUCHED
+	if (changed)
+		flag_changed(from_first & (BLOCK - 1), word);
+#endif
+}
+#else
+void flag(ivec2 post, bool moves, bool changed)
+{
+	if (moves)
+		flag_post(post - block.xy, block.z, place.y);
+#ifdef TOUCHED
+	if (changed)
+		flag_changed(post - block.xy, block.z);
+#endif
+}
+#endif
 #endif
 
 // Writes the result. height: before this iteration. change: soil that the post got, less what it gave. moves: the post got or gave
@@ -33,44 +63,38 @@ void slid(ivec3 at, int height, int change, bool moves, bool steep)
 	moves = moves && height != STILL;
 	height += change;
 #ifdef LAST
-	int before = imageLoad(offsets, at).r;
+	int before = imageLoad(offsets, at).r, deposit = 0;
 	uint marks = imageLoad(stills, at).r;
-	int offset = (marks & IS_STILL) != 0u ? before : int(uint(height) - uint(imageLoad(bases, at).r) * 4u);
-	offset_out = offset;
 #ifdef THICKNESS
-	heap_out = imageLoad(heaps, at).r + (offset - before);
-#endif
-	// An object that rested on this post may not rest on it any more.
-	moves = moves || (marks & MAY_BE_FREED) != 0u || ((marks & IS_HELD) != 0u && offset != before);
-#ifdef FLAGS
-#ifdef WAKES
-	// This interval measured slopes before its first iteration. The next one must measure them again.
-	moves = moves || offset != before;
-#endif
-	if (moves)
-		flag_post(at.xy - block.xy, block.z, place.y);
-#ifdef TOUCHED
-	if (offset != before)
-		flag_changed(at.xy - block.xy, block.z);
-#endif
+	int heap = imageLoad(heaps, at).r;
 #else
-	// This window did not compute the posts beyond its rim. So a change on the rim may make soil move there, and flags the block.
-	bool rim = any(lessThan(at.xy, edge.xy)) || any(greaterThanEqual(at.xy, edge.zw));
-	bool changed = (marks & IS_DISTURBED) != 0u || offset != before;
+	int heap = before;
+#endif
+#ifdef WINDOW
+	deposit = int(min(uint(imageLoad(deposits, at).r), room_at(before, heap)));
+#endif
+	int offset = (marks & IS_STILL) != 0u ? before + deposit : int(uint(height) - uint(imageLoad(grounds, at).r) * 4u);
+	bool slides = offset != before + deposit, changed = slides;
+	// An object that rested on this post may not rest on it any more.
+	moves = moves || (marks & MAY_BE_FREED) != 0u || ((marks & IS_HELD) != 0u && slides);
+#ifdef WINDOW
+	changed = changed || (marks & IS_DISTURBED) != 0u;
+#endif
+	if (offset != before) {
+		imageStore(offsets, at, ivec4(offset));
+#ifdef THICKNESS
+		imageStore(heaps, at, ivec4(heap + (offset - before)));
+#endif
+	}
 #ifdef WAKES
-	// A contact does not measure slopes. So an interval must do it wherever the ground changed or is steep.
-	moves = moves || changed || (steep && height != STILL);
-#endif
-	ivec2 from_first = at.xy + region.xy;
-	ivec2 its_block = from_first >> 5;
-	int word = region.w + its_block.y * region.z + its_block.x;
-	if (moves || (rim && changed))
-		flag_post(from_first & (BLOCK - 1), word, place.y);
-#ifdef TOUCHED
-	if (changed)
-		flag_changed(from_first & (BLOCK - 1), word);
+	// Slopes are measured before the first iteration over blocks. So the next interval must measure them where the ground changed. Over
+	// a window they are not measured, so the next interval must also do it where the ground is steep.
+	moves = moves || changed;
+#ifdef WINDOW
+	moves = moves || (steep && height != STILL);
 #endif
 #endif
+	flag(at.xy, moves, changed);
 #else
 	height_out = height;
 #endif

@@ -14,15 +14,23 @@ const int POOLED_MOST = 1 << 22;    // the same along a line
 // an offset's range.
 const int SLIDE_LOW = -OFFSET_LIMIT + (9 << 25), SLIDE_HIGH = OFFSET_LIMIT - (9 << 25);
 
+// Returns how much soil can be deposited on a post, fixed-point units.
+uint room_at(int offset, int heap)
+{
+	return uint(max(0, SLIDE_HIGH - max(offset, heap)));
+}
+
 // Largest difference between neighbours, 2^-18 m (1536 m). So eight iterations cannot exceed 32 bits.
 const int SLIDE_APART = 3 << 27;
 
 const ivec2 SLIDE_NEAR[8] = ivec2[8](ivec2(0, -1), ivec2(-1, 0), ivec2(1, 0), ivec2(0, 1), ivec2(-1, -1),
 				     ivec2(1, -1), ivec2(-1, 1), ivec2(1, 1)); // four axial, four diagonal
 
-#ifdef STOOD
+#if defined(STOOD) || defined(LAST)
 layout(binding = 7, r32i) readonly uniform iimage2DArray grounds; // bases
+#endif
 
+#ifdef STOOD
 // Returns by how much a difference of heights exceeds the difference of the undisturbed ground.
 int risen(int difference, int base, ivec3 there)
 {

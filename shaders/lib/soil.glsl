@@ -185,10 +185,20 @@ void soil_take(inout soil s, int number, uint level, vec4 raster)
 }
 #endif
 
+// Returns the class of a post's soil.
+int class_at(int x, int y)
+{
+#ifdef SOIL_MAP
+	return min(int(texelFetch(classes, ivec3(x, y, zero.z), 0).r), SOILS - 1);
+#else
+	return 0;
+#endif
+}
+
 soil soil_at(int x, int y)
 {
 #ifdef SOIL_MAP
-	soil s = given.soils[min(int(texelFetch(classes, ivec3(x, y, zero.z), 0).r), SOILS - 1)];
+	soil s = given.soils[class_at(x, y)];
 #else
 	soil s = the_soil;
 #endif

@@ -8,7 +8,7 @@ void store_ways(int y, int layer, int first, int last)
 {
 	int way = NO_WAY;
 	for (int x = first; x < last; x++) {
-		way = imageLoad(contacts, ivec3(x, y, layer)).r != 0u ? 0 : min(way + 1, NO_WAY);
+		way = (imageLoad(contacts, ivec3(x, y, layer)).r & TOUCHED_POST) != 0u ? 0 : min(way + 1, NO_WAY);
 		imageStore(ways, ivec3(x, y, layer), ivec4(way));
 	}
 	way = NO_WAY;

@@ -4,5 +4,7 @@ const int BASE_NODATA = int(0x80000000u);
 const int UNDER_NONE = 0x7fffffff;  // the object is not above the post
 const int OFFSET_LIMIT = 1 << 30;   // fixed-point units: 1024 m
 const int TOUCH = 4;                // fixed-point units; the envelopes of a motion and of its end pose are rounded separately
-const uint LOWERED = 1u, HELD = 2u; // bits of `contacts`; a post that has none can take soil
+// Bits of `contacts`. A post that has neither LOWERED nor HELD can take soil. NEAR: the object was less than two spacings above the post,
+// so it may have left it.
+const uint LOWERED = 1u, HELD = 2u, TOUCHED_POST = LOWERED | HELD, NEAR = 16u;
 const uint CLOSED = 8u; // over blocks, in `contacts`: the post's block is not visited, so the post does not relax

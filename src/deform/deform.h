@@ -130,6 +130,7 @@ struct soil_model {
 	bool smooths;            /* the model smooths the track of a moving object, by the keys `radius` and `repetitions` */
 	/* how soil slides; NULL: it does not slide, and displaced soil is lost. With sliding, only compacted soil is lost */
 	const struct soil_slide *slide;
+	int directions; /* of the lines along which soil slides in a contact: 4, or 2 of them in turn, or 0 */
 	/* Computes the largest height difference, fixed-point units, at which two posts of a soil are stable. `apart`: their
 	 * distance, metres. Used if soil slides by excess (deform_slide_excess). */
 	int32_t (*critical)(const struct deform_soil *soil, double apart);

@@ -14,13 +14,12 @@ enum scratch_target {
 	TO_CONTACT, /* the textures that the model's contact pass writes */
 	TO_FIRST,   /* box: offset plane 0 */
 	TO_SECOND,  /* box: offset plane 1 */
-	TO_BEGUN,   /* the start of sliding: offset plane 0, heights, and the other textures that sliding starts with */
+	TO_BEGUN,   /* the start of sliding: heights, and the other textures that sliding starts with */
 	TO_HEIGHTS_0, TO_HEIGHTS_1,
 	TO_SHED,    /* sumner: the soil that each post sheds, in the texture `carried` */
 	/* Hops along slopes, in the atlas. The first writes heights to `carried` and extents to `deposits`. Later hops write extents in
 	 * turn to `under` and to `deposits`. */
 	TO_SLOPES_FIRST, TO_SLOPES_0, TO_SLOPES_1,
-	TO_SLID,    /* offset plane 1, and deposited thickness plane 1 */
 	TO_DISTURBANCE, /* disturbance plane 1 */
 	TO_HELD,    /* only the texture `contacts` */
 	TO_BARE,    /* no attachment: the pass writes images and buffers */
@@ -31,6 +30,7 @@ enum scratch_target {
 struct layer {
 	struct gpu_target *to[SCRATCH_TARGETS];
 	int now[PLANES]; /* for each plane: 0 or 1, the one of planes_of[0 .. 1] that holds the newest result */
+	bool near;       /* soil slides only near what the contact reached */
 	bool alone;      /* the contact has only this window */
 	bool loaded;     /* the object carries a load, so its equilibrium height is still unknown */
 	bool above;      /* as `above` in struct deform_contact: the object is above all ground */
@@ -53,7 +53,6 @@ struct soil_slide {
 	enum slide_what passes[2];
 	bool bounded;       /* the layer of soil that can relax may have a bottom */
 	bool held_still;    /* soil below an object does not slide */
-	bool lines;         /* soil can slide along lines */
 	/* Computes the limits in `to` from the numbers of a soil. */
 	void (*prepare)(const struct deform *deform, const struct deform_soil *soil, struct slide_soil *to);
 	enum status (*iterate)(struct deform *deform, const struct slide_place *place, int iteration);
@@ -207,9 +206,6 @@ enum status deform_run_contact(struct deform *deform, const void *params, size_t
 /* stages.c: runs the contact pass of a model whose parameters are only struct contact_params. */
 enum status deform_contact_plainly(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
 				   uint32_t layer) FURROW_CHECKED;
-/* soil/slide.c: runs the passes after a contact that displaced soil: first the soil is spread, then it slides. */
-enum status deform_spread_and_slide(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
-				    uint32_t layer) FURROW_CHECKED;
 
 /* std140 twin of lib/soil.glsl's block. */
 struct scm_soil {
@@ -255,16 +251,23 @@ struct post_rect deform_shadow(const struct deform *deform, const struct deform_
 /* deform_reached: returns the posts that a contact can change. deform_fits_window: returns true if the posts below the object, and
  * those beside it, fit one window. deform_whole: returns the window of which this one is a part. */
 struct post_rect deform_reached(const struct deform *deform, const struct deform_contact *contact);
+/* Returns true if during the contact the object was less than two spacings above, or beside, each post on which it lay before: it did not
+ * jump, and its attitude hardly changed. */
+bool deform_is_swept(const struct deform *deform, const struct deform_contact *contact);
 bool deform_fits_window(const struct deform *deform, const struct deform_contact *contact);
 struct deform_window deform_whole(const struct deform *deform, const struct deform_window *window);
 
 /* soil/spread.c: lays displaced soil down around the object, in `deposits`. The contact pass wrote `carried`, at most 2^23 fixed-point
- * units a post. If the model measures, its contact pass added to `laying` instead; deform_spread_begin came before that pass, and
- * deform_spread_frame fills what it needs. deform_spread_posts: the shadow, and all posts on which soil may be laid. */
+ * units a post. If the model measures, its contact pass added to `laying` instead; deform_spread_begin came before that pass.
+ * deform_spread_params: computes how the soil of a contact is laid. deform_spread_posts: the shadow, and all posts on which soil may be
+ * laid. */
+struct spread_params { /* std140 twin of lib/spread.glsl's block */
+	int32_t place[4], written[4], shadow[4], origin[4], axis[4], shares[4], soils[DEFORM_SOILS][4];
+};
+struct spread_params deform_spread_params(const struct deform *deform, const struct deform_contact *contact,
+					  const struct deform_window *window, uint32_t layer);
 void deform_spread_begin(struct deform *deform, const struct deform_window *window, uint32_t layer);
-void deform_spread_frame(const struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
-			 int32_t frame[4], int32_t axis[4]);
-enum status deform_spread(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
+enum status deform_spread(struct deform *deform, const struct spread_params *params, const struct deform_window *window,
 			  uint32_t layer) FURROW_CHECKED;
 struct post_rect deform_spread_posts(const struct deform *deform, const struct deform_contact *contact, struct post_rect shadow);
 enum status deform_spread_create(struct deform *deform) FURROW_CHECKED;
@@ -273,6 +276,9 @@ void deform_spread_plan(struct plan *plan);
 /* soil/slide.c: adds the deposits to the ground. Then applies the model's relaxation rule `iterations` times to the window's
  * written posts. Reads offsets and deposited thickness from planes_of[1], and leaves them there. */
 enum status deform_slide(struct deform *deform, const struct deform_window *window, uint32_t layer) FURROW_CHECKED;
+/* soil/slide.c: runs the passes after a contact that displaced soil: first the soil is spread, then it slides. */
+enum status deform_spread_and_slide(struct deform *deform, const struct spread_params *spread, const struct deform_window *window,
+				    uint32_t layer) FURROW_CHECKED;
 /* Blocks that slide together in the atlas, as rectangles of its posts. */
 #define ATLAS_MOST 49 /* lib/squares.glsl */
 /* Cells of the atlas that are marked, and how: lib/cells.glsl. */
@@ -288,13 +294,14 @@ struct slide_atlas {
 struct slide_place {
 	uint32_t layer;
 	struct gpu_rect all, written; /* posts that are computed; posts that exchange soil */
+	int32_t around;               /* only over a window: soil slides this many posts around what the contact reached; -1: in all */
 	int turn;                     /* only over a window: which direction comes first when soil slides along lines */
 	struct place_flags {
 		struct gpu_buffer *words;
 		/* Only over a window: */
 		uint32_t first, columns;  /* its first word; its blocks in a row */
 		int32_t from[2];          /* its first post, counted from the first post of its first block */
-		int32_t looked[4];        /* posts whose neighbours were all computed: first, one behind the last */
+		int32_t step, sides[4];   /* posts beside a border, and beside each side of the window, that were not looked at */
 		bool loaded;              /* as in struct layer */
 	} flags;
 	const struct slide_atlas *atlas; /* NULL over a window */
@@ -304,9 +311,9 @@ enum status deform_slide_run(struct deform *deform, const struct slide_place *pl
  * of the pass (regions.vert). It draws regions, less `trim` posts along each side; or blocks; or only cells near marked ones. */
 enum atlas_part { ATLAS_REGIONS, ATLAS_BLOCKS, ATLAS_CELLS, ATLAS_BLOCK_CELLS };
 void deform_atlas_run(struct deform *deform, const struct slide_place *place, enum atlas_part part, int64_t trim, const struct gpu_pass *pass);
-/* soil/lines.c: soil slides along the lines of a window, before the last iteration. `heights`: index of the heights. */
-#define DEFORM_DIRECTIONS 4
-bool deform_has_lines(const struct deform_params *params);
+/* soil/lines.c: soil slides along the lines of a window, before the last iteration. `heights`: index of the heights.
+ * deform_line_passes: returns in how many directions, a pass each. */
+int deform_line_passes(const struct deform_params *params);
 enum status deform_lines_run(struct deform *deform, const struct slide_place *place, int heights) FURROW_CHECKED;
 /* soil/slopes.c: finds the critical difference in the slope at each post, in blocks. deform_slopes_found: returns the result. */
 int deform_slope_passes(const struct deform_params *params); /* 0 if the height of slopes does not count */

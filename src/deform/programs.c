@@ -105,7 +105,7 @@ enum spread_pass deform_spread_first(enum deform_model model)
 	return deform_model_row(model)->measures ? SPREAD_WEIGH : SPREAD_MEASURE;
 }
 
-void deform_programs_spread(enum spread_pass pass, struct deform_request *out)
+void deform_programs_spread(const struct deform_params *params, enum spread_pass pass, struct deform_request *out)
 {
 	static const char *const files[SPREAD_PASSES] = {
 		[SPREAD_MEASURE] = "deform/spread_measure.frag",
@@ -113,27 +113,23 @@ void deform_programs_spread(enum spread_pass pass, struct deform_request *out)
 		[SPREAD_LAY] = "deform/spread_lay.frag",
 	};
 	begin(out, "full.vert", files[pass]);
+	define_number(out, "SOILS", deform_soil_slots(params));
 }
 
-static void begin_over(struct deform_request *out, bool blocks, const char *fragment)
+/* A pass of sliding. The vertex shader passes parameters on. `passed`: the define that says how many. Over a window all passes but the
+ * last also compute the still posts around, since the next pass reads them. */
+static void begin_passed(struct deform_request *out, bool blocks, bool last, const char *passed, const char *fragment)
 {
-	begin(out, blocks ? "deform/regions.vert" : "full.vert", fragment);
-	define(out, "BLOCKS", blocks);
-	define(out, "PASSED 1", blocks);
-}
-
-/* The same, with parameters passed on by the vertex shader. `passed`: the define that says how many. */
-static void begin_passed(struct deform_request *out, bool blocks, const char *passed, const char *fragment)
-{
-	begin(out, blocks ? "deform/regions.vert" : "passed.vert", fragment);
+	begin(out, blocks ? "deform/regions.vert" : "deform/reached.vert", fragment);
 	define(out, "BLOCKS", blocks);
 	define(out, passed, true);
+	define(out, "WINDOW", !blocks);
+	define(out, last ? "BESIDE 0" : "BESIDE 1", !blocks);
 }
 
 void deform_programs_begin(const struct deform_params *params, bool blocks, bool loaded, struct deform_request *out)
 {
-	begin_passed(out, blocks, "PASSED 3", "deform/slide_begin.frag");
-	define(out, "DEPOSITS", !blocks);
+	begin_passed(out, blocks, false, "PASSED 5", "deform/slide_begin.frag");
 	define(out, "LOAD", !blocks && loaded);
 	define(out, "THICKNESS", has_thickness(params));
 	define(out, "BOUNDED", deform_is_bounded(params));
@@ -149,11 +145,9 @@ void deform_programs_slide(const struct deform_params *params, enum slide_what w
 		[SLIDE_SHED] = "deform/slide_shed.frag",
 		[SLIDE_TAKE] = "deform/slide_take.frag",
 	};
-	if (what == SLIDE_EXCESS)
-		begin_passed(out, blocks, "PASSED 4", files[what]);
-	else
-		begin_over(out, blocks, files[what]);
+	begin_passed(out, blocks, last, what == SLIDE_EXCESS ? "PASSED 6" : "PASSED 5", files[what]);
 	define(out, "BY_CELLS", what == SLIDE_EXCESS && blocks && last && deform_has_slopes(params));
+	define(out, "OF_BLOCKS", what == SLIDE_EXCESS && blocks && last && deform_has_slopes(params));
 	if (what != SLIDE_TAKE) {
 		define_number(out, "SOILS", deform_soil_slots(params));
 		define(out, "BOUNDED", what == SLIDE_EXCESS && deform_is_bounded(params));
@@ -164,7 +158,6 @@ void deform_programs_slide(const struct deform_params *params, enum slide_what w
 		define(out, "LAST", true);
 		define(out, "WAKES", what == SLIDE_EXCESS && deform_has_slopes(params));
 		define(out, "THICKNESS", has_thickness(params));
-		define(out, "FLAGS", blocks);
 		define(out, "TOUCHED", params->touched);
 	}
 }
@@ -180,12 +173,12 @@ void deform_programs_lines(const struct deform_params *params, bool diagonal, st
 
 void deform_programs_steep(struct deform_request *out)
 {
-	begin_passed(out, true, "PASSED 2", "deform/steep.frag");
+	begin_passed(out, true, true, "PASSED 2", "deform/steep.frag");
 }
 
 void deform_programs_slope(const struct deform_params *params, enum slope_hop hop, struct deform_request *out)
 {
-	begin_passed(out, true, "PASSED 2", "deform/slope.frag");
+	begin_passed(out, true, true, "PASSED 2", "deform/slope.frag");
 	define(out, "BY_CELLS", true);
 	define(out, "FIRST", hop == SLOPE_FIRST);
 	define(out, "LAST", hop == SLOPE_LAST);
@@ -291,7 +284,7 @@ static void each_slide(struct each *each, bool blocks, bool loaded)
 		deform_programs_slope(params, (enum slope_hop)hop, &each->request);
 		add(each, effect);
 	}
-	for (int diagonal = 0; diagonal < 2 && !blocks && deform_has_lines(params); diagonal++) {
+	for (int diagonal = 0; diagonal < 2 && !blocks && deform_line_passes(params) > 0; diagonal++) {
 		deform_programs_lines(params, diagonal, &each->request);
 		add(each, effect);
 	}
@@ -323,7 +316,7 @@ void deform_programs_each(const struct deform_params *params, const struct defor
 	}
 	if (deform_conserves(params->model)) {
 		for (int pass = deform_spread_first(params->model); pass < SPREAD_PASSES; pass++) {
-			deform_programs_spread((enum spread_pass)pass, &each.request);
+			deform_programs_spread(params, (enum spread_pass)pass, &each.request);
 			add(&each, "spread");
 		}
 		each_slide(&each, false, loaded);

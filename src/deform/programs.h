@@ -38,7 +38,7 @@ void deform_programs_facet(const struct deform_params *params, struct deform_req
 void deform_programs_contact(const struct deform_params *params, unsigned with, struct deform_request *out);
 void deform_programs_find(const struct deform_params *params, unsigned what, enum deform_shape_kind kind, struct deform_request *out);
 void deform_programs_box(const struct deform_params *params, struct deform_request *out);
-void deform_programs_spread(enum spread_pass pass, struct deform_request *out);
+void deform_programs_spread(const struct deform_params *params, enum spread_pass pass, struct deform_request *out);
 /* Over blocks, or over a window (`loaded`: of an object with a load). */
 void deform_programs_begin(const struct deform_params *params, bool blocks, bool loaded, struct deform_request *out);
 void deform_programs_slide(const struct deform_params *params, enum slide_what what, bool blocks, bool last,

@@ -155,10 +155,8 @@ static enum status make_targets(struct deform *deform, uint32_t number, bool atl
 		attach(&of[TO_FIRST + i], deform->planes_of[i][PLANE_OFFSET], number);
 	bool conserves = deform_conserves(deform->params.model);
 	if (conserves) {
-		attach(&of[TO_BEGUN], deform->planes_of[0][PLANE_OFFSET], number);
 		attach(&of[TO_BEGUN], deform->heights[0], number);
 		attach(&of[TO_BEGUN], deform->stills, number);
-		attach(&of[TO_BEGUN], deform->planes_of[0][PLANE_DEPOSITED], number);
 		attach(&of[TO_BEGUN], deform->floors, number);
 		attach(&of[TO_HELD], deform->contacts, number);
 		attach(&of[TO_HEIGHTS_0], deform->heights[0], number);
@@ -171,8 +169,6 @@ static enum status make_targets(struct deform *deform, uint32_t number, bool atl
 			attach(&of[TO_SLOPES_0], deform->under, number);
 			attach(&of[TO_SLOPES_1], deform->deposits, number);
 		}
-		attach(&of[TO_SLID], deform->planes_of[1][PLANE_OFFSET], number);
-		attach(&of[TO_SLID], deform->planes_of[1][PLANE_DEPOSITED], number);
 	}
 	attach(&of[TO_DISTURBANCE], deform->planes_of[1][PLANE_DISTURBANCE], number);
 	enum status status = STATUS_OK;

@@ -1,4 +1,5 @@
 /* Runs the passes over a window that was gathered: the lower envelope, the soil model's passes, and the attributes. */
+#include <math.h>
 #include <string.h>
 
 #include "deform/internal.h"
@@ -14,7 +15,7 @@ struct contact_params deform_contact_params(const struct deform *deform, const s
 	const struct post_rect read = window->read, write = window->write;
 	int64_t zero = contact->to.z - (int64_t)deform->params.reference * (1 << OFFSET_BITS);
 	return (struct contact_params){
-		.zero = {(uint32_t)zero, (uint32_t)((uint64_t)zero >> 32), layer, 0},
+		.zero = {(uint32_t)zero, (uint32_t)((uint64_t)zero >> 32), layer, (uint32_t)fmin(ldexp(2 * deform->spacing, OFFSET_BITS), 1 << 30)},
 		.written = {(int32_t)(write.x0 - read.x0), (int32_t)(write.y0 - read.y0), (int32_t)(write.x1 - read.x0),
 			    (int32_t)(write.y1 - read.y0)},
 	};
@@ -97,6 +98,7 @@ static void begin_layer(struct deform *deform, const struct deform_contact *cont
 	memset(scratch->now, 0, sizeof scratch->now);
 	scratch->alone = window->parts == 0 && all.x0 == write.x0 && all.y0 == write.y0 && all.x1 == write.x1 && all.y1 == write.y1;
 	scratch->above = contact->above;
+	scratch->near = deform_is_swept(deform, contact);
 	scratch->loaded = deform_tells_forces(deform->params.model) && contact->load > 0;
 }
 

@@ -91,6 +91,15 @@ bool deform_is_contact_only(const struct deform_contact *contact)
 	       rise < -BODY_RISE_MAX;
 }
 
+bool deform_is_swept(const struct deform *deform, const struct deform_contact *contact)
+{
+	const struct deform_pose *from = &contact->from, *to = &contact->to;
+	double turned = fabs(remainder(to->yaw - from->yaw, 2 * M_PI)) + fabs(to->pitch - from->pitch) + fabs(to->roll - from->roll);
+	if (!deform_is_contact_only(contact))
+		return turned * deform_shape_bound(contact->shape) <= deform->spacing;
+	return turned == 0 && to->turn == from->turn && to->x == from->x && to->y == from->y && to->z == from->z;
+}
+
 /* Finds the posts between a and b, `extent` metres more on both sides, with one post to spare for rounding. */
 static void span(const struct deform *deform, int64_t a, int64_t b, double extent, int64_t *first, int64_t *last)
 {

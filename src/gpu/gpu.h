@@ -239,6 +239,7 @@ struct gpu_pass {
 	 * later pass, copy and read sees what it wrote. The target's textures must not be among them. */
 	struct gpu_texture *images[GPU_PASS_IMAGES];
 	bool only_reads; /* the pass does not write storage and images; such passes need not wait for each other */
+	struct gpu_buffer *block; /* layout(std140, binding = 1): GPU_STORAGE that earlier passes wrote; NULL: none */
 	const void *params; /* std140 block, layout(binding = 0). The bytes are copied. NULL: none */
 	size_t params_bytes; /* at most 16 KiB */
 	/* The geometry. Without indices, and instances 0: one triangle that covers the viewport; full.vert makes it from

@@ -28,6 +28,10 @@ static void bind_inputs(struct gpu *gpu, const struct gpu_pass *pass)
 		glBindBufferBase(GL_SHADER_STORAGE_BUFFER, i, pass->storage[i]->name);
 		gpu->storage_written = true;
 	}
+	if (pass->block != NULL) {
+		assert(pass->block->gpu == gpu && pass->block->use == GPU_STORAGE);
+		glBindBufferBase(GL_UNIFORM_BUFFER, 1, pass->block->name);
+	}
 	for (GLuint i = 0; i < GPU_PASS_IMAGES; i++) {
 		const struct gpu_texture *image = pass->images[i];
 		if (image == NULL)

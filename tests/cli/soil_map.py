@@ -14,12 +14,11 @@ POSTS = 129  # a metre apart
 BORDER = 64  # metres: class 1 west of it, class 2 east
 CELLS = 64   # 16 m a tile at 0.25 m
 AWAY = 12    # metres on either side of the border: what happens there may have come from beyond it
-# Two that differ under each model, but not in the angle and the share of soil that is laid: bands are as wide as the flattest soil of a
-# map needs, for the largest share.
+# Two that differ under each model, also in the angle and the share of soil that is laid.
 SOILS = {
-    "sumner": ("{name: sand, theta_out: 25, compression: 0.3}", "{name: mud, theta_out: 25, compression: 0.3}"),
-    "slippage": ("{name: dry_sand, cohesion: 100}", "{name: clayey_38, friction_angle: 28}"),
-    "scm": ("dry_sand", "{name: sandy_loam_15, repose: 28, elastic_stiffness: 4000000}"),
+    "sumner": ("{name: sand, theta_out: 25, compression: 0.3}", "{name: mud, theta_out: 20, compression: 0.5}"),
+    "slippage": ("{name: dry_sand, cohesion: 100}", "{name: clayey_38, friction_angle: 20}"),
+    "scm": ("dry_sand", "{name: sandy_loam_15, repose: 20, elastic_stiffness: 4000000}"),
 }
 SCENE = """scene: 1
 time_step: 0.05

@@ -13,6 +13,7 @@ static void whole(struct ground *ground)
 	gpu_texture_clear(deform->contacts, 0, rect, 0);
 	gpu_texture_clear(deform->deposits, 0, rect, 0);
 	deform->scratch[0].now[PLANE_OFFSET] = 1;
+	deform->scratch[0].near = false;
 	assert_ok(deform_slide(deform, &window, 0));
 	assert_ok(deform_scatter(deform, &window, 0, ground->tiles, ground->tile_count));
 }

@@ -139,6 +139,44 @@ static void spread(int by)
 			loosen(i, by);
 }
 
+/* Tells whether soil may slide around the post: the contact touched it, laid soil on it, or the object was less than two spacings above it.
+ * laid: m; within: m by which that and heights may be off. */
+static bool reaches(int at, double laid, double lower, double within)
+{
+	const struct reference_ground *r = &match.reference;
+	double surface = r->base[at] + lattice_offset_metres(match.plane[PLANE_OFFSET][at]);
+	bool near = !r->hole[at] && match.under[at] - fmax(lower, 0) - surface < 2 * r->spacing + within;
+	return match.contacts[at] % 4 != 0 || laid > -within || near;
+}
+
+/* Checks the posts in which soil slides, and shares them. `before`: offsets before soil was laid, m. */
+static void share_slides(const double *before, double lower, double error)
+{
+	const int64_t by = match.ground.deform->reach;
+	const struct post_rect write = match.reference.written, slides = ground_slides(&match.ground);
+	const struct post_rect inner = {slides.x0 + by * (slides.x0 > write.x0), slides.y0 + by * (slides.y0 > write.y0),
+					slides.x1 - by * (slides.x1 < write.x1), slides.y1 - by * (slides.y1 < write.y1)};
+	bool sides[4] = {slides.x0 == write.x0, slides.y0 == write.y0, slides.x1 == write.x1, slides.y1 == write.y1};
+	for (int i = 0; i < COUNT && match.ground.deform->scratch[0].near; i++) {
+		int x = i % POSTS, y = i / POSTS;
+		if (!written(x, y))
+			continue;
+		double laid = match.reference.offset[i] - before[i] - QUANTUM; /* some is laid, or none */
+		bool inside = x >= inner.x0 && x < inner.x1 && y >= inner.y0 && y < inner.y1;
+		if (!inside && reaches(i, laid, lower, -error - NEAR))
+			fail_msg("post %d, %d was reached, and lies outside %lld, %lld to %lld, %lld", x, y, (long long)inner.x0,
+				 (long long)inner.y0, (long long)inner.x1, (long long)inner.y1);
+		bool may = inside && reaches(i, laid, lower, error + NEAR);
+		sides[0] |= may && x == inner.x0;
+		sides[1] |= may && y == inner.y0;
+		sides[2] |= may && x == inner.x1 - 1;
+		sides[3] |= may && y == inner.y1 - 1;
+	}
+	bool none = post_rect_empty(slides);
+	assert_true(none || !match.ground.deform->scratch[0].near || (sides[0] && sides[1] && sides[2] && sides[3]));
+	match.reference.written = slides;
+}
+
 /* Iteration by iteration; heights begin within `error`, which is returned as it is at the end. */
 static double slide(double error)
 {
@@ -295,11 +333,16 @@ static void run(const struct deform_contact *sweep)
 		 * post, and places are rounded too: a tie is one of them off, and a width off by one shifts a whole side of a band. What
 		 * is left of rounding, less than a quantum a row, is on one post. */
 		struct reference_laying laying;
+		static double before_laying[COUNT];
 		double lost = givers() * (QUANTUM + 2 * released);
+		memcpy(before_laying, match.reference.offset, sizeof before_laying);
 		assert_int_equal(reference_spread(&match.reference, &match.params, sweep, &laying), STATUS_OK);
 		undecided = laying.undecided;
 		error += laying.rate * (2 * match.reference.spacing / 64 + 0.005 * laying.width / 3) + lost * laying.share * laying.width / 3;
-		error = slide(error + (double)(match.reference.written.y1 - match.reference.written.y0) * QUANTUM);
+		error += (double)(match.reference.written.y1 - match.reference.written.y0) * QUANTUM;
+		if (!undecided)
+			share_slides(before_laying, lower, error);
+		error = slide(error);
 	}
 	for (int i = 0; i < COUNT; i++)
 		sum -= match.plane[PLANE_OFFSET][i];

@@ -221,6 +221,23 @@ static inline uint8_t *ground_contacts(struct ground *ground)
 	return contacts;
 }
 
+/* Posts in which the soil of the last contact could slide: lib/reached.glsl does the same. */
+static inline struct post_rect ground_slides(struct ground *ground)
+{
+	const struct deform *deform = ground->deform;
+	struct post_rect read = ground->windows[0].read, write = ground->windows[0].write;
+	uint32_t ends[4];
+	gpu_buffer_read(deform->laying, 0, sizeof ends, ends);
+	if (!deform->scratch[0].near)
+		return write;
+	if (ends[0] == 0)
+		return (struct post_rect){write.x0, write.y0, write.x0, write.y0};
+	int64_t bias = 1 << 30, by = deform->reach;
+	struct post_rect posts = {read.x0 + bias - ends[1] - by, read.y0 + bias - ends[3] - by, read.x0 + ends[0] - bias + 1 + by,
+				  read.y0 + ends[2] - bias + 1 + by};
+	return post_rect_intersect(posts, write);
+}
+
 /* What rests at a sweep's end is what an object is above that only stands there. */
 static inline void assert_rests_where_it_ends(struct ground *ground, const struct deform_contact *sweep)
 {

@@ -1,47 +1,11 @@
 /* Sliding along lines: bit for bit what the plain rule gives, and the laws that sliding keeps. */
-#include "ground.h"
-#include "deform/soil/stability.h"
+#include "slab.h"
 
-#define N 40 /* posts a side of what is written */
-#define RIM 2
-#define HELD 2
 #define MOST (1 << 22) /* levels of a pool differ by less */
-
-__extension__ typedef __int128 wide;
-
-struct slab {
-	int32_t base[N * N], offset[N * N];
-	uint8_t contacts[N * N], classes[N * N];
-};
-
-static struct slab slab, before;
-
-static int64_t height_of(const struct slab *of, int i)
-{
-	return 4 * (int64_t)of->base[i] + of->offset[i];
-}
 
 static bool is_still(const struct slab *of, int i)
 {
 	return of->base[i] == BASE_NODATA || (of->contacts[i] & HELD) != 0;
-}
-
-static int64_t sum_of(const struct slab *of)
-{
-	int64_t sum = 0;
-	for (int i = 0; i < N * N; i++)
-		sum += of->offset[i];
-	return sum;
-}
-
-/* Twice the potential energy but for a factor, exactly. */
-static wide energy_of(const struct slab *of)
-{
-	wide sum = 0;
-	for (int i = 0; i < N * N; i++)
-		if (of->base[i] != BASE_NODATA)
-			sum += (wide)height_of(of, i) * height_of(of, i);
-	return sum;
 }
 
 static int64_t most(int64_t a, int64_t b)
@@ -52,7 +16,7 @@ static int64_t most(int64_t a, int64_t b)
 static int64_t limit_of(const struct ground *ground, const struct slab *of, int high, int low, bool diagonal)
 {
 	int64_t critical = ground->deform->soils[of->classes[high]].critical[diagonal];
-	return ground->params.stands ? most(critical, 4 * ((int64_t)of->base[high] - of->base[low])) : critical;
+	return stands ? most(critical, 4 * ((int64_t)of->base[high] - of->base[low])) : critical;
 }
 
 /* --- the plain rule, where relaxing soil has no bottom --- */
@@ -81,15 +45,15 @@ static bool is_narrow(const int64_t *levels, int first, int last)
 }
 
 /* One way along posts of which none is still. */
-static void walk_plainly(int64_t *levels, int count, int64_t tolerance)
+static void walk_plainly(int64_t *levels, int count, int64_t allowed)
 {
 	for (int k = 0; k + 1 < count; k++) {
 		int first = k, last = k;
 		for (bool grows = true, back = false; grows;) {
 			int64_t posts = last - first + 1, sum = sum_levels(levels, first, last), low = below(sum, posts);
 			int64_t end = low + (sum > low * posts);
-			bool takes = back ? first > 0 && levels[first - 1] - low > tolerance && is_narrow(levels, first - 1, last)
-					  : last + 1 < count && end - levels[last + 1] > tolerance && is_narrow(levels, first, last + 1);
+			bool takes = back ? first > 0 && levels[first - 1] - low > allowed && is_narrow(levels, first - 1, last)
+					  : last + 1 < count && end - levels[last + 1] > allowed && is_narrow(levels, first, last + 1);
 			first -= takes && back;
 			last += takes && !back;
 			grows = takes || back;
@@ -109,7 +73,7 @@ static void walk(const struct ground *ground, struct slab *of, const int *posts,
 		falls[k] = k > 0 ? falls[k - 1] + limit_of(ground, of, posts[k - 1], posts[k], diagonal) : 0;
 		levels[k] = height_of(of, posts[k]) + falls[k];
 	}
-	walk_plainly(levels, count, (int64_t)ldexp(ground->params.tolerance, OFFSET_BITS));
+	walk_plainly(levels, count, (int64_t)ldexp(tolerance, OFFSET_BITS));
 	for (int k = 0; k < count; k++)
 		of->offset[posts[k]] = (int32_t)(levels[k] - falls[k] - 4 * (int64_t)of->base[posts[k]]);
 }
@@ -141,30 +105,16 @@ static void lines_plainly(const struct ground *ground, struct slab *of)
 
 /* --- on the GPU --- */
 
-/* lines_alone: the heights before the last iteration. */
-static void slide_on_gpu(struct ground *ground, bool lines_alone)
+/* The slab slides along lines, but the iteration after that does not count. */
+static void slide_along_lines(struct ground *ground)
 {
-	struct deform *deform = ground->deform;
-	struct gpu_rect rect = rect_of(RIM, RIM, N, N), around = rect_of(0, 0, N + 2 * RIM, N + 2 * RIM);
-	struct deform_window window = {.read = {0, 0, N + 2 * RIM, N + 2 * RIM}, .write = {RIM, RIM, N + RIM, N + RIM}};
-	gpu_texture_clear(deform->bases, 0, around, 40 << 18);
-	gpu_texture_clear(deform->planes_of[1][PLANE_OFFSET], 0, around, 1 << 20);
-	gpu_texture_clear(deform->contacts, 0, around, 0);
-	gpu_texture_clear(deform->deposits, 0, around, 0);
-	gpu_texture_upload(deform->bases, 0, rect, slab.base);
-	gpu_texture_upload(deform->planes_of[1][PLANE_OFFSET], 0, rect, slab.offset);
-	gpu_texture_upload(deform->contacts, 0, rect, slab.contacts);
-	if (deform->classes != NULL)
-		gpu_texture_upload(deform->classes, 0, rect, slab.classes);
-	deform->scratch[0].now[PLANE_OFFSET] = 1;
-	assert_ok(deform_slide(deform, &window, 0));
-	assert_ok(gpu_check(test_gpu, "sliding"));
-	gpu_texture_read(lines_alone ? deform->heights[0] : deform->planes_of[1][PLANE_OFFSET], 0, rect, slab.offset);
-	for (int i = 0; i < N * N && lines_alone; i++)
+	slide_in_scratch(ground);
+	gpu_texture_read(ground->deform->heights[0], 0, rect_of(RIM, RIM, N, N), slab.offset);
+	for (int i = 0; i < N * N; i++)
 		slab.offset[i] = is_still(&slab, i) ? before.offset[i] : (int32_t)((uint32_t)slab.offset[i] - 4u * (uint32_t)slab.base[i]);
 }
 
-static void start(struct ground *ground, int round)
+static void start_round(struct ground *ground, int round)
 {
 	static struct deform_soil soils[2];
 	assert_ok(deform_soil_named("dry_sand", &soils[0]));
@@ -172,10 +122,10 @@ static void start(struct ground *ground, int round)
 	soils[0].cohesion = 0;
 	soils[1].unit_weight = 3000;
 	soils[1].friction_angle = round % 7 == 6 ? 0 : soils[1].friction_angle;
-	ground_init(ground, &(struct ground_params){.cells = 32, .tiles = 1, .spacing = round % 2 ? 0.0625 : 0.5, .model = DEFORM_SLIPPAGE,
-						    .soils = soils, .soil_count = 1 + (round % 3 == 2), .iterations = 1, .lines = true,
-						    .stands = round % 4 > 1, .tolerance = round % 5 == 4 ? 0.01 : 0,
-						    .depth = round >= 40 ? 0.2 : 0});
+	along_lines = true;
+	stands = round % 4 > 1;
+	tolerance = round % 5 == 4 ? 0.01 : 0;
+	start(ground, DEFORM_SLIPPAGE, round % 2 ? 0.0625 : 0.5, 1, round >= 40 ? 0.2 : 0, soils, 1 + (round % 3 == 2));
 	for (int i = 0; i < N * N; i++) {
 		int rough = 1 << (4 + round % 17); /* to 4 m */
 		bool hole = any_word() % 32 == 0;
@@ -194,10 +144,10 @@ static void lines_are_the_plain_rule_bit_for_bit(void **state)
 	need_gpu();
 	for (int round = 0; round < 40; round++) {
 		struct ground ground;
-		start(&ground, round);
+		start_round(&ground, round);
 		struct slab plain = slab;
 		lines_plainly(&ground, &plain);
-		slide_on_gpu(&ground, true);
+		slide_along_lines(&ground);
 		for (int i = 0; i < N * N; i++) {
 			if (slab.offset[i] != plain.offset[i])
 				fail_msg("round %d, post %d, %d: %d, not %d", round, i % N, i / N, slab.offset[i], plain.offset[i]);
@@ -216,13 +166,16 @@ static void the_sum_stays_and_the_potential_energy_never_rises(void **state)
 	need_gpu();
 	for (int round = 0; round < 80; round++) {
 		struct ground ground;
-		start(&ground, round);
-		int64_t sum = sum_of(&slab);
+		start_round(&ground, round);
+		wide sum = sum_of(&slab);
 		int32_t least = round >= 40 ? -(int32_t)(0.2 * (1 << 20)) : INT32_MIN;
 		wide energy = energy_of(&slab);
 		for (int n = 0; n < 6; n++) {
 			before = slab;
-			slide_on_gpu(&ground, n % 2 == 0);
+			if (n % 2 == 0)
+				slide_along_lines(&ground);
+			else
+				slide_on_gpu(&ground);
 			assert_true(sum_of(&slab) == sum);
 			assert_true(energy_of(&slab) <= energy);
 			energy = energy_of(&slab);
@@ -237,14 +190,15 @@ static void the_sum_stays_and_the_potential_energy_never_rises(void **state)
 }
 
 /* A column of soil: how many calls until no difference is more than 1 mm too high. */
-static int calls_to_rest(double spacing, bool lines)
+static int calls_to_rest(double spacing)
 {
 	struct ground ground;
 	struct deform_soil soil;
 	assert_ok(deform_soil_named("dry_sand", &soil));
 	soil.cohesion = 0;
-	ground_init(&ground, &(struct ground_params){.cells = 32, .tiles = 1, .spacing = spacing, .model = DEFORM_SLIPPAGE, .soils = &soil,
-						     .iterations = 1, .lines = lines});
+	stands = false;
+	tolerance = 0;
+	start(&ground, DEFORM_SLIPPAGE, spacing, 1, 0, &soil, 1);
 	int wide_posts = (int)lrint(0.4 / spacing), calls = 0;
 	int64_t critical[2] = {ground.deform->soils[0].critical[0], ground.deform->soils[0].critical[1]}, over = INT64_MAX;
 	memset(&slab, 0, sizeof slab);
@@ -252,7 +206,7 @@ static int calls_to_rest(double spacing, bool lines)
 		if (abs(i % N - N / 2) <= wide_posts / 2 && abs(i / N - N / 2) <= wide_posts / 2)
 			slab.offset[i] = (int32_t)(0.3 * (1 << 20));
 	for (; over > 1 << 10 && calls < 2000; calls++) {
-		slide_on_gpu(&ground, false);
+		slide_on_gpu(&ground);
 		over = 0;
 		for (int i = N + 1; i < N * (N - 1) - 1; i++)
 			for (int k = 0; k < 9; k++)
@@ -269,8 +223,10 @@ static void finer_posts_come_to_rest_in_few_more_calls(void **state)
 	(void)state;
 	need_gpu();
 	for (int k = 0; k < 3; k++) {
-		calls[k] = calls_to_rest(ldexp(1, -3 - k), true);
-		by_posts[k] = calls_to_rest(ldexp(1, -3 - k), false);
+		along_lines = true;
+		calls[k] = calls_to_rest(ldexp(1, -3 - k));
+		along_lines = false;
+		by_posts[k] = calls_to_rest(ldexp(1, -3 - k));
 		print_message("posts 1/%d m: %d calls, %d from post to post\n", 8 << k, calls[k], by_posts[k]);
 	}
 	/* From post to post the calls grow with the square. */
@@ -284,15 +240,15 @@ static void ground_at_rest_stays(void **state)
 	need_gpu();
 	for (int round = 0; round < 12; round++) {
 		int calls = 0;
-		start(&ground, round);
+		start_round(&ground, round);
 		/* First it comes to rest by the rule from post to post alone. */
 		ground.deform->params.along_lines = false;
 		do {
 			before = slab;
-			slide_on_gpu(&ground, false);
+			slide_on_gpu(&ground);
 		} while (memcmp(&before, &slab, sizeof slab) != 0 && ++calls < 6000);
 		ground.deform->params.along_lines = true;
-		slide_on_gpu(&ground, false);
+		slide_on_gpu(&ground);
 		if (calls < 6000 && memcmp(&before, &slab, sizeof slab) != 0)
 			fail_msg("round %d: it was at rest after %d calls, and moves", round, calls);
 		ground_finish(&ground);

@@ -6,6 +6,7 @@
 #include "deform/soil/stability.h"
 
 #define N 40 /* posts a side of what is written */
+#define RIM 2 /* posts of other ground around it */
 #define HELD 2
 
 __extension__ typedef __int128 wide;
@@ -40,22 +41,22 @@ static inline wide energy_of(const struct slab *of)
 static double relief; /* of the world, m; 0: not known */
 static double tolerance; /* m */
 static bool stands;   /* undisturbed ground does */
+static bool along_lines; /* soil slides along lines too */
 
 static inline void start(struct ground *ground, enum deform_model model, double spacing, int iterations, double depth,
 		  const struct deform_soil *soils, int count)
 {
 	ground_init(ground, &(struct ground_params){.cells = 32, .tiles = 1, .spacing = spacing, .model = model, .soils = soils,
 						    .soil_count = count, .iterations = iterations, .depth = depth, .relief = relief, .tolerance = tolerance,
-						    .stands = stands});
+						    .stands = stands, .lines = along_lines});
 }
 
-/* Into the scratch, with a rim of other ground around it, and what comes of it. The deposits are laid down. */
-static inline void slide_on_gpu(struct ground *ground)
+/* Uploads the slab into the scratch, with other ground around it, and lets it slide there. */
+static inline void slide_in_scratch(struct ground *ground)
 {
 	struct deform *deform = ground->deform;
-	const uint32_t rim = 2;
-	struct gpu_rect rect = rect_of(rim, rim, N, N), around = rect_of(0, 0, N + 2 * rim, N + 2 * rim);
-	struct deform_window window = {.read = {0, 0, N + 2 * rim, N + 2 * rim}, .write = {rim, rim, N + rim, N + rim}};
+	struct gpu_rect rect = rect_of(RIM, RIM, N, N), around = rect_of(0, 0, N + 2 * RIM, N + 2 * RIM);
+	struct deform_window window = {.read = {0, 0, N + 2 * RIM, N + 2 * RIM}, .write = {RIM, RIM, N + RIM, N + RIM}};
 	gpu_texture_clear(deform->bases, 0, around, 40 << 18);
 	gpu_texture_clear(deform->planes_of[1][PLANE_OFFSET], 0, around, 1 << 20);
 	gpu_texture_clear(deform->contacts, 0, around, 0);
@@ -67,9 +68,16 @@ static inline void slide_on_gpu(struct ground *ground)
 	if (deform->classes != NULL)
 		gpu_texture_upload(deform->classes, 0, rect, slab.classes);
 	deform->scratch[0].now[PLANE_OFFSET] = 1;
+	deform->scratch[0].near = false;
 	assert_ok(deform_slide(deform, &window, 0));
 	assert_ok(gpu_check(test_gpu, "sliding"));
-	gpu_texture_read(deform->planes_of[1][PLANE_OFFSET], 0, rect, slab.offset);
+}
+
+/* The slab slides. Its deposits become part of its offsets. */
+static inline void slide_on_gpu(struct ground *ground)
+{
+	slide_in_scratch(ground);
+	gpu_texture_read(ground->deform->planes_of[1][PLANE_OFFSET], 0, rect_of(RIM, RIM, N, N), slab.offset);
 	memset(slab.deposit, 0, sizeof slab.deposit);
 }
 

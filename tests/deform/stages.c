@@ -1,6 +1,8 @@
 /* What the stages do at each post: press, refuse, touch, smooth, dirty; and what they leave alone. */
 #include "ground.h"
 
+#define NEAR 16 /* a bit of contacts: the object was less than two spacings above the post */
+
 static int32_t rough(int64_t x, int64_t y)
 {
 	uint32_t h = (uint32_t)x * 2654435761u ^ (uint32_t)y * 2246822519u;
@@ -86,6 +88,11 @@ static void contacts_tell_what_was_pressed_and_what_is_held(void **state)
 				assert_int_equal(contacts[i] & REFERENCE_SWEPT, 0);
 			else if (above < -4)
 				assert_int_equal(contacts[i] & REFERENCE_SWEPT, REFERENCE_SWEPT);
+			above = covered ? above - ldexpl(0.25L, OFFSET_BITS) : 1e30L; /* two spacings */
+			if (none || !covered || above > 4)
+				assert_int_equal(contacts[i] & NEAR, 0);
+			else if (above < -4)
+				assert_int_equal(contacts[i] & NEAR, NEAR);
 			x = ground_from(&ground, i % ground.posts, end.from.x);
 			y = ground_from(&ground, i / ground.posts, end.from.y);
 			covered = reference_underside(&end, x, y, &z);
@@ -95,8 +102,8 @@ static void contacts_tell_what_was_pressed_and_what_is_held(void **state)
 			else if (above < 2)
 				assert_int_equal(contacts[i] & REFERENCE_HELD, REFERENCE_HELD);
 			swept += contacts[i] & 1;
-			held += contacts[i] >> 1;
-			left += contacts[i] == REFERENCE_SWEPT;
+			held += (contacts[i] & REFERENCE_HELD) != 0;
+			left += (contacts[i] & (REFERENCE_SWEPT | REFERENCE_HELD)) == REFERENCE_SWEPT;
 		}
 		mem_free(contacts);
 		ground_finish(&ground);

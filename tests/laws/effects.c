@@ -104,7 +104,7 @@ static bool has_word(const char *text, const char *word)
 /* Every word of `less` is one of `more`; what a define's value is, is free. */
 static bool has_words(const char *more, const char *less)
 {
-	char words[96];
+	char words[256];
 	snprintf(words, sizeof words, "%s", less);
 	for (char *word = strtok(words, " "); word != NULL; word = strtok(NULL, " "))
 		if ((*word < '0' || *word > '9') && !has_word(more, word))

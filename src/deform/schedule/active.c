@@ -107,11 +107,9 @@ struct place_flags deform_active_flags(struct deform *deform, const struct defor
 		.first = scratch->flagged ? active->used : CONTACT_WORDS,
 		.columns = grid.columns,
 		.from = {(int32_t)(read.x0 - grid.x * DEFORM_BLOCK), (int32_t)(read.y0 - grid.y * DEFORM_BLOCK)},
-		/* Beyond the world there is no soil, so at its border all neighbours were computed. */
-		.looked = {write.x0 > 0 ? (int32_t)(write.x0 - read.x0) + step : 0,
-			   write.y0 > 0 ? (int32_t)(write.y0 - read.y0) + step : 0,
-			   (int32_t)(write.x1 - read.x0) - (write.x1 < posts_x ? step : 0),
-			   (int32_t)(write.y1 - read.y0) - (write.y1 < posts_y ? step : 0)},
+		/* Beyond the world there is no soil, so at its border all neighbours were looked at. */
+		.step = step,
+		.sides = {write.x0 > 0 ? step : 0, write.y0 > 0 ? step : 0, write.x1 < posts_x ? step : 0, write.y1 < posts_y ? step : 0},
 		.loaded = scratch->loaded,
 	};
 }

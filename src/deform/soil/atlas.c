@@ -38,6 +38,7 @@ void deform_atlas_run(struct deform *deform, const struct slide_place *place, en
 	const struct slide_atlas *atlas = place->atlas;
 	struct gpu_pass own = *pass;
 	own.viewport = place->all;
+	own.instances = 1;
 	if (atlas == NULL) {
 		gpu_pass_run(deform->params.gpu, &own);
 		return;
@@ -52,6 +53,5 @@ void deform_atlas_run(struct deform *deform, const struct slide_place *place, en
 	own.index_count = 6 * (part == ATLAS_CELLS ? CELLS_ACROSS * CELLS_ACROSS : part == ATLAS_BLOCK_CELLS ? BLOCK_CELLS * quads : quads);
 	if (part == ATLAS_CELLS || part == ATLAS_BLOCK_CELLS)
 		own.textures[0] = atlas->cells;
-	own.instances = 1;
 	gpu_pass_run(deform->params.gpu, &own);
 }

@@ -1,7 +1,8 @@
 /*
  * Sliding along lines. In one iteration soil slides from a post to the posts beside it, so on finer posts it comes less far. In a
  * contact each line of posts also comes to rest at once, as far as it can by itself. Lines are rows, columns, and diagonals both
- * ways. Each of these directions is one pass (slide_lines.frag). SOIL.md, "Along lines", has the rule.
+ * ways. Each of these directions is one pass (slide_lines.frag). A model has all four in each contact, or two of them in turn. SOIL.md,
+ * "Along lines", has the rule.
  *
  * Invariants: (1) Each post lies on one line of a direction, and a line is computed by one invocation. So the order of
  * invocations does not matter. (2) Soil goes from higher to lower posts in whole units: the sum stays, and the potential energy never
@@ -12,20 +13,19 @@
 #include "deform/internal.h"
 
 /* Pass by pass the directions, as slide_lines.frag counts them. The order changes from path sample to path sample, so that in the
- * end no direction comes first. */
-static const int orders[8][DEFORM_DIRECTIONS] = {{0, 1, 2, 3}, {0, 2, 1, 3}, {2, 3, 0, 1}, {3, 1, 2, 0},
+ * end no direction comes first. Each is among the first two in half of the orders. */
+static const int orders[8][4] = {{0, 1, 2, 3}, {0, 2, 1, 3}, {2, 3, 0, 1}, {3, 1, 2, 0},
 						 {1, 0, 3, 2}, {1, 3, 0, 2}, {3, 2, 1, 0}, {2, 0, 3, 1}};
 
 /* std140 twin of slide_lines.frag's block. */
 struct lines_params {
-	int32_t place[4], written[4];
+	int32_t place[4], window[4], around[4];
 	int32_t limits[DEFORM_SOILS][4];
 };
 
-bool deform_has_lines(const struct deform_params *params)
+int deform_line_passes(const struct deform_params *params)
 {
-	const struct soil_slide *slide = deform_model_row(params->model)->slide;
-	return params->along_lines && slide != NULL && slide->lines;
+	return params->along_lines ? deform_model_row(params->model)->directions : 0;
 }
 
 /* Returns the least difference of heights that may slide, less one unit. */
@@ -51,7 +51,8 @@ static enum status run(struct deform *deform, const struct slide_place *place, i
 	const struct gpu_rect w = large ? (struct gpu_rect){0, 0, 0, 0} : place->written;
 	struct lines_params params = {
 		.place = {(int32_t)place->layer, direction, deform_tolerance(deform), least(deform, diagonal)},
-		.written = {(int32_t)w.x, (int32_t)w.y, (int32_t)(w.x + w.width), (int32_t)(w.y + w.height)},
+		.window = {(int32_t)w.x, (int32_t)w.y, (int32_t)(w.x + w.width), (int32_t)(w.y + w.height)},
+		.around = {place->around},
 	};
 	for (int i = 0; i < deform->params.soil_count; i++)
 		params.limits[i][0] = deform->soils[i].critical[diagonal];
@@ -62,6 +63,7 @@ static enum status run(struct deform *deform, const struct slide_place *place, i
 		.target = deform->scratch[place->layer].to[TO_BARE],
 		.viewport = deform_rows(rows),
 		.images = {deform->heights[heights], deform->floors, deform->classes, [7] = stood ? deform->bases : NULL},
+		.block = deform->laying,
 		.params = &params,
 		.params_bytes = (size_t)((char *)params.limits[deform_soil_slots(&deform->params)] - (char *)&params),
 	});
@@ -71,7 +73,7 @@ static enum status run(struct deform *deform, const struct slide_place *place, i
 enum status deform_lines_run(struct deform *deform, const struct slide_place *place, int heights)
 {
 	enum status status = STATUS_OK;
-	for (int i = 0; i < DEFORM_DIRECTIONS && status == STATUS_OK; i++)
+	for (int i = 0; i < deform_line_passes(&deform->params) && status == STATUS_OK; i++)
 		status = run(deform, place, heights, orders[place->turn][i]);
 	return status;
 }

@@ -7,7 +7,7 @@
 
 #include "deform/internal.h"
 
-#define FOUND_BYTES 16 /* lib/found.glsl */
+#define FOUND_BYTES 20 /* lib/found.glsl */
 
 enum status deform_find(struct deform *deform, const struct scm_params *params, unsigned what, enum deform_shape_kind kind,
 			struct gpu_buffer *tally)

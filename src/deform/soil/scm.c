@@ -3,6 +3,7 @@
  * the soil rebounds elastically. Displaced soil is deposited around the object and slides to its angle of repose.
  */
 #include <math.h>
+#include <string.h>
 
 #include "deform/shape/body.h"
 #include "deform/internal.h"
@@ -47,15 +48,20 @@ double deform_area_units(const struct deform *deform, const struct deform_contac
 	return exp2(fmin(floor(log2(0x1p32 / posts)) - 1, 20));
 }
 
-/* Returns how far the object slips over the ground during the contact, metres. A wheel slips by its way beyond rolling.
- * `rolled`: the angle by which it would turn if it rolled. */
-static double slip_of(const struct deform_contact *contact, double rolled)
+/* Returns the angle by which a wheel would turn if it rolled, rad. way: its motion, m. */
+static double rolled(const struct deform_contact *contact, const float way[2])
+{
+	return (way[0] * cos(contact->to.yaw) + way[1] * sin(contact->to.yaw)) / contact->shape->radius;
+}
+
+/* Returns how far the object slips over the ground during the contact, metres. A wheel slips by its way beyond rolling. */
+static double slip_of(const struct deform_contact *contact, const float way[2])
 {
 	const double east = lattice_offset_metres(contact->to.x - contact->from.x), north = lattice_offset_metres(contact->to.y - contact->from.y);
 	const double ahead[2] = {cos(contact->to.yaw), sin(contact->to.yaw)};
 	if (contact->shape->kind != DEFORM_WHEEL)
 		return hypot(east, north);
-	return hypot((rolled - contact->turned) * contact->shape->radius, north * ahead[0] - east * ahead[1]);
+	return hypot((rolled(contact, way) - contact->turned) * contact->shape->radius, north * ahead[0] - east * ahead[1]);
 }
 
 static void fill_motion(const struct deform_contact *contact, struct scm_params *params)
@@ -72,12 +78,19 @@ static void fill_motion(const struct deform_contact *contact, struct scm_params 
 	params->spin[1] = (float)(cos(contact->to.yaw) * contact->turned);
 	/* Damping depends on how fast soil is pushed down. A smooth wheel that spins does not push it down faster. So its slip is left
 	 * out here. */
-	double turned = contact->shape->kind == DEFORM_WHEEL ? (params->way[0] * cos(contact->to.yaw) + params->way[1] * sin(contact->to.yaw)) /
-								     contact->shape->radius
-							   : 0;
+	double turned = contact->shape->kind == DEFORM_WHEEL ? rolled(contact, params->way) : 0;
 	params->rolls[0] = (float)(-sin(contact->to.yaw) * turned);
 	params->rolls[1] = (float)(cos(contact->to.yaw) * turned);
-	params->digs[0] = (float)slip_of(contact, turned);
+}
+
+/* Needs `way` and `moves`: a wheel's slip digs for as long as its rim passes over the soil. */
+static void fill_digging(const struct deform *deform, const struct deform_contact *contact, struct scm_params *params)
+{
+	params->digs[1] = (float)deform->params.slip_sinkage;
+	if (deform_is_contact_only(contact))
+		return;
+	float slip = (float)slip_of(contact, params->way);
+	params->digs[0] = params->moves[3] > 0 ? slip * params->moves[3] : slip;
 }
 
 static void fill_surface(const struct deform_interface *interface, float surface[4])
@@ -125,18 +138,26 @@ static double deepest(const struct deform_contact *contact)
 					       : deform_shape_reach(shape, contact->to.pitch, contact->to.roll));
 }
 
-static struct scm_params params_of(const struct deform *deform, const struct deform_contact *contact,
+/* Copies what the contact pass needs to measure for the passes that lay soil. */
+static void fill_laying(const struct spread_params *spread, struct scm_params *params)
+{
+	/* Of all soils the same share of the depth is laid. */
+	const int32_t frame[4] = {spread->origin[0], spread->origin[1], spread->place[1], spread->soils[0][1]};
+	memcpy(params->written, spread->written, sizeof params->written);
+	memcpy(params->shadow, spread->shadow, sizeof params->shadow);
+	memcpy(params->frame, frame, sizeof frame);
+	memcpy(params->frame_axis, spread->axis, 2 * sizeof spread->axis[0]);
+}
+
+static struct scm_params params_of(const struct deform *deform, const struct deform_contact *contact, const struct spread_params *spread,
 				   const struct deform_window *window, uint32_t layer, const double extent[2])
 {
-	const struct gpu_rect written = deform_written(window);
 	int64_t zero = contact->to.z - (int64_t)deform->params.reference * (1 << OFFSET_BITS);
 	int64_t base = zero >> (OFFSET_BITS - BASE_BITS);
 	base = base < INT32_MIN + 1 ? INT32_MIN + 1 : base > INT32_MAX ? INT32_MAX : base;
 	double spacing = deform->spacing;
 	struct scm_params params = {
 		.zero = {(int32_t)base, (int32_t)(zero & 3), (int32_t)layer},
-		.written = {(int32_t)written.x, (int32_t)written.y, (int32_t)(written.x + written.width),
-			    (int32_t)(written.y + written.height)},
 		.scale = {(float)(ldexp(1, -OFFSET_BITS) / spacing), (float)spacing, DEFORM_UNITS_A_PASCAL},
 		.spin = {[3] = (float)deform->params.bulldozing},
 		.place = {(float)-deform_body_from_post(contact->to.x, window->read.x0, spacing),
@@ -144,32 +165,23 @@ static struct scm_params params_of(const struct deform *deform, const struct def
 			  (float)(spacing * spacing)},
 		.load = {(float)fmax(contact->load, 1e-6), (float)fmin(ldexp(deepest(contact), OFFSET_BITS), 0x1p28), (float)contact->loaded_body},
 	};
-	struct post_rect shadow = post_rect_intersect(deform_shadow(deform, contact), window->write);
-	if (!post_rect_empty(shadow)) {
-		const int64_t sides[4] = {shadow.x0 - window->read.x0, shadow.y0 - window->read.y0, shadow.x1 - window->read.x0,
-					  shadow.y1 - window->read.y0};
-		for (int i = 0; i < 4; i++)
-			params.shadow[i] = (int32_t)sides[i];
-	}
-	params.digs[1] = (float)deform->params.slip_sinkage;
 	fill_motion(contact, &params);
 	fill_surface(&contact->interface, params.surface);
 	deform_between_posts(deform, contact, window, &params);
-	if (params.moves[3] > 0)
-		params.digs[0] *= params.moves[3];
-	deform_spread_frame(deform, contact, window, params.frame, params.frame_axis);
+	fill_digging(deform, contact, &params);
+	fill_laying(spread, &params);
 	params.faces[0][3] = (float)deform_area_units(deform, contact);
 	fill_soils(&deform->params, params.soils);
 	fill_rasters(&deform->params, params.rasters);
 	return params;
 }
 
-static enum status run_contact(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
-			 uint32_t layer, struct gpu_buffer *tally)
+static enum status run_contact(struct deform *deform, const struct deform_contact *contact, const struct spread_params *spread,
+			       const struct deform_window *window, uint32_t layer, struct gpu_buffer *tally)
 {
 	double extent[2];
 	deform_body_extent(contact->shape, &contact->to, extent);
-	struct scm_params params = params_of(deform, contact, window, layer, extent);
+	struct scm_params params = params_of(deform, contact, spread, window, layer, extent);
 	bool counted = deform_is_counted(&deform->params, contact->shape, contact->load > 0) &&
 		       deform_fits_window(deform, contact);
 	params.scale[3] = (float)by_width(contact->shape, extent, counted);
@@ -208,16 +220,18 @@ static enum status run_contact(struct deform *deform, const struct deform_contac
 static enum status feel(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window, uint32_t layer)
 {
 	deform->scratch[layer].now[PLANE_OFFSET] = deform->scratch[layer].now[PLANE_DEPOSITED] = 1;
-	return run_contact(deform, contact, window, layer, deform->felt);
+	const struct spread_params spread = deform_spread_params(deform, contact, window, layer);
+	return run_contact(deform, contact, &spread, window, layer, deform->felt);
 }
 
 static enum status contact(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
 			   uint32_t layer)
 {
 	deform->scratch[layer].now[PLANE_OFFSET] = deform->scratch[layer].now[PLANE_DEPOSITED] = 1;
+	const struct spread_params spread = deform_spread_params(deform, contact, window, layer);
 	deform_spread_begin(deform, window, layer);
-	enum status status = run_contact(deform, contact, window, layer, deform->tally);
-	return status == STATUS_OK ? deform_spread_and_slide(deform, contact, window, layer) : status;
+	enum status status = run_contact(deform, contact, &spread, window, layer, deform->tally);
+	return status == STATUS_OK ? deform_spread_and_slide(deform, &spread, window, layer) : status;
 }
 
 static int32_t critical(const struct deform_soil *soil, double apart)
@@ -259,6 +273,7 @@ const struct soil_model deform_model_scm = {
 	.in_place = true,
 	.rasters = true,
 	.slide = &deform_slide_excess,
+	.directions = 2,
 	.critical = critical,
 	.laid_at = laid_at,
 	.laid_share = laid_share,

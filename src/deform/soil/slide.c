@@ -13,9 +13,9 @@
 #include "deform/internal.h"
 #include "deform/soil/stability.h"
 
-/* std140 twins of the uniform blocks of slide_begin.frag and slide_take.frag, slide_excess.frag, and slide_shed.frag. */
+/* std140 twins of the parameters of slide_begin.frag and slide_take.frag, slide_excess.frag, and slide_shed.frag. */
 struct slide_params {
-	int32_t region[4], place[4], edge[4];
+	int32_t region[4], place[4], written[4], sides[4], view[4];
 };
 struct excess_params {
 	struct slide_params slide;
@@ -67,7 +67,7 @@ bool deform_has_slopes(const struct deform_params *params)
 /* The pass that begins, those that find slopes or slide along lines, and those of the iterations. */
 int deform_slide_passes(const struct deform_params *params, bool blocks)
 {
-	int more = blocks ? deform_slope_passes(params) : deform_has_lines(params) ? DEFORM_DIRECTIONS : 0;
+	int more = blocks ? deform_slope_passes(params) : deform_line_passes(params);
 	return 1 + more + params->iterations * slide_of(params)->pass_count;
 }
 
@@ -135,6 +135,16 @@ void deform_slide_prepare(struct deform *deform)
 				deform->contacts_flag = false;
 }
 
+static void fill_window(const struct slide_place *place, struct slide_params *params)
+{
+	const struct gpu_rect written = place->written;
+	const int32_t posts[4] = {(int32_t)written.x, (int32_t)written.y, (int32_t)(written.x + written.width), (int32_t)(written.y + written.height)};
+	const int32_t view[4] = {(int32_t)place->all.width, (int32_t)place->all.height, place->around, place->flags.step};
+	memcpy(params->written, posts, sizeof posts);
+	memcpy(params->sides, place->flags.sides, sizeof params->sides);
+	memcpy(params->view, view, sizeof view);
+}
+
 /* Returns the parameters of an iteration. */
 static struct slide_params slide_params(const struct slide_place *place, int64_t rim)
 {
@@ -146,7 +156,7 @@ static struct slide_params slide_params(const struct slide_place *place, int64_t
 	params.region[1] = flags->from[1];
 	params.region[2] = (int32_t)flags->columns;
 	params.region[3] = (int32_t)flags->first;
-	memcpy(params.edge, flags->looked, sizeof params.edge);
+	fill_window(place, &params);
 	return params;
 }
 
@@ -156,7 +166,7 @@ static enum gpu_stage stage_of(const struct slide_place *place)
 	return place->atlas != NULL ? GPU_SETTLE : GPU_SLIDE;
 }
 
-/* Runs the first pass: reads planes_of[1]; writes planes_of[0] and the heights. */
+/* Runs the first pass: reads planes_of[1]; writes the heights. */
 static enum status begin(struct deform *deform, const struct slide_place *place)
 {
 	bool blocks = place->atlas != NULL, loaded = place->flags.loaded;
@@ -166,21 +176,20 @@ static enum status begin(struct deform *deform, const struct slide_place *place)
 	enum status status = deform_program(deform, &request, program);
 	if (status != STATUS_OK)
 		return status;
-	struct gpu_rect written = place->written;
-	const struct slide_params params = {
+	struct slide_params params = {
 		.place = {(int32_t)place->layer, deform_is_bounded(&deform->params) ? loose_depth(deform) : 0},
-		.edge = {(int32_t)written.x, (int32_t)written.y, (int32_t)(written.x + written.width),
-			 (int32_t)(written.y + written.height)},
 	};
+	fill_window(place, &params);
 	/* Iterations need no heights where only the extents of slopes are found. Marking steep posts reads one post more. */
 	int64_t reach = deform_slope_reach(&deform->params);
 	deform_atlas_run(deform, place, ATLAS_REGIONS, reach > 0 ? reach - 1 : 0, &(struct gpu_pass){
 		.stage = stage_of(place),
 		.program = *program,
 		.target = deform->scratch[place->layer].to[TO_BEGUN],
-		.images = {deform->bases, deform->planes_of[1][PLANE_OFFSET], deform->contacts,
-			   blocks ? NULL : deform->deposits, deform->planes_of[1][PLANE_DEPOSITED]},
+		.images = {deform->bases, deform->planes_of[1][PLANE_OFFSET], deform->contacts, blocks ? NULL : deform->deposits,
+			   deform->planes_of[1][PLANE_DEPOSITED]},
 		.storage = {deform->tally},
+		.block = blocks ? NULL : deform->laying,
 		.params = &params,
 		.params_bytes = sizeof params,
 	});
@@ -191,16 +200,21 @@ static enum status begin(struct deform *deform, const struct slide_place *place)
 static void run(struct deform *deform, const struct slide_place *place, int iteration, struct gpu_pass *pass)
 {
 	int64_t left = deform_slide_step(deform) * (deform->params.iterations - 1 - iteration);
-	bool last = iteration == deform->params.iterations - 1;
+	bool last = iteration == deform->params.iterations - 1, blocks = place->atlas != NULL;
+	const enum scratch_target heights = iteration % 2 == 0 ? TO_HEIGHTS_1 : TO_HEIGHTS_0;
+	struct gpu_texture *const *planes = deform->planes_of[1];
 	pass->stage = stage_of(place);
-	pass->target = deform->scratch[place->layer].to[last ? TO_SLID : iteration % 2 == 0 ? TO_HEIGHTS_1 : TO_HEIGHTS_0];
+	pass->target = deform->scratch[place->layer].to[last ? TO_BARE : heights];
 	pass->images[0] = deform->heights[iteration % 2];
-	pass->images[3] = last ? deform->bases : NULL;
-	pass->images[4] = last ? deform->planes_of[0][PLANE_OFFSET] : NULL;
-	pass->images[5] = last ? deform->stills : NULL;
-	if (last && deform->planes_of[0][PLANE_DEPOSITED] != NULL)
-		pass->images[6] = deform->planes_of[0][PLANE_DEPOSITED];
 	pass->storage[1] = last ? place->flags.words : NULL;
+	pass->block = blocks ? NULL : deform->laying;
+	if (last) {
+		pass->images[3] = blocks ? NULL : deform->deposits;
+		pass->images[4] = planes[PLANE_OFFSET];
+		pass->images[5] = deform->stills;
+		pass->images[6] = planes[PLANE_DEPOSITED] != NULL ? planes[PLANE_DEPOSITED] : pass->images[6];
+		pass->images[7] = deform->bases;
+	}
 	bool cells = deform_has_slopes(&deform->params);
 	enum atlas_part part = !last ? ATLAS_REGIONS : cells ? ATLAS_BLOCK_CELLS : ATLAS_BLOCKS;
 	deform_atlas_run(deform, place, part, deform_slide_rim(deform) - left, pass);
@@ -262,6 +276,7 @@ static enum status shed(struct deform *deform, const struct slide_place *place, 
 		.target = deform->scratch[place->layer].to[TO_SHED],
 		.images = {deform->heights[iteration % 2], deform->contacts, deform->classes,
 			   [7] = stood ? deform->bases : NULL},
+		.block = place->atlas != NULL ? NULL : deform->laying,
 		.params = &params,
 		.params_bytes = (size_t)((char *)&params.soils[deform_soil_slots(&deform->params)] - (char *)&params),
 	});
@@ -296,7 +311,6 @@ const struct soil_slide deform_slide_excess = {
 	.passes = {SLIDE_EXCESS},
 	.bounded = true,
 	.held_still = true,
-	.lines = true,
 	.prepare = prepare_excess,
 	.iterate = excess,
 };
@@ -314,7 +328,7 @@ enum status deform_slide_run(struct deform *deform, const struct slide_place *pl
 	if (status == STATUS_OK && place->atlas != NULL && deform_has_slopes(&deform->params))
 		status = deform_slopes_run(deform, place);
 	for (int i = 0; i < deform->params.iterations && status == STATUS_OK; i++) {
-		if (i == deform->params.iterations - 1 && place->atlas == NULL && deform_has_lines(&deform->params))
+		if (i == deform->params.iterations - 1 && place->atlas == NULL)
 			status = deform_lines_run(deform, place, i % 2);
 		if (status == STATUS_OK)
 			status = slide_of(&deform->params)->iterate(deform, place, i);
@@ -328,6 +342,7 @@ enum status deform_slide(struct deform *deform, const struct deform_window *wind
 		.layer = layer,
 		.all = deform_window_rect(window),
 		.written = deform_written(window),
+		.around = deform->scratch[layer].near ? (int32_t)deform->reach : -1,
 		.turn = (int)((window->write.x0 + 2 * window->write.y0) & 7),
 		.flags = deform_active_flags(deform, window, layer),
 	};
@@ -336,9 +351,9 @@ enum status deform_slide(struct deform *deform, const struct deform_window *wind
 	return deform_slide_run(deform, &place);
 }
 
-enum status deform_spread_and_slide(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
+enum status deform_spread_and_slide(struct deform *deform, const struct spread_params *spread, const struct deform_window *window,
 				    uint32_t layer)
 {
-	enum status status = deform_spread(deform, contact, window, layer);
+	enum status status = deform_spread(deform, spread, window, layer);
 	return status == STATUS_OK ? deform_slide(deform, window, layer) : status;
 }

@@ -10,8 +10,9 @@
 static enum status contact(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
 			   uint32_t layer)
 {
+	const struct spread_params spread = deform_spread_params(deform, contact, window, layer);
 	enum status status = deform_contact_plainly(deform, contact, window, layer);
-	return status == STATUS_OK ? deform_spread_and_slide(deform, contact, window, layer) : status;
+	return status == STATUS_OK ? deform_spread_and_slide(deform, &spread, window, layer) : status;
 }
 
 static double laid_at(const struct deform_soil *soil)
@@ -41,6 +42,7 @@ const struct soil_model deform_model_slippage = {
 	.contact = contact,
 	.shader = "deform/slippage.frag",
 	.slide = &deform_slide_excess,
+	.directions = 4,
 	.critical = deform_critical_difference_cohesive,
 	.cotangent = deform_critical_cotangent,
 	.laid_at = laid_at,

@@ -3,20 +3,15 @@
  * (SOIL.md, "Laying"). All lengths are metres: they come from the object, its motion and the depth, not from the posts.
  */
 #include <math.h>
-#include <string.h>
 
 #include "deform/shape/body.h"
 #include "deform/internal.h"
 
-#define LAYING_BYTES (42 * 4)   /* lib/laying.glsl */
+#define LAYING_BYTES (47 * 4)   /* lib/laying.glsl */
 #define STEEPEST_TAN 1.0        /* steeper soil is laid as if it stood at 45 degrees */
 #define ONE 65536.0
 
 enum { AHEAD, BEHIND, LEFT, RIGHT, FACES };
-
-struct spread_params {
-	int32_t place[4], written[4], shadow[4], origin[4], axis[4], shares[4];
-};
 
 /* How an object lays soil: all around its patch, or beside the faces of a rectangle around its patch. */
 struct laying {
@@ -123,29 +118,21 @@ struct post_rect deform_spread_posts(const struct deform *deform, const struct d
 	return post_rect_around(shadow, bands);
 }
 
-/* Returns the least tangent of the angle at which one of the soils is laid. */
-static double least_tangent(const struct deform_params *params)
-{
-	double least = STEEPEST_TAN;
-	for (int i = 0; i < params->soil_count; i++) {
-		double angle = deform_model_row(params->model)->laid_at(&params->soils[i]);
-		least = fmin(least, angle < M_PI / 4 ? tan(angle) : STEEPEST_TAN);
-	}
-	return fmax(least, 0.01);
-}
-
-/* Returns the largest share of the displaced soil that is laid. */
-static double most_laid(const struct deform_params *params)
-{
-	double most = 0;
-	for (int i = 0; i < params->soil_count; i++)
-		most = fmax(most, deform_model_row(params->model)->laid_share(params, &params->soils[i]));
-	return most;
-}
-
 static int32_t fixed(double value)
 {
 	return (int32_t)lround(value * ONE);
+}
+
+/* Fills how each soil is laid. A band's cross-section is 2/9 of its width squared, times the tangent of its sides. */
+static void fill_soils(const struct deform *deform, int32_t soils[DEFORM_SOILS][4])
+{
+	const struct deform_params *params = &deform->params;
+	const struct soil_model *model = deform_model_row(params->model);
+	for (int i = 0; i < params->soil_count; i++) {
+		double angle = model->laid_at(&params->soils[i]), tangent = angle < M_PI / 4 ? fmax(tan(angle), 0.01) : STEEPEST_TAN;
+		soils[i][0] = (int32_t)fmin(fmax(lround(4.5 * 64 * 16 / (tangent * deform->spacing)), 1), 1 << 24);
+		soils[i][1] = fixed(model->laid_share(params, &params->soils[i]));
+	}
 }
 
 /* Finds where the window's first post lies in the frame. It computes from the post south-west of the object's centre, in
@@ -165,23 +152,22 @@ static void place_frame(const struct deform *deform, const struct deform_contact
 	params->origin[1] = (int32_t)(fixed(north * ahead[0] - east * ahead[1]) - by_y * params->axis[0] + by_x * params->axis[1]);
 }
 
-static struct spread_params params_of(const struct deform *deform, const struct deform_contact *contact,
-				      const struct deform_window *window, uint32_t layer)
+struct spread_params deform_spread_params(const struct deform *deform, const struct deform_contact *contact,
+					  const struct deform_window *window, uint32_t layer)
 {
 	const struct laying laying = laying_of(contact);
 	const struct gpu_rect written = deform_written(window);
 	const struct deform_shape *shape = contact->shape;
 	const double ahead[2] = {cos(laying.heading), sin(laying.heading)};
 	struct spread_params params = {
-		.place = {(int32_t)layer, laying.around, fixed(most_laid(&deform->params)), (int32_t)ceil(64 * band_posts(deform, shape))},
+		.place = {(int32_t)layer, laying.around, (int32_t)ceil(64 * band_posts(deform, shape))},
 		.written = {(int32_t)written.x, (int32_t)written.y, (int32_t)(written.x + written.width),
 			    (int32_t)(written.y + written.height)},
 		.origin = {0, 0, shape->kind == DEFORM_WHEEL ? fixed(shape->width / 2 / deform->spacing) : 0, fixed(laying.along)},
-		/* A band's cross-section is 2/9 of its width squared, times the tangent of its sides. */
-		.axis = {0, 0, (int32_t)fmin(fmax(lround(4.5 * 64 * 16 / (least_tangent(&deform->params) * deform->spacing)), 1), 1 << 24),
-			 shape->kind == DEFORM_WHEEL ? fixed(fmax(beside(shape) / deform->spacing, 1)) : INT32_MAX},
+		.axis = {0, 0, shape->kind == DEFORM_WHEEL ? fixed(fmax(beside(shape) / deform->spacing, 1)) : INT32_MAX},
 	};
 	place_frame(deform, contact, window, ahead, &params);
+	fill_soils(deform, params.soils);
 	for (int face = 0; face < FACES; face++)
 		params.shares[face] = laying.around ? (face == AHEAD) * (int32_t)ONE : (int32_t)(laying.shares[face] * ONE);
 	struct post_rect shadow = post_rect_intersect(deform_shadow(deform, contact), window->write);
@@ -194,25 +180,14 @@ static struct spread_params params_of(const struct deform *deform, const struct 
 	return params;
 }
 
-void deform_spread_frame(const struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
-			 int32_t frame[4], int32_t axis[4])
-{
-	const struct spread_params params = params_of(deform, contact, window, 0);
-	const int32_t filled[4] = {params.origin[0], params.origin[1], params.place[1], params.place[2]};
-	memcpy(frame, filled, sizeof filled);
-	memcpy(axis, params.axis, 2 * sizeof axis[0]);
-}
-
 void deform_spread_begin(struct deform *deform, const struct deform_window *window, uint32_t layer)
 {
 	gpu_texture_clear(deform->deposits, layer, deform_written(window), 0);
 	gpu_buffer_clear(deform->laying, 0, LAYING_BYTES);
 }
 
-enum status deform_spread(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
-			  uint32_t layer)
+enum status deform_spread(struct deform *deform, const struct spread_params *params, const struct deform_window *window, uint32_t layer)
 {
-	const struct spread_params params = params_of(deform, contact, window, layer);
 	/* The heights are not used before soil slides. */
 	struct gpu_texture *const images[SPREAD_PASSES][3] = {
 		[SPREAD_MEASURE] = {deform->contacts, deform->carried, deform->planes_of[1][PLANE_OFFSET]},
@@ -224,7 +199,7 @@ enum status deform_spread(struct deform *deform, const struct deform_contact *co
 		deform_spread_begin(deform, window, layer);
 	for (int pass = first; pass < SPREAD_PASSES; pass++) {
 		struct deform_request request;
-		deform_programs_spread((enum spread_pass)pass, &request);
+		deform_programs_spread(&deform->params, (enum spread_pass)pass, &request);
 		enum status status = deform_program(deform, &request, &deform->spread[pass]);
 		if (status != STATUS_OK)
 			return status;
@@ -232,12 +207,12 @@ enum status deform_spread(struct deform *deform, const struct deform_contact *co
 			.stage = GPU_SPREAD,
 			.program = deform->spread[pass],
 			.target = deform->scratch[layer].to[TO_BARE],
-			.viewport = deform_rows(pass == SPREAD_MEASURE ? params.shadow : params.written),
-			.textures = {[3] = pass == SPREAD_WEIGH ? deform->bases : NULL},
+			.viewport = deform_rows(pass == SPREAD_MEASURE ? params->shadow : params->written),
+			.textures = {[3] = pass == SPREAD_WEIGH ? deform->bases : NULL, [4] = pass == SPREAD_MEASURE ? deform->classes : NULL},
 			.images = {images[pass][0], images[pass][1], images[pass][2], [7] = pass == SPREAD_MEASURE ? deform->heights[0] : NULL},
 			.storage = {deform->tally, [4] = deform->laying},
-			.params = &params,
-			.params_bytes = sizeof params,
+			.params = params,
+			.params_bytes = (size_t)((const char *)params->soils[deform_soil_slots(&deform->params)] - (const char *)params),
 		});
 	}
 	return STATUS_OK;

@@ -17,8 +17,9 @@ static enum status contact(struct deform *deform, const struct deform_contact *c
 	struct sumner_params params = {.contact = deform_contact_params(deform, contact, window, layer)};
 	for (int i = 0; i < deform->params.soil_count; i++)
 		params.kept[i][0] = (uint32_t)floor(ldexp(1 - deform->params.soils[i].compression, 31));
+	const struct spread_params spread = deform_spread_params(deform, contact, window, layer);
 	enum status status = deform_run_contact(deform, &params, sizeof params, window, layer);
-	return status == STATUS_OK ? deform_spread_and_slide(deform, contact, window, layer) : status;
+	return status == STATUS_OK ? deform_spread_and_slide(deform, &spread, window, layer) : status;
 }
 
 static double laid_at(const struct deform_soil *soil)
