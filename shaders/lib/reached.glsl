@@ -1,5 +1,5 @@
-// The posts of a window in which soil can slide after a contact: a rectangle around the posts that the contact changed or the object left,
-// and `around` posts on each side (SOIL.md, "Sliding").
+// The posts of a window in which soil can slide after a contact (SOIL.md, "Sliding"). They are a rectangle around the posts that the contact
+// changed or the object left, and `around` posts on each side.
 
 #include "lib/bias.glsl"
 

@@ -169,6 +169,8 @@ struct window_params deform_window_params(struct post_rect read, uint32_t layer)
 
 /* Returns the written posts, in the window's layer. */
 struct gpu_rect deform_written(const struct deform_window *window);
+/* Fills where posts lie in a window, counted from its first post: the first of them, one behind the last. */
+void deform_posts_in(const struct deform_window *window, struct post_rect posts, int32_t in[4]);
 /* Returns all posts of the window, in its layer. */
 struct gpu_rect deform_window_rect(const struct deform_window *window);
 
@@ -251,8 +253,8 @@ struct post_rect deform_shadow(const struct deform *deform, const struct deform_
 /* deform_reached: returns the posts that a contact can change. deform_fits_window: returns true if the posts below the object, and
  * those beside it, fit one window. deform_whole: returns the window of which this one is a part. */
 struct post_rect deform_reached(const struct deform *deform, const struct deform_contact *contact);
-/* Returns true if during the contact the object was less than two spacings above, or beside, each post on which it lay before: it did not
- * jump, and its attitude hardly changed. */
+/* Returns true if the object did not jump, and its attitude hardly changed. So during the contact it was less than two spacings above, or
+ * beside, each post on which it lay before. */
 bool deform_is_swept(const struct deform *deform, const struct deform_contact *contact);
 bool deform_fits_window(const struct deform *deform, const struct deform_contact *contact);
 struct deform_window deform_whole(const struct deform *deform, const struct deform_window *window);

@@ -12,13 +12,12 @@ enum status deform_program(struct deform *deform, const struct deform_request *r
 struct contact_params deform_contact_params(const struct deform *deform, const struct deform_contact *contact,
 					const struct deform_window *window, uint32_t layer)
 {
-	const struct post_rect read = window->read, write = window->write;
 	int64_t zero = contact->to.z - (int64_t)deform->params.reference * (1 << OFFSET_BITS);
-	return (struct contact_params){
+	struct contact_params params = {
 		.zero = {(uint32_t)zero, (uint32_t)((uint64_t)zero >> 32), layer, (uint32_t)fmin(ldexp(2 * deform->spacing, OFFSET_BITS), 1 << 30)},
-		.written = {(int32_t)(write.x0 - read.x0), (int32_t)(write.y0 - read.y0), (int32_t)(write.x1 - read.x0),
-			    (int32_t)(write.y1 - read.y0)},
 	};
+	deform_posts_in(window, window->write, params.written);
+	return params;
 }
 
 struct window_params deform_window_params(struct post_rect read, uint32_t layer)
@@ -31,6 +30,14 @@ struct gpu_rect deform_written(const struct deform_window *window)
 	const struct post_rect read = window->read, write = window->write;
 	return (struct gpu_rect){(uint32_t)(write.x0 - read.x0), (uint32_t)(write.y0 - read.y0),
 				 (uint32_t)(write.x1 - write.x0), (uint32_t)(write.y1 - write.y0)};
+}
+
+void deform_posts_in(const struct deform_window *window, struct post_rect posts, int32_t in[4])
+{
+	in[0] = (int32_t)(posts.x0 - window->read.x0);
+	in[1] = (int32_t)(posts.y0 - window->read.y0);
+	in[2] = (int32_t)(posts.x1 - window->read.x0);
+	in[3] = (int32_t)(posts.y1 - window->read.y0);
 }
 
 struct gpu_rect deform_window_rect(const struct deform_window *window)

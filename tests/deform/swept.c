@@ -181,6 +181,45 @@ static void a_settled_rut_wakes_nothing(void **state)
 	}
 }
 
+/* A plate that stood in a pit is lifted. It touches nothing then, but the walls no longer stand. */
+static void soil_slides_to_where_an_object_was(void **state)
+{
+	static const enum deform_model models[] = {DEFORM_SLIPPAGE, DEFORM_SUMNER, DEFORM_SCM};
+	(void)state;
+	need_gpu();
+	for (int m = 0; m < 3; m++) {
+		struct ground few, all;
+		const struct setup setup = {models[m], 64, 3, 0.0625, 1, 1, NULL};
+		start(&few, &setup);
+		start(&all, &setup);
+		struct deform_shape plate = {.kind = DEFORM_BOX, .size = {0.8, 0.6, 0.5}};
+		struct deform_contact sweep = {.shape = &plate, .from = ground_pose(&few, 70, 60, -0.05)};
+		sweep.to = sweep.from;
+		const struct deform_rest rest = {.shape = &plate, .pose = sweep.to};
+		sweep_and_wake(&few, &sweep, NULL, false);
+		sweep_and_wake(&all, &sweep, NULL, true);
+		int n = 0;
+		while (interval(&few, &rest, 1) > 0 && n++ < 2000)
+			interval(&all, &rest, 1);
+		assert_true(n < 2000);
+		sweep.to.z += lattice_offset(0.4);
+		sweep_and_wake(&few, &sweep, &rest.pose, false);
+		sweep_and_wake(&all, &sweep, &rest.pose, true);
+		assert_true(interval(&few, NULL, 0) > 0);
+		interval(&all, NULL, 0);
+		assert_same(&few, &all, n);
+		int32_t before = few.offset[60 * few.posts + 70 + 6];
+		for (int k = 0; k < 60; k++) {
+			interval(&few, NULL, 0);
+			interval(&all, NULL, 0);
+		}
+		assert_same(&few, &all, n);
+		assert_true(few.offset[60 * few.posts + 70 + 6] > before + 1000);
+		ground_finish(&few);
+		ground_finish(&all);
+	}
+}
+
 /* Holes, but for what is under a plate, and a lane of two posts that ends at the rim of those in which soil can slide. The plate just
  * touches, so nothing is laid. So only what was there before comes to the rim: a wall on the lane's first post, which an earlier drive left
  * asleep. Beyond the rim the ground lies `beyond` lower. Base lattice. */
@@ -325,6 +364,7 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(what_a_sweep_lets_sleep_would_not_move),
 		cmocka_unit_test(a_settled_rut_wakes_nothing),
+		cmocka_unit_test(soil_slides_to_where_an_object_was),
 		cmocka_unit_test(what_comes_to_the_rim_goes_on),
 		cmocka_unit_test(what_is_not_known_to_sleep_is_awake),
 		cmocka_unit_test(many_sweeps_are_as_right),

@@ -76,12 +76,11 @@ enum status deform_envelope(struct deform *deform, const struct deform_contact *
 	if (status != STATUS_OK)
 		return status;
 	/* A model that works in place reads the envelope only within the object's shadow. */
-	const struct gpu_rect all = {0, 0, (uint32_t)(read.x1 - read.x0), (uint32_t)(read.y1 - read.y0)};
 	gpu_pass_run(deform->params.gpu, &(struct gpu_pass){
 		.stage = GPU_ENVELOPE,
 		.program = *program,
 		.target = deform->scratch[layer].to[TO_UNDER],
-		.viewport = deform_model_row(deform->params.model)->in_place ? shadow_of(deform, contact, read) : all,
+		.viewport = deform_model_row(deform->params.model)->in_place ? shadow_of(deform, contact, read) : deform_window_rect(window),
 		.params = is_brief ? (const void *)&few : &params,
 		.params_bytes = is_brief ? sizeof few : sizeof params,
 	});

@@ -67,7 +67,7 @@ enum status deform_mesh(struct deform *deform, const struct deform_contact *cont
 {
 	const struct deform_mesh *mesh = contact->shape->mesh;
 	const struct post_rect read = window->read;
-	const struct gpu_rect all = {0, 0, (uint32_t)(read.x1 - read.x0), (uint32_t)(read.y1 - read.y0)};
+	const struct gpu_rect all = deform_window_rect(window);
 	const struct body_frame frame = {.x0 = read.x0, .y0 = read.y0, .spacing = deform->spacing, .zero = contact->to.z};
 	const struct deform_pose *from = deform_is_contact_only(contact) ? &contact->to : &contact->from;
 	struct body_motion motion = deform_body_motion_of(from, &contact->to, &frame);

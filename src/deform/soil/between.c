@@ -73,12 +73,8 @@ static void box(const struct deform_contact *contact, struct scm_params *params)
 void deform_between_posts(const struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
 		      struct scm_params *params)
 {
-	const struct post_rect read = window->read, drawn = post_rect_intersect(deform_shadow(deform, contact), read);
 	params->load[3] = deform->params.ground_normals;
-	params->drawn[0] = (int32_t)(drawn.x0 - read.x0);
-	params->drawn[1] = (int32_t)(drawn.y0 - read.y0);
-	params->drawn[2] = (int32_t)(drawn.x1 - read.x0);
-	params->drawn[3] = (int32_t)(drawn.y1 - read.y0);
+	deform_posts_in(window, post_rect_intersect(deform_shadow(deform, contact), window->read), params->drawn);
 	put_heading(params, 1, 0);
 	switch (contact->shape->kind) {
 	case DEFORM_WHEEL:

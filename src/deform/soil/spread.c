@@ -156,27 +156,21 @@ struct spread_params deform_spread_params(const struct deform *deform, const str
 					  const struct deform_window *window, uint32_t layer)
 {
 	const struct laying laying = laying_of(contact);
-	const struct gpu_rect written = deform_written(window);
 	const struct deform_shape *shape = contact->shape;
 	const double ahead[2] = {cos(laying.heading), sin(laying.heading)};
 	struct spread_params params = {
 		.place = {(int32_t)layer, laying.around, (int32_t)ceil(64 * band_posts(deform, shape))},
-		.written = {(int32_t)written.x, (int32_t)written.y, (int32_t)(written.x + written.width),
-			    (int32_t)(written.y + written.height)},
 		.origin = {0, 0, shape->kind == DEFORM_WHEEL ? fixed(shape->width / 2 / deform->spacing) : 0, fixed(laying.along)},
 		.axis = {0, 0, shape->kind == DEFORM_WHEEL ? fixed(fmax(beside(shape) / deform->spacing, 1)) : INT32_MAX},
 	};
+	deform_posts_in(window, window->write, params.written);
 	place_frame(deform, contact, window, ahead, &params);
 	fill_soils(deform, params.soils);
 	for (int face = 0; face < FACES; face++)
 		params.shares[face] = laying.around ? (face == AHEAD) * (int32_t)ONE : (int32_t)(laying.shares[face] * ONE);
 	struct post_rect shadow = post_rect_intersect(deform_shadow(deform, contact), window->write);
-	if (!post_rect_empty(shadow)) {
-		params.shadow[0] = (int32_t)(shadow.x0 - window->read.x0);
-		params.shadow[1] = (int32_t)(shadow.y0 - window->read.y0);
-		params.shadow[2] = (int32_t)(shadow.x1 - window->read.x0);
-		params.shadow[3] = (int32_t)(shadow.y1 - window->read.y0);
-	}
+	if (!post_rect_empty(shadow))
+		deform_posts_in(window, shadow, params.shadow);
 	return params;
 }
 
