@@ -1,7 +1,7 @@
 #version 450 core
-// Marks the cells of the atlas in which soil may slide in this interval: those around two neighbours that differ in height by more
-// than the least critical difference of any soil and slope. Later passes draw only cells near marked ones. One fragment for each post.
-// The target has no attachment.
+// Marks the cells of the atlas in which soil may slide in this interval. There two neighbours differ in height by more than the least
+// critical difference of any soil and slope. Later passes draw only cells near marked ones. One fragment for each post. The target has
+// no attachment.
 
 #include "lib/slide.glsl"
 #include "lib/cells.glsl"
