@@ -21,19 +21,19 @@
 
 static size_t interval(struct rig *rig)
 {
-	size_t count;
-	bench_must(deform_interval_begin(rig->deform, &rig->rest, rig->in_contact ? 1 : 0, &count));
-	for (size_t i = 0; i < count; i++) {
+	struct deform_interval size;
+	bench_must(deform_interval_begin(rig->deform, &rig->rest, rig->in_contact ? 1 : 0, &size));
+	for (size_t i = 0; i < size.regions; i++) {
 		rig_decode(rig, deform_interval_reads(rig->deform, i));
 		bench_must(deform_interval_gather(rig->deform, i, rig->tiles, rig->tile_count));
 	}
-	for (size_t i = 0; i < count; i++) {
+	for (size_t i = 0; i < size.runs; i++) {
 		bench_must(deform_interval_scatter(rig->deform, i, rig->tiles, rig->tile_count));
 		rig_encode(rig, deform_interval_writes(rig->deform, i));
 	}
-	if (count > 0)
+	if (size.blocks > 0)
 		bench_must(deform_interval_end(rig->deform));
-	return count;
+	return size.blocks;
 }
 
 /* Those that are over before `time`: stations of the same time come first. */

@@ -6,8 +6,9 @@
  * Wall clock around a finish. step_ms is the mean over all steps, intervals included; p50 and p95 of single steps beside it; of
  * several runs in turn the median. ms_a_metre: step_ms for a metre of travel. posts_per_s: posts of the windows that were written.
  * copy_fraction: the bytes of the planes of those posts, once read and once written, a second, over what memcpy moves in the same
- * process. "draws": with the raster threads a process that draws keeps. "quick": fewer runs. A model's name: it alone; "fine": at the
- * finest spacing only.
+ * process. interval_ms: the mean over intervals, blocks: active blocks of an interval. "draws": with the raster threads a process that
+ * draws keeps. "quick": fewer runs. A model's name: it alone; "fine": at the finest spacing only. "soil=NAME": of that soil instead of
+ * dry_sand; "cohesion=PA": with that cohesion.
  */
 #include <math.h>
 #include <stdio.h>
@@ -27,6 +28,8 @@ struct bench_case {
 	double spacing;
 	int wheels;
 	bool dirt;
+	const char *soil;
+	double cohesion; /* Pa; below 0: the soil's own */
 };
 
 struct ground {
@@ -37,11 +40,13 @@ struct ground {
 	struct deform *deform;
 	struct deform_rest rests[WHEELS_MOST];
 	double posts; /* written by windows */
+	double interval_s, intervals, blocks; /* seconds of all intervals, their number, active blocks of all of them */
 };
 
 struct figures {
 	double mean, p50, p95; /* ms a step */
 	double posts, passes;  /* a step */
+	double interval_ms, blocks; /* an interval */
 };
 
 static struct deform_pose pose_of(const struct ground *ground, int step, int number)
@@ -100,16 +105,22 @@ static void sweep(struct ground *ground, int step, int number)
 static void interval(struct ground *ground)
 {
 	struct deform_tile tiles[SIDE * SIDE];
-	size_t count;
-	bench_must(deform_interval_begin(ground->deform, ground->rests, (size_t)ground->of.wheels, &count));
-	for (size_t i = 0; i < count; i++)
+	struct deform_interval size;
+	gpu_finish(ground->gpu);
+	double began = clock_seconds();
+	bench_must(deform_interval_begin(ground->deform, ground->rests, (size_t)ground->of.wheels, &size));
+	for (size_t i = 0; i < size.regions; i++)
 		bench_must(deform_interval_gather(ground->deform, i, tiles,
 						  tiles_of(ground, deform_interval_reads(ground->deform, i), tiles)));
-	for (size_t i = 0; i < count; i++)
+	for (size_t i = 0; i < size.runs; i++)
 		bench_must(deform_interval_scatter(ground->deform, i, tiles,
 						   tiles_of(ground, deform_interval_writes(ground->deform, i), tiles)));
-	if (count > 0)
+	if (size.blocks > 0)
 		bench_must(deform_interval_end(ground->deform));
+	gpu_finish(ground->gpu);
+	ground->interval_s += clock_seconds() - began;
+	ground->intervals++;
+	ground->blocks += (double)size.blocks;
 }
 
 static void take_forces(struct ground *ground)
@@ -159,7 +170,9 @@ static void open_ground(const struct bench_case *of, bool draws, struct ground *
 		.along_lines = true,
 		.disturbance = of->dirt,
 	};
-	bench_must(deform_soil_named("dry_sand", &params.soils[0]));
+	bench_must(deform_soil_named(of->soil, &params.soils[0]));
+	if (of->cohesion >= 0)
+		params.soils[0].cohesion = of->cohesion;
 	bench_must(deform_create(&params, &ground->deform));
 	bench_must(deform_warm(ground->deform, &(struct deform_planned){&wheel, 0, true}, deform_tells_forces(of->model)));
 }
@@ -188,7 +201,7 @@ static void run_once(struct ground *ground, struct figures *figures)
 		gpu_slots_undeform(ground->slots, i);
 		bench_must(gpu_slots_deform(ground->slots, i));
 	}
-	ground->posts = 0;
+	ground->posts = ground->interval_s = ground->intervals = ground->blocks = 0;
 	uint64_t before = passes(ground->gpu);
 	for (int step = 0; step < STEPS; step++) {
 		gpu_finish(ground->gpu);
@@ -203,6 +216,8 @@ static void run_once(struct ground *ground, struct figures *figures)
 	figures->p95 = ms[STEPS * 95 / 100];
 	figures->posts = ground->posts / STEPS;
 	figures->passes = (double)(passes(ground->gpu) - before) / STEPS;
+	figures->interval_ms = ground->interval_s / ground->intervals * 1e3;
+	figures->blocks = ground->blocks / ground->intervals;
 }
 
 /* Bytes a second, read and written, of a block that no cache holds. */
@@ -239,7 +254,7 @@ static void measure(const struct bench_case *of, bool draws, int runs, double ra
 {
 	struct ground ground;
 	struct figures each[RUNS];
-	double mean[RUNS], p50[RUNS], p95[RUNS];
+	double mean[RUNS], p50[RUNS], p95[RUNS], interval_ms[RUNS];
 	open_ground(of, draws, &ground);
 	run_once(&ground, &each[0]); /* warms */
 	for (int i = 0; i < runs; i++) {
@@ -247,16 +262,26 @@ static void measure(const struct bench_case *of, bool draws, int runs, double ra
 		mean[i] = each[i].mean;
 		p50[i] = each[i].p50;
 		p95[i] = each[i].p95;
+		interval_ms[i] = each[i].interval_ms;
 	}
 	double ms = bench_median(mean, (size_t)runs), posts_per_s = each[0].posts / ms * 1e3;
-	printf("{\"bench\": \"deform\", \"model\": \"%s\", \"posts_m\": %g, \"wheels\": %d, \"dirt\": %s, \"draws\": %s, "
+	printf("{\"bench\": \"deform\", \"model\": \"%s\", \"soil\": \"%s\", \"posts_m\": %g, \"wheels\": %d, \"dirt\": %s, \"draws\": %s, "
 	       "\"step_ms\": %.3f, \"ms_a_metre\": %.1f, \"p50\": %.3f, \"p95\": %.3f, \"posts\": %.0f, \"posts_per_s\": %.3g, \"passes\": %.1f, "
-	       "\"post_bytes\": %zu, \"copy_fraction\": %.4f, \"gl\": \"%s\"}\n",
-	       deform_model_row(of->model)->name, of->spacing, of->wheels, of->dirt ? "true" : "false", draws ? "true" : "false", ms,
+	       "\"interval_ms\": %.3f, \"blocks\": %.1f, \"post_bytes\": %zu, \"copy_fraction\": %.4f, \"gl\": \"%s\"}\n",
+	       deform_model_row(of->model)->name, of->soil, of->spacing, of->wheels, of->dirt ? "true" : "false", draws ? "true" : "false", ms,
 	       ms / of->spacing, bench_median(p50, (size_t)runs), bench_median(p95, (size_t)runs), each[0].posts, posts_per_s, each[0].passes,
-	       post_bytes(of), posts_per_s * (double)post_bytes(of) * 2 / rate, gpu_info(ground.gpu)->renderer);
+	       bench_median(interval_ms, (size_t)runs), each[0].blocks, post_bytes(of), posts_per_s * (double)post_bytes(of) * 2 / rate, gpu_info(ground.gpu)->renderer);
 	fflush(stdout);
 	close_ground(&ground);
+}
+
+/* Returns what follows `name` in an argument; NULL: there is none. */
+static const char *value_of(int argc, char **argv, const char *name)
+{
+	for (int i = 1; i < argc; i++)
+		if (strncmp(argv[i], name, strlen(name)) == 0)
+			return argv[i] + strlen(name);
+	return NULL;
 }
 
 static bool says(int argc, char **argv, const char *word)
@@ -275,6 +300,7 @@ int main(int argc, char **argv)
 	bool draws = says(argc, argv, "draws"), quick = says(argc, argv, "quick");
 	double rate = copy_rate();
 	printf("{\"bench\": \"deform\", \"memcpy_bytes_per_s\": %.3g}\n", rate);
+	const char *soil = value_of(argc, argv, "soil="), *cohesion = value_of(argc, argv, "cohesion=");
 	bool one = false, fine = says(argc, argv, "fine");
 	for (int model = 0; model < DEFORM_MODELS; model++)
 		one = one || says(argc, argv, deform_model_row((enum deform_model)model)->name);
@@ -282,7 +308,8 @@ int main(int argc, char **argv)
 		for (size_t s = fine ? COUNT - 1 : 0; s < COUNT && (!one || says(argc, argv, deform_model_row((enum deform_model)model)->name)); s++)
 			for (int wheels = 1; wheels <= WHEELS_MOST; wheels *= 4)
 				for (int dirt = 0; dirt < (spacings[s] == 0.125 ? 2 : 1); dirt++)
-					measure(&(struct bench_case){(enum deform_model)model, spacings[s], wheels, dirt == 1}, draws,
-						quick ? 1 : RUNS, rate);
+					measure(&(struct bench_case){(enum deform_model)model, spacings[s], wheels, dirt == 1,
+								     soil != NULL ? soil : "dry_sand", cohesion != NULL ? atof(cohesion) : -1},
+						draws, quick ? 1 : RUNS, rate);
 	return 0;
 }

@@ -19,7 +19,7 @@ layout(binding = 2, r8ui) readonly uniform uimage2DArray contacts;
 layout(binding = 4, r32i) readonly uniform iimage2DArray heaps;
 #endif
 
-flat in ivec4 passed[PASSED]; // the parameters, from the vertex shader: passed.vert says why. The first is that of regions.vert
+flat in ivec4 passed[PASSED]; // the parameters, from the vertex shader: passed.vert says why. The first is not read
 ivec4 place = passed[1];   // x: layer of the images; y: depth of relaxing soil below the base, fixed-point units
 ivec4 written = passed[2]; // posts that exchange soil: the first (x, y), one behind the last (z, w)
 

@@ -11,6 +11,7 @@
 // - WINDOW, WAKES: as in slid.glsl
 
 #include "lib/slide.glsl"
+#include "lib/squares.glsl"
 
 layout(binding = 0, r32i) readonly uniform iimage2DArray heights;
 #ifdef BOUNDED
@@ -28,6 +29,7 @@ layout(binding = 6, r32i) readonly uniform iimage2DArray slopes; // by slope.fra
 // Of a soil: critical difference of heights, axial, diagonal; tolerance; difference that is steeper than the friction angle.
 #if SOILS > 1
 layout(std140, binding = 0) uniform slopes_of_soils {
+	SQUARES_FIRST
 	ivec4 others[5];
 	ivec4 limits[SOILS];
 };
@@ -84,7 +86,7 @@ void main()
 		int critical = k < 4 ? limits_of(soil).x : limits_of(soil).y;
 #ifdef SLOPES
 		// The slope is that of the post that gives. The sum for diagonal neighbours multiplies by sqrt(2), to a ten thousandth.
-		int most = gives ? slope : imageLoad(slopes, there).r;
+		int most = max(gives ? slope : imageLoad(slopes, there).r, region.z);
 		critical = min(critical, k < 4 ? most : most + (most >> 2) + (most >> 3) + (most >> 5) + (most >> 7));
 #endif
 		int over = high - critical;

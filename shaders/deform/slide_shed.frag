@@ -3,6 +3,7 @@
 // Defines: SOILS: number of soil classes in the parameters; STOOD: undisturbed ground is stable, however steep.
 
 #include "lib/slide.glsl"
+#include "lib/squares.glsl"
 
 layout(binding = 0, r32i) readonly uniform iimage2DArray heights;
 layout(binding = 1, r8ui) readonly uniform uimage2DArray contacts;
@@ -19,6 +20,7 @@ struct sumner {
 #include "lib/slide_params.glsl"
 
 layout(std140, binding = 0) uniform soils_of_posts {
+	SQUARES_FIRST
 	ivec4 others[PASSED];
 	sumner soils[SOILS];
 };

@@ -3,9 +3,11 @@
 // hop: to a post that is higher, or lower, by more than the angle of friction gives. One fragment for each post.
 // Defines:
 // - FIRST: the first hop, which computes the heights too
+// - LAST: the last hop, which writes critical differences
 // - SOILS: number of soil classes in the parameters
 
 #include "lib/slide.glsl"
+#include "lib/squares.glsl"
 
 #ifdef FIRST
 layout(binding = 0, r32i) readonly uniform iimage2DArray bases;
@@ -18,15 +20,19 @@ layout(binding = 1, r32i) readonly uniform iimage2DArray extents; // after the h
 layout(binding = 2, r8ui) readonly uniform uimage2DArray classes;
 #endif
 
+flat in ivec4 passed[PASSED]; // the parameters, from the vertex shader: passed.vert says why
+ivec4 place = passed[0]; // the layer; posts of this hop; LAST: the spacing, 2^-20 m, with as many binary digits as the cotangents
+
+#if SOILS > 1 || defined LAST
 layout(std140, binding = 0) uniform params {
-	ivec4 region;       // as in regions.vert
-	// the layer; posts of this hop; the last hop: the spacing, 2^-20 m, with as many binary digits as the cotangents; else 0
-	ivec4 place;
+	SQUARES_FIRST
+	ivec4 others;
 	ivec4 rises[SOILS]; // a hop must rise or fall by more than this: axial, diagonal; fixed-point units
-#ifndef FIRST
+#ifdef LAST
 	ivec4 cotangents[27 * SOILS]; // of the steepest stable angle of each soil, for SLOPE_HEIGHTS rising heights of slopes (slopes.c)
 #endif
 };
+#endif
 
 // Extents in 2^-9 m: how far the slope rises above the post (low 16 bits) and falls below it (high 16 bits). The last hop
 // writes instead how much two axial neighbours in this slope may differ in height, fixed-point units.
@@ -55,7 +61,7 @@ ivec2 extent_at(ivec3 at)
 #endif
 }
 
-#ifndef FIRST
+#ifdef LAST
 int known(int soil, int i)
 {
 	return cotangents[27 * soil + (i >> 2)][i & 3];
@@ -78,10 +84,11 @@ void main()
 	ivec3 at = ivec3(ivec2(gl_FragCoord.xy), place.x);
 #if SOILS > 1
 	int soil = min(int(imageLoad(classes, at).r), SOILS - 1);
-#else
-	int soil = 0;
-#endif
 	ivec2 rise = rises[soil].xy;
+#else
+	const int soil = 0;
+	ivec2 rise = passed[1].xy;
+#endif
 	int surface = surface_at(at);
 	ivec2 most = extent_at(at);
 	for (int k = 0; k < 8; k++) {
@@ -93,11 +100,12 @@ void main()
 		most.y = open && -difference > least ? max(most.y, on.y) : most.y;
 	}
 	most = min(most, ivec2(0xffff));
+#ifdef LAST
+	extent_out = in_slope(soil, most.x + most.y);
+#else
 	extent_out = int(uint(most.x) | uint(most.y) << 16);
+#endif
 #ifdef FIRST
 	surface_out = surface;
-#else
-	if (place.z != 0)
-		extent_out = in_slope(soil, most.x + most.y);
 #endif
 }

@@ -365,24 +365,30 @@ struct deform_rest {
 /* Sets the equilibrium height of a loaded body that has had no contact yet. `raised`: how far the body rests above its pose, 2^-20
  * m. */
 void deform_set_equilibrium(struct deform *deform, uint32_t loaded_body, int32_t raised);
-/* One interval of relaxation (SOIL.md). Call deform_interval_begin, which gives the number of blocks. Then call
- * deform_interval_gather for each block, then deform_interval_scatter for each block, then deform_interval_end. Without blocks
+/* One interval of relaxation (SOIL.md). Call deform_interval_begin, which gives the numbers of regions and runs. Then call
+ * deform_interval_gather for each region, then deform_interval_scatter for each run, then deform_interval_end. Without blocks
  * nothing is done. The caller keeps the objects, which must live until the end. Soil under an object does not move. */
+struct deform_interval {
+	size_t blocks;  /* active blocks */
+	size_t regions; /* rectangles of blocks; each is gathered as one */
+	size_t runs;    /* rows of active blocks; each is scattered as one */
+	size_t atlases; /* batches of regions that are computed together */
+};
 enum status deform_interval_begin(struct deform *deform, const struct deform_rest *objects, size_t object_count,
-				  size_t *count) FURROW_CHECKED;
-struct post_rect deform_interval_reads(const struct deform *deform, size_t block);
-struct post_rect deform_interval_writes(const struct deform *deform, size_t block);
-/* `tiles`: tiles that hold posts that this block reads: all, but for those given to deform_interval_gather_part before. Call with
- * block 0, 1, ... in turn. So not all tiles need a slot at the same time. */
-void deform_interval_gather_part(struct deform *deform, size_t block, const struct deform_tile *tiles, size_t count);
-enum status deform_interval_gather(struct deform *deform, size_t block, const struct deform_tile *tiles,
+				  struct deform_interval *interval) FURROW_CHECKED;
+/* Returns the posts of a region that are read, at most DEFORM_WINDOW_POSTS along each side. */
+struct post_rect deform_interval_reads(const struct deform *deform, size_t region);
+/* Returns the posts of a run. It lies on as many tiles as one block, at most. */
+struct post_rect deform_interval_writes(const struct deform *deform, size_t run);
+/* `tiles`: tiles that hold posts that this region reads: all, but for those given to deform_interval_gather_part before. Call with
+ * region 0, 1, ... in turn. So not all tiles need a slot at the same time. */
+void deform_interval_gather_part(struct deform *deform, size_t region, const struct deform_tile *tiles, size_t count);
+enum status deform_interval_gather(struct deform *deform, size_t region, const struct deform_tile *tiles,
 				   size_t count) FURROW_CHECKED;
-/* `tiles`: all tiles that hold a post that this block writes. */
-enum status deform_interval_scatter(struct deform *deform, size_t block, const struct deform_tile *tiles,
+/* `tiles`: all tiles that hold a post of this run. */
+enum status deform_interval_scatter(struct deform *deform, size_t run, const struct deform_tile *tiles,
 				    size_t count) FURROW_CHECKED;
 enum status deform_interval_end(struct deform *deform) FURROW_CHECKED;
-/* Returns how many posts a block reads along one side, at most, with these parameters. Pure. */
-int64_t deform_interval_side(const struct deform_params *params);
 
 /*
  * Adds to the plan what a deform with these parameters will allocate and run (base/plan.h). Each of the objects is prepared with
@@ -398,7 +404,7 @@ void deform_plan(const struct deform_params *params, const struct deform_planned
 struct deform_figures {
 	uint64_t window_layers, result_layers;
 	uint64_t facets;   /* draws of an object's triangles */
-	uint64_t held;     /* blocks on which an object at rest was drawn */
+	uint64_t held;     /* regions on which an object at rest was drawn */
 	uint64_t resting;  /* windows drawn for that, of closed forms; triangles are counted in `facets` */
 	uint64_t atlases;
 };

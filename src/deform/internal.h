@@ -39,6 +39,7 @@ struct layer {
 
 struct deform;
 
+struct block_set;
 struct slide_soil;
 struct slide_place;
 
@@ -106,7 +107,7 @@ struct deform {
 	struct gpu_program *slide_begin[2][2]; /* indices: 1 over blocks, 0 over a window; 1 if the object carries a load */
 	struct gpu_program *slide[2][2], *shed[2]; /* indices: 1 over blocks, 0 over a window; 1 in the last iteration */
 	struct gpu_program *lines[2];          /* index: 1: diagonal ones */
-	struct gpu_program *slope[2];          /* index: 1: the first hop */
+	struct gpu_program *slope[SLOPE_HOPS], *steep;
 	struct slide_soil soils[DEFORM_SOILS];
 	bool contacts_flag;                    /* the flags that a contact writes show all blocks where soil moves after it */
 	struct gpu_program *scm[WITH_ALL];     /* of each variant */
@@ -281,6 +282,18 @@ enum status deform_slide(struct deform *deform, const struct deform_window *wind
 /* soil/slide.c: runs the passes after a contact that displaced soil: first the soil is spread, then it slides. */
 enum status deform_spread_and_slide(struct deform *deform, const struct spread_params *spread, const struct deform_window *window,
 				    uint32_t layer) FURROW_CHECKED;
+/* Blocks that slide together in the atlas, as rectangles of its posts. */
+#define ATLAS_MOST 49 /* lib/squares.glsl */
+/* Cells of the atlas that are marked, and how: lib/cells.glsl. */
+#define CELL 16
+#define CELLS_ACROSS (SIDE / CELL)
+struct slide_atlas {
+	int32_t regions[ATLAS_MOST][4]; /* of blocks, with the rim around them: first post (x, y), posts in x and y */
+	int32_t blocks[ATLAS_MOST][4];  /* active ones: first post (x, y), index of its word in the flags */
+	uint32_t region_count, block_count;
+	struct gpu_buffer *quads;       /* indices */
+	struct gpu_texture *cells;      /* marks of cells (steep.frag); NULL: the height of slopes does not count */
+};
 struct slide_place {
 	uint32_t layer;
 	struct gpu_rect all, written; /* posts that are computed; posts that exchange soil */
@@ -294,20 +307,23 @@ struct slide_place {
 		int32_t step, sides[4];   /* posts beside a border, and beside each side of the window, that were not looked at */
 		bool loaded;              /* as in struct layer */
 	} flags;
-	/* Only over blocks: their number, 0 over a window; posts along a block's square in the atlas; squares in a row. */
-	uint32_t blocks, side, columns;
-	uint32_t first;               /* index of the first block in the list, and of its word in the flags */
+	const struct slide_atlas *atlas; /* NULL over a window */
 };
 enum status deform_slide_run(struct deform *deform, const struct slide_place *place) FURROW_CHECKED;
+/* soil/atlas.c: runs a pass at a place, and fills its viewport. Over an atlas it also fills the geometry, and the parameters before those
+ * of the pass (regions.vert). It draws regions, less `trim` posts along each side; or blocks; or only cells near marked ones. */
+enum atlas_part { ATLAS_REGIONS, ATLAS_BLOCKS, ATLAS_CELLS, ATLAS_BLOCK_CELLS };
+void deform_atlas_run(struct deform *deform, const struct slide_place *place, enum atlas_part part, int64_t trim, const struct gpu_pass *pass);
 /* soil/lines.c: soil slides along the lines of a window, before the last iteration. `heights`: index of the heights.
  * deform_line_passes: returns in how many directions, a pass each. */
 int deform_line_passes(const struct deform_params *params);
 enum status deform_lines_run(struct deform *deform, const struct slide_place *place, int heights) FURROW_CHECKED;
 /* soil/slopes.c: finds the critical difference in the slope at each post, in blocks. deform_slopes_found: returns the result. */
-int deform_slope_hops(const struct deform_params *params);   /* its passes; 0 if the height of slopes does not count */
+int deform_slope_passes(const struct deform_params *params); /* 0 if the height of slopes does not count */
 int64_t deform_slope_reach(const struct deform_params *params); /* returns over how many posts a slope is followed each way */
 enum status deform_slopes_run(struct deform *deform, const struct slide_place *place) FURROW_CHECKED;
 struct gpu_texture *deform_slopes_found(const struct deform *deform);
+int32_t deform_slopes_least(const struct deform *deform); /* returns the least critical difference that a slope can have */
 void deform_slopes_prepare(const struct deform *deform, const struct deform_soil *soil, struct slide_soil *to);
 /* Returns by how much a difference may exceed the critical one without sliding; that added to a difference; fixed-point units. */
 int32_t deform_tolerance(const struct deform *deform);
@@ -345,8 +361,10 @@ struct place_flags deform_active_flags(struct deform *deform, const struct defor
 enum status deform_active_forget(struct deform *deform) FURROW_CHECKED;
 /* Begins an interval: one round of sliding, which runs every few steps. Gives the blocks in which soil may still move. The list does
  * not change before deform_active_visited. */
-enum status deform_active_visit(struct deform *deform, const struct deform_block **blocks, size_t *count) FURROW_CHECKED;
+enum status deform_active_visit(struct deform *deform, const struct block_set **blocks) FURROW_CHECKED;
 bool deform_active_is_visited(const struct deform *deform, struct deform_block block);
+/* Returns the block's index in the list, and that of its word in the flags. */
+uint32_t deform_active_word(const struct deform *deform, struct deform_block block);
 /* Ends an interval. `flags`: a word for each block of the list: where soil still moves in it. */
 enum status deform_active_visited(struct deform *deform, struct gpu_buffer *flags) FURROW_CHECKED;
 

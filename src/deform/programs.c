@@ -123,6 +123,7 @@ void deform_programs_spread(const struct deform_params *params, enum spread_pass
 static void begin_passed(struct deform_request *out, bool blocks, bool last, const char *passed, const char *fragment)
 {
 	begin(out, blocks ? "deform/regions.vert" : "deform/reached.vert", fragment);
+	define(out, "BLOCKS", blocks);
 	define(out, passed, true);
 	define(out, "WINDOW", !blocks);
 	define(out, last ? "BESIDE 0" : "BESIDE 1", !blocks);
@@ -147,6 +148,8 @@ void deform_programs_slide(const struct deform_params *params, enum slide_what w
 		[SLIDE_TAKE] = "deform/slide_take.frag",
 	};
 	begin_passed(out, blocks, last, what == SLIDE_EXCESS ? "PASSED 6" : "PASSED 5", files[what]);
+	define(out, "BY_CELLS", what == SLIDE_EXCESS && blocks && last && deform_has_slopes(params));
+	define(out, "OF_BLOCKS", what == SLIDE_EXCESS && blocks && last && deform_has_slopes(params));
 	if (what != SLIDE_TAKE) {
 		define_number(out, "SOILS", deform_soil_slots(params));
 		define(out, "BOUNDED", what == SLIDE_EXCESS && deform_is_bounded(params));
@@ -170,10 +173,17 @@ void deform_programs_lines(const struct deform_params *params, bool diagonal, st
 	define(out, "STOOD", deform_asks_what_stood(params));
 }
 
-void deform_programs_slope(const struct deform_params *params, bool first, struct deform_request *out)
+void deform_programs_steep(struct deform_request *out)
 {
-	begin(out, "deform/regions.vert", "deform/slope.frag");
-	define(out, "FIRST", first);
+	begin_passed(out, true, true, "PASSED 2", "deform/steep.frag");
+}
+
+void deform_programs_slope(const struct deform_params *params, enum slope_hop hop, struct deform_request *out)
+{
+	begin_passed(out, true, true, "PASSED 2", "deform/slope.frag");
+	define(out, "BY_CELLS", true);
+	define(out, "FIRST", hop == SLOPE_FIRST);
+	define(out, "LAST", hop == SLOPE_LAST);
 	define_number(out, "SOILS", deform_soil_slots(params));
 }
 
@@ -268,8 +278,12 @@ static void each_slide(struct each *each, bool blocks, bool loaded)
 	const int last_pass = slide->pass_count - 1;
 	deform_programs_begin(params, blocks, loaded, &each->request);
 	add(each, !blocks && loaded ? "load" : effect);
-	for (int first = 0; first < 2 && blocks && deform_has_slopes(params); first++) {
-		deform_programs_slope(params, first, &each->request);
+	if (blocks && deform_has_slopes(params)) {
+		deform_programs_steep(&each->request);
+		add(each, effect);
+	}
+	for (int hop = 0; hop < SLOPE_HOPS && blocks && deform_has_slopes(params); hop++) {
+		deform_programs_slope(params, (enum slope_hop)hop, &each->request);
 		add(each, effect);
 	}
 	for (int diagonal = 0; diagonal < 2 && !blocks && deform_line_passes(params) > 0; diagonal++) {

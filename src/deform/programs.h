@@ -24,6 +24,9 @@ enum deform_find_what { FIND_PATCH = 1, FIND_LOAD = 2, FIND_SHAPE = 4, FIND_ALL 
 /* Passes of an iteration of sliding: EXCESS alone, or SHED and TAKE. */
 enum slide_what { SLIDE_EXCESS, SLIDE_SHED, SLIDE_TAKE };
 
+/* Hops along slopes: the first, those between, the last. */
+enum slope_hop { SLOPE_FIRST, SLOPE_BETWEEN, SLOPE_LAST, SLOPE_HOPS };
+
 /* Passes that lay down carried soil. deform_spread_first: returns the first that runs; the contact of a model may measure. */
 enum spread_pass { SPREAD_MEASURE, SPREAD_WEIGH, SPREAD_LAY, SPREAD_PASSES };
 enum spread_pass deform_spread_first(enum deform_model model);
@@ -42,7 +45,8 @@ void deform_programs_slide(const struct deform_params *params, enum slide_what w
 		    struct deform_request *out);
 /* Along lines of a window. `diagonal`: these cross the window's sides. */
 void deform_programs_lines(const struct deform_params *params, bool diagonal, struct deform_request *out);
-void deform_programs_slope(const struct deform_params *params, bool first, struct deform_request *out); /* a hop along slopes */
+void deform_programs_steep(struct deform_request *out); /* marks where soil may slide */
+void deform_programs_slope(const struct deform_params *params, enum slope_hop hop, struct deform_request *out);
 void deform_programs_held(bool loaded, struct deform_request *out);
 void deform_programs_disturbance(struct deform_request *out);
 

@@ -1,6 +1,6 @@
 /*
  * Relaxation of the whole ground. Every `interval` of simulated time soil slides in active blocks, after the path samples of
- * the same time. The tiles of a block are pinned only while it is gathered and while it is scattered.
+ * the same time. Tiles are pinned only while posts are gathered from them, and while posts are scattered to them.
  */
 #include <math.h>
 
@@ -42,11 +42,11 @@ static size_t rests_of(const struct world *world)
 	return count + world_host_rests(world, world->relaxation.rests + count);
 }
 
-/* Gathers a block from tiles that are pinned four at a time, however many it reads. */
-static enum status gather(struct world *world, size_t block)
+/* Gathers a region from tiles that are pinned four at a time, however many it reads. */
+static enum status gather(struct world *world, size_t region)
 {
 	const struct extent *extent = &world->meta->extent;
-	const struct post_rect reads = deform_interval_reads(world->deform, block);
+	const struct post_rect reads = deform_interval_reads(world->deform, region);
 	const int64_t cells = extent->cells;
 	struct held_tiles held = {.count = 0};
 	struct tile first, last;
@@ -61,19 +61,21 @@ static enum status gather(struct world *world, size_t block)
 				continue;
 			status = world_hold(world, part, &held);
 			if (status == STATUS_OK)
-				deform_interval_gather_part(world->deform, block, held.tiles, held.count);
+				deform_interval_gather_part(world->deform, region, held.tiles, held.count);
 			world_release(world, &held);
 		}
-	return status == STATUS_OK ? deform_interval_gather(world->deform, block, NULL, 0) : status;
+	return status == STATUS_OK ? deform_interval_gather(world->deform, region, NULL, 0) : status;
 }
 
 static enum status one_interval(struct world *world, size_t *blocks)
 {
 	struct held_tiles held = {.count = 0};
-	enum status status = deform_interval_begin(world->deform, world->relaxation.rests, rests_of(world), blocks);
-	for (size_t i = 0; i < *blocks && status == STATUS_OK; i++)
+	struct deform_interval size;
+	enum status status = deform_interval_begin(world->deform, world->relaxation.rests, rests_of(world), &size);
+	*blocks = size.blocks;
+	for (size_t i = 0; i < size.regions && status == STATUS_OK; i++)
 		status = gather(world, i);
-	for (size_t i = 0; i < *blocks && status == STATUS_OK; i++) {
+	for (size_t i = 0; i < size.runs && status == STATUS_OK; i++) {
 		struct post_rect writes = deform_interval_writes(world->deform, i);
 		status = world_hold(world, writes, &held);
 		if (status == STATUS_OK)

@@ -141,6 +141,20 @@ static inline void ground_sweep(struct ground *ground, const struct deform_conta
 					 ground->tile_count));
 }
 
+/* An interval with these objects at rest on the ground. */
+static inline struct deform_interval ground_interval(struct ground *ground, const struct deform_rest *objects, size_t count)
+{
+	struct deform_interval size;
+	assert_ok(deform_interval_begin(ground->deform, objects, count, &size));
+	for (size_t i = 0; i < size.regions; i++)
+		assert_ok(deform_interval_gather(ground->deform, i, ground->tiles, ground->tile_count));
+	for (size_t i = 0; i < size.runs; i++)
+		assert_ok(deform_interval_scatter(ground->deform, i, ground->tiles, ground->tile_count));
+	if (size.blocks > 0)
+		assert_ok(deform_interval_end(ground->deform));
+	return size;
+}
+
 /* Whether a post of the block lies in what the last sweep was to write. */
 static inline bool ground_written(const struct ground *ground, int64_t at)
 {

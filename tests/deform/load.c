@@ -162,14 +162,7 @@ static int32_t *slid_on(const struct deform_soil *soil, const struct deform_cont
 		rest.pose.z = forces.z;
 	assert_ok(deform_wake(ground.deform, ground.windows[0].write));
 	for (int n = 0; n < 12; n++) {
-		size_t blocks;
-		assert_ok(deform_interval_begin(ground.deform, &rest, 1, &blocks));
-		for (size_t i = 0; i < blocks; i++)
-			assert_ok(deform_interval_gather(ground.deform, i, ground.tiles, ground.tile_count));
-		for (size_t i = 0; i < blocks; i++)
-			assert_ok(deform_interval_scatter(ground.deform, i, ground.tiles, ground.tile_count));
-		if (blocks > 0)
-			assert_ok(deform_interval_end(ground.deform));
+		ground_interval(&ground, &rest, 1);
 	}
 	int32_t *offsets = ground_plane(&ground, PLANE_OFFSET);
 	ground_finish(&ground);

@@ -139,7 +139,6 @@ static void at_its_limits(enum deform_model model, int rounds)
 	for (int round = 0; round < rounds; round++) {
 		struct ground ground;
 		struct deform_tally tally;
-		size_t blocks;
 		test_seed = 100000u * (uint32_t)model + (uint32_t)round;
 		double spacing = exp2(-(double)(round % 7));
 		struct deform_shape shape = {.kind = (enum deform_shape_kind)(any_word() % 3)};
@@ -165,13 +164,7 @@ static void at_its_limits(enum deform_model model, int rounds)
 			if (model == DEFORM_SCM)
 				forces_are_numbers(&ground, &sweep);
 			struct deform_rest rest = {.shape = &shape, .pose = sweep.to};
-			assert_ok(deform_interval_begin(ground.deform, &rest, 1, &blocks));
-			for (size_t i = 0; i < blocks; i++)
-				assert_ok(deform_interval_gather(ground.deform, i, ground.tiles, ground.tile_count));
-			for (size_t i = 0; i < blocks; i++)
-				assert_ok(deform_interval_scatter(ground.deform, i, ground.tiles, ground.tile_count));
-			if (blocks > 0)
-				assert_ok(deform_interval_end(ground.deform));
+			ground_interval(&ground, &rest, 1);
 		}
 		int64_t sum = look(&ground);
 		assert_ok(deform_tally(ground.deform, &tally));

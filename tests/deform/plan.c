@@ -117,9 +117,7 @@ static void go(struct drive *drive)
 	take_forces(drive);
 	for (int n = 0; n < 3; n++) {
 		assert_ok(deform_wake(drive->ground.deform, scenario->tiles > 0 ? all_of(&drive->ground) : drive->ground.windows[0].write));
-		size_t blocks = interval(&drive->ground, rests, scenario->count);
-		size_t row = SIDE / (size_t)(deform_conserves(scenario->model) ? deform_interval_side(&drive->ground.deform->params) : SIDE);
-		drive->atlases += (blocks + row * row - 1) / (row * row);
+		drive->atlases += ground_interval(&drive->ground, rests, scenario->count).atlases;
 		gpu_finish(test_gpu);
 		for (size_t i = 0; i < scenario->count; i++)
 			sweep(drive, i, middle - 25 + 10 * (double)i, middle, 0, 0, false);

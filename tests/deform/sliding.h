@@ -48,15 +48,7 @@ static inline struct post_rect disturb(struct ground *ground, int64_t x, int64_t
 
 static inline size_t interval(struct ground *ground, const struct deform_rest *objects, size_t count)
 {
-	size_t blocks;
-	assert_ok(deform_interval_begin(ground->deform, objects, count, &blocks));
-	for (size_t i = 0; i < blocks; i++)
-		assert_ok(deform_interval_gather(ground->deform, i, ground->tiles, ground->tile_count));
-	for (size_t i = 0; i < blocks; i++)
-		assert_ok(deform_interval_scatter(ground->deform, i, ground->tiles, ground->tile_count));
-	if (blocks > 0)
-		assert_ok(deform_interval_end(ground->deform));
-	return blocks;
+	return ground_interval(ground, objects, count).blocks;
 }
 
 static inline struct post_rect all_of(const struct ground *ground)

@@ -118,13 +118,7 @@ static void bed_gpu_settle(void *user, double tolerance)
 	bed->read = false;
 	assert_ok(deform_wake(deform, (struct post_rect){0, 0, bed->ground.posts, bed->ground.posts}));
 	for (int n = 0; n < 100000 && blocks > 0; n++) {
-		assert_ok(deform_interval_begin(deform, NULL, 0, &blocks));
-		for (size_t i = 0; i < blocks; i++)
-			assert_ok(deform_interval_gather(deform, i, bed->ground.tiles, bed->ground.tile_count));
-		for (size_t i = 0; i < blocks; i++)
-			assert_ok(deform_interval_scatter(deform, i, bed->ground.tiles, bed->ground.tile_count));
-		if (blocks > 0)
-			assert_ok(deform_interval_end(deform));
+		blocks = ground_interval(&bed->ground, NULL, 0).blocks;
 		gpu_finish(test_gpu);
 	}
 	assert_int_equal(blocks, 0);

@@ -193,18 +193,26 @@ enum status deform_active_blocks(struct deform *deform, const struct deform_bloc
 	return STATUS_OK;
 }
 
-enum status deform_active_visit(struct deform *deform, const struct deform_block **blocks, size_t *count)
+enum status deform_active_visit(struct deform *deform, const struct block_set **blocks)
 {
+	const struct deform_block *list;
+	size_t count;
 	enum status status = deform->active->visit_count == VISITS ? deform_active_wait(deform) : STATUS_OK;
 	if (status != STATUS_OK)
 		return status;
 	ask_swept(deform);
-	return deform_active_blocks(deform, blocks, count);
+	*blocks = &deform->active->blocks;
+	return deform_active_blocks(deform, &list, &count);
 }
 
 bool deform_active_is_visited(const struct deform *deform, struct deform_block block)
 {
 	return deform_block_set_has(&deform->active->blocks, block);
+}
+
+uint32_t deform_active_word(const struct deform *deform, struct deform_block block)
+{
+	return (uint32_t)deform_block_set_place(&deform->active->blocks, block);
 }
 
 enum status deform_active_visited(struct deform *deform, struct gpu_buffer *flags)

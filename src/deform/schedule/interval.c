@@ -1,25 +1,30 @@
 /*
  * An interval: all active blocks make `iterations` iterations of the sliding rule, as if the whole lattice did.
  *
- * Blocks are computed in an atlas, a layer like a window's. It holds a batch of blocks at a time. Each block lies in a
- * square with a rim around it. Values near the square's border become wrong, and the rim is wide enough to keep them
- * out of the block. Results wait in `results` until all blocks have been gathered. So no block reads another's result.
+ * Blocks are computed in regions (regions.h), and these in an atlas, a layer like a window's. It holds a batch of regions at a time.
+ * Each region has a rim around it. Values near the rim's border become wrong, and the rim is wide enough to keep them
+ * out of the blocks. Results wait in `results` until all regions have been gathered. So no region reads another's result.
  */
 #include <assert.h>
+#include <string.h>
 
 #include "deform/internal.h"
+#include "deform/schedule/regions.h"
 
 #define CONTACT_CLOSED 8 /* lib/window.glsl */
+_Static_assert(REGION_ALIGN == CELL, "cells of a block lie in no other block");
 #define RESULT_COLUMNS (SIDE / DEFORM_BLOCK)
+#define QUADS (CELLS_ACROSS * CELLS_ACROSS) /* the most that a pass draws */
 #define RESULTS (RESULT_COLUMNS * RESULT_COLUMNS) /* blocks a layer */
 
 struct interval {
-	const struct deform_block *blocks;
-	size_t count;
+	struct region_limits limits;
+	struct regions regions;
 	const struct deform_rest *objects;
 	size_t object_count;
-	size_t begun;                  /* number of blocks of which a part was gathered */
-	uint32_t side, columns, batch; /* posts along a square; squares in a row; squares in the atlas */
+	size_t begun;                  /* number of regions of which a part was gathered */
+	struct gpu_buffer *quads;      /* indices of quads: two triangles over four vertices each */
+	struct gpu_texture *cells;     /* marks of the atlas's cells; NULL: the height of slopes does not count */
 	struct gpu_texture *results[PLANES];
 	struct gpu_buffer *flags;      /* one word for each block */
 };
@@ -29,12 +34,6 @@ struct held_params {
 	uint32_t zero[4];
 	int32_t window[4];
 };
-
-int64_t deform_interval_side(const struct deform_params *params)
-{
-	const struct deform deform = {.params = *params};
-	return DEFORM_BLOCK + 2 * deform_slide_rim(&deform);
-}
 
 static void drop_results(struct deform *deform)
 {
@@ -72,17 +71,29 @@ static enum status need_results(struct deform *deform, size_t blocks)
 	return status;
 }
 
+static enum status make_quads(struct deform *deform)
+{
+	uint16_t indices[QUADS][6];
+	static const uint16_t corners[6] = {0, 1, 2, 2, 1, 3};
+	for (int quad = 0; quad < QUADS; quad++)
+		for (int i = 0; i < 6; i++)
+			indices[quad][i] = (uint16_t)(4 * quad + corners[i]);
+	return gpu_buffer_create(deform->params.gpu, GPU_INDICES, sizeof indices, indices, &deform->interval->quads);
+}
+
 enum status deform_interval_create(struct deform *deform)
 {
 	struct interval *interval = mem_calloc(1, sizeof *interval);
 	if (interval == NULL)
 		return fail_memory("the awake blocks");
 	deform->interval = interval;
-	interval->side = (uint32_t)deform_interval_side(&deform->params);
-	interval->columns = SIDE / interval->side;
-	interval->batch = interval->columns * interval->columns;
+	interval->limits = (struct region_limits){SIDE, (uint32_t)deform_slide_rim(deform), deform->params.extent->cells, RESULT_COLUMNS};
 	enum status status = gpu_buffer_create(deform->params.gpu, GPU_STORAGE, DEFORM_BLOCKS_MAX * sizeof(uint32_t), NULL,
 					       &interval->flags);
+	if (status == STATUS_OK)
+		status = make_quads(deform);
+	if (status == STATUS_OK && deform_has_slopes(&deform->params))
+		status = gpu_texture_create(deform->params.gpu, GPU_R8UI, CELLS_ACROSS, CELLS_ACROSS, 0, &interval->cells);
 	return status == STATUS_OK ? need_results(deform, 1) : status;
 }
 
@@ -99,7 +110,11 @@ void deform_interval_plan(const struct deform_params *params, struct plan *plan)
 		line.bytes = (uint64_t)SIDE * SIDE * gpu_format_bytes(GPU_R32I);
 		plan_add(plan, &line, "slid blocks");
 	}
+	if (deform_has_slopes(params))
+		plan_add(plan, &(struct plan_line){.kind = PLAN_TEXTURE, .unit = PLAN_ONCE, .effect = effect, .object = -1, .amount = 1,
+						   .bytes = CELLS_ACROSS * CELLS_ACROSS}, "steep cells");
 	deform_plan_buffer(plan, effect, 1, DEFORM_BLOCKS_MAX * sizeof(uint32_t), "blocks' flags");
+	deform_plan_buffer(plan, effect, 1, QUADS * 6 * sizeof(uint16_t), "blocks' corners");
 }
 
 void deform_interval_destroy(struct deform *deform)
@@ -108,6 +123,9 @@ void deform_interval_destroy(struct deform *deform)
 	if (interval == NULL)
 		return;
 	drop_results(deform);
+	deform_regions_finish(&interval->regions);
+	gpu_texture_destroy(interval->cells);
+	gpu_buffer_destroy(interval->quads);
 	gpu_buffer_destroy(interval->flags);
 	mem_free(interval);
 }
@@ -118,19 +136,20 @@ static struct deform_contact rest_contact(const struct deform_rest *object)
 }
 
 enum status deform_interval_begin(struct deform *deform, const struct deform_rest *objects, size_t object_count,
-				  size_t *count)
+				  struct deform_interval *size)
 {
 	struct interval *interval = deform->interval;
-	*count = 0;
+	const struct block_set *active;
+	*size = (struct deform_interval){.blocks = 0};
 	if (interval == NULL)
 		return STATUS_OK;
 	interval->begun = 0;
-	enum status status = deform_active_visit(deform, &interval->blocks, &interval->count);
-	if (status != STATUS_OK || interval->count == 0)
+	enum status status = deform_active_visit(deform, &active);
+	if (status != STATUS_OK || active->count == 0)
 		return status;
 	interval->objects = objects;
 	interval->object_count = object_count;
-	/* Makes all layers that the objects' windows will need. Making them later would lose the gathered blocks. */
+	/* Makes all layers that the objects' windows will need. Making them later would lose the gathered posts. */
 	for (size_t i = 0; i < object_count && status == STATUS_OK; i++) {
 		const struct deform_contact contact = rest_contact(&objects[i]);
 		struct deform_window windows[DEFORM_WINDOWS_MAX];
@@ -138,44 +157,48 @@ enum status deform_interval_begin(struct deform *deform, const struct deform_res
 		status = deform_windows(deform, &contact, windows, &needed);
 	}
 	if (status == STATUS_OK)
-		status = need_results(deform, interval->count);
-	gpu_buffer_clear(interval->flags, 0, interval->count * sizeof(uint32_t));
-	*count = interval->count;
+		status = need_results(deform, active->count);
+	if (status == STATUS_OK)
+		status = deform_regions_cut(active, &interval->limits, &interval->regions);
+	gpu_buffer_clear(interval->flags, 0, active->count * sizeof(uint32_t));
+	if (status == STATUS_OK)
+		*size = (struct deform_interval){active->count, interval->regions.region_count, interval->regions.run_count,
+						 interval->regions.atlas_count};
 	return status;
 }
 
-struct post_rect deform_interval_writes(const struct deform *deform, size_t block)
+struct post_rect deform_interval_writes(const struct deform *deform, size_t run)
 {
 	const struct extent *extent = deform->params.extent;
-	const struct deform_block *at = &deform->interval->blocks[block];
-	int64_t x = at->x * DEFORM_BLOCK, y = at->y * DEFORM_BLOCK;
-	return post_rect_intersect((struct post_rect){x, y, x + DEFORM_BLOCK, y + DEFORM_BLOCK},
+	const struct run *at = &deform->interval->regions.runs[run];
+	int64_t x = at->first.x * DEFORM_BLOCK, y = at->first.y * DEFORM_BLOCK;
+	return post_rect_intersect((struct post_rect){x, y, x + at->count * DEFORM_BLOCK, y + DEFORM_BLOCK},
 				   (struct post_rect){0, 0, extent_posts(extent->width, deform->params.level),
 						      extent_posts(extent->height, deform->params.level)});
 }
 
-struct post_rect deform_interval_reads(const struct deform *deform, size_t block)
+struct post_rect deform_interval_reads(const struct deform *deform, size_t region)
 {
-	const struct deform_block *at = &deform->interval->blocks[block];
-	int64_t rim = deform_slide_rim(deform), x = at->x * DEFORM_BLOCK - rim, y = at->y * DEFORM_BLOCK - rim;
-	return (struct post_rect){x, y, x + deform->interval->side, y + deform->interval->side};
+	const struct region *at = &deform->interval->regions.regions[region];
+	int64_t rim = deform->interval->limits.rim, x = at->x * DEFORM_BLOCK, y = at->y * DEFORM_BLOCK;
+	return (struct post_rect){x - rim, y - rim, x + at->columns * DEFORM_BLOCK + rim, y + at->rows * DEFORM_BLOCK + rim};
 }
 
-/* Finds the first post of a block's square in the atlas. */
-static void place_of(const struct interval *interval, size_t block, uint32_t *x, uint32_t *y)
+/* Finds the first post of a region's rim in the atlas. */
+static void place_of(const struct interval *interval, size_t region, uint32_t *x, uint32_t *y)
 {
-	uint32_t square = (uint32_t)(block % interval->batch);
-	*x = square % interval->columns * interval->side;
-	*y = square / interval->columns * interval->side;
+	const struct region *at = &interval->regions.regions[region];
+	*x = at->at_x - interval->limits.rim;
+	*y = at->at_y - interval->limits.rim;
 }
 
-/* Marks the posts of one block that an object at rest holds. The object's lower envelope over `window` is in layer 0.
+/* Marks the posts of one region that an object at rest holds. The object's lower envelope over `window` is in layer 0.
  * `shadow`: the posts that the object can be above. Elsewhere the envelope was not drawn. */
 static enum status hold(struct deform *deform, const struct deform_rest *object, struct post_rect window,
-			struct post_rect shadow, size_t block)
+			struct post_rect shadow, size_t region)
 {
 	bool loaded = object->loaded_body > 0;
-	struct post_rect square = deform_interval_reads(deform, block);
+	struct post_rect square = deform_interval_reads(deform, region);
 	struct post_rect both = post_rect_intersect(post_rect_intersect(window, shadow), square);
 	uint32_t x, y;
 	if (post_rect_empty(both))
@@ -185,7 +208,7 @@ static enum status hold(struct deform *deform, const struct deform_rest *object,
 	enum status status = deform_program(deform, &request, &deform->held[loaded]);
 	if (status != STATUS_OK)
 		return status;
-	place_of(deform->interval, block, &x, &y);
+	place_of(deform->interval, region, &x, &y);
 	int64_t zero = object->pose.z - (int64_t)deform->params.reference * (1 << OFFSET_BITS);
 	const struct held_params params = {
 		.zero = {(uint32_t)zero, (uint32_t)((uint64_t)zero >> 32), 0, deform->layers},
@@ -209,13 +232,13 @@ static enum status hold(struct deform *deform, const struct deform_rest *object,
 
 static bool overlaps(const struct deform *deform, struct post_rect window, size_t first, size_t last)
 {
-	for (size_t block = first; block <= last; block++)
-		if (!post_rect_empty(post_rect_intersect(window, deform_interval_reads(deform, block))))
+	for (size_t region = first; region <= last; region++)
+		if (!post_rect_empty(post_rect_intersect(window, deform_interval_reads(deform, region))))
 			return true;
 	return false;
 }
 
-/* Marks the posts of blocks first .. last that an object rests on as held, as at the end of a contact. */
+/* Marks the posts of regions first .. last that an object rests on as held, as at the end of a contact. */
 static enum status hold_all(struct deform *deform, const struct deform_rest *object, size_t first, size_t last)
 {
 	const struct deform_contact contact = rest_contact(object);
@@ -227,120 +250,174 @@ static enum status hold_all(struct deform *deform, const struct deform_rest *obj
 			continue;
 		status = deform_envelope(deform, &contact, &windows[i], 0);
 		deform->figures.resting += object->shape->kind != DEFORM_MESH;
-		for (size_t block = first; block <= last && status == STATUS_OK; block++)
-			status = hold(deform, object, windows[i].read, deform_shadow(deform, &contact), block);
+		for (size_t region = first; region <= last && status == STATUS_OK; region++)
+			status = hold(deform, object, windows[i].read, deform_shadow(deform, &contact), region);
 	}
 	return status;
 }
 
-/* Marks the posts of neighbouring blocks that are not visited, so that they exchange no soil with this one. An earlier drive may
- * have left them steep. Then one post of a pair would change and the other would not. */
-static void close_sides(struct deform *deform, size_t block)
+/* Returns the first post of a column or row of blocks, counted from the first post of the region's rim. Columns -1 and `blocks` are
+ * the rim. */
+static uint32_t side_of(const struct interval *interval, int64_t column, uint32_t blocks)
 {
-	const struct deform_block *own = &deform->interval->blocks[block];
-	const uint32_t rim = (uint32_t)deform_slide_rim(deform);
-	const uint32_t from[3] = {0, rim, rim + DEFORM_BLOCK}, length[3] = {rim, DEFORM_BLOCK, rim};
-	uint32_t x, y;
-	place_of(deform->interval, block, &x, &y);
-	for (int k = 0; k < 9; k++) {
-		int i = k % 3, j = k / 3;
-		if (k == 4 || deform_active_is_visited(deform, (struct deform_block){own->x + i - 1, own->y + j - 1}))
-			continue;
-		const struct gpu_rect side = {x + from[i], y + from[j], length[i], length[j]};
-		gpu_texture_clear(deform->contacts, deform->layers, side, CONTACT_CLOSED);
+	uint32_t rim = interval->limits.rim;
+	return column < 0 ? 0 : column <= blocks ? rim + DEFORM_BLOCK * (uint32_t)column : 2 * rim + DEFORM_BLOCK * blocks;
+}
+
+/* Marks the posts in and around a region whose blocks are not visited, so that they exchange no soil with others. An earlier drive
+ * may have left them steep. Then one post of a pair would change and the other would not. */
+static void close_others(struct deform *deform, const struct region *region)
+{
+	const struct interval *interval = deform->interval;
+	const uint32_t x = region->at_x - interval->limits.rim, y = region->at_y - interval->limits.rim;
+	const int64_t columns = region->columns, rows = region->rows;
+	for (int64_t j = -1; j <= rows; j++) {
+		uint32_t y0 = side_of(interval, j, region->rows), y1 = side_of(interval, j + 1, region->rows);
+		for (int64_t i = -1, first = -1; i <= columns + 1; i++) {
+			bool visited = i > columns || deform_active_is_visited(deform, (struct deform_block){region->x + i, region->y + j});
+			if (!visited)
+				continue;
+			uint32_t x0 = side_of(interval, first, region->columns), x1 = side_of(interval, i, region->columns);
+			if (i > first)
+				gpu_texture_clear(deform->contacts, deform->layers, (struct gpu_rect){x + x0, y + y0, x1 - x0, y1 - y0},
+						  CONTACT_CLOSED);
+			first = i + 1;
+		}
 	}
 }
 
-/* Computes the blocks in the atlas: it is full, or `last` is the last block. Copies them into `results`. */
+/* Finds the first post of a run in the atlas. */
+static void place_of_run(const struct interval *interval, const struct run *run, uint32_t *x, uint32_t *y)
+{
+	const struct region *region = &interval->regions.regions[run->region];
+	*x = region->at_x + DEFORM_BLOCK * (uint32_t)(run->first.x - region->x);
+	*y = region->at_y + DEFORM_BLOCK * (uint32_t)(run->first.y - region->y);
+}
+
+/* Copies the blocks of a run from the atlas into `results`. */
+static void keep(struct deform *deform, const struct run *run)
+{
+	const struct interval *interval = deform->interval;
+	uint32_t x, y, to = run->slot % RESULTS;
+	place_of_run(interval, run, &x, &y);
+	for (int plane = 0; plane < PLANES; plane++)
+		if (interval->results[plane] != NULL)
+			gpu_texture_copy(deform->planes_of[1][plane], deform->layers, x, y, interval->results[plane], run->slot / RESULTS,
+					 (struct gpu_rect){to % RESULT_COLUMNS * DEFORM_BLOCK, to / RESULT_COLUMNS * DEFORM_BLOCK,
+							   run->count * DEFORM_BLOCK, DEFORM_BLOCK});
+}
+
+/* Lists the rectangles of regions first .. last, and of their blocks. */
+static void describe(const struct deform *deform, size_t first, size_t last, struct slide_atlas *atlas)
+{
+	const struct interval *interval = deform->interval;
+	const int32_t rim = (int32_t)interval->limits.rim;
+	atlas->region_count = atlas->block_count = 0;
+	atlas->quads = interval->quads;
+	atlas->cells = interval->cells;
+	for (size_t number = first; number <= last; number++) {
+		const struct region *region = &interval->regions.regions[number];
+		const int32_t square[4] = {(int32_t)region->at_x - rim, (int32_t)region->at_y - rim,
+					   (int32_t)region->columns * DEFORM_BLOCK + 2 * rim, (int32_t)region->rows * DEFORM_BLOCK + 2 * rim};
+		assert(atlas->region_count < ATLAS_MOST);
+		memcpy(atlas->regions[atlas->region_count++], square, sizeof square);
+		for (uint32_t i = 0; i < region->run_count; i++) {
+			const struct run *run = &interval->regions.runs[region->first_run + i];
+			for (uint32_t k = 0; k < run->count; k++) {
+				uint32_t x, y, word = deform_active_word(deform, (struct deform_block){run->first.x + k, run->first.y});
+				place_of_run(interval, run, &x, &y);
+				const int32_t block[4] = {(int32_t)(x + k * DEFORM_BLOCK), (int32_t)y, (int32_t)word};
+				assert(atlas->block_count < ATLAS_MOST);
+				memcpy(atlas->blocks[atlas->block_count++], block, sizeof block);
+			}
+		}
+	}
+}
+
+/* Computes the regions in the atlas, first .. last, and keeps their blocks. */
 static enum status compute(struct deform *deform, size_t first, size_t last)
 {
 	struct interval *interval = deform->interval;
-	const struct gpu_rect atlas = {0, 0, SIDE, SIDE};
-	uint32_t rim = (uint32_t)deform_slide_rim(deform);
+	const struct regions *regions = &interval->regions;
+	const struct gpu_rect all = {0, 0, SIDE, SIDE};
 	enum status status = STATUS_OK;
-	gpu_texture_clear(deform->contacts, deform->layers, atlas, 0);
+	gpu_texture_clear(deform->contacts, deform->layers, all, 0);
 	for (size_t i = 0; i < interval->object_count && status == STATUS_OK; i++)
 		status = hold_all(deform, &interval->objects[i], first, last);
-	for (size_t block = first; block <= last; block++)
-		close_sides(deform, block);
+	for (size_t region = first; region <= last; region++)
+		close_others(deform, &regions->regions[region]);
+	struct slide_atlas atlas;
+	describe(deform, first, last, &atlas);
 	const struct slide_place place = {
 		.layer = deform->layers,
-		.all = atlas,
-		.written = atlas,
-		.blocks = (uint32_t)(last - first + 1),
-		.side = interval->side,
-		.columns = interval->columns,
-		.first = (uint32_t)first,
+		.all = all,
+		.written = all,
+		.atlas = &atlas,
 		.flags = {.words = interval->flags},
 	};
 	if (status == STATUS_OK)
 		status = deform_slide_run(deform, &place);
 	deform->figures.atlases++;
-	for (size_t block = first; block <= last && status == STATUS_OK; block++)
-		for (int plane = 0; plane < PLANES; plane++) {
-			uint32_t x, y, to = (uint32_t)(block % RESULTS);
-			place_of(interval, block, &x, &y);
-			if (interval->results[plane] != NULL)
-				gpu_texture_copy(deform->planes_of[1][plane], deform->layers, x + rim, y + rim,
-						 interval->results[plane], (uint32_t)(block / RESULTS),
-						 (struct gpu_rect){to % RESULT_COLUMNS * DEFORM_BLOCK,
-								   to / RESULT_COLUMNS * DEFORM_BLOCK, DEFORM_BLOCK, DEFORM_BLOCK});
-		}
+	for (size_t region = first; region <= last && status == STATUS_OK; region++)
+		for (uint32_t i = 0; i < regions->regions[region].run_count; i++)
+			keep(deform, &regions->runs[regions->regions[region].first_run + i]);
 	return status == STATUS_OK ? gpu_check(deform->params.gpu, "sliding") : status;
 }
 
-void deform_interval_gather_part(struct deform *deform, size_t block, const struct deform_tile *tiles, size_t count)
+void deform_interval_gather_part(struct deform *deform, size_t region, const struct deform_tile *tiles, size_t count)
 {
 	struct interval *interval = deform->interval;
-	const struct post_rect reads = deform_interval_reads(deform, block);
+	const struct post_rect reads = deform_interval_reads(deform, region);
 	unsigned planes = sliding_planes(&deform->params);
 	uint32_t x, y;
-	assert(block < interval->count);
-	place_of(interval, block, &x, &y);
-	if (interval->begun == block + 1)
+	assert(region < interval->regions.region_count);
+	place_of(interval, region, &x, &y);
+	if (interval->begun == region + 1)
 		deform_gather_more(deform, reads, deform->layers, x, y, true, planes, tiles, count);
 	else
 		deform_gather(deform, reads, deform->layers, x, y, true, planes, tiles, count);
-	interval->begun = block + 1;
+	interval->begun = region + 1;
 }
 
-enum status deform_interval_gather(struct deform *deform, size_t block, const struct deform_tile *tiles, size_t count)
+enum status deform_interval_gather(struct deform *deform, size_t region, const struct deform_tile *tiles, size_t count)
 {
-	const struct interval *interval = deform->interval;
-	deform_interval_gather_part(deform, block, tiles, count);
-	if (block % interval->batch != interval->batch - 1 && block != interval->count - 1)
+	const struct regions *regions = &deform->interval->regions;
+	const uint32_t atlas = regions->regions[region].atlas;
+	size_t first = region;
+	deform_interval_gather_part(deform, region, tiles, count);
+	if (region + 1 < regions->region_count && regions->regions[region + 1].atlas == atlas)
 		return STATUS_OK;
-	return compute(deform, block - block % interval->batch, block);
+	while (first > 0 && regions->regions[first - 1].atlas == atlas)
+		first--;
+	return compute(deform, first, region);
 }
 
 enum status deform_interval_warm(struct deform *deform, const struct deform_shape *shape, uint32_t loaded_body)
 {
-	static const struct deform_block beyond = {-4, -4};
 	struct interval *interval = deform->interval;
 	const struct deform_rest object = {.shape = shape, .loaded_body = loaded_body};
-	interval->blocks = &beyond;
-	interval->count = 1;
 	interval->begun = 0;
 	interval->object_count = 0;
-	enum status status = deform_interval_gather(deform, 0, NULL, 0);
+	enum status status = deform_regions_one((struct deform_block){-4, -4}, &interval->limits, &interval->regions);
+	if (status == STATUS_OK)
+		status = deform_interval_gather(deform, 0, NULL, 0);
 	if (status == STATUS_OK)
 		status = hold(deform, &object, deform_interval_reads(deform, 0), deform_interval_reads(deform, 0), 0);
-	interval->count = 0;
 	return status;
 }
 
-enum status deform_interval_scatter(struct deform *deform, size_t block, const struct deform_tile *tiles, size_t count)
+enum status deform_interval_scatter(struct deform *deform, size_t run, const struct deform_tile *tiles, size_t count)
 {
 	const struct interval *interval = deform->interval;
-	uint32_t at = (uint32_t)(block % RESULTS);
+	const uint32_t slot = interval->regions.runs[run].slot, at = slot % RESULTS;
 	struct scatter_from from = {
-		.layer = (uint32_t)(block / RESULTS),
+		.layer = slot / RESULTS,
 		.x = at % RESULT_COLUMNS * DEFORM_BLOCK,
 		.y = at / RESULT_COLUMNS * DEFORM_BLOCK,
 	};
 	for (int plane = 0; plane < PLANES; plane++)
 		from.planes[plane] = interval->results[plane];
-	return deform_scatter_from(deform, deform_interval_writes(deform, block), &from, tiles, count);
+	return deform_scatter_from(deform, deform_interval_writes(deform, run), &from, tiles, count);
 }
 
 enum status deform_interval_end(struct deform *deform)

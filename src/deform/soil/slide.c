@@ -67,7 +67,7 @@ bool deform_has_slopes(const struct deform_params *params)
 /* The pass that begins, those that find slopes or slide along lines, and those of the iterations. */
 int deform_slide_passes(const struct deform_params *params, bool blocks)
 {
-	int more = blocks ? deform_slope_hops(params) : deform_line_passes(params);
+	int more = blocks ? deform_slope_passes(params) : deform_line_passes(params);
 	return 1 + more + params->iterations * slide_of(params)->pass_count;
 }
 
@@ -145,15 +145,12 @@ static void fill_window(const struct slide_place *place, struct slide_params *pa
 	memcpy(params->view, view, sizeof view);
 }
 
-/* Returns the parameters of an iteration. `trim`: posts along each side of a block's square that later iterations do not need. */
-static struct slide_params slide_params(const struct slide_place *place, int64_t trim, int64_t rim)
+/* Returns the parameters of an iteration. */
+static struct slide_params slide_params(const struct slide_place *place, int64_t rim)
 {
 	const struct place_flags *flags = &place->flags;
-	struct slide_params params = {
-		.region = {(int32_t)place->side, (int32_t)place->columns, (int32_t)trim, (int32_t)place->first},
-		.place = {(int32_t)place->layer, (int32_t)rim},
-	};
-	if (place->blocks > 0)
+	struct slide_params params = {.place = {(int32_t)place->layer, (int32_t)rim}};
+	if (place->atlas != NULL)
 		return params;
 	params.region[0] = flags->from[0];
 	params.region[1] = flags->from[1];
@@ -166,38 +163,29 @@ static struct slide_params slide_params(const struct slide_place *place, int64_t
 /* Tells passes over a window from passes over blocks. */
 static enum gpu_stage stage_of(const struct slide_place *place)
 {
-	return place->blocks > 0 ? GPU_SETTLE : GPU_SLIDE;
-}
-
-/* A pass over a window draws the rectangle that reached.vert finds, as a strip of four vertices. */
-static uint32_t strips(const struct slide_place *place)
-{
-	return place->blocks > 0 ? place->blocks : 1;
+	return place->atlas != NULL ? GPU_SETTLE : GPU_SLIDE;
 }
 
 /* Runs the first pass: reads planes_of[1]; writes the heights. */
 static enum status begin(struct deform *deform, const struct slide_place *place)
 {
-	bool blocks = place->blocks > 0, loaded = place->flags.loaded;
+	bool blocks = place->atlas != NULL, loaded = place->flags.loaded;
 	struct deform_request request;
 	deform_programs_begin(&deform->params, blocks, loaded, &request);
 	struct gpu_program **program = &deform->slide_begin[blocks][loaded];
 	enum status status = deform_program(deform, &request, program);
 	if (status != STATUS_OK)
 		return status;
-	/* Iterations need no heights where only the extents of slopes are found. */
-	int32_t trim = blocks ? (int32_t)deform_slope_reach(&deform->params) : 0;
 	struct slide_params params = {
-		.region = {(int32_t)place->side, (int32_t)place->columns, trim, (int32_t)place->first},
 		.place = {(int32_t)place->layer, deform_is_bounded(&deform->params) ? loose_depth(deform) : 0},
 	};
 	fill_window(place, &params);
-	gpu_pass_run(deform->params.gpu, &(struct gpu_pass){
+	/* Iterations need no heights where only the extents of slopes are found. Marking steep posts reads one post more. */
+	int64_t reach = deform_slope_reach(&deform->params);
+	deform_atlas_run(deform, place, ATLAS_REGIONS, reach > 0 ? reach - 1 : 0, &(struct gpu_pass){
 		.stage = stage_of(place),
 		.program = *program,
 		.target = deform->scratch[place->layer].to[TO_BEGUN],
-		.viewport = place->all,
-		.instances = strips(place),
 		.images = {deform->bases, deform->planes_of[1][PLANE_OFFSET], deform->contacts, blocks ? NULL : deform->deposits,
 			   deform->planes_of[1][PLANE_DEPOSITED]},
 		.storage = {deform->tally},
@@ -208,15 +196,15 @@ static enum status begin(struct deform *deform, const struct slide_place *place)
 	return STATUS_OK;
 }
 
+/* Runs the pass that ends an iteration. The last iteration needs no post around the blocks. */
 static void run(struct deform *deform, const struct slide_place *place, int iteration, struct gpu_pass *pass)
 {
-	bool last = iteration == deform->params.iterations - 1, blocks = place->blocks > 0;
+	int64_t left = deform_slide_step(deform) * (deform->params.iterations - 1 - iteration);
+	bool last = iteration == deform->params.iterations - 1, blocks = place->atlas != NULL;
 	const enum scratch_target heights = iteration % 2 == 0 ? TO_HEIGHTS_1 : TO_HEIGHTS_0;
 	struct gpu_texture *const *planes = deform->planes_of[1];
 	pass->stage = stage_of(place);
 	pass->target = deform->scratch[place->layer].to[last ? TO_BARE : heights];
-	pass->viewport = place->all;
-	pass->instances = strips(place);
 	pass->images[0] = deform->heights[iteration % 2];
 	pass->storage[1] = last ? place->flags.words : NULL;
 	pass->block = blocks ? NULL : deform->laying;
@@ -227,21 +215,24 @@ static void run(struct deform *deform, const struct slide_place *place, int iter
 		pass->images[6] = planes[PLANE_DEPOSITED] != NULL ? planes[PLANE_DEPOSITED] : pass->images[6];
 		pass->images[7] = deform->bases;
 	}
-	gpu_pass_run(deform->params.gpu, pass);
+	bool cells = deform_has_slopes(&deform->params);
+	enum atlas_part part = !last ? ATLAS_REGIONS : cells ? ATLAS_BLOCK_CELLS : ATLAS_BLOCKS;
+	deform_atlas_run(deform, place, part, deform_slide_rim(deform) - left, pass);
 }
 
 static enum status excess(struct deform *deform, const struct slide_place *place, int iteration)
 {
 	bool last = iteration == deform->params.iterations - 1, stood = deform_asks_what_stood(&deform->params);
 	struct deform_request request;
-	deform_programs_slide(&deform->params, SLIDE_EXCESS, place->blocks > 0, last, &request);
-	struct gpu_program **program = &deform->slide[place->blocks > 0][last];
+	deform_programs_slide(&deform->params, SLIDE_EXCESS, place->atlas != NULL, last, &request);
+	struct gpu_program **program = &deform->slide[place->atlas != NULL][last];
 	enum status status = deform_program(deform, &request, program);
 	if (status != STATUS_OK)
 		return status;
-	int64_t rim = deform_slide_rim(deform), left = deform->params.iterations - 1 - iteration;
-	bool slopes = place->blocks > 0 && deform_has_slopes(&deform->params);
-	struct excess_params params = {.slide = slide_params(place, rim - left, rim)};
+	bool slopes = place->atlas != NULL && deform_has_slopes(&deform->params);
+	struct excess_params params = {.slide = slide_params(place, deform_slide_rim(deform))};
+	if (slopes)
+		params.slide.region[2] = deform_slopes_least(deform);
 	for (int i = 0; i < deform->params.soil_count; i++) {
 		const struct slide_soil *soil = &deform->soils[i];
 		const int32_t limits[4] = {soil->critical[0], soil->critical[1], deform_tolerance(deform), soil->rise[0]};
@@ -261,13 +252,13 @@ static enum status shed(struct deform *deform, const struct slide_place *place, 
 {
 	bool stood = deform_asks_what_stood(&deform->params);
 	struct deform_request request;
-	deform_programs_slide(&deform->params, SLIDE_SHED, place->blocks > 0, false, &request);
-	struct gpu_program **program = &deform->shed[place->blocks > 0];
+	deform_programs_slide(&deform->params, SLIDE_SHED, place->atlas != NULL, false, &request);
+	struct gpu_program **program = &deform->shed[place->atlas != NULL];
 	enum status status = deform_program(deform, &request, program);
 	if (status != STATUS_OK)
 		return status;
 	int64_t rim = deform_slide_rim(deform), left = deform->params.iterations - 1 - iteration;
-	struct shed_params params = {.slide = slide_params(place, rim - 2 * left - 1, rim)};
+	struct shed_params params = {.slide = slide_params(place, rim)};
 	for (int i = 0; i < deform->params.soil_count; i++) {
 		const struct slide_soil *soil = &deform->soils[i];
 		for (int k = 0; k < 2; k++) {
@@ -279,15 +270,13 @@ static enum status shed(struct deform *deform, const struct slide_place *place, 
 		for (int n = 0; n < 8; n++)
 			params.soils[i].share[n] = soil->share[n];
 	}
-	gpu_pass_run(deform->params.gpu, &(struct gpu_pass){
+	deform_atlas_run(deform, place, ATLAS_REGIONS, rim - 2 * left - 1, &(struct gpu_pass){
 		.stage = stage_of(place),
 		.program = *program,
 		.target = deform->scratch[place->layer].to[TO_SHED],
-		.viewport = place->all,
-		.instances = strips(place),
 		.images = {deform->heights[iteration % 2], deform->contacts, deform->classes,
 			   [7] = stood ? deform->bases : NULL},
-		.block = place->blocks > 0 ? NULL : deform->laying,
+		.block = place->atlas != NULL ? NULL : deform->laying,
 		.params = &params,
 		.params_bytes = (size_t)((char *)&params.soils[deform_soil_slots(&deform->params)] - (char *)&params),
 	});
@@ -301,13 +290,12 @@ static enum status shed_and_take(struct deform *deform, const struct slide_place
 	if (status != STATUS_OK)
 		return status;
 	struct deform_request request;
-	deform_programs_slide(&deform->params, SLIDE_TAKE, place->blocks > 0, last, &request);
-	struct gpu_program **program = &deform->slide[place->blocks > 0][last];
+	deform_programs_slide(&deform->params, SLIDE_TAKE, place->atlas != NULL, last, &request);
+	struct gpu_program **program = &deform->slide[place->atlas != NULL][last];
 	status = deform_program(deform, &request, program);
 	if (status != STATUS_OK)
 		return status;
-	int64_t rim = deform_slide_rim(deform), left = deform->params.iterations - 1 - iteration;
-	const struct slide_params params = slide_params(place, rim - 2 * left, rim);
+	const struct slide_params params = slide_params(place, deform_slide_rim(deform));
 	run(deform, place, iteration, &(struct gpu_pass){
 		.program = *program,
 		.images = {NULL, deform->carried},
@@ -337,10 +325,10 @@ const struct soil_slide deform_slide_shed = {
 enum status deform_slide_run(struct deform *deform, const struct slide_place *place)
 {
 	enum status status = begin(deform, place);
-	if (status == STATUS_OK && place->blocks > 0 && deform_has_slopes(&deform->params))
+	if (status == STATUS_OK && place->atlas != NULL && deform_has_slopes(&deform->params))
 		status = deform_slopes_run(deform, place);
 	for (int i = 0; i < deform->params.iterations && status == STATUS_OK; i++) {
-		if (i == deform->params.iterations - 1 && place->blocks == 0)
+		if (i == deform->params.iterations - 1 && place->atlas == NULL)
 			status = deform_lines_run(deform, place, i % 2);
 		if (status == STATUS_OK)
 			status = slide_of(&deform->params)->iterate(deform, place, i);

@@ -1,0 +1,32 @@
+#version 450 core
+// Marks the cells of the atlas in which soil may slide in this interval. There two neighbours differ in height by more than the least
+// critical difference of any soil and slope. Later passes draw only cells near marked ones. One fragment for each post. The target has
+// no attachment.
+
+#include "lib/slide.glsl"
+#include "lib/cells.glsl"
+
+layout(binding = 0, r32i) readonly uniform iimage2DArray heights;
+layout(binding = 1, r8ui) writeonly uniform uimage2D cells;
+
+flat in ivec4 passed[PASSED]; // the parameters, from the vertex shader: passed.vert says why
+ivec4 place = passed[0]; // the layer; least critical differences: axial, diagonal
+ivec4 reach = passed[1]; // how far around a steep post cells are marked; a step by which none of them is left out; the last step's end
+
+const ivec2 AFTER[4] = ivec2[4](ivec2(1, 0), ivec2(0, 1), ivec2(1, 1), ivec2(-1, 1)); // each pair of neighbours once
+
+void main()
+{
+	ivec3 at = ivec3(ivec2(gl_FragCoord.xy), place.x);
+	int height = imageLoad(heights, at).r;
+	bool steep = false;
+	for (int k = 0; k < 4; k++) {
+		int other = imageLoad(heights, at + ivec3(AFTER[k], 0)).r;
+		steep = steep || (other != STILL && abs(height - other) > (k < 2 ? place.y : place.z));
+	}
+	steep = steep && height != STILL;
+	// Where no post is steep, a loop ends at once.
+	for (int y = steep ? -reach.x : reach.z; y <= reach.z; y += reach.y)
+		for (int x = steep ? -reach.x : reach.z; x <= reach.z && steep; x += reach.y)
+			imageStore(cells, clamp((at.xy + ivec2(x, y)) / CELL, ivec2(0), ivec2(CELLS_ACROSS - 1)), uvec4(1u));
+}
