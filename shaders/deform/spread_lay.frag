@@ -36,7 +36,7 @@ void main()
 	uvec4 sum = uvec4(0u); // of the row's weights so far, by face
 	ivec4 sent = ivec4(0); // the soil that these weights get; differences fit 32 bits
 	find_band();
-	ivec2 posts = posts_of_row(y), takes = posts.yx;
+	ivec2 posts = posts_of_row(y), takes = written.zx;
 	for (int x = posts.x; x < posts.y; x++) {
 		ivec3 post = ivec3(x, y, place.x);
 		int weighed = imageLoad(deposits, post).r, face = weighed >> 16;
