@@ -68,7 +68,7 @@ int concerns(int x, int y, ground west, ground g, ground east, float by_width, i
 	vec2 at = place_of(x, y);
 	float height = float(g.height - raised) * UNIT_METRES;
 	bool known = g.base != BASE_NODATA, near = known && was_below(at, height + 2.0 * scale.y + float(fell) * UNIT_METRES, 0.0);
-	// Under a wheel that goes on, nothing bears above the plastic part of what the post was pressed before.
+	// Under a wheel that goes on, nothing bears above the plastic sinkage that the post had before.
 	float gone = stamps > 0.0 ? 0.0 : max(plastic_of(soil_at(x, y), by_width, imageLoad(sinkages, post).r) - LEAST, 0.0);
 	float rises = (abs(rise_between(west, g, east)) + abs(rise_between(south, g, north))) * cell_reach;
 	bool some = near && sheared || known && was_below(at, height - gone + rises, cell_reach);
