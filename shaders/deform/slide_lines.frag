@@ -171,7 +171,25 @@ bool walk(ivec3 at, ivec3 step, int posts)
 	int height = imageLoad(heights, at).r, after = posts - 1, pops = 0;
 	bool other = false, given = false, walks = true;
 	while (walks) {
-		bool found = given, cut;
+		bool found = given, skips = !given, cut;
+		// As a rule posts are at rest, so four are looked at together.
+		while (skips) {
+			ivec3 to = at;
+			int last = height;
+			bool falls = after < 4, rises = false;
+			for (int k = 0; k < 4; k++) {
+				to = next_post(to, step, cut);
+				int next = imageLoad(heights, to).r;
+				falls = falls || (!cut && may_slide(last, next));
+				rises = rises || may_slide(next, last);
+				last = next;
+			}
+			skips = !falls;
+			other = other || (skips && rises);
+			at = skips ? to : at;
+			height = skips ? last : height;
+			after -= skips ? 4 : 0;
+		}
 		while (!found && after > 0) {
 			ivec3 to = next_post(at, step, cut);
 			int next = imageLoad(heights, to).r;
