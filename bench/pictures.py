@@ -1,9 +1,9 @@
-"""Twelve pictures to look at, and a contact sheet of them: what Furrow draws, and where mistakes would show.
+"""Fourteen pictures to look at, and a contact sheet of them: what Furrow draws, and where mistakes would show.
 
     python3 bench/pictures.py build/tools/furrow -o bench-out/pictures
 
 A rut from near by, the corner of four tiles, the horizon, levels of detail that meet, each of the ground's textures, holes,
-a drive's map, and the window (with Xvfb and xdotool; left out without). Makes its own terrain. Writes NAME.png of each and,
+a sphere's crater, ten passes in one rut, a drive's map, and the window (with Xvfb and xdotool; left out without). Makes its own terrain. Writes NAME.png of each and,
 with gnuplot, sheet.jpg.
 """
 import argparse
@@ -102,6 +102,18 @@ def wheel(points, speed=5):
             f"    path: {{points: {json.dumps(points)}, speed: {speed}}}")
 
 
+# The object itself is not drawn.
+CRATER = ("spacing: 0.03125", "soil: {name: dry_sand, cohesion: 0}", "redistribute: {model: slippage}", "objects:",
+          "  - {name: sphere, shape: {sphere: {radius: 0.6}}, sink: 0.3, path: {points: [[104, 100]], speed: 1}}")
+
+
+def passes(count):
+    """Wheels one behind the other, 800 N each."""
+    wheels = (f"  - {{name: wheel{k}, shape: {{wheel: {{radius: 0.32, width: 0.24}}}}, load: 800, slip: 0.2, path: {{points: [[{100 + count - k}, 100], "
+              f"[{112 + count - k}, 100]], speed: 1}}}}" for k in range(count))
+    return ("spacing: 0.015625", "soil: {name: dry_sand}", "redistribute: {model: scm}", "objects:", *wheels)
+
+
 def draw_all(studio):
     folder = studio.folder
     hills = studio.store("hills", "--posts", "2049x2049", "--spacing", "1", "--kind", "ridged", "--relief", "160", "--seed", "7")
@@ -138,6 +150,12 @@ def draw_all(studio):
     studio.run("import", folder / "holes-source.png", "-o", holes, "--nodata", "0", "--height-range", "0,6553.5", "--overwrite")
     studio.drive("nodata", "ground without data", scene(folder, "nodata", *wheel([[60, 20], [61, 20]], 1)), holes, 1,
                  {"camera": {"fixed": {"eye": [128, -20, 190], "target": [128, 110, 110]}}})
+
+    low = {"sun": {"azimuth": 120, "height": 22}, "effects": ["sky", "shadow", "skirts"]}
+    studio.drive("crater", "a sphere's crater", scene(folder, "crater", *CRATER), plain, 25,
+                 {"camera": studio.camera(plain, (103.2, 97.6, 2.4), (104, 100.3, 0)), **low})
+    studio.drive("passes", "ten passes in one rut", scene(folder, "passes", *passes(10)), plain, 325,
+                 {"camera": studio.camera(plain, (106.2, 98.7, 1.2), (107.2, 100.1, 0)), **low})
 
     shutil.copy(drive / "map.png", folder / "map.png")
     studio.add("a drive's map", folder / "map.png")
