@@ -155,7 +155,7 @@ void main()
 		total_add(moved, b.carried);
 		moving += uint(b.carried > 0);
 		of_classes |= b.carried > 0 ? 1u << class_at(x, y) : 0u;
-		hollow = max(hollow, b.touched ? depth_of(b.carried, b.after.offset, frame.w) : 0);
+		hollow = max(hollow, b.touched ? depth_of(b.carried, b.after.offset, b.after.dug, frame_axis.z, frame.w) : 0);
 		first_touched = b.touched ? min(first_touched, x) : first_touched;
 		last_touched = b.touched ? x : last_touched;
 #ifdef FORCES

@@ -40,7 +40,7 @@ void main()
 		hi += carry;
 		count += uint(amount > 0);
 		of_classes |= amount > 0 ? 1u << soil : 0u;
-		deepest = max(deepest, depth_of(amount, imageLoad(offsets, post).r, share));
+		deepest = max(deepest, depth_of(amount, imageLoad(offsets, post).r, 0, 0, share));
 		first = min(first, x);
 		last = max(last, x);
 	}

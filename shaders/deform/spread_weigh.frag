@@ -32,9 +32,11 @@ int from_patch(int x, int y)
 int beside_face(ivec2 at, out int face)
 {
 	int along = max(at.x - rectangle.x, rectangle.y - at.x), aside = max(at.y - rectangle.z, rectangle.w - at.y);
-	bool beside = along <= 0;
+	bool rolls = axis.w != 0, beside = rolls ? aside > 0 : along <= 0;
 	face = beside ? (at.y > 0 ? 2 : 3) : (at.x > 0 ? 0 : 1);
-	bool far = beside ? abs(at.x) > axis.z : aside > 0;
+	int from_end = axis.z + (axis.w > 0 ? at.x : -at.x);
+	bool far = rolls ? from_end < 0 || from_end >= abs(axis.w) : abs(at.x) > axis.z;
+	far = beside ? far : aside > 0;
 	return far || shares[face] == 0 ? 0 : profile((beside ? aside : along) >> 10);
 }
 

@@ -48,12 +48,13 @@ ivec2 frame_of(ivec2 frame, ivec2 axis, int x, int y)
 	return frame + ivec2(x * axis.x + y * axis.y, y * axis.x - x * axis.y);
 }
 
-// Returns how deep the hollow counts at a post. carries: soil that the post carries; offset: after the contact; both fixed-point units.
-// share: of the depth that is laid, 2^-16.
-int depth_of(int carries, int offset, int share)
+// Returns how deep the hollow counts at a post. carries: soil that the post carries; offset: after the contact; dug: all that slip has dug
+// there; all in fixed-point units. of_dug, share: of that, and of the rest of the depth, that is laid, 2^-16.
+int depth_of(int carries, int offset, int dug, int of_dug, int share)
 {
-	int depth = clamp(-offset, 0, HOLLOW_MOST);
-	return max(carries, int((uint(depth >> 8) * uint(share)) >> 8));
+	int depth = clamp(-offset, 0, HOLLOW_MOST), part = clamp(dug, 0, depth);
+	int counted = int((uint(part >> 8) * uint(of_dug)) >> 8);
+	return max(carries, int((uint(depth - counted >> 8) * uint(share)) >> 8) + counted);
 }
 
 // Adds the touched posts of a row. soil: lo, hi; at: places of the first and the last of them in the frame. of_classes: of the posts that

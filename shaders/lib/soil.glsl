@@ -40,7 +40,7 @@ layout(std140, binding = 0) uniform params {
 	vec4 digs;     // how far the object slips over the ground during the contact, m; how deep that digs at most, in units of K
 	vec4 surface;  // the object's: adhesion, Pa, and tangent of its friction angle; then 1 for each that is the soil's own instead: c, tan phi
 	ivec4 frame;   // of laying. x, y: post (0, 0), 2^-16 post. z: 1 if soil is laid all around the patch. w: share of the depth that is laid, 2^-16
-	ivec4 frame_axis; // x, y: its x axis, 2^-16
+	ivec4 frame_axis; // x, y: its x axis, 2^-16. z: share of the dug soil that counts for the depth that is laid, 2^-16
 	soil soils[SOILS];
 #ifdef SOIL_RASTERS
 	vec4 rasters[4]; // of the bytes in `numbers`: least and greatest value, step between levels; SI, angles in radians

@@ -20,7 +20,8 @@ layout(std140, binding = 0) uniform params {
 	// x, y: post (0, 0) in the frame. z: half the width of a wheel; 0: the width of the patch is used. w: how much the patch's length
 	// counts beside its width for the width of a band, 2^-16.
 	ivec4 origin;
-	ivec4 axis;    // x, y: x axis of the frame, 2^-16. z: beside the patch soil is laid up to this |x|
+	ivec4 axis;    // x, y: x axis of the frame, 2^-16. z: beside the patch soil is laid up to this |x|. w: a wheel that goes on
+	// lays it from -z over this length; below 0: it rolls backwards, and lays it from z on; 0: along the whole patch
 	ivec4 shares;  // of the soil for each face, 2^-16; their sum is 1
 	ivec4 soils[SOILS]; // a factor in the square of a band's width, 2^-24 (find_band); share of the depth that is laid, 2^-16
 } given;
@@ -67,8 +68,11 @@ ivec2 posts_of_row(int y)
 		return ivec2(written.x, written.z);
 	// Posts whose x and y in the frame lie within the rectangle and its bands, or at most one post outside.
 	bool ends = shares[0] + shares[1] > 0;
-	vec2 half_size = 0.5 * vec2(rectangle.xz - rectangle.yw), wide = vec2(float(band << 10));
-	vec2 middle = 0.5 * vec2(rectangle.xz + rectangle.yw) - vec2(origin.xy + y * ivec2(axis.y, axis.x));
+	ivec4 around = rectangle;
+	if (axis.w != 0)
+		around.xy = ivec2(max(around.x, axis.w > 0 ? axis.w - axis.z : axis.z), min(around.y, axis.w > 0 ? -axis.z : axis.w + axis.z));
+	vec2 half_size = 0.5 * vec2(around.xz - around.yw), wide = vec2(float(band << 10));
+	vec2 middle = 0.5 * vec2(around.xz + around.yw) - vec2(origin.xy + y * ivec2(axis.y, axis.x));
 	vec2 reach = half_size + 65536.0 + (ends ? wide : vec2(0.0, wide.y));
 	float first = max(least_of(middle.x, reach.x, axis.x), least_of(middle.y, reach.y, -axis.y));
 	float last = min(-least_of(-middle.x, reach.x, axis.x), -least_of(-middle.y, reach.y, -axis.y));

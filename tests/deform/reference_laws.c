@@ -98,8 +98,9 @@ static void what_is_lifted_goes_around_by_its_distance(void **state)
 	reference_ground_finish(&ground);
 }
 
-/* Sums beside the four faces of a wheel that goes east by a post: west, east, south, north of what it touches, and in the corners. */
-static void lay_beside(const struct deform_contact *sweep, double sums[5])
+/* Sums beside the four faces of a wheel: west, east, south, north of what it touches. The last one: north and south, but beyond its radius
+ * behind its axle, or ahead of post `last`. */
+static void lay_beside(const struct deform_contact *sweep, int last, double sums[5])
 {
 	struct reference_ground ground = made(41, 41, 0.05);
 	struct deform_params params = with(DEFORM_SLIPPAGE, "dry_sand");
@@ -111,8 +112,8 @@ static void lay_beside(const struct deform_contact *sweep, double sums[5])
 	lay(&ground, &params, sweep);
 	memset(sums, 0, 5 * sizeof *sums);
 	for (int i = 0; i < 41 * 41; i++) {
-		int x = i % 41, y = i / 41, face = x < 17 ? 0 : x > 22 ? 1 : y < 18 ? 2 : 3;
-		sums[(x < 17 || x > 22) && (y < 18 || y > 22) ? 4 : face] += ground.offset[i] / 0.3;
+		int x = i % 41, y = i / 41, face = y < 18 ? 2 : y > 22 ? 3 : x < 17 ? 0 : 1;
+		sums[face > 1 && (x < 10 || x > last) ? 4 : face] += ground.offset[i] / 0.3;
 	}
 	reference_ground_finish(&ground);
 }
@@ -129,19 +130,19 @@ static void a_wheel_lays_beside_its_way_and_a_sledge_ahead(void **state)
 	const double ways[][5] = {{0, 0, 0.5, 0.5, 0}, {0, 0.5, 0.25, 0.25, 0}, {0, 0.125, 0.4375, 0.4375, 0}};
 	for (int k = 0; k < 3; k++) { /* it rolls; it is locked; half of its way it slides */
 		sweep.turned = k == 0 ? 0.05 / 0.53 : k == 1 ? 0 : 0.025 / 0.53;
-		lay_beside(&sweep, sums);
+		lay_beside(&sweep, 13, sums); /* five eighths of its radius behind its axle */
 		for (int i = 0; i < 5; i++)
 			assert_true(fabs(sums[i] - ways[k][i]) < 1e-6);
 	}
 	/* Aside: half on the side to which it goes, a quarter before and behind it. */
 	sweep.from.x = sweep.to.x;
 	sweep.from.y -= lattice_offset(0.05);
-	lay_beside(&sweep, sums);
+	lay_beside(&sweep, 23, sums);
 	assert_true(fabs(sums[3] - 0.5) < 1e-6 && fabs(sums[0] - 0.25) < 1e-6 && fabs(sums[1] - 0.25) < 1e-6 && sums[2] == 0);
 	/* A box that goes west. */
 	sweep = (struct deform_contact){.shape = &box, .from = sweep.to, .to = sweep.to};
 	sweep.from.x += lattice_offset(0.05);
-	lay_beside(&sweep, sums);
+	lay_beside(&sweep, 40, sums);
 	assert_true(fabs(sums[0] - 0.5) < 1e-6 && sums[1] == 0 && fabs(sums[2] - 0.25) < 1e-6 && fabs(sums[3] - 0.25) < 1e-6);
 }
 

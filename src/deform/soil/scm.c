@@ -148,6 +148,7 @@ static void fill_laying(const struct spread_params *spread, struct scm_params *p
 	memcpy(params->shadow, spread->shadow, sizeof params->shadow);
 	memcpy(params->frame, frame, sizeof frame);
 	memcpy(params->frame_axis, spread->axis, 2 * sizeof spread->axis[0]);
+	params->frame_axis[2] = spread->place[3];
 }
 
 static struct scm_params params_of(const struct deform *deform, const struct deform_contact *contact, const struct spread_params *spread,

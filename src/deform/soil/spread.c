@@ -10,6 +10,7 @@
 #define LAYING_BYTES (47 * 4)   /* lib/laying.glsl */
 #define STEEPEST_TAN 1.0        /* steeper soil is laid as if it stood at 45 degrees */
 #define ONE 65536.0
+#define FARTHEST 8192.0         /* posts: more than a window has */
 
 enum { AHEAD, BEHIND, LEFT, RIGHT, FACES };
 
@@ -19,6 +20,8 @@ struct laying {
 	double heading;       /* rad: of the rectangle */
 	double shares[FACES]; /* of the soil */
 	double along;         /* share of the patch's length, beside its width, in the width of a band */
+	double rolls;         /* share of the soil that is not pushed */
+	double behind;        /* length_behind */
 };
 
 /* Computes by how much of its way an object pushes soil ahead of itself: forwards and to the left, each -1 .. 1. A wheel that rolls
@@ -34,8 +37,20 @@ static void push_of(const struct deform_contact *contact, double way, double for
 	push[1] = aside / way;
 }
 
+/* A wheel that goes on lays its soil beside itself, from a whole to five eighths of its radius behind its axle. Laid farther ahead, it would slide in
+ * front of the wheel. The more it moves sideways, the farther ahead it lays too. If it hardly goes on, it lays all along its patch. Returns the
+ * length, metres, below 0 if the wheel rolls backwards; 0: all along. */
+static double length_behind(const struct deform_shape *shape, double spacing, double forward, double aside, double down)
+{
+	double way = hypot(forward, aside);
+	if (way == 0 || fabs(down) > way)
+		return 0;
+	double length = fmax(fmax(fabs(forward), spacing), 0.375 * shape->radius) + aside * aside / (way * way) * shape->radius;
+	return copysign(length, forward);
+}
+
 /* Half of the pushed soil goes ahead, half aside. So a heap ahead stops growing at about the height that the cut is deep. */
-static struct laying laying_of(const struct deform_contact *contact)
+static struct laying laying_of(const struct deform_contact *contact, double spacing)
 {
 	double dx = lattice_offset_metres(contact->to.x - contact->from.x), dy = lattice_offset_metres(contact->to.y - contact->from.y);
 	double dz = lattice_offset_metres(contact->to.z - contact->from.z), way = hypot(dx, dy), push[2] = {1, 0};
@@ -44,7 +59,9 @@ static struct laying laying_of(const struct deform_contact *contact)
 		way = 0;
 	if (contact->shape->kind == DEFORM_WHEEL) {
 		double ahead[2] = {cos(laying.heading), sin(laying.heading)};
-		push_of(contact, way, dx * ahead[0] + dy * ahead[1], dy * ahead[0] - dx * ahead[1], push);
+		double forward = dx * ahead[0] + dy * ahead[1], aside = dy * ahead[0] - dx * ahead[1];
+		push_of(contact, way, forward, aside, push);
+		laying.behind = way > 0 ? length_behind(contact->shape, spacing, forward, aside, dz) : 0;
 	} else if (way > fabs(dz)) {
 		laying.heading = atan2(dy, dx);
 	} else {
@@ -54,6 +71,7 @@ static struct laying laying_of(const struct deform_contact *contact)
 	}
 	double along = push[0] * push[0], across = push[1] * push[1], rolls = fmax(0, 1 - along - across);
 	laying.along = across;
+	laying.rolls = rolls;
 	for (int face = 0; face < FACES; face++)
 		laying.shares[face] = face < LEFT ? across / 4 : rolls / 2 + along / 4;
 	laying.shares[push[0] > 0 ? AHEAD : BEHIND] += along / 2;
@@ -84,38 +102,52 @@ static double band_posts(const struct deform *deform, const struct deform_shape 
 	return fmin(fmax(widest(shape) / deform->spacing, 2), DEFORM_BAND_POSTS);
 }
 
-/* Returns how far ahead of a wheel's axle, and behind it, soil is laid beside the wheel, metres. The wheel seldom touches soil farther
- * from its axle. */
-static double beside(const struct deform_shape *shape)
+/* Returns how far from a wheel's axle, along it, soil is laid beside the wheel, metres. A wheel that goes on lays it behind only. */
+static double beside(const struct deform_shape *shape, const struct laying *laying)
 {
-	return shape->radius / 2;
+	return laying->behind != 0 ? shape->radius : shape->radius / 2;
+}
+
+/* Widens `rect` by places of the object's frame: x from first to last, y from -far to far, metres. */
+static struct post_rect with_band(struct post_rect rect, const struct deform_contact *contact, double heading, double spacing, double first,
+				  double last, double far)
+{
+	double c = cos(heading), s = sin(heading), middle[2] = {(first + last) / 2 * c, (first + last) / 2 * s};
+	double half[2] = {(last - first) / 2 * fabs(c) + far * fabs(s), (last - first) / 2 * fabs(s) + far * fabs(c)};
+	double x = lattice_offset_metres(contact->to.x) + middle[0], y = lattice_offset_metres(contact->to.y) + middle[1];
+	const struct post_rect band = {(int64_t)floor((x - half[0]) / spacing), (int64_t)floor((y - half[1]) / spacing),
+				       (int64_t)ceil((x + half[0]) / spacing) + 1, (int64_t)ceil((y + half[1]) / spacing) + 1};
+	return post_rect_around(rect, band);
+}
+
+/* Returns the shadow of a wheel and the posts on which it may lay soil. */
+static struct post_rect wheel_posts(const struct deform_contact *contact, const struct laying *laying, double spacing, double band,
+				    struct post_rect shadow)
+{
+	const struct deform_shape *shape = contact->shape;
+	double along = deform_body_wheel_radius(shape), across = shape->width / 2, ends = beside(shape, laying);
+	double to = laying->behind != 0 ? fmin(fabs(laying->behind) - ends, ends) : ends;
+	double first = laying->behind < 0 ? -to : -ends, last = laying->behind < 0 ? ends : to;
+	if (laying->shares[AHEAD] + laying->shares[BEHIND] > 0)
+		shadow = with_band(shadow, contact, laying->heading, spacing, -along - band, along + band, across);
+	if (laying->shares[LEFT] + laying->shares[RIGHT] > 0)
+		shadow = with_band(shadow, contact, laying->heading, spacing, first, last, across + band);
+	return shadow;
 }
 
 struct post_rect deform_spread_posts(const struct deform *deform, const struct deform_contact *contact, struct post_rect shadow)
 {
-	const struct laying laying = laying_of(contact);
-	const struct deform_shape *shape = contact->shape;
-	double spacing = deform->spacing, band = band_posts(deform, shape) * spacing, half[2] = {0, 0};
+	const struct laying laying = laying_of(contact, deform->spacing);
+	double spacing = deform->spacing, band = band_posts(deform, contact->shape) * spacing;
+	if (contact->shape->kind == DEFORM_WHEEL)
+		return wheel_posts(contact, &laying, spacing, band, shadow);
+	/* Around a rectangle that turns with the object. */
 	double ahead[2] = {fabs(cos(laying.heading)), fabs(sin(laying.heading))}, reach[2] = {band, band};
 	bool faces[2] = {laying.shares[AHEAD] + laying.shares[BEHIND] > 0, laying.shares[LEFT] + laying.shares[RIGHT] > 0};
-	/* Around a rectangle that turns with the object. Of a wheel the rectangle is known. */
-	double along = shape->kind == DEFORM_WHEEL ? deform_body_wheel_radius(shape) : 0;
-	double across = shape->kind == DEFORM_WHEEL ? shape->width / 2 : 0;
-	for (int k = 0; k < 2 && !laying.around; k++) {
-		double x = ahead[k], y = ahead[1 - k];
-		half[k] = faces[0] ? (along + band) * x + across * y : 0;
-		half[k] = faces[1] ? fmax(half[k], fmin(along, beside(shape)) * x + (across + band) * y) : half[k];
-	}
-	if (shape->kind != DEFORM_WHEEL) {
-		for (int k = 0; k < 2; k++)
-			reach[k] = laying.around ? band : half[k];
-		return (struct post_rect){shadow.x0 - (int64_t)ceil(reach[0] / spacing), shadow.y0 - (int64_t)ceil(reach[1] / spacing),
-					  shadow.x1 + (int64_t)ceil(reach[0] / spacing), shadow.y1 + (int64_t)ceil(reach[1] / spacing)};
-	}
-	const double x = lattice_offset_metres(contact->to.x), y = lattice_offset_metres(contact->to.y);
-	const struct post_rect bands = {(int64_t)floor((x - half[0]) / spacing), (int64_t)floor((y - half[1]) / spacing),
-					(int64_t)ceil((x + half[0]) / spacing) + 1, (int64_t)ceil((y + half[1]) / spacing) + 1};
-	return post_rect_around(shadow, bands);
+	for (int k = 0; k < 2 && !laying.around; k++)
+		reach[k] = fmax(faces[0] ? band * ahead[k] : 0, faces[1] ? band * ahead[1 - k] : 0);
+	return (struct post_rect){shadow.x0 - (int64_t)ceil(reach[0] / spacing), shadow.y0 - (int64_t)ceil(reach[1] / spacing),
+				  shadow.x1 + (int64_t)ceil(reach[0] / spacing), shadow.y1 + (int64_t)ceil(reach[1] / spacing)};
 }
 
 static int32_t fixed(double value)
@@ -155,13 +187,14 @@ static void place_frame(const struct deform *deform, const struct deform_contact
 struct spread_params deform_spread_params(const struct deform *deform, const struct deform_contact *contact,
 					  const struct deform_window *window, uint32_t layer)
 {
-	const struct laying laying = laying_of(contact);
+	const struct laying laying = laying_of(contact, deform->spacing);
 	const struct deform_shape *shape = contact->shape;
 	const double ahead[2] = {cos(laying.heading), sin(laying.heading)};
 	struct spread_params params = {
-		.place = {(int32_t)layer, laying.around, (int32_t)ceil(64 * band_posts(deform, shape))},
+		.place = {(int32_t)layer, laying.around, (int32_t)ceil(64 * band_posts(deform, shape)), fixed(laying.rolls)},
 		.origin = {0, 0, shape->kind == DEFORM_WHEEL ? fixed(shape->width / 2 / deform->spacing) : 0, fixed(laying.along)},
-		.axis = {0, 0, shape->kind == DEFORM_WHEEL ? fixed(fmax(beside(shape) / deform->spacing, 1)) : INT32_MAX},
+		.axis = {0, 0, shape->kind == DEFORM_WHEEL ? fixed(fmax(beside(shape, &laying) / deform->spacing, 1)) : INT32_MAX,
+			 fixed(fmax(fmin(laying.behind / deform->spacing, FARTHEST), -FARTHEST))},
 	};
 	deform_posts_in(window, window->write, params.written);
 	place_frame(deform, contact, window, ahead, &params);

@@ -15,6 +15,8 @@ struct patch {
 	double ahead[2];                      /* the x axis */
 	double low[2], high[2];               /* the rectangle around it */
 	double beside;                        /* the most |x| of soil that is laid to the left and right */
+	double behind;                        /* a wheel that goes on: the length over which it is, from there behind on; 0: it does not */
+	double rolls;                         /* the share that is not pushed */
 	double depth, carried, shares[FACES];
 	bool around, any;
 };
@@ -45,7 +47,7 @@ static double laid(const struct deform_params *params, double *tangent)
 }
 
 /* To which faces of the rectangle the soil goes. `turned`: a wheel's way along its rim. */
-static void share(struct patch *patch, const struct deform_contact *sweep)
+static void share(struct patch *patch, const struct deform_contact *sweep, double spacing)
 {
 	double way[3] = {lattice_offset_metres(sweep->to.x - sweep->from.x), lattice_offset_metres(sweep->to.y - sweep->from.y),
 			 lattice_offset_metres(sweep->to.z - sweep->from.z)};
@@ -54,6 +56,9 @@ static void share(struct patch *patch, const struct deform_contact *sweep)
 		double forward = way[0] * cos(heading) + way[1] * sin(heading), rim = sweep->turned * sweep->shape->radius;
 		double left = way[1] * cos(heading) - way[0] * sin(heading);
 		bool brakes = rim * forward >= 0 && fabs(rim) < fabs(forward);
+		if (length > 0 && length >= fabs(way[2]))
+			patch->behind = copysign(fmax(fmax(fabs(forward), spacing), 0.375 * sweep->shape->radius) +
+						 left * left / (length * length) * sweep->shape->radius, forward);
 		x = length > 0 && brakes ? (forward - rim) / length : 0;
 		y = length > 0 ? left / length : 0;
 	} else if (length > fabs(way[2])) {
@@ -66,7 +71,7 @@ static void share(struct patch *patch, const struct deform_contact *sweep)
 	patch->ahead[0] = cos(heading);
 	patch->ahead[1] = sin(heading);
 	/* A body that rolls lays half to each side. One that pushes lays half ahead, and a quarter to each side of its way. */
-	double rolls = fmax(0, 1 - x * x - y * y);
+	double rolls = patch->rolls = fmax(0, 1 - x * x - y * y);
 	patch->shares[AHEAD] = y * y / 4 + (x > 0 ? x * x / 2 : 0);
 	patch->shares[BEHIND] = y * y / 4 + (x > 0 ? 0 : x * x / 2);
 	patch->shares[LEFT] = rolls / 2 + x * x / 4 + (y > 0 ? y * y / 2 : 0);
@@ -91,7 +96,8 @@ static void measure(const struct reference_ground *ground, const struct deform_p
 			patch->high[k] = fmax(patch->high[k], place[k] + ground->spacing / 2);
 		}
 		patch->carried += ground->carried[i];
-		patch->depth = fmax(patch->depth, fmax(ground->carried[i], -share_laid * fmax(ground->offset[i], -8)));
+		double deep = fmin(fmax(-ground->offset[i], 0), 8), dug = patch->rolls * fmin(ground->dug[i], deep);
+		patch->depth = fmax(patch->depth, fmax(ground->carried[i], share_laid * (deep - dug) + dug));
 		patch->any = true;
 	}
 	patch->beside = INFINITY;
@@ -99,7 +105,7 @@ static void measure(const struct reference_ground *ground, const struct deform_p
 		return;
 	patch->low[1] = -sweep->shape->width / 2;
 	patch->high[1] = sweep->shape->width / 2;
-	patch->beside = fmax(sweep->shape->radius / 2, ground->spacing);
+	patch->beside = fmax(sweep->shape->radius / (patch->behind != 0 ? 1 : 2), ground->spacing);
 }
 
 /* Lengths are whole 64ths of a post. */
@@ -160,11 +166,14 @@ static double weight_of(const struct reference_ground *ground, const struct defo
 	place_of(ground, patch, sweep, at, place);
 	double along = fmax(place[0] - patch->high[0], patch->low[0] - place[0]);
 	double aside = fmax(place[1] - patch->high[1], patch->low[1] - place[1]);
-	bool ends = fabs(along) < near || fabs(fabs(place[0]) - patch->beside) < near;
+	bool rolls = patch->behind != 0;
+	double from_end = patch->beside + (patch->behind > 0 ? place[0] : -place[0]);
+	bool ends = fabs(along) < near || fabs(fabs(place[0]) - patch->beside) < near || (rolls && fabs(from_end - fabs(patch->behind)) < near);
 	*undecided |= (ends && profile(ground, aside, width) > 0) || (fabs(aside) < near && profile(ground, along, width) > 0);
-	if (along <= 0) {
+	if (rolls ? aside > 0 : along <= 0) {
 		*face = place[1] > 0 ? LEFT : RIGHT;
-		return fabs(place[0]) <= patch->beside && patch->shares[*face] > 1e-5 ? profile(ground, aside, width) : 0;
+		bool there = rolls ? from_end >= 0 && from_end < fabs(patch->behind) : fabs(place[0]) <= patch->beside;
+		return there && patch->shares[*face] > 1e-5 ? profile(ground, aside, width) : 0;
 	}
 	*face = place[0] > 0 ? AHEAD : BEHIND;
 	return aside <= 0 && patch->shares[*face] > 1e-5 ? profile(ground, along, width) : 0;
@@ -177,7 +186,7 @@ enum status reference_spread(struct reference_ground *ground, const struct defor
 	struct patch patch = {.any = false};
 	double sums[FACES] = {0}, laid_on[FACES], all = 0, area = ground->spacing * ground->spacing;
 	*laying = (struct reference_laying){.rate = 0};
-	share(&patch, sweep);
+	share(&patch, sweep, ground->spacing);
 	measure(ground, params, sweep, &patch);
 	for (int i = 0; i < count; i++)
 		ground->carried[i] = 0;
