@@ -2,7 +2,8 @@
 // The first pass of relaxation. It computes the heights with which the iterations begin, with the soil that a contact deposited. One fragment for each post.
 //
 // Defines, each present or absent:
-// - WINDOW: over a window: only posts near what the contact reached. Soil that it deposited counts; the last iteration adds it to offsets
+// - BLOCKS: over active blocks. Over a window: only posts near what the contact reached; soil that it deposited counts, and the last
+//   iteration adds it to offsets
 // - LOAD: the object carries a load, so its height is found on the GPU and may change
 // - THICKNESS: the deposited thickness is kept for each post
 // - BOUNDED: only soil down to a depth below the base relaxes, so a floor is written too
@@ -23,7 +24,7 @@ flat in ivec4 passed[PASSED]; // the parameters, from the vertex shader: passed.
 ivec4 place = passed[1];   // x: layer of the images; y: depth of relaxing soil below the base, fixed-point units
 ivec4 written = passed[2]; // posts that exchange soil: the first (x, y), one behind the last (z, w)
 
-#ifdef WINDOW
+#ifndef BLOCKS
 layout(binding = 3, r32i) readonly uniform iimage2DArray deposits;
 #endif
 
@@ -55,7 +56,7 @@ void main()
 #ifdef HELD_STILL
 	still = still || (contact & HELD) != 0u;
 #endif
-#ifdef WINDOW
+#ifndef BLOCKS
 	uint deposit = ours ? uint(imageLoad(deposits, at).r) : 0u;
 	uint room = room_at(offset, heap);
 	if (deposit > room) {
@@ -74,7 +75,7 @@ void main()
 	for (int k = 0; k < 8; k++) {
 		ivec3 there = ivec3(post + SLIDE_NEAR[k], place.x);
 		int other = imageLoad(bases, there).r, other_offset = imageLoad(offsets, there).r;
-#ifdef WINDOW
+#ifndef BLOCKS
 		other_offset = int(min(uint(max(SLIDE_HIGH - other_offset, 0)), uint(imageLoad(deposits, there).r))) + other_offset;
 #endif
 		int apart = base - other;

@@ -8,7 +8,7 @@
 // - LAST: the last iteration, which writes offsets
 // - THICKNESS: with LAST: writes the deposited thickness too
 // - SLOPES: the critical difference depends on the height of the slope, over blocks
-// - WINDOW, WAKES: as in slid.glsl
+// - BLOCKS, WAKES: as in slid.glsl
 
 #include "lib/slide.glsl"
 #include "lib/squares.glsl"

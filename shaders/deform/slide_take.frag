@@ -2,7 +2,7 @@
 // Sumner's erosion, second pass: each post takes the soil that its neighbours shed. One fragment for each post.
 // Defines:
 // - LAST: the last iteration, which writes offsets
-// - WINDOW: as in slid.glsl
+// - BLOCKS: as in slid.glsl
 
 #include "lib/slide.glsl"
 
@@ -26,7 +26,7 @@ void main()
 		nothing |= other;
 	}
 	bool moves = change != 0 || come != 0;
-#ifdef WINDOW
+#ifndef BLOCKS
 	// A share that rounds to 0 counts as motion: beside another object fewer posts may share it, and then it is more than 0.
 	moves = nothing != 0;
 #endif

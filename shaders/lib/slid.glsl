@@ -3,8 +3,8 @@
 // Defines:
 // - LAST: this is the last iteration
 // - THICKNESS: the deposited thickness is written too
-// - WINDOW: the pass computes posts of a window, near what a contact reached, and its last iteration adds the deposited soil. Otherwise it
-//   computes active blocks
+// - BLOCKS: the pass computes active blocks. Otherwise it computes posts of a window, near what a contact reached, and its last iteration adds
+//   the deposited soil
 // - TOUCHED: flags also tell which parts of a block changed
 // - WAKES: the height of a slope counts, so a change may set near posts in motion
 
@@ -14,7 +14,7 @@ layout(binding = 5, r8ui) readonly uniform uimage2DArray stills;
 #ifdef THICKNESS
 layout(binding = 6, r32i) restrict uniform iimage2DArray heaps; // deposited thickness before the first iteration
 #endif
-#ifdef WINDOW
+#ifndef BLOCKS
 layout(binding = 3, r32i) readonly uniform iimage2DArray deposits; // not yet in the offsets
 #else
 flat in ivec3 block;
@@ -27,7 +27,7 @@ layout(location = 0) out int height_out;
 #ifdef LAST
 // Sets the flags of a post. moves: soil may go on moving; changed: since before the contact, or the interval; borders: not all of its
 // neighbours were computed
-#ifdef WINDOW
+#ifndef BLOCKS
 void flag(ivec2 post, bool moves, bool changed)
 {
 	// Beyond the border no soil slid. So a change at the border may make soil move there, and flags the block.
@@ -70,14 +70,14 @@ void slid(ivec3 at, int height, int change, bool moves, bool steep)
 #else
 	int heap = before;
 #endif
-#ifdef WINDOW
+#ifndef BLOCKS
 	deposit = int(min(uint(imageLoad(deposits, at).r), room_at(before, heap)));
 #endif
 	int offset = (marks & IS_STILL) != 0u ? before + deposit : int(uint(height) - uint(imageLoad(grounds, at).r) * 4u);
 	bool slides = offset != before + deposit, changed = slides;
 	// An object that rested on this post may not rest on it any more.
 	moves = moves || (marks & MAY_BE_FREED) != 0u || ((marks & IS_HELD) != 0u && slides);
-#ifdef WINDOW
+#ifndef BLOCKS
 	changed = changed || (marks & IS_DISTURBED) != 0u;
 #endif
 	if (offset != before) {
@@ -90,7 +90,7 @@ void slid(ivec3 at, int height, int change, bool moves, bool steep)
 	// Slopes are measured before the first iteration over blocks. So the next interval must measure them where the ground changed. Over
 	// a window they are not measured, so the next interval must also do it where the ground is steep.
 	moves = moves || changed;
-#ifdef WINDOW
+#ifndef BLOCKS
 	moves = moves || (steep && height != STILL);
 #endif
 #endif

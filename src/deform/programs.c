@@ -120,18 +120,16 @@ void deform_programs_spread(const struct deform_params *params, enum spread_pass
 
 /* A pass of sliding. The vertex shader passes parameters on. `passed`: the define that says how many. Over a window all passes but the
  * last also compute the still posts around, since the next pass reads them. */
-static void begin_passed(struct deform_request *out, bool blocks, bool last, const char *passed, const char *fragment)
+static void begin_passed(struct deform_request *out, bool blocks, const char *passed, const char *fragment)
 {
 	begin(out, blocks ? "deform/regions.vert" : "deform/reached.vert", fragment);
 	define(out, "BLOCKS", blocks);
 	define(out, passed, true);
-	define(out, "WINDOW", !blocks);
-	define(out, last ? "BESIDE 0" : "BESIDE 1", !blocks);
 }
 
 void deform_programs_begin(const struct deform_params *params, bool blocks, bool loaded, struct deform_request *out)
 {
-	begin_passed(out, blocks, false, "PASSED 5", "deform/slide_begin.frag");
+	begin_passed(out, blocks, "PASSED 5", "deform/slide_begin.frag");
 	define(out, "LOAD", !blocks && loaded);
 	define(out, "THICKNESS", has_thickness(params));
 	define(out, "BOUNDED", deform_is_bounded(params));
@@ -147,7 +145,7 @@ void deform_programs_slide(const struct deform_params *params, enum slide_what w
 		[SLIDE_SHED] = "deform/slide_shed.frag",
 		[SLIDE_TAKE] = "deform/slide_take.frag",
 	};
-	begin_passed(out, blocks, last, what == SLIDE_EXCESS ? "PASSED 6" : "PASSED 5", files[what]);
+	begin_passed(out, blocks, what == SLIDE_EXCESS ? "PASSED 6" : "PASSED 5", files[what]);
 	define(out, "BY_CELLS", what == SLIDE_EXCESS && blocks && last && deform_has_slopes(params));
 	define(out, "OF_BLOCKS", what == SLIDE_EXCESS && blocks && last && deform_has_slopes(params));
 	if (what != SLIDE_TAKE) {
@@ -175,12 +173,12 @@ void deform_programs_lines(const struct deform_params *params, bool diagonal, st
 
 void deform_programs_steep(struct deform_request *out)
 {
-	begin_passed(out, true, true, "PASSED 2", "deform/steep.frag");
+	begin_passed(out, true, "PASSED 2", "deform/steep.frag");
 }
 
 void deform_programs_slope(const struct deform_params *params, enum slope_hop hop, struct deform_request *out)
 {
-	begin_passed(out, true, true, "PASSED 2", "deform/slope.frag");
+	begin_passed(out, true, "PASSED 2", "deform/slope.frag");
 	define(out, "BY_CELLS", true);
 	define(out, "FIRST", hop == SLOPE_FIRST);
 	define(out, "LAST", hop == SLOPE_LAST);
