@@ -242,7 +242,7 @@ float bears_aside = max(body.y, 2.0 * body.y < step_aside ? 0.5 * step_aside : 0
 // yes also where the wheel was a little higher, and for some posts beside it. It reads no lower envelope, which costs more.
 bool was_below(vec2 at, float height, float reach)
 {
-	float away = max(max(at.x, -at.x - way.x) - reach, 0.0), highest = height + max(way.z, 0.0) + 1e-3 * scale.y + 2e-6 * body.x;
-	return abs(at.y) <= bears_aside && (highest >= 0.0 || away * away + highest * highest <= body.x * body.x);
+	float away = max(max(at.x, -at.x - way.x) - reach, 0.0), highest = height + max(way.z, 0.0) + 1e-3 * scale.y + 2e-6 * digs.z;
+	return abs(at.y) <= bears_aside && (highest >= 0.0 || away * away + highest * highest <= digs.z * digs.z);
 }
 #endif

@@ -119,6 +119,33 @@ static struct rut rut(double spacing, double rim, double slip_sinkage)
 	return (struct rut){0.058 - lattice_offset_metres(forces.z), forces.force[0]};
 }
 
+/* Bars reach below the rim, and press posts that the rim does not touch. */
+static void a_wheel_with_grousers_carries_its_load_while_it_slips(void **state)
+{
+	struct deform_shape lugged = wheel;
+	lugged.grousers = 16;
+	lugged.grouser_height = 0.007;
+	lugged.grouser_thickness = 0.003;
+	(void)state;
+	need_gpu();
+	for (int k = 0; k < 6; k++) {
+		const struct deform_soil soil = sand();
+		double spacing = 0.008 / (1 << k % 3), rim = k < 3 ? 1.25 : 2;
+		struct ground ground;
+		init(&ground, &soil, spacing, KAPPA, 0);
+		struct deform_contact contact = ground_stand(&ground, &lugged, 0.12 / spacing + 0.3, (double)ground.posts / 2 + 0.2, 0.058);
+		contact.load = 20;
+		ground_sweep(&ground, &contact);
+		for (int i = 0; i < (int)lround(0.1 / spacing); i++) {
+			go(&contact, spacing, rim);
+			const struct deform_forces forces = ground_forces(&ground, &contact);
+			if (!(fabs(forces.force[2] - 20) < 0.005 * 20))
+				fail_msg("posts %g m, rim %g, contact %d: %g N of 20 N", spacing, rim, i, forces.force[2]);
+		}
+		ground_finish(&ground);
+	}
+}
+
 static void the_more_it_slips_the_deeper_it_digs_at_any_spacing(void **state)
 {
 	static const double rims[] = {0, 0.5, 1, 1.25, 2};
@@ -215,6 +242,7 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_plate_that_slips_sinks_by_the_formula),
 		cmocka_unit_test(what_rolls_digs_nothing),
+		cmocka_unit_test(a_wheel_with_grousers_carries_its_load_while_it_slips),
 		cmocka_unit_test(the_more_it_slips_the_deeper_it_digs_at_any_spacing),
 		cmocka_unit_test(each_pass_digs_less),
 		cmocka_unit_test(every_unit_that_is_dug_is_laid),

@@ -87,6 +87,7 @@ static void fill_motion(const struct deform_contact *contact, struct scm_params 
 static void fill_digging(const struct deform *deform, const struct deform_contact *contact, struct scm_params *params)
 {
 	params->digs[1] = (float)deform->params.slip_sinkage;
+	params->digs[2] = contact->shape->kind == DEFORM_WHEEL ? (float)deform_body_wheel_radius(contact->shape) : 0;
 	if (deform_is_contact_only(contact))
 		return;
 	float slip = (float)slip_of(contact, params->way);
