@@ -266,10 +266,12 @@ static int32_t slid_after(enum deform_model model, int32_t wall, int32_t beyond,
 	sweep_and_wake(&ground, &sweep, NULL, false);
 	ground_read(&ground);
 	struct post_rect slides = ground_slides(&ground);
-	int32_t left = ground.offset[rim.lane * ground.posts + rim.write.x1 - 2];
+	/* At first no rim is known. */
+	int64_t next = post_rect_empty(rim.write) ? 2 : rim.lane * ground.posts + rim.write.x1;
+	int32_t left = ground.offset[next - 2];
 	interval(&ground, NULL, 0);
 	ground_read(&ground);
-	*goes_on = ground.offset[rim.lane * ground.posts + rim.write.x1] != 0;
+	*goes_on = ground.offset[next] != 0;
 	ground_finish(&ground);
 	rim.write = slides;
 	rim.lane = (slides.y0 + slides.y1) / 2;
