@@ -265,7 +265,7 @@ static void make(struct accuracy_truth *truth)
 static const char *header(void)
 {
 	static char text[1600];
-	snprintf(text, sizeof text, KIND " 1: %lld .. %lld x %lld .. %lld at 1/64 m; %d iterations a sweep within %g m, "
+	snprintf(text, sizeof text, KIND " 2: %lld .. %lld x %lld .. %lld at 1/64 m; %d iterations a sweep within %g m, "
 				    "%d at the end, until %g m; models none box sumner slippage scm; %s\n",
 		 (long long)accuracy_field.x0, (long long)accuracy_field.x1, (long long)accuracy_field.y0, (long long)accuracy_field.y1,
 		 SWEEP_MOST, ROUND, REST_MOST, TOLERANCE, accuracy_described());
