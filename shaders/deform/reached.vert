@@ -1,7 +1,7 @@
 #version 450 core
 // A rectangle of posts of a window: those in which soil can slide after a contact (lib/reached.glsl). It passes the parameters on, with
 // what follows from that rectangle.
-// Defines: PASSED: as in passed.vert; LAST: it is the last pass.
+// Defines: PASSED: as in passed.vert; LAST: this is the last pass of sliding.
 
 layout(std140, binding = 0) uniform params {
 	ivec4 parameters[PASSED]; // struct slide_params

@@ -120,7 +120,9 @@ void main()
 			break;
 		reaches.y = what == REACHED ? max(reaches.y, last) : reaches.y;
 	}
-	reach(y, min(reaches.x, first < last ? first : reaches.x), max(reaches.y, first < last ? last : reaches.y));
+	if (first < last)
+		reaches = ivec2(min(reaches.x, first), max(reaches.y, last));
+	reach(y, reaches.x, reaches.y);
 	total lost = total(0, 0u), moved = lost;
 	uint over = 0u, moving = 0u, of_classes = 0u;
 	int hollow = 0, first_touched = last, last_touched = first;

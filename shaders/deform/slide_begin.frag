@@ -1,5 +1,6 @@
 #version 450 core
-// The first pass of relaxation. It computes the heights with which the iterations begin, with the soil that a contact deposited. One fragment for each post.
+// The first pass of relaxation. It computes the heights with which the iterations begin. They include the soil that a contact deposited.
+// One fragment for each post.
 //
 // Defines, each present or absent:
 // - BLOCKS: over active blocks. Over a window: only posts near what the contact reached; soil that it deposited counts, and the last

@@ -14,7 +14,7 @@ struct post_state {
 };
 
 struct bearing {
-	post_state after;   // if it is touched; the shear in any case
+	post_state after;   // valid if the post is touched; the shear is always valid
 	bool touched, held; // the contact changed it; the object rests on it at the end
 	bool refused;       // the change is too large for its planes, and was not made
 	int carried;        // what is deposited around, fixed-point units

@@ -25,8 +25,7 @@ layout(location = 0) out int height_out;
 #endif
 
 #ifdef LAST
-// Sets the flags of a post. moves: soil may go on moving; changed: since before the contact, or the interval; borders: not all of its
-// neighbours were computed
+// Sets the flags of a post. moves: soil may go on moving there. changed: the contact, or this interval, changed the post.
 #ifndef BLOCKS
 void flag(ivec2 post, bool moves, bool changed)
 {

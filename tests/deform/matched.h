@@ -116,6 +116,54 @@ static inline void share_undersides(const struct deform_contact *sweep)
 	share_underside(&end, match.ground.deform->rest, match.rest);
 }
 
+/* --- where soil slides --- */
+
+static inline bool written(int x, int y)
+{
+	struct post_rect write = match.reference.written;
+	return x >= write.x0 && y >= write.y0 && x < write.x1 && y < write.y1;
+}
+
+/* Tells whether soil may slide around the post: the contact touched it, laid soil on it, or the object was less than two spacings above it.
+ * laid: m; within: m by which that and heights may be off. */
+static inline bool reaches(int at, double laid, double lower, double within)
+{
+	const struct reference_ground *r = &match.reference;
+	double surface = r->base[at] + lattice_offset_metres(match.plane[PLANE_OFFSET][at]);
+	bool near = !r->hole[at] && match.under[at] - fmax(lower, 0) - surface < 2 * r->spacing + within;
+	return match.contacts[at] % 4 != 0 || laid > -within || near;
+}
+
+/* Checks the posts in which soil slides, and shares them. `before`: offsets before soil was laid, m. */
+static inline void share_slides(const double *before, double lower, double error)
+{
+	const int64_t by = match.ground.deform->reach;
+	const struct post_rect write = match.reference.written, slides = ground_slides(&match.ground);
+	const struct post_rect inner = {slides.x0 + by * (slides.x0 > write.x0), slides.y0 + by * (slides.y0 > write.y0),
+					slides.x1 - by * (slides.x1 < write.x1), slides.y1 - by * (slides.y1 < write.y1)};
+	const int slack = match.params.model == DEFORM_SCM ? 3 : 1;
+	bool sides[4] = {false, false, false, false}; /* a post that was reached is the cause of this side */
+	for (int i = 0; i < COUNT && match.ground.deform->scratch[0].near; i++) {
+		int x = i % POSTS, y = i / POSTS;
+		if (!written(x, y))
+			continue;
+		double laid = match.reference.offset[i] - before[i];
+		bool inside = x >= inner.x0 && x < inner.x1 && y >= inner.y0 && y < inner.y1;
+		if (!inside && reaches(i, laid, lower, -error - NEAR))
+			fail_msg("post %d, %d was reached, and lies outside %lld, %lld to %lld, %lld", x, y, (long long)inner.x0,
+				 (long long)inner.y0, (long long)inner.x1, (long long)inner.y1);
+		/* By rounding, a band may be one post wider. Under scm an object may also touch cells of posts beside it. */
+		bool may = inside && reaches(i, laid > 0 ? 1 : -1, lower, error + NEAR);
+		sides[0] |= may && x - by - slack <= slides.x0;
+		sides[1] |= may && y - by - slack <= slides.y0;
+		sides[2] |= may && x + by + slack >= slides.x1 - 1;
+		sides[3] |= may && y + by + slack >= slides.y1 - 1;
+	}
+	bool none = post_rect_empty(slides);
+	assert_true(none || !match.ground.deform->scratch[0].near || (sides[0] && sides[1] && sides[2] && sides[3]));
+	match.reference.written = slides;
+}
+
 /* --- comparing --- */
 
 static inline void near_enough(const char *what, int at, double got, double wanted, double error)

@@ -15,7 +15,7 @@
 struct region {
 	int64_t x, y;           /* the block in the south-west corner */
 	uint32_t columns, rows; /* blocks */
-	uint32_t number;        /* in the order in which regions were cut */
+	uint32_t number;        /* its place in the list of regions, from 0 */
 	uint32_t atlas;         /* number of the atlas that holds it */
 	uint32_t at_x, at_y;    /* place of the first post of the first block in the atlas; multiples of REGION_ALIGN */
 	uint32_t first_run, run_count;

@@ -177,7 +177,7 @@ static enum status mark(struct deform *deform, const struct slide_place *place)
 	enum status status = deform_program(deform, &request, &deform->steep);
 	if (status != STATUS_OK)
 		return status;
-	/* The diagonal one as in slide_excess.frag. */
+	/* For diagonal neighbours it is sqrt(2) times as large, by the same sum as in slide_excess.frag. */
 	int32_t slope = deform_slopes_least(deform), least[2] = {slope, slope + (slope >> 2) + (slope >> 3) + (slope >> 5) + (slope >> 7)};
 	for (int i = 0; i < deform->params.soil_count; i++)
 		for (int k = 0; k < 2; k++)
