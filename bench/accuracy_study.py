@@ -203,6 +203,8 @@ def columns(study):
                   (("volume_abs", "volume, l"), ("volume", "net, l")) if any(which in (line["error"] or {}) for line in study.lines)]
     else:
         found = []
+    if any("beside" in line for line in study.lines):
+        found.append(("moved by rounding, RMS", lambda line: figure(line["beside"]["rms"] * 1e3) if "beside" in line else "-"))
     found += [(study.cost_title(), lambda line: figure(study.cost(line))), ("bytes", lambda line: size(line["bytes"]))]
     if any("laws" in line for line in study.lines):
         found.append(("laws", lambda line: line.get("laws", "-")))
