@@ -10,6 +10,7 @@
 
 #include "lib/slide.glsl"
 #include "lib/reached.glsl"
+#include "lib/rows.glsl"
 
 layout(binding = 0, r32i) restrict uniform iimage2DArray heights;
 #ifdef BOUNDED
@@ -28,7 +29,6 @@ layout(std140, binding = 0) uniform params {
 
 ivec4 written = reached_posts(window, around.x); // posts that exchange soil: first, one behind the last
 
-const int COLUMNS = 4;      // lines side by side in the pass's viewport, so that its blocks of pixels are full
 const int POPS_MOST = 512;  // posts that join from before the pool, of all pools of a walk: drivers end long loops
 
 ivec2 extent; // posts of the window
@@ -220,8 +220,7 @@ bool walk(ivec3 at, ivec3 step, int posts)
 
 void main()
 {
-	ivec2 at = ivec2(gl_FragCoord.xy);
-	int line = at.x + COLUMNS * at.y;
+	int line = row_of_pass(0);
 	extent = written.zw - written.xy;
 	bool column = place.y == 1;
 	ivec2 step = column ? ivec2(0, 1) : ivec2(1, place.y == 0 ? 0 : place.y == 2 ? 1 : -1);

@@ -3,11 +3,11 @@
 // Places in the body's frame are in 2^-16 post; x points where the body heads, y to its left.
 
 #include "lib/bias.glsl"
+#include "lib/rows.glsl"
 
 const int FACES = 4; // of the patch's rectangle: ahead, behind, left, right
 const int HOLLOW_MOST = 1 << 23;
 const int NO_WAY = 1023;
-const int COLUMNS = 4; // rows side by side in a pass's viewport, so that its blocks of pixels are full
 
 layout(std430, binding = 4) coherent restrict buffer laying {
 	uint reached[4];       // lib/reached.glsl
@@ -33,13 +33,6 @@ void reach(int y, int first, int last)
 	atomicMax(reached[1], uint(BIAS - first));
 	atomicMax(reached[2], uint(BIAS + y));
 	atomicMax(reached[3], uint(BIAS - y));
-}
-
-// Returns the row of this invocation. It may lie beyond the last one. first: row of the pass
-int row_of_pass(int first)
-{
-	ivec2 at = ivec2(gl_FragCoord.xy);
-	return first + at.x + COLUMNS * at.y;
 }
 
 // Returns the place of a post in the body's frame. frame: place of post (0, 0); axis: the x axis, 2^-16

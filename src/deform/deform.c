@@ -75,14 +75,14 @@ static bool shared(const struct deform *deform, struct tile tile, struct post_re
 
 /* A model that works in place changes the offset and the deposited thickness, so they are gathered into the textures where
  * sliding begins. */
-int deform_gathers_into(const struct deform *deform, int plane)
+int deform_gathers_into(const struct deform_params *params, int plane)
 {
-	return deform_model_row(deform->params.model)->in_place && (plane == PLANE_OFFSET || plane == PLANE_DEPOSITED);
+	return deform_model_row(params->model)->in_place && (plane == PLANE_OFFSET || plane == PLANE_DEPOSITED);
 }
 
 static int which(const struct deform *deform, int plane, bool atlas)
 {
-	return atlas ? 1 : deform_gathers_into(deform, plane);
+	return atlas ? 1 : deform_gathers_into(&deform->params, plane);
 }
 
 /* Beyond the world there is no data. */

@@ -123,8 +123,8 @@ struct deform {
 	uint64_t warmed;                       /* kinds of objects whose programs deform_warm has prepared, as bits (warm.c) */
 };
 
-/* deform.c: returns which of planes_of[0 .. 1] a gather writes this plane to. */
-int deform_gathers_into(const struct deform *deform, int plane);
+/* deform.c: returns which of planes_of[0 .. 1] a gather of a window writes this plane to. */
+int deform_gathers_into(const struct deform_params *params, int plane);
 
 /* scratch.c: makes textures and render targets for at least `layers` windows, of at least `side` posts on a side. */
 enum status deform_need_layers(struct deform *deform, uint32_t layers, uint32_t side) FURROW_CHECKED;
@@ -169,6 +169,8 @@ struct window_params deform_window_params(struct post_rect read, uint32_t layer)
 
 /* Returns the written posts, in the window's layer. */
 struct gpu_rect deform_written(const struct deform_window *window);
+/* Fills a rectangle of posts as passes take it: the first post, one behind the last. */
+void deform_posts_of(struct gpu_rect rect, int32_t posts[4]);
 /* Fills where posts lie in a window, counted from its first post: the first of them, one behind the last. */
 void deform_posts_in(const struct deform_window *window, struct post_rect posts, int32_t in[4]);
 /* Returns all posts of the window, in its layer. */

@@ -46,6 +46,12 @@ static enum gpu_format format_of(enum plane plane)
 	return plane_bytes(plane) == 1 ? GPU_R8UI : GPU_R32I;
 }
 
+/* Tells whether anything uses planes_of[i] of this plane. A contact in place uses one texture of each plane that it changes. */
+static bool is_used(const struct deform_params *params, int plane, int i)
+{
+	return !deform_model_row(params->model)->in_place || plane == PLANE_DISTURBANCE || i == deform_gathers_into(params, plane);
+}
+
 /* The only list of the textures: deform_need_layers makes them, and deform_scratch_plan plans them. */
 static void rows_of(const struct deform_params *params, struct rows *rows)
 {
@@ -68,7 +74,7 @@ static void rows_of(const struct deform_params *params, struct rows *rows)
 	add(rows, deform_has_rasters(params), (struct row){"window's numbers", "soil_rasters", GPU_RGBA8UI, PLACE(numbers)});
 	for (int plane = 0; plane < PLANES; plane++)
 		for (int i = 0; i < 2; i++)
-			add(rows, (planes & PLANE_BIT(plane)) != 0,
+			add(rows, (planes & PLANE_BIT(plane)) != 0 && is_used(params, plane, i),
 			    (struct row){plane_name((enum plane)plane), deform_plane_effect(params->model, (enum plane)plane), format_of((enum plane)plane),
 					 PLACE(planes_of[0][0]) + (size_t)(i * PLANES + plane) * sizeof(struct gpu_texture *)});
 }

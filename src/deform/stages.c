@@ -32,6 +32,14 @@ struct gpu_rect deform_written(const struct deform_window *window)
 				 (uint32_t)(write.x1 - write.x0), (uint32_t)(write.y1 - write.y0)};
 }
 
+void deform_posts_of(struct gpu_rect rect, int32_t posts[4])
+{
+	posts[0] = (int32_t)rect.x;
+	posts[1] = (int32_t)rect.y;
+	posts[2] = (int32_t)(rect.x + rect.width);
+	posts[3] = (int32_t)(rect.y + rect.height);
+}
+
 void deform_posts_in(const struct deform_window *window, struct post_rect posts, int32_t in[4])
 {
 	in[0] = (int32_t)(posts.x0 - window->read.x0);

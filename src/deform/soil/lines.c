@@ -51,9 +51,9 @@ static enum status run(struct deform *deform, const struct slide_place *place, i
 	const struct gpu_rect w = large ? (struct gpu_rect){0, 0, 0, 0} : place->written;
 	struct lines_params params = {
 		.place = {(int32_t)place->layer, direction, deform_tolerance(deform), least(deform, diagonal)},
-		.window = {(int32_t)w.x, (int32_t)w.y, (int32_t)(w.x + w.width), (int32_t)(w.y + w.height)},
 		.around = {place->around},
 	};
+	deform_posts_of(w, params.window);
 	for (int i = 0; i < deform->params.soil_count; i++)
 		params.limits[i][0] = deform->soils[i].critical[diagonal];
 	const int32_t rows[4] = {0, 0, 0, (int32_t)(direction == 1 ? w.width : w.height)};

@@ -137,10 +137,8 @@ void deform_slide_prepare(struct deform *deform)
 
 static void fill_window(const struct slide_place *place, struct slide_params *params)
 {
-	const struct gpu_rect written = place->written;
-	const int32_t posts[4] = {(int32_t)written.x, (int32_t)written.y, (int32_t)(written.x + written.width), (int32_t)(written.y + written.height)};
 	const int32_t view[4] = {(int32_t)place->all.width, (int32_t)place->all.height, place->around, place->flags.step};
-	memcpy(params->written, posts, sizeof posts);
+	deform_posts_of(place->written, params->written);
 	memcpy(params->sides, place->flags.sides, sizeof params->sides);
 	memcpy(params->view, view, sizeof view);
 }
