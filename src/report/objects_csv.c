@@ -95,7 +95,7 @@ enum status report_rows_open(const struct world *world, const char *directory, s
 		struct world_recorded recorded;
 		world_recorded(world, &recorded);
 		rewind(rows->file);
-		end = whole_until(rows->file, recorded.time);
+		end = whole_until(rows->file, recorded.step > 0 ? recorded.time : -1); /* the first step gives the rows of time 0 */
 	}
 	if (rows->file == NULL || end < 0 || ftruncate(fileno(rows->file), end) != 0 || fseek(rows->file, 0, SEEK_END) != 0 ||
 	    (end == 0 && fputs(header, rows->file) < 0)) {

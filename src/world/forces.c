@@ -101,7 +101,8 @@ enum status world_forces_create(struct world *world, struct forces **out)
 		forces->known_tag[i] = 1;
 	}
 	forces->tag = forces->tag_before = 1; /* 1: rows from before the drive was resumed */
-	while (world->resumed.is && (double)forces->row <= world->record->time * forces->rate && forces->rate > 0 &&
+	/* The first step gives the rows of time 0. */
+	while (world->resumed.is && world->record->step > 0 && (double)forces->row <= world->record->time * forces->rate && forces->rate > 0 &&
 	       (double)forces->row / forces->rate <= world->record->time)
 		forces->row++;
 	return STATUS_OK;
