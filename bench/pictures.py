@@ -219,8 +219,8 @@ def draw_sheet(studio):
              f"set multiplot layout {(len(studio.made) + 3) // 4},4 margins 0.005,0.995,0.005,0.965 spacing 0.008,0.035",
              "unset border", "unset tics", "unset key", "set size ratio -1", "set tmargin 1"]
     for title, path in studio.made:
-        lines += [f"set title '{title}' offset 0,-0.8 noenhanced".replace("drive's", "drive''s").replace("ground's", "ground''s"),
-                  f"plot '{path}' binary filetype=png with rgbimage"]
+        quoted = title.replace("'", "''")
+        lines += [f"set title '{quoted}' offset 0,-0.8 noenhanced", f"plot '{path}' binary filetype=png with rgbimage"]
     subprocess.run(["gnuplot"], input="\n".join(lines) + "\nunset multiplot\n", text=True, check=True)
     print(f"{sheet}: all of them")
 
