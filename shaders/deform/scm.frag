@@ -171,7 +171,7 @@ void main()
 			total_add(moment[k], int(round(clamp(m[k], -most, most))));
 		}
 		area += bears ? int(round(b.area * faces[0].w)) : 0;
-		deepest = max(deepest, b.held && bears ? b.sunk - before.heap : 0);
+		deepest = max(deepest, b.held && bears ? b.sunk - b.after.heap : 0);
 #endif
 	}
 #ifdef FORCES

@@ -45,8 +45,9 @@ vec2 by_way = way.xy / max(dot(way.xy, way.xy), 1e-12);               // contact
 float stamps = max(1.0 - length(way.xy) * (1.0 / half_across), 0.0); // 1: the object stood still; 0: it moved over a cell
 // Parts of cells are cut off along the lattice's axis that is nearest to the frame's.
 bool northward = abs(heading.y) > abs(heading.x);
-vec2 cut_ahead = scale.y * into_frame(northward ? vec2(0.0, sign(heading.y)) : vec2(sign(heading.x), 0.0));
-vec2 cut_aside = scale.y * into_frame(northward ? vec2(sign(-heading.y), 0.0) : vec2(0.0, sign(heading.x)));
+ivec2 next_ahead = northward ? ivec2(0, sign(heading.y)) : ivec2(sign(heading.x), 0);
+ivec2 next_aside = northward ? ivec2(sign(-heading.y), 0) : ivec2(0, sign(heading.x));
+vec2 cut_ahead = scale.y * into_frame(vec2(next_ahead)), cut_aside = scale.y * into_frame(vec2(next_aside));
 
 vec3 normal_of_slope(vec2 slope)
 {
@@ -144,13 +145,19 @@ bool covers(ivec2 post)
 	return all(greaterThanEqual(post, drawn.xy)) && all(lessThan(post, drawn.zw)) && rest_at(ivec3(post, zero.z)) != UNDER_NONE;
 }
 
-// Returns the part of a strip that a post bears: from, to, in posts from this post. at: the post's place across the strip, m. size:
-// half the strip's width, m. A post on the strip's border counts as covered, as it does in the lower envelope.
-vec2 part_of(float at, float size)
+const float BORDER = 1e-5; // m: nearer to a border only the lower envelope, in whole numbers, tells whether a post is covered
+
+// Tells whether a post is within a strip. at: its place across the strip, m. size: half the strip's width, m.
+bool within(ivec2 post, float at, float size)
 {
-	float covered = size + 1e-6 * size + 1e-7;
-	return vec2(abs(at - step_aside) <= covered ? -0.5 : max((-size - at) * by_step, -1.0),
-		    abs(at + step_aside) <= covered ? 0.5 : min((size - at) * by_step, 1.0));
+	return abs(abs(at) - size) > BORDER ? abs(at) < size : covers(post);
+}
+
+// Returns the part of a strip that a post bears: from, to, in posts from this post. next: from it to the next post across the strip.
+vec2 part_of(ivec2 post, ivec2 next, float at, float size)
+{
+	return vec2(within(post - next, at - step_aside, size) ? -0.5 : max((-size - at) * by_step, -1.0),
+		    within(post + next, at + step_aside, size) ? 0.5 : min((size - at) * by_step, 1.0));
 }
 
 // Tells whether a post beside a wheel bears it. A wheel that is narrower than the spacing may pass between two posts: the nearer one
@@ -171,7 +178,7 @@ cell cell_at(int x, int y, object o)
 	cell c = cell(place_of(x, y), vec2(0.0), over ? 1.0 : 0.0, vec2(0.0));
 #if defined(SHAPE_WHEEL) || defined(SHAPE_BOX)
 	if (body.y > 0.0) {
-		vec2 part = part_of(c.at.y, body.y);
+		vec2 part = part_of(ivec2(x, y), next_aside, c.at.y, body.y);
 		bool narrow = 2.0 * body.y < step_aside;
 		part = over ? part : !bears_beside(c.at) ? vec2(0.0) : narrow ? vec2(-body.y - c.at.y, body.y - c.at.y) * by_step : part;
 		c.share = max(part.y - part.x, 0.0);
@@ -180,7 +187,7 @@ cell cell_at(int x, int y, object o)
 #endif
 #ifdef SHAPE_BOX
 	if (body.y > 0.0 && heading.w > 0.0) {
-		vec2 part = part_of(c.at.x, heading.w);
+		vec2 part = part_of(ivec2(x, y), next_ahead, c.at.x, heading.w);
 		c.share *= max(part.y - part.x, 0.0);
 		c.middle += 0.5 * (part.x + part.y) * cut_ahead;
 	}

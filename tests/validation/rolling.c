@@ -8,11 +8,13 @@
 
 struct told {
 	double drawbar, side, vertical, moment, area, sinkage;
+	double deepest; /* m: the sinkage that forces tell */
 };
 
 struct rolled {
 	double spacing, degrees, shift; /* posts that the start is moved by */
 	double sinkage, load;           /* at this sinkage; or under this load, N, if it is above 0 */
+	double hair;                    /* m: not 0: the axle is so far beside a row of posts */
 };
 
 /* Rolls as far as the contact is long and two posts more. The forces are those of the last path sample. */
@@ -21,7 +23,7 @@ static struct told roll(const struct deform_soil *soil, const struct reference_r
 	struct ground ground;
 	double heading = how->degrees * RADIANS, c = cos(heading), s = sin(heading), spacing = how->spacing, r = wheel->radius;
 	int stations = (int)ceil(1.3 * sqrt(2 * r * how->sinkage) / spacing) + 2;
-	double edge = 1.1 * r / spacing + 4, x = edge + how->shift, y = edge + 0.7 * how->shift;
+	double edge = 1.1 * r / spacing + 4, x = edge + how->shift, y = how->hair != 0 ? floor(edge) + how->hair / spacing : edge + 0.7 * how->shift;
 	ground_init(&ground, &(struct ground_params){.cells = 64, .tiles = (uint32_t)ceil((2 * edge + stations + 2) / 64), .spacing = spacing,
 						     .model = DEFORM_SCM, .soils = soil, .iterations = 1,
 						     .ground_normals = wheel->normals == REFERENCE_NORMALS_GROUND});
@@ -39,7 +41,7 @@ static struct told roll(const struct deform_soil *soil, const struct reference_r
 	double z = lattice_offset_metres(forces.z);
 	ground_finish(&ground);
 	return (struct told){forces.force[0] * c + forces.force[1] * s, forces.force[1] * c - forces.force[0] * s, forces.force[2],
-			     forces.moment[1] * c - forces.moment[0] * s, forces.area, r - z};
+			     forces.moment[1] * c - forces.moment[0] * s, forces.area, r - z, forces.sinkage};
 }
 
 /* Shares by which the vertical force, the drawbar and the moment are off. */
@@ -68,10 +70,12 @@ static struct off worst(const struct deform_soil *soil, const struct reference_r
 	struct off most = {0, 0, 0};
 	for (int angle = 0; angle < 3; angle++)
 		for (int shift = 0; shift < 3; shift++) {
-			struct told got = roll(soil, wheel, &(struct rolled){spacing, angles[angle], shifts[shift], sinkage, load});
+			struct told got = roll(soil, wheel, &(struct rolled){spacing, angles[angle], shifts[shift], sinkage, load, 0});
 			most = larger(most, off_by(&got, &wanted));
 			/* It goes straight. */
 			assert_true(fabs(got.side) < 2e-3 * wanted.vertical);
+			/* The post that is nearest to the axle is half a post away at most. */
+			assert_true(fabs(got.deepest - got.sinkage) < 1.5 * spacing * spacing / (8 * wheel->radius) + 2e-5);
 			if (load > 0) {
 				assert_true(fabs(got.vertical / load - 1) < 5e-3);
 				if (!(fabs(got.sinkage / sinkage - 1) < 5e-3))
@@ -145,6 +149,24 @@ static void a_rim_weaker_than_the_soil_pulls_as_the_closed_form_does(void **stat
 	}
 }
 
+/* Its sides are on posts, or some fixed-point units beside them: what it bears on hardly changes. */
+static void a_hair_beside_posts_is_nothing(void **state)
+{
+	struct deform_soil soil = bed_soil("dry_sand");
+	(void)state;
+	need_gpu();
+	for (double spacing = 0.04; spacing > 0.01; spacing /= 2) {
+		struct told first = {0};
+		for (int units = -4; units <= 4; units++) {
+			struct told got = roll(&soil, &driven, &(struct rolled){spacing, 0, 0.31, 0.04, 1000, units * 0x1p-20 + 0x1p-30});
+			first = units == -4 ? got : first;
+			print_message("%g m, %d: %.3f mm, %.2f N, %g m2\n", spacing, units, got.sinkage * 1e3, got.drawbar, got.area);
+			assert_true(fabs(got.sinkage / first.sinkage - 1) < 1e-4 && fabs(got.drawbar / first.drawbar - 1) < 1e-4);
+			assert_true(fabs(got.area / first.area - 1) < 1e-4 && fabs(got.side) < 0.01);
+		}
+	}
+}
+
 /* A wheel of 25 mm over posts of 31 mm: also where it goes between them. */
 static void a_wheel_narrower_than_the_posts_is_carried_everywhere(void **state)
 {
@@ -156,7 +178,7 @@ static void a_wheel_narrower_than_the_posts_is_carried_everywhere(void **state)
 	struct reference_rolling_force wanted = reference_rolling(&soil, &narrow, 0.03);
 	for (int angle = 0; angle < 3; angle++)
 		for (double shift = 0; shift < 1; shift += 0.125) {
-			struct told got = roll(&soil, &narrow, &(struct rolled){0.03125, angles[angle], shift, 0.03, 0});
+			struct told got = roll(&soil, &narrow, &(struct rolled){0.03125, angles[angle], shift, 0.03, 0, 0});
 			struct off off = off_by(&got, &wanted);
 			print_message("%g degrees, %g: Fz %.2f %%, Fx %.2f %%, My %.2f %% area %g\n", angles[angle], shift, off.vertical * 100,
 				      off.drawbar * 100, off.moment * 100, got.area);
@@ -183,7 +205,7 @@ static void normals_of_the_ground_are_chronos(void **state)
 		/* Without slip the surface hardly moves at the lowest point. The shear there has the direction of that way, which is rounded
 		 * to 2^-20 m: at 22.5 degrees it is lost. */
 		for (int angle = 0; angle < 3; angle += rows[i].slip == 0 ? 2 : 1) {
-			struct told got = roll(&soil, &wheel, &(struct rolled){0.02, angles[angle], 0.31, rows[i].sinkage, 0});
+			struct told got = roll(&soil, &wheel, &(struct rolled){0.02, angles[angle], 0.31, rows[i].sinkage, 0, 0});
 			print_message("%g m, slip %g, %g degrees\n", rows[i].sinkage, rows[i].slip, angles[angle]);
 			bed_near("Fz, N", got.vertical, rows[i].vertical, 0.005);
 			bed_near("Fx, N", got.drawbar, rows[i].drawbar, 0.06);
@@ -198,6 +220,7 @@ int main(void)
 		cmocka_unit_test(a_wheel_tells_what_the_closed_form_does),
 		cmocka_unit_test(a_loaded_wheel_sinks_as_deep),
 		cmocka_unit_test(a_rim_weaker_than_the_soil_pulls_as_the_closed_form_does),
+		cmocka_unit_test(a_hair_beside_posts_is_nothing),
 		cmocka_unit_test(a_wheel_narrower_than_the_posts_is_carried_everywhere),
 		cmocka_unit_test(normals_of_the_ground_are_chronos),
 	};

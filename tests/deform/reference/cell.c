@@ -165,7 +165,7 @@ struct part {
 static void bear_side(const struct form *form, int side, const double place[2], double step, double spacing, bool over, struct part *part)
 {
 	double at = place[side];
-	double size = form->half[side], covered = size * (1 + 1e-6) + 1e-7;
+	double size = form->half[side], covered = size + 1e-9;
 	double low = fabs(at - step) <= covered ? -0.5 : fmax((-size - at) / step, -1), high = fabs(at + step) <= covered ? 0.5 : fmin((size - at) / step, 1);
 	const double left[2] = {-form->forward[1], form->forward[0]}, *to = side == 0 ? form->forward : left;
 	/* A wheel passes between two posts. Or it has sunk so deep that its rim reaches to a post before it. */
