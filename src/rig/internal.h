@@ -1,0 +1,35 @@
+/* rig, inside: beds, lanes, and the search for a torque's slip. */
+#ifndef FURROW_RIG_INTERNAL_H
+#define FURROW_RIG_INTERNAL_H
+
+#include "rig/rig.h"
+
+/* One run of one object: its load and slip, and what was found. */
+struct rig_lane {
+	double load, slip; /* slip is NaN for an object that is no wheel */
+	struct rig_row row;
+};
+
+/* What is the same in all lanes. */
+struct rig {
+	const struct rig_params *params;
+	struct rig_found found;
+	char *shape, *bed;        /* YAML in braces; path of the bed */
+	double pitch, start;      /* m: from lane to lane; from the bed's edges to the lanes */
+	double levels;            /* 2^n: posts of the bed's coarsest level are so many times as far apart */
+	bool advised;             /* advice on this soil was told */
+	int64_t done, total;      /* lanes, for progress */
+};
+
+/* bed.c: makes level ground for so many lanes. */
+enum status rig_bed_make(const struct rig *rig, size_t lanes) FURROW_CHECKED;
+void rig_bed_remove(const struct rig *rig);
+
+/* lanes.c: drives lanes over one soil and fills their rows. */
+enum status rig_lanes_drive(struct rig *rig, size_t soil, struct rig_lane *lanes, size_t count) FURROW_CHECKED;
+#define RIG_LANES_MOST 16 /* of one bed */
+
+/* torque.c: finds slips at which this soil gives the torques, under each load, and gives the rows. */
+enum status rig_torques(struct rig *rig, size_t soil, rig_row_fn give, void *user) FURROW_CHECKED;
+
+#endif

@@ -1,0 +1,186 @@
+/* One drive over the bed: a scene of an object a lane, its steps, and the means of the forces that it tells. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "rig/internal.h"
+#include "world/world.h"
+
+#define SPEED 0.1    /* m/s: no force of a body on a path depends on it */
+#define WINDOW 0.25  /* of the way, at its end, in which a row is taken */
+
+/* Sums over the halves of a lane's window. */
+struct sums {
+	double count[2], sinkage[2], drawbar, side, fz, torque;
+	bool sunk;
+	double first; /* m: where the row before was taken, so that a place counts once */
+};
+
+struct taking {
+	const struct rig *rig;
+	struct sums *sums;
+};
+
+/* --- the scene --- */
+
+static int text_of(const struct rig *rig, size_t soil, const struct rig_lane *lanes, size_t count, FILE *out)
+{
+	const struct rig_found *found = &rig->found;
+	const char *name = rig->params->soils[soil];
+	const double step = found->spacing / SPEED;
+	const bool braces = name[strspn(name, " ")] == '{';
+	fprintf(out, "scene: 1\ntime_step: %.17g\nend_time: %.17g\nspacing: %.17g\n", step, found->way / SPEED, found->spacing);
+	fprintf(out, braces ? "soil: %s\n" : "soil: {name: %s}\n", name);
+	fprintf(out, "redistribute: {model: scm}\noutput: {forces: %.17g, delay: 0}\nobjects:\n", (1 - 1e-9) / step);
+	for (size_t i = 0; i < count; i++) {
+		const double y = rig->start + (double)i * rig->pitch;
+		fprintf(out, "  - {name: lane_%zu, shape: %s, load: %.17g, ", i + 1, rig->shape, lanes[i].load);
+		if (!isnan(lanes[i].slip))
+			fprintf(out, "slip: %.17g, ", lanes[i].slip);
+		fprintf(out, "path: {points: [[%.17g, %.17g], [%.17g, %.17g]], speed: %.17g}}\n", rig->start, y, rig->start + found->way, y, SPEED);
+	}
+	return ferror(out);
+}
+
+static enum status load(const struct rig *rig, size_t soil, const struct rig_lane *lanes, size_t count, struct scene **out)
+{
+	char *text = NULL;
+	size_t length;
+	FILE *stream = open_memstream(&text, &length);
+	if (stream == NULL)
+		return fail_memory("a scene");
+	int failed = text_of(rig, soil, lanes, count, stream);
+	failed |= fclose(stream);
+	enum status status = failed != 0 ? fail_memory("a scene")
+					 : scene_load_text(text, NULL, rig->params->settings, rig->params->setting_count, SCENE_COMMAND, out);
+	free(text);
+	if (status != STATUS_INPUT && status != STATUS_USAGE)
+		return status;
+	char why[512];
+	snprintf(why, sizeof why, "%s", failure_message());
+	return fail_with(status, "rig: soil %s, in the scene that it makes: %.400s", rig->params->soils[soil], why);
+}
+
+/* --- the rows --- */
+
+static enum status take(void *user, const struct world_row *row)
+{
+	const struct taking *taking = user;
+	const struct rig_found *found = &taking->rig->found;
+	struct sums *sums = &taking->sums[row->body];
+	const double along = (row->position[0] - taking->rig->start) / found->way;
+	if (along < 1 - WINDOW || row->position[0] == sums->first)
+		return STATUS_OK;
+	const int half = along >= 1 - WINDOW / 2;
+	sums->first = row->position[0];
+	sums->count[half]++;
+	sums->sinkage[half] += row->force.sinkage;
+	sums->drawbar += row->force.force[0];
+	sums->side += row->force.force[1];
+	sums->fz += row->force.force[2];
+	sums->torque -= row->force.moment[1]; /* the soil turns it back, about the axis to the left */
+	sums->sunk |= row->force.state == DEFORM_SUNK;
+	return STATUS_OK;
+}
+
+static enum status nothing(void *user)
+{
+	(void)user;
+	return STATUS_OK;
+}
+
+static void fill(const struct rig *rig, size_t soil, struct rig_lane *lane, const struct sums *sums)
+{
+	const double count = sums->count[0] + sums->count[1];
+	const double first = sums->sinkage[0] / sums->count[0], second = sums->sinkage[1] / sums->count[1];
+	const bool wheel = rig->found.wheel;
+	struct rig_row *row = &lane->row;
+	*row = (struct rig_row){
+		.soil = soil,
+		.slip = lane->slip,
+		.torque = wheel ? sums->torque / count : (double)NAN,
+		.sinkage = (sums->sinkage[0] + sums->sinkage[1]) / count,
+		.drawbar = sums->drawbar / count,
+		.side = sums->side / count,
+		.fz = sums->fz / count,
+		.efficiency = NAN,
+		.deeper = second - first,
+	};
+	for (size_t i = 0; i < rig->params->load_count; i++)
+		if (rig->params->loads[i] == lane->load)
+			row->load = i;
+	if (wheel && row->torque > 0 && row->drawbar > 0 && row->slip > 0)
+		row->efficiency = row->drawbar * (1 - row->slip) * rig->found.radius / row->torque;
+	if (sums->sunk)
+		row->state = RIG_SUNK;
+	else if (fabs(row->deeper) > RIG_DIGS_ABOVE * fabs(row->sinkage))
+		row->state = RIG_DIGS;
+}
+
+/* --- the drive --- */
+
+static enum status steps(struct rig *rig, struct world *world, size_t count)
+{
+	const int64_t total = world_step_count(world), before = rig->done;
+	enum status status = world_begin(world);
+	while (world->step < total && status == STATUS_OK) {
+		if (world_stopped(world))
+			return fail_with(STATUS_INTERRUPTED, "rig: interrupted; run it again to start over");
+		status = world_step(world);
+		rig->done = before + (int64_t)count * world->step / total;
+		if (status == STATUS_OK && rig->params->progress != NULL)
+			status = rig->params->progress(rig->params->user, rig->done, rig->total);
+	}
+	return status == STATUS_OK ? world_settle_forces(world) : status;
+}
+
+static enum status drive(struct rig *rig, const struct scene *scene, struct sums *sums, size_t count)
+{
+	struct world world = {.step = 0};
+	struct taking taking = {rig, sums};
+	const struct world_rows rows = {&taking, take, nothing, nothing, nothing};
+	const struct world_params params = {.scene = scene, .store = rig->bed, .rows = true, .stop = rig->params->stop};
+	enum status status = world_prepare(&world, &params);
+	if (status == STATUS_OK && !rig->advised && rig->params->tell != NULL)
+		world_advise(&world, rig->params->tell, rig->params->user);
+	rig->advised = true;
+	if (status == STATUS_OK)
+		status = world_start(&world);
+	if (status == STATUS_OK)
+		status = world_start_pages(&world, NULL, NULL);
+	if (status == STATUS_OK)
+		status = world_warm(&world);
+	if (status == STATUS_OK) {
+		world_seal(&world);
+		world.rows = &rows;
+		status = steps(rig, &world, count);
+	}
+	struct failure failure;
+	failure_capture(&failure, status);
+	world_stop(&world);
+	world_finish(&world, status);
+	return status == STATUS_OK ? STATUS_OK : failure_restore(&failure);
+}
+
+enum status rig_lanes_drive(struct rig *rig, size_t soil, struct rig_lane *lanes, size_t count)
+{
+	struct scene *scene = NULL;
+	struct sums sums[RIG_LANES_MOST] = {{.first = NAN}};
+	for (size_t at = 0; at < count; at += RIG_LANES_MOST) {
+		const size_t now = count - at < RIG_LANES_MOST ? count - at : RIG_LANES_MOST;
+		memset(sums, 0, sizeof sums);
+		enum status status = rig_bed_make(rig, now);
+		if (status == STATUS_OK)
+			status = load(rig, soil, lanes + at, now, &scene);
+		if (status != STATUS_OK)
+			return status;
+		status = drive(rig, scene, sums, now);
+		scene_destroy(scene);
+		if (status != STATUS_OK)
+			return status;
+		for (size_t i = 0; i < now; i++)
+			fill(rig, soil, &lanes[at + i], &sums[i]);
+	}
+	return STATUS_OK;
+}

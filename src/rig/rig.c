@@ -1,0 +1,137 @@
+/* What is asked of the rig: checks it, chooses spacing and way, and runs soil after soil. */
+#include "rig/rig.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "rig/internal.h"
+
+#define POSTS 20         /* below the object's width or height, by default */
+#define WAY 8.0          /* the way, in radii or half lengths */
+#define PITCH 10.0       /* from lane to lane, in half widths or heights */
+#define LEVELS 16        /* posts of the bed's base are so many times as far apart: less to store */
+
+const char *const rig_state_names[] = {
+	[RIG_STEADY] = "steady", [RIG_DIGS] = "digs", [RIG_SUNK] = "sunk", [RIG_SPINS] = "spins",
+};
+
+static enum status check_list(const char *what, const double *values, size_t count, double low, double high)
+{
+	if (count > RIG_VALUES_MOST)
+		return fail_with(STATUS_USAGE, "rig: %s: are %zu numbers; give at most %d", what, count, RIG_VALUES_MOST);
+	for (size_t i = 0; i < count; i++)
+		if (!(values[i] >= low && values[i] <= high))
+			return fail_with(STATUS_USAGE, "rig: %s: %g is out of range; give %g to %g", what, values[i], low, high);
+	return STATUS_OK;
+}
+
+static enum status check(const struct rig_params *params)
+{
+	if (params->soil_count == 0 || params->load_count == 0)
+		return fail_with(STATUS_USAGE, "rig: no soil or no load; give one of each at least");
+	if (params->slip_count > 0 && params->torque_count > 0)
+		return fail_with(STATUS_USAGE, "rig: slips and torques are both given; give one of them");
+	enum status status = check_list("load", params->loads, params->load_count, 1e-3, 1e9);
+	if (status == STATUS_OK)
+		status = check_list("slip", params->slips, params->slip_count, -1000, 0.999);
+	return status == STATUS_OK ? check_list("torque", params->torques, params->torque_count, -1e9, 1e9) : status;
+}
+
+static char *in_braces(const char *shape)
+{
+	const bool has = shape[strspn(shape, " ")] == '{';
+	char *text = mem_alloc(strlen(shape) + 3, 1);
+	if (text != NULL)
+		sprintf(text, has ? "%s" : "{%s}", shape);
+	return text;
+}
+
+/* Reads the shape as a host's body, whose messages name its own text. */
+static enum status measure(struct rig *rig)
+{
+	struct scene *scene;
+	struct scene_object object;
+	enum status status = scene_load_text("{}", NULL, NULL, 0, SCENE_HOST, &scene);
+	if (status != STATUS_OK)
+		return status;
+	char *text = mem_alloc(strlen(rig->shape) + 16, 1);
+	if (text != NULL) {
+		sprintf(text, "{shape: %s}", rig->shape);
+		status = scene_object_parse(scene, text, &object);
+	} else {
+		status = fail_memory("a shape");
+	}
+	mem_free(text);
+	scene_destroy(scene);
+	if (status != STATUS_OK) {
+		char why[512];
+		snprintf(why, sizeof why, "%s", failure_message());
+		return fail_with(status, "rig: shape %s: %.400s", rig->shape, why);
+	}
+	const struct deform_shape *shape = &object.shape;
+	struct rig_found *found = &rig->found;
+	const double bound = deform_shape_bound(shape);
+	found->wheel = shape->kind == DEFORM_WHEEL;
+	found->radius = found->wheel ? shape->radius : (double)NAN;
+	found->width = found->wheel ? shape->width : (double)NAN;
+	const double least = found->wheel ? fmin(shape->radius, shape->width) : bound / sqrt(3);
+	const double most = found->wheel ? fmax(shape->radius, shape->width) : bound;
+	found->spacing = rig->params->spacing > 0 ? rig->params->spacing : least / POSTS;
+	/* Whole posts, so that each step is a path sample. */
+	found->way = ceil(WAY * most / found->spacing) * found->spacing;
+	rig->levels = LEVELS;
+	rig->pitch = ceil(PITCH * most / found->spacing) * found->spacing;
+	rig->start = rig->pitch;
+	scene_object_finish(&object);
+	return STATUS_OK;
+}
+
+/* One row a load and slip. */
+static enum status slips(struct rig *rig, size_t soil, rig_row_fn give, void *user)
+{
+	const struct rig_params *params = rig->params;
+	const size_t each = rig->found.wheel ? params->slip_count : 1, count = params->load_count * each;
+	struct rig_lane *lanes = mem_calloc(count, sizeof *lanes);
+	if (lanes == NULL)
+		return fail_memory("the rig's lanes");
+	for (size_t i = 0; i < count; i++)
+		lanes[i] = (struct rig_lane){.load = params->loads[i / each], .slip = rig->found.wheel ? params->slips[i % each] : (double)NAN};
+	enum status status = rig_lanes_drive(rig, soil, lanes, count);
+	for (size_t i = 0; i < count && status == STATUS_OK; i++)
+		status = give(user, &lanes[i].row);
+	mem_free(lanes);
+	return status;
+}
+
+enum status rig_run(const struct rig_params *params, struct rig_found *found, rig_row_fn give, void *user)
+{
+	struct rig rig = {.params = params};
+	enum status status = check(params);
+	if (status != STATUS_OK)
+		return status;
+	rig.shape = in_braces(params->shape);
+	rig.bed = mem_alloc(strlen(params->folder) + sizeof "/bed.furrow", 1);
+	if (rig.shape == NULL || rig.bed == NULL) {
+		status = fail_memory("the rig");
+	} else {
+		sprintf(rig.bed, "%s/bed.furrow", params->folder);
+		status = measure(&rig);
+	}
+	if (status == STATUS_OK && rig.found.wheel && params->slip_count + params->torque_count == 0)
+		status = fail_with(STATUS_USAGE, "rig: a wheel needs slips or torques; give some");
+	if (status == STATUS_OK && !rig.found.wheel && params->torque_count > 0)
+		status = fail_with(STATUS_USAGE, "rig: %s is no wheel, so that no torque turns it; give loads alone", params->shape);
+	*found = rig.found;
+	rig.total = (int64_t)(params->soil_count * params->load_count * (params->torque_count > 0 ? 12 : rig.found.wheel ? params->slip_count : 1));
+	for (size_t soil = 0; soil < params->soil_count && status == STATUS_OK; soil++) {
+		rig.advised = false;
+		status = params->torque_count > 0 ? rig_torques(&rig, soil, give, user) : slips(&rig, soil, give, user);
+	}
+	struct failure failure;
+	failure_capture(&failure, status);
+	rig_bed_remove(&rig);
+	mem_free(rig.shape);
+	mem_free(rig.bed);
+	return status == STATUS_OK ? STATUS_OK : failure_restore(&failure);
+}

@@ -1,0 +1,83 @@
+/*
+ * rig: the single-wheel test of terramechanics. An object is carried over level soil in a straight line, under a load, and a
+ * wheel with a slip or a torque besides. What the soil does to it when that is steady becomes a row.
+ *
+ * The bodies are those of a scene, and world steps them, so a row is what a drive would tell. Several runs share one bed. Each
+ * has a lane of its own, and no soil goes from one lane to the next.
+ *
+ * All functions belong to one thread. They make a GL context of their own.
+ */
+#ifndef FURROW_RIG_H
+#define FURROW_RIG_H
+
+#include <signal.h>
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "base/base.h"
+#include "scene/scene.h"
+
+#define RIG_VALUES_MOST 256 /* loads, slips or torques of one call */
+
+enum rig_state {
+	RIG_STEADY, /* it goes on as it is */
+	RIG_DIGS,   /* it still sinks: over the last quarter of its way by more than RIG_DIGS_ABOVE of its sinkage */
+	RIG_SUNK,   /* the soil does not carry the load */
+	RIG_SPINS   /* no slip up to RIG_SLIP_MOST gives so large a torque, or none down to RIG_SLIP_LEAST one so small */
+};
+#define RIG_DIGS_ABOVE 0.05
+#define RIG_SLIP_MOST 0.95
+#define RIG_SLIP_LEAST (-0.9)
+extern const char *const rig_state_names[];
+
+struct rig_params {
+	const char *shape;              /* YAML: what a scene's object has as its `shape`, with or without its braces */
+	const char *const *soils;       /* name of a soil, or YAML of a scene's `soil` in braces */
+	size_t soil_count;
+	const double *loads;            /* N, above 0 */
+	size_t load_count;
+	const double *slips;            /* 1 - way / (turn x radius), below 1; used for wheels */
+	size_t slip_count;
+	const double *torques;          /* N m, of the drive; used for wheels. With torques there are no slips */
+	size_t torque_count;
+	double spacing;                 /* m between posts; 0: a twentieth of the object's width or height, whichever is less */
+	const struct scene_setting *settings; /* of the scene, as in redistribute.slip_sinkage */
+	size_t setting_count;
+	const char *folder;             /* an existing folder, for the bed's file while it is used */
+	const volatile sig_atomic_t *stop;
+	/* Called from time to time. If it does not return STATUS_OK, the rig stops with that. NULL: no calls */
+	enum status (*progress)(void *user, int64_t done, int64_t total);
+	void (*tell)(void *user, const char *text); /* gets advice on the scene; NULL: nobody does */
+	void *user;
+};
+
+/* Means over the last quarter of the way. The way leads along +x. NaN: there is no such figure. */
+struct rig_row {
+	size_t soil, load;    /* indices */
+	double slip;
+	double torque;        /* N m: the drive's; positive: it drives the wheel forward */
+	double sinkage;       /* m below the undisturbed surface */
+	double drawbar, side; /* N: along the way, positive pulls; to the left */
+	double fz;            /* N: the soil's vertical force */
+	double efficiency;    /* drawbar x way / (torque x turn); of a wheel that is driven and pulls */
+	double deeper;        /* m: by how much the second half of that quarter is deeper than the first */
+	enum rig_state state;
+};
+
+/* What the rig found out before it began. */
+struct rig_found {
+	bool wheel;
+	double radius, width; /* m, of a wheel */
+	double spacing, way;  /* m */
+};
+
+typedef enum status (*rig_row_fn)(void *user, const struct rig_row *row);
+
+/*
+ * Runs all soils, loads and slips (or torques), and gives a row for each, in that order, slips fastest. An object that is no wheel has one
+ * row a load. STATUS_INPUT: shape, soil or a setting is wrong. STATUS_INTERRUPTED: `stop` was set; rows of soils that were done
+ * have been given.
+ */
+enum status rig_run(const struct rig_params *params, struct rig_found *found, rig_row_fn give, void *user) FURROW_CHECKED;
+
+#endif

@@ -1,0 +1,121 @@
+/*
+ * Finds the slip of a wheel from its torque. Torque grows with slip, so a few slips bracket each torque. A straight line between
+ * the two nearest gives a slip to try, which then replaces one of them. This ends when its torque is near enough.
+ */
+#include <math.h>
+#include <stdlib.h>
+
+#include "rig/internal.h"
+
+#define NEAR 0.005 /* of the torque, or of a twentieth of load x radius, whichever is more */
+#define TRIES 5
+
+static const double bracketing[] = {RIG_SLIP_LEAST, -0.6, -0.35, -0.15, 0, 0.1, 0.2, 0.35, 0.5, 0.65, 0.8, RIG_SLIP_MOST};
+#define BRACKETING (sizeof bracketing / sizeof *bracketing)
+
+/* The search for one torque. */
+struct search {
+	double torque, load;
+	struct rig_row low, high, best; /* at both sides, and the nearest so far */
+	bool inside, done;
+};
+
+static bool is_near(const struct rig *rig, const struct search *search, const struct rig_row *row)
+{
+	const double scale = fmax(fabs(search->torque), 0.05 * search->load * rig->found.radius);
+	return fabs(row->torque - search->torque) <= NEAR * scale;
+}
+
+static void look(const struct rig *rig, struct search *search, const struct rig_row *row)
+{
+	if (!isfinite(search->best.torque) || fabs(row->torque - search->torque) < fabs(search->best.torque - search->torque))
+		search->best = *row;
+	search->done = is_near(rig, search, &search->best);
+}
+
+/* Brackets a torque between two neighbouring slips. */
+static void bracket(const struct rig *rig, struct search *search, const struct rig_lane *lanes)
+{
+	search->best.torque = NAN;
+	for (size_t i = 0; i < BRACKETING; i++) {
+		look(rig, search, &lanes[i].row);
+		if (i == 0 || search->inside || (lanes[i - 1].row.torque > search->torque) == (lanes[i].row.torque > search->torque))
+			continue;
+		search->low = lanes[i - 1].row;
+		search->high = lanes[i].row;
+		search->inside = true;
+	}
+}
+
+static enum status refine(struct rig *rig, size_t soil, struct search *searches, size_t count)
+{
+	struct rig_lane *lanes = mem_calloc(count, sizeof *lanes);
+	if (lanes == NULL)
+		return fail_memory("the rig's lanes");
+	enum status status = STATUS_OK;
+	for (int try = 0; try < TRIES && status == STATUS_OK; try++) {
+		size_t open = 0;
+		for (size_t i = 0; i < count; i++) {
+			const struct search *s = &searches[i];
+			if (s->done || !s->inside)
+				continue;
+			const double share = (s->torque - s->low.torque) / (s->high.torque - s->low.torque);
+			lanes[open++] = (struct rig_lane){.load = s->load, .slip = s->low.slip + (s->high.slip - s->low.slip) * share};
+		}
+		if (open == 0)
+			break;
+		rig->total += (int64_t)open;
+		status = rig_lanes_drive(rig, soil, lanes, open);
+		open = 0;
+		for (size_t i = 0; i < count && status == STATUS_OK; i++) {
+			struct search *s = &searches[i];
+			if (s->done || !s->inside)
+				continue;
+			const struct rig_row *row = &lanes[open++].row;
+			look(rig, s, row);
+			if ((row->torque > s->torque) == (s->high.torque > s->torque))
+				s->high = *row;
+			else
+				s->low = *row;
+		}
+	}
+	mem_free(lanes);
+	return status;
+}
+
+static enum status give_all(const struct search *searches, size_t count, rig_row_fn give, void *user)
+{
+	enum status status = STATUS_OK;
+	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
+		struct rig_row row = searches[i].best;
+		if (!searches[i].inside && !searches[i].done)
+			row = (struct rig_row){.soil = row.soil, .load = row.load, .slip = NAN, .torque = searches[i].torque, .sinkage = NAN, .drawbar = NAN,
+					       .side = NAN, .fz = NAN, .efficiency = NAN, .deeper = NAN, .state = RIG_SPINS};
+		status = give(user, &row);
+	}
+	return status;
+}
+
+enum status rig_torques(struct rig *rig, size_t soil, rig_row_fn give, void *user)
+{
+	const struct rig_params *params = rig->params;
+	const size_t count = params->load_count * params->torque_count;
+	struct rig_lane *lanes = mem_calloc(params->load_count * BRACKETING, sizeof *lanes);
+	struct search *searches = mem_calloc(count, sizeof *searches);
+	enum status status = lanes == NULL || searches == NULL ? fail_memory("the rig's lanes") : STATUS_OK;
+	for (size_t i = 0; i < params->load_count * BRACKETING && status == STATUS_OK; i++)
+		lanes[i] = (struct rig_lane){.load = params->loads[i / BRACKETING], .slip = bracketing[i % BRACKETING]};
+	if (status == STATUS_OK)
+		status = rig_lanes_drive(rig, soil, lanes, params->load_count * BRACKETING);
+	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
+		searches[i] = (struct search){.torque = params->torques[i % params->torque_count], .load = params->loads[i / params->torque_count]};
+		bracket(rig, &searches[i], &lanes[i / params->torque_count * BRACKETING]);
+	}
+	if (status == STATUS_OK)
+		status = refine(rig, soil, searches, count);
+	if (status == STATUS_OK)
+		status = give_all(searches, count, give, user);
+	mem_free(lanes);
+	mem_free(searches);
+	return status;
+}

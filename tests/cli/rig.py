@@ -1,0 +1,137 @@
+"""furrow rig: its rows are those of a drive, closed forms hold, a torque finds its slip, and what is measured is drawn beside it."""
+import csv
+import math
+import pathlib
+import signal
+import subprocess
+import time
+import xml.etree.ElementTree
+
+from furrow_test import FURROW, FurrowTest, main
+
+WHEEL = "wheel: {radius: 0.32, width: 0.24}"
+
+
+class Rig(FurrowTest):
+    def ok(self, *arguments, **options):
+        result = self.furrow(*arguments, **options)
+        if result.returncode == 4:
+            self.skipTest("no GL here: " + result.stderr.strip())
+        self.assertEqual(result.returncode, 0, result.stderr)
+        return result.stdout
+
+    def rig(self, *arguments, out="rig", wheel=WHEEL):
+        """The rows of rig.csv, with numbers; NaN where a cell is empty."""
+        self.ok("rig", "-o", out, *(["--shape", wheel] if wheel else []), *arguments)
+        with open(self.folder / out / "rig.csv") as file:
+            rows = list(csv.DictReader(file))
+        self.assertEqual([], [path.name for path in (self.folder / out).iterdir() if path.name not in ("rig.csv", "rig.svg")])
+        xml.etree.ElementTree.parse(self.folder / out / "rig.svg")
+        return [{key: value if key in ("soil", "state") else float(value or "nan") for key, value in row.items()} for row in rows]
+
+    def driven(self, slip, load, spacing, way):
+        """Means of objects.csv over the last quarter of a drive of the same wheel, on other ground, in another direction."""
+        self.ok("synth", "-o", "flat.furrow", "--posts", "129x129", "--spacing", repr(spacing * 8), "--kind", "plain", "--relief", "0", "--overwrite")
+        step = spacing / 0.2
+        (self.folder / "scene.yaml").write_text(
+            f"scene: 1\ntime_step: {step!r}\nend_time: {way / 0.2!r}\nspacing: {spacing!r}\nsoil: {{name: dry_sand}}\n"
+            f"redistribute: {{model: scm}}\noutput: {{forces: {0.99 / step!r}, delay: 0}}\nobjects:\n"
+            f"  - {{name: a, shape: {{{WHEEL}}}, load: {load!r}, slip: {slip!r}, path: {{points: [[6, 3], [6, {3 + way!r}]], speed: 0.2}}}}\n")
+        self.ok("drive", "scene.yaml", "--store", "flat.furrow", "-o", "out")
+        with open(self.folder / "out" / "objects.csv") as file:
+            rows = [row for row in csv.DictReader(file) if float(row["y"]) >= 3 + 0.75 * way]
+        mean = {key: sum(float(row[key]) for row in rows) / len(rows) for key in ("sinkage", "fy", "fz", "tx")}
+        return mean["sinkage"], mean["fy"], mean["tx"], mean["fz"]
+
+    def test_a_row_is_what_a_drive_tells(self):
+        row, = self.rig("--slip", "0.2", "--load", "800", "--spacing", "0.02")
+        wanted = self.driven(0.2, 800, 0.02, 2.56)
+        for got, want, name in zip((row["sinkage"], row["drawbar"], row["torque"], row["fz"]), wanted, ("sinkage", "drawbar", "torque", "fz")):
+            self.assertAlmostEqual(got, want, delta=0.005 * abs(want), msg=name)
+
+    def test_it_meets_closed_forms_at_three_spacings(self):
+        """A wheel of r 0.32 m, b 0.24 m and 1 kN in dry_sand at slip 0.2: bench/CONVERGE.md's forms, by two integrals."""
+        for spacing, share in (("0.04", 0.03), ("0.02", 0.02), ("0.01", 0.01)):
+            row, = self.rig("--slip", "0.2", "--spacing", spacing)
+            self.assertAlmostEqual(row["sinkage"], 0.04278, delta=0.04278 * share / 2)
+            self.assertAlmostEqual(row["drawbar"], 205.5, delta=205.5 * share)
+            self.assertAlmostEqual(row["fz"], 1000, delta=5)
+            self.assertLess(abs(row["side"]), 1)
+            self.assertAlmostEqual(row["efficiency"], row["drawbar"] * 0.8 * 0.32 / row["torque"], delta=1e-6)
+            self.assertEqual(row["state"], "steady")
+
+    def test_lanes_do_not_meet(self):
+        """Each row is the same beside 17 others as alone: more lanes than a bed has."""
+        slips = [round(-0.4 + 0.07 * i, 2) for i in range(18)]
+        many = self.rig("--slip", ",".join(map(str, slips)), "--spacing", "0.04", "--soil", "lunar")
+        self.assertEqual([row["slip"] for row in many], slips)
+        for row in (many[0], many[9], many[17]):
+            alone, = self.rig(f"--slip={row['slip']}", "--spacing", "0.04", "--soil", "lunar")
+            for key in ("sinkage", "drawbar", "torque"):
+                self.assertAlmostEqual(row[key], alone[key], delta=1e-3 * abs(alone[key]), msg=key)
+
+    def test_a_torque_finds_its_slip(self):
+        by_slip = self.rig("--slip", "-0.1:0.4:0.25", "--load", "500,1000", "--spacing", "0.04")
+        self.assertEqual([(row["load"], row["slip"]) for row in by_slip], [(load, slip) for load in (500, 1000) for slip in (-0.1, 0.15, 0.4)])
+        torques = ",".join(repr(row["torque"]) for row in by_slip[3:])
+        by_torque = self.rig("--torque", torques, "--load", "1000", "--spacing", "0.04")
+        for row, found in zip(by_slip[3:], by_torque):
+            self.assertAlmostEqual(found["slip"], row["slip"], delta=0.01)
+            self.assertAlmostEqual(found["torque"], row["torque"], delta=max(0.005 * abs(row["torque"]), 0.005 * 0.05 * 1000 * 0.32) + 1e-6)
+        far, = self.rig("--torque", "5000", "--spacing", "0.04")
+        self.assertEqual((far["state"], far["torque"]), ("spins", 5000))
+        self.assertTrue(math.isnan(far["slip"]))
+
+    def test_soils_in_braces_settings_and_other_objects(self):
+        own = "{name: dry_sand, cohesion: 500, janosi_shear: 0.02}"
+        rows = self.rig("--soil", f"lunar,{own}", "--slip", "0,0.5", "--spacing", "0.04")
+        self.assertEqual([row["soil"] for row in rows], ["lunar", "lunar", own, own])
+        plain = self.rig("--soil", "lunar", "--slip", "0.5", "--spacing", "0.04", "--set", "redistribute.slip_sinkage=0")
+        self.assertLess(plain[0]["sinkage"], rows[1]["sinkage"])
+        boxes = self.rig("--load", "100,400", wheel="{box: {size: [0.4, 0.3, 0.2]}}")
+        self.assertEqual([row["load"] for row in boxes], [100, 400])
+        for row in boxes:
+            self.assertTrue(math.isnan(row["slip"]) and math.isnan(row["torque"]))
+            self.assertLess(row["drawbar"], 0)
+
+    def test_measured_trials_are_compared(self):
+        (self.folder / "m.csv").write_text("trial,slip,drag_N,sinkage_mm,slip_angle_deg\n1,0.1,-100,40,0\n2,0.3,-200,50,0\n3,0.3,900,900,30\n4,5,1,1,0\n")
+        told = self.ok("rig", "-o", "rig", "--shape", WHEEL, "--slip", "0:0.4:0.1", "--spacing", "0.04", "--compare", "m.csv")
+        with open(self.folder / "rig" / "rig.csv") as file:
+            rows = {round(float(row["slip"]), 3): row for row in csv.DictReader(file)}
+        gaps = [(float(rows[slip]["sinkage"]) * 1e3 - mm, float(rows[slip]["drawbar"]) - pull) for slip, mm, pull in ((0.1, 40, 100), (0.3, 50, 200))]
+        sinkage, drawbar = (math.sqrt(sum(gap[k] ** 2 for gap in gaps) / 2) for k in range(2))
+        self.assertIn(f"sinkage {sinkage:.2f} mm, drawbar {drawbar:.2f} N\n", told)
+        drawn = (self.folder / "rig" / "rig.svg").read_text().count('class="measured"')
+        self.assertEqual(drawn, 2 * 2 + 1)  # two trials in two plots, and the legend
+
+    def test_wrong_input_is_told(self):
+        (self.folder / "none.csv").write_text("a,b\n1,2\n")
+        (self.folder / "odd.csv").write_text("slip,sinkage\n0.1,deep\n")
+        for status, arguments, part in (
+                (2, [], "-o is missing"), (2, ["-o", "r", "--slip", "x"], "--slip x"), (2, ["-o", "r", "--slip", "0:1"], "--slip 0:1"),
+                (2, ["-o", "r", "--slip", "0.1", "--torque", "5"], "give one of them"), (2, ["-o", "r", "--slip", "1"], "slip: 1"),
+                (2, ["-o", "r", "--load", "0"], "load: 0"), (2, ["-o", "r", "--soil", "lunar,,mud"], "name is missing"),
+                (3, ["-o", "r", "--soil", "moondust"], "moondust"), (3, ["-o", "r", "--shape", "wheel: {radius: -1, width: 1}"], "radius"),
+                (2, ["-o", "r", "--shape", "box: {size: [1, 1, 1]}", "--torque", "5"], "no wheel"),
+                (3, ["-o", "r", "--compare", "absent.csv"], "absent.csv"), (3, ["-o", "r", "--compare", "none.csv"], "none.csv:1"),
+                (3, ["-o", "r", "--compare", "odd.csv"], "odd.csv:2"), (2, ["-o", "r", "--set", "x"], "KEY=VALUE")):
+            with self.subTest(arguments=arguments):
+                self.assertIn(part, self.refused(status, "rig", *arguments))
+
+    def test_it_stops_when_told(self):
+        process = subprocess.Popen([FURROW, "rig", "-o", "rig", "--slip", "0:0.8:0.01"], cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        until = time.monotonic() + 60
+        while process.poll() is None and time.monotonic() < until and not (self.folder / "rig" / "bed.furrow").exists():
+            time.sleep(0.01)
+        time.sleep(0.5)
+        process.send_signal(signal.SIGINT)
+        _, told = process.communicate(timeout=120)
+        if process.returncode == 4:
+            self.skipTest("no GL here")
+        self.assertEqual(process.returncode, 130, told)
+        self.assertEqual(list(pathlib.Path(self.folder / "rig").iterdir()), [])
+
+
+if __name__ == "__main__":
+    main()

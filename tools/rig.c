@@ -1,0 +1,304 @@
+/* furrow rig: the single-wheel test: sinkage, drawbar pull, torque and efficiency over slip. */
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "command.h"
+#include "base/aside.h"
+#include "rig_plot.h"
+#include "settings.h"
+
+#define DEFAULT_SHAPE "wheel: {radius: 0.25, width: 0.2}"
+#define DEFAULT_SOIL "dry_sand"
+#define DEFAULT_LOAD "1000"
+#define DEFAULT_SLIP "-0.4,-0.2,-0.1,0,0.05,0.1,0.2,0.3,0.4,0.5,0.6,0.7,0.8"
+#define SOILS_MOST 32
+
+static const struct command_option options[] = {
+	{"o", "DIR", "where rig.csv and rig.svg go"},
+	{"shape", "YAML", "what is carried, as an object's shape in a scene (" DEFAULT_SHAPE ")"},
+	{"soil", "LIST", "names of soils, or a scene's soil in braces (" DEFAULT_SOIL ")"},
+	{"load", "LIST", "N (" DEFAULT_LOAD ")"},
+	{"slip", "LIST", "of a wheel: 1 - way / (turn x radius); -0.2:0.8:0.1 is a range (" DEFAULT_SLIP ")"},
+	{"torque", "LIST", "N m that drive a wheel, in place of slips; the slip is found"},
+	{"spacing", "M", "metres between posts (a twentieth of the wheel's width or radius, whichever is less)"},
+	{"compare", "CSV", "measured trials beside it: columns slip, and sinkage or sinkage_mm, drawbar or drag_N, torque"},
+	{"set", "KEY=VALUE", "a key of the scene, as in redistribute.slip_sinkage=0; may be repeated"},
+	{NULL, NULL, NULL},
+};
+
+/* What the command line says, and what came of it. */
+struct asked {
+	struct rig_params params;
+	struct rig_table table;
+	char *soils_text;
+	const char *soils[SOILS_MOST];
+	double loads[RIG_VALUES_MOST], slips[RIG_VALUES_MOST], torques[RIG_VALUES_MOST];
+	size_t room;
+	struct progress progress;
+};
+
+/* --- lists --- */
+
+static enum status add(const char *option, double value, double *list, size_t *count)
+{
+	if (*count == RIG_VALUES_MOST)
+		return fail_with(STATUS_USAGE, "rig: --%s: are more than %d numbers; give fewer", option, RIG_VALUES_MOST);
+	list[(*count)++] = value;
+	return STATUS_OK;
+}
+
+/* An item: a number, or LOW:HIGH:STEP. */
+static enum status read_item(const char *option, const char *item, double *list, size_t *count)
+{
+	char text[128];
+	const char *parts[3] = {NULL, NULL, NULL};
+	double numbers[3];
+	int found = 0;
+	snprintf(text, sizeof text, "%s", item);
+	for (char *rest = text, *part; (part = strsep(&rest, ":")) != NULL && found < 4; found++)
+		if (found < 3)
+			parts[found] = part;
+	bool good = strlen(item) < sizeof text && (found == 1 || found == 3);
+	for (int i = 0; i < found && good; i++)
+		good = parse_number(parts[i], &numbers[i]);
+	if (!good || (found == 3 && !(numbers[2] > 0 && numbers[1] >= numbers[0])))
+		return fail_with(STATUS_USAGE, "rig: --%s %s: is no number and no range; give one as in 0.2 or 0:0.8:0.1", option, item);
+	if (found == 1)
+		return add(option, numbers[0], list, count);
+	enum status status = STATUS_OK;
+	const double steps = floor((numbers[1] - numbers[0]) / numbers[2] + 1e-9);
+	for (double i = 0; i <= steps && status == STATUS_OK; i++) {
+		const double value = numbers[0] + i * numbers[2];
+		status = add(option, fabs(value) < 1e-9 * numbers[2] ? 0 : value, list, count);
+	}
+	return status;
+}
+
+static enum status read_list(const struct arguments *arguments, const char *option, const char *otherwise, double *list, size_t *count)
+{
+	const char *given = arguments_text(arguments, option);
+	if (given == NULL)
+		given = otherwise;
+	if (given == NULL)
+		return STATUS_OK;
+	char *text = mem_strdup(given), *rest = text, *item;
+	if (text == NULL)
+		return fail_memory("a list");
+	enum status status = STATUS_OK;
+	while (status == STATUS_OK && (item = strsep(&rest, ",")) != NULL)
+		status = read_item(option, item, list, count);
+	mem_free(text);
+	return status;
+}
+
+/* Commas within braces part nothing. */
+static enum status read_soils(const struct arguments *arguments, struct asked *asked)
+{
+	const char *given = arguments_text(arguments, "soil");
+	asked->soils_text = mem_strdup(given != NULL ? given : DEFAULT_SOIL);
+	if (asked->soils_text == NULL)
+		return fail_memory("soils");
+	int depth = 0;
+	char *begin = asked->soils_text;
+	for (char *at = begin;; at++) {
+		const char c = *at;
+		depth += (c == '{') - (c == '}');
+		if (c != '\0' && (c != ',' || depth > 0))
+			continue;
+		*at = '\0';
+		begin += strspn(begin, " ");
+		if (*begin == '\0')
+			return fail_with(STATUS_USAGE, "rig: --soil: a name is missing; give names parted by commas; docs/SOILS.md has them");
+		if (asked->params.soil_count == SOILS_MOST)
+			return fail_with(STATUS_USAGE, "rig: --soil: are more than %d soils; give fewer", SOILS_MOST);
+		asked->soils[asked->params.soil_count++] = begin;
+		begin = at + 1;
+		if (c == '\0')
+			return STATUS_OK;
+	}
+}
+
+/* --- running --- */
+
+static enum status progress_rig(void *user, int64_t done, int64_t total)
+{
+	struct asked *asked = user;
+	return progress_step(&asked->progress, done, total);
+}
+
+static void tell(void *user, const char *text)
+{
+	(void)user;
+	note("%s", text);
+}
+
+static enum status keep(void *user, const struct rig_row *row)
+{
+	struct asked *asked = user;
+	struct rig_table *table = &asked->table;
+	if (table->count == asked->room) {
+		const size_t room = asked->room > 0 ? 2 * asked->room : 64;
+		struct rig_row *rows = mem_realloc(table->rows, room, sizeof *rows);
+		if (rows == NULL)
+			return fail_memory("the rig's rows");
+		table->rows = rows;
+		asked->room = room;
+	}
+	table->rows[table->count++] = *row;
+	return STATUS_OK;
+}
+
+/* --- what comes out --- */
+
+static void print_row(const struct rig_table *table, const struct rig_row *row)
+{
+	const double values[] = {row->slip, row->sinkage * 1e3, row->drawbar, row->torque, row->efficiency};
+	static const char *const formats[] = {"%8.3f", "%12.2f", "%12.2f", "%12.3f", "%12.3f"};
+	static const int widths[] = {8, 12, 12, 12, 12};
+	printf("%10g", table->params->loads[row->load]);
+	for (size_t i = 0; i < sizeof values / sizeof *values; i++)
+		if (isfinite(values[i]))
+			printf(formats[i], values[i]);
+		else
+			printf("%*s", widths[i], "-");
+	printf("  %s\n", rig_state_names[row->state]);
+}
+
+static void print_differences(const struct rig_table *table, size_t soil)
+{
+	static const char *const names[] = {"sinkage %.2f mm", "drawbar %.2f N", "torque %.3f N m"};
+	for (size_t load = 0; load < table->params->load_count && table->measured_count > 0; load++) {
+		const char *before = " ";
+		printf("from the measured trials at %g N, RMS:", table->params->loads[load]);
+		for (int i = 0; i < 3; i++) {
+			const double difference = rig_difference(table, soil, load, i);
+			if (!isfinite(difference))
+				continue;
+			fputs(before, stdout);
+			printf(names[i], difference);
+			before = ", ";
+		}
+		puts(before[0] == ' ' ? " no slip in common" : "");
+	}
+}
+
+static void print_table(const struct rig_table *table)
+{
+	for (size_t soil = 0; soil < table->params->soil_count; soil++) {
+		printf("%s%s, posts of %g mm\n%10s%8s%12s%12s%12s%12s\n", soil > 0 ? "\n" : "", table->params->soils[soil], table->found.spacing * 1e3, "load N",
+		       "slip", "sinkage mm", "drawbar N", "torque N m", "efficiency");
+		for (size_t i = 0; i < table->count; i++)
+			if (table->rows[i].soil == soil)
+				print_row(table, &table->rows[i]);
+		print_differences(table, soil);
+	}
+}
+
+static enum status write_file(const struct rig_table *table, const char *folder, const char *name, void (*write)(const struct rig_table *, FILE *))
+{
+	char path[4096];
+	struct aside aside = {.path = NULL};
+	snprintf(path, sizeof path, "%s/%s", folder, name);
+	enum status status = aside_begin(&aside, path);
+	if (status == STATUS_OK) {
+		write(table, aside.file);
+		status = aside_whole(&aside, false);
+	}
+	if (status == STATUS_OK)
+		status = aside_publish(&aside);
+	aside_finish(&aside);
+	return status;
+}
+
+static enum status read_all(const struct arguments *arguments, struct asked *asked, struct settings *settings)
+{
+	struct rig_params *params = &asked->params;
+	const char *shape = arguments_text(arguments, "shape"), *torque = arguments_text(arguments, "torque");
+	const char *compare = arguments_text(arguments, "compare");
+	params->shape = shape != NULL ? shape : DEFAULT_SHAPE;
+	params->folder = arguments_text(arguments, "o");
+	enum status status = arguments_expect(arguments, 0, 0);
+	if (status == STATUS_OK && params->folder == NULL)
+		status = fail_with(STATUS_USAGE, "rig: -o is missing; give a folder for rig.csv and rig.svg");
+	if (status == STATUS_OK)
+		status = arguments_number(arguments, "spacing", 1e-4, 10, &params->spacing);
+	if (status == STATUS_OK)
+		status = read_soils(arguments, asked);
+	if (status == STATUS_OK)
+		status = read_list(arguments, "load", DEFAULT_LOAD, asked->loads, &params->load_count);
+	if (status == STATUS_OK)
+		status = read_list(arguments, "slip", torque == NULL ? DEFAULT_SLIP : NULL, asked->slips, &params->slip_count);
+	if (status == STATUS_OK)
+		status = read_list(arguments, "torque", NULL, asked->torques, &params->torque_count);
+	if (status == STATUS_OK)
+		status = settings_take(arguments, settings);
+	if (status == STATUS_OK && compare != NULL)
+		status = rig_measured_read(compare, &asked->table.measured, &asked->table.measured_count);
+	asked->table.measured_name = compare;
+	return status;
+}
+
+static enum status make_folder(const char *path)
+{
+	if (mkdir(path, 0777) == 0 || errno == EEXIST)
+		return STATUS_OK;
+	return fail_with(STATUS_FAILED, "%s: %s; give a folder that can be made", path, strerror(errno));
+}
+
+static enum status run(const struct arguments *arguments)
+{
+	struct settings settings = {.count = 0};
+	struct asked *asked = mem_calloc(1, sizeof *asked);
+	if (asked == NULL)
+		return fail_memory("the rig");
+	struct rig_params *params = &asked->params;
+	*params = (struct rig_params){.soils = asked->soils, .loads = asked->loads, .slips = asked->slips, .torques = asked->torques, .stop = &interrupted,
+				      .progress = progress_rig, .tell = tell, .user = asked};
+	asked->table.params = params;
+	enum status status = read_all(arguments, asked, &settings);
+	params->settings = settings.list;
+	params->setting_count = settings.count;
+	if (status == STATUS_OK)
+		status = make_folder(params->folder);
+	if (status == STATUS_OK) {
+		interrupt_catch();
+		progress_start(&asked->progress, "rig", "runs");
+		status = rig_run(params, &asked->table.found, keep, asked);
+		progress_end(&asked->progress);
+	}
+	if (status == STATUS_OK)
+		status = write_file(&asked->table, params->folder, "rig.csv", rig_csv_write);
+	if (status == STATUS_OK)
+		status = write_file(&asked->table, params->folder, "rig.svg", rig_plot_write);
+	if (status == STATUS_OK) {
+		print_table(&asked->table);
+		printf("\n%s/rig.csv, %s/rig.svg: written\n", params->folder, params->folder);
+	}
+	settings_finish(&settings);
+	mem_free(asked->table.rows);
+	mem_free(asked->table.measured);
+	mem_free(asked->soils_text);
+	mem_free(asked);
+	return status;
+}
+
+const struct command command_rig = {
+	.name = "rig",
+	.usage = "rig -o DIR [--shape YAML] [--soil LIST] [--load LIST] [--slip LIST | --torque LIST] [--spacing M] [--compare CSV] [--set KEY=VALUE]...",
+	.summary = "the single-wheel test: sinkage, drawbar pull, torque and efficiency over slip",
+	.details = "Carries a wheel, or another object, over level soil in a straight line, once for each soil, load and slip, eight radii far.\n"
+		   "The numbers are means over the last quarter of the way, by the model scm, as furrow drive tells them. The bed is made for it\n"
+		   "and thrown away.\n"
+		   "State: steady; digs: still sinking there, by more than 5 % in an eighth of the way; sunk: the soil does not carry the load;\n"
+		   "spins: no slip from -0.9 to 0.95 gives this torque.\n"
+		   "rig.csv, in m, N and N m: soil, load, slip, torque, sinkage, drawbar, side, fz, efficiency, deeper, state. Efficiency is drawbar\n"
+		   "pull times way over torque times turn. deeper: how much deeper the second half of the last quarter is than the first.\n"
+		   "With --compare the differences from the measured trials are told, and drawn; lines with a slip_angle_deg other than 0 are left\n"
+		   "out.\n",
+	.options = options,
+	.run = run,
+};
