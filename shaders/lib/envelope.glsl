@@ -33,7 +33,7 @@ int scaled(int a, int b, int n)
 #ifdef PASSED
 const int FUNCTIONALS = 2; // a straight wheel and a sphere need no more
 #else
-const int FUNCTIONALS = 10;
+const int FUNCTIONALS = 13;
 #endif
 
 struct body {
@@ -42,6 +42,9 @@ struct body {
 	ivec4 b; // height of the centre, rise of the motion, rise per length, its shift
 	ivec4 c; // x, w: from 2^-fine m to fixed-point units, factor and shift; y, z: wheel: moves sideways; box:
 	         // number of planes, of slabs
+#ifndef PASSED
+	ivec4 d, e;
+#endif
 };
 
 // Two: of the contact, of its end pose.
@@ -109,8 +112,9 @@ bool envelope_at_rest(int which, ivec2 post, out int height)
 #endif
 #endif
 
-#ifdef SHAPE_SPHERE
-// Functionals 0 and 1: the post's place along and across the motion.
+#if defined(SHAPE_SPHERE) || defined(SHAPE_ELLIPSOID)
+// Functionals 0 and 1: the post's place along and across the motion. An ellipsoid is a sphere that was stretched, then sheared along the
+// vertical: by functional 2.
 bool envelope(int which, ivec2 post, out int height)
 {
 	int u = AT(which, 0, post), v = AT(which, 1, post), r = bodies[which].a.x;
@@ -122,8 +126,106 @@ bool envelope(int which, ivec2 post, out int height)
 	int bottom = square_root(i64_max(i64_sub(ring_squared, i64_mul(x, x)), i64_from(0)));
 	int rise = bodies[which].a.z == 0 ? min(bodies[which].b.y, 0) : scaled(u - x, bodies[which].b.z, bodies[which].b.w);
 	height = bodies[which].b.x + rise - scaled(bottom, bodies[which].c.x, bodies[which].c.w);
+#ifdef SHAPE_ELLIPSOID
+	height += AT(which, 2, post);
+#endif
 	return abs(v) <= r && low <= high;
 }
+#endif
+
+#if defined(SHAPE_CYLINDER) || defined(SHAPE_CAPSULE)
+// A shape that is round about an axis.
+//
+// The numbers of struct body are:
+//
+// - a: radius; half the length of the axis in plan; rise of the axis, of ONE; length of the motion of its ends
+// - b: height of the centre at the start; rise of the motion; from 2^-fine m across the axis to units of height: factor, shift
+// - c: the motion across and along the axis; by how much functionals 2 and 3 are higher at its end
+// - d: 1: there is a flat face; from 2^-fine m of a rim or a ball to units of height: factor, shift; height of a capsule's upper end
+// - e: a capsule's ends: sine of the slope of their motion, of ONE; rise per length and its shift
+//
+// The functionals are:
+//
+// - 0, 1: place across and along the axis, from the centre at the start
+// - 2: height of the axis above that centre; 3: height of a cylinder's lower end plane
+// - 4 to 6 and 10 to 12: src/deform/shape/body.c, rod_ends; 7 to 9: rod_face
+
+// The lower envelope of the shape at one time, above the centre at the start. v, a: place across and along the axis; axis: height of the
+// axis there; end: of the lower end plane; centre: of the centre.
+bool at_rest(int which, int v, int a, int axis, int end, int centre, out int height)
+{
+	ivec4 n = bodies[which].a, b = bodies[which].b, d = bodies[which].d;
+	int across = clamp(v, -n.x, n.x);
+	i64 squares = i64_sub(i64_mul(n.x, n.x), i64_mul(across, across));
+	int strip = square_root(squares), middle = scaled(strip, n.z, 28), side = axis - scaled(strip, b.z, b.w);
+#ifdef SHAPE_CAPSULE
+	bool low = a <= middle - n.y, high = a > middle + n.y;
+	int beyond = low ? a + n.y : a - n.y, x = clamp(beyond, -strip, strip);
+	int bottom = square_root(i64_max(i64_sub(squares, i64_mul(x, x)), i64_from(0)));
+	height = low || high ? centre + (low ? -d.w : d.w) - scaled(bottom, d.y, d.z) : side;
+	return abs(v) <= n.x && (beyond == x || !low && !high);
+#else
+	height = n.z > 0 && a <= middle - n.y ? end : side;
+	return abs(v) <= n.x && abs(a) <= middle + n.y;
+#endif
+}
+
+// Lowers `height` to the lower envelope of one end while it moves. q, u: place across and along its motion.
+#ifdef SHAPE_CAPSULE
+void end_moves(int which, int q, int u, int above, inout int height)
+{
+	ivec4 n = bodies[which].a, d = bodies[which].d, e = bodies[which].e;
+	int across = clamp(q, -n.x, n.x);
+	i64 squares = i64_sub(i64_mul(n.x, n.x), i64_mul(across, across));
+	int ring = square_root(squares), low = max(u - n.w, -ring), high = min(u, ring);
+	int x = max(min(scaled(ring, e.x, 28), high), low);
+	int bottom = square_root(i64_max(i64_sub(squares, i64_mul(x, x)), i64_from(0)));
+	int z = above + scaled(u - x, e.y, e.z) - scaled(bottom, d.y, d.z);
+	height = abs(q) <= n.x && low <= high ? min(height, z) : height;
+}
+#else
+void end_moves(int which, int q, int u, int middle, inout int height)
+{
+	ivec4 n = bodies[which].a, d = bodies[which].d;
+	int across = clamp(q, -n.x, n.x), ring = square_root(i64_sub(i64_mul(n.x, n.x), i64_mul(across, across)));
+	// The rim passes over the post twice.
+	int apart = scaled(ring, n.z, 28), lift = scaled(ring, d.y, d.z);
+	bool covered = abs(q) <= n.x;
+	height = covered && u - apart >= 0 && u - apart <= n.w ? min(height, middle - lift) : height;
+	height = covered && u + apart >= 0 && u + apart <= n.w ? min(height, middle + lift) : height;
+}
+#endif
+
+bool envelope(int which, ivec2 post, out int height)
+{
+	ivec4 b = bodies[which].b, c = bodies[which].c, d = bodies[which].d;
+	int v = AT(which, 0, post), a = AT(which, 1, post), axis = AT(which, 2, post), end = AT(which, 3, post), there, lowest = REACH;
+	if (at_rest(which, v, a, axis, end, 0, there))
+		lowest = min(lowest, there);
+	if ((b.y != 0 || c.x != 0 || c.y != 0) && at_rest(which, v - c.x, a - c.y, axis + c.z, end + c.w, b.y, there))
+		lowest = min(lowest, there);
+	if (bodies[which].a.w != 0) {
+#ifdef SHAPE_CAPSULE
+		end_moves(which, AT(which, 4, post), AT(which, 5, post), -d.w, lowest);
+		end_moves(which, AT(which, 10, post), AT(which, 11, post), d.w, lowest);
+#else
+		end_moves(which, AT(which, 4, post), AT(which, 5, post), AT(which, 6, post), lowest);
+		end_moves(which, AT(which, 10, post), AT(which, 11, post), AT(which, 12, post), lowest);
+#endif
+	}
+	if (d.x != 0 && abs(AT(which, 8, post)) <= ONE && abs(AT(which, 9, post)) <= ONE)
+		lowest = min(lowest, AT(which, 7, post));
+	height = b.x + lowest;
+	return lowest != REACH;
+}
+
+bool envelope_at_rest(int which, ivec2 post, out int height)
+{
+	bool covered = at_rest(which, AT(which, 0, post), AT(which, 1, post), AT(which, 2, post), AT(which, 3, post), 0, height);
+	height += bodies[which].b.x;
+	return covered;
+}
+#define AT_REST
 #endif
 
 #ifdef SHAPE_BOX

@@ -17,7 +17,8 @@
 #include "base/effect.h"
 #include "gpu/gpu.h"
 
-enum deform_shape_kind { DEFORM_WHEEL, DEFORM_SPHERE, DEFORM_BOX, DEFORM_MESH, DEFORM_SHAPES };
+/* Their numbers are in the hashes of scenes, so a new shape comes last. */
+enum deform_shape_kind { DEFORM_WHEEL, DEFORM_SPHERE, DEFORM_BOX, DEFORM_MESH, DEFORM_CYLINDER, DEFORM_CAPSULE, DEFORM_ELLIPSOID, DEFORM_SHAPES };
 
 /* Triangles in the object's own axes, metres. Its maker owns it. It must outlive every use. */
 struct deform_mesh {
@@ -29,17 +30,18 @@ struct deform_mesh {
 
 struct deform_shape {
 	enum deform_shape_kind kind;
-	double radius;  /* wheel, sphere: metres */
+	double radius;  /* wheel, sphere, cylinder, capsule: metres */
 	double width;   /* wheel: metres along its axis */
-	double size[3]; /* box: metres along its own x (forward), y (left), z (up) */
+	double length;  /* cylinder, capsule: metres along its axis, its own z; of a capsule without its two ends */
+	double size[3]; /* box: metres along its own x (forward), y (left), z (up); ellipsoid: its half axes along these */
 	int grousers;       /* wheel: grousers, evenly spaced bars across the rim that turn with it; 0: a smooth wheel */
 	double grouser_height, grouser_thickness; /* of a grouser, metres: beyond the radius, and along the rim */
 	const struct deform_mesh *mesh;
 };
 
 /* The object's centre and attitude, in radians: yaw about z from east to north, then pitch (nose up), then roll (right side
- * down). A wheel's axis is its own y; it rolls along its own x. `turn`: how far a wheel has turned forwards about its axis,
- * radians. It decides where the grousers are. */
+ * down). A wheel's axis is its own y; it rolls along its own x. Its roll is its camber. Its pitch does not count: it only turns the wheel
+ * about its axis. `turn`: how far a wheel has turned forwards about its axis, radians. It decides where the grousers are. */
 struct deform_pose {
 	int64_t x, y, z; /* 2^-20 m from the south-west post; z absolute */
 	double yaw, pitch, roll, turn;
@@ -280,8 +282,7 @@ struct deform_window {
 size_t deform_windows_computed(const struct deform_window *windows, size_t count);
 /* Returns true if the contact has no motion. Then only its end pose acts on the ground. */
 bool deform_is_contact_only(const struct deform_contact *contact);
-/* Finds the windows of a contact. *count 0: it lies outside the world. STATUS_INPUT: it needs more than DEFORM_WINDOWS_MAX, or
- * a wheel's axis is not level (roll). */
+/* Finds the windows of a contact. *count 0: it lies outside the world. STATUS_INPUT: it needs more than DEFORM_WINDOWS_MAX. */
 enum status deform_windows(struct deform *deform, const struct deform_contact *contact,
 			   struct deform_window *windows, size_t *count) FURROW_CHECKED;
 

@@ -41,7 +41,7 @@ static void define_rasters(const struct deform_params *params, struct deform_req
 		which |= (1 + (int)params->rasters[i].number) << 3 * i;
 	define_number(out, "SOIL_RASTERS", which);
 }
-static const char *const shapes[DEFORM_SHAPES] = {"SHAPE_WHEEL", "SHAPE_SPHERE", "SHAPE_BOX"};
+static const char *const shapes[DEFORM_SHAPES] = {"SHAPE_WHEEL", "SHAPE_SPHERE", "SHAPE_BOX", NULL, "SHAPE_CYLINDER", "SHAPE_CAPSULE", "SHAPE_ELLIPSOID"};
 
 static bool has_thickness(const struct deform_params *params)
 {

@@ -7,6 +7,7 @@
 /* Heights within an object are int32 fixed-point units. Half its height and the rise of a contact must fit. */
 #define SIZE_MAX_METRES 512.0
 #define GROUSERS_MAX 360
+#define THINNEST 1000.0 /* an ellipsoid is at most so many times as long as it is thick */
 
 static enum status check_grousers(const struct deform_shape *shape)
 {
@@ -47,6 +48,16 @@ enum status deform_shape_check(const struct deform_shape *shape, double spacing)
 		least = fmin(fmin(shape->size[0], shape->size[1]), shape->size[2]);
 		most = hypot(hypot(shape->size[0], shape->size[1]), shape->size[2]);
 	}
+	if (shape->kind == DEFORM_CYLINDER || shape->kind == DEFORM_CAPSULE) {
+		least = shape->kind == DEFORM_CYLINDER ? fmin(least, shape->length) : least;
+		most = 2 * deform_shape_bound(shape);
+	} else if (shape->kind == DEFORM_ELLIPSOID) {
+		least = 2 * fmin(fmin(shape->size[0], shape->size[1]), shape->size[2]);
+		most = 2 * deform_shape_bound(shape);
+		if (most > THINNEST * least)
+			return fail_with(STATUS_INPUT, "ellipsoid: radii of %g and %g m are too different; give radii of which none is more than %g times "
+					 "another", least / 2, most / 2, THINNEST);
+	}
 	double limit = fmin((DEFORM_WINDOW_POSTS - 32) * 3 * spacing, SIZE_MAX_METRES);
 	if (!(least > 0))
 		return fail_with(STATUS_INPUT, "shape: it has no width; give sizes above 0");
@@ -66,6 +77,12 @@ double deform_shape_bound(const struct deform_shape *shape)
 		return hypot(hypot(shape->size[0], shape->size[1]), shape->size[2]) / 2;
 	case DEFORM_MESH:
 		return mesh_across(shape->mesh) / 2;
+	case DEFORM_CYLINDER:
+		return hypot(shape->radius, shape->length / 2);
+	case DEFORM_CAPSULE:
+		return shape->radius + shape->length / 2;
+	case DEFORM_ELLIPSOID:
+		return fmax(fmax(shape->size[0], shape->size[1]), shape->size[2]);
 	case DEFORM_SPHERE:
 	case DEFORM_SHAPES:
 		break;
@@ -77,11 +94,27 @@ double deform_shape_reach(const struct deform_shape *shape, double pitch, double
 {
 	if (shape->kind == DEFORM_MESH)
 		return deform_mesh_reach(shape->mesh, pitch, roll);
-	if (shape->kind != DEFORM_BOX)
-		return shape->radius + (shape->kind == DEFORM_WHEEL && shape->grousers > 0 ? shape->grouser_height : 0);
 	double axes[3][3];
-	deform_body_axes(shape->size, 0, pitch, roll, axes);
-	return fabs(axes[0][2]) + fabs(axes[1][2]) + fabs(axes[2][2]);
+	switch (shape->kind) {
+	case DEFORM_WHEEL: /* its pitch does not count */
+		return (shape->radius + (shape->grousers > 0 ? shape->grouser_height : 0)) * fabs(cos(roll)) + shape->width / 2 * fabs(sin(roll));
+	case DEFORM_BOX:
+		deform_body_axes(shape->size, 0, pitch, roll, axes);
+		return fabs(axes[0][2]) + fabs(axes[1][2]) + fabs(axes[2][2]);
+	case DEFORM_ELLIPSOID:
+		deform_body_axes(shape->size, 0, pitch, roll, axes); /* half of its half axes */
+		return 2 * hypot(hypot(axes[0][2], axes[1][2]), axes[2][2]);
+	case DEFORM_CYLINDER:
+	case DEFORM_CAPSULE:
+		deform_axes(0, pitch, roll, 0, axes);
+		return fabs(axes[2][2]) * shape->length / 2 +
+		       shape->radius * (shape->kind == DEFORM_CAPSULE ? 1 : hypot(axes[2][0], axes[2][1]));
+	case DEFORM_SPHERE:
+	case DEFORM_MESH:
+	case DEFORM_SHAPES:
+		break;
+	}
+	return shape->radius;
 }
 
 bool deform_is_contact_only(const struct deform_contact *contact)
@@ -202,9 +235,9 @@ static enum status cut(const struct deform *deform, const struct deform_contact 
 		       size_t *count)
 {
 	*count = 0;
-	if (contact->shape->kind == DEFORM_WHEEL && contact->to.roll != 0)
-		return fail_with(STATUS_INPUT, "wheel: its axis lies level, and its pose has it rolled by %g rad; give roll 0",
-				 contact->to.roll);
+	if (deform_tells_forces(deform->params.model) && deform_form_of(contact->shape, &contact->to) >= DEFORM_CYLINDER)
+		return fail_with(STATUS_INPUT, "shape: %s tells no forces yet on a wheel with camber, a cylinder, a capsule or an ellipsoid; give another shape",
+				 deform_model_row(deform->params.model)->name);
 	struct post_rect write = deform_reached(deform, contact), under = below(deform, contact);
 	if (post_rect_empty(write))
 		return STATUS_OK;

@@ -83,6 +83,11 @@ static void sides(const struct deform_shape *shape, double far[2], double lift[2
 		for (int i = 0; i < 2; i++)
 			far[i] = fmax(-shape->mesh->low[i], shape->mesh->high[i]);
 		return;
+	case DEFORM_CYLINDER: /* in any attitude: more than it is */
+	case DEFORM_CAPSULE:
+	case DEFORM_ELLIPSOID:
+		far[0] = far[1] = 0.6 * deform_shape_bound(shape);
+		return;
 	case DEFORM_SHAPES:
 		break;
 	}

@@ -101,7 +101,8 @@ static struct deform_contact any_sweep(const struct ground *ground, const struct
 	return sweep;
 }
 
-static void many(enum deform_shape_kind kind, int count)
+/* `leans`: wheels have camber. */
+static void many(enum deform_shape_kind kind, bool leans, int count)
 {
 	struct tally tally = {0};
 	for (size_t s = 0; s < sizeof spacings / sizeof *spacings; s++) {
@@ -111,18 +112,21 @@ static void many(enum deform_shape_kind kind, int count)
 			/* From smaller than a cell to some thirty posts. */
 			double size = spacings[s] * exp2(3 + 2 * any_share());
 			struct deform_shape shape = {.kind = kind};
-			if (kind == DEFORM_BOX) {
+			if (kind == DEFORM_BOX || kind == DEFORM_ELLIPSOID) {
 				for (int k = 0; k < 3; k++)
-					shape.size[k] = size * exp2(any_share());
+					shape.size[k] = size * exp2(any_share()) / (kind == DEFORM_BOX ? 1 : 2);
 			} else {
 				shape.radius = size / 2;
 				shape.width = kind == DEFORM_WHEEL ? size * exp2(any_share() - 1) : 0;
+				shape.length = kind == DEFORM_CYLINDER || kind == DEFORM_CAPSULE ? size * exp2(2 * any_share() - 1) : 0;
 			}
 			struct deform_contact sweep = any_sweep(&ground, &shape, i);
-			if (kind == DEFORM_BOX && i % 3 != 0) {
+			if (kind != DEFORM_SPHERE && (kind != DEFORM_WHEEL || leans) && i % 3 != 0) {
 				sweep.to.pitch = i % 6 == 1 ? 1.5707963267948966 : any_share() * 4;
 				sweep.to.roll = i % 6 == 2 ? 0 : any_share() * 4;
 			}
+			if (leans) /* as little as it may be, as of wheels, and any */
+				sweep.to.roll = (i % 2 ? -1 : 1) * (i % 4 == 0 ? exp2(-30 + 28 * fabs(any_share())) : i % 4 == 1 ? any_share() * 4 : any_share() * 0.4);
 			compare(&ground, &sweep, &tally);
 		}
 		ground_finish(&ground);
@@ -137,21 +141,49 @@ static void a_wheel_is_that_of_the_reference(void **state)
 {
 	(void)state;
 	need_gpu();
-	many(DEFORM_WHEEL, 40);
+	many(DEFORM_WHEEL, false, 40);
 }
 
 static void a_sphere_is_that_of_the_reference(void **state)
 {
 	(void)state;
 	need_gpu();
-	many(DEFORM_SPHERE, 40);
+	many(DEFORM_SPHERE, false, 40);
 }
 
 static void a_box_of_any_attitude_is_that_of_the_reference(void **state)
 {
 	(void)state;
 	need_gpu();
-	many(DEFORM_BOX, 60);
+	many(DEFORM_BOX, false, 60);
+}
+
+static void a_wheel_with_camber_is_that_of_the_reference(void **state)
+{
+	(void)state;
+	need_gpu();
+	many(DEFORM_WHEEL, true, 60);
+}
+
+static void a_cylinder_of_any_attitude_is_that_of_the_reference(void **state)
+{
+	(void)state;
+	need_gpu();
+	many(DEFORM_CYLINDER, false, 60);
+}
+
+static void a_capsule_of_any_attitude_is_that_of_the_reference(void **state)
+{
+	(void)state;
+	need_gpu();
+	many(DEFORM_CAPSULE, false, 60);
+}
+
+static void an_ellipsoid_of_any_attitude_is_that_of_the_reference(void **state)
+{
+	(void)state;
+	need_gpu();
+	many(DEFORM_ELLIPSOID, false, 60);
 }
 
 int main(void)
@@ -160,6 +192,10 @@ int main(void)
 		cmocka_unit_test(a_wheel_is_that_of_the_reference),
 		cmocka_unit_test(a_sphere_is_that_of_the_reference),
 		cmocka_unit_test(a_box_of_any_attitude_is_that_of_the_reference),
+		cmocka_unit_test(a_wheel_with_camber_is_that_of_the_reference),
+		cmocka_unit_test(a_cylinder_of_any_attitude_is_that_of_the_reference),
+		cmocka_unit_test(a_capsule_of_any_attitude_is_that_of_the_reference),
+		cmocka_unit_test(an_ellipsoid_of_any_attitude_is_that_of_the_reference),
 	};
 	return cmocka_run_group_tests_name("deform/envelope", tests, open_gpu, close_gpu);
 }

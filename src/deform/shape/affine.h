@@ -12,10 +12,10 @@ struct functional {
 	uint32_t at_di[4], dj_shift[4];
 };
 
-/* A moving wheel, sphere or box, as the shader has it: std140 twin of `struct body`. */
+/* A moving shape, as the shader has it: std140 twin of `struct body`. */
 struct body {
-	struct functional f[10];
-	int32_t a[4], b[4], c[4]; /* shaders/lib/envelope.glsl tells what they hold */
+	struct functional f[13];
+	int32_t a[4], b[4], c[4], d[4], e[4]; /* shaders/lib/envelope.glsl tells what they hold */
 };
 
 /* The same kind of function in real numbers: at + x * dx + y * dy. x and y are in posts, counted from the object's anchor, a post

@@ -1,8 +1,10 @@
-/* Converts the motion of a wheel, sphere or box to whole numbers, from which shaders compute its lower envelope. */
+/* Converts the motion of a shape to whole numbers, from which shaders compute its lower envelope. */
 #include "deform/shape/body.h"
 
 #include <math.h>
 #include <string.h>
+
+#include "deform/shape/lower_envelope.h"
 
 /* Converts fixed-point units to metres, rounded once. */
 static long double metres(int64_t units)
@@ -68,6 +70,18 @@ static void slope_of(int64_t rise, int64_t length, int32_t *factor, int32_t *shi
 	*shift = bits;
 }
 
+/* Computes a ratio as a factor of at most 28 bits and its shift. */
+static void ratio_of(long double ratio, int32_t *factor, int32_t *shift)
+{
+	*factor = 0;
+	*shift = 1;
+	if (ratio == 0)
+		return;
+	int bits = 27 - ilogbl(ratio);
+	*shift = bits < 1 ? 1 : bits < 62 ? bits : 62;
+	*factor = (int32_t)llrintl(ldexpl(ratio, *shift));
+}
+
 static void fill_round(struct body *body, const struct body_motion *m, long double radius, long double half_width,
 		       long double length, int fine)
 {
@@ -116,6 +130,137 @@ static void sphere_of(const struct deform_shape *shape, const struct body_motion
 	fill_round(body, m, shape->radius, 0, length, fine);
 	body->f[0] = along(m, c, s, frame->spacing, 1, 0, fine, 12);
 	body->f[1] = along(m, -s, c, frame->spacing, 1, 0, fine, 12);
+}
+
+static int32_t clamped(long double value)
+{
+	return (int32_t)llrintl(fmaxl(fminl(value, 0x1p30L), -0x1p30L));
+}
+
+/*
+ * A shape that is round about an axis: a cylinder, a capsule, a wheel with camber. Lengths along the axis in plan are `a`, across it `v`,
+ * from the centre at the start. Its lower envelope while it moves is the lowest of these:
+ * - its lower envelopes where it starts and where it ends;
+ * - the lower sides of what its two ends pass through: the rims of a cylinder, the balls of a capsule;
+ * - the flat face that the lowest line along its side passes through.
+ */
+struct rod {
+	const struct body_motion *m;
+	long double spacing, radius, half;   /* half: of the axis' straight part */
+	long double c, s, e[2];              /* the axis: its part in plan, and its rise; the direction in plan */
+	long double da, dv, dz;              /* motion */
+	int fine;
+};
+
+/* An affine function a x + v y + plus, scaled. */
+static struct functional rod_along(const struct rod *rod, long double a, long double v, long double plus, int scale)
+{
+	return along(rod->m, a * rod->e[0] - v * rod->e[1], a * rod->e[1] + v * rod->e[0], rod->spacing, 1, plus, scale, 12);
+}
+
+/* Fills the flat face: f[7] its height, f[8] and f[9] where it lies. */
+static void rod_face(const struct rod *rod, struct body *body)
+{
+	long double n[3] = {-rod->s * rod->dv, rod->s * rod->da - rod->c * rod->dz, rod->c * rod->dv};
+	long double size = sqrtl(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]), sign = n[2] < 0 ? -1 : 1;
+	if (!(fabsl(n[2]) > 1e-6L * size) || rod->c * rod->half < 1e-6L)
+		return; /* it is upright, or no face */
+	for (int k = 0; k < 3; k++)
+		n[k] *= sign / size;
+	long double r = rod->radius, skew = rod->da / rod->dv, by = 1 / (rod->c * rod->half);
+	body->f[7] = rod_along(rod, -n[0] / n[2], -n[1] / n[2], -r / n[2], OFFSET_BITS);
+	body->f[8] = rod_along(rod, by, -skew * by, (n[0] - n[1] * skew) * r * by, 28);
+	body->f[9] = rod_along(rod, 0, 2 / rod->dv, 2 * r * n[1] / rod->dv - 1, 28);
+	body->d[0] = 1;
+}
+
+/* Fills the motion of the ends. `k`: s for a rim, 1 for a ball. The lower end: f[4] across its motion, f[5] along it, f[6] a rim's height
+ * in the middle. The upper end: f[10] to f[12]. */
+static void rod_ends(const struct rod *rod, long double k, struct body *body)
+{
+	long double n = hypotl(rod->da, k * rod->dv), c = rod->c, s = rod->s;
+	body->a[3] = (int32_t)llrintl(ldexpl(n, rod->fine));
+	if (body->a[3] == 0)
+		return;
+	for (int end = 0; end < 2; end++) {
+		long double from = (end == 0 ? 1 : -1) * rod->half * c; /* the end is at a = -from */
+		long double across[3] = {-rod->dv / n, rod->da / n, -from * rod->dv / n}, ahead[3] = {rod->da / n, k * k * rod->dv / n, from * rod->da / n};
+		struct functional *f = &body->f[end == 0 ? 4 : 10];
+		long double tilt = c * s * rod->dv / n, rises = rod->dz / n, middle = (end == 0 ? -1 : 1) * rod->half * s;
+		f[0] = rod_along(rod, across[0], across[1], across[2], rod->fine);
+		f[1] = rod_along(rod, ahead[0], ahead[1], ahead[2], rod->fine);
+		f[2] = rod_along(rod, tilt * across[0] + rises * ahead[0], tilt * across[1] + rises * ahead[1],
+				 tilt * across[2] + rises * ahead[2] + middle, OFFSET_BITS);
+	}
+	body->e[0] = (int32_t)llrintl(ldexpl(rod->dz / hypotl(rod->dz, n), 28));
+	slope_of(rod->m->dz, body->a[3], &body->e[1], &body->e[2]);
+	ratio_of(ldexpl((c * rod->da + k * rod->dz) / n, OFFSET_BITS - rod->fine), &body->d[1], &body->d[2]);
+}
+
+static void rod_of(const struct deform_shape *shape, const struct deform_pose *to, const struct body_motion *m, const struct body_frame *frame,
+		   struct body *body)
+{
+	struct lower_envelope u;
+	bool capsule = shape->kind == DEFORM_CAPSULE;
+	deform_lower_of(shape, to, &u);
+	struct rod rod = {.m = m, .spacing = frame->spacing, .radius = u.radius, .half = u.half, .c = u.level, .s = u.axis[2],
+			  .e = {u.along[0], u.along[1]}, .dz = metres(m->dz)};
+	rod.da = m->dx * rod.e[0] + m->dy * rod.e[1];
+	rod.dv = m->dy * rod.e[0] - m->dx * rod.e[1];
+	rod.fine = fine_bits(m, hypotl(rod.radius, rod.half) + (capsule ? rod.radius : 0));
+	/* So little that no post sees it. */
+	bool level = !capsule && rod.s * rod.radius < 1e-6L, upright = rod.c * rod.half < 1e-6L;
+	body->a[0] = (int32_t)llrintl(ldexpl(rod.radius, rod.fine));
+	body->a[1] = upright ? 0 : (int32_t)llrintl(ldexpl(rod.c * rod.half, rod.fine));
+	body->a[2] = level ? 0 : (int32_t)llrintl(ldexpl(rod.s, 28));
+	body->b[0] = (int32_t)m->z;
+	body->b[1] = (int32_t)m->dz;
+	body->c[0] = (int32_t)llrintl(ldexpl(rod.dv, rod.fine));
+	body->c[1] = (int32_t)llrintl(ldexpl(rod.da, rod.fine));
+	body->c[2] = upright ? 0 : clamped(ldexpl(rod.dz - rod.da * rod.s / rod.c, OFFSET_BITS));
+	body->c[3] = level || capsule ? 0 : clamped(ldexpl(rod.dz + rod.da * rod.c / rod.s, OFFSET_BITS));
+	body->f[0] = rod_along(&rod, 0, 1, 0, rod.fine);
+	body->f[1] = rod_along(&rod, 1, 0, 0, rod.fine);
+	body->b[3] = 1;
+	if (!upright) {
+		body->f[2] = rod_along(&rod, rod.s / rod.c, 0, 0, OFFSET_BITS);
+		ratio_of(ldexpl(1 / rod.c, OFFSET_BITS - rod.fine), &body->b[2], &body->b[3]);
+	}
+	if (!level && !capsule)
+		body->f[3] = rod_along(&rod, -rod.c / rod.s, 0, -rod.half / rod.s, OFFSET_BITS);
+	rod_ends(&rod, capsule ? 1 : rod.s, body);
+	rod_face(&rod, body);
+	if (!capsule)
+		return;
+	ratio_of(ldexpl(1, OFFSET_BITS - rod.fine), &body->d[1], &body->d[2]);
+	body->d[3] = (int32_t)llrintl(ldexpl(rod.half * rod.s, OFFSET_BITS));
+}
+
+/* An ellipsoid is a sphere that was stretched, and then sheared along the vertical. The sphere's radius is the largest half axis in plan. */
+static void ellipsoid_of(const struct deform_shape *shape, const struct deform_pose *to, const struct body_motion *m,
+			 const struct body_frame *frame, struct body *body)
+{
+	struct lower_envelope u;
+	deform_lower_of(shape, to, &u);
+	const double *q = u.inside;
+	long double wide = hypotl((q[0] - q[2]) / 2, q[1]), r = 1 / sqrtl((q[0] + q[2]) / 2 - wide), moved = hypotl(m->dx, m->dy);
+	long double x = moved > 0 ? m->dx / moved : 1, y = moved > 0 ? m->dy / moved : 0;
+	long double by_x = q[0] * x + q[1] * y, by_y = q[1] * x + q[2] * y, stretched = r * sqrtl(x * by_x + y * by_y);
+	long double length = moved * stretched, cross = r * r * sqrtl((long double)q[0] * q[2] - (long double)q[1] * q[1]) / stretched;
+	int fine = 29 - ilogbl((length + r) * 1.001L);
+	fine = fine < 40 ? fine : 40;
+	int64_t run = llrintl(ldexpl(length, fine));
+	long double rise = metres(m->dz) - u.rise[0] * m->dx - u.rise[1] * m->dy, as_sphere = rise * r / u.lift;
+	body->a[0] = (int32_t)llrintl(ldexpl(r, fine));
+	body->a[2] = (int32_t)run;
+	body->a[3] = run != 0 ? (int32_t)llrintl(ldexpl(as_sphere / hypotl(as_sphere, length), 28)) : 0;
+	body->b[0] = (int32_t)m->z;
+	body->b[1] = (int32_t)m->dz;
+	slope_of(llrintl(ldexpl(rise, OFFSET_BITS)), run, &body->b[2], &body->b[3]);
+	ratio_of(ldexpl(u.lift / r, OFFSET_BITS - fine), &body->c[0], &body->c[3]);
+	body->f[0] = along(m, r * r * by_x / stretched, r * r * by_y / stretched, frame->spacing, 1, 0, fine, 12);
+	body->f[1] = along(m, -cross * y, cross * x, frame->spacing, 1, 0, fine, 12);
+	body->f[2] = along(m, u.rise[0], u.rise[1], frame->spacing, 1, 0, OFFSET_BITS, 12);
 }
 
 void deform_body_axes(const double size[3], double yaw, double pitch, double roll, double axes[3][3])
@@ -196,7 +341,17 @@ void deform_body_of(const struct deform_shape *shape, const struct deform_pose *
 	memset(body, 0, sizeof *body);
 	switch (shape->kind) {
 	case DEFORM_WHEEL:
-		wheel_of(shape, to, &m, frame, body);
+		if (to->roll == 0)
+			wheel_of(shape, to, &m, frame, body);
+		else
+			rod_of(shape, to, &m, frame, body);
+		break;
+	case DEFORM_CYLINDER:
+	case DEFORM_CAPSULE:
+		rod_of(shape, to, &m, frame, body);
+		break;
+	case DEFORM_ELLIPSOID:
+		ellipsoid_of(shape, to, &m, frame, body);
 		break;
 	case DEFORM_SPHERE:
 		sphere_of(shape, &m, frame, body);
@@ -208,6 +363,11 @@ void deform_body_of(const struct deform_shape *shape, const struct deform_pose *
 	case DEFORM_SHAPES:
 		break; /* it has no closed form */
 	}
+}
+
+enum deform_shape_kind deform_form_of(const struct deform_shape *shape, const struct deform_pose *pose)
+{
+	return shape->kind == DEFORM_WHEEL && pose->roll != 0 ? DEFORM_CYLINDER : shape->kind;
 }
 
 double deform_body_wheel_radius(const struct deform_shape *shape)
@@ -233,9 +393,21 @@ static void mesh_extent(const struct deform_mesh *mesh, const struct deform_pose
 
 void deform_body_extent(const struct deform_shape *shape, const struct deform_pose *pose, double extent[2])
 {
-	double axes[3][3];
+	double axes[3][3], axis[3];
 	extent[0] = extent[1] = shape->radius;
-	if (shape->kind == DEFORM_WHEEL) {
+	if (deform_form_of(shape, pose) == DEFORM_CYLINDER || shape->kind == DEFORM_CAPSULE) {
+		bool wheel = shape->kind == DEFORM_WHEEL;
+		double radius = wheel ? deform_body_wheel_radius(shape) : shape->radius;
+		deform_shape_axis(shape, pose, axis);
+		for (int k = 0; k < 2; k++)
+			extent[k] = fabs(axis[k]) * (wheel ? shape->width : shape->length) / 2 +
+				    radius * (shape->kind == DEFORM_CAPSULE ? 1 : sqrt(1 - fmin(axis[k] * axis[k], 1)));
+	} else if (shape->kind == DEFORM_ELLIPSOID) {
+		const double whole[3] = {2 * shape->size[0], 2 * shape->size[1], 2 * shape->size[2]};
+		deform_body_axes(whole, pose->yaw, pose->pitch, pose->roll, axes);
+		for (int k = 0; k < 2; k++)
+			extent[k] = hypot(hypot(axes[0][k], axes[1][k]), axes[2][k]);
+	} else if (shape->kind == DEFORM_WHEEL) {
 		double radius = deform_body_wheel_radius(shape);
 		extent[0] = fabs(cos(pose->yaw)) * radius + fabs(sin(pose->yaw)) * shape->width / 2;
 		extent[1] = fabs(sin(pose->yaw)) * radius + fabs(cos(pose->yaw)) * shape->width / 2;

@@ -51,7 +51,7 @@ static struct gpu_rect shadow_of(const struct deform *deform, const struct defor
 enum status deform_envelope(struct deform *deform, const struct deform_contact *contact,
 			     const struct deform_window *window, uint32_t layer)
 {
-	enum deform_shape_kind kind = contact->shape->kind;
+	enum deform_shape_kind kind = deform_form_of(contact->shape, &contact->to);
 	if (kind == DEFORM_MESH)
 		return deform_mesh(deform, contact, window, layer);
 	const struct post_rect read = window->read;
@@ -84,5 +84,5 @@ enum status deform_envelope(struct deform *deform, const struct deform_contact *
 		.params = is_brief ? (const void *)&few : &params,
 		.params_bytes = is_brief ? sizeof few : sizeof params,
 	});
-	return kind == DEFORM_WHEEL && contact->shape->grousers > 0 ? deform_grousers(deform, contact, window, layer) : STATUS_OK;
+	return contact->shape->kind == DEFORM_WHEEL && contact->shape->grousers > 0 ? deform_grousers(deform, contact, window, layer) : STATUS_OK;
 }

@@ -93,6 +93,9 @@ void deform_between_posts(const struct deform *deform, const struct deform_conta
 	case DEFORM_BOX:
 		box(contact, params);
 		break;
+	case DEFORM_CYLINDER:
+	case DEFORM_CAPSULE:
+	case DEFORM_ELLIPSOID:
 	case DEFORM_MESH:
 	case DEFORM_SHAPES:
 		break; /* only its posts tell */

@@ -88,9 +88,13 @@ static double widest(const struct deform_shape *shape)
 		return shape->width;
 	case DEFORM_BOX: /* the middle one of its sizes: a plate may lie or stand */
 		return fmax(fmin(x, y), fmin(fmax(x, y), z));
+	case DEFORM_ELLIPSOID: /* twice its middle half axis, halved */
+		return fmax(fmin(x, y), fmin(fmax(x, y), z));
 	case DEFORM_MESH:
 		return deform_shape_bound(shape) / 2;
 	case DEFORM_SPHERE:
+	case DEFORM_CYLINDER:
+	case DEFORM_CAPSULE:
 	case DEFORM_SHAPES:
 		break;
 	}

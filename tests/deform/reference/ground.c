@@ -70,6 +70,12 @@ static double reach_of(const struct deform_shape *shape)
 			squares += far * far;
 		}
 		return sqrt(squares);
+	case DEFORM_CYLINDER:
+		return hypot(shape->radius, shape->length / 2);
+	case DEFORM_CAPSULE:
+		return shape->radius + shape->length / 2;
+	case DEFORM_ELLIPSOID:
+		return fmax(fmax(shape->size[0], shape->size[1]), shape->size[2]);
 	case DEFORM_SHAPES:
 		break;
 	}

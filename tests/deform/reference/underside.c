@@ -73,13 +73,89 @@ static struct sight see_box(const struct way *way, long double x, long double y)
 	return (struct sight){fmaxl(enter - leave, beside), enter};
 }
 
+/* Where the vertical line is inside a quadric: a z^2 + 2 b z + c <= 0. */
+static struct sight inside(long double a, long double b, long double c)
+{
+	return (struct sight){0, (-b - sqrtl(fmaxl(b * b - a * c, 0))) / a};
+}
+
+static void axis_of(const struct way *way, long double w[3])
+{
+	const long double *own = way->axes[way->sweep->shape->kind == DEFORM_WHEEL ? 1 : 2];
+	for (int k = 0; k < 3; k++)
+		w[k] = own[2] < 0 ? -own[k] : own[k];
+}
+
+/* The vertical line cut by an endless cylinder, and by the planes of its ends. It meets the cylinder if it meets one of the discs between
+ * its ends, which are ellipses in plan. */
+static struct sight see_cylinder(const struct way *way, long double x, long double y)
+{
+	const struct deform_shape *shape = way->sweep->shape;
+	long double w[3], half = (shape->kind == DEFORM_WHEEL ? shape->width : shape->length) / 2.0L, r = shape->radius;
+	axis_of(way, w);
+	long double c = hypotl(w[0], w[1]), along = x * w[0] + y * w[1], across = c > 0 ? (y * w[0] - x * w[1]) / c : 0;
+	struct sight sight = {0, -1e30L};
+	if (w[2] < 1e-15L)
+		sight.outside = fmaxl(fabsl(across) - r, fabsl(along) - half);
+	else
+		sight.outside = c > 0 ? hypotl(fmaxl(fabsl(along / c / w[2]) - half * c / w[2], 0), across) - r : hypotl(x, y) - r;
+	if (c > 0)
+		sight.z = inside(c * c, -along * w[2], x * x + y * y - along * along - r * r).z;
+	if (w[2] > 1e-15L)
+		sight.z = fmaxl(sight.z, (-half - along) / w[2]);
+	return sight;
+}
+
+/* The lowest of the side and of the two balls. */
+static struct sight see_capsule(const struct way *way, long double x, long double y)
+{
+	const struct deform_shape *shape = way->sweep->shape;
+	long double w[3], half = shape->length / 2.0L, r = shape->radius;
+	axis_of(way, w);
+	long double c = hypotl(w[0], w[1]), along = c > 0 ? (x * w[0] + y * w[1]) / c : 0, across = c > 0 ? (y * w[0] - x * w[1]) / c : hypotl(x, y);
+	struct sight sight = {hypotl(fmaxl(fabsl(along) - half * c, 0), across) - r, 1e30L};
+	for (int end = -1; end <= 1; end += 2) {
+		long double dx = x - end * half * w[0], dy = y - end * half * w[1], squares = r * r - dx * dx - dy * dy;
+		if (squares >= 0)
+			sight.z = fminl(sight.z, end * half * w[2] - sqrtl(squares));
+	}
+	long double side = c > 0 && fabsl(across) <= r ? inside(c * c, -along * c * w[2], x * x + y * y - along * along * c * c - r * r).z : 1e30L;
+	if (fabsl(along * c + side * w[2]) <= half)
+		sight.z = fminl(sight.z, side);
+	return sight;
+}
+
+static struct sight see_ellipsoid(const struct way *way, long double x, long double y)
+{
+	long double a = 0, b = 0, c = 0;
+	for (int k = 0; k < 3; k++) {
+		const long double *axis = way->axes[k];
+		long double size = way->sweep->shape->size[k], level = (axis[0] * x + axis[1] * y) / size, up = axis[2] / size;
+		a += up * up;
+		b += up * level;
+		c += level * level;
+	}
+	struct sight sight = inside(a, b, c - 1);
+	sight.outside = sqrtl(fmaxl(c - b * b / a, 0)) - 1;
+	return sight;
+}
+
 static struct sight see(const struct way *way, long double t)
 {
 	long double x = way->x - t * way->dx, y = way->y - t * way->dy;
 	struct sight sight = {0, 0};
 	switch (way->sweep->shape->kind) {
 	case DEFORM_WHEEL:
-		sight = see_wheel(way, x, y);
+		sight = way->sweep->to.roll == 0 ? see_wheel(way, x, y) : see_cylinder(way, x, y);
+		break;
+	case DEFORM_CYLINDER:
+		sight = see_cylinder(way, x, y);
+		break;
+	case DEFORM_CAPSULE:
+		sight = see_capsule(way, x, y);
+		break;
+	case DEFORM_ELLIPSOID:
+		sight = see_ellipsoid(way, x, y);
 		break;
 	case DEFORM_SPHERE:
 		sight = see_sphere(way, x, y);
@@ -132,10 +208,7 @@ static long double edge(const struct way *way, long double in, long double out)
 /* Returns whether the point is too far from the whole way for the object ever to be above it. */
 static bool is_far(const struct way *way)
 {
-	const struct deform_shape *shape = way->sweep->shape;
-	long double reach = shape->kind == DEFORM_BOX ? hypotl(hypotl(shape->size[0], shape->size[1]), shape->size[2]) / 2
-						      : hypotl(shape->radius, shape->kind == DEFORM_WHEEL ? shape->width / 2 : 0);
-	reach += 1e-3L;
+	long double reach = (long double)deform_shape_bound(way->sweep->shape) + 1e-3L;
 	return way->x < fminl(way->dx, 0) - reach || way->x > fmaxl(way->dx, 0) + reach || way->y < fminl(way->dy, 0) - reach ||
 	       way->y > fmaxl(way->dy, 0) + reach;
 }
