@@ -174,7 +174,7 @@ static void open_ground(const struct bench_case *of, bool draws, struct ground *
 	if (of->cohesion >= 0)
 		params.soils[0].cohesion = of->cohesion;
 	bench_must(deform_create(&params, &ground->deform));
-	bench_must(deform_warm(ground->deform, &(struct deform_planned){&wheel, 0, true}, deform_tells_forces(of->model)));
+	bench_must(deform_warm(ground->deform, &(struct deform_planned){&wheel, 0, true, false}, deform_tells_forces(of->model)));
 }
 
 static void close_ground(struct ground *ground)

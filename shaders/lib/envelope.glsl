@@ -141,7 +141,7 @@ bool envelope(int which, ivec2 post, out int height)
 // - a: radius; half the length of the axis in plan; rise of the axis, of ONE; length of the motion of its ends
 // - b: height of the centre at the start; rise of the motion; from 2^-fine m across the axis to units of height: factor, shift
 // - c: the motion across and along the axis; by how much functionals 2 and 3 are higher at its end
-// - d: 1: there is a flat face; from 2^-fine m of a rim or a ball to units of height: factor, shift; height of a capsule's upper end
+// - d: 1: there is a flat face; from 2^-fine m of an end to units of height: factor, shift; height of a capsule's upper end
 // - e: a capsule's ends: sine of the slope of their motion, of ONE; rise per length and its shift
 //
 // The functionals are:

@@ -1,6 +1,7 @@
 // The lower envelope of an object between posts, in its end pose, and the part of a post's cell that it covers (SOIL.md). Places are in
 // metres, in plan, in the object's frame (into_frame).
-// Defines: SHAPE_WHEEL, SHAPE_SPHERE, SHAPE_BOX. Without these the lower envelope is known only at posts.
+// Defines: SHAPE_WHEEL, SHAPE_SPHERE, SHAPE_BOX, SHAPE_CYLINDER (also of wheels with camber), SHAPE_CAPSULE, SHAPE_ELLIPSOID. Without these
+// the lower envelope is known only at posts.
 
 struct face {
 	float height; // of the lower envelope above the centre, m
@@ -8,33 +9,87 @@ struct face {
 	vec3 normal;  // upwards
 };
 
-#if defined(SHAPE_WHEEL) || defined(SHAPE_SPHERE)
+#if defined(SHAPE_WHEEL) || defined(SHAPE_SPHERE) || defined(SHAPE_CYLINDER) || defined(SHAPE_ELLIPSOID)
 #define ROUND
-// Returns the part of a place that decides how high the lower envelope is there.
-vec2 part_of_place(vec2 at)
+#endif
+#if defined(SHAPE_WHEEL) || defined(SHAPE_BOX) || defined(SHAPE_CYLINDER)
+#define SIDES // straight ones, at body.y
+#endif
+
+#if defined(SHAPE_CYLINDER) || defined(SHAPE_CAPSULE)
+// Of the axis: its rise (a cylinder's towards the left of the frame), its length in plan, half the length of its straight part, m.
+float lean = faces[0].x, level = faces[1].x, half_axis = faces[2].x;
+#endif
+
+#ifdef SHAPE_CYLINDER
+// The plane across the axis cuts it in a circle. In an upright plane that is as wide, and `lift` times as high.
+bool strips = body.y > 0.0; // the axis is level enough that its side alone bears, and its lower end beside that
+float lift = 1.0 / level, low_side = lean < 0.0 ? 1.0 : -1.0; // where the lower end is: -1: to the right
+float half_strip(float ahead)
 {
-#ifdef SHAPE_WHEEL
-	return vec2(at.x, 0.0);
+	return sqrt(max(body.x * body.x - ahead * ahead, 0.0));
+}
+#elif defined(SHAPE_ELLIPSOID)
+// height = dot(shear, at) - faces[0].x sqrt(1 - squares), squares = ahead_by (x + skew y)^2 + aside_by y^2
+vec2 shear_of_body = faces[0].yz;
+float ahead_by = faces[1].x, skew = faces[1].w, aside_by = faces[2].x, lift = faces[0].x * sqrt(ahead_by);
 #else
-	return at;
+const float lift = 1.0;
+#endif
+
+#ifdef ROUND
+// An upright plane through a place, along the motion, cuts the object in a circle, or in one `lift` times as high, and sheared. Returns
+// this circle's radius, m.
+float ring_at(vec2 at)
+{
+#ifdef SHAPE_SPHERE
+	return sqrt(max(body.x * body.x - at.y * at.y, 0.0));
+#elif defined(SHAPE_ELLIPSOID)
+	return sqrt(max(1.0 - aside_by * at.y * at.y, 0.0) / ahead_by);
+#else
+	return body.x;
 #endif
 }
 
-// A plane through a place, along the motion, cuts the object in a circle. Returns this circle's radius, m.
-float ring_at(vec2 at)
+// Returns how far ahead of the circle's middle a place is.
+float ahead_at(vec2 at)
 {
-#ifdef SHAPE_WHEEL
-	return body.x;
+#ifdef SHAPE_ELLIPSOID
+	return at.x + skew * at.y;
 #else
-	return sqrt(max(body.x * body.x - at.y * at.y, 0.0));
+	return at.x;
+#endif
+}
+
+// Returns how far below the circle's middle the object is, in units of `lift`.
+float below_at(vec2 at, face now)
+{
+#if defined(SHAPE_WHEEL) || defined(SHAPE_SPHERE)
+	return -now.height;
+#else
+	float ring = ring_at(at), ahead = ahead_at(at);
+	return sqrt(max(ring * ring - ahead * ahead, 0.0));
 #endif
 }
 #endif
+
+// Returns how far to the left of the middle between its sides a place is.
+float aside_at(vec2 at)
+{
+#ifdef SHAPE_CYLINDER
+	return at.y - lean * half_strip(at.x);
+#else
+	return at.y;
+#endif
+}
 
 // What is the same for all posts is computed once.
 #ifdef SHAPE_WHEEL
 const float STEEPEST_PART = 0.99874922; // of a unit normal: what lies in plan where its z is UPRIGHT_LEAST
 float half_across = 0.5 * scale.y / heading.z;
+#elif defined(SHAPE_CYLINDER)
+const float STEEPEST_PART = 0.99874922;
+float half_across = 0.5 * scale.y / (strips ? heading.z : 1.0);
 #else
 float half_across = 0.5 * scale.y; // half the length of a line across a cell, m
 #endif
@@ -68,6 +123,36 @@ face face_at(vec2 at, vec2 own)
 	float squares = dot(at, at), up = sqrt(max(body.x * body.x - squares, 0.0));
 	vec3 inwards = vec3(-at, max(up, sqrt(max(body.x * body.x, squares)) * (1.0 / STEEPEST)));
 	return face(-up, at / inwards.z, inwards * inversesqrt(dot(inwards, inwards)));
+#elif defined(SHAPE_CYLINDER)
+	float ahead = clamp(at.x, -body.x * STEEPEST_PART, body.x * STEEPEST_PART), strip = half_strip(ahead), up = strip * by_radius;
+	face f = face((lean * at.y - half_strip(at.x)) * lift, vec2(ahead / strip, lean) * lift, vec3(-ahead * by_radius, -lean * up, level * up));
+	if (!strips) {
+		float end = (-half_axis + low_side * at.y * level) / max(abs(lean), 1e-6);
+		vec2 slope = vec2(0.0, low_side * level / max(abs(lean), 1e-6));
+		f = end > f.height ? face(end, slope, vec3(0.0)) : f;
+		f.normal = normal_of_slope(f.slope);
+	}
+	return f;
+#elif defined(SHAPE_CAPSULE)
+	vec2 axis = faces[0].yz;
+	float axial = dot(axis, at), aside = axis.x * at.y - axis.y * at.x, strip = sqrt(max(body.x * body.x - aside * aside, 0.0));
+	float middle = strip * lean, ends = axial <= middle - half_axis * level ? -1.0 : axial > middle + half_axis * level ? 1.0 : 0.0;
+	vec2 from = at - ends * half_axis * level * axis; // of an end's ball
+	float squares = dot(from, from), up = sqrt(max(body.x * body.x - squares, 0.0));
+	vec3 inwards = vec3(-from, max(up, sqrt(max(body.x * body.x, squares)) * (1.0 / STEEPEST)));
+	face f = face(ends * half_axis * lean - up, vec2(0.0), inwards);
+	if (ends == 0.0)
+		f = face((lean * axial - strip) / level, vec2(0.0),
+			 vec3(-middle * axis - aside * vec2(-axis.y, axis.x), max(level * strip, body.x * (1.0 / STEEPEST))));
+	f.slope = -f.normal.xy / f.normal.z;
+	f.normal *= inversesqrt(dot(f.normal, f.normal));
+	return f;
+#elif defined(SHAPE_ELLIPSOID)
+	float grows = ahead_by * (at.x + skew * at.y);
+	vec2 half_slope = vec2(grows, skew * grows + aside_by * at.y);
+	float squares = dot(at, half_slope), root = sqrt(max(1.0 - squares, 0.0));
+	vec2 slope = shear_of_body + half_slope * (faces[0].x / max(root, sqrt(max(1.0, squares)) * (1.0 / STEEPEST)));
+	return face(dot(shear_of_body, at) - faces[0].x * root, slope, normal_of_slope(slope));
 #elif defined(SHAPE_BOX)
 	face f = face(-1e9, vec2(0.0), vec3(0.0));
 	for (int k = 0; k < 3; k++) {
@@ -87,11 +172,11 @@ face face_at(vec2 at, vec2 own)
 float lowered_at(vec2 at, float back, float lowered, face now)
 {
 #ifdef ROUND
-	float forward = at.x, ring = ring_at(at);
+	float forward = ahead_at(at), ring = ring_at(at);
 	float x = clamp(min(max(ring * moves.z, forward), forward + back), -ring, ring);
 	// How much higher the circle is at `forward` than at x, without the cancellation of two roots: near its ends these are inexact.
-	float inside = clamp(forward, -ring, ring), rises = (inside - x) * (inside + x) / max(sqrt(max(ring * ring - x * x, 0.0)) - now.height, 1e-9);
-	return moves.x > 0.0 ? max(rises + moves.y * (x - forward), 0.0) : 0.0;
+	float inside = clamp(forward, -ring, ring), rises = (inside - x) * (inside + x) / max(sqrt(max(ring * ring - x * x, 0.0)) + below_at(at, now), 1e-9);
+	return moves.x > 0.0 ? max(lift * rises + moves.y * (x - forward), 0.0) : 0.0;
 #else
 	return lowered;
 #endif
@@ -111,8 +196,8 @@ float contact_share(vec2 at, float depth, float stays, face now, bool over)
 	float gains = depth - stays;
 #ifdef ROUND
 	// Where the circle along the motion first reached the place, and from there by the rise of the motion.
-	float all = ring_at(at), up = max(-now.height - gains, body.x * 0.05), ring = sqrt(max(all * all - up * up, 0.0));
-	float first = (ring - at.x) * (1.0 - moves.y * up / min(moves.y * up - ring, -0.05 * up));
+	float all = ring_at(at), up = max(below_at(at, now) - gains / lift, body.x * 0.05), ring = sqrt(max(all * all - up * up, 0.0));
+	float rise = moves.y / lift, first = (ring - ahead_at(at)) * (1.0 - rise * up / min(rise * up - ring, -0.05 * up));
 	float share = by_moving > 0.0 ? (moves.x > 0.0 ? first : gains) * by_moving : 1e3;
 #else
 	float speed = face_at(at + way.xy, now.slope).height - now.height - way.z;
@@ -121,8 +206,8 @@ float contact_share(vec2 at, float depth, float stays, face now, bool over)
 #ifdef SHAPE_BOX
 	share = over ? min(share, until_beyond(at.x, heading.w, way.x, by_speed.x)) : share;
 #endif
-#if defined(SHAPE_BOX) || defined(SHAPE_WHEEL)
-	share = over ? min(share, until_beyond(at.y, body.y, way.y, by_speed.y)) : share;
+#ifdef SIDES
+	share = over ? min(share, until_beyond(aside_at(at), body.y, way.y, by_speed.y)) : share;
 #endif
 	return clamp(share, -4.0, 1e3);
 }
@@ -133,6 +218,9 @@ struct cell {
 	vec2 middle; // of the part, from the post, m
 	float share; // area of the part, in posts
 	vec2 own;    // slope of a lower envelope that is known only at posts
+#ifdef SHAPE_CYLINDER
+	bool brim;   // it also bears what the lower end covers
+#endif
 };
 
 vec2 place_of(int x, int y)
@@ -160,13 +248,24 @@ vec2 part_of(ivec2 post, ivec2 next, float at, float size)
 		    within(post + next, at + step_aside, size) ? 0.5 : min((size - at) * by_step, 1.0));
 }
 
+#ifdef SHAPE_CYLINDER
+// As part_of. The sides of a cylinder that leans are not straight: lower, upper: where the next posts lie across the strip, m.
+vec2 part_between(bool has_lower, bool has_upper, float lower, float at, float upper)
+{
+	float least = 0.25 * step_aside;
+	return vec2(has_lower ? -0.5 : max((-body.y - at) / max(at - lower, least), -1.0),
+		    has_upper ? 0.5 : min((body.y - at) / max(upper - at, least), 1.0));
+}
+#endif
+
 // Tells whether a post beside a wheel bears it. A wheel that is narrower than the spacing may pass between two posts: the nearer one
 // bears it. A wheel that has sunk nearly to its axle reaches into the cells of posts in front of it.
 bool bears_beside(vec2 at)
 {
-#ifdef SHAPE_WHEEL
-	bool between = 2.0 * body.y < step_aside && abs(at.y - 1e-4 * step_aside) <= 0.5 * step_aside;
-	return abs(at.x) < body.x + half_across && (between || abs(at.x) > body.x && abs(at.y) <= body.y);
+#if defined(SHAPE_WHEEL) || defined(SHAPE_CYLINDER)
+	float aside = aside_at(at);
+	bool between = 2.0 * body.y < step_aside && abs(aside - 1e-4 * step_aside) <= 0.5 * step_aside;
+	return abs(at.x) < body.x + half_across && (between || abs(at.x) > body.x && abs(aside) <= body.y);
 #else
 	return false;
 #endif
@@ -175,12 +274,27 @@ bool bears_beside(vec2 at)
 cell cell_at(int x, int y, object o)
 {
 	bool over = o.rests != UNDER_NONE;
+#ifdef SHAPE_CYLINDER
+	cell c = cell(place_of(x, y), vec2(0.0), over ? 1.0 : 0.0, vec2(0.0), false);
+#else
 	cell c = cell(place_of(x, y), vec2(0.0), over ? 1.0 : 0.0, vec2(0.0));
-#if defined(SHAPE_WHEEL) || defined(SHAPE_BOX)
+#endif
+#ifdef SIDES
 	if (body.y > 0.0) {
-		vec2 part = part_of(ivec2(x, y), next_aside, c.at.y, body.y);
+		float aside = aside_at(c.at);
 		bool narrow = 2.0 * body.y < step_aside;
-		part = over ? part : !bears_beside(c.at) ? vec2(0.0) : narrow ? vec2(-body.y - c.at.y, body.y - c.at.y) * by_step : part;
+#ifdef SHAPE_CYLINDER
+		float lower = aside_at(c.at - cut_aside), upper = aside_at(c.at + cut_aside);
+		bool has_lower = within(ivec2(x, y) - next_aside, lower, body.y), has_upper = within(ivec2(x, y) + next_aside, upper, body.y);
+		vec2 part = part_between(has_lower, has_upper, lower, aside, upper);
+		over = over && within(ivec2(x, y), aside, body.y);
+		bool beside = !over && bears_beside(c.at);
+		c.brim = (over || beside) && !(low_side < 0.0 ? has_lower : has_upper);
+#else
+		vec2 part = part_of(ivec2(x, y), next_aside, aside, body.y);
+		bool beside = !over && bears_beside(c.at);
+#endif
+		part = over ? part : !beside ? vec2(0.0) : narrow ? vec2(-body.y - aside, body.y - aside) * by_step : part;
 		c.share = max(part.y - part.x, 0.0);
 		c.middle = 0.5 * (part.x + part.y) * cut_aside;
 	}
@@ -192,7 +306,7 @@ cell cell_at(int x, int y, object o)
 		c.middle += 0.5 * (part.x + part.y) * cut_ahead;
 	}
 #endif
-#if !defined(ROUND) && !defined(SHAPE_BOX)
+#ifdef POSTS_ONLY
 	if (over)
 		for (int k = 0; k < 2; k++) {
 			ivec2 next = k == 0 ? ivec2(1, 0) : ivec2(0, 1);
@@ -208,9 +322,24 @@ cell cell_at(int x, int y, object o)
 // Returns a height that the lower envelope is nowhere below, at places up to `reach` from a place, m above the centre.
 float lowest_near(vec2 at, float reach, vec2 own)
 {
-#ifdef ROUND
-	float near = max(length(part_of_place(at)) - reach, 0.0);
+#ifdef SHAPE_WHEEL
+	float near = max(abs(at.x) - reach, 0.0);
 	return -sqrt(max(body.x * body.x - near * near, 0.0));
+#elif defined(SHAPE_SPHERE)
+	float near = max(length(at) - reach, 0.0);
+	return -sqrt(max(body.x * body.x - near * near, 0.0));
+#elif defined(SHAPE_CYLINDER)
+	float side = (lean * at.y - abs(lean) * reach - half_strip(max(abs(at.x) - reach, 0.0))) * lift;
+	float end = (-half_axis + (low_side * at.y - reach) * level) / max(abs(lean), 1e-6);
+	return strips || abs(lean) < 1e-6 ? side : max(side, end);
+#elif defined(SHAPE_CAPSULE)
+	vec2 axis = faces[0].yz;
+	float aside = max(abs(axis.x * at.y - axis.y * at.x) - reach, 0.0);
+	float side = (lean * (dot(axis, at) - reach) - sqrt(max(body.x * body.x - aside * aside, 0.0))) / level;
+	return max(side, -half_axis * lean - body.x);
+#elif defined(SHAPE_ELLIPSOID)
+	float ahead = at.x + skew * at.y, near = max(sqrt(ahead_by * ahead * ahead + aside_by * at.y * at.y) - reach * faces[2].w, 0.0);
+	return dot(shear_of_body, at) - length(shear_of_body) * reach - faces[0].x * sqrt(max(1.0 - near * near, 0.0));
 #elif defined(SHAPE_BOX)
 	float lowest = -1e9;
 	for (int k = 0; k < 3; k++)

@@ -158,10 +158,12 @@ struct across {
 across line_across(incline i, cell c, face post, float depth)
 {
 	across l;
+	vec2 grows = i.rise - post.slope;
 #ifdef SHAPE_WHEEL
 	l.end = vec2(half_across, 0.0);
+#elif defined(SHAPE_CYLINDER)
+	l.end = strips || dot(grows, grows) < 1e-8 ? vec2(half_across, 0.0) : normalize(grows) * half_across;
 #else
-	vec2 grows = i.rise - post.slope;
 	l.end = (dot(grows, grows) < 1e-8 ? vec2(1.0, 0.0) : normalize(grows)) * half_across;
 #endif
 	l.middle = c.at + c.middle;
@@ -196,6 +198,8 @@ slip slides_over(incline i, cell c, float above, float share)
 	slip s = slip_at(vec3(half_back, then.height + above), normal);
 #ifdef NORMALS_AHEAD
 	s.size *= moves.w / normal.z;
+#elif defined(SHAPE_CYLINDER) && !defined(GROUND_NORMALS)
+	s.size *= strips ? moves.w * level / normal.z : 1.0;
 #endif
 	return s;
 }
@@ -227,6 +231,44 @@ int whole_units(float metres)
 {
 	return int(round(min(metres * 1048576.0, 1.9e9)));
 }
+
+#ifdef SHAPE_CYLINDER
+// Adds what the lower end of a cylinder that leans bears beside a cell. Along its way the end is nowhere lower, so the soil there yields all
+// over, and slides along it since its rim came.
+void bear_brim(inout bearing b, soil s, float by_width, incline i, across l, float above)
+{
+	float steep = level / max(abs(lean), 1e-6), edge = low_side * half_axis * level;
+	vec3 depths;
+	for (int k = 0; k < 3; k++) {
+		float strip = half_strip(place_on(l, float(k - 1)).x);
+		vec2 there = vec2(place_on(l, float(k - 1)).x, lean * strip + edge);
+		depths[k] = l.ground + dot(i.rise, there - l.middle) - (lean * there.y - strip) * lift;
+	}
+	vec2 ends = between_roots(depths, vec2(0.0));
+	float at = 0.5 * (ends.x + ends.y), ahead = place_on(l, at).x, strip = half_strip(ahead);
+	vec2 there = vec2(ahead, lean * strip + edge);
+	float lowest = (lean * there.y - strip) * lift, depth = l.ground + dot(i.rise, there - l.middle) - lowest;
+	float width = clamp(depth / max(steep - low_side * i.rise.y, 1e-6), 0.0, 2.0 * strip * abs(lean));
+	// The mean and the middle of a power of the depth, from 0 to all of it.
+	float mean = depth * exp2(-log2(s.a.z + 1.0) / s.a.z), out_by = width / (s.a.z + 2.0), below = strip - out_by / max(abs(lean), 1e-6);
+	vec3 normal = normal_of_slope(vec2(0.0, low_side * steep)), arm = vec3(there + vec2(0.0, low_side * out_by), lowest + out_by * steep + above);
+	slip slides = slip_at(arm, normal);
+	float since = moves.x > 0.0 ? max(half_strip(below) - ahead, 0.0) * by_moving : 1.0;
+	pressure p = pressure_of(s, by_width, i.up * mean, i.up * mean, true);
+	float stress = p.stress + damped(s, arm, normal) * min(4.0 * i.up * mean * s.b.z, 1.0), weight = 0.5 * (ends.y - ends.x) * width * by_step;
+#ifndef GROUND_NORMALS
+	weight /= normal.z;
+#endif
+	vec3 sum = stress * normal - holds(s, 1.0, stress) * (1.0 - stays_after(slides.size * since * s.b.z)) * tilted(slides.direction, normal);
+	if (mean <= 0.0)
+		return;
+	b.stress += weight * sum;
+	b.moment += weight * cross(arm, sum);
+	b.normal += weight * p.stress * normal.z;
+	b.stiff += weight * p.stiff * i.up * normal.z;
+	b.area += 0.5 * (ends.y - ends.x) * width * by_step;
+}
+#endif
 
 bearing bearing_of(soil s, float by_width, incline i, ground g, object o, cell c, post_state before)
 {
@@ -283,6 +325,10 @@ bearing bearing_of(soil s, float by_width, incline i, ground g, object o, cell c
 	// The stored sinkage counts for the post's whole cell. It is taken as a flat rut if the object passed over the cell. If the object
 	// hardly moved, it is taken as an impression of the lower envelope.
 	float was = float(remains) * UNIT_METRES, stamped = was > 0.0 ? stamps : 0.0, rut = was * i.by_up - stamped * depth;
+#ifdef SHAPE_CYLINDER
+	// Across its way the rut leans as the cylinder does.
+	rut += was > 0.0 && strips ? (1.0 - stamped) * (i.rise.y - lean * lift) * c.middle.y : 0.0;
+#endif
 	vec3 depths, mosts;
 	for (int k = 0; k < 3; k++) {
 		vec2 there = place_on(l, float(k - 1));
@@ -326,6 +372,10 @@ bearing bearing_of(soil s, float by_width, incline i, ground g, object o, cell c
 		b.stiff += weight * p.stiff * i.up * normal.z;
 		b.area += p.share > 0.0 ? 0.5 * part : 0.0;
 	}
+#ifdef SHAPE_CYLINDER
+	if (c.brim && !(b.refused || g.far || nothing))
+		bear_brim(b, s, by_width, i, l, above);
+#endif
 	b.stress.xy = out_of_frame(b.stress.xy);
 	b.moment.xy = out_of_frame(b.moment.xy);
 	return b;

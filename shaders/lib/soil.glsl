@@ -32,10 +32,11 @@ layout(std140, binding = 0) uniform params {
 	vec4 rolls;    // the rotation of a wheel without slip, rad, in its frame
 	vec4 place;    // post (0, 0) from the centre, m; 1 / unit of length in moments; square metres a post
 	vec4 load;     // N; how deep the object may sink below its first contact, fixed-point units; number of the loaded body, from 1; 0: none
-	vec4 body;     // radius, m; half its breadth, m, 0: whole posts
+	vec4 body;     // radius, m (of an ellipsoid: half its length along its motion); half its breadth, m, 0: whole posts
 	vec4 heading;  // x axis of the object's frame, in plan; the larger of that vector's parts; half the length of a box, m
 	vec4 moves;    // a round object: metres forwards; rise a metre; sine of that; how long a wheel's rim takes, of the soil's time; 0: 1
-	vec4 faces[3]; // box: height at its centre, m, and slope of its lower faces in its frame; of the first: units of area a post
+	vec4 faces[3]; // box: height at its centre, m, and slope of its lower faces in its frame; of the first: units of area a post. Of other
+	               // shapes: lib/scm_body.glsl
 	ivec4 drawn;   // the posts over which `rests` was computed
 	vec4 digs;     // how far the object slips over the ground during the contact, m; how deep that digs at most, in units of K; radius of a
 	               // wheel with its grousers, m
@@ -71,7 +72,10 @@ layout(binding = 1) uniform usampler2DArray classes;
 layout(binding = 2) uniform usampler2DArray numbers; // a level for each raster: 0: the soil's own number; 1 .. 255
 #endif
 
-#if defined(SHAPE_WHEEL) || defined(SHAPE_SPHERE) || defined(SHAPE_BOX)
+#if !defined(SHAPE_WHEEL) && !defined(SHAPE_SPHERE) && !defined(SHAPE_BOX) && !defined(SHAPE_CYLINDER) && !defined(SHAPE_CAPSULE) && !defined(SHAPE_ELLIPSOID)
+#define POSTS_ONLY
+#endif
+#ifndef POSTS_ONLY
 int base_at(ivec3 post)
 {
 	return imageLoad(often, post).r;

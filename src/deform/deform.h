@@ -312,6 +312,7 @@ struct deform_planned {
 	const struct deform_shape *shape;
 	double load; /* N. If it is not 0 and the model computes forces, the forces on the object are computed too */
 	bool moves;  /* the object moves after it was set down */
+	bool leans;  /* a wheel that may have camber at times */
 };
 /* Prepares ("warms") the programs that this object needs in contacts and at rest, so that no later step links one. It runs each
  * program once over a window outside the world, since a driver's first draw may take a tenth of a second. Changes no ground.

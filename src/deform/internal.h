@@ -6,6 +6,7 @@
 #include "deform/programs.h"
 
 #define SIDE DEFORM_WINDOW_POSTS
+#define WARM_FACTS 5 /* besides the shape, that decide which programs an object needs */
 #define UNDER_NONE INT32_MAX /* lib/window.glsl: the object is not above the post */
 
 /* FBOs over one layer of the scratch textures. FBOs that the parameters do not need are NULL. */
@@ -120,7 +121,7 @@ struct deform {
 	struct gpu_buffer *tally;              /* counts on the GPU: a struct deform_tally */
 	struct gpu_buffer *felt;               /* a tally for deform_feel, which must not change `tally`; NULL until it is called */
 	struct deform_figures figures;         /* its window_layers is unused: see `layers` */
-	uint64_t warmed;                       /* kinds of objects whose programs deform_warm has prepared, as bits (warm.c) */
+	bool warmed[DEFORM_SHAPES << WARM_FACTS]; /* kinds of objects whose programs deform_warm has prepared (warm.c) */
 };
 
 /* deform.c: returns which of planes_of[0 .. 1] a gather of a window writes this plane to. */

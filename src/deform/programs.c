@@ -210,7 +210,7 @@ static bool always_fits(const struct deform_params *params, const struct deform_
 
 bool deform_is_counted(const struct deform_params *params, const struct deform_shape *shape, bool loaded)
 {
-	bool round = shape->kind == DEFORM_SPHERE || shape->kind == DEFORM_MESH;
+	bool round = shape->kind != DEFORM_WHEEL && shape->kind != DEFORM_BOX && shape->kind != DEFORM_CYLINDER;
 	/* A loaded object too large for one window is refused, so a loaded one always fits. */
 	return deform_tells_forces(params->model) && round && (loaded || always_fits(params, shape));
 }
@@ -235,6 +235,10 @@ static void each_envelope(struct each *each, const struct deform_planned *object
 		deform_programs_envelope(each->params, shape->kind, false, &each->request);
 		add(each, displace);
 	}
+	if (object->leans) {
+		deform_programs_envelope(each->params, DEFORM_CYLINDER, false, &each->request);
+		add(each, displace);
+	}
 	if (shape->kind == DEFORM_WHEEL && object->moves) {
 		deform_programs_envelope(each->params, shape->kind, true, &each->request);
 		add(each, displace);
@@ -257,14 +261,16 @@ static void each_find(struct each *each, bool patch, bool load, enum deform_shap
 static void each_felt(struct each *each, const struct deform_planned *object, bool forces)
 {
 	bool load = object->load > 0, patch = deform_is_counted(each->params, object->shape, load);
-	unsigned with = (patch ? WITH_PATCH : 0) | (load ? WITH_LOAD : 0) |
-			WITH_SHAPE * (unsigned)object->shape->kind;
-	each_find(each, patch, load, object->shape->kind);
-	deform_programs_contact(each->params, with, &each->request);
-	add(each, load ? "load" : deform_displace_effect(each->params->model));
-	if (forces || load) {
-		deform_programs_contact(each->params, with | WITH_FORCES, &each->request);
-		add(each, forces ? "forces" : "load");
+	for (int leans = 0; leans <= object->leans; leans++) {
+		const enum deform_shape_kind form = leans ? DEFORM_CYLINDER : object->shape->kind;
+		unsigned with = (patch ? WITH_PATCH : 0) | (load ? WITH_LOAD : 0) | WITH_SHAPE * (unsigned)form;
+		each_find(each, patch, load, form);
+		deform_programs_contact(each->params, with, &each->request);
+		add(each, load ? "load" : deform_displace_effect(each->params->model));
+		if (forces || load) {
+			deform_programs_contact(each->params, with | WITH_FORCES, &each->request);
+			add(each, forces ? "forces" : "load");
+		}
 	}
 }
 

@@ -38,9 +38,10 @@ static enum status contact_all(struct deform *deform, const struct deform_planne
 	const struct deform_pose middle = {.x = lattice_offset(-56 * deform->spacing), .y = lattice_offset(-56 * deform->spacing)};
 	int ways = !object->moves ? 1 : object->shape->kind == DEFORM_WHEEL ? 3 : 2;
 	enum status status = STATUS_OK;
-	for (int i = 0; i < ways * (1 + tags) && status == STATUS_OK; i++) {
+	for (int i = 0; i < ways * (1 + tags) * (1 + object->leans) && status == STATUS_OK; i++) {
 		struct deform_contact contact = {.shape = object->shape, .from = middle, .to = middle, .load = object->load,
-					     .tag = (uint64_t)(i / ways)};
+					     .tag = (uint64_t)(i / ways % (1 + tags))};
+		contact.to.roll = i / ways / (1 + tags) * 0.1;
 		contact.to.x += i % ways > 0;
 		contact.to.y += i % ways > 1;
 		status = deform_compute(deform, &contact, &window, 0, NULL, 0);
@@ -48,24 +49,25 @@ static enum status contact_all(struct deform *deform, const struct deform_planne
 	return status;
 }
 
-/* Returns the kind of an object, as one bit. Objects of one kind need the same programs. */
-static uint64_t kind_of(const struct deform_params *params, const struct deform_planned *object)
+/* Returns the kind of an object, below WARM_KINDS. Objects of one kind need the same programs. */
+static int kind_of(const struct deform_params *params, const struct deform_planned *object)
 {
 	const struct deform_shape *shape = object->shape;
-	const bool facts[4] = {shape->grousers > 0, object->load > 0, object->moves, deform_is_counted(params, shape, object->load > 0)};
+	const bool facts[WARM_FACTS] = {shape->grousers > 0, object->load > 0, object->moves, object->leans,
+					deform_is_counted(params, shape, object->load > 0)};
 	int kind = (int)shape->kind;
-	for (int i = 0; i < 4; i++)
+	for (int i = 0; i < WARM_FACTS; i++)
 		kind = 2 * kind + facts[i];
-	return (uint64_t)1 << kind;
+	return kind;
 }
 
 enum status deform_warm(struct deform *deform, const struct deform_planned *object, bool forces)
 {
 	const struct deform_params *params = &deform->params;
-	uint64_t kind = kind_of(params, object);
-	if (deform->warmed & kind)
+	bool *warmed = &deform->warmed[kind_of(params, object)];
+	if (*warmed)
 		return STATUS_OK;
-	deform->warmed |= kind;
+	*warmed = true;
 	const struct deform_figures before = deform->figures;
 	bool loaded = deform_tells_forces(params->model) && object->load > 0;
 	struct linking linking = {.gpu = params->gpu};

@@ -235,9 +235,6 @@ static enum status cut(const struct deform *deform, const struct deform_contact 
 		       size_t *count)
 {
 	*count = 0;
-	if (deform_tells_forces(deform->params.model) && deform_form_of(contact->shape, &contact->to) >= DEFORM_CYLINDER)
-		return fail_with(STATUS_INPUT, "shape: %s tells no forces yet on a wheel with camber, a cylinder, a capsule or an ellipsoid; give another shape",
-				 deform_model_row(deform->params.model)->name);
 	struct post_rect write = deform_reached(deform, contact), under = below(deform, contact);
 	if (post_rect_empty(write))
 		return STATUS_OK;

@@ -32,7 +32,7 @@ enum status world_warm_drops(struct world *world)
 	if (!world->params.drops || world->scene->object_count == 0)
 		return STATUS_OK;
 	const struct scene_object object = dropped(world, WORLD_DROP_BALL);
-	const struct deform_planned planned = {&object.shape, object.load, false};
+	const struct deform_planned planned = {&object.shape, object.load, false, false};
 	return deform_warm(world->deform, &planned, world->scene->forces > 0);
 }
 

@@ -175,7 +175,7 @@ static bool is_made_up(const char *name)
 
 enum status world_body_add(struct world *world, struct scene_object *object, int32_t *number)
 {
-	const struct deform_planned planned = {&object->shape, 0, true};
+	const struct deform_planned planned = {&object->shape, 0, true, object->shape.kind == DEFORM_WHEEL};
 	*number = -1;
 	if (object->path.count > 0)
 		return fail_with(STATUS_INPUT, "%s: it has a path; a body that is added is the host's: leave the path out, or put it into the "

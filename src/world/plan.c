@@ -106,9 +106,18 @@ void world_deform_params(const struct world *world, struct deform_params *params
 		params->loaded_bodies += world->bodies[i].loaded_body > 0;
 }
 
+/* A host may turn a wheel as it likes. */
+static bool leans(const struct scene_object *object)
+{
+	bool found = object->path.count == 0;
+	for (size_t i = 0; i < object->path.count && object->path.has_attitude; i++)
+		found = found || object->path.points[i].roll != 0;
+	return found && object->shape.kind == DEFORM_WHEEL;
+}
+
 struct deform_planned world_planned(const struct scene_object *object)
 {
-	return (struct deform_planned){&object->shape, object->load, object->path.count != 1};
+	return (struct deform_planned){&object->shape, object->load, object->path.count != 1, leans(object)};
 }
 
 /* --- advice --- */

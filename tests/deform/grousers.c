@@ -65,6 +65,7 @@ static void a_standing_wheel_is_that_of_the_reference(void **state)
 			struct deform_pose pose = ground_pose(&ground, 32 + any_share(), 32 + any_share(), -BELOW);
 			pose.yaw = i % 4 == 0 ? M_PI / 2 * i / 4 : any_share() * 4;
 			pose.turn = i % 5 == 0 ? 0 : any_share() * 20;
+			pose.roll = i % 3 == 0 ? 0 : i % 3 == 1 ? any_share() * 0.4 : any_share() * 4;
 			struct deform_contact sweep = {.shape = &shape, .from = pose, .to = pose};
 			posts += compare(&ground, &sweep, 4e-6L, 2e-5L * spacings[s]);
 		}
@@ -81,7 +82,7 @@ static void a_rolling_wheel_is_nearly_that_of_the_reference(void **state)
 	(void)state;
 	need_gpu();
 	ground_init(&ground, &(struct ground_params){.cells = 32, .tiles = 2, .spacing = 0.05});
-	for (int i = 0; i < 10; i++) {
+	for (int i = 0; i < 15; i++) {
 		struct deform_contact sweep = {.shape = &lugged, .from = ground_pose(&ground, 32 + any_share(), 32 + any_share(), -BELOW)};
 		double heading = i < 5 ? 0 : any_share() * 4, way = slips[i % 5] == 1 ? 0 : 0.05;
 		sweep.to = sweep.from;
@@ -89,6 +90,7 @@ static void a_rolling_wheel_is_nearly_that_of_the_reference(void **state)
 		sweep.to.y += lattice_offset(way * sin(heading));
 		sweep.to.z -= lattice_offset(0.004);
 		sweep.from.yaw = sweep.to.yaw = heading;
+		sweep.from.roll = sweep.to.roll = i < 10 ? 0 : any_share() * 0.5; /* camber */
 		sweep.from.turn = any_share() * 9;
 		sweep.turned = slips[i % 5] == 1 ? 0.3 : 0.05 / 0.5 / (1 - slips[i % 5]);
 		sweep.to.turn = remainder(sweep.from.turn + sweep.turned, 2 * M_PI);

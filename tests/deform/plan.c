@@ -11,6 +11,8 @@ static const struct deform_shape wheel = {.kind = DEFORM_WHEEL, .radius = 0.5, .
 static const struct deform_shape lugged = {.kind = DEFORM_WHEEL, .radius = 0.5, .width = 0.4, .grousers = 9, .grouser_height = 0.06,
 					   .grouser_thickness = 0.05};
 static const struct deform_shape ball = {.kind = DEFORM_SPHERE, .radius = 0.6};
+static const struct deform_shape barrel = {.kind = DEFORM_CYLINDER, .radius = 0.5, .length = 0.8}, pill = {.kind = DEFORM_CAPSULE, .radius = 0.4, .length = 0.5};
+static const struct deform_shape egg = {.kind = DEFORM_ELLIPSOID, .size = {0.6, 0.5, 0.4}};
 static const struct deform_shape crate = {.kind = DEFORM_BOX, .size = {1, 0.8, 0.6}};
 static const struct deform_shape hall = {.kind = DEFORM_BOX, .size = {34, 30, 1}}; /* of several windows */
 static float corners[4][3] = {{-0.5f, -0.5f, 0.3f}, {0.6f, -0.4f, 0.3f}, {0, 0.6f, 0.3f}, {0.1f, 0, -0.4f}};
@@ -64,13 +66,14 @@ struct drive {
 
 /* --- a drive --- */
 
-static void sweep(struct drive *drive, size_t object, double x, double y, double dx, double dy, bool asks)
+static void sweep_at(struct drive *drive, size_t object, double x, double y, double dx, double dy, bool asks, double roll)
 {
 	const struct deform_planned *planned = &drive->scenario->objects[object];
 	double z = deform_shape_reach(planned->shape, 0, 0) - 0.1;
 	struct deform_contact sweep = {.shape = planned->shape, .from = ground_pose(&drive->ground, x, y, z), .load = planned->load};
 	sweep.to = ground_pose(&drive->ground, x + dx, y + dy, z);
 	sweep.turned = dx * drive->ground.params.spacing / 0.5;
+	sweep.to.roll = roll;
 	if (planned->load > 0)
 		sweep.loaded_body = (uint32_t)object + 1;
 	if (asks)
@@ -81,6 +84,14 @@ static void sweep(struct drive *drive, size_t object, double x, double y, double
 	drive->moved[object] += dx != 0 || dy != 0 ? computed : 0;
 	for (size_t i = 0; i < drive->ground.window_count; i++)
 		assert_ok(deform_wake_swept(drive->ground.deform, &drive->ground.windows[i], (uint32_t)i));
+}
+
+/* A wheel that may lean is level, too. */
+static void sweep(struct drive *drive, size_t object, double x, double y, double dx, double dy, bool asks)
+{
+	sweep_at(drive, object, x, y, dx, dy, asks, 0);
+	if (drive->scenario->objects[object].leans)
+		sweep_at(drive, object, x, y, dx, dy, asks, 0.2);
 }
 
 static void take_forces(struct drive *drive)
@@ -315,6 +326,8 @@ static void compaction_runs_what_is_planned(void **state)
 	static const struct scenario scenarios[] = {
 		{"none, a wheel", DEFORM_NONE, .count = 1, .objects = {{&wheel, 0, true}}},
 		{"none, a box with dirt", DEFORM_NONE, .dirt = true, .count = 1, .objects = {{&crate, 0, true}}},
+		{"none, a wheel that leans", DEFORM_NONE, .count = 1, .objects = {{&wheel, 0, true, true}}},
+		{"none, an ellipsoid and a capsule", DEFORM_NONE, .count = 2, .objects = {{&egg, 0, false}, {&pill, 0, true}}},
 		{"none, a mesh", DEFORM_NONE, .count = 1, .objects = {{&cone, 0, true}}},
 		{"none, lugs and a sphere with dirt", DEFORM_NONE, .dirt = true, .count = 2, .objects = {{&lugged, 0, true}, {&ball, 0, true}}},
 		{"box, two wheels of which one stands", DEFORM_BOX_FILTER, .count = 2, .objects = {{&wheel, 0, false}, {&wheel, 0, true}}},
@@ -349,6 +362,10 @@ static void soil_contact_runs_what_is_planned(void **state)
 		{"scm, a wheel", DEFORM_SCM, .iterations = 1, .count = 1, .objects = {{&wheel, 0, true}}},
 		{"scm, a wheel with forces", DEFORM_SCM, .forces = true, .iterations = 1, .count = 1, .objects = {{&wheel, 0, true}}},
 		{"scm, a wheel with a load, dirt", DEFORM_SCM, .dirt = true, .iterations = 3, .count = 1, .objects = {{&wheel, 900, true}}},
+		{"scm, a wheel that leans, forces", DEFORM_SCM, .forces = true, .iterations = 1, .count = 1, .objects = {{&wheel, 0, true, true}}},
+		{"scm, a wheel that leans, with a load", DEFORM_SCM, .iterations = 1, .count = 1, .objects = {{&lugged, 900, true, true}}},
+		{"scm, a cylinder, a capsule, an ellipsoid", DEFORM_SCM, .forces = true, .iterations = 1, .count = 3,
+		 .objects = {{&barrel, 900, true}, {&pill, 500, true}, {&egg, 0, true}}},
 		{"scm, a sphere", DEFORM_SCM, .iterations = 3, .relief = 10, .count = 1, .objects = {{&ball, 0, true}}},
 		{"scm, a sphere with a load and forces", DEFORM_SCM, .forces = true, .iterations = 1, .count = 1, .objects = {{&ball, 700, true}}},
 		{"scm, a mesh, 3 soils, forces", DEFORM_SCM, .forces = true, .iterations = 1, .soils = 3, .count = 1, .objects = {{&cone, 0, true}}},
@@ -365,7 +382,7 @@ static void nothing_is_planned_without_objects(void **state)
 {
 	struct plan plan = {.lines = NULL};
 	struct deform_params params = {.model = DEFORM_SCM, .soil_count = 1, .iterations = 1, .disturbance = true};
-	const struct deform_planned object = {&wheel, 0, true};
+	const struct deform_planned object = {&wheel, 0, true, false};
 	(void)state;
 	deform_plan(&params, NULL, 0, true, &plan);
 	assert_int_equal(plan.count, 0);

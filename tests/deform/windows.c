@@ -22,21 +22,26 @@ static const struct deform_shape shapes[] = {
 	{.kind = DEFORM_WHEEL, .radius = 2.1, .width = 1.3},
 	{.kind = DEFORM_SPHERE, .radius = 3.3},
 	{.kind = DEFORM_BOX, .size = {5.2, 2.9, 1.7}},
+	{.kind = DEFORM_WHEEL, .radius = 1.7, .width = 1.1, .grousers = 11, .grouser_height = 0.3, .grouser_thickness = 0.2},
+	{.kind = DEFORM_CYLINDER, .radius = 1.4, .length = 3.5},
+	{.kind = DEFORM_CAPSULE, .radius = 1.2, .length = 2.5},
+	{.kind = DEFORM_ELLIPSOID, .size = {2.3, 1.2, 0.9}},
 };
+enum { SHAPES = sizeof shapes / sizeof *shapes };
 
 /* A few objects across the middle, by stations; all coordinates in posts and metres from there. */
 static void drive(struct ground *ground, double height)
 {
 	double middle = (double)(ground->posts - 1) / 2;
-	for (int k = 0; k < 3; k++) {
+	for (int k = 0; k < SHAPES; k++) {
 		struct deform_pose last = {0};
 		for (int i = 0; i < 12; i++) {
-			double x = middle - 7 + i * 1.25 - k, y = middle - 5 + i * 0.875 + k * 2;
-			struct deform_pose pose = ground_pose(ground, x, y, height + 0.75 - 0.015625 * i + k * 0.5);
+			double x = middle - 7 + i * 1.25 - k % 3, y = middle - 5 + i * 0.875 + k % 3 * 2;
+			struct deform_pose pose = ground_pose(ground, x, y, height + 0.75 - 0.015625 * i + k % 3 * 0.5);
 			pose.yaw = 0.3 * i;
-			pose.pitch = k == 2 ? 0.11 * i : 0;
-			pose.roll = k == 2 ? -0.17 * i : 0;
-			struct deform_contact sweep = {.shape = &shapes[k], .from = i == 0 ? pose : last, .to = pose};
+			pose.pitch = k >= 2 ? 0.11 * i : 0;
+			pose.roll = k >= 2 ? -0.17 * i : 0;
+			struct deform_contact sweep = {.shape = &shapes[k], .from = i == 0 ? pose : last, .to = pose, .turned = 0.2};
 			ground_sweep(ground, &sweep);
 			last = pose;
 		}
@@ -131,8 +136,8 @@ static void sweep_large(struct ground *ground, const struct deform_shape *shape,
 	double x = 500 + (double)dx, y = 520 + (double)dy;
 	struct deform_contact sweep = {.shape = shape, .from = ground_pose(ground, x, y, shape->radius - 1), .to = ground_pose(ground, x + 3.25, y + 2.5, shape->radius - 1.25)};
 	sweep.to.yaw = 0.7;
-	sweep.to.pitch = shape->kind == DEFORM_BOX ? 0.05 : 0;
-	sweep.to.roll = shape->kind == DEFORM_BOX ? -0.03 : 0;
+	sweep.to.pitch = shape->kind != DEFORM_SPHERE ? 0.05 : 0;
+	sweep.to.roll = shape->kind != DEFORM_SPHERE ? -0.03 : 0;
 	ground_sweep(ground, &sweep);
 	ground_read(ground);
 }
@@ -140,11 +145,12 @@ static void sweep_large(struct ground *ground, const struct deform_shape *shape,
 static void cuts_between_windows_leave_no_trace(void **state)
 {
 	static const struct deform_shape large[] = {
-		{.kind = DEFORM_SPHERE, .radius = 60}, {.kind = DEFORM_BOX, .size = {90, 70, 3}}};
+		{.kind = DEFORM_SPHERE, .radius = 60}, {.kind = DEFORM_BOX, .size = {90, 70, 3}}, {.kind = DEFORM_CYLINDER, .radius = 40, .length = 90},
+		{.kind = DEFORM_CAPSULE, .radius = 45, .length = 40}, {.kind = DEFORM_ELLIPSOID, .size = {50, 40, 30}}};
 	static const int64_t moved[][2] = {{37, 0}, {-101, 59}, {128, -20}};
 	(void)state;
 	need_gpu();
-	for (int k = 0; k < 2; k++) {
+	for (int k = 0; k < 5; k++) {
 		struct ground_params params = {.cells = 1024, .tiles = 1, .spacing = 0.25, .height = hilly,
 					       .model = DEFORM_BOX_FILTER, .radius = 3, .repetitions = 3};
 		struct ground first, other;
@@ -208,7 +214,9 @@ static void a_sweep_holds_its_own_halves(void **state)
 	struct ground whole, halves;
 	(void)state;
 	need_gpu();
-	for (int k = 0; k < 3; k++) {
+	for (int k = 0; k < SHAPES; k++) {
+		if (shapes[k].grousers > 0)
+			continue; /* they turn in between */
 		struct ground_params params = {.cells = 64, .tiles = 1, .spacing = 0.25};
 		ground_init(&whole, &params);
 		ground_init(&halves, &params);
@@ -217,6 +225,8 @@ static void a_sweep_holds_its_own_halves(void **state)
 		b.y = (a.y + c.y) / 2;
 		b.z = (a.z + c.z) / 2;
 		a.yaw = b.yaw = c.yaw = 0.6;
+		a.pitch = b.pitch = c.pitch = k > 2 ? 0.4 : 0;
+		a.roll = b.roll = c.roll = k > 2 ? -0.3 : 0;
 		ground_sweep(&whole, &(struct deform_contact){.shape = &shapes[k], .from = a, .to = c});
 		ground_sweep(&halves, &(struct deform_contact){.shape = &shapes[k], .from = a, .to = b});
 		ground_sweep(&halves, &(struct deform_contact){.shape = &shapes[k], .from = b, .to = c});

@@ -20,7 +20,7 @@
 #define STEP 0.2     /* radians */
 #define STEPS_MAX 32 /* so large a turn within one post moves a bar past every place on the rim */
 
-/* A place in the wheel's plane: u along its heading, w up; metres. */
+/* A place in the wheel's plane: u along its heading, w up in that plane; metres. */
 struct spot {
 	double u, w;
 };
@@ -31,7 +31,8 @@ struct grousers {
 	const struct deform_shape *shape;
 	const struct body_motion *motion;
 	struct facet_window window;
-	double c, s; /* cosine and sine of the yaw */
+	double axes[3][3]; /* along its heading, along the axle to the left, up in the wheel's plane */
+	bool leans;        /* the axle is not level */
 };
 
 /* Computes the corners of a bar's section. `angle`: from straight down, positive towards the back and up. The inner corners lie
@@ -65,31 +66,43 @@ static struct facet_corner corner_of(const struct grousers *grousers, struct spo
 {
 	const struct body_motion *m = grousers->motion;
 	double posts = ldexp(1, FACET_BITS) / grousers->deform->spacing;
-	double x = (double)(m->x + share * m->dx) + spot.u * grousers->c - side * grousers->s;
-	double y = (double)(m->y + share * m->dy) + spot.u * grousers->s + side * grousers->c;
+	const double(*axes)[3] = (const double(*)[3])grousers->axes;
+	double x = (double)(m->x + share * m->dx) + spot.u * axes[0][0] + side * axes[1][0] + spot.w * axes[2][0];
+	double y = (double)(m->y + share * m->dy) + spot.u * axes[0][1] + side * axes[1][1] + spot.w * axes[2][1];
 	return (struct facet_corner){
 		.x = (int32_t)lrint(x * posts),
 		.y = (int32_t)lrint(y * posts),
-		.z = (double)m->z + share * (double)m->dz + ldexp(spot.w, OFFSET_BITS),
+		.z = (double)m->z + share * (double)m->dz + ldexp(side * axes[1][2] + spot.w * axes[2][2], OFFSET_BITS),
 	};
+}
+
+static void draw_face(struct grousers *grousers, const struct facet_corner at[4], const struct facet_motion *motion, bool resting)
+{
+	const struct facet_corner halves[2][3] = {{at[0], at[1], at[2]}, {at[0], at[2], at[3]}};
+	for (int i = 0; i < 2; i++)
+		if (deform_facet_of(halves[i], motion, resting, &grousers->window, deform_facets_next(grousers->deform)))
+			deform_facets_keep(grousers->deform);
 }
 
 /* Draws a bar that moves by `motion`. `corners`: its section at the end of the motion. */
 static void draw_bar(struct grousers *grousers, const struct spot corners[4], double share, const struct facet_motion *motion,
 		     bool resting)
 {
+	double half = grousers->shape->width / 2;
 	for (int k = 0; k < 3; k++) { /* the fourth face lies inside the wheel */
 		const struct spot *a = &corners[k], *b = &corners[k + 1];
-		if (b->u >= a->u)
+		if (b->u >= a->u && !grousers->leans)
 			continue; /* the face looks up or aside, so another face is lower */
-		double half = grousers->shape->width / 2;
 		const struct facet_corner at[4] = {corner_of(grousers, *a, -half, share), corner_of(grousers, *b, -half, share),
 						   corner_of(grousers, *b, half, share), corner_of(grousers, *a, half, share)};
-		const struct facet_corner halves[2][3] = {{at[0], at[1], at[2]}, {at[0], at[2], at[3]}};
-		for (int i = 0; i < 2; i++)
-			if (deform_facet_of(halves[i], motion, resting, &grousers->window, deform_facets_next(grousers->deform)))
-				deform_facets_keep(grousers->deform);
+		draw_face(grousers, at, motion, resting);
 	}
+	if (!grousers->leans)
+		return;
+	struct facet_corner at[4]; /* the lower end */
+	for (int k = 0; k < 4; k++)
+		at[k] = corner_of(grousers, corners[k], grousers->axes[1][2] > 0 ? -half : half, share);
+	draw_face(grousers, at, motion, resting);
 }
 
 /* Draws a bar whose middle moves from middle[0] to middle[1]. `corners`: its section at the end. */
@@ -107,7 +120,7 @@ static void draw_step(struct grousers *grousers, const double angles[2], const d
 	struct spot corners[2][4];
 	for (int k = 0; k < 2; k++)
 		section(grousers->shape, angles[k], corners[k]);
-	if (!shows(grousers->shape, corners[0]) && !shows(grousers->shape, corners[1]))
+	if (!grousers->leans && !shows(grousers->shape, corners[0]) && !shows(grousers->shape, corners[1]))
 		return;
 	struct spot from = centre_of(grousers->shape, angles[0]), to = centre_of(grousers->shape, angles[1]);
 	if (angles[0] == angles[1]) {
@@ -147,9 +160,9 @@ enum status deform_grousers(struct deform *deform, const struct deform_contact *
 		.shape = shape,
 		.motion = &motion,
 		.window = {motion.x0, motion.y0, (int32_t)(read.x1 - read.x0), (int32_t)(read.y1 - read.y0)},
-		.c = cos(contact->to.yaw),
-		.s = sin(contact->to.yaw),
+		.leans = contact->to.roll != 0,
 	};
+	deform_axes(contact->to.yaw, 0, contact->to.roll, 0, grousers.axes);
 	double share = 2 * M_PI / shape->grousers, turned = deform_is_contact_only(contact) ? 0 : contact->turned;
 	double end = phase_of(contact->to.turn, share);
 	int steps = (int)fmin(fmax(ceil(fabs(turned) / STEP), 1), STEPS_MAX);

@@ -5,6 +5,7 @@
 #include <math.h>
 
 #include "deform/shape/body.h"
+#include "deform/shape/lower_envelope.h"
 #include "deform/internal.h"
 
 static void put_heading(struct scm_params *params, double x, double y)
@@ -47,14 +48,80 @@ static void wheel(const struct deform *deform, const struct deform_contact *cont
 		params->moves[3] = (float)time_of_rim(contact, forward, hypot(params->way[0], params->way[1]));
 }
 
+static void along_way(struct scm_params *params, double way)
+{
+	put_heading(params, way > 0 ? params->way[0] / way : 1, way > 0 ? params->way[1] / way : 0);
+}
+
 static void sphere(const struct deform_contact *contact, struct scm_params *params)
 {
 	double way = hypot(params->way[0], params->way[1]), slope = way > 0 ? params->way[2] / way : 0;
 	params->body[0] = (float)contact->shape->radius;
-	put_heading(params, way > 0 ? params->way[0] / way : 1, way > 0 ? params->way[1] / way : 0);
+	along_way(params, way);
 	params->moves[0] = (float)way;
 	params->moves[1] = (float)slope;
 	params->moves[2] = (float)(slope / hypot(1, slope));
+}
+
+#define LEANS_MOST 0.5 /* rise of an axis: up to it the side of a cylinder bears, and its lower end as a brim beside it */
+
+/* A cylinder, or a wheel with camber. The frame looks across its axis. In the plane across the axis it moves as a level wheel does. */
+static void cylinder(const struct deform *deform, const struct deform_contact *contact, struct scm_params *params)
+{
+	struct lower_envelope lower;
+	deform_lower_of(contact->shape, &contact->to, &lower);
+	double c = fmax(lower.level, 1e-3), s = lower.axis[2], x = lower.along[1], y = -lower.along[0];
+	double forward = params->way[0] * x + params->way[1] * y, aside = params->way[0] * lower.along[0] + params->way[1] * lower.along[1];
+	double sign = forward < 0 ? -1 : 1, rise = params->way[2] - aside * s / c, slope = forward != 0 ? rise / fabs(forward) : 0;
+	bool strips = s <= LEANS_MOST;
+	params->body[0] = (float)lower.radius;
+	params->body[1] = strips ? (float)(lower.half * c) : 0;
+	put_heading(params, sign * x, sign * y);
+	params->moves[0] = (float)fabs(forward);
+	params->moves[1] = (float)slope;
+	params->moves[2] = (float)(slope * c / hypot(1, slope * c));
+	if (!deform->params.ground_normals && strips)
+		params->moves[3] = (float)time_of_rim(contact, forward, hypot(params->way[0], params->way[1]));
+	params->faces[0][0] = (float)(sign * s);
+	params->faces[1][0] = (float)c;
+	params->faces[2][0] = (float)lower.half;
+}
+
+static void capsule(const struct deform_contact *contact, struct scm_params *params)
+{
+	struct lower_envelope lower;
+	deform_lower_of(contact->shape, &contact->to, &lower);
+	params->body[0] = (float)lower.radius;
+	along_way(params, hypot(params->way[0], params->way[1]));
+	params->faces[0][0] = (float)lower.axis[2];
+	params->faces[1][0] = (float)fmax(lower.level, 1e-3);
+	params->faces[2][0] = (float)lower.half;
+	for (int k = 0; k < 2; k++)
+		params->faces[0][1 + k] = (float)lower.along[k];
+}
+
+static void ellipsoid(const struct deform_contact *contact, struct scm_params *params)
+{
+	struct lower_envelope lower;
+	double way = hypot(params->way[0], params->way[1]);
+	deform_lower_of(contact->shape, &contact->to, &lower);
+	along_way(params, way);
+	/* The quadric in the frame: squares = ahead x^2 + 2 both x y + beside y^2. */
+	const double *q = lower.inside, x = params->heading[0], y = params->heading[1];
+	double ahead = q[0] * x * x + 2 * q[1] * x * y + q[2] * y * y, both = (q[2] - q[0]) * x * y + q[1] * (x * x - y * y);
+	double beside = q[0] * y * y - 2 * q[1] * x * y + q[2] * x * x, lift = lower.lift * sqrt(ahead);
+	double rise = params->way[2] - lower.rise[0] * params->way[0] - lower.rise[1] * params->way[1], slope = way > 0 ? rise / way : 0;
+	params->body[0] = (float)(1 / sqrt(ahead));
+	params->moves[0] = (float)way;
+	params->moves[1] = (float)slope;
+	params->moves[2] = (float)(slope / hypot(lift, slope));
+	params->faces[0][0] = (float)lower.lift;
+	for (int k = 0; k < 2; k++)
+		params->faces[0][1 + k] = (float)lower.rise[k];
+	params->faces[1][0] = (float)ahead;
+	params->faces[1][3] = (float)(both / ahead);
+	params->faces[2][0] = (float)(beside - both * both / ahead);
+	params->faces[2][3] = (float)sqrt((q[0] + q[2]) / 2 + hypot((q[0] - q[2]) / 2, q[1]));
 }
 
 static void box(const struct deform_contact *contact, struct scm_params *params)
@@ -83,7 +150,7 @@ void deform_between_posts(const struct deform *deform, const struct deform_conta
 {
 	deform_posts_in(window, post_rect_intersect(deform_shadow(deform, contact), window->read), params->drawn);
 	put_heading(params, 1, 0);
-	switch (contact->shape->kind) {
+	switch (deform_form_of(contact->shape, &contact->to)) {
 	case DEFORM_WHEEL:
 		wheel(deform, contact, params);
 		break;
@@ -94,8 +161,14 @@ void deform_between_posts(const struct deform *deform, const struct deform_conta
 		box(contact, params);
 		break;
 	case DEFORM_CYLINDER:
+		cylinder(deform, contact, params);
+		break;
 	case DEFORM_CAPSULE:
+		capsule(contact, params);
+		break;
 	case DEFORM_ELLIPSOID:
+		ellipsoid(contact, params);
+		break;
 	case DEFORM_MESH:
 	case DEFORM_SHAPES:
 		break; /* only its posts tell */

@@ -55,9 +55,10 @@ double deform_sinkage_guess(const struct deform_shape *shape, const struct defor
 	} else if (shape->kind == DEFORM_MESH) {
 		sinkage = 0;
 	} else {
-		double width = shape->kind == DEFORM_WHEEL ? shape->width : shape->radius;
+		double radius = shape->kind == DEFORM_ELLIPSOID ? cbrt(shape->size[0] * shape->size[1] * shape->size[2]) : shape->radius;
+		double width = shape->kind == DEFORM_WHEEL ? shape->width : shape->kind == DEFORM_CYLINDER ? shape->length : radius;
 		double k = soil->bekker_kc / width + soil->bekker_kphi;
-		sinkage = pow(3 * load / (width * k * fmax(3 - n, 0.1) * sqrt(2 * shape->radius)), 2 / (2 * n + 1));
+		sinkage = pow(3 * load / (width * k * fmax(3 - n, 0.1) * sqrt(2 * radius)), 2 / (2 * n + 1));
 	}
 	double most = deform_shape_reach(shape, 0, 0);
 	return sinkage < most ? sinkage : most;

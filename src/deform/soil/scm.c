@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "deform/shape/body.h"
+#include "deform/shape/lower_envelope.h"
 #include "deform/internal.h"
 #include "deform/soil/stability.h"
 
@@ -17,10 +18,16 @@ struct gpu_rect deform_rows(const int32_t posts[4])
 }
 
 /* Returns 1 / b, b the width of the contact patch; 0: b is computed from the number of posts that the object touches. */
-static double by_width(const struct deform_shape *shape, const double extent[2], bool counted)
+static double by_width(const struct deform_contact *contact, const double extent[2], bool counted)
 {
+	const struct deform_shape *shape = contact->shape;
 	if (shape->kind == DEFORM_WHEEL)
 		return 1 / shape->width;
+	if (shape->kind == DEFORM_CYLINDER) { /* between a wheel and a round plate */
+		double axis[3];
+		deform_shape_axis(shape, &contact->to, axis);
+		return (1 - axis[2] * axis[2]) / shape->length + axis[2] * axis[2] / shape->radius;
+	}
 	if (shape->kind == DEFORM_BOX)
 		return 1 / fmin(shape->size[0], shape->size[1]);
 	/* An object too large for one window is not counted. Its whole shadow is taken as the patch. */
@@ -37,6 +44,8 @@ static float inverse(double value)
 /* Returns the unit of length of moments, metres: a power of two, about the largest distance of a touched post from the centre. */
 static double arm_of(const struct deform_shape *shape, const double extent[2])
 {
+	if (shape->kind >= DEFORM_CYLINDER)
+		return exp2(ceil(log2(deform_shape_bound(shape))));
 	return exp2(ceil(log2(hypot(hypot(extent[0], extent[1]), deform_shape_reach(shape, 0, 0)))));
 }
 
@@ -73,14 +82,15 @@ static void fill_motion(const struct deform_contact *contact, struct scm_params 
 	params->way[2] = (float)lattice_offset_metres(contact->to.z - contact->from.z);
 	/* How the soil carries a load does not depend on speed. */
 	params->way[3] = contact->seconds > 0 && contact->load == 0 ? (float)(1 / contact->seconds) : 0;
-	/* The rotation about the wheel's own y axis, which is level. */
-	params->spin[0] = (float)(-sin(contact->to.yaw) * contact->turned);
-	params->spin[1] = (float)(cos(contact->to.yaw) * contact->turned);
+	/* The rotation about the wheel's own y axis. */
+	const double level = cos(contact->to.roll), axle[3] = {-sin(contact->to.yaw) * level, cos(contact->to.yaw) * level, sin(contact->to.roll)};
+	for (int k = 0; k < 3; k++)
+		params->spin[k] = (float)(axle[k] * contact->turned);
 	/* Damping depends on how fast soil is pushed down. A smooth wheel that spins does not push it down faster. So its slip is left
 	 * out here. */
 	double turned = contact->shape->kind == DEFORM_WHEEL ? rolled(contact, params->way) : 0;
-	params->rolls[0] = (float)(-sin(contact->to.yaw) * turned);
-	params->rolls[1] = (float)(cos(contact->to.yaw) * turned);
+	for (int k = 0; k < 3; k++)
+		params->rolls[k] = (float)(axle[k] * turned);
 }
 
 /* Needs `way` and `moves`: a wheel's slip digs for as long as its rim passes over the soil. */
@@ -185,19 +195,20 @@ static enum status run_contact(struct deform *deform, const struct deform_contac
 {
 	double extent[2];
 	deform_body_extent(contact->shape, &contact->to, extent);
+	const enum deform_shape_kind form = deform_form_of(contact->shape, &contact->to);
 	struct scm_params params = params_of(deform, contact, spread, window, layer, extent);
 	bool counted = deform_is_counted(&deform->params, contact->shape, contact->load > 0) &&
 		       deform_fits_window(deform, contact);
-	params.scale[3] = (float)by_width(contact->shape, extent, counted);
+	params.scale[3] = (float)by_width(contact, extent, counted);
 	unsigned with = (contact->tag != 0 ? WITH_FORCES : 0) | (params.scale[3] == 0 ? WITH_PATCH : 0) |
-			(contact->load > 0 ? WITH_LOAD : 0) | WITH_SHAPE * (unsigned)contact->shape->kind;
+			(contact->load > 0 ? WITH_LOAD : 0) | WITH_SHAPE * (unsigned)form;
 	struct gpu_buffer *records = NULL;
 	uint32_t record = 0;
 	struct deform_request request;
 	deform_programs_contact(&deform->params, with, &request);
 	enum status status = deform_program(deform, &request, &deform->scm[with]);
 	if (status == STATUS_OK && (with & (WITH_PATCH | WITH_LOAD)))
-		status = deform_find(deform, &params, with / WITH_PATCH % FIND_SHAPE, contact->shape->kind, tally);
+		status = deform_find(deform, &params, with / WITH_PATCH % FIND_SHAPE, form, tally);
 	if (status == STATUS_OK && (with & WITH_FORCES))
 		status = deform_forces_record(deform, contact, layer == 0, arm_of(contact->shape, extent), &records, &record);
 	if (status != STATUS_OK)

@@ -19,7 +19,7 @@ bool reference_underside(const struct deform_contact *sweep, long double x, long
  * grousers are sampled in time: a place on them is right to a 100th of their way. */
 bool reference_mesh(const struct deform_contact *sweep, long double axes[3][3], const long double way[3], long double x,
 		    long double y, long double *z);
-bool reference_lugs(const struct deform_contact *sweep, const long double way[3], long double x, long double y,
+bool reference_lugs(const struct deform_contact *sweep, long double axes[3][3], const long double way[3], long double x, long double y,
 		    long double *z);
 
 /* Ground of width x height posts, row 0 the southern: `box` of radius posts, once. In place. */

@@ -254,7 +254,7 @@ bool reference_underside(const struct deform_contact *sweep, long double x, long
 		return reference_mesh(sweep, way.axes, whole, x, y, z);
 	long double lug;
 	bool covered = smooth(&way, z);
-	if (sweep->shape->kind != DEFORM_WHEEL || sweep->shape->grousers == 0 || !reference_lugs(sweep, whole, x, y, &lug))
+	if (sweep->shape->kind != DEFORM_WHEEL || sweep->shape->grousers == 0 || !reference_lugs(sweep, way.axes, whole, x, y, &lug))
 		return covered;
 	*z = covered ? fminl(*z, lug) : lug;
 	return true;
