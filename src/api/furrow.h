@@ -239,7 +239,7 @@ FURROW_API furrow_status furrow_probe(struct furrow_world *world, size_t count, 
  * The way comes from poses; slip and spin come from `linear` and `angular`. Motion accumulates. It changes the ground after a
  * working post of travel or turn, or a tenth of a post of sinkage. It also does so at a checkpoint, and before a query.
  * FURROW_USAGE: a body follows a path, is gone, was never placed, or is twice in the list. Or a number is NaN or infinite, or
- * a quaternion is not of length 1. FURROW_INPUT: the axle of a wheel is not level.
+ * a quaternion is not of length 1. A body may have any attitude. The axle of a wheel is its own y axis, and may have camber.
  */
 FURROW_API furrow_status furrow_set_states(struct furrow_world *world, size_t count, const furrow_body *bodies,
 					   const struct furrow_state *states);

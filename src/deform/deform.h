@@ -252,6 +252,8 @@ enum status deform_shape_check(const struct deform_shape *shape, double spacing)
 double deform_shape_bound(const struct deform_shape *shape);
 /* Computes the object's own axes in a pose: forward, left and up, unit vectors, with `turn` about its own left. */
 void deform_axes(double yaw, double pitch, double roll, double turn, double axes[3][3]);
+/* Computes the yaw and the roll, -pi / 2 to pi / 2, of a wheel whose axle points along this unit vector. */
+void deform_wheel_attitude(const double axle[3], double *yaw, double *roll);
 /* Returns the height of the centre above the object's lowest point in this attitude, metres, positive. */
 double deform_shape_reach(const struct deform_shape *shape, double pitch, double roll);
 

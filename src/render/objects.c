@@ -27,8 +27,10 @@ static bool same_shape(const struct deform_shape *a, const struct deform_shape *
 		return false;
 	if (a->kind == DEFORM_MESH)
 		return a->mesh == b->mesh;
-	if (a->kind == DEFORM_BOX)
+	if (a->kind == DEFORM_BOX || a->kind == DEFORM_ELLIPSOID)
 		return memcmp(a->size, b->size, sizeof a->size) == 0;
+	if (a->kind == DEFORM_CYLINDER || a->kind == DEFORM_CAPSULE)
+		return a->radius == b->radius && a->length == b->length;
 	if (a->radius != b->radius || a->kind == DEFORM_SPHERE)
 		return a->radius == b->radius;
 	return a->width == b->width && a->grousers == b->grousers &&

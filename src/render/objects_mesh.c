@@ -1,5 +1,5 @@
 /*
- * Wheels, balls and boxes as triangles, in three details: for objects that are large, middling and small in the picture. The
+ * Shapes as triangles, in three details: for objects that are large, middling and small in the picture. The
  * corners of a circle lie on it, so that the drawn form is within the shape. Each detail is off by less than half a pixel.
  *
  * Invariant: triangles are counter-clockwise seen from outside.
@@ -114,27 +114,50 @@ struct ring {
 	double radius, y, out, along;
 };
 
+/* What becomes of such a shape: the y axis is turned up, or it is stretched along its axes. */
+struct form {
+	bool upright;
+	double stretch[3];
+};
+static const struct form as_it_is = {false, {1, 1, 1}};
+
+/* Turns a place, or with `normal` a normal, as the form is. */
+static void formed(const struct form *form, bool normal, const double at[3], double out[3])
+{
+	const double turned[3] = {at[0], form->upright ? -at[2] : at[1], form->upright ? at[1] : at[2]};
+	for (int k = 0; k < 3; k++)
+		out[k] = normal ? turned[k] / form->stretch[k] : turned[k] * form->stretch[k];
+}
+
 /* Adds the surface that connects the rings. A full turn has `steps` steps; the surface goes from step `from` to step `to`. */
-static void lathe(struct object_mesh *mesh, const struct ring *rings, int count, int from, int to, int steps,
-		  enum object_material material)
+static void lathe_formed(struct object_mesh *mesh, const struct form *form, const struct ring *rings, int count, int from, int to, int steps,
+			 enum object_material material)
 {
 	uint32_t base = mesh->corner_count, side = (uint32_t)count;
 	for (int k = from; k <= to; k++) {
 		double c = cos(2 * M_PI * k / steps), s = sin(2 * M_PI * k / steps);
 		for (int i = 0; i < count; i++) {
 			const struct ring *r = &rings[i];
-			render_object_mesh_corner(mesh, (const double[3]){r->radius * c, r->y, r->radius * s},
-					   render_object_look((const double[3]){r->out * c, r->along, r->out * s}, material));
+			double at[3], normal[3];
+			formed(form, false, (const double[3]){r->radius * c, r->y, r->radius * s}, at);
+			formed(form, true, (const double[3]){r->out * c, r->along, r->out * s}, normal);
+			render_object_mesh_corner(mesh, at, render_object_look(normal, material));
 		}
 	}
 	for (int k = from; k < to; k++)
 		for (int i = 0; i + 1 < count; i++) {
 			double middle = 2 * M_PI * (k + 0.5) / steps, out = rings[i].out + rings[i + 1].out;
-			const double outward[3] = {out * cos(middle), rings[i].along + rings[i + 1].along, out * sin(middle)};
+			double outward[3];
+			formed(form, true, (const double[3]){out * cos(middle), rings[i].along + rings[i + 1].along, out * sin(middle)}, outward);
 			uint32_t a = base + (uint32_t)(k - from) * side + (uint32_t)i;
 			face(mesh, a, a + 1, a + 1 + side, outward);
 			face(mesh, a, a + 1 + side, a + side, outward);
 		}
+}
+
+static void lathe(struct object_mesh *mesh, const struct ring *rings, int count, int from, int to, int steps, enum object_material material)
+{
+	lathe_formed(mesh, &as_it_is, rings, count, from, to, steps, material);
 }
 
 /* --- a wheel --- */
@@ -205,24 +228,44 @@ static void wheel(struct object_mesh *mesh, const struct deform_shape *shape)
 	}
 }
 
-/* --- balls, boxes and meshes --- */
+/* --- balls, cylinders, boxes and meshes --- */
 
 #define GORES 8
 
-/* Adds a ball. Its poles are at its left and right. Every second stripe from pole to pole is dark, so that one can see the ball
- * roll. */
-static void ball(struct object_mesh *mesh, double radius)
+enum { RINGS_MOST = 32 };
+
+/* Fills the rings of a ball that was cut through its middle and pulled apart by 2 x `half`; 0: of a ball. Returns their count. */
+static int ball_rings(double radius, double half, int steps, struct ring rings[RINGS_MOST])
+{
+	int count = steps / 2 + 1, extra = half > 0;
+	for (int i = 0; i < count + extra; i++) {
+		int step = i - (extra && i > count / 2);
+		double angle = M_PI * step / (count - 1), s = sin(angle), c = -cos(angle);
+		rings[i] = (struct ring){radius * s, radius * c + (i <= count / 2 ? -half : half) * extra, s, c};
+	}
+	return count + extra;
+}
+
+/* Adds a shape that is round. Its poles are on its axis. Every second stripe from pole to pole is dark, so that one can see it roll. */
+static void round_shape(struct object_mesh *mesh, const struct deform_shape *shape)
 {
 	static const int steps[OBJECT_DETAILS] = {56, 32, 16};
-	struct ring rings[29];
+	struct form form = {shape->kind == DEFORM_CYLINDER || shape->kind == DEFORM_CAPSULE, {1, 1, 1}};
+	bool stretched = shape->kind == DEFORM_ELLIPSOID;
+	double half = shape->length / 2, r = shape->radius;
+	if (stretched)
+		memcpy(form.stretch, shape->size, sizeof form.stretch);
+	const struct ring parts[3][2] = {{{0, -half, 0, -1}, {r, -half, 0, -1}}, {{r, -half, 1, 0}, {r, half, 1, 0}}, {{r, half, 0, 1}, {0, half, 0, 1}}};
 	for (int detail = 0; detail < OBJECT_DETAILS; detail++) {
-		int count = steps[detail] / 2 + 1, gore = steps[detail] / GORES;
-		for (int i = 0; i < count; i++) {
-			double angle = M_PI * i / (count - 1);
-			rings[i] = (struct ring){radius * sin(angle), -radius * cos(angle), sin(angle), -cos(angle)};
+		struct ring rings[RINGS_MOST];
+		int gore = steps[detail] / GORES, count = ball_rings(stretched ? 1 : r, half, steps[detail], rings);
+		for (int i = 0; i < GORES; i++) {
+			enum object_material look = i % 2 > 0 ? OBJECT_DARK : OBJECT_PAINT;
+			if (shape->kind != DEFORM_CYLINDER)
+				lathe_formed(mesh, &form, rings, count, i * gore, (i + 1) * gore, steps[detail], look);
+			for (int part = 0; part < 3 && shape->kind == DEFORM_CYLINDER; part++)
+				lathe_formed(mesh, &form, parts[part], 2, i * gore, (i + 1) * gore, steps[detail], look);
 		}
-		for (int i = 0; i < GORES; i++)
-			lathe(mesh, rings, count, i * gore, (i + 1) * gore, steps[detail], i % 2 > 0 ? OBJECT_DARK : OBJECT_PAINT);
 		end_detail(mesh, detail);
 	}
 }
@@ -230,17 +273,18 @@ static void ball(struct object_mesh *mesh, double radius)
 enum status render_object_mesh_make(const struct deform_shape *shape, struct object_mesh *mesh)
 {
 	*mesh = (struct object_mesh){.closed = shape->kind != DEFORM_MESH};
+	bool plain = shape->kind == DEFORM_MESH || shape->kind == DEFORM_BOX;
 	if (shape->kind == DEFORM_WHEEL)
 		wheel(mesh, shape);
-	else if (shape->kind == DEFORM_SPHERE)
-		ball(mesh, shape->radius);
+	else if (!plain)
+		round_shape(mesh, shape);
 	else if (shape->kind == DEFORM_MESH)
 		render_object_mesh_of_file(mesh, shape->mesh);
 	else
 		brick(mesh, (const double[3]){0, 0, 0},
 		      (double[3][3]){{shape->size[0] / 2, 0, 0}, {0, shape->size[1] / 2, 0}, {0, 0, shape->size[2] / 2}}, OBJECT_PAINT);
-	/* Other shapes look the same in all details. */
-	for (int detail = 0; detail < OBJECT_DETAILS && shape->kind != DEFORM_WHEEL && shape->kind != DEFORM_SPHERE; detail++)
+	/* These look the same in all details. */
+	for (int detail = 0; detail < OBJECT_DETAILS && plain; detail++)
 		end_detail(mesh, detail);
 	if (!mesh->failed)
 		return STATUS_OK;

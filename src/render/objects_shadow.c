@@ -1,6 +1,6 @@
 /*
  * The parts of an object's shadow: a simple form, and a volume in which it shades the ground. The form is the shape itself, without
- * a wheel's grousers. For a mesh it is the box around it. The volume is a box along the sun's azimuth. It goes from a little behind
+ * a wheel's grousers. For a mesh it is the box around it, for a capsule a cylinder, for an ellipsoid a ball. The volume is a box along the sun's azimuth. It goes from a little behind
  * the object to where the shadow of its top ends. The shader lets the shadow fade before the volume's sides.
  */
 #include <math.h>
@@ -29,7 +29,12 @@ static void form_of(const struct deform_shape *shape, struct object_shadow *shad
 {
 	double half[3] = {shape->radius, shape->radius, shape->radius};
 	memset(middle, 0, 3 * sizeof *middle);
-	shadow->kind[0] = shape->kind == DEFORM_SPHERE ? 2 : shape->kind == DEFORM_WHEEL ? 1 : 0;
+	const bool rod = shape->kind == DEFORM_CYLINDER || shape->kind == DEFORM_CAPSULE;
+	shadow->kind[0] = shape->kind == DEFORM_SPHERE || shape->kind == DEFORM_ELLIPSOID ? 2 : rod || shape->kind == DEFORM_WHEEL ? 1 : 0;
+	if (rod)
+		half[1] = shape->length / 2 + (shape->kind == DEFORM_CAPSULE ? shape->radius : 0);
+	for (int k = 0; k < 3 && shape->kind == DEFORM_ELLIPSOID; k++) /* a ball of its volume */
+		half[k] = cbrt(shape->size[0] * shape->size[1] * shape->size[2]);
 	if (shape->kind == DEFORM_WHEEL) {
 		half[1] = shape->width / 2;
 		half[0] = half[2] = shape->radius + (shape->grousers > 0 ? shape->grouser_height / 2 : 0);
@@ -45,6 +50,17 @@ static void form_of(const struct deform_shape *shape, struct object_shadow *shad
 	shadow->form[3] = (float)cbrt(half[0] * half[1] * half[2]);
 }
 
+/* Fills the axes of the form. A cylinder and a capsule are round about their own z, and their form about its y axis. */
+static void axes_of(const struct deform_shape *shape, double axes[3][3], double form[3][3])
+{
+	bool upright = shape->kind == DEFORM_CYLINDER || shape->kind == DEFORM_CAPSULE;
+	memcpy(form, axes, 9 * sizeof **axes);
+	for (int k = 0; k < 3 && upright; k++) {
+		form[1][k] = axes[2][k];
+		form[2][k] = -axes[1][k];
+	}
+}
+
 static void row(float to[4], const double axis[3], const double origin[3], double scale)
 {
 	for (int k = 0; k < 3; k++)
@@ -55,16 +71,17 @@ static void row(float to[4], const double axis[3], const double origin[3], doubl
 void render_object_shadow_of(const struct deform_shape *shape, double axes[3][3], const double at[3], const double sun[3],
 		      struct object_shadow *shadow, double middle[3], double *radius)
 {
-	double own[3], centre[3], level = hypot(sun[0], sun[1]);
+	double own[3], centre[3], form[3][3], level = hypot(sun[0], sun[1]);
 	form_of(shape, shadow, own);
+	axes_of(shape, axes, form);
 	for (int k = 0; k < 3; k++)
 		centre[k] = at[k] + axes[0][k] * own[0] + axes[1][k] * own[1] + axes[2][k] * own[2];
 	for (int i = 0; i < 3; i++)
-		row(shadow->to_own[i], axes[i], centre, 1);
+		row(shadow->to_own[i], form[i], centre, 1);
 
 	const double away[3] = {level > 0 ? -sun[0] / level : 1, level > 0 ? -sun[1] / level : 0, 0};
 	const double across[3] = {-away[1], away[0], 0}, up[3] = {0, 0, 1};
-	double along = extent(shadow, axes, away), wide = extent(shadow, axes, across), high = extent(shadow, axes, up);
+	double along = extent(shadow, form, away), wide = extent(shadow, form, across), high = extent(shadow, form, up);
 	double beside = 0.8 * (double)shadow->form[3], below = 0.5 * high + 0.3 * (double)shadow->form[3];
 	double length = fmin((2 * high + below) * level / fmax(sun[2], 1e-3), LENGTH_MOST * fmax(high, fmax(along, wide)));
 	double half[3] = {along + (beside + length) / 2, wide + beside, (1.1 * high + below) / 2};

@@ -8,7 +8,7 @@
 #include "render/view.h"
 
 /* Returns how far the body has turned about its axis, radians, including the way since its last path sample. Returns 0 if it does not
- * roll: a box, a mesh, or a ball whose path gives its attitude. */
+ * roll: another shape, or a ball whose path gives its attitude. */
 static double turned_at(const struct body *body, const struct track_point *point)
 {
 	const struct deform_shape *shape = &body->object->shape;
@@ -61,14 +61,14 @@ enum status render_view_set_objects(struct view *view, bool settled)
 			continue; /* its path has not begun */
 		motion_track_at(body->track, world->time, &point);
 		status = height_at(world, body, &point, &height, &known);
-		bool attitude = scene->objects[i].shape.kind != DEFORM_WHEEL; /* a wheel's axle is level */
+		bool attitude = scene->objects[i].shape.kind != DEFORM_WHEEL; /* the pitch of a wheel only turns it */
 		if (status == STATUS_OK && known)
 			objects[count++] = (struct render_object){
 				.object = i,
 				.at = {point.x, point.y, lattice_offset_metres(height)},
 				.yaw = point.yaw,
 				.pitch = attitude ? point.pitch : 0,
-				.roll = attitude ? point.roll : 0,
+				.roll = point.roll,
 				.turned = turned_at(body, &point),
 			};
 	}

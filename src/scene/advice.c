@@ -229,8 +229,12 @@ static double narrowest(const struct scene_object *object)
 		return ahead ? shape->width : fmin(shape->width, 2 * shape->radius);
 	if (shape->kind == DEFORM_SPHERE)
 		return 2 * shape->radius;
-	if (shape->kind != DEFORM_BOX || object->path.has_attitude)
+	if (shape->kind == DEFORM_CYLINDER || shape->kind == DEFORM_CAPSULE) /* a cylinder may lie */
+		return object->path.has_attitude && shape->kind == DEFORM_CYLINDER ? fmin(shape->length, 2 * shape->radius) : 2 * shape->radius;
+	if ((shape->kind != DEFORM_BOX && shape->kind != DEFORM_ELLIPSOID) || object->path.has_attitude)
 		return INFINITY;
+	if (shape->kind == DEFORM_ELLIPSOID)
+		return 2 * (ahead ? shape->size[1] : fmin(shape->size[0], shape->size[1]));
 	return ahead ? shape->size[1] : fmin(shape->size[0], shape->size[1]);
 }
 

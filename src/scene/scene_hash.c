@@ -89,6 +89,10 @@ static void add_object_more(XXH3_state_t *state, size_t index, const struct scen
 		add_number(state, shape->grouser_height);
 		add_number(state, shape->grouser_thickness);
 	}
+	if (shape->length > 0) {
+		add_part(state, 'z', index);
+		add_number(state, shape->length);
+	}
 	if (object->load > 0) {
 		add_part(state, 'l', index);
 		add_number(state, object->load);

@@ -142,6 +142,20 @@ static struct deform_interface interface_of(const struct raw_interface *raw)
 	return interface;
 }
 
+/* The pitch of a wheel only turns it about its axle. So rows with camber get pitch 0, and the yaw and roll of the same axle. */
+static void level_pitch(const struct deform_shape *shape, struct scene_path *path)
+{
+	for (size_t i = 0; i < path->count && shape->kind == DEFORM_WHEEL; i++) {
+		struct scene_waypoint *point = &path->points[i];
+		double axes[3][3];
+		if (point->roll == 0)
+			continue;
+		deform_axes(point->yaw, point->pitch, point->roll, 0, axes);
+		deform_wheel_attitude(axes[1], &point->yaw, &point->roll);
+		point->pitch = 0;
+	}
+}
+
 enum status scene_check_object(const struct scene_tree *tree, const struct raw_object *raw, size_t index,
 			       const struct scene *scene, struct scene_object *object)
 {
@@ -155,6 +169,7 @@ enum status scene_check_object(const struct scene_tree *tree, const struct raw_o
 	if (status == STATUS_OK)
 		status = raw->path != NULL ? check_path(tree, raw->path, index, &object->path)
 					   : check_hosted(tree, raw, index);
+	level_pitch(&object->shape, &object->path);
 	return status == STATUS_OK ? check_forces(tree, raw, object, scene->model, index) : status;
 }
 

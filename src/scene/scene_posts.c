@@ -18,6 +18,10 @@ static double bears_over(const struct scene *scene, const struct scene_object *o
 	const struct deform_shape *shape = &object->shape;
 	if ((object->load <= 0 && object->sink <= 0) || (object->path.has_attitude && shape->kind != DEFORM_WHEEL && shape->kind != DEFORM_SPHERE))
 		return 0;
+	if (shape->kind == DEFORM_CYLINDER) /* it is upright */
+		return 2 * shape->radius;
+	if (shape->kind == DEFORM_ELLIPSOID)
+		return 0;
 	if (shape->kind == DEFORM_BOX)
 		return fmin(shape->size[0], shape->size[1]);
 	if (shape->kind == DEFORM_MESH)

@@ -35,6 +35,15 @@ static const cyaml_schema_field_t box_fields[] = {
 	CYAML_FIELD_SEQUENCE_FIXED("size", NEEDED, struct raw_box, size, &float_entry, 3),
 	CYAML_FIELD_END,
 };
+static const cyaml_schema_field_t rod_fields[] = {
+	CYAML_FIELD_FLOAT("radius", NEEDED, struct raw_rod, radius),
+	CYAML_FIELD_FLOAT("length", NEEDED, struct raw_rod, length),
+	CYAML_FIELD_END,
+};
+static const cyaml_schema_field_t ellipsoid_fields[] = {
+	CYAML_FIELD_SEQUENCE_FIXED("radii", NEEDED, struct raw_ellipsoid, radii, &float_entry, 3),
+	CYAML_FIELD_END,
+};
 static const cyaml_schema_field_t mesh_fields[] = {
 	CYAML_FIELD_STRING_PTR("file", NEEDED, struct raw_mesh, file, 1, 4096),
 	CYAML_FIELD_FLOAT_PTR("scale", OPTIONAL, struct raw_mesh, scale),
@@ -45,6 +54,9 @@ static const cyaml_schema_field_t shape_fields[] = {
 	CYAML_FIELD_MAPPING_PTR("sphere", OPTIONAL, struct raw_shape, sphere, sphere_fields),
 	CYAML_FIELD_MAPPING_PTR("box", OPTIONAL, struct raw_shape, box, box_fields),
 	CYAML_FIELD_MAPPING_PTR("mesh", OPTIONAL, struct raw_shape, mesh, mesh_fields),
+	CYAML_FIELD_MAPPING_PTR("cylinder", OPTIONAL, struct raw_shape, cylinder, rod_fields),
+	CYAML_FIELD_MAPPING_PTR("capsule", OPTIONAL, struct raw_shape, capsule, rod_fields),
+	CYAML_FIELD_MAPPING_PTR("ellipsoid", OPTIONAL, struct raw_shape, ellipsoid, ellipsoid_fields),
 	CYAML_FIELD_END,
 };
 static const cyaml_schema_field_t path_fields[] = {
@@ -263,6 +275,11 @@ static const struct scene_limit limits[] = {
 	{"objects[].shape.wheel.grouser_thickness", 0, 1000, true, NULL, "m", NAN, "0.1 of the radius"},
 	{"objects[].shape.sphere.radius", 0.001, 1000, false, NULL, "m", NAN, NULL},
 	{"objects[].shape.box.size[]", 0.001, 1000, false, NULL, "m", NAN, NULL},
+	{"objects[].shape.cylinder.radius", 0.001, 1000, false, NULL, "m", NAN, NULL},
+	{"objects[].shape.cylinder.length", 0.001, 1000, false, NULL, "m", NAN, NULL},
+	{"objects[].shape.capsule.radius", 0.001, 1000, false, NULL, "m", NAN, NULL},
+	{"objects[].shape.capsule.length", 0, 1000, false, NULL, "m", NAN, NULL},
+	{"objects[].shape.ellipsoid.radii[]", 0.001, 1000, false, NULL, "m", NAN, NULL},
 	{"objects[].shape.mesh.scale", 0, 1000, true, NULL, NULL, 1, NULL},
 	{"objects[].path.points[][]", -1e9, 1e9, false, NULL, "m", NAN, NULL},
 	{"objects[].path.speed", 0, 10000, true, NULL, "m/s", NAN, NULL},

@@ -24,6 +24,13 @@ struct raw_sphere {
 struct raw_box {
 	double size[3];
 };
+/* Of a cylinder or a capsule. */
+struct raw_rod {
+	double radius, length;
+};
+struct raw_ellipsoid {
+	double radii[3];
+};
 struct raw_mesh {
 	char *file;
 	double *scale;
@@ -33,6 +40,8 @@ struct raw_shape {
 	struct raw_sphere *sphere;
 	struct raw_box *box;
 	struct raw_mesh *mesh;
+	struct raw_rod *cylinder, *capsule;
+	struct raw_ellipsoid *ellipsoid;
 };
 struct raw_path {
 	double (*points)[2];

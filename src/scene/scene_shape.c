@@ -52,15 +52,24 @@ enum status scene_check_shape(const struct scene_tree *tree, const struct raw_sh
 			      struct scene_object *object)
 {
 	struct deform_shape *shape = &object->shape;
-	int named = (raw->wheel != NULL) + (raw->sphere != NULL) + (raw->box != NULL) + (raw->mesh != NULL);
+	const struct raw_rod *rod = raw->cylinder != NULL ? raw->cylinder : raw->capsule;
+	int named = (raw->wheel != NULL) + (raw->sphere != NULL) + (raw->box != NULL) + (raw->mesh != NULL) + (raw->cylinder != NULL) +
+		    (raw->capsule != NULL) + (raw->ellipsoid != NULL);
 	if (named != 1)
 		return scene_error(tree->file, scene_tree_find(tree, "objects[%zu].shape", index),
-				   "names %d shapes; allowed: exactly one of wheel, sphere, box, mesh", named);
+				   "names %d shapes; allowed: exactly one of wheel, sphere, box, mesh, cylinder, capsule, ellipsoid", named);
 	if (raw->wheel != NULL)
 		return check_wheel(tree, raw->wheel, index, shape);
 	if (raw->mesh != NULL)
 		return check_mesh(tree, raw->mesh, index, object);
-	if (raw->sphere != NULL) {
+	if (rod != NULL) {
+		shape->kind = raw->cylinder != NULL ? DEFORM_CYLINDER : DEFORM_CAPSULE;
+		shape->radius = rod->radius;
+		shape->length = rod->length;
+	} else if (raw->ellipsoid != NULL) {
+		shape->kind = DEFORM_ELLIPSOID;
+		memcpy(shape->size, raw->ellipsoid->radii, sizeof shape->size);
+	} else if (raw->sphere != NULL) {
 		shape->kind = DEFORM_SPHERE;
 		shape->radius = raw->sphere->radius;
 	} else {

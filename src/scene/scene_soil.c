@@ -172,6 +172,8 @@ static double contact_width(const struct deform_shape *shape)
 {
 	if (shape->kind == DEFORM_WHEEL)
 		return shape->width;
+	if (shape->kind == DEFORM_CYLINDER) /* the least: b depends on its attitude */
+		return fmin(shape->length, shape->radius);
 	return shape->kind == DEFORM_BOX ? fmin(shape->size[0], shape->size[1]) : 0;
 }
 

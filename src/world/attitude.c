@@ -3,8 +3,8 @@
 
 #include "world/internal.h"
 
-/* Greatest slope of a wheel's axle that counts as rounding: sine of the angle. */
-#define LEVEL 1e-3
+/* Greatest slope of a wheel's axle that counts as rounding, so that the axle is level: sine of the angle. */
+#define LEVEL 5e-6
 /* Greatest difference of a quaternion's length from 1. */
 #define UNIT 1e-3
 #define PLACE_MOST 1e9   /* m, along x and y */
@@ -23,17 +23,27 @@ void world_axes(const double q[4], double axes[3][3])
 			axes[i][k] = rows[i][k];
 }
 
-/* Computes a wheel's pose. Its turn is the angle of its own x axis below the horizontal, seen along its axle. */
-static enum status wheel_of(const char *name, const double axes[3][3], struct deform_pose *pose)
+/* Computes a wheel's pose. Its turn is the angle of its own x axis below its heading, seen along its axle. */
+static void wheel_of(const double axes[3][3], struct deform_pose *pose)
 {
-	const double *axle = axes[1];
-	if (fabs(axle[2]) > LEVEL)
-		return fail_with(STATUS_INPUT, "%s: its axle is %.3g degrees off level; a wheel cannot lean yet: keep its y axis level",
-				 name, asin(fmin(fabs(axle[2]), 1)) * 180 / M_PI);
-	pose->yaw = atan2(-axle[0], axle[1]);
-	const double along = axes[0][0] * cos(pose->yaw) + axes[0][1] * sin(pose->yaw);
-	pose->turn = atan2(-axes[0][2], along);
-	return STATUS_OK;
+	double level[3][3];
+	deform_wheel_attitude(axes[1], &pose->yaw, &pose->roll);
+	if (fabs(axes[1][2]) <= LEVEL)
+		pose->roll = 0;
+	deform_axes(pose->yaw, 0, pose->roll, 0, level);
+	double along = 0, up = 0;
+	for (int k = 0; k < 3; k++) {
+		along += axes[0][k] * level[0][k];
+		up += axes[0][k] * level[2][k];
+	}
+	pose->turn = atan2(-up, along);
+}
+
+double world_spin(const struct deform_pose *pose, const double angular[3])
+{
+	double axes[3][3];
+	deform_axes(pose->yaw, 0, pose->roll, 0, axes);
+	return axes[1][0] * angular[0] + axes[1][1] * angular[1] + axes[1][2] * angular[2];
 }
 
 enum status world_attitude(const struct deform_shape *shape, const char *name, const struct world_pose *from, struct deform_pose *pose)
@@ -58,8 +68,10 @@ enum status world_attitude(const struct deform_shape *shape, const char *name, c
 	if (shape->kind == DEFORM_SPHERE)
 		return STATUS_OK;
 	world_axes(q, axes);
-	if (shape->kind == DEFORM_WHEEL)
-		return wheel_of(name, (const double(*)[3])axes, pose);
+	if (shape->kind == DEFORM_WHEEL) {
+		wheel_of((const double(*)[3])axes, pose);
+		return STATUS_OK;
+	}
 	pose->pitch = atan2(axes[0][2], hypot(axes[0][0], axes[0][1]));
 	/* Nose straight up or down: the whole turn about the vertical becomes yaw. */
 	if (hypot(axes[0][0], axes[0][1]) < 1e-9) {

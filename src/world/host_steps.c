@@ -157,7 +157,7 @@ static enum status step_body(struct world *world, int32_t number, double seconds
 	if (status != STATUS_OK)
 		return status;
 	if (host->body.object->shape.kind == DEFORM_WHEEL)
-		host->turned += (-sin(to.yaw) * host->now.angular[0] + cos(to.yaw) * host->now.angular[1]) * seconds;
+		host->turned += world_spin(&to, host->now.angular) * seconds;
 	const bool moved = has_moved(host, &to);
 	host->since += moved ? seconds : 0;
 	if (host->fresh || !host->body.in_contact || is_worth_a_contact(world, host, &to))

@@ -26,9 +26,11 @@ void world_free_bodies(struct world *world); /* the world may have no bodies */
 /* --- attitude.c --- */
 
 /* Converts a pose that a host gave into a pose for deform, for this shape. STATUS_USAGE: a number is wrong, or the quaternion's
- * length is. STATUS_INPUT: a wheel leans sideways. `name`: the body's name, for messages. */
+ * length is. `name`: the body's name, for messages. */
 enum status world_attitude(const struct deform_shape *shape, const char *name, const struct world_pose *from, struct deform_pose *pose)
 	FURROW_CHECKED;
+/* Returns how fast a wheel in this pose turns forwards about its axle, rad/s. angular: its angular velocity, rad/s. */
+double world_spin(const struct deform_pose *pose, const double angular[3]);
 /* Computes the quaternion w, x, y, z of a pose. */
 void world_orientation(const struct deform_pose *pose, double q[4]);
 

@@ -76,7 +76,7 @@ static double slip_of(const struct scene_object *object, const struct world_stat
 	if (object->shape.kind != DEFORM_WHEEL || world_attitude(&object->shape, object->name, &state->pose, &pose) != STATUS_OK)
 		return NAN;
 	const double along = state->linear[0] * cos(pose.yaw) + state->linear[1] * sin(pose.yaw);
-	const double rim = (-sin(pose.yaw) * state->angular[0] + cos(pose.yaw) * state->angular[1]) * object->shape.radius;
+	const double rim = world_spin(&pose, state->angular) * object->shape.radius;
 	return rim != 0 ? 1 - along / rim : NAN;
 }
 
@@ -163,8 +163,10 @@ enum status world_path_state(const struct world *world, size_t body, struct worl
 	if (object->shape.kind == DEFORM_WHEEL) {
 		const double rolls = (state->linear[0] * cos(pose.yaw) + state->linear[1] * sin(pose.yaw)) /
 				     (object->shape.radius * (1 - object->slip));
-		state->angular[0] = -sin(pose.yaw) * rolls;
-		state->angular[1] = cos(pose.yaw) * rolls;
+		double axes[3][3];
+		deform_axes(pose.yaw, 0, pose.roll, 0, axes);
+		for (int k = 0; k < 3; k++)
+			state->angular[k] += axes[1][k] * rolls;
 	}
 	return STATUS_OK;
 }

@@ -58,6 +58,8 @@ SAMPLES = [
     scene(wheel(shape={"box": {"size": [1, 1, 1]}}, path={"file": "poses.csv"}), redistribute={"model": "slippage"},
           soil={"map": "classes.png", "classes": [{"value": 1, "name": "lunar"}], "default": {"name": "dry_sand"}}),
     scene(wheel(shape={"mesh": {"file": "foot.obj", "scale": 2}})),
+    scene(wheel(shape={"cylinder": {"radius": 0.5, "length": 1}}), wheel(name="b", shape={"capsule": {"radius": 0.5, "length": 1}}),
+          wheel(name="c", shape={"ellipsoid": {"radii": [0.5, 0.4, 0.3]}})),
     scene(view=view({"fixed": {"eye": [1, 2, 3], "target": [4, 5, 6]}})),
 ]
 

@@ -85,6 +85,36 @@ static void lugs_are_drawn_where_they_press(void **state)
 	render_object_mesh_finish(&mesh);
 }
 
+static const struct deform_shape barrel = {.kind = DEFORM_CYLINDER, .radius = 0.4, .length = 0.9}, pill = {.kind = DEFORM_CAPSULE, .radius = 0.3, .length = 0.8};
+static const struct deform_shape egg = {.kind = DEFORM_ELLIPSOID, .size = {0.6, 0.4, 0.2}};
+
+/* Round shapes are drawn within, and nearly as, the shape that presses, in any attitude. */
+static void round_shapes_are_drawn_as_they_press(void **state)
+{
+	const struct deform_shape *shapes[] = {&barrel, &pill, &egg, &wheel};
+	(void)state;
+	for (int i = 0; i < 4; i++)
+		for (int k = 0; k < 4; k++) {
+			struct object_mesh mesh;
+			struct deform_contact sweep = {.shape = shapes[i], .from = {.yaw = 0.8 * k, .pitch = i < 3 ? 0.5 * k : 0, .roll = 0.3 + 0.6 * k}};
+			double axes[3][3], bound = deform_shape_bound(shapes[i]);
+			int compared = 0;
+			sweep.to = sweep.from;
+			assert_ok(render_object_mesh_make(shapes[i], &mesh));
+			deform_axes(sweep.to.yaw, sweep.to.pitch, sweep.to.roll, 0, axes);
+			for (int n = 0; n < 900; n++) {
+				double x = bound * (n % 30 - 15) / 15, y = bound * (n / 30 - 15) / 15, drawn = lowest(&mesh, axes, x, y);
+				long double z;
+				bool is = reference_underside(&sweep, x, y, &z);
+				assert_true(is || drawn == INFINITY);
+				compared += is && drawn < INFINITY && (i == 3 || drawn - (double)z < 0.08);
+				assert_true(!is || drawn > (double)z - 1e-5);
+			}
+			assert_true(compared > 60);
+			render_object_mesh_finish(&mesh);
+		}
+}
+
 /* Turned outward, closed, and of the volume that the shape has. */
 static void meshes_are_closed_and_turned_outward(void **state)
 {
@@ -95,6 +125,9 @@ static void meshes_are_closed_and_turned_outward(void **state)
 		{&ball, 0.98 * 4 / 3 * M_PI * 0.6 * 0.6 * 0.6, 4.0 / 3 * M_PI * 0.6 * 0.6 * 0.6},
 		{&box, 1.2 * 0.5 * 0.3 * 0.9999, 1.2 * 0.5 * 0.3 * 1.0001},
 		{&wheel, 0.6 * M_PI * 0.25 * 0.4, M_PI * 0.25 * 0.4},
+		{&barrel, 0.98 * M_PI * 0.16 * 0.9, M_PI * 0.16 * 0.9},
+		{&pill, 0.98 * M_PI * (0.09 * 0.8 + 4.0 / 3 * 0.027), M_PI * (0.09 * 0.8 + 4.0 / 3 * 0.027)},
+		{&egg, 0.98 * 4 / 3 * M_PI * 0.6 * 0.4 * 0.2, 4.0 / 3 * M_PI * 0.6 * 0.4 * 0.2},
 	};
 	for (size_t i = 0; i < sizeof shapes / sizeof *shapes; i++) {
 		struct object_mesh mesh;
@@ -118,6 +151,7 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_wheel_is_seen_to_turn),
 		cmocka_unit_test(lugs_are_drawn_where_they_press),
+		cmocka_unit_test(round_shapes_are_drawn_as_they_press),
 		cmocka_unit_test(meshes_are_closed_and_turned_outward),
 	};
 	return cmocka_run_group_tests(tests, open_gpu, close_gpu);

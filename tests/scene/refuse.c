@@ -110,7 +110,7 @@ static const struct {
 	{"fog, sky", "texture, sky", ":21: view.effects[2]: \"texture\" is named twice"},
 	{"model: box", "model: none, radius: 2", ":9: redistribute.radius: is no parameter of model none"},
 	{"{wheel: {radius: 0.5, width: 0.4, grousers: 0}}", "{}", ":14: objects[0].shape: names 0 shapes; "
-							      "allowed: exactly one of wheel, sphere, box, mesh"},
+							      "allowed: exactly one of wheel, sphere, box, mesh, cylinder, capsule, ellipsoid"},
 	{"{wheel: {radius: 0.5, width: 0.4, grousers: 0}}", "{mesh: {}}", ":14: objects[0].shape.mesh.file: is missing"},
 	{"grousers: 0}", "grousers: 0}, sphere: {radius: 1}", ":14: objects[0].shape: names 2 shapes"},
 	{"points: [[10, 10], [90, 40]], ", "", ":15: objects[0].path: names neither points nor file"},

@@ -365,6 +365,13 @@ void deform_body_of(const struct deform_shape *shape, const struct deform_pose *
 	}
 }
 
+void deform_wheel_attitude(const double axle[3], double *yaw, double *roll)
+{
+	double level = hypot(axle[0], axle[1]);
+	*yaw = level > 1e-9 ? atan2(-axle[0], axle[1]) : 0;
+	*roll = atan2(axle[2], level);
+}
+
 enum deform_shape_kind deform_form_of(const struct deform_shape *shape, const struct deform_pose *pose)
 {
 	return shape->kind == DEFORM_WHEEL && pose->roll != 0 ? DEFORM_CYLINDER : shape->kind;

@@ -8,7 +8,9 @@ const struct soil_model deform_model_none = {
 	.effect = {
 		"displace", "objects", "", EFFECT_LIST("deform/under.frag", "deform/none.frag"), "base, offset", "offset", 0,
 		EFFECT_LIST("objects[].shape.wheel.radius", "objects[].shape.wheel.width", "objects[].shape.sphere.radius",
-			    "objects[].shape.box.size[]", "objects[].sink"),
+			    "objects[].shape.box.size[]", "objects[].shape.cylinder.radius",
+			    "objects[].shape.cylinder.length", "objects[].shape.capsule.radius", "objects[].shape.capsule.length",
+			    "objects[].shape.ellipsoid.radii[]", "objects[].sink"),
 		"a window is at most 256 x 256 posts, a sweep at most 16 of them; an object at most 672 posts across, and "
 		"512 m; an offset at most 1024 m",
 		"lowers the ground to what presses it, no more"},
