@@ -10,6 +10,15 @@ enum { COLUMNS = 100, REASONS = 56 }; /* where reasons begin, where what is befo
 void layout_row(const char *what, const char *why)
 {
 	int room = COLUMNS - (int)strlen(" <- ") - (int)strlen(why);
+	while (strlen(what) > COLUMNS) { /* a program with many defines */
+		int cut = COLUMNS;
+		while (cut > 0 && what[cut] != ' ')
+			cut--;
+		if (cut == 0)
+			break;
+		printf("%.*s\n", cut, what);
+		what += cut;
+	}
 	if ((int)strlen(what) > room)
 		printf("%s\n%*s <- %s\n", what, REASONS, "", why);
 	else
