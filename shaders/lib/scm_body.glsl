@@ -199,6 +199,13 @@ float contact_share(vec2 at, float depth, float stays, face now, bool over)
 	float all = ring_at(at), up = max(below_at(at, now) - gains / lift, body.x * 0.05), ring = sqrt(max(all * all - up * up, 0.0));
 	float rise = moves.y / lift, first = (ring - ahead_at(at)) * (1.0 - rise * up / min(rise * up - ring, -0.05 * up));
 	float share = by_moving > 0.0 ? (moves.x > 0.0 ? first : gains) * by_moving : 1e3;
+	if (digs.w > 0.0) {
+		// A host may move the object steeply. This is when the circle leaves the place, whatever the direction.
+		float level = now.height + gains, path = moves.x * moves.x + way.z * way.z;
+		float nears = at.x * moves.x + level * way.z, beyond = at.x * at.x + level * level - all * all;
+		float root = nears * nears - path * beyond;
+		share = path <= 0.0 ? 1e3 : root >= 0.0 ? -beyond / max(nears + sqrt(root), 1e-18) : -4.0;
+	}
 #else
 	float speed = face_at(at + way.xy, now.slope).height - now.height - way.z;
 	float share = speed > 0.0 ? gains / speed : 1e3;

@@ -127,22 +127,25 @@ vec3 normal_at(incline i, face f)
 #endif
 }
 
-// The depth of the lower envelope along a line across a cell is taken as a parabola through three places. These are the line's ends, at
-// -1 and 1, and its middle, at 0. Returns the two places on the line between which the depth exceeds `stays`. stays.x is the limit for the first place, stays.y for
-// the second.
-vec2 between_roots(vec3 depths, vec2 stays)
+// Returns the place on a line across a cell, from -1 to 1, beyond which a parabola is above 0. It goes through three numbers at the line's
+// ends and its middle. sign: the end from which it is looked for.
+float root_from(float sign, vec3 depths)
 {
 	float bends = 0.5 * (depths.x + depths.z) - depths.y, rises = 0.5 * (depths.z - depths.x);
-	vec2 over = depths.yy - stays, root = rises * rises - 4.0 * bends * over;
-	vec2 by = sqrt(max(root, 0.0)) + vec2(rises, -rises);
-	// A parabola whose top misses `stays` by rounding alone has one root, at its top.
-	bool top = bends < 0.0;
-	bvec2 touches = bvec2(top && root.x <= 0.0, top && root.y <= 0.0);
-	vec2 at = mix(vec2(-2.0, 2.0) * over / max(by, 1e-15), vec2(-0.5 * rises / min(bends, -1e-18)), touches);
-	vec2 least = touches.x || touches.y ? vec2(4.0 * bends * LEAST) : vec2(0.0);
-	bvec2 never = bvec2(root.x < least.x || (by.x <= 0.0 && !touches.x), root.y < least.y || (by.y <= 0.0 && !touches.y));
-	float low = depths.x > stays.x ? -1.0 : never.x ? 1.0 : clamp(at.x, -1.0, 1.0);
-	float high = depths.z > stays.y ? 1.0 : never.y ? -1.0 : clamp(at.y, -1.0, 1.0);
+	float over = depths.y, root = rises * rises - 4.0 * bends * over;
+	float by = sqrt(max(root, 0.0)) - sign * rises;
+	// A parabola whose top misses 0 by rounding alone has one root, at its top.
+	bool touches = bends < 0.0 && root <= 0.0;
+	float at = touches ? -0.5 * rises / min(bends, -1e-18) : sign * 2.0 * over / max(by, 1e-15);
+	bool never = root < (touches ? 4.0 * bends * LEAST : 0.0) || (by <= 0.0 && !touches);
+	return (sign < 0.0 ? depths.x : depths.z) > 0.0 ? sign : never ? -sign : clamp(at, -1.0, 1.0);
+}
+
+// The depth of the lower envelope along a line across a cell is taken as a parabola. Returns the two places on the line between which the object
+// bears. An end bears from the surface on. Where it unloads, it bears from what stays of earlier sinkage on.
+vec2 between_roots(vec3 depths, vec3 stays, bvec2 unloads)
+{
+	float low = root_from(-1.0, unloads.x ? depths - stays : depths), high = root_from(1.0, unloads.y ? depths - stays : depths);
 	return vec2(low, max(low, high));
 }
 
@@ -244,7 +247,7 @@ void bear_brim(inout bearing b, soil s, float by_width, incline i, across l, flo
 		vec2 there = vec2(place_on(l, float(k - 1)).x, lean * strip + edge);
 		depths[k] = l.ground + dot(i.rise, there - l.middle) - (lean * there.y - strip) * lift;
 	}
-	vec2 ends = between_roots(depths, vec2(0.0));
+	vec2 ends = between_roots(depths, vec3(0.0), bvec2(false));
 	float at = 0.5 * (ends.x + ends.y), ahead = place_on(l, at).x, strip = half_strip(ahead);
 	vec2 there = vec2(ahead, lean * strip + edge);
 	float lowest = (lean * there.y - strip) * lift, depth = l.ground + dot(i.rise, there - l.middle) - lowest;
@@ -269,6 +272,34 @@ void bear_brim(inout bearing b, soil s, float by_width, incline i, across l, flo
 	b.area += 0.5 * (ends.y - ends.x) * width * by_step;
 }
 #endif
+
+// What a post remembers of its largest sinkage, for its whole cell.
+struct memory {
+	float sinkage;      // of the post, vertically, m
+	float stamped;      // share of the shape of the lower envelope as it is
+	float printed;      // share of its shape at the contact's start: for a body that a host moves, where the soil bore it then
+	float print_height; // of that shape at the post
+};
+
+// stays: the plastic part of the sinkage; depth: of the post; both vertically.
+memory memory_of(cell c, face post, float depth, float was, float stays)
+{
+	memory m = memory(was, was > 0.0 ? stamps : 0.0, 0.0, 0.0);
+	if (digs.w > 0.0 && was > 0.0) {
+		m.stamped = min(m.stamped, digs.w - 1.0);
+		m.print_height = face_at(c.at + way.xy, c.own).height;
+		m.printed = clamp((depth + post.height - m.print_height + way.z - stays + 4.0 * LEAST) / max(was - stays, 1e-9), 0.0, 1.0);
+	}
+	return m;
+}
+
+// Returns the largest sinkage that a place of the cell remembers, vertically. deeper: how much deeper the object is there than at the post;
+// rise: of the ground from the post to the place.
+float remembered_at(memory m, cell c, vec2 there, float deeper, float rise)
+{
+	float print = m.printed > 0.0 ? rise + m.print_height - face_at(there + way.xy, c.own).height : 0.0;
+	return m.sinkage + m.printed * print + (1.0 - m.printed) * m.stamped * deeper;
+}
 
 bearing bearing_of(soil s, float by_width, incline i, ground g, object o, cell c, post_state before)
 {
@@ -324,22 +355,26 @@ bearing bearing_of(soil s, float by_width, incline i, ground g, object o, cell c
 	float back = over ? moves.x + half_across : 1e3;
 	// The stored sinkage counts for the post's whole cell. It is taken as a flat rut if the object passed over the cell. If the object
 	// hardly moved, it is taken as an impression of the lower envelope.
-	float was = float(remains) * UNIT_METRES, stamped = was > 0.0 ? stamps : 0.0, rut = was * i.by_up - stamped * depth;
+	memory m = memory_of(c, post, depth, float(remains) * UNIT_METRES * i.by_up, had_plastic * i.by_up);
+	float centre = l.ground - depth - post.height; // rise of the ground from the post to the line's middle
 #ifdef SHAPE_CYLINDER
 	// Across its way the rut leans as the cylinder does.
-	rut += was > 0.0 && strips ? (1.0 - stamped) * (i.rise.y - lean * lift) * c.middle.y : 0.0;
+	m.sinkage += remains > 0 && strips ? (1.0 - m.stamped) * (i.rise.y - lean * lift) * c.middle.y : 0.0;
 #endif
 	vec3 depths, mosts;
 	for (int k = 0; k < 3; k++) {
 		vec2 there = place_on(l, float(k - 1));
 		face f = face_at(there, c.own);
 		depths[k] = depth_on(l, float(k - 1), f);
-		mosts[k] = max(rut + stamped * depths[k], depths[k] + lowered_at(there, back, lowered, f));
+		mosts[k] = max(remembered_at(m, c, there, depths[k] - depth, centre + float(k - 1) * l.rise), depths[k] + lowered_at(there, back, lowered, f));
 	}
 	float most = max(mosts.x, max(mosts.y, mosts.z)) * i.up;
-	float stays = plastic_part(s, most, yield_stress(s, by_width, most)) * i.by_up;
-	vec2 ends = between_roots(depths, vec2(mosts.x > max(depths.x, 0.0) + LEAST ? stays : 0.0,
-							mosts.z > max(depths.z, 0.0) + LEAST ? stays : 0.0));
+	vec3 stays = vec3(plastic_part(s, most, yield_stress(s, by_width, most)) * i.by_up);
+	if (digs.w > 0.0)
+		for (int k = 0; k < 3; k++)
+			stays[k] = plastic_part(s, mosts[k] * i.up, yield_stress(s, by_width, mosts[k] * i.up)) * i.by_up;
+	bvec2 unloads = bvec2(mosts.x > max(depths.x, 0.0) + LEAST, mosts.z > max(depths.z, 0.0) + LEAST);
+	vec2 ends = between_roots(depths, stays, unloads);
 	// A wheel that has sunk to its axle does not bear on the soil in front of its rim.
 	bool nothing = !over && abs(c.at.x) > body.x && depth > 0.0;
 	float part = b.refused || g.far || nothing ? 0.0 : 0.5 * c.share * (ends.y - ends.x);
@@ -348,12 +383,14 @@ bearing bearing_of(soil s, float by_width, incline i, ground g, object o, cell c
 	// Of the places in a cell, those farther ahead came into contact later, so they slid less. But if the post stores less shear than
 	// the motion since the first touch gives, the object stood on it before it moved. Then the places differ less.
 	float lasts = over && since > 1.0 ? clamp(displacement_of(mobilised) / max(slides * (since - 1.0), 1e-9), 0.0, 1.0) : 1.0;
+	if (digs.w > 0.0)
+		lasts *= 1.0 - stamps; // a short motion says little of where the places of a cell came from
 	for (int k = 0; k < 2; k++) {
 		float at = 0.5 * (ends.x + ends.y) + (float(k) - 0.5) * 0.57735027 * (ends.y - ends.x);
 		vec2 there = place_on(l, at);
 		face f = face_at(there, c.own);
 		float deep = depth_on(l, at, f);
-		float remembered = rut + stamped * deep, largest = max(remembered, deep + lowered_at(there, back, lowered, f));
+		float remembered = remembered_at(m, c, there, deep - depth, centre + at * l.rise), largest = max(remembered, deep + lowered_at(there, back, lowered, f));
 		pressure p = pressure_of(s, by_width, i.up * deep, i.up * largest, largest > remembered);
 		vec3 normal = normal_at(i, f), arm = vec3(there, f.height + above);
 #ifdef GROUND_NORMALS

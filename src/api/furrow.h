@@ -226,10 +226,14 @@ FURROW_API furrow_status furrow_body_remove(struct furrow_world *world, furrow_b
 
 /*
  * Tells what the soil would do to `count` bodies in these states, and changes nothing. For hosts that integrate motion and ask
- * many times a step. It reads the ground as the last step left it, on the CPU, and waits for nothing else.
+ * many times a step. The force is that of a straight motion from the body's last contact to the state; stiffness and damping
+ * tell how it changes around that. It reads the ground as the last step left it, on the CPU. The first probe of a body reads
+ * that ground from the GPU. From then on each step ends when it is on the host, and a probe waits for nothing.
  * `bodies`, `states`, `contacts`: `count` entries each. `contact_size`: sizeof(struct furrow_contact). `count` 0: does nothing.
- * Where a state is too far from the last step's, contact.state is FURROW_UNKNOWN and its numbers are NaN. This version answers
- * FURROW_UNKNOWN for every state.
+ * A state may lie two working posts beside the body's last one. Where it lies farther, contact.state is FURROW_UNKNOWN and its
+ * numbers are NaN. This is also the answer for a body with a path and for one that was not placed. So it is for a mesh and a wheel
+ * with grousers, and under all soil models but scm.
+ * FURROW_USAGE and FURROW_INPUT as furrow_set_states.
  */
 FURROW_API furrow_status furrow_probe(struct furrow_world *world, size_t count, const furrow_body *bodies,
 				      const struct furrow_state *states, struct furrow_contact *contacts, size_t contact_size);
@@ -256,7 +260,7 @@ FURROW_API furrow_status furrow_get_states(struct furrow_world *world, size_t co
 
 /*
  * Fills `count` contacts: what the soil did to bodies in the last step. May wait for that step's work.
- * `contact_size`: sizeof(struct furrow_contact). stiffness and damping are NaN in this version.
+ * `contact_size`: sizeof(struct furrow_contact). stiffness and damping are NaN for bodies that were never probed.
  */
 FURROW_API furrow_status furrow_get_contacts(struct furrow_world *world, size_t count, const furrow_body *bodies,
 					     struct furrow_contact *contacts, size_t contact_size);

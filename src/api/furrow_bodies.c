@@ -46,9 +46,8 @@ static void tell_contact(const struct world_contact *from, struct furrow_contact
 	memcpy(contact->moment, from->moment, sizeof contact->moment);
 	memcpy(contact->point, from->point, sizeof contact->point);
 	memcpy(contact->normal, from->normal, sizeof contact->normal);
-	for (int i = 0; i < 6; i++)
-		for (int k = 0; k < 6; k++)
-			contact->stiffness[i][k] = contact->damping[i][k] = NAN;
+	memcpy(contact->stiffness, from->stiffness, sizeof contact->stiffness);
+	memcpy(contact->damping, from->damping, sizeof contact->damping);
 }
 
 /* Checks lists of bodies, and of the data of each. */
@@ -191,18 +190,42 @@ furrow_status furrow_get_contacts(struct furrow_world *world, size_t count, cons
 	return api_library_leave(&call, status);
 }
 
+/* Probes, with the lists that the world takes. */
+static enum status probe(struct furrow_world *world, size_t count, const furrow_body *bodies, const struct furrow_state *states,
+			 struct furrow_contact *contacts)
+{
+	struct world_state *asked = mem_alloc(count, sizeof *asked);
+	struct world_contact *told = mem_alloc(count, sizeof *told);
+	enum status status = asked != NULL && told != NULL ? STATUS_OK : fail_memory("states");
+	for (size_t i = 0; i < count && status == STATUS_OK; i++)
+		asked[i] = state_of(&states[i]);
+	if (status == STATUS_OK)
+		status = world_probe(&world->world, count, bodies, asked, told);
+	for (size_t i = 0; i < count && status == STATUS_OK; i++)
+		tell_contact(&told[i], &contacts[i]);
+	mem_free(asked);
+	mem_free(told);
+	return status;
+}
+
 furrow_status furrow_probe(struct furrow_world *world, size_t count, const furrow_body *bodies, const struct furrow_state *states,
 			   struct furrow_contact *contacts, size_t contact_size)
 {
+	struct library_call call;
 	api_library_begin();
 	enum status status = need_lists(world, count, bodies, states, "states");
 	if (status == STATUS_OK)
 		status = need_contacts(world, count, bodies, contacts, contact_size);
 	if (status == STATUS_OK)
 		status = need_bodies(world, count, bodies);
-	/* This version keeps no patch of ground on the host, so nothing is known about other states. */
-	const struct world_contact unknown = world_contact_unknown();
-	for (size_t i = 0; i < count && status == STATUS_OK; i++)
-		tell_contact(&unknown, &contacts[i]);
-	return api_library_end(status);
+	if (status != STATUS_OK || count == 0)
+		return api_library_end(status);
+	/* Only the first probe of a body needs the GL context. */
+	if (!world_probe_reads(&world->world, count, bodies))
+		return api_library_end(probe(world, count, bodies, states, contacts));
+	(void)api_library_end(STATUS_OK);
+	status = api_library_enter(&call, world);
+	if (status == STATUS_OK)
+		status = probe(world, count, bodies, states, contacts);
+	return api_library_leave(&call, status);
 }

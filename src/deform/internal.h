@@ -239,6 +239,12 @@ enum status deform_find(struct deform *deform, const struct scm_params *params, 
 void deform_between_posts(const struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
 		      struct scm_params *params);
 void deform_turn_into_frame(struct scm_params *params);
+/* Returns true for a box with pitch and roll, which has six sides in plan. Its edges are not computed: each post that it covers bears for
+ * its whole cell. A box that a host moves is hardly ever quite level. So a corner that is cut off by less than a tenth of a post does not count. */
+bool deform_box_is_cut(const struct deform_shape *shape, const struct deform_pose *pose, double spacing, bool hosted);
+/* Returns true if a side of a box is no part of its lower envelope. Of a box that a host moves a strip of less than a quarter of a post
+ * counts as none. half: the box's half-axes. */
+bool deform_box_is_upright(const double half[3][3], int side, double spacing, bool hosted);
 
 void deform_find_plan(const char *effect, struct plan *plan);
 

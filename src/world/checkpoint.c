@@ -124,7 +124,10 @@ static void restore_hosts(struct world *world, const struct checkpoint *saved)
 		if (host == NULL)
 			continue;
 		if (i < saved->host_count) {
+			/* The ground under it is read again. */
+			const struct host_mirror mirror = {.patch = host->mirror.patch, .stale = true, .anew = true};
 			*host = saved->hosts[i];
+			host->mirror = mirror;
 			continue;
 		}
 		world_host_free(host);

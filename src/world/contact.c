@@ -1,6 +1,7 @@
 /* The deformation at one path sample: pins the tiles that its windows touch, computes, scatters, and marks them dirty. */
 #include <assert.h>
 #include <math.h>
+#include <string.h>
 
 #include "world/internal.h"
 
@@ -52,6 +53,7 @@ enum status world_mark(struct world *world, struct post_rect rect, const struct 
 {
 	enum status status = STATUS_OK;
 	resident_newest_changed(world->newest);
+	world_probes_changed(world, rect);
 	for (size_t i = 0; i < held->count && status == STATUS_OK; i++) {
 		struct tile tile = held->tiles[i].tile;
 		if (post_rect_empty(post_rect_intersect(rect, tile_post_rect(&world->meta->extent, tile))))
@@ -122,8 +124,11 @@ static struct deform_contact contact_of(const struct world *world, const struct 
 		.loaded_body = body->loaded_body,
 	};
 	if (world_is_hosts(world, event->body)) {
+		contact.hosted = true;
+		contact.stamped = event->stamped;
 		contact.seconds = event->seconds;
 		contact.turned = event->turned;
+		memcpy(contact.rotated, event->rotated, sizeof contact.rotated);
 		return contact;
 	}
 	contact.to.turn = contact.from.turn = body->last.turn;

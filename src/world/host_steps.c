@@ -10,10 +10,13 @@
  * In between only the forces are computed, over the same ground (deform_feel).
  */
 #include <math.h>
+#include <string.h>
 
 #include "world/internal.h"
 
 #define SINKAGE_SHARE 0.1 /* of a post */
+#define PART_MORE 0.25    /* a contact may be longer than a post by this share, so that a step that ends just beyond a post makes one contact */
+#define DIP_SHARE 0.002   /* of a post: a body that was deeper than at both ends of its motion by less has not been deeper */
 
 static size_t index_of(const struct world *world, int32_t number)
 {
@@ -90,22 +93,35 @@ static struct deform_pose between(const struct deform_pose *a, const struct defo
 	};
 }
 
-/* Changes the ground up to this pose, by swept contacts of at most one post spacing each. */
-static enum status touch(struct world *world, int32_t number, const struct deform_pose *to, double time)
+/* Notes the shape of the hollow that a contact leaves: an impression of the body where it sank, a flat rut where it moved on. */
+static void put_stamp(const struct world *world, struct host_body *host, const struct deform_pose *to)
+{
+	const struct deform_pose *from = &host->body.last;
+	const double stamps = host->body.in_contact ? fmax(1 - 2 * travel(from, to) / world->spacing, 0) : 1;
+	const bool sinks = !host->body.in_contact || lattice_offset_metres(from->z - to->z) > DIP_SHARE * world->spacing;
+	host->stamped = sinks ? stamps : fmin(stamps, host->stamped);
+}
+
+/* Changes the ground up to this pose, by swept contacts of at most 1 + PART_MORE post spacings each. `last`: no other contact of the body follows. */
+static enum status touch_straight(struct world *world, int32_t number, const struct deform_pose *to, double time, bool last)
 {
 	struct host_body *host = world_host_body(world, number);
 	struct body *body = &host->body;
 	const struct deform_pose from = body->last;
 	size_t parts = 1;
 	if (body->in_contact)
-		parts = (size_t)fmin(WORLD_HOST_WAY, fmax(1, ceil(fmax(travel(&from, to), turned_by(host, to)) / world->spacing - 1e-9)));
+		parts = (size_t)fmin(WORLD_HOST_WAY, fmax(1, ceil(fmax(travel(&from, to), turned_by(host, to)) / world->spacing - PART_MORE)));
 	enum status status = STATUS_OK;
 	for (size_t part = 1; part <= parts && status == STATUS_OK; part++) {
 		const struct deform_pose pose = body->in_contact ? between(&from, to, part, parts) : *to;
 		struct event event = event_of(world, number, &pose, time);
 		event.seconds = host->since / (double)parts;
 		event.turned = host->turned / (double)parts;
+		for (int k = 0; k < 3; k++)
+			event.rotated[k] = host->rotated[k] / (double)parts;
 		event.distance = body->in_contact ? travel(&body->last, &pose) : 0;
+		event.stamped = host->stamped;
+		put_stamp(world, host, &pose);
 		status = over_ground(world, &event, &body->object->shape);
 		if (status != STATUS_OK)
 			return status;
@@ -117,14 +133,50 @@ static enum status touch(struct world *world, int32_t number, const struct defor
 		}
 		body->distance += event.distance;
 		body->sinkage = event.sinkage;
-		status = world_contact(world, &event, part == parts);
+		status = world_contact(world, &event, last && part == parts);
 	}
 	host->fresh = !body->in_contact;
 	host->since = host->turned = 0;
+	memset(host->rotated, 0, sizeof host->rotated);
+	host->dip.pose.z = INT64_MAX;
+	host->mirror.anew = true;
 	host->felt = *to;
 	host->felt_turned = 0;
 	host->felt_moving = parts > 1 || from.x != to->x || from.y != to->y || from.z != to->z;
 	return status;
+}
+
+/* Changes the ground up to this pose. Where the body was deeper in between, it goes by its lowest pose, so that the soil stays compacted. */
+static enum status touch(struct world *world, int32_t number, const struct deform_pose *to, double time)
+{
+	struct host_body *host = world_host_body(world, number);
+	const struct host_dip dip = host->dip;
+	const int64_t least = host->body.last.z < to->z ? host->body.last.z : to->z;
+	if (!host->body.in_contact || dip.pose.z == INT64_MAX || lattice_offset_metres(least - dip.pose.z) < DIP_SHARE * world->spacing)
+		return touch_straight(world, number, to, time, true);
+	const double since = host->since - dip.since, turned = host->turned - dip.turned;
+	double rotated[3];
+	for (int k = 0; k < 3; k++) {
+		rotated[k] = host->rotated[k] - dip.rotated[k];
+		host->rotated[k] = dip.rotated[k];
+	}
+	host->since = dip.since;
+	host->turned = dip.turned;
+	enum status status = touch_straight(world, number, &dip.pose, time, false);
+	host->since = since;
+	host->turned = turned;
+	memcpy(host->rotated, rotated, sizeof rotated);
+	return status == STATUS_OK ? touch_straight(world, number, to, time, true) : status;
+}
+
+/* Notes a pose that does not change the ground. */
+static void pass_by(struct host_body *host, const struct deform_pose *to)
+{
+	if (to->z < host->dip.pose.z) {
+		host->dip = (struct host_dip){.pose = *to, .since = host->since, .turned = host->turned};
+		memcpy(host->dip.rotated, host->rotated, sizeof host->rotated);
+	}
+	world_probes_reach(host, to);
 }
 
 /* Computes only the forces, without changing the ground. */
@@ -134,6 +186,8 @@ static enum status feel(struct world *world, int32_t number, const struct deform
 	struct event event = event_of(world, number, to, time);
 	event.seconds = moves ? host->since : 0;
 	event.turned = host->turned;
+	event.stamped = host->stamped;
+	memcpy(event.rotated, host->rotated, sizeof event.rotated);
 	enum status status = over_ground(world, &event, &host->body.object->shape);
 	if (status != STATUS_OK)
 		return status;
@@ -158,10 +212,13 @@ static enum status step_body(struct world *world, int32_t number, double seconds
 		return status;
 	if (host->body.object->shape.kind == DEFORM_WHEEL)
 		host->turned += world_spin(&to, host->now.angular) * seconds;
+	for (int k = 0; k < 3; k++)
+		host->rotated[k] += host->now.angular[k] * seconds;
 	const bool moved = has_moved(host, &to);
 	host->since += moved ? seconds : 0;
 	if (host->fresh || !host->body.in_contact || is_worth_a_contact(world, host, &to))
 		return touch(world, number, &to, until);
+	pass_by(host, &to);
 	/* Where it came to rest the rates go. */
 	if (world_feels(world) && (moved || host->felt_moving))
 		return feel(world, number, &to, until, moved);
@@ -203,6 +260,8 @@ enum status world_hosts_commit(struct world *world)
 	}
 	if (status == STATUS_OK && any)
 		status = world_forces_end_step(world->forces, world->time);
+	if (status == STATUS_OK && any)
+		status = world_probes_refresh(world);
 	return status == STATUS_OK && any ? world_end_step(world) : status;
 }
 

@@ -84,6 +84,8 @@ static struct host_body *new_body(const struct scene_object *object, struct scen
 		return NULL;
 	host->body.object = object;
 	host->owned = owned;
+	host->dip.pose.z = INT64_MAX;
+	host->stamped = 1;
 	for (int i = 0; i < 3; i++)
 		host->now.pose.position[i] = NAN;
 	return host;
@@ -112,6 +114,7 @@ void world_host_free(struct host_body *host)
 {
 	if (host == NULL)
 		return;
+	deform_patch_destroy(host->mirror.patch);
 	if (host->owned != NULL)
 		scene_object_finish(host->owned);
 	mem_free(host->owned);
@@ -287,6 +290,10 @@ static enum status lift(struct world *world, struct host_body *host)
 	host->body.in_contact = false;
 	host->fresh = true;
 	host->since = host->turned = 0;
+	memset(host->rotated, 0, sizeof host->rotated);
+	host->stamped = 1;
+	host->dip.pose.z = INT64_MAX;
+	host->mirror.stale = host->mirror.anew = true;
 	host->tag = 0;
 	host->force = world_no_force(0);
 	host->state = WORLD_AIR;

@@ -60,6 +60,21 @@ void world_host_arrived(struct world *world, uint64_t tag, const struct world_fo
 /* In told.c: gives the state of a body with a path. */
 enum status world_path_state(const struct world *world, size_t body, struct world_state *state) FURROW_CHECKED;
 
+/* --- probes.c: the ground under a host's bodies, mirrored on the host --- */
+
+/* Posts of this rectangle changed. */
+void world_probes_changed(struct world *world, struct post_rect rect);
+/* Reads the ground under all bodies that were probed, where it changed. Call it at the end of a step. Waits for the GPU. */
+enum status world_probes_refresh(struct world *world) FURROW_CHECKED;
+/* Notes a pose of a body between two contacts. */
+void world_probes_reach(struct host_body *host, const struct deform_pose *to);
+/* Computes the contact at the body's present state. Returns false if it is not known. */
+bool world_probes_now(const struct world *world, const struct host_body *host, struct deform_probed *probed);
+void world_probes_free(struct world *world); /* frees the mirrors; before deform and GPU are destroyed */
+/* told.c: fills a contact from what a probe computed. */
+void world_tell_probed(const struct scene_object *object, const struct world_state *state, const struct deform_probed *probed,
+		       double time, struct world_contact *contact);
+
 /* --- changes.c --- */
 
 /* Notes that these posts of a tile of the working level changed. */

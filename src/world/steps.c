@@ -139,6 +139,9 @@ enum status world_step_to(struct world *world, double until)
 	status = deform_step(world, until);
 	if (status != STATUS_OK)
 		return status;
+	status = world_probes_refresh(world);
+	if (status != STATUS_OK)
+		return status;
 	world->step++;
 	world->time = until;
 	motion_look_ahead_tell(world->ahead, until);

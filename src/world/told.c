@@ -21,10 +21,14 @@ enum world_contact_state world_contact_state_of(enum deform_state state)
 
 struct world_contact world_contact_unknown(void)
 {
-	return (struct world_contact){
+	struct world_contact contact = {
 		.time = NAN, .force = {NAN, NAN, NAN}, .moment = {NAN, NAN, NAN}, .point = {NAN, NAN, NAN}, .normal = {NAN, NAN, NAN},
 		.sinkage = NAN, .area = NAN, .slip = NAN, .normal_force = NAN, .shear_limit = NAN, .state = WORLD_UNKNOWN,
 	};
+	for (int i = 0; i < 6; i++)
+		for (int k = 0; k < 6; k++)
+			contact.stiffness[i][k] = contact.damping[i][k] = NAN;
+	return contact;
 }
 
 /* Finds the normal of the undisturbed surface. NaN: it cannot be found. */
@@ -111,6 +115,28 @@ static enum status fill(struct world *world, const struct scene_object *object, 
 	return STATUS_OK;
 }
 
+void world_tell_probed(const struct scene_object *object, const struct world_state *state, const struct deform_probed *probed,
+		       double time, struct world_contact *contact)
+{
+	struct deform_pose pose = {.x = 0};
+	*contact = world_contact_unknown();
+	contact->time = time;
+	contact->state = world_contact_state_of(probed->state);
+	contact->slip = slip_of(object, state);
+	contact->sinkage = probed->sinkage;
+	contact->area = probed->area;
+	contact->normal_force = probed->normal_force;
+	contact->shear_limit = probed->shear_limit;
+	memcpy(contact->force, probed->force, sizeof contact->force);
+	memcpy(contact->moment, probed->moment, sizeof contact->moment);
+	memcpy(contact->normal, probed->normal, sizeof contact->normal);
+	memcpy(contact->stiffness, probed->stiffness, sizeof contact->stiffness);
+	memcpy(contact->damping, probed->damping, sizeof contact->damping);
+	if (world_attitude(&object->shape, object->name, &state->pose, &pose) == STATUS_OK)
+		line_of(state->pose.position, deform_shape_reach(&object->shape, pose.pitch, pose.roll), probed->force, probed->moment,
+			contact->point);
+}
+
 enum status world_body_contact(struct world *world, int32_t number, struct world_contact *contact)
 {
 	struct world_state state;
@@ -121,8 +147,17 @@ enum status world_body_contact(struct world *world, int32_t number, struct world
 	if (status != STATUS_OK)
 		return status;
 	const struct host_body *host = world_host_body(world, number);
-	if (host != NULL)
-		return host->placed ? fill(world, host->body.object, &state, &host->force, host->told, host->state, contact) : STATUS_OK;
+	if (host != NULL && !host->placed)
+		return STATUS_OK;
+	if (host != NULL) {
+		struct deform_probed probed;
+		status = fill(world, host->body.object, &state, &host->force, host->told, host->state, contact);
+		if (status == STATUS_OK && world_probes_now(world, host, &probed)) {
+			memcpy(contact->stiffness, probed.stiffness, sizeof contact->stiffness);
+			memcpy(contact->damping, probed.damping, sizeof contact->damping);
+		}
+		return status;
+	}
 	const struct body *body = &world->bodies[number];
 	if (body->next == 0)
 		return STATUS_OK;

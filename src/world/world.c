@@ -298,6 +298,7 @@ void world_finish(struct world *world, enum status status)
 	resident_soil_rasters_close(world->soil_rasters);
 	page_trace_destroy(world->trace);
 	world_forces_destroy(world->forces);
+	world_probes_free(world);
 	resident_pyramid_destroy(world->pyramid);
 	deform_destroy(world->deform);
 	gpu_slots_destroy(world->slots);

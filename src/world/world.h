@@ -61,6 +61,8 @@ struct event {
 	double seconds;   /* s since the last sample */
 	double next_time; /* s: when the next sample is due; INFINITY: there is no next sample */
 	double turned;    /* rad that a wheel has turned since the last sample; only for a host's bodies */
+	double stamped;   /* as in struct deform_contact; only for a host's bodies */
+	double rotated[3]; /* rad about local axes that another body of a host has turned since the last sample */
 	struct deform_pose pose;
 };
 
@@ -167,6 +169,7 @@ struct world_contact {
 	double point[3];              /* m: on the line of the force, the point nearest to the body's lowest point */
 	double normal[3];             /* unit normal of the undisturbed surface under the body */
 	double sinkage, area, slip;   /* m below the undisturbed surface; m2; slip of a wheel */
+	double stiffness[6][6], damping[6][6]; /* d(force, moment) / d(translation, rotation about local axes), and of their rates */
 	double normal_force, shear_limit; /* N */
 	enum world_contact_state state;
 };
@@ -181,6 +184,12 @@ struct host_body {
 	struct world_state now, next; /* now: after the last step. next: after the next step, if has_next */
 	double since;                 /* s: time of its motion since `last` */
 	double turned;                /* rad about a wheel's axle since `last` */
+	double rotated[3];            /* other shapes: rad about local axes since `last` */
+	double stamped;               /* 1: the hollow below `last` is an impression of the body; 0: it is a flat rut */
+	struct host_dip {             /* its lowest pose since `last`, and the motion until then; pose.z INT64_MAX: there is none */
+		struct deform_pose pose;
+		double since, turned, rotated[3];
+	} dip;
 	struct deform_pose felt;      /* the pose for which forces were last computed, */
 	double felt_turned;           /* the value of `turned` then, */
 	bool felt_moving;             /* and true if it moved then */
@@ -190,6 +199,11 @@ struct host_body {
 	struct world_force force;
 	enum world_contact_state state;
 	uint64_t turn;                /* number of the last call of world_bodies_set that named this body */
+	struct host_mirror {          /* probes.c: the ground under the body, on the host */
+		struct deform_patch *patch; /* NULL: no probe asked for it yet */
+		bool stale;           /* the ground or the body's place changed since it was read */
+		bool anew;            /* a contact of the body changed the ground since then */
+	} mirror;
 };
 
 /* A changed tile of the working level: changes.c. */
@@ -369,6 +383,16 @@ enum status world_bodies_set(struct world *world, size_t count, const int32_t *n
 	FURROW_CHECKED;
 /* Gives the state of any body, also of a body with a path. NaN: it was never placed. */
 enum status world_body_state(const struct world *world, int32_t number, struct world_state *state) FURROW_CHECKED;
+/*
+ * Tells what the soil would do to `count` bodies of the host in these states, as linear functions around them. Changes nothing. The first
+ * probe of a body reads the ground under it from the GPU. From then on each step does so at its end, and later probes only compute.
+ * world_probe_reads: returns true if a probe of these bodies would read, so that it needs the GL context.
+ * The contact is `unknown` where a state is more than two working posts from the body's last one, and for a body with a path. So it is
+ * for a shape and for a soil model that probes do not know. STATUS_USAGE, STATUS_INPUT: a state is not one that the body can have.
+ */
+bool world_probe_reads(const struct world *world, size_t count, const int32_t *numbers);
+enum status world_probe(struct world *world, size_t count, const int32_t *numbers, const struct world_state *states,
+			struct world_contact *contacts) FURROW_CHECKED;
 /* Returns a contact whose numbers are all NaN (not known). Pure. */
 struct world_contact world_contact_unknown(void);
 /* Gives the contact of any body with the soil. Waits for forces that are being computed. */

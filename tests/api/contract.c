@@ -196,22 +196,6 @@ static void states_are_as_they_were_set(void **state)
 	done(furrow_world_close(world));
 }
 
-static void a_probe_does_not_know_yet(void **state)
-{
-	struct furrow_world *world = hosted_world("probe.furrow");
-	const furrow_body ball = hosted_ball(world, 16, 16);
-	const struct furrow_state at = hosted_state(16, 16, 100.4);
-	struct furrow_contact contact;
-	struct furrow_info info = {.size = sizeof info}, after = {.size = sizeof after};
-	done(furrow_info(world, &info));
-	done(furrow_probe(world, 1, &ball, &at, &contact, sizeof contact));
-	assert_int_equal(contact.state, FURROW_UNKNOWN);
-	assert_true(isnan(contact.force[2]) && isnan(contact.stiffness[2][2]));
-	done(furrow_info(world, &after));
-	assert_true(info.revision == after.revision);
-	done(furrow_world_close(world));
-}
-
 static void a_picture_has_depths_in_metres(void **state)
 {
 	struct furrow_world *world = hosted_world("picture.furrow");
@@ -375,7 +359,6 @@ int main(void)
 		cmocka_unit_test(a_shear_limit_is_of_the_body_s_surface),
 		cmocka_unit_test(a_body_that_rasters_do_not_bear_is_refused),
 		cmocka_unit_test(states_are_as_they_were_set),
-		cmocka_unit_test(a_probe_does_not_know_yet),
 		cmocka_unit_test(a_picture_has_depths_in_metres),
 		cmocka_unit_test(figures_are_json),
 		cmocka_unit_test(an_import_stops_and_goes_on),

@@ -130,7 +130,13 @@ class PythonPackageTest(unittest.TestCase):
                 assert balls[2].contact.state is furrow.ContactState.TOUCHING
                 assert balls[2].state.pose.position[2] == states["pose"]["position"][2, 2]
                 assert world.body("ball3").handle == balls[3].handle
+                probed = world.probe(balls, states)
+                assert (probed["state"] == furrow.ContactState.TOUCHING).all()
+                assert probed["stiffness"].shape == (4, 6, 6) and (probed["stiffness"][:, 2, 2] < 0).all()
+                assert np.allclose(probed["force"][:, 2], contacts["force"][:, 2], rtol=0.05)
+                states["pose"]["position"][:, 0] += 5
                 assert (world.probe(balls, states)["state"] == furrow.ContactState.UNKNOWN).all()
+                states["pose"]["position"][:, 0] -= 5
                 raises(ValueError, world.set_states, balls, states[:3])
                 balls[0].remove()
                 refused(furrow.Status.USAGE, balls[0].remove)

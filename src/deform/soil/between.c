@@ -17,9 +17,12 @@ static void put_heading(struct scm_params *params, double x, double y)
 
 /* Shear displacement adds up over the time in which the wheel's rim passes over the soil. Returns this time as a share of the time in
  * which the soil passes below the wheel. It is 1 without slip, and for a wheel that slides sideways. */
-static double time_of_rim(const struct deform_contact *contact, double forward, double way)
+static double time_of_rim(const struct deform_contact *contact, double forward, double way, double rise)
 {
 	double turned = fabs(contact->shape->radius * contact->turned), aligned = way > 0 ? forward * forward / (way * way) : 0;
+	/* A wheel that moves up or down does not roll. */
+	if (contact->hosted)
+		aligned *= forward != 0 ? fmin(fmax(2 - fabs(rise / forward), 0), 1) : 0;
 	double share = turned > 0.1 * way ? fmax(way / turned, 0.1) : 10;
 	return 1 + (share - 1) * aligned;
 }
@@ -45,7 +48,7 @@ static void wheel(const struct deform *deform, const struct deform_contact *cont
 	params->moves[1] = (float)slope;
 	params->moves[2] = (float)(slope / hypot(1, slope));
 	if (!deform->params.ground_normals)
-		params->moves[3] = (float)time_of_rim(contact, forward, hypot(params->way[0], params->way[1]));
+		params->moves[3] = (float)time_of_rim(contact, forward, hypot(params->way[0], params->way[1]), params->way[2]);
 }
 
 static void along_way(struct scm_params *params, double way)
@@ -61,6 +64,27 @@ static void sphere(const struct deform_contact *contact, struct scm_params *para
 	params->moves[0] = (float)way;
 	params->moves[1] = (float)slope;
 	params->moves[2] = (float)(slope / hypot(1, slope));
+}
+
+bool deform_box_is_cut(const struct deform_shape *shape, const struct deform_pose *pose, double spacing, bool hosted)
+{
+	const double *size = shape->size, least = fmin(size[0], fmin(size[1], size[2]));
+	const double cut = fabs(sin(pose->pitch) * sin(pose->roll)) * least;
+	return pose->pitch != 0 && pose->roll != 0 && (!hosted || cut > 0.1 * spacing);
+}
+
+bool deform_box_is_upright(const double half[3][3], int side, double spacing, bool hosted)
+{
+	double length[3], steepest = 0, height = 0;
+	for (int k = 0; k < 3; k++) {
+		length[k] = sqrt(half[k][0] * half[k][0] + half[k][1] * half[k][1] + half[k][2] * half[k][2]);
+		if (fabs(half[k][2]) / length[k] > steepest) {
+			steepest = fabs(half[k][2]) / length[k];
+			height = 2 * length[k];
+		}
+	}
+	const double leans = fabs(half[side][2]) / length[side];
+	return leans < 1e-6 || (hosted && leans < steepest && leans * height < 0.25 * spacing);
 }
 
 #define LEANS_MOST 0.5 /* rise of an axis: up to it the side of a cylinder bears, and its lower end as a brim beside it */
@@ -81,7 +105,7 @@ static void cylinder(const struct deform *deform, const struct deform_contact *c
 	params->moves[1] = (float)slope;
 	params->moves[2] = (float)(slope * c / hypot(1, slope * c));
 	if (!deform->params.ground_normals && strips)
-		params->moves[3] = (float)time_of_rim(contact, forward, hypot(params->way[0], params->way[1]));
+		params->moves[3] = (float)time_of_rim(contact, forward, hypot(params->way[0], params->way[1]), rise);
 	params->faces[0][0] = (float)(sign * s);
 	params->faces[1][0] = (float)c;
 	params->faces[2][0] = (float)lower.half;
@@ -133,13 +157,12 @@ static void box(const struct deform_contact *contact, struct scm_params *params)
 	for (int k = 0; k < 3; k++) {
 		const double *axis = half[k];
 		double squares = axis[0] * axis[0] + axis[1] * axis[1] + axis[2] * axis[2];
-		bool upright = fabs(axis[2]) < 1e-6 * sqrt(squares);
+		bool upright = deform_box_is_upright((const double(*)[3])half, k, params->scale[1], contact->hosted);
 		params->faces[k][0] = upright ? -1e9f : (float)(-squares / fabs(axis[2]));
 		params->faces[k][1] = upright ? 0 : (float)(-axis[0] / axis[2]);
 		params->faces[k][2] = upright ? 0 : (float)(-axis[1] / axis[2]);
 	}
-	/* A box with pitch and roll has six sides in plan. Its edges are not computed: each post that it covers bears for its whole cell. */
-	if (to->pitch != 0 && to->roll != 0)
+	if (deform_box_is_cut(contact->shape, to, params->scale[1], contact->hosted))
 		return;
 	params->heading[3] = (float)(fabs(cos(to->pitch)) * contact->shape->size[0] / 2 + fabs(sin(to->pitch)) * contact->shape->size[2] / 2);
 	params->body[1] = (float)(fabs(cos(to->roll)) * contact->shape->size[1] / 2 + fabs(sin(to->roll)) * contact->shape->size[2] / 2);

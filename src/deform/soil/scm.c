@@ -86,6 +86,8 @@ static void fill_motion(const struct deform_contact *contact, struct scm_params 
 	const double level = cos(contact->to.roll), axle[3] = {-sin(contact->to.yaw) * level, cos(contact->to.yaw) * level, sin(contact->to.roll)};
 	for (int k = 0; k < 3; k++)
 		params->spin[k] = (float)(axle[k] * contact->turned);
+	for (int k = 0; k < 3 && contact->shape->kind != DEFORM_WHEEL; k++)
+		params->spin[k] = (float)contact->rotated[k];
 	/* Damping depends on how fast soil is pushed down. A smooth wheel that spins does not push it down faster. So its slip is left
 	 * out here. */
 	double turned = contact->shape->kind == DEFORM_WHEEL ? rolled(contact, params->way) : 0;
@@ -98,6 +100,7 @@ static void fill_digging(const struct deform *deform, const struct deform_contac
 {
 	params->digs[1] = (float)deform->params.slip_sinkage;
 	params->digs[2] = contact->shape->kind == DEFORM_WHEEL ? (float)deform_body_wheel_radius(contact->shape) : 0;
+	params->digs[3] = contact->hosted ? 1 + (float)contact->stamped : 0;
 	if (deform_is_contact_only(contact))
 		return;
 	float slip = (float)slip_of(contact, params->way);
