@@ -150,6 +150,26 @@ static void add_rasters(cJSON *root, const struct report_plan *plan)
 	}
 }
 
+static void add_vehicles(cJSON *root, const struct report_plan *plan)
+{
+	if (plan->vehicles == NULL)
+		return;
+	cJSON *vehicles = cJSON_AddObjectToObject(root, "vehicles");
+	for (size_t i = 0; i < vehicle_count(plan->vehicles); i++) {
+		struct vehicle_info info;
+		vehicle_info(plan->vehicles, i, &info);
+		cJSON *vehicle = cJSON_AddObjectToObject(vehicles, info.name);
+		json_number(vehicle, "mass", info.mass);
+		json_integer(vehicle, "soil_geoms", (int64_t)info.geom_count);
+		json_integer(vehicle, "engine_steps", info.engine_steps);
+		json_number(vehicle, "largest_step", info.largest_step);
+		cJSON *by = cJSON_AddObjectToObject(vehicle, "by");
+		cJSON_AddStringToObject(by, "geom", info.largest_geom);
+		json_number(by, "mass", info.largest_mass);
+		json_number(by, "area", info.largest_area);
+	}
+}
+
 enum status explain_json(const struct scene *scene, const struct report_plan *plan)
 {
 	cJSON *root = cJSON_CreateObject();
@@ -169,6 +189,7 @@ enum status explain_json(const struct scene *scene, const struct report_plan *pl
 		json_integer(samples, scene->objects[i].name, (int64_t)plan->samples[i]);
 	add_effects(root, scene, plan);
 	add_rasters(root, plan);
+	add_vehicles(root, plan);
 	add_lines(root, "planes", scene, plan, PLAN_PLANE);
 	add_lines(root, "programs", scene, plan, PLAN_PROGRAM);
 	add_lines(root, "passes", scene, plan, PLAN_PASS);

@@ -76,7 +76,8 @@ int concerns(int x, int y, ground west, ground g, ground east, float by_width, i
 	object o = object_at(x, y, raised);
 	int offset = imageLoad(offsets, post).r;
 	bool near = is_near(g, o, offset + fell), some = may_touch(g, o) || sheared && is_near(g, o, offset);
-#ifdef FORCES
+	// A steep side may bear far above the post. Whether forces are summed must not change what the contact reaches.
+#if defined(FORCES) || defined(SHAPE_CYLINDER) || defined(SHAPE_CAPSULE) || defined(SHAPE_ELLIPSOID)
 	some = some || touch_room(incline_of(west, g, east, south, north), g, o, cell_at(x, y, o)) > 0;
 #endif
 #endif

@@ -352,7 +352,7 @@ bearing bearing_of(soil s, float by_width, incline i, ground g, object o, cell c
 	float depth = depth_at_post(g, o, post);
 	across l = line_across(i, c, post, depth);
 	float lowered = over ? float(o.rests - o.lowest) * UNIT_METRES : 0.0;
-	float back = over ? moves.x + half_across : 1e3;
+	float back = over ? moves.x + (1.0 - stamps) * half_across : 1e3;
 	// The stored sinkage counts for the post's whole cell. It is taken as a flat rut if the object passed over the cell. If the object
 	// hardly moved, it is taken as an impression of the lower envelope.
 	memory m = memory_of(c, post, depth, float(remains) * UNIT_METRES * i.by_up, had_plastic * i.by_up);

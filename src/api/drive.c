@@ -70,12 +70,15 @@ static enum status start(struct drive *drive)
 		status = api_folder_make(drive->params->directory);
 	if (status == STATUS_OK)
 		status = start_pages(drive);
+	world->figures = vehicle_figures(drive->vehicles);
 	if (status == STATUS_OK)
 		status = start_view(drive);
 	if (status == STATUS_OK)
 		status = world_warm(world);
 	if (status == STATUS_OK && drive->view != NULL)
 		status = render_view_warm(drive->view);
+	if (status == STATUS_OK && drive->vehicles != NULL)
+		status = vehicle_join(drive->vehicles, world);
 	if (status != STATUS_OK)
 		return status;
 	world_seal(world);
@@ -83,6 +86,9 @@ static enum status start(struct drive *drive)
 	if (status == STATUS_OK)
 		status = report_rows_open(world, drive->params->directory, &drive->rows);
 	world->rows = report_rows_sink(drive->rows);
+	if (status == STATUS_OK)
+		status = report_vehicles_open(world, drive->vehicles, drive->params->directory, &drive->vehicle_rows);
+	vehicle_set_rows(drive->vehicles, report_vehicles_sink(drive->vehicle_rows));
 	return status;
 }
 
@@ -93,6 +99,8 @@ static void finish(struct drive *drive, enum status status)
 	render_pictures_destroy(drive->pictures);
 	world_finish(&drive->world, status);
 	report_rows_close(drive->rows);
+	report_vehicles_close(drive->vehicle_rows);
+	vehicle_destroy(drive->vehicles);
 }
 
 /* Also for a drive that failed or was interrupted, once it began. The drive's own failure is returned before the trace's. */
@@ -116,6 +124,7 @@ static enum status report(struct drive *drive, bool keep, struct api_result *res
 	report->world = world;
 	report->view = drive->view;
 	report->pictures = drive->pictures;
+	report->vehicles = drive->vehicles;
 	result->steps = world->step;
 	result->seconds = report->seconds;
 	result->rtf = report->seconds > 0 ? (world->time - world->resumed.time) / report->seconds : 0;
@@ -161,7 +170,14 @@ static enum status begin(struct drive *drive)
 	enum status status = STATUS_OK;
 	if (ended && drive->view != NULL && world->step > 0 && is_image_step(drive))
 		status = render_view_frame(drive->view, drive->pictures, true);
-	return status == STATUS_OK ? world_begin(&drive->world) : status;
+	if (status == STATUS_OK)
+		status = world_begin(&drive->world);
+	return status == STATUS_OK && drive->vehicles != NULL ? vehicle_begin(drive->vehicles) : status;
+}
+
+enum status api_one_step(struct drive *drive)
+{
+	return drive->vehicles != NULL ? vehicle_step(drive->vehicles) : world_step(&drive->world);
 }
 
 static void show_progress(const struct drive *drive, int64_t total, double *shown)
@@ -187,13 +203,13 @@ static enum status all_steps(struct drive *drive, int64_t total)
 	bool terminal = drive->params->progress && isatty(STDERR_FILENO) != 0;
 	double shown = 0;
 	enum status status = STATUS_OK;
-	while (world->step < total && status == STATUS_OK) {
+	while (world->step < total && status == STATUS_OK && !vehicle_stuck(drive->vehicles)) {
 		if (world_stopped(world)) {
 			status = world_interrupted(world);
 			break;
 		}
 		double started = clock_seconds();
-		status = world_step(world);
+		status = api_one_step(drive);
 		double stepped = clock_seconds(), framed = stepped;
 		if (status == STATUS_OK && drive->view != NULL) {
 			status = is_image_step(drive) ? render_view_frame(drive->view, drive->pictures, true)
@@ -230,7 +246,7 @@ static enum status all(struct drive *drive)
 	status = drive->params->host != NULL ? api_host_steps(drive, total) : all_steps(drive, total);
 	struct failure failure;
 	failure_capture(&failure, status);
-	enum status flushed = world_end(world, status == STATUS_OK && world->step >= total);
+	enum status flushed = world_end(world, status == STATUS_OK && (world->step >= total || vehicle_stuck(drive->vehicles)));
 	drive->report.seconds = clock_seconds() - drive->began;
 	/* An interrupted drive that could not be committed has failed. */
 	if (flushed != STATUS_OK && (status == STATUS_OK || status == STATUS_INTERRUPTED))
@@ -252,7 +268,7 @@ static enum status run(struct drive *drive, struct api_result *result)
 {
 	enum status status = publish_trace(drive, all(drive));
 	stop_threads(drive);
-	result->ended = status == STATUS_OK ? "complete"
+	result->ended = status == STATUS_OK ? vehicle_stuck(drive->vehicles) ? "stuck" : "complete"
 			: status == STATUS_INTERRUPTED ? "interrupted"
 						       : "failed";
 	struct failure failure;
@@ -274,7 +290,7 @@ enum status api_drive(const struct api_params *params, struct api_result *result
 	struct drive drive = {.params = params, .scene = *params->scene, .entered = clock_seconds()};
 	if (params->host == NULL)
 		scene_unwatched(params->scene, &drive.scene);
-	const struct world_params world = {
+	struct world_params world = {
 		.scene = &drive.scene,
 		.store = params->store,
 		.overlay = params->overlay,
@@ -288,7 +304,10 @@ enum status api_drive(const struct api_params *params, struct api_result *result
 		.stop = params->stop,
 	};
 	*result = (struct api_result){.ended = "failed"};
-	enum status status = world_prepare(&drive.world, &world);
+	enum status status = vehicle_load(&drive.scene, &drive.vehicles);
+	world.attached = vehicle_attached(drive.vehicles);
+	if (status == STATUS_OK)
+		status = world_prepare(&drive.world, &world);
 	if (status == STATUS_OK && drive.world.resumed.nothing_left) {
 		result->ended = "complete";
 		if (params->trace != NULL)

@@ -153,7 +153,7 @@ static enum status one_step(struct host *host)
 {
 	struct drive *drive = host->drive;
 	double began = clock_seconds();
-	enum status status = world_step(&drive->world);
+	enum status status = api_one_step(drive);
 	if (status == STATUS_OK)
 		status = page_trace_status(drive->world.trace);
 	host->step_ms = (clock_seconds() - began) * 1e3;
@@ -184,7 +184,7 @@ static enum status steps(struct host *host, int64_t total, bool *any)
 	if (host->control.go == API_ONE)
 		host->credit = step;
 	while (status == STATUS_OK && drive->world.step < total && host->credit >= step && !world_stopped(&drive->world) &&
-	       clock_seconds() - began < slice) {
+	       !vehicle_stuck(drive->vehicles) && clock_seconds() - began < slice) {
 		status = one_step(host);
 		host->credit -= isinf(host->credit) ? 0 : step;
 	}

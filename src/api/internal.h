@@ -13,6 +13,8 @@ struct drive {
 	const struct api_params *params;
 	struct scene scene;           /* the scene that is run; without a window it comes from scene_unwatched */
 	struct world world;
+	struct vehicles *vehicles;    /* NULL: the scene has none */
+	struct report_vehicles *vehicle_rows; /* NULL: no vehicles.csv */
 	struct world_watcher watcher; /* the view's */
 	struct world_commits commits; /* the pictures' */
 	struct view *view;            /* NULL if the scene has no view */
@@ -29,6 +31,9 @@ enum status api_folder_make(const char *path) FURROW_CHECKED;
 enum status api_folder_commits(const char *directory, FILE **out) FURROW_CHECKED;
 /* Removes the files of an earlier run, except the lines that a resumed run continues. */
 enum status api_folder_clear(const struct world *world, const char *directory) FURROW_CHECKED;
+
+/* drive.c: makes one step of the world, and of the vehicles in it. */
+enum status api_one_step(struct drive *drive) FURROW_CHECKED;
 
 /* host.c: the loop of a drive that a window controls. */
 enum status api_host_steps(struct drive *drive, int64_t total) FURROW_CHECKED;

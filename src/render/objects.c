@@ -289,7 +289,10 @@ static void look(const struct render *render, const struct render_camera *camera
 		double at[3], own[3][3], middle[3], far, radius, pixels;
 		for (int k = 0; k < 3; k++)
 			at[k] = object->at[k] - camera->eye[k];
-		deform_axes(object->yaw, object->pitch, object->roll, object->turned, own);
+		if (object->posed)
+			memcpy(own, object->axes, sizeof own);
+		else
+			deform_axes(object->yaw, object->pitch, object->roll, object->turned, own);
 		if (objects->casts) {
 			render_object_shadow_of(shape->shape, own, at, sun, &objects->shadows[*shadow_count], middle, &radius);
 			*shadow_count += ball_visible(view, camera->eye, middle, radius);

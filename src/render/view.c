@@ -203,10 +203,32 @@ void render_view_params(const struct world *world, struct render_params *params)
 	};
 }
 
-static enum status make_render(const struct world *world, bool watched, struct render **out)
+/* Lists the scene's objects, and figures after them. They share the memory of both. */
+static enum status list_drawn(struct view *view, struct render_params *params)
 {
+	const struct world *world = view->world;
+	const size_t objects = world->scene->object_count, figures = world->figures.count;
+	if (figures == 0)
+		return STATUS_OK;
+	view->drawn = mem_calloc(objects + figures, sizeof *view->drawn);
+	if (view->drawn == NULL)
+		return fail_memory("the view");
+	if (objects > 0)
+		memcpy(view->drawn, world->scene->objects, objects * sizeof *view->drawn);
+	memcpy(view->drawn + objects, world->figures.list, figures * sizeof *view->drawn);
+	params->objects = view->drawn;
+	params->object_count = objects + figures;
+	return STATUS_OK;
+}
+
+static enum status make_render(struct view *view, bool watched, struct render **out)
+{
+	const struct world *world = view->world;
 	struct render_params params;
 	render_view_params(world, &params);
+	enum status status = list_drawn(view, &params);
+	if (status != STATUS_OK)
+		return status;
 	params.gpu = world->gpu;
 	params.slots = world->slots;
 	params.reference = resident_ground_reference(world->store);
@@ -246,7 +268,7 @@ enum status render_view_create(struct world *world, bool watched, struct view **
 	if (status == STATUS_OK)
 		view->reach = render_view_find_reach(world);
 	if (status == STATUS_OK)
-		status = make_render(world, watched, &view->render);
+		status = make_render(view, watched, &view->render);
 	if (status == STATUS_OK && scene->view.pixel_error > 0)
 		status = render_view_errors_create(world, &view->errors);
 	if (status == STATUS_OK && (world->was_deformed || scene->hosted)) /* a host may make its view late */
@@ -272,6 +294,7 @@ void render_view_destroy(struct view *view)
 	key_set_finish(&view->seen);
 	key_cache_finish(&view->ranges);
 	render_view_errors_destroy(view->errors);
+	mem_free(view->drawn);
 	mem_free(view->selection);
 	mem_free(view->now);
 	mem_free(view->missing);

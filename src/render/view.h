@@ -32,6 +32,7 @@ struct view {
 	bool watched;             /* somebody watches every picture, as in a window */
 	bool at_steps;            /* true: only every scene.view.images-th step has a picture; false: any step may have one */
 	uint64_t frames;          /* pictures drawn */
+	struct scene_object *drawn; /* the scene's objects and the world's figures; NULL: there are no figures */
 	struct render *render;
 	struct key_set deformed;  /* tiles that had offsets, or a finer tile with offsets, before the drive; 11 to 21 bytes each */
 	/* for each tile that this drive changed: bounds of the offsets that its contacts may have left */

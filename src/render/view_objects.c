@@ -47,7 +47,8 @@ enum status render_view_set_objects(struct view *view, bool settled)
 	const struct scene *scene = world->scene;
 	if (!render_shows_objects(view->render))
 		return STATUS_OK;
-	struct render_object *objects = mem_alloc(scene->object_count, sizeof *objects);
+	const struct world_figures *figures = &world->figures;
+	struct render_object *objects = mem_alloc(scene->object_count + figures->count, sizeof *objects);
 	if (objects == NULL)
 		return fail_memory("the picture's objects");
 	size_t count = 0;
@@ -71,6 +72,11 @@ enum status render_view_set_objects(struct view *view, bool settled)
 				.roll = point.roll,
 				.turned = turned_at(body, &point),
 			};
+	}
+	for (size_t i = 0; i < figures->count && status == STATUS_OK; i++) {
+		struct render_object figure = {.object = scene->object_count + i, .posed = true};
+		if (figures->place(figures->user, i, figure.at, figure.axes))
+			objects[count++] = figure;
 	}
 	if (status == STATUS_OK)
 		render_set_objects(view->render, objects, count);

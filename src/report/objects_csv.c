@@ -25,7 +25,7 @@ static enum status failed(const struct report_rows *rows)
 static enum status write_row(void *user, const struct world_row *row)
 {
 	const struct report_rows *rows = user;
-	const struct scene_object *object = rows->world->bodies[row->body].object;
+	const struct scene_object *object = row->object;
 	const struct world_force *force = &row->force;
 	static const char *const states[DEFORM_STATES] = {
 		[DEFORM_TOUCHING] = "touching", [DEFORM_SLIDES] = "slides", [DEFORM_SUNK] = "sunk", [DEFORM_AIR] = "air",
@@ -36,7 +36,7 @@ static enum status write_row(void *user, const struct world_row *row)
 		snprintf(load, sizeof load, "%.9g", object->load);
 	int printed = fprintf(rows->file, "%.9g,%s,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%s,%s,%s,%.9g\n", row->time, object->name,
 			      row->position[0], row->position[1], row->position[2], force->sinkage, force->force[0], force->force[1],
-			      force->force[2], force->moment[0], force->moment[1], force->moment[2], object->slip, force->area, load, soil,
+			      force->force[2], force->moment[0], force->moment[1], force->moment[2], row->slip, force->area, load, soil,
 			      states[force->state], force->residual);
 	return printed > 0 ? STATUS_OK : failed(rows);
 }
@@ -81,7 +81,7 @@ enum status report_rows_open(const struct world *world, const char *directory, s
 	char path[4096];
 	*out = NULL;
 	snprintf(path, sizeof path, "%s/objects.csv", directory);
-	if (world->scene->object_count == 0 || world->scene->forces == 0) {
+	if (world->scene->object_count + world->scene->vehicle_count == 0 || world->scene->forces == 0) {
 		unlink(path); /* another run's */
 		return STATUS_OK;
 	}

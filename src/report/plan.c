@@ -99,7 +99,12 @@ enum status report_plan(const struct scene *scene, const char *store, struct rep
 	if (path == NULL && scene->store != NULL && (out->missing = mem_strdup(scene->store)) == NULL)
 		return fail_memory("the plan");
 	scene_unwatched(scene, &driven);
-	enum status status = world_prepare_plan(&world, &driven, path, &assumed);
+	enum status status = vehicle_load(scene, &out->vehicles);
+	if (status != STATUS_OK) {
+		report_plan_finish(out);
+		return status;
+	}
+	status = world_prepare_plan(&world, &driven, path, &assumed);
 	if (status == STATUS_OK && path != NULL && (out->store = mem_strdup(path)) == NULL)
 		status = fail_memory("the plan");
 	if (status == STATUS_OK)
@@ -118,6 +123,7 @@ void report_plan_finish(struct report_plan *plan)
 	for (size_t i = 0; i < plan->note_count; i++)
 		mem_free(plan->notes[i]);
 	mem_free(plan->notes);
+	vehicle_destroy(plan->vehicles);
 	mem_free(plan->samples);
 	mem_free(plan->store);
 	mem_free(plan->missing);

@@ -169,6 +169,27 @@ static void add_objects(cJSON *root, const struct report *report)
 	}
 }
 
+static void add_vehicles(cJSON *root, const struct report *report)
+{
+	if (report->vehicles == NULL)
+		return;
+	cJSON *vehicles = cJSON_AddObjectToObject(root, "vehicles");
+	for (size_t i = 0; i < vehicle_count(report->vehicles); i++) {
+		struct vehicle_info info;
+		vehicle_info(report->vehicles, i, &info);
+		cJSON *vehicle = cJSON_AddObjectToObject(vehicles, info.name);
+		json_number(vehicle, "mass", info.mass);
+		json_integer(vehicle, "soil_geoms", (int64_t)info.geom_count);
+		json_number(vehicle, "largest_step", info.largest_step);
+		json_number(vehicle, "settled_after", info.settled ? info.settle_seconds : (double)NAN);
+		json_number(vehicle, "distance", info.distance);
+		json_number(vehicle, "kinetic", info.kinetic);
+		json_number(vehicle, "work", info.work);
+		cJSON_AddBoolToObject(vehicle, "arrived", info.arrived);
+		json_number(vehicle, "stuck_since", info.stuck ? info.stuck_at : (double)NAN);
+	}
+}
+
 /* Every number of the soils, in the scene's units. None if no model reads a soil. */
 static void add_soils(cJSON *root, const struct report *report)
 {
@@ -317,6 +338,7 @@ char *report_json(const struct report *report, const char *ended)
 	json_integer(root, "working_level", report->world->level);
 	add_volume(root, report, &io);
 	add_objects(root, report);
+	add_vehicles(root, report);
 	add_soils(root, report);
 	add_rasters(root, report);
 	if (report->world->pages != NULL)

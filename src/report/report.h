@@ -10,6 +10,7 @@
 #include "base/base.h"
 #include "base/times.h"
 #include "render/render.h"
+#include "vehicle/vehicle.h"
 #include "world/world.h"
 
 struct cJSON;
@@ -19,6 +20,7 @@ struct report {
 	const struct world *world;
 	const struct view *view;         /* NULL: there is no view, or nobody asked for a picture of it */
 	struct pictures *pictures;       /* NULL: none are written */
+	const struct vehicles *vehicles; /* NULL: there are none */
 	struct times step_ms, frame_ms;  /* a frame is a step and its picture, or a step alone if none is drawn */
 	struct stalls stalls_settled;    /* in the first second of the loop; complete once `settled` */
 	bool settled;
@@ -49,6 +51,15 @@ void report_rows_close(struct report_rows *rows); /* takes NULL */
 /* Returns what world.rows takes, valid until the rows are closed. NULL for NULL. */
 const struct world_rows *report_rows_sink(const struct report_rows *rows);
 
+/* --- vehicles.csv --- */
+
+struct report_vehicles;
+/* Opens DIRECTORY/vehicles.csv, as report_rows_open opens objects.csv. */
+enum status report_vehicles_open(const struct world *world, const struct vehicles *vehicles, const char *directory,
+				 struct report_vehicles **out) FURROW_CHECKED;
+void report_vehicles_close(struct report_vehicles *rows); /* takes NULL */
+const struct vehicle_rows *report_vehicles_sink(const struct report_vehicles *rows); /* NULL for NULL */
+
 /* --- the plan --- */
 
 /*
@@ -76,6 +87,7 @@ struct report_plan {
 	uint64_t *samples;   /* path samples of each object, until end_time */
 	struct world_raster rasters[DEFORM_RASTERS]; /* as the store's posts get them. Paths are the scene's */
 	int raster_count;     /* 0: there is none, or no store */
+	struct vehicles *vehicles; /* loaded; NULL: there are none. The plan's lines do not count their soil geoms */
 	char **notes;         /* texts of scene_advise, and those about the store: "KEY: WHY; WHAT TO DO" */
 	size_t note_count;
 };

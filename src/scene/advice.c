@@ -104,7 +104,7 @@ static double path_fastest(const struct scene *scene, const struct scene_path *p
 
 static bool all_stand_still(const struct scene *scene)
 {
-	if (scene->hosted)
+	if (scene_moves_bodies(scene))
 		return false; /* more may come */
 	for (size_t i = 0; i < scene->object_count; i++)
 		if (!is_fixed(&scene->objects[i].path))
@@ -143,12 +143,12 @@ static void advise_time(const struct adviser *adviser)
 	double last = 0;
 	for (size_t i = 0; i < scene->object_count; i++)
 		last = fmax(last, path_end(scene, &scene->objects[i].path));
-	if (scene->object_count > 0 && !scene->hosted && !moves_soil(scene) && !all_stand_still(scene) && scene->end_time >= last + 2 * scene->time_step)
+	if (scene->object_count > 0 && !scene_moves_bodies(scene) && !moves_soil(scene) && !all_stand_still(scene) && scene->end_time >= last + 2 * scene->time_step)
 		advise(adviser, "end_time: the last object is at its path's end after %.6g s, and nothing changes until %g s; end "
 				"then, or give a longer path",
 		       last, scene->end_time);
-	/* No model reads it: loads are newtons, soil has a unit weight. */
-	if (scene->gravity != scene_absent("gravity"))
+	/* Vehicles alone have weight: loads are newtons, soil has a unit weight. */
+	if (scene->vehicle_count == 0 && scene->gravity != scene_absent("gravity"))
 		advise(adviser, "gravity: %g m/s2 changes nothing: a load is in N, and a soil has its unit_weight; give those for "
 				"where it is, and take gravity away",
 		       scene->gravity);
@@ -158,7 +158,7 @@ static void advise_time(const struct adviser *adviser)
 static void advise_without_objects(const struct adviser *adviser)
 {
 	const struct scene *scene = adviser->scene;
-	if (scene->object_count > 0 || scene->hosted)
+	if (scene->object_count > 0 || scene_moves_bodies(scene))
 		return;
 	if (scene->coordinates != SCENE_LOCAL)
 		advise(adviser, "coordinates: are of paths, and there is none; add an object, or take them away");
@@ -330,7 +330,7 @@ static void advise_forces(const struct adviser *adviser)
 	double fastest = 0;
 	for (size_t i = 0; i < scene->object_count; i++)
 		fastest = fmax(fastest, path_fastest(scene, &scene->objects[i].path));
-	if (scene->object_count == 0 || scene->forces == 0)
+	if (scene->object_count == 0 || scene->vehicle_count > 0 || scene->forces == 0)
 		return;
 	double samples = adviser->spacing > 0 || fastest == 0 ? fastest / fmax(adviser->spacing, 1e-9) : INFINITY;
 	if (scene->forces > samples && samples > 0)
@@ -362,7 +362,7 @@ static void advise_view(const struct adviser *adviser)
 	if ((view->effects >> EFFECT_DETAIL & 1) != 0 && (view->effects >> EFFECT_TEXTURE & 1) == 0)
 		advise(adviser, "view.effects.detail: is the grain of the texture, which is not drawn; add texture, or take it away");
 	bool objects = view->effects >> EFFECT_OBJECTS & 1, shadow = view->effects >> EFFECT_SHADOW & 1;
-	bool none = scene->object_count == 0 && !scene->hosted;
+	bool none = scene->object_count == 0 && !scene_moves_bodies(scene);
 	if (none && objects)
 		advise(adviser, "view.effects.objects: draws objects, and there is none; add one, or take it away");
 	if (none && shadow)

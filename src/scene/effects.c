@@ -187,7 +187,7 @@ static uint64_t view_effects(const struct scene *scene)
 {
 	uint64_t always = EFFECT_BIT(EFFECT_PICTURE) | EFFECT_BIT(EFFECT_NORMALS) | EFFECT_BIT(EFFECT_PYRAMID);
 	uint64_t named = scene->view.effects;
-	if ((scene->object_count == 0 && !scene->hosted) || !(named & EFFECT_BIT(EFFECT_OBJECTS)))
+	if ((scene->object_count == 0 && !scene_moves_bodies(scene)) || !(named & EFFECT_BIT(EFFECT_OBJECTS)))
 		named &= ~(EFFECT_BIT(EFFECT_OBJECTS) | EFFECT_BIT(EFFECT_SHADOW)); /* of nothing */
 	return named | always | (scene->view.images > 0 ? EFFECT_BIT(EFFECT_IMAGES) : 0) |
 	       (scene->view.pixel_error > 0 ? EFFECT_BIT(EFFECT_PIXEL_ERROR) : 0) |
@@ -200,10 +200,15 @@ bool scene_draws_classes(const struct scene *scene)
 	return scene->view.present && (scene->view.effects & both) == both && scene->soil_map != NULL;
 }
 
+bool scene_moves_bodies(const struct scene *scene)
+{
+	return scene->hosted || scene->vehicle_count > 0;
+}
+
 uint64_t scene_effects(const struct scene *scene, int level)
 {
 	uint64_t effects = 0;
-	if (scene->object_count > 0 || scene->hosted)
+	if (scene->object_count > 0 || scene_moves_bodies(scene))
 		effects |= object_effects(scene);
 	if (scene->view.present)
 		effects |= view_effects(scene);

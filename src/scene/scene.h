@@ -108,6 +108,33 @@ struct scene_object {
 	struct deform_interface interface; /* for models that compute forces */
 };
 
+/* What sets the controls of a vehicle's actuators. SCENE_IDLE: nothing; all controls are 0. */
+enum scene_driver { SCENE_IDLE, SCENE_FOLLOW, SCENE_CONTROLS, SCENE_HOLD };
+
+/* A list of texts. */
+struct scene_texts {
+	char **list;
+	size_t count;
+};
+
+/* A vehicle: a model whose motion MuJoCo computes. Names of geoms and actuators are known only when the model is read. */
+struct scene_vehicle {
+	char *name;
+	char *model;            /* path, resolved relative to the scene's file */
+	uint64_t model_hash[2]; /* hash of the model's bytes; files that the model names are not in it */
+	double at[2], yaw;      /* where it starts: in the unit of `coordinates`; rad from east to north */
+	struct scene_texts soil;         /* patterns of the geoms that touch the ground; none: all that collide */
+	enum scene_driver driver;
+	double (*points)[2];    /* SCENE_FOLLOW: its way, in the unit of `coordinates` */
+	size_t point_count;
+	double speed;           /* SCENE_FOLLOW: m/s */
+	struct scene_texts steer, drive; /* SCENE_FOLLOW: patterns of actuators */
+	char *controls;         /* SCENE_CONTROLS: path of a table in time */
+	uint64_t controls_hash[2];
+	struct scene_texts held;         /* SCENE_HOLD: names of actuators, and their controls: */
+	double *values;
+};
+
 /* The light of pictures. */
 struct scene_light {
 	enum scene_body body;
@@ -124,7 +151,8 @@ struct scene_view {
 	bool left_out;         /* scene_unwatched left this view out */
 	int width, height;
 	enum scene_camera_kind camera;
-	int target_object;     /* chase, overhead: index of the object */
+	int target_object;     /* chase, overhead: index of the object, */
+	int target_vehicle;    /* or of the vehicle; -1: it is an object */
 	double back, up;       /* of a chase camera, in metres */
 	double over_height;    /* of an overhead camera, in metres */
 	double eye[3], target[3]; /* of a fixed camera, in local metres */
@@ -177,6 +205,10 @@ struct scene {
 	enum scene_outside outside;
 	struct scene_object *objects;
 	size_t object_count;
+	struct scene_vehicle *vehicles;
+	size_t vehicle_count;
+	double stuck_after, stuck_below; /* s, m/s: a vehicle that is slower for so long is stuck; 0: nobody asks */
+	double vehicle_rows; /* rows of vehicles.csv for each second of simulated time; 0: none */
 	double forces;      /* rows of objects.csv for each second of simulated time; 0: none */
 	int forces_delay;   /* steps after which forces are read back from the GPU; 0: read at once, and wait for them */
 	struct scene_view view;
@@ -249,6 +281,8 @@ void scene_object_finish(struct scene_object *object);
 uint64_t scene_effects(const struct scene *scene, int level);
 /* Returns those of EFFECT_MESH, EFFECT_GROUSERS and EFFECT_LOAD that this object uses. */
 uint64_t scene_object_effects(const struct scene_object *object);
+/* Returns true if bodies without a path may come: those of a host, or geoms of vehicles. */
+bool scene_moves_bodies(const struct scene *scene);
 /* Copies the scene as it is run without a window: the view is left out unless pictures are written. `out` shares the memory of
  * `scene`, so do not destroy `out`. */
 void scene_unwatched(const struct scene *scene, struct scene *out);

@@ -93,6 +93,7 @@ static enum status check_output(const struct scene_tree *tree, const struct raw_
 {
 	if (output == NULL)
 		return STATUS_OK;
+	scene->vehicle_rows = output->vehicles != NULL ? *output->vehicles : 0;
 	if (output->forces == NULL && output->delay != NULL)
 		return scene_error(tree->file, scene_tree_find(tree, "output.delay"),
 				   "is of forces, and none are asked for; allowed with: forces");
@@ -161,6 +162,7 @@ enum status scene_check(const struct scene_tree *tree, const struct raw_scene *r
 	    (status = check_attributes(tree, raw, scene)) != STATUS_OK ||
 	    (status = check_output(tree, raw->output, scene)) != STATUS_OK ||
 	    (status = scene_check_objects(tree, raw, scene)) != STATUS_OK ||
+	    (status = scene_check_vehicles(tree, raw, scene)) != STATUS_OK ||
 	    (status = scene_check_view(tree, raw, scene)) != STATUS_OK ||
 	    (status = scene_check_soil(tree, raw, scene)) != STATUS_OK ||
 	    (status = scene_check_units(tree, raw, scene)) != STATUS_OK)

@@ -32,6 +32,9 @@ enum status scene_check_shape(const struct scene_tree *tree, const struct raw_sh
  * one of its tree. */
 enum status scene_check_bearing(const struct scene_tree *tree, const struct scene *scene,
 				const struct scene_object *object) FURROW_CHECKED;
+/* Checks the vehicles, and when one is stuck. Call it after scene_check_objects, whose names they may not have. */
+enum status scene_check_vehicles(const struct scene_tree *tree, const struct raw_scene *raw, struct scene *scene) FURROW_CHECKED;
+void scene_vehicle_finish(struct scene_vehicle *vehicle);
 /* Call this after scene_check_objects. */
 enum status scene_check_soil(const struct scene_tree *tree, const struct raw_scene *raw,
 			     struct scene *scene) FURROW_CHECKED;

@@ -95,8 +95,44 @@ static enum status fold_soil(const struct scene_tree *tree)
 	return status;
 }
 
+/* `drive_1: 2.5` is `{actuator: drive_1, value: 2.5}`. */
+static enum status fold_control(struct scene_node *control)
+{
+	char *text = control->text, *key = control->key;
+	if (control->kind != SCENE_SCALAR)
+		return STATUS_OK;
+	control->text = NULL;
+	control->key = NULL; /* in a list */
+	control->kind = SCENE_MAPPING;
+	enum status status = add_text(control, "actuator", key, true);
+	if (status == STATUS_OK)
+		return add_text(control, "value", text, control->plain);
+	mem_free(text);
+	return status;
+}
+
+static enum status fold_vehicles(const struct scene_tree *tree)
+{
+	struct scene_node *vehicles = scene_node_child(tree->root, "vehicles");
+	enum status status = STATUS_OK;
+	if (vehicles == NULL || vehicles->kind != SCENE_SEQUENCE)
+		return STATUS_OK;
+	for (struct scene_node *vehicle = vehicles->first; vehicle != NULL && status == STATUS_OK; vehicle = vehicle->next) {
+		struct scene_node *driver = vehicle->kind == SCENE_MAPPING ? scene_node_child(vehicle, "driver") : NULL;
+		struct scene_node *hold = driver != NULL && driver->kind == SCENE_MAPPING ? scene_node_child(driver, "hold") : NULL;
+		if (hold == NULL || hold->kind != SCENE_MAPPING)
+			continue;
+		for (struct scene_node *node = hold->first; node != NULL && status == STATUS_OK; node = node->next)
+			status = fold_control(node);
+		hold->kind = SCENE_SEQUENCE;
+	}
+	return status;
+}
+
 enum status scene_fold(struct scene_tree *tree)
 {
 	enum status status = fold_cameras(tree);
-	return status != STATUS_OK ? status : fold_soil(tree);
+	if (status == STATUS_OK)
+		status = fold_soil(tree);
+	return status == STATUS_OK ? fold_vehicles(tree) : status;
 }

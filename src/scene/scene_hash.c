@@ -113,6 +113,38 @@ static void add_object_more(XXH3_state_t *state, size_t index, const struct scen
 		add_mesh(state, index, object->mesh);
 }
 
+static void add_texts(XXH3_state_t *state, const struct scene_texts *texts)
+{
+	add_whole(state, texts->count);
+	for (size_t i = 0; i < texts->count; i++)
+		add_text(state, texts->list[i]);
+}
+
+static void add_vehicle(XXH3_state_t *state, size_t index, const struct scene_vehicle *vehicle)
+{
+	add_part(state, 'v', index);
+	add_text(state, vehicle->name);
+	for (int i = 0; i < 2; i++) {
+		add_whole(state, vehicle->model_hash[i]);
+		add_whole(state, vehicle->controls_hash[i]);
+		add_number(state, vehicle->at[i]);
+	}
+	add_number(state, vehicle->yaw);
+	add_whole(state, (uint64_t)vehicle->driver);
+	add_number(state, vehicle->speed);
+	add_whole(state, vehicle->point_count);
+	for (size_t i = 0; i < vehicle->point_count; i++) {
+		add_number(state, vehicle->points[i][0]);
+		add_number(state, vehicle->points[i][1]);
+	}
+	add_texts(state, &vehicle->soil);
+	add_texts(state, &vehicle->steer);
+	add_texts(state, &vehicle->drive);
+	add_texts(state, &vehicle->held);
+	for (size_t i = 0; i < vehicle->held.count; i++)
+		add_number(state, vehicle->values[i]);
+}
+
 /*
  * What a soil has no number for was filled in from another soil when hashes were first kept. It counts as that still, so that
  * drives of then can be resumed. No model reads it.
@@ -204,6 +236,8 @@ enum status scene_hash(struct scene *scene)
 		add_object_more(state, i, &scene->objects[i]);
 	if (deform_model_row(scene->model)->numbers != NULL) /* others may have soils to be drawn */
 		add_soils(state, scene);
+	for (size_t i = 0; i < scene->vehicle_count; i++)
+		add_vehicle(state, i, &scene->vehicles[i]);
 	XXH128_hash_t hash = XXH3_128bits_digest(state);
 	XXH3_freeState(state);
 	snprintf(scene->hash, sizeof scene->hash, "%016llx%016llx", (unsigned long long)hash.high64,

@@ -118,6 +118,9 @@ void scene_destroy(struct scene *scene)
 		return;
 	for (size_t i = 0; i < scene->object_count; i++)
 		scene_object_finish(&scene->objects[i]);
+	for (size_t i = 0; i < scene->vehicle_count; i++)
+		scene_vehicle_finish(&scene->vehicles[i]);
+	mem_free(scene->vehicles);
 	for (size_t i = 0; i < scene->unused_count; i++)
 		mem_free(scene->unused[i]);
 	mem_free(scene->unused);

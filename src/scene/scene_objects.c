@@ -178,10 +178,10 @@ enum status scene_check_objects(const struct scene_tree *tree, const struct raw_
 {
 	size_t count = raw->objects_count;
 	if (count == 0) {
-		if (raw->view != NULL || scene->hosted)
+		if (raw->view != NULL || raw->vehicles_count > 0 || scene->hosted)
 			return STATUS_OK;
 		return scene_error(tree->file, scene_tree_find(tree, "objects"),
-				   "no object and no view; needed: objects, a view, or both");
+				   "no object and no view or vehicle; needed: objects, vehicles or a view");
 	}
 	scene->objects = mem_calloc(count, sizeof *scene->objects);
 	if (scene->objects == NULL)

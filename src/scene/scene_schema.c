@@ -161,6 +161,7 @@ static const cyaml_schema_field_t redistribute_fields[] = {
 static const cyaml_schema_field_t output_fields[] = {
 	CYAML_FIELD_FLOAT_PTR("forces", OPTIONAL, struct raw_output, forces),
 	CYAML_FIELD_INT_PTR("delay", OPTIONAL, struct raw_output, delay),
+	CYAML_FIELD_FLOAT_PTR("vehicles", OPTIONAL, struct raw_output, vehicles),
 	CYAML_FIELD_END,
 };
 static const cyaml_schema_field_t overhead_fields[] = {
@@ -205,6 +206,47 @@ static const cyaml_schema_field_t cache_fields[] = {
 	CYAML_FIELD_FLOAT_PTR("prefetch", OPTIONAL, struct raw_cache, prefetch),
 	CYAML_FIELD_END,
 };
+static const cyaml_schema_field_t start_fields[] = {
+	CYAML_FIELD_SEQUENCE_FIXED("at", NEEDED, struct raw_start, at, &float_entry, 2),
+	CYAML_FIELD_FLOAT_PTR("yaw", OPTIONAL, struct raw_start, yaw),
+	CYAML_FIELD_END,
+};
+static const cyaml_schema_field_t way_fields[] = {
+	CYAML_FIELD_SEQUENCE("points", CYAML_FLAG_POINTER, struct raw_way, points, &point_entry, 1, CYAML_UNLIMITED),
+	CYAML_FIELD_FLOAT("speed", NEEDED, struct raw_way, speed),
+	CYAML_FIELD_END,
+};
+static const cyaml_schema_field_t control_fields[] = {
+	CYAML_FIELD_STRING_PTR("actuator", NEEDED, struct raw_control, actuator, 1, 256),
+	CYAML_FIELD_FLOAT("value", NEEDED, struct raw_control, value),
+	CYAML_FIELD_END,
+};
+static const cyaml_schema_value_t control_entry = {
+	CYAML_VALUE_MAPPING(CYAML_FLAG_DEFAULT, struct raw_control, control_fields)};
+static const cyaml_schema_value_t pattern_entry = {CYAML_VALUE_STRING(CYAML_FLAG_POINTER, char *, 1, 256)};
+static const cyaml_schema_field_t driver_fields[] = {
+	CYAML_FIELD_MAPPING_PTR("path", OPTIONAL, struct raw_driver, path, way_fields),
+	CYAML_FIELD_SEQUENCE("steer", OPTIONAL_POINTER, struct raw_driver, steer, &pattern_entry, 0, 256),
+	CYAML_FIELD_SEQUENCE("drive", OPTIONAL_POINTER, struct raw_driver, drive, &pattern_entry, 1, 256),
+	CYAML_FIELD_STRING_PTR("controls", OPTIONAL, struct raw_driver, controls, 1, 4096),
+	CYAML_FIELD_SEQUENCE("hold", OPTIONAL_POINTER, struct raw_driver, hold, &control_entry, 1, 256),
+	CYAML_FIELD_END,
+};
+static const cyaml_schema_field_t vehicle_fields[] = {
+	CYAML_FIELD_STRING_PTR("name", NEEDED, struct raw_vehicle, name, 1, 64),
+	CYAML_FIELD_STRING_PTR("model", NEEDED, struct raw_vehicle, model, 1, 4096),
+	CYAML_FIELD_MAPPING("start", NEEDED, struct raw_vehicle, start, start_fields),
+	CYAML_FIELD_SEQUENCE("soil", OPTIONAL_POINTER, struct raw_vehicle, soil, &pattern_entry, 1, 256),
+	CYAML_FIELD_MAPPING_PTR("driver", OPTIONAL, struct raw_vehicle, driver, driver_fields),
+	CYAML_FIELD_END,
+};
+static const cyaml_schema_value_t vehicle_entry = {
+	CYAML_VALUE_MAPPING(CYAML_FLAG_DEFAULT, struct raw_vehicle, vehicle_fields)};
+static const cyaml_schema_field_t stuck_fields[] = {
+	CYAML_FIELD_FLOAT("after", NEEDED, struct raw_stuck, after),
+	CYAML_FIELD_FLOAT("below", NEEDED, struct raw_stuck, below),
+	CYAML_FIELD_END,
+};
 static const cyaml_schema_field_t scene_fields[] = {
 	CYAML_FIELD_INT_PTR("scene", OPTIONAL, struct raw_scene, scene),
 	CYAML_FIELD_STRING_PTR("store", OPTIONAL, struct raw_scene, store, 1, 4096),
@@ -221,6 +263,8 @@ static const cyaml_schema_field_t scene_fields[] = {
 	CYAML_FIELD_ENUM_PTR("outside", OPTIONAL, struct raw_scene, outside, outside_words, 2),
 	CYAML_FIELD_SEQUENCE("objects", OPTIONAL_POINTER, struct raw_scene, objects, &object_entry,
 			     0, 4096),
+	CYAML_FIELD_SEQUENCE("vehicles", OPTIONAL_POINTER, struct raw_scene, vehicles, &vehicle_entry, 0, 64),
+	CYAML_FIELD_MAPPING_PTR("stuck", OPTIONAL, struct raw_scene, stuck, stuck_fields),
 	CYAML_FIELD_MAPPING_PTR("output", OPTIONAL, struct raw_scene, output, output_fields),
 	CYAML_FIELD_MAPPING_PTR("view", OPTIONAL, struct raw_scene, view, view_fields),
 	CYAML_FIELD_MAPPING_PTR("cache", OPTIONAL, struct raw_scene, cache, cache_fields),
@@ -290,6 +334,14 @@ static const struct scene_limit limits[] = {
 	{"objects[].interface.adhesion", 0, 1e9, false, NULL, "Pa", NAN, "the soil's cohesion"},
 	{"output.forces", 0, 1e6, false, NULL, "1/s", 0, NULL},
 	{"output.delay", 0, 64, false, NULL, "steps", 2, NULL},
+	{"output.vehicles", 0, 1e6, false, NULL, "1/s", 0, NULL},
+	{"vehicles[].start.at[]", -1e9, 1e9, false, NULL, "m", NAN, NULL},
+	{"vehicles[].start.yaw", -36000, 36000, false, NULL, "degrees", 0, NULL},
+	{"vehicles[].driver.path.points[][]", -1e9, 1e9, false, NULL, "m", NAN, NULL},
+	{"vehicles[].driver.path.speed", 0, 1000, true, NULL, "m/s", NAN, NULL},
+	{"vehicles[].driver.hold[].value", -1e12, 1e12, false, NULL, NULL, NAN, NULL},
+	{"stuck.after", 0, 1e9, true, NULL, "s", NAN, NULL},
+	{"stuck.below", 0, 1000, true, NULL, "m/s", NAN, NULL},
 	{"view.size[]", 1, 8192, false, NULL, "pixels", NAN, "1280, 720"},
 	{"view.camera.back", 0, 1e6, false, NULL, "m", 12, NULL},
 	{"view.camera.up", 0, 1e6, false, NULL, "m", 5, NULL},

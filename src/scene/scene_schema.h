@@ -90,6 +90,7 @@ struct raw_redistribute {
 struct raw_output {
 	double *forces;
 	int64_t *delay;
+	double *vehicles;
 };
 struct raw_overhead {
 	char *over;
@@ -124,6 +125,37 @@ struct raw_cache {
 	int64_t *slots, *loaders;
 	double *prefetch;
 };
+struct raw_start {
+	double at[2];
+	double *yaw; /* degrees */
+};
+struct raw_way {
+	double (*points)[2];
+	uint32_t points_count;
+	double speed;
+};
+struct raw_control {
+	char *actuator;
+	double value;
+};
+struct raw_driver {
+	struct raw_way *path;
+	char **steer, **drive; /* patterns of actuators' names */
+	uint32_t steer_count, drive_count;
+	char *controls;
+	struct raw_control *hold;
+	uint32_t hold_count;
+};
+struct raw_vehicle {
+	char *name, *model;
+	struct raw_start start;
+	char **soil; /* patterns of geoms' names */
+	uint32_t soil_count;
+	struct raw_driver *driver;
+};
+struct raw_stuck {
+	double after, below;
+};
 struct raw_scene {
 	int64_t *scene;
 	char *store;
@@ -137,6 +169,9 @@ struct raw_scene {
 	int *outside; /* enum scene_outside */
 	struct raw_object *objects;
 	uint32_t objects_count;
+	struct raw_vehicle *vehicles;
+	uint32_t vehicles_count;
+	struct raw_stuck *stuck;
 	struct raw_output *output;
 	struct raw_view *view;
 	struct raw_cache *cache;

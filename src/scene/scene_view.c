@@ -5,15 +5,22 @@
 #include "scene/scene_error.h"
 
 static enum status find_target(const struct scene_tree *tree, const struct scene *scene,
-			       const char *name, const char *key, int *target)
+			       const char *name, const char *key, struct scene_view *view)
 {
 	struct scene_list names = {.length = 0};
 	for (size_t i = 0; i < scene->object_count; i++) {
 		if (strcmp(scene->objects[i].name, name) == 0) {
-			*target = (int)i;
+			view->target_object = (int)i;
 			return STATUS_OK;
 		}
 		scene_list_add(&names, scene->objects[i].name);
+	}
+	for (size_t i = 0; i < scene->vehicle_count; i++) {
+		if (strcmp(scene->vehicles[i].name, name) == 0) {
+			view->target_vehicle = (int)i;
+			return STATUS_OK;
+		}
+		scene_list_add(&names, scene->vehicles[i].name);
 	}
 	return scene_error(tree->file, scene_tree_find(tree, "%s", key),
 			   "%s is no object; allowed: %s", scene_quote(name).text,
@@ -42,14 +49,12 @@ static enum status check_camera(const struct scene_tree *tree, const struct raw_
 		if (view->back == 0 && view->up == 0)
 			return scene_error(tree->file, node,
 					   "stands in its object; allowed: back or up above 0");
-		return find_target(tree, scene, raw->chase, "view.camera.chase",
-				   &view->target_object);
+		return find_target(tree, scene, raw->chase, "view.camera.chase", view);
 	}
 	if (raw->overhead != NULL) {
 		view->camera = SCENE_OVERHEAD;
 		view->over_height = raw->overhead->height;
-		return find_target(tree, scene, raw->overhead->over, "view.camera.overhead.over",
-				   &view->target_object);
+		return find_target(tree, scene, raw->overhead->over, "view.camera.overhead.over", view);
 	}
 	view->camera = SCENE_FIXED;
 	memcpy(view->eye, raw->fixed->eye, sizeof view->eye);
@@ -126,6 +131,7 @@ enum status scene_check_view(const struct scene_tree *tree, const struct raw_sce
 	if (raw->view == NULL)
 		return STATUS_OK;
 	view->present = true;
+	view->target_vehicle = -1;
 	view->width = raw->view->size != NULL ? (int)raw->view->size[0] : 1280;
 	view->height = raw->view->size != NULL ? (int)raw->view->size[1] : 720;
 	view->images = raw->view->images != NULL ? *raw->view->images : (int64_t)scene_absent("view.images");

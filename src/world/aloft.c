@@ -85,7 +85,7 @@ static enum status without_planes(struct world *world, const struct deform_windo
 bool world_asks_touched(const struct world *world)
 {
 	const struct scene *scene = world->scene;
-	bool rises = world->scene->hosted;
+	bool rises = scene_moves_bodies(world->scene);
 	for (size_t i = 0; i < scene->object_count; i++) {
 		const struct scene_object *object = &scene->objects[i];
 		rises = rises || (object->load == 0 && (object->path.has_z || object->sink < 0));

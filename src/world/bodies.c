@@ -5,26 +5,32 @@
 #include "dem/dem.h"
 #include "world/internal.h"
 
+enum status world_local_point(const struct world *world, const double from[2], double to[2])
+{
+	const struct scene *scene = world->scene;
+	to[0] = from[0];
+	to[1] = from[1];
+	if (scene->coordinates == SCENE_SRS) {
+		if (world->meta->srs[0] == '\0')
+			return fail_with(STATUS_INPUT, "coordinates: %s, but the store has no reference system; use local", scene->srs);
+		enum status status = dem_transform(scene->srs, world->meta->srs, 1, &to[0], &to[1]);
+		if (status != STATUS_OK)
+			return status;
+	}
+	if (scene->coordinates != SCENE_LOCAL) {
+		to[0] -= world->meta->origin[0];
+		to[1] -= world->meta->origin[1];
+	}
+	return STATUS_OK;
+}
+
 /* Converts the path's points to local metres. */
 static enum status local_points(const struct world *world, const struct scene_path *path, double (*points)[2])
 {
-	const struct scene *scene = world->scene;
 	for (size_t i = 0; i < path->count; i++) {
-		points[i][0] = path->points[i].x;
-		points[i][1] = path->points[i].y;
-		if (scene->coordinates == SCENE_SRS) {
-			if (world->meta->srs[0] == '\0')
-				return fail_with(STATUS_INPUT, "coordinates: %s, but the store has no reference system; use local",
-						 scene->srs);
-			enum status status =
-				dem_transform(scene->srs, world->meta->srs, 1, &points[i][0], &points[i][1]);
-			if (status != STATUS_OK)
-				return status;
-		}
-		if (scene->coordinates != SCENE_LOCAL) {
-			points[i][0] -= world->meta->origin[0];
-			points[i][1] -= world->meta->origin[1];
-		}
+		enum status status = world_local_point(world, (const double[]){path->points[i].x, path->points[i].y}, points[i]);
+		if (status != STATUS_OK)
+			return status;
 	}
 	return STATUS_OK;
 }
@@ -34,9 +40,10 @@ enum status world_make_bodies(struct world *world)
 	const struct scene *scene = world->scene;
 	world->bodies = mem_calloc(scene->object_count + 1, sizeof *world->bodies);
 	world->relaxation.rests = mem_calloc(scene->object_count + 1, sizeof *world->relaxation.rests);
-	world->record = mem_calloc(1, world_record_bytes(scene->object_count));
+	world->record = mem_calloc(1, world_record_bytes_with(scene->object_count, world->params.attached.count));
 	if (world->bodies == NULL || world->relaxation.rests == NULL || world->record == NULL)
 		return fail_memory("the objects");
+	world->record->attached_count = world->params.attached.count;
 	uint32_t loaded_bodies = 0;
 	for (size_t i = 0; i < scene->object_count; i++) {
 		struct body *body = &world->bodies[i];

@@ -5,7 +5,7 @@
 
 bool world_deforms(const struct world *world)
 {
-	return world->scene->object_count > 0 || world->scene->hosted;
+	return world->scene->object_count > 0 || scene_moves_bodies(world->scene);
 }
 
 /* Returns the most tiles that so many posts in a row can lie in, shared edges included. */
@@ -110,7 +110,7 @@ uint32_t world_step_pages(const struct world *world)
 {
 	/* Path samples that one step can have for an object, and the tiles that they can lie on. A way crosses at most two rows
 	 * and two columns more than its extent needs. */
-	double pages = world->scene->hosted ? WORLD_HOST_PAGES : 0, side = world->spacing * world->meta->extent.cells;
+	double pages = scene_moves_bodies(world->scene) ? WORLD_HOST_PAGES : 0, side = world->spacing * world->meta->extent.cells;
 	for (size_t i = 0; i < world->scene->object_count; i++) {
 		if (world->bodies[i].track == NULL)
 			continue;

@@ -53,7 +53,7 @@ static enum status save(struct world *world, struct checkpoint **out)
 		.time = world->time,
 		.intervals = world->relaxation.intervals,
 		.revision = world->changes.revision,
-		.record = copy_of(world->record, world_record_bytes(objects)),
+		.record = copy_of(world->record, world_record_bytes_with(objects, world->record->attached_count)),
 		.bodies = copy_of(world->bodies, (objects + 1) * sizeof *world->bodies),
 		.hosts = mem_calloc(world->hosts.count + 1, sizeof *saved->hosts),
 		.host_count = world->hosts.count,
@@ -164,7 +164,7 @@ enum status world_rollback(struct world *world)
 	world->step = saved->step;
 	world->time = saved->time;
 	world->relaxation.intervals = saved->intervals;
-	memcpy(world->record, saved->record, world_record_bytes(objects));
+	memcpy(world->record, saved->record, world_record_bytes_with(objects, world->record->attached_count));
 	memcpy(world->bodies, saved->bodies, (objects + 1) * sizeof *world->bodies);
 	restore_hosts(world, saved);
 	world_forces_restore(world->forces, saved->forces);

@@ -34,6 +34,7 @@ struct entry {
 	size_t object;
 	struct standing at;
 	bool ready;
+	double slip;
 	struct world_force force;
 };
 
@@ -74,7 +75,7 @@ enum status world_forces_create(struct world *world, struct forces **out)
 	const struct scene *scene = world->scene;
 	*out = NULL;
 	if (!(world->scene->hosted && world_feels(world)) &&
-	    (scene->object_count == 0 || (!world_asks_forces(world) && !any_load(scene))))
+	    ((scene->object_count == 0 && scene->vehicle_count == 0) || (!world_asks_forces(world) && !any_load(scene))))
 		return STATUS_OK;
 	struct forces *forces = mem_calloc(1, sizeof *forces);
 	if (forces == NULL)
@@ -139,13 +140,30 @@ static enum status add_entry(struct forces *forces, const struct entry *entry)
 	}
 	struct entry *added = &forces->entries[forces->count++];
 	*added = *entry;
+	if (entry->ready) /* of a quiet body */
+		return STATUS_OK;
 	size_t i = entry->object;
+	added->slip = forces->world->scene->objects[i].slip;
 	added->ready = entry->at.tag == 0 || forces->known_tag[i] == entry->at.tag;
 	if (added->ready && entry->at.tag != 0)
 		added->force = forces->known[i];
 	else if (added->ready)
 		added->force = world_no_force(entry->at.pose.z);
 	return STATUS_OK;
+}
+
+/* Adds the rows of quiet bodies, whose forces are known. */
+static enum status add_quiet(struct forces *forces, double t)
+{
+	const struct world *world = forces->world;
+	enum status status = STATUS_OK;
+	for (size_t i = 0; i < world->hosts.count && status == STATUS_OK; i++) {
+		const struct host_body *host = world->hosts.list[i];
+		if (host != NULL && host->quiet && host->placed)
+			status = add_entry(forces, &(struct entry){.step = world->step, .t = t, .object = world->scene->object_count + 1 + i,
+						   .at = {0, host->shown, true}, .ready = true, .slip = host->slip, .force = host->force});
+	}
+	return status;
 }
 
 enum status world_forces_rows(struct forces *forces, double until, bool inclusive)
@@ -160,6 +178,8 @@ enum status world_forces_rows(struct forces *forces, double until, bool inclusiv
 		for (size_t i = 0; i < forces->world->scene->object_count && status == STATUS_OK; i++)
 			if (forces->standing[i].placed)
 				status = add_entry(forces, &(struct entry){.step = forces->world->step, .t = t, .object = i, .at = forces->standing[i]});
+		if (status == STATUS_OK)
+			status = add_quiet(forces, t);
 		if (status != STATUS_OK)
 			return status;
 	}
@@ -170,6 +190,8 @@ uint64_t world_forces_ask(struct forces *forces, size_t object, const struct eve
 	if (forces == NULL)
 		return 0;
 	if (world_is_hosts(forces->world, object)) {
+		if (world_is_quiet(forces->world, object))
+			return 0;
 		const uint64_t tag = last_in_step ? ++forces->tag : 0;
 		if (last_in_step)
 			world_host_asked(forces->world, object, tag, event);
@@ -236,6 +258,8 @@ static enum status give_row(const struct forces *forces, const struct entry *ent
 	struct world_row row = {
 		.time = entry->t,
 		.body = entry->object,
+		.object = world_body_at(forces->world, entry->object)->object,
+		.slip = entry->slip,
 		.position = {lattice_offset_metres(pose->x), lattice_offset_metres(pose->y), lattice_offset_metres(entry->force.z)},
 		.force = entry->force,
 	};

@@ -200,10 +200,33 @@ static enum status feel(struct world *world, int32_t number, const struct deform
 	return STATUS_OK;
 }
 
+/* A quiet body changes the ground whenever it is set. A wheel turns by less than half a turn between two contacts. */
+static enum status step_quiet(struct world *world, int32_t number, double until)
+{
+	struct host_body *host = world_host_body(world, number);
+	const double began = host->since;
+	struct deform_pose to;
+	if (!host->has_next)
+		return STATUS_OK;
+	world_rotation_between(host->now.pose.orientation, host->next.pose.orientation, host->rotated);
+	host->now = host->next;
+	host->has_next = false;
+	enum status status = world_attitude(&host->body.object->shape, host->body.object->name, &host->now.pose, &to);
+	if (status != STATUS_OK)
+		return status;
+	host->turned = host->body.in_contact ? turn_between(host->body.last.turn, to.turn) : 0;
+	host->since = host->body.in_contact ? until - began : 0;
+	status = touch(world, number, &to, until);
+	host->since = until;
+	return status;
+}
+
 static enum status step_body(struct world *world, int32_t number, double seconds, double until)
 {
 	struct host_body *host = world_host_body(world, number);
 	struct deform_pose to;
+	if (host->quiet)
+		return step_quiet(world, number, until);
 	if (host->has_next)
 		host->now = host->next;
 	host->has_next = false;
@@ -295,6 +318,8 @@ void world_host_absent(struct world *world, size_t index)
 {
 	struct host_body *host = body_of(world, index);
 	host->tag = 0;
+	if (host->quiet)
+		return;
 	host->state = WORLD_AIR;
 	host->force = world_no_force(0);
 	host->told = world->hosts.until;

@@ -47,6 +47,7 @@ struct host_body *world_host_body(const struct world *world, int32_t number);
  * host's bodies by number. */
 struct body *world_body_at(const struct world *world, size_t index);
 bool world_is_hosts(const struct world *world, size_t index);
+bool world_is_quiet(const struct world *world, size_t index); /* a host's body whose caller computes its forces */
 /* --- host_steps.c --- */
 
 /* Moves the host's bodies to the places that the host gave. The motion takes `seconds` and ends at time `until`. */
@@ -66,6 +67,8 @@ enum status world_path_state(const struct world *world, size_t body, struct worl
 void world_probes_changed(struct world *world, struct post_rect rect);
 /* Reads the ground under all bodies that were probed, where it changed. Call it at the end of a step. Waits for the GPU. */
 enum status world_probes_refresh(struct world *world) FURROW_CHECKED;
+/* Gives the rotation from one attitude to another as a vector, rad. */
+void world_rotation_between(const double from[4], const double to[4], double rotated[3]);
 /* Notes a pose of a body between two contacts. */
 void world_probes_reach(struct host_body *host, const struct deform_pose *to);
 /* Computes the contact at the body's present state. Returns false if it is not known. */

@@ -5,7 +5,7 @@
 
 bool world_needs_rasters(const struct scene *scene)
 {
-	return scene->raster_count > 0 && (scene->object_count > 0 || scene->hosted);
+	return scene->raster_count > 0 && (scene->object_count > 0 || scene_moves_bodies(scene));
 }
 
 static struct scene_parameter parameter_of(enum deform_number number)
@@ -48,7 +48,7 @@ enum status world_open_rasters(struct world *world)
 	struct soil_rasters_params params = {
 		.count = scene->raster_count,
 		.loaders = scene->loaders,
-		.places = scene->hosted,
+		.places = scene_moves_bodies(scene),
 		.meta = world->meta,
 	};
 	if (!world_needs_rasters(scene))

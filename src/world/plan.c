@@ -45,14 +45,14 @@ enum status world_settle_level(struct world *world)
 unsigned world_planes(const struct scene *scene, bool was_deformed)
 {
 	unsigned planes = deform_planes(scene->model, scene->disturbance, scene->slip_sinkage > 0);
-	if (scene->object_count > 0 || scene->hosted)
+	if (scene->object_count > 0 || scene_moves_bodies(scene))
 		return planes;
 	return was_deformed && scene->view.present ? planes & GPU_DRAWN_PLANES : 0;
 }
 
 bool world_needs_soil_map(const struct scene *scene)
 {
-	return scene->soil_map != NULL && (scene->object_count > 0 || scene->hosted || scene_draws_classes(scene));
+	return scene->soil_map != NULL && (scene->object_count > 0 || scene_moves_bodies(scene) || scene_draws_classes(scene));
 }
 
 enum status world_open_soil_map(struct world *world)
@@ -62,7 +62,7 @@ enum status world_open_soil_map(struct world *world)
 		.path = scene->soil_map,
 		.classes = scene->soil_class,
 		.loaders = scene->loaders,
-		.places = scene->hosted || (scene->forces > 0 && scene->object_count > 0),
+		.places = scene_moves_bodies(scene) || (scene->forces > 0 && scene->object_count > 0),
 		.meta = world->meta,
 	};
 	return world_needs_soil_map(world->scene) ? resident_soil_map_open(&params, &world->soil_map) : STATUS_OK;
@@ -228,7 +228,7 @@ enum status world_plan_deform(const struct world *world, struct plan *plan)
 void world_plan_pages(const struct world *world, struct plan *plan)
 {
 	const struct scene *scene = world->scene;
-	const bool deforms = scene->object_count > 0;
+	const bool deforms = scene->object_count > 0 || scene->vehicle_count > 0;
 	const struct pages_planned planned = {
 		.cells = world->meta->extent.cells,
 		.planes = world_planes(scene, world->was_deformed),

@@ -114,8 +114,7 @@ void world_probes_free(struct world *world)
 
 /* --- probing --- */
 
-/* Returns the rotation from one attitude to another as a vector, rad. */
-static void rotation_between(const double from[4], const double to[4], double rotated[3])
+void world_rotation_between(const double from[4], const double to[4], double rotated[3])
 {
 	/* to * conjugate(from) */
 	double w = to[0] * from[0] + to[1] * from[1] + to[2] * from[2] + to[3] * from[3];
@@ -128,12 +127,12 @@ static void rotation_between(const double from[4], const double to[4], double ro
 		rotated[k] = by * v[k];
 }
 
-/* Poses are rounded; a probe is of the very place. */
+/* Poses are rounded; a probe is of the very place, to 2^-40 m. So its height above any post is exact, whatever else the mirror holds. */
 static void put_beyond(const struct world_pose *pose, struct deform_probe *probe)
 {
 	const int64_t place[3] = {probe->to.x, probe->to.y, probe->to.z};
 	for (int k = 0; k < 3; k++)
-		probe->beyond[k] = pose->position[k] - lattice_offset_metres(place[k]);
+		probe->beyond[k] = rint((pose->position[k] - lattice_offset_metres(place[k])) * 0x1p40) * 0x1p-40;
 }
 
 static void motion_of(const struct host_body *host, const struct world_state *state, const struct deform_pose *now,
@@ -148,7 +147,7 @@ static void motion_of(const struct host_body *host, const struct world_state *st
 		.stamped = host->stamped,
 		.turned = host->turned + remainder(to->turn - now->turn, 2 * M_PI),
 	};
-	rotation_between(host->now.pose.orientation, state->pose.orientation, probe->rotated);
+	world_rotation_between(host->now.pose.orientation, state->pose.orientation, probe->rotated);
 	for (int k = 0; k < 3; k++)
 		probe->rotated[k] += host->rotated[k];
 	put_beyond(&state->pose, probe);

@@ -16,6 +16,16 @@ size_t world_record_bytes(size_t objects)
 	return sizeof(struct record) + objects * sizeof(struct record_object);
 }
 
+size_t world_record_bytes_with(size_t objects, size_t attached)
+{
+	return world_record_bytes(objects) + attached * sizeof(double);
+}
+
+double *world_record_attached(struct record *record, size_t objects)
+{
+	return (double *)(void *)&record->objects[objects];
+}
+
 /* --- writing; each returns false when out of memory --- */
 
 static bool put_whole(cJSON *object, const char *name, int64_t value)
@@ -75,6 +85,23 @@ static bool put_active(cJSON *root, const struct record *record)
 	return whole;
 }
 
+/* "number;" for each attached number. Without any the record is as it was before there were any. */
+static bool put_attached(cJSON *root, const struct record *record, size_t objects)
+{
+	const size_t most = 32, count = record->attached_count;
+	const double *numbers = world_record_attached((struct record *)record, objects);
+	if (count == 0)
+		return true;
+	char *text = mem_alloc(count * most + 1, 1), *at = text;
+	if (text == NULL)
+		return false;
+	for (size_t i = 0; i < count; i++)
+		at += snprintf(at, most, "%a;", numbers[i]);
+	bool whole = cJSON_AddStringToObject(root, "attached", text) != NULL;
+	mem_free(text);
+	return whole;
+}
+
 char *world_record_print(const struct record *record, const struct scene *scene, const struct pages_sums *sums)
 {
 	cJSON *root = cJSON_CreateObject(), *objects;
@@ -86,6 +113,7 @@ char *world_record_print(const struct record *record, const struct scene *scene,
 		     put_whole(root, "slid", sums->slid) && put_active(root, record) && (objects = cJSON_AddArrayToObject(root, "objects")) != NULL;
 	for (size_t i = 0; i < scene->object_count && whole; i++)
 		whole = put_object(objects, &record->objects[i], scene->objects[i].name);
+	whole = whole && put_attached(root, record, scene->object_count);
 	char *printed = whole ? cJSON_PrintUnformatted(root) : NULL, *text = NULL;
 	cJSON_Delete(root);
 	if (printed != NULL)
@@ -200,6 +228,24 @@ static bool get_active(const cJSON *root, struct record *record)
 	return true;
 }
 
+static bool get_attached(const cJSON *root, size_t objects, struct record *record)
+{
+	const char *at = get_text(root, "attached");
+	double *numbers = world_record_attached(record, objects);
+	if (record->attached_count == 0)
+		return at == NULL;
+	if (at == NULL || strspn(at, "+-.0123456789abcdefpx;") != strlen(at))
+		return false;
+	for (size_t i = 0; i < record->attached_count; i++) {
+		char *end;
+		numbers[i] = strtod(at, &end);
+		if (end == at || *end != ';' || !isfinite(numbers[i]))
+			return false;
+		at = end + 1;
+	}
+	return *at == '\0';
+}
+
 enum status world_record_damaged(const char *store, const char *why)
 {
 	return fail_with(STATUS_INPUT, "%s: what its last drive left to go on from is damaged: %s; drive without --resume, "
@@ -261,6 +307,8 @@ enum status world_record_parse(const struct store_run *run, const char *store, c
 	enum status status = parse_root(root, store, record);
 	if (status == STATUS_OK)
 		status = parse_objects(cJSON_GetObjectItemCaseSensitive(root, "objects"), store, scene, record);
+	if (status == STATUS_OK && !get_attached(root, scene->object_count, record))
+		status = world_record_damaged(store, "the state of its vehicles");
 	cJSON_Delete(root);
 	return status;
 }

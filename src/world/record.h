@@ -36,15 +36,19 @@ struct record {
 	struct pages_sums sums; /* read from the store; not used for writing */
 	size_t active_count;  /* active blocks, where soil may still relax */
 	struct deform_block active[DEFORM_BLOCKS_MAX];
+	size_t attached_count; /* numbers that another part of the run keeps (struct world_attached); they follow the objects */
 	struct record_object objects[]; /* one for each of the scene's objects, in its order */
 };
 
 size_t world_record_bytes(size_t objects);
+size_t world_record_bytes_with(size_t objects, size_t attached);
+/* Returns the attached numbers of a record with so many objects. */
+double *world_record_attached(struct record *record, size_t objects);
 /* Returns the functions with which pages write the records of a scene. The scene must stay valid as long as they are used. */
 struct pages_record world_record_pages(const struct scene *scene);
 /* Returns the record's state as text, which the caller frees with mem_free. NULL: out of memory. Any thread. */
 char *world_record_print(const struct record *record, const struct scene *scene, const struct pages_sums *sums);
-/* Reads a record. `record` needs room for the scene's objects. STATUS_INPUT: something is missing or contradictory. The caller
+/* Reads a record. `record` needs room for the scene's objects and for `attached_count` numbers, which is set. STATUS_INPUT: something is missing or contradictory. The caller
  * must check that the record fits the ground and the paths. */
 enum status world_record_parse(const struct store_run *run, const char *store, const struct scene *scene,
 			 struct record *record) FURROW_CHECKED;

@@ -103,7 +103,10 @@ static void restore(struct world *world)
 void world_tell_unfinished(const struct world *world)
 {
 	struct store_run run;
-	struct record *record = mem_calloc(1, world_record_bytes(world->scene->object_count));
+	const size_t attached = world->params.attached.count;
+	struct record *record = mem_calloc(1, world_record_bytes_with(world->scene->object_count, attached));
+	if (record != NULL)
+		record->attached_count = attached;
 	if (record != NULL && store_last_run(world->store, &run) == STATUS_OK && run.scene_hash != NULL && run.step > 0 &&
 	    strcmp(run.scene_hash, world->scene->hash) == 0 &&
 	    world_record_parse(&run, world->path, world->scene, record) == STATUS_OK && !record->ended)

@@ -53,7 +53,17 @@ static enum status fill_record(struct world *world)
 			.skipped = body->skipped,
 		};
 	}
+	const struct world_attached *attached = &world->params.attached;
+	if (attached->count > 0)
+		attached->save(attached->user, world_record_attached(record, world->scene->object_count));
 	return STATUS_OK;
+}
+
+const double *world_attached(const struct world *world)
+{
+	return world->resumed.is && world->record->attached_count > 0
+		       ? world_record_attached(world->record, world->scene->object_count)
+		       : NULL;
 }
 
 static enum status deform_step(struct world *world, double until)
@@ -117,6 +127,17 @@ enum status world_end_step(struct world *world)
 	world->torn = false;
 	world_changes_end(world);
 	return page_cache_end_step(world->cache, world->record);
+}
+
+enum status world_move_hosts(struct world *world)
+{
+	world->torn = true;
+	enum status status = page_cache_poll(world->cache);
+	if (status == STATUS_OK)
+		status = world_hosts_step(world, 0, world->time); /* no row is due: the scene's own objects have not begun */
+	if (status == STATUS_OK)
+		status = world_probes_refresh(world);
+	return status == STATUS_OK ? world_end_step(world) : status;
 }
 
 enum status world_step(struct world *world)

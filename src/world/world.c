@@ -62,7 +62,7 @@ static enum status start_look_ahead(struct world *world)
 		if (world->bodies[i].track != NULL)
 			bodies[count++] = (struct look_ahead_body){world->bodies[i].track, &world->bodies[i].object->shape, world->bodies[i].next};
 	uint32_t tiles = world->ground_tiles;
-	bool follows = scene->view.present && scene->view.camera != SCENE_FIXED && scene->object_count > 0 &&
+	bool follows = scene->view.present && scene->view.camera != SCENE_FIXED && scene->view.target_vehicle < 0 && scene->object_count > 0 &&
 		       world->bodies[scene->view.target_object].track != NULL;
 	const struct look_ahead_params params = {
 		.store = world->store,
@@ -188,6 +188,7 @@ void world_pages_params(const struct world *world, struct pages_params *params)
 		.numbers = world_needs_rasters(scene) ? soil_numbers : NULL,
 		.classes_drawn = scene_draws_classes(scene),
 	};
+	params->record.bytes = world_record_bytes_with(scene->object_count, world->params.attached.count);
 }
 
 static enum status watcher_requests(void *user, struct requests *requests)

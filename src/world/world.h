@@ -100,6 +100,8 @@ struct world_commits {
 struct world_row {
 	double time;         /* s */
 	size_t body;
+	const struct scene_object *object; /* of the body */
+	double slip;         /* of a wheel */
 	double position[3];  /* m, of the body's origin */
 	/* index of the soil at the post nearest to the origin, in the scene's soils; -1: outside the terrain */
 	int soil;
@@ -116,7 +118,26 @@ struct world_rows {
 	enum status (*rollback)(void *user);
 };
 
+/* Numbers that another part of the run adds to each record, such as the state of vehicles. */
+struct world_attached {
+	size_t count;
+	void *user;
+	void (*save)(void *user, double *numbers); /* on the world's thread; `count` finite numbers */
+};
+
+/* What pictures show beside the scene's objects: the parts of vehicles. */
+struct world_figures {
+	const struct scene_object *list; /* their shapes and names; must stay valid longer than the world */
+	size_t count;
+	void *user;
+	/* Gives the middle of a figure, m, and its axes forward, left, up. Returns false: it is not there yet. */
+	bool (*place)(void *user, size_t figure, double middle[3], double axes[3][3]);
+	/* Gives the place of a vehicle, m, and the angle in which it looks, rad from east to north. Returns false: it is not there yet. */
+	bool (*vehicle)(void *user, size_t vehicle, double place[3], double *yaw);
+};
+
 struct world_params {
+	struct world_attached attached; /* count 0: none */
 	const struct scene *scene; /* must stay valid longer than the world */
 	const char *store;         /* path; overrides the store that the scene names; NULL: the scene must name one */
 	/* path of the overlay to which deformation is written in place of the store; made if it does not exist; may be NULL */
@@ -204,6 +225,9 @@ struct host_body {
 		bool stale;           /* the ground or the body's place changed since it was read */
 		bool anew;            /* a contact of the body changed the ground since then */
 	} mirror;
+	bool quiet;                   /* world_body_quiet; then `since` is the time of the last contact, */
+	double slip;                  /* and these two are what its caller told for rows */
+	struct deform_pose shown;
 };
 
 /* A changed tile of the working level: changes.c. */
@@ -227,6 +251,7 @@ struct world {
 	const struct world_watcher *watcher; /* NULL: nothing watches the world */
 	const struct world_rows *rows;       /* NULL: rows are not used */
 	const struct world_commits *commits; /* NULL: no functions */
+	struct world_figures figures; /* count 0: none. Set it before a view is made */
 	int64_t step;     /* steps done since the scene's start */
 	double time;      /* s of simulated time since the scene's start */
 	bool torn;        /* true inside a step: the ground must not be committed now */
@@ -339,6 +364,9 @@ void world_stop(struct world *world);
  * all zero, or half made. */
 void world_finish(struct world *world, enum status status);
 
+/* Converts x and y of the scene's `coordinates` to local metres. STATUS_INPUT: the store has no reference system. */
+enum status world_local_point(const struct world *world, const double from[2], double to[2]) FURROW_CHECKED;
+
 /* --- steps --- */
 
 int64_t world_step_count(const struct world *world); /* number of the last step */
@@ -349,6 +377,8 @@ enum status world_interrupted(const struct world *world) FURROW_CHECKED;
 /* Ends a change of the ground. From now on it may be committed with the present record. */
 enum status world_end_step(struct world *world) FURROW_CHECKED;
 void world_stalls(const struct world *world, struct stalls *stalls); /* waits since world_begin */
+/* Returns the attached numbers of the run that is resumed. NULL: there are none. Call it before world_begin. */
+const double *world_attached(const struct world *world);
 void world_recorded(const struct world *world, struct world_recorded *recorded);
 /* waits for ranges of tiles since world_begin; they do not count as stalls */
 void world_range_waits(const struct world *world, struct stalls *waits);
@@ -381,6 +411,18 @@ enum status world_body_place(struct world *world, int32_t number, const struct w
 /* Sets where bodies will be after the next step. The list names each body at most once. On failure no body is set. */
 enum status world_bodies_set(struct world *world, size_t count, const int32_t *numbers, const struct world_state *states)
 	FURROW_CHECKED;
+/* For a body whose caller computes its forces with world_probe. The world computes none for it, and each state that is set
+ * changes the ground in the next step, however small the motion is. */
+void world_body_quiet(struct world *world, int32_t number);
+/* Tells the force on a quiet body for the next rows of objects.csv. `force->z` is ignored. `slip`: of a wheel. */
+enum status world_body_tell(struct world *world, int32_t number, const struct world_state *state, const struct world_force *force,
+			    double slip) FURROW_CHECKED;
+/* Moves the host's bodies to the states that were set, without a time step. */
+enum status world_move_hosts(struct world *world) FURROW_CHECKED;
+/* The state of a quiet body as numbers, for a record, and back. STATUS_INPUT: they contradict each other. */
+#define WORLD_BODY_NUMBERS 26
+void world_body_save(const struct world *world, int32_t number, double numbers[WORLD_BODY_NUMBERS]);
+enum status world_body_restore(struct world *world, int32_t number, const double numbers[WORLD_BODY_NUMBERS]) FURROW_CHECKED;
 /* Gives the state of any body, also of a body with a path. NaN: it was never placed. */
 enum status world_body_state(const struct world *world, int32_t number, struct world_state *state) FURROW_CHECKED;
 /*
@@ -426,6 +468,8 @@ enum status world_drop(struct world *world, enum world_drop_shape shape, double 
 	FURROW_CHECKED;
 /* Gives the present place of a body on its path. `place`: local metres, on the base. `yaw`: radians from east to north. */
 void world_place(const struct world *world, size_t body, double place[3], double *yaw);
+/* Returns the body of an event: one of the scene, one that a window drops, or one of a host. */
+const struct body *world_body_of(const struct world *world, const struct event *event);
 
 /*
  * --- queries ---

@@ -167,6 +167,38 @@ static void a_shear_limit_is_of_the_body_s_surface(void **state)
 	done(furrow_world_close(world));
 }
 
+/* A wheel that leans to the left and one that leans to the right, driven at a slip of 0.2: what the soil does to one is mirrored on the other,
+ * it pushes each to its upper side, and their slip is told about their own axles. */
+static void wheels_may_lean(void **state)
+{
+	struct furrow_world *world = hosted_world("lean.furrow");
+	struct furrow_contact contacts[2];
+	const double lean = 0.2, speed = 2, spin = speed / (0.5 * 0.8);
+	for (int i = 0; i < 2; i++) {
+		furrow_body wheel = -1;
+		const double half = (i == 0 ? lean : -lean) / 2, y = 10 + 8 * i, z = 100 + 0.5 * cos(lean) + 0.2 * sin(lean) - 0.08;
+		struct furrow_state at = {.pose = {{8, y, z}, {cos(half), sin(half), 0, 0}}, .linear = {speed, 0, 0}};
+		at.angular[1] = spin * cos(2 * half);
+		at.angular[2] = spin * sin(2 * half);
+		done(furrow_body_add(world, "{shape: {wheel: {radius: 0.5, width: 0.4, grousers: 12}}}", &wheel));
+		done(furrow_place(world, wheel, &at.pose));
+		for (int step = 0; step < 40; step++) {
+			at.pose.position[0] += speed * 0.01;
+			done(furrow_set_states(world, 1, &wheel, &at));
+			done(furrow_step(world, 0));
+		}
+		contacts[i] = contact_of(world, wheel);
+		assert_float_equal(contacts[i].slip, 0.2, 1e-9);
+	}
+	assert_true(contacts[0].force[1] > 0.02 * contacts[0].force[2] && contacts[0].force[0] > 0);
+	for (int k = 0; k < 3; k++) { /* a mirror turns forces across it, and moments along it */
+		const double size = 2e-3 * contacts[0].force[2];
+		assert_float_equal(contacts[1].force[k], (k == 1 ? -1 : 1) * contacts[0].force[k], size);
+		assert_float_equal(contacts[1].moment[k], (k == 1 ? 1 : -1) * contacts[0].moment[k], size);
+	}
+	done(furrow_world_close(world));
+}
+
 static void a_body_that_rasters_do_not_bear_is_refused(void **state)
 {
 	char scene[600];
@@ -357,6 +389,7 @@ int main(void)
 		cmocka_unit_test(a_ball_leaves_a_rut_that_every_question_sees),
 		cmocka_unit_test(a_shear_limit_is_of_the_rasters_number),
 		cmocka_unit_test(a_shear_limit_is_of_the_body_s_surface),
+		cmocka_unit_test(wheels_may_lean),
 		cmocka_unit_test(a_body_that_rasters_do_not_bear_is_refused),
 		cmocka_unit_test(states_are_as_they_were_set),
 		cmocka_unit_test(a_picture_has_depths_in_metres),

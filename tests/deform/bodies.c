@@ -249,6 +249,51 @@ static void bodies_set_down_are_the_integral_over_their_lower_envelopes(void **s
 		}
 }
 
+static int32_t steep_ground(int64_t x, int64_t y)
+{
+	return (int32_t)lattice_base(0.04 * (double)x + 0.6 * sin((double)y * 0.4));
+}
+
+/* Law 11: a host that asks for forces leaves the same ground. Also on steep ground, and far below it. */
+static void asking_for_forces_changes_no_post(void **state)
+{
+	static const struct deform_shape shapes[] = {
+		{.kind = DEFORM_WHEEL, .radius = 0.3, .width = 0.2},
+		{.kind = DEFORM_CYLINDER, .radius = 0.2, .length = 0.5},
+		{.kind = DEFORM_CAPSULE, .radius = 0.15, .length = 0.3},
+		{.kind = DEFORM_ELLIPSOID, .size = {0.4, 0.25, 0.1}},
+	};
+	struct deform_soil soil = soft();
+	(void)state;
+	need_gpu();
+	for (int i = 0; i < 4; i++)
+		for (int deep = 0; deep < 3; deep++) {
+			struct ground grounds[2];
+			struct planes planes[2];
+			for (int asks = 0; asks < 2; asks++) {
+				ground_init(&grounds[asks], &(struct ground_params){.cells = 64, .tiles = 2, .first = 2, .spacing = 0.02, .model = DEFORM_SCM,
+										    .soils = &soil, .bulldozing = 0.5, .slip_sinkage = 1, .lines = true, .stands = true, .height = deep == 2 ? steep_ground : NULL});
+				const struct deform_pose pose = {.yaw = 0.7, .pitch = i > 0 ? 0.4 : 0, .roll = 0.3};
+				double z = deform_shape_reach(&shapes[i], pose.pitch, pose.roll) - (const double[]){0.03, 0.15, 3}[deep];
+				struct deform_contact contact = {.shape = &shapes[i], .to = ground_pose(&grounds[asks], 50, 60, z)};
+				contact.to.yaw = pose.yaw;
+				contact.to.pitch = pose.pitch;
+				contact.to.roll = pose.roll;
+				contact.from = contact.to;
+				for (int n = 0; n < 6; n++) {
+					contact.tag = (uint64_t)asks;
+					ground_sweep(&grounds[asks], &contact);
+					contact = move(&contact, 0.02, 0.007, 0.001);
+					contact.turned = i == 0 ? 0.08 : 0;
+				}
+				planes[asks] = planes_of(&grounds[asks]);
+			}
+			assert_same_and_free(&grounds[0], &planes[0], &planes[1]);
+			ground_finish(&grounds[0]);
+			ground_finish(&grounds[1]);
+		}
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -256,6 +301,7 @@ int main(void)
 		cmocka_unit_test(an_ellipsoid_of_equal_radii_is_a_sphere),
 		cmocka_unit_test(a_capsule_without_length_is_a_sphere),
 		cmocka_unit_test(a_wheel_with_camber_is_the_integral_over_its_rim),
+		cmocka_unit_test(asking_for_forces_changes_no_post),
 		cmocka_unit_test(bodies_set_down_are_the_integral_over_their_lower_envelopes),
 	};
 	return cmocka_run_group_tests_name("deform/bodies", tests, open_gpu, close_gpu);

@@ -220,7 +220,7 @@ static void remember(struct post *p)
 		p->printed = probe_clamp((depth - stays + 4 * LEAST) / probe_most(p->was * by_up - stays, 1e-9), 0, 1);
 	}
 	p->lowered = p->over ? p->rests - p->lowest : 0;
-	p->back = p->over ? form->run + form->half_across : 1e3;
+	p->back = p->over ? form->run + form->moved * form->half_across : 1e3;
 }
 
 /* Returns the largest sinkage that a place of the cell remembers, vertically. rise: of the ground from the post to the place. */

@@ -372,7 +372,7 @@ void deform_wheel_attitude(const double axle[3], double *yaw, double *roll)
 	*roll = atan2(axle[2], level);
 }
 
-enum deform_shape_kind deform_form_of(const struct deform_shape *shape, const struct deform_pose *pose)
+enum deform_shape_kind deform_kind_in(const struct deform_shape *shape, const struct deform_pose *pose)
 {
 	return shape->kind == DEFORM_WHEEL && pose->roll != 0 ? DEFORM_CYLINDER : shape->kind;
 }
@@ -402,7 +402,7 @@ void deform_body_extent(const struct deform_shape *shape, const struct deform_po
 {
 	double axes[3][3], axis[3];
 	extent[0] = extent[1] = shape->radius;
-	if (deform_form_of(shape, pose) == DEFORM_CYLINDER || shape->kind == DEFORM_CAPSULE) {
+	if (deform_kind_in(shape, pose) == DEFORM_CYLINDER || shape->kind == DEFORM_CAPSULE) {
 		bool wheel = shape->kind == DEFORM_WHEEL;
 		double radius = wheel ? deform_body_wheel_radius(shape) : shape->radius;
 		deform_shape_axis(shape, pose, axis);

@@ -31,7 +31,7 @@ long double deform_body_from_post(int64_t place, int64_t post, double spacing);
 /* Computes the three half-axes of a box in this attitude. */
 void deform_body_axes(const double size[3], double yaw, double pitch, double roll, double axes[3][3]);
 /* Returns the form that shaders compute a shape as in a pose: its kind, but DEFORM_CYLINDER for a wheel whose axle is not level. */
-enum deform_shape_kind deform_form_of(const struct deform_shape *shape, const struct deform_pose *pose);
+enum deform_shape_kind deform_kind_in(const struct deform_shape *shape, const struct deform_pose *pose);
 /* Returns the radius of a wheel to the end of its grousers, metres. */
 double deform_body_wheel_radius(const struct deform_shape *shape);
 /* The most that a motion may rise or fall, fixed-point units. Beyond it the object is set down anew, without a motion. */

@@ -51,7 +51,7 @@ static struct gpu_rect shadow_of(const struct deform *deform, const struct defor
 enum status deform_envelope(struct deform *deform, const struct deform_contact *contact,
 			     const struct deform_window *window, uint32_t layer)
 {
-	enum deform_shape_kind kind = deform_form_of(contact->shape, &contact->to);
+	enum deform_shape_kind kind = deform_kind_in(contact->shape, &contact->to);
 	if (kind == DEFORM_MESH)
 		return deform_mesh(deform, contact, window, layer);
 	const struct post_rect read = window->read;

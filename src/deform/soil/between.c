@@ -173,7 +173,7 @@ void deform_between_posts(const struct deform *deform, const struct deform_conta
 {
 	deform_posts_in(window, post_rect_intersect(deform_shadow(deform, contact), window->read), params->drawn);
 	put_heading(params, 1, 0);
-	switch (deform_form_of(contact->shape, &contact->to)) {
+	switch (deform_kind_in(contact->shape, &contact->to)) {
 	case DEFORM_WHEEL:
 		wheel(deform, contact, params);
 		break;

@@ -198,7 +198,7 @@ static enum status run_contact(struct deform *deform, const struct deform_contac
 {
 	double extent[2];
 	deform_body_extent(contact->shape, &contact->to, extent);
-	const enum deform_shape_kind form = deform_form_of(contact->shape, &contact->to);
+	const enum deform_shape_kind form = deform_kind_in(contact->shape, &contact->to);
 	struct scm_params params = params_of(deform, contact, spread, window, layer, extent);
 	bool counted = deform_is_counted(&deform->params, contact->shape, contact->load > 0) &&
 		       deform_fits_window(deform, contact);

@@ -376,7 +376,8 @@ struct cell_force reference_cell(const struct reference_ground *ground, const st
 	else if (size > 1e-4)
 		for (int k = 0; k < 2; k++)
 			line[k] = grows[k] / size;
-	cell.back = over ? form.run + half : 1e3;
+	/* A body that hardly moved did not move before. */
+	cell.back = over ? form.run + fmin(hypot(form.way[0], form.way[1]) / half, 1) * half : 1e3;
 	cell.depth = depth;
 	/* Below an object that hardly moves: an impression of it. Where it has passed: a rut. */
 	cell.stamped = cell.was > 0 ? fmax(0, 1 - hypot(form.way[0], form.way[1]) / half) : 0;

@@ -1,0 +1,180 @@
+/* vehicles.csv: where vehicles are and how they move, a row for each multiple of 1 / output.vehicles. VEHICLES.md has the columns. */
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "report/report.h"
+
+static const char header[] = "t,name,x,y,z,roll,pitch,yaw,vx,vy,vz,kinetic,work";
+
+/* A column of a joint or an actuator. Vehicles that have one of this name share it. */
+struct column {
+	const char *name;
+	bool joint;
+	int *index; /* for each vehicle: its joint or actuator; -1: it has none */
+};
+
+struct report_vehicles {
+	const struct vehicles *vehicles;
+	const char *directory;
+	FILE *file;
+	struct column *columns;
+	size_t count;
+	struct vehicle_rows sink;
+};
+
+static enum status failed(const struct report_vehicles *rows)
+{
+	return fail_with(STATUS_FAILED, "%s/vehicles.csv: %s; free some disk space", rows->directory, strerror(errno));
+}
+
+static enum status write_row(void *user, const struct vehicle_row *row)
+{
+	const struct report_vehicles *rows = user;
+	struct vehicle_info info;
+	vehicle_info(rows->vehicles, row->vehicle, &info);
+	int printed = fprintf(rows->file, "%.9g,%s,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g", row->time, info.name, row->position[0],
+			      row->position[1], row->position[2], row->roll, row->pitch, row->yaw, row->velocity[0], row->velocity[1],
+			      row->velocity[2], row->kinetic, row->work);
+	for (size_t i = 0; i < rows->count && printed > 0; i++) {
+		const struct column *column = &rows->columns[i];
+		const int index = column->index[row->vehicle];
+		if (index < 0)
+			printed = fputs(",", rows->file) >= 0;
+		else
+			printed = fprintf(rows->file, ",%.9g", (column->joint ? row->joints : row->controls)[index]);
+	}
+	return printed > 0 && fputs("\n", rows->file) >= 0 ? STATUS_OK : failed(rows);
+}
+
+static enum status flush(void *user)
+{
+	const struct report_vehicles *rows = user;
+	return fflush(rows->file) == 0 ? STATUS_OK : failed(rows);
+}
+
+/* --- columns --- */
+
+static struct column *find_column(struct report_vehicles *rows, const char *name, bool joint)
+{
+	for (size_t i = 0; i < rows->count; i++)
+		if (rows->columns[i].joint == joint && strcmp(rows->columns[i].name, name) == 0)
+			return &rows->columns[i];
+	return NULL;
+}
+
+static enum status add_column(struct report_vehicles *rows, size_t vehicle, size_t index, bool joint)
+{
+	const size_t vehicles = vehicle_count(rows->vehicles);
+	const char *name = joint ? vehicle_joint_name(rows->vehicles, vehicle, index) : vehicle_actuator_name(rows->vehicles, vehicle, index);
+	if (name[0] == '\0')
+		return STATUS_OK;
+	struct column *column = find_column(rows, name, joint);
+	if (column == NULL) {
+		struct column *grown = mem_realloc(rows->columns, rows->count + 1, sizeof *grown);
+		if (grown == NULL)
+			return fail_memory("vehicles.csv");
+		rows->columns = grown;
+		column = &grown[rows->count];
+		*column = (struct column){name, joint, mem_alloc(vehicles, sizeof *column->index)};
+		if (column->index == NULL)
+			return fail_memory("vehicles.csv");
+		rows->count++;
+		for (size_t i = 0; i < vehicles; i++)
+			column->index[i] = -1;
+	}
+	column->index[vehicle] = (int)index;
+	return STATUS_OK;
+}
+
+/* All joints first, then all actuators. */
+static enum status find_columns(struct report_vehicles *rows)
+{
+	enum status status = STATUS_OK;
+	for (int joint = 1; joint >= 0; joint--)
+		for (size_t v = 0; v < vehicle_count(rows->vehicles); v++) {
+			struct vehicle_info info;
+			vehicle_info(rows->vehicles, v, &info);
+			const size_t count = joint ? info.joint_count : info.actuator_count;
+			for (size_t i = 0; i < count && status == STATUS_OK; i++)
+				status = add_column(rows, v, i, joint != 0);
+		}
+	return status;
+}
+
+static bool write_header(const struct report_vehicles *rows)
+{
+	bool whole = fputs(header, rows->file) >= 0;
+	for (size_t i = 0; i < rows->count && whole; i++)
+		whole = fprintf(rows->file, ",%s:%s", rows->columns[i].joint ? "q" : "u", rows->columns[i].name) > 0;
+	return whole && fputs("\n", rows->file) >= 0;
+}
+
+/* Finds where the rows at or before `time` end. A kill may have torn the last line. */
+static long whole_until(FILE *file, double time)
+{
+	char *line = NULL;
+	size_t room = 0;
+	long end = 0;
+	ssize_t length;
+	while ((length = getline(&line, &room, file)) > 0 && line[length - 1] == '\n') {
+		if (end == 0 ? strncmp(line, header, sizeof header - 1) != 0 : strtod(line, NULL) > time * (1 + 1e-8))
+			break;
+		end = ftell(file);
+	}
+	free(line);
+	return end;
+}
+
+enum status report_vehicles_open(const struct world *world, const struct vehicles *vehicles, const char *directory,
+				 struct report_vehicles **out)
+{
+	char path[4096];
+	*out = NULL;
+	snprintf(path, sizeof path, "%s/vehicles.csv", directory);
+	if (vehicles == NULL || world->scene->vehicle_rows == 0) {
+		unlink(path); /* another run's */
+		return STATUS_OK;
+	}
+	struct report_vehicles *rows = mem_calloc(1, sizeof *rows);
+	if (rows == NULL)
+		return fail_memory("vehicles.csv");
+	*rows = (struct report_vehicles){.vehicles = vehicles, .directory = directory, .sink = {rows, write_row, flush}};
+	enum status status = find_columns(rows);
+	rows->file = status == STATUS_OK ? fopen(path, world->resumed.is ? "a+" : "w+") : NULL;
+	long end = 0;
+	if (rows->file != NULL && world->resumed.is) {
+		struct world_recorded recorded;
+		world_recorded(world, &recorded);
+		rewind(rows->file);
+		end = whole_until(rows->file, recorded.step > 0 ? recorded.time : -1); /* before the first step there is no row */
+	}
+	if (status == STATUS_OK && (rows->file == NULL || end < 0 || ftruncate(fileno(rows->file), end) != 0 ||
+				    fseek(rows->file, 0, SEEK_END) != 0 || (end == 0 && !write_header(rows))))
+		status = fail_with(STATUS_FAILED, "%s: %s; give a folder that can be written", path, strerror(errno));
+	if (status != STATUS_OK) {
+		report_vehicles_close(rows);
+		return status;
+	}
+	*out = rows;
+	return STATUS_OK;
+}
+
+void report_vehicles_close(struct report_vehicles *rows)
+{
+	if (rows == NULL)
+		return;
+	if (rows->file != NULL)
+		fclose(rows->file);
+	for (size_t i = 0; i < rows->count; i++)
+		mem_free(rows->columns[i].index);
+	mem_free(rows->columns);
+	mem_free(rows);
+}
+
+const struct vehicle_rows *report_vehicles_sink(const struct report_vehicles *rows)
+{
+	return rows != NULL ? &rows->sink : NULL;
+}

@@ -1,0 +1,164 @@
+/* Checks the vehicles of a scene and fills their values. What the model itself says is checked when it is read: src/vehicle. */
+#include <math.h>
+#include <string.h>
+
+#include "scene/scene_check.h"
+#include "scene/scene_error.h"
+#include "scene/scene_file.h"
+
+#define MODEL_BYTES ((uint64_t)64 << 20)    /* the largest file of a model */
+#define CONTROLS_BYTES ((uint64_t)256 << 20) /* the largest table of controls */
+
+static enum status take_name(const struct scene_tree *tree, const struct scene *scene, size_t index, const char *name, char **out)
+{
+	const struct scene_node *node = scene_tree_find(tree, "vehicles[%zu].name", index);
+	if (strspn(name, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-") != strlen(name))
+		return scene_error(tree->file, node, "%s is not a name; allowed: A-Z a-z 0-9 _ -", scene_quote(name).text);
+	for (size_t i = 0; i < scene->object_count; i++)
+		if (scene->objects[i].name != NULL && strcmp(scene->objects[i].name, name) == 0)
+			return scene_error(tree->file, node, "%s is the name of an object; allowed: unique names", scene_quote(name).text);
+	for (size_t i = 0; i < index; i++)
+		if (strcmp(scene->vehicles[i].name, name) == 0)
+			return scene_error(tree->file, node, "%s is the name of another vehicle; allowed: unique names", scene_quote(name).text);
+	*out = mem_strdup(name);
+	return *out != NULL ? STATUS_OK : fail_memory("reading the vehicles");
+}
+
+static enum status take_texts(char *const *from, uint32_t count, struct scene_texts *texts)
+{
+	texts->list = mem_calloc(count + 1, sizeof *texts->list);
+	if (texts->list == NULL)
+		return fail_memory("reading the vehicles");
+	for (; texts->count < count; texts->count++)
+		if ((texts->list[texts->count] = mem_strdup(from[texts->count])) == NULL)
+			return fail_memory("reading the vehicles");
+	return STATUS_OK;
+}
+
+/* Finds the path of a file that the scene names, and hashes its bytes. */
+static enum status take_file(const struct scene_tree *tree, const struct scene_node *node, const char *name, uint64_t most, char **path,
+			     uint64_t hash[2])
+{
+	*path = scene_file_beside(tree->folder, name);
+	if (*path == NULL)
+		return fail_memory("reading the vehicles");
+	return scene_file_hash(*path, scene_told(tree->file, node, name).text, most, hash);
+}
+
+static enum status check_follow(const struct scene_tree *tree, const struct raw_driver *raw, size_t index, struct scene_vehicle *vehicle)
+{
+	if (raw->drive == NULL)
+		return scene_error(tree->file, scene_tree_find(tree, "vehicles[%zu].driver", index),
+				   "has a path and no actuators that drive; needed with path: drive");
+	vehicle->driver = SCENE_FOLLOW;
+	vehicle->speed = raw->path->speed;
+	vehicle->points = mem_calloc(raw->path->points_count, sizeof *vehicle->points);
+	if (vehicle->points == NULL)
+		return fail_memory("reading the vehicles");
+	vehicle->point_count = raw->path->points_count;
+	memcpy(vehicle->points, raw->path->points, vehicle->point_count * sizeof *vehicle->points);
+	enum status status = take_texts(raw->steer, raw->steer_count, &vehicle->steer);
+	return status == STATUS_OK ? take_texts(raw->drive, raw->drive_count, &vehicle->drive) : status;
+}
+
+static enum status check_hold(const struct scene_tree *tree, const struct raw_driver *raw, size_t index, struct scene_vehicle *vehicle)
+{
+	vehicle->driver = SCENE_HOLD;
+	vehicle->values = mem_calloc(raw->hold_count + 1, sizeof *vehicle->values);
+	vehicle->held.list = mem_calloc(raw->hold_count + 1, sizeof *vehicle->held.list);
+	if (vehicle->values == NULL || vehicle->held.list == NULL)
+		return fail_memory("reading the vehicles");
+	for (size_t i = 0; i < raw->hold_count; i++) {
+		for (size_t k = 0; k < i; k++)
+			if (strcmp(raw->hold[i].actuator, raw->hold[k].actuator) == 0)
+				return scene_error(tree->file, scene_tree_find(tree, "vehicles[%zu].driver.hold[%zu]", index, i),
+						   "%s is named twice; allowed: once", scene_quote(raw->hold[i].actuator).text);
+		vehicle->values[i] = raw->hold[i].value;
+		vehicle->held.list[i] = mem_strdup(raw->hold[i].actuator);
+		if (vehicle->held.list[i] == NULL)
+			return fail_memory("reading the vehicles");
+		vehicle->held.count = i + 1;
+	}
+	return STATUS_OK;
+}
+
+static enum status check_driver(const struct scene_tree *tree, const struct raw_driver *raw, size_t index, struct scene_vehicle *vehicle)
+{
+	const struct scene_node *node = scene_tree_find(tree, "vehicles[%zu].driver", index);
+	const int named = (raw->path != NULL) + (raw->controls != NULL) + (raw->hold != NULL);
+	if (named != 1)
+		return scene_error(tree->file, node, "names %d drivers; allowed: exactly one of path, controls, hold", named);
+	if (raw->path == NULL && (raw->steer != NULL || raw->drive != NULL))
+		return scene_error(tree->file, scene_tree_find(tree, "vehicles[%zu].driver.%s", index, raw->steer != NULL ? "steer" : "drive"),
+				   "is not of this driver; allowed with: path");
+	if (raw->path != NULL)
+		return check_follow(tree, raw, index, vehicle);
+	if (raw->hold != NULL)
+		return check_hold(tree, raw, index, vehicle);
+	vehicle->driver = SCENE_CONTROLS;
+	return take_file(tree, scene_tree_find(tree, "vehicles[%zu].driver.controls", index), raw->controls, CONTROLS_BYTES,
+			 &vehicle->controls, vehicle->controls_hash);
+}
+
+static enum status check_vehicle(const struct scene_tree *tree, const struct raw_vehicle *raw, size_t index, const struct scene *scene,
+				 struct scene_vehicle *vehicle)
+{
+	enum status status = take_name(tree, scene, index, raw->name, &vehicle->name);
+	if (status == STATUS_OK)
+		status = take_file(tree, scene_tree_find(tree, "vehicles[%zu].model", index), raw->model, MODEL_BYTES, &vehicle->model,
+				   vehicle->model_hash);
+	if (status == STATUS_OK)
+		status = take_texts(raw->soil, raw->soil_count, &vehicle->soil);
+	memcpy(vehicle->at, raw->start.at, sizeof vehicle->at);
+	vehicle->yaw = (raw->start.yaw != NULL ? *raw->start.yaw : scene_absent("vehicles[].start.yaw")) * M_PI / 180;
+	return status == STATUS_OK && raw->driver != NULL ? check_driver(tree, raw->driver, index, vehicle) : status;
+}
+
+enum status scene_check_vehicles(const struct scene_tree *tree, const struct raw_scene *raw, struct scene *scene)
+{
+	const size_t count = raw->vehicles_count;
+	const char *without = raw->stuck != NULL ? "stuck" : scene->vehicle_rows > 0 ? "output.vehicles" : NULL;
+	if (count == 0 && without != NULL)
+		return scene_error(tree->file, scene_tree_find(tree, "%s", without), "is of vehicles, and there is none; allowed with: vehicles");
+	if (count == 0)
+		return STATUS_OK;
+	if (scene->hosted)
+		return scene_error(tree->file, scene_tree_find(tree, "vehicles"),
+				   "are driven by the command alone; a host moves bodies itself (furrow_probe): leave them out");
+	if (!deform_tells_forces(scene->model))
+		return scene_error(tree->file, scene_tree_find(tree, "vehicles"), "model %s computes no force that carries them; allowed with: "
+				   "redistribute: {model: %s}", deform_model_row(scene->model)->name, scene_models_with_forces().text);
+	if (raw->stuck != NULL) {
+		scene->stuck_after = raw->stuck->after;
+		scene->stuck_below = raw->stuck->below;
+	}
+	scene->vehicles = mem_calloc(count, sizeof *scene->vehicles);
+	if (scene->vehicles == NULL)
+		return fail_memory("reading the vehicles");
+	enum status status = STATUS_OK;
+	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
+		scene->vehicle_count = i + 1;
+		status = check_vehicle(tree, &raw->vehicles[i], i, scene, &scene->vehicles[i]);
+	}
+	return status;
+}
+
+static void finish_texts(struct scene_texts *texts)
+{
+	for (size_t i = 0; i < texts->count; i++)
+		mem_free(texts->list[i]);
+	mem_free(texts->list);
+}
+
+void scene_vehicle_finish(struct scene_vehicle *vehicle)
+{
+	mem_free(vehicle->name);
+	mem_free(vehicle->model);
+	mem_free(vehicle->controls);
+	mem_free(vehicle->points);
+	mem_free(vehicle->values);
+	finish_texts(&vehicle->soil);
+	finish_texts(&vehicle->steer);
+	finish_texts(&vehicle->drive);
+	finish_texts(&vehicle->held);
+}

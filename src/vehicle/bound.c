@@ -1,0 +1,77 @@
+/*
+ * The longest step that is stable.
+ *
+ * Soil that unloads is a spring of K_e A: its elastic stiffness times the area of the contact. A mass m on a spring k is stable for
+ * steps below 2 sqrt(m / k), if its force is taken at the step's start. The coupling takes it at the step's end (coupling.c). So it is
+ * stable beyond that, too, but then the motion is no longer the soil's. m is the least effective mass of a soil geom, straight up and
+ * down, in the model's first pose. A is the contact's area where the geom carries its share of the weight.
+ */
+#include <math.h>
+
+#include "vehicle/internal.h"
+
+/* Mass that a vertical force on the geom's middle moves. */
+static double mass_of(const struct vehicle *vehicle, int geom)
+{
+	const mjModel *model = vehicle->model;
+	double *row = vehicle->room, *solved = row + 3 * model->nv;
+	mj_jacGeom(model, vehicle->data, row, NULL, geom);
+	const double *up = row + 2 * model->nv;
+	mj_solveM(model, vehicle->data, solved, up, 1);
+	const double inverse = mju_dot(solved, up, model->nv);
+	return inverse > 0 ? 1 / inverse : INFINITY;
+}
+
+/* About the area in plan that touches at a sinkage. */
+static double area_of(const struct deform_shape *shape, double sinkage)
+{
+	const double depth = fmin(fmax(sinkage, 0), shape->radius);
+	const double half = sqrt(depth * (2 * shape->radius - depth)); /* of the chord of a circle */
+	switch (shape->kind) {
+	case DEFORM_WHEEL:
+		return shape->width * 2 * half;
+	case DEFORM_SPHERE:
+		return M_PI * half * half;
+	case DEFORM_BOX:
+		return shape->size[0] * shape->size[1];
+	default: {
+		const double bound = deform_shape_bound(shape);
+		return M_PI * bound * bound;
+	}
+	}
+}
+
+static double stiffest(const struct scene *scene, const struct deform_soil **soil)
+{
+	double most = 0;
+	for (int i = 0; i < scene->soil_count; i++)
+		if (scene->soils[i].elastic_stiffness > most) {
+			most = scene->soils[i].elastic_stiffness;
+			*soil = &scene->soils[i];
+		}
+	return most;
+}
+
+enum status vehicle_check_step(struct vehicle *vehicle, const struct scene *scene, const char *where)
+{
+	const struct deform_soil *soil = &scene->soils[0];
+	const double stiffness = stiffest(scene, &soil), mass = mj_getTotalmass(vehicle->model);
+	const double load = mass * scene->gravity / (double)vehicle->geom_count;
+	vehicle->largest_step = INFINITY;
+	for (size_t i = 0; i < vehicle->geom_count; i++) {
+		const struct soil_geom *geom = &vehicle->geoms[i];
+		const double area = area_of(&geom->shape, deform_sinkage_guess(&geom->shape, soil, load)), effective = mass_of(vehicle, geom->geom);
+		const double step = 2 * sqrt(effective / (stiffness * area));
+		if (step >= vehicle->largest_step)
+			continue;
+		vehicle->largest_step = step;
+		vehicle->largest_mass = effective;
+		vehicle->largest_area = area;
+		vehicle->largest_geom = i;
+	}
+	if (scene->time_step <= vehicle->largest_step)
+		return STATUS_OK;
+	return fail_with(STATUS_INPUT, "%s: time_step: %g s is longer than %.3g s, the longest that is stable (%s: %.3g kg on %.3g m2 of soil); give "
+				       "at most that", where, scene->time_step, vehicle->largest_step, vehicle->geoms[vehicle->largest_geom].name,
+			 vehicle->largest_mass, vehicle->largest_area);
+}

@@ -1,0 +1,391 @@
+/*
+ * The soil's forces on the soil geoms of one vehicle, in the steps of the engine.
+ *
+ * The world has linearised each contact at the start of the coupling step: F = F0 + K x + C (u - u0). Here x is the displacement
+ * since then, and u the velocity. Each has six numbers: of the body's origin, and about local axes. The force is taken at the end of
+ * the engine's step h, as an implicit step does. Let u' be the velocity without soil, A_ij = J_i (M + h D)^-1 J_j^T the inverse
+ * effective mass. D is the damping that the engine takes at the step's end, too. Of K and C only the parts are used that resist motion:
+ * symmetric, without eigenvalues above 0. So no stiffness makes the step unstable. Then
+ *
+ *     u = u' + h sum_j A_ij F_j,    F_i = F0_i + K_i (x_i + h u_i) + C_i (u_i - u0_i)
+ *
+ * which is one system of linear equations for all geoms that touch. Equality constraints and limits of joints are not in A.
+ *
+ * Shear of the soil is elastic at rest and would swing for ever. So along the ground each contact is damped at about half of what is
+ * critical. Only changes of the velocity v at the contact are: -c (v - w), where w follows v within some periods of the swing. A
+ * wheel that slips steadily feels nothing of it, and a body at rest does not creep. It is a dashpot in series with a spring, so it
+ * gives no energy.
+ */
+#include <assert.h>
+#include <math.h>
+#include <string.h>
+
+#include "vehicle/internal.h"
+#include "vehicle/linear.h"
+
+#define DAMPING 0.5     /* of what is critical */
+#define BRAKE 1e9       /* kg m2: inertia of a wheel that does not turn */
+#define PERIODS 4.0     /* w follows within this many swings / 2 pi */
+
+/* One contact in an engine step. */
+struct contact {
+	struct soil_geom *geom;
+	double stiffness[6][6], damping[6][6]; /* the parts that resist */
+	double gain[6][6];      /* dF / du, with the damping of shear */
+	double along[2][6];     /* two directions along the ground at the contact, as what gives the velocity there of u */
+	double direction[2][3]; /* the same two, in local axes */
+	double critical[2], pace[2]; /* N s/m: c; 1/s: how fast w follows */
+	double arm[3];          /* m: from the origin to the contact */
+};
+
+struct step {
+	struct vehicle *vehicle;
+	struct contact list[64];
+	size_t count, rows;     /* rows: 6 count */
+	double h;               /* s */
+	bool braked;            /* wheels do not turn */
+	double *mass, *jacobian, *solved, *inverse, *system, *force, *free;
+};
+
+size_t vehicle_coupling_room(const struct vehicle *vehicle)
+{
+	const size_t rows = 6 * vehicle->geom_count, nv = (size_t)vehicle->model->nv;
+	return nv * nv + 2 * rows * nv + 2 * rows * rows + 2 * rows + 8 * nv + 64;
+}
+
+static bool touches(const struct soil_geom *geom)
+{
+	return geom->contact.state == WORLD_TOUCHING || geom->contact.state == WORLD_SLIDES || geom->contact.state == WORLD_SUNK;
+}
+
+static double dot6(const double a[6], const double b[6])
+{
+	double sum = 0;
+	for (int i = 0; i < 6; i++)
+		sum += a[i] * b[i];
+	return sum;
+}
+
+/* --- what a step needs of the engine --- */
+
+static void lay_out(struct step *step)
+{
+	double *room = step->vehicle->room;
+	const size_t nv = (size_t)step->vehicle->model->nv;
+	step->mass = room;
+	step->jacobian = step->mass + nv * nv;
+	step->solved = step->jacobian + step->rows * nv;
+	step->inverse = step->solved + step->rows * nv;
+	step->system = step->inverse + step->rows * step->rows;
+	step->force = step->system + step->rows * step->rows;
+	step->free = step->force + step->rows;
+}
+
+/* Damping of the joints, which the engine's steps take at their end. With integrator implicit that of motors is, too. */
+static double damping_of(const mjModel *model, int dof)
+{
+	double damping = model->dof_damping[dof];
+	for (int i = 0; i < model->nu && model->opt.integrator == mjINT_IMPLICIT; i++) {
+		const double *gear = &model->actuator_gear[6 * i];
+		if (model->actuator_trntype[i] == mjTRN_JOINT && model->jnt_dofadr[model->actuator_trnid[2 * i]] == dof &&
+		    model->actuator_biastype[i] == mjBIAS_AFFINE)
+			damping -= model->actuator_biasprm[i * mjNBIAS + 2] * gear[0] * gear[0];
+	}
+	return damping > 0 ? damping : 0;
+}
+
+static bool factor_mass(const struct step *step)
+{
+	const mjModel *model = step->vehicle->model;
+	mj_fullM(model, step->mass, step->vehicle->data->qM);
+	for (int i = 0; i < model->nv; i++)
+		step->mass[i * model->nv + i] += step->h * damping_of(model, i);
+	for (size_t g = 0; g < step->vehicle->geom_count && step->braked; g++) {
+		const int dof = step->vehicle->geoms[g].dof;
+		if (dof >= 0)
+			step->mass[dof * model->nv + dof] += BRAKE;
+	}
+	return vehicle_factor(step->mass, (size_t)model->nv);
+}
+
+static void fill_jacobians(const struct step *step)
+{
+	const mjModel *model = step->vehicle->model;
+	mjData *data = step->vehicle->data;
+	const size_t nv = (size_t)model->nv;
+	for (size_t i = 0; i < step->count; i++) {
+		double *rows = step->jacobian + 6 * i * nv;
+		mj_jacGeom(model, data, rows, rows + 3 * nv, step->list[i].geom->geom);
+	}
+	mju_copy(step->solved, step->jacobian, (int)(step->rows * nv));
+	for (size_t r = 0; r < step->rows; r++)
+		vehicle_solve_factored(step->mass, step->solved + r * nv, nv);
+	for (size_t r = 0; r < step->rows; r++)
+		for (size_t c = 0; c < step->rows; c++)
+			step->inverse[r * step->rows + c] = mju_dot(step->solved + r * nv, step->jacobian + c * nv, (int)nv);
+}
+
+/* The velocities at the step's end without soil. */
+static void fill_free(const struct step *step)
+{
+	const struct vehicle *vehicle = step->vehicle;
+	const int nv = vehicle->model->nv;
+	for (size_t r = 0; r < step->rows; r++) {
+		const double *row = step->jacobian + r * (size_t)nv, *solved = step->solved + r * (size_t)nv;
+		step->free[r] = mju_dot(row, vehicle->data->qvel, nv) + step->h * mju_dot(solved, vehicle->data->qfrc_smooth, nv);
+	}
+}
+
+/* --- one contact --- */
+
+/* Two directions along the ground: as a wheel heads, and across. */
+static void set_directions(struct contact *contact)
+{
+	const struct soil_geom *geom = contact->geom;
+	const double *normal = geom->contact.normal;
+	double axes[3][3], across[3];
+	world_axes(geom->now.pose.orientation, axes);
+	mju_cross(across, normal, axes[0]);
+	if (mju_norm3(across) < 0.1) /* its forward axis is normal to the ground */
+		mju_cross(across, normal, axes[1]);
+	mju_normalize3(across);
+	mju_copy3(contact->direction[1], across);
+	mju_cross(contact->direction[0], across, normal);
+	for (int i = 0; i < 3; i++)
+		contact->arm[i] = isfinite(geom->contact.point[i]) ? geom->contact.point[i] - geom->now.pose.position[i] : 0;
+	for (int k = 0; k < 2; k++) {
+		mju_copy3(contact->along[k], contact->direction[k]);
+		mju_cross(contact->along[k] + 3, contact->arm, contact->direction[k]);
+	}
+}
+
+/* Finds the damping of shear: from the stiffness of the soil along each direction, and the mass that it moves. */
+static void set_damping(struct step *step, size_t index)
+{
+	struct contact *contact = &step->list[index];
+	const double(*stiffness)[6] = (const double(*)[6])contact->geom->contact.stiffness;
+	for (int k = 0; k < 2; k++) {
+		const double *along = contact->along[k];
+		double spring = 0, inverse = 0;
+		for (int i = 0; i < 3; i++)
+			for (int j = 0; j < 3; j++)
+				spring -= contact->direction[k][i] * stiffness[i][j] * contact->direction[k][j];
+		for (size_t i = 0; i < 6; i++)
+			for (size_t j = 0; j < 6; j++)
+				inverse += along[i] * step->inverse[(6 * index + i) * step->rows + 6 * index + j] * along[j];
+		contact->critical[k] = contact->pace[k] = 0;
+		if (!(spring > 0 && inverse > 0))
+			continue;
+		/* Several contacts share the mass. */
+		contact->critical[k] = DAMPING * 2 * sqrt(spring / inverse / (double)step->count);
+		contact->pace[k] = sqrt(spring * inverse * (double)step->count) / PERIODS;
+	}
+}
+
+/* How far the body has moved and turned since its contact was linearised. */
+static void displacement(const struct vehicle *vehicle, const struct soil_geom *geom, double moved[6])
+{
+	struct world_state state;
+	double back[4], turn[4];
+	vehicle_geom_state(vehicle, geom, &state);
+	for (int i = 0; i < 3; i++)
+		moved[i] = state.pose.position[i] - geom->now.pose.position[i];
+	mju_negQuat(back, geom->now.pose.orientation);
+	mju_mulQuat(turn, state.pose.orientation, back);
+	mju_quat2Vel(moved + 3, turn, 1);
+}
+
+/* Copies the part of a matrix that resists. Rotations are measured in lengths of the body, so that they compare with ways. */
+static void take_resisting(const double from[6][6], double length, double to[6][6])
+{
+	for (int i = 0; i < 6; i++)
+		for (int j = 0; j < 6; j++)
+			to[i][j] = from[i][j] / ((i < 3 ? 1 : length) * (j < 3 ? 1 : length));
+	vehicle_make_negative(to);
+	for (int i = 0; i < 6; i++)
+		for (int j = 0; j < 6; j++)
+			to[i][j] *= (i < 3 ? 1 : length) * (j < 3 ? 1 : length);
+}
+
+/* Adds the damping of shear to the force and to the gain. */
+static void damp(struct contact *contact, const double *free, double *force)
+{
+	for (int k = 0; k < 2; k++) {
+		const double *along = contact->along[k], mean = mju_dot3(contact->geom->mean, contact->direction[k]);
+		for (int i = 0; i < 6; i++) {
+			force[i] -= contact->critical[k] * along[i] * (dot6(along, free) - mean);
+			for (int j = 0; j < 6; j++)
+				contact->gain[i][j] -= contact->critical[k] * along[i] * along[j];
+		}
+	}
+}
+
+/* Fills the force without what the other forces change, for one contact. */
+static void fill_rows(struct step *step, size_t index)
+{
+	struct contact *contact = &step->list[index];
+	const struct soil_geom *geom = contact->geom;
+	const double *free = step->free + 6 * index, h = step->h, length = deform_shape_bound(&geom->shape);
+	double *force = step->force + 6 * index, moved[6], at[6];
+	displacement(step->vehicle, geom, moved);
+	take_resisting((const double(*)[6])geom->contact.stiffness, length, contact->stiffness);
+	take_resisting((const double(*)[6])geom->contact.damping, length, contact->damping);
+	for (int i = 0; i < 3; i++) {
+		at[i] = geom->now.linear[i];
+		at[3 + i] = geom->now.angular[i];
+	}
+	for (int i = 0; i < 6; i++) {
+		force[i] = i < 3 ? geom->contact.force[i] : geom->contact.moment[i - 3];
+		for (int j = 0; j < 6; j++) {
+			force[i] += contact->stiffness[i][j] * (moved[j] + h * free[j]) + contact->damping[i][j] * (free[j] - at[j]);
+			contact->gain[i][j] = h * contact->stiffness[i][j] + contact->damping[i][j];
+		}
+	}
+	damp(contact, free, force);
+}
+
+static void fill_system(struct step *step)
+{
+	for (size_t i = 0; i < step->count; i++)
+		fill_rows(step, i);
+	for (size_t r = 0; r < step->rows; r++) {
+		const double *gain = step->list[r / 6].gain[r % 6];
+		for (size_t c = 0; c < step->rows; c++) {
+			double sum = 0;
+			for (size_t k = 0; k < 6; k++)
+				sum += gain[k] * step->inverse[(r - r % 6 + k) * step->rows + c];
+			step->system[r * step->rows + c] = (r == c) - step->h * sum;
+		}
+	}
+}
+
+/* The soil does not pull, and its shear has a limit. */
+static void limit(struct contact *contact, double force[6])
+{
+	const struct world_contact *from = &contact->geom->contact;
+	const double normal = mju_dot3(force, from->normal), before = mju_dot3(from->force, from->normal);
+	double shear[3], given[3];
+	if (!(normal > 0)) {
+		mju_zero(force, 6);
+		return;
+	}
+	mju_addScl3(shear, force, from->normal, -normal);
+	mju_addScl3(given, from->force, from->normal, -before);
+	const double most = fmax(isfinite(from->shear_limit) ? from->shear_limit : 0, mju_norm3(given)) * (before > 0 ? fmax(normal / before, 0) : 1);
+	const double is = mju_norm3(shear);
+	if (!(before > 0) || is <= most)
+		return;
+	double less[3], moment[3];
+	mju_scl3(less, shear, most / is - 1);
+	mju_cross(moment, contact->arm, less);
+	for (int i = 0; i < 3; i++) {
+		force[i] += less[i];
+		force[3 + i] += moment[i];
+	}
+}
+
+/* w goes on: it follows the velocity at the contact at the step's end. */
+static void follow(const struct step *step, size_t index)
+{
+	const struct contact *contact = &step->list[index];
+	double end[6];
+	for (size_t i = 0; i < 6; i++) {
+		end[i] = step->free[6 * index + i];
+		for (size_t c = 0; c < step->rows; c++)
+			end[i] += step->h * step->inverse[(6 * index + i) * step->rows + c] * step->force[c];
+	}
+	double mean[3] = {0, 0, 0};
+	for (int k = 0; k < 2; k++) {
+		const double was = mju_dot3(contact->geom->mean, contact->direction[k]), share = step->h * contact->pace[k];
+		mju_addToScl3(mean, contact->direction[k], was + (dot6(contact->along[k], end) - was) * share / (1 + share));
+	}
+	mju_copy3(contact->geom->mean, mean);
+}
+
+/* Adds the soil's forces to qfrc_applied. */
+static void apply(struct vehicle *vehicle, double h, bool braked)
+{
+	mjData *data = vehicle->data;
+	struct step step = {.vehicle = vehicle, .h = h, .braked = braked};
+	for (size_t i = 0; i < vehicle->geom_count; i++) {
+		struct soil_geom *geom = &vehicle->geoms[i];
+		mju_zero(geom->force, 6);
+		if (touches(geom) && step.count < sizeof step.list / sizeof step.list[0])
+			step.list[step.count++].geom = geom;
+		else
+			mju_zero3(geom->mean);
+	}
+	step.rows = 6 * step.count;
+	if (step.count == 0)
+		return;
+	lay_out(&step);
+	const bool whole = factor_mass(&step);
+	fill_jacobians(&step);
+	fill_free(&step);
+	for (size_t i = 0; i < step.count; i++) {
+		set_directions(&step.list[i]);
+		set_damping(&step, i);
+	}
+	fill_system(&step);
+	if (!whole || !vehicle_solve(step.system, step.force, step.rows))
+		for (size_t r = 0; r < step.rows; r++) /* told as a motion that diverges */
+			step.force[r] = NAN;
+	for (size_t i = 0; i < step.count; i++) {
+		double *force = step.force + 6 * i;
+		limit(&step.list[i], force);
+		mju_copy(step.list[i].geom->force, force, 6);
+	}
+	const size_t nv = (size_t)vehicle->model->nv;
+	for (size_t r = 0; r < step.rows; r++)
+		mju_addToScl(data->qfrc_applied, step.jacobian + r * nv, step.force[r], (int)nv);
+	for (size_t i = 0; i < step.count; i++)
+		follow(&step, i);
+}
+
+/* What the actuators do in an engine step: their force times the mean of the velocities at its start and end. */
+static double work_of(const struct vehicle *vehicle, const double *before)
+{
+	const int nv = vehicle->model->nv;
+	double work = 0;
+	for (int i = 0; i < nv; i++)
+		work += vehicle->data->qfrc_actuator[i] * (before[i] + vehicle->data->qvel[i]) / 2;
+	return work;
+}
+
+void vehicle_advance(struct vehicle *vehicle, double time, double seconds, double rate, bool drives)
+{
+	const mjModel *model = vehicle->model;
+	mjData *data = vehicle->data;
+	const double h = seconds / vehicle->engine_steps;
+	double *before = vehicle->room + vehicle_coupling_room(vehicle) - (size_t)model->nv;
+	for (int i = 0; i < vehicle->engine_steps; i++) {
+		mju_zero(data->qfrc_applied, model->nv);
+		mj_step1(model, data);
+		vehicle_control(vehicle, time + i * h, drives);
+		mj_fwdActuation(model, data);
+		mj_fwdAcceleration(model, data);
+		apply(vehicle, h, !drives);
+		mju_copy(before, data->qvel, model->nv);
+		mj_step2(model, data);
+		mju_scl(data->qvel, data->qvel, exp(-rate * h), model->nv);
+		for (size_t g = 0; g < vehicle->geom_count && !drives; g++)
+			if (vehicle->geoms[g].dof >= 0)
+				data->qvel[vehicle->geoms[g].dof] = 0;
+		vehicle->work += drives ? work_of(vehicle, before) * h : 0;
+	}
+	vehicle_find_places(vehicle);
+}
+
+void vehicle_find_places(struct vehicle *vehicle)
+{
+	const mjModel *model = vehicle->model;
+	mjData *data = vehicle->data;
+	double *as_they_are = vehicle->room;
+	/* This makes quaternions in qpos of length 1, and again if it is called again, which may change their last bits. So they stay as the step
+	 * left them, and a run that is resumed from them finds the same places. */
+	mju_copy(as_they_are, data->qpos, model->nq);
+	mj_kinematics(model, data);
+	mju_copy(data->qpos, as_they_are, model->nq);
+	mj_comPos(model, data);
+	mj_comVel(model, data);
+}

@@ -1,0 +1,162 @@
+/* What sets the controls of a vehicle's actuators: a path that it follows, a table in time, or constants. */
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "dem/dem.h"
+#include "vehicle/internal.h"
+
+static enum status no_actuator(const struct vehicle *vehicle, const char *where, const char *key, const char *name)
+{
+	char names[200] = "";
+	size_t length = 0;
+	for (int i = 0; i < vehicle->model->nu && length + 80 < sizeof names; i++) {
+		const char *one = mj_id2name(vehicle->model, mjOBJ_ACTUATOR, i);
+		if (one != NULL)
+			length += (size_t)snprintf(names + length, sizeof names - length, "%s%.64s", length > 0 ? ", " : "", one);
+	}
+	return fail_with(STATUS_INPUT, "%s: driver.%s: %.64s names no actuator of the model; there are: %s", where, key, name,
+			 length > 0 ? names : "none with a name");
+}
+
+/* Finds the actuators that one of the patterns names, in the model's order. */
+static enum status find(const struct vehicle *vehicle, const char *where, const char *key, const struct scene_texts *patterns, int **out,
+			size_t *count)
+{
+	const mjModel *model = vehicle->model;
+	*out = mem_calloc((size_t)model->nu + 1, sizeof **out);
+	if (*out == NULL)
+		return fail_memory("a driver");
+	for (int i = 0; i < model->nu; i++) {
+		const char *name = mj_id2name(model, mjOBJ_ACTUATOR, i);
+		if (name != NULL && vehicle_matches(patterns, name, false))
+			(*out)[(*count)++] = i;
+	}
+	for (size_t p = 0; p < patterns->count; p++) {
+		const struct scene_texts one = {&patterns->list[p], 1};
+		bool any = false;
+		for (size_t i = 0; i < *count; i++)
+			any = any || vehicle_matches(&one, mj_id2name(model, mjOBJ_ACTUATOR, (*out)[i]), false);
+		if (!any)
+			return no_actuator(vehicle, where, key, patterns->list[p]);
+	}
+	return STATUS_OK;
+}
+
+/* A path needs joints: it steers angles and drives wheels. */
+static enum status check_joints(const struct vehicle *vehicle, const char *where, const char *key, const int *list, size_t count)
+{
+	const mjModel *model = vehicle->model;
+	for (size_t i = 0; i < count; i++)
+		if (model->actuator_trntype[list[i]] != mjTRN_JOINT || model->jnt_type[model->actuator_trnid[2 * list[i]]] != mjJNT_HINGE)
+			return fail_with(STATUS_INPUT, "%s: driver.%s: %s turns no hinge; name actuators of hinges", where, key,
+					 mj_id2name(model, mjOBJ_ACTUATOR, list[i]));
+	return STATUS_OK;
+}
+
+static enum status check_wheels(const struct vehicle *vehicle, const char *where)
+{
+	const mjModel *model = vehicle->model;
+	const struct driver *driver = &vehicle->driver;
+	for (size_t i = 0; i < driver->drive_count; i++) {
+		const int body = model->jnt_bodyid[model->actuator_trnid[2 * driver->drive[i]]];
+		bool wheel = false;
+		for (size_t g = 0; g < vehicle->geom_count; g++)
+			wheel = wheel || (model->geom_bodyid[vehicle->geoms[g].geom] == body && vehicle->geoms[g].shape.kind == DEFORM_WHEEL);
+		if (!wheel)
+			return fail_with(STATUS_INPUT, "%s: driver.drive: %s turns no wheel that presses the ground; name actuators of wheels", where,
+					 mj_id2name(model, mjOBJ_ACTUATOR, driver->drive[i]));
+	}
+	return STATUS_OK;
+}
+
+static enum status make_follow(struct vehicle *vehicle, const char *where)
+{
+	struct driver *driver = &vehicle->driver;
+	enum status status = find(vehicle, where, "steer", &vehicle->scene->steer, &driver->steer, &driver->steer_count);
+	if (status == STATUS_OK)
+		status = find(vehicle, where, "drive", &vehicle->scene->drive, &driver->drive, &driver->drive_count);
+	if (status == STATUS_OK)
+		status = check_joints(vehicle, where, "steer", driver->steer, driver->steer_count);
+	if (status == STATUS_OK)
+		status = check_joints(vehicle, where, "drive", driver->drive, driver->drive_count);
+	return status == STATUS_OK ? check_wheels(vehicle, where) : status;
+}
+
+static enum status make_hold(struct vehicle *vehicle, const char *where)
+{
+	struct driver *driver = &vehicle->driver;
+	const struct scene_texts *names = &vehicle->scene->held;
+	driver->held = mem_calloc(names->count + 1, sizeof *driver->held);
+	if (driver->held == NULL)
+		return fail_memory("a driver");
+	for (size_t i = 0; i < names->count; i++) {
+		driver->held[i] = mj_name2id(vehicle->model, mjOBJ_ACTUATOR, names->list[i]);
+		if (driver->held[i] < 0)
+			return no_actuator(vehicle, where, "hold", names->list[i]);
+		driver->held_count = i + 1;
+	}
+	driver->values = vehicle->scene->values;
+	return STATUS_OK;
+}
+
+enum status vehicle_make_driver(struct vehicle *vehicle, const char *where)
+{
+	switch (vehicle->scene->driver) {
+	case SCENE_FOLLOW:
+		return make_follow(vehicle, where);
+	case SCENE_CONTROLS:
+		return vehicle_read_controls(vehicle, where);
+	case SCENE_HOLD:
+		return make_hold(vehicle, where);
+	case SCENE_IDLE:
+		break;
+	}
+	return STATUS_OK;
+}
+
+enum status vehicle_place_driver(struct vehicle *vehicle, const struct world *world)
+{
+	struct driver *driver = &vehicle->driver;
+	driver->point_count = vehicle->scene->point_count;
+	driver->points = mem_calloc(driver->point_count + 1, sizeof *driver->points);
+	if (driver->points == NULL)
+		return fail_memory("a driver");
+	for (size_t i = 0; i < driver->point_count; i++) {
+		enum status status = world_local_point(world, vehicle->scene->points[i], driver->points[i]);
+		if (status != STATUS_OK)
+			return status;
+	}
+	return STATUS_OK;
+}
+
+void vehicle_free_driver(struct driver *driver)
+{
+	mem_free(driver->steer);
+	mem_free(driver->drive);
+	mem_free(driver->points);
+	mem_free(driver->held);
+	mem_free(driver->table);
+}
+
+void vehicle_control(struct vehicle *vehicle, double time, bool drives)
+{
+	const struct driver *driver = &vehicle->driver;
+	mju_zero(vehicle->data->ctrl, vehicle->model->nu);
+	if (!drives)
+		return;
+	switch (vehicle->scene->driver) {
+	case SCENE_FOLLOW:
+		vehicle_pursue(vehicle, time);
+		return;
+	case SCENE_CONTROLS:
+		vehicle_table_control(vehicle, time);
+		return;
+	case SCENE_HOLD:
+		for (size_t i = 0; i < driver->held_count; i++)
+			vehicle->data->ctrl[driver->held[i]] = driver->values[i];
+		return;
+	case SCENE_IDLE:
+		return;
+	}
+}

@@ -1,0 +1,122 @@
+/* What pictures show of vehicles: the geoms of their models, in groups 0 to 2, as MuJoCo shows them. */
+#include <math.h>
+#include <string.h>
+
+#include "vehicle/internal.h"
+#include "vehicle/settle.h"
+
+#define GROUPS 3 /* geoms of these groups are shown */
+
+static bool is_shown(const mjModel *model, int geom)
+{
+	const int type = model->geom_type[geom];
+	return !vehicle_is_fixed(model, geom) && model->geom_group[geom] < GROUPS && type != mjGEOM_PLANE && type != mjGEOM_HFIELD &&
+	       model->geom_rgba[4 * geom + 3] > 0;
+}
+
+static const struct soil_geom *soil_geom_of(const struct vehicle *vehicle, int geom)
+{
+	for (size_t g = 0; g < vehicle->geom_count; g++)
+		if (vehicle->geoms[g].geom == geom)
+			return &vehicle->geoms[g];
+	return NULL;
+}
+
+static enum status make_figure(const struct vehicle *vehicle, struct figure *figure, struct scene_object *drawn)
+{
+	const mjModel *model = vehicle->model;
+	const double *size = &model->geom_size[3 * figure->geom];
+	const struct soil_geom *soil = soil_geom_of(vehicle, figure->geom);
+	static const double same[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+	char name[256];
+	vehicle_geom_name(model, figure->geom, name, sizeof name);
+	drawn->name = mem_strdup(name);
+	if (drawn->name == NULL)
+		return fail_memory("the parts of a vehicle");
+	memcpy(figure->axes, soil != NULL ? soil->axes : same, sizeof figure->axes);
+	if (soil != NULL && soil->shape.kind == DEFORM_WHEEL) {
+		drawn->shape = soil->shape;
+		return STATUS_OK;
+	}
+	if (model->geom_type[figure->geom] == mjGEOM_SPHERE) {
+		drawn->shape = (struct deform_shape){.kind = DEFORM_SPHERE, .radius = size[0]};
+		return STATUS_OK;
+	}
+	if (model->geom_type[figure->geom] == mjGEOM_BOX) {
+		drawn->shape = (struct deform_shape){.kind = DEFORM_BOX, .size = {2 * size[0], 2 * size[1], 2 * size[2]}};
+		return STATUS_OK;
+	}
+	enum status status = vehicle_make_mesh(model, figure->geom, &figure->mesh);
+	drawn->shape = (struct deform_shape){.kind = DEFORM_MESH, .mesh = figure->mesh};
+	return status;
+}
+
+enum status vehicle_make_figures(struct vehicles *vehicles)
+{
+	size_t most = 0;
+	for (size_t v = 0; v < vehicles->count; v++)
+		most += (size_t)vehicles->list[v].model->ngeom;
+	vehicles->drawn = mem_calloc(most + 1, sizeof *vehicles->drawn);
+	vehicles->figures = mem_calloc(most + 1, sizeof *vehicles->figures);
+	if (vehicles->drawn == NULL || vehicles->figures == NULL)
+		return fail_memory("the parts of a vehicle");
+	enum status status = STATUS_OK;
+	for (size_t v = 0; v < vehicles->count; v++)
+		for (int i = 0; i < vehicles->list[v].model->ngeom && status == STATUS_OK; i++) {
+			if (!is_shown(vehicles->list[v].model, i))
+				continue;
+			struct figure *figure = &vehicles->figures[vehicles->figure_count];
+			*figure = (struct figure){.vehicle = v, .geom = i};
+			status = make_figure(&vehicles->list[v], figure, &vehicles->drawn[vehicles->figure_count++]);
+		}
+	return status;
+}
+
+void vehicle_free_figures(struct vehicles *vehicles)
+{
+	for (size_t i = 0; i < vehicles->figure_count; i++) {
+		mem_free(vehicles->drawn[i].name);
+		vehicle_free_mesh(vehicles->figures[i].mesh);
+	}
+	mem_free(vehicles->drawn);
+	mem_free(vehicles->figures);
+}
+
+/* --- where they are --- */
+
+static bool place_figure(void *user, size_t index, double middle[3], double axes[3][3])
+{
+	const struct vehicles *vehicles = user;
+	const struct figure *figure = &vehicles->figures[index];
+	const struct vehicle *vehicle = &vehicles->list[figure->vehicle];
+	double columns[9];
+	if (vehicle->begun == VEHICLE_ABOVE)
+		return false;
+	mju_mulMatMat(columns, &vehicle->data->geom_xmat[9 * figure->geom], figure->axes, 3, 3, 3);
+	for (int i = 0; i < 3; i++) {
+		middle[i] = vehicle->origin[i] + vehicle->data->geom_xpos[3 * figure->geom + i];
+		for (int k = 0; k < 3; k++)
+			axes[i][k] = columns[3 * k + i];
+	}
+	return true;
+}
+
+static bool place_vehicle(void *user, size_t index, double place[3], double *yaw)
+{
+	const struct vehicles *vehicles = user;
+	const struct vehicle *vehicle = &vehicles->list[index];
+	const double *forward = &vehicle->data->xmat[9 * vehicle->root];
+	if (vehicle->begun == VEHICLE_ABOVE)
+		return false;
+	for (int i = 0; i < 3; i++)
+		place[i] = vehicle->origin[i] + vehicle->data->xpos[3 * vehicle->root + i];
+	*yaw = atan2(forward[3], forward[0]);
+	return true;
+}
+
+struct world_figures vehicle_figures(struct vehicles *vehicles)
+{
+	if (vehicles == NULL)
+		return (struct world_figures){.count = 0};
+	return (struct world_figures){vehicles->drawn, vehicles->figure_count, vehicles, place_figure, place_vehicle};
+}

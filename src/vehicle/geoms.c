@@ -1,0 +1,277 @@
+/* The soil geoms of a model: which they are, their shapes, and where they are. */
+#include <fnmatch.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "vehicle/internal.h"
+
+#define PARALLEL 1e-6 /* 1 - cosine of the greatest angle between a wheel's axis and its joint */
+#define MIDDLE 1e-4   /* of the radius: how far the joint's axis may be from the wheel's middle */
+
+bool vehicle_matches(const struct scene_texts *patterns, const char *name, bool none)
+{
+	for (size_t i = 0; i < patterns->count; i++)
+		if (fnmatch(patterns->list[i], name, 0) == 0)
+			return true;
+	return patterns->count == 0 && none;
+}
+
+void vehicle_geom_name(const mjModel *model, int geom, char *text, size_t size)
+{
+	const char *own = mj_id2name(model, mjOBJ_GEOM, geom), *body = mj_id2name(model, mjOBJ_BODY, model->geom_bodyid[geom]);
+	if (own != NULL)
+		snprintf(text, size, "%s", own);
+	else if (body != NULL && model->body_geomnum[model->geom_bodyid[geom]] == 1)
+		snprintf(text, size, "%s", body);
+	else
+		snprintf(text, size, "geom_%d", geom);
+}
+
+bool vehicle_is_fixed(const mjModel *model, int geom)
+{
+	return model->body_weldid[model->geom_bodyid[geom]] == 0;
+}
+
+static bool is_soil_geom(const struct vehicle *vehicle, int geom)
+{
+	const mjModel *model = vehicle->model;
+	char name[300];
+	const bool collides = model->geom_contype[geom] != 0 || model->geom_conaffinity[geom] != 0;
+	if (vehicle_is_fixed(model, geom) || model->geom_type[geom] == mjGEOM_PLANE || model->geom_type[geom] == mjGEOM_HFIELD)
+		return false;
+	vehicle_geom_name(model, geom, name, sizeof name);
+	return vehicle_matches(&vehicle->scene->soil, name, collides);
+}
+
+/* --- shapes --- */
+
+/* Finds the freedom of a joint of the geom's body that turns it about its own z axis; -1: there is none. */
+static int turns(const mjModel *model, int geom)
+{
+	const int body = model->geom_bodyid[geom];
+	const double *pos = &model->geom_pos[3 * geom];
+	double mat[9];
+	mju_quat2Mat(mat, &model->geom_quat[4 * geom]);
+	const double axis[3] = {mat[2], mat[5], mat[8]};
+	for (int j = model->body_jntadr[body]; j >= 0 && j < model->body_jntadr[body] + model->body_jntnum[body]; j++) {
+		const double *along = &model->jnt_axis[3 * j];
+		double from[3], beside[3];
+		if (model->jnt_type[j] != mjJNT_HINGE || fabs(mju_dot3(along, axis)) < 1 - PARALLEL)
+			continue;
+		mju_sub3(from, pos, &model->jnt_pos[3 * j]);
+		mju_addScl3(beside, from, axis, -mju_dot3(from, axis));
+		if (mju_norm3(beside) <= MIDDLE * model->geom_size[3 * geom])
+			return model->jnt_dofadr[j];
+	}
+	return -1;
+}
+
+static void set_axes(struct soil_geom *out, const double forward[3], const double left[3], const double up[3])
+{
+	for (int i = 0; i < 3; i++) {
+		out->axes[3 * i] = forward[i];
+		out->axes[3 * i + 1] = left[i];
+		out->axes[3 * i + 2] = up[i];
+	}
+}
+
+/* Numbers of a geom's `user`: how many grousers, their height and their thickness. */
+static enum status take_grousers(const struct vehicle *vehicle, struct soil_geom *out, const char *where)
+{
+	const mjModel *model = vehicle->model;
+	const double *user = &model->geom_user[(size_t)model->nuser_geom * (size_t)out->geom];
+	const double count = model->nuser_geom > 0 ? user[0] : 0;
+	if (count == 0)
+		return STATUS_OK;
+	out->shape.grousers = (int)count;
+	out->shape.grouser_height = model->nuser_geom > 1 && user[1] > 0 ? user[1] : 0.05 * out->shape.radius;
+	out->shape.grouser_thickness = model->nuser_geom > 2 && user[2] > 0 ? user[2] : 0.1 * out->shape.radius;
+	if (count == floor(count) && count > 0 && count <= 128 && out->shape.grouser_height <= out->shape.radius)
+		return STATUS_OK;
+	return fail_with(STATUS_INPUT, "%s: %s: user says %g grousers, %g m high; give 0 to 128, no higher than the radius", where, out->name,
+			 count, out->shape.grouser_height);
+}
+
+/* A wheel's own y axis is the cylinder's z axis, and points to the vehicle's left. */
+static enum status make_wheel(const struct vehicle *vehicle, struct soil_geom *out, const char *where)
+{
+	const mjModel *model = vehicle->model;
+	const double *size = &model->geom_size[3 * out->geom], *mat = &vehicle->data->geom_xmat[9 * out->geom];
+	const double side = mat[5] >= 0 ? 1 : -1;
+	out->shape = (struct deform_shape){.kind = DEFORM_WHEEL, .radius = size[0], .width = 2 * size[1]};
+	set_axes(out, (const double[]){1, 0, 0}, (const double[]){0, 0, side}, (const double[]){0, -side, 0});
+	return take_grousers(vehicle, out, where);
+}
+
+static enum status make_shape(const struct vehicle *vehicle, struct soil_geom *out, const char *where)
+{
+	const mjModel *model = vehicle->model;
+	const double *size = &model->geom_size[3 * out->geom];
+	enum status status;
+	out->dof = -1;
+	set_axes(out, (const double[]){1, 0, 0}, (const double[]){0, 1, 0}, (const double[]){0, 0, 1});
+	switch (model->geom_type[out->geom]) {
+	case mjGEOM_SPHERE:
+		out->shape = (struct deform_shape){.kind = DEFORM_SPHERE, .radius = size[0]};
+		return STATUS_OK;
+	case mjGEOM_BOX:
+		out->shape = (struct deform_shape){.kind = DEFORM_BOX, .size = {2 * size[0], 2 * size[1], 2 * size[2]}};
+		return STATUS_OK;
+	case mjGEOM_MESH:
+		out->shape = (struct deform_shape){.kind = DEFORM_MESH};
+		status = vehicle_make_mesh(model, out->geom, &out->mesh);
+		out->shape.mesh = out->mesh;
+		return status;
+	case mjGEOM_CYLINDER:
+		out->dof = turns(model, out->geom);
+		if (out->dof >= 0)
+			return make_wheel(vehicle, out, where);
+		break;
+	default:
+		break;
+	}
+	return fail_with(STATUS_INPUT, "%s: %s: a shape like this cannot press the ground; use a box, a sphere, a mesh, or a cylinder that a joint "
+				       "turns about its axis, or leave it out of soil", where, out->name);
+}
+
+/* A name of a body in the world: A-Z a-z 0-9 _ - and a dot. */
+static enum status make_name(const struct vehicle *vehicle, size_t index)
+{
+	char geom[256], name[400];
+	struct soil_geom *out = &vehicle->geoms[index];
+	vehicle_geom_name(vehicle->model, out->geom, geom, sizeof geom);
+	for (char *c = geom; *c != '\0'; c++)
+		if (strchr("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-", *c) == NULL)
+			*c = '_';
+	snprintf(name, sizeof name, "%s.%s", vehicle->scene->name, geom);
+	for (size_t i = 0; i < index; i++)
+		if (strcmp(vehicle->geoms[i].name, name) == 0)
+			snprintf(name, sizeof name, "%s.%s_%d", vehicle->scene->name, geom, out->geom);
+	out->name = mem_strdup(name);
+	return out->name != NULL ? STATUS_OK : fail_memory("a vehicle");
+}
+
+enum status vehicle_find_geoms(struct vehicle *vehicle, const char *where)
+{
+	const mjModel *model = vehicle->model;
+	vehicle->geoms = mem_calloc((size_t)model->ngeom + 1, sizeof *vehicle->geoms);
+	if (vehicle->geoms == NULL)
+		return fail_memory("a vehicle");
+	enum status status = STATUS_OK;
+	for (int i = 0; i < model->ngeom && status == STATUS_OK; i++) {
+		if (!is_soil_geom(vehicle, i))
+			continue;
+		const size_t index = vehicle->geom_count++;
+		vehicle->geoms[index].geom = i;
+		status = make_name(vehicle, index);
+		if (status == STATUS_OK)
+			status = make_shape(vehicle, &vehicle->geoms[index], where);
+	}
+	if (status == STATUS_OK && vehicle->geom_count == 0)
+		return fail_with(STATUS_INPUT, "%s: no geom of it presses the ground; name geoms of moving bodies in soil, or let them collide", where);
+	return status;
+}
+
+void vehicle_free_geoms(struct vehicle *vehicle)
+{
+	for (size_t i = 0; i < vehicle->geom_count; i++) {
+		vehicle_free_mesh(vehicle->geoms[i].mesh);
+		mem_free(vehicle->geoms[i].name);
+	}
+	mem_free(vehicle->geoms);
+}
+
+/* --- where they are --- */
+
+/* Turns the axes, by the shortest way, so that the second is level: the world knows no camber of wheels. */
+static void level_axle(double axes[9])
+{
+	const double left[3] = {axes[1], axes[4], axes[7]}, length = hypot(left[0], left[1]);
+	if (!(length > 0))
+		return;
+	const double level[3] = {left[0] / length, left[1] / length, 0};
+	double about[3], turn[4], mat[9], turned[9];
+	mju_cross(about, left, level);
+	const double sine = mju_norm3(about);
+	if (!(sine > 0))
+		return;
+	mju_normalize3(about);
+	mju_axisAngle2Quat(turn, about, atan2(sine, mju_dot3(left, level)));
+	mju_quat2Mat(mat, turn);
+	mju_mulMatMat(turned, mat, axes, 3, 3, 3);
+	mju_copy(axes, turned, 9);
+}
+
+void vehicle_geom_state(const struct vehicle *vehicle, const struct soil_geom *geom, struct world_state *state)
+{
+	double axes[9], velocity[6];
+	mju_mulMatMat(axes, &vehicle->data->geom_xmat[9 * geom->geom], geom->axes, 3, 3, 3);
+	if (geom->shape.kind == DEFORM_WHEEL)
+		level_axle(axes);
+	mju_mat2Quat(state->pose.orientation, axes);
+	mju_normalize4(state->pose.orientation);
+	mj_objectVelocity(vehicle->model, vehicle->data, mjOBJ_GEOM, geom->geom, velocity, 0);
+	for (int i = 0; i < 3; i++) {
+		state->pose.position[i] = vehicle->origin[i] + vehicle->data->geom_xpos[3 * geom->geom + i];
+		state->angular[i] = velocity[i];
+		state->linear[i] = velocity[3 + i];
+	}
+}
+
+static double sign(double value)
+{
+	return value >= 0 ? 1 : -1;
+}
+
+/* In the geom's own axes. */
+static void own_support(const mjModel *model, int geom, const double d[3], double place[3])
+{
+	const double *size = &model->geom_size[3 * geom];
+	const double level = hypot(d[0], d[1]), length = sqrt(level * level + d[2] * d[2]);
+	switch (model->geom_type[geom]) {
+	case mjGEOM_SPHERE:
+	case mjGEOM_CAPSULE:
+		for (int i = 0; i < 3; i++)
+			place[i] = size[0] * d[i] / length;
+		place[2] += model->geom_type[geom] == mjGEOM_CAPSULE ? size[1] * sign(d[2]) : 0;
+		return;
+	case mjGEOM_CYLINDER:
+		place[0] = level > 0 ? size[0] * d[0] / level : 0;
+		place[1] = level > 0 ? size[0] * d[1] / level : 0;
+		place[2] = size[1] * sign(d[2]);
+		return;
+	case mjGEOM_ELLIPSOID: {
+		const double scaled = sqrt(d[0] * d[0] * size[0] * size[0] + d[1] * d[1] * size[1] * size[1] + d[2] * d[2] * size[2] * size[2]);
+		for (int i = 0; i < 3; i++)
+			place[i] = size[i] * size[i] * d[i] / scaled;
+		return;
+	}
+	case mjGEOM_MESH: {
+		const int mesh = model->geom_dataid[geom];
+		const float *from = &model->mesh_vert[3 * model->mesh_vertadr[mesh]];
+		double most = -INFINITY;
+		for (int i = 0; i < model->mesh_vertnum[mesh]; i++) {
+			const double along = d[0] * (double)from[3 * i] + d[1] * (double)from[3 * i + 1] + d[2] * (double)from[3 * i + 2];
+			if (along <= most)
+				continue;
+			most = along;
+			for (int k = 0; k < 3; k++)
+				place[k] = (double)from[3 * i + k];
+		}
+		return;
+	}
+	default: /* a box */
+		for (int i = 0; i < 3; i++)
+			place[i] = size[i] * sign(d[i]);
+	}
+}
+
+void vehicle_geom_support(const mjModel *model, const mjData *data, int geom, const double direction[3], double place[3])
+{
+	double own[3], at[3];
+	mju_rotVecMatT(own, direction, &data->geom_xmat[9 * geom]);
+	own_support(model, geom, own, at);
+	mju_rotVecMat(place, at, &data->geom_xmat[9 * geom]);
+	mju_addTo3(place, &data->geom_xpos[3 * geom]);
+}

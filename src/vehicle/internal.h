@@ -1,0 +1,166 @@
+/* What the files of vehicle share. Only the world's thread touches it. */
+#ifndef FURROW_VEHICLE_INTERNAL_H
+#define FURROW_VEHICLE_INTERNAL_H
+
+#include <mujoco/mujoco.h>
+
+#include "vehicle/guard.h"
+#include "vehicle/vehicle.h"
+
+/* A geom that touches the ground. */
+struct soil_geom {
+	int geom;                   /* of the model */
+	int dof;                    /* of a wheel: the freedom in which it turns; -1: no wheel */
+	char *name;                 /* VEHICLE.GEOM, the name of its body in the world */
+	struct deform_shape shape;
+	struct deform_mesh *mesh;   /* the shape's; owned; NULL: no mesh */
+	double axes[9];             /* the body's axes forward, left, up as columns, in the geom's axes */
+	int32_t number;             /* its body in the world */
+	struct world_state now;     /* at the start of the coupling step */
+	struct world_state touched; /* up to which its motion has changed the ground */
+	bool is_touched;
+	double mean[3];             /* m/s: slow part of the velocity at the contact; its change is damped (coupling.c) */
+	struct world_contact contact;  /* linearised at `now` */
+	double force[6];            /* N, N m about the body's origin: what was applied last */
+};
+
+/* What sets the controls: driver.c. */
+struct driver {
+	int *steer, *drive;         /* actuators that steer, and that drive */
+	size_t steer_count, drive_count;
+	double (*points)[2];        /* m, local: the path */
+	size_t point_count;
+	int *held;                  /* actuators with a constant control, or columns of a table */
+	size_t held_count;
+	const double *values;       /* SCENE_HOLD: their controls. The scene owns them */
+	double *table;              /* SCENE_CONTROLS: rows of t and held_count controls */
+	size_t row_count;
+	/* State: */
+	double at;                  /* segment of the path that it is on */
+	double sum;                 /* m: how far it is behind, for drives that give torque */
+	bool arrived;
+};
+
+struct vehicle {
+	const struct scene_vehicle *scene;
+	mjModel *model;
+	mjData *data;
+	double checksum[2];         /* of the compiled model, as two whole numbers */
+	double origin[3];           /* m, local: where MuJoCo's origin is */
+	int root;                   /* the body whose place is the vehicle's */
+	int engine_steps;           /* in a time step */
+	struct soil_geom *geoms;
+	size_t geom_count;
+	struct driver driver;
+	int *joints;                /* joints with one number: columns q */
+	size_t joint_count;
+	double *row_joints;         /* room for a row */
+	double largest_step, largest_mass, largest_area; /* bound.c */
+	size_t largest_geom;
+	/* State between steps; state.c keeps it in the record. */
+	double begun;               /* settle.h: how far it is in settling */
+	double settle_seconds, calm; /* s: in settling so far; for how long it has been at rest */
+	double lift;                /* m: by which it was lifted when it was set down */
+	double work, distance;      /* J, m */
+	double slow;                /* s: for how long it has been slower than `stuck.below`; in settling: when the stage began */
+	double *room;               /* numbers for coupling.c */
+};
+
+/* A geom that pictures show. */
+struct figure {
+	size_t vehicle;
+	int geom;
+	double axes[9];             /* the shape's axes forward, left, up as columns, in the geom's axes */
+	struct deform_mesh *mesh;   /* owned; NULL: none */
+};
+
+struct vehicles {
+	const struct scene *scene;
+	struct world *world;        /* NULL: not joined yet */
+	struct vehicle *list;
+	size_t count, geom_count;   /* geom_count: soil geoms of all vehicles */
+	int32_t *numbers;           /* room for all soil geoms */
+	struct world_state *states;
+	struct world_contact *contacts;
+	struct scene_object *drawn; /* what pictures show, in the order of `figures` */
+	struct figure *figures;
+	size_t figure_count;
+	size_t attached;            /* numbers in the record */
+	double row;                 /* number of the next row of vehicles.csv */
+	const struct vehicle_rows *rows;
+	double stuck_at;
+};
+
+/* --- geoms.c --- */
+
+/* Finds the soil geoms of a model and makes their shapes. STATUS_INPUT: there is none, or one has a shape that cannot touch the ground. */
+enum status vehicle_find_geoms(struct vehicle *vehicle, const char *where) FURROW_CHECKED;
+void vehicle_free_geoms(struct vehicle *vehicle);
+/* Returns true if `name` matches one of the patterns. `none`: the answer if there are no patterns. */
+bool vehicle_matches(const struct scene_texts *patterns, const char *name, bool none);
+/* Finds the state of a soil geom as MuJoCo has it now. */
+void vehicle_geom_state(const struct vehicle *vehicle, const struct soil_geom *geom, struct world_state *state);
+/* Finds the place of a geom that is farthest along `direction`. MuJoCo's axes. */
+void vehicle_geom_support(const mjModel *model, const mjData *data, int geom, const double direction[3], double place[3]);
+/* Returns true if the geom belongs to the model's own world, which a scene leaves out. */
+bool vehicle_is_fixed(const mjModel *model, int geom);
+/* Writes the geom's name into `text`: its own, that of its body, or its number. */
+void vehicle_geom_name(const mjModel *model, int geom, char *text, size_t size);
+
+/* --- meshes.c: triangles in the axes of a geom --- */
+
+/* Makes triangles of a geom of the model: its mesh, or a cylinder, a capsule or an ellipsoid. Free it with vehicle_free_mesh, even after
+ * a failure. */
+enum status vehicle_make_mesh(const mjModel *model, int geom, struct deform_mesh **out) FURROW_CHECKED;
+void vehicle_free_mesh(struct deform_mesh *mesh); /* takes NULL */
+
+/* --- figures.c --- */
+enum status vehicle_make_figures(struct vehicles *vehicles) FURROW_CHECKED;
+void vehicle_free_figures(struct vehicles *vehicles);
+
+/* --- bound.c --- */
+
+/* Finds the longest step that is stable. STATUS_INPUT: the scene's time_step is longer. */
+enum status vehicle_check_step(struct vehicle *vehicle, const struct scene *scene, const char *where) FURROW_CHECKED;
+
+/* --- driver.c --- */
+
+/* Finds the driver's actuators, and reads its table. `where`: for messages. */
+enum status vehicle_make_driver(struct vehicle *vehicle, const char *where) FURROW_CHECKED;
+/* Converts the path to local metres. */
+enum status vehicle_place_driver(struct vehicle *vehicle, const struct world *world) FURROW_CHECKED;
+void vehicle_free_driver(struct driver *driver);
+/* Sets the controls for a time, s. `drives` false: it settles, and all controls are 0. */
+void vehicle_control(struct vehicle *vehicle, double time, bool drives);
+
+/* --- controls.c --- */
+/* Reads the table of controls. */
+enum status vehicle_read_controls(struct vehicle *vehicle, const char *where) FURROW_CHECKED;
+/* Sets the controls of the table at a time. */
+void vehicle_table_control(struct vehicle *vehicle, double time);
+
+/* --- pursuit.c --- */
+/* Sets the controls so that the vehicle follows its path. Once in an engine step. */
+void vehicle_pursue(struct vehicle *vehicle, double time);
+
+/* --- coupling.c --- */
+
+/* Makes the steps of the engine of one time step, with the forces linearised at the contacts of its geoms. `rate`: 1/s, slows all
+ * motion, for settling; 0: not. Runs within a guard. */
+void vehicle_advance(struct vehicle *vehicle, double time, double seconds, double rate, bool drives);
+/* Finds places and velocities of all bodies from the joints'. The next step of the engine computes the same again. */
+void vehicle_find_places(struct vehicle *vehicle);
+size_t vehicle_coupling_room(const struct vehicle *vehicle); /* numbers in vehicle->room */
+
+/* --- step.c --- */
+
+/* Asks for the contacts of all vehicles, moves them, and sets the bodies that are to change the ground. */
+enum status vehicle_move(struct vehicles *vehicles, double rate, bool drives) FURROW_CHECKED;
+double vehicle_kinetic(const struct vehicle *vehicle); /* J */
+
+/* --- state.c --- */
+size_t vehicle_state_numbers(const struct vehicle *vehicle);
+void vehicle_save(void *vehicles, double *numbers);
+enum status vehicle_restore(struct vehicles *vehicles, const double *numbers) FURROW_CHECKED;
+
+#endif

@@ -1,0 +1,22 @@
+/* Small dense systems of linear equations. */
+#ifndef FURROW_VEHICLE_LINEAR_H
+#define FURROW_VEHICLE_LINEAR_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+/* Solves a x = b by elimination with pivots. `a`: n x n, row by row; changed. `b` becomes x. Returns false if a pivot is 0 or no
+ * finite number. */
+bool vehicle_solve(double *a, double *b, size_t n);
+
+/* Factors a symmetric positive matrix in place, L L^T; `a`: n x n, row by row, its lower triangle. Returns false if it is not
+ * positive. */
+bool vehicle_factor(double *a, size_t n);
+/* Solves L L^T x = b. `b` becomes x. */
+void vehicle_solve_factored(const double *a, double *b, size_t n);
+
+/* Makes a 6 x 6 matrix symmetric, as the mean of it and its transpose, and takes away what is not negative of it. Eigenvalues above 0
+ * become 0. */
+void vehicle_make_negative(double a[6][6]);
+
+#endif

@@ -1,0 +1,153 @@
+/* Reads the model of a vehicle, and checks that it fits the scene. */
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include <xxhash.h>
+
+#include "vehicle/internal.h"
+#include "vehicle/load.h"
+
+#define WHOLE 1e-6 /* of a step: how far the number of engine steps may be from a whole one */
+
+struct reading {
+	const char *path;
+	mjModel *model;
+	mjData *data;
+	char error[400];
+};
+
+static void read_model(void *argument)
+{
+	struct reading *reading = argument;
+	reading->model = mj_loadXML(reading->path, NULL, reading->error, sizeof reading->error);
+	if (reading->model == NULL)
+		return;
+	reading->data = mj_makeData(reading->model);
+	if (reading->data != NULL)
+		mj_forward(reading->model, reading->data);
+}
+
+static enum status refuse(const char *where, const char *path, const char *why)
+{
+	return fail_with(STATUS_INPUT, "%s: %s: %.300s; give an MJCF or URDF file that MuJoCo reads", where, path, why);
+}
+
+static enum status read(struct vehicle *vehicle, const char *where)
+{
+	struct reading reading = {.path = vehicle->scene->model, .error = ""};
+	enum status status = vehicle_guard(where, read_model, &reading);
+	vehicle->model = reading.model;
+	vehicle->data = reading.data;
+	if (status != STATUS_OK) /* what MuJoCo refuses is wrong with the file */
+		return fail_with(STATUS_INPUT, "%s", failure_message());
+	if (vehicle->model == NULL)
+		return refuse(where, vehicle->scene->model, reading.error[0] != '\0' ? reading.error : "MuJoCo does not read it");
+	if (vehicle->data == NULL)
+		return fail_memory("a vehicle");
+	const char *warning = vehicle_guard_warning();
+	if (warning[0] != '\0')
+		note("%s: %s: MuJoCo says: %s", where, vehicle->scene->model, warning);
+	return STATUS_OK;
+}
+
+/* The world's gravity counts, and nothing of the model's own world. */
+static void fit(struct vehicle *vehicle, const struct scene *scene)
+{
+	mjModel *model = vehicle->model;
+	const double gravity[3] = {0, 0, -scene->gravity};
+	mju_copy3(model->opt.gravity, gravity);
+	for (int i = 0; i < model->ngeom; i++)
+		if (vehicle_is_fixed(model, i))
+			model->geom_contype[i] = model->geom_conaffinity[i] = 0;
+	mju_zero(vehicle->data->ctrl, model->nu);
+}
+
+static enum status check_timestep(struct vehicle *vehicle, const struct scene *scene, const char *where)
+{
+	mjModel *model = vehicle->model;
+	const double steps = scene->time_step / model->opt.timestep, whole = round(steps);
+	if (!(whole >= 1 && whole <= 1e6) || fabs(steps - whole) > WHOLE * whole)
+		return fail_with(STATUS_INPUT, "%s: its timestep, %g s, does not divide the scene's time_step, %g s; change one of them", where,
+				 model->opt.timestep, scene->time_step);
+	vehicle->engine_steps = (int)whole;
+	model->opt.timestep = scene->time_step / whole;
+	if (model->opt.integrator == mjINT_RK4)
+		model->opt.integrator = mjINT_EULER; /* forces of the soil are known at the start of a step only */
+	return STATUS_OK;
+}
+
+/* The body whose motion is the vehicle's: the one below the model's world that has the first soil geom. */
+static enum status find_root(struct vehicle *vehicle, const char *where)
+{
+	const mjModel *model = vehicle->model;
+	if (model->nv == 0)
+		return fail_with(STATUS_INPUT, "%s: none of its bodies moves; give its root body a free joint", where);
+	vehicle->root = model->body_rootid[model->geom_bodyid[vehicle->geoms[0].geom]];
+	return STATUS_OK;
+}
+
+static enum status find_joints(struct vehicle *vehicle)
+{
+	const mjModel *model = vehicle->model;
+	vehicle->joints = mem_calloc((size_t)model->njnt + 1, sizeof *vehicle->joints);
+	vehicle->row_joints = mem_calloc((size_t)model->njnt + 1, sizeof *vehicle->row_joints);
+	if (vehicle->joints == NULL || vehicle->row_joints == NULL)
+		return fail_memory("a vehicle");
+	for (int i = 0; i < model->njnt; i++)
+		if (model->jnt_type[i] == mjJNT_HINGE || model->jnt_type[i] == mjJNT_SLIDE)
+			vehicle->joints[vehicle->joint_count++] = i;
+	return STATUS_OK;
+}
+
+static enum status sum_model(struct vehicle *vehicle)
+{
+	const int bytes = mj_sizeModel(vehicle->model);
+	void *buffer = mem_calloc((size_t)bytes, 1);
+	if (buffer == NULL)
+		return fail_memory("a vehicle");
+	mj_saveModel(vehicle->model, NULL, buffer, bytes);
+	const XXH64_hash_t hash = XXH3_64bits(buffer, (size_t)bytes);
+	vehicle->checksum[0] = (double)(hash >> 32);
+	vehicle->checksum[1] = (double)(hash & 0xffffffffu);
+	mem_free(buffer);
+	return STATUS_OK;
+}
+
+enum status vehicle_read(struct vehicle *vehicle, const struct scene *scene)
+{
+	char where[300];
+	snprintf(where, sizeof where, "%.200s: vehicles.%s", scene->file, vehicle->scene->name);
+	enum status status = read(vehicle, where);
+	if (status != STATUS_OK)
+		return status;
+	fit(vehicle, scene);
+	status = check_timestep(vehicle, scene, where);
+	if (status == STATUS_OK)
+		status = sum_model(vehicle);
+	if (status == STATUS_OK)
+		status = vehicle_find_geoms(vehicle, where);
+	if (status == STATUS_OK)
+		status = find_root(vehicle, where);
+	if (status == STATUS_OK)
+		status = find_joints(vehicle);
+	if (status != STATUS_OK)
+		return status;
+	vehicle->room = mem_calloc(vehicle_coupling_room(vehicle), sizeof *vehicle->room);
+	if (vehicle->room == NULL)
+		return fail_memory("a vehicle");
+	status = vehicle_check_step(vehicle, scene, where);
+	return status == STATUS_OK ? vehicle_make_driver(vehicle, where) : status;
+}
+
+void vehicle_forget(struct vehicle *vehicle)
+{
+	vehicle_free_driver(&vehicle->driver);
+	vehicle_free_geoms(vehicle);
+	if (vehicle->data != NULL)
+		mj_deleteData(vehicle->data);
+	if (vehicle->model != NULL)
+		mj_deleteModel(vehicle->model);
+	mem_free(vehicle->joints);
+	mem_free(vehicle->row_joints);
+	mem_free(vehicle->room);
+}

@@ -1,0 +1,86 @@
+/* Vehicles in a build without MuJoCo: a scene that has them is refused. No other function is called then. */
+#include "vehicle/vehicle.h"
+
+enum status vehicle_load(const struct scene *scene, struct vehicles **out)
+{
+	*out = NULL;
+	if (scene->vehicle_count == 0)
+		return STATUS_OK;
+	return fail_with(STATUS_INPUT, "%s: vehicles: this build has no MuJoCo; install libmujoco-dev and build again with -Dvehicle=enabled",
+			 scene->file);
+}
+
+void vehicle_destroy(struct vehicles *vehicles)
+{
+	(void)vehicles;
+}
+
+struct world_attached vehicle_attached(struct vehicles *vehicles)
+{
+	(void)vehicles;
+	return (struct world_attached){.count = 0};
+}
+
+struct world_figures vehicle_figures(struct vehicles *vehicles)
+{
+	(void)vehicles;
+	return (struct world_figures){.count = 0};
+}
+
+static enum status none(void)
+{
+	return fail_with(STATUS_FAILED, "vehicles: this build has no MuJoCo; install libmujoco-dev and build again with -Dvehicle=enabled");
+}
+
+enum status vehicle_join(struct vehicles *vehicles, struct world *world)
+{
+	(void)vehicles, (void)world;
+	return none();
+}
+
+enum status vehicle_begin(struct vehicles *vehicles)
+{
+	(void)vehicles;
+	return none();
+}
+
+enum status vehicle_step(struct vehicles *vehicles)
+{
+	(void)vehicles;
+	return none();
+}
+
+bool vehicle_stuck(const struct vehicles *vehicles)
+{
+	(void)vehicles;
+	return false;
+}
+
+void vehicle_set_rows(struct vehicles *vehicles, const struct vehicle_rows *rows)
+{
+	(void)vehicles, (void)rows;
+}
+
+size_t vehicle_count(const struct vehicles *vehicles)
+{
+	(void)vehicles;
+	return 0;
+}
+
+void vehicle_info(const struct vehicles *vehicles, size_t vehicle, struct vehicle_info *info)
+{
+	(void)vehicles, (void)vehicle;
+	*info = (struct vehicle_info){.name = ""};
+}
+
+const char *vehicle_joint_name(const struct vehicles *vehicles, size_t vehicle, size_t joint)
+{
+	(void)vehicles, (void)vehicle, (void)joint;
+	return "";
+}
+
+const char *vehicle_actuator_name(const struct vehicles *vehicles, size_t vehicle, size_t actuator)
+{
+	(void)vehicles, (void)vehicle, (void)actuator;
+	return "";
+}

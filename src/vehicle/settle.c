@@ -1,0 +1,247 @@
+/*
+ * Setting vehicles down before a drive begins.
+ *
+ * A vehicle starts in its model's first pose, at `start`, so high that its lowest soil geom touches. First all motion is slowed, so
+ * that the soil is loaded slowly: it sinks as deep as a resting load does, and no deeper. Then it moves freely until it is at rest.
+ * All controls are 0, and wheels do not turn. The time of this does not count; what it does to the ground does.
+ */
+#include <math.h>
+
+#include "vehicle/internal.h"
+#include "vehicle/settle.h"
+
+#define SLOWED 100.0    /* 1/s: what slows all motion at first, */
+#define SLOWED_LATER 25.0 /* and after a second, so that springs find their balance sooner */
+#define STILL_SLOWED 2e-5 /* m/s: slower than this, the slowed vehicle is in balance within about a thousandth of its weight */
+#define STILL 2e-5      /* m/s: slower than this, the free vehicle is at rest */
+#define CALM 0.1        /* s: for so long */
+#define SLOWED_MOST 60.0 /* s */
+#define FREE_MOST 10.0  /* s */
+#define SIDES 8         /* directions each way in which the lowest places of a geom are looked for */
+
+/* --- where it starts --- */
+
+/* Turns and shifts a root body of the model: its free joint, or its place in the model's world. */
+static void place_root(struct vehicle *vehicle, int body)
+{
+	const mjModel *model = vehicle->model;
+	mjData *data = vehicle->data;
+	const double half = vehicle->scene->yaw / 2, yaw[4] = {cos(half), 0, 0, sin(half)};
+	const int joint = model->body_jntadr[body];
+	const bool free = joint >= 0 && model->jnt_type[joint] == mjJNT_FREE;
+	double *pos = free ? &data->qpos[model->jnt_qposadr[joint]] : &model->body_pos[3 * body];
+	double *quat = free ? pos + 3 : &model->body_quat[4 * body];
+	double turned[4], place[3];
+	mju_rotVecQuat(place, pos, yaw);
+	mju_mulQuat(turned, yaw, quat);
+	mju_copy3(pos, place);
+	mju_copy4(quat, turned);
+}
+
+static void lift_root(struct vehicle *vehicle, int body, double height)
+{
+	const mjModel *model = vehicle->model;
+	const int joint = model->body_jntadr[body];
+	const bool free = joint >= 0 && model->jnt_type[joint] == mjJNT_FREE;
+	*(free ? &vehicle->data->qpos[model->jnt_qposadr[joint] + 2] : &model->body_pos[3 * body + 2]) += height;
+}
+
+static void each_root(struct vehicle *vehicle, void (*act)(struct vehicle *vehicle, int body, double height), double height)
+{
+	for (int body = 1; body < vehicle->model->nbody; body++)
+		if (vehicle->model->body_parentid[body] == 0)
+			act(vehicle, body, height);
+}
+
+static void turn_root(struct vehicle *vehicle, int body, double height)
+{
+	(void)height;
+	place_root(vehicle, body);
+}
+
+/* Finds how far a geom is below the ground at most; negative: above it. *any false: there is no ground under one of its places. */
+static enum status depth_of(const struct vehicles *vehicles, const struct vehicle *vehicle, int geom, double *depth, bool *any)
+{
+	enum status status = STATUS_OK;
+	*depth = -INFINITY;
+	*any = true;
+	for (int i = -SIDES; i <= SIDES && status == STATUS_OK; i++)
+		for (int j = -SIDES; j <= SIDES && status == STATUS_OK; j++) {
+			const double direction[3] = {(double)i / SIDES, (double)j / SIDES, -1};
+			double place[3];
+			int64_t height;
+			bool found;
+			vehicle_geom_support(vehicle->model, vehicle->data, geom, direction, place);
+			mju_addTo3(place, vehicle->origin);
+			status = resident_ground_height(vehicles->world->ground, lattice_offset(place[0]), lattice_offset(place[1]), &height, &found);
+			*any = *any && found;
+			if (status == STATUS_OK && found)
+				*depth = fmax(*depth, lattice_offset_metres(height) - place[2]);
+		}
+	return status;
+}
+
+static enum status check_start(const struct vehicles *vehicles, const struct vehicle *vehicle)
+{
+	const mjModel *model = vehicle->model;
+	for (int i = 0; i < model->ngeom; i++) {
+		double depth;
+		bool any, soil = false;
+		char name[256];
+		for (size_t g = 0; g < vehicle->geom_count; g++)
+			soil = soil || vehicle->geoms[g].geom == i;
+		if (soil || vehicle_is_fixed(model, i) || (model->geom_contype[i] == 0 && model->geom_conaffinity[i] == 0))
+			continue;
+		enum status status = depth_of(vehicles, vehicle, i, &depth, &any);
+		if (status != STATUS_OK)
+			return status;
+		if (depth <= 0)
+			continue;
+		vehicle_geom_name(model, i, name, sizeof name);
+		return fail_with(STATUS_INPUT, "%s: vehicles.%s: its geom %s starts %.3g m under ground, and does not press it; name it in soil, or "
+					       "start elsewhere", vehicles->scene->file, vehicle->scene->name, name, depth);
+	}
+	return STATUS_OK;
+}
+
+static enum status turn(const struct vehicles *vehicles, struct vehicle *vehicle)
+{
+	enum status status = world_local_point(vehicles->world, vehicle->scene->at, vehicle->origin);
+	each_root(vehicle, turn_root, 0);
+	return status;
+}
+
+enum status vehicle_replace(const struct vehicles *vehicles, struct vehicle *vehicle)
+{
+	enum status status = turn(vehicles, vehicle);
+	each_root(vehicle, lift_root, vehicle->lift);
+	return status;
+}
+
+static enum status set_down(const struct vehicles *vehicles, struct vehicle *vehicle)
+{
+	double deepest = -INFINITY;
+	const double *place = vehicle->origin;
+	enum status status = turn(vehicles, vehicle);
+	if (status != STATUS_OK)
+		return status;
+	mj_kinematics(vehicle->model, vehicle->data);
+	for (size_t g = 0; g < vehicle->geom_count; g++) {
+		double depth;
+		bool any;
+		status = depth_of(vehicles, vehicle, vehicle->geoms[g].geom, &depth, &any);
+		if (status != STATUS_OK)
+			return status;
+		if (!any)
+			return fail_with(STATUS_INPUT, "%s: vehicles.%s.start: no ground under %s at %g, %g m; start on the terrain, %g x %g m, away from holes",
+					 vehicles->scene->file, vehicle->scene->name, vehicle->geoms[g].name, place[0], place[1],
+					 (double)(vehicles->world->meta->extent.width - 1) * vehicles->world->meta->extent.spacing,
+					 (double)(vehicles->world->meta->extent.height - 1) * vehicles->world->meta->extent.spacing);
+		deepest = fmax(deepest, depth);
+	}
+	/* Whole metres are the origin's, so that MuJoCo's numbers stay small. */
+	const double whole = floor(deepest);
+	vehicle->origin[2] = whole;
+	vehicle->lift = deepest - whole;
+	each_root(vehicle, lift_root, vehicle->lift);
+	mj_forward(vehicle->model, vehicle->data);
+	return check_start(vehicles, vehicle);
+}
+
+/* --- settling --- */
+
+static double speed_of(const struct vehicle *vehicle)
+{
+	return sqrt(2 * fmax(vehicle_kinetic(vehicle), 0) / mj_getTotalmass(vehicle->model));
+}
+
+static void begin(struct vehicles *vehicles, double stage)
+{
+	for (size_t v = 0; v < vehicles->count; v++) {
+		struct vehicle *vehicle = &vehicles->list[v];
+		vehicle->begun = stage;
+		vehicle->slow = vehicle->settle_seconds; /* when the stage began */
+		vehicle->calm = 0;
+	}
+}
+
+static void tell_unrest(const struct vehicles *vehicles)
+{
+	for (size_t v = 0; v < vehicles->count; v++) {
+		const struct vehicle *vehicle = &vehicles->list[v];
+		if (vehicle->calm < CALM)
+			note("vehicles.%s: is not at rest after %.3g s of settling: it still moves at %.3g m/s; the drive begins", vehicle->scene->name,
+			     vehicle->settle_seconds, speed_of(vehicle));
+	}
+}
+
+/* Lets all vehicles move until each was at rest for a while. */
+static enum status until_still(struct vehicles *vehicles, double rate, double still, double most)
+{
+	const double seconds = vehicles->scene->time_step;
+	bool all = false;
+	while (!all && vehicles->list[0].settle_seconds - vehicles->list[0].slow <= most) {
+		const bool later = vehicles->list[0].settle_seconds - vehicles->list[0].slow >= 1;
+		enum status status = world_stopped(vehicles->world) ? world_interrupted(vehicles->world)
+								    : vehicle_move(vehicles, later ? fmin(rate, SLOWED_LATER) : rate, false);
+		all = status == STATUS_OK;
+		for (size_t v = 0; v < vehicles->count && status == STATUS_OK; v++) {
+			struct vehicle *vehicle = &vehicles->list[v];
+			vehicle->settle_seconds += seconds;
+			vehicle->calm = speed_of(vehicle) < still ? vehicle->calm + seconds : 0;
+			all = all && vehicle->calm >= CALM;
+		}
+		if (status == STATUS_OK)
+			status = world_move_hosts(vehicles->world);
+		if (status != STATUS_OK)
+			return status;
+	}
+	return STATUS_OK;
+}
+
+/* The bodies are placed first, so that the world reads the ground around them. */
+static enum status place_bodies(struct vehicles *vehicles)
+{
+	enum status status = STATUS_OK;
+	for (size_t v = 0; v < vehicles->count; v++)
+		for (size_t g = 0; g < vehicles->list[v].geom_count && status == STATUS_OK; g++) {
+			struct soil_geom *geom = &vehicles->list[v].geoms[g];
+			vehicle_geom_state(&vehicles->list[v], geom, &geom->now);
+			status = world_body_place(vehicles->world, geom->number, &geom->now.pose);
+			if (status == STATUS_OK)
+				status = world_bodies_set(vehicles->world, 1, &geom->number, &geom->now);
+			geom->touched = geom->now;
+			geom->is_touched = true;
+		}
+	return status == STATUS_OK ? world_move_hosts(vehicles->world) : status;
+}
+
+enum status vehicle_settle(struct vehicles *vehicles)
+{
+	const struct vehicle *first = &vehicles->list[0];
+	enum status status = STATUS_OK;
+	if (first->begun == VEHICLE_ABOVE) {
+		for (size_t v = 0; v < vehicles->count && status == STATUS_OK; v++)
+			status = set_down(vehicles, &vehicles->list[v]);
+		begin(vehicles, VEHICLE_SLOWED);
+		if (status == STATUS_OK)
+			status = place_bodies(vehicles);
+	}
+	if (status == STATUS_OK && first->begun == VEHICLE_SLOWED) {
+		status = until_still(vehicles, SLOWED, STILL_SLOWED, SLOWED_MOST);
+		if (status == STATUS_OK)
+			begin(vehicles, VEHICLE_FREE);
+	}
+	if (status == STATUS_OK && first->begun == VEHICLE_FREE) {
+		status = until_still(vehicles, 0, STILL, FREE_MOST);
+		tell_unrest(vehicles);
+	}
+	if (status != STATUS_OK)
+		return status;
+	begin(vehicles, VEHICLE_DRIVES);
+	for (size_t v = 0; v < vehicles->count; v++) {
+		vehicles->list[v].slow = 0;
+		vehicles->list[v].data->time = 0;
+	}
+	return STATUS_OK;
+}

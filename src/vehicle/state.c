@@ -1,0 +1,136 @@
+/* The state of vehicles as numbers of the run's record, so that a resumed drive goes on to the same bits. */
+#include <math.h>
+#include <string.h>
+
+#include "vehicle/internal.h"
+#include "vehicle/settle.h"
+
+#define OWN 14       /* numbers of a vehicle itself */
+#define GEOM_OWN 17  /* of a soil geom, without its body in the world */
+
+size_t vehicle_state_numbers(const struct vehicle *vehicle)
+{
+	const mjModel *model = vehicle->model;
+	return OWN + (size_t)(model->nq + 2 * model->nv + model->na) + vehicle->geom_count * (GEOM_OWN + WORLD_BODY_NUMBERS);
+}
+
+static double *put(double *to, const double *from, size_t count)
+{
+	if (count > 0)
+		memcpy(to, from, count * sizeof *to);
+	return to + count;
+}
+
+static const double *take(const double *from, double *to, size_t count)
+{
+	if (count > 0)
+		memcpy(to, from, count * sizeof *to);
+	return from + count;
+}
+
+static double *save_geom(const struct world *world, const struct soil_geom *geom, double *to)
+{
+	const struct world_state *touched = &geom->touched;
+	*to++ = geom->is_touched;
+	to = put(to, touched->pose.position, 3);
+	to = put(to, touched->pose.orientation, 4);
+	to = put(to, touched->linear, 3);
+	to = put(to, touched->angular, 3);
+	to = put(to, geom->mean, 3);
+	world_body_save(world, geom->number, to);
+	return to + WORLD_BODY_NUMBERS;
+}
+
+static double *save_one(const struct vehicles *vehicles, const struct vehicle *vehicle, double *to)
+{
+	const mjModel *model = vehicle->model;
+	const mjData *data = vehicle->data;
+	const struct driver *driver = &vehicle->driver;
+	const double own[OWN] = {vehicle->checksum[0], vehicle->checksum[1], vehicle->begun, vehicle->settle_seconds, vehicle->calm,
+				 vehicle->work, vehicle->distance, vehicle->slow, vehicle->origin[2], vehicle->lift, data->time, driver->at,
+				 driver->sum, driver->arrived};
+	to = put(to, own, OWN);
+	to = put(to, data->qpos, (size_t)model->nq);
+	to = put(to, data->qvel, (size_t)model->nv);
+	to = put(to, data->qacc_warmstart, (size_t)model->nv);
+	to = put(to, data->act, (size_t)model->na);
+	for (size_t g = 0; g < vehicle->geom_count; g++)
+		to = save_geom(vehicles->world, &vehicle->geoms[g], to);
+	return to;
+}
+
+void vehicle_save(void *user, double *numbers)
+{
+	const struct vehicles *vehicles = user;
+	for (size_t v = 0; v < vehicles->count; v++)
+		numbers = save_one(vehicles, &vehicles->list[v], numbers);
+}
+
+static enum status damaged(const struct vehicles *vehicles, const struct vehicle *vehicle, const char *why)
+{
+	return fail_with(STATUS_INPUT, "%s: what its last drive left to go on from does not fit vehicles.%s: %s; drive without --resume",
+			 vehicles->world->path, vehicle->scene->name, why);
+}
+
+static enum status restore_geom(struct vehicles *vehicles, struct soil_geom *geom, const double **from)
+{
+	struct world_state *touched = &geom->touched;
+	geom->is_touched = *(*from)++ != 0;
+	*from = take(*from, touched->pose.position, 3);
+	*from = take(*from, touched->pose.orientation, 4);
+	*from = take(*from, touched->linear, 3);
+	*from = take(*from, touched->angular, 3);
+	*from = take(*from, geom->mean, 3);
+	enum status status = world_body_restore(vehicles->world, geom->number, *from);
+	*from += WORLD_BODY_NUMBERS;
+	return status;
+}
+
+static enum status restore_one(struct vehicles *vehicles, struct vehicle *vehicle, const double **numbers)
+{
+	const mjModel *model = vehicle->model;
+	mjData *data = vehicle->data;
+	struct driver *driver = &vehicle->driver;
+	const double *n = *numbers, *from = n + OWN;
+	if (n[0] != vehicle->checksum[0] || n[1] != vehicle->checksum[1])
+		return damaged(vehicles, vehicle, "its model is another one now, or was read by another MuJoCo");
+	if (!(n[2] >= 0 && n[2] <= VEHICLE_DRIVES) || !(n[11] >= 0 && n[11] <= fmax((double)driver->point_count - 1, 0)))
+		return damaged(vehicles, vehicle, "numbers out of range");
+	vehicle->begun = n[2];
+	vehicle->settle_seconds = n[3];
+	vehicle->calm = n[4];
+	vehicle->work = n[5];
+	vehicle->distance = n[6];
+	vehicle->slow = n[7];
+	vehicle->origin[2] = n[8];
+	vehicle->lift = n[9];
+	driver->at = n[11];
+	driver->sum = n[12];
+	driver->arrived = n[13] != 0;
+	enum status status = vehicle->begun > 0 ? vehicle_replace(vehicles, vehicle) : STATUS_OK;
+	data->time = n[10];
+	from = take(from, data->qpos, (size_t)model->nq);
+	from = take(from, data->qvel, (size_t)model->nv);
+	from = take(from, data->qacc_warmstart, (size_t)model->nv);
+	from = take(from, data->act, (size_t)model->na);
+	for (size_t g = 0; g < vehicle->geom_count && status == STATUS_OK; g++)
+		status = restore_geom(vehicles, &vehicle->geoms[g], &from);
+	*numbers = from;
+	return status;
+}
+
+enum status vehicle_restore(struct vehicles *vehicles, const double *numbers)
+{
+	enum status status = STATUS_OK;
+	for (size_t v = 0; v < vehicles->count && status == STATUS_OK; v++) {
+		struct vehicle *vehicle = &vehicles->list[v];
+		status = restore_one(vehicles, vehicle, &numbers);
+		if (status != STATUS_OK || vehicle->begun == 0)
+			continue;
+		/* What the last step left beside its state. */
+		vehicle_find_places(vehicle);
+		mj_crb(vehicle->model, vehicle->data);
+		mj_factorM(vehicle->model, vehicle->data);
+	}
+	return status;
+}

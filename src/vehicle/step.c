@@ -1,0 +1,173 @@
+/* One time step: what the soil does, what the vehicles do, and which of their geoms change the ground. */
+#include <math.h>
+
+#include "vehicle/internal.h"
+
+#define SINKAGE_SHARE 0.1 /* of a post: so much up or down changes the ground */
+#define BACK_SHARE 0.05   /* of a post: so much, where the motion turns back */
+#define BACK_LEAST 1e-5   /* m: the same, at least */
+#define TURN_MOST 1.0     /* rad: so much turn changes the ground */
+
+/* --- the ground --- */
+
+static double turn_between(const struct world_pose *a, const struct world_pose *b)
+{
+	double back[4], turn[4], angles[3];
+	mju_negQuat(back, a->orientation);
+	mju_mulQuat(turn, b->orientation, back);
+	mju_quat2Vel(angles, turn, 1);
+	return mju_norm3(angles);
+}
+
+/*
+ * Tells whether a geom's motion since it last changed the ground is worth a contact. What it does in between is elastic for the soil.
+ * So where a motion turns back, the ground must know how far it went: how deep it yielded, and how far it was sheared.
+ */
+static bool is_due(const struct vehicles *vehicles, const struct soil_geom *geom, const struct world_state *to)
+{
+	const double spacing = vehicles->world->spacing;
+	const struct world_pose *from = &geom->touched.pose;
+	double way[3];
+	if (!geom->is_touched)
+		return true;
+	mju_sub3(way, to->pose.position, from->position);
+	const double level = hypot(way[0], way[1]), turn = turn_between(from, &to->pose);
+	const double turned = geom->shape.kind == DEFORM_SPHERE ? 0 : turn;
+	if (level >= spacing || fabs(way[2]) >= SINKAGE_SHARE * spacing || turned >= TURN_MOST ||
+	    turned * deform_shape_bound(&geom->shape) >= spacing)
+		return true;
+	if (geom->contact.state == WORLD_AIR)
+		return false;
+	const double least = fmax(BACK_SHARE * SINKAGE_SHARE * spacing, BACK_LEAST);
+	const bool rises = way[2] < -least && to->linear[2] > 0 && geom->now.linear[2] <= 0;
+	const bool returns = level > BACK_SHARE * spacing && way[0] * to->linear[0] + way[1] * to->linear[1] < 0 &&
+			     way[0] * geom->now.linear[0] + way[1] * geom->now.linear[1] >= 0;
+	return rises || returns;
+}
+
+/* Sets the bodies that are to change the ground in this step. */
+static enum status touch(struct vehicles *vehicles)
+{
+	size_t count = 0;
+	for (size_t v = 0; v < vehicles->count; v++) {
+		struct vehicle *vehicle = &vehicles->list[v];
+		for (size_t g = 0; g < vehicle->geom_count; g++) {
+			struct soil_geom *geom = &vehicle->geoms[g];
+			struct world_state to;
+			vehicle_geom_state(vehicle, geom, &to);
+			if (!is_due(vehicles, geom, &to))
+				continue;
+			geom->touched = to;
+			geom->is_touched = true;
+			vehicles->numbers[count] = geom->number;
+			vehicles->states[count++] = to;
+		}
+	}
+	return count > 0 ? world_bodies_set(vehicles->world, count, vehicles->numbers, vehicles->states) : STATUS_OK;
+}
+
+/* --- contacts --- */
+
+static const char *short_name(const struct vehicle *vehicle)
+{
+	return vehicle->scene->name;
+}
+
+static enum status ask(struct vehicles *vehicles)
+{
+	size_t count = 0;
+	for (size_t v = 0; v < vehicles->count; v++)
+		for (size_t g = 0; g < vehicles->list[v].geom_count; g++) {
+			struct soil_geom *geom = &vehicles->list[v].geoms[g];
+			vehicle_geom_state(&vehicles->list[v], geom, &geom->now);
+			vehicles->numbers[count] = geom->number;
+			vehicles->states[count++] = geom->now;
+		}
+	enum status status = world_probe(vehicles->world, count, vehicles->numbers, vehicles->states, vehicles->contacts);
+	count = 0;
+	for (size_t v = 0; v < vehicles->count && status == STATUS_OK; v++)
+		for (size_t g = 0; g < vehicles->list[v].geom_count; g++) {
+			struct soil_geom *geom = &vehicles->list[v].geoms[g];
+			geom->contact = vehicles->contacts[count++];
+			if (geom->contact.state == WORLD_UNKNOWN && geom->is_touched)
+				return fail_with(STATUS_FAILED, "%s: no ground is known under it at %.3f, %.3f after %.3f s; give a shorter time_step", geom->name,
+						 geom->now.pose.position[0], geom->now.pose.position[1], vehicles->world->time);
+		}
+	return status;
+}
+
+/* A vehicle that leaves the terrain, or comes over a hole, ends the drive, unless the scene says skip. */
+static enum status check_ground(const struct vehicles *vehicles, const struct soil_geom *geom)
+{
+	const struct world *world = vehicles->world;
+	const double *at = geom->now.pose.position;
+	int64_t height;
+	bool any;
+	enum status status = resident_ground_height(world->ground, lattice_offset(at[0]), lattice_offset(at[1]), &height, &any);
+	if (status != STATUS_OK || any || world->scene->outside == SCENE_SKIP)
+		return status;
+	return fail_with(STATUS_FAILED, "%s: no ground under it at %.3f, %.3f after %.3f s; move its path, or set outside: skip", geom->name, at[0],
+			 at[1], world->time);
+}
+
+/* --- the motion --- */
+
+struct motion {
+	struct vehicle *vehicle;
+	double time, seconds, rate;
+	bool drives;
+};
+
+static void advance(void *argument)
+{
+	const struct motion *motion = argument;
+	vehicle_advance(motion->vehicle, motion->time, motion->seconds, motion->rate, motion->drives);
+}
+
+static bool is_finite(const struct vehicle *vehicle)
+{
+	const mjData *data = vehicle->data;
+	double sum = 0;
+	for (int i = 0; i < vehicle->model->nq; i++)
+		sum += fabs(data->qpos[i]);
+	for (int i = 0; i < vehicle->model->nv; i++)
+		sum += fabs(data->qvel[i]);
+	const int bad = data->warning[mjWARN_BADQPOS].number + data->warning[mjWARN_BADQVEL].number + data->warning[mjWARN_BADQACC].number;
+	return isfinite(sum) && bad == 0;
+}
+
+static enum status move_one(struct vehicles *vehicles, struct vehicle *vehicle, double rate, bool drives)
+{
+	const struct world *world = vehicles->world;
+	const double time = drives ? world->time : 0, seconds = vehicles->scene->time_step;
+	struct motion motion = {vehicle, time, seconds, rate, drives};
+	double before[2], after[2];
+	mju_copy(before, &vehicle->data->xpos[3 * vehicle->root], 2);
+	enum status status = vehicle_guard(short_name(vehicle), advance, &motion);
+	if (status != STATUS_OK)
+		return status;
+	if (!is_finite(vehicle))
+		return fail_with(STATUS_FAILED, "%s: its motion diverged after %.6g s; shorten time_step (now %g s, at most %.3g s), soften its "
+						"actuators, or give its joints damping", short_name(vehicle), time, seconds, vehicle->largest_step);
+	mju_copy(after, &vehicle->data->xpos[3 * vehicle->root], 2);
+	vehicle->distance += drives ? hypot(after[0] - before[0], after[1] - before[1]) : 0;
+	return STATUS_OK;
+}
+
+enum status vehicle_move(struct vehicles *vehicles, double rate, bool drives)
+{
+	enum status status = ask(vehicles);
+	for (size_t v = 0; v < vehicles->count && status == STATUS_OK; v++)
+		for (size_t g = 0; g < vehicles->list[v].geom_count && status == STATUS_OK; g++)
+			status = check_ground(vehicles, &vehicles->list[v].geoms[g]);
+	for (size_t v = 0; v < vehicles->count && status == STATUS_OK; v++)
+		status = move_one(vehicles, &vehicles->list[v], rate, drives);
+	return status == STATUS_OK ? touch(vehicles) : status;
+}
+
+double vehicle_kinetic(const struct vehicle *vehicle)
+{
+	const int nv = vehicle->model->nv;
+	mj_mulM(vehicle->model, vehicle->data, vehicle->room, vehicle->data->qvel);
+	return mju_dot(vehicle->room, vehicle->data->qvel, nv) / 2;
+}

@@ -1,0 +1,284 @@
+/* The vehicles of a scene: their life, their steps, and what is told of them. */
+#include "vehicle/vehicle.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "vehicle/internal.h"
+#include "vehicle/load.h"
+#include "vehicle/settle.h"
+
+/* --- loading --- */
+
+static enum status make_lists(struct vehicles *vehicles)
+{
+	for (size_t v = 0; v < vehicles->count; v++) {
+		vehicles->geom_count += vehicles->list[v].geom_count;
+		vehicles->attached += vehicle_state_numbers(&vehicles->list[v]);
+	}
+	vehicles->numbers = mem_calloc(vehicles->geom_count + 1, sizeof *vehicles->numbers);
+	vehicles->states = mem_calloc(vehicles->geom_count + 1, sizeof *vehicles->states);
+	vehicles->contacts = mem_calloc(vehicles->geom_count + 1, sizeof *vehicles->contacts);
+	if (vehicles->numbers == NULL || vehicles->states == NULL || vehicles->contacts == NULL)
+		return fail_memory("the vehicles");
+	return STATUS_OK;
+}
+
+enum status vehicle_load(const struct scene *scene, struct vehicles **out)
+{
+	*out = NULL;
+	if (scene->vehicle_count == 0)
+		return STATUS_OK;
+	struct vehicles *vehicles = mem_calloc(1, sizeof *vehicles);
+	if (vehicles == NULL)
+		return fail_memory("the vehicles");
+	vehicles->scene = scene;
+	vehicles->list = mem_calloc(scene->vehicle_count, sizeof *vehicles->list);
+	enum status status = vehicles->list != NULL ? STATUS_OK : fail_memory("the vehicles");
+	for (size_t i = 0; i < scene->vehicle_count && status == STATUS_OK; i++) {
+		vehicles->count = i + 1;
+		vehicles->list[i].scene = &scene->vehicles[i];
+		status = vehicle_read(&vehicles->list[i], scene);
+	}
+	if (status == STATUS_OK)
+		status = make_lists(vehicles);
+	if (status == STATUS_OK && scene->view.present)
+		status = vehicle_make_figures(vehicles);
+	if (status == STATUS_OK) {
+		*out = vehicles;
+		return STATUS_OK;
+	}
+	vehicle_destroy(vehicles);
+	return status;
+}
+
+void vehicle_destroy(struct vehicles *vehicles)
+{
+	if (vehicles == NULL)
+		return;
+	for (size_t v = 0; v < vehicles->count; v++)
+		vehicle_forget(&vehicles->list[v]);
+	vehicle_free_figures(vehicles);
+	mem_free(vehicles->list);
+	mem_free(vehicles->numbers);
+	mem_free(vehicles->states);
+	mem_free(vehicles->contacts);
+	mem_free(vehicles);
+}
+
+struct world_attached vehicle_attached(struct vehicles *vehicles)
+{
+	return vehicles != NULL ? (struct world_attached){vehicles->attached, vehicles, vehicle_save} : (struct world_attached){.count = 0};
+}
+
+/* --- joining the world --- */
+
+static enum status add_body(struct world *world, struct soil_geom *geom)
+{
+	struct scene_object object = {.name = mem_strdup(geom->name), .shape = geom->shape};
+	if (object.name == NULL)
+		return fail_memory("a vehicle");
+	enum status status = world_body_add(world, &object, &geom->number);
+	if (status == STATUS_OK)
+		world_body_quiet(world, geom->number);
+	else
+		mem_free(object.name);
+	return status;
+}
+
+enum status vehicle_join(struct vehicles *vehicles, struct world *world)
+{
+	enum status status = STATUS_OK;
+	vehicles->world = world;
+	for (size_t v = 0; v < vehicles->count && status == STATUS_OK; v++) {
+		struct vehicle *vehicle = &vehicles->list[v];
+		for (size_t g = 0; g < vehicle->geom_count && status == STATUS_OK; g++)
+			status = add_body(world, &vehicle->geoms[g]);
+		if (status == STATUS_OK)
+			status = vehicle_place_driver(vehicle, world);
+	}
+	const double *recorded = world_attached(world);
+	return status == STATUS_OK && recorded != NULL ? vehicle_restore(vehicles, recorded) : status;
+}
+
+/* --- rows --- */
+
+void vehicle_set_rows(struct vehicles *vehicles, const struct vehicle_rows *rows)
+{
+	if (vehicles != NULL)
+		vehicles->rows = rows;
+}
+
+static void fill_row(const struct vehicle *vehicle, struct vehicle_row *row)
+{
+	const mjModel *model = vehicle->model;
+	const mjData *data = vehicle->data;
+	const double *mat = &data->xmat[9 * vehicle->root];
+	double velocity[6];
+	mj_objectVelocity(model, data, mjOBJ_XBODY, vehicle->root, velocity, 0);
+	for (int i = 0; i < 3; i++) {
+		row->position[i] = vehicle->origin[i] + data->xpos[3 * vehicle->root + i];
+		row->velocity[i] = velocity[3 + i];
+	}
+	row->yaw = atan2(mat[3], mat[0]) * 180 / M_PI;
+	row->pitch = atan2(mat[6], hypot(mat[0], mat[3])) * 180 / M_PI;
+	row->roll = atan2(mat[7], mat[8]) * 180 / M_PI;
+	row->kinetic = vehicle_kinetic(vehicle);
+	row->work = vehicle->work;
+	for (size_t i = 0; i < vehicle->joint_count; i++)
+		vehicle->row_joints[i] = data->qpos[model->jnt_qposadr[vehicle->joints[i]]];
+	row->joints = vehicle->row_joints;
+	row->controls = data->ctrl;
+}
+
+/* Tells rows that are due at the present time. */
+static enum status tell_rows(struct vehicles *vehicles)
+{
+	const double rate = vehicles->scene->vehicle_rows, time = vehicles->world->time;
+	enum status status = STATUS_OK;
+	if (vehicles->rows == NULL || !(rate > 0) || time * rate * (1 + 1e-12) < vehicles->row)
+		return STATUS_OK;
+	vehicles->row = floor(time * rate * (1 + 1e-12)) + 1;
+	for (size_t v = 0; v < vehicles->count && status == STATUS_OK; v++) {
+		struct vehicle_row row = {.time = time, .vehicle = v};
+		fill_row(&vehicles->list[v], &row);
+		status = vehicles->rows->row(vehicles->rows->user, &row);
+	}
+	return status == STATUS_OK ? vehicles->rows->flush(vehicles->rows->user) : status;
+}
+
+static enum deform_state state_of(enum world_contact_state state)
+{
+	switch (state) {
+	case WORLD_TOUCHING:
+		return DEFORM_TOUCHING;
+	case WORLD_SLIDES:
+		return DEFORM_SLIDES;
+	case WORLD_SUNK:
+		return DEFORM_SUNK;
+	default:
+		return DEFORM_AIR;
+	}
+}
+
+/* Tells the world the forces that its rows of objects.csv have. */
+static enum status tell_forces(struct vehicles *vehicles)
+{
+	enum status status = STATUS_OK;
+	if (vehicles->scene->forces == 0)
+		return STATUS_OK;
+	for (size_t v = 0; v < vehicles->count; v++)
+		for (size_t g = 0; g < vehicles->list[v].geom_count && status == STATUS_OK; g++) {
+			const struct soil_geom *geom = &vehicles->list[v].geoms[g];
+			const struct world_contact *contact = &geom->contact;
+			struct world_force force = {.sinkage = contact->sinkage, .area = contact->area, .state = state_of(contact->state)};
+			if (force.state == DEFORM_AIR || !isfinite(force.area) || !isfinite(force.sinkage))
+				force.sinkage = force.area = 0;
+			memcpy(force.force, geom->force, sizeof force.force);
+			memcpy(force.moment, geom->force + 3, sizeof force.moment);
+			status = world_body_tell(vehicles->world, geom->number, &geom->now, &force, isfinite(contact->slip) ? contact->slip : 0);
+		}
+	return status;
+}
+
+/* --- steps --- */
+
+enum status vehicle_begin(struct vehicles *vehicles)
+{
+	enum status status = STATUS_OK;
+	if (vehicles->list[0].begun == VEHICLE_DRIVES) { /* the rows of its time were written */
+		vehicles->row = floor(vehicles->world->time * vehicles->scene->vehicle_rows * (1 + 1e-12)) + 1;
+		return STATUS_OK;
+	}
+	status = vehicle_settle(vehicles);
+	if (status == STATUS_OK)
+		status = tell_forces(vehicles);
+	return status == STATUS_OK ? tell_rows(vehicles) : status;
+}
+
+static void watch(struct vehicles *vehicles)
+{
+	const struct scene *scene = vehicles->scene;
+	for (size_t v = 0; v < vehicles->count; v++) {
+		struct vehicle *vehicle = &vehicles->list[v];
+		double velocity[6];
+		mj_objectVelocity(vehicle->model, vehicle->data, mjOBJ_XBODY, vehicle->root, velocity, 0);
+		const bool slow = hypot(velocity[3], velocity[4]) < scene->stuck_below && !vehicle->driver.arrived;
+		vehicle->slow = slow ? vehicle->slow + scene->time_step : 0;
+	}
+}
+
+enum status vehicle_step(struct vehicles *vehicles)
+{
+	enum status status = vehicle_move(vehicles, 0, true);
+	if (status == STATUS_OK)
+		status = tell_forces(vehicles);
+	if (status != STATUS_OK)
+		return status;
+	watch(vehicles);
+	status = world_step(vehicles->world);
+	return status == STATUS_OK ? tell_rows(vehicles) : status;
+}
+
+static bool is_stuck(const struct vehicles *vehicles, const struct vehicle *vehicle)
+{
+	return vehicles->scene->stuck_after > 0 && vehicle->slow >= vehicles->scene->stuck_after * (1 - 1e-9);
+}
+
+bool vehicle_stuck(const struct vehicles *vehicles)
+{
+	bool any = false;
+	for (size_t v = 0; vehicles != NULL && v < vehicles->count; v++) {
+		const struct vehicle *vehicle = &vehicles->list[v];
+		if (!is_stuck(vehicles, vehicle) && !vehicle->driver.arrived)
+			return false;
+		any = any || is_stuck(vehicles, vehicle);
+	}
+	return any;
+}
+
+/* --- facts --- */
+
+size_t vehicle_count(const struct vehicles *vehicles)
+{
+	return vehicles != NULL ? vehicles->count : 0;
+}
+
+void vehicle_info(const struct vehicles *vehicles, size_t index, struct vehicle_info *info)
+{
+	const struct vehicle *vehicle = &vehicles->list[index];
+	*info = (struct vehicle_info){
+		.name = vehicle->scene->name,
+		.mass = mj_getTotalmass(vehicle->model),
+		.geom_count = vehicle->geom_count,
+		.joint_count = vehicle->joint_count,
+		.actuator_count = (size_t)vehicle->model->nu,
+		.largest_step = vehicle->largest_step,
+		.largest_geom = vehicle->geoms[vehicle->largest_geom].name,
+		.largest_mass = vehicle->largest_mass,
+		.largest_area = vehicle->largest_area,
+		.engine_steps = vehicle->engine_steps,
+		.settled = vehicle->begun == VEHICLE_DRIVES,
+		.settle_seconds = vehicle->settle_seconds,
+		.distance = vehicle->distance,
+		.work = vehicle->work,
+		.arrived = vehicle->driver.arrived,
+		.stuck = is_stuck(vehicles, vehicle),
+	};
+	if (vehicles->world != NULL && vehicle->begun > VEHICLE_ABOVE)
+		info->kinetic = vehicle_kinetic(vehicle);
+	if (info->stuck)
+		info->stuck_at = vehicles->world->time - vehicle->slow;
+}
+
+const char *vehicle_joint_name(const struct vehicles *vehicles, size_t vehicle, size_t joint)
+{
+	const char *name = mj_id2name(vehicles->list[vehicle].model, mjOBJ_JOINT, vehicles->list[vehicle].joints[joint]);
+	return name != NULL ? name : "";
+}
+
+const char *vehicle_actuator_name(const struct vehicles *vehicles, size_t vehicle, size_t actuator)
+{
+	const char *name = mj_id2name(vehicles->list[vehicle].model, mjOBJ_ACTUATOR, (int)actuator);
+	return name != NULL ? name : "";
+}

@@ -1,0 +1,86 @@
+/*
+ * vehicle: vehicles of a scene. MuJoCo computes their motion, the world computes the soil.
+ *
+ * A vehicle is a model (MJCF or URDF). Some of its geoms touch the ground: the soil geoms. Each becomes a body of the world that
+ * a host moves. Every time step asks the world what the soil does to the soil geoms (world_probe), gives these forces to MuJoCo,
+ * and moves the bodies. VEHICLES.md has all of it.
+ *
+ *     vehicle_load -> (world_prepare, world_start, world_start_pages) -> vehicle_join -> (world_begin) -> vehicle_begin -> vehicle_step ...
+ *
+ * Calls are for the world's thread. A build without MuJoCo refuses every scene that has vehicles.
+ */
+#ifndef FURROW_VEHICLE_H
+#define FURROW_VEHICLE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "base/base.h"
+#include "scene/scene.h"
+#include "world/world.h"
+
+struct vehicles; /* all vehicles of a scene */
+
+/* Reads the models of a scene. Changes nothing. *out is NULL if the scene has no vehicles. STATUS_INPUT: a model cannot be read or
+ * does not fit the scene, its time_step is too long, or this build has no MuJoCo. The scene must outlive the vehicles. */
+enum status vehicle_load(const struct scene *scene, struct vehicles **out) FURROW_CHECKED;
+void vehicle_destroy(struct vehicles *vehicles); /* takes NULL */
+/* Returns what the vehicles add to the run's record. For NULL: nothing. */
+struct world_attached vehicle_attached(struct vehicles *vehicles);
+
+/* Adds the soil geoms to the world. Call it after world_warm. */
+enum status vehicle_join(struct vehicles *vehicles, struct world *world) FURROW_CHECKED;
+/* Sets the vehicles down and lets them settle, or goes on where the resumed run stopped. STATUS_INPUT: one starts outside the
+ * terrain or under ground. STATUS_FAILED: its motion diverged. */
+enum status vehicle_begin(struct vehicles *vehicles) FURROW_CHECKED;
+/* Makes one time step of the vehicles and of the world. STATUS_FAILED: a motion diverged, or a vehicle left the terrain. Then
+ * the world is as the last step left it. */
+enum status vehicle_step(struct vehicles *vehicles) FURROW_CHECKED;
+/* Returns true if the scene asks to stop when vehicles are stuck, and they are. */
+bool vehicle_stuck(const struct vehicles *vehicles);
+
+/* Returns what pictures show of the vehicles: their models' geoms. For NULL: nothing. */
+struct world_figures vehicle_figures(struct vehicles *vehicles);
+
+/* A row of vehicles.csv. */
+struct vehicle_row {
+	double time;           /* s */
+	size_t vehicle;        /* its number */
+	double position[3];    /* m, of the origin of its root body */
+	double roll, pitch, yaw; /* degrees, as in a path file */
+	double velocity[3];    /* m/s */
+	double kinetic, work;  /* J: kinetic energy; what its actuators have done since the start */
+	const double *joints, *controls; /* joint_count, actuator_count numbers */
+};
+/* Receives the rows in their order. The functions return their own failure. */
+struct vehicle_rows {
+	void *user;
+	enum status (*row)(void *user, const struct vehicle_row *row);
+	enum status (*flush)(void *user);
+};
+void vehicle_set_rows(struct vehicles *vehicles, const struct vehicle_rows *rows); /* rows must outlive the vehicles; may be NULL */
+
+/* Facts about a vehicle. Those above `settled` are known once it is loaded. */
+struct vehicle_info {
+	const char *name;
+	double mass;           /* kg */
+	size_t geom_count;     /* soil geoms */
+	size_t joint_count, actuator_count;  /* columns of its rows; joints with one number each */
+	double largest_step;   /* s: the longest time_step that is allowed */
+	const char *largest_geom; /* soil geom that allows no more, */
+	double largest_mass, largest_area; /* kg, m2: its effective mass, and the area by which its stiffness was estimated */
+	int engine_steps;      /* steps of the engine in a time step */
+	bool settled;
+	double settle_seconds; /* s of simulated time before the start */
+	double distance;       /* m in plan */
+	double kinetic, work;  /* J */
+	bool arrived;          /* at the end of its path */
+	bool stuck;
+	double stuck_at;       /* s; while stuck */
+};
+size_t vehicle_count(const struct vehicles *vehicles); /* 0 for NULL */
+void vehicle_info(const struct vehicles *vehicles, size_t vehicle, struct vehicle_info *info);
+const char *vehicle_joint_name(const struct vehicles *vehicles, size_t vehicle, size_t joint);
+const char *vehicle_actuator_name(const struct vehicles *vehicles, size_t vehicle, size_t actuator);
+
+#endif

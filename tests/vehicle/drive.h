@@ -1,0 +1,71 @@
+/* Drives of vehicles: what they leave in vehicles.csv. */
+#ifndef TESTS_VEHICLE_DRIVE_H
+#define TESTS_VEHICLE_DRIVE_H
+
+#include "../support.h"
+
+struct drive_row {
+	double t, x, y, z, roll, pitch, yaw, vx, vy, vz, kinetic, work;
+};
+
+static inline char *drive_text(const char *path)
+{
+	FILE *file = fopen(path, "r");
+	assert_non_null(file);
+	char *text = calloc(1, 1 << 22);
+	assert_non_null(text);
+	assert_true(fread(text, 1, (1 << 22) - 1, file) > 0);
+	fclose(file);
+	return text;
+}
+
+/* The rows of one vehicle. Returns their number. */
+static inline size_t drive_rows(const char *path, const char *name, struct drive_row *rows, size_t most)
+{
+	char *text = drive_text(path), called[64];
+	size_t count = 0;
+	for (char *line = strchr(text, '\n'); line != NULL && line[1] != '\0' && count < most; line = strchr(line + 1, '\n')) {
+		struct drive_row *r = &rows[count];
+		assert_int_equal(sscanf(line + 1, "%lf,%63[^,],%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf", &r->t, called, &r->x, &r->y, &r->z, &r->roll,
+					&r->pitch, &r->yaw, &r->vx, &r->vy, &r->vz, &r->kinetic, &r->work), 13);
+		count += strcmp(called, name) == 0;
+	}
+	free(text);
+	return count;
+}
+
+/* One more cut of a drive: an overlay and a folder of its own. `ended` may be NULL. */
+struct drive_cut {
+	const char *overlay, *out;
+	bool resume;
+	int64_t steps;
+};
+
+static inline enum status drive_run(const char *scene_path, const char *store, const char *const *settings, const struct drive_cut *cut, char **json)
+{
+	struct scene_setting split[16] = {{NULL, NULL}};
+	char texts[16][256];
+	size_t count = 0;
+	for (; settings != NULL && settings[count] != NULL; count++) {
+		snprintf(texts[count], sizeof texts[count], "%s", settings[count]);
+		char *equals = strchr(texts[count], '=');
+		*equals = '\0';
+		split[count] = (struct scene_setting){texts[count], equals + 1};
+	}
+	struct scene *scene;
+	must(scene_load(scene_path, split, count, &scene));
+	struct api_params params = {.scene = scene, .store = store, .overlay = cut->overlay, .directory = cut->out, .resume = cut->resume,
+				    .steps = cut->steps};
+	struct api_result result;
+	enum status status = api_drive(&params, &result);
+	scene_destroy(scene);
+	if (status == STATUS_NO_GL)
+		skip();
+	if (json != NULL)
+		*json = result.json;
+	else
+		mem_free(result.json);
+	return status;
+}
+
+#endif

@@ -1,0 +1,106 @@
+/* A drive of a vehicle is the same to the bit: twice, through few slots and many, and cut by a resume or a kill. */
+#include <signal.h>
+#include <sys/wait.h>
+
+#include "drive.h"
+
+static const struct extent extent = {129, 129, 0.25, 32};
+
+/* A low ridge across the way, so that wheels load and unload. Tiles are 8 m wide: the way crosses their borders. */
+static double ground(int64_t x, int64_t y)
+{
+	(void)y;
+	const double along = fabs((double)x - 68) / 6;
+	return 50 + (along < 1 ? 0.15 * (1 - along) : 0);
+}
+
+static void prepare(const char *store)
+{
+	char text[2048], path[512];
+	snprintf(path, sizeof path, "%s/vehicles/rover.xml", getenv("SCENES"));
+	char *model = drive_text(path);
+	support_write(support_path("rover.xml"), model);
+	free(model);
+	snprintf(text, sizeof text, "scene: 1\nend_time: 6\ntime_step: 0.002\ngravity: 1.62\nspacing: 0.0625\nsoil: {name: lunar}\n"
+				    "redistribute: {model: scm}\nvehicles:\n  - name: rover\n    model: rover.xml\n    start: {at: [15, 15.5], yaw: 20}\n"
+				    "    soil: [wheel_*]\n    driver: {path: {points: [[15, 15.5], [20, 17]], speed: 0.3}, steer: [steer_*], drive: [drive_*]}\n"
+				    "output: {forces: 20, vehicles: 50}\n");
+	support_write(support_path("scene.yaml"), text);
+	support_store(store, extent, ground);
+}
+
+static void assert_same(const char *a, const char *b)
+{
+	static const char *const files[] = {"vehicles.csv", "objects.csv"};
+	for (int i = 0; i < 2; i++) {
+		char path_a[256], path_b[256];
+		snprintf(path_a, sizeof path_a, "%s/%s", a, files[i]);
+		snprintf(path_b, sizeof path_b, "%s/%s", b, files[i]);
+		char *text_a = drive_text(path_a), *text_b = drive_text(path_b);
+		assert_true(strlen(text_a) > 1000);
+		assert_string_equal(text_a, text_b);
+		free(text_a);
+		free(text_b);
+	}
+}
+
+static void the_same_bits_however_it_is_driven(void **state)
+{
+	static const char *const few[] = {"cache.slots=8", "cache.loaders=0", NULL};
+	struct drive_row rows[512];
+	char path[256];
+	const char *store = support_path("world.furrow"), *scene = support_path("scene.yaml");
+	const char *overlays[] = {support_path("a.furrow"), support_path("b.furrow"), support_path("c.furrow"), support_path("d.furrow")};
+	const char *outs[] = {support_path("a"), support_path("b"), support_path("c"), support_path("d")};
+	(void)state;
+	prepare(store);
+	must(drive_run(scene, store, NULL, &(struct drive_cut){overlays[0], outs[0], false, 0}, NULL));
+	must(drive_run(scene, store, NULL, &(struct drive_cut){overlays[1], outs[1], false, 0}, NULL));
+	must(drive_run(scene, store, few, &(struct drive_cut){overlays[2], outs[2], false, 0}, NULL));
+	/* Cut after an odd number of steps, twice. */
+	must(drive_run(scene, store, NULL, &(struct drive_cut){overlays[3], outs[3], false, 777}, NULL));
+	must(drive_run(scene, store, few, &(struct drive_cut){overlays[3], outs[3], true, 1500}, NULL));
+	must(drive_run(scene, store, NULL, &(struct drive_cut){overlays[3], outs[3], true, 0}, NULL));
+	for (int i = 1; i < 4; i++) {
+		assert_same(outs[0], outs[i]);
+		assert_true(support_hash(overlays[0]) == support_hash(overlays[i]));
+	}
+	snprintf(path, sizeof path, "%s/vehicles.csv", outs[0]);
+	const size_t count = drive_rows(path, "rover", rows, 512);
+	assert_int_equal(count, 301);
+	print_message("at %g, %g m after 6 s, %g J\n", rows[count - 1].x, rows[count - 1].y, rows[count - 1].work);
+	assert_true(rows[count - 1].x > 16 && rows[count - 1].work > 5);
+}
+
+static void killed_it_goes_on_to_the_same_bits(void **state)
+{
+	const char *store = support_path("world.furrow"), *scene = support_path("scene.yaml");
+	const char *whole = support_path("w.furrow"), *cut = support_path("k.furrow"), *outs[] = {support_path("w"), support_path("k")};
+	(void)state;
+	prepare(store);
+	must(drive_run(scene, store, NULL, &(struct drive_cut){whole, outs[0], false, 0}, NULL));
+	for (int i = 0; i < 4; i++) {
+		const pid_t child = fork();
+		assert_true(child >= 0);
+		if (child == 0) {
+			const struct drive_cut part = {cut, outs[1], i > 0, 0};
+			char *json = NULL;
+			_exit(drive_run(scene, store, NULL, &part, &json) == STATUS_OK ? 0 : 1);
+		}
+		usleep(400000 + 350000 * (useconds_t)i);
+		kill(child, SIGKILL);
+		assert_int_equal(waitpid(child, NULL, 0), child);
+	}
+	must(drive_run(scene, store, NULL, &(struct drive_cut){cut, outs[1], true, 0}, NULL));
+	assert_same(outs[0], outs[1]);
+	assert_true(support_hash(whole) == support_hash(cut));
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(the_same_bits_however_it_is_driven),
+		cmocka_unit_test(killed_it_goes_on_to_the_same_bits),
+	};
+	return cmocka_run_group_tests_name("drives of vehicles again", tests, support_enter, support_leave);
+}
