@@ -233,9 +233,10 @@ static void fill_rows(struct step *step, size_t index)
 	for (int i = 0; i < 3; i++) {
 		at[i] = geom->now.linear[i];
 		at[3 + i] = geom->now.angular[i];
+		force[i] = geom->contact.force[i];
+		force[3 + i] = geom->contact.moment[i];
 	}
 	for (int i = 0; i < 6; i++) {
-		force[i] = i < 3 ? geom->contact.force[i] : geom->contact.moment[i - 3];
 		for (int j = 0; j < 6; j++) {
 			force[i] += contact->stiffness[i][j] * (moved[j] + h * free[j]) + contact->damping[i][j] * (free[j] - at[j]);
 			contact->gain[i][j] = h * contact->stiffness[i][j] + contact->damping[i][j];
