@@ -76,21 +76,15 @@ static void set_axes(struct soil_geom *out, const double forward[3], const doubl
 	}
 }
 
-/* Numbers of a geom's `user`: how many grousers, their height and their thickness. */
-static enum status take_grousers(const struct vehicle *vehicle, struct soil_geom *out, const char *where)
+/* The first number of a geom's `user` is how many grousers it has. The soil's force on grousers is not known yet. */
+static enum status refuse_grousers(const struct vehicle *vehicle, const struct soil_geom *out, const char *where)
 {
 	const mjModel *model = vehicle->model;
-	const double *user = &model->geom_user[(size_t)model->nuser_geom * (size_t)out->geom];
-	const double count = model->nuser_geom > 0 ? user[0] : 0;
+	const double count = model->nuser_geom > 0 ? model->geom_user[(size_t)model->nuser_geom * (size_t)out->geom] : 0;
 	if (count == 0)
 		return STATUS_OK;
-	out->shape.grousers = (int)count;
-	out->shape.grouser_height = model->nuser_geom > 1 && user[1] > 0 ? user[1] : 0.05 * out->shape.radius;
-	out->shape.grouser_thickness = model->nuser_geom > 2 && user[2] > 0 ? user[2] : 0.1 * out->shape.radius;
-	if (count == floor(count) && count > 0 && count <= 128 && out->shape.grouser_height <= out->shape.radius)
-		return STATUS_OK;
-	return fail_with(STATUS_INPUT, "%s: %s: user says %g grousers, %g m high; give 0 to 128, no higher than the radius", where, out->name,
-			 count, out->shape.grouser_height);
+	return fail_with(STATUS_INPUT, "%s: %s: user says %g grousers; the soil's force on grousers is not known yet, give 0 of them and a radius "
+				       "that includes part of their height", where, out->name, count);
 }
 
 /* A wheel's own y axis is the cylinder's z axis, and points to the vehicle's left. */
@@ -101,14 +95,13 @@ static enum status make_wheel(const struct vehicle *vehicle, struct soil_geom *o
 	const double side = mat[5] >= 0 ? 1 : -1;
 	out->shape = (struct deform_shape){.kind = DEFORM_WHEEL, .radius = size[0], .width = 2 * size[1]};
 	set_axes(out, (const double[]){1, 0, 0}, (const double[]){0, 0, side}, (const double[]){0, -side, 0});
-	return take_grousers(vehicle, out, where);
+	return refuse_grousers(vehicle, out, where);
 }
 
 static enum status make_shape(const struct vehicle *vehicle, struct soil_geom *out, const char *where)
 {
 	const mjModel *model = vehicle->model;
 	const double *size = &model->geom_size[3 * out->geom];
-	enum status status;
 	out->dof = -1;
 	set_axes(out, (const double[]){1, 0, 0}, (const double[]){0, 1, 0}, (const double[]){0, 0, 1});
 	switch (model->geom_type[out->geom]) {
@@ -118,11 +111,6 @@ static enum status make_shape(const struct vehicle *vehicle, struct soil_geom *o
 	case mjGEOM_BOX:
 		out->shape = (struct deform_shape){.kind = DEFORM_BOX, .size = {2 * size[0], 2 * size[1], 2 * size[2]}};
 		return STATUS_OK;
-	case mjGEOM_MESH:
-		out->shape = (struct deform_shape){.kind = DEFORM_MESH};
-		status = vehicle_make_mesh(model, out->geom, &out->mesh);
-		out->shape.mesh = out->mesh;
-		return status;
 	case mjGEOM_CYLINDER:
 		out->dof = turns(model, out->geom);
 		if (out->dof >= 0)
@@ -131,7 +119,7 @@ static enum status make_shape(const struct vehicle *vehicle, struct soil_geom *o
 	default:
 		break;
 	}
-	return fail_with(STATUS_INPUT, "%s: %s: a shape like this cannot press the ground; use a box, a sphere, a mesh, or a cylinder that a joint "
+	return fail_with(STATUS_INPUT, "%s: %s: a shape like this cannot press the ground; use boxes, spheres, or a cylinder that a joint "
 				       "turns about its axis, or leave it out of soil", where, out->name);
 }
 
@@ -175,10 +163,8 @@ enum status vehicle_find_geoms(struct vehicle *vehicle, const char *where)
 
 void vehicle_free_geoms(struct vehicle *vehicle)
 {
-	for (size_t i = 0; i < vehicle->geom_count; i++) {
-		vehicle_free_mesh(vehicle->geoms[i].mesh);
+	for (size_t i = 0; i < vehicle->geom_count; i++)
 		mem_free(vehicle->geoms[i].name);
-	}
 	mem_free(vehicle->geoms);
 }
 

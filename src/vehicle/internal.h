@@ -13,7 +13,6 @@ struct soil_geom {
 	int dof;                    /* of a wheel: the freedom in which it turns; -1: no wheel */
 	char *name;                 /* VEHICLE.GEOM, the name of its body in the world */
 	struct deform_shape shape;
-	struct deform_mesh *mesh;   /* the shape's; owned; NULL: no mesh */
 	double axes[9];             /* the body's axes forward, left, up as columns, in the geom's axes */
 	int32_t number;             /* its body in the world */
 	struct world_state now;     /* at the start of the coupling step */

@@ -40,6 +40,15 @@ static void what_cannot_press_or_move_is_refused(void **state)
 	support_write(support_path("model.xml"),
 		      "<mujoco><worldbody><body><freejoint/><geom type=\"plane\" size=\"1 1 1\" mass=\"1\"/></body></worldbody></mujoco>");
 	rig_refused(STEP, "", STATUS_INPUT, "vehicles.car");
+	/* Shapes on which the soil's force is not known. */
+	support_write(support_path("model.xml"),
+		      "<mujoco><worldbody><body><freejoint/><geom type=\"capsule\" size=\"0.1 0.2\" mass=\"1\"/></body></worldbody></mujoco>");
+	rig_refused(STEP, "", STATUS_INPUT, "a shape like this cannot press the ground");
+	support_write(support_path("model.xml"),
+		      "<mujoco><worldbody><body><freejoint/><inertial pos=\"0 0 0\" mass=\"1\" diaginertia=\"1 1 1\"/>"
+		      "<body><joint axis=\"0 0 1\"/><geom type=\"cylinder\" size=\"0.3 0.1\" mass=\"1\" "
+		      "user=\"12\"/></body></body></worldbody></mujoco>");
+	rig_refused(STEP, "", STATUS_INPUT, "user says 12 grousers");
 	/* A mass that nothing has. */
 	support_write(support_path("model.xml"),
 		      "<mujoco><worldbody><body><freejoint/><geom type=\"sphere\" size=\"0.1\" mass=\"0\"/></body></worldbody></mujoco>");
@@ -91,7 +100,7 @@ static void wheels_are_cylinders_that_turn_about_their_axis(void **state)
 		      "<geom name=\"hull\" type=\"box\" size=\"0.5 0.3 0.1\" mass=\"100\"/>"
 		      "<body pos=\"0 0.5 -0.3\"><joint axis=\"0 1 0\"/><geom type=\"cylinder\" size=\"0.3 0.1\" euler=\"90 0 0\" mass=\"5\"/></body>"
 		      "<body name=\"right\" pos=\"0 -0.5 -0.3\"><joint axis=\"0 1 0\"/><geom name=\"a/b\" type=\"cylinder\" size=\"0.3 0.1\" "
-		      "euler=\"-90 0 0\" mass=\"5\" user=\"12 0.02\"/></body></body></worldbody></mujoco>");
+		      "euler=\"-90 0 0\" mass=\"5\"/></body></body></worldbody></mujoco>");
 	must(rig_load(STEP, "", &scene, &vehicles));
 	const struct vehicle *vehicle = &vehicles->list[0];
 	assert_int_equal(vehicle->geom_count, 3);
@@ -99,9 +108,6 @@ static void wheels_are_cylinders_that_turn_about_their_axis(void **state)
 	assert_true(vehicle->geoms[0].shape.size[0] == 1 && vehicle->geoms[0].shape.size[2] == 0.2);
 	assert_string_equal(vehicle->geoms[0].name, "car.hull");
 	assert_string_equal(vehicle->geoms[2].name, "car.a_b");
-	assert_int_equal(vehicle->geoms[1].shape.grousers, 0);
-	assert_int_equal(vehicle->geoms[2].shape.grousers, 12);
-	assert_true(vehicle->geoms[2].shape.grouser_height == 0.02);
 	for (int i = 1; i < 3; i++) {
 		struct world_state at;
 		double axes[3][3];
