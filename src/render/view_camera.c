@@ -30,7 +30,7 @@ static double ground_at(struct view *view, double x, double y, double otherwise)
 static const struct body *target_of(const struct world *world)
 {
 	const struct scene_view *view = &world->scene->view;
-	return view->camera != SCENE_FIXED && view->target_vehicle < 0 ? &world->bodies[view->target_object] : NULL;
+	return view->camera != SCENE_FIXED && view->target_vehicle == 0 ? &world->bodies[view->target_object] : NULL;
 }
 
 /* Places of a camera that follows a vehicle: where that is now. Before it was set down, where it starts. */
@@ -38,9 +38,9 @@ static size_t vehicle_places(const struct world *world, double places[2][2])
 {
 	const struct scene_view *view = &world->scene->view;
 	const struct world_figures *figures = &world->figures;
-	const struct scene_vehicle *vehicle = &world->scene->vehicles[view->target_vehicle];
+	const struct scene_vehicle *vehicle = &world->scene->vehicles[view->target_vehicle - 1];
 	double place[3], yaw = vehicle->yaw;
-	if (figures->vehicle == NULL || !figures->vehicle(figures->user, (size_t)view->target_vehicle, place, &yaw))
+	if (figures->vehicle == NULL || !figures->vehicle(figures->user, (size_t)view->target_vehicle - 1, place, &yaw))
 		memcpy(place, vehicle->at, sizeof vehicle->at);
 	memcpy(places[0], place, sizeof places[0]);
 	places[1][0] = place[0] - view->back * cos(yaw);
@@ -60,7 +60,7 @@ void render_view_place_camera(struct view *view, double time, struct render_came
 	*camera = (struct render_camera){.fov = 0.9};
 	const struct body *target = target_of(world);
 	const struct scene_path *path = target != NULL ? &target->object->path : NULL;
-	const bool vehicle = given->camera != SCENE_FIXED && given->target_vehicle >= 0;
+	const bool vehicle = given->camera != SCENE_FIXED && given->target_vehicle > 0;
 	const size_t count = vehicle ? vehicle_places(world, places)
 				     : motion_track_camera_places(given, path, target != NULL ? target->track : NULL, time, places);
 	if (count == 0) {

@@ -152,7 +152,7 @@ struct scene_view {
 	int width, height;
 	enum scene_camera_kind camera;
 	int target_object;     /* chase, overhead: index of the object, */
-	int target_vehicle;    /* or of the vehicle; -1: it is an object */
+	int target_vehicle;    /* or of the vehicle, from 1; 0: it is an object */
 	double back, up;       /* of a chase camera, in metres */
 	double over_height;    /* of an overhead camera, in metres */
 	double eye[3], target[3]; /* of a fixed camera, in local metres */

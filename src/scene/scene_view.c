@@ -17,7 +17,7 @@ static enum status find_target(const struct scene_tree *tree, const struct scene
 	}
 	for (size_t i = 0; i < scene->vehicle_count; i++) {
 		if (strcmp(scene->vehicles[i].name, name) == 0) {
-			view->target_vehicle = (int)i;
+			view->target_vehicle = (int)i + 1;
 			return STATUS_OK;
 		}
 		scene_list_add(&names, scene->vehicles[i].name);
@@ -131,7 +131,7 @@ enum status scene_check_view(const struct scene_tree *tree, const struct raw_sce
 	if (raw->view == NULL)
 		return STATUS_OK;
 	view->present = true;
-	view->target_vehicle = -1;
+	view->target_vehicle = 0;
 	view->width = raw->view->size != NULL ? (int)raw->view->size[0] : 1280;
 	view->height = raw->view->size != NULL ? (int)raw->view->size[1] : 720;
 	view->images = raw->view->images != NULL ? *raw->view->images : (int64_t)scene_absent("view.images");

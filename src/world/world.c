@@ -62,7 +62,7 @@ static enum status start_look_ahead(struct world *world)
 		if (world->bodies[i].track != NULL)
 			bodies[count++] = (struct look_ahead_body){world->bodies[i].track, &world->bodies[i].object->shape, world->bodies[i].next};
 	uint32_t tiles = world->ground_tiles;
-	bool follows = scene->view.present && scene->view.camera != SCENE_FIXED && scene->view.target_vehicle < 0 && scene->object_count > 0 &&
+	bool follows = scene->view.present && scene->view.camera != SCENE_FIXED && scene->view.target_vehicle == 0 && scene->object_count > 0 &&
 		       world->bodies[scene->view.target_object].track != NULL;
 	const struct look_ahead_params params = {
 		.store = world->store,

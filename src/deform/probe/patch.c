@@ -223,7 +223,7 @@ static void put_zero(struct deform_patch *patch)
 			base = patch->bases[i];
 			break;
 		}
-	patch->zero = ((int64_t)patch->deform->params.reference << OFFSET_BITS) + ((int64_t)base << (OFFSET_BITS - BASE_BITS));
+	patch->zero = patch->deform->params.reference * ((int64_t)1 << OFFSET_BITS) + base * ((int64_t)1 << (OFFSET_BITS - BASE_BITS));
 }
 
 static void take_base(struct deform_patch *patch, const struct patch_part *part, const char *bytes)
@@ -247,7 +247,7 @@ static void take_state(struct deform_patch *patch, const struct patch_part *part
 {
 	const size_t width = (size_t)(part->rect.x1 - part->rect.x0), posts = posts_in(part->rect);
 	const int32_t *words = (const void *)bytes;
-	const int64_t zero = patch->zero - ((int64_t)patch->deform->params.reference << OFFSET_BITS);
+	const int64_t zero = patch->zero - patch->deform->params.reference * ((int64_t)1 << OFFSET_BITS);
 	int32_t state[WORDS] = {0};
 	for (size_t i = 0; i < posts; i++) {
 		const size_t at = (size_t)(part->rect.y0 - patch->rect.y0 + (int64_t)(i / width)) * patch->width +
@@ -256,7 +256,7 @@ static void take_state(struct deform_patch *patch, const struct patch_part *part
 		for (int k = 1; k < WORDS; k++)
 			state[k] = part->deformed & 1u << k ? words[(size_t)k * posts + i] : 0;
 		post->hole = patch->bases[at] == BASE_NODATA;
-		post->height = post->hole ? 0 : lattice_offset_metres(((int64_t)patch->bases[at] << (OFFSET_BITS - BASE_BITS)) - zero + state[1]);
+		post->height = post->hole ? 0 : lattice_offset_metres(patch->bases[at] * ((int64_t)1 << (OFFSET_BITS - BASE_BITS)) - zero + state[1]);
 		post->deposited = lattice_offset_metres(state[1]);
 		post->was = lattice_offset_metres(state[2]);
 		post->shear[0] = ldexp(plane_shear(state[3], PLANE_SHEAR_EAST), -PLANE_SHEAR_BITS);
