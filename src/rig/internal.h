@@ -25,6 +25,9 @@ struct rig {
 enum status rig_bed_make(const struct rig *rig, size_t lanes) FURROW_CHECKED;
 void rig_bed_remove(const struct rig *rig);
 
+/* rig.c: true if a text is a mapping in braces, and no name. */
+bool rig_in_braces(const char *text);
+
 /* lanes.c: drives lanes over one soil and fills their rows. */
 enum status rig_lanes_drive(struct rig *rig, size_t soil, struct rig_lane *lanes, size_t count) FURROW_CHECKED;
 #define RIG_LANES_MOST 16 /* of one bed */

@@ -29,9 +29,8 @@ static int text_of(const struct rig *rig, size_t soil, const struct rig_lane *la
 	const struct rig_found *found = &rig->found;
 	const char *name = rig->params->soils[soil];
 	const double step = found->spacing / SPEED;
-	const bool braces = name[strspn(name, " ")] == '{';
 	fprintf(out, "scene: 1\ntime_step: %.17g\nend_time: %.17g\nspacing: %.17g\n", step, found->way / SPEED, found->spacing);
-	fprintf(out, braces ? "soil: %s\n" : "soil: {name: %s}\n", name);
+	fprintf(out, rig_in_braces(name) ? "soil: %s\n" : "soil: {name: %s}\n", name);
 	fprintf(out, "redistribute: {model: scm}\noutput: {forces: %.17g, delay: 0}\nobjects:\n", (1 - 1e-9) / step);
 	for (size_t i = 0; i < count; i++) {
 		const double y = rig->start + (double)i * rig->pitch;

@@ -38,9 +38,30 @@ static enum status check(const struct rig_params *params)
 	return status == STATUS_OK ? check_list("torque", params->torques, params->torque_count, -1e9, 1e9) : status;
 }
 
+bool rig_in_braces(const char *text)
+{
+	return text[strspn(text, " ")] == '{';
+}
+
+enum status rig_soil_scene(const char *soil, struct scene **out)
+{
+	const size_t room = strlen(soil) + 64;
+	char *text = mem_alloc(room, 1);
+	if (text == NULL)
+		return fail_memory("a soil");
+	snprintf(text, room, rig_in_braces(soil) ? "{soil: %s, redistribute: {model: scm}}" : "{soil: {name: %s}, redistribute: {model: scm}}", soil);
+	enum status status = scene_load_text(text, NULL, NULL, 0, SCENE_HOST, out);
+	mem_free(text);
+	if (status != STATUS_INPUT)
+		return status;
+	char why[512];
+	snprintf(why, sizeof why, "%s", failure_message());
+	return fail_with(status, "soil %s: %.400s", soil, why);
+}
+
 static char *in_braces(const char *shape)
 {
-	const bool has = shape[strspn(shape, " ")] == '{';
+	const bool has = rig_in_braces(shape);
 	char *text = mem_alloc(strlen(shape) + 3, 1);
 	if (text != NULL)
 		sprintf(text, has ? "%s" : "{%s}", shape);

@@ -80,4 +80,7 @@ typedef enum status (*rig_row_fn)(void *user, const struct rig_row *row);
  */
 enum status rig_run(const struct rig_params *params, struct rig_found *found, rig_row_fn give, void *user) FURROW_CHECKED;
 
+/* Makes a scene that has this soil and nothing else: its soils[0] has the numbers. `soil`: as in struct rig_params. */
+enum status rig_soil_scene(const char *soil, struct scene **out) FURROW_CHECKED;
+
 #endif

@@ -65,6 +65,10 @@ static void fit(struct vehicle *vehicle, const struct scene *scene)
 static enum status check_timestep(struct vehicle *vehicle, const struct scene *scene, const char *where)
 {
 	mjModel *model = vehicle->model;
+	if (scene->time_step == 0) { /* nothing will move: outline.c */
+		vehicle->engine_steps = 1;
+		return STATUS_OK;
+	}
 	const double steps = scene->time_step / model->opt.timestep, whole = round(steps);
 	if (!(whole >= 1 && whole <= 1e6) || fabs(steps - whole) > WHOLE * whole)
 		return fail_with(STATUS_INPUT, "%s: its timestep, %g s, does not divide the scene's time_step, %g s; change one of them", where,

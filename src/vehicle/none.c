@@ -84,3 +84,9 @@ const char *vehicle_actuator_name(const struct vehicles *vehicles, size_t vehicl
 	(void)vehicles, (void)vehicle, (void)actuator;
 	return "";
 }
+
+enum status vehicle_outline(const struct scene *scene, size_t vehicle, struct vehicle_outline *out)
+{
+	(void)scene, (void)vehicle, (void)out;
+	return none();
+}

@@ -83,4 +83,24 @@ void vehicle_info(const struct vehicles *vehicles, size_t vehicle, struct vehicl
 const char *vehicle_joint_name(const struct vehicles *vehicles, size_t vehicle, size_t joint);
 const char *vehicle_actuator_name(const struct vehicles *vehicles, size_t vehicle, size_t actuator);
 
+/* A wheel of a vehicle. x and y: m from the centre of gravity, forward and to the left, in the model's first pose. */
+struct vehicle_wheel {
+	double x, y, radius, width;
+	bool driven;
+	double torque_most;    /* N m that its actuators give; INFINITY: not limited */
+};
+#define VEHICLE_WHEELS_MOST 32
+/* What of a vehicle decides where it can drive. */
+struct vehicle_outline {
+	char name[64];
+	double mass;           /* kg */
+	double height;         /* m: of the centre of gravity above the lowest part that touches the ground */
+	double clearance;      /* m: of the lowest part that does not touch the ground; INFINITY: there is none */
+	struct vehicle_wheel wheels[VEHICLE_WHEELS_MOST];
+	size_t wheel_count;
+};
+/* Loads the scene's models and finds the outline of one. STATUS_INPUT: as vehicle_load, or it has no such vehicle, or that touches the
+ * ground with more than wheels. */
+enum status vehicle_outline(const struct scene *scene, size_t vehicle, struct vehicle_outline *out) FURROW_CHECKED;
+
 #endif

@@ -1,0 +1,126 @@
+/*
+ * mobility: whether a vehicle can drive over a slope, and how much it slips there, from what the rig measured of its wheels.
+ *
+ *     mobility_measure -> mobility_judge: one slope and heading
+ *                      -> mobility_table_make -> mobility_table_at: all slopes and headings, for a map
+ *
+ * It is a quasi-static model: constant speed, all driven wheels with one slip, free wheels without torque. The wheels' loads are those
+ * of a rigid body on equal springs. The same curves tell drives and maps, so that they agree says that both are consistent, not that
+ * they are true.
+ *
+ * mobility_measure belongs to one thread, and makes a GL context. All others are pure. Any thread.
+ */
+#ifndef FURROW_MOBILITY_H
+#define FURROW_MOBILITY_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "base/base.h"
+#include "rig/rig.h"
+
+#define MOBILITY_WHEELS_MOST 32
+#define MOBILITY_LOADS 6
+#define MOBILITY_SLIPS 15
+
+/* A wheel. x and y: m from the centre of gravity, forward and to the left. */
+struct mobility_wheel {
+	double x, y, radius, width;
+	bool driven;
+	double torque_most; /* N m that its motor can give; INFINITY: not known */
+};
+
+struct mobility_vehicle {
+	double mass;        /* kg */
+	double height;      /* m: of the centre of gravity above the ground */
+	double clearance;   /* m: from the ground to the lowest part that is no wheel; INFINITY: not known */
+	struct mobility_wheel wheels[MOBILITY_WHEELS_MOST];
+	size_t wheel_count;
+};
+
+/* Returns NULL if this vehicle can be judged. Otherwise the reason, a static text: "WHY; WHAT TO DO". */
+const char *mobility_vehicle_problem(const struct mobility_vehicle *vehicle);
+/* Returns the distance between its first and last axle, or its longest wheel's diameter if that is more, m. */
+double mobility_length(const struct mobility_vehicle *vehicle);
+
+/* What the rig told of one wheel over loads and slips. */
+struct mobility_point {
+	double drawbar, torque, sinkage; /* N, N m, m */
+	bool steady;
+};
+struct mobility_wheel_curves {
+	double radius, width, loads[MOBILITY_LOADS]; /* m, m, N */
+	struct mobility_point points[MOBILITY_LOADS][MOBILITY_SLIPS];
+};
+struct mobility_curves {
+	double friction_angle; /* degrees, the soil's */
+	size_t kind_count;     /* of wheels that differ */
+	size_t kinds[MOBILITY_WHEELS_MOST]; /* of each wheel */
+	struct mobility_wheel_curves of[MOBILITY_WHEELS_MOST];
+};
+extern const double mobility_slips[MOBILITY_SLIPS];
+
+struct mobility_rig {
+	const char *soil;      /* as in struct rig_params */
+	double gravity;        /* m/s2 */
+	double spacing;        /* m between posts; 0: the rig's default */
+	const char *folder;    /* an existing folder for the bed */
+	const volatile sig_atomic_t *stop;
+	enum status (*progress)(void *user, int64_t done, int64_t total);
+	void *user;
+};
+
+/* Runs the rig for each kind of wheel, under loads from a quarter of their mean to twice it. STATUS_INPUT: the vehicle cannot be
+ * judged, or the soil is wrong. */
+enum status mobility_measure(const struct mobility_vehicle *vehicle, const struct mobility_rig *rig, struct mobility_curves *curves) FURROW_CHECKED;
+
+/* Gives YAML of a soil whose strength and stiffness are multiplied: `factor` of cohesion, friction (its tangent), k_c and k_phi. Free it with
+ * mem_free. NULL: out of memory, or there is no such soil; the message tells. */
+char *mobility_soil_varied(const char *soil, const double factor[3]);
+
+enum mobility_reason {
+	MOBILITY_GO,
+	MOBILITY_NO_PULL,    /* no slip gives the pull */
+	MOBILITY_NO_TORQUE,  /* a motor is too weak */
+	MOBILITY_TIPS,       /* a wheel has no load left */
+	MOBILITY_NO_CLEARANCE, /* it sinks to its belly */
+	MOBILITY_DIGS,       /* a wheel sinks on and on */
+	MOBILITY_OFF_CURVES, /* unknown: a wheel's load is beyond the curves */
+	MOBILITY_TOO_STEEP,  /* unknown: the ground is steeper than the soil's friction angle */
+	MOBILITY_TOO_COARSE, /* unknown: the terrain's posts are farther apart than the vehicle is long */
+	MOBILITY_NO_GROUND,  /* there is no height */
+	MOBILITY_REASONS
+};
+extern const char *const mobility_reason_names[MOBILITY_REASONS];
+bool mobility_is_unknown(enum mobility_reason reason);
+
+struct mobility_verdict {
+	enum mobility_reason reason;
+	double slip, torque, sinkage; /* of the wheel that has most; NaN unless it goes */
+};
+
+/* Judges a vehicle on a slope, degrees from level. heading: degrees between its way and the way straight up, 0 to 180. */
+struct mobility_verdict mobility_judge(const struct mobility_vehicle *vehicle, const struct mobility_curves *curves, double gravity, double slope,
+				       double heading);
+
+/* Verdicts for slopes 0 to MOBILITY_SLOPE_MOST, and headings 0 to 90 degrees. */
+#define MOBILITY_SLOPE_STEP 0.5
+#define MOBILITY_SLOPE_MOST 60.0
+#define MOBILITY_HEADING_STEP 5.0
+#define MOBILITY_SLOPES 121
+#define MOBILITY_HEADINGS 19
+struct mobility_table {
+	struct mobility_verdict verdicts[MOBILITY_SLOPES][MOBILITY_HEADINGS];
+};
+void mobility_table_make(const struct mobility_vehicle *vehicle, const struct mobility_curves *curves, double gravity, struct mobility_table *table);
+
+/* Of a slope: the verdict straight up. And the steepest heading at which it goes, degrees from along the slope (0) to straight up (90);
+ * NaN: it goes at none. every: it goes at every heading between. */
+struct mobility_slope {
+	struct mobility_verdict up;
+	double steepest;
+	bool every;
+};
+struct mobility_slope mobility_table_at(const struct mobility_table *table, double slope);
+
+#endif

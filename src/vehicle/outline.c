@@ -1,0 +1,98 @@
+/* What of a vehicle decides where it can drive: its masses and wheels, in the model's first pose. */
+#include <math.h>
+#include <stdio.h>
+
+#include "vehicle/internal.h"
+
+/* Returns the joint about whose axis a wheel turns. */
+static int joint_of(const struct vehicle *vehicle, const struct soil_geom *geom)
+{
+	return vehicle->model->dof_jntid[geom->dof];
+}
+
+/* The most torque that actuators give a joint: 0: none drives it. INFINITY: they are not limited. */
+static double torque_of(const mjModel *model, int joint)
+{
+	double most = 0;
+	for (int i = 0; i < model->nu; i++) {
+		if (model->actuator_trntype[i] != mjTRN_JOINT || model->actuator_trnid[2 * i] != joint)
+			continue;
+		const double gear = fabs(model->actuator_gear[6 * i]);
+		const double *force = model->actuator_forcerange + 2 * i, *control = model->actuator_ctrlrange + 2 * i;
+		const bool motor = model->actuator_gaintype[i] == mjGAIN_FIXED && model->actuator_biastype[i] == mjBIAS_NONE;
+		if (model->actuator_forcelimited[i])
+			most += gear * fmax(fabs(force[0]), fabs(force[1]));
+		else if (motor && model->actuator_ctrllimited[i])
+			most += gear * fabs(model->actuator_gainprm[mjNGAIN * i]) * fmax(fabs(control[0]), fabs(control[1]));
+		else
+			return INFINITY;
+	}
+	return most;
+}
+
+static double lowest(const struct vehicle *vehicle, int geom)
+{
+	static const double down[3] = {0, 0, -1};
+	double place[3];
+	vehicle_geom_support(vehicle->model, vehicle->data, geom, down, place);
+	return place[2];
+}
+
+static bool is_soil(const struct vehicle *vehicle, int geom)
+{
+	for (size_t i = 0; i < vehicle->geom_count; i++)
+		if (vehicle->geoms[i].geom == geom)
+			return true;
+	return false;
+}
+
+static enum status outline(const struct vehicle *vehicle, struct vehicle_outline *out)
+{
+	const mjModel *model = vehicle->model;
+	const mjData *data = vehicle->data;
+	const double *axes = data->xmat + 9 * vehicle->root, *middle = data->subtree_com;
+	double ground = INFINITY, belly = INFINITY;
+	*out = (struct vehicle_outline){.mass = mj_getTotalmass(model)};
+	snprintf(out->name, sizeof out->name, "%s", vehicle->scene->name);
+	for (size_t i = 0; i < vehicle->geom_count; i++)
+		ground = fmin(ground, lowest(vehicle, vehicle->geoms[i].geom));
+	for (int geom = 0; geom < model->ngeom; geom++)
+		if (!is_soil(vehicle, geom) && !vehicle_is_fixed(model, geom))
+			belly = fmin(belly, lowest(vehicle, geom));
+	out->height = middle[2] - ground;
+	out->clearance = belly - ground;
+	for (size_t i = 0; i < vehicle->geom_count; i++) {
+		const struct soil_geom *geom = &vehicle->geoms[i];
+		if (geom->dof < 0)
+			return fail_with(STATUS_INPUT, "%s: touches the ground with more than wheels; only vehicles on wheels have an outline", geom->name);
+		if (out->wheel_count == VEHICLE_WHEELS_MOST)
+			return fail_with(STATUS_INPUT, "%s: it has more than %d wheels; give a model with fewer", vehicle->scene->name, VEHICLE_WHEELS_MOST);
+		const double *at = data->geom_xpos + 3 * geom->geom, away[3] = {at[0] - middle[0], at[1] - middle[1], at[2] - middle[2]};
+		const double torque = torque_of(model, joint_of(vehicle, geom));
+		out->wheels[out->wheel_count++] = (struct vehicle_wheel){
+			.x = axes[0] * away[0] + axes[3] * away[1] + axes[6] * away[2],
+			.y = axes[1] * away[0] + axes[4] * away[1] + axes[7] * away[2],
+			.radius = geom->shape.radius,
+			.width = geom->shape.width,
+			.driven = torque > 0,
+			.torque_most = torque,
+		};
+	}
+	return STATUS_OK;
+}
+
+enum status vehicle_outline(const struct scene *scene, size_t vehicle, struct vehicle_outline *out)
+{
+	struct vehicles *vehicles = NULL;
+	struct scene still = *scene;
+	still.time_step = 0;
+	enum status status = vehicle_load(&still, &vehicles);
+	if (status == STATUS_OK && vehicle >= vehicle_count(vehicles))
+		status = fail_with(STATUS_INPUT, "scene: it has no vehicle; add one to vehicles");
+	if (status == STATUS_OK) {
+		mj_forward(vehicles->list[vehicle].model, vehicles->list[vehicle].data);
+		status = outline(&vehicles->list[vehicle], out);
+	}
+	vehicle_destroy(vehicles);
+	return status;
+}
