@@ -256,7 +256,9 @@ void bear_brim(inout bearing b, soil s, float by_width, incline i, across l, flo
 	float mean = depth * exp2(-log2(s.a.z + 1.0) / s.a.z), out_by = width / (s.a.z + 2.0), below = strip - out_by / max(abs(lean), 1e-6);
 	vec3 normal = normal_of_slope(vec2(0.0, low_side * steep)), arm = vec3(there + vec2(0.0, low_side * out_by), lowest + out_by * steep + above);
 	slip slides = slip_at(arm, normal);
-	float since = moves.x > 0.0 ? max(half_strip(below) - ahead, 0.0) * by_moving : 1.0;
+	// Since the rim came from ahead, or the end from above.
+	float came = moves.x > 0.0 ? max(half_strip(below) - ahead, 0.0) * by_moving : 1e9, sank = by_sinking > 0.0 ? mean * by_sinking : 1e9;
+	float since = min(came, sank) < 1e9 ? min(came, sank) : 1.0;
 	pressure p = pressure_of(s, by_width, i.up * mean, i.up * mean, true);
 	float stress = p.stress + damped(s, arm, normal) * min(4.0 * i.up * mean * s.b.z, 1.0), weight = 0.5 * (ends.y - ends.x) * width * by_step;
 #ifndef GROUND_NORMALS
