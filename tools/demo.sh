@@ -1,5 +1,5 @@
 #!/bin/sh
-# From a clean clone to pictures: packages, a release build, a synthetic DEM, an import, a drive.
+# From a clean clone to pictures: packages, a release build, a synthetic DEM, an import, a vehicle's drive across a hill.
 set -eu
 cd "$(dirname "$0")/.."
 sh tools/packages.sh
@@ -10,12 +10,12 @@ mkdir -p demo
 $furrow synth -o demo/demo.tif --posts 2049x2049 --spacing 1 --kind ridged --relief 160 --seed 7
 $furrow import demo/demo.tif -o demo/demo.furrow --overwrite
 rm -rf demo/drive demo/ruts.furrow
-$furrow drive tools/scenes/demo.yaml --store demo/demo.furrow --overlay demo/ruts.furrow -o demo/drive
+$furrow drive tools/scenes/vehicles/offroad.yaml --store demo/demo.furrow --overlay demo/ruts.furrow -o demo/drive
 $furrow verify demo/ruts.furrow
-$furrow export demo/ruts.furrow -o demo/ruts.png --layer offset --window 40,40,130,130
+$furrow export demo/ruts.furrow -o demo/ruts.png --layer offset --window 30,30,100,70
 $furrow export demo/demo.furrow -o demo/hillshade.png --layer hillshade
 echo
 echo "pictures:  $(ls demo/drive/*.png demo/hillshade.png demo/ruts.png | tr '\n' ' ')"
-echo "figures:   demo/drive/run.json"
+echo "figures:   demo/drive/run.json; the vehicle demo/drive/vehicles.csv, its wheels demo/drive/objects.csv"
 echo "terrain:   demo/demo.furrow, its ruts demo/ruts.furrow (try: $furrow info demo/ruts.furrow)"
 echo "a window:  $furrow view tools/scenes/demo.yaml"
