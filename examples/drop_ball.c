@@ -66,12 +66,14 @@ int main(int argc, char **argv)
 		if (i % TOLD_EVERY == 0)
 			printf("%.3f,%.4f,%.3f,%.1f\n", furrow_time(world), state.pose.position[2] - RADIUS - ground.height, state.linear[2],
 			       contact.force[2]);
-		/* Semi-implicit Euler: the velocity from the force of the last step, then the place from the velocity. */
-		state.linear[2] += (contact.force[2] / MASS - info.gravity) * STEP;
+		/* What the soil would do here, and how that changes with the motion. The soil is stiff, so its force is taken at the step's end. */
+		must(furrow_probe(world, 1, &ball, &state, &contact, sizeof contact));
+		const double stiff = contact.stiffness[2][2], damped = contact.damping[2][2], speed = state.linear[2];
+		const double push = contact.force[2] - MASS * info.gravity + stiff * STEP * speed;
+		state.linear[2] += push * STEP / (MASS - damped * STEP - stiff * STEP * STEP);
 		state.pose.position[2] += state.linear[2] * STEP;
 		must(furrow_set_states(world, 1, &ball, &state));
 		must(furrow_step(world, STEP));
-		must(furrow_get_contacts(world, 1, &ball, &contact, sizeof contact));
 	}
 	must(furrow_points(world, 1, middle, &ground));
 	printf("# the ball left a hollow of %.4f m\n", -ground.offset);

@@ -148,7 +148,9 @@ static enum status measure(struct asked *asked, size_t table, uint64_t *state)
 		if (varied == NULL)
 			return STATUS_INPUT;
 	}
-	char folder[] = "/tmp/furrow-mobility-XXXXXX";
+	const char *temporary = getenv("TMPDIR");
+	char folder[4096];
+	snprintf(folder, sizeof folder, "%s/furrow-mobility-XXXXXX", temporary != NULL && *temporary != '\0' ? temporary : "/tmp");
 	enum status status = STATUS_OK;
 	if (mkdtemp(folder) == NULL)
 		status = fail_with(STATUS_FAILED, "%s: cannot be made; free some disk space", folder);
