@@ -111,11 +111,11 @@ static inline long long support_figure(const char *json, const char *after, cons
 	return atoll(at + strlen(quoted));
 }
 
-/* Drives; settings end with NULL: "key=value". Skips the test on a machine without GL. */
-static inline char *support_drive(const char *scene_path, const char *store, const char *const *settings)
+/* Loads a scene; settings end with NULL: "key=value". */
+static inline struct scene *support_scene(const char *path, const char *const *settings)
 {
 	struct scene_setting split[16] = {{NULL, NULL}};
-	char texts[16][96];
+	char texts[16][256];
 	size_t count = 0;
 	for (; settings != NULL && settings[count] != NULL; count++) {
 		snprintf(texts[count], sizeof texts[count], "%s", settings[count]);
@@ -124,7 +124,14 @@ static inline char *support_drive(const char *scene_path, const char *store, con
 		split[count] = (struct scene_setting){texts[count], equals + 1};
 	}
 	struct scene *scene;
-	must(scene_load(scene_path, split, count, &scene));
+	must(scene_load(path, split, count, &scene));
+	return scene;
+}
+
+/* Drives; settings end with NULL: "key=value". Skips the test on a machine without GL. */
+static inline char *support_drive(const char *scene_path, const char *store, const char *const *settings)
+{
+	struct scene *scene = support_scene(scene_path, settings);
 	struct api_params params = {.scene = scene, .store = store, .directory = support_path("out")};
 	struct api_result result;
 	enum status status = api_drive(&params, &result);

@@ -8,6 +8,8 @@
 
 #include <math.h>
 
+#include "svg.h"
+
 enum { WIDTH = 920, HEIGHT = 500, LEFT = 100, RIGHT = 180, TOP = 56, BOTTOM = 60 };
 
 const char *const cache_policy_labels[SIM_POLICIES] = {"LRU", "CLOCK", "ARC", "S3-FIFO", "OPT"};
@@ -51,22 +53,9 @@ static struct frame frame_of(const struct cache_curves *curves)
 		for (size_t i = first_drawn(curves, policy); curves->wanted[policy] && i < curves->count; i++)
 			most = fmax(most, (double)curves->misses[policy][i]);
 	/* About five lines, of 1, 2 or 5 times a power of ten. */
-	double rough = fmax(most, 1) / 5, power = pow(10, floor(log10(rough)));
-	double factor = rough / power;
-	frame.step = fmax(power * (factor <= 1 ? 1 : factor <= 2 ? 2 : factor <= 5 ? 5 : 10), 1);
+	frame.step = fmax(svg_step(fmax(most, 1) / 5), 1);
 	frame.top = frame.step * ceil(fmax(most, 1) / frame.step);
 	return frame;
-}
-
-static void write_escaped(const char *text, FILE *file)
-{
-	for (const unsigned char *at = (const unsigned char *)text; *at != '\0'; at++)
-		if (*at == '<')
-			fputs("&lt;", file);
-		else if (*at == '&')
-			fputs("&amp;", file);
-		else
-			fputc(*at < ' ' ? '?' : *at, file);
 }
 
 static void write_head(const struct cache_curves *curves, FILE *file)
@@ -84,7 +73,7 @@ static void write_head(const struct cache_curves *curves, FILE *file)
 		"<rect class=\"back\" width=\"%d\" height=\"%d\"/>\n"
 		"<text x=\"%d\" y=\"26\" style=\"font-size: 15px\">Misses by slots: ",
 		WIDTH, HEIGHT, WIDTH, HEIGHT, WIDTH, HEIGHT, LEFT);
-	write_escaped(curves->title, file);
+	svg_text(curves->title, file);
 	fprintf(file, "</text>\n<text x=\"%d\" y=\"44\">%zu accesses to %u tiles</text>\n", LEFT,
 		curves->accesses->count, curves->accesses->tile_count);
 }

@@ -8,7 +8,6 @@
 
 #include "dem/dem.h"
 #include "mobility.h"
-#include "vehicle/vehicle.h"
 
 #define ROWS 64
 #define SIDE_MOST 4096 /* cells of a map */
@@ -39,8 +38,7 @@ struct asked {
 	int layer;
 	double gravity, spread, spacing;
 	int64_t samples, seed;
-	struct mobility_vehicle vehicle;
-	char name[64];
+	struct vehicle_outline vehicle;
 	struct mobility_table *tables;
 	struct mobility_curves *curves;
 	struct progress progress;
@@ -60,20 +58,11 @@ enum mobility_class mobility_class_of(const struct mobility_slope *slope)
 
 static enum status take_vehicle(const struct scene *scene, struct asked *asked)
 {
-	struct vehicle_outline outline;
-	enum status status = vehicle_outline(scene, 0, &outline);
+	enum status status = vehicle_outline(scene, 0, &asked->vehicle);
 	if (status != STATUS_OK)
 		return status;
-	struct mobility_vehicle *vehicle = &asked->vehicle;
-	*vehicle = (struct mobility_vehicle){.mass = outline.mass, .height = outline.height, .clearance = outline.clearance};
-	for (size_t i = 0; i < outline.wheel_count && i < MOBILITY_WHEELS_MOST; i++) {
-		const struct vehicle_wheel *wheel = &outline.wheels[i];
-		vehicle->wheels[vehicle->wheel_count++] =
-			(struct mobility_wheel){wheel->x, wheel->y, wheel->radius, wheel->width, wheel->driven, wheel->torque_most};
-	}
-	snprintf(asked->name, sizeof asked->name, "%s", outline.name);
-	const char *problem = mobility_vehicle_problem(vehicle);
-	return problem == NULL ? STATUS_OK : fail_with(STATUS_INPUT, "mobility: %s: %s", outline.name, problem);
+	const char *problem = mobility_vehicle_problem(&asked->vehicle);
+	return problem == NULL ? STATUS_OK : fail_with(STATUS_INPUT, "mobility: %s: %s", asked->vehicle.name, problem);
 }
 
 /* A scene of the model alone. */
@@ -312,7 +301,7 @@ static void print_summary(const struct asked *asked, const struct mobility_map *
 {
 	static const char *const ways[] = {"straight up", "along the slope"};
 	static const int headings[] = {0, MOBILITY_HEADINGS - 1};
-	printf("%s, %g kg, in %s at %g m/s2\n", asked->name, asked->vehicle.mass, asked->soil, asked->gravity);
+	printf("%s, %g kg, in %s at %g m/s2\n", asked->vehicle.name, asked->vehicle.mass, asked->soil, asked->gravity);
 	for (int i = 0; i < 2; i++) {
 		const double slope = steepest(&map->tables[0], headings[i]);
 		if (isnan(slope))
@@ -331,7 +320,7 @@ static enum status draw(struct asked *asked, struct store *store, size_t tables)
 {
 	const struct store_meta *meta = store_meta(store);
 	const double length = mobility_length(&asked->vehicle);
-	struct mobility_map map = {.store = asked->store, .path = asked->out, .vehicle = asked->name, .soil = asked->soil, .tables = asked->tables,
+	struct mobility_map map = {.store = asked->store, .path = asked->out, .vehicle = asked->vehicle.name, .soil = asked->soil, .tables = asked->tables,
 				   .table_count = tables, .meta = meta, .level = level_for(&meta->extent, length),
 				   .coarse = meta->extent.spacing > length};
 	double shares[CLASSES] = {0};

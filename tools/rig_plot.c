@@ -7,6 +7,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "svg.h"
+
 enum { WIDTH = 1190, LEFT = 70, TOP = 60, ACROSS = 390, DOWN = 270, GAP_X = 80, GAP_Y = 80, LEGEND = 960, LABEL = 22 };
 
 static const char *const colours[] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"};
@@ -41,8 +43,7 @@ static void round_axis(double *low, double *high, double *step)
 		*low = isfinite(*low) ? *low - 0.5 : 0;
 		*high = *low + 1;
 	}
-	const double rough = (*high - *low) / 7, power = pow(10, floor(log10(rough))), factor = rough / power;
-	*step = power * (factor <= 1 ? 1 : factor <= 2 ? 2 : factor <= 5 ? 5 : 10);
+	*step = svg_step((*high - *low) / 7);
 	*low = floor(*low / *step + 1e-9) * *step;
 	*high = ceil(*high / *step - 1e-9) * *step;
 }
@@ -78,17 +79,6 @@ static double place_x(const struct panel *panel, double value)
 static double place_y(const struct panel *panel, double value)
 {
 	return panel->y + DOWN * (panel->high[1] - value) / (panel->high[1] - panel->low[1]);
-}
-
-static void write_text(const char *text, FILE *file)
-{
-	for (const unsigned char *at = (const unsigned char *)text; *at != '\0'; at++)
-		if (*at == '<')
-			fputs("&lt;", file);
-		else if (*at == '&')
-			fputs("&amp;", file);
-		else
-			fputc(*at < ' ' ? ' ' : *at, file);
 }
 
 static void write_axes(const struct rig_table *table, const struct panel *panel, FILE *file)
@@ -165,7 +155,7 @@ static void write_legend(const struct rig_table *table, FILE *file)
 		const char *soil = table->params->soils[i];
 		char label[LABEL + 1];
 		snprintf(label, sizeof label, "%s", soil);
-		write_text(label, file);
+		svg_text(label, file);
 		fputs(strlen(soil) > LABEL ? "…</text>\n" : "</text>\n", file);
 	}
 	for (size_t i = 0; i < table->params->load_count && table->found.wheel; i++) {
@@ -197,7 +187,7 @@ void rig_plot_write(const struct rig_table *table, FILE *file)
 		      "@media (prefers-color-scheme: dark) {\n  text { fill: #ddd } .back { fill: #111 } .line { stroke: #333 } .measured { fill: #ddd }\n}\n"
 		      "</style>\n<rect class=\"back\" width=\"100%%\" height=\"100%%\"/>\n<text class=\"title\" x=\"%d\" y=\"24\">",
 		WIDTH, height, WIDTH, height, LEFT);
-	write_text(table->params->shape, file);
+	svg_text(table->params->shape, file);
 	fprintf(file, "; posts of %g mm</text>\n", table->found.spacing * 1e3);
 	for (int i = 0; i < count; i++)
 		write_panel(table, &panels[i], file);

@@ -8,16 +8,16 @@
 const double mobility_slips[MOBILITY_SLIPS] = {-0.3, -0.15, -0.05, 0, 0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9};
 static const double shares[MOBILITY_LOADS] = {0.25, 0.5, 0.75, 1, 1.4, 2}; /* of the mean load */
 
-const char *mobility_vehicle_problem(const struct mobility_vehicle *vehicle)
+const char *mobility_vehicle_problem(const struct vehicle_outline *vehicle)
 {
 	double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
 	bool driven = false;
 	if (vehicle->wheel_count < 3)
 		return "has fewer than three wheels; only vehicles that stand on wheels can be judged";
-	if (vehicle->wheel_count > MOBILITY_WHEELS_MOST)
+	if (vehicle->wheel_count > VEHICLE_WHEELS_MOST)
 		return "has more than 32 wheels; give a model with fewer";
 	for (size_t i = 0; i < vehicle->wheel_count; i++) {
-		const struct mobility_wheel *wheel = &vehicle->wheels[i];
+		const struct vehicle_wheel *wheel = &vehicle->wheels[i];
 		low[0] = fmin(low[0], wheel->x);
 		high[0] = fmax(high[0], wheel->x);
 		low[1] = fmin(low[1], wheel->y);
@@ -31,7 +31,7 @@ const char *mobility_vehicle_problem(const struct mobility_vehicle *vehicle)
 	return vehicle->mass > 0 && vehicle->height > 0 ? NULL : "has no mass, or its centre of gravity is below the ground; check the model's masses";
 }
 
-double mobility_length(const struct mobility_vehicle *vehicle)
+double mobility_length(const struct vehicle_outline *vehicle)
 {
 	double low = INFINITY, high = -INFINITY, diameter = 0;
 	for (size_t i = 0; i < vehicle->wheel_count; i++) {
@@ -95,7 +95,7 @@ static enum status friction_of(const char *soil, double *degrees)
 	return STATUS_OK;
 }
 
-enum status mobility_measure(const struct mobility_vehicle *vehicle, const struct mobility_rig *rig, struct mobility_curves *curves)
+enum status mobility_measure(const struct vehicle_outline *vehicle, const struct mobility_rig *rig, struct mobility_curves *curves)
 {
 	const char *problem = mobility_vehicle_problem(vehicle);
 	if (problem != NULL)
@@ -104,7 +104,7 @@ enum status mobility_measure(const struct mobility_vehicle *vehicle, const struc
 	const double mean = vehicle->mass * rig->gravity / (double)vehicle->wheel_count;
 	enum status status = friction_of(rig->soil, &curves->friction_angle);
 	for (size_t i = 0; i < vehicle->wheel_count && status == STATUS_OK; i++) {
-		const struct mobility_wheel *wheel = &vehicle->wheels[i];
+		const struct vehicle_wheel *wheel = &vehicle->wheels[i];
 		size_t kind = 0;
 		while (kind < curves->kind_count && (curves->of[kind].radius != wheel->radius || curves->of[kind].width != wheel->width))
 			kind++;

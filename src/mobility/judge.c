@@ -23,11 +23,11 @@ bool mobility_is_unknown(enum mobility_reason reason)
  *
  * W_x, W_y: the parts of the weight down the slope, against x and y. Returns false if the wheels lie in one line.
  */
-static bool loads_of(const struct mobility_vehicle *vehicle, double normal, const double along[2], double *loads)
+static bool loads_of(const struct vehicle_outline *vehicle, double normal, const double along[2], double *loads)
 {
 	double s = (double)vehicle->wheel_count, x = 0, y = 0, xx = 0, xy = 0, yy = 0;
 	for (size_t i = 0; i < vehicle->wheel_count; i++) {
-		const struct mobility_wheel *w = &vehicle->wheels[i];
+		const struct vehicle_wheel *w = &vehicle->wheels[i];
 		x += w->x;
 		y += w->y;
 		xx += w->x * w->x;
@@ -86,7 +86,7 @@ static double free_slip(const struct mobility_wheel_curves *curves, double load)
 	return (low + high) / 2;
 }
 
-static double pull_at(const struct mobility_vehicle *vehicle, const struct mobility_curves *curves, const double *loads, double slip)
+static double pull_at(const struct vehicle_outline *vehicle, const struct mobility_curves *curves, const double *loads, double slip)
 {
 	double pull = 0;
 	for (size_t i = 0; i < vehicle->wheel_count; i++) {
@@ -97,7 +97,7 @@ static double pull_at(const struct mobility_vehicle *vehicle, const struct mobil
 }
 
 /* Finds the least slip that pulls enough: the first of the curves' slips that does, then between it and the one before. */
-static bool slip_for(const struct mobility_vehicle *vehicle, const struct mobility_curves *curves, const double *loads, double wanted, double *slip)
+static bool slip_for(const struct vehicle_outline *vehicle, const struct mobility_curves *curves, const double *loads, double wanted, double *slip)
 {
 	size_t i = 0;
 	while (i < MOBILITY_SLIPS && pull_at(vehicle, curves, loads, mobility_slips[i]) < wanted)
@@ -118,12 +118,12 @@ static struct mobility_verdict no(enum mobility_reason reason)
 	return (struct mobility_verdict){reason, NAN, NAN, NAN};
 }
 
-struct mobility_verdict mobility_judge(const struct mobility_vehicle *vehicle, const struct mobility_curves *curves, double gravity, double slope,
+struct mobility_verdict mobility_judge(const struct vehicle_outline *vehicle, const struct mobility_curves *curves, double gravity, double slope,
 				       double heading)
 {
 	const double weight = vehicle->mass * gravity, a = slope * RADIANS, h = heading * RADIANS;
 	const double along[2] = {weight * sin(a) * cos(h), weight * sin(a) * sin(h)};
-	double loads[MOBILITY_WHEELS_MOST], slip;
+	double loads[VEHICLE_WHEELS_MOST], slip;
 	if (slope >= curves->friction_angle)
 		return no(MOBILITY_TOO_STEEP);
 	if (!loads_of(vehicle, weight * cos(a), along, loads))
@@ -142,7 +142,7 @@ struct mobility_verdict mobility_judge(const struct mobility_vehicle *vehicle, c
 		return no(MOBILITY_NO_PULL);
 	struct mobility_verdict verdict = {MOBILITY_GO, slip, 0, 0};
 	for (size_t i = 0; i < vehicle->wheel_count; i++) {
-		const struct mobility_wheel *wheel = &vehicle->wheels[i];
+		const struct vehicle_wheel *wheel = &vehicle->wheels[i];
 		const struct mobility_wheel_curves *of = &curves->of[curves->kinds[i]];
 		const struct mobility_point point = point_at(of, loads[i], wheel->driven ? slip : free_slip(of, loads[i]));
 		if (wheel->driven && point.torque > wheel->torque_most)

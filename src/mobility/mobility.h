@@ -18,30 +18,15 @@
 
 #include "base/base.h"
 #include "rig/rig.h"
+#include "vehicle/vehicle.h"
 
-#define MOBILITY_WHEELS_MOST 32
 #define MOBILITY_LOADS 6
 #define MOBILITY_SLIPS 15
 
-/* A wheel. x and y: m from the centre of gravity, forward and to the left. */
-struct mobility_wheel {
-	double x, y, radius, width;
-	bool driven;
-	double torque_most; /* N m that its motor can give; INFINITY: not known */
-};
-
-struct mobility_vehicle {
-	double mass;        /* kg */
-	double height;      /* m: of the centre of gravity above the ground */
-	double clearance;   /* m: from the ground to the lowest part that is no wheel; INFINITY: not known */
-	struct mobility_wheel wheels[MOBILITY_WHEELS_MOST];
-	size_t wheel_count;
-};
-
 /* Returns NULL if this vehicle can be judged. Otherwise the reason, a static text: "WHY; WHAT TO DO". */
-const char *mobility_vehicle_problem(const struct mobility_vehicle *vehicle);
+const char *mobility_vehicle_problem(const struct vehicle_outline *vehicle);
 /* Returns the distance between its first and last axle, or its longest wheel's diameter if that is more, m. */
-double mobility_length(const struct mobility_vehicle *vehicle);
+double mobility_length(const struct vehicle_outline *vehicle);
 
 /* What the rig told of one wheel over loads and slips. */
 struct mobility_point {
@@ -55,8 +40,8 @@ struct mobility_wheel_curves {
 struct mobility_curves {
 	double friction_angle; /* degrees, the soil's */
 	size_t kind_count;     /* of wheels that differ */
-	size_t kinds[MOBILITY_WHEELS_MOST]; /* of each wheel */
-	struct mobility_wheel_curves of[MOBILITY_WHEELS_MOST];
+	size_t kinds[VEHICLE_WHEELS_MOST]; /* of each wheel */
+	struct mobility_wheel_curves of[VEHICLE_WHEELS_MOST];
 };
 extern const double mobility_slips[MOBILITY_SLIPS];
 
@@ -72,7 +57,7 @@ struct mobility_rig {
 
 /* Runs the rig for each kind of wheel, under loads from a quarter of their mean to twice it. STATUS_INPUT: the vehicle cannot be
  * judged, or the soil is wrong. */
-enum status mobility_measure(const struct mobility_vehicle *vehicle, const struct mobility_rig *rig, struct mobility_curves *curves) FURROW_CHECKED;
+enum status mobility_measure(const struct vehicle_outline *vehicle, const struct mobility_rig *rig, struct mobility_curves *curves) FURROW_CHECKED;
 
 /* Gives YAML of a soil whose strength and stiffness are multiplied: `factor` of cohesion, friction (its tangent), k_c and k_phi. Free it with
  * mem_free. NULL: out of memory, or there is no such soil; the message tells. */
@@ -100,7 +85,7 @@ struct mobility_verdict {
 };
 
 /* Judges a vehicle on a slope, degrees from level. heading: degrees between its way and the way straight up, 0 to 180. */
-struct mobility_verdict mobility_judge(const struct mobility_vehicle *vehicle, const struct mobility_curves *curves, double gravity, double slope,
+struct mobility_verdict mobility_judge(const struct vehicle_outline *vehicle, const struct mobility_curves *curves, double gravity, double slope,
 				       double heading);
 
 /* Verdicts for slopes 0 to MOBILITY_SLOPE_MOST, and headings 0 to 90 degrees. */
@@ -112,7 +97,7 @@ struct mobility_verdict mobility_judge(const struct mobility_vehicle *vehicle, c
 struct mobility_table {
 	struct mobility_verdict verdicts[MOBILITY_SLOPES][MOBILITY_HEADINGS];
 };
-void mobility_table_make(const struct mobility_vehicle *vehicle, const struct mobility_curves *curves, double gravity, struct mobility_table *table);
+void mobility_table_make(const struct vehicle_outline *vehicle, const struct mobility_curves *curves, double gravity, struct mobility_table *table);
 
 /* Of a slope: the verdict straight up. And the steepest heading at which it goes, degrees from along the slope (0) to straight up (90);
  * NaN: it goes at none. every: it goes at every heading between. */

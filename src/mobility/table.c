@@ -3,7 +3,7 @@
 
 #include "mobility/mobility.h"
 
-void mobility_table_make(const struct mobility_vehicle *vehicle, const struct mobility_curves *curves, double gravity, struct mobility_table *table)
+void mobility_table_make(const struct vehicle_outline *vehicle, const struct mobility_curves *curves, double gravity, struct mobility_table *table)
 {
 	for (int i = 0; i < MOBILITY_SLOPES; i++)
 		for (int k = 0; k < MOBILITY_HEADINGS; k++)

@@ -5,7 +5,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "report/report.h"
+#include "report/rows_file.h"
 
 static const char header[] = "t,name,x,y,z,sinkage,fx,fy,fz,tx,ty,tz,slip,contact_area,load,soil,state,residual\n";
 
@@ -63,19 +63,6 @@ static enum status rollback(void *user)
 	return STATUS_OK;
 }
 
-/* Finds where the rows at or before `time` end. A kill may have torn the last line. */
-static long whole_until(FILE *file, double time)
-{
-	char line[1024];
-	long end = 0;
-	while (fgets(line, sizeof line, file) != NULL && strchr(line, '\n') != NULL) {
-		if (end == 0 ? strcmp(line, header) != 0 : strtod(line, NULL) > time * (1 + 1e-8))
-			break;
-		end = ftell(file);
-	}
-	return end;
-}
-
 enum status report_rows_open(const struct world *world, const char *directory, struct report_rows **out)
 {
 	char path[4096];
@@ -89,17 +76,11 @@ enum status report_rows_open(const struct world *world, const char *directory, s
 	if (rows == NULL)
 		return fail_memory("objects.csv");
 	*rows = (struct report_rows){.world = world, .directory = directory, .sink = {rows, write_row, flush, mark, rollback}};
-	rows->file = fopen(path, world->resumed.is ? "a+" : "w+");
-	long end = 0;
-	if (rows->file != NULL && world->resumed.is) {
-		struct world_recorded recorded;
-		world_recorded(world, &recorded);
-		rewind(rows->file);
-		end = whole_until(rows->file, recorded.step > 0 ? recorded.time : -1); /* the first step gives the rows of time 0 */
-	}
-	if (rows->file == NULL || end < 0 || ftruncate(fileno(rows->file), end) != 0 || fseek(rows->file, 0, SEEK_END) != 0 ||
-	    (end == 0 && fputs(header, rows->file) < 0)) {
-		enum status status = fail_with(STATUS_FAILED, "%s: %s; give a folder that can be written", path, strerror(errno));
+	bool begins;
+	enum status status = report_rows_file_open(world, path, header, &rows->file, &begins);
+	if (status == STATUS_OK && begins && fputs(header, rows->file) < 0)
+		status = report_rows_file_failed(path);
+	if (status != STATUS_OK) {
 		report_rows_close(rows);
 		return status;
 	}

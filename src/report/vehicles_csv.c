@@ -5,7 +5,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "report/report.h"
+#include "report/rows_file.h"
 
 static const char header[] = "t,name,x,y,z,roll,pitch,yaw,vx,vy,vz,kinetic,work";
 
@@ -112,22 +112,6 @@ static bool write_header(const struct report_vehicles *rows)
 	return whole && fputs("\n", rows->file) >= 0;
 }
 
-/* Finds where the rows at or before `time` end. A kill may have torn the last line. */
-static long whole_until(FILE *file, double time)
-{
-	char *line = NULL;
-	size_t room = 0;
-	long end = 0;
-	ssize_t length;
-	while ((length = getline(&line, &room, file)) > 0 && line[length - 1] == '\n') {
-		if (end == 0 ? strncmp(line, header, sizeof header - 1) != 0 : strtod(line, NULL) > time * (1 + 1e-8))
-			break;
-		end = ftell(file);
-	}
-	free(line);
-	return end;
-}
-
 enum status report_vehicles_open(const struct world *world, const struct vehicles *vehicles, const char *directory,
 				 struct report_vehicles **out)
 {
@@ -143,17 +127,11 @@ enum status report_vehicles_open(const struct world *world, const struct vehicle
 		return fail_memory("vehicles.csv");
 	*rows = (struct report_vehicles){.vehicles = vehicles, .directory = directory, .sink = {rows, write_row, flush}};
 	enum status status = find_columns(rows);
-	rows->file = status == STATUS_OK ? fopen(path, world->resumed.is ? "a+" : "w+") : NULL;
-	long end = 0;
-	if (rows->file != NULL && world->resumed.is) {
-		struct world_recorded recorded;
-		world_recorded(world, &recorded);
-		rewind(rows->file);
-		end = whole_until(rows->file, recorded.step > 0 ? recorded.time : -1); /* before the first step there is no row */
-	}
-	if (status == STATUS_OK && (rows->file == NULL || end < 0 || ftruncate(fileno(rows->file), end) != 0 ||
-				    fseek(rows->file, 0, SEEK_END) != 0 || (end == 0 && !write_header(rows))))
-		status = fail_with(STATUS_FAILED, "%s: %s; give a folder that can be written", path, strerror(errno));
+	bool begins = false;
+	if (status == STATUS_OK)
+		status = report_rows_file_open(world, path, header, &rows->file, &begins);
+	if (status == STATUS_OK && begins && !write_header(rows))
+		status = report_rows_file_failed(path);
 	if (status != STATUS_OK) {
 		report_vehicles_close(rows);
 		return status;

@@ -8,7 +8,7 @@
 #define G 9.81
 
 /* Drawbar N (0.1 + 0.8 s) of every wheel, torque N r (0.3 + 0.5 s), sinkage 1e-5 N. */
-static void straight(struct mobility_curves *curves, const struct mobility_vehicle *vehicle)
+static void straight(struct mobility_curves *curves, const struct vehicle_outline *vehicle)
 {
 	*curves = (struct mobility_curves){.friction_angle = 40, .kind_count = 1};
 	struct mobility_wheel_curves *of = &curves->of[0];
@@ -20,17 +20,17 @@ static void straight(struct mobility_curves *curves, const struct mobility_vehic
 	}
 }
 
-static struct mobility_vehicle car(void)
+static struct vehicle_outline car(void)
 {
-	struct mobility_vehicle vehicle = {.mass = 1000, .height = 0.6, .clearance = INFINITY, .wheel_count = 4};
+	struct vehicle_outline vehicle = {.mass = 1000, .height = 0.6, .clearance = INFINITY, .wheel_count = 4};
 	for (size_t i = 0; i < 4; i++)
-		vehicle.wheels[i] = (struct mobility_wheel){i < 2 ? 1.2 : -1.2, i % 2 == 0 ? 0.7 : -0.7, 0.35, 0.25, true, INFINITY};
+		vehicle.wheels[i] = (struct vehicle_wheel){i < 2 ? 1.2 : -1.2, i % 2 == 0 ? 0.7 : -0.7, 0.35, 0.25, true, INFINITY};
 	return vehicle;
 }
 
 static void slip_is_that_of_the_slope(void **state)
 {
-	struct mobility_vehicle vehicle = car();
+	struct vehicle_outline vehicle = car();
 	struct mobility_curves curves;
 	(void)state;
 	straight(&curves, &vehicle);
@@ -56,7 +56,7 @@ static void slip_is_that_of_the_slope(void **state)
 
 static void free_wheels_do_not_pull(void **state)
 {
-	struct mobility_vehicle vehicle = car();
+	struct vehicle_outline vehicle = car();
 	struct mobility_curves curves;
 	(void)state;
 	straight(&curves, &vehicle);
@@ -72,7 +72,7 @@ static void free_wheels_do_not_pull(void **state)
 
 static void it_tips_where_its_weight_leaves_the_wheels(void **state)
 {
-	struct mobility_vehicle vehicle = car();
+	struct vehicle_outline vehicle = car();
 	struct mobility_curves curves;
 	(void)state;
 	straight(&curves, &vehicle);
@@ -88,7 +88,7 @@ static void it_tips_where_its_weight_leaves_the_wheels(void **state)
 
 static void each_limit_is_told(void **state)
 {
-	struct mobility_vehicle vehicle = car();
+	struct vehicle_outline vehicle = car();
 	struct mobility_curves curves;
 	(void)state;
 	straight(&curves, &vehicle);
@@ -119,7 +119,7 @@ static void each_limit_is_told(void **state)
 static void the_table_is_the_judge(void **state)
 {
 	static struct mobility_table table;
-	struct mobility_vehicle vehicle = car();
+	struct vehicle_outline vehicle = car();
 	struct mobility_curves curves;
 	(void)state;
 	straight(&curves, &vehicle);

@@ -43,17 +43,7 @@ struct drive_cut {
 
 static inline enum status drive_run(const char *scene_path, const char *store, const char *const *settings, const struct drive_cut *cut, char **json)
 {
-	struct scene_setting split[16] = {{NULL, NULL}};
-	char texts[16][256];
-	size_t count = 0;
-	for (; settings != NULL && settings[count] != NULL; count++) {
-		snprintf(texts[count], sizeof texts[count], "%s", settings[count]);
-		char *equals = strchr(texts[count], '=');
-		*equals = '\0';
-		split[count] = (struct scene_setting){texts[count], equals + 1};
-	}
-	struct scene *scene;
-	must(scene_load(scene_path, split, count, &scene));
+	struct scene *scene = support_scene(scene_path, settings);
 	struct api_params params = {.scene = scene, .store = store, .overlay = cut->overlay, .directory = cut->out, .resume = cut->resume,
 				    .steps = cut->steps};
 	struct api_result result;

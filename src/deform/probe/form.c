@@ -148,7 +148,7 @@ void deform_probe_form_of(const struct deform *deform, const struct deform_probe
 
 /* --- the lower envelope --- */
 
-/* Gives where the upright line at a place is inside the box. Returns false: nowhere. */
+/* Gives the lowest height at which the vertical line through a place is inside the box. Returns false if that line misses the box. */
 static bool inside_box(const struct probe_form *form, const double at[2], double *low)
 {
 	double high = INFINITY;

@@ -23,7 +23,7 @@ struct probe_place {
 	double arm[3], normal[3]; /* m from the body's centre; unit, of the stresses */
 	double across[2][3];      /* two unit vectors along the surface: forwards, and to the left */
 	double area;              /* of the surface, posts */
-	double ground;            /* of the ground that bears, posts */
+	double ground;            /* area of the ground that bears, in posts */
 	double stress, strength;  /* Pa: normal, with damping; the most that shear can be */
 	double mobilised[2];      /* shear along `across`, as a share of the strength */
 	double holds;             /* growth of the strength with the normal stress */

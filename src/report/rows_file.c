@@ -1,0 +1,44 @@
+/* Opens files of rows, and cuts those of a resumed run. */
+#include "report/rows_file.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+/* Finds where the rows at or before `time` end. A kill may have torn the last line. */
+static long whole_until(FILE *file, const char *header, double time)
+{
+	char *line = NULL;
+	size_t room = 0;
+	long end = 0;
+	ssize_t length;
+	while ((length = getline(&line, &room, file)) > 0 && line[length - 1] == '\n') {
+		if (end == 0 ? strncmp(line, header, strlen(header)) != 0 : strtod(line, NULL) > time * (1 + 1e-8))
+			break;
+		end = ftell(file);
+	}
+	free(line);
+	return end;
+}
+
+enum status report_rows_file_failed(const char *path)
+{
+	return fail_with(STATUS_FAILED, "%s: %s; give a folder that can be written", path, strerror(errno));
+}
+
+enum status report_rows_file_open(const struct world *world, const char *path, const char *header, FILE **file, bool *begins)
+{
+	long end = 0;
+	*file = fopen(path, world->resumed.is ? "a+" : "w+");
+	if (*file != NULL && world->resumed.is) {
+		struct world_recorded recorded;
+		world_recorded(world, &recorded);
+		rewind(*file);
+		end = whole_until(*file, header, recorded.step > 0 ? recorded.time : -1); /* the first step gives the rows of time 0 */
+	}
+	*begins = end == 0;
+	if (*file == NULL || end < 0 || ftruncate(fileno(*file), end) != 0 || fseek(*file, 0, SEEK_END) != 0)
+		return report_rows_file_failed(path);
+	return STATUS_OK;
+}

@@ -1,0 +1,15 @@
+/* A file of rows, a line each, that begin with their time: objects.csv and vehicles.csv. */
+#ifndef FURROW_REPORT_ROWS_FILE_H
+#define FURROW_REPORT_ROWS_FILE_H
+
+#include "report/report.h"
+
+/*
+ * Opens the file, empty for a new run. Of a resumed run's file it keeps the rows until where that run goes on, if its first line begins with
+ * `header`. Sets *begins if the file is empty now, so that the caller writes the first line. After a failure *file may be open.
+ */
+enum status report_rows_file_open(const struct world *world, const char *path, const char *header, FILE **file, bool *begins) FURROW_CHECKED;
+/* Returns the failure to open the file or to write its first line. errno tells why. */
+enum status report_rows_file_failed(const char *path);
+
+#endif

@@ -1,0 +1,20 @@
+#include "svg.h"
+
+#include <math.h>
+
+void svg_text(const char *text, FILE *file)
+{
+	for (const unsigned char *at = (const unsigned char *)text; *at != '\0'; at++)
+		if (*at == '<')
+			fputs("&lt;", file);
+		else if (*at == '&')
+			fputs("&amp;", file);
+		else
+			fputc(*at < ' ' ? '?' : *at, file);
+}
+
+double svg_step(double least)
+{
+	const double power = pow(10, floor(log10(least))), factor = least / power;
+	return power * (factor <= 1 ? 1 : factor <= 2 ? 2 : factor <= 5 ? 5 : 10);
+}

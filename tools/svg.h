@@ -1,0 +1,12 @@
+/* What the plots of the command share. */
+#ifndef FURROW_TOOLS_SVG_H
+#define FURROW_TOOLS_SVG_H
+
+#include <stdio.h>
+
+/* Writes text as an SVG has it. Control characters become question marks. */
+void svg_text(const char *text, FILE *file);
+/* Returns the distance between an axis's lines: the smallest of 1, 2 or 5 times a power of ten that is at least `least`, above 0. */
+double svg_step(double least);
+
+#endif
