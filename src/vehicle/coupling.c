@@ -43,6 +43,7 @@ struct step {
 	struct contact list[64];
 	size_t count, rows;     /* rows: 6 count */
 	double h;               /* s */
+	double later;           /* s: of the coupling step after this step of the engine */
 	bool braked;            /* wheels do not turn */
 	double *mass, *jacobian, *solved, *inverse, *system, *force, *free;
 };
@@ -238,7 +239,7 @@ static void fill_rows(struct step *step, size_t index)
 	}
 	for (int i = 0; i < 6; i++) {
 		for (int j = 0; j < 6; j++) {
-			force[i] += contact->stiffness[i][j] * (moved[j] + h * free[j]) + contact->damping[i][j] * (free[j] - at[j]);
+			force[i] += contact->stiffness[i][j] * (moved[j] + step->later * at[j] + h * free[j]) + contact->damping[i][j] * (free[j] - at[j]);
 			contact->gain[i][j] = h * contact->stiffness[i][j] + contact->damping[i][j];
 		}
 	}
@@ -304,10 +305,10 @@ static void follow(const struct step *step, size_t index)
 }
 
 /* Adds the soil's forces to qfrc_applied. */
-static void apply(struct vehicle *vehicle, double h, bool braked)
+static void apply(struct vehicle *vehicle, double h, double later, bool braked)
 {
 	mjData *data = vehicle->data;
-	struct step step = {.vehicle = vehicle, .h = h, .braked = braked};
+	struct step step = {.vehicle = vehicle, .h = h, .later = later, .braked = braked};
 	for (size_t i = 0; i < vehicle->geom_count; i++) {
 		struct soil_geom *geom = &vehicle->geoms[i];
 		mju_zero(geom->force, 6);
@@ -365,7 +366,7 @@ void vehicle_advance(struct vehicle *vehicle, double time, double seconds, doubl
 		vehicle_control(vehicle, time + i * h, drives);
 		mj_fwdActuation(model, data);
 		mj_fwdAcceleration(model, data);
-		apply(vehicle, h, !drives);
+		apply(vehicle, h, (vehicle->engine_steps - 1 - i) * h, !drives);
 		mju_copy(before, data->qvel, model->nv);
 		mj_step2(model, data);
 		mju_scl(data->qvel, data->qvel, exp(-rate * h), model->nv);

@@ -15,7 +15,7 @@ struct soil_geom {
 	struct deform_shape shape;
 	double axes[9];             /* the body's axes forward, left, up as columns, in the geom's axes */
 	int32_t number;             /* its body in the world */
-	struct world_state now;     /* at the start of the coupling step */
+	struct world_state now;     /* where the coupling step ends if the velocity stays as it is at its start */
 	struct world_state touched; /* up to which its motion has changed the ground */
 	bool is_touched;
 	double mean[3];             /* m/s: slow part of the velocity at the contact; its change is damped (coupling.c) */

@@ -73,6 +73,18 @@ static const char *short_name(const struct vehicle *vehicle)
 	return vehicle->scene->name;
 }
 
+/* Moves a state on as it moves now. */
+static void go_on(struct world_state *state, double seconds)
+{
+	double turn[4], axis[3], orientation[4];
+	mju_addToScl3(state->pose.position, state->linear, seconds);
+	mju_copy3(axis, state->angular);
+	const double speed = mju_normalize3(axis); /* a body that does not turn gets some axis, and an angle of 0 */
+	mju_axisAngle2Quat(turn, axis, speed * seconds);
+	mju_mulQuat(orientation, turn, state->pose.orientation);
+	mju_copy4(state->pose.orientation, orientation);
+}
+
 static enum status ask(struct vehicles *vehicles)
 {
 	size_t count = 0;
@@ -80,6 +92,7 @@ static enum status ask(struct vehicles *vehicles)
 		for (size_t g = 0; g < vehicles->list[v].geom_count; g++) {
 			struct soil_geom *geom = &vehicles->list[v].geoms[g];
 			vehicle_geom_state(&vehicles->list[v], geom, &geom->now);
+			go_on(&geom->now, vehicles->scene->time_step);
 			vehicles->numbers[count] = geom->number;
 			vehicles->states[count++] = geom->now;
 		}
