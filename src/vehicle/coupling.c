@@ -1,9 +1,11 @@
 /*
  * The soil's forces on the soil geoms of one vehicle, in the steps of the engine.
  *
- * The world has linearised each contact at the start of the coupling step: F = F0 + K x + C (u - u0). Here x is the displacement
- * since then, and u the velocity. Each has six numbers: of the body's origin, and about local axes. The force is taken at the end of
- * the engine's step h, as an implicit step does. Let u' be the velocity without soil, A_ij = J_i (M + h D)^-1 J_j^T the inverse
+ * The world has linearised each contact where the coupling step ends if the velocity stays u0: F = F0 + K x + C (u - u0). Here x is the
+ * displacement from there, and u the velocity. Each has six numbers: of the body's origin, and about local axes. So a steady motion has
+ * the soil's own force, and K and C act on what changes it. (Linearised at the step's start, K acted on all of a wheel's way and turn.)
+ * The force is taken at the end of the engine's step h, as an implicit step does. A step of the engine that ends t before the coupling
+ * step has x + t u0 in place of x. Let u' be the velocity without soil, A_ij = J_i (M + h D)^-1 J_j^T the inverse
  * effective mass. D is the damping that the engine takes at the step's end, too. Of K and C only the parts are used that resist motion:
  * symmetric, without eigenvalues above 0. So no stiffness makes the step unstable. Then
  *
@@ -304,8 +306,7 @@ static void follow(const struct step *step, size_t index)
 	mju_copy3(contact->geom->mean, mean);
 }
 
-/* Adds the soil's forces to qfrc_applied. */
-static void apply(struct vehicle *vehicle, double h, double later, bool braked)
+void vehicle_couple(struct vehicle *vehicle, double h, double later, bool braked)
 {
 	mjData *data = vehicle->data;
 	struct step step = {.vehicle = vehicle, .h = h, .later = later, .braked = braked};
@@ -342,52 +343,4 @@ static void apply(struct vehicle *vehicle, double h, double later, bool braked)
 		mju_addToScl(data->qfrc_applied, step.jacobian + r * nv, step.force[r], (int)nv);
 	for (size_t i = 0; i < step.count; i++)
 		follow(&step, i);
-}
-
-/* What the actuators do in an engine step: their force times the mean of the velocities at its start and end. */
-static double work_of(const struct vehicle *vehicle, const double *before)
-{
-	const int nv = vehicle->model->nv;
-	double work = 0;
-	for (int i = 0; i < nv; i++)
-		work += vehicle->data->qfrc_actuator[i] * (before[i] + vehicle->data->qvel[i]) / 2;
-	return work;
-}
-
-void vehicle_advance(struct vehicle *vehicle, double time, double seconds, double rate, bool drives)
-{
-	const mjModel *model = vehicle->model;
-	mjData *data = vehicle->data;
-	const double h = seconds / vehicle->engine_steps;
-	double *before = vehicle->room + vehicle_coupling_room(vehicle) - (size_t)model->nv;
-	for (int i = 0; i < vehicle->engine_steps; i++) {
-		mju_zero(data->qfrc_applied, model->nv);
-		mj_step1(model, data);
-		vehicle_control(vehicle, time + i * h, drives);
-		mj_fwdActuation(model, data);
-		mj_fwdAcceleration(model, data);
-		apply(vehicle, h, (vehicle->engine_steps - 1 - i) * h, !drives);
-		mju_copy(before, data->qvel, model->nv);
-		mj_step2(model, data);
-		mju_scl(data->qvel, data->qvel, exp(-rate * h), model->nv);
-		for (size_t g = 0; g < vehicle->geom_count && !drives; g++)
-			if (vehicle->geoms[g].dof >= 0)
-				data->qvel[vehicle->geoms[g].dof] = 0;
-		vehicle->work += drives ? work_of(vehicle, before) * h : 0;
-	}
-	vehicle_find_places(vehicle);
-}
-
-void vehicle_find_places(struct vehicle *vehicle)
-{
-	const mjModel *model = vehicle->model;
-	mjData *data = vehicle->data;
-	double *as_they_are = vehicle->room;
-	/* This makes quaternions in qpos of length 1, and again if it is called again, which may change their last bits. So they stay as the step
-	 * left them, and a run that is resumed from them finds the same places. */
-	mju_copy(as_they_are, data->qpos, model->nq);
-	mj_kinematics(model, data);
-	mju_copy(data->qpos, as_they_are, model->nq);
-	mj_comPos(model, data);
-	mj_comVel(model, data);
 }

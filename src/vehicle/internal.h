@@ -144,12 +144,17 @@ void vehicle_pursue(struct vehicle *vehicle, double time);
 
 /* --- coupling.c --- */
 
+/* Adds the soil's forces to qfrc_applied, for a step of the engine of `h` seconds. later: s of the time step after it; braked: wheels do not turn. */
+void vehicle_couple(struct vehicle *vehicle, double h, double later, bool braked);
+size_t vehicle_coupling_room(const struct vehicle *vehicle); /* numbers in vehicle->room */
+
+/* --- advance.c --- */
+
 /* Makes the steps of the engine of one time step, with the forces linearised at the contacts of its geoms. `rate`: 1/s, slows all
- * motion, for settling; 0: not. Runs within a guard. */
+ * motion, and holds it over one place, for settling; 0: not. Runs within a guard. */
 void vehicle_advance(struct vehicle *vehicle, double time, double seconds, double rate, bool drives);
 /* Finds places and velocities of all bodies from the joints'. The next step of the engine computes the same again. */
 void vehicle_find_places(struct vehicle *vehicle);
-size_t vehicle_coupling_room(const struct vehicle *vehicle); /* numbers in vehicle->room */
 
 /* --- step.c --- */
 

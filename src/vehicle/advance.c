@@ -1,0 +1,81 @@
+/* The engine's steps of one time step. */
+#include <math.h>
+
+#include "vehicle/internal.h"
+#include "vehicle/linear.h"
+
+/* What the actuators do in an engine step: their force times the mean of the velocities at its start and end. */
+static double work_of(const struct vehicle *vehicle, const double *before)
+{
+	const int nv = vehicle->model->nv;
+	double work = 0;
+	for (int i = 0; i < nv; i++)
+		work += vehicle->data->qfrc_actuator[i] * (before[i] + vehicle->data->qvel[i]) / 2;
+	return work;
+}
+
+/* Takes the level motion and the yaw rate of the root body away, as a crane does. The other velocities change as an impulse changes them. */
+static void hold_level(struct vehicle *vehicle)
+{
+	const mjModel *model = vehicle->model;
+	mjData *data = vehicle->data;
+	const int nv = model->nv;
+	double *rows = vehicle->room, *solved = rows + 6 * nv, matrix[9], motion[3];
+	mj_jacBody(model, data, rows, rows + 3 * nv, vehicle->root);
+	mju_copy(rows + 2 * nv, rows + 5 * nv, nv); /* x, y and the turn about z */
+	mj_solveM(model, data, solved, rows, 3);
+	for (int i = 0; i < 3; i++) {
+		motion[i] = mju_dot(rows + i * nv, data->qvel, nv);
+		for (int k = 0; k < 3; k++)
+			matrix[3 * i + k] = mju_dot(rows + i * nv, solved + k * nv, nv);
+		if (!(matrix[4 * i] > mjMINVAL)) { /* its joints do not move that way */
+			matrix[4 * i] = 1;
+			motion[i] = 0;
+		}
+	}
+	if (!vehicle_solve(matrix, motion, 3))
+		return;
+	for (int i = 0; i < 3; i++)
+		mju_addToScl(data->qvel, solved + i * nv, -motion[i], nv);
+}
+
+void vehicle_advance(struct vehicle *vehicle, double time, double seconds, double rate, bool drives)
+{
+	const mjModel *model = vehicle->model;
+	mjData *data = vehicle->data;
+	const double h = seconds / vehicle->engine_steps;
+	double *before = vehicle->room + vehicle_coupling_room(vehicle) - (size_t)model->nv;
+	for (int i = 0; i < vehicle->engine_steps; i++) {
+		mju_zero(data->qfrc_applied, model->nv);
+		mj_step1(model, data);
+		vehicle_control(vehicle, time + i * h, drives);
+		mj_fwdActuation(model, data);
+		mj_fwdAcceleration(model, data);
+		vehicle_couple(vehicle, h, (vehicle->engine_steps - 1 - i) * h, !drives);
+		mju_copy(before, data->qvel, model->nv);
+		mj_step2(model, data);
+		if (rate > 0) {
+			mju_scl(data->qvel, data->qvel, exp(-rate * h), model->nv);
+			hold_level(vehicle);
+		}
+		for (size_t g = 0; g < vehicle->geom_count && !drives; g++)
+			if (vehicle->geoms[g].dof >= 0)
+				data->qvel[vehicle->geoms[g].dof] = 0;
+		vehicle->work += drives ? work_of(vehicle, before) * h : 0;
+	}
+	vehicle_find_places(vehicle);
+}
+
+void vehicle_find_places(struct vehicle *vehicle)
+{
+	const mjModel *model = vehicle->model;
+	mjData *data = vehicle->data;
+	double *as_they_are = vehicle->room;
+	/* This makes quaternions in qpos of length 1, and again if it is called again, which may change their last bits. So they stay as the step
+	 * left them, and a run that is resumed from them finds the same places. */
+	mju_copy(as_they_are, data->qpos, model->nq);
+	mj_kinematics(model, data);
+	mju_copy(data->qpos, as_they_are, model->nq);
+	mj_comPos(model, data);
+	mj_comVel(model, data);
+}
