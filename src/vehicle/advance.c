@@ -14,8 +14,9 @@ static double work_of(const struct vehicle *vehicle, const double *before)
 	return work;
 }
 
-/* Takes the level motion and the yaw rate of the root body away, as a crane does. The other velocities change as an impulse changes them. */
-static void hold_level(struct vehicle *vehicle)
+/* Takes the level motion and the yaw of the root body in the last h seconds away, as a crane does. The other velocities change as an
+ * impulse changes them. */
+static void hold_level(struct vehicle *vehicle, double h)
 {
 	const mjModel *model = vehicle->model;
 	mjData *data = vehicle->data;
@@ -35,8 +36,12 @@ static void hold_level(struct vehicle *vehicle)
 	}
 	if (!vehicle_solve(matrix, motion, 3))
 		return;
-	for (int i = 0; i < 3; i++)
-		mju_addToScl(data->qvel, solved + i * nv, -motion[i], nv);
+	double *less = rows; /* from here on */
+	mju_scl(less, solved, -motion[0], nv);
+	for (int i = 1; i < 3; i++)
+		mju_addToScl(less, solved + i * nv, -motion[i], nv);
+	mju_addTo(data->qvel, less, nv);
+	mj_integratePos(model, data->qpos, less, h);
 }
 
 void vehicle_advance(struct vehicle *vehicle, double time, double seconds, double rate, bool drives)
@@ -55,8 +60,8 @@ void vehicle_advance(struct vehicle *vehicle, double time, double seconds, doubl
 		mju_copy(before, data->qvel, model->nv);
 		mj_step2(model, data);
 		if (rate > 0) {
+			hold_level(vehicle, h);
 			mju_scl(data->qvel, data->qvel, exp(-rate * h), model->nv);
-			hold_level(vehicle);
 		}
 		for (size_t g = 0; g < vehicle->geom_count && !drives; g++)
 			if (vehicle->geoms[g].dof >= 0)
