@@ -4,6 +4,8 @@
 #include "vehicle/internal.h"
 #include "vehicle/linear.h"
 
+#define BRAKE 1e12 /* kg m2: inertia of a wheel that does not turn */
+
 /* What the actuators do in an engine step: their force times the mean of the velocities at its start and end. */
 static double work_of(const struct vehicle *vehicle, const double *before)
 {
@@ -44,30 +46,45 @@ static void hold_level(struct vehicle *vehicle, double h)
 	mj_integratePos(model, data->qpos, less, h);
 }
 
+/* Gives wheels so much inertia that they do not turn, or what the model gives them. */
+static void brake(const struct vehicle *vehicle, bool braked)
+{
+	for (size_t g = 0; g < vehicle->geom_count; g++) {
+		struct soil_geom *geom = &vehicle->geoms[g];
+		double *inertia = geom->dof >= 0 ? &vehicle->model->dof_armature[geom->dof] : NULL;
+		if (inertia == NULL)
+			continue;
+		if (braked)
+			geom->armature = *inertia;
+		*inertia = braked ? BRAKE : geom->armature;
+	}
+}
+
 void vehicle_advance(struct vehicle *vehicle, double time, double seconds, double rate, bool drives)
 {
 	const mjModel *model = vehicle->model;
 	mjData *data = vehicle->data;
 	const double h = seconds / vehicle->engine_steps;
 	double *before = vehicle->room + vehicle_coupling_room(vehicle) - (size_t)model->nv;
+	if (!drives)
+		brake(vehicle, true);
 	for (int i = 0; i < vehicle->engine_steps; i++) {
 		mju_zero(data->qfrc_applied, model->nv);
 		mj_step1(model, data);
 		vehicle_control(vehicle, time + i * h, drives);
 		mj_fwdActuation(model, data);
 		mj_fwdAcceleration(model, data);
-		vehicle_couple(vehicle, h, (vehicle->engine_steps - 1 - i) * h, !drives);
+		vehicle_couple(vehicle, h, (vehicle->engine_steps - 1 - i) * h);
 		mju_copy(before, data->qvel, model->nv);
 		mj_step2(model, data);
 		if (rate > 0) {
 			hold_level(vehicle, h);
 			mju_scl(data->qvel, data->qvel, exp(-rate * h), model->nv);
 		}
-		for (size_t g = 0; g < vehicle->geom_count && !drives; g++)
-			if (vehicle->geoms[g].dof >= 0)
-				data->qvel[vehicle->geoms[g].dof] = 0;
 		vehicle->work += drives ? work_of(vehicle, before) * h : 0;
 	}
+	if (!drives)
+		brake(vehicle, false);
 	vehicle_find_places(vehicle);
 }
 

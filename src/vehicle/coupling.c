@@ -26,7 +26,6 @@
 #include "vehicle/linear.h"
 
 #define DAMPING 0.5     /* of what is critical */
-#define BRAKE 1e9       /* kg m2: inertia of a wheel that does not turn */
 #define PERIODS 4.0     /* w follows within this many swings / 2 pi */
 
 /* One contact in an engine step. */
@@ -46,7 +45,6 @@ struct step {
 	size_t count, rows;     /* rows: 6 count */
 	double h;               /* s */
 	double later;           /* s: of the coupling step after this step of the engine */
-	bool braked;            /* wheels do not turn */
 	double *mass, *jacobian, *solved, *inverse, *system, *force, *free;
 };
 
@@ -103,11 +101,6 @@ static bool factor_mass(const struct step *step)
 	mj_fullM(model, step->mass, step->vehicle->data->qM);
 	for (int i = 0; i < model->nv; i++)
 		step->mass[i * model->nv + i] += step->h * damping_of(model, i);
-	for (size_t g = 0; g < step->vehicle->geom_count && step->braked; g++) {
-		const int dof = step->vehicle->geoms[g].dof;
-		if (dof >= 0)
-			step->mass[dof * model->nv + dof] += BRAKE;
-	}
 	return vehicle_factor(step->mass, (size_t)model->nv);
 }
 
@@ -306,10 +299,10 @@ static void follow(const struct step *step, size_t index)
 	mju_copy3(contact->geom->mean, mean);
 }
 
-void vehicle_couple(struct vehicle *vehicle, double h, double later, bool braked)
+void vehicle_couple(struct vehicle *vehicle, double h, double later)
 {
 	mjData *data = vehicle->data;
-	struct step step = {.vehicle = vehicle, .h = h, .later = later, .braked = braked};
+	struct step step = {.vehicle = vehicle, .h = h, .later = later};
 	for (size_t i = 0; i < vehicle->geom_count; i++) {
 		struct soil_geom *geom = &vehicle->geoms[i];
 		mju_zero(geom->force, 6);

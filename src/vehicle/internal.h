@@ -20,6 +20,7 @@ struct soil_geom {
 	bool is_touched;
 	double mean[3];             /* m/s: slow part of the velocity at the contact; its change is damped (coupling.c) */
 	struct world_contact contact;  /* linearised at `now` */
+	double armature;            /* kg m2: of a wheel that is braked: what the model gives it */
 	double force[6];            /* N, N m about the body's origin: what was applied last */
 };
 
@@ -144,14 +145,14 @@ void vehicle_pursue(struct vehicle *vehicle, double time);
 
 /* --- coupling.c --- */
 
-/* Adds the soil's forces to qfrc_applied, for a step of the engine of `h` seconds. later: s of the time step after it; braked: wheels do not turn. */
-void vehicle_couple(struct vehicle *vehicle, double h, double later, bool braked);
+/* Adds the soil's forces to qfrc_applied, for a step of the engine of `h` seconds. later: s of the time step after it. */
+void vehicle_couple(struct vehicle *vehicle, double h, double later);
 size_t vehicle_coupling_room(const struct vehicle *vehicle); /* numbers in vehicle->room */
 
 /* --- advance.c --- */
 
 /* Makes the steps of the engine of one time step, with the forces linearised at the contacts of its geoms. `rate`: 1/s, slows all
- * motion, and holds it over one place, for settling; 0: not. Runs within a guard. */
+ * motion, and holds it over one place, for settling; 0: not. drives false: wheels do not turn. Runs within a guard. */
 void vehicle_advance(struct vehicle *vehicle, double time, double seconds, double rate, bool drives);
 /* Finds places and velocities of all bodies from the joints'. The next step of the engine computes the same again. */
 void vehicle_find_places(struct vehicle *vehicle);
