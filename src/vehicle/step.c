@@ -4,8 +4,8 @@
 #include "vehicle/internal.h"
 
 #define SINKAGE_SHARE 0.1 /* of a post: so much up or down changes the ground */
-#define BACK_SHARE 0.05   /* of a post: so much, where the motion turns back */
-#define BACK_LEAST 1e-5   /* m: the same, at least */
+#define RISES_LEAST 2e-5  /* m: so much down changes the ground where the body turns up again: a hundredth of what soil springs back */
+#define BACK_SHARE 0.05   /* of a post: so much along the level changes it where the motion turns back */
 #define TURN_MOST 1.0     /* rad: so much turn changes the ground */
 
 /* --- the ground --- */
@@ -38,8 +38,7 @@ static bool is_due(const struct vehicles *vehicles, const struct soil_geom *geom
 		return true;
 	if (geom->contact.state == WORLD_AIR)
 		return false;
-	const double least = fmax(BACK_SHARE * SINKAGE_SHARE * spacing, BACK_LEAST);
-	const bool rises = way[2] < -least && to->linear[2] > 0 && geom->now.linear[2] <= 0;
+	const bool rises = way[2] < -RISES_LEAST && to->linear[2] > 0 && geom->now.linear[2] <= 0;
 	const bool returns = level > BACK_SHARE * spacing && way[0] * to->linear[0] + way[1] * to->linear[1] < 0 &&
 			     way[0] * geom->now.linear[0] + way[1] * geom->now.linear[1] >= 0;
 	return rises || returns;
