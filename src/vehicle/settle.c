@@ -3,7 +3,7 @@
  *
  * A vehicle starts in its model's first pose, at `start`, so high that its lowest soil geom touches. First all motion is slowed, so
  * that the soil is loaded slowly: it sinks as deep as a resting load does, and no deeper. In this time it does not move along the level, nor
- * does it yaw: soil that yields under a body hardly holds it on a slope. Then it moves freely until it is at rest.
+ * does it yaw. Soil that yields under a body hardly holds it on a slope. Then it moves freely until it is at rest.
  * All controls are 0, and wheels do not turn. The time of this does not count; what it does to the ground does.
  */
 #include <math.h>
