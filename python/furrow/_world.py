@@ -79,6 +79,11 @@ class Body:
         handle = ctypes.c_int32(self.handle)
         self.world._call("furrow_set_states", 1, ctypes.byref(handle), ctypes.byref(state))
 
+    def run_belt(self, speed: float) -> None:
+        """Says how fast the body's belt runs from the next step on, m/s: forward above 0, as the body itself goes."""
+        handle, run = ctypes.c_int32(self.handle), ctypes.c_double(speed)
+        self.world._call("furrow_set_belts", 1, ctypes.byref(handle), ctypes.byref(run))
+
     @property
     def state(self) -> State:
         """Where the body is now, and how it moves: .pose.position (3,), .pose.orientation (4,), .linear (3,), .angular (3,)."""
@@ -214,6 +219,12 @@ class World:
         handles = _handles(bodies)
         states = _structs(states, STATE, len(handles), "states")
         self._call("furrow_set_states", len(handles), handles.ctypes.data, states.ctypes.data)
+
+    def set_belts(self, bodies: Bodies, speeds: Any) -> None:
+        """Body.run_belt for n bodies at once. speeds: (n,), m/s."""
+        handles = _handles(bodies)
+        run = _array(speeds, "speeds", len(handles))
+        self._call("furrow_set_belts", len(handles), handles.ctypes.data, run.ctypes.data)
 
     def get_states(self, bodies: Bodies) -> numpy.ndarray:
         """Body.state of n bodies at once: (n,) of furrow.STATE. ["pose"]["position"] is (n, 3), m."""

@@ -113,7 +113,11 @@ struct slip {
 
 slip slip_at(vec3 at, vec3 normal)
 {
-	vec2 along = levelled(way_of_surface(at), normal);
+	vec3 moved = way_of_surface(at);
+#ifdef BELT
+	moved += way_of_belt(normal);
+#endif
+	vec2 along = levelled(moved, normal);
 	float squares = dot(along, along), by_size = inversesqrt(max(squares, 1e-18));
 	return slip(along * by_size, squares * by_size);
 }
@@ -203,6 +207,8 @@ slip slides_over(incline i, cell c, float above, float share)
 	s.size *= moves.w / normal.z;
 #elif defined(SHAPE_CYLINDER) && !defined(GROUND_NORMALS)
 	s.size *= strips ? moves.w * level / normal.z : 1.0;
+#elif defined(BELT) && !defined(GROUND_NORMALS)
+	s.size *= moves.w * belt.w / normal.z;
 #endif
 	return s;
 }

@@ -41,6 +41,7 @@ layout(std140, binding = 0) uniform params {
 	vec4 digs;     // how far the object slips over the ground during the contact, m; how deep that digs at most, in units of K; radius of a
 	               // wheel with its grousers, m; a host moves the object: 1 + how much the hollow before has its shape; 0: none does
 	vec4 surface;  // the object's: adhesion, Pa, and tangent of its friction angle; then 1 for each that is the soil's own instead: c, tan phi
+	vec4 belt;     // with BELT: the object's axis to its left, in its frame, times what its belt ran, m; how much of that axis is level
 	ivec4 frame;   // of laying. x, y: post (0, 0), 2^-16 post. z: 1 if soil is laid all around the patch. w: share of the depth that is laid, 2^-16
 	ivec4 frame_axis; // x, y: its x axis, 2^-16. z: share of the dug soil that counts for the depth that is laid, 2^-16
 	soil soils[SOILS];
@@ -53,6 +54,9 @@ layout(std140, binding = 0) uniform params {
 ivec4 zero = given.zero, written = given.written, shadow = given.shadow, drawn = given.drawn, frame = given.frame, frame_axis = given.frame_axis;
 vec4 scale = given.scale, way = given.way, spin = given.spin, rolls = given.rolls, place = given.place, load = given.load;
 vec4 body = given.body, heading = given.heading, moves = given.moves, faces[3] = given.faces, digs = given.digs, surface = given.surface;
+#ifdef BELT
+vec4 belt = given.belt;
+#endif
 #ifndef SOIL_MAP
 soil the_soil = given.soils[0];
 #endif
@@ -306,6 +310,15 @@ vec3 way_of_surface(vec3 at)
 {
 	return way.xyz + cross(turns_by(spin), at);
 }
+
+#ifdef BELT
+// Returns how the belt runs over the object where the object's underside has this normal, m, in the object's frame. It runs along the
+// surface, across the object's left axis: backward where the normal is upright.
+vec3 way_of_belt(vec3 normal)
+{
+	return cross(normal, belt.xyz);
+}
+#endif
 
 // Returns the additional stress of damping: soil that is pushed down fast; Pa.
 float damped(soil s, vec3 at, vec3 normal)

@@ -203,7 +203,7 @@ struct furrow_contact {
 	double normal[3];       /* unit: mean normal of the patch, upward */
 	double sinkage;         /* m below the undisturbed surface */
 	double area;            /* m2 that touch */
-	double slip;            /* of a wheel: 1 - travel / (turn x radius); NaN: has none */
+	double slip;            /* of a wheel: 1 - travel / (turn x radius); of a belt: 1 - travel / its own; NaN: has none */
 	double stiffness[6][6]; /* N/m, N, N, N m/rad: d(force, moment) / d(translation, rotation) */
 	double damping[6][6];   /* the same of their rates: times s */
 	double normal_force;    /* N: the sum over the patch */
@@ -231,8 +231,8 @@ FURROW_API furrow_status furrow_body_remove(struct furrow_world *world, furrow_b
  * that ground from the GPU. From then on each step ends when it is on the host, and a probe waits for nothing.
  * `bodies`, `states`, `contacts`: `count` entries each. `contact_size`: sizeof(struct furrow_contact). `count` 0: does nothing.
  * A state may lie two working posts beside the body's last one. Where it lies farther, contact.state is FURROW_UNKNOWN and its
- * numbers are NaN. This is also the answer for a body with a path and for one that was not placed. So it is for a mesh and a wheel
- * with grousers, and under all soil models but scm.
+ * numbers are NaN. This is also the answer for a body with a path and for one that was not placed. So it is for a mesh, a body with a
+ * belt and a wheel with grousers, and under all soil models but scm.
  * FURROW_USAGE and FURROW_INPUT as furrow_set_states.
  */
 FURROW_API furrow_status furrow_probe(struct furrow_world *world, size_t count, const furrow_body *bodies,
@@ -247,6 +247,15 @@ FURROW_API furrow_status furrow_probe(struct furrow_world *world, size_t count, 
  */
 FURROW_API furrow_status furrow_set_states(struct furrow_world *world, size_t count, const furrow_body *bodies,
 					   const struct furrow_state *states);
+
+/*
+ * Says how fast the belts of `count` bodies run over them, m/s, from the next step on, until the next call for that body. A body
+ * has a belt if its shape is a box or a mesh with `belt: true`. The belt runs around the body's own y axis, as a wheel turns
+ * forward: at the body's own speed it does not slip. At first it stands, as the surface of any other body. `bodies`, `speeds`:
+ * `count` entries each; 0: does nothing. FURROW_USAGE: a body has no belt, follows a path, or is gone. Or a speed is NaN or infinite.
+ */
+FURROW_API furrow_status furrow_set_belts(struct furrow_world *world, size_t count, const furrow_body *bodies,
+					  const double *speeds);
 
 /*
  * Puts a body somewhere without touching what is between, at rest. It touches the ground from the next step on.

@@ -157,6 +157,15 @@ furrow_status furrow_set_states(struct furrow_world *world, size_t count, const 
 	return api_library_end(status);
 }
 
+furrow_status furrow_set_belts(struct furrow_world *world, size_t count, const furrow_body *bodies, const double *speeds)
+{
+	api_library_begin();
+	enum status status = need_lists(world, count, bodies, speeds, "speeds");
+	if (status == STATUS_OK)
+		status = world_belts_set(&world->world, count, bodies, speeds);
+	return api_library_end(status);
+}
+
 furrow_status furrow_get_states(struct furrow_world *world, size_t count, const furrow_body *bodies, struct furrow_state *states)
 {
 	api_library_begin();

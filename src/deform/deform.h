@@ -36,12 +36,16 @@ struct deform_shape {
 	double size[3]; /* box: metres along its own x (forward), y (left), z (up); ellipsoid: its half axes along these */
 	int grousers;       /* wheel: grousers, evenly spaced bars across the rim that turn with it; 0: a smooth wheel */
 	double grouser_height, grouser_thickness; /* of a grouser, metres: beyond the radius, and along the rim */
+	/* box, mesh: its surface is a belt that runs around its own y axis, as a wheel's rim does: backwards below a body that it draws
+	 * forwards. Along its own y the belt does not move */
+	bool belt;
 	const struct deform_mesh *mesh;
 };
 
 /* The object's centre and attitude, in radians: yaw about z from east to north, then pitch (nose up), then roll (right side
  * down). A wheel's axis is its own y; it rolls along its own x. Its roll is its camber. Its pitch does not count: it only turns the wheel
- * about its axis. `turn`: how far a wheel has turned forwards about its axis, radians. It decides where the grousers are. */
+ * about its axis. `turn`: how far a wheel has turned forwards about its axis, radians. It decides where the grousers are. Of a body with
+ * a belt: how far the belt has run, metres. */
 struct deform_pose {
 	int64_t x, y, z; /* 2^-20 m from the south-west post; z absolute */
 	double yaw, pitch, roll, turn;
@@ -59,7 +63,9 @@ struct deform_contact {
 	struct deform_interface interface; /* for models that compute forces */
 	struct deform_pose from, to;
 	double seconds; /* duration of the motion, s; 0: models ignore speeds */
-	double turned;  /* wheel: radians turned about its axis during the motion (slip 0: distance / radius) */
+	/* wheel: radians turned about its axis during the motion (slip 0: distance / radius); body with a belt: metres that the belt ran
+	 * (slip 0: distance) */
+	double turned;
 	double rotated[3]; /* other shapes: radians turned about local axes during the motion; for models that compute forces */
 	double load;    /* N, downwards. 0: the height is to.z. Otherwise the equilibrium height is searched, starting near to.z */
 	/* with a load: number of the loaded body, 1 to params.loaded_bodies; 0: its equilibrium height is not kept */
@@ -249,6 +255,11 @@ unsigned deform_planes(enum deform_model model, bool disturbance, bool digs);
 
 struct deform;
 
+/* Returns true for a body whose surface runs over it: a wheel, or a body with a belt. Only such a body has a slip. */
+bool deform_shape_runs(const struct deform_shape *shape);
+/* Returns how far the surface of a body runs, metres, if a wheel has turned by this many radians, or a belt has run so far. 0: the body
+ * has neither. */
+double deform_shape_ran(const struct deform_shape *shape, double turned);
 /* Checks that a shape can be simulated with posts `spacing` metres apart. STATUS_INPUT: it cannot; the message tells the limit. */
 enum status deform_shape_check(const struct deform_shape *shape, double spacing) FURROW_CHECKED;
 /* Returns a distance from the object's centre that holds the whole object in any attitude, metres. */
@@ -491,7 +502,7 @@ struct deform_probe {
 	struct deform_pose from, to;  /* the end of the body's last contact, and the probed pose; the same if it had none */
 	double beyond[3];             /* m from `to`, which is rounded, to the probed place */
 	double stamped;               /* as in struct deform_contact */
-	double turned;                /* wheel: rad about its axis since `from` */
+	double turned;                /* wheel: rad about its axis since `from`; belt: m that it ran since then */
 	double rotated[3];            /* other shapes: rad about local axes since `from` */
 	double linear[3], angular[3]; /* m/s, rad/s, local axes: how the body moves at the probed pose */
 };

@@ -6,7 +6,7 @@
 #include "deform/programs.h"
 
 #define SIDE DEFORM_WINDOW_POSTS
-#define WARM_FACTS 5 /* besides the shape, that decide which programs an object needs */
+#define WARM_FACTS 6 /* besides the shape, that decide which programs an object needs */
 #define UNDER_NONE INT32_MAX /* lib/window.glsl: the object is not above the post */
 
 /* FBOs over one layer of the scratch textures. FBOs that the parameters do not need are NULL. */
@@ -222,6 +222,7 @@ struct scm_params {
 	int32_t drawn[4];
 	float digs[4];
 	float surface[4];
+	float belt[4]; /* read only with BELT */
 	int32_t frame[4], frame_axis[4];
 	struct scm_soil soils[DEFORM_SOILS];
 	float rasters[DEFORM_RASTERS][4]; /* read only with SOIL_RASTERS */
@@ -235,7 +236,7 @@ struct gpu_rect deform_rows(const int32_t posts[4]);
 enum status deform_find(struct deform *deform, const struct scm_params *params, unsigned what, enum deform_shape_kind kind,
 			struct gpu_buffer *tally) FURROW_CHECKED;
 /* soil/between.c: fills what the shaders need to compute the lower envelope between posts (lib/scm_body.glsl). Needs `way`
- * and `spin`. deform_turn_into_frame: then turns these, `rolls` and the slopes of a box into the object's frame. */
+ * and `spin`. deform_turn_into_frame: then turns these, `rolls`, `belt` and the slopes of a box into the object's frame. */
 void deform_between_posts(const struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
 		      struct scm_params *params);
 void deform_turn_into_frame(struct scm_params *params);

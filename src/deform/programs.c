@@ -72,6 +72,7 @@ void deform_programs_contact(const struct deform_params *params, unsigned with, 
 	define(out, "FORCES", with & WITH_FORCES);
 	define(out, "PATCH", with & WITH_PATCH);
 	define(out, "LOAD", with & WITH_LOAD);
+	define(out, "BELT", with & WITH_BELT);
 	if (model->in_place)
 		define(out, shapes[with / WITH_SHAPE], shapes[with / WITH_SHAPE] != NULL);
 	define(out, "SOIL_MAP", model->in_place && deform_has_classes(params));
@@ -88,6 +89,7 @@ void deform_programs_find(const struct deform_params *params, unsigned what, enu
 	*out = (struct deform_request){.gl = {.compute = "deform/scm_find.comp"}};
 	define(out, "PATCH", what & FIND_PATCH);
 	define(out, "LOAD", what & FIND_LOAD);
+	define(out, "BELT", what & FIND_BELT);
 	define(out, shapes[kind], shapes[kind] != NULL);
 	define(out, "SOIL_MAP", (what & FIND_LOAD) && deform_has_classes(params));
 	define(out, "SLIP", (what & FIND_LOAD) && params->slip_sinkage > 0);
@@ -249,11 +251,12 @@ static void each_envelope(struct each *each, const struct deform_planned *object
 	}
 }
 
-static void each_find(struct each *each, bool patch, bool load, enum deform_shape_kind kind)
+static void each_find(struct each *each, unsigned with, enum deform_shape_kind kind)
 {
-	if (!patch && !load)
+	const bool load = with & WITH_LOAD;
+	if (!(with & (WITH_PATCH | WITH_LOAD)))
 		return;
-	deform_programs_find(each->params, (patch ? FIND_PATCH : 0) | (load ? FIND_LOAD : 0), kind, &each->request);
+	deform_programs_find(each->params, with / WITH_PATCH % FIND_SHAPE, kind, &each->request);
 	add(each, load ? "load" : deform_displace_effect(each->params->model));
 }
 
@@ -263,8 +266,8 @@ static void each_felt(struct each *each, const struct deform_planned *object, bo
 	bool load = object->load > 0, patch = deform_is_counted(each->params, object->shape, load);
 	for (int leans = 0; leans <= object->leans; leans++) {
 		const enum deform_shape_kind form = leans ? DEFORM_CYLINDER : object->shape->kind;
-		unsigned with = (patch ? WITH_PATCH : 0) | (load ? WITH_LOAD : 0) | WITH_SHAPE * (unsigned)form;
-		each_find(each, patch, load, form);
+		unsigned with = (patch ? WITH_PATCH : 0) | (load ? WITH_LOAD : 0) | (object->shape->belt ? WITH_BELT : 0) | WITH_SHAPE * (unsigned)form;
+		each_find(each, with, form);
 		deform_programs_contact(each->params, with, &each->request);
 		add(each, load ? "load" : deform_displace_effect(each->params->model));
 		if (forces || load) {

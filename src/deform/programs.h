@@ -14,12 +14,12 @@ struct deform_request {
 };
 
 /* Variants of the contact pass of a model that computes forces, as bits: it sums forces; counts the contact patch; the object
- * carries a load. Then the object's shape (enum deform_shape_kind), whose lower envelope the pass computes between posts. */
-enum { WITH_FORCES = 1, WITH_PATCH = 2, WITH_LOAD = 4, WITH_SHAPE = 8, WITH_ALL = WITH_SHAPE * DEFORM_SHAPES };
+ * carries a load; it has a belt. Then the object's shape (enum deform_shape_kind), whose lower envelope the pass computes between posts. */
+enum { WITH_FORCES = 1, WITH_PATCH = 2, WITH_LOAD = 4, WITH_BELT = 8, WITH_SHAPE = 16, WITH_ALL = WITH_SHAPE * DEFORM_SHAPES };
 
-/* What scm's search finds, as bits: the size of the contact patch, the equilibrium height. The same as WITH_PATCH and WITH_LOAD,
- * halved. Then the object's shape. */
-enum deform_find_what { FIND_PATCH = 1, FIND_LOAD = 2, FIND_SHAPE = 4, FIND_ALL = FIND_SHAPE * DEFORM_SHAPES };
+/* What scm's search finds, as bits: the size of the contact patch, the equilibrium height; of an object with a belt. The same as WITH_PATCH,
+ * WITH_LOAD and WITH_BELT, halved. Then the object's shape. */
+enum deform_find_what { FIND_PATCH = 1, FIND_LOAD = 2, FIND_BELT = 4, FIND_SHAPE = 8, FIND_ALL = FIND_SHAPE * DEFORM_SHAPES };
 
 /* Passes of an iteration of sliding: EXCESS alone, or SHED and TAKE. */
 enum slide_what { SLIDE_EXCESS, SLIDE_SHED, SLIDE_TAKE };

@@ -53,7 +53,7 @@ static enum status contact_all(struct deform *deform, const struct deform_planne
 static int kind_of(const struct deform_params *params, const struct deform_planned *object)
 {
 	const struct deform_shape *shape = object->shape;
-	const bool facts[WARM_FACTS] = {shape->grousers > 0, object->load > 0, object->moves, object->leans,
+	const bool facts[WARM_FACTS] = {shape->grousers > 0, object->load > 0, object->moves, object->leans, shape->belt,
 					deform_is_counted(params, shape, object->load > 0)};
 	int kind = (int)shape->kind;
 	for (int i = 0; i < WARM_FACTS; i++)

@@ -68,6 +68,18 @@ enum status deform_shape_check(const struct deform_shape *shape, double spacing)
 	return STATUS_OK;
 }
 
+bool deform_shape_runs(const struct deform_shape *shape)
+{
+	return shape->kind == DEFORM_WHEEL || shape->belt;
+}
+
+double deform_shape_ran(const struct deform_shape *shape, double turned)
+{
+	if (shape->kind == DEFORM_WHEEL)
+		return shape->radius * turned;
+	return shape->belt ? turned : 0;
+}
+
 double deform_shape_bound(const struct deform_shape *shape)
 {
 	switch (shape->kind) {

@@ -294,7 +294,7 @@ static void advise_path(const struct adviser *adviser, const struct scene_object
 		advise(adviser, "objects.%s.path.loop: its points are one place: there is no way round; give others, or take it away",
 		       object->name);
 	if (object->slip != 0 && is_fixed(path))
-		advise(adviser, "objects.%s.slip: a wheel that stands does not turn; give it a way, or take it away", object->name);
+		advise(adviser, "objects.%s.slip: a wheel or a belt that stands does not turn; give it a way, or take it away", object->name);
 }
 
 /* Returns true if the surface is nowhere weaker than the soil. */

@@ -93,6 +93,8 @@ static void add_object_more(XXH3_state_t *state, size_t index, const struct scen
 		add_part(state, 'z', index);
 		add_number(state, shape->length);
 	}
+	if (shape->belt)
+		add_part(state, 'b', index);
 	if (object->load > 0) {
 		add_part(state, 'l', index);
 		add_number(state, object->load);

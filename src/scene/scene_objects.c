@@ -109,8 +109,8 @@ static enum status check_forces(const struct scene_tree *tree, const struct raw_
 				   "redistribute: {model: %s}", model, scene_models_with_forces().text);
 	if (raw->load != NULL && object->path.has_z)
 		return scene_error(tree->file, load, "its poses say z already; allowed with: poses t,x,y, or points");
-	if (raw->slip != NULL && object->shape.kind != DEFORM_WHEEL)
-		return scene_error(tree->file, slip, "only a wheel slips; allowed with: wheel");
+	if (raw->slip != NULL && !deform_shape_runs(&object->shape))
+		return scene_error(tree->file, slip, "only a wheel or a belt slips; allowed with: wheel, or belt: true of a box or a mesh");
 	if (raw->slip != NULL && !forces)
 		return scene_error(tree->file, slip, "model %s does not depend on it; allowed with: redistribute: "
 				   "{model: %s}", model, scene_models_with_forces().text);

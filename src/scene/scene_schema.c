@@ -33,6 +33,7 @@ static const cyaml_schema_field_t sphere_fields[] = {
 };
 static const cyaml_schema_field_t box_fields[] = {
 	CYAML_FIELD_SEQUENCE_FIXED("size", NEEDED, struct raw_box, size, &float_entry, 3),
+	CYAML_FIELD_BOOL_PTR("belt", OPTIONAL, struct raw_box, belt),
 	CYAML_FIELD_END,
 };
 static const cyaml_schema_field_t rod_fields[] = {
@@ -47,6 +48,7 @@ static const cyaml_schema_field_t ellipsoid_fields[] = {
 static const cyaml_schema_field_t mesh_fields[] = {
 	CYAML_FIELD_STRING_PTR("file", NEEDED, struct raw_mesh, file, 1, 4096),
 	CYAML_FIELD_FLOAT_PTR("scale", OPTIONAL, struct raw_mesh, scale),
+	CYAML_FIELD_BOOL_PTR("belt", OPTIONAL, struct raw_mesh, belt),
 	CYAML_FIELD_END,
 };
 static const cyaml_schema_field_t shape_fields[] = {

@@ -23,6 +23,7 @@ struct raw_sphere {
 };
 struct raw_box {
 	double size[3];
+	bool *belt;
 };
 /* Of a cylinder or a capsule. */
 struct raw_rod {
@@ -34,6 +35,7 @@ struct raw_ellipsoid {
 struct raw_mesh {
 	char *file;
 	double *scale;
+	bool *belt;
 };
 struct raw_shape {
 	struct raw_wheel *wheel;

@@ -41,6 +41,7 @@ static enum status check_mesh(const struct scene_tree *tree, const struct raw_me
 	if (file == NULL)
 		return fail_memory("reading a mesh");
 	object->shape.kind = DEFORM_MESH;
+	object->shape.belt = raw->belt != NULL && *raw->belt;
 	enum status status = scene_mesh_load(file, scene_told(tree->file, node, raw->file).text,
 					     raw->scale != NULL ? *raw->scale : 1, &object->mesh);
 	mem_free(file);
@@ -75,6 +76,7 @@ enum status scene_check_shape(const struct scene_tree *tree, const struct raw_sh
 	} else {
 		shape->kind = DEFORM_BOX;
 		memcpy(shape->size, raw->box->size, sizeof shape->size);
+		shape->belt = raw->box->belt != NULL && *raw->box->belt;
 	}
 	return STATUS_OK;
 }

@@ -79,11 +79,28 @@ static enum status scatter(struct world *world, const struct deform_window *wind
 	return status == STATUS_OK ? deform_wake_swept(world->deform, window, layer) : status;
 }
 
+/* Computes how far a belt ran between two path samples: with slip s it is the way along the body's own x axis / (1 - s). */
+static void run(const struct scene_object *object, struct deform_contact *contact)
+{
+	const struct deform_pose *to = &contact->to, *from = &contact->from;
+	const double way[3] = {lattice_offset_metres(to->x - from->x), lattice_offset_metres(to->y - from->y), lattice_offset_metres(to->z - from->z)};
+	double axes[3][3], along = 0;
+	deform_axes(to->yaw, to->pitch, to->roll, 0, axes);
+	for (int k = 0; k < 3; k++)
+		along += way[k] * axes[0][k];
+	contact->turned = along / (1 - object->slip);
+	contact->to.turn = contact->from.turn + contact->turned;
+}
+
 /* Computes how far a wheel turned between two path samples. With slip s it is way / (r (1 - s)). The contact has no duration:
  * nothing damps a body that follows a path. */
-static void roll(const struct body *body, const struct event *event, struct deform_contact *contact)
+static void roll(const struct body *body, struct deform_contact *contact)
 {
 	const struct scene_object *object = body->object;
+	if (object->shape.belt) {
+		run(object, contact);
+		return;
+	}
 	if (object->shape.kind != DEFORM_WHEEL)
 		return;
 	double along = lattice_offset_metres(contact->to.x - contact->from.x) * cos(contact->to.yaw) +
@@ -133,7 +150,7 @@ static struct deform_contact contact_of(const struct world *world, const struct 
 	}
 	contact.to.turn = contact.from.turn = body->last.turn;
 	if (body->in_contact)
-		roll(body, event, &contact);
+		roll(body, &contact);
 	return contact;
 }
 

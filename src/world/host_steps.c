@@ -54,13 +54,24 @@ static double turn_between(double from, double to)
 	return remainder(to - from, 2 * M_PI);
 }
 
-/* Metres by which its outermost points have turned. */
+/* Metres by which its outermost points have turned, or its belt has run. */
 static double turned_by(const struct host_body *host, const struct deform_pose *to)
 {
 	const struct deform_pose *from = &host->body.last;
 	const double attitude = fabs(turn_between(from->yaw, to->yaw)) + fabs(to->pitch - from->pitch) +
 				fabs(turn_between(from->roll, to->roll));
-	return deform_shape_bound(&host->body.object->shape) * fmax(attitude, fabs(host->turned));
+	const struct deform_shape *shape = &host->body.object->shape;
+	const double bound = deform_shape_bound(shape);
+	return shape->belt ? fmax(bound * attitude, fabs(host->turned)) : bound * fmax(attitude, fabs(host->turned));
+}
+
+/* Finds where it is now. A belt's way comes from its speed, not from the attitude. */
+static enum status pose_of(const struct host_body *host, struct deform_pose *pose)
+{
+	enum status status = world_attitude(&host->body.object->shape, host->body.object->name, &host->now.pose, pose);
+	if (status == STATUS_OK && host->body.object->shape.belt)
+		pose->turn = host->body.last.turn + host->turned;
+	return status;
 }
 
 static bool is_worth_a_contact(const struct world *world, const struct host_body *host, const struct deform_pose *to)
@@ -113,7 +124,9 @@ static enum status touch_straight(struct world *world, int32_t number, const str
 		parts = (size_t)fmin(WORLD_HOST_WAY, fmax(1, ceil(fmax(travel(&from, to), turned_by(host, to)) / world->spacing - PART_MORE)));
 	enum status status = STATUS_OK;
 	for (size_t part = 1; part <= parts && status == STATUS_OK; part++) {
-		const struct deform_pose pose = body->in_contact ? between(&from, to, part, parts) : *to;
+		struct deform_pose pose = body->in_contact ? between(&from, to, part, parts) : *to;
+		if (body->object->shape.belt)
+			pose.turn = to->turn - host->turned * (double)(parts - part) / (double)parts;
 		struct event event = event_of(world, number, &pose, time);
 		event.seconds = host->since / (double)parts;
 		event.turned = host->turned / (double)parts;
@@ -211,11 +224,13 @@ static enum status step_quiet(struct world *world, int32_t number, double until)
 	world_rotation_between(host->now.pose.orientation, host->next.pose.orientation, host->rotated);
 	host->now = host->next;
 	host->has_next = false;
-	enum status status = world_attitude(&host->body.object->shape, host->body.object->name, &host->now.pose, &to);
+	host->since = host->body.in_contact ? until - began : 0;
+	host->turned = host->belt * host->since;
+	enum status status = pose_of(host, &to);
 	if (status != STATUS_OK)
 		return status;
-	host->turned = host->body.in_contact ? turn_between(host->body.last.turn, to.turn) : 0;
-	host->since = host->body.in_contact ? until - began : 0;
+	if (!host->body.object->shape.belt)
+		host->turned = host->body.in_contact ? turn_between(host->body.last.turn, to.turn) : 0;
 	status = touch(world, number, &to, until);
 	host->since = until;
 	return status;
@@ -230,7 +245,8 @@ static enum status step_body(struct world *world, int32_t number, double seconds
 	if (host->has_next)
 		host->now = host->next;
 	host->has_next = false;
-	enum status status = world_attitude(&host->body.object->shape, host->body.object->name, &host->now.pose, &to);
+	host->turned += host->body.in_contact ? host->belt * seconds : 0;
+	enum status status = pose_of(host, &to);
 	if (status != STATUS_OK)
 		return status;
 	if (host->body.object->shape.kind == DEFORM_WHEEL)
@@ -263,7 +279,7 @@ enum status world_hosts_step(struct world *world, double seconds, double until)
 static bool is_behind(const struct world *world, const struct host_body *host, struct deform_pose *to)
 {
 	if (host == NULL || !host->placed || host->removed || host->fresh || !host->body.in_contact ||
-	    world_attitude(&host->body.object->shape, host->body.object->name, &host->now.pose, to) != STATUS_OK)
+	    pose_of(host, to) != STATUS_OK)
 		return false;
 	const struct deform_pose *last = &host->body.last;
 	return to->x != last->x || to->y != last->y || to->z != last->z || to->yaw != last->yaw || to->pitch != last->pitch ||

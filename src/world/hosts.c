@@ -293,6 +293,23 @@ enum status world_bodies_set(struct world *world, size_t count, const int32_t *n
 	return status;
 }
 
+enum status world_belts_set(struct world *world, size_t count, const int32_t *numbers, const double *speeds)
+{
+	for (size_t i = 0; i < count; i++) {
+		struct host_body *host;
+		enum status status = find(world, numbers[i], &host);
+		if (status != STATUS_OK)
+			return status;
+		if (!host->body.object->shape.belt)
+			return fail_with(STATUS_USAGE, "%s: it has no belt; give it belt: true of a box or a mesh", host->body.object->name);
+		if (!isfinite(speeds[i]))
+			return fail_with(STATUS_USAGE, "%s: the speed of its belt is not a finite number; give m/s", host->body.object->name);
+	}
+	for (size_t i = 0; i < count; i++)
+		world_host_body(world, numbers[i])->belt = speeds[i];
+	return STATUS_OK;
+}
+
 /* Frees the ground that it rested on. It touches nothing until the next step. */
 static enum status lift(struct world *world, struct host_body *host)
 {

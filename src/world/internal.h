@@ -75,8 +75,8 @@ void world_probes_reach(struct host_body *host, const struct deform_pose *to);
 bool world_probes_now(const struct world *world, const struct host_body *host, struct deform_probed *probed);
 void world_probes_free(struct world *world); /* frees the mirrors; before deform and GPU are destroyed */
 /* told.c: fills a contact from what a probe computed. */
-void world_tell_probed(const struct scene_object *object, const struct world_state *state, const struct deform_probed *probed,
-		       double time, struct world_contact *contact);
+void world_tell_probed(const struct host_body *host, const struct world_state *state, const struct deform_probed *probed, double time,
+		       struct world_contact *contact);
 
 /* --- changes.c --- */
 

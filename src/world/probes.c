@@ -145,7 +145,7 @@ static void motion_of(const struct host_body *host, const struct world_state *st
 		.from = host->body.in_contact && !host->fresh ? host->body.last : *to,
 		.to = *to,
 		.stamped = host->stamped,
-		.turned = host->turned + remainder(to->turn - now->turn, 2 * M_PI),
+		.turned = host->turned + (object->shape.belt ? 0 : remainder(to->turn - now->turn, 2 * M_PI)),
 	};
 	world_rotation_between(host->now.pose.orientation, state->pose.orientation, probe->rotated);
 	for (int k = 0; k < 3; k++)
@@ -232,7 +232,7 @@ enum status world_probe(struct world *world, size_t count, const int32_t *number
 		if (status == STATUS_OK)
 			status = probe_host(world, host, &states[i], &probed);
 		if (probed.known)
-			world_tell_probed(host->body.object, &states[i], &probed, world->time, &contacts[i]);
+			world_tell_probed(host, &states[i], &probed, world->time, &contacts[i]);
 	}
 	return status;
 }

@@ -74,9 +74,17 @@ static void line_of(const double origin[3], double reach, const double force[3],
 		point[i] = origin[i] + arm[i] + along * force[i];
 }
 
-static double slip_of(const struct scene_object *object, const struct world_state *state)
+/* `belt`: how fast the body's belt runs, m/s. */
+static double slip_of(const struct scene_object *object, const struct world_state *state, double belt)
 {
 	struct deform_pose pose;
+	if (object->shape.belt) {
+		double axes[3][3], along = 0;
+		world_axes(state->pose.orientation, axes);
+		for (int k = 0; k < 3; k++)
+			along += state->linear[k] * axes[0][k];
+		return belt != 0 ? 1 - along / belt : NAN;
+	}
 	if (object->shape.kind != DEFORM_WHEEL || world_attitude(&object->shape, object->name, &state->pose, &pose) != STATUS_OK)
 		return NAN;
 	const double along = state->linear[0] * cos(pose.yaw) + state->linear[1] * sin(pose.yaw);
@@ -84,6 +92,7 @@ static double slip_of(const struct scene_object *object, const struct world_stat
 	return rim != 0 ? 1 - along / rim : NAN;
 }
 
+/* Tells all but the slip. */
 static enum status fill(struct world *world, const struct scene_object *object, const struct world_state *state,
 			const struct world_force *force, double time, enum world_contact_state touches, struct world_contact *contact)
 {
@@ -91,7 +100,6 @@ static enum status fill(struct world *world, const struct scene_object *object, 
 	contact->time = time;
 	contact->state = touches;
 	contact->sinkage = touches == WORLD_AIR ? 0 : force->sinkage;
-	contact->slip = slip_of(object, state);
 	enum status status = normal_at(world, state->pose.position, contact->normal);
 	if (status != STATUS_OK || !world_feels(world))
 		return status;
@@ -115,14 +123,15 @@ static enum status fill(struct world *world, const struct scene_object *object, 
 	return STATUS_OK;
 }
 
-void world_tell_probed(const struct scene_object *object, const struct world_state *state, const struct deform_probed *probed,
-		       double time, struct world_contact *contact)
+void world_tell_probed(const struct host_body *host, const struct world_state *state, const struct deform_probed *probed, double time,
+		       struct world_contact *contact)
 {
+	const struct scene_object *object = host->body.object;
 	struct deform_pose pose = {.x = 0};
 	*contact = world_contact_unknown();
 	contact->time = time;
 	contact->state = world_contact_state_of(probed->state);
-	contact->slip = slip_of(object, state);
+	contact->slip = slip_of(object, state, host->belt);
 	contact->sinkage = probed->sinkage;
 	contact->area = probed->area;
 	contact->normal_force = probed->normal_force;
@@ -152,6 +161,7 @@ enum status world_body_contact(struct world *world, int32_t number, struct world
 	if (host != NULL) {
 		struct deform_probed probed;
 		status = fill(world, host->body.object, &state, &host->force, host->told, host->state, contact);
+		contact->slip = slip_of(host->body.object, &state, host->belt);
 		if (status == STATUS_OK && world_probes_now(world, host, &probed)) {
 			memcpy(contact->stiffness, probed.stiffness, sizeof contact->stiffness);
 			memcpy(contact->damping, probed.damping, sizeof contact->damping);
@@ -168,7 +178,9 @@ enum status world_body_contact(struct world *world, int32_t number, struct world
 		touches = world_contact_state_of(force.state);
 	else
 		force.sinkage = body->sinkage;
-	return fill(world, body->object, &state, &force, world->time, touches, contact);
+	enum status filled = fill(world, body->object, &state, &force, world->time, touches, contact);
+	contact->slip = body->object->shape.belt ? body->object->slip : slip_of(body->object, &state, 0);
+	return filled;
 }
 
 enum status world_path_state(const struct world *world, size_t body, struct world_state *state)

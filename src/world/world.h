@@ -60,7 +60,7 @@ struct event {
 	double sinkage;   /* m below the base */
 	double seconds;   /* s since the last sample */
 	double next_time; /* s: when the next sample is due; INFINITY: there is no next sample */
-	double turned;    /* rad that a wheel has turned since the last sample; only for a host's bodies */
+	double turned;    /* rad that a wheel has turned, m that a belt has run, since the last sample; only for a host's bodies */
 	double stamped;   /* as in struct deform_contact; only for a host's bodies */
 	double rotated[3]; /* rad about local axes that another body of a host has turned since the last sample */
 	struct deform_pose pose;
@@ -101,7 +101,7 @@ struct world_row {
 	double time;         /* s */
 	size_t body;
 	const struct scene_object *object; /* of the body */
-	double slip;         /* of a wheel */
+	double slip;         /* of a wheel or a belt */
 	double position[3];  /* m, of the body's origin */
 	/* index of the soil at the post nearest to the origin, in the scene's soils; -1: outside the terrain */
 	int soil;
@@ -189,7 +189,7 @@ struct world_contact {
 	double force[3], moment[3];   /* on the body, in local axes: N, and N m about the origin */
 	double point[3];              /* m: on the line of the force, the point nearest to the body's lowest point */
 	double normal[3];             /* unit normal of the undisturbed surface under the body */
-	double sinkage, area, slip;   /* m below the undisturbed surface; m2; slip of a wheel */
+	double sinkage, area, slip;   /* m below the undisturbed surface; m2; slip of a wheel or a belt */
 	double stiffness[6][6], damping[6][6]; /* d(force, moment) / d(translation, rotation about local axes), and of their rates */
 	double normal_force, shear_limit; /* N */
 	enum world_contact_state state;
@@ -204,7 +204,8 @@ struct host_body {
 	bool has_next;
 	struct world_state now, next; /* now: after the last step. next: after the next step, if has_next */
 	double since;                 /* s: time of its motion since `last` */
-	double turned;                /* rad about a wheel's axle since `last` */
+	double belt;                  /* m/s: how fast its belt runs; 0: it has none, or the belt stands */
+	double turned;                /* rad about a wheel's axle, m that its belt ran, since `last` */
 	double rotated[3];            /* other shapes: rad about local axes since `last` */
 	double stamped;               /* 1: the hollow below `last` is an impression of the body; 0: it is a flat rut */
 	struct host_dip {             /* its lowest pose since `last`, and the motion until then; pose.z INT64_MAX: there is none */
@@ -409,7 +410,9 @@ enum status world_body_remove(struct world *world, int32_t number) FURROW_CHECKE
 /* Puts a body at a pose, at rest. It touches nothing on the way from the old pose to the new one. */
 enum status world_body_place(struct world *world, int32_t number, const struct world_pose *pose) FURROW_CHECKED;
 /* Sets where bodies will be after the next step. The list names each body at most once. On failure no body is set. */
-enum status world_bodies_set(struct world *world, size_t count, const int32_t *numbers, const struct world_state *states)
+enum status world_bodies_set(struct world *world, size_t count, const int32_t *numbers, const struct world_state *states) FURROW_CHECKED;
+/* Sets how fast the belts of bodies run, m/s, until the next call. On failure no belt is set. */
+enum status world_belts_set(struct world *world, size_t count, const int32_t *numbers, const double *speeds)
 	FURROW_CHECKED;
 /* For a body whose caller computes its forces with world_probe. The world computes none for it, and each state that is set
  * changes the ground in the next step, however small the motion is. */

@@ -376,7 +376,7 @@ static struct deform_contact any_sweep(const struct deform_shape *shape, int k, 
 		sweep.from = sweep.to;
 	} else if (match.params.model == DEFORM_SCM) {
 		sweep.seconds = any_word() % 2 ? any_between(0.01, 1) : 0;
-		sweep.turned = shape->kind == DEFORM_WHEEL ? any_between(-1, 3) * spacing / shape->radius : 0;
+		sweep.turned = shape->kind == DEFORM_WHEEL ? any_between(-1, 3) * spacing / shape->radius : shape->belt ? (k - 0.6) * spacing : 0;
 	}
 	return sweep;
 }
@@ -427,6 +427,7 @@ static void rounds(enum deform_model model, int count)
 		/* Near a corner of four tiles, the hole, or the edge of the world; several sweeps about one place. */
 		double x = round % 5 == 4 ? 1 : 32 + 8 * any_share(), y = round % 5 == 3 ? POSTS - 3 : 50 + 16 * any_share();
 		for (int k = 0; k < 5; k++) {
+			shape.belt = model == DEFORM_SCM && shape.kind == DEFORM_BOX && round % 3 == 0;
 			struct deform_contact sweep = any_sweep(&shape, k, x + 3 * any_share(), y + 3 * any_share());
 			if (model == DEFORM_SCM) {
 				sweep.tag = 1;

@@ -130,14 +130,15 @@ static void every_sweep_is_that_of_the_reference(void **state)
 		double *under = ground_room(side * side, sizeof *under), *rest = ground_room(side * side, sizeof *rest);
 		heap(&ground);
 		for (int k = 0; k < 12; k++) {
-			struct deform_shape shape = {.kind = k % 3 ? DEFORM_WHEEL : DEFORM_BOX, .radius = 0.9, .width = 0.7, .size = {1, 1.5, 1.8}};
+			struct deform_shape shape = {.kind = k % 3 ? DEFORM_WHEEL : DEFORM_BOX, .radius = 0.9, .width = 0.7, .size = {1, 1.5, 1.8}, .belt = k % 6 == 0};
 			double x = 32 + 12 * any_share(), y = 32 + 12 * any_share();
 			double z = ldexp(x * 9000 + y * 4000, -BASE_BITS) + 0.9 - 0.12 * (1 + any_share());
 			struct deform_contact sweep = {.shape = &shape, .from = ground_pose(&ground, x, y, z)};
 			sweep.to = ground_pose(&ground, x + any_share(), y + any_share(), z - 0.01 * any_share());
 			sweep.to.yaw = sweep.from.yaw = 3 * any_share();
 			sweep.seconds = k % 4 ? 0.05 : 0;
-			sweep.turned = shape.kind == DEFORM_WHEEL ? 0.2 * any_share() : 0;
+			sweep.turned = deform_shape_runs(&shape) ? 0.2 * any_share() : 0;
+			sweep.to.pitch = sweep.from.pitch = shape.belt && k < 6 ? 0.2 * any_share() : 0;
 			struct state before = state_of(&ground), after;
 			struct reference_forces forces;
 			take(&reference, &ground, &before);

@@ -256,7 +256,7 @@ static void put_law(const struct deform_patch *patch, const struct deform_probe 
 
 static bool is_probed(const struct deform_shape *shape)
 {
-	return shape->kind == DEFORM_SPHERE || shape->kind == DEFORM_BOX || (shape->kind == DEFORM_WHEEL && shape->grousers == 0);
+	return !shape->belt && (shape->kind == DEFORM_SPHERE || shape->kind == DEFORM_BOX || (shape->kind == DEFORM_WHEEL && shape->grousers == 0));
 }
 
 /* --- the answer --- */

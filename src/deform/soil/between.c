@@ -15,11 +15,11 @@ static void put_heading(struct scm_params *params, double x, double y)
 	params->heading[2] = (float)fmax(fabs(x), fabs(y));
 }
 
-/* Shear displacement adds up over the time in which the wheel's rim passes over the soil. Returns this time as a share of the time in
- * which the soil passes below the wheel. It is 1 without slip, and for a wheel that slides sideways. */
+/* Shear displacement adds up over the time in which a wheel's rim, or a belt, passes over the soil. Returns this time as a share of the time in
+ * which the soil passes below the body. It is 1 without slip, and for a body that slides sideways. */
 static double time_of_rim(const struct deform_contact *contact, double forward, double way, double rise)
 {
-	double turned = fabs(contact->shape->radius * contact->turned), aligned = way > 0 ? forward * forward / (way * way) : 0;
+	double turned = fabs(deform_shape_ran(contact->shape, contact->turned)), aligned = way > 0 ? forward * forward / (way * way) : 0;
 	/* A wheel that moves up or down does not roll. */
 	if (contact->hosted)
 		aligned *= forward != 0 ? fmin(fmax(2 - fabs(rise / forward), 0), 1) : 0;
@@ -168,6 +168,13 @@ static void box(const struct deform_contact *contact, struct scm_params *params)
 	params->body[1] = (float)(fabs(cos(to->roll)) * contact->shape->size[1] / 2 + fabs(sin(to->roll)) * contact->shape->size[2] / 2);
 }
 
+static void belt(const struct deform *deform, const struct deform_contact *contact, struct scm_params *params)
+{
+	double forward = params->way[0] * cos(contact->to.yaw) + params->way[1] * sin(contact->to.yaw);
+	if (!deform->params.ground_normals)
+		params->moves[3] = (float)time_of_rim(contact, forward, hypot(params->way[0], params->way[1]), params->way[2]);
+}
+
 void deform_between_posts(const struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
 		      struct scm_params *params)
 {
@@ -196,6 +203,8 @@ void deform_between_posts(const struct deform *deform, const struct deform_conta
 	case DEFORM_SHAPES:
 		break; /* only its posts tell */
 	}
+	if (contact->shape->belt)
+		belt(deform, contact, params);
 }
 
 void deform_turn_into_frame(struct scm_params *params)
@@ -203,6 +212,7 @@ void deform_turn_into_frame(struct scm_params *params)
 	turn(params->heading, params->way);
 	turn(params->heading, params->spin);
 	turn(params->heading, params->rolls);
+	turn(params->heading, params->belt);
 	for (int k = 0; k < 3; k++)
 		turn(params->heading, &params->faces[k][1]);
 }

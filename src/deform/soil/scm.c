@@ -63,11 +63,27 @@ static double rolled(const struct deform_contact *contact, const float way[2])
 	return (way[0] * cos(contact->to.yaw) + way[1] * sin(contact->to.yaw)) / contact->shape->radius;
 }
 
+/* Returns how far an object with a belt slips: along its own x axis by its way beyond what the belt ran, and aside. */
+static double slip_of_belt(const struct deform_contact *contact)
+{
+	const struct deform_pose *to = &contact->to, *from = &contact->from;
+	const double way[3] = {lattice_offset_metres(to->x - from->x), lattice_offset_metres(to->y - from->y), lattice_offset_metres(to->z - from->z)};
+	double axes[3][3], forward = 0, aside = 0;
+	deform_axes(to->yaw, to->pitch, to->roll, 0, axes);
+	for (int k = 0; k < 3; k++) {
+		forward += way[k] * axes[0][k];
+		aside += way[k] * axes[1][k];
+	}
+	return hypot(forward - contact->turned, aside);
+}
+
 /* Returns how far the object slips over the ground during the contact, metres. A wheel slips by its way beyond rolling. */
 static double slip_of(const struct deform_contact *contact, const float way[2])
 {
 	const double east = lattice_offset_metres(contact->to.x - contact->from.x), north = lattice_offset_metres(contact->to.y - contact->from.y);
 	const double ahead[2] = {cos(contact->to.yaw), sin(contact->to.yaw)};
+	if (contact->shape->belt)
+		return slip_of_belt(contact);
 	if (contact->shape->kind != DEFORM_WHEEL)
 		return hypot(east, north);
 	return hypot((rolled(contact, way) - contact->turned) * contact->shape->radius, north * ahead[0] - east * ahead[1]);
@@ -93,9 +109,16 @@ static void fill_motion(const struct deform_contact *contact, struct scm_params 
 	double turned = contact->shape->kind == DEFORM_WHEEL ? rolled(contact, params->way) : 0;
 	for (int k = 0; k < 3; k++)
 		params->rolls[k] = (float)(axle[k] * turned);
+	if (!contact->shape->belt)
+		return;
+	double axes[3][3];
+	deform_axes(contact->to.yaw, contact->to.pitch, contact->to.roll, 0, axes);
+	for (int k = 0; k < 3; k++)
+		params->belt[k] = (float)(axes[1][k] * contact->turned);
+	params->belt[3] = (float)hypot(axes[1][0], axes[1][1]);
 }
 
-/* Needs `way` and `moves`: a wheel's slip digs for as long as its rim passes over the soil. */
+/* Needs `way` and `moves`: the slip of a wheel or a belt digs for as long as its surface passes over the soil. */
 static void fill_digging(const struct deform *deform, const struct deform_contact *contact, struct scm_params *params)
 {
 	params->digs[1] = (float)deform->params.slip_sinkage;
@@ -204,7 +227,7 @@ static enum status run_contact(struct deform *deform, const struct deform_contac
 		       deform_fits_window(deform, contact);
 	params.scale[3] = (float)by_width(contact, extent, counted);
 	unsigned with = (contact->tag != 0 ? WITH_FORCES : 0) | (params.scale[3] == 0 ? WITH_PATCH : 0) |
-			(contact->load > 0 ? WITH_LOAD : 0) | WITH_SHAPE * (unsigned)form;
+			(contact->load > 0 ? WITH_LOAD : 0) | (contact->shape->belt ? WITH_BELT : 0) | WITH_SHAPE * (unsigned)form;
 	struct gpu_buffer *records = NULL;
 	uint32_t record = 0;
 	struct deform_request request;

@@ -25,13 +25,13 @@ struct laying {
 };
 
 /* Computes by how much of its way an object pushes soil ahead of itself: forwards and to the left, each -1 .. 1. A wheel that rolls
- * pushes none ahead, a locked one as a sledge does. */
+ * pushes none ahead, a locked one as a sledge does. So does a belt. */
 static void push_of(const struct deform_contact *contact, double way, double forward, double aside, double push[2])
 {
 	push[0] = push[1] = 0;
 	if (way == 0)
 		return;
-	double turned = contact->turned * contact->shape->radius;
+	double turned = deform_shape_ran(contact->shape, contact->turned);
 	bool braked = forward * turned >= 0 && fabs(turned) < fabs(forward);
 	push[0] = braked ? (forward - turned) / way : 0;
 	push[1] = aside / way;
@@ -57,11 +57,12 @@ static struct laying laying_of(const struct deform_contact *contact, double spac
 	struct laying laying = {.heading = contact->to.yaw};
 	if (deform_is_contact_only(contact))
 		way = 0;
-	if (contact->shape->kind == DEFORM_WHEEL) {
+	const bool wheel = contact->shape->kind == DEFORM_WHEEL;
+	if (wheel || (contact->shape->belt && (way > fabs(dz) || contact->turned != 0))) {
 		double ahead[2] = {cos(laying.heading), sin(laying.heading)};
 		double forward = dx * ahead[0] + dy * ahead[1], aside = dy * ahead[0] - dx * ahead[1];
 		push_of(contact, way, forward, aside, push);
-		laying.behind = way > 0 ? length_behind(contact->shape, spacing, forward, aside, dz) : 0;
+		laying.behind = wheel && way > 0 ? length_behind(contact->shape, spacing, forward, aside, dz) : 0;
 	} else if (way > fabs(dz)) {
 		laying.heading = atan2(dy, dx);
 	} else {

@@ -16,7 +16,8 @@ struct form {
 	double half[2];         /* half of its size forwards and to the left; 0: it has no straight sides there */
 	double way[3], run;     /* its motion; how much of that is forwards, of a wheel; all, of a sphere */
 	double faces[3][3];     /* box: lower faces: height at the centre, rise to the east and to the north */
-	double rim;             /* time of the rim of the soil's; 0: they are the same */
+	double rim;             /* time of the rim, or of a belt, of the soil's; 0: they are the same */
+	double level;           /* of a belt: how much of the body's left axis is level */
 };
 
 struct underside {
@@ -75,6 +76,12 @@ static struct form form_of(const struct reference_ground *ground, const struct d
 		form.rim = length > 0 ? 1 + (share - 1) * pow(ahead / length, 2) : 1;
 		for (int k = 0; k < 2; k++)
 			form.forward[k] *= ahead < 0 ? -1 : 1;
+	}
+	if (sweep->shape->belt) {
+		double axes[3][3], ran = fabs(sweep->turned), share = ran > 0.1 * length ? fmax(length / ran, 0.1) : 10;
+		deform_axes(sweep->to.yaw, sweep->to.pitch, sweep->to.roll, 0, axes);
+		form.level = hypot(axes[1][0], axes[1][1]);
+		form.rim = length > 0 ? 1 + (share - 1) * pow(ahead / length, 2) : 1;
 	}
 	if (ground->ground_normals)
 		form.rim = 0;
@@ -256,7 +263,10 @@ static struct vector normal_here(const struct cell *cell, const struct underside
 /* The surface's way along itself. */
 static struct vector sliding(const struct cell *cell, struct vector arm, struct vector normal)
 {
-	struct vector way = reference_way_at(cell->sweep, cell->sweep->turned, arm);
+	const struct deform_contact *sweep = cell->sweep;
+	struct vector way = reference_way_at(sweep, sweep->shape->belt ? 0 : sweep->turned, arm);
+	if (sweep->shape->belt)
+		way = plus(way, sweep->turned, reference_belt_along(&sweep->to, normal));
 	return plus(way, -dot(way, normal), normal);
 }
 
@@ -361,7 +371,7 @@ struct cell_force reference_cell(const struct reference_ground *ground, const st
 	double halfway[2] = {cell.at[0] + fmax(cell.share, 0) / 2 * form.way[0], cell.at[1] + fmax(cell.share, 0) / 2 * form.way[1]};
 	struct underside then = underside_at(&form, halfway, cell.own);
 	struct vector normal = normal_here(&cell, &then), along = sliding(&cell, (struct vector){halfway[0], halfway[1], then.z + cell.above}, normal);
-	double rim = form.rim > 0 ? form.rim / normal.z : 1;
+	double rim = form.rim > 0 ? form.rim * (sweep->shape->belt ? form.level : 1) / normal.z : 1;
 	out.rim = form.rim > 0 ? form.rim : 1;
 	cell.slides = sqrt(dot(along, along)) * rim;
 	out.slid = plus((struct vector){0, 0, 0}, rim * fmax(cell.share, 0), along);

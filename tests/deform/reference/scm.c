@@ -76,6 +76,15 @@ struct vector reference_way_at(const struct deform_contact *sweep, double turned
 	return way;
 }
 
+struct vector reference_belt_along(const struct deform_pose *pose, struct vector normal)
+{
+	double axes[3][3];
+	deform_axes(pose->yaw, pose->pitch, pose->roll, 0, axes);
+	const struct vector forward = {axes[0][0], axes[0][1], axes[0][2]}, up = {axes[2][0], axes[2][1], axes[2][2]};
+	/* In the body's own upright plane the normal is turned by a right angle: what leans forwards is run over downwards. */
+	return plus(plus((struct vector){0, 0, 0}, -dot(normal, up), forward), dot(normal, forward), up);
+}
+
 static struct post post_of(const struct reference_ground *ground, const struct deform_soil *soil, double stiffness, int at, double under,
 			   double rest, double lower)
 {
@@ -99,6 +108,13 @@ static double slips_by(const struct deform_contact *sweep)
 {
 	struct vector way = reference_way_at(sweep, 0, (struct vector){0, 0, 0});
 	double ahead = cos(sweep->to.yaw), aside = sin(sweep->to.yaw), forward = way.x * ahead + way.y * aside;
+	if (sweep->shape->belt) {
+		double axes[3][3], along[2];
+		deform_axes(sweep->to.yaw, sweep->to.pitch, sweep->to.roll, 0, axes);
+		for (int k = 0; k < 2; k++)
+			along[k] = way.x * axes[k][0] + way.y * axes[k][1] + way.z * axes[k][2];
+		return hypot(along[0] - sweep->turned, along[1]);
+	}
 	if (sweep->shape->kind == DEFORM_WHEEL)
 		forward -= sweep->turned * sweep->shape->radius;
 	return hypot(forward, way.y * ahead - way.x * aside);

@@ -25,6 +25,9 @@ static inline struct vector plus(struct vector a, double times, struct vector b)
 
 /* scm.c. The normal of the ground without what is heaped on it. */
 struct vector reference_normal_at(const struct reference_ground *ground, int at);
+/* Along a surface with this unit normal, towards the body: the direction in which a belt runs over it. Across the body's left axis its length
+ * is that of the normal's part across that axis. */
+struct vector reference_belt_along(const struct deform_pose *pose, struct vector normal);
 /* How the object's surface at a place from its centre moved over the contact. */
 struct vector reference_way_at(const struct deform_contact *sweep, double turned, struct vector from_centre);
 /* What remains of a sinkage when the load is gone. */

@@ -52,11 +52,12 @@ static void share(struct patch *patch, const struct deform_contact *sweep, doubl
 	double way[3] = {lattice_offset_metres(sweep->to.x - sweep->from.x), lattice_offset_metres(sweep->to.y - sweep->from.y),
 			 lattice_offset_metres(sweep->to.z - sweep->from.z)};
 	double length = deform_is_contact_only(sweep) ? 0 : hypot(way[0], way[1]), heading = sweep->to.yaw, x = 0, y = 0;
-	if (sweep->shape->kind == DEFORM_WHEEL) {
-		double forward = way[0] * cos(heading) + way[1] * sin(heading), rim = sweep->turned * sweep->shape->radius;
+	bool wheel = sweep->shape->kind == DEFORM_WHEEL, runs = sweep->shape->belt && (length > fabs(way[2]) || sweep->turned != 0);
+	if (wheel || runs) {
+		double forward = way[0] * cos(heading) + way[1] * sin(heading), rim = sweep->turned * (wheel ? sweep->shape->radius : 1);
 		double left = way[1] * cos(heading) - way[0] * sin(heading);
 		bool brakes = rim * forward >= 0 && fabs(rim) < fabs(forward);
-		if (length > 0 && length >= fabs(way[2]))
+		if (wheel && length > 0 && length >= fabs(way[2]))
 			patch->behind = copysign(fmax(fmax(fabs(forward), spacing), 0.375 * sweep->shape->radius) +
 						 left * left / (length * length) * sweep->shape->radius, forward);
 		x = length > 0 && brakes ? (forward - rim) / length : 0;
