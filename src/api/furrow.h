@@ -251,7 +251,7 @@ FURROW_API furrow_status furrow_set_states(struct furrow_world *world, size_t co
 /*
  * Says how fast the belts of `count` bodies run over them, m/s, from the next step on, until the next call for that body. A body
  * has a belt if its shape is a box or a mesh with `belt: true`. The belt runs around the body's own y axis, as a wheel turns
- * forward: at the body's own speed it does not slip. At first it stands, as the surface of any other body. `bodies`, `speeds`:
+ * forward: at the body's own speed it does not slip. At first its speed is 0. `bodies`, `speeds`:
  * `count` entries each; 0: does nothing. FURROW_USAGE: a body has no belt, follows a path, or is gone. Or a speed is NaN or infinite.
  */
 FURROW_API furrow_status furrow_set_belts(struct furrow_world *world, size_t count, const furrow_body *bodies,

@@ -36,8 +36,8 @@ struct deform_shape {
 	double size[3]; /* box: metres along its own x (forward), y (left), z (up); ellipsoid: its half axes along these */
 	int grousers;       /* wheel: grousers, evenly spaced bars across the rim that turn with it; 0: a smooth wheel */
 	double grouser_height, grouser_thickness; /* of a grouser, metres: beyond the radius, and along the rim */
-	/* box, mesh: its surface is a belt that runs around its own y axis, as a wheel's rim does: backwards below a body that it draws
-	 * forwards. Along its own y the belt does not move */
+	/* box, mesh: its surface is a belt that runs around its own y axis, as a wheel's rim does. Below a body that it draws forwards it
+	 * runs backwards */
 	bool belt;
 	const struct deform_mesh *mesh;
 };
@@ -257,8 +257,7 @@ struct deform;
 
 /* Returns true for a body whose surface runs over it: a wheel, or a body with a belt. Only such a body has a slip. */
 bool deform_shape_runs(const struct deform_shape *shape);
-/* Returns how far the surface of a body runs, metres, if a wheel has turned by this many radians, or a belt has run so far. 0: the body
- * has neither. */
+/* Returns how far the surface of a body ran over it, metres. `turned`: as in struct deform_contact. 0: the body has no such surface. */
 double deform_shape_ran(const struct deform_shape *shape, double turned);
 /* Checks that a shape can be simulated with posts `spacing` metres apart. STATUS_INPUT: it cannot; the message tells the limit. */
 enum status deform_shape_check(const struct deform_shape *shape, double spacing) FURROW_CHECKED;

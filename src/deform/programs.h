@@ -13,8 +13,8 @@ struct deform_request {
 	char own[24]; /* text of a define with a number */
 };
 
-/* Variants of the contact pass of a model that computes forces, as bits: it sums forces; counts the contact patch; the object
- * carries a load; it has a belt. Then the object's shape (enum deform_shape_kind), whose lower envelope the pass computes between posts. */
+/* Variants of the contact pass of a model that computes forces, as bits: it sums forces; counts the contact patch. The object
+ * carries a load; it has a belt. Then comes the object's shape (enum deform_shape_kind), whose lower envelope the pass computes between posts. */
 enum { WITH_FORCES = 1, WITH_PATCH = 2, WITH_LOAD = 4, WITH_BELT = 8, WITH_SHAPE = 16, WITH_ALL = WITH_SHAPE * DEFORM_SHAPES };
 
 /* What scm's search finds, as bits: the size of the contact patch, the equilibrium height; of an object with a belt. The same as WITH_PATCH,

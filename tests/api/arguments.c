@@ -130,6 +130,7 @@ static void no_world(void **state)
 	body = 0;
 	misused(furrow_probe(NULL, 1, &body, &body_state, &contact, sizeof contact));
 	misused(furrow_set_states(NULL, 1, &body, &body_state));
+	misused(furrow_set_belts(NULL, 1, &body, pair[0]));
 	misused(furrow_place(NULL, 0, &pose));
 	misused(furrow_get_states(NULL, 1, &body, &body_state));
 	misused(furrow_get_contacts(NULL, 1, &body, &contact, sizeof contact));
@@ -163,6 +164,8 @@ static void pointers_that_are_null(void **state)
 	misused(furrow_probe(world, 1, &ball, &body_state, NULL, sizeof contact));
 	misused(furrow_set_states(world, 1, NULL, &body_state));
 	misused(furrow_set_states(world, 1, &ball, NULL));
+	misused(furrow_set_belts(world, 1, NULL, pair[0]));
+	misused(furrow_set_belts(world, 1, &ball, NULL));
 	misused(furrow_place(world, ball, NULL));
 	misused(furrow_get_states(world, 1, NULL, &got));
 	misused(furrow_get_states(world, 1, &ball, NULL));
@@ -290,7 +293,8 @@ static void bodies_that_are_not_there(void **state)
 	const struct furrow_pose pose = states[0].pose;
 	struct furrow_state got;
 	struct furrow_contact contact;
-	furrow_body body = 7, gone = -1, fresh = -1, driven = -1;
+	furrow_body body = 7, gone = -1, fresh = -1, driven = -1, track = -1;
+	const double speed = 1;
 	done(furrow_body_add(world, "{name: brief, shape: {box: {size: [1, 1, 1]}}}", &gone));
 	done(furrow_body_remove(world, gone));
 	const furrow_body wrong[] = {-1, INT32_MIN, INT32_MAX, 1000, gone};
@@ -298,6 +302,7 @@ static void bodies_that_are_not_there(void **state)
 		misused(furrow_body_remove(world, wrong[i]));
 		misused(furrow_place(world, wrong[i], &pose));
 		misused(furrow_set_states(world, 1, &wrong[i], states));
+		misused(furrow_set_belts(world, 1, &wrong[i], &speed));
 		misused(furrow_get_states(world, 1, &wrong[i], &got));
 		misused(furrow_get_contacts(world, 1, &wrong[i], &contact, sizeof contact));
 		misused(furrow_probe(world, 1, &wrong[i], states, &contact, sizeof contact));
@@ -316,6 +321,15 @@ static void bodies_that_are_not_there(void **state)
 	done(furrow_body_find(world, "driven", &driven));
 	misused(furrow_set_states(world, 1, &driven, states));
 	misused(furrow_place(world, driven, &pose));
+	misused(furrow_set_belts(world, 1, &driven, &speed));
+	/* Without a belt; and a speed that is none. */
+	misused(furrow_set_belts(world, 1, &ball, &speed));
+	done(furrow_body_add(world, "{shape: {box: {size: [1, 1, 1], belt: true}}}", &track));
+	misused(furrow_set_belts(world, 1, &track, &(const double){NAN}));
+	misused(furrow_set_belts(world, 2, (const furrow_body[]){track, ball}, (const double[]){1, 1}));
+	done(furrow_set_belts(world, 1, &track, &speed));
+	done(furrow_set_belts(world, 0, NULL, NULL));
+	done(furrow_body_remove(world, track));
 	/* What is no entry. */
 	refused(FURROW_INPUT, furrow_body_add(world, "", &body));
 	assert_int_equal(body, -1);

@@ -53,6 +53,26 @@ class PythonPackageTest(unittest.TestCase):
         self.assertEqual(result.stderr, "")
         return result.stdout
 
+    def test_a_belt_draws(self):
+        self.run_script("""
+            scene = {"spacing": 0.0625, "soil": {"name": "dry_sand"}, "redistribute": {"model": "scm"}}
+            with furrow.World(scene, store=store, overlay=work + "/belt.furrow") as world:
+                track = world.add(shape={"box": {"size": [1.2, 0.3, 0.5], "belt": True}})
+                z = world.points([(50, 50)])["height"][0] + 0.2
+                track.place(position=(50, 50, z))
+                drawn = []
+                for speed in (1.25, 0.5):
+                    track.run_belt(speed)
+                    for x in np.linspace(50, 51, 50) + len(drawn):
+                        track.set(position=(x, 50, z), linear=(1, 0, 0))
+                        world.step(0.02)
+                    drawn.append(track.contact.force[0])
+                    assert abs(track.contact.slip - (1 - 1 / speed)) < 1e-9
+                assert drawn[0] > 0 > drawn[1], drawn
+                world.set_belts([track], [1.0])
+                refused(furrow.Status.USAGE, world.add(shape={"sphere": {"radius": 1}}).run_belt, 1.0)
+            """)
+
     def test_the_example_of_the_page(self):
         self.run_script("""
             overlay = work + "/run1.furrow"

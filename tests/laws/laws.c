@@ -19,7 +19,7 @@ static const char scene_text[] =
 	"     path: {points: [[20, 20], [1000, 1000], [990, 40], [30, 990]], speed: 60}}\n"
 	"  - {name: b, shape: {sphere: {radius: 2.5}}, sink: 0.5,\n"
 	"     path: {points: [[64, 900], [64, 100], [960, 128], [128, 140]], speed: 40}}\n"
-	"  - {name: c, shape: {box: {size: [3, 2, 1]}}, sink: 0.3,\n"
+	"  - {name: c, shape: {box: {size: [3, 2, 1], belt: true}}, sink: 0.3,\n"
 	"     path: {points: [[500, 20], [512, 1000]], speed: 20}}\n";
 
 static bool slides(const char *name)

@@ -42,7 +42,7 @@ objects:
   - {{name: driven, shape: {{wheel: {{radius: 0.8, width: 0.7, lugs: 12, lug_height: 0.05}}}}, load: 9000, slip: 0.25,
      path: {{points: [[20, 20], [170, 90], [40, 130]], speed: 11, loop: true}}}}
   - {{name: ball, shape: {{sphere: {{radius: 1.2}}}}, load: 4000, path: {{points: [[22, 18], [150, 158]], speed: 7}}}}
-  - {{name: block, shape: {{box: {{size: [3, 2, 1]}}}}, sink: 0.2, path: {{points: [[100, 20], [101, 170], [20, 100]], speed: 5}}}}
+  - {{name: track, shape: {{box: {{size: [3, 2, 1], belt: true}}}}, load: 70000, slip: 0.2, path: {{points: [[100, 20], [101, 170], [20, 100]], speed: 5}}}}
 cache: {{slots: 40}}
 """
 MAP = "soil: {{map: classes.png, classes: {{1: {0}, 2: {1}}}, default: {2}}}\n"

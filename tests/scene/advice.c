@@ -162,7 +162,7 @@ static void objects_that_the_posts_do_not_see(void **state)
 	advised(soil, 0.01, "soil&objects.a.interface&objects.a.load",
 		"{map: soils.png, classes: {1: lunar}, default: dry_sand}&{friction_angle: 30}&900", NULL);
 	unlink(in_folder("soils.png"));
-	advised(soil, 0.5, "objects.a.slip&objects.a.path.points", "0.1&[[1, 2], [1, 2]]", "objects.a.slip: a wheel that stands does not turn; ");
+	advised(soil, 0.5, "objects.a.slip&objects.a.path.points", "0.1&[[1, 2], [1, 2]]", "objects.a.slip: a wheel or a belt that stands does not turn; ");
 }
 
 static void objects_that_are_alike_are_told_of_once(void **state)

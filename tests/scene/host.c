@@ -192,7 +192,7 @@ static void an_object_is_checked_as_one_of_the_scene(void **state)
 		{scm, "{shape: {sphere: {radius: 1}}, load: 5}", "objects[0].load: is for an object with a path"},
 		{scm, "{shape: {sphere: {radius: 1}}, sink: 5}", "objects[0].sink: is for an object with a path"},
 		{scm, "{shape: {wheel: {radius: 1, width: 1}}, slip: 0.5}", "objects[0].slip: is for an object with a path"},
-		{scm, "{shape: {sphere: {radius: 1}}, slip: 0.5, path: {points: [[1, 1]], speed: 1}}", "objects[0].slip: only a wheel slips"},
+		{scm, "{shape: {sphere: {radius: 1}}, slip: 0.5, path: {points: [[1, 1]], speed: 1}}", "objects[0].slip: only a wheel or a belt slips"},
 		{scm, "{shape: {sphere: {radius: 1}}, sink: 1, load: 1, path: {points: [[1, 1]], speed: 1}}", "sink is given too"},
 		{scm, "{shape: {sphere: {radius: 1}}, sink: 1, path: {file: z.csv}}", "objects[0].sink: its poses say z already"},
 		{scm, "{shape: {sphere: {radius: 1}}, load: 1, path: {file: z.csv}}", "objects[0].load: its poses say z already"},

@@ -80,8 +80,8 @@ static void a_load_takes_the_place_of_a_sinkage(void **state)
 	refuse("scm}\nobjects:\n  - name: a\n", "sumner}\nobjects:\n  - name: a\n    load: 4\n", "model sumner computes no force");
 	refuse("scm}\nobjects:\n  - name: a\n", "sumner}\nobjects:\n  - name: a\n    slip: 0.1\n", ":7: objects[0].slip: model sumner does "
 	       "not depend on it; allowed with: redistribute: {model: scm}");
-	refuse("wheel: {radius: 0.5, width: 0.4}}\n", "sphere: {radius: 0.5}}\n    slip: 0\n", ":8: objects[0].slip: only a wheel slips; "
-											 "allowed with: wheel");
+	refuse("wheel: {radius: 0.5, width: 0.4}}\n", "sphere: {radius: 0.5}}\n    slip: 0\n", ":8: objects[0].slip: only a wheel or a belt "
+											 "slips; allowed with: wheel, or belt: true of a box or a mesh");
 	write_text("poses.csv", "0,1,2,3\n");
 	refuse("{points: [[1, 2]], speed: 3}\n", "{file: poses.csv}\n    load: 4\n", ":9: objects[0].load: its poses say z already; allowed with");
 	write_text("poses.csv", "0,1,2\n");
@@ -89,6 +89,27 @@ static void a_load_takes_the_place_of_a_sinkage(void **state)
 	assert_true(scene->objects[0].load == 4);
 	scene_destroy(scene);
 	unlink(in_folder("poses.csv"));
+}
+
+/* Only a box and a mesh have a belt, and it is in the hash. */
+static void a_belt_slips(void **state)
+{
+	struct scene *plain = load_edited(base, "wheel: {radius: 0.5, width: 0.4}}\n", "box: {size: [2, 0.4, 0.6]}}\n");
+	struct scene *stands = load_edited(base, "wheel: {radius: 0.5, width: 0.4}}\n", "box: {size: [2, 0.4, 0.6], belt: false}}\n");
+	struct scene *runs = load_edited(base, "wheel: {radius: 0.5, width: 0.4}}\n", "box: {size: [2, 0.4, 0.6], belt: true}}\n    slip: 0.2\n");
+	struct scene *same = load_edited(base, "wheel: {radius: 0.5, width: 0.4}}\n", "box: {size: [2, 0.4, 0.6], belt: true}}\n");
+	assert_true(!plain->objects[0].shape.belt && !stands->objects[0].shape.belt && runs->objects[0].shape.belt);
+	assert_true(runs->objects[0].slip == 0.2 && same->objects[0].slip == 0);
+	assert_string_equal(plain->hash, stands->hash);
+	assert_string_not_equal(plain->hash, same->hash);
+	assert_string_not_equal(runs->hash, same->hash);
+	scene_destroy(plain);
+	scene_destroy(stands);
+	scene_destroy(runs);
+	scene_destroy(same);
+	refuse("wheel: {radius: 0.5, width: 0.4}}\n", "box: {size: [2, 0.4, 0.6], belt: false}}\n    slip: 0.2\n", "objects[0].slip: only a wheel or a belt slips");
+	refuse("wheel: {radius: 0.5, width: 0.4}}\n", "box: {size: [2, 0.4, 0.6], belt: 2}}\n", "objects[0].shape.box.belt: ");
+	refuse("wheel: {radius: 0.5, width: 0.4}}\n", "sphere: {radius: 0.5, belt: true}}\n", "objects[0].shape.sphere.belt: unknown key");
 }
 
 static void lugs_have_a_height_and_a_thickness(void **state)
@@ -151,7 +172,7 @@ static void a_mesh_is_read_beside_the_scene_and_counts_by_its_triangles(void **s
 		scene_destroy(scene);
 	}
 	/* What is refused after it was read does not keep it. */
-	refuse("wheel: {radius: 0.5, width: 0.4}}\n", "mesh: {file: foot.obj}}\n    slip: 0.1\n", "only a wheel slips");
+	refuse("wheel: {radius: 0.5, width: 0.4}}\n", "mesh: {file: foot.obj}}\n    slip: 0.1\n", "only a wheel or a belt slips");
 	free(text);
 	unlink(in_folder("foot.obj"));
 }
@@ -256,6 +277,7 @@ int main(void)
 		cmocka_unit_test(a_model_has_its_own_parameters_with_their_defaults),
 		cmocka_unit_test(a_surface_has_friction_and_adhesion_each_alone),
 		cmocka_unit_test(a_load_takes_the_place_of_a_sinkage),
+		cmocka_unit_test(a_belt_slips),
 		cmocka_unit_test(lugs_have_a_height_and_a_thickness),
 		cmocka_unit_test(a_mesh_is_read_beside_the_scene_and_counts_by_its_triangles),
 		cmocka_unit_test(forces_are_of_scm_and_their_delay_of_forces),
