@@ -204,7 +204,7 @@ struct host_body {
 	bool has_next;
 	struct world_state now, next; /* now: after the last step. next: after the next step, if has_next */
 	double since;                 /* s: time of its motion since `last` */
-	double belt;                  /* m/s: how fast its belt runs; 0: it has none, or the belt stands */
+	double belt;                  /* m/s: how fast its belt runs; 0: it has none, or its speed is 0 */
 	double turned;                /* rad about a wheel's axle, m that its belt ran, since `last` */
 	double rotated[3];            /* other shapes: rad about local axes since `last` */
 	double stamped;               /* 1: the hollow below `last` is an impression of the body; 0: it is a flat rut */
