@@ -312,7 +312,7 @@ vec3 way_of_surface(vec3 at)
 }
 
 #ifdef BELT
-// Returns how the belt runs over the object where the object's underside has this normal, m, in the object's frame. It runs along the
+// Returns how the belt runs over the object where the object's lower envelope has this normal, m, in the object's frame. It runs along the
 // surface, across the object's left axis: backward where the normal is upright.
 vec3 way_of_belt(vec3 normal)
 {
