@@ -22,8 +22,8 @@ static const struct command_option options[] = {
 	{"shape", "YAML", "what is carried, as an object's shape in a scene (" DEFAULT_SHAPE ")"},
 	{"soil", "LIST", "names of soils, or a scene's soil in braces (" DEFAULT_SOIL ")"},
 	{"load", "LIST", "N (" DEFAULT_LOAD ")"},
-	{"slip", "LIST", "of a wheel: 1 - way / (turn x radius); -0.2:0.8:0.1 is a range (" DEFAULT_SLIP ")"},
-	{"torque", "LIST", "N m that drive a wheel, in place of slips; the slip is found"},
+	{"slip", "LIST", "of a wheel or a belt: 1 - way / (turn x radius), 1 - way / what the belt runs; -0.2:0.8:0.1 is a range (" DEFAULT_SLIP ")"},
+	{"torque", "LIST", "N m that drive a wheel, N that pull a belt, in place of slips; the slip is found"},
 	{"spacing", "M", "metres between posts (a twentieth of the wheel's width or radius, whichever is less)"},
 	{"compare", "CSV", "measured trials beside it: columns slip, and sinkage or sinkage_mm, drawbar or drag_N, torque"},
 	{"set", "KEY=VALUE", "a key of the scene, as in redistribute.slip_sinkage=0; may be repeated"},
@@ -170,7 +170,7 @@ static void print_row(const struct rig_table *table, const struct rig_row *row)
 
 static void print_differences(const struct rig_table *table, size_t soil)
 {
-	static const char *const names[] = {"sinkage %.2f mm", "drawbar %.2f N", "torque %.3f N m"};
+	const char *const names[] = {"sinkage %.2f mm", "drawbar %.2f N", table->found.belt ? "pull %.3f N" : "torque %.3f N m"};
 	for (size_t load = 0; load < table->params->load_count && table->measured_count > 0; load++) {
 		const char *before = " ";
 		printf("from the measured trials at %g N, RMS:", table->params->loads[load]);
@@ -190,7 +190,7 @@ static void print_table(const struct rig_table *table)
 {
 	for (size_t soil = 0; soil < table->params->soil_count; soil++) {
 		printf("%s%s, posts of %g mm\n%10s%8s%12s%12s%12s%12s\n", soil > 0 ? "\n" : "", table->params->soils[soil], table->found.spacing * 1e3, "load N",
-		       "slip", "sinkage mm", "drawbar N", "torque N m", "efficiency");
+		       "slip", "sinkage mm", "drawbar N", table->found.belt ? "pull N" : "torque N m", "efficiency");
 		for (size_t i = 0; i < table->count; i++)
 			if (table->rows[i].soil == soil)
 				print_row(table, &table->rows[i]);
@@ -297,6 +297,7 @@ const struct command command_rig = {
 		   "spins: no slip from -0.9 to 0.95 gives this torque.\n"
 		   "rig.csv, in m, N and N m: soil, load, slip, torque, sinkage, drawbar, side, fz, efficiency, deeper, state. Efficiency is drawbar\n"
 		   "pull times way over torque times turn. deeper: how much deeper the second half of the last quarter is than the first.\n"
+		   "Of a box or a mesh with belt: true, torque is what pulls its belt, in N.\n"
 		   "With --compare the differences from the measured trials are told, and drawn; lines with a slip_angle_deg other than 0 are left\n"
 		   "out.\n",
 	.options = options,

@@ -23,9 +23,19 @@ struct panel {
 	double low[2], high[2], step[2];
 };
 
+static bool has_slip(const struct rig_table *table)
+{
+	return table->found.wheel || table->found.belt;
+}
+
+static const char *title_of(const struct rig_table *table, int figure)
+{
+	return figure == 2 && table->found.belt ? "pull of the belt, N" : titles[figure];
+}
+
 static double across(const struct rig_table *table, const struct rig_row *row)
 {
-	return table->found.wheel ? row->slip : table->params->loads[row->load];
+	return has_slip(table) ? row->slip : table->params->loads[row->load];
 }
 
 static void widen(double value, double *low, double *high)
@@ -59,7 +69,7 @@ static bool axes(const struct rig_table *table, struct panel *panel)
 		widen(across(table, &table->rows[i]), &low[0], &high[0]);
 	}
 	const bool any = high[1] >= low[1];
-	for (size_t i = 0; i < table->measured_count && table->found.wheel; i++) {
+	for (size_t i = 0; i < table->measured_count && has_slip(table); i++) {
 		const double slip = table->measured[i].slip;
 		if (slip < low[0] || slip > high[0])
 			continue;
@@ -96,7 +106,7 @@ static void write_axes(const struct rig_table *table, const struct panel *panel,
 		}
 	}
 	fprintf(file, "<text class=\"name\" x=\"%.1f\" y=\"%.1f\">%s</text><text x=\"%.1f\" y=\"%.1f\" text-anchor=\"middle\">%s</text>\n", panel->x,
-		panel->y - 9, titles[panel->figure], panel->x + ACROSS / 2.0, panel->y + DOWN + 36, table->found.wheel ? "slip" : "load, N");
+		panel->y - 9, title_of(table, panel->figure), panel->x + ACROSS / 2.0, panel->y + DOWN + 36, has_slip(table) ? "slip" : "load, N");
 }
 
 static void write_curve(const struct rig_table *table, const struct panel *panel, size_t soil, size_t load, FILE *file)
@@ -108,7 +118,7 @@ static void write_curve(const struct rig_table *table, const struct panel *panel
 	for (size_t n = 0; n < table->count; n++) { /* in order of slip, whatever the order of the rows */
 		const struct rig_row *next = NULL;
 		for (const struct rig_row *row = table->rows; row < table->rows + table->count; row++)
-			if (row->soil == soil && (row->load == load || !table->found.wheel) && across(table, row) > before &&
+			if (row->soil == soil && (row->load == load || !has_slip(table)) && across(table, row) > before &&
 			    (next == NULL || across(table, row) < across(table, next)))
 				next = row;
 		if (next == NULL)
@@ -132,7 +142,7 @@ static void write_panel(const struct rig_table *table, const struct panel *panel
 	for (size_t soil = 0; soil < table->params->soil_count; soil++)
 		for (size_t load = 0; load < table->params->load_count; load++)
 			write_curve(table, panel, soil, load, file);
-	for (size_t i = 0; i < table->measured_count && table->found.wheel; i++) {
+	for (size_t i = 0; i < table->measured_count && has_slip(table); i++) {
 		const struct rig_measured *m = &table->measured[i];
 		const double value = rig_measured_figure(m, panel->figure);
 		if (isfinite(value) && m->slip >= panel->low[0] && m->slip <= panel->high[0])
@@ -158,11 +168,11 @@ static void write_legend(const struct rig_table *table, FILE *file)
 		svg_text(label, file);
 		fputs(strlen(soil) > LABEL ? "…</text>\n" : "</text>\n", file);
 	}
-	for (size_t i = 0; i < table->params->load_count && table->found.wheel; i++) {
+	for (size_t i = 0; i < table->params->load_count && has_slip(table); i++) {
 		y = legend_line(y, "#888", dashes[i % COUNT(dashes)], file);
 		fprintf(file, "%g N</text>\n", table->params->loads[i]);
 	}
-	if (table->measured_count > 0 && table->found.wheel) {
+	if (table->measured_count > 0 && has_slip(table)) {
 		fprintf(file, "<circle class=\"measured\" cx=\"%d\" cy=\"%.1f\" r=\"3.2\"/><text x=\"%d\" y=\"%.1f\">measured</text>\n", LEGEND + 17, y - 4,
 			LEGEND + 42, y);
 		y += 20;

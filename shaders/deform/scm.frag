@@ -2,7 +2,7 @@
 // The contact pass of scm: the soil's answer to the object. One invocation for each row of posts that the object can be above, which
 // loops over the posts. So sums stay in registers, and posts that nothing touches are skipped. Images change in place: of its neighbours
 // a post reads only the base and the deposited thickness, which this pass does not write.
-// Defines: FORCES: sums forces and moments; PATCH: b follows from the counted posts; LOAD: the equilibrium height was found.
+// Defines: FORCES: sums forces and moments; PATCH: b follows from the counted posts; LOAD: the equilibrium height was found; BELT: the object has a belt.
 
 #include "lib/soil.glsl"
 #include "lib/laying.glsl"
@@ -19,17 +19,18 @@ layout(binding = 6, r8ui) uniform restrict uimage2DArray contacts;
 #include "lib/ways.glsl"
 
 #ifdef FORCES
-// 18 words for each contact with a tag: force and moment, 64 bits for each component; then these:
+// 20 words for each contact with a tag: force and moment, 64 bits for each component; then these:
 // - area that bears, in units of which a post has faces[0].w
 // - the deepest sinkage below the base, fixed-point units
 // - the equilibrium height above the prescribed one, fixed-point units
 // - posts whose share was too large to count
 // - the mean slope of the base under the object, east and north, in 2^-16
+// - with BELT: the pull of its belt, 64 bits
 layout(std430, binding = 1) restrict buffer records {
 	int record[];
 };
 
-const int AREA = 12, DEEPEST = 13, RAISED = 14, SATURATED = 15, SLOPE = 16, WORDS = 18;
+const int AREA = 12, DEEPEST = 13, RAISED = 14, SATURATED = 15, SLOPE = 16, PULL = 18, WORDS = 20;
 const int STATE_BIT = 30; // the state of a loaded object: the two highest bits of the word SATURATED
 const float MOST = 2147483000.0;
 
@@ -130,6 +131,9 @@ void main()
 #ifdef FORCES
 	total force[3] = total[3](lost, lost, lost), moment[3] = total[3](lost, lost, lost);
 	int deepest = 0, area = 0, saturated = 0;
+#ifdef BELT
+	total pull = lost;
+#endif
 #endif
 	for (int x = first; x < last; x++, west = g, g = east) {
 		ivec3 post = ivec3(x, y, zero.z);
@@ -171,6 +175,9 @@ void main()
 			total_add(force[k], int(round(clamp(f[k], -most, most))));
 			total_add(moment[k], int(round(clamp(m[k], -most, most))));
 		}
+#ifdef BELT
+		total_add(pull, int(round(clamp(b.pull * unit, -most, most))));
+#endif
 		area += bears ? int(round(b.area * faces[0].w)) : 0;
 		deepest = max(deepest, b.held && bears ? b.sunk - b.after.heap : 0);
 #endif
@@ -204,6 +211,9 @@ void main()
 		record_add(to + 2 * i, force[i]);
 		record_add(to + 6 + 2 * i, moment[i]);
 	}
+#ifdef BELT
+	record_add(to + PULL, pull);
+#endif
 	atomicAdd(record[to + AREA], area);
 	atomicMax(record[to + DEEPEST], deepest);
 	atomicAdd(record[to + SATURATED], saturated);

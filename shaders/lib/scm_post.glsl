@@ -25,6 +25,9 @@ struct bearing {
 	float normal;       // vertical part of the normal stress, Pa
 	float stiff;        // growth of that vertical part with the sinkage, Pa/m
 	float area;         // the share of the area that bears
+#ifdef BELT
+	float pull;         // of the belt against the soil, along the belt, Pa
+#endif
 };
 
 // Mobilised shear in the object's frame.
@@ -115,7 +118,7 @@ slip slip_at(vec3 at, vec3 normal)
 {
 	vec3 moved = way_of_surface(at);
 #ifdef BELT
-	moved += way_of_belt(normal);
+	moved += belt.w * along_belt(normal);
 #endif
 	vec2 along = levelled(moved, normal);
 	float squares = dot(along, along), by_size = inversesqrt(max(squares, 1e-18));
@@ -208,7 +211,7 @@ slip slides_over(incline i, cell c, float above, float share)
 #elif defined(SHAPE_CYLINDER) && !defined(GROUND_NORMALS)
 	s.size *= strips ? moves.w * level / normal.z : 1.0;
 #elif defined(BELT) && !defined(GROUND_NORMALS)
-	s.size *= moves.w * belt.w / normal.z;
+	s.size *= moves.w * belt_level / normal.z;
 #endif
 	return s;
 }
@@ -388,6 +391,9 @@ bearing bearing_of(soil s, float by_width, incline i, ground g, object o, cell c
 	float part = b.refused || g.far || nothing ? 0.0 : 0.5 * c.share * (ends.y - ends.x);
 	b.stress = b.moment = vec3(0.0);
 	b.normal = b.stiff = b.area = 0.0;
+#ifdef BELT
+	b.pull = 0.0;
+#endif
 	// Of the places in a cell, those farther ahead came into contact later, so they slid less. But if the post stores less shear than
 	// the motion since the first touch gives, the object stood on it before it moved. Then the places differ less.
 	float lasts = over && since > 1.0 ? clamp(displacement_of(mobilised) / max(slides * (since - 1.0), 1e-9), 0.0, 1.0) : 1.0;
@@ -416,6 +422,9 @@ bearing bearing_of(soil s, float by_width, incline i, ground g, object o, cell c
 		b.normal += weight * p.stress * normal.z;
 		b.stiff += weight * p.stiff * i.up * normal.z;
 		b.area += p.share > 0.0 ? 0.5 * part : 0.0;
+#ifdef BELT
+		b.pull += weight * strength * dot(tilted(mobilised, normal), along_belt(normal));
+#endif
 	}
 #ifdef SHAPE_CYLINDER
 	if (c.brim && !(b.refused || g.far || nothing))

@@ -41,7 +41,7 @@ layout(std140, binding = 0) uniform params {
 	vec4 digs;     // how far the object slips over the ground during the contact, m; how deep that digs at most, in units of K; radius of a
 	               // wheel with its grousers, m; a host moves the object: 1 + how much the hollow before has its shape; 0: none does
 	vec4 surface;  // the object's: adhesion, Pa, and tangent of its friction angle; then 1 for each that is the soil's own instead: c, tan phi
-	vec4 belt;     // with BELT: the object's axis to its left, in its frame, times what its belt ran, m; how much of that axis is level
+	vec4 belt;     // with BELT: the object's axis to its left, in its frame; what its belt ran, m
 	ivec4 frame;   // of laying. x, y: post (0, 0), 2^-16 post. z: 1 if soil is laid all around the patch. w: share of the depth that is laid, 2^-16
 	ivec4 frame_axis; // x, y: its x axis, 2^-16. z: share of the dug soil that counts for the depth that is laid, 2^-16
 	soil soils[SOILS];
@@ -56,6 +56,7 @@ vec4 scale = given.scale, way = given.way, spin = given.spin, rolls = given.roll
 vec4 body = given.body, heading = given.heading, moves = given.moves, faces[3] = given.faces, digs = given.digs, surface = given.surface;
 #ifdef BELT
 vec4 belt = given.belt;
+float belt_level = length(belt.xy);
 #endif
 #ifndef SOIL_MAP
 soil the_soil = given.soils[0];
@@ -312,9 +313,9 @@ vec3 way_of_surface(vec3 at)
 }
 
 #ifdef BELT
-// Returns how the belt runs over the object where the object's lower envelope has this normal, m, in the object's frame. It runs along the
-// surface, across the object's left axis: backward where the normal is upright.
-vec3 way_of_belt(vec3 normal)
+// Returns the direction in which the belt runs over the object where the object's lower envelope has this normal, in the object's frame. It is
+// along the surface, across the object's left axis: backward where the normal is upright.
+vec3 along_belt(vec3 normal)
 {
 	return cross(normal, belt.xyz);
 }

@@ -465,6 +465,9 @@ struct deform_forces {
 	/* N, along the heading and the ground: the force that the path must add to the soil's, so that the body keeps its motion. Below
 	 * 0 the path holds it back. Its weight is the load, or without a load the soil's vertical force. */
 	double residual;
+	/* N: what pulls its belt over it, along the belt, against the soil's shear; below 0 the belt brakes. Times the belt's speed it is the power
+	 * of what drives the belt. 0: it has no belt */
+	double pull;
 	int64_t z;            /* 2^-20 m: height of its centre; with a load, the equilibrium height */
 	uint32_t saturated;   /* posts whose share exceeded 2^31 sixteenths of a pascal, and was cut to that */
 	enum deform_state state;

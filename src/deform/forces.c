@@ -22,6 +22,7 @@ struct record {
 	int32_t deepest, raised;
 	uint32_t saturated; /* and in its two highest bits the state, as lib/found.glsl has it */
 	int32_t slope[2];   /* the mean slope of the base under it, east and north, in 2^-16 */
+	int64_t pull;
 };
 #define STATE_BIT 30
 
@@ -109,6 +110,7 @@ static struct deform_forces told(const struct deform *deform, const struct asked
 		forces.force[i] = (double)record->force[i] * unit;
 		forces.moment[i] = (double)record->moment[i] * unit * asked->arm;
 	}
+	forces.pull = (double)record->pull * unit;
 	if (record->area > 0)
 		forces.residual = residual_of(forces.force, forces.slope, asked);
 	return forces;

@@ -6,7 +6,7 @@
 
 /* One run of one object: its load and slip, and what was found. */
 struct rig_lane {
-	double load, slip; /* slip is NaN for an object that is no wheel */
+	double load, slip; /* slip is NaN for an object that has none */
 	struct rig_row row;
 };
 
@@ -25,6 +25,8 @@ struct rig {
 enum status rig_bed_make(const struct rig *rig, size_t lanes) FURROW_CHECKED;
 void rig_bed_remove(const struct rig *rig);
 
+/* rig.c: true if the object has a slip and what drives it. */
+bool rig_is_driven(const struct rig *rig);
 /* rig.c: true if a text is a mapping in braces, and no name. */
 bool rig_in_braces(const char *text);
 

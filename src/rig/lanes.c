@@ -12,7 +12,7 @@
 
 /* Sums over the halves of a lane's window. */
 struct sums {
-	double count[2], sinkage[2], drawbar, side, fz, torque;
+	double count[2], sinkage[2], drawbar, side, fz, torque; /* torque: of a belt its pull */
 	bool sunk;
 	double first; /* m: where the row before was taken, so that a place counts once */
 };
@@ -78,7 +78,8 @@ static enum status take(void *user, const struct world_row *row)
 	sums->drawbar += row->force.force[0];
 	sums->side += row->force.force[1];
 	sums->fz += row->force.force[2];
-	sums->torque -= row->force.moment[1]; /* the soil turns it back, about the axis to the left */
+	/* The soil turns a wheel back, about the axis to the left. */
+	sums->torque += taking->rig->found.belt ? row->force.pull : -row->force.moment[1];
 	sums->sunk |= row->force.state == DEFORM_SUNK;
 	return STATUS_OK;
 }
@@ -93,12 +94,12 @@ static void fill(const struct rig *rig, size_t soil, struct rig_lane *lane, cons
 {
 	const double count = sums->count[0] + sums->count[1];
 	const double first = sums->sinkage[0] / sums->count[0], second = sums->sinkage[1] / sums->count[1];
-	const bool wheel = rig->found.wheel;
+	const bool driven = rig_is_driven(rig);
 	struct rig_row *row = &lane->row;
 	*row = (struct rig_row){
 		.soil = soil,
 		.slip = lane->slip,
-		.torque = wheel ? sums->torque / count : (double)NAN,
+		.torque = driven ? sums->torque / count : (double)NAN,
 		.sinkage = (sums->sinkage[0] + sums->sinkage[1]) / count,
 		.drawbar = sums->drawbar / count,
 		.side = sums->side / count,
@@ -109,8 +110,8 @@ static void fill(const struct rig *rig, size_t soil, struct rig_lane *lane, cons
 	for (size_t i = 0; i < rig->params->load_count; i++)
 		if (rig->params->loads[i] == lane->load)
 			row->load = i;
-	if (wheel && row->torque > 0 && row->drawbar > 0 && row->slip > 0)
-		row->efficiency = row->drawbar * (1 - row->slip) * rig->found.radius / row->torque;
+	if (driven && row->torque > 0 && row->drawbar > 0 && row->slip > 0)
+		row->efficiency = row->drawbar * (1 - row->slip) * rig->found.arm / row->torque;
 	if (sums->sunk)
 		row->state = RIG_SUNK;
 	else if (fabs(row->deeper) > RIG_DIGS_ABOVE * fabs(row->sinkage))

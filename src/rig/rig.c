@@ -38,6 +38,11 @@ static enum status check(const struct rig_params *params)
 	return status == STATUS_OK ? check_list("torque", params->torques, params->torque_count, -1e9, 1e9) : status;
 }
 
+bool rig_is_driven(const struct rig *rig)
+{
+	return rig->found.wheel || rig->found.belt;
+}
+
 bool rig_in_braces(const char *text)
 {
 	return text[strspn(text, " ")] == '{';
@@ -94,7 +99,9 @@ static enum status measure(struct rig *rig)
 	struct rig_found *found = &rig->found;
 	const double bound = deform_shape_bound(shape);
 	found->wheel = shape->kind == DEFORM_WHEEL;
+	found->belt = shape->belt;
 	found->radius = found->wheel ? shape->radius : (double)NAN;
+	found->arm = found->wheel ? shape->radius : 1;
 	found->width = found->wheel ? shape->width : (double)NAN;
 	const double least = found->wheel ? fmin(shape->radius, shape->width) : bound / sqrt(3);
 	const double most = found->wheel ? fmax(shape->radius, shape->width) : bound;
@@ -112,12 +119,12 @@ static enum status measure(struct rig *rig)
 static enum status slips(struct rig *rig, size_t soil, rig_row_fn give, void *user)
 {
 	const struct rig_params *params = rig->params;
-	const size_t each = rig->found.wheel ? params->slip_count : 1, count = params->load_count * each;
+	const size_t each = rig_is_driven(rig) ? params->slip_count : 1, count = params->load_count * each;
 	struct rig_lane *lanes = mem_calloc(count, sizeof *lanes);
 	if (lanes == NULL)
 		return fail_memory("the rig's lanes");
 	for (size_t i = 0; i < count; i++)
-		lanes[i] = (struct rig_lane){.load = params->loads[i / each], .slip = rig->found.wheel ? params->slips[i % each] : (double)NAN};
+		lanes[i] = (struct rig_lane){.load = params->loads[i / each], .slip = rig_is_driven(rig) ? params->slips[i % each] : (double)NAN};
 	enum status status = rig_lanes_drive(rig, soil, lanes, count);
 	for (size_t i = 0; i < count && status == STATUS_OK; i++)
 		status = give(user, &lanes[i].row);
@@ -139,12 +146,12 @@ enum status rig_run(const struct rig_params *params, struct rig_found *found, ri
 		sprintf(rig.bed, "%s/bed.furrow", params->folder);
 		status = measure(&rig);
 	}
-	if (status == STATUS_OK && rig.found.wheel && params->slip_count + params->torque_count == 0)
-		status = fail_with(STATUS_USAGE, "rig: a wheel needs slips or torques; give some");
-	if (status == STATUS_OK && !rig.found.wheel && params->torque_count > 0)
-		status = fail_with(STATUS_USAGE, "rig: %s is no wheel, so that no torque turns it; give loads alone", params->shape);
+	if (status == STATUS_OK && rig_is_driven(&rig) && params->slip_count + params->torque_count == 0)
+		status = fail_with(STATUS_USAGE, "rig: a wheel or a belt needs slips or torques; give some");
+	if (status == STATUS_OK && !rig_is_driven(&rig) && params->torque_count > 0)
+		status = fail_with(STATUS_USAGE, "rig: %s is no wheel and has no belt, so that no torque turns it; give loads alone", params->shape);
 	*found = rig.found;
-	rig.total = (int64_t)(params->soil_count * params->load_count * (params->torque_count > 0 ? 12 : rig.found.wheel ? params->slip_count : 1));
+	rig.total = (int64_t)(params->soil_count * params->load_count * (params->torque_count > 0 ? 12 : rig_is_driven(&rig) ? params->slip_count : 1));
 	for (size_t soil = 0; soil < params->soil_count && status == STATUS_OK; soil++) {
 		rig.advised = false;
 		status = params->torque_count > 0 ? rig_torques(&rig, soil, give, user) : slips(&rig, soil, give, user);

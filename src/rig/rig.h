@@ -1,6 +1,6 @@
 /*
  * rig: the single-wheel test of terramechanics. An object is carried over level soil in a straight line, under a load, and a
- * wheel with a slip or a torque besides. What the soil does to it when that is steady becomes a row.
+ * wheel with a slip or a torque besides. A body with a belt is as a wheel: what pulls its belt is in the place of a torque. What the soil does to it when that is steady becomes a row.
  *
  * The bodies are those of a scene, and world steps them, so a row is what a drive would tell. Several runs share one bed. Each
  * has a lane of its own, and no soil goes from one lane to the next.
@@ -36,9 +36,9 @@ struct rig_params {
 	size_t soil_count;
 	const double *loads;            /* N, above 0 */
 	size_t load_count;
-	const double *slips;            /* 1 - way / (turn x radius), below 1; used for wheels */
+	const double *slips;            /* 1 - way / (turn x radius), below 1; used for wheels and belts */
 	size_t slip_count;
-	const double *torques;          /* N m, of the drive; used for wheels. With torques there are no slips */
+	const double *torques;          /* N m, of the drive; of a belt its pull, N. With torques there are no slips */
 	size_t torque_count;
 	double spacing;                 /* m between posts; 0: a twentieth of the object's width or height, whichever is less */
 	const struct scene_setting *settings; /* of the scene, as in redistribute.slip_sinkage */
@@ -55,26 +55,27 @@ struct rig_params {
 struct rig_row {
 	size_t soil, load;    /* indices */
 	double slip;
-	double torque;        /* N m: the drive's; positive: it drives the wheel forward */
+	double torque;        /* N m: the drive's; positive: it drives the wheel forward. Of a belt: its pull, N */
 	double sinkage;       /* m below the undisturbed surface */
 	double drawbar, side; /* N: along the way, positive pulls; to the left */
 	double fz;            /* N: the soil's vertical force */
-	double efficiency;    /* drawbar x way / (torque x turn); of a wheel that is driven and pulls */
+	double efficiency;    /* drawbar x way / (torque x turn); of a wheel or a belt that is driven and pulls */
 	double deeper;        /* m: by how much the second half of that quarter is deeper than the first */
 	enum rig_state state;
 };
 
 /* What the rig found out before it began. */
 struct rig_found {
-	bool wheel;
+	bool wheel, belt;
 	double radius, width; /* m, of a wheel */
+	double arm;           /* m: torque / force along the rim: a wheel's radius; of a belt 1, since its pull is such a force */
 	double spacing, way;  /* m */
 };
 
 typedef enum status (*rig_row_fn)(void *user, const struct rig_row *row);
 
 /*
- * Runs all soils, loads and slips (or torques), and gives a row for each, in that order, slips fastest. An object that is no wheel has one
+ * Runs all soils, loads and slips (or torques), and gives a row for each, in that order, slips fastest. An object that is no wheel and has no belt has one
  * row a load. STATUS_INPUT: shape, soil or a setting is wrong. STATUS_INTERRUPTED: `stop` was set; rows of soils that were done
  * have been given.
  */

@@ -1,5 +1,5 @@
 /*
- * Finds the slip of a wheel from its torque. Torque grows with slip, so a few slips bracket each torque. A straight line between
+ * Finds the slip of a wheel from its torque, of a belt from its pull. Torque grows with slip, so a few slips bracket each torque. A straight line between
  * the two nearest gives a slip to try, which then replaces one of them. This ends when its torque is near enough.
  */
 #include <math.h>
@@ -7,7 +7,7 @@
 
 #include "rig/internal.h"
 
-#define NEAR 0.005 /* of the torque, or of a twentieth of load x radius, whichever is more */
+#define NEAR 0.005 /* of the torque, or of a twentieth of load x arm, whichever is more */
 #define TRIES 5
 
 static const double bracketing[] = {RIG_SLIP_LEAST, -0.6, -0.35, -0.15, 0, 0.1, 0.2, 0.35, 0.5, 0.65, 0.8, RIG_SLIP_MOST};
@@ -22,7 +22,7 @@ struct search {
 
 static bool is_near(const struct rig *rig, const struct search *search, const struct rig_row *row)
 {
-	const double scale = fmax(fabs(search->torque), 0.05 * search->load * rig->found.radius);
+	const double scale = fmax(fabs(search->torque), 0.05 * search->load * rig->found.arm);
 	return fabs(row->torque - search->torque) <= NEAR * scale;
 }
 

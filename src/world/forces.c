@@ -234,7 +234,8 @@ void world_forces_absent(struct forces *forces, size_t object, const struct even
 
 static void arrived(struct forces *forces, const struct deform_forces *from)
 {
-	struct world_force force = {.sinkage = from->sinkage, .area = from->area, .z = from->z, .state = from->state, .residual = from->residual};
+	struct world_force force = {.sinkage = from->sinkage, .area = from->area, .z = from->z, .state = from->state, .residual = from->residual,
+				    .pull = from->pull};
 	memcpy(force.force, from->force, sizeof force.force);
 	memcpy(force.moment, from->moment, sizeof force.moment);
 	forces->saturated += from->saturated;

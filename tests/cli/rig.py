@@ -94,6 +94,31 @@ class Rig(FurrowTest):
             self.assertTrue(math.isnan(row["slip"]) and math.isnan(row["torque"]))
             self.assertLess(row["drawbar"], 0)
 
+    def test_a_belt_draws_as_a_rigid_track(self):
+        """(A c + W tan phi) (1 - K / (i l) (1 - exp(-i l / K))): Wong's rigid track under a uniform pressure. A box has no resistance."""
+        length, width = 1.2, 0.3
+        belt = f"{{box: {{size: [{length}, {width}, 0.5], belt: true}}}}"
+        plain = ["--set", "redistribute.slip_sinkage=0", "--set", "redistribute.bulldozing=0"]
+        for soil, c, phi, modulus in (("dry_sand", 1040, 28, 0.02), ("sandy_loam_15", 1720, 29, 0.02), ("lunar", 170, 35, 0.018)):
+            for row in self.rig("--soil", soil, "--load", "3000,6000", "--slip", "-0.2,0.05,0.2,0.5", *plain, wheel=belt):
+                slip, load = row["slip"], row["load"]
+                slid = abs(slip) * length / modulus
+                effort = (length * width * c + load * math.tan(math.radians(phi))) * (1 - (1 - math.exp(-slid)) / slid)
+                self.assertAlmostEqual(row["drawbar"], math.copysign(effort, slip), delta=0.005 * effort, msg=(soil, slip))
+                self.assertAlmostEqual(row["torque"], row["drawbar"], delta=1e-3 * load)
+                self.assertAlmostEqual(row["fz"], load, delta=0.002 * load)
+                self.assertEqual(row["state"], "steady")
+                if slip > 0:
+                    self.assertAlmostEqual(row["efficiency"], 1 - slip, delta=0.002)
+                else:
+                    self.assertTrue(math.isnan(row["efficiency"]))
+        rolls, = self.rig("--load", "3000", "--slip", "0", wheel=belt)
+        self.assertLess(abs(rolls["drawbar"]), 3)
+        by_slip = self.rig("--load", "3000", "--slip", "0.1,0.3", "--spacing", "0.04", wheel=belt)
+        by_pull = self.rig("--load", "3000", "--torque", ",".join(repr(row["torque"]) for row in by_slip), "--spacing", "0.04", wheel=belt)
+        for row, found in zip(by_slip, by_pull):
+            self.assertAlmostEqual(found["slip"], row["slip"], delta=0.02)
+
     def test_measured_trials_are_compared(self):
         (self.folder / "m.csv").write_text("trial,slip,drag_N,sinkage_mm,slip_angle_deg\n1,0.1,-100,40,0\n2,0.3,-200,50,0\n3,0.3,900,900,30\n4,5,1,1,0\n")
         told = self.ok("rig", "-o", "rig", "--shape", WHEEL, "--slip", "0:0.4:0.1", "--spacing", "0.04", "--compare", "m.csv")

@@ -24,8 +24,8 @@ struct drive {
 };
 
 struct drawn {
-	double drawbar, side, vertical, sinkage; /* N forwards, to the left, up; m below `height` */
-	int64_t dug;                             /* units, over all posts */
+	double drawbar, side, vertical, pull, sinkage; /* N forwards, to the left, up, of the belt; m below `height` */
+	int64_t dug;                                   /* units, over all posts */
 };
 
 static struct drawn drive(const struct drive *how)
@@ -50,7 +50,7 @@ static struct drawn drive(const struct drive *how)
 		forces = ground_forces(&ground, &sweep);
 	}
 	assert_int_equal(forces.state, DEFORM_TOUCHING);
-	const struct drawn drawn = {forces.force[0] * c + forces.force[1] * s, forces.force[1] * c - forces.force[0] * s, forces.force[2],
+	const struct drawn drawn = {forces.force[0] * c + forces.force[1] * s, forces.force[1] * c - forces.force[0] * s, forces.force[2], forces.pull,
 				    how->height - lattice_offset_metres(forces.z), how->slip_sinkage > 0 ? ground_sum(&ground, PLANE_DUG) : 0};
 	ground_finish(&ground);
 	return drawn;
@@ -106,6 +106,7 @@ static void a_track_draws_what_the_closed_form_says(void **state)
 				const struct drawn got = drive(&how);
 				near("vertical force", &how, got.vertical, load, 0.002 * load);
 				near("side force", &how, got.side, 0, 1e-3 * load);
+				near("pull of the belt", &how, got.pull, got.drawbar, 1e-4 * load);
 				most = fmax(most, fabs(got.drawbar / wanted - 1));
 				deep = fmax(deep, fabs(got.sinkage / sinkage - 1));
 				near("drawbar", &how, got.drawbar, wanted, allowed[n] * wanted);
@@ -132,6 +133,7 @@ static void a_belt_brakes_as_it_draws(void **state)
 					  .load = load, .way = 1.3};
 		const struct drawn got = drive(&how);
 		near("drawbar", &how, got.drawbar, wanted, 0.01 * fabs(wanted) + 1e-3 * load);
+		near("pull of the belt", &how, got.pull, got.drawbar, 1e-3 * load);
 	}
 }
 
@@ -219,21 +221,23 @@ static void make_ramp(struct deform_mesh *mesh, float (*vertices)[3], uint32_t (
 
 /* Integrates along the belt, from the place where its front first touches. A metre of a face that rises by `angle` slips by 1 - (1 - i) cos(angle)
  * metres of the belt. */
-static void integrate(const struct deform_soil *soil, double width, double slip, double sinkage, double *drawbar, double *vertical)
+static struct drawn integrate(const struct deform_soil *soil, double width, double slip, double sinkage)
 {
+	struct drawn sum = {0};
 	const int parts = 200000;
 	const double ramp = sinkage / sin(RAMP), length = ramp + 2 * flat, part = length / parts;
 	double slid = 0;
-	*drawbar = *vertical = 0;
 	for (int k = 0; k < parts; k++) {
 		const double at = (k + 0.5) * part, angle = at < ramp ? RAMP : 0, z = at < ramp ? at * sin(RAMP) : sinkage;
 		const double more = (1 - (1 - slip) * cos(angle)) * part;
 		const double pressure = reference_bekker(soil, width, z), area = 2 * half_width * part;
 		const double shear = (soil->cohesion + pressure * tan(soil->friction_angle)) * (1 - exp(-(slid + more / 2) / soil->janosi_shear));
 		slid += more;
-		*drawbar += (shear * cos(angle) - pressure * sin(angle)) * area;
-		*vertical += (pressure * cos(angle) + shear * sin(angle)) * area;
+		sum.drawbar += (shear * cos(angle) - pressure * sin(angle)) * area;
+		sum.vertical += (pressure * cos(angle) + shear * sin(angle)) * area;
+		sum.pull += shear * area;
 	}
+	return sum;
 }
 
 static void a_front_that_rises_resists_as_the_integral_says(void **state)
@@ -254,14 +258,14 @@ static void a_front_that_rises_resists_as_the_integral_says(void **state)
 			soil.bekker_kc = 0; /* so that b does not count: it is of the posts that are touched */
 			for (int m = 0; m < 9; m += step_at(n)) {
 				const double slip = slips[m % 3];
-				double drawbar, vertical;
-				integrate(&soil, 1, slip, sinkage, &drawbar, &vertical);
+				const struct drawn wanted = integrate(&soil, 1, slip, sinkage);
 				const struct drive how = {.shape = &shape, .soil = &soil, .spacing = spacings[n], .heading = headings[m / 3],
 							  .rim = 1 / (1 - slip), .height = -sinkage, .way = 1.5};
 				const struct drawn got = drive(&how);
-				const double off = fabs(got.drawbar / got.vertical - drawbar / vertical);
-				most = fmax(most, off);
-				near("drawbar over vertical force", &how, got.drawbar / got.vertical, drawbar / vertical, allowed[n]);
+				most = fmax(most, fabs(got.drawbar / got.vertical - wanted.drawbar / wanted.vertical));
+				near("drawbar over vertical force", &how, got.drawbar / got.vertical, wanted.drawbar / wanted.vertical, allowed[n]);
+				near("pull over vertical force", &how, got.pull / got.vertical, wanted.pull / wanted.vertical, allowed[n]);
+				assert_true(wanted.pull > wanted.drawbar + 0.01 * wanted.vertical);
 			}
 			print_message("%s, posts of %g m: drawbar off by %.2f %% of the vertical force\n", soils[k], spacings[n], most * 100);
 		}

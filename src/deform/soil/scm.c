@@ -114,8 +114,8 @@ static void fill_motion(const struct deform_contact *contact, struct scm_params 
 	double axes[3][3];
 	deform_axes(contact->to.yaw, contact->to.pitch, contact->to.roll, 0, axes);
 	for (int k = 0; k < 3; k++)
-		params->belt[k] = (float)(axes[1][k] * contact->turned);
-	params->belt[3] = (float)hypot(axes[1][0], axes[1][1]);
+		params->belt[k] = (float)axes[1][k];
+	params->belt[3] = (float)contact->turned;
 }
 
 /* Needs `way` and `moves`: the slip of a wheel or a belt digs for as long as its surface passes over the soil. */
