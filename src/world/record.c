@@ -47,7 +47,8 @@ static bool put_force(cJSON *object, const struct world_force *force)
 	static const char *const names[] = {"fx", "fy", "fz", "tx", "ty", "tz"};
 	cJSON *to = cJSON_AddObjectToObject(object, "force");
 	bool whole = to != NULL && put_real(to, "sinkage", force->sinkage) && put_real(to, "area", force->area) &&
-		     put_whole(to, "z", force->z) && put_whole(to, "state", force->state) && put_real(to, "residual", force->residual);
+		     put_whole(to, "z", force->z) && put_whole(to, "state", force->state) && put_real(to, "residual", force->residual) &&
+		     put_real(to, "pull", force->pull);
 	for (int i = 0; i < 6 && whole; i++)
 		whole = put_real(to, names[i], i < 3 ? force->force[i] : force->moment[i - 3]);
 	return whole;
@@ -182,6 +183,9 @@ static bool get_force(const cJSON *object, struct world_force *force)
 	bool whole = get_real(from, "sinkage", &force->sinkage) && get_real(from, "area", &force->area) &&
 		     get_whole(from, "z", INT64_MIN, &force->z) && get_whole(from, "state", 0, &state) && state < DEFORM_STATES &&
 		     get_real(from, "residual", &force->residual);
+	force->pull = 0; /* records of earlier versions have none */
+	if (cJSON_HasObjectItem(from, "pull"))
+		whole = whole && get_real(from, "pull", &force->pull);
 	force->state = whole ? (enum deform_state)state : DEFORM_AIR;
 	for (int i = 0; i < 6 && whole; i++)
 		whole = get_real(from, names[i], i < 3 ? &force->force[i] : &force->moment[i - 3]);

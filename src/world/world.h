@@ -38,7 +38,7 @@ struct world;
 struct world_force {
 	double force[3], moment[3]; /* N, N m */
 	double sinkage, area;       /* m below the base; m2 */
-	double residual, pull;      /* N: struct deform_forces. A record has no pull */
+	double residual, pull;      /* N: struct deform_forces */
 	int64_t z;                  /* 2^-20 m */
 	enum deform_state state;
 };
