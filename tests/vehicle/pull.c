@@ -1,0 +1,113 @@
+/*
+ * What a driven wheel pulls when nothing guides it, beside the rig, which carries the same wheel at a given slip. The rig's soil has no
+ * damping. So the soil here has none, or the wheel is slow.
+ */
+#include <math.h>
+
+#include "drive.h"
+#include "rig/rig.h"
+
+#define RADIUS 0.32
+#define WIDTH 0.24
+#define MASS 100.0
+#define WAY 3.0   /* m: how far its rim goes */
+#define BEGIN 2.5 /* s: from then on it pulls */
+
+static const struct extent extent = {129, 65, 0.25, 128};
+static double slope; /* tangent */
+
+static double ground(int64_t x, int64_t y)
+{
+	(void)y;
+	return 100 + slope * 0.25 * (double)x;
+}
+
+static const char model[] =
+	"<mujoco><option timestep=\"0.002\" integrator=\"implicit\"/><worldbody><body name=\"carriage\" pos=\"0 0 0.5\">"
+	"<joint name=\"x\" type=\"slide\" axis=\"1 0 0\"/><joint name=\"z\" type=\"slide\" axis=\"0 0 1\"/>"
+	"<inertial pos=\"0 0 0\" mass=\"70\" diaginertia=\"1 1 1\"/><body><joint name=\"turn\" axis=\"0 1 0\"/>"
+	"<geom name=\"wheel\" type=\"cylinder\" size=\"0.32 0.12\" euler=\"90 0 0\" mass=\"30\"/></body></body></worldbody>"
+	"<actuator><velocity name=\"drive\" joint=\"turn\" kv=\"100000\"/><motor name=\"pull\" joint=\"x\"/></actuator></mujoco>";
+
+struct trial {
+	const char *soil, *more; /* its name, and other keys */
+	double spacing, gravity, turns; /* rad/s */
+	double share;   /* of the weight: what it pulls on the level; 0: the slope alone pulls it back */
+	double degrees; /* how steep the ground is */
+};
+
+/* Drives the wheel until its motion is steady. Returns its slip. */
+static double drive(const struct trial *trial)
+{
+	static struct drive_row rows[2000];
+	const char *store = support_path("world.furrow");
+	const double pull = trial->share * MASS * trial->gravity, seconds = BEGIN + WAY / (RADIUS * trial->turns);
+	char text[2048];
+	slope = tan(trial->degrees * M_PI / 180);
+	support_write(support_path("wheel.xml"), model);
+	snprintf(text, sizeof text, "t,drive,pull\n0,0,0\n1,%g,0\n%g,%g,%g\n", trial->turns, BEGIN, trial->turns, -pull);
+	support_write(support_path("controls.csv"), text);
+	snprintf(text, sizeof text, "scene: 1\nend_time: %g\ntime_step: 0.002\nspacing: %g\ngravity: %g\nsoil: {name: %s%s}\nredistribute: {model: scm}\n"
+				    "vehicles:\n  - {name: v, model: wheel.xml, start: {at: [8, 8]}, driver: {controls: controls.csv}}\n"
+				    "output: {vehicles: 20}\n", seconds, trial->spacing, trial->gravity, trial->soil, trial->more);
+	support_write(support_path("scene.yaml"), text);
+	support_store(store, extent, ground);
+	must(drive_run(support_path("scene.yaml"), store, NULL, &(struct drive_cut){.out = support_path("out")}, NULL));
+	const size_t count = drive_rows(support_path("out/vehicles.csv"), "v", rows, 2000);
+	assert_true(count > 30);
+	const struct drive_row *from = &rows[count - count / 4], *to = &rows[count - 1];
+	const double way = (to->x - from->x) / cos(trial->degrees * M_PI / 180);
+	return 1 - way / (trial->turns * RADIUS * (to->t - from->t));
+}
+
+static enum status keep(void *user, const struct rig_row *row)
+{
+	*(struct rig_row *)user = *row;
+	return STATUS_OK;
+}
+
+static void check(const struct trial *trial)
+{
+	const double weight = MASS * trial->gravity, angle = trial->degrees * M_PI / 180, load = weight * cos(angle), slip = drive(trial);
+	const double wanted = trial->share * weight + weight * sin(angle);
+	struct rig_row row = {.drawbar = NAN};
+	struct rig_found found;
+	const struct rig_params params = {.shape = "wheel: {radius: 0.32, width: 0.24}", .soils = &trial->soil, .soil_count = 1, .loads = &load,
+					  .load_count = 1, .slips = &slip, .slip_count = 1, .spacing = trial->spacing, .folder = support_path("")};
+	must(rig_run(&params, &found, keep, &row));
+	print_message("%s%s, posts %g m, %g degrees: pulls %.1f N at slip %.4f, the rig %.1f N (%.1f %% of the weight more)\n", trial->soil, trial->more, trial->spacing,
+		      trial->degrees, wanted, slip, row.drawbar, (row.drawbar - wanted) / weight * 100);
+	assert_true(slip > 0 && slip < 0.7 && row.state == RIG_STEADY);
+	assert_true(fabs(row.drawbar - wanted) < (trial->degrees > 0 ? 0.06 : 0.05) * wanted);
+}
+
+static void it_pulls_on_the_level_as_on_the_rig(void **state)
+{
+	static const struct trial trials[] = {
+		{"dry_sand", ", damping: 0", 0.015625, 9.81, 1.25, 0.2, 0}, {"sandy_loam_15", ", damping: 0", 0.015625, 9.81, 2, 0.25, 0},
+		{"lunar", "", 0.015625, 1.62, 0.15, 0.2, 0},
+	};
+	(void)state;
+	for (size_t i = 0; i < sizeof trials / sizeof *trials; i++)
+		check(&trials[i]);
+}
+
+static void it_climbs_as_the_rig_says(void **state)
+{
+	static const struct trial trials[] = {
+		{"dry_sand", ", damping: 0", 0.015625, 9.81, 1.25, 0, 8}, {"dry_sand", ", damping: 0", 0.015625, 9.81, 1.25, 0, 14},
+		{"sandy_loam_15", ", damping: 0", 0.015625, 9.81, 2, 0, 15},
+	};
+	(void)state;
+	for (size_t i = 0; i < sizeof trials / sizeof *trials; i++)
+		check(&trials[i]);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(it_pulls_on_the_level_as_on_the_rig),
+		cmocka_unit_test(it_climbs_as_the_rig_says),
+	};
+	return cmocka_run_group_tests_name("pull of a driven wheel beside the rig", tests, support_enter, support_leave);
+}
