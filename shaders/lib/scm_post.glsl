@@ -217,11 +217,11 @@ slip slides_over(incline i, cell c, float above, float share)
 }
 
 #ifdef SLIP
-// What slip digs more in this contact, fixed-point units. With D, what it has dug in all contacts, dD is |e| (kappa K - D) / K for each way
-// that the object slips. mobilised: the mean of |e|.
-int digs_more(soil s, int dug, float share, float mobilised)
+// What slip digs more in this contact, fixed-point units. With D, what it has dug in all contacts along the ground's normal, dD is
+// |e| (kappa K - D) / K for each way that the object slips. mobilised: the mean of |e|.
+int digs_more(soil s, incline i, int dug, float share, float mobilised)
 {
-	float most = min(digs.y * s.c.y * 1048576.0, 1e8), stays = stays_after(digs.x * share * s.b.z * mobilised);
+	float most = min(digs.y * s.c.y * i.by_up * 1048576.0, 1e8), stays = stays_after(digs.x * share * s.b.z * mobilised);
 	return int(round(max(most - float(dug), 0.0) * (1.0 - stays)));
 }
 #endif
@@ -338,7 +338,7 @@ bearing bearing_of(soil s, float by_width, incline i, ground g, object o, cell c
 	// where it is, so it lies less deep below the lowered ground. The mean of |e| is by Simpson's rule.
 	if (b.held && !g.far && digs.x > 0.0) {
 		float mean = (mobilised + 4.0 * length(sheared(shear, passed.direction, halfway)) + length(sheared_after)) * (1.0 / 6.0);
-		more = max(min(digs_more(s, before.dug, touching, mean), g.height - o.rests - 2), 0); // it never digs itself free
+		more = max(min(digs_more(s, i, before.dug, touching, mean), g.height - o.rests - 2), 0); // it never digs itself free
 		g.height -= more;
 		remains = max(remains - int(round(i.up * float(more))), 0);
 		had_plastic = plastic_of(s, by_width, remains);

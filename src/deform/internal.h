@@ -240,6 +240,9 @@ enum status deform_find(struct deform *deform, const struct scm_params *params, 
 void deform_between_posts(const struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
 		      struct scm_params *params);
 void deform_turn_into_frame(struct scm_params *params);
+/* Returns how far a body went along the ground that went `forward` metres in plan and rose by `rise`; of forward's sign. What is steeper than 45
+ * degrees counts less and less, from 63 degrees on not: such a body sinks or is lifted. */
+double deform_way_along(double forward, double rise);
 /* Returns true for a box with pitch and roll, which has six sides in plan. Its edges are not computed: each post that it covers bears for
  * its whole cell. A box that a host moves is hardly ever quite level. So a corner that is cut off by less than a tenth of a post does not count. */
 bool deform_box_is_cut(const struct deform_shape *shape, const struct deform_pose *pose, double spacing, bool hosted);

@@ -31,8 +31,9 @@ static void put_rise(struct probe_form *form)
 static double time_of_rim(const struct probe_form *form, double forward, double way, double turned)
 {
 	const double steep = forward != 0 ? fmin(fmax(2 - fabs(form->way[2] / forward), 0), 1) : 0; /* a wheel that moves up or down does not roll */
+	const double along = hypot(way, steep * form->way[2]);
 	const double rolled = fabs(form->radius * turned), aligned = way > 0 ? forward * forward / (way * way) * steep : 0;
-	const double share = rolled > 0.1 * way ? fmax(way / rolled, 0.1) : 10;
+	const double share = rolled > 0.1 * along ? fmax(along / rolled, 0.1) : 10;
 	return 1 + (share - 1) * aligned;
 }
 
@@ -40,7 +41,7 @@ static void wheel(const struct deform_probe *probe, struct probe_form *form)
 {
 	const double x = cos(probe->to.yaw), y = sin(probe->to.yaw), way = hypot(form->way[0], form->way[1]);
 	const double forward = form->way[0] * x + form->way[1] * y, aside = form->way[1] * x - form->way[0] * y;
-	const double sign = forward < 0 ? -1 : 1, rolled = forward / form->radius;
+	const double sign = forward < 0 ? -1 : 1, rolled = deform_way_along(forward, form->way[2]) / form->radius;
 	form->half[1] = probe->shape->width / 2;
 	put_axis(form, sign * x, sign * y);
 	form->run = fabs(forward);

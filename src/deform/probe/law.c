@@ -172,7 +172,7 @@ static void put_slide(struct post *p)
 		sizes[2] += end * end;
 	}
 	const double mean = (sqrt(sizes[0]) + 4 * sqrt(sizes[1]) + sqrt(sizes[2])) / 6;
-	const double most = probe_least(form->dig_most * s->shear, 95), digs = 1 - stays_after(form->slip * touching * s->by_shear * mean);
+	const double most = probe_least(form->dig_most * s->shear * p->ground->by_up, 95), digs = 1 - stays_after(form->slip * touching * s->by_shear * mean);
 	const double more = probe_most(probe_least(probe_most(most - p->ground->dug, 0) * digs, p->height - p->rests - 2 * UNIT), 0);
 	p->height -= more;
 	p->was = probe_most(p->was - p->ground->up * more, 0);

@@ -15,6 +15,17 @@ static void put_heading(struct scm_params *params, double x, double y)
 	params->heading[2] = (float)fmax(fabs(x), fabs(y));
 }
 
+/* Returns how much a rise counts as a part of a way along the ground: from a slope of 1 to one of 2 less and less. */
+static double level_share(double forward, double rise)
+{
+	return forward != 0 ? fmin(fmax(2 - fabs(rise / forward), 0), 1) : 0;
+}
+
+double deform_way_along(double forward, double rise)
+{
+	return copysign(hypot(forward, level_share(forward, rise) * rise), forward);
+}
+
 /* Shear displacement adds up over the time in which a wheel's rim, or a belt, passes over the soil. Returns this time as a share of the time in
  * which the soil passes below the body. It is 1 without slip, and for a body that slides sideways. */
 static double time_of_rim(const struct deform_contact *contact, double forward, double way, double rise)
@@ -22,8 +33,8 @@ static double time_of_rim(const struct deform_contact *contact, double forward, 
 	double turned = fabs(deform_shape_ran(contact->shape, contact->turned)), aligned = way > 0 ? forward * forward / (way * way) : 0;
 	/* A wheel that moves up or down does not roll. */
 	if (contact->hosted)
-		aligned *= forward != 0 ? fmin(fmax(2 - fabs(rise / forward), 0), 1) : 0;
-	double share = turned > 0.1 * way ? fmax(way / turned, 0.1) : 10;
+		aligned *= level_share(forward, rise);
+	double along = hypot(way, level_share(forward, rise) * rise), share = turned > 0.1 * along ? fmax(along / turned, 0.1) : 10;
 	return 1 + (share - 1) * aligned;
 }
 

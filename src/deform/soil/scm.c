@@ -58,9 +58,9 @@ double deform_area_units(const struct deform *deform, const struct deform_contac
 }
 
 /* Returns the angle by which a wheel would turn if it rolled, rad. way: its motion, m. */
-static double rolled(const struct deform_contact *contact, const float way[2])
+static double rolled(const struct deform_contact *contact, const float way[3])
 {
-	return (way[0] * cos(contact->to.yaw) + way[1] * sin(contact->to.yaw)) / contact->shape->radius;
+	return deform_way_along(way[0] * cos(contact->to.yaw) + way[1] * sin(contact->to.yaw), way[2]) / contact->shape->radius;
 }
 
 /* Returns how far an object with a belt slips: along its own x axis by its way beyond what the belt ran, and aside. */
@@ -78,7 +78,7 @@ static double slip_of_belt(const struct deform_contact *contact)
 }
 
 /* Returns how far the object slips over the ground during the contact, metres. A wheel slips by its way beyond rolling. */
-static double slip_of(const struct deform_contact *contact, const float way[2])
+static double slip_of(const struct deform_contact *contact, const float way[3])
 {
 	const double east = lattice_offset_metres(contact->to.x - contact->from.x), north = lattice_offset_metres(contact->to.y - contact->from.y);
 	const double ahead[2] = {cos(contact->to.yaw), sin(contact->to.yaw)};

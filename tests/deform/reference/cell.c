@@ -70,7 +70,8 @@ static struct form form_of(const struct reference_ground *ground, const struct d
 	} else if (sweep->shape->kind == DEFORM_BOX) {
 		box_form(&sweep->to, &form);
 	} else if (sweep->shape->kind == DEFORM_WHEEL) {
-		double rolled = fabs(sweep->shape->radius * sweep->turned), share = rolled > 0.1 * length ? fmax(length / rolled, 0.1) : 10;
+		double rolled = fabs(sweep->shape->radius * sweep->turned), along = reference_along(length, ahead, way.z);
+		double share = rolled > 0.1 * along ? fmax(along / rolled, 0.1) : 10;
 		form.run = fabs(ahead);
 		form.half[1] = sweep->shape->width / 2;
 		form.rim = length > 0 ? 1 + (share - 1) * pow(ahead / length, 2) : 1;
@@ -78,7 +79,8 @@ static struct form form_of(const struct reference_ground *ground, const struct d
 			form.forward[k] *= ahead < 0 ? -1 : 1;
 	}
 	if (sweep->shape->belt) {
-		double axes[3][3], ran = fabs(sweep->turned), share = ran > 0.1 * length ? fmax(length / ran, 0.1) : 10;
+		double axes[3][3], ran = fabs(sweep->turned), along = reference_along(length, ahead, way.z);
+		double share = ran > 0.1 * along ? fmax(along / ran, 0.1) : 10;
 		deform_axes(sweep->to.yaw, sweep->to.pitch, sweep->to.roll, 0, axes);
 		form.level = hypot(axes[1][0], axes[1][1]);
 		form.rim = length > 0 ? 1 + (share - 1) * pow(ahead / length, 2) : 1;

@@ -116,7 +116,7 @@ static double slips_by(const struct deform_contact *sweep)
 		return hypot(along[0] - sweep->turned, along[1]);
 	}
 	if (sweep->shape->kind == DEFORM_WHEEL)
-		forward -= sweep->turned * sweep->shape->radius;
+		forward = copysign(reference_along(fabs(forward), forward, way.z), forward) - sweep->turned * sweep->shape->radius;
 	return hypot(forward, way.y * ahead - way.x * aside);
 }
 
@@ -138,7 +138,7 @@ static double digs(const struct reference_ground *ground, const struct deform_so
 {
 	struct cell_force cell = reference_cell(ground, soil, stiffness, sweep, at, under, rest, lower, NAN);
 	*since = cell.since;
-	double lacks = ground->slip_sinkage * soil->janosi_shear - ground->dug[at];
+	double lacks = ground->slip_sinkage * soil->janosi_shear / reference_normal_at(ground, at).z - ground->dug[at];
 	struct post post = post_of(ground, soil, stiffness, at, under[at], rest[at], lower);
 	if (lacks <= 0 || !post.held)
 		return 0;

@@ -2,6 +2,8 @@
 #ifndef FURROW_DEFORM_REFERENCE_SCM_H
 #define FURROW_DEFORM_REFERENCE_SCM_H
 
+#include <math.h>
+
 #include "deform/reference/reference.h"
 
 struct vector {
@@ -21,6 +23,14 @@ static inline struct vector cross(struct vector a, struct vector b)
 static inline struct vector plus(struct vector a, double times, struct vector b)
 {
 	return (struct vector){a.x + times * b.x, a.y + times * b.y, a.z + times * b.z};
+}
+
+/* How far a body went along the ground whose way in plan is `length` long, `ahead` of it forward, and rises by `rise`. Motions between 45 and 63
+ * degrees steep fade out: those are not along the ground. */
+static inline double reference_along(double length, double ahead, double rise)
+{
+	double counts = ahead != 0 ? fmin(fmax(2 - fabs(rise / ahead), 0), 1) : 0;
+	return hypot(length, counts * rise);
 }
 
 /* scm.c. The normal of the ground without what is heaped on it. */
