@@ -19,29 +19,58 @@ static double turn_between(const struct world_pose *a, const struct world_pose *
 	return mju_norm3(angles);
 }
 
+/* Heights of a geom above the undisturbed ground, m: where it last changed it, at this step's start, where its velocity then would have
+ * brought it, and at the step's end. */
+enum { TOUCHED, START, GOES, END, HEIGHTS };
+
+/* Where a place lies over no ground, all are plain heights. */
+static enum status find_heights(const struct vehicles *vehicles, const struct soil_geom *geom, const struct world_state *to, double heights[HEIGHTS])
+{
+	double places[HEIGHTS][3], ground[HEIGHTS];
+	bool all = true;
+	mju_copy3(places[TOUCHED], geom->touched.pose.position);
+	mju_addScl3(places[START], geom->now.pose.position, geom->now.linear, -vehicles->scene->time_step);
+	mju_copy3(places[GOES], geom->now.pose.position);
+	mju_copy3(places[END], to->pose.position);
+	for (int i = 0; i < HEIGHTS; i++) {
+		int64_t height;
+		bool any;
+		enum status status = resident_ground_height(vehicles->world->ground, lattice_offset(places[i][0]), lattice_offset(places[i][1]), &height, &any);
+		if (status != STATUS_OK)
+			return status;
+		all = all && any;
+		ground[i] = any ? lattice_offset_metres(height) : 0;
+	}
+	for (int i = 0; i < HEIGHTS; i++)
+		heights[i] = places[i][2] - (all ? ground[i] : 0);
+	return STATUS_OK;
+}
+
 /*
  * Tells whether a geom's motion since it last changed the ground is worth a contact. What it does in between is elastic for the soil.
  * So where a motion turns back, the ground must know how far it went: how deep it yielded, and how far it was sheared.
  */
-static bool is_due(const struct vehicles *vehicles, const struct soil_geom *geom, const struct world_state *to)
+static enum status find_due(const struct vehicles *vehicles, const struct soil_geom *geom, const struct world_state *to, bool *due)
 {
 	const double spacing = vehicles->world->spacing;
 	const struct world_pose *from = &geom->touched.pose;
-	double way[3];
+	double way[2], heights[HEIGHTS];
+	*due = true;
 	if (!geom->is_touched)
-		return true;
-	mju_sub3(way, to->pose.position, from->position);
-	const double level = hypot(way[0], way[1]), turn = turn_between(from, &to->pose);
+		return STATUS_OK;
+	enum status status = find_heights(vehicles, geom, to, heights);
+	if (status != STATUS_OK)
+		return status;
+	mju_sub(way, to->pose.position, from->position, 2);
+	const double level = hypot(way[0], way[1]), turn = turn_between(from, &to->pose), sank = heights[TOUCHED] - heights[END];
 	const double turned = geom->shape.kind == DEFORM_SPHERE ? 0 : turn;
-	if (level >= spacing || fabs(way[2]) >= SINKAGE_SHARE * spacing || turned >= TURN_MOST ||
-	    turned * deform_shape_bound(&geom->shape) >= spacing)
-		return true;
-	if (geom->contact.state == WORLD_AIR)
-		return false;
-	const bool rises = way[2] < -RISES_LEAST && to->linear[2] > 0 && geom->now.linear[2] <= 0;
+	if (level >= spacing || fabs(sank) >= SINKAGE_SHARE * spacing || turned >= TURN_MOST || turned * deform_shape_bound(&geom->shape) >= spacing)
+		return STATUS_OK;
+	const bool rises = sank > RISES_LEAST && heights[END] > heights[START] && heights[GOES] <= heights[START];
 	const bool returns = level > BACK_SHARE * spacing && way[0] * to->linear[0] + way[1] * to->linear[1] < 0 &&
 			     way[0] * geom->now.linear[0] + way[1] * geom->now.linear[1] >= 0;
-	return rises || returns;
+	*due = geom->contact.state != WORLD_AIR && (rises || returns);
+	return STATUS_OK;
 }
 
 /* Sets the bodies that are to change the ground in this step. */
@@ -53,8 +82,12 @@ static enum status touch(struct vehicles *vehicles)
 		for (size_t g = 0; g < vehicle->geom_count; g++) {
 			struct soil_geom *geom = &vehicle->geoms[g];
 			struct world_state to;
+			bool due;
 			vehicle_geom_state(vehicle, geom, &to);
-			if (!is_due(vehicles, geom, &to))
+			enum status status = find_due(vehicles, geom, &to, &due);
+			if (status != STATUS_OK)
+				return status;
+			if (!due)
 				continue;
 			geom->touched = to;
 			geom->is_touched = true;
