@@ -28,11 +28,17 @@ static void put_rise(struct probe_form *form)
 	form->sine = form->rise / sqrt(1 + form->rise * form->rise);
 }
 
+/* Returns how much a rise counts as a part of a way along the ground: from a slope of 1 to one of 2 less and less. */
+static double level_share(double forward, double rise)
+{
+	return forward != 0 ? fmin(fmax(2 - fabs(rise / forward), 0), 1) : 0;
+}
+
 static double time_of_rim(const struct probe_form *form, double forward, double way, double turned)
 {
-	const double steep = forward != 0 ? fmin(fmax(2 - fabs(form->way[2] / forward), 0), 1) : 0; /* a wheel that moves up or down does not roll */
-	const double along = hypot(way, steep * form->way[2]);
-	const double rolled = fabs(form->radius * turned), aligned = way > 0 ? forward * forward / (way * way) * steep : 0;
+	const double rise = form->way[2], rolled = fabs(form->radius * turned), along = hypot(way, level_share(forward, rise) * rise);
+	/* A wheel that moves up or down neither rolls nor spins. */
+	const double aligned = (way > 0 ? forward * forward / (way * way) : 1) * level_share(fmax(fabs(forward), rolled), rise);
 	const double share = rolled > 0.1 * along ? fmax(along / rolled, 0.1) : 10;
 	return 1 + (share - 1) * aligned;
 }

@@ -30,10 +30,10 @@ double deform_way_along(double forward, double rise)
  * which the soil passes below the body. It is 1 without slip, and for a body that slides sideways. */
 static double time_of_rim(const struct deform_contact *contact, double forward, double way, double rise)
 {
-	double turned = fabs(deform_shape_ran(contact->shape, contact->turned)), aligned = way > 0 ? forward * forward / (way * way) : 0;
-	/* A wheel that moves up or down does not roll. */
+	double turned = fabs(deform_shape_ran(contact->shape, contact->turned)), aligned = way > 0 ? forward * forward / (way * way) : contact->hosted;
+	/* A wheel that moves up or down neither rolls nor spins. */
 	if (contact->hosted)
-		aligned *= level_share(forward, rise);
+		aligned *= level_share(fmax(fabs(forward), turned), rise);
 	double along = hypot(way, level_share(forward, rise) * rise), share = turned > 0.1 * along ? fmax(along / turned, 0.1) : 10;
 	return 1 + (share - 1) * aligned;
 }
