@@ -27,6 +27,7 @@
 
 #define DAMPING 0.5     /* of what is critical */
 #define PERIODS 4.0     /* w follows within this many swings / 2 pi */
+#define HELD 1e-12      /* 1/kg: an inverse mass that is rounding alone: its joints do not let it move that way */
 
 /* One contact in an engine step. */
 struct contact {
@@ -170,7 +171,7 @@ static void set_damping(struct step *step, size_t index)
 			for (size_t j = 0; j < 6; j++)
 				inverse += along[i] * step->inverse[(6 * index + i) * step->rows + 6 * index + j] * along[j];
 		contact->critical[k] = contact->pace[k] = 0;
-		if (!(spring > 0 && inverse > 0))
+		if (!(spring > 0 && inverse > HELD))
 			continue;
 		/* Several contacts share the mass. */
 		contact->critical[k] = DAMPING * 2 * sqrt(spring / inverse / (double)step->count);

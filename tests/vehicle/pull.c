@@ -78,7 +78,7 @@ static void check(const struct trial *trial)
 	print_message("%s%s, posts %g m, %g degrees: pulls %.1f N at slip %.4f, the rig %.1f N (%.1f %% of the weight more)\n", trial->soil, trial->more, trial->spacing,
 		      trial->degrees, wanted, slip, row.drawbar, (row.drawbar - wanted) / weight * 100);
 	assert_true(slip > 0 && slip < 0.7 && row.state == RIG_STEADY);
-	assert_true(fabs(row.drawbar - wanted) < (trial->degrees > 0 ? 0.06 : 0.05) * wanted);
+	assert_true(fabs(row.drawbar - wanted) < 0.04 * wanted);
 }
 
 static void it_pulls_on_the_level_as_on_the_rig(void **state)
@@ -96,7 +96,7 @@ static void it_climbs_as_the_rig_says(void **state)
 {
 	static const struct trial trials[] = {
 		{"dry_sand", ", damping: 0", 0.015625, 9.81, 1.25, 0, 8}, {"dry_sand", ", damping: 0", 0.015625, 9.81, 1.25, 0, 14},
-		{"sandy_loam_15", ", damping: 0", 0.015625, 9.81, 2, 0, 11},
+		{"sandy_loam_15", ", damping: 0", 0.015625, 9.81, 2, 0, 15},
 	};
 	(void)state;
 	for (size_t i = 0; i < sizeof trials / sizeof *trials; i++)
