@@ -28,7 +28,7 @@ static void put_rise(struct probe_form *form)
 	form->sine = form->rise / sqrt(1 + form->rise * form->rise);
 }
 
-/* Returns how much a rise counts as a part of a way along the ground: from a slope of 1 to one of 2 less and less. */
+/* Returns how much of a rise counts as a way along the ground. From a slope of 1 to one of 2 that is less and less. */
 static double level_share(double forward, double rise)
 {
 	return forward != 0 ? fmin(fmax(2 - fabs(rise / forward), 0), 1) : 0;
