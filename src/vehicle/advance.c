@@ -60,20 +60,35 @@ static void brake(const struct vehicle *vehicle, bool braked)
 	}
 }
 
+/* Begins a step of the engine: finds all forces but the soil's. */
+static void begin_step(struct vehicle *vehicle, double time, bool drives)
+{
+	mju_copy(vehicle->data->qfrc_applied, vehicle->pushed, vehicle->model->nv);
+	mj_step1(vehicle->model, vehicle->data);
+	vehicle_control(vehicle, time, drives);
+	mj_fwdActuation(vehicle->model, vehicle->data);
+	mj_fwdAcceleration(vehicle->model, vehicle->data);
+}
+
+void vehicle_prepare(struct vehicle *vehicle, double time, bool drives)
+{
+	mju_zero(vehicle->pushed, vehicle->model->nv);
+	if (!drives)
+		brake(vehicle, true);
+	begin_step(vehicle, time, drives);
+}
+
 void vehicle_advance(struct vehicle *vehicle, double time, double seconds, double rate, bool drives)
 {
 	const mjModel *model = vehicle->model;
 	mjData *data = vehicle->data;
 	const double h = seconds / vehicle->engine_steps;
 	double *before = vehicle->room + vehicle_coupling_room(vehicle) - (size_t)model->nv;
-	if (!drives)
-		brake(vehicle, true);
+	mju_addTo(data->qfrc_applied, vehicle->pushed, model->nv);
+	mju_addTo(data->qfrc_smooth, vehicle->pushed, model->nv);
 	for (int i = 0; i < vehicle->engine_steps; i++) {
-		mju_zero(data->qfrc_applied, model->nv);
-		mj_step1(model, data);
-		vehicle_control(vehicle, time + i * h, drives);
-		mj_fwdActuation(model, data);
-		mj_fwdAcceleration(model, data);
+		if (i > 0)
+			begin_step(vehicle, time + i * h, drives);
 		vehicle_couple(vehicle, h, (vehicle->engine_steps - 1 - i) * h);
 		mju_copy(before, data->qvel, model->nv);
 		mj_step2(model, data);

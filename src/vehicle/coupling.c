@@ -96,13 +96,13 @@ static double damping_of(const mjModel *model, int dof)
 	return damping > 0 ? damping : 0;
 }
 
-static bool factor_mass(const struct step *step)
+/* M + h D */
+static void fill_mass(const struct step *step, double *mass)
 {
 	const mjModel *model = step->vehicle->model;
-	mj_fullM(model, step->mass, step->vehicle->data->qM);
+	mj_fullM(model, mass, step->vehicle->data->qM);
 	for (int i = 0; i < model->nv; i++)
-		step->mass[i * model->nv + i] += step->h * damping_of(model, i);
-	return vehicle_factor(step->mass, (size_t)model->nv);
+		mass[i * model->nv + i] += step->h * damping_of(model, i);
 }
 
 static void fill_jacobians(const struct step *step)
@@ -300,29 +300,40 @@ static void follow(const struct step *step, size_t index)
 	mju_copy3(contact->geom->mean, mean);
 }
 
+/* Lists the geoms that touch, and finds what all of a step needs. Returns false if the mass has no inverse. */
+static bool begin(struct step *step)
+{
+	struct vehicle *vehicle = step->vehicle;
+	for (size_t i = 0; i < vehicle->geom_count; i++) {
+		struct soil_geom *geom = &vehicle->geoms[i];
+		mju_zero(geom->force, 6);
+		if (touches(geom) && step->count < sizeof step->list / sizeof step->list[0])
+			step->list[step->count++].geom = geom;
+		else
+			mju_zero3(geom->mean);
+	}
+	step->rows = 6 * step->count;
+	lay_out(step);
+	if (step->count == 0)
+		return true;
+	fill_mass(step, step->mass);
+	const bool whole = vehicle_factor(step->mass, (size_t)vehicle->model->nv);
+	fill_jacobians(step);
+	for (size_t i = 0; i < step->count; i++) {
+		set_directions(&step->list[i]);
+		set_damping(step, i);
+	}
+	return whole;
+}
+
 void vehicle_couple(struct vehicle *vehicle, double h, double later)
 {
 	mjData *data = vehicle->data;
 	struct step step = {.vehicle = vehicle, .h = h, .later = later};
-	for (size_t i = 0; i < vehicle->geom_count; i++) {
-		struct soil_geom *geom = &vehicle->geoms[i];
-		mju_zero(geom->force, 6);
-		if (touches(geom) && step.count < sizeof step.list / sizeof step.list[0])
-			step.list[step.count++].geom = geom;
-		else
-			mju_zero3(geom->mean);
-	}
-	step.rows = 6 * step.count;
+	const bool whole = begin(&step);
 	if (step.count == 0)
 		return;
-	lay_out(&step);
-	const bool whole = factor_mass(&step);
-	fill_jacobians(&step);
 	fill_free(&step);
-	for (size_t i = 0; i < step.count; i++) {
-		set_directions(&step.list[i]);
-		set_damping(&step, i);
-	}
 	fill_system(&step);
 	if (!whole || !vehicle_solve(step.system, step.force, step.rows))
 		for (size_t r = 0; r < step.rows; r++) /* told as a motion that diverges */
@@ -337,4 +348,41 @@ void vehicle_couple(struct vehicle *vehicle, double h, double later)
 		mju_addToScl(data->qfrc_applied, step.jacobian + r * nv, step.force[r], (int)nv);
 	for (size_t i = 0; i < step.count; i++)
 		follow(&step, i);
+}
+
+/* M + h D - h J^T G J, by which the soil's forces answer a change of the velocities. */
+static void fill_inertia(const struct step *step, double *inertia)
+{
+	const size_t nv = (size_t)step->vehicle->model->nv;
+	fill_mass(step, inertia);
+	for (size_t r = 0; r < step->rows; r++)
+		for (size_t c = 0; c < 6; c++) {
+			const double gain = step->h * step->list[r / 6].gain[r % 6][c];
+			const double *left = step->jacobian + r * nv, *right = step->jacobian + (r - r % 6 + c) * nv;
+			for (size_t i = 0; i < nv; i++)
+				mju_addToScl(inertia + i * nv, right, -gain * left[i], (int)nv);
+		}
+}
+
+bool vehicle_find_response(struct vehicle *vehicle, double seconds, double *inertia, double *velocity)
+{
+	const mjData *data = vehicle->data;
+	const int nv = vehicle->model->nv;
+	struct step step = {.vehicle = vehicle, .h = seconds};
+	const bool whole = begin(&step);
+	/* The soil's forces at the velocities of now. */
+	for (size_t r = 0; r < step.rows; r++)
+		step.free[r] = mju_dot(step.jacobian + r * (size_t)nv, data->qvel, nv);
+	for (size_t i = 0; i < step.count; i++)
+		fill_rows(&step, i);
+	fill_inertia(&step, inertia);
+	mju_copy(velocity, data->qfrc_smooth, nv);
+	for (size_t r = 0; r < step.rows; r++)
+		mju_addToScl(velocity, step.jacobian + r * (size_t)nv, step.force[r], nv);
+	if (!vehicle_factor(inertia, (size_t)nv))
+		return false;
+	vehicle_solve_factored(inertia, velocity, (size_t)nv);
+	mju_scl(velocity, velocity, seconds, nv);
+	mju_addTo(velocity, data->qvel, nv);
+	return whole;
 }

@@ -64,6 +64,7 @@ struct vehicle {
 	double work, distance;      /* J, m */
 	double slow;                /* s: for how long it has been slower than `stuck.below`; in settling: when the stage began */
 	double *room;               /* numbers for coupling.c */
+	double *pushed;             /* nv: forces of other vehicles in this time step */
 };
 
 /* A geom that pictures show. */
@@ -73,6 +74,8 @@ struct figure {
 	double axes[9];             /* the shape's axes forward, left, up as columns, in the geom's axes */
 	struct deform_mesh *mesh;   /* owned; NULL: none */
 };
+
+struct between;
 
 struct vehicles {
 	const struct scene *scene;
@@ -88,6 +91,7 @@ struct vehicles {
 	size_t attached;            /* numbers in the record */
 	double row;                 /* number of the next row of vehicles.csv */
 	const struct vehicle_rows *rows;
+	struct between *between;    /* between.h; NULL: one vehicle only */
 	double stuck_at;
 };
 
@@ -149,10 +153,18 @@ void vehicle_pursue(struct vehicle *vehicle, double time);
 void vehicle_couple(struct vehicle *vehicle, double h, double later);
 size_t vehicle_coupling_room(const struct vehicle *vehicle); /* numbers in vehicle->room */
 
+/* Finds how a prepared vehicle would move until `seconds` from now, without other vehicles. `inertia`: nv x nv, with what joints and soil
+ * resist in that time, factored. `velocity`: nv, at the end. Returns false if the inertia has no inverse. Runs within a guard. */
+bool vehicle_find_response(struct vehicle *vehicle, double seconds, double *inertia, double *velocity);
+
 /* --- advance.c --- */
 
-/* Makes the steps of the engine of one time step, with the forces linearised at the contacts of its geoms. `rate`: 1/s, slows all
- * motion, and holds it over one place, for settling; 0: not. drives false: wheels do not turn. Runs within a guard. */
+/* Begins the first step of the engine of one time step: finds places, velocities and all forces but the soil's and those of other
+ * vehicles. drives false: wheels do not turn. Runs within a guard. */
+void vehicle_prepare(struct vehicle *vehicle, double time, bool drives);
+/* Makes the steps of the engine of one time step, after vehicle_prepare, with the forces linearised at the contacts of its geoms.
+ * `rate`: 1/s, slows all motion, and holds it over one place, for settling; 0: not. drives false: wheels do not turn. Runs within a
+ * guard. */
 void vehicle_advance(struct vehicle *vehicle, double time, double seconds, double rate, bool drives);
 /* Finds places and velocities of all bodies from the joints'. The next step of the engine computes the same again. */
 void vehicle_find_places(struct vehicle *vehicle);

@@ -137,7 +137,8 @@ enum status vehicle_read(struct vehicle *vehicle, const struct scene *scene)
 	if (status != STATUS_OK)
 		return status;
 	vehicle->room = mem_calloc(vehicle_coupling_room(vehicle), sizeof *vehicle->room);
-	if (vehicle->room == NULL)
+	vehicle->pushed = mem_calloc((size_t)vehicle->model->nv + 1, sizeof *vehicle->pushed);
+	if (vehicle->room == NULL || vehicle->pushed == NULL)
 		return fail_memory("a vehicle");
 	status = vehicle_check_step(vehicle, scene, where);
 	return status == STATUS_OK ? vehicle_make_driver(vehicle, where) : status;
@@ -154,4 +155,5 @@ void vehicle_forget(struct vehicle *vehicle)
 	mem_free(vehicle->joints);
 	mem_free(vehicle->row_joints);
 	mem_free(vehicle->room);
+	mem_free(vehicle->pushed);
 }

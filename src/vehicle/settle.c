@@ -8,7 +8,7 @@
  */
 #include <math.h>
 
-#include "vehicle/internal.h"
+#include "vehicle/between.h"
 #include "vehicle/settle.h"
 
 #define SLOWED 100.0    /* 1/s: what slows all motion at first, */
@@ -224,6 +224,8 @@ enum status vehicle_settle(struct vehicles *vehicles)
 	if (first->begun == VEHICLE_ABOVE) {
 		for (size_t v = 0; v < vehicles->count && status == STATUS_OK; v++)
 			status = set_down(vehicles, &vehicles->list[v]);
+		if (status == STATUS_OK)
+			status = between_check_start(vehicles);
 		begin(vehicles, VEHICLE_SLOWED);
 		if (status == STATUS_OK)
 			status = place_bodies(vehicles);

@@ -1,7 +1,7 @@
 /* One time step: what the soil does, what the vehicles do, and which of their geoms change the ground. */
 #include <math.h>
 
-#include "vehicle/internal.h"
+#include "vehicle/between.h"
 
 #define SINKAGE_SHARE 0.1 /* of a post: so much up or down changes the ground */
 #define RISES_LEAST 2e-5  /* m: so much down changes the ground where the body turns up again: a hundredth of what soil springs back */
@@ -163,6 +163,12 @@ struct motion {
 	bool drives;
 };
 
+static void prepare(void *argument)
+{
+	const struct motion *motion = argument;
+	vehicle_prepare(motion->vehicle, motion->time, motion->drives);
+}
+
 static void advance(void *argument)
 {
 	const struct motion *motion = argument;
@@ -181,11 +187,21 @@ static bool is_finite(const struct vehicle *vehicle)
 	return isfinite(sum) && bad == 0;
 }
 
+static struct motion motion_of(const struct vehicles *vehicles, struct vehicle *vehicle, double rate, bool drives)
+{
+	return (struct motion){vehicle, drives ? vehicles->world->time : 0, vehicles->scene->time_step, rate, drives};
+}
+
+static enum status prepare_one(const struct vehicles *vehicles, struct vehicle *vehicle, bool drives)
+{
+	struct motion motion = motion_of(vehicles, vehicle, 0, drives);
+	return vehicle_guard(short_name(vehicle), prepare, &motion);
+}
+
 static enum status move_one(struct vehicles *vehicles, struct vehicle *vehicle, double rate, bool drives)
 {
-	const struct world *world = vehicles->world;
-	const double time = drives ? world->time : 0, seconds = vehicles->scene->time_step;
-	struct motion motion = {vehicle, time, seconds, rate, drives};
+	struct motion motion = motion_of(vehicles, vehicle, rate, drives);
+	const double time = motion.time, seconds = motion.seconds;
 	double before[2], after[2];
 	mju_copy(before, &vehicle->data->xpos[3 * vehicle->root], 2);
 	enum status status = vehicle_guard(short_name(vehicle), advance, &motion);
@@ -205,6 +221,10 @@ enum status vehicle_move(struct vehicles *vehicles, double rate, bool drives)
 	for (size_t v = 0; v < vehicles->count && status == STATUS_OK; v++)
 		for (size_t g = 0; g < vehicles->list[v].geom_count && status == STATUS_OK; g++)
 			status = check_ground(vehicles, &vehicles->list[v].geoms[g]);
+	for (size_t v = 0; v < vehicles->count && status == STATUS_OK; v++)
+		status = prepare_one(vehicles, &vehicles->list[v], drives);
+	if (status == STATUS_OK)
+		status = between_push(vehicles);
 	for (size_t v = 0; v < vehicles->count && status == STATUS_OK; v++)
 		status = move_one(vehicles, &vehicles->list[v], rate, drives);
 	return status == STATUS_OK ? touch(vehicles) : status;

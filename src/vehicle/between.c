@@ -1,0 +1,375 @@
+#include "vehicle/between.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define FILE_NAME "vehicles.xml"
+#define INSIDE 1e-3 /* m: deeper than this, a vehicle starts inside another one */
+
+static bool collides(const mjModel *model, int geom)
+{
+	return !vehicle_is_fixed(model, geom) && (model->geom_contype[geom] != 0 || model->geom_conaffinity[geom] != 0);
+}
+
+/* --- the common model --- */
+
+static void write_mesh(FILE *file, const struct vehicle *vehicle, const struct part *part)
+{
+	const mjModel *model = vehicle->model;
+	const int mesh = model->geom_dataid[part->geom];
+	const float *from = &model->mesh_vert[3 * model->mesh_vertadr[mesh]];
+	fprintf(file, "<mesh name=\"g%d\" vertex=\"", part->here);
+	for (int i = 0; i < 3 * model->mesh_vertnum[mesh]; i++)
+		fprintf(file, "%.9g ", (double)from[i]);
+	fprintf(file, "\"/>");
+}
+
+static void write_geom(FILE *file, const struct vehicle *vehicle, const struct part *part)
+{
+	static const char *const types[mjNGEOMTYPES] = {[mjGEOM_SPHERE] = "sphere", [mjGEOM_CAPSULE] = "capsule", [mjGEOM_ELLIPSOID] = "ellipsoid",
+							[mjGEOM_CYLINDER] = "cylinder", [mjGEOM_BOX] = "box"};
+	const double *size = &vehicle->model->geom_size[3 * part->geom];
+	if (vehicle->model->geom_type[part->geom] == mjGEOM_MESH)
+		fprintf(file, "<geom name=\"g%d\" type=\"mesh\" mesh=\"g%d\"/>", part->here, part->here);
+	else
+		fprintf(file, "<geom name=\"g%d\" type=\"%s\" size=\"%.17g %.17g %.17g\"/>", part->here, types[vehicle->model->geom_type[part->geom]],
+			size[0], size[1], size[2]);
+}
+
+/* Writes the common model as MJCF. *text is to be freed with free. */
+static enum status write_model(const struct vehicles *vehicles, size_t parts, char **text, size_t *size)
+{
+	const struct between *between = vehicles->between;
+	FILE *file = open_memstream(text, size);
+	if (file == NULL)
+		return fail_memory("the vehicles' model");
+	fprintf(file, "<mujoco><compiler angle=\"radian\"/><option><flag multiccd=\"enable\"/></option><asset>");
+	for (size_t i = 0; i < parts; i++) {
+		const struct vehicle *vehicle = &vehicles->list[between->parts[i].vehicle];
+		if (vehicle->model->geom_type[between->parts[i].geom] == mjGEOM_MESH)
+			write_mesh(file, vehicle, &between->parts[i]);
+	}
+	fprintf(file, "</asset><worldbody>");
+	for (size_t i = 0; i < parts; i++)
+		write_geom(file, &vehicles->list[between->parts[i].vehicle], &between->parts[i]);
+	fprintf(file, "</worldbody></mujoco>");
+	const bool failed = ferror(file) != 0;
+	return fclose(file) != 0 || failed ? fail_memory("the vehicles' model") : STATUS_OK;
+}
+
+struct reading {
+	struct between *between;
+	mjVFS *files;
+	const char *text;
+	size_t size;
+	char error[300];
+};
+
+static void read_model(void *argument)
+{
+	struct reading *reading = argument;
+	struct between *between = reading->between;
+	mj_defaultVFS(reading->files);
+	if (mj_makeEmptyFileVFS(reading->files, FILE_NAME, (int)reading->size) != 0)
+		return;
+	memcpy(reading->files->filedata[mj_findFileVFS(reading->files, FILE_NAME)], reading->text, reading->size);
+	between->model = mj_loadXML(FILE_NAME, reading->files, reading->error, sizeof reading->error);
+	if (between->model != NULL)
+		between->data = mj_makeData(between->model);
+	mj_deleteVFS(reading->files);
+}
+
+static enum status load_model(const struct vehicles *vehicles, const char *text, size_t size)
+{
+	struct between *between = vehicles->between;
+	struct reading reading = {.between = between, .text = text, .size = size, .error = "out of memory"};
+	reading.files = mem_alloc(1, sizeof *reading.files);
+	if (reading.files == NULL)
+		return fail_memory("the vehicles' model");
+	enum status status = vehicle_guard("vehicles", read_model, &reading);
+	mem_free(reading.files);
+	if (status == STATUS_OK && between->data == NULL)
+		status = fail_with(STATUS_FAILED, "vehicles: their geoms cannot be put into one model of MuJoCo: %.200s; change their models", reading.error);
+	return status;
+}
+
+static enum status make_model(const struct vehicles *vehicles, size_t parts)
+{
+	struct between *between = vehicles->between;
+	char *text = NULL, name[32];
+	size_t size = 0;
+	enum status status = write_model(vehicles, parts, &text, &size);
+	if (status == STATUS_OK)
+		status = load_model(vehicles, text, size);
+	free(text);
+	for (size_t i = 0; i < parts && status == STATUS_OK; i++) {
+		snprintf(name, sizeof name, "g%d", between->parts[i].here);
+		between->parts[i].here = mj_name2id(between->model, mjOBJ_GEOM, name);
+	}
+	return status;
+}
+
+static enum status make_movers(const struct vehicles *vehicles)
+{
+	struct between *between = vehicles->between;
+	for (size_t v = 0; v < vehicles->count; v++) {
+		const size_t nv = (size_t)vehicles->list[v].model->nv;
+		between->movers[v].inertia = mem_calloc(nv * nv + 1, sizeof(double));
+		between->movers[v].velocity = mem_calloc(nv + 1, sizeof(double));
+		if (between->movers[v].inertia == NULL || between->movers[v].velocity == NULL)
+			return fail_memory("the vehicles");
+	}
+	return STATUS_OK;
+}
+
+enum status between_create(struct vehicles *vehicles)
+{
+	size_t most = 0, parts = 0;
+	if (vehicles->count < 2)
+		return STATUS_OK;
+	struct between *between = vehicles->between = mem_calloc(1, sizeof *between);
+	if (between == NULL)
+		return fail_memory("the vehicles");
+	for (size_t v = 0; v < vehicles->count; v++)
+		most += (size_t)vehicles->list[v].model->ngeom;
+	between->parts = mem_calloc(most + 1, sizeof *between->parts);
+	between->first = mem_calloc(vehicles->count + 1, sizeof *between->first);
+	between->movers = mem_calloc(vehicles->count, sizeof *between->movers);
+	if (between->parts == NULL || between->first == NULL || between->movers == NULL)
+		return fail_memory("the vehicles");
+	for (size_t v = 0; v < vehicles->count; v++) {
+		for (int geom = 0; geom < vehicles->list[v].model->ngeom; geom++)
+			if (collides(vehicles->list[v].model, geom)) {
+				between->parts[parts] = (struct part){v, geom, (int)parts};
+				parts++;
+			}
+		between->first[v + 1] = parts;
+	}
+	enum status status = make_movers(vehicles);
+	return status == STATUS_OK ? make_model(vehicles, parts) : status;
+}
+
+void between_destroy(struct vehicles *vehicles)
+{
+	struct between *between = vehicles->between;
+	if (between == NULL)
+		return;
+	for (size_t v = 0; v < vehicles->count && between->movers != NULL; v++) {
+		mem_free(between->movers[v].inertia);
+		mem_free(between->movers[v].velocity);
+	}
+	if (between->data != NULL)
+		mj_deleteData(between->data);
+	if (between->model != NULL)
+		mj_deleteModel(between->model);
+	mem_free(between->parts);
+	mem_free(between->first);
+	mem_free(between->movers);
+	mem_free(between->meetings);
+	mem_free(between->rows);
+	mem_free(between);
+}
+
+/* --- which parts touch --- */
+
+/* Finds a ball around the parts of a vehicle. */
+static void find_ball(const struct vehicles *vehicles, size_t v)
+{
+	const struct between *between = vehicles->between;
+	const struct vehicle *vehicle = &vehicles->list[v];
+	struct mover *mover = &between->movers[v];
+	mju_copy3(mover->middle, &vehicle->data->xpos[3 * vehicle->root]);
+	mover->radius = 0;
+	for (size_t i = between->first[v]; i < between->first[v + 1]; i++) {
+		const int geom = between->parts[i].geom;
+		const double away = mju_dist3(mover->middle, &vehicle->data->geom_xpos[3 * geom]);
+		mover->radius = fmax(mover->radius, away + vehicle->model->geom_rbound[geom] + vehicle->model->geom_margin[geom]);
+	}
+}
+
+static bool are_near(const struct vehicles *vehicles, size_t a, size_t b, const double shift[3])
+{
+	const struct mover *movers = vehicles->between->movers;
+	double way[3];
+	mju_sub3(way, movers[b].middle, movers[a].middle);
+	mju_addTo3(way, shift);
+	return mju_norm3(way) <= movers[a].radius + movers[b].radius;
+}
+
+/* Puts the parts of a vehicle to where they are, `shift` away. */
+static void place_parts(const struct vehicles *vehicles, size_t v, const double shift[3])
+{
+	const struct between *between = vehicles->between;
+	const struct vehicle *vehicle = &vehicles->list[v];
+	for (size_t i = between->first[v]; i < between->first[v + 1]; i++) {
+		/* MuJoCo moves the corners of a mesh to axes of their own. */
+		const int geom = between->parts[i].geom, here = between->parts[i].here;
+		const double *mat = &vehicle->data->geom_xmat[9 * geom];
+		double *to = &between->data->geom_xpos[3 * here], own[9];
+		mju_rotVecMat(to, &between->model->geom_pos[3 * here], mat);
+		mju_addTo3(to, &vehicle->data->geom_xpos[3 * geom]);
+		mju_addTo3(to, shift);
+		mju_quat2Mat(own, &between->model->geom_quat[4 * here]);
+		mju_mulMatMat(&between->data->geom_xmat[9 * here], mat, own, 3, 3, 3);
+	}
+}
+
+/* Mixes what two geoms say of a contact, as MuJoCo does. Torsion and rolling of contacts are left out. */
+static void mix(const mjModel *const models[2], const int geoms[2], struct meeting *meeting)
+{
+	const int priority[2] = {models[0]->geom_priority[geoms[0]], models[1]->geom_priority[geoms[1]]};
+	const double weight[2] = {models[0]->geom_solmix[geoms[0]], models[1]->geom_solmix[geoms[1]]};
+	const double *reference[2], *impedance[2];
+	double share = weight[0] + weight[1] >= mjMINVAL ? weight[0] / (weight[0] + weight[1]) : 0.5, friction[2];
+	int dim[2];
+	for (int k = 0; k < 2; k++) {
+		reference[k] = &models[k]->geom_solref[mjNREF * geoms[k]];
+		impedance[k] = &models[k]->geom_solimp[mjNIMP * geoms[k]];
+		friction[k] = models[k]->geom_friction[3 * geoms[k]];
+		dim[k] = models[k]->geom_condim[geoms[k]];
+	}
+	const bool direct = priority[0] == priority[1] && !(reference[0][0] > 0 && reference[1][0] > 0);
+	if (priority[0] != priority[1]) {
+		const int first = priority[0] > priority[1] ? 0 : 1;
+		share = 1 - first;
+		friction[1 - first] = 0;
+		dim[1 - first] = 0;
+	}
+	for (int i = 0; i < mjNREF; i++)
+		meeting->reference[i] = direct ? fmin(reference[0][i], reference[1][i]) : share * reference[0][i] + (1 - share) * reference[1][i];
+	for (int i = 0; i < mjNIMP; i++)
+		meeting->impedance[i] = share * impedance[0][i] + (1 - share) * impedance[1][i];
+	meeting->friction = dim[0] > 1 || dim[1] > 1 ? fmax(friction[0], friction[1]) : 0;
+}
+
+static struct meeting *new_meeting(struct between *between)
+{
+	if (between->count == between->room) {
+		const size_t room = 2 * between->room + 64;
+		struct meeting *more = mem_realloc(between->meetings, room, sizeof *more);
+		if (more == NULL)
+			return NULL;
+		between->meetings = more;
+		between->room = room;
+	}
+	return &between->meetings[between->count++];
+}
+
+static void set_axes(struct meeting *meeting, const double normal[3])
+{
+	double beside[3] = {0, 0, 0};
+	beside[fabs(normal[0]) < 0.6 ? 0 : 1] = 1;
+	mju_copy3(meeting->axes[0], normal);
+	mju_cross(meeting->axes[1], normal, beside);
+	mju_normalize3(meeting->axes[1]);
+	mju_cross(meeting->axes[2], normal, meeting->axes[1]);
+}
+
+/* Notes where two parts touch. */
+static enum status meet(struct vehicles *vehicles, const struct part *const parts[2], const double shift[3])
+{
+	struct between *between = vehicles->between;
+	mjContact found[mjMAXCONPAIR];
+	const struct vehicle *const both[2] = {&vehicles->list[parts[0]->vehicle], &vehicles->list[parts[1]->vehicle]};
+	const mjModel *const models[2] = {both[0]->model, both[1]->model};
+	const int geoms[2] = {parts[0]->geom, parts[1]->geom};
+	const int types[2] = {models[0]->geom_type[geoms[0]], models[1]->geom_type[geoms[1]]};
+	const int first = types[0] <= types[1] ? 0 : 1; /* MuJoCo wants the lesser type first */
+	const double margin = fmax(models[0]->geom_margin[geoms[0]], models[1]->geom_margin[geoms[1]]);
+	const double least = fmax(models[0]->geom_gap[geoms[0]], models[1]->geom_gap[geoms[1]]);
+	mjfCollision collide = mjCOLLISIONFUNC[types[first]][types[1 - first]];
+	const int count = collide != NULL ? collide(between->model, between->data, found, parts[first]->here, parts[1 - first]->here, margin) : 0;
+	for (int i = 0; i < count; i++) {
+		double normal[3];
+		if (found[i].dist >= margin - least)
+			continue;
+		struct meeting *meeting = new_meeting(between);
+		if (meeting == NULL)
+			return fail_memory("contacts of vehicles");
+		*meeting = (struct meeting){.vehicle = {parts[0]->vehicle, parts[1]->vehicle}, .geom = {geoms[0], geoms[1]},
+					    .gap = found[i].dist - (margin - least), .depth = -found[i].dist};
+		mju_copy3(meeting->point[0], found[i].pos);
+		mju_sub3(meeting->point[1], found[i].pos, shift);
+		mju_scl3(normal, found[i].frame, first == 0 ? 1 : -1);
+		set_axes(meeting, normal);
+		mix(models, geoms, meeting);
+	}
+	return STATUS_OK;
+}
+
+/* Returns true if two parts may collide and their balls touch. `shift`: from the axes of the second vehicle to those of the first. */
+static bool may_meet(const struct vehicles *vehicles, const struct part *a, const struct part *b, const double shift[3])
+{
+	const struct vehicle *const first = &vehicles->list[a->vehicle], *const second = &vehicles->list[b->vehicle];
+	const mjModel *const one = first->model, *const two = second->model;
+	if ((one->geom_contype[a->geom] & two->geom_conaffinity[b->geom]) == 0 && (two->geom_contype[b->geom] & one->geom_conaffinity[a->geom]) == 0)
+		return false;
+	const double reach = one->geom_rbound[a->geom] + two->geom_rbound[b->geom] + fmax(one->geom_margin[a->geom], two->geom_margin[b->geom]);
+	double way[3];
+	mju_sub3(way, &second->data->geom_xpos[3 * b->geom], &first->data->geom_xpos[3 * a->geom]);
+	mju_addTo3(way, shift);
+	return mju_norm3(way) <= reach;
+}
+
+static enum status find_pair(struct vehicles *vehicles, size_t a, size_t b)
+{
+	static const double nowhere[3] = {0, 0, 0};
+	const struct between *between = vehicles->between;
+	double shift[3];
+	mju_sub3(shift, vehicles->list[b].origin, vehicles->list[a].origin);
+	if (!are_near(vehicles, a, b, shift))
+		return STATUS_OK;
+	place_parts(vehicles, a, nowhere);
+	place_parts(vehicles, b, shift);
+	enum status status = STATUS_OK;
+	for (size_t i = between->first[a]; i < between->first[a + 1]; i++)
+		for (size_t j = between->first[b]; j < between->first[b + 1] && status == STATUS_OK; j++)
+			if (may_meet(vehicles, &between->parts[i], &between->parts[j], shift))
+				status = meet(vehicles, (const struct part *const[]){&between->parts[i], &between->parts[j]}, shift);
+	return status;
+}
+
+struct finding {
+	struct vehicles *vehicles;
+	enum status status;
+};
+
+static void find_all(void *argument)
+{
+	struct finding *finding = argument;
+	struct vehicles *vehicles = finding->vehicles;
+	for (size_t v = 0; v < vehicles->count; v++)
+		find_ball(vehicles, v);
+	for (size_t a = 0; a < vehicles->count; a++)
+		for (size_t b = a + 1; b < vehicles->count && finding->status == STATUS_OK; b++)
+			finding->status = find_pair(vehicles, a, b);
+}
+
+enum status between_find(struct vehicles *vehicles)
+{
+	struct finding finding = {vehicles, STATUS_OK};
+	vehicles->between->count = 0;
+	enum status status = vehicle_guard("vehicles", find_all, &finding);
+	return status == STATUS_OK ? finding.status : status;
+}
+
+enum status between_check_start(struct vehicles *vehicles)
+{
+	if (vehicles->between == NULL)
+		return STATUS_OK;
+	enum status status = between_find(vehicles);
+	for (size_t i = 0; i < vehicles->between->count && status == STATUS_OK; i++) {
+		const struct meeting *meeting = &vehicles->between->meetings[i];
+		const struct vehicle *first = &vehicles->list[meeting->vehicle[0]], *second = &vehicles->list[meeting->vehicle[1]];
+		char names[2][200];
+		if (meeting->depth <= INSIDE)
+			continue;
+		vehicle_geom_name(first->model, meeting->geom[0], names[0], sizeof names[0]);
+		vehicle_geom_name(second->model, meeting->geom[1], names[1], sizeof names[1]);
+		return fail_with(STATUS_INPUT, "%s: vehicles.%s: its geom %s starts %.3g m inside %s of vehicles.%s; move the start of one of them",
+				 vehicles->scene->file, second->scene->name, names[1], meeting->depth, names[0], first->scene->name);
+	}
+	return status;
+}
