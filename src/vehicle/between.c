@@ -124,6 +124,16 @@ static enum status make_movers(const struct vehicles *vehicles)
 	return STATUS_OK;
 }
 
+static void sort_by_name(const struct vehicles *vehicles, size_t *order)
+{
+	for (size_t i = 0; i < vehicles->count; i++) {
+		size_t at = i;
+		for (; at > 0 && strcmp(vehicles->list[order[at - 1]].scene->name, vehicles->list[i].scene->name) > 0; at--)
+			order[at] = order[at - 1];
+		order[at] = i;
+	}
+}
+
 enum status between_create(struct vehicles *vehicles)
 {
 	size_t most = 0, parts = 0;
@@ -137,8 +147,10 @@ enum status between_create(struct vehicles *vehicles)
 	between->parts = mem_calloc(most + 1, sizeof *between->parts);
 	between->first = mem_calloc(vehicles->count + 1, sizeof *between->first);
 	between->movers = mem_calloc(vehicles->count, sizeof *between->movers);
-	if (between->parts == NULL || between->first == NULL || between->movers == NULL)
+	between->order = mem_calloc(vehicles->count, sizeof *between->order);
+	if (between->order == NULL || between->parts == NULL || between->first == NULL || between->movers == NULL)
 		return fail_memory("the vehicles");
+	sort_by_name(vehicles, between->order);
 	for (size_t v = 0; v < vehicles->count; v++) {
 		for (int geom = 0; geom < vehicles->list[v].model->ngeom; geom++)
 			if (collides(vehicles->list[v].model, geom)) {
@@ -167,6 +179,7 @@ void between_destroy(struct vehicles *vehicles)
 	mem_free(between->parts);
 	mem_free(between->first);
 	mem_free(between->movers);
+	mem_free(between->order);
 	mem_free(between->meetings);
 	mem_free(between->rows);
 	mem_free(between);
@@ -340,11 +353,12 @@ static void find_all(void *argument)
 {
 	struct finding *finding = argument;
 	struct vehicles *vehicles = finding->vehicles;
+	const size_t *order = vehicles->between->order;
 	for (size_t v = 0; v < vehicles->count; v++)
 		find_ball(vehicles, v);
 	for (size_t a = 0; a < vehicles->count; a++)
 		for (size_t b = a + 1; b < vehicles->count && finding->status == STATUS_OK; b++)
-			finding->status = find_pair(vehicles, a, b);
+			finding->status = find_pair(vehicles, order[a], order[b]);
 }
 
 enum status between_find(struct vehicles *vehicles)
@@ -360,16 +374,16 @@ enum status between_check_start(struct vehicles *vehicles)
 	if (vehicles->between == NULL)
 		return STATUS_OK;
 	enum status status = between_find(vehicles);
-	for (size_t i = 0; i < vehicles->between->count && status == STATUS_OK; i++) {
-		const struct meeting *meeting = &vehicles->between->meetings[i];
-		const struct vehicle *first = &vehicles->list[meeting->vehicle[0]], *second = &vehicles->list[meeting->vehicle[1]];
-		char names[2][200];
-		if (meeting->depth <= INSIDE)
-			continue;
-		vehicle_geom_name(first->model, meeting->geom[0], names[0], sizeof names[0]);
-		vehicle_geom_name(second->model, meeting->geom[1], names[1], sizeof names[1]);
-		return fail_with(STATUS_INPUT, "%s: vehicles.%s: its geom %s starts %.3g m inside %s of vehicles.%s; move the start of one of them",
-				 vehicles->scene->file, second->scene->name, names[1], meeting->depth, names[0], first->scene->name);
-	}
-	return status;
+	const struct meeting *deepest = NULL;
+	for (size_t i = 0; i < vehicles->between->count; i++)
+		if (deepest == NULL || vehicles->between->meetings[i].depth > deepest->depth)
+			deepest = &vehicles->between->meetings[i];
+	if (status != STATUS_OK || deepest == NULL || deepest->depth <= INSIDE)
+		return status;
+	const struct vehicle *first = &vehicles->list[deepest->vehicle[0]], *second = &vehicles->list[deepest->vehicle[1]];
+	char names[2][200];
+	vehicle_geom_name(first->model, deepest->geom[0], names[0], sizeof names[0]);
+	vehicle_geom_name(second->model, deepest->geom[1], names[1], sizeof names[1]);
+	return fail_with(STATUS_INPUT, "%s: vehicles.%s: its geom %s starts %.3g m inside %s of vehicles.%s; move the start of one of them",
+			 vehicles->scene->file, second->scene->name, names[1], deepest->depth, names[0], first->scene->name);
 }

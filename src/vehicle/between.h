@@ -44,6 +44,7 @@ struct mover {
 struct between {
 	mjModel *model;
 	mjData *data;
+	size_t *order;              /* the vehicles by name, so that their order in the scene changes no bit */
 	struct part *parts;         /* those of a vehicle are neighbours */
 	size_t *first;              /* of vehicle v: parts first[v] .. first[v + 1] - 1 */
 	struct mover *movers;
