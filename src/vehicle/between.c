@@ -134,7 +134,7 @@ static void sort_by_name(const struct vehicles *vehicles, size_t *order)
 	}
 }
 
-enum status between_create(struct vehicles *vehicles)
+enum status vehicle_between_create(struct vehicles *vehicles)
 {
 	size_t most = 0, parts = 0;
 	if (vehicles->count < 2)
@@ -163,7 +163,7 @@ enum status between_create(struct vehicles *vehicles)
 	return status == STATUS_OK ? make_model(vehicles, parts) : status;
 }
 
-void between_destroy(struct vehicles *vehicles)
+void vehicle_between_destroy(struct vehicles *vehicles)
 {
 	struct between *between = vehicles->between;
 	if (between == NULL)
@@ -280,33 +280,49 @@ static void set_axes(struct meeting *meeting, const double normal[3])
 	mju_cross(meeting->axes[2], normal, meeting->axes[1]);
 }
 
+/* Finds where two parts are nearer than a margin. Returns the number of places. */
+static int find_touches(const struct between *between, const int types[2], const int here[2], double margin, struct touch touches[mjMAXCONPAIR])
+{
+	const mjModel *model = between->model;
+	const mjData *data = between->data;
+	mjContact found[mjMAXCONPAIR];
+	if (types[0] == mjGEOM_BOX && types[1] == mjGEOM_BOX)
+		return vehicle_boxes_touch((const double *const[]){data->geom_xpos + 3 * here[0], data->geom_xpos + 3 * here[1]},
+				     (const double *const[]){data->geom_xmat + 9 * here[0], data->geom_xmat + 9 * here[1]},
+				     (const double *const[]){model->geom_size + 3 * here[0], model->geom_size + 3 * here[1]}, margin, touches);
+	const int first = types[0] <= types[1] ? 0 : 1; /* MuJoCo wants the lesser type first */
+	mjfCollision collide = mjCOLLISIONFUNC[types[first]][types[1 - first]];
+	const int count = collide != NULL ? collide(model, data, found, here[first], here[1 - first], margin) : 0;
+	for (int i = 0; i < count; i++) {
+		touches[i].gap = found[i].dist;
+		mju_copy3(touches[i].place, found[i].pos);
+		mju_scl3(touches[i].normal, found[i].frame, first == 0 ? 1 : -1);
+	}
+	return count;
+}
+
 /* Notes where two parts touch. */
 static enum status meet(struct vehicles *vehicles, const struct part *const parts[2], const double shift[3])
 {
 	struct between *between = vehicles->between;
-	mjContact found[mjMAXCONPAIR];
-	const struct vehicle *const both[2] = {&vehicles->list[parts[0]->vehicle], &vehicles->list[parts[1]->vehicle]};
-	const mjModel *const models[2] = {both[0]->model, both[1]->model};
-	const int geoms[2] = {parts[0]->geom, parts[1]->geom};
+	struct touch touches[mjMAXCONPAIR];
+	const mjModel *const models[2] = {vehicles->list[parts[0]->vehicle].model, vehicles->list[parts[1]->vehicle].model};
+	const int geoms[2] = {parts[0]->geom, parts[1]->geom}, here[2] = {parts[0]->here, parts[1]->here};
 	const int types[2] = {models[0]->geom_type[geoms[0]], models[1]->geom_type[geoms[1]]};
-	const int first = types[0] <= types[1] ? 0 : 1; /* MuJoCo wants the lesser type first */
 	const double margin = fmax(models[0]->geom_margin[geoms[0]], models[1]->geom_margin[geoms[1]]);
 	const double least = fmax(models[0]->geom_gap[geoms[0]], models[1]->geom_gap[geoms[1]]);
-	mjfCollision collide = mjCOLLISIONFUNC[types[first]][types[1 - first]];
-	const int count = collide != NULL ? collide(between->model, between->data, found, parts[first]->here, parts[1 - first]->here, margin) : 0;
+	const int count = find_touches(between, types, here, margin, touches);
 	for (int i = 0; i < count; i++) {
-		double normal[3];
-		if (found[i].dist >= margin - least)
+		if (touches[i].gap >= margin - least)
 			continue;
 		struct meeting *meeting = new_meeting(between);
 		if (meeting == NULL)
 			return fail_memory("contacts of vehicles");
 		*meeting = (struct meeting){.vehicle = {parts[0]->vehicle, parts[1]->vehicle}, .geom = {geoms[0], geoms[1]},
-					    .gap = found[i].dist - (margin - least), .depth = -found[i].dist};
-		mju_copy3(meeting->point[0], found[i].pos);
-		mju_sub3(meeting->point[1], found[i].pos, shift);
-		mju_scl3(normal, found[i].frame, first == 0 ? 1 : -1);
-		set_axes(meeting, normal);
+					    .gap = touches[i].gap - (margin - least), .depth = -touches[i].gap};
+		mju_copy3(meeting->point[0], touches[i].place);
+		mju_sub3(meeting->point[1], touches[i].place, shift);
+		set_axes(meeting, touches[i].normal);
 		mix(models, geoms, meeting);
 	}
 	return STATUS_OK;
@@ -361,7 +377,7 @@ static void find_all(void *argument)
 			finding->status = find_pair(vehicles, order[a], order[b]);
 }
 
-enum status between_find(struct vehicles *vehicles)
+enum status vehicle_between_find(struct vehicles *vehicles)
 {
 	struct finding finding = {vehicles, STATUS_OK};
 	vehicles->between->count = 0;
@@ -369,11 +385,11 @@ enum status between_find(struct vehicles *vehicles)
 	return status == STATUS_OK ? finding.status : status;
 }
 
-enum status between_check_start(struct vehicles *vehicles)
+enum status vehicle_between_check_start(struct vehicles *vehicles)
 {
 	if (vehicles->between == NULL)
 		return STATUS_OK;
-	enum status status = between_find(vehicles);
+	enum status status = vehicle_between_find(vehicles);
 	const struct meeting *deepest = NULL;
 	for (size_t i = 0; i < vehicles->between->count; i++)
 		if (deepest == NULL || vehicles->between->meetings[i].depth > deepest->depth)

@@ -55,17 +55,28 @@ struct between {
 };
 
 /* Makes the common model. NULL in vehicles->between if there is one vehicle only. */
-enum status between_create(struct vehicles *vehicles) FURROW_CHECKED;
-void between_destroy(struct vehicles *vehicles);
+enum status vehicle_between_create(struct vehicles *vehicles) FURROW_CHECKED;
+void vehicle_between_destroy(struct vehicles *vehicles);
 /* Finds where vehicles touch each other now, and notes it in vehicles->between. Places of all bodies are known. */
-enum status between_find(struct vehicles *vehicles) FURROW_CHECKED;
-/* STATUS_INPUT: a vehicle stands inside another one. */
-enum status between_check_start(struct vehicles *vehicles) FURROW_CHECKED;
+enum status vehicle_between_find(struct vehicles *vehicles) FURROW_CHECKED;
+/* STATUS_INPUT: a vehicle is inside another one. */
+enum status vehicle_between_check_start(struct vehicles *vehicles) FURROW_CHECKED;
+
+/* --- boxes.c --- */
+
+/* One place where two geoms touch. */
+struct touch {
+	double gap, place[3], normal[3]; /* normal: from the first to the second */
+};
+#define TOUCHES_MOST 16
+/* Finds where two boxes are nearer than `margin`. `mat`: their axes as columns; `size`: half their edges. Returns the number of places,
+ * at most TOUCHES_MOST. */
+int vehicle_boxes_touch(const double *const middle[2], const double *const mat[2], const double *const size[2], double margin, struct touch *out);
 
 /* --- push.c --- */
 
 /* Finds the forces that vehicles have on each other in this time step, and notes them in vehicle->pushed. All vehicles have begun
  * their step (vehicle_prepare). */
-enum status between_push(struct vehicles *vehicles) FURROW_CHECKED;
+enum status vehicle_between_push(struct vehicles *vehicles) FURROW_CHECKED;
 
 #endif

@@ -1,8 +1,8 @@
 /*
  * Forces between vehicles that touch each other.
  *
- * The law of one contact is MuJoCo's ("Computation", soft constraints). With the rate v at which the gap r changes, and what solref and
- * solimp give (stiffness k, damping b, impedance d), the contact wants the acceleration -b v - k r, and is as soft as d says. It
+ * The law of one contact is MuJoCo's ("Computation", soft constraints). r is the gap, and v the rate at which it changes. solref and solimp
+ * give the stiffness k, the damping b and the impedance d. The contact wants the acceleration -b v - k r, and is as soft as d says. It
  * never pulls. The shortest time constant is two time steps. Friction is stricter than MuJoCo's: it holds without creep as long as the
  * cone of friction lets it, and opposes the slip beyond.
  *
@@ -10,7 +10,7 @@
  *
  *     u = u' + H A f,    u: velocities at the contacts,    u': without forces between vehicles,    A = J I^-1 J^T of both vehicles
  *
- * The inertia I has what joints and soil resist within the step (coupling.c). So a vehicle that stands is as hard to push as
+ * The inertia I has what joints and soil resist within the step (coupling.c). So a vehicle at rest is as hard to push as
  * the soil holds it. Gauss and Seidel's way: each contact in turn takes what it lacks, until nothing changes. The force on one vehicle
  * is that on the other, with the other sign, at one place. So no momentum comes or goes.
  */
@@ -220,13 +220,13 @@ static void spoil(const struct vehicles *vehicles)
 			vehicles->list[v].pushed[i] = NAN;
 }
 
-enum status between_push(struct vehicles *vehicles)
+enum status vehicle_between_push(struct vehicles *vehicles)
 {
 	struct between *between = vehicles->between;
 	struct pushing pushing = {vehicles, vehicles->scene->time_step};
 	if (between == NULL)
 		return STATUS_OK;
-	enum status status = between_find(vehicles);
+	enum status status = vehicle_between_find(vehicles);
 	for (size_t v = 0; v < vehicles->count; v++)
 		between->movers[v].meets = false;
 	for (size_t i = 0; i < between->count; i++)

@@ -225,7 +225,7 @@ enum status vehicle_settle(struct vehicles *vehicles)
 		for (size_t v = 0; v < vehicles->count && status == STATUS_OK; v++)
 			status = set_down(vehicles, &vehicles->list[v]);
 		if (status == STATUS_OK)
-			status = between_check_start(vehicles);
+			status = vehicle_between_check_start(vehicles);
 		begin(vehicles, VEHICLE_SLOWED);
 		if (status == STATUS_OK)
 			status = place_bodies(vehicles);

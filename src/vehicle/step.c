@@ -224,7 +224,7 @@ enum status vehicle_move(struct vehicles *vehicles, double rate, bool drives)
 	for (size_t v = 0; v < vehicles->count && status == STATUS_OK; v++)
 		status = prepare_one(vehicles, &vehicles->list[v], drives);
 	if (status == STATUS_OK)
-		status = between_push(vehicles);
+		status = vehicle_between_push(vehicles);
 	for (size_t v = 0; v < vehicles->count && status == STATUS_OK; v++)
 		status = move_one(vehicles, &vehicles->list[v], rate, drives);
 	return status == STATUS_OK ? touch(vehicles) : status;

@@ -43,7 +43,7 @@ enum status vehicle_load(const struct scene *scene, struct vehicles **out)
 	if (status == STATUS_OK)
 		status = make_lists(vehicles);
 	if (status == STATUS_OK)
-		status = between_create(vehicles);
+		status = vehicle_between_create(vehicles);
 	if (status == STATUS_OK && scene->view.present)
 		status = vehicle_make_figures(vehicles);
 	if (status == STATUS_OK) {
@@ -58,7 +58,7 @@ void vehicle_destroy(struct vehicles *vehicles)
 {
 	if (vehicles == NULL)
 		return;
-	between_destroy(vehicles);
+	vehicle_between_destroy(vehicles);
 	for (size_t v = 0; v < vehicles->count; v++)
 		vehicle_forget(&vehicles->list[v]);
 	vehicle_free_figures(vehicles);

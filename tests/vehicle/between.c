@@ -88,7 +88,7 @@ static double step(struct pair *pair)
 	double sum[6];
 	for (int v = 0; v < 2; v++)
 		vehicle_prepare(&pair->vehicles->list[v], 0, true);
-	must(between_push(pair->vehicles));
+	must(vehicle_between_push(pair->vehicles));
 	const double size = wrench(pair, sum);
 	for (int v = 0; v < 2; v++)
 		vehicle_advance(&pair->vehicles->list[v], 0, seconds, 0, true);
