@@ -198,11 +198,55 @@ static void what_one_gets_the_other_loses(void **state)
 	assert_true(met > 200);
 }
 
+/* --- boxes --- */
+
+static int boxes(const double way[3], const double turn_a[4], const double turn_b[4], struct touch *touches)
+{
+	static const double nowhere[3] = {0, 0, 0}, size[3] = {0.3, 0.3, 0.3};
+	double mat[2][9];
+	mju_quat2Mat(mat[0], turn_a);
+	mju_quat2Mat(mat[1], turn_b);
+	return vehicle_boxes_touch((const double *const[]){nowhere, way}, (const double *const[]){mat[0], mat[1]}, (const double *const[]){size, size}, 0,
+				   touches);
+}
+
+static void boxes_touch_as_deep_as_they_are(void **state)
+{
+	static const double gaps[] = {-0.1, -1e-4, -1e-9}, none[4] = {1, 0, 0, 0};
+	const double c = cos(M_PI / 8), s = sin(M_PI / 8), about_x[4] = {c, s, 0, 0}, about_y[4] = {c, 0, s, 0}, about_z[4] = {c, 0, 0, s};
+	struct touch touches[TOUCHES_MOST];
+	(void)state;
+	for (int i = 0; i < 3; i++) {
+		const double gap = gaps[i];
+		/* Side by side, a little aside: four corners of what they share. */
+		assert_int_equal(boxes((const double[]){0.6 + gap, 0.2, 0.1}, none, none, touches), 4);
+		for (int k = 0; k < 4; k++) {
+			assert_true(fabs(touches[k].gap - gap) < 1e-15 && fabs(touches[k].normal[0] - 1) < 1e-15);
+			assert_true(fabs(touches[k].place[0] - 0.3 - gap / 2) < 1e-15);
+			assert_true(fabs(fabs(touches[k].place[1] - 0.1) - 0.2) < 1e-15 && fabs(fabs(touches[k].place[2] - 0.05) - 0.25) < 1e-15);
+		}
+		/* An upright edge against a side: the edge's two ends. */
+		assert_int_equal(boxes((const double[]){0.3 + 0.3 * M_SQRT2 + gap, 0, 0}, none, about_z, touches), 2);
+		double deepest = 0;
+		for (int k = 0; k < 2; k++)
+			deepest = fmin(deepest, touches[k].gap);
+		assert_true(fabs(touches[0].normal[0] - 1) < 1e-12);
+		assert_true(fabs(deepest - gap) < 1e-12);
+		/* Two edges across each other: one place. */
+		assert_int_equal(boxes((const double[]){0.02, 0.03, 0.6 * M_SQRT2 + gap}, about_x, about_y, touches), 1);
+		assert_true(fabs(touches[0].gap - gap) < 1e-12 && fabs(touches[0].normal[2] - 1) < 1e-12);
+		assert_true(fabs(touches[0].place[0] - 0.02) < 1e-12 && fabs(touches[0].place[1]) < 1e-12);
+		assert_true(fabs(touches[0].place[2] - 0.3 * M_SQRT2 - gap / 2) < 1e-12);
+	}
+	assert_int_equal(boxes((const double[]){0.6 + 1e-9, 0, 0}, none, none, touches), 0);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(head_on_they_part_as_the_law_says),
 		cmocka_unit_test(what_one_gets_the_other_loses),
+		cmocka_unit_test(boxes_touch_as_deep_as_they_are),
 	};
 	return cmocka_run_group_tests_name("vehicles that meet", tests, support_enter, support_leave);
 }
