@@ -84,13 +84,13 @@ static void add_effects(cJSON *root, const struct scene *scene, const struct rep
 	}
 }
 
-static cJSON *line_json(const struct scene *scene, const struct plan_line *line)
+static cJSON *line_json(const struct scene *scene, const struct report_plan *plan, const struct plan_line *line)
 {
 	char reason[160];
 	cJSON *object = cJSON_CreateObject();
 	cJSON_AddStringToObject(object, line->kind == PLAN_PASS ? "stage" : "name", line->name);
 	if (line->kind == PLAN_PASS)
-		add_text(object, "object", line->object >= 0 ? scene->objects[line->object].name : NULL);
+		add_text(object, "object", line->object >= 0 ? plan->bodies[line->object].name : NULL);
 	if (line->kind != PLAN_PLANE && line->kind != PLAN_PROGRAM && line->kind != PLAN_THREAD)
 		cJSON_AddStringToObject(object, "unit", plan_unit_name(line->unit));
 	if (line->kind != PLAN_PLANE && line->kind != PLAN_PROGRAM)
@@ -109,7 +109,7 @@ static void add_lines(cJSON *root, const char *name, const struct scene *scene, 
 	cJSON *array = cJSON_AddArrayToObject(root, name);
 	for (size_t i = 0; i < plan->plan.count; i++)
 		if (plan->plan.lines[i].kind == kind)
-			cJSON_AddItemToArray(array, line_json(scene, &plan->plan.lines[i]));
+			cJSON_AddItemToArray(array, line_json(scene, plan, &plan->plan.lines[i]));
 }
 
 static void add_memory(cJSON *root, const struct report_plan *plan)
@@ -163,6 +163,12 @@ static void add_vehicles(cJSON *root, const struct report_plan *plan)
 		json_integer(vehicle, "soil_geoms", (int64_t)info.geom_count);
 		json_integer(vehicle, "engine_steps", info.engine_steps);
 		json_number(vehicle, "largest_step", info.largest_step);
+		cJSON *contacts = cJSON_AddObjectToObject(vehicle, "contacts_per_metre");
+		for (size_t g = 0; g < info.geom_count; g++) {
+			struct vehicle_geom geom;
+			vehicle_geom(plan->vehicles, i, g, plan->spacing, &geom);
+			json_number(contacts, geom.name, geom.contacts);
+		}
 		cJSON *by = cJSON_AddObjectToObject(vehicle, "by");
 		cJSON_AddStringToObject(by, "geom", info.largest_geom);
 		json_number(by, "mass", info.largest_mass);

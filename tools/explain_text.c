@@ -1,4 +1,5 @@
 /* furrow explain, for a person: sections of lines, each with what calls for it in one column at the right. */
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -78,7 +79,7 @@ static void print_rasters(const struct report_plan *plan)
 static void print_vehicles(const struct report_plan *plan)
 {
 	if (vehicle_count(plan->vehicles) > 0)
-		puts("\nvehicles: their soil geoms are not in the passes below");
+		puts("\nvehicles");
 	for (size_t i = 0; i < vehicle_count(plan->vehicles); i++) {
 		struct vehicle_info info;
 		char what[240];
@@ -175,6 +176,7 @@ static const char *each_of(enum plan_unit unit)
 		[PLAN_PAGE] = "a changed page on its way",
 		[PLAN_WINDOW_LAYER] = "a window of one sweep",
 		[PLAN_RESULT_LAYER] = "256 x 256 posts of blocks that slide",
+		[PLAN_PROBED] = "a post near a soil geom",
 		[PLAN_RING] = "a segment of parameters",
 		[PLAN_WINDOW] = "a window",
 		[PLAN_MOVED] = "a window that it moved over",
@@ -217,10 +219,11 @@ static const struct plan_line *pass_of(const struct plan *plan, int object, size
 }
 
 /* The same passes of the same shape, whatever its size. */
-static bool are_alike(const struct scene *scene, const struct plan *plan, int a, int b)
+static bool are_alike(const struct report_plan *all, int a, int b)
 {
+	const struct plan *plan = &all->plan;
 	const struct plan_line *of_a, *of_b;
-	if (scene->objects[a].shape.kind != scene->objects[b].shape.kind)
+	if (all->bodies[a].shape->kind != all->bodies[b].shape->kind || (all->bodies[a].contacts > 0) != (all->bodies[b].contacts > 0))
 		return false;
 	for (size_t nth = 0;; nth++) {
 		of_a = pass_of(plan, a, nth);
@@ -243,23 +246,43 @@ static void print_passes_of(const struct scene *scene, const struct plan *plan, 
 	}
 }
 
-/* The object, and those like it, where it is the first of them. */
+/* A soil geom's contacts depend on the motion. */
+static void print_contacts(const double contacts[2], bool each)
+{
+	printf(": about %.3g", contacts[0]);
+	if (contacts[1] > 1.005 * contacts[0])
+		printf(" to %.3g", contacts[1]);
+	printf(" contacts a metre%s,\n    where it rolls without slip or slides on the level; more where it slips, sinks or turns back,\n"
+	       "    at most one a time step; a window or more at each over ground\n", each ? " each" : "");
+}
+
+/* The object or the soil geom, and those like it, where it is the first of them. */
 static void print_object(const struct scene *scene, const struct report_plan *plan, size_t first)
 {
 	size_t alike = 0;
 	uint64_t least = UINT64_MAX, most = 0;
-	for (size_t i = 0; i < scene->object_count; i++) {
-		if (!are_alike(scene, &plan->plan, (int)first, (int)i))
+	double contacts[2] = {INFINITY, 0};
+	for (size_t i = 0; i < plan->body_count; i++) {
+		if (!are_alike(plan, (int)first, (int)i))
 			continue;
 		if (i < first)
 			return;
 		alike++;
+		contacts[0] = fmin(contacts[0], plan->bodies[i].contacts);
+		contacts[1] = fmax(contacts[1], plan->bodies[i].contacts);
+		if (i >= scene->object_count)
+			continue;
 		least = plan->samples[i] < least ? plan->samples[i] : least;
 		most = plan->samples[i] > most ? plan->samples[i] : most;
 	}
-	printf("  %s", scene->objects[first].name);
+	printf("  %s", plan->bodies[first].name);
 	if (alike > 1)
 		printf(" and %zu like it", alike - 1);
+	if (contacts[1] > 0) {
+		print_contacts(contacts, alike > 1);
+		print_passes_of(scene, &plan->plan, (int)first);
+		return;
+	}
 	printf(": %s", layout_number(least).text);
 	if (most > least)
 		printf(" to %s", layout_number(most).text);
@@ -272,10 +295,10 @@ static void print_passes(const struct scene *scene, const struct report_plan *pl
 	if (count_of(&plan->plan, PLAN_PASS) == 0)
 		return;
 	puts("\npasses");
-	for (size_t i = 0; i < scene->object_count; i++)
+	for (size_t i = 0; i < plan->body_count; i++)
 		print_object(scene, plan, i);
 	if (pass_of(&plan->plan, -1, 0) != NULL) {
-		if (scene->object_count > 0)
+		if (plan->body_count > 0)
 			puts("  besides");
 		print_passes_of(scene, &plan->plan, -1);
 	}

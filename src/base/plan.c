@@ -62,7 +62,7 @@ const char *plan_unit_name(enum plan_unit unit)
 		[PLAN_ONCE] = "once", [PLAN_BASE_SLOT] = "base_slot", [PLAN_CLASS_SLOT] = "class_slot",
 		[PLAN_NUMBER_SLOT] = "number_slot",
 		[PLAN_DEFORM_SLOT] = "deform_slot", [PLAN_STATE_SLOT] = "state_slot", [PLAN_PATCH] = "patch",
-		[PLAN_PAGE] = "page", [PLAN_WINDOW_LAYER] = "window_layer", [PLAN_RESULT_LAYER] = "result_layer",
+		[PLAN_PAGE] = "page", [PLAN_WINDOW_LAYER] = "window_layer", [PLAN_RESULT_LAYER] = "result_layer", [PLAN_PROBED] = "probed",
 		[PLAN_RING] = "ring", [PLAN_WINDOW] = "window", [PLAN_MOVED] = "moved", [PLAN_FACETS] = "facets",
 		[PLAN_HELD] = "held", [PLAN_RESTING] = "resting", [PLAN_ATLAS] = "atlas", [PLAN_DECIMATED] = "decimated",
 		[PLAN_SUBDIVIDED] = "subdivided", [PLAN_DRAWN] = "drawn", [PLAN_OBJECTS] = "objects",

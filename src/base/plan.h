@@ -38,6 +38,7 @@ enum plan_unit {
 	PLAN_PAGE,         /* copies of pages in main memory, while they are loaded or committed */
 	PLAN_WINDOW_LAYER, /* windows that one contact needs at once */
 	PLAN_RESULT_LAYER, /* results of blocks that relax, before they are copied */
+	PLAN_PROBED,       /* posts of the ground under bodies that are probed, with room for them */
 	PLAN_RING,         /* segments of the ring of pass parameters */
 	/* units of work; counted over the whole drive */
 	PLAN_WINDOW,       /* windows of an object that were computed */

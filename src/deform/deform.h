@@ -420,6 +420,7 @@ void deform_plan(const struct deform_params *params, const struct deform_planned
  * the start, without those of deform_warm. */
 struct deform_figures {
 	uint64_t window_layers, result_layers;
+	uint64_t probed;   /* posts for which patches have room in staging buffers */
 	uint64_t facets;   /* draws of an object's triangles */
 	uint64_t held;     /* regions on which an object at rest was drawn */
 	uint64_t resting;  /* windows drawn for that, of closed forms; triangles are counted in `facets` */
@@ -486,6 +487,8 @@ enum status deform_forces_take(struct deform *deform, bool wait, struct deform_f
  * and deform_patch_land before the next probe. Between the two calls the GPU may go on with other work.
  */
 struct deform_patch;
+/* Adds the memory of patches to a plan. */
+void deform_patch_plan(const struct deform_params *params, struct plan *plan);
 enum status deform_patch_create(struct deform *deform, struct deform_patch **out) FURROW_CHECKED; /* `deform` must outlive it */
 void deform_patch_destroy(struct deform_patch *patch); /* patch may be NULL */
 /* Returns the posts that a patch must have for probes of this body up to `margin` posts around a pose. */

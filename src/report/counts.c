@@ -47,6 +47,7 @@ static void add_memory_units(cJSON *units, const struct report *report, const st
 	add_unit(units, PLAN_PAGE, io->changed_images);
 	add_unit(units, PLAN_WINDOW_LAYER, deform->window_layers);
 	add_unit(units, PLAN_RESULT_LAYER, deform->result_layers);
+	add_unit(units, PLAN_PROBED, deform->probed);
 	add_unit(units, PLAN_RING, gpu->ring_segments);
 }
 
@@ -56,6 +57,11 @@ static void add_object_units(cJSON *units, const struct report *report)
 	cJSON *moved = cJSON_AddObjectToObject(units, plan_unit_name(PLAN_MOVED));
 	for (size_t i = 0; i < report->world->scene->object_count; i++) {
 		const struct body *body = &report->world->bodies[i];
+		json_integer(windows, body->object->name, (int64_t)body->windows);
+		json_integer(moved, body->object->name, (int64_t)body->windows_moved);
+	}
+	for (size_t i = 0; i < report->world->hosts.count; i++) {
+		const struct body *body = &report->world->hosts.list[i]->body;
 		json_integer(windows, body->object->name, (int64_t)body->windows);
 		json_integer(moved, body->object->name, (int64_t)body->windows_moved);
 	}

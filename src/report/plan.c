@@ -29,22 +29,83 @@ static void keep_note(void *user, const char *text)
 
 /* --- the plan --- */
 
-static enum status plan_lines(const struct world *world, struct plan *plan)
+static enum status list_bodies(const struct world *world, struct report_plan *out)
 {
+	const struct scene *scene = world->scene;
+	size_t count = scene->object_count;
+	for (size_t v = 0; v < vehicle_count(out->vehicles); v++) {
+		struct vehicle_info info;
+		vehicle_info(out->vehicles, v, &info);
+		count += info.geom_count;
+	}
+	out->bodies = mem_calloc(count + 1, sizeof *out->bodies);
+	if (out->bodies == NULL)
+		return fail_memory("the plan");
+	for (size_t i = 0; i < scene->object_count; i++)
+		out->bodies[out->body_count++] = (struct report_body){scene->objects[i].name, &scene->objects[i].shape, 0};
+	for (size_t v = 0; v < vehicle_count(out->vehicles); v++) {
+		struct vehicle_info info;
+		struct vehicle_geom geom;
+		vehicle_info(out->vehicles, v, &info);
+		for (size_t g = 0; g < info.geom_count; g++) {
+			vehicle_geom(out->vehicles, v, g, world->spacing, &geom);
+			out->bodies[out->body_count++] = (struct report_body){geom.name, geom.shape, geom.contacts};
+		}
+	}
+	return STATUS_OK;
+}
+
+/* Adds the lines of what bodies do to the soil. */
+static enum status plan_bodies(const struct world *world, struct report_plan *out)
+{
+	const size_t first = world->scene->object_count, count = out->body_count - first;
+	const struct deform_shape **added = mem_calloc(count + 1, sizeof *added);
+	if (added == NULL)
+		return fail_memory("the plan");
+	for (size_t i = 0; i < count; i++)
+		added[i] = out->bodies[first + i].shape;
+	enum status status = world_plan_deform(world, added, count, &out->plan);
+	mem_free(added);
+	return status;
+}
+
+/* Adds the lines of pictures: of the scene's objects, and of the parts of vehicles. */
+static enum status plan_view(const struct world *world, bool planes, struct report_plan *out)
+{
+	const struct scene *scene = world->scene;
+	const struct world_figures figures = vehicle_figures(out->vehicles);
+	struct render_params render;
+	render_view_params(world, &render);
+	struct scene_object *drawn = mem_calloc(scene->object_count + figures.count + 1, sizeof *drawn);
+	if (drawn == NULL)
+		return fail_memory("the plan");
+	for (size_t i = 0; i < scene->object_count; i++)
+		drawn[i] = scene->objects[i];
+	for (size_t i = 0; i < figures.count; i++)
+		drawn[scene->object_count + i] = figures.list[i];
+	render.objects = drawn;
+	render.object_count = scene->object_count + figures.count;
+	render_plan(&render, planes, world->level < 0, &out->plan);
+	mem_free(drawn);
+	return STATUS_OK;
+}
+
+static enum status plan_lines(const struct world *world, struct report_plan *out)
+{
+	struct plan *plan = &out->plan;
 	const struct scene *scene = world->scene;
 	uint32_t cells = world->meta->extent.cells;
 	unsigned planes = world_planes(scene, world->was_deformed);
 	bool classes = world_needs_soil_map(scene);
 	bool numbers = world_needs_rasters(scene);
 	bool decimates = planes != 0 && scene->view.present;
-	enum status status = world_plan_deform(world, plan);
+	enum status status = plan_bodies(world, out);
 	/* Its planes come first: the effect that needs the offset is the one that deforms tiles. */
 	const char *effect = plan->count > 0 ? plan->lines[0].effect : NULL;
 	gpu_slots_plan(cells, planes, classes, numbers, world->level < 0, decimates, effect, plan);
 	if (scene->view.present) {
-		struct render_params render;
-		render_view_params(world, &render);
-		render_plan(&render, planes != 0, world->level < 0, plan);
+		if (status == STATUS_OK)
+			status = plan_view(world, planes != 0, out);
 		if (scene->view.images > 0)
 			render_pictures_plan((uint32_t)scene->view.width, (uint32_t)scene->view.height, plan);
 	}
@@ -83,7 +144,9 @@ static enum status describe(struct world *world, struct report_plan *out)
 	for (int i = 0; world->soil_rasters != NULL && i < scene->raster_count; i++)
 		out->rasters[out->raster_count++] = world_raster(world, i);
 	world_advise(world, keep_note, &notes);
-	status = plan_lines(world, &out->plan);
+	status = list_bodies(world, out);
+	if (status == STATUS_OK)
+		status = plan_lines(world, out);
 	return status == STATUS_OK && notes.failed ? fail_memory("the plan") : status;
 }
 
@@ -125,6 +188,7 @@ void report_plan_finish(struct report_plan *plan)
 	mem_free(plan->notes);
 	vehicle_destroy(plan->vehicles);
 	mem_free(plan->samples);
+	mem_free(plan->bodies);
 	mem_free(plan->store);
 	mem_free(plan->missing);
 	plan_finish(&plan->plan);

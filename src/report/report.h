@@ -68,6 +68,11 @@ const struct vehicle_rows *report_vehicles_sink(const struct report_vehicles *ro
  * Amounts that depend on the distance travelled (windows, tiles, commits) are in the plan by unit. Fixed numbers are in this struct. A run of
  * the same scene over the same store makes exactly what the plan says, times the counts of its units.
  */
+struct report_body {
+	const char *name;
+	const struct deform_shape *shape;
+	double contacts;      /* of a soil geom: contacts a metre, as vehicle_geom tells it; 0: an object of the scene */
+};
 struct report_plan {
 	struct plan plan;
 	uint64_t effects;     /* scene_effects() of the working level */
@@ -85,9 +90,11 @@ struct report_plan {
 	int64_t steps, pictures; /* until end_time; `pictures`: pictures drawn, which are those that are written */
 	int64_t picture_steps; /* steps from one written picture to the next; 0: none is written */
 	uint64_t *samples;   /* path samples of each object, until end_time */
+	struct report_body *bodies; /* what the plan's lines call objects: those of the scene, then soil geoms of vehicles */
+	size_t body_count;
 	struct world_raster rasters[DEFORM_RASTERS]; /* as the store's posts get them. Paths are the scene's */
 	int raster_count;     /* 0: there is none, or no store */
-	struct vehicles *vehicles; /* loaded; NULL: there are none. The plan's lines do not count their soil geoms */
+	struct vehicles *vehicles; /* loaded; NULL: there are none */
 	char **notes;         /* texts of scene_advise, and those about the store: "KEY: WHY; WHAT TO DO" */
 	size_t note_count;
 };

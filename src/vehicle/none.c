@@ -73,6 +73,12 @@ void vehicle_info(const struct vehicles *vehicles, size_t vehicle, struct vehicl
 	*info = (struct vehicle_info){.name = ""};
 }
 
+void vehicle_geom(const struct vehicles *vehicles, size_t vehicle, size_t geom, double spacing, struct vehicle_geom *out)
+{
+	(void)vehicles, (void)vehicle, (void)geom, (void)spacing;
+	*out = (struct vehicle_geom){.name = ""};
+}
+
 const char *vehicle_joint_name(const struct vehicles *vehicles, size_t vehicle, size_t joint)
 {
 	(void)vehicles, (void)vehicle, (void)joint;

@@ -73,6 +73,15 @@ static enum status find_due(const struct vehicles *vehicles, const struct soil_g
 	return STATUS_OK;
 }
 
+void vehicle_geom(const struct vehicles *vehicles, size_t vehicle, size_t geom, double spacing, struct vehicle_geom *out)
+{
+	const struct soil_geom *from = &vehicles->list[vehicle].geoms[geom];
+	const double bound = deform_shape_bound(&from->shape), turn = fmin(TURN_MOST, spacing / bound);
+	*out = (struct vehicle_geom){.name = from->name, .shape = &from->shape, .contacts = 1 / spacing};
+	if (from->shape.kind == DEFORM_WHEEL)
+		out->contacts = fmax(out->contacts, 1 / (turn * from->shape.radius));
+}
+
 /* Sets the bodies that are to change the ground in this step. */
 static enum status touch(struct vehicles *vehicles)
 {

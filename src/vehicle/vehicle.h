@@ -80,6 +80,16 @@ struct vehicle_info {
 };
 size_t vehicle_count(const struct vehicles *vehicles); /* 0 for NULL */
 void vehicle_info(const struct vehicles *vehicles, size_t vehicle, struct vehicle_info *info);
+
+/* A soil geom, 0 .. geom_count - 1. */
+struct vehicle_geom {
+	const char *name;          /* VEHICLE.GEOM, the name of its body in the world */
+	const struct deform_shape *shape;
+	double contacts;           /* that change the ground, for each metre on level ground: a wheel rolls without slip, others slide */
+};
+/* `spacing`: m between posts. */
+void vehicle_geom(const struct vehicles *vehicles, size_t vehicle, size_t geom, double spacing, struct vehicle_geom *out);
+
 const char *vehicle_joint_name(const struct vehicles *vehicles, size_t vehicle, size_t joint);
 const char *vehicle_actuator_name(const struct vehicles *vehicles, size_t vehicle, size_t actuator);
 

@@ -186,9 +186,14 @@ static bool is_made_up(const char *name)
 	return strncmp(name, "body-", 5) == 0;
 }
 
+struct deform_planned world_planned_host(const struct deform_shape *shape)
+{
+	return (struct deform_planned){shape, 0, true, shape->kind == DEFORM_WHEEL};
+}
+
 enum status world_body_add(struct world *world, struct scene_object *object, int32_t *number)
 {
-	const struct deform_planned planned = {&object->shape, 0, true, object->shape.kind == DEFORM_WHEEL};
+	const struct deform_planned planned = world_planned_host(&object->shape);
 	*number = -1;
 	if (object->path.count > 0)
 		return fail_with(STATUS_INPUT, "%s: it has a path; a body that is added is the host's: leave the path out, or put it into the "

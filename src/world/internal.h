@@ -113,6 +113,7 @@ uint32_t world_ground_tiles(const struct world *world);
 /* Fills the parameters of deform, except gpu, slots and reference. */
 void world_deform_params(const struct world *world, struct deform_params *params);
 struct deform_planned world_planned(const struct scene_object *object);
+struct deform_planned world_planned_host(const struct deform_shape *shape); /* a body that a host moves */
 /* Fills the parameters of pages, except store, gpu, slots, and the sums so far. */
 void world_pages_params(const struct world *world, struct pages_params *params);
 

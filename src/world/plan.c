@@ -208,19 +208,24 @@ void world_advise(const struct world *world, scene_advice_fn tell, void *user)
 
 /* --- plans --- */
 
-enum status world_plan_deform(const struct world *world, struct plan *plan)
+enum status world_plan_deform(const struct world *world, const struct deform_shape *const *added, size_t count, struct plan *plan)
 {
 	const struct scene *scene = world->scene;
-	if (scene->object_count == 0)
+	const size_t all = scene->object_count + count;
+	if (all == 0)
 		return STATUS_OK;
 	struct deform_params params;
-	struct deform_planned *objects = mem_calloc(scene->object_count, sizeof *objects);
+	struct deform_planned *objects = mem_calloc(all, sizeof *objects);
 	if (objects == NULL)
 		return fail_memory("the plan");
 	for (size_t i = 0; i < scene->object_count; i++)
 		objects[i] = world_planned(&scene->objects[i]);
+	for (size_t i = 0; i < count; i++)
+		objects[scene->object_count + i] = world_planned_host(added[i]);
 	world_deform_params(world, &params);
-	deform_plan(&params, objects, scene->object_count, scene->forces > 0 && world->params.rows, plan);
+	deform_plan(&params, objects, all, scene->forces > 0 && world->params.rows, plan);
+	if (count > 0)
+		deform_patch_plan(&params, plan);
 	mem_free(objects);
 	return STATUS_OK;
 }

@@ -509,8 +509,10 @@ enum status world_prepare_plan(struct world *world, const struct scene *scene, c
 	FURROW_CHECKED;
 /* Calls `tell` for each setting of the scene that has no effect on this store. */
 void world_advise(const struct world *world, scene_advice_fn tell, void *user);
-/* Add lines to a plan: the first for the passes and resources of contacts, the second for pages and the look-ahead. */
-enum status world_plan_deform(const struct world *world, struct plan *plan) FURROW_CHECKED;
+/* Add lines to a plan: the first for the passes and resources of contacts, the second for pages and the look-ahead. `added`: shapes of
+ * bodies that will be added (world_body_add). Lines count them as objects, after those of the scene. */
+enum status world_plan_deform(const struct world *world, const struct deform_shape *const *added, size_t count, struct plan *plan)
+	FURROW_CHECKED;
 void world_plan_pages(const struct world *world, struct plan *plan);
 uint64_t world_samples_until(const struct track *track, double end); /* number of path samples that are due until `end`, s */
 

@@ -61,6 +61,27 @@ class Explained(FurrowTest):
                 self.assertEqual(explained.returncode, 0, explained.stderr)
                 self.check(json.loads(explained.stdout), self.drive(*over, "--steps", STEPS.get(scene.stem, 25))["counts"])
 
+    def test_vehicles_do_what_they_were_said_to(self):
+        self.synth("flat.furrow", posts="513x513", kind="plain", relief=0.01)
+        scenes = sorted((SCENES / "vehicles").glob("*.yaml"))
+        self.assertGreater(len(scenes), 3)
+        for scene in scenes:
+            with self.subTest(scene.stem):
+                shutil.copy(self.folder / "flat.furrow", self.folder / "driven.furrow")
+                over = [scene, "--store", "driven.furrow", "--set", "view.size=[160, 90]", "--set", "view.images=50"]
+                explained = self.furrow("explain", *over, "--json")
+                if "this build has no MuJoCo" in explained.stderr:
+                    return
+                self.assertEqual(explained.returncode, 0, explained.stderr)
+                plan, run = json.loads(explained.stdout), self.drive(*over, "--steps", 100)
+                self.check(plan, run["counts"])
+                # A contact of a soil geom needs a time step, of settling or of the drive; here each has one window.
+                settled = max(vehicle["settled_after"] for vehicle in run["vehicles"].values())
+                for vehicle in plan["vehicles"].values():
+                    for geom, contacts in vehicle["contacts_per_metre"].items():
+                        self.assertGreater(contacts, 10)
+                        self.assertLess(run["counts"]["units"]["window"][geom], 101 + settled / 0.002)
+
 
 if __name__ == "__main__":
     main()

@@ -17,6 +17,7 @@
 #include "deform/internal.h"
 
 #define WORDS 5 /* int32 for each post: base, then these planes */
+#define POST_BYTES ((WORDS + 2) * sizeof(int32_t)) /* with numbers and classes of the soil */
 static const enum plane planes[WORDS] = {PLANES, PLANE_DEPOSITED, PLANE_PLASTIC_SINKAGE, PLANE_SHEAR, PLANE_DUG};
 
 enum status deform_patch_create(struct deform *deform, struct deform_patch **out)
@@ -28,11 +29,25 @@ enum status deform_patch_create(struct deform *deform, struct deform_patch **out
 	return STATUS_OK;
 }
 
+void deform_patch_plan(const struct deform_params *params, struct plan *plan)
+{
+	plan_add(plan, &(struct plan_line){.kind = PLAN_BUFFER, .unit = PLAN_PROBED, .effect = deform_displace_effect(params->model), .object = -1,
+					   .amount = 1, .bytes = POST_BYTES}, "ground under probed bodies");
+}
+
+static void forget_staging(struct deform_patch *patch)
+{
+	gpu_staging_destroy(patch->staging);
+	patch->staging = NULL;
+	patch->deform->figures.probed -= patch->staged / POST_BYTES;
+	patch->staged = 0;
+}
+
 void deform_patch_destroy(struct deform_patch *patch)
 {
 	if (patch == NULL)
 		return;
-	gpu_staging_destroy(patch->staging);
+	forget_staging(patch);
 	mem_free(patch->bases);
 	mem_free(patch->kinds);
 	mem_free(patch->posts);
@@ -87,15 +102,14 @@ static enum status cut(struct deform_patch *patch, const struct deform_tile *til
 		if (patch->part_count == PATCH_PARTS)
 			return fail_with(STATUS_INPUT, "probe: the ground under a body lies on more than %d tiles; use larger tiles", PATCH_PARTS);
 		patch->parts[patch->part_count++] = (struct patch_part){.rect = part, .at = bytes};
-		bytes += (WORDS + 2) * sizeof(int32_t) * posts_in(part);
+		bytes += POST_BYTES * posts_in(part);
 	}
 	if (bytes <= patch->staged)
 		return STATUS_OK;
-	gpu_staging_destroy(patch->staging);
-	patch->staging = NULL;
-	patch->staged = 0;
+	forget_staging(patch);
 	enum status status = gpu_staging_create(patch->deform->params.gpu, bytes, &patch->staging);
 	patch->staged = status == STATUS_OK ? bytes : 0;
+	patch->deform->figures.probed += patch->staged / POST_BYTES;
 	return status;
 }
 
