@@ -19,8 +19,8 @@ static double turn_between(const struct world_pose *a, const struct world_pose *
 	return mju_norm3(angles);
 }
 
-/* Heights of a geom above the undisturbed ground, m: where it last changed it, at this step's start, where its velocity then would have
- * brought it, and at the step's end. */
+/* Heights of a geom above the undisturbed ground, m. TOUCHED: where it last changed it. START, END: of this step. GOES: where the velocity
+ * at the start would have brought it. */
 enum { TOUCHED, START, GOES, END, HEIGHTS };
 
 /* Where a place lies over no ground, all are plain heights. */
