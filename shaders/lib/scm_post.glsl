@@ -217,7 +217,7 @@ slip slides_over(incline i, cell c, float above, float share)
 }
 
 #ifdef SLIP
-// What slip digs more in this contact, fixed-point units. With D, what it has dug in all contacts along the ground's normal, dD is
+// What slip digs more in this contact, fixed-point units. D is what it has dug in all contacts, along the ground's normal. Then dD is
 // |e| (kappa K - D) / K for each way that the object slips. mobilised: the mean of |e|.
 int digs_more(soil s, incline i, int dug, float share, float mobilised)
 {

@@ -37,7 +37,7 @@ static size_t drive(const struct place *place, struct drive_row *rows)
 	crest = (place->x + 2.5) / 0.25;
 	support_store_at(store, extent, ground, place->east, place->north);
 	snprintf(text, sizeof text, "scene: 1\nend_time: 5\ntime_step: 0.002\nspacing: 0.125\ncoordinates: store\nsoil: {name: sandy_loam_15}\n"
-				    "redistribute: {model: scm}\nvehicles:\n  - {name: v, model: one_wheel.xml, start: {at: [%.3f, %.3f]}, driver: {hold: {drive: 3}}}\n"
+				    "redistribute: {model: scm}\nvehicles:\n  - {name: v, model: one_wheel.xml, start: {at: [%.3f, %.3f]}, driver: {hold: {drive: 4}}}\n"
 				    "output: {forces: 100, vehicles: 100}\n", place->east + place->x, place->north + place->y);
 	support_write(scene, text);
 	must(drive_run(scene, store, place->settings, &(struct drive_cut){.out = support_path("out"), .overlay = support_path("over.furrow")}, NULL));
