@@ -79,10 +79,10 @@ class Body:
         handle = ctypes.c_int32(self.handle)
         self.world._call("furrow_set_states", 1, ctypes.byref(handle), ctypes.byref(state))
 
-    def run_belt(self, speed: float) -> None:
-        """Says how fast the body's belt runs from the next step on, m/s: forward above 0, as the body itself goes."""
-        handle, run = ctypes.c_int32(self.handle), ctypes.c_double(speed)
-        self.world._call("furrow_set_belts", 1, ctypes.byref(handle), ctypes.byref(run))
+    def run_belt(self, travel: float, speed: float) -> None:
+        """Says how far the body's belt has run at the end of the next step, m, and how fast it runs, m/s: forward, as the body goes."""
+        handle, belt = ctypes.c_int32(self.handle), declared.furrow_belt(travel, speed)
+        self.world._call("furrow_set_belts", 1, ctypes.byref(handle), ctypes.byref(belt))
 
     @property
     def state(self) -> State:
@@ -220,10 +220,10 @@ class World:
         states = _structs(states, STATE, len(handles), "states")
         self._call("furrow_set_states", len(handles), handles.ctypes.data, states.ctypes.data)
 
-    def set_belts(self, bodies: Bodies, speeds: Any) -> None:
-        """Body.run_belt for n bodies at once. speeds: (n,), m/s."""
+    def set_belts(self, bodies: Bodies, belts: Any) -> None:
+        """Body.run_belt for n bodies at once. belts: (n, 2): travel, m, and speed, m/s."""
         handles = _handles(bodies)
-        run = _array(speeds, "speeds", len(handles))
+        run = _array(belts, "belts", len(handles), 2)
         self._call("furrow_set_belts", len(handles), handles.ctypes.data, run.ctypes.data)
 
     def get_states(self, bodies: Bodies) -> numpy.ndarray:

@@ -231,8 +231,8 @@ FURROW_API furrow_status furrow_body_remove(struct furrow_world *world, furrow_b
  * that ground from the GPU. From then on each step ends when it is on the host, and a probe waits for nothing.
  * `bodies`, `states`, `contacts`: `count` entries each. `contact_size`: sizeof(struct furrow_contact). `count` 0: does nothing.
  * A state may lie two working posts beside the body's last one. Where it lies farther, contact.state is FURROW_UNKNOWN and its
- * numbers are NaN. This is also the answer for a body with a path and for one that was not placed. So it is for a mesh, a body with a
- * belt and a wheel with grousers, and under all soil models but scm.
+ * numbers are NaN. This is also the answer for a body with a path and for one that was not placed. So it is for a mesh and a wheel
+ * with grousers, and under all soil models but scm.
  * FURROW_USAGE and FURROW_INPUT as furrow_set_states.
  */
 FURROW_API furrow_status furrow_probe(struct furrow_world *world, size_t count, const furrow_body *bodies,
@@ -248,14 +248,21 @@ FURROW_API furrow_status furrow_probe(struct furrow_world *world, size_t count, 
 FURROW_API furrow_status furrow_set_states(struct furrow_world *world, size_t count, const furrow_body *bodies,
 					   const struct furrow_state *states);
 
+/* A belt that runs over a body: a track. */
+struct furrow_belt {
+	double travel; /* m that it has run over the body, counted from anywhere: a wheel's angle times its radius, so to say */
+	double speed;  /* m/s */
+};
+
 /*
- * Says how fast the belts of `count` bodies run over them, m/s, from the next step on, until the next call for that body. A body
- * has a belt if its shape is a box or a mesh with `belt: true`. The belt runs around the body's own y axis, as a wheel turns
- * forward: at the body's own speed it does not slip. At first its speed is 0. `bodies`, `speeds`:
- * `count` entries each; 0: does nothing. FURROW_USAGE: a body has no belt, follows a path, or is gone. Or a speed is NaN or infinite.
+ * Says where the belts of `count` bodies are at the end of the next step, and in probes from now on. A body has a belt if its shape
+ * is a box or a mesh with `belt: true`. The belt runs around the body's own y axis, as a wheel turns forward. While it travels as far
+ * as the body it does not slip. The first call for a body says from where its travel is counted, and so moves nothing.
+ * `bodies`, `belts`: `count` entries each; 0: does nothing. FURROW_USAGE: a body has no belt, follows a path, or is gone. Or a
+ * number is NaN or infinite.
  */
 FURROW_API furrow_status furrow_set_belts(struct furrow_world *world, size_t count, const furrow_body *bodies,
-					  const double *speeds);
+					  const struct furrow_belt *belts);
 
 /*
  * Puts a body somewhere without touching what is between, at rest. It touches the ground from the next step on.

@@ -157,12 +157,20 @@ furrow_status furrow_set_states(struct furrow_world *world, size_t count, const 
 	return api_library_end(status);
 }
 
-furrow_status furrow_set_belts(struct furrow_world *world, size_t count, const furrow_body *bodies, const double *speeds)
+furrow_status furrow_set_belts(struct furrow_world *world, size_t count, const furrow_body *bodies, const struct furrow_belt *belts)
 {
 	api_library_begin();
-	enum status status = need_lists(world, count, bodies, speeds, "speeds");
-	if (status == STATUS_OK)
-		status = world_belts_set(&world->world, count, bodies, speeds);
+	enum status status = need_lists(world, count, bodies, belts, "belts");
+	struct world_belt *list = NULL;
+	if (status == STATUS_OK && count > 0) {
+		list = mem_alloc(count, sizeof *list);
+		status = list != NULL ? STATUS_OK : fail_memory("belts");
+	}
+	for (size_t i = 0; i < count && status == STATUS_OK; i++)
+		list[i] = (struct world_belt){belts[i].travel, belts[i].speed};
+	if (status == STATUS_OK && count > 0)
+		status = world_belts_set(&world->world, count, bodies, list);
+	mem_free(list);
 	return api_library_end(status);
 }
 

@@ -510,6 +510,7 @@ struct deform_probe {
 	double turned;                /* wheel: rad about its axis since `from`; belt: m that it ran since then */
 	double rotated[3];            /* other shapes: rad about local axes since `from` */
 	double linear[3], angular[3]; /* m/s, rad/s, local axes: how the body moves at the probed pose */
+	double runs;                  /* m/s: how fast its belt runs there */
 };
 
 struct deform_probed {
@@ -518,6 +519,7 @@ struct deform_probed {
 	double stiffness[6][6];       /* d(force, moment) / d(translation, rotation about local axes): N/m, N, N, N m/rad */
 	double damping[6][6];         /* the same of their rates */
 	double normal[3];             /* mean normal of the base where the body bears; NAN without contact */
+	double pull;                  /* N: as in struct deform_forces */
 	double normal_force;          /* N: the normal stress times the body's surface, summed */
 	double shear_limit;           /* N: the same of the most that shear can be */
 	double sinkage, area;         /* as in struct deform_forces */

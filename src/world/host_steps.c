@@ -65,13 +65,19 @@ static double turned_by(const struct host_body *host, const struct deform_pose *
 	return shape->belt ? fmax(bound * attitude, fabs(host->turned)) : bound * fmax(attitude, fabs(host->turned));
 }
 
-/* Finds where it is now. A belt's way comes from its speed, not from the attitude. */
+/* Finds where it is now. How far its belt has run is told beside the attitude. */
 static enum status pose_of(const struct host_body *host, struct deform_pose *pose)
 {
 	enum status status = world_attitude(&host->body.object->shape, host->body.object->name, &host->now.pose, pose);
-	if (status == STATUS_OK && host->body.object->shape.belt)
-		pose->turn = host->body.last.turn + host->turned;
+	if (host->body.object->shape.belt)
+		pose->turn = world_belt_of(host, &host->now)->travel;
 	return status;
+}
+
+/* Returns what its belt has run since its last contact, m. */
+static double ran_to(const struct host_body *host, const struct deform_pose *to)
+{
+	return host->body.in_contact ? to->turn - host->body.last.turn : 0;
 }
 
 static bool is_worth_a_contact(const struct world *world, const struct host_body *host, const struct deform_pose *to)
@@ -224,13 +230,13 @@ static enum status step_quiet(struct world *world, int32_t number, double until)
 	world_rotation_between(host->now.pose.orientation, host->next.pose.orientation, host->rotated);
 	host->now = host->next;
 	host->has_next = false;
-	host->since = host->body.in_contact ? until - began : 0;
-	host->turned = host->belt * host->since;
 	enum status status = pose_of(host, &to);
 	if (status != STATUS_OK)
 		return status;
-	if (!host->body.object->shape.belt)
-		host->turned = host->body.in_contact ? turn_between(host->body.last.turn, to.turn) : 0;
+	host->turned = host->body.in_contact ? turn_between(host->body.last.turn, to.turn) : 0;
+	if (host->body.object->shape.belt)
+		host->turned = ran_to(host, &to);
+	host->since = host->body.in_contact ? until - began : 0;
 	status = touch(world, number, &to, until);
 	host->since = until;
 	return status;
@@ -245,12 +251,13 @@ static enum status step_body(struct world *world, int32_t number, double seconds
 	if (host->has_next)
 		host->now = host->next;
 	host->has_next = false;
-	host->turned += host->body.in_contact ? host->belt * seconds : 0;
 	enum status status = pose_of(host, &to);
 	if (status != STATUS_OK)
 		return status;
 	if (host->body.object->shape.kind == DEFORM_WHEEL)
 		host->turned += world_spin(&to, host->now.angular) * seconds;
+	if (host->body.object->shape.belt)
+		host->turned = ran_to(host, &to);
 	for (int k = 0; k < 3; k++)
 		host->rotated[k] += host->now.angular[k] * seconds;
 	const bool moved = has_moved(host, &to);

@@ -298,7 +298,12 @@ enum status world_bodies_set(struct world *world, size_t count, const int32_t *n
 	return status;
 }
 
-enum status world_belts_set(struct world *world, size_t count, const int32_t *numbers, const double *speeds)
+const struct world_belt *world_belt_of(const struct host_body *host, const struct world_state *state)
+{
+	return host->quiet ? &state->belt : &host->belt;
+}
+
+enum status world_belts_set(struct world *world, size_t count, const int32_t *numbers, const struct world_belt *belts)
 {
 	for (size_t i = 0; i < count; i++) {
 		struct host_body *host;
@@ -307,11 +312,17 @@ enum status world_belts_set(struct world *world, size_t count, const int32_t *nu
 			return status;
 		if (!host->body.object->shape.belt)
 			return fail_with(STATUS_USAGE, "%s: it has no belt; give it belt: true of a box or a mesh", host->body.object->name);
-		if (!isfinite(speeds[i]))
-			return fail_with(STATUS_USAGE, "%s: the speed of its belt is not a finite number; give m/s", host->body.object->name);
+		if (!isfinite(belts[i].travel) || !isfinite(belts[i].speed))
+			return fail_with(STATUS_USAGE, "%s: the travel or the speed of its belt is not a finite number; give m and m/s",
+					 host->body.object->name);
 	}
-	for (size_t i = 0; i < count; i++)
-		world_host_body(world, numbers[i])->belt = speeds[i];
+	for (size_t i = 0; i < count; i++) {
+		struct host_body *host = world_host_body(world, numbers[i]);
+		if (!host->belt_told)
+			host->body.last.turn = belts[i].travel; /* its travel is counted from here */
+		host->belt = belts[i];
+		host->belt_told = true;
+	}
 	return STATUS_OK;
 }
 
@@ -420,7 +431,7 @@ enum status world_body_restore(struct world *world, int32_t number, const double
 	if (n[0] == 0)
 		return STATUS_OK;
 	struct world_state now = {.pose = {{n[13], n[14], n[15]}, {n[16], n[17], n[18], n[19]}}, .linear = {n[20], n[21], n[22]},
-				  .angular = {n[23], n[24], n[25]}};
+				  .angular = {n[23], n[24], n[25]}, .belt = {.travel = n[8]}};
 	if (world_attitude(&host->body.object->shape, host->body.object->name, &now.pose, &pose) != STATUS_OK || fabs(n[2]) > 0x1p52 ||
 	    fabs(n[3]) > 0x1p52 || fabs(n[4]) > 0x1p52)
 		return world_record_damaged(world->path, "where a vehicle is");

@@ -74,6 +74,8 @@ void world_probes_reach(struct host_body *host, const struct deform_pose *to);
 /* Computes the contact at the body's present state. Returns false if it is not known. */
 bool world_probes_now(const struct world *world, const struct host_body *host, struct deform_probed *probed);
 void world_probes_free(struct world *world); /* frees the mirrors; before deform and GPU are destroyed */
+/* hosts.c: returns where the body's belt is in a state. */
+const struct world_belt *world_belt_of(const struct host_body *host, const struct world_state *state);
 /* told.c: fills a contact from what a probe computed. */
 void world_tell_probed(const struct host_body *host, const struct world_state *state, const struct deform_probed *probed, double time,
 		       struct world_contact *contact);

@@ -145,8 +145,13 @@ static void motion_of(const struct host_body *host, const struct world_state *st
 		.from = host->body.in_contact && !host->fresh ? host->body.last : *to,
 		.to = *to,
 		.stamped = host->stamped,
-		.turned = host->turned + (object->shape.belt ? 0 : remainder(to->turn - now->turn, 2 * M_PI)),
+		.turned = host->turned + remainder(to->turn - now->turn, 2 * M_PI),
 	};
+	if (object->shape.belt) {
+		const struct world_belt *belt = world_belt_of(host, state);
+		probe->turned = host->body.in_contact && !host->fresh ? belt->travel - host->body.last.turn : 0;
+		probe->runs = belt->speed;
+	}
 	world_rotation_between(host->now.pose.orientation, state->pose.orientation, probe->rotated);
 	for (int k = 0; k < 3; k++)
 		probe->rotated[k] += host->rotated[k];

@@ -23,7 +23,7 @@ struct world_contact world_contact_unknown(void)
 {
 	struct world_contact contact = {
 		.time = NAN, .force = {NAN, NAN, NAN}, .moment = {NAN, NAN, NAN}, .point = {NAN, NAN, NAN}, .normal = {NAN, NAN, NAN},
-		.sinkage = NAN, .area = NAN, .slip = NAN, .normal_force = NAN, .shear_limit = NAN, .state = WORLD_UNKNOWN,
+		.sinkage = NAN, .area = NAN, .slip = NAN, .normal_force = NAN, .shear_limit = NAN, .pull = NAN, .state = WORLD_UNKNOWN,
 	};
 	for (int i = 0; i < 6; i++)
 		for (int k = 0; k < 6; k++)
@@ -131,7 +131,8 @@ void world_tell_probed(const struct host_body *host, const struct world_state *s
 	*contact = world_contact_unknown();
 	contact->time = time;
 	contact->state = world_contact_state_of(probed->state);
-	contact->slip = slip_of(object, state, host->belt);
+	contact->slip = slip_of(object, state, world_belt_of(host, state)->speed);
+	contact->pull = probed->pull;
 	contact->sinkage = probed->sinkage;
 	contact->area = probed->area;
 	contact->normal_force = probed->normal_force;
@@ -161,7 +162,7 @@ enum status world_body_contact(struct world *world, int32_t number, struct world
 	if (host != NULL) {
 		struct deform_probed probed;
 		status = fill(world, host->body.object, &state, &host->force, host->told, host->state, contact);
-		contact->slip = slip_of(host->body.object, &state, host->belt);
+		contact->slip = slip_of(host->body.object, &state, world_belt_of(host, &state)->speed);
 		if (status == STATUS_OK && world_probes_now(world, host, &probed)) {
 			memcpy(contact->stiffness, probed.stiffness, sizeof contact->stiffness);
 			memcpy(contact->damping, probed.damping, sizeof contact->damping);

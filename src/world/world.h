@@ -179,6 +179,9 @@ struct world_state {
 	struct world_pose pose;
 	double linear[3];  /* m/s, velocity of the origin */
 	double angular[3]; /* rad/s */
+	struct world_belt {
+		double travel, speed; /* m: how far its belt has run, counted from anywhere, and m/s. 0: it has none */
+	} belt;                       /* world_bodies_set takes it of quiet bodies alone. Of others world_belts_set tells it */
 };
 
 enum world_contact_state { WORLD_AIR, WORLD_TOUCHING, WORLD_SLIDES, WORLD_SUNK, WORLD_UNKNOWN };
@@ -192,6 +195,7 @@ struct world_contact {
 	double sinkage, area, slip;   /* m below the undisturbed surface; m2; slip of a wheel or a belt */
 	double stiffness[6][6], damping[6][6]; /* d(force, moment) / d(translation, rotation about local axes), and of their rates */
 	double normal_force, shear_limit; /* N */
+	double pull;                  /* N: of its belt, as in struct deform_forces; only of a probe */
 	enum world_contact_state state;
 };
 
@@ -204,7 +208,8 @@ struct host_body {
 	bool has_next;
 	struct world_state now, next; /* now: after the last step. next: after the next step, if has_next */
 	double since;                 /* s: time of its motion since `last` */
-	double belt;                  /* m/s: how fast its belt runs; 0: it has none, or its speed is 0 */
+	struct world_belt belt;       /* as world_belts_set told it; of a quiet body now.belt counts */
+	bool belt_told;               /* it was called for this body */
 	double turned;                /* rad about a wheel's axle, m that its belt ran, since `last` */
 	double rotated[3];            /* other shapes: rad about local axes since `last` */
 	double stamped;               /* 1: the hollow below `last` is an impression of the body; 0: it is a flat rut */
@@ -411,8 +416,9 @@ enum status world_body_remove(struct world *world, int32_t number) FURROW_CHECKE
 enum status world_body_place(struct world *world, int32_t number, const struct world_pose *pose) FURROW_CHECKED;
 /* Sets where bodies will be after the next step. The list names each body at most once. On failure no body is set. */
 enum status world_bodies_set(struct world *world, size_t count, const int32_t *numbers, const struct world_state *states) FURROW_CHECKED;
-/* Sets how fast the belts of bodies run, m/s, until the next call. On failure no belt is set. */
-enum status world_belts_set(struct world *world, size_t count, const int32_t *numbers, const double *speeds)
+/* Sets where the belts of bodies are at the end of the next step, and in probes from now on. The first call for a body says where its
+ * belt is now. On failure no belt is set. */
+enum status world_belts_set(struct world *world, size_t count, const int32_t *numbers, const struct world_belt *belts)
 	FURROW_CHECKED;
 /* For a body whose caller computes its forces with world_probe. The world computes none for it, and each state that is set
  * changes the ground in the next step, however small the motion is. */

@@ -116,6 +116,7 @@ static void no_world(void **state)
 	float depth[64];
 	char *json = NULL;
 	furrow_body body = 0;
+	const struct furrow_belt belt = {0, 1};
 	size_t count = 1;
 	uint64_t now;
 	misused(furrow_step(NULL, 0));
@@ -130,7 +131,7 @@ static void no_world(void **state)
 	body = 0;
 	misused(furrow_probe(NULL, 1, &body, &body_state, &contact, sizeof contact));
 	misused(furrow_set_states(NULL, 1, &body, &body_state));
-	misused(furrow_set_belts(NULL, 1, &body, pair[0]));
+	misused(furrow_set_belts(NULL, 1, &body, &belt));
 	misused(furrow_place(NULL, 0, &pose));
 	misused(furrow_get_states(NULL, 1, &body, &body_state));
 	misused(furrow_get_contacts(NULL, 1, &body, &contact, sizeof contact));
@@ -164,7 +165,7 @@ static void pointers_that_are_null(void **state)
 	misused(furrow_probe(world, 1, &ball, &body_state, NULL, sizeof contact));
 	misused(furrow_set_states(world, 1, NULL, &body_state));
 	misused(furrow_set_states(world, 1, &ball, NULL));
-	misused(furrow_set_belts(world, 1, NULL, pair[0]));
+	misused(furrow_set_belts(world, 1, NULL, &(const struct furrow_belt){0, 1}));
 	misused(furrow_set_belts(world, 1, &ball, NULL));
 	misused(furrow_place(world, ball, NULL));
 	misused(furrow_get_states(world, 1, NULL, &got));
@@ -294,7 +295,7 @@ static void bodies_that_are_not_there(void **state)
 	struct furrow_state got;
 	struct furrow_contact contact;
 	furrow_body body = 7, gone = -1, fresh = -1, driven = -1, track = -1;
-	const double speed = 1;
+	const struct furrow_belt belt = {0, 1};
 	done(furrow_body_add(world, "{name: brief, shape: {box: {size: [1, 1, 1]}}}", &gone));
 	done(furrow_body_remove(world, gone));
 	const furrow_body wrong[] = {-1, INT32_MIN, INT32_MAX, 1000, gone};
@@ -302,7 +303,7 @@ static void bodies_that_are_not_there(void **state)
 		misused(furrow_body_remove(world, wrong[i]));
 		misused(furrow_place(world, wrong[i], &pose));
 		misused(furrow_set_states(world, 1, &wrong[i], states));
-		misused(furrow_set_belts(world, 1, &wrong[i], &speed));
+		misused(furrow_set_belts(world, 1, &wrong[i], &belt));
 		misused(furrow_get_states(world, 1, &wrong[i], &got));
 		misused(furrow_get_contacts(world, 1, &wrong[i], &contact, sizeof contact));
 		misused(furrow_probe(world, 1, &wrong[i], states, &contact, sizeof contact));
@@ -321,13 +322,14 @@ static void bodies_that_are_not_there(void **state)
 	done(furrow_body_find(world, "driven", &driven));
 	misused(furrow_set_states(world, 1, &driven, states));
 	misused(furrow_place(world, driven, &pose));
-	misused(furrow_set_belts(world, 1, &driven, &speed));
+	misused(furrow_set_belts(world, 1, &driven, &belt));
 	/* Without a belt; and a speed that is none. */
-	misused(furrow_set_belts(world, 1, &ball, &speed));
+	misused(furrow_set_belts(world, 1, &ball, &belt));
 	done(furrow_body_add(world, "{shape: {box: {size: [1, 1, 1], belt: true}}}", &track));
-	misused(furrow_set_belts(world, 1, &track, &(const double){NAN}));
-	misused(furrow_set_belts(world, 2, (const furrow_body[]){track, ball}, (const double[]){1, 1}));
-	done(furrow_set_belts(world, 1, &track, &speed));
+	misused(furrow_set_belts(world, 1, &track, &(const struct furrow_belt){NAN, 1}));
+	misused(furrow_set_belts(world, 1, &track, &(const struct furrow_belt){0, INFINITY}));
+	misused(furrow_set_belts(world, 2, (const furrow_body[]){track, ball}, (const struct furrow_belt[]){belt, belt}));
+	done(furrow_set_belts(world, 1, &track, &belt));
 	done(furrow_set_belts(world, 0, NULL, NULL));
 	done(furrow_body_remove(world, track));
 	/* What is no entry. */

@@ -61,16 +61,18 @@ class PythonPackageTest(unittest.TestCase):
                 z = world.points([(50, 50)])["height"][0] + 0.2
                 track.place(position=(50, 50, z))
                 drawn = []
+                travel = 0
                 for speed in (1.25, 0.5):
-                    track.run_belt(speed)
                     for x in np.linspace(50, 51, 50) + len(drawn):
+                        travel += speed * 0.02
+                        track.run_belt(travel, speed)
                         track.set(position=(x, 50, z), linear=(1, 0, 0))
                         world.step(0.02)
                     drawn.append(track.contact.force[0])
                     assert abs(track.contact.slip - (1 - 1 / speed)) < 1e-9
                 assert drawn[0] > 0 > drawn[1], drawn
-                world.set_belts([track], [1.0])
-                refused(furrow.Status.USAGE, world.add(shape={"sphere": {"radius": 1}}).run_belt, 1.0)
+                world.set_belts([track], [[travel, 1.0]])
+                refused(furrow.Status.USAGE, world.add(shape={"sphere": {"radius": 1}}).run_belt, 0.0, 1.0)
             """)
 
     def test_the_example_of_the_page(self):

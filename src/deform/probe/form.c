@@ -34,10 +34,10 @@ static double level_share(double forward, double rise)
 	return forward != 0 ? fmin(fmax(2 - fabs(rise / forward), 0), 1) : 0;
 }
 
-static double time_of_rim(const struct probe_form *form, double forward, double way, double turned)
+static double time_of_rim(const struct probe_form *form, double forward, double way, double ran)
 {
-	const double rise = form->way[2], rolled = fabs(form->radius * turned), along = hypot(way, level_share(forward, rise) * rise);
-	/* A wheel that moves up or down neither rolls nor spins. */
+	const double rise = form->way[2], rolled = fabs(ran), along = hypot(way, level_share(forward, rise) * rise);
+	/* A body that moves up or down neither rolls nor spins. */
 	const double aligned = (way > 0 ? forward * forward / (way * way) : 1) * level_share(fmax(fabs(forward), rolled), rise);
 	const double share = rolled > 0.1 * along ? fmax(along / rolled, 0.1) : 10;
 	return 1 + (share - 1) * aligned;
@@ -53,7 +53,7 @@ static void wheel(const struct deform_probe *probe, struct probe_form *form)
 	form->run = fabs(forward);
 	put_rise(form);
 	if (!form->ground_normals)
-		form->rim = time_of_rim(form, forward, way, probe->turned);
+		form->rim = time_of_rim(form, forward, way, form->radius * probe->turned);
 	form->spin[1] = sign * probe->turned; /* in the frame already */
 	form->slip = hypot((rolled - probe->turned) * form->radius, aside);
 }
@@ -98,8 +98,29 @@ static void put_motion(const struct deform_probe *probe, struct probe_form *form
 	form->way[0] = lattice_offset_metres(probe->to.x - probe->from.x) + probe->beyond[0];
 	form->way[1] = lattice_offset_metres(probe->to.y - probe->from.y) + probe->beyond[1];
 	form->way[2] = lattice_offset_metres(probe->to.z - probe->from.z) + probe->beyond[2];
+	form->ran = probe->shape->belt ? probe->turned : 0;
 	if (probe->shape->kind != DEFORM_WHEEL)
 		memcpy(form->spin, probe->rotated, sizeof form->spin);
+}
+
+/* A belt: as in soil/scm.c and soil/between.c. */
+static void put_belt(const struct deform_probe *probe, struct probe_form *form)
+{
+	const struct deform_pose *to = &probe->to;
+	const double forward = form->way[0] * cos(to->yaw) + form->way[1] * sin(to->yaw);
+	double axes[3][3], along[2] = {0, 0};
+	deform_axes(to->yaw, to->pitch, to->roll, 0, axes);
+	for (int i = 0; i < 2; i++)
+		for (int k = 0; k < 3; k++)
+			along[i] += form->way[k] * axes[i][k];
+	memcpy(form->belt, axes[1], sizeof form->belt);
+	form->runs = probe->runs;
+	form->slip = hypot(along[0] - form->ran, along[1]);
+	if (form->ground_normals)
+		return;
+	const double time = time_of_rim(form, forward, hypot(form->way[0], form->way[1]), form->ran);
+	form->slip *= time;
+	form->rim = time * hypot(axes[1][0], axes[1][1]);
 }
 
 static void turn_into_frame(struct probe_form *form)
@@ -107,6 +128,7 @@ static void turn_into_frame(struct probe_form *form)
 	into_frame(form, form->way);
 	into_frame(form, form->linear);
 	into_frame(form, form->angular);
+	into_frame(form, form->belt);
 	if (form->kind == DEFORM_WHEEL) {
 		form->spins = form->angular[1];
 		form->angular[1] = 0;
@@ -139,6 +161,8 @@ void deform_probe_form_of(const struct deform *deform, const struct deform_probe
 		box(probe, form);
 	if (form->rim > 0)
 		form->slip *= form->rim;
+	if (probe->shape->belt)
+		put_belt(probe, form);
 	turn_into_frame(form);
 	if (!probe_is_round(form))
 		form->radius = deform_shape_bound(probe->shape);

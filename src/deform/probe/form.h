@@ -24,7 +24,7 @@ struct probe_form {
 	double half_across;     /* half the length of a line across a cell */
 	double step_aside, by_step;
 	double run, rise, sine; /* round: way forwards; rise for each metre; sine of that slope */
-	double rim;             /* wheel: how long its rim takes, of the soil's time; 0: 1 */
+	double rim;             /* how long a wheel's rim or a belt takes, of the soil's time; 0: 1 */
 	double way[3], spin[3]; /* its motion since the last contact: m; rad */
 	double by_way[2];
 	double moved;           /* 0: it stood still; 1: it moved over half a cell */
@@ -36,6 +36,8 @@ struct probe_form {
 	double linear[3], angular[3]; /* m/s, rad/s: how the body moves now; `angular` without a wheel's turning */
 	double spins;           /* rad/s about a wheel's axle */
 	double centre[2];       /* from the patch's first post, m, east and north */
+	/* Belt: the body's own axis to its left (0: there is no belt); m that it ran since the last contact; m/s: how fast it runs now */
+	double belt[3], ran, runs;
 	bool ground_normals;
 };
 

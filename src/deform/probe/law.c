@@ -88,12 +88,26 @@ struct slip {
 	double direction[2], size; /* along the surface; m */
 };
 
+/* Adds what a belt that ran so far, or runs so fast, moves the surface with this normal. */
+static void add_belt(const struct probe_form *form, const double normal[3], double run, double to[3])
+{
+	double along[3];
+	cross(normal, form->belt, along);
+	for (int k = 0; k < 3; k++)
+		to[k] += run * along[k];
+}
+
 static struct slip slip_at(const struct probe_form *form, const double arm[3], double across[2][3])
 {
 	double way[3];
 	cross(form->spin, arm, way);
 	for (int k = 0; k < 3; k++)
 		way[k] += form->way[k];
+	if (form->ran != 0) {
+		double normal[3];
+		cross(across[0], across[1], normal);
+		add_belt(form, normal, form->ran, way);
+	}
 	const double along[2] = {dot(way, across[0]), dot(way, across[1])}, squares = along[0] * along[0] + along[1] * along[1];
 	const double by = 1 / sqrt(probe_most(squares, 1e-24));
 	return (struct slip){{along[0] * by, along[1] * by}, squares * by};
@@ -288,6 +302,8 @@ static void put_rates(const struct post *p, double factor, struct probe_place *p
 	cross(rolls, place->arm, turns);
 	for (int k = 0; k < 3; k++)
 		turns[k] += form->linear[k];
+	if (form->runs != 0)
+		add_belt(form, place->normal, form->runs, turns);
 	const double along[2] = {dot(turns, place->across[0]), dot(turns, place->across[1])};
 	const double squares = along[0] * along[0] + along[1] * along[1], slow_along = fade(squares / (STICKS * STICKS));
 	const double most = p->soil->damping * factor, less = squares > 0 ? most * (slow_along - fade_slope(slow_along)) / squares : 0;

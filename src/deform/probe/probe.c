@@ -16,7 +16,7 @@
 /* Sums in the body's frame: x forwards, y to its left. Forces come before moments, translations before rotations. */
 struct sums {
 	double force[6];
-	double normal[3], normal_force, shear_limit, sheared[3], area, sinkage;
+	double normal[3], normal_force, shear_limit, sheared[3], area, sinkage, pull;
 	struct terms stiffness, damping;
 };
 
@@ -67,7 +67,15 @@ static void stress_at(const struct probe_place *place, double shear[3], double s
 	}
 }
 
-static void add_force(const struct probe_place *place, double post, struct sums *sums)
+/* Returns the pull of a belt against the soil's shear at a place, Pa. */
+static double pull_at(const struct probe_form *form, const struct probe_place *place, const double stress[3])
+{
+	double along[3];
+	cross(place->normal, form->belt, along);
+	return -(stress[0] * along[0] + stress[1] * along[1] + stress[2] * along[2]);
+}
+
+static void add_force(const struct probe_form *form, const struct probe_place *place, double post, struct sums *sums)
 {
 	const double area = place->area * post;
 	double shear[3], force[3], column[6];
@@ -77,6 +85,7 @@ static void add_force(const struct probe_place *place, double post, struct sums 
 		sums->force[k] += area * column[k];
 	for (int k = 0; k < 3; k++)
 		sums->sheared[k] += area * place->strength * shear[k];
+	sums->pull += area * pull_at(form, place, force);
 	sums->normal_force += area * place->stress;
 	sums->shear_limit += area * place->strength;
 	sums->area += place->ground * post;
@@ -162,7 +171,7 @@ static void add_bearing(const struct probe_law *law, const struct probe_post *gr
 	struct probe_place mean;
 	double bears = 0;
 	for (int i = 0; i < bearing->count; i++) {
-		add_force(&bearing->places[i], post, sums);
+		add_force(form, &bearing->places[i], post, sums);
 		bears += bearing->places[i].ground;
 	}
 	if (bears <= 0)
@@ -256,7 +265,7 @@ static void put_law(const struct deform_patch *patch, const struct deform_probe 
 
 static bool is_probed(const struct deform_shape *shape)
 {
-	return !shape->belt && (shape->kind == DEFORM_SPHERE || shape->kind == DEFORM_BOX || (shape->kind == DEFORM_WHEEL && shape->grousers == 0));
+	return shape->kind == DEFORM_SPHERE || shape->kind == DEFORM_BOX || (shape->kind == DEFORM_WHEEL && shape->grousers == 0);
 }
 
 /* --- the answer --- */
@@ -327,6 +336,7 @@ static void answer(const struct deform_probe *probe, const struct probe_form *fo
 	turn_matrix(form, (const double(*)[6])sums->damping.matrix, out->damping);
 	for (int k = 0; k < 3; k++)
 		out->normal[k] = length > 0 ? n[k] / length : NAN;
+	out->pull = sums->pull;
 	out->normal_force = sums->normal_force;
 	out->shear_limit = sums->shear_limit;
 	out->area = sums->area;
