@@ -36,7 +36,7 @@ struct probe_form {
 	double linear[3], angular[3]; /* m/s, rad/s: how the body moves now; `angular` without a wheel's turning */
 	double spins;           /* rad/s about a wheel's axle */
 	double centre[2];       /* from the patch's first post, m, east and north */
-	/* Belt: the body's own axis to its left (0: there is no belt); m that it ran since the last contact; m/s: how fast it runs now */
+	/* A belt: the body's own axis to its left (0: there is no belt). What it ran since the last contact, m, and how fast it runs, m/s */
 	double belt[3], ran, runs;
 	bool ground_normals;
 };
