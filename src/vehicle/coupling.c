@@ -13,6 +13,12 @@
  *
  * which is one system of linear equations for all geoms that touch. Equality constraints and limits of joints are not in A.
  *
+ * A belt (VEHICLES.md) is a surface that runs over its body along the body's own x axis e. A hinge drives it, by r for each radian of its
+ * angle a. The soil shears this surface. So x and u are those of the surface: x is less by r (a - a0) e, and u by r a' e. J has the
+ * same: in the column of the hinge its first three rows are -r e. By virtual work J^T then gives the hull its force and the hinge the torque
+ * -r e F. Where the lower envelope leans, e F has normal stress in it, and the belt's pull has not. This difference, as the probe told it, is
+ * a torque besides.
+ *
  * Shear of the soil is elastic at rest and would swing for ever. So along the ground each contact is damped at about half of what is
  * critical. Only changes of the velocity v at the contact are: -c (v - w), where w follows v within some periods of the swing. A
  * wheel that slips steadily feels nothing of it, and a body at rest does not creep. It is a dashpot in series with a spring, so it
@@ -38,6 +44,7 @@ struct contact {
 	double direction[2][3]; /* the same two, in local axes */
 	double critical[2], pace[2]; /* N s/m: c; 1/s: how fast w follows */
 	double arm[3];          /* m: from the origin to the contact */
+	double forward[3];      /* the body's own x axis */
 };
 
 struct step {
@@ -112,7 +119,10 @@ static void fill_jacobians(const struct step *step)
 	const size_t nv = (size_t)model->nv;
 	for (size_t i = 0; i < step->count; i++) {
 		double *rows = step->jacobian + 6 * i * nv;
-		mj_jacGeom(model, data, rows, rows + 3 * nv, step->list[i].geom->geom);
+		const struct soil_geom *geom = step->list[i].geom;
+		mj_jacGeom(model, data, rows, rows + 3 * nv, geom->geom);
+		for (size_t k = 0; k < 3 && geom->shape.belt; k++)
+			rows[k * nv + (size_t)geom->dof] -= geom->sprocket * step->list[i].forward[k];
 	}
 	mju_copy(step->solved, step->jacobian, (int)(step->rows * nv));
 	for (size_t r = 0; r < step->rows; r++)
@@ -179,14 +189,16 @@ static void set_damping(struct step *step, size_t index)
 	}
 }
 
-/* How far the body has moved and turned since its contact was linearised. */
-static void displacement(const struct vehicle *vehicle, const struct soil_geom *geom, double moved[6])
+/* How far the body, or the belt's lower run, has moved and turned since its contact was linearised. */
+static void displacement(const struct vehicle *vehicle, const struct contact *contact, double moved[6])
 {
+	const struct soil_geom *geom = contact->geom;
 	struct world_state state;
 	double back[4], turn[4];
 	vehicle_geom_state(vehicle, geom, &state);
 	for (int i = 0; i < 3; i++)
-		moved[i] = state.pose.position[i] - geom->now.pose.position[i];
+		moved[i] = state.pose.position[i] - geom->now.pose.position[i] -
+			   (state.belt.travel - geom->now.belt.travel) * contact->forward[i];
 	mju_negQuat(back, geom->now.pose.orientation);
 	mju_mulQuat(turn, state.pose.orientation, back);
 	mju_quat2Vel(moved + 3, turn, 1);
@@ -224,11 +236,11 @@ static void fill_rows(struct step *step, size_t index)
 	const struct soil_geom *geom = contact->geom;
 	const double *free = step->free + 6 * index, h = step->h, length = deform_shape_bound(&geom->shape);
 	double *force = step->force + 6 * index, moved[6], at[6];
-	displacement(step->vehicle, geom, moved);
+	displacement(step->vehicle, contact, moved);
 	take_resisting((const double(*)[6])geom->contact.stiffness, length, contact->stiffness);
 	take_resisting((const double(*)[6])geom->contact.damping, length, contact->damping);
 	for (int i = 0; i < 3; i++) {
-		at[i] = geom->now.linear[i];
+		at[i] = geom->now.linear[i] - geom->now.belt.speed * contact->forward[i];
 		at[3 + i] = geom->now.angular[i];
 		force[i] = geom->contact.force[i];
 		force[3 + i] = geom->contact.moment[i];
@@ -300,6 +312,14 @@ static void follow(const struct step *step, size_t index)
 	mju_copy3(contact->geom->mean, mean);
 }
 
+/* The body's own x axis, along which a belt runs. */
+static void set_forward(struct contact *contact)
+{
+	double axes[3][3];
+	world_axes(contact->geom->now.pose.orientation, axes);
+	mju_copy3(contact->forward, axes[0]);
+}
+
 /* Lists the geoms that touch, and finds what all of a step needs. Returns false if the mass has no inverse. */
 static bool begin(struct step *step)
 {
@@ -317,6 +337,8 @@ static bool begin(struct step *step)
 	if (step->count == 0)
 		return true;
 	fill_mass(step, step->mass);
+	for (size_t i = 0; i < step->count; i++)
+		set_forward(&step->list[i]);
 	const bool whole = vehicle_factor(step->mass, (size_t)vehicle->model->nv);
 	fill_jacobians(step);
 	for (size_t i = 0; i < step->count; i++) {
@@ -324,6 +346,14 @@ static bool begin(struct step *step)
 		set_damping(step, i);
 	}
 	return whole;
+}
+
+/* What of a belt's pull is not in the force along its body's x axis, as a torque on its hinge. Adds it to forces of the joints. */
+static void turn_back(const struct contact *contact, double *forces)
+{
+	const struct soil_geom *geom = contact->geom;
+	if (geom->shape.belt && isfinite(geom->contact.pull))
+		forces[geom->dof] -= geom->sprocket * (geom->contact.pull - mju_dot3(geom->contact.force, contact->forward));
 }
 
 void vehicle_couple(struct vehicle *vehicle, double h, double later)
@@ -346,8 +376,10 @@ void vehicle_couple(struct vehicle *vehicle, double h, double later)
 	const size_t nv = (size_t)vehicle->model->nv;
 	for (size_t r = 0; r < step.rows; r++)
 		mju_addToScl(data->qfrc_applied, step.jacobian + r * nv, step.force[r], (int)nv);
-	for (size_t i = 0; i < step.count; i++)
+	for (size_t i = 0; i < step.count; i++) {
+		turn_back(&step.list[i], data->qfrc_applied);
 		follow(&step, i);
+	}
 }
 
 /* M + h D - h J^T G J, by which the soil's forces answer a change of the velocities. */
@@ -379,6 +411,8 @@ bool vehicle_find_response(struct vehicle *vehicle, double seconds, double *iner
 	mju_copy(velocity, data->qfrc_smooth, nv);
 	for (size_t r = 0; r < step.rows; r++)
 		mju_addToScl(velocity, step.jacobian + r * (size_t)nv, step.force[r], nv);
+	for (size_t i = 0; i < step.count; i++)
+		turn_back(&step.list[i], velocity);
 	if (!vehicle_factor(inertia, (size_t)nv))
 		return false;
 	vehicle_solve_factored(inertia, velocity, (size_t)nv);

@@ -59,13 +59,10 @@ static enum status check_wheels(const struct vehicle *vehicle, const char *where
 	const mjModel *model = vehicle->model;
 	const struct driver *driver = &vehicle->driver;
 	for (size_t i = 0; i < driver->drive_count; i++) {
-		const int body = model->jnt_bodyid[model->actuator_trnid[2 * driver->drive[i]]];
-		bool wheel = false;
-		for (size_t g = 0; g < vehicle->geom_count; g++)
-			wheel = wheel || (model->geom_bodyid[vehicle->geoms[g].geom] == body && vehicle->geoms[g].shape.kind == DEFORM_WHEEL);
-		if (!wheel)
-			return fail_with(STATUS_INPUT, "%s: driver.drive: %s turns no wheel that presses the ground; name actuators of wheels", where,
-					 mj_id2name(model, mjOBJ_ACTUATOR, driver->drive[i]));
+		const int joint = model->actuator_trnid[2 * driver->drive[i]];
+		if (vehicle_driven(vehicle, joint) == NULL)
+			return fail_with(STATUS_INPUT, "%s: driver.drive: %s turns no wheel and no belt that presses the ground; name actuators of wheels or belts",
+					 where, mj_id2name(model, mjOBJ_ACTUATOR, driver->drive[i]));
 	}
 	return STATUS_OK;
 }

@@ -7,6 +7,7 @@
 #include "vehicle/internal.h"
 
 #define PARALLEL 1e-6 /* 1 - cosine of the greatest angle between a wheel's axis and its joint */
+#define BELT "belt:"  /* how names in custom begin that are of a belt */
 #define MIDDLE 1e-4   /* of the radius: how far the joint's axis may be from the wheel's middle */
 
 bool vehicle_matches(const struct scene_texts *patterns, const char *name, bool none)
@@ -98,6 +99,49 @@ static enum status make_wheel(const struct vehicle *vehicle, struct soil_geom *o
 	return refuse_grousers(vehicle, out, where);
 }
 
+/* Finds the hinge and the radius that `custom` of the model gives for a belt: a text and a numeric, both named belt:GEOM. */
+static enum status make_belt(const struct vehicle *vehicle, struct soil_geom *out, const char *where)
+{
+	const mjModel *model = vehicle->model;
+	char geom[256], name[300];
+	vehicle_geom_name(model, out->geom, geom, sizeof geom);
+	snprintf(name, sizeof name, BELT "%s", geom);
+	const int text = mj_name2id(model, mjOBJ_TEXT, name), numeric = mj_name2id(model, mjOBJ_NUMERIC, name);
+	if (text < 0 && numeric < 0)
+		return STATUS_OK;
+	const char *hinge = text >= 0 ? model->text_data + model->text_adr[text] : "";
+	const int joint = mj_name2id(model, mjOBJ_JOINT, hinge);
+	if (joint < 0 || model->jnt_type[joint] != mjJNT_HINGE)
+		return fail_with(STATUS_INPUT, "%s: %s: \"%s\" is no hinge of the model; give a text in custom that names the hinge of its sprocket", where, name,
+				 hinge);
+	const double radius = numeric >= 0 ? model->numeric_data[model->numeric_adr[numeric]] : 0;
+	if (!(radius > 0 && radius <= 1000))
+		return fail_with(STATUS_INPUT, "%s: %s: the radius of its sprocket is %g m; give a numeric in custom, above 0", where, name, radius);
+	const double *mat = &vehicle->data->geom_xmat[9 * out->geom], *axis = &vehicle->data->xaxis[3 * joint];
+	out->dof = model->jnt_dofadr[joint];
+	out->sprocket = mat[1] * axis[0] + mat[4] * axis[1] + mat[7] * axis[2] >= 0 ? radius : -radius;
+	out->shape.belt = true;
+	return STATUS_OK;
+}
+
+/* Each belt must be of a soil geom that is a box. */
+static enum status check_belts(const struct vehicle *vehicle, const char *where)
+{
+	const mjModel *model = vehicle->model;
+	for (int i = 0; i < model->ntext + model->nnumeric; i++) {
+		const char *name = i < model->ntext ? mj_id2name(model, mjOBJ_TEXT, i) : mj_id2name(model, mjOBJ_NUMERIC, i - model->ntext);
+		bool found = name == NULL || strncmp(name, BELT, strlen(BELT)) != 0;
+		for (size_t g = 0; g < vehicle->geom_count && !found; g++) {
+			char geom[256];
+			vehicle_geom_name(model, vehicle->geoms[g].geom, geom, sizeof geom);
+			found = vehicle->geoms[g].shape.belt && strcmp(name + strlen(BELT), geom) == 0;
+		}
+		if (!found)
+			return fail_with(STATUS_INPUT, "%s: %s: no soil geom of this name is a box; give belts to boxes that touch the ground", where, name);
+	}
+	return STATUS_OK;
+}
+
 static enum status make_shape(const struct vehicle *vehicle, struct soil_geom *out, const char *where)
 {
 	const mjModel *model = vehicle->model;
@@ -110,7 +154,7 @@ static enum status make_shape(const struct vehicle *vehicle, struct soil_geom *o
 		return STATUS_OK;
 	case mjGEOM_BOX:
 		out->shape = (struct deform_shape){.kind = DEFORM_BOX, .size = {2 * size[0], 2 * size[1], 2 * size[2]}};
-		return STATUS_OK;
+		return make_belt(vehicle, out, where);
 	case mjGEOM_CYLINDER:
 		out->dof = turns(model, out->geom);
 		if (out->dof >= 0)
@@ -158,7 +202,7 @@ enum status vehicle_find_geoms(struct vehicle *vehicle, const char *where)
 	}
 	if (status == STATUS_OK && vehicle->geom_count == 0)
 		return fail_with(STATUS_INPUT, "%s: no geom of it presses the ground; name geoms of moving bodies in soil, or let them collide", where);
-	return status;
+	return status == STATUS_OK ? check_belts(vehicle, where) : status;
 }
 
 void vehicle_free_geoms(struct vehicle *vehicle)
@@ -203,6 +247,23 @@ void vehicle_geom_state(const struct vehicle *vehicle, const struct soil_geom *g
 		state->angular[i] = velocity[i];
 		state->linear[i] = velocity[3 + i];
 	}
+	state->belt = (struct world_belt){0, 0};
+	if (geom->shape.belt) {
+		const int at = vehicle->model->jnt_qposadr[vehicle->model->dof_jntid[geom->dof]];
+		state->belt = (struct world_belt){geom->sprocket * vehicle->data->qpos[at], geom->sprocket * vehicle->data->qvel[geom->dof]};
+	}
+}
+
+const struct soil_geom *vehicle_driven(const struct vehicle *vehicle, int joint)
+{
+	const mjModel *model = vehicle->model;
+	for (size_t g = 0; g < vehicle->geom_count; g++) {
+		const struct soil_geom *geom = &vehicle->geoms[g];
+		const bool wheel = geom->shape.kind == DEFORM_WHEEL && model->geom_bodyid[geom->geom] == model->jnt_bodyid[joint];
+		if (wheel || (geom->shape.belt && geom->dof == model->jnt_dofadr[joint]))
+			return geom;
+	}
+	return NULL;
 }
 
 static double sign(double value)

@@ -10,7 +10,8 @@
 /* A geom that touches the ground. */
 struct soil_geom {
 	int geom;                   /* of the model */
-	int dof;                    /* of a wheel: the freedom in which it turns; -1: no wheel */
+	int dof;                    /* of a wheel: the freedom in which it turns; of a belt that of its sprocket; -1: neither */
+	double sprocket;            /* m: how far its belt runs for each radian of that; below 0: the hinge looks to the right. 0: no belt */
 	char *name;                 /* VEHICLE.GEOM, the name of its body in the world */
 	struct deform_shape shape;
 	double axes[9];             /* the body's axes forward, left, up as columns, in the geom's axes */
@@ -104,6 +105,8 @@ void vehicle_free_geoms(struct vehicle *vehicle);
 bool vehicle_matches(const struct scene_texts *patterns, const char *name, bool none);
 /* Finds the state of a soil geom as MuJoCo has it now. */
 void vehicle_geom_state(const struct vehicle *vehicle, const struct soil_geom *geom, struct world_state *state);
+/* Returns the wheel that a hinge turns, or the body whose belt it drives; NULL: it does neither. */
+const struct soil_geom *vehicle_driven(const struct vehicle *vehicle, int joint);
 /* Finds the place of a geom that is farthest along `direction`. MuJoCo's axes. */
 void vehicle_geom_support(const mjModel *model, const mjData *data, int geom, const double direction[3], double place[3]);
 /* Returns true if the geom belongs to the model's own world, which a scene leaves out. */

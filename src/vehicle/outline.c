@@ -63,7 +63,7 @@ static enum status outline(const struct vehicle *vehicle, struct vehicle_outline
 	out->clearance = belly - ground;
 	for (size_t i = 0; i < vehicle->geom_count; i++) {
 		const struct soil_geom *geom = &vehicle->geoms[i];
-		if (geom->dof < 0)
+		if (geom->dof < 0 || geom->shape.belt)
 			return fail_with(STATUS_INPUT, "%s: touches the ground with more than wheels; only vehicles on wheels have an outline", geom->name);
 		if (out->wheel_count == VEHICLE_WHEELS_MOST)
 			return fail_with(STATUS_INPUT, "%s: it has more than %d wheels; give a model with fewer", vehicle->scene->name, VEHICLE_WHEELS_MOST);

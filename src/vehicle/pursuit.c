@@ -20,9 +20,10 @@
 #define GAIN_SUM 1.0
 #define SUM_MOST 10.0   /* m */
 
-/* A wheel of the vehicle, in the axes of its root: x forward, y left. */
+/* A wheel or a belt of the vehicle, in the axes of its root: x forward, y left. `radius`: of a belt that of its sprocket. */
 struct wheel {
 	double x, y, radius;
+	double half; /* m: half of the length of a belt */
 	double side; /* 1: its joint turns about left or up, -1: about right or down */
 };
 
@@ -31,18 +32,20 @@ static struct wheel wheel_of(const struct vehicle *vehicle, int actuator, bool u
 {
 	const mjModel *model = vehicle->model;
 	const mjData *data = vehicle->data;
-	const int joint = model->actuator_trnid[2 * actuator], body = model->jnt_bodyid[joint];
+	const int joint = model->actuator_trnid[2 * actuator];
+	const struct soil_geom *driven = vehicle_driven(vehicle, joint);
+	const bool belt = driven != NULL && driven->shape.belt;
 	double from[3], own[3], axis[3];
 	struct wheel wheel = {.radius = 0};
-	mju_sub3(from, &data->xanchor[3 * joint], &data->xpos[3 * vehicle->root]);
+	mju_sub3(from, belt ? &data->geom_xpos[3 * driven->geom] : &data->xanchor[3 * joint], &data->xpos[3 * vehicle->root]);
 	mju_rotVecMatT(own, from, &data->xmat[9 * vehicle->root]);
 	mju_rotVecMatT(axis, &data->xaxis[3 * joint], &data->xmat[9 * vehicle->root]);
 	wheel.x = own[0];
 	wheel.y = own[1];
 	wheel.side = axis[up ? 2 : 1] >= 0 ? 1 : -1;
-	for (size_t g = 0; g < vehicle->geom_count; g++)
-		if (model->geom_bodyid[vehicle->geoms[g].geom] == body && vehicle->geoms[g].shape.kind == DEFORM_WHEEL)
-			wheel.radius = vehicle->geoms[g].shape.radius;
+	if (driven != NULL)
+		wheel.radius = belt ? fabs(driven->sprocket) : driven->shape.radius;
+	wheel.half = belt ? driven->shape.size[0] / 2 : 0;
 	return wheel;
 }
 
@@ -61,8 +64,8 @@ static void measure(const struct vehicle *vehicle, double *middle, double *base)
 			high = fmax(high, steered.x);
 			steers = steers || hypot(steered.x - wheel.x, steered.y - wheel.y) < 0.25 * wheel.radius + 0.01;
 		}
-		low = fmin(low, wheel.x);
-		high = fmax(high, wheel.x);
+		low = fmin(low, wheel.x - wheel.half);
+		high = fmax(high, wheel.x + wheel.half);
 		all += wheel.x;
 		sum += steers ? 0 : wheel.x;
 		fixed += !steers;

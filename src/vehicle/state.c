@@ -6,7 +6,7 @@
 #include "vehicle/settle.h"
 
 #define OWN 14       /* numbers of a vehicle itself */
-#define GEOM_OWN 17  /* of a soil geom, without its body in the world */
+#define GEOM_OWN 18  /* of a soil geom, without its body in the world */
 
 size_t vehicle_state_numbers(const struct vehicle *vehicle)
 {
@@ -32,6 +32,7 @@ static double *save_geom(const struct world *world, const struct soil_geom *geom
 {
 	const struct world_state *touched = &geom->touched;
 	*to++ = geom->is_touched;
+	*to++ = touched->belt.travel;
 	to = put(to, touched->pose.position, 3);
 	to = put(to, touched->pose.orientation, 4);
 	to = put(to, touched->linear, 3);
@@ -76,6 +77,7 @@ static enum status restore_geom(struct vehicles *vehicles, struct soil_geom *geo
 {
 	struct world_state *touched = &geom->touched;
 	geom->is_touched = *(*from)++ != 0;
+	touched->belt.travel = *(*from)++;
 	*from = take(*from, touched->pose.position, 3);
 	*from = take(*from, touched->pose.orientation, 4);
 	*from = take(*from, touched->linear, 3);

@@ -64,7 +64,8 @@ static enum status find_due(const struct vehicles *vehicles, const struct soil_g
 	mju_sub(way, to->pose.position, from->position, 2);
 	const double level = hypot(way[0], way[1]), turn = turn_between(from, &to->pose), sank = heights[TOUCHED] - heights[END];
 	const double turned = geom->shape.kind == DEFORM_SPHERE ? 0 : turn;
-	if (level >= spacing || fabs(sank) >= SINKAGE_SHARE * spacing || turned >= TURN_MOST || turned * deform_shape_bound(&geom->shape) >= spacing)
+	if (level >= spacing || fabs(to->belt.travel - geom->touched.belt.travel) >= spacing || fabs(sank) >= SINKAGE_SHARE * spacing ||
+	    turned >= TURN_MOST || turned * deform_shape_bound(&geom->shape) >= spacing)
 		return STATUS_OK;
 	const bool rises = sank > RISES_LEAST && heights[END] > heights[START] && heights[GOES] <= heights[START];
 	const bool returns = level > BACK_SHARE * spacing && way[0] * to->linear[0] + way[1] * to->linear[1] < 0 &&
@@ -119,6 +120,7 @@ static void go_on(struct world_state *state, double seconds)
 {
 	double turn[4], axis[3], orientation[4];
 	mju_addToScl3(state->pose.position, state->linear, seconds);
+	state->belt.travel += state->belt.speed * seconds;
 	mju_copy3(axis, state->angular);
 	const double speed = mju_normalize3(axis); /* a body that does not turn gets some axis, and an angle of 0 */
 	mju_axisAngle2Quat(turn, axis, speed * seconds);
