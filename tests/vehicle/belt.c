@@ -16,11 +16,12 @@
 
 static const struct extent extent = {129, 65, 0.25, 128};
 
+static double slope; /* tangent */
+
 static double ground(int64_t x, int64_t y)
 {
-	(void)x;
 	(void)y;
-	return 100;
+	return 100 + slope * extent.spacing * (double)x;
 }
 
 /* %s in turn: the sprocket's axis, what custom has. */
@@ -61,6 +62,7 @@ static void check(const struct trial *trial)
 	struct deform_soil soil;
 	must(deform_soil_named(trial->soil, &soil));
 	write_scene(trial, pull, seconds);
+	slope = 0;
 	support_store(store, extent, ground);
 	must(drive_run(support_path("scene.yaml"), store, NULL, &(struct drive_cut){.out = support_path("out")}, NULL));
 	const size_t count = drive_rows(support_path("out/vehicles.csv"), "v", rows, 2000);
@@ -89,6 +91,72 @@ static void it_pulls_as_a_rigid_track(void **state)
 		check(&trials[i]);
 }
 
+/* --- up a slope --- */
+
+/* What a rigid track at a slip shears, where its pressure grows evenly to its rear, as its load does that acts behind its middle. */
+static double effort(const struct deform_soil *soil, double length, double width, double load, double behind, double slip)
+{
+	const int parts = 2000;
+	double sum = 0;
+	for (int k = 0; k < parts; k++) {
+		const double x = (k + 0.5) / parts, share = 1 + 12 * behind / length * (x - 0.5), slid = slip * x * length / soil->janosi_shear;
+		sum += (soil->cohesion * length * width + load * share * tan(soil->friction_angle)) * (1 - exp(-slid)) / parts;
+	}
+	return sum;
+}
+
+struct turned {
+	double t, x, angle;
+};
+
+/* The rows of the shipped vehicle: when, where, and the angle of its left sprocket. */
+static size_t read_turned(struct turned *rows, size_t most)
+{
+	char *text = drive_text(support_path("out/vehicles.csv"));
+	size_t count = 0;
+	for (char *line = strchr(text, '\n'); line != NULL && line[1] != '\0' && count < most; line = strchr(line + 1, '\n'))
+		count += sscanf(line + 1, "%lf,%*[^,],%lf,%*f,%*f,%*f,%*f,%*f,%*f,%*f,%*f,%*f,%*f,%lf", &rows[count].t, &rows[count].x, &rows[count].angle) == 3;
+	free(text);
+	return count;
+}
+
+static void the_shipped_vehicle_climbs_at_the_slip_of_its_slope(void **state)
+{
+	static const struct {
+		const char *soil;
+		double degrees;
+	} trials[] = {{"dry_sand", 8}, {"dry_sand", 16}, {"dry_sand", 25}, {"sandy_loam_15", 12}, {"lunar", 20}};
+	static struct turned rows[2000];
+	const char *store = support_path("world.furrow");
+	char text[2048], path[512];
+	(void)state;
+	snprintf(path, sizeof path, "%s/vehicles/tracked.xml", getenv("SCENES"));
+	char *shipped = drive_text(path);
+	support_write(support_path("tracked.xml"), shipped);
+	free(shipped);
+	for (size_t i = 0; i < sizeof trials / sizeof *trials; i++) {
+		const double angle = trials[i].degrees * M_PI / 180, weight = 1000 * 9.81, length = 1.9, width = 0.24;
+		struct deform_soil soil;
+		must(deform_soil_named(trials[i].soil, &soil));
+		slope = tan(angle);
+		support_store(store, extent, ground);
+		snprintf(text, sizeof text, "scene: 1\nend_time: 10\ntime_step: 0.002\nspacing: 0.0625\nsoil: {name: %s, damping: 0}\n"
+					    "redistribute: {model: scm, slip_sinkage: 0, bulldozing: 0}\n"
+					    "vehicles:\n  - {name: v, model: tracked.xml, start: {at: [8, 8]}, soil: [track_*], driver: {hold: {drive_left: 4, drive_right: 4}}}\n"
+					    "output: {vehicles: 20}\n", trials[i].soil);
+		support_write(support_path("scene.yaml"), text);
+		must(drive_run(support_path("scene.yaml"), store, NULL, &(struct drive_cut){.out = support_path("out")}, NULL));
+		const size_t count = read_turned(rows, 2000);
+		assert_true(count == 201);
+		const struct turned *from = &rows[120], *to = &rows[200];
+		const double slip = 1 - (to->x - from->x) / cos(angle) / (0.2 * (to->angle - from->angle));
+		const double wanted = effort(&soil, length, 2 * width, weight * cos(angle), 0.53 * tan(angle), slip);
+		print_message("%s, %g degrees: slip %.4f, weight down the slope %.1f N, the track's effort %.1f N\n", trials[i].soil, trials[i].degrees, slip,
+			      weight * sin(angle), wanted);
+		assert_true(slip > 0 && fabs(wanted - weight * sin(angle)) < 0.03 * wanted);
+	}
+}
+
 static void a_belt_that_is_wrong_is_refused(void **state)
 {
 	static const struct {
@@ -113,6 +181,7 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(it_pulls_as_a_rigid_track),
+		cmocka_unit_test(the_shipped_vehicle_climbs_at_the_slip_of_its_slope),
 		cmocka_unit_test(a_belt_that_is_wrong_is_refused),
 	};
 	return cmocka_run_group_tests_name("a vehicle on a belt", tests, support_enter, support_leave);
