@@ -29,6 +29,12 @@ float half_strip(float ahead)
 {
 	return sqrt(max(body.x * body.x - ahead * ahead, 0.0));
 }
+
+// Returns the height of the lower end above a place.
+float end_at(vec2 at)
+{
+	return (-half_axis + low_side * at.y * level) / max(abs(lean), 1e-6);
+}
 #elif defined(SHAPE_ELLIPSOID)
 // height = dot(shear, at) - faces[0].x sqrt(1 - squares), squares = ahead_by (x + skew y)^2 + aside_by y^2
 vec2 shear_of_body = faces[0].yz;
@@ -111,7 +117,8 @@ vec3 normal_of_slope(vec2 slope)
 	return vec3(-slope * up, up);
 }
 
-// own: slope of a lower envelope that is known only at posts.
+// own: slope of a lower envelope that is known only at posts. Of a steep cylinder: x is 1 if its lower end
+// alone bears, 2 if the higher of its end and its side does at each place.
 face face_at(vec2 at, vec2 own)
 {
 #ifdef SHAPE_WHEEL
@@ -127,9 +134,8 @@ face face_at(vec2 at, vec2 own)
 	float ahead = clamp(at.x, -body.x * STEEPEST_PART, body.x * STEEPEST_PART), strip = half_strip(ahead), up = strip * by_radius;
 	face f = face((lean * at.y - half_strip(at.x)) * lift, vec2(ahead / strip, lean) * lift, vec3(-ahead * by_radius, -lean * up, level * up));
 	if (!strips) {
-		float end = (-half_axis + low_side * at.y * level) / max(abs(lean), 1e-6);
 		vec2 slope = vec2(0.0, low_side * level / max(abs(lean), 1e-6));
-		f = end > f.height ? face(end, slope, vec3(0.0)) : f;
+		f = own.x == 1.0 || end_at(at) > f.height ? face(end_at(at), slope, vec3(0.0)) : f;
 		f.normal = normal_of_slope(f.slope);
 	}
 	return f;
@@ -176,6 +182,10 @@ float lowered_at(vec2 at, float back, float lowered, face now)
 	float x = clamp(min(max(ring * moves.z, forward), forward + back), -ring, ring);
 	// How much higher the circle is at `forward` than at x, without the cancellation of two roots: near its ends these are inexact.
 	float inside = clamp(forward, -ring, ring), rises = (inside - x) * (inside + x) / max(sqrt(max(ring * ring - x * x, 0.0)) + below_at(at, now), 1e-9);
+#ifdef SHAPE_CYLINDER
+	if (!strips) // its end bears, too, which is no circle
+		return lowered;
+#endif
 	return moves.x > 0.0 ? max(lift * rises + moves.y * (x - forward), 0.0) : 0.0;
 #else
 	return lowered;
@@ -191,7 +201,7 @@ float until_beyond(float at, float size, float speed, float by)
 
 // Returns the last share of the contact during which the object was deeper than `stays` below the surface. Below 0: it is not so deep
 // at the end. Above 1: it was so deep before the contact too, if it moved then as it moves now.
-float contact_share(vec2 at, float depth, float stays, face now, bool over)
+float contact_share(vec2 at, vec2 own, float depth, float stays, face now, bool over)
 {
 	float gains = depth - stays;
 #ifdef ROUND
@@ -201,13 +211,26 @@ float contact_share(vec2 at, float depth, float stays, face now, bool over)
 	float share = by_moving > 0.0 ? (moves.x > 0.0 ? first : gains) * by_moving : 1e3;
 	if (digs.w > 0.0) {
 		// A host may move the object steeply. This is when the circle leaves the place, whatever the direction.
-		float level = now.height + gains, path = moves.x * moves.x + way.z * way.z;
-		float nears = at.x * moves.x + level * way.z, beyond = at.x * at.x + level * level - all * all;
+#ifdef SHAPE_CYLINDER
+		float plunge = way.z * level - way.y * lean;
+#elif defined(SHAPE_ELLIPSOID)
+		float plunge = (way.z - dot(shear_of_body, way.xy)) / lift;
+#else
+		float plunge = way.z;
+#endif
+		float ahead = ahead_at(at), height = gains / lift - below_at(at, now), path = moves.x * moves.x + plunge * plunge;
+		float nears = ahead * moves.x + height * plunge, beyond = ahead * ahead + height * height - all * all;
 		float root = nears * nears - path * beyond;
 		share = path <= 0.0 ? 1e3 : root >= 0.0 ? -beyond / max(nears + sqrt(root), 1e-18) : -4.0;
 	}
+#ifdef SHAPE_CYLINDER
+	if (digs.w > 0.0 && !strips) {
+		float speed = face_at(at + way.xy, own).height - now.height - way.z;
+		share = speed > 0.0 ? gains / speed : 1e3;
+	}
+#endif
 #else
-	float speed = face_at(at + way.xy, now.slope).height - now.height - way.z;
+	float speed = face_at(at + way.xy, own).height - now.height - way.z;
 	float share = speed > 0.0 ? gains / speed : 1e3;
 #endif
 #ifdef SHAPE_BOX
@@ -224,7 +247,7 @@ struct cell {
 	vec2 at;     // the post
 	vec2 middle; // of the part, from the post, m
 	float share; // area of the part, in posts
-	vec2 own;    // slope of a lower envelope that is known only at posts
+	vec2 own;    // as for face_at
 #ifdef SHAPE_CYLINDER
 	bool brim;   // it also bears what the lower end covers
 #endif
@@ -245,7 +268,12 @@ const float BORDER = 1e-5; // m: nearer to a border only the lower envelope, in 
 // Tells whether a post is within a strip. at: its place across the strip, m. size: half the strip's width, m.
 bool within(ivec2 post, float at, float size)
 {
-	return abs(abs(at) - size) > BORDER ? abs(at) < size : covers(post);
+#ifdef SHAPE_CYLINDER
+	bool beyond_end = at * low_side > 0.0; // there the lower envelope goes on, below the end
+#else
+	const bool beyond_end = false;
+#endif
+	return abs(abs(at) - size) > BORDER || beyond_end ? abs(at) < size : covers(post);
 }
 
 // Returns the part of a strip that a post bears: from, to, in posts from this post. next: from it to the next post across the strip.
@@ -277,6 +305,16 @@ bool bears_beside(vec2 at)
 	return false;
 #endif
 }
+
+#ifdef POSTS_ONLY
+// Returns the slope at a post between two others. It is their mean, but no more than twice each of them: beside an edge the object would seem
+// to reach below its own lowest place.
+float middle_slope(float before, float after)
+{
+	float least = min(abs(before), abs(after));
+	return before * after > 0.0 ? clamp(0.5 * (before + after), -2.0 * least, 2.0 * least) : 0.0;
+}
+#endif
 
 cell cell_at(int x, int y, object o)
 {
@@ -313,14 +351,20 @@ cell cell_at(int x, int y, object o)
 		c.middle += 0.5 * (part.x + part.y) * cut_ahead;
 	}
 #endif
+#ifdef SHAPE_CYLINDER
+	// The side of a cylinder that is nearly upright is a wall, seen from above: it counts as none where it is narrower than a quarter of a post.
+	if (!strips)
+		c.own.x = 2.0 * half_axis * level < 0.25 * scale.y ? 1.0 : 2.0;
+#endif
 #ifdef POSTS_ONLY
 	if (over)
 		for (int k = 0; k < 2; k++) {
 			ivec2 next = k == 0 ? ivec2(1, 0) : ivec2(0, 1);
 			bool low = covers(ivec2(x, y) - next), high = covers(ivec2(x, y) + next);
-			int from = rest_at(ivec3(ivec2(x, y) - (low ? next : ivec2(0)), zero.z));
-			int to = rest_at(ivec3(ivec2(x, y) + (high ? next : ivec2(0)), zero.z));
-			c.own[k] = float(to - from) * scale.x * (low && high ? 0.5 : 1.0);
+			int here = rest_at(ivec3(x, y, zero.z));
+			float before = low ? float(here - rest_at(ivec3(ivec2(x, y) - next, zero.z))) : 0.0;
+			float after = high ? float(rest_at(ivec3(ivec2(x, y) + next, zero.z)) - here) : 0.0;
+			c.own[k] = (low && high ? middle_slope(before, after) : before + after) * scale.x;
 		}
 #endif
 	return c;
@@ -337,8 +381,8 @@ float lowest_near(vec2 at, float reach, vec2 own)
 	return -sqrt(max(body.x * body.x - near * near, 0.0));
 #elif defined(SHAPE_CYLINDER)
 	float side = (lean * at.y - abs(lean) * reach - half_strip(max(abs(at.x) - reach, 0.0))) * lift;
-	float end = (-half_axis + (low_side * at.y - reach) * level) / max(abs(lean), 1e-6);
-	return strips || abs(lean) < 1e-6 ? side : max(side, end);
+	float end = end_at(at) - reach * level / max(abs(lean), 1e-6);
+	return strips ? side : own.x > 1.0 ? max(side, end) : end;
 #elif defined(SHAPE_CAPSULE)
 	vec2 axis = faces[0].yz;
 	float aside = max(abs(axis.x * at.y - axis.y * at.x) - reach, 0.0);

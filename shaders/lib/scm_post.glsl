@@ -326,7 +326,7 @@ bearing bearing_of(soil s, float by_width, incline i, ground g, object o, cell c
 	// share: of the contact, in which the object touches the post. It counts from the ground before slip digs. A post beside the object
 	// stores no shear. There the object counts as having moved before as it moves now.
 	face post = face_at(c.at, c.own);
-	float since = contact_share(c.at, depth_at_post(g, o, post), had_plastic * i.by_up, post, over), share = over ? min(since, 1.0) : since;
+	float since = contact_share(c.at, c.own, depth_at_post(g, o, post), had_plastic * i.by_up, post, over), share = over ? min(since, 1.0) : since;
 	float above = over ? float(o.rests - o.raised) * UNIT_METRES - post.height : 0.0;
 	slip passed = slides_over(i, c, above, share);
 	vec2 shear = shear_of(before.shear);
@@ -370,7 +370,7 @@ bearing bearing_of(soil s, float by_width, incline i, ground g, object o, cell c
 	float centre = l.ground - depth - post.height; // rise of the ground from the post to the line's middle
 #ifdef SHAPE_CYLINDER
 	// Across its way the rut leans as the cylinder does.
-	m.sinkage += remains > 0 && strips ? (1.0 - m.stamped) * (i.rise.y - lean * lift) * c.middle.y : 0.0;
+	m.sinkage += remains > 0 && strips ? (1.0 - m.printed) * (1.0 - m.stamped) * (i.rise.y - lean * lift) * c.middle.y : 0.0;
 #endif
 	vec3 depths, mosts;
 	for (int k = 0; k < 3; k++) {

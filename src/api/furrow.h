@@ -231,8 +231,8 @@ FURROW_API furrow_status furrow_body_remove(struct furrow_world *world, furrow_b
  * that ground from the GPU. From then on each step ends when it is on the host, and a probe waits for nothing.
  * `bodies`, `states`, `contacts`: `count` entries each. `contact_size`: sizeof(struct furrow_contact). `count` 0: does nothing.
  * A state may lie two working posts beside the body's last one. Where it lies farther, contact.state is FURROW_UNKNOWN and its
- * numbers are NaN. This is also the answer for a body with a path and for one that was not placed. So it is for a mesh and a wheel
- * with grousers, and under all soil models but scm.
+ * numbers are NaN. This is also the answer for a body with a path and for one that was not placed. So it is under all soil models but
+ * scm.
  * FURROW_USAGE and FURROW_INPUT as furrow_set_states.
  */
 FURROW_API furrow_status furrow_probe(struct furrow_world *world, size_t count, const furrow_body *bodies,

@@ -514,7 +514,7 @@ struct deform_probe {
 };
 
 struct deform_probed {
-	bool known;                   /* false: the patch has not all posts under the body, or probes do not know its shape */
+	bool known;                   /* false: the patch has not all posts under the body */
 	double force[3], moment[3];   /* N, and N m about the body's centre; local axes */
 	double stiffness[6][6];       /* d(force, moment) / d(translation, rotation about local axes): N/m, N, N, N m/rad */
 	double damping[6][6];         /* the same of their rates */

@@ -249,6 +249,9 @@ bool deform_box_is_cut(const struct deform_shape *shape, const struct deform_pos
 /* Returns true if a side of a box is no part of its lower envelope. Of a box that a host moves a strip of less than a quarter of a post
  * counts as none. half: the box's half-axes. */
 bool deform_box_is_upright(const double half[3][3], int side, double spacing, bool hosted);
+/* Rise of an axis: up to it the side of a cylinder bears, and its lower end as a brim beside it. A steeper one bears by whole posts. */
+#define DEFORM_LEANS_MOST 0.5
+#define DEFORM_LEVEL_LEAST 1e-5 /* length in plan of an axis: an upright one counts as this, so that all numbers are finite */
 
 void deform_find_plan(const char *effect, struct plan *plan);
 

@@ -22,6 +22,21 @@ static double mass_of(const struct vehicle *vehicle, int geom)
 	return inverse > 0 ? 1 / inverse : INFINITY;
 }
 
+/* Returns the area that an ellipsoid shows at a sinkage, on its flattest side. */
+static double flattest(const double radii[3], double sinkage)
+{
+	const double least = fmin(radii[0], fmin(radii[1], radii[2])), up = fmax(1 - sinkage / least, 0);
+	return M_PI * radii[0] * radii[1] * radii[2] / least * (1 - up * up);
+}
+
+static double of_box(const struct deform_mesh *mesh)
+{
+	double size[3];
+	for (int k = 0; k < 3; k++)
+		size[k] = mesh->high[k] - mesh->low[k];
+	return fmax(size[0] * size[1], fmax(size[1] * size[2], size[2] * size[0]));
+}
+
 /* About the area in plan that touches at a sinkage. */
 static double area_of(const struct deform_shape *shape, double sinkage)
 {
@@ -34,6 +49,14 @@ static double area_of(const struct deform_shape *shape, double sinkage)
 		return M_PI * half * half;
 	case DEFORM_BOX:
 		return shape->size[0] * shape->size[1];
+	case DEFORM_CAPSULE: /* lying */
+		return M_PI * half * half + shape->length * 2 * half;
+	case DEFORM_CYLINDER: /* upright, or lying */
+		return fmax(M_PI * shape->radius * shape->radius, shape->length * 2 * half);
+	case DEFORM_ELLIPSOID:
+		return flattest(shape->size, sinkage);
+	case DEFORM_MESH: /* on the largest side of the box around it */
+		return of_box(shape->mesh);
 	default: {
 		const double bound = deform_shape_bound(shape);
 		return M_PI * bound * bound;

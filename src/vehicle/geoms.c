@@ -9,6 +9,7 @@
 #define PARALLEL 1e-6 /* 1 - cosine of the greatest angle between a wheel's axis and its joint */
 #define BELT "belt:"  /* how names in custom begin that are of a belt */
 #define MIDDLE 1e-4   /* of the radius: how far the joint's axis may be from the wheel's middle */
+#define GROUSERS_MAX 128
 
 bool vehicle_matches(const struct scene_texts *patterns, const char *name, bool none)
 {
@@ -77,15 +78,19 @@ static void set_axes(struct soil_geom *out, const double forward[3], const doubl
 	}
 }
 
-/* The first number of a geom's `user` is how many grousers it has. The soil's force on grousers is not known yet. */
-static enum status refuse_grousers(const struct vehicle *vehicle, const struct soil_geom *out, const char *where)
+/* The first numbers of a geom's `user`: how many grousers it has, their height and their thickness, m; 0: the default of a scene. */
+static enum status set_grousers(const mjModel *model, struct soil_geom *out, const char *where)
 {
-	const mjModel *model = vehicle->model;
-	const double count = model->nuser_geom > 0 ? model->geom_user[(size_t)model->nuser_geom * (size_t)out->geom] : 0;
-	if (count == 0)
+	const int count = model->nuser_geom;
+	const double *user = &model->geom_user[(size_t)count * (size_t)out->geom];
+	if (count == 0 || user[0] == 0)
 		return STATUS_OK;
-	return fail_with(STATUS_INPUT, "%s: %s: user says %g grousers; the soil's force on grousers is not known yet, give 0 of them and a radius "
-				       "that includes part of their height", where, out->name, count);
+	if (!(user[0] >= 1 && user[0] <= GROUSERS_MAX))
+		return fail_with(STATUS_INPUT, "%s: %s: user says %g grousers; give 0 to %d", where, out->name, user[0], GROUSERS_MAX);
+	out->shape.grousers = (int)user[0];
+	out->shape.grouser_height = count > 1 && user[1] != 0 ? user[1] : 0.05 * out->shape.radius;
+	out->shape.grouser_thickness = count > 2 && user[2] != 0 ? user[2] : 0.1 * out->shape.radius;
+	return STATUS_OK;
 }
 
 /* A wheel's own y axis is the cylinder's z axis, and points to the vehicle's left. */
@@ -96,7 +101,7 @@ static enum status make_wheel(const struct vehicle *vehicle, struct soil_geom *o
 	const double side = mat[5] >= 0 ? 1 : -1;
 	out->shape = (struct deform_shape){.kind = DEFORM_WHEEL, .radius = size[0], .width = 2 * size[1]};
 	set_axes(out, (const double[]){1, 0, 0}, (const double[]){0, 0, side}, (const double[]){0, -side, 0});
-	return refuse_grousers(vehicle, out, where);
+	return set_grousers(model, out, where);
 }
 
 /* Finds the hinge and the radius that `custom` of the model gives for a belt: a text and a numeric, both named belt:GEOM. */
@@ -142,6 +147,13 @@ static enum status check_belts(const struct vehicle *vehicle, const char *where)
 	return STATUS_OK;
 }
 
+static enum status make_mesh(const struct vehicle *vehicle, struct soil_geom *out)
+{
+	enum status status = vehicle_make_mesh(vehicle->model, out->geom, &out->mesh);
+	out->shape = (struct deform_shape){.kind = DEFORM_MESH, .mesh = out->mesh};
+	return status;
+}
+
 static enum status make_shape(const struct vehicle *vehicle, struct soil_geom *out, const char *where)
 {
 	const mjModel *model = vehicle->model;
@@ -155,16 +167,25 @@ static enum status make_shape(const struct vehicle *vehicle, struct soil_geom *o
 	case mjGEOM_BOX:
 		out->shape = (struct deform_shape){.kind = DEFORM_BOX, .size = {2 * size[0], 2 * size[1], 2 * size[2]}};
 		return make_belt(vehicle, out, where);
+	case mjGEOM_CAPSULE:
+		out->shape = (struct deform_shape){.kind = DEFORM_CAPSULE, .radius = size[0], .length = 2 * size[1]};
+		return STATUS_OK;
+	case mjGEOM_ELLIPSOID:
+		out->shape = (struct deform_shape){.kind = DEFORM_ELLIPSOID, .size = {size[0], size[1], size[2]}};
+		return STATUS_OK;
+	case mjGEOM_MESH:
+		return make_mesh(vehicle, out);
 	case mjGEOM_CYLINDER:
 		out->dof = turns(model, out->geom);
 		if (out->dof >= 0)
 			return make_wheel(vehicle, out, where);
-		break;
+		out->shape = (struct deform_shape){.kind = DEFORM_CYLINDER, .radius = size[0], .length = 2 * size[1]};
+		return STATUS_OK;
 	default:
 		break;
 	}
-	return fail_with(STATUS_INPUT, "%s: %s: a shape like this cannot press the ground; use boxes, spheres, or a cylinder that a joint "
-				       "turns about its axis, or leave it out of soil", where, out->name);
+	return fail_with(STATUS_INPUT, "%s: %s: a shape like this cannot press the ground; use boxes, spheres, capsules, ellipsoids, cylinders or meshes, "
+				       "or leave it out of soil", where, out->name);
 }
 
 /* A name of a body in the world: A-Z a-z 0-9 _ - and a dot. */
@@ -207,38 +228,19 @@ enum status vehicle_find_geoms(struct vehicle *vehicle, const char *where)
 
 void vehicle_free_geoms(struct vehicle *vehicle)
 {
-	for (size_t i = 0; i < vehicle->geom_count; i++)
+	for (size_t i = 0; i < vehicle->geom_count; i++) {
 		mem_free(vehicle->geoms[i].name);
+		vehicle_free_mesh(vehicle->geoms[i].mesh);
+	}
 	mem_free(vehicle->geoms);
 }
 
 /* --- where they are --- */
 
-/* Turns the axes, by the shortest way, so that the second is level: the world knows no camber of wheels. */
-static void level_axle(double axes[9])
-{
-	const double left[3] = {axes[1], axes[4], axes[7]}, length = hypot(left[0], left[1]);
-	if (!(length > 0))
-		return;
-	const double level[3] = {left[0] / length, left[1] / length, 0};
-	double about[3], turn[4], mat[9], turned[9];
-	mju_cross(about, left, level);
-	const double sine = mju_norm3(about);
-	if (!(sine > 0))
-		return;
-	mju_normalize3(about);
-	mju_axisAngle2Quat(turn, about, atan2(sine, mju_dot3(left, level)));
-	mju_quat2Mat(mat, turn);
-	mju_mulMatMat(turned, mat, axes, 3, 3, 3);
-	mju_copy(axes, turned, 9);
-}
-
 void vehicle_geom_state(const struct vehicle *vehicle, const struct soil_geom *geom, struct world_state *state)
 {
 	double axes[9], velocity[6];
 	mju_mulMatMat(axes, &vehicle->data->geom_xmat[9 * geom->geom], geom->axes, 3, 3, 3);
-	if (geom->shape.kind == DEFORM_WHEEL)
-		level_axle(axes);
 	mju_mat2Quat(state->pose.orientation, axes);
 	mju_normalize4(state->pose.orientation);
 	mj_objectVelocity(vehicle->model, vehicle->data, mjOBJ_GEOM, geom->geom, velocity, 0);

@@ -14,6 +14,7 @@ struct soil_geom {
 	double sprocket;            /* m: how far its belt runs for each radian of that; below 0: the hinge looks to the right. 0: no belt */
 	char *name;                 /* VEHICLE.GEOM, the name of its body in the world */
 	struct deform_shape shape;
+	struct deform_mesh *mesh;   /* of the shape; owned; NULL: none */
 	double axes[9];             /* the body's axes forward, left, up as columns, in the geom's axes */
 	int32_t number;             /* its body in the world */
 	struct world_state now;     /* where the coupling step ends if the velocity stays as it is at its start */

@@ -439,7 +439,7 @@ enum status world_body_state(const struct world *world, int32_t number, struct w
  * probe of a body reads the ground under it from the GPU. From then on each step does so at its end, and later probes only compute.
  * world_probe_reads: returns true if a probe of these bodies would read, so that it needs the GL context.
  * The contact is `unknown` where a state is more than two working posts from the body's last one, and for a body with a path. So it is
- * for a shape and for a soil model that probes do not know. STATUS_USAGE, STATUS_INPUT: a state is not one that the body can have.
+ * for a soil model that probes do not know. STATUS_USAGE, STATUS_INPUT: a state is not one that the body can have.
  */
 bool world_probe_reads(const struct world *world, size_t count, const int32_t *numbers);
 enum status world_probe(struct world *world, size_t count, const int32_t *numbers, const struct world_state *states,

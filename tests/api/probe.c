@@ -132,63 +132,6 @@ static void a_plate_and_a_wheel_bear_as_their_closed_forms(void **state)
 
 /* --- stiffness and damping --- */
 
-static void turn_by(const double axis[3], double angle, double q[4])
-{
-	const double s = sin(angle / 2), r[4] = {cos(angle / 2), s * axis[0], s * axis[1], s * axis[2]}, p[4] = {q[0], q[1], q[2], q[3]};
-	q[0] = r[0] * p[0] - r[1] * p[1] - r[2] * p[2] - r[3] * p[3];
-	q[1] = r[0] * p[1] + r[1] * p[0] + r[2] * p[3] - r[3] * p[2];
-	q[2] = r[0] * p[2] - r[1] * p[3] + r[2] * p[0] + r[3] * p[1];
-	q[3] = r[0] * p[3] + r[1] * p[2] - r[2] * p[1] + r[3] * p[0];
-}
-
-/* Moves a state along one of its six freedoms, or changes its velocity. */
-static struct furrow_state moved(const struct furrow_state *from, int freedom, double by, bool rate)
-{
-	struct furrow_state to = *from;
-	const double axis[3] = {freedom == 3, freedom == 4, freedom == 5};
-	if (rate)
-		*(freedom < 3 ? &to.linear[freedom] : &to.angular[freedom - 3]) += by;
-	else if (freedom < 3)
-		to.pose.position[freedom] += by;
-	else
-		turn_by(axis, by, to.pose.orientation);
-	return to;
-}
-
-static double part_of(const struct furrow_contact *contact, int i)
-{
-	return i < 3 ? contact->force[i] : contact->moment[i - 3];
-}
-
-struct off {
-	double worst, least, most; /* as a share of the diagonal; quotients of diagonals */
-};
-
-/* Compares a matrix with quotients of differences. freedoms: a bit for each. */
-static struct off off_by(struct furrow_world *world, furrow_body body, const struct furrow_state *at, unsigned freedoms, bool rate)
-{
-	const struct furrow_contact here = probing_ask(world, body, at);
-	const double (*matrix)[6] = rate ? here.damping : here.stiffness;
-	struct off off = {0, INFINITY, 0};
-	for (int k = 0; k < 6; k++) {
-		if (!(freedoms & 1u << k))
-			continue;
-		const double by = rate ? 1e-5 : 4e-6;
-		const struct furrow_state more = moved(at, k, by, rate), less = moved(at, k, -by, rate);
-		const struct furrow_contact high = probing_ask(world, body, &more), low = probing_ask(world, body, &less);
-		for (int i = 0; i < 6; i++) {
-			const double slope = (part_of(&high, i) - part_of(&low, i)) / (2 * by);
-			if (freedoms & 1u << i)
-				off.worst = fmax(off.worst, fabs(matrix[i][k] - slope) / sqrt(fabs(matrix[i][i] * matrix[k][k])));
-			if (i == k) {
-				off.least = fmin(off.least, matrix[i][i] / slope);
-				off.most = fmax(off.most, matrix[i][i] / slope);
-			}
-		}
-	}
-	return off;
-}
-
 /* Set down: it sank slowly, and sinks on, a little to the side. */
 static void stiffness_and_damping_are_how_the_force_changes(void **state)
 {
@@ -211,7 +154,7 @@ static void stiffness_and_damping_are_how_the_force_changes(void **state)
 			at.linear[0] = 0.0005;
 			at.linear[2] = -0.02;
 			const unsigned freedoms = shape == 0 ? 0x17 : 0x3f; /* a wheel's axle stays level */
-			const struct off stiffness = off_by(world, body, &at, freedoms, false), damping = off_by(world, body, &at, freedoms & 0x17, true);
+			const struct probing_off stiffness = probing_off_by(world, body, &at, freedoms, false), damping = probing_off_by(world, body, &at, freedoms & 0x17, true);
 			print_message("%s, slope %g: stiffness %.3f (%.2f .. %.2f), damping %.3f (%.2f .. %.2f)\n", names[shape], slopes[k], stiffness.worst,
 				      stiffness.least, stiffness.most, damping.worst, damping.least, damping.most);
 			const struct furrow_contact contact = probing_ask(world, body, &at);

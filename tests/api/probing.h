@@ -56,4 +56,63 @@ static inline struct furrow_contact probing_ask(struct furrow_world *world, furr
 	return contact;
 }
 
+/* --- how the force changes --- */
+
+static inline void probing_turn(const double axis[3], double angle, double q[4])
+{
+	const double s = sin(angle / 2), r[4] = {cos(angle / 2), s * axis[0], s * axis[1], s * axis[2]}, p[4] = {q[0], q[1], q[2], q[3]};
+	q[0] = r[0] * p[0] - r[1] * p[1] - r[2] * p[2] - r[3] * p[3];
+	q[1] = r[0] * p[1] + r[1] * p[0] + r[2] * p[3] - r[3] * p[2];
+	q[2] = r[0] * p[2] - r[1] * p[3] + r[2] * p[0] + r[3] * p[1];
+	q[3] = r[0] * p[3] + r[1] * p[2] - r[2] * p[1] + r[3] * p[0];
+}
+
+/* Moves a state along one of its six freedoms, or changes its velocity. */
+static inline struct furrow_state probing_moved(const struct furrow_state *from, int freedom, double by, bool rate)
+{
+	struct furrow_state to = *from;
+	const double axis[3] = {freedom == 3, freedom == 4, freedom == 5};
+	if (rate)
+		*(freedom < 3 ? &to.linear[freedom] : &to.angular[freedom - 3]) += by;
+	else if (freedom < 3)
+		to.pose.position[freedom] += by;
+	else
+		probing_turn(axis, by, to.pose.orientation);
+	return to;
+}
+
+static inline double probing_part(const struct furrow_contact *contact, int i)
+{
+	return i < 3 ? contact->force[i] : contact->moment[i - 3];
+}
+
+struct probing_off {
+	double worst, least, most; /* as a share of the diagonal; quotients of diagonals */
+};
+
+/* Compares a matrix with quotients of differences. freedoms: a bit for each. */
+static inline struct probing_off probing_off_by(struct furrow_world *world, furrow_body body, const struct furrow_state *at, unsigned freedoms, bool rate)
+{
+	const struct furrow_contact here = probing_ask(world, body, at);
+	const double (*matrix)[6] = rate ? here.damping : here.stiffness;
+	struct probing_off off = {0, INFINITY, 0};
+	for (int k = 0; k < 6; k++) {
+		if (!(freedoms & 1u << k))
+			continue;
+		const double by = rate ? 1e-5 : 4e-6;
+		const struct furrow_state more = probing_moved(at, k, by, rate), less = probing_moved(at, k, -by, rate);
+		const struct furrow_contact high = probing_ask(world, body, &more), low = probing_ask(world, body, &less);
+		for (int i = 0; i < 6; i++) {
+			const double slope = (probing_part(&high, i) - probing_part(&low, i)) / (2 * by);
+			if (freedoms & 1u << i)
+				off.worst = fmax(off.worst, fabs(matrix[i][k] - slope) / sqrt(fabs(matrix[i][i] * matrix[k][k])));
+			if (i == k) {
+				off.least = fmin(off.least, matrix[i][i] / slope);
+				off.most = fmax(off.most, matrix[i][i] / slope);
+			}
+		}
+	}
+	return off;
+}
+
 #endif

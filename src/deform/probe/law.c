@@ -1,57 +1,15 @@
 /* The law of scm at one post. See shaders/lib/scm_post.glsl and SOIL.md. */
-#include "deform/probe/law.h"
+#include "deform/probe/place.h"
 
-#define UNIT 0x1p-20          /* m: a fixed-point unit */
-#define LEAST 1.2e-6          /* m: rounding to fixed-point units */
-#define STRESS_MOST 1e20      /* Pa */
 #define REACHED_LEAST 1e-9    /* m: more than rounding of doubles */
 /* At rest a body would rock and slide to and fro for long, since soil springs back without loss. So what moves slower than these is damped more. */
 #define STICKS 0.003          /* m/s along a surface: by the soil's own damping */
 #define SETTLES 0.002         /* m/s across it: by SETTLING times as much */
 #define SETTLING 10.0
 
-/* --- the soil --- */
-
-static double yield_stress(const struct probe_law *law, const struct probe_soil *s, double z)
-{
-	if (!(z > 0))
-		return 0;
-	const double k = probe_most(s->k_c * law->by_width + s->k_phi, 0);
-	return probe_least(probe_least(k * pow(probe_most(z, UNIT), s->n), z * s->elastic), STRESS_MOST);
-}
-
-static double yield_growth(const struct probe_soil *s, double yields, double z)
-{
-	return yields >= 0.9999999 * s->elastic * z ? s->elastic : yields * s->n / probe_most(z, UNIT);
-}
-
-static double plastic_part(const struct probe_soil *s, double z, double yields)
-{
-	return probe_most(0, z - yields * s->by_elastic);
-}
-
-static double plastic_of(const struct probe_law *law, const struct probe_soil *s, double z)
-{
-	return plastic_part(s, z, yield_stress(law, s, z));
-}
-
-/* Returns the shear strength under a normal stress, and its growth with that. */
-static double strength_of(const struct probe_law *law, const struct probe_soil *s, double stress, double *grows)
-{
-	const double adhesion = law->own[0] ? s->cohesion : law->surface[0], tangent = law->own[1] ? s->tan_phi : law->surface[1];
-	const double soil = s->cohesion + s->tan_phi * stress, along = adhesion + tangent * stress;
-	*grows = soil <= along ? s->tan_phi : tangent;
-	return probe_least(soil, along);
-}
-
 static bool in_contact(double sunk, double most, double plastic)
 {
-	return sunk > 0 && (sunk >= most - UNIT || sunk > plastic);
-}
-
-static double stays_after(double way)
-{
-	return exp(-probe_least(way, 100));
+	return sunk > 0 && (sunk >= most - PROBE_UNIT || sunk > plastic);
 }
 
 static double displacement_of(double mobilised)
@@ -59,114 +17,18 @@ static double displacement_of(double mobilised)
 	return mobilised > 0.9999 ? 1e3 : -log(1 - mobilised);
 }
 
-/* --- along the surface --- */
-
-/* Two unit vectors along a surface: where the shortest rotation that makes the surface level has the axes of the frame. */
-static void put_across(const double n[3], double across[2][3])
-{
-	const double by = 1 / (1 + n[2]);
-	across[0][0] = 1 - n[0] * n[0] * by;
-	across[0][1] = across[1][0] = -n[0] * n[1] * by;
-	across[0][2] = -n[0];
-	across[1][1] = 1 - n[1] * n[1] * by;
-	across[1][2] = -n[1];
-}
-
-static double dot(const double a[3], const double b[3])
-{
-	return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static void cross(const double a[3], const double b[3], double out[3])
-{
-	out[0] = a[1] * b[2] - a[2] * b[1];
-	out[1] = a[2] * b[0] - a[0] * b[2];
-	out[2] = a[0] * b[1] - a[1] * b[0];
-}
-
-struct slip {
-	double direction[2], size; /* along the surface; m */
-};
-
-/* Adds what a belt that ran so far, or runs so fast, moves the surface with this normal. */
-static void add_belt(const struct probe_form *form, const double normal[3], double run, double to[3])
-{
-	double along[3];
-	cross(normal, form->belt, along);
-	for (int k = 0; k < 3; k++)
-		to[k] += run * along[k];
-}
-
-static struct slip slip_at(const struct probe_form *form, const double arm[3], double across[2][3])
-{
-	double way[3];
-	cross(form->spin, arm, way);
-	for (int k = 0; k < 3; k++)
-		way[k] += form->way[k];
-	if (form->ran != 0) {
-		double normal[3];
-		cross(across[0], across[1], normal);
-		add_belt(form, normal, form->ran, way);
-	}
-	const double along[2] = {dot(way, across[0]), dot(way, across[1])}, squares = along[0] * along[0] + along[1] * along[1];
-	const double by = 1 / sqrt(probe_most(squares, 1e-24));
-	return (struct slip){{along[0] * by, along[1] * by}, squares * by};
-}
-
-static void normal_at(const struct probe_form *form, const double rise[2], double up, const struct probe_face *face, double normal[3])
-{
-	for (int k = 0; k < 3; k++)
-		normal[k] = !form->ground_normals ? face->normal[k] : k < 2 ? -rise[k] * up : up;
-}
-
-/* --- a line across the cell --- */
-
-/* Returns the place on the line, -1 .. 1, beyond which a parabola through three depths, at -1, 0 and 1, is above 0. sign: the side from
- * which it is looked for. */
-static double root_from(double sign, const double depths[3])
-{
-	const double bends = 0.5 * (depths[0] + depths[2]) - depths[1], rises = 0.5 * (depths[2] - depths[0]), over = depths[1];
-	const double root = rises * rises - 4 * bends * over, by = sqrt(probe_most(root, 0)) - sign * rises;
-	const bool touches = bends < 0 && root <= 0;
-	const double at = touches ? -0.5 * rises / probe_least(bends, -1e-18) : sign * 2 * over / probe_most(by, 1e-15);
-	const bool never = root < (touches ? 4 * bends * LEAST : 0) || (by <= 0 && !touches);
-	return depths[sign < 0 ? 0 : 2] > 0 ? sign : never ? -sign : probe_clamp(at, -1, 1);
-}
-
-/* --- the post --- */
-
-/* A post while it is computed. Heights and depths are in metres, in the body's frame. */
-struct post {
-	const struct probe_law *law;
-	const struct probe_form *form;
-	const struct probe_post *ground;
-	const struct probe_soil *soil;
-	double at[2], rise[2];
-	double height;              /* of the ground above the body's centre */
-	bool over;
-	double rests, lowest;       /* of the lower envelope */
-	struct probe_face face;     /* at the post */
-	double depth;               /* of the end pose below the ground */
-	double was, excess;         /* the largest sinkage before, along the normal; how much deeper poses since then were, vertically */
-	double shear[2];            /* before */
-	double slides, since, share, lasts;
-	double stamped, lowered, back;
-	double printed;             /* how much of what it remembers has the shape that the lower envelope had at the contact's start, */
-	double print_height;        /* whose height was this at the post */
-};
-
 static void put_slide(struct post *p)
 {
 	const struct probe_form *form = p->form;
 	const double half = 0.5 * probe_most(p->share, 0), back[2] = {p->at[0] + half * form->way[0], p->at[1] + half * form->way[1]};
 	struct probe_face then;
 	double normal[3], across[2][3];
-	probe_face_at(form, back, &then);
+	probe_face_at(form, p->own, back, &then);
 	normal_at(form, p->rise, p->ground->up, &then, normal);
 	put_across(normal, across);
 	const double arm[3] = {back[0], back[1], then.height + (p->over ? p->rests - p->face.height : 0)};
 	const struct slip passed = slip_at(form, arm, across);
-	const double rim = form->rim > 0 ? form->rim / normal[2] : 1;
+	const double rim = form->rim > 0 ? form->rim * form->level / normal[2] : 1;
 	p->slides = passed.size * rim * p->soil->by_shear;
 	if (!(form->dig_most > 0 && form->slip > 0 && p->over))
 		return;
@@ -187,7 +49,7 @@ static void put_slide(struct post *p)
 	}
 	const double mean = (sqrt(sizes[0]) + 4 * sqrt(sizes[1]) + sqrt(sizes[2])) / 6;
 	const double most = probe_least(form->dig_most * s->shear * p->ground->by_up, 95), digs = 1 - stays_after(form->slip * touching * s->by_shear * mean);
-	const double more = probe_most(probe_least(probe_most(most - p->ground->dug, 0) * digs, p->height - p->rests - 2 * UNIT), 0);
+	const double more = probe_most(probe_least(probe_most(most - p->ground->dug, 0) * digs, p->height - p->rests - 2 * PROBE_UNIT), 0);
 	p->height -= more;
 	p->was = probe_most(p->was - p->ground->up * more, 0);
 }
@@ -204,8 +66,9 @@ static void begin(const struct probe_law *law, size_t number, const double at[2]
 		.shear = {form->axis[0] * ground->shear[0] + form->axis[1] * ground->shear[1],
 			  form->axis[0] * ground->shear[1] - form->axis[1] * ground->shear[0]},
 	};
-	p->over = deform_form_over(form, at, &p->rests, &p->lowest);
-	probe_face_at(form, at, &p->face);
+	p->over = deform_form_over(form, number, at, &p->rests, &p->lowest);
+	deform_form_own(form, number, p->own);
+	probe_face_at(form, p->own, at, &p->face);
 	p->depth = p->height - (p->over ? p->rests : p->face.height);
 }
 
@@ -213,8 +76,8 @@ static void begin(const struct probe_law *law, size_t number, const double at[2]
 static void remember(struct post *p)
 {
 	const struct probe_form *form = p->form;
-	const double by_up = p->ground->by_up;
-	p->since = deform_form_share(form, p->at, p->depth, plastic_of(p->law, p->soil, p->was) * by_up, &p->face, p->over);
+	const double by_up = p->ground->by_up, had = p->was, had_plastic = had > 0 ? plastic_of(p->law, p->soil, had) : 0;
+	p->since = deform_form_share(form, p->own, p->at, p->depth, had_plastic * by_up, &p->face, p->over);
 	p->share = p->over ? probe_least(p->since, 1) : p->since;
 	if (p->over) {
 		const double excess = p->lowest - (p->ground->reached - p->law->above_zero);
@@ -224,14 +87,14 @@ static void remember(struct post *p)
 	p->depth = p->height - (p->over ? p->rests : p->face.height);
 	const double mobilised = sqrt(p->shear[0] * p->shear[0] + p->shear[1] * p->shear[1]);
 	p->lasts = form->moved;
-	if (p->over && p->since > 1)
+	if (p->over && p->since > 1 && form->moved > 0)
 		p->lasts *= probe_clamp(displacement_of(mobilised) / probe_most(p->slides * (p->since - 1), 1e-9), 0, 1);
 	p->stamped = p->was > 0 ? form->stamps : 0;
 	const double before[2] = {p->at[0] + form->way[0], p->at[1] + form->way[1]};
 	if (p->was > 0) {
-		p->print_height = probe_height_at(form, before);
-		const double depth = p->depth + p->face.height - p->print_height + form->way[2], stays = plastic_of(p->law, p->soil, p->was) * by_up;
-		p->printed = probe_clamp((depth - stays + 4 * LEAST) / probe_most(p->was * by_up - stays, 1e-9), 0, 1);
+		p->print_height = probe_height_at(form, p->own, before);
+		const double depth = p->depth + p->face.height - p->print_height + form->way[2], stays = (p->was == had ? had_plastic : plastic_of(p->law, p->soil, p->was)) * by_up;
+		p->printed = probe_clamp((depth - stays + 4 * PROBE_LEAST) / probe_most(p->was * by_up - stays, 1e-9), 0, 1);
 	}
 	p->lowered = p->over ? p->rests - p->lowest : 0;
 	p->back = p->over ? form->run + form->moved * form->half_across : 1e3;
@@ -243,24 +106,27 @@ static double remembered_at(const struct post *p, const double there[2], double 
 	const double before[2] = {there[0] + p->form->way[0], there[1] + p->form->way[1]};
 	if (!(p->was > 0))
 		return 0;
-	const double print = p->printed > 0 ? rise + p->print_height - probe_height_at(p->form, before) : 0;
-	return p->was * p->ground->by_up + p->printed * print + (1 - p->printed) * p->stamped * (deep - p->depth);
+	const struct probe_form *form = p->form;
+	const double print = p->printed > 0 ? rise + p->print_height - probe_height_at(form, p->own, before) : 0;
+	/* Across its way a rut leans as the cylinder does. */
+	const double leans = probe_strips(form) ? (1 - p->stamped) * (p->rise[1] - form->lean * form->lift) * (there[1] - p->at[1]) : 0;
+	return p->was * p->ground->by_up + p->printed * print + (1 - p->printed) * (p->stamped * (deep - p->depth) + leans);
 }
 
 /* Returns how much lower than now the body was above a place in the contact. *since: how long ago, in contacts. */
-static double lowered_at(const struct post *p, const double there[2], double height, double *since)
+static double lowered_at(const struct post *p, const double there[2], double *since)
 {
 	double way = 0;
-	const double lowered = probe_is_round(p->form) ? probe_lowered(p->form, there, p->back, height, &way) : p->lowered;
+	const double lowered = probe_is_round(p->form) ? probe_lowered(p->form, there, p->back, &way) : p->lowered;
 	*since = probe_is_round(p->form) ? (way > 0 ? probe_least(way / p->form->run, 1) : 0) : lowered > 0;
 	return lowered;
 }
 
 /* How `mobilised` grows with a way of the surface: `shears` of the place. slides: the way in all of the contact, touching: since it
  * touches, both in units of the shear modulus. */
-static void put_shears(const struct post *p, const struct slip *slip, double touching, double stays, struct probe_place *place)
+void deform_place_shears(const struct post *p, const struct slip *slip, double touching, double stays, struct probe_place *place)
 {
-	const double by_shear = p->soil->by_shear, rim = p->form->rim > 0 ? p->form->rim / place->normal[2] : 1;
+	const double by_shear = p->soil->by_shear, rim = p->form->rim > 0 ? p->form->rim * p->form->level / place->normal[2] : 1;
 	if (!(slip->size > 1e-9)) { /* it begins to slide: half as stiff on, and half as much stiffer back */
 		place->shears[0][0] = place->shears[1][1] = by_shear;
 		place->shears[0][1] = place->shears[1][0] = 0;
@@ -286,19 +152,21 @@ static double fade_slope(double fades)
 }
 
 /* Damping: of soil that is pushed down fast, and of a surface that hardly slides. */
-static void put_rates(const struct post *p, double factor, struct probe_place *place)
+void deform_place_rates(const struct post *p, double factor, struct probe_place *place)
 {
 	const struct probe_form *form = p->form;
 	double rolls[3] = {form->angular[0], form->angular[1], form->angular[2]}, moves[3], turns[3];
-	if (form->kind == DEFORM_WHEEL)
-		rolls[1] += form->linear[0] / form->radius;
+	const double rolled = form->wheel ? form->linear[0] * form->by_radius : 0;
+	rolls[1] += rolled * form->level;
+	rolls[2] += rolled * form->lean;
 	cross(rolls, place->arm, moves);
 	const double down = -(dot(form->linear, place->normal) + dot(moves, place->normal));
 	const double slow = fade(down * down / (SETTLES * SETTLES)), settles = SETTLING * p->soil->damping * factor;
 	place->damps = down >= 0 ? p->soil->damping * factor : 0;
 	place->stress = probe_most(place->stress + (place->damps + settles * slow) * down, 0);
 	place->damps += settles * fade_slope(slow);
-	rolls[1] = form->angular[1] + form->spins;
+	rolls[1] = form->angular[1] + form->spins * form->level;
+	rolls[2] = form->angular[2] + form->spins * form->lean;
 	cross(rolls, place->arm, turns);
 	for (int k = 0; k < 3; k++)
 		turns[k] += form->linear[k];
@@ -322,19 +190,20 @@ static bool put_place(const struct post *p, const double there[2], double rise, 
 	const struct probe_soil *s = p->soil;
 	const double up = p->ground->up;
 	struct probe_face face;
-	probe_face_at(form, there, &face);
+	probe_face_at(form, p->own, there, &face);
 	double since;
-	const double deep = p->depth + p->face.height + rise - face.height, passed = deep + lowered_at(p, there, face.height, &since);
+	const double deep = p->depth + p->face.height + rise - face.height, passed = deep + lowered_at(p, there, &since);
 	const double remains = remembered_at(p, there, deep, rise), remembered = p->excess > 0 ? probe_most(remains, passed + p->excess) : remains;
 	const double largest = probe_most(remembered, passed), most = up * largest, z = up * deep;
 	if (z <= 0)
 		return false;
 	const double yields = yield_stress(p->law, s, most), plastic = plastic_part(s, most, yields), elastic = probe_most(most - plastic, 1e-9);
 	const bool flows = z >= most - 1e-9;
-	const double share = flows ? 1 : probe_clamp((z + LEAST - plastic) / elastic, 0, 1); /* without a step, and no less than the GPU's */
+	const double share = flows ? 1 : probe_clamp((z + PROBE_LEAST - plastic) / elastic, 0, 1); /* without a step, and no less than the GPU's */
 	if (share <= 0)
 		return false;
 	normal_at(form, p->rise, up, &face, place->normal);
+	probe_bends_at(form, p->own, there, &face, place->bends);
 	put_across(place->normal, place->across);
 	place->arm[0] = there[0];
 	place->arm[1] = there[1];
@@ -345,33 +214,25 @@ static bool put_place(const struct post *p, const double there[2], double rise, 
 	/* Where the body was deeper before, the deepest pose sinks by less than the last one. */
 	const double unloads = flows ? 0 : largest > remembered ? since : 1;
 	place->sinks = up * ((1 - unloads) * yield_growth(s, yields, most) + unloads * yields / elastic);
-	put_rates(p, probe_least(4 * share, 1) * probe_least(4 * most * s->by_shear, 1), place);
+	deform_place_rates(p, probe_least(4 * share, 1) * probe_least(4 * most * s->by_shear, 1), place);
 	const double later = ((there[0] - p->at[0]) * form->by_way[0] + (there[1] - p->at[1]) * form->by_way[1]) * p->lasts;
 	const double touching = p->slides * probe_most(p->share - later, 0), stays = stays_after(touching);
 	const struct slip slip = slip_at(form, place->arm, place->across);
 	for (int k = 0; k < 2; k++)
 		place->mobilised[k] = slip.direction[k] + stays * (p->shear[k] - slip.direction[k]);
 	place->strength = strength_of(p->law, s, place->stress, &place->holds);
-	put_shears(p, &slip, touching, stays, place);
+	deform_place_shears(p, &slip, touching, stays, place);
 	return true;
 }
 
 static bool may_touch(const struct post *p, const double middle[2])
 {
 	const struct probe_form *form = p->form;
-	const double steep = form->kind == DEFORM_WHEEL ? fabs(p->rise[0]) : sqrt(p->rise[0] * p->rise[0] + p->rise[1] * p->rise[1]);
-	double lowest = -1e9;
-	if (probe_is_round(form)) {
-		const double x = p->at[0] + middle[0], y = form->kind == DEFORM_SPHERE ? p->at[1] + middle[1] : 0;
-		const double near = probe_most(sqrt(x * x + y * y) - form->half_across, 0);
-		lowest = -sqrt(probe_most(form->radius * form->radius - near * near, 0));
-	} else {
-		for (int k = 0; k < 3; k++) {
-			const double *f = form->faces[k], slope = sqrt(f[1] * f[1] + f[2] * f[2]);
-			lowest = probe_most(lowest, f[0] + f[1] * (p->at[0] + middle[0]) + f[2] * (p->at[1] + middle[1]) - form->half_across * slope);
-		}
-	}
-	const double above = p->rise[0] * middle[0] + p->rise[1] * middle[1] + steep * form->half_across - lowest;
+	const double *rise = p->rise, there[2] = {p->at[0] + middle[0], p->at[1] + middle[1]};
+	const double steep = form->kind == DEFORM_WHEEL ? fabs(rise[0]) : sqrt(rise[0] * rise[0] + rise[1] * rise[1]);
+	/* The lower edge of a cylinder that leans lies up to a post beside the line. */
+	const double reach = form->half_across + (form->kind == DEFORM_CYLINDER ? form->step_aside : 0);
+	const double above = rise[0] * middle[0] + rise[1] * middle[1] + steep * reach - probe_lowest_near(form, p->own, there, reach);
 	return p->depth + probe_most(above + p->face.height, 0) > 0;
 }
 
@@ -382,7 +243,7 @@ static void put_ends(const struct post *p, const double depths[3], const double 
 	bool known = false;
 	for (int end = 0; end < 2; end++) {
 		const double sign = end == 0 ? -1 : 1;
-		const bool unloads = mosts[2 * end] > probe_most(depths[2 * end], 0) + LEAST;
+		const bool unloads = mosts[2 * end] > probe_most(depths[2 * end], 0) + PROBE_LEAST;
 		for (int k = 0; k < 3 && unloads && !known; k++)
 			above[k] = depths[k] - plastic_of(p->law, p->soil, mosts[k] * p->ground->up) * p->ground->by_up;
 		known = known || unloads;
@@ -397,6 +258,7 @@ void deform_law_bearing(const struct probe_law *law, size_t number, const double
 	struct post p;
 	double middle[2];
 	bearing->count = 0;
+	bearing->has_brim = false;
 	bearing->sinkage = 0;
 	if (law->patch->posts[number].hole)
 		return;
@@ -409,7 +271,7 @@ void deform_law_bearing(const struct probe_law *law, size_t number, const double
 		return; /* a wheel that sank to its axle does not bear on the soil in front of its rim */
 	const double grows[2] = {p.rise[0] - p.face.slope[0], p.rise[1] - p.face.slope[1]}, squares = grows[0] * grows[0] + grows[1] * grows[1];
 	double end[2] = {form->half_across, 0};
-	if (form->kind != DEFORM_WHEEL && squares >= 1e-8)
+	if (form->kind != DEFORM_WHEEL && !probe_strips(form) && squares >= 1e-8)
 		for (int k = 0; k < 2; k++)
 			end[k] = grows[k] / sqrt(squares) * form->half_across;
 	const double centre[2] = {at[0] + middle[0], at[1] + middle[1]}, rise = p.rise[0] * end[0] + p.rise[1] * end[1];
@@ -417,9 +279,9 @@ void deform_law_bearing(const struct probe_law *law, size_t number, const double
 	double depths[3], mosts[3], ends[2], since;
 	for (int k = 0; k < 3; k++) {
 		const double there[2] = {centre[0] + (k - 1) * end[0], centre[1] + (k - 1) * end[1]};
-		const double lower = probe_height_at(form, there);
+		const double lower = probe_height_at(form, p.own, there);
 		depths[k] = height + risen + (k - 1) * rise - lower;
-		mosts[k] = probe_most(remembered_at(&p, there, depths[k], risen + (k - 1) * rise), depths[k] + lowered_at(&p, there, lower, &since) + p.excess);
+		mosts[k] = probe_most(remembered_at(&p, there, depths[k], risen + (k - 1) * rise), depths[k] + lowered_at(&p, there, &since) + p.excess);
 	}
 	put_ends(&p, depths, mosts, ends);
 	const double part = 0.5 * bearing->share * (ends[1] - ends[0]);
@@ -428,15 +290,17 @@ void deform_law_bearing(const struct probe_law *law, size_t number, const double
 		const double there[2] = {centre[0] + on * end[0], centre[1] + on * end[1]};
 		bearing->count += put_place(&p, there, risen + on * rise, part, &bearing->places[bearing->count]);
 	}
-	if (bearing->count > 0 && p.over)
+	if (probe_strips(form) && bearing->sides[form->lean < 0 ? 3 : 2])
+		bearing->has_brim = deform_place_brim(&p, centre, height + risen, &bearing->brim);
+	if ((bearing->count > 0 || bearing->has_brim) && p.over)
 		bearing->sinkage = p.ground->height - law->above_zero - p.ground->deposited - p.rests;
 }
 
 bool deform_law_touches(const struct probe_law *law, size_t number, const double at[2], double *height)
 {
 	const struct probe_post *ground = &law->patch->posts[number];
-	double rests, lowest;
-	if (ground->hole || !deform_form_over(law->form, at, &rests, &lowest))
+	double rests;
+	if (ground->hole || !deform_form_rests(law->form, number, at, &rests))
 		return false;
 	*height = rests + law->above_zero;
 	return *height < ground->height;

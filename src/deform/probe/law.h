@@ -14,6 +14,7 @@ struct probe_law {
 	const struct deform_patch *patch;
 	double above_zero;  /* m: height of the body's centre above the patch's zero */
 	double by_width;    /* 1 / b */
+	double lowest;      /* m: the body is nowhere lower, from its centre */
 	double surface[2];  /* of the body: adhesion, Pa, and tangent of its friction angle */
 	bool own[2];        /* the soil's own cohesion, friction counts in their place */
 };
@@ -32,33 +33,45 @@ struct probe_place {
 	double shears[2][2];      /* 1/m: how `mobilised` grows with a way along `across` */
 	double dragged[2];        /* Pa: shear stress of damping along `across` */
 	double drags[2][2];       /* Pa s/m: growth of that with the speed along `across` */
+	double bends[3];          /* 1/m: second derivatives of the surface's height: xx, xy, yy */
 };
 
 struct probe_bearing {
 	int count;                /* places that bear: 0 .. 2 */
 	struct probe_place places[2];
+	bool has_brim;            /* a cylinder that leans: its lower end bears beside the cell */
+	struct probe_place brim;
 	bool sides[4];            /* sides of the body that end the cell's part: behind, ahead, right, left */
 	double share;             /* of a post's area that the body covers */
 	double sinkage;           /* m below the base, of the post */
 };
+
+/* Tells whether a post may bear: of a wheel or a cylinder whose sides are known. height: of the ground, with all that a cell adds. */
+static inline bool deform_law_in_strip(const struct probe_form *form, const double at[2], double height, double reach)
+{
+	const double leans = fabs(form->lean), away = probe_most(fabs(at[0]) - reach, 0);
+	if (fabs(at[1]) > probe_most(form->half[1], 0.5 * form->step_aside) + leans * form->radius + 1e-3 * form->spacing)
+		return false;
+	if (form->kind == DEFORM_WHEEL)
+		return height >= 0 || away * away + height * height <= form->outer * form->outer;
+	const double side = height * form->level - form->lean * at[1] + leans * (reach + form->step_aside);
+	return away <= form->outer && (side >= 0 || away * away + side * side <= form->outer * form->outer);
+}
 
 /* Returns false for a post that surely bears nothing. It says yes for some others, too. */
 static inline bool deform_law_may_bear(const struct probe_law *law, size_t number, const double at[2])
 {
 	const struct probe_form *form = law->form;
 	const struct probe_post *ground = &law->patch->posts[number];
-	const double reach = form->half_across + 0.5 * form->spacing, slack = (fabs(ground->rise[0]) + fabs(ground->rise[1])) * reach;
+	const double reach = form->half_across + 0.5 * form->spacing, slack = (fabs(ground->rise[0]) + fabs(ground->rise[1])) * (reach + form->step_aside);
 	const double height = ground->height - law->above_zero + slack + 1e-3 * form->spacing;
 	if (ground->hole)
 		return false;
-	if (!probe_is_round(form))
-		return height > -form->radius;
-	if (form->kind == DEFORM_WHEEL && fabs(at[1]) > probe_most(form->half[1], 0.5 * form->step_aside) + 1e-3 * form->spacing)
-		return false;
-	double away = fabs(at[0]) - reach;
-	if (form->kind == DEFORM_SPHERE)
-		away = sqrt(at[0] * at[0] + at[1] * at[1]) - 1.5 * reach;
-	away = probe_most(away, 0);
+	if (form->kind == DEFORM_WHEEL || probe_strips(form))
+		return deform_law_in_strip(form, at, height, reach);
+	if (form->kind != DEFORM_SPHERE)
+		return height > law->lowest;
+	const double away = probe_most(sqrt(at[0] * at[0] + at[1] * at[1]) - 1.5 * reach, 0);
 	return height >= 0 || away * away + height * height <= form->radius * form->radius;
 }
 

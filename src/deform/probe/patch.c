@@ -51,6 +51,7 @@ void deform_patch_destroy(struct deform_patch *patch)
 	mem_free(patch->bases);
 	mem_free(patch->kinds);
 	mem_free(patch->posts);
+	mem_free(patch->lows);
 	mem_free(patch->soils);
 	mem_free(patch->soil_kinds);
 	mem_free(patch);
@@ -80,11 +81,13 @@ static enum status make_room(struct deform_patch *patch, size_t count)
 	mem_free(patch->bases);
 	mem_free(patch->kinds);
 	mem_free(patch->posts);
+	mem_free(patch->lows);
 	patch->room = 0;
 	patch->bases = mem_alloc(count, sizeof *patch->bases);
 	patch->kinds = mem_alloc(count, 2 * sizeof *patch->kinds);
 	patch->posts = mem_alloc(count, sizeof *patch->posts);
-	if (patch->bases == NULL || patch->kinds == NULL || patch->posts == NULL)
+	patch->lows = mem_alloc(count, 2 * sizeof *patch->lows);
+	if (patch->bases == NULL || patch->kinds == NULL || patch->posts == NULL || patch->lows == NULL)
 		return fail_memory("the ground of a probe");
 	patch->room = count;
 	return STATUS_OK;

@@ -46,6 +46,7 @@ struct deform_patch {
 	int32_t *bases;          /* as in slots */
 	uint32_t *kinds;         /* class of soil, and levels of its rasters: what decides a post's soil */
 	struct probe_post *posts;
+	double *lows;            /* room for a probe: two for each post (low.h) */
 	struct probe_soil *soils;
 	uint32_t *soil_kinds;    /* of each of the soils */
 	size_t soil_count, soil_room, room; /* room: posts */

@@ -10,180 +10,9 @@
 
 #include "deform/internal.h"
 #include "deform/probe/law.h"
-#include "deform/probe/terms.h"
+#include "deform/probe/low.h"
+#include "deform/probe/sums.h"
 #include "deform/shape/body.h"
-
-/* Sums in the body's frame: x forwards, y to its left. Forces come before moments, translations before rotations. */
-struct sums {
-	double force[6];
-	double normal[3], normal_force, shear_limit, sheared[3], area, sinkage, pull;
-	struct terms stiffness, damping;
-};
-
-static void cross(const double a[3], const double b[3], double out[3])
-{
-	out[0] = a[1] * b[2] - a[2] * b[1];
-	out[1] = a[2] * b[0] - a[0] * b[2];
-	out[2] = a[0] * b[1] - a[1] * b[0];
-}
-
-/* A vector at a place, and its moment about the body's centre. */
-static void wrench(const double v[3], const double arm[3], double out[6])
-{
-	memcpy(out, v, 3 * sizeof *v);
-	cross(arm, v, out + 3);
-}
-
-/* Adds how the normals turn as the body moves, while the place on the ground stays. They turn with the body, and a round body shows
- * another part of its surface. */
-static void add_turning(const struct probe_form *form, const struct probe_place *place, double area, struct sums *sums)
-{
-	const double *n = place->normal, x = n[0] / n[2], y = n[1] / n[2], by = area * n[2] * place->stress, *arm = place->arm;
-	double rows[2][6] = {
-		{0, 0, 0, -x * y * by, (1 + x * x) * by, -y * by},
-		{0, 0, 0, (-1 - y * y) * by, x * y * by, x * by},
-	};
-	if (probe_is_round(form)) {
-		const double bends = by / (form->radius * n[2]), wheel = form->kind == DEFORM_WHEEL;
-		const double level[2][6] = {{1, 0, 0, 0, arm[2], -arm[1]}, {0, 1, 0, -arm[2], 0, arm[0]}};
-		for (int k = 0; k < 6; k++) {
-			const double along = x * level[0][k] + y * level[1][k];
-			rows[0][k] += bends * (level[0][k] + x * along);
-			rows[1][k] += wheel ? 0 : bends * (level[1][k] + y * along);
-		}
-	}
-	const double ahead[6] = {1, 0, 0, 0, arm[2], -arm[1]}, aside[6] = {0, 1, 0, -arm[2], 0, arm[0]};
-	terms_put(&sums->stiffness, ahead, rows[0]);
-	terms_put(&sums->stiffness, aside, rows[1]);
-}
-
-/* Gives the stress on the body at a place, Pa: of the surface. shear: of its shear, the direction times the share of the strength. */
-static void stress_at(const struct probe_place *place, double shear[3], double stress[3])
-{
-	for (int k = 0; k < 3; k++) {
-		shear[k] = place->mobilised[0] * place->across[0][k] + place->mobilised[1] * place->across[1][k];
-		stress[k] = place->stress * place->normal[k] - place->strength * shear[k] - place->dragged[0] * place->across[0][k] -
-			    place->dragged[1] * place->across[1][k];
-	}
-}
-
-/* Returns the pull of a belt against the soil's shear at a place, Pa. */
-static double pull_at(const struct probe_form *form, const struct probe_place *place, const double stress[3])
-{
-	double along[3];
-	cross(place->normal, form->belt, along);
-	return -(stress[0] * along[0] + stress[1] * along[1] + stress[2] * along[2]);
-}
-
-static void add_force(const struct probe_form *form, const struct probe_place *place, double post, struct sums *sums)
-{
-	const double area = place->area * post;
-	double shear[3], force[3], column[6];
-	stress_at(place, shear, force);
-	wrench(force, place->arm, column);
-	for (int k = 0; k < 6; k++)
-		sums->force[k] += area * column[k];
-	for (int k = 0; k < 3; k++)
-		sums->sheared[k] += area * place->strength * shear[k];
-	sums->pull += area * pull_at(form, place, force);
-	sums->normal_force += area * place->stress;
-	sums->shear_limit += area * place->strength;
-	sums->area += place->ground * post;
-}
-
-/* Adds how the force at a place changes. */
-static void add_changes(const struct probe_form *form, const struct probe_place *place, double area, struct sums *sums)
-{
-	const double *n = place->normal, by_up = 1 / n[2];
-	double shear[3], force[3], grows[3], column[6], row[6], along[2][6];
-	stress_at(place, shear, force);
-	for (int k = 0; k < 3; k++)
-		grows[k] = (n[k] - place->holds * shear[k]) * area;
-	/* The surface rises above a place of the ground by row . motion. */
-	wrench(n, place->arm, row);
-	wrench(grows, place->arm, column);
-	double slower[6];
-	for (int k = 0; k < 6; k++) {
-		slower[k] = -place->damps * column[k];
-		column[k] *= -place->sinks * by_up;
-	}
-	terms_put(&sums->damping, slower, row);
-	column[3] -= force[1] * area * by_up;
-	column[4] += force[0] * area * by_up;
-	terms_put(&sums->stiffness, column, row);
-	wrench(place->across[0], place->arm, along[0]);
-	wrench(place->across[1], place->arm, along[1]);
-	for (int i = 0; i < 2; i++) {
-		const double less = -area * place->strength, slow = -area;
-		double stiff[6], drags[6];
-		for (int k = 0; k < 6; k++) {
-			stiff[k] = less * (place->shears[i][0] * along[0][k] + place->shears[i][1] * along[1][k]);
-			drags[k] = slow * (place->drags[i][0] * along[0][k] + place->drags[i][1] * along[1][k]);
-		}
-		terms_put(&sums->stiffness, along[i], stiff);
-		terms_put(&sums->damping, along[i], drags);
-	}
-	if (!form->ground_normals)
-		add_turning(form, place, area, sums);
-}
-
-/* Adds how the part of the cell grows as a side of the body moves over it. */
-static void add_sides(const struct probe_form *form, const struct probe_bearing *bearing, const struct probe_place *place, double area,
-		      struct sums *sums)
-{
-	for (int side = 0; side < 4; side++) {
-		const int axis = side / 2;
-		const double ahead = side % 2 == 0 ? -1 : 1, by = ahead * area * form->by_step / bearing->share;
-		if (!bearing->sides[side])
-			continue;
-		double shear[3], force[3], column[6], row[6], arm[3];
-		const double out[3] = {axis == 0 ? by : 0, axis == 1 ? by : 0, 0};
-		memcpy(arm, place->arm, sizeof arm);
-		arm[axis] = ahead * form->half[axis];
-		stress_at(place, shear, force);
-		wrench(force, arm, column);
-		wrench(out, arm, row);
-		terms_put(&sums->stiffness, column, row);
-	}
-}
-
-/* Gives the mean of a post's places, by area. Returns their area, posts. */
-static double mean_of(const struct probe_bearing *bearing, struct probe_place *mean)
-{
-	const struct probe_place *a = &bearing->places[0], *b = &bearing->places[1];
-	_Static_assert(sizeof *mean % sizeof(double) == 0, "a place has nothing but doubles");
-	if (bearing->count == 1) {
-		*mean = *a;
-		return a->area;
-	}
-	const double area = a->area + b->area, of_b = b->area / area, of_a = 1 - of_b;
-	const double *from_a = (const double *)a, *from_b = (const double *)b;
-	double *to = (double *)mean;
-	for (size_t i = 0; i < sizeof *mean / sizeof *to; i++)
-		to[i] = of_a * from_a[i] + of_b * from_b[i];
-	return area;
-}
-
-static void add_bearing(const struct probe_law *law, const struct probe_post *ground, const struct probe_bearing *bearing, struct sums *sums)
-{
-	const struct probe_form *form = law->form;
-	const double post = form->spacing * form->spacing;
-	struct probe_place mean;
-	double bears = 0;
-	for (int i = 0; i < bearing->count; i++) {
-		add_force(form, &bearing->places[i], post, sums);
-		bears += bearing->places[i].ground;
-	}
-	if (bears <= 0)
-		return;
-	const double area = mean_of(bearing, &mean) * post;
-	add_changes(form, &mean, area, sums);
-	add_sides(form, bearing, &mean, area, sums);
-	sums->normal[0] -= bears * ground->up * ground->rise[0];
-	sums->normal[1] -= bears * ground->up * ground->rise[1];
-	sums->normal[2] += bears * ground->up;
-	sums->sinkage = fmax(sums->sinkage, bearing->sinkage);
-}
 
 /* --- the posts --- */
 
@@ -239,18 +68,21 @@ static size_t touched_posts(const struct probe_law *law, const struct post_rect 
 	return count;
 }
 
-/* Returns 1 / b, b the width of the contact patch. */
-static double width_of(const struct probe_law *law, const struct deform_shape *shape, const struct post_rect *below, const double corner[2])
+/* Returns 1 / b, b the width of the contact patch: src/deform/soil/scm.c. touched: posts; 0: they are not counted. */
+static double width_of(const struct probe_law *law, const struct deform_probe *probe, size_t touched)
 {
+	const struct deform_shape *shape = probe->shape;
+	double extent[2];
 	if (shape->kind == DEFORM_WHEEL)
 		return 1 / shape->width;
+	if (shape->kind == DEFORM_CYLINDER)
+		return law->form->lower.level * law->form->lower.level / shape->length + law->form->lean * law->form->lean / shape->radius;
 	if (shape->kind == DEFORM_BOX)
 		return 1 / fmin(shape->size[0], shape->size[1]);
 	const struct deform *deform = law->patch->deform;
-	const double shadow = M_PI * shape->radius * shape->radius, post = deform->spacing * deform->spacing;
-	if (!deform_is_counted(&deform->params, shape, false))
-		return 1 / sqrt(shadow / M_PI);
-	return 1 / sqrt(fmax((double)touched_posts(law, below, corner), 1) * post / M_PI);
+	deform_body_extent(shape, &probe->to, extent);
+	const double shadow = shape->kind == DEFORM_SPHERE ? M_PI * shape->radius * shape->radius : 4 * extent[0] * extent[1];
+	return 1 / sqrt((touched > 0 ? (double)touched * deform->spacing * deform->spacing : shadow) / M_PI);
 }
 
 static void put_law(const struct deform_patch *patch, const struct deform_probe *probe, const struct probe_form *form, struct probe_law *law)
@@ -258,14 +90,10 @@ static void put_law(const struct deform_patch *patch, const struct deform_probe 
 	const struct deform_interface *interface = &probe->interface;
 	*law = (struct probe_law){
 		.form = form, .patch = patch, .above_zero = lattice_offset_metres(probe->to.z - patch->zero) + probe->beyond[2],
+		.lowest = -deform_shape_bound(probe->shape),
 		.surface = {interface->has_adhesion ? interface->adhesion : 0, interface->has_friction ? tan(interface->friction_angle) : 0},
 		.own = {!interface->has_adhesion, !interface->has_friction},
 	};
-}
-
-static bool is_probed(const struct deform_shape *shape)
-{
-	return shape->kind == DEFORM_SPHERE || shape->kind == DEFORM_BOX || (shape->kind == DEFORM_WHEEL && shape->grousers == 0);
 }
 
 /* --- the answer --- */
@@ -351,16 +179,21 @@ void deform_probe(const struct deform_patch *patch, const struct deform_probe *p
 	struct post_rect below;
 	struct sums sums; /* its terms need not be cleared */
 	*out = (struct deform_probed){.known = false};
-	if (!is_probed(probe->shape) || !posts_below(patch, probe, &below))
+	if (!posts_below(patch, probe, &below))
 		return;
 	deform_probe_form_of(patch->deform, probe, &form);
+	deform_low_of(patch, probe, &below, &form);
 	put_law(patch, probe, &form, &law);
 	clear(&sums);
 	const double spacing = form.spacing;
 	const double corner[2] = {-(double)deform_body_from_post(probe->to.x, below.x0, spacing) - probe->beyond[0],
 				  -(double)deform_body_from_post(probe->to.y, below.y0, spacing) - probe->beyond[1]};
 	const double step[2] = {form.axis[0] * spacing, -form.axis[1] * spacing};
-	law.by_width = width_of(&law, probe->shape, &below, corner);
+	const bool counted = deform_is_counted(&patch->deform->params, probe->shape, false);
+	const size_t touched = counted ? touched_posts(&law, &below, corner) : 0;
+	law.by_width = width_of(&law, probe, counted && touched == 0 ? 1 : touched);
+	if (form.kind == DEFORM_MESH && deform_low_is_aloft(&law, &below))
+		below.y1 = below.y0; /* between posts only its slope is known, which may reach below the mesh */
 	for (int64_t y = below.y0; y < below.y1; y++) {
 		double at[2];
 		first_place(&form, corner, (double)(y - below.y0), at);
@@ -370,8 +203,8 @@ void deform_probe(const struct deform_patch *patch, const struct deform_probe *p
 			const size_t number = first + (size_t)(x - below.x0);
 			if (deform_law_may_bear(&law, number, at)) {
 				deform_law_bearing(&law, number, at, &bearing);
-				if (bearing.count > 0)
-					add_bearing(&law, &patch->posts[number], &bearing, &sums);
+				if (bearing.count > 0 || bearing.has_brim)
+					deform_sums_add(&law, &patch->posts[number], &bearing, &sums);
 			}
 			at[0] += step[0];
 			at[1] += step[1];
@@ -385,9 +218,10 @@ void deform_patch_reach(struct deform_patch *patch, const struct deform_probe *p
 	struct probe_form form;
 	struct probe_law law;
 	struct post_rect below;
-	if (!is_probed(probe->shape) || !posts_below(patch, probe, &below))
+	if (!posts_below(patch, probe, &below))
 		return;
 	deform_probe_form_of(patch->deform, probe, &form);
+	deform_low_of(patch, probe, &below, &form);
 	put_law(patch, probe, &form, &law);
 	const double corner[2] = {-(double)deform_body_from_post(probe->to.x, below.x0, form.spacing) - probe->beyond[0],
 				  -(double)deform_body_from_post(probe->to.y, below.y0, form.spacing) - probe->beyond[1]};

@@ -69,12 +69,12 @@ static bool by_slope(double z, double east, double north, struct lower_place *pl
 }
 
 /* The lower side of a ball whose centre is (x, y) from the place, and `above` the shape's centre. */
-static bool ball_at(double radius, double x, double y, double above, struct lower_place *place)
+static bool ball_at(const struct lower_envelope *u, double x, double y, double above, struct lower_place *place)
 {
-	double squares = radius * radius - x * x - y * y;
-	if (squares < 0)
+	double radius = u->radius, squares = radius * radius - x * x - y * y;
+	if (squares < -2 * radius * u->beside)
 		return false;
-	double up = sqrt(squares);
+	double up = sqrt(fmax(squares, 0));
 	*place = (struct lower_place){above - up, {x / radius, y / radius, up / radius}};
 	return true;
 }
@@ -83,15 +83,15 @@ static bool round_at(const struct lower_envelope *u, double x, double y, struct 
 {
 	double a = x * u->along[0] + y * u->along[1], v = y * u->along[0] - x * u->along[1], r = u->radius;
 	double s = u->axis[2], c = u->level;
-	if (fabs(v) > r)
+	if (fabs(v) > r + u->beside)
 		return false;
-	double strip = sqrt(r * r - v * v);
+	double strip = sqrt(fmax(r * r - v * v, 0));
 	bool capsule = u->shape->kind == DEFORM_CAPSULE, low = a <= strip * s - u->half * c, high = a > strip * s + u->half * c;
 	if (capsule && (low || high)) {
 		double end = low ? -u->half : u->half;
-		return ball_at(r, u->axis[0] * end - x, u->axis[1] * end - y, s * end, place);
+		return ball_at(u, u->axis[0] * end - x, u->axis[1] * end - y, s * end, place);
 	}
-	if (!capsule && fabs(a) > u->half * c + strip * s)
+	if (!capsule && fabs(a) > u->half * c + strip * s + u->beside)
 		return false;
 	if (low && s > 0) {
 		place->z = (-u->half - a * c) / s;
@@ -108,14 +108,14 @@ static bool round_at(const struct lower_envelope *u, double x, double y, struct 
 }
 
 /* The vertical line above a place, cut by the three pairs of faces of a box with this centre and these half-axes' directions. */
-static bool brick_at(double axes[3][3], const double half[3], const double middle[3], double x, double y, struct lower_place *place)
+static bool brick_at(double axes[3][3], const double half[3], const double middle[3], double beside, double x, double y, struct lower_place *place)
 {
 	double enter = -INFINITY, leave = INFINITY;
 	const double at[3] = {x - middle[0], y - middle[1], 0};
 	for (int k = 0; k < 3; k++) {
 		double far = dot(axes[k], at), up = axes[k][2];
 		if (fabs(up) < 1e-12) {
-			if (fabs(far) > half[k])
+			if (fabs(far) > half[k] + beside)
 				return false;
 			continue;
 		}
@@ -128,7 +128,7 @@ static bool brick_at(double axes[3][3], const double half[3], const double middl
 		leave = fmin(leave, high);
 	}
 	place->z = middle[2] + enter;
-	return enter <= leave;
+	return enter <= leave + beside;
 }
 
 static bool ellipsoid_at(const struct lower_envelope *u, double x, double y, struct lower_place *place)
@@ -188,7 +188,7 @@ static bool grousers_at(const struct lower_envelope *u, double x, double y, bool
 			axes[2][k] = s * u->axes[0][k] + c * u->axes[2][k];
 			middle[k] = -axes[2][k] * (inner + outer) / 2;
 		}
-		any = keep_lower(any, place, brick_at(axes, half, middle, x, y, &here), &here);
+		any = keep_lower(any, place, brick_at(axes, half, middle, u->beside, x, y, &here), &here);
 	}
 	return any;
 }
@@ -204,12 +204,12 @@ bool deform_lower_at(const struct lower_envelope *u, double x, double y, struct 
 	case DEFORM_CAPSULE:
 		return round_at(u, x, y, place);
 	case DEFORM_SPHERE:
-		return ball_at(u->radius, -x, -y, 0, place);
+		return ball_at(u, -x, -y, 0, place);
 	case DEFORM_ELLIPSOID:
 		return ellipsoid_at(u, x, y, place);
 	case DEFORM_BOX:
 		memcpy(axes, u->axes, sizeof axes);
-		return brick_at(axes, half, (const double[3]){0, 0, 0}, x, y, place);
+		return brick_at(axes, half, (const double[3]){0, 0, 0}, u->beside, x, y, place);
 	case DEFORM_MESH:
 		return mesh_at(u, x, y, place);
 	case DEFORM_SHAPES:

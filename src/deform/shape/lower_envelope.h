@@ -16,6 +16,7 @@ struct lower_envelope {
 	double level;       /* length of that axis in plan: 1: the axis is level; 0: it is upright */
 	double radius, half; /* wheel, cylinder, capsule: half the length of the straight part of the axis, m */
 	double turn;        /* wheel: where the grousers are, rad */
+	double beside;      /* m: a place that lies beside the shape by less is taken as below its edge; deform_lower_of sets 0 */
 	double rise[2], lift, inside[3]; /* ellipsoid: z = rise.p - lift sqrt(1 - q(p)), q(p) = inside[0] x2 + 2 inside[1] x y + inside[2] y2 */
 };
 

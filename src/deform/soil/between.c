@@ -98,17 +98,15 @@ bool deform_box_is_upright(const double half[3][3], int side, double spacing, bo
 	return leans < 1e-6 || (hosted && leans < steepest && leans * height < 0.25 * spacing);
 }
 
-#define LEANS_MOST 0.5 /* rise of an axis: up to it the side of a cylinder bears, and its lower end as a brim beside it */
-
 /* A cylinder, or a wheel with camber. The frame looks across its axis. In the plane across the axis it moves as a level wheel does. */
 static void cylinder(const struct deform *deform, const struct deform_contact *contact, struct scm_params *params)
 {
 	struct lower_envelope lower;
 	deform_lower_of(contact->shape, &contact->to, &lower);
-	double c = fmax(lower.level, 1e-3), s = lower.axis[2], x = lower.along[1], y = -lower.along[0];
+	double c = fmax(lower.level, DEFORM_LEVEL_LEAST), s = lower.axis[2], x = lower.along[1], y = -lower.along[0];
 	double forward = params->way[0] * x + params->way[1] * y, aside = params->way[0] * lower.along[0] + params->way[1] * lower.along[1];
 	double sign = forward < 0 ? -1 : 1, rise = params->way[2] - aside * s / c, slope = forward != 0 ? rise / fabs(forward) : 0;
-	bool strips = s <= LEANS_MOST;
+	bool strips = s <= DEFORM_LEANS_MOST;
 	params->body[0] = (float)lower.radius;
 	params->body[1] = strips ? (float)(lower.half * c) : 0;
 	put_heading(params, sign * x, sign * y);
@@ -129,7 +127,7 @@ static void capsule(const struct deform_contact *contact, struct scm_params *par
 	params->body[0] = (float)lower.radius;
 	along_way(params, hypot(params->way[0], params->way[1]));
 	params->faces[0][0] = (float)lower.axis[2];
-	params->faces[1][0] = (float)fmax(lower.level, 1e-3);
+	params->faces[1][0] = (float)fmax(lower.level, DEFORM_LEVEL_LEAST);
 	params->faces[2][0] = (float)lower.half;
 	for (int k = 0; k < 2; k++)
 		params->faces[0][1 + k] = (float)lower.along[k];

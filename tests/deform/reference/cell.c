@@ -204,6 +204,13 @@ static struct part part_of(const struct form *form, const double at[2], double s
 	return part;
 }
 
+/* The mean of two rises, but no more than twice each. */
+static double slope_between(double before, double after)
+{
+	double least = 2 * fmin(fabs(before), fabs(after));
+	return before * after > 0 ? fmin(fmax((before + after) / 2, -least), least) : 0;
+}
+
 /* What a slope is where only posts tell: between the neighbours that are covered. */
 static void own_rise(const struct reference_ground *ground, const double *rests, int at, double own[2])
 {
@@ -211,7 +218,8 @@ static void own_rise(const struct reference_ground *ground, const double *rests,
 		int step = k == 0 ? 1 : ground->width, place = k == 0 ? at % ground->width : at / ground->width;
 		int low = place > 0 && rests[at - step] < INFINITY ? at - step : at;
 		int high = place + 1 < (k == 0 ? ground->width : ground->height) && rests[at + step] < INFINITY ? at + step : at;
-		own[k] = high > low ? (rests[high] - rests[low]) / (ground->spacing * (high - low) / step) : 0;
+		double before = rests[at] - rests[low], after = rests[high] - rests[at];
+		own[k] = (low == at ? after : high == at ? before : slope_between(before, after)) / ground->spacing;
 	}
 }
 

@@ -1,0 +1,25 @@
+/* A wheel's grousers as moving faces: shape/bars.c. The GPU's lower envelope and that of a probe draw the same faces. Pure. */
+#ifndef FURROW_DEFORM_BARS_H
+#define FURROW_DEFORM_BARS_H
+
+#include "deform/deform.h"
+
+/* The wheel's motion during the contact. The start, and the motion from there, m; from any place and any height. */
+struct bars_motion {
+	long double x, y, dx, dy;
+	double z, dz;
+	double turned; /* rad forwards */
+};
+
+/* A face of a bar, and its straight motion: m, from the same place as the wheel's. */
+struct bar_face {
+	double at[4][3];         /* its corners at the end of its own motion */
+	double from[3], to[3];   /* a place of the bar at the start and at the end of that */
+	bool resting;            /* it remains there after the contact */
+};
+typedef void (*bars_fn)(void *user, const struct bar_face *face);
+
+/* Calls `face` for each face that may lower the envelope. pose: at the contact's end. */
+void deform_bars(const struct deform_shape *shape, const struct deform_pose *pose, const struct bars_motion *motion, bars_fn face, void *user);
+
+#endif
