@@ -117,8 +117,8 @@ vec3 normal_of_slope(vec2 slope)
 	return vec3(-slope * up, up);
 }
 
-// own: slope of a lower envelope that is known only at posts. Of a steep cylinder: x is 1 if its lower end
-// alone bears, 2 if the higher of its end and its side does at each place.
+// own: slope of a lower envelope that is known only at posts. Of a steep cylinder: x is 1 if its
+// lower end alone bears. It is 2 if the higher of its end and its side bears at each place.
 face face_at(vec2 at, vec2 own)
 {
 #ifdef SHAPE_WHEEL
@@ -307,8 +307,8 @@ bool bears_beside(vec2 at)
 }
 
 #ifdef POSTS_ONLY
-// Returns the slope at a post between two others. It is their mean, but no more than twice each of them: beside an edge the object would seem
-// to reach below its own lowest place.
+// Returns the slope at a post between two others. It is their mean, but no more than twice each of them.
+// Otherwise an object would seem, beside an edge, to reach below its own lowest place.
 float middle_slope(float before, float after)
 {
 	float least = min(abs(before), abs(after));
@@ -352,7 +352,7 @@ cell cell_at(int x, int y, object o)
 	}
 #endif
 #ifdef SHAPE_CYLINDER
-	// The side of a cylinder that is nearly upright is a wall, seen from above: it counts as none where it is narrower than a quarter of a post.
+	// The side of a cylinder that is nearly upright is a wall. Where it is narrower in plan than a quarter of a post, it counts as none.
 	if (!strips)
 		c.own.x = 2.0 * half_axis * level < 0.25 * scale.y ? 1.0 : 2.0;
 #endif
