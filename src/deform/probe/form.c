@@ -185,6 +185,7 @@ static void put_motion(const struct deform_probe *probe, struct probe_form *form
 	const struct deform_contact contact = {.from = probe->from, .to = probe->to};
 	memcpy(form->linear, probe->linear, sizeof form->linear);
 	memcpy(form->angular, probe->angular, sizeof form->angular);
+	form->ran = probe->shape->belt ? probe->turned : 0;
 	if (deform_is_contact_only(&contact)) {
 		if (form->wheel)
 			put_turning(probe, form);
@@ -193,7 +194,6 @@ static void put_motion(const struct deform_probe *probe, struct probe_form *form
 	form->way[0] = lattice_offset_metres(probe->to.x - probe->from.x) + probe->beyond[0];
 	form->way[1] = lattice_offset_metres(probe->to.y - probe->from.y) + probe->beyond[1];
 	form->way[2] = lattice_offset_metres(probe->to.z - probe->from.z) + probe->beyond[2];
-	form->ran = probe->shape->belt ? probe->turned : 0;
 	if (form->wheel)
 		put_turning(probe, form);
 	else
