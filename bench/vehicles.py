@@ -1,0 +1,133 @@
+#!/usr/bin/env python3
+"""What must hold for vehicles over a long time, and on rough ground. Prints a table; takes half an hour.
+
+    bench/vehicles.py FURROW [--only rest|rough] [--dem N41E001.hgt] [--minutes 10]
+
+rest: vehicles are set down and left alone. Told: how far they drift in the last minute, and their kinetic energy at its end.
+rough: the off-road vehicle drives at the longest time step over real ground whose posts lie 4 cm apart. Told: its energy, and
+for how many rows each wheel is in the air.
+"""
+import argparse
+import csv
+import json
+import math
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+
+MODELS = pathlib.Path(__file__).parents[1] / "tools" / "scenes" / "vehicles"
+ONE = pathlib.Path(__file__).parents[1] / "tests" / "vehicle" / "one_wheel.xml"
+SCENE = """scene: 1
+time_step: {step}
+end_time: {end}
+gravity: {gravity}
+spacing: {spacing}
+soil: {{name: {soil}}}
+redistribute: {{model: scm}}
+vehicles:
+  - name: v
+    model: {model}
+    start: {{at: [{x}, {y}], yaw: {yaw}}}
+    soil: [wheel*]
+{driver}output: {{vehicles: {rows}, forces: {rows}}}
+"""
+
+
+def run(furrow, *arguments):
+    """Runs furrow. Returns what it wrote to standard error; stops if it failed."""
+    done = subprocess.run([str(furrow), *map(str, arguments)], capture_output=True, text=True)
+    if done.returncode != 0:
+        sys.exit("%s: %s" % (" ".join(map(str, arguments)), done.stderr))
+    return done.stderr
+
+
+def plane(furrow, folder, degrees):
+    """A store whose ground rises to the east."""
+    store, raster = folder / ("plane%g.furrow" % degrees), folder / "plane.asc"
+    if store.exists():
+        return store
+    row = " ".join("%.9g" % (100 + 0.25 * i * math.tan(math.radians(degrees))) for i in range(129))
+    raster.write_text("ncols 129\nnrows 129\nxllcorner 0\nyllcorner 0\ncellsize 0.25\n" + (row + "\n") * 129)
+    run(furrow, "import", raster, "-o", store, "--spacing", 0.25, "--max-error", 1e-5)
+    return store
+
+
+def braked(text):
+    """The model with a stiff spring on each wheel instead of its motor: 0.2 MN m / rad, well damped."""
+    wheels = re.findall(r'<joint name="((?:roll|turn)\w*)"', text)
+    text = re.sub(r'(<joint name="(?:roll|turn)\w*")', r'\1 damping="2000" stiffness="200000"', text)
+    return re.sub(r'<velocity (?:class="\w+" )?name="\w+" joint="(?:%s)"[^>]*/>' % "|".join(wheels), "", text)
+
+
+def drive(furrow, folder, scene, store):
+    path = folder / "scene.yaml"
+    path.write_text(scene)
+    overlay = folder / "over.furrow"
+    overlay.unlink(missing_ok=True)
+    run(furrow, "drive", path, "--store", store, "-o", folder / "out", "--overlay", overlay)
+    with open(folder / "out" / "vehicles.csv", encoding="ascii") as file:
+        rows = [{k: float(v) for k, v in row.items() if k != "name" and v != ""} for row in csv.DictReader(file)]
+    return rows, json.loads((folder / "out" / "run.json").read_text())["vehicles"]["v"]
+
+
+def rest(furrow, folder, minutes):
+    print("| vehicle | soil | slope | settled after, s | slid in all, mm | drift in the last minute, um/s | kinetic, J |")
+    print("| --- | --- | --- | --- | --- | --- | --- |")
+    for name, model, soil, gravity in (("one wheel", ONE, "dry_sand", 9.81), ("four wheels", MODELS / "offroad.xml", "dry_sand", 9.81),
+                                       ("six wheels", MODELS / "rover.xml", "lunar", 1.62)):
+        (folder / "model.xml").write_text(braked(model.read_text()))
+        for degrees in (0, 15, 20):
+            store = plane(furrow, folder, degrees)
+            scene = SCENE.format(step=0.002, end=60 * minutes, gravity=gravity, spacing=0.0625, soil=soil, model="model.xml", x=16.013, y=16.021,
+                                 yaw=0, driver="", rows=1)
+            rows, info = drive(furrow, folder, scene, store)
+            first, last, before = rows[0], rows[-1], rows[-61]
+            slid = math.dist([first[k] for k in "xyz"], [last[k] for k in "xyz"])
+            drift = math.dist([before[k] for k in "xyz"], [last[k] for k in "xyz"]) / 60
+            print("| %s | %s | %g | %.2f | %.3f | %.3g | %.2g |" % (name, soil, degrees, info["settled_after"], 1e3 * slid, 1e6 * drift,
+                                                                 last["kinetic"]), flush=True)
+
+
+def rough(furrow, folder, dem):
+    store = folder / "rough.furrow"
+    run(furrow, "import", dem, "-o", store)
+    (folder / "model.xml").write_text((MODELS / "offroad.xml").read_text().replace('timestep="0.002"', 'timestep="0.01"'))
+    driver = "    driver: {path: {points: [[51000, 47000], [51200, 47000], [51200, 47200]], speed: 2}, steer: [steer_*], drive: [drive_*]}\n"
+    scene = SCENE.format(step=0.01, end=100, gravity=9.81, spacing=0.04, soil="sandy_loam_15", model="model.xml", x=51000, y=47000, yaw=0,
+                         driver=driver, rows=100)
+    rows, info = drive(furrow, folder, scene, store)
+    weight = info["mass"] * 9.81
+    # Mechanical energy less what the motors did. Springs and soil hold a little more.
+    left = [row["kinetic"] + weight * row["z"] - row["work"] for row in rows]
+    gained = max(b - a for a, b in zip(left, left[1:]))
+    above = max(value - left[0] for value in left)
+    air = {}  # after the first second: the drive begins at the longest step as well
+    with open(folder / "out" / "objects.csv", encoding="ascii") as file:
+        for row in csv.DictReader(file):
+            air[row["name"]] = air.get(row["name"], 0) + (row["state"] == "air" and float(row["t"]) > 1)
+    print("%d rows over %.1f m, from %.2f to %.2f m; greatest speed %.2f m/s; motors %.0f J" %
+          (len(rows), info["distance"], min(r["z"] for r in rows), max(r["z"] for r in rows), max(math.hypot(r["vx"], r["vy"], r["vz"]) for r in rows),
+           rows[-1]["work"]))
+    print("energy less the motors' work: at most %.1f J above the start (%.2g of the motors'), and +%.2f J in a step" %
+          (above, above / max(rows[-1]["work"], 1), gained))
+    print("rows in the air after the first second: %s" % ", ".join("%s %d" % item for item in sorted(air.items())))
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("furrow", type=pathlib.Path)
+    parser.add_argument("--only", choices=("rest", "rough"))
+    parser.add_argument("--dem", type=pathlib.Path, help="real ground for rough: N41E001.hgt")
+    parser.add_argument("--minutes", type=float, default=10)
+    arguments = parser.parse_args()
+    with tempfile.TemporaryDirectory() as folder:
+        if arguments.only != "rough":
+            rest(arguments.furrow.resolve(), pathlib.Path(folder), arguments.minutes)
+        if arguments.only != "rest" and arguments.dem is not None:
+            rough(arguments.furrow.resolve(), pathlib.Path(folder), arguments.dem)
+
+
+if __name__ == "__main__":
+    main()
