@@ -2,7 +2,7 @@
  * Vehicles of one scene that touch each other.
  *
  * Each vehicle is a MuJoCo world of its own. So one more model has the colliding geoms of all of them, side by side and without
- * joints. MuJoCo finds there which geoms of two vehicles touch (between.c). Forces of these contacts go to both vehicles (push.c).
+ * joints. MuJoCo finds there which geoms of two vehicles touch (meet.c). Forces of these contacts go to both vehicles (push.c).
  * Nothing of it has a memory: all follows from the vehicles' states.
  */
 #ifndef FURROW_VEHICLE_BETWEEN_H
@@ -57,6 +57,9 @@ struct between {
 /* Makes the common model. NULL in vehicles->between if there is one vehicle only. */
 enum status vehicle_between_create(struct vehicles *vehicles) FURROW_CHECKED;
 void vehicle_between_destroy(struct vehicles *vehicles);
+
+/* --- meet.c --- */
+
 /* Finds where vehicles touch each other now, and notes it in vehicles->between. Places of all bodies are known. */
 enum status vehicle_between_find(struct vehicles *vehicles) FURROW_CHECKED;
 /* STATUS_INPUT: a vehicle is inside another one. */
