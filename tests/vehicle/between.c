@@ -241,12 +241,44 @@ static void boxes_touch_as_deep_as_they_are(void **state)
 	assert_int_equal(boxes((const double[]){0.6 + 1e-9, 0, 0}, none, none, touches), 0);
 }
 
+static void each_allocation_that_fails_is_told(void **state)
+{
+	const struct thing wedges = {"type=\"mesh\" mesh=\"wedge\"", 10};
+	struct pair pair = make(&wedges, &wedges, 0.002, 1);
+	enum status status;
+	uint64_t nth = 0;
+	(void)state;
+	vehicle_destroy(pair.vehicles);
+	do {
+		mem_fail_nth(++nth, 0);
+		status = vehicle_load(pair.scene, &pair.vehicles);
+		mem_fail_nth(0, 0);
+		if (status != STATUS_OK) {
+			assert_int_equal(status, STATUS_FAILED);
+			assert_non_null(strstr(failure_message(), "out of memory"));
+			assert_null(pair.vehicles);
+		}
+	} while (status != STATUS_OK && nth < 1000);
+	assert_true(status == STATUS_OK && nth > 20);
+	/* A step needs room for the first contacts that it finds. */
+	for (int v = 0; v < 2; v++)
+		put(&pair, v, (const double[]){0.3 * v, 0, 0}, (const double[]){0, 0, 0, 0, 0, 0});
+	for (uint64_t n = 1; n <= 2; n++) {
+		mem_fail_nth(n, 0);
+		assert_int_equal(vehicle_between_push(pair.vehicles), STATUS_FAILED);
+		mem_fail_nth(0, 0);
+	}
+	must(vehicle_between_push(pair.vehicles));
+	forget(&pair);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(head_on_they_part_as_the_law_says),
 		cmocka_unit_test(what_one_gets_the_other_loses),
 		cmocka_unit_test(boxes_touch_as_deep_as_they_are),
+		cmocka_unit_test(each_allocation_that_fails_is_told),
 	};
 	return cmocka_run_group_tests_name("vehicles that meet", tests, support_enter, support_leave);
 }
