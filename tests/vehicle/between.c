@@ -81,6 +81,23 @@ static double wrench(const struct pair *pair, double sum[6])
 	return size;
 }
 
+/* No contact pulls, friction stays in its cone, and only takes energy. The velocities are those at the step's end. */
+static void check_friction(const struct pair *pair, double friction)
+{
+	const struct between *between = pair->vehicles->between;
+	for (size_t i = 0; i < between->count; i++) {
+		const struct meeting *meeting = &between->meetings[i];
+		double power = 0;
+		for (int axis = 1; axis < 3; axis++)
+			for (int k = 0; k < 2; k++)
+				power += (k == 0 ? -1 : 1) * meeting->force[axis] *
+					 mju_dot(meeting->rows[k] + 6 * axis, pair->vehicles->list[meeting->vehicle[k]].data->qvel, 6);
+		const double shear = hypot(meeting->force[1], meeting->force[2]);
+		assert_true(meeting->force[0] >= 0 && shear <= friction * meeting->force[0] * (1 + 1e-12));
+		assert_true(power <= 1e-6 * shear);
+	}
+}
+
 /* One time step. Returns the share of the force that has no counterforce; below 0: they do not touch. */
 static double step(struct pair *pair)
 {
@@ -154,6 +171,27 @@ static void find_momentum(const struct pair *pair, const struct thing *a, const 
 	}
 }
 
+/* A time constant that the time step cannot follow is made longer. */
+static void stiff_bodies_do_not_spring_back(void **state)
+{
+	static const char *const stiff[] = {"0.0005 1", "1e-5 1", "-1e9 -1e3"};
+	(void)state;
+	for (int i = 0; i < 3; i++) {
+		char geom[100];
+		snprintf(geom, sizeof geom, "type=\"sphere\" size=\"0.5\" solref=\"%s\"", stiff[i]);
+		const struct thing sphere = {geom, 100};
+		struct pair pair = make(&sphere, &sphere, 0.002, 1);
+		put(&pair, 0, (const double[]){0, 0, 0}, (const double[]){1, 0, 0, 0, 0, 0});
+		put(&pair, 1, (const double[]){1.0001, 0, 0}, (const double[]){0, 0, 0, 0, 0, 0});
+		for (double t = 0; t < 0.3; t += 0.002)
+			step(&pair);
+		const double apart = pair.vehicles->list[1].data->qvel[0] - pair.vehicles->list[0].data->qvel[0];
+		print_message("solref %s: part with %.3f\n", stiff[i], apart);
+		assert_true(apart >= 0 && apart < 0.3);
+		forget(&pair);
+	}
+}
+
 static void what_one_gets_the_other_loses(void **state)
 {
 	static const char *const shapes[] = {"type=\"sphere\" size=\"0.3\"", "type=\"box\" size=\"0.4 0.3 0.2\"", "type=\"capsule\" size=\"0.2 0.3\"",
@@ -178,6 +216,7 @@ static void what_one_gets_the_other_loses(void **state)
 				find_momentum(&pair, &a, &b, first);
 				for (double t = 0; t < 2.5 / speed && t < 6; t += 0.002) {
 					const double share = step(&pair);
+					check_friction(&pair, 0.5);
 					touched = touched || share >= 0;
 					worst = fmax(worst, share);
 					most = fmax(most, energy(&pair));
@@ -276,6 +315,7 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(head_on_they_part_as_the_law_says),
+		cmocka_unit_test(stiff_bodies_do_not_spring_back),
 		cmocka_unit_test(what_one_gets_the_other_loses),
 		cmocka_unit_test(boxes_touch_as_deep_as_they_are),
 		cmocka_unit_test(each_allocation_that_fails_is_told),
