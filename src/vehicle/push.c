@@ -19,8 +19,8 @@
 #include "vehicle/between.h"
 #include "vehicle/linear.h"
 
-#define ROUNDS_MOST 4000
-#define SETTLED 1e-12   /* of the greatest change of velocity: less than this is no change */
+#define ROUNDS_MOST 1000
+#define SETTLED 1e-8   /* of the greatest change of velocity: less than this is no change */
 #define STEPS_LEAST 2.0 /* time steps: the shortest time constant of a contact */
 
 /* --- the law --- */
