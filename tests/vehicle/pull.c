@@ -96,7 +96,7 @@ static void it_climbs_as_the_rig_says(void **state)
 {
 	static const struct trial trials[] = {
 		{"dry_sand", ", damping: 0", 0.015625, 9.81, 1.25, 0, 8}, {"dry_sand", ", damping: 0", 0.015625, 9.81, 1.25, 0, 14},
-		{"sandy_loam_15", ", damping: 0", 0.015625, 9.81, 2, 0, 15},
+		{"sandy_loam_15", ", damping: 0", 0.015625, 9.81, 2, 0, 11},
 	};
 	(void)state;
 	for (size_t i = 0; i < sizeof trials / sizeof *trials; i++)

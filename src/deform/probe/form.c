@@ -43,13 +43,24 @@ static double level_share(double forward, double rise)
 	return forward != 0 ? fmin(fmax(2 - fabs(rise / forward), 0), 1) : 0;
 }
 
-static double time_of_rim(const struct probe_form *form, double forward, double rise, double ran)
+/* soil/between.c says what this is. passes: the body's way, m; ran: how far its rim or its belt went over it, m. */
+static double time_of_rim(const struct probe_form *form, double forward, double rise, double ran, double passes)
 {
-	const double way = hypot(form->way[0], form->way[1]), rolled = fabs(ran), along = hypot(way, level_share(forward, rise) * rise);
+	const double way = hypot(form->way[0], form->way[1]), rolled = fabs(ran);
 	/* A body that moves up or down neither rolls nor spins. */
 	const double aligned = (way > 0 ? forward * forward / (way * way) : 1) * level_share(fmax(fabs(forward), rolled), rise);
-	const double share = rolled > 0.1 * along ? fmax(along / rolled, 0.1) : 10;
+	const double share = rolled > 0.1 * passes ? fmax(passes / rolled, 0.1) : 10;
 	return 1 + (share - 1) * aligned;
+}
+
+/* Posts pass by the way in plan, for shear. Slip digs as the body goes along the ground. */
+static void put_times(struct probe_form *form, double forward, double rise, double ran)
+{
+	const double way = hypot(form->way[0], form->way[1]), along = hypot(way, level_share(forward, rise) * rise);
+	if (form->ground_normals)
+		return;
+	form->rim = time_of_rim(form, forward, rise, ran, way);
+	form->slip *= time_of_rim(form, forward, rise, ran, along);
 }
 
 /* A wheel's turning, and how far it slips. */
@@ -70,8 +81,7 @@ static void wheel(const struct deform_probe *probe, struct probe_form *form)
 	form->half[1] = probe->shape->width / 2;
 	put_axis(form, sign * x, sign * y);
 	put_rise(form, fabs(forward), form->way[2]);
-	if (!form->ground_normals)
-		form->rim = time_of_rim(form, forward, form->way[2], form->radius * probe->turned);
+	put_times(form, forward, form->way[2], form->radius * probe->turned);
 }
 
 /* A cylinder, or a wheel with camber. The frame looks across its axis. In the plane across the axis it moves as a level wheel does. */
@@ -91,8 +101,8 @@ static void cylinder(const struct deform_probe *probe, struct probe_form *form)
 	put_rise(form, fabs(forward), rises);
 	if (!form->wheel)
 		form->slip = hypot(form->way[0], form->way[1]);
-	if (!form->ground_normals && strips)
-		form->rim = time_of_rim(form, forward, rises, form->wheel ? form->radius * probe->turned : 0);
+	if (strips)
+		put_times(form, forward, rises, form->wheel ? form->radius * probe->turned : 0);
 }
 
 static void sphere(struct probe_form *form)
@@ -213,11 +223,8 @@ static void put_belt(const struct deform_probe *probe, struct probe_form *form)
 	memcpy(form->belt, axes[1], sizeof form->belt);
 	form->runs = probe->runs;
 	form->slip = hypot(along[0] - form->ran, along[1]);
-	if (form->ground_normals)
-		return;
-	const double time = time_of_rim(form, forward, form->way[2], form->ran);
-	form->slip *= time;
-	form->rim = time * hypot(axes[1][0], axes[1][1]);
+	put_times(form, forward, form->way[2], form->ran);
+	form->rim *= hypot(axes[1][0], axes[1][1]);
 }
 
 static void turn_into_frame(struct probe_form *form)
@@ -256,8 +263,6 @@ void deform_probe_form_of(const struct deform *deform, const struct deform_probe
 	form->lower.beside = BESIDE;
 	put_motion(probe, form);
 	put_shape(probe, form);
-	if (form->rim > 0)
-		form->slip *= form->rim;
 	if (probe->shape->belt)
 		put_belt(probe, form);
 	turn_into_frame(form);

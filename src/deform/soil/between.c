@@ -27,15 +27,26 @@ double deform_way_along(double forward, double rise)
 }
 
 /* Shear displacement adds up over the time in which a wheel's rim, or a belt, passes over the soil. Returns this time as a share of the time in
- * which the soil passes below the body. It is 1 without slip, and for a body that slides sideways. */
-static double time_of_rim(const struct deform_contact *contact, double forward, double way, double rise)
+ * which the soil passes below the body. It is 1 without slip, and for a body that slides sideways. passes: the body's way, metres. */
+static double time_of_rim(const struct deform_contact *contact, double forward, double way, double rise, double passes)
 {
 	double turned = fabs(deform_shape_ran(contact->shape, contact->turned)), aligned = way > 0 ? forward * forward / (way * way) : contact->hosted;
 	/* A wheel that moves up or down neither rolls nor spins. */
 	if (contact->hosted)
 		aligned *= level_share(fmax(fabs(forward), turned), rise);
-	double along = hypot(way, level_share(forward, rise) * rise), share = turned > 0.1 * along ? fmax(along / turned, 0.1) : 10;
+	double share = turned > 0.1 * passes ? fmax(passes / turned, 0.1) : 10;
 	return 1 + (share - 1) * aligned;
+}
+
+/* The soil is sheared where posts pass, so by the way in plan: the shader divides by the cosine of the surface to the vertical. It is dug as
+ * the body goes along the ground. */
+static void put_times(const struct deform *deform, const struct deform_contact *contact, double forward, double rise, struct scm_params *params)
+{
+	const double way = hypot(params->way[0], params->way[1]), along = hypot(way, level_share(forward, rise) * rise);
+	if (deform->params.ground_normals)
+		return;
+	params->moves[3] = (float)time_of_rim(contact, forward, way, rise, way);
+	params->digs[0] = (float)time_of_rim(contact, forward, way, rise, along);
 }
 
 /* Turns the level part of a vector so that it is along the axes of a frame. heading: its x axis. */
@@ -58,8 +69,7 @@ static void wheel(const struct deform *deform, const struct deform_contact *cont
 	params->moves[0] = (float)fabs(forward);
 	params->moves[1] = (float)slope;
 	params->moves[2] = (float)(slope / hypot(1, slope));
-	if (!deform->params.ground_normals)
-		params->moves[3] = (float)time_of_rim(contact, forward, hypot(params->way[0], params->way[1]), params->way[2]);
+	put_times(deform, contact, forward, params->way[2], params);
 }
 
 static void along_way(struct scm_params *params, double way)
@@ -113,8 +123,8 @@ static void cylinder(const struct deform *deform, const struct deform_contact *c
 	params->moves[0] = (float)fabs(forward);
 	params->moves[1] = (float)slope;
 	params->moves[2] = (float)(slope * c / hypot(1, slope * c));
-	if (!deform->params.ground_normals && strips)
-		params->moves[3] = (float)time_of_rim(contact, forward, hypot(params->way[0], params->way[1]), rise);
+	if (strips)
+		put_times(deform, contact, forward, rise, params);
 	params->faces[0][0] = (float)(sign * s);
 	params->faces[1][0] = (float)c;
 	params->faces[2][0] = (float)lower.half;
@@ -180,8 +190,7 @@ static void box(const struct deform_contact *contact, struct scm_params *params)
 static void belt(const struct deform *deform, const struct deform_contact *contact, struct scm_params *params)
 {
 	double forward = params->way[0] * cos(contact->to.yaw) + params->way[1] * sin(contact->to.yaw);
-	if (!deform->params.ground_normals)
-		params->moves[3] = (float)time_of_rim(contact, forward, hypot(params->way[0], params->way[1]), params->way[2]);
+	put_times(deform, contact, forward, params->way[2], params);
 }
 
 void deform_between_posts(const struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,

@@ -118,16 +118,17 @@ static void fill_motion(const struct deform_contact *contact, struct scm_params 
 	params->belt[3] = (float)contact->turned;
 }
 
-/* Needs `way` and `moves`: the slip of a wheel or a belt digs for as long as its surface passes over the soil. */
+/* Needs `way`. In digs[0] it needs for which share of the contact the surface of a wheel or a belt passes over the soil. So long its slip digs. */
 static void fill_digging(const struct deform *deform, const struct deform_contact *contact, struct scm_params *params)
 {
+	const float passes = params->digs[0] > 0 ? params->digs[0] : 1;
+	params->digs[0] = 0;
 	params->digs[1] = (float)deform->params.slip_sinkage;
 	params->digs[2] = contact->shape->kind == DEFORM_WHEEL ? (float)deform_body_wheel_radius(contact->shape) : 0;
 	params->digs[3] = contact->hosted ? 1 + (float)contact->stamped : 0;
 	if (deform_is_contact_only(contact))
 		return;
-	float slip = (float)slip_of(contact, params->way);
-	params->digs[0] = params->moves[3] > 0 ? slip * params->moves[3] : slip;
+	params->digs[0] = (float)slip_of(contact, params->way) * passes;
 }
 
 static void fill_surface(const struct deform_interface *interface, float surface[4])

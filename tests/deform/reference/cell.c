@@ -16,7 +16,7 @@ struct form {
 	double half[2];         /* half of its size forwards and to the left; 0: it has no straight sides there */
 	double way[3], run;     /* its motion; how much of that is forwards, of a wheel; all, of a sphere */
 	double faces[3][3];     /* box: lower faces: height at the centre, rise to the east and to the north */
-	double rim;             /* time of the rim, or of a belt, of the soil's; 0: they are the same */
+	double rim, dig;        /* time of the rim, or of a belt, of the soil's, to shear and to dig; 0: they are the same */
 	double level;           /* of a belt: how much of the body's left axis is level */
 };
 
@@ -55,6 +55,17 @@ static void box_form(const struct deform_pose *pose, struct form *form)
 	form->half[1] = (fabs(cos(pose->roll)) * size[1] + fabs(sin(pose->roll)) * size[2]) / 2;
 }
 
+/* Posts pass by the way in plan. The body goes, and digs, along the ground. */
+static void put_times(struct form *form, double ran, double length, double ahead)
+{
+	const double ways[2] = {length, reference_along(length, ahead, form->way[2])}, run = fabs(ran);
+	double *times[2] = {&form->rim, &form->dig};
+	for (int k = 0; k < 2; k++) {
+		double share = run > 0.1 * ways[k] ? fmax(ways[k] / run, 0.1) : 10;
+		*times[k] = length > 0 ? 1 + (share - 1) * pow(ahead / length, 2) : 1;
+	}
+}
+
 static struct form form_of(const struct reference_ground *ground, const struct deform_contact *sweep)
 {
 	struct form form = {.shape = sweep->shape, .forward = {cos(sweep->to.yaw), sin(sweep->to.yaw)}};
@@ -70,23 +81,20 @@ static struct form form_of(const struct reference_ground *ground, const struct d
 	} else if (sweep->shape->kind == DEFORM_BOX) {
 		box_form(&sweep->to, &form);
 	} else if (sweep->shape->kind == DEFORM_WHEEL) {
-		double rolled = fabs(sweep->shape->radius * sweep->turned), along = reference_along(length, ahead, way.z);
-		double share = rolled > 0.1 * along ? fmax(along / rolled, 0.1) : 10;
+		put_times(&form, sweep->shape->radius * sweep->turned, length, ahead);
 		form.run = fabs(ahead);
 		form.half[1] = sweep->shape->width / 2;
-		form.rim = length > 0 ? 1 + (share - 1) * pow(ahead / length, 2) : 1;
 		for (int k = 0; k < 2; k++)
 			form.forward[k] *= ahead < 0 ? -1 : 1;
 	}
 	if (sweep->shape->belt) {
-		double axes[3][3], ran = fabs(sweep->turned), along = reference_along(length, ahead, way.z);
-		double share = ran > 0.1 * along ? fmax(along / ran, 0.1) : 10;
+		double axes[3][3];
+		put_times(&form, sweep->turned, length, ahead);
 		deform_axes(sweep->to.yaw, sweep->to.pitch, sweep->to.roll, 0, axes);
 		form.level = hypot(axes[1][0], axes[1][1]);
-		form.rim = length > 0 ? 1 + (share - 1) * pow(ahead / length, 2) : 1;
 	}
 	if (ground->ground_normals)
-		form.rim = 0;
+		form.rim = form.dig = 0;
 	return form;
 }
 
@@ -382,7 +390,7 @@ struct cell_force reference_cell(const struct reference_ground *ground, const st
 	struct underside then = underside_at(&form, halfway, cell.own);
 	struct vector normal = normal_here(&cell, &then), along = sliding(&cell, (struct vector){halfway[0], halfway[1], then.z + cell.above}, normal);
 	double rim = form.rim > 0 ? form.rim * (sweep->shape->belt ? form.level : 1) / normal.z : 1;
-	out.rim = form.rim > 0 ? form.rim : 1;
+	out.rim = form.dig > 0 ? form.dig : 1;
 	cell.slides = sqrt(dot(along, along)) * rim;
 	out.slid = plus((struct vector){0, 0, 0}, rim * fmax(cell.share, 0), along);
 	out.normal_then = normal;
