@@ -64,7 +64,7 @@ static void one_wheel_rests(void **state)
 	write_braked("MODELS", "one_wheel.xml", "<joint name=\"turn\" axis=\"0 1 0\"/>",
 		     "<joint name=\"turn\" axis=\"0 1 0\" stiffness=\"200000\" damping=\"2000\"/>", "kv=\"500\"");
 	for (int degrees = 0; degrees <= 20; degrees += 10)
-		drive(degrees, 6, "one wheel");
+		drive(degrees, 12, "one wheel");
 }
 
 static void four_wheels_rest(void **state)
