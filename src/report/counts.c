@@ -61,9 +61,11 @@ static void add_object_units(cJSON *units, const struct report *report)
 		json_integer(moved, body->object->name, (int64_t)body->windows_moved);
 	}
 	for (size_t i = 0; i < report->world->hosts.count; i++) {
-		const struct body *body = &report->world->hosts.list[i]->body;
-		json_integer(windows, body->object->name, (int64_t)body->windows);
-		json_integer(moved, body->object->name, (int64_t)body->windows_moved);
+		const struct host_body *host = report->world->hosts.list[i];
+		if (host == NULL)
+			continue;
+		json_integer(windows, host->body.object->name, (int64_t)host->body.windows);
+		json_integer(moved, host->body.object->name, (int64_t)host->body.windows_moved);
 	}
 }
 
