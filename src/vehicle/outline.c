@@ -38,11 +38,17 @@ static double lowest(const struct vehicle *vehicle, int geom)
 	return place[2];
 }
 
-static bool is_soil(const struct vehicle *vehicle, int geom)
+static bool is_wheel(const struct soil_geom *geom)
+{
+	return geom->dof >= 0 && !geom->shape.belt;
+}
+
+/* A hull that collides is a soil geom, but hangs above the ground. So it counts as belly. */
+static bool is_on_ground(const struct vehicle *vehicle, int geom, double ground)
 {
 	for (size_t i = 0; i < vehicle->geom_count; i++)
 		if (vehicle->geoms[i].geom == geom)
-			return true;
+			return is_wheel(&vehicle->geoms[i]) || lowest(vehicle, geom) <= ground;
 	return false;
 }
 
@@ -57,13 +63,15 @@ static enum status outline(const struct vehicle *vehicle, struct vehicle_outline
 	for (size_t i = 0; i < vehicle->geom_count; i++)
 		ground = fmin(ground, lowest(vehicle, vehicle->geoms[i].geom));
 	for (int geom = 0; geom < model->ngeom; geom++)
-		if (!is_soil(vehicle, geom) && !vehicle_is_fixed(model, geom))
+		if (!is_on_ground(vehicle, geom, ground) && !vehicle_is_fixed(model, geom))
 			belly = fmin(belly, lowest(vehicle, geom));
 	out->height = middle[2] - ground;
 	out->clearance = belly - ground;
 	for (size_t i = 0; i < vehicle->geom_count; i++) {
 		const struct soil_geom *geom = &vehicle->geoms[i];
-		if (geom->dof < 0 || geom->shape.belt)
+		if (!is_on_ground(vehicle, geom->geom, ground))
+			continue;
+		if (!is_wheel(geom))
 			return fail_with(STATUS_INPUT, "%s: touches the ground with more than wheels; only vehicles on wheels have an outline", geom->name);
 		if (out->wheel_count == VEHICLE_WHEELS_MOST)
 			return fail_with(STATUS_INPUT, "%s: it has more than %d wheels; give a model with fewer", vehicle->scene->name, VEHICLE_WHEELS_MOST);
