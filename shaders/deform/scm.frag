@@ -19,7 +19,7 @@ layout(binding = 6, r8ui) uniform restrict uimage2DArray contacts;
 #include "lib/ways.glsl"
 
 #ifdef FORCES
-// 20 words for each contact with a tag: force and moment, 64 bits for each component; then these:
+// Each contact with a tag has 20 words. The first twelve are force and moment, 64 bits for each component. Then:
 // - area that bears, in units of which a post has faces[0].w
 // - the deepest sinkage below the base, fixed-point units
 // - the equilibrium height above the prescribed one, fixed-point units

@@ -521,7 +521,7 @@ struct deform_probed {
 	double normal[3];             /* mean normal of the base where the body bears; NAN without contact */
 	double pull;                  /* N: as in struct deform_forces */
 	double normal_force;          /* N: the normal stress times the body's surface, summed */
-	double shear_limit;           /* N: the same of the most that shear can be */
+	double shear_limit;           /* N: the most that shear can hold, summed in the same way */
 	double sinkage, area;         /* as in struct deform_forces */
 	enum deform_state state;      /* DEFORM_SLIDES: shear is at its limit. DEFORM_SUNK: deeper than the body is high */
 };

@@ -243,6 +243,14 @@ void deform_turn_into_frame(struct scm_params *params);
 /* Returns how far a body went along the ground that went `forward` metres in plan and rose by `rise`; of forward's sign. What is steeper than 45
  * degrees counts less and less, from 63 degrees on not: such a body sinks or is lifted. */
 double deform_way_along(double forward, double rise);
+/* Shear displacement adds up over the time in which a wheel's rim, or a belt, passes over the soil. These are shares of the time in which the
+ * soil passes below the body: 1 without slip, and for a body that slides sideways. */
+struct deform_rim_times {
+	double shears; /* by the way in plan, as posts pass: the shader divides by the cosine of the surface to the vertical */
+	double digs;   /* by the way along the ground */
+};
+/* forward, rise: of the motion, m. way: its length in plan. ran: how far the rim or the belt went over the body. hosted: a host moves the body. */
+struct deform_rim_times deform_rim_times_of(double forward, double way, double rise, double ran, bool hosted);
 /* Returns true for a box with pitch and roll, which has six sides in plan. Its edges are not computed: each post that it covers bears for
  * its whole cell. A box that a host moves is hardly ever quite level. So a corner that is cut off by less than a tenth of a post does not count. */
 bool deform_box_is_cut(const struct deform_shape *shape, const struct deform_pose *pose, double spacing, bool hosted);

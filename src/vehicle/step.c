@@ -110,11 +110,6 @@ static enum status touch(struct vehicles *vehicles)
 
 /* --- contacts --- */
 
-static const char *short_name(const struct vehicle *vehicle)
-{
-	return vehicle->scene->name;
-}
-
 /* Moves a state on as it moves now. */
 static void go_on(struct world_state *state, double seconds)
 {
@@ -206,7 +201,7 @@ static struct motion motion_of(const struct vehicles *vehicles, struct vehicle *
 static enum status prepare_one(const struct vehicles *vehicles, struct vehicle *vehicle, bool drives)
 {
 	struct motion motion = motion_of(vehicles, vehicle, 0, drives);
-	return vehicle_guard(short_name(vehicle), prepare, &motion);
+	return vehicle_guard(vehicle->scene->name, prepare, &motion);
 }
 
 static enum status move_one(struct vehicles *vehicles, struct vehicle *vehicle, double rate, bool drives)
@@ -215,12 +210,12 @@ static enum status move_one(struct vehicles *vehicles, struct vehicle *vehicle, 
 	const double time = motion.time, seconds = motion.seconds;
 	double before[2], after[2];
 	mju_copy(before, &vehicle->data->xpos[3 * vehicle->root], 2);
-	enum status status = vehicle_guard(short_name(vehicle), advance, &motion);
+	enum status status = vehicle_guard(vehicle->scene->name, advance, &motion);
 	if (status != STATUS_OK)
 		return status;
 	if (!is_finite(vehicle))
 		return fail_with(STATUS_FAILED, "%s: its motion diverged after %.6g s; shorten time_step (now %g s, at most %.3g s), soften its "
-						"actuators, or give its joints damping", short_name(vehicle), time, seconds, vehicle->largest_step);
+						"actuators, or give its joints damping", vehicle->scene->name, time, seconds, vehicle->largest_step);
 	mju_copy(after, &vehicle->data->xpos[3 * vehicle->root], 2);
 	vehicle->distance += drives ? hypot(after[0] - before[0], after[1] - before[1]) : 0;
 	return STATUS_OK;

@@ -166,7 +166,7 @@ static inline double probe_height_at(const struct probe_form *form, const double
 	return face.height;
 }
 
-/* Adds a ball's second derivatives: of its height, where its unit normal is n. */
+/* Adds how a ball's lower envelope curves, the second derivatives of its height, at the place where its unit normal is n. */
 static inline void probe_ball_bends(const struct probe_form *form, const double n[3], double bends[3])
 {
 	const double x = n[0] / n[2], y = n[1] / n[2], by = 1 / (form->radius * n[2]);

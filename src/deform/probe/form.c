@@ -37,30 +37,13 @@ static void put_rise(struct probe_form *form, double run, double rises)
 	form->plunge = rises / form->lift;
 }
 
-/* Returns how much of a rise counts as a way along the ground. From a slope of 1 to one of 2 that is less and less. */
-static double level_share(double forward, double rise)
-{
-	return forward != 0 ? fmin(fmax(2 - fabs(rise / forward), 0), 1) : 0;
-}
-
-/* soil/between.c says what this is. passes: the body's way, m; ran: how far its rim or its belt went over it, m. */
-static double time_of_rim(const struct probe_form *form, double forward, double rise, double ran, double passes)
-{
-	const double way = hypot(form->way[0], form->way[1]), rolled = fabs(ran);
-	/* A body that moves up or down neither rolls nor spins. */
-	const double aligned = (way > 0 ? forward * forward / (way * way) : 1) * level_share(fmax(fabs(forward), rolled), rise);
-	const double share = rolled > 0.1 * passes ? fmax(passes / rolled, 0.1) : 10;
-	return 1 + (share - 1) * aligned;
-}
-
-/* Posts pass by the way in plan, for shear. Slip digs as the body goes along the ground. */
 static void put_times(struct probe_form *form, double forward, double rise, double ran)
 {
-	const double way = hypot(form->way[0], form->way[1]), along = hypot(way, level_share(forward, rise) * rise);
 	if (form->ground_normals)
 		return;
-	form->rim = time_of_rim(form, forward, rise, ran, way);
-	form->slip *= time_of_rim(form, forward, rise, ran, along);
+	const struct deform_rim_times times = deform_rim_times_of(forward, hypot(form->way[0], form->way[1]), rise, ran, true);
+	form->rim = times.shears;
+	form->slip *= times.digs;
 }
 
 /* A wheel's turning, and how far it slips. */

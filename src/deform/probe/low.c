@@ -24,8 +24,8 @@ struct raster {
 /* A triangle at the end of its motion, m from the body's centre. */
 struct moving {
 	double edges[3][3]; /* above 0 inside: edge[0] + edge[1] x + edge[2] y, m */
-	double plane[3];    /* the height likewise, */
-	double low, high;   /* within these */
+	double plane[3];    /* the height, as a sum like those of the edges, m */
+	double low, high;   /* m: of its vertices. No height is beyond these */
 	double way[3];
 	bool resting;
 };

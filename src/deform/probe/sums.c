@@ -4,12 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-static void cross(const double a[3], const double b[3], double out[3])
-{
-	out[0] = a[1] * b[2] - a[2] * b[1];
-	out[1] = a[2] * b[0] - a[0] * b[2];
-	out[2] = a[0] * b[1] - a[1] * b[0];
-}
+#include "deform/probe/place.h"
 
 /* A vector at a place, and its moment about the body's centre. */
 static void wrench(const double v[3], const double arm[3], double out[6])

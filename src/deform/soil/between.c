@@ -26,27 +26,31 @@ double deform_way_along(double forward, double rise)
 	return copysign(hypot(forward, level_share(forward, rise) * rise), forward);
 }
 
-/* Shear displacement adds up over the time in which a wheel's rim, or a belt, passes over the soil. Returns this time as a share of the time in
- * which the soil passes below the body. It is 1 without slip, and for a body that slides sideways. passes: the body's way, metres. */
-static double time_of_rim(const struct deform_contact *contact, double forward, double way, double rise, double passes)
+/* passes: the body's way, metres. */
+static double time_of_rim(double forward, double way, double rise, double ran, double passes, bool hosted)
 {
-	double turned = fabs(deform_shape_ran(contact->shape, contact->turned)), aligned = way > 0 ? forward * forward / (way * way) : contact->hosted;
-	/* A wheel that moves up or down neither rolls nor spins. */
-	if (contact->hosted)
-		aligned *= level_share(fmax(fabs(forward), turned), rise);
-	double share = turned > 0.1 * passes ? fmax(passes / turned, 0.1) : 10;
+	double aligned = way > 0 ? forward * forward / (way * way) : hosted;
+	/* A body that moves up or down neither rolls nor spins. */
+	if (hosted)
+		aligned *= level_share(fmax(fabs(forward), ran), rise);
+	double share = ran > 0.1 * passes ? fmax(passes / ran, 0.1) : 10;
 	return 1 + (share - 1) * aligned;
 }
 
-/* The soil is sheared where posts pass, so by the way in plan: the shader divides by the cosine of the surface to the vertical. It is dug as
- * the body goes along the ground. */
+struct deform_rim_times deform_rim_times_of(double forward, double way, double rise, double ran, bool hosted)
+{
+	const double along = hypot(way, level_share(forward, rise) * rise);
+	return (struct deform_rim_times){time_of_rim(forward, way, rise, fabs(ran), way, hosted), time_of_rim(forward, way, rise, fabs(ran), along, hosted)};
+}
+
 static void put_times(const struct deform *deform, const struct deform_contact *contact, double forward, double rise, struct scm_params *params)
 {
-	const double way = hypot(params->way[0], params->way[1]), along = hypot(way, level_share(forward, rise) * rise);
 	if (deform->params.ground_normals)
 		return;
-	params->moves[3] = (float)time_of_rim(contact, forward, way, rise, way);
-	params->digs[0] = (float)time_of_rim(contact, forward, way, rise, along);
+	const double way = hypot(params->way[0], params->way[1]), ran = deform_shape_ran(contact->shape, contact->turned);
+	const struct deform_rim_times times = deform_rim_times_of(forward, way, rise, ran, contact->hosted);
+	params->moves[3] = (float)times.shears;
+	params->digs[0] = (float)times.digs;
 }
 
 /* Turns the level part of a vector so that it is along the axes of a frame. heading: its x axis. */
