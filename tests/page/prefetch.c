@@ -351,7 +351,8 @@ static void page_failed_prefetch_is_silent_and_retried(void **state)
 	poll_until_resident(&fake, 6); /* the one loader was done with 5 before */
 	assert_false(fake_resident(&fake, 5));
 	fake_want(&fake, 5);
-	fake_visit(&fake, 7); /* so now it is, again, and not polled */
+	fake_await(&fake, 3, 0); /* the loader fails with 5 again, and only then loads 7 */
+	fake_visit(&fake, 7);
 	mutex_lock(&fake.mutex);
 	fake.fail_load = 0;
 	mutex_unlock(&fake.mutex);
