@@ -7,6 +7,9 @@ struct face {
 	float height; // of the lower envelope above the centre, m
 	vec2 slope;   // its rise for each metre along the axes of the frame
 	vec3 normal;  // upwards
+#ifdef SHAPE_CYLINDER
+	bool end;     // it is the flat end, which bears by its area in plan
+#endif
 };
 
 #if defined(SHAPE_WHEEL) || defined(SHAPE_SPHERE) || defined(SHAPE_CYLINDER) || defined(SHAPE_ELLIPSOID)
@@ -132,10 +135,10 @@ face face_at(vec2 at, vec2 own)
 	return face(-up, at / inwards.z, inwards * inversesqrt(dot(inwards, inwards)));
 #elif defined(SHAPE_CYLINDER)
 	float ahead = clamp(at.x, -body.x * STEEPEST_PART, body.x * STEEPEST_PART), strip = half_strip(ahead), up = strip * by_radius;
-	face f = face((lean * at.y - half_strip(at.x)) * lift, vec2(ahead / strip, lean) * lift, vec3(-ahead * by_radius, -lean * up, level * up));
+	face f = face((lean * at.y - half_strip(at.x)) * lift, vec2(ahead / strip, lean) * lift, vec3(-ahead * by_radius, -lean * up, level * up), false);
 	if (!strips) {
 		vec2 slope = vec2(0.0, low_side * level / max(abs(lean), 1e-6));
-		f = own.x == 1.0 || end_at(at) > f.height ? face(end_at(at), slope, vec3(0.0)) : f;
+		f = own.x == 1.0 || end_at(at) > f.height ? face(end_at(at), slope, vec3(0.0), true) : f;
 		f.normal = normal_of_slope(f.slope);
 	}
 	return f;

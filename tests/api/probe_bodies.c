@@ -114,8 +114,9 @@ static const char plain[] = "{shape: {wheel: {radius: 0.25, width: 0.2}}}", drum
 /* What slides slowly is damped more by a probe than by the GPU. Below a steep cylinder few posts tell of both its end and its side. Between
  * two contacts a probe remembers how deep a grouser was, which the GPU does not: so each step of grousers is a contact. */
 static const struct probed bodies[] = {
-	{"camber of 3 degrees", plain, true, 3, 0, 0.006, false, 1}, {"camber of -9", plain, true, -9, 0, 0.006, false, 1},
-	{"camber of 20", plain, true, 20, 0, 0.006, false, 1}, {"grousers", lugged, true, 0, 0, 0.006, true, 1},
+	{"camber of 0.05 degrees", plain, true, 0.05, 0, 0.005, false, 1}, {"camber of -0.2", plain, true, -0.2, 0, 0.005, false, 1},
+	{"camber of 1", plain, true, 1, 0, 0.005, false, 1}, {"camber of 3", plain, true, 3, 0, 0.005, false, 1},
+	{"camber of -9", plain, true, -9, 0, 0.006, false, 1}, {"camber of 23", plain, true, 23, 0, 0.006, false, 1}, {"grousers", lugged, true, 0, 0, 0.006, true, 1},
 	{"grousers and camber of 9", lugged, true, 9, 0, 0.01, true, 0.04}, {"cylinder that lies", drum, false, 90, 0, 0.012, false, 1},
 	{"cylinder that leans", drum, false, 78, 0, 0.007, false, 1}, {"steep cylinder", peg, false, 25, 0, 0.03, false, 0.02},
 	{"upright cylinder", peg, false, 0, 0, 0.01, false, 1}, {"upright capsule", pill, false, 0, 0, 0.02, false, 1},
@@ -141,6 +142,7 @@ static void a_probe_tells_what_the_gpu_does(void **state)
 	} rows[] = {
 		{{"probe.furrow", "dry_sand", 0.015625, 0, 100, 0, 0, false}, 0.02}, {{"probe.furrow", "dry_sand", 0.03125, 0, 100, 0, 0, false}, 0.02},
 		{{"probe.furrow", "dry_sand", 0.0625, 0, 100, 0, 0, false}, 0.02}, {{"probe.furrow", "lunar", 0.03125, 0, 8000, 0, 0, false}, 0.03},
+		{{"probe.furrow", "clayey_38", 0.015625, 0, 100, 0, 0, false}, 0.01},
 		{{"probe.furrow", "lete_sand", 0.03125, 10, -8000, 0, 0, false}, 0.006}, {{"probe.furrow", "sandy_loam_15", 0.03125, 20, 100, 0, 0, false}, 0.01},
 	};
 	static const struct way ways[] = {{0, 0, 1.25, 0}, {44, 0, 1, 0}, {22.5, 20, 0.8, 0}};

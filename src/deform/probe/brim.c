@@ -1,6 +1,8 @@
 /* The lower end of a cylinder that leans: what it bears beside a cell. */
 #include "deform/probe/place.h"
 
+#define STEPS 4 /* lib/scm_post.glsl, sheared_by_end */
+
 /* The lower edge of a cylinder that leans, beside a cell. */
 struct edge {
 	double at[2], lowest, depth; /* its lowest place beside the part that bears; below the ground there */
@@ -36,7 +38,28 @@ static double brim_since(const struct post *p, const struct edge *edge, double m
 	return since < 1e9 ? since : 1;
 }
 
-/* What the lower end of a cylinder that leans bears beside a cell: lib/scm_post.glsl, bear_brim. */
+/* Gives how the soil is sheared that the lower end slid over. The end turns over the soil, so its way is followed from where it began. */
+static void put_sheared(const struct post *p, double since, struct probe_place *place)
+{
+	const struct probe_form *form = p->form;
+	const double each = since / STEPS;
+	double all = 0;
+	place->mobilised[0] = place->mobilised[1] = 0;
+	for (int n = STEPS - 1; n >= 0; n--) {
+		double arm[3];
+		for (int k = 0; k < 3; k++)
+			arm[k] = place->arm[k] + (n + 0.5) * each * form->way[k];
+		const struct slip slip = slip_at(form, arm, place->across);
+		const double way = slip.size * each * p->soil->by_shear, stays = stays_after(way);
+		for (int k = 0; k < 2; k++)
+			place->mobilised[k] = slip.direction[k] + stays * (place->mobilised[k] - slip.direction[k]);
+		all += way;
+	}
+	const struct slip slip = slip_at(form, place->arm, place->across);
+	deform_place_shears(p, &slip, all, stays_after(all), 1, place);
+}
+
+/* What the lower end of a cylinder that leans bears beside a cell: lib/scm_post.glsl, bear_brim. Its area counts as that in plan. */
 bool deform_place_brim(const struct post *p, const double middle[2], double height, struct probe_place *place)
 {
 	const struct probe_form *form = p->form;
@@ -49,23 +72,16 @@ bool deform_place_brim(const struct post *p, const double middle[2], double heig
 	const double mean = edge.depth * pow(s->n + 1, -1 / s->n), out_by = width / (s->n + 2), part = edge.length * width * form->by_step;
 	if (!(mean > 0 && part > 0))
 		return false;
-	const struct probe_face wall = {.normal = {0, -low * form->level, leans}};
-	const double yields = yield_stress(p->law, s, up * mean), slope[2] = {0, low * steep};
+	const struct probe_face wall = {.normal = {0, -low * form->level, fabs(form->lean)}};
+	const double yields = yield_stress(p->law, s, up * mean);
 	*place = (struct probe_place){
 		.arm = {edge.at[0], edge.at[1] + low * out_by, edge.lowest + out_by * steep + (p->over ? p->rests - p->face.height : 0)},
-		.ground = part, .stress = yields, .sinks = yields * (s->n + 1) / edge.depth,
+		.area = part, .ground = part, .stress = yields, .sinks = yields * (s->n + 1) / edge.depth,
 	};
 	normal_at(form, p->rise, up, &wall, place->normal);
-	if (!form->ground_normals)
-		probe_normal_of_slope(slope, place->normal);
-	place->area = form->ground_normals ? part : part / place->normal[2];
 	put_across(place->normal, place->across);
 	deform_place_rates(p, probe_least(4 * up * mean * s->by_shear, 1), place);
-	const struct slip slip = slip_at(form, place->arm, place->across);
-	const double touching = slip.size * brim_since(p, &edge, mean, edge.strip - out_by / leans) * s->by_shear, stays = stays_after(touching);
-	for (int k = 0; k < 2; k++)
-		place->mobilised[k] = (1 - stays) * slip.direction[k];
 	place->strength = strength_of(p->law, s, place->stress, &place->holds);
-	deform_place_shears(p, &slip, touching, stays, place);
+	put_sheared(p, brim_since(p, &edge, mean, edge.strip - out_by / leans), place);
 	return true;
 }

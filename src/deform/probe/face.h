@@ -51,6 +51,13 @@ static inline bool probe_is_end(const struct probe_form *form, const double own[
 	return own[0] == 1 || probe_end_height(form, at) > side;
 }
 
+/* Returns true if the body bears on a place with a flat end that may be as wide as several cells. */
+static inline bool probe_bears_by_end(const struct probe_form *form, const double own[2], const double at[2])
+{
+	return form->kind == DEFORM_CYLINDER && !probe_strips(form) &&
+	       probe_is_end(form, own, at, (form->lean * at[1] - probe_half_strip(form, at[0])) * form->lift);
+}
+
 static inline void probe_cylinder_face(const struct probe_form *form, const double own[2], const double at[2], struct probe_face *face)
 {
 	const double most = PROBE_STEEPEST_PART * form->radius, ahead = probe_clamp(at[0], -most, most), strip = probe_half_strip(form, ahead);
@@ -185,7 +192,7 @@ static inline void probe_bends_at(const struct probe_form *form, const double ow
 	} else if (form->kind == DEFORM_SPHERE) {
 		probe_ball_bends(form, face->normal, bends);
 	} else if (form->kind == DEFORM_CYLINDER) {
-		if (!probe_strips(form) && probe_is_end(form, own, at, (form->lean * at[1] - probe_half_strip(form, at[0])) * form->lift))
+		if (probe_bears_by_end(form, own, at))
 			return;
 		const double up = face->normal[2] / form->level;
 		bends[0] = form->lift * form->by_radius / (up * up * up);

@@ -122,11 +122,9 @@ static double lowered_at(const struct post *p, const double there[2], double *si
 	return lowered;
 }
 
-/* How `mobilised` grows with a way of the surface: `shears` of the place. slides: the way in all of the contact, touching: since it
- * touches, both in units of the shear modulus. */
-void deform_place_shears(const struct post *p, const struct slip *slip, double touching, double stays, struct probe_place *place)
+void deform_place_shears(const struct post *p, const struct slip *slip, double touching, double stays, double rim, struct probe_place *place)
 {
-	const double by_shear = p->soil->by_shear, rim = p->form->rim > 0 ? p->form->rim * p->form->level / place->normal[2] : 1;
+	const double by_shear = p->soil->by_shear;
 	if (!(slip->size > 1e-9)) { /* it begins to slide: half as stiff on, and half as much stiffer back */
 		place->shears[0][0] = place->shears[1][1] = by_shear;
 		place->shears[0][1] = place->shears[1][0] = 0;
@@ -209,7 +207,7 @@ static bool put_place(const struct post *p, const double there[2], double rise, 
 	place->arm[1] = there[1];
 	place->arm[2] = face.height + (p->over ? p->rests - p->face.height : 0);
 	place->ground = 0.5 * part;
-	place->area = form->ground_normals ? 0.5 * part : 0.5 * part / place->normal[2];
+	place->area = form->ground_normals || probe_bears_by_end(form, p->own, there) ? 0.5 * part : 0.5 * part / place->normal[2];
 	place->stress = yields * share;
 	/* Where the body was deeper before, the deepest pose sinks by less than the last one. */
 	const double unloads = flows ? 0 : largest > remembered ? since : 1;
@@ -221,7 +219,7 @@ static bool put_place(const struct post *p, const double there[2], double rise, 
 	for (int k = 0; k < 2; k++)
 		place->mobilised[k] = slip.direction[k] + stays * (p->shear[k] - slip.direction[k]);
 	place->strength = strength_of(p->law, s, place->stress, &place->holds);
-	deform_place_shears(p, &slip, touching, stays, place);
+	deform_place_shears(p, &slip, touching, stays, form->rim > 0 ? form->rim * form->level / place->normal[2] : 1, place);
 	return true;
 }
 

@@ -144,8 +144,8 @@ struct post {
 };
 
 /* Gives how `mobilised` grows with a way of the surface: `shears` of the place. touching: the way since it touches, in units of the shear
- * modulus; stays: stays_after(touching). */
-void deform_place_shears(const struct post *p, const struct slip *slip, double touching, double stays, struct probe_place *place);
+ * modulus; stays: stays_after(touching); rim: the rim's time, of the soil's. */
+void deform_place_shears(const struct post *p, const struct slip *slip, double touching, double stays, double rim, struct probe_place *place);
 /* Adds damping to a place: of soil that is pushed down fast, and of a surface that hardly slides. */
 void deform_place_rates(const struct post *p, double factor, struct probe_place *place);
 /* Computes what the lower end of a cylinder that leans bears beside a cell. middle: of the line across the cell; height: of the ground there.

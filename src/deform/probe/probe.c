@@ -73,10 +73,10 @@ static double width_of(const struct probe_law *law, const struct deform_probe *p
 {
 	const struct deform_shape *shape = probe->shape;
 	double extent[2];
-	if (shape->kind == DEFORM_WHEEL)
-		return 1 / shape->width;
-	if (shape->kind == DEFORM_CYLINDER)
-		return law->form->lower.level * law->form->lower.level / shape->length + law->form->lean * law->form->lean / shape->radius;
+	if (shape->kind == DEFORM_WHEEL || shape->kind == DEFORM_CYLINDER) {
+		const double squares = law->form->lean * law->form->lean;
+		return (1 - squares) / (shape->kind == DEFORM_WHEEL ? shape->width : shape->length) + squares / shape->radius;
+	}
 	if (shape->kind == DEFORM_BOX)
 		return 1 / fmin(shape->size[0], shape->size[1]);
 	const struct deform *deform = law->patch->deform;

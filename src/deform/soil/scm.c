@@ -21,12 +21,10 @@ struct gpu_rect deform_rows(const int32_t posts[4])
 static double by_width(const struct deform_contact *contact, const double extent[2], bool counted)
 {
 	const struct deform_shape *shape = contact->shape;
-	if (shape->kind == DEFORM_WHEEL)
-		return 1 / shape->width;
-	if (shape->kind == DEFORM_CYLINDER) { /* between a wheel and a round plate */
+	if (shape->kind == DEFORM_WHEEL || shape->kind == DEFORM_CYLINDER) { /* between a level wheel and a round plate */
 		double axis[3];
 		deform_shape_axis(shape, &contact->to, axis);
-		return (1 - axis[2] * axis[2]) / shape->length + axis[2] * axis[2] / shape->radius;
+		return (1 - axis[2] * axis[2]) / (shape->kind == DEFORM_WHEEL ? shape->width : shape->length) + axis[2] * axis[2] / shape->radius;
 	}
 	if (shape->kind == DEFORM_BOX)
 		return 1 / fmin(shape->size[0], shape->size[1]);

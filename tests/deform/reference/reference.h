@@ -231,6 +231,27 @@ double reference_rolling_sinkage(const struct deform_soil *soil, const struct re
 /* Returns the load in N that carries a wheel let down slowly without rolling: both halves of its arc yield vertically. */
 double reference_standing_load(const struct deform_soil *soil, double sinkage, double width, double radius);
 
+/*
+ * An integral: leaning.c. A rigid wheel with camber is set down on level, undisturbed scm soil, or has rolled straight over it at a constant slip,
+ * without grousers and without sinking by slip. In planes across its axle it is a level wheel: REFERENCE_NORMALS_SURFACE, REFERENCE_FOLLOWS_RIM,
+ * with rebound. The displacement counts from where the rim came to a place of the ground. At a camber of 0 the two agree. The lower side wall bears by its
+ * area in plan.
+ */
+struct reference_leaning {
+	double radius, width; /* m */
+	double camber;        /* rad, 0 or more, below pi / 2: its right side is down */
+	double sinkage;       /* m, of its lowest place: that of the side wall's edge */
+	bool rolls;           /* false: it was set down straight */
+	double turned;        /* rim's way / axle's way, above 0, if it rolls */
+};
+struct reference_wrench {
+	double force[3], moment[3]; /* N forward, to the left and up; N m about the wheel's centre */
+};
+/* Returns the soil's force on the wheel. Its error is about 1e-3 of it. */
+struct reference_wrench reference_leaning(const struct deform_soil *soil, const struct reference_leaning *wheel);
+/* Returns the sinkage in m, up to the radius, at which the vertical force is the load in N. */
+double reference_leaning_sinkage(const struct deform_soil *soil, const struct reference_leaning *wheel, double load);
+
 /* Closed forms: slope.c. Slopes in rad. The least factor of safety of a slope over all planes, and the height at
  * which that is 1 (INFINITY: for no height). */
 double reference_safety(const struct deform_soil *soil, double slope, double height);
