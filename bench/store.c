@@ -71,7 +71,7 @@ struct tile *bench_tiles(const struct extent *extent, size_t most, size_t *count
 
 static int usage(void)
 {
-	fputs("usage: bench_store [--runs N] read STORE [COG...] | write | rollback | error EXACT OTHER | blocks RASTER\n", stderr);
+	fputs("usage: bench_store [--runs N] read STORE [COG...] | write | rollback | chain | error EXACT OTHER | blocks RASTER\n", stderr);
 	return 2;
 }
 
@@ -93,6 +93,8 @@ int main(int argc, char **argv)
 		return bench_write(runs);
 	if (strcmp(argv[0], "rollback") == 0 && argc == 1)
 		return bench_rollback();
+	if (strcmp(argv[0], "chain") == 0 && argc == 1)
+		return bench_chain(runs);
 	if (strcmp(argv[0], "error") == 0 && argc == 3)
 		return bench_error(argv[1], argv[2]);
 	if (strcmp(argv[0], "blocks") == 0 && argc == 2)

@@ -32,6 +32,8 @@ int bench_read(const char *path, char **cogs, int cog_count, int runs);
 int bench_write(int runs);
 /* bench_store rollback */
 int bench_rollback(void);
+/* bench_store chain */
+int bench_chain(int runs);
 
 /* --- GDAL; without it, nothing is opened and `false` comes back --- */
 struct bench_gdal;

@@ -58,6 +58,20 @@ static cJSON *last_run_json(const struct store_numbers *numbers)
 	return run;
 }
 
+static void add_parent(cJSON *object, const struct store *store)
+{
+	int64_t revision;
+	const char *path = store_parent(store, &revision);
+	json_integer(object, "overlays", store_depth(store));
+	if (path == NULL) {
+		cJSON_AddNullToObject(object, "parent");
+		return;
+	}
+	cJSON *parent = cJSON_AddObjectToObject(object, "parent");
+	cJSON_AddStringToObject(parent, "path", path);
+	json_integer(parent, "revision", revision);
+}
+
 static enum status print_json(struct store *store, const struct store_numbers *numbers)
 {
 	const struct store_meta *meta = store_meta(store);
@@ -81,6 +95,7 @@ static enum status print_json(struct store *store, const struct store_numbers *n
 		cJSON_AddStringToObject(object, "base", store_base_path(store));
 	else
 		cJSON_AddNullToObject(object, "base");
+	add_parent(object, store);
 	cJSON_AddStringToObject(object, "srs", meta->srs);
 	cJSON_AddItemToObject(object, "geotransform", cJSON_CreateDoubleArray(transform, 6));
 	cJSON_AddStringToObject(object, "vertical", meta->vertical);
@@ -130,6 +145,8 @@ static void print_text(struct store *store, const struct store_numbers *numbers)
 	const struct store_meta *meta = store_meta(store);
 	const struct extent *extent = &meta->extent;
 	int working;
+	int64_t revision;
+	const char *parent = store_parent(store, &revision);
 	printf("posts      %lld x %lld, %g m apart: %.3f x %.3f km\n", (long long)extent->width,
 	       (long long)extent->height, extent->spacing, (double)(extent->width - 1) * extent->spacing / 1e3,
 	       (double)(extent->height - 1) * extent->spacing / 1e3);
@@ -154,6 +171,8 @@ static void print_text(struct store *store, const struct store_numbers *numbers)
 	if (store_base_path(store) != NULL)
 		printf(" in %s; this is an overlay", store_base_path(store));
 	putchar('\n');
+	if (store_depth(store) > 1 || (parent != NULL && revision > 0))
+		printf("parent     %s at revision %lld; %d files under this one\n", parent, (long long)revision, store_depth(store));
 	printf("origin     %.3f, %.3f (south-west post)\n", meta->origin[0], meta->origin[1]);
 	if (meta->vertical[0] != '\0')
 		printf("vertical   %s\n", meta->vertical);

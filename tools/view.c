@@ -69,24 +69,16 @@ static void display_lost(void)
 	fputs("furrow: window: the display is gone; what was committed by then is kept, run it again where there is one\n", stderr);
 }
 
-/* A temporary overlay goes over a store without ruts alone. */
-static enum status check_bare(const char *path)
+/* Before a window opens for nothing. */
+static enum status check_store(const char *path)
 {
 	struct store *store;
-	int level;
 	if (path == NULL)
 		return fail_with(STATUS_INPUT, "view: no store is named; add store: to the scene, or give --store");
 	enum status status = store_open(path, &(struct store_options){.mode = STORE_READ}, &store);
-	if (status != STATUS_OK)
-		return status;
-	if (store_has_working_level(store, &level))
-		status = fail_with(STATUS_INPUT, "%s: it has ruts of its own, over which no temporary overlay goes; give --write to drive in "
-						 "it, or look at a copy: cp it, then --store COPY --write",
-				   path);
-	struct failure failure;
-	failure_capture(&failure, status);
-	store_close(store);
-	return status == STATUS_OK ? STATUS_OK : failure_restore(&failure);
+	if (status == STATUS_OK)
+		store_close(store);
+	return status;
 }
 
 struct looking {
@@ -161,7 +153,7 @@ static enum status run(const struct arguments *arguments)
 	if (status == STATUS_OK)
 		status = view_scene_load(arguments_at(arguments, 0), &settings, &looking.scene);
 	if (status == STATUS_OK && temporary)
-		status = check_bare(looking.store != NULL ? looking.store : looking.scene->store);
+		status = check_store(looking.store != NULL ? looking.store : looking.scene->store);
 	if (status == STATUS_OK)
 		status = open_window(&looking);
 	if (status == STATUS_OK)

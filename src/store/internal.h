@@ -10,12 +10,15 @@
 #include "base/base.h"
 #include "store/changes.h"
 #include "store/codec.h"
+#include "store/lineage.h"
 #include "store/store.h"
 
 #define STORE_APPLICATION_ID 0x46757277 /* "Furw" */
-#define STORE_VERSION 4
+#define STORE_VERSION 5
 #define STORE_VERSION_OLDEST 3 /* it is read too: its shear, a length without direction, counts as none */
+#define STORE_VERSION_SHEAR 4  /* the first with a shear that is read */
 #define STORE_BUSY_MS 5000
+#define STORE_DEPTH_MOST 16 /* overlays over a plain store */
 
 /* In store_commit.c: returns STATUS_INTERRUPTED if run->given_up tells to give up the commit. */
 enum status store_commit_goes_on(const struct store *store, const struct store_run *run) FURROW_CHECKED;
@@ -79,11 +82,20 @@ struct rows {
 	int32_t *wide;            /* (cells + 1)^2 */
 	sqlite3_stmt *find[ROW_TABLES], *head[ROW_TABLES], *write[ROW_TABLES], *drop[ROW_TABLES],
 		*under[ROW_TABLES];
+	/* Of an overlay over a deformed store or over an overlay: what it inherits, and the rows of each layer under it. Then all
+	 * functions below give the row that counts: its own, or the nearest inherited one. NULL: the file alone counts. */
+	const struct lineage *lineage;
+	struct rows *const *layers;
 };
 
 enum status store_rows_init(struct rows *rows, sqlite3 *db, const char *path, const struct extent *extent,
 		      enum codec_effort effort) FURROW_CHECKED;
 void store_rows_finish(struct rows *rows); /* call this before the connection is closed */
+/* Returns true if this row of an overlay says that there is no row, over one that it inherits. */
+static inline bool row_is_none(const struct row *row)
+{
+	return row->low == 0 && row->high == 0;
+}
 
 const char *store_rows_name(enum row_table table);
 const char *store_rows_sql_name(enum row_table table); /* quoted if it is a word of SQL */
@@ -97,15 +109,29 @@ enum status store_rows_read(struct rows *rows, enum row_table table, struct tile
 		      struct row *row, bool *found) FURROW_CHECKED;
 /* Encodes the posts into the row: sets codec, hash, bytes and size. */
 void store_rows_encode(struct rows *rows, enum row_table table, const int32_t *posts, struct row *row);
-/* Writes a row that is already encoded. */
+/* Writes a row that is already encoded. If an overlay inherits the same row, removes its own instead. */
 enum status store_rows_put(struct rows *rows, enum row_table table, const struct row *row) FURROW_CHECKED;
-enum status store_rows_drop(struct rows *rows, enum row_table table, struct tile tile) FURROW_CHECKED;
+/* Removes a row. If an overlay inherits one, writes a row of zeros with this revision over it. */
+enum status store_rows_drop(struct rows *rows, enum row_table table, struct tile tile, int64_t revision) FURROW_CHECKED;
 /* Copies a row, which must exist, from one connection to another. Checks its hash and gives it this revision. */
 enum status store_rows_copy(struct rows *from, struct rows *to, enum row_table table, struct tile tile, int64_t revision)
 	FURROW_CHECKED;
 /* Gives the range and the number of the rows of the next finer level below `tile`. */
 enum status store_rows_under(struct rows *rows, enum row_table table, struct tile tile, double *low,
 		       double *high, int *count) FURROW_CHECKED;
+/* Calls `fn` for each row with a key from `first` to `last`, in the order of keys. `fn` may use `rows`, but not change the table.
+ * The key is as stored: it may lie outside the terrain. */
+struct row_entry {
+	uint64_t key, hash;
+	int64_t revision;
+	uint32_t size; /* bytes of its blob */
+	const struct lineage_entry *inherited; /* NULL: the row is the file's own */
+};
+typedef enum status (*row_entry_fn)(void *user, const struct row_entry *entry);
+enum status store_rows_each(struct rows *rows, enum row_table table, uint64_t first, uint64_t last, row_entry_fn fn, void *user)
+	FURROW_CHECKED;
+/* Counts the rows of a table, and the bytes of their blobs. */
+enum status store_rows_count(struct rows *rows, enum row_table table, int64_t *count, int64_t *bytes) FURROW_CHECKED;
 uint64_t store_rows_hash(enum row_table table, const struct row *row);
 
 /* Returns a post in metres; for disturbance the stored number. */
@@ -184,9 +210,17 @@ struct store {
 	double committed;
 	sqlite3 *db;
 	struct rows rows;
-	char *base_path;    /* of an overlay: path of the base as stored, relative to the overlay's folder; NULL: a plain store */
-	struct store *under; /* of an overlay: its base, open for reading; NULL: a plain store */
-	struct rows *base;  /* where base tiles are read: `rows`, or the rows of `under` */
+	char *base_path;    /* of an overlay: path of its parent as stored, relative to the overlay's folder; NULL: a plain store */
+	struct store *under; /* of an overlay: its parent, open for reading; NULL: a plain store */
+	struct store *over; /* while a parent is being opened: the overlay that names it */
+	bool over_told;     /* the parent is an overlay, and has told what is wrong with a file under it */
+	int depth;          /* files under this one; 0: a plain store */
+	bool inherits;      /* an overlay that shows the deformation of its parent, too */
+	uint64_t parent_hash;    /* if it inherits: the parent's state (store_lineage_hash), and its revision, as of the making */
+	int64_t parent_revision;
+	struct lineage lineage;  /* if it inherits: the rows of all files under it */
+	struct rows *layers[STORE_DEPTH_MOST]; /* the rows of each file under it; 0: the plain store */
+	struct rows *base;  /* where base tiles are read: `rows`, or those of the plain store under it */
 	bool made;          /* an overlay that did not exist before it was opened */
 	struct store_meta meta; /* its texts are owned by the store */
 	int32_t code_low, code_high; /* the meta's low and high as height codes; low > high: all nodata */
@@ -209,9 +243,11 @@ struct store {
 
 struct store_reader {
 	struct store *store;
-	sqlite3 *db, *base_db; /* base_db: connection to an overlay's base; NULL for a plain store */
-	struct rows rows, base_rows;
-	struct rows *base; /* `rows` or `base_rows` */
+	sqlite3 *db;
+	struct rows rows;
+	/* Of an overlay: a connection to each file under it that is read. `base`: `rows`, or those of the plain store. */
+	sqlite3 *layer_db[STORE_DEPTH_MOST];
+	struct rows layer_rows[STORE_DEPTH_MOST], *layers[STORE_DEPTH_MOST], *base;
 };
 
 /* Returns the rows of `table`. Base tiles of an overlay are in another file. */
@@ -248,13 +284,13 @@ enum status store_wal_begin(struct store *store) FURROW_CHECKED;
 /* --- store_schema.c --- */
 
 enum status store_schema_create(sqlite3 *db, const char *path) FURROW_CHECKED;
-/* STATUS_INPUT unless application_id, user_version and all objects of the schema are as this program makes them. *older: it has
- * STORE_VERSION_OLDEST. Then call one of the other two before its rows are read. */
-enum status store_schema_check(sqlite3 *db, const char *path, bool *older) FURROW_CHECKED;
-/* Hides the shear of an older store from this connection. The file stays as it is. */
-enum status store_schema_hide(sqlite3 *db, const char *path) FURROW_CHECKED;
-/* Makes an older store one of this version, in one transaction. Its shear is dropped. */
-enum status store_schema_raise(sqlite3 *db, const char *path) FURROW_CHECKED;
+/* STATUS_INPUT unless application_id, user_version and all objects of the schema are as this program, or an older one, makes them.
+ * If *version is less than STORE_VERSION, call one of the other two before its rows are read. */
+enum status store_schema_check(sqlite3 *db, const char *path, int *version) FURROW_CHECKED;
+/* Shows this connection an older store as one of this version. The file stays as it is. */
+enum status store_schema_hide(sqlite3 *db, const char *path, int version) FURROW_CHECKED;
+/* Makes an older store one of this version, in one transaction. Shear of version 3 is dropped. */
+enum status store_schema_raise(sqlite3 *db, const char *path, int version) FURROW_CHECKED;
 
 /* --- store_meta.c --- */
 
@@ -330,15 +366,31 @@ enum status store_put_begin(struct store *store) FURROW_CHECKED; /* begins a tra
 
 /* --- store_open.c --- */
 
-/* `as_base`: open the store as the base of an overlay. STATUS_INPUT if it is an overlay itself. */
-enum status store_open_as(const char *path, const struct store_options *options, bool as_base,
+/* `over`: the overlay that names this store as its parent; NULL: none. */
+enum status store_open_as(const char *path, const struct store_options *options, struct store *over,
 			  struct store **out) FURROW_CHECKED;
 char *store_path_with(const char *path, const char *suffix);
 
+/* --- store_lineage.c --- */
+
+/* Gathers the rows that an overlay of `under` inherits. `newest`: the revision of `under` that the overlay names. */
+enum status store_lineage_make(struct store *under, int64_t newest, struct lineage *out) FURROW_CHECKED;
+/* Computes the hash of the state of `under`: its base, working level, compacted soil, and the hash of every row that counts. It does
+ * not tell in which file a row is. */
+enum status store_lineage_hash(const struct store *under, const struct lineage *lineage, uint64_t *hash) FURROW_CHECKED;
+
 /* --- store_overlay.c --- */
 
-/* Opens the base that an overlay names. STATUS_INPUT if it is another base than the overlay was made for. */
+/* Opens the parent that an overlay names. STATUS_INPUT if it is not as it was when the overlay was made. */
 enum status store_overlay_connect(struct store *store) FURROW_CHECKED;
+/* Gives store->rows what the overlay inherits. Call this when both are open. */
+void store_overlay_inherit(struct store *store);
+/* Writes to an overlay that inherits what it has of its parent at its beginning: the header's entries and the run's record. In a
+ * transaction. */
+enum status store_overlay_begin(struct store *store) FURROW_CHECKED;
+/* Keeps what this connection reads from changing: SQLite lets nobody write the file, or shows this connection the file as it is now.
+ * STATUS_INPUT: the file is not at the revision of `store` any more. */
+enum status store_overlay_hold(const struct store *store, sqlite3 *db) FURROW_CHECKED;
 /* Returns false if `path` cannot be the path of a file, or has characters that a message cannot show. */
 bool store_overlay_path_fits(const char *path, size_t length);
 

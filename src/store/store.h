@@ -9,7 +9,7 @@
  * STATUS_FAILED. A store is untrusted input. Wrong content is STATUS_INPUT, and the message names the tile.
  *
  * An overlay is a store without a base of its own. It names another store, which has the base and is only read
- * (store_create_overlay). An overlay is opened, read and written like any store.
+ * (store_create_overlay), or another overlay. An overlay is opened, read and written like any store.
  */
 #ifndef FURROW_STORE_H
 #define FURROW_STORE_H
@@ -91,8 +91,12 @@ enum status store_open(const char *path, const struct store_options *options, st
 void store_close(struct store *store);
 
 const struct store_meta *store_meta(const struct store *store);
-/* Returns the path of the base of an overlay, as it was found. Returns NULL for a plain store. */
+/* Returns the path of the plain store at the end of a chain of overlays, as it was found. Returns NULL for a plain store. */
 const char *store_base_path(const struct store *store);
+/* Returns the path of an overlay's parent, and *revision, the revision of the parent that the overlay shows (0: only its base). Returns
+ * NULL for a plain store. */
+const char *store_parent(const struct store *store, int64_t *revision);
+int store_depth(const struct store *store); /* how many files are under an overlay; 0: a plain store */
 /* Returns a hash of the base, that is, of the terrain's description and all base rows. */
 uint64_t store_base_hash(const struct store *store);
 /* Returns the finest level: the working level if it is finer than 0, otherwise 0. */
@@ -101,12 +105,15 @@ bool store_has_working_level(const struct store *store, int *level);
 /* Sets the working level in memory. The first commit writes it to the file. STATUS_INPUT: the store has another working level. */
 enum status store_set_working_level(struct store *store, int level) FURROW_CHECKED;
 
-/* --- overlays: deformation in a separate file, over a base that is only read --- */
+/* --- overlays: deformation in a separate file, over a store that is only read --- */
 
-/* Makes an overlay. It is used like a store. Base tiles are read from the base; everything else is in the overlay.
- * STATUS_INPUT: `path` exists, or the base is deformed or is an overlay itself. */
-enum status store_create_overlay(const char *path, const char *base_path) FURROW_CHECKED;
-/* Opens the overlay at `path`. Makes it if it does not exist. STATUS_INPUT: the file is not an overlay of that base. */
+/* Makes an overlay of a store, or of another overlay. It is used like a store. Base tiles are read from the plain store at the end
+ * of the chain. If the parent is deformed or an overlay, the new one shows its deformation as it is now, and its record of a run.
+ * Changes go to the overlay's file alone. The parent must stay as it is: a drive on it makes the overlay unusable.
+ * STATUS_INPUT: `path` exists, or 16 overlays lie one over another already. */
+enum status store_create_overlay(const char *path, const char *parent_path) FURROW_CHECKED;
+/* Opens the overlay at `path`. Makes it if it does not exist. STATUS_INPUT: the file is not an overlay of that store, nor of an
+ * overlay that is over it. */
 enum status store_open_overlay(const char *path, const char *base_path, const struct store_options *options,
 			       struct store **out) FURROW_CHECKED;
 /* Closes as store_close, after a failure. If store_open_overlay() made the overlay and it has no commit, removes the file. */
@@ -201,7 +208,8 @@ enum status store_mark(struct store *store) FURROW_CHECKED;
  * count as changed and get a new revision. If nothing has changed since the mark, there is no new revision. Call
  * store_bound_wal() afterwards. */
 enum status store_rollback(struct store *store) FURROW_CHECKED;
-/* Drops all deformation and the working level. Keeps the base. The mark is lost. */
+/* Drops all deformation and the working level. Keeps the base. An overlay becomes as it was made: what its parent has stays. The mark
+ * is lost. */
 enum status store_reset(struct store *store) FURROW_CHECKED;
 
 /* --- executed statements --- */

@@ -36,7 +36,7 @@ enum status store_change_drop(struct store *store, enum row_table table, const s
 {
 	enum status status = begin(store, table, old->tile, true);
 	if (status == STATUS_OK)
-		status = store_rows_drop(&store->rows, table, old->tile);
+		status = store_rows_drop(&store->rows, table, old->tile, store->commit + 1);
 	if (status != STATUS_OK)
 		return status;
 	result->tiles_written++;

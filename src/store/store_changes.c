@@ -9,7 +9,6 @@
 #include "store/internal.h"
 
 #include <assert.h>
-#include <stdio.h>
 
 #define LEAST_ROOM 64
 
@@ -108,47 +107,39 @@ void store_changes_drop(struct changes *changes)
 
 /* --- asking --- */
 
-/* Rows of the working level that an earlier opening wrote after `since`. */
-static enum status read_rows_locked(struct store_reader *reader, enum row_table table, int64_t since)
+struct reaching {
+	struct store_reader *reader;
+	enum row_table table;
+	int64_t since;
+};
+
+/* Takes a row of the working level that an earlier opening wrote after `since`. */
+static enum status take_row_locked(void *user, const struct row_entry *entry)
 {
-	const struct store *store = reader->store;
-	struct changes *changes = &reader->store->changes;
-	const char *path = reader->rows.path;
-	uint64_t first, last;
-	sqlite3_stmt *statement = NULL;
-	char sql[128];
-	snprintf(sql, sizeof sql, "SELECT key, revision FROM %s WHERE key BETWEEN ?1 AND ?2 AND revision BETWEEN ?3 AND ?4",
-		 store_rows_sql_name(table));
-	enum status status = store_sql_prepare(reader->db, path, &statement, sql);
-	if (status != STATUS_OK)
-		return status;
-	level_keys(store->working, &first, &last);
-	sqlite3_bind_int64(statement, 1, (sqlite3_int64)first);
-	sqlite3_bind_int64(statement, 2, (sqlite3_int64)last);
-	sqlite3_bind_int64(statement, 3, since + 1);
-	sqlite3_bind_int64(statement, 4, changes->from);
-	int code;
-	while (status == STATUS_OK && (code = sqlite3_step(statement)) != SQLITE_DONE) {
-		uint64_t key = (uint64_t)sqlite3_column_int64(statement, 0);
-		if (code != SQLITE_ROW)
-			status = store_sql_fail(reader->db, code, path, "reading its tiles");
-		else if (!extent_has(reader->rows.extent, tile_from_key(key)))
-			status = fail_with(STATUS_INPUT, "%s: it has an %s tile outside its terrain; the store is "
-					   "damaged, restore it", path, store_rows_name(table));
-		else
-			status = reserve_locked(changes, 1);
-		if (status == STATUS_OK)
-			put(changes, key, sqlite3_column_int64(statement, 1));
-	}
-	sqlite3_finalize(statement);
+	const struct reaching *reaching = user;
+	const struct rows *rows = &reaching->reader->rows;
+	struct changes *changes = &reaching->reader->store->changes;
+	if (entry->revision <= reaching->since || entry->revision > changes->from)
+		return STATUS_OK;
+	if (!extent_has(rows->extent, tile_from_key(entry->key)))
+		return fail_with(STATUS_INPUT, "%s: it has an %s tile outside its terrain; the store is damaged, restore it",
+				 rows->path, store_rows_name(reaching->table));
+	enum status status = reserve_locked(changes, 1);
+	if (status == STATUS_OK)
+		put(changes, entry->key, entry->revision);
 	return status;
 }
 
 static enum status reach_back_locked(struct store_reader *reader, int64_t since)
 {
+	struct reaching reaching = {.reader = reader, .since = since};
+	uint64_t first, last;
 	enum status status = STATUS_OK;
-	for (int table = ROW_OFFSET; table < ROW_TABLES && reader->store->has_working && status == STATUS_OK; table++)
-		status = read_rows_locked(reader, (enum row_table)table, since);
+	level_keys(reader->store->working, &first, &last);
+	for (int table = ROW_OFFSET; table < ROW_TABLES && reader->store->has_working && status == STATUS_OK; table++) {
+		reaching.table = (enum row_table)table;
+		status = store_rows_each(&reader->rows, reaching.table, first, last, take_row_locked, &reaching);
+	}
 	if (status == STATUS_OK)
 		reader->store->changes.from = since;
 	return status;

@@ -154,11 +154,12 @@ static enum status resume_part(struct store *store, bool *resumed)
 		store->db = NULL;
 		return STATUS_OK;
 	}
-	bool same = false, older = false;
+	bool same = false;
+	int version = STORE_VERSION;
 	if (status == STATUS_OK)
-		status = store_schema_check(store->db, store->path, &older);
-	if (status == STATUS_OK && older)
-		status = store_schema_raise(store->db, store->path);
+		status = store_schema_check(store->db, store->path, &version);
+	if (status == STATUS_OK && version < STORE_VERSION)
+		status = store_schema_raise(store->db, store->path, version);
 	if (status == STATUS_OK)
 		status = store_meta_same_request(store, &same);
 	*resumed = status == STATUS_OK;
@@ -357,7 +358,8 @@ enum status store_publish(struct store *store)
 		return status;
 	store_rows_finish(&store->rows);
 	sqlite3_finalize(store->meta_statement);
-	store->meta_statement = NULL;
+	sqlite3_finalize(store->run_statement);
+	store->meta_statement = store->run_statement = NULL;
 	int code = sqlite3_close(store->db);
 	store->db = NULL;
 	assert(code == SQLITE_OK);

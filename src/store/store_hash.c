@@ -4,7 +4,6 @@
  */
 #include "store/internal.h"
 
-#include <stdio.h>
 #include <string.h>
 #include <xxhash.h>
 
@@ -38,6 +37,7 @@ void store_hash_text(struct XXH3_state_s *state, const char *text)
 struct hashing {
 	struct store *store;
 	XXH3_state_t *state;
+	enum row_table table;
 	int32_t *posts;
 };
 
@@ -58,10 +58,13 @@ static void add_meta(struct hashing *hashing)
 	store_hash_text(hashing->state, meta->vertical);
 }
 
-static enum status add_row(struct hashing *hashing, enum row_table table, uint64_t key)
+static enum status add_row(void *user, const struct row_entry *entry)
 {
+	struct hashing *hashing = user;
+	enum row_table table = hashing->table;
 	struct rows *rows = store_table(hashing->store, table);
 	size_t side = tile_posts(rows->extent), count = side * side;
+	uint64_t key = entry->key;
 	struct tile tile = tile_from_key(key);
 	struct row row;
 	bool found;
@@ -88,22 +91,6 @@ static enum status add_row(struct hashing *hashing, enum row_table table, uint64
 	return STATUS_OK;
 }
 
-static enum status add_table(struct hashing *hashing, enum row_table table)
-{
-	char keys[64];
-	const struct rows *rows = store_table(hashing->store, table);
-	sqlite3_stmt *statement = NULL;
-	snprintf(keys, sizeof keys, "SELECT key FROM %s ORDER BY key", store_rows_sql_name(table));
-	enum status status = store_sql_prepare(rows->db, rows->path, &statement, keys);
-	int code;
-	while (status == STATUS_OK && (code = sqlite3_step(statement)) != SQLITE_DONE)
-		status = code == SQLITE_ROW
-				 ? add_row(hashing, table, (uint64_t)sqlite3_column_int64(statement, 0))
-				 : store_sql_fail(rows->db, code, rows->path, "reading its tiles");
-	sqlite3_finalize(statement);
-	return status;
-}
-
 enum status store_content_hash(struct store *store, uint64_t *hash)
 {
 	size_t side = tile_posts(&store->meta.extent);
@@ -115,8 +102,10 @@ enum status store_content_hash(struct store *store, uint64_t *hash)
 		XXH3_64bits_reset(hashing.state);
 		add_meta(&hashing);
 	}
-	for (int table = 0; table < ROW_TABLES && status == STATUS_OK; table++)
-		status = add_table(&hashing, (enum row_table)table);
+	for (int table = 0; table < ROW_TABLES && status == STATUS_OK; table++) {
+		hashing.table = (enum row_table)table;
+		status = store_rows_each(store_table(store, hashing.table), hashing.table, 0, INT64_MAX, add_row, &hashing);
+	}
 	if (status == STATUS_OK)
 		*hash = XXH3_64bits_digest(hashing.state);
 	mem_free(hashing.posts);

@@ -111,6 +111,10 @@ enum status store_meta_write(struct store *store)
 		status = put_text(store, texts[i].key, texts[i].value);
 	if (status == STATUS_OK && store->base_path != NULL)
 		status = put_text(store, "base_path", store->base_path);
+	if (status == STATUS_OK && store->inherits)
+		status = store_meta_put_integer(store, "parent_hash", (int64_t)store->parent_hash);
+	if (status == STATUS_OK && store->inherits)
+		status = store_meta_put_integer(store, "parent_revision", store->parent_revision);
 	return status;
 }
 
@@ -322,6 +326,20 @@ static enum status get_base_path(struct lookup *lookup, char **path)
 	return *path != NULL ? STATUS_OK : fail_memory("a store's header");
 }
 
+/* Only an overlay that shows the deformation of its parent has them. */
+static enum status get_parent(struct lookup *lookup, struct store *store)
+{
+	int64_t hash = 0;
+	enum status status = look_up(lookup, "parent_hash", &store->inherits);
+	if (status != STATUS_OK || !store->inherits)
+		return status;
+	if (store->base_path == NULL)
+		return bad_key(lookup, "parent_hash");
+	status = get_integer(lookup, "parent_hash", INT64_MIN, INT64_MAX, &hash);
+	store->parent_hash = (uint64_t)hash;
+	return status == STATUS_OK ? get_integer(lookup, "parent_revision", 0, COMMITS_MOST, &store->parent_revision) : status;
+}
+
 static enum status get_all(struct lookup *lookup, struct store *store)
 {
 	struct store_meta *meta = &store->meta;
@@ -348,6 +366,8 @@ static enum status get_all(struct lookup *lookup, struct store *store)
 		status = get_base_hash(lookup, &store->base_hash);
 	if (status == STATUS_OK)
 		status = get_base_path(lookup, &store->base_path);
+	if (status == STATUS_OK)
+		status = get_parent(lookup, store);
 	if (status == STATUS_OK)
 		status = get_working(lookup, &meta->extent, &store->has_working, &store->working);
 	if (status == STATUS_OK)

@@ -65,13 +65,15 @@ static enum status check_length(struct store *store)
 }
 
 /* Makes a store of an earlier version usable. Tells once what this loses. */
-static enum status adapt(struct store *store, bool writing, bool as_base)
+static enum status adapt(struct store *store, bool writing, int version)
 {
-	int64_t any;
-	enum status status = store_sql_integer(store->db, store->path, "SELECT EXISTS (SELECT 1 FROM shear)", &any);
+	int64_t any = 0;
+	enum status status = STATUS_OK;
+	if (version < STORE_VERSION_SHEAR)
+		status = store_sql_integer(store->db, store->path, "SELECT EXISTS (SELECT 1 FROM shear)", &any);
 	if (status == STATUS_OK)
-		status = writing ? store_schema_raise(store->db, store->path) : store_schema_hide(store->db, store->path);
-	if (status == STATUS_OK && any != 0 && !as_base)
+		status = writing ? store_schema_raise(store->db, store->path, version) : store_schema_hide(store->db, store->path, version);
+	if (status == STATUS_OK && any != 0 && (store->over == NULL || store->over->inherits))
 		note("%s: an older furrow drove there; its ruts stay, its shear counts as none%s", store->path,
 		     writing ? ", and older furrows cannot read the store any more" : "");
 	return status;
@@ -88,35 +90,39 @@ static enum status connect_writer(struct store *store)
 	return status;
 }
 
-enum status store_open_as(const char *path, const struct store_options *options, bool as_base,
-			  struct store **out)
+/* Connects the file, and reads what it says of itself. */
+static enum status connect(struct store *store, const struct store_options *options, int *version)
 {
-	struct store *store = mem_calloc(1, sizeof *store);
-	if (store == NULL)
-		return fail_memory("a store");
-	bool older = false;
-	store->lock = -1;
-	store->base = &store->rows;
-	store_changes_begin(&store->changes);
-	store->durable_full = options->durable_full;
-	store->path = mem_strdup(path);
-	enum status status = store->path != NULL ? find_file(store) : fail_memory("a store");
+	enum status status = find_file(store);
 	if (status == STATUS_OK && options->mode == STORE_WRITE)
 		status = connect_writer(store);
 	else if (status == STATUS_OK)
 		status = store_connect_reader(store->real_path, store->path, &store->immutable, &store->db);
 	if (status == STATUS_OK)
-		status = store_schema_check(store->db, store->path, &older);
+		status = store_schema_check(store->db, store->path, version);
 	if (status == STATUS_OK)
 		status = check_length(store);
-	if (status == STATUS_OK)
-		status = store_meta_read(store);
+	return status == STATUS_OK ? store_meta_read(store) : status;
+}
+
+enum status store_open_as(const char *path, const struct store_options *options, struct store *over,
+			  struct store **out)
+{
+	struct store *store = mem_calloc(1, sizeof *store);
+	if (store == NULL)
+		return fail_memory("a store");
+	int version = STORE_VERSION;
+	store->lock = -1;
+	store->base = &store->rows;
+	store->over = over;
+	store_changes_begin(&store->changes);
+	store->durable_full = options->durable_full;
+	store->path = mem_strdup(path);
+	enum status status = store->path != NULL ? connect(store, options, &version) : fail_memory("a store");
 	if (status == STATUS_OK && store->base_path != NULL)
-		status = as_base ? fail_with(STATUS_INPUT, "%s: it is an overlay itself; name the store that it is over",
-					     store->path)
-				 : store_overlay_connect(store);
-	if (status == STATUS_OK && older)
-		status = adapt(store, options->mode == STORE_WRITE, as_base);
+		status = store_overlay_connect(store);
+	if (status == STATUS_OK && version < STORE_VERSION)
+		status = adapt(store, options->mode == STORE_WRITE, version);
 	if (status == STATUS_OK && options->mode == STORE_WRITE)
 		status = store_wal_begin(store);
 	if (status == STATUS_OK) {
@@ -124,6 +130,8 @@ enum status store_open_as(const char *path, const struct store_options *options,
 		status = store_rows_init(&store->rows, store->db, store->path, &store->meta.extent,
 				   store->meta.pack == STORE_PACK_SMALL ? CODEC_SMALL : CODEC_FAST);
 	}
+	if (status == STATUS_OK)
+		store_overlay_inherit(store);
 	if (status == STATUS_OK)
 		store_statements_count(&store->statements, store->db);
 	store_changes_restart(&store->changes, store->commit);
@@ -137,7 +145,7 @@ enum status store_open_as(const char *path, const struct store_options *options,
 
 enum status store_open(const char *path, const struct store_options *options, struct store **out)
 {
-	return store_open_as(path, options, false, out);
+	return store_open_as(path, options, NULL, out);
 }
 
 /* Back to one file. Where that fails (another process reads it) everything is in the WAL still. */
@@ -154,6 +162,7 @@ static void close_store(struct store *store, bool remove)
 		return;
 	store_close(store->under);
 	store_rows_finish(&store->rows);
+	store_lineage_finish(&store->lineage);
 	store_undo_destroy(store->undo);
 	store_changes_finish(&store->changes);
 	sqlite3_finalize(store->run_statement);

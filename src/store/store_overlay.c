@@ -1,10 +1,15 @@
 /*
- * Makes and opens overlays. An overlay is a store without base tiles; it names another store, the base, which has them.
+ * Makes and opens overlays. An overlay is a store without base tiles. It names another store, its parent, which has them or is an
+ * overlay itself. At the end of such a chain is a plain store, the base.
+ *
+ * An overlay of an untouched plain store has only its base tiles from it. Any other overlay inherits: it shows the deformation of its
+ * parent, too, as it was when the overlay was made (store_lineage.c).
  *
  * Invariants:
- *   1. The base is opened for reading only. The base is not an overlay.
- *   2. A base is refused if its hash or its header differs from what the overlay has.
- *   3. The path to the base starts at the overlay's folder, so that both can be moved together. It is absolute if they share
+ *   1. All files but the overlay itself are opened for reading only. No chain is longer than STORE_DEPTH_MOST, and none has a loop.
+ *   2. A parent is refused if its base's hash, its header or the hash of its state differs from what the overlay has.
+ *   3. While an overlay that inherits is open, its parent stays as it is to each connection.
+ *   4. The path to the parent starts at the overlay's folder, so that both can be moved together. It is absolute if they share
  *      no folder.
  */
 #include "store/internal.h"
@@ -53,8 +58,8 @@ static char *path_between(const char *folder, const char *file)
 	return path;
 }
 
-/* Returns the path of the base by the overlay's header. If the file exists, it is the real path. NULL: out of memory. */
-static char *base_file(const struct store *store)
+/* Returns the path of the parent by the overlay's header. If the file exists, it is the real path. NULL: out of memory. */
+static char *parent_file(const struct store *store)
 {
 	char there[PATH_MAX];
 	char *named = NULL, *folder = mem_strdup(store->real_path);
@@ -72,18 +77,20 @@ static char *base_file(const struct store *store)
 	return mem_strdup(there);
 }
 
-/* Turns the base's error message into one about the overlay. */
-static enum status base_unusable(const struct store *store, enum status status)
+/* Turns the parent's error message into one about the overlay. */
+static enum status parent_unusable(const struct store *store, enum status status)
 {
 	struct failure failure;
 	failure_capture(&failure, status);
 	char *advice = strstr(failure.message, "; ");
 	if (status != STATUS_INPUT)
 		return status;
+	if (store->over_told) /* an overlay further down said it all */
+		return store->over != NULL ? status : fail_with(STATUS_INPUT, "%s: it is over %.440s", store->path, failure.message);
 	if (advice != NULL)
 		*advice = '\0';
-	return fail_with(STATUS_INPUT, "%s: its base cannot be used: %.320s; put the base back, or drive with another "
-			 "--overlay", store->path, failure.message);
+	return fail_with(STATUS_INPUT, "%s: its base cannot be used: %.320s; put the base back, furrow relink it to where that is now, or "
+			 "drive with another --overlay", store->path, failure.message);
 }
 
 static bool same_real(double a, double b)
@@ -103,16 +110,54 @@ static bool same_terrain(const struct store_meta *a, const struct store_meta *b)
 	       strcmp(a->vertical, b->vertical) == 0;
 }
 
-enum status store_overlay_connect(struct store *store)
+/* A chain of overlays has an end, and it is not longer than a reader can hold open. */
+static enum status check_chain(const struct store *store)
 {
-	char *path = base_file(store);
+	int files = 1;
+	for (const struct store *over = store->over; over != NULL; over = over->over, files++)
+		if (strcmp(over->real_path, store->real_path) == 0)
+			return fail_with(STATUS_INPUT, "%s: it is an overlay of itself: %s names it as its parent; furrow relink one of "
+					 "them to the store that it was made from", store->path, store->over->path);
+	return files <= STORE_DEPTH_MOST ? STATUS_OK
+					 : fail_with(STATUS_INPUT, "%s: more than %d overlays lie one over another; furrow flatten one of "
+						     "them", store->path, STORE_DEPTH_MOST);
+}
+
+/* What the parent was when the overlay was made, it still is. */
+static enum status check_parent(struct store *store)
+{
+	struct store *under = store->under;
+	uint64_t hash;
+	enum status status = store_overlay_hold(under, under->db);
+	if (status == STATUS_OK)
+		status = store_lineage_make(under, store->parent_revision, &store->lineage);
+	if (status == STATUS_OK)
+		status = store_lineage_hash(under, &store->lineage, &hash);
+	if (status == STATUS_OK && hash != store->parent_hash)
+		status = fail_with(STATUS_INPUT, "%s: its parent %s has changed since: it was at revision %lld, and is at %lld; restore the "
+				   "parent to that revision, or make another branch of it", store->path, under->path,
+				   (long long)store->parent_revision, (long long)under->commit);
+	return status;
+}
+
+static enum status connect_parent(struct store *store)
+{
+	if (store->over != NULL && !store->over->inherits)
+		return fail_with(STATUS_INPUT, "%s: it is an overlay itself, and %s was not made from one; name the store that it is over",
+				 store->path, store->over->path);
+	enum status status = check_chain(store);
+	if (status != STATUS_OK)
+		return status;
+	char *path = parent_file(store);
 	if (path == NULL)
 		return fail_memory("an overlay");
-	enum status status = store_open_as(path, &reading, true, &store->under);
+	status = store_open_as(path, &reading, store, &store->under);
 	mem_free(path);
 	if (status != STATUS_OK)
-		return base_unusable(store, status);
-	store->base = &store->under->rows;
+		return parent_unusable(store, status);
+	store->under->over = NULL;
+	store->depth = store->under->depth + 1;
+	store->base = store->under->base;
 	if (store->under->base_hash != store->base_hash)
 		return fail_with(STATUS_INPUT, "%s: its base %s is another one now (base_hash %016llx, not %016llx); put the "
 				 "first one back, or drive with another --overlay", store->path, store->under->path,
@@ -120,51 +165,165 @@ enum status store_overlay_connect(struct store *store)
 	if (!same_terrain(&store->meta, &store->under->meta))
 		return fail_with(STATUS_INPUT, "%s: its header is not that of its base %s; it is damaged, drive with another "
 				 "--overlay", store->path, store->under->path);
-	return STATUS_OK;
+	return store->inherits ? check_parent(store) : STATUS_OK;
+}
+
+enum status store_overlay_connect(struct store *store)
+{
+	enum status status = connect_parent(store);
+	if (status != STATUS_OK && store->over != NULL)
+		store->over->over_told = true;
+	return status;
+}
+
+void store_overlay_inherit(struct store *store)
+{
+	for (struct store *under = store->under; under != NULL; under = under->under)
+		store->layers[under->depth] = &under->rows;
+	if (!store->inherits)
+		return;
+	store->rows.lineage = &store->lineage;
+	store->rows.layers = store->layers;
+}
+
+enum status store_overlay_hold(const struct store *store, sqlite3 *db)
+{
+	int64_t commit;
+	enum status status = store_sql_exec(db, store->path, "opening it", "BEGIN");
+	if (status == STATUS_OK)
+		status = store_sql_integer(db, store->path, "SELECT coalesce(max(epoch), 0) FROM run", &commit);
+	if (status == STATUS_OK && commit != store->commit)
+		status = fail_with(STATUS_INPUT, "%s: it is driven while an overlay of it is open; wait for the drive to end, or branch "
+				   "again", store->path);
+	return status;
 }
 
 const char *store_base_path(const struct store *store)
 {
+	const struct store *base = store;
+	while (base->under != NULL)
+		base = base->under;
+	return base != store ? base->path : NULL;
+}
+
+int store_depth(const struct store *store)
+{
+	return store->depth;
+}
+
+const char *store_parent(const struct store *store, int64_t *revision)
+{
+	*revision = store->parent_revision;
 	return store->under != NULL ? store->under->path : NULL;
 }
 
 /* --- making one --- */
 
-static enum status name_base(struct store *store, const struct store *base)
+static enum status name_parent(struct store *store, const struct store *parent)
 {
-	store->meta.low = base->meta.low;
-	store->meta.high = base->meta.high;
-	store->base_hash = base->base_hash;
+	store->meta.low = parent->meta.low;
+	store->meta.high = parent->meta.high;
+	store->base_hash = parent->base_hash;
 	char *folder = mem_strdup(store->real_path);
 	if (folder != NULL)
-		store->base_path = path_between(dirname(folder), base->real_path);
+		store->base_path = path_between(dirname(folder), parent->real_path);
 	mem_free(folder);
 	if (store->base_path == NULL)
 		return fail_memory("an overlay");
 	return store_overlay_path_fits(store->base_path, strlen(store->base_path))
 		       ? STATUS_OK
-		       : fail_with(STATUS_INPUT, "%s: its path has control characters; rename it", base->path);
+		       : fail_with(STATUS_INPUT, "%s: its path has control characters; rename it", parent->path);
 }
 
-enum status store_create_overlay(const char *path, const char *base_path)
+/* The overlay begins where its parent is: the same working level, compacted soil and run, so that a drive can go on. */
+static enum status begin_as(struct store *store, const struct store *parent, const struct store_run_copy *run)
 {
-	struct store *base = NULL, *store = NULL;
-	enum status status = store_open_as(base_path, &reading, true, &base);
-	if (status == STATUS_OK && base->has_working)
-		status = fail_with(STATUS_INPUT, "%s: it is deformed itself; furrow reset it first, or drive without "
-				   "--overlay", base_path);
+	enum status status = STATUS_OK;
+	if (parent->working_stored)
+		status = store_meta_put_integer(store, "working", parent->working);
+	if (status == STATUS_OK && parent->compacted != 0)
+		status = store_meta_put_integer(store, "compacted", parent->compacted);
+	store->commit = run->commit - 1;
+	return status == STATUS_OK ? store_run_put_back(store, run) : status;
+}
+
+enum status store_overlay_begin(struct store *store)
+{
+	struct store_run_copy run = {0};
+	enum status status = store_run_copy(store->under, &run);
+	run.commit = store->parent_revision;
 	if (status == STATUS_OK)
-		status = store_create(path, &base->meta, false, &store);
+		status = begin_as(store, store->under, &run);
+	store_run_copy_finish(&run);
+	return status;
+}
+
+static enum status inherit_from(struct store *store, struct store *parent)
+{
+	struct lineage lineage = {0};
+	struct store_run_copy run = {0};
+	store->inherits = true;
+	enum status status = store_overlay_hold(parent, parent->db);
 	if (status == STATUS_OK)
-		status = name_base(store, base);
+		status = store_lineage_make(parent, parent->commit, &lineage);
+	if (status == STATUS_OK)
+		status = store_lineage_hash(parent, &lineage, &store->parent_hash);
+	store->parent_revision = parent->commit;
+	if (status == STATUS_OK)
+		status = store_run_copy(parent, &run);
+	if (status == STATUS_OK)
+		status = begin_as(store, parent, &run);
+	store_run_copy_finish(&run);
+	store_lineage_finish(&lineage);
+	return status;
+}
+
+enum status store_create_overlay(const char *path, const char *parent_path)
+{
+	struct store *parent = NULL, *store = NULL;
+	enum status status = store_open(parent_path, &reading, &parent);
+	if (status == STATUS_OK && parent->depth == STORE_DEPTH_MOST)
+		status = fail_with(STATUS_INPUT, "%s: %d overlays lie one over another already, and no more can; furrow flatten it first",
+				   parent_path, STORE_DEPTH_MOST);
+	if (status == STATUS_OK)
+		status = store_create(path, &parent->meta, false, &store);
+	if (status == STATUS_OK)
+		status = name_parent(store, parent);
+	if (status == STATUS_OK && (parent->under != NULL || parent->working_stored))
+		status = inherit_from(store, parent);
 	if (status == STATUS_OK)
 		status = store_publish(store);
 	store_close(store);
-	store_close(base);
+	store_close(parent);
 	return status;
 }
 
 /* --- one to write to --- */
+
+/* Returns true if `base` is a file that the overlay is over, or one with the same content. */
+static bool is_over(struct store *overlay, const struct store *base, uint64_t state)
+{
+	if (overlay->base_hash != base->base_hash || strcmp(overlay->real_path, base->real_path) == 0)
+		return false;
+	bool over = base->under == NULL;
+	for (const struct store *at = overlay; at->under != NULL; at = at->under)
+		over |= at->inherits && at->parent_hash == state;
+	return over;
+}
+
+static enum status check_same(struct store *overlay, struct store *base)
+{
+	struct lineage lineage = {0};
+	uint64_t state = 0;
+	enum status status = store_lineage_make(base, base->commit, &lineage);
+	if (status == STATUS_OK)
+		status = store_lineage_hash(base, &lineage, &state);
+	store_lineage_finish(&lineage);
+	if (status == STATUS_OK && !is_over(overlay, base, state))
+		status = fail_with(STATUS_INPUT, "%s: it is an overlay of %s, not of %s; give another name", overlay->path,
+				   overlay->under->path, base->path);
+	return status;
+}
 
 /* Before it is opened for writing, which would change a store that is none. */
 static enum status check_overlay(const char *path, const char *base_path)
@@ -175,10 +334,9 @@ static enum status check_overlay(const char *path, const char *base_path)
 		status = fail_with(STATUS_INPUT, "%s: it is a store of its own, not an overlay; name a file that is not "
 				   "there yet", path);
 	if (status == STATUS_OK)
-		status = store_open_as(base_path, &reading, true, &base);
-	if (status == STATUS_OK && base->base_hash != store->base_hash)
-		status = fail_with(STATUS_INPUT, "%s: it is an overlay of %s, not of %s; give another name", path,
-				   store->under->path, base_path);
+		status = store_open(base_path, &reading, &base);
+	if (status == STATUS_OK)
+		status = check_same(store, base);
 	store_close(base);
 	store_close(store);
 	return status;

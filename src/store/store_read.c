@@ -3,20 +3,19 @@
 #include "store/internal.h"
 
 #include <assert.h>
-#include <stdio.h>
 #include <string.h>
 
 static enum status connect_rows(struct store *store, sqlite3 **db, struct rows *rows)
 {
 	bool immutable = store->immutable;
-	bool older = false;
+	int version = STORE_VERSION;
 	uint64_t hash = 0;
 	enum status status = store_connect_reader(store->real_path, store->path, &immutable, db);
 	/* The name may meanwhile be another file's. */
 	if (status == STATUS_OK)
-		status = store_schema_check(*db, store->path, &older);
-	if (status == STATUS_OK && older)
-		status = store_schema_hide(*db, store->path);
+		status = store_schema_check(*db, store->path, &version);
+	if (status == STATUS_OK && version < STORE_VERSION)
+		status = store_schema_hide(*db, store->path, version);
 	if (status == STATUS_OK)
 		status = store_meta_base_hash(*db, store->path, &hash);
 	if (status == STATUS_OK && hash != store->base_hash)
@@ -27,6 +26,27 @@ static enum status connect_rows(struct store *store, sqlite3 **db, struct rows *
 	return status == STATUS_OK ? store_rows_init(rows, *db, store->path, &store->meta.extent, CODEC_FAST) : status;
 }
 
+/* Connects to each file under an overlay that has rows for it. The plain store always has: the base. */
+static enum status connect_layers(struct store_reader *reader)
+{
+	struct store *store = reader->store;
+	enum status status = STATUS_OK;
+	for (struct store *layer = store->under; layer != NULL && status == STATUS_OK; layer = layer->under) {
+		int at = layer->depth;
+		if (at > 0 && !store_lineage_uses(&store->lineage, (uint32_t)at))
+			continue;
+		status = connect_rows(layer, &reader->layer_db[at], &reader->layer_rows[at]);
+		if (status == STATUS_OK && store->inherits)
+			status = store_overlay_hold(layer, reader->layer_db[at]);
+		reader->layers[at] = &reader->layer_rows[at];
+	}
+	if (store->inherits) {
+		reader->rows.lineage = &store->lineage;
+		reader->rows.layers = reader->layers;
+	}
+	return status;
+}
+
 enum status store_reader_create(struct store *store, struct store_reader **out)
 {
 	assert(store->part_path == NULL);
@@ -34,10 +54,10 @@ enum status store_reader_create(struct store *store, struct store_reader **out)
 	if (reader == NULL)
 		return fail_memory("a reader");
 	reader->store = store;
-	reader->base = store->under != NULL ? &reader->base_rows : &reader->rows;
+	reader->base = store->under != NULL ? &reader->layer_rows[0] : &reader->rows;
 	enum status status = connect_rows(store, &reader->db, &reader->rows);
-	if (status == STATUS_OK && store->under != NULL)
-		status = connect_rows(store->under, &reader->base_db, &reader->base_rows);
+	if (status == STATUS_OK)
+		status = connect_layers(reader);
 	if (status != STATUS_OK) {
 		store_reader_destroy(reader);
 		return status;
@@ -51,9 +71,11 @@ void store_reader_destroy(struct store_reader *reader)
 	if (reader == NULL)
 		return;
 	store_rows_finish(&reader->rows);
-	store_rows_finish(&reader->base_rows);
 	sqlite3_close(reader->db);
-	sqlite3_close(reader->base_db);
+	for (int at = 0; at < STORE_DEPTH_MOST; at++) {
+		store_rows_finish(&reader->layer_rows[at]);
+		sqlite3_close(reader->layer_db[at]);
+	}
 	mem_free(reader);
 }
 
@@ -176,32 +198,26 @@ enum status store_each_offset(struct store_reader *reader, int level, store_key_
 	return store_each_plane(reader, PLANE_OFFSET, level, fn, user);
 }
 
+struct keys {
+	const struct rows *rows;
+	enum plane plane;
+	store_key_fn fn;
+	void *user;
+};
+
+static enum status pass_key(void *user, const struct row_entry *entry)
+{
+	const struct keys *keys = user;
+	if (extent_has(keys->rows->extent, tile_from_key(entry->key)))
+		return keys->fn(keys->user, entry->key);
+	return fail_with(STATUS_INPUT, "%s: it has an %s tile outside its terrain; the store is damaged, restore it",
+			 keys->rows->path, store_rows_name(row_table_of(keys->plane)));
+}
+
 enum status store_each_plane(struct store_reader *reader, enum plane plane, int level, store_key_fn fn, void *user)
 {
-	const struct extent *extent = reader->rows.extent;
-	const char *path = reader->rows.path;
+	struct keys keys = {&reader->rows, plane, fn, user};
 	uint64_t first, last;
-	sqlite3_stmt *statement = NULL;
-	char sql[96];
-	snprintf(sql, sizeof sql, "SELECT key FROM \"%s\" WHERE key BETWEEN ?1 AND ?2 ORDER BY key",
-		 store_rows_name(row_table_of(plane)));
-	enum status status = store_sql_prepare(reader->db, path, &statement, sql);
-	if (status != STATUS_OK)
-		return status;
 	level_keys(level, &first, &last);
-	sqlite3_bind_int64(statement, 1, (sqlite3_int64)first);
-	sqlite3_bind_int64(statement, 2, (sqlite3_int64)last);
-	int code;
-	while (status == STATUS_OK && (code = sqlite3_step(statement)) != SQLITE_DONE) {
-		uint64_t key = (uint64_t)sqlite3_column_int64(statement, 0);
-		if (code != SQLITE_ROW)
-			status = store_sql_fail(reader->db, code, path, "reading its tiles");
-		else if (!extent_has(extent, tile_from_key(key)))
-			status = fail_with(STATUS_INPUT, "%s: it has an %s tile outside its terrain; the store is "
-					   "damaged, restore it", path, store_rows_name(row_table_of(plane)));
-		else
-			status = fn(user, key);
-	}
-	sqlite3_finalize(statement);
-	return status;
+	return store_rows_each(&reader->rows, row_table_of(plane), first, last, pass_key, &keys);
 }

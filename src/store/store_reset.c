@@ -1,30 +1,40 @@
-/* Removes all deformation from a store at once. The base stays. */
+/* Removes all deformation from a store at once. The base stays, and of an overlay what its parent has. */
 #include "store/internal.h"
 
 #include <assert.h>
 
+static enum status remove_all(struct store *store)
+{
+	enum status status = store_sql_exec(store->db, store->path, "resetting it",
+			  "DELETE FROM \"offset\"; DELETE FROM dirt; DELETE FROM heaped; DELETE FROM pressed; "
+			  "DELETE FROM shear; DELETE FROM dug; DELETE FROM run; "
+			  "DELETE FROM meta WHERE key IN ('working', 'compacted')");
+	if (status == STATUS_OK && store->inherits)
+		status = store_overlay_begin(store);
+	return status == STATUS_OK ? store_sql_exec(store->db, store->path, "resetting it", "COMMIT") : status;
+}
+
 enum status store_reset(struct store *store)
 {
 	assert(store->writing);
+	const struct store *parent = store->inherits ? store->under : NULL;
+	int64_t commit = store->commit;
 	enum status status = store_sql_begin(store->db, store->path, "resetting it");
-	if (status != STATUS_OK)
-		return status;
-	status = store_sql_exec(store->db, store->path, "resetting it",
-			  "DELETE FROM \"offset\"; DELETE FROM dirt; DELETE FROM heaped; DELETE FROM pressed; "
-			  "DELETE FROM shear; DELETE FROM dug; DELETE FROM run; "
-			  "DELETE FROM meta WHERE key IN ('working', 'compacted'); COMMIT");
+	if (status == STATUS_OK)
+		status = remove_all(store);
 	if (status != STATUS_OK) {
 		store_sql_undo(store->db);
+		store->commit = commit;
 		return status;
 	}
-	store->has_working = store->working_stored = false;
-	store->working = 0;
-	store->compacted = 0;
+	store->has_working = store->working_stored = parent != NULL && parent->working_stored;
+	store->working = parent != NULL ? parent->working : 0;
+	store->compacted = parent != NULL ? parent->compacted : 0;
 	for (int table = 0; table < ROW_TABLES; table++)
 		store->state_rows[table] = STATE_UNKNOWN;
-	store->commit = 0;
+	store->commit = parent != NULL ? store->parent_revision : 0;
 	store->marked = false;
-	store_changes_restart(&store->changes, 0);
+	store_changes_restart(&store->changes, store->commit);
 	/* The pages that are free now are given back to the disk; the base's mostly lie before them. */
 	status = store_sql_exec(store->db, store->path, "resetting it", "PRAGMA incremental_vacuum");
 	return status == STATUS_OK ? store_checkpoint(store) : status;

@@ -147,7 +147,8 @@ static bool head_sane(enum row_table table, const struct row *row)
 	       isfinite(row->error);
 }
 
-static enum status find_row(struct rows *rows, enum row_table table, struct tile tile, bool whole,
+/* Finds a row of this file. */
+static enum status find_own(struct rows *rows, enum row_table table, struct tile tile, bool whole,
 			    struct row *row, bool *found, sqlite3_stmt **out)
 {
 	assert(extent_has(rows->extent, tile));
@@ -169,11 +170,40 @@ static enum status find_row(struct rows *rows, enum row_table table, struct tile
 	return head_sane(table, row) ? STATUS_OK : row_bad(rows, table, tile, "its range or sums make no sense");
 }
 
+static const struct lineage_entry *inherited(const struct rows *rows, enum row_table table, uint64_t key)
+{
+	return rows->lineage != NULL ? store_lineage_find(rows->lineage, table, key) : NULL;
+}
+
+/* Finds the row that counts. *at: the rows of the file that has it. */
+static enum status find_row(struct rows *rows, enum row_table table, struct tile tile, bool whole,
+			    struct row *row, bool *found, sqlite3_stmt **out, struct rows **at)
+{
+	enum status status = find_own(rows, table, tile, whole, row, found, out);
+	*at = rows;
+	if (status != STATUS_OK || rows->lineage == NULL || table == ROW_BASE)
+		return status;
+	if (*found) {
+		*found = !row_is_none(row);
+		return STATUS_OK;
+	}
+	const struct lineage_entry *entry = inherited(rows, table, tile_key(tile));
+	if (entry == NULL)
+		return STATUS_OK;
+	sqlite3_reset(*out);
+	*at = rows->layers[entry->layer];
+	status = find_own(*at, table, tile, whole, row, found, out);
+	if (status == STATUS_OK && !*found)
+		status = row_bad(*at, table, tile, "it is listed and cannot be found");
+	return status;
+}
+
 enum status store_rows_head(struct rows *rows, enum row_table table, struct tile tile, struct row *row,
 		      bool *found)
 {
 	sqlite3_stmt *statement = NULL;
-	enum status status = find_row(rows, table, tile, false, row, found, &statement);
+	struct rows *at;
+	enum status status = find_row(rows, table, tile, false, row, found, &statement, &at);
 	sqlite3_reset(statement);
 	return status;
 }
@@ -203,17 +233,18 @@ static enum status take_bytes(const struct rows *rows, enum row_table table, sql
 	return STATUS_OK;
 }
 
-static enum status take_blob(struct rows *rows, enum row_table table, sqlite3_stmt *statement,
+/* `at`: the rows of the file that the statement reads. */
+static enum status take_blob(struct rows *rows, const struct rows *at, enum row_table table, sqlite3_stmt *statement,
 			     struct row *row, int32_t *posts)
 {
-	enum status status = take_bytes(rows, table, statement, row);
+	enum status status = take_bytes(at, table, statement, row);
 	if (status != STATUS_OK)
 		return status;
 	if (!store_codec_decode(&rows->codec, row->codec, row->bytes, row->size, posts))
-		return row_bad(rows, table, row->tile, "it cannot be decoded");
+		return row_bad(at, table, row->tile, "it cannot be decoded");
 	size_t side = tile_posts(rows->extent);
 	if (!all_fit(table, posts, side * side))
-		return row_bad(rows, table, row->tile, "it has posts beyond its plane's range");
+		return row_bad(at, table, row->tile, "it has posts beyond its plane's range");
 	return STATUS_OK;
 }
 
@@ -221,9 +252,10 @@ enum status store_rows_read(struct rows *rows, enum row_table table, struct tile
 		      struct row *row, bool *found)
 {
 	sqlite3_stmt *statement = NULL;
-	enum status status = find_row(rows, table, tile, true, row, found, &statement);
+	struct rows *at;
+	enum status status = find_row(rows, table, tile, true, row, found, &statement, &at);
 	if (status == STATUS_OK && *found)
-		status = take_blob(rows, table, statement, row, posts);
+		status = take_blob(rows, at, table, statement, row, posts);
 	sqlite3_reset(statement);
 	if (*found)
 		row->bytes = NULL;
@@ -244,7 +276,8 @@ void store_rows_encode(struct rows *rows, enum row_table table, const int32_t *p
 	row->hash = store_rows_hash(table, row);
 }
 
-enum status store_rows_put(struct rows *rows, enum row_table table, const struct row *row)
+/* Writes a row into this file. */
+static enum status put_own(struct rows *rows, enum row_table table, const struct row *row)
 {
 	enum status status = store_sql_prepare(rows->db, rows->path, &rows->write[table], tables[table].write);
 	if (status != STATUS_OK)
@@ -271,7 +304,8 @@ enum status store_rows_put(struct rows *rows, enum row_table table, const struct
 	return status;
 }
 
-enum status store_rows_drop(struct rows *rows, enum row_table table, struct tile tile)
+/* Removes a row from this file. */
+static enum status drop_own(struct rows *rows, enum row_table table, struct tile tile)
 {
 	enum status status = store_sql_prepare(rows->db, rows->path, &rows->drop[table], tables[table].drop);
 	if (status != STATUS_OK)
@@ -284,16 +318,33 @@ enum status store_rows_drop(struct rows *rows, enum row_table table, struct tile
 	return status;
 }
 
+enum status store_rows_put(struct rows *rows, enum row_table table, const struct row *row)
+{
+	const struct lineage_entry *entry = inherited(rows, table, tile_key(row->tile));
+	return entry != NULL && entry->hash == row->hash ? drop_own(rows, table, row->tile) : put_own(rows, table, row);
+}
+
+enum status store_rows_drop(struct rows *rows, enum row_table table, struct tile tile, int64_t revision)
+{
+	static const int32_t zero = 0;
+	if (inherited(rows, table, tile_key(tile)) == NULL)
+		return drop_own(rows, table, tile);
+	struct row none = {.tile = tile, .codec = CODEC_CONSTANT, .revision = revision, .bytes = &zero, .size = sizeof zero};
+	none.hash = store_rows_hash(table, &none);
+	return put_own(rows, table, &none);
+}
+
 enum status store_rows_copy(struct rows *from, struct rows *to, enum row_table table, struct tile tile, int64_t revision)
 {
 	sqlite3_stmt *statement = NULL;
 	struct row row;
+	struct rows *at;
 	bool found;
-	enum status status = find_row(from, table, tile, true, &row, &found, &statement);
+	enum status status = find_row(from, table, tile, true, &row, &found, &statement, &at);
 	if (status == STATUS_OK && !found)
-		status = row_bad(from, table, tile, "it is listed and cannot be found");
+		status = row_bad(at, table, tile, "it is listed and cannot be found");
 	if (status == STATUS_OK)
-		status = take_bytes(from, table, statement, &row);
+		status = take_bytes(at, table, statement, &row);
 	row.revision = revision;
 	if (status == STATUS_OK)
 		status = store_rows_put(to, table, &row);
@@ -301,15 +352,42 @@ enum status store_rows_copy(struct rows *from, struct rows *to, enum row_table t
 	return status;
 }
 
+/* As store_rows_under(), where rows may be inherited: looks for the four tiles one by one. */
+static enum status under_inherited(struct rows *rows, enum row_table table, struct tile tile, double *low, double *high, int *count)
+{
+	enum status status = STATUS_OK;
+	*low = (double)INFINITY;
+	*high = -(double)INFINITY;
+	*count = 0;
+	for (unsigned i = 0; i < 4 && status == STATUS_OK; i++) {
+		struct tile child = {tile.level - 1, 2 * tile.x + (i & 1), 2 * tile.y + (i >> 1)};
+		struct row row;
+		bool found = false;
+		if (extent_has(rows->extent, child))
+			status = store_rows_head(rows, table, child, &row, &found);
+		if (status != STATUS_OK || !found)
+			continue;
+		*low = fmin(*low, row.low);
+		*high = fmax(*high, row.high);
+		++*count;
+	}
+	return status;
+}
+
 enum status store_rows_under(struct rows *rows, enum row_table table, struct tile tile, double *low,
 		       double *high, int *count)
 {
+	uint64_t first, last;
+	tile_descendants(tile, tile.level - 1, &first, &last);
+	if (rows->lineage != NULL) {
+		size_t at = store_lineage_from(rows->lineage, table, first);
+		if (at < rows->lineage->count[table] && rows->lineage->entries[table][at].key <= last)
+			return under_inherited(rows, table, tile, low, high, count);
+	}
 	enum status status = store_sql_prepare(rows->db, rows->path, &rows->under[table], tables[table].under);
 	if (status != STATUS_OK)
 		return status;
 	sqlite3_stmt *statement = rows->under[table];
-	uint64_t first, last;
-	tile_descendants(tile, tile.level - 1, &first, &last);
 	sqlite3_bind_int64(statement, 1, (sqlite3_int64)first);
 	sqlite3_bind_int64(statement, 2, (sqlite3_int64)last);
 	int code = sqlite3_step(statement);
@@ -322,61 +400,4 @@ enum status store_rows_under(struct rows *rows, enum row_table table, struct til
 	}
 	sqlite3_reset(statement);
 	return status;
-}
-
-double store_rows_metres(enum row_table table, int32_t post, double step)
-{
-	return table == ROW_BASE    ? height_code_metres(post, step)
-				    : plane_value(row_plane(table), post);
-}
-
-void store_rows_range(enum row_table table, const int32_t *posts, size_t count, double step, double *low,
-		double *high)
-{
-	int32_t least = INT32_MAX, most = INT32_MIN;
-	for (size_t i = 0; i < count; i++) {
-		if (table == ROW_BASE && posts[i] == HEIGHT_CODE_NODATA)
-			continue;
-		const bool parts = table == ROW_SHEAR;
-		const int32_t east = parts ? plane_shear(posts[i], PLANE_SHEAR_EAST) : posts[i];
-		const int32_t north = parts ? plane_shear(posts[i], PLANE_SHEAR_NORTH) : posts[i];
-		least = least < east ? least : east;
-		least = least < north ? least : north;
-		most = most > east ? most : east;
-		most = most > north ? most : north;
-	}
-	*low = *high = (double)NAN;
-	if (least > most)
-		return;
-	if (table == ROW_SHEAR) {
-		*low = ldexp(least, -PLANE_SHEAR_BITS);
-		*high = ldexp(most, -PLANE_SHEAR_BITS);
-		return;
-	}
-	/* Codes keep the order of heights. */
-	*low = store_rows_metres(table, least, step);
-	*high = store_rows_metres(table, most, step);
-}
-
-bool store_rows_all_zero(const int32_t *posts, size_t count)
-{
-	for (size_t i = 0; i < count; i++)
-		if (posts[i] != 0)
-			return false;
-	return true;
-}
-
-void store_rows_sums(const struct extent *extent, struct tile tile, const int32_t *posts, int64_t *below,
-	       int64_t *above)
-{
-	uint32_t side = tile_posts(extent);
-	uint32_t width = tile.x + 1 == extent_tiles_x(extent, tile.level) ? side : side - 1;
-	uint32_t height = tile.y + 1 == extent_tiles_y(extent, tile.level) ? side : side - 1;
-	*below = *above = 0;
-	for (uint32_t y = 0; y < height; y++)
-		for (uint32_t x = 0; x < width; x++) {
-			int64_t post = posts[(size_t)y * side + x];
-			*below += post < 0 ? post : 0;
-			*above += post > 0 ? post : 0;
-		}
 }

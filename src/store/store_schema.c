@@ -2,9 +2,11 @@
  * Defines the tables of a store, and checks that a file has exactly these. So a view, trigger or index in an untrusted file is
  * never run.
  *
- * A store of version 3 has no table `dug`, and its `shear` has another meaning: a length that only grew. In version 4 shear is a
- * vector that ends with the contact. So the old shear counts as none. A reader sees an empty table in its place. A writer empties
- * the table, and makes the store one of version 4.
+ * Older stores are read, too. A reader sees empty tables in place of those that they lack. A writer makes the store one of this
+ * version before anything else.
+ *
+ *   3: no table `dug`; its `shear` has another meaning, a length that only grew, and counts as none.
+ *   4: no overlays that show the deformation of their parent.
  */
 #include "store/internal.h"
 
@@ -62,7 +64,7 @@ static bool object_is(sqlite3_stmt *statement, const struct object *object)
 	       strcmp(name, object->name) == 0 && strcmp(sql, object->sql) == 0;
 }
 
-static enum status check_objects(sqlite3 *db, const char *path, bool older)
+static enum status check_objects(sqlite3 *db, const char *path, int version)
 {
 	sqlite3_stmt *statement = NULL;
 	/* meta's own index is a WITHOUT ROWID table's: it has no sql and no row here. */
@@ -74,7 +76,7 @@ static enum status check_objects(sqlite3 *db, const char *path, bool older)
 	bool same = true;
 	int code;
 	while ((code = sqlite3_step(statement)) == SQLITE_ROW && same) {
-		seen += older && seen == DUG;
+		seen += version < STORE_VERSION_SHEAR && seen == DUG;
 		same = seen < OBJECTS && object_is(statement, &objects[seen]);
 		seen++;
 	}
@@ -82,12 +84,12 @@ static enum status check_objects(sqlite3 *db, const char *path, bool older)
 		status = store_sql_fail(db, code, path, "reading its schema");
 	else if (!same || seen != OBJECTS)
 		status = fail_with(STATUS_INPUT, "%s: its tables are not those of a Furrow store of version %d; "
-				   "import it again", path, older ? STORE_VERSION_OLDEST : STORE_VERSION);
+				   "import it again", path, version);
 	sqlite3_finalize(statement);
 	return status;
 }
 
-enum status store_schema_check(sqlite3 *db, const char *path, bool *older)
+enum status store_schema_check(sqlite3 *db, const char *path, int *out)
 {
 	int64_t id, version;
 	enum status status = store_sql_integer(db, path, "PRAGMA application_id", &id);
@@ -101,26 +103,31 @@ enum status store_schema_check(sqlite3 *db, const char *path, bool *older)
 	if (version < STORE_VERSION_OLDEST || version > STORE_VERSION)
 		return fail_with(STATUS_INPUT, "%s: a store of version %lld, this program knows versions %d to %d; use "
 				 "the furrow that made it, or import it again", path, (long long)version, STORE_VERSION_OLDEST, STORE_VERSION);
-	*older = version < STORE_VERSION;
-	return check_objects(db, path, *older);
+	*out = (int)version;
+	return check_objects(db, path, *out);
 }
 
-enum status store_schema_hide(sqlite3 *db, const char *path)
+enum status store_schema_hide(sqlite3 *db, const char *path, int version)
 {
+	if (version >= STORE_VERSION_SHEAR)
+		return STATUS_OK;
 	/* SQLite reads a name without a schema as the temporary table, if there is one. */
 	return store_sql_exec(db, path, "opening it", "PRAGMA temp_store=MEMORY; CREATE TEMP TABLE shear AS SELECT * FROM main.shear LIMIT 0; "
 						       "CREATE TEMP TABLE dug AS SELECT * FROM main.shear LIMIT 0");
 }
 
-enum status store_schema_raise(sqlite3 *db, const char *path)
+enum status store_schema_raise(sqlite3 *db, const char *path, int version)
 {
+	static const char doing[] = "making it a store of this version";
 	char raise[96];
-	snprintf(raise, sizeof raise, "DELETE FROM shear; PRAGMA user_version=%d; COMMIT", STORE_VERSION);
-	enum status status = store_sql_begin(db, path, "making it a store of this version");
+	snprintf(raise, sizeof raise, "PRAGMA user_version=%d; COMMIT", STORE_VERSION);
+	enum status status = store_sql_begin(db, path, doing);
+	if (status == STATUS_OK && version < STORE_VERSION_SHEAR)
+		status = store_sql_exec(db, path, doing, objects[DUG].sql);
+	if (status == STATUS_OK && version < STORE_VERSION_SHEAR)
+		status = store_sql_exec(db, path, doing, "DELETE FROM shear");
 	if (status == STATUS_OK)
-		status = store_sql_exec(db, path, "making it a store of this version", objects[DUG].sql);
-	if (status == STATUS_OK)
-		status = store_sql_exec(db, path, "making it a store of this version", raise);
+		status = store_sql_exec(db, path, doing, raise);
 	if (status != STATUS_OK)
 		store_sql_undo(db);
 	return status;

@@ -125,6 +125,7 @@ static enum status ask_for_rows(struct store *store, enum row_table table, struc
 		status = store_sql_integer(store->db, store->path, sql, &any);
 		result->looked_up[row_plane(table)]++;
 	}
+	any += store->lineage.count[table] != 0;
 	if (status == STATUS_OK)
 		store->state_rows[table] = any != 0 ? STATE_MAYBE : STATE_NONE;
 	return status;

@@ -130,7 +130,7 @@ static enum status put_back_row(struct store *store, enum row_table table, struc
 	if (status != STATUS_OK)
 		return status;
 	if (row.codec == NONE)
-		return store_rows_drop(&store->rows, table, tile);
+		return store_rows_drop(&store->rows, table, tile, store->commit + 1);
 	return store_rows_copy(rows, &store->rows, table, tile, store->commit + 1);
 }
 

@@ -1,7 +1,7 @@
 /*
  * Verifies a store: checks everything about its content that can be checked. The order is:
  *
- *   SQLite's own check -> base tiles that are missing -> every row of every table (verify_tile.c)
+ *   SQLite's own check -> all rows (verify_tile.c) -> an overlay's own rows (verify_own.c) -> missing base tiles
  *   -> the header's range and the base's hash
  */
 #include "store/verify.h"
@@ -62,46 +62,46 @@ static enum status check_files(struct verifying *verifying)
 {
 	struct store *store = verifying->store;
 	enum status status = check_file(verifying, &store->rows, "file");
-	if (status != STATUS_OK || store->under == NULL)
-		return status;
-	int64_t own;
-	status = store_sql_integer(store->db, store->path, "SELECT count(*) FROM base", &own);
-	if (status == STATUS_OK && own != 0)
-		store_verify_tell(verifying, "file: it has base tiles, though it is an overlay");
-	return status == STATUS_OK ? check_file(verifying, store->base, "its base's file") : status;
+	for (; status == STATUS_OK && store->under != NULL; store = store->under) {
+		int64_t own;
+		status = store_sql_integer(store->db, store->path, "SELECT count(*) FROM base", &own);
+		if (status == STATUS_OK && own != 0)
+			store_verify_tell(verifying, "%s: it has base tiles, though it is an overlay",
+					  store == verifying->store ? "file" : store->path);
+		if (status == STATUS_OK)
+			status = check_file(verifying, &store->under->rows, store->under->under == NULL ? "its base's file" : store->under->path);
+	}
+	return status;
 }
 
 /* --- every row, and rows that are missing --- */
 
+static enum status check_row(void *user, const struct row_entry *entry)
+{
+	struct verifying *verifying = user;
+	enum row_table table = verifying->table;
+	struct tile tile = tile_from_key(entry->key);
+	enum status status = STATUS_OK;
+	verifying->check->tiles++;
+	if (tile_key(tile) != entry->key || !extent_has(&verifying->store->meta.extent, tile) || (table == ROW_BASE && tile.level < 0)) {
+		store_verify_tell_tile(verifying, tile, "it is outside the terrain");
+	} else {
+		verifying->base_found += table == ROW_BASE;
+		status = store_verify_tile(verifying, tile);
+	}
+	if (status == STATUS_OK && verifying->progress != NULL)
+		status = verifying->progress(verifying->user, verifying->check->tiles, verifying->total);
+	return status;
+}
+
 static enum status check_table(struct verifying *verifying, enum row_table table)
 {
-	char keys[64];
-	const struct rows *rows = store_table(verifying->store, table);
-	sqlite3_stmt *statement = NULL;
-	snprintf(keys, sizeof keys, "SELECT key FROM %s ORDER BY key", store_rows_sql_name(table));
-	enum status status = store_sql_prepare(rows->db, rows->path, &statement, keys);
-	int code = SQLITE_DONE;
 	verifying->table = table;
-	while (status == STATUS_OK && (code = sqlite3_step(statement)) == SQLITE_ROW) {
-		uint64_t key = (uint64_t)sqlite3_column_int64(statement, 0);
-		struct tile tile = tile_from_key(key);
-		verifying->check->tiles++;
-		if (tile_key(tile) != key || !extent_has(rows->extent, tile) ||
-		    (table == ROW_BASE && tile.level < 0)) {
-			store_verify_tell_tile(verifying, tile, "it is outside the terrain");
-		} else {
-			verifying->base_found += table == ROW_BASE;
-			status = store_verify_tile(verifying, tile);
-		}
-		if (status == STATUS_OK && verifying->progress != NULL)
-			status = verifying->progress(verifying->user, verifying->check->tiles, verifying->total);
-	}
-	if (status == STATUS_OK && (code & 0xff) == SQLITE_CORRUPT)
-		store_verify_tell(verifying, "%s tiles: %s", store_rows_name(table), sqlite3_errmsg(rows->db));
-	else if (status == STATUS_OK && code != SQLITE_DONE)
-		status = store_sql_fail(rows->db, code, rows->path, "reading its tiles");
-	sqlite3_finalize(statement);
-	return status;
+	enum status status = store_rows_each(store_table(verifying->store, table), table, 0, INT64_MAX, check_row, verifying);
+	if (status != STATUS_INPUT)
+		return status;
+	store_verify_tell(verifying, "%s tiles: %s", store_rows_name(table), failure_message());
+	return STATUS_OK;
 }
 
 /* Tells each base tile that is missing. If as many tiles were found as the terrain has, none is missing, and none is looked up. */
@@ -160,15 +160,14 @@ static enum status check_all(struct verifying *verifying)
 	struct store *store = verifying->store;
 	enum status status = check_files(verifying);
 	for (int table = 0; table < ROW_TABLES && status == STATUS_OK; table++) {
-		char sql[64];
-		const struct rows *rows = store_table(store, (enum row_table)table);
-		int64_t count = 0;
-		snprintf(sql, sizeof sql, "SELECT count(*) FROM %s", store_rows_sql_name((enum row_table)table));
-		status = store_sql_integer(rows->db, rows->path, sql, &count);
+		int64_t count = 0, bytes;
+		status = store_rows_count(store_table(store, (enum row_table)table), (enum row_table)table, &count, &bytes);
 		verifying->total += count;
 	}
 	for (int table = 0; table < ROW_TABLES && status == STATUS_OK; table++)
 		status = check_table(verifying, (enum row_table)table);
+	if (status == STATUS_OK && store->inherits)
+		status = store_verify_own(verifying);
 	if (status == STATUS_OK)
 		status = check_missing(verifying);
 	if (status == STATUS_OK)

@@ -1,4 +1,4 @@
-/* Shared by verify_tile.c and store_verify.c, which verify a store. */
+/* Shared by verify_tile.c, verify_own.c and store_verify.c, which verify a store. */
 #ifndef FURROW_STORE_VERIFY_H
 #define FURROW_STORE_VERIFY_H
 
@@ -41,6 +41,8 @@ static inline bool verify_same(double a, double b)
 
 void store_verify_tell(struct verifying *verifying, const char *format, ...) FURROW_PRINTF(2, 3);
 void store_verify_tell_tile(struct verifying *verifying, struct tile tile, const char *what);
+/* Checks the rows of an overlay's own file, if it inherits: those that undo an inherited row, and those that repeat one. */
+enum status store_verify_own(struct verifying *verifying) FURROW_CHECKED;
 /* Checks one row of verifying->table. The tile is within the terrain. */
 enum status store_verify_tile(struct verifying *verifying, struct tile tile) FURROW_CHECKED;
 

@@ -282,6 +282,16 @@ class Deformed(FormatTest):
         self.assertNotEqual(driven.offset(-2), over.offset(-2))
         self.whole_deformation(self.folder / "s.furrow", levels=(-2, 0))
 
+    def test_a_chain_of_overlays(self):
+        self.driven(SCENE, 75)
+        for name, way, under in (("a", "[70, 20]", "s"), ("b", "[30, 50]", "a"), ("c", "[60, 44]", "b")):
+            self.drive(self.scene(SCENE.replace("[20, 44]", way)), "--store", f"{under}.furrow", "--overlay", f"{name}.furrow",
+                       "--set", "outside=skip")
+        before, after = Store(self.folder / "s.furrow"), Store(self.folder / "c.furrow")
+        self.assertNotEqual(before.offset(-2), after.offset(-2))
+        self.assertEqual(after.meta["parent_revision"], self.json("info", "b.furrow")["last_run"]["epochs"])
+        self.whole_deformation(self.folder / "c.furrow", levels=(-2, 0))
+
     def test_a_working_level_above_the_source_s_that_ends_before_the_terrain(self):
         text = SCENE
         for old, new in (("spacing: 0.25", "spacing: 2.5\noutside: skip"), ("radius: 0.8, width: 0.6", "radius: 9, width: 8"),

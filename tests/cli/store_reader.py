@@ -269,14 +269,35 @@ class Store:
         self.base_store = None
         if "base_path" in self.meta:
             self.base_store = Store(path.parent / self.meta["base_path"])
-            need("base_path" not in self.base_store.meta, "an overlay of an overlay")
+            need("base_path" not in self.base_store.meta or "parent_hash" in self.meta, "an overlay of an overlay without its hash")
             need(not self.rows["base"], "an overlay with base rows")
+            if "parent_hash" in self.meta:
+                need(self.meta["parent_hash"] == self.base_store.state_hash(), "parent_hash")
+                self.inherit()
             for name in SAME_IN_AN_OVERLAY:
                 need(self.meta[name] == self.base_store.meta[name], name, "is not the base's")
             self.rows["base"] = self.base_store.rows["base"]
 
+    def inherit(self):
+        """The rows that count: its own, and those of its parent for which it has none; one from 0 to 0 says that there is none."""
+        for table in TABLES[1:]:
+            own, under = self.rows[table], self.base_store.rows[table]
+            for key, row in own.items():
+                need((row.low, row.high) != (0, 0) or (key in under and not any(row.posts)), "a row of zeros over nothing", table, key)
+                need(key not in under or under[key].hash != row.hash, "the parent's row again", table, key)
+            rows = {**under, **own}
+            self.rows[table] = {key: rows[key] for key in sorted(rows) if (rows[key].low, rows[key].high) != (0, 0)}
+
+    def state_hash(self):
+        words = [self.meta["base_hash"], int(self.working is not None), self.working or 0, self.compacted]
+        for number, table in enumerate(TABLES):
+            if number > 0:
+                for key, row in self.rows[table].items():
+                    words += [number, key, row.hash]
+        return signed(xxh3(b"".join(map(bits_of, words))), 64)
+
     def check_file(self, db):
-        for name, value in (("application_id", 0x46757277), ("user_version", 4), ("page_size", 16384), ("auto_vacuum", 2)):
+        for name, value in (("application_id", 0x46757277), ("user_version", 5), ("page_size", 16384), ("auto_vacuum", 2)):
             found = db.execute(f"PRAGMA {name}").fetchone()[0]
             need(found == value, name, found)
         found = sorted(sql for sql, in db.execute("SELECT sql FROM sqlite_schema WHERE name NOT LIKE 'sqlite_%'"))

@@ -79,19 +79,19 @@ static uint64_t trial(const void *user, const struct fault *fault)
 	return calls;
 }
 
-static void every_call(const char *path)
+static void every_call(const char *path, uint64_t most)
 {
 	static const enum fault_kind kinds[] = {FAULT_READ, FAULT_OPEN, FAULT_ACCESS, FAULT_SIZE, FAULT_LOCK,
 						FAULT_SHARED, FAULT_MEMORY, FAULT_SQLITE_MEMORY, FAULT_SHORT_READ};
 	uint64_t ran = 0;
 	for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
-		ran += sweep(trial, path, kinds[i], kinds[i] == FAULT_SQLITE_MEMORY ? MOST : UINT64_MAX);
+		ran += sweep(trial, path, kinds[i], kinds[i] == FAULT_SQLITE_MEMORY && most > MOST ? MOST : most);
 	assert_true(ran > 100);
 }
 
 static void what_is_read_is_right_or_the_machine_is_told_of(void **state)
 {
-	every_call(in_folder("driven"));
+	every_call(in_folder("driven"), UINT64_MAX);
 }
 
 /* As a drive's loaders read: beside a writer, from the WAL. */
@@ -106,8 +106,30 @@ static void so_it_is_beside_a_writer(void **state)
 	for (int number = 1; number <= EPOCHS; number++)
 		assert_ok(one_epoch(store, &field, number));
 	field_free(&field);
-	every_call(path);
+	every_call(path, UINT64_MAX);
 	store_close(store);
+}
+
+/* The same epochs, in a plain store and two overlays over it: one of them is all zeros over what is under it. */
+static void so_it_is_through_a_chain(void **state)
+{
+	char paths[3][256];
+	struct field field = field_make(LEVEL);
+	for (int i = 0; i < 3; i++) {
+		snprintf(paths[i], sizeof paths[i], "%s/chain%d", folder, i);
+		if (i == 0)
+			copy_file(in_folder("fresh"), paths[0]);
+		else
+			assert_ok(store_create_overlay(paths[i], paths[i - 1]));
+		struct store *store = open_store(paths[i], STORE_WRITE);
+		assert_ok(store_set_working_level(store, LEVEL));
+		for (int number = i * EPOCHS / 3 + 1; number <= (i + 1) * EPOCHS / 3; number++)
+			assert_ok(one_epoch(store, &field, number));
+		assert_true(content(store) == reference[(i + 1) * EPOCHS / 3]);
+		store_close(store);
+	}
+	field_free(&field);
+	every_call(paths[2], MOST);
 }
 
 static int enter(void **state)
@@ -133,6 +155,7 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(what_is_read_is_right_or_the_machine_is_told_of),
 		cmocka_unit_test(so_it_is_beside_a_writer),
+		cmocka_unit_test(so_it_is_through_a_chain),
 	};
 	fault_install();
 	return cmocka_run_group_tests(tests, enter, folder_remove);

@@ -45,7 +45,7 @@ static void another_version_or_schema_is_refused(void **state)
 		const char *sql, *why;
 	} edits[] = {
 		{"PRAGMA user_version=2", "version 2"},
-		{"PRAGMA user_version=5", "version 5"},
+		{"PRAGMA user_version=6", "version 6"},
 		{"PRAGMA application_id=7", "application id 7"},
 		{"CREATE VIEW v AS SELECT 1", "tables"},
 		{"CREATE INDEX aaa ON base(low)", "tables"},

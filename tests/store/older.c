@@ -104,7 +104,7 @@ static void who_writes_makes_it_one_of_this_version(void **state)
 	struct store *store = open_older(path, &field, STORE_WRITE, "older furrows cannot read");
 	assert_posts(store, &field);
 	store_close(store);
-	assert_int_equal(version_of(path), 4);
+	assert_int_equal(version_of(path), STORE_VERSION);
 	store = open_store(path, STORE_WRITE);
 	assert_int_equal(notes, 1);
 	field_dig(&field, 40, 40, 9, 2);
@@ -127,7 +127,7 @@ static void an_import_of_the_version_before_is_read_in_silence(void **state)
 		store_close(store);
 	}
 	assert_int_equal(notes, 0);
-	assert_int_equal(version_of(path), 4);
+	assert_int_equal(version_of(path), STORE_VERSION);
 	field_free(&field);
 }
 
