@@ -13,8 +13,10 @@ static const struct command_option options[] = {
 	{"tile", "N", "cells along a tile's side, a power of two from 8 to 1024 (256)"},
 	{"max-error", "M", "most a stored height may be off its source; 0: lossless (half the source's unit)"},
 	{"s-srs", "SRS", "the sources' reference system, if they do not say or say it wrong"},
-	{"t-srs", "SRS", "the store's, in metres; auto (default): UTM, or true at its latitude off Earth"},
+	{"t-srs", "SRS", "the store's, in metres, or auto (default), or source: see below"},
 	{"spacing", "M", "metres between posts: resamples; for sources without a place, their own (1)"},
+	{"window", "W,S,E,N", "import only what lies in this area, in the store's coordinates"},
+	{"window-srs", "SRS", "the SRS in which the window is given, as EPSG:4326 for degrees: longitude first"},
 	{"r", "METHOD", "resampling: bilinear (default), cubic or near"},
 	{"nodata", "V", "a value that means nodata though no tag says so; may be repeated"},
 	{"fill", NULL, "fill holes from their rims"},
@@ -109,8 +111,13 @@ const struct command command_import = {
 	.name = "import",
 	.usage = "import SOURCE... -o STORE [options]",
 	.summary = "elevation data to a terrain store",
-	.details = "A SOURCE is a raster, a directory of them, or @list.txt. Several become one terrain; where they\n"
-		   "overlap the first named wins. The store is in metres: sources in degrees or feet are projected.\n",
+	.details = "A SOURCE is a raster, a directory of them, or @list.txt. Several become one terrain; each may have its\n"
+		   "own SRS, spacing and unit. Where they overlap the first named wins. In a directory, files without a\n"
+		   "place (as PNG) are skipped if others have one.\n\n"
+		   "The store is in metres. --t-srs auto takes the SRS of the first source if that is in metres that are\n"
+		   "true to 0.1 % there; otherwise UTM, or off Earth a projection that is true at the data's latitude.\n"
+		   "--t-srs source keeps SRS and posts of the first source as they are, true or not. Degrees and feet\n"
+		   "cannot be kept: such a source is refused.\n",
 	.options = options,
 	.run = run,
 };

@@ -45,7 +45,7 @@ static enum status take_pair(struct import *import, yaml_document_t *document, c
 		return take(import, name, value);
 	char range[128] = "";
 	enum status status = STATUS_OK;
-	const bool is_range = strcmp(name, "height_range") == 0 || strcmp(name, "height-range") == 0;
+	const bool is_range = strcmp(name, "height_range") == 0 || strcmp(name, "height-range") == 0 || strcmp(name, "window") == 0;
 	for (const yaml_node_item_t *item = value->data.sequence.items.start; item < value->data.sequence.items.top && status == STATUS_OK; item++) {
 		const yaml_node_t *one = yaml_document_get_node(document, *item);
 		const size_t used = strlen(range);

@@ -12,7 +12,7 @@
 
 /* --- options by their long names --- */
 
-enum kind { FLAG, WHOLE, NUMBER, TEXT, WORD, RANGE, LIST };
+enum kind { FLAG, WHOLE, NUMBER, TEXT, WORD, RANGE, WINDOW, LIST };
 
 struct option {
 	const char *name;
@@ -34,6 +34,8 @@ static const struct option options[] = {
 	{"pack", WORD, 0, 0, packs},
 	{"nodata", LIST, 0, 0, NULL},
 	{"height-range", RANGE, 0, 0, NULL},
+	{"window", WINDOW, 0, 0, NULL},
+	{"window-srs", TEXT, 0, 0, NULL},
 	{"fill", FLAG, 0, 0, NULL},
 	{"resume", FLAG, 0, 0, NULL},
 	{"overwrite", FLAG, 0, 0, NULL},
@@ -79,16 +81,34 @@ static enum status take_word(const struct option *option, const char *text, int 
 	return refuse(option->name, text, allowed);
 }
 
+/* Reads `count` finite numbers that are parted by commas. */
+static bool take_numbers(const char *text, size_t count, double *numbers)
+{
+	for (size_t i = 0; i < count; i++) {
+		char *end;
+		numbers[i] = number_of(text, &end);
+		if (end == text || !isfinite(numbers[i]) || *end != (i + 1 < count ? ',' : '\0'))
+			return false;
+		text = end + 1;
+	}
+	return true;
+}
+
 static enum status take_range(struct import *import, const char *text)
 {
-	char *middle, *end;
-	import->dem.height_min = number_of(text, &middle);
-	import->dem.height_max = number_of(*middle == ',' ? middle + 1 : middle, &end);
-	import->dem.has_height_range = true;
-	if (middle == text || *middle != ',' || end == middle + 1 || *end != '\0' || !isfinite(import->dem.height_min) ||
-	    !isfinite(import->dem.height_max))
+	double range[2];
+	if (!take_numbers(text, 2, range))
 		return refuse("height-range", text, "2 numbers parted by commas");
+	import->dem.has_height_range = true;
+	import->dem.height_min = range[0];
+	import->dem.height_max = range[1];
 	return STATUS_OK;
+}
+
+static enum status take_window(struct import *import, const char *text)
+{
+	import->dem.has_window = true;
+	return take_numbers(text, 4, import->dem.window) ? STATUS_OK : refuse("window", text, "W,S,E,N: 4 numbers parted by commas");
 }
 
 static enum status take_nodata(struct import *import, const char *text)
@@ -158,6 +178,8 @@ static enum status take(struct import *import, const struct option *option, cons
 			import->max_error = number;
 		return status;
 	case TEXT:
+		if (option->name[0] == 'w')
+			return take_text(text, &import->dem.window_srs, &import->texts[2]);
 		return option->name[0] == 's' ? take_text(text, &import->dem.s_srs, &import->texts[0])
 					      : take_text(text, &import->dem.t_srs, &import->texts[1]);
 	case WORD:
@@ -169,6 +191,8 @@ static enum status take(struct import *import, const struct option *option, cons
 		return status;
 	case RANGE:
 		return take_range(import, text);
+	case WINDOW:
+		return take_window(import, text);
 	case LIST:
 		return take_nodata(import, text);
 	}
@@ -295,7 +319,6 @@ enum status api_import_open(struct import *import, const char *const *sources, s
 	import->dem.sources = sources;
 	import->dem.source_count = count;
 	import->dem.nodata = import->nodata;
-	import->dem.jobs = import->jobs;
 	enum status status = dem_open(&import->dem, &import->opened);
 	if (status != STATUS_OK)
 		return status;

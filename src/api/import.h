@@ -19,7 +19,7 @@ struct import {
 	/* After api_import_open: */
 	struct dem *opened;
 	struct store_meta meta; /* of the store that will be made */
-	char *lines, *description, *texts[2];
+	char *lines, *description, *texts[3];
 };
 
 void api_import_init(struct import *import); /* sets all options to their defaults */

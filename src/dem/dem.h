@@ -19,12 +19,16 @@ struct dem_params {
 	const char *const *sources; /* rasters, directories, or "@list.txt" */
 	size_t source_count;        /* at least 1 */
 	const char *s_srs;          /* overrides the SRS of the sources; NULL: no override */
-	const char *t_srs;          /* SRS of the result; NULL or "auto": see cli.md */
+	/* SRS of the result. NULL or "auto": the first source's, if it is in true metres, otherwise a metric one that suits the
+	 * place. "source": the first source's, true or not, but metres. */
+	const char *t_srs;
 	double spacing;             /* metres; 0: that of the source (1 if it has none) */
 	enum dem_resample resample;
 	const double *nodata; /* further values that mean nodata, in the source's unit */
 	size_t nodata_count;
-	int64_t jobs; /* threads for projecting; 0: 1 */
+	bool has_window; /* only posts in the window are read */
+	double window[4]; /* west, south, east, north */
+	const char *window_srs; /* of the window; NULL: it is in the result's coordinates */
 	bool fill; /* fill holes by interpolation from their edges */
 	bool has_height_range;
 	double height_min, height_max; /* metres for 0 and for the largest value of a PNG */

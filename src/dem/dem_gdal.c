@@ -1,35 +1,36 @@
 /*
- * Makes one grid of all sources that GDAL can read. It opens the sources, joins them, and projects them to metres if necessary.
- * The rest of dem reads the grid row by row.
+ * Makes one grid of all sources that GDAL can read. It opens the sources, chooses the lattice of the result, and resamples each
+ * source to it unless its posts are there already. The rest of dem reads the grid row by row.
+ *
+ * A post is that of the first source that has data all around it. If there is none, it is that of the first source with any data.
  */
 #include "dem_gdal.h"
 
 #include <stdio.h>
+
+#include "dem_kernel.h"
 
 struct gdal_grid {
 	struct dem_grid grid;
 	struct gdal_source *sources;
 	size_t source_count;
 	char *name; /* of the first source, for messages */
-	GDALDatasetH mosaic;
-	GDALDatasetH warped; /* the projected or resampled mosaic; NULL if the mosaic is used unchanged */
-	/* reads the sources directly. Used instead of the mosaic if nothing is projected and all sources have the same lattice;
-	 * otherwise NULL */
-	struct dem_layers *layers;
+	struct dem_groups groups;
+	struct dem_target target;
+	uint8_t *sampled; /* of a read */
+	size_t room;
 };
 
 static void gdal_destroy(struct dem_grid *grid)
 {
 	struct gdal_grid *gdal = (struct gdal_grid *)grid;
-	dem_layers_destroy(gdal->layers);
-	if (gdal->warped != NULL)
-		GDALClose(gdal->warped);
-	if (gdal->mosaic != NULL)
-		GDALClose(gdal->mosaic);
+	dem_groups_finish(&gdal->groups);
+	dem_target_finish(&gdal->target);
 	for (size_t i = 0; i < gdal->source_count; i++)
 		dem_source_finish(&gdal->sources[i]);
 	mem_free(gdal->sources);
 	mem_free(gdal->name);
+	mem_free(gdal->sampled);
 	mem_free(gdal);
 }
 
@@ -71,24 +72,49 @@ static enum status refuse_rows(const struct gdal_grid *gdal, int top)
 			 culprit(gdal, message), top, message);
 }
 
+static enum status sample(struct gdal_grid *gdal, struct post_rect rect, double *heights, bool *done)
+{
+	size_t posts = (size_t)((rect.x1 - rect.x0) * (rect.y1 - rect.y0));
+	if (posts > gdal->room) {
+		mem_free(gdal->sampled);
+		gdal->sampled = mem_alloc(posts, 1);
+		gdal->room = gdal->sampled != NULL ? posts : 0;
+		if (gdal->sampled == NULL)
+			return fail_memory("reading the sources");
+	}
+	memset(gdal->sampled, DEM_SAMPLED_NONE, posts);
+	for (size_t i = 0; i < posts; i++)
+		heights[i] = (double)NAN;
+	struct dem_samples samples = {rect, heights, gdal->sampled};
+	enum status status = STATUS_OK;
+	for (size_t i = 0; i < gdal->groups.count && status == STATUS_OK && *done; i++)
+		status = dem_sampler_read(gdal->groups.groups[i].sampler, &samples, done);
+	return status;
+}
+
 static enum status gdal_read(struct dem_grid *grid, struct post_rect rect, double *heights)
 {
 	struct gdal_grid *gdal = (struct gdal_grid *)grid;
-	GDALDatasetH dataset = gdal->warped != NULL ? gdal->warped : gdal->mosaic;
-	int width = (int)(rect.x1 - rect.x0), rows = (int)(rect.y1 - rect.y0), top = (int)(grid->height - rect.y1);
-	GSpacing line = (GSpacing)width * (GSpacing)sizeof *heights;
-	bool done;
+	const struct dem_groups *groups = &gdal->groups;
+	struct post_rect from;
+	bool done = true, copies = groups->count == 1 && dem_sampler_copied(groups->groups[0].sampler, rect, &from);
 	CPLErrorReset();
-	if (gdal->layers != NULL) {
-		struct post_rect from_north = {rect.x0, top, rect.x1, top + rows};
-		enum status status = dem_layers_read(gdal->layers, from_north, heights, &done);
-		return status != STATUS_OK || done ? status : refuse_rows(gdal, top);
+	enum status status = copies ? dem_layers_read(groups->groups[0].layers, from, heights, &done)
+				    : sample(gdal, rect, heights, &done);
+	return status != STATUS_OK || done ? status : refuse_rows(gdal, (int)(grid->height - rect.y1));
+}
+
+/* Finds the first source that has the same SRS as source number i. */
+static void find_system(struct gdal_source *sources, size_t i)
+{
+	sources[i].system = (int)i;
+	for (size_t j = 0; j < i && sources[i].system == (int)i; j++) {
+		if (sources[j].system != (int)j)
+			continue;
+		bool same = sources[i].srs == NULL || sources[j].srs == NULL ? sources[i].srs == sources[j].srs
+									      : OSRIsSame(sources[i].srs, sources[j].srs) != 0;
+		sources[i].system = same ? (int)j : (int)i;
 	}
-	/* Its rows come from the north: the last of ours first. */
-	done = GDALRasterIOEx(GDALGetRasterBand(dataset, 1), GF_Read, (int)rect.x0, top, width, rows,
-			      heights + (int64_t)(rows - 1) * width, width, rows, GDT_Float64, sizeof *heights, -line,
-			      NULL) == CE_None;
-	return done ? STATUS_OK : refuse_rows(gdal, top);
 }
 
 static enum status open_sources(struct gdal_grid *gdal, const struct dem_params *params,
@@ -105,6 +131,8 @@ static enum status open_sources(struct gdal_grid *gdal, const struct dem_params 
 		gdal->source_count = i + 1;
 		status = dem_source_init(&gdal->sources[i], params, list->paths[i], override, (int)i,
 					 &gdal->grid.files);
+		if (status == STATUS_OK)
+			find_system(gdal->sources, i);
 	}
 	if (override != NULL)
 		OSRDestroySpatialReference(override);
@@ -120,27 +148,162 @@ static double common_unit(const struct gdal_source *sources, size_t count)
 	return unit;
 }
 
-/* Returns true if heights stay whole numbers of `unit`: all sources have that unit, and none is resampled, since their posts coincide. */
-static bool all_whole(const struct gdal_source *sources, size_t count, double unit)
+/* Returns true if heights stay whole numbers of the unit: all sources have it, and none is resampled. */
+static bool all_whole(const struct gdal_grid *gdal)
 {
-	bool whole = dem_layers_fit(sources, count);
-	for (size_t i = 0; i < count && whole; i++)
-		whole = sources[i].whole && sources[i].unit == unit;
+	bool whole = true;
+	for (size_t i = 0; i < gdal->source_count; i++)
+		whole = whole && gdal->sources[i].whole && gdal->sources[i].unit == gdal->grid.unit;
+	for (size_t i = 0; i < gdal->groups.count; i++)
+		whole = whole && dem_sampler_copies(gdal->groups.groups[i].sampler);
 	return whole;
 }
 
-/* Returns the smallest panel of the sources. It is smaller if posts are projected, since then they need more source rows. */
-static int64_t common_panel(const struct gdal_source *sources, size_t count, bool warped)
+/* Returns the smallest panel of the sources, in posts of the target. Where these are resampled it is half as wide, since they may
+ * lie slanted over the source's rows. */
+static int64_t common_panel(const struct gdal_grid *gdal)
 {
-	int64_t panel = 0;
-	for (size_t i = 0; i < count; i++)
-		if (sources[i].panel_posts > 0 && (panel == 0 || sources[i].panel_posts < panel))
-			panel = sources[i].panel_posts;
-	return warped ? panel / 2 : panel;
+	double least = 0;
+	for (size_t i = 0; i < gdal->groups.count; i++) {
+		const struct dem_group *group = &gdal->groups.groups[i];
+		double scale = dem_sampler_copies(group->sampler) ? 1 : group->step[0] / gdal->target.spacing / 2;
+		for (size_t j = 0; j < group->count; j++) {
+			double panel = (double)group->sources[j]->panel_posts * scale;
+			if (panel > 0 && (least == 0 || panel < least))
+				least = panel;
+		}
+	}
+	return (int64_t)fmin(ceil(least), 1e9);
 }
 
-enum status dem_gdal_open(const struct dem_params *params, const struct dem_list *list,
-			  struct dem_grid **out)
+static enum status several_agree(const struct gdal_grid *gdal)
+{
+	for (size_t i = 0; gdal->source_count > 1 && i < gdal->source_count; i++)
+		if (!gdal->sources[i].placed)
+			return fail_with(STATUS_INPUT, "%s: has no place among other sources; import it alone, or give it a place "
+					 "with gdal_translate", gdal->sources[i].path);
+	return STATUS_OK;
+}
+
+static enum status make_sampler(struct gdal_grid *gdal, const struct dem_params *params, struct dem_group *group)
+{
+	struct dem_lattice posts;
+	double s = gdal->target.spacing;
+	bool mean = s > 2 * fmin(group->step[0], group->step[1]); /* otherwise a sample of the interpolated surface */
+	bool doubles = false;
+	for (size_t i = 0; i < group->count; i++)
+		doubles = doubles || group->sources[i]->doubles;
+	dem_target_lattice(&gdal->target, &posts);
+	const struct dem_sampling sampling = {
+		.layers = group->layers,
+		.raster = dem_layers_lattice(group->layers),
+		.posts = &posts,
+		.method = params->resample,
+		.span = {mean ? fmax(1, s / group->step[0]) : 1, mean ? fmax(1, s / group->step[1]) : 1},
+		.single = !doubles,
+		.name = group->sources[0]->path,
+	};
+	return dem_sampler_create(&sampling, &group->sampler);
+}
+
+/* Tells what becomes of posts that are resampled only because they are not square or not in metres. */
+static void note_resampled(const struct gdal_grid *gdal, const struct dem_params *params)
+{
+	size_t resampled = 0;
+	const struct dem_group *first = NULL;
+	for (size_t i = 0; i < gdal->groups.count; i++) {
+		const struct dem_group *group = &gdal->groups.groups[i];
+		if (dem_sampler_copies(group->sampler))
+			continue;
+		first = resampled == 0 ? group : first;
+		resampled += group->count;
+	}
+	if (first == NULL)
+		return;
+	dem_target_note_scale(&gdal->target, gdal->name);
+	if (params->spacing > 0)
+		return;
+	char more[64] = "";
+	if (resampled > first->count)
+		snprintf(more, sizeof more, ", and those of %zu more,", resampled - first->count);
+	note("%s: posts of %.6g x %.6g m%s are resampled to square posts of %g m", first->sources[0]->path, first->step[0], first->step[1], more,
+	     gdal->target.spacing);
+}
+
+static enum status describe(struct gdal_grid *gdal)
+{
+	struct dem_grid *grid = &gdal->grid;
+	const struct dem_target *target = &gdal->target;
+	grid->width = target->width;
+	grid->height = target->height;
+	grid->spacing = target->spacing;
+	grid->origin[0] = target->origin[0];
+	grid->origin[1] = target->origin[1];
+	grid->unit = common_unit(gdal->sources, gdal->source_count);
+	grid->panel_posts = common_panel(gdal);
+	grid->whole = all_whole(gdal);
+	const struct dem_group *projected = NULL;
+	size_t others = 0;
+	for (size_t i = gdal->groups.count; i-- > 0;)
+		if (gdal->groups.groups[i].projected) {
+			others += projected != NULL && projected->sources[0]->system != gdal->groups.groups[i].sources[0]->system;
+			projected = &gdal->groups.groups[i];
+		}
+	if (projected != NULL) {
+		const char *name = OSRGetName(projected->sources[0]->srs);
+		char text[256];
+		int length = snprintf(text, sizeof text, "%.150s, posts of about %.4g x %.4g m", name != NULL ? name : "unnamed",
+				      projected->step[0], projected->step[1]);
+		if (others > 0)
+			snprintf(text + length, sizeof text - (size_t)length, ", and from %zu other SRS", others);
+		grid->projected = mem_strdup(text);
+	}
+	if (target->srs != NULL)
+		grid->srs = dem_srs_wkt(target->srs);
+	grid->vertical = mem_strdup(gdal->sources[0].vertical);
+	bool whole = grid->vertical != NULL && (projected == NULL || grid->projected != NULL) && (target->srs == NULL || grid->srs != NULL);
+	return whole ? STATUS_OK : fail_memory("opening the sources");
+}
+
+/* Drops files that were found in a directory and have no place, as previews, unless none has. */
+static void skip_placeless(struct dem_list *list)
+{
+	size_t placeless = 0;
+	for (size_t i = 0; list->count > 1 && i < list->count; i++)
+		placeless += list->found[i] && !dem_source_is_placed(list->paths[i]);
+	for (size_t i = list->count; placeless > 0 && placeless < list->count && i-- > 0;)
+		if (list->found[i] && !dem_source_is_placed(list->paths[i])) {
+			dem_list_skip(list, i);
+			placeless--;
+		}
+}
+
+static enum status open_grid(struct gdal_grid *gdal, const struct dem_params *params, struct dem_list *list)
+{
+	skip_placeless(list);
+	gdal->sources = mem_calloc(list->count, sizeof *gdal->sources);
+	gdal->name = mem_strdup(list->paths[0]);
+	enum status status = gdal->sources != NULL && gdal->name != NULL ? open_sources(gdal, params, list)
+									 : fail_memory("opening the sources");
+	if (status == STATUS_OK)
+		status = several_agree(gdal);
+	if (status == STATUS_OK)
+		status = dem_groups_init(&gdal->groups, gdal->sources, gdal->source_count);
+	if (status == STATUS_OK)
+		status = dem_target_choose(params, &gdal->groups, &gdal->target);
+	for (size_t i = 0; status == STATUS_OK && i < gdal->groups.count; i++)
+		status = make_sampler(gdal, params, &gdal->groups.groups[i]);
+	struct dem_lattice lattice;
+	dem_target_lattice(&gdal->target, &lattice);
+	if (status == STATUS_OK && gdal->source_count > 1)
+		status = dem_overlap(gdal->sources, gdal->source_count, &lattice, &gdal->grid);
+	if (status != STATUS_OK)
+		return status;
+	note_resampled(gdal, params);
+	return describe(gdal);
+}
+
+enum status dem_gdal_open(const struct dem_params *params, struct dem_list *list, struct dem_grid **out)
 {
 	enum status status = dem_gdal_init(list->paths[0]);
 	if (status != STATUS_OK)
@@ -150,31 +313,7 @@ enum status dem_gdal_open(const struct dem_params *params, const struct dem_list
 		return fail_memory("opening the sources");
 	gdal->grid.destroy = gdal_destroy;
 	gdal->grid.read = gdal_read;
-	gdal->sources = mem_calloc(list->count, sizeof *gdal->sources);
-	gdal->name = mem_strdup(list->paths[0]);
-	status = gdal->sources != NULL && gdal->name != NULL ? open_sources(gdal, params, list)
-							     : fail_memory("opening the sources");
-	if (status == STATUS_OK)
-		status = dem_mosaic(gdal->sources, gdal->source_count, &gdal->grid, &gdal->mosaic);
-	double place[6];
-	if (status == STATUS_OK && GDALGetGeoTransform(gdal->mosaic, place) != CE_None)
-		status = fail_with(STATUS_INPUT, "%s: its place got lost: %s; give it a geotransform", gdal->name,
-				   dem_gdal_message());
-	if (status == STATUS_OK)
-		status = dem_warp(params, gdal->mosaic, place, gdal->sources[0].srs, gdal->name, &gdal->grid,
-				  &gdal->warped);
-	if (status == STATUS_OK) {
-		gdal->grid.unit = common_unit(gdal->sources, gdal->source_count);
-		gdal->grid.panel_posts = common_panel(gdal->sources, gdal->source_count, gdal->warped != NULL);
-		gdal->grid.whole = gdal->warped == NULL && all_whole(gdal->sources, gdal->source_count, gdal->grid.unit);
-		if (gdal->warped == NULL && gdal->source_count > 1 && dem_layers_fit(gdal->sources, gdal->source_count))
-			status = dem_layers_create(gdal->sources, gdal->source_count, place, &gdal->layers);
-	}
-	if (status == STATUS_OK) {
-		gdal->grid.vertical = mem_strdup(gdal->sources[0].vertical);
-		if (gdal->grid.vertical == NULL)
-			status = fail_memory("opening the sources");
-	}
+	status = open_grid(gdal, params, list);
 	if (status != STATUS_OK) {
 		dem_grid_destroy(&gdal->grid);
 		return status;

@@ -1,4 +1,4 @@
-/* Used inside dem only, in a build with GDAL. Opens sources, joins them to a mosaic, and projects it to metres. */
+/* Used inside dem only, in a build with GDAL. Opens sources, and resamples them to one lattice of posts in metres. */
 #ifndef FURROW_DEM_GDAL_H
 #define FURROW_DEM_GDAL_H
 
@@ -14,6 +14,8 @@ struct gdal_source {
 	double place[6]; /* GDAL's geotransform, for pixel corners */
 	bool placed;
 	OGRSpatialReferenceH srs; /* NULL if unknown or local */
+	int system;               /* number of the first source that has the same SRS */
+	double low[2], high[2];   /* its area in the SRS of the target, x and y */
 	bool doubles;             /* heights need 64 bits */
 	double unit;              /* as in dem_info */
 	int64_t panel_posts;      /* as in dem_info */
@@ -33,23 +35,105 @@ const char *dem_gdal_message(void); /* the last message of GDAL; valid until the
 /* Opens a source. Adds to `files` the other files that belong to it. */
 enum status dem_source_init(struct gdal_source *source, const struct dem_params *params, const char *path,
 			    OGRSpatialReferenceH override, int number, struct dem_list *files) FURROW_CHECKED;
+/* Returns false if the file can be opened and has no place. */
+bool dem_source_is_placed(const char *path);
 void dem_source_finish(struct gdal_source *source);
 
-/* --- dem_mosaic.c: joins several sources into one dataset; the first source is on top; also compares overlaps --- */
-enum status dem_mosaic(const struct gdal_source *sources, size_t count, struct dem_grid *grid,
-		       GDALDatasetH *out) FURROW_CHECKED;
+/* --- dem_map.c: where the posts of one lattice lie on another --- */
+/* Post (column, row) is at x = at[0] + column * at[1] + row * at[2], y = at[3] + column * at[4] + row * at[5]. Rows count to the
+ * north, unless the raster is rotated or mirrored. */
+struct dem_lattice {
+	double at[6];
+	int64_t width, height;    /* posts */
+	OGRSpatialReferenceH srs; /* not owned; NULL: none */
+};
+#define DEM_BLOCK_SIDE 512 /* most posts in a row of a rectangle that is mapped at once */
+struct dem_map;
+void dem_lattice_point(const struct dem_lattice *lattice, double column, double row, double *x, double *y);
+/* Gives the affine transformation from coordinates to columns and rows. Returns false if there is none. */
+bool dem_lattice_invert(const struct dem_lattice *lattice, double inverse[6]);
+/* Copies `from`; its SRS must outlive the map. `name`: of the source, for messages. One thread at a time uses a map. */
+enum status dem_map_create(const struct dem_lattice *from, const struct dem_lattice *to, const char *name, struct dem_map **out)
+	FURROW_CHECKED;
+void dem_map_destroy(struct dem_map *map); /* map may be NULL */
+/* Returns true if posts are posts of the other lattice, as many columns and rows further; tells how many. */
+bool dem_map_shift(const struct dem_map *map, double *column, double *row);
+/* Gives the columns and rows on the other lattice of the posts in `rect`, row by row; NaN: nowhere. They are off by at most 0.01. */
+void dem_map_rect(const struct dem_map *map, struct post_rect rect, double *columns, double *rows);
 
-/* --- dem_layers.c: several sources on one grid; the first source is on top --- */
+/* --- dem_layers.c: several sources on one lattice; the first source is on top --- */
 struct dem_layers;
-/* Returns true if the posts of all sources lie on one grid. */
-bool dem_layers_fit(const struct gdal_source *sources, size_t count);
-/* `place`: the geotransform of the area that all sources cover together. */
-enum status dem_layers_create(const struct gdal_source *sources, size_t count, const double place[6],
-			      struct dem_layers **out) FURROW_CHECKED;
-void dem_layers_destroy(struct dem_layers *layers); /* layers may be NULL */
-/* `rect` counts columns and rows from the north-west. Heights are given row by row from the south. *done is false if GDAL could
- * not read them; GDAL's message tells why. */
+/* Returns true if the posts of both sources lie on one lattice. */
+bool dem_layers_fit(const struct gdal_source *a, const struct gdal_source *b);
+/* The sources must outlive the layers. */
+enum status dem_layers_create(const struct gdal_source *const *sources, size_t count, struct dem_layers **out) FURROW_CHECKED;
+void dem_layers_destroy(struct dem_layers *layers);                                 /* layers may be NULL */
+const struct dem_lattice *dem_layers_lattice(const struct dem_layers *layers); /* of the area that all sources cover together */
+/* Reads the posts of `rect`, which lies in the lattice, row by row from the south, metres. *done is false if GDAL could not read
+ * them; GDAL's message tells why. */
 enum status dem_layers_read(struct dem_layers *layers, struct post_rect rect, double *heights, bool *done)
+	FURROW_CHECKED;
+
+/* --- dem_sampler.c: heights of a raster at the posts of another lattice --- */
+struct dem_sampler;
+struct dem_sampling {
+	struct dem_layers *layers;         /* must outlive the sampler */
+	const struct dem_lattice *raster;  /* of the layers */
+	const struct dem_lattice *posts;   /* where heights are wanted */
+	enum dem_resample method;
+	double span[2];                    /* as in struct dem_kernel */
+	bool single;                       /* heights are rounded to floats, as the raster's are */
+	const char *name;                  /* of the source, for messages */
+};
+/* Posts, and what is known of each: enum dem_sampled. */
+struct dem_samples {
+	struct post_rect rect;
+	double *heights;  /* metres, row by row from the south */
+	uint8_t *sampled;
+};
+enum status dem_sampler_create(const struct dem_sampling *sampling, struct dem_sampler **out) FURROW_CHECKED;
+void dem_sampler_destroy(struct dem_sampler *sampler);          /* sampler may be NULL */
+bool dem_sampler_copies(const struct dem_sampler *sampler); /* returns true if posts are the raster's own, not resampled */
+/* Returns true if all posts of `rect` are the raster's own; gives the rectangle in which they lie there. */
+bool dem_sampler_copied(const struct dem_sampler *sampler, struct post_rect rect, struct post_rect *from);
+/* Sets those heights of which this raster knows more than is known already. *done as in dem_layers_read. */
+enum status dem_sampler_read(struct dem_sampler *sampler, struct dem_samples *samples, bool *done) FURROW_CHECKED;
+
+/* --- dem_group.c: sources on one lattice --- */
+struct dem_group {
+	const struct gdal_source **sources; /* in the order in which they were named */
+	size_t count;
+	struct dem_layers *layers;
+	struct dem_sampler *sampler; /* at the posts of the target; NULL before it is made */
+	double step[2];              /* metres on the ground between posts, along a row and a column */
+	bool projected;              /* the target has another SRS */
+};
+struct dem_groups {
+	struct dem_group *groups; /* an earlier one lies over later ones */
+	size_t count;
+};
+/* The sources must outlive the groups. dem_groups_finish is due also after a failure. */
+enum status dem_groups_init(struct dem_groups *groups, const struct gdal_source *sources, size_t count) FURROW_CHECKED;
+void dem_groups_finish(struct dem_groups *groups);
+
+/* --- dem_target.c: the lattice of the result --- */
+struct dem_target {
+	OGRSpatialReferenceH srs; /* NULL: local metres */
+	bool keep;                /* the SRS of the first source, true or not */
+	double spacing;           /* metres */
+	double origin[2];         /* of the south-west post, in `srs` */
+	int64_t width, height;    /* posts */
+};
+/* Also sets `step` and `projected` of each group. dem_target_finish is due also after a failure. */
+enum status dem_target_choose(const struct dem_params *params, struct dem_groups *groups, struct dem_target *target) FURROW_CHECKED;
+void dem_target_finish(struct dem_target *target);
+void dem_target_lattice(const struct dem_target *target, struct dem_lattice *lattice);
+/* Prints a note if a metre of the target differs much from a metre on the ground. There, ruts and wheels have a wrong size. */
+void dem_target_note_scale(const struct dem_target *target, const char *name);
+
+/* --- dem_overlap.c: compares sources where they overlap in the target; also sets `low` and `high` of each source, and the grid's
+ * overlap_... --- */
+enum status dem_overlap(struct gdal_source *sources, size_t count, const struct dem_lattice *target, struct dem_grid *grid)
 	FURROW_CHECKED;
 
 /* --- dem_srs.c --- */
@@ -61,14 +145,5 @@ double dem_srs_ground(OGRSpatialReferenceH srs, double x, double y, double dx, d
 OGRSpatialReferenceH dem_srs_metric(OGRSpatialReferenceH srs, double x, double y);
 /* Returns the SRS as WKT, to free with mem_free; NULL: out of memory. */
 char *dem_srs_wkt(OGRSpatialReferenceH srs);
-
-/* --- dem_warp.c --- */
-/*
- * Gives the dataset to read: `mosaic` itself, or a projection of it. `place` and `srs`: the mosaic's geotransform and SRS. Sets
- * the grid's size, spacing, origin, srs and projected.
- */
-enum status dem_warp(const struct dem_params *params, GDALDatasetH mosaic, const double place[6],
-		     OGRSpatialReferenceH srs, const char *name, struct dem_grid *grid,
-		     GDALDatasetH *warped) FURROW_CHECKED;
 
 #endif

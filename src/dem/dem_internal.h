@@ -12,12 +12,15 @@
 /* --- dem_list.c: lists of file names --- */
 struct dem_list {
 	char **paths;
+	bool *found; /* not named by the user, but found in a directory */
 	size_t count, room;
 };
 
 /* Fills the list with files. Sources may be files, directories, or "@list". */
 enum status dem_list_init(struct dem_list *list, const char *const *sources, size_t count) FURROW_CHECKED;
 enum status dem_list_add(struct dem_list *list, const char *path) FURROW_CHECKED; /* copies it */
+/* Drops the file, and notes that it has no place among others. */
+void dem_list_skip(struct dem_list *list, size_t number);
 void dem_list_finish(struct dem_list *list);
 
 struct dem_grid {
@@ -59,10 +62,12 @@ enum status dem_raw_open(const struct dem_params *params, const char *path, stru
 enum status dem_png_open(const struct dem_params *params, const char *path, struct dem_grid **out)
 	FURROW_CHECKED;
 /* Opens all other files, and several files as one grid (dem_gdal.c, or dem_nogdal.c). */
-enum status dem_gdal_open(const struct dem_params *params, const struct dem_list *list,
-			  struct dem_grid **out) FURROW_CHECKED;
+/* Drops from the list what was found in a directory and has no place. */
+enum status dem_gdal_open(const struct dem_params *params, struct dem_list *list, struct dem_grid **out) FURROW_CHECKED;
 /* Returns true if the file seems to be a raster. Used for the files of a directory. */
 bool dem_gdal_knows(const char *path);
+/* Makes a grid of the posts of `grid` that lie in params->window. Takes over `grid`, even on failure. */
+enum status dem_crop_create(const struct dem_params *params, struct dem_grid *grid, struct dem_grid **out) FURROW_CHECKED;
 /* Makes a grid in which the holes of `grid` are filled. Takes over `grid`, even on failure. */
 enum status dem_fill_create(struct dem_grid *grid, struct dem_grid **out) FURROW_CHECKED;
 

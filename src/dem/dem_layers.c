@@ -1,8 +1,10 @@
 /*
- * Joins sources that have the same lattice of posts. GDAL's mosaic is not used here, since it handles each post alone. Where
- * sources overlap, the source named first is on top.
+ * Reads sources that have the same lattice of posts as one raster. GDAL's mosaic is not used here, since it handles each post
+ * alone. Where sources overlap, the source named first is on top.
  */
 #include "dem_gdal.h"
+
+#define SAME_LATTICE 1e-6 /* posts */
 
 struct layer {
 	GDALDatasetH dataset;
@@ -13,21 +15,19 @@ struct layer {
 struct dem_layers {
 	struct layer *layers;
 	size_t count;
+	struct dem_lattice lattice; /* of the whole */
 	double *posts; /* of one of them, as many as were asked for at most */
 	size_t room;
 };
 
-bool dem_layers_fit(const struct gdal_source *sources, size_t count)
+bool dem_layers_fit(const struct gdal_source *a, const struct gdal_source *b)
 {
-	const double *first = sources[0].place;
-	bool fit = true;
-	for (size_t i = 0; i < count && fit; i++) {
-		const double *place = sources[i].place;
-		double east = (place[0] - first[0]) / first[1], south = (place[3] - first[3]) / first[5];
-		fit = place[1] == first[1] && place[5] == first[5] && place[2] == 0 && place[4] == 0 &&
-		      fabs(east - rint(east)) < 1e-6 && fabs(south - rint(south)) < 1e-6;
-	}
-	return fit;
+	if (a->system != b->system)
+		return false;
+	double east = (b->place[0] - a->place[0]) / a->place[1], south = (b->place[3] - a->place[3]) / a->place[5];
+	return a->place[1] == b->place[1] && a->place[5] == b->place[5] && a->place[2] == 0 && a->place[4] == 0 &&
+	       b->place[2] == 0 && b->place[4] == 0 && fabs(east - rint(east)) < SAME_LATTICE &&
+	       fabs(south - rint(south)) < SAME_LATTICE;
 }
 
 void dem_layers_destroy(struct dem_layers *layers)
@@ -42,8 +42,36 @@ void dem_layers_destroy(struct dem_layers *layers)
 	mem_free(layers);
 }
 
-enum status dem_layers_create(const struct gdal_source *sources, size_t count, const double place[6],
-			      struct dem_layers **out)
+/* Finds the area that all sources cover together. A single source may be rotated. */
+static void cover(struct dem_layers *layers, const struct gdal_source *const *sources, size_t count)
+{
+	const double *first = sources[0]->place;
+	int64_t west = 0, north = 0, east = sources[0]->width, south = sources[0]->height;
+	for (size_t i = 0; i < count; i++) {
+		struct layer *layer = &layers->layers[i];
+		layer->column = i == 0 ? 0 : llrint((sources[i]->place[0] - first[0]) / first[1]);
+		layer->row = i == 0 ? 0 : llrint((sources[i]->place[3] - first[3]) / first[5]);
+		west = layer->column < west ? layer->column : west;
+		north = layer->row < north ? layer->row : north;
+		east = layer->column + layer->width > east ? layer->column + layer->width : east;
+		south = layer->row + layer->height > south ? layer->row + layer->height : south;
+	}
+	for (size_t i = 0; i < count; i++) {
+		layers->layers[i].column -= west;
+		layers->layers[i].row -= north;
+	}
+	/* The south-west post is the first; rows count to the north. */
+	double column = (double)west + 0.5, row = (double)south - 0.5;
+	layers->lattice = (struct dem_lattice){
+		.at = {first[0] + column * first[1] + row * first[2], first[1], -first[2],
+		       first[3] + column * first[4] + row * first[5], first[4], -first[5]},
+		.width = east - west,
+		.height = south - north,
+		.srs = sources[0]->srs,
+	};
+}
+
+enum status dem_layers_create(const struct gdal_source *const *sources, size_t count, struct dem_layers **out)
 {
 	struct dem_layers *layers = mem_calloc(1, sizeof *layers);
 	if (layers != NULL)
@@ -53,23 +81,23 @@ enum status dem_layers_create(const struct gdal_source *sources, size_t count, c
 		return fail_memory("opening the sources");
 	}
 	for (size_t i = 0; i < count; i++) {
-		const struct gdal_source *source = &sources[i];
+		const struct gdal_source *source = sources[i];
 		layers->count = i + 1;
-		layers->layers[i] = (struct layer){
-			.dataset = GDALOpen(source->vrt, GA_ReadOnly),
-			.column = llrint((source->place[0] - place[0]) / place[1]),
-			.row = llrint((source->place[3] - place[3]) / place[5]),
-			.width = source->width,
-			.height = source->height,
-		};
+		layers->layers[i] = (struct layer){GDALOpen(source->vrt, GA_ReadOnly), 0, 0, source->width, source->height};
 		if (layers->layers[i].dataset == NULL) {
 			dem_layers_destroy(layers);
 			return fail_with(STATUS_INPUT, "%s: cannot be read: %s; give another raster", source->path,
 					 dem_gdal_message());
 		}
 	}
+	cover(layers, sources, count);
 	*out = layers;
 	return STATUS_OK;
+}
+
+const struct dem_lattice *dem_layers_lattice(const struct dem_layers *layers)
+{
+	return &layers->lattice;
 }
 
 static void lay_over(const double *posts, int64_t count, double *below)
@@ -78,27 +106,39 @@ static void lay_over(const double *posts, int64_t count, double *below)
 		below[i] = isnan(posts[i]) ? below[i] : posts[i];
 }
 
-/* Copies a layer's part in columns x0 .. x1 - 1 and rows y0 .. y1 - 1 (from the north) over `heights`. */
+/* Reads rows of a layer, the southern one first. */
+static bool read_layer(const struct layer *layer, struct post_rect part, double *posts)
+{
+	int width = (int)(part.x1 - part.x0), rows = (int)(part.y1 - part.y0);
+	GSpacing line = (GSpacing)width * (GSpacing)sizeof *posts;
+	return GDALRasterIOEx(GDALGetRasterBand(layer->dataset, 1), GF_Read, (int)(part.x0 - layer->column),
+			      (int)(part.y0 - layer->row), width, rows, posts + (int64_t)(rows - 1) * width, width, rows, GDT_Float64,
+			      sizeof *posts, -line, NULL) == CE_None;
+}
+
+/* Copies a layer's part over `heights`. `rect` counts rows from the north. */
 static bool take_layer(struct dem_layers *layers, const struct layer *layer, struct post_rect rect, double *heights)
 {
 	struct post_rect own = {layer->column, layer->row, layer->column + layer->width, layer->row + layer->height};
 	struct post_rect part = post_rect_intersect(own, rect);
 	if (post_rect_empty(part))
 		return true;
-	int width = (int)(part.x1 - part.x0), rows = (int)(part.y1 - part.y0);
-	if (GDALRasterIO(GDALGetRasterBand(layer->dataset, 1), GF_Read, (int)(part.x0 - own.x0), (int)(part.y0 - own.y0),
-			 width, rows, layers->posts, width, rows, GDT_Float64, 0, 0) != CE_None)
+	if (!read_layer(layer, part, layers->posts))
 		return false;
-	for (int64_t row = 0; row < rows; row++) {
-		int64_t up = rect.y1 - 1 - (part.y0 + row); /* ours count from the south */
-		lay_over(layers->posts + row * width, width, heights + up * (rect.x1 - rect.x0) + part.x0 - rect.x0);
-	}
+	int64_t width = part.x1 - part.x0, above = rect.y1 - part.y1;
+	for (int64_t row = 0; row < part.y1 - part.y0; row++)
+		lay_over(layers->posts + row * width, width, heights + (above + row) * (rect.x1 - rect.x0) + part.x0 - rect.x0);
 	return true;
 }
 
 enum status dem_layers_read(struct dem_layers *layers, struct post_rect rect, double *heights, bool *done)
 {
 	size_t count = (size_t)((rect.x1 - rect.x0) * (rect.y1 - rect.y0));
+	struct post_rect from_north = {rect.x0, layers->lattice.height - rect.y1, rect.x1, layers->lattice.height - rect.y0};
+	if (layers->count == 1) {
+		*done = read_layer(&layers->layers[0], from_north, heights);
+		return STATUS_OK;
+	}
 	*done = true;
 	if (count > layers->room) {
 		mem_free(layers->posts);
@@ -110,6 +150,6 @@ enum status dem_layers_read(struct dem_layers *layers, struct post_rect rect, do
 	for (size_t i = 0; i < count; i++)
 		heights[i] = (double)NAN;
 	for (size_t i = layers->count; i-- > 0 && *done;)
-		*done = take_layer(layers, &layers->layers[i], rect, heights);
+		*done = take_layer(layers, &layers->layers[i], from_north, heights);
 	return STATUS_OK;
 }

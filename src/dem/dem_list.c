@@ -27,13 +27,29 @@ enum status dem_list_add(struct dem_list *list, const char *path)
 		if (paths == NULL)
 			return fail_memory("the list of sources");
 		list->paths = paths;
+		bool *found = mem_realloc(list->found, room, sizeof *found);
+		if (found == NULL)
+			return fail_memory("the list of sources");
+		list->found = found;
 		list->room = room;
 	}
 	char *copy = mem_strdup(path);
 	if (copy == NULL)
 		return fail_memory("the list of sources");
+	list->found[list->count] = false;
 	list->paths[list->count++] = copy;
 	return STATUS_OK;
+}
+
+void dem_list_skip(struct dem_list *list, size_t number)
+{
+	note("%s: skipped, since it has no place among other sources", list->paths[number]);
+	mem_free(list->paths[number]);
+	list->count--;
+	for (size_t i = number; i < list->count; i++) {
+		list->paths[i] = list->paths[i + 1];
+		list->found[i] = list->found[i + 1];
+	}
 }
 
 static int by_name(const void *a, const void *b)
@@ -101,6 +117,8 @@ static enum status add_directory(struct dem_list *list, const char *path)
 	if (status == STATUS_OK && list->count == first)
 		return fail_with(STATUS_INPUT, "%s: no raster in this directory; name the files themselves",
 				 path);
+	for (size_t i = first; i < list->count; i++)
+		list->found[i] = true;
 	if (list->count > first)
 		qsort(list->paths + first, list->count - first, sizeof *list->paths, by_name);
 	return status;
@@ -193,5 +211,6 @@ void dem_list_finish(struct dem_list *list)
 	for (size_t i = 0; i < list->count; i++)
 		mem_free(list->paths[i]);
 	mem_free(list->paths);
+	mem_free(list->found);
 	*list = (struct dem_list){0};
 }

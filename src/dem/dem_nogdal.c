@@ -1,7 +1,7 @@
 /* Replaces the functions that need GDAL in a build without it. */
 #include "dem_placed.h"
 
-enum status dem_gdal_open(const struct dem_params *params, const struct dem_list *list,
+enum status dem_gdal_open(const struct dem_params *params, struct dem_list *list,
 			  struct dem_grid **out)
 {
 	(void)params;

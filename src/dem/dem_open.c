@@ -40,6 +40,14 @@ static enum status params_check(const struct dem_params *params)
 	if (!(params->spacing >= 0) || params->spacing > 1e6)
 		return fail_with(STATUS_USAGE, "spacing %g: not a distance between posts; give metres above 0",
 				 params->spacing);
+	const double *window = params->window;
+	if (params->has_window && !(window[0] < window[2] && window[1] < window[3] && isfinite(window[2] - window[0]) &&
+				    isfinite(window[3] - window[1])))
+		return fail_with(STATUS_USAGE, "window %g,%g,%g,%g: not an area; give W,S,E,N with W below E and S below N", window[0],
+				 window[1], window[2], window[3]);
+	if (!params->has_window && params->window_srs != NULL)
+		return fail_with(STATUS_USAGE, "window SRS \"%.80s\": there is no window; give it as W,S,E,N, or leave its SRS out",
+				 params->window_srs);
 	if (params->has_height_range && !(params->height_min < params->height_max &&
 					  isfinite(params->height_max - params->height_min)))
 		return fail_with(STATUS_USAGE, "height range %g, %g: not a range; give MIN,MAX in metres",
@@ -47,9 +55,27 @@ static enum status params_check(const struct dem_params *params)
 	return STATUS_OK;
 }
 
-static enum status grid_open(const struct dem_params *params, const struct dem_list *list,
-			     struct dem_grid **out)
+/* Drops heightmaps that were found in a directory, if there are sources that have a place. */
+static void skip_plain(struct dem_list *list)
 {
+	bool placed = false;
+	for (size_t i = 0; i < list->count; i++)
+		placed = placed || !is_plain(list->paths[i]);
+	for (size_t i = list->count; placed && i-- > 0;)
+		if (list->found[i] && is_plain(list->paths[i]))
+			dem_list_skip(list, i);
+}
+
+static enum status crop(const struct dem_params *params, struct dem_grid **grid)
+{
+	struct dem_grid *whole = *grid;
+	*grid = NULL;
+	return dem_crop_create(params, whole, grid);
+}
+
+static enum status grid_open(const struct dem_params *params, struct dem_list *list, struct dem_grid **out)
+{
+	skip_plain(list);
 	const char *placeless = NULL;
 	for (size_t i = 0; i < list->count && placeless == NULL; i++)
 		if (is_plain(list->paths[i]))
@@ -66,8 +92,9 @@ static enum status grid_open(const struct dem_params *params, const struct dem_l
 				 "the target SRS out", list->paths[0]);
 	if (!plain)
 		return dem_gdal_open(params, list, out);
-	return is_raw(list->paths[0]) ? dem_raw_open(params, list->paths[0], out)
-				      : dem_png_open(params, list->paths[0], out);
+	enum status status = is_raw(list->paths[0]) ? dem_raw_open(params, list->paths[0], out)
+						    : dem_png_open(params, list->paths[0], out);
+	return status == STATUS_OK && params->has_window ? crop(params, out) : status;
 }
 
 enum status dem_open(const struct dem_params *params, struct dem **out)

@@ -242,6 +242,17 @@ close:
 	return status;
 }
 
+bool dem_source_is_placed(const char *path)
+{
+	double place[6];
+	GDALDatasetH dataset = GDALOpenEx(path, GDAL_OF_RASTER | GDAL_OF_READONLY, NULL, NULL, NULL);
+	if (dataset == NULL)
+		return true;
+	bool placed = has_place(dataset, place) || GDALGetGCPCount(dataset) > 0;
+	GDALClose(dataset);
+	return placed;
+}
+
 void dem_source_finish(struct gdal_source *source)
 {
 	if (source->srs != NULL)

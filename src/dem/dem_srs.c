@@ -11,6 +11,7 @@
 OGRSpatialReferenceH dem_srs_parse(const char *text)
 {
 	OGRSpatialReferenceH srs = OSRNewSpatialReference(NULL);
+	text += strspn(text, " \t\r\n"); /* WKT of a file or a here-document often begins with a new line */
 	CPLErrorReset();
 	if (srs == NULL || OSRSetFromUserInput(srs, text) != OGRERR_NONE) {
 		if (srs != NULL)

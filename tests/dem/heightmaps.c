@@ -56,6 +56,43 @@ static void write_png(const char *name, enum dem_raster_type type, int width, in
 	dem_writer_destroy(writer);
 }
 
+static void a_window_is_in_metres_from_the_south_west_post(void **state)
+{
+	write_png("windowed.png", DEM_UINT16, 32, 20);
+	const char *path = in_folder("windowed.png");
+	struct dem_params params = params_of(&path, 1);
+	for (params.spacing = 0.5; params.spacing <= 8; params.spacing *= 4) {
+		double s = params.spacing;
+		params.has_window = false;
+		struct dem *whole = open_with(&params);
+		params.has_window = true;
+		memcpy(params.window, (double[]){2.5 * s, -7, 10 * s, 4.9 * s}, sizeof params.window);
+		struct dem *part = open_with(&params);
+		assert_int_equal(dem_info(part)->width, 8);
+		assert_int_equal(dem_info(part)->height, 5);
+		assert_true(dem_info(part)->origin[0] == 3 * s && dem_info(part)->origin[1] == 0);
+		for (int y = 0; y < 5; y++)
+			for (int x = 0; x < 8; x++)
+				assert_true(height_at(part, x, y) == height_at(whole, x + 3, y));
+		dem_close(part);
+		dem_close(whole);
+	}
+	(void)mem_fail_nth(0, 0);
+	dem_close(open_with(&params));
+	uint64_t count = mem_fail_nth(0, 0);
+	for (uint64_t nth = 1; nth <= count; nth++) {
+		struct dem *dem = NULL;
+		(void)mem_fail_nth(nth, 1);
+		enum status status = dem_open(&params, &dem);
+		(void)mem_fail_nth(0, 0);
+		assert_true(status != STATUS_OK);
+	}
+	memcpy(params.window, (double[]){1000, 0, 2000, 50}, sizeof params.window);
+	assert_refused(&params, STATUS_INPUT, "another window");
+	params.window_srs = "EPSG:4326";
+	assert_refused(&params, STATUS_INPUT, "no place on a planet");
+}
+
 static void a_png_comes_back_as_it_was_written(void **state)
 {
 	write_png("wide.png", DEM_UINT16, 60, 7);
@@ -243,6 +280,7 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_raw_heightmap_is_little_endian_and_starts_in_the_north),
+		cmocka_unit_test(a_window_is_in_metres_from_the_south_west_post),
 		cmocka_unit_test(a_png_comes_back_as_it_was_written),
 		cmocka_unit_test(a_writer_leaves_nothing_half_made),
 		cmocka_unit_test(holes_are_filled_from_their_rims_and_data_stays),

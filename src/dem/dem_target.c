@@ -1,0 +1,334 @@
+/*
+ * Chooses the lattice of the result: square posts in metres.
+ *
+ * The SRS is that of the first source if that is in metres and its scale is true to 0.1 %. Otherwise a metric one is chosen. The
+ * spacing is the finest source's. Posts of a source that has this SRS and spacing are kept as they are. Of other sources posts are
+ * resampled. Then they lie at whole multiples of the spacing, or, if there is one SRS, start at the south-west post.
+ */
+#include "dem_gdal.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+#define SCALE_TOLERANCE 1e-3
+#define SCALE_TOLD 5e-3
+#define SAME_SPACING 1e-6
+#define PROBES 33 /* points along each side of a raster that are projected to find its extent */
+
+static double round_to_3_digits(double v)
+{
+	char text[32];
+	snprintf(text, sizeof text, "%.3g", v);
+	return strtod(text, NULL);
+}
+
+/* --- places --- */
+
+struct bounds {
+	double low[2], high[2];
+};
+
+static const struct bounds nowhere = {{(double)INFINITY, (double)INFINITY}, {-(double)INFINITY, -(double)INFINITY}};
+
+static void bounds_add(struct bounds *bounds, double x, double y)
+{
+	if (!isfinite(x) || !isfinite(y))
+		return;
+	bounds->low[0] = fmin(bounds->low[0], x);
+	bounds->low[1] = fmin(bounds->low[1], y);
+	bounds->high[0] = fmax(bounds->high[0], x);
+	bounds->high[1] = fmax(bounds->high[1], y);
+}
+
+static bool differ(OGRSpatialReferenceH a, OGRSpatialReferenceH b)
+{
+	return a != NULL && b != NULL && !OSRIsSame(a, b);
+}
+
+/* Adds the area of a raster's posts in `srs`; NULL: in its own. */
+static enum status bounds_add_raster(struct bounds *bounds, const struct dem_lattice *raster, OGRSpatialReferenceH srs, const char *name)
+{
+	OGRCoordinateTransformationH move = NULL;
+	if (differ(raster->srs, srs)) {
+		CPLErrorReset();
+		move = OCTNewCoordinateTransformation(raster->srs, srs);
+		if (move == NULL)
+			return fail_with(STATUS_INPUT, "%s: no way to project it: %s; name another target with --t-srs", name,
+					 dem_gdal_message());
+	}
+	for (int i = 0; i < PROBES * PROBES; i++) {
+		double x, y;
+		dem_lattice_point(raster, (double)(raster->width - 1) * (i % PROBES) / (PROBES - 1),
+				  (double)(raster->height - 1) * (i / PROBES) / (PROBES - 1), &x, &y);
+		if (move == NULL || OCTTransform(move, 1, &x, &y, NULL))
+			bounds_add(bounds, x, y);
+	}
+	if (move != NULL)
+		OCTDestroyCoordinateTransformation(move);
+	return STATUS_OK;
+}
+
+static enum status bounds_of(const struct dem_groups *groups, OGRSpatialReferenceH srs, struct bounds *bounds)
+{
+	enum status status = STATUS_OK;
+	*bounds = nowhere;
+	for (size_t i = 0; i < groups->count && status == STATUS_OK; i++)
+		status = bounds_add_raster(bounds, dem_layers_lattice(groups->groups[i].layers), srs, groups->groups[i].sources[0]->path);
+	return status;
+}
+
+#define WINDOW_PROBES 33 /* points along each side of the window that are projected */
+
+/* Cuts the bounds, which are in `srs`, to the window. */
+static enum status bounds_cut(struct bounds *bounds, const struct dem_params *params, OGRSpatialReferenceH srs)
+{
+	const double *w = params->window;
+	struct bounds window = nowhere;
+	OGRSpatialReferenceH given = NULL;
+	OGRCoordinateTransformationH move = NULL;
+	if (params->window_srs != NULL && srs == NULL)
+		return fail_with(STATUS_INPUT, "window SRS \"%.80s\": the sources say no SRS; name theirs with --s-srs, or give the window "
+				 "in their coordinates", params->window_srs);
+	if (params->window_srs != NULL) {
+		given = dem_srs_parse(params->window_srs);
+		if (given == NULL)
+			return STATUS_INPUT;
+		move = OCTNewCoordinateTransformation(given, srs);
+		if (move == NULL) {
+			OSRDestroySpatialReference(given);
+			return fail_with(STATUS_INPUT, "window SRS \"%.80s\": no way from there: %s; name another", params->window_srs,
+					 dem_gdal_message());
+		}
+	}
+	for (int i = 0; i < WINDOW_PROBES * WINDOW_PROBES; i++) {
+		double x = w[0] + (w[2] - w[0]) * (i % WINDOW_PROBES) / (WINDOW_PROBES - 1);
+		double y = w[1] + (w[3] - w[1]) * (i / WINDOW_PROBES) / (WINDOW_PROBES - 1);
+		if (move == NULL || OCTTransform(move, 1, &x, &y, NULL))
+			bounds_add(&window, x, y);
+	}
+	if (move != NULL)
+		OCTDestroyCoordinateTransformation(move);
+	if (given != NULL)
+		OSRDestroySpatialReference(given);
+	const struct bounds whole = *bounds;
+	for (int i = 0; i < 2; i++) {
+		bounds->low[i] = fmax(whole.low[i], window.low[i]);
+		bounds->high[i] = fmin(whole.high[i], window.high[i]);
+	}
+	if (bounds->low[0] < bounds->high[0] && bounds->low[1] < bounds->high[1])
+		return STATUS_OK;
+	return fail_with(STATUS_INPUT, "window %.10g,%.10g,%.10g,%.10g: no source lies there; in the %s SRS they go from %.10g,%.10g to "
+			 "%.10g,%.10g", w[0], w[1], w[2], w[3], params->window_srs != NULL ? "target's" : "store's", whole.low[0],
+			 whole.low[1], whole.high[0], whole.high[1]);
+}
+
+/* --- distances --- */
+
+/* Measures the distance of posts along a row and a column in the middle of a raster, metres. */
+static enum status measure(const struct dem_lattice *raster, const char *name, double step[2])
+{
+	const double *at = raster->at;
+	double x, y;
+	step[0] = hypot(at[1], at[4]);
+	step[1] = hypot(at[2], at[5]);
+	if (raster->srs == NULL)
+		return STATUS_OK;
+	dem_lattice_point(raster, (double)(raster->width - 1) / 2, (double)(raster->height - 1) / 2, &x, &y);
+	double ground[2] = {dem_srs_ground(raster->srs, x, y, at[1], at[4]), dem_srs_ground(raster->srs, x, y, at[2], at[5])};
+	if (!(ground[0] > 0) || !(ground[1] > 0))
+		return fail_with(STATUS_INPUT, "%s: its middle at %.10g, %.10g is nowhere in its SRS: %s; name the right one with "
+				 "--s-srs", name, x, y, dem_gdal_message());
+	double unit = OSRIsGeographic(raster->srs) ? 0 : OSRGetLinearUnits(raster->srs, NULL);
+	bool fit = fabs(unit - 1) <= 1e-12 && fabs(ground[0] / step[0] - 1) <= SCALE_TOLERANCE &&
+		   fabs(ground[1] / step[1] - 1) <= SCALE_TOLERANCE;
+	for (int i = 0; i < 2 && !fit; i++)
+		step[i] = ground[i];
+	return STATUS_OK;
+}
+
+/* Returns true if `srs` is in metres that are true around (x, y). */
+static bool is_true_at(OGRSpatialReferenceH srs, double x, double y, double step)
+{
+	return !OSRIsGeographic(srs) && fabs(OSRGetLinearUnits(srs, NULL) - 1) <= 1e-12 &&
+	       fabs(dem_srs_ground(srs, x, y, step, 0) / step - 1) <= SCALE_TOLERANCE &&
+	       fabs(dem_srs_ground(srs, x, y, 0, step) / step - 1) <= SCALE_TOLERANCE;
+}
+
+/* --- the SRS --- */
+
+static enum status systems_agree(const struct dem_groups *groups)
+{
+	const struct gdal_source *first = groups->groups[0].sources[0];
+	for (size_t i = 1; i < groups->count; i++) {
+		const struct gdal_source *other = groups->groups[i].sources[0], *without = first->srs == NULL ? first : other;
+		if ((first->srs == NULL) != (other->srs == NULL))
+			return fail_with(STATUS_INPUT, "%s: says no SRS, and %s does; give it the one that it is in with gdal_translate "
+					 "-a_srs, or name that of all with --s-srs", without->path,
+					 (without == first ? other : first)->path);
+	}
+	return STATUS_OK;
+}
+
+static enum status parse_target(const char *text, OGRSpatialReferenceH *out)
+{
+	*out = dem_srs_parse(text);
+	if (*out == NULL)
+		return STATUS_INPUT;
+	if (!OSRIsProjected(*out) || fabs(OSRGetLinearUnits(*out, NULL) - 1) > 1e-12)
+		return fail_with(STATUS_INPUT, "target SRS \"%.80s\": is not in metres, and a store is; choose a metric projection "
+				 "or auto", text);
+	if (OSRIsCompound(*out))
+		OSRStripVertical(*out);
+	return STATUS_OK;
+}
+
+static enum status keep_own(OGRSpatialReferenceH own, const char *name, OGRSpatialReferenceH *out)
+{
+	if (own != NULL && (OSRIsGeographic(own) || fabs(OSRGetLinearUnits(own, NULL) - 1) > 1e-12))
+		return fail_with(STATUS_INPUT, "%s: its SRS is in %s, and a store is in metres; leave --t-srs source out, or name a "
+				 "metric SRS", name, OSRIsGeographic(own) ? "degrees" : "other units");
+	*out = own != NULL ? OSRClone(own) : NULL;
+	return own == NULL || *out != NULL ? STATUS_OK : fail_memory(name);
+}
+
+/* Chooses target->srs. It stays NULL if the sources are local metres. */
+static enum status choose_srs(struct dem_target *target, const struct dem_params *params, const struct dem_groups *groups)
+{
+	const struct gdal_source *first = groups->groups[0].sources[0];
+	bool chosen = params->t_srs == NULL || strcmp(params->t_srs, "auto") == 0;
+	if (!chosen && strcmp(params->t_srs, "source") == 0)
+		return keep_own(first->srs, first->path, &target->srs);
+	if (!chosen && first->srs == NULL)
+		return fail_with(STATUS_INPUT, "%s: says no SRS to project from; name it with --s-srs", first->path);
+	if (!chosen)
+		return parse_target(params->t_srs, &target->srs);
+	if (first->srs == NULL)
+		return STATUS_OK;
+	struct bounds bounds;
+	enum status status = bounds_of(groups, first->srs, &bounds);
+	/* Without an SRS of its own the window is in the target's, which is not known yet. */
+	if (status == STATUS_OK && params->has_window && params->window_srs != NULL)
+		status = bounds_cut(&bounds, params, first->srs);
+	if (status != STATUS_OK)
+		return status;
+	double x = (bounds.low[0] + bounds.high[0]) / 2, y = (bounds.low[1] + bounds.high[1]) / 2;
+	target->srs = is_true_at(first->srs, x, y, fabs(first->place[1])) ? OSRClone(first->srs) : dem_srs_metric(first->srs, x, y);
+	if (target->srs == NULL)
+		return fail_with(STATUS_INPUT, "%s: found no metric projection for it: %s; name one with --t-srs", first->path,
+				 dem_gdal_message());
+	OSRSetAxisMappingStrategy(target->srs, OAMS_TRADITIONAL_GIS_ORDER);
+	return STATUS_OK;
+}
+
+/* --- the posts --- */
+
+/* Returns the spacing that a group's posts have in the target, if they are kept, or would have by themselves. */
+static double own_spacing(const struct dem_group *group, bool *square)
+{
+	const double *at = dem_layers_lattice(group->layers)->at;
+	*square = at[2] == 0 && at[4] == 0 && at[1] > 0 && at[5] > 0 && fabs(group->step[0] / group->step[1] - 1) < SAME_SPACING &&
+		  !group->projected;
+	return *square ? at[1] : round_to_3_digits(sqrt(group->step[0] * group->step[1]));
+}
+
+static enum status measure_groups(struct dem_target *target, const struct dem_params *params, struct dem_groups *groups)
+{
+	enum status status = STATUS_OK;
+	target->spacing = params->spacing;
+	for (size_t i = 0; i < groups->count && status == STATUS_OK; i++) {
+		struct dem_group *group = &groups->groups[i];
+		const struct dem_lattice *lattice = dem_layers_lattice(group->layers);
+		bool square;
+		status = measure(lattice, group->sources[0]->path, group->step);
+		group->projected = differ(lattice->srs, target->srs);
+		/* `source` keeps the metres of its SRS, true or not. */
+		if (!group->projected && target->keep)
+			for (int axis = 0; axis < 2; axis++)
+				group->step[axis] = hypot(lattice->at[1 + axis], lattice->at[4 + axis]);
+		double own = own_spacing(group, &square);
+		bool finer = params->spacing == 0 && (i == 0 || own < target->spacing);
+		if (finer || (square && fabs(own / target->spacing - 1) <= SAME_SPACING))
+			target->spacing = own;
+	}
+	return status;
+}
+
+/* Chooses the posts: as many as lie within the area of the sources' posts. */
+static enum status lay_out(struct dem_target *target, const struct dem_params *params, const struct dem_groups *groups)
+{
+	const char *name = groups->groups[0].sources[0]->path;
+	struct bounds bounds;
+	enum status status = bounds_of(groups, target->srs, &bounds);
+	struct bounds whole = bounds;
+	if (status == STATUS_OK && params->has_window)
+		status = bounds_cut(&bounds, params, target->srs);
+	if (status != STATUS_OK)
+		return status;
+	double s = target->spacing, start[2] = {0, 0}, count[2];
+	bool anchored = false, projected = false;
+	for (size_t i = 0; i < groups->count && !anchored; i++) {
+		const struct dem_group *group = &groups->groups[i];
+		const double *at = dem_layers_lattice(group->layers)->at;
+		bool square;
+		anchored = fabs(own_spacing(group, &square) / s - 1) <= SAME_SPACING && square;
+		projected = projected || group->projected;
+		start[0] = anchored ? at[0] : whole.low[0];
+		start[1] = anchored ? at[3] : whole.low[1];
+	}
+	if (projected && !anchored)
+		start[0] = start[1] = 0;
+	for (int i = 0; i < 2; i++) {
+		target->origin[i] = start[i] + ceil((bounds.low[i] - start[i]) / s - 1e-6) * s;
+		count[i] = floor((bounds.high[i] - target->origin[i]) / s + 1e-6) + 1;
+		if (!(count[i] >= 2) || count[i] > 2e9)
+			return fail_with(STATUS_INPUT, "%s: projected with posts every %g m it is %.0f posts along a side; choose "
+					 "another --spacing or --t-srs", name, s, count[i]);
+	}
+	target->width = (int64_t)count[0];
+	target->height = (int64_t)count[1];
+	return STATUS_OK;
+}
+
+void dem_target_lattice(const struct dem_target *target, struct dem_lattice *lattice)
+{
+	*lattice = (struct dem_lattice){
+		.at = {target->origin[0], target->spacing, 0, target->origin[1], 0, target->spacing},
+		.width = target->width,
+		.height = target->height,
+		.srs = target->srs,
+	};
+}
+
+enum status dem_target_choose(const struct dem_params *params, struct dem_groups *groups, struct dem_target *target)
+{
+	*target = (struct dem_target){.keep = params->t_srs != NULL && strcmp(params->t_srs, "source") == 0};
+	enum status status = systems_agree(groups);
+	if (status == STATUS_OK)
+		status = choose_srs(target, params, groups);
+	if (status == STATUS_OK)
+		status = measure_groups(target, params, groups);
+	if (status == STATUS_OK)
+		status = lay_out(target, params, groups);
+	return status;
+}
+
+void dem_target_finish(struct dem_target *target)
+{
+	if (target->srs != NULL)
+		OSRDestroySpatialReference(target->srs);
+	target->srs = NULL;
+}
+
+void dem_target_note_scale(const struct dem_target *target, const char *name)
+{
+	double worst = 0, s = target->spacing;
+	for (int i = 0; target->srs != NULL && i < 9; i++) {
+		double x = target->origin[0] + i % 3 * 0.5 * (double)(target->width - 1) * s;
+		double y = target->origin[1] + i / 3 * 0.5 * (double)(target->height - 1) * s;
+		worst = fmax(worst, fabs(dem_srs_ground(target->srs, x, y, s, 0) / s - 1)); /* fmax ignores NaN */
+		worst = fmax(worst, fabs(dem_srs_ground(target->srs, x, y, 0, s) / s - 1));
+	}
+	if (worst > SCALE_TOLD)
+		note("%s: in its target SRS distances are up to %.2g %% off those on the ground; import less at once, or choose "
+		     "a --t-srs that is true there", name, 100 * worst);
+}
