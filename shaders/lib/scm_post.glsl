@@ -387,7 +387,7 @@ bearing bearing_of(soil s, float by_width, incline i, ground g, object o, cell c
 	float depth = depth_at_post(g, o, post);
 	across l = line_across(i, c, post, depth);
 	float lowered = over ? float(o.rests - o.lowest) * UNIT_METRES : 0.0;
-	float back = over ? moves.x + (1.0 - stamps) * half_across : 1e3;
+	float back = over ? moves.x + (digs.w > 0.0 ? min(moves.x, half_across) : (1.0 - stamps) * half_across) : 1e3;
 	// The stored sinkage counts for the post's whole cell. It is taken as a flat rut if the object passed over the cell. If the object
 	// hardly moved, it is taken as an impression of the lower envelope.
 	memory m = memory_of(c, post, depth, float(remains) * UNIT_METRES * i.by_up, had_plastic * i.by_up);
@@ -401,7 +401,7 @@ bearing bearing_of(soil s, float by_width, incline i, ground g, object o, cell c
 		vec2 there = place_on(l, float(k - 1));
 		face f = face_at(there, c.own);
 		depths[k] = depth_on(l, float(k - 1), f);
-		mosts[k] = max(remembered_at(m, c, there, depths[k] - depth, centre + float(k - 1) * l.rise), depths[k] + lowered_at(there, back, lowered, f));
+		mosts[k] = max(remembered_at(m, c, there, depths[k] - depth, centre + float(k - 1) * l.rise), depths[k] + lowered_at(there, back, i.rise.x, lowered, f));
 	}
 	float most = max(mosts.x, max(mosts.y, mosts.z)) * i.up;
 	vec3 stays = vec3(plastic_part(s, most, yield_stress(s, by_width, most)) * i.by_up);
@@ -428,7 +428,7 @@ bearing bearing_of(soil s, float by_width, incline i, ground g, object o, cell c
 		vec2 there = place_on(l, at);
 		face f = face_at(there, c.own);
 		float deep = depth_on(l, at, f);
-		float remembered = remembered_at(m, c, there, deep - depth, centre + at * l.rise), largest = max(remembered, deep + lowered_at(there, back, lowered, f));
+		float remembered = remembered_at(m, c, there, deep - depth, centre + at * l.rise), largest = max(remembered, deep + lowered_at(there, back, i.rise.x, lowered, f));
 		pressure p = pressure_of(s, by_width, i.up * deep, i.up * largest, largest > remembered);
 		vec3 normal = normal_at(i, f), arm = vec3(there, f.height + above);
 		float weight = 0.5 * part / ground_by_area(f, normal);

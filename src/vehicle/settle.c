@@ -17,7 +17,7 @@
 #define STILL 2e-5      /* m/s: slower than this, the free vehicle is at rest */
 #define CALM 0.1        /* s: for so long */
 #define SLOWED_MOST 60.0 /* s */
-#define FREE_MOST 10.0  /* s */
+#define FREE_MOST 60.0  /* s */
 #define SIDES 8         /* directions each way in which the lowest places of a geom are looked for */
 
 /* --- where it starts --- */

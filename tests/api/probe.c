@@ -264,6 +264,61 @@ static void after_a_rollback_it_knows_the_ground_as_it_was(void **state)
 	done(furrow_world_close(world));
 }
 
+/* --- unloading --- */
+
+/* Sinks a body that heads `yaw` until it bears 2 kN, and commits that. */
+static struct furrow_state sunk_by_load(struct furrow_world *world, const char *shape, double reach, double yaw, furrow_body *body)
+{
+	const double up[3] = {0, 0, 1};
+	struct furrow_state state = hosted_state(15.013, 15.007, 0);
+	state.pose.position[2] = probing_base + probing_slope * 15.013 + reach / cos(atan(probing_slope));
+	probing_turn(up, yaw, state.pose.orientation);
+	done(furrow_body_add(world, shape, body));
+	done(furrow_place(world, *body, &state.pose));
+	do {
+		state.pose.position[2] -= 0.002;
+		probing_step(world, *body, &state, 0);
+	} while (probing_ask(world, *body, &state).force[2] < 2000);
+	done(furrow_checkpoint(world));
+	return state;
+}
+
+/* A body that moved by a tenth of a millimetre or so before it rises is unloaded no more stiffly. It may be softer: a part of it left the soil. */
+static void unloading_is_as_stiff_after_any_short_way(void **state)
+{
+	static const struct {
+		const char *shape;
+		double reach;
+	} bodies[] = {{probing_wheel, 0.25}, {probing_ball, 0.25}, {"{shape: {ellipsoid: {radii: [0.3, 0.2, 0.25]}}}", 0.25}};
+	static const double slopes[] = {0, 10, 20}, yaws[] = {0, 40, 90}, ways[] = {1e-5, 6e-5, 3e-4};
+	(void)state;
+	double stiffest = 0;
+	for (size_t s = 0; s < 3; s++) {
+		struct furrow_world *world = probing_world(&(struct probing_ground){"unload.furrow", "dry_sand", 0.03125, slopes[s], 100, 0, 0, false});
+		for (size_t n = 0; n < 9; n++) {
+			furrow_body body;
+			const struct furrow_state sunk = sunk_by_load(world, bodies[n / 3].shape, bodies[n / 3].reach, yaws[n % 3] * DEGREES, &body);
+			double still = 0;
+			for (size_t k = 0; k <= 24; k++) { /* the first does not move aside */
+				const double way = k == 0 ? 0 : ways[k % 3], angle = (double)k / 3 * M_PI / 4;
+				struct furrow_state low = sunk;
+				low.pose.position[0] += way * cos(angle);
+				low.pose.position[1] += way * sin(angle);
+				low.pose.position[2] += probing_slope * way * cos(angle) + 5e-5;
+				struct furrow_state high = low;
+				high.pose.position[2] += 1e-4;
+				const double drop = probing_ask(world, body, &low).force[2] - probing_ask(world, body, &high).force[2];
+				still = k == 0 ? drop : still;
+				stiffest = fmax(stiffest, drop / still);
+			}
+			done(furrow_body_remove(world, body));
+		}
+		done(furrow_world_close(world));
+	}
+	print_message("unloading after a short way: %.3f times as stiff at most\n", stiffest);
+	assert_true(stiffest < 1.1);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -273,6 +328,7 @@ int main(void)
 		cmocka_unit_test(a_probe_changes_nothing),
 		cmocka_unit_test(it_says_what_it_does_not_know),
 		cmocka_unit_test(after_a_rollback_it_knows_the_ground_as_it_was),
+		cmocka_unit_test(unloading_is_as_stiff_after_any_short_way),
 	};
 	return cmocka_run_group_tests_name("api/probe", tests, support_enter, support_leave);
 }

@@ -87,7 +87,7 @@ bool deform_form_over(const struct probe_form *form, size_t number, const double
 	*lowest = INFINITY;
 	if (form->kind == DEFORM_WHEEL || form->kind == DEFORM_SPHERE) {
 		over = over_ball(form, at, height);
-		*lowest = *height - (form->run > 0 ? probe_lowered(form, at, form->run, &since) : probe_most(form->way[2], 0));
+		*lowest = *height - (form->run > 0 ? probe_lowered(form, at, form->run, 0, &since) : probe_most(form->way[2], 0));
 	} else if (form->kind != DEFORM_MESH) {
 		over = placed(form, at, height, &away);
 		*lowest = over ? lowest_of(form, at, *height, away) : INFINITY;

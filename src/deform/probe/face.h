@@ -231,23 +231,25 @@ static inline void probe_ring(const struct probe_form *form, const double at[2],
 	*ahead = at[0] + form->skew * at[1];
 }
 
-/* Returns how much lower than now a round body was above a place during its last `back` metres. *since: how many metres ago it was lowest. */
-static inline double probe_lowered(const struct probe_form *form, const double at[2], double back, double *since)
+/* Returns how much lower than now a round body was above a place during its last `back` metres. Before the present contact it moved along
+ * the ground, which rises by `ground` for each metre along the frame's x axis. *since: how many metres ago it was lowest. */
+static inline double probe_lowered(const struct probe_form *form, const double at[2], double back, double ground, double *since)
 {
 	*since = 0;
 	if (!(form->run > 0))
 		return 0;
 	double squares, ahead;
 	probe_ring(form, at, &squares, &ahead);
-	const double ring = form->kind == DEFORM_WHEEL ? form->radius : sqrt(squares);
-	double x = probe_least(probe_most(ring * form->sine, ahead), ahead + back);
-	x = probe_clamp(x, -ring, ring);
+	const double ring = form->kind == DEFORM_WHEEL ? form->radius : sqrt(squares), first = ahead + form->run, steep = ring * form->sine;
+	const double rise = form->kind == DEFORM_ELLIPSOID ? ground - form->tilt[0] : ground;
+	double x = steep < first ? probe_most(steep, ahead) : probe_most(ring * rise / sqrt(form->lift * form->lift + rise * rise), first);
+	x = probe_clamp(probe_least(x, ahead + back), -ring, ring);
 	if (x == ahead)
 		return 0;
-	const double inside = probe_clamp(ahead, -ring, ring);
+	const double inside = probe_clamp(ahead, -ring, ring), before = probe_most(x - first, 0) * (rise - form->rise);
 	*since = probe_most(x - ahead, 0);
 	const double rises = (inside - x) * (inside + x) / probe_most(probe_root(squares - x * x) + probe_root(squares - ahead * ahead), 1e-9);
-	return probe_most(form->lift * rises + form->rise * (x - ahead), 0);
+	return probe_most(form->lift * rises + form->rise * (x - ahead) + before, 0);
 }
 
 /* Returns a height that the lower envelope is nowhere below, at places up to `reach` from a place. */

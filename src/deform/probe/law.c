@@ -97,7 +97,7 @@ static void remember(struct post *p)
 		p->printed = probe_clamp((depth - stays + 4 * PROBE_LEAST) / probe_most(p->was * by_up - stays, 1e-9), 0, 1);
 	}
 	p->lowered = p->over ? p->rests - p->lowest : 0;
-	p->back = p->over ? form->run + form->moved * form->half_across : 1e3;
+	p->back = p->over ? form->run + probe_least(form->run, form->half_across) : 1e3;
 }
 
 /* Returns the largest sinkage that a place of the cell remembers, vertically. rise: of the ground from the post to the place. */
@@ -117,7 +117,7 @@ static double remembered_at(const struct post *p, const double there[2], double 
 static double lowered_at(const struct post *p, const double there[2], double *since)
 {
 	double way = 0;
-	const double lowered = probe_is_round(p->form) ? probe_lowered(p->form, there, p->back, &way) : p->lowered;
+	const double lowered = probe_is_round(p->form) ? probe_lowered(p->form, there, p->back, p->rise[0], &way) : p->lowered;
 	*since = probe_is_round(p->form) ? (way > 0 ? probe_least(way / p->form->run, 1) : 0) : lowered > 0;
 	return lowered;
 }
