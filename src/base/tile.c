@@ -55,6 +55,13 @@ struct tile tile_ancestor(struct tile tile, int level)
 	return (struct tile){level, up < 32 ? tile.x >> up : 0, up < 32 ? tile.y >> up : 0};
 }
 
+uint64_t tile_within(const struct extent *extent, struct tile tile, int level, int axis)
+{
+	assert(level >= tile.level && level - tile.level < 32);
+	const uint64_t own = axis == 0 ? tile.x : tile.y;
+	return (own & (((uint64_t)1 << (level - tile.level)) - 1)) * extent->cells;
+}
+
 void tile_descendants(struct tile tile, int level, uint64_t *first, uint64_t *last)
 {
 	assert(level <= tile.level);
