@@ -224,6 +224,7 @@ struct store {
 	bool made;          /* an overlay that did not exist before it was opened */
 	struct store_meta meta; /* its texts are owned by the store */
 	int32_t code_low, code_high; /* the meta's low and high as height codes; low > high: all nodata */
+	int finest_base; /* the finest level with base tiles; 0: there are no insets */
 	bool has_working, working_stored;
 	int working;
 	int64_t compacted; /* soil compacted, as of the last commit; only when writing */
@@ -348,6 +349,11 @@ enum status store_state_put(struct store *store, enum row_table table, const str
 
 enum status store_lock_take(const char *lock_path, const char *named, int *descriptor) FURROW_CHECKED;
 void store_lock_drop(const char *lock_path, int descriptor); /* also removes the lock file */
+
+/* --- store_posts.c --- */
+
+/* Reads the posts that the base has at just this level, in metres; NaN: it has none there, or a hole. */
+enum status store_read_stored(struct store_reader *reader, int level, struct post_rect rect, double *values) FURROW_CHECKED;
 
 /* --- store_replace.c --- */
 

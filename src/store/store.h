@@ -99,8 +99,10 @@ const char *store_parent(const struct store *store, int64_t *revision);
 int store_depth(const struct store *store); /* how many files are under an overlay; 0: a plain store */
 /* Returns a hash of the base, that is, of the terrain's description and all base rows. */
 uint64_t store_base_hash(const struct store *store);
-/* Returns the finest level: the working level if it is finer than 0, otherwise 0. */
+/* Returns the finest level: that of the finest inset, or the working level if it is finer; 0 if there is neither. */
 int store_finest(const struct store *store);
+/* Returns the finest level with base tiles, at most 0. Below 0 the store has insets (FORMAT.md). */
+int store_finest_base(const struct store *store);
 bool store_has_working_level(const struct store *store, int *level);
 /* Sets the working level in memory. The first commit writes it to the file. STATUS_INPUT: the store has another working level. */
 enum status store_set_working_level(struct store *store, int level) FURROW_CHECKED;
@@ -126,6 +128,13 @@ void store_reader_destroy(struct store_reader *reader);
 /* Reads the base of a tile of level >= 0. STATUS_INPUT: it is missing or damaged. */
 enum status store_read_base(struct store_reader *reader, struct tile tile, int32_t *codes,
 			    struct store_range *range) FURROW_CHECKED;
+/* The same for a tile of any level. *found is false, and nothing is read, if an inset may have this tile and has not. Below level
+ * 0, HEIGHT_CODE_NODATA in codes means: this post is not stored, and is interpolated from a coarser level. */
+enum status store_find_base(struct store_reader *reader, struct tile tile, int32_t *codes, struct store_range *range,
+			    bool *found) FURROW_CHECKED;
+/* Reads only the range of a tile of any level; *found as above. Below level 0 it is that of the stored posts. */
+enum status store_find_base_range(struct store_reader *reader, struct tile tile, struct store_range *range, bool *found)
+	FURROW_CHECKED;
 /* Reads only the range of a base tile, without decoding its heights. */
 enum status store_read_base_range(struct store_reader *reader, struct tile tile, struct store_range *range)
 	FURROW_CHECKED;

@@ -90,6 +90,20 @@ static enum status connect_writer(struct store *store)
 	return status;
 }
 
+/* The level is in the upper bits of a key, so the lowest key has the finest level. */
+static enum status find_finest_base(struct store *store)
+{
+	int64_t key;
+	if (store->under != NULL) {
+		store->finest_base = store->under->finest_base;
+		return STATUS_OK;
+	}
+	enum status status = store_sql_integer(store->db, store->path, "SELECT coalesce(min(key), 0) FROM base", &key);
+	const int level = status == STATUS_OK && key > 0 ? tile_from_key((uint64_t)key).level : 0;
+	store->finest_base = level > 0 ? 0 : level < TILE_LEVEL_MIN ? TILE_LEVEL_MIN : level;
+	return status;
+}
+
 /* Connects the file, and reads what it says of itself. */
 static enum status connect(struct store *store, const struct store_options *options, int *version)
 {
@@ -123,6 +137,8 @@ enum status store_open_as(const char *path, const struct store_options *options,
 		status = store_overlay_connect(store);
 	if (status == STATUS_OK && version < STORE_VERSION)
 		status = adapt(store, options->mode == STORE_WRITE, version);
+	if (status == STATUS_OK)
+		status = find_finest_base(store);
 	if (status == STATUS_OK && options->mode == STORE_WRITE)
 		status = store_wal_begin(store);
 	if (status == STATUS_OK) {
@@ -206,7 +222,12 @@ const struct store_meta *store_meta(const struct store *store)
 
 int store_finest(const struct store *store)
 {
-	return store->has_working && store->working < 0 ? store->working : 0;
+	return store->has_working && store->working < store->finest_base ? store->working : store->finest_base;
+}
+
+int store_finest_base(const struct store *store)
+{
+	return store->finest_base;
 }
 
 bool store_has_working_level(const struct store *store, int *level)

@@ -1,9 +1,10 @@
 /*
- * Reads the posts of any rectangle at any level, and the height at a point.
+ * Reads the posts of any rectangle at any level.
  *
- * Two passes over the rectangle read it. The first reads the base, which tells where there is no data; the second reads the
+ * Passes over the rectangle read it. The first ones read the base, which tells where there is no data; the last reads the
  * deformation. Each pass reads tiles of one stored level, which is the requested level or coarser. It interpolates between posts
- * as the shaders do. Both passes are in one transaction, so all posts are of one commit.
+ * as the shaders do. Below level 0 there is a pass over the base for each level with insets, from the finest, and one for level 0:
+ * each fills the posts that have no height yet. All passes are in one transaction, so all posts are of one commit.
  */
 #include "store/internal.h"
 
@@ -12,7 +13,6 @@
 #include <string.h>
 
 #define SHIFT_MAX 14 /* lattice_interpolate */
-#define BESIDE 1e-7  /* of a cell: a point no further from a post is on it */
 
 struct reading {
 	struct store_reader *reader;
@@ -31,9 +31,14 @@ static double base_code(const struct reading *reading, double was, int32_t post)
 	return height_code_metres(post, reading->reader->store->meta.step);
 }
 
-static double base_lattice(const struct reading *reading, double was, int32_t post)
+static double base_code_if_none(const struct reading *reading, double was, int32_t post)
 {
-	return post == BASE_NODATA ? (double)NAN : reading->reference + lattice_base_metres(post);
+	return isnan(was) ? base_code(reading, was, post) : was;
+}
+
+static double base_lattice_if_none(const struct reading *reading, double was, int32_t post)
+{
+	return isnan(was) && post != BASE_NODATA ? reading->reference + lattice_base_metres(post) : was;
 }
 
 static double add_metres(const struct reading *reading, double was, int32_t post)
@@ -108,9 +113,8 @@ static enum status load_tile(struct reading *reading, enum row_table table, stru
 			reading->posts[i] = plane_shear(reading->posts[i], store_shear_part(reading->layer));
 		return read;
 	}
-	*found = true;
-	enum status status = store_read_base(reading->reader, tile, reading->posts, NULL);
-	if (status != STATUS_OK || reading->level >= 0)
+	enum status status = store_find_base(reading->reader, tile, reading->posts, NULL, found);
+	if (status != STATUS_OK || !*found || reading->level == tile.level)
 		return status;
 	const struct store_meta *meta = &reading->reader->store->meta;
 	for (size_t i = 0; i < side * side; i++)
@@ -151,20 +155,41 @@ static enum status take_level(struct reading *reading, enum row_table table, int
 	return STATUS_OK;
 }
 
-static enum status read_layer(struct reading *reading, enum store_layer layer)
+static bool is_full(const struct reading *reading, struct post_rect rect)
+{
+	const int64_t width = reading->rect.x1 - reading->rect.x0;
+	for (int64_t y = rect.y0; y < rect.y1; y++)
+		for (int64_t x = rect.x0; x < rect.x1; x++)
+			if (isnan(reading->values[(y - reading->rect.y0) * width + x - reading->rect.x0]))
+				return false;
+	return true;
+}
+
+static enum status take_base(struct reading *reading, struct post_rect rect)
+{
+	const int level = reading->level, finest = store_finest_base(reading->reader->store);
+	if (level >= 0)
+		return take_level(reading, ROW_BASE, level, rect, base_code);
+	enum status status = STATUS_OK;
+	for (int from = level > finest ? level : finest; from <= 0 && status == STATUS_OK; from++) {
+		status = take_level(reading, ROW_BASE, from, rect, from == level ? base_code_if_none : base_lattice_if_none);
+		if (is_full(reading, rect))
+			break;
+	}
+	return status;
+}
+
+/* `rect` is the part of the rectangle within the terrain. */
+static enum status read_layer(struct reading *reading, struct post_rect rect)
 {
 	struct store_reader *reader = reading->reader;
 	const struct extent *extent = reader->rows.extent;
+	const enum store_layer layer = reading->layer;
 	int level = reading->level, working = 0;
-	struct post_rect all = {0, 0, extent_posts(extent->width, level), extent_posts(extent->height, level)};
-	struct post_rect rect = post_rect_intersect(reading->rect, all);
-	if (post_rect_empty(rect))
-		return STATUS_OK;
 	bool deformed;
 	enum status status = store_meta_working(reader->db, reader->rows.path, extent, &deformed, &working);
 	if (status == STATUS_OK)
-		status = take_level(reading, ROW_BASE, level > 0 ? level : 0, rect,
-				    level >= 0 ? base_code : base_lattice);
+		status = take_base(reading, rect);
 	if (status != STATUS_OK || layer == STORE_BASE)
 		return status;
 	size_t count = (size_t)(reading->rect.x1 - reading->rect.x0) *
@@ -177,6 +202,39 @@ static enum status read_layer(struct reading *reading, enum store_layer layer)
 		return fail_with(STATUS_INPUT, "%s: level %d has no state of the soil; ask for level %d, which is deformed, or a "
 				 "finer one", reader->rows.path, level, working);
 	return take_level(reading, added[layer].table, level > working ? level : working, rect, added[layer].meaning);
+}
+
+static enum status read_stored(struct reading *reading, struct post_rect rect)
+{
+	return take_level(reading, ROW_BASE, reading->level, rect, base_code);
+}
+
+static enum status read_in_transaction(struct reading *reading, enum status (*read)(struct reading *reading, struct post_rect rect))
+{
+	struct store_reader *reader = reading->reader;
+	const struct extent *extent = reader->rows.extent;
+	const struct post_rect *rect = &reading->rect;
+	const struct post_rect all = {0, 0, extent_posts(extent->width, reading->level), extent_posts(extent->height, reading->level)};
+	const struct post_rect within = post_rect_intersect(*rect, all);
+	const size_t count = (size_t)(rect->x1 - rect->x0) * (size_t)(rect->y1 - rect->y0), side = tile_posts(extent);
+	for (size_t i = 0; i < count; i++)
+		reading->values[i] = (double)NAN;
+	if (post_rect_empty(within))
+		return STATUS_OK;
+	reading->posts = mem_alloc(side * side, sizeof *reading->posts);
+	if (reading->posts == NULL)
+		return fail_memory("a tile");
+	bool outermost = sqlite3_get_autocommit(reader->db) != 0; /* store_sample() began one already */
+	enum status status = STATUS_OK;
+	if (outermost)
+		status = store_sql_exec(reader->db, reader->rows.path, "reading it", "BEGIN");
+	if (status == STATUS_OK) {
+		status = read(reading, within);
+		if (outermost)
+			sqlite3_exec(reader->db, "ROLLBACK", NULL, NULL, NULL); /* only read */
+	}
+	mem_free(reading->posts);
+	return status;
 }
 
 enum status store_read_posts(struct store_reader *reader, enum store_layer layer, int level,
@@ -193,9 +251,6 @@ enum status store_read_posts(struct store_reader *reader, enum store_layer layer
 		return fail_with(STATUS_INPUT, "%s: heights from %g to %g m are more relief than can be divided below level "
 				 "0; ask for level 0, or import with another --height-range", reader->rows.path,
 				 meta->low, meta->high);
-	size_t count = (size_t)(rect.x1 - rect.x0) * (size_t)(rect.y1 - rect.y0);
-	for (size_t i = 0; i < count; i++)
-		values[i] = (double)NAN;
 	struct reading reading = {
 		.reader = reader,
 		.layer = layer,
@@ -204,145 +259,11 @@ enum status store_read_posts(struct store_reader *reader, enum store_layer layer
 		.values = values,
 		.reference = isnan(meta->low) ? 0 : lattice_reference(meta->low, meta->high),
 	};
-	size_t side = tile_posts(extent);
-	reading.posts = mem_alloc(side * side, sizeof *reading.posts);
-	if (reading.posts == NULL)
-		return fail_memory("a tile");
-	bool outermost = sqlite3_get_autocommit(reader->db) != 0; /* store_sample() began one already */
-	enum status status = STATUS_OK;
-	if (outermost)
-		status = store_sql_exec(reader->db, reader->rows.path, "reading it", "BEGIN");
-	if (status == STATUS_OK) {
-		status = read_layer(&reading, layer);
-		if (outermost)
-			sqlite3_exec(reader->db, "ROLLBACK", NULL, NULL, NULL); /* only read */
-	}
-	mem_free(reading.posts);
-	return status;
+	return read_in_transaction(&reading, read_layer);
 }
 
-/* --- a point --- */
-
-/* Finds the finest level stored at the cell that holds (x, y); cells are of level 0 or finer. Also finds the planes that the tile
- * of the working level has there. */
-static enum status level_at(struct store_reader *reader, double x, double y, int *level, unsigned *planes)
+enum status store_read_stored(struct store_reader *reader, int level, struct post_rect rect, double *values)
 {
-	const struct extent *extent = reader->rows.extent;
-	bool deformed;
-	int working;
-	*level = 0;
-	*planes = 0;
-	enum status status = store_meta_working(reader->db, reader->rows.path, extent, &deformed, &working);
-	if (status != STATUS_OK || !deformed)
-		return status;
-	double side = extent_spacing(extent, working) * extent->cells;
-	uint32_t tx = (uint32_t)(x / side), ty = (uint32_t)(y / side);
-	uint32_t tiles_x = extent_tiles_x(extent, working), tiles_y = extent_tiles_y(extent, working);
-	struct tile tile = {working, tx < tiles_x ? tx : tiles_x - 1, ty < tiles_y ? ty : tiles_y - 1};
-	for (int plane = 0; plane < PLANES && status == STATUS_OK; plane++) {
-		struct row row;
-		bool found;
-		status = store_rows_head(&reader->rows, row_table_of((enum plane)plane), tile, &row, &found);
-		*planes |= found ? PLANE_BIT(plane) : 0;
-	}
-	if (*planes != 0 && working < 0)
-		*level = working;
-	return status;
-}
-
-/* Rounds a position within a cell to 0 or 1 if it is almost there. Otherwise a rounding error at a post would include the post
- * beside it, which may be a hole. */
-static double snapped(double part)
-{
-	return fabs(part - round(part)) < BESIDE ? round(part) : part;
-}
-
-/* Returns the cell of `level` that contains (x, y), and the position within it. */
-static struct post_rect cell_at(const struct extent *extent, int level, double x, double y, double *u,
-				double *v)
-{
-	double px = x / extent_spacing(extent, level), py = y / extent_spacing(extent, level);
-	int64_t width = extent_posts(extent->width, level), height = extent_posts(extent->height, level);
-	int64_t cx = (int64_t)px, cy = (int64_t)py;
-	cx = cx < width - 1 ? cx : width - 2;
-	cy = cy < height - 1 ? cy : height - 2;
-	*u = snapped(px - (double)cx);
-	*v = snapped(py - (double)cy);
-	return (struct post_rect){cx, cy, cx + 2, cy + 2};
-}
-
-/* Reads a layer at the nearest post; 0 in a hole. */
-static enum status nearest(struct store_reader *reader, enum store_layer layer, int level, struct post_rect cell,
-			   double u, double v, double *value)
-{
-	double posts[4];
-	enum status status = store_read_posts(reader, layer, level, cell, posts);
-	if (status == STATUS_OK)
-		*value = posts[(v >= 0.5) * 2 + (u >= 0.5)];
-	if (status == STATUS_OK && isnan(*value))
-		*value = 0;
-	return status;
-}
-
-static enum status sample_inside(struct store_reader *reader, double x, double y, struct store_sample *sample)
-{
-	int level;
-	enum status status = level_at(reader, x, y, &level, &sample->planes);
-	if (status != STATUS_OK)
-		return status;
-	double u, v, base[4], offset[4], disturbance = 0;
-	struct post_rect cell = cell_at(reader->rows.extent, level, x, y, &u, &v);
-	status = store_read_posts(reader, STORE_BASE, level, cell, base);
-	if (status == STATUS_OK)
-		status = store_read_posts(reader, STORE_OFFSET, level, cell, offset);
-	if (status == STATUS_OK)
-		status = nearest(reader, STORE_SOIL, level, cell, u, v, &disturbance);
-	const struct {
-		enum plane plane;
-		enum store_layer layer;
-		double *value;
-	} state[] = {
-		{PLANE_DEPOSITED, STORE_DEPOSITED, &sample->deposited},
-		{PLANE_PLASTIC_SINKAGE, STORE_PLASTIC_SINKAGE, &sample->plastic_sinkage},
-		{PLANE_SHEAR, STORE_SHEAR_EAST, &sample->shear[0]},
-		{PLANE_SHEAR, STORE_SHEAR_NORTH, &sample->shear[1]},
-	};
-	for (size_t i = 0; i < sizeof state / sizeof *state && status == STATUS_OK; i++)
-		if (sample->planes & PLANE_BIT(state[i].plane))
-			status = nearest(reader, state[i].layer, level, cell, u, v, state[i].value);
-	if (status != STATUS_OK)
-		return status;
-	sample->base = lattice_bilinear(base, u, v, 0);
-	sample->nodata = isnan(sample->base);
-	if (sample->nodata)
-		return STATUS_OK;
-	sample->offset = lattice_bilinear(offset, u, v, 0);
-	sample->height = sample->base + sample->offset;
-	sample->disturbance = (unsigned)disturbance;
-	return STATUS_OK;
-}
-
-enum status store_sample(struct store_reader *reader, double x, double y, struct store_sample *sample)
-{
-	const struct extent *extent = reader->rows.extent;
-	*sample = (struct store_sample){
-		.height = (double)NAN,
-		.base = (double)NAN,
-		.offset = (double)NAN,
-		.nodata = true,
-	};
-	double east = (double)(extent->width - 1) * extent->spacing, north = (double)(extent->height - 1) * extent->spacing;
-	double slack = BESIDE * extent->spacing;
-	if (!(x >= -slack && y >= -slack && x <= east + slack && y <= north + slack)) {
-		sample->outside = true;
-		return STATUS_OK;
-	}
-	x = fmin(fmax(x, 0), east);
-	y = fmin(fmax(y, 0), north);
-	enum status status = store_sql_exec(reader->db, reader->rows.path, "reading it", "BEGIN");
-	if (status != STATUS_OK)
-		return status;
-	status = sample_inside(reader, x, y, sample);
-	sqlite3_exec(reader->db, "ROLLBACK", NULL, NULL, NULL); /* only read */
-	return status;
+	struct reading reading = {.reader = reader, .layer = STORE_BASE, .level = level, .rect = rect, .values = values};
+	return read_in_transaction(&reading, read_stored);
 }

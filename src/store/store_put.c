@@ -63,7 +63,7 @@ static enum status commit(struct store *store)
 enum status store_put_packed(struct store *store, struct tile tile, const struct store_packed *packed,
 			     const struct store_range *range)
 {
-	assert(store->part_path != NULL && tile.level >= 0 && extent_has(&store->meta.extent, tile));
+	assert(store->part_path != NULL && extent_has(&store->meta.extent, tile));
 	struct row row = {
 		.tile = tile,
 		.low = range->low,

@@ -105,16 +105,24 @@ static bool codes_fit(const struct store *store, const int32_t *codes, size_t co
 	return all_between(codes, count, store->code_low, store->code_high);
 }
 
-enum status store_read_base(struct store_reader *reader, struct tile tile, int32_t *codes,
-			    struct store_range *range)
+/* Only tiles of insets may be missing. */
+static bool may_be_missing(const struct store_reader *reader, struct tile tile, bool *found)
 {
-	assert(tile.level >= 0);
+	*found = tile.level >= store_finest_base(reader->store);
+	return tile.level < 0;
+}
+
+enum status store_find_base(struct store_reader *reader, struct tile tile, int32_t *codes, struct store_range *range,
+			    bool *found)
+{
 	struct row row;
-	bool found;
-	enum status status = store_rows_read(reader->base, ROW_BASE, tile, codes, &row, &found);
-	if (status == STATUS_OK && !found)
+	bool may = may_be_missing(reader, tile, found);
+	if (!*found)
+		return STATUS_OK;
+	enum status status = store_rows_read(reader->base, ROW_BASE, tile, codes, &row, found);
+	if (status == STATUS_OK && !*found && !may)
 		status = missing(reader, tile);
-	if (status != STATUS_OK)
+	if (status != STATUS_OK || !*found)
 		return status;
 	size_t side = tile_posts(reader->rows.extent);
 	if (!codes_fit(reader->store, codes, side * side)) {
@@ -128,17 +136,32 @@ enum status store_read_base(struct store_reader *reader, struct tile tile, int32
 	return STATUS_OK;
 }
 
-enum status store_read_base_range(struct store_reader *reader, struct tile tile, struct store_range *range)
+enum status store_read_base(struct store_reader *reader, struct tile tile, int32_t *codes, struct store_range *range)
 {
-	assert(tile.level >= 0);
-	struct row row;
 	bool found;
-	enum status status = store_rows_head(reader->base, ROW_BASE, tile, &row, &found);
-	if (status == STATUS_OK && !found)
+	assert(tile.level >= 0);
+	return store_find_base(reader, tile, codes, range, &found);
+}
+
+enum status store_find_base_range(struct store_reader *reader, struct tile tile, struct store_range *range, bool *found)
+{
+	struct row row;
+	bool may = may_be_missing(reader, tile, found);
+	if (!*found)
+		return STATUS_OK;
+	enum status status = store_rows_head(reader->base, ROW_BASE, tile, &row, found);
+	if (status == STATUS_OK && !*found && !may)
 		status = missing(reader, tile);
-	if (status == STATUS_OK)
+	if (status == STATUS_OK && *found)
 		range_of(&row, range);
 	return status;
+}
+
+enum status store_read_base_range(struct store_reader *reader, struct tile tile, struct store_range *range)
+{
+	bool found;
+	assert(tile.level >= 0);
+	return store_find_base_range(reader, tile, range, &found);
 }
 
 /* Converts the codec's int32 posts to the plane's own type. */

@@ -83,10 +83,10 @@ static enum status check_row(void *user, const struct row_entry *entry)
 	struct tile tile = tile_from_key(entry->key);
 	enum status status = STATUS_OK;
 	verifying->check->tiles++;
-	if (tile_key(tile) != entry->key || !extent_has(&verifying->store->meta.extent, tile) || (table == ROW_BASE && tile.level < 0)) {
+	if (tile_key(tile) != entry->key || !extent_has(&verifying->store->meta.extent, tile)) {
 		store_verify_tell_tile(verifying, tile, "it is outside the terrain");
 	} else {
-		verifying->base_found += table == ROW_BASE;
+		verifying->base_found += table == ROW_BASE && tile.level >= 0;
 		status = store_verify_tile(verifying, tile);
 	}
 	if (status == STATUS_OK && verifying->progress != NULL)

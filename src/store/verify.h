@@ -26,7 +26,7 @@ struct verifying {
 	void *user;
 	struct store_check *check;
 	int64_t total; /* rows */
-	int64_t base_found; /* number of base rows within the terrain */
+	int64_t base_found; /* number of base rows at level 0 and coarser within the terrain */
 	enum row_table table;
 	size_t side;
 	int32_t *posts, *expected; /* posts: the tile being checked; expected: what it should be by the finer tiles below it */

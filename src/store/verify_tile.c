@@ -50,24 +50,31 @@ static void widen(struct row *range, const struct row *with)
 	range->high = isnan(range->high) || with->high > range->high ? with->high : range->high;
 }
 
+/* Returns the value of all posts of a tile without a row. */
+static int32_t absent(const struct verifying *verifying)
+{
+	return verifying->table == ROW_BASE ? HEIGHT_CODE_NODATA : 0;
+}
+
+/* `other`: the posts of the neighbour; NULL: it has no row. */
 static bool edge_same(const struct verifying *verifying, const int32_t *other, bool east)
 {
 	size_t side = verifying->side;
 	for (size_t i = 0; i < side; i++) {
 		int32_t mine = verifying->posts[east ? i * side + side - 1 : (side - 1) * side + i];
-		if (mine != (other != NULL ? other[east ? i * side : i] : 0))
+		if (mine != (other != NULL ? other[east ? i * side : i] : absent(verifying)))
 			return false;
 	}
 	return true;
 }
 
-/* Returns true if all posts of the west or south edge are zero. Used only if the neighbour there has no row. If it has one,
- * check_edges compares this edge when it checks the neighbour. */
-static bool near_edge_zero(const struct verifying *verifying, bool west)
+/* Returns true if the west or south edge is that of a tile without a row. Used only if the neighbour there has no row. If it has
+ * one, check_edges compares this edge when it checks the neighbour. */
+static bool near_edge_absent(const struct verifying *verifying, bool west)
 {
 	size_t side = verifying->side;
 	for (size_t i = 0; i < side; i++)
-		if (verifying->posts[west ? i * side : i] != 0)
+		if (verifying->posts[west ? i * side : i] != absent(verifying))
 			return false;
 	return true;
 }
@@ -75,6 +82,7 @@ static bool near_edge_zero(const struct verifying *verifying, bool west)
 static enum status check_edges(struct verifying *verifying, struct tile tile)
 {
 	const struct extent *extent = &verifying->store->meta.extent;
+	const bool may_be_missing = verifying->table != ROW_BASE || tile.level < 0;
 	for (int north = 0; north < 2; north++) {
 		struct tile next = {tile.level, tile.x + !north, tile.y + (unsigned)north};
 		struct entry *other;
@@ -83,13 +91,12 @@ static enum status check_edges(struct verifying *verifying, struct tile tile)
 		enum status status = other_tile(verifying, next, &other);
 		if (status != STATUS_OK)
 			return status;
-		bool compared = other->held == HELD_POSTS ||
-				(other->held == HELD_MISSING && verifying->table != ROW_BASE);
+		bool compared = other->held == HELD_POSTS || (other->held == HELD_MISSING && may_be_missing);
 		if (compared && !edge_same(verifying, other->held == HELD_POSTS ? other->posts : NULL, !north))
 			store_verify_tell_tile(verifying, tile, north ? "its north edge is not its neighbour's south edge"
 							 : "its east edge is not its neighbour's west edge");
 	}
-	for (int south = 0; south < 2 && verifying->table != ROW_BASE; south++) {
+	for (int south = 0; south < 2 && may_be_missing; south++) {
 		if (south ? tile.y == 0 : tile.x == 0)
 			continue;
 		struct tile before = {tile.level, tile.x - !south, tile.y - (unsigned)south};
@@ -97,7 +104,7 @@ static enum status check_edges(struct verifying *verifying, struct tile tile)
 		enum status status = other_tile(verifying, before, &other);
 		if (status != STATUS_OK)
 			return status;
-		if (other->held == HELD_MISSING && !near_edge_zero(verifying, !south))
+		if (other->held == HELD_MISSING && !near_edge_absent(verifying, !south))
 			store_verify_tell_tile(verifying, tile, south ? "its south edge is not its neighbour's north edge"
 							 : "its west edge is not its neighbour's east edge");
 	}
@@ -140,6 +147,46 @@ static enum status check_below(struct verifying *verifying, struct tile tile, st
 	return STATUS_OK;
 }
 
+static bool same_where_stored(const struct verifying *verifying)
+{
+	for (size_t i = 0; i < verifying->side * verifying->side; i++)
+		if (verifying->expected[i] != HEIGHT_CODE_NODATA && verifying->expected[i] != verifying->posts[i])
+			return false;
+	return true;
+}
+
+/* Checks a tile at level 0 or below, where insets may have some of the tiles below it: each post that one of these has must be the
+ * same in this tile. Widens `range` by their ranges. *exact: as above. */
+static enum status check_insets(struct verifying *verifying, struct tile tile, struct row *range, bool *exact)
+{
+	const struct extent *extent = &verifying->store->meta.extent;
+	bool stored = false;
+	*exact = true;
+	for (size_t i = 0; i < verifying->side * verifying->side; i++) {
+		verifying->expected[i] = HEIGHT_CODE_NODATA;
+		stored |= verifying->posts[i] != HEIGHT_CODE_NODATA;
+	}
+	for (unsigned i = 0; i < 4; i++) {
+		struct tile child = {tile.level - 1, 2 * tile.x + (i & 1), 2 * tile.y + (i >> 1)};
+		struct entry *other;
+		if (!extent_has(extent, child))
+			continue;
+		enum status status = other_tile(verifying, child, &other);
+		if (status != STATUS_OK)
+			return status;
+		*exact &= other->held != HELD_BROKEN;
+		if (other->held != HELD_POSTS)
+			continue;
+		widen(range, &other->row);
+		lattice_decimate_i32(other->posts, extent->cells, i & 1, i >> 1, verifying->expected);
+	}
+	if (!same_where_stored(verifying))
+		store_verify_tell_tile(verifying, tile, "it does not have every second post of the tiles below it");
+	if (tile.level < 0 && !stored)
+		store_verify_tell_tile(verifying, tile, "it has no post, it should have no row");
+	return STATUS_OK;
+}
+
 static enum status check_above(struct verifying *verifying, struct tile tile)
 {
 	struct row above;
@@ -174,7 +221,7 @@ enum status store_verify_tile(struct verifying *verifying, struct tile tile)
 {
 	struct store *store = verifying->store;
 	const struct extent *extent = &store->meta.extent;
-	int finest = verifying->table == ROW_BASE ? 0 : store->working, coarsest = extent_coarsest(extent);
+	int finest = verifying->table == ROW_BASE ? store->finest_base : store->working, coarsest = extent_coarsest(extent);
 	if ((verifying->table != ROW_BASE && !store->working_stored) || tile.level < finest) {
 		store_verify_tell_tile(verifying, tile, "it is finer than the level that is deformed");
 		return STATUS_OK;
@@ -203,7 +250,9 @@ enum status store_verify_tile(struct verifying *verifying, struct tile tile)
 	store_rows_range(verifying->table, verifying->posts, verifying->side * verifying->side, store->meta.step,
 		   &range.low, &range.high);
 	bool exact = true;
-	if (tile.level > finest)
+	if (verifying->table == ROW_BASE && tile.level <= 0)
+		status = check_insets(verifying, tile, &range, &exact);
+	else if (tile.level > finest)
 		status = check_below(verifying, tile, &range, &exact);
 	if (status == STATUS_OK && exact && !(verify_same(range.low, row.low) && verify_same(range.high, row.high)))
 		store_verify_tell_tile(verifying, tile, "its range is not that of its posts and of those below");

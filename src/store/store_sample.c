@@ -1,0 +1,150 @@
+/*
+ * The height at a point, and what else the store has there.
+ *
+ * Heights are bilinear between posts of the finest level stored there: that of an inset, or the working level where something was
+ * deformed. All is read in one transaction.
+ */
+#include "store/internal.h"
+
+#include <math.h>
+
+#define BESIDE 1e-7 /* of a cell: a point no further from a post is on it */
+
+/* Rounds a position within a cell to 0 or 1 if it is almost there. Otherwise a rounding error at a post would include the post
+ * beside it, which may be a hole. */
+static double snapped(double part)
+{
+	return fabs(part - round(part)) < BESIDE ? round(part) : part;
+}
+
+/* Returns the cell of `level` that contains (x, y), and the position within it. */
+static struct post_rect cell_at(const struct extent *extent, int level, double x, double y, double *u,
+				double *v)
+{
+	double px = x / extent_spacing(extent, level), py = y / extent_spacing(extent, level);
+	int64_t width = extent_posts(extent->width, level), height = extent_posts(extent->height, level);
+	int64_t cx = (int64_t)px, cy = (int64_t)py;
+	cx = cx < width - 1 ? cx : width - 2;
+	cy = cy < height - 1 ? cy : height - 2;
+	*u = snapped(px - (double)cx);
+	*v = snapped(py - (double)cy);
+	return (struct post_rect){cx, cy, cx + 2, cy + 2};
+}
+
+/* Finds the finest level at which an inset has all posts with weight around (x, y); 0: none has. */
+static enum status base_level_at(struct store_reader *reader, double x, double y, int *level)
+{
+	enum status status = STATUS_OK;
+	for (*level = store_finest_base(reader->store); *level < 0 && status == STATUS_OK; ++*level) {
+		double u, v, corners[4];
+		struct post_rect cell = cell_at(reader->rows.extent, *level, x, y, &u, &v);
+		status = store_read_stored(reader, *level, cell, corners);
+		if (status == STATUS_OK && !isnan(lattice_bilinear(corners, u, v, 0)))
+			break;
+	}
+	return status;
+}
+
+/* Finds the finest level stored at the cell that holds (x, y); cells are of level 0 or finer. Also finds the planes that the tile
+ * of the working level has there. */
+static enum status level_at(struct store_reader *reader, double x, double y, int *level, unsigned *planes)
+{
+	const struct extent *extent = reader->rows.extent;
+	bool deformed;
+	int working;
+	*planes = 0;
+	enum status status = base_level_at(reader, x, y, level);
+	if (status == STATUS_OK)
+		status = store_meta_working(reader->db, reader->rows.path, extent, &deformed, &working);
+	if (status != STATUS_OK || !deformed)
+		return status;
+	double side = extent_spacing(extent, working) * extent->cells;
+	uint32_t tx = (uint32_t)(x / side), ty = (uint32_t)(y / side);
+	uint32_t tiles_x = extent_tiles_x(extent, working), tiles_y = extent_tiles_y(extent, working);
+	struct tile tile = {working, tx < tiles_x ? tx : tiles_x - 1, ty < tiles_y ? ty : tiles_y - 1};
+	for (int plane = 0; plane < PLANES && status == STATUS_OK; plane++) {
+		struct row row;
+		bool found;
+		status = store_rows_head(&reader->rows, row_table_of((enum plane)plane), tile, &row, &found);
+		*planes |= found ? PLANE_BIT(plane) : 0;
+	}
+	if (*planes != 0 && working < *level)
+		*level = working;
+	return status;
+}
+
+/* Reads a layer at the nearest post; 0 in a hole. */
+static enum status nearest(struct store_reader *reader, enum store_layer layer, int level, struct post_rect cell,
+			   double u, double v, double *value)
+{
+	double posts[4];
+	enum status status = store_read_posts(reader, layer, level, cell, posts);
+	if (status == STATUS_OK)
+		*value = posts[(v >= 0.5) * 2 + (u >= 0.5)];
+	if (status == STATUS_OK && isnan(*value))
+		*value = 0;
+	return status;
+}
+
+static enum status sample_inside(struct store_reader *reader, double x, double y, struct store_sample *sample)
+{
+	int level;
+	enum status status = level_at(reader, x, y, &level, &sample->planes);
+	if (status != STATUS_OK)
+		return status;
+	double u, v, base[4], offset[4], disturbance = 0;
+	struct post_rect cell = cell_at(reader->rows.extent, level, x, y, &u, &v);
+	status = store_read_posts(reader, STORE_BASE, level, cell, base);
+	if (status == STATUS_OK)
+		status = store_read_posts(reader, STORE_OFFSET, level, cell, offset);
+	if (status == STATUS_OK)
+		status = nearest(reader, STORE_SOIL, level, cell, u, v, &disturbance);
+	const struct {
+		enum plane plane;
+		enum store_layer layer;
+		double *value;
+	} state[] = {
+		{PLANE_DEPOSITED, STORE_DEPOSITED, &sample->deposited},
+		{PLANE_PLASTIC_SINKAGE, STORE_PLASTIC_SINKAGE, &sample->plastic_sinkage},
+		{PLANE_SHEAR, STORE_SHEAR_EAST, &sample->shear[0]},
+		{PLANE_SHEAR, STORE_SHEAR_NORTH, &sample->shear[1]},
+	};
+	for (size_t i = 0; i < sizeof state / sizeof *state && status == STATUS_OK; i++)
+		if (sample->planes & PLANE_BIT(state[i].plane))
+			status = nearest(reader, state[i].layer, level, cell, u, v, state[i].value);
+	if (status != STATUS_OK)
+		return status;
+	sample->base = lattice_bilinear(base, u, v, 0);
+	sample->nodata = isnan(sample->base);
+	if (sample->nodata)
+		return STATUS_OK;
+	sample->offset = lattice_bilinear(offset, u, v, 0);
+	sample->height = sample->base + sample->offset;
+	sample->disturbance = (unsigned)disturbance;
+	return STATUS_OK;
+}
+
+enum status store_sample(struct store_reader *reader, double x, double y, struct store_sample *sample)
+{
+	const struct extent *extent = reader->rows.extent;
+	*sample = (struct store_sample){
+		.height = (double)NAN,
+		.base = (double)NAN,
+		.offset = (double)NAN,
+		.nodata = true,
+	};
+	double east = (double)(extent->width - 1) * extent->spacing, north = (double)(extent->height - 1) * extent->spacing;
+	double slack = BESIDE * extent->spacing;
+	if (!(x >= -slack && y >= -slack && x <= east + slack && y <= north + slack)) {
+		sample->outside = true;
+		return STATUS_OK;
+	}
+	x = fmin(fmax(x, 0), east);
+	y = fmin(fmax(y, 0), north);
+	enum status status = store_sql_exec(reader->db, reader->rows.path, "reading it", "BEGIN");
+	if (status != STATUS_OK)
+		return status;
+	status = sample_inside(reader, x, y, sample);
+	sqlite3_exec(reader->db, "ROLLBACK", NULL, NULL, NULL); /* only read */
+	return status;
+}
