@@ -76,17 +76,6 @@ static enum status read_offset_range(struct ground *ground, struct store_reader 
 	return status;
 }
 
-enum status resident_ground_base_range(struct ground *ground, struct tile tile, struct store_range *range)
-{
-	assert(tile.level >= 0);
-	if (kept_base(ground, tile, range))
-		return STATUS_OK;
-	double began = clock_seconds();
-	enum status status = read_base_range(ground, ground->reader, tile, range);
-	count_range_wait(ground, began);
-	return status;
-}
-
 enum status resident_ground_offset_range(struct ground *ground, struct tile tile, double *low, double *high, bool *found)
 {
 	struct key_pair range = {.a = NAN};
@@ -110,35 +99,86 @@ void resident_ground_forget_offsets(struct ground *ground)
 	mutex_unlock(&ground->mutex);
 }
 
-/* Computes the range of a tile below level 0 from the posts of its level-0 tile. NaN: all is nodata. */
-static void range_of_posts(const struct ground *ground, struct tile tile, const int32_t *posts, struct store_range *range)
+/* --- below level 0 --- */
+
+struct lattice_range {
+	int32_t low, high; /* low > high: nothing */
+};
+
+/* Widens the range by those posts of a stored tile from which `tile`, below it, is interpolated. Returns true if none of them is missing. */
+static bool widen_by_posts(const struct ground *ground, struct tile tile, int level, const int32_t *posts, struct lattice_range *range)
 {
-	uint32_t cells = ground->meta->extent.cells;
-	uint64_t x = (uint64_t)tile.x * cells >> -tile.level, y = (uint64_t)tile.y * cells >> -tile.level;
-	uint32_t side = lattice_patch_posts(cells, -tile.level);
-	int32_t lowest = INT32_MAX, highest = INT32_MIN;
-	resident_ground_widen(posts + (size_t)(y & (cells - 1)) * (cells + 1) + (x & (cells - 1)), side, side, cells + 1, &lowest, &highest);
-	*range = (struct store_range){.low = NAN, .high = NAN, .error = 0};
-	if (lowest > highest)
-		return;
-	range->low = ground->reference + lattice_base_metres(lowest);
-	range->high = ground->reference + lattice_base_metres(highest);
+	const struct extent *extent = &ground->meta->extent;
+	const int shift = level - tile.level;
+	const size_t x = (size_t)(tile_within(extent, tile, level, 0) >> shift), y = (size_t)(tile_within(extent, tile, level, 1) >> shift);
+	const uint32_t side = lattice_patch_posts(extent->cells, shift), stride = extent->cells + 1;
+	return resident_ground_widen(posts + y * stride + x, side, side, stride, &range->low, &range->high);
+}
+
+/* The same for the owner (reader NULL), or for another thread. *there is false if another thread's tile was evicted at once. */
+static enum status widen_by_tile(struct ground *ground, struct store_reader *reader, struct tile tile, int level,
+				 struct lattice_range *range, bool *whole, bool *there)
+{
+	const struct tile from = tile_ancestor(tile, level);
+	const int32_t *posts = NULL;
+	enum status status = reader != NULL ? resident_ground_warm(ground, reader, from) : STATUS_OK;
+	if (status != STATUS_OK)
+		return status;
+	mutex_lock(&ground->mutex);
+	if (reader == NULL) {
+		status = resident_ground_posts_locked(ground, from, &posts);
+	} else {
+		const uint32_t place = recent_find(&ground->recent, tile_key(from));
+		posts = place != RECENT_NONE ? ground->posts[place] : NULL;
+	}
+	*there = status == STATUS_OK && posts != NULL;
+	*whole = *there && widen_by_posts(ground, tile, level, posts, range);
+	mutex_unlock(&ground->mutex);
+	return status;
+}
+
+/* Computes the range of a tile below level 0: of what the store has of it, and of what the rest is interpolated from. */
+static enum status fine_range(struct ground *ground, struct store_reader *reader, struct tile tile, struct store_range *range, bool *there)
+{
+	struct store_reader *const used = reader != NULL ? reader : ground->reader;
+	struct lattice_range around = {INT32_MAX, INT32_MIN};
+	bool stored, whole = false;
+	*there = true;
+	*range = (struct store_range){(double)NAN, (double)NAN, 0};
+	enum status status = store_find_base_range(used, tile, range, &stored);
+	for (int level = tile.level + 1; level <= 0 && !whole && *there && status == STATUS_OK; level++) {
+		status = resident_ground_stored(ground, used, tile_ancestor(tile, level), &stored);
+		if (status == STATUS_OK && stored)
+			status = widen_by_tile(ground, reader, tile, level, &around, &whole, there);
+	}
+	if (status != STATUS_OK || around.low > around.high)
+		return status;
+	range->low = fmin(range->low, ground->reference + lattice_base_metres(around.low)); /* fmin ignores NaN */
+	range->high = fmax(range->high, ground->reference + lattice_base_metres(around.high));
+	return STATUS_OK;
+}
+
+/* --- ranges of bases --- */
+
+enum status resident_ground_base_range(struct ground *ground, struct tile tile, struct store_range *range)
+{
+	bool there;
+	if (kept_base(ground, tile, range))
+		return STATUS_OK;
+	if (tile.level < 0) {
+		enum status status = fine_range(ground, NULL, tile, range, &there);
+		return status == STATUS_OK && ground->finest < 0 ? keep_base(ground, tile, range) : status;
+	}
+	double began = clock_seconds();
+	enum status status = read_base_range(ground, ground->reader, tile, range);
+	count_range_wait(ground, began);
+	return status;
 }
 
 enum status resident_ground_range(struct ground *ground, struct tile tile, double *low, double *high, bool *any)
 {
 	struct store_range range;
-	enum status status = STATUS_OK;
-	if (tile.level >= 0) {
-		status = resident_ground_base_range(ground, tile, &range);
-	} else if (!kept_base(ground, tile, &range)) {
-		const int32_t *posts;
-		mutex_lock(&ground->mutex);
-		status = resident_ground_posts_locked(ground, tile_ancestor(tile, 0), &posts);
-		if (status == STATUS_OK)
-			range_of_posts(ground, tile, posts, &range);
-		mutex_unlock(&ground->mutex);
-	}
+	enum status status = resident_ground_base_range(ground, tile, &range);
 	if (status != STATUS_OK)
 		return status;
 	*low = range.low;
@@ -157,7 +197,7 @@ bool resident_ground_has_range(struct ground *ground, const struct ground_range_
 		return kept(ground, &ground->offsets, key->tile, &pair);
 	if (kept_base(ground, key->tile, &range))
 		return true;
-	if (key->tile.level >= 0)
+	if (key->tile.level >= 0 || ground->finest < 0)
 		return false;
 	mutex_lock(&ground->mutex);
 	bool found = recent_find(&ground->recent, tile_key(tile_ancestor(key->tile, 0))) != RECENT_NONE;
@@ -168,17 +208,10 @@ bool resident_ground_has_range(struct ground *ground, const struct ground_range_
 static enum status warm_fine_range(struct ground *ground, struct store_reader *reader, struct tile tile)
 {
 	struct store_range range;
-	const struct tile top = tile_ancestor(tile, 0);
-	enum status status = resident_ground_warm(ground, reader, top);
-	if (status != STATUS_OK)
-		return status;
-	mutex_lock(&ground->mutex);
-	const uint32_t place = recent_find(&ground->recent, tile_key(top));
-	if (place != RECENT_NONE)
-		range_of_posts(ground, tile, ground->posts[place], &range);
-	mutex_unlock(&ground->mutex);
-	/* If the owner evicted it at once, it reads the tile itself. */
-	return place != RECENT_NONE ? keep_base(ground, tile, &range) : STATUS_OK;
+	bool there;
+	enum status status = fine_range(ground, reader, tile, &range, &there);
+	/* If the owner evicted a tile at once, it finds the range itself. */
+	return status == STATUS_OK && there ? keep_base(ground, tile, &range) : status;
 }
 
 enum status resident_ground_warm_range(struct ground *ground, struct store_reader *reader, const struct ground_range_key *key)

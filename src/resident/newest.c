@@ -93,10 +93,12 @@ static enum status bounds(void *user, struct tile tile, double *low, double *hig
 static enum status present(void *user, struct tile tile, bool *out)
 {
 	struct newest *newest = user;
-	enum status status = STATUS_OK;
 	*out = false;
 	if (!extent_has(newest->extent, tile))
 		return STATUS_OK;
+	enum status status = resident_ground_has_base(newest->base, tile, out);
+	if (status != STATUS_OK || *out || !newest->deformed || tile.level < newest->level)
+		return status;
 	if (!has_changed(newest, tile)) {
 		double low, high;
 		return resident_ground_offset_range(newest->base, tile, &low, &high, out);
@@ -139,16 +141,18 @@ enum status resident_newest_create(struct store *store, struct pages *pages, str
 		.bases = {.most = RANGES},
 	};
 	newest->deformed = store_has_working_level(store, &newest->level);
-	if (newest->deformed && newest->level > -TILE_LEVEL_MIN) {
+	const int base = store_finest_base(store);
+	if (newest->deformed && newest->level - base > -TILE_LEVEL_MIN) {
 		enum status refused = fail_with(STATUS_INPUT, "query: offsets of level %d are too coarse to be divided down to level "
-						"0; give a store deformed at level %d or finer", newest->level, -TILE_LEVEL_MIN);
+						"%d; give a store deformed at level %d or finer", newest->level, base,
+						base - TILE_LEVEL_MIN);
 		mem_free(newest);
 		return refused;
 	}
 	newest->ground = (struct terrain_ground){
 		.user = newest,
 		.extent = newest->extent,
-		.finest = newest->deformed && newest->level < 0 ? newest->level : 0,
+		.finest = newest->fits ? store_finest(store) : 0,
 		.posts = posts,
 		.present = present,
 		.bounds = bounds,

@@ -36,10 +36,10 @@ void resident_newest_destroy_tiles(struct newest *newest)
 	mem_free(newest->patch);
 }
 
-/* Tells whether its heights include offsets. Coarser tiles are used only where there are none. */
+/* Tells whether its heights include offsets. Tiles coarser than the working level are used only where there are none. */
 static bool takes_offsets(const struct newest *newest, struct tile tile)
 {
-	return newest->deformed && (newest->level < 0 ? tile.level == newest->level : tile.level == 0);
+	return newest->deformed && tile.level <= newest->level;
 }
 
 void resident_newest_forget_tiles(struct newest *newest)
@@ -115,8 +115,6 @@ static enum status fill_base(struct newest *newest, struct tile tile, double *he
 	const size_t count = posts_of(newest);
 	const struct store_meta *meta = store_meta(newest->store);
 	int32_t *posts = newest->posts;
-	int shift = 0;
-	uint32_t sub_x, sub_y;
 	enum status status;
 	if (!newest->fits) {
 		status = store_read_base(resident_ground_reader(newest->base), tile, posts, NULL);
@@ -124,13 +122,7 @@ static enum status fill_base(struct newest *newest, struct tile tile, double *he
 			heights[i] = height_code_metres(posts[i], meta->step);
 		return status;
 	}
-	if (tile.level == 0) {
-		status = resident_ground_posts(newest->base, tile, posts);
-	} else {
-		status = resident_ground_patch(newest->base, tile, newest->patch, &shift, &sub_x, &sub_y);
-		if (status == STATUS_OK)
-			lattice_subdivide(newest->patch, newest->extent->cells, shift, sub_x, sub_y, posts);
-	}
+	status = resident_ground_posts(newest->base, tile, posts);
 	const double reference = resident_ground_reference(newest->store);
 	for (size_t i = 0; i < count && status == STATUS_OK; i++)
 		heights[i] = posts[i] == BASE_NODATA ? (double)NAN : reference + lattice_base_metres(posts[i]);

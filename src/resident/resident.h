@@ -20,7 +20,7 @@
 /*
  * --- base heights ---
  *
- * A ground holds base heights on the CPU: decoded tiles of levels >= 0. It keeps the most recently used tiles. Each page loader
+ * A ground holds base heights on the CPU: decoded tiles of the store. It keeps the most recently used tiles. Each page loader
  * has one. Another one is used to place bodies on the ground, and to find bounds for culling.
  *
  * A ground has one owner, the thread that calls these functions. Other threads may call only the functions under "any thread"
@@ -37,17 +37,20 @@ struct store_reader *resident_ground_reader(struct ground *ground);
 /* returns the reference height of all base heights of this store, in metres */
 int32_t resident_ground_reference(const struct store *store);
 
-/* Copies the (cells + 1)^2 base heights of a tile of level >= 0. Units: 2^-18 m, counted from resident_ground_reference.
+/* Copies the (cells + 1)^2 base heights of a tile. What an inset does not have below level 0 is interpolated. Units: 2^-18 m, counted from resident_ground_reference.
  * BASE_NODATA: a hole. */
 enum status resident_ground_posts(struct ground *ground, struct tile tile, int32_t *posts) FURROW_CHECKED;
-/* Computes the arguments of lattice_subdivide for a tile below level 0. `patch`: room for (cells + 1)^2 posts. */
+/* Computes the arguments of lattice_subdivide for a tile below level 0. `patch`: room for (cells + 1)^2 posts. *shift is 0 where an
+ * inset lies: then `patch` gets the tile's own posts, as resident_ground_posts gives them. */
 enum status resident_ground_patch(struct ground *ground, struct tile tile, int32_t *patch, int *shift, uint32_t *sub_x,
 			 uint32_t *sub_y) FURROW_CHECKED;
 /* Finds the lowest and highest base height of the tile and of all finer tiles below it, in metres. *any is false if all is
  * nodata. */
 enum status resident_ground_range(struct ground *ground, struct tile tile, double *low, double *high, bool *any)
 	FURROW_CHECKED;
-/* Finds the base range of a tile of level >= 0. If no other thread has loaded it, the owner reads it, and this counts as a
+/* Tells if the store has this base tile: always at level >= 0, and where an inset lies below. Looked up once. */
+enum status resident_ground_has_base(struct ground *ground, struct tile tile, bool *stored) FURROW_CHECKED;
+/* Finds the base range of a tile of any level, as resident_ground_range does, with its error. If no other thread has loaded it, the owner reads it, and this counts as a
  * wait. */
 enum status resident_ground_base_range(struct ground *ground, struct tile tile, struct store_range *range) FURROW_CHECKED;
 /* Finds the range of the offsets that the store has for the tile and all finer tiles below it, in metres. low <= 0 <= high. If
@@ -58,10 +61,10 @@ enum status resident_ground_offset_range(struct ground *ground, struct tile tile
 /* Forgets all ranges of offsets, so that they are read again. A range that another thread reads meanwhile is not kept. */
 void resident_ground_forget_offsets(struct ground *ground);
 /* Finds a height that no base height of the rectangle exceeds, in 2^-20 m; INT64_MIN: no post has data. At level >= 0 it is the
- * highest post of the rectangle. Below level 0 it is the highest of the level-0 posts from which the rectangle is interpolated. */
+ * highest post of the rectangle. Below level 0 it is the highest of the stored posts from which the rectangle is interpolated. */
 enum status resident_ground_highest(struct ground *ground, int level, struct post_rect rect, int64_t *highest) FURROW_CHECKED;
-/* Finds the base height at a local point; all in 2^-20 m. It is bilinear in the cell of level 0. *any is false outside the
- * world, or if a corner with weight is nodata. */
+/* Finds the base height at a local point; all in 2^-20 m. It is bilinear in the cell of the finest level
+ * that the store has there: of level 0, or of an inset. *any is false outside the world, or if a corner with weight is nodata. */
 enum status resident_ground_height(struct ground *ground, int64_t x, int64_t y, int64_t *height, bool *any)
 	FURROW_CHECKED;
 
@@ -77,9 +80,10 @@ struct resident_ground_figures {
 void resident_ground_figures(struct ground *ground, struct resident_ground_figures *figures);
 /* Returns the level-0 tile that contains the point (x, y), in posts of level 0. The point must be in the world. */
 struct tile resident_ground_tile(const struct extent *extent, double x, double y);
+struct tile resident_ground_tile_of(const struct extent *extent, int level, double x, double y); /* the same, of another level */
 /* Returns true if the tile is in memory, and marks it as just used. */
 bool resident_ground_touch(struct ground *ground, struct tile tile);
-/* Reads a tile with the caller's own reader and keeps it. The owner is not delayed. The tile replaces the least recently used
+/* Reads a tile that the store has, with the caller's own reader, and keeps it. The owner is not delayed. The tile replaces the least recently used
  * one, but never the one that the owner used last. On failure nothing changes. */
 enum status resident_ground_warm(struct ground *ground, struct store_reader *reader, struct tile tile) FURROW_CHECKED;
 
@@ -91,8 +95,8 @@ struct ground_range_key {
 };
 /* Returns true if the range is in memory, so that the owner need not read it. */
 bool resident_ground_has_range(struct ground *ground, const struct ground_range_key *key);
-/* Reads a range with the caller's own reader and keeps it. For the base of a tile below level 0 it also reads the level-0 tile
- * that contains it. */
+/* Reads a range with the caller's own reader and keeps it. For the base of a tile below level 0 it also reads the stored
+ * tiles above it, from which it is interpolated. */
 enum status resident_ground_warm_range(struct ground *ground, struct store_reader *reader, const struct ground_range_key *key) FURROW_CHECKED;
 
 /*

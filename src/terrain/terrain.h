@@ -105,7 +105,7 @@ double terrain_box_distance(const double eye[3], const double low[3], const doub
  * --- queries: heights at points, and rays ---
  *
  * A query uses the same ground as a picture from nearby, without morphing or skirts. This ground consists of the triangles of
- * level 0. Where finer tiles have offsets, it consists of the triangles of the finest level there. The diagonal of each cell
+ * level 0. Where finer tiles have offsets or insets, it consists of the triangles of the finest level there. The diagonal of each cell
  * goes from its south-west to its north-east post. A triangle with a nodata corner does not exist. There are no walls at the
  * terrain's edge or at a hole.
  *
@@ -127,7 +127,7 @@ struct terrain_ground {
 	int finest; /* level of the finest tiles; at most 0 */
 	/* Gives the posts of a tile. Asked for levels finest .. 0. */
 	enum status (*posts)(void *user, struct tile tile, struct terrain_posts *posts);
-	/* Tells if this tile, or a finer tile below it, has offsets. Asked for levels finest .. -1. */
+	/* Tells if this tile, or a finer tile below it, has offsets or posts of an inset. Asked for levels finest .. -1. */
 	enum status (*present)(void *user, struct tile tile, bool *present);
 	/* Gives bounds of the heights in this tile and all finer tiles below it, at any level. They may be too wide, and
 	 * infinite. *any is false if all is nodata. */
