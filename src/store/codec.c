@@ -1,7 +1,7 @@
 /*
  * Makes and destroys a codec, which packs tiles (FORMAT.md describes the bytes). The steps of encoding are:
  *
- *   posts -> holes predicted -> minus the prediction -> zigzag -> widths by 16 -> bits [-> LZ4]
+ *   posts -> holes predicted -> minus the prediction -> without common zero bits -> zigzag -> widths by 16 -> bits [-> LZ4]
  *                                                               -> byte planes -> zstd
  *
  * Invariants:
@@ -27,7 +27,7 @@ enum status store_codec_init(struct codec *codec, uint32_t side, enum codec_effo
 	assert(side > 8 && side % 8 == 1); /* the kernels take eight posts at once */
 	*codec = (struct codec){.side = side, .effort = effort, .kernels = store_codec_kernels_best()};
 	size_t posts = plane_posts(codec), blocks = plane_blocks(codec);
-	size_t head = 1 + 4 + CODEC_LENGTH_BYTES + (size_t)LZ4_compressBound((int)mask_bytes(codec));
+	size_t head = 1 + 4 + 1 + CODEC_LENGTH_BYTES + (size_t)LZ4_compressBound((int)mask_bytes(codec));
 	codec->room = head + blocks * (1 + 4 * CODEC_BLOCK);
 	codec->squeezed_room = larger(CODEC_LENGTH_BYTES + (size_t)LZ4_compressBound((int)codec->room),
 				      head + 1 + ZSTD_compressBound(4 * posts));

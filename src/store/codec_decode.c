@@ -5,20 +5,21 @@
 
 #include "store/codec_parts.h"
 
-struct head {
-	uint8_t flags;
-	uint32_t first;
-};
-
 /* Reads the head that write_head() wrote, and the mask into codec->mask. Moves `from` behind them. */
 static bool read_head(struct codec *codec, unsigned known, const uint8_t **from, size_t *left, struct head *head)
 {
 	const uint8_t *at = *from;
 	if (*left < 5 || (at[0] & ~known) != 0)
 		return false;
-	*head = (struct head){at[0], get32(at + 1)};
+	*head = (struct head){.flags = at[0], .first = get32(at + 1)};
 	at += 5;
 	*left -= 5;
+	if (head->flags & CODEC_SCALED) {
+		if (*left < 1 || at[0] < 1 || at[0] > 31)
+			return false;
+		head->scale = *at++;
+		--*left;
+	}
 	if (head->flags & CODEC_MASK) {
 		if (*left < CODEC_LENGTH_BYTES)
 			return false;
@@ -123,12 +124,20 @@ static void blocks_next(struct blocks *blocks, const struct codec_kernels *kerne
 	blocks->widths += count;
 }
 
+static void scale_up(uint32_t *rest, size_t count, unsigned scale)
+{
+	for (size_t i = 0; i < count; i++)
+		rest[i] <<= scale;
+}
+
 /* Computes the posts of `rows` whole rows from row `y` on. `before`, in: the row before them, or a constant row for row 0; out:
  * the last of these rows. */
-static void finish_rows(struct codec *codec, const struct head *head, const uint32_t *rest, uint32_t y, uint32_t rows,
+static void finish_rows(struct codec *codec, const struct head *head, uint32_t *rest, uint32_t y, uint32_t rows,
 			int32_t *before, int32_t *posts)
 {
 	size_t side = codec->side, at = y * side;
+	if (head->scale > 0)
+		scale_up(rest, rows * side, head->scale);
 	codec->kernels->sum(rest, codec->side, rows, before, (head->flags & CODEC_SLOPE) != 0, posts + at);
 	memcpy(before, posts + at + (rows - 1) * side, side * sizeof *before); /* as it was without its holes */
 	if (head->flags & CODEC_MASK)
@@ -148,7 +157,7 @@ static bool read_body(struct codec *codec, const uint8_t *from, size_t left, int
 	struct head head;
 	size_t payload, done = 0, count = plane_blocks(codec);
 	uint8_t *widths = codec->widths[0];
-	if (!read_head(codec, CODEC_MASK | CODEC_WIDE | CODEC_SLOPE, &from, &left, &head) ||
+	if (!read_head(codec, CODEC_MASK | CODEC_WIDE | CODEC_SLOPE | CODEC_SCALED, &from, &left, &head) ||
 	    !read_widths(codec, (head.flags & CODEC_WIDE) != 0, &from, &left, widths, &payload) || payload != left)
 		return false;
 	struct blocks blocks;
@@ -179,7 +188,7 @@ static bool read_zstd(struct codec *codec, const uint8_t *from, size_t left, int
 {
 	struct head head;
 	size_t count = plane_posts(codec);
-	if (left > codec->squeezed_room || !read_head(codec, CODEC_MASK | CODEC_SLOPE, &from, &left, &head) || left < 1)
+	if (left > codec->squeezed_room || !read_head(codec, CODEC_MASK | CODEC_SLOPE | CODEC_SCALED, &from, &left, &head) || left < 1)
 		return false;
 	unsigned planes = from[0];
 	if (planes < 1 || planes > 4 ||

@@ -35,6 +35,24 @@ static uint32_t first_post(const int32_t *posts, size_t count)
 	return 0;
 }
 
+/* Returns how many of the lowest bits are the same in all posts that are no holes, so that residuals have them all zero. */
+FURROW_WIDE static unsigned same_bits(const int32_t *posts, size_t count, uint32_t first)
+{
+	uint32_t differ = 0;
+	for (size_t i = 0; i < count; i++)
+		differ |= posts[i] == CODEC_NODATA ? 0 : (uint32_t)posts[i] ^ first;
+	return differ == 0 ? 0 : (unsigned)__builtin_ctz(differ);
+}
+
+/* Shifts zigzagged residuals right, by zero bits only. */
+FURROW_WIDE static void scale_down(uint32_t *rest, size_t count, unsigned scale)
+{
+	for (size_t i = 0; i < count; i++) {
+		const int32_t less = (int32_t)codec_unzigzag(rest[i]) >> scale;
+		rest[i] = (uint32_t)less << 1 ^ (uint32_t)(less >> 31);
+	}
+}
+
 /* Widths of the blocks; returns what they sum to. */
 FURROW_WIDE static size_t take_widths(const uint32_t *rest, size_t blocks, uint8_t *widths)
 {
@@ -52,24 +70,29 @@ FURROW_WIDE static size_t take_widths(const uint32_t *rest, size_t blocks, uint8
 }
 
 /* Residuals of both orders and their widths, into the codec. True: those with slopes pack better. */
-static bool choose_residuals(struct codec *codec, const int32_t *posts, uint32_t first, bool holes)
+static bool choose_residuals(struct codec *codec, const int32_t *posts, uint32_t first, bool holes, unsigned scale)
 {
 	size_t count = plane_posts(codec), blocks = plane_blocks(codec), sum[2];
 	for (int slope = 0; slope < 2; slope++) {
 		uint32_t *rest = codec->orders[slope];
 		store_residuals_take(posts, codec->side, first, slope != 0, holes, codec->filled, rest);
+		if (scale > 0)
+			scale_down(rest, count, scale);
 		memset(rest + count, 0, (blocks * CODEC_BLOCK - count) * sizeof *rest);
 		sum[slope] = take_widths(rest, blocks, codec->widths[slope]);
 	}
 	return sum[1] < sum[0];
 }
 
-/* Flags, first post and mask: how a body and a zstd blob begin. */
-static uint8_t *write_head(struct codec *codec, uint8_t flags, uint32_t first, uint8_t *to)
+/* Flags, first post, scale and mask: how a body and a zstd blob begin. */
+static uint8_t *write_head(struct codec *codec, const struct head *head, unsigned more, uint8_t *to)
 {
-	*to++ = flags;
-	put32(to, first);
+	const unsigned flags = head->flags | more;
+	*to++ = (uint8_t)flags;
+	put32(to, head->first);
 	to += 4;
+	if (flags & CODEC_SCALED)
+		*to++ = (uint8_t)head->scale;
 	if ((flags & CODEC_MASK) == 0)
 		return to;
 	int bytes = (int)mask_bytes(codec);
@@ -81,9 +104,9 @@ static uint8_t *write_head(struct codec *codec, uint8_t flags, uint32_t first, u
 }
 
 /* Returns the body's bytes; *flat: how many blocks of it are zero. */
-static size_t write_body(struct codec *codec, uint8_t flags, uint32_t first, size_t *flat)
+static size_t write_body(struct codec *codec, const struct head *head, size_t *flat)
 {
-	bool slope = (flags & CODEC_SLOPE) != 0, wide = false;
+	bool slope = (head->flags & CODEC_SLOPE) != 0, wide = false;
 	size_t blocks = plane_blocks(codec);
 	const uint8_t *widths = codec->widths[slope];
 	*flat = 0;
@@ -91,7 +114,7 @@ static size_t write_body(struct codec *codec, uint8_t flags, uint32_t first, siz
 		wide |= widths[i] > CODEC_NARROW_MOST;
 		*flat += widths[i] == 0;
 	}
-	uint8_t *to = write_head(codec, (uint8_t)(flags | (wide ? CODEC_WIDE : 0)), first, codec->body);
+	uint8_t *to = write_head(codec, head, wide ? CODEC_WIDE : 0, codec->body);
 	if (wide) {
 		memcpy(to, widths, blocks);
 		to += blocks;
@@ -117,28 +140,28 @@ static bool squeeze_lz4(struct codec *codec, size_t body, size_t *size)
 }
 
 /* True if byte planes under zstd are smaller than `most`. */
-static bool squeeze_zstd(struct codec *codec, uint8_t flags, uint32_t first, size_t most, size_t *size)
+static bool squeeze_zstd(struct codec *codec, const struct head *head, size_t most, size_t *size)
 {
-	bool slope = (flags & CODEC_SLOPE) != 0;
+	bool slope = (head->flags & CODEC_SLOPE) != 0;
 	size_t count = plane_posts(codec);
 	const uint32_t *rest = codec->orders[slope];
 	uint32_t all = 1;
 	for (size_t i = 0; i < count; i++)
 		all |= rest[i];
 	unsigned planes = (32 - (unsigned)__builtin_clz(all) + 7) / 8;
-	uint8_t *to = write_head(codec, flags, first, codec->squeezed);
+	uint8_t *to = write_head(codec, head, 0, codec->squeezed);
 	*to++ = (uint8_t)planes;
 	uint8_t *from = (uint8_t *)codec->orders[!slope]; /* of no use by now, and as large as four planes */
 	for (unsigned plane = 0; plane < planes; plane++)
 		for (size_t i = 0; i < count; i++)
 			from[plane * count + i] = (uint8_t)(rest[i] >> (8 * plane));
-	size_t head = (size_t)(to - codec->squeezed);
-	size_t squeezed = ZSTD_compressCCtx(codec->zstd_out, to, codec->squeezed_room - head, from,
+	size_t before = (size_t)(to - codec->squeezed);
+	size_t squeezed = ZSTD_compressCCtx(codec->zstd_out, to, codec->squeezed_room - before, from,
 					    planes * count, ZSTD_LEVEL);
 	/* It can fail for want of memory only; the plane is then packed the other way. */
-	if (ZSTD_isError(squeezed) || head + squeezed >= most)
+	if (ZSTD_isError(squeezed) || before + squeezed >= most)
 		return false;
-	*size = head + squeezed;
+	*size = before + squeezed;
 	return true;
 }
 
@@ -161,13 +184,15 @@ enum codec_id store_codec_encode(struct codec *codec, const int32_t *posts, cons
 	bool holes = has_holes(posts, plane_posts(codec));
 	if (holes)
 		take_mask(codec, posts);
-	uint32_t first = first_post(posts, plane_posts(codec));
-	uint8_t flags = holes ? CODEC_MASK : 0;
-	if (choose_residuals(codec, posts, first, holes))
-		flags |= CODEC_SLOPE;
-	size_t flat, body = write_body(codec, flags, first, &flat);
+	struct head head = {.flags = holes ? CODEC_MASK : 0, .first = first_post(posts, plane_posts(codec))};
+	head.scale = same_bits(posts, plane_posts(codec), head.first);
+	if (head.scale > 0)
+		head.flags |= CODEC_SCALED;
+	if (choose_residuals(codec, posts, head.first, holes, head.scale))
+		head.flags |= CODEC_SLOPE;
+	size_t flat, body = write_body(codec, &head, &flat);
 	*size = body;
-	if (codec->effort == CODEC_SMALL ? squeeze_zstd(codec, flags, first, body, size)
+	if (codec->effort == CODEC_SMALL ? squeeze_zstd(codec, &head, body, size)
 					 : flat >= plane_blocks(codec) / 16 && squeeze_lz4(codec, body, size)) {
 		*bytes = codec->squeezed;
 		return codec->effort == CODEC_SMALL ? CODEC_ZSTD : CODEC_LZ4;

@@ -8,8 +8,16 @@
 #define CODEC_MASK 1u  /* some posts are nodata */
 #define CODEC_WIDE 2u  /* a width takes a byte instead of half a byte */
 #define CODEC_SLOPE 4u /* residuals are of the second order along rows */
+#define CODEC_SCALED 8u /* residuals are multiples of a power of two, and stored without their lowest bits */
 #define CODEC_LENGTH_BYTES 4
 #define CODEC_NARROW_MOST 15
+
+/* How a body and a zstd blob begin. */
+struct head {
+	unsigned flags;
+	uint32_t first; /* the first post that is no hole */
+	unsigned scale; /* bits that residuals are shifted by, less than 32; 0 without CODEC_SCALED */
+};
 
 static inline size_t plane_posts(const struct codec *codec)
 {

@@ -120,13 +120,15 @@ class Cursor:
 
 def head(cursor, n, codec):
     flags = cursor.take(1)[0]
-    need(flags < 8 and not (codec == 3 and flags & 2), "flags", flags)
+    need(flags < 16 and not (codec == 3 and flags & 2), "flags", flags)
     first = cursor.u32()
+    scale = cursor.take(1)[0] if flags & 8 else 0
+    need(not flags & 8 or 1 <= scale <= 31, "a scale of", scale)
     holes = None
     if flags & 1:
         bits = lz4(cursor.take(cursor.u32()), -(-n // 8))
         holes = [bits[i // 8] >> i % 8 & 1 for i in range(n)]
-    return flags, first, holes
+    return flags, first, scale, holes
 
 
 def packed_residuals(cursor, n, byte_widths):
@@ -152,14 +154,14 @@ def zstd_residuals(cursor, n):
     return [sum(data[byte * n + i] << 8 * byte for byte in range(k)) for i in range(n)]
 
 
-def undo_prediction(residuals, side, flags, first, holes):
+def undo_prediction(residuals, side, flags, first, scale, holes):
     above = [first] * side
     posts = []
     for row in range(side):
         rise = step = 0
         for x in range(side):
             z = residuals[row * side + x]
-            r = z >> 1 ^ -(z & 1)
+            r = (z >> 1 ^ -(z & 1)) << scale
             step = r + (step if flags & 4 and x > 1 else 0)
             rise += step
             above[x] = rise + above[x] & WORD
@@ -181,9 +183,9 @@ def decode(codec, blob, side):
     if codec == 2:
         size = cursor.u32()
         cursor = Cursor(lz4(cursor.rest(), size))
-    flags, first, holes = head(cursor, n, codec)
+    flags, first, scale, holes = head(cursor, n, codec)
     residuals = zstd_residuals(cursor, n) if codec == 3 else packed_residuals(cursor, n, flags & 2)
-    return undo_prediction(residuals, side, flags, first, holes), flags
+    return undo_prediction(residuals, side, flags, first, scale, holes), flags
 
 
 def key_of(level, x, y):

@@ -16,7 +16,7 @@ static uint32_t random_bits(void)
 	return (uint32_t)(random_state >> 16);
 }
 
-enum pattern { NOISE, SMOOTH, FLAT, STEPS, EXTREMES, SPARSE, PATTERNS };
+enum pattern { NOISE, SMOOTH, FLAT, STEPS, EXTREMES, SPARSE, SCALED, FAR_SCALED, PATTERNS };
 
 static void fill(int32_t *posts, enum pattern pattern, uint32_t side)
 {
@@ -35,6 +35,12 @@ static void fill(int32_t *posts, enum pattern pattern, uint32_t side)
 			break;
 		case STEPS:
 			posts[i] = (int32_t)(x / 16 * 1000 + y / 16 * 77);
+			break;
+		case SCALED: /* multiples of 512 beside a number that is none */
+			posts[i] = 77 + 512 * ((int32_t)(1e4 * sin(x / 20.0)) + (int32_t)(random_bits() % 8));
+			break;
+		case FAR_SCALED: /* of the highest bit alone */
+			posts[i] = random_bits() % 2 ? INT32_MAX : -1;
 			break;
 		case EXTREMES:
 			posts[i] = extremes[random_bits() % 6];
@@ -171,6 +177,27 @@ static void smooth_terrain_takes_less_than_a_byte_a_post(void **state)
 }
 
 /* Between rows it bends: where the difference of two rows grows from post to post, by as much each time. */
+/* A country in whole metres takes no more bytes in a store whose step an inset made finer. */
+static void a_common_factor_of_two_costs_one_byte(void **state)
+{
+	struct codec codec;
+	static int32_t posts[CODEC_POSTS], scaled[CODEC_POSTS];
+	const void *bytes;
+	size_t plain, more;
+	for (int effort = CODEC_FAST; effort <= CODEC_SMALL; effort++)
+		for (enum hole hole = HOLE_NONE; hole <= HOLE_BLOCK; hole++) {
+			assert_ok(store_codec_init(&codec, CODEC_SIDE, (enum codec_effort)effort));
+			fill(posts, SMOOTH, CODEC_SIDE);
+			punch(posts, hole, CODEC_SIDE);
+			for (int i = 0; i < CODEC_POSTS; i++)
+				scaled[i] = posts[i] == CODEC_NODATA ? CODEC_NODATA : posts[i] * 512;
+			store_codec_encode(&codec, posts, &bytes, &plain);
+			store_codec_encode(&codec, scaled, &bytes, &more);
+			assert_int_equal(more, plain + 1);
+			store_codec_finish(&codec);
+		}
+}
+
 static void the_order_of_residuals_that_packs_better_is_taken(void **state)
 {
 	struct codec codec;
@@ -240,6 +267,7 @@ int main(void)
 		cmocka_unit_test(sums_are_alike_everywhere),
 		cmocka_unit_test(a_hole_costs_the_posts_around_it_little),
 		cmocka_unit_test(smooth_terrain_takes_less_than_a_byte_a_post),
+		cmocka_unit_test(a_common_factor_of_two_costs_one_byte),
 		cmocka_unit_test(the_order_of_residuals_that_packs_better_is_taken),
 		cmocka_unit_test(lengths_that_do_not_fit_are_refused),
 		cmocka_unit_test(failed_allocations_are_told),
