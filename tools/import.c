@@ -1,4 +1,5 @@
 /* furrow import: elevation data to a store. */
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -20,6 +21,9 @@ static const struct command_option options[] = {
 	{"r", "METHOD", "resampling: bilinear (default), cubic or near"},
 	{"nodata", "V", "a value that means nodata though no tag says so; may be repeated"},
 	{"fill", NULL, "fill holes from their rims"},
+	{"inset", "SOURCE", "finer ground in a part of the terrain, stored at its own spacing there alone; may be repeated"},
+	{"feather", "M", "metres over which an inset's rim blends into what surrounds it (10 posts of that, at most a quarter of the inset)"},
+	{"match-heights", NULL, "raise or lower each inset by its median difference from what surrounds it"},
 	{"height-range", "MIN,MAX", "metres that a PNG's 0 and full scale mean (one metre a unit)"},
 	{"pack", "KIND", "fast (default) or small"},
 	{"jobs", "N", "threads that pack tiles beside the one that reads; 1: one for everything (the machine's cores)"},
@@ -29,7 +33,20 @@ static const struct command_option options[] = {
 	{NULL, NULL, NULL},
 };
 
-static void print_plan(const struct dem_info *info, const struct store_meta *meta)
+static void print_insets(const struct dem_insets *insets)
+{
+	for (size_t i = 0; insets != NULL && i < dem_insets_count(insets); i++) {
+		const struct dem_inset_info *info = dem_insets_info(insets, i);
+		printf("inset %s: %lld x %lld posts, %g m apart, level %d, feathered over %g m\n", info->source, (long long)info->width,
+		       (long long)info->height, info->spacing, info->level, info->feather);
+		if (info->rim_posts > 0)
+			printf("  %.3f m %s than what surrounds it (median of %lld posts of its rim)%s\n", fabs(info->offset),
+			       info->offset < 0 ? "lower" : "higher", (long long)info->rim_posts,
+			       info->matched ? ", taken off" : "; --match-heights takes that off");
+	}
+}
+
+static void print_plan(const struct dem_info *info, const struct dem_insets *insets, const struct store_meta *meta)
 {
 	const struct extent *extent = &meta->extent;
 	printf("%zu source%s%s%s\n", info->source_count, info->source_count == 1 ? "" : "s",
@@ -38,6 +55,7 @@ static void print_plan(const struct dem_info *info, const struct store_meta *met
 	       (long long)info->width, (long long)info->height, info->spacing,
 	       (double)(info->width - 1) * info->spacing / 1e3, (double)(info->height - 1) * info->spacing / 1e3,
 	       extent->cells + 1, extent->cells + 1, extent_coarsest(extent));
+	print_insets(insets);
 	if (meta->max_error > 0)
 		printf("stored heights off their source by at most %g m\n", meta->max_error);
 	else
@@ -101,7 +119,7 @@ static enum status run(const struct arguments *arguments)
 	else if (status == STATUS_OK)
 		status = make(&import, path);
 	if (status == STATUS_OK)
-		print_plan(dem_info(import.opened), &import.meta);
+		print_plan(dem_info(import.opened), import.insets, &import.meta);
 	api_import_finish(&import);
 	mem_free(sources);
 	return status;

@@ -241,9 +241,31 @@ enum status api_conveyor_known(void *user, struct tile tile, int32_t *codes, boo
 	mutex_lock(&conveyor->mutex);
 	while (conveyor->storing)
 		condition_wait(&conveyor->changed, &conveyor->mutex);
-	enum status status = store_get_base(conveyor->store, tile, codes, known);
+	enum status status = store_get_base(conveyor->store, tile, codes, NULL, known);
 	mutex_unlock(&conveyor->mutex);
 	conveyor->known_ended = status != STATUS_OK || !*known;
+	return status;
+}
+
+enum status api_conveyor_get(struct conveyor *conveyor, struct tile tile, int32_t *codes, struct store_range *range, bool *found)
+{
+	mutex_lock(&conveyor->mutex);
+	while (conveyor->storing)
+		condition_wait(&conveyor->changed, &conveyor->mutex);
+	enum status status = store_get_base(conveyor->store, tile, codes, range, found);
+	mutex_unlock(&conveyor->mutex);
+	return status;
+}
+
+enum status api_conveyor_settle(struct conveyor *conveyor)
+{
+	mutex_lock(&conveyor->mutex);
+	while (conveyor->worker_count > 0 && conveyor->stored < conveyor->put)
+		condition_wait(&conveyor->changed, &conveyor->mutex);
+	enum status status = conveyor->failure.status;
+	if (status != STATUS_OK)
+		failure_restore(&conveyor->failure);
+	mutex_unlock(&conveyor->mutex);
 	return status;
 }
 

@@ -21,6 +21,10 @@ enum status api_conveyor_create(struct store *store, int64_t jobs, int64_t store
 enum status api_conveyor_put(void *conveyor, const struct dem_tile *tile) FURROW_CHECKED;
 /* Reads a tile that the store has already. It is a dem_known_fn (dem.h). */
 enum status api_conveyor_known(void *conveyor, struct tile tile, int32_t *codes, bool *known) FURROW_CHECKED;
+/* Waits until all tiles that were put are stored. */
+enum status api_conveyor_settle(struct conveyor *conveyor) FURROW_CHECKED;
+/* Reads a tile that is stored. *found is false if it is not. */
+enum status api_conveyor_get(struct conveyor *conveyor, struct tile tile, int32_t *codes, struct store_range *range, bool *found) FURROW_CHECKED;
 /* Waits until everything is stored, then destroys the conveyor. */
 enum status api_conveyor_finish(struct conveyor *conveyor) FURROW_CHECKED;
 

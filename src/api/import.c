@@ -12,7 +12,7 @@
 
 /* --- options by their long names --- */
 
-enum kind { FLAG, WHOLE, NUMBER, TEXT, WORD, RANGE, WINDOW, LIST };
+enum kind { FLAG, WHOLE, NUMBER, TEXT, WORD, RANGE, WINDOW, LIST, SOURCES };
 
 struct option {
 	const char *name;
@@ -28,6 +28,8 @@ static const struct option options[] = {
 	{"jobs", WHOLE, 1, 256, NULL},
 	{"max-error", NUMBER, 0, 1e4, NULL},
 	{"spacing", NUMBER, 1e-4, 1e6, NULL},
+	{"feather", NUMBER, 0, 1e6, NULL},
+	{"inset", SOURCES, 0, 0, NULL},
 	{"s-srs", TEXT, 0, 0, NULL},
 	{"t-srs", TEXT, 0, 0, NULL},
 	{"r", WORD, 0, 0, methods},
@@ -36,6 +38,7 @@ static const struct option options[] = {
 	{"height-range", RANGE, 0, 0, NULL},
 	{"window", WINDOW, 0, 0, NULL},
 	{"window-srs", TEXT, 0, 0, NULL},
+	{"match-heights", FLAG, 0, 0, NULL},
 	{"fill", FLAG, 0, 0, NULL},
 	{"resume", FLAG, 0, 0, NULL},
 	{"overwrite", FLAG, 0, 0, NULL},
@@ -143,10 +146,25 @@ static enum status take_text(const char *text, const char **to, char **kept)
 	return STATUS_OK;
 }
 
+static enum status take_inset(struct import *import, const char *text)
+{
+	char **room = mem_realloc(import->inset_sources, import->inset_count + 1, sizeof *room);
+	if (room == NULL)
+		return fail_memory("an option");
+	import->inset_sources = room;
+	room[import->inset_count] = mem_strdup(text);
+	if (room[import->inset_count] == NULL)
+		return fail_memory("an option");
+	import->inset_count++;
+	return STATUS_OK;
+}
+
 static enum status take_flag(struct import *import, const char *name, bool on)
 {
 	if (strcmp(name, "fill") == 0)
 		import->dem.fill = on;
+	else if (strcmp(name, "match-heights") == 0)
+		import->match_heights = on;
 	else if (strcmp(name, "resume") == 0)
 		import->resume = on;
 	else
@@ -174,6 +192,8 @@ static enum status take(struct import *import, const struct option *option, cons
 		status = take_number(option, text, &number);
 		if (status == STATUS_OK && strcmp(option->name, "spacing") == 0)
 			import->dem.spacing = number;
+		else if (status == STATUS_OK && strcmp(option->name, "feather") == 0)
+			import->feather = number;
 		else if (status == STATUS_OK)
 			import->max_error = number;
 		return status;
@@ -195,6 +215,8 @@ static enum status take(struct import *import, const struct option *option, cons
 		return take_window(import, text);
 	case LIST:
 		return take_nodata(import, text);
+	case SOURCES:
+		return take_inset(import, text);
 	}
 	return status;
 }
@@ -225,13 +247,17 @@ enum status api_import_option(struct import *import, const char *name, const cha
 
 void api_import_init(struct import *import)
 {
-	*import = (struct import){.tile = 256, .jobs = thread_cores(), .max_error = -1};
+	*import = (struct import){.tile = 256, .jobs = thread_cores(), .max_error = -1, .feather = -1};
 }
 
 void api_import_finish(struct import *import)
 {
 	for (size_t i = 0; i < sizeof import->texts / sizeof *import->texts; i++)
 		mem_free(import->texts[i]);
+	for (size_t i = 0; i < import->inset_count; i++)
+		mem_free(import->inset_sources[i]);
+	mem_free(import->inset_sources);
+	dem_insets_close(import->insets);
 	mem_free(import->lines);
 	free(import->description);
 	dem_close(import->opened);
@@ -239,63 +265,15 @@ void api_import_finish(struct import *import)
 
 /* --- making the store --- */
 
-static char *join_lines(const char *const *lines, size_t count)
-{
-	size_t bytes = 1;
-	for (size_t i = 0; i < count; i++)
-		bytes += strlen(lines[i]) + 1;
-	char *text = mem_alloc(bytes, 1), *at = text;
-	for (size_t i = 0; text != NULL && i < count; i++)
-		at += sprintf(at, "%s%s", i > 0 ? "\n" : "", lines[i]);
-	if (text != NULL)
-		*at = '\0';
-	return text;
-}
-
 static enum status read_posts(void *user, struct post_rect rect, double *heights)
 {
-	return dem_read(user, rect, heights);
-}
-
-static void describe_file(FILE *out, const char *path)
-{
-	struct stat file = {0};
-	(void)stat(path, &file); /* GDAL may read sources that are no files */
-	fprintf(out, "%lld bytes of %lld.%09ld %s\n", (long long)file.st_size, (long long)file.st_mtim.tv_sec,
-		(long)file.st_mtim.tv_nsec, path);
-}
-
-/*
- * Returns a text with everything that decides the store's content, one fact a line. These are the options, and each source with
- * its files, their size and time of change. The program is one too, since the order of tiles and their bytes depend on it.
- * NULL: out of memory.
- */
-static char *describe(const struct import *import, const struct dem_info *info, double step)
-{
-	char *text = NULL;
-	size_t size = 0;
-	FILE *out = open_memstream(&text, &size);
-	if (out == NULL)
-		return NULL;
-	const struct dem_params *dem = &import->dem;
-	fputs("furrow " FURROW_VERSION "\n", out);
-	fprintf(out, "posts %lld %lld tile %lld step %.17g pack %d spacing %.17g origin %.17g %.17g\n",
-		(long long)info->width, (long long)info->height, (long long)import->tile, step, (int)import->pack,
-		info->spacing, info->origin[0], info->origin[1]);
-	fprintf(out, "panel %lld resample %d fill %d range %d %.17g %.17g nodata", (long long)info->panel_posts,
-		(int)dem->resample, dem->fill, dem->has_height_range, dem->height_min, dem->height_max);
-	for (size_t i = 0; i < dem->nodata_count; i++)
-		fprintf(out, " %.17g", dem->nodata[i]);
-	fprintf(out, "\nsrs %s\nfrom %s\n", info->srs, dem->s_srs != NULL ? dem->s_srs : "");
-	for (size_t i = 0; i < info->source_count; i++)
-		describe_file(out, info->sources[i]);
-	for (size_t i = 0; i < info->file_count; i++)
-		describe_file(out, info->files[i]);
-	bool whole = ferror(out) == 0;
-	if (fclose(out) == 0 && whole)
-		return text;
-	free(text);
-	return NULL;
+	const struct import *import = user;
+	const double step = import->coarse_step;
+	const int64_t count = (rect.x1 - rect.x0) * (rect.y1 - rect.y0);
+	enum status status = dem_read(import->opened, rect, heights);
+	for (int64_t i = 0; i < count && step > 0 && status == STATUS_OK; i++)
+		heights[i] = nearbyint(heights[i] / step) * step;
+	return status;
 }
 
 /* Notes a height that is probably an undeclared hole. Such a value mixed with others may become any height. */
@@ -324,26 +302,21 @@ enum status api_import_open(struct import *import, const char *const *sources, s
 		return status;
 	const struct dem_info *info = dem_info(import->opened);
 	const double max_error = import->max_error >= 0 ? import->max_error : api_intake_default_error(info->unit);
-	const double step = api_intake_step(max_error, info->unit, info->whole);
-	import->lines = join_lines(info->sources, info->source_count);
-	import->description = describe(import, info, step);
-	if (import->lines == NULL || import->description == NULL)
-		return fail_memory("sources");
 	import->meta = (struct store_meta){
 		.extent = {info->width, info->height, info->spacing, (uint32_t)import->tile},
-		.step = step,
+		.step = api_intake_step(max_error, info->unit, info->whole),
 		.max_error = max_error,
 		.srs = info->srs,
 		.origin = {info->origin[0], info->origin[1]},
 		.vertical = info->vertical,
-		.sources = import->lines,
-		.request = import->description,
 		.pack = import->pack,
 	};
 	const char *problem = extent_problem(&import->meta.extent);
 	if (problem != NULL)
 		return fail_with(STATUS_INPUT, "import: %s; change --tile, --spacing or the sources", problem);
-	return STATUS_OK;
+	if (import->inset_count > 0)
+		status = api_import_open_insets(import);
+	return status == STATUS_OK ? api_import_describe(import) : status;
 }
 
 enum status api_import_run(struct import *import, const char *store, dem_progress_fn progress, void *user, struct intake *made)
@@ -354,7 +327,8 @@ enum status api_import_run(struct import *import, const char *store, dem_progres
 		.resume = import->resume,
 		.jobs = import->jobs,
 		.posts = read_posts,
-		.posts_user = import->opened,
+		.posts_user = import,
+		.insets = import->insets,
 		.panel_posts = dem_info(import->opened)->panel_posts,
 		.meta = import->meta,
 		.progress = progress,

@@ -13,11 +13,17 @@ struct import {
 	struct dem_params dem;
 	int64_t tile, jobs;
 	double max_error; /* m; below 0: the default */
+	double feather;   /* m; below 0: the default */
+	bool match_heights;
+	char **inset_sources; /* owned */
+	size_t inset_count;
 	enum store_pack pack;
 	bool resume, overwrite;
 	double nodata[IMPORT_NODATA_MOST];
 	/* After api_import_open: */
 	struct dem *opened;
+	struct dem_insets *insets; /* NULL: there are none */
+	double coarse_step; /* m: heights of the terrain are rounded to multiples of it; 0: they are stored as they come */
 	struct store_meta meta; /* of the store that will be made */
 	char *lines, *description, *texts[3];
 };
@@ -32,5 +38,9 @@ bool api_import_has_option(const char *name);
 enum status api_import_open(struct import *import, const char *const *sources, size_t count) FURROW_CHECKED;
 /* Makes the complete store, or none; fills `made`. STATUS_INTERRUPTED: `progress` stopped it. */
 enum status api_import_run(struct import *import, const char *store, dem_progress_fn progress, void *user, struct intake *made) FURROW_CHECKED;
+
+/* --- import_parts.c: parts of api_import_open --- */
+enum status api_import_open_insets(struct import *import) FURROW_CHECKED; /* also sets the step, by the finest of all */
+enum status api_import_describe(struct import *import) FURROW_CHECKED;    /* fills meta.sources and meta.request */
 
 #endif

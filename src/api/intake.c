@@ -22,19 +22,49 @@ double api_intake_step(double max_error, double unit, bool whole)
 	return ldexp(1, exponent - 1);
 }
 
+static enum status get_tile(void *user, struct tile tile, int32_t *codes, double *low, double *high, double *error, bool *found)
+{
+	struct store_range range = {0};
+	enum status status = api_conveyor_get(user, tile, codes, &range, found);
+	*low = range.low;
+	*high = range.high;
+	*error = range.error;
+	return status;
+}
+
+static enum status settle(void *user)
+{
+	return api_conveyor_settle(user);
+}
+
 static enum status cut_and_store(const struct intake *intake, struct store *store, int64_t stored)
 {
 	struct conveyor *conveyor = NULL;
 	enum status status = api_conveyor_create(store, intake->jobs, stored, &conveyor);
 	if (status != STATUS_OK)
 		return status;
-	status = dem_cut(&(struct dem_cut){
+	struct dem_insets_cut insets = {
+		.insets = intake->insets,
+		.step = intake->meta.step,
+		.emit = api_conveyor_put,
+		.emit_user = conveyor,
+		.get = get_tile,
+		.get_user = conveyor,
+		.settle = settle,
+		.progress = intake->progress,
+		.progress_user = intake->progress_user,
+	};
+	if (intake->insets != NULL)
+		status = dem_insets_cut(&insets);
+	status = status != STATUS_OK ? status : dem_cut(&(struct dem_cut){
 		.extent = &intake->meta.extent,
 		.step = intake->meta.step,
 		.posts = intake->posts,
 		.posts_user = intake->posts_user,
 		.emit = api_conveyor_put,
 		.emit_user = conveyor,
+		.finer = intake->insets != NULL ? dem_insets_finer : NULL,
+		.finer_user = &insets,
 		.known = stored > 0 ? api_conveyor_known : NULL,
 		.known_user = conveyor,
 		.panel_posts = intake->panel_posts,

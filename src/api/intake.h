@@ -13,6 +13,7 @@ struct intake {
 	dem_posts_fn posts;
 	void *posts_user;
 	int64_t panel_posts; /* as in struct dem_cut */
+	struct dem_insets *insets; /* NULL: there are none */
 	/* called with the rows done and all rows; NULL: no calls. If it returns STATUS_INTERRUPTED, the import stops */
 	dem_progress_fn progress;
 	void *progress_user;

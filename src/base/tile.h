@@ -36,8 +36,8 @@ bool tile_equal(struct tile a, struct tile b);
 
 /* Returns the tile that contains this one, at a coarser (or the same) level. */
 struct tile tile_ancestor(struct tile tile, int level);
-/* Returns where the tile begins within the tile that contains it at a coarser `level`: east (axis 0) or north (axis 1) of that
- * tile's first post, in posts of the finer tile. */
+/* Returns where the tile begins within the tile that contains it at a coarser `level`. Counted in posts of the finer tile, east
+ * (axis 0) or north (axis 1) of the coarser tile's first post. */
 uint64_t tile_within(const struct extent *extent, struct tile tile, int level, int axis);
 /* Gives the first and last key of the tiles below `tile` at a finer (or the same) `level`, both inclusive. */
 void tile_descendants(struct tile tile, int level, uint64_t *first, uint64_t *last);

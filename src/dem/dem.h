@@ -23,6 +23,8 @@ struct dem_params {
 	 * place. "source": the first source's, true or not, but metres. */
 	const char *t_srs;
 	double spacing;             /* metres; 0: that of the source (1 if it has none) */
+	/* x and y in t_srs of a post with which all posts of the result are aligned, at multiples of `spacing`; NULL: any posts */
+	const double *anchor;
 	enum dem_resample resample;
 	const double *nodata; /* further values that mean nodata, in the source's unit */
 	size_t nodata_count;
@@ -77,6 +79,9 @@ typedef enum status (*dem_tile_fn)(void *user, const struct dem_tile *tile);
 typedef enum status (*dem_progress_fn)(void *user, int64_t done, int64_t total);
 /* Reads the posts of a rectangle, as dem_read does. */
 typedef enum status (*dem_posts_fn)(void *user, struct post_rect rect, double *heights);
+/* Gives what insets make of a level-0 tile. Replaces the codes of posts that an inset has. *low, *high, *error: range and error, as
+ * in struct dem_tile, of the finer tiles below it. They come as NaN, NaN, 0. */
+typedef enum status (*dem_finer_fn)(void *user, struct tile tile, int32_t *codes, double *low, double *high, double *error);
 /* Gives the codes of a level-0 tile from an earlier, unfinished cut. *known is false if it has no such tile. */
 typedef enum status (*dem_known_fn)(void *user, struct tile tile, int32_t *codes, bool *known);
 
@@ -87,6 +92,8 @@ struct dem_cut {
 	void *posts_user;
 	dem_tile_fn emit;
 	void *emit_user;
+	dem_finer_fn finer; /* NULL: there are no insets */
+	void *finer_user;
 	dem_known_fn known; /* NULL: no tile is known. With it the cut emits the same tiles but reads fewer posts */
 	void *known_user;
 	dem_progress_fn progress; /* NULL: progress is not told */
@@ -97,6 +104,59 @@ struct dem_cut {
 /* Cuts posts into tiles of all levels from 0 to the coarsest, by decimation. The order of tiles depends only on the extent and
  * on panel_posts. STATUS_INPUT: a height cannot be coded. */
 enum status dem_cut(const struct dem_cut *cut) FURROW_CHECKED;
+
+/*
+ * Insets: finer sources in a part of a terrain, each stored at a level below 0.
+ *
+ * The level is the coarsest whose spacing is at most the source's. Its heights are blended with what surrounds it, over `feather` metres
+ * inwards from its outline: the country, or a coarser inset. Its holes are filled from their edges, and deep inside one from what surrounds
+ * the inset. Finer insets lie over coarser ones; of the same level the first named lies on top. One thread at a time.
+ */
+struct dem_insets;
+struct dem_insets_params {
+	struct dem *country;           /* must outlive the insets */
+	const struct extent *extent;   /* of the terrain */
+	const struct dem_params *dem;  /* of the country: nodata, resampling and threads count for insets too */
+	const char *const *sources;    /* a raster, a directory or "@list.txt" each */
+	size_t count;
+	double feather;                /* metres; below 0: ten posts of what surrounds the inset. At most a quarter of its shorter side */
+	bool match;                    /* lower or raise each inset by its offset */
+};
+struct dem_inset_info {
+	const char *source;
+	int level;
+	int64_t width, height;  /* posts, at that level */
+	double spacing;         /* metres */
+	double unit;            /* as in dem_info */
+	double feather;         /* metres */
+	double offset;          /* metres that it is above what surrounds it: the median over its rim */
+	int64_t rim_posts;      /* posts that the median is of; 0: there is nothing around it */
+	bool matched;           /* that offset was taken off */
+};
+enum status dem_insets_open(const struct dem_insets_params *params, struct dem_insets **out) FURROW_CHECKED;
+void dem_insets_close(struct dem_insets *insets); /* insets may be NULL */
+size_t dem_insets_count(const struct dem_insets *insets);
+/* In the order in which they were named. */
+const struct dem_inset_info *dem_insets_info(const struct dem_insets *insets, size_t index);
+const struct dem_info *dem_insets_files(const struct dem_insets *insets, size_t index); /* the files of that inset */
+
+struct dem_insets_cut {
+	struct dem_insets *insets;
+	double step; /* as in struct dem_cut */
+	dem_tile_fn emit;
+	void *emit_user;
+	/* Gives a tile that was emitted before; all of the finer level were. *found is false if there is none. */
+	enum status (*get)(void *user, struct tile tile, int32_t *codes, double *low, double *high, double *error, bool *found);
+	void *get_user;
+	/* called before the tiles of a level are asked for; NULL: no calls */
+	enum status (*settle)(void *user);
+	dem_progress_fn progress; /* asked for each row of tiles whether to go on; done is 0 */
+	void *progress_user;
+};
+/* Emits all tiles below level 0, finer levels first. The order depends only on the insets and the extent. */
+enum status dem_insets_cut(const struct dem_insets_cut *cut) FURROW_CHECKED;
+/* A dem_finer_fn; `user` is a struct dem_insets_cut whose tiles were all emitted. */
+enum status dem_insets_finer(void *user, struct tile tile, int32_t *codes, double *low, double *high, double *error) FURROW_CHECKED;
 
 /* Synthetic terrain. Any rectangle may be read. A post's height does not depend on the rectangle. */
 enum dem_synth_kind { DEM_SYNTH_RIDGED, DEM_SYNTH_DUNES, DEM_SYNTH_PLAIN };

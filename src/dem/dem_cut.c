@@ -189,10 +189,17 @@ static enum status band_full(struct cutting *cutting)
 	uint32_t cells = cutting->extent->cells;
 	assert(cutting->filled == cells + 1);
 	for (int64_t i = 0; i < band_tiles(cutting); i++) {
+		const struct dem_cut *cut = cutting->cut;
+		struct dem_tile tile = {band_tile_at(cutting, i), cutting->tile, (double)NAN, (double)NAN, 0};
+		enum status status = STATUS_OK;
 		band_tile(cutting, i, cutting->tile);
-		struct dem_measure measure = dem_measure(cutting->tile, cells, cutting->cut->step);
-		struct dem_tile tile = {band_tile_at(cutting, i), cutting->tile, measure.low, measure.high, 0};
-		enum status status = finish_tile(cutting, &tile, measure.loss);
+		if (cut->finer != NULL)
+			status = cut->finer(cut->finer_user, tile.tile, cutting->tile, &tile.low, &tile.high, &tile.error);
+		struct dem_measure measure = dem_measure(cutting->tile, cells, cut->step);
+		tile.low = fmin(tile.low, measure.low); /* fmin ignores NaN */
+		tile.high = fmax(tile.high, measure.high);
+		if (status == STATUS_OK)
+			status = finish_tile(cutting, &tile, measure.loss);
 		if (status != STATUS_OK)
 			return status;
 	}

@@ -266,6 +266,10 @@ static enum status lay_out(struct dem_target *target, const struct dem_params *p
 		return status;
 	double s = target->spacing, start[2] = {0, 0}, count[2];
 	bool anchored = false, projected = false;
+	for (int i = 0; i < 2 && params->anchor != NULL; i++) {
+		start[i] = params->anchor[i];
+		anchored = true;
+	}
 	for (size_t i = 0; i < groups->count && !anchored; i++) {
 		const struct dem_group *group = &groups->groups[i];
 		const double *at = dem_layers_lattice(group->layers)->at;

@@ -58,8 +58,8 @@ enum status store_resume(const char *path, const struct store_meta *meta, bool o
 /* Puts one tile. `codes`: (cells + 1)^2. Put each tile once. To resume a store, put the tiles in the same order as before. */
 enum status store_put_base(struct store *store, struct tile tile, const int32_t *codes,
 			   const struct store_range *range) FURROW_CHECKED;
-/* Reads the codes of a tile that was put before. Sets *found to false if it was not put. */
-enum status store_get_base(struct store *store, struct tile tile, int32_t *codes, bool *found) FURROW_CHECKED;
+/* Reads the codes and the range of a tile that was put before; range may be NULL. Sets *found to false if it was not put. */
+enum status store_get_base(struct store *store, struct tile tile, int32_t *codes, struct store_range *range, bool *found) FURROW_CHECKED;
 enum status store_publish(struct store *store) FURROW_CHECKED; /* syncs PATH.part and renames it to PATH */
 /* Commits and closes. PATH.part remains for store_resume. Frees the store, even on failure. */
 enum status store_suspend(struct store *store) FURROW_CHECKED;

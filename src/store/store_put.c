@@ -90,10 +90,13 @@ enum status store_put_base(struct store *store, struct tile tile, const int32_t 
 	return store_put_packed(store, tile, &packed, range);
 }
 
-enum status store_get_base(struct store *store, struct tile tile, int32_t *codes, bool *found)
+enum status store_get_base(struct store *store, struct tile tile, int32_t *codes, struct store_range *range, bool *found)
 {
 	struct row row;
-	return store_rows_read(&store->rows, ROW_BASE, tile, codes, &row, found);
+	enum status status = store_rows_read(&store->rows, ROW_BASE, tile, codes, &row, found);
+	if (status == STATUS_OK && *found && range != NULL)
+		*range = (struct store_range){row.low, row.high, row.error};
+	return status;
 }
 
 enum status store_suspend(struct store *store)

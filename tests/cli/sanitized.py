@@ -30,6 +30,8 @@ CHOSEN = {
 }
 OF_GDAL = {
     "failures": ["Unreadable", "SeamsThatDisagree", "Damage", "FullDisk.test_a_store_that_is_to_be_overwritten_survives_a_full_disk"],
+    "insets": ["Insets.test_holes_are_filled_and_a_ragged_outline_is_feathered",
+               "Insets.test_what_cannot_be_an_inset_is_refused_and_leaves_nothing"],
     "nodata": ["Nodata.test_no_kernel_reaches_over_a_holes_edge"],
     "round_trips": ["Places.test_levels_and_windows_export_in_their_place"],
     "values": ["Values.test_a_negative_scale_keeps_the_bound", "Bytes"],

@@ -40,7 +40,7 @@ static enum status put_tile(void *user, const struct dem_tile *tile)
 static enum status known_tile(void *user, struct tile tile, int32_t *codes, bool *known)
 {
 	struct putting *putting = user;
-	return store_get_base(putting->store, tile, codes, known);
+	return store_get_base(putting->store, tile, codes, NULL, known);
 }
 
 /* *resumed: tiles of an import that was broken off and is gone on with; NULL: anew. `left`: tiles until it is

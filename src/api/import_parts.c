@@ -1,0 +1,127 @@
+/* Imports elevation data into a store: what it is made of, and insets. */
+#include "api/import.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+/* --- insets --- */
+
+/* Gives the error and step of an inset's heights by themselves. */
+static void step_of(const struct import *import, const struct dem_inset_info *info, double *max_error, double *step)
+{
+	*max_error = import->max_error >= 0 ? import->max_error : api_intake_default_error(info->unit);
+	*step = api_intake_step(*max_error, info->unit, false);
+}
+
+/* A store has one step: the smallest. If the terrain's own is a multiple of it, the terrain keeps it, so that it takes no more bytes. */
+static void choose_step(struct import *import)
+{
+	struct store_meta *meta = &import->meta;
+	const double coarse = meta->step;
+	for (size_t i = 0; i < dem_insets_count(import->insets); i++) {
+		double max_error, step;
+		step_of(import, dem_insets_info(import->insets, i), &max_error, &step);
+		meta->max_error = fmin(meta->max_error, max_error);
+		meta->step = fmin(meta->step, step);
+	}
+	import->coarse_step = meta->step > 0 && coarse > meta->step && fmod(coarse, meta->step) == 0 ? coarse : 0;
+}
+
+enum status api_import_open_insets(struct import *import)
+{
+	enum status status = dem_insets_open(&(struct dem_insets_params){
+		.country = import->opened,
+		.extent = &import->meta.extent,
+		.dem = &import->dem,
+		.sources = (const char *const *)import->inset_sources,
+		.count = import->inset_count,
+		.feather = import->feather,
+		.match = import->match_heights,
+	}, &import->insets);
+	if (status == STATUS_OK)
+		choose_step(import);
+	return status;
+}
+
+/* --- what the store says about it --- */
+
+/* Returns the sources, one a line. NULL: out of memory. */
+static char *list_sources(const struct import *import)
+{
+	const struct dem_info *info = dem_info(import->opened);
+	size_t bytes = 1;
+	for (size_t i = 0; i < info->source_count; i++)
+		bytes += strlen(info->sources[i]) + 1;
+	for (size_t i = 0; i < import->inset_count; i++)
+		bytes += strlen(import->inset_sources[i]) + 1;
+	char *text = mem_calloc(bytes, 1), *at = text;
+	for (size_t i = 0; text != NULL && i < info->source_count; i++)
+		at += sprintf(at, "%s%s", i > 0 ? "\n" : "", info->sources[i]);
+	for (size_t i = 0; text != NULL && i < import->inset_count; i++)
+		at += sprintf(at, "\n%s", import->inset_sources[i]);
+	return text;
+}
+
+static void describe_file(FILE *out, const char *path)
+{
+	struct stat file = {0};
+	(void)stat(path, &file); /* GDAL may read sources that are no files */
+	fprintf(out, "%lld bytes of %lld.%09ld %s\n", (long long)file.st_size, (long long)file.st_mtim.tv_sec,
+		(long)file.st_mtim.tv_nsec, path);
+}
+
+static void describe_files(FILE *out, const struct dem_info *info)
+{
+	for (size_t i = 0; i < info->source_count; i++)
+		describe_file(out, info->sources[i]);
+	for (size_t i = 0; i < info->file_count; i++)
+		describe_file(out, info->files[i]);
+}
+
+/*
+ * Returns a text with everything that decides the store's content, one fact a line. These are the options, and each source with
+ * its files, their size and time of change. The program is one too, since the order of tiles and their bytes depend on it.
+ * NULL: out of memory.
+ */
+static char *describe(const struct import *import, const struct dem_info *info)
+{
+	char *text = NULL;
+	size_t size = 0;
+	FILE *out = open_memstream(&text, &size);
+	if (out == NULL)
+		return NULL;
+	const struct dem_params *dem = &import->dem;
+	fputs("furrow " FURROW_VERSION "\n", out);
+	fprintf(out, "posts %lld %lld tile %lld step %.17g pack %d spacing %.17g origin %.17g %.17g\n",
+		(long long)info->width, (long long)info->height, (long long)import->tile, import->meta.step, (int)import->pack,
+		info->spacing, info->origin[0], info->origin[1]);
+	fprintf(out, "panel %lld resample %d fill %d range %d %.17g %.17g nodata", (long long)info->panel_posts,
+		(int)dem->resample, dem->fill, dem->has_height_range, dem->height_min, dem->height_max);
+	for (size_t i = 0; i < dem->nodata_count; i++)
+		fprintf(out, " %.17g", dem->nodata[i]);
+	fprintf(out, "\nsrs %s\nfrom %s\n", info->srs, dem->s_srs != NULL ? dem->s_srs : "");
+	describe_files(out, info);
+	if (import->inset_count > 0)
+		fprintf(out, "insets feather %.17g match %d coarse %.17g\n", import->feather, import->match_heights, import->coarse_step);
+	for (size_t i = 0; i < import->inset_count; i++)
+		describe_files(out, dem_insets_files(import->insets, i));
+	bool whole = ferror(out) == 0;
+	if (fclose(out) == 0 && whole)
+		return text;
+	free(text);
+	return NULL;
+}
+
+enum status api_import_describe(struct import *import)
+{
+	import->lines = list_sources(import);
+	import->description = describe(import, dem_info(import->opened));
+	if (import->lines == NULL || import->description == NULL)
+		return fail_memory("sources");
+	import->meta.sources = import->lines;
+	import->meta.request = import->description;
+	return STATUS_OK;
+}

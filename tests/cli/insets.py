@@ -1,0 +1,211 @@
+"""Insets: what import makes of nested sources of other spacings, beside GDAL and beside the sources themselves."""
+import math
+import pathlib
+import random
+import sys
+import unittest
+
+sys.path.insert(0, str(pathlib.Path(__file__).parent))
+from furrow_test import SHARED, main
+from raster_test import RasterTest
+import rasters
+
+WEST, SOUTH = 500000, 5000000  # of the country's first post
+
+
+class Insets(RasterTest):
+    """A country of 32 m, a site of 1 m in it, a scan of 1/16 m in that: all on one lattice, so that nothing is resampled."""
+
+    def country(self, x, y):
+        return round(400 + 60 * math.sin(x / 700) + 40 * math.cos(y / 500))
+
+    def site(self, x, y):
+        return 407 + 60 * math.sin(x / 700) + 40 * math.cos(y / 500) + 2 * math.sin(x / 9) * math.cos(y / 7)
+
+    def scan(self, x, y):
+        return self.site(x, y) - 1.5 + 0.1 * math.sin(x * 3) * math.sin(y * 2.5)
+
+    def raster(self, name, value, x0, y0, width, height, step, code="f", **options):
+        """Posts from (x0, y0) on, metres from the country's first."""
+        self.make(name, width, height, lambda x, y: value(x0 + x * step, y0 + (height - 1 - y) * step), code, step=step,
+                  west=WEST + x0 - step / 2, north=SOUTH + y0 + (height - 0.5) * step, **options)
+        return name
+
+    def three(self):
+        self.raster("country.tif", self.country, 0, 0, 97, 81, 32, "h")
+        self.raster("site.tif", self.site, 800, 600, 501, 401, 1)
+        self.raster("scan.tif", self.scan, 1000, 780, 641, 481, 1 / 16)
+
+    def imported(self, *more, name="s.furrow", tile=64):
+        self.ok("import", "country.tif", *more, "-o", name, "--tile", tile, "--overwrite")
+        self.assertTrue(self.json("verify", name)["ok"])
+        return name
+
+    def base_of(self, store, level, x0, y0, x1, y1):
+        """{(x, y): height} of a window, in metres from the country's first post."""
+        step = 32 * 2.0 ** level
+        self.ok("export", store, "-o", "window.tif", "--layer", "base", "--level", level, "--window", f"{x0},{y0},{x1},{y1}")
+        width, height, cells = rasters.pixels(self.folder / "window.tif", "d")
+        place = rasters.gdalinfo(self.folder / "window.tif")["geoTransform"]
+        west, north = place[0] + step / 2 - WEST, place[3] - step / 2 - SOUTH
+        return {(west + i % width * step, north - i // width * step): v for i, v in enumerate(cells)}
+
+    def assertCore(self, store, level, window, truth, bound, most):
+        heights = self.base_of(store, level, *window)
+        self.assertGreater(len(heights), most)
+        worst = max(abs(v - truth(x, y)) for (x, y), v in heights.items())
+        self.assertLessEqual(worst, bound)
+
+    def test_in_each_core_the_store_is_that_source_at_every_level(self):
+        self.three()
+        store = self.imported("--inset", "site.tif", "--inset", "scan.tif", "--feather", 40)
+        self.assertEqual(self.json("info", store)["levels"], [-9, 1])
+        for level in (-9, -7, -5):
+            self.assertCore(store, level, (1011, 791, 1029, 799), self.scan, 0.00101, 100)
+        for level in (-5, -3, 0):
+            self.assertCore(store, level, (850, 650, 960, 950), self.site, 0.00101, 8)
+        # where no inset lies, the store is what it is without one
+        self.imported(name="plain.furrow")
+        for level in (-2, 0):
+            self.assertEqual(self.base_of(store, level, 0, 0, 760, 2500), self.base_of("plain.furrow", level, 0, 0, 760, 2500))
+
+    def test_the_tile_size_does_not_show(self):
+        self.three()
+        for name, tile in (("a", 16), ("b", 256)):
+            self.imported("--inset", "scan.tif", "--inset", "site.tif", name=name, tile=tile)
+        for level, window in ((-9, (995, 775, 1045, 815)), (-11, (1009, 779, 1013, 783)), (-5, (780, 580, 1320, 1010)), (0, (0, 0, 3000, 2500))):
+            self.assertEqual(self.base_of("a", level, *window), self.base_of("b", level, *window))
+
+    def steps(self, heights, step):
+        return [abs(v - heights[x + step, y]) for (x, y), v in heights.items() if (x + step, y) in heights]
+
+    def test_no_step_in_a_rim_is_above_the_slopes_that_meet_there(self):
+        """The steepest of a feather is 1.5 times the difference over its width; half a step of heights comes with each post."""
+        self.three()
+        for feather, apart in ((20, 8.7), (80, 8.7)):
+            store = self.imported("--inset", "site.tif", "--feather", feather)
+            heights = self.base_of(store, -5, 790, 700, 860, 720)
+            own = self.steps({p: self.site(*p) for p in heights}, 1)
+            under = self.steps(self.base_of(self.imported(name="plain.furrow"), -5, 790, 700, 860, 720), 1)
+            bound = max(own) + max(under) + 1.5 * apart / feather + 0.002
+            self.assertLessEqual(max(self.steps(heights, 1)), bound)
+            self.assertGreater(max(self.steps(heights, 1)), 1.5 * 6 / feather)  # it rises at all
+            # across the outline, where the weight begins, there is hardly any
+            edge = [abs(heights[800.0, float(y)] - heights[801.0, float(y)]) for y in range(701, 719)]
+            self.assertLess(max(edge), max(own) + max(under) + 3 * apart / feather ** 2 + 0.002)
+
+    def test_its_offset_is_found_and_taken_off_when_asked(self):
+        self.three()
+        for shift in (-3.0, 7.0):
+            self.raster("flat.tif", lambda x, y: shift + self.country(x, y), 640, 640, 41, 31, 16)
+            self.raster("country.tif", lambda x, y: 350, 0, 0, 97, 81, 32, "h")
+            self.raster("flat.tif", lambda x, y: 350 + shift, 640, 640, 41, 31, 16)
+            told = self.ok("import", "country.tif", "--inset", "flat.tif", "-o", "s.furrow", "--overwrite")
+            self.assertIn(f"{abs(shift):.3f} m {'lower' if shift < 0 else 'higher'} than what surrounds it", told)
+            self.assertCore("s.furrow", -1, (850, 850, 1000, 900), lambda x, y: 350 + shift, 0.001, 20)
+            told = self.ok("import", "country.tif", "--inset", "flat.tif", "-o", "s.furrow", "--overwrite", "--match-heights")
+            self.assertIn("taken off", told)
+            self.assertCore("s.furrow", -1, (600, 600, 1300, 1200), lambda x, y: 350, 0.001, 20)
+
+    def test_holes_are_filled_and_a_ragged_outline_is_feathered(self):
+        """A pinhole gets what is around it; in the middle of a large hole is the country; beyond a slanted edge too."""
+        def value(x, y):
+            if (x, y) == (1000.0, 1000.0) or math.hypot(x - 1200, y - 1000) < 110 or x - 640 < (y - 640) * 0.3:
+                return -9999.0
+            return 460.0
+        self.raster("country.tif", lambda x, y: 450, 0, 0, 97, 81, 32, "h")
+        self.raster("holed.tif", value, 640, 640, 201, 181, 4, nodata=-9999)
+        store = self.imported("--inset", "holed.tif", "--feather", 40)
+        heights = self.base_of(store, -3, 600, 600, 1450, 1380)
+        self.assertFalse(any(math.isnan(v) for v in heights.values()))
+        self.assertAlmostEqual(heights[1000.0, 1000.0], 460, delta=10 * 3 * (4 / 40) ** 2)
+        self.assertAlmostEqual(heights[1200.0, 1000.0], 450, delta=0.01)
+        self.assertEqual(heights[700.0, 1000.0], 450)
+        self.assertAlmostEqual(heights[900.0, 1000.0], 460, delta=0.002)
+        self.assertLess(max(self.steps(heights, 4.0)), 1.5 * 10 / 40 * 4 + 0.1)
+
+    def test_of_two_the_first_named_lies_on_top(self):
+        self.raster("country.tif", lambda x, y: 100, 0, 0, 97, 81, 32, "h")
+        self.raster("a.tif", lambda x, y: 110, 640, 640, 101, 101, 4)
+        self.raster("b.tif", lambda x, y: 120, 840, 640, 101, 101, 4)
+        for first, second, height in (("a.tif", "b.tif", 110), ("b.tif", "a.tif", 120)):
+            self.imported("--inset", first, "--inset", second, "--feather", 20)
+            self.assertCore("s.furrow", -3, (870, 700, 1010, 1000), lambda x, y: height, 0.001, 500)
+
+    def test_the_store_grows_by_the_insets_posts(self):
+        self.three()
+        store = self.imported("--inset", "site.tif", tile=32)
+        plain, inset = self.json("info", self.imported(name="plain.furrow", tile=32)), self.json("info", store)
+        grown = inset["bytes"]["base"] - plain["bytes"]["base"]
+        self.assertLess(grown, 3.2 * 501 * 401)
+        finer = inset["tiles"]["base"] - plain["tiles"]["base"]
+        self.assertLess(finer * 32 * 32, 2.2 * 501 * 401)
+
+    def test_what_cannot_be_an_inset_is_refused_and_leaves_nothing(self):
+        self.three()
+        self.raster("coarse.tif", self.country, 320, 320, 11, 11, 32)
+        self.raster("away.tif", self.site, 9000, 9000, 51, 51, 1)
+        self.raster("bare.tif", self.site, 800, 600, 51, 51, 1, srs=None)
+        for name, why in (("coarse.tif", "no finer than"), ("away.tif", "does not lie in the terrain"), ("bare.tif", "no SRS"),
+                          ("gone.tif", "no such file")):
+            told = self.refused(3, "import", "country.tif", "--inset", name, "-o", "no.furrow")
+            self.assertIn(name, told)
+            self.assertIn(why, told)
+        self.assertEqual(list(self.folder.glob("no.furrow*")), [])
+
+    def test_what_was_broken_off_goes_on_to_the_same_store(self):
+        self.three()
+        one = self.imported("--inset", "site.tif", "--inset", "scan.tif", "--jobs", 1)
+        many = self.imported("--inset", "site.tif", "--inset", "scan.tif", "--jobs", 3, name="m.furrow")
+        self.assertEqual(self.json("info", one)["base_hash"], self.json("info", many)["base_hash"])
+
+
+@unittest.skipUnless((SHARED / "dem").is_dir(), "needs the shared elevation data")
+class RealInsets(RasterTest):
+    """Big Tujunga at 30 m; a site of it, made finer and raised; the Gabilan ground made a scan of 5 cm. GDAL makes them and says what
+    is true."""
+
+    def test_three_nested_sources(self):
+        dem, made = SHARED / "dem", self.folder
+        rasters.gdal("gdalwarp", "-q", "-ot", "Float32", "-r", "cubicspline", "-tr", 1, 1, "-te", 394000, 3798000, 394600, 3798500,
+                     dem / "bigtujunga.tif", made / "flat.tif")
+        rasters.gdal("gdal_translate", "-q", "-scale", 0, 1000, 3, 1003, made / "flat.tif", made / "site.tif")
+        ground = float(rasters.values_at(made / "site.tif", [(394300, 3798250)])[0])
+        rasters.gdal("gdal_translate", "-q", "-srcwin", 200, 200, 400, 360, "-a_srs", "EPSG:32611", "-a_ullr", 394290, 3798259, 394310,
+                     3798241, "-ot", "Float32", "-scale", 187.9, 307.3, ground, ground + 6, dem / "gabilan_dtm1m.bil", made / "scan.tif")
+        told = self.ok("import", dem / "bigtujunga.tif", "--inset", "site.tif", "--inset", "scan.tif", "-o", "s.furrow")
+        self.assertRegex(told, r"site.tif: .* level -5.*\n  [23]\.\d+ m higher")
+        self.assertRegex(told, r"scan.tif: .* level -10")
+        self.assertTrue(self.json("verify", "s.furrow")["ok"])
+        for level, source, window in ((-5, "site.tif", (394160, 3798170, 394280, 3798220)),
+                                      (-10, "scan.tif", (394296, 3798247, 394304, 3798253))):
+            self.check_core(level, source, window)
+
+    def check_core(self, level, source, window):
+        """Every post of a window against what gdalwarp makes of the source on the same lattice."""
+        info = self.json("info", "s.furrow")
+        west, south = info["origin"]
+        near = [v - o for v, o in zip(window, (west, south) * 2)]
+        self.ok("export", "s.furrow", "-o", "w.tif", "--layer", "base", "--level", level,
+                "--window", ",".join(map(repr, near)))
+        place = rasters.gdalinfo(self.folder / "w.tif")
+        gt, (width, height) = place["geoTransform"], place["size"]
+        step = 30 * 2.0 ** level
+        rasters.gdal("gdalwarp", "-q", "-overwrite", "-r", "bilinear", "-et", 0, "-tr", step, step, "-te", repr(gt[0]),
+                     repr(gt[3] - height * step), repr(gt[0] + width * step), repr(gt[3]), "-t_srs", "EPSG:32611", self.folder / source,
+                     self.folder / "truth.tif")
+        wide, high, ours = rasters.pixels(self.folder / "w.tif")
+        self.assertEqual((wide, high), rasters.pixels(self.folder / "truth.tif")[:2])
+        truth = rasters.pixels(self.folder / "truth.tif")[2]
+        self.assertGreater(len(ours), 5000)
+        self.assertLessEqual(max(abs(a - b) for a, b in zip(ours, truth)), 0.0012)
+        # and by points, as a user asks
+        pixels = random.Random(level).sample(range(len(ours)), 40)
+        points = [(gt[0] + (i % width + 0.5) * step, gt[3] - (i // width + 0.5) * step) for i in pixels]
+        lines = "".join(f"{x!r} {y!r}\n" for x, y in points)
+        heights = [p["height"] for p in self.json("query", "s.furrow", "--srs", "EPSG:32611", stdin=lines)["points"]]
+        self.assertLessEqual(max(abs(h - truth[i]) for h, i in zip(heights, pixels)), 0.0012)
+
+
+if __name__ == "__main__":
+    main()
