@@ -2,8 +2,8 @@
  * Base heights of any level, from tiles that the store has.
  *
  * Below level 0 a tile may be stored in part, where an inset lies, or not at all. A post has the value of the finest level that
- * gives one: its own level, if the post is stored; else the interpolation between posts of the next coarser level that has them;
- * at last that of level 0. So the value depends on the post alone, and tiles that share it agree.
+ * gives one. Its own level gives one if the post is stored. A coarser level gives one if it has all posts around; it is interpolated
+ * between them. So the value depends on the post alone, and tiles that share it agree.
  */
 #include "resident/ground_internal.h"
 
