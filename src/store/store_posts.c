@@ -3,8 +3,8 @@
  *
  * Passes over the rectangle read it. The first ones read the base, which tells where there is no data; the last reads the
  * deformation. Each pass reads tiles of one stored level, which is the requested level or coarser. It interpolates between posts
- * as the shaders do. Below level 0 there is a pass over the base for each level with insets, from the finest, and one for level 0:
- * each fills the posts that have no height yet. All passes are in one transaction, so all posts are of one commit.
+ * as the shaders do. Below level 0 there is a pass over the base for each level with insets, from the finest, and one for level 0.
+ * Each of them fills the posts that have no height yet. All passes are in one transaction, so all posts are of one commit.
  */
 #include "store/internal.h"
 

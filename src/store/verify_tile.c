@@ -155,7 +155,7 @@ static bool same_where_stored(const struct verifying *verifying)
 	return true;
 }
 
-/* Checks a tile at level 0 or below, where insets may have some of the tiles below it: each post that one of these has must be the
+/* Checks a tile at level 0 or below, where insets may have some of the tiles below it. Each post that one of these has must be the
  * same in this tile. Widens `range` by their ranges. *exact: as above. */
 static enum status check_insets(struct verifying *verifying, struct tile tile, struct row *range, bool *exact)
 {
