@@ -46,8 +46,8 @@ static void hold_level(struct vehicle *vehicle, double h)
 	mj_integratePos(model, data->qpos, less, h);
 }
 
-/* Gives wheels so much inertia that they do not turn, or what the model gives them, and stops them: what so much inertia lets them
- * turn would still count as motion. */
+/* Gives wheels so much inertia that they do not turn, or what the model gives them. Then it stops them: with so much inertia even the
+ * slowest turn would count as motion. */
 static void brake(const struct vehicle *vehicle, bool braked)
 {
 	for (size_t g = 0; g < vehicle->geom_count; g++) {
