@@ -17,5 +17,6 @@ $furrow export demo/demo.furrow -o demo/hillshade.png --layer hillshade
 echo
 echo "pictures:  $(ls demo/drive/*.png demo/hillshade.png demo/ruts.png | tr '\n' ' ')"
 echo "figures:   demo/drive/run.json; the vehicle demo/drive/vehicles.csv, its wheels demo/drive/objects.csv"
+echo "a plot:    python3 examples/plot_drive.py demo/drive demo/drive.png (with python3-matplotlib)"
 echo "terrain:   demo/demo.furrow, its ruts demo/ruts.furrow (try: $furrow info demo/ruts.furrow)"
 echo "a window:  $furrow view tools/scenes/demo.yaml"

@@ -72,6 +72,24 @@ class ExamplesTest(unittest.TestCase):
         else:
             self.assertIn("nothing is plotted", result.stdout)
 
+    def test_plot_drive(self):
+        if prefix.python_with("numpy", "matplotlib") is None:
+            self.skipTest("there is no matplotlib")
+        shutil.copy(EXAMPLES / "plot_drive.py", prefix.work)
+        drive, picture = prefix.work / "drive", prefix.work / "drive.png"
+        drive.mkdir()
+        # A car goes 2 m/s for 10 s; its one wheel slips by 0.2, is 30 mm deep, and its motors give 4 kW.
+        times = [i / 50 for i in range(501)]
+        (drive / "vehicles.csv").write_text("t,name,x,y,z,roll,pitch,yaw,vx,vy,vz,kinetic,work\n" + "".join(
+            f"{t},car,{2 * t},5,1,0,3,0,2,0,0,10,{4000 * t}\n" for t in times))
+        (drive / "objects.csv").write_text("t,name,sinkage,slip\n" + "".join(f"{t},car.wheel,0.03,0.2\n" for t in times))
+        told = prefix.run_python("plot_drive.py", drive, picture, modules=("numpy", "matplotlib")).stdout
+        self.assertIn("car: 20.0 m in 10.0 s, 40.0 kJ", told)
+        self.assertEqual(picture.read_bytes()[:8], b"\x89PNG\r\n\x1a\n")
+        missing = prefix.run_python("plot_drive.py", drive, picture, "bus", modules=("numpy", "matplotlib"), check=False)
+        self.assertNotEqual(missing.returncode, 0)
+        self.assertIn("there is no vehicle bus; there are car", missing.stderr)
+
     def test_the_programs_of_the_readme(self):
         section = (prefix.ROOT / "README.md").read_text(encoding="utf-8").split("## From C and Python")[1].split("\n## ")[0]
         sources = dict(re.findall(r"```(python|c)\n(.*?)```", section, re.DOTALL))
