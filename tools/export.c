@@ -16,6 +16,10 @@ static const struct command_option options[] = {
 	{"height-range", "MIN,MAX", "metres that a PNG's 0 and full scale mean (one metre a unit); of a map, its ramp's ends"},
 	{"sun", "AZIMUTH,ALTITUDE", "of a hillshade, degrees clockwise from north and above the horizon (315,45)"},
 	{"exaggerate", "TIMES", "a hillshade as if heights were so many times what they are (1)"},
+	{"tiles", "DIR", "a folder of map tiles, globe tiles and a page that shows them, instead of -o"},
+	{"since", "REVISION", "with --tiles: only tiles that changed after this revision of the store"},
+	{"jobs", "N", "with --tiles: threads (all cores)"},
+	{"leaflet", "DIR", "with --tiles: where leaflet.js and leaflet.css are (/usr/share/javascript/leaflet, of libjs-leaflet)"},
 	{NULL, NULL, NULL},
 };
 
@@ -53,7 +57,7 @@ static bool is_picture(const struct export_request *request)
 	return request->png && is_ruts(request);
 }
 
-static enum status read_light(const struct arguments *arguments, struct export_request *request)
+enum status export_read_light(const struct arguments *arguments, struct export_request *request, bool lit)
 {
 	double sun[2] = {315, 45};
 	bool given;
@@ -65,7 +69,6 @@ static enum status read_light(const struct arguments *arguments, struct export_r
 	if (fabs(sun[0]) > 360 || sun[1] < 10 || sun[1] > 90)
 		return fail_with(STATUS_USAGE, "export: --sun %g,%g: is not in the sky; give degrees from north, and 10 to 90 above "
 					       "the horizon", sun[0], sun[1]);
-	bool lit = request->layer == LAYER_HILLSHADE || is_picture(request);
 	if (!lit && (given || arguments_flag(arguments, "exaggerate")))
 		return fail_with(STATUS_USAGE, "export: nothing of layer %s is lit; leave --sun and --exaggerate out",
 				 layer_names[request->layer]);
@@ -106,7 +109,7 @@ static enum status read_request(const struct arguments *arguments, struct export
 	if (request->has_range && request->range[0] >= request->range[1])
 		return fail_with(STATUS_USAGE, "export: --height-range %g,%g: is empty; give MIN,MAX", request->range[0],
 				 request->range[1]);
-	status = read_light(arguments, request);
+	status = export_read_light(arguments, request, request->layer == LAYER_HILLSHADE || is_picture(request));
 	return status == STATUS_OK && is_picture(request) ? export_check_picture(request) : status;
 }
 
@@ -264,6 +267,8 @@ static enum status run(const struct arguments *arguments)
 {
 	struct export_request request = {.layer = LAYER_SURFACE, .exaggerate = 1};
 	struct store *store = NULL;
+	if (arguments_text(arguments, "tiles") != NULL)
+		return export_tiles(arguments);
 	enum status status = read_request(arguments, &request);
 	request.store = arguments_at(arguments, 0);
 	if (status == STATUS_OK)
@@ -280,13 +285,17 @@ static enum status run(const struct arguments *arguments)
 const struct command command_export = {
 	.name = "export",
 	.usage = "export STORE -o OUT.tif|OUT.png [--layer surface|base|offset|deposited|plastic_sinkage|shear|shear_x|shear_y|fixed_point|hillshade] "
-		 "[--level L] [--window X0,Y0,X1,Y1] [--height-range MIN,MAX] [--sun AZIMUTH,ALTITUDE] [--exaggerate TIMES]",
-	.summary = "posts of a store as a GeoTIFF or a PNG",
+		 "[--level L] [--window X0,Y0,X1,Y1] [--height-range MIN,MAX] [--sun AZIMUTH,ALTITUDE] [--exaggerate TIMES] | "
+		 "--tiles DIR [--since REVISION]",
+	.summary = "posts of a store as a GeoTIFF or a PNG, or as tiles for maps and globes",
 	.details = "Rasters are north up, one pixel a post, and carry the store's reference system. Levels finer than\n"
 		   "what is stored are interpolated. Nodata of a hillshade is 0.\n"
 		   "A .png of offset, deposited, plastic_sinkage or of shear is a map: false colours over the hillshade, with a legend, a scale bar\n"
 		   "and north. Its pixels are posts, small maps enlarged by a whole factor; more than 4096 on a side are drawn at a\n"
-		   "coarser level, each pixel with the largest value of the posts within it, so that narrow ruts are seen.\n",
+		   "coarser level, each pixel with the largest value of the posts within it, so that narrow ruts are seen.\n"
+		   "--tiles writes terrain-RGB, hillshade and ruts under Z/X/Y, Cesium's quantized-mesh with layer.json, and a page that shows them\n"
+		   "behind any static server: python3 -m http.server -d DIR. Run again after a kill it goes on; with --since it writes what\n"
+		   "changed. src/exchange/EXCHANGE.md says how to use the tiles.\n",
 	.options = options,
 	.run = run,
 };

@@ -37,6 +37,12 @@ enum store_layer export_store_layer(int layer);
 enum status export_find_rect(const struct export_request *request, const struct extent *extent, struct post_rect *rect)
 	FURROW_CHECKED;
 
+/* Reads --sun and --exaggerate. `lit`: something is lit; otherwise the options are refused. */
+enum status export_read_light(const struct arguments *arguments, struct export_request *request, bool lit) FURROW_CHECKED;
+
+/* export_tiles.c: --tiles. */
+enum status export_tiles(const struct arguments *arguments) FURROW_CHECKED;
+
 /* export_picture.c: what deformation left, in false colour on the hillshade. */
 enum status export_check_picture(const struct export_request *request) FURROW_CHECKED;
 enum status export_picture(const struct export_request *request, struct store *store) FURROW_CHECKED;

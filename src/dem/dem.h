@@ -241,6 +241,25 @@ enum status dem_numbers_read(struct dem_pixels *pixels, int level, struct post_r
 enum status dem_transform(const char *from_srs, const char *to_wkt, size_t count, double *x, double *y)
 	FURROW_CHECKED;
 
+/*
+ * Longitude and latitude of the points of an SRS, in degrees: WGS84 on the Earth, on another body that body's own. One thread at a
+ * time uses a handle.
+ */
+struct dem_globe;
+struct dem_globe_info {
+	double semi_major, flattening; /* of the ellipsoid: metres, and a share of 1 */
+	bool earth;
+	char name[80]; /* of the system of the degrees */
+};
+/* *out is NULL, and the status is STATUS_OK, if the SRS is local and lies on no body. STATUS_INPUT: it is not an SRS, or has no way
+ * to degrees. STATUS_FAILED: there is no GDAL. */
+enum status dem_globe_create(const char *wkt, struct dem_globe **out) FURROW_CHECKED;
+void dem_globe_destroy(struct dem_globe *globe); /* globe may be NULL */
+const struct dem_globe_info *dem_globe_info(const struct dem_globe *globe);
+/* Convert points in place: x, y of the SRS to longitude and latitude, and back. A point without a result becomes NaN. */
+void dem_globe_to_degrees(struct dem_globe *globe, size_t count, double *x, double *y);
+void dem_globe_from_degrees(struct dem_globe *globe, size_t count, double *x, double *y);
+
 /* --- GDAL's own messages --- */
 
 /* Suppress GDAL's own messages, since this library reports each error itself. dem_quiet_process: for the whole process; the

@@ -34,6 +34,36 @@ enum status dem_transform(const char *from_srs, const char *to_wkt, size_t count
 			 "knows no SRS; give local coordinates, or build with GDAL", from_srs);
 }
 
+enum status dem_globe_create(const char *wkt, struct dem_globe **out)
+{
+	(void)wkt;
+	*out = NULL;
+	return fail_with(STATUS_FAILED, "degrees of a store with an SRS: this furrow was built without GDAL and knows no SRS; build "
+			 "with GDAL");
+}
+
+void dem_globe_destroy(struct dem_globe *globe)
+{
+	(void)globe;
+}
+
+/* No handle was ever made. */
+const struct dem_globe_info *dem_globe_info(const struct dem_globe *globe)
+{
+	(void)globe;
+	return NULL;
+}
+
+void dem_globe_to_degrees(struct dem_globe *globe, size_t count, double *x, double *y)
+{
+	(void)globe, (void)count, (void)x, (void)y;
+}
+
+void dem_globe_from_degrees(struct dem_globe *globe, size_t count, double *x, double *y)
+{
+	(void)globe, (void)count, (void)x, (void)y;
+}
+
 enum status dem_placed_gdal_open(const struct dem_placed_params *params, enum dem_placed_kind kind, int64_t most,
 				 struct dem_placed **out)
 {

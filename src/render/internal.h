@@ -113,9 +113,6 @@ double render_body_air(const struct scene_light *light); /* returns the haze rel
 void render_body_background(const struct scene_light *light, float rgba[4]); /* gives the colour where nothing is drawn */
 
 /* --- ramp.c --- */
-/* Returns the colour to lay over ground for `t`, -1 to 1; 0 is fully transparent. Only the signed ramp distinguishes negative
- * from positive. */
-struct render_colour render_ramp(enum render_ramp ramp, double t);
 /* Returns the position of a value on a ramp, -1 to 1. Values outside the range give positions outside -1 to 1. */
 double render_ramp_place(const struct render_range *range, double value);
 /* Returns the colour of shaded ground with the colour `over` on it. `shade`: brightness, NaN: nodata. `flat`: the shade at

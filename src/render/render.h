@@ -208,6 +208,9 @@ double render_round_range(double size);
 
 /* A map layout: a title, the map in a frame, and below it a legend of colours, a scale bar and a north arrow. */
 enum render_ramp { RENDER_RAMP_SIGNED, RENDER_RAMP_GREEN, RENDER_RAMP_ROSE };
+/* Returns the colour to lay over ground for `t`, -1 to 1; 0 is fully transparent. Only the signed ramp distinguishes negative
+ * from positive. */
+struct render_colour render_ramp(enum render_ramp ramp, double t);
 struct render_range {
 	double low, high; /* metres: the ends of the ramp. `low` is below 0 for the signed ramp, else 0 */
 };

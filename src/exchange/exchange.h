@@ -1,0 +1,86 @@
+/*
+ * exchange: the terrain in the formats of other tools. It writes tiles for web maps and globes, with a page that shows them, and
+ * meshes of a window. No GL.
+ *
+ * Nothing here changes a store. Exports may run while a drive writes the store: each read sees one commit, two reads may see two.
+ */
+#ifndef FURROW_EXCHANGE_H
+#define FURROW_EXCHANGE_H
+
+#include <stdint.h>
+
+#include "base/base.h"
+#include "render/render.h"
+#include "store/store.h"
+
+/*
+ * --- tiles (TILES.md has the files) ---
+ *
+ * A folder of tiles: terrain-RGB heights, hillshade and ruts as PNGs of 256 x 256 pixels under z/x/y, quantized-mesh tiles for
+ * globes, layer.json, and index.html.
+ */
+struct exchange_tiles_params {
+	struct store *store;
+	const char *directory; /* made if it is not there */
+	const char *title;     /* of the page */
+	int64_t since;         /* write only tiles that changed after this revision; -1: all */
+	bool has_range;
+	double range[2];       /* metres: ends of the ruts' colours, below and above 0. Without it: chosen, or those of the folder */
+	struct render_sun sun;
+	double exaggerate;     /* factor of heights for the shading */
+	int64_t jobs;          /* threads; 0: one for each core */
+	const char *leaflet;   /* folder of leaflet.js and leaflet.css, which are copied beside the page */
+	/* Called on the caller's thread. If it does not return STATUS_OK, the work stops. May be NULL. */
+	store_progress_fn progress;
+	void *progress_user;
+};
+
+enum exchange_set { EXCHANGE_TERRAIN, EXCHANGE_HILLSHADE, EXCHANGE_RUTS, EXCHANGE_MESH, EXCHANGE_SETS };
+
+struct exchange_tiles_result {
+	int64_t revision;                /* of the store, when the export began */
+	int zoom[2], mesh_zoom[2];       /* least and greatest */
+	int64_t made[EXCHANGE_SETS];     /* tiles that were computed */
+	int64_t written[EXCHANGE_SETS];  /* of these, files that are new or differ from what was there */
+	int64_t removed;                 /* files of tiles that are no more */
+	int64_t kept;                    /* blocks of tiles that an unfinished export had made */
+	double range[2];                 /* metres: ends of the ruts' colours */
+	bool local, earth;
+	char system[80];                 /* name of the degrees' system; "" for local metres */
+	double seconds;
+	int threads;
+};
+
+/*
+ * Writes the tiles. If an export to the same folder with the same parameters and revision was killed, it goes on from there.
+ * STATUS_INPUT: the folder holds something else, or tiles of another terrain, or tiles that are too old for `since`. STATUS_INPUT,
+ * too: terrain-RGB cannot hold the heights, or the terrain crosses the antimeridian or a pole. STATUS_FAILED: a file cannot be written; Leaflet is
+ * not there. STATUS_INTERRUPTED: `progress` stopped it; the next call goes on.
+ */
+enum status exchange_tiles(const struct exchange_tiles_params *params, struct exchange_tiles_result *result) FURROW_CHECKED;
+
+/*
+ * --- meshes ---
+ *
+ * The surface of a window as triangles: two for each cell, one where one of its posts is a hole, none where more are. Positions
+ * are metres east, north and up of the mesh's origin, so that floats hold them.
+ */
+struct exchange_mesh_params {
+	struct store_reader *reader;
+	const struct store_meta *meta;
+	const char *path;      /* ending in .obj, .glb or .stl */
+	int level;
+	struct post_rect rect; /* of posts of `level`, within the terrain */
+	store_progress_fn progress; /* may be NULL */
+	void *progress_user;
+};
+struct exchange_mesh_result {
+	uint64_t vertices, triangles, bytes; /* vertices: 0 for STL, which repeats them */
+	double origin[3]; /* metres: east and north of the store's south-west post, and height, where the mesh has (0, 0, 0) */
+	double low[3], high[3]; /* metres: bounds of the positions, east, north, up */
+};
+/* Writes the mesh to another name first, then renames it. STATUS_INPUT: no triangle is there, or the file would be too large; the
+ * message says how large. STATUS_USAGE: another ending. */
+enum status exchange_mesh(const struct exchange_mesh_params *params, struct exchange_mesh_result *result) FURROW_CHECKED;
+
+#endif

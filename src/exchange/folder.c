@@ -1,0 +1,183 @@
+/*
+ * The files of a folder of tiles. A file is written aside and renamed, so a kill leaves whole files only. A file that has the right
+ * bytes is left alone: its time tells when the tile last changed.
+ */
+#include "exchange/internal.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "base/aside.h"
+
+static const struct {
+	const char *folder, *ending;
+} sets[EXCHANGE_SETS] = {
+	[EXCHANGE_TERRAIN] = {"terrain", "png"}, [EXCHANGE_HILLSHADE] = {"hillshade", "png"}, [EXCHANGE_RUTS] = {"ruts", "png"},
+	[EXCHANGE_MESH] = {"mesh", "terrain"},
+};
+
+const char *exchange_set_name(enum exchange_set set)
+{
+	return sets[set].folder;
+}
+
+enum status exchange_tile_path(const char *directory, enum exchange_set set, struct tile tile, char path[EXCHANGE_PATH])
+{
+	int length = snprintf(path, EXCHANGE_PATH, "%s/%s/%d/%u/%u.%s", directory, sets[set].folder, tile.level, tile.x, tile.y, sets[set].ending);
+	return length < EXCHANGE_PATH - 8 ? STATUS_OK : fail_with(STATUS_INPUT, "%.80s...: the path is too long; give a shorter one", directory);
+}
+
+enum status exchange_file_get(const char *path, size_t most, struct exchange_bytes *out, bool *found)
+{
+	*found = false;
+	out->size = 0;
+	FILE *file = fopen(path, "rb");
+	if (file == NULL)
+		return errno == ENOENT || errno == ENOTDIR
+			       ? STATUS_OK
+			       : fail_with(STATUS_FAILED, "%s: cannot be read: %s; check its permissions", path, strerror(errno));
+	uint8_t block[16384];
+	size_t size;
+	enum status status = STATUS_OK;
+	while (status == STATUS_OK && out->size <= most && (size = fread(block, 1, sizeof block, file)) > 0)
+		status = exchange_bytes_add(out, block, size);
+	if (status == STATUS_OK && ferror(file))
+		status = fail_with(STATUS_FAILED, "%s: cannot be read: %s; check the disk", path, strerror(errno));
+	fclose(file);
+	*found = status == STATUS_OK && out->size <= most;
+	return status;
+}
+
+/* True if the file has just these bytes. */
+static bool same(const char *path, const struct exchange_bytes *bytes)
+{
+	FILE *file = fopen(path, "rb");
+	if (file == NULL)
+		return false;
+	uint8_t block[16384];
+	size_t at = 0, size;
+	bool equal = true;
+	while (equal && (size = fread(block, 1, sizeof block, file)) > 0) {
+		equal = size <= bytes->size - at && memcmp(block, bytes->data + at, size) == 0;
+		at += size;
+	}
+	equal = equal && !ferror(file) && at == bytes->size;
+	fclose(file);
+	return equal;
+}
+
+/* Makes the folders above a file. */
+static enum status make_folders(const char *path)
+{
+	char part[EXCHANGE_PATH];
+	snprintf(part, sizeof part, "%s", path);
+	for (char *slash = strchr(part + 1, '/'); slash != NULL; slash = strchr(slash + 1, '/')) {
+		*slash = '\0';
+		if (mkdir(part, 0777) != 0 && errno != EEXIST)
+			return fail_with(STATUS_FAILED, "%s: cannot be made: %s; give a folder that can be written", part, strerror(errno));
+		*slash = '/';
+	}
+	return STATUS_OK;
+}
+
+enum status exchange_file_folder(const char *directory)
+{
+	char path[EXCHANGE_PATH];
+	if (snprintf(path, sizeof path, "%s/", directory) >= (int)sizeof path - 64)
+		return fail_with(STATUS_INPUT, "%.80s...: the path is too long; give a shorter one", directory);
+	return make_folders(path);
+}
+
+enum status exchange_file_put(const char *path, const struct exchange_bytes *bytes, bool *written)
+{
+	*written = false;
+	if (same(path, bytes))
+		return STATUS_OK;
+	struct aside aside;
+	enum status status = aside_begin(&aside, path);
+	if (status != STATUS_OK) {
+		aside_finish(&aside);
+		status = make_folders(path);
+		if (status != STATUS_OK)
+			return status;
+		status = aside_begin(&aside, path);
+	}
+	if (status == STATUS_OK) {
+		(void)fwrite(bytes->data, 1, bytes->size, aside.file); /* aside_whole tells a failure */
+		status = aside_whole(&aside, false);
+	}
+	if (status == STATUS_OK)
+		status = aside_publish(&aside);
+	aside_finish(&aside);
+	*written = status == STATUS_OK;
+	return status;
+}
+
+enum status exchange_file_remove(const char *path, bool *removed)
+{
+	*removed = unlink(path) == 0;
+	return *removed || errno == ENOENT || errno == ENOTDIR
+		       ? STATUS_OK
+		       : fail_with(STATUS_FAILED, "%s: cannot be removed: %s; check the folder's permissions", path, strerror(errno));
+}
+
+/* --- listing --- */
+
+/* The number that a name is: "12", or with an ending "12.png". */
+static bool number_of(const char *name, const char *ending, uint32_t *number)
+{
+	char *end;
+	if (name[0] < '0' || name[0] > '9')
+		return false;
+	errno = 0;
+	unsigned long long value = strtoull(name, &end, 10);
+	if (errno != 0 || value >= 1u << 28)
+		return false;
+	*number = (uint32_t)value;
+	return ending == NULL ? *end == '\0' : *end == '.' && strcmp(end + 1, ending) == 0;
+}
+
+struct walk {
+	enum exchange_set set;
+	exchange_tile_fn fn;
+	void *user;
+	uint32_t numbers[3]; /* z, x, y */
+};
+
+static enum status walk(struct walk *walked, const char *path, int depth)
+{
+	DIR *folder = opendir(path);
+	if (folder == NULL)
+		return errno == ENOENT || errno == ENOTDIR
+			       ? STATUS_OK
+			       : fail_with(STATUS_FAILED, "%s: cannot be listed: %s; check its permissions", path, strerror(errno));
+	enum status status = STATUS_OK;
+	const struct dirent *entry;
+	while (status == STATUS_OK && (entry = readdir(folder)) != NULL) {
+		if (!number_of(entry->d_name, depth == 2 ? sets[walked->set].ending : NULL, &walked->numbers[depth]))
+			continue;
+		char below[EXCHANGE_PATH];
+		if (depth == 2) {
+			const uint32_t *n = walked->numbers;
+			if (n[0] <= EXCHANGE_ZOOM_MOST)
+				status = walked->fn(walked->user, (struct tile){(int)n[0], n[1], n[2]});
+		} else if (snprintf(below, sizeof below, "%s/%s", path, entry->d_name) < (int)sizeof below) {
+			status = walk(walked, below, depth + 1);
+		}
+	}
+	closedir(folder);
+	return status;
+}
+
+enum status exchange_folder_each(const char *directory, enum exchange_set set, exchange_tile_fn fn, void *user)
+{
+	char path[EXCHANGE_PATH];
+	struct walk walked = {.set = set, .fn = fn, .user = user};
+	snprintf(path, sizeof path, "%s/%s", directory, sets[set].folder);
+	return walk(&walked, path, 0);
+}

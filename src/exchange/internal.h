@@ -1,0 +1,226 @@
+/* Shared by the files of src/exchange: frames, zoom levels, samples and files of tiles. */
+#ifndef FURROW_EXCHANGE_INTERNAL_H
+#define FURROW_EXCHANGE_INTERNAL_H
+
+#include <assert.h>
+#include <math.h>
+
+#include "base/key_map.h"
+#include "base/key_set.h"
+#include "dem/dem.h"
+#include "exchange/exchange.h"
+
+#define EXCHANGE_PIXELS 256 /* along a map tile */
+#define EXCHANGE_CELLS 64   /* along a mesh tile */
+#define EXCHANGE_ZOOM_MOST 24
+#define EXCHANGE_ZOOMS (2 * (EXCHANGE_ZOOM_MOST + 1))
+#define EXCHANGE_NO_REVISION (-1)
+
+/*
+ * --- frame.c: where a terrain lies ---
+ *
+ * A frame gives each point of the store a longitude and a latitude, and a place on the map. The map is Web Mercator. For a store in
+ * local metres it is a square that begins at the south-west post. A local store has degrees too: it is laid out around 0, 0. One thread at a
+ * time uses a frame.
+ */
+struct exchange_frame {
+	const struct store_meta *meta;
+	struct dem_globe *globe; /* NULL: local metres */
+	double semi_major, flattening;
+	bool earth;
+	double bounds[4]; /* degrees: west, south, east, north of all posts, a little more */
+	double side;      /* metres: of a local map's square */
+};
+enum status exchange_frame_init(struct exchange_frame *frame, const struct store_meta *meta) FURROW_CHECKED;
+void exchange_frame_finish(struct exchange_frame *frame); /* frame may be all zero */
+/* Convert points in place between metres east and north of the south-west post and degrees. NaN: no such point. */
+void exchange_frame_to_degrees(const struct exchange_frame *frame, size_t count, double *x, double *y);
+void exchange_frame_from_degrees(const struct exchange_frame *frame, size_t count, double *x, double *y);
+/* Return the metres of a degree to the east and to the north, at a latitude in degrees. */
+void exchange_frame_degree(const struct exchange_frame *frame, double latitude, double *east, double *north);
+/* Returns the point (longitude, latitude in degrees, height in metres) in coordinates from the body's centre. */
+void exchange_frame_earth_centred(const struct exchange_frame *frame, double longitude, double latitude, double height, double out[3]);
+
+/*
+ * --- zooms.c: the tiles of each zoom level ---
+ *
+ * A dense zoom level has all tiles that touch the terrain. Zoom levels finer than level 0 of the store are sparse: they have the
+ * tiles that touch a deformed tile of the working level.
+ */
+struct exchange_zoom {
+	bool globe;  /* mesh tiles, y from the south; otherwise map tiles, y from the north */
+	int z;
+	int level;   /* of the store: the one whose spacing is nearest to a sample's */
+	double step; /* metres between two samples, at the middle of the terrain */
+	int control; /* exact positions are that many samples apart, a power of two; between them they are interpolated */
+	int64_t x0, y0, x1, y1; /* the tiles lie in this rectangle, x0 <= x < x1 */
+	bool sparse;
+	struct key_set tiles; /* those that touch a deformed tile, by exchange_zoom_key; of sparse zoom levels and of the finest map */
+	bool some;            /* only the tiles in `due` are to be made */
+	struct key_set due;
+	uint64_t *order;      /* of a sparse one, or of `due`: the keys, sorted; NULL: dense and whole */
+	size_t count;         /* of `order` */
+	int64_t units;        /* units of work, each of at most EXCHANGE_UNIT tiles */
+};
+struct exchange_zooms {
+	struct exchange_zoom zooms[EXCHANGE_ZOOMS]; /* in the order of work: maps, then globe, each from fine to coarse */
+	size_t count;
+	int map[2], mesh[2];  /* least and greatest zoom */
+	int finest_map;       /* index of the finest map zoom */
+	int64_t revision;
+	bool deformed;        /* the store has a working level */
+	int working;
+};
+static inline uint64_t exchange_zoom_key(const struct exchange_zoom *zoom, int64_t x, int64_t y)
+{
+	return tile_key((struct tile){zoom->z, (uint32_t)x, (uint32_t)y});
+}
+/* Plans all zoom levels. `since` as in exchange_tiles_params. */
+enum status exchange_zooms_init(struct exchange_zooms *zooms, const struct exchange_frame *frame, struct store_reader *reader,
+				struct store *store, int64_t since) FURROW_CHECKED;
+void exchange_zooms_finish(struct exchange_zooms *zooms);
+bool exchange_zoom_has(const struct exchange_zoom *zoom, int64_t x, int64_t y);
+/* Gives the tiles of a unit of work, at most EXCHANGE_UNIT. Returns their number. */
+#define EXCHANGE_UNIT 16
+size_t exchange_zoom_unit(const struct exchange_zoom *zoom, int64_t unit, struct tile tiles[EXCHANGE_UNIT]);
+
+/* --- place.c: positions of samples --- */
+/* Fills the positions of samples i0 <= i < i0 + nx, j0 <= j < j0 + ny: degrees for a globe or a map on one, else metres. Sample i of
+ * a map is the centre of pixel i from the west, j from the north. Sample (i, j) of a globe is a corner of cells of the mesh tiles,
+ * j from the south. */
+void exchange_place_degrees(const struct exchange_frame *frame, const struct exchange_zoom *zoom, double i, double j, double *x,
+			    double *y);
+/* The same in metres east and north of the south-west post. `count` points, exact. NaN: outside the body or the terrain's bounds. */
+void exchange_place_exact(const struct exchange_frame *frame, const struct exchange_zoom *zoom, size_t count, const double *i,
+			  const double *j, double *x, double *y);
+/* Returns the largest `control` whose interpolation is within 1/32 of a sample in the zoom level's corners and its middle. */
+int exchange_place_control(const struct exchange_frame *frame, const struct exchange_zoom *zoom);
+/* Gives the metres of the ground between two samples at row j. */
+void exchange_place_steps(const struct exchange_frame *frame, const struct exchange_zoom *zoom, double j, double *east, double *north);
+
+/* --- sampler.c: heights at positions; a sampler for each thread --- */
+struct exchange_sampler {
+	struct store_reader *reader;
+	const struct extent *extent;
+	struct exchange_frame frame;
+	const struct exchange_zoom *zoom; /* of the positions */
+	int64_t nx, ny;
+	double *x, *y;         /* positions in posts of the zoom's level */
+	double *control[4];    /* i, j, x, y of the exact positions */
+	size_t room, control_room, posts_room;
+	double *posts;
+	struct post_rect rect; /* posts around all positions; empty: none is inside */
+};
+enum status exchange_sampler_init(struct exchange_sampler *sampler, struct store *store) FURROW_CHECKED;
+void exchange_sampler_finish(struct exchange_sampler *sampler); /* sampler may be all zero */
+/* Places samples i0 <= i < i0 + nx, j0 <= j < j0 + ny. */
+enum status exchange_sampler_place(struct exchange_sampler *sampler, const struct exchange_zoom *zoom, int64_t i0, int64_t j0, int64_t nx,
+				   int64_t ny) FURROW_CHECKED;
+/* Reads a layer at these positions, bilinear between posts; NaN: a hole, or outside. `values`: nx * ny, rows as placed. */
+enum status exchange_sampler_read(struct exchange_sampler *sampler, enum store_layer layer, double *values) FURROW_CHECKED;
+
+/* --- png.c: PNGs of 256 x 256 in memory --- */
+struct exchange_bytes {
+	uint8_t *data;
+	size_t size, room;
+};
+enum status exchange_bytes_add(struct exchange_bytes *bytes, const void *data, size_t size) FURROW_CHECKED;
+void exchange_bytes_finish(struct exchange_bytes *bytes);
+/* Appends a PNG. `pixels`: rows from the north, RGB, or with a palette one byte each. Palette entry 0 is transparent. */
+enum status exchange_png_encode(const uint8_t *pixels, const struct render_colour *palette, struct exchange_bytes *out) FURROW_CHECKED;
+/* Reads the palette indices of such a PNG. STATUS_INPUT: it is not one; the message names `path`. */
+enum status exchange_png_decode(const struct exchange_bytes *in, const char *path, uint8_t *indices) FURROW_CHECKED;
+
+/* --- folder.c: the files of a folder of tiles --- */
+/* Writes `bytes` to a path as PATH.part, renamed when complete; makes folders on the way. Does not touch a file that has these bytes
+ * already: *written tells. */
+enum status exchange_file_put(const char *path, const struct exchange_bytes *bytes, bool *written) FURROW_CHECKED;
+/* Reads a file. *found is false if it is not there. `most`: bytes; a longer file counts as not there. */
+enum status exchange_file_get(const char *path, size_t most, struct exchange_bytes *out, bool *found) FURROW_CHECKED;
+enum status exchange_file_folder(const char *directory) FURROW_CHECKED; /* makes a folder and those above it */
+enum status exchange_file_remove(const char *path, bool *removed) FURROW_CHECKED;
+#define EXCHANGE_PATH 4096
+/* The path of a tile's file. STATUS_INPUT: the folder's path is too long. */
+enum status exchange_tile_path(const char *directory, enum exchange_set set, struct tile tile, char path[EXCHANGE_PATH]) FURROW_CHECKED;
+const char *exchange_set_name(enum exchange_set set);
+/* Calls `fn` for each tile of a set that has a file. */
+typedef enum status (*exchange_tile_fn)(void *user, struct tile tile);
+enum status exchange_folder_each(const char *directory, enum exchange_set set, exchange_tile_fn fn, void *user) FURROW_CHECKED;
+
+/* --- map_tile.c and mesh_tile.c: one tile; a maker for each thread --- */
+struct exchange_steps; /* of mesh tiles; shared by threads */
+struct exchange_maker {
+	const struct exchange_tiles_params *params;
+	const struct exchange_zooms *zooms;
+	struct exchange_steps *steps;
+	struct exchange_sampler sampler;
+	double *heights, *slopes, *offsets;
+	uint8_t *pixels, *indices;
+	void *mesh;
+	struct exchange_bytes bytes;
+	double range[2];
+	struct render_colour greys[256], colours[256]; /* palettes */
+	int64_t made[EXCHANGE_SETS], written[EXCHANGE_SETS], removed;
+};
+enum status exchange_maker_init(struct exchange_maker *maker, const struct exchange_tiles_params *params, const struct exchange_zooms *zooms,
+				struct exchange_steps *steps, const double range[2]) FURROW_CHECKED;
+void exchange_maker_finish(struct exchange_maker *maker);
+/* Puts maker->bytes into the file of a tile, or removes the file if they are empty. */
+enum status exchange_maker_put(struct exchange_maker *maker, enum exchange_set set, struct tile tile) FURROW_CHECKED;
+enum status exchange_map_tile(struct exchange_maker *maker, const struct exchange_zoom *zoom, struct tile tile) FURROW_CHECKED;
+enum status exchange_mesh_tile(struct exchange_maker *maker, const struct exchange_zoom *zoom, struct tile tile) FURROW_CHECKED;
+/* Returns the palette index of an offset in metres: 0 none, 1 to 127 down, 129 to 255 up. */
+uint8_t exchange_rut_index(const double range[2], double offset);
+void exchange_rut_palette(struct render_colour palette[256]);
+
+/* Heights of mesh tiles are multiples of a power of two. The exponents of tiles that are asked for are kept. Any thread. */
+enum status exchange_steps_create(struct exchange_steps **out) FURROW_CHECKED;
+void exchange_steps_destroy(struct exchange_steps *steps);
+bool exchange_steps_find(struct exchange_steps *steps, uint64_t key, int *exponent);
+enum status exchange_steps_put(struct exchange_steps *steps, uint64_t key, int exponent) FURROW_CHECKED;
+
+/* --- quantized.c: the bytes of a quantized-mesh tile --- */
+#define EXCHANGE_SIDE (EXCHANGE_CELLS + 1)
+struct exchange_quantized {
+	double bounds[4];       /* degrees: west, south, east, north */
+	double minimum, unit;   /* metres: height of a vertex = minimum + unit * heights[] */
+	uint16_t heights[EXCHANGE_SIDE * EXCHANGE_SIDE]; /* at most 32767; rows from the south */
+	float slopes[EXCHANGE_SIDE * EXCHANGE_SIDE][2]; /* rise to the east and to the north */
+};
+/* Appends the tile: header, vertices, triangles, edges, and the extension of oct-encoded normals. */
+enum status exchange_quantized_write(const struct exchange_quantized *tile, const struct exchange_frame *frame, struct exchange_bytes *out)
+	FURROW_CHECKED;
+
+/* --- page.c: index.html, tiles.js, layer.json, and Leaflet's files --- */
+enum status exchange_page_write(const struct exchange_tiles_params *params, const struct exchange_frame *frame,
+				const struct exchange_zooms *zooms, const struct exchange_tiles_result *result) FURROW_CHECKED;
+/* STATUS_FAILED: Leaflet is not there. */
+enum status exchange_page_check(const struct exchange_tiles_params *params) FURROW_CHECKED;
+
+/* --- stamp.c: what a folder holds, and what of it is done --- */
+struct exchange_stamp {
+	char terrain[24]; /* hash of the base, in hex */
+	int64_t revision;
+	double range[2];
+	uint64_t look;    /* hash of sun, exaggeration and range */
+};
+struct exchange_journal {
+	FILE *file;
+	char path[EXCHANGE_PATH];
+	uint8_t *done; /* by unit */
+	int64_t units, kept;
+};
+/* Reads the stamp of a folder. *found: it has one. */
+enum status exchange_stamp_read(const char *directory, struct exchange_stamp *stamp, bool *found) FURROW_CHECKED;
+enum status exchange_stamp_remove(const char *directory) FURROW_CHECKED;
+enum status exchange_stamp_write(const char *directory, const struct exchange_stamp *stamp) FURROW_CHECKED;
+/* Opens the journal of an export of `units` units of work. Units that an unfinished export of the same `request` has made are done
+ * already. STATUS_FAILED: another export writes to the folder. */
+enum status exchange_journal_begin(struct exchange_journal *journal, const char *directory, const char *request, int64_t units)
+	FURROW_CHECKED;
+enum status exchange_journal_add(struct exchange_journal *journal, int64_t unit) FURROW_CHECKED;
+/* Removes the journal: all is done. */
+enum status exchange_journal_end(struct exchange_journal *journal) FURROW_CHECKED;
+void exchange_journal_finish(struct exchange_journal *journal); /* journal may be all zero */
+
+#endif

@@ -1,0 +1,217 @@
+/*
+ * One map tile: heights as terrain-RGB, hillshade, and ruts in colour.
+ *
+ * Ruts are sampled at the finest zoom level. A coarser tile shows, of the four pixels below each of its own, the one with the largest
+ * offset. So a rut that is narrower than a pixel is seen at every zoom level. Finer zoom levels have to be complete before coarser ones.
+ */
+#include "exchange/internal.h"
+
+#include <string.h>
+
+#define BORDER (EXCHANGE_PIXELS + 2) /* samples along a tile, with those around it, of which slopes are taken */
+
+enum status exchange_maker_init(struct exchange_maker *maker, const struct exchange_tiles_params *params, const struct exchange_zooms *zooms,
+				struct exchange_steps *steps, const double range[2])
+{
+	*maker = (struct exchange_maker){.params = params, .zooms = zooms, .steps = steps, .range = {range[0], range[1]}};
+	size_t samples = (size_t)BORDER * BORDER, pixels = (size_t)EXCHANGE_PIXELS * EXCHANGE_PIXELS;
+	maker->heights = mem_alloc(samples, sizeof *maker->heights);
+	maker->slopes = mem_alloc(2 * samples, sizeof *maker->slopes);
+	maker->pixels = mem_alloc(pixels, 3);
+	maker->indices = mem_alloc(pixels, 1);
+	maker->mesh = mem_alloc(1, sizeof(struct exchange_quantized));
+	for (int i = 1; i < 256; i++)
+		maker->greys[i] = (struct render_colour){(uint8_t)i, (uint8_t)i, (uint8_t)i, 255};
+	exchange_rut_palette(maker->colours);
+	enum status status = STATUS_OK;
+	if (maker->heights == NULL || maker->slopes == NULL || maker->pixels == NULL || maker->indices == NULL || maker->mesh == NULL)
+		status = fail_memory("a tile");
+	if (status == STATUS_OK)
+		status = exchange_sampler_init(&maker->sampler, params->store);
+	if (status != STATUS_OK)
+		exchange_maker_finish(maker);
+	return status;
+}
+
+void exchange_maker_finish(struct exchange_maker *maker)
+{
+	exchange_sampler_finish(&maker->sampler);
+	mem_free(maker->heights);
+	mem_free(maker->slopes);
+	mem_free(maker->pixels);
+	mem_free(maker->indices);
+	mem_free(maker->mesh);
+	exchange_bytes_finish(&maker->bytes);
+	maker->heights = maker->slopes = NULL;
+	maker->pixels = maker->indices = NULL;
+	maker->mesh = NULL;
+}
+
+enum status exchange_maker_put(struct exchange_maker *maker, enum exchange_set set, struct tile tile)
+{
+	char path[EXCHANGE_PATH];
+	bool done;
+	enum status status = exchange_tile_path(maker->params->directory, set, tile, path);
+	if (status != STATUS_OK)
+		return status;
+	if (maker->bytes.size == 0) {
+		status = exchange_file_remove(path, &done);
+		maker->removed += done;
+		return status;
+	}
+	maker->made[set]++;
+	status = exchange_file_put(path, &maker->bytes, &done);
+	maker->written[set] += done;
+	return status;
+}
+
+/* --- heights --- */
+
+/* Mapbox's terrain-RGB: height = -10000 + 0.1 (65536 R + 256 G + B). Nodata is the terrain's lowest height: the format has none. */
+static enum status put_terrain(struct exchange_maker *maker, struct tile tile)
+{
+	double lowest = maker->sampler.frame.meta->low;
+	uint8_t *to = maker->pixels;
+	for (size_t y = 1; y <= EXCHANGE_PIXELS; y++)
+		for (size_t x = 1; x <= EXCHANGE_PIXELS; x++, to += 3) {
+			double height = maker->heights[y * BORDER + x];
+			height = fmin(fmax(isnan(height) ? lowest : height, -10000), 1667721.5);
+			uint32_t units = (uint32_t)(10 * (height + 10000) + 0.5);
+			to[0] = (uint8_t)(units >> 16);
+			to[1] = (uint8_t)(units >> 8);
+			to[2] = (uint8_t)units;
+		}
+	maker->bytes.size = 0;
+	enum status status = exchange_png_encode(maker->pixels, NULL, &maker->bytes);
+	return status == STATUS_OK ? exchange_maker_put(maker, EXCHANGE_TERRAIN, tile) : status;
+}
+
+static enum status put_hillshade(struct exchange_maker *maker, const struct exchange_zoom *zoom, struct tile tile)
+{
+	double *east = maker->slopes, *north = maker->slopes + (size_t)EXCHANGE_PIXELS * EXCHANGE_PIXELS;
+	render_slopes(maker->heights, EXCHANGE_PIXELS, EXCHANGE_PIXELS, 1, east, north);
+	for (size_t y = 0; y < EXCHANGE_PIXELS; y++) {
+		double step_east, step_north;
+		exchange_place_steps(&maker->sampler.frame, zoom, (double)tile.y * EXCHANGE_PIXELS + (double)y, &step_east, &step_north);
+		for (size_t x = 0; x < EXCHANGE_PIXELS; x++) {
+			size_t at = y * EXCHANGE_PIXELS + x;
+			/* Rows of pixels go south. */
+			double light = render_shade(&maker->params->sun, maker->params->exaggerate * east[at] / step_east,
+						    -maker->params->exaggerate * north[at] / step_north);
+			maker->indices[at] = isnan(light) ? 0 : (uint8_t)(1 + 254 * light);
+		}
+	}
+	maker->bytes.size = 0;
+	enum status status = exchange_png_encode(maker->indices, maker->greys, &maker->bytes);
+	return status == STATUS_OK ? exchange_maker_put(maker, EXCHANGE_HILLSHADE, tile) : status;
+}
+
+/* --- ruts --- */
+
+uint8_t exchange_rut_index(const double range[2], double offset)
+{
+	double share = offset < 0 ? offset / -range[0] : offset / range[1];
+	if (isnan(offset) || offset == 0)
+		return 0;
+	/* The least one has a colour, too. */
+	int place = (int)fmax(ceil(127 * fmin(fabs(share), 1)), 1);
+	return (uint8_t)(128 + (offset < 0 ? -place : place));
+}
+
+void exchange_rut_palette(struct render_colour palette[256])
+{
+	palette[0] = (struct render_colour){0, 0, 0, 0};
+	for (int i = 1; i < 256; i++)
+		palette[i] = i == 128 ? palette[0] : render_ramp(RENDER_RAMP_SIGNED, (i - 128) / 127.0);
+}
+
+static int strength(uint8_t index)
+{
+	return index == 0 ? 0 : index < 128 ? 128 - index : index - 128;
+}
+
+/* Takes a tile of the finer zoom level into one quarter of this one. */
+static void shrink(const uint8_t *fine, uint8_t *quarter)
+{
+	for (size_t y = 0; y < EXCHANGE_PIXELS / 2; y++)
+		for (size_t x = 0; x < EXCHANGE_PIXELS / 2; x++) {
+			const uint8_t *p = fine + 2 * y * EXCHANGE_PIXELS + 2 * x;
+			const uint8_t four[] = {p[0], p[1], p[EXCHANGE_PIXELS], p[EXCHANGE_PIXELS + 1]};
+			uint8_t largest = four[0];
+			for (int i = 1; i < 4; i++)
+				largest = strength(four[i]) > strength(largest) ? four[i] : largest;
+			quarter[y * EXCHANGE_PIXELS + x] = largest;
+		}
+}
+
+static enum status gather_ruts(struct exchange_maker *maker, struct tile tile)
+{
+	uint8_t *fine = maker->pixels;
+	memset(maker->indices, 0, (size_t)EXCHANGE_PIXELS * EXCHANGE_PIXELS);
+	for (uint32_t i = 0; i < 4; i++) {
+		struct tile child = {tile.level + 1, 2 * tile.x + i % 2, 2 * tile.y + i / 2};
+		char path[EXCHANGE_PATH];
+		bool found;
+		enum status status = exchange_tile_path(maker->params->directory, EXCHANGE_RUTS, child, path);
+		if (status == STATUS_OK)
+			status = exchange_file_get(path, (size_t)1 << 20, &maker->bytes, &found);
+		if (status == STATUS_OK && found)
+			status = exchange_png_decode(&maker->bytes, path, fine);
+		if (status != STATUS_OK)
+			return status;
+		if (found)
+			shrink(fine, maker->indices + (i / 2) * (EXCHANGE_PIXELS / 2) * EXCHANGE_PIXELS + (i % 2) * (EXCHANGE_PIXELS / 2));
+	}
+	return STATUS_OK;
+}
+
+static enum status sample_ruts(struct exchange_maker *maker)
+{
+	enum status status = exchange_sampler_read(&maker->sampler, STORE_OFFSET, maker->heights);
+	for (size_t y = 0; y < EXCHANGE_PIXELS && status == STATUS_OK; y++)
+		for (size_t x = 0; x < EXCHANGE_PIXELS; x++)
+			maker->indices[y * EXCHANGE_PIXELS + x] = exchange_rut_index(maker->range, maker->heights[(y + 1) * BORDER + x + 1]);
+	return status;
+}
+
+static enum status put_ruts(struct exchange_maker *maker, const struct exchange_zoom *zoom, struct tile tile)
+{
+	bool finest = zoom->z == maker->zooms->map[1], any = false;
+	enum status status = STATUS_OK;
+	maker->bytes.size = 0;
+	if (!maker->zooms->deformed || (finest && !key_set_has(&zoom->tiles, exchange_zoom_key(zoom, tile.x, tile.y))))
+		return exchange_maker_put(maker, EXCHANGE_RUTS, tile);
+	status = finest ? sample_ruts(maker) : gather_ruts(maker, tile);
+	if (status != STATUS_OK)
+		return status;
+	maker->bytes.size = 0;
+	for (size_t i = 0; i < (size_t)EXCHANGE_PIXELS * EXCHANGE_PIXELS && !any; i++)
+		any = maker->indices[i] != 0;
+	if (any)
+		status = exchange_png_encode(maker->indices, maker->colours, &maker->bytes);
+	return status == STATUS_OK ? exchange_maker_put(maker, EXCHANGE_RUTS, tile) : status;
+}
+
+enum status exchange_map_tile(struct exchange_maker *maker, const struct exchange_zoom *zoom, struct tile tile)
+{
+	int64_t i0 = (int64_t)tile.x * EXCHANGE_PIXELS - 1, j0 = (int64_t)tile.y * EXCHANGE_PIXELS - 1;
+	enum status status = exchange_sampler_place(&maker->sampler, zoom, i0, j0, BORDER, BORDER);
+	if (status == STATUS_OK)
+		status = exchange_sampler_read(&maker->sampler, STORE_SURFACE, maker->heights);
+	if (status != STATUS_OK)
+		return status;
+	bool any = false;
+	for (size_t y = 1; y <= EXCHANGE_PIXELS && !any; y++)
+		for (size_t x = 1; x <= EXCHANGE_PIXELS && !any; x++)
+			any = !isnan(maker->heights[y * BORDER + x]);
+	maker->bytes.size = 0;
+	if (any) {
+		status = put_terrain(maker, tile);
+		if (status == STATUS_OK)
+			status = put_hillshade(maker, zoom, tile);
+		return status == STATUS_OK ? put_ruts(maker, zoom, tile) : status;
+	}
+	for (int set = EXCHANGE_TERRAIN; set <= EXCHANGE_RUTS && status == STATUS_OK; set++)
+		status = exchange_maker_put(maker, (enum exchange_set)set, tile);
+	return status;
+}

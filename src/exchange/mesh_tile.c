@@ -1,0 +1,169 @@
+/*
+ * One mesh tile of a globe: 65 x 65 heights as whole numbers.
+ *
+ * A tile's heights are 15-bit numbers between its least and its greatest height. So that tiles have the same heights on the edge
+ * that they share, heights are multiples of a power of two, the tile's unit. On an edge they are multiples of the larger unit of its
+ * tiles, in a corner of the largest of its four.
+ *
+ *  1. A tile's unit follows from its own samples alone, so that every order of work gives the same bytes.
+ *  2. The unit leaves one bit to spare. So heights that are rounded to a neighbour's unit still fit.
+ *  3. Units are at least 2^-10 m. Up to 16 km such heights are exact in the header's floats.
+ */
+#include "exchange/internal.h"
+
+#define BORDER (EXCHANGE_SIDE + 2)
+#define UNIT_LEAST (-10)
+#define SPAN_MOST 16383 /* half of the 15 bits */
+
+struct exchange_steps {
+	struct mutex mutex;
+	struct key_map map;
+};
+
+enum status exchange_steps_create(struct exchange_steps **out)
+{
+	struct exchange_steps *steps = mem_calloc(1, sizeof *steps);
+	*out = steps;
+	if (steps == NULL)
+		return fail_memory("heights of tiles");
+	mutex_init(&steps->mutex);
+	return STATUS_OK;
+}
+
+void exchange_steps_destroy(struct exchange_steps *steps)
+{
+	if (steps == NULL)
+		return;
+	key_map_finish(&steps->map);
+	mutex_finish(&steps->mutex);
+	mem_free(steps);
+}
+
+bool exchange_steps_find(struct exchange_steps *steps, uint64_t key, int *exponent)
+{
+	mutex_lock(&steps->mutex);
+	const struct key_pair *pair = key_map_find(&steps->map, key);
+	if (pair != NULL)
+		*exponent = (int)pair->a;
+	mutex_unlock(&steps->mutex);
+	return pair != NULL;
+}
+
+enum status exchange_steps_put(struct exchange_steps *steps, uint64_t key, int exponent)
+{
+	mutex_lock(&steps->mutex);
+	enum status status = key_map_put(&steps->map, key, exponent, 0);
+	mutex_unlock(&steps->mutex);
+	return status;
+}
+
+/* Reads the heights of a tile with one more sample on each side. Rows from the south; NaN: no terrain. */
+static enum status read_heights(struct exchange_maker *maker, const struct exchange_zoom *zoom, int64_t x, int64_t y)
+{
+	enum status status = exchange_sampler_place(&maker->sampler, zoom, x * EXCHANGE_CELLS - 1, y * EXCHANGE_CELLS - 1, BORDER, BORDER);
+	return status == STATUS_OK ? exchange_sampler_read(&maker->sampler, STORE_SURFACE, maker->heights) : status;
+}
+
+/* The height of a tile's own sample. Where there is no terrain it is 0: that of the ellipsoid. */
+static double height_at(const struct exchange_maker *maker, size_t i, size_t j)
+{
+	double height = maker->heights[(j + 1) * BORDER + i + 1];
+	return isnan(height) ? 0 : height;
+}
+
+/* The exponent of the tile whose heights were read. */
+static int own_exponent(const struct exchange_maker *maker)
+{
+	double low = INFINITY, high = -INFINITY;
+	for (size_t j = 0; j < EXCHANGE_SIDE; j++)
+		for (size_t i = 0; i < EXCHANGE_SIDE; i++) {
+			low = fmin(low, height_at(maker, i, j));
+			high = fmax(high, height_at(maker, i, j));
+		}
+	int exponent = UNIT_LEAST;
+	while (ldexp(SPAN_MOST - 1, exponent) < high - low)
+		exponent++;
+	return exponent;
+}
+
+/* Finds the exponents of the 3 x 3 tiles around one; those that are not there have the least. Leaves the heights of the middle one. */
+static enum status find_exponents(struct exchange_maker *maker, const struct exchange_zoom *zoom, struct tile tile, int exponents[3][3])
+{
+	enum status status = STATUS_OK;
+	bool middle = false; /* its heights are in the maker */
+	for (int k = 0; k < 9 && status == STATUS_OK; k++) {
+		int64_t x = (int64_t)tile.x + (k + 4) % 9 % 3 - 1, y = (int64_t)tile.y + (k + 4) % 9 / 3 - 1;
+		int *exponent = &exponents[(k + 4) % 9 / 3][(k + 4) % 9 % 3];
+		*exponent = UNIT_LEAST;
+		if (!exchange_zoom_has(zoom, x, y) || exchange_steps_find(maker->steps, exchange_zoom_key(zoom, x, y), exponent))
+			continue;
+		status = read_heights(maker, zoom, x, y);
+		middle = k == 0;
+		if (status != STATUS_OK)
+			break;
+		*exponent = own_exponent(maker);
+		status = exchange_steps_put(maker->steps, exchange_zoom_key(zoom, x, y), *exponent);
+	}
+	return status == STATUS_OK && !middle ? read_heights(maker, zoom, tile.x, tile.y) : status;
+}
+
+/* The exponent of a sample: the greatest of the tiles that share it. */
+static int exponent_at(int exponents[3][3], size_t i, size_t j)
+{
+	int greatest = UNIT_LEAST;
+	for (int dy = j == 0 ? 0 : 1; dy <= (j == EXCHANGE_CELLS ? 2 : 1); dy++)
+		for (int dx = i == 0 ? 0 : 1; dx <= (i == EXCHANGE_CELLS ? 2 : 1); dx++)
+			greatest = exponents[dy][dx] > greatest ? exponents[dy][dx] : greatest;
+	return greatest;
+}
+
+static void fill_heights(const struct exchange_maker *maker, int exponents[3][3], struct exchange_quantized *out)
+{
+	double low = INFINITY, *values = maker->slopes; /* free until slopes are taken */
+	int own = exponents[1][1];
+	for (size_t j = 0; j < EXCHANGE_SIDE; j++)
+		for (size_t i = 0; i < EXCHANGE_SIDE; i++) {
+			int exponent = exponent_at(exponents, i, j);
+			double value = ldexp(nearbyint(ldexp(height_at(maker, i, j), -exponent)), exponent);
+			values[j * EXCHANGE_SIDE + i] = value;
+			low = fmin(low, value);
+		}
+	out->unit = ldexp(1, own);
+	out->minimum = low;
+	for (size_t k = 0; k < (size_t)EXCHANGE_SIDE * EXCHANGE_SIDE; k++) {
+		double number = ldexp(values[k] - low, -own);
+		assert(number >= 0 && number <= 32767 && number == floor(number));
+		out->heights[k] = (uint16_t)number;
+	}
+}
+
+enum status exchange_mesh_tile(struct exchange_maker *maker, const struct exchange_zoom *zoom, struct tile tile)
+{
+	struct exchange_quantized *mesh = maker->mesh;
+	const struct exchange_frame *frame = &maker->sampler.frame;
+	int exponents[3][3];
+	enum status status = find_exponents(maker, zoom, tile, exponents);
+	if (status != STATUS_OK)
+		return status;
+	fill_heights(maker, exponents, mesh);
+	double *east = maker->slopes, *north = maker->slopes + (size_t)EXCHANGE_SIDE * EXCHANGE_SIDE, j0 = (double)tile.y * EXCHANGE_CELLS;
+	render_slopes(maker->heights, EXCHANGE_SIDE, EXCHANGE_SIDE, 1, east, north);
+	for (size_t j = 0; j < EXCHANGE_SIDE; j++) {
+		double step_east, step_north;
+		exchange_place_steps(frame, zoom, j0 + (double)j, &step_east, &step_north);
+		for (size_t i = 0; i < EXCHANGE_SIDE; i++) {
+			size_t at = j * EXCHANGE_SIDE + i;
+			/* At a pole samples lie upon each other, and no slope goes east. */
+			mesh->slopes[at][0] = (float)(isnan(east[at]) || step_east < 1e-6 ? 0 : east[at] / step_east);
+			mesh->slopes[at][1] = (float)(isnan(north[at]) ? 0 : north[at] / step_north);
+		}
+	}
+	for (int k = 0; k < 2; k++) {
+		double degree = ldexp(180, -zoom->z);
+		mesh->bounds[2 * k] = ((double)tile.x + k) * degree - 180;
+		mesh->bounds[2 * k + 1] = ((double)tile.y + k) * degree - 90;
+	}
+	maker->bytes.size = 0;
+	status = exchange_quantized_write(mesh, frame, &maker->bytes);
+	return status == STATUS_OK ? exchange_maker_put(maker, EXCHANGE_MESH, tile) : status;
+}

@@ -1,0 +1,286 @@
+/*
+ * What lies beside the tiles: index.html with tiles.js and Leaflet, and layer.json for globes.
+ *
+ * tiles.js and layer.json list what is there, so that no client asks for a tile that is not.
+ */
+#include "exchange/internal.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "exchange/embedded.h"
+
+static const char *const leaflet_files[] = {"leaflet.js", "leaflet.css"};
+
+static enum status read_leaflet(const struct exchange_tiles_params *params, const char *name, struct exchange_bytes *out)
+{
+	char path[EXCHANGE_PATH];
+	bool found = false;
+	snprintf(path, sizeof path, "%s/%s", params->leaflet, name);
+	enum status status = exchange_file_get(path, (size_t)16 << 20, out, &found);
+	if (status == STATUS_OK && !found)
+		status = fail_with(STATUS_FAILED, "%s: Leaflet, which the page needs, is not there; install libjs-leaflet, or give its folder with "
+				   "--leaflet", path);
+	return status;
+}
+
+enum status exchange_page_check(const struct exchange_tiles_params *params)
+{
+	struct exchange_bytes bytes = {.data = NULL};
+	enum status status = STATUS_OK;
+	for (size_t i = 0; i < 2 && status == STATUS_OK; i++)
+		status = read_leaflet(params, leaflet_files[i], &bytes);
+	exchange_bytes_finish(&bytes);
+	return status;
+}
+
+static enum status put(const struct exchange_tiles_params *params, const char *name, const struct exchange_bytes *bytes)
+{
+	char path[EXCHANGE_PATH];
+	bool written;
+	if (snprintf(path, sizeof path, "%s/%s", params->directory, name) >= (int)sizeof path)
+		return fail_with(STATUS_INPUT, "%.80s...: the path is too long; give a shorter one", params->directory);
+	return exchange_file_put(path, bytes, &written);
+}
+
+/* --- text --- */
+
+struct text {
+	struct exchange_bytes bytes;
+	enum status status;
+};
+
+static void FURROW_PRINTF(2, 3) add(struct text *text, const char *format, ...)
+{
+	char part[512];
+	va_list arguments;
+	va_start(arguments, format);
+	int length = vsnprintf(part, sizeof part, format, arguments);
+	va_end(arguments);
+	assert(length >= 0 && (size_t)length < sizeof part);
+	if (text->status == STATUS_OK)
+		text->status = exchange_bytes_add(&text->bytes, part, (size_t)length);
+}
+
+/* A JSON string, which is also one of JavaScript within a file. */
+static void add_string(struct text *text, const char *string)
+{
+	add(text, "\"");
+	for (const char *c = string; *c != '\0'; c++) {
+		if (*c == '"' || *c == '\\')
+			add(text, "\\%c", *c);
+		else if ((unsigned char)*c < ' ')
+			add(text, "\\u%04x", (unsigned)*c);
+		else
+			add(text, "%c", *c);
+	}
+	add(text, "\"");
+}
+
+/* --- lists of tiles --- */
+
+struct listed {
+	struct tile *tiles;
+	size_t count, room;
+};
+
+static enum status list_tile(void *user, struct tile tile)
+{
+	struct listed *list = user;
+	if (list->count == list->room) {
+		size_t room = list->room != 0 ? 2 * list->room : 256;
+		struct tile *grown = mem_realloc(list->tiles, room, sizeof *grown);
+		if (grown == NULL)
+			return fail_memory("a list of tiles");
+		list->tiles = grown;
+		list->room = room;
+	}
+	list->tiles[list->count++] = tile;
+	return STATUS_OK;
+}
+
+/* By zoom, then by rows. */
+static int compare_tiles(const void *a, const void *b)
+{
+	const struct tile *one = a, *two = b;
+	if (one->level != two->level)
+		return one->level < two->level ? -1 : 1;
+	if (one->y != two->y)
+		return one->y < two->y ? -1 : 1;
+	return (one->x > two->x) - (one->x < two->x);
+}
+
+static enum status list_sparse(const struct exchange_zooms *zooms, bool globe, struct listed *list)
+{
+	enum status status = STATUS_OK;
+	for (size_t k = 0; k < zooms->count; k++) {
+		const struct exchange_zoom *zoom = &zooms->zooms[k];
+		for (size_t i = 0; i < zoom->tiles.room && zoom->sparse && zoom->globe == globe && status == STATUS_OK; i++)
+			if (zoom->tiles.keys[i] != UINT64_MAX)
+				status = list_tile(list, tile_from_key(zoom->tiles.keys[i]));
+	}
+	return status;
+}
+
+static void sort_tiles(struct listed *list)
+{
+	if (list->count > 0)
+		qsort(list->tiles, list->count, sizeof *list->tiles, compare_tiles);
+}
+
+/* The end of the run of tiles that begins at index `at`. */
+static size_t run_end(const struct listed *list, size_t at)
+{
+	size_t end = at + 1;
+	while (end < list->count && list->tiles[end].level == list->tiles[at].level && list->tiles[end].y == list->tiles[at].y &&
+	       list->tiles[end].x == list->tiles[end - 1].x + 1)
+		end++;
+	return end;
+}
+
+/* {z: {y: [x0, x1, ...]}} of sorted tiles. */
+static void add_rows(struct text *text, const struct listed *list)
+{
+	add(text, "{");
+	for (size_t at = 0; at < list->count;) {
+		struct tile tile = list->tiles[at];
+		bool new_zoom = at == 0 || list->tiles[at - 1].level != tile.level, new_row = new_zoom || list->tiles[at - 1].y != tile.y;
+		size_t end = run_end(list, at);
+		if (new_zoom)
+			add(text, "%s\n  %d: {", at > 0 ? "]}," : "", tile.level);
+		else if (new_row)
+			add(text, "], ");
+		if (new_row)
+			add(text, "%u: [", tile.y);
+		add(text, "%s%u, %u", new_row ? "" : ", ", tile.x, list->tiles[end - 1].x + 1);
+		at = end;
+	}
+	add(text, "%s}", list->count > 0 ? "]}" : "");
+}
+
+/* --- the page --- */
+
+static void add_ramp(struct text *text)
+{
+	struct render_colour palette[256];
+	exchange_rut_palette(palette);
+	add(text, "  ramp: [");
+	for (int i = 1; i < 256; i += i == 127 || i == 128 ? 1 : 14)
+		add(text, "%s\"rgba(%d, %d, %d, %.3g)\"", i > 1 ? ", " : "", palette[i].r, palette[i].g, palette[i].b, palette[i].a / 255.0);
+	add(text, "],\n");
+}
+
+static void add_zooms(struct text *text, const struct exchange_zooms *zooms)
+{
+	int dense = zooms->map[0];
+	add(text, "  zooms: {");
+	for (size_t k = 0; k < zooms->count && !zooms->zooms[k].globe; k++) {
+		const struct exchange_zoom *zoom = &zooms->zooms[k];
+		add(text, "%s%d: [%lld, %lld, %lld, %lld]", k > 0 ? ", " : "", zoom->z, (long long)zoom->x0, (long long)zoom->y0,
+		    (long long)zoom->x1, (long long)zoom->y1);
+		dense = !zoom->sparse && zoom->z > dense ? zoom->z : dense;
+	}
+	add(text, "},\n  coarsest: %d, dense: %d, finest: %d,\n", zooms->map[0], dense, zooms->map[1]);
+}
+
+static enum status write_page(const struct exchange_tiles_params *params, const struct exchange_frame *frame, const struct exchange_zooms *zooms,
+			      const struct exchange_tiles_result *result)
+{
+	struct listed sparse = {NULL, 0, 0}, ruts = {NULL, 0, 0};
+	struct text text = {.status = list_sparse(zooms, false, &sparse)};
+	if (text.status == STATUS_OK)
+		text.status = exchange_folder_each(params->directory, EXCHANGE_RUTS, list_tile, &ruts);
+	sort_tiles(&sparse);
+	sort_tiles(&ruts);
+	const struct extent *extent = &frame->meta->extent;
+	double metres[4] = {0, 0, (double)(extent->width - 1) * extent->spacing, (double)(extent->height - 1) * extent->spacing};
+	const double *bounds = result->local ? metres : frame->bounds;
+	add(&text, "// What the folder has. Written by furrow export --tiles.\nconst FURROW_TILES = {\n  title: ");
+	add_string(&text, params->title);
+	add(&text, ",\n  revision: %lld,\n  local: %s,\n", (long long)result->revision, result->local ? "true" : "false");
+	add(&text, "  side: %.17g, // metres of the square of local tiles\n", frame->side);
+	add(&text, "  bounds: [%.12g, %.12g, %.12g, %.12g], // west, south, east, north\n", bounds[0], bounds[1], bounds[2], bounds[3]);
+	add(&text, "  range: [%.6g, %.6g], // metres\n", result->range[0], result->range[1]);
+	add_ramp(&text);
+	add_zooms(&text, zooms);
+	add(&text, "  // Tiles of zoom levels beyond `dense`, and tiles of ruts: {z: {y: [x0, x1, ...]}}.\n  sparse: ");
+	add_rows(&text, &sparse);
+	add(&text, ",\n  ruts: ");
+	add_rows(&text, &ruts);
+	add(&text, ",\n};\n");
+	enum status status = text.status;
+	if (status == STATUS_OK)
+		status = put(params, "tiles.js", &text.bytes);
+	/* The array is only read. */
+	const struct exchange_bytes page = {.data = (uint8_t *)(uintptr_t)exchange_page, .size = exchange_page_size};
+	if (status == STATUS_OK)
+		status = put(params, "index.html", &page);
+	exchange_bytes_finish(&text.bytes);
+	mem_free(sparse.tiles);
+	mem_free(ruts.tiles);
+	return status;
+}
+
+/* --- layer.json --- */
+
+/* Sparse zoom levels list their tiles in runs along rows, dense ones their rectangle. */
+static void add_available(struct text *text, const struct exchange_zooms *zooms, const struct listed *sparse)
+{
+	size_t at = 0;
+	add(text, "  \"available\": [");
+	for (size_t k = zooms->count; k-- > 0 && zooms->zooms[k].globe;) { /* from the coarsest: zoom 0 */
+		const struct exchange_zoom *zoom = &zooms->zooms[k];
+		add(text, "%s\n    [", zoom->z > 0 ? "," : "");
+		if (!zoom->sparse)
+			add(text, "{\"startX\": %lld, \"startY\": %lld, \"endX\": %lld, \"endY\": %lld}", (long long)zoom->x0, (long long)zoom->y0,
+			    (long long)zoom->x1 - 1, (long long)zoom->y1 - 1);
+		for (bool first = true; at < sparse->count && sparse->tiles[at].level == zoom->z; first = false) {
+			struct tile tile = sparse->tiles[at];
+			at = run_end(sparse, at);
+			add(text, "%s{\"startX\": %u, \"startY\": %u, \"endX\": %u, \"endY\": %u}", first ? "" : ", ", tile.x, tile.y,
+			    sparse->tiles[at - 1].x, tile.y);
+		}
+		add(text, "]");
+	}
+	add(text, "\n  ]\n");
+}
+
+static enum status write_layer(const struct exchange_tiles_params *params, const struct exchange_frame *frame, const struct exchange_zooms *zooms,
+			       const struct exchange_tiles_result *result)
+{
+	struct listed sparse = {NULL, 0, 0};
+	struct text text = {.status = list_sparse(zooms, true, &sparse)};
+	sort_tiles(&sparse);
+	add(&text, "{\n  \"name\": ");
+	add_string(&text, params->title);
+	add(&text, ",\n  \"description\": ");
+	add_string(&text, result->local ? "local metres, laid out around longitude 0, latitude 0" : result->system);
+	add(&text, ",\n  \"version\": \"1.0.%lld\",\n  \"format\": \"quantized-mesh-1.0\",\n  \"scheme\": \"tms\",\n", (long long)result->revision);
+	add(&text, "  \"projection\": \"EPSG:4326\",\n  \"extensions\": [\"octvertexnormals\"],\n");
+	add(&text, "  \"tiles\": [\"{z}/{x}/{y}.terrain?v={version}\"],\n  \"minzoom\": 0,\n  \"maxzoom\": %d,\n", zooms->mesh[1]);
+	add(&text, "  \"bounds\": [%.12g, %.12g, %.12g, %.12g],\n", frame->bounds[0], frame->bounds[1], frame->bounds[2], frame->bounds[3]);
+	add_available(&text, zooms, &sparse);
+	add(&text, "}\n");
+	enum status status = text.status;
+	if (status == STATUS_OK)
+		status = put(params, "mesh/layer.json", &text.bytes);
+	exchange_bytes_finish(&text.bytes);
+	mem_free(sparse.tiles);
+	return status;
+}
+
+enum status exchange_page_write(const struct exchange_tiles_params *params, const struct exchange_frame *frame,
+				const struct exchange_zooms *zooms, const struct exchange_tiles_result *result)
+{
+	enum status status = write_layer(params, frame, zooms, result);
+	struct exchange_bytes bytes = {.data = NULL};
+	for (size_t i = 0; i < 2 && status == STATUS_OK; i++) {
+		status = read_leaflet(params, leaflet_files[i], &bytes);
+		if (status == STATUS_OK)
+			status = put(params, leaflet_files[i], &bytes);
+	}
+	exchange_bytes_finish(&bytes);
+	return status == STATUS_OK ? write_page(params, frame, zooms, result) : status;
+}

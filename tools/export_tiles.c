@@ -1,0 +1,97 @@
+/* furrow export --tiles: a folder of map and globe tiles, with a page. */
+#include <stdio.h>
+#include <string.h>
+
+#include "exchange/exchange.h"
+#include "export.h"
+
+#define LEAFLET "/usr/share/javascript/leaflet"
+
+/* Options that say what one file has, and nothing of tiles. */
+static enum status check_options(const struct arguments *arguments)
+{
+	static const char *const foreign[] = {"o", "mesh", "layer", "level", "window"};
+	enum status status = arguments_expect(arguments, 1, 1);
+	for (size_t i = 0; i < sizeof foreign / sizeof *foreign && status == STATUS_OK; i++)
+		if (arguments_text(arguments, foreign[i]) != NULL)
+			status = fail_with(STATUS_USAGE, "export: --tiles has all zoom levels of the whole terrain; leave %s%s out",
+					   foreign[i][1] == '\0' ? "-" : "--", foreign[i]);
+	return status;
+}
+
+static enum status step(void *user, int64_t done, int64_t total)
+{
+	struct progress *progress = user;
+	enum status status = progress_step(progress, done, total);
+	if (status == STATUS_INTERRUPTED)
+		return fail_with(status, "%s: interrupted; run it again to go on", progress->what);
+	return status;
+}
+
+static void print_made(const char *directory, const struct exchange_tiles_result *made)
+{
+	int64_t tiles = 0, written = 0;
+	for (int set = 0; set < EXCHANGE_SETS; set++) {
+		tiles += made->made[set];
+		written += made->written[set];
+	}
+	printf("%s: revision %lld, zoom %d to %d, globe 0 to %d: %lld terrain, %lld hillshade, %lld ruts, %lld mesh tiles; %lld files written, "
+	       "%lld removed; %.1f s on %d threads (%.0f tiles a second)\n",
+	       directory, (long long)made->revision, made->zoom[0], made->zoom[1], made->mesh_zoom[1], (long long)made->made[EXCHANGE_TERRAIN],
+	       (long long)made->made[EXCHANGE_HILLSHADE], (long long)made->made[EXCHANGE_RUTS], (long long)made->made[EXCHANGE_MESH],
+	       (long long)written, (long long)made->removed, made->seconds, made->threads,
+	       made->seconds > 0 ? (double)tiles / made->seconds : 0);
+	printf("python3 -m http.server -d %s    # then open http://localhost:8000\n", directory);
+	if (made->kept > 0)
+		note("%s: went on from an export that was cut short", directory);
+	if (made->local)
+		note("%s: the store is local metres: its map is a square of its own, and its globe tiles lie around longitude 0, latitude 0",
+		     directory);
+	else if (!made->earth)
+		note("%s: degrees are those of %s, not of the Earth: give a client that body's ellipsoid", directory, made->system);
+}
+
+enum status export_tiles(const struct arguments *arguments)
+{
+	const char *path = arguments_at(arguments, 0), *leaflet = arguments_text(arguments, "leaflet");
+	struct export_request request = {.exaggerate = 1};
+	struct progress progress;
+	struct exchange_tiles_params params = {
+		.directory = arguments_text(arguments, "tiles"),
+		.since = -1,
+		.leaflet = leaflet != NULL ? leaflet : LEAFLET,
+		.progress = step,
+		.progress_user = &progress,
+	};
+	struct exchange_tiles_result made;
+	struct store *store = NULL;
+	enum status status = check_options(arguments);
+	if (status == STATUS_OK)
+		status = arguments_integer(arguments, "since", 0, INT64_MAX - 1, &params.since);
+	if (status == STATUS_OK)
+		status = arguments_integer(arguments, "jobs", 1, 64, &params.jobs);
+	if (status == STATUS_OK)
+		status = arguments_numbers(arguments, "height-range", 2, params.range, &params.has_range);
+	if (status == STATUS_OK)
+		status = export_read_light(arguments, &request, true);
+	if (status != STATUS_OK)
+		return status;
+	if (params.has_range && !(params.range[0] < 0 && params.range[1] > 0))
+		return fail_with(STATUS_USAGE, "export: --height-range %g,%g: ruts have colours for both signs; give MIN below 0 and MAX above",
+				 params.range[0], params.range[1]);
+	const char *slash = strrchr(path, '/');
+	params.title = slash != NULL ? slash + 1 : path;
+	params.sun = request.sun;
+	params.exaggerate = request.exaggerate;
+	interrupt_catch();
+	status = store_open(path, &(struct store_options){.mode = STORE_READ}, &store);
+	params.store = store;
+	progress_start(&progress, params.directory, "tiles");
+	if (status == STATUS_OK)
+		status = exchange_tiles(&params, &made);
+	progress_end(&progress);
+	store_close(store);
+	if (status == STATUS_OK)
+		print_made(params.directory, &made);
+	return status;
+}
