@@ -16,6 +16,7 @@ static const struct command_option options[] = {
 	{"height-range", "MIN,MAX", "metres that a PNG's 0 and full scale mean (one metre a unit); of a map, its ramp's ends"},
 	{"sun", "AZIMUTH,ALTITUDE", "of a hillshade, degrees clockwise from north and above the horizon (315,45)"},
 	{"exaggerate", "TIMES", "a hillshade as if heights were so many times what they are (1)"},
+	{"mesh", "OUT", "the surface of the window as triangles, instead of -o: .obj, .glb (glTF 2.0) or .stl"},
 	{"tiles", "DIR", "a folder of map tiles, globe tiles and a page that shows them, instead of -o"},
 	{"since", "REVISION", "with --tiles: only tiles that changed after this revision of the store"},
 	{"jobs", "N", "with --tiles: threads (all cores)"},
@@ -89,10 +90,26 @@ static enum status read_layer(const struct arguments *arguments, int *layer)
 	return arguments_choice(arguments, "layer", layer_names, layer);
 }
 
+/* Endings, and options that mean nothing to a mesh. */
+static enum status check_mesh(const struct arguments *arguments, const char *path)
+{
+	static const char *const foreign[] = {"o", "layer", "height-range", "sun", "exaggerate"};
+	for (size_t i = 0; i < sizeof foreign / sizeof *foreign; i++)
+		if (arguments_text(arguments, foreign[i]) != NULL)
+			return fail_with(STATUS_USAGE, "export: --mesh has the surface's triangles; leave %s%s out", foreign[i][1] == '\0' ? "-" : "--",
+					 foreign[i]);
+	bool known = dem_path_ends(path, ".obj") || dem_path_ends(path, ".glb") || dem_path_ends(path, ".stl");
+	return known ? STATUS_OK : fail_with(STATUS_USAGE, "export: --mesh %s: has another ending; name a .obj, .glb or .stl", path);
+}
+
 static enum status read_request(const struct arguments *arguments, struct export_request *request)
 {
-	request->path = arguments_text(arguments, "o");
+	const char *mesh = arguments_text(arguments, "mesh");
+	request->path = mesh != NULL ? mesh : arguments_text(arguments, "o");
+	request->mesh = mesh != NULL;
 	enum status status = arguments_expect(arguments, 1, 1);
+	if (status == STATUS_OK && mesh != NULL)
+		status = check_mesh(arguments, mesh);
 	if (status == STATUS_OK && request->path == NULL)
 		status = fail_with(STATUS_USAGE, "export: -o is missing; give a file ending in .tif or .png");
 	if (status == STATUS_OK)
@@ -277,7 +294,7 @@ static enum status run(const struct arguments *arguments)
 	if (status == STATUS_OK && is_ruts(&request) && !arguments_flag(arguments, "level") && store_has_working_level(store, &working))
 		request.level = working;
 	if (status == STATUS_OK)
-		status = is_picture(&request) ? export_picture(&request, store) : write_raster(&request, store);
+		status = request.mesh ? export_mesh(&request, store) : is_picture(&request) ? export_picture(&request, store) : write_raster(&request, store);
 	store_close(store);
 	return status;
 }

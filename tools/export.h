@@ -25,7 +25,7 @@ struct export_request {
 	const char *store; /* path, as given */
 	int layer;
 	int64_t level;
-	bool png, has_window, has_range;
+	bool png, mesh, has_window, has_range;
 	double window[4], range[2];
 	struct render_sun sun;
 	double exaggerate;
@@ -39,6 +39,9 @@ enum status export_find_rect(const struct export_request *request, const struct 
 
 /* Reads --sun and --exaggerate. `lit`: something is lit; otherwise the options are refused. */
 enum status export_read_light(const struct arguments *arguments, struct export_request *request, bool lit) FURROW_CHECKED;
+
+/* export_mesh.c: --mesh; the request has its path, level and window. */
+enum status export_mesh(const struct export_request *request, struct store *store) FURROW_CHECKED;
 
 /* export_tiles.c: --tiles. */
 enum status export_tiles(const struct arguments *arguments) FURROW_CHECKED;

@@ -75,12 +75,12 @@ struct exchange_mesh_params {
 	void *progress_user;
 };
 struct exchange_mesh_result {
-	uint64_t vertices, triangles, bytes; /* vertices: 0 for STL, which repeats them */
+	uint64_t vertices, triangles; /* STL has each vertex in each of its triangles */
 	double origin[3]; /* metres: east and north of the store's south-west post, and height, where the mesh has (0, 0, 0) */
 	double low[3], high[3]; /* metres: bounds of the positions, east, north, up */
 };
 /* Writes the mesh to another name first, then renames it. STATUS_INPUT: no triangle is there, or the file would be too large; the
- * message says how large. STATUS_USAGE: another ending. */
+ * message says how large. That counts holes as posts. STATUS_USAGE: another ending. */
 enum status exchange_mesh(const struct exchange_mesh_params *params, struct exchange_mesh_result *result) FURROW_CHECKED;
 
 #endif
