@@ -99,8 +99,9 @@ enum status exchange_file_put(const char *path, const struct exchange_bytes *byt
 	if (same(path, bytes))
 		return STATUS_OK;
 	struct aside aside;
+	errno = 0;
 	enum status status = aside_begin(&aside, path);
-	if (status != STATUS_OK) {
+	if (status != STATUS_OK && errno == ENOENT) {
 		aside_finish(&aside);
 		status = make_folders(path);
 		if (status != STATUS_OK)
