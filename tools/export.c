@@ -8,12 +8,12 @@
 #include "scene/scene.h"
 
 static const struct command_option options[] = {
-	{"o", "OUT", "what to write: .tif (GeoTIFF) or .png"},
+	{"o", "OUT", "what to write: .tif (GeoTIFF), .png, or .r16 or .raw (16 bits, little-endian, no header)"},
 	{"layer", "LAYER", "surface (default), base, offset, deposited, plastic_sinkage (metres), shear, shear_x, shear_y (shares of the soil's strength), "
 			   "fixed_point (Int32, 2^-20 m) or hillshade"},
 	{"level", "L", "0: the source's spacing; -k: 2^k times finer; k: coarser (0; offset to fixed_point: the deformed level)"},
 	{"window", "X0,Y0,X1,Y1", "metres east and north of the south-west post"},
-	{"height-range", "MIN,MAX", "metres that a PNG's 0 and full scale mean (one metre a unit); of a map, its ramp's ends"},
+	{"height-range", "MIN,MAX", "metres that a heightmap's 0 and full scale mean (one metre a unit); of a map, its ramp's ends"},
 	{"sun", "AZIMUTH,ALTITUDE", "of a hillshade, degrees clockwise from north and above the horizon (315,45)"},
 	{"exaggerate", "TIMES", "a hillshade as if heights were so many times what they are (1)"},
 	{"mesh", "OUT", "the surface of the window as triangles, instead of -o: .obj, .glb (glTF 2.0) or .stl"},
@@ -111,7 +111,7 @@ static enum status read_request(const struct arguments *arguments, struct export
 	if (status == STATUS_OK && mesh != NULL)
 		status = check_mesh(arguments, mesh);
 	if (status == STATUS_OK && request->path == NULL)
-		status = fail_with(STATUS_USAGE, "export: -o is missing; give a file ending in .tif or .png");
+		status = fail_with(STATUS_USAGE, "export: -o is missing; give a file ending in .tif, .png or .r16");
 	if (status == STATUS_OK)
 		status = read_layer(arguments, &request->layer);
 	if (status == STATUS_OK)
@@ -123,9 +123,12 @@ static enum status read_request(const struct arguments *arguments, struct export
 	if (status != STATUS_OK)
 		return status;
 	request->png = dem_path_ends(request->path, ".png");
+	request->raw = dem_path_ends(request->path, ".r16") || dem_path_ends(request->path, ".raw");
 	if (request->has_range && request->range[0] >= request->range[1])
 		return fail_with(STATUS_USAGE, "export: --height-range %g,%g: is empty; give MIN,MAX", request->range[0],
 				 request->range[1]);
+	if (request->raw && request->layer != LAYER_SURFACE && request->layer != LAYER_BASE)
+		return fail_with(STATUS_USAGE, "export: a raw heightmap holds surface or base, not %s; write a .tif", layer_names[request->layer]);
 	status = export_read_light(arguments, request, request->layer == LAYER_HILLSHADE || is_picture(request));
 	return status == STATUS_OK && is_picture(request) ? export_check_picture(request) : status;
 }
@@ -180,6 +183,20 @@ static void shade(const struct export_request *request, double *east, const doub
 	}
 }
 
+/* Metres as 0 to 65535. Counts holes, which become 0. */
+static enum status to_16_bits(const struct export_request *request, double *values, int64_t count, int64_t *holes)
+{
+	double unit = request->has_range ? (request->range[1] - request->range[0]) / 65535 : 1, zero = request->has_range ? request->range[0] : 0;
+	for (int64_t i = 0; i < count; i++) {
+		bool hole = isnan(values[i]);
+		*holes += hole;
+		values[i] = hole ? 0 : (values[i] - zero) / unit;
+		if (values[i] < -0.5 || values[i] > 65535.5)
+			return fail_with(STATUS_INPUT, "%s: a height does not fit 16 bits; give --height-range, or write a .tif", request->path);
+	}
+	return STATUS_OK;
+}
+
 static enum status write_rows(const struct export_request *request, struct store_reader *reader,
 			      const struct extent *extent, struct post_rect rect, struct dem_writer *writer)
 {
@@ -190,11 +207,7 @@ static enum status write_rows(const struct export_request *request, struct store
 	enum status status = values != NULL && (!border || slopes != NULL) ? STATUS_OK : fail_memory("rows to export");
 	struct progress progress;
 	progress_start(&progress, request->path, "rows");
-	double unit = 1, zero = 0;
-	if (request->png && request->has_range) {
-		unit = (request->range[1] - request->range[0]) / 65535;
-		zero = request->range[0];
-	}
+	int64_t holes = 0;
 	for (int64_t y = 0; y < total && status == STATUS_OK; y += ROWS) {
 		int64_t rows = total - y < ROWS ? total - y : ROWS;
 		struct post_rect part = {rect.x0 - border, rect.y0 + y - border, rect.x1 + border,
@@ -207,22 +220,8 @@ static enum status write_rows(const struct export_request *request, struct store
 			render_slopes(values, width, rows, extent_spacing(extent, (int)request->level), slopes, slopes + room);
 			shade(request, slopes, slopes + room, width * rows);
 			out = slopes;
-		} else if (request->png) {
-			for (int64_t i = 0; i < width * rows; i++) {
-				if (isnan(out[i])) {
-					status = fail_with(STATUS_INPUT, "%s: a PNG cannot say nodata, and there are holes; write a "
-									 ".tif, or import with --fill",
-							   request->path);
-					break;
-				}
-				out[i] = (out[i] - zero) / unit;
-				if (out[i] < -0.5 || out[i] > 65535.5) {
-					status = fail_with(STATUS_INPUT, "%s: a height does not fit a PNG of 16 bits; give "
-									 "--height-range, or write a .tif",
-							   request->path);
-					break;
-				}
-			}
+		} else if (request->png || request->raw) {
+			status = to_16_bits(request, out, width * rows, &holes);
 		}
 		if (status == STATUS_OK)
 			status = dem_writer_rows(writer, rows, out);
@@ -230,6 +229,9 @@ static enum status write_rows(const struct export_request *request, struct store
 			status = progress_step(&progress, y + rows, total);
 	}
 	progress_end(&progress);
+	if (status == STATUS_OK && holes > 0)
+		note("%s: %lld posts have no data; they are 0, which is the height %g m, too", request->path, (long long)holes,
+		     request->has_range ? request->range[0] : 0.0);
 	mem_free(values);
 	mem_free(slopes);
 	return status;
@@ -252,7 +254,7 @@ static enum status write_raster(const struct export_request *request, struct sto
 		.width = rect.x1 - rect.x0,
 		.height = rect.y1 - rect.y0,
 		.type = request->layer == LAYER_HILLSHADE ? DEM_UINT8
-			: request->png			  ? DEM_UINT16
+			: request->png || request->raw	  ? DEM_UINT16
 			: metres			  ? DEM_FLOAT32
 							  : DEM_INT32,
 		.srs = meta->srs,
@@ -301,15 +303,16 @@ static enum status run(const struct arguments *arguments)
 
 const struct command command_export = {
 	.name = "export",
-	.usage = "export STORE -o OUT.tif|OUT.png [--layer surface|base|offset|deposited|plastic_sinkage|shear|shear_x|shear_y|fixed_point|hillshade] "
+	.usage = "export STORE -o OUT.tif|OUT.png|OUT.r16 [--layer surface|base|offset|deposited|plastic_sinkage|shear|shear_x|shear_y|fixed_point|hillshade] "
 		 "[--level L] [--window X0,Y0,X1,Y1] [--height-range MIN,MAX] [--sun AZIMUTH,ALTITUDE] [--exaggerate TIMES] | "
-		 "--tiles DIR [--since REVISION]",
-	.summary = "posts of a store as a GeoTIFF or a PNG, or as tiles for maps and globes",
+		 "--mesh OUT.obj|OUT.glb|OUT.stl | --tiles DIR [--since REVISION]",
+	.summary = "posts of a store as a raster, a mesh, or tiles for maps and globes",
 	.details = "Rasters are north up, one pixel a post, and carry the store's reference system. Levels finer than\n"
-		   "what is stored are interpolated. Nodata of a hillshade is 0.\n"
+		   "what is stored are interpolated. Nodata of a hillshade and of a heightmap (.png, .r16, .raw) is 0.\n"
 		   "A .png of offset, deposited, plastic_sinkage or of shear is a map: false colours over the hillshade, with a legend, a scale bar\n"
 		   "and north. Its pixels are posts, small maps enlarged by a whole factor; more than 4096 on a side are drawn at a\n"
 		   "coarser level, each pixel with the largest value of the posts within it, so that narrow ruts are seen.\n"
+		   "--mesh writes the window's surface in metres from an origin that is told; holes are left out. OBJ and STL are z up, glTF is y up.\n"
 		   "--tiles writes terrain-RGB, hillshade and ruts under Z/X/Y, Cesium's quantized-mesh with layer.json, and a page that shows them\n"
 		   "behind any static server: python3 -m http.server -d DIR. Run again after a kill it goes on; with --since it writes what\n"
 		   "changed. src/exchange/EXCHANGE.md says how to use the tiles.\n",

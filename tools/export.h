@@ -25,7 +25,7 @@ struct export_request {
 	const char *store; /* path, as given */
 	int layer;
 	int64_t level;
-	bool png, mesh, has_window, has_range;
+	bool png, raw, mesh, has_window, has_range;
 	double window[4], range[2];
 	struct render_sun sun;
 	double exaggerate;

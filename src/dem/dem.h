@@ -176,9 +176,9 @@ bool dem_path_ends(const char *path, const char *extension); /* ignores case; ex
 enum dem_raster_type { DEM_FLOAT32, DEM_INT32, DEM_UINT8, DEM_UINT16 };
 
 struct dem_raster {
-	const char *path;    /* .tif/.tiff (GDAL) or .png */
+	const char *path;    /* .tif/.tiff (GDAL), .png, or .r16/.raw: little-endian, north row first */
 	int64_t width, height;
-	enum dem_raster_type type; /* PNG: UINT8 and UINT16 only */
+	enum dem_raster_type type; /* PNG: UINT8 and UINT16 only; raw: UINT16 only */
 	const char *srs;           /* WKT or "" */
 	double west, south;        /* SRS coordinates of the south-west post */
 	double spacing;

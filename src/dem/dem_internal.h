@@ -84,6 +84,8 @@ enum status dem_gdal_sink(const struct dem_raster *raster, const char *part, str
 	FURROW_CHECKED;
 enum status dem_png_sink(const struct dem_raster *raster, const char *part, struct dem_sink **out)
 	FURROW_CHECKED;
+enum status dem_raw_sink(const struct dem_raster *raster, const char *part, struct dem_sink **out)
+	FURROW_CHECKED;
 /* Returns `value` as the raster's type stores it. NaN becomes the nodata value. */
 double dem_raster_value(const struct dem_raster *raster, double value);
 

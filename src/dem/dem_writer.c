@@ -54,11 +54,12 @@ static bool is_tiff(const char *path)
 enum status dem_writer_create(const struct dem_raster *raster, struct dem_writer **out)
 {
 	bool png = dem_path_ends(raster->path, ".png");
-	if (!png && !is_tiff(raster->path))
-		return fail_with(STATUS_USAGE, "%s: no raster that can be written has this ending; name a .tif or "
-				 "a .png", raster->path);
-	if (png && raster->type != DEM_UINT8 && raster->type != DEM_UINT16)
-		return fail_with(STATUS_USAGE, "%s: a PNG holds no such values; name a .tif", raster->path);
+	bool raw = dem_path_ends(raster->path, ".r16") || dem_path_ends(raster->path, ".raw");
+	if (!png && !raw && !is_tiff(raster->path))
+		return fail_with(STATUS_USAGE, "%s: no raster that can be written has this ending; name a .tif, a .png, or a raw .r16",
+				 raster->path);
+	if ((png && raster->type != DEM_UINT8 && raster->type != DEM_UINT16) || (raw && raster->type != DEM_UINT16))
+		return fail_with(STATUS_USAGE, "%s: a %s holds no such values; name a .tif", raster->path, png ? "PNG" : "raw heightmap");
 	if (raster->width < 1 || raster->height < 1 || raster->width > INT32_MAX ||
 	    raster->height > INT32_MAX)
 		return fail_with(STATUS_INPUT, "%s: %lld x %lld posts make no raster; ask for another size",
@@ -80,8 +81,9 @@ enum status dem_writer_create(const struct dem_raster *raster, struct dem_writer
 	writer->raster.path = writer->path;
 	writer->raster.srs = writer->srs;
 	writer->aside.begun = true;
-	status = png ? dem_png_sink(&writer->raster, writer->aside.part, &writer->sink)
-		     : dem_gdal_sink(&writer->raster, writer->aside.part, &writer->sink);
+	status = png   ? dem_png_sink(&writer->raster, writer->aside.part, &writer->sink)
+		 : raw ? dem_raw_sink(&writer->raster, writer->aside.part, &writer->sink)
+		       : dem_gdal_sink(&writer->raster, writer->aside.part, &writer->sink);
 	if (status != STATUS_OK)
 		goto error;
 	*out = writer;

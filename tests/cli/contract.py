@@ -141,9 +141,14 @@ objects:
         # Row 0 is south: y = 25 from the top is 44 from the bottom.
         self.assertTrue(self.json("query", "holes.furrow", "35", "44")["nodata"])
         self.assertEqual(self.json("query", "holes.furrow", "10", "20")["height"], 100 + 10 + 49)
-        error = self.refused(3, "export", "holes.furrow", "-o", "back.png")
-        self.assertIn("nodata", error)
-        self.assertEqual(list(self.folder.glob("back.png*")), [])
+        for name in ("back.png", "back.r16"):
+            told = self.furrow("export", "holes.furrow", "-o", name)
+            self.assertEqual(told.returncode, 0, told.stderr)
+            self.assertRegex(told.stderr, r"furrow: note: back\.\w+: 81 posts have no data; they are 0, ")
+        self.ok("import", "back.png", "-o", "back.furrow", "--nodata", "0")
+        self.assertTrue(self.json("query", "back.furrow", "35", "44")["nodata"])
+        raw = struct.unpack("<5600H", (self.folder / "back.r16").read_bytes())  # the northern row first
+        self.assertEqual(list(raw), [0 if 30 < x < 40 and 20 < y < 30 else 100 + x + y for y in range(70) for x in range(80)])
         self.ok("export", "holes.furrow", "-o", "shade.png", "--layer", "hillshade")
         scene = self.scene(SCENE.replace("[20, 20], [120, 90], [40, 130]", "[10, 40], [70, 48]")
                            .replace("[22, 18], [122, 88], [42, 128]", "[10, 20], [70, 20]"))
@@ -238,6 +243,23 @@ class RoundTrips(FurrowTest):
         for x, y in ((0, 0), (99, 60), (50, 30)):
             self.assertEqual(self.json("query", "s.furrow", x, y)["height"], 7 * x + 300 * (60 - y))
             self.assertEqual(self.json("query", "t.furrow", x, y)["height"], 7 * x + 300 * (60 - y))
+
+    def test_a_heightmap_of_16_bits_comes_back_within_its_step(self):
+        for relief, low, high in ((40, -100, 100), (3, -5, 7), (900, -2000, 2500)):
+            store = self.synth(posts="129x129", spacing=2, relief=relief)
+            for name in ("map.r16", "map.raw", "map.png"):
+                self.ok("export", store, "-o", name, "--height-range", f"{low},{high}")
+                self.ok("import", self.folder / name, "-o", "back.furrow", "--height-range", f"{low},{high}", "--spacing", "2", "--overwrite")
+                for x, y in ((0, 0), (256, 256), (40, 198), (254, 2)):
+                    difference = self.json("query", "back.furrow", x, y)["height"] - self.json("query", store, x, y)["height"]
+                    # Half a step of 16 bits, and what both imports may be off.
+                    bound = sum(self.json("info", each)["max_error"] for each in (store, "back.furrow"))
+                    self.assertLess(abs(difference), (high - low) / 65535 / 2 + bound + 1e-6)
+            self.assertEqual((self.folder / "map.r16").read_bytes(), (self.folder / "map.raw").read_bytes())
+            self.assertIn("16 bits", self.refused(3, "export", store, "-o", "no.r16", "--height-range", "0,0.01"))
+            self.refused(2, "export", store, "-o", "no.raw", "--layer", "hillshade")
+            self.refused(2, "export", store, "-o", "no.raw", "--layer", "offset")
+            self.assertEqual(list(self.folder.glob("no.*")), [])
 
     def test_any_number_of_jobs_makes_the_same_store(self):
         write_png16(self.folder / "in.png", 400, 310, lambda x, y: 7 * x + 30 * y)
