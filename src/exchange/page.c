@@ -112,12 +112,12 @@ static int compare_tiles(const void *a, const void *b)
 	return (one->x > two->x) - (one->x < two->x);
 }
 
-static enum status list_sparse(const struct exchange_zooms *zooms, bool globe, struct listed *list)
+static enum status list_sparse(const struct exchange_zooms *zooms, struct listed *list)
 {
 	enum status status = STATUS_OK;
 	for (size_t k = 0; k < zooms->count; k++) {
 		const struct exchange_zoom *zoom = &zooms->zooms[k];
-		for (size_t i = 0; i < zoom->tiles.room && zoom->sparse && zoom->globe == globe && status == STATUS_OK; i++)
+		for (size_t i = 0; i < zoom->tiles.room && zoom->sparse && zoom->globe && status == STATUS_OK; i++)
 			if (zoom->tiles.keys[i] != UINT64_MAX)
 				status = list_tile(list, tile_from_key(zoom->tiles.keys[i]));
 	}
@@ -172,27 +172,14 @@ static void add_ramp(struct text *text)
 	add(text, "],\n");
 }
 
-static void add_zooms(struct text *text, const struct exchange_zooms *zooms)
-{
-	int dense = zooms->map[0];
-	add(text, "  zooms: {");
-	for (size_t k = 0; k < zooms->count && !zooms->zooms[k].globe; k++) {
-		const struct exchange_zoom *zoom = &zooms->zooms[k];
-		add(text, "%s%d: [%lld, %lld, %lld, %lld]", k > 0 ? ", " : "", zoom->z, (long long)zoom->x0, (long long)zoom->y0,
-		    (long long)zoom->x1, (long long)zoom->y1);
-		dense = !zoom->sparse && zoom->z > dense ? zoom->z : dense;
-	}
-	add(text, "},\n  coarsest: %d, dense: %d, finest: %d,\n", zooms->map[0], dense, zooms->map[1]);
-}
-
 static enum status write_page(const struct exchange_tiles_params *params, const struct exchange_frame *frame, const struct exchange_zooms *zooms,
 			      const struct exchange_tiles_result *result)
 {
-	struct listed sparse = {NULL, 0, 0}, ruts = {NULL, 0, 0};
-	struct text text = {.status = list_sparse(zooms, false, &sparse)};
+	struct listed shades = {NULL, 0, 0}, ruts = {NULL, 0, 0};
+	struct text text = {.status = exchange_folder_each(params->directory, EXCHANGE_HILLSHADE, list_tile, &shades)};
 	if (text.status == STATUS_OK)
 		text.status = exchange_folder_each(params->directory, EXCHANGE_RUTS, list_tile, &ruts);
-	sort_tiles(&sparse);
+	sort_tiles(&shades);
 	sort_tiles(&ruts);
 	const struct extent *extent = &frame->meta->extent;
 	double metres[4] = {0, 0, (double)(extent->width - 1) * extent->spacing, (double)(extent->height - 1) * extent->spacing};
@@ -204,9 +191,9 @@ static enum status write_page(const struct exchange_tiles_params *params, const 
 	add(&text, "  bounds: [%.12g, %.12g, %.12g, %.12g], // west, south, east, north\n", bounds[0], bounds[1], bounds[2], bounds[3]);
 	add(&text, "  range: [%.6g, %.6g], // metres\n", result->range[0], result->range[1]);
 	add_ramp(&text);
-	add_zooms(&text, zooms);
-	add(&text, "  // Tiles of zoom levels beyond `dense`, and tiles of ruts: {z: {y: [x0, x1, ...]}}.\n  sparse: ");
-	add_rows(&text, &sparse);
+	add(&text, "  coarsest: %d, finest: %d,\n", zooms->map[0], zooms->map[1]);
+	add(&text, "  // Tiles that are there: {z: {y: [x0, x1, ...]}}.\n  hillshade: ");
+	add_rows(&text, &shades);
 	add(&text, ",\n  ruts: ");
 	add_rows(&text, &ruts);
 	add(&text, ",\n};\n");
@@ -218,7 +205,7 @@ static enum status write_page(const struct exchange_tiles_params *params, const 
 	if (status == STATUS_OK)
 		status = put(params, "index.html", &page);
 	exchange_bytes_finish(&text.bytes);
-	mem_free(sparse.tiles);
+	mem_free(shades.tiles);
 	mem_free(ruts.tiles);
 	return status;
 }
@@ -251,7 +238,7 @@ static enum status write_layer(const struct exchange_tiles_params *params, const
 			       const struct exchange_tiles_result *result)
 {
 	struct listed sparse = {NULL, 0, 0};
-	struct text text = {.status = list_sparse(zooms, true, &sparse)};
+	struct text text = {.status = list_sparse(zooms, &sparse)};
 	sort_tiles(&sparse);
 	add(&text, "{\n  \"name\": ");
 	add_string(&text, params->title);
