@@ -101,8 +101,8 @@ static void fill_tile(const struct render *render, const struct render_camera *c
 	to_floats(params->layer, render->layer.kind, render->layer.low, 1 / (render->layer.high - render->layer.low),
 		  2 * (draw->tile.level - TILE_LEVEL_MIN) + (int)((draw->tile.x + draw->tile.y) & 1));
 
-	struct tile top = draw->tile.level < 0 ? tile_ancestor(draw->tile, 0) : draw->tile;
-	double fine = draw->tile.level < 0 ? ldexp(1, draw->tile.level) : 1;
+	struct tile top = tile_ancestor(draw->tile, draw->ground_level);
+	double fine = ldexp(1, draw->tile.level - draw->ground_level);
 	to_floats(params->ground, draw->tile.x * fine * cells - (double)top.x * cells,
 		  draw->tile.y * fine * cells - (double)top.y * cells, fine, extent_spacing(&render->extent, top.level));
 }
@@ -145,7 +145,7 @@ static void count_triangles(struct render *render)
 			render->triangles += 2 * cells * (uint64_t)__builtin_popcount(render->blocks.blocks[i] >> 24);
 }
 
-/* `ground`: the base of the level-0 tile beside it, or NULL. */
+/* `ground`: the base of the tile that its base is interpolated from, or NULL. */
 static enum status run_tile(struct render *render, const struct gpu_slot *slot, struct gpu_texture *ground, uint32_t blocks,
 			    const struct picture_params *params)
 {
@@ -178,8 +178,8 @@ static enum status draw_tile(struct render *render, const struct terrain_draw *d
 			     const struct picture_params *params)
 {
 	const struct gpu_slot *slot = gpu_slots_get(render->slots, draw->slot);
-	bool level0 = draw->tile.level < 0 && draw->ground != TERRAIN_NO_SLOT;
-	enum status status = run_tile(render, slot, level0 ? gpu_slots_get(render->slots, draw->ground)->base : NULL, drawn->count, params);
+	bool interpolated = draw->ground_level != draw->tile.level && draw->ground != TERRAIN_NO_SLOT;
+	enum status status = run_tile(render, slot, interpolated ? gpu_slots_get(render->slots, draw->ground)->base : NULL, drawn->count, params);
 	if (status != STATUS_OK)
 		return status;
 	render->tiles.drawn++;

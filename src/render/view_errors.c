@@ -172,7 +172,7 @@ enum status render_view_error(struct view *view, struct tile tile, bool expected
 {
 	const struct view_errors *errors = view->errors;
 	*error = 0;
-	/* No tile is finer than the working level if it has offsets, nor finer than level 0 otherwise. */
+	/* No tile is drawn finer than the working level if it has offsets. */
 	if ((expected || render_view_is_deformed(view, tile)) && tile.level <= view->world->level)
 		return STATUS_OK;
 	double low, high;
@@ -181,7 +181,7 @@ enum status render_view_error(struct view *view, struct tile tile, bool expected
 	double apart = high - low;
 	if (expected)
 		apart = fmax(apart, errors->highest - errors->lowest);
-	if (status == STATUS_OK && tile.level > 0)
+	if (status == STATUS_OK && tile.level > store_finest_base(view->world->store))
 		status = base_error(view, tile, error);
 	*error += apart;
 	return status;

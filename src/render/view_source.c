@@ -35,6 +35,17 @@ static bool is_deformed(const struct view *view, struct tile tile)
 	return render_view_is_deformed(view, tile) || is_expected(view, tile);
 }
 
+/* Returns true if the tile has base heights of its own. It may read the store, once for each tile. */
+static bool stored(void *user, struct tile tile)
+{
+	struct view *view = user;
+	bool found = false;
+	enum status status = resident_ground_has_base(view->world->ground, tile, &found);
+	if (status != STATUS_OK)
+		view->failed = status;
+	return found;
+}
+
 static bool bounds(void *user, struct tile tile, double *low, double *high)
 {
 	struct view *view = user;
@@ -42,7 +53,7 @@ static bool bounds(void *user, struct tile tile, double *low, double *high)
 	if (!extent_has(&world->meta->extent, tile))
 		return false;
 	bool deformed = is_deformed(view, tile);
-	if (tile.level < 0 && !deformed)
+	if (!deformed && !stored(view, tile))
 		return false;
 	struct key_pair range = {.a = NAN};
 	double lowest = 0, highest = 0;
@@ -67,9 +78,17 @@ static bool resident(void *user, struct tile tile, uint32_t *slot)
 static bool divisible(void *user, struct tile tile)
 {
 	struct view *view = user;
+	const struct extent *extent = &view->world->meta->extent;
 	bool deformed = is_deformed(view, tile);
-	/* Offsets are kept at the working level. No finer tile has them. */
-	return deformed ? tile.level > view->world->level : tile.level > 0;
+	/* Offsets are kept at the working level. No finer tile has them, so none is drawn in their place, not even an inset's. */
+	if (deformed || tile.level > 0)
+		return deformed ? tile.level > view->world->level : true;
+	for (unsigned i = 0; i < 4; i++) {
+		const struct tile child = {tile.level - 1, 2 * tile.x + (i & 1), 2 * tile.y + (i >> 1)};
+		if (extent_has(extent, child) && stored(view, child))
+			return true;
+	}
+	return false;
 }
 
 enum status render_view_add_chain(const struct view *view, struct key_set *set, struct tile tile)
@@ -159,7 +178,7 @@ static void tell(struct view *view)
 enum status render_view_select(struct view *view, const struct render_camera *camera, bool everything)
 {
 	const struct extent *extent = &view->world->meta->extent;
-	const struct terrain_source source = {view, bounds, everything ? not_resident : resident, divisible, error_of};
+	const struct terrain_source source = {view, bounds, everything ? not_resident : resident, divisible, error_of, stored};
 	struct terrain_view whole, looking;
 	render_view(view->render, camera, &whole);
 	view->failed = STATUS_OK;
@@ -187,8 +206,8 @@ void render_view_mark_used(struct view *view, bool stand_ins)
 		if (draw->replaces && !stand_ins)
 			continue;
 		page_cache_peek(cache, tile_key(draw->tile), true, &slot);
-		if (draw->tile.level < 0)
-			page_cache_peek(cache, tile_key(tile_ancestor(draw->tile, 0)), true, &slot);
+		if (draw->ground_level != draw->tile.level)
+			page_cache_peek(cache, tile_key(tile_ancestor(draw->tile, draw->ground_level)), true, &slot);
 	}
 	struct tile coarsest = {extent_coarsest(&view->world->meta->extent), 0, 0};
 	page_cache_peek(cache, tile_key(coarsest), true, &slot);

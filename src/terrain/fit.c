@@ -103,7 +103,7 @@ static void divide(struct fitter *fitter, const struct node *node)
 		}
 	}
 	bool coarsest = node->tile.level == extent_coarsest(fitter->extent);
-	bool ground = node->tile.level == 0 && children > 0;
+	bool ground = children > 0 && terrain_carries(fitter->extent, fitter->source, node->tile);
 	fitter->needed += children - !(coarsest || ground || own);
 }
 

@@ -59,4 +59,20 @@ static inline bool terrain_near(const struct terrain_view *view, struct tile til
 	return tile.level > view->finest && ratio < view->radius;
 }
 
+static inline bool terrain_stored(const struct terrain_source *source, struct tile tile)
+{
+	return tile.level >= 0 || (source->stored != NULL && source->stored(source->user, tile));
+}
+
+/* Returns true if the tile has base heights of its own, and a tile below it is interpolated from them. */
+static inline bool terrain_carries(const struct extent *extent, const struct terrain_source *source, struct tile tile)
+{
+	if (tile.level > 0 || !terrain_stored(source, tile))
+		return false;
+	for (unsigned quadrant = 0; quadrant < 4; quadrant++)
+		if (extent_has(extent, terrain_child(tile, quadrant)) && !terrain_stored(source, terrain_child(tile, quadrant)))
+			return true;
+	return false;
+}
+
 #endif

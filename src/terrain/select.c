@@ -108,8 +108,8 @@ static void cover_children(struct selector *s, const struct terrain_place *place
 	}
 }
 
-/* A tile below level 0 needs its level-0 tile too, which has the broad shape of the ground. Counts this tile, and requests it if
- * it is not resident. */
+/* A tile whose base is interpolated needs the tile above that has base heights too, for the broad shape of the ground. Counts that
+ * tile, and requests it if it is not resident. */
 static void need_ground(struct selector *s, const struct terrain_place *place)
 {
 	uint32_t slot;
@@ -151,7 +151,7 @@ static bool cover(struct selector *s, const struct terrain_place *place)
 		s->open++;
 		cover_children(s, place, &own, &standing);
 		s->open--;
-		ground = tile.level == 0 && own == 0 && out->ideal > ideal;
+		ground = own == 0 && out->ideal > ideal && terrain_carries(s->extent, s->source, tile);
 		if (ground && !coarsest)
 			need_ground(s, place);
 		if ((own | standing) == 0)
@@ -163,7 +163,7 @@ static bool cover(struct selector *s, const struct terrain_place *place)
 	}
 
 	struct terrain_draw draw = {
-		.tile = tile, .ground = TERRAIN_NO_SLOT, .quadrants = own | standing, .finest = !divisible,
+		.tile = tile, .ground = TERRAIN_NO_SLOT, .ground_level = tile.level, .quadrants = own | standing, .finest = !divisible,
 		.divided = divided, .standing = standing, .replaces = own == 0 && !ground && !coarsest,
 		.low = place->low[2], .high = place->high[2], .distance = place->distance,
 	};
@@ -192,11 +192,12 @@ static void find_ground(struct selector *s)
 	struct terrain_selection *out = s->out;
 	for (size_t i = 0; i < out->draw_count; i++) {
 		struct terrain_draw *draw = &out->draws[i];
+		struct tile tile = draw->tile;
 		draw->ground = draw->slot;
-		if (draw->tile.level >= 0)
-			continue;
-		struct tile tile = tile_ancestor(draw->tile, 0);
-		if (!s->source->resident(s->source->user, tile, &draw->ground))
+		while (!terrain_stored(s->source, tile))
+			tile = tile_ancestor(tile, tile.level + 1);
+		draw->ground_level = tile.level;
+		if (tile.level != draw->tile.level && !s->source->resident(s->source->user, tile, &draw->ground))
 			draw->ground = TERRAIN_NO_SLOT;
 	}
 }

@@ -28,19 +28,22 @@ struct terrain_view {
 struct terrain_source {
 	void *user;
 	/* Gives the lowest and highest height of the tile and of all finer tiles below it, with deformation. Returns false if
-	 * there is nothing to draw. At level >= 0 that means: all is nodata. Below level 0: the tile has no offsets, and its
-	 * parent is drawn there. */
+	 * there is nothing to draw. At level >= 0 that means: all is nodata. Below level 0: the tile has neither offsets nor
+	 * posts of an inset, and its parent is drawn there. */
 	bool (*bounds)(void *user, struct tile tile, double *low, double *high);
 	/* Returns true if the tile is resident now, and gives its slot. Asked only about tiles that the picture needs, or that
 	 * may be drawn in their place. If it always returns false, all tiles of the picture become wanted. */
 	bool (*resident)(void *user, struct tile tile, uint32_t *slot);
 	/* Returns true if finer tiles may be drawn in place of this tile. At level > 0: its children exist. At level 0 and finer:
-	 * there are finer tiles with offsets below it. terrain never asks about children outside the world. */
+	 * there are finer tiles with offsets or of an inset below it. terrain never asks about children outside the world. */
 	bool (*divisible)(void *user, struct tile tile);
 	/* Used if by_error. Returns the largest height difference, in metres, between the drawn tile and the finest ground,
 	 * with deformation. Asked only about tiles that have bounds. A child's error should be at most its parent's. A larger
 	 * one is used only where the parent is divided. NaN and negative values count as 0. */
 	double (*error)(void *user, struct tile tile);
+	/* Returns true if the tile has base heights of its own: at level >= 0, and below it where an inset lies. Those of other
+	 * tiles are interpolated from the next tile above that has its own. NULL: there are no insets. */
+	bool (*stored)(void *user, struct tile tile);
 };
 
 /* One drawn tile. A bit of `quadrants` is set for each quadrant that this tile draws; finer tiles draw the others. Bits: 0
@@ -50,7 +53,10 @@ struct terrain_source {
 struct terrain_draw {
 	struct tile tile;
 	uint32_t slot;
-	uint32_t ground; /* slot of the level-0 tile that contains this tile (the same slot at level >= 0), or TERRAIN_NO_SLOT */
+	/* Slot of the tile from which this tile's base is interpolated, and that tile's level: at level >= 0, and in an inset, this tile
+	 * itself. TERRAIN_NO_SLOT: it is not resident. */
+	uint32_t ground;
+	int ground_level;
 	unsigned quadrants;
 	bool finest;  /* there is no finer tile below */
 	bool divided; /* the other quadrants are drawn by finer tiles; those in `standing` should be, but are not resident */
@@ -72,7 +78,7 @@ struct terrain_selection {
 	size_t wanted_count;
 	size_t visited, culled;
 	size_t ideal;  /* number of tiles that the complete picture draws */
-	/* number of tiles that it needs resident: the drawn ones, level-0 tiles under finer ones, the coarsest tile */
+	/* number of tiles that it needs resident: the drawn ones, those that they are interpolated from, the coarsest tile */
 	size_t needed;
 };
 
@@ -80,7 +86,7 @@ struct terrain_selection {
  * Fills selection with the tiles of a picture. Where a tile is not resident, a coarser resident one is drawn for that quadrant.
  * While the coarsest tile is resident, each visible point of the ground is drawn exactly once. If draws is full, tiles are not
  * divided further. These are put into wanted if not resident: the tiles of the complete picture, the coarsest tile, and the
- * level-0 tile under each finer tile.
+ * tiles from which finer ones are interpolated.
  */
 void terrain_select(const struct extent *extent, const struct terrain_view *view,
 		    const struct terrain_source *source, struct terrain_selection *selection);

@@ -229,7 +229,7 @@ static void load(struct shown *shown, struct tile tile)
 
 static void select_all(struct shown *shown, const struct terrain_view *view, struct terrain_selection *selection)
 {
-	const struct terrain_source source = {shown, bounds, resident, divisible, error_of};
+	const struct terrain_source source = {shown, bounds, resident, divisible, error_of, NULL};
 	/* What stands in is no part of a complete picture, so that nobody wants it. */
 	for (uint32_t i = 0; shown->golden->replaces && i < 4; i++)
 		load(shown, (struct tile){1, i % 2, i / 2});

@@ -298,7 +298,7 @@ static inline double land_error(void *user, struct tile tile)
 	return land_find(tile)->error;
 }
 
-static const struct terrain_source land_source = {NULL, land_bounds, land_resident, land_divisible, land_error};
+static const struct terrain_source land_source = {NULL, land_bounds, land_resident, land_divisible, land_error, NULL};
 
 /* --- what rays ask --- */
 

@@ -133,7 +133,7 @@ static inline void end(void)
 
 static inline uint8_t *draw(double x, double y, double up, double tx, double ty, double tz)
 {
-	const struct terrain_source source = {NULL, world_bounds, world_resident, world_divisible, world_error};
+	const struct terrain_source source = {NULL, world_bounds, world_resident, world_divisible, world_error, NULL};
 	struct render_camera camera = {{x, y, 400 + up}, {tx, ty, 400 + tz}, 0.9, {0}};
 	struct terrain_view view;
 	render_view(render, &camera, &view);

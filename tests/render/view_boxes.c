@@ -304,8 +304,8 @@ static void what_was_dug_before_is_known_exactly_and_the_rest_is_as_the_base(voi
 	render_view(view->render, &camera, &looking);
 	static struct terrain_selection wide, base;
 	widest = 40; /* as all were taken to be */
-	terrain_select(&extent, &looking, &(struct terrain_source){&rig, boxes_all_wide, never_resident, down_to_zero, NULL}, &wide);
-	terrain_select(&extent, &looking, &(struct terrain_source){&rig, boxes_of_base, never_resident, down_to_zero, NULL}, &base);
+	terrain_select(&extent, &looking, &(struct terrain_source){&rig, boxes_all_wide, never_resident, down_to_zero, NULL, NULL}, &wide);
+	terrain_select(&extent, &looking, &(struct terrain_source){&rig, boxes_of_base, never_resident, down_to_zero, NULL, NULL}, &base);
 	print_message("tiles of a picture: %zu by true boxes (%zu culled), %zu by the widest (%zu), %zu undeformed (%zu)\n", needed, culled,
 		      wide.needed, wide.culled, base.needed, base.culled);
 	assert_true(needed >= base.needed && 3 * needed < 2 * wide.needed);

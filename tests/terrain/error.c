@@ -223,7 +223,7 @@ static bool flat_bounds(void *user, struct tile tile, double *low, double *high)
 static void selection_by_error_does_not_depend_on_where_the_world_lies(void **state)
 {
 	struct fake fake = {.extent = {40000001, 1025, 0.25, 256}, .seed = 4, .resident_of = 100, .root_resident = true};
-	const struct terrain_source source = {&fake, flat_bounds, fake_resident, fake_divisible, shifted_error};
+	const struct terrain_source source = {&fake, flat_bounds, fake_resident, fake_divisible, shifted_error, NULL};
 	uint64_t keys[2][TERRAIN_DRAWS_MAX];
 	size_t counts[2];
 	for (int far = 0; far < 2; far++) {

@@ -145,7 +145,7 @@ static inline void random_fake(uint64_t *random, struct fake *fake)
 
 static inline struct terrain_source source_of(struct fake *fake)
 {
-	return (struct terrain_source){fake, fake_bounds, fake_resident, fake_divisible, fake_error};
+	return (struct terrain_source){fake, fake_bounds, fake_resident, fake_divisible, fake_error, NULL};
 }
 
 #endif
