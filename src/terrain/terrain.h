@@ -85,7 +85,7 @@ struct terrain_selection {
 /*
  * Fills selection with the tiles of a picture. Where a tile is not resident, a coarser resident one is drawn for that quadrant.
  * While the coarsest tile is resident, each visible point of the ground is drawn exactly once. If draws is full, tiles are not
- * divided further. These are put into wanted if not resident: the tiles of the complete picture, the coarsest tile, and the
+ * divided further. The tiles of the complete picture are put into wanted if not resident, and so is the coarsest tile. So are the
  * tiles from which finer ones are interpolated.
  */
 void terrain_select(const struct extent *extent, const struct terrain_view *view,

@@ -141,6 +141,37 @@ class Insets(RasterTest):
         finer = inset["tiles"]["base"] - plain["tiles"]["base"]
         self.assertLess(finer * 32 * 32, 2.2 * 501 * 401)
 
+    VIEW = """scene: 1
+time_step: 0.1
+end_time: 0.2
+view:
+  size: [320, 240]
+  camera: {fixed: {eye: [390, 330, 520], target: [520, 520, 420]}}
+  effects: []
+  images: 1
+cache: {slots: 256}
+"""
+
+    def picture_of(self, store):
+        self.drive(self.scene(self.VIEW), "--store", store, "--overlay", store + ".over")
+        width, height, cells = rasters.pixels(self.folder / "out" / "frame-000001.png", "B")
+        return cells
+
+    def test_a_picture_shows_the_inset_as_if_all_were_as_fine(self):
+        """The same ground once more, all of it at the inset's spacing, must look the same; the country alone must not."""
+        def rough(x, y):
+            return self.site(x, y) + 3 * math.sin(x / 11) * math.sin(y / 13)
+        self.raster("country.tif", self.country, 0, 0, 33, 33, 32, "h")
+        self.raster("site.tif", rough, 400, 400, 301, 301, 2)
+        store, plain = self.imported("--inset", "site.tif", "--feather", 30), self.imported(name="plain.furrow")
+        self.ok("export", store, "-o", "fine.tif", "--layer", "base", "--level", -4)
+        self.ok("import", "fine.tif", "-o", "fine.furrow", "--tile", 64)
+        seen, fine, coarse = self.picture_of(store), self.picture_of("fine.furrow"), self.picture_of(plain)
+        off = [sum(abs(a - b) for a, b in zip(seen, other)) / len(seen) for other in (fine, coarse)]
+        self.assertLess(off[0], 0.25 * off[1])
+        self.assertLess(off[0], 1.5)
+        self.assertGreater(off[1], 3)
+
     def test_what_cannot_be_an_inset_is_refused_and_leaves_nothing(self):
         self.three()
         self.raster("coarse.tif", self.country, 320, 320, 11, 11, 32)

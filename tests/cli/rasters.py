@@ -5,7 +5,7 @@ import pathlib
 import subprocess
 
 # struct code and GDAL's name of a pixel type
-TYPES = {"b": "Byte", "h": "Int16", "H": "UInt16", "i": "Int32", "f": "Float32", "d": "Float64"}
+TYPES = {"b": "Byte", "B": "Byte", "h": "Int16", "H": "UInt16", "i": "Int32", "f": "Float32", "d": "Float64"}
 UTM = "EPSG:32633"
 
 

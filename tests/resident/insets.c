@@ -36,13 +36,17 @@ static void every_post_is_that_of_the_finest_level_that_has_it(void **state)
 		struct store_reader *reader;
 		must(store_reader_create(store, &reader));
 		for (int level = INSETS_FINEST - 2; level <= 0; level++) {
-			const struct post_rect rect = {0, 0, extent_posts(65, level), extent_posts(49, level)};
-			double *values = malloc(sizeof *values * (size_t)(rect.x1 * rect.y1));
+			/* all of it, or what lies around the inner inset */
+			const int64_t m = (int64_t)1 << -level;
+			const struct post_rect rect = level > -3 ? (struct post_rect){0, 0, extent_posts(65, level), extent_posts(49, level)}
+								 : (struct post_rect){18 * m, 17 * m, 24 * m, 20 * m};
+			const int64_t width = rect.x1 - rect.x0;
+			double *values = malloc(sizeof *values * (size_t)(width * (rect.y1 - rect.y0)));
 			must(store_read_posts(reader, STORE_BASE, level, rect, values));
-			for (int64_t y = 0; y < rect.y1; y++)
-				for (int64_t x = 0; x < rect.x1; x++) {
+			for (int64_t y = rect.y0; y < rect.y1; y++)
+				for (int64_t x = rect.x0; x < rect.x1; x++) {
 					const int32_t base = insets_base(level, x, y);
-					const double value = values[y * rect.x1 + x];
+					const double value = values[(y - rect.y0) * width + x - rect.x0];
 					if (base == BASE_NODATA ? !isnan(value) : value != lattice_base_metres(base))
 						fail_msg("tiles of %u, level %d, post %lld %lld: %g, not %g", sizes[i], level, (long long)x,
 							 (long long)y, value, lattice_base_metres(base));
@@ -70,7 +74,7 @@ static void a_loaded_tile_has_the_same_posts(void **state)
 					const struct tile tile = {level, tx, ty};
 					int shift;
 					uint32_t sub_x, sub_y;
-					if (level < -2 && (tx + 3 * ty) % 5 != 0 && !insets_inner((int64_t)tx * n / 2, (int64_t)ty * n / 2))
+					if (level < -1 && (tx + 3 * ty) % 29 != 0 && !insets_inner((int64_t)tx * n / 2, (int64_t)ty * n / 2))
 						continue;
 					must(resident_ground_posts(ground, tile, posts));
 					must(resident_ground_patch(ground, tile, patch, &shift, &sub_x, &sub_y));

@@ -45,7 +45,7 @@ static int32_t insets_code(int level, int64_t x, int64_t y, bool *stored)
 }
 
 /* Returns the base of any post on the lattice, from reference 0; BASE_NODATA: none. */
-static int32_t insets_base(int level, int64_t x, int64_t y)
+static inline int32_t insets_base(int level, int64_t x, int64_t y)
 {
 	for (int from = level; from <= 0; from++) {
 		const int64_t cell = (int64_t)1 << (from - level), part_x = x % cell, part_y = y % cell;

@@ -196,6 +196,40 @@ static void a_level_zero_tile_is_wanted_for_those_drawn_below_it(void **state)
 	assert_int_equal(selection.draws[0].ground, slot);
 }
 
+/* An inset of level -1 in the western half; below it all is divided once more. */
+static bool stored_in_the_west(void *user, struct tile tile)
+{
+	return tile.level == -1 && tile.x == 0;
+}
+
+static void a_tile_is_interpolated_from_the_inset_above_it(void **state)
+{
+	struct fake fake = {.extent = {65, 65, 1, 64}, .seed = 4, .resident_of = 100, .root_resident = true, .deepest = -2,
+			    .everything_below = true};
+	struct terrain_source source = source_of(&fake);
+	struct terrain_view view;
+	const double eye[3] = {32, 32, 30}, target[3] = {32.1, 32, 0};
+	int of[2] = {0};
+	look(eye, target, 50, &view);
+	terrain_select(&fake.extent, &view, &source, &selection);
+	const size_t without = selection.needed;
+	source.stored = stored_in_the_west;
+	terrain_select(&fake.extent, &view, &source, &selection);
+	for (size_t i = 0; i < selection.draw_count; i++) {
+		const struct terrain_draw *draw = &selection.draws[i];
+		const int level = draw->tile.x < 2 ? -1 : 0;
+		uint32_t slot;
+		assert_int_equal(draw->tile.level, -2);
+		assert_int_equal(draw->ground_level, level);
+		assert_true(fake_resident(&fake, tile_ancestor(draw->tile, level), &slot));
+		assert_int_equal(draw->ground, slot);
+		of[level + 1]++;
+	}
+	assert_true(of[0] > 0 && of[1] > 0);
+	/* the two tiles of the inset are needed beside those that are drawn */
+	assert_int_equal(selection.needed, without + 2);
+}
+
 static void selection_does_not_depend_on_where_the_world_lies(void **state)
 {
 	/* Tiles about 10,000 km from the origin: the same tile is divided as near it. */
@@ -227,6 +261,7 @@ int main(void)
 		cmocka_unit_test(without_the_coarsest_nothing_is_drawn_and_it_is_wanted_first),
 		cmocka_unit_test(full_arrays_stop_division_and_leave_no_hole),
 		cmocka_unit_test(a_level_zero_tile_is_wanted_for_those_drawn_below_it),
+		cmocka_unit_test(a_tile_is_interpolated_from_the_inset_above_it),
 		cmocka_unit_test(selection_does_not_depend_on_where_the_world_lies),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
