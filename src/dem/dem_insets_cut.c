@@ -66,9 +66,13 @@ static enum status lay_below(const struct dem_insets_cut *cut, struct tile tile,
 		const size_t half = extent->cells / 2;
 		int32_t *quarter = codes + (i >> 1) * half * side + (i & 1) * half;
 		for (size_t y = 0; y <= half; y++)
-			for (size_t x = 0; x <= half; x++)
-				if (below[2 * y * side + 2 * x] != HEIGHT_CODE_NODATA)
-					quarter[y * side + x] = below[2 * y * side + 2 * x];
+			for (size_t x = 0; x <= half; x++) {
+				int32_t *fine = &below[2 * y * side + 2 * x], *coarse = &quarter[y * side + x];
+				if (*fine != HEIGHT_CODE_NODATA)
+					*coarse = *fine;
+				else
+					*fine = *coarse; /* so that the loss beside the rim counts too */
+			}
 		*low = fmin(*low, its_low); /* fmin ignores NaN */
 		*high = fmax(*high, its_high);
 		*error = fmax(*error, its_error + dem_measure(below, extent->cells, cut->step).loss);

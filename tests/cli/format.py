@@ -167,6 +167,20 @@ class Bases(FormatTest):
         for codecs, wanted in (((1, 2), {1, 2, 4}), ((3,), {1, 4})):
             self.assertEqual({flag for codec, flags in seen if codec in codecs for flag in (1, 2, 4) if flags & flag}, wanted)
 
+    def test_insets_one_within_the_other(self):
+        """Below level 0 too the page says where each post comes from."""
+        self.grid("coarse.asc", 20, 15, lambda x, y: round(300 + 20 * math.sin(x / 4)) if (x, y) != (12, 7) else None, cell=8)
+        for name, first, side, cell in (("site.asc", 3, 20, 2), ("scan.asc", 5, 14, 0.5)):
+            self.grid(name, side, side, lambda x, y: 310 + 3 * math.sin(x / 3) * math.cos(y / 5), cell=cell)
+            text = (self.folder / name).read_text()
+            for axis, at in (("xll", 500000), ("yll", 5000000)):
+                text = text.replace(f"{axis}center {at}\n", f"{axis}center {at + 8 * first}\n")
+            (self.folder / name).write_text(text)
+        for tile in (8, 16):
+            path = self.import_("coarse.asc", "--inset", "site.asc", "--inset", "scan.asc", "--feather", "2", "--tile", str(tile))
+            store = self.whole_base(path, levels=(-5, -4, -3, -2, -1, 0))
+            self.assertEqual({row.level for row in store.rows["base"].values() if row.level < 0}, {-1, -2, -3, -4})
+
     def test_a_step_that_is_no_power_of_two(self):
         self.make("in.tif", 70, 50, lambda x, y: x * x // 7 + 3 * y * (x % 3), "h",
                   options=["-a_scale", "0.1", "-a_offset", "-200"])

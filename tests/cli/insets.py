@@ -2,11 +2,13 @@
 import math
 import pathlib
 import random
+import subprocess
 import sys
+import time
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
-from furrow_test import SHARED, main
+from furrow_test import FURROW, SHARED, main
 from raster_test import RasterTest
 import rasters
 
@@ -184,11 +186,21 @@ cache: {slots: 256}
             self.assertIn(why, told)
         self.assertEqual(list(self.folder.glob("no.furrow*")), [])
 
-    def test_what_was_broken_off_goes_on_to_the_same_store(self):
+    def test_neither_threads_nor_a_kill_show_in_the_store(self):
         self.three()
-        one = self.imported("--inset", "site.tif", "--inset", "scan.tif", "--jobs", 1)
-        many = self.imported("--inset", "site.tif", "--inset", "scan.tif", "--jobs", 3, name="m.furrow")
-        self.assertEqual(self.json("info", one)["base_hash"], self.json("info", many)["base_hash"])
+        insets = ("--inset", "site.tif", "--inset", "scan.tif")
+        hashes = {self.json("info", self.imported(*insets, "--jobs", jobs))["base_hash"] for jobs in (1, 3)}
+        for after in (0.02, 0.1, 0.2, 0.4):
+            (self.folder / "s.furrow").unlink(missing_ok=True)
+            process = subprocess.Popen([FURROW, "import", "country.tif", *insets, "-o", "s.furrow", "--tile", "64"], cwd=self.folder,
+                                       stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            time.sleep(after)
+            process.kill()
+            process.wait()
+            if not (self.folder / "s.furrow").exists():
+                self.imported(*insets, "--resume")
+            hashes.add(self.json("info", "s.furrow")["base_hash"])
+        self.assertEqual(len(hashes), 1)
 
 
 @unittest.skipUnless((SHARED / "dem").is_dir(), "needs the shared elevation data")

@@ -342,8 +342,8 @@ class Store:
         for y in range(up):
             for x in range(across):
                 row = self.rows[table].get(key_of(level, x, y))
-                need(row or table != "base", "no base row of level", level, "tile", x, y)
-                posts = row.posts if row else [0] * side**2
+                need(row or table != "base" or level < 0, "no base row of level", level, "tile", x, y)
+                posts = row.posts if row else [HOLE if table == "base" else 0] * side**2
                 for j in range(side):
                     for i in range(side):
                         px, py, post = x * self.cells + i, y * self.cells + j, posts[j * side + i]
@@ -371,9 +371,14 @@ class Store:
             wide, high = self.size(level)
             return [None] * (wide * high)
         middle = 1024 * half_away((self.meta["low"] + self.meta["high"]) / 2 / 1024)
-        lattice = [None if post is None else half_away(2**18 * post) - 2**18 * middle for post in self.base(0)]
-        return [None if post is None else middle + post / 2**18
-                for post in interpolated(lattice, self.width, *self.size(level), -level)]
+        found = [self.height_of(code) for code in self.plane("base", level, HOLE)]
+        for above in range(level + 1, 1):
+            lattice = [None if post is None else half_away(2**18 * post) - 2**18 * middle
+                       for post in map(self.height_of, self.plane("base", above, HOLE))]
+            if above == 0 or any(post is not None for post in lattice):
+                fine = interpolated(lattice, self.size(above)[0], *self.size(level), above - level)
+                found = [old if old is not None or new is None else middle + new / 2**18 for old, new in zip(found, fine)]
+        return found
 
     @functools.cache
     def offset(self, level):
