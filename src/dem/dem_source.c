@@ -151,7 +151,7 @@ static enum status write_vrt(struct gdal_source *source, const struct dem_params
 	char *escaped = CPLEscapeString(source->path, -1, CPLES_XML);
 	size_t bytes = 4096 + 2 * strlen(escaped) + 32 * params->nodata_count;
 	char *xml = mem_alloc(bytes, 1);
-	source->vrt = mem_alloc(64, 1);
+	source->vrt = mem_calloc(64, 1); /* a text even if the rest fails */
 	if (xml == NULL || source->vrt == NULL) {
 		mem_free(xml);
 		CPLFree(escaped);
