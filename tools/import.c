@@ -7,6 +7,7 @@
 
 #include "command.h"
 #include "api/import.h"
+#include "errors.h"
 #include "made.h"
 
 static const struct command_option options[] = {
@@ -29,6 +30,7 @@ static const struct command_option options[] = {
 	{"jobs", "N", "threads that pack tiles beside the one that reads; 1: one for everything (the machine's cores)"},
 	{"resume", NULL, "go on with an import that was broken off or killed; the same store, whatever --jobs"},
 	{"overwrite", NULL, "replace STORE"},
+	{"json", NULL, "one JSON object: what was made, off_resampled and off_source"},
 	{"dry-run", NULL, "say what would be made, and make nothing"},
 	{NULL, NULL, NULL},
 };
@@ -56,10 +58,6 @@ static void print_plan(const struct dem_info *info, const struct dem_insets *ins
 	       (double)(info->width - 1) * info->spacing / 1e3, (double)(info->height - 1) * info->spacing / 1e3,
 	       extent->cells + 1, extent->cells + 1, extent_coarsest(extent));
 	print_insets(insets);
-	if (meta->max_error > 0)
-		printf("stored heights off their source by at most %g m\n", meta->max_error);
-	else
-		puts("stored heights are their source's, lossless");
 	if (info->overlap_posts > 0)
 		printf("sources overlap at %lld posts and differ at %lld of them, by %g m at most; the first named "
 		       "wins\n",
@@ -86,16 +84,44 @@ static enum status read_options(const struct arguments *arguments, struct import
 	return status;
 }
 
-static enum status make(struct import *import, const char *path)
+/* Also where nothing was made: then errors were not measured. */
+static void print_planned_errors(const struct import *import)
+{
+	const char *what = dem_info(import->opened)->resampled ? "resampled source" : "source";
+	if (import->meta.max_error > 0)
+		printf("stored heights off the %s by at most %g m\n", what, import->meta.max_error);
+	else
+		printf("stored heights are those of the %s, lossless\n", what);
+}
+
+static enum status print_json(const struct import *import, const struct intake *made)
+{
+	const struct dem_info *info = dem_info(import->opened);
+	cJSON *object = cJSON_CreateObject();
+	json_pair(object, "posts", (double)info->width, (double)info->height);
+	json_number(object, "spacing", info->spacing);
+	json_pair(object, "origin", info->origin[0], info->origin[1]);
+	cJSON_AddStringToObject(object, "srs", info->srs);
+	cJSON_AddStringToObject(object, "projected", info->projected);
+	json_integer(object, "sources", (int64_t)info->source_count);
+	cJSON *overlap = cJSON_AddObjectToObject(object, "overlap");
+	json_integer(overlap, "posts", info->overlap_posts);
+	json_integer(overlap, "differing", info->overlap_differing);
+	json_number(overlap, "greatest", info->overlap_difference);
+	errors_json(object, &made->meta);
+	json_pair(object, "height", made->low, made->high);
+	json_integer(object, "bytes", made->bytes);
+	json_number(object, "seconds", made->seconds);
+	return json_print(object);
+}
+
+static enum status make(struct import *import, const char *path, struct intake *made)
 {
 	struct progress progress;
-	struct intake made;
 	interrupt_catch();
 	progress_start(&progress, path, "rows");
-	enum status status = api_import_run(import, path, progress_step, &progress, &made);
+	enum status status = api_import_run(import, path, progress_step, &progress, made);
 	progress_end(&progress);
-	if (status == STATUS_OK)
-		print_made(&made);
 	return status;
 }
 
@@ -114,12 +140,23 @@ static enum status run(const struct arguments *arguments)
 		status = read_options(arguments, &import);
 	if (status == STATUS_OK)
 		status = api_import_open(&import, sources, arguments_count(arguments));
-	if (status == STATUS_OK && arguments_flag(arguments, "dry-run"))
+	bool dry = arguments_flag(arguments, "dry-run"), json = arguments_flag(arguments, "json");
+	struct intake made = {.meta = import.meta, .low = (double)NAN, .high = (double)NAN};
+	if (status == STATUS_OK && dry)
 		note_output(&import, path);
 	else if (status == STATUS_OK)
-		status = make(&import, path);
-	if (status == STATUS_OK)
+		status = make(&import, path, &made);
+	if (status == STATUS_OK && json) {
+		status = print_json(&import, &made);
+	} else if (status == STATUS_OK) {
+		if (!dry)
+			print_made(&made);
 		print_plan(dem_info(import.opened), import.insets, &import.meta);
+		if (dry)
+			print_planned_errors(&import);
+		else
+			print_errors(&made.meta, "stored heights ", "stored heights ");
+	}
 	api_import_finish(&import);
 	mem_free(sources);
 	return status;

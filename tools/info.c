@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "command.h"
+#include "errors.h"
 #include "json.h"
 #include "store/store.h"
 
@@ -105,7 +106,7 @@ static enum status print_json(struct store *store, const struct store_numbers *n
 			    meta->origin[1] + (double)(extent->height - 1) * extent->spacing};
 	cJSON_AddItemToObject(object, "bounds", cJSON_CreateDoubleArray(bounds, 4));
 	cJSON_AddStringToObject(object, "nodata", "NaN");
-	json_number(object, "max_error", meta->max_error);
+	errors_json(object, meta);
 	json_pair(object, "height", meta->low, meta->high);
 	cJSON *tiles = cJSON_AddObjectToObject(object, "tiles");
 	json_integer(tiles, "base", numbers->base_tiles);
@@ -156,11 +157,8 @@ static void print_text(struct store *store, const struct store_numbers *numbers)
 	printf("levels     %d to %d", store_finest(store), extent_coarsest(extent));
 	if (store_has_working_level(store, &working))
 		printf("; deformed at level %d, %g m", working, extent_spacing(extent, working));
-	printf("\nheight     %.2f to %.2f m, ", meta->low, meta->high);
-	if (meta->max_error > 0)
-		printf("at most %g m off the source\n", meta->max_error);
-	else
-		puts("lossless");
+	printf("\nheight     %.2f to %.2f m\n", meta->low, meta->high);
+	print_errors(meta, "errors     ", "           ");
 	printf("bytes      %lld file, %lld base (%.3f a post of level 0), %lld offset, %lld soil\n",
 	       (long long)numbers->file_bytes, (long long)numbers->base_bytes,
 	       (double)numbers->base_bytes / ((double)extent->width * (double)extent->height),

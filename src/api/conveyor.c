@@ -23,6 +23,7 @@
 struct parcel {
 	struct tile tile;
 	struct store_range range;
+	struct misfit resampled, source; /* as in struct store_meta */
 	int32_t *codes;
 	uint8_t *bytes; /* of what it was packed to */
 	struct store_packed packed;
@@ -58,6 +59,7 @@ static struct parcel *parcel_at(struct conveyor *conveyor, int64_t index)
 
 static enum status store_parcel(struct conveyor *conveyor, const struct parcel *parcel)
 {
+	store_put_misfit(conveyor->store, &parcel->resampled, &parcel->source);
 	return store_put_packed(conveyor->store, parcel->tile, &parcel->packed, &parcel->range);
 }
 
@@ -198,12 +200,18 @@ enum status api_conveyor_create(struct store *store, int64_t jobs, int64_t store
 	return STATUS_OK;
 }
 
+bool api_conveyor_has(const struct conveyor *conveyor)
+{
+	return conveyor->put < conveyor->passing; /* only the thread that puts changes `put` */
+}
+
 static enum status put_alone(struct conveyor *conveyor, const struct dem_tile *tile)
 {
 	struct store_range range = {tile->low, tile->high, tile->error};
 	if (conveyor->put++ < conveyor->passing)
 		return STATUS_OK;
 	struct store_packed packed = store_pack(conveyor->workers[0].packer, tile->codes);
+	store_put_misfit(conveyor->store, &tile->misfit, &tile->source);
 	return store_put_packed(conveyor->store, tile->tile, &packed, &range);
 }
 
@@ -221,6 +229,8 @@ enum status api_conveyor_put(void *user, const struct dem_tile *tile)
 		mutex_unlock(&conveyor->mutex); /* nobody else knows of the parcel yet */
 		parcel->tile = tile->tile;
 		parcel->range = (struct store_range){tile->low, tile->high, tile->error};
+		parcel->resampled = tile->misfit;
+		parcel->source = tile->source;
 		memcpy(parcel->codes, tile->codes, conveyor->posts * sizeof *parcel->codes);
 		mutex_lock(&conveyor->mutex);
 		conveyor->put++;

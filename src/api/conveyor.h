@@ -19,6 +19,7 @@ enum status api_conveyor_create(struct store *store, int64_t jobs, int64_t store
 /* Gives a tile to the conveyor, which copies it. It is a dem_tile_fn (dem.h). Waits while all buffers are full. Returns also a
  * failure of another thread. */
 enum status api_conveyor_put(void *conveyor, const struct dem_tile *tile) FURROW_CHECKED;
+bool api_conveyor_has(const struct conveyor *conveyor); /* returns true if the next tile is in the store already */
 /* Reads a tile that the store has already. It is a dem_known_fn (dem.h). */
 enum status api_conveyor_known(void *conveyor, struct tile tile, int32_t *codes, bool *known) FURROW_CHECKED;
 /* Waits until all tiles that were put are stored. */

@@ -276,6 +276,12 @@ static enum status read_posts(void *user, struct post_rect rect, double *heights
 	return status;
 }
 
+static enum status misfit(void *user, const struct extent *extent, const struct dem_tile *tile, double step, struct misfit *sum)
+{
+	const struct import *import = user;
+	return dem_misfit(import->opened, extent, tile, step, sum);
+}
+
 /* Notes a height that is probably an undeclared hole. Such a value mixed with others may become any height. */
 static void note_sentinel(const struct intake *intake)
 {
@@ -329,6 +335,8 @@ enum status api_import_run(struct import *import, const char *store, dem_progres
 		.posts = read_posts,
 		.posts_user = import,
 		.insets = import->insets,
+		.rounded = import->coarse_step > 0,
+		.misfit = dem_info(import->opened)->resampled ? misfit : NULL,
 		.panel_posts = dem_info(import->opened)->panel_posts,
 		.meta = import->meta,
 		.progress = progress,

@@ -37,12 +37,28 @@ static enum status settle(void *user)
 	return api_conveyor_settle(user);
 }
 
+struct measuring {
+	const struct intake *intake;
+	const struct conveyor *conveyor;
+};
+
+/* What is stored already was measured, too. */
+static enum status measure_tile(void *user, const struct dem_tile *tile, struct misfit *source)
+{
+	const struct measuring *measuring = user;
+	const struct intake *intake = measuring->intake;
+	if (api_conveyor_has(measuring->conveyor))
+		return STATUS_OK;
+	return intake->misfit(intake->posts_user, &intake->meta.extent, tile, intake->meta.step, source);
+}
+
 static enum status cut_and_store(const struct intake *intake, struct store *store, int64_t stored)
 {
 	struct conveyor *conveyor = NULL;
 	enum status status = api_conveyor_create(store, intake->jobs, stored, &conveyor);
 	if (status != STATUS_OK)
 		return status;
+	struct measuring measuring = {intake, conveyor};
 	struct dem_insets_cut insets = {
 		.insets = intake->insets,
 		.step = intake->meta.step,
@@ -63,6 +79,9 @@ static enum status cut_and_store(const struct intake *intake, struct store *stor
 		.posts_user = intake->posts_user,
 		.emit = api_conveyor_put,
 		.emit_user = conveyor,
+		.measure = intake->misfit != NULL ? measure_tile : NULL,
+		.measure_user = &measuring,
+		.compares = !intake->rounded,
 		.finer = intake->insets != NULL ? dem_insets_finer : NULL,
 		.finer_user = &insets,
 		.known = stored > 0 ? api_conveyor_known : NULL,
@@ -106,6 +125,8 @@ enum status api_intake_run(struct intake *intake)
 	if (status == STATUS_OK) {
 		intake->low = store_meta(store)->low;
 		intake->high = store_meta(store)->high;
+		intake->meta.off_resampled = store_meta(store)->off_resampled;
+		intake->meta.off_source = store_meta(store)->off_source;
 	}
 	store_close(store);
 	if (status != STATUS_OK)

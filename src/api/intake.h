@@ -7,11 +7,14 @@
 
 struct intake {
 	const char *path; /* of the store to make */
-	struct store_meta meta; /* describes the store. If it has a request, an interrupted import can be resumed later */
+	struct store_meta meta; /* describes the store; its errors are results. If it has a request, an interrupted import can be resumed later */
 	bool overwrite, resume;
 	int64_t jobs; /* threads that pack; 1: one thread for everything */
 	dem_posts_fn posts;
 	void *posts_user;
+	bool rounded; /* `posts` rounds heights, so that by how much codes are off them says nothing */
+	/* as dem_misfit, with posts_user; NULL: the posts are the sources' own */
+	enum status (*misfit)(void *user, const struct extent *extent, const struct dem_tile *tile, double step, struct misfit *misfit);
 	int64_t panel_posts; /* as in struct dem_cut */
 	struct dem_insets *insets; /* NULL: there are none */
 	/* called with the rows done and all rows; NULL: no calls. If it returns STATUS_INTERRUPTED, the import stops */

@@ -12,6 +12,7 @@
 #include "base/height_code.h"
 #include "base/lattice.h"
 #include "base/memory.h"
+#include "base/misfit.h"
 #include "base/plan.h"
 #include "base/plane.h"
 #include "base/status.h"

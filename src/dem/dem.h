@@ -40,6 +40,7 @@ struct dem_info {
 	int64_t width, height; /* posts */
 	double spacing;        /* metres */
 	double unit;           /* metres of the source's unit, if its values are whole numbers; otherwise 0 */
+	bool resampled;        /* posts of some sources are not the result's; dem_misfit tells by how much it is off them */
 	bool whole;            /* every height is exactly a whole number of units, so nothing was resampled */
 	int64_t panel_posts;   /* posts of a row that are best read together, in strips, before the next panel; 0: whole rows */
 	const char *srs;       /* WKT; "" for local metres. Owned by the dem */
@@ -65,12 +66,25 @@ const struct dem_info *dem_info(const struct dem *dem);
  * to north are fastest. */
 enum status dem_read(struct dem *dem, struct post_rect rect, double *heights) FURROW_CHECKED;
 
+/*
+ * Adds to `misfit` by how much a tile's surface is off the sources at their own posts. The surface is bilinear between the codes.
+ * Posts that lie in several tiles count once; where sources overlap, only posts of the one that was taken; none beside holes.
+ * For a level-0 tile, if dem_info says `resampled`. `step`: of the codes.
+ */
+struct dem_tile;
+enum status dem_misfit(struct dem *dem, const struct extent *extent, const struct dem_tile *tile, double step,
+		       struct misfit *misfit) FURROW_CHECKED;
+
 /* One finished tile of a cut. Every tile comes after the finer tiles that it covers. */
 struct dem_tile {
 	struct tile tile;
 	const int32_t *codes; /* (cells + 1)^2 height codes, row 0 south; HEIGHT_CODE_NODATA */
 	double low, high;     /* metres, over the tile and all finer tiles below it; both NaN if all is nodata */
 	double error;         /* metres: largest height difference between a finer post and the bilinear surface of this level */
+	/* Level 0: by how much the codes are off the heights they were made from. A post that tiles share counts once. Nothing of
+	 * posts that were known already. */
+	struct misfit misfit;
+	struct misfit source; /* level 0: the same, or what `measure` of the cut set */
 };
 
 typedef enum status (*dem_tile_fn)(void *user, const struct dem_tile *tile);
@@ -90,6 +104,10 @@ struct dem_cut {
 	double step; /* step of height codes (base/height_code.h) */
 	dem_posts_fn posts;
 	void *posts_user;
+	bool compares; /* dem_tile.misfit is wanted */
+	/* Called for each tile of level 0 before insets change it. It may set by how much the tile is off the sources. May be NULL. */
+	enum status (*measure)(void *user, const struct dem_tile *tile, struct misfit *source);
+	void *measure_user;
 	dem_tile_fn emit;
 	void *emit_user;
 	dem_finer_fn finer; /* NULL: there are no insets */

@@ -43,6 +43,7 @@ enum status dem_crop_create(const struct dem_params *params, struct dem_grid *gr
 	crop->grid = *grid;
 	crop->grid.read = crop_read;
 	crop->grid.destroy = crop_destroy;
+	crop->grid.misfit = NULL; /* of a source without a place posts are never resampled */
 	grid->srs = grid->vertical = grid->projected = NULL;
 	grid->files = (struct dem_list){0};
 	crop->whole = grid;

@@ -46,6 +46,7 @@ struct cutting {
 	uint32_t filled;     /* rows */
 	uint32_t tile_y;     /* of the band */
 	int32_t *tile;       /* a tile of the band, cut out to be emitted */
+	struct misfit *misfits; /* of the band's tiles so far */
 	double *heights;
 	int64_t strip;       /* rows that `heights` has room for */
 	int64_t rows_done;   /* rows done so far, over all panels */
@@ -158,7 +159,7 @@ static enum status finish_tile(struct cutting *cutting, const struct dem_tile *t
 	if (!last)
 		return STATUS_OK;
 	open->begun = false;
-	struct dem_tile next = {above, open->codes, open->low, open->high, open->error};
+	struct dem_tile next = {.tile = above, .codes = open->codes, .low = open->low, .high = open->high, .error = open->error};
 	loss = above.level < cutting->coarsest ? dem_measure(open->codes, extent->cells, cutting->cut->step).loss : 0;
 	return finish_tile(cutting, &next, loss);
 }
@@ -190,10 +191,17 @@ static enum status band_full(struct cutting *cutting)
 	assert(cutting->filled == cells + 1);
 	for (int64_t i = 0; i < band_tiles(cutting); i++) {
 		const struct dem_cut *cut = cutting->cut;
-		struct dem_tile tile = {band_tile_at(cutting, i), cutting->tile, (double)NAN, (double)NAN, 0};
+		struct dem_tile tile = {
+			.tile = band_tile_at(cutting, i), .codes = cutting->tile, .low = (double)NAN, .high = (double)NAN};
 		enum status status = STATUS_OK;
 		band_tile(cutting, i, cutting->tile);
-		if (cut->finer != NULL)
+		tile.misfit = cutting->misfits[i];
+		tile.source = tile.misfit;
+		if (cut->measure != NULL) {
+			tile.source = (struct misfit){0};
+			status = cut->measure(cut->measure_user, &tile, &tile.source);
+		}
+		if (cut->finer != NULL && status == STATUS_OK)
 			status = cut->finer(cut->finer_user, tile.tile, cutting->tile, &tile.low, &tile.high, &tile.error);
 		struct dem_measure measure = dem_measure(cutting->tile, cells, cut->step);
 		tile.low = fmin(tile.low, measure.low); /* fmin ignores NaN */
@@ -207,7 +215,19 @@ static enum status band_full(struct cutting *cutting)
 	       (size_t)cutting->stride * sizeof *cutting->band);
 	cutting->filled = 1;
 	cutting->tile_y++;
+	memset(cutting->misfits, 0, (size_t)band_tiles(cutting) * sizeof *cutting->misfits);
 	return STATUS_OK;
+}
+
+static void compare_row(struct cutting *cutting, const double *heights, const int32_t *codes)
+{
+	int64_t cells = cutting->extent->cells, tiles = band_tiles(cutting);
+	bool joins = cutting->x0 > 0; /* the first column was the last one of the panel before */
+	for (int64_t i = 0; i < tiles; i++) {
+		int64_t from = i * cells + (i > 0 || joins), to = smaller((i + 1) * cells + 1, cutting->width);
+		if (to > from)
+			dem_measure_misfit(heights + from, codes + from, to - from, cutting->cut->step, &cutting->misfits[i]);
+	}
 }
 
 static enum status refuse_height(double height, double step, int64_t x, int64_t y)
@@ -231,6 +251,8 @@ static enum status take_row(struct cutting *cutting, const double *heights, int6
 	if (coded < cutting->width)
 		return refuse_height(heights[coded], cutting->cut->step, cutting->x0 + coded, y);
 	codes_clear(codes + cutting->width, cutting->stride - cutting->width);
+	if (cutting->cut->compares)
+		compare_row(cutting, heights, codes);
 	cutting->filled++;
 	return cutting->filled == cutting->extent->cells + 1 ? band_full(cutting) : STATUS_OK;
 }
@@ -325,7 +347,8 @@ static enum status cutting_init(struct cutting *cutting)
 	cutting->heights = mem_alloc((size_t)(cutting->strip * cutting->stride), sizeof *cutting->heights);
 	cutting->band = mem_alloc((size_t)(tile_posts(extent) * cutting->stride), sizeof *cutting->band);
 	cutting->tile = mem_alloc(cutting->posts, sizeof *cutting->tile);
-	bool whole = cutting->heights != NULL && cutting->band != NULL && cutting->tile != NULL;
+	cutting->misfits = mem_calloc((size_t)tiles, sizeof *cutting->misfits);
+	bool whole = cutting->misfits != NULL && cutting->heights != NULL && cutting->band != NULL && cutting->tile != NULL;
 	for (int level = 1; level <= cutting->coarsest; level++) {
 		cutting->open[level] = mem_calloc((size_t)open_count(cutting, level), sizeof *cutting->open[level]);
 		whole = whole && cutting->open[level] != NULL;
@@ -345,6 +368,7 @@ static void cutting_finish(struct cutting *cutting)
 	mem_free(cutting->heights);
 	mem_free(cutting->band);
 	mem_free(cutting->tile);
+	mem_free(cutting->misfits);
 }
 
 enum status dem_cut(const struct dem_cut *cut)

@@ -238,6 +238,12 @@ static enum status fill_read(struct dem_grid *grid, struct post_rect rect, doubl
 	return status;
 }
 
+static enum status fill_misfit(struct dem_grid *grid, const struct dem_part *surface, uint32_t cells, struct misfit *misfit)
+{
+	struct fill *fill = (struct fill *)grid;
+	return fill->source->misfit(fill->source, surface, cells, misfit);
+}
+
 static void fill_destroy(struct dem_grid *grid)
 {
 	struct fill *fill = (struct fill *)grid;
@@ -260,6 +266,7 @@ enum status dem_fill_create(struct dem_grid *grid, struct dem_grid **out)
 	fill->grid = *grid;
 	fill->grid.read = fill_read;
 	fill->grid.destroy = fill_destroy;
+	fill->grid.misfit = grid->misfit != NULL ? fill_misfit : NULL;
 	grid->srs = grid->vertical = grid->projected = NULL;
 	grid->files = (struct dem_list){0};
 	fill->source = grid;

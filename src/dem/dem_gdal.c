@@ -8,8 +8,6 @@
 
 #include <stdio.h>
 
-#include "dem_kernel.h"
-
 struct gdal_grid {
 	struct dem_grid grid;
 	struct gdal_source *sources;
@@ -72,7 +70,8 @@ static enum status refuse_rows(const struct gdal_grid *gdal, int top)
 			 culprit(gdal, message), top, message);
 }
 
-static enum status sample(struct gdal_grid *gdal, struct post_rect rect, double *heights, bool *done)
+/* owners: NULL, or for each post the number of the group that it was taken from. */
+static enum status sample(struct gdal_grid *gdal, struct post_rect rect, double *heights, uint16_t *owners, bool *done)
 {
 	size_t posts = (size_t)((rect.x1 - rect.x0) * (rect.y1 - rect.y0));
 	if (posts > gdal->room) {
@@ -85,9 +84,9 @@ static enum status sample(struct gdal_grid *gdal, struct post_rect rect, double 
 	memset(gdal->sampled, DEM_SAMPLED_NONE, posts);
 	for (size_t i = 0; i < posts; i++)
 		heights[i] = (double)NAN;
-	struct dem_samples samples = {rect, heights, gdal->sampled};
+	struct dem_samples samples = {rect, heights, gdal->sampled, owners, 0};
 	enum status status = STATUS_OK;
-	for (size_t i = 0; i < gdal->groups.count && status == STATUS_OK && *done; i++)
+	for (size_t i = 0; i < gdal->groups.count && status == STATUS_OK && *done; i++, samples.owner++)
 		status = dem_sampler_read(gdal->groups.groups[i].sampler, &samples, done);
 	return status;
 }
@@ -100,8 +99,43 @@ static enum status gdal_read(struct dem_grid *grid, struct post_rect rect, doubl
 	bool done = true, copies = groups->count == 1 && dem_sampler_copied(groups->groups[0].sampler, rect, &from);
 	CPLErrorReset();
 	enum status status = copies ? dem_layers_read(groups->groups[0].layers, from, heights, &done)
-				    : sample(gdal, rect, heights, &done);
+				    : sample(gdal, rect, heights, NULL, &done);
 	return status != STATUS_OK || done ? status : refuse_rows(gdal, (int)(grid->height - rect.y1));
+}
+
+/* A tile's last row and column are measured only if no other tile has them. */
+static void limit_surface(const struct gdal_grid *gdal, uint32_t cells, struct dem_surface *surface)
+{
+	const struct post_rect *rect = &surface->part.rect;
+	surface->low[0] = rect->x0 == 0 ? -0.5 : (double)rect->x0;
+	surface->low[1] = rect->y0 == 0 ? -0.5 : (double)rect->y0;
+	surface->high[0] = rect->x0 + cells >= gdal->grid.width - 1 ? (double)rect->x1 : (double)(rect->x0 + cells);
+	surface->high[1] = rect->y0 + cells >= gdal->grid.height - 1 ? (double)rect->y1 : (double)(rect->y0 + cells);
+}
+
+static enum status gdal_misfit(struct dem_grid *grid, const struct dem_part *part, uint32_t cells, struct misfit *misfit)
+{
+	struct gdal_grid *gdal = (struct gdal_grid *)grid;
+	struct dem_surface surface = {.part = *part};
+	size_t posts = (size_t)((part->rect.x1 - part->rect.x0) * (part->rect.y1 - part->rect.y0));
+	uint16_t *owners = NULL;
+	double *heights = NULL;
+	enum status status = STATUS_OK;
+	bool done = true;
+	limit_surface(gdal, cells, &surface);
+	CPLErrorReset();
+	if (gdal->groups.count > 1) {
+		owners = mem_calloc(posts, sizeof *owners);
+		heights = mem_alloc(posts, sizeof *heights);
+		status = owners != NULL && heights != NULL ? sample(gdal, part->rect, heights, owners, &done)
+							   : fail_memory("comparing with the sources");
+		surface.owners = owners;
+	}
+	for (size_t i = 0; i < gdal->groups.count && status == STATUS_OK && done; i++)
+		status = dem_misfit_group(&gdal->groups.groups[i], (uint16_t)i, &surface, misfit, &done);
+	mem_free(owners);
+	mem_free(heights);
+	return status != STATUS_OK || done ? status : refuse_rows(gdal, (int)(grid->height - part->rect.y1));
 }
 
 /* Finds the first source that has the same SRS as source number i. */
@@ -178,6 +212,9 @@ static int64_t common_panel(const struct gdal_grid *gdal)
 
 static enum status several_agree(const struct gdal_grid *gdal)
 {
+	if (gdal->source_count > UINT16_MAX)
+		return fail_with(STATUS_INPUT, "%s and others: %zu sources are too many; import fewer at once, or join them with "
+				 "gdalbuildvrt", gdal->name, gdal->source_count);
 	for (size_t i = 0; gdal->source_count > 1 && i < gdal->source_count; i++)
 		if (!gdal->sources[i].placed)
 			return fail_with(STATUS_INPUT, "%s: has no place among other sources; import it alone, or give it a place "
@@ -203,7 +240,8 @@ static enum status make_sampler(struct gdal_grid *gdal, const struct dem_params 
 		.single = !doubles,
 		.name = group->sources[0]->path,
 	};
-	return dem_sampler_create(&sampling, &group->sampler);
+	enum status status = dem_sampler_create(&sampling, &group->sampler);
+	return status == STATUS_OK ? dem_map_create(sampling.raster, &posts, sampling.name, &group->back) : status;
 }
 
 /* Tells what becomes of posts that are resampled only because they are not square or not in metres. */
@@ -242,6 +280,9 @@ static enum status describe(struct gdal_grid *gdal)
 	grid->unit = common_unit(gdal->sources, gdal->source_count);
 	grid->panel_posts = common_panel(gdal);
 	grid->whole = all_whole(gdal);
+	for (size_t i = 0; i < gdal->groups.count; i++)
+		if (!dem_sampler_copies(gdal->groups.groups[i].sampler))
+			grid->misfit = gdal_misfit;
 	const struct dem_group *projected = NULL;
 	size_t others = 0;
 	for (size_t i = gdal->groups.count; i-- > 0;)

@@ -90,10 +90,14 @@ struct dem_samples {
 	struct post_rect rect;
 	double *heights;  /* metres, row by row from the south */
 	uint8_t *sampled;
+	uint16_t *owners; /* set to `owner` where a height is set; may be NULL */
+	uint16_t owner;
 };
 enum status dem_sampler_create(const struct dem_sampling *sampling, struct dem_sampler **out) FURROW_CHECKED;
 void dem_sampler_destroy(struct dem_sampler *sampler);          /* sampler may be NULL */
 bool dem_sampler_copies(const struct dem_sampler *sampler); /* returns true if posts are the raster's own, not resampled */
+/* Gives the column and row of a post on the raster; NaN: nowhere. */
+void dem_sampler_place(const struct dem_sampler *sampler, int64_t x, int64_t y, double *column, double *row);
 /* Returns true if all posts of `rect` are the raster's own; gives the rectangle in which they lie there. */
 bool dem_sampler_copied(const struct dem_sampler *sampler, struct post_rect rect, struct post_rect *from);
 /* Sets those heights of which this raster knows more than is known already. *done as in dem_layers_read. */
@@ -105,6 +109,7 @@ struct dem_group {
 	size_t count;
 	struct dem_layers *layers;
 	struct dem_sampler *sampler; /* at the posts of the target; NULL before it is made */
+	struct dem_map *back;        /* from the group's posts to the target; NULL before it is made */
 	double step[2];              /* metres on the ground between posts, along a row and a column */
 	bool projected;              /* the target has another SRS */
 };
@@ -130,6 +135,17 @@ void dem_target_finish(struct dem_target *target);
 void dem_target_lattice(const struct dem_target *target, struct dem_lattice *lattice);
 /* Prints a note if a metre of the target differs much from a metre on the ground. There, ruts and wheels have a wrong size. */
 void dem_target_note_scale(const struct dem_target *target, const char *name);
+
+/* --- dem_misfit.c --- */
+/* Heights at posts of the target, whose surface is bilinear, and the part of it that is measured. */
+struct dem_surface {
+	struct dem_part part;
+	double low[2], high[2]; /* columns and rows from `low` to below `high` are measured */
+	const uint16_t *owners; /* for each post, which group it was taken from; NULL: there is one group */
+};
+/* Adds by how much the surface is off posts of group `number`, where it is made from this group. *done as in dem_layers_read. */
+enum status dem_misfit_group(const struct dem_group *group, uint16_t number, const struct dem_surface *surface,
+			     struct misfit *misfit, bool *done) FURROW_CHECKED;
 
 /* --- dem_overlap.c: compares sources where they overlap in the target; also sets `low` and `high` of each source, and the grid's
  * overlap_... --- */

@@ -83,6 +83,7 @@ void dem_groups_finish(struct dem_groups *groups)
 {
 	for (size_t i = 0; i < groups->count; i++) {
 		dem_sampler_destroy(groups->groups[i].sampler);
+		dem_map_destroy(groups->groups[i].back);
 		dem_layers_destroy(groups->groups[i].layers);
 		mem_free(groups->groups[i].sources);
 	}

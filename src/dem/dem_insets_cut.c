@@ -97,7 +97,7 @@ enum status dem_insets_finer(void *user, struct tile tile, int32_t *codes, doubl
 static enum status put_tile(struct cutting *cutting, struct tile tile)
 {
 	const struct dem_insets_cut *cut = cutting->cut;
-	struct dem_tile out = {tile, cutting->tile, (double)NAN, (double)NAN, 0};
+	struct dem_tile out = {.tile = tile, .codes = cutting->tile, .low = (double)NAN, .high = (double)NAN};
 	enum status status = lay_below(cut, tile, cutting->below, cutting->tile, &out.low, &out.high, &out.error);
 	if (status != STATUS_OK)
 		return status;

@@ -8,6 +8,7 @@
 #define FURROW_DEM_INTERNAL_H
 
 #include "dem/dem.h"
+#include "dem_kernel.h"
 
 /* --- dem_list.c: lists of file names --- */
 struct dem_list {
@@ -26,6 +27,8 @@ void dem_list_finish(struct dem_list *list);
 struct dem_grid {
 	/* As dem_read. The rectangle lies within the grid. */
 	enum status (*read)(struct dem_grid *grid, struct post_rect rect, double *heights);
+	/* As dem_misfit. `surface`: heights of the tile's posts in the grid. `cells`: of a tile. NULL: posts are the sources' own. */
+	enum status (*misfit)(struct dem_grid *grid, const struct dem_part *surface, uint32_t cells, struct misfit *misfit);
 	void (*destroy)(struct dem_grid *grid);
 	int64_t width, height; /* posts */
 	double spacing, unit;  /* as in dem_info */

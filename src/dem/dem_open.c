@@ -9,6 +9,8 @@ struct dem {
 	struct dem_info info;
 	struct dem_list list;
 	struct dem_grid *grid;
+	double *surface; /* heights of a tile, for dem_misfit */
+	size_t room;     /* posts */
 };
 
 void dem_grid_destroy(struct dem_grid *grid)
@@ -128,6 +130,7 @@ enum status dem_open(const struct dem_params *params, struct dem **out)
 		.spacing = grid->spacing,
 		.unit = grid->unit,
 		.panel_posts = grid->panel_posts,
+		.resampled = grid->misfit != NULL,
 		.whole = grid->whole && !params->fill,
 		.srs = grid->srs != NULL ? grid->srs : "",
 		.origin = {grid->origin[0], grid->origin[1]},
@@ -151,6 +154,7 @@ void dem_close(struct dem *dem)
 		return;
 	dem_grid_destroy(dem->grid);
 	dem_list_finish(&dem->list);
+	mem_free(dem->surface);
 	mem_free(dem);
 }
 
@@ -202,4 +206,24 @@ enum status dem_read(struct dem *dem, struct post_rect rect, double *heights)
 			return status;
 	}
 	return STATUS_OK;
+}
+
+enum status dem_misfit(struct dem *dem, const struct extent *extent, const struct dem_tile *tile, double step, struct misfit *misfit)
+{
+	struct post_rect whole = tile_post_rect(extent, tile->tile);
+	struct post_rect rect = post_rect_intersect(whole, (struct post_rect){0, 0, dem->grid->width, dem->grid->height});
+	int64_t width = rect.x1 - rect.x0, rows = rect.y1 - rect.y0, stride = whole.x1 - whole.x0;
+	size_t posts = (size_t)(stride * stride);
+	if (posts > dem->room) {
+		mem_free(dem->surface);
+		dem->surface = mem_alloc(posts, sizeof *dem->surface);
+		dem->room = dem->surface != NULL ? posts : 0;
+		if (dem->surface == NULL)
+			return fail_memory("comparing with the sources");
+	}
+	for (int64_t y = 0; y < rows; y++)
+		for (int64_t x = 0; x < width; x++)
+			dem->surface[y * width + x] = height_code_metres(tile->codes[y * stride + x], step);
+	const struct dem_part surface = {dem->surface, rect};
+	return dem->grid->misfit(dem->grid, &surface, extent->cells, misfit);
 }

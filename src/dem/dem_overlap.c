@@ -1,8 +1,6 @@
 /* Measures by how much sources disagree where they overlap: at each post of the later one, beside the earlier one's surface. */
 #include "dem_gdal.h"
 
-#include "dem_kernel.h"
-
 #define STRIP_POSTS (1 << 18)
 #define AREA_PROBES 9 /* points along each side of a source that are projected to find its area */
 #define PROBES 17 /* points along each side of a source that are projected to find where it lies on another */
@@ -101,7 +99,7 @@ static enum status compare_rows(struct pair *pair, struct post_rect strip, struc
 	size_t posts = (size_t)((strip.x1 - strip.x0) * (strip.y1 - strip.y0));
 	bool done;
 	memset(pair->sampled, DEM_SAMPLED_NONE, posts);
-	struct dem_samples samples = {strip, pair->heights, pair->sampled};
+	struct dem_samples samples = {.rect = strip, .heights = pair->heights, .sampled = pair->sampled};
 	enum status status = dem_layers_read(pair->other, strip, pair->own, &done);
 	if (status == STATUS_OK && done)
 		status = dem_sampler_read(pair->sampler, &samples, &done);

@@ -4,8 +4,6 @@
  */
 #include "dem_gdal.h"
 
-#include "dem_kernel.h"
-
 #define BLOCK_ROWS 64
 #define PART_POSTS (1 << 22) /* most posts of the raster in memory for one block, unless it is a single post */
 
@@ -67,6 +65,11 @@ bool dem_sampler_copies(const struct dem_sampler *sampler)
 	return sampler->shifted;
 }
 
+void dem_sampler_place(const struct dem_sampler *sampler, int64_t x, int64_t y, double *column, double *row)
+{
+	dem_map_rect(sampler->map, (struct post_rect){x, y, x + 1, y + 1}, column, row);
+}
+
 bool dem_sampler_copied(const struct dem_sampler *sampler, struct post_rect rect, struct post_rect *from)
 {
 	int64_t dx = sampler->shift[0], dy = sampler->shift[1];
@@ -94,6 +97,8 @@ static void put(struct dem_samples *samples, int64_t at, enum dem_sampled sample
 		return;
 	samples->sampled[at] = (uint8_t)sampled;
 	samples->heights[at] = height;
+	if (samples->owners != NULL)
+		samples->owners[at] = samples->owner;
 }
 
 static int64_t index_of(const struct dem_samples *samples, int64_t x, int64_t y)

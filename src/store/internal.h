@@ -293,6 +293,10 @@ enum status store_schema_hide(sqlite3 *db, const char *path, int version) FURROW
 /* Makes an older store one of this version, in one transaction. Shear of version 3 is dropped. */
 enum status store_schema_raise(sqlite3 *db, const char *path, int version) FURROW_CHECKED;
 
+/* --- store_misfit.c: meta.off_resampled and meta.off_source in the file --- */
+enum status store_misfit_write(struct store *store) FURROW_CHECKED; /* in a transaction */
+enum status store_misfit_read(struct store *store) FURROW_CHECKED;
+
 /* --- store_meta.c --- */
 
 enum status store_meta_copy(struct store_meta *to, const struct store_meta *from) FURROW_CHECKED;
@@ -301,6 +305,9 @@ enum status store_meta_write(struct store *store) FURROW_CHECKED;
 enum status store_meta_read(struct store *store) FURROW_CHECKED; /* also the working level and the commit */
 /* The request of a store being made: written when it is begun, compared when it is resumed, even if only the rename is missing.
  * *same is false if the file has another request, or none. */
+/* Reads what three keys say. No such keys: no posts. */
+enum status store_meta_misfit(struct store *store, const char *posts, const char *greatest, const char *squares,
+			      struct misfit *misfit) FURROW_CHECKED;
 enum status store_meta_put_request(struct store *store) FURROW_CHECKED;
 enum status store_meta_same_request(struct store *store, bool *same) FURROW_CHECKED;
 enum status store_meta_put_integer(struct store *store, const char *key, int64_t value) FURROW_CHECKED;

@@ -35,6 +35,9 @@ struct store_meta {
 	const char *request;
 	double low, high;     /* metres: range over all posts; store_publish fills them */
 	enum store_pack pack;
+	/* Errors that the import measured. Off the resampled sources at each post of level 0; off the sources at their own posts. No
+	 * posts: not measured. */
+	struct misfit off_resampled, off_source;
 };
 
 struct store_range {
@@ -75,6 +78,8 @@ enum status store_packer_create(const struct store_meta *meta, struct store_pack
 void store_packer_destroy(struct store_packer *packer); /* packer may be NULL */
 size_t store_packed_most(const struct store_packer *packer);
 struct store_packed store_pack(struct store_packer *packer, const int32_t *codes);
+/* Adds to what the store says about errors; written with the tiles put before. */
+void store_put_misfit(struct store *store, const struct misfit *resampled, const struct misfit *source);
 enum status store_put_packed(struct store *store, struct tile tile, const struct store_packed *packed,
 			     const struct store_range *range) FURROW_CHECKED;
 

@@ -162,6 +162,8 @@ static enum status resume_part(struct store *store, bool *resumed)
 		status = store_schema_raise(store->db, store->path, version);
 	if (status == STATUS_OK)
 		status = store_meta_same_request(store, &same);
+	if (status == STATUS_OK && same)
+		status = store_misfit_read(store);
 	*resumed = status == STATUS_OK;
 	if (status == STATUS_OK && !same)
 		status = fail_with(STATUS_INPUT, "%s: what was broken off was another import (sources that have changed, "

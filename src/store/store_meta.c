@@ -109,6 +109,8 @@ enum status store_meta_write(struct store *store)
 		status = store_meta_put_real(store, reals[i].key, reals[i].value);
 	for (size_t i = 0; i < sizeof texts / sizeof *texts && status == STATUS_OK; i++)
 		status = put_text(store, texts[i].key, texts[i].value);
+	if (status == STATUS_OK)
+		status = store_misfit_write(store);
 	if (status == STATUS_OK && store->base_path != NULL)
 		status = put_text(store, "base_path", store->base_path);
 	if (status == STATUS_OK && store->inherits)
@@ -294,6 +296,27 @@ enum status store_meta_add_compacted(struct store *store, int64_t more)
 	return store_meta_put_integer(store, "compacted", sum);
 }
 
+/* Without these keys nothing was measured. */
+enum status store_meta_misfit(struct store *store, const char *posts, const char *greatest, const char *squares, struct misfit *misfit)
+{
+	struct lookup lookup = {.db = store->db, .path = store->path};
+	bool found;
+	*misfit = (struct misfit){0};
+	enum status status = look_up(&lookup, posts, &found);
+	if (status == STATUS_OK && found)
+		status = get_integer(&lookup, posts, 1, INT64_MAX, &misfit->posts);
+	if (status == STATUS_OK && found)
+		status = get_real(&lookup, greatest, false, &misfit->greatest);
+	if (status == STATUS_OK && found)
+		status = get_real(&lookup, squares, false, &misfit->squares);
+	if (status == STATUS_OK && !(misfit->greatest >= 0))
+		status = bad_key(&lookup, greatest);
+	if (status == STATUS_OK && !(misfit->squares >= 0))
+		status = bad_key(&lookup, squares);
+	sqlite3_finalize(lookup.statement);
+	return status;
+}
+
 static enum status get_base_hash(struct lookup *lookup, uint64_t *hash)
 {
 	int64_t value = 0;
@@ -394,6 +417,8 @@ enum status store_meta_read(struct store *store)
 	struct lookup lookup = {.db = store->db, .path = store->path};
 	enum status status = get_all(&lookup, store);
 	sqlite3_finalize(lookup.statement);
+	if (status == STATUS_OK)
+		status = store_misfit_read(store);
 	if (status != STATUS_OK)
 		return status;
 	status = store_sql_integer(store->db, store->path, "SELECT coalesce(max(epoch), 0) FROM run", &store->commit);

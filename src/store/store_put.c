@@ -57,6 +57,9 @@ enum status store_put_begin(struct store *store)
 
 static enum status commit(struct store *store)
 {
+	enum status status = store_misfit_write(store);
+	if (status != STATUS_OK)
+		return status;
 	return store_sql_exec(store->db, store->path, "writing it", "COMMIT");
 }
 

@@ -126,6 +126,62 @@ class Mixed(MixedTest):
         self.refused(2, "import", *sources, "-o", "x.furrow", "--window", "1,2,3")
         self.refused(3, "import", *sources, "-o", "x.furrow", "--window", "10,40,11,41", "--window-srs", "EPSG:4326")
 
+    def off_source(self, store, *names):
+        """By how much a store's surface is off sources at their own posts, as gdalwarp interpolates it: (greatest, rms, posts)."""
+        self.ok("export", store, "-o", "base.tif", "--layer", "base")
+        off = []
+        for name in names:
+            info = rasters.gdalinfo(self.folder / name)
+            (width, height), place = info["size"], info["geoTransform"]
+            out = self.folder / "back.tif"
+            rasters.gdal("gdalwarp", "-q", "-overwrite", "-t_srs", info["coordinateSystem"]["wkt"], "-te", place[0],
+                         place[3] + height * place[5], place[0] + width * place[1], place[3], "-ts", width, height, "-r", "bilinear",
+                         "-wo", "XSCALE=1", "-wo", "YSCALE=1", "-et", 0, "-ot", "Float64", "-dstnodata", "nan", self.folder / "base.tif", out)
+            _, _, back = rasters.pixels(out, "d")
+            _, _, own = rasters.pixels(self.folder / name, "d")
+            # gdalwarp goes on for half a pixel beyond the outermost posts.
+            off += [back[i] - own[i] for i in range(width * height) if not math.isnan(back[i]) and
+                    4 <= i % width < width - 4 and 4 <= i // width < height - 4]
+        return max(map(abs, off)), math.sqrt(sum(v * v for v in off) / len(off)), len(off)
+
+    def test_the_error_at_a_sources_own_posts_is_what_gdalwarp_finds(self):
+        noise = random.Random(3)
+        cells = [200 + 30 * math.sin(i / 7) + noise.uniform(-1, 1) for i in range(90 * 80)]
+        for west, north, step, srs, spacings in ((15.0, 45.2, 0.0004, "EPSG:4326", (10, 37, 130)), (500000.0, 5e6, 10.0, UTM, (4, 17, 45))):
+            rasters.make(self.folder / "in.tif", 90, 80, cells, "f", west=west, north=north, step=step, srs=srs)
+            for spacing in spacings:
+                with self.subTest(srs=srs, spacing=spacing):
+                    made = self.json("import", "in.tif", "-o", "s.furrow", "--overwrite", "--spacing", spacing, "--max-error", 0.01)
+                    told = self.json("info", "s.furrow")
+                    for key in ("off_source", "off_resampled", "max_error"):
+                        self.assertEqual(made[key], told[key])
+                    greatest, rms, posts = self.off_source("s.furrow", "in.tif")
+                    self.assertLessEqual(made["off_resampled"]["greatest"], 0.01)
+                    self.assertGreater(made["off_resampled"]["rms"], 0.0005)
+                    self.assertAlmostEqual(made["off_source"]["rms"], rms, delta=0.03 * rms + 0.01)
+                    self.assertGreater(made["off_source"]["greatest"], greatest - 0.05)
+                    self.assertLess(made["off_source"]["greatest"], 1.2 * greatest + 0.05)
+                    self.assertAlmostEqual(made["off_source"]["posts"], posts, delta=0.25 * posts)
+
+    def test_what_is_not_resampled_is_off_by_the_bound_alone(self):
+        for bound, spacing in ((0, 10.0), (0.01, 3.0), (1, 30.0)):
+            self.hills_in("in.tif", 50, 40, 500000.0, 5e6, spacing)
+            made = self.json("import", "in.tif", "-o", "s.furrow", "--overwrite", "--max-error", bound)
+            self.assertEqual(made["off_source"], made["off_resampled"])
+            self.assertEqual(made["off_source"]["posts"], 2000)
+            self.assertLessEqual(made["off_source"]["greatest"], bound)
+            self.assertEqual(made["off_source"]["greatest"] > 0, bound > 0)
+
+    def test_a_source_under_another_is_not_counted(self):
+        """The hidden part of the second source is 7 m off; its own posts show only where it is on top."""
+        self.hills_in("top.tif", 40, 40, 500000.0, 5e6, 10.0)
+        self.hills_in("low.tif", 60, 40, 500003.0, 5e6 + 4, 10.0, more=7)
+        made = self.json("import", "top.tif", "low.tif", "-o", "s.furrow", "--spacing", 10)
+        self.assertLess(made["off_source"]["greatest"], 3)  # half way between its posts
+        self.assertGreater(made["overlap"]["greatest"], 6.5)
+        self.assertGreater(made["off_source"]["posts"], 40 * 40 + 15 * 35)
+        self.assertLess(made["off_source"]["posts"], 40 * 40 + 20 * 40 + 41 * 3)
+
     def test_a_directory_skips_what_has_no_place(self):
         folder = self.folder / "tiles"
         folder.mkdir()
@@ -166,7 +222,9 @@ class Mixed(MixedTest):
             if kills > 20:
                 self.ok(*arguments, "killed.furrow", "--resume")
         self.assertGreater(kills, 0)
-        self.assertEqual(*(self.json("info", store)["base_hash"] for store in ("whole.furrow", "killed.furrow")))
+        whole, killed = (self.json("info", store) for store in ("whole.furrow", "killed.furrow"))
+        for key in ("base_hash", "off_source", "off_resampled"):  # errors are summed up in the part, too
+            self.assertEqual(whole[key], killed[key])
         # Another order of the same sources is another import.
         part = self.folder / "other.furrow.part"
         process = subprocess.Popen([FURROW, *arguments, "other.furrow"], cwd=self.folder, stdout=subprocess.DEVNULL,

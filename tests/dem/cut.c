@@ -25,6 +25,7 @@ struct scene {
 	int64_t panel_posts; /* 0: the cut's own */
 	bool skips; /* rows that are known */
 	struct cut_tile *tiles;
+	struct misfit misfit; /* of all tiles */
 	int count, stop_after;
 };
 
@@ -63,6 +64,7 @@ static enum status take(void *user, const struct dem_tile *tile)
 	struct scene *scene = user;
 	size_t posts = scene->extent.cells + 1;
 	assert_true(scene->count < TILES_MAX);
+	misfit_add(&scene->misfit, &tile->misfit);
 	struct cut_tile *kept = &scene->tiles[scene->count++];
 	*kept = (struct cut_tile){tile->tile, tile->low, tile->high, tile->error, malloc(posts * posts * 4)};
 	memcpy(kept->codes, tile->codes, posts * posts * 4);
@@ -100,7 +102,7 @@ static void scene_free(struct scene *scene)
 static struct dem_cut cut_of(struct scene *scene, double step)
 {
 	return (struct dem_cut){.extent = &scene->extent, .step = step, .posts = posts_of, .posts_user = scene,
-				.emit = take, .emit_user = scene, .progress = told, .progress_user = scene,
+				.compares = true, .emit = take, .emit_user = scene, .progress = told, .progress_user = scene,
 				.panel_posts = scene->panel_posts};
 }
 
@@ -204,6 +206,31 @@ static void every_tile_of_every_level_is_what_brute_force_says(void **state)
 			assert_int_equal(cut(&scene, STEP), STATUS_OK);
 			assert_int_equal(scene.progress % sizes[i][1], 0);
 			check_whole(&scene);
+			scene_free(&scene);
+		}
+}
+
+/* Each post counts once, also where tiles and panels share it. */
+static void misfits_are_those_of_every_post(void **state)
+{
+	static const double steps[] = {0, 0.25, 0.3, 7};
+	for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++)
+		for (size_t p = 0; p < 4 * sizeof panels / sizeof panels[0]; p++) {
+			double step = steps[p / 4];
+			struct scene scene = scene_make(sizes[i][0], sizes[i][1], 8);
+			struct misfit plain = {0};
+			scene.panel_posts = panels[p % 4];
+			for (int64_t at = 0; at < sizes[i][0] * sizes[i][1]; at++) {
+				int32_t code = 0;
+				assert_true(height_code_encode(scene.heights[at], step, &code));
+				if (!isnan(scene.heights[at]))
+					misfit_add_post(&plain, height_code_metres(code, step) - scene.heights[at]);
+			}
+			assert_int_equal(cut(&scene, step), STATUS_OK);
+			assert_int_equal(scene.misfit.posts, plain.posts);
+			assert_true(scene.misfit.greatest == plain.greatest);
+			assert_true(fabs(scene.misfit.squares - plain.squares) <= 1e-12 * plain.squares);
+			assert_true((plain.greatest > 0) == (step == 0.3 || step == 7) || plain.posts < 5);
 			scene_free(&scene);
 		}
 }
@@ -323,6 +350,7 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(every_tile_of_every_level_is_what_brute_force_says),
+		cmocka_unit_test(misfits_are_those_of_every_post),
 		cmocka_unit_test(terrain_without_holes_is_what_brute_force_says),
 		cmocka_unit_test(a_cut_that_was_broken_off_goes_on),
 		cmocka_unit_test(a_height_that_cannot_be_coded_is_refused_and_named),

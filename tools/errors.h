@@ -1,0 +1,13 @@
+/* What import and info say about the errors of stored heights. */
+#ifndef FURROW_TOOLS_ERRORS_H
+#define FURROW_TOOLS_ERRORS_H
+
+#include "json.h"
+#include "store/store.h"
+
+/* Prints two lines on stdout, each after `first` or `next`: off the resampled sources, and off the sources at their own posts. */
+void print_errors(const struct store_meta *meta, const char *first, const char *next);
+/* Adds max_error, off_resampled and off_source; these are null if they were not measured. */
+void errors_json(cJSON *object, const struct store_meta *meta);
+
+#endif
