@@ -259,7 +259,7 @@ static void note_resampled(const struct gdal_grid *gdal, const struct dem_params
 	if (first == NULL)
 		return;
 	dem_target_note_scale(&gdal->target, gdal->name);
-	if (params->spacing > 0)
+	if (params->spacing > 0 || params->anchor != NULL)
 		return;
 	char more[64] = "";
 	if (resampled > first->count)

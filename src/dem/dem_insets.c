@@ -166,7 +166,7 @@ static enum status open_at(const struct dem_insets_params *params, const char *s
 	dem.has_height_range = false;
 	dem.t_srs = country->srs[0] != '\0' ? country->srs : NULL;
 	dem.spacing = spacing;
-	dem.anchor = spacing > 0 ? country->origin : NULL;
+	dem.anchor = country->origin;
 	dem.fill = fill;
 	return dem_open(&dem, out);
 }
