@@ -211,6 +211,44 @@ static void a_probe_changes_nothing(void **state)
 	assert_true(few == many && few == with);
 }
 
+/* Posts are computed in batches. Which bodies are asked about in one call, and in which order, changes no bit. */
+static void each_body_has_the_same_bits_in_any_company(void **state)
+{
+	static const int orders[][3] = {{0, 1, 2}, {2, 0, 1}, {1, 2, 0}};
+	const struct probing_ground ground = {"probe.furrow", "dry_sand", 0.03125, 10, 100, 0, 0, false};
+	struct furrow_world *world = probing_world(&ground);
+	furrow_body bodies[3];
+	struct furrow_state states[3];
+	struct furrow_contact alone[3];
+	for (int shape = 0; shape < 3; shape++) {
+		const struct way way = {15.0 * shape, 1.1, 0.02};
+		states[shape] = state_at(&way, shape, ground.spacing, 30);
+		states[shape].pose.position[1] += 2 * shape;
+		done(furrow_body_add(world, shapes[shape], &bodies[shape]));
+		done(furrow_place(world, bodies[shape], &states[shape].pose));
+		alone[shape] = probing_ask(world, bodies[shape], &states[shape]);
+		assert_true(alone[shape].force[2] > 0);
+	}
+	for (int order = 0; order < 3; order++) {
+		furrow_body asked[3];
+		struct furrow_state asks[3];
+		struct furrow_contact told[3];
+		for (int i = 0; i < 3; i++) {
+			asked[i] = bodies[orders[order][i]];
+			asks[i] = states[orders[order][i]];
+		}
+		done(furrow_probe(world, 3, asked, asks, told, sizeof *told));
+		for (int i = 0; i < 3; i++) {
+			const struct furrow_contact *one = &alone[orders[order][i]];
+			assert_memory_equal(told[i].force, one->force, sizeof one->force);
+			assert_memory_equal(told[i].moment, one->moment, sizeof one->moment);
+			assert_memory_equal(told[i].stiffness, one->stiffness, sizeof one->stiffness);
+			assert_memory_equal(told[i].damping, one->damping, sizeof one->damping);
+		}
+	}
+	done(furrow_world_close(world));
+}
+
 static void it_says_what_it_does_not_know(void **state)
 {
 	struct furrow_world *world = probing_world(&(struct probing_ground){"unknown.furrow", "dry_sand", 0.03125, 0, 100, 0, 0, false});
@@ -326,6 +364,7 @@ int main(void)
 		cmocka_unit_test(a_plate_and_a_wheel_bear_as_their_closed_forms),
 		cmocka_unit_test(stiffness_and_damping_are_how_the_force_changes),
 		cmocka_unit_test(a_probe_changes_nothing),
+		cmocka_unit_test(each_body_has_the_same_bits_in_any_company),
 		cmocka_unit_test(it_says_what_it_does_not_know),
 		cmocka_unit_test(after_a_rollback_it_knows_the_ground_as_it_was),
 		cmocka_unit_test(unloading_is_as_stiff_after_any_short_way),

@@ -3,7 +3,7 @@
 
 #include "deform/probe/face.h"
 
-#define BESIDE 2e-9 /* m: places that are rounded differently by the GPU's whole numbers */
+
 #define HALVINGS 30 /* of the share of a motion */
 
 /* --- the lower envelope --- */
@@ -58,7 +58,7 @@ static bool over_ball(const struct probe_form *form, const double at[2], double 
 {
 	const double r = form->radius, squares = at[0] * at[0] + (form->kind == DEFORM_SPHERE ? at[1] * at[1] : 0);
 	*height = -probe_root(r * r - squares);
-	return squares <= r * r * (1 + 1e-12) && (form->kind == DEFORM_SPHERE || fabs(at[1]) <= form->half[1] + BESIDE);
+	return squares <= r * r * (1 + 1e-12) && (form->kind == DEFORM_SPHERE || fabs(at[1]) <= form->half[1] + PROBE_BESIDE);
 }
 
 /* Adds what is known only at posts. */
@@ -166,8 +166,8 @@ double deform_form_share(const struct probe_form *form, const double own[2], con
 /* Adds one direction: what the post bears of a strip, half way to the next post that is covered too, or to the strip's side. */
 static void part_of(const struct probe_form *form, double at, double size, double part[2], bool sides[2])
 {
-	sides[0] = !(fabs(at - form->step_aside) <= size + BESIDE);
-	sides[1] = !(fabs(at + form->step_aside) <= size + BESIDE);
+	sides[0] = !(fabs(at - form->step_aside) <= size + PROBE_BESIDE);
+	sides[1] = !(fabs(at + form->step_aside) <= size + PROBE_BESIDE);
 	part[0] = sides[0] ? fmax((-size - at) * form->by_step, -1) : -0.5;
 	part[1] = sides[1] ? fmin((size - at) * form->by_step, 1) : 0.5;
 }
@@ -178,8 +178,8 @@ static void part_between(const struct probe_form *form, const double at[2], doub
 	const double *cut = form->cut[1], below[2] = {at[0] - cut[0], at[1] - cut[1]}, beyond[2] = {at[0] + cut[0], at[1] + cut[1]};
 	const double here = probe_aside(form, at), lower = probe_aside(form, below), upper = probe_aside(form, beyond), size = form->half[1];
 	const double least = 0.25 * form->step_aside;
-	sides[0] = !(fabs(lower) <= size + BESIDE);
-	sides[1] = !(fabs(upper) <= size + BESIDE);
+	sides[0] = !(fabs(lower) <= size + PROBE_BESIDE);
+	sides[1] = !(fabs(upper) <= size + PROBE_BESIDE);
 	part[0] = sides[0] ? fmax((-size - here) / fmax(here - lower, least), -1) : -0.5;
 	part[1] = sides[1] ? fmin((size - here) / fmax(upper - here, least), 1) : 0.5;
 }
@@ -199,7 +199,7 @@ static double part_across(const struct probe_form *form, const double at[2], boo
 	double part[2];
 	if (form->kind == DEFORM_CYLINDER) {
 		part_between(form, at, part, sides);
-		over = over && fabs(aside) <= size + BESIDE;
+		over = over && fabs(aside) <= size + PROBE_BESIDE;
 	} else {
 		part_of(form, at[1], size, part, sides);
 	}

@@ -58,12 +58,18 @@ static inline bool probe_bears_by_end(const struct probe_form *form, const doubl
 	       probe_is_end(form, own, at, (form->lean * at[1] - probe_half_strip(form, at[0])) * form->lift);
 }
 
-static inline void probe_cylinder_face(const struct probe_form *form, const double own[2], const double at[2], struct probe_face *face)
+/* The side of a cylinder. */
+static inline void probe_side_face(const struct probe_form *form, const double at[2], struct probe_face *face)
 {
 	const double most = PROBE_STEEPEST_PART * form->radius, ahead = probe_clamp(at[0], -most, most), strip = probe_half_strip(form, ahead);
 	const double up = strip * form->by_radius, lift = form->lift;
 	*face = (struct probe_face){(form->lean * at[1] - probe_half_strip(form, at[0])) * lift, {ahead / strip * lift, form->lean * lift},
 				    {-ahead * form->by_radius, -form->lean * up, form->level * up}};
+}
+
+static inline void probe_cylinder_face(const struct probe_form *form, const double own[2], const double at[2], struct probe_face *face)
+{
+	probe_side_face(form, at, face);
 	if (probe_strips(form))
 		return;
 	if (probe_is_end(form, own, at, face->height))
@@ -231,25 +237,30 @@ static inline void probe_ring(const struct probe_form *form, const double at[2],
 	*ahead = at[0] + form->skew * at[1];
 }
 
-/* Returns how much lower than now a round body was above a place during its last `back` metres. Before the present contact it moved along
- * the ground, which rises by `ground` for each metre along the frame's x axis. *since: how many metres ago it was lowest. */
+/* Returns how much lower than now a round body was above a place during its last `back` metres. The place is on a circle; ring, squares: its
+ * radius, and the square of that. Before the present contact the body moved along the ground. rise: how much that rises for each metre along the
+ * frame's x axis, less the circles' shear. *since: how many metres ago it was lowest. */
+static inline double probe_lowered_on(const struct probe_form *form, double squares, double ring, double ahead, double back, double rise, double *since)
+{
+	const double first = ahead + form->run, steep = ring * form->sine;
+	const double within = probe_most(steep, ahead), earlier = probe_most(ring * rise / sqrt(form->lift * form->lift + rise * rise), first);
+	const double x = probe_clamp(probe_least(probe_either(steep < first, within, earlier), ahead + back), -ring, ring), inside = probe_clamp(ahead, -ring, ring);
+	const double rises = (inside - x) * (inside + x) / probe_most(probe_root(squares - x * x) + probe_root(squares - ahead * ahead), 1e-9);
+	const double before = probe_most(x - first, 0) * (rise - form->rise);
+	*since = probe_most(x - ahead, 0);
+	return probe_most(form->lift * rises + form->rise * (x - ahead) + before, 0);
+}
+
+/* The same at any place. ground: how much the ground rises for each metre. */
 static inline double probe_lowered(const struct probe_form *form, const double at[2], double back, double ground, double *since)
 {
+	double squares, ahead;
 	*since = 0;
 	if (!(form->run > 0))
 		return 0;
-	double squares, ahead;
 	probe_ring(form, at, &squares, &ahead);
-	const double ring = form->kind == DEFORM_WHEEL ? form->radius : sqrt(squares), first = ahead + form->run, steep = ring * form->sine;
-	const double rise = form->kind == DEFORM_ELLIPSOID ? ground - form->tilt[0] : ground;
-	double x = steep < first ? probe_most(steep, ahead) : probe_most(ring * rise / sqrt(form->lift * form->lift + rise * rise), first);
-	x = probe_clamp(probe_least(x, ahead + back), -ring, ring);
-	if (x == ahead)
-		return 0;
-	const double inside = probe_clamp(ahead, -ring, ring), before = probe_most(x - first, 0) * (rise - form->rise);
-	*since = probe_most(x - ahead, 0);
-	const double rises = (inside - x) * (inside + x) / probe_most(probe_root(squares - x * x) + probe_root(squares - ahead * ahead), 1e-9);
-	return probe_most(form->lift * rises + form->rise * (x - ahead) + before, 0);
+	const double ring = form->kind == DEFORM_WHEEL ? form->radius : sqrt(squares), rise = form->kind == DEFORM_ELLIPSOID ? ground - form->tilt[0] : ground;
+	return probe_lowered_on(form, squares, ring, ahead, back, rise, since);
 }
 
 /* Returns a height that the lower envelope is nowhere below, at places up to `reach` from a place. */

@@ -6,7 +6,7 @@
 #include "deform/internal.h"
 #include "deform/shape/body.h"
 
-#define BESIDE 2e-9 /* m: places that are rounded differently by the GPU's whole numbers */
+
 
 static void into_frame(const struct probe_form *form, double v[2])
 {
@@ -39,7 +39,7 @@ static void put_rise(struct probe_form *form, double run, double rises)
 
 static void put_times(struct probe_form *form, double forward, double rise, double ran)
 {
-	if (form->ground_normals)
+	if (form->ground_normals > 0)
 		return;
 	const struct deform_rim_times times = deform_rim_times_of(forward, hypot(form->way[0], form->way[1]), rise, ran, true);
 	form->rim = times.shears;
@@ -222,6 +222,11 @@ static void turn_into_frame(struct probe_form *form)
 		form->angular[1] -= form->spins * form->level;
 		form->angular[2] -= form->spins * form->lean;
 	}
+	const double axle[3] = {0, form->level, form->lean}, rolled = form->wheel ? form->linear[0] * form->by_radius : 0;
+	for (int k = 0; k < 3; k++) {
+		form->rolls[k] = form->angular[k] + rolled * axle[k];
+		form->turns[k] = form->angular[k] + form->spins * axle[k];
+	}
 	const bool northward = fabsf((float)form->axis[1]) > fabsf((float)form->axis[0]); /* of two that are equal the GPU's choice */
 	const double ahead[2][2] = {{copysign(1, form->axis[0]), 0}, {0, copysign(1, form->axis[1])}};
 	const double aside[2][2] = {{0, copysign(1, form->axis[0])}, {copysign(1, -form->axis[1]), 0}};
@@ -238,20 +243,20 @@ void deform_probe_form_of(const struct deform *deform, const struct deform_probe
 	*form = (struct probe_form){
 		.kind = deform_kind_in(probe->shape, &probe->to), .wheel = probe->shape->kind == DEFORM_WHEEL, .radius = probe->shape->radius,
 		.outer = deform_body_wheel_radius(probe->shape), .axis = {1, 0}, .spacing = deform->spacing, .smooth = *probe->shape,
-		.ground_normals = deform->params.ground_normals, .dig_most = deform->params.slip_sinkage, .lift = 1, .level = 1,
+		.ground_normals = deform->params.ground_normals ? 1 : 0, .dig_most = deform->params.slip_sinkage, .lift = 1, .level = 1,
 	};
 	form->smooth.grousers = 0;
 	if (form->kind != DEFORM_WHEEL && form->kind != DEFORM_SPHERE)
 		deform_lower_of(&form->smooth, &probe->to, &form->lower);
-	form->lower.beside = BESIDE;
+	form->lower.beside = PROBE_BESIDE;
 	put_motion(probe, form);
 	put_shape(probe, form);
 	if (probe->shape->belt)
 		put_belt(probe, form);
-	turn_into_frame(form);
 	if (!(form->radius > 0))
 		form->radius = deform_shape_bound(probe->shape);
 	form->by_radius = 1 / form->radius;
+	turn_into_frame(form);
 	const double larger = fmax(fabs(form->axis[0]), fabs(form->axis[1])), way = hypot(form->way[0], form->way[1]);
 	form->half_across = 0.5 * form->spacing / (form->kind == DEFORM_WHEEL || probe_strips(form) ? larger : 1);
 	form->step_aside = larger * form->spacing;

@@ -14,6 +14,7 @@
 
 #define PROBE_STEEPEST 19.974984 /* lib/soil.glsl: the steepest slope, */
 #define PROBE_UPRIGHT 0.05       /* and the z of its unit normal */
+#define PROBE_BESIDE 2e-9        /* m: places that are rounded differently by the GPU's whole numbers */
 
 /* The lower envelope of triangles at the posts of a patch, m above the centre; INFINITY: the body is not above the post. NULL: there are none. */
 struct probe_low {
@@ -54,9 +55,10 @@ struct probe_form {
 	double cut[2][2];       /* from a post to the next, along the lattice's axis that is nearest to the frame's x, and y */
 	double linear[3], angular[3]; /* m/s, rad/s: how the body moves now; `angular` without a wheel's turning */
 	double spins;           /* rad/s about a wheel's axle */
+	double rolls[3], turns[3]; /* rad/s: how the body's surface turns: of a wheel as if it rolled without slip; as it does */
 	/* A belt: the body's own axis to its left (0: there is no belt). What it ran since the last contact, m, and how fast it runs, m/s */
 	double belt[3], ran, runs;
-	bool ground_normals;
+	double ground_normals;  /* 1: stresses act along the ground's normals; 0: along the body's */
 };
 
 struct probe_face {
@@ -95,9 +97,15 @@ static inline double probe_least(double a, double b)
 	return a < b ? a : b;
 }
 
+/* Returns one of two numbers that are both computed, and read from memory, whichever it is. So loops over lanes have no branches. */
+static inline double probe_either(bool first, double a, double b)
+{
+	return first ? a : b;
+}
+
 static inline double probe_root(double squares)
 {
-	return squares > 0 ? sqrt(squares) : 0;
+	return sqrt(probe_most(squares, 0));
 }
 
 /* Returns true for a cylinder whose side alone bears, and its lower end beside that. */

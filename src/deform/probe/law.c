@@ -1,304 +1,290 @@
-/* The law of scm at one post. See shaders/lib/scm_post.glsl and SOIL.md. */
+/* The law of scm at a batch of posts. See shaders/lib/scm_post.glsl and SOIL.md. */
 #include "deform/probe/place.h"
 
+#include <string.h>
+
+#include "deform/probe/over.h"
+
 #define REACHED_LEAST 1e-9    /* m: more than rounding of doubles */
-/* At rest a body would rock and slide to and fro for long, since soil springs back without loss. So what moves slower than these is damped more. */
-#define STICKS 0.003          /* m/s along a surface: by the soil's own damping */
-#define SETTLES 0.002         /* m/s across it: by SETTLING times as much */
-#define SETTLING 10.0
 
-static bool in_contact(double sunk, double most, double plastic)
+void deform_law_take(const struct probe_law *law, size_t number, const double at[2], struct lanes *l)
 {
-	return sunk > 0 && (sunk >= most - PROBE_UNIT || sunk > plastic);
+	const double *axis = law->form.axis;
+	const struct probe_post *ground = &law->patch->posts[number];
+	const struct probe_soil *soil = &law->patch->soils[ground->soil];
+	const int i = l->count;
+	l->number[i] = number;
+	l->at[0][i] = at[0];
+	l->at[1][i] = at[1];
+	l->height[i] = ground->height - law->above_zero;
+	l->base[i] = l->height[i] - ground->deposited;
+	l->rise[0][i] = axis[0] * ground->rise[0] + axis[1] * ground->rise[1];
+	l->rise[1][i] = axis[0] * ground->rise[1] - axis[1] * ground->rise[0];
+	l->up[i] = ground->up;
+	l->by_up[i] = ground->by_up;
+	l->was[i] = ground->was;
+	l->dug[i] = ground->dug;
+	l->shear[0][i] = axis[0] * ground->shear[0] + axis[1] * ground->shear[1];
+	l->shear[1][i] = axis[0] * ground->shear[1] - axis[1] * ground->shear[0];
+	l->reached[i] = ground->reached - law->above_zero;
+	l->k[i] = probe_most(soil->k_c * law->by_width + soil->k_phi, 0);
+	l->n[i] = soil->n;
+	l->elastic[i] = soil->elastic;
+	l->by_elastic[i] = soil->by_elastic;
+	l->cohesion[i] = soil->cohesion;
+	l->tan_phi[i] = soil->tan_phi;
+	l->modulus[i] = soil->shear;
+	l->by_modulus[i] = soil->by_shear;
+	l->damping[i] = soil->damping;
+	if (law->form.kind == DEFORM_WHEEL || deform_over_post(&law->form, l, i))
+		l->count++;
 }
 
-static double displacement_of(double mobilised)
+/* --- what a post remembers --- */
+
+static bool any_above(const double numbers[LANES], double least)
 {
-	return mobilised > 0.9999 ? 1e3 : -log(1 - mobilised);
+	double most[4] = {numbers[0], numbers[1], numbers[2], numbers[3]};
+	for (int i = 4; i < LANES; i += 4) {
+		most[0] = probe_most(most[0], numbers[i]);
+		most[1] = probe_most(most[1], numbers[i + 1]);
+		most[2] = probe_most(most[2], numbers[i + 2]);
+		most[3] = probe_most(most[3], numbers[i + 3]);
+	}
+	return probe_most(probe_most(most[0], most[1]), probe_most(most[2], most[3])) > least;
 }
 
-static void put_slide(struct post *p)
+LANES_CLONED static void put_depths(struct lanes *restrict l)
 {
-	const struct probe_form *form = p->form;
-	const double half = 0.5 * probe_most(p->share, 0), back[2] = {p->at[0] + half * form->way[0], p->at[1] + half * form->way[1]};
-	struct probe_face then;
-	double normal[3], across[2][3];
-	probe_face_at(form, p->own, back, &then);
-	normal_at(form, p->rise, p->ground->up, &then, normal);
-	put_across(normal, across);
-	const double arm[3] = {back[0], back[1], then.height + (p->over ? p->rests - p->face.height : 0)};
-	const struct slip passed = slip_at(form, arm, across);
-	const double rim = form->rim > 0 ? form->rim * form->level / normal[2] : 1;
-	p->slides = passed.size * rim * p->soil->by_shear;
-	if (!(form->dig_most > 0 && form->slip > 0 && p->over))
+	for (int i = 0; i < LANES; i++)
+		l->depth[i] = l->height[i] - probe_either(l->over[i] > 0, l->rests[i], l->face.height[i]);
+}
+
+/* Sets `plastic`. */
+LANES_CLONED static void put_plastic(struct lanes *restrict l)
+{
+	if (!any_above(l->was, 0)) {
+		memset(l->plastic, 0, sizeof l->plastic);
 		return;
-	/* Slip digs: SOIL.md, step 5. */
-	const struct probe_soil *s = p->soil;
-	const double deepest = probe_most(p->ground->up * (p->height - p->lowest), 0), sunk = probe_most(p->ground->up * (p->height - p->rests), 0);
-	const double after = probe_most(p->was, deepest);
-	if (!in_contact(sunk, after, plastic_of(p->law, s, after)))
-		return;
-	const double touching = probe_most(p->share, 0), halfway = stays_after(0.5 * p->slides * touching);
+	}
+	for (int i = 0; i < LANES; i++) {
+		const struct place_soil soil = soil_of(l, i);
+		l->plastic[i] = plastic_of(&soil, l->was[i]);
+	}
+}
+
+/* Gives the shares of the shear strength, by size, that were mobilised before the motion, in its middle and at its end; and their mean. */
+static inline double mean_mobilised(const double shear[2], const double direction[2], double halfway)
+{
 	double sizes[3] = {0, 0, 0};
 	for (int k = 0; k < 2; k++) {
-		const double middle = passed.direction[k] + halfway * (p->shear[k] - passed.direction[k]);
-		const double end = passed.direction[k] + halfway * halfway * (p->shear[k] - passed.direction[k]);
-		sizes[0] += p->shear[k] * p->shear[k];
+		const double more = shear[k] - direction[k], middle = direction[k] + halfway * more, end = direction[k] + halfway * halfway * more;
+		sizes[0] += shear[k] * shear[k];
 		sizes[1] += middle * middle;
 		sizes[2] += end * end;
 	}
-	const double mean = (sqrt(sizes[0]) + 4 * sqrt(sizes[1]) + sqrt(sizes[2])) / 6;
-	const double most = probe_least(form->dig_most * s->shear * p->ground->by_up, 95), digs = 1 - stays_after(form->slip * touching * s->by_shear * mean);
-	const double more = probe_most(probe_least(probe_most(most - p->ground->dug, 0) * digs, p->height - p->rests - 2 * PROBE_UNIT), 0);
-	p->height -= more;
-	p->was = probe_most(p->was - p->ground->up * more, 0);
+	return (sqrt(sizes[0]) + 4 * sqrt(sizes[1]) + sqrt(sizes[2])) * (1.0 / 6);
 }
 
-static void begin(const struct probe_law *law, size_t number, const double at[2], struct post *p)
+/* Slip digs: SOIL.md, step 5. directions: in which the body's surface passed. */
+LANES_CLONED static void dig(const struct probe_form *restrict form, struct lanes *restrict l, double directions[restrict 2][LANES])
 {
-	const struct probe_form *form = law->form;
-	const struct probe_post *ground = &law->patch->posts[number];
-	*p = (struct post){
-		.law = law, .form = form, .ground = ground, .soil = &law->patch->soils[ground->soil], .at = {at[0], at[1]},
-		.rise = {form->axis[0] * ground->rise[0] + form->axis[1] * ground->rise[1],
-			 form->axis[0] * ground->rise[1] - form->axis[1] * ground->rise[0]},
-		.height = ground->height - law->above_zero, .was = ground->was,
-		.shear = {form->axis[0] * ground->shear[0] + form->axis[1] * ground->shear[1],
-			  form->axis[0] * ground->shear[1] - form->axis[1] * ground->shear[0]},
-	};
-	p->over = deform_form_over(form, number, at, &p->rests, &p->lowest);
-	deform_form_own(form, number, p->own);
-	probe_face_at(form, p->own, at, &p->face);
-	p->depth = p->height - (p->over ? p->rests : p->face.height);
-}
-
-/* Finds what slid and what was dug, and what the post remembers. */
-static void remember(struct post *p)
-{
-	const struct probe_form *form = p->form;
-	const double by_up = p->ground->by_up, had = p->was, had_plastic = had > 0 ? plastic_of(p->law, p->soil, had) : 0;
-	p->since = deform_form_share(form, p->own, p->at, p->depth, had_plastic * by_up, &p->face, p->over);
-	p->share = p->over ? probe_least(p->since, 1) : p->since;
-	if (p->over) {
-		const double excess = p->lowest - (p->ground->reached - p->law->above_zero);
-		p->excess = excess > REACHED_LEAST ? excess : 0;
+	for (int i = 0; i < LANES; i++) {
+		const struct place_soil s = soil_of(l, i);
+		const double direction[2] = {directions[0][i], directions[1][i]}, shear[2] = {l->shear[0][i], l->shear[1][i]};
+		const double deepest = probe_most(l->up[i] * (l->height[i] - l->lowest[i]), 0), sunk = l->up[i] * (l->height[i] - l->rests[i]);
+		const double after = probe_most(l->was[i], deepest), least = probe_least(plastic_of(&s, after), after - PROBE_UNIT);
+		const double touching = probe_most(probe_least(l->passed[i], 1), 0), halfway = stays_after(0.5 * l->slides[i] * touching);
+		const double mean = mean_mobilised(shear, direction, halfway);
+		const double most = probe_least(form->dig_most * s.modulus * l->by_up[i], 95) - l->dug[i];
+		const double digs = probe_most(most, 0) * (1 - stays_after(form->slip * touching * s.by_modulus * mean));
+		const double room = l->height[i] - l->rests[i] - 2 * PROBE_UNIT, deeper = probe_most(probe_least(digs, room), 0);
+		const double in_contact = probe_either(sunk > probe_most(least, 0), l->over[i], 0), more = in_contact * deeper;
+		l->height[i] -= more;
+		l->was[i] = probe_most(l->was[i] - l->up[i] * more, 0);
 	}
-	put_slide(p);
-	p->depth = p->height - (p->over ? p->rests : p->face.height);
-	const double mobilised = sqrt(p->shear[0] * p->shear[0] + p->shear[1] * p->shear[1]);
-	p->lasts = form->moved;
-	if (p->over && p->since > 1 && form->moved > 0)
-		p->lasts *= probe_clamp(displacement_of(mobilised) / probe_most(p->slides * (p->since - 1), 1e-9), 0, 1);
-	p->stamped = p->was > 0 ? form->stamps : 0;
-	const double before[2] = {p->at[0] + form->way[0], p->at[1] + form->way[1]};
-	if (p->was > 0) {
-		p->print_height = probe_height_at(form, p->own, before);
-		const double depth = p->depth + p->face.height - p->print_height + form->way[2], stays = (p->was == had ? had_plastic : plastic_of(p->law, p->soil, p->was)) * by_up;
-		p->printed = probe_clamp((depth - stays + 4 * PROBE_LEAST) / probe_most(p->was * by_up - stays, 1e-9), 0, 1);
+}
+
+/* Finds what slid and what was dug. */
+LANES_CLONED static void slide(const struct probe_form *restrict form, struct lanes *restrict l)
+{
+	struct lane_faces then;
+	double back[2][LANES], directions[2][LANES];
+	for (int i = 0; i < LANES; i++) {
+		const double half = 0.5 * probe_most(lasted_of(l, i), 0);
+		back[0][i] = l->at[0][i] + half * form->way[0];
+		back[1][i] = l->at[1][i] + half * form->way[1];
 	}
-	p->lowered = p->over ? p->rests - p->lowest : 0;
-	p->back = p->over ? form->run + probe_least(form->run, form->half_across) : 1e3;
+	deform_over_faces(form, l, back[0], back[1], &then);
+	for (int i = 0; i < LANES; i++) {
+		const double rise[2] = {l->rise[0][i], l->rise[1][i]}, facing[3] = {then.normal[0][i], then.normal[1][i], then.normal[2][i]};
+		const double arm[3] = {back[0][i], back[1][i], then.height[i] + above_of(l, i)};
+		double normal[3], across[2][3];
+		normal_at(form, rise, l->up[i], facing, normal);
+		put_across(normal, across);
+		const struct slip slip = slip_at(form, arm, normal, across);
+		l->slides[i] = slip.size * rim_time(form, normal[2]) * l->by_modulus[i];
+		directions[0][i] = slip.direction[0];
+		directions[1][i] = slip.direction[1];
+	}
+	if (form->dig_most > 0 && form->slip > 0)
+		dig(form, l, directions);
 }
 
-/* Returns the largest sinkage that a place of the cell remembers, vertically. rise: of the ground from the post to the place. */
-static double remembered_at(const struct post *p, const double there[2], double deep, double rise)
+/* Finds how much of what a post remembers has the shape that the lower envelope had at the contact's start. */
+LANES_CLONED static void print(const struct probe_form *restrict form, struct lanes *restrict l)
 {
-	const double before[2] = {there[0] + p->form->way[0], there[1] + p->form->way[1]};
-	if (!(p->was > 0))
-		return 0;
-	const struct probe_form *form = p->form;
-	const double print = p->printed > 0 ? rise + p->print_height - probe_height_at(form, p->own, before) : 0;
-	/* Across its way a rut leans as the cylinder does. */
-	const double leans = probe_strips(form) ? (1 - p->stamped) * (p->rise[1] - form->lean * form->lift) * (there[1] - p->at[1]) : 0;
-	return p->was * p->ground->by_up + p->printed * print + (1 - p->printed) * (p->stamped * (deep - p->depth) + leans);
+	double before[2][LANES];
+	const double rose = form->way[2];
+	for (int i = 0; i < LANES; i++)
+		for (int k = 0; k < 2; k++)
+			before[k][i] = l->at[k][i] + form->way[k];
+	deform_over_heights(form, l, before[0], before[1], l->print_height);
+	if (form->dig_most > 0 && form->slip > 0)
+		put_plastic(l);
+	for (int i = 0; i < LANES; i++) {
+		const double depth = l->depth[i] + l->face.height[i] - l->print_height[i] + rose, stays = l->plastic[i] * l->by_up[i];
+		const double whole = probe_most(l->was[i] * l->by_up[i] - stays, 1e-9);
+		l->printed[i] = probe_clamp((depth - stays + 4 * PROBE_LEAST) / whole, 0, 1);
+		l->stamped[i] = probe_either(l->was[i] > 0, form->stamps, 0);
+	}
 }
 
-/* Returns how much lower than now the body was above a place in the contact. *since: how long ago, in contacts. */
-static double lowered_at(const struct post *p, const double there[2], double *since)
+LANES_CLONED static void remember(const struct probe_form *restrict form, struct lanes *restrict l)
 {
-	double way = 0;
-	const double lowered = probe_is_round(p->form) ? probe_lowered(p->form, there, p->back, p->rise[0], &way) : p->lowered;
-	*since = probe_is_round(p->form) ? (way > 0 ? probe_least(way / p->form->run, 1) : 0) : lowered > 0;
-	return lowered;
+	const double moved = form->moved, most_back = form->run + probe_least(form->run, form->half_across);
+	put_plastic(l);
+	deform_over_passed(form, l);
+	slide(form, l);
+	put_depths(l);
+	for (int i = 0; i < LANES; i++) {
+		const double excess = l->lowest[i] - l->reached[i], over = l->over[i];
+		l->excess[i] = probe_either(excess > REACHED_LEAST, over * excess, 0);
+		l->lowered[i] = over * (l->rests[i] - l->lowest[i]);
+		l->back[i] = probe_either(over > 0, most_back, 1e3);
+	}
+	for (int i = 0; i < LANES; i++) {
+		/* The way that mobilises so much from rest, in units of the shear modulus. */
+		const double mobilised = sqrt(l->shear[0][i] * l->shear[0][i] + l->shear[1][i] * l->shear[1][i]);
+		const double way = probe_either(mobilised > 0.9999, 1e3, probe_minus_log(probe_most(1 - mobilised, 1e-4)));
+		const double before = probe_clamp(way / probe_most(l->slides[i] * (l->passed[i] - 1), 1e-9), 0, 1);
+		const double lasts = probe_either(l->passed[i] > 1, before, 1);
+		l->lasts[i] = probe_either(l->over[i] > 0, lasts, 1) * moved;
+	}
+	print(form, l);
 }
 
-void deform_place_shears(const struct post *p, const struct slip *slip, double touching, double stays, double rim, struct probe_place *place)
+/* --- the line across a cell --- */
+
+/* Gives the largest sinkage that places of the cells remember, vertically. rise: of the ground from the posts. */
+LANES_CLONED void deform_law_remembered(const struct probe_form *restrict form, const struct lanes *restrict l, const double x[restrict LANES],
+			   const double y[restrict LANES], const double depth[restrict LANES], const double rise[restrict LANES],
+			   double remembered[restrict LANES])
 {
-	const double by_shear = p->soil->by_shear;
-	if (!(slip->size > 1e-9)) { /* it begins to slide: half as stiff on, and half as much stiffer back */
-		place->shears[0][0] = place->shears[1][1] = by_shear;
-		place->shears[0][1] = place->shears[1][0] = 0;
+	double before[2][LANES], height[LANES];
+	if (!any_above(l->was, 0)) {
+		memset(remembered, 0, LANES * sizeof *remembered);
 		return;
 	}
-	const double aside = touching > 0 ? (1 - stays) / slip->size : 0;
-	for (int i = 0; i < 2; i++)
-		for (int k = 0; k < 2; k++)
-			place->shears[i][k] = (slip->direction[i] - place->mobilised[i]) * slip->direction[k] * by_shear * rim +
-					      ((i == k) - slip->direction[i] * slip->direction[k]) * aside;
-}
-
-/* How a damping that is for slow motion alone fades. squares: of the speed, as a share of the speed at which it is halved. */
-static double fade(double squares)
-{
-	return 1 / (1 + squares);
-}
-
-/* Returns how the stress of such a damping grows with the speed, where `fades` is what fade returned; 0 where it falls. */
-static double fade_slope(double fades)
-{
-	return fades * probe_most(2 * fades - 1, 0);
-}
-
-/* Damping: of soil that is pushed down fast, and of a surface that hardly slides. */
-void deform_place_rates(const struct post *p, double factor, struct probe_place *place)
-{
-	const struct probe_form *form = p->form;
-	double rolls[3] = {form->angular[0], form->angular[1], form->angular[2]}, moves[3], turns[3];
-	const double rolled = form->wheel ? form->linear[0] * form->by_radius : 0;
-	rolls[1] += rolled * form->level;
-	rolls[2] += rolled * form->lean;
-	cross(rolls, place->arm, moves);
-	const double down = -(dot(form->linear, place->normal) + dot(moves, place->normal));
-	const double slow = fade(down * down / (SETTLES * SETTLES)), settles = SETTLING * p->soil->damping * factor;
-	place->damps = down >= 0 ? p->soil->damping * factor : 0;
-	place->stress = probe_most(place->stress + (place->damps + settles * slow) * down, 0);
-	place->damps += settles * fade_slope(slow);
-	rolls[1] = form->angular[1] + form->spins * form->level;
-	rolls[2] = form->angular[2] + form->spins * form->lean;
-	cross(rolls, place->arm, turns);
-	for (int k = 0; k < 3; k++)
-		turns[k] += form->linear[k];
-	if (form->runs != 0)
-		add_belt(form, place->normal, form->runs, turns);
-	const double along[2] = {dot(turns, place->across[0]), dot(turns, place->across[1])};
-	const double squares = along[0] * along[0] + along[1] * along[1], slow_along = fade(squares / (STICKS * STICKS));
-	const double most = p->soil->damping * factor, less = squares > 0 ? most * (slow_along - fade_slope(slow_along)) / squares : 0;
-	for (int i = 0; i < 2; i++) {
-		place->dragged[i] = most * slow_along * along[i];
-		/* It grows less along the way of the surface than across it. */
-		for (int k = 0; k < 2; k++)
-			place->drags[i][k] = (i == k ? most * slow_along : 0) - less * along[i] * along[k];
+	const double leaning = probe_strips(form) ? 1 : 0;
+	for (int i = 0; i < LANES; i++) {
+		before[0][i] = x[i] + form->way[0];
+		before[1][i] = y[i] + form->way[1];
+	}
+	deform_over_heights(form, l, before[0], before[1], height);
+	for (int i = 0; i < LANES; i++) {
+		const double print = rise[i] + l->print_height[i] - height[i];
+		/* Across its way a rut leans as the cylinder does. */
+		const double leans = leaning * (1 - l->stamped[i]) * (l->rise[1][i] - form->lean * form->lift) * (y[i] - l->at[1][i]);
+		const double hollow = l->stamped[i] * (depth[i] - l->depth[i]) + leans;
+		const double all = l->was[i] * l->by_up[i] + l->printed[i] * print + (1 - l->printed[i]) * hollow;
+		remembered[i] = probe_either(l->was[i] > 0, all, 0);
 	}
 }
 
-/* Computes one place on the line. Returns false if it does not bear. */
-static bool put_place(const struct post *p, const double there[2], double rise, double part, struct probe_place *place)
+LANES_CLONED static void put_line(const struct probe_form *restrict form, struct lanes *restrict l)
 {
-	const struct probe_form *form = p->form;
-	const struct probe_soil *s = p->soil;
-	const double up = p->ground->up;
-	struct probe_face face;
-	probe_face_at(form, p->own, there, &face);
-	double since;
-	const double deep = p->depth + p->face.height + rise - face.height, passed = deep + lowered_at(p, there, &since);
-	const double remains = remembered_at(p, there, deep, rise), remembered = p->excess > 0 ? probe_most(remains, passed + p->excess) : remains;
-	const double largest = probe_most(remembered, passed), most = up * largest, z = up * deep;
-	if (z <= 0)
-		return false;
-	const double yields = yield_stress(p->law, s, most), plastic = plastic_part(s, most, yields), elastic = probe_most(most - plastic, 1e-9);
-	const bool flows = z >= most - 1e-9;
-	const double share = flows ? 1 : probe_clamp((z + PROBE_LEAST - plastic) / elastic, 0, 1); /* without a step, and no less than the GPU's */
-	if (share <= 0)
-		return false;
-	normal_at(form, p->rise, up, &face, place->normal);
-	probe_bends_at(form, p->own, there, &face, place->bends);
-	put_across(place->normal, place->across);
-	place->arm[0] = there[0];
-	place->arm[1] = there[1];
-	place->arm[2] = face.height + (p->over ? p->rests - p->face.height : 0);
-	place->ground = 0.5 * part;
-	place->area = form->ground_normals || probe_bears_by_end(form, p->own, there) ? 0.5 * part : 0.5 * part / place->normal[2];
-	place->stress = yields * share;
-	/* Where the body was deeper before, the deepest pose sinks by less than the last one. */
-	const double unloads = flows ? 0 : largest > remembered ? since : 1;
-	place->sinks = up * ((1 - unloads) * yield_growth(s, yields, most) + unloads * yields / elastic);
-	deform_place_rates(p, probe_least(4 * share, 1) * probe_least(4 * most * s->by_shear, 1), place);
-	const double later = ((there[0] - p->at[0]) * form->by_way[0] + (there[1] - p->at[1]) * form->by_way[1]) * p->lasts;
-	const double touching = p->slides * probe_most(p->share - later, 0), stays = stays_after(touching);
-	const struct slip slip = slip_at(form, place->arm, place->across);
-	for (int k = 0; k < 2; k++)
-		place->mobilised[k] = slip.direction[k] + stays * (p->shear[k] - slip.direction[k]);
-	place->strength = strength_of(p->law, s, place->stress, &place->holds);
-	deform_place_shears(p, &slip, touching, stays, form->rim > 0 ? form->rim * form->level / place->normal[2] : 1, place);
-	return true;
-}
-
-static bool may_touch(const struct post *p, const double middle[2])
-{
-	const struct probe_form *form = p->form;
-	const double *rise = p->rise, there[2] = {p->at[0] + middle[0], p->at[1] + middle[1]};
-	const double steep = form->kind == DEFORM_WHEEL ? fabs(rise[0]) : sqrt(rise[0] * rise[0] + rise[1] * rise[1]);
-	/* The lower edge of a cylinder that leans lies up to a post beside the line. */
-	const double reach = form->half_across + (form->kind == DEFORM_CYLINDER ? form->step_aside : 0);
-	const double above = rise[0] * middle[0] + rise[1] * middle[1] + steep * reach - probe_lowest_near(form, p->own, there, reach);
-	return p->depth + probe_most(above + p->face.height, 0) > 0;
+	const double least = form->kind == DEFORM_WHEEL || probe_strips(form) ? INFINITY : 1e-8;
+	for (int i = 0; i < LANES; i++) {
+		const double x = l->rise[0][i] - l->face.slope[0][i], y = l->rise[1][i] - l->face.slope[1][i], squares = x * x + y * y;
+		const double by = form->half_across / sqrt(probe_most(squares, 1e-8));
+		l->end[0][i] = probe_either(squares >= least, x * by, form->half_across);
+		l->end[1][i] = probe_either(squares >= least, y * by, 0);
+		l->centre[0][i] = l->at[0][i] + l->middle[0][i];
+		l->centre[1][i] = l->at[1][i] + l->middle[1][i];
+	}
 }
 
 /* Gives the ends of what bears on the line. An end bears from the surface on, or where it sank deeper before, from the plastic part of that on. */
-static void put_ends(const struct post *p, const double depths[3], const double mosts[3], double ends[2])
+LANES_CLONED static void put_ends(struct lanes *restrict l, double depths[restrict 3][LANES], double mosts[restrict 3][LANES])
 {
-	double above[3];
+	double above[3][LANES], unloads[2][LANES];
 	bool known = false;
-	for (int end = 0; end < 2; end++) {
-		const double sign = end == 0 ? -1 : 1;
-		const bool unloads = mosts[2 * end] > probe_most(depths[2 * end], 0) + PROBE_LEAST;
-		for (int k = 0; k < 3 && unloads && !known; k++)
-			above[k] = depths[k] - plastic_of(p->law, p->soil, mosts[k] * p->ground->up) * p->ground->by_up;
-		known = known || unloads;
-		ends[end] = root_from(sign, unloads ? above : depths);
+	for (int k = 0; k < 2; k++) {
+		for (int i = 0; i < LANES; i++)
+			unloads[k][i] = probe_either(mosts[2 * k][i] > probe_most(depths[2 * k][i], 0) + PROBE_LEAST, 1, 0);
+		known = known || any_above(unloads[k], 0);
 	}
-	ends[1] = probe_most(ends[0], ends[1]);
+	for (int k = 0; k < 3 && known; k++)
+		for (int i = 0; i < LANES; i++) {
+			const struct place_soil soil = soil_of(l, i);
+			above[k][i] = depths[k][i] - plastic_of(&soil, mosts[k][i] * l->up[i]) * l->by_up[i];
+		}
+	if (!known)
+		memcpy(above, depths, sizeof above);
+	for (int i = 0; i < LANES; i++) {
+		double from[3], to[3];
+		for (int k = 0; k < 3; k++) {
+			from[k] = probe_either(unloads[0][i] > 0, above[k][i], depths[k][i]);
+			to[k] = probe_either(unloads[1][i] > 0, above[k][i], depths[k][i]);
+		}
+		l->first[i] = root_from(-1, from);
+		l->last[i] = root_from(1, to);
+	}
+	for (int i = 0; i < LANES; i++)
+		l->last[i] = probe_most(l->first[i], l->last[i]);
 }
 
-void deform_law_bearing(const struct probe_law *law, size_t number, const double at[2], struct probe_bearing *bearing)
+LANES_CLONED bool deform_law_bear(const struct probe_law *restrict law, struct lanes *restrict l)
 {
-	const struct probe_form *form = law->form;
-	struct post p;
-	double middle[2];
-	bearing->count = 0;
-	bearing->has_brim = false;
-	bearing->sinkage = 0;
-	if (law->patch->posts[number].hole)
-		return;
-	begin(law, number, at, &p);
-	bearing->share = deform_form_part(form, at, p.over, middle, bearing->sides);
-	if (bearing->share <= 0 || !may_touch(&p, middle))
-		return;
-	remember(&p);
-	if (!p.over && fabs(at[0]) > form->radius && p.depth > 0)
-		return; /* a wheel that sank to its axle does not bear on the soil in front of its rim */
-	const double grows[2] = {p.rise[0] - p.face.slope[0], p.rise[1] - p.face.slope[1]}, squares = grows[0] * grows[0] + grows[1] * grows[1];
-	double end[2] = {form->half_across, 0};
-	if (form->kind != DEFORM_WHEEL && !probe_strips(form) && squares >= 1e-8)
-		for (int k = 0; k < 2; k++)
-			end[k] = grows[k] / sqrt(squares) * form->half_across;
-	const double centre[2] = {at[0] + middle[0], at[1] + middle[1]}, rise = p.rise[0] * end[0] + p.rise[1] * end[1];
-	const double risen = p.rise[0] * middle[0] + p.rise[1] * middle[1], height = p.depth + p.face.height;
-	double depths[3], mosts[3], ends[2], since;
+	const struct probe_form *form = &law->form;
+	double there[2][LANES], rise[LANES], heights[LANES], remembered[LANES], lowered[LANES], since[LANES], depths[3][LANES], mosts[3][LANES];
+	if (form->kind == DEFORM_WHEEL)
+		deform_over_wheel(form, l);
+	for (int i = l->count; i < LANES; i++)
+		l->share[i] = 0;
+	if (!any_above(l->share, 0))
+		return false;
+	remember(form, l);
+	put_line(form, l);
 	for (int k = 0; k < 3; k++) {
-		const double there[2] = {centre[0] + (k - 1) * end[0], centre[1] + (k - 1) * end[1]};
-		const double lower = probe_height_at(form, p.own, there);
-		depths[k] = height + risen + (k - 1) * rise - lower;
-		mosts[k] = probe_most(remembered_at(&p, there, depths[k], risen + (k - 1) * rise), depths[k] + lowered_at(&p, there, &since) + p.excess);
+		for (int i = 0; i < LANES; i++) {
+			there[0][i] = l->centre[0][i] + (k - 1) * l->end[0][i];
+			there[1][i] = l->centre[1][i] + (k - 1) * l->end[1][i];
+			rise[i] = l->rise[0][i] * (there[0][i] - l->at[0][i]) + l->rise[1][i] * (there[1][i] - l->at[1][i]);
+		}
+		deform_over_heights(form, l, there[0], there[1], heights);
+		for (int i = 0; i < LANES; i++)
+			depths[k][i] = l->depth[i] + l->face.height[i] + rise[i] - heights[i];
+		deform_law_remembered(form, l, there[0], there[1], depths[k], rise, remembered);
+		deform_over_lowered(form, l, there[0], there[1], lowered, since);
+		for (int i = 0; i < LANES; i++)
+			mosts[k][i] = probe_most(remembered[i], depths[k][i] + lowered[i] + l->excess[i]);
 	}
-	put_ends(&p, depths, mosts, ends);
-	const double part = 0.5 * bearing->share * (ends[1] - ends[0]);
-	for (int k = 0; k < 2 && part > 0; k++) {
-		const double on = 0.5 * (ends[0] + ends[1]) + (k - 0.5) * 0.57735026918962573 * (ends[1] - ends[0]);
-		const double there[2] = {centre[0] + on * end[0], centre[1] + on * end[1]};
-		bearing->count += put_place(&p, there, risen + on * rise, part, &bearing->places[bearing->count]);
+	put_ends(l, depths, mosts);
+	/* A wheel that sank to its axle does not bear on the soil in front of its rim. */
+	for (int i = 0; i < LANES; i++) {
+		const bool ahead = (l->over[i] == 0) & (fabs(l->at[0][i]) > form->radius) & (l->depth[i] > 0);
+		l->share[i] = probe_either(ahead, 0, l->share[i]);
 	}
-	if (probe_strips(form) && bearing->sides[form->lean < 0 ? 3 : 2])
-		bearing->has_brim = deform_place_brim(&p, centre, height + risen, &bearing->brim);
-	if ((bearing->count > 0 || bearing->has_brim) && p.over)
-		bearing->sinkage = p.ground->height - law->above_zero - p.ground->deposited - p.rests;
+	return true;
 }
 
 bool deform_law_touches(const struct probe_law *law, size_t number, const double at[2], double *height)
 {
 	const struct probe_post *ground = &law->patch->posts[number];
 	double rests;
-	if (ground->hole || !deform_form_rests(law->form, number, at, &rests))
+	if (ground->hole || !deform_form_rests(&law->form, number, at, &rests))
 		return false;
 	*height = rests + law->above_zero;
 	return *height < ground->height;

@@ -192,7 +192,7 @@ bool deform_low_is_aloft(const struct probe_law *law, const struct post_rect *be
 		for (int64_t x = below->x0; x < below->x1; x++) {
 			const size_t at = (size_t)(y - patch->rect.y0) * patch->width + (size_t)(x - patch->rect.x0);
 			highest = patch->posts[at].hole ? highest : probe_most(highest, patch->posts[at].height);
-			lowest = probe_least(lowest, law->form->low.rests[at]);
+			lowest = probe_least(lowest, law->form.low.rests[at]);
 		}
 	return lowest + law->above_zero >= highest;
 }

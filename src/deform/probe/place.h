@@ -1,64 +1,63 @@
-/* A post while a probe computes it, and the formulas of its places: the soil's stress and strength, and how a surface slides. */
+/*
+ * The formulas of the soil's law at one place: stress and strength of the soil, how a surface slides, damping. The same as
+ * shaders/lib/scm_post.glsl, which says what each part is for. Here they also give how the force changes with the body's place and velocity.
+ *
+ * Loops over lanes inline them, so none has a branch with a side effect: both sides of a choice are computed.
+ */
 #ifndef FURROW_DEFORM_PROBE_PLACE_H
 #define FURROW_DEFORM_PROBE_PLACE_H
 
 #include "deform/probe/face.h"
+#include "deform/probe/lanes.h"
 #include "deform/probe/law.h"
+#include "deform/probe/powers.h"
 
 #define PROBE_UNIT 0x1p-20          /* m: a fixed-point unit */
 #define PROBE_LEAST 1.2e-6          /* m: rounding to fixed-point units */
 #define PROBE_STRESS_MOST 1e20      /* Pa */
-/* --- the soil --- */
+/* At rest a body would rock and slide to and fro for long, since soil springs back without loss. So what moves slower than these is damped more. */
+#define PROBE_STICKS 0.003          /* m/s along a surface: by the soil's own damping */
+#define PROBE_SETTLES 0.002         /* m/s across it: by PROBE_SETTLING times as much */
+#define PROBE_SETTLING 10.0
 
-static inline double yield_stress(const struct probe_law *law, const struct probe_soil *s, double z)
+/* The soil of a post. k: k_c / b + k_phi, N/m^(n+2); b: the width of the contact patch. Others as in struct probe_soil. */
+struct place_soil {
+	double k, n, elastic, by_elastic, cohesion, tan_phi, modulus, by_modulus, damping;
+};
+
+static inline struct place_soil soil_of(const struct lanes *l, int i)
 {
-	if (!(z > 0))
-		return 0;
-	const double k = probe_most(s->k_c * law->by_width + s->k_phi, 0);
-	return probe_least(probe_least(k * pow(probe_most(z, PROBE_UNIT), s->n), z * s->elastic), PROBE_STRESS_MOST);
+	return (struct place_soil){l->k[i], l->n[i], l->elastic[i], l->by_elastic[i], l->cohesion[i], l->tan_phi[i], l->modulus[i], l->by_modulus[i], l->damping[i]};
 }
 
-static inline double yield_growth(const struct probe_soil *s, double yields, double z)
+/* Returns for which share of the motion the body's surface has been at a post. */
+static inline double lasted_of(const struct lanes *l, int i)
 {
-	return yields >= 0.9999999 * s->elastic * z ? s->elastic : yields * s->n / probe_most(z, PROBE_UNIT);
+	return probe_least(l->passed[i], probe_either(l->over[i] > 0, 1, INFINITY));
 }
 
-static inline double plastic_part(const struct probe_soil *s, double z, double yields)
+/* Returns how far grousers are below the lower envelope of a body at a post, m above it. */
+static inline double above_of(const struct lanes *l, int i)
 {
-	return probe_most(0, z - yields * s->by_elastic);
+	return probe_either(l->over[i] > 0, l->rests[i] - l->face.height[i], 0);
 }
 
-static inline double plastic_of(const struct probe_law *law, const struct probe_soil *s, double z)
-{
-	return plastic_part(s, z, yield_stress(law, s, z));
-}
-
-/* Returns the shear strength under a normal stress, and its growth with that. */
-static inline double strength_of(const struct probe_law *law, const struct probe_soil *s, double stress, double *grows)
-{
-	const double adhesion = law->own[0] ? s->cohesion : law->surface[0], tangent = law->own[1] ? s->tan_phi : law->surface[1];
-	const double soil = s->cohesion + s->tan_phi * stress, along = adhesion + tangent * stress;
-	*grows = soil <= along ? s->tan_phi : tangent;
-	return probe_least(soil, along);
-}
-
-static inline double stays_after(double way)
-{
-	return exp(-probe_least(way, 100));
-}
-
-/* --- along the surface --- */
-
-/* Two unit vectors along a surface: where the shortest rotation that makes the surface level has the axes of the frame. */
-static inline void put_across(const double n[3], double across[2][3])
-{
-	const double by = 1 / (1 + n[2]);
-	across[0][0] = 1 - n[0] * n[0] * by;
-	across[0][1] = across[1][0] = -n[0] * n[1] * by;
-	across[0][2] = -n[0];
-	across[1][1] = 1 - n[1] * n[1] * by;
-	across[1][2] = -n[1];
-}
+/* The soil at one place, in the body's frame. Amounts are those of the place's share of a post's area. */
+struct probe_place {
+	double arm[3], normal[3]; /* m from the body's centre; unit, of the stresses */
+	double across[2][3];      /* two unit vectors along the surface: forwards, and to the left */
+	double area;              /* of the surface, posts */
+	double ground;            /* area of the ground that bears, in posts */
+	double stress, strength;  /* Pa: normal, with damping; the most that shear can be */
+	double mobilised[2];      /* shear along `across`, as a share of the strength */
+	double holds;             /* growth of the strength with the normal stress */
+	double sinks;             /* Pa/m: growth of the normal stress as the body's surface goes down by a metre */
+	double damps;             /* Pa s/m: growth of the normal stress with the speed along the normal */
+	double shears[2][2];      /* 1/m: how `mobilised` grows with a way along `across` */
+	double dragged[2];        /* Pa: shear stress of damping along `across` */
+	double drags[2][2];       /* Pa s/m: growth of that with the speed along `across` */
+	double bends[3];          /* 1/m: second derivatives of the surface's height: xx, xy, yy */
+};
 
 static inline double dot(const double a[3], const double b[3])
 {
@@ -72,39 +71,143 @@ static inline void cross(const double a[3], const double b[3], double out[3])
 	out[2] = a[0] * b[1] - a[1] * b[0];
 }
 
+/* --- the soil --- */
+
+static inline double yield_stress(const struct place_soil *s, double z)
+{
+	const double yields = s->k * probe_pow(probe_most(z, PROBE_UNIT), s->n);
+	const double least = probe_least(probe_least(yields, z * s->elastic), PROBE_STRESS_MOST);
+	return probe_either(z > 0, least, 0);
+}
+
+static inline double yield_growth(const struct place_soil *s, double yields, double z)
+{
+	const double flows = yields * s->n / probe_most(z, PROBE_UNIT);
+	return probe_either(yields >= 0.9999999 * s->elastic * z, s->elastic, flows);
+}
+
+static inline double plastic_part(const struct place_soil *s, double z, double yields)
+{
+	return probe_most(z - yields * s->by_elastic, 0);
+}
+
+static inline double plastic_of(const struct place_soil *s, double z)
+{
+	return plastic_part(s, z, yield_stress(s, z));
+}
+
+/* Returns the shear strength under a normal stress, and its growth with that. */
+static inline double strength_of(const struct probe_law *law, const struct place_soil *s, double stress, double *grows)
+{
+	const double adhesion = probe_either(law->own[0] > 0, s->cohesion, law->surface[0]), tangent = probe_either(law->own[1] > 0, s->tan_phi, law->surface[1]);
+	const double soil = s->cohesion + s->tan_phi * stress, along = adhesion + tangent * stress;
+	*grows = probe_either(soil <= along, s->tan_phi, tangent);
+	return probe_least(soil, along);
+}
+
+static inline double stays_after(double way)
+{
+	return probe_exp_minus(probe_least(way, 100));
+}
+
+/* --- along the surface --- */
+
+static inline void normal_at(const struct probe_form *form, const double rise[2], double up, const double face[3], double normal[3])
+{
+	normal[0] = probe_either(form->ground_normals > 0, -rise[0] * up, face[0]);
+	normal[1] = probe_either(form->ground_normals > 0, -rise[1] * up, face[1]);
+	normal[2] = probe_either(form->ground_normals > 0, up, face[2]);
+}
+
+/* Two unit vectors along a surface: where the shortest rotation that makes the surface level has the axes of the frame. */
+static inline void put_across(const double n[3], double across[2][3])
+{
+	const double by = 1 / (1 + n[2]);
+	across[0][0] = 1 - n[0] * n[0] * by;
+	across[0][1] = across[1][0] = -n[0] * n[1] * by;
+	across[0][2] = -n[0];
+	across[1][1] = 1 - n[1] * n[1] * by;
+	across[1][2] = -n[1];
+}
+
+/* Gives how a body's surface moves at a place, along `across`. The body moves by a way and a turn, and a belt runs; or these are rates. */
+static inline void moved_along(const struct probe_form *form, const double way[3], const double turns[3], double ran, const double arm[3],
+			       const double normal[3], double across[2][3], double along[2])
+{
+	double moved[3], belt[3];
+	cross(turns, arm, moved);
+	cross(normal, form->belt, belt);
+	for (int k = 0; k < 3; k++)
+		moved[k] += way[k] + ran * belt[k];
+	along[0] = dot(moved, across[0]);
+	along[1] = dot(moved, across[1]);
+}
+
 struct slip {
 	double direction[2], size; /* along the surface; m */
 };
 
-/* Adds what a belt that ran so far, or runs so fast, moves the surface with this normal. */
-static inline void add_belt(const struct probe_form *form, const double normal[3], double run, double to[3])
+static inline struct slip slip_at(const struct probe_form *form, const double arm[3], const double normal[3], double across[2][3])
 {
-	double along[3];
-	cross(normal, form->belt, along);
-	for (int k = 0; k < 3; k++)
-		to[k] += run * along[k];
-}
-
-static inline struct slip slip_at(const struct probe_form *form, const double arm[3], double across[2][3])
-{
-	double way[3];
-	cross(form->spin, arm, way);
-	for (int k = 0; k < 3; k++)
-		way[k] += form->way[k];
-	if (form->ran != 0) {
-		double normal[3];
-		cross(across[0], across[1], normal);
-		add_belt(form, normal, form->ran, way);
-	}
-	const double along[2] = {dot(way, across[0]), dot(way, across[1])}, squares = along[0] * along[0] + along[1] * along[1];
-	const double by = 1 / sqrt(probe_most(squares, 1e-24));
+	double along[2];
+	moved_along(form, form->way, form->spin, form->ran, arm, normal, across, along);
+	const double squares = along[0] * along[0] + along[1] * along[1], by = 1 / sqrt(probe_most(squares, 1e-24));
 	return (struct slip){{along[0] * by, along[1] * by}, squares * by};
 }
 
-static inline void normal_at(const struct probe_form *form, const double rise[2], double up, const struct probe_face *face, double normal[3])
+/* Returns how long a rim, or a belt, is above a place, of the soil's time. up: z of the surface's normal. */
+static inline double rim_time(const struct probe_form *form, double up)
 {
-	for (int k = 0; k < 3; k++)
-		normal[k] = !form->ground_normals ? face->normal[k] : k < 2 ? -rise[k] * up : up;
+	const double time = form->rim * form->level / up;
+	return probe_either(form->rim > 0, time, 1);
+}
+
+/* Gives how `mobilised` grows with a way of the surface: `shears` of the place. touching: the way since it touches, in units of the shear
+ * modulus; stays: stays_after(touching); rim: the rim's time. */
+static inline void put_shears(const struct slip *slip, double by_modulus, double touching, double stays, double rim, struct probe_place *place)
+{
+	const double turning = (1 - stays) / probe_most(slip->size, 1e-9), aside = probe_either(touching > 0, turning, 0);
+	const double along[2] = {slip->direction[0] * by_modulus * rim, slip->direction[1] * by_modulus * rim};
+	const bool slides = slip->size > 1e-9; /* else it begins to slide: half as stiff on, and half as much stiffer back */
+	for (int i = 0; i < 2; i++)
+		for (int k = 0; k < 2; k++) {
+			const double grows = (slip->direction[i] - place->mobilised[i]) * along[k] + ((i == k) - slip->direction[i] * slip->direction[k]) * aside;
+			place->shears[i][k] = probe_either(slides, grows, i == k ? by_modulus : 0);
+		}
+}
+
+/* --- damping --- */
+
+/* How a damping that is for slow motion alone fades. squares: of the speed, as a share of the speed at which it is halved. */
+static inline double fade(double squares)
+{
+	return 1 / (1 + squares);
+}
+
+/* Returns how the stress of such a damping grows with the speed, where `fades` is what fade returned; 0 where it falls. */
+static inline double fade_slope(double fades)
+{
+	return fades * probe_most(2 * fades - 1, 0);
+}
+
+/* Adds damping to a place: of soil that is pushed down fast, and of a surface that hardly slides. damping: Pa s/m, what counts of the soil's. */
+static inline void put_rates(const struct probe_form *form, double damping, struct probe_place *place)
+{
+	double moves[3], along[2];
+	cross(form->rolls, place->arm, moves);
+	const double down = -(dot(form->linear, place->normal) + dot(moves, place->normal));
+	const double slow = fade(down * down / (PROBE_SETTLES * PROBE_SETTLES)), settles = PROBE_SETTLING * damping, damps = probe_either(down >= 0, damping, 0);
+	place->stress = probe_most(place->stress + (damps + settles * slow) * down, 0);
+	place->damps = damps + settles * fade_slope(slow);
+	moved_along(form, form->linear, form->turns, form->runs, place->arm, place->normal, place->across, along);
+	const double squares = along[0] * along[0] + along[1] * along[1], fades = fade(squares / (PROBE_STICKS * PROBE_STICKS));
+	const double sticks = damping * fades, falls = damping * (fades - fade_slope(fades)) / probe_most(squares, 1e-300), less = probe_either(squares > 0, falls, 0);
+	/* It grows less along the way of the surface than across it. */
+	for (int i = 0; i < 2; i++) {
+		place->dragged[i] = sticks * along[i];
+		for (int k = 0; k < 2; k++)
+			place->drags[i][k] = (i == k ? sticks : 0) - less * along[i] * along[k];
+	}
 }
 
 /* --- a line across the cell --- */
@@ -115,41 +218,12 @@ static inline double root_from(double sign, const double depths[3])
 {
 	const double bends = 0.5 * (depths[0] + depths[2]) - depths[1], rises = 0.5 * (depths[2] - depths[0]), over = depths[1];
 	const double root = rises * rises - 4 * bends * over, by = sqrt(probe_most(root, 0)) - sign * rises;
-	const bool touches = bends < 0 && root <= 0;
-	const double at = touches ? -0.5 * rises / probe_least(bends, -1e-18) : sign * 2 * over / probe_most(by, 1e-15);
-	const bool never = root < (touches ? 4 * bends * PROBE_LEAST : 0) || (by <= 0 && !touches);
-	return depths[sign < 0 ? 0 : 2] > 0 ? sign : never ? -sign : probe_clamp(at, -1, 1);
+	const bool touches = (bends < 0) & (root <= 0);
+	const double top = -0.5 * rises / probe_least(bends, -1e-18), side = sign * 2 * over / probe_most(by, 1e-15), at = probe_either(touches, top, side);
+	const double misses = 4 * bends * PROBE_LEAST;
+	const bool never = (root < probe_either(touches, misses, 0)) | ((by <= 0) & !touches);
+	const double found = probe_either(never, -sign, probe_clamp(at, -1, 1));
+	return probe_either(depths[sign < 0 ? 0 : 2] > 0, sign, found);
 }
-
-/* --- the post --- */
-
-/* A post while it is computed. Heights and depths are in metres, in the body's frame. */
-struct post {
-	const struct probe_law *law;
-	const struct probe_form *form;
-	const struct probe_post *ground;
-	const struct probe_soil *soil;
-	double at[2], rise[2], own[2];
-	double height;              /* of the ground above the body's centre */
-	bool over;
-	double rests, lowest;       /* of the lower envelope */
-	struct probe_face face;     /* at the post */
-	double depth;               /* of the end pose below the ground */
-	double was, excess;         /* the largest sinkage before, along the normal; how much deeper poses since then were, vertically */
-	double shear[2];            /* before */
-	double slides, since, share, lasts;
-	double stamped, lowered, back;
-	double printed;             /* how much of what it remembers has the shape that the lower envelope had at the contact's start, */
-	double print_height;        /* whose height was this at the post */
-};
-
-/* Gives how `mobilised` grows with a way of the surface: `shears` of the place. touching: the way since it touches, in units of the shear
- * modulus; stays: stays_after(touching); rim: the rim's time, of the soil's. */
-void deform_place_shears(const struct post *p, const struct slip *slip, double touching, double stays, double rim, struct probe_place *place);
-/* Adds damping to a place: of soil that is pushed down fast, and of a surface that hardly slides. */
-void deform_place_rates(const struct post *p, double factor, struct probe_place *place);
-/* Computes what the lower end of a cylinder that leans bears beside a cell. middle: of the line across the cell; height: of the ground there.
- * Returns false if it bears nothing. */
-bool deform_place_brim(const struct post *p, const double middle[2], double height, struct probe_place *place);
 
 #endif
