@@ -67,7 +67,7 @@ bool parse_number_or_infinity(const char *text, double *value);
 extern volatile sig_atomic_t interrupted;
 void interrupt_catch(void);
 
-/* A line on stderr if that is a terminal, nothing in a pipe. */
+/* On stderr: on a terminal one line that changes; in a log or a pipe a line every 10 s, so none of short work. */
 struct progress {
 	const char *what, *unit;
 	double started, shown;

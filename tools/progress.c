@@ -5,6 +5,9 @@
 #include <string.h>
 #include <unistd.h>
 
+#define TERMINAL_SECONDS 0.1
+#define LOG_SECONDS 10.0
+
 volatile sig_atomic_t interrupted;
 
 static void on_signal(int number)
@@ -29,18 +32,19 @@ void progress_start(struct progress *progress, const char *what, const char *uni
 		.started = clock_seconds(),
 		.terminal = isatty(STDERR_FILENO) != 0,
 	};
+	progress->shown = progress->terminal ? 0 : progress->started;
 }
 
 enum status progress_step(void *user, int64_t done, int64_t total)
 {
 	struct progress *progress = user;
 	double now = clock_seconds();
-	if (progress->terminal && now - progress->shown > 0.1) {
+	if (now - progress->shown > (progress->terminal ? TERMINAL_SECONDS : LOG_SECONDS)) {
 		double elapsed = now - progress->started, rate = elapsed > 0 ? (double)done / elapsed : 0;
 		double left = rate > 0 ? (double)(total - done) / rate : 0;
-		fprintf(stderr, "\r%s: %lld of %lld %s (%.0f %%), %.0f a second, %.0f s left\033[K",
+		fprintf(stderr, "%s%s: %lld of %lld %s (%.0f %%), %.0f a second, %.0f s left%s", progress->terminal ? "\r" : "furrow: note: ",
 			progress->what, (long long)done, (long long)total, progress->unit,
-			total > 0 ? 100.0 * (double)done / (double)total : 100.0, rate, left);
+			total > 0 ? 100.0 * (double)done / (double)total : 100.0, rate, left, progress->terminal ? "\033[K" : "\n");
 		fflush(stderr);
 		progress->shown = now;
 	}

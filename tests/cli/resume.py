@@ -82,6 +82,20 @@ class Resume(FurrowTest):
         self.assertTrue(self.json("verify", "killed.furrow")["ok"])
         self.assertEqual(sorted(p.name for p in self.folder.glob("killed*")), ["killed.furrow"])
 
+    def test_in_a_log_it_tells_how_far_it_is_every_ten_seconds(self):
+        started = time.monotonic()
+        process = self.start()
+        part = self.folder / "killed.furrow.part"
+        while process.poll() is None and not (part.exists() and part.stat().st_size > 1 << 20):
+            time.sleep(0.001)
+        process.send_signal(signal.SIGSTOP)  # it takes long, and no processor
+        time.sleep(10.5)
+        process.send_signal(signal.SIGCONT)
+        _, errors = process.communicate(timeout=100)
+        self.assertEqual(process.returncode, 0, errors)
+        self.assertRegex(errors, r"^furrow: note: killed.furrow: \d+ of 5121 rows \(\d+ %\), \d+ a second, \d+ s left\n")
+        self.assertLessEqual(errors.count(" s left"), (time.monotonic() - started) // 10)
+
     def test_interrupted_it_says_how_to_go_on_and_does(self):
         status, errors = self.stopped(signal.SIGINT, 0)
         if status == 0:
