@@ -14,7 +14,6 @@
 #define EXCHANGE_CELLS 64   /* along a mesh tile */
 #define EXCHANGE_ZOOM_MOST 24
 #define EXCHANGE_ZOOMS (2 * (EXCHANGE_ZOOM_MOST + 1))
-#define EXCHANGE_NO_REVISION (-1)
 
 /*
  * --- frame.c: where a terrain lies ---
@@ -66,7 +65,6 @@ struct exchange_zooms {
 	struct exchange_zoom zooms[EXCHANGE_ZOOMS]; /* in the order of work: maps, then globe, each from fine to coarse */
 	size_t count;
 	int map[2], mesh[2];  /* least and greatest zoom */
-	int finest_map;       /* index of the finest map zoom */
 	int64_t revision;
 	bool deformed;        /* the store has a working level */
 	int working;
@@ -154,7 +152,7 @@ struct exchange_maker {
 	const struct exchange_zooms *zooms;
 	struct exchange_steps *steps;
 	struct exchange_sampler sampler;
-	double *heights, *slopes, *offsets;
+	double *heights, *slopes;
 	uint8_t *pixels, *indices;
 	void *mesh;
 	struct exchange_bytes bytes;
