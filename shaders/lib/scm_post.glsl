@@ -134,18 +134,18 @@ vec3 normal_at(incline i, face f)
 #endif
 }
 
-// Returns how many square metres of the ground lie below each square metre on which stresses act. That is the object's own surface. A flat
-// end of a wheel or a cylinder counts by its area in plan, since an upright one does not load the soil.
-float ground_by_area(face f, vec3 normal)
+#ifdef SHAPE_CYLINDER
+// Returns the share of its area in plan by which a flat end bears: all of it on level ground. A wheel that leans as its side slope does is
+// upright for the ground. There the share is 0 (SOIL.md).
+float end_bears(incline i, vec3 normal)
 {
 #ifdef GROUND_NORMALS
 	return 1.0;
-#elif defined(SHAPE_CYLINDER)
-	return f.end ? 1.0 : normal.z;
 #else
-	return normal.z;
+	return clamp(1.0 - dot(normal.xy, i.rise) / max(normal.z, 1e-6), 0.0, 1.0);
 #endif
 }
+#endif
 
 // Returns the place on a line across a cell, from -1 to 1, beyond which a parabola is above 0. It goes through three numbers at the line's
 // ends and its middle. sign: the end from which it is looked for.
@@ -294,9 +294,11 @@ void bear_brim(inout bearing b, soil s, float by_width, incline i, across l, flo
 	vec3 normal = normal_at(i, face(lowest, vec2(0.0, low_side * steep), vec3(0.0, -low_side * level, abs(lean)), true)), arm = vec3(there + vec2(0.0, low_side * out_by), lowest + out_by * steep + above);
 	// Since the rim came from ahead, or the end from above.
 	float came = moves.x > 0.0 ? max(half_strip(below) - ahead, 0.0) * by_moving : 1e9, sank = by_sinking > 0.0 ? mean * by_sinking : 1e9;
-	float since = min(came, sank) < 1e9 ? min(came, sank) : 1.0;
+	float since = min(came, sank) < 1e9 ? min(came, sank) : 1.0, rolled = min(moves.x / half_across, 1.0);
+	if (digs.w > 0.0 && since > 1.0)
+		since = 1.0 + (since - 1.0) * rolled * rolled; // a short motion says little of where the end came from
 	pressure p = pressure_of(s, by_width, i.up * mean, i.up * mean, true);
-	float stress = p.stress + damped(s, arm, normal) * min(4.0 * i.up * mean * s.b.z, 1.0), weight = 0.5 * (ends.y - ends.x) * width * by_step;
+	float stress = p.stress + damped(s, arm, normal) * min(4.0 * i.up * mean * s.b.z, 1.0), weight = 0.5 * (ends.y - ends.x) * width * by_step * end_bears(i, normal);
 	vec3 sum = stress * normal - holds(s, 1.0, stress) * tilted(sheared_by_end(s, arm, normal, since), normal);
 	if (mean <= 0.0)
 		return;
@@ -431,7 +433,14 @@ bearing bearing_of(soil s, float by_width, incline i, ground g, object o, cell c
 		float remembered = remembered_at(m, c, there, deep - depth, centre + at * l.rise), largest = max(remembered, deep + lowered_at(there, back, i.rise.x, lowered, f));
 		pressure p = pressure_of(s, by_width, i.up * deep, i.up * largest, largest > remembered);
 		vec3 normal = normal_at(i, f), arm = vec3(there, f.height + above);
-		float weight = 0.5 * part / ground_by_area(f, normal);
+#ifdef GROUND_NORMALS
+		float weight = 0.5 * part;
+#else
+		float weight = 0.5 * part / normal.z;
+#endif
+#ifdef SHAPE_CYLINDER
+		weight = f.end ? 0.5 * part * end_bears(i, normal) : weight;
+#endif
 		float later = dot(there - c.at, by_way) * lasts;
 		float stress = p.stress + damped(s, arm, normal) * min(4.0 * p.share, 1.0) * min(4.0 * i.up * largest * s.b.z, 1.0);
 		vec2 mobilised = sheared(shear, slip_at(arm, normal).direction, stays_after(slides * max(share - later, 0.0)));

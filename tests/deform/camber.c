@@ -164,6 +164,47 @@ static void camber_to_the_other_side_mirrors_all_forces(void **state)
 	ground_finish(&ground);
 }
 
+static double slope; /* rise to the north */
+
+static int32_t side_slope(int64_t x, int64_t y)
+{
+	(void)x;
+	return (int32_t)lattice_base(slope * 0.01 * (double)y);
+}
+
+/* A wheel that stands straight on a side slope is a level wheel, turned: what its side wall bears does not count from the vertical. */
+static void across_a_slope_a_wheel_that_stands_straight_on_it_is_level(void **state)
+{
+	static const double degrees[] = {3, 8, 15};
+	const struct deform_soil soil = named("dry_sand");
+	(void)state;
+	need_gpu();
+	for (size_t i = 0; i < COUNT(degrees); i++)
+		for (size_t m = 0; m < COUNT(motions); m++) {
+			const double leans = degrees[i] * DEGREES, s = sin(leans), c = cos(leans), x = m > 0 ? 48.2 : 64.2, y = 64.7, sinkage = 0.03;
+			struct deform_contact contact = {.shape = &wheel, .tag = 1};
+			struct ground ground;
+			slope = tan(leans);
+			ground_init(&ground, &(struct ground_params){.cells = 128, .tiles = 1, .first = 2, .spacing = 0.01, .model = DEFORM_SCM, .soils = &soil, .height = side_slope});
+			contact.to = ground_pose(&ground, x, y, slope * 0.01 * y + (wheel.radius - sinkage) / c);
+			contact.to.roll = leans;
+			contact.from = contact.to;
+			struct deform_forces got = ground_forces(&ground, &contact);
+			for (double way = 0; way < FAR_BACK && m > 0; way += 0.01) {
+				contact = move(&contact, 0.01, 0, 0);
+				contact.turned = 0.01 * motions[m].turned / wheel.radius;
+				got = ground_forces(&ground, &contact);
+			}
+			ground_finish(&ground);
+			const struct reference_wrench wanted = integral(&soil, 0, sinkage, motions[m].turned);
+			const double across[] = {got.force[0], got.force[1] * c + got.force[2] * s, got.force[2] * c - got.force[1] * s};
+			for (int k = 0; k < 3; k++)
+				if (!(fabs(across[k] - wanted.force[k]) < 0.01 * wanted.force[2]))
+					fail_msg("%g degrees, %s: forward, along the axle, across it: %.6g %.6g %.6g N; level: %.6g %.6g %.6g", degrees[i], motions[m].name, across[0],
+						 across[1], across[2], wanted.force[0], wanted.force[1], wanted.force[2]);
+		}
+}
+
 /* Of the least sinkage: of the wheel's lowest place. Up to a degree it changes as the integral's does. */
 static void a_loaded_wheel_sinks_as_the_integral_says(void **state)
 {
@@ -228,6 +269,7 @@ int main(void)
 		cmocka_unit_test(the_integral_of_a_level_wheel_is_the_closed_form),
 		cmocka_unit_test(forces_are_the_integral_over_the_surface),
 		cmocka_unit_test(camber_to_the_other_side_mirrors_all_forces),
+		cmocka_unit_test(across_a_slope_a_wheel_that_stands_straight_on_it_is_level),
 		cmocka_unit_test(a_loaded_wheel_sinks_as_the_integral_says),
 		cmocka_unit_test(a_cylinder_that_leans_is_a_wheel_that_does_not_turn),
 	};

@@ -28,32 +28,32 @@ static bool find_edge(const struct probe_form *form, const double middle[2], dou
 	return edge->depth > 0 && edge->length > 0;
 }
 
-/* How long the lower end has slid over the soil beside its edge, in contacts. It began when the rim came from ahead, or the end from above. */
+/* How long the lower end has slid over the soil beside its edge, in contacts. It began when the rim came from ahead, or the end from above. A short
+ * motion says little of it. */
 static double brim_since(const struct probe_form *form, const struct edge *edge, double mean, double below)
 {
 	const double came = form->run > 0 ? probe_most(probe_half_strip(form, below) - edge->at[0], 0) / form->run : 1e9;
-	const double sank = form->way[2] < 0 ? -mean / form->way[2] : 1e9, since = probe_least(came, sank);
-	return since < 1e9 ? since : 1;
+	const double sank = form->way[2] < 0 ? -mean / form->way[2] : 1e9, since = probe_least(came, sank), rolled = probe_least(form->run / form->half_across, 1);
+	return !(since < 1e9) ? 1 : since > 1 ? 1 + (since - 1) * rolled * rolled : since;
 }
 
 /* Gives how the soil is sheared that the lower end slid over. The end turns over the soil, so its way is followed from where it began. */
 static void put_sheared(const struct probe_form *form, double by_modulus, double since, struct probe_place *place)
 {
 	const double each = since / STEPS;
-	double all = 0;
 	place->mobilised[0] = place->mobilised[1] = 0;
 	for (int n = STEPS - 1; n >= 0; n--) {
 		double arm[3];
 		for (int k = 0; k < 3; k++)
 			arm[k] = place->arm[k] + (n + 0.5) * each * form->way[k];
 		const struct slip slip = slip_at(form, arm, place->normal, place->across);
-		const double way = slip.size * each * by_modulus, stays = stays_after(way);
+		const double stays = stays_after(slip.size * each * by_modulus);
 		for (int k = 0; k < 2; k++)
 			place->mobilised[k] = slip.direction[k] + stays * (place->mobilised[k] - slip.direction[k]);
-		all += way;
 	}
 	const struct slip slip = slip_at(form, place->arm, place->normal, place->across);
-	put_shears(&slip, by_modulus, all, stays_after(all), 1, place);
+	const double own = slip.size * probe_least(since, 1) * by_modulus; /* how the way before this motion changes is left out */
+	put_shears(&slip, by_modulus, own, stays_after(own), 1, place);
 }
 
 /* lib/scm_post.glsl, bear_brim. Its area counts as that in plan. */
@@ -69,10 +69,11 @@ bool deform_brim_at(const struct probe_law *law, const struct lanes *l, int i, s
 	if (!find_edge(form, middle, height - above, rise, &edge))
 		return false;
 	const double width = probe_clamp(edge.depth / probe_most(steep - low * rise[1], 1e-6), 0, 2 * edge.strip * fabs(form->lean));
-	const double mean = edge.depth * pow(s.n + 1, -1 / s.n), out_by = width / (s.n + 2), part = edge.length * width * form->by_step;
+	const double mean = edge.depth * pow(s.n + 1, -1 / s.n), out_by = width / (s.n + 2), wall[3] = {0, -low * form->level, fabs(form->lean)};
+	const double part = edge.length * width * form->by_step * probe_end_bears(form, rise, wall);
 	if (!(mean > 0 && part > 0))
 		return false;
-	const double yields = yield_stress(&s, up * mean), wall[3] = {0, -low * form->level, fabs(form->lean)};
+	const double yields = yield_stress(&s, up * mean);
 	*place = (struct probe_place){
 		.arm = {edge.at[0], edge.at[1] + low * out_by, edge.lowest + out_by * steep + above},
 		.area = part, .ground = part, .stress = yields, .sinks = yields * (s.n + 1) / edge.depth,

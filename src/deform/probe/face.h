@@ -58,6 +58,13 @@ static inline bool probe_bears_by_end(const struct probe_form *form, const doubl
 	       probe_is_end(form, own, at, (form->lean * at[1] - probe_half_strip(form, at[0])) * form->lift);
 }
 
+/* Returns the share of its area in plan by which a flat end with this normal bears, on ground with this rise: lib/scm_post.glsl, end_bears. */
+static inline double probe_end_bears(const struct probe_form *form, const double rise[2], const double normal[3])
+{
+	const double share = probe_clamp(1 - (normal[0] * rise[0] + normal[1] * rise[1]) / probe_most(normal[2], 1e-6), 0, 1);
+	return probe_either(form->ground_normals > 0, 1, share);
+}
+
 /* The side of a cylinder. */
 static inline void probe_side_face(const struct probe_form *form, const double at[2], struct probe_face *face)
 {

@@ -41,7 +41,8 @@ LANES_INLINED static inline void put_place(const struct probe_law *law, const st
 	place->arm[1] = spots->at[1][i];
 	place->arm[2] = spots->faces.height[i] + above_of(l, i);
 	place->ground = probe_either(probe_least(z, share) > 0, 0.5 * spots->part[i], 0);
-	place->area = place->ground / probe_either(form->ground_normals + spots->ends[i] > 0, 1, place->normal[2]);
+	const double ends = probe_either(spots->ends[i] > 0, probe_end_bears(form, rise, place->normal), 1);
+	place->area = place->ground * ends / probe_either(form->ground_normals + spots->ends[i] > 0, 1, place->normal[2]);
 	place->stress = yields * share;
 	const double unloads = (1 - flows) * spots->unloads[i];
 	place->sinks = up * ((1 - unloads) * yield_growth(&s, yields, most) + unloads * yields * by_elastic);

@@ -11,6 +11,7 @@
 struct lane_bearings {
 	double area[LANES], ground[LANES];         /* m2: of the surface; posts: of the ground */
 	double arm[3][LANES], stress[3][LANES];    /* m, Pa */
+	double deeper[3][LANES];                   /* Pa/m: how the stress grows as the surface goes down by a metre */
 };
 
 /* Adds the force at a place to the sums of lane i. weight: its area, m2. */
@@ -177,6 +178,7 @@ LANES_CLONED static void add_places(const struct probe_law *restrict law, const 
 		for (int k = 0; k < 3; k++) {
 			bearings->arm[k][i] = mean.arm[k];
 			bearings->stress[k][i] = stress[k];
+			bearings->deeper[k][i] = mean.sinks * mean.normal[k];
 		}
 	}
 }
@@ -196,6 +198,10 @@ static void add_side(const struct probe_form *form, const struct lanes *l, const
 			column[k] = bearings->stress[k][i];
 		}
 		arm[axis] = edge + (axis == 1 ? arm[1] - probe_aside(form, arm) : 0);
+		/* The side of a cylinder that leans is deeper or less deep than the cell's middle. */
+		const double deeper = probe_strips(form) ? -form->lean * form->lift * (arm[1] - bearings->arm[1][i]) : 0;
+		for (int k = 0; k < 3; k++)
+			column[k] += deeper * bearings->deeper[k][i];
 		row[axis] = by;
 		cross(arm, column, column + 3);
 		cross(arm, row, row + 3);
@@ -207,10 +213,10 @@ static void add_side(const struct probe_form *form, const struct lanes *l, const
 
 /* --- the lower end of a cylinder --- */
 
-/* Adds what it bears beside a cell. Its place moves with the body, and bears more where the edge sinks. */
-static void add_brim(const struct probe_form *form, const struct probe_place *place, int i, struct sums *sums)
+/* Adds what it bears beside a cell. Its place moves with the body, and bears more where the edge sinks below the ground. rise: of the ground. */
+static void add_brim(const struct probe_form *form, const struct probe_place *place, const double rise[2], int i, struct sums *sums)
 {
-	static const double up[3] = {0, 0, 1};
+	const double up[3] = {-rise[0], -rise[1], 1};
 	const double area = place->area * form->spacing * form->spacing;
 	double column[6], row[6];
 	add_force(form, place, area, i, sums);
@@ -244,7 +250,7 @@ static void add_brims(const struct probe_law *law, const struct lanes *l, struct
 		struct probe_place brim;
 		if (l->share[i] == 0 || l->sides[side][i] == 0 || !deform_brim_at(law, l, i, &brim))
 			continue;
-		add_brim(&law->form, &brim, i, sums);
+		add_brim(&law->form, &brim, (const double[]){l->rise[0][i], l->rise[1][i]}, i, sums);
 		bearings->ground[i] += brim.ground;
 	}
 }
