@@ -150,11 +150,15 @@ static void set_directions(struct contact *contact)
 {
 	const struct soil_geom *geom = contact->geom;
 	const double *normal = geom->contact.normal;
+	const bool wheel = geom->shape.kind == DEFORM_WHEEL;
 	double axes[3][3], across[3];
 	world_axes(geom->now.pose.orientation, axes);
-	mju_cross(across, normal, axes[0]);
-	if (mju_norm3(across) < 0.1) /* its forward axis is normal to the ground */
-		mju_cross(across, normal, axes[1]);
+	if (wheel) /* along its axle: its own x axis turns with it */
+		mju_addScl3(across, axes[1], normal, -mju_dot3(axes[1], normal));
+	else
+		mju_cross(across, normal, axes[0]);
+	if (mju_norm3(across) < 0.1) /* its forward axis is normal to the ground; a wheel lies on its side */
+		mju_cross(across, normal, axes[wheel ? 0 : 1]);
 	mju_normalize3(across);
 	mju_copy3(contact->direction[1], across);
 	mju_cross(contact->direction[0], across, normal);
@@ -164,6 +168,8 @@ static void set_directions(struct contact *contact)
 		mju_copy3(contact->along[k], contact->direction[k]);
 		mju_cross(contact->along[k] + 3, contact->arm, contact->direction[k]);
 	}
+	if (wheel) /* as it turns about an axle that leans, its rim goes up and down, not aside */
+		mju_addToScl3(contact->along[1] + 3, axes[1], -mju_dot3(axes[1], contact->along[1] + 3));
 }
 
 /* Finds the damping of shear: from the stiffness of the soil along each direction, and the mass that it moves. */

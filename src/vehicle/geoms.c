@@ -237,32 +237,10 @@ void vehicle_free_geoms(struct vehicle *vehicle)
 
 /* --- where they are --- */
 
-/* Turns the axes, by the shortest way, so that the second is level. The soil loads the lower side wall of a wheel that leans as if the whole depth
- * pushed on it, at any angle. So a degree of camber pulls 13 % more. Until that is mended wheels of vehicles are level for the soil. */
-static void level_axle(double axes[9])
-{
-	const double left[3] = {axes[1], axes[4], axes[7]}, length = hypot(left[0], left[1]);
-	if (!(length > 0))
-		return;
-	const double level[3] = {left[0] / length, left[1] / length, 0};
-	double about[3], turn[4], mat[9], turned[9];
-	mju_cross(about, left, level);
-	const double sine = mju_norm3(about);
-	if (!(sine > 0))
-		return;
-	mju_normalize3(about);
-	mju_axisAngle2Quat(turn, about, atan2(sine, mju_dot3(left, level)));
-	mju_quat2Mat(mat, turn);
-	mju_mulMatMat(turned, mat, axes, 3, 3, 3);
-	mju_copy(axes, turned, 9);
-}
-
 void vehicle_geom_state(const struct vehicle *vehicle, const struct soil_geom *geom, struct world_state *state)
 {
 	double axes[9], velocity[6];
 	mju_mulMatMat(axes, &vehicle->data->geom_xmat[9 * geom->geom], geom->axes, 3, 3, 3);
-	if (geom->shape.kind == DEFORM_WHEEL)
-		level_axle(axes);
 	mju_mat2Quat(state->pose.orientation, axes);
 	mju_normalize4(state->pose.orientation);
 	mj_objectVelocity(vehicle->model, vehicle->data, mjOBJ_GEOM, geom->geom, velocity, 0);
