@@ -24,6 +24,7 @@ static const struct command_option options[] = {
 	{"load", "LIST", "N (" DEFAULT_LOAD ")"},
 	{"slip", "LIST", "of a wheel or a belt: 1 - way / (turn x radius), 1 - way / what the belt runs; -0.2:0.8:0.1 is a range (" DEFAULT_SLIP ")"},
 	{"torque", "LIST", "N m that drive a wheel, N that pull a belt, in place of slips; the slip is found"},
+	{"passes", "N", "objects that follow each other, up to 4, as the axles of a vehicle do; the row is that of the last (1)"},
 	{"spacing", "M", "metres between posts (a twentieth of the wheel's width or radius, whichever is less)"},
 	{"compare", "CSV", "measured trials beside it: columns slip, and sinkage or sinkage_mm, drawbar or drag_N, torque"},
 	{"set", "KEY=VALUE", "a key of the scene, as in redistribute.slip_sinkage=0; may be repeated"},
@@ -140,6 +141,8 @@ static enum status keep(void *user, const struct rig_row *row)
 {
 	struct asked *asked = user;
 	struct rig_table *table = &asked->table;
+	if (row->pass + 1 < asked->params.passes)
+		return STATUS_OK;
 	if (table->count == asked->room) {
 		const size_t room = asked->room > 0 ? 2 * asked->room : 64;
 		struct rig_row *rows = mem_realloc(table->rows, room, sizeof *rows);
@@ -219,6 +222,7 @@ static enum status read_all(const struct arguments *arguments, struct asked *ask
 	struct rig_params *params = &asked->params;
 	const char *shape = arguments_text(arguments, "shape"), *torque = arguments_text(arguments, "torque");
 	const char *compare = arguments_text(arguments, "compare");
+	int64_t passes = 1;
 	params->shape = shape != NULL ? shape : DEFAULT_SHAPE;
 	params->folder = arguments_text(arguments, "o");
 	enum status status = arguments_expect(arguments, 0, 0);
@@ -226,6 +230,9 @@ static enum status read_all(const struct arguments *arguments, struct asked *ask
 		status = fail_with(STATUS_USAGE, "rig: -o is missing; give a folder for rig.csv and rig.svg");
 	if (status == STATUS_OK)
 		status = arguments_number(arguments, "spacing", 1e-4, 10, &params->spacing);
+	if (status == STATUS_OK)
+		status = arguments_integer(arguments, "passes", 1, RIG_PASSES_MOST, &passes);
+	params->passes = (size_t)passes;
 	if (status == STATUS_OK)
 		status = read_soils(arguments, asked);
 	if (status == STATUS_OK)
@@ -288,7 +295,7 @@ static enum status run(const struct arguments *arguments)
 
 const struct command command_rig = {
 	.name = "rig",
-	.usage = "rig -o DIR [--shape YAML] [--soil LIST] [--load LIST] [--slip LIST | --torque LIST] [--spacing M] [--compare CSV] [--set KEY=VALUE]...",
+	.usage = "rig -o DIR [--shape YAML] [--soil LIST] [--load LIST] [--slip LIST | --torque LIST] [--passes N] [--spacing M] [--compare CSV] [--set KEY=VALUE]...",
 	.summary = "the single-wheel test: sinkage, drawbar pull, torque and efficiency over slip",
 	.details = "Carries a wheel, or another object, over level soil in a straight line, once for each soil, load and slip, eight radii far.\n"
 		   "The numbers are means over the last quarter of the way, by the model scm, as furrow drive tells them. The bed is made for it\n"

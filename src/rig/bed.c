@@ -28,7 +28,7 @@ enum status rig_bed_make(const struct rig *rig, size_t lanes)
 	struct store *store;
 	const double spacing = rig->found.spacing * rig->levels;
 	const struct store_meta meta = {
-		.extent = {(int64_t)ceil((2 * rig->start + rig->found.way) / spacing) + 2,
+		.extent = {(int64_t)ceil((2 * rig->start + rig->found.way + (double)(rig->passes - 1) * rig->behind) / spacing) + 2,
 			   (int64_t)ceil((2 * rig->start + (double)(lanes - 1) * rig->pitch) / spacing) + 2, spacing, CELLS},
 		.step = 0.001,
 		.max_error = 0.0005,

@@ -6,8 +6,8 @@
 
 /* One run of one object: its load and slip, and what was found. */
 struct rig_lane {
-	double load, slip; /* slip is NaN for an object that has none */
-	struct rig_row row;
+	double load, lead, slip; /* lead: of those ahead of the last. slip is NaN for an object that has none */
+	struct rig_row rows[RIG_PASSES_MOST];
 };
 
 /* What is the same in all lanes. */
@@ -16,6 +16,9 @@ struct rig {
 	struct rig_found found;
 	char *shape, *bed;        /* YAML in braces; path of the bed */
 	double pitch, start;      /* m: from lane to lane; from the bed's edges to the lanes */
+	size_t passes;
+	double behind;            /* m: from one object of a lane to the next */
+	double taken;             /* m: at the end of the way, where rows are taken */
 	double levels;            /* 2^n: posts of the bed's coarsest level are so many times as far apart */
 	bool advised;             /* advice on this soil was told */
 	int64_t done, total;      /* lanes, for progress */

@@ -1,4 +1,4 @@
-/* One drive over the bed: a scene of an object a lane, its steps, and the means of the forces that it tells. */
+/* One drive over the bed: the scene, its steps, and the means of the forces. Each lane has an object, or several behind each other. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -8,9 +8,8 @@
 #include "world/world.h"
 
 #define SPEED 0.1    /* m/s: no force of a body on a path depends on it */
-#define WINDOW 0.25  /* of the way, at its end, in which a row is taken */
 
-/* Sums over the halves of a lane's window. */
+/* Sums over the halves of the way's end. */
 struct sums {
 	double count[2], sinkage[2], drawbar, side, fz, torque; /* torque: of a belt its pull */
 	bool sunk;
@@ -22,8 +21,15 @@ struct taking {
 	struct sums *sums;
 };
 
+/* Where a body starts: those of a lane in the order of their passes. */
+static double start_of(const struct rig *rig, size_t body)
+{
+	return rig->start + (double)(rig->passes - 1 - body % rig->passes) * rig->behind;
+}
+
 /* --- the scene --- */
 
+/* `count`: of lanes. */
 static int text_of(const struct rig *rig, size_t soil, const struct rig_lane *lanes, size_t count, FILE *out)
 {
 	const struct rig_found *found = &rig->found;
@@ -32,12 +38,17 @@ static int text_of(const struct rig *rig, size_t soil, const struct rig_lane *la
 	fprintf(out, "scene: 1\ntime_step: %.17g\nend_time: %.17g\nspacing: %.17g\n", step, found->way / SPEED, found->spacing);
 	fprintf(out, rig_in_braces(name) ? "soil: %s\n" : "soil: {name: %s}\n", name);
 	fprintf(out, "redistribute: {model: scm}\noutput: {forces: %.17g, delay: 0}\nobjects:\n", (1 - 1e-9) / step);
-	for (size_t i = 0; i < count; i++) {
-		const double y = rig->start + (double)i * rig->pitch;
-		fprintf(out, "  - {name: lane_%zu, shape: %s, load: %.17g, ", i + 1, rig->shape, lanes[i].load);
-		if (!isnan(lanes[i].slip))
-			fprintf(out, "slip: %.17g, ", lanes[i].slip);
-		fprintf(out, "path: {points: [[%.17g, %.17g], [%.17g, %.17g]], speed: %.17g}}\n", rig->start, y, rig->start + found->way, y, SPEED);
+	for (size_t i = 0; i < count * rig->passes; i++) {
+		const size_t pass = i % rig->passes;
+		const struct rig_lane *lane = &lanes[i / rig->passes];
+		const double x = start_of(rig, i), y = rig->start + (double)(i / rig->passes) * rig->pitch;
+		fprintf(out, "  - {name: lane_%zu", i / rig->passes + 1);
+		if (rig->passes > 1)
+			fprintf(out, "_%zu", pass + 1);
+		fprintf(out, ", shape: %s, load: %.17g, ", rig->shape, pass + 1 < rig->passes ? lane->lead : lane->load);
+		if (!isnan(lane->slip))
+			fprintf(out, "slip: %.17g, ", lane->slip);
+		fprintf(out, "path: {points: [[%.17g, %.17g], [%.17g, %.17g]], speed: %.17g}}\n", x, y, x + found->way, y, SPEED);
 	}
 	return ferror(out);
 }
@@ -66,12 +77,11 @@ static enum status load(const struct rig *rig, size_t soil, const struct rig_lan
 static enum status take(void *user, const struct world_row *row)
 {
 	const struct taking *taking = user;
-	const struct rig_found *found = &taking->rig->found;
 	struct sums *sums = &taking->sums[row->body];
-	const double along = (row->position[0] - taking->rig->start) / found->way;
-	if (along < 1 - WINDOW || row->position[0] == sums->first)
+	const double left = start_of(taking->rig, row->body) + taking->rig->found.way - row->position[0]; /* of the way */
+	if (left > taking->rig->taken || row->position[0] == sums->first)
 		return STATUS_OK;
-	const int half = along >= 1 - WINDOW / 2;
+	const int half = left <= taking->rig->taken / 2;
 	sums->first = row->position[0];
 	sums->count[half]++;
 	sums->sinkage[half] += row->force.sinkage;
@@ -90,14 +100,15 @@ static enum status nothing(void *user)
 	return STATUS_OK;
 }
 
-static void fill(const struct rig *rig, size_t soil, struct rig_lane *lane, const struct sums *sums)
+static void fill(const struct rig *rig, size_t soil, struct rig_lane *lane, size_t pass, const struct sums *sums)
 {
 	const double count = sums->count[0] + sums->count[1];
 	const double first = sums->sinkage[0] / sums->count[0], second = sums->sinkage[1] / sums->count[1];
 	const bool driven = rig_is_driven(rig);
-	struct rig_row *row = &lane->row;
+	struct rig_row *row = &lane->rows[pass];
 	*row = (struct rig_row){
 		.soil = soil,
+		.pass = pass,
 		.slip = lane->slip,
 		.torque = driven ? sums->torque / count : (double)NAN,
 		.sinkage = (sums->sinkage[0] + sums->sinkage[1]) / count,
@@ -166,7 +177,7 @@ static enum status drive(struct rig *rig, const struct scene *scene, struct sums
 enum status rig_lanes_drive(struct rig *rig, size_t soil, struct rig_lane *lanes, size_t count)
 {
 	struct scene *scene = NULL;
-	struct sums sums[RIG_LANES_MOST] = {{.first = NAN}};
+	struct sums sums[RIG_LANES_MOST * RIG_PASSES_MOST];
 	for (size_t at = 0; at < count; at += RIG_LANES_MOST) {
 		const size_t now = count - at < RIG_LANES_MOST ? count - at : RIG_LANES_MOST;
 		memset(sums, 0, sizeof sums);
@@ -179,8 +190,8 @@ enum status rig_lanes_drive(struct rig *rig, size_t soil, struct rig_lane *lanes
 		scene_destroy(scene);
 		if (status != STATUS_OK)
 			return status;
-		for (size_t i = 0; i < now; i++)
-			fill(rig, soil, &lanes[at + i], &sums[i]);
+		for (size_t i = 0; i < now * rig->passes; i++)
+			fill(rig, soil, &lanes[at + i / rig->passes], i % rig->passes, &sums[i]);
 	}
 	return STATUS_OK;
 }

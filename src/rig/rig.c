@@ -10,6 +10,8 @@
 #define POSTS 20         /* below the object's width or height, by default */
 #define WAY 8.0          /* the way, in radii or half lengths */
 #define PITCH 10.0       /* from lane to lane, in half widths or heights */
+#define BEHIND 4.0       /* from one object of a lane to the next, in the same */
+#define TAKEN 0.25       /* of the way, at its end, in which a row is taken */
 #define LEVELS 16        /* posts of the bed's base are so many times as far apart: less to store */
 
 const char *const rig_state_names[] = {
@@ -32,7 +34,13 @@ static enum status check(const struct rig_params *params)
 		return fail_with(STATUS_USAGE, "rig: no soil or no load; give one of each at least");
 	if (params->slip_count > 0 && params->torque_count > 0)
 		return fail_with(STATUS_USAGE, "rig: slips and torques are both given; give one of them");
+	if (params->passes > RIG_PASSES_MOST)
+		return fail_with(STATUS_USAGE, "rig: passes: %zu are too many; give 1 to %d", params->passes, RIG_PASSES_MOST);
+	if (params->passes > 1 && params->torque_count > 0)
+		return fail_with(STATUS_USAGE, "rig: torques have one pass; give slips");
 	enum status status = check_list("load", params->loads, params->load_count, 1e-3, 1e9);
+	if (status == STATUS_OK && params->leads != NULL)
+		status = check_list("load ahead", params->leads, params->load_count, 1e-3, 1e9);
 	if (status == STATUS_OK)
 		status = check_list("slip", params->slips, params->slip_count, -1000, 0.999);
 	return status == STATUS_OK ? check_list("torque", params->torques, params->torque_count, -1e9, 1e9) : status;
@@ -107,7 +115,12 @@ static enum status measure(struct rig *rig)
 	const double most = found->wheel ? fmax(shape->radius, shape->width) : bound;
 	found->spacing = rig->params->spacing > 0 ? rig->params->spacing : least / POSTS;
 	/* Whole posts, so that each step is a path sample. */
-	found->way = ceil(WAY * most / found->spacing) * found->spacing;
+	const double way = ceil(WAY * most / found->spacing) * found->spacing;
+	rig->passes = rig->params->passes > 1 ? rig->params->passes : 1;
+	rig->behind = ceil(BEHIND * most / found->spacing) * found->spacing;
+	rig->taken = TAKEN * way;
+	/* The last one's rows are taken where the first one's were: each goes on for longer. */
+	found->way = way + (double)(rig->passes - 1) * rig->behind;
 	rig->levels = LEVELS;
 	rig->pitch = ceil(PITCH * most / found->spacing) * found->spacing;
 	rig->start = rig->pitch;
@@ -124,10 +137,11 @@ static enum status slips(struct rig *rig, size_t soil, rig_row_fn give, void *us
 	if (lanes == NULL)
 		return fail_memory("the rig's lanes");
 	for (size_t i = 0; i < count; i++)
-		lanes[i] = (struct rig_lane){.load = params->loads[i / each], .slip = rig_is_driven(rig) ? params->slips[i % each] : (double)NAN};
+		lanes[i] = (struct rig_lane){.load = params->loads[i / each], .lead = params->leads != NULL ? params->leads[i / each] : params->loads[i / each],
+					     .slip = rig_is_driven(rig) ? params->slips[i % each] : (double)NAN};
 	enum status status = rig_lanes_drive(rig, soil, lanes, count);
-	for (size_t i = 0; i < count && status == STATUS_OK; i++)
-		status = give(user, &lanes[i].row);
+	for (size_t i = 0; i < count * rig->passes && status == STATUS_OK; i++)
+		status = give(user, &lanes[i / rig->passes].rows[i % rig->passes]);
 	mem_free(lanes);
 	return status;
 }

@@ -18,6 +18,7 @@
 #include "scene/scene.h"
 
 #define RIG_VALUES_MOST 256 /* loads, slips or torques of one call */
+#define RIG_PASSES_MOST 4
 
 enum rig_state {
 	RIG_STEADY, /* it goes on as it is */
@@ -40,6 +41,8 @@ struct rig_params {
 	size_t slip_count;
 	const double *torques;          /* N m, of the drive; of a belt its pull, N. With torques there are no slips */
 	size_t torque_count;
+	size_t passes;                  /* objects that follow each other in a lane, up to RIG_PASSES_MOST; 0: one. With torques: one */
+	const double *leads;            /* N: loads of those ahead of the last, one for each of loads; NULL: as loads */
 	double spacing;                 /* m between posts; 0: a twentieth of the object's width or height, whichever is less */
 	const struct scene_setting *settings; /* of the scene, as in redistribute.slip_sinkage */
 	size_t setting_count;
@@ -54,6 +57,7 @@ struct rig_params {
 /* Means over the last quarter of the way. The way leads along +x. NaN: there is no such figure. */
 struct rig_row {
 	size_t soil, load;    /* indices */
+	size_t pass;          /* how many went before it in its lane */
 	double slip;
 	double torque;        /* N m: the drive's; positive: it drives the wheel forward. Of a belt: its pull, N */
 	double sinkage;       /* m below the undisturbed surface */
@@ -75,8 +79,8 @@ struct rig_found {
 typedef enum status (*rig_row_fn)(void *user, const struct rig_row *row);
 
 /*
- * Runs all soils, loads and slips (or torques), and gives a row for each, in that order, slips fastest. An object that is no wheel and has no belt has one
- * row a load. STATUS_INPUT: shape, soil or a setting is wrong. STATUS_INTERRUPTED: `stop` was set; rows of soils that were done
+ * Runs all soils, loads and slips (or torques), and gives a row for each, in that order, slips fastest. With several passes each of them has
+ * a row, the first pass first. An object that is no wheel and has no belt has one row a load. Objects that follow each other have the same slip. STATUS_INPUT: shape, soil or a setting is wrong. STATUS_INTERRUPTED: `stop` was set; rows of soils that were done
  * have been given.
  */
 enum status rig_run(const struct rig_params *params, struct rig_found *found, rig_row_fn give, void *user) FURROW_CHECKED;

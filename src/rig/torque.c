@@ -38,11 +38,11 @@ static void bracket(const struct rig *rig, struct search *search, const struct r
 {
 	search->best.torque = NAN;
 	for (size_t i = 0; i < BRACKETING; i++) {
-		look(rig, search, &lanes[i].row);
-		if (i == 0 || search->inside || (lanes[i - 1].row.torque > search->torque) == (lanes[i].row.torque > search->torque))
+		look(rig, search, &lanes[i].rows[0]);
+		if (i == 0 || search->inside || (lanes[i - 1].rows[0].torque > search->torque) == (lanes[i].rows[0].torque > search->torque))
 			continue;
-		search->low = lanes[i - 1].row;
-		search->high = lanes[i].row;
+		search->low = lanes[i - 1].rows[0];
+		search->high = lanes[i].rows[0];
 		search->inside = true;
 	}
 }
@@ -71,7 +71,7 @@ static enum status refine(struct rig *rig, size_t soil, struct search *searches,
 			struct search *s = &searches[i];
 			if (s->done || !s->inside)
 				continue;
-			const struct rig_row *row = &lanes[open++].row;
+			const struct rig_row *row = &lanes[open++].rows[0];
 			look(rig, s, row);
 			if ((row->torque > s->torque) == (s->high.torque > s->torque))
 				s->high = *row;

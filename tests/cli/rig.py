@@ -119,6 +119,27 @@ class Rig(FurrowTest):
         for row, found in zip(by_slip, by_pull):
             self.assertAlmostEqual(found["slip"], row["slip"], delta=0.02)
 
+    def test_a_second_pass_is_what_a_drive_tells(self):
+        """Two wheels of a drive, one 1.28 m behind the other, on other ground and in another direction. Where both sides of a wheel are exactly on posts,
+        its rut is a post wider."""
+        row, = self.rig("--slip", "0.2", "--load", "800", "--spacing", "0.02", "--passes", "2")
+        first, = self.rig("--slip", "0.2", "--load", "800", "--spacing", "0.02")
+        self.assertGreater(row["sinkage"], 1.1 * first["sinkage"])
+        self.ok("synth", "-o", "flat.furrow", "--posts", "129x129", "--spacing", "0.16", "--kind", "plain", "--relief", "0", "--overwrite")
+        wheels = "".join(f"  - {{name: {name}, shape: {{{WHEEL}}}, load: 800, slip: 0.2, path: {{points: [[6.003, {y}], [6.003, {y + 3.84}]], speed: 0.2}}}}\n"
+                         for name, y in (("ahead", 4.28), ("behind", 3)))
+        (self.folder / "scene.yaml").write_text(
+            "scene: 1\ntime_step: 0.1\nend_time: 19.2\nspacing: 0.02\nsoil: {name: dry_sand}\nredistribute: {model: scm}\n"
+            f"output: {{forces: 9.9, delay: 0}}\nobjects:\n{wheels}")
+        self.ok("drive", "scene.yaml", "--store", "flat.furrow", "-o", "out")
+        with open(self.folder / "out" / "objects.csv") as file:
+            rows = [r for r in csv.DictReader(file) if r["name"] == "behind" and float(r["y"]) >= 3 + 3.84 - 0.64]
+        for key, name in (("sinkage", "sinkage"), ("fy", "drawbar"), ("tx", "torque")):
+            mean = sum(float(r[key]) for r in rows) / len(rows)
+            self.assertAlmostEqual(row[name], mean, delta=0.05 * abs(mean), msg=name)  # ruts differ by where the posts are
+        self.assertIn("one pass", self.refused(2, "rig", "-o", "r", "--torque", "5", "--passes", "2"))
+        self.assertIn("--passes", self.refused(2, "rig", "-o", "r", "--passes", "5"))
+
     def test_measured_trials_are_compared(self):
         (self.folder / "m.csv").write_text("trial,slip,drag_N,sinkage_mm,slip_angle_deg\n1,0.1,-100,40,0\n2,0.3,-200,50,0\n3,0.3,900,900,30\n4,5,1,1,0\n")
         told = self.ok("rig", "-o", "rig", "--shape", WHEEL, "--slip", "0:0.4:0.1", "--spacing", "0.04", "--compare", "m.csv")
