@@ -34,6 +34,7 @@
 #define DAMPING 0.5     /* of what is critical */
 #define PERIODS 4.0     /* w follows within this many swings / 2 pi */
 #define HELD 1e-12      /* 1/kg: an inverse mass that is rounding alone: its joints do not let it move that way */
+#define LIGHT 0.25      /* of the mass that the contact carries: the least inverse mass is that of a body as many times heavier */
 
 /* One contact in an engine step. */
 struct contact {
@@ -177,6 +178,7 @@ static void set_damping(struct step *step, size_t index)
 {
 	struct contact *contact = &step->list[index];
 	const double(*stiffness)[6] = (const double(*)[6])contact->geom->contact.stiffness;
+	const double carried = contact->geom->contact.normal_force / mju_norm3(step->vehicle->model->opt.gravity); /* kg */
 	for (int k = 0; k < 2; k++) {
 		const double *along = contact->along[k];
 		double spring = 0, inverse = 0;
@@ -189,9 +191,11 @@ static void set_damping(struct step *step, size_t index)
 		contact->critical[k] = contact->pace[k] = 0;
 		if (!(spring > 0 && inverse > HELD))
 			continue;
-		/* Several contacts share the mass. */
-		contact->critical[k] = DAMPING * 2 * sqrt(spring / inverse / (double)step->count);
-		contact->pace[k] = sqrt(spring * inverse * (double)step->count) / PERIODS;
+		/* Several contacts share the mass. What joints and motors hold nearly still seems heavy. Its swing would be slow, and w would lag behind
+		 * a steady slip for minutes. */
+		const double shared = fmax(inverse * (double)step->count, carried > 0 ? LIGHT / carried : 0);
+		contact->critical[k] = DAMPING * 2 * sqrt(spring / shared);
+		contact->pace[k] = sqrt(spring * shared) / PERIODS;
 	}
 }
 
