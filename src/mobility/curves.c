@@ -5,8 +5,11 @@
 
 #include "mobility/mobility.h"
 
-const double mobility_slips[MOBILITY_SLIPS] = {-0.3, -0.15, -0.05, 0, 0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9};
-static const double shares[MOBILITY_LOADS] = {0.25, 0.5, 0.75, 1, 1.4, 2}; /* of the mean load */
+#define POSTS 10 /* below a wheel's width or radius */
+
+const double mobility_slips[MOBILITY_SLIPS] = {-0.3, -0.1, 0, 0.05, 0.1, 0.15, 0.2, 0.3, 0.45, 0.6, 0.75, 0.9};
+/* Of the mean load. A slope takes from the wheels ahead what it gives to those behind, so that two of these are twice the mean together. */
+static const double shares[MOBILITY_LOADS] = {0.2, 0.6, 1, 1.4, 1.8};
 
 const char *mobility_vehicle_problem(const struct vehicle_outline *vehicle)
 {
@@ -42,35 +45,85 @@ double mobility_length(const struct vehicle_outline *vehicle)
 	return fmax(high - low, diameter);
 }
 
+size_t mobility_pass(const struct vehicle_outline *vehicle, size_t wheel)
+{
+	const struct vehicle_wheel *own = &vehicle->wheels[wheel];
+	size_t ahead = 0;
+	for (size_t i = 0; i < vehicle->wheel_count; i++) {
+		const struct vehicle_wheel *other = &vehicle->wheels[i];
+		const double apart = fabs(other->y - own->y), both = (other->width + own->width) / 2;
+		/* Wheels side by side are not ahead. */
+		if (other->x > own->x + own->radius && both - apart > fmin(other->width, own->width) / 2)
+			ahead++;
+	}
+	return ahead < RIG_PASSES_MOST ? ahead : RIG_PASSES_MOST - 1;
+}
+
+/* Finds the curves of a kind of wheel, or makes an empty one. */
+static size_t kind_of(struct mobility_curves *curves, const struct vehicle_wheel *wheel, size_t pass)
+{
+	size_t kind = 0;
+	while (kind < curves->kind_count && (curves->of[kind].radius != wheel->radius || curves->of[kind].width != wheel->width || curves->of[kind].pass != pass))
+		kind++;
+	if (kind == curves->kind_count)
+		curves->of[curves->kind_count++] = (struct mobility_wheel_curves){.radius = wheel->radius, .width = wheel->width, .pass = pass};
+	return kind;
+}
+
+/* Where the rows of one size of wheel go: by pass; NULL: that is not asked for. */
 struct filling {
-	struct mobility_wheel_curves *curves;
-	size_t next;
+	struct mobility_wheel_curves *of[RIG_PASSES_MOST];
+	size_t passes, next;
+	double rut;             /* m: sinkage of the wheel before */
 };
 
-/* Rows come in the order of loads, slips fastest. */
+/* Rows come in the order of loads, slips, passes; passes fastest. Those ahead of the last have the load opposite. */
 static enum status keep(void *user, const struct rig_row *row)
 {
 	struct filling *filling = user;
-	const size_t slip = filling->next++ % MOBILITY_SLIPS;
-	filling->curves->points[row->load][slip] = (struct mobility_point){row->drawbar, row->torque, row->sinkage, row->state == RIG_STEADY};
+	const size_t slip = filling->next++ / filling->passes % MOBILITY_SLIPS;
+	const size_t load = row->pass + 1 < filling->passes ? MOBILITY_LOADS - 1 - row->load : row->load;
+	const double depth = row->sinkage - (row->pass > 0 ? filling->rut : 0);
+	filling->rut = row->sinkage;
+	if (filling->of[row->pass] != NULL)
+		filling->of[row->pass]->points[load][slip] =
+			(struct mobility_point){row->drawbar, row->torque, row->sinkage, depth, row->state == RIG_STEADY};
 	return STATUS_OK;
 }
 
-static enum status measure_kind(const struct mobility_rig *rig, struct mobility_wheel_curves *curves)
+/* Measures all kinds of one size: those whose radius and width are those of `first`. */
+static enum status measure_size(const struct mobility_rig *rig, double mean, struct mobility_curves *curves, size_t first)
 {
 	char shape[128];
+	double loads[MOBILITY_LOADS], leads[MOBILITY_LOADS];
 	struct rig_found found;
-	struct filling filling = {curves, 0};
-	snprintf(shape, sizeof shape, "{wheel: {radius: %.17g, width: %.17g}}", curves->radius, curves->width);
+	struct filling filling = {.passes = 1};
+	const double radius = curves->of[first].radius, width = curves->of[first].width;
+	for (size_t k = 0; k < MOBILITY_LOADS; k++) {
+		loads[k] = shares[k] * mean;
+		leads[k] = shares[MOBILITY_LOADS - 1 - k] * mean;
+	}
+	for (size_t i = first; i < curves->kind_count; i++) {
+		struct mobility_wheel_curves *of = &curves->of[i];
+		if (of->radius != radius || of->width != width)
+			continue;
+		filling.of[of->pass] = of;
+		filling.passes = of->pass + 1 > filling.passes ? of->pass + 1 : filling.passes;
+		for (size_t k = 0; k < MOBILITY_LOADS; k++)
+			of->loads[k] = loads[k];
+	}
+	snprintf(shape, sizeof shape, "{wheel: {radius: %.17g, width: %.17g}}", radius, width);
 	const struct rig_params params = {
 		.shape = shape,
 		.soils = &rig->soil,
 		.soil_count = 1,
-		.loads = curves->loads,
+		.loads = loads,
 		.load_count = MOBILITY_LOADS,
+		.leads = leads,
 		.slips = mobility_slips,
 		.slip_count = MOBILITY_SLIPS,
-		.spacing = rig->spacing,
+		.passes = filling.passes,
+		.spacing = rig->spacing > 0 ? rig->spacing : fmin(radius, width) / POSTS,
 		.folder = rig->folder,
 		.stop = rig->stop,
 		.progress = rig->progress,
@@ -103,20 +156,10 @@ enum status mobility_measure(const struct vehicle_outline *vehicle, const struct
 	*curves = (struct mobility_curves){.kind_count = 0};
 	const double mean = vehicle->mass * rig->gravity / (double)vehicle->wheel_count;
 	enum status status = friction_of(rig->soil, &curves->friction_angle);
-	for (size_t i = 0; i < vehicle->wheel_count && status == STATUS_OK; i++) {
-		const struct vehicle_wheel *wheel = &vehicle->wheels[i];
-		size_t kind = 0;
-		while (kind < curves->kind_count && (curves->of[kind].radius != wheel->radius || curves->of[kind].width != wheel->width))
-			kind++;
-		curves->kinds[i] = kind;
-		if (kind < curves->kind_count)
-			continue;
-		struct mobility_wheel_curves *made = &curves->of[curves->kind_count++];
-		made->radius = wheel->radius;
-		made->width = wheel->width;
-		for (size_t k = 0; k < MOBILITY_LOADS; k++)
-			made->loads[k] = shares[k] * mean;
-		status = measure_kind(rig, made);
-	}
+	for (size_t i = 0; i < vehicle->wheel_count; i++)
+		curves->kinds[i] = kind_of(curves, &vehicle->wheels[i], mobility_pass(vehicle, i));
+	for (size_t i = 0; i < curves->kind_count && status == STATUS_OK; i++)
+		if (curves->of[i].loads[0] == 0) /* not with one before */
+			status = measure_size(rig, mean, curves, i);
 	return status;
 }

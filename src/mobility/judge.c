@@ -1,4 +1,9 @@
-/* A vehicle on a slope: its wheels' loads, and the least slip at which they pull as much as gravity does. */
+/*
+ * A vehicle on a slope: its wheels' loads, and the least slip at which they pull as much as gravity does.
+ *
+ * It goes on in a straight line at constant speed. Across a slope its nose points up by the angle at which the soil's side forces hold it. All
+ * wheels stand at this angle to their way.
+ */
 #include <math.h>
 
 #include "mobility/mobility.h"
@@ -6,7 +11,7 @@
 #define RADIANS (3.14159265358979323846 / 180)
 
 const char *const mobility_reason_names[MOBILITY_REASONS] = {
-	[MOBILITY_GO] = "go", [MOBILITY_NO_PULL] = "too little pull", [MOBILITY_NO_TORQUE] = "too little torque", [MOBILITY_TIPS] = "tips over",
+	[MOBILITY_GO] = "go", [MOBILITY_NO_PULL] = "too little pull", [MOBILITY_SLIDES] = "slides down", [MOBILITY_NO_TORQUE] = "too little torque", [MOBILITY_TIPS] = "tips over",
 	[MOBILITY_NO_CLEARANCE] = "sinks to its belly", [MOBILITY_DIGS] = "digs itself in", [MOBILITY_OFF_CURVES] = "load beyond the curves",
 	[MOBILITY_TOO_STEEP] = "steeper than the friction angle", [MOBILITY_TOO_COARSE] = "terrain too coarse", [MOBILITY_NO_GROUND] = "no ground",
 };
@@ -55,67 +60,98 @@ static bool loads_of(const struct vehicle_outline *vehicle, double normal, const
 	return true;
 }
 
-static struct mobility_point between(struct mobility_point a, struct mobility_point b, double share)
+/* What all of a judgement's trials share. */
+struct trial {
+	const struct vehicle_outline *vehicle;
+	double along, aside;                   /* N: the parts of the weight against its way, and down across it */
+	double loads[VEHICLE_WHEELS_MOST];     /* N */
+	double free_slips[VEHICLE_WHEELS_MOST];
+	struct mobility_wheel wheels[VEHICLE_WHEELS_MOST];
+};
+
+static struct mobility_pull wheel_at(const struct trial *trial, size_t wheel, double slip, double crab)
 {
-	return (struct mobility_point){a.drawbar + (b.drawbar - a.drawbar) * share, a.torque + (b.torque - a.torque) * share,
-				       a.sinkage + (b.sinkage - a.sinkage) * share, (share >= 1 || a.steady) && (share <= 0 || b.steady)};
+	return mobility_wheel_at(&trial->wheels[wheel], trial->vehicle->wheels[wheel].driven ? slip : trial->free_slips[wheel], tan(crab));
 }
 
-/* Reads a wheel's curves at a load and a slip, straight between their points. */
-static struct mobility_point point_at(const struct mobility_wheel_curves *curves, double load, double slip)
+/* The sums over the wheels, less what the weight asks for along the vehicle and across it. */
+static void balance(const struct trial *trial, double slip, double crab, double *forward, double *aside)
 {
-	size_t l = 0, s = 0;
-	while (l + 2 < MOBILITY_LOADS && load > curves->loads[l + 1])
-		l++;
-	while (s + 2 < MOBILITY_SLIPS && slip > mobility_slips[s + 1])
-		s++;
-	const double by_load = (load - curves->loads[l]) / (curves->loads[l + 1] - curves->loads[l]);
-	const double by_slip = (slip - mobility_slips[s]) / (mobility_slips[s + 1] - mobility_slips[s]);
-	return between(between(curves->points[l][s], curves->points[l][s + 1], by_slip),
-		       between(curves->points[l + 1][s], curves->points[l + 1][s + 1], by_slip), by_load);
-}
-
-/* The slip of a wheel that turns freely: its torque is 0. */
-static double free_slip(const struct mobility_wheel_curves *curves, double load)
-{
-	double low = mobility_slips[0], high = mobility_slips[MOBILITY_SLIPS - 1];
-	for (int i = 0; i < 40; i++) {
-		const double middle = (low + high) / 2;
-		*(point_at(curves, load, middle).torque > 0 ? &high : &low) = middle;
+	*forward = -trial->along * cos(crab) - trial->aside * sin(crab);
+	*aside = -trial->aside * cos(crab) + trial->along * sin(crab);
+	for (size_t i = 0; i < trial->vehicle->wheel_count; i++) {
+		const struct mobility_pull pull = wheel_at(trial, i, slip, crab);
+		*forward += pull.drawbar;
+		*aside += pull.side;
 	}
-	return (low + high) / 2;
 }
 
-static double pull_at(const struct vehicle_outline *vehicle, const struct mobility_curves *curves, const double *loads, double slip)
+/* Finds the angle by which its nose points up the slope, so that it does not slide down. Returns false if there is none. */
+static bool crab_for(const struct trial *trial, double slip, double *crab)
 {
-	double pull = 0;
-	for (size_t i = 0; i < vehicle->wheel_count; i++) {
-		const struct mobility_wheel_curves *of = &curves->of[curves->kinds[i]];
-		pull += point_at(of, loads[i], vehicle->wheels[i].driven ? slip : free_slip(of, loads[i])).drawbar;
+	double low = 0, high = MOBILITY_CRAB_MOST * RADIANS, forward, aside;
+	*crab = 0;
+	if (!(trial->aside > 0))
+		return true;
+	balance(trial, slip, high, &forward, &aside);
+	if (aside < 0)
+		return false;
+	/* False position; an end that stays twice counts half (Illinois). At 0 the wheels give no side force. */
+	double below = -trial->aside, above = aside;
+	int stayed = 0;
+	for (int i = 0; i < 30 && high - low > 1e-7; i++) {
+		*crab = low + (high - low) * below / (below - above);
+		balance(trial, slip, *crab, &forward, &aside);
+		if (fabs(aside) < 1e-7 * trial->aside)
+			return true;
+		const bool less = aside < 0;
+		*(less ? &low : &high) = *crab;
+		*(less ? &below : &above) = aside;
+		if (stayed == (less ? 1 : -1))
+			*(less ? &above : &below) /= 2;
+		stayed = less ? 1 : -1;
 	}
-	return pull;
+	return true;
+}
+
+/* Returns MOBILITY_GO if it goes on at this slip, or slips less. */
+static enum mobility_reason goes_at(const struct trial *trial, double slip, double *crab)
+{
+	double forward, aside;
+	if (!crab_for(trial, slip, crab))
+		return MOBILITY_SLIDES;
+	balance(trial, slip, *crab, &forward, &aside);
+	return forward < 0 ? MOBILITY_NO_PULL : MOBILITY_GO;
 }
 
 /* Finds the least slip that pulls enough: the first of the curves' slips that does, then between it and the one before. */
-static bool slip_for(const struct vehicle_outline *vehicle, const struct mobility_curves *curves, const double *loads, double wanted, double *slip)
+static enum mobility_reason slip_for(const struct trial *trial, double *slip, double *crab)
 {
+	enum mobility_reason reason = MOBILITY_SLIDES;
 	size_t i = 0;
-	while (i < MOBILITY_SLIPS && pull_at(vehicle, curves, loads, mobility_slips[i]) < wanted)
-		i++;
+	for (; i < MOBILITY_SLIPS; i++) {
+		const enum mobility_reason now = goes_at(trial, mobility_slips[i], crab);
+		if (now == MOBILITY_GO)
+			break;
+		reason = now == MOBILITY_NO_PULL ? now : reason;
+	}
 	if (i == MOBILITY_SLIPS)
-		return false;
-	double low = i > 0 ? mobility_slips[i - 1] : mobility_slips[0], high = mobility_slips[i];
-	for (int k = 0; k < 30; k++) {
+		return reason;
+	/* Its brakes do not hold it. */
+	if (i == 0)
+		return MOBILITY_SLIDES;
+	double low = mobility_slips[i - 1], high = mobility_slips[i];
+	for (int k = 0; k < 20; k++) {
 		const double middle = (low + high) / 2;
-		*(pull_at(vehicle, curves, loads, middle) < wanted ? &low : &high) = middle;
+		*(goes_at(trial, middle, crab) == MOBILITY_GO ? &high : &low) = middle;
 	}
 	*slip = high;
-	return true;
+	return goes_at(trial, high, crab);
 }
 
 static struct mobility_verdict no(enum mobility_reason reason)
 {
-	return (struct mobility_verdict){reason, NAN, NAN, NAN};
+	return (struct mobility_verdict){reason, NAN, NAN, NAN, NAN};
 }
 
 struct mobility_verdict mobility_judge(const struct vehicle_outline *vehicle, const struct mobility_curves *curves, double gravity, double slope,
@@ -123,36 +159,37 @@ struct mobility_verdict mobility_judge(const struct vehicle_outline *vehicle, co
 {
 	const double weight = vehicle->mass * gravity, a = slope * RADIANS, h = heading * RADIANS;
 	const double along[2] = {weight * sin(a) * cos(h), weight * sin(a) * sin(h)};
-	double loads[VEHICLE_WHEELS_MOST], slip;
+	struct trial trial = {.vehicle = vehicle, .along = along[0], .aside = fabs(along[1]) > 1e-12 * weight ? fabs(along[1]) : 0};
+	double slip = NAN, crab = 0;
 	if (slope >= curves->friction_angle)
 		return no(MOBILITY_TOO_STEEP);
-	if (!loads_of(vehicle, weight * cos(a), along, loads))
+	if (!loads_of(vehicle, weight * cos(a), along, trial.loads))
 		return no(MOBILITY_TIPS);
 	for (size_t i = 0; i < vehicle->wheel_count; i++)
-		if (loads[i] <= 0)
+		if (trial.loads[i] <= 0)
 			return no(MOBILITY_TIPS);
 	for (size_t i = 0; i < vehicle->wheel_count; i++) {
 		const struct mobility_wheel_curves *of = &curves->of[curves->kinds[i]];
-		if (loads[i] < of->loads[0] || loads[i] > of->loads[MOBILITY_LOADS - 1])
+		if (trial.loads[i] < of->loads[0] || trial.loads[i] > of->loads[MOBILITY_LOADS - 1])
 			return no(MOBILITY_OFF_CURVES);
+		mobility_wheel_load(of, trial.loads[i], &trial.wheels[i]);
+		trial.free_slips[i] = vehicle->wheels[i].driven ? 0 : mobility_wheel_free_slip(&trial.wheels[i]);
 	}
-	/* Shear that holds the vehicle against sliding to the side does not pull. Going down, the wheels hold it back. */
-	const double wanted = along[0] < 0 ? along[0] : hypot(along[0], along[1]);
-	if (!slip_for(vehicle, curves, loads, wanted, &slip))
-		return no(MOBILITY_NO_PULL);
-	struct mobility_verdict verdict = {MOBILITY_GO, slip, 0, 0};
+	const enum mobility_reason reason = slip_for(&trial, &slip, &crab);
+	if (reason != MOBILITY_GO)
+		return no(reason);
+	struct mobility_verdict verdict = {MOBILITY_GO, slip, 0, 0, crab / RADIANS};
 	for (size_t i = 0; i < vehicle->wheel_count; i++) {
 		const struct vehicle_wheel *wheel = &vehicle->wheels[i];
-		const struct mobility_wheel_curves *of = &curves->of[curves->kinds[i]];
-		const struct mobility_point point = point_at(of, loads[i], wheel->driven ? slip : free_slip(of, loads[i]));
-		if (wheel->driven && point.torque > wheel->torque_most)
+		const struct mobility_pull pull = wheel_at(&trial, i, slip, crab);
+		if (wheel->driven && pull.torque > wheel->torque_most)
 			return no(MOBILITY_NO_TORQUE);
-		if (point.sinkage >= vehicle->clearance)
+		if (pull.sinkage >= vehicle->clearance)
 			return no(MOBILITY_NO_CLEARANCE);
-		if (!point.steady)
+		if (!pull.steady)
 			return no(MOBILITY_DIGS);
-		verdict.torque = wheel->driven ? fmax(verdict.torque, point.torque) : verdict.torque;
-		verdict.sinkage = fmax(verdict.sinkage, point.sinkage);
+		verdict.torque = wheel->driven ? fmax(verdict.torque, pull.torque) : verdict.torque;
+		verdict.sinkage = fmax(verdict.sinkage, pull.sinkage);
 	}
 	return verdict;
 }

@@ -10,6 +10,12 @@ void mobility_table_make(const struct vehicle_outline *vehicle, const struct mob
 			table->verdicts[i][k] = mobility_judge(vehicle, curves, gravity, i * MOBILITY_SLOPE_STEP, k * MOBILITY_HEADING_STEP);
 }
 
+void mobility_column_make(const struct vehicle_outline *vehicle, const struct mobility_curves *curves, double gravity, struct mobility_column *column)
+{
+	for (int i = 0; i < MOBILITY_SLOPES; i++)
+		column->verdicts[i] = mobility_judge(vehicle, curves, gravity, i * MOBILITY_SLOPE_STEP, 0);
+}
+
 /* Between two slopes of the table the slip is read straight; where only the gentler one goes, the steeper one's verdict holds. */
 static struct mobility_verdict blend(const struct mobility_verdict *low, const struct mobility_verdict *high, double share)
 {
@@ -18,12 +24,12 @@ static struct mobility_verdict blend(const struct mobility_verdict *low, const s
 	if (low->reason != MOBILITY_GO || high->reason != MOBILITY_GO)
 		return *high;
 	return (struct mobility_verdict){MOBILITY_GO, low->slip + (high->slip - low->slip) * share, low->torque + (high->torque - low->torque) * share,
-					 low->sinkage + (high->sinkage - low->sinkage) * share};
+					 low->sinkage + (high->sinkage - low->sinkage) * share, low->crab + (high->crab - low->crab) * share};
 }
 
 struct mobility_slope mobility_table_at(const struct mobility_table *table, double slope)
 {
-	struct mobility_slope found = {{MOBILITY_NO_GROUND, NAN, NAN, NAN}, NAN, false};
+	struct mobility_slope found = {{MOBILITY_NO_GROUND, NAN, NAN, NAN, NAN}, NAN, false};
 	if (isnan(slope))
 		return found;
 	const double at = fmin(slope, MOBILITY_SLOPE_MOST) / MOBILITY_SLOPE_STEP;

@@ -1,16 +1,16 @@
 /*
  * One wheel, by its curves: at any load and slip, and at a slip angle.
  *
- * The rig measures without a slip angle. At one, the soil shears along the sum of two displacements. Over a contact from the rim's entry at
- * theta1 to its lowest point they are, for each metre that the rim turns (Wong and Reece; Ishigami and others, Journal of Field Robotics
- * 24, 2007):
+ * The rig measures without a slip angle. At one, the soil shears along the sum of two displacements (Wong and Reece; Ishigami and others,
+ * Journal of Field Robotics 24, 2007). theta1 is the angle at which the rim enters the soil. From there to the lowest point the
+ * displacements are, for each metre that the rim turns:
  *
  *     s_x = 1 - (1 - s) sin(theta1) / theta1 along the wheel,    s_y = (1 - s) tan(beta) across
  *
  * So the shear is that of a wheel that runs straight with the same whole displacement, at slip s', and it lies along (s_x, s_y). The torque
  * over the radius is the shear along the rim. What that pulls more than the drawbar is the soil's resistance, which stays along the wheel.
- * Beside the integrals of these displacements along the rim, tests/mobility/wheel.c finds forces within 4 % of the load where
- * the wheel sinks by less than a sixth of its radius, and 8 % where it sinks by more.
+ * tests/mobility/wheel.c compares both forces with the integrals of these displacements along the rim. They are within 4 % of the load where the
+ * wheel sinks by less than a sixth of its radius. Where it sinks by more they are within 8 %.
  */
 #include <math.h>
 

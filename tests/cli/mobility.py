@@ -1,65 +1,140 @@
-"""furrow mobility: ramps of known slopes are go, no-go or unknown as the pull, the friction angle and the posts say."""
+"""furrow mobility: ramps of known slopes are go, no-go or unknown as the pull, the friction angle and the posts say, and drives agree."""
+import csv
+import json
+import math
+import os
 import pathlib
-import re
+import signal
 import struct
+import subprocess
+import time
 
-from furrow_test import FurrowTest, main
+from furrow_test import FURROW, FurrowTest, main
 
 SCENES = pathlib.Path(__file__).parents[2] / "tools" / "scenes"
-ROVER = SCENES / "vehicles" / "rover.xml"
+# Four wheels of 250 kg each. The rear ones run beside the ruts of the front ones, and beside the soil that these lay aside.
+WHEELS = [("front_left", 1.1, 0.9), ("front_right", 1.1, -0.9), ("rear_left", -1.1, 0.2), ("rear_right", -1.1, -0.2)]
+MODEL = """<mujoco><option timestep="0.002" integrator="implicit"/><worldbody><body name="car" pos="0 0 0.6"><freejoint/>
+<inertial pos="0 0 0.1" mass="880" diaginertia="300 800 900"/>%s</body></worldbody><actuator>%s</actuator></mujoco>""" % (
+    "".join(f'<body pos="{x} {y} -0.2"><joint name="turn_{name}" axis="0 1 0" armature="1"/>'
+            f'<geom name="wheel_{name}" type="cylinder" size="0.4 0.15" euler="90 0 0" mass="30"/></body>' for name, x, y in WHEELS),
+    "".join(f'<velocity name="drive_{name}" joint="turn_{name}" kv="3000"/>' for name, _, _ in WHEELS))
+SPACING = "0.0625"
 
 
 class Mobility(FurrowTest):
+    def setUp(self):
+        super().setUp()
+        (self.folder / "car.xml").write_text(MODEL)
+
     def ramp(self, name, rise, spacing=0.5, posts=33):
         """A ramp to the east: rise in metres a metre."""
         top = rise * spacing * (posts - 1)
         row = struct.pack(f"<{posts}H", *(round(65535 * x / (posts - 1)) for x in range(posts)))
         (self.folder / f"{name}.raw").write_bytes(row * posts)
         self.ok("import", f"{name}.raw", "-o", f"{name}.furrow", "--spacing", spacing, "--height-range", f"0,{top or 1!r}" if rise else "0,1e-9",
-                "--max-error", "0")
+                "--max-error", "0", "--overwrite")
         return f"{name}.furrow"
 
-    def judged(self, store, *arguments):
-        """What is said of the terrain: shares by class, and the steepest slope straight up."""
-        result = self.furrow("mobility", store, "--vehicle", ROVER, "--soil", "lunar", "--gravity", "1.62", "--spacing", "0.04", "-o", "out.png", *arguments)
+    def judged(self, store, *arguments, out="out.png"):
+        """What is said of the terrain, as JSON."""
+        result = self.furrow("mobility", store, "--vehicle", "car.xml", "--soil", "dry_sand", "--spacing", SPACING, "-o", out, "--json", *arguments)
         if result.returncode == 4 or "no MuJoCo" in result.stderr:
             self.skipTest(result.stderr.strip())
         self.assertEqual(result.returncode, 0, result.stderr)
-        told = result.stdout
-        shares = {name: float(share) for name, share in re.findall(r"(no-go|go|some headings|unknown) ([\d.]+) %", told)}
-        self.assertAlmostEqual(sum(shares.values()), 100, delta=0.2)
-        return shares, float(re.search(r"straight up: up to ([\d.]+) degrees", told).group(1)), result
+        told = json.loads(result.stdout)
+        self.assertAlmostEqual(sum(told["shares"].values()), 1, delta=1e-9)
+        return told, result
 
-    def test_ramps_are_what_their_slopes_are(self):
-        shares, steepest, _ = self.judged(self.ramp("level", 0))
-        self.assertEqual(shares["go"], 100)
+    def drives(self, degrees):
+        """Whether it drives 4 m up a ramp, and its slip in the last third of them, from how far its rims turned."""
+        way = 4
+        (self.folder / "scene.yaml").write_text(
+            f"scene: 1\ntime_step: 0.002\nend_time: 14\nspacing: {SPACING}\nsoil: {{name: dry_sand, damping: 0}}\nredistribute: {{model: scm}}\n"
+            "vehicles:\n  - {name: car, model: car.xml, start: {at: [5, 8]}, driver: {path: {points: [[5, 8], [12, 8]], "
+            "speed: 0.8}, drive: [drive_*]}}\nstuck: {after: 3, below: 0.03}\noutput: {vehicles: 20}\n")
+        self.ok("drive", "scene.yaml", "--store", self.ramp("drive", math.tan(math.radians(degrees))), "-o", "out")
+        with open(self.folder / "out" / "vehicles.csv") as file:
+            rows = [(sum(float(row["q:turn_" + name]) for name, _, _ in WHEELS) / 4 * 0.4, (float(row["x"]) - 5) / math.cos(math.radians(degrees)))
+                    for row in csv.DictReader(file)]
+        ended = next((row for row in rows if row[1] >= way), None)
+        if ended is None:
+            return False, None
+        begun = next(row for row in rows if row[1] >= way * 2 / 3)
+        return True, 1 - (ended[1] - begun[1]) / (ended[0] - begun[0])
+
+    def test_ramps_are_what_their_slopes_are_and_drives_agree(self):
+        told, _ = self.judged(self.ramp("level", 0))
+        self.assertEqual(told["shares"]["go"], 1)
+        steepest = told["steepest_up"]
         self.assertGreater(steepest, 10)
-        self.assertLess(steepest, 30)
-        # Inner cells only: at the border there is no slope.
-        for rise, name in ((0.1, "go"), (0.5, "no-go"), (1.0, "unknown")):
-            with self.subTest(rise=rise):
-                shares, again, _ = self.judged(self.ramp(f"ramp{rise}", rise))
-                self.assertEqual(again, steepest)
-                self.assertGreater(shares[name], 99)
-        self.assertEqual((self.folder / "out.png").read_bytes()[:4], b"\x89PNG")
+        self.assertLess(steepest, 25)
+        for share in (0.5, 0.8, 1.25):
+            degrees = share * steepest
+            row = told["slopes"][round(degrees / 0.5)]
+            up = row["verdicts"][0]
+            self.assertEqual(up["heading"], 90)
+            with self.subTest(degrees=degrees):
+                passed, slip = self.drives(row["slope"])
+                self.assertEqual(passed, up["reason"] == "go", (row["slope"], up))
+                if passed:
+                    self.assertAlmostEqual(slip, up["slip"], delta=0.05)
 
-    def test_a_coarse_terrain_is_unknown(self):
-        shares, _, result = self.judged(self.ramp("coarse", 0.1, spacing=30))
-        self.assertEqual(shares["unknown"], 100)
+    def test_cells_have_the_class_of_their_slope(self):
+        store = self.ramp("steep", 0.5)
+        told, _ = self.judged(store)
+        self.assertGreater(told["shares"]["no-go"], 0.99)
+        (self.folder / "car.xml").write_text(MODEL.replace('kv="3000"', 'kv="3000" forcerange="-40 40" forcelimited="true"'))
+        weak, _ = self.judged(self.ramp("ramp", 0.15))
+        self.assertGreater(weak["shares"]["no-go"] + weak["shares"]["some headings"], 0.99)
+        self.assertEqual(next(row["verdicts"][0]["reason"] for row in weak["slopes"] if row["verdicts"][0]["reason"] != "go"), "too little torque")
+
+    def test_what_cannot_be_known_is_unknown(self):
+        told, _ = self.judged(self.ramp("cliff", 1.0))
+        self.assertGreater(told["shares"]["unknown"], 0.99)
+        told, result = self.judged(self.ramp("coarse", 0.1, spacing=30))
+        self.assertEqual(told["shares"]["unknown"], 1)
         self.assertIn("give a finer terrain", result.stderr)
 
-    def test_a_spread_of_soils_is_the_same_with_the_same_seed(self):
-        store = self.ramp("steep", 0.26)
-        first = self.judged(store, "--spread", "0.3", "--samples", "3", "--seed", "7")[2].stdout
-        self.assertEqual(first, self.judged(store, "--spread", "0.3", "--samples", "3", "--seed", "7")[2].stdout)
+    def test_a_spread_of_soils_gives_probabilities(self):
+        store = self.ramp("steep", 0.2)
+        options = ["--spread", "0.3,0.2,0.1", "--samples", "3", "--seed", "7", "--spacing", "0.125"]
+        first, result = self.judged(store, *options)
+        picture = (self.folder / "out.png").read_bytes()
+        again = self.judged(store, *options)[1].stdout
+        self.assertEqual(result.stdout, again)
+        self.assertEqual(picture, (self.folder / "out.png").read_bytes())
+        chances = [row["probability"] for row in first["slopes"]]
+        self.assertEqual(first["spread"], [0.3, 0.2, 0.1])
+        self.assertEqual((chances[0], chances[-1]), (1, 0))
+        self.assertTrue(all(abs(3 * chance - round(3 * chance)) < 1e-9 for chance in chances))
+        self.assertTrue(any(0 < chance < 1 for chance in chances))
+
+    def test_ctrl_c_leaves_nothing(self):
+        store = self.ramp("level", 0)
+        self.judged(store, "--spacing", "0.125")
+        (self.folder / "out.png").unlink()
+        before = sorted(path.name for path in self.folder.iterdir())
+        running = subprocess.Popen([FURROW, "mobility", store, "--vehicle", "car.xml", "--soil", "dry_sand", "--spacing", "0.02", "-o", "out.png"],
+                                   cwd=self.folder, env=dict(os.environ, TMPDIR=str(self.folder)), stderr=subprocess.PIPE, text=True)
+        time.sleep(1.5)
+        running.send_signal(signal.SIGINT)
+        _, error = running.communicate(timeout=60)
+        self.assertEqual(running.returncode, 130, error)
+        self.assertIn("interrupted", error)
+        self.assertEqual(before, sorted(path.name for path in self.folder.iterdir()))
 
     def test_wrong_input_is_told(self):
         store = self.ramp("level", 0)
-        self.judged(store)
+        self.judged(store, "--spacing", "0.125")
+        car = ["--vehicle", "car.xml"]
         for status, arguments, part in (
-                (2, ["--vehicle", ROVER, "--soil", "lunar"], "-o is missing"), (2, ["-o", "x.png", "--soil", "lunar"], "--vehicle and --scene"),
-                (2, ["-o", "x.png", "--vehicle", ROVER], "--soil is missing"), (3, ["-o", "x.png", "--vehicle", "absent.xml", "--soil", "lunar"], "absent.xml"),
-                (3, ["-o", "x.png", "--vehicle", ROVER, "--soil", "moondust"], "moondust"), (2, ["-o", "x.jpg", "--vehicle", ROVER, "--soil", "lunar"], "neither"),
+                (2, [*car, "--soil", "lunar"], "-o is missing"), (2, ["-o", "x.png", "--soil", "lunar"], "--vehicle and --scene"),
+                (2, ["-o", "x.png", *car], "--soil is missing"), (3, ["-o", "x.png", "--vehicle", "absent.xml", "--soil", "lunar"], "absent.xml"),
+                (3, ["-o", "x.png", *car, "--soil", "moondust"], "moondust"), (2, ["-o", "x.jpg", *car, "--soil", "lunar"], "neither"),
+                (2, ["-o", "x.png", *car, "--soil", "lunar", "--layer", "slip"], "is not for a picture"),
+                (2, ["-o", "x.tif", *car, "--soil", "lunar", "--layer", "probability"], "give --spread"),
+                (2, ["-o", "x.tif", *car, "--soil", "lunar", "--spread", "0.1,2,0.1"], "--spread"),
                 (3, ["-o", "x.png", "--vehicle", SCENES / "vehicles" / "walker.xml", "--soil", "lunar"], "wheel")):
             with self.subTest(arguments=arguments):
                 self.assertIn(part, self.refused(status, "mobility", store, *arguments))

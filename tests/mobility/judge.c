@@ -12,11 +12,13 @@ static void straight(struct mobility_curves *curves, const struct vehicle_outlin
 {
 	*curves = (struct mobility_curves){.friction_angle = 40, .kind_count = 1};
 	struct mobility_wheel_curves *of = &curves->of[0];
+	of->radius = vehicle->wheels[0].radius;
+	of->width = vehicle->wheels[0].width;
 	for (size_t l = 0; l < MOBILITY_LOADS; l++) {
 		const double load = of->loads[l] = vehicle->mass * G / 4 * (0.1 + 0.6 * (double)l);
 		for (size_t s = 0; s < MOBILITY_SLIPS; s++)
 			of->points[l][s] = (struct mobility_point){load * (0.1 + 0.8 * mobility_slips[s]),
-								   load * vehicle->wheels[0].radius * (0.3 + 0.5 * mobility_slips[s]), 1e-5 * load, true};
+								   load * vehicle->wheels[0].radius * (0.3 + 0.5 * mobility_slips[s]), 1e-5 * load, 0, true};
 	}
 }
 
@@ -86,6 +88,85 @@ static void it_tips_where_its_weight_leaves_the_wheels(void **state)
 	assert_int_equal(mobility_judge(&vehicle, &curves, G, aside + 0.5, 90).reason, MOBILITY_TIPS);
 }
 
+/* Shear of 0.9 of the load for each unit of slip, and a resistance of 0.1. Without depth, shear at an angle has the parts 0.9 s and
+ * 0.9 (1 - s) tan(crab). */
+static void across_a_slope_it_points_up_it(void **state)
+{
+	struct vehicle_outline vehicle = car();
+	struct mobility_curves curves;
+	(void)state;
+	straight(&curves, &vehicle);
+	for (size_t l = 0; l < MOBILITY_LOADS; l++)
+		for (size_t s = 0; s < MOBILITY_SLIPS; s++) {
+			const double load = curves.of[0].loads[l], shear = 0.9 * mobility_slips[s] * load;
+			curves.of[0].points[l][s] = (struct mobility_point){shear - 0.1 * load, shear * 0.35, 1e-5 * load, 0, true};
+		}
+	for (double heading = 30; heading <= 90; heading += 30)
+		for (double slope = 4; slope <= 16; slope += 6) {
+			const struct mobility_verdict got = mobility_judge(&vehicle, &curves, G, slope, heading);
+			assert_int_equal(got.reason, MOBILITY_GO);
+			const double crab = got.crab * RADIANS, pull = tan(slope * RADIANS), h = heading * RADIANS;
+			/* In the vehicle's own directions the weight down the slope has these parts. */
+			assert_true(fabs(0.9 * got.slip - 0.1 - pull * cos(h - crab)) < 1e-4);
+			assert_true(fabs(0.9 * (1 - got.slip) * tan(crab) - pull * sin(h - crab)) < 1e-4);
+		}
+	/* Whole shear is 0.81 of the load. At 45 degrees more than that is needed across. */
+	curves.friction_angle = 60;
+	vehicle.height = 0.01;
+	assert_int_equal(mobility_judge(&vehicle, &curves, G, atan(0.83 / sin(45 * RADIANS)) / RADIANS, 90).reason, MOBILITY_SLIDES);
+	assert_int_equal(mobility_judge(&vehicle, &curves, G, atan(0.79 / sin(45 * RADIANS)) / RADIANS, 90).reason, MOBILITY_NO_PULL);
+}
+
+/* Sinkage is 1e-5 m / N, so it tells the load of the wheel that has most. */
+static void loads_move_down_the_slope(void **state)
+{
+	struct vehicle_outline vehicle = car();
+	struct mobility_curves curves;
+	(void)state;
+	straight(&curves, &vehicle);
+	for (double heading = 0; heading <= 90; heading += 30)
+		for (double slope = 2; slope <= 14; slope += 6) {
+			const double a = slope * RADIANS, h = heading * RADIANS, quarter = vehicle.mass * G / 4;
+			const double most = quarter * (cos(a) + 0.6 * sin(a) * (cos(h) / 1.2 + sin(h) / 0.7));
+			const struct mobility_verdict got = mobility_judge(&vehicle, &curves, G, slope, heading);
+			assert_int_equal(got.reason, MOBILITY_GO);
+			assert_true(fabs(got.sinkage - 1e-5 * most) < 1e-9);
+		}
+}
+
+static void brakes_hold_it_down_to_a_slope(void **state)
+{
+	struct vehicle_outline vehicle = car();
+	struct mobility_curves curves;
+	(void)state;
+	straight(&curves, &vehicle);
+	const struct mobility_verdict down = mobility_judge(&vehicle, &curves, G, 5, 180);
+	assert_int_equal(down.reason, MOBILITY_GO);
+	assert_true(fabs(down.slip - (-tan(5 * RADIANS) - 0.1) / 0.8) < 1e-5);
+	/* At a slip of -0.3 the wheels hold 0.14 of their load. */
+	assert_int_equal(mobility_judge(&vehicle, &curves, G, atan(0.13) / RADIANS, 180).reason, MOBILITY_GO);
+	assert_int_equal(mobility_judge(&vehicle, &curves, G, atan(0.15) / RADIANS, 180).reason, MOBILITY_SLIDES);
+}
+
+static void wheels_behind_each_other_share_a_track(void **state)
+{
+	struct vehicle_outline vehicle = car();
+	(void)state;
+	for (size_t i = 0; i < 4; i++)
+		assert_int_equal(mobility_pass(&vehicle, i), i < 2 ? 0 : 1);
+	/* A rear axle that is narrower by more than half a wheel has ground of its own. */
+	vehicle.wheels[2].y = 0.7 - 0.13;
+	assert_int_equal(mobility_pass(&vehicle, 2), 0);
+	vehicle.wheels[2].y = 0.7 - 0.12;
+	assert_int_equal(mobility_pass(&vehicle, 2), 1);
+	/* Twin wheels of one axle are side by side. */
+	vehicle.wheels[1] = (struct vehicle_wheel){1.2, 0.6, 0.35, 0.25, true, INFINITY};
+	assert_int_equal(mobility_pass(&vehicle, 0), 0);
+	for (size_t i = 4; i < 9; i++)
+		vehicle.wheels[vehicle.wheel_count++] = (struct vehicle_wheel){-1.2 * (double)i, -0.7, 0.35, 0.25, true, INFINITY};
+	assert_int_equal(mobility_pass(&vehicle, 8), RIG_PASSES_MOST - 1);
+}
+
 static void each_limit_is_told(void **state)
 {
 	struct vehicle_outline vehicle = car();
@@ -104,6 +185,8 @@ static void each_limit_is_told(void **state)
 	assert_int_equal(mobility_judge(&vehicle, &curves, G, 15, 0).reason, MOBILITY_NO_CLEARANCE);
 	vehicle.clearance = INFINITY;
 	assert_int_equal(mobility_judge(&vehicle, &curves, G, 41, 0).reason, MOBILITY_TOO_STEEP);
+	assert_true(mobility_is_unknown(MOBILITY_TOO_STEEP) && mobility_is_unknown(MOBILITY_OFF_CURVES) && mobility_is_unknown(MOBILITY_TOO_COARSE));
+	assert_true(!mobility_is_unknown(MOBILITY_DIGS) && !mobility_is_unknown(MOBILITY_SLIDES) && !mobility_is_unknown(MOBILITY_TIPS));
 	for (size_t l = 0; l < MOBILITY_LOADS; l++)
 		for (size_t s = 0; s < MOBILITY_SLIPS; s++)
 			curves.of[0].points[l][s].steady = mobility_slips[s] < 0.15;
@@ -174,6 +257,10 @@ int main(void)
 		cmocka_unit_test(slip_is_that_of_the_slope),
 		cmocka_unit_test(free_wheels_do_not_pull),
 		cmocka_unit_test(it_tips_where_its_weight_leaves_the_wheels),
+		cmocka_unit_test(across_a_slope_it_points_up_it),
+		cmocka_unit_test(loads_move_down_the_slope),
+		cmocka_unit_test(brakes_hold_it_down_to_a_slope),
+		cmocka_unit_test(wheels_behind_each_other_share_a_track),
 		cmocka_unit_test(each_limit_is_told),
 		cmocka_unit_test(the_table_is_the_judge),
 		cmocka_unit_test(soils_vary_by_their_factors),
