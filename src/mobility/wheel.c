@@ -74,5 +74,5 @@ struct mobility_pull mobility_wheel_at(const struct mobility_wheel *wheel, doubl
 	const double shear = (driven * a.torque - (1 - driven) * b.torque) / wheel->radius;
 	const double resistance = driven * (a.torque / wheel->radius - a.drawbar) + (1 - driven) * (b.torque / wheel->radius - b.drawbar);
 	return (struct mobility_pull){shear * along / whole - resistance, shear * across / whole, shear * wheel->radius * along / whole,
-				      fmax(a.sinkage, b.sinkage), a.steady && b.steady};
+				      driven < 1 ? fmax(a.sinkage, b.sinkage) : a.sinkage, a.steady && (driven >= 1 || b.steady)};
 }

@@ -94,6 +94,26 @@ static void a_slip_angle_gives_the_forces_of_the_integrals(void **state)
 	assert_true(worst_of_all < 0.085);
 }
 
+/* That a braked wheel digs itself in says nothing of one that is driven, at a slip angle either. */
+static void a_driven_wheel_digs_by_its_own_curve(void **state)
+{
+	struct mobility_wheel_curves curves = {.radius = 0.32, .width = 0.24};
+	struct mobility_wheel wheel;
+	(void)state;
+	fill(&soils[0], 1000, &curves);
+	for (size_t l = 0; l < MOBILITY_LOADS; l++)
+		for (size_t s = 0; mobility_slips[s] < 0; s++)
+			curves.points[l][s].steady = false;
+	mobility_wheel_load(&curves, 1000, &wheel);
+	assert_true(mobility_wheel_at(&wheel, 0.2, 0.1).steady && !mobility_wheel_at(&wheel, -0.2, 0.1).steady);
+	for (size_t l = 0; l < MOBILITY_LOADS; l++)
+		for (size_t s = 0; s < MOBILITY_SLIPS; s++)
+			curves.points[l][s].steady = mobility_slips[s] < 0.2;
+	mobility_wheel_load(&curves, 1000, &wheel);
+	/* Sliding aside shears as much as a slip of 0.4. */
+	assert_true(mobility_wheel_at(&wheel, 0.05, 0.05).steady && !mobility_wheel_at(&wheel, 0.05, 0.4).steady);
+}
+
 static void without_a_slip_angle_it_is_the_curve(void **state)
 {
 	struct mobility_wheel_curves curves = {.radius = 0.32, .width = 0.24};
@@ -119,6 +139,7 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_slip_angle_gives_the_forces_of_the_integrals),
+		cmocka_unit_test(a_driven_wheel_digs_by_its_own_curve),
 		cmocka_unit_test(without_a_slip_angle_it_is_the_curve),
 	};
 	return cmocka_run_group_tests_name("mobility/wheel", tests, NULL, NULL);
