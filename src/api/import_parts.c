@@ -68,7 +68,8 @@ static char *list_sources(const struct import *import)
 static void describe_file(FILE *out, const char *path)
 {
 	struct stat file = {0};
-	(void)stat(path, &file); /* GDAL may read sources that are no files */
+	static const char gzip[] = "/vsigzip/";
+	(void)stat(strncmp(path, gzip, sizeof gzip - 1) == 0 ? path + sizeof gzip - 1 : path, &file); /* GDAL may read sources that are no files */
 	fprintf(out, "%lld bytes of %lld.%09ld %s\n", (long long)file.st_size, (long long)file.st_mtim.tv_sec,
 		(long)file.st_mtim.tv_nsec, path);
 }

@@ -57,6 +57,11 @@ static int by_name(const void *a, const void *b)
 	return strcmp(*(char *const *)a, *(char *const *)b);
 }
 
+static bool is_packed_tile(const char *name)
+{
+	return dem_path_ends(name, ".hgt.gz") || dem_path_ends(name, ".hgt.zip");
+}
+
 /* Returns true for files that accompany rasters but are not rasters, even if some driver would open them. */
 static bool is_sidecar(const char *name)
 {
@@ -65,6 +70,8 @@ static bool is_sidecar(const char *name)
 		".zip", ".gz", ".shp", ".shx", ".dbf", ".cpg", ".yaml", ".furrow", ".blw", ".stx"};
 	if (name[0] == '.')
 		return true;
+	if (is_packed_tile(name))
+		return false;
 	for (size_t i = 0; i < sizeof endings / sizeof endings[0]; i++)
 		if (dem_path_ends(name, endings[i]))
 			return true;
@@ -85,7 +92,27 @@ static bool is_raster(const char *path)
 	for (size_t i = 0; i < sizeof endings / sizeof endings[0]; i++)
 		if (dem_path_ends(path, endings[i]))
 			return true;
-	return dem_gdal_knows(path);
+	return is_packed_tile(path) || dem_gdal_knows(path);
+}
+
+/* GDAL reads a file through gzip if its name says so. */
+static enum status add_gzip(struct dem_list *list, const char *path)
+{
+	size_t bytes = strlen(path) + sizeof "/vsigzip/";
+	char *through = mem_alloc(bytes, 1);
+	if (through == NULL)
+		return fail_memory("the list of sources");
+	snprintf(through, bytes, "/vsigzip/%s", path);
+	enum status status = dem_list_add(list, through);
+	mem_free(through);
+	return status;
+}
+
+static enum status add_file(struct dem_list *list, const char *path)
+{
+	if (strncmp(path, "/vsi", 4) != 0 && dem_path_ends(path, ".xz"))
+		return fail_with(STATUS_INPUT, "%s: is packed with xz, which is not read; unpack it with xz -dk", path);
+	return strncmp(path, "/vsi", 4) != 0 && dem_path_ends(path, ".gz") ? add_gzip(list, path) : dem_list_add(list, path);
 }
 
 static enum status add_directory(struct dem_list *list, const char *path)
@@ -110,7 +137,7 @@ static enum status add_directory(struct dem_list *list, const char *path)
 		snprintf(full, bytes, "%s%s%s", path, length > 0 && path[length - 1] == '/' ? "" : "/",
 			 entry->d_name);
 		if (is_raster(full))
-			status = dem_list_add(list, full);
+			status = add_file(list, full);
 		mem_free(full);
 	}
 	closedir(directory);
@@ -138,7 +165,7 @@ static enum status add_one(struct dem_list *list, const char *path)
 	} else if (strncmp(path, "/vsi", 4) != 0 && strchr(path, ':') == NULL) {
 		return fail_with(STATUS_INPUT, "%s: no such file; check the name", path);
 	}
-	return dem_list_add(list, path);
+	return add_file(list, path);
 }
 
 /* Adds a line of the list at `list_path`: as a path in the list's folder if that exists, otherwise as it is written. */

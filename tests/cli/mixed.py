@@ -1,4 +1,6 @@
 """Sources of several reference systems, spacings and units in one import, beside what gdalwarp makes of each of them."""
+import array
+import gzip
 import math
 import pathlib
 import random
@@ -7,6 +9,7 @@ import subprocess
 import sys
 import time
 import unittest
+import zipfile
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
 from furrow_test import FURROW, main, write_png16
@@ -201,6 +204,31 @@ class Mixed(MixedTest):
         for name in ("site.tif", "zone34.tif", "hillshade.tif"):
             (folder / name).unlink()
         self.ok("import", "tiles", "-o", "png.furrow")
+
+    def test_packed_tiles_are_read_as_they_are(self):
+        cells = array.array("h", [(x * 7 + y * 3) % 900 for y in range(1201) for x in range(1201)])
+        cells.byteswap()
+        tile = cells.tobytes()
+        (self.folder / "N46E015.hgt").write_bytes(tile)
+        (self.folder / "N46E015.hgt.gz").write_bytes(gzip.compress(tile, 1))
+        with zipfile.ZipFile(self.folder / "N46E015.hgt.zip", "w", zipfile.ZIP_DEFLATED, compresslevel=1) as packed:
+            packed.writestr("N46E015.hgt", tile)
+        hashes = set()
+        for name in ("N46E015.hgt", "N46E015.hgt.gz", "N46E015.hgt.zip"):
+            self.ok("import", name, "-o", "s.furrow", "--overwrite", "--spacing", 400)
+            hashes.add(self.json("info", "s.furrow")["base_hash"])
+        folder = self.folder / "tiles"
+        folder.mkdir()
+        for name in ("N46E015.hgt.gz", "N46E015.hgt.zip"):
+            (self.folder / name).rename(folder / name)
+            self.ok("import", "tiles", "-o", "s.furrow", "--overwrite", "--spacing", 400)
+            hashes.add(self.json("info", "s.furrow")["base_hash"])
+            (folder / name).rename(self.folder / name)
+        self.assertEqual(len(hashes), 1)
+        (self.folder / "N46E015.hgt.gz").write_bytes(gzip.compress(tile, 1)[:5000])
+        self.assertIn("N46E015.hgt.gz", self.refused(3, "import", "N46E015.hgt.gz", "-o", "x.furrow"))
+        (self.folder / "N46E015.hgt.xz").write_bytes(b"xz")
+        self.assertIn("xz -dk", self.refused(3, "import", "N46E015.hgt.xz", "-o", "x.furrow"))
 
     def test_killed_a_mixed_import_goes_on_to_the_same_store(self):
         sources = self.sources()
