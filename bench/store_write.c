@@ -139,7 +139,7 @@ static void measure(struct pages *pages, bool sync, size_t batch, int runs)
 	static double rates[3][BENCH_RUNS_MAX];
 	const char *path = bench_path("write.furrow");
 	bench_store(path, &ground, BENCH_BLOCK);
-	bench_must(store_open(path, &(struct store_options){STORE_WRITE, sync}, &targets[0].store));
+	bench_must(store_open(path, &(struct store_options){.mode = STORE_WRITE, .durable_full = sync}, &targets[0].store));
 	bench_must(store_set_working_level(targets[0].store, LEVEL));
 	size_t count = 1;
 	for (; count < 3; count++)

@@ -15,6 +15,7 @@ static const struct command_option options[] = {
 	{"resume", NULL, "go on from the last committed step, to the same bits as in one go"},
 	{"trace", "FILE", "what was asked of the page cache, for furrow cache-sim"},
 	{"durable", "KIND", "normal (default): a power cut may cost the last epochs; full: none"},
+	{"keep-history", NULL, "keep what each commit replaces in the store, so that furrow restore returns to any"},
 	{"json", NULL, "print run.json on stdout"},
 	{NULL, NULL, NULL},
 };
@@ -60,6 +61,7 @@ static enum status run(const struct arguments *arguments)
 			.steps = steps,
 			.resume = arguments_flag(arguments, "resume"),
 			.durable_full = durability == 1,
+			.keep_history = arguments_flag(arguments, "keep-history"),
 			.progress = true,
 			.map = true,
 			.stop = &interrupted,
@@ -79,7 +81,7 @@ static enum status run(const struct arguments *arguments)
 const struct command command_drive = {
 	.name = "drive",
 	.usage = "drive SCENE -o DIR [--store STORE] [--overlay FILE] [--set KEY=VALUE]... [--steps N] [--resume] "
-		 "[--trace FILE] [--json]",
+		 "[--trace FILE] [--keep-history] [--json]",
 	.summary = "run a scene: objects carve the terrain, pictures and figures come out",
 	.details = "What a scene may say is in src/scene/SCENE.md: every key, its unit, range and default.\n"
 		   "Leaves in DIR: run.json (figures, also when interrupted), epochs.log (a line for each commit), map.png (each\n"
@@ -88,6 +90,7 @@ const struct command command_drive = {
 		   "view may differ by then), and begins where there was none; run.json's resumed_from says at which step.\n"
 		   "An overlay is a store that names its base: every command takes it where it takes a store. Many\n"
 		   "drives over one store, each with its own, may run at once. Removing the file is the undo.\n"
+		   "An overlay may lie over another, or over a store with ruts: it goes on from what is there (furrow branch).\n"
 		   "A drive over ground that has ruts already says so and goes on over them; --resume says nothing.\n",
 	.options = options,
 	.run = run,

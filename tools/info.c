@@ -124,6 +124,11 @@ static enum status print_json(struct store *store, const struct store_numbers *n
 		json_integer(one, "bytes", numbers->plane_bytes[plane]);
 	}
 	json_integer(object, "compacted", numbers->compacted);
+	cJSON *history = cJSON_AddObjectToObject(object, "history");
+	json_integer(history, "revisions", numbers->revisions);
+	json_integer(history, "snapshots", numbers->snapshots);
+	json_integer(history, "rows", numbers->history_rows);
+	json_integer(history, "bytes", numbers->history_bytes);
 	cJSON_AddItemToObject(object, "sources", sources_json(meta->sources));
 	cJSON_AddItemToObject(object, "last_run", last_run_json(numbers));
 	return json_print(object);
@@ -165,6 +170,9 @@ static void print_text(struct store *store, const struct store_numbers *numbers)
 	       (long long)numbers->plane_bytes[PLANE_OFFSET], (long long)soil_sum(numbers->plane_bytes));
 	if (numbers->compacted != 0)
 		printf("compacted  %lld quanta\n", (long long)numbers->compacted);
+	if (numbers->revisions != 0)
+		printf("history    %lld revisions, %lld names, %lld rows of %lld bytes\n", (long long)numbers->revisions,
+		       (long long)numbers->snapshots, (long long)numbers->history_rows, (long long)numbers->history_bytes);
 	printf("base       %016llx", (unsigned long long)store_base_hash(store));
 	if (store_base_path(store) != NULL)
 		printf(" in %s; this is an overlay", store_base_path(store));

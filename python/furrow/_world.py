@@ -120,16 +120,19 @@ class World:
     """
 
     def __init__(self, scene: Union[dict, Path], store: Optional[Path] = None, *, overlay: Optional[Path] = None,
-                 output: Optional[Path] = None, resume: bool = False, durable: bool = False) -> None:
+                 output: Optional[Path] = None, resume: bool = False, durable: bool = False,
+                 keep_history: bool = False) -> None:
         """Opens a world.
 
         scene: a dict, the scene's text (a str with a line break or a brace), or the path of a scene.
         store: path of the terrain; None: the scene names it. overlay: path of a file that keeps the deformation; the store is
         only read then. output: folder for run.json and objects.csv; None: neither is written. resume: go on from the store's
-        last drive of this scene. durable: a commit survives a power cut.
+        last drive of this scene. durable: a commit survives a power cut. keep_history: each commit keeps what it replaces, so that
+        `furrow restore` returns to any.
         """
         given = declared.furrow_open(size=ctypes.sizeof(declared.furrow_open), store=text(store), overlay=text(overlay),
-                                     output=text(output), resume=resume, durable=durable)
+                                     output=text(output), resume=resume, durable=durable,
+                                     keep_history=keep_history)
         if isinstance(scene, dict):
             given.scene = yaml({"scene": 1, **scene})
         elif isinstance(scene, str) and ("\n" in scene or "{" in scene):

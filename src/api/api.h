@@ -95,6 +95,7 @@ struct api_params {
 	int64_t steps;         /* last step, counted from the scene's start; 0: until end_time */
 	bool resume;           /* goes on from the store's last drive of this scene, with the same bits; begins anew if there was none */
 	bool durable_full;
+	bool keep_history;     /* each commit keeps what it replaces, for furrow restore */
 	bool progress;         /* writes a line of progress on stderr */
 	bool map;              /* also writes map.png, of the whole drive, at the end; run.json does not count it */
 	bool everywhere;       /* computes every contact, also one that changes nothing: for tests that compare results */

@@ -296,6 +296,7 @@ enum status api_drive(const struct api_params *params, struct api_result *result
 		.overlay = params->overlay,
 		.resume = params->resume,
 		.durable_full = params->durable_full,
+		.keep_history = params->keep_history,
 		.everywhere = params->everywhere,
 		.draws = drive.scene.view.present,
 		.drops = params->host != NULL,

@@ -106,6 +106,8 @@ struct furrow_open {
 	const char *output;     /* folder for run.json and objects.csv, made if absent; NULL: neither is written */
 	bool resume;            /* go on from the store's last drive of this scene; begin anew if there was none */
 	bool durable;           /* a commit survives a power cut; slower */
+	bool keep_history;      /* each commit keeps what it replaces in the store, so that furrow restore returns to any; slower, and
+				   the store grows with each commit */
 };
 
 /*

@@ -87,6 +87,7 @@ static enum status create(const struct furrow_open *open, struct furrow_world **
 			.overlay = open->overlay,
 			.resume = open->resume,
 			.durable_full = open->durable,
+			.keep_history = open->keep_history,
 			.draws = host->scene->view.present,
 			.rows = open->output != NULL,
 		};

@@ -17,6 +17,7 @@
 #define STORE_VERSION 5
 #define STORE_VERSION_OLDEST 3 /* it is read too: its shear, a length without direction, counts as none */
 #define STORE_VERSION_SHEAR 4  /* the first with a shear that is read */
+#define STORE_VERSION_HISTORY 5 /* the first that can keep a history */
 #define STORE_BUSY_MS 5000
 #define STORE_DEPTH_MOST 16 /* overlays over a plain store */
 
@@ -154,21 +155,70 @@ struct statements {
 /* From now on, counts the statements of connection `db` in `statements`. */
 void store_statements_count(struct statements *statements, sqlite3 *db);
 
+/* --- store_history.c: what commits replaced --- */
+
+/*
+ * The rows of revisions that are kept. A revision is kept if it has a snapshot, or if the commit after it kept what it replaced. Of each
+ * kept revision the file has the rows that the commits after it changed, until the next kept one.
+ */
+struct history_row {
+	enum row_table table; /* "plane" in the file */
+	uint64_t key;
+	int64_t revision, form, codec;
+	const void *bytes;
+	size_t size;
+};
+
+struct history {
+	bool each;      /* every revision is kept (store_options) */
+	int64_t kept;   /* the newest revision in the table; -1: none */
+	int64_t label;  /* in a transaction: the revision whose rows are kept; -1: none */
+	bool deltas;    /* in a transaction: rows are kept as differences */
+	bool has_level; /* it has rows, of the level below */
+	int level;
+	bool before_read;        /* `before` has the posts that the row had at revision `label` */
+	int32_t *before, *after; /* one tile each */
+	struct rows rows;        /* the store's connection, with a codec and statements of its own */
+	sqlite3_stmt *find, *put;
+};
+
+/* Reads what the file has. Call this when the store's rows can be read. */
+enum status store_history_open(struct store *store) FURROW_CHECKED;
+void store_history_finish(struct store *store);
+/* Call this when a transaction that changes rows has begun. `always`: keeps the present revision, even without keep_history. */
+enum status store_history_begin(struct store *store, bool always) FURROW_CHECKED;
+/* Call this when the transaction is over. */
+void store_history_end(struct store *store, bool committed);
+/* Call these before and after a row is changed. `posts`: the new ones; NULL: none, all zero. */
+enum status store_history_before(struct store *store, enum row_table table, struct tile tile) FURROW_CHECKED;
+enum status store_history_after(struct store *store, enum row_table table, struct tile tile, const int32_t *posts) FURROW_CHECKED;
+/* As store_history_after, where the new posts are to be read from the row. */
+enum status store_history_after_read(struct store *store, enum row_table table, struct tile tile) FURROW_CHECKED;
+/* Adds the present revision to the table of kept ones, unless it is there. In a transaction. */
+enum status store_history_keep(struct store *store) FURROW_CHECKED;
+/* Gives the posts that a tile of the working level had at a kept revision. */
+enum status store_history_posts(struct store *store, enum row_table table, struct tile tile, int64_t revision, int32_t *posts)
+	FURROW_CHECKED;
+uint64_t store_history_hash(const struct history_row *row);
+
 /* --- store_run.c: the run's record --- */
 
 struct store_run_copy {
 	bool found;
 	int64_t commit, step;
 	double time;
-	char *scene_hash, *state; /* owned by this copy */
+	int64_t made; /* seconds since 1970; 0: not known */
+	char *scene_hash, *state, *who, *what; /* owned by this copy */
 };
+/* Gives the name of the user whom this process belongs to. */
+void store_who(char *name, size_t room);
 /* Reads the record that the file has now. `copy` must be filled by an earlier call, or zero. */
 enum status store_run_copy(struct store *store, struct store_run_copy *copy) FURROW_CHECKED;
 void store_run_copy_finish(struct store_run_copy *copy);
 /* Writes the record of the next commit, with the text `state`. */
 enum status store_run_put(struct store *store, const struct store_run *run, const char *state) FURROW_CHECKED;
-/* Writes the record of a copy. Removes the record if the copy has none. */
-enum status store_run_put_back(struct store *store, const struct store_run_copy *copy) FURROW_CHECKED;
+/* Writes the record of a copy as that of the next commit. `what` was done. Removes the record if the copy has none. */
+enum status store_run_put_back(struct store *store, const struct store_run_copy *copy, const char *what) FURROW_CHECKED;
 
 /* --- store_undo.c: marks and rollbacks --- */
 
@@ -195,6 +245,7 @@ void store_undo_destroy(struct undo *undo); /* undo may be NULL */
 enum state_rows { STATE_UNKNOWN, STATE_NONE, STATE_MAYBE };
 
 struct store {
+	struct history history;
 	char *path;      /* the path that messages show */
 	char *real_path; /* the path of the file, links resolved */
 	char *part_path; /* path of the file being written; NULL after publishing, and for opened stores */
@@ -205,6 +256,8 @@ struct store {
 	bool writing;    /* opened for writing */
 	bool immutable;  /* the header says WAL, there is no WAL file, and none can be made in this folder */
 	bool durable_full;
+	char *scene;     /* from store_options; NULL: none */
+	char who[64];    /* who writes */
 	int64_t commit_bytes; /* while making a store: commit after this many bytes */
 	int64_t uncommitted;  /* bytes put since the last commit, which was at `committed` seconds */
 	double committed;
@@ -345,7 +398,28 @@ enum status store_change_write(struct store *store, enum row_table table, const 
 enum status store_change_drop(struct store *store, enum row_table table, const struct row *old,
 			struct store_commit_result *result) FURROW_CHECKED;
 
+/* --- store_climb.c: tiles of the working level, and the levels above them --- */
+
+struct climb_item {
+	uint64_t key;  /* of a tile of the working level; each once */
+	size_t index;  /* for the source */
+	size_t posts;  /* of the tile */
+};
+struct climb_source {
+	void *user;
+	/* Gives the new posts of an item. They may be in `scratch`, which has room for a tile. */
+	enum status (*posts)(void *user, enum row_table table, const struct climb_item *item, int32_t *scratch, const int32_t **posts);
+};
+/* Writes the new posts of the tiles, and all tiles above them. Sorts the items. Stops if run->given_up tells so. */
+enum status store_climb(struct store *store, enum row_table table, struct climb_item *items, size_t count,
+			const struct climb_source *source, const struct store_run *run, struct store_commit_result *result)
+	FURROW_CHECKED;
+
 /* --- store_state.c: the soil's state in a commit --- */
+
+/* Writes a tile of one plane of the soil's state. Drops its row if all posts are zero. */
+enum status store_state_put_tile(struct store *store, enum row_table table, struct tile tile, const int32_t *posts,
+				 struct store_commit_result *result) FURROW_CHECKED;
 
 /* Commits one plane of the soil's state. Rows are written for pages that have the plane, and dropped for pages that lack it. If
  * no page has the plane and the table is empty, the table is not used. */

@@ -88,6 +88,8 @@ enum store_mode { STORE_READ, STORE_WRITE };
 struct store_options {
 	enum store_mode mode;
 	bool durable_full; /* synchronous=FULL */
+	bool keep_history; /* each commit keeps what it replaces, so that store_restore() can return to every revision */
+	const char *scene; /* what commits are made for, as store_log() tells it; NULL: "" */
 };
 enum status store_open(const char *path, const struct store_options *options, struct store **out)
 	FURROW_CHECKED;
@@ -194,6 +196,7 @@ struct store_run {
 	int64_t step;
 	double time; /* s */
 	int64_t compacted; /* soil compacted since the last commit: 2^-20 m, summed over posts */
+	const char *what;  /* what made the commit, for a person; NULL: the scene of store_options */
 	const char *state; /* JSON: everything else that is needed to resume a drive */
 	/* Used instead of `state` if the state depends on what this commit changed. Called inside the transaction, after the
 	 * rows are written. Returns the state; NULL: out of memory. */
@@ -222,7 +225,38 @@ enum status store_mark(struct store *store) FURROW_CHECKED;
  * count as changed and get a new revision. If nothing has changed since the mark, there is no new revision. Call
  * store_bound_wal() afterwards. */
 enum status store_rollback(struct store *store) FURROW_CHECKED;
-/* Drops all deformation and the working level. Keeps the base. An overlay becomes as it was made: what its parent has stays. The mark
+
+/* --- history: revisions that are kept ---
+ *
+ * A revision is the content after a commit; its number is the commit's. Revision 0 is a store as imported. A revision is kept if the
+ * commit after it was made with keep_history, if it has a snapshot, or if a restore replaced it. */
+
+/* Names the present revision, which is kept from now on. Later commits keep what they replace of it. `name`: 1 to 64 characters,
+ * not all digits, without blanks and commas. STATUS_INPUT: another name is needed. */
+enum status store_snapshot(struct store *store, const char *name) FURROW_CHECKED;
+/* Returns to a kept revision: every row, the working level, compacted soil, and the run's record. `text`: its number, or a snapshot's
+ * name. *revision: its number. One transaction; it is a revision itself, and keeps the one that it replaces. If it is the present one,
+ * nothing changes. The mark is lost. STATUS_INPUT: it is not kept. */
+enum status store_restore(struct store *store, const char *text, int64_t *revision) FURROW_CHECKED;
+
+struct store_revision {
+	const char *file;  /* path of the store or overlay that has it */
+	int64_t revision;
+	int64_t made;      /* seconds since 1970; 0: not known */
+	const char *who;   /* the user whose process made it */
+	const char *what;  /* the scene's file, "restore 7", "rollback", ... */
+	const char *scene_hash; /* "": no run */
+	int64_t step;
+	double time;       /* s */
+	const char *names; /* of snapshots, parted by commas */
+	bool present;      /* what the store holds now */
+};
+typedef enum status (*store_log_fn)(void *user, const struct store_revision *revision);
+/* Calls `fn` for each revision that is kept, and for the present one, the newest first. Then for those that the files under an overlay
+ * have, up to the revision that the overlay shows. Texts are valid during the call. */
+enum status store_log(const struct store *store, store_log_fn fn, void *user) FURROW_CHECKED;
+
+/* Drops all deformation and the working level. Keeps the base. Drops the history, too. An overlay becomes as it was made: what its parent has stays. The mark
  * is lost. */
 enum status store_reset(struct store *store) FURROW_CHECKED;
 
@@ -239,6 +273,8 @@ enum store_table {
 	STORE_DUG_TABLE,
 	STORE_META_TABLE,
 	STORE_RUN_TABLE,
+	STORE_HISTORY_TABLE,
+	STORE_REVISION_TABLE,
 	STORE_NO_TABLE,
 	STORE_TABLES
 };
@@ -262,6 +298,8 @@ struct store_numbers {
 	int64_t base_tiles, plane_tiles[PLANES];
 	int64_t file_bytes, base_bytes, plane_bytes[PLANES]; /* blobs as stored */
 	int64_t commits, compacted;
+	int64_t revisions, snapshots; /* kept revisions, and names */
+	int64_t history_rows, history_bytes; /* rows that commits replaced, blobs as stored */
 	struct store_run last_run; /* scene_hash is NULL if there was no run; owned by the store */
 };
 enum status store_count(struct store *store, struct store_numbers *numbers) FURROW_CHECKED;

@@ -1,5 +1,6 @@
 /*
- * Writes and removes rows in a commit. The old row is kept for a rollback, and the tile is marked as changed.
+ * Writes and removes rows in a commit. The old row is kept for a rollback and for the history, and the tile is
+ * marked as changed.
  *
  * If the new row equals the old row, nothing is written: the row keeps its revision, and the tile counts as unchanged.
  */
@@ -10,6 +11,8 @@ static enum status begin(struct store *store, enum row_table table, struct tile 
 	enum status status = STATUS_OK;
 	if (store->marked)
 		status = store_undo_keep(store, row_plane(table), tile, had);
+	if (status == STATUS_OK)
+		status = store_history_before(store, table, tile);
 	return status == STATUS_OK && tile.level == store->working ? store_changes_note(&store->changes, tile_key(tile)) : status;
 }
 
@@ -23,6 +26,8 @@ enum status store_change_write(struct store *store, enum row_table table, const 
 	enum status status = begin(store, table, row->tile, old != NULL);
 	if (status == STATUS_OK)
 		status = store_rows_put(&store->rows, table, row);
+	if (status == STATUS_OK)
+		status = store_history_after(store, table, row->tile, posts);
 	if (status != STATUS_OK)
 		return status;
 	result->tiles_written++;
@@ -37,6 +42,8 @@ enum status store_change_drop(struct store *store, enum row_table table, const s
 	enum status status = begin(store, table, old->tile, true);
 	if (status == STATUS_OK)
 		status = store_rows_drop(&store->rows, table, old->tile, store->commit + 1);
+	if (status == STATUS_OK)
+		status = store_history_after(store, table, old->tile, NULL);
 	if (status != STATUS_OK)
 		return status;
 	result->tiles_written++;

@@ -5,6 +5,23 @@
 #include <string.h>
 #include <sys/stat.h>
 
+static enum status count_history(struct store *store, struct store_numbers *numbers)
+{
+	const struct {
+		const char *sql;
+		int64_t *to;
+	} sums[] = {
+		{"SELECT count(*) FROM revision", &numbers->revisions},
+		{"SELECT count(*) FROM snapshot", &numbers->snapshots},
+		{"SELECT count(*) FROM history", &numbers->history_rows},
+		{"SELECT coalesce(sum(length(blob)), 0) FROM history", &numbers->history_bytes},
+	};
+	enum status status = STATUS_OK;
+	for (size_t i = 0; i < sizeof sums / sizeof *sums && status == STATUS_OK; i++)
+		status = store_sql_integer(store->db, store->path, sums[i].sql, sums[i].to);
+	return status;
+}
+
 enum status store_count(struct store *store, struct store_numbers *numbers)
 {
 	*numbers = (struct store_numbers){0};
@@ -18,6 +35,8 @@ enum status store_count(struct store *store, struct store_numbers *numbers)
 				     &numbers->plane_bytes[plane]);
 	if (status == STATUS_OK)
 		status = store_meta_compacted(store->db, store->path, &numbers->compacted);
+	if (status == STATUS_OK)
+		status = count_history(store, numbers);
 	if (status == STATUS_OK)
 		status = store_last_run(store, &numbers->last_run);
 	numbers->commits = store->last_run.commit;

@@ -195,6 +195,8 @@ static enum status make(const char *path, const struct store_meta *meta, bool ov
 	store->base = &store->rows;
 	store_changes_begin(&store->changes);
 	store->overwrite = overwrite;
+	store->history.kept = store->history.label = -1;
+	store_who(store->who, sizeof store->who);
 	store->commit_bytes = COMMIT_BYTES;
 	store->path = mem_strdup(path);
 	status = store->path != NULL ? store_meta_copy(&store->meta, meta) : fail_memory("a store");

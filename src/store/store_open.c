@@ -131,8 +131,11 @@ enum status store_open_as(const char *path, const struct store_options *options,
 	store->over = over;
 	store_changes_begin(&store->changes);
 	store->durable_full = options->durable_full;
+	store_who(store->who, sizeof store->who);
 	store->path = mem_strdup(path);
-	enum status status = store->path != NULL ? connect(store, options, &version) : fail_memory("a store");
+	store->scene = options->scene != NULL ? mem_strdup(options->scene) : NULL;
+	bool copied = store->path != NULL && (options->scene == NULL || store->scene != NULL);
+	enum status status = copied ? connect(store, options, &version) : fail_memory("a store");
 	if (status == STATUS_OK && store->base_path != NULL)
 		status = store_overlay_connect(store);
 	if (status == STATUS_OK && version < STORE_VERSION)
@@ -146,8 +149,11 @@ enum status store_open_as(const char *path, const struct store_options *options,
 		status = store_rows_init(&store->rows, store->db, store->path, &store->meta.extent,
 				   store->meta.pack == STORE_PACK_SMALL ? CODEC_SMALL : CODEC_FAST);
 	}
-	if (status == STATUS_OK)
+	if (status == STATUS_OK) {
 		store_overlay_inherit(store);
+		store->history.each = options->keep_history;
+		status = store_history_open(store);
+	}
 	if (status == STATUS_OK)
 		store_statements_count(&store->statements, store->db);
 	store_changes_restart(&store->changes, store->commit);
@@ -179,6 +185,7 @@ static void close_store(struct store *store, bool remove)
 	store_close(store->under);
 	store_rows_finish(&store->rows);
 	store_lineage_finish(&store->lineage);
+	store_history_finish(store);
 	store_undo_destroy(store->undo);
 	store_changes_finish(&store->changes);
 	sqlite3_finalize(store->run_statement);
@@ -200,6 +207,7 @@ static void close_store(struct store *store, bool remove)
 	mem_free(store->part_path);
 	mem_free(store->lock_path);
 	mem_free(store->base_path);
+	mem_free(store->scene);
 	mem_free(store);
 }
 
@@ -247,6 +255,9 @@ enum status store_set_working_level(struct store *store, int level)
 		return fail_with(STATUS_INPUT, "%s: it is deformed at a spacing of %g m, not %g m; use that spacing, "
 				 "or furrow reset", store->path, extent_spacing(extent, store->working),
 				 extent_spacing(extent, level));
+	if (store->history.has_level && store->history.level != level)
+		return fail_with(STATUS_INPUT, "%s: its history is of ground that was deformed at a spacing of %g m, not %g m; use that spacing, or "
+				 "furrow reset", store->path, extent_spacing(extent, store->history.level), extent_spacing(extent, level));
 	store->has_working = true;
 	store->working = level;
 	return STATUS_OK;

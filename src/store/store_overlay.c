@@ -244,7 +244,7 @@ static enum status begin_as(struct store *store, const struct store *parent, con
 	if (status == STATUS_OK && parent->compacted != 0)
 		status = store_meta_put_integer(store, "compacted", parent->compacted);
 	store->commit = run->commit - 1;
-	return status == STATUS_OK ? store_run_put_back(store, run) : status;
+	return status == STATUS_OK ? store_run_put_back(store, run, "branch") : status;
 }
 
 enum status store_overlay_begin(struct store *store)

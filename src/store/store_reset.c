@@ -7,7 +7,8 @@ static enum status remove_all(struct store *store)
 {
 	enum status status = store_sql_exec(store->db, store->path, "resetting it",
 			  "DELETE FROM \"offset\"; DELETE FROM dirt; DELETE FROM heaped; DELETE FROM pressed; "
-			  "DELETE FROM shear; DELETE FROM dug; DELETE FROM run; "
+			  "DELETE FROM shear; DELETE FROM dug; DELETE FROM run; DELETE FROM history; DELETE FROM revision; "
+			  "DELETE FROM snapshot; "
 			  "DELETE FROM meta WHERE key IN ('working', 'compacted')");
 	if (status == STATUS_OK && store->inherits)
 		status = store_overlay_begin(store);
@@ -33,7 +34,8 @@ enum status store_reset(struct store *store)
 	for (int table = 0; table < ROW_TABLES; table++)
 		store->state_rows[table] = STATE_UNKNOWN;
 	store->commit = parent != NULL ? store->parent_revision : 0;
-	store->marked = false;
+	store->marked = store->history.has_level = false;
+	store->history.kept = -1;
 	store_changes_restart(&store->changes, store->commit);
 	/* The pages that are free now are given back to the disk; the base's mostly lie before them. */
 	status = store_sql_exec(store->db, store->path, "resetting it", "PRAGMA incremental_vacuum");

@@ -1,6 +1,21 @@
 /* Reads and writes the record of the run that made the last commit. The record is the only row of its table. */
 #include "store/internal.h"
 
+#include <pwd.h>
+#include <stdio.h>
+#include <time.h>
+#include <unistd.h>
+
+void store_who(char *name, size_t room)
+{
+	char buffer[1024];
+	struct passwd entry, *found = NULL;
+	if (getpwuid_r(getuid(), &entry, buffer, sizeof buffer, &found) == 0 && found != NULL)
+		snprintf(name, room, "%s", found->pw_name);
+	else
+		snprintf(name, room, "user %ld", (long)getuid());
+}
+
 static enum status keep_text(char **kept, const unsigned char *text)
 {
 	mem_free(*kept);
@@ -12,6 +27,8 @@ void store_run_copy_finish(struct store_run_copy *copy)
 {
 	mem_free(copy->scene_hash);
 	mem_free(copy->state);
+	mem_free(copy->who);
+	mem_free(copy->what);
 	*copy = (struct store_run_copy){0};
 }
 
@@ -21,7 +38,7 @@ enum status store_run_copy(struct store *store, struct store_run_copy *copy)
 	copy->commit = 0;
 	copy->found = false;
 	enum status status = store_sql_prepare(store->db, store->path, &statement,
-					 "SELECT epoch, scene_hash, step, time, state FROM run WHERE id = 1");
+					 "SELECT epoch, scene_hash, step, time, state, made, who, what FROM run WHERE id = 1");
 	if (status != STATUS_OK)
 		return status;
 	int code = sqlite3_step(statement);
@@ -29,7 +46,12 @@ enum status store_run_copy(struct store *store, struct store_run_copy *copy)
 		status = keep_text(&copy->scene_hash, sqlite3_column_text(statement, 1));
 		if (status == STATUS_OK)
 			status = keep_text(&copy->state, sqlite3_column_text(statement, 4));
+		if (status == STATUS_OK)
+			status = keep_text(&copy->who, sqlite3_column_text(statement, 6));
+		if (status == STATUS_OK)
+			status = keep_text(&copy->what, sqlite3_column_text(statement, 7));
 		copy->found = status == STATUS_OK;
+		copy->made = sqlite3_column_int64(statement, 5);
 		copy->commit = sqlite3_column_int64(statement, 0);
 		copy->step = sqlite3_column_int64(statement, 2);
 		copy->time = sqlite3_column_double(statement, 3);
@@ -43,8 +65,8 @@ enum status store_run_copy(struct store *store, struct store_run_copy *copy)
 enum status store_run_put(struct store *store, const struct store_run *run, const char *state)
 {
 	enum status status = store_sql_prepare(store->db, store->path, &store->run_statement,
-					 "INSERT OR REPLACE INTO run(id, epoch, scene_hash, step, time, state) "
-					 "VALUES(1, ?1, ?2, ?3, ?4, ?5)");
+					 "INSERT OR REPLACE INTO run(id, epoch, scene_hash, step, time, state, made, who, what) "
+					 "VALUES(1, ?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8)");
 	if (status != STATUS_OK)
 		return status;
 	sqlite3_stmt *statement = store->run_statement;
@@ -53,6 +75,9 @@ enum status store_run_put(struct store *store, const struct store_run *run, cons
 	sqlite3_bind_int64(statement, 3, run->step);
 	sqlite3_bind_double(statement, 4, run->time);
 	sqlite3_bind_text(statement, 5, state, -1, SQLITE_STATIC);
+	sqlite3_bind_int64(statement, 6, (int64_t)time(NULL));
+	sqlite3_bind_text(statement, 7, store->who, -1, SQLITE_STATIC);
+	sqlite3_bind_text(statement, 8, run->what != NULL ? run->what : store->scene != NULL ? store->scene : "", -1, SQLITE_STATIC);
 	int code = sqlite3_step(statement);
 	if (code != SQLITE_DONE)
 		status = store_sql_fail(store->db, code, store->path, "writing the run's record");
@@ -61,12 +86,15 @@ enum status store_run_put(struct store *store, const struct store_run *run, cons
 	return status;
 }
 
-enum status store_run_put_back(struct store *store, const struct store_run_copy *copy)
+enum status store_run_put_back(struct store *store, const struct store_run_copy *copy, const char *what)
 {
-	if (!copy->found)
+	const struct history *history = &store->history;
+	if (!copy->found && !history->each && history->kept < 0)
 		return store_sql_exec(store->db, store->path, "removing the run's record", "DELETE FROM run");
-	const struct store_run run = {.scene_hash = copy->scene_hash, .step = copy->step, .time = copy->time};
-	return store_run_put(store, &run, copy->state);
+	/* Revisions that are kept stay before the present one: its number must not be lost. */
+	const struct store_run none = {.scene_hash = "", .what = what};
+	const struct store_run run = {.scene_hash = copy->scene_hash, .step = copy->step, .time = copy->time, .what = what};
+	return copy->found ? store_run_put(store, &run, copy->state) : store_run_put(store, &none, "");
 }
 
 enum status store_last_run(struct store *store, struct store_run *run)
@@ -74,9 +102,9 @@ enum status store_last_run(struct store *store, struct store_run *run)
 	struct store_run_copy *copy = &store->last_run;
 	enum status status = store_run_copy(store, copy);
 	*run = (struct store_run){0};
-	if (status == STATUS_OK && copy->found)
+	if (status == STATUS_OK && copy->found && copy->scene_hash[0] != '\0')
 		*run = (struct store_run){
-			.scene_hash = copy->scene_hash, .step = copy->step, .time = copy->time, .state = copy->state,
+			.scene_hash = copy->scene_hash, .step = copy->step, .time = copy->time, .state = copy->state, .what = copy->what,
 		};
 	return status;
 }

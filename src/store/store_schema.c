@@ -6,7 +6,7 @@
  * version before anything else.
  *
  *   3: no table `dug`; its `shear` has another meaning, a length that only grew, and counts as none.
- *   4: no overlays that show the deformation of their parent.
+ *   4: no history; who made the last commit, and when, is not known. No overlays that show the deformation of their parent.
  */
 #include "store/internal.h"
 
@@ -30,19 +30,55 @@ static const struct object objects[] = {
 	{"dirt", PLANE_TABLE("dirt")},
 	{"dug", PLANE_TABLE("dug")},
 	{"heaped", PLANE_TABLE("heaped")},
+	{"history",
+	 "CREATE TABLE history(plane INTEGER NOT NULL, key INTEGER NOT NULL, revision INTEGER NOT NULL, form INTEGER NOT NULL, "
+	 "codec INTEGER NOT NULL, hash INTEGER NOT NULL, blob BLOB NOT NULL, PRIMARY KEY(plane, key, revision)) WITHOUT ROWID"},
 	{"meta", "CREATE TABLE meta(key TEXT PRIMARY KEY, value) WITHOUT ROWID"},
 	{"offset",
 	 "CREATE TABLE \"offset\"(key INTEGER PRIMARY KEY, low REAL, high REAL, below INTEGER NOT NULL, "
 	 "above INTEGER NOT NULL, codec INTEGER NOT NULL, revision INTEGER NOT NULL, "
 	 "hash INTEGER NOT NULL, blob BLOB NOT NULL)"},
 	{"pressed", PLANE_TABLE("pressed")},
+	{"revision",
+	 "CREATE TABLE revision(revision INTEGER PRIMARY KEY, scene_hash TEXT NOT NULL, step INTEGER NOT NULL, time REAL NOT NULL, "
+	 "state TEXT NOT NULL, made INTEGER NOT NULL, who TEXT NOT NULL, what TEXT NOT NULL, working INTEGER, compacted INTEGER NOT NULL)"},
 	{"run",
 	 "CREATE TABLE run(id INTEGER PRIMARY KEY CHECK (id = 1), epoch INTEGER NOT NULL, "
-	 "scene_hash TEXT NOT NULL, step INTEGER NOT NULL, time REAL NOT NULL, state TEXT NOT NULL)"},
+	 "scene_hash TEXT NOT NULL, step INTEGER NOT NULL, time REAL NOT NULL, state TEXT NOT NULL, "
+	 "made INTEGER NOT NULL, who TEXT NOT NULL, what TEXT NOT NULL)"},
 	{"shear", PLANE_TABLE("shear")},
+	{"snapshot",
+	 "CREATE TABLE snapshot(name TEXT PRIMARY KEY, revision INTEGER NOT NULL, made INTEGER NOT NULL, who TEXT NOT NULL) WITHOUT ROWID"},
 };
 #define OBJECTS (sizeof objects / sizeof *objects)
-#define DUG 2 /* its index: an older store has no such table */
+
+/* The record of a run in versions 3 and 4. */
+static const struct object older_run = {
+	"run",
+	"CREATE TABLE run(id INTEGER PRIMARY KEY CHECK (id = 1), epoch INTEGER NOT NULL, "
+	"scene_hash TEXT NOT NULL, step INTEGER NOT NULL, time REAL NOT NULL, state TEXT NOT NULL)",
+};
+
+/* Returns a table as a store of this version has it; NULL: it has no such table. */
+static const struct object *object_of(size_t index, int version)
+{
+	static const char *const since_history[] = {"history", "revision", "snapshot"};
+	const char *name = objects[index].name;
+	if (strcmp(name, "dug") == 0 && version < STORE_VERSION_SHEAR)
+		return NULL;
+	for (size_t i = 0; i < sizeof since_history / sizeof *since_history; i++)
+		if (strcmp(name, since_history[i]) == 0 && version < STORE_VERSION_HISTORY)
+			return NULL;
+	return strcmp(name, "run") == 0 && version < STORE_VERSION_HISTORY ? &older_run : &objects[index];
+}
+
+static const char *sql_of(const char *name)
+{
+	size_t index = 0;
+	while (strcmp(objects[index].name, name) != 0)
+		index++;
+	return objects[index].sql;
+}
 
 enum status store_schema_create(sqlite3 *db, const char *path)
 {
@@ -76,10 +112,13 @@ static enum status check_objects(sqlite3 *db, const char *path, int version)
 	bool same = true;
 	int code;
 	while ((code = sqlite3_step(statement)) == SQLITE_ROW && same) {
-		seen += version < STORE_VERSION_SHEAR && seen == DUG;
-		same = seen < OBJECTS && object_is(statement, &objects[seen]);
+		while (seen < OBJECTS && object_of(seen, version) == NULL)
+			seen++;
+		same = seen < OBJECTS && object_is(statement, object_of(seen, version));
 		seen++;
 	}
+	while (seen < OBJECTS && object_of(seen, version) == NULL)
+		seen++;
 	if (same && code != SQLITE_DONE)
 		status = store_sql_fail(db, code, path, "reading its schema");
 	else if (!same || seen != OBJECTS)
@@ -109,11 +148,28 @@ enum status store_schema_check(sqlite3 *db, const char *path, int *out)
 
 enum status store_schema_hide(sqlite3 *db, const char *path, int version)
 {
-	if (version >= STORE_VERSION_SHEAR)
-		return STATUS_OK;
 	/* SQLite reads a name without a schema as the temporary table, if there is one. */
-	return store_sql_exec(db, path, "opening it", "PRAGMA temp_store=MEMORY; CREATE TEMP TABLE shear AS SELECT * FROM main.shear LIMIT 0; "
+	enum status status = store_sql_exec(db, path, "opening it", "PRAGMA temp_store=MEMORY");
+	if (status == STATUS_OK && version < STORE_VERSION_SHEAR)
+		status = store_sql_exec(db, path, "opening it", "CREATE TEMP TABLE shear AS SELECT * FROM main.shear LIMIT 0; "
 						       "CREATE TEMP TABLE dug AS SELECT * FROM main.shear LIMIT 0");
+	if (status == STATUS_OK)
+		status = store_sql_exec(db, path, "opening it", "CREATE TEMP TABLE run AS SELECT *, 0 AS made, '' AS who, '' AS what FROM main.run; "
+						       "CREATE TEMP TABLE history(plane, key, revision, form, codec, hash, blob); "
+						       "CREATE TEMP TABLE revision(revision, scene_hash, step, time, state, made, who, what, working, compacted); "
+						       "CREATE TEMP TABLE snapshot(name, revision, made, who)");
+	return status;
+}
+
+/* Gives the run's record its new columns. Who made it, and when, is not known. */
+static enum status raise_run(sqlite3 *db, const char *path)
+{
+	static const char doing[] = "making it a store of this version";
+	enum status status = store_sql_exec(db, path, doing, "PRAGMA temp_store=MEMORY; CREATE TEMP TABLE older AS SELECT * FROM main.run; DROP TABLE main.run");
+	if (status == STATUS_OK)
+		status = store_sql_exec(db, path, doing, sql_of("run"));
+	return status == STATUS_OK ? store_sql_exec(db, path, doing, "INSERT INTO main.run SELECT *, 0, '', '' FROM temp.older; DROP TABLE temp.older")
+				   : status;
 }
 
 enum status store_schema_raise(sqlite3 *db, const char *path, int version)
@@ -122,10 +178,13 @@ enum status store_schema_raise(sqlite3 *db, const char *path, int version)
 	char raise[96];
 	snprintf(raise, sizeof raise, "PRAGMA user_version=%d; COMMIT", STORE_VERSION);
 	enum status status = store_sql_begin(db, path, doing);
-	if (status == STATUS_OK && version < STORE_VERSION_SHEAR)
-		status = store_sql_exec(db, path, doing, objects[DUG].sql);
+	for (size_t i = 0; i < OBJECTS && status == STATUS_OK; i++)
+		if (object_of(i, version) == NULL)
+			status = store_sql_exec(db, path, doing, objects[i].sql);
 	if (status == STATUS_OK && version < STORE_VERSION_SHEAR)
 		status = store_sql_exec(db, path, doing, "DELETE FROM shear");
+	if (status == STATUS_OK)
+		status = raise_run(db, path);
 	if (status == STATUS_OK)
 		status = store_sql_exec(db, path, doing, raise);
 	if (status != STATUS_OK)

@@ -37,22 +37,27 @@ static bool is_dropped(const struct state *state, struct tile tile)
 	return bsearch(&key, state->dropped, state->drop_count, sizeof key, compare_keys) != NULL;
 }
 
-/* Writes state->posts as the tile's row. */
-static enum status put_posts(struct state *state, struct tile tile)
+enum status store_state_put_tile(struct store *store, enum row_table table, struct tile tile, const int32_t *posts,
+				 struct store_commit_result *result)
 {
-	struct rows *rows = &state->store->rows;
+	struct rows *rows = &store->rows;
 	size_t side = tile_posts(rows->extent), count = side * side;
 	struct row old, row = {.tile = tile};
 	bool had;
-	enum status status = store_rows_head(rows, state->table, tile, &old, &had);
-	enum plane plane = row_plane(state->table);
-	state->result->looked_up[plane]++;
+	enum status status = store_rows_head(rows, table, tile, &old, &had);
+	result->looked_up[row_plane(table)]++;
 	if (status != STATUS_OK)
 		return status;
-	if (store_rows_all_zero(state->posts, count))
-		return had ? store_change_drop(state->store, state->table, &old, state->result) : STATUS_OK;
-	store_rows_range(state->table, state->posts, count, 0, &row.low, &row.high);
-	return store_change_write(state->store, state->table, state->posts, &row, had ? &old : NULL, state->result);
+	if (store_rows_all_zero(posts, count))
+		return had ? store_change_drop(store, table, &old, result) : STATUS_OK;
+	store_rows_range(table, posts, count, 0, &row.low, &row.high);
+	return store_change_write(store, table, posts, &row, had ? &old : NULL, result);
+}
+
+/* Writes state->posts as the tile's row. */
+static enum status put_posts(struct state *state, struct tile tile)
+{
+	return store_state_put_tile(state->store, state->table, tile, state->posts, state->result);
 }
 
 static enum status put_page(struct state *state, const struct store_page *page)

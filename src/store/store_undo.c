@@ -127,11 +127,13 @@ static enum status put_back_row(struct store *store, enum row_table table, struc
 		status = fail_with(STATUS_INPUT, "%s: it is damaged", name);
 	if (status == STATUS_OK && tile.level == store->working)
 		status = store_changes_note(&store->changes, tile_key(tile));
+	if (status == STATUS_OK)
+		status = store_history_before(store, table, tile);
 	if (status != STATUS_OK)
 		return status;
-	if (row.codec == NONE)
-		return store_rows_drop(&store->rows, table, tile, store->commit + 1);
-	return store_rows_copy(rows, &store->rows, table, tile, store->commit + 1);
+	status = row.codec == NONE ? store_rows_drop(&store->rows, table, tile, store->commit + 1)
+				   : store_rows_copy(rows, &store->rows, table, tile, store->commit + 1);
+	return status == STATUS_OK ? store_history_after_read(store, table, tile) : status;
 }
 
 static enum status put_back_table(struct store *store, enum row_table table, int64_t *rows)
@@ -189,7 +191,7 @@ static enum status put_back(struct store *store)
 	if (status == STATUS_OK)
 		status = put_back_header(store);
 	if (status == STATUS_OK)
-		status = store_run_put_back(store, &undo->run);
+		status = store_run_put_back(store, &undo->run, "rollback");
 	if (status == STATUS_OK)
 		status = store_changes_reserve(&store->changes);
 	return status == STATUS_OK ? store_sql_exec(store->db, store->path, "rolling it back", "COMMIT") : status;
@@ -204,7 +206,10 @@ enum status store_rollback(struct store *store)
 	store_sql_undo(undo->rows.db);
 	enum status status = store_sql_begin(store->db, store->path, "rolling it back");
 	if (status == STATUS_OK)
+		status = store_history_begin(store, false);
+	if (status == STATUS_OK)
 		status = put_back(store);
+	store_history_end(store, status == STATUS_OK);
 	if (status != STATUS_OK) {
 		store_sql_undo(store->db);
 		store_changes_drop(&store->changes);

@@ -1,8 +1,8 @@
 /*
  * Verifies a store: checks everything about its content that can be checked. The order is:
  *
- *   SQLite's own check -> all rows (verify_tile.c) -> an overlay's own rows (verify_own.c) -> missing base tiles
- *   -> the header's range and the base's hash
+ *   SQLite's own check -> all rows (verify_tile.c) -> an overlay's own rows (verify_own.c)
+ *   -> its history (verify_history.c) -> missing base tiles -> the header's range and the base's hash
  */
 #include "store/verify.h"
 
@@ -168,6 +168,8 @@ static enum status check_all(struct verifying *verifying)
 		status = check_table(verifying, (enum row_table)table);
 	if (status == STATUS_OK && store->inherits)
 		status = store_verify_own(verifying);
+	if (status == STATUS_OK)
+		status = store_verify_history(verifying);
 	if (status == STATUS_OK)
 		status = check_missing(verifying);
 	if (status == STATUS_OK)

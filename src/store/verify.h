@@ -43,6 +43,7 @@ void store_verify_tell(struct verifying *verifying, const char *format, ...) FUR
 void store_verify_tell_tile(struct verifying *verifying, struct tile tile, const char *what);
 /* Checks the rows of an overlay's own file, if it inherits: those that undo an inherited row, and those that repeat one. */
 enum status store_verify_own(struct verifying *verifying) FURROW_CHECKED;
+enum status store_verify_history(struct verifying *verifying) FURROW_CHECKED;
 /* Checks one row of verifying->table. The tile is within the terrain. */
 enum status store_verify_tile(struct verifying *verifying, struct tile tile) FURROW_CHECKED;
 

@@ -12,7 +12,12 @@ enum status world_prepare(struct world *world, const struct world_params *params
 	const char *path = params->store != NULL ? params->store : scene->store;
 	if (path == NULL)
 		return fail_with(STATUS_INPUT, "%s: names no store; add store:, or give --store", scene->file);
-	struct store_options options = {STORE_WRITE, params->durable_full};
+	const struct store_options options = {
+		.mode = STORE_WRITE,
+		.durable_full = params->durable_full,
+		.keep_history = params->keep_history,
+		.scene = scene->file,
+	};
 	const char *overlay = params->overlay;
 	world->path = overlay != NULL ? overlay : path;
 	enum status status = overlay != NULL ? store_open_overlay(overlay, path, &options, &world->store)

@@ -144,6 +144,7 @@ struct world_params {
 	const char *overlay;
 	bool resume;               /* continue the store's last drive of this scene; if there was none, start from the beginning */
 	bool durable_full;
+	bool keep_history;         /* each commit keeps what it replaces */
 	bool everywhere;           /* compute also contacts that change nothing; for tests that compare */
 	bool draws;                /* pictures are drawn, so coarser levels are kept */
 	bool drops;                /* a window may drop bodies */

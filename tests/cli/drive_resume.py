@@ -44,7 +44,7 @@ class Resume(FurrowTest):
     def kept(self, store):
         """All that a drive changes; the file's header counts openings too."""
         db = sqlite3.connect(store)
-        run = db.execute("SELECT * FROM run").fetchall()
+        run = db.execute("SELECT id, epoch, scene_hash, step, time, state FROM run").fetchall()
         db.close()
         return self.rows(store), run, self.log(), (self.folder / "out/run.json").read_text()
 

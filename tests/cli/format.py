@@ -346,7 +346,7 @@ class Deformed(FormatTest):
                     db.execute(f"INSERT INTO {table} VALUES (:key, :low, :high, :codec, :revision, :hash, :blob)", record)
             db.execute("INSERT INTO meta VALUES ('working', 0)")
             db.execute("INSERT INTO meta VALUES ('compacted', -5)")
-            db.execute("INSERT INTO run VALUES (1, 1, '', 1, 0.5, '')")
+            db.execute("INSERT INTO run VALUES (1, 1, '', 1, 0.5, '', 0, '', '')")
         check = self.json("verify", path)
         self.assertTrue(check["ok"], check["problems"])
         self.assertEqual(check["offset_sum"], {str(level): up * ((64 >> level) + 1)**2 for level in range(3)})

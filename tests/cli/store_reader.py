@@ -21,7 +21,14 @@ SCHEMA = {
     **{plane: plane + "(key INTEGER PRIMARY KEY, low REAL, high REAL, codec INTEGER NOT NULL, revision INTEGER NOT NULL, "
               "hash INTEGER NOT NULL, blob BLOB NOT NULL)" for plane in ("dirt", "heaped", "pressed", "shear", "dug")},
     "run": "run(id INTEGER PRIMARY KEY CHECK (id = 1), epoch INTEGER NOT NULL, scene_hash TEXT NOT NULL, "
-           "step INTEGER NOT NULL, time REAL NOT NULL, state TEXT NOT NULL)",
+           "step INTEGER NOT NULL, time REAL NOT NULL, state TEXT NOT NULL, made INTEGER NOT NULL, who TEXT NOT NULL, "
+           "what TEXT NOT NULL)",
+    "history": "history(plane INTEGER NOT NULL, key INTEGER NOT NULL, revision INTEGER NOT NULL, form INTEGER NOT NULL, "
+               "codec INTEGER NOT NULL, hash INTEGER NOT NULL, blob BLOB NOT NULL, PRIMARY KEY(plane, key, revision)) WITHOUT ROWID",
+    "revision": "revision(revision INTEGER PRIMARY KEY, scene_hash TEXT NOT NULL, step INTEGER NOT NULL, time REAL NOT NULL, "
+                "state TEXT NOT NULL, made INTEGER NOT NULL, who TEXT NOT NULL, what TEXT NOT NULL, working INTEGER, "
+                "compacted INTEGER NOT NULL)",
+    "snapshot": "snapshot(name TEXT PRIMARY KEY, revision INTEGER NOT NULL, made INTEGER NOT NULL, who TEXT NOT NULL) WITHOUT ROWID",
 }
 TABLES = ("base", "offset", "dirt", "heaped", "pressed", "shear", "dug")  # by the number that is hashed
 META = {int: ("width", "height", "cells", "pack", "base_hash"),
@@ -266,6 +273,7 @@ class Store:
                                  for record in db.execute(f'SELECT * FROM "{table}" ORDER BY key')}
                          for table in TABLES}
             self.run = db.execute("SELECT * FROM run").fetchall()
+            self.history = db.execute("SELECT * FROM history ORDER BY revision DESC").fetchall()
         finally:
             db.close()
         self.base_store = None
@@ -279,6 +287,20 @@ class Store:
             for name in SAME_IN_AN_OVERLAY:
                 need(self.meta[name] == self.base_store.meta[name], name, "is not the base's")
             self.rows["base"] = self.base_store.rows["base"]
+
+    def posts_then(self, table, key, revision):
+        """A tile's posts at a revision that is kept."""
+        row, side = self.rows[table].get(key), self.cells + 1
+        posts = list(row.posts) if row else [0] * side**2
+        for record in self.history:
+            if (record["plane"], record["key"]) != (TABLES.index(table), key) or record["revision"] < revision:
+                continue
+            words = [record[name] for name in ("plane", "key", "revision", "form", "codec")]
+            need(record["hash"] == signed(xxh3(record["blob"], xxh3(b"".join(map(bits_of, words)))), 64), "a hash in the history")
+            change = decode(record["codec"], record["blob"], side)[0]
+            need(record["form"] in (0, 1), "a form of", record["form"])
+            posts = [signed((post if record["form"] else 0) + more & WORD) for post, more in zip(posts, change)]
+        return posts
 
     def inherit(self):
         """The rows that count: its own, and those of its parent for which it has none; one from 0 to 0 says that there is none."""

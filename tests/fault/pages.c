@@ -184,7 +184,7 @@ static enum status give_classes(void *user, unsigned loader, struct tile tile, u
 
 static enum status rig_open(struct rig *rig, const char *path)
 {
-	struct store_options options = {STORE_WRITE, false};
+	struct store_options options = {.mode = STORE_WRITE};
 	enum status status = store_open(path, &options, &rig->store);
 	if (status == STATUS_OK)
 		status = store_set_working_level(rig->store, LEVEL);

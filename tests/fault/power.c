@@ -114,9 +114,26 @@ static void a_power_cut_leaves_the_store_or_the_one_it_was_to_replace(void **sta
 
 /* --- epochs --- */
 
-static uint64_t cut_epochs(bool durable_full, uint64_t cut)
+/* Every revision that the store keeps is what it was. */
+static void look_back(const char *path, int epochs)
 {
-	const char *what = durable_full ? "full" : "normal";
+	struct store *store;
+	int64_t revision;
+	uint64_t hash;
+	expect(store_open(path, &(struct store_options){.mode = STORE_WRITE}, &store) == STATUS_OK);
+	for (int number = epochs - 1; number >= 0; number--) {
+		char text[16];
+		snprintf(text, sizeof text, "%d", number);
+		expect(store_restore(store, text, &revision) == STATUS_OK);
+		expect(store_content_hash(store, &hash) == STATUS_OK);
+		expect(hash == reference[number]);
+	}
+	store_close(store);
+}
+
+static uint64_t cut_epochs(bool durable_full, bool keep_history, uint64_t cut)
+{
+	const char *what = keep_history ? "history" : durable_full ? "full" : "normal";
 	char path[256];
 	snprintf(path, sizeof path, "%s", in_folder("disk/trial.furrow"));
 	struct outcome outcome = {0};
@@ -125,7 +142,8 @@ static uint64_t cut_epochs(bool durable_full, uint64_t cut)
 	copy_file(in_folder("fresh"), path);
 	name_trial(what, cut, -1);
 	power_begin(in_folder("disk"), cut);
-	enum status status = store_open(path, &(struct store_options){STORE_WRITE, durable_full}, &store);
+	const struct store_options options = {.mode = STORE_WRITE, .durable_full = durable_full, .keep_history = keep_history};
+	enum status status = store_open(path, &options, &store);
 	expect(status == STATUS_OK || told(status));
 	if (status == STATUS_OK) {
 		expect(store_set_working_level(store, LEVEL) == STATUS_OK);
@@ -143,9 +161,12 @@ static uint64_t cut_epochs(bool durable_full, uint64_t cut)
 		int most = outcome.acknowledged + outcome.unknown;
 		uint64_t bytes = known_bytes(found);
 		int *epochs = known_of(bytes, (uint64_t)least, (uint64_t)most);
-		if (*epochs < 0)
+		bool seen = *epochs >= 0;
+		if (!seen)
 			*epochs = look(found, least, most);
-		int *gone_on = seed % 3 == 0 ? known_of(bytes, UINT64_MAX, 0) : NULL;
+		if (!seen && keep_history)
+			look_back(found, *epochs);
+		int *gone_on = seed % 3 == 0 && !keep_history ? known_of(bytes, UINT64_MAX, 0) : NULL;
 		if (gone_on != NULL && *gone_on < 0) {
 			go_on(found, *epochs);
 			*gone_on = 1;
@@ -154,10 +175,10 @@ static uint64_t cut_epochs(bool durable_full, uint64_t cut)
 	return operations;
 }
 
-static void every_epoch_cut(bool durable_full)
+static void every_epoch_cut(bool durable_full, bool keep_history)
 {
 	uint64_t cut = 1;
-	while (cut_epochs(durable_full, cut) >= cut)
+	while (cut_epochs(durable_full, keep_history, cut) >= cut)
 		cut++;
 	assert_true(cut > 50);
 	tell_counts(cut);
@@ -165,12 +186,17 @@ static void every_epoch_cut(bool durable_full)
 
 static void a_power_cut_leaves_the_last_epoch_that_was_synced(void **state)
 {
-	every_epoch_cut(false);
+	every_epoch_cut(false, false);
 }
 
 static void a_power_cut_leaves_the_last_epoch_when_every_commit_is_synced(void **state)
 {
-	every_epoch_cut(true);
+	every_epoch_cut(true, false);
+}
+
+static void a_power_cut_leaves_the_history_of_what_it_leaves(void **state)
+{
+	every_epoch_cut(false, true);
 }
 
 static int enter(void **state)
@@ -197,6 +223,7 @@ int main(void)
 		cmocka_unit_test(a_power_cut_leaves_the_store_or_the_one_it_was_to_replace),
 		cmocka_unit_test(a_power_cut_leaves_the_last_epoch_that_was_synced),
 		cmocka_unit_test(a_power_cut_leaves_the_last_epoch_when_every_commit_is_synced),
+		cmocka_unit_test(a_power_cut_leaves_the_history_of_what_it_leaves),
 	};
 	power_install();
 	return cmocka_run_group_tests(tests, enter, leave);

@@ -27,7 +27,7 @@ static void copy_as_killed(const char *path)
 static enum status open_and_drive(const struct way *way, const char *path, bool forever, struct outcome *outcome)
 {
 	struct store *store;
-	struct store_options options = {STORE_WRITE, way->durable_full};
+	struct store_options options = {.mode = STORE_WRITE, .durable_full = way->durable_full};
 	enum status status = store_open(path, &options, &store);
 	if (status != STATUS_OK)
 		return status;

@@ -300,7 +300,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 	fuzz_write(path, data, size);
 	sqlite3_memory_highwater(1);
 	allow(TILE_CELLS_MAX, size); /* what the header says is not known yet */
-	struct store_options options = {writing ? STORE_WRITE : STORE_READ, hash & 2};
+	struct store_options options = {.mode = writing ? STORE_WRITE : STORE_READ, .durable_full = hash & 2};
 	if (done(store_open(path, &options, &store))) {
 		fuzz_check(extent_problem(&store_meta(store)->extent) == NULL);
 		allow(store_meta(store)->extent.cells, size);

@@ -258,7 +258,7 @@ static void a_killed_writer_leaves_its_last_epoch(void **state)
 		assert_true(child >= 0);
 		if (child == 0) {
 			struct store *store;
-			struct store_options options = {STORE_WRITE, round % 2 == 1};
+			struct store_options options = {.mode = STORE_WRITE, .durable_full = round % 2 == 1};
 			if (store_open(path, &options, &store) != STATUS_OK ||
 			    store_set_working_level(store, -1) != STATUS_OK)
 				_exit(1);

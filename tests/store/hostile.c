@@ -14,7 +14,7 @@ static void assert_refused(const char *path, const char *why)
 {
 	for (int writing = 0; writing < 2; writing++) {
 		struct store *store;
-		struct store_options options = {writing ? STORE_WRITE : STORE_READ, false};
+		struct store_options options = {.mode = writing ? STORE_WRITE : STORE_READ};
 		assert_status(store_open(path, &options, &store), STATUS_INPUT);
 		if (strstr(failure_message(), why) == NULL || strstr(failure_message(), path) == NULL)
 			fail_msg("does not say '%s': %s", why, failure_message());
@@ -65,8 +65,8 @@ static void another_version_or_schema_is_refused(void **state)
 		{"INSERT INTO meta VALUES('working', 12)", "'working'"},
 		{"DELETE FROM meta WHERE key = 'base_hash'", "'base_hash'"},
 		{"UPDATE meta SET value = 'f00' WHERE key = 'base_hash'", "'base_hash'"},
-		{"INSERT INTO run VALUES(1, 9223372036854775807, '', 0, 0, '')", "'epoch'"},
-		{"INSERT INTO run VALUES(1, -1, '', 0, 0, '')", "'epoch'"},
+		{"INSERT INTO run VALUES(1, 9223372036854775807, '', 0, 0, '', 0, '', '')", "'epoch'"},
+		{"INSERT INTO run VALUES(1, -1, '', 0, 0, '', 0, '', '')", "'epoch'"},
 	};
 	for (size_t i = 0; i < sizeof edits / sizeof *edits; i++) {
 		unlink(path);

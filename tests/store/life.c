@@ -191,7 +191,7 @@ static void an_existing_store_is_replaced_only_when_told(void **state)
 		struct field field = field_make(0);
 		struct store_commit_result result;
 		field_dig(&field, 30, 20, 8, 1);
-		struct store_options options = {STORE_WRITE, false};
+		struct store_options options = {.mode = STORE_WRITE};
 		if (store_open(path, &options, &writer) != STATUS_OK ||
 		    store_set_working_level(writer, 0) != STATUS_OK ||
 		    field_commit(&field, field_all(&field), writer, 1, &result) != STATUS_OK)
@@ -217,7 +217,7 @@ static void a_second_writer_is_refused(void **state)
 	const char *path = in_folder("writer.furrow");
 	make_store(path);
 	struct store *store = open_store(path, STORE_WRITE), *second;
-	struct store_options options = {STORE_WRITE, false};
+	struct store_options options = {.mode = STORE_WRITE};
 	assert_status(store_open(path, &options, &second), STATUS_FAILED);
 	assert_non_null(strstr(failure_message(), "writing"));
 	/* Under another name, from another process. */
@@ -244,7 +244,7 @@ static void a_killed_writer_holds_no_lock(void **state)
 	pid_t child = fork();
 	if (child == 0) {
 		struct store *store;
-		struct store_options options = {STORE_WRITE, false};
+		struct store_options options = {.mode = STORE_WRITE};
 		_exit(store_open(path, &options, &store) == STATUS_OK ? 0 : 1); /* without closing */
 	}
 	int ended;
@@ -260,7 +260,7 @@ static int as_nobody(const char *path)
 	if (geteuid() == 0 && setuid(65534) != 0)
 		return 2;
 	struct store *store;
-	struct store_options reading = {STORE_READ, false}, writing = {STORE_WRITE, false};
+	struct store_options reading = {.mode = STORE_READ}, writing = {.mode = STORE_WRITE};
 	if (store_open(path, &reading, &store) != STATUS_OK) {
 		fprintf(stderr, "%s\n", failure_message());
 		return 3;
@@ -305,7 +305,7 @@ static void what_cannot_be_is_told(void **state)
 	struct store_meta meta = terrain_meta();
 	struct store *store;
 	assert_status(store_create("/nowhere/at/all.furrow", &meta, false, &store), STATUS_INPUT);
-	struct store_options reading = {STORE_READ, false};
+	struct store_options reading = {.mode = STORE_READ};
 	assert_status(store_open(in_folder("missing.furrow"), &reading, &store), STATUS_INPUT);
 	assert_non_null(strstr(failure_message(), "No such file"));
 	assert_status(store_open(folder, &reading, &store), STATUS_INPUT);
@@ -352,7 +352,7 @@ static void every_allocation_may_fail(void **state)
 		for (uint64_t nth = 1;; nth++) {
 			struct store *store = NULL;
 			struct store_reader *reader = NULL;
-			struct store_options options = {writing ? STORE_WRITE : STORE_READ, false};
+			struct store_options options = {.mode = writing ? STORE_WRITE : STORE_READ};
 			double values[4];
 			struct store_check check;
 			uint64_t hash;

@@ -10,6 +10,15 @@ static void take_note(const char *text)
 	notes++;
 }
 
+/* The tables of version 4. */
+static void older_tables(const char *path)
+{
+	raw_sql(path, "CREATE TEMP TABLE kept AS SELECT id, epoch, scene_hash, step, time, state FROM run; DROP TABLE run; "
+		      "CREATE TABLE run(id INTEGER PRIMARY KEY CHECK (id = 1), epoch INTEGER NOT NULL, scene_hash TEXT NOT NULL, "
+		      "step INTEGER NOT NULL, time REAL NOT NULL, state TEXT NOT NULL); INSERT INTO run SELECT * FROM kept; "
+		      "DROP TABLE history; DROP TABLE revision; DROP TABLE snapshot; PRAGMA user_version=4");
+}
+
 /* Makes what the older version made: the same tables, with numbers in `shear` that mean nothing to this version. */
 static void make_older(const char *path, struct field *field, bool driven)
 {
@@ -29,6 +38,7 @@ static void make_older(const char *path, struct field *field, bool driven)
 		assert_ok(store_rows_put(&store->rows, ROW_SHEAR, &row));
 	}
 	store_close(store);
+	older_tables(path);
 	raw_sql(path, "DROP TABLE dug; PRAGMA user_version=3");
 	for (int plane = PLANE_SHEAR; plane <= PLANE_DUG; plane++)
 		memset(field->planes[plane], 0, (size_t)(field->width * field->height) * plane_bytes((enum plane)plane));
@@ -131,12 +141,47 @@ static void an_import_of_the_version_before_is_read_in_silence(void **state)
 	field_free(&field);
 }
 
+/* Version 4 lacks only the history, and who made the last commit. */
+static void a_store_of_version_4_is_what_it_was(void **state)
+{
+	const char *path = in_folder("four.furrow");
+	struct field field = field_make(-1);
+	struct store_commit_result result;
+	struct store_run runs[2];
+	make_store(path);
+	struct store *store = open_store(path, STORE_WRITE);
+	assert_ok(store_set_working_level(store, -1));
+	field_dig(&field, 64, 48, 20, 1);
+	assert_ok(field_commit(&field, field_all(&field), store, 5, &result));
+	uint64_t hash = content(store);
+	store_close(store);
+	older_tables(path);
+	notes = 0;
+	for (int mode = 0; mode < 2; mode++) {
+		store = open_store(path, mode == 0 ? STORE_READ : STORE_WRITE);
+		assert_true(content(store) == hash);
+		verified(store);
+		assert_ok(store_last_run(store, &runs[mode]));
+		assert_int_equal(runs[mode].step, 5);
+		store_close(store);
+		assert_int_equal(version_of(path), mode == 0 ? 4 : STORE_VERSION);
+	}
+	store = open_store(path, STORE_WRITE);
+	assert_int_equal(store->commit, 1);
+	assert_ok(store_snapshot(store, "now"));
+	verified(store);
+	store_close(store);
+	assert_int_equal(notes, 0);
+	field_free(&field);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(ruts_of_the_version_before_are_read_without_their_shear),
 		cmocka_unit_test(who_writes_makes_it_one_of_this_version),
 		cmocka_unit_test(an_import_of_the_version_before_is_read_in_silence),
+		cmocka_unit_test(a_store_of_version_4_is_what_it_was),
 	};
 	note_to(take_note);
 	return cmocka_run_group_tests(tests, folder_make, folder_remove);

@@ -4,7 +4,7 @@
 
 #include "fixture.h"
 
-static UNUSED const struct store_options reading = {STORE_READ, false}, writing = {STORE_WRITE, false};
+static UNUSED const struct store_options reading = {.mode = STORE_READ}, writing = {.mode = STORE_WRITE};
 
 static UNUSED void make_both(const char *base, const char *overlay)
 {

@@ -1,0 +1,294 @@
+/*
+ * Keeps what commits replace, so that the store can return to earlier revisions.
+ *
+ *   revision   7 (kept)        8 (kept)        9           10 (present)
+ *   rows       label 7 ------> label 8 ------------------> the tables
+ *
+ * A row labelled 7 is as it was at revision 7. The file has it if a commit changed it before revision 8. So a tile at revision 7 is
+ * its row with the least label from 7 on. Without such a row it is as it is now.
+ *
+ * A row has one of two forms. WHOLE has the posts. DELTA has the posts less those that the tile had afterwards: at the next label, or
+ * now. Most of them are zero, so a delta is small. Where every revision is kept, rows are deltas. Between two snapshots, where the same row
+ * may change many times, the first change keeps it whole and the others cost nothing.
+ *
+ * Only rows of the working level are kept. A restore makes the coarser ones anew.
+ *
+ * Invariants:
+ *   1. The history is written in the transaction that replaces the rows.
+ *   2. All rows of the history are of one level. A store with a history is deformed at no other.
+ *   3. The labels of rows are in the table of kept revisions.
+ */
+#include "store/internal.h"
+
+#include <assert.h>
+#include <string.h>
+#include <xxhash.h>
+
+enum form { WHOLE, DELTA };
+
+static size_t tile_count(const struct store *store)
+{
+	size_t side = tile_posts(&store->meta.extent);
+	return side * side;
+}
+
+uint64_t store_history_hash(const struct history_row *row)
+{
+	const uint64_t words[] = {(uint64_t)row->table, row->key, (uint64_t)row->revision, (uint64_t)row->form, (uint64_t)row->codec};
+	uint8_t head[sizeof words];
+	for (size_t i = 0; i < sizeof head; i++)
+		head[i] = (uint8_t)(words[i / 8] >> i % 8 * 8);
+	return XXH3_64bits_withSeed(row->bytes, row->size, XXH3_64bits(head, sizeof head));
+}
+
+/* --- a life --- */
+
+enum status store_history_open(struct store *store)
+{
+	struct history *history = &store->history;
+	int64_t key;
+	history->label = -1;
+	enum status status = store_sql_integer(store->db, store->path, "SELECT coalesce(max(revision), -1) FROM revision", &history->kept);
+	if (status == STATUS_OK)
+		status = store_sql_integer(store->db, store->path, "SELECT coalesce((SELECT key FROM history LIMIT 1), -1)", &key);
+	if (status != STATUS_OK)
+		return status;
+	history->has_level = key >= 0;
+	history->level = tile_from_key((uint64_t)key).level;
+	if (history->kept > store->commit || (history->has_level && store->has_working && history->level != store->working))
+		return fail_with(STATUS_INPUT, "%s: its history is not its own; the store is damaged, restore it", store->path);
+	return STATUS_OK;
+}
+
+void store_history_finish(struct store *store)
+{
+	struct history *history = &store->history;
+	sqlite3_finalize(history->find);
+	sqlite3_finalize(history->put);
+	store_rows_finish(&history->rows);
+	mem_free(history->before);
+	mem_free(history->after);
+	history->find = history->put = NULL;
+	history->before = history->after = NULL;
+}
+
+/* Makes the buffers and the second set of statements, which most stores never need. */
+static enum status prepare(struct store *store)
+{
+	struct history *history = &store->history;
+	if (history->after != NULL)
+		return STATUS_OK;
+	store_history_finish(store);
+	history->before = mem_alloc(tile_count(store), sizeof *history->before);
+	history->after = mem_alloc(tile_count(store), sizeof *history->after);
+	enum status status = history->before != NULL && history->after != NULL ? STATUS_OK : fail_memory("a history");
+	if (status == STATUS_OK)
+		status = store_rows_init(&history->rows, store->db, store->path, &store->meta.extent, CODEC_SMALL);
+	if (status != STATUS_OK) {
+		store_history_finish(store);
+		return status;
+	}
+	history->rows.lineage = store->rows.lineage;
+	history->rows.layers = store->rows.layers;
+	return STATUS_OK;
+}
+
+/* --- a transaction --- */
+
+enum status store_history_keep(struct store *store)
+{
+	if (store->history.kept == store->commit)
+		return STATUS_OK;
+	static const char *const texts[] = {
+		"INSERT INTO revision SELECT epoch, scene_hash, step, time, state, made, who, what, ?1, ?2 FROM run",
+		/* a store without a run: as it was imported, or an overlay as it was made */
+		"INSERT INTO revision VALUES(?3, '', 0, 0, '', 0, '', '', ?1, ?2)",
+	};
+	enum status status = STATUS_OK;
+	int written = 0;
+	for (int i = 0; i < 2 && status == STATUS_OK && written == 0; i++) {
+		sqlite3_stmt *statement = NULL;
+		status = store_sql_prepare(store->db, store->path, &statement, texts[i]);
+		if (status != STATUS_OK)
+			return status;
+		if (store->working_stored)
+			sqlite3_bind_int(statement, 1, store->working);
+		sqlite3_bind_int64(statement, 2, store->compacted);
+		sqlite3_bind_int64(statement, 3, store->commit); /* the first has no such parameter: no harm */
+		int code = sqlite3_step(statement);
+		if (code != SQLITE_DONE)
+			status = store_sql_fail(store->db, code, store->path, "keeping a revision");
+		written = sqlite3_changes(store->db);
+		sqlite3_finalize(statement);
+	}
+	return status;
+}
+
+enum status store_history_begin(struct store *store, bool always)
+{
+	struct history *history = &store->history;
+	history->deltas = always || history->each;
+	history->label = history->deltas ? store->commit : history->kept;
+	history->before_read = false;
+	if (history->label < 0)
+		return STATUS_OK;
+	enum status status = prepare(store);
+	return status == STATUS_OK && history->deltas ? store_history_keep(store) : status;
+}
+
+void store_history_end(struct store *store, bool committed)
+{
+	struct history *history = &store->history;
+	if (committed && history->label > history->kept)
+		history->kept = history->label;
+	history->label = -1;
+}
+
+/* --- rows --- */
+
+static enum status bad(const struct store *store, const struct history_row *row, const char *why)
+{
+	struct tile tile = tile_from_key(row->key);
+	return fail_with(STATUS_INPUT, "%s: history of revision %lld, %s tile level %d x %u y %u: %s; the store is damaged, restore it",
+			 store->path, (long long)row->revision, store_rows_name(row->table), tile.level, tile.x, tile.y, why);
+}
+
+/* Adds a row of the history to the posts that follow it in time, or puts it in their place. `statement`: form, codec, hash, blob. */
+static enum status apply(struct store *store, struct history_row *row, sqlite3_stmt *statement, int column, int32_t *posts)
+{
+	struct history *history = &store->history;
+	row->form = sqlite3_column_int64(statement, column);
+	row->codec = sqlite3_column_int64(statement, column + 1);
+	row->bytes = sqlite3_column_blob(statement, column + 3);
+	row->size = (size_t)sqlite3_column_bytes(statement, column + 3);
+	if (row->bytes == NULL || (row->form != WHOLE && row->form != DELTA) ||
+	    store_history_hash(row) != (uint64_t)sqlite3_column_int64(statement, column + 2))
+		return bad(store, row, "its hash is wrong");
+	if (!store_codec_decode(&history->rows.codec, row->codec, row->bytes, row->size, history->after))
+		return bad(store, row, "it cannot be decoded");
+	size_t count = tile_count(store);
+	for (size_t i = 0; i < count; i++)
+		posts[i] = (int32_t)((uint32_t)history->after[i] + (row->form == DELTA ? (uint32_t)posts[i] : 0));
+	return STATUS_OK;
+}
+
+static enum status present_posts(struct store *store, enum row_table table, struct tile tile, int32_t *posts)
+{
+	struct row row;
+	bool found;
+	enum status status = store_rows_read(&store->history.rows, table, tile, posts, &row, &found);
+	if (status == STATUS_OK && !found)
+		memset(posts, 0, tile_count(store) * sizeof *posts);
+	return status;
+}
+
+enum status store_history_posts(struct store *store, enum row_table table, struct tile tile, int64_t revision, int32_t *posts)
+{
+	sqlite3_stmt *statement = NULL;
+	struct history_row row = {.table = table, .key = tile_key(tile)};
+	enum status status = prepare(store);
+	if (status == STATUS_OK)
+		status = present_posts(store, table, tile, posts);
+	if (status == STATUS_OK)
+		status = store_sql_prepare(store->db, store->path, &statement,
+					   "SELECT revision, form, codec, hash, blob FROM history WHERE plane = ?1 AND key = ?2 AND "
+					   "revision >= ?3 ORDER BY revision DESC");
+	if (status != STATUS_OK)
+		return status;
+	sqlite3_bind_int(statement, 1, (int)table);
+	sqlite3_bind_int64(statement, 2, (sqlite3_int64)row.key);
+	sqlite3_bind_int64(statement, 3, revision);
+	int code;
+	while (status == STATUS_OK && (code = sqlite3_step(statement)) != SQLITE_DONE) {
+		row.revision = sqlite3_column_int64(statement, 0);
+		status = code == SQLITE_ROW ? apply(store, &row, statement, 1, posts)
+					    : store_sql_fail(store->db, code, store->path, "reading its history");
+	}
+	sqlite3_finalize(statement);
+	return status;
+}
+
+static enum status put(struct store *store, struct history_row *row)
+{
+	struct history *history = &store->history;
+	enum status status = store_sql_prepare(store->db, store->path, &history->put,
+					 "INSERT OR REPLACE INTO history(plane, key, revision, form, codec, hash, blob) "
+					 "VALUES(?1, ?2, ?3, ?4, ?5, ?6, ?7)");
+	if (status != STATUS_OK)
+		return status;
+	sqlite3_bind_int(history->put, 1, (int)row->table);
+	sqlite3_bind_int64(history->put, 2, (sqlite3_int64)row->key);
+	sqlite3_bind_int64(history->put, 3, row->revision);
+	sqlite3_bind_int64(history->put, 4, row->form);
+	sqlite3_bind_int64(history->put, 5, row->codec);
+	sqlite3_bind_int64(history->put, 6, (sqlite3_int64)store_history_hash(row));
+	sqlite3_bind_blob64(history->put, 7, row->bytes, row->size, SQLITE_STATIC);
+	int code = sqlite3_step(history->put);
+	if (code != SQLITE_DONE)
+		status = store_sql_fail(store->db, code, store->path, "writing its history");
+	sqlite3_reset(history->put);
+	sqlite3_bind_null(history->put, 7);
+	if (status == STATUS_OK) {
+		history->has_level = true;
+		history->level = store->working;
+	}
+	return status;
+}
+
+/* Encodes `posts` and writes them. */
+static enum status put_posts(struct store *store, enum row_table table, struct tile tile, enum form form, const int32_t *posts)
+{
+	struct history_row row = {.table = table, .key = tile_key(tile), .revision = store->history.label, .form = form};
+	row.codec = store_codec_encode(&store->history.rows.codec, posts, &row.bytes, &row.size);
+	return put(store, &row);
+}
+
+enum status store_history_before(struct store *store, enum row_table table, struct tile tile)
+{
+	struct history *history = &store->history;
+	struct history_row row = {.table = table, .key = tile_key(tile), .revision = history->label};
+	history->before_read = false;
+	if (history->label < 0 || tile.level != store->working)
+		return STATUS_OK;
+	enum status status = store_sql_prepare(store->db, store->path, &history->find,
+					 "SELECT form, codec, hash, blob FROM history WHERE plane = ?1 AND key = ?2 AND revision = ?3");
+	if (status != STATUS_OK)
+		return status;
+	sqlite3_bind_int(history->find, 1, (int)table);
+	sqlite3_bind_int64(history->find, 2, (sqlite3_int64)row.key);
+	sqlite3_bind_int64(history->find, 3, row.revision);
+	int code = sqlite3_step(history->find);
+	bool found = code == SQLITE_ROW, whole = found && sqlite3_column_int(history->find, 0) == WHOLE;
+	if (code != SQLITE_ROW && code != SQLITE_DONE)
+		status = store_sql_fail(store->db, code, store->path, "reading its history");
+	if (status == STATUS_OK && !whole)
+		status = present_posts(store, table, tile, history->before);
+	if (status == STATUS_OK && found && !whole)
+		status = apply(store, &row, history->find, 0, history->before);
+	sqlite3_reset(history->find);
+	if (status == STATUS_OK && !found && !history->deltas)
+		return put_posts(store, table, tile, WHOLE, history->before);
+	history->before_read = status == STATUS_OK && !whole;
+	return status;
+}
+
+enum status store_history_after(struct store *store, enum row_table table, struct tile tile, const int32_t *posts)
+{
+	struct history *history = &store->history;
+	if (!history->before_read)
+		return STATUS_OK;
+	size_t count = tile_count(store);
+	for (size_t i = 0; i < count; i++)
+		history->after[i] = (int32_t)((uint32_t)history->before[i] - (posts != NULL ? (uint32_t)posts[i] : 0));
+	history->before_read = false;
+	return put_posts(store, table, tile, DELTA, history->after);
+}
+
+enum status store_history_after_read(struct store *store, enum row_table table, struct tile tile)
+{
+	struct history *history = &store->history;
+	if (!history->before_read)
+		return STATUS_OK;
+	enum status status = present_posts(store, table, tile, history->after);
+	return status == STATUS_OK ? store_history_after(store, table, tile, history->after) : status;
+}

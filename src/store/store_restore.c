@@ -1,0 +1,274 @@
+/*
+ * Returns a store to a revision that it keeps, in one transaction.
+ *
+ *   BEGIN -> the present revision is kept -> tiles that changed since are written as they were -> header and run's record -> COMMIT
+ *
+ * A restore is a revision itself. So it can be undone by another one.
+ */
+#include "store/internal.h"
+
+#include <assert.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* A kept revision, as its table has it. */
+struct kept {
+	int64_t revision;
+	struct store_run_copy run;
+	bool has_working;
+	int64_t compacted;
+};
+
+struct restoring {
+	struct store *store;
+	int64_t revision;
+	struct climb_item *items; /* of one table */
+	size_t count, room;
+};
+
+static enum status copy_text(char **to, sqlite3_stmt *statement, int column)
+{
+	const char *text = (const char *)sqlite3_column_text(statement, column);
+	mem_free(*to);
+	*to = mem_strdup(text != NULL ? text : "");
+	return *to != NULL ? STATUS_OK : fail_memory("a restore");
+}
+
+/* Returns true if the text names the revision of the parent at which an overlay begins, and the overlay keeps it. */
+static bool inherited_name(const struct store *store, const char *name)
+{
+	sqlite3_stmt *statement = NULL;
+	char kept[96];
+	int64_t own = 0;
+	bool same = false;
+	snprintf(kept, sizeof kept, "SELECT count(*) FROM revision WHERE revision = %lld", (long long)store->parent_revision);
+	if (!store->inherits || store_sql_integer(store->db, store->path, kept, &own) != STATUS_OK || own == 0 ||
+	    store_sql_prepare(store->under->db, store->under->path, &statement, "SELECT revision FROM snapshot WHERE name = ?1") != STATUS_OK)
+		return false;
+	sqlite3_bind_text(statement, 1, name, -1, SQLITE_STATIC);
+	same = sqlite3_step(statement) == SQLITE_ROW && sqlite3_column_int64(statement, 0) == store->parent_revision;
+	sqlite3_finalize(statement);
+	return same;
+}
+
+/* Finds what the text names: a number of a revision, or a snapshot. *revision is the present one if the text names that. */
+static enum status find_revision(struct store *store, const char *text, int64_t *revision)
+{
+	char *end;
+	*revision = strtoll(text, &end, 10);
+	bool number = *text >= '0' && *text <= '9' && *end == '\0';
+	sqlite3_stmt *statement = NULL;
+	enum status status = store_sql_prepare(store->db, store->path, &statement, number ? "SELECT revision FROM revision WHERE revision = ?1"
+											  : "SELECT revision FROM snapshot WHERE name = ?2");
+	if (status != STATUS_OK)
+		return status;
+	if (number)
+		sqlite3_bind_int64(statement, 1, *revision);
+	else
+		sqlite3_bind_text(statement, 2, text, -1, SQLITE_STATIC);
+	int code = sqlite3_step(statement);
+	if (code == SQLITE_ROW)
+		*revision = sqlite3_column_int64(statement, 0);
+	else if (code != SQLITE_DONE)
+		status = store_sql_fail(store->db, code, store->path, "reading its history");
+	else if (!number && inherited_name(store, text))
+		*revision = store->parent_revision;
+	else if (!number || *revision != store->commit)
+		status = fail_with(STATUS_INPUT, "%s: it keeps no %s %s; furrow log tells what it keeps", store->path,
+				   number ? "revision" : "snapshot", text);
+	sqlite3_finalize(statement);
+	return status;
+}
+
+static enum status read_kept(struct store *store, int64_t revision, struct kept *kept)
+{
+	sqlite3_stmt *statement = NULL;
+	kept->revision = revision;
+	enum status status = store_sql_prepare(store->db, store->path, &statement,
+					 "SELECT scene_hash, state, step, time, working, compacted FROM revision WHERE revision = ?1");
+	if (status != STATUS_OK)
+		return status;
+	sqlite3_bind_int64(statement, 1, revision);
+	int code = sqlite3_step(statement);
+	if (code != SQLITE_ROW)
+		status = store_sql_fail(store->db, code, store->path, "reading its history");
+	if (status == STATUS_OK)
+		status = copy_text(&kept->run.scene_hash, statement, 0);
+	if (status == STATUS_OK)
+		status = copy_text(&kept->run.state, statement, 1);
+	if (status == STATUS_OK) {
+		kept->run.step = sqlite3_column_int64(statement, 2);
+		kept->run.time = sqlite3_column_double(statement, 3);
+		kept->has_working = sqlite3_column_type(statement, 4) != SQLITE_NULL;
+		kept->compacted = sqlite3_column_int64(statement, 5);
+	}
+	sqlite3_finalize(statement);
+	return status;
+}
+
+/* --- which tiles changed since --- */
+
+static enum status add(struct restoring *restoring, uint64_t key)
+{
+	const struct store *store = restoring->store;
+	struct tile tile = tile_from_key(key);
+	if (tile_key(tile) != key || tile.level != store->history.level || !extent_has(&store->meta.extent, tile))
+		return fail_with(STATUS_INPUT, "%s: its history has a tile outside its terrain; the store is damaged, restore it", store->path);
+	if (restoring->count == restoring->room) {
+		size_t room = restoring->room != 0 ? 2 * restoring->room : 64;
+		struct climb_item *items = mem_realloc(restoring->items, room, sizeof *items);
+		if (items == NULL)
+			return fail_memory("a restore");
+		restoring->items = items;
+		restoring->room = room;
+	}
+	restoring->items[restoring->count++] = (struct climb_item){.key = key};
+	return STATUS_OK;
+}
+
+/* Finds each tile of a table that has a row of the history from the revision on. Skips from tile to tile, past their rows. */
+static enum status find_tiles(struct restoring *restoring, enum row_table table)
+{
+	struct store *store = restoring->store;
+	sqlite3_stmt *next = NULL, *any = NULL;
+	int64_t key = -1;
+	int code = SQLITE_ROW;
+	restoring->count = 0;
+	enum status status = store_sql_prepare(store->db, store->path, &next,
+					 "SELECT key FROM history WHERE plane = ?1 AND key > ?2 ORDER BY key LIMIT 1");
+	if (status == STATUS_OK)
+		status = store_sql_prepare(store->db, store->path, &any,
+					   "SELECT 1 FROM history WHERE plane = ?1 AND key = ?2 AND revision >= ?3 LIMIT 1");
+	while (status == STATUS_OK && code == SQLITE_ROW) {
+		sqlite3_reset(next);
+		sqlite3_bind_int(next, 1, (int)table);
+		sqlite3_bind_int64(next, 2, key);
+		code = sqlite3_step(next);
+		if (code != SQLITE_ROW)
+			break;
+		key = sqlite3_column_int64(next, 0);
+		sqlite3_reset(any);
+		sqlite3_bind_int(any, 1, (int)table);
+		sqlite3_bind_int64(any, 2, key);
+		sqlite3_bind_int64(any, 3, restoring->revision);
+		code = sqlite3_step(any);
+		if (code == SQLITE_ROW)
+			status = add(restoring, (uint64_t)key);
+		code = code == SQLITE_DONE ? SQLITE_ROW : code;
+	}
+	if (status == STATUS_OK && code != SQLITE_DONE)
+		status = store_sql_fail(store->db, code, store->path, "reading its history");
+	sqlite3_finalize(next);
+	sqlite3_finalize(any);
+	return status;
+}
+
+/* --- back --- */
+
+static enum status posts_then(void *user, enum row_table table, const struct climb_item *item, int32_t *scratch, const int32_t **posts)
+{
+	const struct restoring *restoring = user;
+	*posts = scratch;
+	return store_history_posts(restoring->store, table, tile_from_key(item->key), restoring->revision, scratch);
+}
+
+static enum status put_state(struct restoring *restoring, enum row_table table, struct store_commit_result *result)
+{
+	size_t side = tile_posts(&restoring->store->meta.extent);
+	const int32_t *posts;
+	int32_t *scratch = mem_alloc(side * side, sizeof *scratch);
+	enum status status = scratch != NULL ? STATUS_OK : fail_memory("a restore");
+	for (size_t i = 0; i < restoring->count && status == STATUS_OK; i++) {
+		status = posts_then(restoring, table, &restoring->items[i], scratch, &posts);
+		if (status == STATUS_OK)
+			status = store_state_put_tile(restoring->store, table, tile_from_key(restoring->items[i].key), posts, result);
+	}
+	mem_free(scratch);
+	return status;
+}
+
+static enum status put_tiles(struct restoring *restoring)
+{
+	const struct climb_source source = {restoring, posts_then};
+	const struct store_run run = {0};
+	struct store_commit_result result = {0};
+	struct store *store = restoring->store;
+	enum status status = STATUS_OK;
+	for (int table = ROW_OFFSET; table < ROW_TABLES && status == STATUS_OK; table++) {
+		status = find_tiles(restoring, (enum row_table)table);
+		if (status == STATUS_OK && row_is_state((enum row_table)table))
+			status = put_state(restoring, (enum row_table)table, &result);
+		else if (status == STATUS_OK)
+			status = store_climb(store, (enum row_table)table, restoring->items, restoring->count, &source, &run, &result);
+	}
+	return status;
+}
+
+static enum status put_header(struct store *store, struct kept *kept)
+{
+	char what[48];
+	enum status status = STATUS_OK;
+	snprintf(what, sizeof what, "restore %lld", (long long)kept->revision);
+	if (kept->has_working)
+		status = store_meta_put_integer(store, "working", store->history.level);
+	else
+		status = store_meta_drop(store, "working");
+	if (status == STATUS_OK)
+		status = kept->compacted != 0 ? store_meta_put_integer(store, "compacted", kept->compacted) : store_meta_drop(store, "compacted");
+	const struct store_run run = {.scene_hash = kept->run.scene_hash, .step = kept->run.step, .time = kept->run.time, .what = what};
+	return status == STATUS_OK ? store_run_put(store, &run, kept->run.state) : status;
+}
+
+static enum status restore(struct store *store, struct kept *kept)
+{
+	struct restoring restoring = {.store = store, .revision = kept->revision};
+	enum status status = store_history_begin(store, true);
+	if (status == STATUS_OK)
+		status = put_tiles(&restoring);
+	if (status == STATUS_OK)
+		status = put_header(store, kept);
+	if (status == STATUS_OK)
+		status = store_changes_reserve(&store->changes);
+	if (status == STATUS_OK)
+		status = store_sql_exec(store->db, store->path, "restoring it", "COMMIT");
+	store_history_end(store, status == STATUS_OK);
+	mem_free(restoring.items);
+	return status;
+}
+
+enum status store_restore(struct store *store, const char *text, int64_t *revision)
+{
+	struct kept kept = {0};
+	assert(store->writing);
+	enum status status = find_revision(store, text, revision);
+	if (status != STATUS_OK || *revision == store->commit)
+		return status;
+	status = read_kept(store, *revision, &kept);
+	bool had_working = store->has_working;
+	int working = store->working;
+	if (status == STATUS_OK && store->history.has_level) { /* the present revision may be of ground that was never deformed */
+		store->has_working = true;
+		store->working = store->history.level;
+	}
+	if (status == STATUS_OK)
+		status = store_sql_begin(store->db, store->path, "restoring it");
+	if (status == STATUS_OK)
+		status = restore(store, &kept);
+	if (status != STATUS_OK) {
+		store_sql_undo(store->db);
+		store_changes_drop(&store->changes);
+		store->has_working = had_working;
+		store->working = working;
+	} else {
+		store->commit++;
+		store_changes_commit(&store->changes, store->commit);
+		store->has_working = store->working_stored = kept.has_working;
+		store->compacted = kept.compacted;
+		store->marked = false;
+		for (int table = 0; table < ROW_TABLES; table++)
+			store->state_rows[table] = STATE_UNKNOWN;
+	}
+	store_run_copy_finish(&kept.run);
+	return status;
+}

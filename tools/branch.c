@@ -1,0 +1,38 @@
+/* furrow branch: an overlay of a store, which goes on from what is there. */
+#include <stdio.h>
+
+#include "command.h"
+#include "store/store.h"
+
+static const struct command_option options[] = {
+	{NULL, NULL, NULL},
+};
+
+static enum status run(const struct arguments *arguments)
+{
+	struct store *store = NULL;
+	int64_t revision;
+	enum status status = arguments_expect(arguments, 2, 2);
+	if (status == STATUS_OK)
+		status = store_create_overlay(arguments_at(arguments, 1), arguments_at(arguments, 0));
+	if (status == STATUS_OK)
+		status = store_open(arguments_at(arguments, 1), &(struct store_options){.mode = STORE_READ}, &store);
+	if (status == STATUS_OK) {
+		(void)store_parent(store, &revision);
+		printf("%s: a branch of %s at revision %lld; drive it as a store, and leave %s as it is\n", arguments_at(arguments, 1),
+		       arguments_at(arguments, 0), (long long)revision, arguments_at(arguments, 0));
+	}
+	store_close(store);
+	return status;
+}
+
+const struct command command_branch = {
+	.name = "branch",
+	.usage = "branch STORE NEW",
+	.summary = "make an overlay that goes on from a store",
+	.details = "NEW is an overlay: it shows all that STORE has, and takes what comes. STORE may be an overlay itself; up to 16 lie one\n"
+		   "over another. While NEW is wanted STORE stays as it is: after a drive of STORE itself NEW is refused. Removing NEW is the\n"
+		   "undo. furrow log tells where branches begin, furrow merge joins two, furrow flatten makes one file of a chain.\n",
+	.options = options,
+	.run = run,
+};

@@ -1,0 +1,220 @@
+/* furrow log: the revisions that a store keeps, those of the files under it, and its branches. */
+#include <dirent.h>
+#include <libgen.h>
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <time.h>
+
+#include "command.h"
+#include "json.h"
+#include "store/store.h"
+
+static const struct command_option options[] = {
+	{"json", NULL, "one JSON object"},
+	{NULL, NULL, NULL},
+};
+
+static void print_time(int64_t made, const char *format, char *text, size_t room)
+{
+	struct tm parts;
+	time_t seconds = (time_t)made;
+	if (made == 0 || gmtime_r(&seconds, &parts) == NULL || strftime(text, room, format, &parts) == 0)
+		snprintf(text, room, "-");
+}
+
+/* --- revisions --- */
+
+struct listing {
+	char file[PATH_MAX]; /* of the last revision */
+	int64_t count;
+	cJSON *revisions;
+};
+
+static enum status print_revision(void *user, const struct store_revision *revision)
+{
+	struct listing *listing = user;
+	char made[32];
+	if (strcmp(listing->file, revision->file) != 0)
+		printf("%s%s\n", listing->count > 0 ? "over " : "", revision->file);
+	snprintf(listing->file, sizeof listing->file, "%s", revision->file);
+	listing->count++;
+	print_time(revision->made, "%Y-%m-%d %H:%M:%S", made, sizeof made);
+	printf("%c %6lld  %-19s  %-8s  ", revision->present ? '*' : ' ', (long long)revision->revision, made,
+	       revision->who[0] != '\0' ? revision->who : "-");
+	if (revision->scene_hash[0] != '\0')
+		printf("step %lld (%.3f s)  ", (long long)revision->step, revision->time);
+	printf("%s", revision->what[0] != '\0' ? revision->what : revision->revision == 0 ? "as imported" : "-");
+	if (revision->names[0] != '\0')
+		printf("  [%s]", revision->names);
+	putchar('\n');
+	return STATUS_OK;
+}
+
+static cJSON *names_json(const char *names)
+{
+	cJSON *array = cJSON_CreateArray();
+	while (*names != '\0') {
+		char name[80];
+		size_t length = strcspn(names, ",");
+		snprintf(name, sizeof name, "%.*s", (int)length, names);
+		cJSON_AddItemToArray(array, cJSON_CreateString(name));
+		names += length + (names[length] == ',');
+	}
+	return array;
+}
+
+static enum status add_revision(void *user, const struct store_revision *revision)
+{
+	struct listing *listing = user;
+	char made[32];
+	cJSON *object = cJSON_CreateObject();
+	json_integer(object, "revision", revision->revision);
+	cJSON_AddStringToObject(object, "file", revision->file);
+	cJSON_AddBoolToObject(object, "present", revision->present);
+	print_time(revision->made, "%Y-%m-%dT%H:%M:%SZ", made, sizeof made);
+	if (revision->made != 0)
+		cJSON_AddStringToObject(object, "when", made);
+	else
+		cJSON_AddNullToObject(object, "when");
+	cJSON_AddStringToObject(object, "who", revision->who);
+	cJSON_AddStringToObject(object, "what", revision->what);
+	cJSON_AddStringToObject(object, "scene_hash", revision->scene_hash);
+	json_integer(object, "step", revision->step);
+	json_number(object, "time", revision->time);
+	cJSON_AddItemToObject(object, "names", names_json(revision->names));
+	cJSON_AddItemToArray(listing->revisions, object);
+	return STATUS_OK;
+}
+
+/* --- branches: overlays in the store's folder that name it as their parent --- */
+
+typedef void (*branch_fn)(void *user, const char *path, int64_t revision);
+
+/* A store begins with SQLite's header: other files are not opened. */
+static bool may_be_a_store(const char *path)
+{
+	char head[16] = "";
+	struct stat file;
+	if (stat(path, &file) != 0 || !S_ISREG(file.st_mode))
+		return false;
+	FILE *in = fopen(path, "rb");
+	bool read = in != NULL && fread(head, 1, sizeof head, in) == sizeof head;
+	if (in != NULL)
+		fclose(in);
+	return read && memcmp(head, "SQLite format 3", sizeof head) == 0;
+}
+
+static void look_at(const char *path, const char *parent, branch_fn fn, void *user)
+{
+	struct store *store;
+	int64_t revision;
+	if (!may_be_a_store(path) || store_open(path, &(struct store_options){.mode = STORE_READ}, &store) != STATUS_OK)
+		return;
+	const char *found = store_parent(store, &revision);
+	if (found != NULL && strcmp(found, parent) == 0)
+		fn(user, path, revision);
+	store_close(store);
+}
+
+static int by_name(const void *a, const void *b)
+{
+	return strcmp(*(char *const *)a, *(char *const *)b);
+}
+
+/* Calls `fn` for each branch in the folder of the store, by name. What cannot be read is no branch. */
+static enum status each_branch(const char *store, branch_fn fn, void *user)
+{
+	char real[PATH_MAX], folder[PATH_MAX], path[2 * PATH_MAX];
+	char **names = NULL;
+	size_t count = 0;
+	enum status status = STATUS_OK;
+	if (realpath(store, real) == NULL)
+		return STATUS_OK;
+	snprintf(folder, sizeof folder, "%s", real);
+	DIR *directory = opendir(dirname(folder));
+	for (struct dirent *entry; directory != NULL && status == STATUS_OK && (entry = readdir(directory)) != NULL;) {
+		char **more = mem_realloc(names, count + 1, sizeof *more);
+		char *name = more != NULL ? mem_strdup(entry->d_name) : NULL;
+		names = more != NULL ? more : names;
+		if (name == NULL)
+			status = fail_memory("the branches");
+		else
+			names[count++] = name;
+	}
+	if (directory != NULL)
+		closedir(directory);
+	if (count > 0)
+		qsort(names, count, sizeof *names, by_name);
+	snprintf(folder, sizeof folder, "%s", real);
+	const char *in = dirname(folder);
+	for (size_t i = 0; i < count; i++) {
+		snprintf(path, sizeof path, "%s/%s", in, names[i]);
+		if (status == STATUS_OK && strcmp(path, real) != 0)
+			look_at(path, real, fn, user);
+		mem_free(names[i]);
+	}
+	mem_free(names);
+	return status;
+}
+
+static void print_branch(void *user, const char *path, int64_t revision)
+{
+	printf("branch %s of revision %lld\n", path, (long long)revision);
+}
+
+static void add_branch(void *user, const char *path, int64_t revision)
+{
+	cJSON *branch = cJSON_CreateObject();
+	cJSON_AddStringToObject(branch, "file", path);
+	json_integer(branch, "revision", revision);
+	cJSON_AddItemToArray(user, branch);
+}
+
+static enum status print_text(const struct store *store, const char *path)
+{
+	struct listing listing = {.file = ""};
+	enum status status = store_log(store, print_revision, &listing);
+	if (status == STATUS_OK && listing.count == 0)
+		printf("%s\n* never driven\n", path);
+	return status == STATUS_OK ? each_branch(path, print_branch, NULL) : status;
+}
+
+static enum status print_json(const struct store *store, const char *path)
+{
+	struct listing listing = {.file = ""};
+	cJSON *object = cJSON_CreateObject();
+	listing.revisions = cJSON_AddArrayToObject(object, "revisions");
+	enum status status = store_log(store, add_revision, &listing);
+	if (status == STATUS_OK)
+		status = each_branch(path, add_branch, cJSON_AddArrayToObject(object, "branches"));
+	if (status == STATUS_OK)
+		return json_print(object);
+	cJSON_Delete(object);
+	return status;
+}
+
+static enum status run(const struct arguments *arguments)
+{
+	struct store *store = NULL;
+	enum status status = arguments_expect(arguments, 1, 1);
+	if (status == STATUS_OK)
+		status = store_open(arguments_at(arguments, 0), &(struct store_options){.mode = STORE_READ}, &store);
+	if (status == STATUS_OK)
+		status = arguments_flag(arguments, "json") ? print_json(store, arguments_at(arguments, 0))
+							   : print_text(store, arguments_at(arguments, 0));
+	store_close(store);
+	return status;
+}
+
+const struct command command_log = {
+	.name = "log",
+	.usage = "log STORE [--json]",
+	.summary = "the revisions that a store keeps: who, when, which scene and step",
+	.details = "The newest first; * is what the store holds. [NAME] is a snapshot. Of an overlay the revisions of the files under it\n"
+		   "follow. Branches are the overlays in the store's folder that begin at it. Times are UTC.\n",
+	.options = options,
+	.run = run,
+};

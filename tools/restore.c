@@ -1,0 +1,43 @@
+/* furrow restore: returns a store to a revision that it keeps. */
+#include <stdio.h>
+
+#include "command.h"
+#include "store/store.h"
+
+static const struct command_option options[] = {
+	{NULL, NULL, NULL},
+};
+
+static enum status run(const struct arguments *arguments)
+{
+	struct store *store = NULL;
+	struct store_numbers before, after;
+	int64_t revision;
+	enum status status = arguments_expect(arguments, 2, 2);
+	if (status == STATUS_OK)
+		status = store_open(arguments_at(arguments, 0), &(struct store_options){.mode = STORE_WRITE}, &store);
+	if (status == STATUS_OK)
+		status = store_count(store, &before);
+	if (status == STATUS_OK)
+		status = store_restore(store, arguments_at(arguments, 1), &revision);
+	if (status == STATUS_OK)
+		status = store_count(store, &after);
+	if (status == STATUS_OK && after.commits == before.commits)
+		printf("%s: it is at revision %lld already\n", arguments_at(arguments, 0), (long long)revision);
+	else if (status == STATUS_OK)
+		printf("%s: revision %lld is revision %lld again; furrow restore %s %lld undoes that\n", arguments_at(arguments, 0),
+		       (long long)after.commits, (long long)revision, arguments_at(arguments, 0), (long long)before.commits);
+	store_close(store);
+	return status;
+}
+
+const struct command command_restore = {
+	.name = "restore",
+	.usage = "restore STORE REVISION|NAME",
+	.summary = "return a store to a revision that it keeps",
+	.details = "A store keeps the revisions that furrow log lists: those of drives with --keep-history, those with a name (furrow\n"
+		   "snapshot), and those that a restore replaced. What is restored is a revision of its own, so that a restore can be undone.\n"
+		   "A drive with --resume goes on from it.\n",
+	.options = options,
+	.run = run,
+};
