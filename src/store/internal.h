@@ -472,6 +472,9 @@ enum status store_lineage_hash(const struct store *under, const struct lineage *
 enum status store_overlay_connect(struct store *store) FURROW_CHECKED;
 /* Gives store->rows what the overlay inherits. Call this when both are open. */
 void store_overlay_inherit(struct store *store);
+/* Makes an overlay, as store_create_overlay. `fill` writes rows before it is published; NULL: none. */
+enum status store_overlay_make(const char *path, const char *parent_path, enum status (*fill)(struct store *store, void *user), void *user)
+	FURROW_CHECKED;
 /* Writes to an overlay that inherits what it has of its parent at its beginning: the header's entries and the run's record. In a
  * transaction. */
 enum status store_overlay_begin(struct store *store) FURROW_CHECKED;

@@ -125,6 +125,16 @@ enum status store_create_overlay(const char *path, const char *parent_path) FURR
  * overlay that is over it. */
 enum status store_open_overlay(const char *path, const char *base_path, const struct store_options *options,
 			       struct store **out) FURROW_CHECKED;
+#define STORE_CONFLICTS_MOST 20
+struct store_conflicts {
+	int64_t posts, places; /* places: all, also those that are not in `rects` */
+	int level;             /* of the posts */
+	struct post_rect rects[STORE_CONFLICTS_MOST]; /* in posts of the working level */
+};
+/* Merges two overlays into a new overlay of the nearest file that both are over, or of their plain store. Each post is as the one has
+ * it that changed it. STATUS_INPUT: both changed posts, and not to the same values; *conflicts tells where. Or they are not of one base or
+ * one working level, or `path` exists. Then nothing is made. */
+enum status store_merge(const char *ours, const char *theirs, const char *path, struct store_conflicts *conflicts) FURROW_CHECKED;
 /* Closes as store_close, after a failure. If store_open_overlay() made the overlay and it has no commit, removes the file. */
 void store_abandon(struct store *store);
 

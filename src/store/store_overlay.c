@@ -278,7 +278,20 @@ static enum status inherit_from(struct store *store, struct store *parent)
 	return status;
 }
 
-enum status store_create_overlay(const char *path, const char *parent_path)
+/* Lets a new overlay read what it inherits before it is published. Afterwards the overlay owns the parent. */
+static enum status go_over(struct store *store, struct store *parent)
+{
+	store->under = parent;
+	store->depth = parent->depth + 1;
+	store->base = parent->base;
+	store->commit = store->parent_revision;
+	enum status status = store->inherits ? store_lineage_make(parent, parent->commit, &store->lineage) : STATUS_OK;
+	if (status == STATUS_OK)
+		store_overlay_inherit(store);
+	return status;
+}
+
+enum status store_overlay_make(const char *path, const char *parent_path, enum status (*fill)(struct store *store, void *user), void *user)
 {
 	struct store *parent = NULL, *store = NULL;
 	enum status status = store_open(parent_path, &reading, &parent);
@@ -291,11 +304,22 @@ enum status store_create_overlay(const char *path, const char *parent_path)
 		status = name_parent(store, parent);
 	if (status == STATUS_OK && (parent->under != NULL || parent->working_stored))
 		status = inherit_from(store, parent);
+	if (status == STATUS_OK && fill != NULL) {
+		status = go_over(store, parent);
+		parent = NULL;
+		if (status == STATUS_OK)
+			status = fill(store, user);
+	}
 	if (status == STATUS_OK)
 		status = store_publish(store);
 	store_close(store);
 	store_close(parent);
 	return status;
+}
+
+enum status store_create_overlay(const char *path, const char *parent_path)
+{
+	return store_overlay_make(path, parent_path, NULL, NULL);
 }
 
 /* --- one to write to --- */

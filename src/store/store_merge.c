@@ -1,0 +1,282 @@
+/*
+ * Merges two overlays into a new overlay of what both are over.
+ *
+ *   tiles that one of them changed -> post by post -> a new overlay, its coarser levels made anew -> published
+ *
+ * A post that one of the two changed is as that one has it. A post that both changed must be the same in both, in every plane.
+ * Otherwise nothing is made, and the places are told. The new file is made beside its name and renamed, so that it is whole or absent.
+ *
+ * The three grounds are compared row by row first: rows with one hash have the same posts.
+ */
+#include "store/internal.h"
+
+#include <assert.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { OURS, THEIRS, BASE, SIDES }; /* BASE: what both began with */
+
+struct merging {
+	struct store *sides[SIDES];     /* BASE: NULL if it was never deformed */
+	struct lineage rows[SIDES];     /* the rows that count */
+	struct climb_item *items;       /* of one table: tiles that one or both changed */
+	size_t count;
+	int32_t *posts[SIDES];          /* a tile each */
+	int level;
+	struct store_conflicts *conflicts; /* while they are sought; else NULL */
+};
+
+/* --- what both are over --- */
+
+/* Returns the file whose deformation an overlay shows, too; NULL: it has only a base. */
+static struct store *shown(const struct store *store)
+{
+	return store->inherits ? store->under : NULL;
+}
+
+static enum status state_of(struct store *store, uint64_t *hash)
+{
+	struct lineage lineage = {0};
+	enum status status = store_lineage_make(store, store->commit, &lineage);
+	if (status == STATUS_OK)
+		status = store_lineage_hash(store, &lineage, hash);
+	store_lineage_finish(&lineage);
+	return status;
+}
+
+/* Finds the nearest file of one chain whose state a file of the other has, too. *found NULL: none, they share only the base. */
+static enum status find_base(struct store *ours, struct store *theirs, struct store **found)
+{
+	*found = NULL;
+	for (struct store *a = ours; a != NULL; a = shown(a)) {
+		uint64_t mine, other;
+		enum status status = state_of(a, &mine);
+		for (struct store *b = theirs; b != NULL && status == STATUS_OK; b = shown(b)) {
+			status = state_of(b, &other);
+			if (status == STATUS_OK && mine == other) {
+				*found = a;
+				return STATUS_OK;
+			}
+		}
+		if (status != STATUS_OK)
+			return status;
+	}
+	return STATUS_OK;
+}
+
+/* --- tiles that differ --- */
+
+/* Lists the tiles of a table that one side or both have otherwise than the base. All three lists are in the order of keys. */
+static enum status list_tiles(struct merging *merging, enum row_table table)
+{
+	size_t at[SIDES] = {0}, room = 0;
+	mem_free(merging->items);
+	merging->items = NULL;
+	merging->count = 0;
+	for (int side = 0; side < SIDES; side++)
+		room += merging->rows[side].count[table];
+	if (room == 0)
+		return STATUS_OK;
+	merging->items = mem_alloc(room, sizeof *merging->items);
+	if (merging->items == NULL)
+		return fail_memory("a merge");
+	for (;;) {
+		uint64_t key = UINT64_MAX, hashes[SIDES] = {0};
+		for (int side = 0; side < SIDES; side++)
+			if (at[side] < merging->rows[side].count[table] && merging->rows[side].entries[table][at[side]].key < key)
+				key = merging->rows[side].entries[table][at[side]].key;
+		if (key == UINT64_MAX)
+			return STATUS_OK;
+		for (int side = 0; side < SIDES; side++) {
+			const struct lineage_entry *entry = &merging->rows[side].entries[table][at[side]];
+			if (at[side] < merging->rows[side].count[table] && entry->key == key) {
+				hashes[side] = entry->hash;
+				at[side]++;
+			}
+		}
+		bool differs = hashes[OURS] != hashes[BASE] || hashes[THEIRS] != hashes[BASE];
+		if (differs && tile_from_key(key).level == merging->level)
+			merging->items[merging->count++] = (struct climb_item){.key = key};
+	}
+}
+
+static enum status read_side(struct merging *merging, int side, enum row_table table, struct tile tile, size_t count)
+{
+	struct row row;
+	bool found = false;
+	struct store *store = merging->sides[side];
+	enum status status = store != NULL ? store_rows_read(&store->rows, table, tile, merging->posts[side], &row, &found) : STATUS_OK;
+	if (status == STATUS_OK && !found)
+		memset(merging->posts[side], 0, count * sizeof *merging->posts[side]);
+	return status;
+}
+
+static void note_conflict(struct store_conflicts *conflicts, struct post_rect rect, int64_t posts)
+{
+	conflicts->posts += posts;
+	for (int64_t i = 0; i < conflicts->places && i < STORE_CONFLICTS_MOST; i++) {
+		struct post_rect *known = &conflicts->rects[i];
+		if (known->x0 >= rect.x1 || rect.x0 >= known->x1 || known->y0 >= rect.y1 || rect.y0 >= known->y1)
+			continue;
+		known->x0 = known->x0 < rect.x0 ? known->x0 : rect.x0;
+		known->y0 = known->y0 < rect.y0 ? known->y0 : rect.y0;
+		known->x1 = known->x1 > rect.x1 ? known->x1 : rect.x1;
+		known->y1 = known->y1 > rect.y1 ? known->y1 : rect.y1;
+		return;
+	}
+	if (conflicts->places < STORE_CONFLICTS_MOST)
+		conflicts->rects[conflicts->places] = rect;
+	conflicts->places++;
+}
+
+/* Gives the posts of both sides together. Notes posts that both changed otherwise. */
+static enum status join(void *user, enum row_table table, const struct climb_item *item, int32_t *scratch, const int32_t **out)
+{
+	struct merging *merging = user;
+	struct tile tile = tile_from_key(item->key);
+	const struct extent *extent = &merging->sides[OURS]->meta.extent;
+	size_t side = tile_posts(extent);
+	enum status status = STATUS_OK;
+	for (int i = 0; i < SIDES && status == STATUS_OK; i++)
+		status = read_side(merging, i, table, tile, side * side);
+	if (status != STATUS_OK)
+		return status;
+	const struct post_rect own = tile_post_rect(extent, tile);
+	struct post_rect rect = {INT64_MAX, INT64_MAX, INT64_MIN, INT64_MIN};
+	int64_t posts = 0;
+	for (size_t i = 0; i < side * side; i++) {
+		int32_t ours = merging->posts[OURS][i], theirs = merging->posts[THEIRS][i], base = merging->posts[BASE][i];
+		scratch[i] = ours == base ? theirs : ours;
+		if (ours == base || theirs == base || ours == theirs)
+			continue;
+		int64_t x = own.x0 + (int64_t)(i % side), y = own.y0 + (int64_t)(i / side);
+		rect.x0 = x < rect.x0 ? x : rect.x0;
+		rect.y0 = y < rect.y0 ? y : rect.y0;
+		rect.x1 = x + 1 > rect.x1 ? x + 1 : rect.x1;
+		rect.y1 = y + 1 > rect.y1 ? y + 1 : rect.y1;
+		posts++;
+	}
+	if (posts > 0 && merging->conflicts != NULL)
+		note_conflict(merging->conflicts, rect, posts);
+	*out = scratch;
+	return STATUS_OK;
+}
+
+static enum status seek_conflicts(struct merging *merging, struct store_conflicts *conflicts, int32_t *scratch)
+{
+	const int32_t *posts;
+	enum status status = STATUS_OK;
+	merging->conflicts = conflicts;
+	for (int table = ROW_OFFSET; table < ROW_TABLES && status == STATUS_OK; table++) {
+		status = list_tiles(merging, (enum row_table)table);
+		for (size_t i = 0; i < merging->count && status == STATUS_OK; i++)
+			status = join(merging, (enum row_table)table, &merging->items[i], scratch, &posts);
+	}
+	merging->conflicts = NULL;
+	if (status == STATUS_OK && conflicts->posts > 0)
+		status = fail_with(STATUS_INPUT, "%s: %s changed the same ground otherwise, at %lld places; drive them apart, or go on from one of "
+				   "them", merging->sides[OURS]->path, merging->sides[THEIRS]->path, (long long)conflicts->places);
+	return status;
+}
+
+/* --- the new overlay --- */
+
+static enum status put_header(struct merging *merging, struct store *out)
+{
+	const struct store_run run = {.scene_hash = "", .what = "merge"};
+	const struct store *base = merging->sides[BASE];
+	int64_t compacted = merging->sides[OURS]->compacted + merging->sides[THEIRS]->compacted - (base != NULL ? base->compacted : 0);
+	enum status status = store_meta_put_integer(out, "working", merging->level);
+	if (status == STATUS_OK && compacted != 0)
+		status = store_meta_put_integer(out, "compacted", compacted);
+	return status == STATUS_OK ? store_run_put(out, &run, "") : status;
+}
+
+static enum status fill(struct store *out, void *user)
+{
+	struct merging *merging = user;
+	const struct climb_source source = {merging, join};
+	const struct store_run run = {0};
+	struct store_commit_result result = {0};
+	size_t side = tile_posts(&out->meta.extent);
+	const int32_t *posts;
+	int32_t *scratch = mem_alloc(side * side, sizeof *scratch);
+	enum status status = scratch != NULL ? STATUS_OK : fail_memory("a merge");
+	out->has_working = true;
+	out->working = merging->level;
+	for (int table = ROW_OFFSET; table < ROW_TABLES && status == STATUS_OK; table++) {
+		status = list_tiles(merging, (enum row_table)table);
+		if (status == STATUS_OK && !row_is_state((enum row_table)table))
+			status = store_climb(out, (enum row_table)table, merging->items, merging->count, &source, &run, &result);
+		for (size_t i = 0; i < merging->count && row_is_state((enum row_table)table) && status == STATUS_OK; i++) {
+			status = join(merging, (enum row_table)table, &merging->items[i], scratch, &posts);
+			if (status == STATUS_OK)
+				status = store_state_put_tile(out, (enum row_table)table, tile_from_key(merging->items[i].key), posts, &result);
+		}
+	}
+	mem_free(scratch);
+	store_changes_drop(&out->changes);
+	return status == STATUS_OK ? put_header(merging, out) : status;
+}
+
+static enum status settle_level(struct merging *merging)
+{
+	const struct store *ours = merging->sides[OURS], *theirs = merging->sides[THEIRS];
+	if (ours->base_hash != theirs->base_hash)
+		return fail_with(STATUS_INPUT, "%s: it is over another base than %s; merge overlays of one store", theirs->path, ours->path);
+	if (ours->under == NULL || theirs->under == NULL)
+		return fail_with(STATUS_INPUT, "%s: it is a store of its own, not an overlay; make branches of it, drive them, and merge those",
+				 ours->under == NULL ? ours->path : theirs->path);
+	if (!ours->working_stored && !theirs->working_stored)
+		return fail_with(STATUS_INPUT, "%s: neither it nor %s has ruts; drive them first", ours->path, theirs->path);
+	if (ours->working_stored && theirs->working_stored && ours->working != theirs->working)
+		return fail_with(STATUS_INPUT, "%s: it is deformed at a spacing of %g m, and %s at %g m; merge what has one spacing", ours->path,
+				 extent_spacing(&ours->meta.extent, ours->working), theirs->path,
+				 extent_spacing(&ours->meta.extent, theirs->working));
+	merging->level = ours->working_stored ? ours->working : theirs->working;
+	return STATUS_OK;
+}
+
+static enum status merge(struct merging *merging, const char *path, struct store_conflicts *conflicts)
+{
+	struct store *ours = merging->sides[OURS];
+	size_t side = tile_posts(&ours->meta.extent);
+	int32_t *scratch = NULL;
+	enum status status = settle_level(merging);
+	if (status == STATUS_OK)
+		status = find_base(ours, merging->sides[THEIRS], &merging->sides[BASE]);
+	for (int i = 0; i < SIDES && status == STATUS_OK; i++) {
+		merging->posts[i] = mem_alloc(side * side, sizeof *merging->posts[i]);
+		status = merging->posts[i] != NULL ? STATUS_OK : fail_memory("a merge");
+		if (status == STATUS_OK && merging->sides[i] != NULL)
+			status = store_lineage_make(merging->sides[i], merging->sides[i]->commit, &merging->rows[i]);
+	}
+	if (status == STATUS_OK && (scratch = mem_alloc(side * side, sizeof *scratch)) == NULL)
+		status = fail_memory("a merge");
+	if (status == STATUS_OK)
+		status = seek_conflicts(merging, conflicts, scratch);
+	mem_free(scratch);
+	const char *parent = merging->sides[BASE] != NULL ? merging->sides[BASE]->real_path : store_base_path(ours);
+	return status == STATUS_OK ? store_overlay_make(path, parent, fill, merging) : status;
+}
+
+enum status store_merge(const char *ours, const char *theirs, const char *path, struct store_conflicts *conflicts)
+{
+	struct merging merging = {0};
+	const struct store_options reading = {.mode = STORE_READ};
+	*conflicts = (struct store_conflicts){0};
+	enum status status = store_open(ours, &reading, &merging.sides[OURS]);
+	if (status == STATUS_OK)
+		status = store_open(theirs, &reading, &merging.sides[THEIRS]);
+	if (status == STATUS_OK)
+		status = merge(&merging, path, conflicts);
+	conflicts->level = merging.level;
+	mem_free(merging.items);
+	for (int i = 0; i < SIDES; i++) {
+		store_lineage_finish(&merging.rows[i]);
+		mem_free(merging.posts[i]);
+	}
+	store_close(merging.sides[OURS]);
+	store_close(merging.sides[THEIRS]);
+	return status;
+}
