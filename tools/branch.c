@@ -32,7 +32,7 @@ const struct command command_branch = {
 	.summary = "make an overlay that goes on from a store",
 	.details = "NEW is an overlay: it shows all that STORE has, and takes what comes. STORE may be an overlay itself; up to 16 lie one\n"
 		   "over another. While NEW is wanted STORE stays as it is: after a drive of STORE itself NEW is refused. Removing NEW is the\n"
-		   "undo. furrow log tells where branches begin, furrow merge joins two, furrow flatten makes one file of a chain.\n",
+		   "undo. furrow log tells where branches begin, furrow merge joins two.\n",
 	.options = options,
 	.run = run,
 };

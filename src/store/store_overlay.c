@@ -89,8 +89,8 @@ static enum status parent_unusable(const struct store *store, enum status status
 		return store->over != NULL ? status : fail_with(STATUS_INPUT, "%s: it is over %.440s", store->path, failure.message);
 	if (advice != NULL)
 		*advice = '\0';
-	return fail_with(STATUS_INPUT, "%s: its base cannot be used: %.320s; put the base back, furrow relink it to where that is now, or "
-			 "drive with another --overlay", store->path, failure.message);
+	return fail_with(STATUS_INPUT, "%s: its base cannot be used: %.320s; put the base back, or drive with another "
+			 "--overlay", store->path, failure.message);
 }
 
 static bool same_real(double a, double b)
@@ -116,11 +116,11 @@ static enum status check_chain(const struct store *store)
 	int files = 1;
 	for (const struct store *over = store->over; over != NULL; over = over->over, files++)
 		if (strcmp(over->real_path, store->real_path) == 0)
-			return fail_with(STATUS_INPUT, "%s: it is an overlay of itself: %s names it as its parent; furrow relink one of "
-					 "them to the store that it was made from", store->path, store->over->path);
+			return fail_with(STATUS_INPUT, "%s: it is an overlay of itself: %s names it as its parent; put back the "
+					 "store that it was made from", store->path, store->over->path);
 	return files <= STORE_DEPTH_MOST ? STATUS_OK
-					 : fail_with(STATUS_INPUT, "%s: more than %d overlays lie one over another; furrow flatten one of "
-						     "them", store->path, STORE_DEPTH_MOST);
+					 : fail_with(STATUS_INPUT, "%s: more than %d overlays lie one over another; drive or branch one "
+						     "further down", store->path, STORE_DEPTH_MOST);
 }
 
 /* What the parent was when the overlay was made, it still is. */
@@ -296,7 +296,7 @@ enum status store_overlay_make(const char *path, const char *parent_path, enum s
 	struct store *parent = NULL, *store = NULL;
 	enum status status = store_open(parent_path, &reading, &parent);
 	if (status == STATUS_OK && parent->depth == STORE_DEPTH_MOST)
-		status = fail_with(STATUS_INPUT, "%s: %d overlays lie one over another already, and no more can; furrow flatten it first",
+		status = fail_with(STATUS_INPUT, "%s: %d overlays lie one over another already, and no more can; drive it, or branch one further down",
 				   parent_path, STORE_DEPTH_MOST);
 	if (status == STATUS_OK)
 		status = store_create(path, &parent->meta, false, &store);

@@ -99,7 +99,7 @@ static void sixteen_overlays_are_the_most(void **state)
 	for (int i = 1; i <= STORE_DEPTH_MOST; i++)
 		assert_ok(store_create_overlay(paths[i], paths[i - 1]));
 	assert_status(store_create_overlay(paths[17], paths[16]), STATUS_INPUT);
-	assert_non_null(strstr(failure_message(), "flatten"));
+	assert_non_null(strstr(failure_message(), "further down"));
 	assert_int_equal(files_of("deep17"), 0);
 	store = open_store(paths[16], STORE_WRITE);
 	struct field field = field_make(-1);
@@ -111,7 +111,7 @@ static void sixteen_overlays_are_the_most(void **state)
 	/* One whose header says that it is over the sixteenth. */
 	copy_file(paths[16], paths[17]);
 	raw_sql(paths[17], "UPDATE meta SET value = 'deep16.furrow' WHERE key = 'base_path'");
-	assert_says(paths[17], "16 overlays", "flatten");
+	assert_says(paths[17], "16 overlays", "further down");
 	field_free(&field);
 }
 
