@@ -14,7 +14,7 @@
 #include "store/store.h"
 
 /*
- * --- tiles (TILES.md has the files) ---
+ * --- tiles (EXCHANGE.md has the files) ---
  *
  * A folder of tiles: terrain-RGB heights, hillshade and ruts as PNGs of 256 x 256 pixels under z/x/y, quantized-mesh tiles for
  * globes, layer.json, and index.html.
