@@ -168,7 +168,7 @@ static void a_shear_limit_is_of_the_body_s_surface(void **state)
 }
 
 /* A wheel that leans to the left and one that leans to the right, driven at a slip of 0.2: what the soil does to one is mirrored on the other,
- * it pushes each to its upper side, and their slip is told about their own axles. */
+ * it pushes each to the side to which it leans, and their slip is told about their own axles. */
 static void wheels_may_lean(void **state)
 {
 	struct furrow_world *world = hosted_world("lean.furrow");
@@ -190,7 +190,7 @@ static void wheels_may_lean(void **state)
 		contacts[i] = contact_of(world, wheel);
 		assert_float_equal(contacts[i].slip, 0.2, 1e-9);
 	}
-	assert_true(contacts[0].force[1] > 0.02 * contacts[0].force[2] && contacts[0].force[0] > 0);
+	assert_true(contacts[0].force[1] < -0.02 * contacts[0].force[2] && contacts[0].force[0] > 0);
 	for (int k = 0; k < 3; k++) { /* a mirror turns forces across it, and moments along it */
 		const double size = 2e-3 * contacts[0].force[2];
 		assert_float_equal(contacts[1].force[k], (k == 1 ? -1 : 1) * contacts[0].force[k], size);
