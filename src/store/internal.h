@@ -266,6 +266,7 @@ struct store {
 	char *base_path;    /* of an overlay: path of its parent as stored, relative to the overlay's folder; NULL: a plain store */
 	struct store *under; /* of an overlay: its parent, open for reading; NULL: a plain store */
 	struct store *over; /* while a parent is being opened: the overlay that names it */
+	const char *parent_given; /* while it is being relinked: the file to take for its parent; NULL: the one that it names */
 	bool over_told;     /* the parent is an overlay, and has told what is wrong with a file under it */
 	int depth;          /* files under this one; 0: a plain store */
 	bool inherits;      /* an overlay that shows the deformation of its parent, too */
@@ -363,6 +364,7 @@ enum status store_meta_misfit(struct store *store, const char *posts, const char
 			      struct misfit *misfit) FURROW_CHECKED;
 enum status store_meta_put_request(struct store *store) FURROW_CHECKED;
 enum status store_meta_same_request(struct store *store, bool *same) FURROW_CHECKED;
+enum status store_meta_put_base_path(struct store *store) FURROW_CHECKED; /* store->base_path */
 enum status store_meta_put_integer(struct store *store, const char *key, int64_t value) FURROW_CHECKED;
 enum status store_meta_put_real(struct store *store, const char *key, double value) FURROW_CHECKED;
 enum status store_meta_drop(struct store *store, const char *key) FURROW_CHECKED;
@@ -453,8 +455,9 @@ enum status store_put_begin(struct store *store) FURROW_CHECKED; /* begins a tra
 
 /* --- store_open.c --- */
 
-/* `over`: the overlay that names this store as its parent; NULL: none. */
-enum status store_open_as(const char *path, const struct store_options *options, struct store *over,
+/* `over`: the overlay that names this store as its parent; NULL: none. `parent`: the path of the file to take for the parent in place
+ * of the one that the store names; NULL: that one. The store must be an overlay then. */
+enum status store_open_as(const char *path, const struct store_options *options, struct store *over, const char *parent,
 			  struct store **out) FURROW_CHECKED;
 char *store_path_with(const char *path, const char *suffix);
 
@@ -472,6 +475,8 @@ enum status store_lineage_hash(const struct store *under, const struct lineage *
 enum status store_overlay_connect(struct store *store) FURROW_CHECKED;
 /* Gives store->rows what the overlay inherits. Call this when both are open. */
 void store_overlay_inherit(struct store *store);
+/* Sets in memory what an overlay says of its parent: its path from the overlay's folder, and its base. */
+enum status store_overlay_name_parent(struct store *store, const struct store *parent) FURROW_CHECKED;
 /* Makes an overlay, as store_create_overlay. `fill` writes rows before it is published; NULL: none. */
 enum status store_overlay_make(const char *path, const char *parent_path, enum status (*fill)(struct store *store, void *user), void *user)
 	FURROW_CHECKED;

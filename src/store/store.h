@@ -125,6 +125,10 @@ enum status store_create_overlay(const char *path, const char *parent_path) FURR
  * overlay that is over it. */
 enum status store_open_overlay(const char *path, const char *base_path, const struct store_options *options,
 			       struct store **out) FURROW_CHECKED;
+/* Tells an overlay where its parent is now. Opens the overlay with `parent_path` in place of the file that it names, which need not
+ * exist. Proves by hashes that it is the same: of the base and, if the overlay shows its parent's deformation, of that. Then writes
+ * the new path in one transaction. STATUS_INPUT: it is another file, or `path` is not an overlay; nothing is written. */
+enum status store_relink(const char *path, const char *parent_path) FURROW_CHECKED;
 #define STORE_CONFLICTS_MOST 20
 struct store_conflicts {
 	int64_t posts, places; /* places: all, also those that are not in `rects` */

@@ -86,6 +86,11 @@ static enum status put_text(struct store *store, const char *key, const char *va
 	return end_put(store);
 }
 
+enum status store_meta_put_base_path(struct store *store)
+{
+	return put_text(store, "base_path", store->base_path);
+}
+
 enum status store_meta_write(struct store *store)
 {
 	const struct store_meta *meta = &store->meta;
@@ -112,7 +117,7 @@ enum status store_meta_write(struct store *store)
 	if (status == STATUS_OK)
 		status = store_misfit_write(store);
 	if (status == STATUS_OK && store->base_path != NULL)
-		status = put_text(store, "base_path", store->base_path);
+		status = store_meta_put_base_path(store);
 	if (status == STATUS_OK && store->inherits)
 		status = store_meta_put_integer(store, "parent_hash", (int64_t)store->parent_hash);
 	if (status == STATUS_OK && store->inherits)

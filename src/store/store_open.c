@@ -119,7 +119,7 @@ static enum status connect(struct store *store, const struct store_options *opti
 	return status == STATUS_OK ? store_meta_read(store) : status;
 }
 
-enum status store_open_as(const char *path, const struct store_options *options, struct store *over,
+enum status store_open_as(const char *path, const struct store_options *options, struct store *over, const char *parent,
 			  struct store **out)
 {
 	struct store *store = mem_calloc(1, sizeof *store);
@@ -129,6 +129,7 @@ enum status store_open_as(const char *path, const struct store_options *options,
 	store->lock = -1;
 	store->base = &store->rows;
 	store->over = over;
+	store->parent_given = parent;
 	store_changes_begin(&store->changes);
 	store->durable_full = options->durable_full;
 	store_who(store->who, sizeof store->who);
@@ -136,6 +137,8 @@ enum status store_open_as(const char *path, const struct store_options *options,
 	store->scene = options->scene != NULL ? mem_strdup(options->scene) : NULL;
 	bool copied = store->path != NULL && (options->scene == NULL || store->scene != NULL);
 	enum status status = copied ? connect(store, options, &version) : fail_memory("a store");
+	if (status == STATUS_OK && parent != NULL && store->base_path == NULL)
+		status = fail_with(STATUS_INPUT, "%s: it is a store of its own, not an overlay, so it has no base to name; name an overlay", path);
 	if (status == STATUS_OK && store->base_path != NULL)
 		status = store_overlay_connect(store);
 	if (status == STATUS_OK && version < STORE_VERSION)
@@ -167,7 +170,7 @@ enum status store_open_as(const char *path, const struct store_options *options,
 
 enum status store_open(const char *path, const struct store_options *options, struct store **out)
 {
-	return store_open_as(path, options, NULL, out);
+	return store_open_as(path, options, NULL, NULL, out);
 }
 
 /* Back to one file. Where that fails (another process reads it) everything is in the WAL still. */

@@ -58,18 +58,20 @@ static char *path_between(const char *folder, const char *file)
 	return path;
 }
 
-/* Returns the path of the parent by the overlay's header. If the file exists, it is the real path. NULL: out of memory. */
+/* Returns the path of the parent: the one that a relink gives, or the one in the overlay's header. If the file exists, it is the
+ * real path. NULL: out of memory. */
 static char *parent_file(const struct store *store)
 {
 	char there[PATH_MAX];
+	const char *given = store->parent_given != NULL ? store->parent_given : store->base_path;
 	char *named = NULL, *folder = mem_strdup(store->real_path);
 	if (folder == NULL)
 		return NULL;
-	size_t room = strlen(folder) + strlen(store->base_path) + 2;
-	if (store->base_path[0] == '/')
-		named = mem_strdup(store->base_path);
+	size_t room = strlen(folder) + strlen(given) + 2;
+	if (given[0] == '/' || store->parent_given != NULL)
+		named = mem_strdup(given);
 	else if ((named = mem_alloc(room, 1)) != NULL)
-		snprintf(named, room, "%s/%s", dirname(folder), store->base_path);
+		snprintf(named, room, "%s/%s", dirname(folder), given);
 	mem_free(folder);
 	if (named == NULL || realpath(named, there) == NULL)
 		return named;
@@ -83,14 +85,14 @@ static enum status parent_unusable(const struct store *store, enum status status
 	struct failure failure;
 	failure_capture(&failure, status);
 	char *advice = strstr(failure.message, "; ");
-	if (status != STATUS_INPUT)
+	if (status != STATUS_INPUT || store->parent_given != NULL) /* who relinks asks about the parent */
 		return status;
 	if (store->over_told) /* an overlay further down said it all */
 		return store->over != NULL ? status : fail_with(STATUS_INPUT, "%s: it is over %.440s", store->path, failure.message);
 	if (advice != NULL)
 		*advice = '\0';
-	return fail_with(STATUS_INPUT, "%s: its base cannot be used: %.320s; put the base back, or drive with another "
-			 "--overlay", store->path, failure.message);
+	return fail_with(STATUS_INPUT, "%s: its base cannot be used: %.320s; put the base back, tell where it is with "
+			 "furrow relink, or drive with another --overlay", store->path, failure.message);
 }
 
 static bool same_real(double a, double b)
@@ -133,7 +135,11 @@ static enum status check_parent(struct store *store)
 		status = store_lineage_make(under, store->parent_revision, &store->lineage);
 	if (status == STATUS_OK)
 		status = store_lineage_hash(under, &store->lineage, &hash);
-	if (status == STATUS_OK && hash != store->parent_hash)
+	if (status == STATUS_OK && hash != store->parent_hash && store->parent_given != NULL)
+		status = fail_with(STATUS_INPUT, "%s: it is not over %s, whose ruts are others: it was made at revision %lld of its parent, and "
+				   "this file is at %lld; name the file that it was made from, at that revision", store->path, under->path,
+				   (long long)store->parent_revision, (long long)under->commit);
+	else if (status == STATUS_OK && hash != store->parent_hash)
 		status = fail_with(STATUS_INPUT, "%s: its parent %s has changed since: it was at revision %lld, and is at %lld; restore the "
 				   "parent to that revision, or make another branch of it", store->path, under->path,
 				   (long long)store->parent_revision, (long long)under->commit);
@@ -151,16 +157,20 @@ static enum status connect_parent(struct store *store)
 	char *path = parent_file(store);
 	if (path == NULL)
 		return fail_memory("an overlay");
-	status = store_open_as(path, &reading, store, &store->under);
+	status = store_open_as(path, &reading, store, NULL, &store->under);
 	mem_free(path);
 	if (status != STATUS_OK)
 		return parent_unusable(store, status);
 	store->under->over = NULL;
 	store->depth = store->under->depth + 1;
 	store->base = store->under->base;
+	if (store->under->base_hash != store->base_hash && store->parent_given != NULL)
+		return fail_with(STATUS_INPUT, "%s: it is not over %s, which has another base (base_hash %016llx, not %016llx); name the file "
+				 "that it was made from", store->path, store->under->path,
+				 (unsigned long long)store->under->base_hash, (unsigned long long)store->base_hash);
 	if (store->under->base_hash != store->base_hash)
 		return fail_with(STATUS_INPUT, "%s: its base %s is another one now (base_hash %016llx, not %016llx); put the "
-				 "first one back, or drive with another --overlay", store->path, store->under->path,
+				 "first one back, tell where it is with furrow relink, or drive with another --overlay", store->path, store->under->path,
 				 (unsigned long long)store->under->base_hash, (unsigned long long)store->base_hash);
 	if (!same_terrain(&store->meta, &store->under->meta))
 		return fail_with(STATUS_INPUT, "%s: its header is not that of its base %s; it is damaged, drive with another "
@@ -219,11 +229,13 @@ const char *store_parent(const struct store *store, int64_t *revision)
 
 /* --- making one --- */
 
-static enum status name_parent(struct store *store, const struct store *parent)
+enum status store_overlay_name_parent(struct store *store, const struct store *parent)
 {
 	store->meta.low = parent->meta.low;
 	store->meta.high = parent->meta.high;
 	store->base_hash = parent->base_hash;
+	mem_free(store->base_path);
+	store->base_path = NULL;
 	char *folder = mem_strdup(store->real_path);
 	if (folder != NULL)
 		store->base_path = path_between(dirname(folder), parent->real_path);
@@ -301,7 +313,7 @@ enum status store_overlay_make(const char *path, const char *parent_path, enum s
 	if (status == STATUS_OK)
 		status = store_create(path, &parent->meta, false, &store);
 	if (status == STATUS_OK)
-		status = name_parent(store, parent);
+		status = store_overlay_name_parent(store, parent);
 	if (status == STATUS_OK && (parent->under != NULL || parent->working_stored))
 		status = inherit_from(store, parent);
 	if (status == STATUS_OK && fill != NULL) {

@@ -16,6 +16,7 @@ CHOSEN = {
                  "Maps.test_the_soils_state_is_a_map_too", "Maps.test_what_is_no_picture_is_refused_and_leaves_nothing",
                  "Drives.test_a_drive_leaves_ruts_figures_and_a_clean_store", "Drives.test_ctrl_c_ends_cleanly_with_130",
                  "Drives.test_pictures_are_written"],
+    "branches": ["Relink.test_what_is_not_the_base_is_refused_and_the_overlay_kept"],
     "cache_sim": ["CacheSim.test_table_and_plot", "CacheSim.test_what_is_no_trace_is_refused_and_nothing_is_left"],
     "drive_resume": ["Resume.test_interrupted_it_goes_on", "Resume.test_a_damaged_record_is_refused_and_named"],
     "explain": ["Explain.test_the_store_decides_level_and_spacing", "Explain.test_what_is_wrong_is_told",

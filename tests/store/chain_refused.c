@@ -61,7 +61,7 @@ static void each_link_that_lies_is_refused(void **state)
 		{"DELETE FROM meta WHERE key = 'parent_revision'", "'parent_revision'", "; "},
 		{"DELETE FROM meta WHERE key = 'parent_hash'", "overlay itself", "; "},
 		{"DELETE FROM meta WHERE key = 'base_path'", "'parent_hash'", "; "},
-		{"UPDATE meta SET value = 'gone' WHERE key = 'base_path'", "No such file", "put the base back"},
+		{"UPDATE meta SET value = 'gone' WHERE key = 'base_path'", "No such file", "furrow relink"},
 		{"UPDATE meta SET value = 'links2.furrow' WHERE key = 'base_path'", "overlay of itself", "; "},
 		{"UPDATE meta SET value = 'links3.furrow' WHERE key = 'base_path'", "overlay of itself", "; "},
 		{"UPDATE meta SET value = 'other.furrow' WHERE key = 'base_path'", "another one now", "; "},

@@ -1,0 +1,30 @@
+/* furrow relink: an overlay finds its base again after a move. */
+#include <stdio.h>
+
+#include "command.h"
+#include "store/store.h"
+
+static const struct command_option options[] = {
+	{NULL, NULL, NULL},
+};
+
+static enum status run(const struct arguments *arguments)
+{
+	enum status status = arguments_expect(arguments, 2, 2);
+	if (status == STATUS_OK)
+		status = store_relink(arguments_at(arguments, 0), arguments_at(arguments, 1));
+	if (status == STATUS_OK)
+		printf("%s: it is over %s\n", arguments_at(arguments, 0), arguments_at(arguments, 1));
+	return status;
+}
+
+const struct command command_relink = {
+	.name = "relink",
+	.usage = "relink OVERLAY BASE",
+	.summary = "tell an overlay where its base is now",
+	.details = "For an overlay whose base, or the branch that it goes on from, was moved or renamed. An overlay names it from its own folder,\n"
+		   "so files that are moved together need no relink. BASE must be the same by content: that is proved by hash, of the ruts, too,\n"
+		   "where the overlay goes on from them. Otherwise the overlay stays as it is.\n",
+	.options = options,
+	.run = run,
+};
