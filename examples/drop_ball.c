@@ -41,7 +41,7 @@ int main(int argc, char **argv)
 		fprintf(stderr, "usage: drop_ball STORE OVERLAY\n");
 		return FURROW_USAGE;
 	}
-	struct furrow_open open = {sizeof open, scene, NULL, argv[1], argv[2], NULL, false, false};
+	struct furrow_open open = {.size = sizeof open, .scene = scene, .store = argv[1], .overlay = argv[2]};
 	struct furrow_world *world;
 	must(furrow_world_open(&open, &world));
 

@@ -1,5 +1,6 @@
 #!/bin/sh
-# merge.sh CC... -- OBJCOPY OUTPUT ARCHIVE...: links whole archives into one object; names that are hidden become local.
+# merge.sh CC... -- OBJCOPY OUTPUT ARCHIVE...: links whole archives into one object. Names that are hidden become local, and those that do not
+# begin with furrow_: the compiler does not hide functions that it compiles for several processors.
 set -eu
 compiler=
 while [ "$1" != -- ]; do
@@ -10,4 +11,4 @@ objcopy=$2 output=$3
 shift 3
 # shellcheck disable=SC2086
 $compiler -r -nostdlib -o "$output" -Wl,--whole-archive "$@" -Wl,--no-whole-archive
-"$objcopy" --localize-hidden "$output"
+"$objcopy" --localize-hidden --wildcard --keep-global-symbol="furrow_*" "$output"

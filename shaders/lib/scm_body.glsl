@@ -176,30 +176,36 @@ face face_at(vec2 at, vec2 own)
 #endif
 }
 
+#ifdef ROUND
+// Returns how much lower than now the object was above a place when x was there, m. x, inside: on the circle, m ahead of its middle.
+float lower_by(float x, float inside, float ring, float below)
+{
+	// How much higher the circle is at `inside` than at x, without the cancellation of two roots: near its ends these are inexact.
+	return lift * ((inside - x) * (inside + x) / max(sqrt(max(ring * ring - x * x, 0.0)) + below, 1e-9));
+}
+#endif
+
 // Returns how much lower than now the object was above a place during its last `back` metres of motion, m. lowered: the same at the
 // post. ground: rise of the ground for each metre along the frame's x axis.
 float lowered_at(vec2 at, float back, float ground, float lowered, face now)
 {
 #ifdef ROUND
-	float forward = ahead_at(at), ring = ring_at(at), last = forward + back;
-	float steep = ring * moves.z, rise = moves.y, before = 0.0;
-	float x = clamp(min(max(steep, forward), last), -ring, ring);
+	float forward = ahead_at(at), ring = ring_at(at), below = below_at(at, now), inside = clamp(forward, -ring, ring), last = forward + back;
+	// A host may move the object steeply, by little. Before this contact it moved along the ground. On each way the lowest place is found.
+	float first = digs.w > 0.0 ? min(forward + moves.x, last) : last, least = 0.0;
+	float x = clamp(min(max(ring * moves.z, forward), first), -ring, ring), less = lower_by(x, inside, ring, below) + moves.y * (x - forward);
 	if (digs.w > 0.0) {
-		// A host may move the object steeply, by little. Before this contact it moved along the ground.
-		float first = forward + moves.x;
 #ifdef SHAPE_ELLIPSOID
 		ground -= shear_of_body.x;
 #endif
-		x = clamp(min(steep < first ? max(steep, forward) : max(ring * ground * inversesqrt(lift * lift + ground * ground), first), last), -ring, ring);
-		before = max(x - first, 0.0) * (ground - rise);
+		x = clamp(min(max(ring * ground * inversesqrt(lift * lift + ground * ground), first), last), -ring, ring);
+		least = lower_by(x, inside, ring, below) + moves.y * (x - forward) + max(x - first, 0.0) * (ground - moves.y);
 	}
-	// How much higher the circle is at `forward` than at x, without the cancellation of two roots: near its ends these are inexact.
-	float inside = clamp(forward, -ring, ring), rises = (inside - x) * (inside + x) / max(sqrt(max(ring * ring - x * x, 0.0)) + below_at(at, now), 1e-9);
 #ifdef SHAPE_CYLINDER
 	if (!strips) // its end bears, too, which is no circle
 		return lowered;
 #endif
-	return moves.x > 0.0 ? max(lift * rises + rise * (x - forward) + before, 0.0) : 0.0;
+	return moves.x > 0.0 ? max(max(less, least), 0.0) : 0.0;
 #else
 	return lowered;
 #endif

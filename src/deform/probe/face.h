@@ -249,13 +249,16 @@ static inline void probe_ring(const struct probe_form *form, const double at[2],
  * frame's x axis, less the circles' shear. *since: how many metres ago it was lowest. */
 static inline double probe_lowered_on(const struct probe_form *form, double squares, double ring, double ahead, double back, double rise, double *since)
 {
-	const double first = ahead + form->run, steep = ring * form->sine;
-	const double within = probe_most(steep, ahead), earlier = probe_most(ring * rise / sqrt(form->lift * form->lift + rise * rise), first);
-	const double x = probe_clamp(probe_least(probe_either(steep < first, within, earlier), ahead + back), -ring, ring), inside = probe_clamp(ahead, -ring, ring);
-	const double rises = (inside - x) * (inside + x) / probe_most(probe_root(squares - x * x) + probe_root(squares - ahead * ahead), 1e-9);
-	const double before = probe_most(x - first, 0) * (rise - form->rise);
-	*since = probe_most(x - ahead, 0);
-	return probe_most(form->lift * rises + form->rise * (x - ahead) + before, 0);
+	/* Within the contact and before it the circle took two ways. On each the lowest place is found; the lower of these counts. */
+	const double first = ahead + form->run, inside = probe_clamp(ahead, -ring, ring), down = probe_root(squares - ahead * ahead);
+	const double within = probe_clamp(probe_least(probe_most(ring * form->sine, ahead), first), -ring, ring);
+	const double earlier = probe_clamp(probe_least(probe_most(ring * rise / sqrt(form->lift * form->lift + rise * rise), first), ahead + back), -ring, ring);
+	const double less = form->lift * (inside - within) * (inside + within) / probe_most(probe_root(squares - within * within) + down, 1e-9) +
+			    form->rise * (within - ahead);
+	const double least = form->lift * (inside - earlier) * (inside + earlier) / probe_most(probe_root(squares - earlier * earlier) + down, 1e-9) +
+			     form->rise * (earlier - ahead) + probe_most(earlier - first, 0) * (rise - form->rise);
+	*since = probe_most(probe_either(least > less, earlier, within) - ahead, 0);
+	return probe_most(probe_most(less, least), 0);
 }
 
 /* The same at any place. ground: how much the ground rises for each metre. */
