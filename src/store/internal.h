@@ -480,6 +480,10 @@ enum status store_overlay_name_parent(struct store *store, const struct store *p
 /* Makes an overlay, as store_create_overlay. `fill` writes rows before it is published; NULL: none. */
 enum status store_overlay_make(const char *path, const char *parent_path, enum status (*fill)(struct store *store, void *user), void *user)
 	FURROW_CHECKED;
+/* Writes to a new file what lets a drive go on where `parent` is: its working level, compacted soil and run. `run`: the record, with the
+ * number that the file's last commit gets. `what` made the file. In a transaction. */
+enum status store_overlay_begin_as(struct store *store, const struct store *parent, const struct store_run_copy *run, const char *what)
+	FURROW_CHECKED;
 /* Writes to an overlay that inherits what it has of its parent at its beginning: the header's entries and the run's record. In a
  * transaction. */
 enum status store_overlay_begin(struct store *store) FURROW_CHECKED;

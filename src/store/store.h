@@ -129,6 +129,12 @@ enum status store_open_overlay(const char *path, const char *base_path, const st
  * exist. Proves by hashes that it is the same: of the base and, if the overlay shows its parent's deformation, of that. Then writes
  * the new path in one transaction. STATUS_INPUT: it is another file, or `path` is not an overlay; nothing is written. */
 enum status store_relink(const char *path, const char *parent_path) FURROW_CHECKED;
+/* Makes one plain store of an overlay and all files under it. It shows the same terrain, ruts and record of a run, so that
+ * store_content_hash() gives the same and a drive can go on. Rows are copied as they are. Kept revisions and their names are not copied.
+ * `progress` is called with rows; NULL: none; what it returns ends the work. On failure the file at `out` stays as it was.
+ * STATUS_INPUT: `path` is no overlay; a row is damaged; `out` exists and `overwrite` is false, or is a file of the chain. */
+typedef enum status (*store_progress_fn)(void *user, int64_t done, int64_t total);
+enum status store_flatten(const char *path, const char *out, bool overwrite, store_progress_fn progress, void *user) FURROW_CHECKED;
 #define STORE_CONFLICTS_MOST 20
 struct store_conflicts {
 	int64_t posts, places; /* places: all, also those that are not in `rects` */
@@ -329,7 +335,6 @@ struct store_check {
 	int64_t offset_sum[TILE_LEVEL_MAX - TILE_LEVEL_MIN + 1];
 };
 typedef void (*store_problem_fn)(void *user, const char *text);
-typedef enum status (*store_progress_fn)(void *user, int64_t done, int64_t total);
 /* Checks everything: SQLite's own check, all hashes, edges between neighbours, coarser levels against finer ones, ranges. */
 enum status store_verify(struct store *store, store_problem_fn problem, store_progress_fn progress,
 			 void *user, struct store_check *check) FURROW_CHECKED;

@@ -247,8 +247,7 @@ enum status store_overlay_name_parent(struct store *store, const struct store *p
 		       : fail_with(STATUS_INPUT, "%s: its path has control characters; rename it", parent->path);
 }
 
-/* The overlay begins where its parent is: the same working level, compacted soil and run, so that a drive can go on. */
-static enum status begin_as(struct store *store, const struct store *parent, const struct store_run_copy *run)
+enum status store_overlay_begin_as(struct store *store, const struct store *parent, const struct store_run_copy *run, const char *what)
 {
 	enum status status = STATUS_OK;
 	if (parent->working_stored)
@@ -256,7 +255,7 @@ static enum status begin_as(struct store *store, const struct store *parent, con
 	if (status == STATUS_OK && parent->compacted != 0)
 		status = store_meta_put_integer(store, "compacted", parent->compacted);
 	store->commit = run->commit - 1;
-	return status == STATUS_OK ? store_run_put_back(store, run, "branch") : status;
+	return status == STATUS_OK ? store_run_put_back(store, run, what) : status;
 }
 
 enum status store_overlay_begin(struct store *store)
@@ -265,7 +264,7 @@ enum status store_overlay_begin(struct store *store)
 	enum status status = store_run_copy(store->under, &run);
 	run.commit = store->parent_revision;
 	if (status == STATUS_OK)
-		status = begin_as(store, store->under, &run);
+		status = store_overlay_begin_as(store, store->under, &run, "branch");
 	store_run_copy_finish(&run);
 	return status;
 }
@@ -284,7 +283,7 @@ static enum status inherit_from(struct store *store, struct store *parent)
 	if (status == STATUS_OK)
 		status = store_run_copy(parent, &run);
 	if (status == STATUS_OK)
-		status = begin_as(store, parent, &run);
+		status = store_overlay_begin_as(store, parent, &run, "branch");
 	store_run_copy_finish(&run);
 	store_lineage_finish(&lineage);
 	return status;

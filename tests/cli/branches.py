@@ -1,4 +1,4 @@
-"""relink: overlays find a base that was moved."""
+"""relink, flatten: overlays find a base that was moved, and become one store with it."""
 import os
 import pathlib
 import shutil
@@ -58,6 +58,46 @@ class Relink(Branches):
         (self.folder / "a.furrow").chmod(0o444)
         if os.geteuid() != 0:  # for root every file can be written
             self.assertIn("writable", self.refused(1, "relink", "a.furrow", store))
+
+
+class Flatten(Branches):
+    def test_a_chain_and_its_flat_store_are_the_same_ground(self):
+        store, scene = self.synth(), self.scene()
+        self.drive(scene, "--store", store, "--steps", "20")
+        self.ok("branch", store, "a.furrow")
+        self.drive(scene, "--store", "a.furrow", "--resume", "--steps", "20")
+        self.ok("branch", "a.furrow", "b.furrow")
+        self.assertIn("flat.furrow", self.ok("flatten", "b.furrow", "-o", "flat.furrow"))
+        flat, chain = self.json("info", "flat.furrow"), self.json("info", "b.furrow")
+        self.assertEqual((flat["base"], flat["parent"], flat["overlays"]), (None, None, 0))
+        for key in set(chain) - {"base", "bytes", "overlays", "parent"}:
+            self.assertEqual(flat[key], chain[key], key)
+        self.assertEqual({**flat["bytes"], "file": 0}, {**chain["bytes"], "file": 0})
+        for name in ("flat", "b"):
+            self.drive(scene, "--store", f"{name}.furrow", "--resume")
+        sums = self.sums("b.furrow")
+        store.unlink()
+        self.assertEqual(self.sums("flat.furrow"), sums)
+        self.assertEqual(sorted(path.name for path in self.folder.glob("flat*")), ["flat.furrow"])
+
+    def test_what_cannot_be_flattened_is_refused_and_nothing_is_left(self):
+        store = self.synth(posts="129x129")
+        self.ok("branch", store, "a.furrow")
+        other = self.synth("other.furrow", posts="65x65")
+        (self.folder / "dem.tif").write_bytes(b"a DEM")
+        before = {path: path.read_bytes() for path in self.folder.iterdir()}
+        for arguments, told in (([store, "-o", "x.furrow"], "store of its own"), (["absent.furrow", "-o", "x.furrow"], "No such file"),
+                                (["a.furrow", "-o", other], "--overwrite"), (["a.furrow", "-o", "nowhere/x.furrow"], "No such file"),
+                                (["a.furrow", "-o", store, "--overwrite"], "file of the chain"),
+                                (["a.furrow", "-o", "a.furrow", "--overwrite"], "file of the chain"),
+                                (["a.furrow", "-o", "dem.tif", "--overwrite"], "no Furrow store")):
+            with self.subTest(arguments=arguments):
+                self.assertIn(told, self.refused(3, "flatten", *arguments))
+        self.refused(2, "flatten", "a.furrow")
+        self.refused(2, "flatten", "-o", "x.furrow")
+        self.assertEqual({path: path.read_bytes() for path in self.folder.iterdir()}, before)
+        self.ok("flatten", "a.furrow", "-o", other, "--overwrite")
+        self.assertEqual(self.json("info", other)["base_hash"], self.json("info", store)["base_hash"])
 
 
 if __name__ == "__main__":

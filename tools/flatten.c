@@ -1,0 +1,52 @@
+/* furrow flatten: an overlay and all that it is over become one store. */
+#include <stdio.h>
+
+#include "command.h"
+#include "store/store.h"
+
+static const struct command_option options[] = {
+	{"o", "OUT", "the new store"},
+	{"overwrite", NULL, "replace OUT if it is a store"},
+	{NULL, NULL, NULL},
+};
+
+static enum status tell(const char *out, const char *path)
+{
+	struct store *store = NULL;
+	struct store_numbers numbers;
+	enum status status = store_open(out, &(struct store_options){.mode = STORE_READ}, &store);
+	if (status == STATUS_OK)
+		status = store_count(store, &numbers);
+	if (status == STATUS_OK)
+		printf("%s: what %s shows, in one file of %.1f MB; it needs no base\n", out, path, (double)numbers.file_bytes / 1e6);
+	store_close(store);
+	return status;
+}
+
+static enum status run(const struct arguments *arguments)
+{
+	struct progress progress;
+	const char *out = arguments_text(arguments, "o");
+	enum status status = arguments_expect(arguments, 1, 1);
+	if (status == STATUS_OK && out == NULL)
+		status = fail_with(STATUS_USAGE, "flatten: -o is missing; give a file for the new store");
+	if (status != STATUS_OK)
+		return status;
+	const char *path = arguments_at(arguments, 0);
+	interrupt_catch();
+	progress_start(&progress, out, "tiles");
+	status = store_flatten(path, out, arguments_flag(arguments, "overwrite"), progress_step, &progress);
+	progress_end(&progress);
+	return status == STATUS_OK ? tell(out, path) : status;
+}
+
+const struct command command_flatten = {
+	.name = "flatten",
+	.usage = "flatten OVERLAY -o OUT [--overwrite]",
+	.summary = "make one store of an overlay and all files under it",
+	.details = "OUT shows what OVERLAY shows, and a drive with --resume goes on from it; it needs none of the other files. Tiles are copied\n"
+		   "as they are. What furrow log lists stays behind: kept revisions and their names. OUT is made whole or not at all. A branch of\n"
+		   "OVERLAY can be moved onto OUT with furrow relink.\n",
+	.options = options,
+	.run = run,
+};
