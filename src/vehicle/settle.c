@@ -17,7 +17,8 @@
 #define STILL 2e-5      /* m/s: slower than this, the free vehicle is at rest */
 #define CALM 0.1        /* s: for so long */
 #define SLOWED_MOST 60.0 /* s */
-#define FREE_MOST 60.0  /* s */
+#define FREE_MOST 20.0  /* s */
+#define TREMBLES 2e-3   /* m/s: slower than this at the end, its wheels tremble by micrometres; their sides lie on a row of posts */
 #define SIDES 8         /* directions each way in which the lowest places of a geom are looked for */
 
 /* --- where it starts --- */
@@ -170,7 +171,7 @@ static void tell_unrest(const struct vehicles *vehicles)
 {
 	for (size_t v = 0; v < vehicles->count; v++) {
 		const struct vehicle *vehicle = &vehicles->list[v];
-		if (vehicle->calm < CALM)
+		if (vehicle->calm < CALM && speed_of(vehicle) > TREMBLES)
 			note("vehicles.%s: is not at rest after %.3g s of settling: it still moves at %.3g m/s; the drive begins", vehicle->scene->name,
 			     vehicle->settle_seconds, speed_of(vehicle));
 	}
