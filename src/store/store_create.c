@@ -329,6 +329,7 @@ static enum status rename_part(struct store *store, int folder)
 	if (rename(store->part_path, store->real_path) != 0)
 		return fail_with(STATUS_FAILED, "%s: cannot be renamed into place: %s; make its folder writable",
 				 store->path, strerror(errno));
+	(void)store_create_remove_part(store); /* SQLite may leave its journal where a sync failed */
 	mem_free(store->part_path);
 	store->part_path = NULL;
 	if (fsync(folder) != 0)
