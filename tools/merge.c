@@ -2,28 +2,72 @@
 #include <stdio.h>
 
 #include "command.h"
+#include "json.h"
 #include "store/store.h"
 
 static const struct command_option options[] = {
 	{"o", "FILE", "the new overlay"},
+	{"json", NULL, "one JSON object: file (null: none was made), level, posts, places, both_changed"},
 	{NULL, NULL, NULL},
 };
 
-/* In metres from the south-west post, as windows are. */
-static void print_conflicts(const char *path, const struct store_conflicts *conflicts)
+/* W,S,E,N of a place, in metres from the south-west post, as windows are. */
+struct place {
+	double edges[4];
+};
+
+static struct place place_of(const struct store_conflicts *conflicts, int64_t index, double spacing)
 {
-	struct store *store;
-	if (conflicts->posts == 0 || store_open(path, &(struct store_options){.mode = STORE_READ}, &store) != STATUS_OK)
-		return;
-	double spacing = extent_spacing(&store_meta(store)->extent, conflicts->level);
-	for (int64_t i = 0; i < conflicts->places && i < STORE_CONFLICTS_MOST; i++) {
-		const struct post_rect *rect = &conflicts->rects[i];
-		printf("both changed %g,%g,%g,%g\n", (double)rect->x0 * spacing, (double)rect->y0 * spacing, (double)(rect->x1 - 1) * spacing,
-		       (double)(rect->y1 - 1) * spacing);
+	const struct post_rect *rect = &conflicts->rects[index];
+	return (struct place){{(double)rect->x0 * spacing, (double)rect->y0 * spacing, (double)(rect->x1 - 1) * spacing,
+			       (double)(rect->y1 - 1) * spacing}};
+}
+
+static int64_t listed(const struct store_conflicts *conflicts)
+{
+	return conflicts->places < STORE_CONFLICTS_MOST ? conflicts->places : STORE_CONFLICTS_MOST;
+}
+
+static enum status print_text(const char *file, const struct arguments *arguments, const struct store_conflicts *conflicts, double spacing)
+{
+	if (file != NULL)
+		printf("%s: what %s and %s changed\n", file, arguments_at(arguments, 0), arguments_at(arguments, 1));
+	for (int64_t i = 0; i < listed(conflicts); i++) {
+		struct place place = place_of(conflicts, i, spacing);
+		printf("both changed %g,%g,%g,%g\n", place.edges[0], place.edges[1], place.edges[2], place.edges[3]);
 	}
 	if (conflicts->places > STORE_CONFLICTS_MOST)
 		printf("and %lld places more\n", (long long)(conflicts->places - STORE_CONFLICTS_MOST));
+	return STATUS_OK;
+}
+
+static enum status print_json(const char *file, const struct store_conflicts *conflicts, double spacing)
+{
+	cJSON *object = cJSON_CreateObject();
+	if (file != NULL)
+		cJSON_AddStringToObject(object, "file", file);
+	else
+		cJSON_AddNullToObject(object, "file");
+	json_integer(object, "level", conflicts->level);
+	json_integer(object, "posts", conflicts->posts);
+	json_integer(object, "places", conflicts->places);
+	cJSON *places = cJSON_AddArrayToObject(object, "both_changed");
+	for (int64_t i = 0; i < listed(conflicts); i++)
+		cJSON_AddItemToArray(places, cJSON_CreateDoubleArray(place_of(conflicts, i, spacing).edges, 4));
+	return json_print(object);
+}
+
+/* `file`: the new overlay; NULL: both changed posts, and it was not made. */
+static enum status tell(const char *file, const struct arguments *arguments, const struct store_conflicts *conflicts)
+{
+	struct store *store;
+	enum status status = store_open(arguments_at(arguments, 0), &(struct store_options){.mode = STORE_READ}, &store);
+	if (status != STATUS_OK)
+		return status;
+	double spacing = extent_spacing(&store_meta(store)->extent, conflicts->level);
+	status = arguments_flag(arguments, "json") ? print_json(file, conflicts, spacing) : print_text(file, arguments, conflicts, spacing);
 	store_close(store);
+	return status;
 }
 
 static enum status run(const struct arguments *arguments)
@@ -36,18 +80,17 @@ static enum status run(const struct arguments *arguments)
 		status = fail_with(STATUS_USAGE, "merge: -o is missing; give a file for the new overlay");
 	if (status == STATUS_OK)
 		status = store_merge(arguments_at(arguments, 0), arguments_at(arguments, 1), out, &conflicts);
-	if (status == STATUS_OK) {
-		printf("%s: what %s and %s changed\n", out, arguments_at(arguments, 0), arguments_at(arguments, 1));
-		return STATUS_OK;
-	}
+	if (status == STATUS_OK)
+		return tell(out, arguments, &conflicts);
 	failure_capture(&failure, status);
-	print_conflicts(arguments_at(arguments, 0), &conflicts);
+	if (conflicts.posts > 0 && (status = tell(NULL, arguments, &conflicts)) != STATUS_OK)
+		return status;
 	return failure_restore(&failure);
 }
 
 const struct command command_merge = {
 	.name = "merge",
-	.usage = "merge A B -o FILE",
+	.usage = "merge A B -o FILE [--json]",
 	.summary = "make one overlay of two",
 	.details = "A and B are overlays of one store. FILE lies over the nearest file that both are over, and has what each changed since:\n"
 		   "of the level that is deformed; coarser levels are made anew. Where both changed a post they must agree. Otherwise the\n"

@@ -1,17 +1,79 @@
-"""relink, flatten: overlays find a base that was moved, and become one store with it."""
+"""merge, relink, flatten: overlays are joined, find a base that was moved, and become one store with it."""
+import json
 import os
 import pathlib
 import shutil
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
-from furrow_test import FurrowTest, main
+from furrow_test import SCENE, FurrowTest, main
+
+EAST = SCENE.replace("[[20, 20], [120, 90], [40, 130]]", "[[160, 30], [230, 60], [170, 110]]").replace(
+    "[[22, 18], [122, 88], [42, 128]]", "[[162, 28], [232, 58], [172, 108]]")
 
 class Branches(FurrowTest):
     def sums(self, store):
         check = self.json("verify", store)
         self.assertTrue(check["ok"], check["problems"])
         return check["offset_sum"]
+
+
+class Merge(Branches):
+    def content(self, store):
+        self.ok("export", store, "-o", "surface.r16", "--level", "-2", "--height-range", "-2,60")
+        info = self.json("info", store)
+        return self.sums(store), info["tiles"], info["soil"], info["compacted"], (self.folder / "surface.r16").read_bytes()
+
+    def branches(self, **drives):
+        for name, scene in drives.items():
+            self.ok("branch", "world.furrow", f"{name}.furrow")
+            self.drive(scene, "--store", f"{name}.furrow")
+
+    def test_two_drives_over_disjoint_ground_are_both_in_one_store(self):
+        self.synth()
+        west, east = self.scene(), self.scene(EAST, "east.yaml")
+        self.drive(self.scene(SCENE.replace("end_time: 4", "end_time: 1"), "before.yaml"), "--store", "world.furrow")
+        shutil.copy(self.folder / "world.furrow", self.folder / "both.furrow")
+        self.branches(a=west, b=east)
+        for scene in (west, east):
+            self.drive(scene, "--store", "both.furrow")
+        self.assertIn("ab.furrow", self.ok("merge", "a.furrow", "b.furrow", "-o", "ab.furrow"))
+        told = self.json("merge", "b.furrow", "a.furrow", "-o", "ba.furrow")
+        self.assertEqual(told, {"file": "ba.furrow", "level": -2, "posts": 0, "places": 0, "both_changed": []})
+        both = self.content("both.furrow")
+        for name in ("ab.furrow", "ba.furrow"):
+            self.assertEqual(self.content(name), both)
+            self.assertEqual(pathlib.Path(self.json("info", name)["parent"]["path"]).name, "world.furrow")
+        self.assertIn("merge", self.json("log", "ab.furrow")["revisions"][0]["what"])
+
+    def test_what_both_changed_is_listed_and_nothing_is_made(self):
+        self.synth()
+        # The same ways in two depths: they meet everywhere along the ruts of a wheel, and nowhere else.
+        self.branches(a=self.scene(), b=self.scene(SCENE.replace("sink: 0.15", "sink: 0.2"), "deep.yaml"))
+        result = self.furrow("merge", "a.furrow", "b.furrow", "-o", "ab.furrow", "--json")
+        self.assertIn("changed the same ground", self.told(3, result))
+        told = json.loads(result.stdout)
+        self.assertIsNone(told["file"])
+        self.assertGreater(told["posts"], 100)
+        self.assertEqual(len(told["both_changed"]), min(told["places"], 20))
+        lines = self.furrow("merge", "a.furrow", "b.furrow", "-o", "ab.furrow").stdout.splitlines()
+        for line, (west, south, east, north) in zip(lines, told["both_changed"]):
+            self.assertEqual(line, f"both changed {west:g},{south:g},{east:g},{north:g}")
+            self.assertTrue(15 <= west <= east <= 125 and 15 <= south <= north <= 135, line)
+        self.assertEqual(list(self.folder.glob("ab*")), [])
+
+    def test_what_cannot_be_merged_is_refused_and_nothing_is_left(self):
+        self.synth(posts="65x65")
+        self.synth("other.furrow", posts="129x129")
+        for name, base in (("a", "world"), ("b", "world"), ("c", "other")):
+            self.ok("branch", f"{base}.furrow", f"{name}.furrow")
+        before = {path: path.read_bytes() for path in self.folder.iterdir()}
+        for pair, told in ((["a", "b"], "drive them"), (["a", "c"], "another base"), (["world", "a"], "store of its own"), (["a", "absent"], "No such file")):
+            with self.subTest(pair=pair):
+                self.assertIn(told, self.refused(3, "merge", *(f"{name}.furrow" for name in pair), "-o", "x.furrow", "--json"))
+        self.refused(2, "merge", "a.furrow", "b.furrow")
+        self.refused(2, "merge", "a.furrow", "-o", "x.furrow")
+        self.assertEqual({path: path.read_bytes() for path in self.folder.iterdir()}, before)
 
 
 class Relink(Branches):
