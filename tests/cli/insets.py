@@ -143,6 +143,18 @@ class Insets(RasterTest):
         finer = inset["tiles"]["base"] - plain["tiles"]["base"]
         self.assertLess(finer * 32 * 32, 2.2 * 501 * 401)
 
+    def test_a_flat_store_of_a_branch_has_the_insets(self):
+        self.three()
+        store = self.imported("--inset", "site.tif", "--inset", "scan.tif")
+        self.ok("branch", store, "b.furrow")
+        self.ok("flatten", "b.furrow", "-o", "flat.furrow")
+        self.assertTrue(self.json("verify", "flat.furrow")["ok"])
+        inset, flat = self.json("info", store), self.json("info", "flat.furrow")
+        for key in ("tiles", "levels", "base_hash", "height"):
+            self.assertEqual(flat[key], inset[key], key)
+        for level, window in ((-9, (1010, 790, 1014, 794)), (-5, (830, 630, 900, 700)), (0, (0, 0, 3072, 2560))):
+            self.assertEqual(self.base_of("flat.furrow", level, *window), self.base_of(store, level, *window))
+
     VIEW = """scene: 1
 time_step: 0.1
 end_time: 0.2
