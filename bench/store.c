@@ -13,6 +13,14 @@
 #include "bench.h"
 #include "store_bench.h"
 
+void bench_dunes(const char *path, uint32_t blocks)
+{
+	const struct dem_synth dunes = {
+		.kind = DEM_SYNTH_DUNES, .width = blocks * BENCH_BLOCK + 1, .height = blocks * BENCH_BLOCK + 1, .spacing = 1, .relief = 20, .seed = 1,
+	};
+	bench_store(path, &dunes, BENCH_BLOCK);
+}
+
 /* This thread's own: nothing here waits, and another program's turn is not counted. */
 static double thread_seconds(void)
 {

@@ -26,6 +26,9 @@ void bench_rows(struct bench_row *rows, size_t row_count, size_t count, int runs
  * most `most`; all tiles if there are none. Freed with mem_free. */
 struct tile *bench_tiles(const struct extent *extent, size_t most, size_t *count);
 
+/* Writes a store of dunes: posts 1 m apart, `blocks` tiles of 256 posts a side at level 0. At level -3 a tile is 32 m wide. */
+void bench_dunes(const char *path, uint32_t blocks);
+
 /* bench_store read STORE [COG...] */
 int bench_read(const char *path, char **cogs, int cog_count, int runs);
 /* bench_store write */

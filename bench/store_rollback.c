@@ -15,15 +15,6 @@
 #define POSTS ((BENCH_BLOCK + 1) * (BENCH_BLOCK + 1))
 #define ROUNDS 100
 
-static const struct dem_synth ground = {
-	.kind = DEM_SYNTH_DUNES,
-	.width = SIDE / 8 * BENCH_BLOCK + 1,
-	.height = SIDE / 8 * BENCH_BLOCK + 1,
-	.spacing = 1,
-	.relief = 20,
-	.seed = 1,
-};
-
 struct soil {
 	int32_t offset[POSTS], heaped[POSTS], pressed[POSTS], shear[POSTS], dug[POSTS];
 };
@@ -80,7 +71,7 @@ int bench_rollback(void)
 	if (soils == NULL)
 		bench_must(fail_memory("pages"));
 	const char *path = bench_path("rollback.furrow");
-	bench_store(path, &ground, BENCH_BLOCK);
+	bench_dunes(path, SIDE / 8);
 	bench_must(store_open(path, &(struct store_options){.mode = STORE_WRITE}, &store));
 	bench_must(store_set_working_level(store, LEVEL));
 	for (int round = -1; round < ROUNDS; round++) {

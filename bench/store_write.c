@@ -17,16 +17,6 @@
 #define POSTS (BENCH_BLOCK + 1)
 #define CHECKPOINT_BYTES (64 << 20)
 
-/* Level 0 at 1 m: pages of 32 m, posts 0.125 m apart. */
-static const struct dem_synth ground = {
-	.kind = DEM_SYNTH_DUNES,
-	.width = SIDE / 8 * BENCH_BLOCK + 1,
-	.height = SIDE / 8 * BENCH_BLOCK + 1,
-	.spacing = 1,
-	.relief = 20,
-	.seed = 1,
-};
-
 struct pages {
 	struct store_page page[PAGES]; /* in the order they are written: along tracks */
 	int32_t *posts;
@@ -138,7 +128,7 @@ static void measure(struct pages *pages, bool sync, size_t batch, int runs)
 	struct target targets[3] = {{.sync = sync}, {.sync = sync}, {.sync = sync}};
 	static double rates[3][BENCH_RUNS_MAX];
 	const char *path = bench_path("write.furrow");
-	bench_store(path, &ground, BENCH_BLOCK);
+	bench_dunes(path, SIDE / 8);
 	bench_must(store_open(path, &(struct store_options){.mode = STORE_WRITE, .durable_full = sync}, &targets[0].store));
 	bench_must(store_set_working_level(targets[0].store, LEVEL));
 	size_t count = 1;

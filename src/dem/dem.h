@@ -156,7 +156,7 @@ void dem_insets_close(struct dem_insets *insets); /* insets may be NULL */
 size_t dem_insets_count(const struct dem_insets *insets);
 /* In the order in which they were named. */
 const struct dem_inset_info *dem_insets_info(const struct dem_insets *insets, size_t index);
-const struct dem_info *dem_insets_files(const struct dem_insets *insets, size_t index); /* the files of that inset */
+const struct dem_info *dem_insets_files(const struct dem_insets *insets, size_t index); /* of the inset with this index; owned by `insets` */
 
 struct dem_insets_cut {
 	struct dem_insets *insets;

@@ -47,7 +47,7 @@ struct dem_lattice {
 	int64_t width, height;    /* posts */
 	OGRSpatialReferenceH srs; /* not owned; NULL: none */
 };
-#define DEM_BLOCK_SIDE 512 /* most posts in a row of a rectangle that is mapped at once */
+#define DEM_BLOCK_SIDE 512 /* posts: the longest side of a rectangle whose places are mapped in one call */
 struct dem_map;
 void dem_lattice_point(const struct dem_lattice *lattice, double column, double row, double *x, double *y);
 /* Gives the affine transformation from coordinates to columns and rows. Returns false if there is none. */

@@ -244,6 +244,12 @@ static inline void probe_ring(const struct probe_form *form, const double at[2],
 	*ahead = at[0] + form->skew * at[1];
 }
 
+/* Returns how much lower a circle is at x than at `inside`, both m ahead of its middle. down: how far below its middle it is at `inside`. */
+static inline double probe_lower_by(const struct probe_form *form, double squares, double x, double inside, double down)
+{
+	return form->lift * (inside - x) * (inside + x) / probe_most(probe_root(squares - x * x) + down, 1e-9);
+}
+
 /* Returns how much lower than now a round body was above a place during its last `back` metres. The place is on a circle; ring, squares: its
  * radius, and the square of that. Before the present contact the body moved along the ground. rise: how much that rises for each metre along the
  * frame's x axis, less the circles' shear. *since: how many metres ago it was lowest. */
@@ -253,10 +259,9 @@ static inline double probe_lowered_on(const struct probe_form *form, double squa
 	const double first = ahead + form->run, inside = probe_clamp(ahead, -ring, ring), down = probe_root(squares - ahead * ahead);
 	const double within = probe_clamp(probe_least(probe_most(ring * form->sine, ahead), first), -ring, ring);
 	const double earlier = probe_clamp(probe_least(probe_most(ring * rise / sqrt(form->lift * form->lift + rise * rise), first), ahead + back), -ring, ring);
-	const double less = form->lift * (inside - within) * (inside + within) / probe_most(probe_root(squares - within * within) + down, 1e-9) +
-			    form->rise * (within - ahead);
-	const double least = form->lift * (inside - earlier) * (inside + earlier) / probe_most(probe_root(squares - earlier * earlier) + down, 1e-9) +
-			     form->rise * (earlier - ahead) + probe_most(earlier - first, 0) * (rise - form->rise);
+	const double less = probe_lower_by(form, squares, within, inside, down) + form->rise * (within - ahead);
+	const double least = probe_lower_by(form, squares, earlier, inside, down) + form->rise * (earlier - ahead) +
+			     probe_most(earlier - first, 0) * (rise - form->rise);
 	*since = probe_most(probe_either(least > less, earlier, within) - ahead, 0);
 	return probe_most(probe_most(less, least), 0);
 }

@@ -36,7 +36,7 @@ struct lanes {
 	double rise[2][LANES], up[LANES], by_up[LANES]; /* z of the base's normal, and its inverse */
 	double was[LANES];       /* the largest sinkage before, along the normal, less what slip digs */
 	double dug[LANES], shear[2][LANES]; /* before */
-	double reached[LANES];   /* the lowest that poses since the last contact were */
+	double reached[LANES];   /* m: the lowest place that the body reached above the post since the last contact */
 	/* Its soil. k: k_c / b + k_phi, N/m^(n+2), b the width of the contact patch. Others as in struct probe_soil. */
 	double k[LANES], n[LANES], elastic[LANES], by_elastic[LANES], cohesion[LANES], tan_phi[LANES];
 	double modulus[LANES], by_modulus[LANES], damping[LANES];
@@ -48,7 +48,7 @@ struct lanes {
 	double share[LANES], middle[2][LANES], sides[4][LANES]; /* deform_form_part */
 	/* What the post remembers. */
 	double plastic[LANES];   /* the plastic part of `was`, along the normal */
-	double excess[LANES];    /* how much deeper than in this motion poses since the last contact were, vertically */
+	double excess[LANES];    /* m, vertically: by how much the body was deeper since the last contact than in this motion */
 	double passed[LANES];    /* the last share of the motion during which the body was deeper than before: deform_form_share */
 	double slides[LANES];    /* the way of the surface in the motion, in units of the shear modulus */
 	double lasts[LANES];     /* 0: the whole cell has been in contact as long as the post; 1: as long as the body has been above it */

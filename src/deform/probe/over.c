@@ -153,7 +153,7 @@ LANES_CLONED void deform_over_passed(const struct probe_form *form, struct lanes
 	}
 }
 
-/* --- at other places --- */
+/* --- places of a cell that are not its post --- */
 
 LANES_CLONED void deform_over_faces(const struct probe_form *restrict form, const struct lanes *restrict l, const double x[restrict LANES],
 		       const double y[restrict LANES], struct lane_faces *restrict faces)

@@ -19,7 +19,7 @@ struct probe_post {
 	double was;         /* m, along the normal: the largest sinkage so far */
 	double dug;         /* m */
 	double shear[2];    /* mobilised shear to the east and to the north */
-	double reached;     /* m above the patch's zero: the lowest that poses since the last contact were; INFINITY: none */
+	double reached;     /* m above the patch's zero: the lowest place that the body reached above the post since the last contact; INFINITY: none */
 	uint32_t soil;      /* index in the patch's soils */
 	bool hole;
 };

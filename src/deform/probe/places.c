@@ -3,7 +3,6 @@
 
 #include "deform/probe/over.h"
 
-/* Places a spot on each line, at a share of the part that bears: -1 .. 1. */
 LANES_CLONED void deform_places_put(const struct probe_form *restrict form, const struct lanes *restrict l, double share,
 				    struct lane_spots *restrict spots)
 {

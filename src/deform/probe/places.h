@@ -20,7 +20,7 @@ struct lane_spots {
 	struct lane_faces faces;
 };
 
-/* Places a spot on each line, at a share of the part that bears: -1 .. 1. After deform_law_bear. */
+/* Computes one place on each post's line. share: where it lies on the part that bears, from -1 at its first end to 1. Call deform_law_bear first. */
 void deform_places_put(const struct probe_form *form, const struct lanes *lanes, double share, struct lane_spots *spots);
 
 /* Computes the place of a lane's spot. Its area is 0 if it does not bear. */

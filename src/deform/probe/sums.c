@@ -94,7 +94,7 @@ LANES_INLINED static inline void changes_at(const struct probe_place *place, dou
 	}
 }
 
-/* Adds a row of a matrix: for a motion, and for a turn. */
+/* Adds to one row of a 6 x 6 matrix: three columns for motions, three for turns. */
 LANES_INLINED static inline void add_row(double row[6][LANES], int i, const double motion[3], const double turn[3])
 {
 	for (int k = 0; k < 3; k++) {
