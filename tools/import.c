@@ -21,6 +21,7 @@ static const struct command_option options[] = {
 	{"window-srs", "SRS", "the SRS in which the window is given, as EPSG:4326 for degrees: longitude first"},
 	{"r", "METHOD", "resampling: bilinear (default), cubic or near"},
 	{"nodata", "V", "a value that means nodata though no tag says so; may be repeated"},
+	{"radii", "KIND", "values are distances from the body's middle: auto (default: found by their size), yes or no"},
 	{"fill", NULL, "fill holes from their rims"},
 	{"inset", "SOURCE", "finer ground in a part of the terrain, stored at its own spacing there alone; may be repeated"},
 	{"feather", "M", "metres over which an inset's rim blends into what surrounds it (10 posts of that, at most a quarter of the inset)"},
@@ -57,6 +58,7 @@ static void print_plan(const struct dem_info *info, const struct dem_insets *ins
 	       (long long)info->width, (long long)info->height, info->spacing,
 	       (double)(info->width - 1) * info->spacing / 1e3, (double)(info->height - 1) * info->spacing / 1e3,
 	       extent->cells + 1, extent->cells + 1, extent_coarsest(extent));
+	printf("vertical: %s\n", info->vertical[0] != '\0' ? info->vertical : "the sources do not say above what their heights are");
 	print_insets(insets);
 	if (info->overlap_posts > 0)
 		printf("sources overlap at %lld posts and differ at %lld of them, by %g m at most; the first named "
@@ -103,6 +105,7 @@ static enum status print_json(const struct import *import, const struct intake *
 	json_pair(object, "origin", info->origin[0], info->origin[1]);
 	cJSON_AddStringToObject(object, "srs", info->srs);
 	cJSON_AddStringToObject(object, "projected", info->projected);
+	cJSON_AddStringToObject(object, "vertical", info->vertical);
 	json_integer(object, "sources", (int64_t)info->source_count);
 	cJSON *overlap = cJSON_AddObjectToObject(object, "overlap");
 	json_integer(overlap, "posts", info->overlap_posts);
@@ -168,11 +171,14 @@ const struct command command_import = {
 	.summary = "elevation data to a terrain store",
 	.details = "A SOURCE is a raster, a directory of them, or @list.txt. Several become one terrain; each may have its\n"
 		   "own SRS, spacing and unit. Where they overlap the first named wins. In a directory, files without a\n"
-		   "place (as PNG) are skipped if others have one.\n\n"
+		   "place (as PNG) are skipped if others have one. Tiles as .hgt.gz, .hgt.zip and .hgt.xz, and a PDS .img\n"
+		   "with its .lbl, are read as they are.\n\n"
 		   "The store is in metres. --t-srs auto takes the SRS of the first source if that is in metres that are\n"
 		   "true to 0.1 % there; otherwise UTM, or off Earth a projection that is true at the data's latitude.\n"
 		   "--t-srs source keeps SRS and posts of the first source as they are, true or not. Degrees and feet\n"
-		   "cannot be kept: such a source is refused.\n",
+		   "cannot be kept: such a source is refused.\n\n"
+		   "Off Earth, values may be radii: distances from the body's middle. They become heights over the sphere\n"
+		   "of their SRS. --radii auto finds them by their size, and tells.\n",
 	.options = options,
 	.run = run,
 };

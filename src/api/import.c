@@ -22,6 +22,7 @@ struct option {
 };
 
 static const char *const methods[] = {"bilinear", "cubic", "near", NULL};
+static const char *const radii[] = {"auto", "yes", "no", NULL};
 static const char *const packs[] = {"fast", "small", NULL};
 static const struct option options[] = {
 	{"tile", WHOLE, TILE_CELLS_MIN, TILE_CELLS_MAX, NULL},
@@ -33,6 +34,7 @@ static const struct option options[] = {
 	{"s-srs", TEXT, 0, 0, NULL},
 	{"t-srs", TEXT, 0, 0, NULL},
 	{"r", WORD, 0, 0, methods},
+	{"radii", WORD, 0, 0, radii},
 	{"pack", WORD, 0, 0, packs},
 	{"nodata", LIST, 0, 0, NULL},
 	{"height-range", RANGE, 0, 0, NULL},
@@ -204,8 +206,10 @@ static enum status take(struct import *import, const struct option *option, cons
 					      : take_text(text, &import->dem.t_srs, &import->texts[1]);
 	case WORD:
 		status = take_word(option, text, &word);
-		if (option->name[0] == 'r')
+		if (option->words == methods)
 			import->dem.resample = (enum dem_resample)word;
+		else if (option->words == radii)
+			import->dem.radii = (enum dem_radii)word;
 		else
 			import->pack = (enum store_pack)word;
 		return status;

@@ -99,8 +99,8 @@ static char *describe(const struct import *import, const struct dem_info *info)
 	fprintf(out, "posts %lld %lld tile %lld step %.17g pack %d spacing %.17g origin %.17g %.17g\n",
 		(long long)info->width, (long long)info->height, (long long)import->tile, import->meta.step, (int)import->pack,
 		info->spacing, info->origin[0], info->origin[1]);
-	fprintf(out, "panel %lld resample %d fill %d range %d %.17g %.17g nodata", (long long)info->panel_posts,
-		(int)dem->resample, dem->fill, dem->has_height_range, dem->height_min, dem->height_max);
+	fprintf(out, "panel %lld resample %d radii %d fill %d range %d %.17g %.17g nodata", (long long)info->panel_posts,
+		(int)dem->resample, (int)dem->radii, dem->fill, dem->has_height_range, dem->height_min, dem->height_max);
 	for (size_t i = 0; i < dem->nodata_count; i++)
 		fprintf(out, " %.17g", dem->nodata[i]);
 	fprintf(out, "\nsrs %s\nfrom %s\n", info->srs, dem->s_srs != NULL ? dem->s_srs : "");

@@ -14,6 +14,8 @@
 #include "base/base.h"
 
 enum dem_resample { DEM_BILINEAR, DEM_CUBIC, DEM_NEAR };
+/* Whether values are distances from the middle of the body, not heights. AUTO: if they are near the radius of their SRS's sphere. */
+enum dem_radii { DEM_RADII_AUTO, DEM_RADII_YES, DEM_RADII_NO };
 
 struct dem_params {
 	const char *const *sources; /* rasters, directories, or "@list.txt" */
@@ -26,6 +28,7 @@ struct dem_params {
 	/* x and y in t_srs of a post with which all posts of the result are aligned, at multiples of `spacing`; NULL: any posts */
 	const double *anchor;
 	enum dem_resample resample;
+	enum dem_radii radii; /* radii are turned into heights over the sphere */
 	const double *nodata; /* further values that mean nodata, in the source's unit */
 	size_t nodata_count;
 	bool has_window; /* only posts in the window are read */

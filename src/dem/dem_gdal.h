@@ -4,11 +4,14 @@
 
 #include "dem_gdal_calls.h"
 #include "dem_internal.h"
+#include "dem_unpack.h"
 
 /* One source file. `vrt` is a small virtual raster in GDAL's memory files. It gives band 1 in metres, with NaN for nodata. So
  * its readers need not handle nodata values, scales and units. */
 struct gdal_source {
 	const char *path;
+	const char *name; /* under which GDAL opens it: the path, or that of what it was unpacked to */
+	struct dem_unpacked unpacked;
 	char *vrt; /* name of the virtual raster; NULL before it is made */
 	int width, height;
 	double place[6]; /* GDAL's geotransform, for pixel corners */
@@ -38,6 +41,16 @@ enum status dem_source_init(struct gdal_source *source, const struct dem_params 
 /* Returns false if the file can be opened and has no place. */
 bool dem_source_is_placed(const char *path);
 void dem_source_finish(struct gdal_source *source);
+
+/* --- dem_radii.c: values that are radii --- */
+struct dem_radius {
+	double sphere; /* metres: taken off; 0: values are heights */
+	double unit;   /* metres of the source's unit */
+};
+/* Finds out if a source's values are radii. Its vrt gives them in `unit` metres; `said`: the source says this unit. STATUS_INPUT: they
+ * are, or are to be, and its SRS has no sphere. */
+enum status dem_radii_find(const struct gdal_source *source, enum dem_radii radii, double unit, bool said, struct dem_radius *out)
+	FURROW_CHECKED;
 
 /* --- dem_map.c: where the posts of one lattice lie on another --- */
 /* Post (column, row) is at x = at[0] + column * at[1] + row * at[2], y = at[3] + column * at[4] + row * at[5]. Rows count to the

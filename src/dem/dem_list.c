@@ -41,15 +41,20 @@ enum status dem_list_add(struct dem_list *list, const char *path)
 	return STATUS_OK;
 }
 
-void dem_list_skip(struct dem_list *list, size_t number)
+static void drop(struct dem_list *list, size_t number)
 {
-	note("%s: skipped, since it has no place among other sources", list->paths[number]);
 	mem_free(list->paths[number]);
 	list->count--;
 	for (size_t i = number; i < list->count; i++) {
 		list->paths[i] = list->paths[i + 1];
 		list->found[i] = list->found[i + 1];
 	}
+}
+
+void dem_list_skip(struct dem_list *list, size_t number)
+{
+	note("%s: skipped, since it has no place among other sources", list->paths[number]);
+	drop(list, number);
 }
 
 static int by_name(const void *a, const void *b)
@@ -59,7 +64,7 @@ static int by_name(const void *a, const void *b)
 
 static bool is_packed_tile(const char *name)
 {
-	return dem_path_ends(name, ".hgt.gz") || dem_path_ends(name, ".hgt.zip");
+	return dem_path_ends(name, ".hgt.gz") || dem_path_ends(name, ".hgt.zip") || dem_path_ends(name, ".hgt.xz");
 }
 
 /* Returns true for files that accompany rasters but are not rasters, even if some driver would open them. */
@@ -108,11 +113,52 @@ static enum status add_gzip(struct dem_list *list, const char *path)
 	return status;
 }
 
+/* Finds the label of an image whose label is a file of its own (PDS): it has the same name, and ends in .lbl. Returns NULL if there is
+ * none that GDAL can read. */
+static char *label_of(const char *path)
+{
+	static const char *const endings[] = {".lbl", ".LBL", ".Lbl"};
+	for (size_t i = 0; dem_path_ends(path, ".img") && i < sizeof endings / sizeof endings[0]; i++) {
+		struct stat file;
+		char *label = mem_strdup(path);
+		if (label != NULL)
+			memcpy(label + strlen(label) - 4, endings[i], 4);
+		if (label != NULL && stat(label, &file) == 0 && S_ISREG(file.st_mode) && dem_gdal_knows(label))
+			return label;
+		mem_free(label);
+	}
+	return NULL;
+}
+
 static enum status add_file(struct dem_list *list, const char *path)
 {
-	if (strncmp(path, "/vsi", 4) != 0 && dem_path_ends(path, ".xz"))
-		return fail_with(STATUS_INPUT, "%s: is packed with xz, which is not read; unpack it with xz -dk", path);
+	char *label = label_of(path);
+	if (label != NULL) {
+		enum status status = dem_list_add(list, label);
+		mem_free(label);
+		return status;
+	}
 	return strncmp(path, "/vsi", 4) != 0 && dem_path_ends(path, ".gz") ? add_gzip(list, path) : dem_list_add(list, path);
+}
+
+/* Returns the length of a path without its ending. */
+static size_t stem_of(const char *path)
+{
+	const char *slash = strrchr(path, '/'), *dot = strrchr(path, '.');
+	return dot != NULL && (slash == NULL || dot > slash) ? (size_t)(dot - path) : strlen(path);
+}
+
+/* An image and its label are one raster: drops from number `first` on what has the name of a label there, but for its ending. */
+static void drop_labelled(struct dem_list *list, size_t first)
+{
+	for (size_t i = first; i < list->count; i++) {
+		const size_t stem = stem_of(list->paths[i]);
+		for (size_t j = list->count; dem_path_ends(list->paths[i], ".lbl") && j-- > first;)
+			if (j != i && stem_of(list->paths[j]) == stem && strncmp(list->paths[i], list->paths[j], stem) == 0) {
+				drop(list, j);
+				i -= j < i;
+			}
+	}
 }
 
 static enum status add_directory(struct dem_list *list, const char *path)
@@ -148,6 +194,7 @@ static enum status add_directory(struct dem_list *list, const char *path)
 		list->found[i] = true;
 	if (list->count > first)
 		qsort(list->paths + first, list->count - first, sizeof *list->paths, by_name);
+	drop_labelled(list, first);
 	return status;
 }
 

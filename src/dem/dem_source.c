@@ -57,8 +57,8 @@ static enum status place_source(struct gdal_source *source, GDALDatasetH dataset
 	return STATUS_OK;
 }
 
-/* Returns the vertical unit in metres: that of the band, or of the vertical SRS. Also describes the vertical reference. */
-static double vertical_unit(struct gdal_source *source, GDALRasterBandH band)
+/* Returns the vertical unit in metres: that of the band, or of the vertical SRS, or else 1. *said: the source says it. Also describes the vertical reference. */
+static double vertical_unit(struct gdal_source *source, GDALRasterBandH band, bool *said)
 {
 	const char *unit = GDALGetRasterUnitType(band), *name = NULL;
 	double metres = 1;
@@ -66,6 +66,7 @@ static double vertical_unit(struct gdal_source *source, GDALRasterBandH band)
 		name = OSRGetAttrValue(source->srs, "COMPD_CS|VERT_CS", 0);
 		metres = OSRGetTargetLinearUnits(source->srs, "COMPD_CS|VERT_CS", NULL);
 	}
+	*said = name != NULL || (unit != NULL && unit[0] != '\0');
 	if (unit != NULL && unit[0] != '\0')
 		metres = dem_unit_metres(unit);
 	if (!(metres > 0))
@@ -134,8 +135,9 @@ static int64_t panel_of(GDALRasterBandH band)
 	return tiled ? DEM_CACHE_BYTES / 2 / column : 0;
 }
 
-static enum status write_vrt(struct gdal_source *source, const struct dem_params *params,
-			     GDALRasterBandH band, double unit, int number)
+/* `unit`: metres of the source's; `lower`: metres that heights are lowered by. A vrt that was written before is replaced. */
+static enum status write_vrt(struct gdal_source *source, const struct dem_params *params, GDALRasterBandH band, double unit, double lower,
+			     int number)
 {
 	GDALDataType type = GDALGetRasterDataType(band);
 	int has_scale = 0, has_offset = 0;
@@ -144,14 +146,15 @@ static enum status write_vrt(struct gdal_source *source, const struct dem_params
 	offset = has_offset && isfinite(offset) ? offset : 0;
 	bool whole = type != GDT_Float32 && type != GDT_Float64;
 	source->unit = whole ? fabs(scale * unit) : 0;
-	source->whole = whole && dem_unit_exact(source->unit) && fmod(offset * unit, source->unit) == 0;
+	source->whole = whole && dem_unit_exact(source->unit) && fmod(offset * unit - lower, source->unit) == 0;
 	source->doubles = !fits_float(type);
 	source->panel_posts = panel_of(band);
 
-	char *escaped = CPLEscapeString(source->path, -1, CPLES_XML);
+	char *escaped = CPLEscapeString(source->name, -1, CPLES_XML);
 	size_t bytes = 4096 + 2 * strlen(escaped) + 32 * params->nodata_count;
 	char *xml = mem_alloc(bytes, 1);
-	source->vrt = mem_calloc(64, 1); /* a text even if the rest fails */
+	if (source->vrt == NULL)
+		source->vrt = mem_calloc(64, 1); /* a text even if the rest fails */
 	if (xml == NULL || source->vrt == NULL) {
 		mem_free(xml);
 		CPLFree(escaped);
@@ -166,7 +169,7 @@ static enum status write_vrt(struct gdal_source *source, const struct dem_params
 		 "subClass=\"VRTDerivedRasterBand\"><NoDataValue>nan</NoDataValue>"
 		 "<PixelFunctionType>furrow_metres</PixelFunctionType><PixelFunctionArguments meaning=\""
 		 "%.17g %.17g %d %zu", source->width, source->height, p[0], p[1], p[2], p[3], p[4], p[5],
-		 source->doubles ? "Float64" : "Float32", scale * unit, offset * unit, !source->doubles,
+		 source->doubles ? "Float64" : "Float32", scale * unit, offset * unit - lower, !source->doubles,
 		 params->nodata_count + (tagged ? 1 : 0));
 	if (tagged)
 		text_add(&text, " %.17g", tag);
@@ -180,8 +183,9 @@ static enum status write_vrt(struct gdal_source *source, const struct dem_params
 	CPLFree(escaped);
 
 	static atomic_uint_least64_t made;
-	snprintf(source->vrt, 64, "/vsimem/furrow/%llu-%d.vrt", (unsigned long long)atomic_fetch_add(&made, 1),
-		 number);
+	if (source->vrt[0] == '\0')
+		snprintf(source->vrt, 64, "/vsimem/furrow/%llu-%d.vrt", (unsigned long long)atomic_fetch_add(&made, 1),
+			 number);
 	VSILFILE *file = VSIFOpenL(source->vrt, "wb");
 	size_t length = strlen(xml);
 	bool written = file != NULL && VSIFWriteL(xml, 1, length, file) == length;
@@ -191,12 +195,14 @@ static enum status write_vrt(struct gdal_source *source, const struct dem_params
 	return written ? STATUS_OK : fail_memory(source->path);
 }
 
-static enum status add_files(GDALDatasetH dataset, const char *path, struct dem_list *files)
+static enum status add_files(GDALDatasetH dataset, const struct gdal_source *source, struct dem_list *files)
 {
+	if (source->name != source->path) /* what it was unpacked to is nobody's file */
+		return STATUS_OK;
 	char **names = GDALGetFileList(dataset);
 	enum status status = STATUS_OK;
 	for (char **name = names; status == STATUS_OK && name != NULL && *name != NULL; name++)
-		if (strcmp(*name, path) != 0)
+		if (strcmp(*name, source->path) != 0)
 			status = dem_list_add(files, *name);
 	CSLDestroy(names);
 	return status;
@@ -205,15 +211,23 @@ static enum status add_files(GDALDatasetH dataset, const char *path, struct dem_
 enum status dem_source_init(struct gdal_source *source, const struct dem_params *params, const char *path,
 			    OGRSpatialReferenceH override, int number, struct dem_list *files)
 {
-	*source = (struct gdal_source){.path = path};
+	*source = (struct gdal_source){.path = path, .name = path, .unpacked = {.scratch = {.file = -1}}};
+	if (dem_unpack_is_packed(path)) {
+		enum status unpacked = dem_unpack_init(&source->unpacked, path);
+		if (unpacked != STATUS_OK)
+			return unpacked;
+		source->name = source->unpacked.name;
+	}
 	CPLErrorReset();
-	GDALDatasetH dataset = GDALOpenEx(path, GDAL_OF_RASTER | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR,
+	GDALDatasetH dataset = GDALOpenEx(source->name, GDAL_OF_RASTER | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR,
 					  NULL, NULL, NULL);
 	if (dataset == NULL)
 		return fail_with(STATUS_INPUT, "%s: cannot be opened as a raster: %s; give a whole raster that "
 				 "GDAL reads", path, dem_gdal_message());
 	double unit;
-	enum status status = add_files(dataset, path, files);
+	bool said;
+	struct dem_radius radius;
+	enum status status = add_files(dataset, source, files);
 	if (status != STATUS_OK)
 		goto close;
 	if (GDALGetRasterCount(dataset) < 1) {
@@ -235,8 +249,14 @@ enum status dem_source_init(struct gdal_source *source, const struct dem_params 
 	status = place_source(source, dataset, params, override);
 	if (status != STATUS_OK)
 		goto close;
-	unit = vertical_unit(source, band);
-	status = write_vrt(source, params, band, unit, number);
+	unit = vertical_unit(source, band, &said);
+	status = write_vrt(source, params, band, unit, 0, number);
+	if (status == STATUS_OK)
+		status = dem_radii_find(source, params->radii, unit, said, &radius);
+	if (status == STATUS_OK && radius.sphere > 0) {
+		snprintf(source->vertical, sizeof source->vertical, "sphere of %.10g m, from radii", radius.sphere);
+		status = write_vrt(source, params, band, radius.unit, radius.sphere, number);
+	}
 close:
 	GDALClose(dataset);
 	return status;
@@ -245,6 +265,8 @@ close:
 bool dem_source_is_placed(const char *path)
 {
 	double place[6];
+	if (dem_unpack_is_packed(path))
+		return true;
 	GDALDatasetH dataset = GDALOpenEx(path, GDAL_OF_RASTER | GDAL_OF_READONLY, NULL, NULL, NULL);
 	if (dataset == NULL)
 		return true;
@@ -260,4 +282,5 @@ void dem_source_finish(struct gdal_source *source)
 	if (source->vrt != NULL)
 		VSIUnlink(source->vrt);
 	mem_free(source->vrt);
+	dem_unpack_finish(&source->unpacked);
 }

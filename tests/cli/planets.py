@@ -1,0 +1,122 @@
+"""Sources of other bodies: PDS images with their labels, and values that are radii, beside what GDAL reads of them."""
+import array
+import pathlib
+import sys
+import unittest
+
+sys.path.insert(0, str(pathlib.Path(__file__).parent))
+from furrow_test import main
+from raster_test import RasterTest
+import rasters
+
+WIDTH, HEIGHT = 60, 44
+
+
+def label(image, code, scale, offset, radius, unit="METER", line=1):
+    """A PDS3 label of an image in a simple cylindrical projection."""
+    kind, bits = {"h": ("LSB_INTEGER", 16), "f": ("PC_REAL", 32)}[code]
+    lines = ["PDS_VERSION_ID = PDS3", "RECORD_TYPE = FIXED_LENGTH", f"RECORD_BYTES = {WIDTH * bits // 8}", f"FILE_RECORDS = {HEIGHT}",
+             f"^IMAGE = {image}", "OBJECT = IMAGE", f"LINES = {HEIGHT}", f"LINE_SAMPLES = {WIDTH}", f"SAMPLE_TYPE = {kind}",
+             f"SAMPLE_BITS = {bits}", f"UNIT = {unit}", f"SCALING_FACTOR = {scale}", f"OFFSET = {offset}", "END_OBJECT = IMAGE",
+             "OBJECT = IMAGE_MAP_PROJECTION", 'MAP_PROJECTION_TYPE = "SIMPLE CYLINDRICAL"',
+             *(f"{axis}_AXIS_RADIUS = {radius / 1000} <KM>" for axis in "ABC"), 'POSITIVE_LONGITUDE_DIRECTION = "EAST"',
+             "CENTER_LATITUDE = 0 <DEG>", "CENTER_LONGITUDE = 0 <DEG>", "MAP_RESOLUTION = 256 <PIXEL/DEG>", "MAP_SCALE = 118.45 <METERS/PIXEL>",
+             "LINE_PROJECTION_OFFSET = 20", "SAMPLE_PROJECTION_OFFSET = 30", 'COORDINATE_SYSTEM_NAME = "PLANETOCENTRIC"',
+             "END_OBJECT = IMAGE_MAP_PROJECTION", "END"]
+    return "\r\n".join(lines).encode() + b"\r\n"
+
+
+class Planets(RasterTest):
+    def image(self, name="moon", code="h", scale=0.5, offset=1737400, radius=1737400, unit="METER", attached=False, ending=".lbl"):
+        cells = array.array(code, [(x * 7 + y * 3) % 900 - 300 for y in range(HEIGHT) for x in range(WIDTH)])
+        record = WIDTH * cells.itemsize
+        if attached:
+            records = 2 + len(label(1, code, scale, offset, radius, unit)) // record
+            text = label(records + 1, code, scale, offset, radius, unit)
+            (self.folder / (name + ".img")).write_bytes(text.ljust(records * record) + cells.tobytes())
+        else:
+            (self.folder / (name + ".img")).write_bytes(cells.tobytes())
+            (self.folder / (name + ending)).write_bytes(label(f'"{name}.img"', code, scale, offset, radius, unit))
+        return [v * scale for v in cells]
+
+    def heights(self, *arguments):
+        """What an import keeps, rows from the north, and its notes."""
+        result = self.furrow("import", *arguments, "-o", "s.furrow", "--overwrite", "--max-error", 0.001)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        width, height, found = self.exported("s.furrow", "--layer", "base")
+        self.assertEqual((width, height), (WIDTH, HEIGHT))
+        return found, result.stderr
+
+    def assert_near(self, found, wanted, within=0.002):
+        self.assertLess(max(abs(a - b) for a, b in zip(found, wanted)), within)
+
+    def test_an_image_is_read_by_its_label_whichever_is_named(self):
+        hashes = set()
+        for ending in (".lbl", ".LBL"):
+            self.image(ending=ending)
+            for name in ("moon.img", "moon" + ending, "."):
+                self.ok("import", name, "-o", self.folder.parent / (self.folder.name + ".furrow"))
+                store = (self.folder.parent / (self.folder.name + ".furrow")).rename(self.folder / "s.store")
+                told = self.json("info", store)
+                hashes.add(told["base_hash"])
+                self.assertEqual(len(told["sources"]), 1)
+                store.unlink()
+            (self.folder / ("moon" + ending)).unlink()
+        self.image(attached=True)
+        for name in ("moon.img", "."):
+            self.ok("import", name, "-o", "s.store", "--overwrite")
+            hashes.add(self.json("info", "s.store")["base_hash"])
+            (self.folder / "s.store").unlink()
+        self.assertEqual(len(hashes), 1)
+        # A label of something else, and an image without one.
+        (self.folder / "moon.lbl").write_text("this is no label")
+        self.ok("import", "moon.img", "-o", "s.store")
+        self.image()
+        (self.folder / "moon.lbl").unlink()
+        self.assertIn("moon.img", self.refused(3, "import", "moon.img", "-o", "x.furrow"))
+
+    def test_radii_become_heights_over_their_sphere(self):
+        for radius, scale, offset, code, unit in ((1737400, 0.5, 1737400, "h", "METER"), (3396000, 1, 3396000, "h", "METER"),
+                                                  (1737400, 0.0005, 1737.4, "f", "KILOMETER"), (3396190, 0.0005, 3396.19, "f", "KILOMETER"),
+                                                  (265000, 1, 265000, "f", "METER"), (3396190, 1, 3389000, "h", "METER")):
+            with self.subTest(radius=radius, scale=scale, offset=offset):
+                values = self.image(code=code, scale=scale, offset=offset, radius=radius, unit=unit)
+                metres = 1000 if unit == "KILOMETER" else 1
+                wanted = [(v + offset) * metres - radius for v in values]
+                found, told = self.heights("moon.img")
+                self.assert_near(found, wanted)
+                self.assertIn("its values are radii", told)
+                self.assertIn(f"{radius} m", self.json("info", "s.furrow")["vertical"])
+                self.assert_near(self.heights("moon.img", "--radii", "yes")[0], wanted)
+                # What GDAL itself makes of the values.
+                rasters.gdal("gdal_translate", "-q", "-unscale", "-ot", "Float64", self.folder / "moon.lbl", self.folder / "plain.tif")
+                _, _, plain = rasters.pixels(self.folder / "plain.tif", "d")
+                found, told = self.heights("moon.img", "--radii", "no", "--max-error", 0.5)
+                self.assert_near(found, plain, 0.51)
+                self.assertNotIn("radii", told)
+
+    def test_heights_stay_heights(self):
+        for radius, offset in ((1737400, 0), (3396190, -4000), (1737400, 9000)):
+            values = self.image(offset=offset, radius=radius)
+            found, told = self.heights("moon.img")
+            self.assert_near(found, [v + offset for v in values])
+            self.assertNotIn("radii", told)
+            self.assertIn("not radii", self.refused(3, "import", "moon.img", "-o", "x.furrow", "--radii", "yes"))
+
+    def test_radii_need_a_sphere(self):
+        cells = [3389000 + x for x in range(WIDTH * HEIGHT)]
+        for srs, status, why in (("IAU_2015:49900", 0, ""), ("+proj=longlat +a=3396190 +b=3376200 +no_defs", 3, "ellipsoid"), (None, 3, "no SRS")):
+            rasters.make(self.folder / "in.tif", WIDTH, HEIGHT, cells, "f", west=10.0, north=20.0, step=0.01, srs=srs)
+            if status == 0:
+                self.ok("import", "in.tif", "-o", "s.furrow")
+            else:
+                self.assertIn(why, self.refused(3, "import", "in.tif", "-o", "x.furrow", "--radii", "yes"))
+        # Holes that no tag declares do not hide what the others are.
+        cells[::7] = [0] * len(cells[::7])
+        rasters.make(self.folder / "in.tif", WIDTH, HEIGHT, cells, "f", west=10.0, north=20.0, step=0.01, srs="IAU_2015:49900")
+        self.assertIn("radii", self.furrow("import", "in.tif", "-o", "s.furrow", "--overwrite", "--nodata", 0).stderr)
+        self.assertIn("auto yes no", self.refused(2, "import", "in.tif", "-o", "x.furrow", "--radii", "maybe"))
+
+
+if __name__ == "__main__":
+    main()
