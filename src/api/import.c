@@ -307,6 +307,7 @@ enum status api_import_open(struct import *import, const char *const *sources, s
 	import->dem.sources = sources;
 	import->dem.source_count = count;
 	import->dem.nodata = import->nodata;
+	import->dem.jobs = import->jobs;
 	enum status status = dem_open(&import->dem, &import->opened);
 	if (status != STATUS_OK)
 		return status;

@@ -35,6 +35,7 @@ struct dem_params {
 	double window[4]; /* west, south, east, north */
 	const char *window_srs; /* of the window; NULL: it is in the result's coordinates */
 	bool fill; /* fill holes by interpolation from their edges */
+	int64_t jobs; /* threads that resample sources; 0 or 1: the thread that reads. Heights do not depend on it */
 	bool has_height_range;
 	double height_min, height_max; /* metres for 0 and for the largest value of a PNG */
 };

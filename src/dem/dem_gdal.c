@@ -4,24 +4,17 @@
  *
  * A post is that of the first source that has data all around it. If there is none, it is that of the first source with any data.
  */
-#include "dem_gdal.h"
+#include "dem_grid.h"
 
 #include <stdio.h>
-
-struct gdal_grid {
-	struct dem_grid grid;
-	struct gdal_source *sources;
-	size_t source_count;
-	char *name; /* of the first source, for messages */
-	struct dem_groups groups;
-	struct dem_target target;
-	uint8_t *sampled; /* of a read */
-	size_t room;
-};
 
 static void gdal_destroy(struct dem_grid *grid)
 {
 	struct gdal_grid *gdal = (struct gdal_grid *)grid;
+	dem_crew_destroy(gdal->crew);
+	for (size_t i = 0; gdal->readers != NULL && i < gdal->reader_count; i++)
+		dem_reader_finish(&gdal->readers[i], i > 0);
+	mem_free(gdal->readers);
 	dem_groups_finish(&gdal->groups);
 	dem_target_finish(&gdal->target);
 	for (size_t i = 0; i < gdal->source_count; i++)
@@ -30,112 +23,6 @@ static void gdal_destroy(struct dem_grid *grid)
 	mem_free(gdal->name);
 	mem_free(gdal->sampled);
 	mem_free(gdal);
-}
-
-/* Reads all of one source to find out if it can be read. */
-static bool reads(const struct gdal_source *source)
-{
-	GDALDatasetH dataset = GDALOpen(source->vrt, GA_ReadOnly);
-	float *row = mem_alloc((size_t)source->width, sizeof *row);
-	bool good = dataset != NULL && row != NULL;
-	for (int y = 0; good && y < source->height; y++)
-		good = GDALRasterIO(GDALGetRasterBand(dataset, 1), GF_Read, 0, y, source->width, 1, row, source->width,
-				    1, GDT_Float32, 0, 0) == CE_None;
-	mem_free(row);
-	if (dataset != NULL)
-		GDALClose(dataset);
-	return good;
-}
-
-/* Returns the source that GDAL's message is about: the one it names, or the first one that cannot be read. */
-static const char *culprit(const struct gdal_grid *gdal, const char *message)
-{
-	const char *found = NULL;
-	for (size_t i = 0; i < gdal->source_count; i++) {
-		const char *path = gdal->sources[i].path;
-		if (strstr(message, path) != NULL && (found == NULL || strlen(path) > strlen(found)))
-			found = path;
-	}
-	for (size_t i = 0; found == NULL && i < gdal->source_count; i++)
-		if (gdal->source_count == 1 || !reads(&gdal->sources[i]))
-			found = gdal->sources[i].path;
-	return found != NULL ? found : gdal->name;
-}
-
-static enum status refuse_rows(const struct gdal_grid *gdal, int top)
-{
-	char message[320];
-	snprintf(message, sizeof message, "%s", dem_gdal_message());
-	return fail_with(STATUS_INPUT, "%s: reading it failed at row %d of the whole: %s; fetch or make that file again",
-			 culprit(gdal, message), top, message);
-}
-
-/* owners: NULL, or for each post the number of the group that it was taken from. */
-static enum status sample(struct gdal_grid *gdal, struct post_rect rect, double *heights, uint16_t *owners, bool *done)
-{
-	size_t posts = (size_t)((rect.x1 - rect.x0) * (rect.y1 - rect.y0));
-	if (posts > gdal->room) {
-		mem_free(gdal->sampled);
-		gdal->sampled = mem_alloc(posts, 1);
-		gdal->room = gdal->sampled != NULL ? posts : 0;
-		if (gdal->sampled == NULL)
-			return fail_memory("reading the sources");
-	}
-	memset(gdal->sampled, DEM_SAMPLED_NONE, posts);
-	for (size_t i = 0; i < posts; i++)
-		heights[i] = (double)NAN;
-	struct dem_samples samples = {rect, heights, gdal->sampled, owners, 0};
-	enum status status = STATUS_OK;
-	for (size_t i = 0; i < gdal->groups.count && status == STATUS_OK && *done; i++, samples.owner++)
-		status = dem_sampler_read(gdal->groups.groups[i].sampler, &samples, done);
-	return status;
-}
-
-static enum status gdal_read(struct dem_grid *grid, struct post_rect rect, double *heights)
-{
-	struct gdal_grid *gdal = (struct gdal_grid *)grid;
-	const struct dem_groups *groups = &gdal->groups;
-	struct post_rect from;
-	bool done = true, copies = groups->count == 1 && dem_sampler_copied(groups->groups[0].sampler, rect, &from);
-	CPLErrorReset();
-	enum status status = copies ? dem_layers_read(groups->groups[0].layers, from, heights, &done)
-				    : sample(gdal, rect, heights, NULL, &done);
-	return status != STATUS_OK || done ? status : refuse_rows(gdal, (int)(grid->height - rect.y1));
-}
-
-/* A tile's last row and column are measured only if no other tile has them. */
-static void limit_surface(const struct gdal_grid *gdal, uint32_t cells, struct dem_surface *surface)
-{
-	const struct post_rect *rect = &surface->part.rect;
-	surface->low[0] = rect->x0 == 0 ? -0.5 : (double)rect->x0;
-	surface->low[1] = rect->y0 == 0 ? -0.5 : (double)rect->y0;
-	surface->high[0] = rect->x0 + cells >= gdal->grid.width - 1 ? (double)rect->x1 : (double)(rect->x0 + cells);
-	surface->high[1] = rect->y0 + cells >= gdal->grid.height - 1 ? (double)rect->y1 : (double)(rect->y0 + cells);
-}
-
-static enum status gdal_misfit(struct dem_grid *grid, const struct dem_part *part, uint32_t cells, struct misfit *misfit)
-{
-	struct gdal_grid *gdal = (struct gdal_grid *)grid;
-	struct dem_surface surface = {.part = *part};
-	size_t posts = (size_t)((part->rect.x1 - part->rect.x0) * (part->rect.y1 - part->rect.y0));
-	uint16_t *owners = NULL;
-	double *heights = NULL;
-	enum status status = STATUS_OK;
-	bool done = true;
-	limit_surface(gdal, cells, &surface);
-	CPLErrorReset();
-	if (gdal->groups.count > 1) {
-		owners = mem_calloc(posts, sizeof *owners);
-		heights = mem_alloc(posts, sizeof *heights);
-		status = owners != NULL && heights != NULL ? sample(gdal, part->rect, heights, owners, &done)
-							   : fail_memory("comparing with the sources");
-		surface.owners = owners;
-	}
-	for (size_t i = 0; i < gdal->groups.count && status == STATUS_OK && done; i++)
-		status = dem_misfit_group(&gdal->groups.groups[i], (uint16_t)i, &surface, misfit, &done);
-	mem_free(owners);
-	mem_free(heights);
-	return status != STATUS_OK || done ? status : refuse_rows(gdal, (int)(grid->height - part->rect.y1));
 }
 
 /* Finds the first source that has the same SRS as source number i. */
@@ -222,28 +109,6 @@ static enum status several_agree(const struct gdal_grid *gdal)
 	return STATUS_OK;
 }
 
-static enum status make_sampler(struct gdal_grid *gdal, const struct dem_params *params, struct dem_group *group)
-{
-	struct dem_lattice posts;
-	double s = gdal->target.spacing;
-	bool mean = s > 2 * fmin(group->step[0], group->step[1]); /* otherwise a sample of the interpolated surface */
-	bool doubles = false;
-	for (size_t i = 0; i < group->count; i++)
-		doubles = doubles || group->sources[i]->doubles;
-	dem_target_lattice(&gdal->target, &posts);
-	const struct dem_sampling sampling = {
-		.layers = group->layers,
-		.raster = dem_layers_lattice(group->layers),
-		.posts = &posts,
-		.method = params->resample,
-		.span = {mean ? fmax(1, s / group->step[0]) : 1, mean ? fmax(1, s / group->step[1]) : 1},
-		.single = !doubles,
-		.name = group->sources[0]->path,
-	};
-	enum status status = dem_sampler_create(&sampling, &group->sampler);
-	return status == STATUS_OK ? dem_map_create(sampling.raster, &posts, sampling.name, &group->back) : status;
-}
-
 /* Tells what becomes of posts that are resampled only because they are not square or not in metres. */
 static void note_resampled(const struct gdal_grid *gdal, const struct dem_params *params)
 {
@@ -282,7 +147,7 @@ static enum status describe(struct gdal_grid *gdal)
 	grid->whole = all_whole(gdal);
 	for (size_t i = 0; i < gdal->groups.count; i++)
 		if (!dem_sampler_copies(gdal->groups.groups[i].sampler))
-			grid->misfit = gdal_misfit;
+			grid->misfit = dem_grid_misfit;
 	const struct dem_group *projected = NULL;
 	size_t others = 0;
 	for (size_t i = gdal->groups.count; i-- > 0;)
@@ -333,7 +198,7 @@ static enum status open_grid(struct gdal_grid *gdal, const struct dem_params *pa
 	if (status == STATUS_OK)
 		status = dem_target_choose(params, &gdal->groups, &gdal->target);
 	for (size_t i = 0; status == STATUS_OK && i < gdal->groups.count; i++)
-		status = make_sampler(gdal, params, &gdal->groups.groups[i]);
+		status = dem_grid_sampler(gdal, &gdal->groups.groups[i]);
 	struct dem_lattice lattice;
 	dem_target_lattice(&gdal->target, &lattice);
 	if (status == STATUS_OK && gdal->source_count > 1)
@@ -353,7 +218,9 @@ enum status dem_gdal_open(const struct dem_params *params, struct dem_list *list
 	if (gdal == NULL)
 		return fail_memory("opening the sources");
 	gdal->grid.destroy = gdal_destroy;
-	gdal->grid.read = gdal_read;
+	gdal->grid.read = dem_grid_read;
+	gdal->method = params->resample;
+	gdal->jobs = params->jobs;
 	status = open_grid(gdal, params, list);
 	if (status != STATUS_OK) {
 		dem_grid_destroy(&gdal->grid);

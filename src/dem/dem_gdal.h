@@ -113,8 +113,9 @@ bool dem_sampler_copies(const struct dem_sampler *sampler); /* returns true if p
 void dem_sampler_place(const struct dem_sampler *sampler, int64_t x, int64_t y, double *column, double *row);
 /* Returns true if all posts of `rect` are the raster's own; gives the rectangle in which they lie there. */
 bool dem_sampler_copied(const struct dem_sampler *sampler, struct post_rect rect, struct post_rect *from);
-/* Sets those heights of which this raster knows more than is known already. *done as in dem_layers_read. */
-enum status dem_sampler_read(struct dem_sampler *sampler, struct dem_samples *samples, bool *done) FURROW_CHECKED;
+/* Sets those heights in `part` of which this raster knows more than is known already. *done as in dem_layers_read. */
+enum status dem_sampler_read(struct dem_sampler *sampler, struct dem_samples *samples, struct post_rect part, bool *done)
+	FURROW_CHECKED;
 
 /* --- dem_group.c: sources on one lattice --- */
 struct dem_group {
@@ -156,9 +157,19 @@ struct dem_surface {
 	double low[2], high[2]; /* columns and rows from `low` to below `high` are measured */
 	const uint16_t *owners; /* for each post, which group it was taken from; NULL: there is one group */
 };
-/* Adds by how much the surface is off posts of group `number`, where it is made from this group. *done as in dem_layers_read. */
-enum status dem_misfit_group(const struct dem_group *group, uint16_t number, const struct dem_surface *surface,
-			     struct misfit *misfit, bool *done) FURROW_CHECKED;
+/* Posts of a group that are compared at once. */
+struct dem_misfit_part {
+	size_t group;
+	struct post_rect posts;
+};
+/* Gives the parts that may lie under a surface, to be freed with mem_free. */
+enum status dem_misfit_parts(const struct dem_groups *groups, const struct dem_surface *surface, struct dem_misfit_part **parts,
+			     size_t *count) FURROW_CHECKED;
+struct dem_misfit_room;
+struct dem_misfit_room *dem_misfit_room_create(void); /* scratch for a part; to be freed with mem_free. NULL: out of memory */
+/* Adds by how much the surface is off posts of a part, where it is made from their group. *done as in dem_layers_read. */
+enum status dem_misfit_part(const struct dem_groups *groups, const struct dem_misfit_part *part, const struct dem_surface *surface,
+			    struct dem_misfit_room *room, struct misfit *misfit, bool *done) FURROW_CHECKED;
 
 /* --- dem_overlap.c: compares sources where they overlap in the target; also sets `low` and `high` of each source, and the grid's
  * overlap_... --- */

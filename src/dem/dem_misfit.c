@@ -63,31 +63,53 @@ static void compare_chunk(const struct dem_surface *surface, uint16_t group, con
 	}
 }
 
-/* Room for a chunk of source posts: their heights, and where they lie on the target. */
-struct chunk {
+struct dem_misfit_room {
+	/* of a part's posts: their heights, and where they lie on the target */
 	double posts[DEM_BLOCK_SIDE * CHUNK_ROWS], columns[DEM_BLOCK_SIDE * CHUNK_ROWS], rows[DEM_BLOCK_SIDE * CHUNK_ROWS];
 };
 
-enum status dem_misfit_group(const struct dem_group *group, uint16_t number, const struct dem_surface *surface,
-			     struct misfit *misfit, bool *done)
+struct dem_misfit_room *dem_misfit_room_create(void)
 {
-	struct post_rect under = posts_under(group, surface->part.rect);
-	*done = true;
-	if (post_rect_empty(under))
-		return STATUS_OK;
-	struct chunk *chunk = mem_alloc(1, sizeof *chunk);
-	enum status status = chunk != NULL ? STATUS_OK : fail_memory("comparing with the sources");
-	for (int64_t y = under.y0; y < under.y1; y += CHUNK_ROWS)
-		for (int64_t x = under.x0; x < under.x1 && status == STATUS_OK && *done; x += DEM_BLOCK_SIDE) {
-			struct post_rect rect = post_rect_intersect(
-				under, (struct post_rect){x, y, x + DEM_BLOCK_SIDE, y + CHUNK_ROWS});
-			status = dem_layers_read(group->layers, rect, chunk->posts, done);
-			if (status != STATUS_OK || !*done)
-				break;
-			dem_map_rect(group->back, rect, chunk->columns, chunk->rows);
-			compare_chunk(surface, number, chunk->posts, chunk->columns, chunk->rows,
-				      (rect.x1 - rect.x0) * (rect.y1 - rect.y0), misfit);
-		}
-	mem_free(chunk);
-	return status;
+	return mem_alloc(1, sizeof(struct dem_misfit_room));
+}
+
+/* Adds the parts of a rectangle of posts, or counts them if `parts` is NULL. */
+static size_t add_parts(size_t group, struct post_rect under, struct dem_misfit_part *parts)
+{
+	size_t count = 0;
+	for (int64_t y = under.y0; !post_rect_empty(under) && y < under.y1; y += CHUNK_ROWS)
+		for (int64_t x = under.x0; x < under.x1; x += DEM_BLOCK_SIDE, count++)
+			if (parts != NULL)
+				parts[count] = (struct dem_misfit_part){
+					group, post_rect_intersect(under, (struct post_rect){x, y, x + DEM_BLOCK_SIDE, y + CHUNK_ROWS})};
+	return count;
+}
+
+enum status dem_misfit_parts(const struct dem_groups *groups, const struct dem_surface *surface, struct dem_misfit_part **parts,
+			     size_t *count)
+{
+	*count = 0;
+	for (size_t i = 0; i < groups->count; i++)
+		*count += add_parts(i, posts_under(&groups->groups[i], surface->part.rect), NULL);
+	*parts = mem_alloc(*count + 1, sizeof **parts);
+	if (*parts == NULL)
+		return fail_memory("comparing with the sources");
+	size_t filled = 0;
+	for (size_t i = 0; i < groups->count; i++)
+		filled += add_parts(i, posts_under(&groups->groups[i], surface->part.rect), *parts + filled);
+	return STATUS_OK;
+}
+
+enum status dem_misfit_part(const struct dem_groups *groups, const struct dem_misfit_part *part, const struct dem_surface *surface,
+			    struct dem_misfit_room *room, struct misfit *misfit, bool *done)
+{
+	const struct dem_group *group = &groups->groups[part->group];
+	const struct post_rect *rect = &part->posts;
+	enum status status = dem_layers_read(group->layers, *rect, room->posts, done);
+	if (status != STATUS_OK || !*done)
+		return status;
+	dem_map_rect(group->back, *rect, room->columns, room->rows);
+	compare_chunk(surface, (uint16_t)part->group, room->posts, room->columns, room->rows, (rect->x1 - rect->x0) * (rect->y1 - rect->y0),
+		      misfit);
+	return STATUS_OK;
 }

@@ -102,7 +102,7 @@ static enum status compare_rows(struct pair *pair, struct post_rect strip, struc
 	struct dem_samples samples = {.rect = strip, .heights = pair->heights, .sampled = pair->sampled};
 	enum status status = dem_layers_read(pair->other, strip, pair->own, &done);
 	if (status == STATUS_OK && done)
-		status = dem_sampler_read(pair->sampler, &samples, &done);
+		status = dem_sampler_read(pair->sampler, &samples, strip, &done);
 	if (status == STATUS_OK && !done)
 		status = fail_with(STATUS_INPUT, "%s: reading where it overlaps %s failed: %s; check that both are whole",
 				   pair->second->path, pair->first->path, dem_gdal_message());

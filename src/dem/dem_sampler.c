@@ -4,6 +4,8 @@
  */
 #include "dem_gdal.h"
 
+#include "base/wide.h"
+
 #define BLOCK_ROWS 64
 #define PART_POSTS (1 << 22) /* most posts of the raster in memory for one block, unless it is a single post */
 
@@ -101,6 +103,22 @@ static void put(struct dem_samples *samples, int64_t at, enum dem_sampled sample
 		samples->owners[at] = samples->owner;
 }
 
+/* The same for a run of posts. */
+FURROW_WIDE static void put_heights(const double *heights, const uint8_t *sampled, int64_t count, double *to, uint8_t *known)
+{
+	for (int64_t i = 0; i < count; i++)
+		to[i] = sampled[i] > known[i] ? heights[i] : to[i];
+	for (int64_t i = 0; i < count; i++)
+		known[i] = sampled[i] > known[i] ? sampled[i] : known[i];
+}
+
+static void put_run(struct dem_samples *samples, int64_t at, int64_t count, const double *heights, const uint8_t *sampled)
+{
+	for (int64_t i = 0; samples->owners != NULL && i < count; i++)
+		samples->owners[at + i] = sampled[i] > samples->sampled[at + i] ? samples->owner : samples->owners[at + i];
+	put_heights(heights, sampled, count, samples->heights + at, samples->sampled + at);
+}
+
 static int64_t index_of(const struct dem_samples *samples, int64_t x, int64_t y)
 {
 	return (y - samples->rect.y0) * (samples->rect.x1 - samples->rect.x0) + x - samples->rect.x0;
@@ -122,17 +140,39 @@ static enum status copy_block(struct dem_sampler *sampler, struct post_rect bloc
 	return status;
 }
 
+#define LANES 8 /* extremes of their own, so that the compiler makes vector code of them */
+
+/* Widens low and high to the positions, ignoring NaN. */
+FURROW_WIDE static void extremes(const double *positions, size_t count, double *low, double *high)
+{
+	double lows[LANES], highs[LANES];
+	size_t whole = count - count % LANES;
+	for (int k = 0; k < LANES; k++) {
+		lows[k] = *low;
+		highs[k] = *high;
+	}
+	for (size_t i = 0; i < whole; i += LANES)
+		for (int k = 0; k < LANES; k++) {
+			double at = positions[i + (size_t)k];
+			lows[k] = at < lows[k] ? at : lows[k]; /* never for NaN */
+			highs[k] = at > highs[k] ? at : highs[k];
+		}
+	for (size_t i = whole; i < count; i++) {
+		lows[0] = positions[i] < lows[0] ? positions[i] : lows[0];
+		highs[0] = positions[i] > highs[0] ? positions[i] : highs[0];
+	}
+	for (int k = 0; k < LANES; k++) {
+		*low = lows[k] < *low ? lows[k] : *low;
+		*high = highs[k] > *high ? highs[k] : *high;
+	}
+}
+
 /* Gives the part of the raster that a block needs; the block's positions are computed. It is empty if the block lies beside it. */
 static struct post_rect part_below(const struct dem_sampler *sampler, size_t posts)
 {
 	double low[2] = {(double)INFINITY, (double)INFINITY}, high[2] = {-(double)INFINITY, -(double)INFINITY};
-	for (size_t i = 0; i < posts; i++) {
-		double column = sampler->columns[i], row = sampler->rows[i];
-		low[0] = column < low[0] ? column : low[0]; /* never for NaN */
-		high[0] = column > high[0] ? column : high[0];
-		low[1] = row < low[1] ? row : low[1];
-		high[1] = row > high[1] ? row : high[1];
-	}
+	extremes(sampler->columns, posts, &low[0], &high[0]);
+	extremes(sampler->rows, posts, &low[1], &high[1]);
 	int64_t size[2] = {sampler->width, sampler->height}, from[2], to[2];
 	for (int i = 0; i < 2; i++) {
 		double reach = (double)dem_kernel_reach(&sampler->kernel, i), most = (double)size[i];
@@ -184,8 +224,7 @@ static enum status sample_block(struct dem_sampler *sampler, struct post_rect bl
 		dem_kernel_run(&sampler->kernel, &part, width, columns, of_rows, heights, sampled);
 		for (int64_t x = 0; sampler->single && x < width; x++)
 			heights[x] = (double)(float)heights[x];
-		for (int64_t x = 0, at = index_of(samples, block.x0, y); x < width; x++)
-			put(samples, at + x, (enum dem_sampled)sampled[x], heights[x]);
+		put_run(samples, index_of(samples, block.x0, y), width, heights, sampled);
 	}
 	return STATUS_OK;
 }
@@ -196,14 +235,13 @@ static int64_t next_multiple(int64_t value, int64_t step, int64_t most)
 	return next < most ? next : most;
 }
 
-enum status dem_sampler_read(struct dem_sampler *sampler, struct dem_samples *samples, bool *done)
+enum status dem_sampler_read(struct dem_sampler *sampler, struct dem_samples *samples, struct post_rect part, bool *done)
 {
-	const struct post_rect rect = samples->rect;
 	enum status status = STATUS_OK;
 	*done = true;
-	for (int64_t y = rect.y0; y < rect.y1; y = next_multiple(y, BLOCK_ROWS, rect.y1))
-		for (int64_t x = rect.x0; x < rect.x1 && status == STATUS_OK && *done; x = next_multiple(x, DEM_BLOCK_SIDE, rect.x1)) {
-			struct post_rect block = {x, y, next_multiple(x, DEM_BLOCK_SIDE, rect.x1), next_multiple(y, BLOCK_ROWS, rect.y1)};
+	for (int64_t y = part.y0; y < part.y1; y = next_multiple(y, BLOCK_ROWS, part.y1))
+		for (int64_t x = part.x0; x < part.x1 && status == STATUS_OK && *done; x = next_multiple(x, DEM_BLOCK_SIDE, part.x1)) {
+			struct post_rect block = {x, y, next_multiple(x, DEM_BLOCK_SIDE, part.x1), next_multiple(y, BLOCK_ROWS, part.y1)};
 			status = sample_block(sampler, block, samples, done);
 		}
 	return status;

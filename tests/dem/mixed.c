@@ -267,6 +267,82 @@ static void a_source_across_the_date_line_has_no_gap(void **state)
 	dem_close(dem);
 }
 
+/* Reads all posts with so many threads, and measures them as one tile. The caller frees them. */
+static double *read_all(const struct dem_params *params, int64_t jobs, int64_t *posts, struct misfit *misfit)
+{
+	struct dem_params with = *params;
+	with.jobs = jobs;
+	struct dem *dem = open_with(&with);
+	const struct dem_info *info = dem_info(dem);
+	const struct extent extent = {info->width, info->height, info->spacing, 2048};
+	double *heights = mem_alloc((size_t)(info->width * info->height), sizeof *heights);
+	int32_t *codes = mem_alloc((size_t)2049 * 2049, sizeof *codes);
+	*posts = info->width * info->height;
+	assert_int_equal(dem_read(dem, (struct post_rect){0, 0, info->width, info->height}, heights), STATUS_OK);
+	for (int64_t i = 0; i < (int64_t)2049 * 2049; i++)
+		codes[i] = HEIGHT_CODE_NODATA;
+	for (int64_t y = 0; y < info->height; y++)
+		assert_int_equal(height_code_row(heights + y * info->width, info->width, 0.001, codes + y * 2049), info->width);
+	*misfit = (struct misfit){0};
+	assert_int_equal(dem_misfit(dem, &extent, &(struct dem_tile){.codes = codes}, 0.001, misfit), STATUS_OK);
+	mem_free(codes);
+	dem_close(dem);
+	return heights;
+}
+
+static void threads_do_not_show_in_heights(void **state)
+{
+	struct view views[2] = {metres(10), degrees()};
+	const char *sources[2];
+	views[1].more = 3;
+	for (int i = 0; i < 2; i++) {
+		make_view(&views[i]);
+		sources[i] = in_folder(views[i].made.name);
+	}
+	struct dem_params params = params_of(sources, 2);
+	params.spacing = 0.6; /* three columns of blocks */
+	int64_t posts;
+	struct misfit misfit;
+	double *alone = read_all(&params, 0, &posts, &misfit);
+	assert_true(posts > 1000000 && misfit.posts > 500 && misfit.squares > 0);
+	for (int64_t jobs = 2; jobs <= 12; jobs += 5) {
+		struct misfit other;
+		double *heights = read_all(&params, jobs, &posts, &other);
+		assert_memory_equal(heights, alone, (size_t)posts * sizeof *heights);
+		assert_memory_equal(&other, &misfit, sizeof misfit);
+		mem_free(heights);
+	}
+	mem_free(alone);
+	assert_int_equal(thread_running(), 0);
+}
+
+/* Whichever thread meets it. */
+static void a_broken_source_is_named_by_any_thread(void **state)
+{
+	struct view whole = metres(10), broken = metres(10);
+	whole.made.width = broken.made.width = 700;
+	broken.made.name = "broken.tif";
+	broken.made.west += 7003;
+	make_view(&whole);
+	make_view(&broken);
+	assert_int_equal(truncate(in_folder("broken.tif"), 20000), 0);
+	const char *sources[] = {in_folder("metres.tif"), in_folder("broken.tif")};
+	for (int64_t jobs = 0; jobs <= 4; jobs += 2) {
+		struct dem_params params = params_of(sources, 2);
+		params.jobs = jobs;
+		params.spacing = 4;
+		struct dem *dem = open_with(&params);
+		double *row = mem_alloc((size_t)dem_info(dem)->width, sizeof *row);
+		enum status status = STATUS_OK;
+		for (int64_t y = 0; y < dem_info(dem)->height && status == STATUS_OK; y++)
+			status = read_rows(dem, y, 1, row);
+		assert_int_equal(status, STATUS_INPUT);
+		assert_non_null(strstr(failure_message(), "broken.tif: reading it failed at row"));
+		mem_free(row);
+		dem_close(dem);
+	}
+}
+
 static void every_failing_allocation_of_mixed_sources_is_told(void **state)
 {
 	struct view a = metres(10), b = degrees();
@@ -274,6 +350,7 @@ static void every_failing_allocation_of_mixed_sources_is_told(void **state)
 	make_view(&b);
 	const char *sources[] = {in_folder("metres.tif"), in_folder("degrees.tif")};
 	struct dem_params params = params_of(sources, 2);
+	params.jobs = 2;
 	params.has_window = true;
 	params.window_srs = "EPSG:4326";
 	memcpy(params.window, (double[]){15.0005, 45.1517, 15.0018, 45.1529}, sizeof params.window);
@@ -306,6 +383,8 @@ int main(void)
 		cmocka_unit_test(source_keeps_the_posts_of_any_metric_system),
 		cmocka_unit_test(wkt_may_begin_with_a_new_line),
 		cmocka_unit_test(a_source_across_the_date_line_has_no_gap),
+		cmocka_unit_test(threads_do_not_show_in_heights),
+		cmocka_unit_test(a_broken_source_is_named_by_any_thread),
 		cmocka_unit_test(every_failing_allocation_of_mixed_sources_is_told),
 	};
 	return cmocka_run_group_tests_name("mixed", tests, folder_make, folder_remove);
