@@ -16,6 +16,8 @@ static const struct command_option options[] = {
 	{"max-error", "M", "most a stored height may be off its source; 0: lossless (half the source's unit)"},
 	{"s-srs", "SRS", "the sources' reference system, if they do not say or say it wrong"},
 	{"t-srs", "SRS", "the store's, in metres, or auto (default), or source: see below"},
+	{"s-vertical", "REF", "above what the sources' heights are, if they do not say or say it wrong: see below"},
+	{"t-vertical", "REF", "convert heights to this vertical reference: ellipsoid, egm96, egm2008 or a vertical SRS"},
 	{"spacing", "M", "metres between posts: resamples; for sources without a place, their own (1)"},
 	{"window", "W,S,E,N", "import only what lies in this area, in the store's coordinates"},
 	{"window-srs", "SRS", "the SRS in which the window is given, as EPSG:4326 for degrees: longitude first"},
@@ -58,7 +60,7 @@ static void print_plan(const struct dem_info *info, const struct dem_insets *ins
 	       (long long)info->width, (long long)info->height, info->spacing,
 	       (double)(info->width - 1) * info->spacing / 1e3, (double)(info->height - 1) * info->spacing / 1e3,
 	       extent->cells + 1, extent->cells + 1, extent_coarsest(extent));
-	printf("vertical: %s\n", info->vertical[0] != '\0' ? info->vertical : "the sources do not say above what their heights are");
+	printf("vertical: %s\n", info->vertical[0] != '\0' ? info->vertical : "not said");
 	print_insets(insets);
 	if (info->overlap_posts > 0)
 		printf("sources overlap at %lld posts and differ at %lld of them, by %g m at most; the first named "
@@ -178,7 +180,10 @@ const struct command command_import = {
 		   "--t-srs source keeps SRS and posts of the first source as they are, true or not. Degrees and feet\n"
 		   "cannot be kept: such a source is refused.\n\n"
 		   "Off Earth, values may be radii: distances from the body's middle. They become heights over the sphere\n"
-		   "of their SRS. --radii auto finds them by their size, and tells.\n",
+		   "of their SRS. --radii auto finds them by their size, and tells.\n\n"
+		   "Heights are above an ellipsoid, a geoid or a sea level. Import tells what a source says, and keeps it.\n"
+		   "--t-vertical converts, by PROJ and its grids: ellipsoid (of the source's SRS), egm96, egm2008, or any\n"
+		   "vertical SRS as EPSG:5703. If a source does not say, --s-vertical must: SRTM is above egm96.\n",
 	.options = options,
 	.run = run,
 };

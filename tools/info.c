@@ -180,8 +180,8 @@ static void print_text(struct store *store, const struct store_numbers *numbers)
 	if (store_depth(store) > 1 || (parent != NULL && revision > 0))
 		printf("parent     %s at revision %lld; %d files under this one\n", parent, (long long)revision, store_depth(store));
 	printf("origin     %.3f, %.3f (south-west post)\n", meta->origin[0], meta->origin[1]);
-	if (meta->vertical[0] != '\0')
-		printf("vertical   %s\n", meta->vertical);
+	if (meta->vertical[0] != '\0' || meta->srs[0] != '\0')
+		printf("vertical   %s\n", meta->vertical[0] != '\0' ? meta->vertical : "not said");
 	print_srs(meta->srs);
 	for (const char *line = meta->sources; *line != '\0';) {
 		int length = (int)strcspn(line, "\n");

@@ -33,6 +33,8 @@ static const struct option options[] = {
 	{"inset", SOURCES, 0, 0, NULL},
 	{"s-srs", TEXT, 0, 0, NULL},
 	{"t-srs", TEXT, 0, 0, NULL},
+	{"s-vertical", TEXT, 0, 0, NULL},
+	{"t-vertical", TEXT, 0, 0, NULL},
 	{"r", WORD, 0, 0, methods},
 	{"radii", WORD, 0, 0, radii},
 	{"pack", WORD, 0, 0, packs},
@@ -148,6 +150,19 @@ static enum status take_text(const char *text, const char **to, char **kept)
 	return STATUS_OK;
 }
 
+static enum status take_named_text(struct import *import, const char *name, const char *text)
+{
+	struct dem_params *dem = &import->dem;
+	const struct {
+		const char *name, **to;
+	} texts[] = {{"s-srs", &dem->s_srs}, {"t-srs", &dem->t_srs}, {"window-srs", &dem->window_srs}, {"s-vertical", &dem->s_vertical},
+		     {"t-vertical", &dem->t_vertical}};
+	size_t i = 0;
+	while (strcmp(texts[i].name, name) != 0)
+		i++;
+	return take_text(text, texts[i].to, &import->texts[i]);
+}
+
 static enum status take_inset(struct import *import, const char *text)
 {
 	char **room = mem_realloc(import->inset_sources, import->inset_count + 1, sizeof *room);
@@ -200,10 +215,7 @@ static enum status take(struct import *import, const struct option *option, cons
 			import->max_error = number;
 		return status;
 	case TEXT:
-		if (option->name[0] == 'w')
-			return take_text(text, &import->dem.window_srs, &import->texts[2]);
-		return option->name[0] == 's' ? take_text(text, &import->dem.s_srs, &import->texts[0])
-					      : take_text(text, &import->dem.t_srs, &import->texts[1]);
+		return take_named_text(import, option->name, text);
 	case WORD:
 		status = take_word(option, text, &word);
 		if (option->words == methods)

@@ -25,7 +25,7 @@ struct import {
 	struct dem_insets *insets; /* NULL: there are none */
 	double coarse_step; /* m: heights of the terrain are rounded to multiples of it; 0: they are stored as they come */
 	struct store_meta meta; /* of the store that will be made */
-	char *lines, *description, *texts[3];
+	char *lines, *description, *texts[5];
 };
 
 void api_import_init(struct import *import); /* sets all options to their defaults */

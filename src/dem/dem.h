@@ -24,6 +24,9 @@ struct dem_params {
 	/* SRS of the result. NULL or "auto": the first source's, if it is in true metres, otherwise a metric one that suits the
 	 * place. "source": the first source's, true or not, but metres. */
 	const char *t_srs;
+	/* What heights are above: "ellipsoid", "egm96", "egm2008", or a vertical SRS. s_vertical overrides what the sources say, NULL: no
+	 * override. Heights are converted to t_vertical, NULL: they stay as they are. */
+	const char *s_vertical, *t_vertical;
 	double spacing;             /* metres; 0: that of the source (1 if it has none) */
 	/* x and y in t_srs of a post with which all posts of the result are aligned, at multiples of `spacing`; NULL: any posts */
 	const double *anchor;
@@ -49,7 +52,7 @@ struct dem_info {
 	int64_t panel_posts;   /* posts of a row that are best read together, in strips, before the next panel; 0: whole rows */
 	const char *srs;       /* WKT; "" for local metres. Owned by the dem */
 	double origin[2];      /* x, y of the south-west post in `srs` */
-	const char *vertical;  /* the vertical reference; "" if not known */
+	const char *vertical;  /* what heights are above, as the first source says, or t_vertical; "" if not said */
 	const char *projected; /* the SRS from which the sources were projected; "" if they were not */
 	size_t source_count;   /* number of sources, including those in directories and lists */
 	const char *const *sources;

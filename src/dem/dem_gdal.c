@@ -133,6 +133,20 @@ static void note_resampled(const struct gdal_grid *gdal, const struct dem_params
 	     gdal->target.spacing);
 }
 
+/* Tells if heights of two sources are not above the same. */
+static void note_vertical(const struct gdal_grid *gdal)
+{
+	const struct gdal_source *first = &gdal->sources[0];
+	for (size_t i = 1; i < gdal->source_count; i++) {
+		const struct gdal_source *other = &gdal->sources[i];
+		if (first->vertical[0] != '\0' && other->vertical[0] != '\0' && strcmp(first->vertical, other->vertical) != 0) {
+			note("%s: its heights are above %s, and those of %s above %s; --t-vertical makes them the same", first->path, first->vertical,
+			     other->path, other->vertical);
+			return;
+		}
+	}
+}
+
 static enum status describe(struct gdal_grid *gdal)
 {
 	struct dem_grid *grid = &gdal->grid;
@@ -206,6 +220,7 @@ static enum status open_grid(struct gdal_grid *gdal, const struct dem_params *pa
 	if (status != STATUS_OK)
 		return status;
 	note_resampled(gdal, params);
+	note_vertical(gdal);
 	return describe(gdal);
 }
 

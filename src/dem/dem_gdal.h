@@ -23,7 +23,9 @@ struct gdal_source {
 	double unit;              /* as in dem_info */
 	int64_t panel_posts;      /* as in dem_info */
 	bool whole;               /* heights are exactly whole numbers of units */
-	char vertical[160];
+	char *own;      /* what its heights are above, as it says (struct dem_vertical); NULL: it does not say */
+	char *from, *to; /* heights are converted from one vertical reference to the other; NULL: they are not */
+	char vertical[160]; /* describes what heights are above, when they are converted */
 };
 
 #define DEM_CACHE_BYTES (48 << 20) /* bytes of decoded blocks that GDAL keeps */

@@ -1,17 +1,31 @@
 /* Loads GDAL when it is first needed, and keeps its messages off stderr. */
 #define DEM_GDAL_LOADS
 #include "dem_gdal.h"
+#include "dem_proj.h"
 
 #include <dlfcn.h>
 #include <stdatomic.h>
 
 struct dem_gdal_calls dem_gdal_calls;
+struct dem_proj_calls dem_proj_calls;
 
 static atomic_bool loaded;       /* all of dem_gdal_calls is there */
 static atomic_bool quiet;        /* dem_quiet_process was called */
 static char missing[320];        /* why GDAL could not be loaded; "" if it was; constant after `once` */
 static _Thread_local int begun;  /* calls of dem_quiet_begin that have not ended, in this thread */
 static _Thread_local int pushed; /* of these, those that GDAL knows of */
+
+/* The library's own libraries are searched, too. */
+static void find_proj(void *library)
+{
+	bool whole = true;
+#define DEM_PROJ_FIND(name) \
+	*(void **)&dem_proj_calls.name = dlsym(library, #name); \
+	whole = whole && dem_proj_calls.name != NULL;
+	DEM_PROJ_EACH(DEM_PROJ_FIND)
+	if (!whole)
+		dem_proj_calls = (struct dem_proj_calls){0};
+}
 
 static void load_once(void)
 {
@@ -29,6 +43,7 @@ static void load_once(void)
 	}
 	if (quiet)
 		dem_gdal_calls.CPLSetErrorHandler(dem_gdal_calls.CPLQuietErrorHandler);
+	find_proj(library);
 	dem_gdal_register();
 	loaded = true;
 }

@@ -2,7 +2,7 @@
  * Reads sources that have the same lattice of posts as one raster. GDAL's mosaic is not used here, since it handles each post
  * alone. Where sources overlap, the source named first is on top.
  */
-#include "dem_gdal.h"
+#include "dem_vertical.h"
 
 #define SAME_LATTICE 1e-6 /* posts */
 
@@ -16,13 +16,20 @@ struct dem_layers {
 	struct layer *layers;
 	size_t count;
 	struct dem_lattice lattice; /* of the whole */
+	struct dem_lift *lift; /* converts heights; NULL: they stay */
+	bool single;           /* heights that are converted are rounded to floats */
 	double *posts; /* of one of them, as many as were asked for at most */
 	size_t room;
 };
 
+static bool same_text(const char *a, const char *b)
+{
+	return a == NULL || b == NULL ? a == b : strcmp(a, b) == 0;
+}
+
 bool dem_layers_fit(const struct gdal_source *a, const struct gdal_source *b)
 {
-	if (a->system != b->system)
+	if (a->system != b->system || !same_text(a->from, b->from) || !same_text(a->to, b->to))
 		return false;
 	double east = (b->place[0] - a->place[0]) / a->place[1], south = (b->place[3] - a->place[3]) / a->place[5];
 	return a->place[1] == b->place[1] && a->place[5] == b->place[5] && a->place[2] == 0 && a->place[4] == 0 &&
@@ -37,6 +44,7 @@ void dem_layers_destroy(struct dem_layers *layers)
 	for (size_t i = 0; i < layers->count; i++)
 		if (layers->layers[i].dataset != NULL)
 			GDALClose(layers->layers[i].dataset);
+	dem_lift_destroy(layers->lift);
 	mem_free(layers->layers);
 	mem_free(layers->posts);
 	mem_free(layers);
@@ -71,6 +79,21 @@ static void cover(struct dem_layers *layers, const struct gdal_source *const *so
 	};
 }
 
+static enum status add_lift(struct dem_layers *layers, const struct gdal_source *const *sources, size_t count)
+{
+	layers->single = true;
+	for (size_t i = 0; i < count; i++)
+		layers->single = layers->single && !sources[i]->doubles;
+	if (sources[0]->from == NULL)
+		return STATUS_OK;
+	return dem_lift_create(&(struct dem_lift_params){
+		.from = sources[0]->from,
+		.to = sources[0]->to,
+		.lattice = &layers->lattice,
+		.name = sources[0]->path,
+	}, &layers->lift);
+}
+
 enum status dem_layers_create(const struct gdal_source *const *sources, size_t count, struct dem_layers **out)
 {
 	struct dem_layers *layers = mem_calloc(1, sizeof *layers);
@@ -91,6 +114,11 @@ enum status dem_layers_create(const struct gdal_source *const *sources, size_t c
 		}
 	}
 	cover(layers, sources, count);
+	enum status status = add_lift(layers, sources, count);
+	if (status != STATUS_OK) {
+		dem_layers_destroy(layers);
+		return status;
+	}
 	*out = layers;
 	return STATUS_OK;
 }
@@ -131,7 +159,7 @@ static bool take_layer(struct dem_layers *layers, const struct layer *layer, str
 	return true;
 }
 
-enum status dem_layers_read(struct dem_layers *layers, struct post_rect rect, double *heights, bool *done)
+static enum status read_all(struct dem_layers *layers, struct post_rect rect, double *heights, bool *done)
 {
 	size_t count = (size_t)((rect.x1 - rect.x0) * (rect.y1 - rect.y0));
 	struct post_rect from_north = {rect.x0, layers->lattice.height - rect.y1, rect.x1, layers->lattice.height - rect.y0};
@@ -152,4 +180,10 @@ enum status dem_layers_read(struct dem_layers *layers, struct post_rect rect, do
 	for (size_t i = layers->count; i-- > 0 && *done;)
 		*done = take_layer(layers, &layers->layers[i], from_north, heights);
 	return STATUS_OK;
+}
+
+enum status dem_layers_read(struct dem_layers *layers, struct post_rect rect, double *heights, bool *done)
+{
+	enum status status = read_all(layers, rect, heights, done);
+	return status == STATUS_OK && *done && layers->lift != NULL ? dem_lift_run(layers->lift, rect, layers->single, heights) : status;
 }

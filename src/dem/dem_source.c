@@ -2,7 +2,7 @@
  * Opens one source file with GDAL. Finds out what kind of raster it is and where it lies. Makes a VRT that gives its heights in
  * metres.
  */
-#include "dem_gdal.h"
+#include "dem_vertical.h"
 
 #include <stdatomic.h>
 #include <stdio.h>
@@ -57,28 +57,28 @@ static enum status place_source(struct gdal_source *source, GDALDatasetH dataset
 	return STATUS_OK;
 }
 
-/* Returns the vertical unit in metres: that of the band, or of the vertical SRS, or else 1. *said: the source says it. Also describes the vertical reference. */
-static double vertical_unit(struct gdal_source *source, GDALRasterBandH band, bool *said)
+/* Gives the vertical unit in metres: that of the band, or of the vertical SRS, or else 1. *said: the source says it. Takes the
+ * vertical part off the SRS. */
+static enum status vertical_unit(struct gdal_source *source, GDALRasterBandH band, double *metres, bool *said)
 {
-	const char *unit = GDALGetRasterUnitType(band), *name = NULL;
-	double metres = 1;
-	if (source->srs != NULL && OSRIsCompound(source->srs)) {
-		name = OSRGetAttrValue(source->srs, "COMPD_CS|VERT_CS", 0);
-		metres = OSRGetTargetLinearUnits(source->srs, "COMPD_CS|VERT_CS", NULL);
-	}
-	*said = name != NULL || (unit != NULL && unit[0] != '\0');
-	if (unit != NULL && unit[0] != '\0')
-		metres = dem_unit_metres(unit);
-	if (!(metres > 0))
-		metres = 1;
-	if (metres != 1)
-		snprintf(source->vertical, sizeof source->vertical, "%s%sconverted from units of %.10g m",
-			 name != NULL ? name : "", name != NULL ? ", " : "", metres);
-	else
-		snprintf(source->vertical, sizeof source->vertical, "%s", name != NULL ? name : "");
+	const char *unit = GDALGetRasterUnitType(band);
+	*metres = 1;
 	if (source->srs != NULL && OSRIsCompound(source->srs))
-		OSRStripVertical(source->srs);
-	return metres;
+		*metres = OSRGetTargetLinearUnits(source->srs, "COMPD_CS|VERT_CS", NULL);
+	enum status status = dem_vertical_part(source);
+	*said = source->own != NULL || (unit != NULL && unit[0] != '\0');
+	if (unit != NULL && unit[0] != '\0')
+		*metres = dem_unit_metres(unit);
+	if (!(*metres > 0))
+		*metres = 1;
+	return status;
+}
+
+static void describe_unit(struct gdal_source *source, double metres)
+{
+	const size_t length = strlen(source->vertical);
+	if (metres != 1)
+		snprintf(source->vertical + length, sizeof source->vertical - length, "%sconverted from units of %.10g m", length > 0 ? ", " : "", metres);
 }
 
 static bool fits_float(GDALDataType type)
@@ -249,14 +249,24 @@ enum status dem_source_init(struct gdal_source *source, const struct dem_params 
 	status = place_source(source, dataset, params, override);
 	if (status != STATUS_OK)
 		goto close;
-	unit = vertical_unit(source, band, &said);
-	status = write_vrt(source, params, band, unit, 0, number);
+	status = vertical_unit(source, band, &unit, &said);
+	if (status == STATUS_OK)
+		status = write_vrt(source, params, band, unit, 0, number);
 	if (status == STATUS_OK)
 		status = dem_radii_find(source, params->radii, unit, said, &radius);
 	if (status == STATUS_OK && radius.sphere > 0) {
+		mem_free(source->own);
+		source->own = mem_strdup(DEM_ELLIPSOID);
+		if (source->own == NULL) {
+			status = fail_memory(path);
+			goto close;
+		}
 		snprintf(source->vertical, sizeof source->vertical, "sphere of %.10g m, from radii", radius.sphere);
 		status = write_vrt(source, params, band, radius.unit, radius.sphere, number);
 	}
+	if (status == STATUS_OK)
+		status = dem_vertical_plan(source, params);
+	describe_unit(source, unit);
 close:
 	GDALClose(dataset);
 	return status;
@@ -282,5 +292,8 @@ void dem_source_finish(struct gdal_source *source)
 	if (source->vrt != NULL)
 		VSIUnlink(source->vrt);
 	mem_free(source->vrt);
+	mem_free(source->own);
+	mem_free(source->from);
+	mem_free(source->to);
 	dem_unpack_finish(&source->unpacked);
 }

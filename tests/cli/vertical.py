@@ -1,0 +1,142 @@
+"""What heights are above: told, kept, and converted by PROJ's grids, beside what gdaltransform says at the same points."""
+import json
+import pathlib
+import shutil
+import sys
+import unittest
+
+sys.path.insert(0, str(pathlib.Path(__file__).parent))
+from furrow_test import main
+from raster_test import RasterTest
+import rasters
+
+EGM96 = "+5773"
+DATA = pathlib.Path("/usr/share/proj")
+
+
+def converted(points, before, after):
+    """Heights at (x, y, z) of one SRS with three axes in another."""
+    text = "".join(f"{x!r} {y!r} {z!r}\n" for x, y, z in points)
+    return [float(line.split()[2]) for line in rasters.gdal("gdaltransform", "-s_srs", before, "-t_srs", after, stdin=text).splitlines()]
+
+
+def has_grid():
+    try:
+        return abs(converted([(15, 45, 0)], "EPSG:4326" + EGM96, "EPSG:4979")[0]) > 1
+    except (OSError, ValueError, IndexError):
+        return False
+
+
+class Vertical(RasterTest):
+    def heights_at(self, store, points, srs):
+        lines = "".join(f"{x!r} {y!r}\n" for x, y, *_ in points)
+        return [p["height"] for p in self.json("query", store, "--srs", srs, stdin=lines)["points"]]
+
+    def ground(self, name, west, north, step, srs, width=80, height=70):
+        """A slope, so that a shift of places would be seen."""
+        cells = [500 + 3 * x - 2 * y for y in range(height) for x in range(width)]
+        rasters.make(self.folder / name, width, height, cells, "f", west=west, north=north, step=step, srs=srs)
+        return [(west + (x + 0.5) * step, north - (y + 0.5) * step) for x in (9, 31, 40, 66) for y in (7, 34, 61)]
+
+    @unittest.skipUnless(has_grid(), "needs PROJ's grid egm96_15")
+    def test_heights_differ_as_gdaltransform_says(self):
+        for place, (west, north, step, srs) in {"Nepal": (86.6, 28.2, 0.01, "EPSG:4326"), "Iceland": (500000, 7200000, 900, "EPSG:32627"),
+                                                "Andes": (-70.3, -33.1, 0.0008, "EPSG:4326"), "Java": (600000, 9200000, 25, "EPSG:32749")}.items():
+            points = self.ground("in.tif", west, north, step, srs)
+            metric = ("--t-srs", srs) if srs != "EPSG:4326" else ()
+            spacing = ("--spacing", step * (1 if metric else 80000))
+            deep = "EPSG:4979" if srs == "EPSG:4326" else None
+            for before, after in (("egm96", "ellipsoid"), ("ellipsoid", "egm96"), ("EPSG:5773", "ellipsoid")):
+                with self.subTest(place=place, before=before, after=after):
+                    self.ok("import", "in.tif", "-o", "plain.furrow", "--overwrite", *metric, *spacing, "--max-error", 0.001)
+                    told = self.json("import", "in.tif", "-o", "s.furrow", "--overwrite", *metric, *spacing, "--max-error", 0.001, "--s-vertical",
+                                     before, "--t-vertical", after)
+                    kept = self.json("info", "s.furrow")
+                    self.assertEqual(kept["vertical"], told["vertical"])
+                    self.assertIn("ellipsoid WGS 84" if after == "ellipsoid" else "EGM96 height", kept["vertical"])
+                    names = {"ellipsoid": deep or "EPSG:4979", "egm96": "EPSG:4326" + EGM96, "EPSG:5773": "EPSG:4326" + EGM96}
+                    degrees = points
+                    if not deep:
+                        text = "".join(f"{x!r} {y!r}\n" for x, y in points)
+                        found = rasters.gdal("gdaltransform", "-s_srs", srs, "-t_srs", "EPSG:4326", "-output_xy", stdin=text)
+                        degrees = [tuple(map(float, line.split())) for line in found.splitlines()]
+                    wanted = converted([(x, y, 0.0) for x, y in degrees], names[before], names[after])
+                    pairs = zip(self.heights_at("s.furrow", points, srs), self.heights_at("plain.furrow", points, srs))
+                    for (found, plain), difference in zip(pairs, wanted):
+                        # Heights of the store lie between posts, of a geoid that is bent there.
+                        self.assertAlmostEqual(found - plain, difference, delta=0.0025 + 1e-8 * (step if metric else step * 1e5) ** 2)
+                    self.assertGreater(max(map(abs, wanted)), 5)
+
+    @unittest.skipUnless(has_grid(), "needs PROJ's grid egm96_15")
+    def test_what_a_source_says_is_told_kept_and_used(self):
+        said = {"EPSG:4326" + EGM96: "EGM96 height", "EPSG:4979": "ellipsoid WGS 84", "EPSG:4326": "", "EPSG:32633+3855": "EGM2008 height"}
+        for srs, name in said.items():
+            with self.subTest(srs=srs):
+                place = (15.1, 45.2, 0.001) if srs.startswith("EPSG:4") else (500000, 5000000, 90)
+                self.ground("in.tif", *place, "EPSG:4326")
+                rasters.gdal("gdal_translate", "-q", "-a_srs", srs, self.folder / "in.tif", self.folder / "said.tif")
+                told = self.ok("import", "said.tif", "-o", "s.furrow", "--overwrite")
+                self.assertIn(f"vertical: {name or 'not said'}", told)
+                self.assertEqual(self.json("info", "s.furrow")["vertical"], name)
+                self.assertRegex(self.ok("info", "s.furrow"), rf"vertical +{name or 'not said'}")
+                self.ok("branch", "s.furrow", "b.furrow")
+                self.assertEqual(self.json("info", "b.furrow")["vertical"], name)
+                (self.folder / "b.furrow").unlink()
+                if name == "":
+                    self.assertIn("--s-vertical", self.refused(3, "import", "said.tif", "-o", "x.furrow", "--t-vertical", "egm96"))
+        # The same heights need no grid and stay; --s-srs may say it, too.
+        self.ground("in.tif", 15.1, 45.2, 0.001, "EPSG:4326")
+        hashes = []
+        for more in ((), ("--s-vertical", "egm96", "--t-vertical", "EPSG:5773"), ("--s-srs", "EPSG:4326" + EGM96, "--t-vertical", "egm96")):
+            self.ok("import", "in.tif", "-o", "s.furrow", "--overwrite", "--spacing", 100, *more)
+            hashes.append(self.exported("s.furrow", "--layer", "base"))
+        self.assertEqual(hashes[0], hashes[1])
+        self.assertEqual(hashes[0], hashes[2])
+
+    @unittest.skipUnless(has_grid(), "needs PROJ's grid egm96_15")
+    def test_sources_above_different_references_become_one(self):
+        """The second is the first's ground in ellipsoidal heights."""
+        self.ground("a.tif", 86.6, 28.2, 0.001, "EPSG:4326")
+        self.ok("import", "a.tif", "-o", "a.furrow", "--spacing", 90, "--s-vertical", "egm96", "--t-vertical", "ellipsoid", "--max-error", 0)
+        self.ok("export", "a.furrow", "-o", "b.tif")
+        rasters.gdal("gdal_translate", "-q", "-a_srs", "EPSG:4326" + EGM96, self.folder / "a.tif", self.folder / "geoid.tif")
+        rasters.gdal("gdal_translate", "-q", "-a_srs", "EPSG:32645+3855", self.folder / "b.tif", self.folder / "said.tif")
+        told = self.furrow("import", "geoid.tif", "said.tif", "-o", "s.furrow", "--spacing", 90, "--max-error", 0.001, "--json")
+        self.assertGreater(json.loads(told.stdout)["overlap"]["greatest"], 20)
+        self.assertRegex(told.stderr, "above EGM96 height, and those of said.tif above EGM2008 height")
+        self.ok("import", "b.tif", "-o", "b.furrow", "--s-vertical", "ellipsoid", "--t-vertical", "egm96", "--max-error", 0.001)
+        self.ok("export", "b.furrow", "-o", "back.tif")
+        told = self.json("import", "geoid.tif", "back.tif", "-o", "s.furrow", "--overwrite", "--spacing", 90, "--max-error", 0.001)
+        self.assertLess(told["overlap"]["greatest"], 0.7)  # between posts
+
+    def test_a_grid_that_is_not_there_is_named_and_where_to_put_it(self):
+        folder = self.folder / "proj"
+        folder.mkdir()
+        if not (DATA / "proj.db").exists():
+            self.skipTest("needs PROJ's database")
+        (folder / "proj.db").symlink_to(DATA / "proj.db")
+        self.ground("in.tif", 15.1, 45.2, 0.001, "EPSG:4326")
+        env = {"PROJ_LIB": str(folder), "PROJ_DATA": str(folder), "XDG_DATA_HOME": str(self.folder / "home"), "PROJ_NETWORK": "OFF"}
+        arguments = ("import", "in.tif", "-o", "s.furrow", "--s-vertical", "egm96", "--t-vertical", "ellipsoid")
+        told = self.refused(3, *arguments, env=env)
+        self.assertIn("us_nga_egm96_15.tif", told)
+        self.assertIn(str(self.folder / "home" / "proj"), told)
+        self.assertEqual(list(self.folder.glob("s.furrow*")), [])
+        self.assertIn("egm08", self.refused(3, "import", "in.tif", "-o", "s.furrow", "--s-vertical", "egm2008", "--t-vertical", "ellipsoid", env=env))
+        if (DATA / "egm96_15.gtx").exists():
+            (self.folder / "home" / "proj").mkdir(parents=True)
+            shutil.copy(DATA / "egm96_15.gtx", self.folder / "home" / "proj")
+            self.ok(*arguments, env=env)
+
+    def test_what_is_no_vertical_reference_is_refused(self):
+        self.ground("in.tif", 15.1, 45.2, 0.001, "EPSG:4326")
+        self.ground("bare.tif", 0, 70, 1, None)
+        for source, more, why in (("in.tif", ("--s-vertical", "egm97"), "does not know"), ("in.tif", ("--s-vertical", "EPSG:4326"), "not one of heights"),
+                                  ("in.tif", ("--s-vertical", "egm96", "--t-vertical", "EPSG:5706"), "not one of heights"),
+                                  ("bare.tif", ("--s-vertical", "egm96", "--t-vertical", "ellipsoid"), "no SRS")):
+            self.assertIn(why, self.refused(3, "import", source, "-o", "x.furrow", *more))
+        self.assertEqual(list(self.folder.glob("x.furrow*")), [])
+
+
+if __name__ == "__main__":
+    main()
