@@ -200,7 +200,7 @@ static void begin(struct bench *bench, const char *path)
 	bench->posts = (size_t)tile_posts(&meta->extent) * tile_posts(&meta->extent);
 	bench->tiles = bench_tiles(&meta->extent, TILES_MOST, &bench->count);
 	bench_must(store_codec_init(&bench->codec, tile_posts(&meta->extent),
-			      meta->pack == STORE_PACK_SMALL ? CODEC_SMALL : CODEC_FAST));
+			      meta->pack == STORE_PACK_SMALL ? CODEC_SMALL : CODEC_GROUND));
 	bench->planes = must_alloc(bench->count, sizeof *bench->planes);
 	bench->blobs = must_alloc(bench->count, sizeof *bench->blobs);
 	bench->out = must_alloc(bench->posts, sizeof *bench->out);

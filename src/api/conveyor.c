@@ -18,7 +18,7 @@
 #define PARCELS_MOST 64
 #define PARCEL_BYTES (32 << 20) /* about what all parcels may take */
 #define WORKER_BYTES (64 << 20) /* about what all workers may take */
-#define WORKER_POST_BYTES 22    /* a packer's scratch for a post */
+#define WORKER_POST_BYTES 24    /* a packer's scratch for a post */
 
 struct parcel {
 	struct tile tile;

@@ -3,6 +3,7 @@
  *
  *   posts -> holes predicted -> minus the prediction -> without common zero bits -> zigzag -> widths by 16 -> bits [-> LZ4]
  *                                                               -> byte planes -> zstd
+ *     or, in levels (codec_levels.h): -> widths by 8, coded -> bits
  *
  * Invariants:
  *   1. All arithmetic on posts is modulo 2^32, so that every int32 comes back.
@@ -15,7 +16,8 @@
 #include <lz4.h>
 #include <zstd.h>
 
-#include "store/codec_parts.h"
+#include "store/codec_levels.h"
+#include "store/codec_widths.h"
 
 static size_t larger(size_t a, size_t b)
 {
@@ -28,12 +30,16 @@ enum status store_codec_init(struct codec *codec, uint32_t side, enum codec_effo
 	*codec = (struct codec){.side = side, .effort = effort, .kernels = store_codec_kernels_best()};
 	size_t posts = plane_posts(codec), blocks = plane_blocks(codec);
 	size_t head = 1 + 4 + 1 + CODEC_LENGTH_BYTES + (size_t)LZ4_compressBound((int)mask_bytes(codec));
-	codec->room = head + blocks * (1 + 4 * CODEC_BLOCK);
+	size_t level_count = level_blocks(LEVELS_TOP, side - 1), widths = 2 * (CODEC_LENGTH_BYTES + store_widths_bound(level_count));
+	codec->room = head + blocks * (1 + 4 * CODEC_BLOCK) + 2 * CODEC_SLACK;
 	codec->squeezed_room = larger(CODEC_LENGTH_BYTES + (size_t)LZ4_compressBound((int)codec->room),
 				      head + 1 + ZSTD_compressBound(4 * posts));
+	codec->squeezed_room = larger(codec->squeezed_room, head + widths + level_count * 4 * LEVELS_BLOCK);
+	codec->grids = mem_alloc(level_room(side - 1) + 1, sizeof *codec->grids);
+	codec->edges = mem_alloc(3 * (size_t)side + LEVELS_BLOCK, sizeof *codec->edges);
 	for (int slope = 0; slope < 2; slope++) {
 		codec->orders[slope] = mem_alloc(blocks * CODEC_BLOCK, sizeof *codec->orders[slope]);
-		codec->widths[slope] = mem_alloc(blocks, 1);
+		codec->widths[slope] = mem_alloc(larger(blocks, level_count), 1);
 	}
 	codec->filled = mem_alloc(posts, sizeof *codec->filled);
 	codec->mask = mem_alloc(mask_bytes(codec), 1);
@@ -43,9 +49,9 @@ enum status store_codec_init(struct codec *codec, uint32_t side, enum codec_effo
 	if (effort == CODEC_SMALL)
 		codec->zstd_out = ZSTD_createCCtx();
 	if (codec->orders[0] != NULL && codec->orders[1] != NULL && codec->widths[0] != NULL &&
-	    codec->widths[1] != NULL && codec->filled != NULL && codec->mask != NULL &&
+	    codec->widths[1] != NULL && codec->filled != NULL && codec->grids != NULL && codec->edges != NULL && codec->mask != NULL &&
 	    codec->body != NULL && codec->squeezed != NULL && codec->zstd_in != NULL &&
-	    (effort == CODEC_FAST || codec->zstd_out != NULL))
+	    (effort != CODEC_SMALL || codec->zstd_out != NULL))
 		return STATUS_OK;
 	store_codec_finish(codec);
 	return fail_memory("the tile codec");
@@ -57,6 +63,8 @@ void store_codec_finish(struct codec *codec)
 		mem_free(codec->orders[slope]);
 		mem_free(codec->widths[slope]);
 	}
+	mem_free(codec->grids);
+	mem_free(codec->edges);
 	mem_free(codec->filled);
 	mem_free(codec->mask);
 	mem_free(codec->body);

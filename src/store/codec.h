@@ -20,11 +20,17 @@ enum codec_id {
 	CODEC_PACKED = 1,   /* residuals packed in blocks of 16, each block with its own bit width */
 	CODEC_LZ4 = 2,      /* as CODEC_PACKED, then compressed with LZ4 */
 	CODEC_ZSTD = 3,     /* residuals split into byte planes, then compressed with zstd */
+	CODEC_LEVELS = 4,   /* a coarse grid, then the posts between, in blocks of 8, each block with its own bit width */
 	CODEC_COUNT
 };
 
-/* How much time is spent on packing. store_codec_decode() reads the results of both. */
-enum codec_effort { CODEC_FAST, CODEC_SMALL };
+/* How much time is spent on packing. store_codec_decode() reads the results of all. */
+enum codec_effort {
+	CODEC_FAST,    /* CODEC_PACKED or CODEC_LZ4 */
+	CODEC_SMALL,   /* CODEC_ZSTD where that is shorter */
+	CODEC_GROUND,  /* CODEC_LEVELS: for heights of ground. Takes about 1.5 times as long as CODEC_FAST */
+	CODEC_EFFORTS
+};
 
 struct codec_kernels;
 
@@ -35,6 +41,8 @@ struct codec {
 	size_t room;    /* bytes of the longest body */
 	uint32_t *orders[2];    /* side^2, rounded up to a block: residuals of first order [0] and second order [1] */
 	uint8_t *widths[2];     /* bit widths of the blocks of these residuals */
+	int32_t *grids;         /* coarser grids of a plane in levels */
+	int32_t *edges;         /* 3 rows of a plane and a block: rows beyond a grid, and its last column */
 	int32_t *filled;        /* side^2: posts with holes filled, while encoding */
 	uint8_t *mask;          /* (side^2 + 7) / 8 */
 	uint8_t *body;          /* room */

@@ -1,7 +1,7 @@
 /* Packs blocks of residuals into bits, for the encoder of tiles. */
 #include "store/codec_bits.h"
 
-#include "store/codec_kernels.h"
+#include "store/codec_levels.h"
 
 static inline void put(uint8_t *to, uint64_t bits, int bytes)
 {
@@ -46,6 +46,49 @@ uint8_t *store_bits_pack(const uint32_t *rest, const uint8_t *widths, size_t cou
 			pack_block(rest, widths[block], to);
 		}
 		to += (size_t)2 * widths[block];
+	}
+	return to;
+}
+
+#undef WIDTH
+
+/* As pack_block(), of eight numbers in two's complement. */
+static inline __attribute__((always_inline)) void pack_eight(const int32_t *rest, unsigned width, uint8_t *to)
+{
+	const uint32_t mask = (uint32_t)(((uint64_t)1 << width) - 1);
+	uint64_t bits = 0;
+	unsigned have = 0;
+#pragma GCC unroll 8
+	for (int i = 0; i < LEVELS_BLOCK; i++) {
+		bits |= (uint64_t)((uint32_t)rest[i] & mask) << have;
+		have += width;
+		if (have >= 32) {
+			put(to, bits, 4);
+			to += 4;
+			bits >>= 32;
+			have -= 32;
+		}
+	}
+	put(to, bits, (int)(have / 8));
+}
+
+#define WIDTH(w)                                                                                   \
+	case w:                                                                                    \
+		pack_eight(rest, w, to);                                                           \
+		break
+
+uint8_t *store_bits_pack_levels(const int32_t *rest, const uint8_t *widths, size_t count, uint8_t *to)
+{
+	for (size_t block = 0; block < count; block++, rest += LEVELS_BLOCK) {
+		switch (widths[block]) {
+			WIDTHS(1);
+			WIDTHS(5);
+			WIDTHS(9);
+			WIDTHS(13);
+		default:
+			pack_eight(rest, widths[block], to);
+		}
+		to += widths[block];
 	}
 	return to;
 }

@@ -3,10 +3,10 @@
 #include <string.h>
 #include <zstd.h>
 
+#include "base/wide.h"
 #include "store/codec_parts.h"
 
-/* Reads the head that write_head() wrote, and the mask into codec->mask. Moves `from` behind them. */
-static bool read_head(struct codec *codec, unsigned known, const uint8_t **from, size_t *left, struct head *head)
+bool store_codec_read_head(struct codec *codec, unsigned known, const uint8_t **from, size_t *left, struct head *head)
 {
 	const uint8_t *at = *from;
 	if (*left < 5 || (at[0] & ~known) != 0)
@@ -37,30 +37,29 @@ static bool read_head(struct codec *codec, unsigned known, const uint8_t **from,
 	return true;
 }
 
-static uint64_t mask_word(const uint8_t *mask, size_t bytes)
+/* Makes holes of some of 64 posts. */
+FURROW_WIDE static void mask_posts(uint64_t bits, int32_t *posts)
 {
-	uint64_t word = 0;
-	memcpy(&word, mask, bytes);
-#if __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__
-	word = __builtin_bswap64(word);
-#endif
-	return word;
+	for (int byte = 0; byte < 8; byte++, bits >>= 8, posts += 8)
+		for (int i = 0; i < 8; i++)
+			posts[i] = (uint32_t)bits & 1u << i ? CODEC_NODATA : posts[i];
 }
 
 /* Holes come in runs: 64 posts at once where all of them are some. */
-static void apply_mask(const uint8_t *mask, size_t count, int32_t *posts)
+void store_codec_apply_mask(const uint8_t *mask, size_t count, int32_t *posts)
 {
-	for (size_t post = 0; post < count; post += 64) {
-		size_t room = count - post < 64 ? count - post : 64;
-		uint64_t bits = mask_word(mask + post / 8, (room + 7) / 8);
-		bits &= room < 64 ? ((uint64_t)1 << room) - 1 : UINT64_MAX;
+	size_t post = 0;
+	for (; post + 64 <= count; post += 64) {
+		uint64_t bits = load64(mask + post / 8);
 		if (bits == UINT64_MAX)
 			for (int i = 0; i < 64; i++)
 				posts[post + (size_t)i] = CODEC_NODATA;
-		else
-			for (; bits != 0; bits &= bits - 1)
-				posts[post + (size_t)__builtin_ctzll(bits)] = CODEC_NODATA;
+		else if (bits != 0)
+			mask_posts(bits, posts + post);
 	}
+	for (; post < count; post++)
+		if (mask[post / 8] >> post % 8 & 1)
+			posts[post] = CODEC_NODATA;
 }
 
 /* Reads the widths into `widths`, a byte each. *payload: the number of bytes of their blocks. */
@@ -141,7 +140,7 @@ static void finish_rows(struct codec *codec, const struct head *head, uint32_t *
 	codec->kernels->sum(rest, codec->side, rows, before, (head->flags & CODEC_SLOPE) != 0, posts + at);
 	memcpy(before, posts + at + (rows - 1) * side, side * sizeof *before); /* as it was without its holes */
 	if (head->flags & CODEC_MASK)
-		apply_mask(codec->mask + at / 8, rows * side, posts + at);
+		store_codec_apply_mask(codec->mask + at / 8, rows * side, posts + at);
 }
 
 static int32_t *row_of_first(struct codec *codec, uint32_t first)
@@ -157,7 +156,7 @@ static bool read_body(struct codec *codec, const uint8_t *from, size_t left, int
 	struct head head;
 	size_t payload, done = 0, count = plane_blocks(codec);
 	uint8_t *widths = codec->widths[0];
-	if (!read_head(codec, CODEC_MASK | CODEC_WIDE | CODEC_SLOPE | CODEC_SCALED, &from, &left, &head) ||
+	if (!store_codec_read_head(codec, CODEC_MASK | CODEC_WIDE | CODEC_SLOPE | CODEC_SCALED, &from, &left, &head) ||
 	    !read_widths(codec, (head.flags & CODEC_WIDE) != 0, &from, &left, widths, &payload) || payload != left)
 		return false;
 	struct blocks blocks;
@@ -188,7 +187,7 @@ static bool read_zstd(struct codec *codec, const uint8_t *from, size_t left, int
 {
 	struct head head;
 	size_t count = plane_posts(codec);
-	if (left > codec->squeezed_room || !read_head(codec, CODEC_MASK | CODEC_SLOPE | CODEC_SCALED, &from, &left, &head) || left < 1)
+	if (left > codec->squeezed_room || !store_codec_read_head(codec, CODEC_MASK | CODEC_SLOPE | CODEC_SCALED, &from, &left, &head) || left < 1)
 		return false;
 	unsigned planes = from[0];
 	if (planes < 1 || planes > 4 ||
@@ -223,6 +222,8 @@ bool store_codec_decode(struct codec *codec, int64_t id, const void *bytes, size
 		return read_lz4(codec, from, size, posts);
 	case CODEC_ZSTD:
 		return read_zstd(codec, from, size, posts);
+	case CODEC_LEVELS:
+		return store_levels_decode(codec, from, size, posts);
 	default:
 		return false;
 	}

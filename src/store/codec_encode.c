@@ -84,8 +84,7 @@ static bool choose_residuals(struct codec *codec, const int32_t *posts, uint32_t
 	return sum[1] < sum[0];
 }
 
-/* Flags, first post, scale and mask: how a body and a zstd blob begin. */
-static uint8_t *write_head(struct codec *codec, const struct head *head, unsigned more, uint8_t *to)
+uint8_t *store_codec_write_head(struct codec *codec, const struct head *head, unsigned more, uint8_t *to)
 {
 	const unsigned flags = head->flags | more;
 	*to++ = (uint8_t)flags;
@@ -114,7 +113,7 @@ static size_t write_body(struct codec *codec, const struct head *head, size_t *f
 		wide |= widths[i] > CODEC_NARROW_MOST;
 		*flat += widths[i] == 0;
 	}
-	uint8_t *to = write_head(codec, head, wide ? CODEC_WIDE : 0, codec->body);
+	uint8_t *to = store_codec_write_head(codec, head, wide ? CODEC_WIDE : 0, codec->body);
 	if (wide) {
 		memcpy(to, widths, blocks);
 		to += blocks;
@@ -149,7 +148,7 @@ static bool squeeze_zstd(struct codec *codec, const struct head *head, size_t mo
 	for (size_t i = 0; i < count; i++)
 		all |= rest[i];
 	unsigned planes = (32 - (unsigned)__builtin_clz(all) + 7) / 8;
-	uint8_t *to = write_head(codec, head, 0, codec->squeezed);
+	uint8_t *to = store_codec_write_head(codec, head, 0, codec->squeezed);
 	*to++ = (uint8_t)planes;
 	uint8_t *from = (uint8_t *)codec->orders[!slope]; /* of no use by now, and as large as four planes */
 	for (unsigned plane = 0; plane < planes; plane++)
@@ -188,6 +187,11 @@ enum codec_id store_codec_encode(struct codec *codec, const int32_t *posts, cons
 	head.scale = same_bits(posts, plane_posts(codec), head.first);
 	if (head.scale > 0)
 		head.flags |= CODEC_SCALED;
+	if (codec->effort == CODEC_GROUND) {
+		store_levels_encode(codec, posts, &head, size);
+		*bytes = codec->squeezed;
+		return CODEC_LEVELS;
+	}
 	if (choose_residuals(codec, posts, head.first, holes, head.scale))
 		head.flags |= CODEC_SLOPE;
 	size_t flat, body = write_body(codec, &head, &flat);

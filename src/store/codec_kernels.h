@@ -1,5 +1,5 @@
 /*
- * The codec's two inner loops, in plain C and in versions for some CPUs. All versions give the same bits. The version is chosen
+ * The codec's inner loops, in plain C and in versions for some CPUs. All versions give the same bits. The version is chosen
  * when a codec is made, by the CPU that it runs on.
  */
 #ifndef FURROW_STORE_CODEC_KERNELS_H
@@ -27,6 +27,25 @@ struct codec_kernels {
 	 * `before` is the row before the first. With `slope`, sums twice from a row's second post on. */
 	void (*sum)(const uint32_t *rest, uint32_t side, uint32_t rows, const int32_t *before, bool slope,
 		    int32_t *posts);
+	/*
+	 * Levels (codec_levels.h). All unpack blocks of eight residuals with these widths (each at most 32), and return the end of
+	 * the bytes read. CODEC_SLACK bytes after the end must be readable.
+	 *
+	 * spread() makes an even row from a row of the coarser grid: its posts, and one between each two of them. The coarse row
+	 * has 8 * blocks + 1 posts, and with `cubic` one more before and after these.
+	 *
+	 * between() makes two odd rows in place, without their last posts, from five even rows. These are `before`, `first`, the two
+	 * that follow it two rows apart, and `after`. Only with `cubic` are `before` and `after` used. The second odd row's widths
+	 * and bytes follow the first's.
+	 *
+	 * level() makes the residuals themselves. total() sums widths; *most: the greatest.
+	 */
+	const uint8_t *(*spread)(const int32_t *coarse, const uint8_t *from, const uint8_t *widths, size_t blocks, bool cubic,
+				 int32_t *row);
+	const uint8_t *(*between)(int32_t *first, size_t stride, const int32_t *before, const int32_t *after, const uint8_t *from,
+				  const uint8_t *widths, size_t blocks, bool cubic);
+	const uint8_t *(*level)(const uint8_t *from, const uint8_t *widths, size_t blocks, int32_t *rest);
+	size_t (*total)(const uint8_t *widths, size_t count, uint8_t *most);
 };
 
 extern const struct codec_kernels store_codec_plain;

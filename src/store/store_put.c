@@ -20,7 +20,7 @@ enum status store_packer_create(const struct store_meta *meta, struct store_pack
 	if (packer == NULL)
 		return fail_memory("packing tiles");
 	enum status status = store_codec_init(&packer->codec, tile_posts(&meta->extent),
-					meta->pack == STORE_PACK_SMALL ? CODEC_SMALL : CODEC_FAST);
+					meta->pack == STORE_PACK_SMALL ? CODEC_SMALL : CODEC_GROUND);
 	if (status != STATUS_OK) {
 		mem_free(packer);
 		return status;

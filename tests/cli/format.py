@@ -162,10 +162,12 @@ class Bases(FormatTest):
                     self.assertEqual((store.step == 0, store.coarsest), (error == "0", 3))
                     self.assertEqual(store.meta["pack"], ("fast", "small").index(pack))
                     seen |= self.written_as(store)
+        seen |= self.written_as(self.whole_base(self.import_("in.asc", "--tile", "128"), levels=(0,)))  # most of it beyond the terrain
         # The data are still such that every kind of blob was read.
-        self.assertEqual({codec for codec, _ in seen}, {0, 1, 2, 3})
-        for codecs, wanted in (((1, 2), {1, 2, 4}), ((3,), {1, 4})):
-            self.assertEqual({flag for codec, flags in seen if codec in codecs for flag in (1, 2, 4) if flags & flag}, wanted)
+        self.assertEqual({codec for codec, _ in seen}, {0, 1, 3, 4})
+        for codec, wanted in ((1, {1, 2}), (3, {1, 4}), (4, {1, 16, 32, 64})):
+            found = {flag for one, flags in seen if one == codec for flag in (1, 2, 4, 16, 32, 64) if flags & flag}
+            self.assertEqual(found, wanted, codec)
 
     def test_insets_one_within_the_other(self):
         """Below level 0 too the page says where each post comes from."""
@@ -287,6 +289,7 @@ class Deformed(FormatTest):
         over = self.whole_deformation(self.folder / "over/o.furrow")
         self.same_soil(self.folder / "over/o.furrow", over)
         self.assertEqual((over.working, over.meta["base_path"]), (-2, "../s.furrow"))
+        self.assertIn(2, {codec for codec, _ in self.written_as(over, "offset")})
         self.same_posts(self.folder / "over/o.furrow", over, "base", -1)
         self.assertEqual(Store(self.folder / "s.furrow").offset(0), [0] * 75 * 58)
         # The base may be deformed: it is the same base, and the overlay has nothing of it.

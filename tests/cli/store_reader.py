@@ -74,8 +74,8 @@ def zstd(frame, size):
     return out.raw[:size]
 
 
-def lz4(block, size):
-    """One LZ4 block, which has `size` bytes unpacked; and how many bytes of `block` it is: all."""
+def lz4(block, size=None):
+    """One LZ4 block, which has `size` bytes unpacked if that is known; and how many bytes of `block` it is: all."""
     out, at = bytearray(), 0
 
     def length(nibble):
@@ -101,7 +101,7 @@ def lz4(block, size):
         need(0 < back <= len(out), "an LZ4 match before the beginning")
         for _ in range(length(token & 15) + 4):
             out.append(out[-back])
-    need(len(out) == size, "an LZ4 block of", len(out), "bytes, not", size)
+    need(size is None or len(out) == size, "an LZ4 block of", len(out), "bytes, not", size)
     return bytes(out)
 
 
@@ -127,7 +127,8 @@ class Cursor:
 
 def head(cursor, n, codec):
     flags = cursor.take(1)[0]
-    need(flags < 16 and not (codec == 3 and flags & 2), "flags", flags)
+    known = {1: 1 | 2 | 4 | 8, 2: 1 | 2 | 4 | 8, 3: 1 | 4 | 8, 4: 1 | 8 | 16 | 32 | 64}
+    need(flags & ~known[codec] == 0, "flags", flags)
     first = cursor.u32()
     scale = cursor.take(1)[0] if flags & 8 else 0
     need(not flags & 8 or 1 <= scale <= 31, "a scale of", scale)
@@ -179,14 +180,125 @@ def undo_prediction(residuals, side, flags, first, scale, holes):
     return posts
 
 
+def read_code(cursor):
+    """{(bits, code): symbol}"""
+    k = cursor.take(1)[0]
+    need(2 <= k <= 65, "a code of", k, "symbols")
+    lengths = [byte >> shift & 15 for byte in cursor.take(-(-k // 2)) for shift in (0, 4)][:k]
+    need(max(lengths) <= 8, "a code of", max(lengths), "bits")
+    code, value, before = {}, -1, 0
+    for bits, symbol in sorted((bits, symbol) for symbol, bits in enumerate(lengths) if bits):
+        value = (value + 1) << bits - before
+        before = bits
+        code[bits, value] = symbol
+    need(value == 2**before - 1, "a code that does not end in ones")
+    return code
+
+
+def read_stream(data, count, code):
+    symbols, value, bits, at = [], 0, 0, 0
+    while len(symbols) < count:
+        need(at < 8 * len(data), "a stream ends early")
+        value, bits, at = value << 1 | data[at // 8] >> at % 8 & 1, bits + 1, at + 1
+        if (bits, value) in code:
+            symbols.append(code[bits, value])
+            value = bits = 0
+    need(at > 8 * (len(data) - 1), "a stream has more")
+    return symbols
+
+
+def bands_of(c):
+    return [(1, 11)] if c == 8 else [(c // 2 + 1, c // 16), (c // 2, c // 8), (1, c // 16)]
+
+
+def read_part(cursor, grids, code, short):
+    """The residuals of each grid's bands, as rows: {cells: [band]}"""
+    data = cursor.take(cursor.u32())
+    data = lz4(data) if short else data
+    count = sum(rows * blocks for c in grids for rows, blocks in bands_of(c))
+    at, symbols = 6, []
+    for stream in range(4):
+        size = int.from_bytes(data[2 * stream:2 * stream + 2], "little") if stream < 3 else len(data) - at
+        symbols += read_stream(data[at:at + size], -(-count // 4) if stream < 3 else count - 3 * -(-count // 4), code)
+        at += size
+    symbols = iter(symbols)
+    widths = {}
+    for c in grids:
+        for band, (rows, blocks) in enumerate(bands_of(c)):
+            before = [0] * blocks
+            for row in range(rows):
+                before = widths[c, band, row] = [width + (s // 2 if s % 2 == 0 else -(s + 1) // 2)
+                                                 for width, s in zip(before, symbols)]
+    found = {}
+    for (c, band, row), some in widths.items():
+        residuals = []
+        for width in some:
+            need(0 <= width <= 32, "a width of", width)
+            bits = int.from_bytes(cursor.take(width), "little")
+            residuals += [signed(bits >> i * width, width) if width else 0 for i in range(8)]
+        found.setdefault(c, []).append((band, row, residuals))
+    return {c: [[r for b, _, r in rows if b == band] for band in range(3)] for c, rows in found.items()}
+
+
+def predict(values, i, cubic):
+    """Between the i-th value of a row or a column of even ones and the next."""
+    a, b = values[i], values[i + 1]
+    if not cubic:
+        return signed(a + b + 1) >> 1
+    before = values[i - 1] if i > 0 else 3 * (values[0] - values[1]) + values[2]
+    after = values[i + 2] if i + 2 < len(values) else 3 * (values[-1] - values[-2]) + values[-3]
+    return signed(9 * (a + b) - (before + after) + 8) >> 4
+
+
+def finer_grid(coarse, bands, c, cubic):
+    """Rows of c + 1 values from those of c / 2 + 1."""
+    rows = [None] * (c + 1)
+    for y, (row, residuals) in enumerate(zip(coarse, bands[0])):
+        odd = [signed(predict(row, i, cubic) + residuals[i]) for i in range(c // 2)]
+        rows[2 * y] = [value for pair in zip(row, odd) for value in pair] + row[-1:]
+    columns = list(zip(*rows[::2]))
+    for y, residuals in enumerate(bands[1]):
+        rows[2 * y + 1] = [signed(predict(column, y, cubic) + r) for column, r in zip(columns, residuals + [bands[2][0][y]])]
+    return rows
+
+
+def levels(cursor, side):
+    n, cells = side * side, side - 1
+    flags, first, scale, holes = head(cursor, n, 4)
+    code = read_code(cursor)
+    grids = [8 << i for i in range(8) if 8 << i <= cells]
+    bands = {}
+    for part in ([grids[:-1], grids[-1:]] if cells > 8 else [grids]):
+        bands.update(read_part(cursor, part, code, flags & 64))
+    need(cursor.at == len(cursor.data), "something follows the blocks")
+    relative = flags & (32 | 8)
+    top = bands[8][0][0]
+    need(not any(top[81:]), "the last block is not filled up with zeros")
+    rows, above = [], [0 if relative else first] * 9
+    for y in range(9):
+        rise = 0
+        for x in range(9):
+            rise += top[9 * y + x]
+            above[x] = signed(above[x] + rise)
+        rows.append(list(above))
+    for c in grids[1:]:
+        rows = finer_grid(rows, bands[c], c, flags & 16)
+    posts = [signed(first + (value << scale)) if relative else value for row in rows for value in row]
+    if holes:
+        posts = [HOLE if hole else post for post, hole in zip(posts, holes)]
+    return posts, flags
+
+
 def decode(codec, blob, side):
     """The side x side int32 posts of a plane, and the flags of its head (None where there is no head)."""
     n = side * side
     if codec == 0:
         need(len(blob) == 4, "a constant of", len(blob), "bytes")
         return [struct.unpack("<i", blob)[0]] * n, None
-    need(codec in (1, 2, 3), "codec", codec)
+    need(codec in (1, 2, 3, 4), "codec", codec)
     cursor = Cursor(blob)
+    if codec == 4:
+        return levels(cursor, side)
     if codec == 2:
         size = cursor.u32()
         cursor = Cursor(lz4(cursor.rest(), size))

@@ -105,7 +105,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 	int32_t *posts = malloc(bytes), *first = malloc(bytes);
 	fuzz_check(posts != NULL && first != NULL);
 	fuzz_memory_allow(bytes / sizeof *posts * BYTES_A_POST + BYTES_MORE);
-	fuzz_check(store_codec_init(&codec, side, size % 2 == 0 ? CODEC_FAST : CODEC_SMALL) == STATUS_OK);
+	fuzz_check(store_codec_init(&codec, side, (enum codec_effort)(size % CODEC_EFFORTS)) == STATUS_OK);
 	bool good = store_codec_decode(&codec, id, data + HEAD, size - HEAD, first);
 	if (good) {
 		check_alike(&codec, id, data + HEAD, size - HEAD, first);
@@ -139,7 +139,7 @@ size_t fuzz_seed(size_t index, uint8_t *data, size_t room)
 	uint32_t side = side_of(side_byte);
 	int32_t *posts = malloc((size_t)side * side * sizeof *posts);
 	uint64_t random = index;
-	fuzz_check(posts != NULL && store_codec_init(&codec, side, index % 2 == 0 ? CODEC_FAST : CODEC_SMALL) == STATUS_OK);
+	fuzz_check(posts != NULL && store_codec_init(&codec, side, (enum codec_effort)(index % CODEC_EFFORTS)) == STATUS_OK);
 	for (size_t i = 0; i < (size_t)side * side; i++) {
 		uint64_t any = fuzz_random(&random);
 		const int32_t values[KINDS] = {

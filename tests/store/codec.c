@@ -2,6 +2,7 @@
 #include "fixture.h"
 
 #include "store/codec_kernels.h"
+#include "store/codec_widths.h"
 
 #define CODEC_SIDE 65
 #define CODEC_POSTS (CODEC_SIDE * CODEC_SIDE)
@@ -84,7 +85,7 @@ static void every_post_comes_back(void **state)
 	static const uint32_t sides[] = {9, 17, 65, 257};
 	bool seen[CODEC_COUNT] = {false};
 	for (size_t s = 0; s < 4; s++)
-		for (int effort = CODEC_FAST; effort <= CODEC_SMALL; effort++) {
+		for (int effort = CODEC_FAST; effort < CODEC_EFFORTS; effort++) {
 			uint32_t side = sides[s];
 			struct codec codec;
 			assert_ok(store_codec_init(&codec, side, (enum codec_effort)effort));
@@ -148,6 +149,100 @@ static void sums_are_alike_everywhere(void **state)
 		}
 }
 
+static void levels_are_alike_everywhere(void **state)
+{
+	enum { BLOCKS = 17, ROWS = 5, STRIDE = 8 * BLOCKS + 5 };
+	const struct codec_kernels *kernels[] = {&store_codec_plain, store_codec_kernels_best()};
+	static int32_t coarse[8 * BLOCKS + 3], grid[2][ROWS * STRIDE], made[2][16 * BLOCKS + 1], before[STRIDE], after[STRIDE];
+	for (int round = 0; round < 4000; round++) {
+		uint8_t widths[2 * BLOCKS], most[2];
+		uint8_t packed[2 * BLOCKS * 32 + CODEC_SLACK];
+		const size_t count = 1 + random_bits() % BLOCKS;
+		const unsigned widest = round % 3 == 0 ? 33 : round % 3 == 1 ? 17 : 26;
+		const bool cubic = random_bits() % 2;
+		const uint8_t *end[2][3];
+		for (int i = 0; i < 2 * BLOCKS; i++)
+			widths[i] = (uint8_t)(random_bits() % widest);
+		for (size_t i = 0; i < sizeof packed; i++)
+			packed[i] = (uint8_t)random_bits();
+		for (int i = 0; i < 8 * BLOCKS + 3; i++)
+			coarse[i] = (int32_t)random_bits() >> round % 32;
+		for (int i = 0; i < STRIDE; i++) {
+			before[i] = (int32_t)random_bits();
+			after[i] = (int32_t)random_bits();
+		}
+		for (int i = 0; i < ROWS * STRIDE; i++)
+			grid[0][i] = grid[1][i] = (int32_t)random_bits() >> round % 32;
+		for (int k = 0; k < 2; k++) {
+			end[k][0] = kernels[k]->spread(coarse + 1, packed, widths, count, cubic, made[k]);
+			end[k][1] = kernels[k]->between(grid[k], STRIDE, before, after, packed, widths, count, cubic);
+		}
+		assert_memory_equal(made[0], made[1], 16 * count * sizeof *made[0]);
+		assert_memory_equal(grid[0], grid[1], sizeof grid[0]);
+		for (int k = 0; k < 2; k++)
+			end[k][2] = kernels[k]->level(packed, widths, count, made[k]);
+		assert_memory_equal(made[0], made[1], 8 * count * sizeof *made[0]);
+		for (int i = 0; i < 3; i++)
+			assert_ptr_equal(end[0][i], end[1][i]);
+		assert_int_equal(end[0][2] - packed, kernels[1]->total(widths, count, &most[1]));
+		assert_int_equal(kernels[0]->total(widths, 2 * BLOCKS, &most[0]), kernels[1]->total(widths, 2 * BLOCKS, &most[1]));
+		assert_int_equal(most[0], most[1]);
+	}
+}
+
+/* Every set of symbols comes back, in few and in many; what is cut short or has another code does no harm. */
+static void widths_come_back(void **state)
+{
+	enum { COUNT = 5000 };
+	static uint8_t symbols[COUNT], back[COUNT];
+	for (int round = 0; round < 400; round++) {
+		const size_t count = round < 200 ? 8 + (size_t)round : COUNT - (size_t)round;
+		const unsigned used = 1 + random_bits() % WIDTHS_SYMBOLS;
+		uint32_t counts[WIDTHS_SYMBOLS] = {0};
+		struct widths_code code;
+		struct widths_table table;
+		for (size_t i = 0; i < count; i++) {
+			unsigned symbol = random_bits() % used;
+			symbols[i] = (uint8_t)(round % 2 && random_bits() % 16 ? symbol / 16 : symbol);
+			counts[symbols[i]]++;
+		}
+		store_widths_plan(counts, &code);
+		uint8_t *bytes = malloc(store_widths_bound(count)), *to = store_widths_put_table(&code, bytes);
+		const uint8_t *from = bytes;
+		size_t left = (size_t)(to - bytes);
+		assert_true(store_widths_get_table(&from, &left, &table));
+		assert_ptr_equal(from, to);
+		size_t size = (size_t)(store_widths_put(&code, symbols, count, to) - to);
+		assert_true((size_t)(to - bytes) + size <= store_widths_bound(count));
+		uint8_t *exact = malloc(size); /* so that a read beyond it is seen */
+		memcpy(exact, to, size);
+		memset(back, 0xee, sizeof back);
+		assert_true(store_widths_get(&table, exact, size, back, count));
+		assert_memory_equal(symbols, back, count);
+		for (size_t i = count; i < COUNT; i++)
+			assert_int_equal(back[i], 0xee);
+		bool short_one = store_widths_get(&table, exact, size / 2, back, count);
+		assert_false(short_one && size / 2 < 6);
+		free(exact);
+		free(bytes);
+	}
+}
+
+static void codes_that_are_none_are_refused(void **state)
+{
+	static const uint8_t bad[][6] = {
+		{0}, {1, 0x01}, {66, 0x11}, /* too few symbols, too many */
+		{2, 0x01}, {2, 0x21}, {4, 0x11, 0x11}, {4, 0x11, 0x10}, /* not all codes used, or more than there are */
+		{3, 0x91, 0x02}, {6, 0x11, 0x11}, /* nine bits; cut short */
+	};
+	struct widths_table table;
+	for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+		const uint8_t *from = bad[i];
+		size_t left = i + 1 < sizeof bad / sizeof *bad ? 6 : 3;
+		assert_false(store_widths_get_table(&from, &left, &table));
+	}
+}
+
 static void a_hole_costs_the_posts_around_it_little(void **state)
 {
 	struct codec codec;
@@ -184,7 +279,7 @@ static void a_common_factor_of_two_costs_one_byte(void **state)
 	static int32_t posts[CODEC_POSTS], scaled[CODEC_POSTS];
 	const void *bytes;
 	size_t plain, more;
-	for (int effort = CODEC_FAST; effort <= CODEC_SMALL; effort++)
+	for (int effort = CODEC_FAST; effort < CODEC_EFFORTS; effort++)
 		for (enum hole hole = HOLE_NONE; hole <= HOLE_BLOCK; hole++) {
 			assert_ok(store_codec_init(&codec, CODEC_SIDE, (enum codec_effort)effort));
 			fill(posts, SMOOTH, CODEC_SIDE);
@@ -249,10 +344,41 @@ static void lengths_that_do_not_fit_are_refused(void **state)
 	store_codec_finish(&codec);
 }
 
+static void levels_that_are_cut_short_or_changed_are_refused(void **state)
+{
+	struct codec codec;
+	static int32_t posts[CODEC_POSTS], back[CODEC_POSTS];
+	const void *bytes;
+	size_t size, refused = 0;
+	assert_ok(store_codec_init(&codec, CODEC_SIDE, CODEC_GROUND));
+	fill(posts, SMOOTH, CODEC_SIDE);
+	punch(posts, HOLE_BLOCK, CODEC_SIDE);
+	assert_int_equal(store_codec_encode(&codec, posts, &bytes, &size), CODEC_LEVELS);
+	uint8_t *blob = malloc(size + 1);
+	memcpy(blob, bytes, size);
+	assert_true(store_codec_decode(&codec, CODEC_LEVELS, blob, size, back));
+	assert_false(store_codec_decode(&codec, CODEC_LEVELS, blob, size + 1, back));
+	for (size_t some = 0; some < size; some++) {
+		uint8_t *exact = malloc(some);
+		memcpy(exact, blob, some);
+		assert_false(store_codec_decode(&codec, CODEC_LEVELS, exact, some, back));
+		free(exact);
+	}
+	for (size_t i = 0; i < 400; i++) /* what is changed decodes to other posts, or not at all */
+		for (int bit = 0; bit < 8; bit++) {
+			blob[i] ^= (uint8_t)(1u << bit);
+			refused += !store_codec_decode(&codec, CODEC_LEVELS, blob, size, back);
+			blob[i] ^= (uint8_t)(1u << bit);
+		}
+	assert_in_range(refused, 400, 3200);
+	free(blob);
+	store_codec_finish(&codec);
+}
+
 static void failed_allocations_are_told(void **state)
 {
 	struct codec codec;
-	for (uint64_t nth = 1; nth <= 8; nth++) {
+	for (uint64_t nth = 1; nth <= 10; nth++) {
 		mem_fail_nth(nth, 0);
 		assert_status(store_codec_init(&codec, CODEC_SIDE, CODEC_FAST), STATUS_FAILED);
 	}
@@ -265,11 +391,15 @@ int main(void)
 		cmocka_unit_test(every_post_comes_back),
 		cmocka_unit_test(every_width_unpacks_alike_everywhere),
 		cmocka_unit_test(sums_are_alike_everywhere),
+		cmocka_unit_test(levels_are_alike_everywhere),
+		cmocka_unit_test(widths_come_back),
+		cmocka_unit_test(codes_that_are_none_are_refused),
 		cmocka_unit_test(a_hole_costs_the_posts_around_it_little),
 		cmocka_unit_test(smooth_terrain_takes_less_than_a_byte_a_post),
 		cmocka_unit_test(a_common_factor_of_two_costs_one_byte),
 		cmocka_unit_test(the_order_of_residuals_that_packs_better_is_taken),
 		cmocka_unit_test(lengths_that_do_not_fit_are_refused),
+		cmocka_unit_test(levels_that_are_cut_short_or_changed_are_refused),
 		cmocka_unit_test(failed_allocations_are_told),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
