@@ -31,8 +31,10 @@ layout(location = 0) out vec4 colour;
 #endif
 
 layout(binding = 0, r32i) readonly uniform iimage2D base_posts;
+#define BASE_POST(at) imageLoad(base_posts, at).r
 #ifdef OFFSET
 layout(binding = 1, r32i) readonly uniform iimage2D offset_posts;
+#define OFFSET_POST(at) imageLoad(offset_posts, at).r
 #ifdef DISTURBANCE
 layout(binding = 2, r8ui) readonly uniform uimage2D disturbance_posts;
 #endif
@@ -43,12 +45,12 @@ void main()
 #ifdef LEVEL0
 	vec2 gradient = broad;
 #else
-	vec2 gradient = slope_of_base(base_posts, post, tile.x) * (base_metre / origin.z);
+	vec2 gradient = slope_of_base(SLOPE_POSTS(BASE_POST, post, tile.x), post, tile.x) * (base_metre / origin.z);
 #endif
 	float shade = 1.0, steep = length(gradient), dug = 0.0;
 
 #ifdef OFFSET
-	slope_of_map offset = slope_of_offset(offset_posts, post, tile.x);
+	slope_of_map offset = slope_of_offset(SLOPE_POSTS(OFFSET_POST, post, tile.x), post, tile.x);
 	vec2 cut = offset.gradient * (offset_metre / origin.z);
 	gradient += cut;
 	float moved = offset.value * offset_metre;

@@ -6,7 +6,6 @@
 // when the coarser one is drawn. Where both meet there is no crack and no T-junction.
 #include "lib/picture.glsl"
 #ifdef LEVEL0
-#define SLOPE_OF_VERTICES
 #include "lib/slope.glsl"
 #endif
 #ifdef TEXTURE
@@ -25,6 +24,7 @@ layout(binding = 1) uniform isampler2D offset_map;
 #endif
 #ifdef LEVEL0
 layout(binding = 3) uniform isampler2D level0_map;
+#define LEVEL0_POST(at) texelFetch(level0_map, at, 0).r
 #endif
 // block x, y (10 bits each), log2 of the stride (4), edges with a skirt (4)
 layout(std430, binding = 0) readonly buffer blocks {
@@ -136,7 +136,8 @@ void main()
 #ifdef LEVEL0
 	// Base heights of levels below 0 are interpolated linearly, so their slope would jump at each level-0 post. The slope of the
 	// level-0 posts is smooth.
-	broad = slope_of_base(level0_map, ground.xy + post * ground.z, tile.x) * (base_metre / ground.w);
+	vec2 level0_post = ground.xy + post * ground.z;
+	broad = slope_of_base(SLOPE_POSTS(LEVEL0_POST, level0_post, tile.x), level0_post, tile.x) * (base_metre / ground.w);
 #endif
 #ifdef TEXTURE
 	squares = ground_squares(post);

@@ -1,6 +1,6 @@
 // The slope of the ground between posts. It is the gradient of a quadratic B-spline over nine posts of a map of integers, and is
 // continuous across cells. Fragment shaders read the nine posts one by one from an image, since a software renderer does that much
-// faster than a texture gather. Vertex shaders read them from a texture, since they have no images.
+// faster than a texture gather. Vertex shaders read them from a texture, since they need not have images.
 struct slope_of_map {
 	vec2 gradient; // east and north, units of the map for each post
 	float value;   // units of the map
@@ -46,43 +46,42 @@ float slope_post(int post, int middle)
 	return post == SLOPE_NODATA ? 0.0 : float(post - middle);
 }
 
-vec2 slope_of_nine(ivec2 c, vec2 f, ivec3 south, ivec3 row, ivec3 north, int cells)
+// Nine posts of a map: three rows from the south, each from west to east.
+struct slope_posts {
+	ivec3 south, row, north;
+};
+
+// Returns the post that is `way` from the one nearest to `at`, or the one at the tile's edge before it.
+ivec2 slope_near(vec2 at, int cells, ivec2 way)
 {
-	int m = row.y;
-	slope_of_map slope = slope_between(c, f, vec3(slope_post(south.x, m), slope_post(south.y, m), slope_post(south.z, m)),
-					   vec3(slope_post(row.x, m), 0.0, slope_post(row.z, m)),
-					   vec3(slope_post(north.x, m), slope_post(north.y, m), slope_post(north.z, m)), cells);
+	ivec2 middle = clamp(ivec2(floor(at + 0.5)), ivec2(0), ivec2(cells));
+	return clamp(middle + way, ivec2(0), ivec2(cells));
+}
+
+// Reads the nine posts around `at`. READ(post): a macro that reads one post of the map. It is a macro since GLSL cannot hand an image
+// to a function portably: NVIDIA's compiler refuses to read an image that is a parameter.
+#define SLOPE_ROW(READ, at, cells, y) \
+	ivec3(READ(slope_near(at, cells, ivec2(-1, y))), READ(slope_near(at, cells, ivec2(0, y))), READ(slope_near(at, cells, ivec2(1, y))))
+#define SLOPE_POSTS(READ, at, cells) \
+	slope_posts(SLOPE_ROW(READ, at, cells, -1), SLOPE_ROW(READ, at, cells, 0), SLOPE_ROW(READ, at, cells, 1))
+
+vec2 slope_of_base(slope_posts posts, vec2 at, int cells)
+{
+	ivec2 c = slope_near(at, cells, ivec2(0));
+	int m = posts.row.y;
+	ivec3 s = posts.south, r = posts.row, n = posts.north;
+	slope_of_map slope = slope_between(c, at - vec2(c), vec3(slope_post(s.x, m), slope_post(s.y, m), slope_post(s.z, m)),
+					   vec3(slope_post(r.x, m), 0.0, slope_post(r.z, m)),
+					   vec3(slope_post(n.x, m), slope_post(n.y, m), slope_post(n.z, m)), cells);
 	return m == SLOPE_NODATA ? vec2(0.0) : slope.gradient;
 }
 
-#ifdef SLOPE_OF_VERTICES
-#define SLOPE_MAP isampler2D
-#define SLOPE_AT(x, y) texelFetch(map, ivec2(x, y), 0).r
-#else
-#define SLOPE_MAP readonly iimage2D
-#define SLOPE_AT(x, y) imageLoad(map, ivec2(x, y)).r
-#endif
-
-vec2 slope_of_base(SLOPE_MAP map, vec2 at, int cells)
-{
-	ivec2 c = clamp(ivec2(floor(at + 0.5)), ivec2(0), ivec2(cells));
-	ivec2 low = max(c - 1, ivec2(0)), high = min(c + 1, ivec2(cells));
-	return slope_of_nine(c, at - vec2(c), ivec3(SLOPE_AT(low.x, low.y), SLOPE_AT(c.x, low.y), SLOPE_AT(high.x, low.y)),
-			     ivec3(SLOPE_AT(low.x, c.y), SLOPE_AT(c.x, c.y), SLOPE_AT(high.x, c.y)),
-			     ivec3(SLOPE_AT(low.x, high.y), SLOPE_AT(c.x, high.y), SLOPE_AT(high.x, high.y)), cells);
-}
-
 // As slope_of_base, but every post has data, and the value is returned too.
-slope_of_map slope_of_offset(SLOPE_MAP map, vec2 at, int cells)
+slope_of_map slope_of_offset(slope_posts posts, vec2 at, int cells)
 {
-	ivec2 c = clamp(ivec2(floor(at + 0.5)), ivec2(0), ivec2(cells));
-	ivec2 low = max(c - 1, ivec2(0)), high = min(c + 1, ivec2(cells));
-	int m = SLOPE_AT(c.x, c.y);
-	slope_of_map slope = slope_between(
-		c, at - vec2(c),
-		vec3(SLOPE_AT(low.x, low.y) - m, SLOPE_AT(c.x, low.y) - m, SLOPE_AT(high.x, low.y) - m),
-		vec3(SLOPE_AT(low.x, c.y) - m, 0, SLOPE_AT(high.x, c.y) - m),
-		vec3(SLOPE_AT(low.x, high.y) - m, SLOPE_AT(c.x, high.y) - m, SLOPE_AT(high.x, high.y) - m), cells);
+	ivec2 c = slope_near(at, cells, ivec2(0));
+	int m = posts.row.y;
+	slope_of_map slope = slope_between(c, at - vec2(c), vec3(posts.south - m), vec3(posts.row - m), vec3(posts.north - m), cells);
 	slope.value += float(m);
 	return slope;
 }

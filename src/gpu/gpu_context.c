@@ -145,7 +145,7 @@ void gpu_finish(struct gpu *gpu)
 		glFinish();
 }
 
-void gpu_written_barrier(struct gpu *gpu)
+static GLbitfield written_bits(const struct gpu *gpu)
 {
 	GLbitfield bits = 0;
 	if (gpu->storage_written)
@@ -154,8 +154,27 @@ void gpu_written_barrier(struct gpu *gpu)
 	if (gpu->images_written)
 		bits |= GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT | GL_TEXTURE_UPDATE_BARRIER_BIT |
 			GL_FRAMEBUFFER_BARRIER_BIT | GL_PIXEL_BUFFER_BARRIER_BIT;
+	return bits;
+}
+
+void gpu_written_barrier(struct gpu *gpu)
+{
+	const GLbitfield bits = written_bits(gpu);
 	if (bits != 0)
 		glMemoryBarrier(bits);
 	gpu->storage_written = false;
 	gpu->images_written = false;
+	gpu->drawn = true; /* by the call that follows */
+}
+
+void gpu_drawn_barrier(struct gpu *gpu)
+{
+	GLbitfield bits = written_bits(gpu);
+	if (gpu->drawn)
+		bits |= GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_SHADER_STORAGE_BARRIER_BIT;
+	if (bits != 0)
+		glMemoryBarrier(bits);
+	gpu->storage_written = false;
+	gpu->images_written = false;
+	gpu->drawn = false;
 }

@@ -66,6 +66,18 @@ static void draw(struct gpu *gpu, const struct gpu_pass *pass)
 				(const void *)(pass->first_index * bytes), (GLsizei)pass->instances);
 }
 
+/* True if the pass's shaders have storage buffers or images. */
+static bool shares(const struct gpu_pass *pass)
+{
+	for (size_t i = 0; i < GPU_PASS_BUFFERS; i++)
+		if (pass->storage[i] != NULL)
+			return true;
+	for (size_t i = 0; i < GPU_PASS_IMAGES; i++)
+		if (pass->images[i] != NULL)
+			return true;
+	return false;
+}
+
 /* The fixed-function state that a draw needs. */
 static void set_drawing(struct gpu *gpu, const struct gpu_pass *pass)
 {
@@ -105,7 +117,7 @@ void gpu_pass_run(struct gpu *gpu, const struct gpu_pass *pass)
 		return;
 	gpu_timer_begin(gpu, pass->stage);
 	if (!(gpu->only_read && pass->only_reads))
-		gpu_written_barrier(gpu);
+		(shares(pass) ? gpu_drawn_barrier : gpu_written_barrier)(gpu);
 	gpu->only_read = pass->only_reads;
 	if (gpu->program != pass->program)
 		glUseProgram(pass->program->name);
@@ -114,6 +126,7 @@ void gpu_pass_run(struct gpu *gpu, const struct gpu_pass *pass)
 	if (pass->target != NULL) {
 		set_drawing(gpu, pass);
 		draw(gpu, pass);
+		gpu->drawn = true;
 	} else {
 		glDispatchCompute(pass->groups, 1, 1);
 	}

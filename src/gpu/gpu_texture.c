@@ -6,7 +6,8 @@
  *      all levels, filters within a level, and repeats. A texture of several samples a pixel does not filter.
  *   2. Data in and out is tight, in the format's own type, row 0 first.
  *
- * GL orders copies, clears, uploads and draws among themselves. Only textures that passes wrote as images need a barrier.
+ * GL orders copies, clears, uploads and draws among themselves. Textures that passes wrote as images need a barrier, and so do
+ * passes with images after copies, clears, uploads and draws (gpu_drawn_barrier).
  */
 #include <string.h>
 

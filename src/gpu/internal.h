@@ -83,6 +83,7 @@ struct gpu {
 	bool sealed; /* gpu_seal was called: no new program should be needed */
 	bool storage_written; /* a pass with storage buffers ran, and no barrier since */
 	bool images_written;  /* a pass with images ran, and no barrier since */
+	bool drawn;           /* GL drew, cleared, copied or uploaded something, and no barrier since */
 	bool only_read;       /* all passes since then that had storage or images only read them */
 };
 
@@ -92,6 +93,9 @@ bool gpu_usable(const struct gpu *gpu);
 enum status gpu_fail(struct gpu *gpu, enum status status);
 /* Call this before GL reads or writes what a pass may have written into storage buffers or images. */
 void gpu_written_barrier(struct gpu *gpu);
+/* Call this before a pass with storage buffers or images. As gpu_written_barrier; what GL itself wrote is also done before the pass's
+ * shaders begin. GL promises that order for textures that a shader samples, but not for images and storage buffers. */
+void gpu_drawn_barrier(struct gpu *gpu);
 
 struct gpu_texture {
 	struct gpu *gpu;

@@ -2,7 +2,7 @@
 
 #include <assert.h>
 
-#include "gpu/gpu.h"
+#include "gpu/internal.h"
 
 #define UNDER_WAY 64
 
@@ -57,7 +57,10 @@ bool __wrap_gpu_staging_idle(struct gpu_staging *staging)
 		late_misses--;
 		return false;
 	}
-	return (i == count || under_way[i].over <= now) && __real_gpu_staging_idle(staging);
+	if (i < count && under_way[i].over > now)
+		return false;
+	__real_gpu_finish(staging->gpu); /* on hardware it may not be there yet */
+	return __real_gpu_staging_idle(staging);
 }
 
 void __wrap_gpu_finish(struct gpu *gpu)

@@ -92,7 +92,12 @@ static void more_memory_than_there_is_is_refused(void **state)
 	struct gpu_texture *texture;
 	(void)state;
 	need_gpu();
-	assert_int_equal(gpu_texture_create(test_gpu, GPU_R32I, 16384, 16384, 2048, &texture), STATUS_FAILED);
+	enum status status = gpu_texture_create(test_gpu, GPU_R32I, 16384, 16384, 2048, &texture);
+	if (status == STATUS_OK && !gpu_info(test_gpu)->software) {
+		gpu_texture_destroy(texture);
+		skip(); /* a driver that takes memory only when a texture is used */
+	}
+	assert_int_equal(status, STATUS_FAILED);
 	assert_non_null(strstr(failure_message(), "texture: "));
 	struct gpu_stats stats;
 	gpu_stats(test_gpu, &stats);
