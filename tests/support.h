@@ -111,6 +111,13 @@ static inline long long support_figure(const char *json, const char *after, cons
 	return atoll(at + strlen(quoted));
 }
 
+/* How often blocks are visited depends on when their flags come from the GPU; on a software driver they come at once. The soil is the
+ * same. */
+static inline bool support_counts_repeat(const char *json)
+{
+	return strstr(json, "llvmpipe") != NULL;
+}
+
 /* Loads a scene; settings end with NULL: "key=value". */
 static inline struct scene *support_scene(const char *path, const char *const *settings)
 {

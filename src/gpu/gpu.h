@@ -24,6 +24,7 @@ struct gpu;
 struct gpu_texture;
 struct gpu_target;
 struct gpu_buffer;
+struct gpu_list;
 struct gpu_program;
 struct gpu_slots;
 struct gpu_staging;
@@ -209,17 +210,26 @@ void gpu_seal(struct gpu *gpu);
 
 /* --- buffers: gpu_buffer.c --- */
 /* Makes a buffer of fixed size. Without data it is filled with zeros. */
-enum gpu_buffer_use { GPU_INDICES, GPU_STORAGE, GPU_UNIFORMS };
+enum gpu_buffer_use { GPU_INDICES, GPU_STORAGE };
 enum status gpu_buffer_create(struct gpu *gpu, enum gpu_buffer_use use, size_t bytes,
 			      const void *data_or_null, struct gpu_buffer **out) FURROW_CHECKED;
 void gpu_buffer_destroy(struct gpu_buffer *buffer);
-void gpu_buffer_write(struct gpu_buffer *buffer, size_t offset, size_t bytes, const void *data);
+void gpu_buffer_write(struct gpu_buffer *buffer, size_t offset, size_t bytes, const void *data); /* waits for the GPU */
 void gpu_buffer_read(struct gpu_buffer *buffer, size_t offset, size_t bytes, void *data); /* waits for the GPU */
 /* Begins a read and does not wait for it, like gpu_texture_read_into. Offsets are multiples of 4. */
 void gpu_buffer_read_into(struct gpu_buffer *buffer, size_t offset, size_t bytes, struct gpu_staging *staging,
 			  size_t staging_offset);
 /* fills bytes with zeros; offset and bytes are multiples of 4 */
 void gpu_buffer_clear(struct gpu_buffer *buffer, size_t offset, size_t bytes);
+
+/* --- lists: gpu_list.c --- */
+/* Storage that passes read and the CPU writes anew, as a whole, before some of them. A pass reads what was written last when it was
+ * run, however late the GPU comes to it. gpu_list_bytes: the GPU memory of a list for `bytes`, for plans; pure. */
+#define GPU_LIST_COPIES 4
+uint64_t gpu_list_bytes(size_t bytes);
+enum status gpu_list_create(struct gpu *gpu, size_t bytes, struct gpu_list **out) FURROW_CHECKED;
+void gpu_list_destroy(struct gpu_list *list);
+void gpu_list_write(struct gpu_list *list, size_t bytes, const void *data); /* may wait for passes of four writings before */
 
 /* --- passes: gpu_pass.c --- */
 #define GPU_PASS_TEXTURES 8
@@ -235,6 +245,7 @@ struct gpu_pass {
 	struct gpu_rect viewport; /* within the target; nothing outside it is written */
 	struct gpu_texture *textures[GPU_PASS_TEXTURES]; /* layout(binding = i); NULL: none */
 	struct gpu_buffer *storage[GPU_PASS_BUFFERS];    /* layout(std430, binding = i) */
+	struct gpu_list *lists[GPU_PASS_BUFFERS];        /* layout(std430, binding = i), only read; of storage and list i one is NULL */
 	/* Bound as layout(binding = i), with all layers of an array; integer formats. The pass may read and write them. Every
 	 * later pass, copy and read sees what it wrote. The target's textures must not be among them. */
 	struct gpu_texture *images[GPU_PASS_IMAGES];

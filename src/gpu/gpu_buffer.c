@@ -51,6 +51,8 @@ void gpu_buffer_write(struct gpu_buffer *buffer, size_t offset, size_t bytes, co
 	if (!gpu_usable(gpu) || bytes == 0)
 		return;
 	gpu_written_barrier(gpu);
+	if (!gpu->info.software)
+		glFinish(); /* gpu_list.c says why. It is done when a drive begins, goes on or goes back. */
 	glNamedBufferSubData(buffer->name, (GLintptr)offset, (GLsizeiptr)bytes, data);
 	gpu->stats.uploads++;
 	gpu->stats.upload_bytes += bytes;

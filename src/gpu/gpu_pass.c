@@ -28,6 +28,12 @@ static void bind_inputs(struct gpu *gpu, const struct gpu_pass *pass)
 		glBindBufferBase(GL_SHADER_STORAGE_BUFFER, i, pass->storage[i]->name);
 		gpu->storage_written = true;
 	}
+	for (GLuint i = 0; i < GPU_PASS_BUFFERS; i++) {
+		if (pass->lists[i] == NULL)
+			continue;
+		assert(pass->lists[i]->gpu == gpu && pass->storage[i] == NULL);
+		gpu_list_bind(pass->lists[i], i);
+	}
 	if (pass->block != NULL) {
 		assert(pass->block->gpu == gpu && pass->block->use == GPU_STORAGE);
 		glBindBufferBase(GL_UNIFORM_BUFFER, 1, pass->block->name);

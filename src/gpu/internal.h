@@ -148,6 +148,17 @@ struct gpu_program {
 	char *key; /* its files and defines, each on a line */
 };
 
+struct gpu_list {
+	struct gpu *gpu;
+	GLuint name;
+	size_t bytes; /* of a copy */
+	uint8_t *map; /* of all copies; NULL: on a software driver */
+	uint32_t copy;
+	GLsync fences[GPU_LIST_COPIES];
+};
+/* Binds the copy that was written last. */
+void gpu_list_bind(const struct gpu_list *list, uint32_t binding);
+
 /* Makes `target` the target of drawing. */
 void gpu_target_bind(struct gpu *gpu, const struct gpu_target *target);
 

@@ -132,7 +132,7 @@ static enum status collect_blocks(struct render *render, const struct terrain_vi
 		drawn[*end] = (struct drawn){(uint32_t)before, (uint32_t)(blocks->count - before)};
 	}
 	if (blocks->count > 0)
-		gpu_buffer_write(render->instances, 0, blocks->count * sizeof(uint32_t), blocks->blocks);
+		gpu_list_write(render->instances, blocks->count * sizeof(uint32_t), blocks->blocks);
 	return STATUS_OK;
 }
 
@@ -154,7 +154,7 @@ static enum status run_tile(struct render *render, const struct gpu_slot *slot, 
 		.target = render->target,
 		.viewport = {0, 0, render->width, render->height},
 		.textures = {slot->base, slot->planes[PLANE_OFFSET], NULL, ground, render->ground, slot->classes},
-		.storage = {render->instances},
+		.lists = {render->instances},
 		.images = {slot->base, slot->planes[PLANE_OFFSET]},
 		.only_reads = true,
 		.params = params,
@@ -274,7 +274,7 @@ static enum status draw_unseen(struct render *render, const struct gpu_slot *slo
 	params.tile[0] = (int32_t)render->extent.cells;
 	params.tile[3] = (int32_t)render_block_cells(&render->extent);
 	params.origin[2] = params.pattern[2] = params.ground[2] = params.ground[3] = params.detail[0] = params.detail[2] = 1;
-	gpu_buffer_write(render->instances, 0, sizeof none, &none);
+	gpu_list_write(render->instances, sizeof none, &none);
 	/* Count samples as in any frame, since llvmpipe compiles a program again for that. */
 	gpu_counter_begin(render->ground_samples);
 	enum status status = draw_kinds(render, slot, deformed, divided, &params);

@@ -150,7 +150,8 @@ struct render {
 	/* colours with several samples for each pixel, resolved into `colour` at the end of a frame; NULL with 1 sample */
 	struct gpu_texture *drawn;
 	struct gpu_target *resolved; /* target with `colour`; NULL with 1 sample */
-	struct gpu_buffer *indices, *instances;
+	struct gpu_buffer *indices;
+	struct gpu_list *instances;
 	uint32_t index_count;
 	struct render_blocks blocks;
 	uint64_t triangles;

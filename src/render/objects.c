@@ -109,7 +109,7 @@ void render_objects_plan(const struct render_params *params, struct plan *plan)
 		return;
 	add_program(plan, EFFECT_OBJECTS, params);
 	add(plan, PLAN_PASS, PLAN_OBJECTS, EFFECT_OBJECTS, 0, gpu_stage_name(GPU_OBJECTS));
-	add(plan, PLAN_BUFFER, PLAN_ONCE, EFFECT_OBJECTS, params->object_count * sizeof(struct object_posed), "objects: where they are");
+	add(plan, PLAN_BUFFER, PLAN_ONCE, EFFECT_OBJECTS, gpu_list_bytes(params->object_count * sizeof(struct object_posed)), "objects: where they are");
 	for (size_t i = 0; i < params->object_count; i++) {
 		struct object_mesh mesh;
 		char name[96];
@@ -130,7 +130,7 @@ void render_objects_plan(const struct render_params *params, struct plan *plan)
 		return;
 	add_program(plan, EFFECT_SHADOW, params);
 	add(plan, PLAN_PASS, PLAN_SHADOWED, EFFECT_SHADOW, 0, gpu_stage_name(GPU_SHADOW));
-	add(plan, PLAN_BUFFER, PLAN_ONCE, EFFECT_SHADOW, params->object_count * sizeof(struct object_shadow), "shadows: where they are");
+	add(plan, PLAN_BUFFER, PLAN_ONCE, EFFECT_SHADOW, gpu_list_bytes(params->object_count * sizeof(struct object_shadow)), "shadows: where they are");
 	add(plan, PLAN_BUFFER, PLAN_ONCE, EFFECT_SHADOW, sizeof volume_sides, "shadows: a volume");
 }
 
@@ -184,7 +184,7 @@ static enum status make_shadows(struct render *render, struct render_objects *ob
 	objects->shadows = mem_alloc(objects->count, sizeof *objects->shadows);
 	if (objects->shadows == NULL)
 		return fail_memory("the picture's shadows");
-	enum status status = gpu_buffer_create(gpu, GPU_STORAGE, objects->count * sizeof *objects->shadows, NULL, &objects->casters);
+	enum status status = gpu_list_create(gpu, objects->count * sizeof *objects->shadows, &objects->casters);
 	if (status == STATUS_OK)
 		status = gpu_buffer_create(gpu, GPU_INDICES, sizeof volume_sides, volume_sides, &objects->volume);
 	return status == STATUS_OK ? render_objects_retarget(render) : status;
@@ -210,7 +210,7 @@ enum status render_objects_create(struct render *render, const struct render_par
 	if (objects->shapes == NULL || objects->shape_of == NULL || objects->shown == NULL || objects->seen == NULL ||
 	    objects->posed == NULL)
 		return fail_memory("the picture's objects");
-	enum status status = gpu_buffer_create(render->gpu, GPU_STORAGE, count * sizeof *objects->posed, NULL, &objects->instances);
+	enum status status = gpu_list_create(render->gpu, count * sizeof *objects->posed, &objects->instances);
 	if (status == STATUS_OK)
 		status = make_shapes(render, objects);
 	return status == STATUS_OK && objects->casts ? make_shadows(render, objects) : status;
@@ -224,8 +224,8 @@ void render_objects_destroy(struct render_objects *objects)
 		gpu_buffer_destroy(objects->shapes[i].corners);
 		gpu_buffer_destroy(objects->shapes[i].indices);
 	}
-	gpu_buffer_destroy(objects->instances);
-	gpu_buffer_destroy(objects->casters);
+	gpu_list_destroy(objects->instances);
+	gpu_list_destroy(objects->casters);
 	gpu_buffer_destroy(objects->volume);
 	gpu_target_destroy(objects->over);
 	mem_free(objects->shapes);
@@ -319,13 +319,13 @@ static void look(const struct render *render, const struct render_camera *camera
 static enum status draw_shadows(struct render *render, const struct picture_params *params, size_t count)
 {
 	struct render_objects *objects = render->objects;
-	gpu_buffer_write(objects->casters, 0, count * sizeof *objects->shadows, objects->shadows);
+	gpu_list_write(objects->casters, count * sizeof *objects->shadows, objects->shadows);
 	struct gpu_pass pass = {
 		.stage = GPU_SHADOW,
 		.target = objects->over,
 		.viewport = {0, 0, render->width, render->height},
 		.textures = {render->depth},
-		.storage = {objects->casters},
+		.lists = {objects->casters},
 		.only_reads = true,
 		.params = params,
 		.params_bytes = sizeof *params,
@@ -350,7 +350,8 @@ static void run_objects(struct render *render, const struct picture_params *para
 		.program = program,
 		.target = render->target,
 		.viewport = {0, 0, render->width, render->height},
-		.storage = {shape->corners, render->objects->instances},
+		.storage = {shape->corners},
+		.lists = {[1] = render->objects->instances},
 		.params = params,
 		.params_bytes = sizeof *params,
 		.indices = shape->indices,
@@ -405,7 +406,7 @@ enum status render_objects_draw(struct render *render, const struct render_camer
 		return status;
 	for (size_t i = 0; i < seen; i++)
 		objects->posed[i] = objects->seen[i].posed;
-	gpu_buffer_write(objects->instances, 0, seen * sizeof *objects->posed, objects->posed);
+	gpu_list_write(objects->instances, seen * sizeof *objects->posed, objects->posed);
 	for (size_t i = 0, end; i < seen; i = end) {
 		for (end = i + 1; end < seen && in_order(&objects->seen[i], &objects->seen[end]) == 0;)
 			end++;

@@ -81,7 +81,8 @@ struct render_objects {
 	struct object_seen *seen;    /* of the present picture; so are the next two */
 	struct object_posed *posed;
 	struct object_shadow *shadows;
-	struct gpu_buffer *instances, *casters, *volume; /* casters and volume are NULL without shadows */
+	struct gpu_list *instances, *casters; /* casters and volume are NULL without shadows */
+	struct gpu_buffer *volume;
 	struct gpu_target *over; /* target with only the picture's colour */
 };
 

@@ -148,7 +148,7 @@ void render_plan(const struct render_params *params, bool deformed, bool divided
 	}
 	add(plan, PLAN_BUFFER, PLAN_ONCE, skirts ? scene_effect_row(EFFECT_SKIRTS)->name : picture,
 	    render_index_count(render_block_cells(params->extent), skirts) * sizeof(uint16_t), "block");
-	add(plan, PLAN_BUFFER, PLAN_ONCE, picture, RENDER_BLOCKS_ROOM * sizeof(uint32_t), "blocks");
+	add(plan, PLAN_BUFFER, PLAN_ONCE, picture, gpu_list_bytes(RENDER_BLOCKS_ROOM * sizeof(uint32_t)), "blocks");
 	if (effects >> EFFECT_TEXTURE & 1)
 		add(plan, PLAN_TEXTURE, PLAN_ONCE, scene_effect_row(EFFECT_TEXTURE)->name,
 		    gpu_texture_bytes(GPU_RGBA8, RENDER_GROUND_SIZE, RENDER_GROUND_SIZE, RENDER_GROUND_LAYERS, gpu_mipmap_levels(RENDER_GROUND_SIZE)),

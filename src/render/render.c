@@ -150,7 +150,7 @@ enum status render_create(const struct render_params *params, struct render **ou
 	if (status == STATUS_OK)
 		status = create_mesh(render);
 	if (status == STATUS_OK)
-		status = gpu_buffer_create(render->gpu, GPU_STORAGE, RENDER_BLOCKS_ROOM * sizeof(uint32_t), NULL, &render->instances);
+		status = gpu_list_create(render->gpu, RENDER_BLOCKS_ROOM * sizeof(uint32_t), &render->instances);
 	if (status == STATUS_OK && (render->effects >> EFFECT_TEXTURE & 1))
 		status = create_ground(render);
 	if (status == STATUS_OK)
@@ -174,7 +174,7 @@ void render_destroy(struct render *render)
 	destroy_target(render);
 	gpu_texture_destroy(render->ground);
 	gpu_buffer_destroy(render->indices);
-	gpu_buffer_destroy(render->instances);
+	gpu_list_destroy(render->instances);
 	mem_free(render->blocks.blocks);
 	mem_free(render);
 }

@@ -314,6 +314,53 @@ static void depth_is_reversed_and_sides_are_culled_when_asked(void **state)
 	gpu_buffer_destroy(buffer);
 }
 
+/* A list is written many times while the GPU is still at the first pass: each pass reads what was there when it was run. */
+static void a_pass_reads_the_list_as_it_was_when_it_was_run(void **state)
+{
+	enum { WRITINGS = 64, WORDS = 20000 };
+	static const char text[] =
+		"#version 450 core\n"
+		"layout(std430, binding = 2) readonly buffer list { int words[]; };\n"
+		"layout(std140, binding = 0) uniform params { int turns; };\n"
+		"layout(location = 0) out int result;\n"
+		"void main() {\n"
+		"	int x = int(gl_FragCoord.x), spun = 0;\n"
+		"	for (int i = 0; i < turns; i++)\n"
+		"		spun = (spun * 5 + words[(spun & 1023) + i % 1000]) & 1023;\n"
+		"	result = words[x * 300] + (spun > 1023 ? 1 : 0);\n"
+		"}\n";
+	static int32_t words[WORDS], values[WRITINGS * 64];
+	struct gpu_list *list;
+	(void)state;
+	need_gpu();
+	struct gpu_texture *texture = ints_texture(NULL, 64, WRITINGS);
+	struct gpu_target *target = target_over(texture, NULL);
+	struct gpu_program *program = program_of(full, text);
+	assert_ok(gpu_list_create(test_gpu, sizeof words, &list));
+	for (uint32_t n = 0; n < WRITINGS; n++) {
+		const int32_t turns = n == 0 ? 100000 : 0;
+		for (int i = 0; i < WORDS; i++)
+			words[i] = (int32_t)n * WORDS + i;
+		gpu_list_write(list, sizeof words, words);
+		gpu_pass_run(test_gpu, &(struct gpu_pass){
+			.target = target,
+			.viewport = {0, n, 64, 1},
+			.program = program,
+			.lists = {[2] = list},
+			.params = &turns,
+			.params_bytes = sizeof turns,
+		});
+	}
+	gpu_texture_read(texture, 0, rect_of(0, 0, 64, WRITINGS), values);
+	assert_ok(gpu_check(test_gpu, "a list"));
+	for (int n = 0; n < WRITINGS; n++)
+		for (int x = 0; x < 64; x++)
+			assert_int_equal(values[64 * n + x], n * WORDS + 300 * x);
+	gpu_list_destroy(list);
+	gpu_target_destroy(target);
+	gpu_texture_destroy(texture);
+}
+
 /* A later draw over the whole target must not undo what an earlier one stored. */
 static void storage_is_kept_and_ordered(void **state)
 {
@@ -419,6 +466,7 @@ int main(void)
 		cmocka_unit_test(nothing_outside_the_viewport_is_written),
 		cmocka_unit_test(a_pass_reads_what_the_one_before_wrote),
 		cmocka_unit_test(depth_is_reversed_and_sides_are_culled_when_asked),
+		cmocka_unit_test(a_pass_reads_the_list_as_it_was_when_it_was_run),
 		cmocka_unit_test(storage_is_kept_and_ordered),
 		cmocka_unit_test(compute_passes_are_ordered_with_draws),
 	};

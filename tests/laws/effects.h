@@ -41,6 +41,7 @@ static inline double gentle(int64_t x, int64_t y)
 /* --- drives --- */
 
 struct outcome {
+	bool repeats; /* counts of visits */
 	struct scene *scene;
 	size_t taken; /* objects that were taken out of it */
 	struct plan plan;
@@ -93,6 +94,7 @@ static inline struct outcome drive_on(const char *text, const char *store)
 	if (status == STATUS_NO_GL)
 		skip();
 	must(status);
+	outcome.repeats = support_counts_repeat(result.json);
 	outcome.json = cJSON_Parse(result.json);
 	mem_free(result.json);
 	assert_non_null(outcome.json);

@@ -190,6 +190,7 @@ static void a_resting_object_runs_no_pass(void **state)
 		/* The path takes 10.6 s at 10 m/s; stopped at its end, and with the ground come to rest, further steps add
 		 * nothing. */
 		long long passes[2];
+		bool repeats = false;
 		const char *const ends[] = {"end_time=40", "end_time=80"};
 		for (int i = 0; i < 2; i++) {
 			support_store(store, wide, gentle);
@@ -197,10 +198,10 @@ static void a_resting_object_runs_no_pass(void **state)
 			passes[i] = support_figure(json, "\"passes\"", "redistribute");
 			if (m > 0)
 				assert_int_equal(support_figure(json, "\"slide\"", "awake"), 0);
+			repeats = support_counts_repeat(json);
 			mem_free(json);
 		}
-		assert_true(passes[0] > 100);
-		assert_int_equal(passes[0], passes[1]);
+		assert_true(passes[0] > 100 && llabs(passes[1] - passes[0]) <= (repeats ? 0 : passes[0] / 20));
 	}
 }
 

@@ -80,6 +80,7 @@ static void settled_soil_is_not_relaxed(void **state)
 {
 	for (int m = 2; m < MODELS; m++) {
 		long long visited[2];
+		bool repeats = false;
 		for (int i = 0; i < 2; i++) {
 			char rest[256];
 			snprintf(rest, sizeof rest, "end_time: %d\nspacing: 0.5\nobjects:\n"
@@ -90,9 +91,10 @@ static void settled_soil_is_not_relaxed(void **state)
 			char *json = drive(scene_of("settled.yaml", m, rest), store, "out", false, false, 0);
 			visited[i] = where(json, m == 2 ? "shed" : "slide", "visited");
 			assert_int_equal(support_figure(json, "\"slide\"", "awake"), 0);
+			repeats = support_counts_repeat(json);
 			mem_free(json);
 		}
-		assert_true(visited[0] > 0 && visited[0] == visited[1]);
+		assert_true(visited[0] > 0 && llabs(visited[1] - visited[0]) <= (repeats ? 0 : visited[0] / 20));
 	}
 }
 

@@ -8,7 +8,7 @@
 #define ROOM 512 /* facets a draw: small enough that drivers need not ask the system for memory */
 
 struct facets {
-	struct gpu_buffer *buffer;
+	struct gpu_list *sent;
 	struct post_rect read;
 	uint32_t layer, count;
 	bool drawn; /* the program was run once; drivers compile it at its first run */
@@ -19,13 +19,13 @@ void deform_facets_destroy(struct facets *facets)
 {
 	if (facets == NULL)
 		return;
-	gpu_buffer_destroy(facets->buffer);
+	gpu_list_destroy(facets->sent);
 	mem_free(facets);
 }
 
 void deform_facets_plan(const char *effect, struct plan *plan)
 {
-	deform_plan_buffer(plan, effect, 1, ROOM * sizeof(struct facet), "triangles");
+	deform_plan_buffer(plan, effect, 1, gpu_list_bytes(ROOM * sizeof(struct facet)), "triangles");
 }
 
 static enum status make(struct deform *deform)
@@ -33,7 +33,7 @@ static enum status make(struct deform *deform)
 	struct facets *facets = mem_calloc(1, sizeof *facets);
 	if (facets == NULL)
 		return fail_memory("the triangles of objects");
-	enum status status = gpu_buffer_create(deform->params.gpu, GPU_STORAGE, sizeof facets->list, NULL, &facets->buffer);
+	enum status status = gpu_list_create(deform->params.gpu, sizeof facets->list, &facets->sent);
 	if (status != STATUS_OK) {
 		mem_free(facets);
 		return status;
@@ -61,13 +61,13 @@ static void draw(struct deform *deform)
 {
 	struct facets *facets = deform->facets;
 	struct window_params params = deform_window_params(facets->read, facets->layer);
-	gpu_buffer_write(facets->buffer, 0, facets->count * sizeof facets->list[0], facets->list);
+	gpu_list_write(facets->sent, facets->count * sizeof facets->list[0], facets->list);
 	gpu_pass_run(deform->params.gpu, &(struct gpu_pass){
 		.stage = GPU_FACETS,
 		.program = deform->facet,
 		.target = deform->scratch[facets->layer].to[TO_BARE],
 		.viewport = {0, 0, (uint32_t)params.window[0], (uint32_t)params.window[1]},
-		.storage = {facets->buffer},
+		.lists = {facets->sent},
 		.images = {deform->under, deform->rest},
 		.params = &params,
 		.params_bytes = sizeof params,
