@@ -5,6 +5,7 @@
 
 #include "dem/dem.h"
 #include "export.h"
+#include "relief_told.h"
 #include "scene/scene.h"
 
 static const struct command_option options[] = {
@@ -293,6 +294,8 @@ static enum status run(const struct arguments *arguments)
 	if (status == STATUS_OK)
 		status = store_open(request.store, &(struct store_options){.mode = STORE_READ}, &store);
 	int working;
+	if (status == STATUS_OK && !is_ruts(&request))
+		relief_tell_missing(request.store, store);
 	if (status == STATUS_OK && is_ruts(&request) && !arguments_flag(arguments, "level") && store_has_working_level(store, &working))
 		request.level = working;
 	if (status == STATUS_OK)

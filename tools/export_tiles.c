@@ -4,6 +4,7 @@
 
 #include "exchange/exchange.h"
 #include "export.h"
+#include "relief_told.h"
 
 #define LEAFLET "/usr/share/javascript/leaflet"
 
@@ -87,6 +88,8 @@ enum status export_tiles(const struct arguments *arguments)
 	status = store_open(path, &(struct store_options){.mode = STORE_READ}, &store);
 	params.store = store;
 	progress_start(&progress, params.directory, "tiles");
+	if (status == STATUS_OK)
+		relief_tell_missing(path, store);
 	if (status == STATUS_OK)
 		status = exchange_tiles(&params, &made);
 	progress_end(&progress);

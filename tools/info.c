@@ -89,6 +89,10 @@ static enum status print_json(struct store *store, const struct store_numbers *n
 		json_integer(object, "working_level", working);
 	else
 		cJSON_AddNullToObject(object, "working_level");
+	if (store_relief_text(store) != NULL)
+		cJSON_AddRawToObject(object, "relief", store_relief_text(store));
+	else
+		cJSON_AddNullToObject(object, "relief");
 	char hash[17];
 	snprintf(hash, sizeof hash, "%016llx", (unsigned long long)store_base_hash(store));
 	cJSON_AddStringToObject(object, "base_hash", hash);
@@ -162,6 +166,8 @@ static void print_text(struct store *store, const struct store_numbers *numbers)
 	printf("levels     %d to %d", store_finest(store), extent_coarsest(extent));
 	if (store_has_working_level(store, &working))
 		printf("; deformed at level %d, %g m", working, extent_spacing(extent, working));
+	if (store_relief_text(store) != NULL)
+		printf("\nrelief     %s", store_relief_text(store));
 	printf("\nheight     %.2f to %.2f m\n", meta->low, meta->high);
 	print_errors(meta, "errors     ", "           ");
 	printf("bytes      %lld file, %lld base (%.3f a post of level 0), %lld offset, %lld soil\n",

@@ -7,6 +7,7 @@
 #include "command.h"
 #include "dem/dem.h"
 #include "json.h"
+#include "relief_told.h"
 #include "resident/resident.h"
 #include "store/store.h"
 
@@ -255,6 +256,7 @@ static enum status run(const struct arguments *arguments)
 	if (status != STATUS_OK)
 		return status;
 	asking.meta = store_meta(store);
+	relief_tell_missing(arguments_at(arguments, 0), store);
 	status = store_reader_create(store, &asking.reader);
 	if (status == STATUS_OK)
 		status = resident_newest_create(store, NULL, &asking.newest);

@@ -15,6 +15,7 @@
 #include "base/misfit.h"
 #include "base/plan.h"
 #include "base/plane.h"
+#include "base/relief.h"
 #include "base/status.h"
 #include "base/thread.h"
 #include "base/tile.h"

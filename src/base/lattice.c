@@ -85,16 +85,20 @@ int32_t lattice_finer(const int32_t *posts, uint32_t side, int shift, uint64_t x
 	return lattice_interpolate(p[0], p[1], p[side], p[side + 1], fx, fy, shift);
 }
 
-size_t lattice_fill(const int32_t *coarse, uint32_t cells, int shift, uint64_t x, uint64_t y, int32_t *posts)
+size_t lattice_fill(const int32_t *coarse, uint32_t cells, int shift, uint64_t x, uint64_t y,
+		    const int32_t *more, int32_t *posts)
 {
 	const uint32_t side = cells + 1;
 	size_t left = 0;
 	for (uint32_t row = 0; row < side; row++)
 		for (uint32_t column = 0; column < side; column++) {
-			int32_t *post = &posts[(size_t)row * side + column];
-			if (*post == BASE_NODATA)
-				*post = lattice_finer(coarse, side, shift, x + column, y + row);
-			left += *post == BASE_NODATA;
+			const size_t at = (size_t)row * side + column;
+			if (posts[at] == BASE_NODATA) {
+				posts[at] = lattice_finer(coarse, side, shift, x + column, y + row);
+				if (more != NULL && posts[at] != BASE_NODATA)
+					posts[at] += more[at];
+			}
+			left += posts[at] == BASE_NODATA;
 		}
 	return left;
 }

@@ -53,11 +53,14 @@ uint32_t lattice_patch_posts(uint32_t cells, int shift);
 /* Returns post (x, y) of a level `shift` levels finer than the side x side posts. Both levels count from their first post. */
 int32_t lattice_finer(const int32_t *posts, uint32_t side, int shift, uint64_t x, uint64_t y);
 /*
- * Fills the posts of a tile that have no data, by interpolation between those of a tile above it, `shift` levels coarser. Both
- * are (cells + 1)^2 posts. (x, y): the tile's first post, counted in its own posts from the coarse tile's first one. Called from the finest level
- * above to the coarsest, it gives each post the value of the finest level that has one there. Returns how many posts are left without.
+ * Fills the posts of a tile that have no data, by interpolation between those of a tile above it,
+ * `shift` levels coarser. Both are (cells + 1)^2 posts. (x, y): the tile's first post, counted in
+ * its own posts from the coarse tile's first one. Called from the finest level above to the
+ * coarsest, it gives each post the value of the finest level that has one there. `more`: what is
+ * added to the posts that it fills; NULL: nothing. Returns how many posts are left without.
  */
-size_t lattice_fill(const int32_t *coarse, uint32_t cells, int shift, uint64_t x, uint64_t y, int32_t *posts);
+size_t lattice_fill(const int32_t *coarse, uint32_t cells, int shift, uint64_t x, uint64_t y,
+		    const int32_t *more, int32_t *posts);
 void lattice_subdivide(const int32_t *patch, uint32_t cells, int shift, uint32_t sub_x,
 		       uint32_t sub_y, int32_t *posts);
 

@@ -316,13 +316,18 @@ struct gpu_slots_figures {
 	uint64_t subdivided, decimated; /* base tiles interpolated; decimations of a deformed tile */
 };
 void gpu_slots_figures(const struct gpu_slots *slots, struct gpu_slots_figures *figures);
-/* Adds to `plan` the lines of slots with these planes (0: nothing is deformed), and of the ring of pass parameters. `classes`,
- * `numbers`: there are soil classes, and rasters of numbers. `divides`: the working level is below 0. `decimates`: coarser levels are used. `effect`: the effect
- * that needs the planes other than disturbance. Pure. */
-void gpu_slots_plan(uint32_t cells, unsigned planes, bool classes, bool numbers, bool divides, bool decimates, const char *effect,
+/* How tiles below level 0 get their base in slots: not at all, by interpolation, or with relief. */
+enum gpu_division { GPU_UNDIVIDED, GPU_DIVIDED, GPU_DIVIDED_RELIEF };
+/* Adds to `plan` the lines of slots with these planes (0: nothing is deformed), and of the ring of
+ * pass parameters. `classes`, `numbers`: there are soil classes, and rasters of numbers.
+ * `decimates`: coarser levels are used. `effect`: the effect that needs the planes other than
+ * disturbance. Pure. */
+void gpu_slots_plan(uint32_t cells, unsigned planes, bool classes, bool numbers,
+		    enum gpu_division division, bool decimates, const char *effect,
 		    struct plan *plan);
 /* Links all programs that these slots can run. */
-enum status gpu_slots_warm(struct gpu_slots *slots, bool divides, bool decimates) FURROW_CHECKED;
+enum status gpu_slots_warm(struct gpu_slots *slots, enum gpu_division division,
+			   bool decimates) FURROW_CHECKED;
 /* Planes lie in a staging buffer without padding, row 0 first, each at its offset in bytes. The offset is a multiple of 4 for
  * planes of int32, of 2 for uint16. The functions below only begin transfers and never wait. */
 #define GPU_NO_PLANE SIZE_MAX /* as an offset: the plane is missing or not wanted */
@@ -332,6 +337,11 @@ enum status gpu_slots_upload_base(struct gpu_slots *slots, uint32_t slot, struct
 				  size_t posts) FURROW_CHECKED;
 enum status gpu_slots_subdivide_base(struct gpu_slots *slots, uint32_t slot, struct gpu_staging *staging,
 				     size_t patch, int shift, uint32_t sub_x, uint32_t sub_y) FURROW_CHECKED;
+/* The same with relief, which has no classes, for the tile. */
+enum status gpu_slots_subdivide_relief(struct gpu_slots *slots, uint32_t slot,
+				       struct gpu_staging *staging, size_t patch, uint32_t sub_x,
+				       uint32_t sub_y, struct tile tile,
+				       const struct relief *relief) FURROW_CHECKED;
 /* Fills the soil class of every post, uint8. The classes stay until the next upload. */
 enum status gpu_slots_upload_classes(struct gpu_slots *slots, uint32_t slot, struct gpu_staging *staging,
 				     size_t classes) FURROW_CHECKED;

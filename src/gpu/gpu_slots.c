@@ -198,25 +198,23 @@ static enum status upload_patch(struct gpu_slots *slots, struct gpu_staging *sta
 	return STATUS_OK;
 }
 
-enum status gpu_slots_subdivide_base(struct gpu_slots *slots, uint32_t slot, struct gpu_staging *staging,
-				     size_t patch, int shift, uint32_t sub_x, uint32_t sub_y)
+/* Runs the pass that fills a base from a patch of stride x stride posts. */
+static enum status subdivide(struct gpu_slots *slots, uint32_t slot, struct gpu_staging *staging,
+			     size_t patch, uint32_t stride, bool relief, const void *params,
+			     size_t params_bytes)
 {
 	struct entry *entry = entry_of(slots, slot);
 	struct gpu_program *program;
 	struct gpu_texture *scratch;
-	assert(shift >= 1 && shift <= -TILE_LEVEL_MIN);
-	struct {
-		uint32_t sub_x, sub_y, stride;
-		int32_t shift;
-	} params = {sub_x, sub_y, lattice_patch_posts(slots->cells, shift), shift};
-	enum status status = gpu_program_get(slots->gpu, gpu_slots_subdivide_request(), &program);
+	enum status status =
+		gpu_program_get(slots->gpu, gpu_slots_subdivide_request(relief), &program);
 	if (status == STATUS_OK)
 		status = need_base(slots, entry);
 	if (status == STATUS_OK && entry->base_target == NULL)
 		status = gpu_target_create(slots->gpu, &(struct gpu_attachment){entry->slot.base, 0}, 1,
 					   (struct gpu_attachment){NULL, 0}, &entry->base_target);
 	if (status == STATUS_OK)
-		status = upload_patch(slots, staging, patch, params.stride, &scratch);
+		status = upload_patch(slots, staging, patch, stride, &scratch);
 	if (status != STATUS_OK)
 		return status;
 	slots->subdivided++;
@@ -226,10 +224,45 @@ enum status gpu_slots_subdivide_base(struct gpu_slots *slots, uint32_t slot, str
 		.target = entry->base_target,
 		.viewport = whole(slots),
 		.textures = {scratch},
-		.params = &params,
-		.params_bytes = sizeof params,
+		.params = params,
+		.params_bytes = params_bytes,
 	});
 	return gpu_check(slots->gpu, "subdivision of a tile");
+}
+
+struct subdivide_params {
+	uint32_t sub_x, sub_y, stride;
+	int32_t shift;
+};
+
+enum status gpu_slots_subdivide_base(struct gpu_slots *slots, uint32_t slot,
+				     struct gpu_staging *staging, size_t patch, int shift,
+				     uint32_t sub_x, uint32_t sub_y)
+{
+	assert(shift >= 1 && shift <= -TILE_LEVEL_MIN);
+	const struct subdivide_params params = {sub_x, sub_y,
+						lattice_patch_posts(slots->cells, shift), shift};
+	return subdivide(slots, slot, staging, patch, params.stride, false, &params, sizeof params);
+}
+
+enum status gpu_slots_subdivide_relief(struct gpu_slots *slots, uint32_t slot,
+				       struct gpu_staging *staging, size_t patch, uint32_t sub_x,
+				       uint32_t sub_y, struct tile tile,
+				       const struct relief *relief)
+{
+	assert(tile.level < 0 && relief->classes == 1);
+	struct {
+		struct subdivide_params base;
+		int32_t count, down, unused[2];
+		struct relief_part parts[RELIEF_BANDS];
+	} params = {.base = {sub_x, sub_y, lattice_patch_posts(slots->cells, -tile.level),
+			     -tile.level}};
+	int down;
+	params.count = relief_parts(relief, tile.level, 0, (int64_t)tile.x * slots->cells,
+				    (int64_t)tile.y * slots->cells, params.parts, &down);
+	params.down = down;
+	return subdivide(slots, slot, staging, patch, params.base.stride, true, &params,
+			 sizeof params);
 }
 
 /* Uploads a whole texture of a slot. Makes it if it is not there yet. */

@@ -1,15 +1,18 @@
 /* What slots will make and run; the programs that their passes run with. */
 #include "gpu/internal.h"
 
-static const struct gpu_program_request subdivide = {.vertex = "full.vert", .fragment = "subdivide.frag"};
+static const struct gpu_program_request subdivide[2] = {
+	{.vertex = "full.vert", .fragment = "subdivide.frag"},
+	{.vertex = "full.vert", .fragment = "subdivide.frag", .defines = {"RELIEF"}},
+};
 static const struct gpu_program_request decimate[2] = {
 	{.vertex = "full.vert", .fragment = "decimate.frag"},
 	{.vertex = "full.vert", .fragment = "decimate.frag", .defines = {"DISTURBANCE"}},
 };
 
-const struct gpu_program_request *gpu_slots_subdivide_request(void)
+const struct gpu_program_request *gpu_slots_subdivide_request(bool relief)
 {
-	return &subdivide;
+	return &subdivide[relief];
 }
 
 const struct gpu_program_request *gpu_slots_decimate_request(unsigned planes)
@@ -36,7 +39,8 @@ static void add_texture(struct plan *plan, const char *effect, enum plan_unit un
 					   .bytes = bytes}, name);
 }
 
-void gpu_slots_plan(uint32_t cells, unsigned planes, bool classes, bool numbers, bool divides, bool decimates, const char *effect,
+void gpu_slots_plan(uint32_t cells, unsigned planes, bool classes, bool numbers,
+		    enum gpu_division division, bool decimates, const char *effect,
 		    struct plan *plan)
 {
 	uint64_t posts = (uint64_t)(cells + 1) * (cells + 1);
@@ -58,10 +62,11 @@ void gpu_slots_plan(uint32_t cells, unsigned planes, bool classes, bool numbers,
 			add_texture(plan, effect == NULL ? NULL : plane == PLANE_DISTURBANCE ? "dirt" : plane == PLANE_DUG ? "slip" : effect,
 				    GPU_DRAWN_PLANES & PLANE_BIT(plane) ? PLAN_DEFORM_SLOT : PLAN_STATE_SLOT,
 				    posts * plane_bytes((enum plane)plane), plane_name((enum plane)plane));
-	if (divides) {
+	if (division != GPU_UNDIVIDED) {
 		uint64_t side = cells / 2 + 1;
 		add_texture(plan, "subdivide", PLAN_PATCH, side * side * sizeof(int32_t), "patch");
-		add_program(plan, "subdivide", gpu_slots_subdivide_request());
+		add_program(plan, division == GPU_DIVIDED_RELIEF ? "relief" : "subdivide",
+			    gpu_slots_subdivide_request(division == GPU_DIVIDED_RELIEF));
 		add_pass(plan, "subdivide", PLAN_SUBDIVIDED, GPU_SUBDIVIDE);
 	}
 	if (decimates) {
@@ -72,13 +77,14 @@ void gpu_slots_plan(uint32_t cells, unsigned planes, bool classes, bool numbers,
 					   .bytes = GPU_RING_BYTES}, "parameters");
 }
 
-enum status gpu_slots_warm(struct gpu_slots *slots, bool divides, bool decimates)
+enum status gpu_slots_warm(struct gpu_slots *slots, enum gpu_division division, bool decimates)
 {
 	struct gpu *gpu = gpu_slots_gpu(slots);
 	struct gpu_program *program;
 	enum status status = STATUS_OK;
-	if (divides)
-		status = gpu_program_get(gpu, gpu_slots_subdivide_request(), &program);
+	if (division != GPU_UNDIVIDED)
+		status = gpu_program_get(
+			gpu, gpu_slots_subdivide_request(division == GPU_DIVIDED_RELIEF), &program);
 	if (status == STATUS_OK && decimates)
 		status = gpu_program_get(gpu, gpu_slots_decimate_request(gpu_slots_planes(slots)), &program);
 	return status;

@@ -185,7 +185,7 @@ enum status gpu_program_get_from(struct gpu *gpu, const struct shader_text *tabl
 void gpu_programs_finish(struct gpu *gpu);
 
 /* --- gpu_slots_plan.c: the programs that slots use --- */
-const struct gpu_program_request *gpu_slots_subdivide_request(void);
+const struct gpu_program_request *gpu_slots_subdivide_request(bool relief);
 const struct gpu_program_request *gpu_slots_decimate_request(unsigned planes);
 struct gpu *gpu_slots_gpu(const struct gpu_slots *slots);
 

@@ -181,7 +181,8 @@ enum status render_view_error(struct view *view, struct tile tile, bool expected
 	double apart = high - low;
 	if (expected)
 		apart = fmax(apart, errors->highest - errors->lowest);
-	if (status == STATUS_OK && tile.level > store_finest_base(view->world->store))
+	if (status == STATUS_OK && (tile.level > store_finest_base(view->world->store) ||
+				    world_relief(view->world) != NULL))
 		status = base_error(view, tile, error);
 	*error += apart;
 	return status;

@@ -43,7 +43,7 @@ enum status render_view_stored_offsets(struct view *view, struct tile tile, doub
 double render_view_find_reach(const struct world *world)
 {
 	const struct scene *scene = world->scene;
-	double reach = 0, deepest = 0;
+	double reach = 0, deepest = 0, raised = relief_bound(world_relief(world), 0);
 	for (size_t i = 0; i < scene->object_count; i++) {
 		const struct scene_object *object = &scene->objects[i];
 		const double *size = object->shape.size;
@@ -51,10 +51,13 @@ double render_view_find_reach(const struct world *world)
 					    sqrt(size[0] * size[0] + size[1] * size[1] + size[2] * size[2]));
 		/* If a path gives heights, the object may dig as deep as the path is below the ground. */
 		for (size_t k = 0; object->path.has_z && k < object->path.count; k++)
-			deepest = fmax(deepest, world->meta->high - object->path.points[k].z);
+			deepest = fmax(deepest,
+				       world->meta->high + raised - object->path.points[k].z);
 	}
 	bool all_slides = deform_conserves(scene->model) && scene->undisturbed == SCENE_SLIDES;
-	double relief = all_slides && !isnan(world->meta->low) ? world->meta->high - world->meta->low : 0;
+	double relief = all_slides && !isnan(world->meta->low)
+				? world->meta->high - world->meta->low + 2 * raised
+				: 0;
 	return reach + deepest + relief;
 }
 

@@ -35,11 +35,19 @@ static bool is_deformed(const struct view *view, struct tile tile)
 	return render_view_is_deformed(view, tile) || is_expected(view, tile);
 }
 
+/* Returns true if relief raises tiles of this level or finer ones, as far as they are drawn. */
+static bool raised(const struct view *view, int level)
+{
+	return world_relief(view->world) != NULL && level >= view->world->level;
+}
+
 /* Returns true if the tile has base heights of its own. It may read the store, once for each tile. */
 static bool stored(void *user, struct tile tile)
 {
 	struct view *view = user;
-	bool found = false;
+	bool found = relief_has_level(world_relief(view->world), tile.level);
+	if (found)
+		return true;
 	enum status status = resident_ground_has_base(view->world->ground, tile, &found);
 	if (status != STATUS_OK)
 		view->failed = status;
@@ -53,7 +61,7 @@ static bool bounds(void *user, struct tile tile, double *low, double *high)
 	if (!extent_has(&world->meta->extent, tile))
 		return false;
 	bool deformed = is_deformed(view, tile);
-	if (!deformed && !stored(view, tile))
+	if (!deformed && !raised(view, tile.level) && !stored(view, tile))
 		return false;
 	struct key_pair range = {.a = NAN};
 	double lowest = 0, highest = 0;
@@ -83,6 +91,8 @@ static bool divisible(void *user, struct tile tile)
 	/* Offsets are kept at the working level. No finer tile has them, so none is drawn in their place, not even an inset's. */
 	if (deformed || tile.level > 0)
 		return deformed ? tile.level > view->world->level : true;
+	if (raised(view, tile.level - 1))
+		return true;
 	for (unsigned i = 0; i < 4; i++) {
 		const struct tile child = {tile.level - 1, 2 * tile.x + (i & 1), 2 * tile.y + (i >> 1)};
 		if (extent_has(extent, child) && stored(view, child))

@@ -336,6 +336,8 @@ char *report_json(const struct report *report, const char *ended)
 		cJSON_AddNullToObject(root, "resumed_from");
 	json_number(root, "spacing", report->world->spacing);
 	json_integer(root, "working_level", report->world->level);
+	if (world_relief(report->world) != NULL)
+		cJSON_AddRawToObject(root, "relief", store_relief_text(report->world->store));
 	add_volume(root, report, &io);
 	add_objects(root, report);
 	add_vehicles(root, report);

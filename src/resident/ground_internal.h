@@ -9,6 +9,7 @@
 struct ground {
 	struct store_reader *reader; /* used by the owner */
 	const struct store_meta *meta;
+	const struct relief *relief; /* of the store; NULL: none */
 	int32_t reference;
 	int finest; /* the finest level with base tiles, at most 0 */
 	struct mutex mutex; /* guards the rest */

@@ -1,9 +1,10 @@
 /*
  * Base heights of any level, from tiles that the store has.
  *
- * Below level 0 a tile may be stored in part, where an inset lies, or not at all. A post has the value of the finest level that
- * gives one. Its own level gives one if the post is stored. A coarser level gives one if it has all posts around; it is interpolated
- * between them. So the value depends on the post alone, and tiles that share it agree.
+ * Below level 0 a tile may be stored in part, where an inset lies, or not at all. A post has the
+ * value of the finest level that gives one. Its own level gives one if the post is stored. A
+ * coarser level gives one if it has all posts around; it is interpolated between them, and raised
+ * by relief. So the value depends on the post alone, and tiles that share it agree.
  */
 #include "resident/ground_internal.h"
 
@@ -48,6 +49,11 @@ enum status resident_ground_posts(struct ground *ground, struct tile tile, int32
 	const int coarsest = tile.level > 0 ? tile.level : 0;
 	enum status status = STATUS_OK;
 	size_t left = count;
+	int32_t *raised = relief_has_level(ground->relief, tile.level)
+				  ? mem_alloc(count, sizeof *raised)
+				  : NULL;
+	if (raised == NULL && relief_has_level(ground->relief, tile.level))
+		return fail_memory("relief");
 	for (size_t i = 0; i < count; i++)
 		posts[i] = BASE_NODATA;
 	for (int level = tile.level; level <= coarsest && left > 0 && status == STATUS_OK; level++) {
@@ -55,6 +61,9 @@ enum status resident_ground_posts(struct ground *ground, struct tile tile, int32
 		const int32_t *there;
 		bool stored;
 		status = resident_ground_has_base(ground, from, &stored);
+		if (status == STATUS_OK && stored && raised != NULL)
+			status = relief_heights(ground->relief, tile.level, level,
+						tile_post_rect(extent, tile), raised);
 		if (status != STATUS_OK || !stored)
 			continue;
 		mutex_lock(&ground->mutex);
@@ -62,10 +71,12 @@ enum status resident_ground_posts(struct ground *ground, struct tile tile, int32
 		if (status == STATUS_OK && level == tile.level)
 			memcpy(posts, there, count * sizeof *posts);
 		if (status == STATUS_OK)
-			left = lattice_fill(there, extent->cells, level - tile.level, tile_within(extent, tile, level, 0),
-					    tile_within(extent, tile, level, 1), posts);
+			left = lattice_fill(there, extent->cells, level - tile.level,
+					    tile_within(extent, tile, level, 0),
+					    tile_within(extent, tile, level, 1), raised, posts);
 		mutex_unlock(&ground->mutex);
 	}
+	mem_free(raised);
 	return status;
 }
 
@@ -77,6 +88,8 @@ enum status resident_ground_patch(struct ground *ground, struct tile tile, int32
 	const uint32_t stride = extent->cells + 1;
 	*shift = 0;
 	*sub_x = *sub_y = 0;
+	if (relief_any(ground->relief) && ground->relief->classes > 1)
+		return resident_ground_posts(ground, tile, patch);
 	for (int level = ground->finest > tile.level ? ground->finest : tile.level; level < 0; level++) {
 		bool stored;
 		enum status status = resident_ground_has_base(ground, tile_ancestor(tile, level), &stored);
@@ -177,7 +190,9 @@ enum status resident_ground_highest(struct ground *ground, int level, struct pos
 	for (int from = ground->finest > level ? ground->finest : level; from <= 0 && level < 0 && !whole && status == STATUS_OK; from++)
 		status = widen_by_level(ground, from, around(rect, from - level), &lowest, &most, &whole);
 	if (lowest <= most)
-		*highest = (int64_t)most * (1 << (OFFSET_BITS - BASE_BITS)) + (int64_t)ground->reference * (1 << OFFSET_BITS);
+		*highest = (int64_t)most * (1 << (OFFSET_BITS - BASE_BITS)) +
+			   (int64_t)ground->reference * (1 << OFFSET_BITS) +
+			   (level < 0 ? lattice_offset(relief_bound(ground->relief, 0)) : 0);
 	return status;
 }
 
@@ -202,6 +217,69 @@ struct tile resident_ground_tile_of(const struct extent *extent, int level, doub
 struct tile resident_ground_tile(const struct extent *extent, double x, double y)
 {
 	return resident_ground_tile_of(extent, 0, x, y);
+}
+
+/* Gives a post of a level below zero: of the finest level that has it, or has all posts around.
+ * BASE_NODATA: none has. */
+static enum status post_at(struct ground *ground, int level, int64_t x, int64_t y, int32_t *post)
+{
+	const struct extent *extent = &ground->meta->extent;
+	const int64_t cells = extent->cells;
+	*post = BASE_NODATA;
+	for (int from = ground->finest > level ? ground->finest : level; from <= 0; from++) {
+		const int shift = from - level;
+		int64_t cell[2];
+		const int32_t *posts;
+		int32_t raised;
+		bool stored;
+		cell_of(extent, from, ldexp((double)x, -shift), ldexp((double)y, -shift), cell);
+		const struct tile tile = {from, (uint32_t)(cell[0] / cells),
+					  (uint32_t)(cell[1] / cells)};
+		enum status status = resident_ground_has_base(ground, tile, &stored);
+		if (status == STATUS_OK && stored)
+			status = relief_heights(ground->relief, level, from,
+						(struct post_rect){x, y, x + 1, y + 1}, &raised);
+		if (status != STATUS_OK)
+			return status;
+		if (!stored)
+			continue;
+		mutex_lock(&ground->mutex);
+		status = resident_ground_posts_locked(ground, tile, &posts);
+		if (status == STATUS_OK)
+			*post = lattice_finer(
+				posts, (uint32_t)cells + 1, shift,
+				(uint64_t)x - ((uint64_t)tile.x * (uint64_t)cells << shift),
+				(uint64_t)y - ((uint64_t)tile.y * (uint64_t)cells << shift));
+		mutex_unlock(&ground->mutex);
+		if (status != STATUS_OK)
+			return status;
+		if (*post != BASE_NODATA) {
+			*post += raised;
+			return STATUS_OK;
+		}
+	}
+	return STATUS_OK;
+}
+
+/* Interpolates between the four posts of relief's finest level around (x, y), in posts of level 0.
+ * NaN: one that has weight has no data. */
+static enum status height_of_relief(struct ground *ground, double x, double y, double *sum)
+{
+	const int level = ground->relief->finest;
+	const double px = ldexp(x, -level), py = ldexp(y, -level);
+	int64_t cell[2];
+	double corners[4];
+	cell_of(&ground->meta->extent, level, px, py, cell);
+	for (int i = 0; i < 4; i++) {
+		int32_t post;
+		enum status status =
+			post_at(ground, level, cell[0] + i % 2, cell[1] + i / 2, &post);
+		if (status != STATUS_OK)
+			return status;
+		corners[i] = post == BASE_NODATA ? (double)NAN : post;
+	}
+	*sum = lattice_bilinear(corners, px - (double)cell[0], py - (double)cell[1], 0);
+	return STATUS_OK;
 }
 
 /* Interpolates between the four posts of a level around (x, y), in posts of level 0. NaN: the level lacks one that has weight. */
@@ -239,8 +317,12 @@ enum status resident_ground_height(struct ground *ground, int64_t x, int64_t y, 
 	if (px < 0 || py < 0 || px > (double)(extent->width - 1) || py > (double)(extent->height - 1))
 		return STATUS_OK;
 	enum status status = STATUS_OK;
-	for (int level = ground->finest; level <= 0 && isnan(sum) && status == STATUS_OK; level++)
+	const int last = relief_any(ground->relief) ? ground->relief->finest - 1 : 0;
+	for (int level = ground->finest; level <= last && isnan(sum) && status == STATUS_OK;
+	     level++)
 		status = height_of_level(ground, level, px, py, &sum);
+	if (status == STATUS_OK && isnan(sum) && relief_any(ground->relief))
+		status = height_of_relief(ground, px, py, &sum);
 	if (status != STATUS_OK || isnan(sum))
 		return status;
 	*height = (int64_t)floor(sum * (1 << (OFFSET_BITS - BASE_BITS)) + 0.5) + (int64_t)ground->reference * (1 << OFFSET_BITS);

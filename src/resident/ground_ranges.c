@@ -160,7 +160,8 @@ static enum status fine_range(struct ground *ground, struct store_reader *reader
 
 /* --- ranges of bases --- */
 
-enum status resident_ground_base_range(struct ground *ground, struct tile tile, struct store_range *range)
+static enum status find_base_range(struct ground *ground, struct tile tile,
+				   struct store_range *range)
 {
 	bool there;
 	if (kept_base(ground, tile, range))
@@ -173,6 +174,19 @@ enum status resident_ground_base_range(struct ground *ground, struct tile tile, 
 	enum status status = read_base_range(ground, ground->reader, tile, range);
 	count_range_wait(ground, began);
 	return status;
+}
+
+enum status resident_ground_base_range(struct ground *ground, struct tile tile,
+				       struct store_range *range)
+{
+	const struct relief *relief = ground->relief;
+	enum status status = find_base_range(ground, tile, range);
+	if (status != STATUS_OK || !relief_any(relief))
+		return status;
+	range->low -= relief_bound(relief, 0);
+	range->high += relief_bound(relief, 0);
+	range->error += 3 * relief_rms(relief, tile.level);
+	return STATUS_OK;
 }
 
 enum status resident_ground_range(struct ground *ground, struct tile tile, double *low, double *high, bool *any)

@@ -93,8 +93,12 @@ static enum status bounds(void *user, struct tile tile, double *low, double *hig
 static enum status present(void *user, struct tile tile, bool *out)
 {
 	struct newest *newest = user;
+	const struct relief *relief = store_relief(newest->store);
 	*out = false;
 	if (!extent_has(newest->extent, tile))
+		return STATUS_OK;
+	*out = relief_any(relief) && tile.level >= relief->finest;
+	if (*out)
 		return STATUS_OK;
 	enum status status = resident_ground_has_base(newest->base, tile, out);
 	if (status != STATUS_OK || *out || !newest->deformed || tile.level < newest->level)

@@ -95,12 +95,16 @@ static enum status upload(void *user, uint32_t slot, struct page_image *image)
 	const struct pages_layout *layout = &pages->layout;
 	struct pages_head *head = pages_head(image);
 	struct overlay overlay = {pages, image, tile_from_key(image->key), slot, STATUS_OK};
+	const struct relief *relief = store_relief(pages->params.store);
 	if (image->overlays)
 		page_cache_each_queued(pages->cache, overlay_queued, &overlay);
 	enum status status =
 		head->shift == 0 ? gpu_slots_upload_base(slots, slot, staging, layout->base)
-				 : gpu_slots_subdivide_base(slots, slot, staging, layout->base, head->shift,
-							    head->sub_x, head->sub_y);
+		: relief_any(relief)
+			? gpu_slots_subdivide_relief(slots, slot, staging, layout->base,
+						     head->sub_x, head->sub_y, overlay.tile, relief)
+			: gpu_slots_subdivide_base(slots, slot, staging, layout->base, head->shift,
+						   head->sub_x, head->sub_y);
 	if (status != STATUS_OK)
 		return status;
 	if (pages_have_classes(pages, overlay.tile))

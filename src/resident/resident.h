@@ -37,11 +37,13 @@ struct store_reader *resident_ground_reader(struct ground *ground);
 /* returns the reference height of all base heights of this store, in metres */
 int32_t resident_ground_reference(const struct store *store);
 
-/* Copies the (cells + 1)^2 base heights of a tile. What an inset does not have below level 0 is interpolated. Units: 2^-18 m, counted from resident_ground_reference.
- * BASE_NODATA: a hole. */
+/* Copies the (cells + 1)^2 base heights of a tile. What an inset does not have below level 0 is
+ * interpolated, and raised by the store's relief. Units: 2^-18 m, counted from
+ * resident_ground_reference. BASE_NODATA: a hole. */
 enum status resident_ground_posts(struct ground *ground, struct tile tile, int32_t *posts) FURROW_CHECKED;
-/* Computes the arguments of lattice_subdivide for a tile below level 0. `patch`: room for (cells + 1)^2 posts. *shift is 0 where an
- * inset lies: then `patch` gets the tile's own posts, as resident_ground_posts gives them. */
+/* Computes the arguments of lattice_subdivide for a tile below level 0. `patch`: room for (cells +
+ * 1)^2 posts. *shift is 0 where an inset lies, and where relief depends on classes: then `patch`
+ * gets the tile's own posts, as resident_ground_posts gives them. */
 enum status resident_ground_patch(struct ground *ground, struct tile tile, int32_t *patch, int *shift, uint32_t *sub_x,
 			 uint32_t *sub_y) FURROW_CHECKED;
 /* Finds the lowest and highest base height of the tile and of all finer tiles below it, in metres. *any is false if all is
@@ -50,8 +52,9 @@ enum status resident_ground_range(struct ground *ground, struct tile tile, doubl
 	FURROW_CHECKED;
 /* Tells if the store has this base tile: always at level >= 0, and where an inset lies below. Looked up once. */
 enum status resident_ground_has_base(struct ground *ground, struct tile tile, bool *stored) FURROW_CHECKED;
-/* Finds the base range of a tile of any level, as resident_ground_range does, with its error. If no other thread has loaded it, the owner reads it, and this counts as a
- * wait. */
+/* Finds the base range of a tile of any level, as resident_ground_range does, with its error. Of
+ * relief the error has three times the root mean square that finer levels add: more is rare. If no
+ * other thread has loaded it, the owner reads it, and this counts as a wait. */
 enum status resident_ground_base_range(struct ground *ground, struct tile tile, struct store_range *range) FURROW_CHECKED;
 /* Finds the range of the offsets that the store has for the tile and all finer tiles below it, in metres. low <= 0 <= high. If
  * there are none, *found is false and both are 0. If no other thread has loaded the range, the owner reads it. The range stays
@@ -60,11 +63,13 @@ enum status resident_ground_offset_range(struct ground *ground, struct tile tile
 	FURROW_CHECKED;
 /* Forgets all ranges of offsets, so that they are read again. A range that another thread reads meanwhile is not kept. */
 void resident_ground_forget_offsets(struct ground *ground);
-/* Finds a height that no base height of the rectangle exceeds, in 2^-20 m; INT64_MIN: no post has data. At level >= 0 it is the
- * highest post of the rectangle. Below level 0 it is the highest of the stored posts from which the rectangle is interpolated. */
+/* Finds a height that no base height of the rectangle exceeds, in 2^-20 m; INT64_MIN: no post has
+ * data. At level >= 0 it is the highest post of the rectangle. Below level 0 it is the highest of
+ * the stored posts from which the rectangle is interpolated, and what relief may add. */
 enum status resident_ground_highest(struct ground *ground, int level, struct post_rect rect, int64_t *highest) FURROW_CHECKED;
-/* Finds the base height at a local point; all in 2^-20 m. It is bilinear in the cell of the finest level
- * that the store has there: of level 0, or of an inset. *any is false outside the world, or if a corner with weight is nodata. */
+/* Finds the base height at a local point; all in 2^-20 m. It is bilinear in a cell of the finest
+ * level that has posts of its own there. These are level 0, an inset's, and the last one with
+ * relief. *any is false outside the world, or if a corner with weight is nodata. */
 enum status resident_ground_height(struct ground *ground, int64_t x, int64_t y, int64_t *height, bool *any)
 	FURROW_CHECKED;
 
@@ -140,6 +145,10 @@ enum status resident_soil_map_open(const struct soil_map_params *params, struct 
 void resident_soil_map_close(struct soil_map *map); /* takes NULL */
 /* Reads the soil index of each of the tile's (cells + 1)^2 posts. Call it on the thread of loader `loader`. */
 enum status resident_soil_map_read(struct soil_map *map, unsigned loader, struct tile tile, uint8_t *classes) FURROW_CHECKED;
+/* Reads the soil index of each post of a rectangle of a level, as loader 0 does. One thread at a
+ * time. */
+enum status resident_soil_map_rect(struct soil_map *map, int level, struct post_rect rect,
+				   uint8_t *classes) FURROW_CHECKED;
 /* Reads the soil index of one post of a level. Only if params.places is set, and on the owner's thread. It may read the
  * raster's file. */
 enum status resident_soil_map_at(struct soil_map *map, int level, int64_t x, int64_t y, uint8_t *soil) FURROW_CHECKED;

@@ -48,21 +48,31 @@ void resident_soil_map_close(struct soil_map *map)
 	mem_free(map);
 }
 
-enum status resident_soil_map_read(struct soil_map *map, unsigned loader, struct tile tile, uint8_t *classes)
+static enum status read_rect(const struct soil_map *map, struct dem_pixels *raster, int level,
+			     struct post_rect rect, uint8_t *classes)
 {
-	assert(loader < map->count);
 	dem_quiet_begin();
-	enum status status = dem_classes_read(map->rasters[loader], tile.level, tile_post_rect(&map->params.meta->extent, tile),
-					      map->params.classes, 0, classes);
+	enum status status = dem_classes_read(raster, level, rect, map->params.classes, 0, classes);
 	dem_quiet_end();
 	return status;
+}
+
+enum status resident_soil_map_read(struct soil_map *map, unsigned loader, struct tile tile,
+				   uint8_t *classes)
+{
+	assert(loader < map->count);
+	return read_rect(map, map->rasters[loader], tile.level,
+			 tile_post_rect(&map->params.meta->extent, tile), classes);
+}
+
+enum status resident_soil_map_rect(struct soil_map *map, int level, struct post_rect rect,
+				   uint8_t *classes)
+{
+	return read_rect(map, map->rasters[0], level, rect, classes);
 }
 
 enum status resident_soil_map_at(struct soil_map *map, int level, int64_t x, int64_t y, uint8_t *soil)
 {
 	assert(map->at != NULL);
-	dem_quiet_begin();
-	enum status status = dem_classes_read(map->at, level, (struct post_rect){x, y, x + 1, y + 1}, map->params.classes, 0, soil);
-	dem_quiet_end();
-	return status;
+	return read_rect(map, map->at, level, (struct post_rect){x, y, x + 1, y + 1}, soil);
 }

@@ -71,6 +71,12 @@ static const struct effect_row rows[EFFECT_COUNT] = {
 	[EFFECT_SUBDIVIDE] = {
 		"subdivide", "spacing", "", LIST("subdivide.frag"), "base", "base", 1, LIST("spacing"),
 		"at most 14 levels below the source's", "interpolates between the source's posts"},
+	[EFFECT_RELIEF] = {
+		"relief", "relief", "RELIEF", LIST("subdivide.frag"), "base", "base", 0,
+		LIST("relief.roughness", "relief.wavelength", "relief.seed", "relief.classes", "relief.classes[].value", "relief.classes[].roughness",
+		     "relief.classes[].wavelength"),
+		"at levels below the source's whose spacing is at most half a wavelength; by class it is computed without the GPU",
+		"raises and lowers posts between the source's"},
 	[EFFECT_PYRAMID] = {
 		"pyramid", "view", "", LIST("decimate.frag"), "offset, dirt", "offset, dirt", 0, NONE,
 		"resident tiles alone: the store's follow at each commit", "keeps coarser tiles up to date with changes"},
@@ -168,7 +174,7 @@ static uint64_t object_effects(const struct scene *scene)
 	uint64_t effects = model_effects(scene->model);
 	if (scene->disturbance)
 		effects |= EFFECT_BIT(EFFECT_DISTURBANCE);
-	if (scene->soil_map != NULL)
+	if (scene->soil_map != NULL && deform_model_row(scene->model)->numbers != NULL)
 		effects |= EFFECT_BIT(EFFECT_SOIL_MAP);
 	if (scene->slip_sinkage > 0)
 		effects |= EFFECT_BIT(EFFECT_SLIP);
@@ -216,6 +222,8 @@ uint64_t scene_effects(const struct scene *scene, int level)
 		effects |= EFFECT_BIT(EFFECT_SOIL_MAP);
 	if (level < 0)
 		effects |= EFFECT_BIT(EFFECT_SUBDIVIDE);
+	if (level < 0 && scene->relief.classes > 0)
+		effects |= EFFECT_BIT(EFFECT_RELIEF);
 	if (scene->loaders > 0)
 		effects |= EFFECT_BIT(EFFECT_LOADERS);
 	return effects;

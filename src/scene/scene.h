@@ -39,6 +39,7 @@ enum scene_effect {
 	EFFECT_FORCES,
 	EFFECT_DISTURBANCE,
 	EFFECT_SUBDIVIDE,
+	EFFECT_RELIEF,
 	EFFECT_PYRAMID,
 	EFFECT_PICTURE,
 	EFFECT_NORMALS,
@@ -202,6 +203,8 @@ struct scene {
 	uint64_t soil_map_hash[2]; /* hash of the raster's bytes */
 	struct scene_raster rasters[DEFORM_RASTERS]; /* in the order of their numbers */
 	int raster_count;        /* 0: every number is that of a post's soil */
+	struct relief_spec relief; /* below the source's level; its classes are indices of soils;
+				      classes 0: none */
 	bool disturbance;
 	enum scene_outside outside;
 	struct scene_object *objects;

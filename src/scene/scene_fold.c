@@ -57,20 +57,22 @@ static enum status add_text(struct scene_node *parent, const char *key, char *te
 	return STATUS_OK;
 }
 
-/* `dry_sand` is `{name: dry_sand}`. */
-static enum status fold_name(struct scene_node *soil)
+/* `dry_sand` is `{name: dry_sand}`, with the key `name`. */
+static enum status fold_value(struct scene_node *soil, const char *key)
 {
 	if (soil->kind != SCENE_SCALAR)
 		return STATUS_OK;
 	char *text = soil->text;
 	soil->text = NULL;
 	soil->kind = SCENE_MAPPING;
-	return add_text(soil, "name", text, soil->plain);
+	return add_text(soil, key, text, soil->plain);
 }
 
-static enum status fold_class(const struct scene_tree *tree, struct scene_node *soil)
+/* A class `VALUE: SCALAR` is `{value: VALUE, KEY: SCALAR}`. */
+static enum status fold_class(const struct scene_tree *tree, struct scene_node *soil,
+			      const char *key_of_scalar)
 {
-	enum status status = fold_name(soil);
+	enum status status = fold_value(soil, key_of_scalar);
 	if (status != STATUS_OK || soil->kind != SCENE_MAPPING)
 		return status;
 	const struct scene_node *value = scene_node_child(soil, "value");
@@ -86,11 +88,28 @@ static enum status fold_soil(const struct scene_tree *tree)
 	struct scene_node *soil = scene_node_child(tree->root, "soil");
 	struct scene_node *elsewhere = soil != NULL ? scene_node_child(soil, "default") : NULL;
 	struct scene_node *classes = soil != NULL ? scene_node_child(soil, "classes") : NULL;
-	enum status status = elsewhere != NULL ? fold_name(elsewhere) : STATUS_OK;
+	enum status status = elsewhere != NULL ? fold_value(elsewhere, "name") : STATUS_OK;
 	if (classes == NULL || classes->kind != SCENE_MAPPING)
 		return status;
 	for (struct scene_node *node = classes->first; node != NULL && status == STATUS_OK; node = node->next)
-		status = fold_class(tree, node);
+		status = fold_class(tree, node, "name");
+	classes->kind = SCENE_SEQUENCE;
+	return status;
+}
+
+/* `1: 0.05` is `{value: 1, roughness: 0.05}`. */
+static enum status fold_relief(const struct scene_tree *tree)
+{
+	struct scene_node *relief = scene_node_child(tree->root, "relief");
+	struct scene_node *classes = relief != NULL && relief->kind == SCENE_MAPPING
+					     ? scene_node_child(relief, "classes")
+					     : NULL;
+	enum status status = STATUS_OK;
+	if (classes == NULL || classes->kind != SCENE_MAPPING)
+		return STATUS_OK;
+	for (struct scene_node *node = classes->first; node != NULL && status == STATUS_OK;
+	     node = node->next)
+		status = fold_class(tree, node, "roughness");
 	classes->kind = SCENE_SEQUENCE;
 	return status;
 }
@@ -134,5 +153,7 @@ enum status scene_fold(struct scene_tree *tree)
 	enum status status = fold_cameras(tree);
 	if (status == STATUS_OK)
 		status = fold_soil(tree);
+	if (status == STATUS_OK)
+		status = fold_relief(tree);
 	return status == STATUS_OK ? fold_vehicles(tree) : status;
 }

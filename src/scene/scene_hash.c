@@ -213,6 +213,22 @@ static void add_soils(XXH3_state_t *state, const struct scene *scene)
 	}
 }
 
+static void add_relief(XXH3_state_t *state, const struct scene *scene)
+{
+	const struct relief_spec *relief = &scene->relief;
+	add_part(state, 'r', (size_t)relief->classes);
+	add_whole(state, relief->seed);
+	for (int i = 0; i < relief->classes; i++) {
+		add_number(state, relief->waves[i].roughness);
+		add_number(state, relief->waves[i].wavelength);
+	}
+	if (relief->classes > 1) {
+		add_whole(state, relief->map[0]);
+		add_whole(state, relief->map[1]);
+		XXH3_128bits_update(state, scene->soil_class, sizeof scene->soil_class);
+	}
+}
+
 enum status scene_hash(struct scene *scene)
 {
 	XXH3_state_t *state = XXH3_createState();
@@ -240,6 +256,8 @@ enum status scene_hash(struct scene *scene)
 		add_soils(state, scene);
 	for (size_t i = 0; i < scene->vehicle_count; i++)
 		add_vehicle(state, i, &scene->vehicles[i]);
+	if (scene->relief.classes > 0)
+		add_relief(state, scene);
 	XXH128_hash_t hash = XXH3_128bits_digest(state);
 	XXH3_freeState(state);
 	snprintf(scene->hash, sizeof scene->hash, "%016llx%016llx", (unsigned long long)hash.high64,

@@ -137,6 +137,22 @@ static const cyaml_schema_field_t soil_fields[] = {
 	CYAML_FIELD_END,
 };
 
+static const cyaml_schema_field_t relief_class_fields[] = {
+	CYAML_FIELD_INT("value", NEEDED, struct raw_relief_class, value),
+	CYAML_FIELD_FLOAT("roughness", NEEDED, struct raw_relief_class, roughness),
+	CYAML_FIELD_FLOAT_PTR("wavelength", OPTIONAL, struct raw_relief_class, wavelength),
+	CYAML_FIELD_END,
+};
+static const cyaml_schema_value_t relief_class_entry = {
+	CYAML_VALUE_MAPPING(CYAML_FLAG_DEFAULT, struct raw_relief_class, relief_class_fields)};
+static const cyaml_schema_field_t relief_fields[] = {
+	CYAML_FIELD_FLOAT("roughness", NEEDED, struct raw_relief, roughness),
+	CYAML_FIELD_FLOAT("wavelength", NEEDED, struct raw_relief, wavelength),
+	CYAML_FIELD_INT_PTR("seed", OPTIONAL, struct raw_relief, seed),
+	CYAML_FIELD_SEQUENCE("classes", OPTIONAL_POINTER, struct raw_relief, classes, &relief_class_entry, 1, RELIEF_CLASSES - 1),
+	CYAML_FIELD_END,
+};
+
 #define MODEL_WORD(number, word) {#word, number},
 static const cyaml_strval_t model_words[] = {DEFORM_MODELS_EACH(MODEL_WORD)};
 static const cyaml_strval_t undisturbed_words[] = {{"stable", SCENE_STABLE}, {"slides", SCENE_SLIDES}};
@@ -258,6 +274,7 @@ static const cyaml_schema_field_t scene_fields[] = {
 	CYAML_FIELD_FLOAT_PTR("spacing", OPTIONAL, struct raw_scene, spacing),
 	CYAML_FIELD_STRING_PTR("coordinates", OPTIONAL, struct raw_scene, coordinates, 1, 65536),
 	CYAML_FIELD_MAPPING_PTR("soil", OPTIONAL, struct raw_scene, soil, soil_fields),
+	CYAML_FIELD_MAPPING_PTR("relief", OPTIONAL, struct raw_scene, relief, relief_fields),
 	CYAML_FIELD_MAPPING_PTR("redistribute", OPTIONAL, struct raw_scene, redistribute,
 				redistribute_fields),
 	CYAML_FIELD_SEQUENCE("attributes", OPTIONAL_POINTER, struct raw_scene, attributes,
@@ -306,6 +323,12 @@ static const struct scene_limit limits[] = {
 	{"soil.roughness", 0, 0.2, true, "is out of the range in which slides come to rest", NULL, NAN, "the named soil's"},
 	{"soil.compression", 0, 1, false, NULL, NULL, NAN, "the named soil's"},
 	{"soil.value", 0, 255, false, NULL, NULL, NAN, NULL},
+	{"relief.roughness", 0, 10, false, NULL, "m", NAN, NULL},
+	{"relief.wavelength", 0, 1e6, true, NULL, "m", NAN, NULL},
+	{"relief.seed", 0, 4294967295, false, NULL, NULL, 0, NULL},
+	{"relief.classes[].value", 0, 255, false, NULL, NULL, NAN, NULL},
+	{"relief.classes[].roughness", 0, 10, false, NULL, "m", NAN, NULL},
+	{"relief.classes[].wavelength", 0, 1e6, true, NULL, "m", NAN, "relief.wavelength"},
 	{"redistribute.radius", 1, 4, false, NULL, "posts", 1, NULL},
 	{"redistribute.repetitions", 1, 8, false, NULL, NULL, 1, NULL},
 	{"redistribute.iterations", 1, 8, false, NULL, NULL, 1, NULL},

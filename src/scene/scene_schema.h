@@ -82,6 +82,16 @@ struct raw_soil {
 	struct raw_class *elsewhere;
 	struct raw_rasters *rasters;
 };
+struct raw_relief_class {
+	int64_t value; /* the raster's value of this class */
+	double roughness, *wavelength;
+};
+struct raw_relief {
+	double roughness, wavelength;
+	int64_t *seed;
+	struct raw_relief_class *classes;
+	uint32_t classes_count;
+};
 struct raw_redistribute {
 	int model; /* enum deform_model */
 	int64_t *radius, *repetitions, *iterations;
@@ -165,6 +175,7 @@ struct raw_scene {
 	double *gravity, *spacing;
 	char *coordinates;
 	struct raw_soil *soil;
+	struct raw_relief *relief;
 	struct raw_redistribute *redistribute;
 	char **attributes;
 	uint32_t attributes_count;

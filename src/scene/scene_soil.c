@@ -79,6 +79,11 @@ static bool draws_soil(const struct raw_scene *raw)
 	return false;
 }
 
+static bool raises_by_class(const struct raw_scene *raw)
+{
+	return raw->relief != NULL && raw->relief->classes_count > 0;
+}
+
 static bool reads_soil(const struct scene *scene)
 {
 	return deform_model_row(scene->model)->numbers != NULL;
@@ -284,7 +289,7 @@ enum status scene_check_soil(const struct scene_tree *tree, const struct raw_sce
 		return scene_error(tree->file,
 				   scene_tree_find(tree, soil->classes != NULL ? "soil.classes" : "soil.default"),
 				   "is of a map, and there is none; allowed with: map");
-	bool drawn = mapped && draws_soil(raw);
+	bool drawn = mapped && (draws_soil(raw) || raises_by_class(raw));
 	enum status status = mapped ? check_map(tree, soil, read || drawn, scene) : STATUS_OK;
 	if (status == STATUS_OK)
 		status = check_class(tree, mapped ? soil->elsewhere : &soil->all, mapped ? "soil.default" : "soil",

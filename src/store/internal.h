@@ -281,6 +281,9 @@ struct store {
 	int finest_base; /* the finest level with base tiles; 0: there are no insets */
 	bool has_working, working_stored;
 	int working;
+	char *relief_text; /* of what is deformed, or of the history; NULL: none (store_relief.c) */
+	bool relief_stored;   /* the file has such a text */
+	struct relief relief; /* what raises the ground now */
 	int64_t compacted; /* soil compacted, as of the last commit; only when writing */
 	enum state_rows state_rows[ROW_TABLES]; /* for each table of the soil's state; only when writing */
 	uint64_t base_hash; /* hash of the base (store_identity.c) */
@@ -365,6 +368,8 @@ enum status store_meta_misfit(struct store *store, const char *posts, const char
 enum status store_meta_put_request(struct store *store) FURROW_CHECKED;
 enum status store_meta_same_request(struct store *store, bool *same) FURROW_CHECKED;
 enum status store_meta_put_base_path(struct store *store) FURROW_CHECKED; /* store->base_path */
+enum status store_meta_put_text(struct store *store, const char *key,
+				const char *value) FURROW_CHECKED;
 enum status store_meta_put_integer(struct store *store, const char *key, int64_t value) FURROW_CHECKED;
 enum status store_meta_put_real(struct store *store, const char *key, double value) FURROW_CHECKED;
 enum status store_meta_drop(struct store *store, const char *key) FURROW_CHECKED;
@@ -374,6 +379,13 @@ enum status store_meta_base_hash(sqlite3 *db, const char *path, uint64_t *hash) 
 enum status store_meta_add_compacted(struct store *store, int64_t more) FURROW_CHECKED;
 /* Reads how much soil was compacted so far, as the file has it now: 2^-20 m, summed over posts. */
 enum status store_meta_compacted(sqlite3 *db, const char *path, int64_t *compacted) FURROW_CHECKED;
+/* Writes the working level, and the relief under it; NULL: none. */
+enum status store_meta_put_working(struct store *store, int level,
+				   const char *relief) FURROW_CHECKED;
+/* Makes the relief of the store anew, from its text and its working level. STATUS_INPUT: the text
+ * is wrong. */
+enum status store_relief_settle(struct store *store) FURROW_CHECKED;
+bool store_relief_equal(const char *one, const char *other); /* texts; NULL: none */
 /* Reads the working level as the file has it now. */
 enum status store_meta_working(sqlite3 *db, const char *path, const struct extent *extent, bool *has, int *level)
 	FURROW_CHECKED;

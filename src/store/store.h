@@ -114,6 +114,19 @@ bool store_has_working_level(const struct store *store, int *level);
 /* Sets the working level in memory. The first commit writes it to the file. STATUS_INPUT: the store has another working level. */
 enum status store_set_working_level(struct store *store, int level) FURROW_CHECKED;
 
+/* Returns the relief that raises the ground below level 0; NULL: none. It is that over which the
+ * store was deformed, unless it depends on classes: then there is none before store_set_relief().
+ * Valid while the store is open and store_set_relief() is not called. */
+const struct relief *store_relief(const struct store *store);
+/* Returns the relief over which the store was deformed, as relief_print() gives it; NULL: none. It
+ * may depend on classes. */
+const char *store_relief_text(const struct store *store);
+/* Sets the relief (NULL: none), after the working level. The first commit writes what it is to the
+ * file; heights are never written. `map` is used if it depends on classes, on any thread.
+ * STATUS_INPUT: the store was deformed over another relief. */
+enum status store_set_relief(struct store *store, const struct relief_spec *spec,
+			     const struct relief_map *map) FURROW_CHECKED;
+
 /* --- overlays: deformation in a separate file, over a store that is only read --- */
 
 /* Makes an overlay of a store, or of another overlay. It is used like a store. Base tiles are read from the plain store at the end

@@ -62,8 +62,8 @@ static enum status put_all(struct store *store, const struct store_page *pages, 
 {
 	enum status status = STATUS_OK;
 	if (!store->working_stored && count > 0) {
-		status = store_meta_put_integer(store, "working", store->working);
-		result->header++;
+		status = store_meta_put_working(store, store->working, store->relief_text);
+		result->header += store->relief_text != NULL ? 2 : 1;
 	}
 	if (status == STATUS_OK)
 		status = climb_table(store, ROW_OFFSET, pages, count, run, result);
@@ -103,8 +103,10 @@ enum status store_commit(struct store *store, const struct store_page *pages, si
 		store_changes_drop(&store->changes);
 		return status;
 	}
-	if (count > 0)
+	if (count > 0 && !store->working_stored) {
 		store->working_stored = true;
+		store->relief_stored = store->relief_text != NULL;
+	}
 	store->compacted += run->compacted;
 	store->commit++;
 	store_changes_commit(&store->changes, store->commit);

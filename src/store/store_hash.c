@@ -54,6 +54,8 @@ static void add_meta(struct hashing *hashing)
 		store->working_stored ? (uint64_t)(int64_t)store->working : 0, (uint64_t)store->compacted,
 	};
 	store_hash_words(hashing->state, words, sizeof words / sizeof *words);
+	if (store->working_stored && store->relief_text != NULL)
+		store_hash_text(hashing->state, store->relief_text);
 	store_hash_text(hashing->state, meta->srs);
 	store_hash_text(hashing->state, meta->vertical);
 }

@@ -23,6 +23,7 @@ struct merging {
 	size_t count;
 	int32_t *posts[SIDES];          /* a tile each */
 	int level;
+	const char *relief;                /* under both; NULL: none */
 	struct store_conflicts *conflicts; /* while they are sought; else NULL */
 };
 
@@ -186,7 +187,7 @@ static enum status put_header(struct merging *merging, struct store *out)
 	const struct store_run run = {.scene_hash = "", .what = "merge"};
 	const struct store *base = merging->sides[BASE];
 	int64_t compacted = merging->sides[OURS]->compacted + merging->sides[THEIRS]->compacted - (base != NULL ? base->compacted : 0);
-	enum status status = store_meta_put_integer(out, "working", merging->level);
+	enum status status = store_meta_put_working(out, merging->level, merging->relief);
 	if (status == STATUS_OK && compacted != 0)
 		status = store_meta_put_integer(out, "compacted", compacted);
 	return status == STATUS_OK ? store_run_put(out, &run, "") : status;
@@ -233,7 +234,14 @@ static enum status settle_level(struct merging *merging)
 		return fail_with(STATUS_INPUT, "%s: it is deformed at a spacing of %g m, and %s at %g m; merge what has one spacing", ours->path,
 				 extent_spacing(&ours->meta.extent, ours->working), theirs->path,
 				 extent_spacing(&ours->meta.extent, theirs->working));
+	if (ours->working_stored && theirs->working_stored &&
+	    !store_relief_equal(ours->relief_text, theirs->relief_text))
+		return fail_with(
+			STATUS_INPUT,
+			"%s: it is deformed over another relief than %s; merge what has one relief",
+			ours->path, theirs->path);
 	merging->level = ours->working_stored ? ours->working : theirs->working;
+	merging->relief = ours->working_stored ? ours->relief_text : theirs->relief_text;
 	return STATUS_OK;
 }
 

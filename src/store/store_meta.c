@@ -76,7 +76,7 @@ enum status store_meta_put_real(struct store *store, const char *key, double val
 	return end_put(store);
 }
 
-static enum status put_text(struct store *store, const char *key, const char *value)
+enum status store_meta_put_text(struct store *store, const char *key, const char *value)
 {
 	sqlite3_stmt *statement;
 	enum status status = begin_put(store, key, &statement);
@@ -88,7 +88,7 @@ static enum status put_text(struct store *store, const char *key, const char *va
 
 enum status store_meta_put_base_path(struct store *store)
 {
-	return put_text(store, "base_path", store->base_path);
+	return store_meta_put_text(store, "base_path", store->base_path);
 }
 
 enum status store_meta_write(struct store *store)
@@ -113,7 +113,7 @@ enum status store_meta_write(struct store *store)
 	for (size_t i = 0; i < sizeof reals / sizeof *reals && status == STATUS_OK; i++)
 		status = store_meta_put_real(store, reals[i].key, reals[i].value);
 	for (size_t i = 0; i < sizeof texts / sizeof *texts && status == STATUS_OK; i++)
-		status = put_text(store, texts[i].key, texts[i].value);
+		status = store_meta_put_text(store, texts[i].key, texts[i].value);
 	if (status == STATUS_OK)
 		status = store_misfit_write(store);
 	if (status == STATUS_OK && store->base_path != NULL)
@@ -127,7 +127,7 @@ enum status store_meta_write(struct store *store)
 
 enum status store_meta_put_request(struct store *store)
 {
-	return put_text(store, "request", store->meta.request);
+	return store_meta_put_text(store, "request", store->meta.request);
 }
 
 enum status store_meta_drop(struct store *store, const char *key)
@@ -368,6 +368,21 @@ static enum status get_parent(struct lookup *lookup, struct store *store)
 	return status == STATUS_OK ? get_integer(lookup, "parent_revision", 0, COMMITS_MOST, &store->parent_revision) : status;
 }
 
+static enum status get_relief(struct lookup *lookup, struct store *store)
+{
+	const char *text;
+	bool found;
+	enum status status = look_up(lookup, "relief", &found);
+	if (status != STATUS_OK || !found)
+		return status;
+	status = get_text(lookup, "relief", &text);
+	if (status != STATUS_OK)
+		return status;
+	store->relief_text = (char *)(uintptr_t)text;
+	store->relief_stored = true;
+	return store_relief_settle(store);
+}
+
 static enum status get_all(struct lookup *lookup, struct store *store)
 {
 	struct store_meta *meta = &store->meta;
@@ -400,6 +415,8 @@ static enum status get_all(struct lookup *lookup, struct store *store)
 		status = get_working(lookup, &meta->extent, &store->has_working, &store->working);
 	if (status == STATUS_OK)
 		status = get_compacted(lookup, &store->compacted);
+	if (status == STATUS_OK)
+		status = get_relief(lookup, store);
 	if (status != STATUS_OK)
 		return status;
 	store->working_stored = store->has_working;

@@ -210,6 +210,7 @@ static void close_store(struct store *store, bool remove)
 	mem_free(store->part_path);
 	mem_free(store->lock_path);
 	mem_free(store->base_path);
+	mem_free(store->relief_text);
 	mem_free(store->scene);
 	mem_free(store);
 }

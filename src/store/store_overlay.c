@@ -251,7 +251,7 @@ enum status store_overlay_begin_as(struct store *store, const struct store *pare
 {
 	enum status status = STATUS_OK;
 	if (parent->working_stored)
-		status = store_meta_put_integer(store, "working", parent->working);
+		status = store_meta_put_working(store, parent->working, parent->relief_text);
 	if (status == STATUS_OK && parent->compacted != 0)
 		status = store_meta_put_integer(store, "compacted", parent->compacted);
 	store->commit = run->commit - 1;

@@ -1,10 +1,12 @@
 /*
  * Reads the posts of any rectangle at any level.
  *
- * Passes over the rectangle read it. The first ones read the base, which tells where there is no data; the last reads the
- * deformation. Each pass reads tiles of one stored level, which is the requested level or coarser. It interpolates between posts
- * as the shaders do. Below level 0 there is a pass over the base for each level with insets, from the finest, and one for level 0.
- * Each of them fills the posts that have no height yet. All passes are in one transaction, so all posts are of one commit.
+ * Passes over the rectangle read it. The first ones read the base, which tells where there is no
+ * data; the last reads the deformation. Each pass reads tiles of one stored level, which is the
+ * requested level or coarser. It interpolates between posts as the shaders do. Below level 0 there
+ * is a pass over the base for each level with insets, from the finest, and one for level 0. Each of
+ * them fills the posts that have no height yet, and raises them by relief. All passes are in one
+ * transaction, so all posts are of one commit.
  */
 #include "store/internal.h"
 
@@ -86,19 +88,35 @@ static struct post_rect part_of(const struct reading *reading, struct tile tile,
 	return post_rect_intersect(own, rect);
 }
 
-static void take_tile(const struct reading *reading, struct tile tile, int shift, struct post_rect part,
-		      meaning_fn meaning)
+/* `relief` NULL: none. */
+static enum status take_tile(const struct reading *reading, struct tile tile, int shift,
+			     struct post_rect part, const struct relief *relief, meaning_fn meaning)
 {
 	uint64_t west = (uint64_t)tile.x * reading->reader->rows.extent->cells << shift;
 	uint64_t south = (uint64_t)tile.y * reading->reader->rows.extent->cells << shift;
 	uint32_t side = tile_posts(reading->reader->rows.extent);
 	int64_t width = reading->rect.x1 - reading->rect.x0;
-	for (int64_t y = part.y0; y < part.y1; y++) {
+	int32_t *raised = NULL;
+	enum status status = STATUS_OK;
+	if (relief != NULL &&
+	    (raised = mem_alloc((size_t)(part.x1 - part.x0), sizeof *raised)) == NULL)
+		return fail_memory("relief");
+	for (int64_t y = part.y0; y < part.y1 && status == STATUS_OK; y++) {
 		double *row = reading->values + (y - reading->rect.y0) * width - reading->rect.x0;
-		for (int64_t x = part.x0; x < part.x1; x++)
-			row[x] = meaning(reading, row[x], lattice_finer(reading->posts, side, shift, (uint64_t)x - west,
-									(uint64_t)y - south));
+		if (relief != NULL)
+			status = relief_heights(relief, reading->level, tile.level,
+						(struct post_rect){part.x0, y, part.x1, y + 1},
+						raised);
+		for (int64_t x = part.x0; x < part.x1 && status == STATUS_OK; x++) {
+			int32_t post = lattice_finer(reading->posts, side, shift,
+						     (uint64_t)x - west, (uint64_t)y - south);
+			if (relief != NULL && post != BASE_NODATA)
+				post += raised[x - part.x0];
+			row[x] = meaning(reading, row[x], post);
+		}
 	}
+	mem_free(raised);
+	return status;
 }
 
 /* Reads one tile into reading->posts. */
@@ -133,6 +151,8 @@ static enum status take_level(struct reading *reading, enum row_table table, int
 		return fail_with(STATUS_INPUT, "%s: level %d is more than %d levels finer than what is stored; ask "
 				 "for a coarser one", reading->reader->rows.path, reading->level, SHIFT_MAX);
 	const struct extent *extent = reading->reader->rows.extent;
+	const struct relief *relief =
+		table == ROW_BASE && shift > 0 ? store_relief(reading->reader->store) : NULL;
 	/* The last post of the terrain may belong to the last tile. Then no tile begins there. */
 	int64_t span = (int64_t)extent->cells << shift;
 	uint32_t tiles_x = extent_tiles_x(extent, source), tiles_y = extent_tiles_y(extent, source);
@@ -150,7 +170,9 @@ static enum status take_level(struct reading *reading, enum row_table table, int
 			if (status != STATUS_OK)
 				return status;
 			if (found)
-				take_tile(reading, tile, shift, part, meaning);
+				status = take_tile(reading, tile, shift, part, relief, meaning);
+			if (status != STATUS_OK)
+				return status;
 		}
 	return STATUS_OK;
 }

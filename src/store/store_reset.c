@@ -5,11 +5,14 @@
 
 static enum status remove_all(struct store *store)
 {
-	enum status status = store_sql_exec(store->db, store->path, "resetting it",
-			  "DELETE FROM \"offset\"; DELETE FROM dirt; DELETE FROM heaped; DELETE FROM pressed; "
-			  "DELETE FROM shear; DELETE FROM dug; DELETE FROM run; DELETE FROM history; DELETE FROM revision; "
-			  "DELETE FROM snapshot; "
-			  "DELETE FROM meta WHERE key IN ('working', 'compacted')");
+	enum status status =
+		store_sql_exec(store->db, store->path, "resetting it",
+			       "DELETE FROM \"offset\"; DELETE FROM dirt; DELETE FROM heaped; "
+			       "DELETE FROM pressed; "
+			       "DELETE FROM shear; DELETE FROM dug; DELETE FROM run; DELETE FROM "
+			       "history; DELETE FROM revision; "
+			       "DELETE FROM snapshot; "
+			       "DELETE FROM meta WHERE key IN ('working', 'compacted', 'relief')");
 	if (status == STATUS_OK && store->inherits)
 		status = store_overlay_begin(store);
 	return status == STATUS_OK ? store_sql_exec(store->db, store->path, "resetting it", "COMMIT") : status;
@@ -31,6 +34,15 @@ enum status store_reset(struct store *store)
 	store->has_working = store->working_stored = parent != NULL && parent->working_stored;
 	store->working = parent != NULL ? parent->working : 0;
 	store->compacted = parent != NULL ? parent->compacted : 0;
+	mem_free(store->relief_text);
+	store->relief_text = NULL;
+	if (parent != NULL && parent->relief_text != NULL &&
+	    (store->relief_text = mem_strdup(parent->relief_text)) == NULL)
+		status = fail_memory("relief");
+	if (status == STATUS_OK)
+		status = store_relief_settle(store);
+	if (status != STATUS_OK)
+		return status;
 	for (int table = 0; table < ROW_TABLES; table++)
 		store->state_rows[table] = STATE_UNKNOWN;
 	store->commit = parent != NULL ? store->parent_revision : 0;

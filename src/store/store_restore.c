@@ -211,7 +211,7 @@ static enum status put_header(struct store *store, struct kept *kept)
 	enum status status = STATUS_OK;
 	snprintf(what, sizeof what, "restore %lld", (long long)kept->revision);
 	if (kept->has_working)
-		status = store_meta_put_integer(store, "working", store->history.level);
+		status = store_meta_put_working(store, store->history.level, store->relief_text);
 	else
 		status = store_meta_drop(store, "working");
 	if (status == STATUS_OK)
@@ -265,6 +265,7 @@ enum status store_restore(struct store *store, const char *text, int64_t *revisi
 		store_changes_commit(&store->changes, store->commit);
 		store->has_working = store->working_stored = kept.has_working;
 		store->compacted = kept.compacted;
+		status = store_relief_settle(store);
 		store->marked = false;
 		for (int table = 0; table < ROW_TABLES; table++)
 			store->state_rows[table] = STATE_UNKNOWN;

@@ -1,8 +1,8 @@
 /*
  * The height at a point, and what else the store has there.
  *
- * Heights are bilinear between posts of the finest level stored there: that of an inset, or the working level where something was
- * deformed. All is read in one transaction.
+ * Heights are bilinear between posts of the finest level there. This is that of an inset, or the working level where something was
+ * deformed or there is relief. All is read in one transaction.
  */
 #include "store/internal.h"
 
@@ -53,7 +53,10 @@ static enum status level_at(struct store_reader *reader, double x, double y, int
 	bool deformed;
 	int working;
 	*planes = 0;
+	const struct relief *relief = store_relief(reader->store);
 	enum status status = base_level_at(reader, x, y, level);
+	if (relief_any(relief) && relief->finest < *level)
+		*level = relief->finest;
 	if (status == STATUS_OK)
 		status = store_meta_working(reader->db, reader->rows.path, extent, &deformed, &working);
 	if (status != STATUS_OK || !deformed)

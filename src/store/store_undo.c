@@ -159,6 +159,8 @@ static enum status put_back_header(struct store *store)
 	enum status status = STATUS_OK;
 	if (!undo->working_stored)
 		status = store_meta_drop(store, "working");
+	if (status == STATUS_OK && !undo->working_stored && !store->history.has_level)
+		status = store_meta_drop(store, "relief");
 	if (status == STATUS_OK)
 		status = undo->has_compacted ? store_meta_put_integer(store, "compacted", undo->compacted)
 					     : store_meta_drop(store, "compacted");

@@ -96,6 +96,12 @@ void world_checkpoint_free(struct checkpoint *saved); /* saved may be NULL */
 
 /* Sets the working level in the store. STATUS_INPUT: the store has another working level, or cannot be deformed at this level. */
 enum status world_settle_level(struct world *world) FURROW_CHECKED;
+/* relief.c: sets the store's relief. STATUS_INPUT: the store was deformed over another, or the
+ * ground becomes too high with it. */
+enum status world_settle_relief(struct world *world) FURROW_CHECKED;
+void world_relief_close(struct world_relief *relief); /* relief may be NULL */
+/* Tells why the scene's relief raises nothing, if so. */
+void world_advise_relief(const struct world *world, scene_advice_fn tell, void *user);
 /* Opens the map of soils, if the scene needs it. */
 enum status world_open_soil_map(struct world *world) FURROW_CHECKED;
 /* --- numbers.c --- */

@@ -52,7 +52,9 @@ unsigned world_planes(const struct scene *scene, bool was_deformed)
 
 bool world_needs_soil_map(const struct scene *scene)
 {
-	return scene->soil_map != NULL && (scene->object_count > 0 || scene_moves_bodies(scene) || scene_draws_classes(scene));
+	bool read = deform_model_row(scene->model)->numbers != NULL &&
+		    (scene->object_count > 0 || scene_moves_bodies(scene));
+	return scene->soil_map != NULL && (read || scene_draws_classes(scene));
 }
 
 enum status world_open_soil_map(struct world *world)
@@ -90,7 +92,7 @@ void world_deform_params(const struct world *world, struct deform_params *params
 		.soil_count = scene->soil_count,
 		.iterations = scene->iterations,
 		.along_lines = true,
-		.relief = isnan(world->meta->low) ? 0 : world->meta->high - world->meta->low,
+		.relief = isnan(world->meta->low) ? 0 : world->meta->high - world->meta->low + 2 * relief_bound(world_relief(world), 0),
 		.depth = scene->depth,
 		.undisturbed_stable = scene->undisturbed == SCENE_STABLE,
 		.tolerance = scene->tolerance,
@@ -197,6 +199,7 @@ void world_advise(const struct world *world, scene_advice_fn tell, void *user)
 	if (world->store != NULL) {
 		advise_spacing(world, tell, user);
 		advise_leaving(world, tell, user);
+		world_advise_relief(world, tell, user);
 	}
 	double tiles = world->store != NULL ? all_tiles(world) : INFINITY, enough = fmax(tiles, slots.low);
 	if (enough >= scene->slots || scene->slots == slots.absent)
@@ -282,6 +285,8 @@ static enum status over_store(struct world *world, const char *path)
 		return status;
 	world->meta = store_meta(world->store);
 	status = world_settle_level(world);
+	if (status == STATUS_OK)
+		status = world_settle_relief(world);
 	/* A drive refuses a map or a raster of the soil that cannot be read, so this does too. */
 	if (status == STATUS_OK)
 		status = world_open_soil_map(world);

@@ -27,6 +27,8 @@ enum status world_prepare(struct world *world, const struct world_params *params
 	world->meta = store_meta(world->store);
 	status = world_settle_level(world);
 	if (status == STATUS_OK)
+		status = world_settle_relief(world);
+	if (status == STATUS_OK)
 		world->ground_tiles = world_ground_tiles(world);
 	if (status == STATUS_OK)
 		status = resident_ground_create(world->store, world->ground_tiles, &world->ground);
@@ -267,7 +269,8 @@ enum status world_warm(struct world *world)
 		status = world_warm_drops(world);
 	bool deformed = world_planes(scene, world->was_deformed) != 0;
 	if (status == STATUS_OK)
-		status = gpu_slots_warm(world->slots, world->level < 0, deformed && world->params.draws);
+		status = gpu_slots_warm(world->slots, world_division(world),
+					deformed && world->params.draws);
 	serve(world);
 	double began = clock_seconds();
 	if (status == STATUS_OK)
@@ -301,6 +304,7 @@ void world_finish(struct world *world, enum status status)
 	resident_pages_destroy(world->pages);
 	motion_look_ahead_destroy(world->ahead);
 	resident_soil_map_close(world->soil_map);
+	world_relief_close(world->relief);
 	resident_soil_rasters_close(world->soil_rasters);
 	page_trace_destroy(world->trace);
 	world_forces_destroy(world->forces);

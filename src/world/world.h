@@ -281,6 +281,7 @@ struct world {
 	struct ground *ground;
 	uint32_t ground_tiles; /* most tiles that `ground` keeps */
 	struct soil_map *soil_map; /* NULL: one soil */
+	struct world_relief *relief;       /* what relief by class reads; NULL: it has none */
 	struct soil_rasters *soil_rasters; /* NULL: every number is that of a post's soil */
 	struct pages *pages;
 	struct page_cache *cache;
@@ -502,6 +503,8 @@ enum status world_soil_at(struct world *world, double x, double y, int *soil) FU
 /* Returns the planes that are read and committed. With bodies: the planes of the scene's model, and disturbance if the scene
  * asks for it. Without bodies: the drawn planes if the store `was_deformed`, otherwise none. */
 unsigned world_planes(const struct scene *scene, bool was_deformed);
+const struct relief *world_relief(const struct world *world); /* returns what raises the ground below level 0; NULL: nothing */
+enum gpu_division world_division(const struct world *world);  /* returns how tiles below level 0 get their base */
 bool world_needs_soil_map(const struct scene *scene); /* true if there is a map of soils and something uses it */
 bool world_needs_rasters(const struct scene *scene);  /* true if there are rasters of soil numbers and something uses them */
 /* One of the scene's rasters, in the unit of its key. Only if world->soil_rasters is not NULL. `step`: from one level to the next. */

@@ -61,6 +61,8 @@ SAMPLES = [
           soil={"name": "mud"}, redistribute={"model": "sumner"}),
     scene(wheel(shape={"box": {"size": [1, 1, 1]}}, path={"file": "poses.csv"}), redistribute={"model": "slippage"},
           soil={"map": "classes.png", "classes": [{"value": 1, "name": "lunar"}], "default": {"name": "dry_sand"}}),
+    scene(WHEEL, redistribute={"model": "scm"}, spacing=0.25, soil={"map": "classes.png", "classes": [{"value": 1, "name": "lunar"}], "default": {"name": "dry_sand"}},
+          relief={"roughness": 0.02, "wavelength": 2, "seed": 7, "classes": [{"value": 1, "roughness": 0.1, "wavelength": 3}]}),
     scene(wheel(shape={"mesh": {"file": "foot.obj", "scale": 2, "belt": True}})),
     scene(wheel(shape={"box": {"size": [1, 1, 1], "belt": True}}, load=100), soil={"name": "lunar"}, redistribute={"model": "scm"}),
     scene(wheel(shape={"cylinder": {"radius": 0.5, "length": 1}}), wheel(name="b", shape={"capsule": {"radius": 0.5, "length": 1}}),

@@ -67,6 +67,14 @@ enum status gpu_slots_subdivide_base(struct gpu_slots *slots, uint32_t slot, str
 	return STATUS_OK;
 }
 
+enum status gpu_slots_subdivide_relief(struct gpu_slots *slots, uint32_t slot,
+				       struct gpu_staging *staging, size_t patch, uint32_t sub_x,
+				       uint32_t sub_y, struct tile tile,
+				       const struct relief *relief)
+{
+	return STATUS_OK;
+}
+
 enum status gpu_slots_deform(struct gpu_slots *slots, uint32_t slot)
 {
 	if (!slots->slots[slot].deformed)

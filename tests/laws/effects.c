@@ -43,6 +43,7 @@ static const struct pair pairs[] = {
 	{EFFECT_DISTURBANCE, HEAD SPHERE, HEAD SEEN, true},
 	{EFFECT_DISTURBANCE, HEAD SPHERE VIEW(""), HEAD SEEN VIEW(""), true},
 	{EFFECT_SUBDIVIDE, HEAD SPHERE, HEAD SPHERE "spacing: 0.5\n", false},
+	{EFFECT_RELIEF, HEAD SPHERE "spacing: 0.25\n", HEAD SPHERE "spacing: 0.25\nrelief: {roughness: 0.02, wavelength: 2}\n", true},
 	{EFFECT_PYRAMID, HEAD SPHERE, HEAD SPHERE VIEW(""), false},
 	{EFFECT_PICTURE, HEAD SPHERE, HEAD SPHERE VIEW(""), false},
 	{EFFECT_NORMALS, HEAD SPHERE, HEAD SPHERE VIEW(""), false},

@@ -1,0 +1,51 @@
+/* Checks the relief of a scene and fills its values, for all ground or for each class of soil. */
+#include "scene/scene_check.h"
+#include "scene/scene_error.h"
+
+_Static_assert(RELIEF_CLASSES == DEFORM_SOILS, "a class of relief is a soil");
+
+static enum status check_class(const struct scene_tree *tree, const struct raw_relief *raw, uint32_t index, bool given[RELIEF_CLASSES],
+			       struct scene *scene)
+{
+	const struct raw_relief_class *class = &raw->classes[index];
+	const struct scene_node *node = scene_tree_find(tree, "relief.classes[%u].value", index);
+	const uint8_t soil = scene->soil_class[class->value];
+	if (soil == 0)
+		return scene_error(tree->file, node, "%d is no class of soil.classes; allowed: a value that it has", (int)class->value);
+	if (given[soil])
+		return scene_error(tree->file, node, "%d is another class; allowed: each value once", (int)class->value);
+	given[soil] = true;
+	scene->relief.waves[soil] =
+		(struct relief_waves){class->roughness, class->wavelength != NULL ? *class->wavelength : raw->wavelength};
+	return STATUS_OK;
+}
+
+enum status scene_check_relief(const struct scene_tree *tree, const struct raw_scene *raw, struct scene *scene)
+{
+	const struct raw_relief *relief = raw->relief;
+	bool given[RELIEF_CLASSES] = {false}, any = false;
+	enum status status = STATUS_OK;
+	if (relief == NULL)
+		return STATUS_OK;
+	struct relief_spec *spec = &scene->relief;
+	spec->seed = relief->seed != NULL ? (uint32_t)*relief->seed : (uint32_t)scene_absent("relief.seed");
+	spec->classes = 1;
+	if (relief->classes_count > 0 && scene->soil_map == NULL)
+		return scene_error(tree->file, scene_tree_find(tree, "relief.classes"), "is of a map of soils, and there is none; allowed with: "
+				   "soil: {map: FILE, classes: {...}, default: ...}");
+	if (relief->classes_count > 0) {
+		spec->classes = scene->soil_count;
+		spec->map[0] = scene->soil_map_hash[0];
+		spec->map[1] = scene->soil_map_hash[1];
+	}
+	for (int i = 0; i < spec->classes; i++)
+		spec->waves[i] = (struct relief_waves){relief->roughness, relief->wavelength};
+	for (uint32_t i = 0; i < relief->classes_count && status == STATUS_OK; i++)
+		status = check_class(tree, relief, i, given, scene);
+	for (int i = 0; i < spec->classes; i++)
+		any |= spec->waves[i].roughness > 0;
+	if (status != STATUS_OK || any)
+		return status;
+	*spec = (struct relief_spec){0};
+	return scene_tell_unused(scene, "relief: a roughness of 0 raises nothing; take it away, or give more");
+}

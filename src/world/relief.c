@@ -1,0 +1,91 @@
+/* The relief of the ground below its source: what the scene asks for, given to the store, which all readers take it from. */
+#include <math.h>
+
+#include "world/internal.h"
+
+/* What relief by class reads. All threads share one handle of the raster. */
+struct world_relief {
+	struct relief_map map;
+	struct soil_map *soils;
+	struct mutex mutex;
+};
+
+static enum status read_classes(void *user, int level, struct post_rect rect, uint8_t *classes)
+{
+	struct world_relief *relief = user;
+	mutex_lock(&relief->mutex);
+	enum status status = resident_soil_map_rect(relief->soils, level, rect, classes);
+	mutex_unlock(&relief->mutex);
+	return status;
+}
+
+void world_relief_close(struct world_relief *relief)
+{
+	if (relief == NULL)
+		return;
+	resident_soil_map_close(relief->soils);
+	mutex_finish(&relief->mutex);
+	mem_free(relief);
+}
+
+static enum status open_map(struct world *world)
+{
+	const struct scene *scene = world->scene;
+	struct world_relief *relief = mem_calloc(1, sizeof *relief);
+	if (relief == NULL)
+		return fail_memory("relief");
+	mutex_init(&relief->mutex);
+	relief->map = (struct relief_map){read_classes, relief};
+	world->relief = relief;
+	return resident_soil_map_open(&(struct soil_map_params){.path = scene->soil_map, .classes = scene->soil_class, .meta = world->meta},
+				      &relief->soils);
+}
+
+const struct relief *world_relief(const struct world *world)
+{
+	return world->store != NULL ? store_relief(world->store) : NULL;
+}
+
+enum gpu_division world_division(const struct world *world)
+{
+	const struct relief *relief = world_relief(world);
+	if (world->level >= 0)
+		return GPU_UNDIVIDED;
+	if (relief == NULL)
+		return GPU_DIVIDED;
+	return relief->classes > 1 ? GPU_UNDIVIDED : GPU_DIVIDED_RELIEF;
+}
+
+enum status world_settle_relief(struct world *world)
+{
+	const struct relief_spec *spec = &world->scene->relief;
+	enum status status = spec->classes > 1 && world->level < 0 ? open_map(world) : STATUS_OK;
+	if (status == STATUS_OK)
+		status = store_set_relief(world->store, spec->classes > 0 ? spec : NULL, world->relief != NULL ? &world->relief->map : NULL);
+	if (status != STATUS_OK || isnan(world->meta->low))
+		return status;
+	/* The reference stays that of the source's heights. */
+	const double bound = relief_bound(world_relief(world), 0), reference = resident_ground_reference(world->store);
+	const double most = fmax(world->meta->high - reference, reference - world->meta->low) + bound;
+	if (bound > 0 && most > ldexp(1, 31 - BASE_BITS) - 2)
+		return fail_with(STATUS_INPUT, "relief: with it heights from %g to %g m are more than can be deformed; give less roughness, or import a "
+				 "smaller part", world->meta->low, world->meta->high);
+	return STATUS_OK;
+}
+
+void world_advise_relief(const struct world *world, scene_advice_fn tell, void *user)
+{
+	const struct relief_spec *spec = &world->scene->relief;
+	const double own = world->meta->extent.spacing;
+	double longest = 0;
+	char text[200];
+	for (int i = 0; i < spec->classes; i++)
+		longest = spec->waves[i].roughness > 0 ? fmax(longest, spec->waves[i].wavelength) : longest;
+	if (spec->classes == 0 || world->store == NULL || world_relief(world) != NULL)
+		return;
+	if (world->level >= 0)
+		snprintf(text, sizeof text, "relief: it raises posts between the store's, which are %g m apart, and none are used; give a smaller spacing", own);
+	else
+		snprintf(text, sizeof text, "relief: posts %g m apart show no waves of %g m; give a spacing of at most %g", world->spacing, longest, longest / 2);
+	tell(user, text);
+}
