@@ -42,8 +42,12 @@ static void print_insets(const struct dem_insets *insets)
 {
 	for (size_t i = 0; insets != NULL && i < dem_insets_count(insets); i++) {
 		const struct dem_inset_info *info = dem_insets_info(insets, i);
-		printf("inset %s: %lld x %lld posts, %g m apart, level %d, feathered over %g m\n", info->source, (long long)info->width,
-		       (long long)info->height, info->spacing, info->level, info->feather);
+		char more[48] = "";
+		if (info->paths > 1)
+			snprintf(more, sizeof more, " and %zu more", info->paths - 1);
+		printf("inset %s%s: %lld x %lld posts, %g m apart, level %d, feathered over %g m%s\n", info->source, more, (long long)info->width,
+		       (long long)info->height, info->spacing, info->level, info->feather,
+		       info->found ? " (finer than the others; --spacing stores all at one spacing)" : "");
 		if (info->rim_posts > 0)
 			printf("  %.3f m %s than what surrounds it (median of %lld posts of its rim)%s\n", fabs(info->offset),
 			       info->offset < 0 ? "lower" : "higher", (long long)info->rim_posts,
@@ -172,8 +176,9 @@ const struct command command_import = {
 	.usage = "import SOURCE... -o STORE [options]",
 	.summary = "elevation data to a terrain store",
 	.details = "A SOURCE is a raster, a directory of them, or @list.txt. Several become one terrain; each may have its\n"
-		   "own SRS, spacing and unit. Where they overlap the first named wins. In a directory, files without a\n"
-		   "place (as PNG) are skipped if others have one. Tiles as .hgt.gz, .hgt.zip and .hgt.xz, and a PDS .img\n"
+		   "own SRS, spacing and unit. Where they overlap the first named wins. Without --spacing, a source that is\n"
+		   "at least twice as fine as the others, and lies within them, is stored as an inset. In a directory, files\n"
+		   "without a place (as PNG) are skipped if others have one. Tiles as .hgt.gz, .hgt.zip and .hgt.xz, and a PDS .img\n"
 		   "with its .lbl, are read as they are.\n\n"
 		   "The store is in metres. --t-srs auto takes the SRS of the first source if that is in metres that are\n"
 		   "true to 0.1 % there; otherwise UTM, or off Earth a projection that is true at the data's latitude.\n"

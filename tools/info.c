@@ -38,6 +38,59 @@ static cJSON *sources_json(const char *lines)
 	return array;
 }
 
+/* West, south, east and north of an inset's outermost posts, in the store's coordinates. */
+static void inset_bounds(const struct store_meta *meta, const struct store_inset *inset, double bounds[4])
+{
+	const double spacing = extent_spacing(&meta->extent, inset->level);
+	bounds[0] = meta->origin[0] + (double)inset->x * spacing;
+	bounds[1] = meta->origin[1] + (double)inset->y * spacing;
+	bounds[2] = bounds[0] + (double)(inset->width - 1) * spacing;
+	bounds[3] = bounds[1] + (double)(inset->height - 1) * spacing;
+}
+
+/* Tiles of its level that an inset's rectangle touches. */
+static int64_t inset_tiles(const struct store_meta *meta, const struct store_inset *inset)
+{
+	struct tile first, last;
+	const struct post_rect rect = {inset->x, inset->y, inset->x + inset->width, inset->y + inset->height};
+	if (!tile_range_of(&meta->extent, inset->level, rect, &first, &last))
+		return 0;
+	return ((int64_t)last.x - first.x + 1) * ((int64_t)last.y - first.y + 1);
+}
+
+static cJSON *insets_json(const struct store_meta *meta)
+{
+	cJSON *array = cJSON_CreateArray();
+	struct store_inset inset;
+	for (const char *text = meta->insets; store_inset_next(&text, &meta->extent, &inset);) {
+		cJSON *object = cJSON_CreateObject();
+		char source[4097];
+		double bounds[4];
+		snprintf(source, sizeof source, "%.*s", (int)inset.source_length, inset.source);
+		inset_bounds(meta, &inset, bounds);
+		cJSON_AddStringToObject(object, "source", source);
+		json_integer(object, "level", inset.level);
+		json_number(object, "spacing", extent_spacing(&meta->extent, inset.level));
+		json_pair(object, "posts", (double)inset.width, (double)inset.height);
+		cJSON_AddItemToObject(object, "bounds", cJSON_CreateDoubleArray(bounds, 4));
+		json_integer(object, "tiles", inset_tiles(meta, &inset));
+		cJSON_AddItemToArray(array, object);
+	}
+	return array;
+}
+
+static void print_insets(const struct store_meta *meta)
+{
+	struct store_inset inset;
+	for (const char *text = meta->insets; store_inset_next(&text, &meta->extent, &inset);) {
+		double bounds[4];
+		inset_bounds(meta, &inset, bounds);
+		printf("inset      %.*s: %lld x %lld posts, %g m apart, level %d, %lld tiles; %.3f, %.3f to %.3f, %.3f\n", (int)inset.source_length,
+		       inset.source, (long long)inset.width, (long long)inset.height, extent_spacing(&meta->extent, inset.level), inset.level,
+		       (long long)inset_tiles(meta, &inset), bounds[0], bounds[1], bounds[2], bounds[3]);
+	}
+}
+
 /* Of all planes but the offset. */
 static int64_t soil_sum(const int64_t numbers[PLANES])
 {
@@ -134,6 +187,7 @@ static enum status print_json(struct store *store, const struct store_numbers *n
 	json_integer(history, "rows", numbers->history_rows);
 	json_integer(history, "bytes", numbers->history_bytes);
 	cJSON_AddItemToObject(object, "sources", sources_json(meta->sources));
+	cJSON_AddItemToObject(object, "insets", insets_json(meta));
 	cJSON_AddItemToObject(object, "last_run", last_run_json(numbers));
 	return json_print(object);
 }
@@ -194,6 +248,7 @@ static void print_text(struct store *store, const struct store_numbers *numbers)
 		printf("source     %.*s\n", length, line);
 		line += length + (line[length] == '\n');
 	}
+	print_insets(meta);
 	if (numbers->last_run.scene_hash != NULL)
 		printf("last run   scene %s, step %lld (%.3f s), %lld epochs\n", numbers->last_run.scene_hash,
 		       (long long)numbers->last_run.step, numbers->last_run.time, (long long)numbers->commits);

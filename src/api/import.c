@@ -274,7 +274,10 @@ void api_import_finish(struct import *import)
 		mem_free(import->inset_sources[i]);
 	mem_free(import->inset_sources);
 	dem_insets_close(import->insets);
-	mem_free(import->lines);
+	mem_free(import->inset_paths);
+	mem_free(import->inset_from);
+	free(import->lines);
+	free(import->inset_lines);
 	free(import->description);
 	dem_close(import->opened);
 }
@@ -284,12 +287,7 @@ void api_import_finish(struct import *import)
 static enum status read_posts(void *user, struct post_rect rect, double *heights)
 {
 	const struct import *import = user;
-	const double step = import->coarse_step;
-	const int64_t count = (rect.x1 - rect.x0) * (rect.y1 - rect.y0);
-	enum status status = dem_read(import->opened, rect, heights);
-	for (int64_t i = 0; i < count && step > 0 && status == STATUS_OK; i++)
-		heights[i] = nearbyint(heights[i] / step) * step;
-	return status;
+	return dem_read(import->opened, rect, heights);
 }
 
 static enum status misfit(void *user, const struct extent *extent, const struct dem_tile *tile, double step, struct misfit *sum)
@@ -320,6 +318,7 @@ enum status api_import_open(struct import *import, const char *const *sources, s
 	import->dem.source_count = count;
 	import->dem.nodata = import->nodata;
 	import->dem.jobs = import->jobs;
+	import->dem.apart = true;
 	enum status status = dem_open(&import->dem, &import->opened);
 	if (status != STATUS_OK)
 		return status;
@@ -337,7 +336,7 @@ enum status api_import_open(struct import *import, const char *const *sources, s
 	const char *problem = extent_problem(&import->meta.extent);
 	if (problem != NULL)
 		return fail_with(STATUS_INPUT, "import: %s; change --tile, --spacing or the sources", problem);
-	if (import->inset_count > 0)
+	if (import->inset_count > 0 || info->finer_count > 0)
 		status = api_import_open_insets(import);
 	return status == STATUS_OK ? api_import_describe(import) : status;
 }
@@ -352,7 +351,7 @@ enum status api_import_run(struct import *import, const char *store, dem_progres
 		.posts = read_posts,
 		.posts_user = import,
 		.insets = import->insets,
-		.rounded = import->coarse_step > 0,
+		.rounded = import->coarse_step,
 		.misfit = dem_info(import->opened)->resampled ? misfit : NULL,
 		.panel_posts = dem_info(import->opened)->panel_posts,
 		.meta = import->meta,

@@ -15,17 +15,19 @@ struct import {
 	double max_error; /* m; below 0: the default */
 	double feather;   /* m; below 0: the default */
 	bool match_heights;
-	char **inset_sources; /* owned */
+	char **inset_sources; /* owned; those that were named */
 	size_t inset_count;
 	enum store_pack pack;
 	bool resume, overwrite;
 	double nodata[IMPORT_NODATA_MOST];
 	/* After api_import_open: */
 	struct dem *opened;
+	const char **inset_paths; /* of all insets, one inset after the other */
+	struct dem_inset_source *inset_from;
 	struct dem_insets *insets; /* NULL: there are none */
 	double coarse_step; /* m: heights of the terrain are rounded to multiples of it; 0: they are stored as they come */
 	struct store_meta meta; /* of the store that will be made */
-	char *lines, *description, *texts[5];
+	char *lines, *inset_lines, *description, *texts[5];
 };
 
 void api_import_init(struct import *import); /* sets all options to their defaults */

@@ -30,14 +30,43 @@ static void choose_step(struct import *import)
 	import->coarse_step = meta->step > 0 && coarse > meta->step && fmod(coarse, meta->step) == 0 ? coarse : 0;
 }
 
+/* Lists the insets: those that were named, then the finer sources by their sets. Returns how many there are. */
+static size_t list_insets(struct import *import)
+{
+	const struct dem_info *info = dem_info(import->opened);
+	size_t insets = 0, paths = 0;
+	for (size_t i = 0; i < import->inset_count; i++) {
+		import->inset_from[insets++] = (struct dem_inset_source){&import->inset_paths[paths], 1, false};
+		import->inset_paths[paths++] = import->inset_sources[i];
+	}
+	for (size_t i = 0; i < info->finer_count; i++) {
+		bool begins = true;
+		for (size_t j = 0; j < i && begins; j++)
+			begins = info->finer_sets[j] != info->finer_sets[i];
+		if (!begins)
+			continue;
+		const size_t first = paths;
+		for (size_t j = i; j < info->finer_count; j++)
+			if (info->finer_sets[j] == info->finer_sets[i])
+				import->inset_paths[paths++] = info->finer[j];
+		import->inset_from[insets++] = (struct dem_inset_source){&import->inset_paths[first], paths - first, true};
+	}
+	return insets;
+}
+
 enum status api_import_open_insets(struct import *import)
 {
+	const size_t most = import->inset_count + dem_info(import->opened)->finer_count;
+	import->inset_paths = mem_alloc(most, sizeof *import->inset_paths);
+	import->inset_from = mem_alloc(most, sizeof *import->inset_from);
+	if (import->inset_paths == NULL || import->inset_from == NULL)
+		return fail_memory("insets");
 	enum status status = dem_insets_open(&(struct dem_insets_params){
 		.country = import->opened,
 		.extent = &import->meta.extent,
 		.dem = &import->dem,
-		.sources = (const char *const *)import->inset_sources,
-		.count = import->inset_count,
+		.sources = import->inset_from,
+		.count = list_insets(import),
 		.feather = import->feather,
 		.match = import->match_heights,
 	}, &import->insets);
@@ -48,21 +77,52 @@ enum status api_import_open_insets(struct import *import)
 
 /* --- what the store says about it --- */
 
-/* Returns the sources, one a line. NULL: out of memory. */
+static size_t inset_count(const struct import *import)
+{
+	return import->insets != NULL ? dem_insets_count(import->insets) : 0;
+}
+
+/* Returns the sources, one a line; insets by their first. NULL: out of memory. */
 static char *list_sources(const struct import *import)
 {
+	char *text = NULL;
+	size_t size = 0;
 	const struct dem_info *info = dem_info(import->opened);
-	size_t bytes = 1;
+	FILE *out = open_memstream(&text, &size);
+	if (out == NULL)
+		return NULL;
 	for (size_t i = 0; i < info->source_count; i++)
-		bytes += strlen(info->sources[i]) + 1;
-	for (size_t i = 0; i < import->inset_count; i++)
-		bytes += strlen(import->inset_sources[i]) + 1;
-	char *text = mem_calloc(bytes, 1), *at = text;
-	for (size_t i = 0; text != NULL && i < info->source_count; i++)
-		at += sprintf(at, "%s%s", i > 0 ? "\n" : "", info->sources[i]);
-	for (size_t i = 0; text != NULL && i < import->inset_count; i++)
-		at += sprintf(at, "\n%s", import->inset_sources[i]);
-	return text;
+		fprintf(out, "%s%s", i > 0 ? "\n" : "", info->sources[i]);
+	for (size_t i = 0; i < inset_count(import); i++)
+		for (size_t j = 0; j < dem_insets_files(import->insets, i)->source_count; j++)
+			fprintf(out, "\n%s", dem_insets_files(import->insets, i)->sources[j]);
+	const bool whole = ferror(out) == 0;
+	if (fclose(out) == 0 && whole)
+		return text;
+	free(text);
+	return NULL;
+}
+
+/* Returns the lines of store_meta.insets. NULL: out of memory. */
+static char *tell_insets(const struct import *import)
+{
+	char *text = NULL, line[4400];
+	size_t size = 0;
+	FILE *out = open_memstream(&text, &size);
+	if (out == NULL)
+		return NULL;
+	for (size_t i = 0; i < inset_count(import); i++) {
+		const struct dem_inset_info *info = dem_insets_info(import->insets, i);
+		const size_t length = strlen(info->source);
+		(void)store_inset_line(&(struct store_inset){info->level, info->x, info->y, info->width, info->height, info->source,
+							     length < 4096 ? length : 4096}, line, sizeof line);
+		fputs(line, out);
+	}
+	const bool whole = ferror(out) == 0;
+	if (fclose(out) == 0 && whole)
+		return text;
+	free(text);
+	return NULL;
 }
 
 static void describe_file(FILE *out, const char *path)
@@ -106,9 +166,9 @@ static char *describe(const struct import *import, const struct dem_info *info)
 	fprintf(out, "\nsrs %s\nfrom %s\nvertical %s from %s to %s\n", info->srs, dem->s_srs != NULL ? dem->s_srs : "", info->vertical,
 		dem->s_vertical != NULL ? dem->s_vertical : "", dem->t_vertical != NULL ? dem->t_vertical : "");
 	describe_files(out, info);
-	if (import->inset_count > 0)
+	if (inset_count(import) > 0)
 		fprintf(out, "insets feather %.17g match %d coarse %.17g\n", import->feather, import->match_heights, import->coarse_step);
-	for (size_t i = 0; i < import->inset_count; i++)
+	for (size_t i = 0; i < inset_count(import); i++)
 		describe_files(out, dem_insets_files(import->insets, i));
 	bool whole = ferror(out) == 0;
 	if (fclose(out) == 0 && whole)
@@ -120,10 +180,12 @@ static char *describe(const struct import *import, const struct dem_info *info)
 enum status api_import_describe(struct import *import)
 {
 	import->lines = list_sources(import);
+	import->inset_lines = tell_insets(import);
 	import->description = describe(import, dem_info(import->opened));
-	if (import->lines == NULL || import->description == NULL)
+	if (import->lines == NULL || import->inset_lines == NULL || import->description == NULL)
 		return fail_memory("sources");
 	import->meta.sources = import->lines;
+	import->meta.insets = import->inset_lines;
 	import->meta.request = import->description;
 	return STATUS_OK;
 }

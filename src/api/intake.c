@@ -81,7 +81,7 @@ static enum status cut_and_store(const struct intake *intake, struct store *stor
 		.emit_user = conveyor,
 		.measure = intake->misfit != NULL ? measure_tile : NULL,
 		.measure_user = &measuring,
-		.compares = !intake->rounded,
+		.rounded = intake->rounded,
 		.finer = intake->insets != NULL ? dem_insets_finer : NULL,
 		.finer_user = &insets,
 		.known = stored > 0 ? api_conveyor_known : NULL,

@@ -12,7 +12,7 @@ struct intake {
 	int64_t jobs; /* threads that pack; 1: one thread for everything */
 	dem_posts_fn posts;
 	void *posts_user;
-	bool rounded; /* `posts` has rounded heights already, so how far codes are off them is not the error */
+	double rounded; /* as in struct dem_cut */
 	/* as dem_misfit, with posts_user; NULL: the posts are the sources' own */
 	enum status (*misfit)(void *user, const struct extent *extent, const struct dem_tile *tile, double step, struct misfit *misfit);
 	int64_t panel_posts; /* as in struct dem_cut */

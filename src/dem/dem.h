@@ -37,6 +37,8 @@ struct dem_params {
 	bool has_window; /* only posts in the window are read */
 	double window[4]; /* west, south, east, north */
 	const char *window_srs; /* of the window; NULL: it is in the result's coordinates */
+	/* Without a spacing: leave out what is at least twice as fine as the other sources and lies within them; dem_info tells it. */
+	bool apart;
 	bool fill; /* fill holes by interpolation from their edges */
 	int64_t jobs; /* threads that resample sources; 0 or 1: the thread that reads. Heights do not depend on it */
 	bool has_height_range;
@@ -58,6 +60,10 @@ struct dem_info {
 	const char *const *sources;
 	size_t file_count; /* other files that belong to the sources, as GDAL tells: parts of a VRT, sidecars */
 	const char *const *files;
+	/* Sources left out, as finer: those with one number in finer_sets lie side by side, and have about the same spacing. */
+	size_t finer_count;
+	const char *const *finer;
+	const size_t *finer_sets;
 	/* Where sources overlap: number of posts compared, number that differ, and the largest difference in metres. */
 	int64_t overlap_posts, overlap_differing;
 	double overlap_difference;
@@ -82,16 +88,21 @@ struct dem_tile;
 enum status dem_misfit(struct dem *dem, const struct extent *extent, const struct dem_tile *tile, double step,
 		       struct misfit *misfit) FURROW_CHECKED;
 
+/* The same for the surface between heights of posts of `rect`, metres, NaN: not measured. Source posts from column ends[0], or row ends[1],
+ * on are not measured, unless the terrain ends there. */
+enum status dem_misfit_heights(struct dem *dem, struct post_rect rect, const double *heights, const int64_t ends[2],
+			       struct misfit *misfit) FURROW_CHECKED;
+
 /* One finished tile of a cut. Every tile comes after the finer tiles that it covers. */
 struct dem_tile {
 	struct tile tile;
 	const int32_t *codes; /* (cells + 1)^2 height codes, row 0 south; HEIGHT_CODE_NODATA */
 	double low, high;     /* metres, over the tile and all finer tiles below it; both NaN if all is nodata */
 	double error;         /* metres: largest height difference between a finer post and the bilinear surface of this level */
-	/* Level 0: by how much the codes are off the heights they were made from. A post that tiles share counts once. Nothing of
-	 * posts that were known already. */
+	/* By how much the codes are off the heights they were made from. Below level 0 only posts count that are an inset's alone. A post
+	 * that tiles share counts once. Nothing of posts that were known already. */
 	struct misfit misfit;
-	struct misfit source; /* level 0: the same, or what `measure` of the cut set */
+	struct misfit source; /* the same, or by how much the surface is off the sources at their own posts */
 };
 
 typedef enum status (*dem_tile_fn)(void *user, const struct dem_tile *tile);
@@ -109,9 +120,9 @@ typedef enum status (*dem_known_fn)(void *user, struct tile tile, int32_t *codes
 struct dem_cut {
 	const struct extent *extent;
 	double step; /* step of height codes (base/height_code.h) */
+	double rounded; /* metres, a multiple of step: heights are rounded to multiples of it first; 0: they are not */
 	dem_posts_fn posts;
 	void *posts_user;
-	bool compares; /* dem_tile.misfit is wanted */
 	/* Called for each tile of level 0 before insets change it. It may set by how much the tile is off the sources. May be NULL. */
 	enum status (*measure)(void *user, const struct dem_tile *tile, struct misfit *source);
 	void *measure_user;
@@ -138,18 +149,26 @@ enum status dem_cut(const struct dem_cut *cut) FURROW_CHECKED;
  * the inset. Finer insets lie over coarser ones; of the same level the first named lies on top. One thread at a time.
  */
 struct dem_insets;
+struct dem_inset_source {
+	const char *const *paths; /* rasters, directories or "@list.txt", which together are the inset */
+	size_t count;
+	bool found; /* nobody named it as an inset: it is left out, with a note, if it does not lie in the terrain */
+};
 struct dem_insets_params {
 	struct dem *country;           /* must outlive the insets */
 	const struct extent *extent;   /* of the terrain */
 	const struct dem_params *dem;  /* of the country: nodata, resampling and threads count for insets too */
-	const char *const *sources;    /* a raster, a directory or "@list.txt" each */
+	const struct dem_inset_source *sources;
 	size_t count;
 	double feather;                /* metres; below 0: ten posts of what surrounds the inset. At most a quarter of its shorter side */
 	bool match;                    /* lower or raise each inset by its offset */
 };
 struct dem_inset_info {
-	const char *source;
+	const char *source; /* its first path */
+	size_t paths;
+	bool found;         /* as in dem_inset_source */
 	int level;
+	int64_t x, y;           /* its south-west post, counted at that level from the terrain's */
 	int64_t width, height;  /* posts, at that level */
 	double spacing;         /* metres */
 	double unit;            /* as in dem_info */
@@ -161,7 +180,7 @@ struct dem_inset_info {
 enum status dem_insets_open(const struct dem_insets_params *params, struct dem_insets **out) FURROW_CHECKED;
 void dem_insets_close(struct dem_insets *insets); /* insets may be NULL */
 size_t dem_insets_count(const struct dem_insets *insets);
-/* In the order in which they were named. */
+/* In the order in which they were named; those that were left out are not among them. */
 const struct dem_inset_info *dem_insets_info(const struct dem_insets *insets, size_t index);
 const struct dem_info *dem_insets_files(const struct dem_insets *insets, size_t index); /* of the inset with this index; owned by `insets` */
 

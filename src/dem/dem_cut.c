@@ -48,6 +48,7 @@ struct cutting {
 	int32_t *tile;       /* a tile of the band, cut out to be emitted */
 	struct misfit *misfits; /* of the band's tiles so far */
 	double *heights;
+	double *rounded; /* a row of them, rounded */
 	int64_t strip;       /* rows that `heights` has room for */
 	int64_t rows_done;   /* rows done so far, over all panels */
 	struct open *open[TILE_LEVEL_MAX + 1]; /* open tiles by level; level 0 has none */
@@ -247,12 +248,14 @@ static enum status refuse_height(double height, double step, int64_t x, int64_t 
 static enum status take_row(struct cutting *cutting, const double *heights, int64_t y)
 {
 	int32_t *codes = cutting->band + (int64_t)cutting->filled * cutting->stride;
-	int64_t coded = height_code_row(heights, cutting->width, cutting->cut->step, codes);
+	const double *kept = cutting->cut->rounded > 0 ? cutting->rounded : heights, to = cutting->cut->rounded;
+	for (int64_t x = 0; to > 0 && x < cutting->width; x++)
+		cutting->rounded[x] = nearbyint(heights[x] / to) * to;
+	int64_t coded = height_code_row(kept, cutting->width, cutting->cut->step, codes);
 	if (coded < cutting->width)
-		return refuse_height(heights[coded], cutting->cut->step, cutting->x0 + coded, y);
+		return refuse_height(kept[coded], cutting->cut->step, cutting->x0 + coded, y);
 	codes_clear(codes + cutting->width, cutting->stride - cutting->width);
-	if (cutting->cut->compares)
-		compare_row(cutting, heights, codes);
+	compare_row(cutting, heights, codes);
 	cutting->filled++;
 	return cutting->filled == cutting->extent->cells + 1 ? band_full(cutting) : STATUS_OK;
 }
@@ -348,7 +351,8 @@ static enum status cutting_init(struct cutting *cutting)
 	cutting->band = mem_alloc((size_t)(tile_posts(extent) * cutting->stride), sizeof *cutting->band);
 	cutting->tile = mem_alloc(cutting->posts, sizeof *cutting->tile);
 	cutting->misfits = mem_calloc((size_t)tiles, sizeof *cutting->misfits);
-	bool whole = cutting->misfits != NULL && cutting->heights != NULL && cutting->band != NULL && cutting->tile != NULL;
+	cutting->rounded = mem_alloc((size_t)cutting->stride, sizeof *cutting->rounded);
+	bool whole = cutting->rounded != NULL && cutting->misfits != NULL && cutting->heights != NULL && cutting->band != NULL && cutting->tile != NULL;
 	for (int level = 1; level <= cutting->coarsest; level++) {
 		cutting->open[level] = mem_calloc((size_t)open_count(cutting, level), sizeof *cutting->open[level]);
 		whole = whole && cutting->open[level] != NULL;
@@ -366,6 +370,7 @@ static void cutting_finish(struct cutting *cutting)
 	}
 	dem_scratch_close(&cutting->scratch);
 	mem_free(cutting->heights);
+	mem_free(cutting->rounded);
 	mem_free(cutting->band);
 	mem_free(cutting->tile);
 	mem_free(cutting->misfits);

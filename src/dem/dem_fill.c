@@ -238,10 +238,10 @@ static enum status fill_read(struct dem_grid *grid, struct post_rect rect, doubl
 	return status;
 }
 
-static enum status fill_misfit(struct dem_grid *grid, const struct dem_part *surface, uint32_t cells, struct misfit *misfit)
+static enum status fill_misfit(struct dem_grid *grid, const struct dem_part *surface, const int64_t ends[2], struct misfit *misfit)
 {
 	struct fill *fill = (struct fill *)grid;
-	return fill->source->misfit(fill->source, surface, cells, misfit);
+	return fill->source->misfit(fill->source, surface, ends, misfit);
 }
 
 static void fill_destroy(struct dem_grid *grid)
@@ -268,7 +268,8 @@ enum status dem_fill_create(struct dem_grid *grid, struct dem_grid **out)
 	fill->grid.destroy = fill_destroy;
 	fill->grid.misfit = grid->misfit != NULL ? fill_misfit : NULL;
 	grid->srs = grid->vertical = grid->projected = NULL;
-	grid->files = (struct dem_list){0};
+	grid->files = grid->finer = (struct dem_list){0};
+	grid->finer_sets = NULL;
 	fill->source = grid;
 	fill->scratch.file = -1;
 	int64_t width = grid->width, height = grid->height, start = 0;

@@ -25,19 +25,6 @@ static void gdal_destroy(struct dem_grid *grid)
 	mem_free(gdal);
 }
 
-/* Finds the first source that has the same SRS as source number i. */
-static void find_system(struct gdal_source *sources, size_t i)
-{
-	sources[i].system = (int)i;
-	for (size_t j = 0; j < i && sources[i].system == (int)i; j++) {
-		if (sources[j].system != (int)j)
-			continue;
-		bool same = sources[i].srs == NULL || sources[j].srs == NULL ? sources[i].srs == sources[j].srs
-									      : OSRIsSame(sources[i].srs, sources[j].srs) != 0;
-		sources[i].system = same ? (int)j : (int)i;
-	}
-}
-
 static enum status open_sources(struct gdal_grid *gdal, const struct dem_params *params,
 				const struct dem_list *list)
 {
@@ -53,7 +40,7 @@ static enum status open_sources(struct gdal_grid *gdal, const struct dem_params 
 		status = dem_source_init(&gdal->sources[i], params, list->paths[i], override, (int)i,
 					 &gdal->grid.files);
 		if (status == STATUS_OK)
-			find_system(gdal->sources, i);
+			dem_grid_find_system(gdal->sources, i);
 	}
 	if (override != NULL)
 		OSRDestroySpatialReference(override);
@@ -209,6 +196,8 @@ static enum status open_grid(struct gdal_grid *gdal, const struct dem_params *pa
 		status = several_agree(gdal);
 	if (status == STATUS_OK)
 		status = dem_groups_init(&gdal->groups, gdal->sources, gdal->source_count);
+	if (status == STATUS_OK && params->apart)
+		status = dem_split(gdal, params, list);
 	if (status == STATUS_OK)
 		status = dem_target_choose(params, &gdal->groups, &gdal->target);
 	for (size_t i = 0; status == STATUS_OK && i < gdal->groups.count; i++)

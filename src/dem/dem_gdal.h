@@ -145,7 +145,16 @@ struct dem_target {
 	double origin[2];         /* of the south-west post, in `srs` */
 	int64_t width, height;    /* posts */
 };
-/* Also sets `step` and `projected` of each group. dem_target_finish is due also after a failure. */
+/* Chooses the SRS, unless target->srs is set, and the spacing, and sets `step` and `projected` of each group. `target`: all zero, or set by
+ * an earlier call. dem_target_finish is due also after a failure. */
+enum status dem_target_measure(const struct dem_params *params, struct dem_groups *groups, struct dem_target *target) FURROW_CHECKED;
+double dem_target_own_spacing(const struct dem_group *group); /* metres that its posts would have by themselves, once measured */
+struct dem_area {
+	double low[2], high[2]; /* x and y in the target's SRS */
+};
+/* Gives the area of a group's posts. */
+enum status dem_target_area(const struct dem_target *target, const struct dem_group *group, struct dem_area *area) FURROW_CHECKED;
+/* The same as dem_target_measure, and chooses the posts. */
 enum status dem_target_choose(const struct dem_params *params, struct dem_groups *groups, struct dem_target *target) FURROW_CHECKED;
 void dem_target_finish(struct dem_target *target);
 void dem_target_lattice(const struct dem_target *target, struct dem_lattice *lattice);

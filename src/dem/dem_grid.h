@@ -32,10 +32,18 @@ struct gdal_grid {
 	size_t room;
 };
 
+/* --- dem_split.c --- */
+/* Finds the first source that has the same SRS as source number i. */
+void dem_grid_find_system(struct gdal_source *sources, size_t i);
+/* Takes those sources out of the grid, its groups and `list` that are finer than others and lie within them, and names them in
+ * gdal->grid.finer. */
+enum status dem_split(struct gdal_grid *gdal, const struct dem_params *params, struct dem_list *list) FURROW_CHECKED;
+
+/* --- dem_read.c --- */
 /* Makes the sampler and the way back of a group, for the grid's target. */
 enum status dem_grid_sampler(const struct gdal_grid *gdal, struct dem_group *group) FURROW_CHECKED;
 void dem_reader_finish(struct dem_reader *reader, bool owns_groups);
 enum status dem_grid_read(struct dem_grid *grid, struct post_rect rect, double *heights) FURROW_CHECKED;
-enum status dem_grid_misfit(struct dem_grid *grid, const struct dem_part *part, uint32_t cells, struct misfit *misfit) FURROW_CHECKED;
+enum status dem_grid_misfit(struct dem_grid *grid, const struct dem_part *part, const int64_t ends[2], struct misfit *misfit) FURROW_CHECKED;
 
 #endif

@@ -42,6 +42,8 @@ struct inset {
 	struct dem_inset_info info;
 	struct dem *dem;
 	size_t named;           /* place among the sources */
+	const struct dem_inset_source *from;
+	bool missing;           /* it does not lie in the terrain, and is left out */
 	int64_t x, y;           /* the dem's south-west post, in posts of info.level */
 	struct post_rect rect;  /* the part of it within the terrain */
 	struct inset_rim rim;   /* of rect */
@@ -60,6 +62,24 @@ struct dem_insets {
 	double *posts;
 };
 
+static inline int64_t dem_inset_width(struct post_rect rect)
+{
+	return rect.x1 - rect.x0;
+}
+
+static inline size_t dem_inset_posts(struct post_rect rect)
+{
+	return (size_t)dem_inset_width(rect) * (size_t)(rect.y1 - rect.y0);
+}
+
+/* Returns the posts of a level `shift` coarser from which a rectangle is interpolated. */
+static inline struct post_rect dem_inset_around(struct post_rect rect, int shift)
+{
+	const int64_t up = ((int64_t)1 << shift) - 1;
+	return (struct post_rect){rect.x0 >> shift, rect.y0 >> shift, ((rect.x1 - 1 + up) >> shift) + 1, ((rect.y1 - 1 + up) >> shift) + 1};
+}
+
+/* --- dem_inset_heights.c --- */
 /* Computes the heights of the first `depth` insets over the country: posts of `rect` of a level that is at least as fine as theirs. `rect` is
  * within the terrain. */
 enum status dem_inset_heights(struct dem_insets *insets, size_t depth, int level, struct post_rect rect, double *heights) FURROW_CHECKED;
@@ -67,5 +87,11 @@ enum status dem_inset_heights(struct dem_insets *insets, size_t depth, int level
 bool dem_inset_covers(const struct inset *inset, int level, int64_t x, int64_t y);
 /* Gives the rectangle of posts of a level, at most inset->around, that may be covered. */
 struct post_rect dem_inset_covered_rect(const struct inset *inset, int level);
+
+/* --- dem_inset_misfit.c --- */
+/* Adds by how much a tile's codes are off an inset's heights, and by how much their surface is off its sources. Only posts count that are
+ * one inset's alone: not in its feather, and not in another inset over it. */
+enum status dem_inset_misfit(const struct dem_insets *insets, struct tile tile, const int32_t *codes, double step, struct misfit *resampled,
+			     struct misfit *source) FURROW_CHECKED;
 
 #endif

@@ -14,153 +14,15 @@
 #define OFF_LATTICE 1e-2  /* of a spacing */
 #define RIM_ROWS 256      /* about as many rows give the offset */
 
-/* --- coordinates --- */
-
-/* Returns the posts of a level `shift` coarser from which a rectangle is interpolated. */
-static struct post_rect around(struct post_rect rect, int shift)
-{
-	const int64_t up = ((int64_t)1 << shift) - 1;
-	return (struct post_rect){rect.x0 >> shift, rect.y0 >> shift, ((rect.x1 - 1 + up) >> shift) + 1, ((rect.y1 - 1 + up) >> shift) + 1};
-}
-
-static int64_t width_of(struct post_rect rect)
-{
-	return rect.x1 - rect.x0;
-}
-
-static size_t posts_of(struct post_rect rect)
-{
-	return (size_t)width_of(rect) * (size_t)(rect.y1 - rect.y0);
-}
-
-static bool is_covered(const struct inset *inset, int64_t x, int64_t y)
-{
-	const struct post_rect *cells = &inset->cells;
-	return x >= cells->x0 && y >= cells->y0 && x < cells->x1 && y < cells->y1 &&
-	       inset->covered[(y - cells->y0) * width_of(*cells) + x - cells->x0] != 0;
-}
-
-bool dem_inset_covers(const struct inset *inset, int level, int64_t x, int64_t y)
-{
-	const int shift = inset->around - level;
-	const int64_t part = ((int64_t)1 << shift) - 1, cx = x >> shift, cy = y >> shift;
-	const bool west = (x & part) == 0, south = (y & part) == 0; /* on a cell's edge: also in the cell beside it */
-	return is_covered(inset, cx, cy) || (west && is_covered(inset, cx - 1, cy)) || (south && is_covered(inset, cx, cy - 1)) ||
-	       (west && south && is_covered(inset, cx - 1, cy - 1));
-}
-
-struct post_rect dem_inset_covered_rect(const struct inset *inset, int level)
-{
-	const int shift = inset->around - level;
-	const struct post_rect *cells = &inset->cells;
-	return (struct post_rect){cells->x0 << shift, cells->y0 << shift, (cells->x1 << shift) + 1, (cells->y1 << shift) + 1};
-}
-
-/* --- heights --- */
-
-static bool same_rect(struct post_rect a, struct post_rect b)
-{
-	return a.x0 == b.x0 && a.y0 == b.y0 && a.x1 == b.x1 && a.y1 == b.y1;
-}
-
-/* Posts of the country, which stay in memory until others are read. */
-static enum status country_posts(struct dem_insets *insets, struct post_rect rect)
-{
-	if (insets->posts != NULL && same_rect(rect, insets->held))
-		return STATUS_OK;
-	double *room = mem_realloc(insets->posts, posts_of(rect), sizeof *room);
-	if (room == NULL)
-		return fail_memory("an inset");
-	insets->posts = room;
-	insets->held = (struct post_rect){0, 0, 0, 0};
-	enum status status = dem_read(insets->country, rect, room);
-	if (status == STATUS_OK)
-		insets->held = rect;
-	return status;
-}
-
-/* Interpolates post (x, y) between posts `shift` levels coarser, of which `coarse` has those of `from`. */
-static double between(const double *coarse, struct post_rect from, int shift, int64_t x, int64_t y)
-{
-	const int64_t part = ((int64_t)1 << shift) - 1, width = width_of(from);
-	const double *post = coarse + ((y >> shift) - from.y0) * width + (x >> shift) - from.x0;
-	const int64_t east = (x & part) != 0, north = (y & part) != 0 ? width : 0;
-	const double corners[4] = {post[0], post[east], post[north], post[north + east]};
-	return lattice_bilinear(corners, ldexp((double)(x & part), -shift), ldexp((double)(y & part), -shift), 0);
-}
-
-static enum status country_heights(struct dem_insets *insets, int level, struct post_rect rect, double *heights)
-{
-	const struct post_rect from = around(rect, -level);
-	enum status status = country_posts(insets, from);
-	for (int64_t y = rect.y0; y < rect.y1 && status == STATUS_OK; y++)
-		for (int64_t x = rect.x0; x < rect.x1; x++)
-			*heights++ = between(insets->posts, from, -level, x, y);
-	return status;
-}
-
-/* Lays an inset over the heights of its own level. */
-static enum status blend(const struct inset *inset, struct post_rect rect, double *heights)
-{
-	const struct post_rect part = post_rect_intersect(rect, inset->rect);
-	if (post_rect_empty(part))
-		return STATUS_OK;
-	double *own = mem_alloc(posts_of(part), sizeof *own), *from = own;
-	if (own == NULL)
-		return fail_memory("an inset");
-	enum status status = dem_read(inset->dem, (struct post_rect){part.x0 - inset->x, part.y0 - inset->y, part.x1 - inset->x,
-								     part.y1 - inset->y}, own);
-	for (int64_t y = part.y0; y < part.y1 && status == STATUS_OK; y++) {
-		double *to = heights + (y - rect.y0) * width_of(rect) - rect.x0;
-		for (int64_t x = part.x0; x < part.x1; x++, from++) {
-			const double weight = dem_inset_rim_weight(&inset->rim, x - inset->rect.x0, y - inset->rect.y0), height = *from - inset->lowered;
-			if (weight == 0 || isnan(height))
-				continue;
-			to[x] = weight == 1 || isnan(to[x]) ? height : to[x] + weight * (height - to[x]);
-		}
-	}
-	mem_free(own);
-	return status;
-}
-
-/* Replaces the heights at posts that a coarser inset covers by what is interpolated between its own. */
-static enum status divide(struct dem_insets *insets, size_t depth, int level, struct post_rect rect, double *heights)
-{
-	const struct inset *inset = &insets->list[depth - 1];
-	const int shift = inset->info.level - level;
-	const struct post_rect part = post_rect_intersect(rect, dem_inset_covered_rect(inset, level)), from = around(part, shift);
-	if (post_rect_empty(part))
-		return STATUS_OK;
-	double *coarse = mem_alloc(posts_of(from), sizeof *coarse);
-	enum status status = coarse != NULL ? dem_inset_heights(insets, depth, inset->info.level, from, coarse) : fail_memory("an inset");
-	for (int64_t y = part.y0; y < part.y1 && status == STATUS_OK; y++)
-		for (int64_t x = part.x0; x < part.x1; x++)
-			if (dem_inset_covers(inset, level, x, y))
-				heights[(y - rect.y0) * width_of(rect) + x - rect.x0] = between(coarse, from, shift, x, y);
-	mem_free(coarse);
-	return status;
-}
-
-enum status dem_inset_heights(struct dem_insets *insets, size_t depth, int level, struct post_rect rect, double *heights)
-{
-	if (depth == 0)
-		return country_heights(insets, level, rect, heights);
-	enum status status = dem_inset_heights(insets, depth - 1, level, rect, heights);
-	if (status != STATUS_OK)
-		return status;
-	const struct inset *inset = &insets->list[depth - 1];
-	return inset->info.level == level ? blend(inset, rect, heights) : divide(insets, depth, level, rect, heights);
-}
-
 /* --- opening --- */
 
-static enum status open_at(const struct dem_insets_params *params, const char *source, double spacing, bool fill, struct dem **out)
+static enum status open_at(const struct dem_insets_params *params, const struct inset *inset, double spacing, bool fill, struct dem **out)
 {
 	const struct dem_info *country = dem_info(params->country);
 	struct dem_params dem = *params->dem;
-	dem.sources = &source;
-	dem.source_count = 1;
-	dem.s_srs = NULL;
+	dem.sources = inset->from->paths;
+	dem.source_count = inset->from->count;
+	dem.apart = false;
 	dem.has_window = false;
 	dem.window_srs = NULL;
 	dem.has_height_range = false;
@@ -177,7 +39,7 @@ static enum status choose_level(const struct dem_insets_params *params, struct i
 	struct dem *own;
 	const char *source = inset->info.source;
 	const double coarse = params->extent->spacing;
-	enum status status = open_at(params, source, 0, false, &own);
+	enum status status = open_at(params, inset, 0, false, &own);
 	if (status != STATUS_OK)
 		return status;
 	const double spacing = dem_info(own)->spacing;
@@ -215,10 +77,17 @@ static enum status place(const struct dem_insets_params *params, struct inset *i
 	inset->rect = post_rect_intersect((struct post_rect){inset->x, inset->y, inset->x + own->width, inset->y + own->height},
 					  (struct post_rect){0, 0, extent_posts(extent->width, inset->info.level),
 							     extent_posts(extent->height, inset->info.level)});
-	if (width_of(inset->rect) < 3 || inset->rect.y1 - inset->rect.y0 < 3)
+	inset->missing = dem_inset_width(inset->rect) < 3 || inset->rect.y1 - inset->rect.y0 < 3;
+	if (inset->missing && inset->from->found) {
+		note("%s: left out, since it does not lie in the terrain", inset->info.source);
+		return STATUS_OK;
+	}
+	if (inset->missing)
 		return fail_with(STATUS_INPUT, "%s: it does not lie in the terrain; leave it out, or import what lies around it too",
 				 inset->info.source);
-	inset->info.width = width_of(inset->rect);
+	inset->info.x = inset->rect.x0;
+	inset->info.y = inset->rect.y0;
+	inset->info.width = dem_inset_width(inset->rect);
 	inset->info.height = inset->rect.y1 - inset->rect.y0;
 	inset->info.unit = own->unit;
 	return STATUS_OK;
@@ -227,7 +96,7 @@ static enum status place(const struct dem_insets_params *params, struct inset *i
 /* Returns true if the outer inset has all posts around the inner one. */
 static bool surrounds(const struct inset *outer, const struct inset *inner)
 {
-	const struct post_rect rect = around(inner->rect, outer->info.level - inner->info.level);
+	const struct post_rect rect = dem_inset_around(inner->rect, outer->info.level - inner->info.level);
 	for (int64_t y = rect.y0; y < rect.y1; y++)
 		for (int64_t x = rect.x0; x < rect.x1; x++)
 			if (!dem_inset_covers(outer, outer->info.level, x, y))
@@ -266,9 +135,9 @@ static enum status cover(struct inset *inset)
 	const struct inset_rim *rim = &inset->rim;
 	const int shift = inset->around - inset->info.level;
 	const int64_t side = (int64_t)1 << shift;
-	const struct post_rect corners = around(inset->rect, shift);
+	const struct post_rect corners = dem_inset_around(inset->rect, shift);
 	inset->cells = (struct post_rect){corners.x0, corners.y0, corners.x1 - 1, corners.y1 - 1};
-	inset->covered = mem_calloc(posts_of(inset->cells), 1);
+	inset->covered = mem_calloc(dem_inset_posts(inset->cells), 1);
 	if (inset->covered == NULL)
 		return fail_memory("an inset");
 	for (int64_t ny = 0; ny < rim->nodes[1]; ny++)
@@ -278,7 +147,7 @@ static enum status cover(struct inset *inset)
 			const int64_t x = inset->rect.x0 + nx * rim->block, y = inset->rect.y0 + ny * rim->block;
 			for (int64_t cy = (y - rim->block) / side; cy * side < y + rim->block; cy++)
 				for (int64_t cx = (x - rim->block) / side; cx * side < x + rim->block; cx++)
-					inset->covered[(cy - inset->cells.y0) * width_of(inset->cells) + cx - inset->cells.x0] = 1;
+					inset->covered[(cy - inset->cells.y0) * dem_inset_width(inset->cells) + cx - inset->cells.x0] = 1;
 		}
 	return STATUS_OK;
 }
@@ -335,10 +204,10 @@ static void inset_finish(struct inset *inset)
 /* Prepares an inset. Those before it in the list are complete; they count for what surrounds it. */
 static enum status prepare(struct dem_insets *insets, const struct dem_insets_params *params, struct inset *inset)
 {
-	enum status status = open_at(params, inset->info.source, inset->info.spacing, false, &inset->dem);
+	enum status status = open_at(params, inset, inset->info.spacing, false, &inset->dem);
 	if (status == STATUS_OK)
 		status = place(params, inset);
-	if (status != STATUS_OK)
+	if (status != STATUS_OK || inset->missing)
 		return status;
 	find_around(insets, inset);
 	choose_feather(params, inset);
@@ -357,7 +226,7 @@ static enum status prepare(struct dem_insets *insets, const struct dem_insets_pa
 		return STATUS_OK;
 	dem_close(inset->dem);
 	inset->dem = NULL;
-	return open_at(params, inset->info.source, inset->info.spacing, true, &inset->dem);
+	return open_at(params, inset, inset->info.spacing, true, &inset->dem);
 }
 
 static int compare_insets(const void *a, const void *b)
@@ -366,6 +235,18 @@ static int compare_insets(const void *a, const void *b)
 	if (p->info.level != q->info.level)
 		return p->info.level > q->info.level ? -1 : 1;
 	return p->named > q->named ? -1 : 1;
+}
+
+/* Numbers those that are there anew, in the order in which they were named. */
+static void number(struct dem_insets *insets)
+{
+	for (size_t next = 0; next < insets->count; next++) {
+		size_t least = SIZE_MAX;
+		for (size_t i = 0; i < insets->count; i++)
+			if (insets->list[i].named >= next && (least == SIZE_MAX || insets->list[i].named < insets->list[least].named))
+				least = i;
+		insets->list[least].named = next;
+	}
 }
 
 enum status dem_insets_open(const struct dem_insets_params *params, struct dem_insets **out)
@@ -378,18 +259,27 @@ enum status dem_insets_open(const struct dem_insets_params *params, struct dem_i
 	insets->list = mem_calloc(params->count, sizeof *insets->list);
 	enum status status = insets->list != NULL ? STATUS_OK : fail_memory("insets");
 	for (size_t i = 0; i < params->count && status == STATUS_OK; i++) {
-		insets->list[i].named = i;
-		insets->list[i].info.source = params->sources[i];
-		status = choose_level(params, &insets->list[i]);
+		struct inset *inset = &insets->list[i];
+		inset->named = i;
+		inset->from = &params->sources[i];
+		inset->info.source = params->sources[i].paths[0];
+		inset->info.paths = params->sources[i].count;
+		inset->info.found = params->sources[i].found;
+		status = choose_level(params, inset);
 	}
 	if (status == STATUS_OK && params->count > 1)
 		qsort(insets->list, params->count, sizeof *insets->list, compare_insets);
 	for (size_t i = 0; i < params->count && status == STATUS_OK; i++) {
-		status = prepare(insets, params, &insets->list[i]);
-		insets->count += status == STATUS_OK;
-		if (status != STATUS_OK)
-			inset_finish(&insets->list[i]);
+		struct inset *inset = &insets->list[insets->count];
+		if (insets->count != i)
+			*inset = insets->list[i];
+		status = prepare(insets, params, inset);
+		insets->count += status == STATUS_OK && !inset->missing;
+		if (status != STATUS_OK || inset->missing)
+			inset_finish(inset);
 	}
+	if (status == STATUS_OK)
+		number(insets);
 	if (status != STATUS_OK) {
 		dem_insets_close(insets);
 		return status;

@@ -98,7 +98,9 @@ static enum status put_tile(struct cutting *cutting, struct tile tile)
 {
 	const struct dem_insets_cut *cut = cutting->cut;
 	struct dem_tile out = {.tile = tile, .codes = cutting->tile, .low = (double)NAN, .high = (double)NAN};
-	enum status status = lay_below(cut, tile, cutting->below, cutting->tile, &out.low, &out.high, &out.error);
+	enum status status = dem_inset_misfit(cut->insets, tile, cutting->tile, cut->step, &out.misfit, &out.source);
+	if (status == STATUS_OK)
+		status = lay_below(cut, tile, cutting->below, cutting->tile, &out.low, &out.high, &out.error);
 	if (status != STATUS_OK)
 		return status;
 	const struct dem_measure measure = dem_measure(cutting->tile, cutting->extent->cells, cut->step);

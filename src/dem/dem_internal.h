@@ -20,6 +20,7 @@ struct dem_list {
 /* Fills the list with files. Sources may be files, directories, or "@list". */
 enum status dem_list_init(struct dem_list *list, const char *const *sources, size_t count) FURROW_CHECKED;
 enum status dem_list_add(struct dem_list *list, const char *path) FURROW_CHECKED; /* copies it */
+void dem_list_drop(struct dem_list *list, size_t number);
 /* Drops the file, and notes that it has no place among others. */
 void dem_list_skip(struct dem_list *list, size_t number);
 void dem_list_finish(struct dem_list *list);
@@ -27,8 +28,8 @@ void dem_list_finish(struct dem_list *list);
 struct dem_grid {
 	/* As dem_read. The rectangle lies within the grid. */
 	enum status (*read)(struct dem_grid *grid, struct post_rect rect, double *heights);
-	/* As dem_misfit. `surface`: heights of the tile's posts in the grid. `cells`: of a tile. NULL: posts are the sources' own. */
-	enum status (*misfit)(struct dem_grid *grid, const struct dem_part *surface, uint32_t cells, struct misfit *misfit);
+	/* As dem_misfit_heights. NULL: posts are the sources' own. */
+	enum status (*misfit)(struct dem_grid *grid, const struct dem_part *surface, const int64_t ends[2], struct misfit *misfit);
 	void (*destroy)(struct dem_grid *grid);
 	int64_t width, height; /* posts */
 	double spacing, unit;  /* as in dem_info */
@@ -37,6 +38,8 @@ struct dem_grid {
 	double origin[2];
 	char *srs, *vertical, *projected; /* NULL: "" */
 	struct dem_list files; /* as in dem_info */
+	struct dem_list finer; /* as in dem_info */
+	size_t *finer_sets;
 	int64_t overlap_posts, overlap_differing;
 	double overlap_difference;
 };

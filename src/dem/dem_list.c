@@ -41,7 +41,7 @@ enum status dem_list_add(struct dem_list *list, const char *path)
 	return STATUS_OK;
 }
 
-static void drop(struct dem_list *list, size_t number)
+void dem_list_drop(struct dem_list *list, size_t number)
 {
 	mem_free(list->paths[number]);
 	list->count--;
@@ -54,7 +54,7 @@ static void drop(struct dem_list *list, size_t number)
 void dem_list_skip(struct dem_list *list, size_t number)
 {
 	note("%s: skipped, since it has no place among other sources", list->paths[number]);
-	drop(list, number);
+	dem_list_drop(list, number);
 }
 
 static int by_name(const void *a, const void *b)
@@ -155,7 +155,7 @@ static void drop_labelled(struct dem_list *list, size_t first)
 		const size_t stem = stem_of(list->paths[i]);
 		for (size_t j = list->count; dem_path_ends(list->paths[i], ".lbl") && j-- > first;)
 			if (j != i && stem_of(list->paths[j]) == stem && strncmp(list->paths[i], list->paths[j], stem) == 0) {
-				drop(list, j);
+				dem_list_drop(list, j);
 				i -= j < i;
 			}
 	}

@@ -21,6 +21,8 @@ void dem_grid_destroy(struct dem_grid *grid)
 	mem_free(grid->vertical);
 	mem_free(grid->projected);
 	dem_list_finish(&grid->files);
+	dem_list_finish(&grid->finer);
+	mem_free(grid->finer_sets);
 	grid->destroy(grid);
 }
 
@@ -140,6 +142,9 @@ enum status dem_open(const struct dem_params *params, struct dem **out)
 		.sources = (const char *const *)dem->list.paths,
 		.file_count = grid->files.count,
 		.files = (const char *const *)grid->files.paths,
+		.finer_count = grid->finer.count,
+		.finer = (const char *const *)grid->finer.paths,
+		.finer_sets = grid->finer_sets,
 		.overlap_posts = grid->overlap_posts,
 		.overlap_differing = grid->overlap_differing,
 		.overlap_difference = grid->overlap_difference,
@@ -224,6 +229,12 @@ enum status dem_misfit(struct dem *dem, const struct extent *extent, const struc
 	for (int64_t y = 0; y < rows; y++)
 		for (int64_t x = 0; x < width; x++)
 			dem->surface[y * width + x] = height_code_metres(tile->codes[y * stride + x], step);
-	const struct dem_part surface = {dem->surface, rect};
-	return dem->grid->misfit(dem->grid, &surface, extent->cells, misfit);
+	/* A tile's last row and column are measured only if no other tile has them. */
+	return dem_misfit_heights(dem, rect, dem->surface, (int64_t[]){rect.x0 + extent->cells, rect.y0 + extent->cells}, misfit);
+}
+
+enum status dem_misfit_heights(struct dem *dem, struct post_rect rect, const double *heights, const int64_t ends[2], struct misfit *misfit)
+{
+	const struct dem_part surface = {heights, rect};
+	return dem->grid->misfit(dem->grid, &surface, ends, misfit);
 }

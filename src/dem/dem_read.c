@@ -189,14 +189,13 @@ struct measuring {
 	struct misfit *misfits; /* of each part */
 };
 
-/* A tile's last row and column are measured only if no other tile has them. */
-static void limit_surface(const struct gdal_grid *gdal, uint32_t cells, struct dem_surface *surface)
+static void limit_surface(const struct gdal_grid *gdal, const int64_t ends[2], struct dem_surface *surface)
 {
 	const struct post_rect *rect = &surface->part.rect;
 	surface->low[0] = rect->x0 == 0 ? -0.5 : (double)rect->x0;
 	surface->low[1] = rect->y0 == 0 ? -0.5 : (double)rect->y0;
-	surface->high[0] = rect->x0 + cells >= gdal->grid.width - 1 ? (double)rect->x1 : (double)(rect->x0 + cells);
-	surface->high[1] = rect->y0 + cells >= gdal->grid.height - 1 ? (double)rect->y1 : (double)(rect->y0 + cells);
+	surface->high[0] = ends[0] >= gdal->grid.width - 1 ? (double)rect->x1 : (double)ends[0];
+	surface->high[1] = ends[1] >= gdal->grid.height - 1 ? (double)rect->y1 : (double)ends[1];
 }
 
 static enum status measure_part(void *user, size_t member, size_t task)
@@ -243,14 +242,14 @@ static bool of_one_group(const struct dem_misfit_part *parts, size_t count)
 	return count == 0 || parts[0].group == parts[count - 1].group;
 }
 
-enum status dem_grid_misfit(struct dem_grid *grid, const struct dem_part *part, uint32_t cells, struct misfit *misfit)
+enum status dem_grid_misfit(struct dem_grid *grid, const struct dem_part *part, const int64_t ends[2], struct misfit *misfit)
 {
 	struct gdal_grid *gdal = (struct gdal_grid *)grid;
 	struct measuring measuring = {.gdal = gdal, .surface = {.part = *part}};
 	struct dem_misfit_part *parts = NULL;
 	uint16_t *owners = NULL;
 	size_t count = 0;
-	limit_surface(gdal, cells, &measuring.surface);
+	limit_surface(gdal, ends, &measuring.surface);
 	enum status status = make_readers(gdal);
 	if (status == STATUS_OK)
 		status = dem_misfit_parts(&gdal->groups, &measuring.surface, &parts, &count);

@@ -195,6 +195,8 @@ static enum status keep_own(OGRSpatialReferenceH own, const char *name, OGRSpati
 static enum status choose_srs(struct dem_target *target, const struct dem_params *params, const struct dem_groups *groups)
 {
 	const struct gdal_source *first = groups->groups[0].sources[0];
+	if (target->srs != NULL)
+		return STATUS_OK;
 	bool chosen = params->t_srs == NULL || strcmp(params->t_srs, "auto") == 0;
 	if (!chosen && strcmp(params->t_srs, "source") == 0)
 		return keep_own(first->srs, first->path, &target->srs);
@@ -303,16 +305,33 @@ void dem_target_lattice(const struct dem_target *target, struct dem_lattice *lat
 	};
 }
 
-enum status dem_target_choose(const struct dem_params *params, struct dem_groups *groups, struct dem_target *target)
+enum status dem_target_measure(const struct dem_params *params, struct dem_groups *groups, struct dem_target *target)
 {
-	*target = (struct dem_target){.keep = params->t_srs != NULL && strcmp(params->t_srs, "source") == 0};
+	target->keep = params->t_srs != NULL && strcmp(params->t_srs, "source") == 0;
 	enum status status = systems_agree(groups);
 	if (status == STATUS_OK)
 		status = choose_srs(target, params, groups);
-	if (status == STATUS_OK)
-		status = measure_groups(target, params, groups);
-	if (status == STATUS_OK)
-		status = lay_out(target, params, groups);
+	return status == STATUS_OK ? measure_groups(target, params, groups) : status;
+}
+
+enum status dem_target_choose(const struct dem_params *params, struct dem_groups *groups, struct dem_target *target)
+{
+	enum status status = dem_target_measure(params, groups, target);
+	return status == STATUS_OK ? lay_out(target, params, groups) : status;
+}
+
+double dem_target_own_spacing(const struct dem_group *group)
+{
+	bool square;
+	return own_spacing(group, &square);
+}
+
+enum status dem_target_area(const struct dem_target *target, const struct dem_group *group, struct dem_area *area)
+{
+	struct bounds bounds = nowhere;
+	enum status status = bounds_add_raster(&bounds, dem_layers_lattice(group->layers), target->srs, group->sources[0]->path);
+	memcpy(area->low, bounds.low, sizeof area->low);
+	memcpy(area->high, bounds.high, sizeof area->high);
 	return status;
 }
 

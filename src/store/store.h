@@ -31,6 +31,7 @@ struct store_meta {
 	double origin[2];     /* SRS coordinates of the south-west post */
 	const char *vertical; /* "" if unknown */
 	const char *sources;  /* the sources of the base, one on each line */
+	const char *insets;   /* the insets, one on each line, which store_inset_next() reads; "" or NULL: none */
 	/* for making a store: a text with all settings that decide its rows. "" or NULL: making it cannot be resumed */
 	const char *request;
 	double low, high;     /* metres: range over all posts; store_publish fills them */
@@ -98,6 +99,18 @@ enum status store_open(const char *path, const struct store_options *options, st
 void store_close(struct store *store);
 
 const struct store_meta *store_meta(const struct store *store);
+
+/* One inset: its rectangle in posts of its level, counted from the terrain's south-west post, and its first source. */
+struct store_inset {
+	int level;
+	int64_t x, y, width, height;
+	const char *source; /* not ended by 0 */
+	size_t source_length;
+};
+/* Writes a line of store_meta.insets. Returns its length, as snprintf does. */
+int store_inset_line(const struct store_inset *inset, char *text, size_t room);
+/* Reads the next line at *text, and moves *text behind it. Returns false at the end, or if it is no such line. */
+bool store_inset_next(const char **text, const struct extent *extent, struct store_inset *inset);
 /* Returns the path of the plain store at the end of a chain of overlays, as it was found. Returns NULL for a plain store. */
 const char *store_base_path(const struct store *store);
 /* Returns the path of an overlay's parent, and *revision, the revision of the parent that the overlay shows (0: only its base). Returns

@@ -13,9 +13,10 @@ enum status store_meta_copy(struct store_meta *to, const struct store_meta *from
 	to->srs = mem_strdup(from->srs != NULL ? from->srs : "");
 	to->vertical = mem_strdup(from->vertical != NULL ? from->vertical : "");
 	to->sources = mem_strdup(from->sources != NULL ? from->sources : "");
+	to->insets = mem_strdup(from->insets != NULL ? from->insets : "");
 	to->request = mem_strdup(from->request != NULL ? from->request : "");
 	to->low = to->high = (double)NAN;
-	if (to->srs != NULL && to->vertical != NULL && to->sources != NULL && to->request != NULL)
+	if (to->srs != NULL && to->vertical != NULL && to->sources != NULL && to->insets != NULL && to->request != NULL)
 		return STATUS_OK;
 	store_meta_finish(to);
 	return fail_memory("a store");
@@ -26,8 +27,9 @@ void store_meta_finish(struct store_meta *meta)
 	mem_free((void *)(uintptr_t)meta->srs);
 	mem_free((void *)(uintptr_t)meta->vertical);
 	mem_free((void *)(uintptr_t)meta->sources);
+	mem_free((void *)(uintptr_t)meta->insets);
 	mem_free((void *)(uintptr_t)meta->request);
-	meta->srs = meta->vertical = meta->sources = meta->request = NULL;
+	meta->srs = meta->vertical = meta->sources = meta->insets = meta->request = NULL;
 }
 
 /* --- writing --- */
@@ -114,6 +116,8 @@ enum status store_meta_write(struct store *store)
 		status = store_meta_put_real(store, reals[i].key, reals[i].value);
 	for (size_t i = 0; i < sizeof texts / sizeof *texts && status == STATUS_OK; i++)
 		status = store_meta_put_text(store, texts[i].key, texts[i].value);
+	if (status == STATUS_OK && meta->insets != NULL && meta->insets[0] != '\0')
+		status = store_meta_put_text(store, "insets", meta->insets);
 	if (status == STATUS_OK)
 		status = store_misfit_write(store);
 	if (status == STATUS_OK && store->base_path != NULL)
@@ -200,12 +204,17 @@ static enum status get_real(struct lookup *lookup, const char *key, bool may_lac
 	return good ? STATUS_OK : bad_key(lookup, key);
 }
 
-static enum status get_text(struct lookup *lookup, const char *key, const char **value)
+/* `lacking`: its value if there is no such key; NULL: there must be. */
+static enum status get_text(struct lookup *lookup, const char *key, const char *lacking, const char **value)
 {
 	bool found;
 	enum status status = look_up(lookup, key, &found);
 	if (status != STATUS_OK)
 		return status;
+	if (!found && lacking != NULL) {
+		*value = mem_strdup(lacking);
+		return *value != NULL ? STATUS_OK : fail_memory("a store's header");
+	}
 	if (!found || sqlite3_column_type(lookup->statement, 0) != SQLITE_TEXT)
 		return bad_key(lookup, key);
 	const char *text = (const char *)sqlite3_column_text(lookup->statement, 0);
@@ -400,11 +409,13 @@ static enum status get_all(struct lookup *lookup, struct store *store)
 	for (size_t i = 0; i < sizeof reals / sizeof *reals && status == STATUS_OK; i++)
 		status = get_real(lookup, reals[i].key, reals[i].may_lack, reals[i].value);
 	if (status == STATUS_OK)
-		status = get_text(lookup, "srs", &meta->srs);
+		status = get_text(lookup, "srs", NULL, &meta->srs);
 	if (status == STATUS_OK)
-		status = get_text(lookup, "vertical", &meta->vertical);
+		status = get_text(lookup, "vertical", NULL, &meta->vertical);
 	if (status == STATUS_OK)
-		status = get_text(lookup, "sources", &meta->sources);
+		status = get_text(lookup, "sources", NULL, &meta->sources);
+	if (status == STATUS_OK)
+		status = get_text(lookup, "insets", "", &meta->insets);
 	if (status == STATUS_OK)
 		status = get_base_hash(lookup, &store->base_hash);
 	if (status == STATUS_OK)

@@ -215,6 +215,127 @@ cache: {slots: 256}
         self.assertEqual(len(hashes), 1)
 
 
+    # --- without --inset ---
+
+    def info_of(self, *arguments, told=None):
+        result = self.furrow("import", *arguments, "-o", "s.furrow", "--tile", 64, "--overwrite")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        if told:
+            self.assertRegex(result.stdout + result.stderr, told)
+        self.assertTrue(self.json("verify", "s.furrow")["ok"])
+        return self.json("info", "s.furrow")
+
+    def test_finer_sources_are_insets_whatever_the_order(self):
+        self.three()
+        named = self.json("info", self.imported("--inset", "site.tif", "--inset", "scan.tif"))
+        for order in (("country.tif", "site.tif", "scan.tif"), ("scan.tif", "country.tif", "site.tif"), ("site.tif", "scan.tif", "country.tif")):
+            found = self.info_of(*order, told=r"inset scan.tif: 641 x 481 posts, 0.0625 m apart, level -9, .*finer than the others")
+            for key in ("base_hash", "levels", "spacing", "posts", "origin", "srs", "off_source", "off_resampled"):
+                self.assertEqual(found[key], named[key], key)
+            self.assertEqual(sorted(found["sources"]), sorted(named["sources"]))
+        # A spacing is one for all.
+        found = self.info_of("country.tif", "site.tif", "--spacing", 16)
+        self.assertEqual((found["levels"][0], found["insets"]), (0, []))
+
+    def test_about_as_fine_is_no_inset(self):
+        self.raster("country.tif", self.country, 0, 0, 97, 81, 32, "h")
+        for step, level in ((33, 0), (17, 0), (16, -1), (15, -2), (8, -2)):
+            self.raster("near.tif", self.site, 640, 640, 61, 51, step)
+            found = self.info_of("country.tif", "near.tif")
+            self.assertEqual(found["levels"][0], level)
+            self.assertEqual(found["spacing"], 32 if level < 0 else min(step, 32))
+
+    def test_what_lies_beside_is_no_inset(self):
+        self.raster("country.tif", self.country, 0, 0, 65, 65, 32, "h")
+        for x0, level in ((2000, -3), (2030, -3), (2100, 0), (2300, 0)):
+            self.raster("beside.tif", self.site, x0 - 120, 640, 41, 41, 4)
+            found = self.info_of("beside.tif", "country.tif", told=None if level < 0 else "note: beside.tif: its posts of 4 m are finer")
+            self.assertEqual((found["levels"][0], found["spacing"]), (level, 32 if level < 0 else 4))
+
+    def test_tiles_side_by_side_are_one_inset_without_a_rim_between(self):
+        self.three()
+        whole = self.info_of("country.tif", "site.tif")
+        wanted = self.base_of("s.furrow", -5, 780, 580, 1320, 1020)
+        for tiles in range(2, 5):
+            names = []
+            for i in range(tiles):
+                first, last = 500 * i // tiles, 500 * (i + 1) // tiles
+                names.append(self.raster(f"tile{i}.tif", self.site, 800 + first, 600, last - first + 1, 401, 1))
+            found = self.info_of(*names, "country.tif", told=rf"inset tile0.tif and {tiles - 1} more: 501 x 401 posts")
+            self.assertEqual(found["levels"], whole["levels"])
+            self.assertEqual(len(found["insets"]), 1)
+            self.assertEqual(self.base_of("s.furrow", -5, 780, 580, 1320, 1020), wanted)
+        # far from each other they are two
+        self.raster("tile0.tif", self.site, 300, 300, 101, 101, 1)
+        self.raster("tile1.tif", self.site, 2000, 2000, 101, 101, 1)
+        self.assertEqual([i["source"] for i in self.info_of("tile1.tif", "country.tif", "tile0.tif")["insets"]], ["tile1.tif", "tile0.tif"])
+
+    def test_a_window_leaves_out_what_it_does_not_have(self):
+        self.three()
+        found = self.info_of("country.tif", "site.tif", "--window", f"{WEST + 1600},{SOUTH},{WEST + 3000},{SOUTH + 900}", told="site.tif: left out")
+        self.assertEqual((found["levels"][0], found["insets"]), (0, []))
+        found = self.info_of("country.tif", "site.tif", "--window", f"{WEST + 1000},{SOUTH},{WEST + 3000},{SOUTH + 900}")
+        self.assertEqual(found["insets"][0]["posts"][0], 277)  # from 1024 to 1300 m
+
+    def test_info_tells_each_inset(self):
+        self.three()
+        found = self.json("info", self.imported("--inset", "scan.tif", "--inset", "site.tif"))["insets"]
+        self.assertEqual(found[0], {"source": "scan.tif", "level": -9, "spacing": 1 / 16, "posts": [641, 481],
+                                    "bounds": [WEST + 1000, SOUTH + 780, WEST + 1040, SOUTH + 810], "tiles": 12 * 9})
+        self.assertEqual([found[1][key] for key in ("source", "level", "posts")], ["site.tif", -5, [501, 401]])
+        lines = [line for line in self.ok("info", "s.furrow").splitlines() if line.startswith("inset ")]
+        self.assertEqual(len(lines), 2)
+        self.assertRegex(lines[1], r"site.tif: 501 x 401 posts, 1 m apart, level -5, 63 tiles; 500800.000, 5000600.000 to 501300.000, 5001000.000")
+        self.ok("branch", "s.furrow", "b.furrow")
+        self.ok("flatten", "b.furrow", "-o", "flat.furrow")
+        for name in ("b.furrow", "flat.furrow"):
+            self.assertEqual(self.json("info", name)["insets"], found)
+
+    def test_s_srs_is_that_of_insets_too(self):
+        self.three()
+        def heights():
+            return self.base_of("s.furrow", -5, 700, 500, 1400, 1100)
+        self.info_of("country.tif", "--inset", "site.tif")
+        wanted = heights()
+        self.raster("bare.tif", self.site, 800, 600, 501, 401, 1, srs=None)
+        self.raster("far.tif", self.site, 800, 600, 501, 401, 1, srs="EPSG:32634")
+        for name in ("bare.tif", "far.tif"):
+            self.info_of("country.tif", "--inset", name, "--s-srs", "EPSG:32633")
+            self.assertEqual(heights(), wanted)
+
+    def test_the_error_at_the_sources_posts_counts_insets(self):
+        """Posts that are kept are off by the bound alone. Beside the lattice they are off as the surface between stored posts is, which
+        is computed here once more."""
+        self.three()
+        plain = self.info_of("country.tif")["off_source"]
+        found = self.info_of("country.tif", "--inset", "site.tif", "--max-error", 0.01, "--feather", 10)
+        core = (501 - 2 * 10) * (401 - 2 * 10)
+        self.assertAlmostEqual(found["off_source"]["posts"] - plain["posts"], core, delta=0.02 * core)
+        self.assertLessEqual(found["off_source"]["greatest"], 0.5)
+        self.assertEqual(found["off_source"], found["off_resampled"])
+        for step in (1.25, 3, 7):
+            self.raster("off.tif", self.site, 803.3, 601.7, 90, 80, step)
+            found = self.info_of("country.tif", "--inset", "off.tif", "--max-error", 0.01, "--feather", 40)
+            inset = found["insets"][0]
+            stored = self.base_of("s.furrow", inset["level"], 803, 601, 803 + 90 * step, 601 + 80 * step)
+            fine, off = inset["spacing"], []
+            for i in range(90):
+                for j in range(80):
+                    x, y = 803.3 + i * step, 601.7 + j * step
+                    if min(i, 89 - i, j, 79 - j) * step < min(40, 79 * step / 4) + 2:
+                        continue
+                    west, south = math.floor(x / fine) * fine, math.floor(y / fine) * fine
+                    u, v = (x - west) / fine, (y - south) / fine
+                    a, b, c, d = (stored[west + p * fine, south + q * fine] for q in (0, 1) for p in (0, 1))
+                    off.append((a * (1 - u) + b * u) * (1 - v) + (c * (1 - u) + d * u) * v - self.site(x, y))
+            told = found["off_source"]
+            self.assertAlmostEqual(told["posts"] - plain["posts"], len(off), delta=0.12 * len(off) + 40)
+            self.assertGreaterEqual(told["greatest"], max(map(abs, off)) - 0.001)
+            self.assertLess(told["greatest"], 1.3 * max(map(abs, off)) + 0.011)
+            squares = told["rms"] ** 2 * told["posts"]
+            self.assertAlmostEqual(squares, sum(v * v for v in off), delta=0.2 * sum(v * v for v in off) + 0.01)
+
+
 @unittest.skipUnless((SHARED / "dem").is_dir(), "needs the shared elevation data")
 class RealInsets(RasterTest):
     """Big Tujunga at 30 m; a site of it, made finer and raised; the Gabilan ground made a scan of 5 cm. GDAL makes them and says what

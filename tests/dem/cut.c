@@ -102,7 +102,7 @@ static void scene_free(struct scene *scene)
 static struct dem_cut cut_of(struct scene *scene, double step)
 {
 	return (struct dem_cut){.extent = &scene->extent, .step = step, .posts = posts_of, .posts_user = scene,
-				.compares = true, .emit = take, .emit_user = scene, .progress = told, .progress_user = scene,
+				.emit = take, .emit_user = scene, .progress = told, .progress_user = scene,
 				.panel_posts = scene->panel_posts};
 }
 

@@ -108,7 +108,8 @@ static enum status cut_one(const struct dem_params *params, struct dem *country,
 {
 	const struct extent extent = {dem_info(country)->width, dem_info(country)->height, dem_info(country)->spacing, 8};
 	struct dem_insets *insets = NULL;
-	enum status status = dem_insets_open(&(struct dem_insets_params){.country = country, .extent = &extent, .dem = params, .sources = &inset,
+	const struct dem_inset_source source = {&inset, 1, false};
+	enum status status = dem_insets_open(&(struct dem_insets_params){.country = country, .extent = &extent, .dem = params, .sources = &source,
 									 .count = 1, .feather = -1}, &insets);
 	if (status != STATUS_OK)
 		return status;

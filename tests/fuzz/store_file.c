@@ -20,7 +20,7 @@
  * planes, a window's; and an epoch's, a plane a level. */
 #define BYTES_A_POST (36 * 2 + 24 + 4 * (TILE_LEVEL_MAX - TILE_LEVEL_MIN + 1))
 #define BYTES_MORE (1u << 20) /* paths, statements, LZ4's tables, stdio */
-#define TEXTS 6               /* copies of a text that is as long as the file */
+#define TEXTS 7               /* copies of a text that is as long as the file */
 /* SQLite's own: two connections' caches, values as long as the file; and one that only says that it is as
  * long as the limit that the store sets (store_connect.c): SQLite makes room for it before it looks. */
 #define SQLITE_BYTES (36u << 20)
