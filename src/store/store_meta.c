@@ -384,7 +384,7 @@ static enum status get_relief(struct lookup *lookup, struct store *store)
 	enum status status = look_up(lookup, "relief", &found);
 	if (status != STATUS_OK || !found)
 		return status;
-	status = get_text(lookup, "relief", &text);
+	status = get_text(lookup, "relief", NULL, &text);
 	if (status != STATUS_OK)
 		return status;
 	store->relief_text = (char *)(uintptr_t)text;
