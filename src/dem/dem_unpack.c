@@ -42,6 +42,7 @@ static const char *problem_of(lzma_ret result)
 static enum status unpack(lzma_stream *stream, FILE *file, const char *path, const struct dem_scratch *scratch, uint8_t *in, uint8_t *out,
 			  size_t room, int64_t *bytes)
 {
+	const int64_t most = dem_path_ends(path, ".hgt.xz") ? DEM_UNPACK_MOST_HGT : DEM_UNPACK_MOST;
 	lzma_ret result = LZMA_OK;
 	enum status status = STATUS_OK;
 	*bytes = 0;
@@ -56,9 +57,9 @@ static enum status unpack(lzma_stream *stream, FILE *file, const char *path, con
 		stream->avail_out = room;
 		result = lzma_code(stream, feof(file) ? LZMA_FINISH : LZMA_RUN);
 		const size_t made = room - stream->avail_out;
-		if (made > 0 && *bytes + (int64_t)made > DEM_UNPACK_MOST)
+		if (made > 0 && *bytes + (int64_t)made > most)
 			return fail_with(STATUS_INPUT, "%s: unpacks to more than %lld MB; unpack it with xz -dk and name what comes out", path,
-					 (long long)(DEM_UNPACK_MOST >> 20));
+					 (long long)(most >> 20));
 		if (made > 0)
 			status = dem_scratch_move(scratch, true, out, made, *bytes);
 		*bytes += (int64_t)made;

@@ -4,7 +4,9 @@
 
 #include "dem_scratch.h"
 
-#define DEM_UNPACK_MOST (INT64_C(1) << 30) /* bytes that a packed file may unpack to; more is refused */
+/* Bytes that a packed file may unpack to; more is refused. The largest .hgt tiles have 7201 x 7201 posts. */
+#define DEM_UNPACK_MOST (INT64_C(1) << 30)
+#define DEM_UNPACK_MOST_HGT (INT64_C(128) << 20)
 
 struct dem_unpacked {
 	struct dem_scratch scratch; /* the unpacked bytes */

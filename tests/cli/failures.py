@@ -1,4 +1,5 @@
 """What fails is told by name and leaves nothing: full disks, unreadable and broken sources, damaged stores."""
+import lzma
 import os
 import pathlib
 import random
@@ -64,6 +65,19 @@ class FullDisk(FurrowTest):
         self.assertEqual(result.returncode, 1)
         self.assertIn("TMPDIR", result.stderr)
         self.assertEqual([p.name for p in self.folder.iterdir()], ["in.raw"])
+
+    def test_unpacking_without_room_and_without_end_is_told(self):
+        (self.folder / "N46E015.hgt.xz").write_bytes(lzma.compress(random.Random(5).randbytes(2 * 1201 * 1201), preset=0))
+        result = self.limited(100000, "import", "N46E015.hgt.xz", "-o", "s.furrow")
+        self.assertEqual(result.returncode, 1)
+        self.assertIn("TMPDIR", result.stderr)
+        packer, packed = lzma.LZMACompressor(preset=0), b""
+        for _ in range(129):
+            packed += packer.compress(bytes(1 << 20))
+        (self.folder / "N46E015.hgt.xz").write_bytes(packed + packer.flush())
+        told = self.refused(3, "import", "N46E015.hgt.xz", "-o", "s.furrow")
+        self.assertIn("unpacks to more than 128 MB", told)
+        self.assertEqual([p.name for p in self.folder.iterdir()], ["N46E015.hgt.xz"])
 
     @unittest.skipUnless(os.geteuid() == 0, "needs the right to mount")
     def test_a_real_disk_that_is_full(self):

@@ -125,6 +125,7 @@ static UNUSED struct store_meta terrain_meta(void)
 		.origin = {1000, -2000},
 		.vertical = "",
 		.sources = "a.tif\nb.tif",
+		.insets = "-1 2 3 9 8 b.tif\n",
 	};
 }
 

@@ -71,6 +71,7 @@ static void assert_flat(const char *over, const char *copy)
 		assert_int_equal(runs[0].step, runs[1].step);
 	}
 	assert_string_equal(one->meta.sources, chain->meta.sources);
+	assert_string_equal(one->meta.insets, chain->meta.insets);
 	store_close(chain);
 	if (copy != NULL) { /* the same drives in one file */
 		struct store *witness = open_store(copy, STORE_READ);

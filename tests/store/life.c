@@ -16,6 +16,7 @@ static void what_was_put_is_read_back(void **state)
 	assert_string_equal(meta->srs, want.srs);
 	assert_string_equal(meta->vertical, "");
 	assert_string_equal(meta->sources, want.sources);
+	assert_string_equal(meta->insets, want.insets);
 	assert_int_equal(store_finest(store), 0);
 	assert_false(store_has_working_level(store, NULL));
 	struct store_reader *reader;
