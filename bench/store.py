@@ -30,6 +30,7 @@ def parse():
     parser.add_argument("--dem", type=pathlib.Path, help="a folder of DEMs: bytes, coding, reads of each")
     parser.add_argument("--mosaic", nargs="+", default=[], help="DEMs imported as one terrain, timed")
     parser.add_argument("--posts", type=int, default=16385, help="a side of the synthetic import (16385; 0: none)")
+    parser.add_argument("--mixed", type=int, default=1025, help="a side of the 30 m source of the import of mixed sources (1025; 0: none)")
     parser.add_argument("--max-error", action="append", default=[], help="bytes at this bound too (metres)")
     parser.add_argument("--runs", type=int, default=5)
     parser.add_argument("--no-write", action="store_true", help="leave the write-backs out")
@@ -291,11 +292,16 @@ def timed(bench, command, made):
 
 
 def compare_import(bench, data, sources, rasters, runs):
-    """`rasters`: {label: (what GDAL reads, further options)}; all take turns."""
+    """`sources`: and options of the import. `rasters`: {label: (what GDAL reads, further options)}; all take turns."""
+    out = bench.path("import.tif")
+    compare_commands(bench, data, sources, {label: (["gdal_translate", "-q", *GDAL_LERC, *more, raster, out], out)
+                                            for label, (raster, more) in rasters.items()}, runs)
+
+
+def compare_commands(bench, data, sources, rasters, runs):
+    """`rasters`: {label: (GDAL's command, the file it makes)}."""
     store, out = bench.path("import.furrow"), bench.path("import.tif")
-    commands = {"": ([bench.options.furrow, "import", *sources, "-o", store], store)}
-    for label, (raster, more) in rasters.items():
-        commands[label] = (["gdal_translate", "-q", *GDAL_LERC, *more, raster, out], out)
+    commands = {"": ([bench.options.furrow, "import", *sources, "-o", store], store), **rasters}
     figures, size = {label: [] for label in commands}, {}
     for _ in range(runs):
         for label, (command, made) in commands.items():
@@ -337,6 +343,40 @@ def quarters(bench, terrain, posts):
         sheet.unlink()
 
 
+def placed(bench, name, side, spacing, west, north, kind):
+    """A synthetic terrain with a place in UTM 33N."""
+    plain, made = bench.path("plain.tif"), bench.path(name)
+    bench.furrow("synth", "-o", plain, "--posts", f"{side}x{side}", "--spacing", spacing, "--kind", kind)
+    bench.call("gdal_translate", "-q", "-co", "TILED=YES", "-a_srs", "EPSG:32633", "-a_ullr", west, north, west + side * spacing,
+               north - side * spacing, plain, made)
+    plain.unlink()
+    return made
+
+
+def mixed(bench, side):
+    """A country of posts every 30 m and a site of 1 m, of a tenth of its side, to 4 m; and the site as an inset of the country."""
+    country = placed(bench, "country.tif", side, 30, 400000, 5100000, "ridged")
+    site = placed(bench, "site.tif", 3 * side, 1, 400000 + 9 * side, 5100000 - 9 * side, "dunes")
+    warped, second = bench.path("warped.vrt"), bench.path("second.tif")
+    bench.call("gdalwarp", "-q", "-overwrite", "-of", "VRT", "-r", "bilinear", "-ot", "Float32", "-wo", "NUM_THREADS=2", "-tr", 4, 4,
+               "-te", 400000, 5100000 - 30 * side, 400000 + 30 * side, 5100000, country, site, warped)
+    error = ["-co", "MAX_Z_ERROR=0.001"]
+    posts = (7.5 * side) ** 2 / 1e6
+    compare_import(bench, f"30 m and 1 m to 4 m, {posts:.0f} M posts", [site, country, "--spacing", 4], {"warp, LERC same bound": (warped, error)},
+                   bench.options.runs)
+    out = bench.path("import.tif")
+    each = " && ".join(" ".join(map(str, ["gdal_translate", "-q", *GDAL_LERC, *error, raster, made])) for raster, made in
+                       ((country, out), (site, second)))
+    compare_commands(bench, f"inset of {(3 * side) ** 2 / 1e6:.0f} M posts", [country, site], {"LERC of each": (["sh", "-c", each], out)},
+                     bench.options.runs)
+    store = bench.path("inset.furrow")
+    bench.furrow("import", country, site, "-o", store, "--overwrite")
+    bench.call("sh", "-c", each)
+    bench.row("whole file", "inset beside its COGs, without levels", store.stat().st_size, out.stat().st_size + second.stat().st_size, "B", None, "LERC of each")
+    for path in (country, site, second, out, store):
+        path.unlink(missing_ok=True)
+
+
 def mosaic(bench, sources):
     if not bench.gdal:
         compare_import(bench, f"mosaic of {len(sources)}", sources, {}, 2 * bench.options.runs)
@@ -367,6 +407,8 @@ def main():
             writes(bench)
         if options.mosaic:
             mosaic(bench, options.mosaic)
+        if options.mixed and bench.gdal:
+            mixed(bench, options.mixed)
         if options.posts:
             synth(bench, options.posts)
     print_table(bench.rows)
