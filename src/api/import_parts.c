@@ -16,7 +16,8 @@ static void step_of(const struct import *import, const struct dem_inset_info *in
 	*step = api_intake_step(*max_error, info->unit, false);
 }
 
-/* A store has one step: the smallest. If the terrain's own is a multiple of it, the terrain keeps it, so that it takes no more bytes. */
+/* A store has one step: the smallest, or a smaller one of which the terrain's own is a multiple. The terrain keeps its own, so that
+ * it takes no more bytes. */
 static void choose_step(struct import *import)
 {
 	struct store_meta *meta = &import->meta;
@@ -27,6 +28,7 @@ static void choose_step(struct import *import)
 		meta->max_error = fmin(meta->max_error, max_error);
 		meta->step = fmin(meta->step, step);
 	}
+	meta->step = api_intake_common_step(coarse, meta->step);
 	import->coarse_step = meta->step > 0 && coarse > meta->step && fmod(coarse, meta->step) == 0 ? coarse : 0;
 }
 

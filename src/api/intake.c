@@ -6,6 +6,9 @@
 
 #include "api/conveyor.h"
 
+/* Metres. A float32 holds each multiple that is below 16,384 m exactly, and the lattice of heights does. */
+#define FLOAT_STEP (1.0 / 1024)
+
 double api_intake_default_error(double unit)
 {
 	return unit > 0 ? unit / 2 : 0.001;
@@ -15,11 +18,23 @@ double api_intake_step(double max_error, double unit, bool whole)
 {
 	if (whole && max_error <= unit / 2)
 		return unit;
+	const double most = 2 * max_error;
 	if (max_error == 0 || max_error == unit / 2)
-		return 2 * max_error;
+		return most;
+	if (most >= FLOAT_STEP)
+		return floor(most / FLOAT_STEP) * FLOAT_STEP;
 	int exponent;
-	(void)frexp(2 * max_error, &exponent);
+	(void)frexp(most, &exponent);
 	return ldexp(1, exponent - 1);
+}
+
+double api_intake_common_step(double coarse, double step)
+{
+	if (coarse <= step || step == 0 || fmod(coarse, step) == 0)
+		return step;
+	int exponent;
+	const double parts = frexp(coarse / step, &exponent);
+	return ldexp(coarse, parts == 0.5 ? 1 - exponent : -exponent);
 }
 
 static enum status get_tile(void *user, struct tile tile, int32_t *codes, double *low, double *high, double *error, bool *found)

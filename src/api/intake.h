@@ -33,10 +33,12 @@ enum status api_intake_run(struct intake *intake) FURROW_CHECKED;
 /* Returns the default error: half the source's own unit, or a millimetre for floats (unit 0). */
 double api_intake_default_error(double unit);
 /*
- * Returns the step of height codes, metres. With a step that is a power of two, a float holds every stored height exactly. So
- * the error bound also holds in an exported raster. With the source's own unit as step, whole numbers are exact; no smaller
- * bound improves them. `whole`: as in dem_info.
+ * Returns the step of height codes, metres: twice the error, down to a multiple of 2^-10 m. A float holds every multiple of that
+ * below 16 km exactly. So the error bound also holds in an exported raster. A step below 2^-10 m is a power of two. With the
+ * source's own unit as step, whole numbers are exact; no smaller bound improves them. `whole`: as in dem_info.
  */
 double api_intake_step(double max_error, double unit, bool whole);
+/* Returns a step of at most `step` of which `coarse` is a multiple, if `coarse` is the larger one: `coarse` halved often enough. */
+double api_intake_common_step(double coarse, double step);
 
 #endif

@@ -188,6 +188,20 @@ class Bases(FormatTest):
                   options=["-a_scale", "0.1", "-a_offset", "-200"])
         self.assertEqual(self.whole_base(self.import_("in.tif", "--tile", "16"), levels=(-1, 0, 1)).step, 0.1)
 
+    def test_steps_at_the_bound(self):
+        """Twice the bound in 1024ths of a metre; what is exported is within the bound of what was imported."""
+        height = lambda x, y: 1500 + 700 * math.sin(x / 11 + y / 7) + x * 0.0137
+        self.make("in.tif", 83, 45, height)
+        for error, step in (("0.1", 204 / 1024), ("0.01", 20 / 1024), ("0.37", 757 / 1024), ("0.0007", 1 / 1024), ("0.0003", 2**-11)):
+            with self.subTest(error=error):
+                path = self.import_("in.tif", "--tile", "16", "--max-error", error)
+                self.assertEqual(self.whole_base(path, levels=(-1, 0, 1)).step, step)
+                width, high, pixels, _ = self.raster(path, "base", 0, "f")
+                _, _, source = rasters.pixels(self.folder / "in.tif", "f")
+                source = [source[(high - 1 - y) * width + x] for y in range(high) for x in range(width)]
+                most = max(abs(a - b) for a, b in zip(pixels, source))
+                self.assertTrue(step * 0.49 < most <= float(error), most)
+
     def test_halves_of_the_lattice_negative_zero_and_high_places(self):
         for name, value in (("halves", lambda x, y: (x * 5 + y * 3 - 90) * 2**-19),
                             ("zeros", lambda x, y: -0.0 if (x + y) % 3 else 2**-140),
@@ -219,9 +233,9 @@ class Deformed(FormatTest):
             return None
         return 300 + 2 * math.sin(x / 9) + 1.5 * math.cos(y / 7)
 
-    def driven(self, text, width, *where, store="s.furrow"):
+    def driven(self, text, width, *where, store="s.furrow", bound="0.001"):
         self.grid("in.asc", width, 58, self.ground, cell=1)
-        self.import_("in.asc", "--tile", "16", store=store)
+        self.import_("in.asc", "--tile", "16", "--max-error", bound, store=store)
         return self.drive(self.scene(text), "--store", self.folder / store, *where)
 
     def deformation_rows(self, store):
@@ -285,7 +299,7 @@ class Deformed(FormatTest):
 
     def test_a_driven_store_and_an_overlay(self):
         (self.folder / "over").mkdir()
-        self.driven(SCENE, 75, "--overlay", "over/o.furrow")
+        self.driven(SCENE, 75, "--overlay", "over/o.furrow", bound="0.03")
         over = self.whole_deformation(self.folder / "over/o.furrow")
         self.same_soil(self.folder / "over/o.furrow", over)
         self.assertEqual((over.working, over.meta["base_path"]), (-2, "../s.furrow"))

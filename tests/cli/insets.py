@@ -70,6 +70,11 @@ class Insets(RasterTest):
         self.imported(name="plain.furrow")
         for level in (-2, 0):
             self.assertEqual(self.base_of(store, level, 0, 0, 760, 2500), self.base_of("plain.furrow", level, 0, 0, 760, 2500))
+        # at every bound: the step of a country in whole metres is a multiple of the store's
+        for bound in (0.01, 0.1, 0.3):
+            store = self.imported("--inset", "site.tif", "--feather", 40, "--max-error", bound, name="coarser.furrow")
+            self.assertEqual(self.base_of(store, 0, 0, 0, 760, 2500), self.base_of("plain.furrow", 0, 0, 0, 760, 2500))
+            self.assertCore(store, -5, (850, 650, 960, 950), self.site, bound + 1e-4, 100)
 
     def test_the_tile_size_does_not_show(self):
         self.three()
