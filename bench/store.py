@@ -31,7 +31,9 @@ def parse():
     parser.add_argument("--mosaic", nargs="+", default=[], help="DEMs imported as one terrain, timed")
     parser.add_argument("--posts", type=int, default=16385, help="a side of the synthetic import (16385; 0: none)")
     parser.add_argument("--mixed", type=int, default=1025, help="a side of the 30 m source of the import of mixed sources (1025; 0: none)")
-    parser.add_argument("--max-error", action="append", default=[], help="bytes at this bound too (metres)")
+    parser.add_argument("--max-error", action="append", help="bytes at this bound too, metres (0.1 and 0.01)")
+    parser.add_argument("--before", nargs=2, type=pathlib.Path, metavar=("FURROW", "BENCH_STORE"),
+                        help="another build: its stores are decoded and read beside this one's")
     parser.add_argument("--runs", type=int, default=5)
     parser.add_argument("--no-write", action="store_true", help="leave the write-backs out")
     parser.add_argument("--json", type=pathlib.Path, help="where the JSON lines go")
@@ -57,8 +59,8 @@ class Bench:
     def furrow(self, *arguments):
         return self.call(self.options.furrow, *arguments)
 
-    def measure(self, *arguments):
-        text = self.call(self.options.bench_store, "--runs", self.options.runs, *arguments)
+    def measure(self, *arguments, build=None):
+        text = self.call(build or self.options.bench_store, "--runs", self.options.runs, *arguments)
         return [json.loads(line) for line in text.splitlines()]
 
     def note(self, **line):
@@ -66,6 +68,11 @@ class Bench:
         self.lines.append({"bench": "store", **line})
         if self.options.json:
             self.options.json.write_text("".join(json.dumps(line) + "\n" for line in self.lines))
+
+    def mean_row(self, what, ratios, bar):
+        """The geometric mean of what each DEM takes beside the other."""
+        mean = statistics.geometric_mean(ratios)
+        self.row(what, f"mean of {len(ratios)}", mean, 1, "ratio", bar, "LERC_ZSTD")
 
     def row(self, what, data, ours, theirs, unit, bar=None, beside="GDAL"):
         """`bar`: ("<=" or ">=", ratio)."""
@@ -185,6 +192,21 @@ def compare_bytes(bench, posts, bound):
             "bytes, whole file": (store.stat().st_size, best[0])}
 
 
+def compare_before(bench, dem):
+    """{row: (this build's tiles a second, the other's)}, each on the store that it makes of the DEM, in turns."""
+    furrow, bench_store = bench.options.before
+    nodata = dem.source[1:]
+    store = bench.path("before.furrow")
+    bench.call(furrow, "import", *dem.source[:1], *nodata, "-o", store, "--overwrite")
+    found = {}
+    for _ in range(3):
+        for at, (build, path) in enumerate(((None, dem.store_path("default")), (bench_store, store))):
+            for line in bench.measure("read", path, build=build):
+                if line["subject"] == "" and line["row"] in ("encode", "decode", "decode native", "read"):
+                    found.setdefault(line["row"], ([], []))[at].append(line["tiles_s"])
+    return {row: tuple(map(statistics.median, rates)) for row, rates in found.items()}
+
+
 def compare_reads(bench, posts):
     """Encode, decode, read of the tiles that GDAL's blocks cover whole, cut from the south-west.
     [(row, subject or "", tiles, tiles a second)]; of GDAL's types the fastest."""
@@ -233,23 +255,31 @@ READS = (("encode", "LERC"), ("encode", "LERC_ZSTD"), ("encode", "ZSTD"), ("deco
 def compare_all_bytes(bench, all_posts, bound):
     """At each DEM's default bound (None), which has the bars, or at one for all."""
     label = "" if bound is None else f" at {bound:g} m"
-    sums = {}
+    sums, ratios = {}, []
     for posts in all_posts:
         sizes = compare_bytes(bench, posts, posts.default_error if bound is None else bound)
         for row, pair in sizes.items():
             sums[row] = [a + (b or 0) for a, b in zip(sums.get(row, [0, 0]), pair)]
-        bar = ("<=", 1.0) if bound is None else None
-        bench.row("bytes" + label, posts.name, *sizes["bytes"], "B", bar, "LERC_ZSTD")
+        bench.row("bytes" + label, posts.name, *sizes["bytes"], "B", ("<=", 0.9), "LERC_ZSTD")
+        if sizes["bytes"][1]:
+            ratios.append(sizes["bytes"][0] / sizes["bytes"][1])
+            bench.row("bytes, whole file" + label, posts.name, *sizes["bytes, whole file"], "B", None, "LERC_ZSTD")
+    if ratios:
+        bench.mean_row("bytes" + label, ratios, ("<=", 0.65))
     for row, (ours, theirs) in sums.items():
-        bar = ("<=", 0.8) if bound is None and row == "bytes" else None
+        bar = ("<=", 1.0) if row == "bytes, whole file" else None
         bench.row(row + label, "all DEMs", ours, theirs or None, "B", bar, "LERC_ZSTD")
 
 
 def dems(bench, folder):
     paths = [path for path in sorted(folder.iterdir()) if path.suffix.lower() in SUFFIXES]
     all_posts = [Posts(bench, path) for path in paths]
-    for bound in [None, *map(float, bench.options.max_error)]:
+    for bound in [None, *map(float, bench.options.max_error or (0.1, 0.01))]:
         compare_all_bytes(bench, all_posts, bound)
+    before = [compare_before(bench, posts) for posts in all_posts if bench.options.before]
+    for posts, rows in zip(all_posts, before):
+        for row, (ours, theirs) in rows.items():
+            bench.row(row, posts.name, ours, theirs, "tiles/s", (">=", 1) if row == "decode native" else None, "before")
     found = []
     for posts in all_posts:
         best = compare_reads(bench, posts)

@@ -238,6 +238,12 @@ static enum status write_rows(const struct export_request *request, struct store
 	return status;
 }
 
+/* So that the error bound of the import holds in the raster too. */
+static enum dem_raster_type float_type(const struct store_meta *meta)
+{
+	return height_code_float_holds(meta->step, fmax(fabs(meta->low), fabs(meta->high))) ? DEM_FLOAT32 : DEM_FLOAT64;
+}
+
 static enum status write_raster(const struct export_request *request, struct store *store)
 {
 	const struct store_meta *meta = store_meta(store);
@@ -256,7 +262,7 @@ static enum status write_raster(const struct export_request *request, struct sto
 		.height = rect.y1 - rect.y0,
 		.type = request->layer == LAYER_HILLSHADE ? DEM_UINT8
 			: request->png || request->raw	  ? DEM_UINT16
-			: metres			  ? DEM_FLOAT32
+			: metres			  ? float_type(meta)
 							  : DEM_INT32,
 		.srs = meta->srs,
 		.west = meta->origin[0] + (double)rect.x0 * spacing,

@@ -87,7 +87,7 @@ static void pack_next(struct conveyor *conveyor, struct store_packer *packer)
 	struct parcel *parcel = parcel_at(conveyor, index);
 	if (index >= conveyor->passing && conveyor->failure.status == STATUS_OK) {
 		mutex_unlock(&conveyor->mutex);
-		parcel->packed = store_pack(packer, parcel->codes);
+		parcel->packed = store_pack(packer, parcel->tile, parcel->codes);
 		memcpy(parcel->bytes, parcel->packed.bytes, parcel->packed.size);
 		parcel->packed.bytes = parcel->bytes;
 		mutex_lock(&conveyor->mutex);
@@ -210,7 +210,7 @@ static enum status put_alone(struct conveyor *conveyor, const struct dem_tile *t
 	struct store_range range = {tile->low, tile->high, tile->error};
 	if (conveyor->put++ < conveyor->passing)
 		return STATUS_OK;
-	struct store_packed packed = store_pack(conveyor->workers[0].packer, tile->codes);
+	struct store_packed packed = store_pack(conveyor->workers[0].packer, tile->tile, tile->codes);
 	store_put_misfit(conveyor->store, &tile->misfit, &tile->source);
 	return store_put_packed(conveyor->store, tile->tile, &packed, &range);
 }

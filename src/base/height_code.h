@@ -31,6 +31,14 @@ static inline float height_code_to_float(int32_t code)
 	return value;
 }
 
+/* Returns false if float32 would add to the error of heights up to `most` metres. It does above 16,384 m, if `step` is a multiple of 2^-10 m
+ * and no power of two. */
+static inline bool height_code_float_holds(double step, double most)
+{
+	int exponent;
+	return step == 0 || frexp(step, &exponent) == 0.5 || fmod(step * 1024, 1) != 0 || most < 16384;
+}
+
 /* Codes a height. Returns false if this is not possible: it is infinite, too far from zero for the step, or (step 0) not a
  * float32. NaN means nodata and becomes HEIGHT_CODE_NODATA. */
 static inline bool height_code_encode(double metres, double step, int32_t *code)

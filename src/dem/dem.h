@@ -217,7 +217,7 @@ void dem_synth_posts(const struct dem_synth *synth, struct post_rect rect, doubl
 bool dem_path_ends(const char *path, const char *extension); /* ignores case; extension as in ".png" */
 
 /* Rasters are written row by row from the south, under another name. When complete they are renamed. */
-enum dem_raster_type { DEM_FLOAT32, DEM_INT32, DEM_UINT8, DEM_UINT16 };
+enum dem_raster_type { DEM_FLOAT32, DEM_FLOAT64, DEM_INT32, DEM_UINT8, DEM_UINT16 };
 
 struct dem_raster {
 	const char *path;    /* .tif/.tiff (GDAL), .png, or .r16/.raw: little-endian, north row first */

@@ -25,11 +25,12 @@ double dem_raster_value(const struct dem_raster *raster, double value)
 	if (isnan(value)) {
 		if (raster->has_nodata)
 			return raster->nodata;
-		return raster->type == DEM_FLOAT32 ? value : 0;
+		return raster->type == DEM_FLOAT32 || raster->type == DEM_FLOAT64 ? value : 0;
 	}
 	double low = 0, high = 0;
 	switch (raster->type) {
 	case DEM_FLOAT32:
+	case DEM_FLOAT64:
 		return value;
 	case DEM_INT32:
 		low = INT32_MIN;

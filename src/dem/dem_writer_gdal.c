@@ -72,7 +72,7 @@ static enum status set_meaning(struct gdal_sink *gdal)
 
 enum status dem_gdal_sink(const struct dem_raster *raster, const char *part, struct dem_sink **out)
 {
-	static const GDALDataType types[] = {[DEM_FLOAT32] = GDT_Float32, [DEM_INT32] = GDT_Int32,
+	static const GDALDataType types[] = {[DEM_FLOAT32] = GDT_Float32, [DEM_FLOAT64] = GDT_Float64, [DEM_INT32] = GDT_Int32,
 					     [DEM_UINT8] = GDT_Byte, [DEM_UINT16] = GDT_UInt16};
 	enum status status = dem_gdal_init(raster->path);
 	if (status != STATUS_OK)

@@ -4,7 +4,7 @@
 #include <zstd.h>
 
 #include "base/wide.h"
-#include "store/codec_parts.h"
+#include "store/codec_levels.h"
 
 bool store_codec_read_head(struct codec *codec, unsigned known, const uint8_t **from, size_t *left, struct head *head)
 {
@@ -203,6 +203,20 @@ static bool read_zstd(struct codec *codec, const uint8_t *from, size_t left, int
 	for (size_t i = 0; i < count; i++)
 		rest[i] = codec_unzigzag(rest[i]);
 	finish_rows(codec, &head, rest, 0, codec->side, row_of_first(codec, head.first), posts);
+	return true;
+}
+
+bool store_codec_decode_half(struct codec *codec, int64_t id, const void *bytes, size_t size, int32_t *posts, size_t stride,
+			     int32_t *whole)
+{
+	const size_t side = codec->side, half = (side - 1) / 2;
+	if (id == CODEC_LEVELS && side - 1 > LEVELS_TOP)
+		return store_levels_decode_half(codec, bytes, size, posts, stride);
+	if (!store_codec_decode(codec, id, bytes, size, whole))
+		return false;
+	for (size_t y = 0; y <= half; y++)
+		for (size_t x = 0; x <= half; x++)
+			posts[y * stride + x] = whole[2 * y * side + 2 * x];
 	return true;
 }
 

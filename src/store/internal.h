@@ -82,7 +82,7 @@ struct rows {
 	struct codec codec;
 	int32_t *wide;            /* (cells + 1)^2 */
 	sqlite3_stmt *find[ROW_TABLES], *head[ROW_TABLES], *write[ROW_TABLES], *drop[ROW_TABLES],
-		*under[ROW_TABLES];
+		*under[ROW_TABLES], *below;
 	/* Of an overlay over a deformed store or over an overlay: what it inherits, and the rows of each layer under it. Then all
 	 * functions below give the row that counts: its own, or the nearest inherited one. NULL: the file alone counts. */
 	const struct lineage *lineage;
@@ -134,6 +134,21 @@ enum status store_rows_each(struct rows *rows, enum row_table table, uint64_t fi
 /* Counts the rows of a table, and the bytes of their blobs. */
 enum status store_rows_count(struct rows *rows, enum row_table table, int64_t *count, int64_t *bytes) FURROW_CHECKED;
 uint64_t store_rows_hash(enum row_table table, const struct row *row);
+/* Takes a row and its bytes from a statement's columns: low, high, error, codec, revision, hash, below, above, blob. Checks its numbers and
+ * its hash. */
+enum status store_rows_take(const struct rows *rows, enum row_table table, struct tile tile, sqlite3_stmt *statement, struct row *row)
+	FURROW_CHECKED;
+/* Says that a row is damaged, and how. Returns STATUS_INPUT. */
+enum status store_rows_bad(const struct rows *rows, enum row_table table, struct tile tile, const char *why);
+
+/* --- store_below.c: base tiles that are every second post of the tiles below them --- */
+
+/* Returns true for tiles that may be stored so: those of the odd levels above 0. */
+bool store_below_has(struct tile tile);
+/* Returns the blob of such a tile: bit i says that there is a tile (2x + i % 2, 2y + i / 2) below it. */
+uint8_t store_below_children(const struct extent *extent, struct tile tile);
+/* As store_rows_read(), for the base tiles for which store_below_has() is true, however they are stored. */
+enum status store_below_read(struct rows *rows, struct tile tile, int32_t *posts, struct row *row, bool *found) FURROW_CHECKED;
 
 /* Returns a post in metres; for disturbance the stored number. */
 double store_rows_metres(enum row_table table, int32_t post, double step);

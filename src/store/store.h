@@ -78,7 +78,8 @@ struct store_packed {
 enum status store_packer_create(const struct store_meta *meta, struct store_packer **out) FURROW_CHECKED;
 void store_packer_destroy(struct store_packer *packer); /* packer may be NULL */
 size_t store_packed_most(const struct store_packer *packer);
-struct store_packed store_pack(struct store_packer *packer, const int32_t *codes);
+/* A tile of an odd level above 0 takes no bytes: the tiles below it have its posts, and must be put before it. */
+struct store_packed store_pack(struct store_packer *packer, struct tile tile, const int32_t *codes);
 /* Adds to what the store says about errors; written with the tiles put before. */
 void store_put_misfit(struct store *store, const struct misfit *resampled, const struct misfit *source);
 enum status store_put_packed(struct store *store, struct tile tile, const struct store_packed *packed,

@@ -12,6 +12,8 @@
 
 struct store_packer {
 	struct codec codec;
+	struct extent extent;
+	uint8_t children;
 };
 
 enum status store_packer_create(const struct store_meta *meta, struct store_packer **out)
@@ -19,6 +21,7 @@ enum status store_packer_create(const struct store_meta *meta, struct store_pack
 	struct store_packer *packer = mem_calloc(1, sizeof *packer);
 	if (packer == NULL)
 		return fail_memory("packing tiles");
+	packer->extent = meta->extent;
 	enum status status = store_codec_init(&packer->codec, tile_posts(&meta->extent),
 					meta->pack == STORE_PACK_SMALL ? CODEC_SMALL : CODEC_GROUND);
 	if (status != STATUS_OK) {
@@ -41,9 +44,13 @@ size_t store_packed_most(const struct store_packer *packer)
 	return store_codec_bound(&packer->codec);
 }
 
-struct store_packed store_pack(struct store_packer *packer, const int32_t *codes)
+struct store_packed store_pack(struct store_packer *packer, struct tile tile, const int32_t *codes)
 {
 	struct store_packed packed;
+	if (store_below_has(tile)) {
+		packer->children = store_below_children(&packer->extent, tile);
+		return (struct store_packed){CODEC_BELOW, &packer->children, 1};
+	}
 	packed.codec = store_codec_encode(&packer->codec, codes, &packed.bytes, &packed.size);
 	return packed;
 }

@@ -71,6 +71,7 @@ void store_rows_finish(struct rows *rows)
 		sqlite3_finalize(rows->drop[i]);
 		sqlite3_finalize(rows->under[i]);
 	}
+	sqlite3_finalize(rows->below);
 	store_codec_finish(&rows->codec);
 	mem_free(rows->wide);
 	*rows = (struct rows){0};
@@ -92,7 +93,7 @@ void store_rows_text(const struct rows *rows, enum row_table table, struct tile 
 		 tile.x, tile.y);
 }
 
-static enum status row_bad(const struct rows *rows, enum row_table table, struct tile tile, const char *why)
+enum status store_rows_bad(const struct rows *rows, enum row_table table, struct tile tile, const char *why)
 {
 	char text[256];
 	store_rows_text(rows, table, tile, text, sizeof text);
@@ -167,7 +168,7 @@ static enum status find_own(struct rows *rows, enum row_table table, struct tile
 	if (code != SQLITE_ROW)
 		return store_sql_fail(rows->db, code, rows->path, "reading a tile");
 	take_head(*out, tile, row);
-	return head_sane(table, row) ? STATUS_OK : row_bad(rows, table, tile, "its range or sums make no sense");
+	return head_sane(table, row) ? STATUS_OK : store_rows_bad(rows, table, tile, "its range or sums make no sense");
 }
 
 static const struct lineage_entry *inherited(const struct rows *rows, enum row_table table, uint64_t key)
@@ -194,7 +195,7 @@ static enum status find_row(struct rows *rows, enum row_table table, struct tile
 	*at = rows->layers[entry->layer];
 	status = find_own(*at, table, tile, whole, row, found, out);
 	if (status == STATUS_OK && !*found)
-		status = row_bad(*at, table, tile, "it is listed and cannot be found");
+		status = store_rows_bad(*at, table, tile, "it is listed and cannot be found");
 	return status;
 }
 
@@ -227,10 +228,18 @@ static enum status take_bytes(const struct rows *rows, enum row_table table, sql
 	row->bytes = sqlite3_column_blob(statement, 8);
 	row->size = (size_t)sqlite3_column_bytes(statement, 8);
 	if (row->bytes == NULL)
-		return row_bad(rows, table, row->tile, "it is empty");
+		return store_rows_bad(rows, table, row->tile, "it is empty");
 	if (store_rows_hash(table, row) != row->hash)
-		return row_bad(rows, table, row->tile, "its hash is wrong");
+		return store_rows_bad(rows, table, row->tile, "its hash is wrong");
 	return STATUS_OK;
+}
+
+enum status store_rows_take(const struct rows *rows, enum row_table table, struct tile tile, sqlite3_stmt *statement, struct row *row)
+{
+	take_head(statement, tile, row);
+	if (!head_sane(table, row))
+		return store_rows_bad(rows, table, tile, "its range or sums make no sense");
+	return take_bytes(rows, table, statement, row);
 }
 
 /* `at`: the rows of the file that the statement reads. */
@@ -241,10 +250,10 @@ static enum status take_blob(struct rows *rows, const struct rows *at, enum row_
 	if (status != STATUS_OK)
 		return status;
 	if (!store_codec_decode(&rows->codec, row->codec, row->bytes, row->size, posts))
-		return row_bad(at, table, row->tile, "it cannot be decoded");
+		return store_rows_bad(at, table, row->tile, "it cannot be decoded");
 	size_t side = tile_posts(rows->extent);
 	if (!all_fit(table, posts, side * side))
-		return row_bad(at, table, row->tile, "it has posts beyond its plane's range");
+		return store_rows_bad(at, table, row->tile, "it has posts beyond its plane's range");
 	return STATUS_OK;
 }
 
@@ -253,6 +262,8 @@ enum status store_rows_read(struct rows *rows, enum row_table table, struct tile
 {
 	sqlite3_stmt *statement = NULL;
 	struct rows *at;
+	if (table == ROW_BASE && store_below_has(tile))
+		return store_below_read(rows, tile, posts, row, found);
 	enum status status = find_row(rows, table, tile, true, row, found, &statement, &at);
 	if (status == STATUS_OK && *found)
 		status = take_blob(rows, at, table, statement, row, posts);
@@ -342,7 +353,7 @@ enum status store_rows_copy(struct rows *from, struct rows *to, enum row_table t
 	bool found;
 	enum status status = find_row(from, table, tile, true, &row, &found, &statement, &at);
 	if (status == STATUS_OK && !found)
-		status = row_bad(at, table, tile, "it is listed and cannot be found");
+		status = store_rows_bad(at, table, tile, "it is listed and cannot be found");
 	if (status == STATUS_OK)
 		status = take_bytes(at, table, statement, &row);
 	row.revision = revision;

@@ -355,7 +355,24 @@ class Row:
 
     @functools.cached_property
     def decoded(self):
+        if self.codec == 5:
+            return self.every_second(), None
         return decode(self.codec, self.blob, self.side)
+
+    def every_second(self):
+        """A base tile of an odd level, from the tiles below it, which are stored otherwise."""
+        need(self.table == 0 and self.level > 0 and self.level % 2 == 1, "codec 5 at level", self.level)
+        half, posts, children = self.side // 2, [HOLE] * self.side**2, 0
+        for i in range(4):
+            below = self.base.get(key_of(self.level - 1, 2 * self.x + i % 2, 2 * self.y + i // 2))
+            if below:
+                need(below.codec != 5, "codec 5 below codec 5")
+                children |= 1 << i
+                for y in range(half + 1):
+                    at = (i // 2 * half + y) * self.side + i % 2 * half
+                    posts[at:at + half + 1] = below.posts[2 * y * self.side:(2 * y + 1) * self.side:2]
+        need(self.blob == bytes([children]), "tiles below", self.blob, "not", children)
+        return posts
 
     @property
     def posts(self):
@@ -384,6 +401,8 @@ class Store:
             self.rows = {table: {record["key"]: Row(record, self.cells + 1, table)
                                  for record in db.execute(f'SELECT * FROM "{table}" ORDER BY key')}
                          for table in TABLES}
+            for row in self.rows["base"].values():
+                row.base = self.rows["base"]
             self.run = db.execute("SELECT * FROM run").fetchall()
             self.history = db.execute("SELECT * FROM history ORDER BY revision DESC").fetchall()
         finally:

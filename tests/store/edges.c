@@ -49,7 +49,8 @@ static void ground_tile(const struct ground *ground, struct tile tile, int32_t *
 	}
 }
 
-static void ground_store(const struct ground *ground, enum store_pack pack, const char *path)
+/* `packed`: as an import puts tiles, so that those of odd levels have no bytes. */
+static void ground_store(const struct ground *ground, enum store_pack pack, bool packed, const char *path)
 {
 	struct store_meta meta = terrain_meta();
 	meta.extent = ground->extent;
@@ -59,14 +60,23 @@ static void ground_store(const struct ground *ground, enum store_pack pack, cons
 	struct store *store;
 	size_t side = ground->extent.cells + 1;
 	int32_t *codes = mem_alloc(side * side, sizeof *codes);
+	struct store_packer *packer;
 	assert_ok(store_create(path, &meta, true, &store));
+	assert_ok(store_packer_create(&meta, &packer));
 	for (int level = 0; level <= extent_coarsest(&meta.extent); level++)
 		for (uint32_t y = 0; y < extent_tiles_y(&meta.extent, level); y++)
 			for (uint32_t x = 0; x < extent_tiles_x(&meta.extent, level); x++) {
 				struct store_range range;
 				ground_tile(ground, (struct tile){level, x, y}, codes, &range);
-				assert_ok(store_put_base(store, (struct tile){level, x, y}, codes, &range));
+				struct store_packed blob = store_pack(packer, (struct tile){level, x, y}, codes);
+				assert_true(blob.size <= store_packed_most(packer));
+				assert_int_equal(blob.codec == CODEC_BELOW, level % 2 != 0);
+				if (packed)
+					assert_ok(store_put_packed(store, (struct tile){level, x, y}, &blob, &range));
+				else
+					assert_ok(store_put_base(store, (struct tile){level, x, y}, codes, &range));
 			}
+	store_packer_destroy(packer);
 	assert_ok(store_publish(store));
 	store_close(store);
 	mem_free(codes);
@@ -116,12 +126,13 @@ static void assert_edges(const struct ground *ground, struct store_reader *reade
 static void shared_posts_decode_to_the_same_bits_at_every_level(void **state)
 {
 	static const uint32_t cells[] = {8, 32};
-	for (uint32_t trial = 0; trial < 8; trial++) {
-		struct ground ground = {.extent = {.width = 150 + 13 * trial, .height = 111 + 5 * trial, .spacing = 2,
+	static const double steps[] = {0.125, 0, 204.0 / 1024, 0.3048};
+	for (uint32_t trial = 0; trial < 32; trial++) {
+		struct ground ground = {.extent = {.width = 150 + 13 * (trial % 8), .height = 111 + 5 * (trial % 8), .spacing = 2,
 						  .cells = cells[trial & 1]},
-					.step = trial & 2 ? 0 : 0.125, .seed = 100 + trial};
+					.step = steps[trial >> 1 & 3], .seed = 100 + trial};
 		const char *path = in_folder("edges.furrow");
-		ground_store(&ground, trial & 4 ? STORE_PACK_SMALL : STORE_PACK_FAST, path);
+		ground_store(&ground, trial & 8 ? STORE_PACK_SMALL : STORE_PACK_FAST, (trial & 16) != 0, path);
 		struct store *store = open_store(path, STORE_READ);
 		struct store_reader *reader;
 		assert_ok(store_reader_create(store, &reader));
@@ -139,10 +150,68 @@ static void shared_posts_decode_to_the_same_bits_at_every_level(void **state)
 	}
 }
 
+/* Writes a base row of a given codec and blob, with its right hash. */
+static void put_row(const char *path, struct tile tile, int64_t codec, const void *bytes, size_t size)
+{
+	struct store *store = open_store(path, STORE_WRITE);
+	struct row row = {.tile = tile, .low = -1, .high = 1, .codec = codec, .bytes = bytes, .size = size};
+	row.hash = store_rows_hash(ROW_BASE, &row);
+	assert_ok(store_rows_put(&store->rows, ROW_BASE, &row));
+	store_close(store);
+}
+
+/* The message for reading a tile of a store that is damaged. */
+static void assert_refused(const char *path, struct tile tile, const char *why)
+{
+	struct store *store = open_store(path, STORE_READ);
+	struct store_reader *reader;
+	int32_t *codes = mem_alloc(33 * 33, sizeof *codes);
+	assert_ok(store_reader_create(store, &reader));
+	assert_status(store_read_base(reader, tile, codes, NULL), STATUS_INPUT);
+	if (strstr(failure_message(), why) == NULL)
+		fail_msg("not '%s': %s", why, failure_message());
+	mem_free(codes);
+	store_reader_destroy(reader);
+	store_close(store);
+}
+
+static void a_tile_that_the_tiles_below_do_not_make_is_refused(void **state)
+{
+	const struct ground ground = {.extent = {.width = 150, .height = 40, .spacing = 2, .cells = 32}, .step = 0.125, .seed = 3};
+	const char *path = in_folder("damaged.furrow");
+	const struct tile odd = {1, 2, 0}, even = {2, 1, 0}, below = {0, 4, 1};
+	const uint8_t right = store_below_children(&ground.extent, odd), wrong = (uint8_t)(right ^ 2), rough[3] = {1, 2, 3};
+	char drop[96];
+	assert_int_equal(right, 5); /* the last column of two rows */
+	ground_store(&ground, STORE_PACK_FAST, true, path);
+	put_row(path, odd, CODEC_BELOW, &wrong, 1);
+	assert_refused(path, odd, "cannot be decoded");
+	put_row(path, odd, CODEC_BELOW, rough, 3);
+	assert_refused(path, odd, "cannot be decoded");
+	put_row(path, even, CODEC_BELOW, &right, 1); /* of an even level, and without a level below */
+	assert_refused(path, even, "cannot be decoded");
+	put_row(path, below, CODEC_BELOW, &right, 1);
+	assert_refused(path, below, "cannot be decoded");
+	put_row(path, odd, CODEC_BELOW, &right, 1);
+	assert_refused(path, odd, "level 0 x 4 y 1: it cannot be decoded");
+	put_row(path, below, CODEC_LEVELS, rough, 3);
+	assert_refused(path, odd, "level 0 x 4 y 1: it cannot be decoded");
+	snprintf(drop, sizeof drop, "UPDATE base SET low = -2 WHERE key = %lld", (long long)tile_key(below));
+	raw_sql(path, drop);
+	assert_refused(path, odd, "level 0 x 4 y 1: its hash is wrong");
+	snprintf(drop, sizeof drop, "DELETE FROM base WHERE key = %lld", (long long)tile_key(below));
+	raw_sql(path, drop);
+	assert_refused(path, odd, "a tile below it is missing");
+	snprintf(drop, sizeof drop, "DELETE FROM base WHERE key = %lld", (long long)tile_key(odd));
+	raw_sql(path, drop);
+	assert_refused(path, odd, "it is missing");
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(shared_posts_decode_to_the_same_bits_at_every_level),
+		cmocka_unit_test(a_tile_that_the_tiles_below_do_not_make_is_refused),
 	};
 	return cmocka_run_group_tests(tests, folder_make, folder_remove);
 }
