@@ -72,6 +72,7 @@ PAIRS = [
     ("forces", SCM, SCM | {"output": {"forces": 20}}),
     ("dirt", scene(WHEEL), scene(WHEEL, attributes=["dirt"])),
     ("subdivide", scene(WHEEL), scene(WHEEL, store="coarse.furrow")),
+    ("relief", scene(WHEEL, store="coarse.furrow"), scene(WHEEL, store="coarse.furrow", relief={"roughness": 0.02, "wavelength": 2, "seed": 7})),
     ("loaders", scene(WHEEL, **cache(0, 0)), scene(WHEEL, **cache(2, 0))),
     ("prefetch", scene(WHEEL, **cache(2, 0)), scene(WHEEL, **cache(2, 1.5))),
     ("picture", scene(WHEEL), SEEN),

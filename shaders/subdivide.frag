@@ -16,7 +16,7 @@ layout(std140, binding = 0) uniform params {
 	uint stride; // posts along a side of the patch
 	int shift;
 #ifdef RELIEF
-	int count; // of bands
+	int count; // of bands, each of the level that follows, the coarsest first
 	int down;  // bits from the sum of details to 2^-18 m
 	relief_band bands[RELIEF_BANDS];
 #endif
@@ -42,9 +42,10 @@ void main()
 				   texelFetch(patch_posts, p + ivec2(0, 1), 0).r,
 				   texelFetch(patch_posts, p + ivec2(1, 1), 0).r, f, shift);
 #ifdef RELIEF
-	i64 sum = i64_shl(i64_from(1), down - 1);
-	for (int i = 0; i < count; i++)
-		sum = i64_add(sum, relief_detail(bands[i], uvec2(gl_FragCoord.xy)));
+	i64 sum = i64(0, 0u);
+	for (int i = count; i-- > 0;)
+		sum = relief_add(sum, relief_detail(bands[i], uvec2(gl_FragCoord.xy)));
+	sum = i64_add(sum, i64_shl(i64_from(1), down - 1));
 	if (base != BASE_NODATA)
 		base += i64_to_int(i64_sar(sum, down));
 #endif

@@ -4,7 +4,7 @@ struct relief_band {
 	uint key;
 	int amplitude;
 	int depth; // a cell of the band has 2 << depth posts along a side
-	int shift;
+	int unused;
 	uvec2 cell; // where the tile begins: in which cell,
 	uvec2 rest; // and at which of its posts
 };
@@ -25,10 +25,11 @@ uint relief_edges(uint key, uvec2 p)
 
 int relief_half_height(uint number, int amplitude)
 {
-	return i64_to_int(i64_sar(i64_mul(2 * int(number) - 65535, amplitude), 16));
+	i64 product = i64_mul(2 * int(number) - 65535, amplitude);
+	return (product.hi << 16) | int(product.lo >> 16);
 }
 
-// The detail of one level at a post of the tile, times 2^(2 depth + shift), in 2^-24 m.
+// The detail of one level at a post of the tile, times 2^(2 depth), in 2^-24 m.
 i64 relief_detail(relief_band band, uvec2 post)
 {
 	uvec2 at = band.rest + post, cell = band.cell + (at >> (band.depth + 1));
@@ -43,6 +44,11 @@ i64 relief_detail(relief_band band, uvec2 post)
 	int r = relief_half_height(relief_edges(band.key, cell + uvec2(1u, 0u)) >> 16, band.amplitude);
 	i64 sum = i64_mul(-(s + n + l + r), w.x * w.y);
 	sum = i64_add(sum, i64_mul(2 * (south ? s : n), w.x * (q - w.y)));
-	sum = i64_add(sum, i64_mul(2 * (west ? l : r), (q - w.x) * w.y));
-	return i64_shl(sum, band.shift);
+	return i64_add(sum, i64_mul(2 * (west ? l : r), (q - w.x) * w.y));
+}
+
+// Four times the sum of the levels that are finer by one each, and the next.
+i64 relief_add(i64 finer, i64 detail)
+{
+	return i64_add(i64((finer.hi << 2) | int(finer.lo >> 30), finer.lo << 2), detail);
 }

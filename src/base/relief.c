@@ -259,7 +259,6 @@ int relief_parts(const struct relief *relief, int level, int from, int64_t x, in
 			.key = band->key,
 			.amplitude = relief->amplitudes[0][band->index],
 			.depth = band->depth,
-			.shift = band->shift,
 			.cell = {(uint32_t)band->first_x, (uint32_t)band->first_y},
 			.rest = {(uint32_t)(x & part), (uint32_t)(y & part)},
 		};

@@ -31,7 +31,7 @@ struct relief_waves {
 struct relief_spec {
 	uint32_t seed;
 	int classes;      /* 0: no relief; 1: the same everywhere */
-	uint64_t map[2];  /* hash of the raster of classes; 0 without classes */
+	uint64_t map[2];  /* hash of the raster of classes, and of which class a value is; 0 without classes */
 	struct relief_waves waves[RELIEF_CLASSES];
 };
 
@@ -64,10 +64,11 @@ struct relief_part {
 	uint32_t key;
 	int32_t amplitude;
 	int32_t depth;         /* a cell of the next coarser level has 2 << depth posts of the tile along a side */
-	int32_t shift;         /* to bring all levels to one denominator */
+	int32_t unused;
 	uint32_t cell[2], rest[2]; /* of the tile's first post: the cell it lies in, and at which of its posts */
 };
-/* Finds them for a tile whose first post is (x, y). *down: the sum of all parts is to be shifted down by so many bits, rounded half up. Returns
+/* Finds them for a tile whose first post is (x, y). *down: the sum is to be shifted down by so many bits, rounded half up. The last
+ * part is the finest level, and each part before it counts a quarter of the next. Returns
  * how many there are. */
 int relief_parts(const struct relief *relief, int level, int from, int64_t x, int64_t y, struct relief_part parts[RELIEF_BANDS], int *down);
 /* Returns a height, in metres, that no post of any level is raised or lowered by more, where the base is of level `from`. relief may be NULL: 0. */

@@ -225,7 +225,6 @@ static void add_relief(XXH3_state_t *state, const struct scene *scene)
 	if (relief->classes > 1) {
 		add_whole(state, relief->map[0]);
 		add_whole(state, relief->map[1]);
-		XXH3_128bits_update(state, scene->soil_class, sizeof scene->soil_class);
 	}
 }
 

@@ -1,4 +1,7 @@
 /* Checks the relief of a scene and fills its values, for all ground or for each class of soil. */
+#include <string.h>
+#include <xxhash.h>
+
 #include "scene/scene_check.h"
 #include "scene/scene_error.h"
 
@@ -20,6 +23,19 @@ static enum status check_class(const struct scene_tree *tree, const struct raw_r
 	return STATUS_OK;
 }
 
+/* Which class is where: the raster's bytes, and what each of its values means. */
+static void hash_map(const struct scene *scene, uint64_t hash[2])
+{
+	struct {
+		uint64_t raster[2];
+		uint8_t classes[sizeof scene->soil_class];
+	} parts = {.raster = {scene->soil_map_hash[0], scene->soil_map_hash[1]}};
+	memcpy(parts.classes, scene->soil_class, sizeof parts.classes);
+	const XXH128_hash_t whole = XXH3_128bits(&parts, sizeof parts);
+	hash[0] = whole.high64;
+	hash[1] = whole.low64;
+}
+
 enum status scene_check_relief(const struct scene_tree *tree, const struct raw_scene *raw, struct scene *scene)
 {
 	const struct raw_relief *relief = raw->relief;
@@ -35,8 +51,7 @@ enum status scene_check_relief(const struct scene_tree *tree, const struct raw_s
 				   "soil: {map: FILE, classes: {...}, default: ...}");
 	if (relief->classes_count > 0) {
 		spec->classes = scene->soil_count;
-		spec->map[0] = scene->soil_map_hash[0];
-		spec->map[1] = scene->soil_map_hash[1];
+		hash_map(scene, spec->map);
 	}
 	for (int i = 0; i < spec->classes; i++)
 		spec->waves[i] = (struct relief_waves){relief->roughness, relief->wavelength};

@@ -169,6 +169,12 @@ class Relief(FurrowTest):
         few = self.scene(relief, more=soil + "cache: {slots: 4, loaders: 0}\n", name="few.yaml")
         self.drive(few, "--overlay", "few.furrow")
         self.assertEqual(self.rows("over.furrow"), self.rows("few.furrow"))
+        # The same list of classes, and other values for them: another ground.
+        other = soil.replace("{1: dry_sand, 2: mud}", "{2: dry_sand, 1: mud}")
+        swapped = self.scene("{roughness: 0.05, wavelength: 3, seed: 7, classes: {2: 0, 1: {roughness: 0.2, wavelength: 1}}}", more=other, name="swapped.yaml")
+        result = self.furrow("drive", swapped, "--store", "flat.furrow", "--overlay", "over.furrow", "-o", "out2")
+        self.assertEqual(result.returncode, 3)
+        self.assertIn("was deformed over relief", result.stderr)
         for wrong, why in (("classes: {4: 0.1}", "4 is no class of soil.classes"), ("classes: [{value: 1, roughness: 1}, {value: 1, roughness: 2}]", "each value once"),
                            ("classes: {1: 11}", "is out of range")):
             scene = self.scene("{roughness: 0.05, wavelength: 3, " + wrong + "}", more=soil, name="wrong.yaml")
