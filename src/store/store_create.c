@@ -113,7 +113,7 @@ static enum status connect_part(struct store *store)
 {
 	enum status status = store_connect_file(store->part_path, store->path, true, false, &store->db);
 	return status == STATUS_OK ? store_sql_exec(store->db, store->path, "making the store",
-					      "PRAGMA page_size=16384; PRAGMA auto_vacuum=INCREMENTAL; "
+					      "PRAGMA page_size=8192; PRAGMA auto_vacuum=INCREMENTAL; "
 					      "PRAGMA journal_mode=DELETE; PRAGMA synchronous=FULL; "
 					      "PRAGMA locking_mode=EXCLUSIVE; PRAGMA cache_size=-16000")
 				   : status;

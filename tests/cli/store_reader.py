@@ -452,7 +452,7 @@ class Store:
         return signed(xxh3(b"".join(map(bits_of, words))), 64)
 
     def check_file(self, db):
-        for name, value in (("application_id", 0x46757277), ("user_version", 5), ("page_size", 16384), ("auto_vacuum", 2)):
+        for name, value in (("application_id", 0x46757277), ("user_version", 5), ("page_size", 8192), ("auto_vacuum", 2)):
             found = db.execute(f"PRAGMA {name}").fetchone()[0]
             need(found == value, name, found)
         found = sorted(sql for sql, in db.execute("SELECT sql FROM sqlite_schema WHERE name NOT LIKE 'sqlite_%'"))

@@ -221,7 +221,7 @@ static void changed_bytes_in_either_file_do_no_harm(void **state)
 			memcpy(bytes, good, size);
 			for (uint32_t i = 0; i < 1 + round % 5; i++) {
 				uint32_t h = mix(round, i, 17);
-				size_t page = h % (size / 16384) * 16384;
+				size_t page = h % (size / 8192) * 8192;
 				size_t at = h & 0x10000 ? (page + mix(h, 1, 1) % 200) % size : mix(h, 2, 1) % size;
 				bytes[at] = (char)mix(h, 3, 1);
 			}
