@@ -8,6 +8,7 @@
 #include "store/codec_levels.h"
 #include "store/codec_widths.h"
 
+#define SAMPLE_ROWS 4           /* even: all of them are odd rows */
 #define ABSOLUTE_MOST (1 << 26) /* of posts: then no sum of level_between() leaves int32 */
 
 /* --- what is coded: posts, or posts minus `first` and without their common zero bits --- */
@@ -174,22 +175,54 @@ FURROW_WIDE static size_t take_widths(const int32_t *rest, size_t blocks, uint8_
 	return sum;
 }
 
-/* Residuals and widths of the prediction that packs better. Returns whether that is the one from
- * four posts. */
+/* Residuals of every SAMPLE_ROWS-th row of the finest grid, predicted along its columns; 0 where a
+ * hole takes part. Returns what the widths of their blocks sum to. */
+static inline __attribute__((always_inline)) size_t
+sample_rows(const int32_t *values, uint32_t side, bool cubic, int32_t *rest, uint8_t *widths)
+{
+	size_t sum = 0;
+	const size_t two = 2 * (size_t)side;
+	for (uint32_t y = 3; y + 3 < side; y += SAMPLE_ROWS) {
+		const int32_t *row = values + (size_t)y * side, *a = row - side, *b = row + side,
+		              *l = a - two, *r = b + two;
+		for (uint32_t x = 0; x + 1 < side; x++) {
+			bool hole = (row[x] == CODEC_NODATA) | (a[x] == CODEC_NODATA) |
+			            (b[x] == CODEC_NODATA) | (l[x] == CODEC_NODATA) |
+			            (r[x] == CODEC_NODATA);
+			int32_t less =
+			        (int32_t)((uint32_t)row[x] -
+			                  (uint32_t)level_between(l[x], a[x], b[x], r[x], cubic));
+			rest[x] = hole ? 0 : less;
+		}
+		sum += take_widths(rest, (side - 1) / LEVELS_BLOCK, widths);
+	}
+	return sum;
+}
+
+#define SAMPLE(name, cubic)                                                                        \
+	FURROW_WIDE static size_t name(const int32_t *values, uint32_t side, int32_t *rest,        \
+	                               uint8_t *widths)                                            \
+	{                                                                                          \
+		return sample_rows(values, side, cubic, rest, widths);                             \
+	}
+SAMPLE(sample_linear, false)
+SAMPLE(sample_cubic, true)
+
+/* Residuals and widths, by the prediction that packs a sample of rows better. Returns whether that
+ * is the one from four posts. */
 static bool choose(struct codec *codec, const int32_t *values, uint32_t first, bool holes)
 {
 	const size_t count = plane_posts(codec), blocks = level_blocks(LEVELS_TOP, codec->side - 1);
-	size_t sum[2];
-	for (int cubic = 0; cubic < 2; cubic++) {
-		int32_t *rest = (int32_t *)codec->orders[cubic];
-		struct level_grid finest = {(int32_t *)(holes ? codec->filled : values),
-		                            codec->side};
-		if (holes)
-			memcpy(codec->filled, values, count * sizeof *values);
-		take_residuals(codec, finest, first, cubic != 0, holes, rest);
-		sum[cubic] = take_widths(rest, blocks, codec->widths[cubic]);
-	}
-	return sum[1] < sum[0];
+	int32_t *rest = (int32_t *)codec->orders[0];
+	uint8_t *widths = codec->widths[0];
+	const bool cubic = sample_cubic(values, codec->side, rest, widths) <
+	                   sample_linear(values, codec->side, rest, widths);
+	struct level_grid finest = {(int32_t *)(holes ? codec->filled : values), codec->side};
+	if (holes)
+		memcpy(codec->filled, values, count * sizeof *values);
+	take_residuals(codec, finest, first, cubic, holes, rest);
+	take_widths(rest, blocks, widths);
+	return cubic;
 }
 
 /* --- bytes --- */
@@ -265,9 +298,9 @@ void store_levels_encode(struct codec *codec, const int32_t *posts, const struct
 		head.flags |= head.scale > 0 ? 0 : CODEC_RELATIVE;
 	}
 	const bool cubic = choose(codec, values, values == posts ? head.first : 0, holes);
-	const int32_t *rest = (const int32_t *)codec->orders[cubic];
-	const uint8_t *widths = codec->widths[cubic];
-	uint8_t *symbols = codec->widths[!cubic];
+	const int32_t *rest = (const int32_t *)codec->orders[0];
+	const uint8_t *widths = codec->widths[0];
+	uint8_t *symbols = codec->widths[1];
 	uint32_t counts[WIDTHS_SYMBOLS];
 	struct widths_code code;
 	struct part parts[2] = {{.first = LEVELS_TOP, .last = level_half(cells)},
