@@ -95,6 +95,7 @@ void world_deform_params(const struct world *world, struct deform_params *params
 		.relief = isnan(world->meta->low) ? 0 : world->meta->high - world->meta->low + 2 * relief_bound(world_relief(world), 0),
 		.depth = scene->depth,
 		.undisturbed_stable = scene->undisturbed == SCENE_STABLE,
+		.unsettled = world->was_deformed,
 		.tolerance = scene->tolerance,
 		.bulldozing = scene->bulldozing,
 		.slip_sinkage = scene->slip_sinkage,

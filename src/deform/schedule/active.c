@@ -18,6 +18,8 @@
  * (4) Staging buffers are made once. When a visit or a period ends, its staging buffer goes to the end of the array.
  * (5) `touched` holds every post that changed since the deform was made, and every post that deform_touch named. While flags
  * are on their way, the posts that they may name are in `maybe`.
+ * (6) Invariants 1 and 2 keep blocks active that need not be. To visit them changes nothing, since their soil is at rest. It may not be
+ * where another drive left it (params.unsettled). Then an interval waits until all flags are here.
  * A contact changes only posts that it writes. A contact above the undisturbed ground changes only posts that changed
  * before. A visit changes only posts within `iterations` posts of a changed one: where two posts exchange soil, one of the
  * two has changed before. The flags tell which parts of blocks changed.
@@ -87,6 +89,15 @@ static void ask_swept(struct deform *deform)
 	uint32_t dirty = active->used + WINDOW_BLOCKS;
 	gpu_buffer_clear(active->contact_flags, 0, (dirty < CONTACT_WORDS ? dirty : CONTACT_WORDS) * sizeof(uint32_t));
 	active->used = 0;
+}
+
+/* True if flags of a visit, or of contacts, are still on their way. */
+static bool are_under_way(const struct active *active)
+{
+	bool are = active->visit_count > 0;
+	for (size_t i = 0; i <= active->visit_count; i++)
+		are = are || active->periods[i].asked;
+	return are;
 }
 
 struct place_flags deform_active_flags(struct deform *deform, const struct deform_window *window, uint32_t layer)
@@ -197,10 +208,13 @@ enum status deform_active_visit(struct deform *deform, const struct block_set **
 {
 	const struct deform_block *list;
 	size_t count;
-	enum status status = deform->active->visit_count == VISITS ? deform_active_wait(deform) : STATUS_OK;
+	bool came;
+	ask_swept(deform);
+	enum status status = deform_active_settle(deform, &came);
+	if (status == STATUS_OK && (deform->params.unsettled ? are_under_way(deform->active) : deform->active->visit_count == VISITS))
+		status = deform_active_wait(deform);
 	if (status != STATUS_OK)
 		return status;
-	ask_swept(deform);
 	*blocks = &deform->active->blocks;
 	return deform_active_blocks(deform, &list, &count);
 }
