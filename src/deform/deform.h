@@ -242,7 +242,7 @@ struct deform_params {
 	/* undisturbed ground is stable: soil slides only from a post that has risen above its neighbour, or to one that has
 	 * sunk. Otherwise the caller must have activated all steep ground */
 	bool undisturbed_stable;
-	/* ground that nobody activated may be steeper than this soil stands, as a drive with another soil left it. A block that an interval
+	/* ground that nobody activated may be too steep for this soil, as a drive with another soil left it. A block that an interval
 	 * visits needlessly would then change, so an interval waits for all flags from the GPU */
 	bool unsettled;
 	double bulldozing;   /* scm: share of the plastic flow that is laid around the object, 0 .. 1 */
