@@ -172,6 +172,13 @@ static bool is_constant(const int32_t *posts, size_t count)
 	return true;
 }
 
+static enum codec_id take_levels(const struct codec *codec, size_t levels, const void **bytes, size_t *size)
+{
+	*bytes = codec->squeezed;
+	*size = levels;
+	return CODEC_LEVELS;
+}
+
 enum codec_id store_codec_encode(struct codec *codec, const int32_t *posts, const void **bytes, size_t *size)
 {
 	*bytes = codec->body;
@@ -187,19 +194,26 @@ enum codec_id store_codec_encode(struct codec *codec, const int32_t *posts, cons
 	head.scale = same_bits(posts, plane_posts(codec), head.first);
 	if (head.scale > 0)
 		head.flags |= CODEC_SCALED;
+	size_t levels = SIZE_MAX;
 	if (codec->effort == CODEC_GROUND) {
-		store_levels_encode(codec, posts, &head, size);
-		*bytes = codec->squeezed;
-		return CODEC_LEVELS;
+		const bool suit = store_levels_suit(codec, posts);
+		store_levels_encode(codec, posts, &head, &levels);
+		if (suit)
+			return take_levels(codec, levels, bytes, size);
 	}
+	struct head same = head;
 	if (choose_residuals(codec, posts, head.first, holes, head.scale))
 		head.flags |= CODEC_SLOPE;
 	size_t flat, body = write_body(codec, &head, &flat);
 	*size = body;
+	enum codec_id id = CODEC_PACKED;
 	if (codec->effort == CODEC_SMALL ? squeeze_zstd(codec, &head, body, size)
 					 : flat >= plane_blocks(codec) / 16 && squeeze_lz4(codec, body, size)) {
 		*bytes = codec->squeezed;
-		return codec->effort == CODEC_SMALL ? CODEC_ZSTD : CODEC_LZ4;
+		id = codec->effort == CODEC_SMALL ? CODEC_ZSTD : CODEC_LZ4;
 	}
-	return CODEC_PACKED;
+	if (levels > *size || codec->effort != CODEC_GROUND)
+		return id;
+	store_levels_encode(codec, posts, &same, &levels); /* again: the body is where they were */
+	return take_levels(codec, levels, bytes, size);
 }

@@ -208,6 +208,23 @@ sample_rows(const int32_t *values, uint32_t side, bool cubic, int32_t *rest, uin
 SAMPLE(sample_linear, false)
 SAMPLE(sample_cubic, true)
 
+bool store_levels_suit(struct codec *codec, const int32_t *posts)
+{
+	const size_t blocks = (codec->side - 1) / LEVELS_BLOCK;
+	uint8_t *widths = codec->widths[0];
+	int32_t *rest = (int32_t *)codec->orders[0];
+	size_t rows = 0, flat = 0;
+	for (uint32_t y = 3; y + 3 < codec->side; y += SAMPLE_ROWS, rows++) {
+		const int32_t *row = posts + (size_t)y * codec->side, *up = row - codec->side;
+		for (uint32_t x = 0; x + 1 < codec->side; x++)
+			rest[x] = (int32_t)((uint32_t)row[x + 1] - (uint32_t)row[x] - ((uint32_t)up[x + 1] - (uint32_t)up[x]));
+		take_widths(rest, blocks, widths);
+		for (size_t i = 0; i < blocks; i++)
+			flat += widths[i] == 0;
+	}
+	return flat < rows * blocks / 8;
+}
+
 /* Residuals and widths, by the prediction that packs a sample of rows better. Returns whether that
  * is the one from four posts. */
 static bool choose(struct codec *codec, const int32_t *values, uint32_t first, bool holes)

@@ -69,8 +69,10 @@ bool store_codec_read_head(struct codec *codec, unsigned known, const uint8_t **
 /* Makes holes of the posts that `mask` has. */
 void store_codec_apply_mask(const uint8_t *mask, size_t count, int32_t *posts);
 
-/* Planes in levels (codec_levels.h). store_levels_encode() writes into codec->squeezed. The decoders return false if the bytes are
+/* Planes in levels (codec_levels.h). store_levels_suit() looks at some rows. It returns false if many blocks
+ * are flat, as between the edges of buildings. Then levels may take more bytes than a body. store_levels_encode() writes into codec->squeezed. The decoders return false if the bytes are
  * none. store_levels_decode_half() makes every second post only, in rows of `stride`. */
+bool store_levels_suit(struct codec *codec, const int32_t *posts);
 void store_levels_encode(struct codec *codec, const int32_t *posts, const struct head *head, size_t *size);
 bool store_levels_decode(struct codec *codec, const uint8_t *from, size_t size, int32_t *posts);
 bool store_levels_decode_half(struct codec *codec, const uint8_t *from, size_t size, int32_t *posts, size_t stride);
