@@ -11,7 +11,8 @@
 #define COMMIT_SECONDS 2.0
 
 struct store_packer {
-	struct codec codec;
+	struct codec ground, small; /* `small` only of a small store: the shorter blob is taken */
+	bool is_small;
 	struct extent extent;
 	uint8_t children;
 };
@@ -22,10 +23,12 @@ enum status store_packer_create(const struct store_meta *meta, struct store_pack
 	if (packer == NULL)
 		return fail_memory("packing tiles");
 	packer->extent = meta->extent;
-	enum status status = store_codec_init(&packer->codec, tile_posts(&meta->extent),
-					meta->pack == STORE_PACK_SMALL ? CODEC_SMALL : CODEC_GROUND);
+	packer->is_small = meta->pack == STORE_PACK_SMALL;
+	enum status status = store_codec_init(&packer->ground, tile_posts(&meta->extent), CODEC_GROUND);
+	if (status == STATUS_OK && packer->is_small)
+		status = store_codec_init(&packer->small, tile_posts(&meta->extent), CODEC_SMALL);
 	if (status != STATUS_OK) {
-		mem_free(packer);
+		store_packer_destroy(packer);
 		return status;
 	}
 	*out = packer;
@@ -34,14 +37,16 @@ enum status store_packer_create(const struct store_meta *meta, struct store_pack
 
 void store_packer_destroy(struct store_packer *packer)
 {
-	if (packer != NULL)
-		store_codec_finish(&packer->codec);
+	if (packer == NULL)
+		return;
+	store_codec_finish(&packer->ground);
+	store_codec_finish(&packer->small);
 	mem_free(packer);
 }
 
 size_t store_packed_most(const struct store_packer *packer)
 {
-	return store_codec_bound(&packer->codec);
+	return store_codec_bound(&packer->ground);
 }
 
 struct store_packed store_pack(struct store_packer *packer, struct tile tile, const int32_t *codes)
@@ -51,7 +56,12 @@ struct store_packed store_pack(struct store_packer *packer, struct tile tile, co
 		packer->children = store_below_children(&packer->extent, tile);
 		return (struct store_packed){CODEC_BELOW, &packer->children, 1};
 	}
-	packed.codec = store_codec_encode(&packer->codec, codes, &packed.bytes, &packed.size);
+	packed.codec = store_codec_encode(&packer->ground, codes, &packed.bytes, &packed.size);
+	if (packer->is_small) {
+		struct store_packed other;
+		other.codec = store_codec_encode(&packer->small, codes, &other.bytes, &other.size);
+		packed = other.size < packed.size ? other : packed;
+	}
 	return packed;
 }
 
