@@ -43,8 +43,8 @@ void exchange_frame_earth_centred(const struct exchange_frame *frame, double lon
 /*
  * --- zooms.c: the tiles of each zoom level ---
  *
- * A dense zoom level has all tiles that touch the terrain. Zoom levels finer than level 0 of the store are sparse: they have the
- * tiles that touch a deformed tile of the working level.
+ * A dense zoom level has all tiles that touch the terrain. Zoom levels finer than level 0 of the store are sparse. They have the
+ * tiles that touch a deformed tile of the working level, if that is as fine. They also have those that touch an inset as fine as that.
  */
 struct exchange_zoom {
 	bool globe;  /* mesh tiles, y from the south; otherwise map tiles, y from the north */
@@ -54,7 +54,8 @@ struct exchange_zoom {
 	int control; /* exact positions are that many samples apart, a power of two; between them they are interpolated */
 	int64_t x0, y0, x1, y1; /* the tiles lie in this rectangle, x0 <= x < x1 */
 	bool sparse;
-	struct key_set tiles; /* those that touch a deformed tile, by exchange_zoom_key; of sparse zoom levels and of the finest map */
+	struct key_set tiles;    /* of a sparse one: those that are there, by exchange_zoom_key */
+	struct key_set deformed; /* of maps from zoom level `ruts` on: those that touch a deformed tile */
 	bool some;            /* only the tiles in `due` are to be made */
 	struct key_set due;
 	uint64_t *order;      /* of a sparse one, or of `due`: the keys, sorted; NULL: dense and whole */
@@ -68,6 +69,8 @@ struct exchange_zooms {
 	int64_t revision;
 	bool deformed;        /* the store has a working level */
 	int working;
+	int finest;           /* level of the store, at most 0, that the finest zoom level shows */
+	int ruts;             /* the map whose pixels are as fine as the working level; coarser ruts are made of finer ones */
 };
 static inline uint64_t exchange_zoom_key(const struct exchange_zoom *zoom, int64_t x, int64_t y)
 {

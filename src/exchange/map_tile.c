@@ -176,12 +176,12 @@ static enum status sample_ruts(struct exchange_maker *maker)
 
 static enum status put_ruts(struct exchange_maker *maker, const struct exchange_zoom *zoom, struct tile tile)
 {
-	bool finest = zoom->z == maker->zooms->map[1], any = false;
+	bool sampled = zoom->z >= maker->zooms->ruts, any = false;
 	enum status status = STATUS_OK;
 	maker->bytes.size = 0;
-	if (!maker->zooms->deformed || (finest && !key_set_has(&zoom->tiles, exchange_zoom_key(zoom, tile.x, tile.y))))
+	if (!maker->zooms->deformed || (sampled && !key_set_has(&zoom->deformed, exchange_zoom_key(zoom, tile.x, tile.y))))
 		return exchange_maker_put(maker, EXCHANGE_RUTS, tile);
-	status = finest ? sample_ruts(maker) : gather_ruts(maker, tile);
+	status = sampled ? sample_ruts(maker) : gather_ruts(maker, tile);
 	if (status != STATUS_OK)
 		return status;
 	maker->bytes.size = 0;

@@ -3,7 +3,8 @@
  *
  *  1. The finest dense zoom level of a map is the first whose pixels are no larger than level 0's spacing. That of a globe is the one
  *     whose samples are nearest to it: a mesh tile takes 80 bytes a sample.
- *  2. Finer ones, down to the spacing of the working level, are sparse.
+ *  2. Finer ones are sparse: those down to the spacing of the working level have tiles where something drove, those down to the
+ *     spacing of an inset have tiles where it lies.
  *  3. The coarsest map shows the terrain within a tile or so. A globe begins at zoom 0, whose two tiles clients ask for always.
  */
 #include "exchange/internal.h"
@@ -48,7 +49,7 @@ static enum status add_tile(void *user, uint64_t key)
 		size_t room = list->room != 0 ? 2 * list->room : 64;
 		struct rect *grown = mem_realloc(list->rects, room, sizeof *grown);
 		if (grown == NULL)
-			return fail_memory("the deformed tiles");
+			return fail_memory("the tiles of a level");
 		list->rects = grown;
 		list->room = room;
 	}
@@ -217,14 +218,65 @@ static int first_map(const struct exchange_frame *frame, const struct extent *ex
 	return zoom.z;
 }
 
-static enum status plan_zoom(struct exchange_zooms *zooms, const struct exchange_frame *frame, const struct extent *extent, bool globe, int z,
-			     int dense, const struct rects *deformed, const struct rects *changed)
+struct planning {
+	struct exchange_zooms *zooms;
+	const struct exchange_frame *frame;
+	const struct extent *extent;
+	struct store_reader *reader;
+	int finest_base;                 /* level of the finest inset; 0: there is none */
+	struct rects deformed, changed;  /* tiles of the working level */
+};
+
+/* The first zoom level that is as fine as a level of the store. */
+static int zoom_of(const struct planning *planning, bool globe, int level)
 {
+	return first_within(planning->frame, globe, extent_spacing(planning->extent, level));
+}
+
+/* Adds the tiles where insets lie that are at least as fine as a sparse zoom level shows. */
+static enum status add_insets(const struct planning *planning, struct exchange_zoom *zoom)
+{
+	struct rects insets = {planning->frame, NULL, 0, 0};
+	int level = -1;
+	while (level >= planning->finest_base && zoom_of(planning, zoom->globe, level) < zoom->z)
+		level--;
+	enum status status = STATUS_OK;
+	if (level >= planning->finest_base)
+		status = store_each_base(planning->reader, level, add_tile, &insets);
+	if (status == STATUS_OK)
+		status = add_tiles(planning->frame, zoom, &insets, 0, 0, &zoom->tiles);
+	mem_free(insets.rects);
+	return status;
+}
+
+static enum status plan_tiles(const struct planning *planning, struct exchange_zoom *zoom)
+{
+	const struct exchange_zooms *zooms = planning->zooms;
+	const struct exchange_frame *frame = planning->frame;
+	enum status status = STATUS_OK;
+	if (zoom->sparse && zooms->deformed && zoom->z <= zoom_of(planning, zoom->globe, zooms->working))
+		status = add_tiles(frame, zoom, &planning->deformed, 0, 0, &zoom->tiles);
+	if (status == STATUS_OK && zoom->sparse)
+		status = add_insets(planning, zoom);
+	if (status == STATUS_OK && !zoom->globe && zoom->z >= zooms->ruts)
+		status = add_tiles(frame, zoom, &planning->deformed, 0, 0, &zoom->deformed);
+	/* A change shows in the cells around it, and in the slopes of the next samples. */
+	double more = 2 * fmax(zoom->step, extent_spacing(planning->extent, zoom->level));
+	if (status == STATUS_OK && zoom->some)
+		status = add_tiles(frame, zoom, &planning->changed, more, zoom->globe ? 1 : 0, &zoom->due);
+	return status;
+}
+
+static enum status plan_zoom(const struct planning *planning, bool globe, int z, int dense, bool some)
+{
+	struct exchange_zooms *zooms = planning->zooms;
+	const struct exchange_frame *frame = planning->frame;
+	const struct extent *extent = planning->extent;
 	struct exchange_zoom *zoom = &zooms->zooms[zooms->count++];
-	*zoom = (struct exchange_zoom){.globe = globe, .z = z, .sparse = z > dense};
+	*zoom = (struct exchange_zoom){.globe = globe, .z = z, .sparse = z > dense, .some = some};
 	zoom->step = step_of(frame, zoom);
 	long level = lround(log2(zoom->step / extent->spacing));
-	long finest = zoom->sparse ? zooms->working : 0, coarsest = extent_coarsest(extent);
+	long finest = zoom->sparse ? zooms->finest : 0, coarsest = extent_coarsest(extent);
 	zoom->level = (int)(level < finest ? finest : level > coarsest ? coarsest : level);
 	double all[4] = {0, 0, (double)(extent->width - 1) * extent->spacing, (double)(extent->height - 1) * extent->spacing};
 	int64_t range[4];
@@ -235,58 +287,60 @@ static enum status plan_zoom(struct exchange_zooms *zooms, const struct exchange
 	}
 	zoom->x0 = range[0], zoom->y0 = range[1], zoom->x1 = range[2], zoom->y1 = range[3];
 	zoom->control = exchange_place_control(frame, zoom);
-	enum status status = STATUS_OK;
-	if (zoom->sparse || (!globe && z == zooms->map[1]))
-		status = add_tiles(frame, zoom, deformed, 0, 0, &zoom->tiles);
-	/* A change shows in the cells around it, and in the slopes of the next samples. */
-	double more = 2 * fmax(zoom->step, extent_spacing(extent, zoom->level));
-	zoom->some = changed != NULL;
-	if (status == STATUS_OK && zoom->some)
-		status = add_tiles(frame, zoom, changed, more, globe ? 1 : 0, &zoom->due);
+	enum status status = plan_tiles(planning, zoom);
 	if (status == STATUS_OK && (zoom->some || zoom->sparse))
 		return sort_keys(zoom->some ? &zoom->due : &zoom->tiles, zoom);
 	zoom->units = blocks(zoom->x0, zoom->x1) * blocks(zoom->y0, zoom->y1);
 	return status;
 }
 
-static enum status plan(struct exchange_zooms *zooms, const struct exchange_frame *frame, const struct extent *extent,
-			const struct rects *deformed, const struct rects *changed)
+static enum status plan(const struct planning *planning, bool some)
 {
-	double finest = zooms->deformed && zooms->working < 0 ? extent_spacing(extent, zooms->working) : extent->spacing;
-	int dense = first_within(frame, false, extent->spacing), mesh = first_within(frame, true, extent->spacing);
-	zooms->map[1] = first_within(frame, false, finest);
-	zooms->mesh[1] = first_within(frame, true, finest);
-	zooms->map[0] = first_map(frame, extent);
+	struct exchange_zooms *zooms = planning->zooms;
+	int working = zooms->deformed && zooms->working < 0 ? zooms->working : 0;
+	zooms->finest = working < planning->finest_base ? working : planning->finest_base;
+	int dense = zoom_of(planning, false, 0), mesh = zoom_of(planning, true, 0);
+	zooms->ruts = zoom_of(planning, false, working);
+	zooms->map[1] = zoom_of(planning, false, zooms->finest);
+	zooms->mesh[1] = zoom_of(planning, true, zooms->finest);
+	zooms->map[0] = first_map(planning->frame, planning->extent);
 	zooms->map[0] = zooms->map[0] < dense ? zooms->map[0] : dense;
 	zooms->mesh[0] = 0;
 	enum status status = STATUS_OK;
 	for (int z = zooms->map[1]; z >= zooms->map[0] && status == STATUS_OK; z--)
-		status = plan_zoom(zooms, frame, extent, false, z, dense, deformed, changed);
+		status = plan_zoom(planning, false, z, dense, some);
 	for (int z = zooms->mesh[1]; z >= 0 && status == STATUS_OK; z--)
-		status = plan_zoom(zooms, frame, extent, true, z, mesh, deformed, changed);
+		status = plan_zoom(planning, true, z, mesh, some);
 	return status;
 }
 
 enum status exchange_zooms_init(struct exchange_zooms *zooms, const struct exchange_frame *frame, struct store_reader *reader,
 				struct store *store, int64_t since)
 {
-	const struct extent *extent = &frame->meta->extent;
-	struct rects deformed = {frame, NULL, 0, 0}, changed = {frame, NULL, 0, 0};
+	struct planning planning = {
+		.zooms = zooms,
+		.frame = frame,
+		.extent = &frame->meta->extent,
+		.reader = reader,
+		.finest_base = store_finest_base(store),
+		.deformed = {frame, NULL, 0, 0},
+		.changed = {frame, NULL, 0, 0},
+	};
 	*zooms = (struct exchange_zooms){.count = 0};
 	zooms->deformed = store_has_working_level(store, &zooms->working);
 	enum status status = STATUS_OK;
 	if (zooms->deformed)
-		status = store_each_offset(reader, zooms->working, add_tile, &deformed);
+		status = store_each_offset(reader, zooms->working, add_tile, &planning.deformed);
 	/* Revisions begin at 1; those after INT64_MAX are none. */
 	if (status == STATUS_OK)
-		status = store_each_changed(reader, since >= 0 ? since : INT64_MAX, add_tile, &changed, &zooms->revision);
+		status = store_each_changed(reader, since >= 0 ? since : INT64_MAX, add_tile, &planning.changed, &zooms->revision);
 	if (status == STATUS_OK && since > zooms->revision)
 		status = fail_with(STATUS_INPUT, "--since %lld: the store's last revision is %lld; give that, or export all tiles again if the store "
 				   "was reset", (long long)since, (long long)zooms->revision);
 	if (status == STATUS_OK)
-		status = plan(zooms, frame, extent, &deformed, since >= 0 ? &changed : NULL);
-	mem_free(deformed.rects);
-	mem_free(changed.rects);
+		status = plan(&planning, since >= 0);
+	mem_free(planning.deformed.rects);
+	mem_free(planning.changed.rects);
 	if (status != STATUS_OK)
 		exchange_zooms_finish(zooms);
 	return status;
@@ -296,6 +350,7 @@ void exchange_zooms_finish(struct exchange_zooms *zooms)
 {
 	for (size_t i = 0; i < zooms->count; i++) {
 		key_set_finish(&zooms->zooms[i].tiles);
+		key_set_finish(&zooms->zooms[i].deformed);
 		key_set_finish(&zooms->zooms[i].due);
 		mem_free(zooms->zooms[i].order);
 	}

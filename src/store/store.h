@@ -200,8 +200,11 @@ enum status store_read_deformed(struct store_reader *reader, struct tile tile, u
 /* Reads the range of offsets over the tile and all finer tiles below it, in metres. *found is false if there is no row. */
 enum status store_read_offset_range(struct store_reader *reader, struct tile tile, double *low,
 				    double *high, bool *found) FURROW_CHECKED;
-/* Calls `fn` with the key of each tile that has an offset row at `level`, in the order of keys. */
+/* Calls `fn` with the key of each base tile of a level, in the order of keys. Below level 0 these are the tiles where insets lie that
+ * are at least as fine. STATUS_INPUT: a tile is outside the terrain. */
 typedef enum status (*store_key_fn)(void *user, uint64_t key);
+enum status store_each_base(struct store_reader *reader, int level, store_key_fn fn, void *user) FURROW_CHECKED;
+/* The same for each tile that has an offset row at `level`. */
 enum status store_each_offset(struct store_reader *reader, int level, store_key_fn fn, void *user)
 	FURROW_CHECKED;
 /* The same for any plane: each tile that has a row of it, even if it has no offset. */

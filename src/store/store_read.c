@@ -216,14 +216,9 @@ enum status store_read_offset_range(struct store_reader *reader, struct tile til
 	return status;
 }
 
-enum status store_each_offset(struct store_reader *reader, int level, store_key_fn fn, void *user)
-{
-	return store_each_plane(reader, PLANE_OFFSET, level, fn, user);
-}
-
 struct keys {
 	const struct rows *rows;
-	enum plane plane;
+	enum row_table table;
 	store_key_fn fn;
 	void *user;
 };
@@ -234,13 +229,28 @@ static enum status pass_key(void *user, const struct row_entry *entry)
 	if (extent_has(keys->rows->extent, tile_from_key(entry->key)))
 		return keys->fn(keys->user, entry->key);
 	return fail_with(STATUS_INPUT, "%s: it has an %s tile outside its terrain; the store is damaged, restore it",
-			 keys->rows->path, store_rows_name(row_table_of(keys->plane)));
+			 keys->rows->path, store_rows_name(keys->table));
+}
+
+static enum status each_key(struct rows *rows, enum row_table table, int level, store_key_fn fn, void *user)
+{
+	struct keys keys = {rows, table, fn, user};
+	uint64_t first, last;
+	level_keys(level, &first, &last);
+	return store_rows_each(rows, table, first, last, pass_key, &keys);
+}
+
+enum status store_each_base(struct store_reader *reader, int level, store_key_fn fn, void *user)
+{
+	return each_key(reader->base, ROW_BASE, level, fn, user);
+}
+
+enum status store_each_offset(struct store_reader *reader, int level, store_key_fn fn, void *user)
+{
+	return each_key(&reader->rows, ROW_OFFSET, level, fn, user);
 }
 
 enum status store_each_plane(struct store_reader *reader, enum plane plane, int level, store_key_fn fn, void *user)
 {
-	struct keys keys = {&reader->rows, plane, fn, user};
-	uint64_t first, last;
-	level_keys(level, &first, &last);
-	return store_rows_each(&reader->rows, row_table_of(plane), first, last, pass_key, &keys);
+	return each_key(&reader->rows, row_table_of(plane), level, fn, user);
 }
