@@ -3,7 +3,8 @@
  *
  * A look predicts which tiles will be needed. Walkers move along the tracks of bodies and the way of the camera, one for each,
  * beginning at the present time. The walker with the earliest time moves next. At each of its places it adds the tiles around it
- * to the list. The look ends at its time limit, or when the list or the number of places is full. Then the tiles of the list are
+ * to the list. Where an inset lies, these are tiles of all its levels, the finest first, and the steps are as small as those tiles ask
+ * for. The look ends at its time limit, or when the list or the number of places is full. Then the tiles of the list are
  * loaded, those needed soonest first. The next look begins when an eighth of the predicted time has passed.
  *
  * Invariants:
@@ -16,13 +17,15 @@
  */
 #include "motion/prefetcher.h"
 
+#include "motion/insets.h"
+
 #include <assert.h>
 #include <math.h>
 #include <stdatomic.h>
 #include <string.h>
 
 #define PREFETCHER_THREAD "furrow-ahead"
-#define TILE_PARTS 16 /* a walker's places are a sixteenth of a tile's width apart */
+#define TILE_PARTS 16 /* a walker's places are a sixteenth of the finest tile's width apart */
 #define PLACES_MAX 65536 /* most places in one look */
 #define RANGES_ROOM 1024 /* most ranges that wait to be loaded */
 
@@ -30,17 +33,18 @@ struct walker {
 	const struct track *track; /* NULL: the camera's */
 	int64_t past;              /* the last path sample whose time has passed */
 	int64_t sample, last;      /* path sample where the walker is; the last one of the track */
-	int64_t stride;            /* path samples from one place to the next */
 	double time;               /* of the walker, s; INFINITY: it is at the end of its track */
+	int level;                 /* finest level that may have tiles on the way to the next place */
+	int before;                /* the same, on the way from the last place */
 };
 
 struct prefetcher {
 	struct prefetcher_params params;
 	const struct extent *extent;
 	struct store_reader *reader;
+	struct inset_areas insets;
 	struct walker *walkers;
 	size_t walker_count;
-	double camera_stride; /* s */
 	struct tile *list;    /* soonest needed first */
 	uint32_t listed;
 	struct thread thread;
@@ -69,66 +73,122 @@ static bool add_tile(struct prefetcher *prefetcher, struct tile tile)
 	return true;
 }
 
-/* Adds the tiles within half the distance between two places, so that successive places miss no tile. Returns false if the list is
- * full. */
-static bool add_place(struct prefetcher *prefetcher, double x, double y)
+/* Returns the distance between two places where tiles of `level` lie, in posts of level 0. */
+static double step_of(const struct prefetcher *prefetcher, int level)
+{
+	return ldexp(prefetcher->extent->cells, level) / TILE_PARTS;
+}
+
+/* Adds the tiles of a level within `reach` of (px, py), in posts of level 0. Returns false if the list is full. */
+static bool add_level(struct prefetcher *prefetcher, int level, double px, double py, double reach)
 {
 	const struct extent *extent = prefetcher->extent;
-	double reach = 0.5 * extent->cells / TILE_PARTS, px = x / extent->spacing, py = y / extent->spacing;
 	double x0 = fmax(px - reach, 0), x1 = fmin(px + reach, (double)(extent->width - 1));
 	double y0 = fmax(py - reach, 0), y1 = fmin(py + reach, (double)(extent->height - 1));
 	if (x0 > x1 || y0 > y1)
 		return true; /* outside */
-	struct tile first = resident_ground_tile(extent, x0, y0), last = resident_ground_tile(extent, x1, y1);
+	struct tile first = resident_ground_tile_of(extent, level, x0, y0), last = resident_ground_tile_of(extent, level, x1, y1);
 	bool room = true;
 	for (uint32_t ty = first.y; ty <= last.y; ty++)
-		for (uint32_t tx = first.x; tx <= last.x; tx++)
-			room = room && add_tile(prefetcher, (struct tile){0, tx, ty});
+		for (uint32_t tx = first.x; tx <= last.x; tx++) {
+			const struct tile tile = {level, tx, ty};
+			bool stored;
+			/* What cannot be read is left to the ground's owner. */
+			if (resident_ground_stored(prefetcher->params.ground, prefetcher->reader, tile, &stored) == STATUS_OK && stored)
+				room = room && add_tile(prefetcher, tile);
+		}
 	return room;
+}
+
+/* Adds the tiles within half the distance to the places before and after, so that successive places miss no tile. On a way where a level
+ * may have no tiles none of them is looked for. Returns false if the list is full. */
+static bool add_place(struct prefetcher *prefetcher, const struct walker *walker, double x, double y)
+{
+	bool room = true;
+	/* The owner reads the finest level first. */
+	for (int level = walker->level < walker->before ? walker->level : walker->before; level <= 0 && room; level++) {
+		double after = walker->level <= level ? step_of(prefetcher, walker->level) : 0;
+		double before = walker->before <= level ? step_of(prefetcher, walker->before) : 0;
+		room = add_level(prefetcher, level, x / prefetcher->extent->spacing, y / prefetcher->extent->spacing, 0.5 * fmax(after, before));
+	}
+	return room;
+}
+
+/* Returns the points where a walker needs the ground: one of its track, at most two of the camera. */
+static size_t places_of(const struct prefetcher *prefetcher, const struct walker *walker, double places[2][2])
+{
+	if (walker->track == NULL)
+		return prefetcher->params.camera(prefetcher->params.user, walker->time, places);
+	struct track_point point;
+	motion_track_sample(walker->track, walker->sample, &point);
+	places[0][0] = point.x;
+	places[0][1] = point.y;
+	return 1;
 }
 
 static bool add_walker(struct prefetcher *prefetcher, const struct walker *walker)
 {
-	if (walker->track != NULL) {
-		struct track_point point;
-		motion_track_sample(walker->track, walker->sample, &point);
-		return add_place(prefetcher, point.x, point.y);
-	}
 	double places[2][2];
-	size_t count = prefetcher->params.camera(prefetcher->params.user, walker->time, places);
+	size_t count = places_of(prefetcher, walker, places);
 	bool room = true;
 	for (size_t i = 0; i < count; i++)
-		room = room && add_place(prefetcher, places[i][0], places[i][1]);
+		room = room && add_place(prefetcher, walker, places[i][0], places[i][1]);
 	return room;
 }
 
-static int64_t next_sample(const struct walker *walker, int64_t from)
+/* Finds out how large the walker's next step may be: a large one must not pass over an inset. */
+static void look_around(const struct prefetcher *prefetcher, struct walker *walker)
 {
-	return walker->last - from > walker->stride ? from + walker->stride : walker->last;
+	double places[2][2], spacing = prefetcher->extent->spacing;
+	walker->before = walker->level;
+	walker->level = 0;
+	if (prefetcher->insets.count == 0)
+		return;
+	size_t count = places_of(prefetcher, walker, places);
+	for (size_t i = 0; i < count; i++) {
+		int level = motion_insets_level(&prefetcher->insets, places[i][0] / spacing, places[i][1] / spacing, step_of(prefetcher, 0));
+		walker->level = level < walker->level ? level : walker->level;
+	}
+}
+
+static int64_t next_sample(const struct prefetcher *prefetcher, const struct walker *walker)
+{
+	double stride = floor(step_of(prefetcher, walker->level) * prefetcher->extent->spacing / prefetcher->params.post);
+	int64_t samples = stride > 1 ? (int64_t)stride : 1;
+	return walker->last - walker->sample > samples ? walker->sample + samples : walker->last;
 }
 
 static void begin(struct prefetcher *prefetcher, struct walker *walker, double now)
 {
-	if (walker->track == NULL) {
-		walker->time = now;
-		return;
-	}
-	for (int64_t next; (next = next_sample(walker, walker->past)) != walker->past; walker->past = next)
-		if (motion_track_sample_time(walker->track, next) > now || atomic_load(&prefetcher->stopping))
-			break;
+	walker->time = now;
 	walker->sample = walker->past;
+	look_around(prefetcher, walker);
+	walker->before = walker->level;
+	if (walker->track == NULL)
+		return;
+	for (int64_t next; (next = next_sample(prefetcher, walker)) != walker->sample && !atomic_load(&prefetcher->stopping);) {
+		if (motion_track_sample_time(walker->track, next) > now)
+			break;
+		walker->sample = next;
+		look_around(prefetcher, walker);
+	}
+	walker->past = walker->sample;
 	walker->time = motion_track_sample_time(walker->track, walker->sample);
 }
 
 static void go_on(const struct prefetcher *prefetcher, struct walker *walker)
 {
+	const struct prefetcher_params *params = &prefetcher->params;
 	if (walker->track == NULL) {
-		walker->time += prefetcher->camera_stride;
-		return;
+		double step = step_of(prefetcher, walker->level) * prefetcher->extent->spacing / params->camera_speed;
+		walker->time += fmin(fmax(step, params->prefetch / 1024), params->prefetch / 16);
+	} else {
+		int64_t next = next_sample(prefetcher, walker);
+		walker->time = next == walker->sample ? (double)INFINITY : motion_track_sample_time(walker->track, next);
+		walker->sample = next;
 	}
-	int64_t next = next_sample(walker, walker->sample);
-	walker->time = next == walker->sample ? INFINITY : motion_track_sample_time(walker->track, next);
-	walker->sample = next;
+	if (walker->time < (double)INFINITY)
+		look_around(prefetcher, walker);
 }
 
 /* Lists the tiles that will be needed from `now` on, s. Returns the time until which the list has all of them. */
@@ -214,19 +274,9 @@ static void *body(void *argument)
 static void mount_walkers(struct prefetcher *prefetcher)
 {
 	const struct prefetcher_params *params = &prefetcher->params;
-	double side = prefetcher->extent->cells * prefetcher->extent->spacing;
 	prefetcher->walker_count = params->count + (params->camera != NULL);
-	for (size_t i = 0; i < params->count; i++) {
-		const struct track *track = params->tracks[i];
-		double stride = floor(side / TILE_PARTS / params->post);
-		prefetcher->walkers[i] = (struct walker){
-			.track = track,
-			.last = motion_track_samples(track) - 1,
-			.stride = stride > 1 ? (int64_t)stride : 1,
-		};
-	}
-	prefetcher->camera_stride =
-		fmin(fmax(side / TILE_PARTS / params->camera_speed, params->prefetch / 1024), params->prefetch / 16);
+	for (size_t i = 0; i < params->count; i++)
+		prefetcher->walkers[i] = (struct walker){.track = params->tracks[i], .last = motion_track_samples(params->tracks[i]) - 1};
 }
 
 void motion_prefetcher_plan(double prefetch, size_t count, struct plan *plan)
@@ -257,6 +307,8 @@ enum status motion_prefetcher_create(const struct prefetcher_params *params, str
 	if (status == STATUS_OK)
 		mount_walkers(prefetcher);
 	if (status == STATUS_OK)
+		status = motion_insets_init(params->store, &prefetcher->insets);
+	if (status == STATUS_OK)
 		status = store_reader_create(params->store, &prefetcher->reader);
 	if (status == STATUS_OK)
 		status = thread_start(&prefetcher->thread, body, prefetcher, PREFETCHER_THREAD);
@@ -285,6 +337,7 @@ void motion_prefetcher_destroy(struct prefetcher *prefetcher)
 	store_reader_destroy(prefetcher->reader);
 	mem_free(prefetcher->list);
 	mem_free(prefetcher->walkers);
+	motion_insets_finish(&prefetcher->insets);
 	condition_finish(&prefetcher->changed);
 	mutex_finish(&prefetcher->mutex);
 	mem_free(prefetcher);

@@ -27,8 +27,6 @@ struct ground {
 	uint64_t forgotten; /* how often all of `offsets` were forgotten */
 };
 
-/* Finds out if the store has this base tile, with the caller's reader. Any thread. */
-enum status resident_ground_stored(struct ground *ground, struct store_reader *reader, struct tile tile, bool *stored) FURROW_CHECKED;
 /* Gives the stored posts of a tile that the store has, for the owner. They are valid while the mutex is held. */
 enum status resident_ground_posts_locked(struct ground *ground, struct tile tile, const int32_t **posts) FURROW_CHECKED;
 /* Widens low .. high by all posts of a rectangle that are not nodata. Rows are `stride` posts apart. Returns true if all have data. */

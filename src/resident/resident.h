@@ -86,6 +86,8 @@ void resident_ground_figures(struct ground *ground, struct resident_ground_figur
 /* Returns the level-0 tile that contains the point (x, y), in posts of level 0. The point must be in the world. */
 struct tile resident_ground_tile(const struct extent *extent, double x, double y);
 struct tile resident_ground_tile_of(const struct extent *extent, int level, double x, double y); /* the same, of another level */
+/* Tells what resident_ground_has_base does. What is not known yet is looked up with the caller's own reader. */
+enum status resident_ground_stored(struct ground *ground, struct store_reader *reader, struct tile tile, bool *stored) FURROW_CHECKED;
 /* Returns true if the tile is in memory, and marks it as just used. */
 bool resident_ground_touch(struct ground *ground, struct tile tile);
 /* Reads a tile that the store has, with the caller's own reader, and keeps it. The owner is not delayed. The tile replaces the least recently used

@@ -70,11 +70,13 @@ enum status world_open_soil_map(struct world *world)
 	return world_needs_soil_map(world->scene) ? resident_soil_map_open(&params, &world->soil_map) : STATUS_OK;
 }
 
-/* Returns the number of tiles of the ground: a few for each object, up to a limit. */
+/* Returns the number of tiles of the ground: a few for each object, and one more for each level below 0 where there are insets, up to a
+ * limit. */
 uint32_t world_ground_tiles(const struct world *world)
 {
 	size_t side = tile_posts(&world->meta->extent), most = GROUND_BYTES / (side * side * sizeof(int32_t));
-	size_t tiles = 4 + 4 * world->scene->object_count;
+	size_t objects = world->scene->object_count + 1, insets = world->store != NULL ? (size_t)-store_finest_base(world->store) : 0;
+	size_t tiles = (4 + insets) * objects;
 	tiles = tiles < most ? tiles : most;
 	tiles = tiles < GROUND_MOST ? tiles : GROUND_MOST;
 	return tiles > GROUND_LEAST ? (uint32_t)tiles : GROUND_LEAST;
