@@ -70,8 +70,7 @@ enum status world_open_soil_map(struct world *world)
 	return world_needs_soil_map(world->scene) ? resident_soil_map_open(&params, &world->soil_map) : STATUS_OK;
 }
 
-/* Returns the number of tiles of the ground: a few for each object, and one more for each level below 0 where there are insets, up to a
- * limit. */
+/* Returns the number of tiles of the ground: a few for each object, up to a limit. Insets add one for each of their levels. */
 uint32_t world_ground_tiles(const struct world *world)
 {
 	size_t side = tile_posts(&world->meta->extent), most = GROUND_BYTES / (side * side * sizeof(int32_t));
