@@ -8,7 +8,10 @@
 #include "page/page_internal.h"
 
 #include <assert.h>
+#include <math.h>
 #include <string.h>
+
+#define COMMIT_REST 4 /* commits that follow each other by age take at most a fifth of the writer's time */
 
 /* --- life --- */
 
@@ -189,9 +192,8 @@ static bool commit_is_due_locked(const struct page_cache *cache)
 	uint32_t changed = cache->queue.waiting.count + cache->table.dirty;
 	if (cache->commit != PAGE_COMMIT_NONE)
 		return changed >= 2 * params->queue_soft;
-	return changed >= params->queue_soft ||
-	       (params->commit_age > 0 && cache->dirty_since > 0 &&
-		clock_seconds() - cache->dirty_since > params->commit_age);
+	const double age = fmax(params->commit_age, COMMIT_REST * cache->commit_took);
+	return changed >= params->queue_soft || (params->commit_age > 0 && cache->dirty_since > 0 && clock_seconds() - cache->dirty_since > age);
 }
 
 enum status page_cache_end_step(struct page_cache *cache, const void *record)

@@ -149,6 +149,7 @@ struct page_cache {
 	void *commit_record;
 	struct page_host *commit_snapshot; /* the only image for snapshots, in no list; NULL: there is none */
 	double dirty_since;     /* clock_seconds of the oldest change that no commit contains yet; 0: there is none */
+	double commit_took;     /* s that the last commit took the writer */
 	_Atomic bool giving_up; /* a rollback waits for the commit in flight, which may stop early */
 	struct failure failure; /* sticky */
 	struct page_stats stats;

@@ -27,10 +27,12 @@ void *page_writer_body(void *argument)
 			cache->commit_images[count++] = &host->image;
 		mutex_unlock(&cache->mutex);
 		const struct page_io *io = &cache->params.io;
+		const double began = clock_seconds();
 		enum status status =
 			io->commit(io->user, cache->commit_images, count, cache->commit_record,
 				   cache->commit_snapshot != NULL ? &cache->commit_snapshot->image : NULL);
 		mutex_lock(&cache->mutex);
+		cache->commit_took = clock_seconds() - began;
 		if (status == STATUS_OK) {
 			cache->stats.commits++;
 			cache->stats.writebacks += count;

@@ -28,18 +28,20 @@ struct pages_layout resident_pages_layout_of(uint32_t cells, unsigned planes, bo
 	return layout;
 }
 
-/* Returns the number of changed pages that start a commit. More pages cost less each, but need memory. */
-static uint32_t commit_pages_most(uint32_t slots, const struct pages_layout *layout)
+/* Returns the number of changed pages that start a commit. More pages cost less each, but need memory. Pages that change step after step
+ * must not start one: each step would wait for the one before. */
+static uint32_t commit_pages_most(const struct pages_params *params, const struct pages_layout *layout)
 {
 	enum { LEAST = 4, MOST = 64 };
 	size_t fit = layout->changed > 0 ? COMMIT_BYTES / layout->changed : MOST;
 	uint32_t pages = fit < LEAST ? LEAST : fit > MOST ? MOST : (uint32_t)fit;
-	return pages < slots ? pages : slots;
+	pages = pages > 2 * params->work_pages ? pages : 2 * params->work_pages;
+	return pages < params->count ? pages : params->count;
 }
 
 static struct page_params cache_params(const struct pages_params *params, const struct pages_layout *layout)
 {
-	uint32_t soft = commit_pages_most(params->count, layout);
+	uint32_t soft = commit_pages_most(params, layout);
 	return (struct page_params){
 		.slots = params->count,
 		.loaders = params->loaders,

@@ -234,6 +234,7 @@ struct pages_params {
 	int level;               /* the working level */
 	uint32_t count, loaders;
 	uint32_t step_pages;     /* most pages that one step can change; bounds the queue */
+	uint32_t work_pages;     /* pages that change step after step; fewer than twice as many do not start a commit */
 	struct pages_record record;
 	struct pages_sums before; /* sums of this drive at the time when these pages were made */
 	FILE *commit_log;           /* a line for each commit; NULL: none */

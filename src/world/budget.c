@@ -106,6 +106,16 @@ enum status world_budget_check(struct world *world)
 	return STATUS_OK;
 }
 
+uint32_t world_work_pages(const struct world *world)
+{
+	double pages = 0, side = world->spacing * world->meta->extent.cells;
+	for (size_t i = 0; i < world->scene->object_count; i++) {
+		const double across = 1 + 2 * deform_shape_bound(&world->scene->objects[i].shape) / side;
+		pages += world->bodies[i].track != NULL ? across * across : 0;
+	}
+	return pages < 1e6 ? (uint32_t)ceil(pages) : 1000000;
+}
+
 uint32_t world_step_pages(const struct world *world)
 {
 	/* Path samples that one step can have for an object, and the tiles that they can lie on. A way crosses at most two rows

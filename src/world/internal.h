@@ -130,6 +130,8 @@ bool world_deforms(const struct world *world); /* true if bodies change the grou
 enum status world_shape_budget(struct world *world, const char *name, const struct deform_shape *shape) FURROW_CHECKED;
 /* --- budget.c: most pages that one step can touch; bounds the queue --- */
 uint32_t world_step_pages(const struct world *world);
+/* Pages that objects of the scene lie on at one time, in the mean over where tiles begin. */
+uint32_t world_work_pages(const struct world *world);
 
 /* --- events.c --- */
 

@@ -185,6 +185,7 @@ void world_pages_params(const struct world *world, struct pages_params *params)
 		.count = scene->slots,
 		.loaders = scene->loaders,
 		.step_pages = world_step_pages(world),
+		.work_pages = world_work_pages(world),
 		.record = world_record_pages(scene),
 		.commit_age = COMMIT_AGE,
 		.before_read_back = before_read_back,
