@@ -160,7 +160,7 @@ class Explain(FurrowTest):
 
     def test_no_size_is_told_as_a_power(self):
         self.synth()
-        view = VIEW.replace("[64, 48]", "[416, 268]")  # 999.75 KiB once
+        view = VIEW.replace("[64, 48]", "[128, 487]")  # 999.75 KiB once
         text = self.ok("explain", self.scene(BARE), "--store", "world.furrow", "--set", "view=" + view)
         self.assertIn("\n  0.976 MiB    once", text)
         self.assertNotIn("e+", text)
