@@ -42,9 +42,9 @@ enum status progress_step(void *user, int64_t done, int64_t total)
 	if (now - progress->shown > (progress->terminal ? TERMINAL_SECONDS : LOG_SECONDS)) {
 		double elapsed = now - progress->started, rate = elapsed > 0 ? (double)done / elapsed : 0;
 		double left = rate > 0 ? (double)(total - done) / rate : 0;
-		fprintf(stderr, "%s%s: %lld of %lld %s (%.0f %%), %.0f a second, %.0f s left%s", progress->terminal ? "\r" : "furrow: note: ",
+		fprintf(stderr, "%s%s: %lld of %lld %s (%.0f %%), %.*f a second, %.0f s left%s", progress->terminal ? "\r" : "furrow: note: ",
 			progress->what, (long long)done, (long long)total, progress->unit,
-			total > 0 ? 100.0 * (double)done / (double)total : 100.0, rate, left, progress->terminal ? "\033[K" : "\n");
+			total > 0 ? 100.0 * (double)done / (double)total : 100.0, rate < 10 ? 2 : 0, rate, left, progress->terminal ? "\033[K" : "\n");
 		fflush(stderr);
 		progress->shown = now;
 	}

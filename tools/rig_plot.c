@@ -46,18 +46,6 @@ static void widen(double value, double *low, double *high)
 	*high = fmax(*high, value);
 }
 
-/* Rounds an axis outward to steps of 1, 2 or 5 times a power of ten, about seven of them. */
-static void round_axis(double *low, double *high, double *step)
-{
-	if (!(*high > *low)) {
-		*low = isfinite(*low) ? *low - 0.5 : 0;
-		*high = *low + 1;
-	}
-	*step = svg_step((*high - *low) / 7);
-	*low = floor(*low / *step + 1e-9) * *step;
-	*high = ceil(*high / *step - 1e-9) * *step;
-}
-
 static bool axes(const struct rig_table *table, struct panel *panel)
 {
 	double *low = panel->low, *high = panel->high;
@@ -77,7 +65,7 @@ static bool axes(const struct rig_table *table, struct panel *panel)
 	}
 	low[1] = fmin(low[1], 0);
 	for (int k = 0; k < 2; k++)
-		round_axis(&low[k], &high[k], &panel->step[k]);
+		svg_axis(&low[k], &high[k], &panel->step[k]);
 	return any;
 }
 

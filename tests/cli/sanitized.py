@@ -26,6 +26,8 @@ CHOSEN = {
                 "Explain.test_a_drive_tells_the_same_on_stderr"],
     "history": ["History.test_branches_and_names_are_told", "History.test_what_cannot_be_is_refused"],
     "meshes": ["Meshes.test_refusals"],
+    "study": ["Study.test_refused_studies", "Study.test_what_cannot_be_collected_says_what_can",
+              "Study.test_a_hypercube_has_one_value_in_each_part", "Study.test_one_that_fails_does_not_stop_the_others"],
     "tiles": ["Tiles.test_refusals"],
     "notes": ["Notes.test_the_unit_of_a_number_is_told_once"],
     "overlay": ["Drives.test_one_overlay_has_one_drive_and_its_base_may_be_driven_meanwhile",

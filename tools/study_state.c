@@ -1,0 +1,172 @@
+/* How far the runs of a study are: run.json of each, and study.json of all. */
+#include <limits.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "base/aside.h"
+#include "base/json.h"
+#include "scene/scene_file.h"
+#include "study.h"
+
+#define JSON_BYTES ((size_t)64 << 20)
+
+static const char *const state_names[] = {"waiting", "begun", "interrupted", "failed", "complete"};
+
+static cJSON *json_read(const char *path)
+{
+	char *text;
+	size_t length;
+	if (access(path, R_OK) != 0 ||
+	    scene_file_read(path, path, JSON_BYTES, &text, &length) != STATUS_OK)
+		return NULL;
+	cJSON *json = cJSON_Parse(text);
+	mem_free(text);
+	return json;
+}
+
+struct cJSON *study_run_json(const struct study *study, size_t run)
+{
+	char path[PATH_MAX];
+	return json_read(study_path(study, run, "run.json", path));
+}
+
+void study_look(struct study *study, size_t index)
+{
+	struct study_run *run = &study->runs[index];
+	char path[PATH_MAX];
+	cJSON *json = study_run_json(study, index);
+	const char *ended = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(json, "ended"));
+	const cJSON *seconds = cJSON_GetObjectItemCaseSensitive(json, "seconds");
+	run->state = access(study_path(study, index, "log.txt", path), F_OK) == 0 ? STUDY_BEGUN
+	                                                                          : STUDY_WAITING;
+	for (int i = STUDY_INTERRUPTED; i <= STUDY_COMPLETE && ended != NULL; i++)
+		if (strcmp(ended, state_names[i]) == 0)
+			run->state = (enum study_state)i;
+	run->seconds = cJSON_IsNumber(seconds) ? seconds->valuedouble : 0;
+	cJSON_Delete(json);
+}
+
+static void add_run(const struct study *study, size_t index, cJSON *list)
+{
+	const struct study_run *run = &study->runs[index];
+	cJSON *row = cJSON_CreateObject();
+	cJSON_AddItemToArray(list, row);
+	json_integer(row, "number", (int64_t)index + 1);
+	cJSON_AddStringToObject(row, "folder", run->name);
+	cJSON_AddStringToObject(row, "state", state_names[run->state]);
+	if (run->error != NULL)
+		cJSON_AddStringToObject(row, "error", run->error);
+	if (run->seconds > 0)
+		json_number(row, "seconds", run->seconds);
+	cJSON *values = cJSON_AddObjectToObject(row, "values");
+	for (size_t i = 0; i < study->parameter_count; i++)
+		cJSON_AddStringToObject(values, study->parameters[i].name,
+		                        study_value(study, index, i));
+}
+
+/* NULL: out of memory. */
+static char *manifest_text(const struct study *study)
+{
+	static const char *const designs[] = {"grid", "list", "hypercube"};
+	const char *slash = strrchr(study->file, '/');
+	char file[PATH_MAX];
+	snprintf(file, sizeof file, "%.3000s%.1000s", study->folder,
+	         slash != NULL ? slash + 1 : study->file);
+	cJSON *json = cJSON_CreateObject();
+	json_integer(json, "study", 1);
+	cJSON_AddStringToObject(json, "file", file);
+	cJSON_AddStringToObject(json, "scene", study->scene);
+	cJSON_AddStringToObject(json, "design", designs[study->design]);
+	if (study->design == STUDY_HYPERCUBE)
+		json_integer(json, "seed", (int64_t)study->seed);
+	cJSON *states = cJSON_AddObjectToObject(json, "states");
+	for (int i = STUDY_WAITING; i <= STUDY_COMPLETE; i++) {
+		int64_t count = 0;
+		for (size_t run = 0; run < study->run_count; run++)
+			count += study->runs[run].state == (enum study_state)i;
+		json_integer(states, state_names[i], count);
+	}
+	cJSON *list = cJSON_AddArrayToObject(json, "runs");
+	for (size_t run = 0; run < study->run_count; run++)
+		add_run(study, run, list);
+	char *text = cJSON_Print(json);
+	cJSON_Delete(json);
+	return text;
+}
+
+enum status study_manifest(const struct study *study)
+{
+	char path[PATH_MAX];
+	struct aside aside = {.path = NULL};
+	char *text = manifest_text(study);
+	if (text == NULL)
+		return fail_memory("study.json");
+	snprintf(path, sizeof path, "%.4000s/study.json", study->directory);
+	enum status status = aside_begin(&aside, path);
+	if (status == STATUS_OK) {
+		fprintf(aside.file, "%s\n", text);
+		status = aside_whole(&aside, true);
+	}
+	if (status == STATUS_OK)
+		status = aside_publish(&aside);
+	aside_finish(&aside);
+	cJSON_free(text);
+	return status;
+}
+
+/* Gives the runs the names that study.json has for them. */
+static enum status take_names(struct study *study, const cJSON *json, const char *told)
+{
+	const cJSON *runs = cJSON_GetObjectItemCaseSensitive(json, "runs"), *row;
+	size_t index = 0;
+	if (!cJSON_IsArray(runs) || (size_t)cJSON_GetArraySize(runs) != study->run_count)
+		return fail_with(STATUS_INPUT,
+		                 "%s: does not have the runs of study.yaml; run furrow study again",
+		                 told);
+	cJSON_ArrayForEach(row, runs)
+	{
+		const char *name =
+		        cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(row, "folder"));
+		if (name == NULL || strlen(name) >= sizeof study->runs->name ||
+		    strspn(name, "0123456789abcdef-") != strlen(name) || name[0] == '\0')
+			return fail_with(STATUS_INPUT,
+			                 "%s: run %zu has no folder; run furrow study again", told,
+			                 index + 1);
+		snprintf(study->runs[index].name, sizeof study->runs->name, "%s", name);
+		study_look(study, index++);
+	}
+	return STATUS_OK;
+}
+
+enum status study_reopen(struct study *study, const char *directory)
+{
+	char manifest[PATH_MAX];
+	*study = (struct study){.file = NULL};
+	snprintf(manifest, sizeof manifest, "%.4000s/study.json", directory);
+	cJSON *json = json_read(manifest);
+	const char *file = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(json, "file"));
+	if (file == NULL) {
+		cJSON_Delete(json);
+		return fail_with(
+		        STATUS_INPUT,
+		        "%s: is no study's; give the folder that furrow study was given with -o",
+		        directory);
+	}
+	const size_t room = strlen(directory) + sizeof "/study.yaml";
+	char *copy = mem_alloc(room, 1);
+	if (copy != NULL)
+		snprintf(copy, room, "%s/study.yaml", directory);
+	enum status status =
+	        copy != NULL ? study_read(copy, file, study) : fail_memory("paths of the study");
+	if (study_keep(study, copy) == NULL && status == STATUS_OK)
+		status = fail_memory("paths of the study");
+	if (status == STATUS_OK && (study->directory = realpath(directory, NULL)) == NULL)
+		status =
+		        fail_with(STATUS_FAILED,
+		                  "%s: cannot be found; give a folder that can be read", directory);
+	if (status == STATUS_OK)
+		status = take_names(study, json, manifest);
+	cJSON_Delete(json);
+	return status;
+}
