@@ -7,46 +7,7 @@
  */
 #include "epochs.h"
 #include "intake.h"
-#include "power_disk.h"
-#include "power_vfs.h"
-
-#define SEEDS 12
-
-static void folder_empty(const char *of)
-{
-	DIR *dir = opendir(of);
-	assert_non_null(dir);
-	for (struct dirent *entry; (entry = readdir(dir)) != NULL;) {
-		char path[512];
-		snprintf(path, sizeof path, "%s/%s", of, entry->d_name);
-		if (entry->d_name[0] != '.')
-			unlink(path);
-	}
-	closedir(dir);
-}
-
-static void name_trial(const char *what, uint64_t cut, int seed)
-{
-	snprintf(trial_name, sizeof trial_name, "%s, power cut at operation %llu, disk %d", what,
-		 (unsigned long long)cut, seed);
-}
-
-static const char *image(const char *what, uint64_t cut, uint32_t seed)
-{
-	static char path[256];
-	name_trial(what, cut, (int)seed);
-	folder_empty(in_folder("cut"));
-	power_disk_image(seed, in_folder("cut"));
-	snprintf(path, sizeof path, "%s", in_folder("cut/trial.furrow"));
-	return path;
-}
-
-static void tell_counts(uint64_t cuts)
-{
-	if (getenv("FAULT_COUNTS") != NULL)
-		print_message("power cuts: %llu; so far %zu questions of disks, %zu of them different\n", (unsigned long long)cuts, known_asked,
-			      known_count);
-}
+#include "power_image.h"
 
 /* --- an import --- */
 
@@ -65,7 +26,7 @@ static uint64_t cut_import(enum before before, uint64_t cut)
 	expect(status == STATUS_OK || operations >= cut);
 	expect(status == STATUS_OK || told(status));
 	for (uint32_t seed = 0; seed < SEEDS; seed++) {
-		const char *found = image("import", cut, seed);
+		const char *found = image("import", "trial.furrow", cut, seed);
 		bool there = access(found, F_OK) == 0;
 		expect(there || (before == NOTHING && status != STATUS_OK));
 		uint64_t bytes = known_bytes(found);
@@ -157,7 +118,7 @@ static uint64_t cut_epochs(bool durable_full, bool keep_history, uint64_t cut)
 	expect(operations >= cut || outcome.acknowledged == EPOCHS);
 	int least = durable_full ? outcome.acknowledged : outcome.checkpointed;
 	for (uint32_t seed = 0; seed < SEEDS; seed++) {
-		const char *found = image(what, cut, seed);
+		const char *found = image(what, "trial.furrow", cut, seed);
 		int most = outcome.acknowledged + outcome.unknown;
 		uint64_t bytes = known_bytes(found);
 		int *epochs = known_of(bytes, (uint64_t)least, (uint64_t)most);
@@ -206,14 +167,12 @@ static int enter(void **state)
 	trial_unopened = true;
 	make_reference();
 	make_imports();
-	return mkdir(in_folder("disk"), 0777) + mkdir(in_folder("cut"), 0777);
+	return make_disk();
 }
 
 static int leave(void **state)
 {
-	folder_empty(in_folder("disk"));
-	folder_empty(in_folder("cut"));
-	return rmdir(in_folder("disk")) + rmdir(in_folder("cut")) + folder_remove(state);
+	return remove_disk() + folder_remove(state);
 }
 
 int main(void)
