@@ -1,7 +1,8 @@
 /*
  * Write-backs: pages of offsets with two ruts across each, committed in batches by store_commit (one
  * transaction: the pages, every coarser level above, the run's record), beside GDAL updating the
- * same blocks of one level of a tiled GeoTIFF (no transaction, no pyramid).
+ * same blocks of one level of a tiled GeoTIFF (no transaction, no pyramid). Subject "history": a store whose commits keep what they
+ * replace.
  */
 #include <math.h>
 #include <stdio.h>
@@ -112,6 +113,22 @@ static void check(struct target *target, const struct pages *pages)
 	mem_free(found);
 }
 
+static enum status count_revision(void *user, const struct store_revision *revision)
+{
+	(void)revision;
+	++*(int64_t *)user;
+	return STATUS_OK;
+}
+
+/* Each revision is there to be returned to. */
+static void check_history(struct store *store, int laps, size_t batch)
+{
+	int64_t kept = 0;
+	bench_must(store_log(store, count_revision, &kept));
+	if (kept != laps * (int64_t)(PAGES / batch) + 1)
+		bench_must(fail_with(STATUS_FAILED, "bench: a history lacks revisions; this is a bug"));
+}
+
 static void print(const char *subject, bool sync, size_t batch, double *rates, int runs)
 {
 	double rate = bench_median(rates, (size_t)runs);
@@ -121,19 +138,23 @@ static void print(const char *subject, bool sync, size_t batch, double *rates, i
 	fflush(stdout);
 }
 
-/* One durability and batch, all three targets in turn. */
+/* One durability and batch, all targets in turn: the store, one that keeps what each commit replaces, and two GeoTIFFs. */
 static void measure(struct pages *pages, bool sync, size_t batch, int runs)
 {
-	static const char *const subjects[] = {"", "LERC", "ZSTD"};
-	struct target targets[3] = {{.sync = sync}, {.sync = sync}, {.sync = sync}};
-	static double rates[3][BENCH_RUNS_MAX];
-	const char *path = bench_path("write.furrow");
-	bench_dunes(path, SIDE / 8);
-	bench_must(store_open(path, &(struct store_options){.mode = STORE_WRITE, .durable_full = sync}, &targets[0].store));
-	bench_must(store_set_working_level(targets[0].store, LEVEL));
-	size_t count = 1;
-	for (; count < 3; count++)
-		if (!bench_gdal_create(bench_path(count == 1 ? "lerc.tif" : "zstd.tif"), SIDE, subjects[count],
+	enum { STORES = 2, TARGETS = 4 };
+	static const char *const subjects[TARGETS] = {"", "history", "LERC", "ZSTD"};
+	struct target targets[TARGETS] = {{.sync = sync}, {.sync = sync}, {.sync = sync}, {.sync = sync}};
+	static double rates[TARGETS][BENCH_RUNS_MAX];
+	size_t count = 0;
+	for (; count < STORES; count++) {
+		const char *path = bench_path(count == 0 ? "write.furrow" : "history.furrow");
+		bench_dunes(path, SIDE / 8);
+		const struct store_options options = {.mode = STORE_WRITE, .durable_full = sync, .keep_history = count == 1};
+		bench_must(store_open(path, &options, &targets[count].store));
+		bench_must(store_set_working_level(targets[count].store, LEVEL));
+	}
+	for (; count < TARGETS; count++)
+		if (!bench_gdal_create(bench_path(count == 2 ? "lerc.tif" : "zstd.tif"), SIDE, subjects[count],
 				       &targets[count].gdal))
 			break;
 	for (int run = -1; run < runs; run++) { /* the first lap warms, on rows that are not there yet */
@@ -146,11 +167,13 @@ static void measure(struct pages *pages, bool sync, size_t batch, int runs)
 	}
 	for (size_t i = 0; i < count; i++)
 		check(&targets[i], pages);
+	check_history(targets[1].store, runs + 1, batch);
 	for (size_t i = 0; i < count; i++)
 		print(subjects[i], sync, batch, rates[i], runs);
-	for (size_t i = 1; i < count; i++)
+	for (size_t i = STORES; i < count; i++)
 		bench_gdal_close(targets[i].gdal);
-	store_close(targets[0].store);
+	for (size_t i = 0; i < STORES; i++)
+		store_close(targets[i].store);
 }
 
 int bench_write(int runs)
