@@ -139,6 +139,7 @@ enum status study_settings(struct study *study, size_t run, struct settings *set
 /* Makes the arguments of `furrow drive` for a run, ended by NULL. Free them with mem_free; the
  * texts are the study's. */
 enum status study_arguments(struct study *study, size_t run, const char ***out) FURROW_CHECKED;
+const char *study_state_name(enum study_state state);
 /* Looks into a run's folder, and sets its state and seconds. */
 void study_look(struct study *study, size_t run);
 /* Reads run.json of a run. NULL: there is none that is whole. */

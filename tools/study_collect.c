@@ -109,8 +109,6 @@ static void write_cell(const char *text, FILE *file)
 
 static void write_rows(const struct study *study, const struct study_cell *cells, FILE *file)
 {
-	static const char *const states[] = {"waiting", "begun", "interrupted", "failed",
-	                                     "complete"};
 	fputs("run,folder,state", file);
 	for (size_t i = 0; i < study->parameter_count; i++) {
 		fputc(',', file);
@@ -123,7 +121,7 @@ static void write_rows(const struct study *study, const struct study_cell *cells
 	fputc('\n', file);
 	for (size_t run = 0; run < study->run_count; run++) {
 		fprintf(file, "%zu,%s,%s", run + 1, study->runs[run].name,
-		        states[study->runs[run].state]);
+		        study_state_name(study->runs[run].state));
 		for (size_t i = 0; i < study->parameter_count; i++) {
 			fputc(',', file);
 			write_cell(study_value(study, run, i), file);

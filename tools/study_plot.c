@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "study.h"
+#include "study_groups.h"
 #include "svg.h"
 
 enum {
@@ -24,24 +24,13 @@ enum {
 	LEGEND = 646,
 	LABEL = 26
 };
-#define VALUES_MOST 24 /* groups of an axis before it is cut into parts */
-#define SERIES_MOST 8  /* the same for the colours */
-#define PARTS 8        /* that an axis is cut into */
+#define SERIES_MOST 8 /* the same for the colours */
+#define PARTS 8       /* that an axis is cut into */
 #define SERIES_PARTS 3
 #define BESIDE 3.0 /* pixels between the bars of two series */
 
 static const char *const colours[SERIES_MOST] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7",
                                                  "#e69f00", "#56b4e9", "#7a5c00", "#808080"};
-
-/* A parameter, sorted into groups. */
-struct groups {
-	bool text, cut;   /* cut: groups are ranges */
-	bool logarithmic; /* where they are on the axis */
-	size_t count;
-	const char *names[VALUES_MOST]; /* of values that are not numbers */
-	double values[VALUES_MOST];
-	double low, high; /* of all values */
-};
 
 struct dot {
 	double x, y;
@@ -51,84 +40,11 @@ struct dot {
 struct plot {
 	const struct study *study;
 	const struct study_plot *plot;
-	struct groups across, series;
+	struct study_groups across, series;
 	struct dot *dots;
 	size_t count;
 	double low[2], high[2], step[2]; /* of the axes; across: on its scale */
 };
-
-static double on_scale(const struct groups *groups, double value)
-{
-	return groups->logarithmic ? log10(value) : value;
-}
-
-static void cut_range(struct groups *groups, size_t parts)
-{
-	const double low = on_scale(groups, groups->low), high = on_scale(groups, groups->high);
-	groups->cut = true;
-	groups->count = parts;
-	for (size_t i = 0; i < parts; i++)
-		groups->values[i] = low + (high - low) * (double)i / (double)parts;
-}
-
-/* Finds the groups of a parameter. Returns false if it has too many values that are no numbers. */
-static bool sort_parameter(const struct study *study, size_t parameter, size_t most, size_t parts,
-                           struct groups *groups)
-{
-	*groups = (struct groups){.low = INFINITY,
-	                          .high = -INFINITY,
-	                          .logarithmic = study->parameters[parameter].logarithmic};
-	double value;
-	for (size_t run = 0; run < study->run_count && !groups->text; run++)
-		groups->text = !parse_number(study_value(study, run, parameter), &value);
-	/* Each run of a hypercube has a value of its own. */
-	bool many = !groups->text && study->parameters[parameter].values == NULL;
-	for (size_t run = 0; run < study->run_count; run++) {
-		const char *name = study_value(study, run, parameter);
-		size_t i = 0;
-		if (!groups->text && parse_number(name, &value)) {
-			groups->low = fmin(groups->low, value);
-			groups->high = fmax(groups->high, value);
-			while (i < groups->count && groups->values[i] != value)
-				i++;
-		} else {
-			while (i < groups->count && strcmp(groups->names[i], name) != 0)
-				i++;
-			value = (double)i;
-		}
-		if (i < groups->count)
-			continue;
-		if (groups->count == most) {
-			many = true;
-		} else {
-			groups->names[groups->count] = name;
-			groups->values[groups->count++] = value;
-		}
-	}
-	groups->logarithmic = groups->logarithmic && groups->low > 0;
-	if (many && groups->text)
-		return false;
-	if (many)
-		cut_range(groups, groups->low < groups->high ? parts : 1);
-	return true;
-}
-
-static size_t group_of(const struct groups *groups, const char *name, double *value)
-{
-	size_t i = groups->count - 1;
-	*value = 0;
-	if (groups->text) {
-		while (i > 0 && strcmp(groups->names[i], name) != 0)
-			i--;
-		*value = (double)i;
-		return i;
-	}
-	(void)parse_number(name, value);
-	while (i > 0 && (groups->cut ? on_scale(groups, *value) < groups->values[i]
-	                             : *value != groups->values[i]))
-		i--;
-	return i;
-}
 
 static void take_dots(struct plot *plot, const struct study_cell *cells)
 {
@@ -140,12 +56,12 @@ static void take_dots(struct plot *plot, const struct study_cell *cells)
 		double value;
 		if (!isfinite(dot.y))
 			continue;
-		dot.across =
-		        group_of(&plot->across, study_value(study, run, plot->plot->x), &dot.x);
-		dot.x = on_scale(&plot->across, dot.x);
+		dot.across = study_groups_index(&plot->across,
+		                                study_value(study, run, plot->plot->x), &dot.x);
+		dot.x = study_groups_scale(&plot->across, dot.x);
 		if (plot->plot->by != SIZE_MAX)
-			dot.series = group_of(&plot->series,
-			                      study_value(study, run, plot->plot->by), &value);
+			dot.series = study_groups_index(
+			        &plot->series, study_value(study, run, plot->plot->by), &value);
 		if (plot->across.text && plot->series.count > 1) /* beside each other */
 			dot.x +=
 			        ((double)dot.series / (double)(plot->series.count - 1) - 0.5) * 0.5;
@@ -157,15 +73,15 @@ static void take_dots(struct plot *plot, const struct study_cell *cells)
 
 static void make_axes(struct plot *plot)
 {
-	const struct groups *across = &plot->across;
+	const struct study_groups *across = &plot->across;
 	svg_axis(&plot->low[1], &plot->high[1], &plot->step[1]);
 	if (across->text) {
 		plot->low[0] = -0.5;
 		plot->high[0] = (double)across->count - 0.5;
 		return;
 	}
-	plot->low[0] = on_scale(across, across->low);
-	plot->high[0] = on_scale(across, across->high);
+	plot->low[0] = study_groups_scale(across, across->low);
+	plot->high[0] = study_groups_scale(across, across->high);
 	if (!across->logarithmic)
 		svg_axis(&plot->low[0], &plot->high[0], &plot->step[0]);
 	const double edge =
@@ -316,12 +232,6 @@ static void write_series(const struct plot *plot, size_t series, FILE *file)
 	fputs("</g>\n", file);
 }
 
-static double edge_of(const struct groups *groups, size_t i)
-{
-	const double value = i < groups->count ? groups->values[i] : on_scale(groups, groups->high);
-	return groups->logarithmic ? pow(10, value) : value;
-}
-
 static void write_legend(const struct plot *plot, FILE *file)
 {
 	if (plot->plot->by == SIZE_MAX)
@@ -334,8 +244,9 @@ static void write_legend(const struct plot *plot, FILE *file)
 		char label[60];
 		y += 20;
 		if (plot->series.cut)
-			snprintf(label, sizeof label, "%.3g to %.3g", edge_of(&plot->series, i),
-			         edge_of(&plot->series, i + 1));
+			snprintf(label, sizeof label, "%.3g to %.3g",
+			         study_groups_edge(&plot->series, i),
+			         study_groups_edge(&plot->series, i + 1));
 		else
 			snprintf(label, sizeof label, "%g", plot->series.values[i]);
 		fprintf(file,
@@ -377,13 +288,13 @@ enum status study_plot_write(const struct study *study, const struct study_plot 
 	const size_t parts = study->run_count < 8           ? 1
 	                     : study->run_count < 4 * PARTS ? study->run_count / 4
 	                                                    : PARTS;
-	if (!sort_parameter(study, wanted->x, VALUES_MOST, parts, &plot.across))
+	if (!study_groups_find(study, wanted->x, STUDY_GROUPS, parts, &plot.across))
 		return fail_with(STATUS_INPUT,
 		                 "%s: %s has more than %d values that are no numbers; plot another "
 		                 "parameter across",
-		                 study->file, study->parameters[wanted->x].name, VALUES_MOST);
+		                 study->file, study->parameters[wanted->x].name, STUDY_GROUPS);
 	if (wanted->by != SIZE_MAX &&
-	    !sort_parameter(study, wanted->by, SERIES_MOST, SERIES_PARTS, &plot.series))
+	    !study_groups_find(study, wanted->by, SERIES_MOST, SERIES_PARTS, &plot.series))
 		return fail_with(STATUS_INPUT,
 		                 "%s: %s has more than %d values that are no numbers; plot by "
 		                 "another parameter",

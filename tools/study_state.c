@@ -13,6 +13,11 @@
 
 static const char *const state_names[] = {"waiting", "begun", "interrupted", "failed", "complete"};
 
+const char *study_state_name(enum study_state state)
+{
+	return state_names[state];
+}
+
 static cJSON *json_read(const char *path)
 {
 	char *text;
