@@ -227,13 +227,15 @@ class Study(FurrowTest):
                 found.append(int(path.parent.name))
         return found
 
-    def goes_on(self):
-        """The study goes on, to what an uninterrupted one has."""
+    def wait_for_drives(self):
         for _ in range(500):
             if not self.drives():
                 break
             time.sleep(0.02)
         self.assertEqual(self.drives(), [])
+
+    def goes_on(self):
+        """The study goes on, to what an uninterrupted one has."""
         self.study(self.LONG)
         self.study(self.LONG, out="whole")
         self.assertEqual((self.folder / "out/study.csv").read_bytes(), (self.folder / "whole/study.csv").read_bytes())
@@ -260,7 +262,12 @@ class Study(FurrowTest):
         process = self.begin("--jobs", "1")
         process.kill()
         process.communicate()
-        self.goes_on()
+        self.wait_for_drives()
+        run, = (self.folder / "out").glob("runs/*/run.json")
+        self.assertEqual(json.loads(run.read_text())["ended"], "interrupted")  # the drive does not go on alone
+        first, second = self.goes_on()
+        self.assertIsNotNone(first)
+        self.assertIsNone(second)
 
     def test_a_killed_drive_is_told_and_goes_on(self):
         process = self.begin("--jobs", "1")
