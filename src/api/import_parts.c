@@ -25,7 +25,7 @@ static void choose_step(struct import *import)
 	for (size_t i = 0; i < dem_insets_count(import->insets); i++) {
 		double max_error, step;
 		step_of(import, dem_insets_info(import->insets, i), &max_error, &step);
-		meta->max_error = fmin(meta->max_error, max_error);
+		meta->max_error = fmax(meta->max_error, max_error); /* it holds everywhere */
 		meta->step = fmin(meta->step, step);
 	}
 	meta->step = api_intake_common_step(coarse, meta->step);

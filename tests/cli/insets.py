@@ -308,6 +308,15 @@ cache: {slots: 256}
             self.info_of("country.tif", "--inset", name, "--s-srs", "EPSG:32633")
             self.assertEqual(heights(), wanted)
 
+    def test_the_bound_holds_everywhere(self):
+        """The country's heights are whole metres, to which it is also rounded where it is resampled; the inset's are finer."""
+        self.three()
+        for spacing in (32, 24, 70):
+            self.ok("import", "country.tif", "--inset", "site.tif", "--spacing", spacing, "-o", "s.furrow", "--overwrite")
+            found = self.json("info", "s.furrow")
+            self.assertEqual(found["max_error"], 0.5)
+            self.assertLessEqual(found["off_resampled"]["greatest"], found["max_error"])
+
     def test_the_error_at_the_sources_posts_counts_insets(self):
         """Posts that are kept are off by the bound alone. Beside the lattice they are off as the surface between stored posts is, which
         is computed here once more."""
