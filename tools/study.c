@@ -7,14 +7,16 @@
 #include "study.h"
 
 static const struct command_option options[] = {
-        {"o", "DIR", "where the runs, study.json, study.csv and the plots go"},
-        {"jobs", "N", "runs at once; default: the processor's cores"},
-        {"write", "KIND",
-         "run nothing, and write what a scheduler runs: slurm (DIR/slurm.sh), parallel "
-         "(DIR/parallel.txt), snakemake (DIR/Snakefile)"},
-        {"collect", NULL,
-         "run nothing, and collect with the results and plots that STUDY.yaml names now"},
-        {NULL, NULL, NULL},
+	{"o", "DIR", "where the runs, study.json, study.csv and the plots go"},
+	{"jobs", "N", "runs at once; default: the processor's cores"},
+	{"write", "KIND",
+	 "run nothing, and write what a scheduler runs: slurm (DIR/slurm.sh), parallel "
+	 "(DIR/parallel.txt), snakemake (DIR/Snakefile)"},
+	{"slurm", NULL, "the same as --write slurm"},
+	{"parallel", NULL, "the same as --write parallel"},
+	{"snakemake", NULL, "the same as --write snakemake"},
+	{"collect", NULL, "run nothing, and collect with the results and plots that STUDY.yaml names now"},
+	{NULL, NULL, NULL},
 };
 
 static enum status print_end(const struct study *study)
@@ -22,8 +24,7 @@ static enum status print_end(const struct study *study)
 	size_t complete = 0;
 	for (size_t run = 0; run < study->run_count; run++)
 		complete += study->runs[run].state == STUDY_COMPLETE;
-	printf("%zu of %zu runs are complete: %s/study.csv", complete, study->run_count,
-	       study->directory);
+	printf("%zu of %zu runs are complete: %s/study.csv", complete, study->run_count, study->directory);
 	if (study->result_count > 0)
 		printf(", and %zu plots", study->plot_count);
 	putchar('\n');
@@ -48,28 +49,39 @@ static enum status work(struct study *study, int jobs)
 	return worked != STATUS_OK ? failure_restore(&failure) : collected;
 }
 
-static enum status run(const struct arguments *arguments)
+/* What is to be written; -1: nothing. */
+static enum status take_kind(const struct arguments *arguments, int *kind)
 {
 	static const char *const kinds[] = {"slurm", "parallel", "snakemake", NULL};
+	int given = arguments_flag(arguments, "collect");
+	*kind = -1;
+	enum status status = arguments_choice(arguments, "write", kinds, kind);
+	given += *kind >= 0;
+	for (int i = 0; kinds[i] != NULL; i++)
+		if (arguments_flag(arguments, kinds[i])) {
+			*kind = i;
+			given++;
+		}
+	if (status == STATUS_OK && given > 1)
+		status = fail_with(STATUS_USAGE, "study: is to write or collect in two ways; give one of --write and --collect");
+	return status;
+}
+
+static enum status run(const struct arguments *arguments)
+{
 	struct study study = {.file = NULL};
 	int64_t jobs = 0;
 	int kind = -1;
 	const char *directory = arguments_text(arguments, "o"), *first = arguments_at(arguments, 0);
-	const bool again =
-	        first != NULL && strcmp(first, "collect") == 0 && arguments_count(arguments) == 2;
+	const bool again = first != NULL && strcmp(first, "collect") == 0 && arguments_count(arguments) == 2;
 	enum status status = arguments_expect(arguments, 1, again ? 2 : 1);
 	if (status == STATUS_OK && again != (directory == NULL))
-		status = fail_with(
-		        STATUS_USAGE,
-		        again ? "study collect: takes no -o; give the folder of the study alone"
-		              : "study: -o is missing; give a folder for the runs");
+		status = fail_with(STATUS_USAGE, again ? "study collect: takes no -o; give the folder of the study alone"
+						       : "study: -o is missing; give a folder for the runs");
 	if (status == STATUS_OK)
 		status = arguments_integer(arguments, "jobs", 1, 1024, &jobs);
 	if (status == STATUS_OK)
-		status = arguments_choice(arguments, "write", kinds, &kind);
-	if (status == STATUS_OK && kind >= 0 && arguments_flag(arguments, "collect"))
-		status =
-		        fail_with(STATUS_USAGE, "study: --write and --collect are given; give one");
+		status = take_kind(arguments, &kind);
 	if (status == STATUS_OK && again)
 		status = study_reopen(&study, arguments_at(arguments, 1));
 	else if (status == STATUS_OK)
@@ -89,23 +101,23 @@ static enum status run(const struct arguments *arguments)
 }
 
 const struct command command_study = {
-        .name = "study",
-        .usage = "study STUDY.yaml -o DIR [--jobs N] [--write slurm|parallel|snakemake | "
-                 "--collect], or: study collect DIR",
-        .summary = "drive a scene with many values: a grid, a list or a Latin hypercube, its "
-                   "results in one CSV, plots",
-        .details = "What a study file may say is in docs/STUDY.md. Each run has a folder in "
-                   "DIR/runs, named by its number and a hash of its\n"
-                   "settings: run.json, objects.csv, vehicles.csv, log.txt, run.sh (the same drive "
-                   "by hand), and overlay.furrow (its ruts). The\n"
-                   "store is shared and stays as it is. A run that is complete is not run again; "
-                   "one that was stopped or killed goes on where it\n"
-                   "was. A run that fails does not stop the others; its last error is told, and "
-                   "the exit status is 1. Ctrl-C ends all cleanly.\n"
-                   "When the runs have ended, DIR/study.csv has a row for each run: its values and "
-                   "its results; and the plots are drawn.\n"
-                   "furrow study collect DIR does that again, and after a scheduler has run them. "
-                   "DIR/study.json tells the state of each.\n",
-        .options = options,
-        .run = run,
+	.name = "study",
+	.usage = "study STUDY.yaml -o DIR [--jobs N] [--write slurm|parallel|snakemake | "
+		 "--collect], or: study collect DIR",
+	.summary = "drive a scene with many values: a grid, a list or a Latin hypercube, its "
+		   "results in one CSV, plots",
+	.details = "What a study file may say is in docs/STUDY.md. Each run has a folder in "
+		   "DIR/runs, named by its number and a hash of its\n"
+		   "settings: run.json, objects.csv, vehicles.csv, log.txt, run.sh (the same drive "
+		   "by hand), and overlay.furrow (its ruts). The\n"
+		   "store is shared and stays as it is. A run that is complete is not run again; "
+		   "one that was stopped or killed goes on where it\n"
+		   "was. A run that fails does not stop the others; its last error is told, and "
+		   "the exit status is 1. Ctrl-C ends all cleanly.\n"
+		   "When the runs have ended, DIR/study.csv has a row for each run: its values and "
+		   "its results; and the plots are drawn.\n"
+		   "furrow study collect DIR does that again, and after a scheduler has run them. "
+		   "DIR/study.json tells the state of each.\n",
+	.options = options,
+	.run = run,
 };

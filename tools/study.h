@@ -27,12 +27,11 @@ enum study_design { STUDY_GRID, STUDY_LIST, STUDY_HYPERCUBE };
 
 /* What a study varies. */
 struct study_parameter {
-	const char *name; /* as the study file and the columns of the CSV have it */
-	const char
-	        *keys[SETTINGS_MAX]; /* of the scene, as --set takes them; "store": the terrain */
+	const char *name;		/* as the study file and the columns of the CSV have it */
+	const char *keys[SETTINGS_MAX]; /* of the scene, as --set takes them; "store": the terrain */
 	size_t key_count;
 	const struct scene_node *node; /* where its values are written; of a list: its first */
-	const char **values;           /* YAML; NULL if a hypercube takes them from a range */
+	const char **values;	       /* YAML; NULL if a hypercube takes them from a range */
 	size_t value_count;
 	double from, to; /* a hypercube's range */
 	bool logarithmic, whole;
@@ -46,7 +45,7 @@ struct study_result {
 	const char *name;
 	enum study_source source;
 	const char *what; /* a dotted path of run.json, or a column */
-	const char *of;   /* the name of the object or vehicle */
+	const char *of;	  /* the name of the object or vehicle */
 	enum study_take take;
 	double after; /* s: rows from this time on */
 	const struct scene_node *node;
@@ -63,13 +62,13 @@ struct study_run {
 	char name[40]; /* of its folder in DIR/runs: its number and the hash of its settings */
 	enum study_state state;
 	const char *error; /* the last line of a failed run; NULL: not known */
-	double seconds;    /* of its last drive; 0: not known */
+	double seconds;	   /* of its last drive; 0: not known */
 };
 
 struct study {
 	const char *file; /* as given */
-	char *folder;     /* of the file; absolute, ends in '/' */
-	char *text;       /* of the file */
+	char *folder;	  /* of the file; absolute, ends in '/' */
+	char *text;	  /* of the file */
 	size_t length;
 	struct scene_node *root;
 	const char *scene, *store; /* paths; store: NULL if the scene names it */
@@ -87,8 +86,8 @@ struct study {
 	struct study_plot *plots;
 	size_t plot_count;
 	char *directory; /* DIR, absolute; NULL before study_prepare and study_reopen */
-	char *program;   /* path of this program */
-	char **texts;    /* all that study_keep has taken */
+	char *program;	 /* path of this program */
+	char **texts;	 /* all that study_keep has taken */
 	size_t text_count;
 };
 
@@ -111,20 +110,18 @@ const char *study_print(struct study *study, const char *format, ...) FURROW_PRI
 /* Returns a parameter's value in a run. */
 const char *study_value(const struct study *study, size_t run, size_t parameter);
 /* STATUS_INPUT unless the node is a mapping with no other keys than `allowed`, which NULL ends. */
-enum status study_only(const struct study *study, const struct scene_node *node,
-                       const char *const *allowed) FURROW_CHECKED;
+enum status study_only(const struct study *study, const struct scene_node *node, const char *const *allowed) FURROW_CHECKED;
 /* Reads a number from low to high; leaves *value alone if `parent` has no such key. */
-enum status study_number(const struct study *study, const struct scene_node *parent,
-                         const char *key, double low, double high, double *value) FURROW_CHECKED;
+enum status study_number(const struct study *study, const struct scene_node *parent, const char *key, double low, double high,
+			 double *value) FURROW_CHECKED;
 /* Reads a text of one line that is not empty; *out is NULL if `parent` has no such key. */
 enum status study_text(const struct study *study, const struct scene_node *parent, const char *key,
-                       const char **out) FURROW_CHECKED;
+		       const char **out) FURROW_CHECKED;
 /* Writes a node as YAML on one line. The text is the study's. */
-enum status study_yaml(struct study *study, const struct scene_node *node,
-                       const char **out) FURROW_CHECKED;
+enum status study_yaml(struct study *study, const struct scene_node *node, const char **out) FURROW_CHECKED;
 /* Reads one of `names`, which NULL ends; leaves *value alone if `parent` has no such key. */
-enum status study_choice(const struct study *study, const struct scene_node *parent,
-                         const char *key, const char *const *names, int *value) FURROW_CHECKED;
+enum status study_choice(const struct study *study, const struct scene_node *parent, const char *key, const char *const *names,
+			 int *value) FURROW_CHECKED;
 
 /* --- study_runs.c, study_state.c --- */
 /* Loads each run's scene, which checks its values; names the runs; makes DIR and a folder with
@@ -134,8 +131,7 @@ enum status study_prepare(struct study *study, const char *directory) FURROW_CHE
 enum status study_reopen(struct study *study, const char *directory) FURROW_CHECKED;
 /* Fills the list of `settings`: those of every run, then the values of this one. *store: the
  * terrain; NULL: the scene names it. */
-enum status study_settings(struct study *study, size_t run, struct settings *settings,
-                           const char **store) FURROW_CHECKED;
+enum status study_settings(struct study *study, size_t run, struct settings *settings, const char **store) FURROW_CHECKED;
 /* Makes the arguments of `furrow drive` for a run, ended by NULL. Free them with mem_free; the
  * texts are the study's. */
 enum status study_arguments(struct study *study, size_t run, const char ***out) FURROW_CHECKED;
@@ -169,12 +165,11 @@ struct study_cell {
 /* Writes DIR/study.csv and the plots. */
 enum status study_collect(struct study *study) FURROW_CHECKED;
 /* Fills the cells of a run, one for each result, from its objects.csv and vehicles.csv. */
-enum status study_columns(const struct study *study, size_t run,
-                          struct study_cell *cells) FURROW_CHECKED;
+enum status study_columns(const struct study *study, size_t run, struct study_cell *cells) FURROW_CHECKED;
 /* Sets a cell to a number, in as few digits as tell it apart. */
 enum status study_cell_number(struct study_cell *cell, double number) FURROW_CHECKED;
 /* Draws one plot. `cells`: run x result. */
-enum status study_plot_write(const struct study *study, const struct study_plot *plot,
-                             const struct study_cell *cells, FILE *file) FURROW_CHECKED;
+enum status study_plot_write(const struct study *study, const struct study_plot *plot, const struct study_cell *cells,
+			     FILE *file) FURROW_CHECKED;
 
 #endif

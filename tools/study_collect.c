@@ -36,8 +36,7 @@ static const cJSON *find(const cJSON *at, const char *path, const cJSON **deepes
 		snprintf(number, sizeof number, "%zu", index++);
 		const char *key = cJSON_IsArray(at) ? number : child->string;
 		const size_t length = key != NULL ? strlen(key) : 0;
-		if (length == 0 || strncmp(path, key, length) != 0 ||
-		    (path[length] != '.' && path[length] != '\0'))
+		if (length == 0 || strncmp(path, key, length) != 0 || (path[length] != '.' && path[length] != '\0'))
 			continue;
 		const cJSON *found = find(child, path + length + (path[length] == '.'), deepest);
 		if (found != NULL)
@@ -50,29 +49,27 @@ static struct scene_list keys_of(const cJSON *at)
 {
 	struct scene_list list = {.length = 0};
 	const cJSON *child;
-	cJSON_ArrayForEach(child, at) if (child->string != NULL)
-	        scene_list_add(&list, child->string);
+	cJSON_ArrayForEach(child, at) if (child->string != NULL) scene_list_add(&list, child->string);
 	return list;
 }
 
-static enum status take_from_json(const struct study *study, const struct study_result *result,
-                                  const cJSON *json, struct study_cell *cell)
+static enum status take_from_json(const struct study *study, const struct study_result *result, const cJSON *json,
+				  struct study_cell *cell)
 {
 	const cJSON *deepest = json, *found = find(json, result->what, &deepest);
 	if (found == NULL && cJSON_IsNull(deepest)) /* a run that has none of it */
 		return STATUS_OK;
 	if (found == NULL || cJSON_IsObject(found) || cJSON_IsArray(found)) {
 		struct scene_list list = keys_of(found != NULL ? found : deepest);
-		return scene_error(study->file, result->node, "%s %s run.json; allowed: %s",
-		                   result->what,
-		                   found != NULL ? "is no single value of" : "is not in",
-		                   list.length > 0 ? list.text : "a path to one value");
+		return scene_error(study->file, result->node, "%s %s run.json; allowed: %s", result->what,
+				   found != NULL ? "is no single value of" : "is not in",
+				   list.length > 0 ? list.text : "a path to one value");
 	}
 	if (cJSON_IsNumber(found))
 		return study_cell_number(cell, found->valuedouble);
 	const char *text = cJSON_IsString(found) ? found->valuestring
-	                   : cJSON_IsBool(found) ? (cJSON_IsTrue(found) ? "true" : "false")
-	                                         : NULL;
+			   : cJSON_IsBool(found) ? (cJSON_IsTrue(found) ? "true" : "false")
+						 : NULL;
 	if (text != NULL && (cell->text = mem_strdup(text)) == NULL)
 		return fail_memory("results of the study");
 	return STATUS_OK;
@@ -83,9 +80,7 @@ static enum status take_run(struct study *study, size_t run, struct study_cell *
 	cJSON *json = study_run_json(study, run);
 	enum status status = STATUS_OK;
 	if (json == NULL)
-		return fail_with(STATUS_FAILED,
-		                 "runs/%s/run.json: cannot be read; run the study again",
-		                 study->runs[run].name);
+		return fail_with(STATUS_FAILED, "runs/%s/run.json: cannot be read; run the study again", study->runs[run].name);
 	for (size_t i = 0; i < study->result_count && status == STATUS_OK; i++)
 		if (study->results[i].source == STUDY_RUN_JSON)
 			status = take_from_json(study, &study->results[i], json, &cells[i]);
@@ -120,8 +115,7 @@ static void write_rows(const struct study *study, const struct study_cell *cells
 	}
 	fputc('\n', file);
 	for (size_t run = 0; run < study->run_count; run++) {
-		fprintf(file, "%zu,%s,%s", run + 1, study->runs[run].name,
-		        study_state_name(study->runs[run].state));
+		fprintf(file, "%zu,%s,%s", run + 1, study->runs[run].name, study_state_name(study->runs[run].state));
 		for (size_t i = 0; i < study->parameter_count; i++) {
 			fputc(',', file);
 			write_cell(study_value(study, run, i), file);
@@ -141,8 +135,7 @@ static void plot_path(const struct study *study, const struct study_plot *plot, 
 	char name[150];
 	const char *y = study->results[plot->y].name, *x = study->parameters[plot->x].name;
 	if (plot->by != SIZE_MAX)
-		snprintf(name, sizeof name, "%.40s-over-%.40s-by-%.40s", y, x,
-		         study->parameters[plot->by].name);
+		snprintf(name, sizeof name, "%.40s-over-%.40s-by-%.40s", y, x, study->parameters[plot->by].name);
 	else
 		snprintf(name, sizeof name, "%.40s-over-%.40s", y, x);
 	for (char *c = name; *c != '\0'; c++)
@@ -167,8 +160,7 @@ static enum status write_csv(const struct study *study, const struct study_cell 
 	return status;
 }
 
-static enum status write_plot(const struct study *study, const struct study_plot *plot,
-                              const struct study_cell *cells)
+static enum status write_plot(const struct study *study, const struct study_plot *plot, const struct study_cell *cells)
 {
 	char path[PATH_MAX];
 	struct aside aside = {.path = NULL};

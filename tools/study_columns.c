@@ -33,8 +33,8 @@ static size_t cut(char *line, char **cells)
 	return count;
 }
 
-static enum status find_column(const struct study *study, const struct study_result *result,
-                               char **cells, size_t count, size_t *column)
+static enum status find_column(const struct study *study, const struct study_result *result, char **cells, size_t count,
+			       size_t *column)
 {
 	struct scene_list list = {.length = 0};
 	for (size_t i = 0; i < count; i++) {
@@ -45,21 +45,19 @@ static enum status find_column(const struct study *study, const struct study_res
 		if (i != NAME_COLUMN)
 			scene_list_add(&list, cells[i]);
 	}
-	return scene_error(study->file, result->node, "%s is no column; allowed: %s", result->what,
-	                   list.text);
+	return scene_error(study->file, result->node, "%s is no column; allowed: %s", result->what, list.text);
 }
 
-static enum status take_row(const struct study *study, const struct study_result *result,
-                            char **cells, size_t count, struct figure *figure)
+static enum status take_row(const struct study *study, const struct study_result *result, char **cells, size_t count,
+			    struct figure *figure)
 {
 	double time, value;
-	if (count <= figure->column || !parse_number(cells[TIME_COLUMN], &time) ||
-	    time < result->after || cells[figure->column][0] == '\0')
+	if (count <= figure->column || !parse_number(cells[TIME_COLUMN], &time) || time < result->after ||
+	    cells[figure->column][0] == '\0')
 		return STATUS_OK;
 	if (!parse_number(cells[figure->column], &value))
-		return scene_error(study->file, result->node,
-		                   "column %s has %s; allowed: a column of numbers", result->what,
-		                   scene_quote(cells[figure->column]).text);
+		return scene_error(study->file, result->node, "column %s has %s; allowed: a column of numbers", result->what,
+				   scene_quote(cells[figure->column]).text);
 	figure->sum += value;
 	figure->max = fmax(figure->max, value);
 	figure->min = fmin(figure->min, value);
@@ -68,22 +66,19 @@ static enum status take_row(const struct study *study, const struct study_result
 	return STATUS_OK;
 }
 
-static enum status read_rows(const struct study *study, enum study_source source, FILE *file,
-                             struct figure *figures)
+static enum status read_rows(const struct study *study, enum study_source source, FILE *file, struct figure *figures)
 {
 	char *line = NULL, *cells[COLUMNS_MOST];
 	size_t size = 0;
 	enum status status = STATUS_OK;
-	for (uint64_t number = 0; status == STATUS_OK && getline(&line, &size, file) >= 0;
-	     number++) {
+	for (uint64_t number = 0; status == STATUS_OK && getline(&line, &size, file) >= 0; number++) {
 		const size_t count = cut(line, cells);
 		for (size_t i = 0; i < study->result_count && status == STATUS_OK; i++) {
 			const struct study_result *result = &study->results[i];
 			if (result->source != source)
 				continue;
 			if (number == 0)
-				status = find_column(study, result, cells, count,
-				                     &figures[i].column);
+				status = find_column(study, result, cells, count, &figures[i].column);
 			else if (count > NAME_COLUMN && strcmp(cells[NAME_COLUMN], result->of) == 0)
 				status = take_row(study, result, cells, count, &figures[i]);
 		}
@@ -100,12 +95,11 @@ static enum status give_mean(const struct figure *figure, struct study_cell *cel
 	return study_cell_number(cell, strtod(text, NULL));
 }
 
-static enum status give(const struct study *study, size_t run, const struct study_result *result,
-                        const struct figure *figure, struct study_cell *cell)
+static enum status give(const struct study *study, size_t run, const struct study_result *result, const struct figure *figure,
+			struct study_cell *cell)
 {
 	if (figure->count == 0) {
-		note("run %s has no row of %s for %s: its cell is empty", study->runs[run].name,
-		     result->of, result->name);
+		note("run %s has no row of %s for %s: its cell is empty", study->runs[run].name, result->of, result->name);
 		return STATUS_OK;
 	}
 	switch (result->take) {
@@ -120,11 +114,9 @@ static enum status give(const struct study *study, size_t run, const struct stud
 	}
 }
 
-static enum status read_file(const struct study *study, size_t run, enum study_source source,
-                             struct figure *figures)
+static enum status read_file(const struct study *study, size_t run, enum study_source source, struct figure *figures)
 {
-	static const char *const names[] = {
-	        [STUDY_OBJECTS] = "objects", [STUDY_VEHICLES] = "vehicles"};
+	static const char *const names[] = {[STUDY_OBJECTS] = "objects", [STUDY_VEHICLES] = "vehicles"};
 	char name[20], path[PATH_MAX];
 	const struct study_result *wanted = NULL;
 	for (size_t i = 0; i < study->result_count; i++)
@@ -135,9 +127,8 @@ static enum status read_file(const struct study *study, size_t run, enum study_s
 	snprintf(name, sizeof name, "%s.csv", names[source]);
 	FILE *file = fopen(study_path(study, run, name, path), "r");
 	if (file == NULL)
-		return scene_error(
-		        study->file, wanted->node, "%s: %s; allowed: with output.%s in the scene",
-		        path, strerror(errno), source == STUDY_OBJECTS ? "forces" : "vehicles");
+		return scene_error(study->file, wanted->node, "%s: %s; allowed: with output.%s in the scene", path, strerror(errno),
+				   source == STUDY_OBJECTS ? "forces" : "vehicles");
 	enum status status = read_rows(study, source, file, figures);
 	if (status == STATUS_OK && ferror(file))
 		status = fail_with(STATUS_FAILED, "%s: cannot be read; check the disk", path);

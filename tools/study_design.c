@@ -35,8 +35,7 @@ static double range_at(const struct study_parameter *parameter, double share)
 	if (parameter->logarithmic)
 		return parameter->from * pow(parameter->to / parameter->from, share);
 	if (parameter->whole)
-		return fmin(floor(parameter->from + share * (parameter->to - parameter->from + 1)),
-		            parameter->to);
+		return fmin(floor(parameter->from + share * (parameter->to - parameter->from + 1)), parameter->to);
 	return parameter->from + share * (parameter->to - parameter->from);
 }
 
@@ -50,9 +49,8 @@ static enum status expand_ranges(struct study *study)
 		if (parameter->values == NULL)
 			return fail_memory("values of the study");
 		for (size_t k = 0; k < parameter->value_count; k++) {
-			parameter->values[k] = number_text(
-			        study, range_at(parameter,
-			                        (double)k / (double)(parameter->value_count - 1)));
+			parameter->values[k] =
+				number_text(study, range_at(parameter, (double)k / (double)(parameter->value_count - 1)));
 			if (parameter->values[k] == NULL)
 				return fail_memory("values of the study");
 		}
@@ -66,10 +64,8 @@ static enum status count_grid(struct study *study)
 	for (size_t i = 0; i < study->parameter_count; i++) {
 		runs *= study->parameters[i].value_count;
 		if (runs > STUDY_RUNS)
-			return scene_error(
-			        study->file, study->parameters[i].node,
-			        "makes more than %d runs; allowed: fewer values, or a hypercube",
-			        STUDY_RUNS);
+			return scene_error(study->file, study->parameters[i].node,
+					   "makes more than %d runs; allowed: fewer values, or a hypercube", STUDY_RUNS);
 	}
 	study->run_count = runs;
 	return STATUS_OK;
@@ -127,11 +123,8 @@ static enum status fill_hypercube(struct study *study)
 			const double share = ((double)part[run] + within) / (double)runs;
 			const char *value;
 			if (parameter->values != NULL) {
-				const size_t index =
-				        (size_t)(share * (double)parameter->value_count);
-				value = parameter->values[index < parameter->value_count
-				                                  ? index
-				                                  : parameter->value_count - 1];
+				const size_t index = (size_t)(share * (double)parameter->value_count);
+				value = parameter->values[index < parameter->value_count ? index : parameter->value_count - 1];
 			} else {
 				value = number_text(study, range_at(parameter, share));
 			}
@@ -154,8 +147,7 @@ enum status study_expand(struct study *study)
 		study->run_count = study->parameters[0].value_count;
 	if (status != STATUS_OK)
 		return status;
-	study->values =
-	        mem_calloc(study->run_count * study->parameter_count, sizeof *study->values);
+	study->values = mem_calloc(study->run_count * study->parameter_count, sizeof *study->values);
 	study->runs = mem_calloc(study->run_count, sizeof *study->runs);
 	if (study->values == NULL || study->runs == NULL)
 		return fail_memory("runs of the study");

@@ -11,20 +11,17 @@ double study_groups_scale(const struct study_groups *groups, double value)
 
 static void cut_range(struct study_groups *groups, size_t parts)
 {
-	const double low = study_groups_scale(groups, groups->low),
-	             high = study_groups_scale(groups, groups->high);
+	const double low = study_groups_scale(groups, groups->low), high = study_groups_scale(groups, groups->high);
 	groups->cut = true;
 	groups->count = parts;
 	for (size_t i = 0; i < parts; i++)
 		groups->values[i] = low + (high - low) * (double)i / (double)parts;
 }
 
-bool study_groups_find(const struct study *study, size_t parameter, size_t most, size_t parts,
-                       struct study_groups *groups)
+bool study_groups_find(const struct study *study, size_t parameter, size_t most, size_t parts, struct study_groups *groups)
 {
-	*groups = (struct study_groups){.low = INFINITY,
-	                                .high = -INFINITY,
-	                                .logarithmic = study->parameters[parameter].logarithmic};
+	*groups =
+		(struct study_groups){.low = INFINITY, .high = -INFINITY, .logarithmic = study->parameters[parameter].logarithmic};
 	double value;
 	for (size_t run = 0; run < study->run_count && !groups->text; run++)
 		groups->text = !parse_number(study_value(study, run, parameter), &value);
@@ -71,15 +68,13 @@ size_t study_groups_index(const struct study_groups *groups, const char *name, d
 		return i;
 	}
 	(void)parse_number(name, value);
-	while (i > 0 && (groups->cut ? study_groups_scale(groups, *value) < groups->values[i]
-	                             : *value != groups->values[i]))
+	while (i > 0 && (groups->cut ? study_groups_scale(groups, *value) < groups->values[i] : *value != groups->values[i]))
 		i--;
 	return i;
 }
 
 double study_groups_edge(const struct study_groups *groups, size_t i)
 {
-	const double value =
-	        i < groups->count ? groups->values[i] : study_groups_scale(groups, groups->high);
+	const double value = i < groups->count ? groups->values[i] : study_groups_scale(groups, groups->high);
 	return groups->logarithmic ? pow(10, value) : value;
 }

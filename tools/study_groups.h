@@ -8,7 +8,7 @@
 #define STUDY_GROUPS 24 /* at most */
 
 struct study_groups {
-	bool text, cut;   /* cut: groups are ranges */
+	bool text, cut;	  /* cut: groups are ranges */
 	bool logarithmic; /* where they are on the axis */
 	size_t count;
 	const char *names[STUDY_GROUPS]; /* of values that are not numbers */
@@ -18,8 +18,7 @@ struct study_groups {
 
 /* Finds the groups of a parameter. If it has more than `most` values, or they are a hypercube's,
  * cuts the range into `parts`. Returns false if they are too many and no numbers. */
-bool study_groups_find(const struct study *study, size_t parameter, size_t most, size_t parts,
-                       struct study_groups *groups);
+bool study_groups_find(const struct study *study, size_t parameter, size_t most, size_t parts, struct study_groups *groups);
 /* Returns the group of a value. *value: the number, or for a text the group's index. */
 size_t study_groups_index(const struct study_groups *groups, const char *name, double *value);
 /* Returns where a value is on the axis: its logarithm, if the axis is logarithmic. */

@@ -14,23 +14,14 @@
 #include "study_groups.h"
 #include "svg.h"
 
-enum {
-	WIDTH = 860,
-	HEIGHT = 470,
-	LEFT = 80,
-	TOP = 46,
-	ACROSS = 540,
-	DOWN = 350,
-	LEGEND = 646,
-	LABEL = 26
-};
+enum { WIDTH = 860, HEIGHT = 470, LEFT = 80, TOP = 46, ACROSS = 540, DOWN = 350, LEGEND = 646, LABEL = 26 };
 #define SERIES_MOST 8 /* the same for the colours */
-#define PARTS 8       /* that an axis is cut into */
+#define PARTS 8	      /* that an axis is cut into */
 #define SERIES_PARTS 3
 #define BESIDE 3.0 /* pixels between the bars of two series */
 
 static const char *const colours[SERIES_MOST] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7",
-                                                 "#e69f00", "#56b4e9", "#7a5c00", "#808080"};
+						 "#e69f00", "#56b4e9", "#7a5c00", "#808080"};
 
 struct dot {
 	double x, y;
@@ -56,15 +47,12 @@ static void take_dots(struct plot *plot, const struct study_cell *cells)
 		double value;
 		if (!isfinite(dot.y))
 			continue;
-		dot.across = study_groups_index(&plot->across,
-		                                study_value(study, run, plot->plot->x), &dot.x);
+		dot.across = study_groups_index(&plot->across, study_value(study, run, plot->plot->x), &dot.x);
 		dot.x = study_groups_scale(&plot->across, dot.x);
 		if (plot->plot->by != SIZE_MAX)
-			dot.series = study_groups_index(
-			        &plot->series, study_value(study, run, plot->plot->by), &value);
+			dot.series = study_groups_index(&plot->series, study_value(study, run, plot->plot->by), &value);
 		if (plot->across.text && plot->series.count > 1) /* beside each other */
-			dot.x +=
-			        ((double)dot.series / (double)(plot->series.count - 1) - 0.5) * 0.5;
+			dot.x += ((double)dot.series / (double)(plot->series.count - 1) - 0.5) * 0.5;
 		plot->low[1] = fmin(plot->low[1], dot.y);
 		plot->high[1] = fmax(plot->high[1], dot.y);
 		plot->dots[plot->count++] = dot;
@@ -84,8 +72,7 @@ static void make_axes(struct plot *plot)
 	plot->high[0] = study_groups_scale(across, across->high);
 	if (!across->logarithmic)
 		svg_axis(&plot->low[0], &plot->high[0], &plot->step[0]);
-	const double edge =
-	        across->logarithmic ? fmax((plot->high[0] - plot->low[0]) * 0.04, 0.02) : 0;
+	const double edge = across->logarithmic ? fmax((plot->high[0] - plot->low[0]) * 0.04, 0.02) : 0;
 	plot->low[0] -= edge;
 	plot->high[0] += edge;
 }
@@ -119,9 +106,9 @@ static void line_across(const struct plot *plot, double value, const char *label
 {
 	const double x = place_x(plot, value);
 	fprintf(file,
-	        "<path class=\"line\" d=\"M%.1f %dv%d\"/><text x=\"%.1f\" y=\"%d\" "
-	        "text-anchor=\"middle\">",
-	        x, TOP, DOWN, x, TOP + DOWN + 18);
+		"<path class=\"line\" d=\"M%.1f %dv%d\"/><text x=\"%.1f\" y=\"%d\" "
+		"text-anchor=\"middle\">",
+		x, TOP, DOWN, x, TOP + DOWN + 18);
 	write_short(label, file);
 	fputs("</text>\n", file);
 }
@@ -134,12 +121,10 @@ static void write_across(const struct plot *plot, FILE *file)
 			line_across(plot, (double)i, plot->across.names[i], file);
 	} else if (plot->across.logarithmic) {
 		const double wide = plot->high[0] - plot->low[0];
-		for (int power = (int)floor(plot->low[0]); power <= (int)ceil(plot->high[0]);
-		     power++)
+		for (int power = (int)floor(plot->low[0]); power <= (int)ceil(plot->high[0]); power++)
 			for (int i = 0; i < 9; i++) {
 				const double value = (i + 1) * pow(10, power), at = log10(value);
-				if (at < plot->low[0] || at > plot->high[0] ||
-				    (i > 0 && wide > 3) ||
+				if (at < plot->low[0] || at > plot->high[0] || (i > 0 && wide > 3) ||
 				    (i != 0 && i != 1 && i != 4 && wide > 0.7))
 					continue;
 				snprintf(label, sizeof label, "%g", value);
@@ -149,13 +134,11 @@ static void write_across(const struct plot *plot, FILE *file)
 		const int steps = (int)lround((plot->high[0] - plot->low[0]) / plot->step[0]);
 		for (int i = 0; i <= steps; i++) {
 			const double value = plot->low[0] + i * plot->step[0];
-			snprintf(label, sizeof label, "%g",
-			         fabs(value) < plot->step[0] * 1e-6 ? 0 : value);
+			snprintf(label, sizeof label, "%g", fabs(value) < plot->step[0] * 1e-6 ? 0 : value);
 			line_across(plot, value, label, file);
 		}
 	}
-	fprintf(file, "<text x=\"%d\" y=\"%d\" text-anchor=\"middle\">", LEFT + ACROSS / 2,
-	        TOP + DOWN + 40);
+	fprintf(file, "<text x=\"%d\" y=\"%d\" text-anchor=\"middle\">", LEFT + ACROSS / 2, TOP + DOWN + 40);
 	svg_text(plot->study->parameters[plot->plot->x].name, file);
 	fputs("</text>\n", file);
 }
@@ -164,13 +147,12 @@ static void write_up(const struct plot *plot, FILE *file)
 {
 	const int steps = (int)lround((plot->high[1] - plot->low[1]) / plot->step[1]);
 	for (int i = 0; i <= steps; i++) {
-		const double value = plot->low[1] + i * plot->step[1],
-		             shown = fabs(value) < plot->step[1] * 1e-6 ? 0 : value;
+		const double value = plot->low[1] + i * plot->step[1], shown = fabs(value) < plot->step[1] * 1e-6 ? 0 : value;
 		fprintf(file,
-		        "<path class=\"%s\" d=\"M%d %.1fh%d\"/><text x=\"%d\" y=\"%.1f\" "
-		        "text-anchor=\"end\">%g</text>\n",
-		        shown == 0 ? "zero" : "line", LEFT, place_y(plot, value), ACROSS, LEFT - 7,
-		        place_y(plot, value) + 4, shown);
+			"<path class=\"%s\" d=\"M%d %.1fh%d\"/><text x=\"%d\" y=\"%.1f\" "
+			"text-anchor=\"end\">%g</text>\n",
+			shown == 0 ? "zero" : "line", LEFT, place_y(plot, value), ACROSS, LEFT - 7, place_y(plot, value) + 4,
+			shown);
 	}
 	fprintf(file, "<text class=\"name\" x=\"%d\" y=\"%d\">", LEFT, TOP - 14);
 	svg_text(plot->study->results[plot->plot->y].name, file);
@@ -181,24 +163,19 @@ static void write_up(const struct plot *plot, FILE *file)
 static void write_series(const struct plot *plot, size_t series, FILE *file)
 {
 	const char *colour = colours[series % SERIES_MOST];
-	const double beside =
-	        plot->across.text
-	                ? 0
-	                : ((double)series - (double)(plot->series.count - 1) / 2) * BESIDE;
+	const double beside = plot->across.text ? 0 : ((double)series - (double)(plot->series.count - 1) / 2) * BESIDE;
 	double before = -INFINITY;
 	bool down = false;
 	fprintf(file, "<g stroke=\"%s\" fill=\"%s\">\n", colour, colour);
 	for (size_t i = 0; i < plot->count; i++)
 		if (plot->dots[i].series == series)
 			fprintf(file, "<circle class=\"run\" cx=\"%.1f\" cy=\"%.1f\" r=\"3\"/>\n",
-			        place_x(plot, plot->dots[i].x) + beside,
-			        place_y(plot, plot->dots[i].y));
+				place_x(plot, plot->dots[i].x) + beside, place_y(plot, plot->dots[i].y));
 	double x_before = 0, y_before = 0;
 	for (;;) {
 		double next = INFINITY, x = 0, sum = 0, low = INFINITY, high = -INFINITY, count = 0;
 		for (size_t i = 0; i < plot->count; i++) /* the next group to the right */
-			if (plot->dots[i].series == series &&
-			    plot->across.values[plot->dots[i].across] > before)
+			if (plot->dots[i].series == series && plot->across.values[plot->dots[i].across] > before)
 				next = fmin(next, plot->across.values[plot->dots[i].across]);
 		if (!isfinite(next))
 			break;
@@ -217,13 +194,11 @@ static void write_series(const struct plot *plot, size_t series, FILE *file)
 		const double y = place_y(plot, sum / count);
 		if (high > low)
 			fprintf(file,
-			        "<path class=\"bar\" d=\"M%.1f %.1fV%.1fM%.1f %.1fh8M%.1f "
-			        "%.1fh8\"/>\n",
-			        x, place_y(plot, low), place_y(plot, high), x - 4,
-			        place_y(plot, low), x - 4, place_y(plot, high));
+				"<path class=\"bar\" d=\"M%.1f %.1fV%.1fM%.1f %.1fh8M%.1f "
+				"%.1fh8\"/>\n",
+				x, place_y(plot, low), place_y(plot, high), x - 4, place_y(plot, low), x - 4, place_y(plot, high));
 		if (down && !plot->across.text)
-			fprintf(file, "<path class=\"mean\" d=\"M%.1f %.1fL%.1f %.1f\"/>\n",
-			        x_before, y_before, x, y);
+			fprintf(file, "<path class=\"mean\" d=\"M%.1f %.1fL%.1f %.1f\"/>\n", x_before, y_before, x, y);
 		fprintf(file, "<circle cx=\"%.1f\" cy=\"%.1f\" r=\"4\"/>\n", x, y);
 		down = true;
 		x_before = x;
@@ -244,14 +219,12 @@ static void write_legend(const struct plot *plot, FILE *file)
 		char label[60];
 		y += 20;
 		if (plot->series.cut)
-			snprintf(label, sizeof label, "%.3g to %.3g",
-			         study_groups_edge(&plot->series, i),
-			         study_groups_edge(&plot->series, i + 1));
+			snprintf(label, sizeof label, "%.3g to %.3g", study_groups_edge(&plot->series, i),
+				 study_groups_edge(&plot->series, i + 1));
 		else
 			snprintf(label, sizeof label, "%g", plot->series.values[i]);
-		fprintf(file,
-		        "<circle cx=\"%d\" cy=\"%d\" r=\"4\" fill=\"%s\"/><text x=\"%d\" y=\"%d\">",
-		        LEGEND + 5, y - 4, colours[i % SERIES_MOST], LEGEND + 16, y);
+		fprintf(file, "<circle cx=\"%d\" cy=\"%d\" r=\"4\" fill=\"%s\"/><text x=\"%d\" y=\"%d\">", LEGEND + 5, y - 4,
+			colours[i % SERIES_MOST], LEGEND + 16, y);
 		write_short(plot->series.text ? plot->series.names[i] : label, file);
 		fputs("</text>\n", file);
 	}
@@ -260,45 +233,41 @@ static void write_legend(const struct plot *plot, FILE *file)
 static void write_all(const struct plot *plot, FILE *file)
 {
 	fprintf(file,
-	        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"%d\" height=\"%d\" viewBox=\"0 "
-	        "0 %d %d\">\n<style>\n"
-	        "text { font: 13px sans-serif; fill: #222 } .name { font-weight: bold }\n"
-	        ".back { fill: #fff } .line { stroke: #ddd } .zero { stroke: #888 }\n"
-	        ".run { opacity: 0.35; stroke: none } .bar { stroke-width: 1.5; fill: none; "
-	        "opacity: 0.7 } .mean { stroke-width: 2; fill: none }\n"
-	        "@media (prefers-color-scheme: dark) {\n  text { fill: #ddd } .back { fill: #111 } "
-	        ".line { stroke: #333 }\n}\n"
-	        "</style>\n<rect class=\"back\" width=\"100%%\" height=\"100%%\"/>\n",
-	        WIDTH, HEIGHT, WIDTH, HEIGHT);
+		"<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"%d\" height=\"%d\" viewBox=\"0 "
+		"0 %d %d\">\n<style>\n"
+		"text { font: 13px sans-serif; fill: #222 } .name { font-weight: bold }\n"
+		".back { fill: #fff } .line { stroke: #ddd } .zero { stroke: #888 }\n"
+		".run { opacity: 0.35; stroke: none } .bar { stroke-width: 1.5; fill: none; "
+		"opacity: 0.7 } .mean { stroke-width: 2; fill: none }\n"
+		"@media (prefers-color-scheme: dark) {\n  text { fill: #ddd } .back { fill: #111 } "
+		".line { stroke: #333 }\n}\n"
+		"</style>\n<rect class=\"back\" width=\"100%%\" height=\"100%%\"/>\n",
+		WIDTH, HEIGHT, WIDTH, HEIGHT);
 	write_across(plot, file);
 	write_up(plot, file);
 	for (size_t i = 0; i < plot->series.count; i++)
 		write_series(plot, i, file);
 	write_legend(plot, file);
 	fprintf(file,
-	        "<text x=\"%d\" y=\"%d\">dots: runs; line: means; bars: lowest to "
-	        "highest</text>\n</svg>\n",
-	        LEFT, HEIGHT - 12);
+		"<text x=\"%d\" y=\"%d\">dots: runs; line: means; bars: lowest to "
+		"highest</text>\n</svg>\n",
+		LEFT, HEIGHT - 12);
 }
 
-enum status study_plot_write(const struct study *study, const struct study_plot *wanted,
-                             const struct study_cell *cells, FILE *file)
+enum status study_plot_write(const struct study *study, const struct study_plot *wanted, const struct study_cell *cells, FILE *file)
 {
 	struct plot plot = {.study = study, .plot = wanted, .series = {.count = 1}};
-	const size_t parts = study->run_count < 8           ? 1
-	                     : study->run_count < 4 * PARTS ? study->run_count / 4
-	                                                    : PARTS;
+	const size_t parts = study->run_count < 8 ? 1 : study->run_count < 4 * PARTS ? study->run_count / 4 : PARTS;
 	if (!study_groups_find(study, wanted->x, STUDY_GROUPS, parts, &plot.across))
 		return fail_with(STATUS_INPUT,
-		                 "%s: %s has more than %d values that are no numbers; plot another "
-		                 "parameter across",
-		                 study->file, study->parameters[wanted->x].name, STUDY_GROUPS);
-	if (wanted->by != SIZE_MAX &&
-	    !study_groups_find(study, wanted->by, SERIES_MOST, SERIES_PARTS, &plot.series))
+				 "%s: %s has more than %d values that are no numbers; plot another "
+				 "parameter across",
+				 study->file, study->parameters[wanted->x].name, STUDY_GROUPS);
+	if (wanted->by != SIZE_MAX && !study_groups_find(study, wanted->by, SERIES_MOST, SERIES_PARTS, &plot.series))
 		return fail_with(STATUS_INPUT,
-		                 "%s: %s has more than %d values that are no numbers; plot by "
-		                 "another parameter",
-		                 study->file, study->parameters[wanted->by].name, SERIES_MOST);
+				 "%s: %s has more than %d values that are no numbers; plot by "
+				 "another parameter",
+				 study->file, study->parameters[wanted->by].name, SERIES_MOST);
 	plot.dots = mem_calloc(study->run_count, sizeof *plot.dots);
 	if (plot.dots == NULL)
 		return fail_memory("a plot of the study");

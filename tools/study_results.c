@@ -5,11 +5,9 @@
 #include "scene/scene_error.h"
 #include "study.h"
 
-static enum status take_result(const struct study *study, const struct scene_node *node,
-                               struct study_result *result)
+static enum status take_result(const struct study *study, const struct scene_node *node, struct study_result *result)
 {
-	static const char *const keys[] = {"run",  "objects", "vehicles", "of",
-	                                   "take", "after",   NULL};
+	static const char *const keys[] = {"run", "objects", "vehicles", "of", "take", "after", NULL};
 	static const char *const takes[] = {"mean", "max", "min", "last", NULL};
 	static const char *const sources[] = {"run", "objects", "vehicles"};
 	int given = 0, take = -1;
@@ -25,9 +23,7 @@ static enum status take_result(const struct study *study, const struct scene_nod
 		}
 	}
 	if (status == STATUS_OK && given != 1)
-		status =
-		        scene_error(study->file, node,
-		                    "says not where it is; allowed: one of run, objects, vehicles");
+		status = scene_error(study->file, node, "says not where it is; allowed: one of run, objects, vehicles");
 	if (status == STATUS_OK)
 		status = study_text(study, node, "of", &result->of);
 	if (status == STATUS_OK)
@@ -37,19 +33,17 @@ static enum status take_result(const struct study *study, const struct scene_nod
 	if (status != STATUS_OK)
 		return status;
 	result->take = (enum study_take)(take >= 0 ? take : 0);
-	if (result->source == STUDY_RUN_JSON &&
-	    (result->of != NULL || take >= 0 || isfinite(result->after)))
+	if (result->source == STUDY_RUN_JSON && (result->of != NULL || take >= 0 || isfinite(result->after)))
 		return scene_error(study->file, node,
-		                   "has keys of a column; allowed: `run` alone, or a column of "
-		                   "objects or vehicles");
+				   "has keys of a column; allowed: `run` alone, or a column of "
+				   "objects or vehicles");
 	if (result->source != STUDY_RUN_JSON && (result->of == NULL || take < 0))
 		return scene_error(study->file, node,
-		                   "is no column's figure; allowed: with `of` (a name) and `take` "
-		                   "(mean, max, min, last)");
+				   "is no column's figure; allowed: with `of` (a name) and `take` "
+				   "(mean, max, min, last)");
 	for (size_t i = 0; i < study->parameter_count; i++)
 		if (strcmp(study->parameters[i].name, result->name) == 0)
-			return scene_error(study->file, node,
-			                   "has the name of a parameter; allowed: another");
+			return scene_error(study->file, node, "has the name of a parameter; allowed: another");
 	return STATUS_OK;
 }
 
@@ -61,8 +55,7 @@ static size_t parameter_named(const struct study *study, const char *name)
 	return i;
 }
 
-static enum status take_parameter(const struct study *study, const struct scene_node *node,
-                                  const char *key, size_t *out)
+static enum status take_parameter(const struct study *study, const struct scene_node *node, const char *key, size_t *out)
 {
 	const char *name;
 	enum status status = study_text(study, node, key, &name);
@@ -73,13 +66,11 @@ static enum status take_parameter(const struct study *study, const struct scene_
 		scene_list_add(&list, study->parameters[i].name);
 	*out = parameter_named(study, name);
 	return *out < study->parameter_count
-	               ? STATUS_OK
-	               : scene_error(study->file, scene_node_child(node, key),
-	                             "is no parameter; allowed: %s", list.text);
+		       ? STATUS_OK
+		       : scene_error(study->file, scene_node_child(node, key), "is no parameter; allowed: %s", list.text);
 }
 
-static enum status take_plot(const struct study *study, const struct scene_node *node,
-                             struct study_plot *plot)
+static enum status take_plot(const struct study *study, const struct scene_node *node, struct study_plot *plot)
 {
 	static const char *const keys[] = {"x", "y", "by", NULL};
 	const char *y = NULL;
@@ -95,40 +86,36 @@ static enum status take_plot(const struct study *study, const struct scene_node 
 		return status;
 	if (y == NULL || plot->x == SIZE_MAX || plot->x == plot->by)
 		return scene_error(study->file, node,
-		                   "is no plot; allowed: x (a parameter), y (a result), by "
-		                   "(another parameter)");
+				   "is no plot; allowed: x (a parameter), y (a result), by "
+				   "(another parameter)");
 	struct scene_list list = {.length = 0};
-	for (plot->y = 0;
-	     plot->y < study->result_count && strcmp(study->results[plot->y].name, y) != 0;
-	     plot->y++)
+	for (plot->y = 0; plot->y < study->result_count && strcmp(study->results[plot->y].name, y) != 0; plot->y++)
 		scene_list_add(&list, study->results[plot->y].name);
-	return plot->y < study->result_count ? STATUS_OK
-	                                     : scene_error(study->file, scene_node_child(node, "y"),
-	                                                   "is no result; allowed: %s", list.text);
+	return plot->y < study->result_count
+		       ? STATUS_OK
+		       : scene_error(study->file, scene_node_child(node, "y"), "is no result; allowed: %s", list.text);
 }
 
 /* Without `plots`: each result over the first parameter, by the second. */
 static void plot_all(struct study *study)
 {
 	for (size_t i = 0; i < study->result_count && i < STUDY_PLOTS; i++)
-		study->plots[study->plot_count++] = (struct study_plot){
-		        .x = 0, .by = study->parameter_count > 1 ? 1 : SIZE_MAX, .y = i};
+		study->plots[study->plot_count++] =
+			(struct study_plot){.x = 0, .by = study->parameter_count > 1 ? 1 : SIZE_MAX, .y = i};
 }
 
 enum status study_read_results(struct study *study)
 {
 	const struct scene_node *results = scene_node_child(study->root, "results"),
-	                        *plots = scene_node_child(study->root, "plots");
+				*plots = scene_node_child(study->root, "plots");
 	study->results = mem_calloc(STUDY_RESULTS, sizeof *study->results);
 	study->plots = mem_calloc(STUDY_PLOTS, sizeof *study->plots);
 	if (study->results == NULL || study->plots == NULL)
 		return fail_memory("results of the study");
 	if (results != NULL && (results->kind != SCENE_MAPPING || results->count > STUDY_RESULTS))
-		return scene_error(study->file, results,
-		                   "is no mapping; allowed: up to %d names, with what each is",
-		                   STUDY_RESULTS);
-	for (const struct scene_node *node = results != NULL ? results->first : NULL; node != NULL;
-	     node = node->next) {
+		return scene_error(study->file, results, "is no mapping; allowed: up to %d names, with what each is",
+				   STUDY_RESULTS);
+	for (const struct scene_node *node = results != NULL ? results->first : NULL; node != NULL; node = node->next) {
 		enum status status = take_result(study, node, &study->results[study->result_count]);
 		if (status != STATUS_OK)
 			return status;
@@ -139,8 +126,7 @@ enum status study_read_results(struct study *study)
 		return STATUS_OK;
 	}
 	if (plots->kind != SCENE_SEQUENCE || plots->count > STUDY_PLOTS)
-		return scene_error(study->file, plots, "is no list; allowed: up to %d plots",
-		                   STUDY_PLOTS);
+		return scene_error(study->file, plots, "is no list; allowed: up to %d plots", STUDY_PLOTS);
 	for (const struct scene_node *node = plots->first; node != NULL; node = node->next) {
 		enum status status = take_plot(study, node, &study->plots[study->plot_count]);
 		if (status != STATUS_OK)

@@ -17,8 +17,7 @@
 const char *study_path(const struct study *study, size_t run, const char *file, char *path)
 {
 	/* study_prepare has refused a folder that is too long */
-	snprintf(path, PATH_MAX, "%s/runs/%s%s%s", study->directory, study->runs[run].name,
-	         file[0] != '\0' ? "/" : "", file);
+	snprintf(path, PATH_MAX, "%s/runs/%s%s%s", study->directory, study->runs[run].name, file[0] != '\0' ? "/" : "", file);
 	return path;
 }
 
@@ -30,17 +29,14 @@ static enum status store_of(struct study *study, const char *value, const char *
 	if (status != STATUS_OK)
 		return status;
 	if (node->kind != SCENE_SCALAR)
-		status = fail_with(STATUS_INPUT,
-		                   "%s: store: %s is no path; allowed: the name of a file",
-		                   study->file, value);
+		status = fail_with(STATUS_INPUT, "%s: store: %s is no path; allowed: the name of a file", study->file, value);
 	else if ((*store = study_keep(study, scene_file_beside(study->folder, node->text))) == NULL)
 		status = fail_memory("paths of the study");
 	scene_node_destroy(node);
 	return status;
 }
 
-enum status study_settings(struct study *study, size_t run, struct settings *settings,
-                           const char **store)
+enum status study_settings(struct study *study, size_t run, struct settings *settings, const char **store)
 {
 	enum status status = STATUS_OK;
 	*store = study->store;
@@ -49,13 +45,11 @@ enum status study_settings(struct study *study, size_t run, struct settings *set
 		settings->list[settings->count++] = study->set[i];
 	for (size_t i = 0; i < study->parameter_count; i++)
 		for (size_t k = 0; k < study->parameters[i].key_count && status == STATUS_OK; k++) {
-			const char *key = study->parameters[i].keys[k],
-			           *value = study_value(study, run, i);
+			const char *key = study->parameters[i].keys[k], *value = study_value(study, run, i);
 			if (strcmp(key, "store") == 0)
 				status = store_of(study, value, store);
 			else
-				settings->list[settings->count++] =
-				        (struct scene_setting){key, value};
+				settings->list[settings->count++] = (struct scene_setting){key, value};
 		}
 	return status;
 }
@@ -72,15 +66,14 @@ enum status study_arguments(struct study *study, size_t run, const char ***out)
 	if (list == NULL)
 		return fail_memory("arguments of a run");
 	size_t count = 0;
-	const char *first[] = {
-	        study->program,
-	        "drive",
-	        study->scene,
-	        "-o",
-	        study_print(study, "%s", study_path(study, run, "", folder)),
-	        "--overlay",
-	        study_print(study, "%s", study_path(study, run, "overlay.furrow", overlay)),
-	        "--resume"};
+	const char *first[] = {study->program,
+			       "drive",
+			       study->scene,
+			       "-o",
+			       study_print(study, "%s", study_path(study, run, "", folder)),
+			       "--overlay",
+			       study_print(study, "%s", study_path(study, run, "overlay.furrow", overlay)),
+			       "--resume"};
 	for (size_t i = 0; i < sizeof first / sizeof *first && status == STATUS_OK; i++) {
 		list[count++] = first[i];
 		status = first[i] != NULL ? STATUS_OK : fail_memory("arguments of a run");
@@ -91,8 +84,7 @@ enum status study_arguments(struct study *study, size_t run, const char ***out)
 	}
 	for (size_t i = 0; i < settings.count && status == STATUS_OK; i++) {
 		list[count++] = "--set";
-		list[count++] =
-		        study_print(study, "%s=%s", settings.list[i].key, settings.list[i].value);
+		list[count++] = study_print(study, "%s=%s", settings.list[i].key, settings.list[i].value);
 		status = list[count - 1] != NULL ? STATUS_OK : fail_memory("arguments of a run");
 	}
 	if (status != STATUS_OK)
@@ -107,8 +99,7 @@ enum status study_arguments(struct study *study, size_t run, const char ***out)
 static uint64_t add_text(uint64_t hash, const char *text)
 {
 	do
-		hash = (hash ^ (unsigned char)*text) *
-		       0x100000001b3u; /* FNV-1a; the NUL parts the texts */
+		hash = (hash ^ (unsigned char)*text) * 0x100000001b3u; /* FNV-1a; the NUL parts the texts */
 	while (*text++ != '\0');
 	return hash;
 }
@@ -126,8 +117,7 @@ static enum status name_run(struct study *study, size_t run, uint64_t hash)
 	if (status == STATUS_OK && terrain == NULL)
 		status = fail_with(STATUS_INPUT, "%s: no terrain; name it with store", study->file);
 	if (status == STATUS_OK && access(terrain, R_OK) != 0)
-		status = fail_with(STATUS_INPUT, "%s: %s; give a store that can be read", terrain,
-		                   strerror(errno));
+		status = fail_with(STATUS_INPUT, "%s: %s; give a store that can be read", terrain, strerror(errno));
 	if (status != STATUS_OK) {
 		char why[512];
 		snprintf(why, sizeof why, "%s", failure_message());
@@ -137,13 +127,12 @@ static enum status name_run(struct study *study, size_t run, uint64_t hash)
 	const struct scene_node *named = scene_node_child(study->root, "store");
 	hash = add_text(add_text(hash, scene->hash), named != NULL ? named->text : "");
 	for (size_t i = 0; i < study->parameter_count; i++)
-		hash = add_text(add_text(hash, study->parameters[i].name),
-		                study_value(study, run, i));
+		hash = add_text(add_text(hash, study->parameters[i].name), study_value(study, run, i));
 	for (size_t i = 0; i < settings.count; i++)
 		hash = add_text(add_text(hash, settings.list[i].key), settings.list[i].value);
 	scene_destroy(scene);
-	snprintf(study->runs[run].name, sizeof study->runs[run].name, "%04zu-%0*llx", run + 1,
-	         HASH_DIGITS, (unsigned long long)(hash >> (64 - 4 * HASH_DIGITS)));
+	snprintf(study->runs[run].name, sizeof study->runs[run].name, "%04zu-%0*llx", run + 1, HASH_DIGITS,
+		 (unsigned long long)(hash >> (64 - 4 * HASH_DIGITS)));
 	return STATUS_OK;
 }
 
@@ -170,24 +159,19 @@ static enum status keep_folders(const struct study *study, const char *runs)
 		qsort(sorted, study->run_count, sizeof *sorted, by_hash);
 	for (size_t i = 1; i < study->run_count && status == STATUS_OK; i++)
 		if (by_hash(&sorted[i - 1], &sorted[i]) == 0) {
-			const size_t a = (size_t)(sorted[i - 1] - study->runs),
-			             b = (size_t)(sorted[i] - study->runs);
-			status = fail_with(
-			        STATUS_INPUT,
-			        "%s: runs %zu and %zu have the same settings; write each once",
-			        study->file, (a < b ? a : b) + 1, (a < b ? b : a) + 1);
+			const size_t a = (size_t)(sorted[i - 1] - study->runs), b = (size_t)(sorted[i] - study->runs);
+			status = fail_with(STATUS_INPUT, "%s: runs %zu and %zu have the same settings; write each once",
+					   study->file, (a < b ? a : b) + 1, (a < b ? b : a) + 1);
 		}
 	DIR *folder = status == STATUS_OK ? opendir(runs) : NULL;
 	if (status == STATUS_OK && folder == NULL)
-		status = fail_with(STATUS_FAILED, "%s: %s; give a folder that can be read", runs,
-		                   strerror(errno));
+		status = fail_with(STATUS_FAILED, "%s: %s; give a folder that can be read", runs, strerror(errno));
 	for (struct dirent *entry; folder != NULL && (entry = readdir(folder)) != NULL;) {
 		struct study_run key, *wanted = &key;
 		if (hash_of(entry->d_name) == NULL || strlen(entry->d_name) >= sizeof key.name)
 			continue;
 		snprintf(key.name, sizeof key.name, "%.39s", entry->d_name);
-		struct study_run **found =
-		        bsearch(&wanted, sorted, study->run_count, sizeof *sorted, by_hash);
+		struct study_run **found = bsearch(&wanted, sorted, study->run_count, sizeof *sorted, by_hash);
 		if (found != NULL)
 			memcpy((*found)->name, key.name, sizeof key.name);
 	}
@@ -201,8 +185,7 @@ static enum status name_runs(struct study *study, const char *runs)
 {
 	char *text;
 	size_t length;
-	enum status status =
-	        scene_file_read(study->scene, study->scene, SCENE_BYTES, &text, &length);
+	enum status status = scene_file_read(study->scene, study->scene, SCENE_BYTES, &text, &length);
 	if (status != STATUS_OK)
 		return status;
 	const uint64_t hash = add_text(HASH_START, text);
@@ -263,8 +246,7 @@ static enum status make_folder(const char *path)
 {
 	struct stat found;
 	if (mkdir(path, 0777) != 0 && errno != EEXIST)
-		return fail_with(STATUS_FAILED, "%s: %s; give a folder that can be made", path,
-		                 strerror(errno));
+		return fail_with(STATUS_FAILED, "%s: %s; give a folder that can be made", path, strerror(errno));
 	if (stat(path, &found) != 0 || !S_ISDIR(found.st_mode))
 		return fail_with(STATUS_FAILED, "%s: is not a folder; give another", path);
 	return STATUS_OK;
@@ -296,15 +278,11 @@ static enum status find_paths(struct study *study, const char *directory)
 	whole[length] = '\0';
 	study->program = mem_strdup(whole);
 	if (realpath(directory, whole) == NULL)
-		return fail_with(STATUS_FAILED, "%s: %s; give a folder that can be read", directory,
-		                 strerror(errno));
+		return fail_with(STATUS_FAILED, "%s: %s; give a folder that can be read", directory, strerror(errno));
 	if (strlen(whole) > PATH_MAX - 200)
-		return fail_with(STATUS_FAILED, "%s: its path is too long; give a shorter one",
-		                 directory);
+		return fail_with(STATUS_FAILED, "%s: its path is too long; give a shorter one", directory);
 	study->directory = mem_strdup(whole);
-	return study->program != NULL && study->directory != NULL
-	               ? STATUS_OK
-	               : fail_memory("paths of the study");
+	return study->program != NULL && study->directory != NULL ? STATUS_OK : fail_memory("paths of the study");
 }
 
 enum status study_prepare(struct study *study, const char *directory)
@@ -321,8 +299,7 @@ enum status study_prepare(struct study *study, const char *directory)
 		status = make_folder(path);
 	if (status == STATUS_OK)
 		status = name_runs(study, path);
-	if (status != STATUS_OK && !there &&
-	    study->directory != NULL) { /* a refused study leaves nothing */
+	if (status != STATUS_OK && !there && study->directory != NULL) { /* a refused study leaves nothing */
 		(void)rmdir(path);
 		(void)rmdir(study->directory);
 	}

@@ -22,8 +22,7 @@ static cJSON *json_read(const char *path)
 {
 	char *text;
 	size_t length;
-	if (access(path, R_OK) != 0 ||
-	    scene_file_read(path, path, JSON_BYTES, &text, &length) != STATUS_OK)
+	if (access(path, R_OK) != 0 || scene_file_read(path, path, JSON_BYTES, &text, &length) != STATUS_OK)
 		return NULL;
 	cJSON *json = cJSON_Parse(text);
 	mem_free(text);
@@ -43,8 +42,7 @@ void study_look(struct study *study, size_t index)
 	cJSON *json = study_run_json(study, index);
 	const char *ended = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(json, "ended"));
 	const cJSON *seconds = cJSON_GetObjectItemCaseSensitive(json, "seconds");
-	run->state = access(study_path(study, index, "log.txt", path), F_OK) == 0 ? STUDY_BEGUN
-	                                                                          : STUDY_WAITING;
+	run->state = access(study_path(study, index, "log.txt", path), F_OK) == 0 ? STUDY_BEGUN : STUDY_WAITING;
 	for (int i = STUDY_INTERRUPTED; i <= STUDY_COMPLETE && ended != NULL; i++)
 		if (strcmp(ended, state_names[i]) == 0)
 			run->state = (enum study_state)i;
@@ -66,8 +64,7 @@ static void add_run(const struct study *study, size_t index, cJSON *list)
 		json_number(row, "seconds", run->seconds);
 	cJSON *values = cJSON_AddObjectToObject(row, "values");
 	for (size_t i = 0; i < study->parameter_count; i++)
-		cJSON_AddStringToObject(values, study->parameters[i].name,
-		                        study_value(study, index, i));
+		cJSON_AddStringToObject(values, study->parameters[i].name, study_value(study, index, i));
 }
 
 /* NULL: out of memory. */
@@ -76,8 +73,7 @@ static char *manifest_text(const struct study *study)
 	static const char *const designs[] = {"grid", "list", "hypercube"};
 	const char *slash = strrchr(study->file, '/');
 	char file[PATH_MAX];
-	snprintf(file, sizeof file, "%.3000s%.1000s", study->folder,
-	         slash != NULL ? slash + 1 : study->file);
+	snprintf(file, sizeof file, "%.3000s%.1000s", study->folder, slash != NULL ? slash + 1 : study->file);
 	cJSON *json = cJSON_CreateObject();
 	json_integer(json, "study", 1);
 	cJSON_AddStringToObject(json, "file", file);
@@ -126,18 +122,13 @@ static enum status take_names(struct study *study, const cJSON *json, const char
 	const cJSON *runs = cJSON_GetObjectItemCaseSensitive(json, "runs"), *row;
 	size_t index = 0;
 	if (!cJSON_IsArray(runs) || (size_t)cJSON_GetArraySize(runs) != study->run_count)
-		return fail_with(STATUS_INPUT,
-		                 "%s: does not have the runs of study.yaml; run furrow study again",
-		                 told);
+		return fail_with(STATUS_INPUT, "%s: does not have the runs of study.yaml; run furrow study again", told);
 	cJSON_ArrayForEach(row, runs)
 	{
-		const char *name =
-		        cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(row, "folder"));
-		if (name == NULL || strlen(name) >= sizeof study->runs->name ||
-		    strspn(name, "0123456789abcdef-") != strlen(name) || name[0] == '\0')
-			return fail_with(STATUS_INPUT,
-			                 "%s: run %zu has no folder; run furrow study again", told,
-			                 index + 1);
+		const char *name = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(row, "folder"));
+		if (name == NULL || strlen(name) >= sizeof study->runs->name || strspn(name, "0123456789abcdef-") != strlen(name) ||
+		    name[0] == '\0')
+			return fail_with(STATUS_INPUT, "%s: run %zu has no folder; run furrow study again", told, index + 1);
 		snprintf(study->runs[index].name, sizeof study->runs->name, "%s", name);
 		study_look(study, index++);
 	}
@@ -153,23 +144,17 @@ enum status study_reopen(struct study *study, const char *directory)
 	const char *file = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(json, "file"));
 	if (file == NULL) {
 		cJSON_Delete(json);
-		return fail_with(
-		        STATUS_INPUT,
-		        "%s: is no study's; give the folder that furrow study was given with -o",
-		        directory);
+		return fail_with(STATUS_INPUT, "%s: is no study's; give the folder that furrow study was given with -o", directory);
 	}
 	const size_t room = strlen(directory) + sizeof "/study.yaml";
 	char *copy = mem_alloc(room, 1);
 	if (copy != NULL)
 		snprintf(copy, room, "%s/study.yaml", directory);
-	enum status status =
-	        copy != NULL ? study_read(copy, file, study) : fail_memory("paths of the study");
+	enum status status = copy != NULL ? study_read(copy, file, study) : fail_memory("paths of the study");
 	if (study_keep(study, copy) == NULL && status == STATUS_OK)
 		status = fail_memory("paths of the study");
 	if (status == STATUS_OK && (study->directory = realpath(directory, NULL)) == NULL)
-		status =
-		        fail_with(STATUS_FAILED,
-		                  "%s: cannot be found; give a folder that can be read", directory);
+		status = fail_with(STATUS_FAILED, "%s: cannot be found; give a folder that can be read", directory);
 	if (status == STATUS_OK)
 		status = take_names(study, json, manifest);
 	cJSON_Delete(json);

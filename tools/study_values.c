@@ -11,9 +11,7 @@ const char *study_keep(struct study *study, char *text)
 	if (text == NULL)
 		return NULL;
 	if ((study->text_count & (study->text_count - 1)) == 0) {
-		char **grown = mem_realloc(study->texts,
-		                           study->text_count == 0 ? 1 : study->text_count * 2,
-		                           sizeof *grown);
+		char **grown = mem_realloc(study->texts, study->text_count == 0 ? 1 : study->text_count * 2, sizeof *grown);
 		if (grown == NULL) {
 			free(text);
 			return NULL;
@@ -58,8 +56,7 @@ void study_destroy(struct study *study)
 	*study = (struct study){.file = NULL};
 }
 
-enum status study_only(const struct study *study, const struct scene_node *node,
-                       const char *const *allowed)
+enum status study_only(const struct study *study, const struct scene_node *node, const char *const *allowed)
 {
 	struct scene_list list = {.length = 0};
 	for (const char *const *name = allowed; *name != NULL; name++)
@@ -71,14 +68,12 @@ enum status study_only(const struct study *study, const struct scene_node *node,
 		while (*name != NULL && strcmp(*name, child->key) != 0)
 			name++;
 		if (*name == NULL)
-			return scene_error(study->file, child,
-			                   "is not a key of a study here; allowed: %s", list.text);
+			return scene_error(study->file, child, "is not a key of a study here; allowed: %s", list.text);
 	}
 	return STATUS_OK;
 }
 
-enum status study_text(const struct study *study, const struct scene_node *parent, const char *key,
-                       const char **out)
+enum status study_text(const struct study *study, const struct scene_node *parent, const char *key, const char **out)
 {
 	const struct scene_node *node = scene_node_child(parent, key);
 	*out = NULL;
@@ -90,25 +85,23 @@ enum status study_text(const struct study *study, const struct scene_node *paren
 	return STATUS_OK;
 }
 
-enum status study_number(const struct study *study, const struct scene_node *parent,
-                         const char *key, double low, double high, double *value)
+enum status study_number(const struct study *study, const struct scene_node *parent, const char *key, double low, double high,
+			 double *value)
 {
 	const struct scene_node *node = scene_node_child(parent, key);
 	double number;
 	if (node == NULL)
 		return STATUS_OK;
 	if (node->kind != SCENE_SCALAR || !node->plain || !parse_number(node->text, &number))
-		return scene_error(study->file, node, "is no number; allowed: %g to %.16g", low,
-		                   high);
+		return scene_error(study->file, node, "is no number; allowed: %g to %.16g", low, high);
 	if (!(number >= low && number <= high))
-		return scene_error(study->file, node, "is %.16g; allowed: %g to %.16g", number, low,
-		                   high);
+		return scene_error(study->file, node, "is %.16g; allowed: %g to %.16g", number, low, high);
 	*value = number;
 	return STATUS_OK;
 }
 
-enum status study_choice(const struct study *study, const struct scene_node *parent,
-                         const char *key, const char *const *names, int *value)
+enum status study_choice(const struct study *study, const struct scene_node *parent, const char *key, const char *const *names,
+			 int *value)
 {
 	const struct scene_node *node = scene_node_child(parent, key);
 	struct scene_list list = {.length = 0};
@@ -126,10 +119,9 @@ enum status study_choice(const struct study *study, const struct scene_node *par
 
 static bool is_safe(const char *text)
 {
-	static const char safe[] =
-	        "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_.+-/";
-	return text[0] != '\0' && strcmp(text, "-") != 0 && strcmp(text, "---") != 0 &&
-	       strcmp(text, "...") != 0 && text[strspn(text, safe)] == '\0';
+	static const char safe[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_.+-/";
+	return text[0] != '\0' && strcmp(text, "-") != 0 && strcmp(text, "---") != 0 && strcmp(text, "...") != 0 &&
+	       text[strspn(text, safe)] == '\0';
 }
 
 static void write_scalar(const char *text, bool plain, FILE *file)

@@ -49,8 +49,7 @@ static void become_drive(const char *const *arguments, int log, pid_t parent)
 	dup2(log, STDOUT_FILENO);
 	dup2(log, STDERR_FILENO);
 	execv("/proc/self/exe", (char *const *)arguments);
-	dprintf(STDERR_FILENO, "furrow: %s: %s; give a program that can be run\n", arguments[0],
-	        strerror(errno));
+	dprintf(STDERR_FILENO, "furrow: %s: %s; give a program that can be run\n", arguments[0], strerror(errno));
 	_exit(1);
 }
 
@@ -61,11 +60,9 @@ static enum status start(struct work *work, struct job *job, size_t run)
 	enum status status = study_arguments(work->study, run, &arguments);
 	if (status != STATUS_OK)
 		return status;
-	const int log = open(study_path(work->study, run, "log.txt", path),
-	                     O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
+	const int log = open(study_path(work->study, run, "log.txt", path), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
 	if (log < 0) {
-		status = fail_with(STATUS_FAILED, "%s: %s; give a folder that can be written", path,
-		                   strerror(errno));
+		status = fail_with(STATUS_FAILED, "%s: %s; give a folder that can be written", path, strerror(errno));
 	} else {
 		const pid_t parent = getpid();
 		fflush(NULL);
@@ -73,8 +70,7 @@ static enum status start(struct work *work, struct job *job, size_t run)
 		if (pid == 0)
 			become_drive(arguments, log, parent);
 		if (pid < 0)
-			status = fail_with(STATUS_FAILED, "fork: %s; use fewer --jobs",
-			                   strerror(errno));
+			status = fail_with(STATUS_FAILED, "fork: %s; use fewer --jobs", strerror(errno));
 		else
 			*job = (struct job){.pid = pid, .run = run};
 		close(log);
@@ -99,10 +95,8 @@ static const char *last_error(struct study *study, size_t run)
 	const char *found = NULL;
 	bool error = false;
 	char *rest = NULL;
-	for (char *line = strtok_r(tail, "\n", &rest); line != NULL;
-	     line = strtok_r(NULL, "\n", &rest)) {
-		const bool tells = strncmp(line, "furrow: ", 8) == 0 &&
-		                   strncmp(line, "furrow: note: ", 14) != 0;
+	for (char *line = strtok_r(tail, "\n", &rest); line != NULL; line = strtok_r(NULL, "\n", &rest)) {
+		const bool tells = strncmp(line, "furrow: ", 8) == 0 && strncmp(line, "furrow: note: ", 14) != 0;
 		if (tells || !error)
 			found = tells ? line + 8 : line;
 		error = error || tells;
@@ -118,18 +112,15 @@ static void take_end(struct work *work, const struct job *job, int ended)
 	work->done++;
 	if (run->state == STUDY_COMPLETE)
 		return;
-	if (run->state == STUDY_INTERRUPTED ||
-	    (interrupted && WIFEXITED(ended) && WEXITSTATUS(ended) == 130))
+	if (run->state == STUDY_INTERRUPTED || (interrupted && WIFEXITED(ended) && WEXITSTATUS(ended) == 130))
 		return;
 	run->state = STUDY_FAILED;
-	run->error = WIFSIGNALED(ended)
-	                     ? study_print(work->study, "was ended by signal %d", WTERMSIG(ended))
-	                     : last_error(work->study, job->run);
+	run->error = WIFSIGNALED(ended) ? study_print(work->study, "was ended by signal %d", WTERMSIG(ended))
+					: last_error(work->study, job->run);
 	if (work->failed++ == 0)
 		work->first_failed = job->run;
 	progress_end(&work->progress);
-	note("run %s failed: %s", run->name,
-	     run->error != NULL ? run->error : "its log.txt says nothing");
+	note("run %s failed: %s", run->name, run->error != NULL ? run->error : "its log.txt says nothing");
 }
 
 /* Returns the number of children that are still running. */
@@ -155,9 +146,7 @@ static void end_children(const struct work *work)
 {
 	for (const struct job *job = work->jobs; job < work->jobs + work->job_count; job++)
 		if (job->pid != 0)
-			(void)kill(
-			        job->pid,
-			        SIGTERM); /* a drive that gets one ends with everything committed */
+			(void)kill(job->pid, SIGTERM); /* a drive that gets one ends with everything committed */
 }
 
 static enum status start_some(struct work *work)
@@ -165,8 +154,7 @@ static enum status start_some(struct work *work)
 	for (struct job *job = work->jobs; job < work->jobs + work->job_count; job++) {
 		if (job->pid != 0)
 			continue;
-		while (work->next < work->study->run_count &&
-		       work->study->runs[work->next].state == STUDY_COMPLETE)
+		while (work->next < work->study->run_count && work->study->runs[work->next].state == STUDY_COMPLETE)
 			work->next++;
 		if (work->next == work->study->run_count)
 			return STATUS_OK;
@@ -193,8 +181,7 @@ static enum status run_all(struct work *work)
 		if (running == 0 && (ending || work->done == work->total))
 			break;
 		if (!ending)
-			(void)!progress_step(&work->progress, (int64_t)work->done,
-			                     (int64_t)work->total);
+			(void)!progress_step(&work->progress, (int64_t)work->done, (int64_t)work->total);
 		if (clock_seconds() - work->written > MANIFEST_SECONDS && status == STATUS_OK) {
 			status = study_manifest(work->study);
 			work->written = clock_seconds();
@@ -212,17 +199,13 @@ static enum status tell(const struct work *work)
 	for (size_t run = 0; run < study->run_count; run++)
 		complete += study->runs[run].state == STUDY_COMPLETE;
 	if (interrupted)
-		return fail_with(
-		        STATUS_INTERRUPTED,
-		        "study: interrupted, %zu of %zu runs are complete; run it again to go on",
-		        complete, study->run_count);
+		return fail_with(STATUS_INTERRUPTED, "study: interrupted, %zu of %zu runs are complete; run it again to go on",
+				 complete, study->run_count);
 	if (work->failed == 0)
 		return STATUS_OK;
 	const struct study_run *run = &study->runs[work->first_failed];
-	return fail_with(STATUS_FAILED,
-	                 "study: %zu of %zu runs failed, first %s: %.300s; see its log.txt",
-	                 work->failed, work->total, run->name,
-	                 run->error != NULL ? run->error : "no error is in its log");
+	return fail_with(STATUS_FAILED, "study: %zu of %zu runs failed, first %s: %.300s; see its log.txt", work->failed,
+			 work->total, run->name, run->error != NULL ? run->error : "no error is in its log");
 }
 
 enum status study_work(struct study *study, int jobs)
@@ -233,9 +216,9 @@ enum status study_work(struct study *study, int jobs)
 		if (folder >= 0)
 			close(folder);
 		return fail_with(STATUS_FAILED,
-		                 "%s: another study runs in this folder; give another, or wait for "
-		                 "it to end",
-		                 study->directory);
+				 "%s: another study runs in this folder; give another, or wait for "
+				 "it to end",
+				 study->directory);
 	}
 	for (size_t run = 0; run < study->run_count; run++)
 		work.total += study->runs[run].state != STUDY_COMPLETE;

@@ -10,9 +10,9 @@
 static void write_slurm(const struct study *study, int jobs, FILE *file)
 {
 	fprintf(file,
-	        "#!/bin/sh\n#SBATCH --job-name=furrow-study\n#SBATCH --output=/dev/null\n#SBATCH "
-	        "--array=1-%zu",
-	        study->run_count);
+		"#!/bin/sh\n#SBATCH --job-name=furrow-study\n#SBATCH --output=/dev/null\n#SBATCH "
+		"--array=1-%zu",
+		study->run_count);
 	if (jobs > 0)
 		fprintf(file, "%%%d", jobs);
 	fputs("\n# A task runs one run; its log is log.txt in the folder of the run. Add what your "
@@ -21,8 +21,7 @@ static void write_slurm(const struct study *study, int jobs, FILE *file)
 	      file);
 	for (size_t run = 0; run < study->run_count; run++)
 		fprintf(file, "%zu) run=%s ;;\n", run + 1, study->runs[run].name);
-	fputs("*) echo \"task $SLURM_ARRAY_TASK_ID: no such run\" >&2; exit 2 ;;\nesac\nexec sh ",
-	      file);
+	fputs("*) echo \"task $SLURM_ARRAY_TASK_ID: no such run\" >&2; exit 2 ;;\nesac\nexec sh ", file);
 	study_quote(study->directory, file);
 	fputs("/runs/$run/run.sh\n", file);
 }

@@ -303,7 +303,7 @@ class Study(FurrowTest):
         subprocess.run(["sh", "parallel.txt"], cwd=self.folder / "b'y list", check=True)
         self.ok("study", "collect", "b'y list")
         self.assertEqual((self.folder / "b'y list/study.csv").read_bytes(), wanted)
-        self.study(GRID, "--write", "slurm", "--jobs", 3, out="by slurm")
+        self.study(GRID, "--slurm", "--jobs", 3, out="by slurm")
         script = (self.folder / "by slurm/slurm.sh").read_text()
         self.assertIn("#SBATCH --array=1-6%3\n", script)
         for task in range(1, 7):
@@ -329,6 +329,43 @@ class Study(FurrowTest):
             self.skipTest("snakemake is not here")
         subprocess.run(["snakemake", "--snakefile", "out/Snakefile", "--cores", "2"], cwd=self.folder, check=True, capture_output=True)
         self.assertEqual([row["state"] for row in self.rows()], ["complete"] * 6)
+
+    # --- what is shipped ---
+
+    def test_the_shipped_studies_are_whole(self):
+        shipped = pathlib.Path(__file__).parents[2] / "tools" / "scenes" / "studies"
+        for path in shipped.glob("*.yaml"):
+            shutil.copy(path, self.folder)
+        for name, runs in (("drawbar", 45), ("hypercube", 12)):
+            self.ok("study", f"{name}.yaml", "-o", name, "--write", "parallel")
+            self.assertEqual(len(self.manifest(name)["runs"]), runs)
+        first = (self.folder / "drawbar/parallel.txt").read_text().splitlines()[0]
+        if subprocess.run(["sh", "-c", first]).returncode == 4:
+            self.skipTest("no GL here")
+        self.ok("study", "collect", "drawbar")
+        row = self.rows("drawbar")[0]
+        self.assertTrue(float(row["sinkage"]) > 0 and float(row["drawbar"]) > 0 and float(row["torque"]) < 0, row)
+
+    def test_columns_of_vehicles(self):
+        shipped = pathlib.Path(__file__).parents[2] / "tools" / "scenes" / "vehicles"
+        self.synth("hill.furrow", posts="129x129", spacing=1, relief=0, kind="plain")
+        shutil.copy(shipped / "offroad.xml", self.folder)
+        text = (shipped / "offroad.yaml").read_text()
+        name = text.partition("- name: ")[2].split()[0]
+        self.scene(text, "car.yaml")
+        self.scene(f"study: 1\nscene: car.yaml\nstore: hill.furrow\nset: {{end_time: 1, view: null}}\n"
+                   f"grid: {{vehicles.{name}.driver.path.speed: [2, 4]}}\nresults:\n  x: {{vehicles: x, of: {name}, take: last}}\n"
+                   f"  fastest: {{vehicles: vx, of: {name}, take: max}}\n", "study.yaml")
+        result = self.furrow("study", "study.yaml", "-o", "out")
+        if result.returncode != 0 and ("MuJoCo" in result.stderr or "EGL" in result.stderr):
+            self.skipTest(result.stderr.strip())
+        self.assertEqual(result.returncode, 0, result.stderr)
+        for row in self.rows():
+            with open(self.folder / "out/runs" / row["folder"] / "vehicles.csv") as file:
+                columns = list(csv.DictReader(file))
+            self.assertEqual(float(row["x"]), float(columns[-1]["x"]))
+            self.assertEqual(float(row["fastest"]), max(float(column["vx"]) for column in columns))
+        self.assertNotEqual(*(row["fastest"] for row in self.rows()))
 
     # --- refused ---
 
@@ -377,7 +414,8 @@ class Study(FurrowTest):
     def test_wrong_usage(self):
         self.scene(GRID, "study.yaml")
         for arguments in (["study.yaml"], [], ["study.yaml", "-o", "out", "--jobs", "0"], ["study.yaml", "-o", "out", "--write", "pbs"],
-                          ["study.yaml", "more", "-o", "out"], ["collect", "out", "-o", "out"], ["study.yaml", "-o", "out", "--write", "slurm", "--collect"]):
+                          ["study.yaml", "more", "-o", "out"], ["collect", "out", "-o", "out"], ["study.yaml", "-o", "out", "--write", "slurm", "--collect"],
+                          ["study.yaml", "-o", "out", "--slurm", "--parallel"]):
             self.refused(2, "study", *arguments)
         self.refused(3, "study", "collect", "nowhere")
 
