@@ -62,6 +62,7 @@ enum plan_unit {
 	PLAN_COMMITTED_COARSER, /* coarser tiles that were updated with them */
 	PLAN_CHANGED,      /* rows of the line's table that commits changed; an unchanged row is not written */
 	PLAN_LEFT,         /* rows of the line's table that were looked up because an earlier drive may have left them */
+	PLAN_INHERITED,    /* further reads of the line's table by an overlay: of rows that only a file under it has */
 	PLAN_COMMIT,       /* commits */
 	PLAN_UNITS
 };

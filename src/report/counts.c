@@ -80,6 +80,11 @@ static void add_table_units(cJSON *units, const struct report *report, const str
 			json_integer(left, plane_name((enum plane)plane), pages->looked_up[plane]);
 	}
 	json_integer(changed, store_table_name(STORE_META_TABLE), pages->header);
+	struct store_statements statements;
+	store_statements(report->world->store, &statements);
+	cJSON *inherited = cJSON_AddObjectToObject(units, plan_unit_name(PLAN_INHERITED));
+	for (int plane = 0; plane < PLANES; plane++)
+		json_integer(inherited, plane_name((enum plane)plane), (int64_t)statements.inherited[STORE_OFFSET_TABLE + plane]);
 }
 
 static void add_units(cJSON *counts, const struct report *report, const struct gpu_stats *gpu, const struct resident_pages_io *io)

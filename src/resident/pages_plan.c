@@ -77,6 +77,9 @@ void resident_pages_plan(const struct pages_planned *planned, struct plan *plan)
 		if (planes & GPU_DRAWN_PLANES & PLANE_BIT(plane))
 			store_plan_reads(plan, table, 1, PLAN_LOADED_COARSER, effects[plane]);
 	}
+	/* Looked for in the overlay first. */
+	for (int plane = 0; plane < PLANES && planned->inherits && planned->was_deformed; plane++)
+		store_plan_reads(plan, (enum store_table)(STORE_OFFSET_TABLE + plane), 1, PLAN_INHERITED, effects[plane]);
 	/* How deep its ruts are. */
 	if (planned->was_deformed)
 		store_plan_reads(plan, STORE_OFFSET_TABLE, 1, PLAN_ONCE, NULL);

@@ -87,6 +87,7 @@ struct rows {
 	 * functions below give the row that counts: its own, or the nearest inherited one. NULL: the file alone counts. */
 	const struct lineage *lineage;
 	struct rows *const *layers;
+	struct statements *statements; /* of the overlay, where further reads are counted */
 };
 
 enum status store_rows_init(struct rows *rows, sqlite3 *db, const char *path, const struct extent *extent,
@@ -166,7 +167,10 @@ void store_rows_sums(const struct extent *extent, struct tile tile, const int32_
 
 struct statements {
 	atomic_uint_fast64_t read[STORE_TABLES], written[STORE_TABLES];
+	atomic_uint_fast64_t inherited[ROW_TABLES]; /* reads that an overlay needs beyond those of a plain store */
 };
+/* Forgets what was counted. */
+void store_statements_restart(struct statements *statements);
 /* From now on, counts the statements of connection `db` in `statements`. */
 void store_statements_count(struct statements *statements, sqlite3 *db);
 

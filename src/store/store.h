@@ -333,6 +333,7 @@ const char *store_table_name(enum store_table table); /* "base", ..., "other" */
  * a connection do not count. Any thread. */
 struct store_statements {
 	uint64_t read[STORE_TABLES], written[STORE_TABLES];
+	uint64_t inherited[STORE_TABLES]; /* of `read`: those that a plain store would not need */
 };
 void store_statements(const struct store *store, struct store_statements *out);
 

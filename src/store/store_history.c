@@ -90,6 +90,7 @@ static enum status prepare(struct store *store)
 	}
 	history->rows.lineage = store->rows.lineage;
 	history->rows.layers = store->rows.layers;
+	history->rows.statements = &store->statements;
 	return STATUS_OK;
 }
 

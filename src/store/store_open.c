@@ -157,6 +157,9 @@ enum status store_open_as(const char *path, const struct store_options *options,
 		store->history.each = options->keep_history;
 		status = store_history_open(store);
 	}
+	/* What an opening reads is not counted, in the files under it neither. */
+	for (struct store *under = store->under; under != NULL && status == STATUS_OK; under = under->under)
+		store_statements_restart(&under->statements);
 	if (status == STATUS_OK)
 		store_statements_count(&store->statements, store->db);
 	store_changes_restart(&store->changes, store->commit);

@@ -193,6 +193,7 @@ void store_overlay_inherit(struct store *store)
 	if (!store->inherits)
 		return;
 	store->rows.lineage = &store->lineage;
+	store->rows.statements = &store->statements;
 	store->rows.layers = store->layers;
 }
 

@@ -21,8 +21,6 @@ static enum status connect_rows(struct store *store, sqlite3 **db, struct rows *
 	if (status == STATUS_OK && hash != store->base_hash)
 		status = fail_with(STATUS_INPUT, "%s: another store took its place since it was opened; begin again",
 				   store->path);
-	if (status == STATUS_OK)
-		store_statements_count(&store->statements, *db);
 	return status == STATUS_OK ? store_rows_init(rows, *db, store->path, &store->meta.extent, CODEC_FAST) : status;
 }
 
@@ -38,10 +36,13 @@ static enum status connect_layers(struct store_reader *reader)
 		status = connect_rows(layer, &reader->layer_db[at], &reader->layer_rows[at]);
 		if (status == STATUS_OK && store->inherits)
 			status = store_overlay_hold(layer, reader->layer_db[at]);
+		if (status == STATUS_OK)
+			store_statements_count(&layer->statements, reader->layer_db[at]);
 		reader->layers[at] = &reader->layer_rows[at];
 	}
 	if (store->inherits) {
 		reader->rows.lineage = &store->lineage;
+		reader->rows.statements = &store->statements;
 		reader->rows.layers = reader->layers;
 	}
 	return status;
@@ -56,6 +57,8 @@ enum status store_reader_create(struct store *store, struct store_reader **out)
 	reader->store = store;
 	reader->base = store->under != NULL ? &reader->layer_rows[0] : &reader->rows;
 	enum status status = connect_rows(store, &reader->db, &reader->rows);
+	if (status == STATUS_OK)
+		store_statements_count(&store->statements, reader->db);
 	if (status == STATUS_OK)
 		status = connect_layers(reader);
 	if (status != STATUS_OK) {

@@ -176,6 +176,11 @@ static const struct lineage_entry *inherited(const struct rows *rows, enum row_t
 	return rows->lineage != NULL ? store_lineage_find(rows->lineage, table, key) : NULL;
 }
 
+static void count_further(const struct rows *rows, enum row_table table, uint64_t reads)
+{
+	atomic_fetch_add_explicit(&rows->statements->inherited[table], reads, memory_order_relaxed);
+}
+
 /* Finds the row that counts. *at: the rows of the file that has it. */
 static enum status find_row(struct rows *rows, enum row_table table, struct tile tile, bool whole,
 			    struct row *row, bool *found, sqlite3_stmt **out, struct rows **at)
@@ -193,6 +198,7 @@ static enum status find_row(struct rows *rows, enum row_table table, struct tile
 		return STATUS_OK;
 	sqlite3_reset(*out);
 	*at = rows->layers[entry->layer];
+	count_further(rows, table, 1);
 	status = find_own(*at, table, tile, whole, row, found, out);
 	if (status == STATUS_OK && !*found)
 		status = store_rows_bad(*at, table, tile, "it is listed and cannot be found");
@@ -368,20 +374,25 @@ static enum status under_inherited(struct rows *rows, enum row_table table, stru
 {
 	enum status status = STATUS_OK;
 	*low = (double)INFINITY;
+	uint64_t looked_up = 0;
 	*high = -(double)INFINITY;
 	*count = 0;
 	for (unsigned i = 0; i < 4 && status == STATUS_OK; i++) {
 		struct tile child = {tile.level - 1, 2 * tile.x + (i & 1), 2 * tile.y + (i >> 1)};
 		struct row row;
 		bool found = false;
-		if (extent_has(rows->extent, child))
+		if (extent_has(rows->extent, child)) {
 			status = store_rows_head(rows, table, child, &row, &found);
+			looked_up++;
+		}
 		if (status != STATUS_OK || !found)
 			continue;
 		*low = fmin(*low, row.low);
 		*high = fmax(*high, row.high);
 		++*count;
 	}
+	/* In a plain store one statement finds all of them. */
+	count_further(rows, table, looked_up - 1);
 	return status;
 }
 

@@ -51,6 +51,16 @@ static int began(unsigned what, void *user, void *statement, void *text)
 	return 0;
 }
 
+void store_statements_restart(struct statements *statements)
+{
+	for (int table = 0; table < STORE_TABLES; table++) {
+		atomic_store_explicit(&statements->read[table], 0, memory_order_relaxed);
+		atomic_store_explicit(&statements->written[table], 0, memory_order_relaxed);
+	}
+	for (int table = 0; table < ROW_TABLES; table++)
+		atomic_store_explicit(&statements->inherited[table], 0, memory_order_relaxed);
+}
+
 void store_statements_count(struct statements *statements, sqlite3 *db)
 {
 	sqlite3_trace_v2(db, SQLITE_TRACE_STMT, began, statements);
@@ -104,7 +114,9 @@ void store_commit_plan(unsigned planes, bool was_deformed, const char *const eff
 
 void store_statements(const struct store *store, struct store_statements *out)
 {
-	*out = (struct store_statements){{0}, {0}};
+	*out = (struct store_statements){{0}, {0}, {0}};
+	for (int table = 0; table < ROW_TABLES; table++)
+		out->inherited[table] = atomic_load_explicit(&store->statements.inherited[table], memory_order_relaxed);
 	for (; store != NULL; store = store->under)
 		for (int table = 0; table < STORE_TABLES; table++) {
 			out->read[table] += atomic_load_explicit(&store->statements.read[table], memory_order_relaxed);

@@ -244,6 +244,7 @@ void world_plan_pages(const struct world *world, struct plan *plan)
 		.planes = world_planes(scene, world->was_deformed),
 		.loaders = scene->loaders,
 		.was_deformed = world->was_deformed,
+		.inherits = world->store != NULL && store_depth(world->store) > 0,
 		.deforms = deforms,
 		.lowers = deforms && !deform_conserves(scene->model),
 		.classes = world_needs_soil_map(scene),

@@ -140,6 +140,29 @@ static void a_deformed_store_is_planned_as_it_is(void **state)
 	}
 }
 
+/* Tiles that an overlay inherits are looked for in its own file, too. */
+static void an_overlay_is_planned_as_it_is(void **state)
+{
+	static const char *const scenes[] = {
+		BUSY SPHERE SCM "attributes: [dirt]\n",
+		BUSY VIEW("texture"),
+		BUSY SPHERE SCM CHASE,
+		BUSY SPHERE SOIL "redistribute: {model: sumner}\n" CHASE,
+	};
+	const char *store = support_path("under.furrow"), *middle = support_path("middle.furrow"), *over = support_path("over.furrow");
+	support_store(store, extent, gentle);
+	struct outcome outcome = drive_on(scenes[0], store);
+	finish(&outcome);
+	must(store_create_overlay(middle, store));
+	outcome = drive_on(scenes[2], middle);
+	finish(&outcome);
+	must(store_create_overlay(over, middle));
+	for (size_t i = 0; i < sizeof scenes / sizeof *scenes; i++) {
+		outcome = drive_on(scenes[i], over);
+		finish(&outcome);
+	}
+}
+
 /* Variants multiply; those of all scenes that are shipped are few still: 42 of wheels, spheres, boxes and meshes, 20 more of the four
  * forms in bodies.yaml. */
 static void few_programs_do_for_all_scenes(void **state)
@@ -214,6 +237,7 @@ int main(void)
 		cmocka_unit_test(a_map_that_is_drawn_is_read_for_every_tile),
 		cmocka_unit_test(rasters_are_read_for_contacts_alone),
 		cmocka_unit_test(a_deformed_store_is_planned_as_it_is),
+		cmocka_unit_test(an_overlay_is_planned_as_it_is),
 		cmocka_unit_test(few_programs_do_for_all_scenes),
 		cmocka_unit_test(a_resting_object_runs_no_pass),
 	};
