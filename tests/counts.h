@@ -27,7 +27,8 @@ static inline int64_t counts_integer(const cJSON *object, const char *name)
 static inline int64_t counts_unit(const cJSON *counts, const struct plan_line *line, const struct scene *scene)
 {
 	const cJSON *unit = counts_get(counts_get(counts, "units"), plan_unit_name(line->unit));
-	if (line->unit == PLAN_CHANGED || line->unit == PLAN_LEFT || line->unit == PLAN_INHERITED)
+	if (line->unit == PLAN_CHANGED || line->unit == PLAN_LEFT || line->unit == PLAN_INHERITED ||
+	    line->unit == PLAN_KEPT)
 		return counts_integer(unit, strchr(line->name, ' ') + 1);
 	if (!cJSON_IsObject(unit))
 		return (int64_t)unit->valuedouble;

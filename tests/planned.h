@@ -5,10 +5,12 @@
 #include "api/api.h"
 #include "support.h"
 
+static bool planned_history; /* the drives keep a history */
+
 static inline uint64_t planned(const struct scene *scene, const char *path, struct plan *plan)
 {
 	struct report_plan whole;
-	must(report_plan(scene, path, &whole));
+	must(report_plan(scene, path, planned_history, &whole));
 	uint64_t effects = whole.effects;
 	*plan = whole.plan;
 	whole.plan = (struct plan){.lines = NULL};

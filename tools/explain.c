@@ -8,6 +8,7 @@
 
 static const struct command_option options[] = {
 	{"store", "STORE", "the terrain, or an overlay of it, instead of the scene's own; none: tiles of 256 cells are assumed"},
+	{"keep-history", NULL, "the drive is to keep a history, as with furrow drive --keep-history"},
 	{"set", "KEY=VALUE", "overrides a key of the scene, as in cache.slots=16; may be repeated"},
 	{"json", NULL, "one JSON object"},
 	{NULL, NULL, NULL},
@@ -35,7 +36,7 @@ static enum status run(const struct arguments *arguments)
 	if (status == STATUS_OK)
 		status = scene_load(arguments_at(arguments, 0), settings.list, settings.count, &scene);
 	if (status == STATUS_OK)
-		status = report_plan(scene, arguments_text(arguments, "store"), &plan);
+		status = report_plan(scene, arguments_text(arguments, "store"), arguments_flag(arguments, "keep-history"), &plan);
 	if (status == STATUS_OK && arguments_flag(arguments, "json"))
 		status = explain_json(scene, &plan);
 	else if (status == STATUS_OK)
@@ -48,7 +49,7 @@ static enum status run(const struct arguments *arguments)
 
 const struct command command_explain = {
 	.name = "explain",
-	.usage = "explain SCENE [--store STORE] [--set KEY=VALUE]... [--json]",
+	.usage = "explain SCENE [--store STORE] [--keep-history] [--set KEY=VALUE]... [--json]",
 	.summary = "what a scene will make and run, and why, before it does",
 	.details = "Prints the plan of a drive: planes kept a post, programs, passes of each object and picture, threads,\n"
 		   "statements of the store's tables, memory at most; each with the key of the scene that calls for it, as in\n"

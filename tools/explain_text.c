@@ -199,6 +199,8 @@ static const char *each_of(enum plan_unit unit)
 		[PLAN_COMMITTED_COARSER] = "a coarser tile committed",
 		[PLAN_CHANGED] = "a row that changed",
 		[PLAN_LEFT] = "a row that an earlier drive left",
+		[PLAN_KEPT] = "a row that the history keeps",
+		[PLAN_SOUGHT] = "a look into the history",
 		[PLAN_INHERITED] = "a further look into a file under the overlay",
 		[PLAN_COMMIT] = "an epoch",
 	};

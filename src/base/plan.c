@@ -70,7 +70,7 @@ const char *plan_unit_name(enum plan_unit unit)
 		[PLAN_LOADED_COARSER] = "loaded_coarser", [PLAN_READ] = "read", [PLAN_RANGE] = "range",
 		[PLAN_OFFSET_RANGE] = "offset_range",
 		[PLAN_COMMITTED] = "committed", [PLAN_COMMITTED_COARSER] = "committed_coarser",
-		[PLAN_CHANGED] = "changed", [PLAN_LEFT] = "left", [PLAN_INHERITED] = "inherited",
+		[PLAN_CHANGED] = "changed", [PLAN_LEFT] = "left", [PLAN_INHERITED] = "inherited", [PLAN_KEPT] = "kept", [PLAN_SOUGHT] = "sought",
 		[PLAN_COMMIT] = "epoch",
 	};
 	assert((unsigned)unit < PLAN_UNITS);

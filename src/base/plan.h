@@ -63,6 +63,8 @@ enum plan_unit {
 	PLAN_CHANGED,      /* rows of the line's table that commits changed; an unchanged row is not written */
 	PLAN_LEFT,         /* rows of the line's table that were looked up because an earlier drive may have left them */
 	PLAN_INHERITED,    /* further reads of the line's table by an overlay: of rows that only a file under it has */
+	PLAN_KEPT,         /* rows of the line's table that commits put into a history; rows of the history itself; revisions */
+	PLAN_SOUGHT,       /* rows that commits looked for in a history */
 	PLAN_COMMIT,       /* commits */
 	PLAN_UNITS
 };

@@ -83,8 +83,14 @@ static void add_table_units(cJSON *units, const struct report *report, const str
 	struct store_statements statements;
 	store_statements(report->world->store, &statements);
 	cJSON *inherited = cJSON_AddObjectToObject(units, plan_unit_name(PLAN_INHERITED));
-	for (int plane = 0; plane < PLANES; plane++)
+	cJSON *kept = cJSON_AddObjectToObject(units, plan_unit_name(PLAN_KEPT));
+	for (int plane = 0; plane < PLANES; plane++) {
 		json_integer(inherited, plane_name((enum plane)plane), (int64_t)statements.inherited[STORE_OFFSET_TABLE + plane]);
+		json_integer(kept, plane_name((enum plane)plane), (int64_t)statements.kept[STORE_OFFSET_TABLE + plane]);
+	}
+	json_integer(kept, store_table_name(STORE_HISTORY_TABLE), (int64_t)statements.kept[STORE_HISTORY_TABLE]);
+	json_integer(kept, store_table_name(STORE_REVISION_TABLE), (int64_t)statements.kept[STORE_REVISION_TABLE]);
+	add_unit(units, PLAN_SOUGHT, statements.sought);
 }
 
 static void add_units(cJSON *counts, const struct report *report, const struct gpu_stats *gpu, const struct resident_pages_io *io)

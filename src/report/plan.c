@@ -151,7 +151,7 @@ static enum status describe(struct world *world, struct report_plan *out)
 	return status == STATUS_OK && notes.failed ? fail_memory("the plan") : status;
 }
 
-enum status report_plan(const struct scene *scene, const char *store, struct report_plan *out)
+enum status report_plan(const struct scene *scene, const char *store, bool keep_history, struct report_plan *out)
 {
 	struct world world;
 	struct scene driven;
@@ -168,7 +168,7 @@ enum status report_plan(const struct scene *scene, const char *store, struct rep
 		report_plan_finish(out);
 		return status;
 	}
-	status = world_prepare_plan(&world, &driven, path, &assumed);
+	status = world_prepare_plan(&world, &driven, path, keep_history, &assumed);
 	if (status == STATUS_OK && path != NULL && (out->store = mem_strdup(path)) == NULL)
 		status = fail_memory("the plan");
 	if (status == STATUS_OK)

@@ -99,9 +99,10 @@ struct report_plan {
 	size_t note_count;
 };
 
-/* Makes a plan. `store`: path that overrides the scene's; NULL: the scene's store, if that file exists. Fails where a drive
- * could not begin. STATUS_INPUT: the store or its spacing does not allow the scene. On failure `out` is all zero. */
-enum status report_plan(const struct scene *scene, const char *store, struct report_plan *out) FURROW_CHECKED;
+/* Makes a plan. `store`: path that overrides the scene's; NULL: the scene's store, if that file exists. `keep_history`: the drive
+ * is to keep one. Fails where a drive could not begin. STATUS_INPUT: the store or its spacing does not allow the scene. On failure
+ * `out` is all zero. */
+enum status report_plan(const struct scene *scene, const char *store, bool keep_history, struct report_plan *out) FURROW_CHECKED;
 void report_plan_finish(struct report_plan *plan); /* also takes one that is all zero */
 
 #endif

@@ -86,4 +86,6 @@ void resident_pages_plan(const struct pages_planned *planned, struct plan *plan)
 	/* The last drive's record, to see whether it could have been resumed. */
 	store_plan_reads(plan, STORE_RUN_TABLE, 1, PLAN_ONCE, NULL);
 	store_commit_plan(planned->deforms ? planes : 0, planned->was_deformed, effects, plan);
+	if (planned->history)
+		store_history_plan(planes, effects, plan);
 }

@@ -292,6 +292,7 @@ struct pages_planned {
 	unsigned planes;     /* as in pages_params */
 	uint32_t loaders;
 	bool was_deformed;   /* the store was deformed before the drive */
+	bool history;        /* the store has a history, or the drive keeps one */
 	bool inherits;       /* the store is an overlay, whose rows may be in a file under it */
 	bool deforms;        /* there are bodies */
 	bool lowers;         /* there are bodies, and they only lower the ground */

@@ -168,6 +168,8 @@ void store_rows_sums(const struct extent *extent, struct tile tile, const int32_
 struct statements {
 	atomic_uint_fast64_t read[STORE_TABLES], written[STORE_TABLES];
 	atomic_uint_fast64_t inherited[ROW_TABLES]; /* reads that an overlay needs beyond those of a plain store */
+	atomic_uint_fast64_t kept[ROW_TABLES]; /* rows that commits put into the history, by the table of the row */
+	atomic_uint_fast64_t sought, revisions; /* rows looked for in the history, and attempts to keep a revision */
 };
 /* Forgets what was counted. */
 void store_statements_restart(struct statements *statements);

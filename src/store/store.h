@@ -334,12 +334,19 @@ const char *store_table_name(enum store_table table); /* "base", ..., "other" */
 struct store_statements {
 	uint64_t read[STORE_TABLES], written[STORE_TABLES];
 	uint64_t inherited[STORE_TABLES]; /* of `read`: those that a plain store would not need */
+	/* What a history adds. kept: rows put into it, by the row's table, and their sum; for STORE_REVISION_TABLE the revisions that
+	 * were written. sought: rows looked for in it. */
+	uint64_t kept[STORE_TABLES], sought;
 };
 void store_statements(const struct store *store, struct store_statements *out);
 
 /* Adds to `plan` the statements that commits execute. `planes`: the planes that pages have; 0: commits have no pages.
  * effects[plane]: the effect that needs the plane. `was_deformed`: earlier commits had pages, perhaps with other planes. Pure. */
 void store_commit_plan(unsigned planes, bool was_deformed, const char *const effects[PLANES], struct plan *plan);
+/* Adds what a history adds to that. */
+void store_history_plan(unsigned planes, const char *const effects[PLANES], struct plan *plan);
+/* Returns true if commits have to look into a history: it keeps every revision, or one was kept. */
+bool store_has_history(const struct store *store);
 /* Adds a line to `plan`: `amount` reads or writes of a table for each `unit`. */
 void store_plan_reads(struct plan *plan, enum store_table table, int64_t amount, enum plan_unit unit, const char *effect);
 void store_plan_writes(struct plan *plan, enum store_table table, int64_t amount, enum plan_unit unit, const char *effect);

@@ -60,6 +60,11 @@ enum status store_history_open(struct store *store)
 	return STATUS_OK;
 }
 
+bool store_has_history(const struct store *store)
+{
+	return store->history.each || store->history.kept >= 0;
+}
+
 void store_history_finish(struct store *store)
 {
 	struct history *history = &store->history;
@@ -116,6 +121,7 @@ enum status store_history_keep(struct store *store)
 			sqlite3_bind_int(statement, 1, store->working);
 		sqlite3_bind_int64(statement, 2, store->compacted);
 		sqlite3_bind_int64(statement, 3, store->commit); /* the first has no such parameter: no harm */
+		atomic_fetch_add_explicit(&store->statements.revisions, 1, memory_order_relaxed);
 		int code = sqlite3_step(statement);
 		if (code != SQLITE_DONE)
 			status = store_sql_fail(store->db, code, store->path, "keeping a revision");
@@ -241,6 +247,7 @@ static enum status put_posts(struct store *store, enum row_table table, struct t
 {
 	struct history_row row = {.table = table, .key = tile_key(tile), .revision = store->history.label, .form = form};
 	row.codec = store_codec_encode(&store->history.rows.codec, posts, &row.bytes, &row.size);
+	atomic_fetch_add_explicit(&store->statements.kept[table], 1, memory_order_relaxed);
 	return put(store, &row);
 }
 
@@ -259,6 +266,7 @@ enum status store_history_before(struct store *store, enum row_table table, stru
 	sqlite3_bind_int64(history->find, 2, (sqlite3_int64)row.key);
 	sqlite3_bind_int64(history->find, 3, row.revision);
 	int code = sqlite3_step(history->find);
+	atomic_fetch_add_explicit(&store->statements.sought, 1, memory_order_relaxed);
 	bool found = code == SQLITE_ROW, whole = found && sqlite3_column_int(history->find, 0) == WHOLE;
 	if (code != SQLITE_ROW && code != SQLITE_DONE)
 		status = store_sql_fail(store->db, code, store->path, "reading its history");

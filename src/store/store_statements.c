@@ -110,13 +110,27 @@ void store_commit_plan(unsigned planes, bool was_deformed, const char *const eff
 	store_plan_writes(plan, STORE_NO_TABLE, 2, PLAN_COMMIT, NULL);
 }
 
+void store_history_plan(unsigned planes, const char *const effects[PLANES], struct plan *plan)
+{
+	for (int plane = 0; plane < PLANES; plane++)
+		store_plan_reads(plan, (enum store_table)row_table_of((enum plane)plane), 1, PLAN_KEPT,
+				 planes & PLANE_BIT(plane) ? effects[plane] : NULL);
+	store_plan_reads(plan, STORE_HISTORY_TABLE, 1, PLAN_SOUGHT, NULL);
+	store_plan_writes(plan, STORE_HISTORY_TABLE, 1, PLAN_KEPT, NULL);
+	store_plan_writes(plan, STORE_REVISION_TABLE, 1, PLAN_KEPT, NULL);
+}
+
 /* --- what was executed --- */
 
 void store_statements(const struct store *store, struct store_statements *out)
 {
-	*out = (struct store_statements){{0}, {0}, {0}};
-	for (int table = 0; table < ROW_TABLES; table++)
+	*out = (struct store_statements){.sought = atomic_load_explicit(&store->statements.sought, memory_order_relaxed)};
+	for (int table = 0; table < ROW_TABLES; table++) {
 		out->inherited[table] = atomic_load_explicit(&store->statements.inherited[table], memory_order_relaxed);
+		out->kept[table] = atomic_load_explicit(&store->statements.kept[table], memory_order_relaxed);
+		out->kept[STORE_HISTORY_TABLE] += out->kept[table];
+	}
+	out->kept[STORE_REVISION_TABLE] = atomic_load_explicit(&store->statements.revisions, memory_order_relaxed);
 	for (; store != NULL; store = store->under)
 		for (int table = 0; table < STORE_TABLES; table++) {
 			out->read[table] += atomic_load_explicit(&store->statements.read[table], memory_order_relaxed);

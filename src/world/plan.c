@@ -244,6 +244,7 @@ void world_plan_pages(const struct world *world, struct plan *plan)
 		.planes = world_planes(scene, world->was_deformed),
 		.loaders = scene->loaders,
 		.was_deformed = world->was_deformed,
+		.history = world->params.keep_history || (world->store != NULL && store_has_history(world->store)),
 		.inherits = world->store != NULL && store_depth(world->store) > 0,
 		.deforms = deforms,
 		.lowers = deforms && !deform_conserves(scene->model),
@@ -314,9 +315,10 @@ static enum status over_nothing(struct world *world, struct store_meta *assumed)
 	return STATUS_OK;
 }
 
-enum status world_prepare_plan(struct world *world, const struct scene *scene, const char *store, struct store_meta *assumed)
+enum status world_prepare_plan(struct world *world, const struct scene *scene, const char *store, bool keep_history,
+			       struct store_meta *assumed)
 {
-	*world = (struct world){.scene = scene, .params = {.scene = scene, .rows = true}};
+	*world = (struct world){.scene = scene, .params = {.scene = scene, .rows = true, .keep_history = keep_history}};
 	enum status status = store != NULL ? over_store(world, store) : over_nothing(world, assumed);
 	if (status == STATUS_OK)
 		status = world_make_bodies(world);

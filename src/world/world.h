@@ -515,7 +515,8 @@ struct world_raster {
 struct world_raster world_raster(const struct world *world, int raster);
 /* Opens the store for reading and makes the bodies; only for plans. If `store` is NULL, it assumes a terrain and describes it
  * in `assumed`. End with world_finish. */
-enum status world_prepare_plan(struct world *world, const struct scene *scene, const char *store, struct store_meta *assumed)
+enum status world_prepare_plan(struct world *world, const struct scene *scene, const char *store, bool keep_history,
+			       struct store_meta *assumed)
 	FURROW_CHECKED;
 /* Calls `tell` for each setting of the scene that has no effect on this store. */
 void world_advise(const struct world *world, scene_advice_fn tell, void *user);

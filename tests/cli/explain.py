@@ -347,7 +347,7 @@ class ExplainAndDrive(FurrowTest):
             unit = row.get("unit", "once")
             if unit == "once":
                 return 1
-            if unit in ("changed", "left", "inherited"):
+            if unit in ("changed", "left", "inherited", "kept"):
                 return units[unit][row["name"].split()[1]]
             count = units[unit]
             if isinstance(count, dict):

@@ -172,7 +172,7 @@ static int check_units(const struct outcome *first, const struct outcome *second
 		/* Slots of classes are the map's own, and counted for it; so are those of numbers, and draws of objects. */
 		if (goes_by_the_clock(unit->string, first->repeats) || strcmp(unit->string, plan_unit_name(PLAN_CLASS_SLOT)) == 0 ||
 		    strcmp(unit->string, plan_unit_name(PLAN_NUMBER_SLOT)) == 0 ||
-		    strcmp(unit->string, plan_unit_name(PLAN_LEFT)) == 0 || strcmp(unit->string, plan_unit_name(PLAN_INHERITED)) == 0 || strcmp(unit->string, plan_unit_name(PLAN_OBJECTS)) == 0 ||
+		    strcmp(unit->string, plan_unit_name(PLAN_LEFT)) == 0 || strcmp(unit->string, plan_unit_name(PLAN_INHERITED)) == 0 || strcmp(unit->string, plan_unit_name(PLAN_KEPT)) == 0 || strcmp(unit->string, plan_unit_name(PLAN_OBJECTS)) == 0 ||
 		    strcmp(unit->string, plan_unit_name(PLAN_SHADOWED)) == 0)
 			continue;
 		if (!cJSON_Compare(unit, other, true)) {

@@ -20,7 +20,7 @@ def units_of(line, counts):
     units = counts["units"][unit]
     if not isinstance(units, dict):
         return units
-    if unit in ("changed", "left", "inherited"):
+    if unit in ("changed", "left", "inherited", "kept"):
         return units[line["name"].split()[1]]
     return units[line["object"]] if line.get("object") else sum(units.values())
 

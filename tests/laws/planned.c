@@ -63,7 +63,7 @@ static int64_t pictures_of(const char *text, int64_t *planned_pictures)
 {
 	struct outcome outcome = drive(text);
 	struct report_plan plan;
-	must(report_plan(outcome.scene, support_path("effects.furrow"), &plan));
+	must(report_plan(outcome.scene, support_path("effects.furrow"), false, &plan));
 	*planned_pictures = plan.pictures;
 	report_plan_finish(&plan);
 	int64_t drawn = counts_integer(counts_get(outcome.counts, "units"), plan_unit_name(PLAN_FRAME));
@@ -137,6 +137,35 @@ static void a_deformed_store_is_planned_as_it_is(void **state)
 	for (size_t i = 0; i < sizeof scenes / sizeof *scenes; i++) {
 		struct outcome outcome = drive_on(scenes[i], store);
 		finish(&outcome);
+	}
+}
+
+/* With --keep-history, and after it without; with one named revision alone. */
+static void a_history_is_planned_as_it_is(void **state)
+{
+	static const char *const scenes[] = {
+		BUSY SPHERE SCM "attributes: [dirt]\n",
+		BUSY SPHERE SCM CHASE,
+		BUSY SPHERE SOIL "redistribute: {model: sumner}\n",
+		BUSY VIEW("texture"),
+	};
+	const char *store = support_path("history.furrow");
+	for (int named = 0; named < 2; named++) {
+		support_store(store, extent, gentle);
+		for (int i = 0; i < 8; i++) {
+			struct store *open;
+			planned_history = !named && i < 4;
+			struct outcome outcome = drive_on(scenes[i % 4], store);
+			const cJSON *kept = counts_get(counts_get(outcome.counts, "units"), plan_unit_name(PLAN_KEPT));
+			assert_true(i % 4 == 3 || named || !planned_history || counts_integer(kept, "history") > 4);
+			finish(&outcome);
+			planned_history = false;
+			if (!named || i > 0)
+				continue;
+			must(store_open(store, &(struct store_options){.mode = STORE_WRITE}, &open));
+			must(store_snapshot(open, "first"));
+			store_close(open);
+		}
 	}
 }
 
@@ -237,6 +266,7 @@ int main(void)
 		cmocka_unit_test(a_map_that_is_drawn_is_read_for_every_tile),
 		cmocka_unit_test(rasters_are_read_for_contacts_alone),
 		cmocka_unit_test(a_deformed_store_is_planned_as_it_is),
+		cmocka_unit_test(a_history_is_planned_as_it_is),
 		cmocka_unit_test(an_overlay_is_planned_as_it_is),
 		cmocka_unit_test(few_programs_do_for_all_scenes),
 		cmocka_unit_test(a_resting_object_runs_no_pass),
