@@ -7,6 +7,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "api/api.h"
 #include "base/aside.h"
 #include "scene/scene_file.h"
 #include "study.h"
@@ -242,16 +243,6 @@ static enum status write_script(struct study *study, size_t run)
 	return status;
 }
 
-static enum status make_folder(const char *path)
-{
-	struct stat found;
-	if (mkdir(path, 0777) != 0 && errno != EEXIST)
-		return fail_with(STATUS_FAILED, "%s: %s; give a folder that can be made", path, strerror(errno));
-	if (stat(path, &found) != 0 || !S_ISDIR(found.st_mode))
-		return fail_with(STATUS_FAILED, "%s: is not a folder; give another", path);
-	return STATUS_OK;
-}
-
 /* DIR/study.yaml: what `furrow study collect DIR` reads again. */
 static enum status write_copy(const struct study *study)
 {
@@ -290,13 +281,13 @@ enum status study_prepare(struct study *study, const char *directory)
 	char path[PATH_MAX];
 	struct stat found;
 	const bool there = stat(directory, &found) == 0;
-	enum status status = make_folder(directory);
+	enum status status = api_folder_make(directory);
 	if (status == STATUS_OK)
 		status = find_paths(study, directory);
 	const char *runs = study->directory != NULL ? study->directory : "";
 	snprintf(path, sizeof path, "%.4000s/runs", runs);
 	if (status == STATUS_OK)
-		status = make_folder(path);
+		status = api_folder_make(path);
 	if (status == STATUS_OK)
 		status = name_runs(study, path);
 	if (status != STATUS_OK && !there && study->directory != NULL) { /* a refused study leaves nothing */
@@ -304,7 +295,7 @@ enum status study_prepare(struct study *study, const char *directory)
 		(void)rmdir(study->directory);
 	}
 	for (size_t run = 0; run < study->run_count && status == STATUS_OK; run++) {
-		status = make_folder(study_path(study, run, "", path));
+		status = api_folder_make(study_path(study, run, "", path));
 		if (status == STATUS_OK)
 			status = write_script(study, run);
 		study_look(study, run);

@@ -29,7 +29,7 @@ int relief_half_height(uint number, int amplitude)
 	return (product.hi << 16) | int(product.lo >> 16);
 }
 
-// The detail of one level at a post of the tile, times 2^(2 depth), in 2^-24 m.
+// Returns by how much one level raises a post of the tile. The unit is 2^-24 m divided by 2^(2 depth), so that no division is needed.
 i64 relief_detail(relief_band band, uvec2 post)
 {
 	uvec2 at = band.rest + post, cell = band.cell + (at >> (band.depth + 1));
@@ -47,7 +47,7 @@ i64 relief_detail(relief_band band, uvec2 post)
 	return i64_add(sum, i64_mul(2 * (west ? l : r), (q - w.x) * w.y));
 }
 
-// Four times the sum of the levels that are finer by one each, and the next.
+// Adds a level to the sum of the finer ones. The sum is multiplied by 4 first, since the unit of the next level is a quarter as large.
 i64 relief_add(i64 finer, i64 detail)
 {
 	return i64_add(i64((finer.hi << 2) | int(finer.lo >> 30), finer.lo << 2), detail);

@@ -1,6 +1,6 @@
 // The slope of the ground between posts. It is the gradient of a quadratic B-spline over nine posts of a map of integers, and is
 // continuous across cells. Fragment shaders read the nine posts one by one from an image, since a software renderer does that much
-// faster than a texture gather. Vertex shaders read them from a texture, since they need not have images.
+// faster than a texture gather. Vertex shaders read them from a texture, since a driver need not give them images.
 struct slope_of_map {
 	vec2 gradient; // east and north, units of the map for each post
 	float value;   // units of the map

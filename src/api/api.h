@@ -161,4 +161,7 @@ enum status api_drive(const struct api_params *params, struct api_result *result
 enum status api_heights(struct drive *drive, const struct terrain_point *points, size_t count, struct terrain_height *heights) FURROW_CHECKED;
 enum status api_rays(struct drive *drive, const struct terrain_ray *rays, size_t count, struct terrain_hit *hits) FURROW_CHECKED;
 
+/* Makes the folder if it does not exist. STATUS_FAILED: it cannot be made, or is no folder. */
+enum status api_folder_make(const char *path) FURROW_CHECKED;
+
 #endif

@@ -25,8 +25,7 @@ struct drive {
 	double entered, began;        /* s, of the system's clock: start of the drive, and of its loop */
 };
 
-/* folder.c: makes the folder if it does not exist. STATUS_FAILED: it cannot. */
-enum status api_folder_make(const char *path) FURROW_CHECKED;
+/* --- folder.c --- */
 /* Opens the folder's log of commits, and locks the folder with it. */
 enum status api_folder_commits(const char *directory, FILE **out) FURROW_CHECKED;
 /* Removes the files of an earlier run, except the lines that a resumed run continues. */

@@ -116,7 +116,7 @@ struct band {
 	uint32_t key;
 	int depth;                    /* a cell has 2 << depth posts along a side */
 	int shift;                   /* to bring all bands to one denominator */
-	int64_t first_x, first_y;    /* the first cell */
+	int64_t first_x, first_y;    /* column and row of the south-western cell, counted from the south-west of the terrain */
 	int64_t cells_x;             /* how many cells there are, from west to east */
 	const int32_t (*amplitudes)[RELIEF_BANDS];
 	int index;

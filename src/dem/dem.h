@@ -31,7 +31,7 @@ struct dem_params {
 	/* x and y in t_srs of a post with which all posts of the result are aligned, at multiples of `spacing`; NULL: any posts */
 	const double *anchor;
 	enum dem_resample resample;
-	enum dem_radii radii; /* radii are turned into heights over the sphere */
+	enum dem_radii radii; /* whether values are distances from the centre of the planet, which become heights over the sphere of the SRS */
 	const double *nodata; /* further values that mean nodata, in the source's unit */
 	size_t nodata_count;
 	bool has_window; /* only posts in the window are read */

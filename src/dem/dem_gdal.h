@@ -148,7 +148,7 @@ struct dem_target {
 /* Chooses the SRS, unless target->srs is set, and the spacing, and sets `step` and `projected` of each group. `target`: all zero, or set by
  * an earlier call. dem_target_finish is due also after a failure. */
 enum status dem_target_measure(const struct dem_params *params, struct dem_groups *groups, struct dem_target *target) FURROW_CHECKED;
-double dem_target_own_spacing(const struct dem_group *group); /* metres that its posts would have by themselves, once measured */
+double dem_target_own_spacing(const struct dem_group *group); /* metres between its posts if nothing else were imported; after dem_target_measure */
 struct dem_area {
 	double low[2], high[2]; /* x and y in the target's SRS */
 };

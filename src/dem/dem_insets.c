@@ -237,7 +237,7 @@ static int compare_insets(const void *a, const void *b)
 	return p->named > q->named ? -1 : 1;
 }
 
-/* Numbers those that are there anew, in the order in which they were named. */
+/* Gives the insets that are left the numbers 0, 1, 2 ... in the order in which the caller named them. */
 static void number(struct dem_insets *insets)
 {
 	for (size_t next = 0; next < insets->count; next++) {

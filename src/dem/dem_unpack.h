@@ -17,6 +17,6 @@ bool dem_unpack_is_packed(const char *path);
 /* Unpacks the file at `path` into a temporary file. STATUS_INPUT: it is no whole xz file, or too large. dem_unpack_finish is due
  * also after a failure. */
 enum status dem_unpack_init(struct dem_unpacked *unpacked, const char *path) FURROW_CHECKED;
-void dem_unpack_finish(struct dem_unpacked *unpacked); /* does nothing if the file is -1 and there is no name */
+void dem_unpack_finish(struct dem_unpacked *unpacked); /* closes and forgets the temporary file, if there is one */
 
 #endif

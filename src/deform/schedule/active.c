@@ -18,8 +18,9 @@
  * (4) Staging buffers are made once. When a visit or a period ends, its staging buffer goes to the end of the array.
  * (5) `touched` holds every post that changed since the deform was made, and every post that deform_touch named. While flags
  * are on their way, the posts that they may name are in `maybe`.
- * (6) Invariants 1 and 2 keep blocks active that need not be. To visit them changes nothing, since their soil is at rest. It may not be
- * where another drive left it (params.unsettled). Then an interval waits until all flags are here.
+ * (6) While flags are on their way, invariants 1 and 2 keep more blocks active than necessary. As a rule a visit of such a block changes
+ * nothing, since its soil is at rest. An earlier drive with another soil may have left soil that is not (params.unsettled). Then an
+ * interval first waits for all flags.
  * A contact changes only posts that it writes. A contact above the undisturbed ground changes only posts that changed
  * before. A visit changes only posts within `iterations` posts of a changed one: where two posts exchange soil, one of the
  * two has changed before. The flags tell which parts of blocks changed.
