@@ -115,6 +115,9 @@ void store_rows_encode(struct rows *rows, enum row_table table, const int32_t *p
 enum status store_rows_put(struct rows *rows, enum row_table table, const struct row *row) FURROW_CHECKED;
 /* Removes a row. If an overlay inherits one, writes a row of zeros with this revision over it. */
 enum status store_rows_drop(struct rows *rows, enum row_table table, struct tile tile, int64_t revision) FURROW_CHECKED;
+/* Calls `fn` with the row that counts and its bytes, whose hash was checked; NULL: there is none. `fn` must not use the table. */
+typedef enum status (*row_bytes_fn)(void *user, const struct row *row);
+enum status store_rows_bytes(struct rows *rows, enum row_table table, struct tile tile, row_bytes_fn fn, void *user) FURROW_CHECKED;
 /* Copies a row, which must exist, from one connection to another. Checks its hash and gives it this revision. */
 enum status store_rows_copy(struct rows *from, struct rows *to, enum row_table table, struct tile tile, int64_t revision)
 	FURROW_CHECKED;
@@ -191,16 +194,17 @@ struct history_row {
 };
 
 struct history {
-	bool each;      /* every revision is kept (store_options) */
+	bool each, last; /* every revision is kept, or only the one before the present one (store_options) */
 	int64_t kept;   /* the newest revision in the table; -1: none */
 	int64_t label;  /* in a transaction: the revision whose rows are kept; -1: none */
 	bool deltas;    /* in a transaction: rows are kept as differences */
+	bool copies;    /* in a transaction: rows are kept as they are, and no older ones are kept */
 	bool has_level; /* it has rows, of the level below */
 	int level;
 	bool before_read;        /* `before` has the posts that the row had at revision `label` */
 	int32_t *before, *after; /* one tile each */
 	struct rows rows;        /* the store's connection, with a codec and statements of its own */
-	sqlite3_stmt *find, *put;
+	sqlite3_stmt *find, *put, *put_first;
 };
 
 /* Reads what the file has. Call this when the store's rows can be read. */
@@ -220,7 +224,35 @@ enum status store_history_keep(struct store *store) FURROW_CHECKED;
 /* Gives the posts that a tile of the working level had at a kept revision. */
 enum status store_history_posts(struct store *store, enum row_table table, struct tile tile, int64_t revision, int32_t *posts)
 	FURROW_CHECKED;
+/* Gives the posts that the file itself keeps of a tile at a revision, whole. *found is false if it keeps none of just this revision. */
+enum status store_history_kept(struct store *store, enum row_table table, struct tile tile, int64_t revision, int32_t *posts, bool *found)
+	FURROW_CHECKED;
+/* Writes a row, in a transaction. */
+enum status store_history_put(struct store *store, const struct history_row *row) FURROW_CHECKED;
 uint64_t store_history_hash(const struct history_row *row);
+
+/* --- store_part.c: parts --- */
+
+/* The "plane" of the rows of a part's history that say which commit had a tile's page. */
+#define PART_CLAIM ROW_BASE
+
+/* Notes, in a commit of a part, that it has these pages. */
+enum status store_part_claim(struct store *store, const struct store_page *pages, size_t count) FURROW_CHECKED;
+/* Returns STATUS_INPUT if the store is a part. `what` cannot be done with it on its own. */
+enum status store_part_refuse(const struct store *store, const char *what) FURROW_CHECKED;
+/* Opens a part alone for reading: without the files under it, so only the rows of its own file can be read. STATUS_INPUT: it is none. */
+enum status store_part_open(const char *path, struct store **out) FURROW_CHECKED;
+/* The next functions give what a part that was opened alone had at `commit`: its last one, or the one before. */
+
+/* Calls `fn` for each tile of which a page was committed, in the order of keys, with the number of the last such commit. */
+typedef enum status (*part_claim_fn)(void *user, uint64_t key, int64_t commit);
+enum status store_part_claims(struct store *part, int64_t commit, part_claim_fn fn, void *user) FURROW_CHECKED;
+/* Gives the posts of its own row of a tile of the working level, zeros if that undoes an inherited row. *found is false if it has no
+ * row: then what is inherited counts. posts NULL: only asks. */
+enum status store_part_posts(struct store *part, enum row_table table, struct tile tile, int64_t commit, int32_t *posts, bool *found)
+	FURROW_CHECKED;
+/* Calls `fn` with the key of each tile for which it has a row of the soil's state, in the order of keys. */
+enum status store_part_each(struct store *part, enum row_table table, int64_t commit, store_key_fn fn, void *user) FURROW_CHECKED;
 
 /* --- store_run.c: the run's record --- */
 
@@ -236,6 +268,13 @@ void store_who(char *name, size_t room);
 /* Reads the record that the file has now. `copy` must be filled by an earlier call, or zero. */
 enum status store_run_copy(struct store *store, struct store_run_copy *copy) FURROW_CHECKED;
 void store_run_copy_finish(struct store_run_copy *copy);
+/* Reads the record of a kept revision, and what the header had then. */
+struct store_run_header {
+	bool has_working;
+	int64_t compacted;
+};
+enum status store_run_copy_kept(struct store *store, int64_t revision, struct store_run_copy *copy, struct store_run_header *header)
+	FURROW_CHECKED;
 /* Writes the record of the next commit, with the text `state`. */
 enum status store_run_put(struct store *store, const struct store_run *run, const char *state) FURROW_CHECKED;
 /* Writes the record of a copy as that of the next commit. `what` was done. Removes the record if the copy has none. */
@@ -297,6 +336,8 @@ struct store {
 	struct rows *layers[STORE_DEPTH_MOST]; /* the rows of each file under it; 0: the plain store */
 	struct rows *base;  /* where base tiles are read: `rows`, or those of the plain store under it */
 	bool made;          /* an overlay that did not exist before it was opened */
+	bool alone;         /* an overlay whose parent is not opened (store_part_open) */
+	struct store_part part; /* count 0: it is none */
 	struct store_meta meta; /* its texts are owned by the store */
 	int32_t code_low, code_high; /* the meta's low and high as height codes; low > high: all nodata */
 	int finest_base; /* the finest level with base tiles; 0: there are no insets */
@@ -492,6 +533,8 @@ enum status store_put_begin(struct store *store) FURROW_CHECKED; /* begins a tra
  * of the one that the store names; NULL: that one. The store must be an overlay then. */
 enum status store_open_as(const char *path, const struct store_options *options, struct store *over, const char *parent,
 			  struct store **out) FURROW_CHECKED;
+/* Opens an overlay for reading, without its parent. Only rows of its own file can be read. */
+enum status store_open_alone(const char *path, struct store **out) FURROW_CHECKED;
 char *store_path_with(const char *path, const char *suffix);
 
 /* --- store_lineage.c --- */
@@ -510,9 +553,12 @@ enum status store_overlay_connect(struct store *store) FURROW_CHECKED;
 void store_overlay_inherit(struct store *store);
 /* Sets in memory what an overlay says of its parent: its path from the overlay's folder, and its base. */
 enum status store_overlay_name_parent(struct store *store, const struct store *parent) FURROW_CHECKED;
-/* Makes an overlay, as store_create_overlay. `fill` writes rows before it is published; NULL: none. */
-enum status store_overlay_make(const char *path, const char *parent_path, enum status (*fill)(struct store *store, void *user), void *user)
-	FURROW_CHECKED;
+/* Returns true if both headers describe the same terrain. */
+bool store_overlay_same_terrain(const struct store_meta *a, const struct store_meta *b);
+/* Makes an overlay, as store_create_overlay. `part`: it is this part; NULL: it is none. `fill` writes rows before it is published; NULL:
+ * none. */
+enum status store_overlay_make(const char *path, const char *parent_path, const struct store_part *part,
+			       enum status (*fill)(struct store *store, void *user), void *user) FURROW_CHECKED;
 /* Writes to a new file what lets a drive go on where `parent` is: its working level, compacted soil and run. `run`: the record, with the
  * number that the file's last commit gets. `what` made the file. In a transaction. */
 enum status store_overlay_begin_as(struct store *store, const struct store *parent, const struct store_run_copy *run, const char *what)

@@ -91,6 +91,7 @@ struct store_options {
 	enum store_mode mode;
 	bool durable_full; /* synchronous=FULL */
 	bool keep_history; /* each commit keeps what it replaces, so that store_restore() can return to every revision */
+	bool keep_last;    /* the same for the last revision only: each commit drops older ones. STATUS_INPUT: one of them has a name */
 	const char *scene; /* what commits are made for, as store_log() tells it; NULL: "" */
 };
 enum status store_open(const char *path, const struct store_options *options, struct store **out)
@@ -305,6 +306,46 @@ typedef enum status (*store_log_fn)(void *user, const struct store_revision *rev
 /* Calls `fn` for each revision that is kept, and for the present one, the newest first. Then for those that the files under an overlay
  * have, up to the revision that the overlay shows. Texts are valid during the call. */
 enum status store_log(const struct store *store, store_log_fn fn, void *user) FURROW_CHECKED;
+
+/* --- parts: one run by several processes ---
+ *
+ * Each process commits into a part, an overlay of its own over one store. That store stays as it is meanwhile. All parts commit in
+ * lockstep: the n-th commit of each is of the same step, even if it has no pages. No part begins a commit before all have finished the
+ * one before it. A tile belongs to one part at a time. When it goes to another part, the next commit of that part has its page, changed
+ * or not. All pages of a run have the same planes. The content of the run is that of the last commit that all parts have. Each tile is
+ * as it was committed last until then, by whichever part.
+ *
+ * A part keeps the revision before the present one (keep_last), and each commit of it is synced (durable_full), whatever the options say.
+ * So after a kill or a power cut every part has the last commit that all have. A part cannot be rolled back or restored alone. */
+#define STORE_PARTS_MOST (1 << 20)
+struct store_part {
+	uint64_t run; /* all parts of a run have this number, and no other run has it: store_part_run() */
+	uint32_t index, count; /* 0 to count - 1; how many parts the run has, at most STORE_PARTS_MOST */
+};
+/* Gives a number for a new run, at random. */
+enum status store_part_run(uint64_t *run) FURROW_CHECKED;
+/* Makes a part over the store or overlay at `over`. Several processes may do so at a time. The file is whole or absent, also after a
+ * power cut. STATUS_INPUT: as store_create_overlay(). */
+enum status store_create_part(const char *path, const char *over, const struct store_part *part) FURROW_CHECKED;
+
+struct store_gathering {
+	void *user;
+	/* Returns the state of the gathered record. `runs` has the records of the parts at the commit that is gathered, by store_part.index.
+	 * Their `compacted` is what each part compacted in the run. Called inside the transaction, after the rows are written. NULL: out of
+	 * memory. */
+	const char *(*describe)(void *user, const struct store_run *runs, size_t count, const struct store_commit_result *result);
+	bool (*given_up)(void *user); /* as in store_run; may be NULL */
+	bool keep_history;            /* keeps what is replaced, as store_options.keep_history */
+};
+/* Commits into the store or overlay at `path` what the parts of a run over it have, in one synced transaction. The parts stay, to be
+ * removed. The result is as if all pages of the run had been committed there at once. result->commit is the number of that commit. It is
+ * 0 if the parts have no common commit: then nothing is changed. If this run was gathered before, nothing is changed either, and
+ * result->commit is the last one of the store. Then parts may be missing already.
+ *
+ * STATUS_INPUT: a file is not a part, or is of another run. A part is missing, and others have more than one commit. Their numbers of
+ * commits differ by more than one. Their records are of different scenes or steps. The store has changed since. A row is damaged. */
+enum status store_gather(const char *path, const char *const *parts, size_t count, const struct store_gathering *gathering,
+			 struct store_commit_result *result) FURROW_CHECKED;
 
 /* Drops all deformation and the working level. Keeps the base. Drops the history, too. An overlay becomes as it was made: what its parent has stays. The mark
  * is lost. */

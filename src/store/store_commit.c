@@ -71,6 +71,8 @@ static enum status put_all(struct store *store, const struct store_page *pages, 
 		status = climb_table(store, ROW_DISTURBANCE, pages, count, run, result);
 	for (int table = ROW_DEPOSITED; table < ROW_TABLES && status == STATUS_OK; table++)
 		status = store_state_put(store, (enum row_table)table, pages, count, run, result);
+	if (status == STATUS_OK && store->part.count > 0)
+		status = store_part_claim(store, pages, count);
 	if (status == STATUS_OK)
 		status = store_meta_add_compacted(store, run->compacted);
 	result->header += run->compacted != 0;

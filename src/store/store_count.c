@@ -13,8 +13,8 @@ static enum status count_history(struct store *store, struct store_numbers *numb
 	} sums[] = {
 		{"SELECT count(*) FROM revision", &numbers->revisions},
 		{"SELECT count(*) FROM snapshot", &numbers->snapshots},
-		{"SELECT count(*) FROM history", &numbers->history_rows},
-		{"SELECT coalesce(sum(length(blob)), 0) FROM history", &numbers->history_bytes},
+		{"SELECT count(*) FROM history WHERE plane > 0", &numbers->history_rows},
+		{"SELECT coalesce(sum(length(blob)), 0) FROM history WHERE plane > 0", &numbers->history_bytes},
 	};
 	enum status status = STATUS_OK;
 	for (size_t i = 0; i < sizeof sums / sizeof *sums && status == STATUS_OK; i++)

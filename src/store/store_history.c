@@ -9,7 +9,8 @@
  *
  * A row has one of two forms. WHOLE has the posts. DELTA has the posts less those that the tile had afterwards: at the next label, or
  * now. Most of them are zero, so a delta is small. Where every revision is kept, rows are deltas. Between two snapshots, where the same row
- * may change many times, the first change keeps it whole and the others cost nothing.
+ * may change many times, the first change keeps it whole and the others cost nothing. Where only the last revision is kept, rows are
+ * copied as they are. The next commit drops them, so packing would take longer than what it saves.
  *
  * Only rows of the working level are kept. A restore makes the coarser ones anew.
  *
@@ -21,6 +22,7 @@
 #include "store/internal.h"
 
 #include <assert.h>
+#include <stdio.h>
 #include <string.h>
 #include <xxhash.h>
 
@@ -62,7 +64,7 @@ enum status store_history_open(struct store *store)
 
 bool store_has_history(const struct store *store)
 {
-	return store->history.each || store->history.kept >= 0;
+	return store->history.each || store->history.last || store->history.kept >= 0;
 }
 
 void store_history_finish(struct store *store)
@@ -70,10 +72,11 @@ void store_history_finish(struct store *store)
 	struct history *history = &store->history;
 	sqlite3_finalize(history->find);
 	sqlite3_finalize(history->put);
+	sqlite3_finalize(history->put_first);
 	store_rows_finish(&history->rows);
 	mem_free(history->before);
 	mem_free(history->after);
-	history->find = history->put = NULL;
+	history->find = history->put = history->put_first = NULL;
 	history->before = history->after = NULL;
 }
 
@@ -131,16 +134,28 @@ enum status store_history_keep(struct store *store)
 	return status;
 }
 
+/* What no commit needs that keeps only the last revision. Claims of a part stay. */
+static enum status drop_older(struct store *store)
+{
+	char sql[96];
+	snprintf(sql, sizeof sql, "DELETE FROM history WHERE plane > %d; DELETE FROM revision WHERE revision < %lld", PART_CLAIM,
+		 (long long)store->commit);
+	return store_sql_exec(store->db, store->path, "dropping what is older", sql);
+}
+
 enum status store_history_begin(struct store *store, bool always)
 {
 	struct history *history = &store->history;
 	history->deltas = always || history->each;
-	history->label = history->deltas ? store->commit : history->kept;
+	history->copies = history->last && !always;
+	history->label = history->deltas || history->copies ? store->commit : history->kept;
 	history->before_read = false;
 	if (history->label < 0)
 		return STATUS_OK;
 	enum status status = prepare(store);
-	return status == STATUS_OK && history->deltas ? store_history_keep(store) : status;
+	if (status == STATUS_OK && (history->deltas || history->copies))
+		status = store_history_keep(store);
+	return status == STATUS_OK && history->copies ? drop_older(store) : status;
 }
 
 void store_history_end(struct store *store, bool committed)
@@ -179,6 +194,37 @@ static enum status apply(struct store *store, struct history_row *row, sqlite3_s
 	return STATUS_OK;
 }
 
+/* Finds the row of a tile that is kept of just this revision. The caller resets history->find, whose columns are form, codec, hash, blob. */
+static enum status find_kept(struct store *store, const struct history_row *row, bool *found)
+{
+	sqlite3_stmt **find = &store->history.find;
+	*found = false;
+	enum status status = store_sql_prepare(store->db, store->path, find,
+					 "SELECT form, codec, hash, blob FROM history WHERE plane = ?1 AND key = ?2 AND revision = ?3");
+	if (status != STATUS_OK)
+		return status;
+	sqlite3_bind_int(*find, 1, (int)row->table);
+	sqlite3_bind_int64(*find, 2, (sqlite3_int64)row->key);
+	sqlite3_bind_int64(*find, 3, row->revision);
+	int code = sqlite3_step(*find);
+	*found = code == SQLITE_ROW;
+	return *found || code == SQLITE_DONE ? STATUS_OK : store_sql_fail(store->db, code, store->path, "reading its history");
+}
+
+enum status store_history_kept(struct store *store, enum row_table table, struct tile tile, int64_t revision, int32_t *posts, bool *found)
+{
+	struct history_row row = {.table = table, .key = tile_key(tile), .revision = revision};
+	enum status status = prepare(store);
+	if (status == STATUS_OK)
+		status = find_kept(store, &row, found);
+	if (status == STATUS_OK && *found && sqlite3_column_int(store->history.find, 0) != WHOLE)
+		status = bad(store, &row, "it is not whole");
+	if (status == STATUS_OK && *found && posts != NULL)
+		status = apply(store, &row, store->history.find, 0, posts);
+	sqlite3_reset(store->history.find);
+	return status;
+}
+
 static enum status present_posts(struct store *store, enum row_table table, struct tile tile, int32_t *posts)
 {
 	struct row row;
@@ -215,26 +261,27 @@ enum status store_history_posts(struct store *store, enum row_table table, struc
 	return status;
 }
 
-static enum status put(struct store *store, struct history_row *row)
+/* Of rows that are kept as they are, the first of a label counts. Of differences, the last has them all. */
+enum status store_history_put(struct store *store, const struct history_row *row)
 {
+#define VALUES " INTO history(plane, key, revision, form, codec, hash, blob) VALUES(?1, ?2, ?3, ?4, ?5, ?6, ?7)"
 	struct history *history = &store->history;
-	enum status status = store_sql_prepare(store->db, store->path, &history->put,
-					 "INSERT OR REPLACE INTO history(plane, key, revision, form, codec, hash, blob) "
-					 "VALUES(?1, ?2, ?3, ?4, ?5, ?6, ?7)");
+	sqlite3_stmt **to = history->copies ? &history->put_first : &history->put;
+	enum status status = store_sql_prepare(store->db, store->path, to, history->copies ? "INSERT OR IGNORE" VALUES : "INSERT OR REPLACE" VALUES);
 	if (status != STATUS_OK)
 		return status;
-	sqlite3_bind_int(history->put, 1, (int)row->table);
-	sqlite3_bind_int64(history->put, 2, (sqlite3_int64)row->key);
-	sqlite3_bind_int64(history->put, 3, row->revision);
-	sqlite3_bind_int64(history->put, 4, row->form);
-	sqlite3_bind_int64(history->put, 5, row->codec);
-	sqlite3_bind_int64(history->put, 6, (sqlite3_int64)store_history_hash(row));
-	sqlite3_bind_blob64(history->put, 7, row->bytes, row->size, SQLITE_STATIC);
-	int code = sqlite3_step(history->put);
+	sqlite3_bind_int(*to, 1, (int)row->table);
+	sqlite3_bind_int64(*to, 2, (sqlite3_int64)row->key);
+	sqlite3_bind_int64(*to, 3, row->revision);
+	sqlite3_bind_int64(*to, 4, row->form);
+	sqlite3_bind_int64(*to, 5, row->codec);
+	sqlite3_bind_int64(*to, 6, (sqlite3_int64)store_history_hash(row));
+	sqlite3_bind_blob64(*to, 7, row->bytes, row->size, SQLITE_STATIC);
+	int code = sqlite3_step(*to);
 	if (code != SQLITE_DONE)
 		status = store_sql_fail(store->db, code, store->path, "writing its history");
-	sqlite3_reset(history->put);
-	sqlite3_bind_null(history->put, 7);
+	sqlite3_reset(*to);
+	sqlite3_bind_null(*to, 7);
 	if (status == STATUS_OK) {
 		history->has_level = true;
 		history->level = store->working;
@@ -248,7 +295,24 @@ static enum status put_posts(struct store *store, enum row_table table, struct t
 	struct history_row row = {.table = table, .key = tile_key(tile), .revision = store->history.label, .form = form};
 	row.codec = store_codec_encode(&store->history.rows.codec, posts, &row.bytes, &row.size);
 	atomic_fetch_add_explicit(&store->statements.kept[table], 1, memory_order_relaxed);
-	return put(store, &row);
+	return store_history_put(store, &row);
+}
+
+struct copying {
+	struct store *store;
+	struct history_row row;
+};
+
+static enum status put_copy(void *user, const struct row *now)
+{
+	static const int32_t zero = 0;
+	struct copying *copying = user;
+	struct history_row *row = &copying->row;
+	row->codec = now != NULL ? now->codec : CODEC_CONSTANT;
+	row->bytes = now != NULL ? now->bytes : &zero;
+	row->size = now != NULL ? now->size : sizeof zero;
+	atomic_fetch_add_explicit(&copying->store->statements.kept[row->table], 1, memory_order_relaxed);
+	return store_history_put(copying->store, row);
 }
 
 enum status store_history_before(struct store *store, enum row_table table, struct tile tile)
@@ -258,18 +322,12 @@ enum status store_history_before(struct store *store, enum row_table table, stru
 	history->before_read = false;
 	if (history->label < 0 || tile.level != store->working)
 		return STATUS_OK;
-	enum status status = store_sql_prepare(store->db, store->path, &history->find,
-					 "SELECT form, codec, hash, blob FROM history WHERE plane = ?1 AND key = ?2 AND revision = ?3");
-	if (status != STATUS_OK)
-		return status;
-	sqlite3_bind_int(history->find, 1, (int)table);
-	sqlite3_bind_int64(history->find, 2, (sqlite3_int64)row.key);
-	sqlite3_bind_int64(history->find, 3, row.revision);
-	int code = sqlite3_step(history->find);
+	if (history->copies)
+		return store_rows_bytes(&store->rows, table, tile, put_copy, &(struct copying){store, row});
+	bool found;
+	enum status status = find_kept(store, &row, &found);
 	atomic_fetch_add_explicit(&store->statements.sought, 1, memory_order_relaxed);
-	bool found = code == SQLITE_ROW, whole = found && sqlite3_column_int(history->find, 0) == WHOLE;
-	if (code != SQLITE_ROW && code != SQLITE_DONE)
-		status = store_sql_fail(store->db, code, store->path, "reading its history");
+	bool whole = found && sqlite3_column_int(history->find, 0) == WHOLE;
 	if (status == STATUS_OK && !whole)
 		status = present_posts(store, table, tile, history->before);
 	if (status == STATUS_OK && found && !whole)

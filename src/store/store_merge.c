@@ -265,7 +265,7 @@ static enum status merge(struct merging *merging, const char *path, struct store
 		status = seek_conflicts(merging, conflicts, scratch);
 	mem_free(scratch);
 	const char *parent = merging->sides[BASE] != NULL ? merging->sides[BASE]->real_path : store_base_path(ours);
-	return status == STATUS_OK ? store_overlay_make(path, parent, fill, merging) : status;
+	return status == STATUS_OK ? store_overlay_make(path, parent, NULL, fill, merging) : status;
 }
 
 enum status store_merge(const char *ours, const char *theirs, const char *path, struct store_conflicts *conflicts)

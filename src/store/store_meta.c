@@ -126,6 +126,11 @@ enum status store_meta_write(struct store *store)
 		status = store_meta_put_integer(store, "parent_hash", (int64_t)store->parent_hash);
 	if (status == STATUS_OK && store->inherits)
 		status = store_meta_put_integer(store, "parent_revision", store->parent_revision);
+	const struct { const char *key; int64_t value; } part[] = {
+		{"part_run", (int64_t)store->part.run}, {"part_index", store->part.index}, {"part_count", store->part.count},
+	};
+	for (size_t i = 0; i < sizeof part / sizeof *part && store->part.count > 0 && status == STATUS_OK; i++)
+		status = store_meta_put_integer(store, part[i].key, part[i].value);
 	return status;
 }
 
@@ -377,6 +382,25 @@ static enum status get_parent(struct lookup *lookup, struct store *store)
 	return status == STATUS_OK ? get_integer(lookup, "parent_revision", 0, COMMITS_MOST, &store->parent_revision) : status;
 }
 
+/* Only a part of a run has them. */
+static enum status get_part(struct lookup *lookup, struct store *store)
+{
+	int64_t run = 0, index = 0, count = 0;
+	bool found;
+	enum status status = look_up(lookup, "part_run", &found);
+	if (status != STATUS_OK || !found)
+		return status;
+	if (!store->inherits)
+		return bad_key(lookup, "part_run");
+	status = get_integer(lookup, "part_run", INT64_MIN, INT64_MAX, &run);
+	if (status == STATUS_OK)
+		status = get_integer(lookup, "part_count", 1, STORE_PARTS_MOST, &count);
+	if (status == STATUS_OK)
+		status = get_integer(lookup, "part_index", 0, count - 1, &index);
+	store->part = (struct store_part){(uint64_t)run, (uint32_t)index, (uint32_t)count};
+	return status;
+}
+
 static enum status get_relief(struct lookup *lookup, struct store *store)
 {
 	const char *text;
@@ -422,6 +446,8 @@ static enum status get_all(struct lookup *lookup, struct store *store)
 		status = get_base_path(lookup, &store->base_path);
 	if (status == STATUS_OK)
 		status = get_parent(lookup, store);
+	if (status == STATUS_OK)
+		status = get_part(lookup, store);
 	if (status == STATUS_OK)
 		status = get_working(lookup, &meta->extent, &store->has_working, &store->working);
 	if (status == STATUS_OK)

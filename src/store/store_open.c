@@ -119,8 +119,25 @@ static enum status connect(struct store *store, const struct store_options *opti
 	return status == STATUS_OK ? store_meta_read(store) : status;
 }
 
-enum status store_open_as(const char *path, const struct store_options *options, struct store *over, const char *parent,
-			  struct store **out)
+/* Tells whether what these options keep fits together, and what a part keeps in any case. */
+static enum status settle_history(struct store *store, const struct store_options *options)
+{
+	int64_t named = 0;
+	store->history.each = options->keep_history;
+	store->history.last = options->keep_last || store->part.count > 0;
+	if (options->mode != STORE_WRITE || !store->history.last)
+		return STATUS_OK;
+	if (store->history.each)
+		return fail_with(STATUS_USAGE, "%s: it cannot keep every revision and only the last one; leave out one of them", store->path);
+	enum status status = store_sql_integer(store->db, store->path, "SELECT count(*) FROM snapshot", &named);
+	if (status == STATUS_OK && named > 0)
+		status = fail_with(STATUS_INPUT, "%s: it keeps revisions that have names, and a commit that keeps only the last one would drop "
+				   "them; drive an overlay of it", store->path);
+	return status;
+}
+
+static enum status open_it(const char *path, const struct store_options *options, struct store *over, const char *parent, bool alone,
+			   struct store **out)
 {
 	struct store *store = mem_calloc(1, sizeof *store);
 	if (store == NULL)
@@ -130,6 +147,7 @@ enum status store_open_as(const char *path, const struct store_options *options,
 	store->base = &store->rows;
 	store->over = over;
 	store->parent_given = parent;
+	store->alone = alone;
 	store_changes_begin(&store->changes);
 	store->durable_full = options->durable_full;
 	store_who(store->who, sizeof store->who);
@@ -139,7 +157,7 @@ enum status store_open_as(const char *path, const struct store_options *options,
 	enum status status = copied ? connect(store, options, &version) : fail_memory("a store");
 	if (status == STATUS_OK && parent != NULL && store->base_path == NULL)
 		status = fail_with(STATUS_INPUT, "%s: it is a store of its own, not an overlay, so it has no base to name; name an overlay", path);
-	if (status == STATUS_OK && store->base_path != NULL)
+	if (status == STATUS_OK && store->base_path != NULL && !alone)
 		status = store_overlay_connect(store);
 	if (status == STATUS_OK && version < STORE_VERSION)
 		status = adapt(store, options->mode == STORE_WRITE, version);
@@ -153,10 +171,12 @@ enum status store_open_as(const char *path, const struct store_options *options,
 				   store->meta.pack == STORE_PACK_SMALL ? CODEC_SMALL : CODEC_FAST);
 	}
 	if (status == STATUS_OK) {
-		store_overlay_inherit(store);
-		store->history.each = options->keep_history;
+		if (!alone)
+			store_overlay_inherit(store);
 		status = store_history_open(store);
 	}
+	if (status == STATUS_OK)
+		status = settle_history(store, options);
 	/* What an opening reads is not counted, in the files under it neither. */
 	for (struct store *under = store->under; under != NULL && status == STATUS_OK; under = under->under)
 		store_statements_restart(&under->statements);
@@ -169,6 +189,17 @@ enum status store_open_as(const char *path, const struct store_options *options,
 	}
 	*out = store;
 	return STATUS_OK;
+}
+
+enum status store_open_as(const char *path, const struct store_options *options, struct store *over, const char *parent,
+			  struct store **out)
+{
+	return open_it(path, options, over, parent, false, out);
+}
+
+enum status store_open_alone(const char *path, struct store **out)
+{
+	return open_it(path, &(struct store_options){.mode = STORE_READ}, NULL, NULL, true, out);
 }
 
 enum status store_open(const char *path, const struct store_options *options, struct store **out)

@@ -100,9 +100,8 @@ static bool same_real(double a, double b)
 	return memcmp(&a, &b, sizeof a) == 0 || (a != a && b != b);
 }
 
-/* Returns true if both headers describe the same terrain. They must agree, since the base's tiles are read with the overlay's
- * header. */
-static bool same_terrain(const struct store_meta *a, const struct store_meta *b)
+/* They must agree, since the base's tiles are read with the overlay's header. */
+bool store_overlay_same_terrain(const struct store_meta *a, const struct store_meta *b)
 {
 	return a->extent.width == b->extent.width && a->extent.height == b->extent.height &&
 	       a->extent.cells == b->extent.cells && same_real(a->extent.spacing, b->extent.spacing) &&
@@ -172,7 +171,7 @@ static enum status connect_parent(struct store *store)
 		return fail_with(STATUS_INPUT, "%s: its base %s is another one now (base_hash %016llx, not %016llx); put the "
 				 "first one back, tell where it is with furrow relink, or drive with another --overlay", store->path, store->under->path,
 				 (unsigned long long)store->under->base_hash, (unsigned long long)store->base_hash);
-	if (!same_terrain(&store->meta, &store->under->meta))
+	if (!store_overlay_same_terrain(&store->meta, &store->under->meta))
 		return fail_with(STATUS_INPUT, "%s: its header is not that of its base %s; it is damaged, drive with another "
 				 "--overlay", store->path, store->under->path);
 	return store->inherits ? check_parent(store) : STATUS_OK;
@@ -303,7 +302,8 @@ static enum status go_over(struct store *store, struct store *parent)
 	return status;
 }
 
-enum status store_overlay_make(const char *path, const char *parent_path, enum status (*fill)(struct store *store, void *user), void *user)
+enum status store_overlay_make(const char *path, const char *parent_path, const struct store_part *part,
+			       enum status (*fill)(struct store *store, void *user), void *user)
 {
 	struct store *parent = NULL, *store = NULL;
 	enum status status = store_open(parent_path, &reading, &parent);
@@ -314,7 +314,9 @@ enum status store_overlay_make(const char *path, const char *parent_path, enum s
 		status = store_create(path, &parent->meta, false, &store);
 	if (status == STATUS_OK)
 		status = store_overlay_name_parent(store, parent);
-	if (status == STATUS_OK && (parent->under != NULL || parent->working_stored))
+	if (status == STATUS_OK && part != NULL)
+		store->part = *part;
+	if (status == STATUS_OK && (parent->under != NULL || parent->working_stored || part != NULL))
 		status = inherit_from(store, parent);
 	if (status == STATUS_OK && fill != NULL) {
 		status = go_over(store, parent);
@@ -331,7 +333,7 @@ enum status store_overlay_make(const char *path, const char *parent_path, enum s
 
 enum status store_create_overlay(const char *path, const char *parent_path)
 {
-	return store_overlay_make(path, parent_path, NULL, NULL);
+	return store_overlay_make(path, parent_path, NULL, NULL, NULL);
 }
 
 /* --- one to write to --- */

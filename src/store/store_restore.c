@@ -14,10 +14,8 @@
 
 /* A kept revision, as its table has it. */
 struct kept {
-	int64_t revision;
-	struct store_run_copy run;
-	bool has_working;
-	int64_t compacted;
+	struct store_run_copy run; /* its commit is the revision */
+	struct store_run_header header;
 };
 
 struct restoring {
@@ -26,14 +24,6 @@ struct restoring {
 	struct climb_item *items; /* of one table */
 	size_t count, room;
 };
-
-static enum status copy_text(char **to, sqlite3_stmt *statement, int column)
-{
-	const char *text = (const char *)sqlite3_column_text(statement, column);
-	mem_free(*to);
-	*to = mem_strdup(text != NULL ? text : "");
-	return *to != NULL ? STATUS_OK : fail_memory("a restore");
-}
 
 /* Returns true if the text names the revision of the parent at which an overlay begins, and the overlay keeps it. */
 static bool inherited_name(const struct store *store, const char *name)
@@ -77,32 +67,6 @@ static enum status find_revision(struct store *store, const char *text, int64_t 
 	else if (!number || *revision != store->commit)
 		status = fail_with(STATUS_INPUT, "%s: it keeps no %s %s; furrow log tells what it keeps", store->path,
 				   number ? "revision" : "snapshot", text);
-	sqlite3_finalize(statement);
-	return status;
-}
-
-static enum status read_kept(struct store *store, int64_t revision, struct kept *kept)
-{
-	sqlite3_stmt *statement = NULL;
-	kept->revision = revision;
-	enum status status = store_sql_prepare(store->db, store->path, &statement,
-					 "SELECT scene_hash, state, step, time, working, compacted FROM revision WHERE revision = ?1");
-	if (status != STATUS_OK)
-		return status;
-	sqlite3_bind_int64(statement, 1, revision);
-	int code = sqlite3_step(statement);
-	if (code != SQLITE_ROW)
-		status = store_sql_fail(store->db, code, store->path, "reading its history");
-	if (status == STATUS_OK)
-		status = copy_text(&kept->run.scene_hash, statement, 0);
-	if (status == STATUS_OK)
-		status = copy_text(&kept->run.state, statement, 1);
-	if (status == STATUS_OK) {
-		kept->run.step = sqlite3_column_int64(statement, 2);
-		kept->run.time = sqlite3_column_double(statement, 3);
-		kept->has_working = sqlite3_column_type(statement, 4) != SQLITE_NULL;
-		kept->compacted = sqlite3_column_int64(statement, 5);
-	}
 	sqlite3_finalize(statement);
 	return status;
 }
@@ -209,20 +173,20 @@ static enum status put_header(struct store *store, struct kept *kept)
 {
 	char what[48];
 	enum status status = STATUS_OK;
-	snprintf(what, sizeof what, "restore %lld", (long long)kept->revision);
-	if (kept->has_working)
+	snprintf(what, sizeof what, "restore %lld", (long long)kept->run.commit);
+	if (kept->header.has_working)
 		status = store_meta_put_working(store, store->history.level, store->relief_text);
 	else
 		status = store_meta_drop(store, "working");
 	if (status == STATUS_OK)
-		status = kept->compacted != 0 ? store_meta_put_integer(store, "compacted", kept->compacted) : store_meta_drop(store, "compacted");
+		status = kept->header.compacted != 0 ? store_meta_put_integer(store, "compacted", kept->header.compacted) : store_meta_drop(store, "compacted");
 	const struct store_run run = {.scene_hash = kept->run.scene_hash, .step = kept->run.step, .time = kept->run.time, .what = what};
 	return status == STATUS_OK ? store_run_put(store, &run, kept->run.state) : status;
 }
 
 static enum status restore(struct store *store, struct kept *kept)
 {
-	struct restoring restoring = {.store = store, .revision = kept->revision};
+	struct restoring restoring = {.store = store, .revision = kept->run.commit};
 	enum status status = store_history_begin(store, true);
 	if (status == STATUS_OK)
 		status = put_tiles(&restoring);
@@ -241,10 +205,12 @@ enum status store_restore(struct store *store, const char *text, int64_t *revisi
 {
 	struct kept kept = {0};
 	assert(store->writing);
-	enum status status = find_revision(store, text, revision);
+	enum status status = store_part_refuse(store, "restored");
+	if (status == STATUS_OK)
+		status = find_revision(store, text, revision);
 	if (status != STATUS_OK || *revision == store->commit)
 		return status;
-	status = read_kept(store, *revision, &kept);
+	status = store_run_copy_kept(store, *revision, &kept.run, &kept.header);
 	bool had_working = store->has_working;
 	int working = store->working;
 	if (status == STATUS_OK && store->history.has_level) { /* the present revision may be of ground that was never deformed */
@@ -263,8 +229,8 @@ enum status store_restore(struct store *store, const char *text, int64_t *revisi
 	} else {
 		store->commit++;
 		store_changes_commit(&store->changes, store->commit);
-		store->has_working = store->working_stored = kept.has_working;
-		store->compacted = kept.compacted;
+		store->has_working = store->working_stored = kept.header.has_working;
+		store->compacted = kept.header.compacted;
 		status = store_relief_settle(store);
 		store->marked = false;
 		for (int table = 0; table < ROW_TABLES; table++)

@@ -351,6 +351,21 @@ enum status store_rows_drop(struct rows *rows, enum row_table table, struct tile
 	return put_own(rows, table, &none);
 }
 
+enum status store_rows_bytes(struct rows *rows, enum row_table table, struct tile tile, row_bytes_fn fn, void *user)
+{
+	sqlite3_stmt *statement = NULL;
+	struct row row;
+	struct rows *at;
+	bool found;
+	enum status status = find_row(rows, table, tile, true, &row, &found, &statement, &at);
+	if (status == STATUS_OK && found)
+		status = take_bytes(at, table, statement, &row);
+	if (status == STATUS_OK)
+		status = fn(user, found ? &row : NULL);
+	sqlite3_reset(statement);
+	return status;
+}
+
 enum status store_rows_copy(struct rows *from, struct rows *to, enum row_table table, struct tile tile, int64_t revision)
 {
 	sqlite3_stmt *statement = NULL;

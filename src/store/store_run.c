@@ -62,6 +62,39 @@ enum status store_run_copy(struct store *store, struct store_run_copy *copy)
 	return status;
 }
 
+enum status store_run_copy_kept(struct store *store, int64_t revision, struct store_run_copy *copy, struct store_run_header *header)
+{
+	sqlite3_stmt *statement = NULL;
+	copy->commit = revision;
+	copy->found = false;
+	enum status status = store_sql_prepare(store->db, store->path, &statement,
+					 "SELECT scene_hash, state, step, time, what, working, compacted FROM revision WHERE revision = ?1");
+	if (status != STATUS_OK)
+		return status;
+	sqlite3_bind_int64(statement, 1, revision);
+	int code = sqlite3_step(statement);
+	if (code == SQLITE_DONE)
+		status = fail_with(STATUS_INPUT, "%s: it keeps no revision %lld, though it should; it is damaged, restore it", store->path,
+				   (long long)revision);
+	else if (code != SQLITE_ROW)
+		status = store_sql_fail(store->db, code, store->path, "reading its history");
+	if (status == STATUS_OK)
+		status = keep_text(&copy->scene_hash, sqlite3_column_text(statement, 0));
+	if (status == STATUS_OK)
+		status = keep_text(&copy->state, sqlite3_column_text(statement, 1));
+	if (status == STATUS_OK)
+		status = keep_text(&copy->what, sqlite3_column_text(statement, 4));
+	if (status == STATUS_OK) {
+		copy->found = true;
+		copy->step = sqlite3_column_int64(statement, 2);
+		copy->time = sqlite3_column_double(statement, 3);
+		header->has_working = sqlite3_column_type(statement, 5) != SQLITE_NULL;
+		header->compacted = sqlite3_column_int64(statement, 6);
+	}
+	sqlite3_finalize(statement);
+	return status;
+}
+
 enum status store_run_put(struct store *store, const struct store_run *run, const char *state)
 {
 	enum status status = store_sql_prepare(store->db, store->path, &store->run_statement,

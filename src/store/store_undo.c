@@ -77,7 +77,9 @@ enum status store_mark(struct store *store)
 	assert(store->writing);
 	struct store_run_copy run = {0};
 	int64_t has_compacted = 0;
-	enum status status = store->undo == NULL ? create(&store->meta.extent, &store->undo) : STATUS_OK;
+	enum status status = store_part_refuse(store, "rolled back");
+	if (status == STATUS_OK && store->undo == NULL)
+		status = create(&store->meta.extent, &store->undo);
 	if (status == STATUS_OK)
 		status = store_run_copy(store, &run);
 	if (status == STATUS_OK)

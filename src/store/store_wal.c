@@ -28,7 +28,7 @@ enum status store_wal_begin(struct store *store)
 	snprintf(pragmas, sizeof pragmas,
 		 "PRAGMA journal_mode=WAL; PRAGMA synchronous=%s; PRAGMA wal_autocheckpoint=0; "
 		 "PRAGMA journal_size_limit=%d",
-		 store->durable_full ? "FULL" : "NORMAL", WAL_BYTES);
+		 store->durable_full || store->part.count > 0 ? "FULL" : "NORMAL", WAL_BYTES);
 	enum status status = store_sql_exec(store->db, store->path, "opening it for writing", pragmas);
 	if (status == STATUS_OK)
 		status = store_sql_integer(store->db, store->path, "PRAGMA page_size", &store->frame_bytes);

@@ -15,14 +15,17 @@ static enum status check_row(struct verifying *verifying, sqlite3_stmt *statemen
 	};
 	struct tile tile = tile_from_key(row.key);
 	const char *wrong = NULL;
-	if (row.table < ROW_OFFSET || row.table >= ROW_TABLES || tile_key(tile) != row.key || !extent_has(&store->meta.extent, tile) ||
+	bool claim = row.table == PART_CLAIM && store->part.count > 0;
+	if ((row.table < ROW_OFFSET && !claim) || row.table >= ROW_TABLES || tile_key(tile) != row.key || !extent_has(&store->meta.extent, tile) ||
 	    tile.level != store->history.level)
 		wrong = "it is of no tile of the level that is deformed";
 	else if (row.bytes == NULL || store_history_hash(&row) != (uint64_t)sqlite3_column_int64(statement, 5))
 		wrong = "its hash is wrong";
 	else if ((row.form != 0 && row.form != 1) || !store_codec_decode(&store->rows.codec, row.codec, row.bytes, row.size, verifying->posts))
 		wrong = "it cannot be decoded";
-	else if (sqlite3_column_int(statement, 7) == 0)
+	else if (claim && (row.revision <= store->parent_revision || row.revision > store->commit))
+		wrong = "it is of no commit of this part";
+	else if (!claim && sqlite3_column_int(statement, 7) == 0)
 		wrong = "its revision is not kept";
 	if (wrong != NULL)
 		store_verify_tell(verifying, "history of revision %lld, level %d x %u y %u: %s", (long long)row.revision, tile.level, tile.x, tile.y, wrong);
