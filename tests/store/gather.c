@@ -38,7 +38,7 @@ static void gathers_as_the_copy(uint32_t count, uint32_t seed, int ruts, int ste
 	for (uint32_t i = 0; i < count; i++)
 		verified(run.stores[i]);
 	run_close(&run);
-	assert_ok(run_gather(&run, steps, &result));
+	assert_ok(run_gather(&run, count, steps, &result));
 	assert_int_equal(result.commit, steps > 0 ? before + 1 : 0);
 	uint64_t hash = hash_at(run.over);
 	if (hash != hash_at(run.copy))
@@ -46,8 +46,7 @@ static void gathers_as_the_copy(uint32_t count, uint32_t seed, int ruts, int ste
 			 ahead);
 	if (steps > 0)
 		assert_same_record(run.over, run.copy);
-	assert_ok(store_gather(run.over, run.parts, count > 1 ? count - 1 : 1,
-			       &(struct store_gathering){.user = &(struct described){0}, .describe = describe}, &again));
+	assert_ok(run_gather(&run, count > 1 ? count - 1 : 1, steps, &again));
 	assert_int_equal(again.commit, result.commit);
 	assert_true(hash_at(run.over) == hash);
 	run_free(&run);

@@ -10,7 +10,6 @@ enum { PARTS_MOST = 8, TILES_X = 10, TILES_Y = 7, TILES = TILES_X * TILES_Y, SEV
 struct run {
 	char over[256], copy[256];           /* what the parts are over, and the overlay with the same commits */
 	char paths[PARTS_MOST][256];
-	const char *parts[PARTS_MOST];       /* the same, as store_gather() takes them */
 	struct store *stores[PARTS_MOST], *direct;
 	uint32_t count, seed;
 	int owners[TILES]; /* of each tile */
@@ -66,10 +65,8 @@ static UNUSED struct run run_make(const char *base, uint32_t count, uint32_t see
 		store_close(store);
 	}
 	copy_file(run.over, run.copy);
-	for (uint32_t i = 0; i < count; i++) {
+	for (uint32_t i = 0; i < count; i++)
 		snprintf(run.paths[i], sizeof run.paths[i], "%s/part-%u.furrow", folder, i);
-		run.parts[i] = run.paths[i];
-	}
 	run_make_parts(&run);
 	for (int i = 0; i < TILES; i++)
 		run.owners[i] = (int)run_draw(&run, count);
@@ -192,10 +189,14 @@ static UNUSED const char *describe(void *user, const struct store_run *runs, siz
 	return "[-1]";
 }
 
-static UNUSED enum status run_gather(const struct run *run, int64_t step, struct store_commit_result *result)
+/* Gathers the first `count` parts, in the order of their names or against it. */
+static UNUSED enum status run_gather(const struct run *run, uint32_t count, int64_t step, struct store_commit_result *result)
 {
+	const char *parts[PARTS_MOST];
 	struct described described = {run->count, step};
-	return store_gather(run->over, run->parts, run->count, &(struct store_gathering){.user = &described, .describe = describe}, result);
+	for (uint32_t i = 0; i < count; i++)
+		parts[i] = run->paths[run->seed % 2 == 0 ? i : count - 1 - i];
+	return store_gather(run->over, parts, count, &(struct store_gathering){.user = &described, .describe = describe}, result);
 }
 
 static UNUSED uint64_t hash_at(const char *path)
