@@ -19,6 +19,8 @@ struct cache_curves {
 
 extern const char *const cache_policy_labels[SIM_POLICIES];
 
+/* Sizes from 4 slots to one for every tile. */
+void cache_sizes(struct cache_curves *curves);
 void cache_plot_write(const struct cache_curves *curves, FILE *file);
 
 #endif

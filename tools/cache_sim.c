@@ -89,7 +89,7 @@ static enum status read_sizes(const struct arguments *arguments, struct cache_cu
 	return STATUS_OK;
 }
 
-static void default_sizes(struct cache_curves *curves)
+void cache_sizes(struct cache_curves *curves)
 {
 	uint32_t tiles = curves->accesses->tile_count;
 	bool few = tiles < 4u << (SIZES_FEW - 1);
@@ -252,7 +252,7 @@ static enum status run(const struct arguments *arguments)
 	if (status == STATUS_OK) {
 		interrupt_catch();
 		if (curves.count == 0)
-			default_sizes(&curves);
+			cache_sizes(&curves);
 		status = simulate(&curves);
 	}
 	if (status == STATUS_OK)

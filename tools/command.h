@@ -29,7 +29,7 @@ struct command {
 };
 
 extern const struct command command_synth, command_import, command_info, command_verify, command_query,
-	command_export, command_reset, command_branch, command_snapshot, command_log, command_restore, command_merge, command_flatten, command_relink, command_explain, command_drive, command_rig, command_study, command_mobility, command_view, command_cache_sim;
+	command_export, command_reset, command_branch, command_snapshot, command_log, command_restore, command_merge, command_flatten, command_relink, command_explain, command_drive, command_report, command_rig, command_study, command_mobility, command_view, command_cache_sim;
 
 /* Parses argv (without the command's name). STATUS_USAGE with what is wrong. */
 enum status arguments_parse(const struct command *command, int argc, char **argv,

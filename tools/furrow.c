@@ -10,7 +10,7 @@ static const struct command *const commands[] = {
 	&command_synth,	 &command_import, &command_info,  &command_verify,
 	&command_query,	 &command_export, &command_reset, &command_branch,
 	&command_snapshot, &command_log, &command_restore, &command_merge, &command_flatten, &command_relink, &command_explain,
-	&command_drive,	 &command_rig, &command_study, &command_mobility,	  &command_view,   &command_cache_sim,
+	&command_drive,	 &command_report, &command_rig, &command_study, &command_mobility,	  &command_view,   &command_cache_sim,
 };
 
 #define COMMANDS (sizeof commands / sizeof *commands)

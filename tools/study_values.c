@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "scene/scene_error.h"
+#include "scene/scene_values.h"
 #include "study.h"
 
 const char *study_keep(struct study *study, char *text)
@@ -117,47 +118,6 @@ enum status study_choice(const struct study *study, const struct scene_node *par
 	return scene_error(study->file, node, "is none of these; allowed: %s", list.text);
 }
 
-static bool is_safe(const char *text)
-{
-	static const char safe[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_.+-/";
-	return text[0] != '\0' && strcmp(text, "-") != 0 && strcmp(text, "---") != 0 && strcmp(text, "...") != 0 &&
-	       text[strspn(text, safe)] == '\0';
-}
-
-static void write_scalar(const char *text, bool plain, FILE *file)
-{
-	if (plain && is_safe(text)) {
-		fputs(text, file);
-		return;
-	}
-	fputc('"', file);
-	for (const char *c = text; *c != '\0'; c++)
-		if (*c == '\n' || *c == '\t')
-			fputs(*c == '\n' ? "\\n" : "\\t", file);
-		else
-			fprintf(file, "%s%c", *c == '"' || *c == '\\' ? "\\" : "", *c);
-	fputc('"', file);
-}
-
-/* Writes a node as YAML on one line. */
-static void write_yaml(const struct scene_node *node, FILE *file)
-{
-	if (node->kind == SCENE_SCALAR) {
-		write_scalar(node->text, node->plain || is_safe(node->text), file);
-		return;
-	}
-	fputc(node->kind == SCENE_MAPPING ? '{' : '[', file);
-	for (const struct scene_node *child = node->first; child != NULL; child = child->next) {
-		if (child->key != NULL) {
-			write_scalar(child->key, true, file);
-			fputs(": ", file);
-		}
-		write_yaml(child, file);
-		fputs(child->next != NULL ? ", " : "", file);
-	}
-	fputc(node->kind == SCENE_MAPPING ? '}' : ']', file);
-}
-
 enum status study_yaml(struct study *study, const struct scene_node *node, const char **out)
 {
 	char *text = NULL;
@@ -165,7 +125,7 @@ enum status study_yaml(struct study *study, const struct scene_node *node, const
 	FILE *file = open_memstream(&text, &size);
 	if (file == NULL)
 		return fail_memory("a value of the study");
-	write_yaml(node, file);
+	scene_node_write(node, file);
 	bool whole = !ferror(file);
 	whole = fclose(file) == 0 && whole;
 	*out = study_keep(study, text);

@@ -4,7 +4,7 @@
 
 #include <stdio.h>
 
-/* Writes text as an SVG has it. Control characters become question marks. */
+/* Writes text as SVG and HTML have it, also between quotes. Control characters become question marks, bytes that are no UTF-8 too. */
 void svg_text(const char *text, FILE *file);
 /* Returns the distance between an axis's lines: the smallest of 1, 2 or 5 times a power of ten that is at least `least`, above 0. */
 double svg_step(double least);

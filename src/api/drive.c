@@ -125,6 +125,7 @@ static enum status report(struct drive *drive, bool keep, struct api_result *res
 	report->view = drive->view;
 	report->pictures = drive->pictures;
 	report->vehicles = drive->vehicles;
+	report->advised = drive->params->host == NULL;
 	result->steps = world->step;
 	result->seconds = report->seconds;
 	result->rtf = report->seconds > 0 ? (world->time - world->resumed.time) / report->seconds : 0;

@@ -54,3 +54,24 @@ double times_percentile(const struct times *times, double share)
 		bucket++;
 	return fmin(fmax(middle_of(bucket), times->least), times->most);
 }
+
+/* The least value of a bucket; of the one behind the last: TIMES_MOST. */
+static double edge_of(int bucket)
+{
+	return TIMES_LEAST * ldexp(1 + (double)(bucket % TIMES_PARTS) / TIMES_PARTS, bucket / TIMES_PARTS);
+}
+
+void times_ranges(const struct times *times, int parts, void (*tell)(void *user, double from, double to, uint64_t count), void *user)
+{
+	const int wide = TIMES_PARTS / parts;
+	assert(parts > 0 && wide * parts == TIMES_PARTS);
+	if (times->count == 0)
+		return;
+	const int last = bucket_of(times->most) / wide;
+	for (int range = bucket_of(times->least) / wide; range <= last; range++) {
+		uint64_t count = 0;
+		for (int i = 0; i < wide; i++)
+			count += times->buckets[range * wide + i];
+		tell(user, edge_of(range * wide), edge_of((range + 1) * wide), count);
+	}
+}

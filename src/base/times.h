@@ -25,5 +25,8 @@ void times_add(struct times *times, double ms); /* 0 or more */
 double times_mean(const struct times *times);   /* NaN if empty, also for times_percentile */
 /* Returns a percentile. share 0: the smallest, 1: the largest; both are exact. */
 double times_percentile(const struct times *times, double share);
+/* Calls `tell` for each range of durations, from the shortest to the longest that was added. Each octave has `parts` ranges of
+ * equal width; `parts` is a power of two up to TIMES_PARTS. `from` and `to`: ms; a range begins where the one before it ends. */
+void times_ranges(const struct times *times, int parts, void (*tell)(void *user, double from, double to, uint64_t count), void *user);
 
 #endif

@@ -227,6 +227,8 @@ void page_trace_access(struct page_trace *trace, uint64_t step, uint64_t key, en
 		       bool resident);
 /* Returns the first failure so far. trace may be NULL. */
 enum status page_trace_status(const struct page_trace *trace) FURROW_CHECKED;
+/* Returns the path that the trace gets. trace may be NULL; then NULL. */
+const char *page_trace_path(const struct page_trace *trace);
 /* Completes the trace and renames it to its path. Add no access afterwards. trace may be NULL. */
 enum status page_trace_publish(struct page_trace *trace) FURROW_CHECKED;
 /* Frees the trace, and removes its file unless it was published. trace may be NULL. */

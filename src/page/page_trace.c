@@ -200,6 +200,11 @@ enum status page_trace_status(const struct page_trace *trace)
 	return trace == NULL || trace->failure.status == STATUS_OK ? STATUS_OK : failure_restore(&trace->failure);
 }
 
+const char *page_trace_path(const struct page_trace *trace)
+{
+	return trace != NULL ? trace->path : NULL;
+}
+
 enum status page_trace_publish(struct page_trace *trace)
 {
 	enum status status = page_trace_status(trace);

@@ -6,10 +6,23 @@
 #include "base/json.h"
 #include "report/report.h"
 
+#define RANGES 4	  /* of step times, for each octave */
+#define WAY_POINTS 64 /* of an object's way */
+
 static const char *const group_names[GPU_GROUPS] = {
 	[GPU_DISPLACE] = "displace", [GPU_REDISTRIBUTE] = "redistribute", [GPU_ATTRIBUTES] = "attributes",
 	[GPU_DECIMATE] = "pyramid", [GPU_RENDER] = "render", [GPU_DIVIDE] = "subdivide",
 };
+
+/* Edges are those of neighbours, so there is one more than counts. */
+static void add_range(void *user, double from, double to, uint64_t count)
+{
+	cJSON **lists = user;
+	if (cJSON_GetArraySize(lists[0]) == 0)
+		cJSON_AddItemToArray(lists[0], cJSON_CreateNumber(from));
+	cJSON_AddItemToArray(lists[0], cJSON_CreateNumber(to));
+	cJSON_AddItemToArray(lists[1], cJSON_CreateNumber((double)count));
+}
 
 static void add_times(cJSON *root, const struct report *report)
 {
@@ -23,6 +36,9 @@ static void add_times(cJSON *root, const struct report *report)
 	json_number(step, "p95", times_percentile(&report->step_ms, 0.95));
 	json_number(step, "p99", times_percentile(&report->step_ms, 0.99));
 	json_number(step, "max", times_percentile(&report->step_ms, 1));
+	cJSON *histogram = cJSON_AddObjectToObject(step, "histogram");
+	cJSON *lists[2] = {cJSON_AddArrayToObject(histogram, "edges"), cJSON_AddArrayToObject(histogram, "counts")};
+	times_ranges(&report->step_ms, RANGES, add_range, lists);
 }
 
 static void add_stages(cJSON *root, const struct gpu_stats *gpu, const struct resident_pages_io *io)
@@ -152,6 +168,21 @@ static void add_interface(cJSON *object, const struct deform_interface *interfac
 	json_number(told, "adhesion", interface->has_adhesion ? interface->adhesion : (double)NAN);
 }
 
+/* Adds corners of an object's way up to now, at most WAY_POINTS of them, and its end. */
+static void add_way(cJSON *object, const struct body *body, double time)
+{
+	double(*places)[2] = mem_alloc(motion_track_corners(body->track), sizeof *places);
+	cJSON *way = cJSON_AddArrayToObject(object, "way");
+	const size_t count = places != NULL ? motion_track_way(body->track, time, places) : 0;
+	const size_t every = count / WAY_POINTS + 1;
+	for (size_t i = 0; i < count; i = i + every < count || i + 1 == count ? i + every : count - 1) {
+		cJSON *point = cJSON_CreateDoubleArray(places[i], 2);
+		if (!cJSON_AddItemToArray(way, point))
+			cJSON_Delete(point);
+	}
+	mem_free(places);
+}
+
 static void add_objects(cJSON *root, const struct report *report)
 {
 	cJSON *objects = cJSON_AddObjectToObject(root, "objects");
@@ -166,6 +197,7 @@ static void add_objects(cJSON *root, const struct report *report)
 		if (body->object->load > 0 && body->in_contact)
 			json_number(object, "z", lattice_offset_metres(body->equilibrium));
 		json_integer(object, "skipped", body->skipped);
+		add_way(object, body, report->world->time);
 	}
 }
 
@@ -334,6 +366,7 @@ char *report_json(const struct report *report, const char *ended)
 		json_integer(root, "resumed_from", report->world->resumed.from);
 	else
 		cJSON_AddNullToObject(root, "resumed_from");
+	report_asked(root, report);
 	json_number(root, "spacing", report->world->spacing);
 	json_integer(root, "working_level", report->world->level);
 	if (world_relief(report->world) != NULL)

@@ -21,6 +21,7 @@ struct report {
 	const struct view *view;         /* NULL: there is no view, or nobody asked for a picture of it */
 	struct pictures *pictures;       /* NULL: none are written */
 	const struct vehicles *vehicles; /* NULL: there are none */
+	bool advised;                    /* a drive: run.json has all notes on its scene; of a host only those on units */
 	struct times step_ms, frame_ms;  /* a frame is a step and its picture, or a step alone if none is drawn */
 	struct stalls stalls_settled;    /* in the first second of the loop; complete once `settled` */
 	bool settled;
@@ -36,6 +37,8 @@ enum status report_write(const char *directory, const char *json) FURROW_CHECKED
 /* Draws the map of the run so far, from what is committed. Writes it under another name first, then renames it. */
 enum status report_map(const struct world *world, const char *path, const char *ended) FURROW_CHECKED;
 
+/* asked.c: adds what was run: the program's version, the scene with all its settings, the store, the trace, and the notes. */
+void report_asked(struct cJSON *root, const struct report *report);
 /* counts.c: adds what was made and run. `gpu`: passes, without those of warming up. */
 void report_counts(struct cJSON *root, const struct report *report, const struct gpu_stats *gpu, const struct resident_pages_io *io);
 /* where.c: adds where effects were computed, and where they might have been. */

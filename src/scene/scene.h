@@ -166,6 +166,11 @@ struct scene_view {
 	struct scene_light light;
 };
 
+/* A setting of the scene. `key`: with dots, as --set takes it. `text`: YAML on one line; a long one is cut, and then has a hash. */
+struct scene_value {
+	char *key, *text;
+};
+
 /* A raster that gives a number of the soil at each post. Where it has no value, the number is that of the post's soil. */
 struct scene_raster {
 	enum deform_number number;
@@ -222,6 +227,8 @@ struct scene {
 	size_t unused_count;
 	char **doubts;   /* numbers that seem to be given in a wrong unit: "FILE:LINE: KEY: WHY; WHAT TO DO" */
 	size_t doubt_count;
+	struct scene_value *values; /* all settings as text, with those of --set, in the order of the file */
+	size_t value_count;
 	/* hex: hash of all settings that decide the ground. The cache, view, output, store and end_time do not count. */
 	char hash[33];
 };

@@ -12,6 +12,7 @@
 #include "scene/scene_match.h"
 #include "scene/scene_set.h"
 #include "scene/scene_typed.h"
+#include "scene/scene_values.h"
 
 /* Makes the tree of the scene from `text`, in tree->root. Replaces old names of keys, applies the settings, and expands the short
  * forms. */
@@ -43,6 +44,8 @@ static enum status fill(struct scene *scene, const char *text, size_t length,
 		status = scene_typed_load(&tree, &raw);
 	if (status == STATUS_OK)
 		status = scene_check(&tree, raw, scene);
+	if (status == STATUS_OK)
+		status = scene_values_take(&tree, scene);
 	scene_typed_destroy(raw);
 	scene_tree_finish(&tree);
 	return status;
@@ -125,6 +128,7 @@ void scene_destroy(struct scene *scene)
 		mem_free(scene->unused[i]);
 	mem_free(scene->unused);
 	scene_drop_doubts(scene);
+	scene_values_finish(scene);
 	mem_free(scene->objects);
 	mem_free(scene->file);
 	mem_free(scene->folder);

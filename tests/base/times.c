@@ -106,6 +106,55 @@ static void the_slow_end_is_not_lost_among_the_many(void **state)
 	assert_true(times_percentile(&times, 0.995) > 249);
 }
 
+/* --- ranges --- */
+
+struct told {
+	double first, last; /* edges */
+	uint64_t count;
+	int ranges;
+	double values[4]; /* sought within the ranges */
+	uint64_t found;
+};
+
+static void take_range(void *user, double from, double to, uint64_t count)
+{
+	struct told *told = user;
+	assert_true(from < to && (told->ranges == 0 || from == told->last));
+	told->first = told->ranges++ == 0 ? from : told->first;
+	told->last = to;
+	told->count += count;
+	uint64_t inside = 0;
+	for (int i = 0; i < 4; i++)
+		inside += told->values[i] >= from && told->values[i] < to ? 1 : 0;
+	assert_int_equal(count, inside);
+	told->found += inside;
+}
+
+static void ranges_follow_each_other_and_hold_every_value(void **state)
+{
+	static const double lists[][4] = {{0.4, 0.5, 3, 1000}, {1, 1, 1, 1}, {0.0999, 0.1, 0.1001, 0.11}, {2, 2.5, 3, 3.5}};
+	for (size_t k = 0; k < sizeof lists / sizeof *lists; k++)
+		for (int parts = 1; parts <= TIMES_PARTS; parts *= 2) {
+			static struct times times;
+			struct told told = {.ranges = 0};
+			times = (struct times){.count = 0};
+			for (int i = 0; i < 4; i++) {
+				told.values[i] = lists[k][i];
+				times_add(&times, lists[k][i]);
+			}
+			times_ranges(&times, parts, take_range, &told);
+			assert_int_equal(told.count, 4);
+			assert_int_equal(told.found, 4);
+			assert_true(told.first <= lists[k][0] && told.last > lists[k][3]);
+			/* No empty range at either end. */
+			assert_true(told.first * (1 + 1.0 / parts) * (1 + 1e-12) > lists[k][0] && told.last <= lists[k][3] * (1 + 1.0 / parts) * (1 + 1e-12));
+		}
+	static struct times none;
+	struct told told = {.ranges = 0};
+	times_ranges(&none, 4, take_range, &told);
+	assert_int_equal(told.ranges, 0);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -113,6 +162,7 @@ int main(void)
 		cmocka_unit_test(every_value_is_within_the_error_alone),
 		cmocka_unit_test(what_lies_beyond_the_buckets_is_counted_at_their_ends),
 		cmocka_unit_test(the_slow_end_is_not_lost_among_the_many),
+		cmocka_unit_test(ranges_follow_each_other_and_hold_every_value),
 	};
 	return cmocka_run_group_tests_name("times", tests, NULL, NULL);
 }

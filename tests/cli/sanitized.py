@@ -33,6 +33,8 @@ CHOSEN = {
     "overlay": ["Drives.test_one_overlay_has_one_drive_and_its_base_may_be_driven_meanwhile",
                 "Refusals.test_what_is_no_overlay_of_that_store_is_refused_and_kept"],
     "resume": ["Resume.test_interrupted_it_says_how_to_go_on_and_does", "Resume.test_a_damaged_part_is_refused_and_kept"],
+    "report": ["Report.test_names_are_text", "Report.test_numbers_are_checked", "Report.test_rows_that_are_none_are_told_with_their_line",
+               "Report.test_what_is_no_drive_is_refused_and_nothing_is_left"],
     "soil_rasters": ["SoilRasters.test_what_cannot_be_used_is_refused_before_anything_is_driven"],
     "soil_map": ["SoilMap.test_what_is_no_map_is_refused_before_anything_is_driven"],
     "view": ["View.test_what_is_dropped_is_kept_in_the_overlay", "View.test_a_display_that_is_lost_leaves_nothing_behind"],

@@ -48,6 +48,68 @@ static void null_takes_a_key_away(void **state)
 	scene_destroy(scene);
 }
 
+static const char *told(const struct scene *scene, const char *key)
+{
+	const char *text = NULL;
+	for (size_t i = 0; i < scene->value_count; i++)
+		if (strcmp(scene->values[i].key, key) == 0) {
+			assert_null(text); /* once */
+			text = scene->values[i].text;
+		}
+	return text;
+}
+
+static void all_settings_are_told_as_text(void **state)
+{
+	const struct scene_setting settings[] = {
+		{"cache.slots", "16"},
+		{"objects.front_left.sink", "0.05"},
+		{"objects.front_left.path.points", "[[1, 2], [3, 4]]"},
+		{"attributes.0", "dirt"},
+		{"store", "\"a: \\\"b\\\" <c>.furrow\""},
+	};
+	struct scene *scene;
+	assert_int_equal(load_text(example, settings, sizeof settings / sizeof settings[0], &scene), STATUS_OK);
+	assert_string_equal(told(scene, "cache.slots"), "16");
+	assert_string_equal(told(scene, "objects.front_left.sink"), "0.05");
+	assert_string_equal(told(scene, "objects.front_left.path.points"), "[[1, 2], [3, 4]]");
+	assert_string_equal(told(scene, "attributes"), "[disturbance]");
+	assert_string_equal(told(scene, "store"), "\"a: \\\"b\\\" <c>.furrow\"");
+	assert_null(told(scene, "objects.front_left.name"));
+	assert_null(told(scene, "objects"));
+	scene_destroy(scene);
+}
+
+/* Values that are too long differ where the whole texts differ, and stay UTF-8. */
+static void a_long_value_is_cut_and_has_a_hash(void **state)
+{
+	char points[2][3000] = {"[", "["}, told_first[1000];
+	for (int k = 0; k < 2; k++) {
+		for (int i = 0; i < 200; i++)
+			snprintf(points[k] + strlen(points[k]), sizeof points[k] - strlen(points[k]), "[%d, %d], ", i, i == 190 ? k : 7);
+		strcat(points[k], "[1, 2]]");
+		const struct scene_setting setting = {"objects.front_left.path.points", points[k]};
+		struct scene *scene;
+		assert_int_equal(load_text(example, &setting, 1, &scene), STATUS_OK);
+		const char *text = told(scene, setting.key);
+		assert_true(strlen(text) == 400 && strncmp(text, points[k], 300) == 0 && strstr(text, " bytes, hash ") != NULL);
+		if (k == 0)
+			snprintf(told_first, sizeof told_first, "%s", text);
+		else
+			assert_string_not_equal(text, told_first);
+		scene_destroy(scene);
+	}
+	char name[1400] = "";
+	for (int i = 0; i < 300; i++)
+		strcat(name, i % 7 == 0 ? "x" : "\xc3\xa4");
+	struct scene *scene;
+	assert_int_equal(load_text(example, &(struct scene_setting){"store", name}, 1, &scene), STATUS_OK);
+	const char *text = told(scene, "store"), *cut = strstr(text, " ... (");
+	assert_non_null(cut);
+	assert_true(cut[-1] == 'x' || ((unsigned char)cut[-1] == 0xa4 && (unsigned char)cut[-2] == 0xc3));
+	scene_destroy(scene);
+}
+
 static void a_later_setting_wins(void **state)
 {
 	const struct scene_setting settings[] = {{"cache.slots", "2"}, {"cache.slots", "8"}};
@@ -104,6 +166,8 @@ int main(void)
 		cmocka_unit_test(a_setting_replaces_or_adds_what_its_key_names),
 		cmocka_unit_test(a_setting_makes_the_mapping_it_needs),
 		cmocka_unit_test(null_takes_a_key_away),
+		cmocka_unit_test(all_settings_are_told_as_text),
+		cmocka_unit_test(a_long_value_is_cut_and_has_a_hash),
 		cmocka_unit_test(a_later_setting_wins),
 		cmocka_unit_test(a_wrong_setting_is_told_as_one),
 	};

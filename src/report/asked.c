@@ -1,0 +1,46 @@
+/* What run.json says was run: version, scene, store, trace, and the notes on them. So a folder explains itself later. */
+#include <stdlib.h>
+
+#include "base/json.h"
+#include "report/report.h"
+
+/* Adds a path that holds from any folder; null without one. As it was given, if the file is not there. */
+static void add_path(cJSON *object, const char *name, const char *path)
+{
+	char *whole = path != NULL ? realpath(path, NULL) : NULL;
+	if (path == NULL)
+		cJSON_AddNullToObject(object, name);
+	else
+		cJSON_AddStringToObject(object, name, whole != NULL ? whole : path);
+	free(whole);
+}
+
+static void add_note(void *user, const char *text)
+{
+	cJSON *notes = user;
+	cJSON *note = cJSON_CreateString(text);
+	if (!cJSON_AddItemToArray(notes, note))
+		cJSON_Delete(note);
+}
+
+void report_asked(cJSON *root, const struct report *report)
+{
+	const struct world *world = report->world;
+	const struct scene *scene = world->scene;
+	cJSON_AddStringToObject(root, "version", FURROW_VERSION);
+	cJSON *told = cJSON_AddObjectToObject(root, "scene");
+	cJSON_AddStringToObject(told, "file", scene->file);
+	cJSON_AddStringToObject(told, "hash", scene->hash);
+	cJSON *values = cJSON_AddObjectToObject(told, "values");
+	for (size_t i = 0; i < scene->value_count; i++)
+		cJSON_AddStringToObject(values, scene->values[i].key, scene->values[i].text);
+	cJSON *store = cJSON_AddObjectToObject(root, "store");
+	add_path(store, "file", world->path);
+	add_path(store, "base", store_base_path(world->store));
+	add_path(root, "trace", page_trace_path(world->trace));
+	cJSON *notes = cJSON_AddArrayToObject(root, "notes");
+	if (report->advised)
+		world_advise(world, add_note, notes);
+	else
+		scene_advise_units(scene, add_note, notes);
+}

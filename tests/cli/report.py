@@ -1,0 +1,556 @@
+"""furrow report: the page is one file, its figures are those of the folder, and what cannot be known is said."""
+import csv
+import json
+import math
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+import xml.etree.ElementTree
+
+sys.path.insert(0, str(pathlib.Path(__file__).parent))
+from furrow_test import FURROW, FurrowTest, main
+
+SCENE = """scene: 1
+time_step: 0.02
+end_time: 4
+spacing: 0.0625
+soil: {name: dry_sand}
+redistribute: {model: scm}
+store: flat.furrow
+objects:
+  - name: left
+    shape: {wheel: {radius: 0.25, width: 0.2}}
+    path: {points: [[3, 8], [10, 9], [11, 14]], speed: 2}
+    load: 900
+    slip: 0.2
+  - name: right
+    shape: {wheel: {radius: 0.25, width: 0.2}}
+    path: {points: [[3, 6.8], [10, 7.8], [12, 13]], speed: 2}
+    load: 1500
+    slip: 0.1
+output: {forces: 20, delay: 0}
+cache: {slots: 16}
+"""
+BOX = """scene: 1
+time_step: 0.05
+end_time: 2
+spacing: 0.125
+redistribute: {model: box}
+store: flat.furrow
+objects:
+  - {name: ball, shape: {sphere: {radius: 0.5}}, path: {points: [[4, 20], [20, 20]], speed: 4}, sink: 0.1}
+"""
+CAR = """scene: 1
+time_step: 0.002
+end_time: 1.5
+spacing: 0.125
+soil: {name: sandy_loam_15}
+redistribute: {model: scm}
+store: wide.furrow
+vehicles:
+  - name: car
+    model: %s
+    start: {at: [12, 12], yaw: 40}
+    soil: [wheel_*]
+    driver: {path: {points: [[12, 12], [24, 22]], speed: 3}, steer: [steer_*], drive: [drive_*]}
+output: {forces: 50, vehicles: 50}
+"""
+ALWAYS = ["run", "results", "map", "ways", "curves", "rut", "volume", "steps", "cache", "soils", "notes", "settings"]
+OFFROAD = pathlib.Path(__file__).resolve().parents[2] / "tools/scenes/vehicles/offroad.xml"
+
+
+class Page:
+    """A page, read as XML: it is written so that both kinds of reader take it."""
+
+    def __init__(self, path):
+        self.text = pathlib.Path(path).read_text(encoding="utf-8")
+        self.root = xml.etree.ElementTree.fromstring(self.text)
+
+    def sections(self):
+        return [section.get("id") for section in self.root.iter("section")]
+
+    def section(self, name):
+        found, = [section for section in self.root.iter("section") if section.get("id") == name]
+        return found
+
+    def sentences(self, name):
+        return ["".join(p.itertext()) for p in self.section(name).iter("p")]
+
+    def plots(self, name):
+        return {svg.find("title").text: Plot(svg) for svg in self.section(name).iter("svg") if svg.get("class") != "key"}
+
+    def rows(self, name):
+        """{first cell: the others}: numbers with all digits, else text."""
+        out = {}
+        for row in self.section(name).iter("tr"):
+            cells = [float(cell.find("data").get("value")) if cell.find("data") is not None else "".join(cell.itertext()) for cell in row]
+            out[cells[0]] = cells[1:]
+        return out
+
+
+class Plot:
+    """What a plot shows, in the units of its axes."""
+
+    def __init__(self, svg):
+        ticks = [[], []]
+        for text in svg.iter("text"):
+            try:
+                value = float(text.text)
+            except (TypeError, ValueError):
+                continue
+            axis = {"middle": 0, "end": 1}[text.get("text-anchor")]
+            ticks[axis].append((float(text.get("xy"[axis])) - (4 if axis else 0), value))
+        self.scale = []
+        for axis in range(2):
+            (a, low), (b, high) = min(ticks[axis], key=lambda t: t[1]), max(ticks[axis], key=lambda t: t[1])
+            self.scale.append((a, low, (high - low) / (b - a)))
+        self.curves, self.classes = [], []
+        for path in svg.iter("path"):
+            if "curve" in path.get("class"):
+                self.classes.append((path.get("class"), path.get("stroke-dasharray")))
+                self.curves.append([self.value(*map(float, point)) for point in re.findall(r"[ML]([-\d.]+) ([-\d.]+)", path.get("d"))])
+        self.dots = len(list(svg.iter("circle")))
+        self.names = [text.text for text in svg.iter("text")]
+
+    def value(self, x, y):
+        return tuple(low + (at - begin) * unit for at, (begin, low, unit) in zip((x, y), self.scale))
+
+    def grain(self, axis):
+        """The value of a tenth of a pixel, the plot's last digit."""
+        return abs(self.scale[axis][2]) * 0.16
+
+
+class Report(FurrowTest):
+    @classmethod
+    def setUpClass(cls):
+        """Drives of all tests; a test that changes one copies it."""
+        super().setUpClass()
+        cls.made = pathlib.Path(tempfile.mkdtemp(prefix="furrow-report-"))
+        cls.addClassCleanup(shutil.rmtree, cls.made, ignore_errors=True)
+        cls.call("synth", "-o", "flat.furrow", "--posts", "129x129", "--spacing", "0.25", "--kind", "plain", "--relief", "0.3")
+        (cls.made / "scene.yaml").write_text(SCENE)
+        (cls.made / "box.yaml").write_text(BOX)
+        cls.call("drive", "scene.yaml", "-o", "a", "--overlay", "a.furrow", "--trace", "a.trace")
+        cls.call("drive", "scene.yaml", "-o", "b", "--overlay", "b.furrow", "--set", "soil.name=sandy_loam_15", "--set", "objects.left.slip=0.4",
+                 "--set", "cache.slots=8")
+        cls.call("drive", "box.yaml", "-o", "box", "--overlay", "box.furrow")
+
+    @classmethod
+    def call(cls, *arguments):
+        result = subprocess.run([FURROW, *arguments], cwd=cls.made, capture_output=True, text=True, timeout=280)
+        if result.returncode == 4:
+            raise unittest.SkipTest("no GL here: " + result.stderr.strip())
+        if result.returncode != 0:
+            raise AssertionError(result.stderr)
+        return result.stdout
+
+    def copy(self, *names):
+        for name in names:
+            shutil.copytree(self.made / name, self.folder / name)
+
+    def report(self, *folders, cwd=None):
+        self.ok("report", *folders, "-o", self.folder / "page.html", cwd=cwd or self.made)
+        self.assertFalse(list(self.folder.glob("*.part")))
+        page = Page(self.folder / "page.html")
+        self.is_alone(page)
+        return page
+
+    def is_alone(self, page):
+        """Nothing in the page makes a reader fetch anything, or run anything."""
+        for node in page.root.iter():
+            self.assertIn(node.tag, ("html head meta title style body h1 h2 p section table thead tbody tr th td data div figure figcaption img svg path "
+                                     "text circle ul li details summary small sup br").split())
+            for name, value in node.attrib.items():
+                self.assertNotIn(name, ("href", "onload", "onclick", "style", "srcset", "action"))
+                if name == "src":
+                    self.assertTrue(value.startswith("data:image/png;base64,"))
+        self.assertNotIn("url(", page.text)
+        self.assertNotIn("@import", page.text)
+
+    def json_of(self, name):
+        return json.loads((self.made / name / "run.json").read_text())
+
+    def csv_of(self, folder, file="objects.csv"):
+        rows = {}
+        with open(self.made / folder / file, newline="") as lines:
+            for row in csv.DictReader(lines):
+                rows.setdefault(row["name"], []).append({key: float(value) if key not in ("name", "soil", "state") and value else value
+                                                         for key, value in row.items()})
+        return rows
+
+    # --- a drive of wheels ---
+
+    def test_the_figures_of_the_page_are_those_of_run_json(self):
+        page, run = self.report("a"), self.json_of("a")
+        self.assertEqual(page.sections(), ALWAYS)
+        told = page.rows("run")
+        self.assertEqual(told["steps"], [run["steps"]])
+        self.assertEqual(told["ended"], ["complete"])
+        self.assertEqual(told["scene"], ["scene.yaml"])
+        self.assertEqual(told["hash of the scene"], [run["scene"]["hash"]])
+        self.assertEqual(told["store"], [str((self.made / "a.furrow").resolve())])
+        self.assertEqual(told["of the base"], [str((self.made / "flat.furrow").resolve())])
+        self.assertEqual(told["GL renderer"], [run["gl"]["renderer"]])
+        self.assertEqual(told["furrow"], [self.ok("--version").split()[1]])
+        results = page.rows("results")
+        for name, object_ in run["objects"].items():
+            for label, key in (("distance, m", "distance"), ("sinkage, mm", "sinkage"), ("load, N", "load"), ("slip", "slip")):
+                self.assertEqual(results[f"{name}: {label}"], [object_[key]])
+        for label, value in (("wall clock, s", run["seconds"]), ("tiles touched", run["cache"]["touched"]), ("hits", run["cache"]["hits"]),
+                             ("commits", run["io"]["commits"]), ("memory at most, MB", run["memory"]["rss_peak"])):
+            self.assertEqual(results[label], [value])
+        volume = page.rows("volume")
+        for label, key in (("removed", "removed"), ("raised", "raised"), ("net (raised - removed)", "net"), ("compacted", "compacted")):
+            self.assertEqual(volume[label + ", m3"], [run["volume"][key]])
+        for key in ("removed", "raised", "net", "compacted"):
+            self.assertEqual(volume[key + ", quanta"], [run["volume"]["quanta"][key]])
+        self.assertEqual(volume["net + compacted, quanta"], [0])
+        steps = page.rows("steps")
+        self.assertEqual([steps[label][0] for label in steps if label], [run["step_ms"][key] for key in ("p50", "p95", "p99", "max")])
+        soils = page.rows("soils")
+        soil, = run["soils"]
+        for key, value in soil.items():
+            found = [cells for label, cells in soils.items() if label.split(",")[0] == key]
+            self.assertEqual(found, [] if key == "name" else [[value]], key)
+        self.assertIn("cohesion, Pa", soils)
+        self.assertEqual(page.sentences("notes"), [note + ("" if note.endswith(".") else ".") for note in run["notes"]] or ["None."])
+        settings = page.rows("settings")
+        self.assertEqual({key: cells[0] for key, cells in settings.items() if key != "setting"}, run["scene"]["values"])
+        self.assertEqual(settings["objects.left.path.points"], ["[[3, 8], [10, 9], [11, 14]]"])
+
+    def test_curves_are_the_rows_of_objects_csv(self):
+        plots, rows = self.report("a").plots("curves"), self.csv_of("a")
+        self.assertEqual(sorted(plots), sorted(f"{name} over {axis}" for axis in ("time", "the way")
+                                               for name in ("sinkage", "slip", "drawbar pull", "energy the soil took")))
+        for index, name in enumerate(("left", "right")):
+            mine, radius = rows[name], 0.25
+            way, energy, ways, energies, pulls = 0, 0, [0], [0], []
+            for a, b in zip(mine, mine[1:]):
+                step = math.hypot(b["x"] - a["x"], b["y"] - a["y"])
+                ahead = ((b["x"] - a["x"]) / step, (b["y"] - a["y"]) / step)
+                force = [(a[key] + b[key]) / 2 for key in ("fx", "fy", "fz")]
+                moment = [(a[key] + b[key]) / 2 for key in ("tx", "ty", "tz")]
+                pulls.append(b["fx"] * ahead[0] + b["fy"] * ahead[1])
+                energy -= force[0] * (b["x"] - a["x"]) + force[1] * (b["y"] - a["y"]) + force[2] * (b["z"] - a["z"])
+                energy -= (-moment[0] * ahead[1] + moment[1] * ahead[0]) * step / (radius * (1 - b["slip"]))
+                way += step
+                ways.append(way)
+                energies.append(energy / 1e3)
+            self.assertGreater(energies[-1], 0.5)
+            # Of the first row the force is its own, and the direction that to the second.
+            step = math.hypot(mine[1]["x"] - mine[0]["x"], mine[1]["y"] - mine[0]["y"])
+            first = (mine[0]["fx"] * (mine[1]["x"] - mine[0]["x"]) + mine[0]["fy"] * (mine[1]["y"] - mine[0]["y"])) / step
+            wanted = {"sinkage": [row["sinkage"] * 1e3 for row in mine], "slip": [row["slip"] for row in mine],
+                      "drawbar pull": [first] + pulls, "energy the soil took": energies}
+            for value, list_ in wanted.items():
+                for axis, across in (("time", [row["t"] for row in mine]), ("the way", ways)):
+                    plot = plots[f"{value} over {axis}"]
+                    # The first curve is drawn last, on top.
+                    curve = plot.curves[1 - index]
+                    self.assertAlmostEqual(curve[-1][0], across[-1], delta=plot.grain(0))
+                    self.assertAlmostEqual(curve[-1][1], list_[-1], delta=plot.grain(1))
+                    self.assertAlmostEqual(max(y for _, y in curve), max(list_), delta=plot.grain(1))
+                    self.assertAlmostEqual(min(y for _, y in curve), min(list_), delta=plot.grain(1))
+
+    def test_many_rows_make_a_small_page_that_has_the_extremes(self):
+        self.copy("a")
+        with open(self.folder / "a/objects.csv") as lines:
+            header = lines.readline()
+        with open(self.folder / "a/objects.csv", "w") as out:
+            out.write(header)
+            for i in range(100000):
+                sinkage = 0.9 if i == 61234 else -0.3 if i == 61235 else 0.05 + 0.01 * math.sin(i)
+                out.write(f"{i * 4e-5:.9g},left,{3 + i * 4e-5:.9g},8,0,{sinkage},1,0,900,0,0,0,0.2,0.1,900,dry_sand,touching,0\n")
+        page = self.report("a", cwd=self.folder)
+        plot = page.plots("curves")["sinkage over time"]
+        heights = [y for _, y in plot.curves[0]]
+        self.assertLess(len(heights), 1200)
+        self.assertAlmostEqual(max(heights), 900, delta=plot.grain(1))
+        self.assertAlmostEqual(min(heights), -300, delta=plot.grain(1))
+        self.assertLess(len(page.text) - os.path.getsize(self.folder / "a/map.png") * 4 / 3, 200000)
+
+    def test_the_rut_is_that_of_the_store(self):
+        page, run = self.report("a"), self.json_of("a")
+        sentence, = page.sentences("rut")
+        x, y, deep, high = map(float, re.search(r"way of left \(([\d.]+) m east, ([\d.]+) m north\): ([\d.]+) mm deep, rims ([\d.]+) mm", sentence).groups())
+        rows = self.csv_of("a")["left"]
+        half = sum(math.hypot(b["x"] - a["x"], b["y"] - a["y"]) for a, b in zip(rows, rows[1:])) / 2
+        # The middle lies on the first leg, from (3, 8) to (10, 9).
+        length = math.hypot(7, 1)
+        self.assertAlmostEqual(x, 3 + half * 7 / length, delta=0.02)
+        self.assertAlmostEqual(y, 8 + half * 1 / length, delta=0.02)
+        left = (-1 / length, 7 / length)
+        plot = page.plots("rut")["The ground across the way"]
+        asked = "".join(f"{x + across * left[0]} {y + across * left[1]}\n" for across, _ in plot.curves[0])
+        points = self.json("query", self.made / "a.furrow", stdin=asked)["points"]
+        for (across, change), point in zip(plot.curves[0], points):
+            self.assertAlmostEqual(change, point["offset"] * 1e3, delta=1.5, msg=across)
+        self.assertAlmostEqual(deep, -min(y for _, y in plot.curves[0]), delta=plot.grain(1) + 0.05)
+        self.assertAlmostEqual(high, max(y for _, y in plot.curves[0]), delta=plot.grain(1) + 0.05)
+        self.assertGreater(deep, 15)
+        # Both wheels' ruts are within it.
+        self.assertLess(min(y for x, y in plot.curves[0] if x < -0.9), -15)
+        self.assertGreater(run["volume"]["removed"], 0)
+
+    def test_the_histogram_has_every_step(self):
+        run = self.json_of("a")
+        edges, counts = run["step_ms"]["histogram"]["edges"], run["step_ms"]["histogram"]["counts"]
+        self.assertEqual(sum(counts), run["steps"])
+        self.assertEqual(len(edges), len(counts) + 1)
+        self.assertEqual(edges, sorted(set(edges)))
+        self.assertTrue(edges[-2] <= run["step_ms"]["max"] <= edges[-1])
+        plot = self.report("a").plots("steps")["Times of steps"]
+        self.assertIn("median", plot.names)
+        highest = max(y for _, y in plot.curves[0])
+        self.assertAlmostEqual(highest, 100 * max(counts) / sum(counts), delta=plot.grain(1))
+
+    def test_the_cache_curve_is_that_of_the_trace(self):
+        page = self.report("a")
+        got = self.json("cache-sim", "a.trace", "--policy", "lru,opt", cwd=self.made)
+        plot = page.plots("cache")["Misses over slots"]
+        self.assertEqual(plot.dots, 2 * len(got["slots"]))
+        self.assertIn("slots of this drive", plot.names)
+        for curve, policy in zip(plot.curves, ("opt", "lru")):
+            for (_, y), misses in zip(curve, got["policies"][policy]["misses"]):
+                self.assertAlmostEqual(y, misses, delta=plot.grain(1))
+        self.assertIn(f"{got['accesses']} accesses to {got['tiles']} tiles", page.sentences("cache")[0])
+
+    def test_the_map_is_within_the_page(self):
+        image, = self.report("a").section("map").iter("img")
+        import base64
+        self.assertEqual(base64.b64decode(image.get("src").split(",")[1]), (self.made / "a/map.png").read_bytes())
+
+    # --- what is not known is said, and not drawn ---
+
+    def without_plots(self, page, name, pattern):
+        self.assertEqual(page.plots(name), {})
+        self.assertRegex(" ".join(page.sentences(name)), pattern)
+
+    def test_a_model_without_forces_has_ways_and_a_rut(self):
+        page = self.report("box")
+        self.assertEqual(page.sections(), ALWAYS)
+        self.without_plots(page, "curves", r"^No curves: .*output\.forces")
+        self.without_plots(page, "cache", r"^No cache curve: .*--trace")
+        self.assertIn("No soil", page.sentences("soils")[0])
+        self.assertNotIn("net + compacted, quanta", page.rows("volume"))
+        way = page.plots("ways")["Ways, seen from above"]
+        curve = way.curves[-1]
+        self.assertAlmostEqual(curve[0][0], 4, delta=way.grain(0))
+        self.assertAlmostEqual(curve[-1][0], 12, delta=way.grain(0))
+        self.assertAlmostEqual(curve[-1][1], 20, delta=way.grain(1))
+        rut = page.plots("rut")["The ground across the way"]
+        self.assertAlmostEqual(min(y for _, y in rut.curves[0]), -100, delta=25)
+
+    def test_what_is_gone_is_said(self):
+        self.copy("a")
+        run = json.loads((self.folder / "a/run.json").read_text())
+        run["store"]["file"], run["trace"] = str(self.folder / "gone.furrow"), str(self.folder / "gone.trace")
+        (self.folder / "a/run.json").write_text(json.dumps(run))
+        (self.folder / "a/map.png").unlink()
+        (self.folder / "a/objects.csv").unlink()
+        page = self.report("a", cwd=self.folder)
+        self.without_plots(page, "rut", r"^No rut profile: .*gone\.furrow is not there any more\.$")
+        self.without_plots(page, "cache", r"^No cache curve: .*gone\.trace is not there any more\.$")
+        self.without_plots(page, "curves", "^No curves: ")
+        self.assertEqual(list(page.section("map").iter("img")), [])
+        self.assertRegex(page.sentences("map")[0], "^No map: ")
+
+    def test_a_store_or_a_trace_of_another_drive_is_not_taken(self):
+        self.copy("a")
+        shutil.copy(self.made / "a.furrow", self.folder)
+        shutil.copy(self.made / "flat.furrow", self.folder)
+        run = json.loads((self.folder / "a/run.json").read_text())
+        run["store"]["file"] = str(self.folder / "a.furrow")
+        (self.folder / "a/run.json").write_text(json.dumps(run))
+        self.assertEqual(len(self.report("a", cwd=self.folder).plots("rut")), 1)
+        run["cache"]["hits"] += 1
+        (self.folder / "a/run.json").write_text(json.dumps(run))
+        self.ok("reset", "a.furrow")
+        page = self.report("a", cwd=self.folder)
+        self.without_plots(page, "rut", "was changed after this drive")
+        self.without_plots(page, "cache", "trace of another drive")
+
+    def test_run_json_of_an_older_furrow(self):
+        self.copy("a")
+        run = json.loads((self.folder / "a/run.json").read_text())
+        for key in ("version", "scene", "store", "trace", "notes"):
+            del run[key]
+        del run["step_ms"]["histogram"]
+        for object_ in run["objects"].values():
+            del object_["way"]
+        (self.folder / "a/run.json").write_text(json.dumps(run))
+        page = self.report("a", cwd=self.folder)
+        self.assertEqual(page.sections(), ALWAYS)
+        self.without_plots(page, "rut", "does not tell which store")
+        self.without_plots(page, "steps", "No histogram")
+        self.assertIn("sinkage over time", page.plots("curves"))
+        # Of a wheel whose radius is not told, the energy is not known.
+        self.assertNotIn("energy the soil took over time", page.plots("curves"))
+        self.assertIn("No energy of 2 of these objects", " ".join(page.sentences("curves")))
+
+    # --- a vehicle ---
+
+    def test_a_vehicle(self):
+        self.call("synth", "-o", "wide.furrow", "--posts", "129x129", "--spacing", "0.25", "--kind", "plain", "--relief", "0.2", "--overwrite")
+        self.scene(CAR % OFFROAD)
+        result = self.furrow("drive", self.folder / "scene.yaml", "-o", "car", "--store", "wide.furrow", "--overlay", "car.furrow", cwd=self.made)
+        if "no MuJoCo" in result.stderr:
+            self.skipTest(result.stderr.strip())
+        self.assertEqual(result.returncode, 0, result.stderr)
+        page, run, rows = self.report("car"), self.json_of("car"), self.csv_of("car", "vehicles.csv")["car"]
+        self.assertEqual(page.sections(), ALWAYS[:5] + ["vehicles"] + ALWAYS[5:])
+        results = page.rows("results")
+        for label, key in (("mass, kg", "mass"), ("distance, m", "distance"), ("work, J", "work"), ("kinetic energy, J", "kinetic")):
+            self.assertEqual(results["car: " + label], [run["vehicles"]["car"][key]])
+        plots = page.plots("vehicles")
+        wanted = {"speed": math.hypot(*(rows[-1][key] for key in ("vx", "vy", "vz"))), "work of the actuators": rows[-1]["work"] / 1e3,
+                  "kinetic energy": rows[-1]["kinetic"] / 1e3}
+        for name, value in wanted.items():
+            for axis in ("time", "the way"):
+                plot = plots[f"{name} over {axis}"]
+                self.assertAlmostEqual(plot.curves[0][-1][1], value, delta=plot.grain(1))
+        self.assertAlmostEqual(plots["speed over the way"].curves[0][-1][0], run["vehicles"]["car"]["distance"], delta=0.1)
+        curves = page.plots("curves")
+        self.assertEqual(len(curves["sinkage over time"].curves), 4)
+        self.assertTrue(all(-1.001 <= y <= 1.001 for curve in curves["slip over time"].curves for _, y in curve))
+        self.assertIn("No energy of 4 of these objects", " ".join(page.sentences("curves")))
+        self.assertIn("The ground across the way", page.plots("rut"))
+
+    # --- several folders ---
+
+    def test_drives_beside_each_other(self):
+        page, runs = self.report("a", "b", "box"), [self.json_of(name) for name in ("a", "b", "box")]
+        self.assertEqual(page.sections(), ["run", "differences"] + ALWAYS[1:])
+        self.assertEqual(page.rows("run")["steps"], [run["steps"] for run in runs])
+        self.assertEqual(page.rows("results")["left: sinkage, mm"], [runs[0]["objects"]["left"]["sinkage"], runs[1]["objects"]["left"]["sinkage"], "\u2013"])
+        self.assertEqual(page.rows("volume")["removed, m3"], [run["volume"]["removed"] for run in runs])
+        curves = page.plots("curves")["drawbar pull over time"]
+        self.assertEqual(len(curves.curves), 4)
+        self.assertEqual(len(set(curves.classes)), 4)
+        legend = ["".join(item.itertext()).strip() for item in page.section("curves").iter("li")]
+        self.assertEqual(legend, ["a: left", "a: right", "b: left", "b: right"])
+        self.assertIn("box: No rows of objects.csv.", page.sentences("curves"))
+        self.assertEqual(len(page.plots("rut")["The ground across the way"].curves), 3)
+        self.assertEqual(len(list(page.section("map").iter("img"))), 3)
+        heads = [th.text for th in page.section("soils").iter("th") if th.text and th.get("scope") == "col"]
+        self.assertEqual(heads, ["number", "dry_sand", "sandy_loam_15"])
+        page = self.report("a", "b")
+        self.assertEqual(page.rows("differences"), {"setting": ["a", "b"], "soil.name": ["dry_sand", "sandy_loam_15"],
+                                                    "objects.left.slip": ["0.2", "0.4"], "cache.slots": ["16", "8"]})
+        self.copy("a")
+        page = self.report("a", self.folder / "a")
+        self.assertEqual(page.sentences("differences"), ["No setting differs."])
+
+    # --- a drive that was gone on with ---
+
+    def test_a_resumed_drive_is_whole(self):
+        self.call("drive", "scene.yaml", "-o", "parts", "--overlay", "parts.furrow", "--steps", "70")
+        page = self.report("parts")
+        self.assertEqual(page.rows("run")["steps"], [70])
+        self.assertIn("The ground across the way", page.plots("rut"))
+        shutil.copytree(self.made / "parts", self.folder / "before")
+        self.call("drive", "scene.yaml", "-o", "parts", "--overlay", "parts.furrow", "--resume")
+        page, whole = self.report("parts"), self.report("a")
+        self.assertEqual(page.rows("run")["went on from step"], [70])
+        self.assertNotIn("went on from step", whole.rows("run"))
+        self.assertIn("--resume", " ".join(page.sentences("notes")))
+        for name in ("curves", "rut"):
+            self.assertEqual({title: plot.curves for title, plot in page.plots(name).items()},
+                             {title: plot.curves for title, plot in whole.plots(name).items()})
+        self.assertEqual(page.rows("volume"), {**whole.rows("volume"), "": ["parts"]})
+        # The store has gone on since, so it does not show what the first part left.
+        self.without_plots(self.report("before", cwd=self.folder), "rut", "was changed after this drive")
+
+    # --- what is not trusted ---
+
+    def test_names_are_text(self):
+        evil = "a<script>alert('1')</script>&amp;\"'"
+        shutil.copytree(self.made / "a", self.folder / evil.replace("/", "_"))
+        folder = evil.replace("/", "_")
+        path = self.folder / folder / "run.json"
+        run = json.loads(path.read_text())
+        run["scene"]["file"] = "</td><img src=x onerror=alert(1)>\u0001\u0085\ufffe"
+        run["scene"]["values"] = {"</th><b>": "<i>", "x" * 5000: "y" * 100000}
+        run["notes"] = ["</p><script src='https://example.org/x.js'></script>", 3, None]
+        run["gl"]["renderer"] = "]]>&#0;<!--"
+        run["soils"][0]["name"] = "<b>"
+        run["soils"][0]["<i>"] = "<u>"
+        run["objects"] = {"<b>": run["objects"]["left"], "left": 3, "way": {"way": [[1, 2], ["x", 3]]}, "none": {"way": [[]]}}
+        path.write_text(json.dumps(run))
+        raw = path.read_bytes().replace(b"]]>&#0;", b"]]>&#0;\xff\xc0\xaf\xed\xa0\x80\xf4\x90\x80\x80\xe2\x82")
+        path.write_bytes(raw)
+        page = self.report(folder, cwd=self.folder)
+        self.assertEqual(page.root.find("body/h1").text, folder)
+        self.assertIn("<script src='https://example.org/x.js'></script>", page.sentences("notes")[0])
+        self.assertEqual(page.rows("settings")["</th><b>"], ["<i>"])
+        self.assertRegex(page.rows("run")["GL renderer"][0], r"^\]\]>&#0;\?+<!--$")
+
+    def test_numbers_are_checked(self):
+        self.copy("a")
+        path = self.folder / "a/run.json"
+        text = path.read_text()
+        for old, new in (('"seconds":', '"seconds": 1e999, "was":'), ('"edges":', '"edges": [3, 2], "was":'), ('"counts":', '"counts": [-1], "was":'),
+                         ('"volume":', '"volume": [1, {"quanta": 3}], "was":'), ('"cache":', '"cache": "none", "was":'), ('"soils":', '"soils": {"a": [1]}, "was":'),
+                         ('"spacing":', '"spacing": -1, "was":'), ('"spacing":', '"spacing": 1e-300, "was":'), ('"values":', '"values": [[1]], "was":'),
+                         ('"edges":', '"edges": [1e-320, 1e308], "was":'), ('"objects":', '"objects": [1, [2]], "was":'), ('"step_ms":', '"step_ms": {"p50": {}}, "was":'),
+                         ('"way":', '"way": [[1e308, 1e308], [-1e308, -1e308]], "was":'), ('"scene":', '"scene": 7, "was":')):
+            self.assertIn(old, text)
+            path.write_text(text.replace(old, new, 1))
+            page = self.report("a", cwd=self.folder)
+            self.assertNotIn("nan", re.sub(r"data:image/png;base64,[^\"]*", "", page.text).replace("Adhesion", ""), new)
+            self.assertNotRegex(page.text, r"\d inf|[ML]inf")
+
+    def test_rows_that_are_none_are_told_with_their_line(self):
+        self.copy("a")
+        path = self.folder / "a/objects.csv"
+        lines = path.read_text().splitlines(keepends=True)
+        for name, changed, line in (("cells", lines[:3] + ["1,2,3\n"] + lines[3:], 4), ("number", lines[:2] + [re.sub(r"^((?:[^,]*,){5})", r"\1x", lines[2])] + lines[3:], 3),
+                                    ("back", lines + [lines[1]], len(lines) + 1), ("columns", ["t,name,x,y\n"] + lines[1:], 1),
+                                    ("zero", lines[:2] + ["0,le\0ft\n"] + lines[2:], 3)):
+            path.write_text("".join(changed))
+            error = self.refused(3, "report", "a", "-o", "page.html")
+            self.assertIn(f"a/objects.csv:{line}: ", error, name)
+            self.assertFalse((self.folder / "page.html").exists())
+        # A line that a kill has torn is none.
+        path.write_text("".join(lines) + "4.05,lef")
+        self.assertEqual(self.report("a", cwd=self.folder).plots("curves").keys(), self.report("a").plots("curves").keys())
+        path.write_text(lines[0])
+        self.without_plots(self.report("a", cwd=self.folder), "curves", "^No curves: ")
+        # A pipe that nobody writes to is not waited for.
+        path.unlink()
+        os.mkfifo(path)
+        self.without_plots(self.report("a", cwd=self.folder), "curves", "^No curves: ")
+
+    def test_what_is_no_drive_is_refused_and_nothing_is_left(self):
+        self.copy("a")
+        (self.folder / "empty").mkdir()
+        for name, text in (("torn", '{"ended": "complete", '), ("list", "[]"), ("other", '{"steps": 3}'), ("nothing", ""), ("deep", "[" * 100000)):
+            (self.folder / name).mkdir()
+            (self.folder / name / "run.json").write_text(text)
+        self.assertIn("empty: there is no run.json in it; give a folder that furrow drive left", self.refused(3, "report", "empty", "-o", "page.html"))
+        for name in ("torn", "list", "other", "nothing", "deep"):
+            self.assertIn(f"{name}/run.json: is no run.json of a drive", self.refused(3, "report", "a", name, "-o", "page.html"))
+        self.refused(3, "report", "absent", "-o", "page.html")
+        self.refused(2, "report", "a")
+        self.refused(2, "report", "-o", "page.html")
+        self.refused(2, "report", "a", "a", "-o", "page.html")
+        self.refused(2, "report", "a", "-o", "empty")
+        self.assertIn("at most 8", self.refused(2, "report", *"123456789", "-o", "page.html"))
+        self.refused(1, "report", "a", "-o", "absent/page.html")
+        self.assertEqual([path.name for path in self.folder.iterdir() if "page" in path.name], [])
+        (self.folder / "page.html").write_text("old")
+        self.refused(3, "report", "torn", "-o", "page.html")
+        self.assertEqual((self.folder / "page.html").read_text(), "old")
+        self.assertEqual(self.ok("report", "a", "-o", "page.html"), "page.html: 1 drive\n")
+        for damage in (b"", b"GIF89a", (self.folder / "a/map.png").read_bytes()[:20], b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR" + b"\0" * 8):
+            (self.folder / "a/map.png").write_bytes(damage)
+            self.assertEqual(self.report("a", cwd=self.folder).sentences("map"), ["No map: map.png is no PNG."])
+
+
+if __name__ == "__main__":
+    main()

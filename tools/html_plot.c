@@ -1,0 +1,278 @@
+/*
+ * A plot has 520 x 320 units and no size of its own: the page stretches it. Of a line with more points than pixels it draws the least
+ * and the largest value of each pixel across, so a page stays small whatever the drive's length.
+ */
+#include "html_plot.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "svg.h"
+
+enum { WIDTH = 520, HEIGHT = 320, LEFT = 64, RIGHT = 12, TOP = 30, BOTTOM = 46, ACROSS = WIDTH - LEFT - RIGHT, DOWN = HEIGHT - TOP - BOTTOM };
+enum { WAY_POINTS = 3000 };
+
+static const char *const dashes[HTML_DASHES] = {"", "7 4", "2 3", "10 3 2 3"};
+
+struct axes {
+	const struct html_plot *plot;
+	double low[2], high[2], step[2]; /* across: log10 of it, if it is logarithmic */
+	double left, top, wide, tall;    /* of the area, pixels */
+};
+
+static double scale_x(const struct html_plot *plot, double x)
+{
+	return plot->logarithmic ? log10(x) : x;
+}
+
+static bool is_drawn(const struct html_plot *plot, const struct html_line *line, size_t i)
+{
+	return isfinite(line->x[i]) && isfinite(line->y[i]) && (!plot->logarithmic || line->x[i] > 0);
+}
+
+bool html_line_any(const struct html_line *line)
+{
+	for (size_t i = 0; i < line->count; i++)
+		if (isfinite(line->x[i]) && isfinite(line->y[i]))
+			return true;
+	return false;
+}
+
+static void widen(double value, double *low, double *high)
+{
+	*low = fmin(*low, value);
+	*high = fmax(*high, value);
+}
+
+static double held(double value, double low, double high)
+{
+	return fmin(fmax(value, low), high);
+}
+
+/* One scale for both axes: the shorter side of the area shrinks. */
+static void one_scale(struct axes *axes)
+{
+	const double wide = axes->high[0] - axes->low[0], tall = axes->high[1] - axes->low[1];
+	const double scale = fmin(axes->wide / wide, axes->tall / tall);
+	axes->left += (axes->wide - scale * wide) / 2;
+	axes->wide = scale * wide;
+	axes->tall = scale * tall;
+}
+
+static void find_axes(struct axes *axes)
+{
+	const struct html_plot *plot = axes->plot;
+	double *low = axes->low, *high = axes->high;
+	low[0] = low[1] = INFINITY;
+	high[0] = high[1] = -INFINITY;
+	for (size_t k = 0; k < plot->count; k++)
+		for (size_t i = 0; i < plot->lines[k].count; i++)
+			if (is_drawn(plot, &plot->lines[k], i)) {
+				widen(scale_x(plot, plot->lines[k].x[i]), &low[0], &high[0]);
+				widen(plot->lines[k].y[i], &low[1], &high[1]);
+			}
+	if (isfinite(plot->upright) && (!plot->logarithmic || plot->upright > 0))
+		widen(scale_x(plot, plot->upright), &low[0], &high[0]);
+	if (plot->low < plot->high) {
+		low[1] = held(low[1], plot->low, plot->high);
+		high[1] = held(high[1], plot->low, plot->high);
+	}
+	if (plot->zero)
+		widen(0, &low[1], &high[1]);
+	if (plot->map) { /* a square at least a metre wide, so that a straight way has an area */
+		const double side = fmax(fmax(high[0] - low[0], high[1] - low[1]) * 0.25, 1);
+		for (int k = 0; k < 2; k++) {
+			const double more = fmax(side - (high[k] - low[k]), 0) / 2;
+			low[k] -= more;
+			high[k] += more;
+		}
+	}
+	svg_axis(&low[1], &high[1], &axes->step[1]);
+	if (!plot->logarithmic)
+		svg_axis(&low[0], &high[0], &axes->step[0]);
+	else if (high[0] - low[0] < 0.1)
+		widen(low[0] + 0.1, &low[0], &high[0]);
+	if (plot->map)
+		one_scale(axes);
+}
+
+static double place_x(const struct axes *axes, double x)
+{
+	return axes->left + axes->wide * (scale_x(axes->plot, x) - axes->low[0]) / (axes->high[0] - axes->low[0]);
+}
+
+static double place_y(const struct axes *axes, double y)
+{
+	return axes->top + axes->tall * (axes->high[1] - held(y, axes->low[1], axes->high[1])) / (axes->high[1] - axes->low[1]);
+}
+
+/* --- axes --- */
+
+static void tick(const struct axes *axes, int axis, double place, double value, FILE *file)
+{
+	const double bottom = axes->top + axes->tall;
+	fprintf(file, "<path class=\"%s\" d=\"M%.1f %.1f%c%.1f\"/>", value == 0 ? "zero" : "grid", axis == 0 ? place : axes->left,
+		axis == 0 ? axes->top : place, axis == 0 ? 'v' : 'h', axis == 0 ? axes->tall : axes->wide);
+	if (axis == 0)
+		fprintf(file, "<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"middle\">%g</text>\n", place, bottom + 16, value);
+	else
+		fprintf(file, "<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"end\">%g</text>\n", axes->left - 6, place + 4, value);
+}
+
+static void logarithmic_ticks(const struct axes *axes, FILE *file)
+{
+	const double wide = axes->high[0] - axes->low[0], every = fmax(ceil(wide / 8), 1);
+	for (double power = floor(axes->low[0]); power <= axes->high[0]; power += every)
+		for (int i = 1; i < 10; i++) {
+			const double at = power + log10(i);
+			if (at < axes->low[0] - 1e-9 || at > axes->high[0] + 1e-9 || (i > 1 && wide > 3) || (i != 1 && i != 2 && i != 5 && wide > 0.8))
+				continue;
+			tick(axes, 0, axes->left + axes->wide * (at - axes->low[0]) / wide, i * pow(10, power), file);
+		}
+}
+
+static void write_axes(const struct axes *axes, FILE *file)
+{
+	const struct html_plot *plot = axes->plot;
+	for (int k = plot->logarithmic ? 1 : 0; k < 2; k++) {
+		const int steps = (int)lround((axes->high[k] - axes->low[k]) / axes->step[k]);
+		const int every = k == 0 && axes->wide < 30.0 * steps ? 2 : 1; /* numbers stay apart */
+		for (int i = 0; i <= steps; i += every) {
+			const double value = axes->low[k] + i * axes->step[k], shown = fabs(value) < axes->step[k] * 1e-6 ? 0 : value;
+			tick(axes, k, k == 0 ? place_x(axes, value) : place_y(axes, value), shown, file);
+		}
+	}
+	if (plot->logarithmic)
+		logarithmic_ticks(axes, file);
+	fprintf(file, "<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"middle\">", axes->left + axes->wide / 2, axes->top + axes->tall + 34);
+	svg_text(plot->across, file);
+	fprintf(file, "</text><text class=\"name\" x=\"%.1f\" y=\"%d\">", fmin(axes->left, LEFT) - 6, TOP - 12);
+	svg_text(plot->up, file);
+	fputs("</text>\n", file);
+}
+
+/* --- lines --- */
+
+static void point(const struct axes *axes, double x, double y, bool *down, FILE *file)
+{
+	fprintf(file, "%c%.1f %.1f", *down ? 'L' : 'M', place_x(axes, x), place_y(axes, y));
+	*down = true;
+}
+
+/* Points of one pixel across: the least and the largest, in their order. `from` to `to`: indices; to is not in. */
+static void pixel(const struct axes *axes, const struct html_line *line, size_t from, size_t to, bool *down, FILE *file)
+{
+	size_t least = from, most = from;
+	for (size_t i = from; i < to; i++) {
+		least = line->y[i] < line->y[least] ? i : least;
+		most = line->y[i] > line->y[most] ? i : most;
+	}
+	const size_t first = least < most ? least : most, second = least < most ? most : least;
+	point(axes, line->x[first], line->y[first], down, file);
+	if (second != first)
+		point(axes, line->x[second], line->y[second], down, file);
+}
+
+static void write_over(const struct axes *axes, const struct html_line *line, FILE *file)
+{
+	bool down = false;
+	for (size_t i = 0, to; i < line->count; i = to) {
+		to = i + 1;
+		if (!is_drawn(axes->plot, line, i)) {
+			down = false;
+			continue;
+		}
+		const double column = floor(place_x(axes, line->x[i]));
+		while (to < line->count && is_drawn(axes->plot, line, to) && floor(place_x(axes, line->x[to])) == column)
+			to++;
+		pixel(axes, line, i, to, &down, file);
+	}
+}
+
+/* Points that are at least `apart` pixels from the last one. Without a file: counts them. */
+static size_t write_way(const struct axes *axes, const struct html_line *line, double apart, FILE *file)
+{
+	size_t count = 0, last = 0;
+	bool down = false;
+	for (size_t i = 0; i < line->count; i++) {
+		if (!is_drawn(axes->plot, line, i)) {
+			down = false;
+			count++; /* the line begins again */
+			continue;
+		}
+		const double x = place_x(axes, line->x[i]), y = place_y(axes, line->y[i]);
+		if (down && i + 1 < line->count && hypot(x - place_x(axes, line->x[last]), y - place_y(axes, line->y[last])) < apart)
+			continue;
+		if (file != NULL)
+			point(axes, line->x[i], line->y[i], &down, file);
+		down = true;
+		last = i;
+		count++;
+	}
+	return count;
+}
+
+static void write_steps(const struct axes *axes, const struct html_line *line, bool closed, FILE *file)
+{
+	bool down = false;
+	if (closed)
+		point(axes, line->x[0], 0, &down, file);
+	for (size_t i = 0; i + 1 < line->count; i++) {
+		point(axes, line->x[i], line->y[i], &down, file);
+		point(axes, line->x[i + 1], line->y[i], &down, file);
+	}
+	if (closed)
+		point(axes, line->x[line->count - 1], 0, &down, file);
+}
+
+static void write_line(const struct axes *axes, const struct html_line *line, FILE *file)
+{
+	const int colour = (int)(line->colour % HTML_COLOURS);
+	if (line->steps) {
+		fprintf(file, "<path class=\"area f%d\" d=\"", colour);
+		write_steps(axes, line, true, file);
+		fputs("Z\"/>\n", file);
+	}
+	fprintf(file, "<path class=\"curve s%d\" stroke-dasharray=\"%s\" d=\"", colour, dashes[line->dash % HTML_DASHES]);
+	if (line->steps) {
+		write_steps(axes, line, false, file);
+	} else if (axes->plot->map) {
+		double apart = 0.7;
+		while (write_way(axes, line, apart, NULL) > WAY_POINTS && apart < WIDTH)
+			apart *= 1.5;
+		write_way(axes, line, apart, file);
+	} else {
+		write_over(axes, line, file);
+	}
+	fputs("\"/>\n", file);
+	for (size_t i = 0; line->dots && i < line->count; i++)
+		if (is_drawn(axes->plot, line, i))
+			fprintf(file, "<circle class=\"f%d\" cx=\"%.1f\" cy=\"%.1f\" r=\"2.5\"/>", colour, place_x(axes, line->x[i]), place_y(axes, line->y[i]));
+}
+
+static void write_upright(const struct axes *axes, FILE *file)
+{
+	const struct html_plot *plot = axes->plot;
+	if (!isfinite(plot->upright) || (plot->logarithmic && !(plot->upright > 0)))
+		return;
+	const double x = place_x(axes, plot->upright);
+	const bool left = x > axes->left + axes->wide / 2;
+	fprintf(file, "<path class=\"mark\" d=\"M%.1f %.1fv%.1f\"/><text x=\"%.1f\" y=\"%.1f\" text-anchor=\"%s\">", x, axes->top, axes->tall,
+		x + (left ? -5 : 5), axes->top + 13, left ? "end" : "start");
+	svg_text(plot->told, file);
+	fputs("</text>\n", file);
+}
+
+void html_plot_write(const struct html_plot *plot, FILE *file)
+{
+	struct axes axes = {.plot = plot, .left = LEFT, .top = TOP, .wide = ACROSS, .tall = DOWN};
+	find_axes(&axes);
+	fprintf(file, "<svg role=\"img\" viewBox=\"0 0 %d %.0f\"><title>", WIDTH, TOP + axes.tall + BOTTOM);
+	svg_text(plot->title, file);
+	fputs("</title>\n", file);
+	write_axes(&axes, file);
+	for (size_t i = plot->count; i-- > 0;) /* the first lies on top */
+		write_line(&axes, &plot->lines[i], file);
+	write_upright(&axes, file);
+	fputs("</svg>\n", file);
+}

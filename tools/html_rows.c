@@ -1,0 +1,333 @@
+/*
+ * Reads objects.csv and vehicles.csv into curves. Each row gives the way since the first one, and what the soil took:
+ *
+ *     drawbar = F . d          d: the direction of the way in plan
+ *     energy += -(F . dp + (M . a) ds / (r (1 - slip)))      the second term of a wheel alone; a: its axle, to the left of d
+ *
+ * F, M: the soil's force and moment on the object, means of two rows; dp, ds: how far it went between them, in space and in plan.
+ */
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "command.h"
+#include "html_run.h"
+
+#define CELLS_MOST 2048
+#define BODIES_MOST 4096
+#define ROWS_MOST 20000000 /* in a file: about 2 GB */
+#define SLIP_MOST 0.99     /* above it a wheel turns almost in place, and what it took is not known from its way */
+
+struct html_row {
+	double time, place[3], force[3], moment[3], sinkage, slip, direction[2];
+	double values[HTML_VALUES]; /* of a vehicle */
+	double radius;              /* of a wheel; 0: it does not turn; NaN: not known how it turns */
+	bool moved;                 /* direction is known */
+};
+
+/* How a column is read: where its number goes within a row. */
+struct column {
+	const char *name;
+	size_t offset;
+	int cell; /* -1: the file has none */
+};
+#define PLACE(member) offsetof(struct html_row, member)
+
+struct table {
+	struct html_run *run;
+	struct html_bodies *bodies;
+	const char *path;
+	struct column *columns;
+	size_t count;     /* of columns */
+	size_t cells;     /* of a line */
+	bool vehicles;
+	uint64_t line, rows;
+};
+
+static size_t cut(char *line, char **cells)
+{
+	size_t count = 0;
+	line[strcspn(line, "\r\n")] = '\0';
+	for (char *at = line; at != NULL && count < CELLS_MOST;) {
+		cells[count++] = at;
+		at = strchr(at, ',');
+		if (at != NULL)
+			*at++ = '\0';
+	}
+	return count;
+}
+
+static enum status wrong(const struct table *table, const char *why)
+{
+	return fail_with(STATUS_INPUT, "%s:%llu: %s; give a folder that furrow drive left, or remove the file", table->path,
+			 (unsigned long long)table->line, why);
+}
+
+static enum status find_columns(struct table *table, char **cells, size_t count)
+{
+	table->cells = count;
+	if (count < 2 || strcmp(cells[0], "t") != 0 || strcmp(cells[1], "name") != 0)
+		return wrong(table, "does not begin with the columns t and name");
+	for (size_t k = 0; k < table->count; k++) {
+		table->columns[k].cell = -1;
+		for (size_t i = 0; i < count && table->columns[k].cell < 0; i++)
+			if (strcmp(cells[i], table->columns[k].name) == 0)
+				table->columns[k].cell = (int)i;
+		if (table->columns[k].cell < 0)
+			return wrong(table, "lacks a column that such a file has");
+	}
+	return STATUS_OK;
+}
+
+/* NaN, as of slip in the air, is a gap. */
+static bool take_number(const char *text, double *value)
+{
+	char *end;
+	*value = strtod(text, &end);
+	if (end == text || *end != '\0')
+		return false;
+	if (!isfinite(*value))
+		*value = (double)NAN;
+	return true;
+}
+
+/* Of a wheel its radius. Of what does not turn by itself 0. Of a belt, and where nothing is told: NaN. */
+static double radius_of(const struct html_run *run, const char *name)
+{
+	char prefix[256], key[300];
+	double radius;
+	const cJSON *value;
+	const int length = snprintf(prefix, sizeof prefix, "objects.%s.shape.", name);
+	if (length < 0 || (size_t)length >= sizeof prefix)
+		return (double)NAN;
+	snprintf(key, sizeof key, "%swheel.radius", prefix);
+	const char *wheel = html_setting(run, key);
+	if (wheel != NULL)
+		return parse_number(wheel, &radius) && radius > 0 ? radius : (double)NAN;
+	bool shaped = false;
+	cJSON_ArrayForEach(value, html_members(run, "scene.values")) {
+		if (value->string == NULL || strncmp(value->string, prefix, (size_t)length) != 0)
+			continue;
+		shaped = true;
+		if (strstr(value->string + length, "belt") != NULL || strstr(value->string + length, "wheel") != NULL)
+			return (double)NAN;
+	}
+	return shaped ? 0 : (double)NAN;
+}
+
+static struct html_body *body_named(struct table *table, const char *name)
+{
+	struct html_bodies *bodies = table->bodies;
+	for (size_t i = 0; i < bodies->count; i++) /* rows come in the same order each time */
+		if (strcmp(bodies->list[(i + table->rows) % bodies->count].name, name) == 0)
+			return &bodies->list[(i + table->rows) % bodies->count];
+	if (bodies->count == BODIES_MOST)
+		return NULL;
+	struct html_body *body = html_bodies_add(bodies, name);
+	if (body == NULL || (body->last = mem_calloc(1, sizeof *body->last)) == NULL)
+		return NULL;
+	body->last->radius = table->vehicles ? (double)NAN : radius_of(table->run, name);
+	return body;
+}
+
+static bool grow(double **list, size_t room)
+{
+	double *grown = mem_realloc(*list, room, sizeof *grown);
+	if (grown != NULL)
+		*list = grown;
+	return grown != NULL;
+}
+
+enum status html_body_room(struct html_body *body)
+{
+	if (body->count < body->room)
+		return STATUS_OK;
+	const size_t room = body->room == 0 ? 256 : body->room * 2;
+	bool whole = grow(&body->time, room) && grow(&body->way, room) && grow(&body->x, room) && grow(&body->y, room);
+	for (int k = 0; k < HTML_VALUES; k++)
+		whole = whole && grow(&body->values[k], room);
+	if (!whole)
+		return fail_memory("the rows of a drive");
+	body->room = room;
+	return STATUS_OK;
+}
+
+static double dot(const double a[3], const double b[3])
+{
+	return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/* What the soil took between two rows, J. NaN: not known. */
+static double taken(const struct html_row *a, const struct html_row *b, double went)
+{
+	double way[3], force[3], moment[3], turned = 0;
+	for (int k = 0; k < 3; k++) {
+		way[k] = b->place[k] - a->place[k];
+		force[k] = (a->force[k] + b->force[k]) / 2;
+		moment[k] = (a->moment[k] + b->moment[k]) / 2;
+	}
+	const double slip = (a->slip + b->slip) / 2, axle[3] = {-b->direction[1], b->direction[0], 0};
+	if (isnan(a->radius) || (a->radius > 0 && !(slip < SLIP_MOST)))
+		return (double)NAN;
+	if (a->radius > 0)
+		turned = went / (a->radius * (1 - slip));
+	return -(dot(force, way) + dot(moment, axle) * turned);
+}
+
+static void take_object(struct html_body *body, struct html_row *row, double went)
+{
+	const struct html_row *last = body->last;
+	const size_t at = body->count;
+	double *const *values = body->values;
+	const bool first = at == 0;
+	values[HTML_SINKAGE][at] = row->sinkage * 1e3;
+	values[HTML_SLIP][at] = row->slip;
+	values[HTML_DRAWBAR][at] = row->moved ? row->force[0] * row->direction[0] + row->force[1] * row->direction[1] : (double)NAN;
+	values[HTML_ENERGY][at] = first ? (isnan(row->radius) ? (double)NAN : 0) : values[HTML_ENERGY][at - 1] + taken(last, row, went) / 1e3;
+	if (row->moved && at == 1) /* the first row looks along the way to the second */
+		values[HTML_DRAWBAR][0] = last->force[0] * row->direction[0] + last->force[1] * row->direction[1];
+}
+
+static enum status take_row(struct table *table, const char *name, struct html_row *row)
+{
+	struct html_body *body = body_named(table, name);
+	if (body == NULL)
+		return table->bodies->count == BODIES_MOST ? wrong(table, "has too many names") : fail_memory("the rows of a drive");
+	const struct html_row *last = body->last;
+	if (body->count > 0 && row->time < last->time)
+		return wrong(table, "goes back in time");
+	enum status status = html_body_room(body);
+	if (status != STATUS_OK)
+		return status;
+	double went = 0;
+	row->radius = last->radius;
+	if (body->count > 0) {
+		const double way[2] = {row->place[0] - last->place[0], row->place[1] - last->place[1]};
+		went = hypot(way[0], way[1]);
+		row->moved = last->moved || went > 0;
+		for (int k = 0; k < 2; k++)
+			row->direction[k] = went > 0 ? way[k] / went : last->direction[k];
+	}
+	const size_t at = body->count;
+	body->time[at] = row->time;
+	body->way[at] = at > 0 ? body->way[at - 1] + went : 0;
+	body->x[at] = row->place[0];
+	body->y[at] = row->place[1];
+	if (table->vehicles)
+		for (int k = 0; k < HTML_VALUES; k++)
+			body->values[k][at] = row->values[k];
+	else
+		take_object(body, row, went);
+	body->count++;
+	*body->last = *row;
+	return STATUS_OK;
+}
+
+static enum status take_line(struct table *table, char **cells, size_t count)
+{
+	struct html_row row = {.moved = false};
+	if (count != table->cells)
+		return wrong(table, "has not as many columns as the first line");
+	if (++table->rows > ROWS_MOST)
+		return wrong(table, "is behind the 20 million rows that a report reads");
+	for (size_t k = 0; k < table->count; k++) {
+		double *number = (double *)((char *)&row + table->columns[k].offset);
+		if (!take_number(cells[table->columns[k].cell], number))
+			return wrong(table, "has a cell that is no number");
+	}
+	if (isnan(row.time) || isnan(row.place[0]) || isnan(row.place[1]) || isnan(row.place[2]))
+		return wrong(table, "does not tell when or where it is");
+	if (table->vehicles) {
+		row.values[HTML_SPEED] = sqrt(dot(row.force, row.force)); /* where its velocity was read to */
+		row.values[HTML_WORK] /= 1e3;
+		row.values[HTML_KINETIC] /= 1e3;
+		row.values[HTML_ENERGY] = (double)NAN;
+	}
+	return take_row(table, cells[1], &row);
+}
+
+static enum status read_rows(struct table *table, FILE *file)
+{
+	char *line = NULL, **cells = mem_alloc(CELLS_MOST, sizeof *cells);
+	size_t size = 0;
+	ssize_t length;
+	enum status status = cells != NULL ? STATUS_OK : fail_memory("the rows of a drive");
+	while (status == STATUS_OK && (length = getline(&line, &size, file)) > 0) {
+		table->line++;
+		if (line[length - 1] != '\n')
+			break; /* a kill may have torn the last line */
+		if (strlen(line) != (size_t)length)
+			status = wrong(table, "has a byte 0");
+		else
+			status = table->line == 1 ? find_columns(table, cells, cut(line, cells)) : take_line(table, cells, cut(line, cells));
+	}
+	if (status == STATUS_OK && ferror(file))
+		status = fail_with(STATUS_INPUT, "%s: %s; give a folder that can be read", table->path, strerror(errno));
+	free(line);
+	mem_free(cells);
+	return status;
+}
+
+static enum status read_file(struct html_run *run, const char *name, bool vehicles, struct column *columns, size_t count, struct html_bodies *bodies)
+{
+	char path[4200];
+	snprintf(path, sizeof path, "%s/%s", run->folder, name);
+	if (!html_is_file(path))
+		return STATUS_OK;
+	FILE *file = fopen(path, "r");
+	if (file == NULL)
+		return fail_with(STATUS_INPUT, "%s: %s; give a folder that can be read", path, strerror(errno));
+	struct table table = {.run = run, .bodies = bodies, .path = path, .columns = columns, .count = count, .vehicles = vehicles};
+	enum status status = read_rows(&table, file);
+	fclose(file);
+	bodies->there = table.rows > 0;
+	return status;
+}
+
+enum status html_rows_objects(struct html_run *run)
+{
+	struct column columns[] = {
+		{"t", PLACE(time), 0}, {"x", PLACE(place[0]), 0}, {"y", PLACE(place[1]), 0}, {"z", PLACE(place[2]), 0},
+		{"sinkage", PLACE(sinkage), 0}, {"slip", PLACE(slip), 0}, {"fx", PLACE(force[0]), 0}, {"fy", PLACE(force[1]), 0},
+		{"fz", PLACE(force[2]), 0}, {"tx", PLACE(moment[0]), 0}, {"ty", PLACE(moment[1]), 0}, {"tz", PLACE(moment[2]), 0},
+	};
+	return read_file(run, "objects.csv", false, columns, sizeof columns / sizeof *columns, &run->objects);
+}
+
+enum status html_rows_vehicles(struct html_run *run)
+{
+	struct column columns[] = {
+		{"t", PLACE(time), 0}, {"x", PLACE(place[0]), 0}, {"y", PLACE(place[1]), 0}, {"z", PLACE(place[2]), 0},
+		{"vx", PLACE(force[0]), 0}, {"vy", PLACE(force[1]), 0}, {"vz", PLACE(force[2]), 0},
+		{"work", PLACE(values[HTML_WORK]), 0}, {"kinetic", PLACE(values[HTML_KINETIC]), 0},
+	};
+	return read_file(run, "vehicles.csv", true, columns, sizeof columns / sizeof *columns, &run->vehicles);
+}
+
+struct html_body *html_bodies_add(struct html_bodies *bodies, const char *name)
+{
+	struct html_body *grown = mem_realloc(bodies->list, bodies->count + 1, sizeof *grown);
+	if (grown == NULL)
+		return NULL;
+	bodies->list = grown;
+	grown[bodies->count] = (struct html_body){.name = mem_strdup(name)};
+	return grown[bodies->count].name != NULL ? &grown[bodies->count++] : NULL;
+}
+
+void html_bodies_finish(struct html_bodies *bodies)
+{
+	for (size_t i = 0; i < bodies->count; i++) {
+		struct html_body *body = &bodies->list[i];
+		mem_free(body->name);
+		mem_free(body->time);
+		mem_free(body->way);
+		mem_free(body->x);
+		mem_free(body->y);
+		for (int k = 0; k < HTML_VALUES; k++)
+			mem_free(body->values[k]);
+		mem_free(body->last);
+	}
+	mem_free(bodies->list);
+	*bodies = (struct html_bodies){.count = 0};
+}

@@ -1,0 +1,185 @@
+/*
+ * The first body's way has its middle at half its length. The profile lies across the way there, level with the working level's posts,
+ * and reaches past all ways that it meets. Then it is cut to what the drive changed, and a margin.
+ */
+#include "html_rut.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "store/store.h"
+
+#define ALONG 1.0      /* m of way, or four posts, that give its direction */
+#define REACH 20.0     /* m to either side: ways further away are others */
+#define MARGIN 1.0     /* m, or 16 posts, beyond the outermost way */
+#define HALF_MOST 2000 /* samples to either side */
+#define CHANGED 0.01    /* mm: less is no rut */
+
+static enum status none(struct html_rut *rut, const char *format, ...) FURROW_PRINTF(2, 3);
+
+static enum status none(struct html_rut *rut, const char *format, ...)
+{
+	va_list args;
+	va_start(args, format);
+	vsnprintf(rut->why, sizeof rut->why, format, args);
+	va_end(args);
+	rut->count = 0;
+	return STATUS_OK;
+}
+
+/* The point of a way, `share` of it from its start. */
+static void point_of(const struct html_body *body, double at, double point[2])
+{
+	size_t i = 1;
+	while (i + 1 < body->count && body->way[i] < at)
+		i++;
+	const double length = body->way[i] - body->way[i - 1], share = length > 0 ? fmin(fmax((at - body->way[i - 1]) / length, 0), 1) : 0;
+	point[0] = body->x[i - 1] + share * (body->x[i] - body->x[i - 1]);
+	point[1] = body->y[i - 1] + share * (body->y[i] - body->y[i - 1]);
+}
+
+/* Finds where the profile lies. False: the body hardly moved. */
+static bool find_middle(const struct html_body *body, double spacing, struct html_rut *rut)
+{
+	double before[2], behind[2];
+	const double length = body->count > 1 ? body->way[body->count - 1] : 0, half = fmin(fmax(ALONG, 4 * spacing), length) / 2;
+	if (length < 2 * spacing)
+		return false;
+	point_of(body, length / 2, rut->middle);
+	point_of(body, length / 2 - half, before);
+	point_of(body, length / 2 + half, behind);
+	const double along[2] = {behind[0] - before[0], behind[1] - before[1]}, far = hypot(along[0], along[1]);
+	if (far == 0)
+		return false;
+	rut->left[0] = -along[1] / far;
+	rut->left[1] = along[0] / far;
+	rut->body = body->name;
+	return true;
+}
+
+/* How far the ways that the profile meets lie from its middle. */
+static double outermost(const struct html_bodies *bodies, const struct html_rut *rut)
+{
+	double most = 0;
+	for (size_t k = 0; k < bodies->count; k++) {
+		const struct html_body *body = &bodies->list[k];
+		for (size_t i = 0; i + 1 < body->count; i++) {
+			const double x[2] = {body->x[i] - rut->middle[0], body->x[i + 1] - rut->middle[0]},
+				     y[2] = {body->y[i] - rut->middle[1], body->y[i + 1] - rut->middle[1]};
+			const double ahead = x[0] * rut->left[1] - y[0] * rut->left[0], then = x[1] * rut->left[1] - y[1] * rut->left[0];
+			const double aside = fabs(x[0] * rut->left[0] + y[0] * rut->left[1]);
+			if ((ahead <= 0) != (then <= 0) && aside <= REACH)
+				most = fmax(most, aside);
+		}
+	}
+	return most;
+}
+
+static enum status sample(struct store_reader *reader, double spacing, struct html_rut *rut)
+{
+	const size_t half = rut->count / 2;
+	for (size_t i = 0; i < rut->count; i++) {
+		struct store_sample sample;
+		rut->across[i] = ((double)i - (double)half) * spacing;
+		enum status status = store_sample(reader, rut->middle[0] + rut->across[i] * rut->left[0],
+						  rut->middle[1] + rut->across[i] * rut->left[1], &sample);
+		if (status != STATUS_OK)
+			return status;
+		rut->change[i] = sample.outside || sample.nodata ? (double)NAN : sample.offset * 1e3;
+	}
+	return STATUS_OK;
+}
+
+/* Cuts the profile to what changed, and a margin. Sums it. */
+static void cut(struct html_rut *rut, double spacing)
+{
+	size_t first = rut->count, last = 0;
+	rut->deepest = rut->highest = rut->below = rut->above = 0;
+	for (size_t i = 0; i < rut->count; i++) {
+		const double change = rut->change[i];
+		if (isnan(change) || fabs(change) < CHANGED)
+			continue;
+		first = first == rut->count ? i : first;
+		last = i;
+		rut->deepest = fmin(rut->deepest, change);
+		rut->highest = fmax(rut->highest, change);
+		rut->below -= fmin(change, 0) * spacing / 1e3;
+		rut->above += fmax(change, 0) * spacing / 1e3;
+	}
+	if (first == rut->count) {
+		(void)none(rut, "No rut profile: the ground across the way of %.80s, at its middle, is as it was", rut->body);
+		return;
+	}
+	const size_t margin = (last - first) / 5 + 4;
+	first = first > margin ? first - margin : 0;
+	last = last + margin < rut->count ? last + margin : rut->count - 1;
+	rut->count = last - first + 1;
+	memmove(rut->across, rut->across + first, rut->count * sizeof *rut->across);
+	memmove(rut->change, rut->change + first, rut->count * sizeof *rut->change);
+	rut->half = fmax(fabs(rut->across[0]), fabs(rut->across[rut->count - 1]));
+}
+
+static enum status read_store(const struct html_run *run, struct store *store, const char *path, double spacing, struct html_rut *rut)
+{
+	struct store_run last;
+	struct store_reader *reader = NULL;
+	const char *hash = html_string(run, "scene.hash");
+	enum status status = store_last_run(store, &last);
+	if (status != STATUS_OK)
+		return status;
+	if (last.scene_hash == NULL || hash == NULL || strcmp(last.scene_hash, hash) != 0 || (double)last.step != html_number(run, "steps"))
+		return none(rut, "No rut profile: %.300s was changed after this drive, by another one, a reset or a restore", path);
+	status = store_reader_create(store, &reader);
+	if (status == STATUS_OK)
+		status = sample(reader, spacing, rut);
+	store_reader_destroy(reader);
+	if (status == STATUS_OK)
+		cut(rut, spacing);
+	return status;
+}
+
+/* Both may be at work in other programs: a store that cannot be read is no failure of the report. */
+static enum status from_store(const struct html_run *run, const char *path, double spacing, struct html_rut *rut)
+{
+	struct store *store = NULL;
+	enum status status = store_open(path, &(struct store_options){.mode = STORE_READ}, &store);
+	if (status == STATUS_OK) {
+		status = read_store(run, store, path, spacing, rut);
+		store_close(store);
+	}
+	return status == STATUS_INPUT || status == STATUS_FAILED ? none(rut, "No rut profile: %.450s", failure_message()) : status;
+}
+
+enum status html_rut_read(const struct html_run *run, struct html_rut *out)
+{
+	const double spacing = html_number(run, "spacing");
+	const char *path = html_string(run, "store.file");
+	/* of vehicles, the soil geoms make the ruts */
+	const struct html_bodies *bodies = run->objects.there ? &run->objects : html_ways(run);
+	*out = (struct html_rut){.count = 0};
+	if (!(spacing > 0) || path == NULL)
+		return none(out, "No rut profile: run.json does not tell which store was deformed; drive again with this furrow");
+	if (!bodies->there)
+		return none(out, "No rut profile: it is not known where the drive went; set output.forces or output.vehicles in the scene");
+	if (!html_is_file(path))
+		return none(out, "No rut profile: %.300s is not there any more", path);
+	size_t k = 0;
+	while (k < bodies->count && !find_middle(&bodies->list[k], spacing, out))
+		k++;
+	if (k == bodies->count)
+		return none(out, "No rut profile: nothing moved by two posts (%g m)", 2 * spacing);
+	const double half = ceil((outermost(bodies, out) + fmax(MARGIN, 16 * spacing)) / spacing);
+	out->count = 2 * (size_t)fmin(half, HALF_MOST) + 1;
+	out->across = mem_alloc(out->count, sizeof *out->across);
+	out->change = mem_alloc(out->count, sizeof *out->change);
+	if (out->across == NULL || out->change == NULL)
+		return fail_memory("a rut profile");
+	return from_store(run, path, spacing, out);
+}
+
+void html_rut_finish(struct html_rut *rut)
+{
+	mem_free(rut->across);
+	mem_free(rut->change);
+	*rut = (struct html_rut){.count = 0};
+}

@@ -1,0 +1,458 @@
+/* The tables of a report: a row for each figure, a column for each folder. */
+#include <math.h>
+#include <string.h>
+
+#include "html_report.h"
+#include "scene/scene.h"
+#include "svg.h"
+
+#define NAMES_MOST 20000 /* settings, or objects, of a folder that a table shows */
+#define NOTHING "<td class=\"none\">&#8211;</td>"
+
+void html_table(const struct html_report *report, const char *corner)
+{
+	fprintf(report->file, "<div class=\"scroll\"><table><thead><tr><th scope=\"col\">%s</th>", corner);
+	for (size_t i = 0; i < report->count; i++) {
+		fputs("<th scope=\"col\">", report->file);
+		svg_text(report->runs[i].folder, report->file);
+		fputs("</th>", report->file);
+	}
+	fputs("</tr></thead><tbody>\n", report->file);
+}
+
+void html_table_end(const struct html_report *report)
+{
+	fputs("</tbody></table></div>\n", report->file);
+}
+
+static void head(const struct html_report *report, const char *text)
+{
+	fputs("<tr><th scope=\"row\">", report->file);
+	svg_text(text, report->file);
+	fputs("</th>", report->file);
+}
+
+static void text_cell(const char *text, FILE *file)
+{
+	if (text == NULL) {
+		fputs(NOTHING, file);
+		return;
+	}
+	fputs("<td>", file);
+	svg_text(text, file);
+	fputs("</td>", file);
+}
+
+/* The element has all digits of run.json; what is read has five. */
+static void number_cell(double value, double unit, FILE *file)
+{
+	const double shown = value / unit;
+	if (!isfinite(value)) {
+		fputs(NOTHING, file);
+		return;
+	}
+	fprintf(file, "<td class=\"number\"><data value=\"%.17g\">", value);
+	fprintf(file, shown == floor(shown) && fabs(shown) < 1e15 ? "%.0f" : "%.5g", shown == 0 ? 0 : shown);
+	fputs("</data></td>", file);
+}
+
+static void value_cell(const cJSON *value, double unit, FILE *file)
+{
+	if (cJSON_IsBool(value))
+		text_cell(cJSON_IsTrue(value) ? "yes" : "no", file);
+	else if (cJSON_IsNumber(value))
+		number_cell(value->valuedouble, unit, file);
+	else
+		text_cell(cJSON_GetStringValue(value), file);
+}
+
+static bool is_told(const cJSON *value)
+{
+	return value != NULL && !cJSON_IsNull(value);
+}
+
+/* A row, if any folder has the value. */
+static void row(const struct html_report *report, const char *name, const char *path, double unit)
+{
+	bool any = false;
+	for (size_t i = 0; i < report->count; i++)
+		any = any || is_told(html_at(&report->runs[i], path));
+	if (!any)
+		return;
+	head(report, name);
+	for (size_t i = 0; i < report->count; i++)
+		value_cell(html_at(&report->runs[i], path), unit, report->file);
+	fputs("</tr>\n", report->file);
+}
+
+struct row {
+	const char *name, *path;
+	double unit;
+};
+
+static void rows(const struct html_report *report, const struct row *list, size_t count)
+{
+	for (size_t i = 0; i < count; i++)
+		row(report, list[i].name, list[i].path, list[i].unit);
+}
+#define ROWS(report, list) rows(report, list, sizeof(list) / sizeof *(list))
+
+/* --- what was run --- */
+
+void html_tables_run(const struct html_report *report)
+{
+	static const struct row list[] = {
+		{"ended", "ended", 1}, {"steps", "steps", 1}, {"simulated, s", "simulated", 1}, {"went on from step", "resumed_from", 1},
+		{"scene", "scene.file", 1}, {"hash of the scene", "scene.hash", 1}, {"store", "store.file", 1}, {"of the base", "store.base", 1},
+		{"posts apart, m", "spacing", 1}, {"working level", "working_level", 1}, {"furrow", "version", 1}, {"GL renderer", "gl.renderer", 1},
+		{"GL vendor", "gl.vendor", 1}, {"GL version", "gl.version", 1}, {"GL in software", "gl.software", 1},
+	};
+	html_section(report, "run", "What was run");
+	html_table(report, "");
+	ROWS(report, list);
+	html_table_end(report);
+	for (size_t i = 0; i < report->count; i++)
+		if (html_members(&report->runs[i], "scene.values") == NULL)
+			html_sentence(report, &report->runs[i], "run.json does not tell the scene: an older furrow made it");
+	html_section_end(report);
+}
+
+/* --- settings --- */
+
+static const char *value_of(const struct html_report *report, size_t run, const char *key)
+{
+	return html_setting(&report->runs[run], key);
+}
+
+static bool differs(const struct html_report *report, const char *key)
+{
+	const char *first = value_of(report, 0, key);
+	for (size_t i = 1; i < report->count; i++) {
+		const char *other = value_of(report, i, key);
+		if ((first == NULL) != (other == NULL) || (first != NULL && strcmp(first, other) != 0))
+			return true;
+	}
+	return false;
+}
+
+/* Rows of all settings, or of those that differ. Returns how many. */
+static size_t setting_rows(const struct html_report *report, bool only_different)
+{
+	size_t count = 0;
+	for (size_t i = 0; i < report->count; i++) {
+		const cJSON *value;
+		size_t seen = 0;
+		cJSON_ArrayForEach(value, html_members(&report->runs[i], "scene.values")) {
+			bool before = false;
+			if (seen++ == NAMES_MOST)
+				break;
+			for (size_t k = 0; k < i; k++)
+				before = before || value_of(report, k, value->string) != NULL;
+			if (before || (only_different && !differs(report, value->string)))
+				continue;
+			if (count++ == 0)
+				html_table(report, "setting");
+			head(report, value->string);
+			for (size_t k = 0; k < report->count; k++)
+				text_cell(value_of(report, k, value->string), report->file);
+			fputs("</tr>\n", report->file);
+		}
+	}
+	if (count > 0)
+		html_table_end(report);
+	for (size_t i = 0; i < report->count; i++)
+		if (cJSON_GetArraySize(html_members(&report->runs[i], "scene.values")) > NAMES_MOST)
+			html_sentence(report, &report->runs[i], "The table shows the first 20000 settings");
+	return count;
+}
+
+static bool one_hash(const struct html_report *report)
+{
+	const char *first = html_string(&report->runs[0], "scene.hash");
+	for (size_t i = 1; i < report->count; i++) {
+		const char *other = html_string(&report->runs[i], "scene.hash");
+		if (first == NULL || other == NULL || strcmp(first, other) != 0)
+			return false;
+	}
+	return true;
+}
+
+void html_tables_differences(const struct html_report *report)
+{
+	if (report->count < 2)
+		return;
+	html_section(report, "differences", "Settings that differ");
+	if (setting_rows(report, true) == 0)
+		fputs(one_hash(report) ? "<p>No setting differs.</p>\n"
+				       : "<p>No setting differs, but the hashes of the scenes do: a file that a scene names differs, or run.json does not tell the scene.</p>\n",
+		      report->file);
+	html_section_end(report);
+}
+
+void html_tables_settings(const struct html_report *report)
+{
+	html_section(report, "settings", "All settings");
+	fputs("<details><summary>The scene as it was driven, with what --set gave</summary>\n", report->file);
+	if (setting_rows(report, false) == 0)
+		fputs("<p>run.json does not tell the scene: an older furrow made it.</p>\n", report->file);
+	fputs("</details>\n", report->file);
+	html_section_end(report);
+}
+
+/* --- soils --- */
+
+/* The index of the first run with this soil, by all its numbers. */
+static bool soil_before(const struct html_report *report, size_t run, size_t soil)
+{
+	for (size_t i = 0; i <= run; i++) {
+		const cJSON *other;
+		size_t k = 0;
+		cJSON_ArrayForEach(other, html_at(&report->runs[i], "soils")) {
+			if (i == run && k >= soil)
+				break;
+			if (cJSON_Compare(other, cJSON_GetArrayItem(html_at(&report->runs[run], "soils"), (int)soil), true))
+				return true;
+			k++;
+		}
+	}
+	return false;
+}
+
+/* Calls `tell` for each soil that differs from all before it. */
+static size_t each_soil(const struct html_report *report, void (*tell)(const struct html_report *report, const cJSON *soil, const char *key), const char *key)
+{
+	size_t count = 0;
+	for (size_t i = 0; i < report->count; i++) {
+		const cJSON *soil;
+		size_t k = 0;
+		cJSON_ArrayForEach(soil, html_at(&report->runs[i], "soils")) {
+			if (!soil_before(report, i, k++)) {
+				tell(report, soil, key);
+				count++;
+			}
+		}
+	}
+	return count;
+}
+
+static void soil_name(const struct html_report *report, const cJSON *soil, const char *key)
+{
+	const char *name = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(soil, "name"));
+	fputs("<th scope=\"col\">", report->file);
+	svg_text(name != NULL ? name : "unnamed", report->file);
+	/* Which of the folders have it, where they do not all have it. */
+	size_t having = 0;
+	for (size_t i = 0; i < report->count; i++) {
+		const cJSON *other;
+		cJSON_ArrayForEach(other, html_at(&report->runs[i], "soils")) {
+			having += cJSON_Compare(other, soil, true) ? 1 : 0;
+		}
+	}
+	for (size_t i = 0; i < report->count && having < report->count; i++) {
+		const cJSON *other;
+		cJSON_ArrayForEach(other, html_at(&report->runs[i], "soils")) {
+			if (!cJSON_Compare(other, soil, true))
+				continue;
+			fputs("<br/><small>", report->file);
+			svg_text(report->runs[i].folder, report->file);
+			fputs("</small>", report->file);
+		}
+	}
+	fputs("</th>", report->file);
+}
+
+static void soil_number(const struct html_report *report, const cJSON *soil, const char *key)
+{
+	value_cell(cJSON_GetObjectItemCaseSensitive(soil, key), 1, report->file);
+}
+
+/* Whether a soil before this one, or the soil itself before this number, has the key. */
+static void soil_keys(const struct html_report *report, const cJSON *soil, const char *unused)
+{
+	const cJSON *number;
+	cJSON_ArrayForEach(number, soil) {
+		char setting[160], label[200];
+		struct scene_parameter parameter;
+		bool before = false;
+		if (number->string == NULL || strcmp(number->string, "name") == 0 || !is_told(number))
+			continue;
+		for (size_t i = 0; i < report->count && !before; i++) { /* in the order of the soils, until this one */
+			const cJSON *other;
+			bool here = false;
+			cJSON_ArrayForEach(other, html_at(&report->runs[i], "soils")) {
+				here = here || other == soil;
+				before = before || (!here && is_told(cJSON_GetObjectItemCaseSensitive(other, number->string)));
+			}
+			if (here)
+				break;
+		}
+		if (before)
+			continue;
+		snprintf(setting, sizeof setting, "soil.%.100s", number->string);
+		const bool known = scene_parameter(setting, &parameter) && parameter.unit != NULL;
+		snprintf(label, sizeof label, "%.100s%s%.60s", number->string, known ? ", " : "", known ? parameter.unit : "");
+		head(report, label);
+		each_soil(report, soil_number, number->string);
+		fputs("</tr>\n", report->file);
+	}
+}
+
+static void count_soil(const struct html_report *report, const cJSON *soil, const char *key)
+{
+}
+
+void html_tables_soils(const struct html_report *report)
+{
+	html_section(report, "soils", "Soils");
+	if (each_soil(report, count_soil, NULL) == 0) {
+		fputs("<p>No soil: the model of the drive reads none.</p>\n", report->file);
+	} else {
+		fputs("<div class=\"scroll\"><table><thead><tr><th scope=\"col\">number</th>", report->file);
+		each_soil(report, soil_name, NULL);
+		fputs("</tr></thead><tbody>\n", report->file);
+		each_soil(report, soil_keys, NULL);
+		html_table_end(report);
+	}
+	html_section_end(report);
+}
+
+/* --- results --- */
+
+/* A table of all objects or vehicles: a row for each name and figure. */
+static void named_rows(const struct html_report *report, const char *list, const struct row *figures, size_t count)
+{
+	for (size_t i = 0; i < report->count; i++) {
+		const cJSON *named;
+		size_t seen = 0;
+		cJSON_ArrayForEach(named, html_members(&report->runs[i], list)) {
+			bool before = false;
+			if (seen++ == NAMES_MOST)
+				break;
+			for (size_t k = 0; k < i; k++)
+				before = before || cJSON_GetObjectItemCaseSensitive(html_members(&report->runs[k], list), named->string) != NULL;
+			for (size_t f = 0; f < count && !before; f++) {
+				char label[200];
+				bool any = false;
+				for (size_t k = 0; k < report->count; k++)
+					any = any || is_told(cJSON_GetObjectItemCaseSensitive(
+							     cJSON_GetObjectItemCaseSensitive(html_members(&report->runs[k], list), named->string), figures[f].path));
+				if (!any)
+					continue;
+				snprintf(label, sizeof label, "%.120s: %s", named->string, figures[f].name);
+				head(report, label);
+				for (size_t k = 0; k < report->count; k++)
+					value_cell(cJSON_GetObjectItemCaseSensitive(
+							   cJSON_GetObjectItemCaseSensitive(html_members(&report->runs[k], list), named->string), figures[f].path),
+						   figures[f].unit, report->file);
+				fputs("</tr>\n", report->file);
+			}
+		}
+	}
+}
+
+void html_tables_results(const struct html_report *report)
+{
+	static const struct row objects[] = {{"distance, m", "distance", 1}, {"sinkage, mm", "sinkage", 1e-3}, {"load, N", "load", 1}, {"slip", "slip", 1},
+					     {"path samples without ground", "skipped", 1}};
+	static const struct row vehicles[] = {{"mass, kg", "mass", 1}, {"distance, m", "distance", 1}, {"work, J", "work", 1}, {"kinetic energy, J", "kinetic", 1},
+					      {"settled after, s", "settled_after", 1}, {"arrived", "arrived", 1}, {"stuck since, s", "stuck_since", 1}};
+	static const struct row run[] = {
+		{"wall clock, s", "seconds", 1}, {"simulated over wall clock", "rtf", 1}, {"before the first step, s", "warm_up.seconds", 1},
+		{"slots of the cache", "cache.slots", 1}, {"tiles touched", "cache.touched", 1}, {"hits", "cache.hits", 1}, {"misses", "cache.misses", 1},
+		{"loaded ahead", "cache.prefetched", 1}, {"came late", "cache.late", 1}, {"evictions", "cache.evictions", 1},
+		{"written back", "cache.writebacks", 1}, {"stalls", "cache.stalls", 1}, {"in stalls, ms", "cache.stall_ms", 1},
+		{"memory at most, MB", "memory.rss_peak", 1e6}, {"memory of the GPU, MB", "memory.gpu_bytes", 1e6}, {"read, MB", "io.bytes_read", 1e6},
+		{"written, MB", "io.bytes_written", 1e6}, {"commits", "io.commits", 1}, {"pictures", "view.images", 1},
+	};
+	html_section(report, "results", "Results");
+	html_table(report, "");
+	named_rows(report, "objects", objects, sizeof objects / sizeof *objects);
+	named_rows(report, "vehicles", vehicles, sizeof vehicles / sizeof *vehicles);
+	ROWS(report, run);
+	html_table_end(report);
+	html_section_end(report);
+}
+
+/* A model that reads soils conserves volume. */
+static bool has_soils(const struct html_run *run)
+{
+	return cJSON_GetArraySize(html_at(run, "soils")) > 0;
+}
+
+void html_tables_volume(const struct html_report *report)
+{
+	static const struct row list[] = {
+		{"removed, m3", "volume.removed", 1}, {"raised, m3", "volume.raised", 1}, {"net (raised - removed), m3", "volume.net", 1},
+		{"compacted, m3", "volume.compacted", 1}, {"removed, quanta", "volume.quanta.removed", 1}, {"raised, quanta", "volume.quanta.raised", 1},
+		{"net, quanta", "volume.quanta.net", 1}, {"compacted, quanta", "volume.quanta.compacted", 1},
+	};
+	html_section(report, "volume", "Volume balance");
+	html_table(report, "");
+	ROWS(report, list);
+	bool conserves = false;
+	for (size_t i = 0; i < report->count; i++)
+		conserves = conserves || has_soils(&report->runs[i]);
+	if (conserves)
+		head(report, "net + compacted, quanta");
+	for (size_t i = 0; i < report->count && conserves; i++)
+		number_cell(has_soils(&report->runs[i]) ? html_number(&report->runs[i], "volume.quanta.net") + html_number(&report->runs[i], "volume.quanta.compacted")
+							: (double)NAN,
+			    1, report->file);
+	if (conserves)
+		fputs("</tr>\n", report->file);
+	html_table_end(report);
+	fputs("<p class=\"small\">A quantum is 2<sup>-20</sup> m of height at one post. Of a model that conserves volume, net + compacted is 0.</p>\n", report->file);
+	html_section_end(report);
+}
+
+/* --- notes --- */
+
+static void counted(const struct html_report *report, const struct html_run *run, const char *path, const char *what)
+{
+	char text[300];
+	const double count = html_number(run, path);
+	if (!(count > 0))
+		return;
+	snprintf(text, sizeof text, "%.0f %s", count, what);
+	html_sentence(report, run, text);
+}
+
+static void notes_of(const struct html_report *report, const struct html_run *run)
+{
+	const char *ended = html_string(run, "ended");
+	const cJSON *note, *object;
+	if (ended != NULL && strcmp(ended, "complete") != 0) {
+		char text[300];
+		snprintf(text, sizeof text, "The drive is not complete: %.100s", ended);
+		html_sentence(report, run, text);
+	}
+	if (isfinite(html_number(run, "resumed_from")))
+		html_sentence(report, run, "The drive was gone on with (--resume): times, cache, memory and files are of the last part alone");
+	cJSON_ArrayForEach(note, html_at(run, "notes")) {
+		if (cJSON_IsString(note))
+			html_sentence(report, run, note->valuestring);
+	}
+	counted(report, run, "refused_posts", "times a post would have been pressed deeper than an offset holds");
+	counted(report, run, "forces.sunk", "times the soil did not carry an object's load");
+	counted(report, run, "forces.slides", "times a loaded object stood where the soil cannot hold it");
+	counted(report, run, "forces.saturated", "times a post bore more than can be summed");
+	cJSON_ArrayForEach(object, html_members(run, "objects")) {
+		const cJSON *skipped = cJSON_GetObjectItemCaseSensitive(object, "skipped");
+		char text[300];
+		if (!cJSON_IsNumber(skipped) || !(skipped->valuedouble > 0))
+			continue;
+		snprintf(text, sizeof text, "%.0f path samples of %.120s had no ground", skipped->valuedouble, object->string);
+		html_sentence(report, run, text);
+	}
+}
+
+void html_tables_notes(const struct html_report *report)
+{
+	html_section(report, "notes", "Notes");
+	const long before = ftell(report->file);
+	for (size_t i = 0; i < report->count; i++)
+		notes_of(report, &report->runs[i]);
+	if (ftell(report->file) == before)
+		fputs("<p>None.</p>\n", report->file);
+	html_section_end(report);
+}

@@ -1,0 +1,100 @@
+/* furrow report: one HTML page of one drive, or of several beside each other. */
+#include <string.h>
+#include <sys/stat.h>
+
+#include "base/aside.h"
+#include "command.h"
+#include "html_report.h"
+
+static const struct command_option options[] = {
+	{"o", "FILE.html", "the page"},
+	{NULL, NULL, NULL},
+};
+
+static enum status check(const struct arguments *arguments, const char *path)
+{
+	struct stat found;
+	enum status status = arguments_expect(arguments, 1, HTML_RUNS);
+	if (status != STATUS_OK)
+		return arguments_count(arguments) > HTML_RUNS
+			       ? fail_with(STATUS_USAGE, "report: %zu folders are too many; give at most %d, or collect them with furrow study",
+					   arguments_count(arguments), HTML_RUNS)
+			       : status;
+	if (path == NULL)
+		return fail_with(STATUS_USAGE, "report: -o is missing; give the page to write, as in -o report.html");
+	if (stat(path, &found) == 0 && !S_ISREG(found.st_mode))
+		return fail_with(STATUS_USAGE, "report: %s: is no file; give the page to write, as in -o report.html", path);
+	for (size_t i = 0; i < arguments_count(arguments); i++)
+		for (size_t k = 0; k < i; k++)
+			if (strcmp(arguments_at(arguments, i), arguments_at(arguments, k)) == 0)
+				return fail_with(STATUS_USAGE, "report: %s: is given twice; give each folder once", arguments_at(arguments, i));
+	return STATUS_OK;
+}
+
+static enum status read_runs(const struct arguments *arguments, struct html_report *report)
+{
+	enum status status = STATUS_OK;
+	for (size_t i = 0; i < arguments_count(arguments) && status == STATUS_OK; i++) {
+		report->count++;
+		status = html_run_read(arguments_at(arguments, i), &report->runs[i]);
+		if (status == STATUS_OK)
+			status = html_rut_read(&report->runs[i], &report->ruts[i]);
+		if (status == STATUS_OK)
+			status = html_cache_read(&report->runs[i], &report->caches[i]);
+	}
+	return status;
+}
+
+static enum status write_page(struct html_report *report, const char *path)
+{
+	struct aside aside;
+	enum status status = aside_begin(&aside, path);
+	if (status == STATUS_OK) {
+		report->file = aside.file;
+		status = html_report_write(report);
+	}
+	if (status == STATUS_OK)
+		status = aside_whole(&aside, true);
+	if (status == STATUS_OK)
+		status = aside_publish(&aside);
+	aside_finish(&aside);
+	return status;
+}
+
+static enum status run(const struct arguments *arguments)
+{
+	struct html_report *report = mem_calloc(1, sizeof *report);
+	const char *path = arguments_text(arguments, "o");
+	enum status status = report != NULL ? check(arguments, path) : fail_memory("a report");
+	if (status == STATUS_OK)
+		status = read_runs(arguments, report);
+	if (status == STATUS_OK)
+		status = write_page(report, path);
+	if (status == STATUS_OK)
+		printf("%s: %zu drive%s\n", path, report->count, report->count == 1 ? "" : "s");
+	for (size_t i = 0; report != NULL && i < report->count; i++) {
+		html_run_finish(&report->runs[i]);
+		html_rut_finish(&report->ruts[i]);
+	}
+	mem_free(report);
+	return status;
+}
+
+const struct command command_report = {
+	.name = "report",
+	.usage = "report DIR... -o FILE.html",
+	.summary = "one page of a drive, or of several beside each other",
+	.details = "DIR is a folder that furrow drive left; up to eight are compared. The page is one file. It needs no network, and no\n"
+		   "file beside it: plots are drawn within it, and map.png is a part of it.\n"
+		   "\n"
+		   "What it shows, and where that comes from:\n"
+		   "  what was run, settings, soils, results, times of steps, volume, notes   run.json\n"
+		   "  the map                                                                map.png\n"
+		   "  ways, sinkage, slip, drawbar pull, energy                              objects.csv (output.forces in the scene)\n"
+		   "  speed and work of vehicles                                             vehicles.csv (output.vehicles)\n"
+		   "  the rut across the way, at its middle                                  the store or overlay that was deformed\n"
+		   "  misses over slots of the page cache                                    the trace (drive --trace FILE)\n"
+		   "What cannot be known from these is left out, and a sentence says why. docs/REPORT.md has more.\n",
+	.options = options,
+	.run = run,
+};
