@@ -25,8 +25,12 @@ static enum status simulate(const struct html_run *run, const char *path, struct
 		snprintf(out->why, sizeof out->why, "No cache curve: %.400s is the trace of another drive", path);
 	if (status == STATUS_OK && same && accesses.count == 0)
 		snprintf(out->why, sizeof out->why, "No cache curve: the drive asked for no tile");
-	if (status == STATUS_OK && same && accesses.count > 0) {
+	if (status == STATUS_OK && same && accesses.count > 0)
 		cache_sizes(&curves);
+	if (curves.count == 1)
+		snprintf(out->why, sizeof out->why, "No cache curve: the drive touched %u tile%s, fewer than the least cache has slots", accesses.tile_count,
+			 accesses.tile_count == 1 ? "" : "s");
+	if (curves.count > 1) {
 		for (int policy = 0; policy < HTML_POLICIES && status == STATUS_OK; policy++)
 			status = sim_misses(&accesses, policies[policy], curves.slots, curves.count, go_on, NULL, curves.misses[policies[policy]]);
 		for (size_t i = 0; i < curves.count && status == STATUS_OK; i++) {

@@ -22,7 +22,7 @@ static const char style[] =
 	".f0{fill:var(--c0)}.f1{fill:var(--c1)}.f2{fill:var(--c2)}.f3{fill:var(--c3)}.f4{fill:var(--c4)}.f5{fill:var(--c5)}.f6{fill:var(--c6)}.f7{fill:var(--c7)}\n"
 	".legend{list-style:none;margin:.4rem 0;padding:0;display:flex;flex-wrap:wrap;gap:.1rem 1.2rem;font-size:.9rem}.key{display:inline-block;width:34px;height:10px}\n"
 	"summary{cursor:pointer}\n"
-	"@media print{body{max-width:none;padding:0;font-size:11px}section{break-inside:auto}h2{break-after:avoid}svg,figure,tr{break-inside:avoid}.plots{grid-template-columns:1fr 1fr}.wide{grid-template-columns:1fr}"
+	"@media print{body{max-width:none;padding:0;font-size:11px}section{break-inside:auto}h2{break-after:avoid}svg,figure,tr{break-inside:avoid}.plots{grid-template-columns:1fr 1fr}.wide{grid-template-columns:minmax(0,26rem)}.legend,h2+p{break-after:avoid}"
 	"*{print-color-adjust:exact;-webkit-print-color-adjust:exact}}\n";
 
 void html_section(const struct html_report *report, const char *id, const char *title)

@@ -13,6 +13,7 @@
 #define REACH 20.0     /* m to either side: ways further away are others */
 #define MARGIN 1.0     /* m, or 16 posts, beyond the outermost way */
 #define HALF_MOST 2000 /* samples to either side */
+#define PART 64        /* samples that are read at once */
 #define CHANGED 0.01    /* mm: less is no rut */
 
 static enum status none(struct html_rut *rut, const char *format, ...) FURROW_PRINTF(2, 3);
@@ -75,19 +76,44 @@ static double outermost(const struct html_bodies *bodies, const struct html_rut 
 	return most;
 }
 
-static enum status sample(struct store_reader *reader, double spacing, struct html_rut *rut)
+/* What lies between four posts. NaN if one of them is. */
+static double between(const double *values, int64_t wide, double x, double y)
 {
-	const size_t half = rut->count / 2;
-	for (size_t i = 0; i < rut->count; i++) {
-		struct store_sample sample;
-		rut->across[i] = ((double)i - (double)half) * spacing;
-		enum status status = store_sample(reader, rut->middle[0] + rut->across[i] * rut->left[0],
-						  rut->middle[1] + rut->across[i] * rut->left[1], &sample);
-		if (status != STATUS_OK)
-			return status;
-		rut->change[i] = sample.outside || sample.nodata ? (double)NAN : sample.offset * 1e3;
-	}
-	return STATUS_OK;
+	const double *at = values + (int64_t)floor(y) * wide + (int64_t)floor(x);
+	const double u = x - floor(x), v = y - floor(y);
+	return (1 - v) * ((1 - u) * at[0] + u * at[1]) + v * ((1 - u) * at[wide] + u * at[wide + 1]);
+}
+
+/* Reads samples `from` to `to`, which are not in, out of the posts around them. */
+static enum status sample_some(struct store_reader *reader, int level, double spacing, size_t from, size_t to, double *room, struct html_rut *rut)
+{
+	double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
+	for (size_t i = from; i < to; i++)
+		for (int k = 0; k < 2; k++) {
+			const double at = (rut->middle[k] + rut->across[i] * rut->left[k]) / spacing;
+			low[k] = fmin(low[k], at);
+			high[k] = fmax(high[k], at);
+		}
+	const struct post_rect rect = {(int64_t)floor(low[0]), (int64_t)floor(low[1]), (int64_t)floor(high[0]) + 2, (int64_t)floor(high[1]) + 2};
+	enum status status = store_read_posts(reader, STORE_OFFSET, level, rect, room);
+	for (size_t i = from; i < to && status == STATUS_OK; i++)
+		rut->change[i] = 1e3 * between(room, rect.x1 - rect.x0, (rut->middle[0] + rut->across[i] * rut->left[0]) / spacing - (double)rect.x0,
+					       (rut->middle[1] + rut->across[i] * rut->left[1]) / spacing - (double)rect.y0);
+	return status;
+}
+
+/* A store reads whole tiles, so the samples are read in parts. */
+static enum status sample(struct store_reader *reader, const struct extent *extent, int level, struct html_rut *rut)
+{
+	const double spacing = extent_spacing(extent, level);
+	double *room = mem_alloc((size_t)(PART + 3) * (PART + 3), sizeof *room);
+	enum status status = room != NULL ? STATUS_OK : fail_memory("a rut profile");
+	for (size_t i = 0; i < rut->count; i++)
+		rut->across[i] = ((double)i - (double)(rut->count / 2)) * spacing;
+	for (size_t from = 0; from < rut->count && status == STATUS_OK; from += PART)
+		status = sample_some(reader, level, spacing, from, from + PART < rut->count ? from + PART : rut->count, room, rut);
+	mem_free(room);
+	return status;
 }
 
 /* Cuts the profile to what changed, and a margin. Sums it. */
@@ -123,15 +149,22 @@ static enum status read_store(const struct html_run *run, struct store *store, c
 {
 	struct store_run last;
 	struct store_reader *reader = NULL;
+	int level;
 	const char *hash = html_string(run, "scene.hash");
 	enum status status = store_last_run(store, &last);
 	if (status != STATUS_OK)
 		return status;
 	if (last.scene_hash == NULL || hash == NULL || strcmp(last.scene_hash, hash) != 0 || (double)last.step != html_number(run, "steps"))
 		return none(rut, "No rut profile: %.300s was changed after this drive, by another one, a reset or a restore", path);
+	if (!store_has_working_level(store, &level) || extent_spacing(&store_meta(store)->extent, level) != spacing)
+		return none(rut, "No rut profile: %.300s has no ruts at this spacing", path);
+	const struct extent *extent = &store_meta(store)->extent;
+	for (int k = 0; k < 2; k++)
+		if (!(rut->middle[k] >= 0 && rut->middle[k] <= (double)(k == 0 ? extent->width : extent->height) * extent->spacing))
+			return none(rut, "No rut profile: the middle of the way of %.80s lies off the terrain", rut->body);
 	status = store_reader_create(store, &reader);
 	if (status == STATUS_OK)
-		status = sample(reader, spacing, rut);
+		status = sample(reader, extent, level, rut);
 	store_reader_destroy(reader);
 	if (status == STATUS_OK)
 		cut(rut, spacing);

@@ -1,10 +1,12 @@
 """furrow report: the page is one file, its figures are those of the folder, and what cannot be known is said."""
+import base64
 import csv
 import json
 import math
 import os
 import pathlib
 import re
+import resource
 import shutil
 import subprocess
 import sys
@@ -310,8 +312,12 @@ class Report(FurrowTest):
         self.assertAlmostEqual(highest, 100 * max(counts) / sum(counts), delta=plot.grain(1))
 
     def test_the_cache_curve_is_that_of_the_trace(self):
-        page = self.report("a")
-        got = self.json("cache-sim", "a.trace", "--policy", "lru,opt", cwd=self.made)
+        self.call("synth", "-o", "long.furrow", "--posts", "257x257", "--spacing", "0.5", "--kind", "plain", "--relief", "0.3")
+        self.call("drive", "box.yaml", "-o", "long", "--store", "long.furrow", "--overlay", "over.furrow", "--trace", "long.trace", "--set", "spacing=0.0625",
+                  "--set", "objects.ball.path={points: [[4, 20], [120, 50], [4, 100]], speed: 90}", "--set", "cache.slots=8")
+        page = self.report("long")
+        got = self.json("cache-sim", "long.trace", "--policy", "lru,opt", cwd=self.made)
+        self.assertGreater(len(got["slots"]), 3)
         plot = page.plots("cache")["Misses over slots"]
         self.assertEqual(plot.dots, 2 * len(got["slots"]))
         self.assertIn("slots of this drive", plot.names)
@@ -320,9 +326,13 @@ class Report(FurrowTest):
                 self.assertAlmostEqual(y, misses, delta=plot.grain(1))
         self.assertIn(f"{got['accesses']} accesses to {got['tiles']} tiles", page.sentences("cache")[0])
 
+    def test_a_cache_curve_of_one_point_is_none(self):
+        tiles = self.json_of("a")["cache"]["touched"]
+        self.assertLess(tiles, 4)
+        self.without_plots(self.report("a"), "cache", f"^No cache curve: the drive touched {tiles} tiles?, fewer")
+
     def test_the_map_is_within_the_page(self):
         image, = self.report("a").section("map").iter("img")
-        import base64
         self.assertEqual(base64.b64decode(image.get("src").split(",")[1]), (self.made / "a/map.png").read_bytes())
 
     # --- what is not known is said, and not drawn ---
@@ -359,6 +369,14 @@ class Report(FurrowTest):
         self.without_plots(page, "curves", "^No curves: ")
         self.assertEqual(list(page.section("map").iter("img")), [])
         self.assertRegex(page.sentences("map")[0], "^No map: ")
+
+    def test_a_way_off_the_terrain_has_no_rut(self):
+        self.copy("box")
+        run = json.loads((self.folder / "box/run.json").read_text())
+        for way in ([[-90, 20], [-50, 20]], [[1e15, 20], [2e15, 1e15]], [[20, 40], [20, 90]]):
+            run["objects"]["ball"]["way"] = way
+            (self.folder / "box/run.json").write_text(json.dumps(run))
+            self.without_plots(self.report("box", cwd=self.folder), "rut", "^No rut profile: the middle of the way of ball lies off the terrain")
 
     def test_a_store_or_a_trace_of_another_drive_is_not_taken(self):
         self.copy("a")
@@ -542,6 +560,9 @@ class Report(FurrowTest):
         self.refused(2, "report", "a", "-o", "empty")
         self.assertIn("at most 8", self.refused(2, "report", *"123456789", "-o", "page.html"))
         self.refused(1, "report", "a", "-o", "absent/page.html")
+        full = subprocess.run([FURROW, "report", "a", "-o", "page.html"], cwd=self.folder, capture_output=True, text=True, timeout=60,
+                              preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (20000, 20000)))
+        self.told(1, full)
         self.assertEqual([path.name for path in self.folder.iterdir() if "page" in path.name], [])
         (self.folder / "page.html").write_text("old")
         self.refused(3, "report", "torn", "-o", "page.html")
