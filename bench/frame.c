@@ -112,8 +112,9 @@ static void open_rig(struct rig *rig, const char *store, const char *overlay, ui
 	if (world->commit_log == NULL)
 		bench_must(fail_with(STATUS_FAILED, "/tmp: no file can be made; free some space"));
 	bench_must(world_settle_level(world));
-	bench_must(resident_ground_create(world->store, world_ground_tiles(world), &world->ground));
 	bench_must(world_make_bodies(world));
+	bench_must(world_settle_limits(world));
+	bench_must(resident_ground_create(world->store, world->limits.ground, &world->ground));
 	unsigned planes = world_planes(rig->scene, world->was_deformed);
 	bench_must(gpu_slots_create(gpu, CELLS, slots, planes, &world->slots));
 	world->gpu = gpu;

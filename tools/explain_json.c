@@ -112,7 +112,7 @@ static void add_lines(cJSON *root, const char *name, const struct scene *scene, 
 			cJSON_AddItemToArray(array, line_json(scene, plan, &plan->plan.lines[i]));
 }
 
-static void add_memory(cJSON *root, const struct report_plan *plan)
+static void add_memory(cJSON *root, const struct scene *scene, const struct report_plan *plan)
 {
 	cJSON *memory = cJSON_AddObjectToObject(root, "memory");
 	cJSON *units = cJSON_AddObjectToObject(memory, "per_unit");
@@ -126,13 +126,10 @@ static void add_memory(cJSON *root, const struct report_plan *plan)
 		if (bytes > 0)
 			json_integer(units, plan_unit_name((enum plan_unit)unit), (int64_t)bytes);
 	}
-	cJSON *most = cJSON_AddObjectToObject(memory, "most");
-	json_integer(most, "slots", (int64_t)plan->most.slots);
-	json_integer(most, "loads", (int64_t)plan->most.loads);
-	json_integer(most, "queue", (int64_t)plan->most.queue);
-	json_integer(most, "queue_few", (int64_t)plan->most.queue_few);
-	json_integer(most, "ground", (int64_t)plan->most.ground);
-	json_integer(most, "total", (int64_t)(plan->most.slots + plan->most.loads + plan->most.queue + plan->most.ground));
+	report_most(memory, "most", &plan->most);
+	report_tile_counts(memory, &plan->tiles);
+	if (scene->memory > 0)
+		json_integer(memory, "asked", (int64_t)scene->memory);
 }
 
 static void add_rasters(cJSON *root, const struct report_plan *plan)
@@ -203,7 +200,7 @@ enum status explain_json(const struct scene *scene, const struct report_plan *pl
 	add_lines(root, "buffers", scene, plan, PLAN_BUFFER);
 	add_lines(root, "threads", scene, plan, PLAN_THREAD);
 	add_lines(root, "tables", scene, plan, PLAN_STATEMENT);
-	add_memory(root, plan);
+	add_memory(root, scene, plan);
 	cJSON *notes = cJSON_AddArrayToObject(root, "notes");
 	for (size_t i = 0; i < plan->note_count; i++)
 		cJSON_AddItemToArray(notes, cJSON_CreateString(plan->notes[i]));

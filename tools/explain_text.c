@@ -380,16 +380,19 @@ static void print_bytes(const struct scene *scene, const struct plan *plan, size
 static void print_memory(const struct scene *scene, const struct report_plan *plan)
 {
 	const uint64_t few = plan->most.slots + plan->most.loads + plan->most.queue_few + plan->most.ground;
-	char most[480];
+	char most[640], asked[96] = "";
 	puts("\nmemory");
 	for (int unit = 0; unit < PLAN_UNITS; unit++)
 		for (size_t i = 0; i < plan->plan.count; i++)
 			if (is_memory(&plan->plan.lines[i]) && (int)plan->plan.lines[i].unit == unit)
 				print_bytes(scene, &plan->plan, i);
-	snprintf(most, sizeof most, "for tiles %s (%s in %u slots, %s in loads, %s in the ground, %s in changed pages) while no step changes "
-				    "more pages than an epoch waits for; %s in the worst step that there can be",
-		 layout_bytes(few).text, layout_bytes(plan->most.slots).text, scene->slots, layout_bytes(plan->most.loads).text,
-		 layout_bytes(plan->most.ground).text, layout_bytes(plan->most.queue_few).text,
+	if (scene->memory > 0)
+		snprintf(asked, sizeof asked, " of cache.memory: %s", layout_bytes(scene->memory).text);
+	snprintf(most, sizeof most, "for tiles %s%s (%s in %u slots, %s in loads, %s in %u tiles of base heights and those of loaders%s, %s in "
+				    "%u changed tiles) while no more changed tiles are on their way; %s in the worst step that there can be",
+		 layout_bytes(few).text, asked, layout_bytes(plan->most.slots).text, plan->tiles.slots, layout_bytes(plan->most.loads).text,
+		 layout_bytes(plan->most.ground).text, plan->tiles.ground, plan->tiles.queries > 0 ? " and queries" : "",
+		 layout_bytes(plan->most.queue_few).text, plan->tiles.changed,
 		 layout_bytes(few + plan->most.queue - plan->most.queue_few).text);
 	layout_wrapped(most, 4);
 }

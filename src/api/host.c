@@ -275,7 +275,7 @@ void api_figures(struct drive *drive, struct api_figures *figures)
 		.fps = 1 / host->apart,
 		.frame_ms = host->frame_ms,
 		.step_ms = host->step_ms,
-		.slots = drive->world.scene->slots,
+		.slots = drive->world.limits.slots,
 		.slots_used = seen.used,
 		.hits = stats.hits,
 		.misses = stats.misses,

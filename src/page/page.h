@@ -71,6 +71,8 @@ struct page_params {
 	 * it waits for the commit in flight. */
 	uint32_t queue_soft;
 	uint32_t queue_most; /* images for changed pages: PAGE_QUEUE_MOST. If more are needed: STATUS_FAILED */
+	/* Before more images than these are made, a page that must go waits for the commit in flight. 0: queue_most */
+	uint32_t queue_few;
 	/* s after which a change is committed; 0: only the number of changed pages counts. After a commit that took long, four times as long */
 	double commit_age;
 	size_t record_bytes; /* size of the run's record, which is copied at each commit */

@@ -11,9 +11,28 @@
 
 #include <assert.h>
 
+/* Waits for the commit in flight, if there is one, and gives up loads ahead that keep images of committed pages. */
+static enum status wait_for_images(struct page_cache *cache)
+{
+	mutex_lock(&cache->mutex);
+	enum status status = page_wait_for_commit_locked(cache, true);
+	page_loads_abandon_late_locked(cache);
+	mutex_unlock(&cache->mutex);
+	return status == STATUS_OK ? page_settle(cache) : status;
+}
+
+/* Tells whether so few images are left that loads on their way need them all, each to replace a page. */
+static bool are_few_locked(const struct page_cache *cache)
+{
+	const uint32_t few = cache->params.queue_few, made = cache->queue.made[PAGE_CHANGED_IMAGE];
+	const uint32_t left = (few > made ? few - made : 0) + cache->queue.unused_count[PAGE_CHANGED_IMAGE];
+	return few > 0 && left <= 1 + few / 32 + cache->table.urgent.count + cache->table.flights.count;
+}
+
 /* Takes an image for a changed page; NULL without failure only if `ahead`. Every page of a step has one, if the step changes no
  * more pages than promised. Fewer than twice queue_soft images wait before the step. The same bound holds for images that are
- * being committed, or kept after that. */
+ * being committed, or kept after that. Those may be kept for the very loads that need slots now. So the wait for them comes
+ * while there are images for these loads. */
 static enum status take_image(struct page_cache *cache, uint64_t key, bool ahead,
 			      struct page_host **out)
 {
@@ -23,8 +42,15 @@ static enum status take_image(struct page_cache *cache, uint64_t key, bool ahead
 	if (status != STATUS_OK)
 		return status;
 	mutex_lock(&cache->mutex);
+	const bool few = are_few_locked(cache), wait = few && (cache->commit != PAGE_COMMIT_NONE || queue->kept.count > 0);
+	mutex_unlock(&cache->mutex);
+	if (few && ahead)
+		return STATUS_OK;
+	if (wait && (status = wait_for_images(cache)) != STATUS_OK)
+		return status;
+	mutex_lock(&cache->mutex);
 	*out = page_host_acquire_locked(cache, PAGE_CHANGED_IMAGE, key);
-	bool make = *out == NULL && queue->made[PAGE_CHANGED_IMAGE] < cache->params.queue_most;
+	const bool make = *out == NULL && queue->made[PAGE_CHANGED_IMAGE] < cache->params.queue_most;
 	uint32_t waiting = queue->waiting.count;
 	mutex_unlock(&cache->mutex);
 	if (*out != NULL)

@@ -106,6 +106,7 @@ struct page_queue {
 	size_t mask;
 	struct page_host_list waiting, committing, kept;
 	struct page_host *unused[PAGE_IMAGE_KINDS]; /* images that nobody uses, by kind, linked by `next` */
+	uint32_t unused_count[PAGE_IMAGE_KINDS];
 	uint32_t made[PAGE_IMAGE_KINDS];
 	uint32_t filling;            /* images with a read-back that is not settled */
 	uint32_t commit_filling;      /* images in `committing` with a read-back that is not settled */

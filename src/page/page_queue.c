@@ -55,6 +55,7 @@ static void give_back_locked(struct page_queue *queue, struct page_host *host)
 {
 	host->next = queue->unused[host->kind];
 	queue->unused[host->kind] = host;
+	queue->unused_count[host->kind]++;
 }
 
 enum status page_host_make(struct page_cache *cache, enum page_image_kind kind)
@@ -85,6 +86,7 @@ struct page_host *page_host_acquire_locked(struct page_cache *cache, enum page_i
 	if (host == NULL)
 		return NULL;
 	cache->queue.unused[kind] = host->next;
+	cache->queue.unused_count[kind]--;
 	struct page_image image = {.key = key, .bytes = host->image.bytes, .memory = host->image.memory};
 	*host = (struct page_host){.image = image, .kind = kind, .refs = 1};
 	return host;

@@ -165,13 +165,13 @@ static size_t room_of(const struct scene *scene, size_t slots, size_t *budget)
 void render_view_find_room(struct view *view)
 {
 	const struct scene *scene = view->world->scene;
-	view->room = room_of(scene, scene->slots, &view->budget);
+	view->room = room_of(scene, view->world->limits.slots, &view->budget);
 }
 
 static void tell(struct view *view)
 {
 	const struct scene *scene = view->world->scene;
-	size_t needed = view->selection->needed, enough = scene->slots, budget = view->budget;
+	size_t needed = view->selection->needed, enough = view->world->limits.slots, budget = view->budget;
 	if (view->told)
 		return;
 	view->told = true;
@@ -182,7 +182,7 @@ static void tell(struct view *view)
 	while (budget < needed && budget < MOST)
 		room_of(scene, ++enough, &budget);
 	note("the view needs %zu tiles here, and of %u slots objects and loads leave it %zu: drawn coarser, without the finest "
-	     "ruts; give cache.slots at least %zu", needed, scene->slots, view->budget, enough);
+	     "ruts; give cache.slots at least %zu", needed, view->world->limits.slots, view->budget, enough);
 }
 
 enum status render_view_select(struct view *view, const struct render_camera *camera, bool everything)

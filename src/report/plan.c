@@ -128,11 +128,8 @@ static enum status describe(struct world *world, struct report_plan *out)
 	out->level = world->level;
 	out->spacing = world->spacing;
 	out->deformed = world->was_deformed;
-	out->most.slots = most.slots;
-	out->most.loads = most.loads;
-	out->most.queue = most.queue;
-	out->most.queue_few = most.queue_few;
-	out->most.ground = most.ground;
+	out->most = most;
+	out->tiles = report_tiles_of(world, &most);
 	out->window_tiles = world->windows.tiles;
 	out->steps = (int64_t)world_steps_until(scene, scene->end_time);
 	out->picture_steps = scene->view.present ? scene->view.images : 0;

@@ -54,7 +54,7 @@ static void add_stages(cJSON *root, const struct gpu_stats *gpu, const struct re
 static void add_cache(cJSON *root, const struct report *report, const struct page_stats *stats)
 {
 	cJSON *cache = cJSON_AddObjectToObject(root, "cache");
-	json_integer(cache, "slots", report->world->scene->slots);
+	json_integer(cache, "slots", report->world->limits.slots);
 	json_integer(cache, "touched", (int64_t)stats->touched);
 	json_integer(cache, "hits", (int64_t)stats->hits);
 	json_integer(cache, "misses", (int64_t)stats->misses);
@@ -99,6 +99,33 @@ static void add_gpu(cJSON *root, const struct report *report, const struct gpu_s
 	cJSON_AddBoolToObject(gl, "software", info->software);
 }
 
+void report_most(cJSON *memory, const char *name, const struct resident_pages_budget *most)
+{
+	cJSON *budget = cJSON_AddObjectToObject(memory, name);
+	json_integer(budget, "slots", (int64_t)most->slots);
+	json_integer(budget, "loads", (int64_t)most->loads);
+	json_integer(budget, "queue", (int64_t)most->queue);
+	json_integer(budget, "queue_few", (int64_t)most->queue_few);
+	json_integer(budget, "ground", (int64_t)most->ground);
+	json_integer(budget, "total", (int64_t)(most->slots + most->loads + most->queue + most->ground));
+	json_integer(budget, "total_few", (int64_t)(most->slots + most->loads + most->queue_few + most->ground));
+}
+
+struct report_tiles report_tiles_of(const struct world *world, const struct resident_pages_budget *most)
+{
+	return (struct report_tiles){world->limits.slots, most->images_few, world->limits.ground, world->limits.queries};
+}
+
+void report_tile_counts(cJSON *memory, const struct report_tiles *tiles)
+{
+	cJSON *object = cJSON_AddObjectToObject(memory, "tiles");
+	json_integer(object, "slots", tiles->slots);
+	json_integer(object, "changed", tiles->changed);
+	json_integer(object, "ground", tiles->ground);
+	if (tiles->queries > 0)
+		json_integer(object, "queries", tiles->queries);
+}
+
 static void add_memory(cJSON *root, const struct report *report, const struct gpu_stats *gpu,
 		       const struct resident_pages_io *io)
 {
@@ -111,13 +138,9 @@ static void add_memory(cJSON *root, const struct report *report, const struct gp
 	/* The most memory that may be used, whatever the terrain's size and the drive's length. */
 	struct resident_pages_budget most;
 	world_budget(report->world, &most);
-	cJSON *budget = cJSON_AddObjectToObject(memory, "budget");
-	json_integer(budget, "slots", (int64_t)most.slots);
-	json_integer(budget, "loads", (int64_t)most.loads);
-	json_integer(budget, "queue", (int64_t)most.queue);
-	json_integer(budget, "queue_few", (int64_t)most.queue_few);
-	json_integer(budget, "ground", (int64_t)most.ground);
-	json_integer(budget, "total", (int64_t)(most.slots + most.loads + most.queue + most.ground));
+	report_most(memory, "budget", &most);
+	const struct report_tiles tiles = report_tiles_of(report->world, &most);
+	report_tile_counts(memory, &tiles);
 	cJSON *bytes = cJSON_AddObjectToObject(memory, "plane_bytes");
 	json_integer(bytes, "base", (int64_t)planes.base);
 	if (planes.classes > 0)

@@ -41,6 +41,15 @@ enum status report_map(const struct world *world, const char *path, const char *
 void report_asked(struct cJSON *root, const struct report *report);
 /* counts.c: adds what was made and run. `gpu`: passes, without those of warming up. */
 void report_counts(struct cJSON *root, const struct report *report, const struct gpu_stats *gpu, const struct resident_pages_io *io);
+/* Numbers of tiles that a run keeps in memory. */
+struct report_tiles {
+	uint32_t slots, changed, ground; /* slots; images of changed pages, of queue_few; base heights on the CPU */
+	uint32_t queries;                /* tiles that queries keep; 0: none are asked */
+};
+/* Adds the most bytes that tiles take, and the number of tiles that they are computed from. */
+void report_most(struct cJSON *memory, const char *name, const struct resident_pages_budget *most);
+void report_tile_counts(struct cJSON *memory, const struct report_tiles *tiles);
+struct report_tiles report_tiles_of(const struct world *world, const struct resident_pages_budget *most);
 /* where.c: adds where effects were computed, and where they might have been. */
 void report_where(struct cJSON *root, const struct report *report, const struct gpu_stats *gpu);
 
@@ -85,10 +94,8 @@ struct report_plan {
 	int level;            /* the working level; assumed 0 */
 	double spacing;       /* metres between posts of that level; assumed the scene's, or 1 */
 	bool deformed;        /* the store is deformed before the run; assumed false */
-	struct {
-		uint64_t slots, loads, queue, ground;
-		uint64_t queue_few; /* of the queue, if no step changes more pages than a commit waits for: the usual case */
-	} most;               /* bytes, as memory.budget of run.json: planes in slots, and tiles on the host */
+	struct resident_pages_budget most; /* bytes, as memory.budget of run.json: planes in slots, and tiles on the host */
+	struct report_tiles tiles; /* that `most` is computed from */
 	size_t window_tiles;  /* most tiles that one window, or one block of relaxing soil, can touch */
 	int64_t steps, pictures; /* until end_time; `pictures`: pictures drawn, which are those that are written */
 	int64_t picture_steps; /* steps from one written picture to the next; 0: none is written */

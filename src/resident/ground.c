@@ -68,6 +68,23 @@ void resident_ground_destroy(struct ground *ground)
 	mem_free(ground);
 }
 
+enum status resident_ground_grow(struct ground *ground, uint32_t tiles)
+{
+	enum status status = STATUS_OK;
+	mutex_lock(&ground->mutex);
+	const uint32_t count = ground->recent.count;
+	if (tiles > count) {
+		int32_t **posts = mem_realloc(ground->posts, tiles, sizeof *posts);
+		if (posts != NULL)
+			ground->posts = posts;
+		for (uint32_t i = count; posts != NULL && i < tiles; i++)
+			posts[i] = NULL;
+		status = posts != NULL ? recent_grow(&ground->recent, tiles) : fail_memory("the ground");
+	}
+	mutex_unlock(&ground->mutex);
+	return status;
+}
+
 struct store_reader *resident_ground_reader(struct ground *ground)
 {
 	return ground->reader;

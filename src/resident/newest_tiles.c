@@ -5,7 +5,7 @@
 #include "resident/newest_internal.h"
 
 #define BYTES ((size_t)32 << 20)
-enum { LEAST = 4, MOST = 64 };
+enum { LEAST = RESIDENT_NEWEST_LEAST, MOST = 64 };
 
 static size_t posts_of(const struct newest *newest)
 {
@@ -13,10 +13,22 @@ static size_t posts_of(const struct newest *newest)
 	return side * side;
 }
 
+uint32_t resident_newest_tiles(uint32_t cells)
+{
+	const size_t posts = (size_t)(cells + 1) * (cells + 1), fit = BYTES / (posts * sizeof(double));
+	return fit < LEAST ? LEAST : fit > MOST ? MOST : (uint32_t)fit;
+}
+
+uint64_t resident_newest_tile_bytes(uint32_t cells)
+{
+	const uint64_t posts = (uint64_t)(cells + 1) * (cells + 1), side = cells / TERRAIN_BLOCK;
+	return sizeof(double) * (posts + 2 * side * side);
+}
+
 enum status resident_newest_create_tiles(struct newest *newest)
 {
-	const size_t posts = posts_of(newest), fit = BYTES / (posts * sizeof(double));
-	const uint32_t tiles = fit < LEAST ? LEAST : fit > MOST ? MOST : (uint32_t)fit;
+	const size_t posts = posts_of(newest);
+	const uint32_t tiles = resident_newest_tiles(newest->extent->cells);
 	newest->tiles = mem_calloc(tiles, sizeof *newest->tiles);
 	newest->posts = mem_alloc(posts, sizeof *newest->posts);
 	newest->patch = mem_alloc(posts, sizeof *newest->patch);
@@ -24,12 +36,42 @@ enum status resident_newest_create_tiles(struct newest *newest)
 										  : fail_memory("tiles for queries");
 }
 
-void resident_newest_destroy_tiles(struct newest *newest)
+static void free_heights(struct newest *newest)
 {
 	for (uint32_t i = 0; i < newest->recent.count; i++) {
 		mem_free(newest->tiles[i].heights);
 		mem_free(newest->tiles[i].blocks);
+		newest->tiles[i] = (struct resident_newest_tile){.heights = NULL};
 	}
+}
+
+enum status resident_newest_keep(struct newest *newest, uint32_t tiles)
+{
+	if (tiles < newest->recent.count) {
+		struct recent fewer;
+		enum status status = recent_create(&fewer, tiles);
+		if (status != STATUS_OK)
+			return status;
+		free_heights(newest);
+		recent_finish(&newest->recent);
+		newest->recent = fewer;
+		return STATUS_OK;
+	}
+	const uint32_t count = newest->recent.count;
+	if (tiles == count)
+		return STATUS_OK;
+	struct resident_newest_tile *grown = mem_realloc(newest->tiles, tiles, sizeof *grown);
+	if (grown == NULL)
+		return fail_memory("tiles for queries");
+	newest->tiles = grown;
+	for (uint32_t i = count; i < tiles; i++)
+		grown[i] = (struct resident_newest_tile){.heights = NULL};
+	return recent_grow(&newest->recent, tiles);
+}
+
+void resident_newest_destroy_tiles(struct newest *newest)
+{
+	free_heights(newest);
 	mem_free(newest->tiles);
 	recent_finish(&newest->recent);
 	mem_free(newest->posts);
@@ -45,7 +87,7 @@ static bool takes_offsets(const struct newest *newest, struct tile tile)
 void resident_newest_forget_tiles(struct newest *newest)
 {
 	for (uint32_t i = 0; i < newest->recent.count; i++)
-		if (takes_offsets(newest, tile_from_key(newest->recent.places[i].key)))
+		if (newest->recent.places[i].used && takes_offsets(newest, tile_from_key(newest->recent.places[i].key)))
 			recent_empty(&newest->recent, i);
 }
 

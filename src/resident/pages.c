@@ -39,14 +39,27 @@ static uint32_t commit_pages_most(const struct pages_params *params, const struc
 	return pages < params->count ? pages : params->count;
 }
 
+/* Returns how many images of changed pages are made without a wait. There is always one for each page that objects change in a step,
+ * and half as many more. */
+static uint32_t images_of(const struct pages_params *params, uint32_t soft)
+{
+	enum { LEAST = 16 };
+	const uint32_t least = params->work_pages + params->work_pages / 2 + LEAST, enough = PAGE_QUEUE_MOST(soft, 0);
+	const uint32_t images = params->images > 0 && params->images < enough ? params->images : enough;
+	return images > least ? images : least;
+}
+
 static struct page_params cache_params(const struct pages_params *params, const struct pages_layout *layout)
 {
 	uint32_t soft = commit_pages_most(params, layout);
+	const uint32_t few = images_of(params, soft), most = PAGE_QUEUE_MOST(soft, params->step_pages);
+	soft = soft < few - few / 4 ? soft : few - few / 4; /* the rest is for the step that starts the commit */
 	return (struct page_params){
 		.slots = params->count,
 		.loaders = params->loaders,
 		.queue_soft = soft,
-		.queue_most = PAGE_QUEUE_MOST(soft, params->step_pages),
+		.queue_most = most > few ? most : few,
+		.queue_few = few,
 		.commit_age = params->commit_age,
 		.begin_commit = params->begin_commit,
 		.begin_commit_user = params->user,
@@ -135,9 +148,10 @@ void resident_pages_budget(const struct pages_params *params, uint32_t cells, st
 	uint64_t plane = layout.posts * sizeof(int32_t);
 	*budget = (struct resident_pages_budget){
 		.slots = params->count * (plane + layout.loaded - layout.planes),
-		.loads = page_load_images(params->loaders) * (uint64_t)layout.loaded,
+		.loads = page_load_images(params->loaders) * (uint64_t)layout.loaded + (params->snapshot != NULL ? PAGES_TALLY_BYTES : 0),
 		.queue = cache.queue_most * (uint64_t)layout.changed,
-		.queue_few = PAGE_QUEUE_MOST(cache.queue_soft, 0) * (uint64_t)layout.changed,
+		.queue_few = cache.queue_few * (uint64_t)layout.changed,
+		.images_few = cache.queue_few,
 		.ground = reader_count(params) * (GROUND_TILES + 1) * plane,
 	};
 }

@@ -33,6 +33,8 @@ struct ground;
  * resident_ground_warm adds memory for one tile. The store must stay open longer than the ground. */
 enum status resident_ground_create(struct store *store, uint32_t tiles, struct ground **out) FURROW_CHECKED;
 void resident_ground_destroy(struct ground *ground);
+/* From now on it keeps at most `tiles` tiles, if that is more than before. The owner calls it. */
+enum status resident_ground_grow(struct ground *ground, uint32_t tiles) FURROW_CHECKED;
 struct store_reader *resident_ground_reader(struct ground *ground);
 /* returns the reference height of all base heights of this store, in metres */
 int32_t resident_ground_reference(const struct store *store);
@@ -235,6 +237,7 @@ struct pages_params {
 	uint32_t count, loaders;
 	uint32_t step_pages;     /* most pages that one step can change; bounds the queue */
 	uint32_t work_pages;     /* pages that change step after step; fewer than twice as many do not start a commit */
+	uint32_t images;         /* images of changed pages that are made before a page waits for one; 0: as many as four commits have */
 	struct pages_record record;
 	struct pages_sums before; /* sums of this drive at the time when these pages were made */
 	FILE *commit_log;           /* a line for each commit; NULL: none */
@@ -263,7 +266,9 @@ struct pages_params {
  * keep. */
 struct resident_pages_budget {
 	uint64_t slots, loads, queue, ground;
-	uint64_t queue_few; /* part of `queue` that is enough if no step changes more pages than start a commit */
+	/* Part of `queue`: so many images are made before a page waits for the commit in flight. More are made only if that was not enough. */
+	uint64_t queue_few;
+	uint32_t images_few;
 };
 
 /* How many rows of the store were read for pages, and how many rows commits changed. */
@@ -357,7 +362,7 @@ void resident_pyramid_figures(const struct pyramid *pyramid, struct resident_pyr
  *
  * For a store without a drive: any one thread, without GL. Commits that another process makes meanwhile may be seen or not.
  *
- * Tiles and ranges that were read are kept: about 32 MB of tiles, at least 4. If a tile is dirty in its slot, it is read back
+ * Tiles and ranges that were read are kept: about 32 MB of tiles, at least 4, or as many as resident_newest_keep tells. If a tile is dirty in its slot, it is read back
  * from there. On a hardware GPU this waits for all earlier GPU work. It happens once for each tile until the ground changes.
  */
 struct newest;
@@ -365,6 +370,11 @@ struct newest;
 /* `pages` NULL: reads only the store. Store and pages must stay valid longer than `newest`. */
 enum status resident_newest_create(struct store *store, struct pages *pages, struct newest **out) FURROW_CHECKED;
 void resident_newest_destroy(struct newest *newest); /* newest may be NULL */
+#define RESIDENT_NEWEST_LEAST 4 /* tiles that it keeps at least */
+uint32_t resident_newest_tiles(uint32_t cells); /* tiles that it keeps from its creation on */
+uint64_t resident_newest_tile_bytes(uint32_t cells);
+/* From now on it keeps at most so many tiles, at least RESIDENT_NEWEST_LEAST. With fewer than before all are dropped. */
+enum status resident_newest_keep(struct newest *newest, uint32_t tiles) FURROW_CHECKED;
 /* Notes that the ground has changed since the last query. May be called inside a step. newest may be NULL. */
 void resident_newest_changed(struct newest *newest);
 enum status resident_newest_heights(struct newest *newest, const struct terrain_point *points, size_t count, struct terrain_height *heights)

@@ -119,7 +119,7 @@ static const struct effect_row rows[EFFECT_COUNT] = {
 		"images", "view.images", "", NONE, "colour", "", 0, LIST("view.images"),
 		"the step waits until the picture has all its tiles; at most 3 on their way to their files", "writes pictures to files"},
 	[EFFECT_LOADERS] = {
-		"loaders", "cache.loaders", "", NONE, "base, offset", "", 0, LIST("cache.loaders", "cache.slots"),
+		"loaders", "cache.loaders", "", NONE, "base, offset", "", 0, LIST("cache.loaders", "cache.slots", "cache.memory"),
 		"at most 16 threads; without any the step reads, and nothing is read ahead", "reads tiles while the step goes on"},
 	[EFFECT_PREFETCH] = {
 		"prefetch", "cache.prefetch", "", NONE, "base", "", 0, LIST("cache.prefetch"),

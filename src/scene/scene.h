@@ -222,6 +222,7 @@ struct scene {
 	int forces_delay;   /* steps after which forces are read back from the GPU; 0: read at once, and wait for them */
 	struct scene_view view;
 	uint32_t slots, loaders;
+	uint64_t memory; /* bytes that tiles may take; 0: not given, `slots` counts */
 	double prefetch; /* s of driving that the prefetcher looks ahead */
 	char **unused;   /* settings of the scene that have no effect: "KEY: WHY; WHAT TO DO" */
 	size_t unused_count;

@@ -5,6 +5,7 @@
 #include "scene/scene_check.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "scene/scene_error.h"
@@ -136,6 +137,36 @@ static enum status check_coordinates(const struct raw_scene *raw, struct scene *
 	return copy(&scene->srs, raw->coordinates);
 }
 
+/* Reads bytes such as "512 MB". */
+static enum status check_memory(const struct scene_tree *tree, const struct raw_cache *cache, struct scene *scene)
+{
+	static const struct {
+		const char *name;
+		double bytes;
+	} units[] = {{"MB", 1e6}, {"GB", 1e9}, {"MiB", 1048576}, {"GiB", 1073741824}};
+	const double most = 1e15;
+	const struct scene_node *node = scene_tree_find(tree, "cache.memory");
+	const char *text = cache->memory;
+	double bytes = NAN;
+	if (text == NULL)
+		return STATUS_OK;
+	if (cache->slots != NULL)
+		return scene_error(tree->file, node, "it cannot be given beside cache.slots, which it decides; remove one of the two");
+	const size_t digits = strspn(text, "0123456789.");
+	char *end;
+	const double number = strtod(text, &end);
+	for (size_t i = 0; digits > 0 && end == text + digits && i < sizeof units / sizeof units[0]; i++)
+		if (strcmp(end + strspn(end, " "), units[i].name) == 0)
+			bytes = number * units[i].bytes;
+	if (isnan(bytes))
+		return scene_error(tree->file, node, "%s is no number of bytes; give a number and one of MB, GB, MiB, GiB, as in 512 MB",
+				   scene_quote(text).text);
+	if (!(bytes >= 1 && bytes <= most))
+		return scene_error(tree->file, node, "%s is out of range; allowed: above 0 to 1e6 GB", scene_quote(text).text);
+	scene->memory = (uint64_t)bytes;
+	return STATUS_OK;
+}
+
 enum status scene_check(const struct scene_tree *tree, const struct raw_scene *raw,
 			struct scene *scene)
 {
@@ -157,7 +188,8 @@ enum status scene_check(const struct scene_tree *tree, const struct raw_scene *r
 	scene->loaders = (uint32_t)whole(cache->loaders, "cache.loaders");
 	scene->prefetch = number(cache->prefetch, "cache.prefetch");
 
-	if ((status = check_coordinates(raw, scene)) != STATUS_OK ||
+	if ((status = check_memory(tree, cache, scene)) != STATUS_OK ||
+	    (status = check_coordinates(raw, scene)) != STATUS_OK ||
 	    (status = check_redistribute(tree, raw->redistribute, scene)) != STATUS_OK ||
 	    (status = check_attributes(tree, raw, scene)) != STATUS_OK ||
 	    (status = check_output(tree, raw->output, scene)) != STATUS_OK ||

@@ -220,6 +220,7 @@ static const cyaml_schema_field_t view_fields[] = {
 };
 static const cyaml_schema_field_t cache_fields[] = {
 	CYAML_FIELD_INT_PTR("slots", OPTIONAL, struct raw_cache, slots),
+	CYAML_FIELD_STRING_PTR("memory", OPTIONAL, struct raw_cache, memory, 1, 64),
 	CYAML_FIELD_INT_PTR("loaders", OPTIONAL, struct raw_cache, loaders),
 	CYAML_FIELD_FLOAT_PTR("prefetch", OPTIONAL, struct raw_cache, prefetch),
 	CYAML_FIELD_END,

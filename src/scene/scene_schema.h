@@ -135,6 +135,7 @@ struct raw_view {
 };
 struct raw_cache {
 	int64_t *slots, *loaders;
+	char *memory;
 	double *prefetch;
 };
 struct raw_start {

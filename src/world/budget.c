@@ -73,12 +73,24 @@ enum status world_shape_budget(struct world *world, const char *name, const stru
 	if (tiles > WORLD_TILES_MOST)
 		return fail_with(STATUS_INPUT, "%s: it touches up to %zu tiles of %u cells at once, and %d is the most; import with larger "
 					       "tiles (--tile)", name, tiles, world->meta->extent.cells, WORLD_TILES_MOST);
-	if (tiles > world->scene->slots)
+	if (tiles > world->limits.slots)
 		return fail_with(STATUS_INPUT, "cache.slots: %s touches up to %zu tiles at once and there are %u slots; give at least %zu, or "
-					       "import with larger tiles (--tile)", name, tiles, world->scene->slots, tiles);
+					       "import with larger tiles (--tile)", name, tiles, world->limits.slots, tiles);
 	if (tiles > world->windows.tiles)
 		world->windows.tiles = tiles;
 	return STATUS_OK;
+}
+
+size_t world_least_slots(const struct world *world)
+{
+	struct deform_params params;
+	world_deform_params(world, &params);
+	size_t least = world_deforms(world) && deform_conserves(world->scene->model) ? block_tiles(world) : 0;
+	for (size_t i = 0; i < world->scene->object_count; i++) {
+		const size_t tiles = window_tiles(world, &params, &world->scene->objects[i].shape);
+		least = tiles > least ? tiles : least;
+	}
+	return least < WORLD_TILES_MOST ? least : WORLD_TILES_MOST;
 }
 
 enum status world_budget_check(struct world *world)
@@ -92,11 +104,11 @@ enum status world_budget_check(struct world *world)
 		return status;
 	world_deform_params(world, &params);
 	size_t block = world_deforms(world) && deform_conserves(scene->model) ? block_tiles(world) : 0;
-	if (block > WORLD_TILES_MOST || block > scene->slots)
+	if (block > WORLD_TILES_MOST || block > world->limits.slots)
 		return fail_with(STATUS_INPUT, "cache.slots: a block of ground that slides touches up to %zu tiles of %u cells at "
 					       "once, and there are %u slots (at most %d are used); give more, or import with "
 					       "larger tiles (--tile)",
-				 block, world->meta->extent.cells, scene->slots, WORLD_TILES_MOST);
+				 block, world->meta->extent.cells, world->limits.slots, WORLD_TILES_MOST);
 	world->windows.tiles = block;
 	for (size_t i = 0; i < scene->object_count; i++) {
 		status = world_shape_budget(world, scene->objects[i].name, &scene->objects[i].shape);
@@ -104,16 +116,6 @@ enum status world_budget_check(struct world *world)
 			return status;
 	}
 	return STATUS_OK;
-}
-
-uint32_t world_work_pages(const struct world *world)
-{
-	double pages = 0, side = world->spacing * world->meta->extent.cells;
-	for (size_t i = 0; i < world->scene->object_count; i++) {
-		const double across = 1 + 2 * deform_shape_bound(&world->scene->objects[i].shape) / side;
-		pages += world->bodies[i].track != NULL ? across * across : 0;
-	}
-	return pages < 1e6 ? (uint32_t)ceil(pages) : 1000000;
 }
 
 uint32_t world_step_pages(const struct world *world)
@@ -126,13 +128,16 @@ uint32_t world_step_pages(const struct world *world)
 			continue;
 		/* also the posts that are smoothed around it */
 		double size = 2 * deform_shape_bound(&world->scene->objects[i].shape) + 16 * world->spacing;
-		double along = motion_track_fastest(world->bodies[i].track) * world->scene->time_step / side + 2, across = ceil(size / side) + 1;
-		pages += 2 * along * across + across * across;
+		double way = motion_track_fastest(world->bodies[i].track) * world->scene->time_step;
+		double along = way / side + 2, across = ceil(size / side) + 1, around = ceil((size + way) / side) + 1;
+		pages += fmin(2 * along * across + across * across, around * around);
 	}
 	/* Blocks that relax behind the objects: at worst each lies on a tile of its own. */
 	if (deform_conserves(world->scene->model))
 		pages += fmin(DEFORM_BLOCKS_MAX, (double)extent_tiles_x(&world->meta->extent, world->level) *
 							 extent_tiles_y(&world->meta->extent, world->level));
+	if (world->store != NULL)
+		pages = fmin(pages, (double)extent_tiles_x(&world->meta->extent, world->level) * extent_tiles_y(&world->meta->extent, world->level));
 	return pages < 1e6 ? (uint32_t)pages + 4 : 1000000;
 }
 
@@ -142,5 +147,6 @@ void world_budget(const struct world *world, struct resident_pages_budget *budge
 	struct pages_params params;
 	world_pages_params(world, &params);
 	resident_pages_budget(&params, world->meta->extent.cells, budget);
-	budget->ground += ((uint64_t)world->ground_tiles + 1) * side * side * sizeof(int32_t);
+	budget->ground += ((uint64_t)world->limits.ground + 1) * side * side * sizeof(int32_t);
+	budget->ground += world->limits.queries * resident_newest_tile_bytes(world->meta->extent.cells);
 }

@@ -204,6 +204,8 @@ enum status world_body_add(struct world *world, struct scene_object *object, int
 	if (status == STATUS_OK)
 		status = world_check_bearing(world, object->name, &object->shape);
 	if (status == STATUS_OK)
+		status = world_limits_add(world, &object->shape);
+	if (status == STATUS_OK)
 		status = make_room(world);
 	if (status == STATUS_OK)
 		status = name_it(world, object, !is_made_up(object->name));

@@ -117,7 +117,6 @@ int world_rasters(const struct world *world, struct deform_raster *rasters);
 enum status world_soil_numbers_at(struct world *world, double x, double y, struct deform_soil *soil, bool *found) FURROW_CHECKED;
 
 /* --- plan.c --- */
-uint32_t world_ground_tiles(const struct world *world);
 /* Fills the parameters of deform, except gpu, slots and reference. */
 void world_deform_params(const struct world *world, struct deform_params *params);
 struct deform_planned world_planned(const struct scene_object *object);
@@ -130,8 +129,21 @@ bool world_deforms(const struct world *world); /* true if bodies change the grou
 enum status world_shape_budget(struct world *world, const char *name, const struct deform_shape *shape) FURROW_CHECKED;
 /* --- budget.c: most pages that one step can touch; bounds the queue --- */
 uint32_t world_step_pages(const struct world *world);
-/* Pages that objects of the scene lie on at one time, in the mean over where tiles begin. */
+/* Returns the slots that the scene's objects need at least. */
+size_t world_least_slots(const struct world *world);
+
+/* --- limits.c: how many tiles the world keeps in memory --- */
+
+/* Sets world->limits. Call it after world_make_bodies. STATUS_INPUT: cache.memory is too little; the message has the least. */
+enum status world_settle_limits(struct world *world) FURROW_CHECKED;
+/* Pages that bodies lie on at one time, in the mean over where tiles begin. */
 uint32_t world_work_pages(const struct world *world);
+/* Returns the number of all tiles of the working level and of coarser ones. In plan.c. */
+double world_all_tiles(const struct world *world);
+/* Tells if bodies lie on more tiles than there are slots. */
+void world_advise_limits(const struct world *world, scene_advice_fn tell, void *user);
+/* Raises the limits for one more body of a host. */
+enum status world_limits_add(struct world *world, const struct deform_shape *shape) FURROW_CHECKED;
 
 /* --- events.c --- */
 

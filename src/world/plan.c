@@ -8,9 +8,6 @@
 
 #include "world/internal.h"
 
-#define GROUND_BYTES (64 << 20)
-enum { GROUND_LEAST = 16, GROUND_MOST = 256 }; /* tiles */
-
 /* Assumed without a store: tiles as import makes them, on the widest ground, of little relief. */
 enum { ASSUMED_CELLS = 256 };
 #define ASSUMED_SPACING 1.0
@@ -70,17 +67,6 @@ enum status world_open_soil_map(struct world *world)
 	return world_needs_soil_map(world->scene) ? resident_soil_map_open(&params, &world->soil_map) : STATUS_OK;
 }
 
-/* Returns the number of tiles of the ground: a few for each object, up to a limit. Insets add one for each of their levels. */
-uint32_t world_ground_tiles(const struct world *world)
-{
-	size_t side = tile_posts(&world->meta->extent), most = GROUND_BYTES / (side * side * sizeof(int32_t));
-	size_t objects = world->scene->object_count + 1, insets = world->store != NULL ? (size_t)-store_finest_base(world->store) : 0;
-	size_t tiles = (4 + insets) * objects;
-	tiles = tiles < most ? tiles : most;
-	tiles = tiles < GROUND_MOST ? tiles : GROUND_MOST;
-	return tiles > GROUND_LEAST ? (uint32_t)tiles : GROUND_LEAST;
-}
-
 void world_deform_params(const struct world *world, struct deform_params *params)
 {
 	const struct scene *scene = world->scene;
@@ -106,7 +92,7 @@ void world_deform_params(const struct world *world, struct deform_params *params
 	};
 	memcpy(params->soils, scene->soils, sizeof params->soils);
 	params->raster_count = world_rasters(world, params->rasters);
-	for (size_t i = 0; i < scene->object_count; i++)
+	for (size_t i = 0; i < scene->object_count && world->bodies != NULL; i++)
 		params->loaded_bodies += world->bodies[i].loaded_body > 0;
 }
 
@@ -126,8 +112,7 @@ struct deform_planned world_planned(const struct scene_object *object)
 
 /* --- advice --- */
 
-/* Returns the number of all tiles of the working level and of coarser ones. */
-static double all_tiles(const struct world *world)
+double world_all_tiles(const struct world *world)
 {
 	const struct extent *extent = &world->meta->extent;
 	double tiles = 0;
@@ -203,7 +188,10 @@ void world_advise(const struct world *world, scene_advice_fn tell, void *user)
 		advise_leaving(world, tell, user);
 		world_advise_relief(world, tell, user);
 	}
-	double tiles = world->store != NULL ? all_tiles(world) : INFINITY, enough = fmax(tiles, slots.low);
+	world_advise_limits(world, tell, user);
+	if (scene->memory > 0)
+		return;
+	double tiles = world->store != NULL ? world_all_tiles(world) : INFINITY, enough = fmax(tiles, slots.low);
 	if (enough >= scene->slots || scene->slots == slots.absent)
 		return;
 	snprintf(text, sizeof text, "cache.slots: %u, and the store has %.0f tile%s at this spacing: the others stay empty; give %.0f",
@@ -322,7 +310,5 @@ enum status world_prepare_plan(struct world *world, const struct scene *scene, c
 	enum status status = store != NULL ? over_store(world, store) : over_nothing(world, assumed);
 	if (status == STATUS_OK)
 		status = world_make_bodies(world);
-	if (status == STATUS_OK)
-		world->ground_tiles = world_ground_tiles(world);
-	return status;
+	return status == STATUS_OK ? world_settle_limits(world) : status;
 }

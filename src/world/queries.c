@@ -5,7 +5,12 @@
 
 static enum status need_newest(struct world *world)
 {
-	return world->newest != NULL ? STATUS_OK : resident_newest_create(world->store, world->pages, &world->newest);
+	if (world->newest == NULL) {
+		enum status status = resident_newest_create(world->store, world->pages, &world->newest);
+		if (status != STATUS_OK)
+			return status;
+	}
+	return world->limits.queries > 0 ? resident_newest_keep(world->newest, world->limits.queries) : STATUS_OK;
 }
 
 enum status world_heights(struct world *world, const struct terrain_point *points, size_t count, struct terrain_height *heights)

@@ -29,15 +29,15 @@ enum status world_prepare(struct world *world, const struct world_params *params
 	if (status == STATUS_OK)
 		status = world_settle_relief(world);
 	if (status == STATUS_OK)
-		world->ground_tiles = world_ground_tiles(world);
-	if (status == STATUS_OK)
-		status = resident_ground_create(world->store, world->ground_tiles, &world->ground);
-	if (status == STATUS_OK)
 		status = world_open_soil_map(world);
 	if (status == STATUS_OK)
 		status = world_open_rasters(world);
 	if (status == STATUS_OK)
 		status = world_make_bodies(world);
+	if (status == STATUS_OK)
+		status = world_settle_limits(world);
+	if (status == STATUS_OK)
+		status = resident_ground_create(world->store, world->limits.ground, &world->ground);
 	if (status == STATUS_OK)
 		status = world_tell_ruts(world);
 	if (status == STATUS_OK && params->resume)
@@ -68,7 +68,7 @@ static enum status start_look_ahead(struct world *world)
 	for (size_t i = 0; i < scene->object_count; i++)
 		if (world->bodies[i].track != NULL)
 			bodies[count++] = (struct look_ahead_body){world->bodies[i].track, &world->bodies[i].object->shape, world->bodies[i].next};
-	uint32_t tiles = world->ground_tiles;
+	uint32_t tiles = world->limits.ground;
 	bool follows = scene->view.present && scene->view.camera != SCENE_FIXED && scene->view.target_vehicle == 0 && scene->object_count > 0 &&
 		       world->bodies[scene->view.target_object].track != NULL;
 	const struct look_ahead_params params = {
@@ -114,7 +114,7 @@ enum status world_start(struct world *world)
 	if (status == STATUS_OK)
 		status = gpu_create(&gpu, &world->gpu);
 	if (status == STATUS_OK)
-		status = gpu_slots_create(world->gpu, world->meta->extent.cells, scene->slots,
+		status = gpu_slots_create(world->gpu, world->meta->extent.cells, world->limits.slots,
 					  world_planes(scene, world->was_deformed), &world->slots);
 	world_deform_params(world, &deform);
 	world->aloft.asks_touched = deform.touched;
@@ -182,10 +182,11 @@ void world_pages_params(const struct world *world, struct pages_params *params)
 	*params = (struct pages_params){
 		.planes = world_planes(scene, world->was_deformed),
 		.level = world->level,
-		.count = scene->slots,
+		.count = world->limits.slots,
 		.loaders = scene->loaders,
 		.step_pages = world_step_pages(world),
 		.work_pages = world_work_pages(world),
+		.images = world->limits.images,
 		.record = world_record_pages(scene),
 		.commit_age = COMMIT_AGE,
 		.before_read_back = before_read_back,
@@ -250,7 +251,7 @@ static void serve(struct world *world)
 					       .extent = &world->meta->extent,
 					       .level = world->level,
 					       .cache = world->cache,
-					       .slots = world->scene->slots,
+					       .slots = world->limits.slots,
 					       .requests = world->watcher != NULL ? watcher_requests : NULL,
 					       .user = world,
 				       });

@@ -279,7 +279,13 @@ struct world {
 	struct gpu *gpu;
 	struct gpu_slots *slots;
 	struct ground *ground;
-	uint32_t ground_tiles; /* most tiles that `ground` keeps */
+	struct world_limits {      /* limits.c: most tiles in memory */
+		uint32_t slots;    /* of the GPU */
+		uint32_t images;   /* of changed pages, as in pages_params */
+		uint32_t ground;   /* base heights that `ground` keeps */
+		uint32_t queries;  /* that `newest` keeps; 0: nobody asks */
+		double hosts_need, hosts_work; /* tiles of base heights, and pages, under bodies that a host added */
+	} limits;
 	struct soil_map *soil_map; /* NULL: one soil */
 	struct world_relief *relief;       /* what relief by class reads; NULL: it has none */
 	struct soil_rasters *soil_rasters; /* NULL: every number is that of a post's soil */

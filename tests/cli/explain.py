@@ -92,8 +92,9 @@ class Explain(FurrowTest):
         self.assertEqual((plan["assumed"], plan["cells"], plan["level"], plan["spacing"]), (False, 256, 0, 1))
         self.assertEqual((plan["steps"], plan["pictures"], plan["deformed"]), (30, 0, False))
         self.assertEqual(plan["stations"], {"a": 31, "b": 31, "c": 11})
-        self.assertEqual(plan["memory"]["most"]["total"], sum(value for key, value in plan["memory"]["most"].items()
-                                                              if key not in ("queue_few", "total")))
+        most = plan["memory"]["most"]
+        self.assertEqual(most["total"], sum(most[key] for key in ("slots", "loads", "queue", "ground")))
+        self.assertEqual(most["total_few"], sum(most[key] for key in ("slots", "loads", "queue_few", "ground")))
 
     def test_the_store_decides_level_and_spacing(self):
         scene = self.scene(BARE + "spacing: 0.3\n")

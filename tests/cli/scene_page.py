@@ -67,7 +67,7 @@ SAMPLES = [
     scene(wheel(shape={"box": {"size": [1, 1, 1], "belt": True}}, load=100), soil={"name": "lunar"}, redistribute={"model": "scm"}),
     scene(wheel(shape={"cylinder": {"radius": 0.5, "length": 1}}), wheel(name="b", shape={"capsule": {"radius": 0.5, "length": 1}}),
           wheel(name="c", shape={"ellipsoid": {"radii": [0.5, 0.4, 0.3]}})),
-    scene(view=view({"fixed": {"eye": [1, 2, 3], "target": [4, 5, 6]}})),
+    scene(view=view({"fixed": {"eye": [1, 2, 3], "target": [4, 5, 6]}}), cache={"memory": "512 MB"}),
     scene(soil={"name": "dry_sand"}, redistribute={"model": "scm"}, time_step=0.002, stuck={"after": 5, "below": 0.01}, output={"vehicles": 10},
           vehicles=[vehicle(start={"at": [5, 5], "yaw": 30}, soil=["wheel"],
                             driver={"path": {"points": [[5, 5], [6, 5]], "speed": 1}, "steer": [], "drive": ["drive"]}),

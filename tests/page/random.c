@@ -250,6 +250,7 @@ static void begin(uint64_t seed)
 	trial.params = fake_params(fake, 2 + (one_in(3) ? below(63) : below(10)), (uint32_t)(seed % 5));
 	trial.params.queue_soft = soft;
 	trial.params.queue_most = PAGE_QUEUE_MOST(soft, STEP_PAGES);
+	trial.params.queue_few = one_in(2) ? 1 + below(trial.params.queue_most) : 0;
 	if (one_in(2))
 		trial.params.executor.snapshot = fake_snapshot;
 	trial.fault = one_in(3) ? (enum fault)(1 + below(3)) : NO_FAULT;

@@ -123,6 +123,46 @@ static void page_many_changes_wait_for_the_commit_in_flight(void **state)
 	fake_finish(&fake);
 }
 
+/* Evictions wait for the commit in flight before they make more images than are usual. */
+static void page_evictions_wait_for_images_of_the_commit_in_flight(void **state)
+{
+	enum { PAGES = 12, SLOTS = 2, FEW = 16 };
+	static const uint32_t fews[] = {0, FEW};
+	uint32_t peaks[2];
+	(void)state;
+	for (int i = 0; i < 2; i++) {
+		static struct fake fake;
+		struct page_params params = fake_params(&fake, SLOTS, 1);
+		struct fake_opener opener;
+		params.queue_soft = 100; /* no commit but this */
+		params.queue_most = PAGE_QUEUE_MOST(100, PAGES);
+		params.queue_few = fews[i];
+		params.commit_age = 1e-9;
+		fake_start(&fake, &params);
+		for (uint64_t key = 0; key < PAGES; key++)
+			fake_change(&fake, key);
+		fake_gate(&fake, 0, true);
+		fake_end_step(&fake, 1);
+		fake_await(&fake, 0, 1);
+		uint64_t stalls = fake_stats(&fake).stalls;
+		if (fews[i] > 0)
+			fake_open_later(&opener, &fake, 0, 1);
+		for (uint64_t key = 0; key < PAGES; key++)
+			fake_change(&fake, key);
+		if (fews[i] > 0)
+			thread_join(&opener.thread);
+		else
+			fake_gate(&fake, 0, false);
+		peaks[i] = fake_stats(&fake).queue_peak;
+		assert_true(i == 0 || fake_stats(&fake).stalls > stalls);
+		fake_flush(&fake, 2);
+		fake_check_nothing_is_lost(&fake);
+		fake_finish(&fake);
+	}
+	assert_true(peaks[0] > FEW);
+	assert_true(peaks[1] <= FEW);
+}
+
 /* --- an executor that takes its time --- */
 
 /* Evicted and wanted again at once: the load waits until the read-back is there. */
@@ -340,6 +380,7 @@ int main(void)
 		cmocka_unit_test(page_newer_version_replaces_the_one_that_waits),
 		cmocka_unit_test(page_queue_full_in_a_step_is_refused_and_nothing_lost),
 		cmocka_unit_test(page_many_changes_wait_for_the_commit_in_flight),
+		cmocka_unit_test(page_evictions_wait_for_images_of_the_commit_in_flight),
 		cmocka_unit_test(page_wanted_while_it_is_read_back_waits_for_that),
 		cmocka_unit_test(page_epoch_waits_for_its_read_backs_without_stopping_the_steps),
 		cmocka_unit_test(page_overlay_waits_for_read_backs),

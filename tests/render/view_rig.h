@@ -72,6 +72,7 @@ static inline void rig_open(struct rig *rig, uint32_t slots, double speed, doubl
 		support_store(path, extent, support_hills);
 	must(store_open(path, &(struct store_options){.mode = rig_mode}, &world->store)); /* nothing is deformed */
 	world->scene = &rig->scene;
+	world->limits.slots = slots;
 	world->meta = store_meta(world->store);
 	world->was_deformed = store_has_working_level(world->store, NULL);
 	world->spacing = extent.spacing;

@@ -7,7 +7,7 @@ static const struct {
 } cases[] = {
 	/* unknown keys, missing keys, keys written twice */
 	{"spacing: 0.125", "spaceing: 0.125", ":6: spaceing: unknown key; allowed: scene, store, "},
-	{"slots: 256", "slot: 256", ":23: cache.slot: unknown key; allowed: slots, loaders, prefetch"},
+	{"slots: 256", "slot: 256", ":23: cache.slot: unknown key; allowed: slots, memory, loaders, prefetch"},
 	{"name: dry_sand", "nam: dry_sand", ":8: soil.nam: unknown key; allowed: name, bekker_kc"},
 	{"radius: 0.5", "diameter: 0.5", ":14: objects[0].shape.wheel.diameter: unknown key; allowed: "
 					 "radius, width, grousers"},
@@ -93,6 +93,13 @@ static const struct {
 	{"images: 100", "sun: {colour: [1, 1, -0.5]}", ":22: view.sun.colour[2]: -0.5 is out of range; allowed: 0 to 10"},
 	{"images: 100", "sun: {colour: red}", ":22: view.sun.colour: is a single value; allowed: a list of 3"},
 	{"images: 100", "images: -1", ":22: view.images: -1 is out of range; allowed: 0 to"},
+	{"slots: 256", "memory: 512", ":23: cache.memory: \"512\" is no number of bytes; give a number and one of MB, GB, MiB, GiB, as in 512 MB"},
+	{"slots: 256", "memory: 512 kB", ":23: cache.memory: \"512 kB\" is no number of bytes"},
+	{"slots: 256", "memory: 1.5.2 GB", ":23: cache.memory: \"1.5.2 GB\" is no number of bytes"},
+	{"slots: 256", "memory: -512 MB", ":23: cache.memory: \"-512 MB\" is no number of bytes"},
+	{"slots: 256", "memory: 0 MB", ":23: cache.memory: \"0 MB\" is out of range; allowed: above 0 to 1e6 GB"},
+	{"slots: 256", "memory: 99999999999 GB", ":23: cache.memory: \"99999999999 GB\" is out of range"},
+	{"slots: 256", "slots: 256, memory: 512 MB", ":23: cache.memory: it cannot be given beside cache.slots, which it decides; remove one of the two"},
 	{"slots: 256", "slots: 3", ":23: cache.slots: 3 is out of range; allowed: 4 to 65536"},
 	{"slots: 256", "slots: 99999999999999999999", ":23: cache.slots: 99999999999999999999 is out of"},
 	{"loaders: 2", "loaders: 17", ":23: cache.loaders: 17 is out of range; allowed: 0 to 16"},
