@@ -2,7 +2,7 @@
  * Write-backs: pages of offsets with two ruts across each, committed in batches by store_commit (one
  * transaction: the pages, every coarser level above, the run's record), beside GDAL updating the
  * same blocks of one level of a tiled GeoTIFF (no transaction, no pyramid). Subject "history": a store whose commits keep what they
- * replace.
+ * replace; "last": one that keeps only what the last commit replaced.
  */
 #include <math.h>
 #include <stdio.h>
@@ -120,12 +120,12 @@ static enum status count_revision(void *user, const struct store_revision *revis
 	return STATUS_OK;
 }
 
-/* Each revision is there to be returned to. */
-static void check_history(struct store *store, int laps, size_t batch)
+/* So many revisions are there to be returned to, with the present one. */
+static void check_history(struct store *store, int64_t wanted)
 {
 	int64_t kept = 0;
 	bench_must(store_log(store, count_revision, &kept));
-	if (kept != laps * (int64_t)(PAGES / batch) + 1)
+	if (kept != wanted)
 		bench_must(fail_with(STATUS_FAILED, "bench: a history lacks revisions; this is a bug"));
 }
 
@@ -138,23 +138,26 @@ static void print(const char *subject, bool sync, size_t batch, double *rates, i
 	fflush(stdout);
 }
 
-/* One durability and batch, all targets in turn: the store, one that keeps what each commit replaces, and two GeoTIFFs. */
+/* One durability and batch, all targets in turn: the store, those that keep what commits replace, and two GeoTIFFs. */
 static void measure(struct pages *pages, bool sync, size_t batch, int runs)
 {
-	enum { STORES = 2, TARGETS = 4 };
-	static const char *const subjects[TARGETS] = {"", "history", "LERC", "ZSTD"};
-	struct target targets[TARGETS] = {{.sync = sync}, {.sync = sync}, {.sync = sync}, {.sync = sync}};
+	enum { STORES = 3, TARGETS = 5 };
+	static const char *const subjects[TARGETS] = {"", "history", "last", "LERC", "ZSTD"};
+	static const char *const names[TARGETS] = {"write.furrow", "history.furrow", "last.furrow", "lerc.tif", "zstd.tif"};
+	struct target targets[TARGETS] = {{.sync = sync}, {.sync = sync}, {.sync = sync}, {.sync = sync}, {.sync = sync}};
 	static double rates[TARGETS][BENCH_RUNS_MAX];
 	size_t count = 0;
 	for (; count < STORES; count++) {
-		const char *path = bench_path(count == 0 ? "write.furrow" : "history.furrow");
+		const char *path = bench_path(names[count]);
 		bench_dunes(path, SIDE / 8);
-		const struct store_options options = {.mode = STORE_WRITE, .durable_full = sync, .keep_history = count == 1};
+		const struct store_options options = {
+			.mode = STORE_WRITE, .durable_full = sync, .keep_history = count == 1, .keep_last = count == 2,
+		};
 		bench_must(store_open(path, &options, &targets[count].store));
 		bench_must(store_set_working_level(targets[count].store, LEVEL));
 	}
 	for (; count < TARGETS; count++)
-		if (!bench_gdal_create(bench_path(count == 2 ? "lerc.tif" : "zstd.tif"), SIDE, subjects[count],
+		if (!bench_gdal_create(bench_path(names[count]), SIDE, subjects[count],
 				       &targets[count].gdal))
 			break;
 	for (int run = -1; run < runs; run++) { /* the first lap warms, on rows that are not there yet */
@@ -167,7 +170,8 @@ static void measure(struct pages *pages, bool sync, size_t batch, int runs)
 	}
 	for (size_t i = 0; i < count; i++)
 		check(&targets[i], pages);
-	check_history(targets[1].store, runs + 1, batch);
+	check_history(targets[1].store, (runs + 1) * (int64_t)(PAGES / batch) + 1);
+	check_history(targets[2].store, 2);
 	for (size_t i = 0; i < count; i++)
 		print(subjects[i], sync, batch, rates[i], runs);
 	for (size_t i = STORES; i < count; i++)
