@@ -28,7 +28,7 @@ static enum status simulate(const struct html_run *run, const char *path, struct
 	if (status == STATUS_OK && same && accesses.count > 0)
 		cache_sizes(&curves);
 	if (curves.count == 1)
-		snprintf(out->why, sizeof out->why, "No cache curve: the drive touched %u tile%s, fewer than the least cache has slots", accesses.tile_count,
+		snprintf(out->why, sizeof out->why, "No cache curve: the drive touched %u tile%s, fewer than the smallest cache has slots", accesses.tile_count,
 			 accesses.tile_count == 1 ? "" : "s");
 	if (curves.count > 1) {
 		for (int policy = 0; policy < HTML_POLICIES && status == STATUS_OK; policy++)

@@ -1,6 +1,6 @@
 /*
- * The plots of a report. Of one drive each object has a colour; of several each drive has a colour, and each object a dash. Where
- * nothing can be drawn there is no plot, but a sentence.
+ * The plots of a report. With one drive, each object has a colour. With several drives, each drive has a colour and each object a
+ * dash. Where nothing can be drawn, a sentence stands in place of the plot.
  */
 #include <math.h>
 #include <string.h>
@@ -50,7 +50,7 @@ static void legend_end(const struct html_report *report)
 
 /* --- curves of bodies --- */
 
-/* Rows of objects.csv, of vehicles.csv, and what is best known of the ways. */
+/* Curves of objects.csv, curves of vehicles.csv, or ways. */
 enum kind { OBJECTS, VEHICLES, WAYS };
 
 static const struct html_bodies *bodies_of(const struct html_run *run, enum kind kind)
@@ -84,7 +84,7 @@ static void legend(const struct html_report *report, enum kind kind)
 	}
 }
 
-/* Lines of one value, or with HTML_VALUES of the ways on the map. Leaves out what has no point. */
+/* Makes the lines of one value; with HTML_VALUES, the ways in plan. Skips lines without points. Returns their number. */
 static size_t take_lines(const struct html_report *report, enum kind kind, int value, bool over_time, struct html_line *lines)
 {
 	size_t count = 0;
@@ -151,7 +151,7 @@ static bool any_there(const struct html_report *report, enum kind kind)
 	return any;
 }
 
-/* Names the folders that have no rows, where others have. */
+/* Names the folders without rows. */
 static void tell_missing(const struct html_report *report, enum kind kind, const char *text)
 {
 	for (size_t i = 0; i < report->count; i++)
@@ -159,7 +159,7 @@ static void tell_missing(const struct html_report *report, enum kind kind, const
 			html_sentence(report, &report->runs[i], text);
 }
 
-/* Says of which bodies no energy is drawn, where it is drawn of others. */
+/* Says how many objects have no curve of energy. */
 static void tell_energy(const struct html_report *report)
 {
 	for (size_t i = 0; i < report->count; i++) {
@@ -170,8 +170,8 @@ static void tell_energy(const struct html_report *report)
 			known += isfinite(bodies->list[k].values[HTML_ENERGY][0]) ? 1 : 0;
 		if (known == drawn(report, bodies))
 			continue;
-		snprintf(text, sizeof text, "No energy of %zu of these objects: it is not known how far vehicles' wheels and belts turned%s", drawn(report, bodies) - known,
-			 report->runs[i].vehicles.there ? "; a vehicle's work is below" : "");
+		snprintf(text, sizeof text, "No energy for %zu of these objects: the rows do not tell how far the wheels of vehicles, or belts, turned%s", drawn(report, bodies) - known,
+			 report->runs[i].vehicles.there ? "; see the work of the vehicle below" : "");
 		html_sentence(report, &report->runs[i], text);
 	}
 }
@@ -182,7 +182,7 @@ static void write_bodies(const struct html_report *report)
 		{HTML_SINKAGE, "sinkage", ", mm", 0, 0, false, "No sinkage: objects.csv has none"},
 		{HTML_SLIP, "slip", "", -1, 1, true, "No slip: it is 0 in all rows"},
 		{HTML_DRAWBAR, "drawbar pull", ", N", 0, 0, false, "No drawbar pull: nothing moved"},
-		{HTML_ENERGY, "energy the soil took", ", kJ", 0, 0, false, NULL},
+		{HTML_ENERGY, "energy into the soil", ", kJ", 0, 0, false, NULL},
 	};
 	html_section(report, "curves", "Sinkage, slip, drawbar pull, energy");
 	if (!any_there(report, OBJECTS)) {
@@ -194,8 +194,8 @@ static void write_bodies(const struct html_report *report)
 			write_value(report, OBJECTS, &values[i]);
 		tell_energy(report);
 		tell_missing(report, OBJECTS, "No rows of objects.csv");
-		fputs("</div>\n<p class=\"small\">Way: of the object's centre, in plan. Drawbar pull: the soil's force on the object, along its way. Slip beyond -1 and 1 is drawn "
-		      "there. Energy: the soil's force times the way, and of a wheel its moment times the angle it turned; summed over rows.</p>\n",
+		fputs("</div>\n<p class=\"small\">The way is that of the object's centre, in plan. Drawbar pull is the soil's force on the object along the way. Slip beyond -1 and 1 "
+		      "is drawn at -1 and 1. Energy is the work against the soil's force and, for a wheel, against the soil's moment.</p>\n",
 		      report->file);
 	}
 	html_section_end(report);
@@ -259,7 +259,7 @@ static void write_ways(const struct html_report *report)
 		html_plot_write(&plot, report->file);
 		fputs("</div>\n", report->file);
 		if (profiles)
-			fputs("<p class=\"small\">The dotted line between two dots, across a way, is where its rut profile lies.</p>\n", report->file);
+			fputs("<p class=\"small\">A dotted line between two dots shows where the rut profile lies.</p>\n", report->file);
 	}
 	html_section_end(report);
 }
@@ -305,7 +305,7 @@ enum status html_curves_rut(const struct html_report *report)
 			if (rut->count == 0)
 				continue;
 			snprintf(text, sizeof text,
-				 "At the middle of the way of %.80s (%.3f m east, %.3f m north): %.1f mm deep, rims %.1f mm high; %.4g m2 under the old ground, %.4g m2 over it",
+				 "At the middle of the way of %.80s (%.3f m east, %.3f m north): %.1f mm deep, rims %.1f mm high; %.4g m2 below the old ground, %.4g m2 above it",
 				 rut->body, rut->middle[0], rut->middle[1], -rut->deepest, rut->highest, rut->below, rut->above);
 			html_sentence(report, &report->runs[i], text);
 		}
@@ -316,7 +316,7 @@ enum status html_curves_rut(const struct html_report *report)
 
 /* --- times of steps --- */
 
-/* Reads the histogram of a run into `edges` and shares of the steps in percent. Returns the number of edges; 0: there is none. */
+/* Reads the histogram of a run. `shares`: percent of the steps. Returns the number of edges; 0: there is no valid histogram. */
 static size_t take_histogram(const struct html_run *run, double *edges, double *shares)
 {
 	const cJSON *lists[2] = {html_at(run, "step_ms.histogram.edges"), html_at(run, "step_ms.histogram.counts")};
@@ -346,7 +346,7 @@ static size_t take_histogram(const struct html_run *run, double *edges, double *
 static void steps_table(const struct html_report *report)
 {
 	static const char *const paths[] = {"step_ms.p50", "step_ms.p95", "step_ms.p99", "step_ms.max"};
-	static const char *const names[] = {"median, ms", "95 % are faster than, ms", "99 % are faster than, ms", "slowest, ms"};
+	static const char *const names[] = {"median, ms", "95th percentile, ms", "99th percentile, ms", "slowest, ms"};
 	html_table(report, "");
 	for (size_t k = 0; k < sizeof paths / sizeof *paths; k++) {
 		fprintf(report->file, "<tr><th scope=\"row\">%s</th>", names[k]);
@@ -369,7 +369,7 @@ enum status html_curves_steps(const struct html_report *report)
 	size_t count = 0;
 	if (room == NULL)
 		return fail_memory("the times of steps");
-	html_section(report, "steps", "Times of steps");
+	html_section(report, "steps", "Step times");
 	steps_table(report);
 	for (size_t i = 0; i < report->count; i++) {
 		double *edges = room + 2 * i * EDGES_MOST, *shares = edges + EDGES_MOST;
@@ -377,11 +377,11 @@ enum status html_curves_steps(const struct html_report *report)
 		if (edge_count > 0)
 			lines[count++] = (struct html_line){.colour = i, .count = edge_count, .x = edges, .y = shares, .steps = true};
 		else
-			html_sentence(report, &report->runs[i], "No histogram: run.json has none, since no step was made or an older furrow made it");
+			html_sentence(report, &report->runs[i], "No histogram: run.json has none; no step was made, or an older furrow made it");
 	}
 	if (count > 0) {
 		const struct html_plot plot = {
-			.title = "Times of steps", .across = "a step, ms", .up = "steps, %", .lines = lines, .count = count, .zero = true, .logarithmic = true,
+			.title = "Step times", .across = "step time, ms", .up = "steps, %", .lines = lines, .count = count, .zero = true, .logarithmic = true,
 			.upright = report->count == 1 ? html_number(&report->runs[0], "step_ms.p50") : (double)NAN, .told = "median",
 		};
 		if (report->count > 1) {
@@ -403,7 +403,7 @@ enum status html_curves_steps(const struct html_report *report)
 
 enum status html_curves_cache(const struct html_report *report)
 {
-	static const char *const names[HTML_POLICIES] = {"LRU", "the least possible"};
+	static const char *const names[HTML_POLICIES] = {"LRU", "optimum"};
 	struct html_line lines[HTML_RUNS * HTML_POLICIES];
 	size_t count = 0;
 	html_section(report, "cache", "Page cache: misses over slots");
@@ -432,7 +432,7 @@ enum status html_curves_cache(const struct html_report *report)
 			char text[200];
 			if (report->caches[i].count == 0)
 				continue;
-			snprintf(text, sizeof text, "%llu accesses to %llu tiles, by furrow cache-sim's rules: no cache begins with tiles or loads ahead",
+			snprintf(text, sizeof text, "%llu accesses to %llu tiles, simulated as furrow cache-sim does: each cache starts empty and does not prefetch",
 				 (unsigned long long)report->caches[i].accesses, (unsigned long long)report->caches[i].tiles);
 			html_sentence(report, &report->runs[i], text);
 		}

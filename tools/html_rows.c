@@ -1,10 +1,11 @@
 /*
- * Reads objects.csv and vehicles.csv into curves. Each row gives the way since the first one, and what the soil took:
+ * Reads objects.csv and vehicles.csv into curves. Computes for each row the way since the first row, the drawbar pull, and the energy
+ * into the soil:
  *
  *     drawbar = F . d          d: the direction of the way in plan
- *     energy += -(F . dp + (M . a) ds / (r (1 - slip)))      the second term of a wheel alone; a: its axle, to the left of d
+ *     energy += -(F . dp + (M . a) ds / (r (1 - slip)))      second term: only for a wheel; a: its axle, to the left of d
  *
- * F, M: the soil's force and moment on the object, means of two rows; dp, ds: how far it went between them, in space and in plan.
+ * F, M: the soil's force and moment on the object, means of two rows. dp, ds: the way between these rows, in space and in plan.
  */
 #include <errno.h>
 #include <math.h>
@@ -17,7 +18,7 @@
 #define CELLS_MOST 2048
 #define BODIES_MOST 4096
 #define ROWS_MOST 20000000 /* in a file: about 2 GB */
-#define SLIP_MOST 0.99     /* above it a wheel turns almost in place, and what it took is not known from its way */
+#define SLIP_MOST 0.99     /* above it a wheel turns almost in place, so its angle cannot be computed from its way */
 
 struct html_row {
 	double time, place[3], force[3], moment[3], sinkage, slip, direction[2];
@@ -92,7 +93,7 @@ static bool take_number(const char *text, double *value)
 	return true;
 }
 
-/* Of a wheel its radius. Of what does not turn by itself 0. Of a belt, and where nothing is told: NaN. */
+/* Returns the radius of a wheel; 0 for a shape that does not turn by itself; NaN for a belt, or if run.json has no settings. */
 static double radius_of(const struct html_run *run, const char *name)
 {
 	char prefix[256], key[300];
@@ -158,8 +159,8 @@ static double dot(const double a[3], const double b[3])
 	return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* What the soil took between two rows, J. NaN: not known. */
-static double taken(const struct html_row *a, const struct html_row *b, double went)
+/* Returns the energy into the soil between two rows, J. NaN: not known. */
+static double energy_between(const struct html_row *a, const struct html_row *b, double went)
 {
 	double way[3], force[3], moment[3], turned = 0;
 	for (int k = 0; k < 3; k++) {
@@ -184,7 +185,7 @@ static void take_object(struct html_body *body, struct html_row *row, double wen
 	values[HTML_SINKAGE][at] = row->sinkage * 1e3;
 	values[HTML_SLIP][at] = row->slip;
 	values[HTML_DRAWBAR][at] = row->moved ? row->force[0] * row->direction[0] + row->force[1] * row->direction[1] : (double)NAN;
-	values[HTML_ENERGY][at] = first ? (isnan(row->radius) ? (double)NAN : 0) : values[HTML_ENERGY][at - 1] + taken(last, row, went) / 1e3;
+	values[HTML_ENERGY][at] = first ? (isnan(row->radius) ? (double)NAN : 0) : values[HTML_ENERGY][at - 1] + energy_between(last, row, went) / 1e3;
 	if (row->moved && at == 1) /* the first row looks along the way to the second */
 		values[HTML_DRAWBAR][0] = last->force[0] * row->direction[0] + last->force[1] * row->direction[1];
 }

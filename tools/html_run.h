@@ -18,7 +18,7 @@ enum html_value {
 	HTML_SINKAGE, /* mm */
 	HTML_SLIP,
 	HTML_DRAWBAR, /* N: the soil's force along the way */
-	HTML_ENERGY,  /* kJ: what the soil took since the first row */
+	HTML_ENERGY,  /* kJ into the soil, since the first row */
 	HTML_VALUES,
 	/* of a vehicle: */
 	HTML_SPEED = 0, /* m/s */
@@ -49,22 +49,22 @@ struct html_run {
 	struct html_bodies ways;              /* corners of the objects' ways, of run.json: without times and values */
 };
 
-/* Whether a plain file is there. A pipe or a device, whose reading need not end, is none. */
+/* Returns true if the path is a regular file. Reading a pipe or a device might never end. */
 bool html_is_file(const char *path);
 /* STATUS_INPUT if the folder has no run.json, or a file in it is damaged. */
 enum status html_run_read(const char *folder, struct html_run *out) FURROW_CHECKED;
 void html_run_finish(struct html_run *run); /* also takes one that is all zero */
 
-/* What stands at a path with dots, "cache.slots"; NULL: nothing. */
+/* Returns the value at a path with dots, such as "cache.slots". NULL: there is none. */
 const cJSON *html_at(const struct html_run *run, const char *path);
-/* The same, if it is an object: its members have names. Else NULL. */
+/* Returns the value if it is an object, so that its members have names. Else NULL. */
 const cJSON *html_members(const struct html_run *run, const char *path);
 double html_number(const struct html_run *run, const char *path);    /* NaN: it is no finite number */
 const char *html_string(const struct html_run *run, const char *path); /* NULL: it is no text */
 /* A setting of the scene by its key; NULL: the scene has none, or run.json does not tell. */
 const char *html_setting(const struct html_run *run, const char *key);
 
-/* The best that is known of the ways: of vehicles.csv, objects.csv or run.json. */
+/* Returns the ways, from the first of these that has them: vehicles.csv, objects.csv, run.json. */
 const struct html_bodies *html_ways(const struct html_run *run);
 
 /* html_rows.c: reads a file of rows; the bodies stay empty if it is not there. */

@@ -1,6 +1,6 @@
 /*
- * The first body's way has its middle at half its length. The profile lies across the way there, level with the working level's posts,
- * and reaches past all ways that it meets. Then it is cut to what the drive changed, and a margin.
+ * The profile lies across the way of the first body that moved, at half the length of that way. Its samples are as far apart as the posts
+ * of the working level. It extends beyond all ways that it crosses. Then it is cut to the changed part and a margin.
  */
 #include "html_rut.h"
 
@@ -28,7 +28,7 @@ static enum status none(struct html_rut *rut, const char *format, ...)
 	return STATUS_OK;
 }
 
-/* The point of a way, `share` of it from its start. */
+/* Gives the point of a way at `at` metres from its start. */
 static void point_of(const struct html_body *body, double at, double point[2])
 {
 	size_t i = 1;
@@ -39,7 +39,7 @@ static void point_of(const struct html_body *body, double at, double point[2])
 	point[1] = body->y[i - 1] + share * (body->y[i] - body->y[i - 1]);
 }
 
-/* Finds where the profile lies. False: the body hardly moved. */
+/* Finds where the profile lies. Returns false if the body moved less than two posts. */
 static bool find_middle(const struct html_body *body, double spacing, struct html_rut *rut)
 {
 	double before[2], behind[2];
@@ -58,7 +58,7 @@ static bool find_middle(const struct html_body *body, double spacing, struct htm
 	return true;
 }
 
-/* How far the ways that the profile meets lie from its middle. */
+/* Returns the distance from the profile's middle to the outermost way that it crosses. */
 static double outermost(const struct html_bodies *bodies, const struct html_rut *rut)
 {
 	double most = 0;
@@ -76,7 +76,7 @@ static double outermost(const struct html_bodies *bodies, const struct html_rut 
 	return most;
 }
 
-/* What lies between four posts. NaN if one of them is. */
+/* Interpolates between four posts. NaN if one of them is NaN. */
 static double between(const double *values, int64_t wide, double x, double y)
 {
 	const double *at = values + (int64_t)floor(y) * wide + (int64_t)floor(x);
@@ -84,7 +84,7 @@ static double between(const double *values, int64_t wide, double x, double y)
 	return (1 - v) * ((1 - u) * at[0] + u * at[1]) + v * ((1 - u) * at[wide] + u * at[wide + 1]);
 }
 
-/* Reads samples `from` to `to`, which are not in, out of the posts around them. */
+/* Reads the posts around samples from .. to - 1, and interpolates. */
 static enum status sample_some(struct store_reader *reader, int level, double spacing, size_t from, size_t to, double *room, struct html_rut *rut)
 {
 	double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
@@ -155,7 +155,7 @@ static enum status read_store(const struct html_run *run, struct store *store, c
 	if (status != STATUS_OK)
 		return status;
 	if (last.scene_hash == NULL || hash == NULL || strcmp(last.scene_hash, hash) != 0 || (double)last.step != html_number(run, "steps"))
-		return none(rut, "No rut profile: %.300s was changed after this drive, by another one, a reset or a restore", path);
+		return none(rut, "No rut profile: %.300s was changed after this drive: by another drive, a reset or a restore", path);
 	if (!store_has_working_level(store, &level) || extent_spacing(&store_meta(store)->extent, level) != spacing)
 		return none(rut, "No rut profile: %.300s has no ruts at this spacing", path);
 	const struct extent *extent = &store_meta(store)->extent;
@@ -171,7 +171,7 @@ static enum status read_store(const struct html_run *run, struct store *store, c
 	return status;
 }
 
-/* Both may be at work in other programs: a store that cannot be read is no failure of the report. */
+/* A store that cannot be read does not make the report fail: another program may be writing it. */
 static enum status from_store(const struct html_run *run, const char *path, double spacing, struct html_rut *rut)
 {
 	struct store *store = NULL;
@@ -191,9 +191,9 @@ enum status html_rut_read(const struct html_run *run, struct html_rut *out)
 	const struct html_bodies *bodies = run->objects.there ? &run->objects : html_ways(run);
 	*out = (struct html_rut){.count = 0};
 	if (!(spacing > 0) || path == NULL)
-		return none(out, "No rut profile: run.json does not tell which store was deformed; drive again with this furrow");
+		return none(out, "No rut profile: run.json does not name the store; an older furrow made it");
 	if (!bodies->there)
-		return none(out, "No rut profile: it is not known where the drive went; set output.forces or output.vehicles in the scene");
+		return none(out, "No rut profile: no file of the folder tells where the drive went; set output.vehicles in the scene");
 	if (!html_is_file(path))
 		return none(out, "No rut profile: %.300s is not there any more", path);
 	size_t k = 0;

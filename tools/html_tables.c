@@ -43,7 +43,7 @@ static void text_cell(const char *text, FILE *file)
 	fputs("</td>", file);
 }
 
-/* The element has all digits of run.json; what is read has five. */
+/* Shows five digits. The value attribute has all digits of run.json. */
 static void number_cell(double value, double unit, FILE *file)
 {
 	const double shown = value / unit;
@@ -71,7 +71,7 @@ static bool is_told(const cJSON *value)
 	return value != NULL && !cJSON_IsNull(value);
 }
 
-/* A row, if any folder has the value. */
+/* Writes a row, if any folder has the value. */
 static void row(const struct html_report *report, const char *name, const char *path, double unit)
 {
 	bool any = false;
@@ -102,10 +102,10 @@ static void rows(const struct html_report *report, const struct row *list, size_
 void html_tables_run(const struct html_report *report)
 {
 	static const struct row list[] = {
-		{"ended", "ended", 1}, {"steps", "steps", 1}, {"simulated, s", "simulated", 1}, {"went on from step", "resumed_from", 1},
-		{"scene", "scene.file", 1}, {"hash of the scene", "scene.hash", 1}, {"store", "store.file", 1}, {"of the base", "store.base", 1},
-		{"posts apart, m", "spacing", 1}, {"working level", "working_level", 1}, {"furrow", "version", 1}, {"GL renderer", "gl.renderer", 1},
-		{"GL vendor", "gl.vendor", 1}, {"GL version", "gl.version", 1}, {"GL in software", "gl.software", 1},
+		{"ended", "ended", 1}, {"steps", "steps", 1}, {"simulated, s", "simulated", 1}, {"resumed from step", "resumed_from", 1},
+		{"scene", "scene.file", 1}, {"hash of the scene", "scene.hash", 1}, {"store", "store.file", 1}, {"base store", "store.base", 1},
+		{"spacing of posts, m", "spacing", 1}, {"working level", "working_level", 1}, {"furrow", "version", 1}, {"GL renderer", "gl.renderer", 1},
+		{"GL vendor", "gl.vendor", 1}, {"GL version", "gl.version", 1}, {"software GL", "gl.software", 1},
 	};
 	html_section(report, "run", "What was run");
 	html_table(report, "");
@@ -113,7 +113,7 @@ void html_tables_run(const struct html_report *report)
 	html_table_end(report);
 	for (size_t i = 0; i < report->count; i++)
 		if (html_members(&report->runs[i], "scene.values") == NULL)
-			html_sentence(report, &report->runs[i], "run.json does not tell the scene: an older furrow made it");
+			html_sentence(report, &report->runs[i], "run.json has no settings of the scene: an older furrow made it");
 	html_section_end(report);
 }
 
@@ -135,7 +135,7 @@ static bool differs(const struct html_report *report, const char *key)
 	return false;
 }
 
-/* Rows of all settings, or of those that differ. Returns how many. */
+/* Writes a row for each setting, or for each that differs. Returns the number of rows. */
 static size_t setting_rows(const struct html_report *report, bool only_different)
 {
 	size_t count = 0;
@@ -184,7 +184,7 @@ void html_tables_differences(const struct html_report *report)
 	html_section(report, "differences", "Settings that differ");
 	if (setting_rows(report, true) == 0)
 		fputs(one_hash(report) ? "<p>No setting differs.</p>\n"
-				       : "<p>No setting differs, but the hashes of the scenes do: a file that a scene names differs, or run.json does not tell the scene.</p>\n",
+				       : "<p>No setting differs, but the hashes of the scenes differ. Either a file that a scene names differs, or run.json has no settings.</p>\n",
 		      report->file);
 	html_section_end(report);
 }
@@ -192,16 +192,16 @@ void html_tables_differences(const struct html_report *report)
 void html_tables_settings(const struct html_report *report)
 {
 	html_section(report, "settings", "All settings");
-	fputs("<details><summary>The scene as it was driven, with what --set gave</summary>\n", report->file);
+	fputs("<details><summary>Every setting of the scene, with those of --set</summary>\n", report->file);
 	if (setting_rows(report, false) == 0)
-		fputs("<p>run.json does not tell the scene: an older furrow made it.</p>\n", report->file);
+		fputs("<p>run.json has no settings of the scene: an older furrow made it.</p>\n", report->file);
 	fputs("</details>\n", report->file);
 	html_section_end(report);
 }
 
 /* --- soils --- */
 
-/* The index of the first run with this soil, by all its numbers. */
+/* Returns true if the same soil, with the same numbers, comes earlier. */
 static bool soil_before(const struct html_report *report, size_t run, size_t soil)
 {
 	for (size_t i = 0; i <= run; i++) {
@@ -218,7 +218,7 @@ static bool soil_before(const struct html_report *report, size_t run, size_t soi
 	return false;
 }
 
-/* Calls `tell` for each soil that differs from all before it. */
+/* Calls `tell` for each soil that differs from all earlier ones. Returns their number. */
 static size_t each_soil(const struct html_report *report, void (*tell)(const struct html_report *report, const cJSON *soil, const char *key), const char *key)
 {
 	size_t count = 0;
@@ -240,7 +240,7 @@ static void soil_name(const struct html_report *report, const cJSON *soil, const
 	const char *name = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(soil, "name"));
 	fputs("<th scope=\"col\">", report->file);
 	svg_text(name != NULL ? name : "unnamed", report->file);
-	/* Which of the folders have it, where they do not all have it. */
+	/* If not all folders have this soil, names those that have it. */
 	size_t having = 0;
 	for (size_t i = 0; i < report->count; i++) {
 		const cJSON *other;
@@ -266,7 +266,7 @@ static void soil_number(const struct html_report *report, const cJSON *soil, con
 	value_cell(cJSON_GetObjectItemCaseSensitive(soil, key), 1, report->file);
 }
 
-/* Whether a soil before this one, or the soil itself before this number, has the key. */
+/* Writes a row for each number of this soil that no earlier soil has. */
 static void soil_keys(const struct html_report *report, const cJSON *soil, const char *unused)
 {
 	const cJSON *number;
@@ -305,7 +305,7 @@ void html_tables_soils(const struct html_report *report)
 {
 	html_section(report, "soils", "Soils");
 	if (each_soil(report, count_soil, NULL) == 0) {
-		fputs("<p>No soil: the model of the drive reads none.</p>\n", report->file);
+		fputs("<p>No soil: the drive's model uses none.</p>\n", report->file);
 	} else {
 		fputs("<div class=\"scroll\"><table><thead><tr><th scope=\"col\">number</th>", report->file);
 		each_soil(report, soil_name, NULL);
@@ -357,11 +357,11 @@ void html_tables_results(const struct html_report *report)
 	static const struct row vehicles[] = {{"mass, kg", "mass", 1}, {"distance, m", "distance", 1}, {"work, J", "work", 1}, {"kinetic energy, J", "kinetic", 1},
 					      {"settled after, s", "settled_after", 1}, {"arrived", "arrived", 1}, {"stuck since, s", "stuck_since", 1}};
 	static const struct row run[] = {
-		{"wall clock, s", "seconds", 1}, {"simulated over wall clock", "rtf", 1}, {"before the first step, s", "warm_up.seconds", 1},
-		{"slots of the cache", "cache.slots", 1}, {"tiles touched", "cache.touched", 1}, {"hits", "cache.hits", 1}, {"misses", "cache.misses", 1},
-		{"loaded ahead", "cache.prefetched", 1}, {"came late", "cache.late", 1}, {"evictions", "cache.evictions", 1},
-		{"written back", "cache.writebacks", 1}, {"stalls", "cache.stalls", 1}, {"in stalls, ms", "cache.stall_ms", 1},
-		{"memory at most, MB", "memory.rss_peak", 1e6}, {"memory of the GPU, MB", "memory.gpu_bytes", 1e6}, {"read, MB", "io.bytes_read", 1e6},
+		{"wall clock, s", "seconds", 1}, {"simulated time / wall clock", "rtf", 1}, {"start-up, s", "warm_up.seconds", 1},
+		{"cache slots", "cache.slots", 1}, {"tiles touched", "cache.touched", 1}, {"hits", "cache.hits", 1}, {"misses", "cache.misses", 1},
+		{"prefetched", "cache.prefetched", 1}, {"late", "cache.late", 1}, {"evictions", "cache.evictions", 1},
+		{"written back", "cache.writebacks", 1}, {"stalls", "cache.stalls", 1}, {"time in stalls, ms", "cache.stall_ms", 1},
+		{"peak memory, MB", "memory.rss_peak", 1e6}, {"GPU memory, MB", "memory.gpu_bytes", 1e6}, {"read, MB", "io.bytes_read", 1e6},
 		{"written, MB", "io.bytes_written", 1e6}, {"commits", "io.commits", 1}, {"pictures", "view.images", 1},
 	};
 	html_section(report, "results", "Results");
@@ -383,8 +383,8 @@ void html_tables_volume(const struct html_report *report)
 {
 	static const struct row list[] = {
 		{"removed, m3", "volume.removed", 1}, {"raised, m3", "volume.raised", 1}, {"net (raised - removed), m3", "volume.net", 1},
-		{"compacted, m3", "volume.compacted", 1}, {"removed, quanta", "volume.quanta.removed", 1}, {"raised, quanta", "volume.quanta.raised", 1},
-		{"net, quanta", "volume.quanta.net", 1}, {"compacted, quanta", "volume.quanta.compacted", 1},
+		{"compacted, m3", "volume.compacted", 1}, {"removed, fixed-point units", "volume.quanta.removed", 1}, {"raised, fixed-point units", "volume.quanta.raised", 1},
+		{"net, fixed-point units", "volume.quanta.net", 1}, {"compacted, fixed-point units", "volume.quanta.compacted", 1},
 	};
 	html_section(report, "volume", "Volume balance");
 	html_table(report, "");
@@ -393,7 +393,7 @@ void html_tables_volume(const struct html_report *report)
 	for (size_t i = 0; i < report->count; i++)
 		conserves = conserves || has_soils(&report->runs[i]);
 	if (conserves)
-		head(report, "net + compacted, quanta");
+		head(report, "net + compacted, fixed-point units");
 	for (size_t i = 0; i < report->count && conserves; i++)
 		number_cell(has_soils(&report->runs[i]) ? html_number(&report->runs[i], "volume.quanta.net") + html_number(&report->runs[i], "volume.quanta.compacted")
 							: (double)NAN,
@@ -401,7 +401,7 @@ void html_tables_volume(const struct html_report *report)
 	if (conserves)
 		fputs("</tr>\n", report->file);
 	html_table_end(report);
-	fputs("<p class=\"small\">A quantum is 2<sup>-20</sup> m of height at one post. Of a model that conserves volume, net + compacted is 0.</p>\n", report->file);
+	fputs("<p class=\"small\">A fixed-point unit is 2<sup>-20</sup> m of height at one post. If the model conserves volume, net + compacted is 0.</p>\n", report->file);
 	html_section_end(report);
 }
 
@@ -423,11 +423,11 @@ static void notes_of(const struct html_report *report, const struct html_run *ru
 	const cJSON *note, *object;
 	if (ended != NULL && strcmp(ended, "complete") != 0) {
 		char text[300];
-		snprintf(text, sizeof text, "The drive is not complete: %.100s", ended);
+		snprintf(text, sizeof text, "The drive did not complete. It ended as: %.100s", ended);
 		html_sentence(report, run, text);
 	}
 	if (isfinite(html_number(run, "resumed_from")))
-		html_sentence(report, run, "The drive was gone on with (--resume): times, cache, memory and files are of the last part alone");
+		html_sentence(report, run, "The drive was resumed (--resume). Times, cache, memory and files are those of the last part");
 	cJSON_ArrayForEach(note, html_at(run, "notes")) {
 		if (cJSON_IsString(note))
 			html_sentence(report, run, note->valuestring);

@@ -196,7 +196,7 @@ class Report(FurrowTest):
         self.assertEqual(told["scene"], ["scene.yaml"])
         self.assertEqual(told["hash of the scene"], [run["scene"]["hash"]])
         self.assertEqual(told["store"], [str((self.made / "a.furrow").resolve())])
-        self.assertEqual(told["of the base"], [str((self.made / "flat.furrow").resolve())])
+        self.assertEqual(told["base store"], [str((self.made / "flat.furrow").resolve())])
         self.assertEqual(told["GL renderer"], [run["gl"]["renderer"]])
         self.assertEqual(told["furrow"], [self.ok("--version").split()[1]])
         results = page.rows("results")
@@ -204,14 +204,14 @@ class Report(FurrowTest):
             for label, key in (("distance, m", "distance"), ("sinkage, mm", "sinkage"), ("load, N", "load"), ("slip", "slip")):
                 self.assertEqual(results[f"{name}: {label}"], [object_[key]])
         for label, value in (("wall clock, s", run["seconds"]), ("tiles touched", run["cache"]["touched"]), ("hits", run["cache"]["hits"]),
-                             ("commits", run["io"]["commits"]), ("memory at most, MB", run["memory"]["rss_peak"])):
+                             ("commits", run["io"]["commits"]), ("peak memory, MB", run["memory"]["rss_peak"])):
             self.assertEqual(results[label], [value])
         volume = page.rows("volume")
         for label, key in (("removed", "removed"), ("raised", "raised"), ("net (raised - removed)", "net"), ("compacted", "compacted")):
             self.assertEqual(volume[label + ", m3"], [run["volume"][key]])
         for key in ("removed", "raised", "net", "compacted"):
-            self.assertEqual(volume[key + ", quanta"], [run["volume"]["quanta"][key]])
-        self.assertEqual(volume["net + compacted, quanta"], [0])
+            self.assertEqual(volume[key + ", fixed-point units"], [run["volume"]["quanta"][key]])
+        self.assertEqual(volume["net + compacted, fixed-point units"], [0])
         steps = page.rows("steps")
         self.assertEqual([steps[label][0] for label in steps if label], [run["step_ms"][key] for key in ("p50", "p95", "p99", "max")])
         soils = page.rows("soils")
@@ -228,7 +228,7 @@ class Report(FurrowTest):
     def test_curves_are_the_rows_of_objects_csv(self):
         plots, rows = self.report("a").plots("curves"), self.csv_of("a")
         self.assertEqual(sorted(plots), sorted(f"{name} over {axis}" for axis in ("time", "the way")
-                                               for name in ("sinkage", "slip", "drawbar pull", "energy the soil took")))
+                                               for name in ("sinkage", "slip", "drawbar pull", "energy into the soil")))
         for index, name in enumerate(("left", "right")):
             mine, radius = rows[name], 0.25
             way, energy, ways, energies, pulls = 0, 0, [0], [0], []
@@ -248,7 +248,7 @@ class Report(FurrowTest):
             step = math.hypot(mine[1]["x"] - mine[0]["x"], mine[1]["y"] - mine[0]["y"])
             first = (mine[0]["fx"] * (mine[1]["x"] - mine[0]["x"]) + mine[0]["fy"] * (mine[1]["y"] - mine[0]["y"])) / step
             wanted = {"sinkage": [row["sinkage"] * 1e3 for row in mine], "slip": [row["slip"] for row in mine],
-                      "drawbar pull": [first] + pulls, "energy the soil took": energies}
+                      "drawbar pull": [first] + pulls, "energy into the soil": energies}
             for value, list_ in wanted.items():
                 for axis, across in (("time", [row["t"] for row in mine]), ("the way", ways)):
                     plot = plots[f"{value} over {axis}"]
@@ -306,7 +306,7 @@ class Report(FurrowTest):
         self.assertEqual(len(edges), len(counts) + 1)
         self.assertEqual(edges, sorted(set(edges)))
         self.assertTrue(edges[-2] <= run["step_ms"]["max"] <= edges[-1])
-        plot = self.report("a").plots("steps")["Times of steps"]
+        plot = self.report("a").plots("steps")["Step times"]
         self.assertIn("median", plot.names)
         highest = max(y for _, y in plot.curves[0])
         self.assertAlmostEqual(highest, 100 * max(counts) / sum(counts), delta=plot.grain(1))
@@ -329,7 +329,7 @@ class Report(FurrowTest):
     def test_a_cache_curve_of_one_point_is_none(self):
         tiles = self.json_of("a")["cache"]["touched"]
         self.assertLess(tiles, 4)
-        self.without_plots(self.report("a"), "cache", f"^No cache curve: the drive touched {tiles} tiles?, fewer")
+        self.without_plots(self.report("a"), "cache", f"^No cache curve: the drive touched {tiles} tiles?, fewer than")
 
     def test_the_map_is_within_the_page(self):
         image, = self.report("a").section("map").iter("img")
@@ -347,7 +347,7 @@ class Report(FurrowTest):
         self.without_plots(page, "curves", r"^No curves: .*output\.forces")
         self.without_plots(page, "cache", r"^No cache curve: .*--trace")
         self.assertIn("No soil", page.sentences("soils")[0])
-        self.assertNotIn("net + compacted, quanta", page.rows("volume"))
+        self.assertNotIn("net + compacted, fixed-point units", page.rows("volume"))
         way = page.plots("ways")["Ways, seen from above"]
         curve = way.curves[-1]
         self.assertAlmostEqual(curve[0][0], 4, delta=way.grain(0))
@@ -404,12 +404,12 @@ class Report(FurrowTest):
         (self.folder / "a/run.json").write_text(json.dumps(run))
         page = self.report("a", cwd=self.folder)
         self.assertEqual(page.sections(), ALWAYS)
-        self.without_plots(page, "rut", "does not tell which store")
+        self.without_plots(page, "rut", "does not name the store")
         self.without_plots(page, "steps", "No histogram")
         self.assertIn("sinkage over time", page.plots("curves"))
         # Of a wheel whose radius is not told, the energy is not known.
-        self.assertNotIn("energy the soil took over time", page.plots("curves"))
-        self.assertIn("No energy of 2 of these objects", " ".join(page.sentences("curves")))
+        self.assertNotIn("energy into the soil over time", page.plots("curves"))
+        self.assertIn("No energy for 2 of these objects", " ".join(page.sentences("curves")))
 
     # --- a vehicle ---
 
@@ -436,7 +436,7 @@ class Report(FurrowTest):
         curves = page.plots("curves")
         self.assertEqual(len(curves["sinkage over time"].curves), 4)
         self.assertTrue(all(-1.001 <= y <= 1.001 for curve in curves["slip over time"].curves for _, y in curve))
-        self.assertIn("No energy of 4 of these objects", " ".join(page.sentences("curves")))
+        self.assertIn("No energy for 4 of these objects", " ".join(page.sentences("curves")))
         self.assertIn("The ground across the way", page.plots("rut"))
 
     # --- several folders ---
@@ -474,8 +474,8 @@ class Report(FurrowTest):
         shutil.copytree(self.made / "parts", self.folder / "before")
         self.call("drive", "scene.yaml", "-o", "parts", "--overlay", "parts.furrow", "--resume")
         page, whole = self.report("parts"), self.report("a")
-        self.assertEqual(page.rows("run")["went on from step"], [70])
-        self.assertNotIn("went on from step", whole.rows("run"))
+        self.assertEqual(page.rows("run")["resumed from step"], [70])
+        self.assertNotIn("resumed from step", whole.rows("run"))
         self.assertIn("--resume", " ".join(page.sentences("notes")))
         for name in ("curves", "rut"):
             self.assertEqual({title: plot.curves for title, plot in page.plots(name).items()},
