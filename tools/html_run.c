@@ -48,11 +48,11 @@ static enum status take_way(const cJSON *way, struct html_body *body)
 	return STATUS_OK;
 }
 
-static enum status read_ways(struct html_run *run)
+static enum status read_ways(struct html_run *run, const char *list)
 {
 	const cJSON *object;
 	enum status status = STATUS_OK;
-	cJSON_ArrayForEach(object, html_members(run, "objects")) {
+	cJSON_ArrayForEach(object, html_members(run, list)) {
 		const cJSON *way = cJSON_GetObjectItemCaseSensitive(object, "way");
 		if (!cJSON_IsArray(cJSON_GetArrayItem(way, 0)))
 			continue;
@@ -86,7 +86,9 @@ enum status html_run_read(const char *folder, struct html_run *out)
 	if (status == STATUS_OK)
 		status = html_rows_vehicles(out);
 	if (status == STATUS_OK)
-		status = read_ways(out);
+		status = read_ways(out, "objects");
+	if (status == STATUS_OK)
+		status = read_ways(out, "vehicles");
 	return status;
 }
 

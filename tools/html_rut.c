@@ -11,7 +11,8 @@
 
 #define ALONG 1.0      /* m of way, or four posts, that give its direction */
 #define REACH 20.0     /* m to either side: ways further away are others */
-#define MARGIN 1.0     /* m, or 16 posts, beyond the outermost way */
+#define MARGIN 1.0     /* m, or 16 posts, beyond the outermost way of an object */
+#define WIDE 3.0       /* the same where objects may be wider, and vehicles have wheels beside their way */
 #define HALF_MOST 2000 /* samples to either side */
 #define PART 64        /* samples that are read at once */
 #define CHANGED 0.01    /* mm: less is no rut */
@@ -201,7 +202,7 @@ enum status html_rut_read(const struct html_run *run, struct html_rut *out)
 		k++;
 	if (k == bodies->count)
 		return none(out, "No rut profile: nothing moved by two posts (%g m)", 2 * spacing);
-	const double half = ceil((outermost(bodies, out) + fmax(MARGIN, 16 * spacing)) / spacing);
+	const double half = ceil((outermost(bodies, out) + fmax(bodies == &run->objects ? MARGIN : WIDE, 16 * spacing)) / spacing);
 	out->count = 2 * (size_t)fmin(half, HALF_MOST) + 1;
 	out->across = mem_alloc(out->count, sizeof *out->across);
 	out->change = mem_alloc(out->count, sizeof *out->change);

@@ -144,7 +144,7 @@ static enum status draw_map(const struct drive *drive, bool keep, struct api_res
 	if (!drive->params->map || (keep && access(path, F_OK) == 0))
 		return status;
 	failure_capture(&failure, status);
-	enum status drawn = report_map(&drive->world, path, result->ended);
+	enum status drawn = report_map(&drive->world, drive->vehicles, path, result->ended);
 	result->map = drawn == STATUS_OK;
 	if (status == STATUS_OK)
 		return drawn;

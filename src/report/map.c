@@ -1,6 +1,6 @@
 /*
- * map.png: shows where the objects of a drive went, and how they changed the ground. It has the hillshade around their ways, and the
- * offsets in false colour. The way of an object is a thin line that begins at a dot with the object's name.
+ * map.png: shows where the objects and vehicles of a drive went, and how they changed the ground. It has the hillshade around their
+ * ways, and the offsets in false colour. A way is a thin line that begins at a dot with the name of the object or vehicle.
  *
  * The map is made at the drive's end, from the last commit, with a store reader of its own. The drive's counts do not include it.
  *
@@ -36,34 +36,57 @@ static struct render_colour dark_of(size_t object)
 	return (struct render_colour){colour.r * 3 / 5, colour.g * 3 / 5, colour.b * 3 / 5, 255};
 }
 
-/* The way of an object up to now, places in metres. */
+/* The way of an object or a vehicle up to now, places in metres. */
 struct way {
+	const char *name;
+	double reach; /* m around the way that it may touch */
 	double (*places)[2];
 	size_t count;
 };
 
 struct map {
 	const struct world *world;
-	struct way *ways;
+	const struct vehicles *vehicles;
+	struct way *ways; /* of objects, then of vehicles */
+	size_t count;
 	struct render_map_raster raster;
 	struct render_canvas canvas;
 	struct render_placed placed;
 };
 
+static void take_object(const struct body *body, double time, struct way *way)
+{
+	way->name = body->object->name;
+	way->reach = deform_shape_bound(&body->object->shape);
+	way->count = motion_track_way(body->track, time, way->places);
+}
+
+static void take_vehicle(const struct map *map, size_t vehicle, struct way *way)
+{
+	struct vehicle_info info;
+	vehicle_info(map->vehicles, vehicle, &info);
+	way->name = info.name;
+	way->reach = info.reach;
+	way->count = vehicle_trail(map->vehicles, vehicle, way->places);
+}
+
 static enum status take_ways(struct map *map)
 {
 	const struct world *world = map->world;
-	size_t count = world->scene->object_count;
+	const size_t objects = world->scene->object_count, count = objects + vehicle_count(map->vehicles);
 	map->ways = mem_calloc(count, sizeof *map->ways);
 	if (map->ways == NULL && count > 0)
 		return fail_memory("a map");
-	for (size_t i = 0; i < count; i++) {
-		const struct track *track = world->bodies[i].track;
-		struct way *way = &map->ways[i];
-		way->places = mem_alloc(motion_track_corners(track), sizeof *way->places);
+	for (map->count = 0; map->count < count; map->count++) {
+		struct way *way = &map->ways[map->count];
+		const struct body *body = map->count < objects ? &world->bodies[map->count] : NULL;
+		way->places = mem_alloc(body != NULL ? motion_track_corners(body->track) : VEHICLE_TRAIL + 1, sizeof *way->places);
 		if (way->places == NULL)
 			return fail_memory("a map");
-		way->count = motion_track_way(track, world->time, way->places);
+		if (body != NULL)
+			take_object(body, world->time, way);
+		else
+			take_vehicle(map, map->count - objects, way);
 	}
 	return STATUS_OK;
 }
@@ -77,9 +100,9 @@ static void find_extent(const struct map *map, const double size[2], double low[
 		low[axis] = INFINITY;
 		high[axis] = -INFINITY;
 	}
-	for (size_t i = 0; i < world->scene->object_count; i++) {
+	for (size_t i = 0; i < map->count; i++) {
 		const struct way *way = &map->ways[i];
-		reach = fmax(reach, deform_shape_bound(&world->scene->objects[i].shape));
+		reach = fmax(reach, way->reach);
 		for (size_t k = 0; k < way->count; k++)
 			for (int axis = 0; axis < 2; axis++) {
 				double place = fmin(fmax(way->places[k][axis], 0), size[axis]);
@@ -194,9 +217,8 @@ static enum status draw_ways(const struct map *map)
 {
 	int unit = map->placed.unit;
 	const struct render_colour pale = {255, 255, 255, 80};
-	size_t count = map->world->scene->object_count;
 	enum status status = STATUS_OK;
-	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
+	for (size_t i = 0; i < map->count && status == STATUS_OK; i++) {
 		struct way *way = &map->ways[i];
 		const double(*places)[2] = (const double(*)[2])on_canvas(map, way);
 		struct render_colour colour = colour_of(i);
@@ -212,19 +234,18 @@ static void draw_names(const struct map *map)
 {
 	int unit = map->placed.unit;
 	const struct render_colour pale = {255, 255, 255, 255};
-	const struct scene *scene = map->world->scene;
 	struct label labels[NAMES_MOST];
 	size_t named = 0;
-	for (size_t i = 0; i < scene->object_count; i++) {
+	for (size_t i = 0; i < map->count; i++) {
 		if (map->ways[i].count == 0)
 			continue;
 		const double *dot = map->ways[i].places[0];
 		render_canvas_disc(&map->canvas, dot[0], dot[1], 2.6 * unit, pale);
 		render_canvas_disc(&map->canvas, dot[0], dot[1], 1.8 * unit, colour_of(i));
 	}
-	for (size_t i = 0; i < scene->object_count && named < NAMES_MOST; i++) {
+	for (size_t i = 0; i < map->count && named < NAMES_MOST; i++) {
 		struct label *label = &labels[named];
-		const char *name = scene->objects[i].name;
+		const char *name = map->ways[i].name;
 		if (map->ways[i].count == 0 ||
 		    !place_label(&map->placed, map->ways[i].places[0], name, labels, named, label))
 			continue;
@@ -260,15 +281,15 @@ static enum status draw(struct map *map, const char *path, const char *ended)
 	return status == STATUS_OK ? render_canvas_write(&map->canvas, path) : status;
 }
 
-enum status report_map(const struct world *world, const char *path, const char *ended)
+enum status report_map(const struct world *world, const struct vehicles *vehicles, const char *path, const char *ended)
 {
-	struct map map = {.world = world};
+	struct map map = {.world = world, .vehicles = vehicles};
 	enum status status = take_ways(&map);
 	if (status == STATUS_OK)
 		status = raster(&map);
 	if (status == STATUS_OK)
 		status = draw(&map, path, ended);
-	for (size_t i = 0; map.ways != NULL && i < world->scene->object_count; i++)
+	for (size_t i = 0; i < map.count; i++)
 		mem_free(map.ways[i].places);
 	mem_free(map.ways);
 	render_map_raster_finish(&map.raster);

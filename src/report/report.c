@@ -7,7 +7,7 @@
 #include "report/report.h"
 
 #define RANGES 4	  /* of step times, for each octave */
-#define WAY_POINTS 64 /* of an object's way */
+#define WAY_POINTS 64 /* of a way */
 
 static const char *const group_names[GPU_GROUPS] = {
 	[GPU_DISPLACE] = "displace", [GPU_REDISTRIBUTE] = "redistribute", [GPU_ATTRIBUTES] = "attributes",
@@ -191,18 +191,23 @@ static void add_interface(cJSON *object, const struct deform_interface *interfac
 	json_number(told, "adhesion", interface->has_adhesion ? interface->adhesion : (double)NAN);
 }
 
-/* Adds corners of an object's way up to now, at most WAY_POINTS of them, and its end. */
-static void add_way(cJSON *object, const struct body *body, double time)
+/* Adds places of a way, at most WAY_POINTS of them, and its end. */
+static void add_places(cJSON *object, const double (*places)[2], size_t count)
 {
-	double(*places)[2] = mem_alloc(motion_track_corners(body->track), sizeof *places);
 	cJSON *way = cJSON_AddArrayToObject(object, "way");
-	const size_t count = places != NULL ? motion_track_way(body->track, time, places) : 0;
 	const size_t every = count / WAY_POINTS + 1;
 	for (size_t i = 0; i < count; i = i + every < count || i + 1 == count ? i + every : count - 1) {
 		cJSON *point = cJSON_CreateDoubleArray(places[i], 2);
 		if (!cJSON_AddItemToArray(way, point))
 			cJSON_Delete(point);
 	}
+}
+
+/* Adds the corners of an object's way up to now. */
+static void add_way(cJSON *object, const struct body *body, double time)
+{
+	double(*places)[2] = mem_alloc(motion_track_corners(body->track), sizeof *places);
+	add_places(object, (const double(*)[2])places, places != NULL ? motion_track_way(body->track, time, places) : 0);
 	mem_free(places);
 }
 
@@ -242,6 +247,9 @@ static void add_vehicles(cJSON *root, const struct report *report)
 		json_number(vehicle, "work", info.work);
 		cJSON_AddBoolToObject(vehicle, "arrived", info.arrived);
 		json_number(vehicle, "stuck_since", info.stuck ? info.stuck_at : (double)NAN);
+		double places[VEHICLE_TRAIL + 1][2];
+		const size_t count = vehicle_trail(report->vehicles, i, places);
+		add_places(vehicle, (const double(*)[2])places, count);
 	}
 }
 

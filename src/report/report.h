@@ -34,8 +34,9 @@ struct report {
 char *report_json(const struct report *report, const char *ended);
 /* Writes DIRECTORY/run.json, under another name first, then renamed. */
 enum status report_write(const char *directory, const char *json) FURROW_CHECKED;
-/* Draws the map of the run so far, from what is committed. Writes it under another name first, then renames it. */
-enum status report_map(const struct world *world, const char *path, const char *ended) FURROW_CHECKED;
+/* Draws the map of the run so far, from what is committed. Writes it under another name first, then renames it. `vehicles`: NULL:
+ * there are none. */
+enum status report_map(const struct world *world, const struct vehicles *vehicles, const char *path, const char *ended) FURROW_CHECKED;
 
 /* asked.c: adds what was run: the program's version, the scene with all its settings, the store, the trace, and the notes. */
 void report_asked(struct cJSON *root, const struct report *report);

@@ -43,6 +43,12 @@ struct driver {
 	bool arrived;
 };
 
+/* trail.c: points of a vehicle's way, at least `apart` metres from each other. */
+struct trail {
+	double places[VEHICLE_TRAIL][2], apart; /* m, local */
+	size_t count;
+};
+
 struct vehicle {
 	const struct scene_vehicle *scene;
 	mjModel *model;
@@ -65,6 +71,7 @@ struct vehicle {
 	double lift;                /* m: by which it was lifted when it was set down */
 	double work, distance;      /* J, m */
 	double slow;                /* s: for how long it has been slower than `stuck.below`; in settling: when the stage began */
+	struct trail trail;         /* of this run */
 	double *room;               /* numbers for coupling.c */
 	double *pushed;             /* nv: forces of other vehicles in this time step */
 };
@@ -114,6 +121,11 @@ void vehicle_geom_support(const mjModel *model, const mjData *data, int geom, co
 bool vehicle_is_fixed(const mjModel *model, int geom);
 /* Writes the geom's name into `text`: its own, that of its body, or its number. */
 void vehicle_geom_name(const mjModel *model, int geom, char *text, size_t size);
+
+/* --- trail.c --- */
+
+/* Adds the vehicle's place, if it is far enough from the last one. */
+void vehicle_trail_add(struct vehicle *vehicle);
 
 /* --- meshes.c: triangles in the axes of a geom --- */
 

@@ -73,6 +73,12 @@ void vehicle_info(const struct vehicles *vehicles, size_t vehicle, struct vehicl
 	*info = (struct vehicle_info){.name = ""};
 }
 
+size_t vehicle_trail(const struct vehicles *vehicles, size_t vehicle, double (*places)[2])
+{
+	(void)vehicles, (void)vehicle, (void)places;
+	return 0;
+}
+
 void vehicle_geom(const struct vehicles *vehicles, size_t vehicle, size_t geom, double spacing, struct vehicle_geom *out)
 {
 	(void)vehicles, (void)vehicle, (void)geom, (void)spacing;

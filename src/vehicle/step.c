@@ -209,6 +209,8 @@ static enum status move_one(struct vehicles *vehicles, struct vehicle *vehicle, 
 	struct motion motion = motion_of(vehicles, vehicle, rate, drives);
 	const double time = motion.time, seconds = motion.seconds;
 	double before[2], after[2];
+	if (drives)
+		vehicle_trail_add(vehicle);
 	mju_copy(before, &vehicle->data->xpos[3 * vehicle->root], 2);
 	enum status status = vehicle_guard(vehicle->scene->name, advance, &motion);
 	if (status != STATUS_OK)

@@ -268,6 +268,11 @@ void vehicle_info(const struct vehicles *vehicles, size_t index, struct vehicle_
 		.arrived = vehicle->driver.arrived,
 		.stuck = is_stuck(vehicles, vehicle),
 	};
+	for (size_t g = 0; g < vehicle->geom_count && vehicles->world != NULL; g++) {
+		const double *place = &vehicle->data->xpos[3 * vehicle->root];
+		const double *at = &vehicle->data->geom_xpos[3 * vehicle->geoms[g].geom];
+		info->reach = fmax(info->reach, hypot(at[0] - place[0], at[1] - place[1]) + deform_shape_bound(&vehicle->geoms[g].shape));
+	}
 	if (vehicles->world != NULL && vehicle->begun > VEHICLE_ABOVE)
 		info->kinetic = vehicle_kinetic(vehicle);
 	if (info->stuck)

@@ -73,6 +73,7 @@ struct vehicle_info {
 	bool settled;
 	double settle_seconds; /* s of simulated time before the start */
 	double distance;       /* m in plan */
+	double reach;          /* m in plan, from its place to the farthest part of a soil geom; 0 before it is joined to a world */
 	double kinetic, work;  /* J */
 	bool arrived;          /* at the end of its path */
 	bool stuck;
@@ -80,6 +81,11 @@ struct vehicle_info {
 };
 size_t vehicle_count(const struct vehicles *vehicles); /* 0 for NULL */
 void vehicle_info(const struct vehicles *vehicles, size_t vehicle, struct vehicle_info *info);
+
+/* Fills `places` with points of the vehicle's way in this run, and with where it is now, in local metres. Returns their number, at
+ * most VEHICLE_TRAIL + 1; 0 before its first step. A resumed run begins where it goes on. */
+#define VEHICLE_TRAIL 128
+size_t vehicle_trail(const struct vehicles *vehicles, size_t vehicle, double (*places)[2]);
 
 /* A soil geom, 0 .. geom_count - 1. */
 struct vehicle_geom {

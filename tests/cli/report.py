@@ -49,7 +49,7 @@ objects:
 """
 CAR = """scene: 1
 time_step: 0.002
-end_time: 1.5
+end_time: 2.5
 spacing: 0.125
 soil: {name: sandy_loam_15}
 redistribute: {model: scm}
@@ -421,6 +421,11 @@ class Report(FurrowTest):
             self.skipTest(result.stderr.strip())
         self.assertEqual(result.returncode, 0, result.stderr)
         page, run, rows = self.report("car"), self.json_of("car"), self.csv_of("car", "vehicles.csv")["car"]
+        way = run["vehicles"]["car"]["way"]
+        self.assertEqual([f"{value:.9g}" for value in way[0] + way[-1]], [f"{row[key]:.9g}" for row in (rows[0], rows[-1]) for key in "xy"])
+        self.assertTrue(20 < len(way) <= 66)
+        self.assertLess(max(min(math.hypot(x - row["x"], y - row["y"]) for row in rows) for x, y in way), 0.04)
+        self.assertGreater(run["vehicles"]["car"]["distance"], 128 * 0.02)
         self.assertEqual(page.sections(), ALWAYS[:5] + ["vehicles"] + ALWAYS[5:])
         results = page.rows("results")
         for label, key in (("mass, kg", "mass"), ("distance, m", "distance"), ("work, J", "work"), ("kinetic energy, J", "kinetic")):

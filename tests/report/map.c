@@ -281,6 +281,30 @@ static void odd_drives_have_maps(void **state)
 	}
 }
 
+static void a_vehicle_s_ruts_fill_the_map_and_its_way_is_between_them(void **state)
+{
+	char text[2048];
+	snprintf(text, sizeof text,
+		 "scene: 1\ntime_step: 0.002\nend_time: 2\nspacing: 0.25\nsoil: {name: dry_sand}\nredistribute: {model: scm}\nvehicles:\n"
+		 "  - {name: car, model: %s/vehicles/offroad.xml, start: {at: [100, 60], yaw: 30}, soil: [wheel_*],\n"
+		 "     driver: {path: {points: [[100, 60], [117, 70]], speed: 3}, steer: [steer_*], drive: [drive_*]}}\n",
+		 getenv("SCENES"));
+	struct api_result result;
+	const enum status status = drive(text, fresh("car.furrow"), (struct drive_asked){.out = "car", .map = true}, &result);
+	if (status == STATUS_INPUT && strstr(failure_message(), "no MuJoCo") != NULL)
+		skip();
+	must(status);
+	assert_non_null(strstr(result.json, "\"way\""));
+	mem_free(result.json);
+	struct picture picture = read_picture(in_out("car", "map.png"));
+	const int high = picture.height * 4 / 5; /* without the legend */
+	const struct box ruts = find(&picture, is_rut, high), way = find(&picture, is_way, high);
+	/* 3 m of 160: of the whole terrain they would be a fiftieth. */
+	assert_true(ruts.right - ruts.left > picture.width / 4 && ruts.right - ruts.left < picture.width * 9 / 10);
+	assert_true(way.count > 50 && way.left > ruts.left && way.right < ruts.right && way.top > ruts.top && way.bottom < ruts.bottom);
+	free(picture.pixels);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -290,6 +314,7 @@ int main(void)
 		cmocka_unit_test(a_drive_that_fails_has_its_map),
 		cmocka_unit_test(a_map_that_cannot_be_written_is_the_failure_if_nothing_else_was),
 		cmocka_unit_test(odd_drives_have_maps),
+		cmocka_unit_test(a_vehicle_s_ruts_fill_the_map_and_its_way_is_between_them),
 	};
 	return cmocka_run_group_tests(tests, support_enter, support_leave);
 }
