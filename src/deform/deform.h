@@ -300,6 +300,8 @@ struct deform_window {
 size_t deform_windows_computed(const struct deform_window *windows, size_t count);
 /* Returns true if the contact has no motion. Then only its end pose acts on the ground. */
 bool deform_is_contact_only(const struct deform_contact *contact);
+/* Returns a number of posts. A contact of this shape reads and changes no post that lies farther from the rectangle around its origins. */
+int64_t deform_contact_reach(const struct deform *deform, const struct deform_shape *shape);
 /* Finds the windows of a contact. *count 0: it lies outside the world. STATUS_INPUT: it needs more than DEFORM_WINDOWS_MAX. */
 enum status deform_windows(struct deform *deform, const struct deform_contact *contact,
 			   struct deform_window *windows, size_t *count) FURROW_CHECKED;
@@ -371,6 +373,8 @@ bool deform_covers(const struct deform *deform, const struct deform_contact *con
 enum status deform_touch(struct deform *deform, struct post_rect rect) FURROW_CHECKED;
 enum status deform_is_touched(struct deform *deform, struct post_rect rect, bool *is) FURROW_CHECKED;
 enum status deform_wake_block(struct deform *deform, struct deform_block block) FURROW_CHECKED; /* the block must lie inside the world */
+/* Waits until it is known which blocks are active. Then it makes all of them inactive, so that the caller can make some of them active again. */
+enum status deform_forget_active(struct deform *deform) FURROW_CHECKED;
 /* Gives the list of all active blocks. Its order depends only on which blocks are active. The list is valid until the next call.
  * STATUS_FAILED: there are more than DEFORM_BLOCKS_MAX. Rarely waits for the GPU. */
 enum status deform_active_blocks(struct deform *deform, const struct deform_block **blocks, size_t *count) FURROW_CHECKED;

@@ -296,6 +296,7 @@ struct spread_params deform_spread_params(const struct deform *deform, const str
 void deform_spread_begin(struct deform *deform, const struct deform_window *window, uint32_t layer);
 enum status deform_spread(struct deform *deform, const struct spread_params *params, const struct deform_window *window,
 			  uint32_t layer) FURROW_CHECKED;
+double deform_spread_band(const struct deform *deform, const struct deform_shape *shape); /* posts: how wide it is at most; 0: none is laid */
 struct post_rect deform_spread_posts(const struct deform *deform, const struct deform_contact *contact, struct post_rect shadow);
 enum status deform_spread_create(struct deform *deform) FURROW_CHECKED;
 void deform_spread_plan(struct plan *plan);

@@ -75,6 +75,7 @@ struct page_params {
 	uint32_t queue_few;
 	/* s after which a change is committed; 0: only the number of changed pages counts. After a commit that took long, four times as long */
 	double commit_age;
+	bool commits_begun;   /* true: only page_cache_begin_commit and page_cache_flush begin commits */
 	size_t record_bytes; /* size of the run's record, which is copied at each commit */
 	/* Called on the owner's thread, before a commit takes the record. May be NULL. */
 	enum status (*begin_commit)(void *user);
@@ -149,6 +150,28 @@ enum status page_cache_poll(struct page_cache *cache) FURROW_CHECKED;
 enum status page_cache_end_step(struct page_cache *cache, const void *record) FURROW_CHECKED;
 /* Commits all changes with this record, and waits until it is done. */
 enum status page_cache_flush(struct page_cache *cache, const void *record) FURROW_CHECKED;
+
+/*
+ * --- pages that move to the cache of another process ---
+ *
+ * Call these between two steps. A page is given with its newest planes, and this cache forgets it: no later commit writes it. What
+ * was committed of it stays in the store, and the caller must not ask this cache for it before it is put back.
+ */
+
+/* image NULL: the newest version is in the store. */
+typedef enum status (*page_taken_fn)(void *user, uint64_t key, const struct page_image *image);
+/* Gives pages, each key once. Begins all read-backs before it waits for the first. On failure pages are lost from the cache, so the
+ * run must end without a commit. */
+enum status page_cache_take(struct page_cache *cache, const uint64_t *keys, size_t count, page_taken_fn fn, void *user) FURROW_CHECKED;
+/* Puts a page into the queue, as the next commit is to write it. `fn` fills bytes and flags of its image, that of a changed page. */
+typedef void (*page_fill_fn)(void *user, struct page_image *image);
+enum status page_cache_put(struct page_cache *cache, uint64_t key, page_fill_fn fn, void *user) FURROW_CHECKED;
+
+/* For a cache with params.commits_begun. Tells whether page_cache_end_step would have begun a commit without that. */
+bool page_cache_commit_due(struct page_cache *cache);
+enum status page_cache_await_commit(struct page_cache *cache) FURROW_CHECKED; /* waits until no commit is in flight */
+/* Begins a commit of everything as the last step left it, after the one in flight. */
+enum status page_cache_begin_commit(struct page_cache *cache, const void *record) FURROW_CHECKED;
 
 /* Returns true while a rollback waits for the commit in flight. Then io.commit may stop early: it changes nothing and returns
  * STATUS_INTERRUPTED, which does not count as a failure. Any thread. */

@@ -159,7 +159,7 @@ enum status page_wait_for_commit_locked(struct page_cache *cache, bool stall)
 	return status;
 }
 
-static enum status start_commit(struct page_cache *cache, const void *record, bool stall)
+enum status page_start_commit(struct page_cache *cache, const void *record, bool stall)
 {
 	mutex_lock(&cache->mutex);
 	enum status status = page_wait_for_commit_locked(cache, stall);
@@ -186,7 +186,7 @@ static enum status start_commit(struct page_cache *cache, const void *record, bo
 
 /* Many changes or an old one start a commit. It waits for the commit in flight only at twice that number. So the number of
  * waiting changes is bounded, however fast the ground changes. */
-static bool commit_is_due_locked(const struct page_cache *cache)
+bool page_commit_is_due_locked(const struct page_cache *cache)
 {
 	const struct page_params *params = &cache->params;
 	uint32_t changed = cache->queue.waiting.count + cache->table.dirty;
@@ -206,15 +206,15 @@ enum status page_cache_end_step(struct page_cache *cache, const void *record)
 	cache->table.used = 0;
 	if (status == STATUS_OK)
 		status = page_sticky_locked(cache);
-	bool due = status == STATUS_OK && commit_is_due_locked(cache);
+	bool due = status == STATUS_OK && !cache->params.commits_begun && page_commit_is_due_locked(cache);
 	mutex_unlock(&cache->mutex);
-	return due ? start_commit(cache, record, true) : status;
+	return due ? page_start_commit(cache, record, true) : status;
 }
 
 enum status page_cache_flush(struct page_cache *cache, const void *record)
 {
 	assert(page_owner(cache));
-	enum status status = start_commit(cache, record, false);
+	enum status status = page_start_commit(cache, record, false);
 	if (status != STATUS_OK)
 		return status;
 	mutex_lock(&cache->mutex);

@@ -68,6 +68,11 @@ static enum status take_image(struct page_cache *cache, uint64_t key, bool ahead
 	return STATUS_OK;
 }
 
+enum status page_take_changed_image(struct page_cache *cache, uint64_t key, struct page_host **out)
+{
+	return take_image(cache, key, false, out);
+}
+
 enum status page_read_back(struct page_cache *cache, struct page *page, bool ahead)
 {
 	assert(page->state == PAGE_RESIDENT && page->dirty); /* 3 */

@@ -188,6 +188,9 @@ void page_list_remove(struct page_list *list, struct page *page);
 /* Waits until no commit is in flight. `stall`: a step waits, so it counts as a stall. Returns early with a failure of the
  * threads. */
 enum status page_wait_for_commit_locked(struct page_cache *cache, bool stall) FURROW_CHECKED;
+bool page_commit_is_due_locked(const struct page_cache *cache);
+/* Begins a commit, after the one in flight. */
+enum status page_start_commit(struct page_cache *cache, const void *record, bool stall) FURROW_CHECKED;
 
 /* --- page_queue.c --- */
 
@@ -210,6 +213,7 @@ void page_queue_begin_commit_locked(struct page_cache *cache);
 void page_queue_end_commit_locked(struct page_cache *cache, bool committed);
 /* Releases all waiting images without committing them. */
 void page_queue_drop_waiting_locked(struct page_cache *cache);
+void page_queue_drop_waiting_one_locked(struct page_cache *cache, uint64_t key); /* the same for one page, if it has one */
 /* Releases the kept images that no running load needs: all running loads began after their commit. */
 void page_queue_release_kept_locked(struct page_cache *cache);
 
@@ -243,6 +247,11 @@ uint32_t page_loads_ahead_locked(const struct page_cache *cache);
 /* Returns the `begun` of the oldest running load that may still become resident. Returns UINT64_MAX if there is none. */
 uint64_t page_loads_oldest_locked(const struct page_cache *cache);
 
+/* --- page_rollback.c --- */
+
+/* Makes a RESIDENT page ABSENT. What only its slot has is lost. */
+void page_drop_locked(struct page_cache *cache, struct page *page);
+
 /* --- page_writer.c --- */
 
 void *page_writer_body(void *cache);
@@ -252,6 +261,8 @@ void *page_writer_body(void *cache);
 /* Begins to read a dirty page back. The page is clean then, and its image waits for a commit. If there is no free image, it
  * stays dirty; with `ahead` this is not a failure. A failure of the executor is sticky. */
 enum status page_read_back(struct page_cache *cache, struct page *page, bool ahead) FURROW_CHECKED;
+/* Takes an image for a changed page. STATUS_FAILED: the queue is full. */
+enum status page_take_changed_image(struct page_cache *cache, uint64_t key, struct page_host **out) FURROW_CHECKED;
 /* Makes a LOADED page RESIDENT, or ABSENT on failure. If the load of a prefetch request failed and no pin waits for it, this is
  * not a failure. `*later`: the page cannot be made resident yet. */
 enum status page_install(struct page_cache *cache, struct page *page, bool *later) FURROW_CHECKED;

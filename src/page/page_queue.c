@@ -233,6 +233,11 @@ void page_queue_drop_waiting_locked(struct page_cache *cache)
 	}
 }
 
+void page_queue_drop_waiting_one_locked(struct page_cache *cache, uint64_t key)
+{
+	drop_version_locked(cache, key, PAGE_WAITING);
+}
+
 void page_queue_release_kept_locked(struct page_cache *cache)
 {
 	struct page_queue *queue = &cache->queue;

@@ -32,7 +32,7 @@ static void give_up_loads_locked(struct page_cache *cache)
 	assert(cache->queue.kept.count == 0); /* 6 */
 }
 
-static void drop_page_locked(struct page_cache *cache, struct page *page)
+void page_drop_locked(struct page_cache *cache, struct page *page)
 {
 	struct page_table *table = &cache->table;
 	assert(page->pins == 0);
@@ -63,7 +63,7 @@ static void drop_pages(struct page_cache *cache, const struct page_rollback *rol
 		if (!uncommitted(cache, page) && !rollback->changed(rollback->user, key))
 			continue;
 		mutex_lock(&cache->mutex);
-		drop_page_locked(cache, page);
+		page_drop_locked(cache, page);
 		mutex_unlock(&cache->mutex);
 		rollback->dropped(rollback->user, key);
 	}

@@ -58,9 +58,11 @@ static struct page_params cache_params(const struct pages_params *params, const 
 		.slots = params->count,
 		.loaders = params->loaders,
 		.queue_soft = soft,
-		.queue_most = most > few ? most : few,
+		/* Commits that are begun for all ranks come up to a step later, and pages come from other ranks besides. */
+		.queue_most = (most > few ? most : few) * (params->commits_begun ? 2 : 1),
 		.queue_few = few,
 		.commit_age = params->commit_age,
+		.commits_begun = params->commits_begun,
 		.begin_commit = params->begin_commit,
 		.begin_commit_user = params->user,
 		.record_bytes = params->record.bytes,
@@ -110,6 +112,8 @@ void resident_pages_destroy(struct pages *pages)
 	for (uint32_t i = 0; i < reader_count(&pages->params); i++)
 		resident_ground_destroy(pages->grounds[i]);
 	store_reader_destroy(pages->marked.reader);
+	store_reader_destroy(pages->moved.reader);
+	mem_free(pages->moved.bytes);
 	mem_free(pages->commit_pages);
 	mutex_finish(&pages->mutex);
 	mem_free(pages);

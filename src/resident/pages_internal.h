@@ -44,6 +44,10 @@ struct pages {
 		int64_t revision;
 		struct pages_sums tallied, sums;
 	} marked;
+	struct pages_moved {             /* pages_move.c: for a page whose newest version is in the store */
+		struct store_reader *reader; /* NULL before the first */
+		void *bytes;
+	} moved;
 	double readback_ms;              /* readback_ms and the next two are used by the GPU's thread */
 	uint64_t host_bytes, changed_images;
 	struct mutex mutex;              /* guards io */

@@ -242,6 +242,7 @@ struct pages_params {
 	struct pages_sums before; /* sums of this drive at the time when these pages were made */
 	FILE *commit_log;           /* a line for each commit; NULL: none */
 	double commit_age;        /* s after which a change is committed */
+	bool commits_begun;       /* as in struct page_params */
 	struct page_trace *trace; /* may be NULL */
 	/* Called before a page of the working level is read back. Afterwards the page may be evicted. */
 	enum status (*before_read_back)(void *user, struct tile tile, uint32_t slot);
@@ -325,6 +326,15 @@ enum status resident_pages_mark(struct pages *pages) FURROW_CHECKED;
  * failure nothing changes. */
 enum status resident_pages_rollback(struct pages *pages) FURROW_CHECKED;
 void resident_pages_io(struct pages *pages, struct resident_pages_io *io);
+/*
+ * Pages that move to another process, between two steps, as page_cache_take and page_cache_put do. `bytes`: resident_pages_moved_bytes()
+ * bytes, each plane of params.planes in turn. `planes`: those that the tile has; 0: it is not deformed, and there are no bytes.
+ */
+size_t resident_pages_moved_bytes(const struct pages *pages);
+typedef enum status (*pages_taken_fn)(void *user, struct tile tile, unsigned planes, const void *bytes);
+enum status resident_pages_take(struct pages *pages, const uint64_t *keys, size_t count, pages_taken_fn fn, void *user) FURROW_CHECKED;
+/* planes 0: all planes become 0. */
+enum status resident_pages_put(struct pages *pages, struct tile tile, unsigned planes, const void *bytes) FURROW_CHECKED;
 
 /*
  * --- coarser levels ---

@@ -27,6 +27,11 @@ enum status world_hold(struct world *world, struct post_rect rect, struct held_t
 			held->tiles[held->count].tile = tile;
 			held->keys[held->count++] = tile_key(tile);
 		}
+	for (size_t i = 0; i < held->count && world->ranks != NULL; i++)
+		if (!world->ranks->has(world->ranks->user, held->keys[i])) {
+			held->count = 0;
+			return fail_with(STATUS_FAILED, "ranks: a step reads ground of another rank; report this");
+		}
 	uint32_t slots[WORLD_TILES_MOST];
 	enum status status = page_cache_pin_all(world->cache, held->keys, held->count, slots);
 	if (status != STATUS_OK) {
@@ -59,7 +64,10 @@ enum status world_mark(struct world *world, struct post_rect rect, const struct 
 		if (post_rect_empty(post_rect_intersect(rect, tile_post_rect(&world->meta->extent, tile))))
 			continue;
 		page_cache_dirty(world->cache, held->keys[i]);
-		status = world_changed(world, tile, post_rect_intersect(rect, tile_post_rect(&world->meta->extent, tile)));
+		if (world->ranks != NULL)
+			status = world->ranks->changes(world->ranks->user, held->keys[i]);
+		if (status == STATUS_OK)
+			status = world_changed(world, tile, post_rect_intersect(rect, tile_post_rect(&world->meta->extent, tile)));
 		if (status != STATUS_OK)
 			return status;
 		if (world->pyramid != NULL)
@@ -187,6 +195,11 @@ enum status world_contact(struct world *world, const struct event *event, bool l
 	struct deform_contact contact = contact_of(world, body, event);
 	struct deform_window windows[DEFORM_WINDOWS_MAX];
 	size_t count = 0;
+	if (body->elsewhere) { /* of a vehicle: what the host knows of it goes on */
+		body->in_contact = true;
+		body->last = contact.to;
+		return STATUS_OK;
+	}
 	enum status status = deform_windows(world->deform, &contact, windows, &count);
 	struct held_tiles held = {.count = 0};
 	bool aloft = false;

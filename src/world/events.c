@@ -76,7 +76,7 @@ enum status world_collect_events(struct world *world, double until)
 		struct event event = {.time = INFINITY};
 		for (size_t i = 0; i < world->scene->object_count; i++) {
 			struct body *body = &world->bodies[i];
-			if (body->track == NULL || body->next >= motion_track_samples(body->track))
+			if (body->track == NULL || body->elsewhere || body->next >= motion_track_samples(body->track))
 				continue;
 			double time = motion_track_sample_time(body->track, body->next);
 			if (time <= until && time < event.time) {

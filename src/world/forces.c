@@ -159,7 +159,7 @@ static enum status add_quiet(struct forces *forces, double t)
 	enum status status = STATUS_OK;
 	for (size_t i = 0; i < world->hosts.count && status == STATUS_OK; i++) {
 		const struct host_body *host = world->hosts.list[i];
-		if (host != NULL && host->quiet && host->placed)
+		if (host != NULL && host->quiet && host->placed && !host->body.elsewhere)
 			status = add_entry(forces, &(struct entry){.step = world->step, .t = t, .object = world->scene->object_count + 1 + i,
 						   .at = {0, host->shown, true}, .ready = true, .slip = host->slip, .force = host->force});
 	}
@@ -176,7 +176,7 @@ enum status world_forces_rows(struct forces *forces, double until, bool inclusiv
 		if (t > until || (!inclusive && t == until))
 			return status;
 		for (size_t i = 0; i < forces->world->scene->object_count && status == STATUS_OK; i++)
-			if (forces->standing[i].placed)
+			if (forces->standing[i].placed && !forces->world->bodies[i].elsewhere)
 				status = add_entry(forces, &(struct entry){.step = forces->world->step, .t = t, .object = i, .at = forces->standing[i]});
 		if (status == STATUS_OK)
 			status = add_quiet(forces, t);
@@ -331,6 +331,8 @@ enum status world_forces_settle(struct forces *forces, struct record *record)
 		return STATUS_OK;
 	enum status status = use(forces, INT64_MAX);
 	for (size_t i = 0; i < forces->world->scene->object_count; i++) {
+		if (forces->world->bodies[i].elsewhere)
+			continue;
 		record->objects[i].force = forces->known[i];
 		record->objects[i].sinkage = forces->world->bodies[i].sinkage;
 	}
@@ -348,6 +350,27 @@ enum status world_forces_wait(struct forces *forces)
 			arrived(forces, &came);
 	}
 	return status;
+}
+
+void world_forces_pack(const struct forces *forces, size_t body, struct world_moved *moved)
+{
+	if (forces == NULL)
+		return;
+	const struct standing *standing = &forces->standing[body];
+	moved->shown = standing->pose;
+	moved->placed = standing->placed;
+	moved->felt = standing->tag != 0;
+	moved->force = forces->known[body];
+}
+
+/* As for a run that is resumed: what came has the tag 1. */
+void world_forces_unpack(struct forces *forces, size_t body, const struct world_moved *moved)
+{
+	if (forces == NULL)
+		return;
+	forces->standing[body] = (struct standing){moved->felt ? 1 : 0, moved->shown, moved->placed};
+	forces->known[body] = moved->force;
+	forces->known_tag[body] = 1;
 }
 
 bool world_forces_known(const struct forces *forces, size_t body, struct world_force *force)

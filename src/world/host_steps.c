@@ -316,7 +316,7 @@ size_t world_host_rests(const struct world *world, struct deform_rest *rests)
 	size_t count = 0;
 	for (size_t i = 0; i < world->hosts.count; i++) {
 		const struct host_body *host = world->hosts.list[i];
-		if (host != NULL && host->body.in_contact && !host->removed)
+		if (host != NULL && host->body.in_contact && !host->removed && !host->body.elsewhere)
 			rests[count++] = (struct deform_rest){&host->body.object->shape, host->body.last, 0};
 	}
 	return count;

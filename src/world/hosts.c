@@ -357,7 +357,7 @@ enum status world_body_place(struct world *world, int32_t number, const struct w
 		status = lift(world, host);
 	if (status != STATUS_OK)
 		return status;
-	host->placed = true;
+	host->placed = world->unplaced = true;
 	host->has_next = false;
 	host->now = (struct world_state){.pose = *pose};
 	return STATUS_OK;
@@ -437,7 +437,7 @@ enum status world_body_restore(struct world *world, int32_t number, const double
 	if (world_attitude(&host->body.object->shape, host->body.object->name, &now.pose, &pose) != STATUS_OK || fabs(n[2]) > 0x1p52 ||
 	    fabs(n[3]) > 0x1p52 || fabs(n[4]) > 0x1p52)
 		return world_record_damaged(world->path, "where a vehicle is");
-	host->placed = true;
+	host->placed = world->unplaced = true;
 	host->body.in_contact = n[1] != 0;
 	host->body.last = (struct deform_pose){(int64_t)n[2], (int64_t)n[3], (int64_t)n[4], n[5], n[6], n[7], n[8]};
 	host->since = n[9];

@@ -11,6 +11,8 @@
 enum status world_resume(struct world *world) FURROW_CHECKED;
 void world_tell_unfinished(const struct world *world); /* prints a note that an unfinished run could be resumed, but is not */
 
+enum status world_fill_record(struct world *world) FURROW_CHECKED; /* steps.c */
+
 /* --- ruts.c --- */
 
 /* Reads how deep the ruts in the store or overlay are, and prints a note about it. Prints nothing if the drive is resumed. */
@@ -147,13 +149,14 @@ enum status world_limits_add(struct world *world, const struct deform_shape *sha
 
 /* --- events.c --- */
 
-/* Collects the events of the step that ends at `until`. They are sorted by time; at equal times, by the order in the scene. */
+/* Collects the events of the step that ends at `until`, of bodies here. They are sorted by time; at equal times, by the order in the scene. */
 enum status world_collect_events(struct world *world, double until) FURROW_CHECKED;
 /* Places the body on the ground at a path sample. Fills pose, contact, distance and sinkage of `event`. */
 enum status world_set_down(struct world *world, struct body *body, int64_t sample, struct event *event) FURROW_CHECKED;
 
 /* --- relaxation.c: relaxation of the whole ground --- */
 
+int64_t world_intervals_by(const struct world *world, double time); /* number of intervals that are over then */
 /* If undisturbed ground may slide: makes all blocks of the ground active, so that relaxation looks at all of it. Called at the
  * start. world_budget_check bounds their number. */
 enum status world_wake_all(struct world *world) FURROW_CHECKED;
@@ -218,6 +221,9 @@ struct forces_saved;
 enum status world_forces_save(const struct forces *forces, struct forces_saved **out) FURROW_CHECKED;
 void world_forces_restore(struct forces *forces, const struct forces_saved *saved);
 void world_forces_saved_free(struct forces_saved *saved); /* saved may be NULL */
+/* For world_body_pack and world_body_unpack. A body that is packed has no rows here until it is unpacked. */
+void world_forces_pack(const struct forces *forces, size_t body, struct world_moved *moved);
+void world_forces_unpack(struct forces *forces, size_t body, const struct world_moved *moved);
 /* Waits for all forces that are being computed. */
 enum status world_forces_wait(struct forces *forces) FURROW_CHECKED;
 /* Gives the last known force on a body with a path. Returns false if its forces were never computed. */

@@ -90,12 +90,12 @@ enum status world_probes_refresh(struct world *world)
 	enum status status = STATUS_OK;
 	for (size_t i = 0; i < world->hosts.count && status == STATUS_OK; i++) {
 		struct host_body *host = world->hosts.list[i];
-		if (host != NULL && host->mirror.patch != NULL)
+		if (host != NULL && host->mirror.patch != NULL && !host->body.elsewhere)
 			status = begin(world, host);
 	}
 	for (size_t i = 0; i < world->hosts.count && status == STATUS_OK; i++) {
 		struct host_body *host = world->hosts.list[i];
-		if (host != NULL && host->mirror.patch != NULL)
+		if (host != NULL && host->mirror.patch != NULL && !host->body.elsewhere)
 			status = land(host);
 	}
 	return status;
@@ -226,12 +226,15 @@ static enum status need_mirror(struct world *world, struct host_body *host)
 enum status world_probe(struct world *world, size_t count, const int32_t *numbers, const struct world_state *states,
 			struct world_contact *contacts)
 {
+	const struct world_ranks *ranks = world->ranks;
 	enum status status = STATUS_OK;
+	if (ranks != NULL && world->unplaced)
+		status = ranks->step(ranks->user, world->time, status);
 	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
 		struct host_body *host = probed_host(world, numbers[i]);
 		struct deform_probed probed = {.known = false};
 		contacts[i] = world_contact_unknown();
-		if (host == NULL)
+		if (host == NULL || host->body.elsewhere)
 			continue;
 		status = need_mirror(world, host);
 		if (status == STATUS_OK)
@@ -239,5 +242,5 @@ enum status world_probe(struct world *world, size_t count, const int32_t *number
 		if (probed.known)
 			world_tell_probed(host, &states[i], &probed, world->time, &contacts[i]);
 	}
-	return status;
+	return ranks != NULL ? ranks->probed(ranks->user, count, numbers, contacts, status) : status;
 }

@@ -7,7 +7,7 @@
 #include "world/internal.h"
 
 /* Returns the number of intervals that are over at `time`. They end at multiples of the interval. */
-static int64_t intervals_by(const struct world *world, double time)
+int64_t world_intervals_by(const struct world *world, double time)
 {
 	double interval = world->scene->interval, whole = floor(time / interval);
 	if (!deform_conserves(world->scene->model) || !(whole < 0x1p52)) /* none, or more blocks than exist */
@@ -22,7 +22,7 @@ static int64_t intervals_by(const struct world *world, double time)
 
 void world_intervals_from(struct world *world, double time)
 {
-	world->relaxation.intervals = intervals_by(world, time);
+	world->relaxation.intervals = world_intervals_by(world, time);
 }
 
 enum status world_wake_all(struct world *world)
@@ -36,7 +36,7 @@ static size_t rests_of(const struct world *world)
 {
 	size_t count = 0;
 	for (size_t i = 0; i < world->scene->object_count; i++)
-		if (world->bodies[i].in_contact)
+		if (world->bodies[i].in_contact && !world->bodies[i].elsewhere)
 			world->relaxation.rests[count++] = (struct deform_rest){&world->bodies[i].object->shape, world->bodies[i].last,
 								     world->bodies[i].loaded_body};
 	return count + world_host_rests(world, world->relaxation.rests + count);
@@ -99,7 +99,7 @@ enum status world_intervals(struct world *world, double time, bool at_it)
 	if (world->deform == NULL || !deform_conserves(world->scene->model))
 		return STATUS_OK;
 	enum status status = STATUS_OK;
-	int64_t over = intervals_by(world, time);
+	int64_t over = world_intervals_by(world, time);
 	if (!at_it && over > 0 && (double)over * world->scene->interval >= time)
 		over--;
 	while (world->relaxation.intervals < over && status == STATUS_OK) {
@@ -116,7 +116,7 @@ enum status world_let_go(struct world *world, const struct body *body)
 	const struct deform_contact rest = {.shape = &body->object->shape, .from = body->last, .to = body->last};
 	struct deform_window windows[DEFORM_WINDOWS_MAX];
 	size_t count = 0;
-	if (!body->in_contact || !deform_conserves(world->scene->model))
+	if (!body->in_contact || body->elsewhere || !deform_conserves(world->scene->model))
 		return STATUS_OK;
 	enum status status = deform_windows(world->deform, &rest, windows, &count);
 	for (size_t i = 0; i < count && status == STATUS_OK; i++)

@@ -24,7 +24,7 @@ double world_step_time(const struct scene *scene, int64_t step)
 	return time < scene->end_time * (1 - 1e-12) ? time : scene->end_time;
 }
 
-static enum status fill_record(struct world *world)
+enum status world_fill_record(struct world *world)
 {
 	struct record *record = world->record;
 	const struct deform_block *active;
@@ -104,7 +104,7 @@ enum status world_begin(struct world *world)
 	world_intervals_from(world, world->time);
 	motion_look_ahead_begin(world->ahead, world->resumed.time);
 	/* A drive that is killed before its first commit must not be taken for the run before it. */
-	enum status status = world->resumed.is ? STATUS_OK : fill_record(world);
+	enum status status = world->resumed.is ? STATUS_OK : world_fill_record(world);
 	if (status == STATUS_OK && !world->resumed.is)
 		status = page_cache_flush(world->cache, world->record);
 	world->warmed.stalls = world->warmed.range_waits = (struct stalls){0, 0};
@@ -120,7 +120,7 @@ enum status world_end_step(struct world *world)
 {
 	enum status status = world->pyramid != NULL ? resident_pyramid_flush(world->pyramid, world->cache) : STATUS_OK;
 	if (status == STATUS_OK)
-		status = fill_record(world);
+		status = world_fill_record(world);
 	/* Until the record describes this step too, there is nothing to commit. */
 	if (status != STATUS_OK)
 		return status;
@@ -131,8 +131,10 @@ enum status world_end_step(struct world *world)
 
 enum status world_move_hosts(struct world *world)
 {
-	world->torn = true;
 	enum status status = page_cache_poll(world->cache);
+	if (world->ranks != NULL)
+		status = world->ranks->step(world->ranks->user, world->time, status);
+	world->torn = true;
 	if (status == STATUS_OK)
 		status = world_hosts_step(world, 0, world->time); /* no row is due: the scene's own objects have not begun */
 	if (status == STATUS_OK)
@@ -150,6 +152,10 @@ enum status world_step_to(struct world *world, double until)
 	world->hosts.until = until;
 	/* This is before anything changes: a scene that leaves the ground stops at the end of a step. */
 	enum status status = world_collect_events(world, until);
+	if (world->ranks != NULL)
+		status = world->ranks->step(world->ranks->user, until, status);
+	if (world->ranks != NULL && status == STATUS_OK && world->events.count == 0) /* bodies came or went */
+		status = world_collect_events(world, until);
 	if (status == STATUS_OK)
 		status = page_cache_poll(world->cache);
 	if (status == STATUS_OK)
@@ -165,6 +171,9 @@ enum status world_step_to(struct world *world, double until)
 		return status;
 	world->step++;
 	world->time = until;
+	world->events.count = 0;
+	if (world->ranks != NULL)
+		world_pass_elsewhere(world, until);
 	motion_look_ahead_tell(world->ahead, until);
 	return world_end_step(world);
 }

@@ -8,7 +8,7 @@
 enum status world_prepare(struct world *world, const struct world_params *params)
 {
 	const struct scene *scene = params->scene;
-	*world = (struct world){.params = *params, .scene = scene};
+	*world = (struct world){.params = *params, .scene = scene, .ranks = params->ranks};
 	const char *path = params->store != NULL ? params->store : scene->store;
 	if (path == NULL)
 		return fail_with(STATUS_INPUT, "%s: names no store; add store:, or give --store", scene->file);
@@ -189,6 +189,7 @@ void world_pages_params(const struct world *world, struct pages_params *params)
 		.images = world->limits.images,
 		.record = world_record_pages(scene),
 		.commit_age = COMMIT_AGE,
+		.commits_begun = world->ranks != NULL,
 		.before_read_back = before_read_back,
 		.begin_commit = begin_commit,
 		.before_commit = before_commit,

@@ -151,6 +151,7 @@ struct world_params {
 	bool rows;                 /* rows are used: those that the scene's output.forces asks for */
 	int64_t steps;             /* the last step, counted from the scene's start; 0: until the scene's end_time */
 	const volatile sig_atomic_t *stop; /* becomes non-zero to end waits early; may be NULL */
+	const struct world_ranks *ranks;   /* NULL: this process alone steps the world */
 };
 
 /* One body. Its shape, sink, load and slip are in the scene object. */
@@ -169,6 +170,7 @@ struct body {
 	uint32_t loaded_body;         /* for a body with a load: its number among the loaded bodies, from 1 */
 	int64_t skipped;          /* number of path samples without ground */
 	uint64_t windows, windows_moved; /* windows computed; of these, the windows in which the body moved */
+	bool elsewhere;           /* another rank computes its contacts */
 };
 
 /* Where a host's body is, and how it moves. Local axes: x east, y north, z up. */
@@ -251,6 +253,39 @@ struct stalls {
 	double ms;
 };
 
+/* What ranks did together. */
+struct world_ranked {
+	struct pages_sums sums; /* of the whole drive */
+	int64_t tiles_moved, bodies_moved, bytes_moved, exchanges;
+	double waiting; /* s that ranks waited for others, all together */
+	double balance; /* work of the busiest rank by the mean of all, in the mean over steps */
+};
+
+/*
+ * The other processes (ranks) that step this world, too: fleet. Each rank has its own ground, and computes the contacts of its own bodies.
+ * All functions are called on the world's thread, on every rank in the same order. They may wait for the other ranks.
+ */
+struct world_ranks {
+	void *user;
+	int rank, ranks;         /* number of this one, from 0; how many there are */
+	const char *over, *part; /* overlay of the run, and the one over it that this rank writes */
+	/* Before the contacts of a step that ends at `until`. Afterwards this rank has the newest ground of all that its bodies touch in
+	 * this step, and where soil slides near them. `status`: of this rank so far. A failure of any rank is returned on all. */
+	enum status (*step)(void *user, double until, enum status status);
+	/* Fills the contacts of bodies that are elsewhere. `status`: of this rank's own probes. */
+	enum status (*probed)(void *user, size_t count, const int32_t *numbers, struct world_contact *contacts, enum status status);
+	/* This rank changes the tile in this step. */
+	enum status (*changes)(void *user, uint64_t key);
+	/* Returns true if this rank may read the tile in this step. */
+	bool (*has)(void *user, uint64_t key);
+	/* Before the run's last commit. `status`: how this rank ended. */
+	enum status (*end)(void *user, enum status status);
+	/* When this rank has closed its ground: puts what all ranks have committed into `over`. Fills `figures`. */
+	enum status (*gather)(void *user, struct world_ranked *figures);
+	/* Returns the failure of any rank on all. What ranks have in common is compared at the first call. */
+	enum status (*agree)(void *user, struct world *world, enum status status);
+};
+
 struct world {
 	struct world_params params;
 	const struct scene *scene;
@@ -258,6 +293,8 @@ struct world {
 	const struct world_watcher *watcher; /* NULL: nothing watches the world */
 	const struct world_rows *rows;       /* NULL: rows are not used */
 	const struct world_commits *commits; /* NULL: no functions */
+	const struct world_ranks *ranks;     /* NULL: this process alone steps the world */
+	bool unplaced;    /* ranks: a body was placed since the last call of ranks->step */
 	struct world_figures figures; /* count 0: none. Set it before a view is made */
 	int64_t step;     /* steps done since the scene's start */
 	double time;      /* s of simulated time since the scene's start */
@@ -503,6 +540,44 @@ enum status world_read_posts(struct world *world, enum store_layer layer, int le
 
 /* Gives the index of the soil at the post of the working level nearest to (x, y), in local metres. -1: outside the terrain. */
 enum status world_soil_at(struct world *world, double x, double y, int *soil) FURROW_CHECKED;
+
+/*
+ * --- ranks.c: for struct world_ranks ---
+ *
+ * Bodies are counted as events count them: the scene's objects, one that is no body, then bodies of vehicles.
+ */
+size_t world_ranked_bodies(const struct world *world);
+bool world_ranked(const struct world *world, size_t index); /* false: there is no such body, or it is not placed */
+/* Gives the posts that a body may touch in the step that ends at `until`, with those where soil may slide because of it. Empty: none.
+ * Gives the same on every rank. */
+struct post_rect world_body_area(const struct world *world, size_t index, double until);
+int64_t world_intervals_due(const struct world *world, double until); /* number of relaxation intervals until then */
+/* Gives the posts that so many intervals may read or change, if soil slides at these posts. */
+struct post_rect world_slides_over(const struct world *world, struct post_rect posts, int64_t intervals);
+void world_body_here(struct world *world, size_t index, bool here); /* says if this rank computes its contacts */
+void world_pass_elsewhere(struct world *world, double until);       /* counts the path samples of bodies elsewhere */
+/* Undoes the collecting of this step's events. The step collects them again. */
+void world_forget_events(struct world *world);
+
+/* The state of a body that moves to another rank. Forces must be settled. It has no pointers. */
+struct world_moved {
+	int64_t index, next, skipped, equilibrium;
+	uint64_t windows, windows_moved;
+	struct deform_pose last, shown; /* shown: the pose of its rows */
+	struct world_force force;
+	double distance, sinkage;
+	bool in_contact, placed, felt;  /* placed: it has rows; felt: `force` is that of its last contact */
+};
+void world_body_pack(const struct world *world, size_t index, struct world_moved *moved);
+/* `here`: this rank computes its contacts from now on. STATUS_FAILED: there is no such body. */
+enum status world_body_unpack(struct world *world, const struct world_moved *moved, bool here) FURROW_CHECKED;
+/* Keeps only the active blocks for which `keeps` returns true. Waits for the GPU. */
+typedef bool (*world_block_fn)(void *user, struct deform_block block);
+enum status world_active_keep(struct world *world, world_block_fn keeps, void *user) FURROW_CHECKED;
+/* Takes the planes of a tile from another rank: resident_pages_put. */
+enum status world_tile_came(struct world *world, struct tile tile, unsigned planes, const void *bytes) FURROW_CHECKED;
+/* Fills the record of the last whole step. `others`: blocks that are active on other ranks. */
+enum status world_record_ranks(struct world *world, const struct deform_block *others, size_t count) FURROW_CHECKED;
 
 /* --- facts that follow from scene and store, before anything is made: plan.c --- */
 

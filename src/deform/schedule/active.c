@@ -264,6 +264,11 @@ enum status deform_active_forget(struct deform *deform)
 	return status;
 }
 
+enum status deform_forget_active(struct deform *deform)
+{
+	return deform->active != NULL ? deform_active_forget(deform) : STATUS_OK;
+}
+
 enum status deform_touch(struct deform *deform, struct post_rect rect)
 {
 	return deform->params.touched ? deform_touched_add(&deform->active->touched, rect) : STATUS_OK;

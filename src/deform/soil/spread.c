@@ -107,6 +107,11 @@ static double band_posts(const struct deform *deform, const struct deform_shape 
 	return fmin(fmax(widest(shape) / deform->spacing, 2), DEFORM_BAND_POSTS);
 }
 
+double deform_spread_band(const struct deform *deform, const struct deform_shape *shape)
+{
+	return deform_conserves(deform->params.model) ? band_posts(deform, shape) : 0;
+}
+
 /* Returns how far from a wheel's axle, along it, soil is laid beside the wheel, metres. A wheel that goes on lays it behind only. */
 static double beside(const struct deform_shape *shape, const struct laying *laying)
 {

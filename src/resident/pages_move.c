@@ -1,0 +1,73 @@
+/* The planes of pages that move to another process, and of those that come from one. */
+#include <string.h>
+
+#include "resident/pages_internal.h"
+
+struct taking {
+	struct pages *pages;
+	pages_taken_fn fn;
+	void *user;
+};
+
+size_t resident_pages_moved_bytes(const struct pages *pages)
+{
+	return pages->layout.changed;
+}
+
+static enum status make_reader(struct pages *pages)
+{
+	struct pages_moved *moved = &pages->moved;
+	if (moved->reader != NULL)
+		return STATUS_OK;
+	moved->bytes = mem_alloc(pages->layout.changed, 1);
+	return moved->bytes != NULL ? store_reader_create(pages->params.store, &moved->reader) : fail_memory("a page");
+}
+
+static enum status taken(void *user, uint64_t key, const struct page_image *image)
+{
+	const struct taking *taking = user;
+	struct pages *pages = taking->pages;
+	struct tile tile = tile_from_key(key);
+	void *into[PLANES] = {NULL};
+	unsigned present;
+	if (image != NULL)
+		return taking->fn(taking->user, tile, image->flags, image->bytes);
+	enum status status = make_reader(pages);
+	if (status != STATUS_OK)
+		return status;
+	memset(pages->moved.bytes, 0, pages->layout.changed);
+	for (int plane = 0; plane < PLANES; plane++)
+		if (pages->planes & PLANE_BIT(plane))
+			into[plane] = pages_plane(pages, pages->moved.bytes, (enum plane)plane);
+	status = store_read_deformed(pages->moved.reader, tile, pages->planes, into, &present);
+	return status == STATUS_OK ? taking->fn(taking->user, tile, present, pages->moved.bytes) : status;
+}
+
+enum status resident_pages_take(struct pages *pages, const uint64_t *keys, size_t count, pages_taken_fn fn, void *user)
+{
+	struct taking taking = {pages, fn, user};
+	return page_cache_take(pages->cache, keys, count, taken, &taking);
+}
+
+struct putting {
+	const struct pages *pages;
+	unsigned planes;
+	const void *bytes;
+};
+
+/* A plane that the tile does not have is 0 in every post. So the next commit drops what this store has of it from before. */
+static void fill(void *user, struct page_image *image)
+{
+	const struct putting *putting = user;
+	image->flags = putting->pages->planes;
+	if (putting->planes != 0)
+		memcpy(image->bytes, putting->bytes, putting->pages->layout.changed);
+	else
+		memset(image->bytes, 0, putting->pages->layout.changed);
+}
+
+enum status resident_pages_put(struct pages *pages, struct tile tile, unsigned planes, const void *bytes)
+{
+	struct putting putting = {pages, planes, bytes};
+	return page_cache_put(pages->cache, tile_key(tile), fill, &putting);
+}

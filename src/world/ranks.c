@@ -1,0 +1,227 @@
+/*
+ * A world that several processes (ranks) step together. Here is what a rank asks of its own world: which ground a step may touch, and the
+ * state of bodies, blocks and tiles that move to another rank.
+ *
+ * Every rank has all bodies. A body that is `elsewhere` has no events here, no contacts and no rows. Its state is then only what every
+ * rank knows: its next path sample. Bodies of vehicles move on every rank alike, and only their contacts with the ground are computed on
+ * one rank.
+ */
+#include <math.h>
+#include <string.h>
+
+#include "world/internal.h"
+
+/* --- where bodies are --- */
+
+static bool *elsewhere_of(struct world *world, size_t index)
+{
+	return world_is_hosts(world, index) ? &world_host_body(world, (int32_t)(index - world->scene->object_count - 1))->body.elsewhere :
+					      &world->bodies[index].elsewhere;
+}
+
+size_t world_ranked_bodies(const struct world *world)
+{
+	return world->scene->object_count + 1 + world->hosts.count;
+}
+
+bool world_ranked(const struct world *world, size_t index)
+{
+	if (index < world->scene->object_count)
+		return world->bodies[index].track != NULL;
+	if (index == world->scene->object_count)
+		return false;
+	const struct host_body *host = world->hosts.list[index - world->scene->object_count - 1];
+	return host != NULL && host->placed && !host->removed;
+}
+
+void world_forget_events(struct world *world)
+{
+	while (world->events.count > 0)
+		world->bodies[world->events.list[--world->events.count].body].next--;
+}
+
+void world_body_here(struct world *world, size_t index, bool here)
+{
+	bool *elsewhere = elsewhere_of(world, index);
+	const bool changes = *elsewhere == here;
+	if (changes)
+		world_forget_events(world);
+	*elsewhere = !here;
+	if (!changes || !world_is_hosts(world, index))
+		return;
+	/* What the mirror has may be old. */
+	struct host_mirror *mirror = &world_host_body(world, (int32_t)(index - world->scene->object_count - 1))->mirror;
+	mirror->stale = mirror->anew = true;
+}
+
+/* --- what a step may touch --- */
+
+static void include(struct post_rect *area, const struct world *world, int64_t x, int64_t y, int64_t posts)
+{
+	const double spacing = world->spacing;
+	const int64_t post_x = (int64_t)floor(lattice_offset_metres(x) / spacing), post_y = (int64_t)floor(lattice_offset_metres(y) / spacing);
+	*area = post_rect_around(*area, (struct post_rect){post_x - posts, post_y - posts, post_x + posts + 2, post_y + posts + 2});
+}
+
+int64_t world_intervals_due(const struct world *world, double until)
+{
+	return deform_conserves(world->scene->model) ? world_intervals_by(world, until) - world->relaxation.intervals : 0;
+}
+
+/* In each interval soil may begin to slide in the blocks next to those where it slid, and it reads a rim around them. */
+struct post_rect world_slides_over(const struct world *world, struct post_rect posts, int64_t intervals)
+{
+	if (intervals <= 0)
+		return posts;
+	const int64_t more = (intervals - 1) * DEFORM_BLOCK;
+	struct post_rect rect = deform_wakes(world->deform, posts);
+	rect = (struct post_rect){rect.x0 - more, rect.y0 - more, rect.x1 + more, rect.y1 + more};
+	/* deform_wakes adds the rim that the blocks read, and whole blocks. */
+	return deform_wakes(world->deform, rect);
+}
+
+static void include_path(const struct world *world, const struct body *body, double until, int64_t posts, struct post_rect *area)
+{
+	struct track_point point;
+	const int64_t samples = motion_track_samples(body->track);
+	for (int64_t i = body->next > 0 ? body->next - 1 : 0; i < samples; i++) {
+		if (i >= body->next && motion_track_sample_time(body->track, i) > until)
+			return;
+		motion_track_sample(body->track, i, &point);
+		include(area, world, point.qx, point.qy, posts);
+	}
+}
+
+static void include_host(const struct world *world, const struct host_body *host, int64_t posts, struct post_rect *area)
+{
+	const struct world_state *states[] = {&host->now, &host->next};
+	for (int i = 0; i < 1 + host->has_next; i++) {
+		const double *place = states[i]->pose.position;
+		include(area, world, lattice_offset(place[0]), lattice_offset(place[1]), posts);
+	}
+	if (host->body.in_contact)
+		include(area, world, host->body.last.x, host->body.last.y, posts);
+	if (host->dip.pose.z != INT64_MAX)
+		include(area, world, host->dip.pose.x, host->dip.pose.y, posts);
+}
+
+struct post_rect world_body_area(const struct world *world, size_t index, double until)
+{
+	enum { PROBED = 6 }; /* posts: a mirror of the ground under a body reaches so far beyond it, and more (probes.c) */
+	struct post_rect area = {INT64_MAX, INT64_MAX, INT64_MIN, INT64_MIN};
+	const struct body *body = world_body_at(world, index);
+	const int64_t posts = deform_contact_reach(world->deform, &body->object->shape);
+	if (world_is_hosts(world, index))
+		include_host(world, world_host_body(world, (int32_t)(index - world->scene->object_count - 1)), posts + PROBED, &area);
+	else
+		include_path(world, body, until, posts, &area);
+	return area.x0 < area.x1 ? world_slides_over(world, area, world_intervals_due(world, until)) : area;
+}
+
+void world_pass_elsewhere(struct world *world, double until)
+{
+	for (size_t i = 0; i < world->scene->object_count; i++) {
+		struct body *body = &world->bodies[i];
+		if (!body->elsewhere || body->track == NULL)
+			continue;
+		const int64_t samples = motion_track_samples(body->track);
+		while (body->next < samples && motion_track_sample_time(body->track, body->next) <= until)
+			body->next++;
+	}
+}
+
+/* --- bodies that move --- */
+
+void world_body_pack(const struct world *world, size_t index, struct world_moved *moved)
+{
+	memset(moved, 0, sizeof *moved); /* its padding, too: it is sent as bytes */
+	moved->index = (int64_t)index;
+	if (world_is_hosts(world, index))
+		return;
+	const struct body *body = &world->bodies[index];
+	moved->next = body->next;
+	moved->skipped = body->skipped;
+	moved->in_contact = body->in_contact;
+	moved->last = body->last;
+	moved->distance = body->distance;
+	moved->sinkage = body->sinkage;
+	moved->equilibrium = body->equilibrium;
+	moved->windows = body->windows;
+	moved->windows_moved = body->windows_moved;
+	world_forces_pack(world->forces, index, moved);
+}
+
+enum status world_body_unpack(struct world *world, const struct world_moved *moved, bool here)
+{
+	const size_t index = (size_t)moved->index;
+	if (moved->index < 0 || !world_ranked(world, index))
+		return fail_with(STATUS_FAILED, "ranks: a body came that this rank does not have; report this");
+	world_body_here(world, index, here);
+	if (world_is_hosts(world, index))
+		return STATUS_OK;
+	struct body *body = &world->bodies[index];
+	body->next = moved->next;
+	body->skipped = moved->skipped;
+	body->in_contact = moved->in_contact;
+	body->last = moved->last;
+	body->distance = moved->distance;
+	body->sinkage = body->sinkage_before = moved->sinkage;
+	body->equilibrium = moved->equilibrium;
+	body->raised = body->loaded_body > 0 && body->in_contact ? body->equilibrium - body->last.z : 0;
+	body->windows = moved->windows;
+	body->windows_moved = moved->windows_moved;
+	world->record->objects[index].force = moved->force;
+	if (!here)
+		return STATUS_OK;
+	world_forces_unpack(world->forces, index, moved);
+	if (body->loaded_body > 0 && body->in_contact)
+		deform_set_equilibrium(world->deform, body->loaded_body, (int32_t)body->raised);
+	return STATUS_OK;
+}
+
+/* --- blocks where soil may slide --- */
+
+enum status world_active_keep(struct world *world, world_block_fn keeps, void *user)
+{
+	const struct deform_block *list;
+	size_t count = 0;
+	enum status status = deform_active_blocks(world->deform, &list, &count);
+	if (status != STATUS_OK || count == 0)
+		return status;
+	struct deform_block *copy = mem_alloc(count, sizeof *copy);
+	if (copy == NULL)
+		return fail_memory("active blocks");
+	memcpy(copy, list, count * sizeof *copy);
+	status = deform_forget_active(world->deform);
+	for (size_t i = 0; i < count && status == STATUS_OK; i++)
+		if (keeps(user, copy[i]))
+			status = deform_wake_block(world->deform, copy[i]);
+	mem_free(copy);
+	return status;
+}
+
+enum status world_tile_came(struct world *world, struct tile tile, unsigned planes, const void *bytes)
+{
+	const struct post_rect posts = tile_post_rect(&world->meta->extent, tile);
+	enum status status = resident_pages_put(world->pages, tile, planes, bytes);
+	if (status == STATUS_OK && world->aloft.asks_touched)
+		status = deform_touch(world->deform, posts);
+	return status;
+}
+
+/* --- commits --- */
+
+enum status world_record_ranks(struct world *world, const struct deform_block *others, size_t count)
+{
+	enum status status = world_fill_record(world);
+	struct record *record = world->record;
+	if (status == STATUS_OK && record->active_count + count > DEFORM_BLOCKS_MAX)
+		status = fail_with(STATUS_FAILED, "soil: the ground slides in more than %d blocks of %d x %d posts at once; choose a soil that stands "
+						  "steeper, a coarser spacing, or model none", DEFORM_BLOCKS_MAX, DEFORM_BLOCK, DEFORM_BLOCK);
+	if (status != STATUS_OK)
+		return status;
+	if (count > 0)
+		memcpy(record->active + record->active_count, others, count * sizeof *others);
+	record->active_count += count;
+	return STATUS_OK;
+}
