@@ -4,6 +4,7 @@
 
 #include "command.h"
 #include "api/api.h"
+#include "fleet/fleet.h"
 #include "settings.h"
 
 static const struct command_option options[] = {
@@ -29,6 +30,86 @@ static void print_summary(const struct api_result *result, const char *directory
 	putchar('\n');
 }
 
+/* The drive by one process. */
+static enum status drive_alone(const struct api_params *params, struct api_result *result)
+{
+	enum status status = fleet_gather_left(params->overlay, params->resume);
+	return status == STATUS_OK ? api_drive(params, result) : status;
+}
+
+static const struct world_rows *share_rows(void *user, const struct world_rows *rows)
+{
+	return fleet_rows(user, rows);
+}
+
+/* What many processes cannot do together. */
+static enum status check_many(const struct api_params *params)
+{
+	if (params->overlay == NULL)
+		return fail_with(STATUS_USAGE, "drive: many processes need an --overlay, beside which each keeps its part; the store stays as it is");
+	if (params->trace != NULL)
+		return fail_with(STATUS_USAGE, "drive: --trace is of one page cache, and many processes have one each; drive with one process");
+	if (params->keep_history)
+		return fail_with(STATUS_USAGE, "drive: --keep-history is of drives by one process; leave it out");
+	if (params->scene->view.images > 0)
+		return fail_with(STATUS_INPUT, "%s: output.images: many processes draw no pictures, since none has the whole ground; drive with "
+					       "--set output.images=0, and make pictures of the overlay afterwards (furrow view)",
+				 params->scene->file);
+	return STATUS_OK;
+}
+
+/* The drive by one of many processes. */
+static enum status drive_many(struct api_params *params, struct api_result *result)
+{
+	struct fleet *fleet = NULL;
+	const struct fleet_params with = {
+		.scene = params->scene,
+		.store = params->store,
+		.overlay = params->overlay,
+		.resume = params->resume,
+		.durable_full = params->durable_full,
+		.stop = params->stop,
+	};
+	enum status status = fleet_agree(check_many(params));
+	if (status == STATUS_OK)
+		status = fleet_open(&with, &fleet);
+	if (status == STATUS_OK) {
+		params->ranks = fleet_ranks(fleet);
+		params->share_rows = share_rows;
+		params->stop = fleet_stop(fleet);
+		params->progress = params->progress && fleet_speaks();
+		status = api_drive(params, result);
+	}
+	fleet_close(fleet);
+	return status;
+}
+
+static enum status drive_with(const struct arguments *arguments, struct api_params *params, struct api_result *result)
+{
+	bool json = arguments_flag(arguments, "json");
+	enum status status = fleet_is_launched() ? drive_many(params, result) : drive_alone(params, result);
+	if (result->json != NULL && fleet_speaks()) {
+		if (json)
+			puts(result->json);
+		else
+			print_summary(result, params->directory);
+	}
+	return status;
+}
+
+/* Starts as one of many, if a launcher says so. A failure so far is told once. */
+static enum status join(enum status status)
+{
+	if (!fleet_is_launched())
+		return status;
+	struct failure failure;
+	failure_capture(&failure, status);
+	enum status joined = fleet_join();
+	if (status != STATUS_OK)
+		joined = failure_restore(&failure);
+	return fleet_agree(joined);
+}
+
 static enum status run(const struct arguments *arguments)
 {
 	static const char *const durable[] = {"normal", "full", NULL};
@@ -49,9 +130,9 @@ static enum status run(const struct arguments *arguments)
 		status = settings_take(arguments, &settings);
 	if (status == STATUS_OK)
 		status = scene_load(arguments_at(arguments, 0), settings.list, settings.count, &scene);
+	status = join(status);
 	if (status == STATUS_OK) {
 		interrupt_catch();
-		bool json = arguments_flag(arguments, "json");
 		struct api_params params = {
 			.scene = scene,
 			.store = arguments_text(arguments, "store"),
@@ -66,15 +147,12 @@ static enum status run(const struct arguments *arguments)
 			.map = true,
 			.stop = &interrupted,
 		};
-		status = api_drive(&params, &result);
-		if (result.json != NULL && json)
-			puts(result.json);
-		else if (result.json != NULL)
-			print_summary(&result, directory);
+		status = drive_with(arguments, &params, &result);
 	}
 	mem_free(result.json);
 	scene_destroy(scene);
 	settings_finish(&settings);
+	fleet_leave();
 	return status;
 }
 
@@ -91,6 +169,8 @@ const struct command command_drive = {
 		   "An overlay is a store that names its base: every command takes it where it takes a store. Many\n"
 		   "drives over one store, each with its own, may run at once. Removing the file is the undo.\n"
 		   "An overlay may lie over another, or over a store with ruts: it goes on from what is there (furrow branch).\n"
+		   "Many processes drive one scene together: mpirun -n 4 furrow drive SCENE -o DIR --overlay FILE. They leave what one\n"
+		   "leaves, bit by bit, and draw no pictures (docs/RANKS.md).\n"
 		   "A drive over ground that has ruts already says so and goes on over them; --resume says nothing.\n",
 	.options = options,
 	.run = run,

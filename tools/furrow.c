@@ -5,6 +5,7 @@
 
 #include "command.h"
 #include "dem/dem.h"
+#include "fleet/fleet.h"
 
 static const struct command *const commands[] = {
 	&command_synth,	 &command_import, &command_info,  &command_verify,
@@ -40,7 +41,7 @@ static void print_help(const struct command *command)
 
 static int report(enum status status)
 {
-	if (status != STATUS_OK)
+	if (status != STATUS_OK && fleet_speaks())
 		fprintf(stderr, "furrow: %s\n", failure_message());
 	return status_exit_code(status);
 }

@@ -103,6 +103,11 @@ struct api_params {
 	 * written. */
 	const struct api_host *host;
 	const volatile sig_atomic_t *stop; /* becomes non-zero to end the drive cleanly, with STATUS_INTERRUPTED. May be NULL */
+	/* The drive is one of several processes that step this world together. Then store and overlay are those of `ranks`, and only rank 0
+	 * writes files. NULL: it is the only one. */
+	const struct world_ranks *ranks;
+	/* Gives what takes the rows of all ranks, and passes them on to `rows` (NULL: there are none). */
+	const struct world_rows *(*share_rows)(void *user, const struct world_rows *rows);
 };
 
 struct api_result {

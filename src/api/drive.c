@@ -41,19 +41,52 @@ static enum status start_view(struct drive *drive)
 
 /* --- a drive's life --- */
 
+/* Of many processes that step the world together, the first writes the files. */
+static bool writes(const struct drive *drive)
+{
+	return drive->params->ranks == NULL || drive->params->ranks->rank == 0;
+}
+
+/* Returns the failure of any process on all of them. */
+static enum status agree(struct drive *drive, enum status status)
+{
+	const struct world_ranks *ranks = drive->params->ranks;
+	return ranks != NULL ? ranks->agree(ranks->user, &drive->world, status) : status;
+}
+
 static enum status start_pages(struct drive *drive)
 {
 	const struct api_params *params = drive->params;
-	FILE *commit_log;
+	FILE *commit_log = NULL;
 	struct page_trace *trace = NULL;
-	enum status status = api_folder_commits(params->directory, &commit_log);
+	enum status status = writes(drive) ? api_folder_commits(params->directory, &commit_log) : STATUS_OK;
 	if (status != STATUS_OK)
 		return status;
 	if (params->trace != NULL)
 		status = page_trace_create(params->trace, &trace);
 	if (status == STATUS_OK)
 		return world_start_pages(&drive->world, commit_log, trace);
-	fclose(commit_log);
+	if (commit_log != NULL)
+		fclose(commit_log);
+	return status;
+}
+
+/* Opens the files of rows, and says who takes the rows. */
+static enum status start_rows(struct drive *drive)
+{
+	const struct api_params *params = drive->params;
+	struct world *world = &drive->world;
+	enum status status = STATUS_OK;
+	if (writes(drive)) {
+		status = api_folder_clear(world, params->directory);
+		if (status == STATUS_OK)
+			status = report_rows_open(world, params->directory, &drive->rows);
+		if (status == STATUS_OK)
+			status = report_vehicles_open(world, drive->vehicles, params->directory, &drive->vehicle_rows);
+	}
+	const struct world_rows *rows = report_rows_sink(drive->rows);
+	world->rows = params->ranks != NULL ? params->share_rows(params->ranks->user, rows) : rows;
+	vehicle_set_rows(drive->vehicles, report_vehicles_sink(drive->vehicle_rows));
 	return status;
 }
 
@@ -66,7 +99,7 @@ static enum status start(struct drive *drive)
 	if (status == STATUS_OK && scene->view.present)
 		status = render_check_samples(world->gpu, scene->view.samples);
 	/* A drive that could not begin leaves nothing behind. */
-	if (status == STATUS_OK)
+	if (status == STATUS_OK && writes(drive))
 		status = api_folder_make(drive->params->directory);
 	if (status == STATUS_OK)
 		status = start_pages(drive);
@@ -82,14 +115,7 @@ static enum status start(struct drive *drive)
 	if (status != STATUS_OK)
 		return status;
 	world_seal(world);
-	status = api_folder_clear(world, drive->params->directory);
-	if (status == STATUS_OK)
-		status = report_rows_open(world, drive->params->directory, &drive->rows);
-	world->rows = report_rows_sink(drive->rows);
-	if (status == STATUS_OK)
-		status = report_vehicles_open(world, drive->vehicles, drive->params->directory, &drive->vehicle_rows);
-	vehicle_set_rows(drive->vehicles, report_vehicles_sink(drive->vehicle_rows));
-	return status;
+	return start_rows(drive);
 }
 
 static void finish(struct drive *drive, enum status status)
@@ -114,13 +140,11 @@ static enum status publish_trace(const struct drive *drive, enum status status)
 	return status == STATUS_OK ? STATUS_OK : failure_restore(&failure);
 }
 
-/* Writes run.json, unless `keep` and it exists. */
-static enum status report(struct drive *drive, bool keep, struct api_result *result)
+/* Makes the text of run.json. */
+static enum status describe(struct drive *drive, struct api_result *result)
 {
 	const struct world *world = &drive->world;
 	struct report *report = &drive->report;
-	char path[4096];
-	snprintf(path, sizeof path, "%s/run.json", drive->params->directory);
 	report->world = world;
 	report->view = drive->view;
 	report->pictures = drive->pictures;
@@ -130,8 +154,17 @@ static enum status report(struct drive *drive, bool keep, struct api_result *res
 	result->seconds = report->seconds;
 	result->rtf = report->seconds > 0 ? (world->time - world->resumed.time) / report->seconds : 0;
 	result->json = report_json(report, result->ended);
-	if (result->json == NULL)
-		return fail_memory("run.json");
+	return result->json != NULL ? STATUS_OK : fail_memory("run.json");
+}
+
+/* Writes run.json, unless `keep` and it exists. */
+static enum status report(struct drive *drive, bool keep, struct api_result *result)
+{
+	char path[4096];
+	snprintf(path, sizeof path, "%s/run.json", drive->params->directory);
+	enum status status = describe(drive, result);
+	if (status != STATUS_OK)
+		return status;
 	return keep && access(path, F_OK) == 0 ? STATUS_OK : report_write(drive->params->directory, result->json);
 }
 
@@ -240,12 +273,16 @@ static enum status all(struct drive *drive)
 	struct world *world = &drive->world;
 	int64_t total = world_step_count(world);
 	enum status status = begin(drive);
-	if (status != STATUS_OK)
+	if (status != STATUS_OK && drive->params->ranks == NULL)
 		return status;
 	drive->began = clock_seconds();
 	drive->report.warm_seconds = drive->began - drive->entered;
-	status = drive->params->host != NULL ? api_host_steps(drive, total) : all_steps(drive, total);
+	if (status == STATUS_OK)
+		status = drive->params->host != NULL ? api_host_steps(drive, total) : all_steps(drive, total);
 	struct failure failure;
+	const struct world_ranks *ranks = drive->params->ranks;
+	if (ranks != NULL)
+		status = ranks->end(ranks->user, status);
 	failure_capture(&failure, status);
 	enum status flushed = world_end(world, status == STATUS_OK && (world->step >= total || vehicle_stuck(drive->vehicles)));
 	drive->report.seconds = clock_seconds() - drive->began;
@@ -274,11 +311,55 @@ static enum status run(struct drive *drive, struct api_result *result)
 						       : "failed";
 	struct failure failure;
 	failure_capture(&failure, status);
+	if (drive->params->ranks != NULL) { /* conclude() writes it */
+		enum status made = describe(drive, result);
+		return status == STATUS_OK ? made : failure_restore(&failure);
+	}
 	enum status written = report(drive, false, result);
 	bool tell_written = written != STATUS_OK && (status == STATUS_OK || status == STATUS_INTERRUPTED);
 	if (!tell_written && status != STATUS_OK)
 		status = failure_restore(&failure);
 	return draw_map(drive, false, result, tell_written ? written : status);
+}
+
+/* Draws the map of what ranks have gathered. */
+static enum status map_gathered(const struct drive *drive, int64_t step, double time, const char *ended)
+{
+	char path[4096];
+	struct world world;
+	struct store_meta assumed;
+	snprintf(path, sizeof path, "%s/map.png", drive->params->directory);
+	enum status status = world_prepare_plan(&world, &drive->scene, drive->params->ranks->over, false, &assumed);
+	world.step = step;
+	world.time = time;
+	if (status == STATUS_OK)
+		status = resident_ground_create(world.store, world.limits.ground, &world.ground);
+	if (status == STATUS_OK)
+		status = report_map(&world, path, ended);
+	world_finish(&world, STATUS_OK);
+	return status;
+}
+
+/* Of many processes, when all have closed the ground: what they did comes together, and the first writes run.json and the map. `status`: how
+ * this one ended. */
+static enum status conclude(struct drive *drive, int64_t step, double time, struct api_result *result, enum status status)
+{
+	const struct world_ranks *ranks = drive->params->ranks;
+	struct world_ranked ranked;
+	struct failure failure;
+	failure_capture(&failure, status);
+	enum status gathered = ranks->gather(ranks->user, &ranked);
+	if (gathered == STATUS_OK && writes(drive) && result->json != NULL) {
+		gathered = report_gathered(&result->json, &ranked, ranks->ranks);
+		if (gathered == STATUS_OK)
+			gathered = report_write(drive->params->directory, result->json);
+		if (gathered == STATUS_OK && drive->params->map)
+			gathered = map_gathered(drive, step, time, result->ended);
+		result->map = gathered == STATUS_OK && drive->params->map;
+	}
+	if (status == STATUS_OK || (status == STATUS_INTERRUPTED && gathered != STATUS_OK))
+		return gathered;
+	return failure_restore(&failure);
 }
 
 static void tell_advice(void *user, const char *text)
@@ -291,10 +372,12 @@ enum status api_drive(const struct api_params *params, struct api_result *result
 	struct drive drive = {.params = params, .scene = *params->scene, .entered = clock_seconds()};
 	if (params->host == NULL)
 		scene_unwatched(params->scene, &drive.scene);
+	const struct world_ranks *ranks = params->ranks;
 	struct world_params world = {
 		.scene = &drive.scene,
-		.store = params->store,
-		.overlay = params->overlay,
+		.store = ranks != NULL ? ranks->over : params->store,
+		.overlay = ranks != NULL ? ranks->part : params->overlay,
+		.ranks = ranks,
 		.resume = params->resume,
 		.durable_full = params->durable_full,
 		.keep_history = params->keep_history,
@@ -310,24 +393,28 @@ enum status api_drive(const struct api_params *params, struct api_result *result
 	world.attached = vehicle_attached(drive.vehicles);
 	if (status == STATUS_OK)
 		status = world_prepare(&drive.world, &world);
+	status = agree(&drive, status);
 	if (status == STATUS_OK && drive.world.resumed.nothing_left) {
 		result->ended = "complete";
 		if (params->trace != NULL)
 			note("%s: no trace is written, since nothing is left to drive", params->trace);
-		status = api_folder_make(params->directory);
-		if (status == STATUS_OK)
+		status = writes(&drive) ? api_folder_make(params->directory) : STATUS_OK;
+		if (status == STATUS_OK && writes(&drive))
 			status = draw_map(&drive, true, result, report(&drive, true, result));
 	} else if (status == STATUS_OK) {
 		if (params->host == NULL) /* settings that a drive does not use may matter to who watches */
 			world_advise(&drive.world, tell_advice, NULL);
 		else
 			scene_advise_units(params->scene, tell_advice, NULL);
-		status = start(&drive);
+		status = agree(&drive, start(&drive));
+		drive.ran = status == STATUS_OK;
 		if (status == STATUS_OK)
 			status = run(&drive, result);
 	}
+	const int64_t step = drive.world.step;
+	const double time = drive.world.time;
 	finish(&drive, status);
-	return status;
+	return drive.ran && ranks != NULL ? conclude(&drive, step, time, result, status) : status;
 }
 
 /* --- queries --- */

@@ -21,6 +21,7 @@ struct drive {
 	struct pictures *pictures;    /* NULL: none are written */
 	struct report_rows *rows;     /* NULL: no objects.csv */
 	struct report report;
+	bool ran;                     /* its loop began */
 	struct host *host;            /* NULL unless a window controls the drive */
 	double entered, began;        /* s, of the system's clock: start of the drive, and of its loop */
 };

@@ -165,20 +165,20 @@ static void add_io(cJSON *root, const struct report *report, const struct reside
 	json_integer(object, "commits", io->commits);
 }
 
-static void add_volume(cJSON *root, const struct report *report, const struct resident_pages_io *io)
+static void add_volume(cJSON *root, double spacing, const struct pages_sums *sums)
 {
-	double unit = lattice_offset_metres(1) * report->world->spacing * report->world->spacing;
-	int64_t removed = -io->sums.below, raised = io->sums.above;
+	double unit = lattice_offset_metres(1) * spacing * spacing;
+	int64_t removed = -sums->below, raised = sums->above;
 	cJSON *volume = cJSON_AddObjectToObject(root, "volume");
 	json_number(volume, "removed", (double)removed * unit);
 	json_number(volume, "raised", (double)raised * unit);
 	json_number(volume, "net", (double)(raised - removed) * unit);
-	json_number(volume, "compacted", (double)io->sums.compacted * unit);
+	json_number(volume, "compacted", (double)sums->compacted * unit);
 	cJSON *units = cJSON_AddObjectToObject(volume, "quanta");
 	json_integer(units, "removed", removed);
 	json_integer(units, "raised", raised);
 	json_integer(units, "net", raised - removed);
-	json_integer(units, "compacted", io->sums.compacted);
+	json_integer(units, "compacted", sums->compacted);
 }
 
 /* Adds an interface in the scene's units. null: the soil's own number. Adds nothing if both numbers are the soil's own. */
@@ -382,6 +382,17 @@ static void add_process(cJSON *root, const struct report *report, const struct r
 	report_counts(root, report, &gpu, io);
 }
 
+/* Returns the text of the object, and frees the object. */
+static char *print(cJSON *root)
+{
+	char *printed = cJSON_Print(root), *json = NULL;
+	cJSON_Delete(root);
+	if (printed != NULL)
+		json = mem_strdup(printed);
+	cJSON_free(printed);
+	return json;
+}
+
 char *report_json(const struct report *report, const char *ended)
 {
 	struct world_recorded recorded;
@@ -402,19 +413,41 @@ char *report_json(const struct report *report, const char *ended)
 	json_integer(root, "working_level", report->world->level);
 	if (world_relief(report->world) != NULL)
 		cJSON_AddRawToObject(root, "relief", store_relief_text(report->world->store));
-	add_volume(root, report, &io);
+	add_volume(root, report->world->spacing, &io.sums);
 	add_objects(root, report);
 	add_vehicles(root, report);
 	add_soils(root, report);
 	add_rasters(root, report);
 	if (report->world->pages != NULL)
 		add_process(root, report, &io);
-	char *printed = cJSON_Print(root), *json = NULL;
-	cJSON_Delete(root);
-	if (printed != NULL)
-		json = mem_strdup(printed);
-	cJSON_free(printed);
-	return json;
+	return print(root);
+}
+
+enum status report_gathered(char **json, const struct world_ranked *ranked, int ranks)
+{
+	cJSON *root = cJSON_Parse(*json);
+	if (root == NULL)
+		return fail_memory("run.json");
+	cJSON *forces = cJSON_GetObjectItemCaseSensitive(root, "forces");
+	cJSON_DeleteItemFromObjectCaseSensitive(root, "volume");
+	add_volume(root, cJSON_GetNumberValue(cJSON_GetObjectItemCaseSensitive(root, "spacing")), &ranked->sums);
+	if (forces != NULL) {
+		cJSON_DeleteItemFromObjectCaseSensitive(forces, "sunk");
+		cJSON_DeleteItemFromObjectCaseSensitive(forces, "slides");
+		json_integer(forces, "sunk", ranked->sums.sunk);
+		json_integer(forces, "slides", ranked->sums.slid);
+	}
+	cJSON *object = cJSON_AddObjectToObject(root, "ranks");
+	json_integer(object, "count", ranks);
+	json_integer(object, "tiles_moved", ranked->tiles_moved);
+	json_integer(object, "bodies_moved", ranked->bodies_moved);
+	json_integer(object, "bytes_moved", ranked->bytes_moved);
+	json_integer(object, "exchanges", ranked->exchanges);
+	json_number(object, "waiting", ranked->waiting);
+	json_number(object, "balance", ranked->balance);
+	mem_free(*json);
+	*json = print(root);
+	return *json != NULL ? STATUS_OK : fail_memory("run.json");
 }
 
 enum status report_write(const char *directory, const char *json)

@@ -32,6 +32,8 @@ struct report {
 
 /* Returns the text of run.json, to free with mem_free. `ended`: "complete", "interrupted" or "failed". NULL: out of memory. */
 char *report_json(const struct report *report, const char *ended);
+/* Puts what `ranks` ranks did together into the text of run.json that rank 0 made: volume, loads that were not carried, and "ranks". */
+enum status report_gathered(char **json, const struct world_ranked *ranked, int ranks) FURROW_CHECKED;
 /* Writes DIRECTORY/run.json, under another name first, then renamed. */
 enum status report_write(const char *directory, const char *json) FURROW_CHECKED;
 /* Draws the map of the run so far, from what is committed. Writes it under another name first, then renames it. `vehicles`: NULL:

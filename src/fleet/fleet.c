@@ -1,0 +1,263 @@
+/* The life of a fleet, and its exchanges. Every exchange tells the status of all ranks, so that all of them go on or none does. */
+#include "fleet/internal.h"
+
+#include <assert.h>
+#include <stdio.h>
+#include <string.h>
+
+static struct {
+	int rank, ranks; /* ranks 0: not joined */
+} joined;
+
+struct head {
+	int32_t kind, status;
+	int32_t stop, due, torn;
+	char message[480];
+};
+
+static void say_nothing(const char *text)
+{
+	(void)text;
+}
+
+bool fleet_is_launched(void)
+{
+	return fleet_comm_launched();
+}
+
+enum status fleet_join(void)
+{
+	enum status status = fleet_comm_start(&joined.rank, &joined.ranks);
+	if (status == STATUS_OK && joined.rank > 0)
+		note_to(say_nothing);
+	return status;
+}
+
+void fleet_leave(void)
+{
+	if (joined.ranks > 0)
+		fleet_comm_finish();
+	joined.ranks = 0;
+}
+
+bool fleet_speaks(void)
+{
+	return joined.rank == 0;
+}
+
+/* --- bytes --- */
+
+enum status fleet_put(struct fleet_bytes *bytes, const void *from, size_t size)
+{
+	if (size > bytes->room - bytes->size) {
+		const size_t room = 2 * bytes->room > bytes->size + size ? 2 * bytes->room : bytes->size + size;
+		char *more = mem_realloc(bytes->bytes, room, 1);
+		if (more == NULL)
+			return fail_memory("a message to ranks");
+		bytes->bytes = more;
+		bytes->room = room;
+	}
+	if (size > 0)
+		memcpy(bytes->bytes + bytes->size, from, size);
+	bytes->size += size;
+	return STATUS_OK;
+}
+
+enum status fleet_get(struct fleet_bytes *bytes, void *to, size_t size)
+{
+	if (size > bytes->size - bytes->at)
+		return fail_with(STATUS_FAILED, "ranks: a message is shorter than it should be; start all ranks with the same furrow");
+	if (size > 0)
+		memcpy(to, bytes->bytes + bytes->at, size);
+	bytes->at += size;
+	return STATUS_OK;
+}
+
+/* --- exchanges --- */
+
+/* Finds the failure of the lowest rank that has one. */
+static enum status worst(const void *const *all, const size_t *sizes, int ranks, int kind)
+{
+	struct head head;
+	bool differ = false;
+	for (int i = 0; i < ranks; i++) {
+		if (sizes[i] < sizeof head)
+			return fail_with(STATUS_FAILED, "rank %d: it tells too little; start all ranks with the same furrow", i);
+		memcpy(&head, all[i], sizeof head);
+		head.message[sizeof head.message - 1] = '\0';
+		if (head.status != STATUS_OK && head.status != STATUS_INTERRUPTED)
+			return i > 0 ? fail_with((enum status)head.status, "rank %d: %s", i, head.message) :
+				       fail_with((enum status)head.status, "%s", head.message);
+		differ = differ || head.kind != kind;
+	}
+	return differ ? fail_with(STATUS_FAILED, "ranks: they are not at the same place of the run; start all with the same furrow") : STATUS_OK;
+}
+
+static void fill_head(struct head *head, enum fleet_kind kind, enum status status)
+{
+	memset(head, 0, sizeof *head);
+	head->kind = kind;
+	head->status = status;
+	if (status != STATUS_OK)
+		snprintf(head->message, sizeof head->message, "%s", failure_message());
+}
+
+enum status fleet_agree(enum status status)
+{
+	struct head head;
+	const void *const *all;
+	const size_t *sizes;
+	if (joined.ranks == 0)
+		return status;
+	fill_head(&head, FLEET_AGREE, status);
+	fleet_comm_exchange(&head, sizeof head, &all, &sizes);
+	const enum status other = worst(all, sizes, joined.ranks, FLEET_AGREE);
+	return other != STATUS_OK ? other : status;
+}
+
+void fleet_meet(void)
+{
+	struct head head;
+	const void *const *all;
+	const size_t *sizes;
+	fill_head(&head, FLEET_AGREE, STATUS_OK);
+	fleet_comm_exchange(&head, sizeof head, &all, &sizes);
+}
+
+enum status fleet_begin(struct fleet *fleet, enum fleet_kind kind, enum status status)
+{
+	struct head head;
+	fill_head(&head, kind, status);
+	head.stop = fleet->params.stop != NULL && *fleet->params.stop;
+	head.due = status == STATUS_OK && fleet->world->cache != NULL && page_cache_commit_due(fleet->world->cache);
+	head.torn = fleet->world->torn;
+	fleet->sent.size = fleet->sent.at = 0;
+	return fleet_put(&fleet->sent, &head, sizeof head);
+}
+
+enum status fleet_tell(struct fleet *fleet, enum fleet_kind kind, enum status status, struct fleet_told *told, fleet_each_fn each, void *user)
+{
+	struct head head;
+	const void *const *all;
+	const size_t *sizes;
+	if (status != STATUS_OK) { /* the others wait, so tell them */
+		fill_head(&head, kind, status);
+		head.torn = fleet->world->torn;
+		fleet->sent.size = 0;
+		if (fleet_put(&fleet->sent, &head, sizeof head) != STATUS_OK)
+			assert(fleet->sent.room >= sizeof head); /* made in fleet_open */
+	}
+	const double began = clock_seconds();
+	fleet_comm_exchange(fleet->sent.bytes, fleet->sent.size, &all, &sizes);
+	fleet->waited += clock_seconds() - began;
+	fleet->exchanges++;
+	*told = (struct fleet_told){false, false};
+	const enum status any = worst(all, sizes, fleet->ranks, kind);
+	for (int i = 0; i < fleet->ranks && sizes[i] >= sizeof head; i++) {
+		memcpy(&head, all[i], sizeof head);
+		told->stop = told->stop || head.stop;
+		told->due = told->due || head.due;
+		/* A step that only some ranks have made must not be committed. */
+		fleet->world->torn = fleet->world->torn || (any != STATUS_OK && (head.torn || head.kind != (int32_t)kind));
+	}
+	fleet->failed = fleet->failed || any != STATUS_OK;
+	enum status status_each = any;
+	for (int i = 0; i < fleet->ranks && each != NULL && status_each == STATUS_OK; i++) {
+		struct fleet_bytes bytes = {.bytes = (char *)all[i], .size = sizes[i], .at = sizeof head};
+		status_each = each(user, i, &bytes);
+	}
+	return status_each;
+}
+
+/* --- what all ranks must have in common --- */
+
+struct common {
+	char version[64], scene[40];
+	uint64_t base;
+	double spacing;
+	int64_t step, commit;
+	int32_t resumed;
+};
+
+struct comparing {
+	struct common mine, first;
+};
+
+static enum status compare(void *user, int rank, struct fleet_bytes *bytes)
+{
+	struct comparing *comparing = user;
+	struct common other;
+	enum status status = fleet_get(bytes, &other, sizeof other);
+	const struct common *first = &comparing->first;
+	if (status != STATUS_OK)
+		return status;
+	if (rank == 0)
+		comparing->first = other;
+	if (strncmp(other.version, first->version, sizeof other.version) != 0)
+		return fail_with(STATUS_INPUT, "rank %d: it is furrow %.60s, and rank 0 is %.60s; start the same on all machines", rank, other.version,
+				 first->version);
+	if (other.base != first->base)
+		return fail_with(STATUS_INPUT, "rank %d: its base is not that of rank 0; give all ranks the same --store", rank);
+	if (strncmp(other.scene, first->scene, sizeof other.scene) != 0 || other.spacing != first->spacing)
+		return fail_with(STATUS_INPUT, "rank %d: its scene is not that of rank 0; give all ranks the same file", rank);
+	if (other.step != first->step || other.resumed != first->resumed)
+		return fail_with(STATUS_FAILED, "rank %d: it begins at step %lld, and rank 0 at step %lld; report this", rank, (long long)other.step,
+				 (long long)first->step);
+	return STATUS_OK;
+}
+
+static enum status agree(void *user, struct world *world, enum status status)
+{
+	struct fleet *fleet = user;
+	struct fleet_told told;
+	struct comparing comparing;
+	const bool first = fleet->world == NULL;
+	memset(&comparing, 0, sizeof comparing);
+	fleet->world = world;
+	enum status put = fleet_begin(fleet, FLEET_AGREE, status);
+	if (first && status == STATUS_OK && put == STATUS_OK) {
+		struct common *mine = &comparing.mine;
+		snprintf(mine->version, sizeof mine->version, "%s", FURROW_VERSION);
+		snprintf(mine->scene, sizeof mine->scene, "%s", world->scene->hash);
+		mine->base = store_base_hash(world->store);
+		mine->spacing = world->spacing;
+		mine->step = world->step;
+		mine->resumed = world->resumed.is;
+		if (world->resumed.is && fleet->rank == 0)
+			fleet_note_resumed(fleet);
+		put = fleet_put(&fleet->sent, mine, sizeof *mine);
+	}
+	return fleet_tell(fleet, FLEET_AGREE, status != STATUS_OK ? status : put, &told, first ? compare : NULL, &comparing);
+}
+
+/* --- life --- */
+
+const struct world_ranks *fleet_ranks(struct fleet *fleet)
+{
+	fleet->hooks = (struct world_ranks){
+		.user = fleet,
+		.rank = fleet->rank,
+		.ranks = fleet->ranks,
+		.over = fleet->over,
+		.part = fleet->part,
+		.step = fleet_step,
+		.probed = fleet_probed,
+		.changes = fleet_changes,
+		.has = fleet_has,
+		.end = fleet_end,
+		.gather = fleet_gather,
+		.agree = agree,
+	};
+	return &fleet->hooks;
+}
+
+const volatile sig_atomic_t *fleet_stop(const struct fleet *fleet)
+{
+	return &fleet->stop;
+}
+
+int fleet_joined(int *rank)
+{
+	*rank = joined.rank;
+	return joined.ranks;
+}

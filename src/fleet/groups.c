@@ -1,0 +1,260 @@
+#include "fleet/groups.h"
+
+#include <string.h>
+
+void fleet_groups_finish(struct fleet_groups *groups)
+{
+	mem_free(groups->items);
+	key_set_finish(&groups->tiles);
+	mem_free(groups->tile_key);
+	mem_free(groups->tile_group);
+	mem_free(groups->groups);
+	key_set_finish(&groups->known);
+	mem_free(groups->owner);
+	mem_free(groups->loads);
+	mem_free(groups->parent);
+	mem_free(groups->shares);
+	*groups = (struct fleet_groups){.items = NULL};
+}
+
+void fleet_groups_clear(struct fleet_groups *groups)
+{
+	groups->item_count = groups->group_count = 0;
+	key_set_clear(&groups->tiles);
+}
+
+/* Grows a list to at least `count` elements. */
+static enum status grow(void **list, size_t *room, size_t count, size_t size)
+{
+	if (count <= *room)
+		return STATUS_OK;
+	const size_t more = count > 2 * *room ? count : 2 * *room;
+	void *grown = mem_realloc(*list, more, size);
+	if (grown == NULL)
+		return fail_memory("groups of bodies");
+	*list = grown;
+	*room = more;
+	return STATUS_OK;
+}
+
+enum status fleet_groups_add(struct fleet_groups *groups, const struct fleet_item *item)
+{
+	enum status status = grow((void **)&groups->items, &groups->item_room, groups->item_count + 1, sizeof *groups->items);
+	if (status == STATUS_OK)
+		groups->items[groups->item_count++] = *item;
+	return status;
+}
+
+/* --- groups --- */
+
+static uint32_t root_of(uint32_t *parent, uint32_t tile)
+{
+	while (parent[tile] != tile)
+		tile = parent[tile] = parent[parent[tile]];
+	return tile;
+}
+
+/* The smaller number becomes the root, so that roots do not depend on the order of joins. */
+static void join(uint32_t *parent, uint32_t a, uint32_t b)
+{
+	a = root_of(parent, a);
+	b = root_of(parent, b);
+	if (a < b)
+		parent[b] = a;
+	else
+		parent[a] = b;
+}
+
+static enum status number_of(struct fleet_groups *groups, uint64_t key, uint32_t *number)
+{
+	bool fresh;
+	enum status status = key_set_number(&groups->tiles, key, number, &fresh);
+	if (status != STATUS_OK || !fresh)
+		return status;
+	if (*number >= groups->tile_room) {
+		const size_t room = groups->tile_room > 0 ? 2 * groups->tile_room : 1024;
+		uint32_t *parent = mem_realloc(groups->parent, room, sizeof *parent);
+		if (parent == NULL)
+			return fail_memory("groups of bodies");
+		groups->parent = parent;
+		uint32_t *group = mem_realloc(groups->tile_group, room, sizeof *group);
+		if (group == NULL)
+			return fail_memory("groups of bodies");
+		groups->tile_group = group;
+		uint64_t *keys = mem_realloc(groups->tile_key, room, sizeof *keys);
+		if (keys == NULL)
+			return fail_memory("groups of bodies");
+		groups->tile_key = keys;
+		groups->tile_room = room;
+	}
+	groups->parent[*number] = *number;
+	groups->tile_key[*number] = key;
+	return STATUS_OK;
+}
+
+/* Joins the tiles of an item. Its `group` becomes the number of its first tile. */
+static enum status join_item(struct fleet_groups *groups, struct fleet_item *item, int level)
+{
+	enum status status = STATUS_OK;
+	uint32_t first = 0, number = 0;
+	for (uint32_t y = item->y0; y <= item->y1; y++)
+		for (uint32_t x = item->x0; x <= item->x1 && status == STATUS_OK; x++) {
+			status = number_of(groups, tile_key((struct tile){level, x, y}), &number);
+			if (x == item->x0 && y == item->y0)
+				first = number;
+			else if (status == STATUS_OK)
+				join(groups->parent, first, number);
+		}
+	item->group = first;
+	return status;
+}
+
+/* Numbers the groups in the order of their first tiles, and sets that of each tile and item. */
+static enum status number_groups(struct fleet_groups *groups)
+{
+	for (uint32_t i = 0; i < groups->tiles.count; i++) {
+		const uint32_t root = root_of(groups->parent, i);
+		if (root != i) { /* a root has the smallest number of its group, so it came before */
+			groups->tile_group[i] = groups->tile_group[root];
+			continue;
+		}
+		enum status status = grow((void **)&groups->groups, &groups->group_room, groups->group_count + 1, sizeof *groups->groups);
+		if (status != STATUS_OK)
+			return status;
+		groups->tile_group[i] = (uint32_t)groups->group_count;
+		groups->groups[groups->group_count++] = (struct fleet_group){0, FLEET_NONE};
+	}
+	for (size_t i = 0; i < groups->item_count; i++) {
+		struct fleet_item *item = &groups->items[i];
+		item->group = groups->tile_group[item->group];
+		groups->groups[item->group].weight += item->weight;
+	}
+	return STATUS_OK;
+}
+
+/* --- ranks --- */
+
+/* Gives each group to the rank that has most of its work, at equal work to the lowest. */
+static enum status follow_owners(struct fleet_groups *groups, int ranks)
+{
+	const size_t count = groups->group_count * (size_t)ranks;
+	enum status status = grow((void **)&groups->shares, &groups->share_room, count, sizeof *groups->shares);
+	if (status != STATUS_OK)
+		return status;
+	if (count > 0)
+		memset(groups->shares, 0, count * sizeof *groups->shares);
+	for (size_t i = 0; i < groups->item_count; i++) {
+		const struct fleet_item *item = &groups->items[i];
+		if (item->owner >= 0)
+			groups->shares[item->group * (size_t)ranks + (size_t)item->owner] += 1 + (uint64_t)item->weight;
+	}
+	for (size_t g = 0; g < groups->group_count; g++) {
+		uint64_t most = 0;
+		for (int r = 0; r < ranks; r++) {
+			const uint64_t share = groups->shares[g * (size_t)ranks + (size_t)r];
+			if (share > most) {
+				most = share;
+				groups->groups[g].rank = r;
+			}
+		}
+	}
+	return STATUS_OK;
+}
+
+/* Gives groups that nobody has to ranks, as many as each should have, in the order of the scene. So those that begin beside each other in
+ * the scene are on one rank. */
+static void give_new(struct fleet_groups *groups, int ranks)
+{
+	uint64_t total = 0, given = 0;
+	for (size_t g = 0; g < groups->group_count; g++)
+		total += groups->groups[g].rank == FLEET_NONE ? 1 + (uint64_t)groups->groups[g].weight : 0;
+	for (size_t g = 0; g < groups->group_count; g++) {
+		struct fleet_group *group = &groups->groups[g];
+		if (group->rank != FLEET_NONE)
+			continue;
+		group->rank = (int32_t)(given * (uint64_t)ranks / total);
+		given += 1 + (uint64_t)group->weight;
+	}
+}
+
+static void add_loads(struct fleet_groups *groups, int ranks)
+{
+	memset(groups->loads, 0, (size_t)ranks * sizeof *groups->loads);
+	for (size_t g = 0; g < groups->group_count; g++)
+		groups->loads[groups->groups[g].rank] += groups->groups[g].weight;
+}
+
+/* Moves groups from ranks that have more than an eighth above the mean to the rank that has least. */
+static void balance(struct fleet_groups *groups, int ranks)
+{
+	uint64_t total = 0;
+	for (int r = 0; r < ranks; r++)
+		total += groups->loads[r];
+	const uint64_t mean = total / (uint64_t)ranks, most = mean + mean / 8 + 1;
+	for (size_t g = 0; g < groups->group_count; g++) {
+		struct fleet_group *group = &groups->groups[g];
+		int least = 0;
+		if (groups->loads[group->rank] <= most || group->weight == 0)
+			continue;
+		for (int r = 1; r < ranks; r++)
+			least = groups->loads[r] < groups->loads[least] ? r : least;
+		if (groups->loads[least] + group->weight > most)
+			continue;
+		groups->loads[group->rank] -= group->weight;
+		groups->loads[least] += group->weight;
+		group->rank = least;
+	}
+}
+
+enum status fleet_groups_make(struct fleet_groups *groups, int level, int ranks, bool balances)
+{
+	enum status status = STATUS_OK;
+	groups->group_count = 0;
+	if (groups->loads == NULL) {
+		groups->loads = mem_calloc((size_t)ranks, sizeof *groups->loads);
+		if (groups->loads == NULL)
+			return fail_memory("groups of bodies");
+	}
+	for (size_t i = 0; i < groups->item_count && status == STATUS_OK; i++)
+		status = join_item(groups, &groups->items[i], level);
+	if (status == STATUS_OK)
+		status = number_groups(groups);
+	if (status == STATUS_OK)
+		status = follow_owners(groups, ranks);
+	if (status != STATUS_OK)
+		return status;
+	give_new(groups, ranks);
+	add_loads(groups, ranks);
+	if (balances)
+		balance(groups, ranks);
+	return STATUS_OK;
+}
+
+enum status fleet_groups_settle(struct fleet_groups *groups)
+{
+	for (size_t i = 0; i < groups->item_count; i++)
+		groups->items[i].owner = groups->groups[groups->items[i].group].rank;
+	for (size_t i = 0; i < groups->tiles.count; i++) {
+		uint32_t number;
+		bool fresh;
+		enum status status = key_set_number(&groups->known, groups->tile_key[i], &number, &fresh);
+		if (status == STATUS_OK)
+			status = grow((void **)&groups->owner, &groups->owner_room, (size_t)number + 1, sizeof *groups->owner);
+		if (status != STATUS_OK)
+			return status;
+		groups->owner[number] = groups->groups[groups->tile_group[i]].rank;
+	}
+	return STATUS_OK;
+}
+
+int32_t fleet_groups_owner(const struct fleet_groups *groups, uint64_t key)
+{
+	uint32_t number;
+	return key_set_find(&groups->known, key, &number) ? groups->owner[number] : FLEET_NONE;
+}
+
+int32_t fleet_groups_rank(const struct fleet_groups *groups, uint64_t key)
+{
+	uint32_t number;
+	return key_set_find(&groups->tiles, key, &number) ? groups->groups[groups->tile_group[number]].rank : FLEET_NONE;
+}

@@ -1,0 +1,111 @@
+/* What the files of fleet share. */
+#ifndef FURROW_FLEET_INTERNAL_H
+#define FURROW_FLEET_INTERNAL_H
+
+#include "base/key_set.h"
+#include "fleet/comm.h"
+#include "fleet/fleet.h"
+#include "fleet/groups.h"
+
+/* What an exchange is for. If ranks are in different ones, one of them has failed, and tells so. */
+enum fleet_kind { FLEET_AGREE, FLEET_STEP, FLEET_COMMIT, FLEET_PROBE, FLEET_END, FLEET_FIGURES };
+
+/* Bytes that are put together for a message, or read from one. */
+struct fleet_bytes {
+	char *bytes;
+	size_t size, room;
+	size_t at; /* read so far */
+};
+
+struct fleet_row {
+	double time, slip, position[3];
+	int64_t body;
+	struct world_force force;
+	int32_t soil;
+};
+
+struct fleet_row_list {
+	struct fleet_row *rows;
+	size_t count, room;
+};
+
+struct fleet {
+	struct fleet_params params;
+	int rank, ranks;
+	struct world_ranks hooks;
+	struct world *world;       /* after the first agree */
+	char *over, *parts, *part; /* paths: of the run's overlay, of the folder of parts, of this rank's */
+	bool made, founded;        /* rank 0: this run made the overlay, and the folder */
+	bool ran, gathered;        /* the run began, so parts may have commits; what they have is in the overlay */
+	/* step.c */
+	struct fleet_groups groups;
+	int32_t *owners;           /* of each body, by its index: */
+	size_t owner_count;
+	int32_t *next;             /* of each body: the rank that it has in this step */
+	size_t next_room;
+	size_t *planned_bodies;    /* of each item of a body: the body's index */
+	size_t planned_count, planned_room;
+	int64_t intervals;         /* of relaxation in this step */
+	struct key_set changed;    /* tiles that this rank has changed, or got: their numbers are indices of: */
+	bool *mine;                /* false: it was sent away since */
+	size_t mine_room;
+	int64_t planned;           /* steps planned */
+	bool failed;               /* a failure of any rank is known: there are no more steps */
+	volatile sig_atomic_t stop;
+	struct fleet_bytes sent;   /* of an exchange */
+	/* rows.c */
+	const struct world_rows *rows;
+	struct world_rows sink;
+	struct fleet_row_list given, waiting; /* given: by this rank since the last exchange; waiting: on rank 0, of all */
+	/* figures */
+	int64_t tiles_moved, bodies_moved, bytes_moved, exchanges;
+	double waited, balance;
+};
+
+/* --- fleet.c --- */
+
+int fleet_joined(int *rank); /* returns how many ranks there are; 0: they were not joined */
+
+void fleet_meet(void);           /* waits until all ranks are here */
+/* Empties fleet->sent and puts the head of an exchange into it. */
+enum status fleet_begin(struct fleet *fleet, enum fleet_kind kind, enum status status) FURROW_CHECKED;
+struct fleet_told {
+	bool stop, due; /* a rank is to stop; a rank wants a commit */
+};
+/*
+ * Gives fleet->sent to all ranks, and takes theirs: each(user, rank, bytes) for every rank in turn. `status`: of putting it together. Returns
+ * the failure of any rank on all. Then `each` was not called. each NULL: nothing follows the head.
+ */
+typedef enum status (*fleet_each_fn)(void *user, int rank, struct fleet_bytes *bytes);
+enum status fleet_tell(struct fleet *fleet, enum fleet_kind kind, enum status status, struct fleet_told *told, fleet_each_fn each, void *user)
+	FURROW_CHECKED;
+
+enum status fleet_put(struct fleet_bytes *bytes, const void *from, size_t size) FURROW_CHECKED;
+/* STATUS_FAILED: there are not so many bytes. */
+enum status fleet_get(struct fleet_bytes *bytes, void *to, size_t size) FURROW_CHECKED;
+
+/* --- step.c, move.c, commit.c: struct world_ranks --- */
+enum status fleet_step(void *user, double until, enum status status) FURROW_CHECKED;
+enum status fleet_changes(void *user, uint64_t key) FURROW_CHECKED;
+bool fleet_has(void *user, uint64_t key);
+enum status fleet_move(struct fleet *fleet) FURROW_CHECKED; /* sends and takes what changes its rank, then settles the groups */
+enum status fleet_note_changed(struct fleet *fleet, uint64_t key, bool mine) FURROW_CHECKED;
+bool fleet_is_changed(const struct fleet *fleet, uint64_t key);
+struct fleet_item fleet_block_item(const struct fleet *fleet, struct deform_block block, int64_t intervals);
+enum status fleet_commit(struct fleet *fleet) FURROW_CHECKED; /* begins a commit, on all ranks */
+enum status fleet_share_record(struct fleet *fleet) FURROW_CHECKED; /* afterwards the world's record is the same on all ranks */
+enum status fleet_end(void *user, enum status status) FURROW_CHECKED;
+enum status fleet_probed(void *user, size_t count, const int32_t *numbers, struct world_contact *contacts, enum status status) FURROW_CHECKED;
+
+/* --- rows.c --- */
+enum status fleet_rows_put(struct fleet *fleet) FURROW_CHECKED; /* appends the given rows to fleet->sent */
+enum status fleet_rows_get(struct fleet *fleet, struct fleet_bytes *bytes) FURROW_CHECKED;
+/* On rank 0: writes the rows until `until`, in order. */
+enum status fleet_rows_write(struct fleet *fleet, double until) FURROW_CHECKED;
+void fleet_rows_finish(struct fleet *fleet);
+
+/* --- parts.c --- */
+void fleet_note_resumed(struct fleet *fleet); /* on rank 0: the run goes on from the overlay's record */
+enum status fleet_gather(void *user, struct world_ranked *figures) FURROW_CHECKED;
+
+#endif

@@ -1,0 +1,234 @@
+/* Before a step: who computes what. All ranks tell where soil may slide on their ground, and what they have for rank 0. */
+#include "fleet/internal.h"
+
+#include <string.h>
+
+#define BALANCE_STEPS 32 /* steps after which work is balanced again */
+
+/* Active blocks that lie on the same tiles are told as one. */
+struct link {
+	uint32_t x0, y0, x1, y1, weight;
+};
+
+struct planning {
+	struct fleet *fleet;
+	double until;
+};
+
+/* --- tiles --- */
+
+static bool tiles_of(const struct fleet *fleet, struct post_rect posts, struct fleet_item *item)
+{
+	const struct world *world = fleet->world;
+	struct tile first, last;
+	if (!tile_range_of(&world->meta->extent, world->level, posts, &first, &last))
+		return false;
+	item->x0 = first.x;
+	item->y0 = first.y;
+	item->x1 = last.x;
+	item->y1 = last.y;
+	return true;
+}
+
+struct fleet_item fleet_block_item(const struct fleet *fleet, struct deform_block block, int64_t intervals)
+{
+	struct fleet_item item = {.owner = fleet->rank, .weight = 1};
+	const int64_t x = block.x * DEFORM_BLOCK, y = block.y * DEFORM_BLOCK;
+	const struct post_rect posts = {x, y, x + DEFORM_BLOCK, y + DEFORM_BLOCK};
+	/* A block is inside the terrain. */
+	(void)tiles_of(fleet, world_slides_over(fleet->world, posts, intervals > 0 ? intervals : 1), &item);
+	return item;
+}
+
+/* --- telling --- */
+
+static enum status put_links(struct fleet *fleet, double until)
+{
+	const struct world *world = fleet->world;
+	const int64_t intervals = world_intervals_due(world, until);
+	const struct deform_block *blocks;
+	size_t count = 0;
+	uint32_t links = 0;
+	if (world->deform == NULL)
+		return fleet_put(&fleet->sent, &links, sizeof links);
+	enum status status = deform_active_blocks(world->deform, &blocks, &count);
+	const size_t at = fleet->sent.size;
+	struct link last = {0};
+	if (status == STATUS_OK)
+		status = fleet_put(&fleet->sent, &links, sizeof links);
+	for (size_t i = 0; i <= count && status == STATUS_OK; i++) {
+		struct link link = {0};
+		if (i < count) {
+			const struct fleet_item item = fleet_block_item(fleet, blocks[i], intervals);
+			link = (struct link){item.x0, item.y0, item.x1, item.y1, 1};
+		}
+		const bool same = i < count && last.weight > 0 && link.x0 == last.x0 && link.y0 == last.y0 && link.x1 == last.x1 && link.y1 == last.y1;
+		if (same) {
+			last.weight++;
+			continue;
+		}
+		if (last.weight > 0) {
+			status = fleet_put(&fleet->sent, &last, sizeof last);
+			links++;
+		}
+		last = link;
+	}
+	if (status == STATUS_OK)
+		memcpy(fleet->sent.bytes + at, &links, sizeof links);
+	return status;
+}
+
+static enum status take_links(void *user, int rank, struct fleet_bytes *bytes)
+{
+	const struct planning *planning = user;
+	struct fleet *fleet = planning->fleet;
+	uint32_t links;
+	enum status status = fleet_rows_get(fleet, bytes);
+	if (status == STATUS_OK)
+		status = fleet_get(bytes, &links, sizeof links);
+	for (uint32_t i = 0; status == STATUS_OK && i < links; i++) {
+		struct link link;
+		status = fleet_get(bytes, &link, sizeof link);
+		if (status == STATUS_OK)
+			status = fleet_groups_add(&fleet->groups, &(struct fleet_item){link.x0, link.y0, link.x1, link.y1, rank, link.weight, 0});
+	}
+	return status;
+}
+
+/* --- planning --- */
+
+static enum status make_owners(struct fleet *fleet)
+{
+	const size_t count = world_ranked_bodies(fleet->world);
+	if (count > fleet->planned_room) {
+		size_t *bodies = mem_realloc(fleet->planned_bodies, count, sizeof *bodies);
+		if (bodies == NULL)
+			return fail_memory("the ranks of bodies");
+		fleet->planned_bodies = bodies;
+		fleet->planned_room = count;
+	}
+	fleet->planned_count = 0;
+	if (count <= fleet->owner_count)
+		return STATUS_OK;
+	int32_t *owners = mem_realloc(fleet->owners, count, sizeof *owners);
+	if (owners == NULL)
+		return fail_memory("the ranks of bodies");
+	fleet->owners = owners;
+	while (fleet->owner_count < count)
+		fleet->owners[fleet->owner_count++] = FLEET_NONE;
+	return STATUS_OK;
+}
+
+/* Bodies come first, in the scene's order. A body with no tile to touch keeps its rank. */
+static enum status add_bodies(struct fleet *fleet, double until)
+{
+	const struct world *world = fleet->world;
+	enum status status = make_owners(fleet);
+	for (size_t i = 0; i < fleet->owner_count && status == STATUS_OK; i++) {
+		struct fleet_item item = {.owner = fleet->owners[i], .weight = 1};
+		if (world_ranked(world, i) && tiles_of(fleet, world_body_area(world, i, until), &item)) {
+			fleet->planned_bodies[fleet->planned_count++] = i;
+			status = fleet_groups_add(&fleet->groups, &item);
+		} else if (world_ranked(world, i) && fleet->owners[i] == FLEET_NONE)
+			fleet->owners[i] = 0;
+	}
+	return status;
+}
+
+static void note_balance(struct fleet *fleet)
+{
+	uint64_t most = 0, all = 0;
+	for (int r = 0; r < fleet->ranks; r++) {
+		all += fleet->groups.loads[r];
+		most = fleet->groups.loads[r] > most ? fleet->groups.loads[r] : most;
+	}
+	fleet->balance += all > 0 ? (double)most * fleet->ranks / (double)all : 1;
+}
+
+static enum status plan(struct fleet *fleet, double until, enum status status)
+{
+	struct planning planning = {fleet, until};
+	struct fleet_told told;
+	const struct world *world = fleet->world;
+	fleet_groups_clear(&fleet->groups);
+	fleet->intervals = world_intervals_due(world, until);
+	if (status == STATUS_OK)
+		status = fleet_begin(fleet, FLEET_STEP, status);
+	if (status == STATUS_OK)
+		status = fleet_rows_put(fleet);
+	if (status == STATUS_OK)
+		status = put_links(fleet, until);
+	if (status == STATUS_OK) /* bodies are items before links */
+		status = add_bodies(fleet, until);
+	status = fleet_tell(fleet, FLEET_STEP, status, &told, take_links, &planning);
+	if (status != STATUS_OK)
+		return status;
+	fleet->stop = fleet->stop || told.stop;
+	const int delay = world->scene->forces_delay;
+	if (world->step > delay)
+		status = fleet_rows_write(fleet, world_step_time(world->scene, world->step - delay));
+	if (status == STATUS_OK && told.due)
+		status = fleet_commit(fleet);
+	if (status == STATUS_OK)
+		status = fleet_groups_make(&fleet->groups, world->level, fleet->ranks, fleet->planned % BALANCE_STEPS == BALANCE_STEPS - 1);
+	return status;
+}
+
+enum status fleet_step(void *user, double until, enum status status)
+{
+	struct fleet *fleet = user;
+	struct world *world = fleet->world;
+	status = plan(fleet, until, status);
+	if (status != STATUS_OK)
+		return status;
+	note_balance(fleet);
+	fleet->planned++;
+	world->unplaced = false;
+	/* From here on this rank's ground is not whole until the end of the step. */
+	world->torn = true;
+	status = fleet_move(fleet);
+	if (status == STATUS_OK)
+		world->torn = false;
+	return status;
+}
+
+/* --- tiles of this rank --- */
+
+bool fleet_has(void *user, uint64_t key)
+{
+	const struct fleet *fleet = user;
+	const int32_t owner = fleet_groups_owner(&fleet->groups, key);
+	return owner == fleet->rank || owner == FLEET_NONE;
+}
+
+bool fleet_is_changed(const struct fleet *fleet, uint64_t key)
+{
+	uint32_t number;
+	return key_set_find(&fleet->changed, key, &number) && fleet->mine[number];
+}
+
+enum status fleet_note_changed(struct fleet *fleet, uint64_t key, bool mine)
+{
+	uint32_t number;
+	bool fresh;
+	enum status status = key_set_number(&fleet->changed, key, &number, &fresh);
+	if (status == STATUS_OK && number >= fleet->mine_room) {
+		const size_t room = fleet->mine_room > 0 ? 2 * fleet->mine_room : 1024;
+		bool *more = mem_realloc(fleet->mine, room, sizeof *more);
+		if (more == NULL)
+			return fail_memory("the tiles of a rank");
+		fleet->mine = more;
+		fleet->mine_room = room;
+	}
+	if (status == STATUS_OK)
+		fleet->mine[number] = mine;
+	return status;
+}
+
+enum status fleet_changes(void *user, uint64_t key)
+{
+	struct fleet *fleet = user;
+	if (fleet_groups_owner(&fleet->groups, key) != fleet->rank)
+		return fail_with(STATUS_FAILED, "ranks: a step changes ground of another rank; report this");
+	return fleet_note_changed(fleet, key, true);
+}
