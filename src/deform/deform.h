@@ -358,6 +358,8 @@ struct deform_block {
 enum status deform_wake(struct deform *deform, struct post_rect changed) FURROW_CHECKED;
 /* Returns the posts of all blocks that deform_wake makes active for this change. */
 struct post_rect deform_wakes(const struct deform *deform, struct post_rect changed);
+/* Returns how many posts around its blocks an interval reads; less than a block. Only for a model that conserves soil. */
+int64_t deform_interval_rim(const struct deform *deform);
 /* Makes blocks active after a contact. Call it after the last computed window was scattered. Only blocks where soil still moves
  * stay active. For a contact of several windows it does the same as deform_wake. The window must cover what the object rested on
  * before (deform_covers). */

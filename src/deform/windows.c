@@ -207,8 +207,7 @@ int64_t deform_contact_reach(const struct deform *deform, const struct deform_sh
 {
 	/* A band of soil is laid along the sides of a rectangle around the object, which may lie aslant. */
 	const double band = M_SQRT2 * deform_spread_band(deform, shape), bound = deform_shape_bound(shape) / deform->spacing;
-	const int64_t rim = deform_conserves(deform->params.model) ? deform_slide_rim(deform) : 0;
-	return (int64_t)ceil(bound + band) + 3 + deform->reach + deform->border + rim;
+	return (int64_t)ceil(bound + band) + 3 + deform->reach + deform->border;
 }
 
 int64_t deform_reach(const struct deform_params *params)

@@ -91,7 +91,6 @@ enum status fleet_share_record(struct fleet *fleet)
 {
 	struct sharing sharing = {.fleet = fleet};
 	struct fleet_told told;
-	world_forget_events(fleet->world); /* the record is that of the last step */
 	enum status status = world_settle_forces(fleet->world);
 	if (status == STATUS_OK)
 		status = fleet_begin(fleet, FLEET_COMMIT, status);

@@ -239,7 +239,6 @@ static enum status pack(struct moving *moving, const bool *goes)
 		any = any || goes[r];
 	if (!any)
 		return STATUS_OK;
-	world_forget_events(fleet->world);
 	/* Forces in flight belong to this rank; afterwards what is known of a body is all there is. */
 	status = world_settle_forces(fleet->world);
 	for (int r = 0; r < fleet->ranks && status == STATUS_OK; r++) {

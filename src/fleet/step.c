@@ -33,10 +33,8 @@ static bool tiles_of(const struct fleet *fleet, struct post_rect posts, struct f
 struct fleet_item fleet_block_item(const struct fleet *fleet, struct deform_block block, int64_t intervals)
 {
 	struct fleet_item item = {.owner = fleet->rank, .weight = 1};
-	const int64_t x = block.x * DEFORM_BLOCK, y = block.y * DEFORM_BLOCK;
-	const struct post_rect posts = {x, y, x + DEFORM_BLOCK, y + DEFORM_BLOCK};
-	/* A block is inside the terrain. */
-	(void)tiles_of(fleet, world_slides_over(fleet->world, posts, intervals > 0 ? intervals : 1), &item);
+	/* A block is inside the terrain, so it has tiles. */
+	(void)tiles_of(fleet, world_block_area(fleet->world, block, intervals), &item);
 	return item;
 }
 
@@ -151,6 +149,7 @@ static enum status plan(struct fleet *fleet, double until, enum status status)
 	struct fleet_told told;
 	const struct world *world = fleet->world;
 	fleet_groups_clear(&fleet->groups);
+	world_forget_events(fleet->world); /* so that areas are the same on all ranks */
 	fleet->intervals = world_intervals_due(world, until);
 	if (status == STATUS_OK)
 		status = fleet_begin(fleet, FLEET_STEP, status);

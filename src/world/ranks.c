@@ -1,6 +1,6 @@
 /*
- * A world that several processes (ranks) step together. Here is what a rank asks of its own world: which ground a step may touch, and the
- * state of bodies, blocks and tiles that move to another rank.
+ * A world that several processes (ranks) step together. A rank asks its own world here which ground a step may touch. And bodies, blocks
+ * and tiles that move to another rank are packed and unpacked here.
  *
  * Every rank has all bodies. A body that is `elsewhere` has no events here, no contacts and no rows. Its state is then only what every
  * rank knows: its next path sample. Bodies of vehicles move on every rank alike, and only their contacts with the ground are computed on
@@ -44,8 +44,6 @@ void world_body_here(struct world *world, size_t index, bool here)
 {
 	bool *elsewhere = elsewhere_of(world, index);
 	const bool changes = *elsewhere == here;
-	if (changes)
-		world_forget_events(world);
 	*elsewhere = !here;
 	if (!changes || !world_is_hosts(world, index))
 		return;
@@ -68,16 +66,21 @@ int64_t world_intervals_due(const struct world *world, double until)
 	return deform_conserves(world->scene->model) ? world_intervals_by(world, until) - world->relaxation.intervals : 0;
 }
 
-/* In each interval soil may begin to slide in the blocks next to those where it slid, and it reads a rim around them. */
-struct post_rect world_slides_over(const struct world *world, struct post_rect posts, int64_t intervals)
+static struct post_rect grown(struct post_rect rect, int64_t by)
 {
-	if (intervals <= 0)
-		return posts;
-	const int64_t more = (intervals - 1) * DEFORM_BLOCK;
-	struct post_rect rect = deform_wakes(world->deform, posts);
-	rect = (struct post_rect){rect.x0 - more, rect.y0 - more, rect.x1 + more, rect.y1 + more};
-	/* deform_wakes adds the rim that the blocks read, and whole blocks. */
-	return deform_wakes(world->deform, rect);
+	return (struct post_rect){rect.x0 - by, rect.y0 - by, rect.x1 + by, rect.y1 + by};
+}
+
+/* In each interval soil may begin to slide in the blocks next to those where it slid, and an interval reads a rim around blocks. */
+static int64_t slides_beyond(const struct world *world, int64_t intervals)
+{
+	return (intervals > 1 ? intervals - 1 : 0) * DEFORM_BLOCK + deform_interval_rim(world->deform);
+}
+
+struct post_rect world_block_area(const struct world *world, struct deform_block block, int64_t intervals)
+{
+	const int64_t x = block.x * DEFORM_BLOCK, y = block.y * DEFORM_BLOCK;
+	return grown((struct post_rect){x, y, x + DEFORM_BLOCK, y + DEFORM_BLOCK}, slides_beyond(world, intervals));
 }
 
 static void include_path(const struct world *world, const struct body *body, double until, int64_t posts, struct post_rect *area)
@@ -115,7 +118,10 @@ struct post_rect world_body_area(const struct world *world, size_t index, double
 		include_host(world, world_host_body(world, (int32_t)(index - world->scene->object_count - 1)), posts + PROBED, &area);
 	else
 		include_path(world, body, until, posts, &area);
-	return area.x0 < area.x1 ? world_slides_over(world, area, world_intervals_due(world, until)) : area;
+	const int64_t intervals = world_intervals_due(world, until);
+	if (area.x0 >= area.x1 || intervals <= 0)
+		return area;
+	return grown(deform_wakes(world->deform, area), slides_beyond(world, intervals));
 }
 
 void world_pass_elsewhere(struct world *world, double until)

@@ -552,8 +552,8 @@ bool world_ranked(const struct world *world, size_t index); /* false: there is n
  * Gives the same on every rank. */
 struct post_rect world_body_area(const struct world *world, size_t index, double until);
 int64_t world_intervals_due(const struct world *world, double until); /* number of relaxation intervals until then */
-/* Gives the posts that so many intervals may read or change, if soil slides at these posts. */
-struct post_rect world_slides_over(const struct world *world, struct post_rect posts, int64_t intervals);
+/* Gives the posts that so many intervals may read or change because of an active block. */
+struct post_rect world_block_area(const struct world *world, struct deform_block block, int64_t intervals);
 void world_body_here(struct world *world, size_t index, bool here); /* says if this rank computes its contacts */
 void world_pass_elsewhere(struct world *world, double until);       /* counts the path samples of bodies elsewhere */
 /* Undoes the collecting of this step's events. The step collects them again. */

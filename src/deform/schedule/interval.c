@@ -167,6 +167,11 @@ enum status deform_interval_begin(struct deform *deform, const struct deform_res
 	return status;
 }
 
+int64_t deform_interval_rim(const struct deform *deform)
+{
+	return deform->interval->limits.rim;
+}
+
 struct post_rect deform_interval_writes(const struct deform *deform, size_t run)
 {
 	const struct extent *extent = deform->params.extent;

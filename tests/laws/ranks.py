@@ -1,0 +1,279 @@
+"""Law 12: a drive by any number of MPI processes leaves the rows, objects.csv and vehicles.csv of one process. After a kill of any of
+them the drive is resumed by any number. What cannot be done together is refused with one message.
+
+Here 2 and 3 processes and a few kills. By hand: RANKS=2,3,4,8 KILLS=100 RANKS_SEED=7 python3 ranks.py"""
+import filecmp
+import json
+import os
+import pathlib
+import random
+import shutil
+import signal
+import sqlite3
+import subprocess
+import sys
+import time
+import unittest
+
+sys.path.insert(0, str(pathlib.Path(__file__).parent.parent / "cli"))
+from furrow_test import FURROW, FurrowTest, main
+
+RANKS = [int(n) for n in os.environ.get("RANKS", "2,3").split(",")]
+KILLS = int(os.environ.get("KILLS", "2"))
+SEED = int(os.environ.get("RANKS_SEED", "1"))
+MODELS = pathlib.Path(os.environ.get("SCENES", "")) / "vehicles"
+TABLES = ("offset", "dirt", "heaped", "pressed", "shear", "dug")
+# Rows name the commit that wrote them, which may differ.
+COMMIT = ("revision", "epoch")
+
+
+def wheel(name, points, speed, more="load: 2000", radius=0.5):
+    return (f"  - {{name: {name}, shape: {{wheel: {{radius: {radius}, width: 0.3}}}}, {more}, "
+            f"path: {{points: {points}, speed: {speed}}}}}\n")
+
+
+def scene(model, end, objects, spacing=0.125, step=0.05, more=""):
+    soil = "" if model == "box" else "soil: {name: dry_sand}\n"
+    rows = "output: {forces: 20}\n" if model == "scm" else ""
+    return (f"scene: 1\ntime_step: {step}\nend_time: {end}\nspacing: {spacing}\nredistribute: {{model: {model}}}\n{soil}{rows}"
+            f"cache: {{slots: 24}}\n{more}objects:\n{objects}")
+
+
+# Tiles of 64 cells are 8 m wide at 1/8 m. Four wheels meet at the corner of four tiles at (128, 128); others cross their ruts later.
+CROSSING = scene("scm", 4, "".join(
+    wheel(f"c{i}", [[128 + 12 * x, 128 + 12 * y], [128 - 14 * x, 128 - 14 * y]], 6)
+    for i, (x, y) in enumerate(((1, 1), (1, -1), (-1, 1), (-1, -1)))) +
+    wheel("late", [[116, 100], [116, 130], [140, 131]], 12, "load: 1500"))
+# All of it is one group: one rank computes it, and the others have nothing.
+CONVOY = scene("scm", 2, "".join(wheel(f"w{i}", [[20 - 2 * i, 30], [60, 33]], 8) for i in range(4)))
+ALONE = scene("box", 2, wheel("only", [[20, 30], [60, 33]], 12, "sink: 0.1"))
+# Heaps at both sides of a tile's edge slide for long after what made them has gone.
+HEAPS = scene("sumner", 4, "".join(
+    f"  - {{name: b{i}, shape: {{sphere: {{radius: 1.2}}}}, sink: 0.6, path: {{points: [[{x}, {y}], [{to}, {y}]], speed: 10}}}}\n"
+    for i, (x, y, to) in enumerate(((36, 60, 61.5), (20, 92, 62), (92, 61, 66.5), (100, 92, 66)))), step=0.04)
+SPREAD = scene("box", 4, "".join(
+    wheel(f"s{i}", [[16 + 20 * i, 20 + 7 * i], [200 - 19 * i, 190 - 13 * i]], 25, "sink: 0.08") for i in range(9)), step=0.1)
+
+
+class Ranks(FurrowTest):
+    @classmethod
+    def setUpClass(cls):
+        if shutil.which("mpirun") is None:
+            raise unittest.SkipTest("no mpirun here")
+
+    def setUp(self):
+        super().setUp()
+        self.base = None
+        for kind, relief in (("plain", 3), ("ridged", 30)):
+            self.ok("synth", "-o", f"{kind}.tif", "--posts", "257x257", "--spacing", 1, "--kind", kind, "--relief", relief)
+            self.ok("import", f"{kind}.tif", "-o", f"{kind}.furrow", "--tile", 64)
+
+    def command(self, ranks, file, name, *more, store="plain.furrow"):
+        drive = [FURROW, "drive", file, "--store", store, "--overlay", f"{name}.furrow", "-o", name, *map(str, more)]
+        return drive if ranks == 1 else ["mpirun", "--allow-run-as-root", "--oversubscribe", "-n", str(ranks), *drive]
+
+    def run_command(self, command, expect=0):
+        result = subprocess.run(command, cwd=self.folder, capture_output=True, text=True, timeout=280)
+        if expect == 0 and result.returncode == 4:
+            self.skipTest("no GL here: " + result.stderr.strip())
+        if expect == 0:
+            self.assertEqual(result.returncode, 0, result.stderr)
+        else:
+            self.assertNotEqual(result.returncode, 0, result.stdout)
+            lines = [line for line in result.stderr.splitlines() if line.startswith("furrow: ") and not line.startswith("furrow: note: ")]
+            self.assertEqual(len(lines), 1, result.stderr)
+            self.assertRegex(lines[0], r"^furrow: .+: .+; .+")
+            return lines[0]
+        return json.loads((self.folder / command[command.index("-o") + 1] / "run.json").read_text())
+
+    def rows(self, name):
+        with sqlite3.connect(self.folder / f"{name}.furrow") as db:
+            out = []
+            for table in TABLES:
+                columns = [row[1] for row in db.execute(f'PRAGMA table_info("{table}")') if row[1] not in COMMIT]
+                quoted = ",".join(f'"{column}"' for column in columns)
+                out += [(table, *row) for row in db.execute(f'SELECT {quoted} FROM "{table}" ORDER BY key')]
+        db.close()
+        return out
+
+    def same(self, one, many, reports):
+        self.assertEqual(self.rows(one), self.rows(many))
+        for file in ("objects.csv", "vehicles.csv"):
+            a, b = self.folder / one / file, self.folder / many / file
+            self.assertEqual(a.exists(), b.exists(), file)
+            if a.exists():
+                self.assertTrue(filecmp.cmp(a, b, shallow=False), file)
+        for key in ("ended", "steps", "volume", "objects"):
+            self.assertEqual(reports[0][key], reports[1][key], key)
+        self.assertFalse((self.folder / f"{many}.furrow.parts").exists())
+        self.ok("verify", f"{many}.furrow")
+
+    def compare(self, text, store="plain.furrow", ranks=None, moves=True):
+        self.scene(text)
+        one = self.run_command(self.command(1, "scene.yaml", "one", store=store))
+        self.assertGreater(len(self.rows("one")), 3)
+        moved = 0
+        for n in ranks or RANKS:
+            many = self.run_command(self.command(n, "scene.yaml", f"many{n}", store=store))
+            self.same("one", f"many{n}", (one, many))
+            self.assertEqual(many["ranks"]["count"], n)
+            moved += many["ranks"]["tiles_moved"]
+            print(f"{n} ranks: {many['ranks']}")
+        if moves:
+            self.assertGreater(moved, 0, "nothing moved between ranks, so this shows little")
+
+
+class TheSame(Ranks):
+    def test_wheels_that_cross_at_the_corner_of_four_tiles(self):
+        self.compare(CROSSING)
+
+    def test_wheels_that_cross_each_other_everywhere(self):
+        self.compare(SPREAD, "ridged.furrow")
+
+    def test_heaps_that_slide_over_the_edge_of_a_rank(self):
+        self.compare(HEAPS)
+
+    def test_a_convoy_in_one_rut_leaves_a_rank_with_nothing(self):
+        self.compare(CONVOY, moves=False)
+
+    def test_more_ranks_than_bodies(self):
+        self.compare(ALONE, ranks=[3], moves=False)
+
+    def test_vehicles_that_pass_between_ranks(self):
+        if not (MODELS / "offroad.xml").exists():
+            self.skipTest("no vehicle models")
+        shutil.copy(MODELS / "offroad.xml", self.folder)
+        vehicles = "".join(
+            f"  - name: {name}\n    model: offroad.xml\n    start: {{at: {at}, yaw: {yaw}}}\n    soil: [wheel_*]\n"
+            f"    driver: {{path: {{points: [{at}, {to}], speed: 5}}, steer: [steer_*], drive: [drive_*]}}\n"
+            for name, at, yaw, to in (("car", [40, 40], 0, [70, 40]), ("cab", [60, 30], 90, [60, 60])))
+        text = scene("scm", 3.2, wheel("w", [[50, 33], [50, 60]], 4), step=0.008, more="vehicles:\n" + vehicles)
+        text = text.replace("output: {forces: 20}", "output: {forces: 50, vehicles: 50}")
+        if "this build has no MuJoCo" in self.furrow("explain", self.scene(text)).stderr:
+            self.skipTest("no MuJoCo in this build")
+        self.compare(text, ranks=RANKS[-1:])
+
+
+class Killed(Ranks):
+    def test_a_kill_of_any_rank_loses_nothing(self):
+        chance = random.Random(SEED)
+        print(f"RANKS_SEED={SEED} KILLS={KILLS}")
+        self.scene(CROSSING)
+        one = self.run_command(self.command(1, "scene.yaml", "one"))
+        kills = 0
+        while kills < KILLS:
+            for path in self.folder.glob("many*"):
+                shutil.rmtree(path) if path.is_dir() else path.unlink()
+            more, done = [], False
+            while not done:
+                n = chance.choice([1, *RANKS])
+                command = self.command(n, "scene.yaml", "many", *more)
+                process = subprocess.Popen(command, cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+                more = ["--resume"]
+                if kills < KILLS:
+                    self.wait(process, chance.uniform(0.2, 3))
+                    kills += self.kill_one(process, chance)
+                said = process.communicate(timeout=200)[0]
+                done = process.returncode == 0
+                if done:
+                    break
+                self.assertTrue(kills <= KILLS and "furrow: " not in said.replace("furrow: note: ", ""), said)
+                if (self.folder / "many.furrow").exists():
+                    self.ok("verify", "many.furrow")
+            self.same("one", "many", (one, json.loads((self.folder / "many" / "run.json").read_text())))
+
+    @staticmethod
+    def wait(process, seconds):
+        until = time.monotonic() + seconds
+        while time.monotonic() < until and process.poll() is None:
+            time.sleep(0.01)
+
+    def kill_one(self, process, chance):
+        """Kills mpirun's child, or the drive itself. Returns whether there was one."""
+        if process.poll() is not None:
+            return 0
+        children = []
+        for task in pathlib.Path(f"/proc/{process.pid}/task").glob("*/children"):
+            children += [int(pid) for pid in task.read_text().split()]
+        try:
+            os.kill(chance.choice(children) if children else process.pid, signal.SIGKILL)
+        except ProcessLookupError:
+            return 0
+        return 1
+
+    def test_ctrl_c_ends_all_after_one_step(self):
+        self.scene(CROSSING)
+        one = self.run_command(self.command(1, "scene.yaml", "one"))
+        process = subprocess.Popen(self.command(2, "scene.yaml", "many"), cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        log = self.folder / "many" / "epochs.log"
+        until = time.monotonic() + 60
+        while time.monotonic() < until and (not log.exists() or log.stat().st_size == 0) and process.poll() is None:
+            time.sleep(0.02)
+        for task in pathlib.Path(f"/proc/{process.pid}/task").glob("*/children"):
+            for pid in task.read_text().split():
+                os.kill(int(pid), signal.SIGINT)
+                break
+        process.communicate(timeout=100)
+        self.assertFalse((self.folder / "many.furrow.parts").exists())
+        self.assertIn(json.loads((self.folder / "many" / "run.json").read_text())["ended"], ("interrupted", "complete"))
+        many = self.run_command(self.command(3, "scene.yaml", "many", "--resume"))
+        self.same("one", "many", (one, many))
+
+
+class Refused(Ranks):
+    def mpmd(self, first, second):
+        """A run of two processes that are not started alike."""
+        return ["mpirun", "--allow-run-as-root", "--oversubscribe", "-n", "1", *first, ":", "-n", "1", *second]
+
+    def test_what_many_processes_cannot_do(self):
+        self.scene(CONVOY)
+        command = self.command(2, "scene.yaml", "many")
+        at = command.index("--overlay")
+        self.assertIn("--overlay", self.run_command(command[:at] + command[at + 2:], expect=1))
+        self.assertIn("--trace", self.run_command(command + ["--trace", "x.trace"], expect=1))
+        self.assertIn("--keep-history", self.run_command(command + ["--keep-history"], expect=1))
+        self.assertFalse((self.folder / "many.furrow").exists())
+
+    def test_a_rank_without_gl(self):
+        self.scene(CONVOY)
+        drive = self.command(1, "scene.yaml", "many")
+        blind = ["env", "__EGL_VENDOR_LIBRARY_FILENAMES=/nonexistent.json", "EGL_PLATFORM=surfaceless", *drive]
+        said = self.run_command(self.mpmd(drive, blind), expect=1)
+        self.assertIn("rank 1", said)
+        self.assertEqual(list(self.folder.glob("many.furrow*")), [])
+        self.assertFalse((self.folder / "many" / "run.json").exists())
+
+    def test_a_rank_with_another_scene(self):
+        self.scene(CONVOY)
+        self.scene(ALONE, "other.yaml")
+        said = self.run_command(self.mpmd(self.command(1, "scene.yaml", "many"), self.command(1, "other.yaml", "many")), expect=1)
+        self.assertIn("rank 1: its scene is not that of rank 0", said)
+        self.assertEqual(list(self.folder.glob("many.furrow*")), [])
+
+    def test_a_rank_whose_disk_is_full(self):
+        self.scene(CROSSING)
+        drive = self.command(1, "scene.yaml", "many")
+        one = self.run_command(self.command(1, "scene.yaml", "one"))
+        full = ["sh", "-c", 'ulimit -f 40; exec "$@"', "sh", *drive]
+        said = self.run_command(self.mpmd(drive, full), expect=1)
+        self.assertIn("rank 1", said)
+        if (self.folder / "many.furrow").exists():
+            self.ok("verify", "many.furrow")
+        many = self.run_command(self.command(2, "scene.yaml", "many", "--resume"))
+        self.same("one", "many", (one, many))
+
+    def test_an_overlay_that_is_there(self):
+        self.scene(CONVOY)
+        self.run_command(self.command(1, "scene.yaml", "one"))
+        self.run_command(self.command(1, "scene.yaml", "one"))
+        self.run_command(self.command(2, "scene.yaml", "many"))
+        again = self.run_command(self.command(2, "scene.yaml", "many"))
+        one = json.loads((self.folder / "one" / "run.json").read_text())
+        self.same("one", "many", (one, again))
+        (self.folder / "many.furrow.parts").mkdir()
+        self.assertIn("--resume", self.run_command(self.command(2, "scene.yaml", "many"), expect=1))
+        self.assertIn("--resume", self.refused(3, "drive", "scene.yaml", "-o", "x", "--overlay", "many.furrow", "--store", "plain.furrow"))
+
+
+if __name__ == "__main__":
+    main()
