@@ -126,7 +126,6 @@ static void finish(struct drive *drive, enum status status)
 	world_finish(&drive->world, status);
 	report_rows_close(drive->rows);
 	report_vehicles_close(drive->vehicle_rows);
-	vehicle_destroy(drive->vehicles);
 }
 
 /* Also for a drive that failed or was interrupted, once it began. The drive's own failure is returned before the trace's. */
@@ -335,7 +334,7 @@ static enum status map_gathered(const struct drive *drive, int64_t step, double 
 	if (status == STATUS_OK)
 		status = resident_ground_create(world.store, world.limits.ground, &world.ground);
 	if (status == STATUS_OK)
-		status = report_map(&world, path, ended);
+		status = report_map(&world, drive->vehicles, path, ended);
 	world_finish(&world, STATUS_OK);
 	return status;
 }
@@ -414,7 +413,10 @@ enum status api_drive(const struct api_params *params, struct api_result *result
 	const int64_t step = drive.world.step;
 	const double time = drive.world.time;
 	finish(&drive, status);
-	return drive.ran && ranks != NULL ? conclude(&drive, step, time, result, status) : status;
+	if (drive.ran && ranks != NULL)
+		status = conclude(&drive, step, time, result, status);
+	vehicle_destroy(drive.vehicles);
+	return status;
 }
 
 /* --- queries --- */
