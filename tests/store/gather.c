@@ -5,6 +5,7 @@
 #include "parts.h"
 
 static char base[256];
+static const struct relief_spec relief = {.seed = 7, .classes = 1, .waves = {{0.05, 4}}};
 
 static void assert_same_record(const char *path, const char *copy)
 {
@@ -30,6 +31,7 @@ static void gathers_as_the_copy(uint32_t count, uint32_t seed, int ruts, int ste
 	int64_t before = over->commit;
 	store_close(over);
 	run.field.carried = carried;
+	run.relief = ruts == 0 ? &relief : NULL;
 	run_open(&run);
 	for (int i = 0; i < steps; i++)
 		run_step(&run, count, true);

@@ -17,6 +17,7 @@ struct run {
 	struct field field;
 	int64_t step;
 	const char *scene_hash; /* of the records */
+	const struct relief_spec *relief; /* NULL: none */
 };
 
 static UNUSED uint32_t run_draw(struct run *run, uint32_t below)
@@ -77,10 +78,14 @@ static UNUSED void run_open(struct run *run)
 {
 	for (uint32_t i = 0; i < run->count; i++) {
 		run->stores[i] = open_store(run->paths[i], STORE_WRITE);
+		/* A power cut is not what is tested here. */
+		assert_int_equal(sqlite3_exec(run->stores[i]->db, "PRAGMA synchronous=OFF", NULL, NULL, NULL), SQLITE_OK);
 		assert_ok(store_set_working_level(run->stores[i], LEVEL));
+		assert_ok(store_set_relief(run->stores[i], run->relief, NULL));
 	}
 	run->direct = open_store(run->copy, STORE_WRITE);
 	assert_ok(store_set_working_level(run->direct, LEVEL));
+	assert_ok(store_set_relief(run->direct, run->relief, NULL));
 }
 
 static UNUSED void run_close(struct run *run)
