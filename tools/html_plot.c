@@ -11,6 +11,9 @@
 
 enum { WIDTH = 520, HEIGHT = 320, LEFT = 64, RIGHT = 12, TOP = 30, BOTTOM = 46, ACROSS = WIDTH - LEFT - RIGHT, DOWN = HEIGHT - TOP - BOTTOM };
 enum { WAY_POINTS = 3000 };
+#define NUMBER_MOST 1e30
+#define NUMBER_LEAST 1e-30 /* of a logarithmic axis; a linear axis takes less for 0 */
+#define NARROW 1e-6        /* of the numbers: a range that is narrower is widened */
 
 static const char *const dashes[HTML_DASHES] = {"", "7 4", "2 3", "10 3 2 3"};
 
@@ -25,15 +28,26 @@ static double scale_x(const struct html_plot *plot, double x)
 	return plot->logarithmic ? log10(x) : x;
 }
 
+/* Larger numbers are none that a drive has, and differences of them may overflow. NaN is none either. */
+static bool is_number(double value)
+{
+	return fabs(value) < NUMBER_MOST;
+}
+
 static bool is_drawn(const struct html_plot *plot, const struct html_line *line, size_t i)
 {
-	return isfinite(line->x[i]) && isfinite(line->y[i]) && (!plot->logarithmic || line->x[i] > 0);
+	return is_number(line->x[i]) && is_number(line->y[i]) && (!plot->logarithmic || line->x[i] > NUMBER_LEAST);
+}
+
+static bool has_upright(const struct html_plot *plot)
+{
+	return is_number(plot->upright) && (!plot->logarithmic || plot->upright > NUMBER_LEAST);
 }
 
 bool html_line_any(const struct html_line *line)
 {
 	for (size_t i = 0; i < line->count; i++)
-		if (isfinite(line->x[i]) && isfinite(line->y[i]))
+		if (is_number(line->x[i]) && is_number(line->y[i]))
 			return true;
 	return false;
 }
@@ -42,6 +56,18 @@ static void widen(double value, double *low, double *high)
 {
 	*low = fmin(*low, value);
 	*high = fmax(*high, value);
+}
+
+/* Widens a range that is too narrow for the digits of its numbers. */
+static void part(double *low, double *high)
+{
+	const double size = fmax(fabs(*low), fabs(*high));
+	if (size < NUMBER_LEAST) {
+		*low = *high = 0;
+	} else if (*high - *low < NARROW * size) {
+		*low -= NARROW * size;
+		*high += NARROW * size;
+	}
 }
 
 static double held(double value, double low, double high)
@@ -71,7 +97,7 @@ static void find_axes(struct axes *axes)
 				widen(scale_x(plot, plot->lines[k].x[i]), &low[0], &high[0]);
 				widen(plot->lines[k].y[i], &low[1], &high[1]);
 			}
-	if (isfinite(plot->upright) && (!plot->logarithmic || plot->upright > 0))
+	if (has_upright(plot))
 		widen(scale_x(plot, plot->upright), &low[0], &high[0]);
 	if (plot->low < plot->high) {
 		low[1] = held(low[1], plot->low, plot->high);
@@ -87,6 +113,8 @@ static void find_axes(struct axes *axes)
 			high[k] += more;
 		}
 	}
+	for (int k = plot->logarithmic ? 1 : 0; k < 2; k++)
+		part(&low[k], &high[k]);
 	svg_axis(&low[1], &high[1], &axes->step[1]);
 	if (!plot->logarithmic)
 		svg_axis(&low[0], &high[0], &axes->step[0]);
@@ -253,7 +281,7 @@ static void write_line(const struct axes *axes, const struct html_line *line, FI
 static void write_upright(const struct axes *axes, FILE *file)
 {
 	const struct html_plot *plot = axes->plot;
-	if (!isfinite(plot->upright) || (plot->logarithmic && !(plot->upright > 0)))
+	if (!has_upright(plot))
 		return;
 	const double x = place_x(axes, plot->upright);
 	const bool left = x > axes->left + axes->wide / 2;

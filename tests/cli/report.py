@@ -527,6 +527,19 @@ class Report(FurrowTest):
             page = self.report("a", cwd=self.folder)
             self.assertNotIn("nan", re.sub(r"data:image/png;base64,[^\"]*", "", page.text).replace("Adhesion", ""), new)
             self.assertNotRegex(page.text, r"\d inf|[ML]inf")
+        path.write_text(text)
+        rows = self.folder / "a/objects.csv"
+        lines = rows.read_text().splitlines(keepends=True)
+        for cell in ("1e308", "-1e308", "1e-320", "nan", "1e29"):
+            for column in (2, 5, 6, 12):
+                changed = lines[20].split(",")
+                changed[column] = cell
+                rows.write_text("".join(lines[:20] + [",".join(changed)] + lines[21:]))
+                if cell == "nan" and column == 2:
+                    self.assertIn("a/objects.csv:21: ", self.refused(3, "report", "a", "-o", "page.html"))
+                    continue
+                plots = self.report("a", cwd=self.folder).plots("curves")
+                self.assertTrue(all(math.isfinite(x + y) for plot in plots.values() for curve in plot.curves for x, y in curve))
 
     def test_rows_that_are_none_are_told_with_their_line(self):
         self.copy("a")
