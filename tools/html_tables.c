@@ -362,7 +362,9 @@ void html_tables_results(const struct html_report *report)
 		{"prefetched", "cache.prefetched", 1}, {"late", "cache.late", 1}, {"evictions", "cache.evictions", 1},
 		{"written back", "cache.writebacks", 1}, {"stalls", "cache.stalls", 1}, {"time in stalls, ms", "cache.stall_ms", 1},
 		{"peak memory, MB", "memory.rss_peak", 1e6}, {"GPU memory, MB", "memory.gpu_bytes", 1e6}, {"read, MB", "io.bytes_read", 1e6},
-		{"written, MB", "io.bytes_written", 1e6}, {"commits", "io.commits", 1}, {"pictures", "view.images", 1},
+		{"written, MB", "io.bytes_written", 1e6}, {"commits", "io.commits", 1}, {"pictures", "view.images", 1}, {"ranks", "ranks.count", 1},
+		{"tiles moved between ranks", "ranks.tiles_moved", 1}, {"moved between ranks, MB", "ranks.bytes_moved", 1e6},
+		{"balance of ranks", "ranks.balance", 1},
 	};
 	html_section(report, "results", "Results");
 	html_table(report, "");

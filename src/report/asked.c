@@ -35,7 +35,7 @@ void report_asked(cJSON *root, const struct report *report)
 	for (size_t i = 0; i < scene->value_count; i++)
 		cJSON_AddStringToObject(values, scene->values[i].key, scene->values[i].text);
 	cJSON *store = cJSON_AddObjectToObject(root, "store");
-	add_path(store, "file", world->path);
+	add_path(store, "file", world->ranks != NULL ? world->ranks->over : world->path);
 	add_path(store, "base", store_base_path(world->store));
 	add_path(root, "trace", page_trace_path(world->trace));
 	cJSON *notes = cJSON_AddArrayToObject(root, "notes");

@@ -489,6 +489,19 @@ class Report(FurrowTest):
         # The store has gone on since, so it does not show what the first part left.
         self.without_plots(self.report("before", cwd=self.folder), "rut", "was changed after this drive")
 
+    def test_a_drive_by_two_processes(self):
+        command = [FURROW, "drive", "scene.yaml", "-o", "two", "--overlay", "two.furrow", "--set", "end_time=1"]
+        if shutil.which("mpirun") is None:
+            self.skipTest("no mpirun here")
+        result = subprocess.run(["mpirun", "--allow-run-as-root", "--oversubscribe", "-n", "2", *command], cwd=self.made, capture_output=True, text=True, timeout=280)
+        if "no MPI" in result.stderr or "ranks" not in (self.json_of("two") if result.returncode == 0 else {}):
+            self.skipTest("this build has no MPI")
+        run = self.json_of("two")
+        self.assertEqual(run["store"]["file"], str((self.made / "two.furrow").resolve()))
+        page = self.report("two")
+        self.assertEqual(page.rows("results")["ranks"], [2])
+        self.assertIn("The ground across the way", page.plots("rut"))
+
     # --- what is not trusted ---
 
     def test_names_are_text(self):
