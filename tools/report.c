@@ -87,14 +87,15 @@ const struct command command_report = {
 	.details = "DIR is a folder that furrow drive left; up to eight are compared. The page is one file. It needs no network, and no\n"
 		   "file beside it: plots are drawn within it, and map.png is a part of it.\n"
 		   "\n"
-		   "What it shows, and where that comes from:\n"
-		   "  what was run, settings, soils, results, times of steps, volume, notes   run.json\n"
-		   "  the map                                                                map.png\n"
-		   "  ways, sinkage, slip, drawbar pull, energy                              objects.csv (output.forces in the scene)\n"
-		   "  speed and work of vehicles                                             vehicles.csv (output.vehicles)\n"
-		   "  the rut across the way, at its middle                                  the store or overlay that was deformed\n"
-		   "  misses over slots of the page cache                                    the trace (drive --trace FILE)\n"
-		   "What cannot be known from these is left out, and a sentence says why. docs/REPORT.md has more.\n",
+		   "Sections, and the files that they come from:\n"
+		   "  what was run, settings, soils, results, step times, volume, notes  run.json\n"
+		   "  map                                                                map.png\n"
+		   "  ways in plan                                                       vehicles.csv, objects.csv or run.json\n"
+		   "  sinkage, slip, drawbar pull, energy                                objects.csv (output.forces in the scene)\n"
+		   "  speed and work of vehicles                                         vehicles.csv (output.vehicles)\n"
+		   "  rut profile: across the way, at its middle                         the store or overlay that was deformed\n"
+		   "  page cache: misses over slots                                      the trace (drive --trace FILE)\n"
+		   "If a folder does not have the data for a section, one sentence gives the reason. More: docs/REPORT.md\n",
 	.options = options,
 	.run = run,
 };
