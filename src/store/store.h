@@ -343,7 +343,8 @@ struct store_gathering {
  * result->commit is the last one of the store. Then parts may be missing already.
  *
  * STATUS_INPUT: a file is not a part, or is of another run. A part is missing, and others have more than one commit. Their numbers of
- * commits differ by more than one. Their records are of different scenes or steps. The store has changed since. A row is damaged. */
+ * commits differ by more than one. Their records are of different scenes or steps. The store has changed since. A row is damaged.
+ * STATUS_FAILED: a part, or another overlay over the store, is still open. */
 enum status store_gather(const char *path, const char *const *parts, size_t count, const struct store_gathering *gathering,
 			 struct store_commit_result *result) FURROW_CHECKED;
 
