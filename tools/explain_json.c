@@ -187,6 +187,8 @@ enum status explain_json(const struct scene *scene, const struct report_plan *pl
 	json_integer(root, "steps", plan->steps);
 	json_integer(root, "pictures", plan->pictures);
 	json_integer(root, "window_tiles", (int64_t)plan->window_tiles);
+	json_integer(root, "batch_windows", (int64_t)plan->batch_windows);
+	json_integer(root, "batch_bytes", (int64_t)plan->batch_bytes);
 	cJSON *samples = cJSON_AddObjectToObject(root, "stations");
 	for (size_t i = 0; i < scene->object_count; i++)
 		json_integer(samples, scene->objects[i].name, (int64_t)plan->samples[i]);

@@ -42,6 +42,9 @@ static void print_head(const struct scene *scene, const struct report_plan *plan
 	printf("  posts %g m apart (level %d) in tiles of %u x %u cells", plan->spacing, plan->level, plan->cells, plan->cells);
 	if (plan->window_tiles > 0)
 		printf("; a window touches at most %zu", plan->window_tiles);
+	if (plan->batch_windows > 0)
+		printf("\n  contacts that share no tile are computed together, up to %zu at once; that takes %s more", plan->batch_windows,
+		       layout_bytes(plan->batch_bytes).text);
 	printf("\n  %s step%s", layout_number((uint64_t)plan->steps).text, plan->steps == 1 ? "" : "s");
 	if (plan->pictures > 0)
 		printf(", %s picture%s: one every %s steps", layout_number((uint64_t)plan->pictures).text, plan->pictures == 1 ? "" : "s",
@@ -180,6 +183,9 @@ static const char *each_of(enum plan_unit unit)
 		[PLAN_RING] = "a segment of parameters",
 		[PLAN_WINDOW] = "a window",
 		[PLAN_MOVED] = "a window that it moved over",
+		[PLAN_BATCH] = "a batch of windows",
+		[PLAN_BATCH_DRAW] = "bodies of a kind in a batch",
+		[PLAN_BATCH_ENVELOPE] = "an underside drawn alone in a batch",
 		[PLAN_FACETS] = "a draw of triangles",
 		[PLAN_HELD] = "a block of soil that slides under an object",
 		[PLAN_RESTING] = "a window of an object at rest",

@@ -26,7 +26,7 @@ void main()
 	for (int x = shadow.x; x < shadow.z; x++) {
 		ivec3 post = ivec3(x, y, place.x);
 		uint contact = imageLoad(contacts, post).r;
-		reaches = contact != 0u ? ivec2(min(reaches.x, x), x + 1) : reaches;
+		reaches = (contact & ~NO_GROUND) != 0u ? ivec2(min(reaches.x, x), x + 1) : reaches;
 		if ((contact & TOUCHED_POST) == 0u)
 			continue;
 #if SOILS > 1

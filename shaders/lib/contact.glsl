@@ -2,27 +2,70 @@
 // Defines:
 // - CONTACT: also find the posts on which the object rests
 // - CONTACT_MORE: members that a model adds to the parameters
+// - BATCH: the windows of a batch. Posts are counted from the first of the layer
+// - WITH_ENVELOPE: with BATCH: the pass also computes the lower envelope, with the defines of lib/envelope.glsl. So there are no textures of it
 
 #include "lib/int64.glsl"
 #include "lib/tally.glsl"
 #include "lib/window.glsl"
 
-layout(binding = 0) uniform isampler2DArray bases;
-layout(binding = 1) uniform isampler2DArray offsets;
-layout(binding = 2) uniform isampler2DArray unders;
+layout(binding = 0, r32i) readonly restrict uniform iimage2DArray bases;
+layout(binding = 1, r32i) readonly restrict uniform iimage2DArray offsets;
+#ifndef WITH_ENVELOPE
+layout(binding = 2, r32i) readonly restrict uniform iimage2DArray unders;
 #ifdef CONTACT
-layout(binding = 3) uniform isampler2DArray rests;
+layout(binding = 3, r32i) readonly restrict uniform iimage2DArray rests;
+#endif
 #endif
 
 #ifndef CONTACT_MORE
 #define CONTACT_MORE
 #endif
+#ifdef BATCH
+flat in ivec4 passed[PASSED]; // as the parameters, from batch.vert
+ivec4 zero = passed[0], written = passed[1];
+#else
 layout(std140, binding = 0) uniform params {
 	// lo, hi: the window's zero height, fixed-point units from the store's reference; the layer; two spacings, fixed-point units
 	ivec4 zero;
 	ivec4 written; // the posts this window writes: first, one behind the last
 	CONTACT_MORE
 };
+#endif
+
+#ifdef WITH_ENVELOPE
+#include "lib/envelope.glsl"
+
+int under_at(ivec3 at)
+{
+	int height;
+	return envelope(0, at.xy, height) ? height : UNDER_NONE;
+}
+
+#ifdef CONTACT
+int rest_at(ivec3 at)
+{
+	int height;
+#ifdef AT_REST
+	return envelope_at_rest(1, at.xy, height) ? height : UNDER_NONE;
+#else
+	return envelope(1, at.xy, height) ? height : UNDER_NONE;
+#endif
+}
+#endif
+#else
+int under_at(ivec3 at)
+{
+	return imageLoad(unders, at).r;
+}
+
+#ifdef CONTACT
+int rest_at(ivec3 at)
+{
+	return imageLoad(rests, at).r;
+}
+#endif
+#endif
 
 struct contact_result {
 	int offset;
@@ -35,9 +78,9 @@ contact_result contact_at(ivec2 post)
 {
 	contact_result p;
 	ivec3 at = ivec3(post, zero.z);
-	int base = texelFetch(bases, at, 0).r;
-	int offset = texelFetch(offsets, at, 0).r;
-	int under = texelFetch(unders, at, 0).r;
+	int base = imageLoad(bases, at).r;
+	int offset = imageLoad(offsets, at).r;
+	int under = under_at(at);
 	p.written = all(greaterThanEqual(post, written.xy)) && all(lessThan(post, written.zw));
 	p.contact = 0u;
 	p.fell = 0u;
@@ -46,6 +89,7 @@ contact_result contact_at(ivec2 post)
 	i64 wanted = i64_sub(i64_from(under), ground);
 	bool touches = base != BASE_NODATA && under != UNDER_NONE && !i64_less(i64_from(offset), wanted);
 #ifdef CONTACT
+	p.contact = base == BASE_NODATA ? NO_GROUND : 0u;
 	if (base != BASE_NODATA && under != UNDER_NONE && i64_less(wanted, i64_from(offset + zero.w)))
 		p.contact |= NEAR;
 #endif
@@ -60,7 +104,7 @@ contact_result contact_at(ivec2 post)
 		p.contact |= LOWERED;
 	}
 #ifdef CONTACT
-	int rest = texelFetch(rests, at, 0).r;
+	int rest = rest_at(at);
 	if (base != BASE_NODATA && rest != UNDER_NONE &&
 	    !i64_less(i64_add(ground, i64_from(offset + TOUCH)), i64_from(rest)))
 		p.contact |= HELD;

@@ -30,8 +30,10 @@ int scaled(int a, int b, int n)
 	return i64_to_int(i64_sar(i64_add(i64_mul(a, b), half_unit), n));
 }
 
-#ifdef PASSED
+#if defined PASSED && !defined SIDEWAYS
 const int FUNCTIONALS = 2; // a straight wheel and a sphere need no more
+#elif defined PASSED
+const int FUNCTIONALS = 4; // of the end pose two
 #else
 const int FUNCTIONALS = 13;
 #endif
@@ -49,15 +51,23 @@ struct body {
 
 // Two: of the contact, of its end pose.
 #ifdef PASSED
+#ifdef WITH_ENVELOPE
+const int BODIES = 2; // lib/contact.glsl declares them
+#else
+const int BODIES = 0;
 flat in ivec4 passed[PASSED]; // the parameters, from the vertex shader: passed.vert says why
+#endif
 
-body body_from(int first)
+// `count`: how many functionals are passed.
+body body_from(int first, int count)
 {
-	functional f[FUNCTIONALS] = functional[FUNCTIONALS](functional(passed[first], passed[first + 1]), functional(passed[first + 2], passed[first + 3]));
-	return body(f, passed[first + 4], passed[first + 5], passed[first + 6]);
+	functional f[FUNCTIONALS];
+	for (int k = 0; k < FUNCTIONALS; k++)
+		f[k] = functional(passed[first + (k < count ? 2 * k : 0)], passed[first + (k < count ? 2 * k : 0) + 1]);
+	return body(f, passed[first + 2 * count], passed[first + 2 * count + 1], passed[first + 2 * count + 2]);
 }
 
-body bodies[2] = body[2](body_from(0), body_from(PASSED / 2));
+body bodies[2] = body[2](body_from(BODIES, FUNCTIONALS), body_from(BODIES + 2 * FUNCTIONALS + 3, 2));
 #else
 layout(std140, binding = 0) uniform params {
 	body bodies[2];
@@ -98,7 +108,7 @@ bool envelope(int which, ivec2 post, out int height)
 	return covered;
 }
 
-#ifndef SIDEWAYS
+#if defined PASSED || !defined SIDEWAYS
 // The same for a motion of no length.
 bool envelope_at_rest(int which, ivec2 post, out int height)
 {

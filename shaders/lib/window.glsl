@@ -7,4 +7,5 @@ const int TOUCH = 4;                // fixed-point units; the envelopes of a mot
 // Bits of `contacts`. A post that has neither LOWERED nor HELD can take soil. NEAR: the object was less than two spacings above the post,
 // so it may have left it.
 const uint LOWERED = 1u, HELD = 2u, TOUCHED_POST = LOWERED | HELD, NEAR = 16u;
+const uint NO_GROUND = 32u; // in `contacts` after a contact: the post has no data
 const uint CLOSED = 8u; // over blocks, in `contacts`: the post's block is not visited, so the post does not relax

@@ -381,6 +381,7 @@ enum status api_drive(const struct api_params *params, struct api_result *result
 		.durable_full = params->durable_full,
 		.keep_history = params->keep_history,
 		.everywhere = params->everywhere,
+		.alone = params->alone,
 		.draws = drive.scene.view.present,
 		.drops = params->host != NULL,
 		.rows = true,

@@ -7,6 +7,11 @@ void key_map_finish(struct key_map *map)
 	*map = (struct key_map){.room = 0};
 }
 
+void key_map_clear(struct key_map *map)
+{
+	key_set_clear(&map->keys);
+}
+
 const struct key_pair *key_map_find(const struct key_map *map, uint64_t key)
 {
 	uint32_t number;

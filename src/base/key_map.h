@@ -1,4 +1,4 @@
-/* A map from tile keys to pairs of doubles. It only grows. A cache with limited memory consists of two such maps. One thread. */
+/* A map from tile keys to pairs of doubles. It grows until it is cleared. A cache with limited memory consists of two such maps. One thread. */
 #ifndef FURROW_BASE_KEY_MAP_H
 #define FURROW_BASE_KEY_MAP_H
 
@@ -17,6 +17,7 @@ struct key_map {
 };
 
 void key_map_finish(struct key_map *map);
+void key_map_clear(struct key_map *map); /* removes all keys and keeps the memory */
 /* Returns the pair of a key, or NULL. It is valid until the next put. */
 const struct key_pair *key_map_find(const struct key_map *map, uint64_t key);
 enum status key_map_put(struct key_map *map, uint64_t key, double a, double b) FURROW_CHECKED;

@@ -41,8 +41,11 @@ enum plan_unit {
 	PLAN_PROBED,       /* posts of the ground under bodies that are probed, with room for them */
 	PLAN_RING,         /* segments of the ring of pass parameters */
 	/* units of work; counted over the whole drive */
-	PLAN_WINDOW,       /* windows of an object that were computed */
-	PLAN_MOVED,        /* windows in which the object moved */
+	PLAN_WINDOW,       /* windows of an object that were computed alone */
+	PLAN_MOVED,        /* of these, windows in which the object moved */
+	PLAN_BATCH,        /* batches of windows that were computed together */
+	PLAN_BATCH_DRAW,   /* draws of contacts in them: one for each kind of body in a batch */
+	PLAN_BATCH_ENVELOPE, /* lower envelopes in them that were drawn alone */
 	PLAN_FACETS,       /* draws of an object's triangles */
 	PLAN_HELD,         /* blocks of relaxing soil with objects at rest, counted once for each object */
 	PLAN_RESTING,      /* windows of objects at rest for which a lower envelope was drawn */

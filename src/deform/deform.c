@@ -16,6 +16,7 @@ enum status deform_create(const struct deform_params *params, struct deform **ou
 	if (deform == NULL)
 		return fail_memory("deformation");
 	deform->params = *params;
+	deform->params.batches = params->batches && deform_model_row(params->model)->batch != NULL && gpu_info(params->gpu)->vertices_pass;
 	deform->planes = deform_planes(params->model, params->disturbance, params->slip_sinkage > 0);
 	deform->spacing = extent_spacing(params->extent, params->level);
 	deform->reach = deform_reach(params);
@@ -25,6 +26,8 @@ enum status deform_create(const struct deform_params *params, struct deform **ou
 	enum status status = gpu_buffer_create(params->gpu, GPU_STORAGE, sizeof(struct deform_tally), NULL, &deform->tally);
 	if (status == STATUS_OK)
 		status = deform_need_layers(deform, 1, SIDE);
+	if (status == STATUS_OK && deform->params.batches)
+		status = deform_batch_create(deform);
 	if (status == STATUS_OK && params->loaded_bodies > 0)
 		status = gpu_buffer_create(params->gpu, GPU_STORAGE, params->loaded_bodies * sizeof(int32_t), NULL, &deform->standing);
 	if (status == STATUS_OK && deform_conserves(params->model))
@@ -46,6 +49,7 @@ void deform_destroy(struct deform *deform)
 	if (deform == NULL)
 		return;
 	deform_interval_destroy(deform);
+	deform_batch_destroy(deform);
 	deform_active_destroy(deform->active);
 	deform_drop_layers(deform);
 	deform_facets_destroy(deform->facets);

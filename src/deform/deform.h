@@ -109,6 +109,9 @@ struct soil_slide; /* how soil slides: src/deform/internal.h */
 typedef enum status (*soil_contact_fn)(struct deform *deform, const struct deform_contact *contact,
 				       const struct deform_window *window, uint32_t layer);
 
+/* Runs a model over a batch of windows (batch.c). */
+typedef enum status (*soil_batch_fn)(struct deform *deform);
+
 /* One soil model. Members that are left out are false, 0 or NULL. */
 struct soil_model {
 	const char *name; /* in a scene */
@@ -131,6 +134,7 @@ struct soil_model {
 	soil_contact_fn contact; /* computes one contact over a window and changes the ground */
 	/* computes only the forces on the object; NULL: the model has no forces, and accepts no load and no slip */
 	soil_contact_fn feel;
+	soil_batch_fn batch;     /* computes the contacts of a batch; NULL: the model's contacts are computed alone */
 	const char *shader;      /* file of the shader that computes the contact */
 	unsigned planes;         /* planes that the model stores apart from the offset: a mask of PLANE_BIT */
 	bool blind;              /* the model does not need to know which posts were touched */
@@ -251,6 +255,7 @@ struct deform_params {
 	bool touched;        /* the caller will ask deform_is_touched. Needs `undisturbed_stable` and a model that conserves soil */
 	uint32_t loaded_bodies;   /* scm: number of objects that carry a load and rest on the ground between contacts */
 	bool disturbance;    /* keep the disturbance plane */
+	bool batches;        /* contacts of several bodies may be computed together, if the model can */
 };
 
 /* Returns the planes that a model keeps, a mask of PLANE_BIT. `digs`: slip digs. */
@@ -345,6 +350,26 @@ enum status deform_scatter(struct deform *deform, const struct deform_window *wi
 			   const struct deform_tile *tiles, size_t count) FURROW_CHECKED;
 
 /*
+ * A batch: contacts of one window each that share no tile, computed together (batch.c). Call deform_batch_begin; deform_batch_add for each
+ * window; deform_batch_compute; deform_batch_scatter for each window. The result has the same bits as contacts that are computed one
+ * after another. Only if the parameters ask for batches.
+ */
+#define DEFORM_BATCH_MOST 256 /* windows */
+#define DEFORM_BATCH_BUFFER "batch" /* name of the plan's line of the only memory that batches need */
+/* Returns true if some contacts of this object can be in a batch. */
+bool deform_batches(const struct deform_params *params, const struct deform_planned *object);
+/* Returns true if a contact with these windows can be in a batch. */
+bool deform_is_batched(const struct deform *deform, const struct deform_contact *contact, const struct deform_window *windows, size_t count);
+void deform_batch_begin(struct deform *deform);
+/* Adds a window and gathers it. `tiles`: all tiles that hold a post of `read`. Returns false if there is no room; there is room for a first
+ * window. */
+bool deform_batch_add(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
+		      const struct deform_tile *tiles, size_t count);
+enum status deform_batch_compute(struct deform *deform) FURROW_CHECKED;
+/* As deform_scatter. `which`: the window's number, in the order in which windows were added. */
+enum status deform_batch_scatter(struct deform *deform, size_t which, const struct deform_tile *tiles, size_t count) FURROW_CHECKED;
+
+/*
  * Active blocks: blocks where soil may still relax. In intervals (SOIL.md) the whole lattice makes `iterations` iterations of
  * the relaxation rule. Only active blocks of DEFORM_BLOCK x DEFORM_BLOCK posts are computed. They include all blocks that
  * change. So the result does not depend on which blocks are active. Only models that conserve soil have active blocks.
@@ -434,6 +459,9 @@ struct deform_figures {
 	uint64_t held;     /* regions on which an object at rest was drawn */
 	uint64_t resting;  /* windows drawn for that, of closed forms; triangles are counted in `facets` */
 	uint64_t atlases;
+	uint64_t batches;  /* of two windows or more */
+	uint64_t batch_draws;     /* draws of contacts in batches: one for each kind of body in a batch */
+	uint64_t batch_envelopes; /* lower envelopes that were drawn alone in batches */
 };
 void deform_figures(const struct deform *deform, struct deform_figures *figures);
 

@@ -4,6 +4,7 @@
 
 #include "deform/deform.h"
 #include "deform/programs.h"
+#include "deform/shape/affine.h"
 
 #define SIDE DEFORM_WINDOW_POSTS
 #define WARM_FACTS 6 /* besides the shape, that decide which programs an object needs */
@@ -40,6 +41,7 @@ struct layer {
 
 struct deform;
 
+struct batch;
 struct block_set;
 struct slide_soil;
 struct slide_place;
@@ -100,6 +102,7 @@ struct deform {
 	struct layer scratch[DEFORM_WINDOWS_MAX + 1];
 	struct active *active;                 /* active blocks; NULL: the model does not conserve soil */
 	struct interval *interval;
+	struct batch *batch;                   /* batch.c; NULL: every window is computed alone */
 	struct gpu_program *under_program[2 * DEFORM_SHAPES]; /* every program is linked when it is first needed */
 	struct gpu_program *box, *contact, *disturbance, *spread[SPREAD_PASSES];
 	struct gpu_program *held[2];           /* index: 1 if the object carries a load */
@@ -183,6 +186,15 @@ struct gpu_rect deform_window_rect(const struct deform_window *window);
 bool deform_envelope_is_brief(enum deform_shape_kind kind, bool sideways);
 enum status deform_envelope(struct deform *deform, const struct deform_contact *contact,
 			     const struct deform_window *window, uint32_t layer) FURROW_CHECKED;
+/* What that draws for a closed form. deform_under_of: computes it for posts that are counted from post (x0, y0). deform_under_run: draws it
+ * over posts of a layer. */
+struct under_params {
+	struct body motion, end; /* std140 twin of the uniform block in lib/envelope.glsl */
+	enum deform_shape_kind kind;
+	bool sideways;
+};
+void deform_under_of(const struct deform *deform, const struct deform_contact *contact, int64_t x0, int64_t y0, struct under_params *params);
+enum status deform_under_run(struct deform *deform, const struct under_params *params, struct gpu_rect posts, uint32_t layer) FURROW_CHECKED;
 
 /* shape/facets.c: draws moving triangles over a window into `under` and `rest`; the lowest height is kept. Begin, add facets,
  * and end, for one window at a time. */
@@ -374,6 +386,14 @@ struct scatter_from {
 };
 enum status deform_scatter_from(struct deform *deform, struct post_rect write, const struct scatter_from *from,
 				const struct deform_tile *tiles, size_t count) FURROW_CHECKED;
+
+/* batch.c */
+enum status deform_batch_create(struct deform *deform) FURROW_CHECKED;
+void deform_batch_destroy(struct deform *deform); /* does nothing if it was never created */
+void deform_batch_plan(const struct deform_params *params, struct plan *plan);
+/* The contact pass of a model whose parameters are only struct contact_params, and the passes that smooth. For soil_batch_fn. */
+enum status deform_batch_contact(struct deform *deform) FURROW_CHECKED;
+enum status deform_batch_smooth(struct deform *deform) FURROW_CHECKED;
 
 /* schedule/active.c */
 enum status deform_active_create(struct deform *deform) FURROW_CHECKED;

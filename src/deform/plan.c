@@ -95,6 +95,18 @@ static void plan_intervals(const struct deform_params *params, const struct any 
 	deform_interval_plan(params, plan);
 }
 
+static void plan_batches(const struct deform_params *params, struct plan *plan)
+{
+	const char *displace = deform_displace_effect(params->model);
+	deform_batch_plan(params, plan);
+	add_passes(plan, displace, -1, PLAN_BATCH_ENVELOPE, GPU_ENVELOPE, 1);
+	add_passes(plan, displace, -1, PLAN_BATCH_DRAW, GPU_CONTACT, 1);
+	if (deform_model_row(params->model)->smooths)
+		add_passes(plan, deform_model_row(params->model)->effect.name, -1, PLAN_BATCH, GPU_SMOOTH, params->box_repetitions);
+	if (params->disturbance)
+		add_passes(plan, "dirt", -1, PLAN_BATCH, GPU_DISTURBANCE, 1);
+}
+
 void deform_plan(const struct deform_params *params, const struct deform_planned *objects, size_t count, bool forces,
 		 struct plan *plan)
 {
@@ -109,6 +121,8 @@ void deform_plan(const struct deform_params *params, const struct deform_planned
 	}
 	deform_scratch_plan(params, plan);
 	deform_plan_buffer(plan, deform_displace_effect(params->model), 1, sizeof(struct deform_tally), "tally");
+	if (params->batches && deform_model_row(params->model)->batch != NULL)
+		plan_batches(params, plan);
 	if (params->loaded_bodies > 0)
 		deform_plan_buffer(plan, "load", 1, params->loaded_bodies * sizeof(int32_t), "heights of the loaded");
 	if (any.facets != NULL) {

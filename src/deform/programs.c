@@ -198,6 +198,33 @@ void deform_programs_disturbance(struct deform_request *out)
 	begin(out, "full.vert", "deform/disturbance.frag");
 }
 
+void deform_programs_batch(const struct deform_params *params, enum deform_batch_pass pass, struct deform_request *out)
+{
+	static const struct {
+		const char *passed, *first, *shape, *fragment;
+	} passes[] = {
+		[BATCH_WHEELS] = {"PASSED 16", "FIRST 1", "SHAPE_WHEEL", NULL},
+		[BATCH_SIDEWAYS_WHEELS] = {"PASSED 20", "FIRST 1", "SHAPE_WHEEL", NULL},
+		[BATCH_SPHERES] = {"PASSED 16", "FIRST 1", "SHAPE_SPHERE", NULL},
+		[BATCH_OTHERS] = {"PASSED 2", "FIRST 1", NULL, NULL},
+		[BATCH_BOX] = {"PASSED 1", "FIRST 0", NULL, "deform/box.frag"},
+		[BATCH_DISTURBANCE] = {"PASSED 1", "FIRST 0", NULL, "deform/disturbance.frag"},
+	};
+	_Static_assert(DEFORM_BATCH_RECORD == 21 && GPU_PASSED_MOST == 20, "RECORD, PASSED");
+	const bool contact = pass <= BATCH_OTHERS;
+	begin(out, "deform/batch.vert", contact ? deform_model_row(params->model)->shader : passes[pass].fragment);
+	define(out, passes[pass].passed, true);
+	define(out, passes[pass].first, true);
+	define(out, "RECORD 21", true);
+	define(out, "BATCH", contact || pass == BATCH_BOX);
+	define(out, "WITH_ENVELOPE", passes[pass].shape != NULL);
+	define(out, passes[pass].shape, passes[pass].shape != NULL);
+	define(out, "SIDEWAYS", pass == BATCH_SIDEWAYS_WHEELS);
+	define(out, "CONTACT", contact && deform_needs_contacts(params));
+	if (pass == BATCH_BOX)
+		define_number(out, "RADIUS", params->box_radius);
+}
+
 /* --- programs that an object can need --- */
 
 /* Returns true if every contact of the object fits one window, wherever it is. */
@@ -307,6 +334,33 @@ static void each_slide(struct each *each, bool blocks, bool loaded)
 	}
 }
 
+static void each_batch(struct each *each, const struct deform_planned *object)
+{
+	const struct deform_params *params = each->params;
+	const char *displace = deform_displace_effect(params->model);
+	const enum deform_shape_kind kind = object->shape->kind;
+	const bool smooths = deform_model_row(params->model)->smooths;
+	const struct {
+		enum deform_batch_pass pass;
+		bool wanted;
+		const char *effect;
+	} passes[] = {
+		{BATCH_WHEELS, kind == DEFORM_WHEEL, displace},
+		{BATCH_SIDEWAYS_WHEELS, kind == DEFORM_WHEEL && object->moves, displace},
+		{BATCH_SPHERES, kind == DEFORM_SPHERE, displace},
+		{BATCH_OTHERS, (kind != DEFORM_WHEEL && kind != DEFORM_SPHERE) || object->leans, displace},
+		{BATCH_BOX, smooths, deform_model_row(params->model)->effect.name},
+		{BATCH_DISTURBANCE, params->disturbance, "dirt"},
+	};
+	if (!deform_batches(params, object))
+		return;
+	for (size_t i = 0; i < sizeof passes / sizeof *passes; i++)
+		if (passes[i].wanted) {
+			deform_programs_batch(params, passes[i].pass, &each->request);
+			add(each, passes[i].effect);
+		}
+}
+
 void deform_programs_each(const struct deform_params *params, const struct deform_planned *object, bool forces, programs_fn fn,
 		   void *user)
 {
@@ -337,4 +391,5 @@ void deform_programs_each(const struct deform_params *params, const struct defor
 		deform_programs_disturbance(&each.request);
 		add(&each, "dirt");
 	}
+	each_batch(&each, object);
 }

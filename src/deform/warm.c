@@ -49,6 +49,28 @@ static enum status contact_all(struct deform *deform, const struct deform_planne
 	return status;
 }
 
+/* Runs batches of contacts as above: two windows each. They lie beyond the world. */
+static enum status batch_all(struct deform *deform, const struct deform_planned *object)
+{
+	const struct deform_window window = {.read = {-64, -64, -48, -48}, .write = {-64, -64, -48, -48}};
+	const struct deform_pose middle = {.x = lattice_offset(-56 * deform->spacing), .y = lattice_offset(-56 * deform->spacing)};
+	int ways = !object->moves ? 1 : object->shape->kind == DEFORM_WHEEL ? 3 : 2;
+	enum status status = STATUS_OK;
+	if (!deform_batches(&deform->params, object))
+		return STATUS_OK;
+	for (int i = 0; i < ways * (1 + object->leans) && status == STATUS_OK; i++) {
+		struct deform_contact contact = {.shape = object->shape, .from = middle, .to = middle};
+		contact.to.roll = i / ways * 0.1;
+		contact.to.x += i % ways > 0;
+		contact.to.y += i % ways > 1;
+		deform_batch_begin(deform);
+		for (int k = 0; k < 2 && deform_is_batched(deform, &contact, &window, 1); k++)
+			(void)deform_batch_add(deform, &contact, &window, NULL, 0);
+		status = deform_batch_compute(deform);
+	}
+	return status;
+}
+
 /* Returns the kind of an object, below WARM_KINDS. Objects of one kind need the same programs. */
 static int kind_of(const struct deform_params *params, const struct deform_planned *object)
 {
@@ -75,6 +97,8 @@ enum status deform_warm(struct deform *deform, const struct deform_planned *obje
 	enum status status = linking.status;
 	if (status == STATUS_OK)
 		status = contact_all(deform, object, deform_tells_forces(params->model) && (forces || loaded));
+	if (status == STATUS_OK)
+		status = batch_all(deform, object);
 	if (status == STATUS_OK && deform->interval != NULL)
 		status = deform_interval_warm(deform, object->shape, loaded && params->loaded_bodies > 0);
 	if (status == STATUS_OK)

@@ -34,7 +34,11 @@ struct gpu_info {
 	const char *vendor, *renderer, *version;
 	bool software;
 	uint32_t samples_most; /* most samples for each pixel */
+	/* a vertex shader can read storage, and pass GPU_PASSED_MOST vectors on. OpenGL 4.5 promises no storage and 15 vectors; usual drivers
+	 * have both */
+	bool vertices_pass;
 };
+#define GPU_PASSED_MOST 20
 
 /* Every pass belongs to a stage, for counts and times. The order is that in which stages run. */
 enum gpu_stage {
@@ -82,7 +86,7 @@ double gpu_group_ms(const struct gpu_stats *stats, enum gpu_group group);
 
 /* --- context: gpu_context.c --- */
 struct gpu_params {
-	bool draws; /* a picture will be drawn, so llvmpipe keeps its raster threads */
+	bool draws; /* passes are large, as those of a picture, so llvmpipe keeps its raster threads */
 };
 enum status gpu_create(const struct gpu_params *params, struct gpu **out) FURROW_CHECKED; /* STATUS_NO_GL */
 void gpu_destroy(struct gpu *gpu); /* destroy everything made from it before; gpu may be NULL */

@@ -68,6 +68,14 @@ static uint32_t samples_most(void)
 	return least > 1 ? (uint32_t)least : 1;
 }
 
+static bool vertices_pass(void)
+{
+	GLint blocks = 0, components = 0;
+	glGetIntegerv(GL_MAX_VERTEX_SHADER_STORAGE_BLOCKS, &blocks);
+	glGetIntegerv(GL_MAX_VARYING_COMPONENTS, &components);
+	return blocks > 0 && components >= 4 * GPU_PASSED_MOST;
+}
+
 static const char *gl_text(GLenum name)
 {
 	const char *text = (const char *)glGetString(name);
@@ -92,6 +100,7 @@ enum status gpu_create(const struct gpu_params *params, struct gpu **out)
 		.version = gl_text(GL_VERSION),
 		.software = gpu->egl.software,
 		.samples_most = samples_most(),
+		.vertices_pass = vertices_pass(),
 	};
 	/* What never changes. A vertex array is needed even by draws without attributes. */
 	glCreateVertexArrays(1, &gpu->vertex_array);

@@ -108,6 +108,9 @@ static void add_units(cJSON *counts, const struct report *report, const struct g
 	cJSON *units = cJSON_AddObjectToObject(counts, "units");
 	add_memory_units(units, report, gpu, io, &slots, &deform);
 	add_object_units(units, report);
+	add_unit(units, PLAN_BATCH, deform.batches);
+	add_unit(units, PLAN_BATCH_DRAW, deform.batch_draws);
+	add_unit(units, PLAN_BATCH_ENVELOPE, deform.batch_envelopes);
 	add_unit(units, PLAN_FACETS, deform.facets);
 	add_unit(units, PLAN_HELD, deform.held);
 	add_unit(units, PLAN_RESTING, deform.resting);

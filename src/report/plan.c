@@ -114,6 +114,17 @@ static enum status plan_lines(const struct world *world, struct report_plan *out
 	return status == STATUS_OK ? plan_status(plan) : status;
 }
 
+static void describe_batches(struct report_plan *out)
+{
+	for (size_t i = 0; i < out->plan.count; i++) {
+		const struct plan_line *line = &out->plan.lines[i];
+		if (line->unit == PLAN_BATCH)
+			out->batch_windows = DEFORM_BATCH_MOST;
+		if (line->kind == PLAN_BUFFER && strcmp(line->name, DEFORM_BATCH_BUFFER) == 0)
+			out->batch_bytes = line->bytes;
+	}
+}
+
 static enum status describe(struct world *world, struct report_plan *out)
 {
 	const struct scene *scene = world->scene;
@@ -145,6 +156,7 @@ static enum status describe(struct world *world, struct report_plan *out)
 	status = list_bodies(world, out);
 	if (status == STATUS_OK)
 		status = plan_lines(world, out);
+	describe_batches(out);
 	return status == STATUS_OK && notes.failed ? fail_memory("the plan") : status;
 }
 

@@ -100,6 +100,8 @@ struct report_plan {
 	struct resident_pages_budget most; /* bytes, as memory.budget of run.json: planes in slots, and tiles on the host */
 	struct report_tiles tiles; /* that `most` is computed from */
 	size_t window_tiles;  /* most tiles that one window, or one block of relaxing soil, can touch */
+	size_t batch_windows; /* most contacts that are computed together; 0: each is computed alone */
+	uint64_t batch_bytes; /* of GPU memory for that, beside what a contact needs that is alone */
 	int64_t steps, pictures; /* until end_time; `pictures`: pictures drawn, which are those that are written */
 	int64_t picture_steps; /* steps from one written picture to the next; 0: none is written */
 	uint64_t *samples;   /* path samples of each object, until end_time */

@@ -123,9 +123,11 @@ static void roll(const struct body *body, struct deform_contact *contact)
 	contact->to.turn = remainder(contact->from.turn + contact->turned, 2 * M_PI);
 }
 
-static enum status tell_watcher(const struct world *world, const struct event *event, const struct deform_contact *contact,
-			     const struct deform_window *windows, size_t count)
+enum status world_tell_contact(const struct world *world, const struct event *event, const struct deform_contact *contact,
+			       const struct deform_window *windows, size_t count)
 {
+	if (world->watcher == NULL || count == 0)
+		return STATUS_OK;
 	struct contact_area told = {
 		.lowest = contact->load > 0 ? INT64_MIN : world_lowest(contact),
 		.changed = windows[0].write,
@@ -136,6 +138,17 @@ static enum status tell_watcher(const struct world *world, const struct event *e
 		told.read = post_rect_around(told.read, windows[i].read);
 	}
 	return world->watcher->contact(world->watcher->user, event, &told);
+}
+
+enum status world_tell_contact_ended(const struct world *world)
+{
+	return world->watcher != NULL ? world->watcher->contact(world->watcher->user, NULL, NULL) : STATUS_OK;
+}
+
+void world_count_windows(struct body *body, const struct deform_contact *contact, size_t computed)
+{
+	body->windows += computed;
+	body->windows_moved += deform_is_contact_only(contact) ? 0 : computed;
 }
 
 static struct deform_contact contact_of(const struct world *world, const struct body *body, const struct event *event)
@@ -189,7 +202,33 @@ enum status world_feel(struct world *world, const struct event *event)
 	return status;
 }
 
-enum status world_contact(struct world *world, const struct event *event, bool last)
+/* Computes windows at once. */
+static enum status compute_alone(struct world *world, const struct event *event, const struct deform_contact *contact,
+				 const struct deform_window *windows, size_t count)
+{
+	struct held_tiles held = {.count = 0};
+	enum status status = world_tell_contact(world, event, contact, windows, count);
+	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
+		status = world_hold(world, windows[i].read, &held);
+		if (status == STATUS_OK)
+			status = deform_compute(world->deform, contact, &windows[i], (uint32_t)i, held.tiles, held.count);
+		if (status == STATUS_OK && count == 1)
+			status = scatter(world, &windows[0], 0, &held);
+		world_release(world, &held);
+	}
+	if (status == STATUS_OK)
+		world_count_windows(world_body_at(world, event->body), contact, deform_windows_computed(windows, count));
+	/* Several windows read the ground as it was before any of them changed it. */
+	for (size_t i = 0; count > 1 && i < count && status == STATUS_OK; i++) {
+		status = world_hold(world, windows[i].write, &held);
+		if (status == STATUS_OK)
+			status = scatter(world, &windows[i], (uint32_t)i, &held);
+		world_release(world, &held);
+	}
+	return status == STATUS_OK && count > 0 ? world_tell_contact_ended(world) : status;
+}
+
+static enum status contact_at(struct world *world, const struct event *event, bool last, bool waits)
 {
 	struct body *body = world_body_at(world, event->body);
 	struct deform_contact contact = contact_of(world, body, event);
@@ -201,8 +240,11 @@ enum status world_contact(struct world *world, const struct event *event, bool l
 		return STATUS_OK;
 	}
 	enum status status = deform_windows(world->deform, &contact, windows, &count);
-	struct held_tiles held = {.count = 0};
-	bool aloft = false;
+	bool aloft = false, waiting = false;
+	waits = waits && world->batches != NULL;
+	/* Whether a body is above the ground depends on the contacts before. */
+	if (status == STATUS_OK && waits && event->sinkage < 0)
+		status = world_batches_flush(world);
 	if (status == STATUS_OK)
 		status = world_is_aloft(world, event, &contact, windows, count, &aloft);
 	if (status == STATUS_OK && count > 0 && !aloft)
@@ -217,28 +259,21 @@ enum status world_contact(struct world *world, const struct event *event, bool l
 	world->windows.due += due;
 	world->windows.computed += computed;
 	count = aloft ? 0 : count;
-	if (status == STATUS_OK && world->watcher != NULL && count > 0)
-		status = tell_watcher(world, event, &contact, windows, count);
-	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
-		status = world_hold(world, windows[i].read, &held);
-		if (status == STATUS_OK)
-			status = deform_compute(world->deform, &contact, &windows[i], (uint32_t)i, held.tiles, held.count);
-		if (status == STATUS_OK && count == 1)
-			status = scatter(world, &windows[0], 0, &held);
-		world_release(world, &held);
-	}
-	body->windows += status == STATUS_OK ? computed : 0;
-	body->windows_moved += status == STATUS_OK && !deform_is_contact_only(&contact) ? computed : 0;
-	/* Several windows read the ground as it was before any of them changed it. */
-	for (size_t i = 0; count > 1 && i < count && status == STATUS_OK; i++) {
-		status = world_hold(world, windows[i].write, &held);
-		if (status == STATUS_OK)
-			status = scatter(world, &windows[i], (uint32_t)i, &held);
-		world_release(world, &held);
-	}
+	if (status == STATUS_OK && waits && count > 0)
+		status = world_batches_take(world, event, &contact, windows, count, &waiting);
+	if (status == STATUS_OK && !waiting)
+		status = compute_alone(world, event, &contact, windows, count);
 	body->in_contact = true;
 	body->last = contact.to;
-	if (status == STATUS_OK && world->watcher != NULL && count > 0)
-		status = world->watcher->contact(world->watcher->user, NULL, NULL);
 	return status;
+}
+
+enum status world_contact(struct world *world, const struct event *event, bool last)
+{
+	return contact_at(world, event, last, false);
+}
+
+enum status world_contact_or_wait(struct world *world, const struct event *event, bool last)
+{
+	return contact_at(world, event, last, true);
 }

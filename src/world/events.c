@@ -1,5 +1,6 @@
 /* Collects the path samples that are due in a step, in the order of time, then of the scene's objects. */
 #include <math.h>
+#include <stdlib.h>
 
 #include "world/internal.h"
 
@@ -69,29 +70,42 @@ enum status world_set_down(struct world *world, struct body *body, int64_t sampl
 	return STATUS_OK;
 }
 
+static int compare(const void *a, const void *b)
+{
+	const struct event *first = a, *second = b;
+	if (first->time != second->time)
+		return first->time < second->time ? -1 : 1;
+	return first->body < second->body ? -1 : first->body > second->body;
+}
+
+/* Lists time and body of every path sample that is due. Samples of one body are alike, since they are placed in their order. */
+static enum status list_due(struct world *world, double until)
+{
+	enum status status = STATUS_OK;
+	world->events.count = 0;
+	for (size_t i = 0; i < world->scene->object_count; i++) {
+		const struct body *body = &world->bodies[i];
+		const int64_t samples = body->track != NULL && !body->elsewhere ? motion_track_samples(body->track) : 0;
+		for (int64_t next = body->next; next < samples && status == STATUS_OK; next++) {
+			const struct event event = {.time = motion_track_sample_time(body->track, next), .body = i};
+			if (event.time > until)
+				break;
+			status = add_event(world, &event);
+		}
+	}
+	if (status == STATUS_OK && world->events.count > 1)
+		qsort(world->events.list, world->events.count, sizeof *world->events.list, compare);
+	return status;
+}
+
 enum status world_collect_events(struct world *world, double until)
 {
-	world->events.count = 0;
-	for (;;) {
-		struct event event = {.time = INFINITY};
-		for (size_t i = 0; i < world->scene->object_count; i++) {
-			struct body *body = &world->bodies[i];
-			if (body->track == NULL || body->elsewhere || body->next >= motion_track_samples(body->track))
-				continue;
-			double time = motion_track_sample_time(body->track, body->next);
-			if (time <= until && time < event.time) {
-				event.time = time;
-				event.body = i;
-			}
-		}
-		if (event.time == INFINITY)
-			return STATUS_OK;
-		struct body *body = &world->bodies[event.body];
-		enum status status = world_set_down(world, body, body->next, &event);
-		if (status == STATUS_OK)
-			status = add_event(world, &event);
-		if (status != STATUS_OK)
-			return status;
-		body->next++;
+	enum status status = list_due(world, until);
+	for (size_t i = 0; i < world->events.count && status == STATUS_OK; i++) {
+		struct event *event = &world->events.list[i];
+		struct body *body = &world->bodies[event->body];
+		status = world_set_down(world, body, body->next, event);
+		body->next += status == STATUS_OK;
 	}
+	return status;
 }

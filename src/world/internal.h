@@ -122,6 +122,8 @@ enum status world_soil_numbers_at(struct world *world, double x, double y, struc
 /* Fills the parameters of deform, except gpu, slots and reference. */
 void world_deform_params(const struct world *world, struct deform_params *params);
 struct deform_planned world_planned(const struct scene_object *object);
+/* Returns how many bodies with a path make contacts that can be computed together. */
+size_t world_batched_bodies(const struct world *world, const struct deform_params *params);
 struct deform_planned world_planned_host(const struct deform_shape *shape); /* a body that a host moves */
 /* Fills the parameters of pages, except store, gpu, slots, and the sums so far. */
 void world_pages_params(const struct world *world, struct pages_params *params);
@@ -180,11 +182,31 @@ enum status world_hold(struct world *world, struct post_rect rect, struct held_t
 void world_release(struct world *world, struct held_tiles *held);
 /* Marks the posts of the rectangle as changed in the held tiles: pages, coarser levels, queries and the watcher learn of it. */
 enum status world_mark(struct world *world, struct post_rect rect, const struct held_tiles *held) FURROW_CHECKED;
-/* Computes one contact. `last`: this body has no later contact in this step. */
+/* Computes one contact. `last`: this body has no later contact in this step. world_contact_or_wait: it may wait until world_batches_flush;
+ * the event must stay valid until then. */
 enum status world_contact(struct world *world, const struct event *event, bool last) FURROW_CHECKED;
+enum status world_contact_or_wait(struct world *world, const struct event *event, bool last) FURROW_CHECKED;
+/* Tell the watcher, if there is one, that a contact begins to change the ground, and that it has ended. */
+enum status world_tell_contact(const struct world *world, const struct event *event, const struct deform_contact *contact,
+			       const struct deform_window *windows, size_t count) FURROW_CHECKED;
+enum status world_tell_contact_ended(const struct world *world) FURROW_CHECKED;
+/* Counts windows of a contact that were computed alone. */
+void world_count_windows(struct body *body, const struct deform_contact *contact, size_t computed);
 
 /* Computes the forces on a host's body without changing the ground. */
 enum status world_feel(struct world *world, const struct event *event) FURROW_CHECKED;
+
+/* --- batch.c: contacts that wait, to be computed together --- */
+
+enum status world_batches_create(struct world *world) FURROW_CHECKED; /* makes none if the scene's contacts are computed alone */
+void world_batches_free(struct world *world);
+/* *taken: the contact waits. If it cannot wait, all that share a tile with it are computed first. Needs world->batches. */
+enum status world_batches_take(struct world *world, const struct event *event, const struct deform_contact *contact,
+			       const struct deform_window *windows, size_t count, bool *taken) FURROW_CHECKED;
+/* Computes all contacts that wait. world_batches_flush_near: if one of them shares a tile with these windows. */
+enum status world_batches_flush(struct world *world) FURROW_CHECKED;
+enum status world_batches_flush_near(struct world *world, const struct deform_window *windows, size_t count) FURROW_CHECKED;
+void world_batches_forget(struct world *world); /* drops what a step that failed left */
 
 /* --- aloft.c: finds contacts where the body is above the ground --- */
 

@@ -67,6 +67,16 @@ enum status world_open_soil_map(struct world *world)
 	return world_needs_soil_map(world->scene) ? resident_soil_map_open(&params, &world->soil_map) : STATUS_OK;
 }
 
+size_t world_batched_bodies(const struct world *world, const struct deform_params *params)
+{
+	size_t count = 0;
+	for (size_t i = 0; i < world->scene->object_count; i++) {
+		const struct deform_planned planned = world_planned(&world->scene->objects[i]);
+		count += world->scene->objects[i].path.count > 0 && deform_batches(params, &planned);
+	}
+	return count;
+}
+
 void world_deform_params(const struct world *world, struct deform_params *params)
 {
 	const struct scene *scene = world->scene;
@@ -89,11 +99,13 @@ void world_deform_params(const struct world *world, struct deform_params *params
 		.ground_normals = scene->normals == SCENE_GROUND,
 		.touched = world_asks_touched(world),
 		.disturbance = scene->disturbance,
+		.batches = !world->params.alone,
 	};
 	memcpy(params->soils, scene->soils, sizeof params->soils);
 	params->raster_count = world_rasters(world, params->rasters);
 	for (size_t i = 0; i < scene->object_count && world->bodies != NULL; i++)
 		params->loaded_bodies += world->bodies[i].loaded_body > 0;
+	params->batches = world_batched_bodies(world, params) > 1;
 }
 
 /* A host may turn a wheel as it likes. */

@@ -103,8 +103,10 @@ enum status world_intervals(struct world *world, double time, bool at_it)
 	if (!at_it && over > 0 && (double)over * world->scene->interval >= time)
 		over--;
 	while (world->relaxation.intervals < over && status == STATUS_OK) {
-		size_t blocks;
-		status = one_interval(world, &blocks);
+		size_t blocks = 0;
+		status = world_batches_flush(world);
+		if (status == STATUS_OK)
+			status = one_interval(world, &blocks);
 		/* If no block is active, none becomes active by itself. */
 		world->relaxation.intervals = blocks > 0 ? world->relaxation.intervals + 1 : over;
 	}

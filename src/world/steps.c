@@ -69,6 +69,7 @@ const double *world_attached(const struct world *world)
 static enum status deform_step(struct world *world, double until)
 {
 	enum status status = STATUS_OK;
+	world_batches_forget(world);
 	for (size_t i = 0; i < world->events.count && status == STATUS_OK; i++) {
 		struct event *event = &world->events.list[i];
 		struct body *body = &world->bodies[event->body];
@@ -87,8 +88,10 @@ static enum status deform_step(struct world *world, double until)
 		body->distance += event->distance;
 		if (body->object->load == 0)
 			body->sinkage = event->sinkage;
-		status = world_contact(world, event, event->next_time > until);
+		status = world_contact_or_wait(world, event, event->next_time > until);
 	}
+	if (status == STATUS_OK)
+		status = world_batches_flush(world);
 	if (status == STATUS_OK && world->hosts.count > 0) {
 		status = world_intervals(world, until, false);
 		if (status == STATUS_OK)

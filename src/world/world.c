@@ -3,6 +3,7 @@
 
 #include <string.h>
 
+#define MANY_BODIES 64 /* in batches */
 #define COMMIT_AGE 1.0 /* s of a run that a kill may lose */
 
 enum status world_prepare(struct world *world, const struct world_params *params)
@@ -108,21 +109,24 @@ static enum status go_on_with_ground(struct world *world)
 enum status world_start(struct world *world)
 {
 	const struct scene *scene = world->scene;
-	struct gpu_params gpu = {.draws = world->params.draws || world->scene->hosted}; /* the environment belongs to the host */
 	struct deform_params deform;
+	world_deform_params(world, &deform);
+	/* A host owns its environment. Passes over the windows of many bodies are worth several threads, as pictures are. */
+	const struct gpu_params gpu = {.draws = world->params.draws || world->scene->hosted || world_batched_bodies(world, &deform) >= MANY_BODIES};
 	enum status status = start_look_ahead(world);
 	if (status == STATUS_OK)
 		status = gpu_create(&gpu, &world->gpu);
 	if (status == STATUS_OK)
 		status = gpu_slots_create(world->gpu, world->meta->extent.cells, world->limits.slots,
 					  world_planes(scene, world->was_deformed), &world->slots);
-	world_deform_params(world, &deform);
 	world->aloft.asks_touched = deform.touched;
 	deform.gpu = world->gpu;
 	deform.slots = world->slots;
 	deform.reference = resident_ground_reference(world->store);
 	if (status == STATUS_OK && world_deforms(world))
 		status = deform_create(&deform, &world->deform);
+	if (status == STATUS_OK && world->deform != NULL)
+		status = world_batches_create(world);
 	if (status == STATUS_OK)
 		status = world_budget_check(world);
 	if (status == STATUS_OK)
@@ -318,6 +322,7 @@ void world_finish(struct world *world, enum status status)
 	gpu_destroy(world->gpu);
 	world_checkpoint_free(world->checkpoint);
 	world_changes_finish(world);
+	world_batches_free(world);
 	world_free_bodies(world);
 	key_set_finish(&world->aloft.seen);
 	key_set_finish(&world->aloft.old);

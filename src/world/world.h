@@ -145,6 +145,7 @@ struct world_params {
 	bool resume;               /* continue the store's last drive of this scene; if there was none, start from the beginning */
 	bool durable_full;
 	bool keep_history;         /* each commit keeps what it replaces */
+	bool alone;                /* compute every contact alone; for tests that compare */
 	bool everywhere;           /* compute also contacts that change nothing; for tests that compare */
 	bool draws;                /* pictures are drawn, so coarser levels are kept */
 	bool drops;                /* a window may drop bodies */
@@ -360,6 +361,7 @@ struct world {
 		uint64_t tiles_most;    /* most tiles that one window has touched */
 		bool told;
 	} windows;
+	struct batches *batches;  /* batch.c; NULL: every contact is computed alone */
 	uint64_t drops;           /* drop.c: number of bodies that a window dropped */
 	struct world_hosts {      /* hosts.c: by number. NULL for a body with a path, and for a body that a rollback removed */
 		struct host_body **list;

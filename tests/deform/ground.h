@@ -33,6 +33,7 @@ struct ground_params {
 	double bulldozing, slip_sinkage;
 	bool ground_normals;             /* scm */
 	uint32_t loaded_bodies;
+	bool batches;                    /* contacts may be computed together */
 };
 
 struct ground {
@@ -106,6 +107,7 @@ static inline void ground_init(struct ground *ground, const struct ground_params
 		.slip_sinkage = params->slip_sinkage,
 		.ground_normals = params->ground_normals,
 		.loaded_bodies = params->loaded_bodies,
+		.batches = params->batches,
 	};
 	assert_ok(deform_soil_named("dry_sand", &deform.soils[0]));
 	for (int i = 0; i < deform.soil_count && params->soils != NULL; i++)

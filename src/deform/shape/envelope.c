@@ -7,11 +7,6 @@
 #include "deform/shape/body.h"
 #include "deform/internal.h"
 
-/* std140 twin of the uniform block in lib/envelope.glsl. */
-struct under_params {
-	struct body motion, end;
-};
-
 /* The same for a body that needs few functions of a post's position. */
 struct brief_body {
 	struct functional f[2];
@@ -48,41 +43,49 @@ static struct gpu_rect shadow_of(const struct deform *deform, const struct defor
 				 (uint32_t)(in.y1 - in.y0)};
 }
 
-enum status deform_envelope(struct deform *deform, const struct deform_contact *contact,
-			     const struct deform_window *window, uint32_t layer)
+void deform_under_of(const struct deform *deform, const struct deform_contact *contact, int64_t x0, int64_t y0, struct under_params *params)
 {
-	enum deform_shape_kind kind = deform_kind_in(contact->shape, &contact->to);
-	if (kind == DEFORM_MESH)
-		return deform_mesh(deform, contact, window, layer);
-	const struct post_rect read = window->read;
 	const struct deform_pose *from = deform_is_contact_only(contact) ? &contact->to : &contact->from;
-	struct body_frame frame = {
-		.x0 = read.x0,
-		.y0 = read.y0,
-		.spacing = deform->spacing,
-		.zero = contact->to.z,
-	};
-	struct under_params params;
-	deform_body_of(contact->shape, from, &contact->to, &frame, &params.motion);
-	deform_body_of(contact->shape, &contact->to, &contact->to, &frame, &params.end);
+	const struct body_frame frame = {.x0 = x0, .y0 = y0, .spacing = deform->spacing, .zero = contact->to.z};
+	deform_body_of(contact->shape, from, &contact->to, &frame, &params->motion);
+	deform_body_of(contact->shape, &contact->to, &contact->to, &frame, &params->end);
+	params->kind = deform_kind_in(contact->shape, &contact->to);
 	/* Only a wheel that moves sideways needs the times at which its sides pass over a post. */
-	bool sideways = kind == DEFORM_WHEEL && (params.motion.c[1] != 0 || params.end.c[1] != 0);
-	const struct brief_params few = {brief(&params.motion), brief(&params.end)};
-	bool is_brief = deform_envelope_is_brief(kind, sideways);
+	params->sideways = params->kind == DEFORM_WHEEL && (params->motion.c[1] != 0 || params->end.c[1] != 0);
+}
+
+enum status deform_under_run(struct deform *deform, const struct under_params *params, struct gpu_rect posts, uint32_t layer)
+{
+	const struct brief_params few = {brief(&params->motion), brief(&params->end)};
+	bool is_brief = deform_envelope_is_brief(params->kind, params->sideways);
 	struct deform_request request;
-	deform_programs_envelope(&deform->params, kind, sideways, &request);
-	struct gpu_program **program = &deform->under_program[kind + (sideways ? DEFORM_SHAPES : 0)];
+	deform_programs_envelope(&deform->params, params->kind, params->sideways, &request);
+	struct gpu_program **program = &deform->under_program[params->kind + (params->sideways ? DEFORM_SHAPES : 0)];
 	enum status status = deform_program(deform, &request, program);
 	if (status != STATUS_OK)
 		return status;
-	/* A model that works in place reads the envelope only within the object's shadow. */
 	gpu_pass_run(deform->params.gpu, &(struct gpu_pass){
 		.stage = GPU_ENVELOPE,
 		.program = *program,
 		.target = deform->scratch[layer].to[TO_UNDER],
-		.viewport = deform_model_row(deform->params.model)->in_place ? shadow_of(deform, contact, read) : deform_window_rect(window),
-		.params = is_brief ? (const void *)&few : &params,
-		.params_bytes = is_brief ? sizeof few : sizeof params,
+		.viewport = posts,
+		.params = is_brief ? (const void *)&few : params,
+		.params_bytes = is_brief ? sizeof few : 2 * sizeof(struct body),
 	});
-	return contact->shape->kind == DEFORM_WHEEL && contact->shape->grousers > 0 ? deform_grousers(deform, contact, window, layer) : STATUS_OK;
+	return STATUS_OK;
+}
+
+enum status deform_envelope(struct deform *deform, const struct deform_contact *contact,
+			     const struct deform_window *window, uint32_t layer)
+{
+	const struct post_rect read = window->read;
+	struct under_params params;
+	if (contact->shape->kind == DEFORM_MESH)
+		return deform_mesh(deform, contact, window, layer);
+	deform_under_of(deform, contact, read.x0, read.y0, &params);
+	/* A model that works in place reads the envelope only within the object's shadow. */
+	struct gpu_rect posts = deform_model_row(deform->params.model)->in_place ? shadow_of(deform, contact, read) : deform_window_rect(window);
+	enum status status = deform_under_run(deform, &params, posts, layer);
+	bool grousers = contact->shape->kind == DEFORM_WHEEL && contact->shape->grousers > 0;
+	return status == STATUS_OK && grousers ? deform_grousers(deform, contact, window, layer) : status;
 }

@@ -20,7 +20,7 @@ static enum status filter(struct deform *deform, struct post_rect read, uint32_t
 			.program = deform->box,
 			.target = scratch->to[now == 0 ? TO_SECOND : TO_FIRST],
 			.viewport = {0, 0, (uint32_t)params.window[0], (uint32_t)params.window[1]},
-			.textures = {deform->bases, deform->planes_of[now][PLANE_OFFSET], deform->contacts},
+			.images = {deform->planes_of[now][PLANE_OFFSET], deform->contacts},
 			.params = &params,
 			.params_bytes = sizeof params,
 		});
@@ -39,6 +39,12 @@ static enum status contact(struct deform *deform, const struct deform_contact *c
 	return status;
 }
 
+static enum status batch(struct deform *deform)
+{
+	enum status status = deform_batch_contact(deform);
+	return status == STATUS_OK ? deform_batch_smooth(deform) : status;
+}
+
 const struct soil_model deform_model_box = {
 	.name = "box",
 	.use = "takes the imprint; the dissertation's smoothing",
@@ -51,6 +57,7 @@ const struct soil_model deform_model_box = {
 	.contact_effect = "displace",
 	.keys = EFFECT_LIST("radius", "repetitions"),
 	.contact = contact,
+	.batch = batch,
 	.shader = "deform/none.frag",
 	.smooths = true,
 };

@@ -16,6 +16,7 @@ const struct soil_model deform_model_none = {
 		"lowers the ground to what presses it, no more"},
 	.touched_effect = "dirt",
 	.contact = deform_contact_plainly,
+	.batch = deform_batch_contact,
 	.shader = "deform/none.frag",
 	.blind = true,
 };
