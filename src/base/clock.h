@@ -4,4 +4,8 @@
 
 double clock_seconds(void); /* seconds since an arbitrary start, with nanosecond resolution */
 
+/* Returns the processor time that this thread, or the whole process, has used so far, s. */
+double clock_thread_seconds(void);
+double clock_process_seconds(void);
+
 #endif

@@ -113,9 +113,9 @@ enum status fleet_share_record(struct fleet *fleet)
 enum status fleet_commit(struct fleet *fleet)
 {
 	struct world *world = fleet->world;
-	const double began = clock_seconds();
+	const struct fleet_wait wait = fleet_wait_begin();
 	enum status status = page_cache_await_commit(world->cache);
-	fleet->waited += clock_seconds() - began;
+	fleet_wait_end(fleet, wait);
 	if (status != STATUS_OK) { /* so the others learn of it where they wait for this rank's record */
 		struct fleet_told told;
 		return fleet_tell(fleet, FLEET_COMMIT, status, &told, NULL, NULL);
@@ -130,6 +130,7 @@ enum status fleet_end(void *user, enum status status)
 	struct fleet_told told;
 	const enum status mine = status == STATUS_INTERRUPTED ? STATUS_OK : status;
 	struct failure failure;
+	fleet->busy = fleet->plans > 0 ? clock_process_seconds() - fleet->began - fleet->spun : 0;
 	if (!fleet->failed) {
 		const enum status put = mine == STATUS_OK ? fleet_begin(fleet, FLEET_END, STATUS_OK) : mine;
 		const enum status any = fleet_tell(fleet, FLEET_END, put, &told, NULL, NULL);

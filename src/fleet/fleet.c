@@ -11,7 +11,7 @@ static struct {
 
 struct head {
 	int32_t kind, status;
-	int32_t stop, due, torn;
+	int32_t stop, due, torn, leaves;
 	char message[480];
 };
 
@@ -115,6 +115,17 @@ enum status fleet_agree(enum status status)
 	return other != STATUS_OK ? other : status;
 }
 
+struct fleet_wait fleet_wait_begin(void)
+{
+	return (struct fleet_wait){clock_seconds(), clock_thread_seconds()};
+}
+
+void fleet_wait_end(struct fleet *fleet, struct fleet_wait wait)
+{
+	fleet->waited += clock_seconds() - wait.clock;
+	fleet->spun += clock_thread_seconds() - wait.processor;
+}
+
 void fleet_meet(void)
 {
 	struct head head;
@@ -131,6 +142,7 @@ enum status fleet_begin(struct fleet *fleet, enum fleet_kind kind, enum status s
 	head.stop = fleet->params.stop != NULL && *fleet->params.stop;
 	head.due = status == STATUS_OK && fleet->world->cache != NULL && page_cache_commit_due(fleet->world->cache);
 	head.torn = fleet->world->torn;
+	head.leaves = kind == FLEET_STEP && fleet->leaves;
 	fleet->sent.size = fleet->sent.at = 0;
 	return fleet_put(&fleet->sent, &head, sizeof head);
 }
@@ -147,16 +159,17 @@ enum status fleet_tell(struct fleet *fleet, enum fleet_kind kind, enum status st
 		if (fleet_put(&fleet->sent, &head, sizeof head) != STATUS_OK)
 			assert(fleet->sent.room >= sizeof head); /* made in fleet_open */
 	}
-	const double began = clock_seconds();
+	const struct fleet_wait wait = fleet_wait_begin();
 	fleet_comm_exchange(fleet->sent.bytes, fleet->sent.size, &all, &sizes);
-	fleet->waited += clock_seconds() - began;
+	fleet_wait_end(fleet, wait);
 	fleet->exchanges++;
-	*told = (struct fleet_told){false, false};
+	*told = (struct fleet_told){false, false, false};
 	const enum status any = worst(all, sizes, fleet->ranks, kind);
 	for (int i = 0; i < fleet->ranks && sizes[i] >= sizeof head; i++) {
 		memcpy(&head, all[i], sizeof head);
 		told->stop = told->stop || head.stop;
 		told->due = told->due || head.due;
+		told->leaves = told->leaves || head.leaves;
 		/* A step that only some ranks have made must not be committed. */
 		fleet->world->torn = fleet->world->torn || (any != STATUS_OK && (head.torn || head.kind != (int32_t)kind));
 	}

@@ -49,7 +49,10 @@ struct fleet {
 	struct key_set changed;    /* tiles that this rank has changed, or got: their numbers are indices of: */
 	bool *mine;                /* false: it was sent away since */
 	size_t mine_room;
-	int64_t planned;           /* steps planned */
+	int64_t plans, steps;      /* plans made, steps begun */
+	int64_t horizon, ahead;    /* steps for which plans hold, and the present one does; horizon 0: not known yet */
+	int64_t planned_until;     /* step before which the next plan is due */
+	bool leaves;               /* a body of this rank leaves the ground before then */
 	bool failed;               /* a failure of any rank is known: there are no more steps */
 	volatile sig_atomic_t stop;
 	struct fleet_bytes sent;   /* of an exchange */
@@ -58,19 +61,28 @@ struct fleet {
 	struct world_rows sink;
 	struct fleet_row_list given, waiting; /* given: by this rank since the last exchange; waiting: on rank 0, of all */
 	/* figures */
-	int64_t tiles_moved, bodies_moved, bytes_moved, exchanges;
+	int64_t tiles_moved, bodies_moved, blocks_moved, bytes_moved, exchanges;
 	double waited, balance;
+	double spun;              /* processor time of waiting: MPI asks again and again if a message has come, s */
+	double planning, moving;  /* processor time, s */
+	double began, busy;       /* process time at the first step; processor time of all steps without waiting, s */
 };
 
 /* --- fleet.c --- */
 
 int fleet_joined(int *rank); /* returns how many ranks there are; 0: they were not joined */
 
+/* Count the time between them as waiting. */
+struct fleet_wait {
+	double clock, processor;
+};
+struct fleet_wait fleet_wait_begin(void);
+void fleet_wait_end(struct fleet *fleet, struct fleet_wait wait);
 void fleet_meet(void);           /* waits until all ranks are here */
 /* Empties fleet->sent and puts the head of an exchange into it. */
 enum status fleet_begin(struct fleet *fleet, enum fleet_kind kind, enum status status) FURROW_CHECKED;
 struct fleet_told {
-	bool stop, due; /* a rank is to stop; a rank wants a commit */
+	bool stop, due, leaves; /* a rank is to stop; wants a commit; has a body that leaves the ground soon */
 };
 /*
  * Gives fleet->sent to all ranks, and takes theirs: each(user, rank, bytes) for every rank in turn. `status`: of putting it together. Returns

@@ -202,6 +202,7 @@ static enum status put_blocks(struct moving *moving)
 			const int32_t rank = fleet_groups_rank(&fleet->groups, tile_key((struct tile){fleet->world->level, item.x0, item.y0}));
 			if (rank == fleet->rank || rank == FLEET_NONE)
 				continue;
+			fleet->blocks_moved += pass;
 			if (pass == 0)
 				counts[rank]++;
 			else
@@ -321,9 +322,9 @@ static enum status exchange(struct moving *moving, const bool *goes, enum status
 		if (moving->comes[r])
 			in[in_count++].rank = r;
 	}
-	const double began = clock_seconds();
+	const struct fleet_wait wait = fleet_wait_begin();
 	fleet_comm_move(out, out_count, in, in_count);
-	fleet->waited += clock_seconds() - began;
+	fleet_wait_end(fleet, wait);
 	/* In the order of ranks, so that what comes is the same in every run. */
 	for (size_t i = 0; i < in_count; i++) {
 		if (status == STATUS_OK)

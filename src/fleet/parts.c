@@ -334,8 +334,12 @@ static enum status add_figures(void *user, int rank, struct fleet_bytes *bytes)
 	}
 	all->tiles_moved += other.tiles_moved;
 	all->bodies_moved += other.bodies_moved;
+	all->blocks_moved += other.blocks_moved;
 	all->bytes_moved += other.bytes_moved;
 	all->waiting += other.waiting;
+	all->busy += other.busy;
+	all->planning += other.planning;
+	all->moving += other.moving;
 	return STATUS_OK;
 }
 
@@ -354,10 +358,14 @@ enum status fleet_gather(void *user, struct world_ranked *figures)
 	mine.sums = (struct pages_sums){gathering.all[0], gathering.all[1], gathering.all[2], gathering.all[3], gathering.all[4]};
 	mine.tiles_moved = fleet->tiles_moved;
 	mine.bodies_moved = fleet->bodies_moved;
+	mine.blocks_moved = fleet->blocks_moved;
 	mine.bytes_moved = fleet->bytes_moved;
 	mine.exchanges = fleet->exchanges;
 	mine.waiting = fleet->waited;
-	mine.balance = fleet->planned > 0 ? fleet->balance / (double)fleet->planned : 1;
+	mine.busy = fleet->busy;
+	mine.planning = fleet->planning;
+	mine.moving = fleet->moving;
+	mine.balance = fleet->steps > 0 ? fleet->balance / (double)fleet->steps : 1;
 	struct summing summing = {figures, fleet->ranks};
 	if (gathered == STATUS_OK)
 		gathered = fleet_begin(fleet, FLEET_FIGURES, STATUS_OK);

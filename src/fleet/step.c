@@ -1,9 +1,19 @@
-/* Before a step: who computes what. All ranks tell where soil may slide on their ground, and what they have for rank 0. */
+/*
+ * Before a step: who computes what. All ranks tell where soil may slide on their ground, and what they have for rank 0.
+ *
+ * A plan holds for some steps, in which ranks do not wait for each other: areas are those of all these steps. The more steps, the larger
+ * the areas, and the more bodies share tiles. So bodies may travel a quarter of a tile in them, and soil may spread by one block. Vehicles go
+ * where the soil lets them, so with vehicles each step has a plan.
+ */
 #include "fleet/internal.h"
 
+#include <math.h>
 #include <string.h>
 
-#define BALANCE_STEPS 32 /* steps after which work is balanced again */
+#define BALANCE_PLANS 16 /* plans after which work is balanced again */
+#define HORIZON_MOST 16  /* steps of a plan */
+#define TILE_SHARE 0.25  /* of a tile's side that a body may travel in the steps of a plan */
+#define INTERVALS_MOST 2 /* of relaxation in the steps of a plan, if one step has fewer */
 
 /* Active blocks that lie on the same tiles are told as one. */
 struct link {
@@ -143,6 +153,33 @@ static void note_balance(struct fleet *fleet)
 	fleet->balance += all > 0 ? (double)most * fleet->ranks / (double)all : 1;
 }
 
+/* Returns for how many steps plans hold. The same on every rank. */
+static int64_t horizon_of(const struct fleet *fleet)
+{
+	const struct world *world = fleet->world;
+	const struct scene *scene = world->scene;
+	double fastest = 0, steps = HORIZON_MOST;
+	if (scene->vehicle_count > 0)
+		return 1;
+	for (size_t i = 0; i < scene->object_count; i++)
+		if (world->bodies[i].track != NULL)
+			fastest = fmax(fastest, motion_track_fastest(world->bodies[i].track));
+	if (fastest > 0)
+		steps = fmin(steps, TILE_SHARE * world->spacing * world->meta->extent.cells / (fastest * scene->time_step));
+	if (deform_conserves(scene->model))
+		steps = fmin(steps, INTERVALS_MOST * scene->interval / scene->time_step);
+	return steps >= 2 ? (int64_t)steps : 1;
+}
+
+/* Tells whether a body leaves the ground before `until`. Then each step has a plan, so that all ranks end after the same step. */
+static bool leaves(struct fleet *fleet, double until)
+{
+	struct world *world = fleet->world;
+	if (world->scene->outside != SCENE_STOP)
+		return false;
+	return world_check_events(world, until) != STATUS_OK;
+}
+
 static enum status plan(struct fleet *fleet, double until, enum status status)
 {
 	struct planning planning = {fleet, until};
@@ -150,7 +187,13 @@ static enum status plan(struct fleet *fleet, double until, enum status status)
 	const struct world *world = fleet->world;
 	fleet_groups_clear(&fleet->groups);
 	world_forget_events(fleet->world); /* so that areas are the same on all ranks */
+	if (fleet->horizon == 0)
+		fleet->horizon = horizon_of(fleet);
+	fleet->ahead = fleet->horizon;
+	if (fleet->horizon > 1)
+		until = world_step_time(world->scene, world->step + fleet->horizon);
 	fleet->intervals = world_intervals_due(world, until);
+	fleet->leaves = fleet->horizon > 1 && status == STATUS_OK && leaves(fleet, until);
 	if (status == STATUS_OK)
 		status = fleet_begin(fleet, FLEET_STEP, status);
 	if (status == STATUS_OK)
@@ -163,13 +206,15 @@ static enum status plan(struct fleet *fleet, double until, enum status status)
 	if (status != STATUS_OK)
 		return status;
 	fleet->stop = fleet->stop || told.stop;
+	if (told.leaves)
+		fleet->ahead = 1; /* the areas are larger than they need be */
 	const int delay = world->scene->forces_delay;
 	if (world->step > delay)
 		status = fleet_rows_write(fleet, world_step_time(world->scene, world->step - delay));
 	if (status == STATUS_OK && told.due)
 		status = fleet_commit(fleet);
 	if (status == STATUS_OK)
-		status = fleet_groups_make(&fleet->groups, world->level, fleet->ranks, fleet->planned % BALANCE_STEPS == BALANCE_STEPS - 1);
+		status = fleet_groups_make(&fleet->groups, world->level, fleet->ranks, fleet->plans % BALANCE_PLANS == BALANCE_PLANS - 1);
 	return status;
 }
 
@@ -177,15 +222,31 @@ enum status fleet_step(void *user, double until, enum status status)
 {
 	struct fleet *fleet = user;
 	struct world *world = fleet->world;
+	if (fleet->plans > 0 && world->step < fleet->planned_until && !world->unplaced) {
+		fleet->steps++;
+		note_balance(fleet);
+		return status;
+	}
+	if (fleet->plans == 0) {
+		fleet->began = clock_process_seconds();
+		fleet->spun = 0;
+	}
+	const double began = clock_thread_seconds(), spun = fleet->spun;
 	status = plan(fleet, until, status);
+	const double planned = clock_thread_seconds();
+	fleet->planning += planned - began - (fleet->spun - spun);
 	if (status != STATUS_OK)
 		return status;
 	note_balance(fleet);
-	fleet->planned++;
+	fleet->plans++;
+	fleet->steps++;
+	fleet->planned_until = world->step + fleet->ahead;
 	world->unplaced = false;
 	/* From here on this rank's ground is not whole until the end of the step. */
 	world->torn = true;
+	const double waited = fleet->spun;
 	status = fleet_move(fleet);
+	fleet->moving += clock_thread_seconds() - planned - (fleet->spun - waited);
 	if (status == STATUS_OK)
 		world->torn = false;
 	return status;

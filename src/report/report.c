@@ -441,9 +441,13 @@ enum status report_gathered(char **json, const struct world_ranked *ranked, int 
 	json_integer(object, "count", ranks);
 	json_integer(object, "tiles_moved", ranked->tiles_moved);
 	json_integer(object, "bodies_moved", ranked->bodies_moved);
+	json_integer(object, "blocks_moved", ranked->blocks_moved);
 	json_integer(object, "bytes_moved", ranked->bytes_moved);
 	json_integer(object, "exchanges", ranked->exchanges);
 	json_number(object, "waiting", ranked->waiting);
+	json_number(object, "busy", ranked->busy);
+	json_number(object, "planning", ranked->planning);
+	json_number(object, "moving", ranked->moving);
 	json_number(object, "balance", ranked->balance);
 	mem_free(*json);
 	*json = print(root);

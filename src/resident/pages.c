@@ -49,6 +49,8 @@ static uint32_t images_of(const struct pages_params *params, uint32_t soft)
 	return images > least ? images : least;
 }
 
+#define RANKS_MORE 4
+
 static struct page_params cache_params(const struct pages_params *params, const struct pages_layout *layout)
 {
 	uint32_t soft = commit_pages_most(params, layout);
@@ -58,8 +60,8 @@ static struct page_params cache_params(const struct pages_params *params, const 
 		.slots = params->count,
 		.loaders = params->loaders,
 		.queue_soft = soft,
-		/* Commits that are begun for all ranks come up to a step later, and pages come from other ranks besides. */
-		.queue_most = (most > few ? most : few) * (params->commits_begun ? 2 : 1),
+		/* Commits that are begun for all ranks come some steps later, and pages come from other ranks besides. */
+		.queue_most = (most > few ? most : few) * (params->commits_begun ? RANKS_MORE : 1),
 		.queue_few = few,
 		.commit_age = params->commit_age,
 		.commits_begun = params->commits_begun,

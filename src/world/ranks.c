@@ -83,16 +83,20 @@ struct post_rect world_block_area(const struct world *world, struct deform_block
 	return grown((struct post_rect){x, y, x + DEFORM_BLOCK, y + DEFORM_BLOCK}, slides_beyond(world, intervals));
 }
 
+/* Includes the last path sample that was made, and all that are due until then. Samples are one post apart. The way between two
+ * of them is so much longer than the straight line. No place on it is farther than half of that from the rectangle around both. */
 static void include_path(const struct world *world, const struct body *body, double until, int64_t posts, struct post_rect *area)
 {
-	struct track_point point;
-	const int64_t samples = motion_track_samples(body->track);
-	for (int64_t i = body->next > 0 ? body->next - 1 : 0; i < samples; i++) {
-		if (i >= body->next && motion_track_sample_time(body->track, i) > until)
-			return;
-		motion_track_sample(body->track, i, &point);
-		include(area, world, point.qx, point.qy, posts);
-	}
+	struct track_point from, to;
+	const int64_t first = body->next > 0 ? body->next - 1 : 0, end = (int64_t)world_samples_until(body->track, until);
+	if (end <= first)
+		return;
+	motion_track_sample(body->track, first, &from);
+	motion_track_sample(body->track, end - 1, &to);
+	const double straight = hypot(to.x - from.x, to.y - from.y) / world->spacing, way = (double)(end - 1 - first);
+	const int64_t more = posts + (int64_t)ceil(fmax(way - straight, 0) / 2);
+	include(area, world, from.qx, from.qy, more);
+	include(area, world, to.qx, to.qy, more);
 }
 
 static void include_host(const struct world *world, const struct host_body *host, int64_t posts, struct post_rect *area)
@@ -183,6 +187,20 @@ enum status world_body_unpack(struct world *world, const struct world_moved *mov
 	if (body->loaded_body > 0 && body->in_contact)
 		deform_set_equilibrium(world->deform, body->loaded_body, (int32_t)body->raised);
 	return STATUS_OK;
+}
+
+enum status world_check_events(struct world *world, double until)
+{
+	enum status status = STATUS_OK;
+	for (size_t i = 0; i < world->scene->object_count && status == STATUS_OK; i++) {
+		struct body *body = &world->bodies[i];
+		const int64_t samples = body->track != NULL && !body->elsewhere ? motion_track_samples(body->track) : 0;
+		for (int64_t k = body->next; k < samples && motion_track_sample_time(body->track, k) <= until && status == STATUS_OK; k++) {
+			struct event event = {.time = 0};
+			status = world_set_down(world, body, k, &event);
+		}
+	}
+	return status;
 }
 
 /* --- blocks where soil may slide --- */

@@ -157,7 +157,7 @@ enum status world_step_to(struct world *world, double until)
 	enum status status = world_collect_events(world, until);
 	if (world->ranks != NULL)
 		status = world->ranks->step(world->ranks->user, until, status);
-	if (world->ranks != NULL && status == STATUS_OK) /* of the bodies that are here now */
+	if (world->ranks != NULL && status == STATUS_OK && world->events.count == 0) /* of the bodies that are here now */
 		status = world_collect_events(world, until);
 	if (status == STATUS_OK)
 		status = page_cache_poll(world->cache);

@@ -257,8 +257,10 @@ struct stalls {
 /* What ranks did together. */
 struct world_ranked {
 	struct pages_sums sums; /* of the whole drive */
-	int64_t tiles_moved, bodies_moved, bytes_moved, exchanges;
+	int64_t tiles_moved, bodies_moved, blocks_moved, bytes_moved, exchanges;
 	double waiting; /* s that ranks waited for others, all together */
+	/* Processor time of all ranks in steps without waiting, s; of that, for who computes what, and for what moves. */
+	double busy, planning, moving;
 	double balance; /* work of the busiest rank by the mean of all, in the mean over steps */
 };
 
@@ -558,6 +560,8 @@ int64_t world_intervals_due(const struct world *world, double until); /* number 
 struct post_rect world_block_area(const struct world *world, struct deform_block block, int64_t intervals);
 void world_body_here(struct world *world, size_t index, bool here); /* says if this rank computes its contacts */
 void world_pass_elsewhere(struct world *world, double until);       /* counts the path samples of bodies elsewhere */
+/* Returns the failure that collecting the events until then would have. Changes nothing. */
+enum status world_check_events(struct world *world, double until) FURROW_CHECKED;
 /* Undoes the collecting of this step's events. The step collects them again. */
 void world_forget_events(struct world *world);
 

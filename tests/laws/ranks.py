@@ -47,10 +47,14 @@ CROSSING = scene("scm", 4, "".join(
 # All of it is one group: one rank computes it, and the others have nothing.
 CONVOY = scene("scm", 2, "".join(wheel(f"w{i}", [[20 - 2 * i, 30], [60, 33]], 8) for i in range(4)))
 ALONE = scene("box", 2, wheel("only", [[20, 30], [60, 33]], 12, "sink: 0.1"))
-# Heaps at both sides of a tile's edge slide for long after what made them has gone.
+# Heaps at both sides of a tile's edge slide for long after what made them has gone, slowly: an iteration each 0.2 s.
 HEAPS = scene("sumner", 4, "".join(
-    f"  - {{name: b{i}, shape: {{sphere: {{radius: 1.2}}}}, sink: 0.6, path: {{points: [[{x}, {y}], [{to}, {y}]], speed: 10}}}}\n"
-    for i, (x, y, to) in enumerate(((36, 60, 61.5), (20, 92, 62), (92, 61, 66.5), (100, 92, 66)))), step=0.04)
+    f"  - {{name: b{i}, shape: {{sphere: {{radius: 1.2}}}}, sink: 0.9, path: {{points: [[{x}, {y}], [{to}, {y}]], speed: 10}}}}\n"
+    for i, (x, y, to) in enumerate(((36, 60, 61.5), (20, 92, 62), (92, 61, 66.5), (100, 92, 66)))), step=0.04).replace(
+        "model: sumner", "model: sumner, iterations: 2, interval: 0.1")
+# One stands where it was carried, on soil that slides, when a rank with others takes it over.
+STANDING = scene("scm", 5, wheel("stands", [[60, 60], [62, 60]], 4, "load: 4000") + wheel("far", [[20, 100], [60, 101]], 9) +
+                 wheel("a", [[100, 60], [64, 60]], 9) + wheel("b", [[100, 62.5], [63, 61.5]], 9) + wheel("c", [[101, 57], [62, 58]], 9))
 SPREAD = scene("box", 4, "".join(
     wheel(f"s{i}", [[16 + 20 * i, 20 + 7 * i], [200 - 19 * i, 190 - 13 * i]], 25, "sink: 0.08") for i in range(9)), step=0.1)
 
@@ -108,19 +112,22 @@ class Ranks(FurrowTest):
         self.assertFalse((self.folder / f"{many}.furrow.parts").exists())
         self.ok("verify", f"{many}.furrow")
 
-    def compare(self, text, store="plain.furrow", ranks=None, moves=True):
+    def compare(self, text, store="plain.furrow", ranks=None, moves=True, blocks=False):
         self.scene(text)
         one = self.run_command(self.command(1, "scene.yaml", "one", store=store))
         self.assertGreater(len(self.rows("one")), 3)
-        moved = 0
+        moved = blocks_moved = 0
         for n in ranks or RANKS:
             many = self.run_command(self.command(n, "scene.yaml", f"many{n}", store=store))
             self.same("one", f"many{n}", (one, many))
             self.assertEqual(many["ranks"]["count"], n)
             moved += many["ranks"]["tiles_moved"]
+            blocks_moved += many["ranks"]["blocks_moved"]
             print(f"{n} ranks: {many['ranks']}")
         if moves:
             self.assertGreater(moved, 0, "nothing moved between ranks, so this shows little")
+        if blocks:
+            self.assertGreater(blocks_moved, 0, "no sliding soil moved between ranks")
 
 
 class TheSame(Ranks):
@@ -131,10 +138,22 @@ class TheSame(Ranks):
         self.compare(SPREAD, "ridged.furrow")
 
     def test_heaps_that_slide_over_the_edge_of_a_rank(self):
-        self.compare(HEAPS)
+        self.compare(HEAPS, blocks=True)
+
+    def test_a_loaded_wheel_that_stands_on_sliding_soil_goes_over_to_another_rank(self):
+        self.compare(STANDING, ranks=RANKS[:1])
 
     def test_a_convoy_in_one_rut_leaves_a_rank_with_nothing(self):
         self.compare(CONVOY, moves=False)
+
+    def test_a_path_that_leaves_the_terrain_ends_all_after_one_step(self):
+        self.scene(scene("box", 4, wheel("stays", [[20, 30], [60, 33]], 8, "sink: 0.1") + wheel("leaves", [[240, 200], [300, 201]], 9, "sink: 0.1")))
+        for ranks, name in ((1, "one"), (2, "two")):
+            said = self.run_command(self.command(ranks, "scene.yaml", name), expect=1)
+            self.assertIn("leaves: no ground under it", said)
+        reports = [json.loads((self.folder / name / "run.json").read_text()) for name in ("one", "two")]
+        self.assertEqual([report["ended"] for report in reports], ["failed", "failed"])
+        self.same("one", "two", reports)
 
     def test_more_ranks_than_bodies(self):
         self.compare(ALONE, ranks=[3], moves=False)
