@@ -44,6 +44,11 @@ struct look_ahead {
 	double began_time;             /* s, simulated */
 };
 
+unsigned motion_look_ahead_threads(double prefetch, size_t count)
+{
+	return motion_prefetcher_threads(prefetch, count);
+}
+
 void motion_look_ahead_plan(double prefetch, size_t count, struct plan *plan)
 {
 	motion_prefetcher_plan(prefetch, count, plan);

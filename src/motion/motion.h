@@ -91,7 +91,7 @@ size_t motion_requests_order(struct requests *requests, const uint64_t **keys);
  * --- the look-ahead ---
  *
  * Its loading decides only how long a step waits, never the result. It has a thread if the scene uses prefetch and has a body
- * with a path, or a camera that follows such a body. All calls come from the world's thread.
+ * with a path, or a camera that follows such a body. For many bodies it has several. All calls come from the world's thread.
  */
 struct look_ahead;
 
@@ -120,6 +120,8 @@ struct look_ahead_params {
 	double prefetch;                   /* s of simulated time to look ahead; 0: nothing is loaded ahead */
 	double end;                        /* s: end time of the drive; INFINITY: there is none */
 };
+/* Returns the number of its threads, by the number of bodies with paths and of cores. Pure. */
+unsigned motion_look_ahead_threads(double prefetch, size_t count);
 /* Adds the plan's lines of a look-ahead. `prefetch` and `count` are as in look_ahead_params. Pure. */
 void motion_look_ahead_plan(double prefetch, size_t count, struct plan *plan);
 /* Makes a look-ahead at time 0 and starts its thread. */

@@ -1,6 +1,6 @@
 /*
- * A thread that loads tiles of the ground before bodies, and the camera that follows one, need them. So no step reads the
- * store. It also loads ranges that pictures lack.
+ * Threads that load tiles of the ground before bodies, and the camera that follows one, need them. So no step reads the
+ * store. They also load ranges that pictures lack. Many bodies have several threads, as far as there are cores.
  *
  * It never changes results; only resident_ground_figures show its work. If it has not loaded a tile, or could not read it, the
  * ground's owner reads the tile itself and returns the failure.
@@ -27,11 +27,14 @@ struct prefetcher_params {
 	const void *user;
 	double camera_speed;               /* m/s: about the largest speed of the points of `camera` */
 	double prefetch, end;              /* s: how far ahead it looks; end time of the drive */
+	unsigned threads;                  /* at most 8; 0: motion_prefetcher_threads */
 };
 
+/* Returns the number of threads: by the number of bodies, and of cores of this machine. 0: there is no prefetcher. Pure. */
+unsigned motion_prefetcher_threads(double prefetch, size_t count);
 /* Adds the plan's lines of a prefetcher, if there is one. `prefetch` and `count` are as in its params. Pure. */
 void motion_prefetcher_plan(double prefetch, size_t count, struct plan *plan);
-/* Starts the thread, at simulated time 0. */
+/* Starts the threads, at simulated time 0. */
 enum status motion_prefetcher_create(const struct prefetcher_params *params, struct prefetcher **out) FURROW_CHECKED;
 void motion_prefetcher_destroy(struct prefetcher *prefetcher); /* prefetcher may be NULL */
 /* Sets how many simulated seconds it looks ahead from now on; at the start it is `prefetch`. Does not wait. */

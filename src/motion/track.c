@@ -17,12 +17,23 @@ struct track {
 	int64_t origin_x, origin_y; /* the first point, 2^-20 m */
 	double post, speed, length; /* m between path samples; m/s; m of the whole path */
 	int64_t lap; /* number of path samples in one lap; loops only */
+	int64_t samples; /* INT64_MAX for a loop */
 	bool loop, timed;
 };
 
 static double turn(double from, double to)
 {
 	return remainder(to - from, 2 * M_PI);
+}
+
+/* Counts the path samples. */
+static int64_t count_samples(const struct track *track)
+{
+	if (track->loop)
+		return INT64_MAX;
+	double posts = track->length / track->post;
+	int64_t whole = (int64_t)floor(posts);
+	return whole + 1 + (posts - (double)whole > 1e-9);
 }
 
 static double distance(const struct track_point *a, const struct track_point *b, bool attitude, double reach)
@@ -97,6 +108,7 @@ enum status motion_track_create(const struct scene_path *path, const double (*po
 			knots[i].at.time = track->speed > 0 ? knots[i].length / track->speed : 0;
 	if (track->loop)
 		track->lap = (int64_t)ceil(track->length / post * (1 - 1e-12));
+	track->samples = count_samples(track);
 	*out = track;
 	return STATUS_OK;
 }
@@ -111,11 +123,7 @@ void motion_track_destroy(struct track *track)
 
 int64_t motion_track_samples(const struct track *track)
 {
-	if (track->loop)
-		return INT64_MAX;
-	double posts = track->length / track->post;
-	int64_t whole = (int64_t)floor(posts);
-	return whole + 1 + (posts - (double)whole > 1e-9);
+	return track->samples;
 }
 
 double motion_track_fastest(const struct track *track)

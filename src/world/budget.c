@@ -147,6 +147,8 @@ void world_budget(const struct world *world, struct resident_pages_budget *budge
 	struct pages_params params;
 	world_pages_params(world, &params);
 	resident_pages_budget(&params, world->meta->extent.cells, budget);
-	budget->ground += ((uint64_t)world->limits.ground + 1) * side * side * sizeof(int32_t);
+	/* each thread that loads ahead has one tile of its own */
+	const unsigned ahead = motion_look_ahead_threads(world->scene->prefetch, world->scene->object_count);
+	budget->ground += ((uint64_t)world->limits.ground + (ahead > 1 ? ahead : 1)) * side * side * sizeof(int32_t);
 	budget->ground += world->limits.queries * resident_newest_tile_bytes(world->meta->extent.cells);
 }

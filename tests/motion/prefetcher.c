@@ -22,6 +22,7 @@ struct party {
 	size_t count;
 	int64_t next[MOST];
 	uint64_t unread; /* heights that could not be had */
+	unsigned threads; /* 0: by the number of objects */
 };
 
 static struct track *track_of(struct scene_path path, const double (*points)[2])
@@ -58,6 +59,7 @@ static void party_scout(struct party *party, uint32_t tiles, double prefetch, do
 		.post = post,
 		.prefetch = prefetch,
 		.end = end,
+		.threads = party->threads,
 	};
 	must(motion_prefetcher_create(&params, &party->prefetcher));
 }
@@ -229,15 +231,19 @@ static void it_looks_as_far_as_it_is_told(void **state)
 
 static void many_objects_share_a_small_ground(void **state)
 {
-	struct party party;
-	party_open(&party, 32);
-	for (int i = 0; i < 8; i++) {
-		const double points[][2] = {{20 + 100 * i, 16}, {110 + 90 * i, 1000}, {1000 - 80 * i, 40}};
-		party_join(&party, track_of((struct scene_path){.count = 3, .speed = 5 + 3 * i}, points));
+	static const unsigned threads[] = {1, 2, 3, 8};
+	for (int k = 0; k < 4; k++) {
+		struct party party;
+		party_open(&party, 48);
+		party.threads = threads[k];
+		for (int i = 0; i < 8; i++) {
+			const double points[][2] = {{20 + 100 * i, 16}, {110 + 90 * i, 1000}, {1000 - 80 * i, 40}};
+			party_join(&party, track_of((struct scene_path){.count = 3, .speed = 5 + 3 * i}, points));
+		}
+		party_scout(&party, threads[k] == 1 ? 32 : 48, 100, 60);
+		assert_int_equal(lead(&party, 0.1, 60), 0);
+		party_close(&party);
 	}
-	party_scout(&party, 32, 100, 60);
-	assert_int_equal(lead(&party, 0.1, 60), 0);
-	party_close(&party);
 }
 
 static void a_loop_is_followed_round_and_round(void **state)
@@ -357,6 +363,7 @@ static void it_goes_on_beside_an_owner_who_does_not_wait(void **state)
 	for (uint32_t tiles = 2; tiles <= 32; tiles *= 4) {
 		struct party party;
 		party_open(&party, tiles);
+		party.threads = tiles == 2 ? 1 : 2;
 		party_join(&party, diagonal(40));
 		party_join(&party, diagonal(90));
 		party_scout(&party, tiles, 5, 100);
@@ -372,7 +379,9 @@ static void it_stops_wherever_it_is(void **state)
 	for (int i = 0; i < 30; i++) {
 		struct party party;
 		party_open(&party, 64);
+		party.threads = 1 + (unsigned)i % 2;
 		party_join(&party, diagonal(40));
+		party_join(&party, diagonal(33));
 		party_scout(&party, 64, 3600, 3600);
 		if (i % 3 > 0)
 			step(&party, i, i % 3 == 2);
@@ -385,7 +394,8 @@ static void what_cannot_be_had_is_said(void **state)
 	struct party party;
 	party_open(&party, 4);
 	party_join(&party, diagonal(40));
-	struct prefetcher_params params = {.store = party.store, .ground = party.ground, .tiles = 3, .count = 1, .post = post,
+	party_join(&party, diagonal(33));
+	struct prefetcher_params params = {.store = party.store, .ground = party.ground, .tiles = 3, .count = 2, .threads = 2, .post = post,
 				      .tracks = (const struct track *const *)party.tracks, .prefetch = 1, .end = 10};
 	for (uint64_t nth = 1;; nth++) {
 		struct prefetcher *prefetcher = NULL;

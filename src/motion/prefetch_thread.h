@@ -1,0 +1,30 @@
+/*
+ * One thread of a prefetcher. It loads tiles of the ground before its bodies, and the camera that follows one, need them. It also loads
+ * ranges that pictures lack. Functions are as those of motion/prefetcher.h.
+ */
+#ifndef FURROW_MOTION_PREFETCH_THREAD_H
+#define FURROW_MOTION_PREFETCH_THREAD_H
+
+#include "motion/insets.h"
+#include "motion/prefetcher.h"
+
+#define PREFETCH_THREAD "furrow-ahead"
+
+struct prefetch_thread;
+
+/* Makes what the thread needs. `params`: of its own bodies alone; tracks, which are copied, and tiles are its own share. Ignores params->threads.
+ * `insets` must stay valid longer than the thread. */
+enum status motion_prefetch_thread_create(const struct prefetcher_params *params, const struct inset_areas *insets, struct prefetch_thread **out)
+	FURROW_CHECKED;
+/* Starts it, once all `count` threads of the prefetcher are made; `all` must stay valid until they are stopped. */
+enum status motion_prefetch_thread_start(struct prefetch_thread *ahead, struct prefetch_thread *const *all, size_t count) FURROW_CHECKED;
+void motion_prefetch_thread_stop(struct prefetch_thread *ahead); /* it may not have been started */
+/* Frees it, once all threads of the prefetcher are stopped. */
+void motion_prefetch_thread_destroy(struct prefetch_thread *ahead); /* ahead may be NULL */
+void motion_prefetch_thread_reach(struct prefetch_thread *ahead, double seconds);
+void motion_prefetch_thread_tell(struct prefetch_thread *ahead, double time);
+void motion_prefetch_thread_ranges(struct prefetch_thread *ahead, const struct ground_range_key *keys, size_t count);
+uint64_t motion_prefetch_thread_ranges_done(struct prefetch_thread *ahead);
+void motion_prefetch_thread_wait(struct prefetch_thread *ahead);
+
+#endif
