@@ -334,8 +334,6 @@ struct store_gathering {
 	 * Their `compacted` is what each part compacted in the run. Called inside the transaction, after the rows are written. NULL: out of
 	 * memory. */
 	const char *(*describe)(void *user, const struct store_run *runs, size_t count, const struct store_commit_result *result);
-	bool (*given_up)(void *user); /* as in store_run; may be NULL */
-	bool keep_history;            /* keeps what is replaced, as store_options.keep_history */
 };
 /* Commits into the store or overlay at `path` what the parts of a run over it have, in one synced transaction. The parts stay, to be
  * removed. The result is as if all pages of the run had been committed there at once. result->commit is the number of that commit. It is

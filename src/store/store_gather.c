@@ -326,32 +326,31 @@ static enum status trim(void *user, uint64_t key)
 	return store_state_put_tile(gather->store, gather->table, tile, gather->scratch, gather->result);
 }
 
-static enum status put_state(struct gather *gather, size_t count, const struct store_run *run)
+static enum status put_state(struct gather *gather, size_t count)
 {
 	const int32_t *posts;
 	enum status status = STATUS_OK;
 	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
-		status = store_commit_goes_on(gather->store, run);
-		if (status == STATUS_OK)
-			status = part_posts(gather, gather->table, &gather->items[i], gather->posts, &posts);
+		status = part_posts(gather, gather->table, &gather->items[i], gather->posts, &posts);
 		if (status == STATUS_OK)
 			status = store_state_put_tile(gather->store, gather->table, tile_from_key(gather->items[i].key), posts, gather->result);
 	}
 	return status == STATUS_OK ? store_part_each(gather->part, gather->table, gather->commit, trim, gather) : status;
 }
 
-static enum status put_part(struct gather *gather, uint32_t index, const struct store_run *run)
+static enum status put_part(struct gather *gather, uint32_t index)
 {
 	const struct climb_source source = {gather, part_posts};
+	const struct store_run run = {0}; /* asks nobody whether to go on */
 	size_t count;
 	enum status status = open_part(gather, index);
 	for (int table = ROW_OFFSET; table < ROW_TABLES && status == STATUS_OK; table++) {
 		gather->table = (enum row_table)table;
 		status = list_items(gather, &count);
 		if (status == STATUS_OK && row_is_state(gather->table))
-			status = put_state(gather, count, run);
+			status = put_state(gather, count);
 		else if (status == STATUS_OK)
-			status = store_climb(gather->store, gather->table, gather->items, count, &source, run, gather->result);
+			status = store_climb(gather->store, gather->table, gather->items, count, &source, &run, gather->result);
 	}
 	return status;
 }
@@ -400,10 +399,9 @@ static enum status put_header(struct gather *gather)
 static enum status put_all(struct gather *gather)
 {
 	struct store *store = gather->store;
-	const struct store_run run = {.given_up = gather->gathering->given_up, .user = gather->gathering->user};
 	enum status status = store_history_begin(store, false);
 	for (uint32_t i = 0; i < gather->count && status == STATUS_OK; i++) {
-		status = put_part(gather, i, &run);
+		status = put_part(gather, i);
 		close_part(gather);
 	}
 	if (status == STATUS_OK)
@@ -491,7 +489,7 @@ enum status store_gather(const char *path, const char *const *parts, size_t coun
 {
 	struct gather gather = {.gathering = gathering, .result = result};
 	/* The parts are removed when this has returned: its commit must be on the disk then. */
-	const struct store_options options = {.mode = STORE_WRITE, .durable_full = true, .keep_history = gathering->keep_history};
+	const struct store_options options = {.mode = STORE_WRITE, .durable_full = true};
 	*result = (struct store_commit_result){0};
 	if (count == 0)
 		return STATUS_OK;
