@@ -2,7 +2,7 @@
 """What accuracy costs: each knob turned alone, and pairs of them. Error against the truth, ms a step, bytes; tables and plots.
 
     python3 bench/accuracy.py -o bench-out                          # a release build's programs; --quick: fewer settings
-    python3 bench/accuracy.py -o bench-out --publish                # and into docs, README.md and bench/ACCURACY.md
+    python3 bench/accuracy.py -o bench-out --publish                # and into docs (BENCHMARKS.md) and bench/ACCURACY.md
     python3 bench/accuracy.py -o bench-out --from accuracy.jsonl    # of lines that are there
 
 Writes accuracy.jsonl, accuracy.md and for each plot NAME.svg, .png and .gnuplot. bench/ACCURACY.md says how to read them.
@@ -23,7 +23,7 @@ import pages
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parent
 PROGRAMS = ("bench_accuracy", "bench_picture_error")
-# What --publish copies to docs/accuracy-NAME.svg, and how a page names it. The first is README's.
+# What --publish copies to docs/accuracy-NAME.svg, and how a page names it. The first is BENCHMARKS.md's.
 PUBLISHED = {
     "spacing": "Error against the time of a step, by model and spacing, with the Pareto front and the default",
     "pairs_spacing_iterations": "Error against the time of a step, by spacing and iterations of sliding",
@@ -39,7 +39,7 @@ def parse():
     parser.add_argument("-o", "--out", type=pathlib.Path, required=True, help="the folder for what is written")
     parser.add_argument("--from", dest="lines", type=pathlib.Path, action="append", help="a file of lines, instead of a run; repeatable")
     parser.add_argument("--quick", action="store_true", help="fewer settings, shorter runs")
-    parser.add_argument("--publish", action="store_true", help="copies chosen plots to docs, rewrites the tables of README.md and ACCURACY.md")
+    parser.add_argument("--publish", action="store_true", help="copies chosen plots to docs, rewrites the tables of BENCHMARKS.md and ACCURACY.md")
     options = parser.parse_args()
     if options.publish and options.quick:
         parser.error("--publish: a whole run is published, not --quick")
@@ -128,11 +128,11 @@ def report(studies, lines):
     return "\n".join(parts) + f"\nGL: {gl_of(lines)}.\n"
 
 
-def readme_table(studies, lines):
+def spacing_table(studies, lines):
     """Spacings by model: error and time."""
     study = next((study for study in studies if study.study == "spacing"), None)
     if study is None:
-        raise pages.Told("no study of spacing, which README shows; run without --from, or give its lines too")
+        raise pages.Told("no study of spacing, which docs/BENCHMARKS.md shows; run without --from, or give its lines too")
     models = list(dict.fromkeys(line["knobs"]["model"] for line in study.lines))
     found = {}
     for line in study.lines:
@@ -153,7 +153,7 @@ def write_plots(options, studies):
 
 
 def picture(name, folder):
-    return f"![{PUBLISHED[name]}]({folder}/accuracy-{name}.svg)\n"
+    return f"![{PUBLISHED[name]}]({folder}accuracy-{name}.svg)\n"
 
 
 def publish(options, studies, lines, written):
@@ -164,10 +164,10 @@ def publish(options, studies, lines, written):
     for name in PUBLISHED:
         shutil.copyfile(options.out / f"{name}.svg", ROOT / "docs" / f"accuracy-{name}.svg")
     first = next(iter(PUBLISHED))
-    pictures = "\n".join(picture(name, "../docs") for name in PUBLISHED)
+    pictures = "\n".join(picture(name, "../docs/") for name in PUBLISHED)
     pages.publish(HERE / "ACCURACY.md", "accuracy", pictures + "\n" + report(studies, lines))
-    pages.publish(ROOT / "README.md", "accuracy", picture(first, "docs") + "\n" + readme_table(studies, lines))
-    print("docs/accuracy-*.svg, bench/ACCURACY.md, README.md: of this run now")
+    pages.publish(ROOT / "docs" / "BENCHMARKS.md", "accuracy", picture(first, "") + "\n" + spacing_table(studies, lines))
+    print("docs/accuracy-*.svg, bench/ACCURACY.md, docs/BENCHMARKS.md: of this run now")
 
 
 def run():

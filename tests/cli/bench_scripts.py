@@ -159,7 +159,7 @@ class Pages(unittest.TestCase):
 
     def test_the_pages_that_are_published_to_have_their_places(self):
         root = BENCH.parent
-        for path, name in ((root / "README.md", "accuracy"), (BENCH / "ACCURACY.md", "accuracy"), (BENCH / "ACCURACY.md", "ablation")):
+        for path, name in ((root / "docs" / "BENCHMARKS.md", "accuracy"), (BENCH / "ACCURACY.md", "accuracy"), (BENCH / "ACCURACY.md", "ablation")):
             pages.between(path.read_text(), name, "new")
 
     def test_figures_have_three_digits(self):
@@ -208,18 +208,18 @@ class Script(unittest.TestCase):
     def test_publishes_tables_and_pictures_that_its_pages_show(self):
         root = self.folder / "root"
         shutil.copytree(BENCH, root / "bench", ignore=lambda *_: ["__pycache__"])
-        shutil.copy(BENCH.parent / "README.md", root)
         (root / "docs").mkdir()
+        shutil.copy(BENCH.parent / "docs" / "BENCHMARKS.md", root / "docs")
         command = [sys.executable, str(root / "bench" / "accuracy.py"), "-o", str(self.out), "--publish", "--from"]
         for _ in range(2):  # what was published is published over
             done = subprocess.run([*command, str(self.folder / "lines")], capture_output=True, text=True, timeout=120)
             self.assertEqual(done.returncode, 0, done.stderr)
-        for page, row in (("README.md", "**5.00 / 0.400**"), ("bench/ACCURACY.md", "### Format of the offset")):
+        for page, row in (("docs/BENCHMARKS.md", "**5.00 / 0.400**"), ("bench/ACCURACY.md", "### Format of the offset")):
             text = (root / page).read_text()
             self.assertEqual(text.count(row), 1)
             self.assertNotIn("accuracy.py -o bench-out --publish` writes", text)
             shown = re.findall(r"!\[[^\]]*\]\((\S*accuracy-\S*)\)", text)
-            self.assertEqual(len(shown), 1 if page == "README.md" else 5)
+            self.assertEqual(len(shown), 1 if page == "docs/BENCHMARKS.md" else 5)
             for name in shown:
                 self.assertTrue((root / page).parent.joinpath(name).exists(), name)
         (self.folder / "lines").write_text(json.dumps(LINES[0]) + "\n")

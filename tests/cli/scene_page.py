@@ -16,6 +16,7 @@ ROOT = pathlib.Path(__file__).parents[2]
 PAGE = ROOT / "src" / "scene" / "SCENE.md"
 SOIL = ROOT / "src" / "deform" / "SOIL.md"
 SOILS = ROOT / "docs" / "SOILS.md"
+DRIVES = ROOT / "docs" / "DRIVES.md"
 NUMBERS = ("number", "whole number")
 COLUMNS = ["key", "type", "unit", "range", "default", "what it does", "effect"]
 
@@ -311,7 +312,7 @@ class ScenePage(FurrowTest):
                 self.assertTrue(told, (row["default"], refused))
 
     def examples(self):
-        for page in (PAGE, ROOT / "README.md", SOIL, SOILS):
+        for page in (PAGE, DRIVES, SOIL, SOILS):
             for i, text in enumerate(re.findall(r"```yaml\n(.*?)```", page.read_text(), re.S)):
                 yield f"{page.name} {i}", text
 
@@ -395,7 +396,7 @@ class ScenePage(FurrowTest):
         self.assertEqual(said, written.split(","))
 
     def test_other_pages_lead_to_it(self):
-        for page in (ROOT / "README.md", ROOT / "docs" / "DESIGN.md", SOIL):
+        for page in (ROOT / "README.md", DRIVES, ROOT / "docs" / "DESIGN.md", SOIL):
             self.assertIn("scene/SCENE.md)", page.read_text(), page.name)
         for command in ("drive", "explain"):
             self.assertIn("src/scene/SCENE.md", self.ok(command, "--help"))

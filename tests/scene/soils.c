@@ -202,7 +202,7 @@ static void add_table(struct text *text, const struct deform_soil *like)
 	add(text, "\n");
 }
 
-/* The text of a page of the docs, or of the README beside them. Valid until the next call. */
+/* The text of a page of the docs. Valid until the next call. */
 static const char *page_of(const char *name)
 {
 	static char page[1 << 17];
@@ -296,7 +296,7 @@ static void the_docs_have_every_model_as_its_row_says(void **state)
 	}
 	add(&uses, "\n"); /* they have no row more */
 	add(&reads, "\n");
-	page_has("../README.md", &uses);
+	page_has("DRIVES.md", &uses);
 	page_has("SOILS.md", &uses);
 	page_has("SOILS.md", &reads);
 }
