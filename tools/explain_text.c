@@ -218,25 +218,47 @@ static bool same_pass(const struct plan_line *a, const struct plan_line *b)
 	return a->unit == b->unit && a->amount == b->amount && strcmp(a->name, b->name) == 0 && same_effect(a, b);
 }
 
-/* The nth pass of an object (-1: of none), or NULL. */
-static const struct plan_line *pass_of(const struct plan *plan, int object, size_t nth)
+/* The passes of each object, in the order of the plan. */
+struct passes {
+	const struct report_plan *all;
+	size_t *first; /* its first line, by object + 1; the plan's number of lines: it has none */
+	size_t *next;  /* by line: the next line of the same object */
+};
+
+static void list_passes(const struct passes *passes)
 {
-	for (size_t i = 0; i < plan->count; i++)
-		if (is_of(&plan->lines[i], PLAN_PASS) && plan->lines[i].object == object && nth-- == 0)
-			return &plan->lines[i];
-	return NULL;
+	const struct plan *plan = &passes->all->plan;
+	for (size_t i = 0; i <= passes->all->body_count; i++)
+		passes->first[i] = plan->count;
+	for (size_t i = plan->count; i-- > 0;) {
+		if (!is_of(&plan->lines[i], PLAN_PASS))
+			continue;
+		size_t *first = &passes->first[plan->lines[i].object + 1];
+		passes->next[i] = *first;
+		*first = i;
+	}
+}
+
+/* The nth pass of an object (-1: of none), or NULL. */
+static const struct plan_line *pass_of(const struct passes *passes, int object, size_t nth)
+{
+	const struct plan *plan = &passes->all->plan;
+	size_t line = passes->first[object + 1];
+	while (line < plan->count && nth-- > 0)
+		line = passes->next[line];
+	return line < plan->count ? &plan->lines[line] : NULL;
 }
 
 /* The same passes of the same shape, whatever its size. */
-static bool are_alike(const struct report_plan *all, int a, int b)
+static bool are_alike(const struct passes *passes, int a, int b)
 {
-	const struct plan *plan = &all->plan;
+	const struct report_plan *all = passes->all;
 	const struct plan_line *of_a, *of_b;
 	if (all->bodies[a].shape->kind != all->bodies[b].shape->kind || (all->bodies[a].contacts > 0) != (all->bodies[b].contacts > 0))
 		return false;
 	for (size_t nth = 0;; nth++) {
-		of_a = pass_of(plan, a, nth);
-		of_b = pass_of(plan, b, nth);
+		of_a = pass_of(passes, a, nth);
+		of_b = pass_of(passes, b, nth);
 		if (of_a == NULL || of_b == NULL)
 			return of_a == of_b;
 		if (!same_pass(of_a, of_b))
@@ -244,10 +266,10 @@ static bool are_alike(const struct report_plan *all, int a, int b)
 	}
 }
 
-static void print_passes_of(const struct scene *scene, const struct plan *plan, int object)
+static void print_passes_of(const struct scene *scene, const struct passes *passes, int object)
 {
 	const struct plan_line *line;
-	for (size_t nth = 0; (line = pass_of(plan, object, nth)) != NULL; nth++) {
+	for (size_t nth = 0; (line = pass_of(passes, object, nth)) != NULL; nth++) {
 		char what[160], why[160];
 		snprintf(what, sizeof what, "    %-10s %2lld %s", line->name, (long long)line->amount, each_of(line->unit));
 		line_reason(scene, line, why, sizeof why);
@@ -266,13 +288,14 @@ static void print_contacts(const double contacts[2], bool each)
 }
 
 /* The object or the soil geom, and those like it, where it is the first of them. */
-static void print_object(const struct scene *scene, const struct report_plan *plan, size_t first)
+static void print_object(const struct scene *scene, const struct passes *passes, size_t first)
 {
+	const struct report_plan *plan = passes->all;
 	size_t alike = 0;
 	uint64_t least = UINT64_MAX, most = 0;
 	double contacts[2] = {INFINITY, 0};
 	for (size_t i = 0; i < plan->body_count; i++) {
-		if (!are_alike(plan, (int)first, (int)i))
+		if (!are_alike(passes, (int)first, (int)i))
 			continue;
 		if (i < first)
 			return;
@@ -289,28 +312,40 @@ static void print_object(const struct scene *scene, const struct report_plan *pl
 		printf(" and %zu like it", alike - 1);
 	if (contacts[1] > 0) {
 		print_contacts(contacts, alike > 1);
-		print_passes_of(scene, &plan->plan, (int)first);
+		print_passes_of(scene, passes, (int)first);
 		return;
 	}
 	printf(": %s", layout_number(least).text);
 	if (most > least)
 		printf(" to %s", layout_number(most).text);
 	printf(" %s%s, a window or more at each over ground\n", most == 1 ? "station" : "stations", alike > 1 ? " each" : "");
-	print_passes_of(scene, &plan->plan, (int)first);
+	print_passes_of(scene, passes, (int)first);
 }
 
 static void print_passes(const struct scene *scene, const struct report_plan *plan)
 {
 	if (count_of(&plan->plan, PLAN_PASS) == 0)
 		return;
+	const struct passes passes = {
+		.all = plan,
+		.first = mem_alloc(plan->body_count + 1, sizeof *passes.first),
+		.next = mem_alloc(plan->plan.count, sizeof *passes.next),
+	};
 	puts("\npasses");
-	for (size_t i = 0; i < plan->body_count; i++)
-		print_object(scene, plan, i);
-	if (pass_of(&plan->plan, -1, 0) != NULL) {
-		if (plan->body_count > 0)
-			puts("  besides");
-		print_passes_of(scene, &plan->plan, -1);
+	if (passes.first != NULL && passes.next != NULL) {
+		list_passes(&passes);
+		for (size_t i = 0; i < plan->body_count; i++)
+			print_object(scene, &passes, i);
+		if (pass_of(&passes, -1, 0) != NULL) {
+			if (plan->body_count > 0)
+				puts("  besides");
+			print_passes_of(scene, &passes, -1);
+		}
+	} else {
+		puts("  out of memory: they cannot be listed");
 	}
+	mem_free(passes.first);
+	mem_free(passes.next);
 }
 
 static void print_threads(const struct scene *scene, const struct plan *plan)
@@ -371,9 +406,13 @@ static void print_bytes(const struct scene *scene, const struct plan *plan, size
 	line_reason(scene, head, why, sizeof why);
 	for (size_t i = 0; i < plan->count; i++) {
 		const struct plan_line *line = &plan->lines[i];
-		line_reason(scene, line, other, sizeof other);
-		if (!is_memory(line) || line->unit != head->unit || strcmp(other, why) != 0)
+		if (!is_memory(line) || line->unit != head->unit)
 			continue;
+		if (!same_effect(line, head)) {
+			line_reason(scene, line, other, sizeof other);
+			if (strcmp(other, why) != 0)
+				continue;
+		}
 		if (i < first)
 			return;
 		bytes += line->bytes;

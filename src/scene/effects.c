@@ -242,7 +242,8 @@ void scene_unwatched(const struct scene *scene, struct scene *out)
 /* Returns the first object that uses the effect. */
 static const struct scene_object *caller(const struct scene *scene, enum scene_effect effect)
 {
-	for (size_t i = 0; i < scene->object_count; i++) {
+	const bool called = effect == EFFECT_MESH || effect == EFFECT_GROUSERS || effect == EFFECT_LOAD;
+	for (size_t i = 0; i < scene->object_count && called; i++) {
 		const struct scene_object *object = &scene->objects[i];
 		if ((effect == EFFECT_MESH && object->shape.kind == DEFORM_MESH) ||
 		    (effect == EFFECT_GROUSERS && object->shape.grousers > 0) || (effect == EFFECT_LOAD && object->load > 0))

@@ -28,7 +28,9 @@ static enum status read_tree(struct scene_tree *tree, const char *text, size_t l
 		status = scene_set(tree, &settings[i]);
 	if (status == STATUS_OK && count > 0)
 		status = scene_alias(tree); /* the values of the settings may have old names, too */
-	return status == STATUS_OK ? scene_fold(tree) : status;
+	if (status == STATUS_OK)
+		status = scene_fold(tree);
+	return status == STATUS_OK ? scene_tree_list(tree) : status;
 }
 
 /* Fills the scene from `text`. The caller has already set the members file, folder and hosted. */

@@ -72,7 +72,29 @@ void scene_node_destroy(struct scene_node *node)
 	}
 	mem_free(node->key);
 	mem_free(node->text);
+	mem_free(node->items);
 	mem_free(node);
+}
+
+static enum status list_items(struct scene_node *node)
+{
+	enum status status = STATUS_OK;
+	if (node->kind == SCENE_SEQUENCE && node->count > 0) {
+		node->items = mem_alloc(node->count, sizeof *node->items);
+		if (node->items == NULL)
+			return fail_memory("reading the scene");
+	}
+	for (struct scene_node *child = node->first; child != NULL && status == STATUS_OK; child = child->next) {
+		if (node->items != NULL)
+			node->items[child->index] = child;
+		status = list_items(child);
+	}
+	return status;
+}
+
+enum status scene_tree_list(struct scene_tree *tree)
+{
+	return list_items(tree->root);
 }
 
 void scene_tree_finish(struct scene_tree *tree)
@@ -120,7 +142,7 @@ const struct scene_node *scene_tree_find(const struct scene_tree *tree, const ch
 		if (*c == '[') {
 			size_t index = strtoul(c + 1, &c, 10);
 			c++; /* the closing bracket */
-			child = at->first;
+			child = at->items == NULL ? at->first : index < at->count ? at->items[index] : NULL;
 			while (child != NULL && child->index != index)
 				child = child->next;
 		} else {

@@ -25,6 +25,7 @@ struct scene_node {
 	const char *setting; /* the --set key that this node comes from, or NULL; must stay valid longer than the tree */
 	struct scene_node *parent, *first, *last, *next;
 	size_t count, index; /* number of children; position among the parent's children, from 0 */
+	struct scene_node **items; /* of a sequence: its children by index; NULL: not listed (scene_tree_list) */
 };
 
 struct scene_tree {
@@ -47,6 +48,8 @@ void scene_node_append(struct scene_node *parent, struct scene_node *child);
 void scene_node_remove(struct scene_node *child);
 struct scene_node *scene_node_child(const struct scene_node *parent, const char *key);
 
+/* Lists the children of every sequence, so that scene_tree_find takes the same time for each. The tree may not change afterwards. */
+enum status scene_tree_list(struct scene_tree *tree) FURROW_CHECKED;
 /* Returns the node at a path such as "objects[1].path.speed". If it does not exist, returns the deepest node on the way to it. */
 const struct scene_node *scene_tree_find(const struct scene_tree *tree, const char *format, ...)
 	FURROW_PRINTF(2, 3);

@@ -121,7 +121,7 @@ static enum status doubt_loads(const struct units *units)
 		size_t before = 0, alike = 0;
 		if (!is_light(&objects[i]))
 			continue;
-		for (size_t j = 0; j < units->scene->object_count; j++) {
+		for (size_t j = 0; j < units->scene->object_count && before == 0; j++) {
 			bool same = is_light(&objects[j]) && objects[j].load == objects[i].load &&
 				    objects[j].shape.radius == objects[i].shape.radius;
 			before += same && j < i;

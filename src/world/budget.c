@@ -65,11 +65,9 @@ static enum status check_active(const struct world *world)
 	return STATUS_OK;
 }
 
-enum status world_shape_budget(struct world *world, const char *name, const struct deform_shape *shape)
+static enum status shape_budget(struct world *world, const struct deform_params *params, const char *name, const struct deform_shape *shape)
 {
-	struct deform_params params;
-	world_deform_params(world, &params);
-	const size_t tiles = window_tiles(world, &params, shape);
+	const size_t tiles = window_tiles(world, params, shape);
 	if (tiles > WORLD_TILES_MOST)
 		return fail_with(STATUS_INPUT, "%s: it touches up to %zu tiles of %u cells at once, and %d is the most; import with larger "
 					       "tiles (--tile)", name, tiles, world->meta->extent.cells, WORLD_TILES_MOST);
@@ -79,6 +77,13 @@ enum status world_shape_budget(struct world *world, const char *name, const stru
 	if (tiles > world->windows.tiles)
 		world->windows.tiles = tiles;
 	return STATUS_OK;
+}
+
+enum status world_shape_budget(struct world *world, const char *name, const struct deform_shape *shape)
+{
+	struct deform_params params;
+	world_deform_params(world, &params);
+	return shape_budget(world, &params, name, shape);
 }
 
 size_t world_least_slots(const struct world *world)
@@ -111,7 +116,7 @@ enum status world_budget_check(struct world *world)
 				 block, world->meta->extent.cells, world->limits.slots, WORLD_TILES_MOST);
 	world->windows.tiles = block;
 	for (size_t i = 0; i < scene->object_count; i++) {
-		status = world_shape_budget(world, scene->objects[i].name, &scene->objects[i].shape);
+		status = shape_budget(world, &params, scene->objects[i].name, &scene->objects[i].shape);
 		if (status != STATUS_OK)
 			return status;
 	}
