@@ -43,7 +43,7 @@ static void print_head(const struct scene *scene, const struct report_plan *plan
 	if (plan->window_tiles > 0)
 		printf("; a window touches at most %zu", plan->window_tiles);
 	if (plan->batch_windows > 0)
-		printf("\n  contacts that share no tile are computed together, up to %zu at once; that takes %s more", plan->batch_windows,
+		printf("\n  contacts that share no post are computed together, up to %zu at once; that takes %s more", plan->batch_windows,
 		       layout_bytes(plan->batch_bytes).text);
 	printf("\n  %s step%s", layout_number((uint64_t)plan->steps).text, plan->steps == 1 ? "" : "s");
 	if (plan->pictures > 0)

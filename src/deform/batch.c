@@ -1,5 +1,5 @@
 /*
- * Batches: small contacts of bodies that share no tile, computed together. Their windows lie beside each other in layer 0, and each pass
+ * Batches: small contacts whose windows share no post, computed together. Their windows lie beside each other in layer 0, and each pass
  * draws all of them. So the cost of a pass is paid once for a batch, not once for a body. A pass reads only posts of the same window, and
  * all numbers are whole. So a window's posts have the same bits as if it were computed alone.
  *

@@ -350,7 +350,7 @@ enum status deform_scatter(struct deform *deform, const struct deform_window *wi
 			   const struct deform_tile *tiles, size_t count) FURROW_CHECKED;
 
 /*
- * A batch: contacts of one window each that share no tile, computed together (batch.c). Call deform_batch_begin; deform_batch_add for each
+ * A batch: contacts of one window each that share no post, computed together (batch.c). Call deform_batch_begin; deform_batch_add for each
  * window; deform_batch_compute; deform_batch_scatter for each window. The result has the same bits as contacts that are computed one
  * after another. Only if the parameters ask for batches.
  */

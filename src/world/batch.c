@@ -1,12 +1,12 @@
 /*
  * Contacts of one step that wait, to be computed together (deform/batch.c).
  *
- * Contacts act in the order of the events. But two contacts whose windows share no tile may act in any order, or together: neither reads
- * or changes a post of the other. So each contact that waits has a round: one more than the last round of all waiting contacts that
- * share a tile with it. Rounds are computed one after another. The contacts of a round share no tile, so they are computed in batches.
+ * Contacts act in the order of the events. But two contacts whose windows share no post may act in any order, or together: neither reads
+ * or changes a post of the other. So each contact that waits has a round. It is one more than the last round of those that share a block of
+ * posts with it. Rounds are computed one after another. The contacts of a round share no post, so they are computed in batches.
  *
  * Invariants: (1) Tiles are pinned only while their batch is computed. (2) A contact that is computed alone first waits for all that share
- * a tile with it. (3) Nothing waits between steps, nor while soil relaxes.
+ * a block with it. (3) Nothing waits between steps, nor while soil relaxes.
  */
 #include <string.h>
 
@@ -14,6 +14,7 @@
 
 #define TILES_MOST 4   /* of a contact that may wait: with smaller tiles it is computed alone */
 #define WAITING_MOST 8192
+#define BLOCK 32       /* posts on a side of a block: about as many as a small window has */
 
 struct waiting {
 	const struct event *event;
@@ -34,7 +35,7 @@ struct chosen {
 struct batches {
 	struct waiting *list;
 	size_t count, room, rounds;
-	struct key_map last;  /* of a tile: the last round, from 1, of the contacts that touch it; only of the keys in `keys` */
+	struct key_map last;  /* of a block: the last round, from 1, of the contacts whose windows have posts in it */
 	size_t *order;        /* contacts by round */
 	size_t order_room;
 	struct chosen chosen[DEFORM_BATCH_MOST];
@@ -75,19 +76,35 @@ static size_t tiles_of(const struct world *world, struct post_rect rect, uint64_
 	return count;
 }
 
-static size_t last_round(const struct batches *batches, const uint64_t *keys, size_t count)
+/* The blocks on which posts of a rectangle lie: from the first to before the last. A window may begin beyond the world. */
+static struct post_rect blocks_of(struct post_rect rect)
 {
+	rect.x0 = rect.x0 > 0 ? rect.x0 : 0;
+	rect.y0 = rect.y0 > 0 ? rect.y0 : 0;
+	return (struct post_rect){rect.x0 / BLOCK, rect.y0 / BLOCK, (rect.x1 + BLOCK - 1) / BLOCK, (rect.y1 + BLOCK - 1) / BLOCK};
+}
+
+static uint64_t block_key(int64_t x, int64_t y)
+{
+	return (uint64_t)y << 32 | (uint64_t)x;
+}
+
+static size_t last_round(const struct batches *batches, struct post_rect rect)
+{
+	const struct post_rect blocks = blocks_of(rect);
 	size_t last = 0;
-	for (size_t i = 0; i < count; i++) {
-		const struct key_pair *pair = key_map_find(&batches->last, keys[i]);
-		if (pair != NULL && (size_t)pair->a > last)
-			last = (size_t)pair->a;
-	}
+	for (int64_t y = blocks.y0; y < blocks.y1; y++)
+		for (int64_t x = blocks.x0; x < blocks.x1; x++) {
+			const struct key_pair *pair = key_map_find(&batches->last, block_key(x, y));
+			if (pair != NULL && (size_t)pair->a > last)
+				last = (size_t)pair->a;
+		}
 	return last;
 }
 
 static enum status add(struct batches *batches, const struct waiting *waiting)
 {
+	const struct post_rect blocks = blocks_of(waiting->window.read);
 	if (batches->count == batches->room) {
 		size_t room = batches->room != 0 ? 2 * batches->room : 64;
 		struct waiting *list = mem_realloc(batches->list, room, sizeof *list);
@@ -98,8 +115,9 @@ static enum status add(struct batches *batches, const struct waiting *waiting)
 	}
 	batches->list[batches->count++] = *waiting;
 	enum status status = STATUS_OK;
-	for (size_t i = 0; i < waiting->tiles && status == STATUS_OK; i++)
-		status = key_map_put(&batches->last, waiting->keys[i], (double)waiting->round, 0);
+	for (int64_t y = blocks.y0; y < blocks.y1; y++)
+		for (int64_t x = blocks.x0; x < blocks.x1 && status == STATUS_OK; x++)
+			status = key_map_put(&batches->last, block_key(x, y), (double)waiting->round, 0);
 	return status;
 }
 
@@ -120,7 +138,7 @@ enum status world_batches_take(struct world *world, const struct event *event, c
 		status = world_batches_flush(world);
 	if (status != STATUS_OK)
 		return status;
-	waiting.round = last_round(batches, waiting.keys, waiting.tiles) + 1;
+	waiting.round = last_round(batches, windows[0].read) + 1;
 	batches->rounds = waiting.round > batches->rounds ? waiting.round : batches->rounds;
 	return add(batches, &waiting);
 }
@@ -129,11 +147,8 @@ enum status world_batches_flush_near(struct world *world, const struct deform_wi
 {
 	struct batches *batches = world->batches;
 	bool near = false;
-	for (size_t i = 0; i < count && !near && batches->count > 0; i++) {
-		uint64_t keys[WORLD_TILES_MOST];
-		size_t tiles = tiles_of(world, windows[i].read, keys, WORLD_TILES_MOST);
-		near = tiles > WORLD_TILES_MOST || last_round(batches, keys, tiles) > 0;
-	}
+	for (size_t i = 0; i < count && !near && batches->count > 0; i++)
+		near = last_round(batches, windows[i].read) > 0;
 	return near ? world_batches_flush(world) : STATUS_OK;
 }
 

@@ -200,10 +200,10 @@ enum status world_feel(struct world *world, const struct event *event) FURROW_CH
 
 enum status world_batches_create(struct world *world) FURROW_CHECKED; /* makes none if the scene's contacts are computed alone */
 void world_batches_free(struct world *world);
-/* *taken: the contact waits. If it cannot wait, all that share a tile with it are computed first. Needs world->batches. */
+/* *taken: the contact waits. If it cannot wait, all that may share a post with it are computed first. Needs world->batches. */
 enum status world_batches_take(struct world *world, const struct event *event, const struct deform_contact *contact,
 			       const struct deform_window *windows, size_t count, bool *taken) FURROW_CHECKED;
-/* Computes all contacts that wait. world_batches_flush_near: if one of them shares a tile with these windows. */
+/* Computes all contacts that wait. world_batches_flush_near: if one of them may share a post with these windows. */
 enum status world_batches_flush(struct world *world) FURROW_CHECKED;
 enum status world_batches_flush_near(struct world *world, const struct deform_window *windows, size_t count) FURROW_CHECKED;
 void world_batches_forget(struct world *world); /* drops what a step that failed left */
