@@ -93,6 +93,9 @@ struct scene_path {
 	size_t count; /* 0: the path has no points, and the host moves the object */
 	double speed; /* m/s; only for a path of points */
 	bool loop;
+	/* The path in metres of the store's axes is turned about its first point, in rad from east to north, and then moved, in m. Yaws of the
+	 * waypoints are turned already; x and y are not. */
+	double rotate, offset[2];
 	bool timed;            /* the path is from a poses file, so each waypoint has its t */
 	bool has_z, has_attitude;
 };

@@ -99,6 +99,15 @@ static void add_object_more(XXH3_state_t *state, size_t index, const struct scen
 		add_part(state, 'l', index);
 		add_number(state, object->load);
 	}
+	if (object->path.rotate != 0) {
+		add_part(state, 'r', index);
+		add_number(state, object->path.rotate);
+	}
+	if (object->path.offset[0] != 0 || object->path.offset[1] != 0) {
+		add_part(state, 'o', index);
+		add_number(state, object->path.offset[0]);
+		add_number(state, object->path.offset[1]);
+	}
 	if (object->slip != 0) {
 		add_part(state, 's', index);
 		add_number(state, object->slip);

@@ -93,6 +93,16 @@ static enum status check_path(const struct scene_tree *tree, const struct raw_pa
 	return status;
 }
 
+/* Takes how the whole path is turned and moved. */
+static void take_move(const struct raw_path *raw, struct scene_path *path)
+{
+	for (int i = 0; i < 2 && raw->offset != NULL; i++)
+		path->offset[i] = raw->offset[i];
+	path->rotate = raw->rotate != NULL ? *raw->rotate * M_PI / 180 : 0;
+	for (size_t i = 0; i < path->count && path->has_attitude && path->rotate != 0; i++)
+		path->points[i].yaw += path->rotate;
+}
+
 /* Checks the keys that need a model that computes forces. */
 static enum status check_forces(const struct scene_tree *tree, const struct raw_object *raw,
 				const struct scene_object *object, enum deform_model kind, size_t index)
@@ -170,6 +180,8 @@ enum status scene_check_object(const struct scene_tree *tree, const struct raw_o
 		status = raw->path != NULL ? check_path(tree, raw->path, index, &object->path)
 					   : check_hosted(tree, raw, index);
 	level_pitch(&object->shape, &object->path);
+	if (status == STATUS_OK && raw->path != NULL)
+		take_move(raw->path, &object->path);
 	return status == STATUS_OK ? check_forces(tree, raw, object, scene->model, index) : status;
 }
 

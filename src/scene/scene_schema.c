@@ -67,6 +67,8 @@ static const cyaml_schema_field_t path_fields[] = {
 	CYAML_FIELD_FLOAT_PTR("speed", OPTIONAL, struct raw_path, speed),
 	CYAML_FIELD_BOOL_PTR("loop", OPTIONAL, struct raw_path, loop),
 	CYAML_FIELD_STRING_PTR("file", OPTIONAL, struct raw_path, file, 1, 4096),
+	CYAML_FIELD_FLOAT_PTR("rotate", OPTIONAL, struct raw_path, rotate),
+	CYAML_FIELD_SEQUENCE("offset", OPTIONAL_POINTER, struct raw_path, offset, &float_entry, 2, 2),
 	CYAML_FIELD_END,
 };
 static const cyaml_schema_field_t interface_fields[] = {
@@ -353,6 +355,8 @@ static const struct scene_limit limits[] = {
 	{"objects[].shape.mesh.scale", 0, 1000, true, NULL, NULL, 1, NULL},
 	{"objects[].path.points[][]", -1e9, 1e9, false, NULL, "m", NAN, NULL},
 	{"objects[].path.speed", 0, 10000, true, NULL, "m/s", NAN, NULL},
+	{"objects[].path.rotate", -36000, 36000, false, NULL, "degrees", 0, NULL},
+	{"objects[].path.offset[]", -1e9, 1e9, false, NULL, "m", NAN, "0, 0"},
 	{"objects[].sink", 0, 1000, false, NULL, "m", 0, NULL},
 	{"objects[].load", 0, 1e9, true, NULL, "N", NAN, "none: sink"},
 	{"objects[].slip", -1000, 0.99, false, NULL, NULL, 0, NULL},

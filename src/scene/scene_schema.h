@@ -51,6 +51,9 @@ struct raw_path {
 	double *speed;
 	bool *loop;
 	char *file;
+	double *rotate; /* degrees */
+	double *offset;
+	uint32_t offset_count;
 };
 struct raw_interface {
 	double *friction_angle, *adhesion; /* degrees, Pa */

@@ -24,6 +24,22 @@ enum status world_local_point(const struct world *world, const double from[2], d
 	return STATUS_OK;
 }
 
+/* Turns the whole path about its first point, and moves it. Quarter turns are exact. */
+static void move_points(const struct scene_path *path, double (*points)[2])
+{
+	const double quarters = path->rotate / (M_PI / 2), first[2] = {points[0][0], points[0][1]};
+	double c = cos(path->rotate), s = sin(path->rotate);
+	if (fabs(quarters - round(quarters)) < 1e-12) {
+		c = round(c);
+		s = round(s);
+	}
+	for (size_t i = 0; i < path->count; i++) {
+		const double x = points[i][0] - first[0], y = points[i][1] - first[1];
+		points[i][0] = first[0] + (c * x - s * y) + path->offset[0];
+		points[i][1] = first[1] + (s * x + c * y) + path->offset[1];
+	}
+}
+
 /* Converts the path's points to local metres. */
 static enum status local_points(const struct world *world, const struct scene_path *path, double (*points)[2])
 {
@@ -32,6 +48,8 @@ static enum status local_points(const struct world *world, const struct scene_pa
 		if (status != STATUS_OK)
 			return status;
 	}
+	if (path->rotate != 0 || path->offset[0] != 0 || path->offset[1] != 0)
+		move_points(path, points);
 	return STATUS_OK;
 }
 
