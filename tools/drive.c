@@ -52,8 +52,8 @@ static enum status check_many(const struct api_params *params)
 	if (params->keep_history)
 		return fail_with(STATUS_USAGE, "drive: --keep-history is of drives by one process; leave it out");
 	if (params->scene->view.images > 0)
-		return fail_with(STATUS_INPUT, "%s: output.images: many processes draw no pictures, since none has the whole ground; drive with "
-					       "--set output.images=0, and make pictures of the overlay afterwards (furrow view)",
+		return fail_with(STATUS_INPUT, "%s: view.images: many processes draw no pictures, since none has the whole ground; drive with "
+					       "--set view.images=0, and make pictures of the overlay afterwards (furrow view)",
 				 params->scene->file);
 	return STATUS_OK;
 }

@@ -251,7 +251,10 @@ class Refused(Ranks):
         self.assertIn("--overlay", self.run_command(command[:at] + command[at + 2:], expect=1))
         self.assertIn("--trace", self.run_command(command + ["--trace", "x.trace"], expect=1))
         self.assertIn("--keep-history", self.run_command(command + ["--keep-history"], expect=1))
+        self.scene(CONVOY + "view: {camera: {overhead: {over: w0, height: 40}}, images: 5}\n")
+        self.assertIn("view.images=0", self.run_command(command, expect=1))
         self.assertFalse((self.folder / "many.furrow").exists())
+        self.run_command(command + ["--set", "view.images=0"])
 
     def test_a_rank_without_gl(self):
         self.scene(CONVOY)
