@@ -227,6 +227,8 @@ static enum status agree(void *user, struct world *world, enum status status)
 	const bool first = fleet->world == NULL;
 	memset(&comparing, 0, sizeof comparing);
 	fleet->world = world;
+	if (fleet->failed) /* all know it */
+		return status;
 	enum status put = fleet_begin(fleet, FLEET_AGREE, status);
 	if (first && status == STATUS_OK && put == STATUS_OK) {
 		struct common *mine = &comparing.mine;

@@ -29,6 +29,7 @@ struct watch {
 	struct deform_pose last;
 	struct ahead_tile *tiles;
 	size_t count, room;
+	bool away;                     /* the body was elsewhere in the last step */
 };
 
 struct look_ahead {
@@ -61,15 +62,22 @@ static enum status start_prefetcher(struct look_ahead *ahead)
 	if (params->prefetch <= 0 || params->count == 0)
 		return STATUS_OK;
 	const struct track **tracks = mem_alloc(params->count, sizeof *tracks);
-	if (tracks == NULL)
+	const _Atomic bool **elsewhere = mem_alloc(params->count, sizeof *elsewhere);
+	if (tracks == NULL || elsewhere == NULL) {
+		mem_free(tracks);
+		mem_free(elsewhere);
 		return fail_memory("the prefetcher");
-	for (size_t i = 0; i < params->count; i++)
+	}
+	for (size_t i = 0; i < params->count; i++) {
 		tracks[i] = params->bodies[i].track;
+		elsewhere[i] = params->bodies[i].elsewhere;
+	}
 	struct prefetcher_params prefetcher = {
 		.store = params->store,
 		.ground = params->ground,
 		.tiles = params->tiles,
 		.tracks = tracks,
+		.elsewhere = elsewhere,
 		.count = params->count,
 		.post = params->spacing,
 		.camera = params->camera,
@@ -80,6 +88,7 @@ static enum status start_prefetcher(struct look_ahead *ahead)
 	};
 	enum status status = motion_prefetcher_create(&prefetcher, &ahead->prefetcher);
 	mem_free(tracks);
+	mem_free(elsewhere);
 	return status;
 }
 
@@ -260,6 +269,15 @@ static enum status go_on(const struct look_ahead *ahead, struct watch *watch, do
 	return status;
 }
 
+/* Goes to the first path sample that is not made yet. */
+static void come_back(struct watch *watch, double time)
+{
+	const int64_t samples = motion_track_samples(watch->body.track);
+	while (watch->sample < samples && motion_track_sample_time(watch->body.track, watch->sample) <= time)
+		watch->sample++;
+	watch->away = false;
+}
+
 /* `*changed`: there are new tiles, or enough were left behind. */
 static enum status look(struct look_ahead *ahead, double time, bool *changed)
 {
@@ -269,6 +287,14 @@ static enum status look(struct look_ahead *ahead, double time, bool *changed)
 	enum status status = STATUS_OK;
 	for (size_t i = 0; i < ahead->params.count; i++) {
 		struct watch *watch = &ahead->watches[i];
+		if (watch->body.elsewhere != NULL && *watch->body.elsewhere) {
+			*changed |= watch->count > 0;
+			watch->count = 0;
+			watch->away = true;
+			continue;
+		}
+		if (watch->away)
+			come_back(watch, time);
 		if (status == STATUS_OK)
 			status = go_on(ahead, watch, time, SIZE_MAX, changed);
 		ahead->passed += forget_passed(watch, time);

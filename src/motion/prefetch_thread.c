@@ -31,6 +31,7 @@
 
 struct walker {
 	const struct track *track; /* NULL: the camera's */
+	const _Atomic bool *elsewhere; /* while it is true the walker does not move; NULL: it always does */
 	int64_t past;              /* the last path sample whose time has passed */
 	int64_t sample, last;      /* path sample where the walker is; the last one of the track */
 	double time;               /* of the walker, s; INFINITY: it is at the end of its track */
@@ -168,6 +169,10 @@ static void begin(struct prefetch_thread *ahead, struct walker *walker, double n
 {
 	walker->time = now;
 	walker->sample = walker->past;
+	if (walker->elsewhere != NULL && atomic_load(walker->elsewhere)) {
+		walker->time = INFINITY;
+		return;
+	}
 	look_around(ahead, walker);
 	walker->before = walker->level;
 	if (walker->track == NULL)
@@ -331,7 +336,11 @@ static void mount_walkers(struct prefetch_thread *ahead)
 	const struct prefetcher_params *params = &ahead->params;
 	ahead->walker_count = params->count + (params->camera != NULL);
 	for (size_t i = 0; i < params->count; i++)
-		ahead->walkers[i] = (struct walker){.track = params->tracks[i], .last = motion_track_samples(params->tracks[i]) - 1};
+		ahead->walkers[i] = (struct walker){
+			.track = params->tracks[i],
+			.elsewhere = params->elsewhere != NULL ? params->elsewhere[i] : NULL,
+			.last = motion_track_samples(params->tracks[i]) - 1,
+		};
 	for (size_t i = 0; i < ahead->walker_count; i++)
 		ahead->heap[i] = (uint32_t)i;
 }

@@ -54,6 +54,7 @@ enum status motion_prefetcher_create(const struct prefetcher_params *params, str
 		struct prefetcher_params own = *params;
 		const size_t first = part(params->count, i, threads);
 		own.tracks = params->tracks + first;
+		own.elsewhere = params->elsewhere != NULL ? params->elsewhere + first : NULL;
 		own.count = part(params->count, i + 1, threads) - first;
 		own.tiles = (uint32_t)(part(params->tiles, i + 1, threads) - part(params->tiles, i, threads));
 		if (i > 0)

@@ -21,6 +21,8 @@ struct prefetcher_params {
 	/* most tiles that it keeps in the ground; fewer than the ground's own limit, which also holds other tiles */
 	uint32_t tiles;
 	const struct track *const *tracks; /* copied; the tracks must stay valid longer than the prefetcher */
+	/* One for each track: while *elsewhere is true nothing is loaded for its body. Copied with the tracks. NULL: there are none */
+	const _Atomic bool *const *elsewhere;
 	size_t count;                      /* at least 1 */
 	double post;                       /* metres between a track's path samples */
 	look_ahead_camera_fn camera;            /* NULL: there is no camera */

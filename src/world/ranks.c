@@ -13,7 +13,7 @@
 
 /* --- where bodies are --- */
 
-static bool *elsewhere_of(struct world *world, size_t index)
+static _Atomic bool *elsewhere_of(struct world *world, size_t index)
 {
 	return world_is_hosts(world, index) ? &world_host_body(world, (int32_t)(index - world->scene->object_count - 1))->body.elsewhere :
 					      &world->bodies[index].elsewhere;
@@ -42,7 +42,7 @@ void world_forget_events(struct world *world)
 
 void world_body_here(struct world *world, size_t index, bool here)
 {
-	bool *elsewhere = elsewhere_of(world, index);
+	_Atomic bool *elsewhere = elsewhere_of(world, index);
 	const bool changes = *elsewhere == here;
 	*elsewhere = !here;
 	if (!changes || !world_is_hosts(world, index))

@@ -68,7 +68,8 @@ static enum status start_look_ahead(struct world *world)
 	size_t count = 0;
 	for (size_t i = 0; i < scene->object_count; i++)
 		if (world->bodies[i].track != NULL)
-			bodies[count++] = (struct look_ahead_body){world->bodies[i].track, &world->bodies[i].object->shape, world->bodies[i].next};
+			bodies[count++] = (struct look_ahead_body){world->bodies[i].track, &world->bodies[i].object->shape, world->bodies[i].next,
+									&world->bodies[i].elsewhere};
 	uint32_t tiles = world->limits.ground;
 	bool follows = scene->view.present && scene->view.camera != SCENE_FIXED && scene->view.target_vehicle == 0 && scene->object_count > 0 &&
 		       world->bodies[scene->view.target_object].track != NULL;
@@ -278,6 +279,8 @@ enum status world_warm(struct world *world)
 	if (status == STATUS_OK)
 		status = gpu_slots_warm(world->slots, world_division(world),
 					deformed && world->params.draws);
+	if (world->ranks != NULL) /* so that nothing is loaded for bodies of other ranks */
+		status = world->ranks->step(world->ranks->user, world_step_time(scene, world->step + 1), status);
 	serve(world);
 	double began = clock_seconds();
 	if (status == STATUS_OK)

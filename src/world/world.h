@@ -171,7 +171,7 @@ struct body {
 	uint32_t loaded_body;         /* for a body with a load: its number among the loaded bodies, from 1 */
 	int64_t skipped;          /* number of path samples without ground */
 	uint64_t windows, windows_moved; /* windows computed; of these, the windows in which the body moved */
-	bool elsewhere;           /* another rank computes its contacts */
+	_Atomic bool elsewhere;   /* another rank computes its contacts. Threads that load ahead read it */
 };
 
 /* Where a host's body is, and how it moves. Local axes: x east, y north, z up. */

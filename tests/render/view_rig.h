@@ -43,7 +43,7 @@ static inline void start_look_ahead(struct rig *rig)
 	struct deform_params params = {.gpu = world->gpu, .slots = world->slots, .extent = &world->meta->extent,
 				       .level = world->level};
 	must(deform_create(&params, &world->deform));
-	const struct look_ahead_body body = {rig->body.track, &rig->object.shape, rig->body.next};
+	const struct look_ahead_body body = {rig->body.track, &rig->object.shape, rig->body.next, NULL};
 	must(motion_look_ahead_create(&(struct look_ahead_params){.store = world->store, .ground = world->ground, .tiles = 8, .bodies = &body,
 							   .count = 1, .spacing = world->spacing, .prefetch = rig->scene.prefetch,
 							   .end = rig->scene.end_time}, &world->ahead));
