@@ -28,7 +28,7 @@ bool world_ranked(const struct world *world, size_t index)
 {
 	if (index < world->scene->object_count)
 		return world->bodies[index].track != NULL;
-	if (index == world->scene->object_count)
+	if (index == world->scene->object_count || index >= world_ranked_bodies(world))
 		return false;
 	const struct host_body *host = world->hosts.list[index - world->scene->object_count - 1];
 	return host != NULL && host->placed && !host->removed;
