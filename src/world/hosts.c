@@ -159,7 +159,7 @@ enum status world_body_find(const struct world *world, const char *name, int32_t
 }
 
 /* Gives a free name instead of the scene's "body-1". */
-static enum status name_it(const struct world *world, struct scene_object *object, bool given)
+static enum status name_it(struct world *world, struct scene_object *object, bool given)
 {
 	int32_t other;
 	char name[32];
@@ -167,11 +167,9 @@ static enum status name_it(const struct world *world, struct scene_object *objec
 		return STATUS_OK;
 	if (given)
 		return fail_with(STATUS_INPUT, "%s: another body has this name; give one that is free", object->name);
-	for (unsigned n = 1;; n++) {
-		snprintf(name, sizeof name, "body-%u", n);
-		if (world_body_find(world, name, &other) != STATUS_OK)
-			break;
-	}
+	do
+		snprintf(name, sizeof name, "body-%u", ++world->hosts.named);
+	while (world_body_find(world, name, &other) == STATUS_OK);
 	char *copy = mem_alloc(strlen(name) + 1, 1);
 	if (copy == NULL)
 		return fail_memory("a body");
@@ -213,13 +211,12 @@ enum status world_body_add(struct world *world, struct scene_object *object, int
 		status = world_forces_wait(world->forces); /* warming up drops forces that are being computed */
 	if (status == STATUS_OK)
 		status = deform_warm(world->deform, &planned, world_asks_forces(world));
-	if (status != STATUS_OK)
-		return status;
-	struct scene_object *owned = mem_calloc(1, sizeof *owned);
+	struct scene_object *owned = status == STATUS_OK ? mem_calloc(1, sizeof *owned) : NULL;
 	struct host_body *host = owned != NULL ? new_body(owned, owned) : NULL;
 	if (host == NULL) {
 		mem_free(owned);
-		return fail_memory("a body");
+		world->hosts.named = 0; /* its name is free again */
+		return status != STATUS_OK ? status : fail_memory("a body");
 	}
 	*owned = *object;
 	*number = (int32_t)world->hosts.count;
@@ -371,6 +368,7 @@ enum status world_body_remove(struct world *world, int32_t number)
 		status = lift(world, host);
 	if (status == STATUS_OK)
 		host->removed = true;
+	world->hosts.named = 0; /* its name may be one of them */
 	return status;
 }
 

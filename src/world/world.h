@@ -368,6 +368,7 @@ struct world {
 	struct world_hosts {      /* hosts.c: by number. NULL for a body with a path, and for a body that a rollback removed */
 		struct host_body **list;
 		size_t count, room;
+		unsigned named;       /* names body-1 .. body-NAMED are taken */
 		uint64_t turn;        /* number of calls of world_bodies_set so far */
 		double until;         /* s: the end of the current step */
 	} hosts;

@@ -342,6 +342,37 @@ static void bodies_that_are_not_there(void **state)
 	refused(FURROW_INPUT, furrow_body_add(world, "{name: driven, shape: {sphere: {radius: 1}}}", &body));
 }
 
+/* A body without a name gets the first number that is free, also after others were removed. */
+static void bodies_without_a_name_get_the_first_that_is_free(void **state)
+{
+	enum { COUNT = 5 }; /* the world has a body-1 */
+	need_world();
+	furrow_body bodies[COUNT], again, found;
+	char name[32];
+	for (int i = 0; i < COUNT; i++)
+		done(furrow_body_add(world, "{shape: {sphere: {radius: 0.5}}}", &bodies[i]));
+	for (int i = 0; i < COUNT; i++) {
+		snprintf(name, sizeof name, "body-%d", i + 2);
+		done(furrow_body_find(world, name, &found));
+		assert_int_equal(found, bodies[i]);
+	}
+	done(furrow_body_remove(world, bodies[1]));
+	done(furrow_body_remove(world, bodies[3]));
+	for (int i = 1; i < 6; i += 2) {
+		done(furrow_body_add(world, "{shape: {sphere: {radius: 0.5}}}", &again));
+		snprintf(name, sizeof name, "body-%d", i < 5 ? i + 2 : 7);
+		done(furrow_body_find(world, name, &found));
+		assert_int_equal(found, again);
+		done(furrow_body_remove(world, again));
+		if (i == 1) /* the next is another then */
+			done(furrow_body_add(world, "{name: body-3, shape: {sphere: {radius: 0.5}}}", &bodies[1]));
+		if (i == 3)
+			done(furrow_body_add(world, "{name: body-5, shape: {sphere: {radius: 0.5}}}", &bodies[3]));
+	}
+	for (int i = 0; i < COUNT; i++)
+		done(furrow_body_remove(world, bodies[i]));
+}
+
 static void all_of_that_changed_nothing(void **state)
 {
 	need_world();
@@ -360,7 +391,8 @@ int main(void)
 		cmocka_unit_test(an_opening_that_is_wrong),  cmocka_unit_test(no_world),
 		cmocka_unit_test(pointers_that_are_null),    cmocka_unit_test(numbers_that_are_none),
 		cmocka_unit_test(sizes_that_are_off),        cmocka_unit_test(nothing_of_everything),
-		cmocka_unit_test(bodies_that_are_not_there), cmocka_unit_test(all_of_that_changed_nothing),
+		cmocka_unit_test(bodies_that_are_not_there), cmocka_unit_test(bodies_without_a_name_get_the_first_that_is_free),
+		cmocka_unit_test(all_of_that_changed_nothing),
 	};
 	return cmocka_run_group_tests(tests, enter, leave);
 }
