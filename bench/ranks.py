@@ -2,8 +2,8 @@
 
     python3 bench/ranks.py build/tools/furrow [--wheels 100,200,400] [--ranks 1,2,3,4,8] [--model box] [--steps 160] [--json FILE]
 
-Wheels as in bench/fleet.py: posts 1/8 m apart, steps of 0.05 s, a path sample for each wheel and step. One wheel of twenty goes at
-60 m/s through the tiles of others: 95 % of the wheels are independent. What is measured is processor time, of all ranks together, in steps without waiting: two
+Wheels as in bench/fleet.py: posts 1/8 m apart, steps of 0.05 s, a path sample for each wheel and step. One wheel of twenty drives
+to another that is on another rank, and over its track: 95 % of the wheels are independent. What is measured is processor time, of all ranks together, in steps without waiting: two
 processors cannot show how long eight ranks take. One process alone has no such figure in run.json; its processor time is that of a run
 less that of a run of a quarter of the steps.
 
@@ -32,13 +32,14 @@ CHECKED = 3  # ranks of the runs that the model is checked on
 
 
 def scene(wheels, model, steps):
-    """fleet.py's scene. One wheel of twenty goes at 60 m/s to where another began, half of the fleet away, through the tiles of others."""
+    """fleet.py's scene. One wheel of twenty begins 34 m from another, half of the fleet later in the list, and drives over its track."""
     lines = fleet.scene(wheels, model, steps).splitlines()
     first = next(i for i, line in enumerate(lines) if line.startswith("  - "))
-    starts = [re.search(r"points: \[(\[[^]]*\])", line).group(1) for line in lines[first:]]
+    starts = [[float(n) for n in re.search(r"points: \[\[([^]]*)\]", line).group(1).split(",")] for line in lines[first:]]
     for i in range(0, wheels, 20):
         head = lines[first + i].split("path:")[0]
-        lines[first + i] = f"{head}path: {{points: [{starts[i]}, {starts[(i + wheels // 2) % wheels]}], speed: 60}}}}"
+        x, y = starts[(i + wheels // 2) % wheels]
+        lines[first + i] = f"{head}path: {{points: [[{x + 34:.3f}, {y + 1:.3f}], [{x - 34:.3f}, {y + 1:.3f}]], speed: {fleet.SPEED}}}}}"
     return "\n".join(lines).replace("slots: 4096", "slots: 2048") + "\n"
 
 
