@@ -50,7 +50,7 @@ static enum status check_many(const struct api_params *params)
 	if (params->trace != NULL)
 		return fail_with(STATUS_USAGE, "drive: --trace is of one page cache, and many processes have one each; drive with one process");
 	if (params->keep_history)
-		return fail_with(STATUS_USAGE, "drive: --keep-history is of drives by one process; leave it out");
+		return fail_with(STATUS_USAGE, "drive: --keep-history works only with one process; leave it out");
 	if (params->scene->view.images > 0)
 		return fail_with(STATUS_INPUT, "%s: view.images: many processes draw no pictures, since none has the whole ground; drive with "
 					       "--set view.images=0, and make pictures of the overlay afterwards (furrow view)",

@@ -284,6 +284,8 @@ static enum status all(struct drive *drive)
 		status = ranks->end(ranks->user, status);
 	failure_capture(&failure, status);
 	enum status flushed = world_end(world, status == STATUS_OK && (world->step >= total || vehicle_stuck(drive->vehicles)));
+	if (ranks != NULL)
+		flushed = agree(drive, flushed);
 	drive->report.seconds = clock_seconds() - drive->began;
 	/* An interrupted drive that could not be committed has failed. */
 	if (flushed != STATUS_OK && (status == STATUS_OK || status == STATUS_INTERRUPTED))

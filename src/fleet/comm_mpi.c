@@ -29,8 +29,8 @@ static struct {
 
 bool fleet_comm_launched(void)
 {
-	/* Open MPI; MPICH, Intel MPI and srun */
-	const char *const names[] = {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "PMIX_SIZE"};
+	/* Open MPI; MPICH, Intel MPI and srun; srun with PMIx */
+	const char *const names[] = {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE", getenv("PMIX_RANK") != NULL ? "SLURM_STEP_NUM_TASKS" : "PMI_SIZE"};
 	for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
 		const char *text = getenv(names[i]);
 		if (text != NULL && atoi(text) > 1)

@@ -87,11 +87,17 @@ static enum status get_all(void *user, int rank, struct fleet_bytes *bytes)
 	return status == STATUS_OK ? get_blocks(sharing, rank, bytes) : status;
 }
 
-enum status fleet_share_record(struct fleet *fleet)
+enum status fleet_share_record(struct fleet *fleet, enum status status)
 {
 	struct sharing sharing = {.fleet = fleet};
 	struct fleet_told told;
-	enum status status = world_settle_forces(fleet->world);
+	const struct fleet_wait wait = fleet_wait_begin();
+	/* The exchange comes after each rank's last commit is done, so no rank is ahead by more than one commit. */
+	if (status == STATUS_OK)
+		status = page_cache_await_commit(fleet->world->cache);
+	fleet_wait_end(fleet, wait);
+	if (status == STATUS_OK)
+		status = world_settle_forces(fleet->world);
 	if (status == STATUS_OK)
 		status = fleet_begin(fleet, FLEET_COMMIT, status);
 	if (status == STATUS_OK)
@@ -109,18 +115,10 @@ enum status fleet_share_record(struct fleet *fleet)
 	return status;
 }
 
-/* The exchange comes after each rank's last commit is done, so no rank is ahead by more than one commit. */
-enum status fleet_commit(struct fleet *fleet)
+enum status fleet_commit(struct fleet *fleet, enum status status)
 {
 	struct world *world = fleet->world;
-	const struct fleet_wait wait = fleet_wait_begin();
-	enum status status = page_cache_await_commit(world->cache);
-	fleet_wait_end(fleet, wait);
-	if (status != STATUS_OK) { /* so the others learn of it where they wait for this rank's record */
-		struct fleet_told told;
-		return fleet_tell(fleet, FLEET_COMMIT, status, &told, NULL, NULL);
-	}
-	status = fleet_share_record(fleet);
+	status = fleet_share_record(fleet, status);
 	return status == STATUS_OK ? page_cache_begin_commit(world->cache, world->record) : status;
 }
 
@@ -139,7 +137,7 @@ enum status fleet_end(void *user, enum status status)
 	if (fleet->world->torn)
 		return status;
 	failure_capture(&failure, status);
-	const enum status shared = fleet_share_record(fleet);
+	const enum status shared = fleet_share_record(fleet, STATUS_OK);
 	if (shared != STATUS_OK)
 		fleet->world->torn = true;
 	if (status == STATUS_OK || status == STATUS_INTERRUPTED)

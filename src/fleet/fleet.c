@@ -12,6 +12,7 @@ static struct {
 struct head {
 	int32_t kind, status;
 	int32_t stop, due, torn, leaves;
+	int64_t step;
 	char message[480];
 };
 
@@ -66,7 +67,7 @@ enum status fleet_put(struct fleet_bytes *bytes, const void *from, size_t size)
 enum status fleet_get(struct fleet_bytes *bytes, void *to, size_t size)
 {
 	if (size > bytes->size - bytes->at)
-		return fail_with(STATUS_FAILED, "ranks: a message is shorter than it should be; start all ranks with the same furrow");
+		return fail_with(STATUS_FAILED, "ranks: a message is shorter than it should be; start all ranks with the same version of furrow and the same options");
 	if (size > 0)
 		memcpy(to, bytes->bytes + bytes->at, size);
 	bytes->at += size;
@@ -82,7 +83,7 @@ static enum status worst(const void *const *all, const size_t *sizes, int ranks,
 	bool differ = false;
 	for (int i = 0; i < ranks; i++) {
 		if (sizes[i] < sizeof head)
-			return fail_with(STATUS_FAILED, "rank %d: it tells too little; start all ranks with the same furrow", i);
+			return fail_with(STATUS_FAILED, "rank %d: it tells too little; start all ranks with the same version of furrow and the same options", i);
 		memcpy(&head, all[i], sizeof head);
 		head.message[sizeof head.message - 1] = '\0';
 		if (head.status != STATUS_OK && head.status != STATUS_INTERRUPTED)
@@ -90,7 +91,7 @@ static enum status worst(const void *const *all, const size_t *sizes, int ranks,
 				       fail_with((enum status)head.status, "%s", head.message);
 		differ = differ || head.kind != kind;
 	}
-	return differ ? fail_with(STATUS_FAILED, "ranks: they are not at the same place of the run; start all with the same furrow") : STATUS_OK;
+	return differ ? fail_with(STATUS_FAILED, "ranks: they are not at the same place of the run; start all ranks with the same version of furrow and the same options") : STATUS_OK;
 }
 
 static void fill_head(struct head *head, enum fleet_kind kind, enum status status)
@@ -142,6 +143,7 @@ enum status fleet_begin(struct fleet *fleet, enum fleet_kind kind, enum status s
 	head.stop = fleet->params.stop != NULL && *fleet->params.stop;
 	head.due = status == STATUS_OK && fleet->world->cache != NULL && page_cache_commit_due(fleet->world->cache);
 	head.torn = fleet->world->torn;
+	head.step = fleet->world->step;
 	head.leaves = kind == FLEET_STEP && fleet->leaves;
 	fleet->sent.size = fleet->sent.at = 0;
 	return fleet_put(&fleet->sent, &head, sizeof head);
@@ -155,6 +157,7 @@ enum status fleet_tell(struct fleet *fleet, enum fleet_kind kind, enum status st
 	if (status != STATUS_OK) { /* the others wait, so tell them */
 		fill_head(&head, kind, status);
 		head.torn = fleet->world->torn;
+		head.step = fleet->world->step;
 		fleet->sent.size = 0;
 		if (fleet_put(&fleet->sent, &head, sizeof head) != STATUS_OK)
 			assert(fleet->sent.room >= sizeof head); /* made in fleet_open */
@@ -164,6 +167,7 @@ enum status fleet_tell(struct fleet *fleet, enum fleet_kind kind, enum status st
 	fleet_wait_end(fleet, wait);
 	fleet->exchanges++;
 	*told = (struct fleet_told){false, false, false};
+	const int64_t at_step = fleet->world->step;
 	const enum status any = worst(all, sizes, fleet->ranks, kind);
 	for (int i = 0; i < fleet->ranks && sizes[i] >= sizeof head; i++) {
 		memcpy(&head, all[i], sizeof head);
@@ -171,7 +175,7 @@ enum status fleet_tell(struct fleet *fleet, enum fleet_kind kind, enum status st
 		told->due = told->due || head.due;
 		told->leaves = told->leaves || head.leaves;
 		/* A step that only some ranks have made must not be committed. */
-		fleet->world->torn = fleet->world->torn || (any != STATUS_OK && (head.torn || head.kind != (int32_t)kind));
+		fleet->world->torn = fleet->world->torn || (any != STATUS_OK && (head.torn || head.kind != (int32_t)kind || head.step != at_step));
 	}
 	fleet->failed = fleet->failed || any != STATUS_OK;
 	enum status status_each = any;
@@ -179,6 +183,10 @@ enum status fleet_tell(struct fleet *fleet, enum fleet_kind kind, enum status st
 		struct fleet_bytes bytes = {.bytes = (char *)all[i], .size = sizes[i], .at = sizeof head};
 		status_each = each(user, i, &bytes);
 	}
+	/* Ranks whose head was well go on, and would wait for this one. What ranks have in common differs on all of them. */
+	if (status_each != STATUS_OK && any == STATUS_OK && kind != FLEET_AGREE)
+		fleet_comm_give_up(failure_message());
+	fleet->failed = fleet->failed || status_each != STATUS_OK;
 	return status_each;
 }
 
@@ -239,10 +247,14 @@ static enum status agree(void *user, struct world *world, enum status status)
 		mine->step = world->step;
 		mine->resumed = world->resumed.is;
 		if (world->resumed.is && fleet->rank == 0)
-			fleet_note_resumed(fleet);
+			put = fleet_note_resumed(fleet);
+	}
+	if (first && status == STATUS_OK && put == STATUS_OK) {
+		struct common *mine = &comparing.mine;
 		put = fleet_put(&fleet->sent, mine, sizeof *mine);
 	}
-	return fleet_tell(fleet, FLEET_AGREE, status != STATUS_OK ? status : put, &told, first ? compare : NULL, &comparing);
+	const enum status any = fleet_tell(fleet, FLEET_AGREE, status != STATUS_OK ? status : put, &told, first ? compare : NULL, &comparing);
+	return any != STATUS_OK ? any : status;
 }
 
 /* --- life --- */

@@ -100,12 +100,16 @@ enum status fleet_get(struct fleet_bytes *bytes, void *to, size_t size) FURROW_C
 enum status fleet_step(void *user, double until, enum status status) FURROW_CHECKED;
 enum status fleet_changes(void *user, uint64_t key) FURROW_CHECKED;
 bool fleet_has(void *user, uint64_t key);
-enum status fleet_move(struct fleet *fleet) FURROW_CHECKED; /* sends and takes what changes its rank, then settles the groups */
+/* Sends and takes what changes its rank, then settles the groups. `status`: of this rank. After a failure it sends nothing but that. */
+enum status fleet_move(struct fleet *fleet, enum status status) FURROW_CHECKED;
 enum status fleet_note_changed(struct fleet *fleet, uint64_t key, bool mine) FURROW_CHECKED;
 bool fleet_is_changed(const struct fleet *fleet, uint64_t key);
 struct fleet_item fleet_block_item(const struct fleet *fleet, struct deform_block block, int64_t intervals);
-enum status fleet_commit(struct fleet *fleet) FURROW_CHECKED; /* begins a commit, on all ranks */
-enum status fleet_share_record(struct fleet *fleet) FURROW_CHECKED; /* afterwards the world's record is the same on all ranks */
+/* Both are called on all ranks together; `status` is that of this rank so far. A failure of any rank before the exchange is returned on all,
+ * and sets fleet->failed. A later one is this rank's alone. */
+enum status fleet_commit(struct fleet *fleet, enum status status) FURROW_CHECKED; /* begins a commit */
+/* Afterwards no commit is in flight, and the world's record is the same on all ranks. */
+enum status fleet_share_record(struct fleet *fleet, enum status status) FURROW_CHECKED;
 enum status fleet_end(void *user, enum status status) FURROW_CHECKED;
 enum status fleet_probed(void *user, size_t count, const int32_t *numbers, struct world_contact *contacts, enum status status) FURROW_CHECKED;
 
@@ -117,7 +121,7 @@ enum status fleet_rows_write(struct fleet *fleet, double until) FURROW_CHECKED;
 void fleet_rows_finish(struct fleet *fleet);
 
 /* --- parts.c --- */
-void fleet_note_resumed(struct fleet *fleet); /* on rank 0: the run goes on from the overlay's record */
+enum status fleet_note_resumed(struct fleet *fleet) FURROW_CHECKED; /* on rank 0: the run goes on from the overlay's record */
 enum status fleet_gather(void *user, struct world_ranked *figures) FURROW_CHECKED;
 
 #endif

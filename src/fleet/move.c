@@ -125,7 +125,7 @@ static enum status take_tiles(struct fleet *fleet, struct fleet_bytes *in, char 
 			return status;
 		if (packed < 0 || (size_t)packed > in->size - in->at ||
 		    (mask != 0 && LZ4_decompress_safe(in->bytes + in->at, planes, packed, (int)size) != (int)size))
-			return fail_with(STATUS_FAILED, "ranks: a tile that another rank sent is damaged; start all ranks with the same furrow");
+			return fail_with(STATUS_FAILED, "ranks: a tile that another rank sent is damaged; start all ranks with the same version of furrow");
 		in->at += (size_t)packed;
 		status = world_tile_came(fleet->world, tile_from_key(key), mask, planes);
 		if (status == STATUS_OK)
@@ -283,13 +283,13 @@ static void settle_bodies(struct fleet *fleet)
 }
 
 /* Finds the next rank of each body. Items of bodies come first, in the order of bodies. */
-static enum status find_next(struct fleet *fleet)
+static void find_next(struct fleet *fleet)
 {
 	size_t at = 0;
 	if (fleet->next_room < fleet->owner_count) {
 		int32_t *next = mem_realloc(fleet->next, fleet->owner_count, sizeof *next);
 		if (next == NULL)
-			return fail_memory("the ranks of bodies");
+			fleet_comm_give_up("out of memory");
 		fleet->next = next;
 		fleet->next_room = fleet->owner_count;
 	}
@@ -298,7 +298,6 @@ static enum status find_next(struct fleet *fleet)
 		if (at < fleet->planned_count && fleet->planned_bodies[at] == i)
 			fleet->next[i] = new_rank(fleet, &fleet->groups.items[at++]);
 	}
-	return STATUS_OK;
 }
 
 static enum status exchange(struct moving *moving, const bool *goes, enum status status)
@@ -337,7 +336,7 @@ static enum status exchange(struct moving *moving, const bool *goes, enum status
 	return status;
 }
 
-enum status fleet_move(struct fleet *fleet)
+enum status fleet_move(struct fleet *fleet, enum status status)
 {
 	const size_t ranks = (size_t)fleet->ranks;
 	const size_t bytes = resident_pages_moved_bytes(fleet->world->pages);
@@ -351,7 +350,7 @@ enum status fleet_move(struct fleet *fleet)
 	};
 	if (goes == NULL || moving.out == NULL || moving.comes == NULL || moving.packed == NULL)
 		fleet_comm_give_up("out of memory");
-	enum status status = find_next(fleet);
+	find_next(fleet);
 	find_pairs(&moving, goes);
 	if (status == STATUS_OK)
 		status = pack(&moving, goes);

@@ -222,7 +222,7 @@ static enum status gather_left(const char *over, const char *folder, bool resume
 	if (access(folder, F_OK) != 0)
 		return STATUS_OK;
 	if (!resume)
-		return fail_with(STATUS_INPUT, "%s: a drive by several processes ended before its end, and left this; add --resume to go on, or remove "
+		return fail_with(STATUS_INPUT, "%s: a drive by several processes was cut off, and left this; add --resume to go on, or remove "
 					       "the folder to give up what it did", folder);
 	enum status status = gather_folder(over, folder, &gathering, &any);
 	if (status != STATUS_OK)
@@ -267,6 +267,8 @@ static enum status make_files(struct fleet *fleet)
 	}
 	store_close(store);
 	fleet->founded = mkdir(fleet->parts, 0777) == 0;
+	if (!fleet->founded && errno == EEXIST)
+		return fail_with(STATUS_FAILED, "%s: the folder has files that are not of a drive; remove it", fleet->parts);
 	if (!fleet->founded)
 		return fail_with(STATUS_FAILED, "%s: %s; give an --overlay in a folder that can be written", fleet->parts, strerror(errno));
 	return STATUS_OK;
@@ -305,13 +307,14 @@ enum status fleet_open(const struct fleet_params *params, struct fleet **out)
 	return fleet_agree(store_create_part(fleet->part, fleet->over, &(struct store_part){run, (uint32_t)fleet->rank, (uint32_t)fleet->ranks}));
 }
 
-void fleet_note_resumed(struct fleet *fleet)
+enum status fleet_note_resumed(struct fleet *fleet)
 {
 	char path[PATH_MOST];
 	snprintf(path, sizeof path, "%s/" RESUMED, fleet->parts);
 	FILE *file = fopen(path, "w");
-	if (file != NULL)
-		fclose(file);
+	if (file == NULL || fclose(file) != 0)
+		return fail_with(STATUS_FAILED, "%s: %s; free some disk space", path, strerror(errno));
+	return STATUS_OK;
 }
 
 struct summing {

@@ -180,7 +180,8 @@ static bool leaves(struct fleet *fleet, double until)
 	return world_check_events(world, until) != STATUS_OK;
 }
 
-static enum status plan(struct fleet *fleet, double until, enum status status)
+/* A failure of any rank is returned on all. *mine: a failure of this rank alone, after which the others go on to move what the plan moves. */
+static enum status plan(struct fleet *fleet, double until, enum status status, enum status *mine)
 {
 	struct planning planning = {fleet, until};
 	struct fleet_told told;
@@ -209,20 +210,21 @@ static enum status plan(struct fleet *fleet, double until, enum status status)
 	if (told.leaves)
 		fleet->ahead = 1; /* the areas are larger than they need be */
 	const int delay = world->scene->forces_delay;
-	if (world->step > delay)
-		status = fleet_rows_write(fleet, world_step_time(world->scene, world->step - delay));
-	if (status == STATUS_OK && told.due)
-		status = fleet_commit(fleet);
-	if (status == STATUS_OK)
-		status = fleet_groups_make(&fleet->groups, world->level, fleet->ranks, fleet->plans % BALANCE_PLANS == BALANCE_PLANS - 1);
-	return status;
+	*mine = world->step > delay ? fleet_rows_write(fleet, world_step_time(world->scene, world->step - delay)) : STATUS_OK;
+	if (told.due)
+		*mine = fleet_commit(fleet, *mine);
+	if (fleet->failed)
+		return *mine;
+	if (fleet_groups_make(&fleet->groups, world->level, fleet->ranks, fleet->plans % BALANCE_PLANS == BALANCE_PLANS - 1) != STATUS_OK)
+		fleet_comm_give_up(failure_message());
+	return STATUS_OK;
 }
 
 enum status fleet_step(void *user, double until, enum status status)
 {
 	struct fleet *fleet = user;
 	struct world *world = fleet->world;
-	if (fleet->plans > 0 && world->step < fleet->planned_until && !world->unplaced) {
+	if (fleet->plans > 0 && fleet->ahead > 1 && world->step < fleet->planned_until && !world->unplaced) {
 		fleet->steps++;
 		note_balance(fleet);
 		return status;
@@ -232,7 +234,8 @@ enum status fleet_step(void *user, double until, enum status status)
 		fleet->spun = 0;
 	}
 	const double began = clock_thread_seconds(), spun = fleet->spun;
-	status = plan(fleet, until, status);
+	enum status mine = STATUS_OK;
+	status = plan(fleet, until, status, &mine);
 	const double planned = clock_thread_seconds();
 	fleet->planning += planned - began - (fleet->spun - spun);
 	if (status != STATUS_OK)
@@ -245,7 +248,7 @@ enum status fleet_step(void *user, double until, enum status status)
 	/* From here on this rank's ground is not whole until the end of the step. */
 	world->torn = true;
 	const double waited = fleet->spun;
-	status = fleet_move(fleet);
+	status = fleet_move(fleet, mine);
 	fleet->moving += clock_thread_seconds() - planned - (fleet->spun - waited);
 	if (status == STATUS_OK)
 		world->torn = false;

@@ -105,7 +105,10 @@ enum status world_collect_events(struct world *world, double until)
 		struct event *event = &world->events.list[i];
 		struct body *body = &world->bodies[event->body];
 		status = world_set_down(world, body, body->next, event);
-		body->next += status == STATUS_OK;
+		if (status == STATUS_OK)
+			body->next++;
+		else
+			world->events.count = i; /* those that were placed */
 	}
 	return status;
 }

@@ -329,7 +329,10 @@ enum status world_forces_settle(struct forces *forces, struct record *record)
 {
 	if (forces == NULL)
 		return STATUS_OK;
-	enum status status = use(forces, INT64_MAX);
+	/* Also forces for a row of a later step. */
+	enum status status = world_forces_wait(forces);
+	if (status == STATUS_OK)
+		status = use(forces, INT64_MAX);
 	for (size_t i = 0; i < forces->world->scene->object_count; i++) {
 		if (forces->world->bodies[i].elsewhere)
 			continue;

@@ -95,7 +95,7 @@ static enum status start_look_ahead(struct world *world)
 static enum status go_on_with_ground(struct world *world)
 {
 	const struct record *record = world->record;
-	bool relaxes = world->deform != NULL && world->scene->undisturbed == SCENE_SLIDES && !world->resumed.is;
+	bool relaxes = world->deform != NULL && world->scene->undisturbed == SCENE_SLIDES && (!world->resumed.is || record->step == 0);
 	enum status status = relaxes ? world_wake_all(world) : STATUS_OK;
 	for (size_t i = 0; i < record->active_count && status == STATUS_OK; i++)
 		status = deform_wake_block(world->deform, record->active[i]);

@@ -143,6 +143,10 @@ class TheSame(Ranks):
     def test_a_loaded_wheel_that_stands_on_sliding_soil_goes_over_to_another_rank(self):
         self.compare(STANDING, ranks=RANKS[:1])
 
+    def test_rows_that_come_later_than_their_contact(self):
+        text = CROSSING.replace("load: 2000", "sink: 0.06").replace("load: 1500", "sink: 0.05")
+        self.compare(text.replace("forces: 20", "forces: 3").replace("time_step: 0.05", "time_step: 0.01"), ranks=RANKS[-1:])
+
     def test_a_convoy_in_one_rut_leaves_a_rank_with_nothing(self):
         self.compare(CONVOY, moves=False)
 
@@ -153,6 +157,7 @@ class TheSame(Ranks):
             self.assertIn("leaves: no ground under it", said)
         reports = [json.loads((self.folder / name / "run.json").read_text()) for name in ("one", "two")]
         self.assertEqual([report["ended"] for report in reports], ["failed", "failed"])
+        self.assertIn("leaves: no ground under it", self.run_command(self.command(2, "scene.yaml", "two", "--resume"), expect=1))
         self.same("one", "two", reports)
 
     def test_more_ranks_than_bodies(self):
