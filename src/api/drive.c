@@ -323,7 +323,7 @@ static enum status run(struct drive *drive, struct api_result *result)
 	return draw_map(drive, false, result, tell_written ? written : status);
 }
 
-/* Draws the map of what ranks have gathered. */
+/* Draws the map from the run's overlay, after what the ranks committed was gathered into it. */
 static enum status map_gathered(const struct drive *drive, int64_t step, double time, const char *ended)
 {
 	char path[4096];

@@ -65,14 +65,10 @@ static enum status get_blocks(struct sharing *sharing, int rank, struct fleet_by
 		status = fleet_get(bytes, &block, sizeof block);
 		if (status != STATUS_OK || rank == sharing->fleet->rank)
 			continue;
-		if (sharing->count == sharing->room) {
-			const size_t room = sharing->room > 0 ? 2 * sharing->room : 256;
-			struct deform_block *more = mem_realloc(sharing->blocks, room, sizeof *more);
-			if (more == NULL)
-				return fail_memory("active blocks");
-			sharing->blocks = more;
-			sharing->room = room;
-		}
+		struct deform_block *more = fleet_grown(sharing->blocks, &sharing->room, sharing->count + 1, sizeof *more);
+		if (more == NULL)
+			return fail_memory("active blocks");
+		sharing->blocks = more;
 		sharing->blocks[sharing->count++] = block;
 	}
 	return status;

@@ -248,10 +248,8 @@ static enum status agree(void *user, struct world *world, enum status status)
 		mine->resumed = world->resumed.is;
 		if (world->resumed.is && fleet->rank == 0)
 			put = fleet_note_resumed(fleet);
-	}
-	if (first && status == STATUS_OK && put == STATUS_OK) {
-		struct common *mine = &comparing.mine;
-		put = fleet_put(&fleet->sent, mine, sizeof *mine);
+		if (put == STATUS_OK)
+			put = fleet_put(&fleet->sent, mine, sizeof *mine);
 	}
 	const enum status any = fleet_tell(fleet, FLEET_AGREE, status != STATUS_OK ? status : put, &told, first ? compare : NULL, &comparing);
 	return any != STATUS_OK ? any : status;

@@ -23,26 +23,24 @@ void fleet_groups_clear(struct fleet_groups *groups)
 	key_set_clear(&groups->tiles);
 }
 
-/* Grows a list to at least `count` elements. */
-static enum status grow(void **list, size_t *room, size_t count, size_t size)
+void *fleet_grown(void *list, size_t *room, size_t count, size_t size)
 {
-	if (count <= *room)
-		return STATUS_OK;
+	if (count <= *room && list != NULL)
+		return list;
 	const size_t more = count > 2 * *room ? count : 2 * *room;
-	void *grown = mem_realloc(*list, more, size);
-	if (grown == NULL)
-		return fail_memory("groups of bodies");
-	*list = grown;
-	*room = more;
-	return STATUS_OK;
+	void *grown = mem_realloc(list, more > 0 ? more : 1, size);
+	*room = grown != NULL ? more : *room;
+	return grown;
 }
 
 enum status fleet_groups_add(struct fleet_groups *groups, const struct fleet_item *item)
 {
-	enum status status = grow((void **)&groups->items, &groups->item_room, groups->item_count + 1, sizeof *groups->items);
-	if (status == STATUS_OK)
-		groups->items[groups->item_count++] = *item;
-	return status;
+	struct fleet_item *items = fleet_grown(groups->items, &groups->item_room, groups->item_count + 1, sizeof *items);
+	if (items == NULL)
+		return fail_memory("groups of bodies");
+	groups->items = items;
+	items[groups->item_count++] = *item;
+	return STATUS_OK;
 }
 
 /* --- groups --- */
@@ -118,9 +116,10 @@ static enum status number_groups(struct fleet_groups *groups)
 			groups->tile_group[i] = groups->tile_group[root];
 			continue;
 		}
-		enum status status = grow((void **)&groups->groups, &groups->group_room, groups->group_count + 1, sizeof *groups->groups);
-		if (status != STATUS_OK)
-			return status;
+		struct fleet_group *list = fleet_grown(groups->groups, &groups->group_room, groups->group_count + 1, sizeof *list);
+		if (list == NULL)
+			return fail_memory("groups of bodies");
+		groups->groups = list;
 		groups->tile_group[i] = (uint32_t)groups->group_count;
 		groups->groups[groups->group_count++] = (struct fleet_group){0, FLEET_NONE};
 	}
@@ -138,11 +137,11 @@ static enum status number_groups(struct fleet_groups *groups)
 static enum status follow_owners(struct fleet_groups *groups, int ranks)
 {
 	const size_t count = groups->group_count * (size_t)ranks;
-	enum status status = grow((void **)&groups->shares, &groups->share_room, count, sizeof *groups->shares);
-	if (status != STATUS_OK)
-		return status;
-	if (count > 0)
-		memset(groups->shares, 0, count * sizeof *groups->shares);
+	uint64_t *shares = fleet_grown(groups->shares, &groups->share_room, count, sizeof *shares);
+	if (shares == NULL)
+		return fail_memory("groups of bodies");
+	groups->shares = shares;
+	memset(shares, 0, count * sizeof *shares);
 	for (size_t i = 0; i < groups->item_count; i++) {
 		const struct fleet_item *item = &groups->items[i];
 		if (item->owner >= 0)
@@ -238,11 +237,13 @@ enum status fleet_groups_settle(struct fleet_groups *groups)
 		uint32_t number;
 		bool fresh;
 		enum status status = key_set_number(&groups->known, groups->tile_key[i], &number, &fresh);
-		if (status == STATUS_OK)
-			status = grow((void **)&groups->owner, &groups->owner_room, (size_t)number + 1, sizeof *groups->owner);
 		if (status != STATUS_OK)
 			return status;
-		groups->owner[number] = groups->groups[groups->tile_group[i]].rank;
+		int32_t *owner = fleet_grown(groups->owner, &groups->owner_room, (size_t)number + 1, sizeof *owner);
+		if (owner == NULL)
+			return fail_memory("groups of bodies");
+		groups->owner = owner;
+		owner[number] = groups->groups[groups->tile_group[i]].rank;
 	}
 	return STATUS_OK;
 }

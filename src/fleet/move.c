@@ -21,11 +21,7 @@ struct moving {
 	bool *comes;             /* by rank: a message comes from it */
 	uint64_t *keys;          /* tiles that go to `to` */
 	size_t count, room;
-	uint32_t tiles;          /* with planes, in the present message */
-	char *packed;
-	int64_t intervals;
-	struct deform_block *blocks; /* that go to `to` */
-	size_t block_count, block_room;
+	char *packed;            /* room for a packed tile; NULL: nothing goes from here */
 };
 
 /* --- what goes where --- */
@@ -68,15 +64,11 @@ static enum status list_tiles(struct moving *moving)
 		if (groups->groups[groups->tile_group[i]].rank != moving->to || fleet_groups_owner(groups, key) != moving->fleet->rank ||
 		    !fleet_is_changed(moving->fleet, key))
 			continue;
-		if (moving->count == moving->room) {
-			const size_t room = moving->room > 0 ? 2 * moving->room : 64;
-			uint64_t *keys = mem_realloc(moving->keys, room, sizeof *keys);
-			if (keys == NULL)
-				return fail_memory("tiles that move");
-			moving->keys = keys;
-			moving->room = room;
-		}
-		moving->keys[moving->count++] = key;
+		uint64_t *keys = fleet_grown(moving->keys, &moving->room, moving->count + 1, sizeof *keys);
+		if (keys == NULL)
+			return fail_memory("tiles that move");
+		moving->keys = keys;
+		keys[moving->count++] = key;
 	}
 	return STATUS_OK;
 }
@@ -179,7 +171,7 @@ static bool block_stays(void *user, struct deform_block block)
 {
 	struct moving *moving = user;
 	const struct fleet *fleet = moving->fleet;
-	const struct fleet_item item = fleet_block_item(fleet, block, moving->intervals);
+	const struct fleet_item item = fleet_block_item(fleet, block, fleet->intervals);
 	return fleet_groups_rank(&fleet->groups, tile_key((struct tile){fleet->world->level, item.x0, item.y0})) == fleet->rank;
 }
 
@@ -198,7 +190,7 @@ static enum status put_blocks(struct moving *moving)
 			if (moving->out[r].size > 0)
 				status = fleet_put(&moving->out[r], &counts[r], sizeof counts[r]);
 		for (size_t i = 0; i < count && status == STATUS_OK; i++) {
-			const struct fleet_item item = fleet_block_item(fleet, blocks[i], moving->intervals);
+			const struct fleet_item item = fleet_block_item(fleet, blocks[i], fleet->intervals);
 			const int32_t rank = fleet_groups_rank(&fleet->groups, tile_key((struct tile){fleet->world->level, item.x0, item.y0}));
 			if (rank == fleet->rank || rank == FLEET_NONE)
 				continue;
@@ -240,6 +232,9 @@ static enum status pack(struct moving *moving, const bool *goes)
 		any = any || goes[r];
 	if (!any)
 		return STATUS_OK;
+	moving->packed = mem_alloc((size_t)LZ4_compressBound((int)resident_pages_moved_bytes(fleet->world->pages)) + 1, 1);
+	if (moving->packed == NULL)
+		return fail_memory("tiles that move");
 	/* Forces in flight belong to this rank; afterwards what is known of a body is all there is. */
 	status = world_settle_forces(fleet->world);
 	for (int r = 0; r < fleet->ranks && status == STATUS_OK; r++) {
@@ -339,16 +334,13 @@ static enum status exchange(struct moving *moving, const bool *goes, enum status
 enum status fleet_move(struct fleet *fleet, enum status status)
 {
 	const size_t ranks = (size_t)fleet->ranks;
-	const size_t bytes = resident_pages_moved_bytes(fleet->world->pages);
 	bool *goes = mem_calloc(ranks, sizeof *goes);
 	struct moving moving = {
 		.fleet = fleet,
 		.out = mem_calloc(ranks, sizeof *moving.out),
 		.comes = mem_calloc(ranks, sizeof *moving.comes),
-		.packed = mem_alloc((size_t)LZ4_compressBound((int)bytes) + 1, 1),
-		.intervals = fleet->intervals,
 	};
-	if (goes == NULL || moving.out == NULL || moving.comes == NULL || moving.packed == NULL)
+	if (goes == NULL || moving.out == NULL || moving.comes == NULL)
 		fleet_comm_give_up("out of memory");
 	find_next(fleet);
 	find_pairs(&moving, goes);

@@ -245,7 +245,7 @@ enum status fleet_gather_left(const char *overlay, bool resume)
 	return status;
 }
 
-/* --- the run's own --- */
+/* --- the files of this run --- */
 
 /* On rank 0. */
 static enum status make_files(struct fleet *fleet)

@@ -8,14 +8,10 @@
 
 static enum status add(struct fleet_row_list *list, const struct fleet_row *row)
 {
-	if (list->count == list->room) {
-		const size_t room = list->room > 0 ? 2 * list->room : 256;
-		struct fleet_row *rows = mem_realloc(list->rows, room, sizeof *rows);
-		if (rows == NULL)
-			return fail_memory("rows");
-		list->rows = rows;
-		list->room = room;
-	}
+	struct fleet_row *rows = fleet_grown(list->rows, &list->room, list->count + 1, sizeof *rows);
+	if (rows == NULL)
+		return fail_memory("rows");
+	list->rows = rows;
 	list->rows[list->count++] = *row;
 	return STATUS_OK;
 }

@@ -275,17 +275,14 @@ enum status fleet_note_changed(struct fleet *fleet, uint64_t key, bool mine)
 	uint32_t number;
 	bool fresh;
 	enum status status = key_set_number(&fleet->changed, key, &number, &fresh);
-	if (status == STATUS_OK && number >= fleet->mine_room) {
-		const size_t room = fleet->mine_room > 0 ? 2 * fleet->mine_room : 1024;
-		bool *more = mem_realloc(fleet->mine, room, sizeof *more);
-		if (more == NULL)
-			return fail_memory("the tiles of a rank");
-		fleet->mine = more;
-		fleet->mine_room = room;
-	}
-	if (status == STATUS_OK)
-		fleet->mine[number] = mine;
-	return status;
+	if (status != STATUS_OK)
+		return status;
+	bool *more = fleet_grown(fleet->mine, &fleet->mine_room, (size_t)number + 1, sizeof *more);
+	if (more == NULL)
+		return fail_memory("the tiles of a rank");
+	fleet->mine = more;
+	more[number] = mine;
+	return STATUS_OK;
 }
 
 enum status fleet_changes(void *user, uint64_t key)

@@ -3,8 +3,9 @@
  *
  *   heads of all parts -> claims of all parts -> BEGIN -> part by part -> header, the run's record -> COMMIT
  *
- * The heads tell the last commit that all parts have. The claims tell for each tile which part committed it last. Of each part its tiles are written, with every coarser level above them, and the soil's state. One part is open at a time. Only rows in
- * its own file are read. Where it has none, the row that it inherits is there already.
+ * The heads tell the last commit that all parts have. The claims tell for each tile which part committed it last. Of each part its tiles
+ * are written, with every coarser level above them, and the soil's state. One part is open at a time. Only rows in its own file are read.
+ * Where it has none, the row that it inherits is there already.
  *
  * A part may also have rows of the soil's state for tiles that no part committed. They come from commits without that plane, which set
  * to zero the posts that such a tile shares with a tile of theirs (store_state.c). So their posts are zero where those of one part are.

@@ -117,15 +117,6 @@ static uint64_t cut_relink(uint64_t cut)
 	return operations;
 }
 
-static void every_cut(uint64_t (*trial)(uint64_t cut), uint64_t least)
-{
-	uint64_t cut = 1;
-	while (trial(cut) >= cut)
-		cut++;
-	assert_true(cut > least);
-	tell_counts(cut);
-}
-
 static void a_power_cut_leaves_a_whole_merge_or_none(void **state)
 {
 	every_cut(cut_merge, 10);

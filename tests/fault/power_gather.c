@@ -116,15 +116,6 @@ static uint64_t cut_gathering(uint64_t cut)
 	return operations;
 }
 
-static void every_cut(uint64_t (*trial)(uint64_t cut), uint64_t least)
-{
-	uint64_t cut = 1;
-	while (trial(cut) >= cut)
-		cut++;
-	assert_true(cut > least);
-	tell_counts(cut);
-}
-
 static void a_power_cut_leaves_parts_that_can_be_gathered(void **state)
 {
 	every_cut(cut_commits, 100);

@@ -45,6 +45,16 @@ static void tell_counts(uint64_t cuts)
 			      known_count);
 }
 
+/* Cuts the power at every operation of a trial, which returns how many it makes, and checks that they are more than `least`. */
+static __attribute__((unused)) void every_cut(uint64_t (*trial)(uint64_t cut), uint64_t least)
+{
+	uint64_t cut = 1;
+	while (trial(cut) >= cut)
+		cut++;
+	assert_true(cut > least);
+	tell_counts(cut);
+}
+
 static int make_disk(void)
 {
 	return mkdir(in_folder("disk"), 0777) + mkdir(in_folder("cut"), 0777);

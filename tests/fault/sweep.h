@@ -76,6 +76,15 @@ static UNUSED uint64_t sweep_lasting(trial_fn trial, const void *user, enum faul
 	return ran;
 }
 
+/* Sweeps every kind of fault in turn, at most about `most` calls of each, and checks that this was worth it. */
+static UNUSED void sweep_kinds(trial_fn trial, uint64_t most)
+{
+	uint64_t ran = 0;
+	for (int kind = FAULT_NONE + 1; kind < FAULT_KINDS; kind++)
+		ran += sweep_lasting(trial, NULL, (enum fault_kind)kind, most, IN_TURN);
+	assert_true(ran > 100);
+}
+
 /* Each call both once and from then on. */
 static UNUSED uint64_t sweep(trial_fn trial, const void *user, enum fault_kind kind, uint64_t most)
 {
