@@ -113,6 +113,8 @@ struct store_inset {
 int store_inset_line(const struct store_inset *inset, char *text, size_t room);
 /* Reads the next line at *text, and moves *text behind it. Returns false at the end, or if it is no such line. */
 bool store_inset_next(const char **text, const struct extent *extent, struct store_inset *inset);
+/* Returns the path with which the store was opened. It stays valid until the store is closed. */
+const char *store_file_path(const struct store *store);
 /* Returns the path of the plain store at the end of a chain of overlays, as it was found. Returns NULL for a plain store. */
 const char *store_base_path(const struct store *store);
 /* Returns the path of an overlay's parent, and *revision, the revision of the parent that the overlay shows (0: only its base). Returns

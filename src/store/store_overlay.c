@@ -208,6 +208,11 @@ enum status store_overlay_hold(const struct store *store, sqlite3 *db)
 	return status;
 }
 
+const char *store_file_path(const struct store *store)
+{
+	return store->path;
+}
+
 const char *store_base_path(const struct store *store)
 {
 	const struct store *base = store;

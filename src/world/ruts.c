@@ -19,6 +19,6 @@ enum status world_tell_ruts(const struct world *world)
 	if (high > 0)
 		snprintf(heaps, sizeof heaps, " and heaps up to %.3g m high", high);
 	note("%s: the ground has ruts already, up to %.3g m deep%s; this run goes on over them; for the ground as it was imported %s"
-	     "run furrow reset %s", world->path, fmax(-low, 0), heaps, world->params.overlay != NULL ? "give another --overlay, or " : "", world->path);
+	     "run furrow reset %s", world->path, fmax(-low, 0), heaps, store_base_path(world->store) != NULL ? "give another --overlay, or " : "", world->path);
 	return STATUS_OK;
 }

@@ -19,12 +19,13 @@ enum status world_prepare(struct world *world, const struct world_params *params
 		.keep_history = params->keep_history,
 		.scene = scene->file,
 	};
-	const char *overlay = params->overlay;
-	world->path = overlay != NULL ? overlay : path;
-	enum status status = overlay != NULL ? store_open_overlay(overlay, path, &options, &world->store)
-					     : store_open(path, &options, &world->store);
+	enum status status = params->overlay != NULL ? store_open_overlay(params->overlay, path, &options, &world->store)
+						     : store_open(path, &options, &world->store);
+	/* The caller's texts may go now. */
+	world->params.store = world->params.overlay = NULL;
 	if (status != STATUS_OK)
 		return status;
+	world->path = store_file_path(world->store);
 	world->meta = store_meta(world->store);
 	status = world_settle_level(world);
 	if (status == STATUS_OK)

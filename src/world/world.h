@@ -139,7 +139,8 @@ struct world_figures {
 struct world_params {
 	struct world_attached attached; /* count 0: none */
 	const struct scene *scene; /* must stay valid longer than the world */
-	const char *store;         /* path; overrides the store that the scene names; NULL: the scene must name one */
+	/* path; overrides the store that the scene names; NULL: the scene must name one. Like overlay, it is read while the world opens */
+	const char *store;
 	/* path of the overlay to which deformation is written in place of the store; made if it does not exist; may be NULL */
 	const char *overlay;
 	bool resume;               /* continue the store's last drive of this scene; if there was none, start from the beginning */
@@ -292,7 +293,7 @@ struct world_ranks {
 struct world {
 	struct world_params params;
 	const struct scene *scene;
-	const char *path; /* path of the file that is written: the store or the overlay */
+	const char *path; /* the store's: path of the file that is written, the store or the overlay */
 	const struct world_watcher *watcher; /* NULL: nothing watches the world */
 	const struct world_rows *rows;       /* NULL: rows are not used */
 	const struct world_commits *commits; /* NULL: no functions */

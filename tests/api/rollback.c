@@ -131,6 +131,36 @@ static void an_overlay_keeps_the_store_as_it_was(void **state)
 	done(furrow_world_close(world));
 }
 
+/* A host's texts are its own again when furrow_world_open returns: they are overwritten and freed here. */
+static void what_open_was_given_may_go(void **state)
+{
+	const char *store = support_path("given.furrow"), *overlay = support_path("given-overlay.furrow"), *output = support_path("given");
+	const char *given[] = {HOSTED_SCENE, store, overlay, output};
+	char *texts[4], *json;
+	struct furrow_world *world;
+	support_store(store, hosted_extent, hosted_flat);
+	for (int i = 0; i < 4; i++)
+		texts[i] = strdup(given[i]);
+	struct furrow_open open = hosted_open(texts[0], texts[1]);
+	open.overlay = texts[2];
+	open.output = texts[3];
+	done(furrow_world_open(&open, &world));
+	for (int i = 0; i < 4; i++) {
+		memset(texts[i], 0x80, strlen(texts[i]));
+		free(texts[i]);
+	}
+	furrow_body ball = hosted_ball(world, 10, 16);
+	make_rut(world, ball, 10, 16, 5);
+	done(furrow_checkpoint(world));
+	make_rut(world, ball, 10, 16, 5);
+	done(furrow_rollback(world));
+	done(furrow_stats(world, &json));
+	assert_non_null(strstr(json, overlay));
+	assert_non_null(strstr(json, store));
+	furrow_free(json);
+	done(furrow_world_close(world));
+}
+
 /* An engine that keeps a copy reads only what changed. */
 static void copies_that_follow_changes_end_as_the_store_does(void **state)
 {
@@ -263,6 +293,7 @@ int main(void)
 		cmocka_unit_test(ground_that_a_rollback_raises_is_pressed),
 		cmocka_unit_test(what_is_closed_is_in_the_store),
 		cmocka_unit_test(an_overlay_keeps_the_store_as_it_was),
+		cmocka_unit_test(what_open_was_given_may_go),
 		cmocka_unit_test(copies_that_follow_changes_end_as_the_store_does),
 	};
 	return cmocka_run_group_tests(tests, support_enter, support_leave);

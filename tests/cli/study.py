@@ -196,7 +196,8 @@ class Study(FurrowTest):
 
     # --- stopped and killed ---
 
-    LONG = GRID.replace("grid:", "set: {time_step: 0.005, end_time: 15}\ngrid:").replace("[400, 800, 1600]", "[800]")
+    # Long enough that its first commit, after a second, is far from its end on a fast machine.
+    LONG = GRID.replace("grid:", "set: {time_step: 0.002, end_time: 18}\ngrid:").replace("[400, 800, 1600]", "[800]")
 
     def begin(self, *arguments):
         """Starts a study, and waits until a drive has committed something."""
