@@ -42,7 +42,7 @@ bool parse_number(const char *text, double *value)
 static const struct command_option *find_option(const struct command *command, const char *name,
 						size_t length)
 {
-	for (const struct command_option *option = command->options; option->name != NULL; option++)
+	for (const struct command_option *option = command->options; option != NULL && option->name != NULL; option++)
 		if (strlen(option->name) == length && strncmp(option->name, name, length) == 0)
 			return option;
 	return NULL;
@@ -76,6 +76,49 @@ static enum status take_option(struct arguments *arguments, const char *token, i
 	return STATUS_OK;
 }
 
+/* Positional arguments that a form of the command needs and may have. */
+static bool may_have(const struct command_option *form, size_t count, size_t *least)
+{
+	size_t most = 0;
+	*least = 0;
+	for (; form != NULL && form->name != NULL; form++) {
+		*least += form->needed;
+		most = form->repeats ? SIZE_MAX : most + 1;
+	}
+	return count >= *least && count <= most;
+}
+
+/* The arguments and options that a command needs, for a message. */
+static void tell_usage(const struct command *command, char *text, size_t room)
+{
+	size_t used = (size_t)snprintf(text, room, "furrow %s", command->name);
+	bool more = false;
+	for (const struct command_option *form = command->arguments; form != NULL && form->name != NULL && used < room; form++)
+		used += (size_t)snprintf(text + used, room - used, form->needed ? " %s%s" : " [%s]%s", form->name, form->repeats ? "..." : "");
+	for (const struct command_option *option = command->options; option != NULL && option->name != NULL && used < room; option++)
+		if (option->needed)
+			used += (size_t)snprintf(text + used, room - used, " %s%s %s", command_dashes(option), option->name, option->value);
+		else
+			more = true;
+	if (more && used < room)
+		(void)snprintf(text + used, room - used, " [options]");
+}
+
+static enum status check_count(const struct arguments *arguments)
+{
+	const struct command *command = arguments->command;
+	const size_t count = arguments->positional_count;
+	size_t least, ignored;
+	const bool also = command->also != NULL && count > 0 && strcmp(arguments->positional[0], command->also->name) == 0;
+	if (may_have(command->arguments, count, &least) || (also && may_have(command->also, count, &ignored)))
+		return STATUS_OK;
+	char usage[256];
+	tell_usage(command, usage, sizeof usage);
+	if (count < least)
+		return fail_with(STATUS_USAGE, "%s: something is missing; usage: %s", command->name, usage);
+	return fail_with(STATUS_USAGE, "%s: %s is one argument too many; usage: %s", command->name, arguments->positional[count - 1], usage);
+}
+
 enum status arguments_parse(const struct command *command, int argc, char **argv, struct arguments **out)
 {
 	struct arguments *arguments = mem_calloc(1, sizeof *arguments);
@@ -97,6 +140,8 @@ enum status arguments_parse(const struct command *command, int argc, char **argv
 		else
 			status = take_option(arguments, argv[i], argc, argv, &i);
 	}
+	if (status == STATUS_OK)
+		status = check_count(arguments);
 	if (status != STATUS_OK) {
 		arguments_destroy(arguments);
 		return status;
@@ -122,18 +167,6 @@ size_t arguments_count(const struct arguments *arguments)
 const char *arguments_at(const struct arguments *arguments, size_t index)
 {
 	return index < arguments->positional_count ? arguments->positional[index] : NULL;
-}
-
-enum status arguments_expect(const struct arguments *arguments, size_t least, size_t most)
-{
-	const struct command *command = arguments->command;
-	if (arguments->positional_count < least)
-		return fail_with(STATUS_USAGE, "%s: something is missing; usage: furrow %s", command->name,
-				 command->usage);
-	if (arguments->positional_count > most)
-		return fail_with(STATUS_USAGE, "%s: %s is one argument too many; usage: furrow %s",
-				 command->name, arguments->positional[most], command->usage);
-	return STATUS_OK;
 }
 
 const char *arguments_nth(const struct arguments *arguments, const char *option, size_t nth)
@@ -220,12 +253,12 @@ enum status arguments_numbers(const struct arguments *arguments, const char *opt
 	return STATUS_OK;
 }
 
-enum status arguments_choice(const struct arguments *arguments, const char *option,
-			     const char *const *names, int *value)
+enum status arguments_choice(const struct arguments *arguments, const char *option, int *value)
 {
 	const char *text = arguments_text(arguments, option);
 	if (text == NULL)
 		return STATUS_OK;
+	const char *const *names = find_option(arguments->command, option, strlen(option))->choices;
 	char allowed[160] = "one of";
 	for (int i = 0; names[i] != NULL; i++) {
 		if (strcmp(names[i], text) == 0) {

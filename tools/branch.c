@@ -4,17 +4,11 @@
 #include "command.h"
 #include "store/store.h"
 
-static const struct command_option options[] = {
-	{NULL, NULL, NULL},
-};
-
 static enum status run(const struct arguments *arguments)
 {
 	struct store *store = NULL;
 	int64_t revision;
-	enum status status = arguments_expect(arguments, 2, 2);
-	if (status == STATUS_OK)
-		status = store_create_overlay(arguments_at(arguments, 1), arguments_at(arguments, 0));
+	enum status status = store_create_overlay(arguments_at(arguments, 1), arguments_at(arguments, 0));
 	if (status == STATUS_OK)
 		status = store_open(arguments_at(arguments, 1), &(struct store_options){.mode = STORE_READ}, &store);
 	if (status == STATUS_OK) {
@@ -28,11 +22,11 @@ static enum status run(const struct arguments *arguments)
 
 const struct command command_branch = {
 	.name = "branch",
-	.usage = "branch STORE NEW",
 	.summary = "make an overlay that goes on from a store",
-	.details = "NEW is an overlay: it shows all that STORE has, and takes what comes. STORE may be an overlay itself; up to 16 lie one\n"
-		   "over another. While NEW is wanted STORE stays as it is: after a drive of STORE itself NEW is refused. Removing NEW is the\n"
-		   "undo. furrow log tells where branches begin, furrow merge joins two.\n",
-	.options = options,
+	.arguments = COMMAND_ARGUMENTS(COMMAND_STORE, {"NEW", .help = "the overlay to make", .files = "furrow", .needed = true}),
+	.details = "NEW is an overlay: it shows all that STORE has, and takes what comes. STORE may be an overlay itself; up to 16 "
+		   "lie one over another. While NEW is wanted STORE stays as it is: after a drive of STORE itself NEW is refused. "
+		   "Removing NEW is the undo. furrow log tells where branches begin, furrow merge joins two.\n",
+	.see = "furrow-log(1), furrow-merge(1), furrow-relink(1)",
 	.run = run,
 };

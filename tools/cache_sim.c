@@ -13,16 +13,16 @@
 #define SLOTS_MOST 1000000000 /* no cache has more */
 #define SIZES_FEW 6           /* fewer powers of two than this are filled up by their square roots of two */
 
-static const struct command_option options[] = {
-	{"policy", "LIST", "some of lru,clock,arc,s3fifo,opt (all)"},
-	{"slots", "LIST", "sizes, as in 16,32,64 (powers of two from 4 to the number of tiles)"},
-	{"json", NULL, "one JSON object: accesses, tiles, slots, policies {NAME: {misses, miss_ratio}}"},
-	{"csv", "FILE", "writes the trace as text for other simulators"},
-	{"plot", "FILE", "writes the miss curves as an SVG"},
-	{NULL, NULL, NULL},
-};
+static const char *const policy_names[SIM_POLICIES + 1] = {"lru", "clock", "arc", "s3fifo", "opt"};
 
-static const char *const policy_names[SIM_POLICIES] = {"lru", "clock", "arc", "s3fifo", "opt"};
+static const struct command_option options[] = {
+	{"policy", "LIST", .help = "what to simulate", .choices = policy_names, .list = true, .preset = "all"},
+	{"slots", "LIST", .help = "sizes, as in 16,32,64", .preset = "powers of two from 4 to the number of tiles"},
+	{"json", .help = "one JSON object: accesses, tiles, slots, policies {NAME: {misses, miss_ratio}}"},
+	{"csv", "FILE", .help = "write the trace as text for other simulators", .files = "csv"},
+	{"plot", "FILE.svg", .help = "write the miss curves as an SVG", .files = "svg"},
+	{.name = NULL},
+};
 
 /* --- what is asked --- */
 
@@ -240,9 +240,7 @@ static enum status run(const struct arguments *arguments)
 	struct sim_accesses accesses = {.count = 0};
 	struct cache_curves curves = {.title = arguments_at(arguments, 0), .accesses = &accesses};
 	const char *const outputs[2] = {arguments_text(arguments, "csv"), arguments_text(arguments, "plot")};
-	enum status status = arguments_expect(arguments, 1, 1);
-	if (status == STATUS_OK)
-		status = read_policies(arguments, curves.wanted);
+	enum status status = read_policies(arguments, curves.wanted);
 	if (status == STATUS_OK)
 		status = read_sizes(arguments, &curves);
 	if (status == STATUS_OK)
@@ -270,28 +268,29 @@ static enum status run(const struct arguments *arguments)
 
 const struct command command_cache_sim = {
 	.name = "cache-sim",
-	.usage = "cache-sim TRACE [--policy lru,clock,arc,s3fifo,opt] [--slots 16,32,64] [--json] [--csv FILE] "
-		 "[--plot FILE.svg]",
 	.summary = "replay a drive's trace: how often would other caches have missed",
-	.details =
-		"TRACE is what furrow drive --trace left. Each simulated cache starts empty, pins nothing and fetches\n"
-		"nothing ahead of time, so its misses are not quite those that run.json counts. OPT knows the future:\n"
-		"no cache that fetches on demand misses less. The rules are libCacheSim's (of 2024 to 2026), every object\n"
-		"of size 1.\n"
-		"\n"
-		"--csv: a line an access, of step, tile key and size 1, under a header line. libCacheSim reads it with\n"
-		"  cachesim FILE csv lru,clock,arc,s3fifo 16,32,64 --ignore-obj-size 1 \\\n"
-		"      -t \"time-col=1,obj-id-col=2,obj-size-col=3,obj-id-is-num=true,has-header=true,delimiter=,\"\n"
-		"and its belady from the same lines once its traceConv made them an oracleGeneral trace.\n"
-		"\n"
-		"A trace is binary: 8 bytes \"furrowPT\", uint32 version (1), then records. Each begins with a number in\n"
-		"LEB128; whole numbers are little-endian.\n"
-		"  tile << 3 | hit << 2 | drawn << 1   an access: tiles are numbered from 0 as they first come, and the\n"
-		"                                      first of each is followed by its key (uint64). drawn: looked at\n"
-		"                                      for a picture; else pinned to be deformed, or looked up\n"
-		"  steps << 1 | 1                      the accesses that follow are so many steps later\n"
-		"  1                                   the end: accesses, tiles and the XXH3 of all before (uint64 each)\n"
-		"That is one to three bytes an access, since a drive names few tiles over and over.\n",
+	.arguments = COMMAND_ARGUMENTS({"TRACE", .help = "what furrow drive --trace left", .files = "*", .needed = true}),
 	.options = options,
+	.details = "Each simulated cache starts empty, pins nothing and fetches nothing ahead of time, so its misses are not quite "
+		   "those that run.json counts. OPT knows the future: no cache that fetches on demand misses less. The rules are "
+		   "libCacheSim's (of 2024 to 2026), every object of size 1.\n\n"
+		   "--csv: a line an access, of step, tile key and size 1, under a header line. libCacheSim reads it with\n\n"
+		   "  columns=time-col=1,obj-id-col=2,obj-size-col=3,obj-id-is-num=true\n"
+		   "  cachesim FILE csv lru,clock,arc,s3fifo 16,32,64 --ignore-obj-size 1 \\\n"
+		   "      -t \"$columns,has-header=true,delimiter=,\"\n\n"
+		   "and its belady from the same lines once its traceConv made them an oracleGeneral trace.\n\n"
+		   "A trace is binary: 8 bytes \"furrowPT\", uint32 version (1), then records. Each begins with a number in "
+		   "LEB128; whole numbers are little-endian.\n\n"
+		   "  tile << 3 | hit << 2 | drawn << 1\n"
+		   "      an access: tiles are numbered from 0 as they first come, and the\n"
+		   "      first of each is followed by its key (uint64). drawn: looked at\n"
+		   "      for a picture; else pinned to be deformed, or looked up\n"
+		   "  steps << 1 | 1\n"
+		   "      the accesses that follow are so many steps later\n"
+		   "  1\n"
+		   "      the end: accesses, tiles and the XXH3 of all before (uint64 each)\n\n"
+		   "That is one to three bytes an access, since a drive names few tiles over and over.\n",
+	.examples = "furrow cache-sim trace --slots 16,32,64 --plot misses.svg\n",
+	.see = "furrow-drive(1)",
 	.run = run,
 };

@@ -7,18 +7,20 @@
 #include "fleet/fleet.h"
 #include "settings.h"
 
+static const char *const durable[] = {"normal", "full", NULL};
+
 static const struct command_option options[] = {
-	{"o", "DIR", "where run.json, epochs.log and the pictures go"},
-	{"store", "STORE", "the terrain, instead of the scene's own"},
-	{"overlay", "FILE", "keeps the deformation in FILE and leaves the store as it is; made if absent"},
-	{"set", "KEY=VALUE", "overrides a key of the scene, as in cache.slots=16; may be repeated"},
-	{"steps", "N", "stop after N steps, counted from the scene's start"},
-	{"resume", NULL, "go on from the last committed step, to the same bits as in one go"},
-	{"trace", "FILE", "what was asked of the page cache, for furrow cache-sim"},
-	{"durable", "KIND", "normal (default): a power cut may cost the last epochs; full: none"},
-	{"keep-history", NULL, "keep what each commit replaces in the store, so that furrow restore returns to any"},
-	{"json", NULL, "print run.json on stdout"},
-	{NULL, NULL, NULL},
+	{"o", "DIR", .help = "where run.json, epochs.log and the pictures go", .files = "/", .needed = true},
+	{"store", "STORE", .help = "the terrain, instead of the scene's own", .files = "furrow"},
+	{"overlay", "FILE", .help = "keep the deformation in FILE and leave the store as it is; made if absent", .files = "furrow"},
+	{"set", "KEY=VALUE", .help = "override a key of the scene, as in cache.slots=16", .repeats = true},
+	{"steps", "N", .help = "stop after N steps, counted from the scene's start"},
+	{"resume", .help = "go on from the last committed step, to the same bits as in one go"},
+	{"trace", "FILE", .help = "what was asked of the page cache, for furrow cache-sim", .files = "*"},
+	{"durable", "KIND", .help = "what a power cut may cost: the last commits, or with full none", .choices = durable, .preset = "normal"},
+	{"keep-history", .help = "keep what each commit replaces in the store, so that furrow restore returns to any"},
+	{"json", .help = "print run.json on stdout"},
+	{.name = NULL},
 };
 
 static void print_summary(const struct api_result *result, const char *directory)
@@ -112,20 +114,19 @@ static enum status join(enum status status)
 
 static enum status run(const struct arguments *arguments)
 {
-	static const char *const durable[] = {"normal", "full", NULL};
 	struct settings settings = {.count = 0};
 	struct scene *scene = NULL;
 	struct api_result result = {.json = NULL};
 	int64_t steps = 0;
 	int durability = 0;
 	const char *directory = arguments_text(arguments, "o");
-	enum status status = arguments_expect(arguments, 1, 1);
-	if (status == STATUS_OK && directory == NULL)
+	enum status status = STATUS_OK;
+	if (directory == NULL)
 		status = fail_with(STATUS_USAGE, "drive: -o is missing; give a folder for run.json and the pictures");
 	if (status == STATUS_OK)
 		status = arguments_integer(arguments, "steps", 1, INT64_MAX, &steps);
 	if (status == STATUS_OK)
-		status = arguments_choice(arguments, "durable", durable, &durability);
+		status = arguments_choice(arguments, "durable", &durability);
 	if (status == STATUS_OK)
 		status = settings_take(arguments, &settings);
 	if (status == STATUS_OK)
@@ -158,20 +159,23 @@ static enum status run(const struct arguments *arguments)
 
 const struct command command_drive = {
 	.name = "drive",
-	.usage = "drive SCENE -o DIR [--store STORE] [--overlay FILE] [--set KEY=VALUE]... [--steps N] [--resume] "
-		 "[--trace FILE] [--keep-history] [--json]",
 	.summary = "run a scene: objects carve the terrain, pictures and figures come out",
-	.details = "What a scene may say is in src/scene/SCENE.md: every key, its unit, range and default.\n"
-		   "Leaves in DIR: run.json (figures, also when interrupted), epochs.log (a line for each commit), map.png (each\n"
-		   "object's way and the ruts, on the hillshade) and frame-NNNNNN.png. Ctrl-C ends it cleanly with everything committed, status 130.\n"
-		   "--resume goes on where a drive of the same scene into the same store ended or was killed (end_time, cache and\n"
-		   "view may differ by then), and begins where there was none; run.json's resumed_from says at which step.\n"
-		   "An overlay is a store that names its base: every command takes it where it takes a store. Many\n"
-		   "drives over one store, each with its own, may run at once. Removing the file is the undo.\n"
-		   "An overlay may lie over another, or over a store with ruts: it goes on from what is there (furrow branch).\n"
-		   "Many processes drive one scene together: mpirun -n 4 furrow drive SCENE -o DIR --overlay FILE. They leave what one\n"
-		   "leaves, bit by bit, and draw no pictures (docs/RANKS.md).\n"
-		   "A drive over ground that has ruts already says so and goes on over them; --resume says nothing.\n",
+	.arguments = COMMAND_ARGUMENTS(COMMAND_SCENE),
 	.options = options,
+	.details = "What a scene may say is in scene(5), which is src/scene/SCENE.md: every key, its unit, range and default.\n\n"
+		   "Leaves in DIR: run.json (figures, also when interrupted), epochs.log (a line for each commit), map.png (each "
+		   "object's way and the ruts, on the hillshade) and frame-NNNNNN.png. Ctrl-C ends it cleanly with everything "
+		   "committed, status 130.\n\n"
+		   "--resume goes on where a drive of the same scene into the same store ended or was killed (end_time, cache and "
+		   "view may differ by then), and begins where there was none; run.json's resumed_from says at which step.\n\n"
+		   "An overlay is a store that names its base: every command takes it where it takes a store. Many drives over one "
+		   "store, each with its own, may run at once. Removing the file is the undo. An overlay may lie over another, or "
+		   "over a store with ruts: it goes on from what is there (furrow branch). A drive over ground that has ruts "
+		   "already says so and goes on over them; --resume says nothing.\n\n"
+		   "Many processes drive one scene together: mpirun -n 4 furrow drive SCENE -o DIR --overlay FILE. They leave what "
+		   "one leaves, bit by bit, and draw no pictures (docs/RANKS.md).\n",
+	.examples = "furrow drive scene.yaml --overlay ruts.furrow -o out\n"
+		    "furrow drive scene.yaml -o out --set cache.slots=16 --resume\n",
+	.see = "furrow-explain(1), furrow-report(1), furrow-view(1), scene(5)",
 	.run = run,
 };

@@ -7,11 +7,11 @@
 #include "settings.h"
 
 static const struct command_option options[] = {
-	{"store", "STORE", "the terrain, or an overlay of it, instead of the scene's own; none: tiles of 256 cells are assumed"},
-	{"keep-history", NULL, "the drive is to keep a history, as with furrow drive --keep-history"},
-	{"set", "KEY=VALUE", "overrides a key of the scene, as in cache.slots=16; may be repeated"},
-	{"json", NULL, "one JSON object"},
-	{NULL, NULL, NULL},
+	{"store", "STORE", .help = "the terrain, or an overlay of it, instead of the scene's own; none: tiles of 256 cells are assumed", .files = "furrow"},
+	{"keep-history", .help = "the drive is to keep a history, as with furrow drive --keep-history"},
+	{"set", "KEY=VALUE", .help = "override a key of the scene, as in cache.slots=16", .repeats = true},
+	{"json", .help = "one JSON object"},
+	{.name = NULL},
 };
 
 void explain_reason(const struct scene *scene, const char *effect, char *text, size_t size)
@@ -30,9 +30,7 @@ static enum status run(const struct arguments *arguments)
 	struct settings settings = {.count = 0};
 	struct scene *scene = NULL;
 	struct report_plan plan = {.store = NULL};
-	enum status status = arguments_expect(arguments, 1, 1);
-	if (status == STATUS_OK)
-		status = settings_take(arguments, &settings);
+	enum status status = settings_take(arguments, &settings);
 	if (status == STATUS_OK)
 		status = scene_load(arguments_at(arguments, 0), settings.list, settings.count, &scene);
 	if (status == STATUS_OK)
@@ -49,13 +47,16 @@ static enum status run(const struct arguments *arguments)
 
 const struct command command_explain = {
 	.name = "explain",
-	.usage = "explain SCENE [--store STORE] [--keep-history] [--set KEY=VALUE]... [--json]",
 	.summary = "what a scene will make and run, and why, before it does",
-	.details = "Prints the plan of a drive: planes kept a post, programs, passes of each object and picture, threads,\n"
-		   "statements of the store's tables, memory at most; each with the key of the scene that calls for it, as in\n"
-		   "`normals <- view`. What is not there is not made and not run: run.json's counts are these amounts, times how\n"
-		   "often each unit came. Then what the scene says without effect. Needs no GL, and changes nothing: the store is\n"
-		   "only read, also while another drive writes it. What a scene may say is in src/scene/SCENE.md.\n",
+	.arguments = COMMAND_ARGUMENTS(COMMAND_SCENE),
 	.options = options,
+	.details = "Prints the plan of a drive: planes kept a post, programs, passes of each object and picture, threads, "
+		   "statements of the store's tables, memory at most; each with the key of the scene that calls for it, as in "
+		   "`normals <- view`. What is not there is not made and not run: run.json's counts are these amounts, times how "
+		   "often each unit came. Then what the scene says without effect. Needs no GL, and changes nothing: the store is "
+		   "only read, also while another drive writes it. What a scene may say is in scene(5), which is "
+		   "src/scene/SCENE.md.\n",
+	.examples = "furrow explain scene.yaml --store world.furrow\n",
+	.see = "furrow-drive(1), scene(5)",
 	.run = run,
 };

@@ -8,25 +8,25 @@
 #include "relief_told.h"
 #include "scene/scene.h"
 
-static const struct command_option options[] = {
-	{"o", "OUT", "what to write: .tif (GeoTIFF), .png, or .r16 or .raw (16 bits, little-endian, no header)"},
-	{"layer", "LAYER", "surface (default), base, offset, deposited, plastic_sinkage (metres), shear, shear_x, shear_y (shares of the soil's strength), "
-			   "fixed_point (Int32, 2^-20 m) or hillshade"},
-	{"level", "L", "0: the source's spacing; -k: 2^k times finer; k: coarser (0; offset to fixed_point: the deformed level)"},
-	{"window", "X0,Y0,X1,Y1", "metres east and north of the south-west post"},
-	{"height-range", "MIN,MAX", "metres that a heightmap's 0 and full scale mean (one metre a unit); of a map, its ramp's ends"},
-	{"sun", "AZIMUTH,ALTITUDE", "of a hillshade, degrees clockwise from north and above the horizon (315,45)"},
-	{"exaggerate", "TIMES", "a hillshade as if heights were so many times what they are (1)"},
-	{"mesh", "OUT", "the surface of the window as triangles, instead of -o: .obj, .glb (glTF 2.0) or .stl"},
-	{"tiles", "DIR", "a folder of map tiles, globe tiles and a page that shows them, instead of -o"},
-	{"since", "REVISION", "with --tiles: only tiles that changed after this revision of the store"},
-	{"jobs", "N", "with --tiles: threads (all cores)"},
-	{"leaflet", "DIR", "with --tiles: where leaflet.js and leaflet.css are (/usr/share/javascript/leaflet, of libjs-leaflet)"},
-	{NULL, NULL, NULL},
-};
-
 static const char *const layer_names[] = {"surface", "base",        "offset",    "deposited", "plastic_sinkage", "shear",
 					  "shear_x", "shear_y",     "fixed_point", "hillshade", NULL};
+
+static const struct command_option options[] = {
+	{"o", "OUT", .help = "what to write: GeoTIFF, PNG, or 16 bits, little-endian, without a header", .files = "tif png r16 raw", .needed = true},
+	{"mesh", "OUT", .help = "the surface of the window as triangles: .obj, .glb (glTF 2.0) or .stl", .files = "obj glb stl", .instead = true},
+	{"tiles", "DIR", .help = "a folder of map tiles, globe tiles and a page that shows them", .files = "/", .instead = true},
+	{"layer", "LAYER", .help = "what is written: lengths in metres, shear as shares of the soil's strength, fixed_point as Int32 of 2^-20 m", .choices = layer_names,
+	 .preset = "surface"},
+	{"level", "L", .help = "0: the source's spacing; -k: 2^k times finer; k: coarser", .preset = "0; offset to fixed_point: the deformed level"},
+	{"window", "X0,Y0,X1,Y1", .help = "east and north of the south-west post", .unit = "m", .preset = "all"},
+	{"height-range", "MIN,MAX", .help = "heights that a heightmap's 0 and full scale mean; of a map, its ramp's ends", .unit = "m", .preset = "one metre a unit"},
+	{"sun", "AZIMUTH,ALTITUDE", .help = "of a hillshade, clockwise from north and above the horizon", .unit = "degrees", .preset = "315,45"},
+	{"exaggerate", "TIMES", .help = "a hillshade as if heights were so many times what they are", .preset = "1"},
+	{"since", "REVISION", .help = "with --tiles: only tiles that changed after this revision of the store"},
+	{"jobs", "N", .help = "with --tiles: threads", .preset = "all cores"},
+	{"leaflet", "DIR", .help = "with --tiles: where leaflet.js and leaflet.css are", .files = "/", .preset = "/usr/share/javascript/leaflet, of libjs-leaflet"},
+	{.name = NULL},
+};
 
 const char *export_layer_name(int layer)
 {
@@ -88,7 +88,7 @@ static enum status read_layer(const struct arguments *arguments, int *layer)
 			*layer = i;
 			return STATUS_OK;
 		}
-	return arguments_choice(arguments, "layer", layer_names, layer);
+	return arguments_choice(arguments, "layer", layer);
 }
 
 /* Endings, and options that mean nothing to a mesh. */
@@ -108,8 +108,8 @@ static enum status read_request(const struct arguments *arguments, struct export
 	const char *mesh = arguments_text(arguments, "mesh");
 	request->path = mesh != NULL ? mesh : arguments_text(arguments, "o");
 	request->mesh = mesh != NULL;
-	enum status status = arguments_expect(arguments, 1, 1);
-	if (status == STATUS_OK && mesh != NULL)
+	enum status status = STATUS_OK;
+	if (mesh != NULL)
 		status = check_mesh(arguments, mesh);
 	if (status == STATUS_OK && request->path == NULL)
 		status = fail_with(STATUS_USAGE, "export: -o is missing; give a file ending in .tif, .png or .r16");
@@ -312,19 +312,23 @@ static enum status run(const struct arguments *arguments)
 
 const struct command command_export = {
 	.name = "export",
-	.usage = "export STORE -o OUT.tif|OUT.png|OUT.r16 [--layer surface|base|offset|deposited|plastic_sinkage|shear|shear_x|shear_y|fixed_point|hillshade] "
-		 "[--level L] [--window X0,Y0,X1,Y1] [--height-range MIN,MAX] [--sun AZIMUTH,ALTITUDE] [--exaggerate TIMES] | "
-		 "--mesh OUT.obj|OUT.glb|OUT.stl | --tiles DIR [--since REVISION]",
 	.summary = "posts of a store as a raster, a mesh, or tiles for maps and globes",
-	.details = "Rasters are north up, one pixel a post, and carry the store's reference system. Levels finer than\n"
-		   "what is stored are interpolated. Nodata of a hillshade and of a heightmap (.png, .r16, .raw) is 0.\n"
-		   "A .png of offset, deposited, plastic_sinkage or of shear is a map: false colours over the hillshade, with a legend, a scale bar\n"
-		   "and north. Its pixels are posts, small maps enlarged by a whole factor; more than 4096 on a side are drawn at a\n"
-		   "coarser level, each pixel with the largest value of the posts within it, so that narrow ruts are seen.\n"
-		   "--mesh writes the window's surface in metres from an origin that is told; holes are left out. OBJ and STL are z up, glTF is y up.\n"
-		   "--tiles writes terrain-RGB, hillshade and ruts under Z/X/Y, Cesium's quantized-mesh with layer.json, and a page that shows them\n"
-		   "behind any static server: python3 -m http.server -d DIR. Run again after a kill it goes on; with --since it writes what\n"
-		   "changed. src/exchange/EXCHANGE.md says how to use the tiles.\n",
+	.arguments = COMMAND_ARGUMENTS(COMMAND_STORE),
 	.options = options,
+	.details = "Rasters are north up, one pixel a post, and carry the store's reference system. Levels finer than what is "
+		   "stored are interpolated. Nodata of a hillshade and of a heightmap (.png, .r16, .raw) is 0.\n\n"
+		   "A .png of offset, deposited, plastic_sinkage or of shear is a map: false colours over the hillshade, with a "
+		   "legend, a scale bar and north. Its pixels are posts, small maps enlarged by a whole factor; more than 4096 on "
+		   "a side are drawn at a coarser level, each pixel with the largest value of the posts within it, so that narrow "
+		   "ruts are seen.\n\n"
+		   "--mesh writes the window's surface in metres from an origin that is told; holes are left out. OBJ and STL are "
+		   "z up, glTF is y up.\n\n"
+		   "--tiles writes terrain-RGB, hillshade and ruts under Z/X/Y, Cesium's quantized-mesh with layer.json, and a "
+		   "page that shows them behind any static server: python3 -m http.server -d DIR. Run again after a kill it goes "
+		   "on; with --since it writes what changed. src/exchange/EXCHANGE.md says how to use the tiles.\n",
+	.examples = "furrow export world.furrow -o surface.tif\n"
+		    "furrow export ruts.furrow -o ruts.png --layer offset\n"
+		    "furrow export ruts.furrow --tiles map\n",
+	.see = "furrow-import(1)",
 	.run = run,
 };

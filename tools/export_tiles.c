@@ -12,7 +12,7 @@
 static enum status check_options(const struct arguments *arguments)
 {
 	static const char *const foreign[] = {"o", "mesh", "layer", "level", "window"};
-	enum status status = arguments_expect(arguments, 1, 1);
+	enum status status = STATUS_OK;
 	for (size_t i = 0; i < sizeof foreign / sizeof *foreign && status == STATUS_OK; i++)
 		if (arguments_text(arguments, foreign[i]) != NULL)
 			status = fail_with(STATUS_USAGE, "export: --tiles has all zoom levels of the whole terrain; leave %s%s out",

@@ -5,9 +5,9 @@
 #include "store/store.h"
 
 static const struct command_option options[] = {
-	{"o", "OUT", "the new store"},
-	{"overwrite", NULL, "replace OUT if it is a store"},
-	{NULL, NULL, NULL},
+	{"o", "OUT", .help = "the new store", .files = "furrow", .needed = true},
+	{"overwrite", .help = "replace OUT if it is a store"},
+	{.name = NULL},
 };
 
 static enum status tell(const char *out, const char *path)
@@ -27,8 +27,8 @@ static enum status run(const struct arguments *arguments)
 {
 	struct progress progress;
 	const char *out = arguments_text(arguments, "o");
-	enum status status = arguments_expect(arguments, 1, 1);
-	if (status == STATUS_OK && out == NULL)
+	enum status status = STATUS_OK;
+	if (out == NULL)
 		status = fail_with(STATUS_USAGE, "flatten: -o is missing; give a file for the new store");
 	if (status != STATUS_OK)
 		return status;
@@ -42,11 +42,12 @@ static enum status run(const struct arguments *arguments)
 
 const struct command command_flatten = {
 	.name = "flatten",
-	.usage = "flatten OVERLAY -o OUT [--overwrite]",
 	.summary = "make one store of an overlay and all files under it",
-	.details = "OUT shows what OVERLAY shows, and a drive with --resume goes on from it; it needs none of the other files. Tiles are copied\n"
-		   "as they are. What furrow log lists stays behind: kept revisions and their names. OUT is made whole or not at all. A branch of\n"
-		   "OVERLAY can be moved onto OUT with furrow relink.\n",
+	.arguments = COMMAND_ARGUMENTS({"OVERLAY", .help = "what to flatten", .files = "furrow", .needed = true}),
 	.options = options,
+	.details = "OUT shows what OVERLAY shows, and a drive with --resume goes on from it; it needs none of the other files. "
+		   "Tiles are copied as they are. What furrow log lists stays behind: kept revisions and their names. OUT is made "
+		   "whole or not at all. A branch of OVERLAY can be moved onto OUT with furrow relink.\n",
+	.see = "furrow-branch(1), furrow-relink(1)",
 	.run = run,
 };

@@ -10,32 +10,35 @@
 #include "errors.h"
 #include "made.h"
 
+#define SOURCES "tif tiff png asc img lbl hgt gz zip xz jp2 vrt nc txt"
+
 static const struct command_option options[] = {
-	{"o", "STORE", "the store to make, usually NAME.furrow"},
-	{"tile", "N", "cells along a tile's side, a power of two from 8 to 1024 (256)"},
-	{"max-error", "M", "most a stored height may be off its source; 0: lossless (half the source's unit)"},
-	{"s-srs", "SRS", "the sources' reference system, if they do not say or say it wrong"},
-	{"t-srs", "SRS", "the store's, in metres, or auto (default), or source: see below"},
-	{"s-vertical", "REF", "above what the sources' heights are, if they do not say or say it wrong: see below"},
-	{"t-vertical", "REF", "convert heights to this vertical reference: ellipsoid, egm96, egm2008 or a vertical SRS"},
-	{"spacing", "M", "metres between posts: resamples; for sources without a place, their own (1)"},
-	{"window", "W,S,E,N", "import only what lies in this area, in the store's coordinates"},
-	{"window-srs", "SRS", "the SRS in which the window is given, as EPSG:4326 for degrees: longitude first"},
-	{"r", "METHOD", "resampling: bilinear (default), cubic or near"},
-	{"nodata", "V", "a value that means nodata though no tag says so; may be repeated"},
-	{"radii", "KIND", "values are distances from the body's middle: auto (default: found by their size), yes or no"},
-	{"fill", NULL, "fill holes from their rims"},
-	{"inset", "SOURCE", "finer ground in a part of the terrain, stored at its own spacing there alone; may be repeated"},
-	{"feather", "M", "metres over which an inset's rim blends into what surrounds it (10 posts of that, at most a quarter of the inset)"},
-	{"match-heights", NULL, "raise or lower each inset by its median difference from what surrounds it"},
-	{"height-range", "MIN,MAX", "metres that a PNG's 0 and full scale mean (one metre a unit)"},
-	{"pack", "KIND", "fast (default) or small"},
-	{"jobs", "N", "threads that pack tiles beside the one that reads; 1: one for everything (the machine's cores)"},
-	{"resume", NULL, "go on with an import that was broken off or killed; the same store, whatever --jobs"},
-	{"overwrite", NULL, "replace STORE"},
-	{"json", NULL, "one JSON object: what was made, off_resampled and off_source"},
-	{"dry-run", NULL, "say what would be made, and make nothing"},
-	{NULL, NULL, NULL},
+	{"o", "STORE", .help = "the store to make, usually NAME.furrow", .files = "furrow", .needed = true},
+	{"tile", "N", .help = "cells along a tile's side, a power of two from 8 to 1024", .preset = "256"},
+	{"max-error", "M", .help = "most that a stored height may be off its source; 0: lossless", .unit = "m", .preset = "half the source's unit"},
+	{"s-srs", "SRS", .help = "the sources' reference system, if they do not say or say it wrong"},
+	{"t-srs", "SRS", .help = "the store's reference system, in metres, or auto, or source: see below", .preset = "auto"},
+	{"s-vertical", "REF", .help = "above what the sources' heights are, if they do not say or say it wrong: see below"},
+	{"t-vertical", "REF", .help = "convert heights to this vertical reference: ellipsoid, egm96, egm2008 or a vertical SRS"},
+	{"spacing", "M", .help = "distance between posts: resamples; for sources without a place, their own", .unit = "m", .preset = "1 without a place"},
+	{"window", "W,S,E,N", .help = "import only what lies in this area, in the store's coordinates"},
+	{"window-srs", "SRS", .help = "the SRS in which the window is given, as EPSG:4326 for degrees: longitude first"},
+	{"r", "METHOD", .help = "how to resample", .choices = api_import_methods, .preset = "bilinear"},
+	{"nodata", "V", .help = "a value that means nodata though no tag says so", .repeats = true},
+	{"radii", "KIND", .help = "values are distances from the body's middle; auto finds that by their size", .choices = api_import_radii, .preset = "auto"},
+	{"fill", .help = "fill holes from their rims"},
+	{"inset", "SOURCE", .help = "finer ground in a part of the terrain, stored at its own spacing there alone", .files = SOURCES, .repeats = true},
+	{"feather", "M", .help = "width over which an inset's rim blends into what surrounds it", .unit = "m",
+	 .preset = "10 posts of what surrounds it, at most a quarter of the inset"},
+	{"match-heights", .help = "raise or lower each inset by its median difference from what surrounds it"},
+	{"height-range", "MIN,MAX", .help = "heights that a PNG's 0 and full scale mean", .unit = "m", .preset = "one metre a unit"},
+	{"pack", "KIND", .help = "how tiles are packed: fast to read, or small", .choices = api_import_packs, .preset = "fast"},
+	{"jobs", "N", .help = "threads that pack tiles beside the one that reads; 1: one for everything", .preset = "all cores"},
+	{"resume", .help = "go on with an import that was broken off or killed; the same store, whatever --jobs"},
+	{"overwrite", .help = "replace STORE"},
+	{"json", .help = "one JSON object: what was made, off_resampled and off_source"},
+	{"dry-run", .help = "say what would be made, and make nothing"},
+	{.name = NULL},
 };
 
 static void print_insets(const struct dem_insets *insets)
@@ -142,7 +145,7 @@ static enum status run(const struct arguments *arguments)
 		return fail_with(STATUS_USAGE, "import: -o is missing; give the store to make, as in -o world.furrow");
 	const char **sources = mem_calloc(arguments_count(arguments) + 1, sizeof *sources);
 	api_import_init(&import);
-	enum status status = sources != NULL ? arguments_expect(arguments, 1, SIZE_MAX) : fail_memory("sources");
+	enum status status = sources != NULL ? STATUS_OK : fail_memory("sources");
 	for (size_t i = 0; sources != NULL && i < arguments_count(arguments); i++)
 		sources[i] = arguments_at(arguments, i);
 	if (status == STATUS_OK)
@@ -173,22 +176,26 @@ static enum status run(const struct arguments *arguments)
 
 const struct command command_import = {
 	.name = "import",
-	.usage = "import SOURCE... -o STORE [options]",
 	.summary = "elevation data to a terrain store",
-	.details = "A SOURCE is a raster, a directory of them, or @list.txt. Several become one terrain; each may have its\n"
-		   "own SRS, spacing and unit. Where they overlap the first named wins. Without --spacing, a source that is\n"
-		   "at least twice as fine as the others, and lies within them, is stored as an inset. In a directory, files\n"
-		   "without a place (as PNG) are skipped if others have one. Tiles as .hgt.gz, .hgt.zip and .hgt.xz, and a PDS .img\n"
-		   "with its .lbl, are read as they are.\n\n"
-		   "The store is in metres. --t-srs auto takes the SRS of the first source if that is in metres that are\n"
-		   "true to 0.1 % there; otherwise UTM, or off Earth a projection that is true at the data's latitude.\n"
-		   "--t-srs source keeps SRS and posts of the first source as they are, true or not. Degrees and feet\n"
-		   "cannot be kept: such a source is refused.\n\n"
-		   "Off Earth, values may be radii: distances from the body's middle. They become heights over the sphere\n"
-		   "of their SRS. --radii auto finds them by their size, and tells.\n\n"
-		   "Heights are above an ellipsoid, a geoid or a sea level. Import tells what a source says, and keeps it.\n"
-		   "--t-vertical converts, by PROJ and its grids: ellipsoid (of the source's SRS), egm96, egm2008, or any\n"
-		   "vertical SRS as EPSG:5703. If a source does not say, --s-vertical must: SRTM is above egm96.\n",
+	.arguments = COMMAND_ARGUMENTS({"SOURCE", .help = "a raster, a folder of rasters, or @list.txt", .files = SOURCES, .needed = true, .repeats = true}),
 	.options = options,
+	.details = "Several sources become one terrain; each may have its own SRS, spacing and unit. Where they overlap the first "
+		   "named wins. Without --spacing, a source that is at least twice as fine as the others, and lies within them, is "
+		   "stored as an inset.\n\n"
+		   "In a folder, files without a place (as PNG) are skipped if others have one. Tiles as .hgt.gz, .hgt.zip and "
+		   ".hgt.xz, and a PDS .img with its .lbl, are read as they are.\n\n"
+		   "The store is in metres. --t-srs auto takes the SRS of the first source if that is in metres that are true to "
+		   "0.1 % there; otherwise UTM, or off Earth a projection that is true at the data's latitude. --t-srs source "
+		   "keeps SRS and posts of the first source as they are, true or not. Degrees and feet cannot be kept: such a "
+		   "source is refused.\n\n"
+		   "Off Earth, values may be radii: distances from the body's middle. They become heights over the sphere of their "
+		   "SRS. --radii auto finds them by their size, and tells.\n\n"
+		   "Heights are above an ellipsoid, a geoid or a sea level. Import tells what a source says, and keeps it. "
+		   "--t-vertical converts, by PROJ and its grids: ellipsoid (of the source's SRS), egm96, egm2008, or any vertical "
+		   "SRS as EPSG:5703. If a source does not say, --s-vertical must: SRTM is above egm96.\n",
+	.examples = "furrow import N46E007.hgt -o alps.furrow\n"
+		    "furrow import tiles/ -o site.furrow --t-srs EPSG:25832 --spacing 1\n"
+		    "furrow import wide.tif --inset site.tif -o site.furrow --match-heights\n",
+	.see = "furrow-info(1), furrow-verify(1), store(5)",
 	.run = run,
 };

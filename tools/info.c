@@ -9,8 +9,8 @@
 #include "store/store.h"
 
 static const struct command_option options[] = {
-	{"json", NULL, "one JSON object"},
-	{NULL, NULL, NULL},
+	{"json", .help = "one JSON object"},
+	{.name = NULL},
 };
 
 static void geotransform(const struct store_meta *meta, double out[6])
@@ -258,9 +258,7 @@ static enum status run(const struct arguments *arguments)
 {
 	struct store *store = NULL;
 	struct store_numbers numbers;
-	enum status status = arguments_expect(arguments, 1, 1);
-	if (status == STATUS_OK)
-		status = store_open(arguments_at(arguments, 0), &(struct store_options){.mode = STORE_READ}, &store);
+	enum status status = store_open(arguments_at(arguments, 0), &(struct store_options){.mode = STORE_READ}, &store);
 	if (status == STATUS_OK)
 		status = store_count(store, &numbers);
 	if (status == STATUS_OK && arguments_flag(arguments, "json"))
@@ -273,8 +271,10 @@ static enum status run(const struct arguments *arguments)
 
 const struct command command_info = {
 	.name = "info",
-	.usage = "info STORE [--json]",
 	.summary = "what a store holds",
+	.arguments = COMMAND_ARGUMENTS(COMMAND_STORE),
 	.options = options,
+	.details = "Tells tiles, posts, levels, reference systems, heights, sizes and sources; of an overlay also its parent.\n",
+	.see = "furrow-verify(1), store(5)",
 	.run = run,
 };

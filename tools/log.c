@@ -13,8 +13,8 @@
 #include "store/store.h"
 
 static const struct command_option options[] = {
-	{"json", NULL, "one JSON object"},
-	{NULL, NULL, NULL},
+	{"json", .help = "one JSON object"},
+	{.name = NULL},
 };
 
 static void print_time(int64_t made, const char *format, char *text, size_t room)
@@ -199,9 +199,7 @@ static enum status print_json(const struct store *store, const char *path)
 static enum status run(const struct arguments *arguments)
 {
 	struct store *store = NULL;
-	enum status status = arguments_expect(arguments, 1, 1);
-	if (status == STATUS_OK)
-		status = store_open(arguments_at(arguments, 0), &(struct store_options){.mode = STORE_READ}, &store);
+	enum status status = store_open(arguments_at(arguments, 0), &(struct store_options){.mode = STORE_READ}, &store);
 	if (status == STATUS_OK)
 		status = arguments_flag(arguments, "json") ? print_json(store, arguments_at(arguments, 0))
 							   : print_text(store, arguments_at(arguments, 0));
@@ -211,10 +209,11 @@ static enum status run(const struct arguments *arguments)
 
 const struct command command_log = {
 	.name = "log",
-	.usage = "log STORE [--json]",
 	.summary = "the revisions that a store keeps: who, when, which scene and step",
-	.details = "The newest first; * is what the store holds. [NAME] is a snapshot. Of an overlay the revisions of the files under it\n"
-		   "follow. Branches are the overlays in the store's folder that begin at it. Times are UTC.\n",
+	.arguments = COMMAND_ARGUMENTS(COMMAND_STORE),
 	.options = options,
+	.details = "The newest first; * is what the store holds. [NAME] is a snapshot. Of an overlay the revisions of the files "
+		   "under it follow. Branches are the overlays in the store's folder that begin at it. Times are UTC.\n",
+	.see = "furrow-branch(1), furrow-restore(1), furrow-snapshot(1)",
 	.run = run,
 };

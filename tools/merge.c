@@ -6,9 +6,9 @@
 #include "store/store.h"
 
 static const struct command_option options[] = {
-	{"o", "FILE", "the new overlay"},
-	{"json", NULL, "one JSON object: file (null: none was made), level, posts, places, both_changed"},
-	{NULL, NULL, NULL},
+	{"o", "FILE", .help = "the new overlay", .files = "furrow", .needed = true},
+	{"json", .help = "one JSON object: file (null: none was made), level, posts, places, both_changed"},
+	{.name = NULL},
 };
 
 /* W,S,E,N of a place, in metres from the south-west post, as windows are. */
@@ -75,8 +75,8 @@ static enum status run(const struct arguments *arguments)
 	struct store_conflicts conflicts = {0};
 	struct failure failure;
 	const char *out = arguments_text(arguments, "o");
-	enum status status = arguments_expect(arguments, 2, 2);
-	if (status == STATUS_OK && out == NULL)
+	enum status status = STATUS_OK;
+	if (out == NULL)
 		status = fail_with(STATUS_USAGE, "merge: -o is missing; give a file for the new overlay");
 	if (status == STATUS_OK)
 		status = store_merge(arguments_at(arguments, 0), arguments_at(arguments, 1), out, &conflicts);
@@ -90,11 +90,13 @@ static enum status run(const struct arguments *arguments)
 
 const struct command command_merge = {
 	.name = "merge",
-	.usage = "merge A B -o FILE [--json]",
 	.summary = "make one overlay of two",
-	.details = "A and B are overlays of one store. FILE lies over the nearest file that both are over, and has what each changed since:\n"
-		   "of the level that is deformed; coarser levels are made anew. Where both changed a post they must agree. Otherwise the\n"
-		   "places are listed, as W,S,E,N in metres from the south-west post, the first 20, and nothing is made.\n",
+	.arguments = COMMAND_ARGUMENTS({"A", .help = "an overlay", .files = "furrow", .needed = true},
+				       {"B", .help = "another overlay of the same store", .files = "furrow", .needed = true}),
 	.options = options,
+	.details = "FILE lies over the nearest file that both are over, and has what each changed since: of the level that is "
+		   "deformed; coarser levels are made anew. Where both changed a post they must agree. Otherwise the places are "
+		   "listed, as W,S,E,N in metres from the south-west post, the first 20, and nothing is made.\n",
+	.see = "furrow-branch(1), furrow-flatten(1)",
 	.run = run,
 };

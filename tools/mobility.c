@@ -14,21 +14,19 @@
 #define EARTH 9.81
 
 static const struct command_option options[] = {
-	{"o", "OUT", "a .tif of one layer, or a .png: a map of classes"},
-	{"vehicle", "MODEL", "MJCF or URDF of the vehicle; its soil geoms are those that collide"},
-	{"scene", "SCENE", "in place of --vehicle: a scene, with its first vehicle, soil and gravity"},
-	{"soil", "SOIL", "a named soil, or a scene's soil in braces"},
-	{"gravity", "G", "m/s2 (9.81; the scene's)"},
-	{"layer", "LAYER", "slip (default of a .tif; straight up, at constant speed), steepest (heading in degrees: 0 along the slope, 90 straight up), "
-			   "class (default of a .png; 0 no-go, 1 go, 2 at some headings, 3 unknown), probability (of going straight up, of the soils of the "
-			   "spread) or reason"},
-	{"spread", "SHARE", "how far the soil's numbers are uncertain: standard deviation of their logarithms, as in 0.15; or three, of cohesion, friction and "
-			    "Bekker's moduli (0)"},
-	{"samples", "N", "soils of the spread (12)"},
-	{"seed", "S", "of the spread (1)"},
-	{"spacing", "M", "metres between the rig's posts (a tenth of a wheel's width or radius, whichever is less)"},
-	{"json", NULL, "one JSON object: shares, and of each slope and heading the verdict, slip, crab angle, torque, sinkage; of each slope P(GO)"},
-	{NULL, NULL, NULL},
+	{"o", "OUT", .help = "a .tif of one layer, or a .png: a map of classes", .files = "tif png", .needed = true},
+	{"vehicle", "MODEL", .help = "MJCF or URDF of the vehicle; its soil geoms are those that collide", .files = "xml urdf mjcf", .needed = true},
+	{"scene", "SCENE", .help = "a scene, with its first vehicle, soil and gravity", .files = "yaml yml json", .instead = true},
+	{"soil", "SOIL", .help = "a named soil, or a scene's soil in braces", .preset = "the scene's"},
+	{"gravity", "G", .help = "pull of the body", .unit = "m/s2", .preset = "9.81; the scene's"},
+	{"layer", "LAYER", .help = "what is written, see below", .choices = mobility_layers, .preset = "slip in a .tif, class in a .png"},
+	{"spread", "SHARE", .help = "how far the soil's numbers are uncertain: standard deviation of their logarithms, as in 0.15; or three, of cohesion, friction and "
+				    "Bekker's moduli", .preset = "0"},
+	{"samples", "N", .help = "soils of the spread", .preset = "12"},
+	{"seed", "S", .help = "of the spread", .preset = "1"},
+	{"spacing", "M", .help = "distance between the rig's posts", .unit = "m", .preset = "a tenth of a wheel's width or radius, whichever is less"},
+	{"json", .help = "one JSON object: shares, and of each slope and heading the verdict, slip, crab angle, torque, sinkage; of each slope P(GO)"},
+	{.name = NULL},
 };
 
 struct asked {
@@ -209,7 +207,7 @@ static enum status read_layer(const struct arguments *arguments, struct asked *a
 {
 	const bool picture = dem_path_ends(asked->out, ".png"), spread = asked->spread[0] > 0 || asked->spread[1] > 0 || asked->spread[2] > 0;
 	asked->layer = !picture ? LAYER_SLIP : spread ? LAYER_PROBABILITY : LAYER_CLASS;
-	enum status status = arguments_choice(arguments, "layer", mobility_layers, &asked->layer);
+	enum status status = arguments_choice(arguments, "layer", &asked->layer);
 	if (status != STATUS_OK)
 		return status;
 	if (picture && asked->layer != LAYER_CLASS && asked->layer != LAYER_PROBABILITY)
@@ -228,8 +226,8 @@ static enum status read_arguments(const struct arguments *arguments, struct aske
 	asked->scene = arguments_text(arguments, "scene");
 	asked->soil = arguments_text(arguments, "soil");
 	asked->json = arguments_flag(arguments, "json");
-	enum status status = arguments_expect(arguments, 1, 1);
-	if (status == STATUS_OK && (asked->out == NULL || !(dem_path_ends(asked->out, ".png") || dem_path_ends(asked->out, ".tif"))))
+	enum status status = STATUS_OK;
+	if ((asked->out == NULL || !(dem_path_ends(asked->out, ".png") || dem_path_ends(asked->out, ".tif"))))
 		status = fail_with(STATUS_USAGE, "mobility: -o is missing or ends in neither .tif nor .png; give such a file");
 	if (status == STATUS_OK && (asked->model == NULL) == (asked->scene == NULL))
 		status = fail_with(STATUS_USAGE, "mobility: --vehicle and --scene are both given, or neither; give one of them");
@@ -274,17 +272,28 @@ static enum status run(const struct arguments *arguments)
 
 const struct command command_mobility = {
 	.name = "mobility",
-	.usage = "mobility STORE --vehicle MODEL|--scene SCENE --soil SOIL -o OUT.tif|OUT.png [--layer LAYER] [--spread SHARE] [--gravity G] [--json]",
 	.summary = "where a vehicle can drive: slip, steepest heading, go or no-go",
-	.details = "The rig measures each size of wheel under five loads and at twelve slips, those that follow others in their ruts. On the slope of each cell,\n"
-		   "taken over the vehicle's length, the wheels bear what a rigid body on equal springs gives them, all driven wheels slip alike, and the\n"
-		   "least slip is sought at which they pull as much as the weight does down the slope. Across a slope its nose points up the slope, so\n"
-		   "that the soil's side forces hold it. It does not go where no slip pulls enough, it slides down, a motor is too weak, a wheel has no\n"
-		   "load left, it sinks to its belly, or a wheel digs itself in. Unknown is what lies beyond the curves, on ground steeper than the\n"
-		   "soil's friction angle, and where the terrain's posts are farther apart than the vehicle is long.\n"
-		   "With --spread a .png shows the probability of going straight up, of a Latin hypercube of soils.\n"
-		   "It is for constant speed on ground that is even over the vehicle's length: steps, ditches and rocks are not seen. Map and drives rest\n"
-		   "on the same soil model: that they agree says that both are consistent, not that they are true.\n",
+	.arguments = COMMAND_ARGUMENTS(COMMAND_STORE),
 	.options = options,
+	.details = "The rig measures each size of wheel under five loads and at twelve slips, those that follow others in their "
+		   "ruts. On the slope of each cell, taken over the vehicle's length, the wheels bear what a rigid body on equal "
+		   "springs gives them, all driven wheels slip alike, and the least slip is sought at which they pull as much as "
+		   "the weight does down the slope. Across a slope its nose points up the slope, so that the soil's side forces "
+		   "hold it.\n\n"
+		   "It does not go where no slip pulls enough, it slides down, a motor is too weak, a wheel has no load left, it "
+		   "sinks to its belly, or a wheel digs itself in. Unknown is what lies beyond the curves, on ground steeper than "
+		   "the soil's friction angle, and where the terrain's posts are farther apart than the vehicle is long.\n\n"
+		   "Layers:\n\n"
+		   "  slip         straight up, at constant speed\n"
+		   "  steepest     heading in degrees: 0 along the slope, 90 straight up\n"
+		   "  class        0 no-go, 1 go, 2 at some headings, 3 unknown\n"
+		   "  reason       why it does not go\n"
+		   "  probability  of going straight up, of the soils of the spread\n\n"
+		   "With --spread a .png shows the probability of going straight up, of a Latin hypercube of soils.\n\n"
+		   "It is for constant speed on ground that is even over the vehicle's length: steps, ditches and rocks are not "
+		   "seen. Map and drives rest on the same soil model: that they agree says that both are consistent, not that they "
+		   "are true.\n",
+	.examples = "furrow mobility site.furrow --vehicle rover.xml --soil lunar -o go.png\n",
+	.see = "furrow-rig(1), scene(5)",
 	.run = run,
 };

@@ -12,10 +12,10 @@
 #include "store/store.h"
 
 static const struct command_option options[] = {
-	{"srs", "SRS", "what X and Y are in (metres from the south-west post); \"store\": the store's own"},
-	{"ray", "X,Y,Z,DX,DY,DZ", "where a ray from there first meets the ground, from above or below; may be repeated"},
-	{"json", NULL, "one JSON object: points, each with height, base, offset, surface, normal, nodata, soil (in metres but for dirt)"},
-	{NULL, NULL, NULL},
+	{"ray", "X,Y,Z,DX,DY,DZ", .help = "where a ray from there first meets the ground, from above or below", .repeats = true},
+	{"srs", "SRS", .help = "what X and Y are in; store: the store's own", .preset = "metres from the south-west post"},
+	{"json", .help = "one JSON object: points, each with height, base, offset, surface, normal, nodata, soil (in metres but for dirt)"},
+	{.name = NULL},
 };
 
 struct asking {
@@ -248,8 +248,8 @@ static enum status run(const struct arguments *arguments)
 {
 	struct asking asking = {.srs = arguments_text(arguments, "srs")};
 	struct store *store = NULL;
-	enum status status = arguments_expect(arguments, 1, SIZE_MAX);
-	if (status == STATUS_OK && arguments_count(arguments) % 2 == 0)
+	enum status status = STATUS_OK;
+	if (arguments_count(arguments) % 2 == 0)
 		status = fail_with(STATUS_USAGE, "query: an X has no Y; give pairs, as in query world.furrow 120.5 300");
 	if (status == STATUS_OK)
 		status = store_open(arguments_at(arguments, 0), &(struct store_options){.mode = STORE_READ}, &store);
@@ -283,14 +283,16 @@ static enum status run(const struct arguments *arguments)
 
 const struct command command_query = {
 	.name = "query",
-	.usage = "query STORE [X Y]... [--ray X,Y,Z,DX,DY,DZ]... [--srs SRS] [--json]",
 	.summary = "height, base and offset at points; where rays meet the ground",
-	.details = "Without points or rays on the command line, lines of X Y (a point) and X Y Z DX DY DZ (a ray) are read from\n"
-		   "stdin. With --json a single one's values also stand at the top of the object.\n"
-		   "height is between the four posts of the cell, at the finest level that is deformed there. surface and normal are\n"
-		   "of the triangle that is drawn there from nearby, which rays meet too: both are the same at the posts. A ray goes as\n"
-		   "far as the terrain does; its direction (of any length) and its hit's normal are east, north and up of the store.\n"
-		   "\"below\": it comes from under the ground.\n",
+	.arguments = COMMAND_ARGUMENTS(COMMAND_STORE, {"X Y", .help = "a point", .repeats = true}),
 	.options = options,
+	.details = "Without points or rays on the command line, lines of X Y (a point) and X Y Z DX DY DZ (a ray) are read from "
+		   "stdin. With --json a single one's values also stand at the top of the object.\n\n"
+		   "height is between the four posts of the cell, at the finest level that is deformed there. surface and normal "
+		   "are of the triangle that is drawn there from nearby, which rays meet too: both are the same at the posts. A "
+		   "ray goes as far as the terrain does; its direction (of any length) and its hit's normal are east, north and up "
+		   "of the store. \"below\": it comes from under the ground.\n",
+	.examples = "furrow query world.furrow 120.5 300 -3 4\n"
+		    "furrow query world.furrow --ray 10,10,500,0,0,-1 --json\n",
 	.run = run,
 };

@@ -4,15 +4,9 @@
 #include "command.h"
 #include "store/store.h"
 
-static const struct command_option options[] = {
-	{NULL, NULL, NULL},
-};
-
 static enum status run(const struct arguments *arguments)
 {
-	enum status status = arguments_expect(arguments, 2, 2);
-	if (status == STATUS_OK)
-		status = store_relink(arguments_at(arguments, 0), arguments_at(arguments, 1));
+	enum status status = store_relink(arguments_at(arguments, 0), arguments_at(arguments, 1));
 	if (status == STATUS_OK)
 		printf("%s: it is over %s\n", arguments_at(arguments, 0), arguments_at(arguments, 1));
 	return status;
@@ -20,11 +14,12 @@ static enum status run(const struct arguments *arguments)
 
 const struct command command_relink = {
 	.name = "relink",
-	.usage = "relink OVERLAY BASE",
 	.summary = "tell an overlay where its base is now",
-	.details = "For an overlay whose base, or the branch that it goes on from, was moved or renamed. An overlay names it from its own folder,\n"
-		   "so files that are moved together need no relink. BASE must be the same by content: that is proved by hash, of the ruts, too,\n"
-		   "where the overlay goes on from them. Otherwise the overlay stays as it is.\n",
-	.options = options,
+	.arguments = COMMAND_ARGUMENTS({"OVERLAY", .help = "what lost its base", .files = "furrow", .needed = true},
+				       {"BASE", .help = "the store or overlay that it lies over", .files = "furrow", .needed = true}),
+	.details = "For an overlay whose base, or the branch that it goes on from, was moved or renamed. An overlay names it from "
+		   "its own folder, so files that are moved together need no relink. BASE must be the same by content: that is "
+		   "proved by hash, of the ruts, too, where the overlay goes on from them. Otherwise the overlay stays as it is.\n",
+	.see = "furrow-branch(1), furrow-flatten(1)",
 	.run = run,
 };

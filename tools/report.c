@@ -7,19 +7,16 @@
 #include "html_report.h"
 
 static const struct command_option options[] = {
-	{"o", "FILE.html", "the page"},
-	{NULL, NULL, NULL},
+	{"o", "FILE.html", .help = "the page", .files = "html", .needed = true},
+	{.name = NULL},
 };
 
 static enum status check(const struct arguments *arguments, const char *path)
 {
 	struct stat found;
-	enum status status = arguments_expect(arguments, 1, HTML_RUNS);
-	if (status != STATUS_OK)
-		return arguments_count(arguments) > HTML_RUNS
-			       ? fail_with(STATUS_USAGE, "report: %zu folders are too many; give at most %d, or collect them with furrow study",
-					   arguments_count(arguments), HTML_RUNS)
-			       : status;
+	if (arguments_count(arguments) > HTML_RUNS)
+		return fail_with(STATUS_USAGE, "report: %zu folders are too many; give at most %d, or collect them with furrow study",
+				 arguments_count(arguments), HTML_RUNS);
 	if (path == NULL)
 		return fail_with(STATUS_USAGE, "report: -o is missing; give the page to write, as in -o report.html");
 	if (stat(path, &found) == 0 && !S_ISREG(found.st_mode))
@@ -82,20 +79,24 @@ static enum status run(const struct arguments *arguments)
 
 const struct command command_report = {
 	.name = "report",
-	.usage = "report DIR... -o FILE.html",
 	.summary = "one page of a drive, or of several beside each other",
-	.details = "DIR is a folder that furrow drive left; up to eight are compared. The page is one file. It needs no network, and no\n"
-		   "file beside it: plots are drawn within it, and map.png is a part of it.\n"
-		   "\n"
-		   "Sections, and the files that they come from:\n"
-		   "  what was run, settings, soils, results, step times, volume, notes  run.json\n"
-		   "  map                                                                map.png\n"
-		   "  ways in plan                                                       vehicles.csv, objects.csv or run.json\n"
-		   "  sinkage, slip, drawbar pull, energy                                objects.csv (output.forces in the scene)\n"
-		   "  speed and work of vehicles                                         vehicles.csv (output.vehicles)\n"
-		   "  rut profile: across the way, at its middle                         the store or overlay that was deformed\n"
-		   "  page cache: misses over slots                                      the trace (drive --trace FILE)\n"
-		   "If a folder does not have the data for a section, one sentence gives the reason. More: docs/REPORT.md\n",
+	.arguments = COMMAND_ARGUMENTS({"DIR", .help = "a folder that furrow drive left; up to eight are compared", .files = "/", .needed = true, .repeats = true}),
 	.options = options,
+	.details = "The page is one file. It needs no network, and no file beside it: plots are drawn within it, and map.png is a "
+		   "part of it.\n\n"
+		   "Sections, and the files that they come from:\n\n"
+		   "  what was run, settings, soils,     run.json\n"
+		   "    results, step times, volume, notes\n"
+		   "  map                                map.png\n"
+		   "  ways in plan                       vehicles.csv, objects.csv or run.json\n"
+		   "  sinkage, slip, drawbar pull,       objects.csv (output.forces in the scene)\n"
+		   "    energy\n"
+		   "  speed and work of vehicles         vehicles.csv (output.vehicles)\n"
+		   "  rut profile, across the way        the store or overlay that was deformed\n"
+		   "  page cache: misses over slots      the trace (drive --trace FILE)\n\n"
+		   "If a folder does not have the data for a section, one sentence gives the reason. More: docs/REPORT.md\n",
+	.examples = "furrow report out -o report.html\n"
+		    "furrow report sand clay -o soils.html\n",
+	.see = "furrow-drive(1)",
 	.run = run,
 };

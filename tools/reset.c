@@ -4,17 +4,11 @@
 #include "command.h"
 #include "store/store.h"
 
-static const struct command_option options[] = {
-	{NULL, NULL, NULL},
-};
-
 static enum status run(const struct arguments *arguments)
 {
 	struct store *store = NULL;
 	struct store_numbers before;
-	enum status status = arguments_expect(arguments, 1, 1);
-	if (status == STATUS_OK)
-		status = store_open(arguments_at(arguments, 0), &(struct store_options){.mode = STORE_WRITE}, &store);
+	enum status status = store_open(arguments_at(arguments, 0), &(struct store_options){.mode = STORE_WRITE}, &store);
 	if (status == STATUS_OK)
 		status = store_count(store, &before);
 	int64_t soil = 0;
@@ -31,8 +25,9 @@ static enum status run(const struct arguments *arguments)
 
 const struct command command_reset = {
 	.name = "reset",
-	.usage = "reset STORE",
 	.summary = "drop every deformation, keep the base",
-	.options = options,
+	.arguments = COMMAND_ARGUMENTS(COMMAND_STORE),
+	.details = "An overlay of a store with ruts shows its parent's ground again. All snapshots are dropped, too.\n",
+	.see = "furrow-restore(1)",
 	.run = run,
 };

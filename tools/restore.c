@@ -4,18 +4,12 @@
 #include "command.h"
 #include "store/store.h"
 
-static const struct command_option options[] = {
-	{NULL, NULL, NULL},
-};
-
 static enum status run(const struct arguments *arguments)
 {
 	struct store *store = NULL;
 	struct store_numbers before, after;
 	int64_t revision;
-	enum status status = arguments_expect(arguments, 2, 2);
-	if (status == STATUS_OK)
-		status = store_open(arguments_at(arguments, 0), &(struct store_options){.mode = STORE_WRITE}, &store);
+	enum status status = store_open(arguments_at(arguments, 0), &(struct store_options){.mode = STORE_WRITE}, &store);
 	if (status == STATUS_OK)
 		status = store_count(store, &before);
 	if (status == STATUS_OK)
@@ -33,11 +27,11 @@ static enum status run(const struct arguments *arguments)
 
 const struct command command_restore = {
 	.name = "restore",
-	.usage = "restore STORE REVISION|NAME",
 	.summary = "return a store to a revision that it keeps",
-	.details = "A store keeps the revisions that furrow log lists: those of drives with --keep-history, those with a name (furrow\n"
-		   "snapshot), and those that a restore replaced. What is restored is a revision of its own, so that a restore can be undone.\n"
-		   "A drive with --resume goes on from it.\n",
-	.options = options,
+	.arguments = COMMAND_ARGUMENTS(COMMAND_STORE, {"REVISION|NAME", .help = "one that furrow log lists", .needed = true}),
+	.details = "A store keeps the revisions that furrow log lists: those of drives with --keep-history, those with a name "
+		   "(furrow snapshot), and those that a restore replaced. What is restored is a revision of its own, so that a "
+		   "restore can be undone. A drive with --resume goes on from it.\n",
+	.see = "furrow-log(1), furrow-reset(1), furrow-snapshot(1)",
 	.run = run,
 };

@@ -18,17 +18,17 @@
 #define SOILS_MOST 32
 
 static const struct command_option options[] = {
-	{"o", "DIR", "where rig.csv and rig.svg go"},
-	{"shape", "YAML", "what is carried, as an object's shape in a scene (" DEFAULT_SHAPE ")"},
-	{"soil", "LIST", "names of soils, or a scene's soil in braces (" DEFAULT_SOIL ")"},
-	{"load", "LIST", "N (" DEFAULT_LOAD ")"},
-	{"slip", "LIST", "of a wheel or a belt: 1 - way / (turn x radius), 1 - way / what the belt runs; -0.2:0.8:0.1 is a range (" DEFAULT_SLIP ")"},
-	{"torque", "LIST", "N m that drive a wheel, N that pull a belt, in place of slips; the slip is found"},
-	{"passes", "N", "objects that follow each other, up to 4, as the axles of a vehicle do; the row is that of the last (1)"},
-	{"spacing", "M", "metres between posts (a twentieth of the wheel's width or radius, whichever is less)"},
-	{"compare", "CSV", "measured trials beside it: columns slip, and sinkage or sinkage_mm, drawbar or drag_N, torque"},
-	{"set", "KEY=VALUE", "a key of the scene, as in redistribute.slip_sinkage=0; may be repeated"},
-	{NULL, NULL, NULL},
+	{"o", "DIR", .help = "where rig.csv and rig.svg go", .files = "/", .needed = true},
+	{"shape", "YAML", .help = "what is carried, as an object's shape in a scene", .preset = DEFAULT_SHAPE},
+	{"soil", "LIST", .help = "names of soils, or a scene's soil in braces", .preset = DEFAULT_SOIL},
+	{"load", "LIST", .help = "what presses on the soil", .unit = "N", .preset = DEFAULT_LOAD},
+	{"slip", "LIST", .help = "of a wheel or a belt: 1 - way / (turn x radius), 1 - way / what the belt runs; -0.2:0.8:0.1 is a range", .preset = DEFAULT_SLIP},
+	{"torque", "LIST", .help = "what drives a wheel, or pulls a belt; the slip is found", .unit = "N m; of a belt N", .instead = true},
+	{"passes", "N", .help = "objects that follow each other, up to 4, as the axles of a vehicle do; the row is that of the last", .preset = "1"},
+	{"spacing", "M", .help = "distance between posts", .unit = "m", .preset = "a twentieth of the wheel's width or radius, whichever is less"},
+	{"compare", "CSV", .help = "measured trials beside it: columns slip, and sinkage or sinkage_mm, drawbar or drag_N, torque", .files = "csv"},
+	{"set", "KEY=VALUE", .help = "a key of the scene, as in redistribute.slip_sinkage=0", .repeats = true},
+	{.name = NULL},
 };
 
 /* What the command line says, and what came of it. */
@@ -225,8 +225,8 @@ static enum status read_all(const struct arguments *arguments, struct asked *ask
 	int64_t passes = 1;
 	params->shape = shape != NULL ? shape : DEFAULT_SHAPE;
 	params->folder = arguments_text(arguments, "o");
-	enum status status = arguments_expect(arguments, 0, 0);
-	if (status == STATUS_OK && params->folder == NULL)
+	enum status status = STATUS_OK;
+	if (params->folder == NULL)
 		status = fail_with(STATUS_USAGE, "rig: -o is missing; give a folder for rig.csv and rig.svg");
 	if (status == STATUS_OK)
 		status = arguments_number(arguments, "spacing", 1e-4, 10, &params->spacing);
@@ -295,18 +295,19 @@ static enum status run(const struct arguments *arguments)
 
 const struct command command_rig = {
 	.name = "rig",
-	.usage = "rig -o DIR [--shape YAML] [--soil LIST] [--load LIST] [--slip LIST | --torque LIST] [--passes N] [--spacing M] [--compare CSV] [--set KEY=VALUE]...",
 	.summary = "the single-wheel test: sinkage, drawbar pull, torque and efficiency over slip",
-	.details = "Carries a wheel, or another object, over level soil in a straight line, once for each soil, load and slip, eight radii far.\n"
-		   "The numbers are means over the last quarter of the way, by the model scm, as furrow drive tells them. The bed is made for it\n"
-		   "and thrown away.\n"
-		   "State: steady; digs: still sinking there, by more than 5 % in an eighth of the way; sunk: the soil does not carry the load;\n"
-		   "spins: no slip from -0.9 to 0.95 gives this torque.\n"
-		   "rig.csv, in m, N and N m: soil, load, slip, torque, sinkage, drawbar, side, fz, efficiency, deeper, state. Efficiency is drawbar\n"
-		   "pull times way over torque times turn. deeper: how much deeper the second half of the last quarter is than the first.\n"
-		   "Of a box or a mesh with belt: true, torque is what pulls its belt, in N.\n"
-		   "With --compare the differences from the measured trials are told, and drawn; lines with a slip_angle_deg other than 0 are left\n"
-		   "out.\n",
 	.options = options,
+	.details = "Carries a wheel, or another object, over level soil in a straight line, once for each soil, load and slip, "
+		   "eight radii far. The numbers are means over the last quarter of the way, by the model scm, as furrow drive "
+		   "tells them. The bed is made for it and thrown away.\n\n"
+		   "State: steady; digs: still sinking there, by more than 5 % in an eighth of the way; sunk: the soil does not "
+		   "carry the load; spins: no slip from -0.9 to 0.95 gives this torque.\n\n"
+		   "rig.csv, in m, N and N m: soil, load, slip, torque, sinkage, drawbar, side, fz, efficiency, deeper, state. "
+		   "Efficiency is drawbar pull times way over torque times turn. deeper: how much deeper the second half of the "
+		   "last quarter is than the first. Of a box or a mesh with belt: true, torque is what pulls its belt, in N.\n\n"
+		   "With --compare the differences from the measured trials are told, and drawn; lines with a slip_angle_deg other "
+		   "than 0 are left out.\n",
+	.examples = "furrow rig -o bench --soil dry_sand,clayey_38 --load 500,1000\n",
+	.see = "furrow-mobility(1), scene(5)",
 	.run = run,
 };

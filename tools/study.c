@@ -6,17 +6,17 @@
 
 #include "study.h"
 
+static const char *const kinds[] = {"slurm", "parallel", "snakemake", NULL};
+
 static const struct command_option options[] = {
-	{"o", "DIR", "where the runs, study.json, study.csv and the plots go"},
-	{"jobs", "N", "runs at once; default: the processor's cores"},
-	{"write", "KIND",
-	 "run nothing, and write what a scheduler runs: slurm (DIR/slurm.sh), parallel "
-	 "(DIR/parallel.txt), snakemake (DIR/Snakefile)"},
-	{"slurm", NULL, "the same as --write slurm"},
-	{"parallel", NULL, "the same as --write parallel"},
-	{"snakemake", NULL, "the same as --write snakemake"},
-	{"collect", NULL, "run nothing, and collect with the results and plots that STUDY.yaml names now"},
-	{NULL, NULL, NULL},
+	{"o", "DIR", .help = "where the runs, study.json, study.csv and the plots go", .files = "/", .needed = true},
+	{"jobs", "N", .help = "runs at once", .preset = "the processor's cores"},
+	{"write", "KIND", .help = "run nothing, and write what a scheduler runs: DIR/slurm.sh, DIR/parallel.txt or DIR/Snakefile", .choices = kinds},
+	{"slurm", .help = "the same as --write slurm", .instead = true},
+	{"parallel", .help = "the same as --write parallel", .instead = true},
+	{"snakemake", .help = "the same as --write snakemake", .instead = true},
+	{"collect", .help = "run nothing, and collect with the results and plots that STUDY.yaml names now", .instead = true},
+	{.name = NULL},
 };
 
 static enum status print_end(const struct study *study)
@@ -52,10 +52,9 @@ static enum status work(struct study *study, int jobs)
 /* What is to be written; -1: nothing. */
 static enum status take_kind(const struct arguments *arguments, int *kind)
 {
-	static const char *const kinds[] = {"slurm", "parallel", "snakemake", NULL};
 	int given = arguments_flag(arguments, "collect");
 	*kind = -1;
-	enum status status = arguments_choice(arguments, "write", kinds, kind);
+	enum status status = arguments_choice(arguments, "write", kind);
 	given += *kind >= 0;
 	for (int i = 0; kinds[i] != NULL; i++)
 		if (arguments_flag(arguments, kinds[i])) {
@@ -74,8 +73,8 @@ static enum status run(const struct arguments *arguments)
 	int kind = -1;
 	const char *directory = arguments_text(arguments, "o"), *first = arguments_at(arguments, 0);
 	const bool again = first != NULL && strcmp(first, "collect") == 0 && arguments_count(arguments) == 2;
-	enum status status = arguments_expect(arguments, 1, again ? 2 : 1);
-	if (status == STATUS_OK && again != (directory == NULL))
+	enum status status = STATUS_OK;
+	if (again != (directory == NULL))
 		status = fail_with(STATUS_USAGE, again ? "study collect: takes no -o; give the folder of the study alone"
 						       : "study: -o is missing; give a folder for the runs");
 	if (status == STATUS_OK)
@@ -102,22 +101,21 @@ static enum status run(const struct arguments *arguments)
 
 const struct command command_study = {
 	.name = "study",
-	.usage = "study STUDY.yaml -o DIR [--jobs N] [--write slurm|parallel|snakemake | "
-		 "--collect], or: study collect DIR",
-	.summary = "drive a scene with many values: a grid, a list or a Latin hypercube, its "
-		   "results in one CSV, plots",
-	.details = "What a study file may say is in docs/STUDY.md. Each run has a folder in "
-		   "DIR/runs, named by its number and a hash of its\n"
-		   "settings: run.json, objects.csv, vehicles.csv, log.txt, run.sh (the same drive "
-		   "by hand), and overlay.furrow (its ruts). The\n"
-		   "store is shared and stays as it is. A run that is complete is not run again; "
-		   "one that was stopped or killed goes on where it\n"
-		   "was. A run that fails does not stop the others; its last error is told, and "
-		   "the exit status is 1. Ctrl-C ends all cleanly.\n"
-		   "When the runs have ended, DIR/study.csv has a row for each run: its values and "
-		   "its results; and the plots are drawn.\n"
-		   "furrow study collect DIR does that again, and after a scheduler has run them. "
-		   "DIR/study.json tells the state of each.\n",
+	.summary = "drive a scene with many values: a grid, a list or a Latin hypercube, its results in one CSV, plots",
+	.arguments = COMMAND_ARGUMENTS({"STUDY.yaml", .help = "what to vary, and what to collect", .files = "yaml yml", .needed = true}),
+	.also = COMMAND_ARGUMENTS({"collect", .help = "this word", .needed = true},
+				  {"DIR", .help = "the folder of a study", .files = "/", .needed = true}),
 	.options = options,
+	.details = "What a study file may say is in docs/STUDY.md. Each run has a folder in DIR/runs, named by its number and a "
+		   "hash of its settings: run.json, objects.csv, vehicles.csv, log.txt, run.sh (the same drive by hand), and "
+		   "overlay.furrow (its ruts). The store is shared and stays as it is.\n\n"
+		   "A run that is complete is not run again; one that was stopped or killed goes on where it was. A run that fails "
+		   "does not stop the others; its last error is told, and the exit status is 1. Ctrl-C ends all cleanly.\n\n"
+		   "When the runs have ended, DIR/study.csv has a row for each run: its values and its results; and the plots are "
+		   "drawn. furrow study collect DIR does that again, and after a scheduler has run them. DIR/study.json tells the "
+		   "state of each.\n",
+	.examples = "furrow study loads.yaml -o loads --jobs 4\n"
+		    "furrow study loads.yaml -o loads --write slurm\n",
+	.see = "furrow-drive(1), furrow-report(1)",
 	.run = run,
 };

@@ -10,16 +10,18 @@
 #include "api/intake.h"
 #include "made.h"
 
+static const char *const kinds[] = {"ridged", "dunes", "plain", NULL};
+
 static const struct command_option options[] = {
-	{"o", "OUT", "what to make: .tif, .png (one unit a metre) or .furrow"},
-	{"posts", "WxH", "posts east and north"},
-	{"spacing", "M", "metres between posts"},
-	{"kind", "KIND", "ridged (default), dunes or plain"},
-	{"relief", "M", "metres from the lowest to the highest it may reach (300; dunes 40; plain 20)"},
-	{"seed", "S", "another number, another terrain (1)"},
-	{"jobs", "N", "threads that work posts out, and as many that pack tiles; 1: one for everything (the machine's cores)"},
-	{"overwrite", NULL, "replace a store; rasters are replaced in any case"},
-	{NULL, NULL, NULL},
+	{"o", "OUT", .help = "what to make; a .png has one unit a metre", .files = "tif tiff png furrow", .needed = true},
+	{"posts", "WxH", .help = "posts east and north", .needed = true},
+	{"spacing", "M", .help = "distance between posts", .unit = "m", .needed = true},
+	{"kind", "KIND", .help = "landscape", .choices = kinds, .preset = "ridged"},
+	{"relief", "M", .help = "height from the lowest to the highest that it may reach", .unit = "m", .preset = "300; dunes 40, plain 20"},
+	{"seed", "S", .help = "another number, another terrain", .preset = "1"},
+	{"jobs", "N", .help = "threads that work posts out, and as many that pack tiles; 1: one for everything", .preset = "all cores"},
+	{"overwrite", .help = "replace a store; rasters are replaced in any case"},
+	{.name = NULL},
 };
 
 #define JOBS_MOST 64
@@ -124,15 +126,14 @@ static enum status parse_posts(const char *text, struct dem_synth *synth)
 
 static enum status run(const struct arguments *arguments)
 {
-	static const char *const kinds[] = {"ridged", "dunes", "plain", NULL};
 	static const double reliefs[] = {300, 40, 20};
 	const char *path = arguments_text(arguments, "o");
 	struct making making = {.jobs = thread_cores() < JOBS_MOST ? thread_cores() : JOBS_MOST};
 	struct dem_synth *synth = &making.synth;
 	int kind = 0;
 	int64_t seed = 1;
-	enum status status = arguments_expect(arguments, 0, 0);
-	if (status == STATUS_OK && path == NULL)
+	enum status status = STATUS_OK;
+	if (path == NULL)
 		status = fail_with(STATUS_USAGE, "synth: -o is missing; give a file ending in .tif, .png or .furrow");
 	if (status == STATUS_OK)
 		status = parse_posts(arguments_text(arguments, "posts"), synth);
@@ -141,7 +142,7 @@ static enum status run(const struct arguments *arguments)
 	if (status == STATUS_OK && synth->spacing == 0)
 		status = fail_with(STATUS_USAGE, "synth: --spacing is missing; give metres between posts");
 	if (status == STATUS_OK)
-		status = arguments_choice(arguments, "kind", kinds, &kind);
+		status = arguments_choice(arguments, "kind", &kind);
 	synth->relief = reliefs[kind];
 	if (status == STATUS_OK)
 		status = arguments_number(arguments, "relief", 0, 15000, &synth->relief);
@@ -192,9 +193,12 @@ static enum status run(const struct arguments *arguments)
 
 const struct command command_synth = {
 	.name = "synth",
-	.usage = "synth -o OUT.tif|OUT.png|OUT.furrow --posts WxH --spacing M [--kind ridged|dunes|plain] "
-		 "[--relief M] [--seed S] [--jobs N]",
 	.summary = "make a synthetic terrain of any size",
 	.options = options,
+	.details = "The terrain is computed as it is written, so that it may be larger than memory. The same options give the "
+		   "same terrain.\n",
+	.examples = "furrow synth -o world.furrow --posts 2049x2049 --spacing 1\n"
+		    "furrow synth -o dunes.tif --posts 513x513 --spacing 0.5 --kind dunes\n",
+	.see = "furrow-import(1)",
 	.run = run,
 };

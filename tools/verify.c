@@ -6,8 +6,8 @@
 #include "store/store.h"
 
 static const struct command_option options[] = {
-	{"json", NULL, "one JSON object: ok, problems, offset_sum, compacted"},
-	{NULL, NULL, NULL},
+	{"json", .help = "one JSON object: ok, problems, offset_sum, compacted"},
+	{.name = NULL},
 };
 
 struct listing {
@@ -54,11 +54,8 @@ static enum status run(const struct arguments *arguments)
 	struct store *store = NULL;
 	struct store_check check;
 	struct listing listing = {.problems = NULL};
-	enum status status = arguments_expect(arguments, 1, 1);
-	if (status != STATUS_OK)
-		return status;
 	const char *path = arguments_at(arguments, 0);
-	status = store_open(path, &(struct store_options){.mode = STORE_READ}, &store);
+	enum status status = store_open(path, &(struct store_options){.mode = STORE_READ}, &store);
 	if (status != STATUS_OK)
 		return status;
 	if (json && (listing.problems = cJSON_CreateArray()) == NULL) {
@@ -84,8 +81,11 @@ static enum status run(const struct arguments *arguments)
 
 const struct command command_verify = {
 	.name = "verify",
-	.usage = "verify STORE [--json]",
 	.summary = "check everything: SQLite, hashes, shared edges, pyramid",
+	.arguments = COMMAND_ARGUMENTS(COMMAND_STORE),
 	.options = options,
+	.details = "Reads the whole file, and names each problem. offset_sum is by level, in 2^-20 m; it counts a shared post "
+		   "once.\n",
+	.see = "store(5)",
 	.run = run,
 };

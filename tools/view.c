@@ -15,11 +15,11 @@
 #include "view.h"
 
 static const struct command_option options[] = {
-	{"store", "STORE", "the terrain, instead of the scene's own"},
-	{"overlay", "FILE", "keeps the deformation in FILE; made if absent"},
-	{"write", NULL, "deforms the store itself"},
-	{"set", "KEY=VALUE", "overrides a key of the scene, as in view.size=[800,450]; may be repeated"},
-	{NULL, NULL, NULL},
+	{"store", "STORE", .help = "the terrain, instead of the scene's own", .files = "furrow"},
+	{"overlay", "FILE", .help = "keep the deformation in FILE; made if absent", .files = "furrow"},
+	{"write", .help = "deform the store itself", .instead = true},
+	{"set", "KEY=VALUE", .help = "override a key of the scene, as in view.size=[800,450]", .repeats = true},
+	{.name = NULL},
 };
 
 /* What the drive leaves, which nobody asked for: a folder of its own, for as long as the window is open. One a process. */
@@ -145,8 +145,8 @@ static enum status run(const struct arguments *arguments)
 		.write = arguments_flag(arguments, "write"),
 	};
 	bool temporary = looking.overlay == NULL && !looking.write;
-	enum status status = arguments_expect(arguments, 1, 1);
-	if (status == STATUS_OK && looking.write && looking.overlay != NULL)
+	enum status status = STATUS_OK;
+	if (looking.write && looking.overlay != NULL)
 		status = fail_with(STATUS_USAGE, "view: --write and --overlay name two places for the ruts; give one of them");
 	if (status == STATUS_OK)
 		status = settings_take(arguments, &settings);
@@ -179,9 +179,11 @@ static enum status run(const struct arguments *arguments)
 
 const struct command command_view = {
 	.name = "view",
-	.usage = "view SCENE [--store STORE] [--overlay FILE | --write] [--set KEY=VALUE]...",
 	.summary = "a scene in a window: fly, follow, pause, step, drop objects",
-	.details = view_keys_text,
+	.arguments = COMMAND_ARGUMENTS(COMMAND_SCENE),
 	.options = options,
+	.details = view_keys_text,
+	.examples = "furrow view scene.yaml --store world.furrow\n",
+	.see = "furrow-drive(1), scene(5)",
 	.run = run,
 };

@@ -21,9 +21,9 @@ struct option {
 	const char *const *words; /* of a word, ended by NULL */
 };
 
-static const char *const methods[] = {"bilinear", "cubic", "near", NULL};
-static const char *const radii[] = {"auto", "yes", "no", NULL};
-static const char *const packs[] = {"fast", "small", NULL};
+const char *const api_import_methods[] = {"bilinear", "cubic", "near", NULL};
+const char *const api_import_radii[] = {"auto", "yes", "no", NULL};
+const char *const api_import_packs[] = {"fast", "small", NULL};
 static const struct option options[] = {
 	{"tile", WHOLE, TILE_CELLS_MIN, TILE_CELLS_MAX, NULL},
 	{"jobs", WHOLE, 1, 256, NULL},
@@ -35,9 +35,9 @@ static const struct option options[] = {
 	{"t-srs", TEXT, 0, 0, NULL},
 	{"s-vertical", TEXT, 0, 0, NULL},
 	{"t-vertical", TEXT, 0, 0, NULL},
-	{"r", WORD, 0, 0, methods},
-	{"radii", WORD, 0, 0, radii},
-	{"pack", WORD, 0, 0, packs},
+	{"r", WORD, 0, 0, api_import_methods},
+	{"radii", WORD, 0, 0, api_import_radii},
+	{"pack", WORD, 0, 0, api_import_packs},
 	{"nodata", LIST, 0, 0, NULL},
 	{"height-range", RANGE, 0, 0, NULL},
 	{"window", WINDOW, 0, 0, NULL},
@@ -218,9 +218,9 @@ static enum status take(struct import *import, const struct option *option, cons
 		return take_named_text(import, option->name, text);
 	case WORD:
 		status = take_word(option, text, &word);
-		if (option->words == methods)
+		if (option->words == api_import_methods)
 			import->dem.resample = (enum dem_resample)word;
-		else if (option->words == radii)
+		else if (option->words == api_import_radii)
 			import->dem.radii = (enum dem_radii)word;
 		else
 			import->pack = (enum store_pack)word;
