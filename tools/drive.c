@@ -13,6 +13,7 @@ static const struct command_option options[] = {
 	{"o", "DIR", .help = "where run.json, epochs.log and the pictures go", .files = "/", .needed = true},
 	{"store", "STORE", .help = "the terrain, instead of the scene's own", .files = "furrow"},
 	{"overlay", "FILE", .help = "keep the deformation in FILE and leave the store as it is; made if absent", .files = "furrow"},
+	{"stage", "DIR", .help = "copy the base to this folder first, once for each machine, and read it from there", .files = "/"},
 	{"set", "KEY=VALUE", .help = "override a key of the scene, as in cache.slots=16", .repeats = true},
 	{"steps", "N", .help = "stop after N steps, counted from the scene's start"},
 	{"resume", .help = "go on from the last committed step, to the same bits as in one go"},
@@ -32,11 +33,37 @@ static void print_summary(const struct api_result *result, const char *directory
 	putchar('\n');
 }
 
-/* The drive by one process. */
-static enum status drive_alone(const struct api_params *params, struct api_result *result)
+static struct fleet_params fleet_params_of(const struct api_params *params, const char *stage, struct progress *progress)
 {
+	return (struct fleet_params){
+		.scene = params->scene,
+		.store = params->store,
+		.overlay = params->overlay,
+		.stage = stage,
+		.progress = progress_step,
+		.progress_user = progress,
+		.resume = params->resume,
+		.durable_full = params->durable_full,
+		.stop = params->stop,
+	};
+}
+
+/* The drive by one process. */
+static enum status drive_alone(struct api_params *params, const char *stage, struct api_result *result)
+{
+	struct store_staged staged = {.original = NULL};
+	struct progress progress;
+	progress_start(&progress, "stage", "tiles");
+	const struct fleet_params with = fleet_params_of(params, stage, &progress);
 	enum status status = fleet_gather_left(params->overlay, params->resume);
-	return status == STATUS_OK ? api_drive(params, result) : status;
+	if (status == STATUS_OK)
+		status = fleet_stage(&with, &staged);
+	progress_end(&progress);
+	params->staged = stage != NULL ? &staged : NULL;
+	if (status == STATUS_OK)
+		status = api_drive(params, result);
+	store_staged_finish(&staged);
+	return status;
 }
 
 static const struct world_rows *share_rows(void *user, const struct world_rows *rows)
@@ -61,21 +88,18 @@ static enum status check_many(const struct api_params *params)
 }
 
 /* The drive by one of many processes. */
-static enum status drive_many(struct api_params *params, struct api_result *result)
+static enum status drive_many(struct api_params *params, const char *stage, struct api_result *result)
 {
 	struct fleet *fleet = NULL;
-	const struct fleet_params with = {
-		.scene = params->scene,
-		.store = params->store,
-		.overlay = params->overlay,
-		.resume = params->resume,
-		.durable_full = params->durable_full,
-		.stop = params->stop,
-	};
+	struct progress progress;
+	progress_start(&progress, "stage", "tiles");
+	const struct fleet_params with = fleet_params_of(params, stage, &progress);
 	enum status status = fleet_agree(check_many(params));
 	if (status == STATUS_OK)
 		status = fleet_open(&with, &fleet);
+	progress_end(&progress);
 	if (status == STATUS_OK) {
+		params->staged = fleet_staged(fleet);
 		params->ranks = fleet_ranks(fleet);
 		params->share_rows = share_rows;
 		params->stop = fleet_stop(fleet);
@@ -89,7 +113,8 @@ static enum status drive_many(struct api_params *params, struct api_result *resu
 static enum status drive_with(const struct arguments *arguments, struct api_params *params, struct api_result *result)
 {
 	bool json = arguments_flag(arguments, "json");
-	enum status status = fleet_is_launched() ? drive_many(params, result) : drive_alone(params, result);
+	const char *stage = arguments_text(arguments, "stage");
+	enum status status = fleet_is_launched() ? drive_many(params, stage, result) : drive_alone(params, stage, result);
 	if (result->json != NULL && fleet_speaks()) {
 		if (json)
 			puts(result->json);
@@ -123,6 +148,9 @@ static enum status run(const struct arguments *arguments)
 	enum status status = STATUS_OK;
 	if (directory == NULL)
 		status = fail_with(STATUS_USAGE, "drive: -o is missing; give a folder for run.json and the pictures");
+	if (status == STATUS_OK && arguments_text(arguments, "stage") != NULL && arguments_text(arguments, "overlay") == NULL)
+		status = fail_with(STATUS_USAGE, "drive: --stage reads the store from a copy, and without --overlay the drive writes to the store; "
+						 "give an --overlay");
 	if (status == STATUS_OK)
 		status = arguments_integer(arguments, "steps", 1, INT64_MAX, &steps);
 	if (status == STATUS_OK)
@@ -173,7 +201,10 @@ const struct command command_drive = {
 		   "over a store with ruts: it goes on from what is there (furrow branch). A drive over ground that has ruts "
 		   "already says so and goes on over them; --resume says nothing.\n\n"
 		   "Many processes drive one scene together: mpirun -n 4 furrow drive SCENE -o DIR --overlay FILE. They leave what "
-		   "one leaves, bit by bit, and draw no pictures (docs/RANKS.md).\n",
+		   "one leaves, bit by bit, and draw no pictures (docs/RANKS.md).\n\n"
+		   "--stage is for stores on a slow disk. The base is copied once, to a file NAME-HASH.furrow in that folder, and "
+		   "checked by its hashes. Later drives use it again. The overlay goes on naming the store itself. Remove the copy "
+		   "when you like.\n",
 	.examples = "furrow drive scene.yaml --overlay ruts.furrow -o out\n"
 		    "furrow drive scene.yaml -o out --set cache.slots=16 --resume\n",
 	.see = "furrow-explain(1), furrow-report(1), furrow-view(1), scene(5)",

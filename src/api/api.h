@@ -90,6 +90,7 @@ struct api_params {
 	const struct scene *scene;
 	const char *store;     /* path; overrides the scene's; may be NULL if that names one */
 	const char *overlay;   /* path of the overlay that takes the deformation instead of the store; made if absent. May be NULL */
+	const struct store_staged *staged; /* the base is read from its copy (store_stage). NULL: from where it is */
 	const char *directory; /* directory for run.json, epochs.log, frame-*.png and map.png; made if absent */
 	const char *trace;     /* path of a trace of every access to the page cache (page/page.h). May be NULL */
 	int64_t steps;         /* last step, counted from the scene's start; 0: until end_time */

@@ -378,6 +378,7 @@ enum status api_drive(const struct api_params *params, struct api_result *result
 		.scene = &drive.scene,
 		.store = ranks != NULL ? ranks->over : params->store,
 		.overlay = ranks != NULL ? ranks->part : params->overlay,
+		.staged = params->staged,
 		.ranks = ranks,
 		.resume = params->resume,
 		.durable_full = params->durable_full,

@@ -19,6 +19,8 @@ bool fleet_comm_launched(void);
 /* Joins the other processes. STATUS_USAGE: MPI is not built in. */
 enum status fleet_comm_start(int *rank, int *ranks) FURROW_CHECKED;
 void fleet_comm_finish(void); /* all ranks together, also when the run failed */
+/* Returns true on one rank of each machine. All ranks together. Also returns true if this process has not joined any. */
+bool fleet_comm_first_here(void);
 /* Ends all processes at once, and says why. */
 _Noreturn void fleet_comm_give_up(const char *why);
 

@@ -119,6 +119,18 @@ void fleet_comm_finish(void)
 	memset(&at, 0, sizeof at);
 }
 
+bool fleet_comm_first_here(void)
+{
+	MPI_Comm here;
+	int number = 0;
+	if (at.ranks == 0)
+		return true;
+	check("ranks of one machine", MPI_Comm_split_type(at.comm, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &here));
+	check("ranks of one machine", MPI_Comm_rank(here, &number));
+	check("ranks of one machine", MPI_Comm_free(&here));
+	return number == 0;
+}
+
 /* --- exchanges --- */
 
 /* Gives what does not fit into the first messages. */

@@ -21,6 +21,11 @@ void fleet_comm_finish(void)
 {
 }
 
+bool fleet_comm_first_here(void)
+{
+	return true;
+}
+
 void fleet_comm_give_up(const char *why)
 {
 	fprintf(stderr, "furrow: %s\n", why);

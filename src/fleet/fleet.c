@@ -190,71 +190,6 @@ enum status fleet_tell(struct fleet *fleet, enum fleet_kind kind, enum status st
 	return status_each;
 }
 
-/* --- what all ranks must have in common --- */
-
-struct common {
-	char version[64], scene[40];
-	uint64_t base;
-	double spacing;
-	int64_t step, commit;
-	int32_t resumed;
-};
-
-struct comparing {
-	struct common mine, first;
-};
-
-static enum status compare(void *user, int rank, struct fleet_bytes *bytes)
-{
-	struct comparing *comparing = user;
-	struct common other;
-	enum status status = fleet_get(bytes, &other, sizeof other);
-	const struct common *first = &comparing->first;
-	if (status != STATUS_OK)
-		return status;
-	if (rank == 0)
-		comparing->first = other;
-	if (strncmp(other.version, first->version, sizeof other.version) != 0)
-		return fail_with(STATUS_INPUT, "rank %d: it is furrow %.60s, and rank 0 is %.60s; start the same on all machines", rank, other.version,
-				 first->version);
-	if (other.base != first->base)
-		return fail_with(STATUS_INPUT, "rank %d: its base is not that of rank 0; give all ranks the same --store", rank);
-	if (strncmp(other.scene, first->scene, sizeof other.scene) != 0 || other.spacing != first->spacing)
-		return fail_with(STATUS_INPUT, "rank %d: its scene is not that of rank 0; give all ranks the same file", rank);
-	if (other.step != first->step || other.resumed != first->resumed)
-		return fail_with(STATUS_FAILED, "rank %d: it begins at step %lld, and rank 0 at step %lld; report this", rank, (long long)other.step,
-				 (long long)first->step);
-	return STATUS_OK;
-}
-
-static enum status agree(void *user, struct world *world, enum status status)
-{
-	struct fleet *fleet = user;
-	struct fleet_told told;
-	struct comparing comparing;
-	const bool first = fleet->world == NULL;
-	memset(&comparing, 0, sizeof comparing);
-	fleet->world = world;
-	if (fleet->failed) /* all know it */
-		return status;
-	enum status put = fleet_begin(fleet, FLEET_AGREE, status);
-	if (first && status == STATUS_OK && put == STATUS_OK) {
-		struct common *mine = &comparing.mine;
-		snprintf(mine->version, sizeof mine->version, "%s", FURROW_VERSION);
-		snprintf(mine->scene, sizeof mine->scene, "%s", world->scene->hash);
-		mine->base = store_base_hash(world->store);
-		mine->spacing = world->spacing;
-		mine->step = world->step;
-		mine->resumed = world->resumed.is;
-		if (world->resumed.is && fleet->rank == 0)
-			put = fleet_note_resumed(fleet);
-		if (put == STATUS_OK)
-			put = fleet_put(&fleet->sent, mine, sizeof *mine);
-	}
-	const enum status any = fleet_tell(fleet, FLEET_AGREE, status != STATUS_OK ? status : put, &told, first ? compare : NULL, &comparing);
-	return any != STATUS_OK ? any : status;
-}
-
 /* --- life --- */
 
 const struct world_ranks *fleet_ranks(struct fleet *fleet)
@@ -271,9 +206,14 @@ const struct world_ranks *fleet_ranks(struct fleet *fleet)
 		.has = fleet_has,
 		.end = fleet_end,
 		.gather = fleet_gather,
-		.agree = agree,
+		.agree = fleet_agree_on,
 	};
 	return &fleet->hooks;
+}
+
+const struct store_staged *fleet_staged(const struct fleet *fleet)
+{
+	return fleet->staged.original != NULL ? &fleet->staged : NULL;
 }
 
 const volatile sig_atomic_t *fleet_stop(const struct fleet *fleet)

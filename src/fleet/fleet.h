@@ -28,6 +28,9 @@ struct fleet_params {
 	const struct scene *scene;
 	const char *store;   /* path of the base; NULL: the scene's */
 	const char *overlay; /* path of the run's overlay */
+	const char *stage;   /* folder on each machine to which the base is copied, to be read from there; NULL: it is read from where it is */
+	store_progress_fn progress; /* of the copying, called on rank 0 with rows; NULL: none */
+	void *progress_user;
 	bool resume, durable_full;
 	const volatile sig_atomic_t *stop; /* becomes non-zero to end the run cleanly */
 };
@@ -46,6 +49,8 @@ enum status fleet_agree(enum status status) FURROW_CHECKED;
 /* Makes the run's overlay, and this rank's part. Gathers what an earlier run left, if params->resume. STATUS_INPUT: it left something, and
  * the run is not to resume it. */
 enum status fleet_open(const struct fleet_params *params, struct fleet **out) FURROW_CHECKED;
+/* Returns the base's copy on this machine; NULL: there is none. Valid until the fleet is closed. */
+const struct store_staged *fleet_staged(const struct fleet *fleet);
 /* What the world calls. Valid until the fleet is closed. */
 const struct world_ranks *fleet_ranks(struct fleet *fleet);
 /* Becomes non-zero on all ranks after the same step, if any rank is to stop. */
@@ -60,5 +65,12 @@ void fleet_close(struct fleet *fleet); /* takes NULL */
  * and the run is not to resume it. `overlay` NULL: does nothing.
  */
 enum status fleet_gather_left(const char *overlay, bool resume) FURROW_CHECKED;
+
+/*
+ * Copies the base to params->stage, one rank on each machine, or checks the copy that is there. For a run by one process; fleet_open() does it
+ * for many. *staged is all zero if params->stage is NULL. Free it with store_staged_finish(). The overlay is made later, or is there already.
+ * A failure of any rank is returned on all.
+ */
+enum status fleet_stage(const struct fleet_params *params, struct store_staged *staged) FURROW_CHECKED;
 
 #endif

@@ -34,8 +34,10 @@ struct fleet {
 	int rank, ranks;
 	struct world_ranks hooks;
 	struct world *world;       /* after the first agree */
+	struct store_staged staged; /* the base's copy; original NULL: none */
 	char *over, *parts, *part; /* paths: of the run's overlay, of the folder of parts, of this rank's */
 	bool made, founded;        /* rank 0: this run made the overlay, and the folder */
+	int agreed;                /* how often ranks were asked whether they agree (agree.c) */
 	bool ran, gathered;        /* the run began, so parts may have commits; what they have is in the overlay */
 	/* step.c */
 	struct fleet_groups groups;
@@ -96,7 +98,9 @@ enum status fleet_put(struct fleet_bytes *bytes, const void *from, size_t size) 
 /* STATUS_FAILED: there are not so many bytes. */
 enum status fleet_get(struct fleet_bytes *bytes, void *to, size_t size) FURROW_CHECKED;
 
-/* --- step.c, move.c, commit.c: struct world_ranks --- */
+/* --- agree.c, step.c, move.c, commit.c: struct world_ranks --- */
+/* Returns the failure of any rank on all ranks. The first two calls also compare what ranks must have in common. */
+enum status fleet_agree_on(void *user, struct world *world, enum status status) FURROW_CHECKED;
 enum status fleet_step(void *user, double until, enum status status) FURROW_CHECKED;
 enum status fleet_changes(void *user, uint64_t key) FURROW_CHECKED;
 bool fleet_has(void *user, uint64_t key);

@@ -298,6 +298,8 @@ enum status fleet_open(const struct fleet_params *params, struct fleet **out)
 	if (status == STATUS_OK && fleet->rank == 0)
 		status = store_part_run(&run);
 	status = fleet_agree(status);
+	if (status == STATUS_OK)
+		status = fleet_stage(params, &fleet->staged);
 	if (status != STATUS_OK)
 		return status;
 	const void *const *all;
@@ -392,6 +394,7 @@ void fleet_close(struct fleet *fleet)
 	fleet_groups_finish(&fleet->groups);
 	key_set_finish(&fleet->changed);
 	fleet_rows_finish(fleet);
+	store_staged_finish(&fleet->staged);
 	mem_free(fleet->mine);
 	mem_free(fleet->owners);
 	mem_free(fleet->next);

@@ -37,6 +37,8 @@ void report_asked(cJSON *root, const struct report *report)
 	cJSON *store = cJSON_AddObjectToObject(root, "store");
 	add_path(store, "file", world->ranks != NULL ? world->ranks->over : world->path);
 	add_path(store, "base", store_base_path(world->store));
+	if (store_copy_path(world->store) != NULL)
+		add_path(store, "staged", store_copy_path(world->store));
 	add_path(root, "trace", page_trace_path(world->trace));
 	cJSON *notes = cJSON_AddArrayToObject(root, "notes");
 	if (report->advised)

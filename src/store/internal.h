@@ -308,6 +308,8 @@ struct store {
 	struct history history;
 	char *path;      /* the path that messages show */
 	char *real_path; /* the path of the file, links resolved */
+	const struct store_staged *staged; /* while it is being opened: the copy to read in place of the base under it; NULL: none */
+	char *copied_from; /* the path of this file, where `path` is that of a copy, which is read in its place; NULL: the file is read */
 	char *part_path; /* path of the file being written; NULL after publishing, and for opened stores */
 	char *lock_path;
 	int lock;        /* file descriptor of the lock; -1: none */
@@ -506,6 +508,15 @@ enum status store_state_put(struct store *store, enum row_table table, const str
 
 enum status store_lock_take(const char *lock_path, const char *named, int *descriptor) FURROW_CHECKED;
 void store_lock_drop(const char *lock_path, int descriptor); /* also removes the lock file */
+/* As store_lock_take, but if another process has the lock, *taken is false and *descriptor stays. */
+enum status store_lock_try(const char *lock_path, const char *named, int *descriptor, bool *taken) FURROW_CHECKED;
+
+/* --- store_copy.c --- */
+
+/* Copies what an open store shows into a new plain store at `out`. Kept revisions and their names are not copied. `what` made the file.
+ * `progress` is called with rows; NULL: none. From then on `from` reads what it is now (store_overlay_hold). */
+enum status store_copy(struct store *from, const char *out, bool overwrite, const char *what, store_progress_fn progress, void *user)
+	FURROW_CHECKED;
 
 /* --- store_posts.c --- */
 
@@ -536,6 +547,8 @@ enum status store_open_as(const char *path, const struct store_options *options,
 /* Opens an overlay for reading, without its parent. Only rows of its own file can be read. */
 enum status store_open_alone(const char *path, struct store **out) FURROW_CHECKED;
 char *store_path_with(const char *path, const char *suffix);
+/* Returns the path of the file that is read: its own, links resolved, or that of its copy. */
+const char *store_file_read(const struct store *store);
 
 /* --- store_lineage.c --- */
 

@@ -48,6 +48,7 @@ struct store_range {
 
 struct store;
 struct store_reader;
+struct store_staged;
 
 /* --- making a store ---
  *
@@ -93,6 +94,8 @@ struct store_options {
 	bool keep_history; /* each commit keeps what it replaces, so that store_restore() can return to every revision */
 	bool keep_last;    /* the same for the last revision only: each commit drops older ones. STATUS_INPUT: one of them has a name */
 	const char *scene; /* what commits are made for, as store_log() tells it; NULL: "" */
+	/* Reads the base of an overlay from its copy (store_stage). Valid during the call. NULL: from where it is. */
+	const struct store_staged *staged;
 };
 enum status store_open(const char *path, const struct store_options *options, struct store **out)
 	FURROW_CHECKED;
@@ -117,6 +120,8 @@ bool store_inset_next(const char **text, const struct extent *extent, struct sto
 const char *store_file_path(const struct store *store);
 /* Returns the path of the plain store at the end of a chain of overlays, as it was found. Returns NULL for a plain store. */
 const char *store_base_path(const struct store *store);
+/* Returns the path of the copy that is read in place of that store; NULL: none. */
+const char *store_copy_path(const struct store *store);
 /* Returns the path of an overlay's parent, and *revision, the revision of the parent that the overlay shows (0: only its base). Returns
  * NULL for a plain store. */
 const char *store_parent(const struct store *store, int64_t *revision);
@@ -171,6 +176,20 @@ struct store_conflicts {
 	int level;             /* of the posts */
 	struct post_rect rects[STORE_CONFLICTS_MOST]; /* in posts of the working level */
 };
+/* A base, and its copy on another disk, from which overlays can be read (store_options.staged). Overlays go on naming the original. */
+struct store_staged {
+	char *original; /* path of the plain store at the end of a chain, links resolved */
+	char *copy;     /* path of its copy: NAME-HASH.furrow in the folder. The hash is that of base and ruts */
+	uint64_t state; /* that hash */
+};
+/* Finds the base of the store or overlay at `path`, and how its copy in `folder` is called. Reads headers, and the hashes of ruts. Makes
+ * nothing. Free *out with store_staged_finish(). */
+enum status store_stage_name(const char *path, const char *folder, struct store_staged *out) FURROW_CHECKED;
+/* Makes the copy, and the folder; or checks all hashes of the copy that is there. While another process makes it, waits, and calls `progress`
+ * with 0 of 0. *made is false if it was there. `progress` is called with rows; NULL: none; what it returns ends the work. A copy is whole or
+ * absent. STATUS_INPUT: the file that is there is not this copy, or is damaged. It stays. */
+enum status store_stage(const struct store_staged *staged, store_progress_fn progress, void *user, bool *made) FURROW_CHECKED;
+void store_staged_finish(struct store_staged *staged); /* all zero is allowed */
 /* Merges two overlays into a new overlay of the nearest file that both are over, or of their plain store. Each post is as the one has
  * it that changed it. STATUS_INPUT: both changed posts, and not to the same values; *conflicts tells where. Or they are not of one base or
  * one working level, or `path` exists. Then nothing is made. */

@@ -21,8 +21,9 @@ static bool still_there(const char *lock_path, int descriptor)
 	       held.st_ino == named.st_ino && held.st_dev == named.st_dev;
 }
 
-enum status store_lock_take(const char *lock_path, const char *named, int *descriptor)
+enum status store_lock_try(const char *lock_path, const char *named, int *descriptor, bool *taken)
 {
+	*taken = false;
 	for (;;) {
 		int lock = open(lock_path, O_RDWR | O_CREAT | O_CLOEXEC, 0666);
 		if (lock < 0)
@@ -34,17 +35,24 @@ enum status store_lock_take(const char *lock_path, const char *named, int *descr
 			if (error == EINTR)
 				continue;
 			if (error == EWOULDBLOCK)
-				return fail_with(STATUS_FAILED, "%s: another process is writing it; wait for it to end",
-						 named);
+				return STATUS_OK;
 			return fail_with(STATUS_FAILED, "%s: cannot be locked: %s; use a file system with locks",
 					 named, strerror(error));
 		}
 		if (still_there(lock_path, lock)) {
 			*descriptor = lock;
+			*taken = true;
 			return STATUS_OK;
 		}
 		close(lock);
 	}
+}
+
+enum status store_lock_take(const char *lock_path, const char *named, int *descriptor)
+{
+	bool taken;
+	enum status status = store_lock_try(lock_path, named, descriptor, &taken);
+	return status != STATUS_OK || taken ? status : fail_with(STATUS_FAILED, "%s: another process is writing it; wait for it to end", named);
 }
 
 void store_lock_drop(const char *lock_path, int descriptor)

@@ -45,6 +45,21 @@ static enum status find_file(struct store *store)
 	return store->real_path != NULL && store->lock_path != NULL ? STATUS_OK : fail_memory("a store");
 }
 
+/* Finds out whether a copy is read in place of this file. Messages name the copy then. */
+static enum status find_copy(struct store *store)
+{
+	if (store->over == NULL || store->staged == NULL || strcmp(store->real_path, store->staged->original) != 0)
+		return STATUS_OK;
+	store->copied_from = store->path;
+	store->path = mem_strdup(store->staged->copy);
+	return store->path != NULL ? STATUS_OK : fail_memory("a store");
+}
+
+const char *store_file_read(const struct store *store)
+{
+	return store->copied_from != NULL ? store->path : store->real_path;
+}
+
 /* SQLite counts a last page that is there in part. Within a transaction: nobody shortens it now. */
 static enum status check_length(struct store *store)
 {
@@ -56,8 +71,8 @@ static enum status check_length(struct store *store)
 	status = store_sql_integer(store->db, store->path, "PRAGMA page_count", &pages);
 	if (status == STATUS_OK)
 		status = store_sql_integer(store->db, store->path, "PRAGMA page_size", &size);
-	if (status == STATUS_OK && !store_connect_has_wal(store->real_path) &&
-	    (stat(store->real_path, &file) != 0 || file.st_size < pages * size))
+	const char *path = store_file_read(store);
+	if (status == STATUS_OK && !store_connect_has_wal(path) && (stat(path, &file) != 0 || file.st_size < pages * size))
 		status = fail_with(STATUS_INPUT, "%s: it was cut short: %lld bytes of %lld; restore or import it again",
 				   store->path, (long long)file.st_size, (long long)(pages * size));
 	sqlite3_exec(store->db, "ROLLBACK", NULL, NULL, NULL); /* only read */
@@ -108,10 +123,12 @@ static enum status find_finest_base(struct store *store)
 static enum status connect(struct store *store, const struct store_options *options, int *version)
 {
 	enum status status = find_file(store);
+	if (status == STATUS_OK)
+		status = find_copy(store);
 	if (status == STATUS_OK && options->mode == STORE_WRITE)
 		status = connect_writer(store);
 	else if (status == STATUS_OK)
-		status = store_connect_reader(store->real_path, store->path, &store->immutable, &store->db);
+		status = store_connect_reader(store_file_read(store), store->path, &store->immutable, &store->db);
 	if (status == STATUS_OK)
 		status = store_schema_check(store->db, store->path, version);
 	if (status == STATUS_OK)
@@ -147,6 +164,7 @@ static enum status open_it(const char *path, const struct store_options *options
 	store->base = &store->rows;
 	store->over = over;
 	store->parent_given = parent;
+	store->staged = options->staged;
 	store->alone = alone;
 	store_changes_begin(&store->changes);
 	store->durable_full = options->durable_full;
@@ -183,6 +201,7 @@ static enum status open_it(const char *path, const struct store_options *options
 	if (status == STATUS_OK)
 		store_statements_count(&store->statements, store->db);
 	store_changes_restart(&store->changes, store->commit);
+	store->staged = NULL;
 	if (status != STATUS_OK) {
 		store_close(store);
 		return status;
@@ -240,6 +259,7 @@ static void close_store(struct store *store, bool remove)
 	store_meta_finish(&store->meta);
 	store_run_copy_finish(&store->last_run);
 	mem_free(store->path);
+	mem_free(store->copied_from);
 	mem_free(store->real_path);
 	mem_free(store->part_path);
 	mem_free(store->lock_path);

@@ -156,7 +156,7 @@ static enum status connect_parent(struct store *store)
 	char *path = parent_file(store);
 	if (path == NULL)
 		return fail_memory("an overlay");
-	status = store_open_as(path, &reading, store, NULL, &store->under);
+	status = store_open_as(path, &(struct store_options){.mode = STORE_READ, .staged = store->staged}, store, NULL, &store->under);
 	mem_free(path);
 	if (status != STATUS_OK)
 		return parent_unusable(store, status);
@@ -213,12 +213,26 @@ const char *store_file_path(const struct store *store)
 	return store->path;
 }
 
+/* Returns the path of a file itself, also where a copy is read. */
+static const char *path_of(const struct store *store)
+{
+	return store->copied_from != NULL ? store->copied_from : store->path;
+}
+
 const char *store_base_path(const struct store *store)
 {
 	const struct store *base = store;
 	while (base->under != NULL)
 		base = base->under;
-	return base != store ? base->path : NULL;
+	return base != store ? path_of(base) : NULL;
+}
+
+const char *store_copy_path(const struct store *store)
+{
+	const struct store *base = store;
+	while (base->under != NULL)
+		base = base->under;
+	return base->copied_from != NULL ? base->path : NULL;
 }
 
 int store_depth(const struct store *store)
@@ -229,7 +243,7 @@ int store_depth(const struct store *store)
 const char *store_parent(const struct store *store, int64_t *revision)
 {
 	*revision = store->parent_revision;
-	return store->under != NULL ? store->under->path : NULL;
+	return store->under != NULL ? path_of(store->under) : NULL;
 }
 
 /* --- making one --- */

@@ -10,7 +10,7 @@ static enum status connect_rows(struct store *store, sqlite3 **db, struct rows *
 	bool immutable = store->immutable;
 	int version = STORE_VERSION;
 	uint64_t hash = 0;
-	enum status status = store_connect_reader(store->real_path, store->path, &immutable, db);
+	enum status status = store_connect_reader(store_file_read(store), store->path, &immutable, db);
 	/* The name may meanwhile be another file's. */
 	if (status == STATUS_OK)
 		status = store_schema_check(*db, store->path, &version);

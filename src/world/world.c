@@ -18,11 +18,13 @@ enum status world_prepare(struct world *world, const struct world_params *params
 		.durable_full = params->durable_full,
 		.keep_history = params->keep_history,
 		.scene = scene->file,
+		.staged = params->staged,
 	};
 	enum status status = params->overlay != NULL ? store_open_overlay(params->overlay, path, &options, &world->store)
 						     : store_open(path, &options, &world->store);
 	/* The caller's texts may go now. */
 	world->params.store = world->params.overlay = NULL;
+	world->params.staged = NULL;
 	if (status != STATUS_OK)
 		return status;
 	world->path = store_file_path(world->store);

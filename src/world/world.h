@@ -143,6 +143,7 @@ struct world_params {
 	const char *store;
 	/* path of the overlay to which deformation is written in place of the store; made if it does not exist; may be NULL */
 	const char *overlay;
+	const struct store_staged *staged; /* the base is read from its copy. Read while the world opens. NULL: from where it is */
 	bool resume;               /* continue the store's last drive of this scene; if there was none, start from the beginning */
 	bool durable_full;
 	bool keep_history;         /* each commit keeps what it replaces */

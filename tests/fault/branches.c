@@ -1,6 +1,6 @@
 /*
- * Merges, flattened chains and relinks when calls fail: the new file is whole or absent, a store that was to be replaced is whole as it
- * was or as it is to be, an overlay names its old base or the new one, and each failure is told.
+ * Merges, flattened chains, relinks and copies of a base when calls fail: the new file is whole or absent, a store that was to be replaced is
+ * whole as it was or as it is to be, an overlay names its old base or the new one, and each failure is told.
  */
 #include "sides.h"
 
@@ -65,6 +65,37 @@ static uint64_t trial_relink(const void *user, const struct fault *fault)
 	return calls;
 }
 
+/* A new copy; and one that is there, which is checked. */
+static uint64_t trial_stage(const void *user, const struct fault *fault)
+{
+	const bool again = user != NULL;
+	struct store_staged staged = {.original = NULL};
+	bool made = false;
+	assert_ok(store_stage_name(sides[0], folder, &staged));
+	remove_store(staged.copy);
+	if (again)
+		assert_ok(store_stage(&staged, NULL, NULL, &made));
+	store_staged_finish(&staged);
+	made = false;
+	fault_arm_for(fault);
+	enum status status = store_stage_name(sides[0], folder, &staged);
+	if (status == STATUS_OK)
+		status = store_stage(&staged, NULL, NULL, &made);
+	uint64_t calls = fault_disarm();
+	expect(status == STATUS_OK || told(status) || (again && status == STATUS_INPUT));
+	expect(calls >= fault->nth || status == STATUS_OK);
+	expect(!made || (status == STATUS_OK && !again));
+	store_staged_finish(&staged);
+	assert_ok(store_stage_name(sides[0], folder, &staged));
+	if (access(staged.copy, F_OK) == 0)
+		expect(content_of(staged.copy) == driven_hash);
+	else
+		expect(status != STATUS_OK && !again);
+	expect(store_stage(&staged, NULL, NULL, &made) == STATUS_OK && content_of(staged.copy) == driven_hash);
+	store_staged_finish(&staged);
+	return calls;
+}
+
 static void a_merge_is_whole_or_absent(void **state)
 {
 	sweep_kinds(trial_merge, MOST);
@@ -80,12 +111,22 @@ static void an_overlay_names_its_old_base_or_the_new_one(void **state)
 	sweep_kinds(trial_relink, MOST);
 }
 
+static void a_copy_of_the_base_is_whole_or_absent(void **state)
+{
+	sweep_kinds(trial_stage, MOST);
+	uint64_t ran = 0;
+	for (int kind = FAULT_NONE + 1; kind < FAULT_KINDS; kind++)
+		ran += sweep_lasting(trial_stage, sides, (enum fault_kind)kind, MOST, ONE_BY_ONE);
+	assert_true(ran > 30);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_merge_is_whole_or_absent),
 		cmocka_unit_test(a_flat_store_replaces_another_whole_or_not_at_all),
 		cmocka_unit_test(an_overlay_names_its_old_base_or_the_new_one),
+		cmocka_unit_test(a_copy_of_the_base_is_whole_or_absent),
 	};
 	fault_install();
 	return cmocka_run_group_tests(tests, make_sides, folder_remove);

@@ -5,7 +5,7 @@
 #include "epochs.h"
 
 static char base[256], sides[2][256], lost[256]; /* lost: side 0, whose base is gone */
-static uint64_t merged_hash, side_hash, fresh_hash;
+static uint64_t merged_hash, side_hash, fresh_hash, driven_hash; /* driven: that of the base */
 
 static void drive_side(const char *path, int number)
 {
@@ -50,6 +50,7 @@ static int make_sides(void **state)
 		drive_side(sides[i], 3 + 2 * i);
 	}
 	side_hash = content_of(sides[0]);
+	driven_hash = content_of(base);
 	assert_ok(store_merge(sides[0], sides[1], in_folder("reference.furrow"), &conflicts));
 	merged_hash = content_of(in_folder("reference.furrow"));
 	assert_true(merged_hash != side_hash && side_hash != fresh_hash && merged_hash != fresh_hash);

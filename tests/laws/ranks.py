@@ -277,6 +277,18 @@ class Refused(Ranks):
         self.assertIn("rank 1: its scene is not that of rank 0", said)
         self.assertEqual(list(self.folder.glob("many.furrow*")), [])
 
+    def test_a_rank_with_another_renderer(self):
+        self.scene(CONVOY)
+        drive = self.command(1, "scene.yaml", "many")
+        gl = self.run_command(self.command(1, "scene.yaml", "one"))["gl"]
+        if "Mesa" not in gl["version"] or gl["version"].startswith("4.6"):
+            self.skipTest(f"the version of {gl['version']} cannot be changed")
+        other = ["env", "MESA_GL_VERSION_OVERRIDE=4.6", *drive]
+        said = self.run_command(self.mpmd(drive, other), expect=1)
+        self.assertRegex(said, r"rank 1: its GL is .*, 4\.6 .*, and that of rank 0 is .*, 4\.5 .*; start all ranks")
+        self.assertEqual(list(self.folder.glob("many.furrow*")), [])
+        self.assertFalse((self.folder / "many" / "run.json").exists())
+
     def test_a_rank_whose_disk_is_full(self):
         self.scene(CROSSING)
         drive = self.command(1, "scene.yaml", "many")
@@ -300,6 +312,118 @@ class Refused(Ranks):
         (self.folder / "many.furrow.parts").mkdir()
         self.assertIn("--resume", self.run_command(self.command(2, "scene.yaml", "many"), expect=1))
         self.assertIn("--resume", self.refused(3, "drive", "scene.yaml", "-o", "x", "--overlay", "many.furrow", "--store", "plain.furrow"))
+
+
+class Staged(Ranks):
+    """--stage: all ranks of a machine read the base from one copy."""
+
+    def copies(self):
+        return sorted(path.name for path in (self.folder / "stage").iterdir())
+
+    def test_a_staged_base_gives_the_same(self):
+        self.scene(CROSSING)
+        for store in ("plain", "ridged"):
+            one = self.run_command(self.command(1, "scene.yaml", "one", store=f"{store}.furrow"))
+            for n in (1, *RANKS):
+                more = self.command(n, "scene.yaml", "many", "--stage", "stage", store=f"{store}.furrow")
+                many = self.run_command(more)
+                self.same("one", "many", (one, many))
+                self.assertEqual(many["store"]["base"], str((self.folder / f"{store}.furrow").resolve()))
+                self.assertEqual(pathlib.Path(many["store"]["staged"]).parent.name, "stage")
+                self.assertEqual(json.loads(self.ok("info", "many.furrow", "--json"))["base"], one["store"]["base"])
+                for path in self.folder.glob("many*"):
+                    shutil.rmtree(path) if path.is_dir() else path.unlink()
+            for path in self.folder.glob("one*"):
+                shutil.rmtree(path) if path.is_dir() else path.unlink()
+        self.assertEqual([name.split("-")[0] for name in self.copies()], ["plain", "ridged"])
+
+    def test_a_drive_goes_on_with_a_staged_base_or_without(self):
+        self.scene(CROSSING)
+        one = self.run_command(self.command(1, "scene.yaml", "one"))
+        self.run_command(self.command(2, "scene.yaml", "many", "--stage", "stage", "--steps", 30))
+        self.run_command(self.command(1, "scene.yaml", "many", "--resume", "--steps", 50))
+        os.rename(self.folder / "plain.furrow", self.folder / "moved.furrow")
+        said = self.run_command(self.command(2, "scene.yaml", "many", "--resume", "--stage", "stage", store="moved.furrow"), expect=1)
+        self.assertIn("relink", said)
+        self.ok("relink", "many.furrow", "moved.furrow")
+        many = self.run_command(self.command(3, "scene.yaml", "many", "--resume", "--stage", "stage", store="moved.furrow"))
+        self.same("one", "many", (one, many))
+        self.assertEqual(len(self.copies()), 2)
+
+    def test_a_copy_that_is_none_is_refused(self):
+        self.scene(CONVOY)
+        self.run_command(self.command(1, "scene.yaml", "one", "--stage", "stage"))
+        copy = self.folder / "stage" / self.copies()[0]
+        whole = copy.read_bytes()
+        copy.write_bytes(whole[:len(whole) // 2])
+        for n in (1, 2):
+            said = self.run_command(self.command(n, "scene.yaml", "many", "--stage", "stage"), expect=1)
+            self.assertRegex(said, r"not the whole copy of .*plain.furrow.*; remove that file")
+            self.assertEqual(list(self.folder.glob("many*")), [])
+        self.assertIn("--overlay", self.run_command([FURROW, "drive", "scene.yaml", "-o", "x", "--store", "plain.furrow", "--stage", "stage"],
+                                                    expect=2))
+        copy.unlink()
+        self.run_command(self.command(2, "scene.yaml", "many", "--stage", "stage"))
+        self.assertEqual(copy.stat().st_size, len(whole))
+
+    def test_a_disk_that_is_full(self):
+        self.scene(CROSSING)
+        one = self.run_command(self.command(1, "scene.yaml", "one"))
+        self.run_command(self.command(2, "scene.yaml", "many", "--steps", 30))
+        rows = self.rows("many")
+        command = self.command(2, "scene.yaml", "many", "--resume", "--stage", "stage")
+        drive = self.command(1, "scene.yaml", "many", "--resume", "--stage", "stage")
+        full = ["sh", "-c", 'ulimit -f 100; exec "$@"', "sh", *drive]
+        said = self.run_command(Refused.mpmd(self, full, drive), expect=1)
+        self.assertRegex(said, r"stage/plain-[0-9a-f]{16}\.furrow: .*disk")
+        self.assertEqual(self.copies(), [])
+        self.assertEqual(self.rows("many"), rows)
+        self.assertFalse((self.folder / "many.furrow.parts").exists())
+        self.same("one", "many", (one, self.run_command(command)))
+
+    def test_a_kill_while_the_base_is_copied(self):
+        self.ok("synth", "-o", "large.tif", "--posts", "1537x1537", "--spacing", 1, "--relief", 30)
+        self.ok("import", "large.tif", "-o", "large.furrow", "--tile", 64)
+        self.scene(CONVOY)
+        one = self.run_command(self.command(1, "scene.yaml", "one", store="large.furrow"))
+        stage = self.folder / "stage"
+        cut = 0
+        for turn in range(12):
+            command = self.command((1, 2)[turn % 2], "scene.yaml", "many", "--stage", "stage", store="large.furrow")
+            process = subprocess.Popen(command, cwd=self.folder, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True)
+            while process.poll() is None and not any(path.stat().st_size > 200000 for path in stage.glob("*.part")):
+                pass
+            self.kill_all(process)
+            cut += any(stage.glob("*.part"))
+            self.assertEqual(list(self.folder.glob("many*")) if turn % 2 == 0 else [], [])
+            for path in stage.glob("large*.furrow"):
+                path.unlink()
+            if cut >= 4:
+                break
+        self.assertGreater(cut, 0, "no kill came while the base was copied")
+        many = self.run_command(self.command(2, "scene.yaml", "many", "--resume", "--stage", "stage", store="large.furrow"))
+        self.same("one", "many", (one, many))
+        self.assertEqual([path.suffix for path in stage.iterdir()], [".furrow"])
+
+    @staticmethod
+    def kill_all(process):
+        """Kills the processes of a drive, each of them at once."""
+        found = [process.pid]
+        for pid in found:
+            for task in pathlib.Path(f"/proc/{pid}/task").glob("*/children"):
+                try:
+                    found += [int(child) for child in task.read_text().split()]
+                except (OSError, ProcessLookupError):
+                    pass
+        for pid in found:
+            try:
+                os.kill(pid, signal.SIGKILL)
+            except ProcessLookupError:
+                pass
+        process.wait(timeout=60)
+        while any(pathlib.Path(f"/proc/{pid}").exists() and "Z" not in pathlib.Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1][:3]
+                  for pid in found[1:]):
+            time.sleep(0.01)
 
 
 if __name__ == "__main__":

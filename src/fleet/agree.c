@@ -1,0 +1,103 @@
+/*
+ * What all ranks must have in common, or their bits would differ. Before anything is made they compare version, base and scene. Before the first
+ * step they compare GL's renderer.
+ */
+#include "fleet/internal.h"
+
+#include <string.h>
+
+struct common {
+	char version[64], scene[40];
+	uint64_t base;
+	double spacing;
+	int64_t step;
+	int32_t resumed;
+};
+
+static enum status compare(void *user, int rank, struct fleet_bytes *bytes)
+{
+	struct common *first = user, other;
+	enum status status = fleet_get(bytes, &other, sizeof other);
+	if (status != STATUS_OK)
+		return status;
+	if (rank == 0)
+		*first = other;
+	if (strncmp(other.version, first->version, sizeof other.version) != 0)
+		return fail_with(STATUS_INPUT, "rank %d: it is furrow %.60s, and rank 0 is %.60s; start the same on all machines", rank, other.version,
+				 first->version);
+	if (other.base != first->base)
+		return fail_with(STATUS_INPUT, "rank %d: its base is not that of rank 0; give all ranks the same --store", rank);
+	if (strncmp(other.scene, first->scene, sizeof other.scene) != 0 || other.spacing != first->spacing)
+		return fail_with(STATUS_INPUT, "rank %d: its scene is not that of rank 0; give all ranks the same file", rank);
+	if (other.step != first->step || other.resumed != first->resumed)
+		return fail_with(STATUS_FAILED, "rank %d: it begins at step %lld, and rank 0 at step %lld; report this", rank, (long long)other.step,
+				 (long long)first->step);
+	return STATUS_OK;
+}
+
+static enum status put_common(struct fleet *fleet, const struct world *world)
+{
+	struct common mine;
+	memset(&mine, 0, sizeof mine); /* its padding, too */
+	snprintf(mine.version, sizeof mine.version, "%s", FURROW_VERSION);
+	snprintf(mine.scene, sizeof mine.scene, "%s", world->scene->hash);
+	mine.base = store_base_hash(world->store);
+	mine.spacing = world->spacing;
+	mine.step = world->step;
+	mine.resumed = world->resumed.is;
+	enum status status = world->resumed.is && fleet->rank == 0 ? fleet_note_resumed(fleet) : STATUS_OK;
+	return status == STATUS_OK ? fleet_put(&fleet->sent, &mine, sizeof mine) : status;
+}
+
+/* A renderer's name tells the width of llvmpipe's vectors, too, on which sums of floats depend. */
+struct renderer {
+	char vendor[100], name[160], version[160];
+};
+
+static enum status compare_renderers(void *user, int rank, struct fleet_bytes *bytes)
+{
+	struct renderer *first = user, other;
+	enum status status = fleet_get(bytes, &other, sizeof other);
+	if (status != STATUS_OK)
+		return status;
+	if (rank == 0)
+		*first = other;
+	if (memcmp(&other, first, sizeof other) != 0)
+		return fail_with(STATUS_INPUT, "rank %d: its GL is %.90s, %.50s, and that of rank 0 is %.90s, %.50s, so that their ground could differ; "
+					       "start all ranks on machines with the same GPU and driver",
+				 rank, other.name, other.version, first->name, first->version);
+	return STATUS_OK;
+}
+
+static enum status put_renderer(struct fleet *fleet, const struct world *world)
+{
+	const struct gpu_info *info = gpu_info(world->gpu);
+	struct renderer mine;
+	memset(&mine, 0, sizeof mine);
+	snprintf(mine.vendor, sizeof mine.vendor, "%s", info->vendor);
+	snprintf(mine.name, sizeof mine.name, "%s", info->renderer);
+	snprintf(mine.version, sizeof mine.version, "%s", info->version);
+	return fleet_put(&fleet->sent, &mine, sizeof mine);
+}
+
+/* The first call comes when the files are open, the second when there is GL. Each later one tells only the status. */
+enum status fleet_agree_on(void *user, struct world *world, enum status status)
+{
+	struct fleet *fleet = user;
+	struct fleet_told told;
+	struct common common;
+	struct renderer renderer;
+	fleet->world = world;
+	if (fleet->failed) /* all know it */
+		return status;
+	const int call = fleet->agreed++;
+	enum status put = fleet_begin(fleet, FLEET_AGREE, status);
+	if (call == 0 && status == STATUS_OK && put == STATUS_OK)
+		put = put_common(fleet, world);
+	if (call == 1 && status == STATUS_OK && put == STATUS_OK)
+		put = put_renderer(fleet, world);
+	const fleet_each_fn each = call == 0 ? compare : call == 1 ? compare_renderers : NULL;
+	const enum status any =
+		fleet_tell(fleet, FLEET_AGREE, status != STATUS_OK ? status : put, &told, each, call == 0 ? (void *)&common : &renderer);
+	return any != STATUS_OK ? any : status;
+}
