@@ -117,7 +117,7 @@ class Help(FurrowTest):
         for words, offered in (
                 (("dr",), ["drive"]), (("re",), ["relink", "report", "reset", "restore"]),
                 (("--print", "b"), ["bash"]),
-                (("drive", ""), ["a.yaml", "sub"]), (("drive", "a.yaml", "--st"), ["--steps", "--store"]),
+                (("drive", ""), ["a.yaml", "sub"]), (("drive", "a.yaml", "--st"), ["--stage", "--steps", "--store"]),
                 (("drive", "a.yaml", "--store", ""), ["b.furrow", "c d.furrow", "sub"]),
                 (("drive", "a.yaml", "--store", "c"), ["c d.furrow"]),
                 (("drive", "a.yaml", "-o", ""), ["sub"]), (("drive", "a.yaml", "--steps", ""), []),
