@@ -179,16 +179,8 @@ struct scene *accuracy_scene(enum deform_model model, int laps, const struct sce
 struct track *accuracy_track(const struct scene *scene, double spacing)
 {
 	const struct scene_path *path = &scene->objects[0].path;
-	double(*local)[2] = mem_alloc(path->count, sizeof *local);
-	if (local == NULL)
-		bench_must(fail_memory("bench"));
-	for (size_t i = 0; i < path->count; i++) {
-		local[i][0] = path->points[i].x;
-		local[i][1] = path->points[i].y;
-	}
 	struct track *track;
-	bench_must(motion_track_create(path, (const double(*)[2])local, spacing, ACCURACY_RADIUS, &track));
-	mem_free(local);
+	bench_must(motion_track_create(path, spacing, ACCURACY_RADIUS, &track));
 	return track;
 }
 

@@ -281,6 +281,21 @@ enum status dem_numbers_extremes(struct dem_pixels *pixels, const struct dem_num
  */
 enum status dem_numbers_read(struct dem_pixels *pixels, int level, struct post_rect rect, double *out) FURROW_CHECKED;
 
+/* A line on the globe. */
+struct dem_line {
+	double (*points)[2]; /* degrees east and north of WGS 84 */
+	double *times;       /* s since 1970 UTC, one a point; NULL: the points have none */
+	size_t count;
+};
+/*
+ * Reads line `number` (from 1; 0: the only one) of a GPX or GeoJSON file. Lines of GPX are its tracks, each with all its segments; without
+ * tracks, its routes. Lines of GeoJSON are every LineString, and each part of a MultiLineString. `told`: names the file in messages. The
+ * caller frees both arrays, by dem_line_finish. STATUS_INPUT: no such line, or number is 0 and there are several; the message tells how many there are.
+ * Without GDAL: STATUS_FAILED. Thread-safe.
+ */
+enum status dem_line_read(const char *path, const char *told, size_t number, struct dem_line *line) FURROW_CHECKED;
+void dem_line_finish(struct dem_line *line);
+
 /* Converts coordinates in place, from `from_srs` (any form that GDAL accepts) to the SRS `to_wkt`. Without GDAL: STATUS_FAILED. */
 enum status dem_transform(const char *from_srs, const char *to_wkt, size_t count, double *x, double *y)
 	FURROW_CHECKED;

@@ -24,6 +24,18 @@ enum status dem_gdal_sink(const struct dem_raster *raster, const char *part, str
 			 ".png, or build with GDAL", raster->path);
 }
 
+enum status dem_line_read(const char *path, const char *told, size_t number, struct dem_line *line)
+{
+	(void)path, (void)number, (void)line;
+	return fail_with(STATUS_FAILED, "%s: this furrow was built without GDAL and reads no GPX and no GeoJSON; give points, or build with GDAL",
+			 told);
+}
+
+void dem_line_finish(struct dem_line *line)
+{
+	(void)line;
+}
+
 enum status dem_transform(const char *from_srs, const char *to_wkt, size_t count, double *x, double *y)
 {
 	(void)to_wkt;

@@ -38,9 +38,17 @@ struct track_point {
 	double yaw, pitch, roll; /* radians; yaw is the direction of travel if the path gives none */
 };
 
-/* Makes a track. `points`: local metres, one for each of path->points. `post`: metres between path samples. */
-enum status motion_track_create(const struct scene_path *path, const double (*points)[2], double post,
-			 double turn_reach, struct track **out) FURROW_CHECKED;
+/*
+ * Makes the route of a path: its waypoints in local metres, as a track takes them. What the path says of curves, turns, moves and of the path that
+ * it is relative to is done. `points`: local metres, one for each of from->points. `name`: of the object, for messages. The caller frees it by
+ * motion_route_finish. STATUS_INPUT: there is no such way beside the path. Pure; thread-safe.
+ */
+enum status motion_route_create(const struct scene_path *from, const char *name, const double (*points)[2], struct scene_path *route)
+	FURROW_CHECKED;
+void motion_route_finish(struct scene_path *route);
+
+/* Makes a track of a path in local metres. `post`: metres between path samples. */
+enum status motion_track_create(const struct scene_path *path, double post, double turn_reach, struct track **out) FURROW_CHECKED;
 void motion_track_destroy(struct track *track);
 
 int64_t motion_track_samples(const struct track *track); /* INT64_MAX for a loop */

@@ -18,7 +18,9 @@ struct track {
 	double post, speed, length; /* m between path samples; m/s; m of the whole path */
 	int64_t lap; /* number of path samples in one lap; loops only */
 	int64_t samples; /* INT64_MAX for a loop */
+	double delay; /* s before it begins; 0 if timed, since the times of the knots have it */
 	bool loop, timed;
+	bool turns; /* evenly between knots; otherwise at once at each */
 };
 
 static double turn(double from, double to)
@@ -46,8 +48,7 @@ static double distance(const struct track_point *a, const struct track_point *b,
 	return length;
 }
 
-enum status motion_track_create(const struct scene_path *path, const double (*points)[2], double post,
-			 double turn_reach, struct track **out)
+enum status motion_track_create(const struct scene_path *path, double post, double turn_reach, struct track **out)
 {
 	assert(path->count >= 1);
 	struct track *track = mem_calloc(1, sizeof *track);
@@ -61,14 +62,16 @@ enum status motion_track_create(const struct scene_path *path, const double (*po
 	track->post = post;
 	track->speed = path->speed;
 	track->timed = path->timed;
-	track->origin_x = lattice_offset(points[0][0]);
-	track->origin_y = lattice_offset(points[0][1]);
+	track->turns = path->timed && !path->cornered;
+	track->delay = path->timed ? 0 : path->delay;
+	track->origin_x = lattice_offset(path->points[0].x);
+	track->origin_y = lattice_offset(path->points[0].y);
 	for (size_t i = 0; i < path->count; i++) {
 		const struct scene_waypoint *from = &path->points[i];
 		struct track_point point = {
-			.time = from->t,
-			.x = lattice_offset_metres(lattice_offset(points[i][0]) - track->origin_x),
-			.y = lattice_offset_metres(lattice_offset(points[i][1]) - track->origin_y),
+			.time = from->t + path->delay,
+			.x = lattice_offset_metres(lattice_offset(from->x) - track->origin_x),
+			.y = lattice_offset_metres(lattice_offset(from->y) - track->origin_y),
 			.z = path->has_z ? from->z : 0,
 		};
 		if (path->has_attitude) {
@@ -105,7 +108,7 @@ enum status motion_track_create(const struct scene_path *path, const double (*po
 	}
 	if (!track->timed)
 		for (size_t i = 0; i < track->count; i++)
-			knots[i].at.time = track->speed > 0 ? knots[i].length / track->speed : 0;
+			knots[i].at.time = track->delay + (track->speed > 0 ? knots[i].length / track->speed : 0);
 	if (track->loop)
 		track->lap = (int64_t)ceil(track->length / post * (1 - 1e-12));
 	track->samples = count_samples(track);
@@ -161,7 +164,7 @@ static void between(const struct track *track, size_t k, double share, struct tr
 	point->x += share * (b->x - a->x);
 	point->y += share * (b->y - a->y);
 	point->z += share * (b->z - a->z);
-	if (track->timed) { /* a timed path turns between knots; others keep the attitude of the segment */
+	if (track->turns) { /* others keep the attitude of the segment */
 		point->yaw += share * turn(a->yaw, b->yaw);
 		point->pitch += share * turn(a->pitch, b->pitch);
 		point->roll += share * turn(a->roll, b->roll);
@@ -213,7 +216,7 @@ double motion_track_sample_time(const struct track *track, int64_t index)
 	int64_t lap;
 	double length = sample_length(track, index, &lap);
 	if (!track->timed)
-		return track->speed > 0 ? ((double)lap * track->length + length) / track->speed : 0;
+		return track->delay + (track->speed > 0 ? ((double)lap * track->length + length) / track->speed : 0);
 	struct track_point point;
 	at_length(track, length, &point);
 	return point.time;
@@ -273,7 +276,7 @@ int64_t motion_track_leaves(const struct track *track, double width, double heig
 void motion_track_at(const struct track *track, double time, struct track_point *point)
 {
 	if (!track->timed) {
-		double length = time > 0 ? time * track->speed : 0;
+		double length = time > track->delay ? (time - track->delay) * track->speed : 0;
 		if (track->loop)
 			length = fmod(length, track->length);
 		at_length(track, length < track->length ? length : track->length, point);

@@ -67,6 +67,18 @@ static double length_between(const struct scene_waypoint *a, const struct scene_
 	return sqrt((b->x - a->x) * (b->x - a->x) + (b->y - a->y) * (b->y - a->y) + (b->z - a->z) * (b->z - a->z));
 }
 
+/* Tells whether the way between its waypoints is known here, in metres. */
+static bool has_metres(const struct scene *scene, const struct scene_path *path)
+{
+	return scene->coordinates != SCENE_SRS && !path->degrees && !path->smooth && path->beside[0] == 0 && path->beside[1] == 0;
+}
+
+/* When it begins, s. */
+static double path_begin(const struct scene_path *path)
+{
+	return (path->timed ? path->points[0].t : 0) + path->delay;
+}
+
 /* When its last path sample is due, s; INFINITY: never, or not known here. */
 static double path_end(const struct scene *scene, const struct scene_path *path)
 {
@@ -74,14 +86,14 @@ static double path_end(const struct scene *scene, const struct scene_path *path)
 	if (path->count == 0)
 		return INFINITY; /* the host moves it */
 	if (path->timed)
-		return path->points[path->count - 1].t;
+		return path->points[path->count - 1].t + path->delay;
 	if (is_fixed(path))
-		return 0;
-	if (path->loop || scene->coordinates == SCENE_SRS)
+		return path->delay;
+	if (path->loop || !has_metres(scene, path))
 		return INFINITY;
 	for (size_t i = 1; i < path->count; i++)
 		length += length_between(&path->points[i - 1], &path->points[i]);
-	return length / path->speed;
+	return length / path->speed + path->delay;
 }
 
 /* Metres a second along its way, at most; INFINITY: not known here. */
@@ -92,9 +104,9 @@ static double path_fastest(const struct scene *scene, const struct scene_path *p
 		return INFINITY;
 	if (is_fixed(path))
 		return 0;
-	if (!path->timed)
+	if (!path->timed && path->beside[1] == 0)
 		return path->speed;
-	if (path->has_attitude || scene->coordinates == SCENE_SRS)
+	if (path->has_attitude || !has_metres(scene, path))
 		return INFINITY;
 	for (size_t i = 1; i < path->count; i++)
 		fastest = fmax(fastest, length_between(&path->points[i - 1], &path->points[i]) /
@@ -116,7 +128,7 @@ static bool all_stand_still(const struct scene *scene)
 static bool all_are_there(const struct scene *scene)
 {
 	for (size_t i = 0; i < scene->object_count; i++)
-		if (scene->objects[i].path.timed && scene->objects[i].path.points[0].t > 0)
+		if (scene->objects[i].path.count > 0 && path_begin(&scene->objects[i].path) > 0)
 			return false;
 	return true;
 }
@@ -286,10 +298,10 @@ static void advise_path(const struct adviser *adviser, const struct scene_object
 {
 	const struct scene *scene = adviser->scene;
 	const struct scene_path *path = &object->path;
-	if (path->timed && path->points[0].t > scene->end_time)
+	if (path->count > 0 && path_begin(path) > scene->end_time)
 		advise(adviser, "objects.%s.path: begins after %g s, and the drive ends after %g s: it never touches the ground; end later, or "
 				"take it away",
-		       object->name, path->points[0].t, scene->end_time);
+		       object->name, path_begin(path), scene->end_time);
 	if (path->loop && is_fixed(path))
 		advise(adviser, "objects.%s.path.loop: its points are one place: there is no way round; give others, or take it away",
 		       object->name);

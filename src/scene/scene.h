@@ -93,10 +93,17 @@ struct scene_path {
 	size_t count; /* 0: the path has no points, and the host moves the object */
 	double speed; /* m/s; only for a path of points */
 	bool loop;
+	bool degrees; /* x and y are degrees east and north of WGS 84, whatever the scene's coordinates are */
+	bool smooth;  /* it is a curve through its points, not straight lines */
 	/* The path in metres of the store's axes is turned about its first point, in rad from east to north, and then moved, in m. Yaws of the
 	 * waypoints are turned already; x and y are not. */
 	double rotate, offset[2];
-	bool timed;            /* the path is from a poses file, so each waypoint has its t */
+	/* The path is that of another object. This one is so many metres ahead of it, and to its left. Ahead is along the way; with attitudes
+	 * it is along that object's own axis. */
+	double beside[2];
+	double delay;          /* s by which all of it is later */
+	bool timed;            /* the path is from a file with times, so each waypoint has its t */
+	bool cornered;         /* only of motion_route: timed, and yet it turns at its waypoints alone, not between them */
 	bool has_z, has_attitude;
 };
 
@@ -130,9 +137,7 @@ struct scene_vehicle {
 	double at[2], yaw;      /* where it starts: in the unit of `coordinates`; rad from east to north */
 	struct scene_texts soil;         /* patterns of the geoms that touch the ground; none: all that collide */
 	enum scene_driver driver;
-	double (*points)[2];    /* SCENE_FOLLOW: its way, in the unit of `coordinates` */
-	size_t point_count;
-	double speed;           /* SCENE_FOLLOW: m/s */
+	struct scene_path way;  /* SCENE_FOLLOW: points and a speed */
 	struct scene_texts steer, drive; /* SCENE_FOLLOW: patterns of actuators */
 	char *controls;         /* SCENE_CONTROLS: path of a table in time */
 	uint64_t controls_hash[2];

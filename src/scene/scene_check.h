@@ -21,10 +21,6 @@ enum status scene_tell_unused(struct scene *scene, const char *format, ...) FURR
 /* The parts of scene_check, each in a file of its own. */
 enum status scene_check_objects(const struct scene_tree *tree, const struct raw_scene *raw,
 				struct scene *scene) FURROW_CHECKED;
-/* Fills `object`, which is zero before the call, from entry `index` of the tree's objects. The name stays NULL if the entry has
- * none. The caller frees the object, even on failure. */
-enum status scene_check_object(const struct scene_tree *tree, const struct raw_object *raw, size_t index,
-			       const struct scene *scene, struct scene_object *object) FURROW_CHECKED;
 /* Fills the shape and the mesh of objects[index]. */
 enum status scene_check_shape(const struct scene_tree *tree, const struct raw_shape *raw, size_t index,
 			      struct scene_object *object) FURROW_CHECKED;

@@ -80,6 +80,32 @@ static void add_mesh(XXH3_state_t *state, size_t index, const struct deform_mesh
 			add_whole(state, mesh->triangles[i][k]);
 }
 
+static void add_way(XXH3_state_t *state, size_t index, const struct scene_path *path)
+{
+	if (path->rotate != 0) {
+		add_part(state, 'r', index);
+		add_number(state, path->rotate);
+	}
+	if (path->offset[0] != 0 || path->offset[1] != 0) {
+		add_part(state, 'o', index);
+		add_number(state, path->offset[0]);
+		add_number(state, path->offset[1]);
+	}
+	if (path->beside[0] != 0 || path->beside[1] != 0) {
+		add_part(state, 'p', index);
+		add_number(state, path->beside[0]);
+		add_number(state, path->beside[1]);
+	}
+	if (path->delay != 0) {
+		add_part(state, 'd', index);
+		add_number(state, path->delay);
+	}
+	if (path->degrees || path->smooth) {
+		add_part(state, 'w', index);
+		add_whole(state, (uint64_t)path->degrees | (uint64_t)path->smooth << 1);
+	}
+}
+
 static void add_object_more(XXH3_state_t *state, size_t index, const struct scene_object *object)
 {
 	const struct deform_shape *shape = &object->shape;
@@ -99,15 +125,7 @@ static void add_object_more(XXH3_state_t *state, size_t index, const struct scen
 		add_part(state, 'l', index);
 		add_number(state, object->load);
 	}
-	if (object->path.rotate != 0) {
-		add_part(state, 'r', index);
-		add_number(state, object->path.rotate);
-	}
-	if (object->path.offset[0] != 0 || object->path.offset[1] != 0) {
-		add_part(state, 'o', index);
-		add_number(state, object->path.offset[0]);
-		add_number(state, object->path.offset[1]);
-	}
+	add_way(state, index, &object->path);
 	if (object->slip != 0) {
 		add_part(state, 's', index);
 		add_number(state, object->slip);
@@ -142,11 +160,11 @@ static void add_vehicle(XXH3_state_t *state, size_t index, const struct scene_ve
 	}
 	add_number(state, vehicle->yaw);
 	add_whole(state, (uint64_t)vehicle->driver);
-	add_number(state, vehicle->speed);
-	add_whole(state, vehicle->point_count);
-	for (size_t i = 0; i < vehicle->point_count; i++) {
-		add_number(state, vehicle->points[i][0]);
-		add_number(state, vehicle->points[i][1]);
+	add_number(state, vehicle->way.speed);
+	add_whole(state, vehicle->way.count);
+	for (size_t i = 0; i < vehicle->way.count; i++) {
+		add_number(state, vehicle->way.points[i].x);
+		add_number(state, vehicle->way.points[i].y);
 	}
 	add_texts(state, &vehicle->soil);
 	add_texts(state, &vehicle->steer);
@@ -154,6 +172,7 @@ static void add_vehicle(XXH3_state_t *state, size_t index, const struct scene_ve
 	add_texts(state, &vehicle->held);
 	for (size_t i = 0; i < vehicle->held.count; i++)
 		add_number(state, vehicle->values[i]);
+	add_way(state, index, &vehicle->way);
 }
 
 /*

@@ -11,6 +11,7 @@
 #include "scene/scene_locale.h"
 #include "scene/scene_match.h"
 #include "scene/scene_set.h"
+#include "scene/scene_template.h"
 #include "scene/scene_typed.h"
 #include "scene/scene_values.h"
 
@@ -28,6 +29,8 @@ static enum status read_tree(struct scene_tree *tree, const char *text, size_t l
 		status = scene_set(tree, &settings[i]);
 	if (status == STATUS_OK && count > 0)
 		status = scene_alias(tree); /* the values of the settings may have old names, too */
+	if (status == STATUS_OK)
+		status = scene_template(tree);
 	if (status == STATUS_OK)
 		status = scene_fold(tree);
 	return status == STATUS_OK ? scene_tree_list(tree) : status;

@@ -11,6 +11,7 @@
 #include "scene/scene_match.h"
 #include "scene/scene_mesh.h"
 #include "scene/scene_path.h"
+#include "scene/scene_way.h"
 #include "scene/scene_typed.h"
 
 /* Returns true if another object of the scene already has the name. While the scene is read, later objects have no names yet. */
@@ -49,58 +50,6 @@ static enum status make_name(const struct scene *scene, struct scene_object *obj
 	while (is_named(scene, object, name));
 	object->name = mem_strdup(name);
 	return object->name != NULL ? STATUS_OK : fail_memory("reading the objects");
-}
-
-static enum status take_points(const struct raw_path *raw, struct scene_path *path)
-{
-	path->points = mem_calloc(raw->points_count, sizeof *path->points);
-	if (path->points == NULL)
-		return fail_memory("reading the points of a path");
-	path->count = raw->points_count;
-	path->loop = raw->loop != NULL && *raw->loop;
-	path->speed = *raw->speed;
-	for (uint32_t i = 0; i < raw->points_count; i++)
-		path->points[i] =
-			(struct scene_waypoint){.x = raw->points[i][0], .y = raw->points[i][1]};
-	return STATUS_OK;
-}
-
-static enum status check_path(const struct scene_tree *tree, const struct raw_path *raw,
-			      size_t index, struct scene_path *path)
-{
-	const struct scene_node *node = scene_tree_find(tree, "objects[%zu].path", index);
-	if ((raw->points != NULL) == (raw->file != NULL))
-		return scene_error(tree->file, node, "names %s; allowed: exactly one of points, file",
-				   raw->file != NULL ? "both points and file"
-						     : "neither points nor file");
-	if (raw->points != NULL) {
-		if (raw->speed == NULL)
-			return scene_error(tree->file, node,
-					   "has no speed; allowed: points with a speed in m/s");
-		return take_points(raw, path);
-	}
-	if (raw->speed != NULL || raw->loop != NULL)
-		return scene_error(tree->file,
-				   scene_tree_find(tree, "objects[%zu].path.%s", index,
-						   raw->speed != NULL ? "speed" : "loop"),
-				   "does not go with a file; allowed with: points");
-	node = scene_tree_find(tree, "objects[%zu].path.file", index);
-	char *file = scene_file_beside(tree->folder, raw->file);
-	if (file == NULL)
-		return fail_memory("reading poses");
-	enum status status = scene_path_read(file, scene_told(tree->file, node, raw->file).text, path);
-	mem_free(file);
-	return status;
-}
-
-/* Takes how the whole path is turned and moved. */
-static void take_move(const struct raw_path *raw, struct scene_path *path)
-{
-	for (int i = 0; i < 2 && raw->offset != NULL; i++)
-		path->offset[i] = raw->offset[i];
-	path->rotate = raw->rotate != NULL ? *raw->rotate * M_PI / 180 : 0;
-	for (size_t i = 0; i < path->count && path->has_attitude && path->rotate != 0; i++)
-		path->points[i].yaw += path->rotate;
 }
 
 /* Checks the keys that need a model that computes forces. */
@@ -152,23 +101,12 @@ static struct deform_interface interface_of(const struct raw_interface *raw)
 	return interface;
 }
 
-/* The pitch of a wheel only turns it about its axle. So rows with camber get pitch 0, and the yaw and roll of the same axle. */
-static void level_pitch(const struct deform_shape *shape, struct scene_path *path)
+/* Fills `object`, which is zero, from entry `index` of the tree's objects. The name stays NULL if the entry has none. */
+static enum status take_object(const struct scene_tree *tree, const struct raw_object *raw, size_t index, const struct scene *scene,
+			       struct scene_object *object)
 {
-	for (size_t i = 0; i < path->count && shape->kind == DEFORM_WHEEL; i++) {
-		struct scene_waypoint *point = &path->points[i];
-		double axes[3][3];
-		if (point->roll == 0)
-			continue;
-		deform_axes(point->yaw, point->pitch, point->roll, 0, axes);
-		deform_wheel_attitude(axes[1], &point->yaw, &point->roll);
-		point->pitch = 0;
-	}
-}
-
-enum status scene_check_object(const struct scene_tree *tree, const struct raw_object *raw, size_t index,
-			       const struct scene *scene, struct scene_object *object)
-{
+	char where[40];
+	snprintf(where, sizeof where, "objects[%zu].path", index);
 	object->sink = raw->sink != NULL ? *raw->sink : 0;
 	object->load = raw->load != NULL ? *raw->load : 0;
 	object->slip = raw->slip != NULL ? *raw->slip : 0;
@@ -177,12 +115,16 @@ enum status scene_check_object(const struct scene_tree *tree, const struct raw_o
 	if (status == STATUS_OK)
 		status = scene_check_shape(tree, &raw->shape, index, object);
 	if (status == STATUS_OK)
-		status = raw->path != NULL ? check_path(tree, raw->path, index, &object->path)
-					   : check_hosted(tree, raw, index);
-	level_pitch(&object->shape, &object->path);
-	if (status == STATUS_OK && raw->path != NULL)
-		take_move(raw->path, &object->path);
-	return status == STATUS_OK ? check_forces(tree, raw, object, scene->model, index) : status;
+		status = raw->path != NULL ? scene_way_take(tree, raw->path, where, &object->path) : check_hosted(tree, raw, index);
+	return status;
+}
+
+/* Checks what can be checked only when every path is known. */
+static enum status check_taken(const struct scene_tree *tree, const struct raw_object *raw, size_t index, const struct scene *scene,
+			       struct scene_object *object)
+{
+	scene_level_pitch(&object->shape, &object->path);
+	return check_forces(tree, raw, object, scene->model, index);
 }
 
 enum status scene_check_objects(const struct scene_tree *tree, const struct raw_scene *raw,
@@ -200,17 +142,21 @@ enum status scene_check_objects(const struct scene_tree *tree, const struct raw_
 		return fail_memory("reading the objects");
 	enum status status = STATUS_OK;
 	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
-		struct scene_object *object = &scene->objects[i];
 		scene->object_count = i + 1;
-		status = scene_check_object(tree, &raw->objects[i], i, scene, object);
-		if (status == STATUS_OK && object->path.has_z && raw->objects[i].sink != NULL)
-			status = scene_tell_unused(scene, "objects.%s.sink: its poses say z already; take it away",
-						   object->name != NULL ? object->name : "");
+		status = take_object(tree, &raw->objects[i], i, scene, &scene->objects[i]);
 	}
 	/* Names are made only after all given names are known. So a made name never takes a name that the scene gives later. */
 	for (size_t i = 0; i < count && status == STATUS_OK; i++)
 		if (scene->objects[i].name == NULL)
 			status = make_name(scene, &scene->objects[i]);
+	if (status == STATUS_OK)
+		status = scene_way_follow(tree, raw, scene);
+	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
+		struct scene_object *object = &scene->objects[i];
+		status = check_taken(tree, &raw->objects[i], i, scene, object);
+		if (status == STATUS_OK && object->path.has_z && raw->objects[i].sink != NULL)
+			status = scene_tell_unused(scene, "objects.%s.sink: its poses say z already; take it away", object->name);
+	}
 	return status;
 }
 
@@ -246,7 +192,12 @@ static enum status parse(const struct scene *scene, const char *text, struct sce
 	if (status == STATUS_OK)
 		status = scene_typed_load(&tree, &raw);
 	if (status == STATUS_OK)
-		status = scene_check_object(&tree, &raw->objects[0], 0, scene, object);
+		status = take_object(&tree, &raw->objects[0], 0, scene, object);
+	if (status == STATUS_OK && raw->objects[0].path != NULL && raw->objects[0].path->relative_to != NULL)
+		status = scene_error(tree.file, scene_tree_find(&tree, "objects[0].path.relative_to"),
+				     "is of objects that a scene lists; allowed: points, or a file");
+	if (status == STATUS_OK)
+		status = check_taken(&tree, &raw->objects[0], 0, scene, object);
 	/* In a scene file this is a note, and `sink` is not used. A single object has no place for notes, so it is refused. */
 	if (status == STATUS_OK && object->path.has_z && raw->objects[0].sink != NULL)
 		status = scene_error(tree.file, scene_tree_find(&tree, "objects[0].sink"),

@@ -146,3 +146,16 @@ enum status scene_path_read(const char *file, const char *told, struct scene_pat
 	mem_free(bytes);
 	return status;
 }
+
+void scene_level_pitch(const struct deform_shape *shape, struct scene_path *path)
+{
+	for (size_t i = 0; i < path->count && shape->kind == DEFORM_WHEEL; i++) {
+		struct scene_waypoint *point = &path->points[i];
+		double axes[3][3];
+		if (point->roll == 0)
+			continue;
+		deform_axes(point->yaw, point->pitch, point->roll, 0, axes);
+		deform_wheel_attitude(axes[1], &point->yaw, &point->roll);
+		point->pitch = 0;
+	}
+}

@@ -1,4 +1,4 @@
-/* Reads poses over time from a file of comma-separated values. */
+/* Reads paths from files: poses over time from comma-separated values, and lines on the globe. */
 #ifndef FURROW_SCENE_PATH_H
 #define FURROW_SCENE_PATH_H
 
@@ -13,5 +13,14 @@
  */
 enum status scene_path_read(const char *file, const char *told, struct scene_path *path)
 	FURROW_CHECKED;
+
+bool scene_path_is_line(const char *file); /* by its ending: .gpx or .geojson */
+/*
+ * Reads line `number` (from 1; 0: its only one) of a GPX or GeoJSON file. Fills points, count, degrees; and timed, with times from the
+ * first point on, unless the line has a speed of its own. STATUS_INPUT: there is no such line, or it has no times and needs them.
+ */
+enum status scene_path_read_line(const char *file, const char *told, size_t number, bool has_speed, struct scene_path *path) FURROW_CHECKED;
+/* The pitch of a wheel only turns it about its axle. So waypoints with camber get pitch 0, and the yaw and roll of the same axle. */
+void scene_level_pitch(const struct deform_shape *shape, struct scene_path *path);
 
 #endif

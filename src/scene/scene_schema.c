@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "scene/scene.h"
+#include "scene/scene_template.h"
 
 #define OPTIONAL CYAML_FLAG_OPTIONAL
 #define OPTIONAL_POINTER (CYAML_FLAG_OPTIONAL | CYAML_FLAG_POINTER)
@@ -67,8 +68,12 @@ static const cyaml_schema_field_t path_fields[] = {
 	CYAML_FIELD_FLOAT_PTR("speed", OPTIONAL, struct raw_path, speed),
 	CYAML_FIELD_BOOL_PTR("loop", OPTIONAL, struct raw_path, loop),
 	CYAML_FIELD_STRING_PTR("file", OPTIONAL, struct raw_path, file, 1, 4096),
+	CYAML_FIELD_INT_PTR("line", OPTIONAL, struct raw_path, line),
+	CYAML_FIELD_BOOL_PTR("smooth", OPTIONAL, struct raw_path, smooth),
 	CYAML_FIELD_FLOAT_PTR("rotate", OPTIONAL, struct raw_path, rotate),
 	CYAML_FIELD_SEQUENCE("offset", OPTIONAL_POINTER, struct raw_path, offset, &float_entry, 2, 2),
+	CYAML_FIELD_STRING_PTR("relative_to", OPTIONAL, struct raw_path, relative_to, 1, 64),
+	CYAML_FIELD_FLOAT_PTR("delay", OPTIONAL, struct raw_path, delay),
 	CYAML_FIELD_END,
 };
 static const cyaml_schema_field_t interface_fields[] = {
@@ -233,8 +238,13 @@ static const cyaml_schema_field_t start_fields[] = {
 	CYAML_FIELD_END,
 };
 static const cyaml_schema_field_t way_fields[] = {
-	CYAML_FIELD_SEQUENCE("points", CYAML_FLAG_POINTER, struct raw_way, points, &point_entry, 1, CYAML_UNLIMITED),
-	CYAML_FIELD_FLOAT("speed", NEEDED, struct raw_way, speed),
+	CYAML_FIELD_SEQUENCE("points", OPTIONAL_POINTER, struct raw_path, points, &point_entry, 1, CYAML_UNLIMITED),
+	CYAML_FIELD_FLOAT_PTR("speed", NEEDED, struct raw_path, speed),
+	CYAML_FIELD_STRING_PTR("file", OPTIONAL, struct raw_path, file, 1, 4096),
+	CYAML_FIELD_INT_PTR("line", OPTIONAL, struct raw_path, line),
+	CYAML_FIELD_BOOL_PTR("smooth", OPTIONAL, struct raw_path, smooth),
+	CYAML_FIELD_FLOAT_PTR("rotate", OPTIONAL, struct raw_path, rotate),
+	CYAML_FIELD_SEQUENCE("offset", OPTIONAL_POINTER, struct raw_path, offset, &float_entry, 2, 2),
 	CYAML_FIELD_END,
 };
 static const cyaml_schema_field_t control_fields[] = {
@@ -284,7 +294,7 @@ static const cyaml_schema_field_t scene_fields[] = {
 			     &word_entry, 0, CYAML_UNLIMITED),
 	CYAML_FIELD_ENUM_PTR("outside", OPTIONAL, struct raw_scene, outside, outside_words, 2),
 	CYAML_FIELD_SEQUENCE("objects", OPTIONAL_POINTER, struct raw_scene, objects, &object_entry,
-			     0, 4096),
+			     0, SCENE_OBJECTS),
 	CYAML_FIELD_SEQUENCE("vehicles", OPTIONAL_POINTER, struct raw_scene, vehicles, &vehicle_entry, 0, 64),
 	CYAML_FIELD_MAPPING_PTR("stuck", OPTIONAL, struct raw_scene, stuck, stuck_fields),
 	CYAML_FIELD_MAPPING_PTR("output", OPTIONAL, struct raw_scene, output, output_fields),
@@ -355,8 +365,10 @@ static const struct scene_limit limits[] = {
 	{"objects[].shape.mesh.scale", 0, 1000, true, NULL, NULL, 1, NULL},
 	{"objects[].path.points[][]", -1e9, 1e9, false, NULL, "m", NAN, NULL},
 	{"objects[].path.speed", 0, 10000, true, NULL, "m/s", NAN, NULL},
+	{"objects[].path.line", 1, 1e6, false, NULL, NULL, NAN, "the only line"},
 	{"objects[].path.rotate", -36000, 36000, false, NULL, "degrees", 0, NULL},
 	{"objects[].path.offset[]", -1e9, 1e9, false, NULL, "m", NAN, "0, 0"},
+	{"objects[].path.delay", 0, 1e9, false, NULL, "s", 0, NULL},
 	{"objects[].sink", 0, 1000, false, NULL, "m", 0, NULL},
 	{"objects[].load", 0, 1e9, true, NULL, "N", NAN, "none: sink"},
 	{"objects[].slip", -1000, 0.99, false, NULL, NULL, 0, NULL},
@@ -369,6 +381,9 @@ static const struct scene_limit limits[] = {
 	{"vehicles[].start.yaw", -36000, 36000, false, NULL, "degrees", 0, NULL},
 	{"vehicles[].driver.path.points[][]", -1e9, 1e9, false, NULL, "m", NAN, NULL},
 	{"vehicles[].driver.path.speed", 0, 1000, true, NULL, "m/s", NAN, NULL},
+	{"vehicles[].driver.path.line", 1, 1e6, false, NULL, NULL, NAN, "the only line"},
+	{"vehicles[].driver.path.rotate", -36000, 36000, false, NULL, "degrees", 0, NULL},
+	{"vehicles[].driver.path.offset[]", -1e9, 1e9, false, NULL, "m", NAN, "0, 0"},
 	{"vehicles[].driver.hold[].value", -1e12, 1e12, false, NULL, NULL, NAN, NULL},
 	{"stuck.after", 0, 1e9, true, NULL, "s", NAN, NULL},
 	{"stuck.below", 0, 1000, true, NULL, "m/s", NAN, NULL},

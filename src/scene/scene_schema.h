@@ -51,9 +51,13 @@ struct raw_path {
 	double *speed;
 	bool *loop;
 	char *file;
+	int64_t *line;
 	double *rotate; /* degrees */
 	double *offset;
 	uint32_t offset_count;
+	char *relative_to;
+	double *delay;
+	bool *smooth;
 };
 struct raw_interface {
 	double *friction_angle, *adhesion; /* degrees, Pa */
@@ -145,17 +149,12 @@ struct raw_start {
 	double at[2];
 	double *yaw; /* degrees */
 };
-struct raw_way {
-	double (*points)[2];
-	uint32_t points_count;
-	double speed;
-};
 struct raw_control {
 	char *actuator;
 	double value;
 };
 struct raw_driver {
-	struct raw_way *path;
+	struct raw_path *path;
 	char **steer, **drive; /* patterns of actuators' names */
 	uint32_t steer_count, drive_count;
 	char *controls;

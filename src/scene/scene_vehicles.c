@@ -1,10 +1,12 @@
 /* Checks the vehicles of a scene and fills their values. What the model itself says is checked when it is read: src/vehicle. */
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "scene/scene_check.h"
 #include "scene/scene_error.h"
 #include "scene/scene_file.h"
+#include "scene/scene_way.h"
 
 #define MODEL_BYTES ((uint64_t)64 << 20)    /* the largest file of a model */
 #define CONTROLS_BYTES ((uint64_t)256 << 20) /* the largest table of controls */
@@ -47,17 +49,18 @@ static enum status take_file(const struct scene_tree *tree, const struct scene_n
 
 static enum status check_follow(const struct scene_tree *tree, const struct raw_driver *raw, size_t index, struct scene_vehicle *vehicle)
 {
+	char where[48];
 	if (raw->drive == NULL)
 		return scene_error(tree->file, scene_tree_find(tree, "vehicles[%zu].driver", index),
 				   "has a path and no actuators that drive; needed with path: drive");
 	vehicle->driver = SCENE_FOLLOW;
-	vehicle->speed = raw->path->speed;
-	vehicle->points = mem_calloc(raw->path->points_count, sizeof *vehicle->points);
-	if (vehicle->points == NULL)
-		return fail_memory("reading the vehicles");
-	vehicle->point_count = raw->path->points_count;
-	memcpy(vehicle->points, raw->path->points, vehicle->point_count * sizeof *vehicle->points);
-	enum status status = take_texts(raw->steer, raw->steer_count, &vehicle->steer);
+	snprintf(where, sizeof where, "vehicles[%zu].driver.path", index);
+	enum status status = scene_way_take(tree, raw->path, where, &vehicle->way);
+	if (status == STATUS_OK && vehicle->way.timed)
+		status = scene_error(tree->file, scene_tree_find(tree, "%s.file", where), "has times, and a driver has a speed; allowed: points, or "
+							     "a file that ends in .gpx or .geojson");
+	if (status == STATUS_OK)
+		status = take_texts(raw->steer, raw->steer_count, &vehicle->steer);
 	return status == STATUS_OK ? take_texts(raw->drive, raw->drive_count, &vehicle->drive) : status;
 }
 
@@ -155,7 +158,7 @@ void scene_vehicle_finish(struct scene_vehicle *vehicle)
 	mem_free(vehicle->name);
 	mem_free(vehicle->model);
 	mem_free(vehicle->controls);
-	mem_free(vehicle->points);
+	mem_free(vehicle->way.points);
 	mem_free(vehicle->values);
 	finish_texts(&vehicle->soil);
 	finish_texts(&vehicle->steer);

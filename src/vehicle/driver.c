@@ -115,16 +115,22 @@ enum status vehicle_make_driver(struct vehicle *vehicle, const char *where)
 enum status vehicle_place_driver(struct vehicle *vehicle, const struct world *world)
 {
 	struct driver *driver = &vehicle->driver;
-	driver->point_count = vehicle->scene->point_count;
-	driver->points = mem_calloc(driver->point_count + 1, sizeof *driver->points);
+	struct scene_path route;
+	if (vehicle->scene->driver != SCENE_FOLLOW)
+		return STATUS_OK;
+	enum status status = world_route(world, &vehicle->scene->way, vehicle->scene->name, &route);
+	if (status != STATUS_OK)
+		return status;
+	driver->points = mem_calloc(route.count, sizeof *driver->points);
 	if (driver->points == NULL)
-		return fail_memory("a driver");
-	for (size_t i = 0; i < driver->point_count; i++) {
-		enum status status = world_local_point(world, vehicle->scene->points[i], driver->points[i]);
-		if (status != STATUS_OK)
-			return status;
+		status = fail_memory("a driver");
+	for (size_t i = 0; i < route.count && status == STATUS_OK; i++) {
+		driver->points[i][0] = route.points[i].x;
+		driver->points[i][1] = route.points[i].y;
+		driver->point_count = i + 1;
 	}
-	return STATUS_OK;
+	motion_route_finish(&route);
+	return status;
 }
 
 void vehicle_free_driver(struct driver *driver)

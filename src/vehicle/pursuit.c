@@ -174,7 +174,7 @@ void vehicle_pursue(struct vehicle *vehicle, double time)
 	struct driver *driver = &vehicle->driver;
 	const mjData *data = vehicle->data;
 	const double *forward = &data->xmat[9 * vehicle->root];
-	const double heading = atan2(forward[3], forward[0]), wanted = vehicle->scene->speed;
+	const double heading = atan2(forward[3], forward[0]), wanted = vehicle->scene->way.speed;
 	double middle, base, goal[2];
 	measure(vehicle, &middle, &base);
 	const double x = vehicle->origin[0] + data->xpos[3 * vehicle->root] + middle * cos(heading);

@@ -5,52 +5,70 @@
 #include "dem/dem.h"
 #include "world/internal.h"
 
-enum status world_local_point(const struct world *world, const double from[2], double to[2])
+/* Converts points of a path to local metres, in place: of the globe if `degrees`, otherwise of the scene's coordinates. */
+static enum status to_local(const struct world *world, bool degrees, size_t count, double *x, double *y)
 {
 	const struct scene *scene = world->scene;
+	const char *srs = degrees ? "EPSG:4326" : scene->coordinates == SCENE_SRS ? scene->srs : NULL;
+	if (srs != NULL && world->meta->srs[0] == '\0' && degrees)
+		return fail_with(STATUS_INPUT, "a path in longitude and latitude: the store has no reference system and lies nowhere on the globe; "
+					       "give points in metres, or a store with one");
+	if (srs != NULL && world->meta->srs[0] == '\0')
+		return fail_with(STATUS_INPUT, "coordinates: %s, but the store has no reference system; use local", srs);
+	enum status status = srs != NULL ? dem_transform(srs, world->meta->srs, count, x, y) : STATUS_OK;
+	for (size_t i = 0; i < count && (srs != NULL || scene->coordinates == SCENE_STORE); i++) {
+		x[i] -= world->meta->origin[0];
+		y[i] -= world->meta->origin[1];
+	}
+	return status;
+}
+
+enum status world_local_point(const struct world *world, const double from[2], double to[2])
+{
 	to[0] = from[0];
 	to[1] = from[1];
-	if (scene->coordinates == SCENE_SRS) {
-		if (world->meta->srs[0] == '\0')
-			return fail_with(STATUS_INPUT, "coordinates: %s, but the store has no reference system; use local", scene->srs);
-		enum status status = dem_transform(scene->srs, world->meta->srs, 1, &to[0], &to[1]);
-		if (status != STATUS_OK)
-			return status;
-	}
-	if (scene->coordinates != SCENE_LOCAL) {
-		to[0] -= world->meta->origin[0];
-		to[1] -= world->meta->origin[1];
-	}
-	return STATUS_OK;
+	return to_local(world, false, 1, &to[0], &to[1]);
 }
 
-/* Turns the whole path about its first point, and moves it. Quarter turns are exact. */
-static void move_points(const struct scene_path *path, double (*points)[2])
-{
-	const double quarters = path->rotate / (M_PI / 2), first[2] = {points[0][0], points[0][1]};
-	double c = cos(path->rotate), s = sin(path->rotate);
-	if (fabs(quarters - round(quarters)) < 1e-12) {
-		c = round(c);
-		s = round(s);
-	}
-	for (size_t i = 0; i < path->count; i++) {
-		const double x = points[i][0] - first[0], y = points[i][1] - first[1];
-		points[i][0] = first[0] + (c * x - s * y) + path->offset[0];
-		points[i][1] = first[1] + (s * x + c * y) + path->offset[1];
-	}
-}
-
-/* Converts the path's points to local metres. */
+/* Converts the path's points to local metres: points[count][2], whose memory also has room for x and y apart. */
 static enum status local_points(const struct world *world, const struct scene_path *path, double (*points)[2])
 {
+	double *x = points[path->count], *y = x + path->count;
 	for (size_t i = 0; i < path->count; i++) {
-		enum status status = world_local_point(world, (const double[]){path->points[i].x, path->points[i].y}, points[i]);
-		if (status != STATUS_OK)
-			return status;
+		x[i] = path->points[i].x;
+		y[i] = path->points[i].y;
 	}
-	if (path->rotate != 0 || path->offset[0] != 0 || path->offset[1] != 0)
-		move_points(path, points);
-	return STATUS_OK;
+	enum status status = to_local(world, path->degrees, path->count, x, y);
+	for (size_t i = 0; i < path->count; i++) {
+		points[i][0] = x[i];
+		points[i][1] = y[i];
+	}
+	return status;
+}
+
+enum status world_route(const struct world *world, const struct scene_path *path, const char *name, struct scene_path *route)
+{
+	double(*points)[2] = mem_alloc(2 * path->count, sizeof *points);
+	if (points == NULL)
+		return fail_memory("a path");
+	enum status status = local_points(world, path, points);
+	if (status == STATUS_OK)
+		status = motion_route_create(path, name, (const double(*)[2])points, route);
+	mem_free(points);
+	return status;
+}
+
+static enum status make_track(const struct world *world, struct body *body)
+{
+	const struct deform_shape *shape = &body->object->shape;
+	const double turn_reach = shape->kind == DEFORM_WHEEL ? shape->radius : deform_shape_bound(shape);
+	struct scene_path route;
+	enum status status = world_route(world, &body->object->path, body->object->name, &route);
+	if (status != STATUS_OK)
+		return status;
+	status = motion_track_create(&route, world->spacing, turn_reach, &body->track);
+	motion_route_finish(&route);
+	return status;
 }
 
 enum status world_make_bodies(struct world *world)
@@ -73,18 +91,9 @@ enum status world_make_bodies(struct world *world)
 				return fits;
 			continue;
 		}
-		const struct deform_shape *shape = &body->object->shape;
-		const struct scene_path *path = &body->object->path;
-		enum status status = deform_shape_check(shape, world->spacing);
-		double(*points)[2] = mem_alloc(path->count, sizeof *points);
-		if (status == STATUS_OK && points == NULL)
-			status = fail_memory("a path");
+		enum status status = deform_shape_check(&body->object->shape, world->spacing);
 		if (status == STATUS_OK)
-			status = local_points(world, path, points);
-		double turn_reach = shape->kind == DEFORM_WHEEL ? shape->radius : deform_shape_bound(shape);
-		if (status == STATUS_OK)
-			status = motion_track_create(path, (const double(*)[2])points, world->spacing, turn_reach, &body->track);
-		mem_free(points);
+			status = make_track(world, body);
 		if (status != STATUS_OK)
 			return status;
 	}

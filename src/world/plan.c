@@ -303,6 +303,10 @@ static enum status over_nothing(struct world *world, struct store_meta *assumed)
 	if (scene->coordinates == SCENE_SRS)
 		return fail_with(STATUS_INPUT, "%s: coordinates: %s lie on a store's ground, and none is known; give --store", scene->file,
 				 scene->srs);
+	for (size_t i = 0; i < scene->object_count; i++)
+		if (scene->objects[i].path.degrees)
+			return fail_with(STATUS_INPUT, "%s: the path of %s is in longitude and latitude, on a store's ground, and none is known; give --store",
+					 scene->file, scene->objects[i].name);
 	double spacing = scene->spacing > 0 ? scene->spacing : ASSUMED_SPACING;
 	*assumed = (struct store_meta){
 		.extent = {ASSUMED_POSTS, ASSUMED_POSTS, spacing, ASSUMED_CELLS},

@@ -422,6 +422,9 @@ void world_stop(struct world *world);
  * all zero, or half made. */
 void world_finish(struct world *world, enum status status);
 
+/* Makes the way that a path of the scene says, in local metres. `name`: of the object or vehicle, for messages. The caller frees it by
+ * motion_route_finish. STATUS_INPUT: the store has no reference system, or there is no such way. */
+enum status world_route(const struct world *world, const struct scene_path *path, const char *name, struct scene_path *route) FURROW_CHECKED;
 /* Converts x and y of the scene's `coordinates` to local metres. STATUS_INPUT: the store has no reference system. */
 enum status world_local_point(const struct world *world, const double from[2], double to[2]) FURROW_CHECKED;
 

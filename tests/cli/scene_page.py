@@ -10,7 +10,8 @@ import sys
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
-from furrow_test import FurrowTest, main, write_png16  # noqa: E402
+import rasters  # noqa: E402
+from furrow_test import FurrowTest, has_gdal, main, write_png16  # noqa: E402
 
 ROOT = pathlib.Path(__file__).parents[2]
 PAGE = ROOT / "src" / "scene" / "SCENE.md"
@@ -75,6 +76,11 @@ SAMPLES = [
                     vehicle(name="w", driver={"controls": "controls.csv"}),
                     vehicle(name="x", driver={"hold": [{"actuator": "drive", "value": 1}]})]),
     scene(WHEEL, soil={"name": "dry_sand"}, redistribute={"model": "scm"}, time_step=0.002, vehicles=[vehicle(name="beside")]),
+    scene(wheel(path={"points": [[20, 20], [30, 20]], "speed": 5, "smooth": True, "delay": 1}),
+          wheel(name="b", path={"relative_to": "a", "offset": [-3, 0]})),
+    scene(wheel(path={"file": "line.geojson", "line": 1, "speed": 5}), soil={"name": "dry_sand"}, redistribute={"model": "scm"}, time_step=0.002,
+          store="globe.furrow", vehicles=[vehicle(driver={"path": {"file": "line.geojson", "line": 1, "speed": 1, "smooth": True, "rotate": 5, "offset": [1, 1]},
+                                                          "drive": ["drive"]})]),
 ]
 
 
@@ -207,9 +213,14 @@ class ScenePage(FurrowTest):
         (self.folder / "poses.csv").write_text(re.search(r"```csv\n(.*?)```", PAGE.read_text(), re.S).group(1))
         for name in ("classes.png", "cohesion.png", "friction.png"):
             write_png16(self.folder / name, 4, 4, lambda x, y: 1)
+        (self.folder / "line.geojson").write_text('{"type": "LineString", "coordinates": [[15.0002, 45.1535], [15.0004, 45.1535]]}')
+        if has_gdal():
+            rasters.make(self.folder / "utm.tif", 64, 64, [100.0] * 64 * 64, "f", step=1, west=500000, north=5000064)
+            self.furrow("import", "utm.tif", "-o", "globe.furrow")
 
     def needs_meshes(self, result):
-        return "this build reads no meshes" in result.stderr or "this build has no MuJoCo" in result.stderr
+        return any(told in result.stderr for told in ("this build reads no meshes", "this build has no MuJoCo", "built without GDAL",
+                                                      "globe.furrow: "))
 
     def test_its_keys_are_those_that_the_checker_takes(self):
         checker = Checker(self)
@@ -297,7 +308,7 @@ class ScenePage(FurrowTest):
         for i, sample in enumerate(samples):
             self.assertEqual(checker.answer(sample).returncode, 0, f"sample {i}: " + checker.answer(sample).stderr)
         for key, row in self.rows.items():
-            if "mesh" in key and len(samples) < len(SAMPLES):
+            if re.search(r"mesh|driver|line", key) and len(samples) < len(SAMPLES):
                 continue
             always, sometimes = row["default"] == "needed", row["default"].startswith("needed")
             refused = []

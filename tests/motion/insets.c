@@ -27,7 +27,7 @@ struct trip {
 static struct trip travel(const char *path, uint32_t tiles, double prefetch, double speed)
 {
 	enum { WAYS = sizeof ways / sizeof *ways };
-	static const struct scene_waypoint none[6];
+	struct scene_waypoint points[6] = {{0}};
 	struct store *store;
 	struct ground *ground;
 	struct prefetcher *prefetcher = NULL;
@@ -36,12 +36,13 @@ static struct trip travel(const char *path, uint32_t tiles, double prefetch, dou
 	struct trip trip = {0, 0, 0};
 	must(store_open(path, &(struct store_options){.mode = STORE_READ}, &store));
 	must(resident_ground_create(store, tiles, &ground));
-	for (int i = 0; i < WAYS; i++)
-		must(motion_track_create(
-		        &(struct scene_path){.count = 6,
-		                             .speed = speed,
-		                             .points = (struct scene_waypoint *)none},
-		        ways[i], POST, 1, &tracks[i]));
+	for (int i = 0; i < WAYS; i++) {
+		for (int k = 0; k < 6; k++) {
+			points[k].x = ways[i][k][0];
+			points[k].y = ways[i][k][1];
+		}
+		must(motion_track_create(&(struct scene_path){.count = 6, .speed = speed, .points = points}, POST, 1, &tracks[i]));
+	}
 	const struct prefetcher_params params = {
 	        .store = store,
 	        .ground = ground,

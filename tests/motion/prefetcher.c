@@ -27,11 +27,15 @@ struct party {
 
 static struct track *track_of(struct scene_path path, const double (*points)[2])
 {
-	static const struct scene_waypoint none[8];
+	struct scene_waypoint waypoints[8] = {{0}};
 	struct track *track;
 	if (path.points == NULL)
-		path.points = (struct scene_waypoint *)none;
-	must(motion_track_create(&path, points, post, 1, &track));
+		path.points = waypoints;
+	for (size_t i = 0; i < path.count; i++) {
+		path.points[i].x = points[i][0];
+		path.points[i].y = points[i][1];
+	}
+	must(motion_track_create(&path, post, 1, &track));
 	return track;
 }
 

@@ -11,7 +11,11 @@
 static struct track *track_of(struct scene_path *path, const double (*points)[2])
 {
 	struct track *track;
-	assert_int_equal(motion_track_create(path, points, 0.25, 1, &track), STATUS_OK);
+	for (size_t i = 0; i < path->count; i++) {
+		path->points[i].x = points[i][0];
+		path->points[i].y = points[i][1];
+	}
+	assert_int_equal(motion_track_create(path, 0.25, 1, &track), STATUS_OK);
 	return track;
 }
 

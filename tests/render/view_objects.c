@@ -7,15 +7,10 @@
 static void show(struct rig *rig, struct deform_shape shape, struct scene_path path)
 {
 	struct world *world = &rig->world;
-	double places[2][2];
 	rig->object.shape = shape;
 	rig->object.path = path;
-	for (size_t i = 0; i < path.count; i++) {
-		places[i][0] = path.points[i].x;
-		places[i][1] = path.points[i].y;
-	}
 	motion_track_destroy(rig->body.track);
-	must(motion_track_create(&rig->object.path, (const double(*)[2])places, extent.spacing, shape.radius, &rig->body.track));
+	must(motion_track_create(&rig->object.path, extent.spacing, shape.radius, &rig->body.track));
 	rig->scene.view.effects = EFFECT_BIT(EFFECT_OBJECTS);
 	render_view_destroy(rig->view);
 	rig->view = NULL;

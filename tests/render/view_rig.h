@@ -78,8 +78,7 @@ static inline void rig_open(struct rig *rig, uint32_t slots, double speed, doubl
 	world->spacing = extent.spacing;
 	world->bodies = &rig->body;
 	rig->body.object = &rig->object;
-	const double places[2][2] = {{40, 60}, {460, 440}};
-	must(motion_track_create(&rig->object.path, places, 1, 1, &rig->body.track));
+	must(motion_track_create(&rig->object.path, 1, 1, &rig->body.track));
 	world->commit_log = tmpfile();
 	assert_non_null(world->commit_log);
 	enum status status = gpu_create(&(struct gpu_params){.draws = true}, &world->gpu);

@@ -1,0 +1,59 @@
+/* Paths from GPX and GeoJSON files; see scene_path.h. */
+#include "scene/scene_path.h"
+
+#include <string.h>
+#include <strings.h>
+#include <sys/stat.h>
+
+#include "dem/dem.h"
+
+bool scene_path_is_line(const char *file)
+{
+	const char *ending = strrchr(file, '.');
+	return ending != NULL && (strcasecmp(ending, ".gpx") == 0 || strcasecmp(ending, ".geojson") == 0);
+}
+
+/* Receivers tell whole seconds: of points of one second the first is taken. */
+static enum status take_times(const struct dem_line *line, const char *told, struct scene_path *path)
+{
+	size_t kept = 0;
+	if (line->times == NULL)
+		return fail_with(STATUS_INPUT, "%s: its points have no times; give a speed in m/s beside it", told);
+	for (size_t i = 0; i < line->count; i++) {
+		const double t = line->times[i] - line->times[0];
+		if (kept > 0 && t < path->points[kept - 1].t)
+			return fail_with(STATUS_INPUT, "%s: point %zu is %g s before the one before it; give a speed in m/s beside it, or a track in the "
+						       "order of time", told, i + 1, path->points[kept - 1].t - t);
+		if (kept > 0 && t == path->points[kept - 1].t)
+			continue;
+		path->points[kept] = path->points[i];
+		path->points[kept++].t = t;
+	}
+	path->count = kept;
+	path->timed = true;
+	return STATUS_OK;
+}
+
+enum status scene_path_read_line(const char *file, const char *told, size_t number, bool has_speed, struct scene_path *path)
+{
+	struct stat stats;
+	struct dem_line line = {.points = NULL};
+	/* A scene is a stranger's: it may name a pipe that nobody writes to, or a device. */
+	if (stat(file, &stats) != 0 || !S_ISREG(stats.st_mode))
+		return fail_with(STATUS_INPUT, "%s: there is no such file; name a GPX or GeoJSON file", told);
+	if (stats.st_size > SCENE_POSES_BYTES)
+		return fail_with(STATUS_INPUT, "%s: it is too large; allowed: %u bytes", told, SCENE_POSES_BYTES);
+	enum status status = dem_line_read(file, told, number, &line);
+	if (status == STATUS_OK) {
+		path->points = mem_calloc(line.count, sizeof *path->points);
+		status = path->points != NULL ? STATUS_OK : fail_memory("reading a path");
+	}
+	for (size_t i = 0; status == STATUS_OK && i < line.count; i++)
+		path->points[i] = (struct scene_waypoint){.x = line.points[i][0], .y = line.points[i][1]};
+	path->count = status == STATUS_OK ? line.count : 0;
+	path->degrees = true;
+	if (status == STATUS_OK && !has_speed)
+		status = take_times(&line, told, path);
+	dem_line_finish(&line);
+	return status;
+}
