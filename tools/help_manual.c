@@ -39,12 +39,23 @@ static void put_letter(FILE *out, char letter, bool typed)
 	}
 }
 
+/* A file, a key or an option: it has a letter on both sides of one of "_./", or begins with a dash. */
+static bool is_name(const char *word, size_t length)
+{
+	for (size_t i = 1; i + 1 < length; i++)
+		if (strchr("_./", word[i]) != NULL && isalnum((unsigned char)word[i - 1]) && isalnum((unsigned char)word[i + 1]))
+			return true;
+	return word[0] == '-';
+}
+
 /* A word of text, or of a macro's arguments, where names of macros would be called. */
 static void put_word(FILE *out, const char *word, size_t length)
 {
 	bool typed = word[0] == '-';
 	if (word[0] == '.' || word[0] == '\'' || (length <= 2 && isupper((unsigned char)word[0])) || strchr(".,:;()[]?!|", word[0]) != NULL)
 		fputs("\\&", out);
+	if (is_name(word, length))
+		fputs("\\%", out); /* is not hyphenated */
 	for (size_t i = 0; i < length; i++) {
 		put_letter(out, word[i], typed);
 		typed = word[i] == '-' || (typed && isalnum((unsigned char)word[i]));

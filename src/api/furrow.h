@@ -3,7 +3,7 @@
  *
  * A world is a terrain that is open for simulation. It is opened from a scene and a store. A scene is the YAML of SCENE.md, as
  * text or file. A store is a file that `furrow import` or furrow_import makes. The host places bodies, steps, and asks for forces,
- * heights and pictures. furrow(3) begins with a program that runs; the folder examples/ holds three.
+ * heights and pictures. furrow(3) has a program that runs; the folder examples/ holds three.
  *
  *     furrow_world_open -> furrow_body_add -> furrow_place -> (furrow_set_states -> furrow_step -> furrow_get_contacts) ...
  *                       -> furrow_world_close

@@ -24,7 +24,7 @@ def in_manual(source):
 
 
 def plain(text):
-    return text.replace("\\-", "-").replace("\\(aq", "'").replace("\\&", "")
+    return text.replace("\\-", "-").replace("\\(aq", "'").replace("\\&", "").replace("\\%", "")
 
 
 def in_zsh(script, command):

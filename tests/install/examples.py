@@ -105,6 +105,16 @@ class ExamplesTest(unittest.TestCase):
         self.assertGreater(force, 0)
         self.assertAlmostEqual(offset, -0.05, delta=0.002)
 
+    def test_the_program_of_the_manual_page(self):
+        page = (prefix.prefix / "share" / "man" / "man3" / "furrow.3").read_text(encoding="utf-8")
+        source = prefix.work / "manual.c"
+        source.write_text(re.search(r"\.Bd -literal\n(#include.*?)\.Ed", page, re.DOTALL).group(1).replace("\\e", "\\"))
+        prefix.synthesize("plain.furrow", "plain")
+        program = prefix.work / "manual"
+        prefix.run("cc", "-std=c99", "-Wall", "-Wpedantic", "-Werror", *prefix.compile_flags, source, "-o", program,
+                   *prefix.package_config("--cflags", "--libs"))
+        self.assertGreater(float(re.fullmatch(r"(\S+) N\n", self.run_example(program)).group(1)), 1)
+
     def test_what_is_wrong_is_said(self):
         program = self.build("cc", "drop_ball.c", "-std=c99")
         result = prefix.run(program, "missing.furrow", "none.furrow", env=prefix.environment, check=False)
