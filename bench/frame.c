@@ -101,8 +101,8 @@ static void open_rig(struct rig *rig, const char *store, const char *overlay, ui
 	bench_must(scene_load(path, NULL, 0, &rig->scene));
 	rig->scene->slots = slots;
 	rig->scene->loaders = 2;
-	rig->scene->view = (struct scene_view){.present = true, .width = sizes[1][0], .height = sizes[1][1], .camera = SCENE_CHASE,
-					       .target_object = 2, .back = 13, .up = 3.2, .effects = ALL};
+	rig->scene->view = (struct scene_view){.present = true, .width = sizes[1][0], .height = sizes[1][1], .effects = ALL,
+					       .aim = {SCENE_CHASE, .object = 2, .back = 13, .up = 3.2}};
 	world->scene = rig->scene;
 	world->time = MOMENT;
 	const struct store_options write = {.mode = STORE_WRITE}, read = {.mode = STORE_READ};

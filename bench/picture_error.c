@@ -82,7 +82,7 @@ static void open_rig(struct rig *rig, const char *store)
 	struct world *world = &rig->world;
 	*rig = (struct rig){.scene = {
 		.end_time = 1, .slots = SLOTS, .loaders = 2, .disturbance = true,
-		.view = {.present = true, .width = WIDTH, .height = HEIGHT, .camera = SCENE_FIXED, .target = {1, 1, 0},
+		.view = {.present = true, .width = WIDTH, .height = HEIGHT, .aim = {SCENE_FIXED, .target = {1, 1, 0}},
 			 .effects = EFFECT_BIT(EFFECT_TEXTURE) | EFFECT_BIT(EFFECT_DETAIL) | EFFECT_BIT(EFFECT_FOG) | EFFECT_BIT(EFFECT_SKY) |
 				    EFFECT_BIT(EFFECT_GEOMORPH) | EFFECT_BIT(EFFECT_SKIRTS)},
 	}};
@@ -122,7 +122,7 @@ static void close_rig(struct rig *rig)
 static void place(struct rig *rig, size_t camera)
 {
 	const double *from[2] = {cameras[camera].eye, cameras[camera].target};
-	double *to[2] = {rig->scene.view.eye, rig->scene.view.target};
+	double *to[2] = {rig->scene.view.aim.eye, rig->scene.view.aim.target};
 	for (int i = 0; i < 2; i++) {
 		int64_t height;
 		bool any;
@@ -176,7 +176,7 @@ static void draw(struct rig *rig, double pixel_error, const char *folder, uint8_
 			if (selection->draws[k].tile.level > 0)
 				bench_must(fail_with(STATUS_FAILED, "%s: a true picture with a coarse tile; look at its error",
 						     cameras[i].name));
-		gpu_texture_read(view->render->colour, 0, (struct gpu_rect){0, 0, WIDTH, HEIGHT}, pixels + i * PIXELS * 4);
+		gpu_texture_read(view->render->screen->colour, 0, (struct gpu_rect){0, 0, WIDTH, HEIGHT}, pixels + i * PIXELS * 4);
 		figures->triangles += (double)render_triangles(view->render) / CAMERAS;
 		figures->tiles += (double)selection->draw_count / CAMERAS;
 		figures->bytes += slot_bytes(rig) / CAMERAS;

@@ -84,6 +84,10 @@ static enum status check_many(const struct api_params *params)
 		return fail_with(STATUS_INPUT, "%s: view.images: many processes draw no pictures, since none has the whole ground; drive with "
 					       "--set view.images=0, and make pictures of the overlay afterwards (furrow view)",
 				 params->scene->file);
+	if (params->scene->camera_count > 0)
+		return fail_with(STATUS_INPUT, "%s: cameras: many processes draw no pictures, since none has the whole ground; drive with "
+					       "--set cameras=null",
+				 params->scene->file);
 	return STATUS_OK;
 }
 
@@ -192,7 +196,8 @@ const struct command command_drive = {
 	.options = options,
 	.details = "What a scene may say is in scene(5), which is src/scene/SCENE.md: every key, its unit, range and default.\n\n"
 		   "Leaves in DIR: run.json (figures, also when interrupted), epochs.log (a line for each commit), map.png (each "
-		   "object's way and the ruts, on the hillshade) and frame-NNNNNN.png. Ctrl-C ends it cleanly with everything "
+		   "object's way and the ruts, on the hillshade), frame-NNNNNN.png, and cameras/NAME for each camera of the scene: pictures, "
+		   "camera.json, poses.tum, and COLMAP's text files (docs/CAMERAS.md). Ctrl-C ends it cleanly with everything "
 		   "committed, status 130.\n\n"
 		   "--resume goes on where a drive of the same scene into the same store ended or was killed (end_time, cache and "
 		   "view may differ by then), and begins where there was none; run.json's resumed_from says at which step.\n\n"

@@ -20,8 +20,8 @@ void viewer_init(struct viewer *viewer, struct window *window, const struct scen
 	const struct scene_view *view = &scene->view;
 	*viewer = (struct viewer){
 		.window = window,
-		.eye = {.back = view->camera == SCENE_CHASE && view->back > 0 ? view->back : 12,
-			.up = view->camera == SCENE_CHASE && view->up > 0 ? view->up : 5},
+		.eye = {.back = view->aim.kind == SCENE_CHASE && view->aim.back > 0 ? view->aim.back : 12,
+			.up = view->aim.kind == SCENE_CHASE && view->aim.up > 0 ? view->aim.up : 5},
 		.fly_before = clock_seconds(),
 		.line = true,
 		.told = "",

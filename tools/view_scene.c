@@ -49,7 +49,7 @@ enum status view_scene_load(const char *path, struct settings *settings, struct 
 	/* As the file has it: what is set may be of a view that it does not have. If that is wrong, it is told below. */
 	if (scene_load(path, NULL, 0, &plain) == STATUS_OK) {
 		enum status status = STATUS_OK;
-		if (!plain->view.present) {
+		if (!plain->view.present || plain->view.implied) {
 			default_view(plain, view, sizeof view);
 			status = put_first(settings, "view", view);
 		}

@@ -22,14 +22,15 @@ static enum status before_commit(void *user)
 
 static enum status start_view(struct drive *drive)
 {
-	const struct scene_view *view = &drive->world.scene->view;
 	const bool watched = drive->params->host != NULL;
-	if (!view->present)
+	if (!drive->world.scene->view.present)
 		return STATUS_OK;
 	enum status status = render_view_create(&drive->world, watched, &drive->view);
-	if (status == STATUS_OK && view->images > 0 && !watched)
-		status = render_pictures_create(drive->world.gpu, drive->params->directory, (uint32_t)view->width, (uint32_t)view->height,
-					 &drive->pictures);
+	const size_t bytes = watched ? 0 : render_pictures_bytes(drive->world.scene);
+	if (status == STATUS_OK && bytes > 0)
+		status = render_cameras_folders(drive->world.scene, drive->params->directory);
+	if (status == STATUS_OK && bytes > 0)
+		status = render_pictures_create(drive->world.gpu, drive->params->directory, bytes, &drive->pictures);
 	if (status != STATUS_OK)
 		return status;
 	drive->commits = (struct world_commits){drive, before_record, before_commit};
@@ -84,6 +85,8 @@ static enum status start_rows(struct drive *drive)
 		if (status == STATUS_OK)
 			status = report_vehicles_open(world, drive->vehicles, params->directory, &drive->vehicle_rows);
 	}
+	if (status == STATUS_OK && drive->view != NULL && params->host == NULL)
+		status = report_poses_open(world, params->directory, &drive->poses);
 	const struct world_rows *rows = report_rows_sink(drive->rows);
 	world->rows = params->ranks != NULL ? params->share_rows(params->ranks->user, rows) : rows;
 	vehicle_set_rows(drive->vehicles, report_vehicles_sink(drive->vehicle_rows));
@@ -126,6 +129,7 @@ static void finish(struct drive *drive, enum status status)
 	world_finish(&drive->world, status);
 	report_rows_close(drive->rows);
 	report_vehicles_close(drive->vehicle_rows);
+	report_poses_close(drive->poses);
 }
 
 /* Also for a drive that failed or was interrupted, once it began. The drive's own failure is returned before the trace's. */
@@ -193,6 +197,27 @@ static bool is_image_step(const struct drive *drive)
 	return every > 0 && drive->world.step % every == 0 && drive->params->host == NULL;
 }
 
+/* Draws the frames of cameras that follow the present step. */
+static enum status draw_cameras(struct drive *drive)
+{
+	return render_view_cameras(drive->view, drive->pictures, report_poses_sink(drive->poses));
+}
+
+/* Draws the pictures that follow the present step. */
+static enum status draw_step(struct drive *drive)
+{
+	enum status status = is_image_step(drive) ? render_view_frame(drive->view, drive->pictures, true)
+						  : render_view_between(drive->view, drive->pictures);
+	return status == STATUS_OK ? draw_cameras(drive) : status;
+}
+
+/* The frames of cameras before the first step. */
+static enum status draw_beginning(struct drive *drive)
+{
+	const bool first = drive->view != NULL && drive->world.step == 0 && drive->params->host == NULL;
+	return first ? draw_cameras(drive) : STATUS_OK;
+}
+
 /* The step was committed, but its picture may be missing. A step that was cut short is still to be finished. */
 static enum status begin(struct drive *drive)
 {
@@ -201,11 +226,16 @@ static enum status begin(struct drive *drive)
 	world_recorded(world, &recorded);
 	bool ended = world->resumed.is && world->step == recorded.step;
 	enum status status = STATUS_OK;
-	if (ended && drive->view != NULL && world->step > 0 && is_image_step(drive))
+	const bool again = ended && drive->view != NULL && world->step > 0 && drive->params->host == NULL;
+	if (again && is_image_step(drive))
 		status = render_view_frame(drive->view, drive->pictures, true);
+	if (again && status == STATUS_OK)
+		status = draw_cameras(drive);
 	if (status == STATUS_OK)
 		status = world_begin(&drive->world);
-	return status == STATUS_OK && drive->vehicles != NULL ? vehicle_begin(drive->vehicles) : status;
+	if (status == STATUS_OK && drive->vehicles != NULL)
+		status = vehicle_begin(drive->vehicles);
+	return status == STATUS_OK ? draw_beginning(drive) : status;
 }
 
 enum status api_one_step(struct drive *drive)
@@ -245,8 +275,7 @@ static enum status all_steps(struct drive *drive, int64_t total)
 		status = api_one_step(drive);
 		double stepped = clock_seconds(), framed = stepped;
 		if (status == STATUS_OK && drive->view != NULL) {
-			status = is_image_step(drive) ? render_view_frame(drive->view, drive->pictures, true)
-						      : render_view_between(drive->view, drive->pictures);
+			status = draw_step(drive);
 			framed = clock_seconds();
 		}
 		if (status == STATUS_OK)
@@ -316,7 +345,9 @@ static enum status run(struct drive *drive, struct api_result *result)
 		enum status made = describe(drive, result);
 		return status == STATUS_OK ? made : failure_restore(&failure);
 	}
-	enum status written = report(drive, false, result);
+	enum status written = report_cameras(drive->poses);
+	if (written == STATUS_OK)
+		written = report(drive, false, result);
 	bool tell_written = written != STATUS_OK && (status == STATUS_OK || status == STATUS_INTERRUPTED);
 	if (!tell_written && status != STATUS_OK)
 		status = failure_restore(&failure);

@@ -19,6 +19,7 @@ struct drive {
 	struct world_commits commits; /* the pictures' */
 	struct view *view;            /* NULL if the scene has no view */
 	struct pictures *pictures;    /* NULL: none are written */
+	struct report_poses *poses;   /* NULL: the scene has no cameras, or they write nothing */
 	struct report_rows *rows;     /* NULL: no objects.csv */
 	struct report report;
 	bool ran;                     /* its loop began */

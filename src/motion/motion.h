@@ -65,7 +65,7 @@ size_t motion_track_corners(const struct track *track);
 size_t motion_track_way(const struct track *track, double time, double (*places)[2]);
 /* Fills `places` with the points of the ground that the scene's camera is at or looks at, at `time`, in local metres. Returns
  * their number, 0 to 2. `target`: the path of the body that the camera follows or is above. Any thread. */
-size_t motion_track_camera_places(const struct scene_view *view, const struct scene_path *path, const struct track *target, double time,
+size_t motion_track_camera_places(const struct scene_aim *aim, const struct scene_path *path, const struct track *target, double time,
 			   double places[2][2]);
 /* Gives the place of the object at `time`, s. Before the path's start and after its end it rests there. */
 void motion_track_at(const struct track *track, double time, struct track_point *point);

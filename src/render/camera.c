@@ -55,7 +55,7 @@ void render_axes(const struct render *render, const struct render_camera *camera
 	axes->up[0] = r[1] * f[2] - r[2] * f[1];
 	axes->up[1] = r[2] * f[0] - r[0] * f[2];
 	axes->up[2] = r[0] * f[1] - r[1] * f[0];
-	axes->focal = render->height / 2.0 / tan(camera->fov / 2);
+	axes->focal = render->screen->height / 2.0 / tan(camera->fov / 2);
 }
 
 double render_mesh_reach(const struct render_axes *axes)
@@ -89,7 +89,7 @@ void render_view(const struct render *render, const struct render_camera *camera
 	render_axes(render, camera, &axes);
 	memcpy(view->eye, camera->eye, sizeof view->eye);
 	terrain_frustum(camera->eye, axes.forward, axes.right, axes.up, camera->fov,
-			(double)render->width / render->height, RENDER_FAR, view->planes);
+			(double)render->screen->width / render->screen->height, RENDER_FAR, view->planes);
 	view->by_error = render->pixel_error > 0;
 	view->radius = view->by_error ? axes.focal / render->pixel_error :
 					fmax(axes.focal / PIXELS_A_POST, RENDER_RUT_REACH * render_mesh_reach(&axes)) / render->extent.cells;

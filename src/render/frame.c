@@ -26,8 +26,8 @@ static void project(const struct render *render, const struct render_axes *axes,
 		view[i][1] = (float)axes->up[i];
 		view[i][2] = (float)-axes->forward[i];
 	}
-	lens[0][0] = (float)(2 * axes->focal / render->width);
-	lens[1][1] = (float)(2 * axes->focal / render->height);
+	lens[0][0] = (float)(2 * axes->focal / render->screen->width);
+	lens[1][1] = (float)(2 * axes->focal / render->screen->height);
 	lens[2][3] = -1;
 	lens[3][2] = (float)RENDER_NEAR;
 	glm_mat4_mul(lens, view, both);
@@ -37,7 +37,7 @@ static void project(const struct render *render, const struct render_axes *axes,
 static void fill_frame(const struct render *render, const struct render_camera *camera,
 		       const struct render_axes *axes, struct picture_params *params)
 {
-	double wide = render->width / 2.0 / axes->focal, high = render->height / 2.0 / axes->focal;
+	double wide = render->screen->width / 2.0 / axes->focal, high = render->screen->height / 2.0 / axes->focal;
 	const double *r = axes->right, *u = axes->up, *f = axes->forward;
 	project(render, axes, params->project);
 	to_floats(params->right, r[0] * wide, r[1] * wide, r[2] * wide, 1 / axes->focal);
@@ -151,8 +151,8 @@ static enum status run_tile(struct render *render, const struct gpu_slot *slot, 
 {
 	struct gpu_pass pass = {
 		.stage = GPU_TERRAIN,
-		.target = render->target,
-		.viewport = {0, 0, render->width, render->height},
+		.target = render->screen->target,
+		.viewport = {0, 0, render->screen->width, render->screen->height},
 		.textures = {slot->base, slot->planes[PLANE_OFFSET], NULL, ground, render->ground, slot->classes},
 		.lists = {render->instances},
 		.images = {slot->base, slot->planes[PLANE_OFFSET]},
@@ -191,8 +191,8 @@ static enum status draw_sky(struct render *render, const struct picture_params *
 {
 	struct gpu_pass pass = {
 		.stage = GPU_SKY,
-		.target = render->target,
-		.viewport = {0, 0, render->width, render->height},
+		.target = render->screen->target,
+		.viewport = {0, 0, render->screen->width, render->screen->height},
 		.params = params,
 		.params_bytes = sizeof *params,
 		.depth_test = true,
@@ -224,8 +224,10 @@ enum status render_frame(struct render *render, const struct render_camera *came
 	fill_frame(render, camera, &axes, &params);
 	render->triangles = 0;
 	render->tiles = (struct render_tiles){.drawn = 0};
-	gpu_target_clear(render->target, background);
-	gpu_counter_begin(render->ground_samples);
+	gpu_target_clear(render->screen->target, background);
+	const bool counted = render->screen == &render->own; /* overdraw is of that size */
+	if (counted)
+		gpu_counter_begin(render->ground_samples);
 	for (size_t i = 0, end; i < selection->draw_count && status == STATUS_OK; i = end) {
 		status = collect_blocks(render, &view, &axes, selection, i, &end, drawn);
 		if (status != STATUS_OK)
@@ -239,13 +241,14 @@ enum status render_frame(struct render *render, const struct render_camera *came
 			status = draw_tile(render, draw, &drawn[k], &params);
 		}
 	}
-	gpu_counter_end(render->ground_samples);
+	if (counted)
+		gpu_counter_end(render->ground_samples);
 	if (status == STATUS_OK && render->objects != NULL)
 		status = render_objects_draw(render, camera, &axes, &view, &params);
 	if (status == STATUS_OK && (render->effects >> EFFECT_SKY & 1))
 		status = draw_sky(render, &params);
-	if (status == STATUS_OK && render->resolved != NULL)
-		gpu_target_resolve(render->target, render->resolved);
+	if (status == STATUS_OK && render->screen->resolved != NULL)
+		gpu_target_resolve(render->screen->target, render->screen->resolved);
 	if (status == STATUS_OK)
 		status = gpu_check(render->gpu, "drawing the picture");
 	mem_free(drawn);

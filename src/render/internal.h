@@ -89,8 +89,7 @@ struct render_objects;
 /* Makes render->objects, or sets it to NULL if no object is shown. Call render_objects_destroy even after a failure. */
 enum status render_objects_create(struct render *render, const struct render_params *params) FURROW_CHECKED;
 void render_objects_destroy(struct render_objects *objects); /* objects may be NULL */
-/* Call this after the picture's textures were replaced. */
-enum status render_objects_retarget(struct render *render) FURROW_CHECKED;
+bool render_objects_cast(const struct render_objects *objects); /* some object may cast a shadow; objects may be NULL */
 void render_objects_plan(const struct render_params *params, struct plan *plan);
 enum status render_objects_warm(struct render *render) FURROW_CHECKED;
 /* Draws an object and a shadow, if there are any, but outside the picture: `params` make them invisible. This compiles the
@@ -112,6 +111,31 @@ void render_body_fill(const struct scene_light *light, const struct scene *soils
 double render_body_air(const struct scene_light *light); /* returns the haze relative to the Earth's; 0: no air */
 void render_body_background(const struct scene_light *light, float rgba[4]); /* gives the colour where nothing is drawn */
 
+/* --- files of pictures --- */
+#define RENDER_PATH 4400 /* bytes of a path of a picture */
+struct render_png {
+	uint32_t width, height;
+	unsigned bits, channels; /* 8 or 16; 1 or 3 */
+	void (*put)(const void *user, uint32_t y, uint8_t *row); /* fills a row, 0 the lowest; of 16 bits, the high byte first */
+	const void *user;
+	bool srgb;
+};
+/* png.c: writes such a picture as PATH.part, then renames it. Any thread. */
+enum status render_png_rows(const char *path, const struct render_png *picture) FURROW_CHECKED;
+/* Numbers of the pixels, the lowest row first, without padding. */
+struct render_array {
+	const void *values;
+	uint32_t width, height;
+	unsigned channels;
+	char kind;      /* NumPy's: f or u */
+	unsigned bytes; /* of a number */
+};
+/* npy.c: writes the array with the highest row first. Its shape is (height, width), or (height, width, channels). Any thread. */
+enum status render_npy_write(const char *path, const struct render_array *array) FURROW_CHECKED;
+void render_depths(float *depth, size_t count); /* turns values of the depth texture into metres; INFINITY: sky */
+/* picture_files.c: writes the files of a picture that was read back. Changes the bytes. Any thread. */
+enum status render_picture_write(const char *directory, const struct render_picture *picture, void *bytes) FURROW_CHECKED;
+
 /* --- ramp.c --- */
 /* Returns the position of a value on a ramp, -1 to 1. Values outside the range give positions outside -1 to 1. */
 double render_ramp_place(const struct render_range *range, double value);
@@ -131,25 +155,36 @@ enum status render_map_raster_spread(const struct render_map_raster *raster, dou
 /* --- map_layout.c --- */
 double render_round_length(double most); /* returns the largest number up to `most` that is 1, 2 or 5 times a power of ten */
 
+/* The textures that a picture is drawn into (screen.c). */
+struct render_screen {
+	uint32_t width, height;
+	uint32_t samples;            /* samples for each pixel in target and depth */
+	struct gpu_texture *colour, *depth;
+	struct gpu_target *target;   /* draws into `depth`, and into `drawn`, or `colour` if `drawn` is NULL */
+	/* colours with several samples for each pixel, resolved into `colour` at the end of a frame; NULL with 1 sample */
+	struct gpu_texture *drawn;
+	struct gpu_target *resolved; /* target with `colour`; NULL with 1 sample */
+	struct gpu_target *over;     /* target with only the picture's colour; NULL: no object casts a shadow */
+};
+/* Fills `screen` for pictures of this size. Call render_screen_finish even after a failure; it keeps the sizes. */
+enum status render_screen_init(struct render *render, uint32_t width, uint32_t height, uint32_t samples, struct render_screen *screen)
+	FURROW_CHECKED;
+void render_screen_finish(struct render_screen *screen);
+
 struct render {
 	struct gpu *gpu;
 	struct gpu_slots *slots;
 	struct extent extent;
 	int32_t reference;
 	double low, high;
-	uint32_t width, height;
 	uint64_t effects;
 	bool disturbance;
 	double pixel_error; /* pixels; 0: distance alone decides the detail */
 	struct scene_light light;
 	const struct scene *soils; /* scene whose soil classes are drawn, for the effect SPLAT; or NULL */
-	/* the picture, its depth, and the textures of the ground; `ground` is NULL without the effect TEXTURE */
-	struct gpu_texture *colour, *depth, *ground;
-	struct gpu_target *target; /* draws into `depth`, and into `drawn`, or `colour` if `drawn` is NULL */
-	uint32_t samples;          /* samples for each pixel in target and depth */
-	/* colours with several samples for each pixel, resolved into `colour` at the end of a frame; NULL with 1 sample */
-	struct gpu_texture *drawn;
-	struct gpu_target *resolved; /* target with `colour`; NULL with 1 sample */
+	struct gpu_texture *ground;   /* textures of the ground; NULL without the effect TEXTURE */
+	struct render_screen own;     /* of the size that the render was made with */
+	struct render_screen *screen; /* what is drawn into: `own`, or another of the caller's */
 	struct gpu_buffer *indices;
 	struct gpu_list *instances;
 	uint32_t index_count;

@@ -75,7 +75,7 @@ static struct gpu_program_request request_of(uint64_t effects, const char *body,
 
 static enum status program_of(struct render *render, bool shadow, struct gpu_program **out)
 {
-	struct gpu_program_request request = request_of(render->effects, render_body_define(&render->light), (int)render->samples, shadow);
+	struct gpu_program_request request = request_of(render->effects, render_body_define(&render->light), (int)render->screen->samples, shadow);
 	return gpu_program_get(render->gpu, &request, out);
 }
 
@@ -167,15 +167,9 @@ static enum status make_shapes(struct render *render, struct render_objects *obj
 	return status;
 }
 
-enum status render_objects_retarget(struct render *render)
+bool render_objects_cast(const struct render_objects *objects)
 {
-	struct render_objects *objects = render->objects;
-	gpu_target_destroy(objects->over);
-	objects->over = NULL;
-	if (!objects->casts)
-		return STATUS_OK;
-	return gpu_target_create(render->gpu, &(struct gpu_attachment){render->drawn != NULL ? render->drawn : render->colour, 0}, 1,
-				 (struct gpu_attachment){NULL, 0}, &objects->over);
+	return objects != NULL && objects->casts;
 }
 
 static enum status make_shadows(struct render *render, struct render_objects *objects)
@@ -185,9 +179,7 @@ static enum status make_shadows(struct render *render, struct render_objects *ob
 	if (objects->shadows == NULL)
 		return fail_memory("the picture's shadows");
 	enum status status = gpu_list_create(gpu, objects->count * sizeof *objects->shadows, &objects->casters);
-	if (status == STATUS_OK)
-		status = gpu_buffer_create(gpu, GPU_INDICES, sizeof volume_sides, volume_sides, &objects->volume);
-	return status == STATUS_OK ? render_objects_retarget(render) : status;
+	return status == STATUS_OK ? gpu_buffer_create(gpu, GPU_INDICES, sizeof volume_sides, volume_sides, &objects->volume) : status;
 }
 
 enum status render_objects_create(struct render *render, const struct render_params *params)
@@ -227,7 +219,6 @@ void render_objects_destroy(struct render_objects *objects)
 	gpu_list_destroy(objects->instances);
 	gpu_list_destroy(objects->casters);
 	gpu_buffer_destroy(objects->volume);
-	gpu_target_destroy(objects->over);
 	mem_free(objects->shapes);
 	mem_free(objects->shape_of);
 	mem_free(objects->shown);
@@ -322,9 +313,9 @@ static enum status draw_shadows(struct render *render, const struct picture_para
 	gpu_list_write(objects->casters, count * sizeof *objects->shadows, objects->shadows);
 	struct gpu_pass pass = {
 		.stage = GPU_SHADOW,
-		.target = objects->over,
-		.viewport = {0, 0, render->width, render->height},
-		.textures = {render->depth},
+		.target = render->screen->over,
+		.viewport = {0, 0, render->screen->width, render->screen->height},
+		.textures = {render->screen->depth},
 		.lists = {objects->casters},
 		.only_reads = true,
 		.params = params,
@@ -348,8 +339,8 @@ static void run_objects(struct render *render, const struct picture_params *para
 	gpu_pass_run(render->gpu, &(struct gpu_pass){
 		.stage = GPU_OBJECTS,
 		.program = program,
-		.target = render->target,
-		.viewport = {0, 0, render->width, render->height},
+		.target = render->screen->target,
+		.viewport = {0, 0, render->screen->width, render->screen->height},
 		.storage = {shape->corners},
 		.lists = {[1] = render->objects->instances},
 		.params = params,

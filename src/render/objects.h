@@ -83,7 +83,6 @@ struct render_objects {
 	struct object_shadow *shadows;
 	struct gpu_list *instances, *casters; /* casters and volume are NULL without shadows */
 	struct gpu_buffer *volume;
-	struct gpu_target *over; /* target with only the picture's colour */
 };
 
 #endif

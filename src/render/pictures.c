@@ -11,7 +11,7 @@
  *   2. Only the thread uses the bytes of a place from when it is handed until it is written.
  *   3. The thread takes every place that it is handed, in order, even after a failure. So every wait for it ends.
  */
-#include "render/render.h"
+#include "render/internal.h"
 
 #include <assert.h>
 #include <stdio.h>
@@ -22,9 +22,9 @@
 struct pictures {
 	struct gpu *gpu;
 	const char *directory;
-	uint32_t width, height;
+	size_t bytes; /* of a place */
 	struct gpu_staging *places[PICTURES_ROOM];
-	int64_t steps[PICTURES_ROOM];
+	struct render_picture pictures[PICTURES_ROOM];
 	struct thread thread;
 	uint64_t begun;              /* only the owner uses it */
 	struct render_pictures_figures figures; /* the same */
@@ -58,10 +58,8 @@ static enum status sticky(struct pictures *pictures)
 
 static enum status write_one(const struct pictures *pictures, uint64_t which)
 {
-	char path[4096];
 	uint64_t place = which % PICTURES_ROOM;
-	snprintf(path, sizeof path, "%s/frame-%06lld.png", pictures->directory, (long long)pictures->steps[place]);
-	return render_png_write(path, gpu_staging_bytes(pictures->places[place]), pictures->width, pictures->height);
+	return render_picture_write(pictures->directory, &pictures->pictures[place], gpu_staging_bytes(pictures->places[place]));
 }
 
 static void *write_body(void *argument)
@@ -143,17 +141,30 @@ static void wait_for_room(struct pictures *pictures)
 	pictures->figures.wait_ms += (clock_seconds() - started) * 1e3;
 }
 
+static size_t bytes_of(uint64_t width, uint64_t height)
+{
+	return width * height * gpu_format_bytes(GPU_SRGB8_ALPHA8);
+}
+
 enum status render_pictures_begin(struct pictures *pictures, struct render *render, int64_t step)
+{
+	struct render_picture picture = {SCENE_IMAGE_COLOUR, render->screen->width, render->screen->height, .unit = 1};
+	snprintf(picture.name, sizeof picture.name, "frame-%06lld", (long long)step);
+	return render_pictures_add(pictures, render, &picture);
+}
+
+enum status render_pictures_add(struct pictures *pictures, struct render *render, const struct render_picture *picture)
 {
 	if (pictures == NULL)
 		return STATUS_OK;
+	assert(bytes_of(picture->width, picture->height) <= pictures->bytes);
 	wait_for_room(pictures);
 	enum status status = sticky(pictures);
 	if (status != STATUS_OK)
 		return status;
 	uint64_t place = pictures->begun % PICTURES_ROOM;
-	pictures->steps[place] = step;
-	render_read_into(render, pictures->places[place]);
+	pictures->pictures[place] = *picture;
+	render_read_into(render, picture->image, pictures->places[place]);
 	pictures->begun++;
 	return render_pictures_poll(pictures);
 }
@@ -203,33 +214,38 @@ void render_pictures_figures(struct pictures *pictures, struct render_pictures_f
 
 /* --- life --- */
 
-static size_t bytes_of(uint32_t width, uint32_t height)
+size_t render_pictures_bytes(const struct scene *scene)
 {
-	return (size_t)width * height * gpu_format_bytes(GPU_SRGB8_ALPHA8);
+	const struct scene_view *view = &scene->view;
+	size_t most = view->images > 0 ? bytes_of((uint64_t)view->width, (uint64_t)view->height) : 0;
+	for (size_t i = 0; i < scene->camera_count; i++) {
+		const size_t bytes = bytes_of((uint64_t)scene->cameras[i].width, (uint64_t)scene->cameras[i].height);
+		most = bytes > most ? bytes : most;
+	}
+	return most;
 }
 
-void render_pictures_plan(uint32_t width, uint32_t height, struct plan *plan)
+void render_pictures_plan(size_t bytes, enum scene_effect by, struct plan *plan)
 {
-	const char *effect = scene_effect_row(EFFECT_IMAGES)->name;
+	const char *effect = scene_effect_row(by)->name;
 	plan_add(plan, &(struct plan_line){.kind = PLAN_THREAD, .effect = effect, .object = -1, .amount = 1}, PICTURES_THREAD);
 	plan_add(plan, &(struct plan_line){.kind = PLAN_BUFFER, .effect = effect, .object = -1, .amount = PICTURES_ROOM,
-					   .bytes = PICTURES_ROOM * bytes_of(width, height)}, "pictures: colour");
+					   .bytes = PICTURES_ROOM * bytes}, "pictures: colour");
 }
 
-enum status render_pictures_create(struct gpu *gpu, const char *directory, uint32_t width, uint32_t height, struct pictures **out)
+enum status render_pictures_create(struct gpu *gpu, const char *directory, size_t bytes, struct pictures **out)
 {
 	struct pictures *pictures = mem_calloc(1, sizeof *pictures);
 	if (pictures == NULL)
 		return fail_memory("the pictures");
 	pictures->gpu = gpu;
 	pictures->directory = directory;
-	pictures->width = width;
-	pictures->height = height;
+	pictures->bytes = bytes;
 	mutex_init(&pictures->mutex);
 	condition_init(&pictures->changed);
 	enum status status = STATUS_OK;
 	for (int i = 0; i < PICTURES_ROOM && status == STATUS_OK; i++)
-		status = gpu_staging_create(gpu, bytes_of(width, height), &pictures->places[i]);
+		status = gpu_staging_create(gpu, bytes, &pictures->places[i]);
 	if (status == STATUS_OK)
 		status = thread_start(&pictures->thread, write_body, pictures, PICTURES_THREAD);
 	if (status != STATUS_OK) {

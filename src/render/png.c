@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "base/aside.h"
-#include "render/render.h"
+#include "render/internal.h"
 
 /* zlib's level. For a picture of 1280 x 720, levels 1 to 4 take 28, 31, 51 and 69 ms of one core. The files have 1252, 1233, 1186 and 1212 kB.
  * Filters other than SUB are slower or larger. */
@@ -32,54 +32,72 @@ static void encode_warned(png_structp png, png_const_charp why)
 	(void)png, (void)why;
 }
 
-/* Makes all calls from which libpng may jump back here. `row`: room for one row of RGB. */
-static void encode(struct encoder *encoder, FILE *file, const uint8_t *pixels, uint32_t width, uint32_t height,
-		   uint8_t *row)
+/* Makes all calls from which libpng may jump back here. `row`: room for one row. */
+static void encode(struct encoder *encoder, FILE *file, const struct render_png *picture, uint8_t *row)
 {
 	if (setjmp(png_jmpbuf(encoder->png)) != 0)
 		return;
 	png_init_io(encoder->png, file);
-	png_set_IHDR(encoder->png, encoder->info, width, height, 8, PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE,
-		     PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
-	png_set_sRGB(encoder->png, encoder->info, PNG_sRGB_INTENT_PERCEPTUAL);
+	png_set_IHDR(encoder->png, encoder->info, picture->width, picture->height, (int)picture->bits,
+		     picture->channels == 3 ? PNG_COLOR_TYPE_RGB : PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
+		     PNG_FILTER_TYPE_DEFAULT);
+	if (picture->srgb)
+		png_set_sRGB(encoder->png, encoder->info, PNG_sRGB_INTENT_PERCEPTUAL);
 	png_set_compression_level(encoder->png, LEVEL);
 	png_set_filter(encoder->png, 0, PNG_FILTER_SUB);
 	png_write_info(encoder->png, encoder->info);
-	for (uint32_t y = height; y-- > 0;) {
-		const uint8_t *from = pixels + (size_t)4 * width * y;
-		for (uint32_t x = 0; x < width; x++)
-			memcpy(row + (size_t)3 * x, from + (size_t)4 * x, 3);
+	for (uint32_t y = picture->height; y-- > 0;) {
+		picture->put(picture->user, y, row);
 		png_write_row(encoder->png, row);
 	}
 	png_write_end(encoder->png, NULL);
 }
 
-static enum status write_file(FILE *file, const char *path, const uint8_t *pixels, uint32_t width, uint32_t height)
+static enum status write_file(FILE *file, const char *path, const struct render_png *picture)
 {
 	struct encoder encoder = {.path = path};
-	uint8_t *row = mem_alloc(width, 3);
+	uint8_t *row = mem_alloc(picture->width, picture->channels * picture->bits / 8);
 	errno = 0;
 	encoder.png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &encoder, encode_failed, encode_warned);
 	encoder.info = encoder.png != NULL ? png_create_info_struct(encoder.png) : NULL;
 	if (row == NULL || encoder.info == NULL)
 		encoder.status = fail_memory("a PNG");
 	else
-		encode(&encoder, file, pixels, width, height, row);
+		encode(&encoder, file, picture, row);
 	png_destroy_write_struct(&encoder.png, &encoder.info);
 	mem_free(row);
 	return encoder.status;
 }
 
-enum status render_png_write(const char *path, const uint8_t *pixels, uint32_t width, uint32_t height)
+enum status render_png_rows(const char *path, const struct render_png *picture)
 {
 	struct aside aside;
 	enum status status = aside_begin(&aside, path);
 	if (status == STATUS_OK)
-		status = write_file(aside.file, path, pixels, width, height);
+		status = write_file(aside.file, path, picture);
 	if (status == STATUS_OK)
 		status = aside_whole(&aside, false);
 	if (status == STATUS_OK)
 		status = aside_publish(&aside);
 	aside_finish(&aside);
 	return status;
+}
+
+struct colours {
+	const uint8_t *pixels;
+	uint32_t width;
+};
+
+static void put_colours(const void *user, uint32_t y, uint8_t *row)
+{
+	const struct colours *colours = user;
+	const uint8_t *from = colours->pixels + (size_t)4 * colours->width * y;
+	for (uint32_t x = 0; x < colours->width; x++)
+		memcpy(row + (size_t)3 * x, from + (size_t)4 * x, 3);
+}
+
+enum status render_png_write(const char *path, const uint8_t *pixels, uint32_t width, uint32_t height)
+{
+	const struct colours colours = {pixels, width};
+	return render_png_rows(path, &(struct render_png){width, height, 8, 3, put_colours, &colours, .srgb = true});
 }

@@ -1,4 +1,4 @@
-/* Makes and destroys what a picture needs: its targets, the mesh of one block, and the ground's textures. */
+/* Makes and destroys what pictures need: the mesh of one block, the ground's textures, and a screen of their size. */
 #include <assert.h>
 #include <math.h>
 #include <string.h>
@@ -73,43 +73,11 @@ static enum status create_ground(struct render *render)
 	return status;
 }
 
-static enum status create_target(struct render *render)
-{
-	struct gpu *gpu = render->gpu;
-	uint32_t width = render->width, height = render->height, samples = render->samples;
-	enum status status = gpu_texture_create(gpu, GPU_SRGB8_ALPHA8, width, height, 0, &render->colour);
-	if (status == STATUS_OK && samples > 1)
-		status = gpu_texture_create_sampled(gpu, GPU_SRGB8_ALPHA8, width, height, samples, &render->drawn);
-	if (status == STATUS_OK)
-		status = samples > 1 ? gpu_texture_create_sampled(gpu, GPU_DEPTH32F, width, height, samples, &render->depth)
-				     : gpu_texture_create(gpu, GPU_DEPTH32F, width, height, 0, &render->depth);
-	if (status == STATUS_OK)
-		status = gpu_target_create(gpu, &(struct gpu_attachment){samples > 1 ? render->drawn : render->colour, 0}, 1,
-					   (struct gpu_attachment){render->depth, 0}, &render->target);
-	if (status == STATUS_OK && samples > 1)
-		status = gpu_target_create(gpu, &(struct gpu_attachment){render->colour, 0}, 1, (struct gpu_attachment){NULL, 0},
-					   &render->resolved);
-	return status;
-}
-
-static void destroy_target(struct render *render)
-{
-	gpu_target_destroy(render->target);
-	gpu_target_destroy(render->resolved);
-	gpu_texture_destroy(render->drawn);
-	gpu_texture_destroy(render->colour);
-	gpu_texture_destroy(render->depth);
-	render->target = render->resolved = NULL;
-	render->drawn = render->colour = render->depth = NULL;
-}
-
 enum status render_resize(struct render *render, uint32_t width, uint32_t height)
 {
-	destroy_target(render);
-	render->width = width;
-	render->height = height;
-	enum status status = create_target(render);
-	return status == STATUS_OK && render->objects != NULL ? render_objects_retarget(render) : status;
+	struct render_screen *screen = &render->own;
+	render_screen_finish(screen);
+	return render_screen_init(render, width, height, screen->samples, screen);
 }
 
 enum status render_check_samples(const struct gpu *gpu, int samples)
@@ -133,20 +101,16 @@ enum status render_create(const struct render_params *params, struct render **ou
 		.reference = params->reference,
 		.low = params->low,
 		.high = params->high,
-		.width = (uint32_t)params->width,
-		.height = (uint32_t)params->height,
 		.effects = render_effects(params),
 		.disturbance = params->disturbance,
 		.pixel_error = params->pixel_error,
-		.samples = params->samples > 1 ? (uint32_t)params->samples : 1,
 		.layers = params->layers,
 		.layer = {RENDER_NATURAL, 0, 1},
 	};
+	render->screen = &render->own;
 	render->light = params->light != NULL ? *params->light : scene_light_default();
 	render->soils = params->soils;
 	enum status status = render_check_samples(render->gpu, params->samples);
-	if (status == STATUS_OK)
-		status = create_target(render);
 	if (status == STATUS_OK)
 		status = create_mesh(render);
 	if (status == STATUS_OK)
@@ -157,6 +121,9 @@ enum status render_create(const struct render_params *params, struct render **ou
 		status = gpu_counter_create(render->gpu, &render->ground_samples);
 	if (status == STATUS_OK)
 		status = render_objects_create(render, params);
+	if (status == STATUS_OK)
+		status = render_screen_init(render, (uint32_t)params->width, (uint32_t)params->height,
+					    params->samples > 1 ? (uint32_t)params->samples : 1, &render->own);
 	if (status != STATUS_OK) {
 		render_destroy(render);
 		return status;
@@ -171,7 +138,7 @@ void render_destroy(struct render *render)
 		return;
 	render_objects_destroy(render->objects);
 	gpu_counter_destroy(render->ground_samples);
-	destroy_target(render);
+	render_screen_finish(&render->own);
 	gpu_texture_destroy(render->ground);
 	gpu_buffer_destroy(render->indices);
 	gpu_list_destroy(render->instances);
@@ -194,7 +161,7 @@ uint64_t render_take_overdraw(struct render *render, double *overdraw)
 {
 	uint64_t samples, frames;
 	gpu_counter_take(render->ground_samples, &samples, &frames);
-	*overdraw = (double)samples / ((double)render->width * render->height * render->samples);
+	*overdraw = (double)samples / ((double)render->own.width * render->own.height * render->own.samples);
 	return frames;
 }
 
@@ -203,34 +170,41 @@ void render_tiles(const struct render *render, struct render_tiles *tiles)
 	*tiles = render->tiles;
 }
 
-void render_read_into(struct render *render, struct gpu_staging *staging)
+void render_read_into(struct render *render, enum scene_image image, struct gpu_staging *staging)
 {
-	gpu_texture_read_into(render->colour, 0, (struct gpu_rect){0, 0, render->width, render->height}, staging, 0);
+	struct gpu_texture *texture = image == SCENE_IMAGE_DEPTH ? render->screen->depth : render->screen->colour;
+	gpu_texture_read_into(texture, 0, (struct gpu_rect){0, 0, render->screen->width, render->screen->height}, staging, 0);
+}
+
+void render_depths(float *depth, size_t count)
+{
+	for (size_t i = 0; i < count; i++) /* the texture has near / distance; 0: infinitely far */
+		depth[i] = depth[i] > 0 ? (float)RENDER_NEAR / depth[i] : INFINITY;
 }
 
 enum status render_read(struct render *render, uint8_t *pixels, float *depth)
 {
-	const struct gpu_rect all = {0, 0, render->width, render->height};
-	const size_t count = (size_t)render->width * render->height;
-	assert(depth == NULL || render->samples <= 1);
+	const struct gpu_rect all = {0, 0, render->screen->width, render->screen->height};
+	const size_t count = (size_t)render->screen->width * render->screen->height;
+	assert(depth == NULL || render->screen->samples <= 1);
 	if (pixels != NULL)
-		gpu_texture_read(render->colour, 0, all, pixels);
+		gpu_texture_read(render->screen->colour, 0, all, pixels);
 	if (depth != NULL)
-		gpu_texture_read(render->depth, 0, all, depth);
-	for (size_t i = 0; depth != NULL && i < count; i++) /* the buffer has near / distance; 0: infinitely far */
-		depth[i] = depth[i] > 0 ? (float)RENDER_NEAR / depth[i] : INFINITY;
+		gpu_texture_read(render->screen->depth, 0, all, depth);
+	if (depth != NULL)
+		render_depths(depth, count);
 	return gpu_check(render->gpu, "reading the picture back");
 }
 
 enum status render_write_png(struct render *render, const char *path)
 {
-	uint8_t *pixels = mem_alloc((size_t)render->width * render->height, 4);
+	uint8_t *pixels = mem_alloc((size_t)render->screen->width * render->screen->height, 4);
 	if (pixels == NULL)
 		return fail_memory("the picture's pixels");
-	gpu_texture_read(render->colour, 0, (struct gpu_rect){0, 0, render->width, render->height}, pixels);
+	gpu_texture_read(render->screen->colour, 0, (struct gpu_rect){0, 0, render->screen->width, render->screen->height}, pixels);
 	enum status status = gpu_check(render->gpu, "reading the picture back");
 	if (status == STATUS_OK)
-		status = render_png_write(path, pixels, render->width, render->height);
+		status = render_png_write(path, pixels, render->screen->width, render->screen->height);
 	mem_free(pixels);
 	return status;
 }

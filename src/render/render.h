@@ -110,9 +110,9 @@ struct render_tiles {
 	uint64_t shadowed; /* 1: with shadows (PLAN_SHADOWED) */
 };
 void render_tiles(const struct render *render, struct render_tiles *tiles);
-/* Begins to read the last frame into a staging buffer: 4 bytes for each pixel, sRGB and alpha, the bottom row first. The next
- * frame may be drawn at once. */
-void render_read_into(struct render *render, struct gpu_staging *staging);
+/* Begins to read the last frame into a staging buffer, 4 bytes for each pixel, the bottom row first. Colour: sRGB and alpha. Depth: a
+ * float of the depth texture, of one sample for each pixel. The next frame may be drawn at once. */
+void render_read_into(struct render *render, enum scene_image image, struct gpu_staging *staging);
 /* Waits for the last frame and copies it. Either pointer may be NULL. `depth`: metres along the view direction, INFINITY: sky.
  * `depth` can only be read with one sample for each pixel. */
 enum status render_read(struct render *render, uint8_t *pixels, float *depth) FURROW_CHECKED;
@@ -260,6 +260,24 @@ struct pictures;
 enum status render_view_frame(struct view *view, struct pictures *pictures, bool image) FURROW_CHECKED;
 /* Call this after a step without a picture. Continues writing earlier pictures, and requests tiles for the next one. */
 enum status render_view_between(struct view *view, struct pictures *pictures) FURROW_CHECKED;
+/* Where a camera is: local metres, and unit vectors at right angles. */
+struct render_pose {
+	double eye[3], right[3], up[3], forward[3];
+};
+/* Takes the poses of frames as they are drawn. `camera`: index of the scene's camera. */
+struct render_poses {
+	void *user;
+	enum status (*take)(void *user, size_t camera, int64_t frame, const struct render_pose *pose);
+};
+/* Draws the frames that the scene's cameras write after the present step, and begins to write them: DIR/cameras/NAME/IMAGE/NNNNNN.png.
+ * Waits for the tiles of each. Does nothing if no camera has a frame now. `poses` may be NULL. */
+enum status render_view_cameras(struct view *view, struct pictures *pictures, const struct render_poses *poses) FURROW_CHECKED;
+uint64_t render_view_camera_frames(const struct view *view, size_t camera); /* frames that the camera has drawn */
+#define RENDER_CAMERAS "cameras" /* folder of the cameras' folders */
+/* Makes the folders of the cameras' pictures, if they do not exist. */
+enum status render_cameras_folders(const struct scene *scene, const char *directory) FURROW_CHECKED;
+/* Adds the plan's lines of the cameras' screens. Pure. */
+void render_cameras_plan(const struct scene *scene, struct plan *plan);
 /* Call this after the last step. Waits for results that the GPU is still counting. */
 void render_view_settle(struct view *view);
 /* Returns the view as a watcher of its world, for world_watch. */
@@ -298,7 +316,7 @@ void render_view_read_into(struct view *view, struct gpu_staging *staging);
 /*
  * --- pictures that are written ---
  *
- * Writes pictures to files frame-NNNNNN.png in a folder while steps go on. Each file is written under another name, then
+ * Writes pictures to files in a folder while steps go on: frame-NNNNNN.png, and the frames of cameras. Each file is written under another name, then
  * renamed. Call it on the GPU's thread. A thread of its own does the writing.
  *
  * If reading back or writing fails, every later call returns that failure with its message. Pictures begun before the failure
@@ -308,13 +326,21 @@ void render_view_read_into(struct view *view, struct gpu_staging *staging);
 #define PICTURES_ROOM 3
 #define PICTURES_THREAD "furrow-images"
 
-/* Adds the plan's lines of pictures of this size. Pure. */
-void render_pictures_plan(uint32_t width, uint32_t height, struct plan *plan);
+/* What is written of a frame. */
+struct render_picture {
+	enum scene_image image;
+	uint32_t width, height;
+	double unit;    /* depth: metres of 1 in the 16-bit PNG */
+	char name[160]; /* file without its ending, in the folder */
+};
+/* Returns the bytes of the largest picture that the scene writes; 0: it writes none. Pure. */
+size_t render_pictures_bytes(const struct scene *scene);
+/* Adds the plan's lines of pictures of at most so many bytes. `effect`: the effect that calls for them. Pure. */
+void render_pictures_plan(size_t bytes, enum scene_effect effect, struct plan *plan);
 
-/* Prepares for pictures of this size and starts the writing thread. The caller owns `directory`, which must stay valid until
- * render_pictures_destroy. */
-enum status render_pictures_create(struct gpu *gpu, const char *directory, uint32_t width, uint32_t height,
-			    struct pictures **out) FURROW_CHECKED;
+/* Prepares for pictures of at most so many bytes and starts the writing thread. The caller owns `directory`, which must stay valid
+ * until render_pictures_destroy. */
+enum status render_pictures_create(struct gpu *gpu, const char *directory, size_t bytes, struct pictures **out) FURROW_CHECKED;
 /* Finishes all pictures that were begun and stops the thread. Afterwards call only render_pictures_figures and
  * render_pictures_destroy. */
 void render_pictures_stop(struct pictures *pictures);
@@ -324,6 +350,8 @@ void render_pictures_destroy(struct pictures *pictures); /* stops first; picture
 /* Begins to write the last frame as the picture after `step` steps. If PICTURES_ROOM pictures are unfinished, waits for the
  * first of them. */
 enum status render_pictures_begin(struct pictures *pictures, struct render *render, int64_t step) FURROW_CHECKED;
+/* The same for any picture of the last frame. Its folder exists. */
+enum status render_pictures_add(struct pictures *pictures, struct render *render, const struct render_picture *picture) FURROW_CHECKED;
 /* Passes pictures that were read back to the writing thread. Never waits. Call it once for each step. */
 enum status render_pictures_poll(struct pictures *pictures) FURROW_CHECKED;
 /* Waits until all pictures that were begun are read back, and marks them. */

@@ -90,21 +90,28 @@ static bool has_ground(const struct view *view)
 	       page_cache_peek(view->world->cache, tile_key(coarsest), false, &slot);
 }
 
+enum status render_view_find_tiles(struct view *view, const struct render_camera *camera, bool complete)
+{
+	view->exact = complete || !motion_look_ahead_brings_ranges(view->world->ahead);
+	enum status status = render_view_select(view, camera, false);
+	if (status == STATUS_OK && complete)
+		status = wait_for_wanted(view, camera);
+	/* If the step pinned every slot, not even the coarsest tile is resident. A picture needs it. */
+	if (status == STATUS_OK && !has_ground(view))
+		status = load_first(view, camera);
+	view->exact = true;
+	if (status == STATUS_OK)
+		render_view_mark_used(view, true);
+	return status;
+}
+
 static enum status draw(struct view *view, bool complete)
 {
 	struct render_camera camera;
 	render_view_place_camera(view, view->world->time, &camera);
-	view->exact = complete || !motion_look_ahead_brings_ranges(view->world->ahead);
-	enum status status = render_view_select(view, &camera, false);
-	if (status == STATUS_OK && complete)
-		status = wait_for_wanted(view, &camera);
-	/* If the step pinned every slot, not even the coarsest tile is resident. A picture needs it. */
-	if (status == STATUS_OK && !has_ground(view))
-		status = load_first(view, &camera);
-	view->exact = true;
+	enum status status = render_view_find_tiles(view, &camera, complete);
 	if (status != STATUS_OK)
 		return status;
-	render_view_mark_used(view, true);
 	if (!view->at_steps) /* with at_steps no picture stays on a screen */
 		render_view_keep_now(view);
 	status = render_view_set_objects(view, complete);
@@ -156,13 +163,8 @@ enum status render_view_between(struct view *view, struct pictures *pictures)
 	return status;
 }
 
-enum status render_view_frame(struct view *view, struct pictures *pictures, bool image)
+void render_view_count(struct view *view)
 {
-	enum status status = render_pictures_poll(pictures);
-	if (status == STATUS_OK)
-		status = draw(view, image);
-	if (status != STATUS_OK)
-		return status;
 	struct render_tiles tiles;
 	render_tiles(view->render, &tiles);
 	view->tiles.drawn += tiles.drawn;
@@ -170,11 +172,21 @@ enum status render_view_frame(struct view *view, struct pictures *pictures, bool
 	view->tiles.objects += tiles.objects;
 	view->tiles.shadowed += tiles.shadowed;
 	view->triangles += (double)render_triangles(view->render);
+	view->coarsened += view->coarse;
+	view->frames++;
+}
+
+enum status render_view_frame(struct view *view, struct pictures *pictures, bool image)
+{
+	enum status status = render_pictures_poll(pictures);
+	if (status == STATUS_OK)
+		status = draw(view, image);
+	if (status != STATUS_OK)
+		return status;
+	render_view_count(view);
 	take_overdraw(view);
 	view->lacks = view->selection->wanted_count > 0 || view->guessed;
 	view->starved += view->coarse || view->lacks;
-	view->coarsened += view->coarse;
-	view->frames++;
 	status = render_view_look_ahead(view);
 	render_view_expect_contacts(view);
 	render_view_ask_ranges(view);
@@ -252,7 +264,7 @@ enum status render_view_create(struct world *world, bool watched, struct view **
 		return fail_memory("the view");
 	view->world = world;
 	view->watched = watched;
-	view->at_steps = !watched && scene->view.images > 0;
+	view->at_steps = !watched && (scene->view.images > 0 || scene->camera_count > 0);
 	view->ranges.most = RANGES;
 	view->bounds.extent = &world->meta->extent;
 	view->selection = mem_alloc(1, sizeof *view->selection);
@@ -269,6 +281,8 @@ enum status render_view_create(struct world *world, bool watched, struct view **
 		view->reach = render_view_find_reach(world);
 	if (status == STATUS_OK)
 		status = make_render(view, watched, &view->render);
+	if (status == STATUS_OK && !watched)
+		status = render_view_make_cameras(view);
 	if (status == STATUS_OK && scene->view.pixel_error > 0)
 		status = render_view_errors_create(world, &view->errors);
 	if (status == STATUS_OK && (world->was_deformed || scene->hosted)) /* a host may make its view late */
@@ -287,6 +301,7 @@ void render_view_destroy(struct view *view)
 {
 	if (view == NULL)
 		return;
+	render_view_free_cameras(view);
 	render_destroy(view->render);
 	key_set_finish(&view->deformed);
 	resident_bounds_finish(&view->bounds);
@@ -357,7 +372,7 @@ uint64_t render_view_triangles(const struct view *view)
 
 void render_view_read_into(struct view *view, struct gpu_staging *staging)
 {
-	render_read_into(view->render, staging);
+	render_read_into(view->render, SCENE_IMAGE_COLOUR, staging);
 }
 
 enum status render_view_picture(struct view *view, uint8_t *pixels, float *depth)

@@ -22,6 +22,14 @@ struct view_look {
 
 struct view_errors; /* view_errors.c */
 
+/* A camera that writes frames. */
+struct view_camera {
+	const struct scene_camera *camera;
+	struct render_screen *screen; /* one of view.screens, or the render's own */
+	uint64_t frames;
+	struct view_look ahead;       /* its next frame; `time` is in the past: none was looked at */
+};
+
 struct view_contact {
 	bool known;       /* `low` and `high` bound the offsets that this contact leaves; false: only `reach` bounds them */
 	double low, high; /* metres; low <= 0 <= high */
@@ -59,6 +67,10 @@ struct view {
 	struct view_look *now;    /* the last picture */
 	struct view_look *ahead;  /* VIEW_LOOKS of them, replaced in turn */
 	unsigned turn;
+	struct view_camera *cameras;  /* the scene's cameras; none if the view is watched */
+	size_t camera_count, camera_turn;
+	struct render_screen *screens; /* of sizes that the render's own screen does not have; no two alike */
+	size_t screen_count;
 	struct key_set seen;      /* used while prefetch requests are collected */
 	uint64_t naps;            /* pictures that waited for their tiles */
 	double nap_ms;            /* time of these waits, without waits for the store, which are counted elsewhere */
@@ -75,6 +87,24 @@ struct view {
 /* Places the camera. If the view is not exact, nothing is waited for, and the camera's height may be wrong. */
 void render_view_place_camera(struct view *view, double time, struct render_camera *camera);
 
+/* Places a fixed camera, or one that follows a body. The same holds for its height. */
+void render_view_aim(struct view *view, const struct scene_aim *aim, double time, struct render_camera *camera);
+/* Returns the height of the undisturbed ground, m; `otherwise` where there is none. */
+double render_view_ground_at(struct view *view, double x, double y, double otherwise);
+
+/* view.c: the steps of a picture. */
+/* Selects the tiles that the camera sees. `complete`: waits until all are resident. */
+enum status render_view_find_tiles(struct view *view, const struct render_camera *camera, bool complete) FURROW_CHECKED;
+void render_view_count(struct view *view); /* counts the frame that was drawn */
+
+/* view_cameras.c: cameras that write frames. */
+enum status render_view_make_cameras(struct view *view) FURROW_CHECKED;
+void render_view_free_cameras(struct view *view);
+/* Looks at the next frame of one camera, in turn. Part of render_view_look_ahead. */
+enum status render_view_look_camera(struct view *view) FURROW_CHECKED;
+
+/* view_objects.c: finds the pose of an object now. *known: there is ground below it, or its path says its height. */
+enum status render_view_object(struct view *view, size_t index, struct render_object *object, bool *known) FURROW_CHECKED;
 /* view_objects.c: gives the picture the present places of objects. `settled`: waits for the heights of loaded bodies, so that
  * the picture is always the same. Otherwise the last known heights are used. */
 enum status render_view_set_objects(struct view *view, bool settled) FURROW_CHECKED;
@@ -130,6 +160,8 @@ enum status render_view_error(struct view *view, struct tile tile, bool expected
 
 /* view_ahead.c: tiles that future pictures will need. */
 void render_view_keep_now(struct view *view);
+/* Fills the look with the tiles that the camera sees at its time, as if none were resident. `time`: when it is drawn. */
+enum status render_view_look(struct view *view, const struct render_camera *camera, double time, struct view_look *look) FURROW_CHECKED;
 /* Looks at one of the future moments. Call this once for each frame, after it was selected and kept. */
 enum status render_view_look_ahead(struct view *view) FURROW_CHECKED;
 

@@ -41,7 +41,10 @@ static enum status expect_tracks(struct view *view, double time)
 /* Returns the time of the n-th picture from now, n from 0, in simulated seconds. INFINITY: the drive ends before. */
 static double picture_time(const struct world *world, int64_t n)
 {
-	int64_t every = world->scene->view.images, step = (world->step / every + 1 + n) * every;
+	int64_t every = world->scene->view.images;
+	if (every == 0)
+		return INFINITY;
+	int64_t step = (world->step / every + 1 + n) * every;
 	return step <= world_step_count(world) ? world_step_time(world->scene, step) : INFINITY;
 }
 
@@ -51,6 +54,8 @@ static double picture_time(const struct world *world, int64_t n)
 static double choose_picture(const struct world *world, unsigned turn)
 {
 	const struct scene *scene = world->scene;
+	if (scene->view.images == 0)
+		return INFINITY;
 	double steps = fmin(floor((world->time + scene->prefetch) / scene->time_step + 1e-9), (double)world_step_count(world));
 	int64_t within = (int64_t)steps / scene->view.images - world->step / scene->view.images;
 	if (within > VIEW_LOOKS)
@@ -104,26 +109,15 @@ static bool choose_time(struct view *view, struct view_look **look, double *time
 	return false;
 }
 
-enum status render_view_look_ahead(struct view *view)
+enum status render_view_look(struct view *view, const struct render_camera *camera, double time, struct view_look *look)
 {
-	const struct scene *scene = view->world->scene;
-	if (scene->prefetch <= 0 || view->free || (scene->view.camera == SCENE_FIXED && !view->at_steps))
-		return STATUS_OK;
-	struct view_look *look;
-	struct render_camera camera;
 	bool coarse = view->coarse;
-	double time;
 	uint64_t done = motion_look_ahead_ranges_done(view->world->ahead);
-	if (!choose_time(view, &look, &time))
-		return STATUS_OK;
 	look->time = time;
 	look->made = view->world->time;
-	view->exact = !motion_look_ahead_brings_ranges(view->world->ahead);
-	render_view_place_camera(view, look->time, &camera);
-	enum status status = expect_tracks(view, look->time);
+	enum status status = expect_tracks(view, time);
 	if (status == STATUS_OK)
-		status = render_view_select(view, &camera, true);
-	view->exact = true;
+		status = render_view_select(view, camera, true);
 	look->guessed = view->guessed;
 	look->done = done;
 	key_set_clear(&view->expected);
@@ -135,12 +129,34 @@ enum status render_view_look_ahead(struct view *view)
 	return STATUS_OK;
 }
 
+enum status render_view_look_ahead(struct view *view)
+{
+	const struct scene *scene = view->world->scene;
+	if (scene->prefetch > 0 && view->camera_count > 0) {
+		enum status status = render_view_look_camera(view);
+		if (status != STATUS_OK)
+			return status;
+	}
+	if (scene->prefetch <= 0 || view->free || (scene->view.aim.kind == SCENE_FIXED && !view->at_steps))
+		return STATUS_OK;
+	struct view_look *look;
+	struct render_camera camera;
+	double time;
+	if (!choose_time(view, &look, &time))
+		return STATUS_OK;
+	view->exact = !motion_look_ahead_brings_ranges(view->world->ahead);
+	render_view_place_camera(view, time, &camera);
+	enum status status = render_view_look(view, &camera, time, look);
+	view->exact = true;
+	return status;
+}
+
 /* Sorts the looks by time, the soonest first. Those whose time has passed are left out. */
-static size_t order_ahead(const struct view *view, const struct view_look *order[VIEW_LOOKS])
+static size_t order_ahead(const struct view *view, const struct view_look *order[])
 {
 	size_t count = 0;
-	for (int i = 0; i < VIEW_LOOKS; i++) {
-		const struct view_look *look = &view->ahead[i];
+	for (size_t i = 0; i < VIEW_LOOKS + view->camera_count; i++) {
+		const struct view_look *look = i < VIEW_LOOKS ? &view->ahead[i] : &view->cameras[i - VIEW_LOOKS].ahead;
 		if (look->time <= view->world->time)
 			continue;
 		size_t at = count++;
@@ -170,7 +186,7 @@ static enum status add_look(struct view *view, const struct view_look *look, dou
 
 enum status render_view_requests(struct view *view, struct requests *requests)
 {
-	const struct view_look *order[VIEW_LOOKS];
+	const struct view_look *order[VIEW_LOOKS + SCENE_CAMERAS];
 	size_t count = order_ahead(view, order);
 	key_set_clear(&view->seen);
 	enum status status = add_look(view, view->now, view->world->time, SIZE_MAX, requests);

@@ -1,4 +1,4 @@
-/* Computes the position and direction of the camera at any time, from its track and the ground. */
+/* Computes the position and direction of cameras at any time, from their tracks and the ground. */
 #include <math.h>
 #include <string.h>
 
@@ -11,7 +11,7 @@ static double about(struct view *view, struct tile tile, double otherwise)
 	return render_view_base_range(view, tile, &range) == STATUS_OK && !isnan(range.a) ? (range.a + range.b) / 2 : otherwise;
 }
 
-static double ground_at(struct view *view, double x, double y, double otherwise)
+double render_view_ground_at(struct view *view, double x, double y, double otherwise)
 {
 	const struct extent *extent = &view->world->meta->extent;
 	double px = x / extent->spacing, py = y / extent->spacing;
@@ -26,42 +26,45 @@ static double ground_at(struct view *view, double x, double y, double otherwise)
 	return lattice_offset_metres(height);
 }
 
-/* Returns the body that the scene's camera follows; NULL: it does not move. */
-static const struct body *target_of(const struct world *world)
+/* Returns the body that the camera follows; NULL: it does not move. */
+static const struct body *target_of(const struct world *world, const struct scene_aim *aim)
 {
-	const struct scene_view *view = &world->scene->view;
-	return view->camera != SCENE_FIXED && view->target_vehicle == 0 ? &world->bodies[view->target_object] : NULL;
+	return aim->kind != SCENE_FIXED && aim->vehicle == 0 ? &world->bodies[aim->object] : NULL;
 }
 
 /* Places of a camera that follows a vehicle: where that is now. Before it was set down, where it starts. */
-static size_t vehicle_places(const struct world *world, double places[2][2])
+static size_t vehicle_places(const struct world *world, const struct scene_aim *aim, double places[2][2])
 {
-	const struct scene_view *view = &world->scene->view;
 	const struct world_figures *figures = &world->figures;
-	const struct scene_vehicle *vehicle = &world->scene->vehicles[view->target_vehicle - 1];
-	double place[3], yaw = vehicle->yaw;
-	if (figures->vehicle == NULL || !figures->vehicle(figures->user, (size_t)view->target_vehicle - 1, place, &yaw))
+	const struct scene_vehicle *vehicle = &world->scene->vehicles[aim->vehicle - 1];
+	double place[3], axes[3][3], yaw = vehicle->yaw;
+	if (figures->vehicle != NULL && figures->vehicle(figures->user, (size_t)aim->vehicle - 1, place, axes))
+		yaw = atan2(axes[0][1], axes[0][0]);
+	else
 		memcpy(place, vehicle->at, sizeof vehicle->at);
 	memcpy(places[0], place, sizeof places[0]);
-	places[1][0] = place[0] - view->back * cos(yaw);
-	places[1][1] = place[1] - view->back * sin(yaw);
+	places[1][0] = place[0] - aim->back * cos(yaw);
+	places[1][1] = place[1] - aim->back * sin(yaw);
 	return 2;
 }
 
 void render_view_place_camera(struct view *view, double time, struct render_camera *camera)
 {
-	const struct world *world = view->world;
-	const struct scene_view *given = &world->scene->view;
-	double places[2][2];
-	if (view->free) {
+	if (view->free)
 		*camera = view->camera;
-		return;
-	}
+	else
+		render_view_aim(view, &view->world->scene->view.aim, time, camera);
+}
+
+void render_view_aim(struct view *view, const struct scene_aim *given, double time, struct render_camera *camera)
+{
+	const struct world *world = view->world;
+	double places[2][2];
 	*camera = (struct render_camera){.fov = 0.9};
-	const struct body *target = target_of(world);
+	const struct body *target = target_of(world, given);
 	const struct scene_path *path = target != NULL ? &target->object->path : NULL;
-	const bool vehicle = given->camera != SCENE_FIXED && given->target_vehicle > 0;
-	const size_t count = vehicle ? vehicle_places(world, places)
+	const bool vehicle = given->kind != SCENE_FIXED && given->vehicle > 0;
+	const size_t count = vehicle ? vehicle_places(world, given, places)
 				     : motion_track_camera_places(given, path, target != NULL ? target->track : NULL, time, places);
 	if (count == 0) {
 		memcpy(camera->eye, given->eye, sizeof camera->eye);
@@ -69,11 +72,11 @@ void render_view_place_camera(struct view *view, double time, struct render_came
 		return;
 	}
 	double middle = (world->meta->low + world->meta->high) / 2;
-	double ground = ground_at(view, places[0][0], places[0][1], isnan(middle) ? 0 : middle);
+	double ground = render_view_ground_at(view, places[0][0], places[0][1], isnan(middle) ? 0 : middle);
 	camera->target[0] = places[0][0];
 	camera->target[1] = places[0][1];
 	camera->target[2] = ground;
-	if (given->camera == SCENE_OVERHEAD) {
+	if (given->kind == SCENE_OVERHEAD) {
 		/* A hair off the vertical, so that north is up. */
 		camera->eye[0] = places[0][0];
 		camera->eye[1] = places[0][1] - 0.02 * given->over_height;
@@ -82,7 +85,7 @@ void render_view_place_camera(struct view *view, double time, struct render_came
 	}
 	camera->eye[0] = places[1][0];
 	camera->eye[1] = places[1][1];
-	double below = ground_at(view, camera->eye[0], camera->eye[1], ground);
+	double below = render_view_ground_at(view, camera->eye[0], camera->eye[1], ground);
 	camera->eye[2] = fmax(ground, below) + given->up;
 }
 

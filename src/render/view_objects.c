@@ -22,7 +22,7 @@ static double turned_at(const struct body *body, const struct track_point *point
 	return remainder((body->distance + (body->in_contact ? hypot(dx, dy) : 0)) / shape->radius, 2 * M_PI);
 }
 
-/* Finds the height of the body's centre, 2^-20 m. *known is false if there is no ground below it and it was never on the ground. */
+/* Finds the height of the body's centre now, 2^-20 m. *known is false if there is no ground below it and it was never on the ground. */
 static enum status height_at(struct world *world, const struct body *body, const struct track_point *point, int64_t *height, bool *known)
 {
 	const struct scene_object *object = body->object;
@@ -41,6 +41,27 @@ static enum status height_at(struct world *world, const struct body *body, const
 	return STATUS_OK;
 }
 
+enum status render_view_object(struct view *view, size_t index, struct render_object *object, bool *known)
+{
+	struct world *world = view->world;
+	const struct body *body = &world->bodies[index];
+	struct track_point point;
+	int64_t height;
+	motion_track_at(body->track, world->time, &point);
+	enum status status = height_at(world, body, &point, &height, known);
+	const bool attitude = body->object->shape.kind != DEFORM_WHEEL; /* the pitch of a wheel only turns it */
+	if (status == STATUS_OK)
+		*object = (struct render_object){
+			.object = index,
+			.at = {point.x, point.y, lattice_offset_metres(height)},
+			.yaw = point.yaw,
+			.pitch = attitude ? point.pitch : 0,
+			.roll = point.roll,
+			.turned = turned_at(body, &point),
+		};
+	return status;
+}
+
 enum status render_view_set_objects(struct view *view, bool settled)
 {
 	struct world *world = view->world;
@@ -54,24 +75,11 @@ enum status render_view_set_objects(struct view *view, bool settled)
 	size_t count = 0;
 	enum status status = settled ? world_settle_forces(world) : STATUS_OK;
 	for (size_t i = 0; i < scene->object_count && status == STATUS_OK; i++) {
-		const struct body *body = &world->bodies[i];
-		struct track_point point;
-		int64_t height;
 		bool known;
-		if (world->time < motion_track_sample_time(body->track, 0))
+		if (world->time < motion_track_sample_time(world->bodies[i].track, 0))
 			continue; /* its path has not begun */
-		motion_track_at(body->track, world->time, &point);
-		status = height_at(world, body, &point, &height, &known);
-		bool attitude = scene->objects[i].shape.kind != DEFORM_WHEEL; /* the pitch of a wheel only turns it */
-		if (status == STATUS_OK && known)
-			objects[count++] = (struct render_object){
-				.object = i,
-				.at = {point.x, point.y, lattice_offset_metres(height)},
-				.yaw = point.yaw,
-				.pitch = attitude ? point.pitch : 0,
-				.roll = point.roll,
-				.turned = turned_at(body, &point),
-			};
+		status = render_view_object(view, i, &objects[count], &known);
+		count += status == STATUS_OK && known;
 	}
 	for (size_t i = 0; i < figures->count && status == STATUS_OK; i++) {
 		struct render_object figure = {.object = scene->object_count + i, .posed = true};

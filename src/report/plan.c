@@ -107,8 +107,9 @@ static enum status plan_lines(const struct world *world, struct report_plan *out
 	if (scene->view.present) {
 		if (status == STATUS_OK)
 			status = plan_view(world, planes != 0, out);
-		if (scene->view.images > 0)
-			render_pictures_plan((uint32_t)scene->view.width, (uint32_t)scene->view.height, plan);
+		render_cameras_plan(scene, plan);
+		if (render_pictures_bytes(scene) > 0)
+			render_pictures_plan(render_pictures_bytes(scene), scene->view.images > 0 ? EFFECT_IMAGES : EFFECT_CAMERAS, plan);
 	}
 	world_plan_pages(world, plan);
 	return status == STATUS_OK ? plan_status(plan) : status;

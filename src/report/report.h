@@ -75,6 +75,17 @@ enum status report_vehicles_open(const struct world *world, const struct vehicle
 void report_vehicles_close(struct report_vehicles *rows); /* takes NULL */
 const struct vehicle_rows *report_vehicles_sink(const struct report_vehicles *rows); /* NULL for NULL */
 
+/* --- cameras --- */
+
+struct report_poses;
+/* Takes the poses of frames into DIRECTORY/cameras/NAME/poses.tum, whose folder exists. A resumed run goes on with the rows that it
+ * finds. *out is NULL if the scene has no cameras. `directory` must outlive it. */
+enum status report_poses_open(const struct world *world, const char *directory, struct report_poses **out) FURROW_CHECKED;
+void report_poses_close(struct report_poses *poses); /* takes NULL */
+const struct render_poses *report_poses_sink(const struct report_poses *poses); /* NULL for NULL */
+/* Writes camera.json, and COLMAP's cameras.txt, images.txt and points3D.txt, of each camera. Takes NULL. */
+enum status report_cameras(const struct report_poses *poses) FURROW_CHECKED;
+
 /* --- the plan --- */
 
 /*

@@ -364,7 +364,7 @@ static void advise_view(const struct adviser *adviser)
 {
 	const struct scene *scene = adviser->scene;
 	const struct scene_view *view = &scene->view;
-	if (view->left_out || (view->present && view->images == 0))
+	if (view->left_out || (view->present && view->images == 0 && scene->camera_count == 0))
 		advise(adviser, "view: no picture is written, so a drive draws none; give images, or look at it with furrow view");
 	if (!view->present)
 		return;

@@ -132,6 +132,11 @@ static const struct effect_row rows[EFFECT_COUNT] = {
 		"shadow", "view.effects", "", LIST("shadow.vert", "shadow.frag"), "depth", "colour", 0, NONE,
 		"of a simple form round each object, on the ground alone, fading within about three of its sizes",
 		"shades the ground beside the objects"},
+	[EFFECT_CAMERAS] = {
+		"cameras", "cameras", "", NONE, "colour, depth", "", 0,
+		LIST("cameras[].size[]", "cameras[].rate", "cameras[].fov", "cameras[].images", "cameras[].depth_unit"),
+		"at most 64; a step waits until each picture has all its tiles; at most 3 pictures on their way to their files",
+		"writes the frames of cameras to files"},
 };
 
 const struct effect_row *scene_effect_row(enum scene_effect effect)
@@ -195,7 +200,7 @@ static uint64_t view_effects(const struct scene *scene)
 	uint64_t named = scene->view.effects;
 	if ((scene->object_count == 0 && !scene_moves_bodies(scene)) || !(named & EFFECT_BIT(EFFECT_OBJECTS)))
 		named &= ~(EFFECT_BIT(EFFECT_OBJECTS) | EFFECT_BIT(EFFECT_SHADOW)); /* of nothing */
-	return named | always | (scene->view.images > 0 ? EFFECT_BIT(EFFECT_IMAGES) : 0) |
+	return named | always | (scene->camera_count > 0 ? EFFECT_BIT(EFFECT_CAMERAS) : 0) | (scene->view.images > 0 ? EFFECT_BIT(EFFECT_IMAGES) : 0) |
 	       (scene->view.pixel_error > 0 ? EFFECT_BIT(EFFECT_PIXEL_ERROR) : 0) |
 	       (scene->view.samples > 1 ? EFFECT_BIT(EFFECT_ANTIALIAS) : 0);
 }
@@ -232,7 +237,7 @@ uint64_t scene_effects(const struct scene *scene, int level)
 void scene_unwatched(const struct scene *scene, struct scene *out)
 {
 	*out = *scene;
-	if (!scene->view.present || scene->view.images > 0)
+	if (!scene->view.present || scene->view.images > 0 || scene->camera_count > 0)
 		return;
 	out->view = (struct scene_view){.left_out = true};
 }

@@ -21,7 +21,7 @@ enum scene_outside { SCENE_STOP, SCENE_SKIP };
 enum scene_undisturbed { SCENE_STABLE, SCENE_SLIDES };
 enum scene_normals { SCENE_BODY, SCENE_GROUND };
 enum scene_body { SCENE_EARTH, SCENE_MARS, SCENE_MOON };
-enum scene_camera_kind { SCENE_CHASE, SCENE_OVERHEAD, SCENE_FIXED };
+enum scene_camera_kind { SCENE_CHASE, SCENE_OVERHEAD, SCENE_FIXED, SCENE_MOUNTED, SCENE_POSES };
 
 /* Every effect that a scene can use: first one for each soil model, then those of the table in src/scene/effects.c, in its
  * order. */
@@ -57,6 +57,7 @@ enum scene_effect {
 	EFFECT_PREFETCH,
 	EFFECT_OBJECTS,
 	EFFECT_SHADOW,
+	EFFECT_CAMERAS,
 	EFFECT_COUNT
 };
 #define EFFECT_OF(model) ((enum scene_effect)(EFFECT_MODEL + (int)(model))) /* the effect of using a model */
@@ -156,16 +157,42 @@ struct scene_light {
 #define SCENE_SUN_HEIGHT (35 * M_PI / 180)
 struct scene_light scene_light_default(void); /* returns the light of a view that gives no light */
 
+/* What a camera follows, or where it is. */
+struct scene_aim {
+	enum scene_camera_kind kind;
+	int object;            /* chase, overhead, mounted: index of the object, */
+	int vehicle;           /* or of the vehicle, from 1; 0: it is an object */
+	double back, up;       /* of a chase camera, in metres */
+	double over_height;    /* of an overhead camera, in metres */
+	double eye[3], target[3]; /* of a fixed camera, in local metres. The eye of a mounted one, in metres along the body's axes */
+};
+
+/* What a camera writes of each frame. */
+enum scene_image { SCENE_IMAGE_COLOUR, SCENE_IMAGE_DEPTH, SCENE_IMAGES };
+
+#define SCENE_CAMERAS 128 /* most cameras of a scene: 64 pairs */
+/* A camera that writes pictures of a drive. A stereo pair is two cameras. */
+struct scene_camera {
+	char *name;            /* also of its folder */
+	struct scene_aim aim;
+	bool turned;           /* fixed: yaw, pitch and roll count, and not aim.target. Of a mounted camera they always count */
+	double yaw, pitch, roll; /* radians, as a pose's; of a mounted camera against the body's axes */
+	struct scene_path poses; /* of SCENE_POSES, in local metres */
+	double fov;            /* horizontal, radians */
+	int width, height;     /* pixels */
+	double rate;           /* frames for each second of simulated time */
+	unsigned images;       /* bit 1 << enum scene_image of each */
+	double depth_unit;     /* metres of 1 in a 16-bit picture of depth */
+	int pair;              /* the other camera of a stereo pair; -1: none */
+	double baseline;       /* of the right camera of a pair: metres to the right of the left one; else 0 */
+};
+
 struct scene_view {
 	bool present;
 	bool left_out;         /* scene_unwatched left this view out */
+	bool implied;          /* the scene has no view, but cameras, which need its effects */
 	int width, height;
-	enum scene_camera_kind camera;
-	int target_object;     /* chase, overhead: index of the object, */
-	int target_vehicle;    /* or of the vehicle, from 1; 0: it is an object */
-	double back, up;       /* of a chase camera, in metres */
-	double over_height;    /* of an overhead camera, in metres */
-	double eye[3], target[3]; /* of a fixed camera, in local metres */
+	struct scene_aim aim;
 	uint64_t effects;      /* EFFECT_BIT of each */
 	int64_t images;        /* steps from one PNG to the next; 0: none */
 	int samples;           /* samples for each pixel: 1, 2, 4 or 8 */
@@ -173,6 +200,12 @@ struct scene_view {
 	double pixel_error;
 	struct scene_light light;
 };
+
+const char *scene_image_name(enum scene_image image); /* as a scene names it, and its folder */
+/* Returns the number of the frame that a camera writes after this step, from 0; -1: none. Frame n is written after the first step
+ * that ends at n / rate seconds or later. So the number depends on the step alone. Frame 0 shows the scene before the first step. */
+int64_t scene_camera_frame(const struct scene_camera *camera, double time_step, int64_t step);
+int64_t scene_camera_step(const struct scene_camera *camera, double time_step, int64_t frame); /* returns that step of a frame */
 
 /* A setting of the scene. `key`: with dots, as --set takes it. `text`: YAML on one line; a long one is cut, and then has a hash. */
 struct scene_value {
@@ -229,6 +262,8 @@ struct scene {
 	double forces;      /* rows of objects.csv for each second of simulated time; 0: none */
 	int forces_delay;   /* steps after which forces are read back from the GPU; 0: read at once, and wait for them */
 	struct scene_view view;
+	struct scene_camera *cameras;
+	size_t camera_count;
 	uint32_t slots, loaders;
 	uint64_t memory; /* bytes that tiles may take; 0: not given, `slots` counts */
 	double prefetch; /* s of driving that the prefetcher looks ahead */

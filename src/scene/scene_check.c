@@ -196,6 +196,7 @@ enum status scene_check(const struct scene_tree *tree, const struct raw_scene *r
 	    (status = scene_check_objects(tree, raw, scene)) != STATUS_OK ||
 	    (status = scene_check_vehicles(tree, raw, scene)) != STATUS_OK ||
 	    (status = scene_check_view(tree, raw, scene)) != STATUS_OK ||
+	    (status = scene_check_cameras(tree, raw, scene)) != STATUS_OK ||
 	    (status = scene_check_soil(tree, raw, scene)) != STATUS_OK ||
 	    (status = scene_check_relief(tree, raw, scene)) != STATUS_OK ||
 	    (status = scene_check_units(tree, raw, scene)) != STATUS_OK)

@@ -42,6 +42,12 @@ enum status scene_check_relief(const struct scene_tree *tree, const struct raw_s
 #define SCENE_RASTER_BYTES ((uint64_t)1 << 30) /* the largest file of a map or raster of the soil */
 enum status scene_check_view(const struct scene_tree *tree, const struct raw_scene *raw,
 			     struct scene *scene) FURROW_CHECKED;
+/* Finds the object or the vehicle that a camera follows. `key`: its place in the scene, for the message. */
+enum status scene_find_target(const struct scene_tree *tree, const struct scene *scene, const char *name, const char *key,
+			      struct scene_aim *aim) FURROW_CHECKED;
+/* Call this after scene_check_view. */
+enum status scene_check_cameras(const struct scene_tree *tree, const struct raw_scene *raw, struct scene *scene) FURROW_CHECKED;
+void scene_camera_finish(struct scene_camera *camera);
 
 /* Notes the numbers that seem to be given in a wrong unit, for scene_advise_units. Call this after the other checks. */
 enum status scene_check_units(const struct scene_tree *tree, const struct raw_scene *raw,

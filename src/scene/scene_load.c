@@ -129,6 +129,9 @@ void scene_destroy(struct scene *scene)
 	for (size_t i = 0; i < scene->vehicle_count; i++)
 		scene_vehicle_finish(&scene->vehicles[i]);
 	mem_free(scene->vehicles);
+	for (size_t i = 0; i < scene->camera_count; i++)
+		scene_camera_finish(&scene->cameras[i]);
+	mem_free(scene->cameras);
 	for (size_t i = 0; i < scene->unused_count; i++)
 		mem_free(scene->unused[i]);
 	mem_free(scene->unused);

@@ -132,7 +132,7 @@ enum status scene_check_objects(const struct scene_tree *tree, const struct raw_
 {
 	size_t count = raw->objects_count;
 	if (count == 0) {
-		if (raw->view != NULL || raw->vehicles_count > 0 || scene->hosted)
+		if (raw->view != NULL || raw->cameras_count > 0 || raw->vehicles_count > 0 || scene->hosted)
 			return STATUS_OK;
 		return scene_error(tree->file, scene_tree_find(tree, "objects"),
 				   "no object and no view or vehicle; needed: objects, vehicles or a view");

@@ -165,6 +165,8 @@ static const cyaml_strval_t model_words[] = {DEFORM_MODELS_EACH(MODEL_WORD)};
 static const cyaml_strval_t undisturbed_words[] = {{"stable", SCENE_STABLE}, {"slides", SCENE_SLIDES}};
 static const cyaml_strval_t normals_words[] = {{"body", SCENE_BODY}, {"ground", SCENE_GROUND}};
 static const cyaml_strval_t body_words[] = {{"earth", SCENE_EARTH}, {"mars", SCENE_MARS}, {"moon", SCENE_MOON}};
+static const cyaml_strval_t camera_words[] = {{"mounted", SCENE_MOUNTED}, {"fixed", SCENE_FIXED}, {"chase", SCENE_CHASE},
+					      {"overhead", SCENE_OVERHEAD}, {"poses", SCENE_POSES}};
 static const cyaml_strval_t outside_words[] = {{"stop", SCENE_STOP}, {"skip", SCENE_SKIP}};
 
 static const cyaml_schema_field_t redistribute_fields[] = {
@@ -225,6 +227,32 @@ static const cyaml_schema_field_t view_fields[] = {
 	CYAML_FIELD_MAPPING_PTR("sun", OPTIONAL, struct raw_view, sun, sun_fields),
 	CYAML_FIELD_END,
 };
+static const cyaml_schema_field_t camera_pose_fields[] = {
+	CYAML_FIELD_SEQUENCE_FIXED("at", NEEDED, struct raw_camera_pose, at, &float_entry, 3),
+	CYAML_FIELD_SEQUENCE("target", OPTIONAL_POINTER, struct raw_camera_pose, target, &float_entry, 3, 3),
+	CYAML_FIELD_FLOAT_PTR("yaw", OPTIONAL, struct raw_camera_pose, yaw),
+	CYAML_FIELD_FLOAT_PTR("pitch", OPTIONAL, struct raw_camera_pose, pitch),
+	CYAML_FIELD_FLOAT_PTR("roll", OPTIONAL, struct raw_camera_pose, roll),
+	CYAML_FIELD_END,
+};
+static const cyaml_schema_field_t listed_camera_fields[] = {
+	CYAML_FIELD_STRING_PTR("name", NEEDED, struct raw_listed_camera, name, 1, 48),
+	CYAML_FIELD_ENUM("kind", NEEDED, struct raw_listed_camera, kind, camera_words, 5),
+	CYAML_FIELD_STRING_PTR("on", OPTIONAL, struct raw_listed_camera, on, 1, 64),
+	CYAML_FIELD_MAPPING_PTR("pose", OPTIONAL, struct raw_listed_camera, pose, camera_pose_fields),
+	CYAML_FIELD_FLOAT_PTR("back", OPTIONAL, struct raw_listed_camera, back),
+	CYAML_FIELD_FLOAT_PTR("up", OPTIONAL, struct raw_listed_camera, up),
+	CYAML_FIELD_FLOAT_PTR("height", OPTIONAL, struct raw_listed_camera, height),
+	CYAML_FIELD_STRING_PTR("file", OPTIONAL, struct raw_listed_camera, file, 1, 4096),
+	CYAML_FIELD_FLOAT_PTR("fov", OPTIONAL, struct raw_listed_camera, fov),
+	CYAML_FIELD_SEQUENCE("size", OPTIONAL_POINTER, struct raw_listed_camera, size, &int_entry, 2, 2),
+	CYAML_FIELD_FLOAT("rate", NEEDED, struct raw_listed_camera, rate),
+	CYAML_FIELD_SEQUENCE("images", OPTIONAL_POINTER, struct raw_listed_camera, images, &word_entry, 1, CYAML_UNLIMITED),
+	CYAML_FIELD_FLOAT_PTR("depth_unit", OPTIONAL, struct raw_listed_camera, depth_unit),
+	CYAML_FIELD_FLOAT_PTR("stereo", OPTIONAL, struct raw_listed_camera, stereo),
+	CYAML_FIELD_END,
+};
+static const cyaml_schema_value_t listed_camera_entry = {CYAML_VALUE_MAPPING(CYAML_FLAG_DEFAULT, struct raw_listed_camera, listed_camera_fields)};
 static const cyaml_schema_field_t cache_fields[] = {
 	CYAML_FIELD_INT_PTR("slots", OPTIONAL, struct raw_cache, slots),
 	CYAML_FIELD_STRING_PTR("memory", OPTIONAL, struct raw_cache, memory, 1, 64),
@@ -299,6 +327,7 @@ static const cyaml_schema_field_t scene_fields[] = {
 	CYAML_FIELD_MAPPING_PTR("stuck", OPTIONAL, struct raw_scene, stuck, stuck_fields),
 	CYAML_FIELD_MAPPING_PTR("output", OPTIONAL, struct raw_scene, output, output_fields),
 	CYAML_FIELD_MAPPING_PTR("view", OPTIONAL, struct raw_scene, view, view_fields),
+	CYAML_FIELD_SEQUENCE("cameras", OPTIONAL_POINTER, struct raw_scene, cameras, &listed_camera_entry, 0, 64),
 	CYAML_FIELD_MAPPING_PTR("cache", OPTIONAL, struct raw_scene, cache, cache_fields),
 	CYAML_FIELD_END,
 };
@@ -399,6 +428,19 @@ static const struct scene_limit limits[] = {
 	{"view.sun.azimuth", 0, 360, false, NULL, "degrees", 135, NULL},
 	{"view.sun.height", 0, 90, false, NULL, "degrees", 35, NULL},
 	{"view.sun.colour[]", 0, 10, false, NULL, NULL, NAN, "the body's sun at its height"},
+	{"cameras[].pose.at[]", -1e9, 1e9, false, NULL, "m", NAN, NULL},
+	{"cameras[].pose.target[]", -1e9, 1e9, false, NULL, "m", NAN, "yaw, pitch and roll"},
+	{"cameras[].pose.yaw", -36000, 36000, false, NULL, "degrees", 0, NULL},
+	{"cameras[].pose.pitch", -36000, 36000, false, NULL, "degrees", 0, NULL},
+	{"cameras[].pose.roll", -36000, 36000, false, NULL, "degrees", 0, NULL},
+	{"cameras[].back", 0, 1e6, false, NULL, "m", 12, NULL},
+	{"cameras[].up", 0, 1e6, false, NULL, "m", 5, NULL},
+	{"cameras[].height", 0, 1e6, true, NULL, "m", NAN, "needed with overhead"},
+	{"cameras[].fov", 1, 170, false, NULL, "degrees", 60, NULL},
+	{"cameras[].size[]", 1, 8192, false, NULL, "pixels", NAN, "640, 480"},
+	{"cameras[].rate", 0, 1e6, true, NULL, "1/s", NAN, NULL},
+	{"cameras[].stereo", 0, 1000, true, NULL, "m", NAN, "none"},
+	{"cameras[].depth_unit", 1e-6, 1000, false, NULL, "m", 0.001, NULL},
 	{"cache.slots", 4, 65536, false, NULL, NULL, 256, NULL},
 	{"cache.loaders", 0, 16, false, NULL, NULL, 2, NULL},
 	{"cache.prefetch", 0, 3600, false, NULL, "s", 1.5, NULL},

@@ -140,6 +140,28 @@ struct raw_view {
 	int *body; /* enum scene_body */
 	struct raw_sun *sun;
 };
+/* An entry of `cameras`. Angles are in degrees. */
+struct raw_camera_pose {
+	double at[3];
+	double *target;
+	uint32_t target_count;
+	double *yaw, *pitch, *roll;
+};
+struct raw_listed_camera {
+	char *name;
+	int kind; /* enum scene_camera_kind */
+	char *on;
+	struct raw_camera_pose *pose;
+	double *back, *up, *height;
+	char *file;
+	double *fov;
+	int64_t *size;
+	uint32_t size_count;
+	double rate;
+	char **images;
+	uint32_t images_count;
+	double *depth_unit, *stereo;
+};
 struct raw_cache {
 	int64_t *slots, *loaders;
 	char *memory;
@@ -190,6 +212,8 @@ struct raw_scene {
 	struct raw_stuck *stuck;
 	struct raw_output *output;
 	struct raw_view *view;
+	struct raw_listed_camera *cameras;
+	uint32_t cameras_count;
 	struct raw_cache *cache;
 };
 

@@ -4,20 +4,20 @@
 #include "scene/scene_check.h"
 #include "scene/scene_error.h"
 
-static enum status find_target(const struct scene_tree *tree, const struct scene *scene,
-			       const char *name, const char *key, struct scene_view *view)
+enum status scene_find_target(const struct scene_tree *tree, const struct scene *scene, const char *name, const char *key,
+			      struct scene_aim *aim)
 {
 	struct scene_list names = {.length = 0};
 	for (size_t i = 0; i < scene->object_count; i++) {
 		if (strcmp(scene->objects[i].name, name) == 0) {
-			view->target_object = (int)i;
+			aim->object = (int)i;
 			return STATUS_OK;
 		}
 		scene_list_add(&names, scene->objects[i].name);
 	}
 	for (size_t i = 0; i < scene->vehicle_count; i++) {
 		if (strcmp(scene->vehicles[i].name, name) == 0) {
-			view->target_vehicle = (int)i + 1;
+			aim->vehicle = (int)i + 1;
 			return STATUS_OK;
 		}
 		scene_list_add(&names, scene->vehicles[i].name);
@@ -43,24 +43,24 @@ static enum status check_camera(const struct scene_tree *tree, const struct raw_
 									   : "view.camera.up"),
 				   "is not of this camera; allowed with: chase");
 	if (raw->chase != NULL) {
-		view->camera = SCENE_CHASE;
-		view->back = raw->back != NULL ? *raw->back : scene_absent("view.camera.back");
-		view->up = raw->up != NULL ? *raw->up : scene_absent("view.camera.up");
-		if (view->back == 0 && view->up == 0)
+		view->aim.kind = SCENE_CHASE;
+		view->aim.back = raw->back != NULL ? *raw->back : scene_absent("view.camera.back");
+		view->aim.up = raw->up != NULL ? *raw->up : scene_absent("view.camera.up");
+		if (view->aim.back == 0 && view->aim.up == 0)
 			return scene_error(tree->file, node,
 					   "stands in its object; allowed: back or up above 0");
-		return find_target(tree, scene, raw->chase, "view.camera.chase", view);
+		return scene_find_target(tree, scene, raw->chase, "view.camera.chase", &view->aim);
 	}
 	if (raw->overhead != NULL) {
-		view->camera = SCENE_OVERHEAD;
-		view->over_height = raw->overhead->height;
-		return find_target(tree, scene, raw->overhead->over, "view.camera.overhead.over", view);
+		view->aim.kind = SCENE_OVERHEAD;
+		view->aim.over_height = raw->overhead->height;
+		return scene_find_target(tree, scene, raw->overhead->over, "view.camera.overhead.over", &view->aim);
 	}
-	view->camera = SCENE_FIXED;
-	memcpy(view->eye, raw->fixed->eye, sizeof view->eye);
-	memcpy(view->target, raw->fixed->target, sizeof view->target);
-	if (view->eye[0] == view->target[0] && view->eye[1] == view->target[1] &&
-	    view->eye[2] == view->target[2])
+	view->aim.kind = SCENE_FIXED;
+	memcpy(view->aim.eye, raw->fixed->eye, sizeof view->aim.eye);
+	memcpy(view->aim.target, raw->fixed->target, sizeof view->aim.target);
+	if (view->aim.eye[0] == view->aim.target[0] && view->aim.eye[1] == view->aim.target[1] &&
+	    view->aim.eye[2] == view->aim.target[2])
 		return scene_error(tree->file, scene_tree_find(tree, "view.camera.fixed.target"),
 				   "is the eye; allowed: another place");
 	return STATUS_OK;
@@ -131,7 +131,7 @@ enum status scene_check_view(const struct scene_tree *tree, const struct raw_sce
 	if (raw->view == NULL)
 		return STATUS_OK;
 	view->present = true;
-	view->target_vehicle = 0;
+	view->aim.vehicle = 0;
 	view->width = raw->view->size != NULL ? (int)raw->view->size[0] : 1280;
 	view->height = raw->view->size != NULL ? (int)raw->view->size[1] : 720;
 	view->images = raw->view->images != NULL ? *raw->view->images : (int64_t)scene_absent("view.images");

@@ -101,16 +101,18 @@ static bool place_figure(void *user, size_t index, double middle[3], double axes
 	return true;
 }
 
-static bool place_vehicle(void *user, size_t index, double place[3], double *yaw)
+static bool place_vehicle(void *user, size_t index, double place[3], double axes[3][3])
 {
 	const struct vehicles *vehicles = user;
 	const struct vehicle *vehicle = &vehicles->list[index];
-	const double *forward = &vehicle->data->xmat[9 * vehicle->root];
+	const double *columns = &vehicle->data->xmat[9 * vehicle->root];
 	if (vehicle->begun == VEHICLE_ABOVE)
 		return false;
-	for (int i = 0; i < 3; i++)
+	for (int i = 0; i < 3; i++) {
 		place[i] = vehicle->origin[i] + vehicle->data->xpos[3 * vehicle->root + i];
-	*yaw = atan2(forward[3], forward[0]);
+		for (int k = 0; k < 3; k++)
+			axes[i][k] = columns[3 * k + i];
+	}
 	return true;
 }
 

@@ -58,8 +58,8 @@ static size_t camera_places(const void *user, double time, double places[2][2])
 {
 	const struct world *world = user;
 	const struct scene_view *view = &world->scene->view;
-	const struct body *target = &world->bodies[view->target_object];
-	return motion_track_camera_places(view, &target->object->path, target->track, time, places);
+	const struct body *target = &world->bodies[view->aim.object];
+	return motion_track_camera_places(&view->aim, &target->object->path, target->track, time, places);
 }
 
 static enum status start_look_ahead(struct world *world)
@@ -74,8 +74,8 @@ static enum status start_look_ahead(struct world *world)
 			bodies[count++] = (struct look_ahead_body){world->bodies[i].track, &world->bodies[i].object->shape, world->bodies[i].next,
 									&world->bodies[i].elsewhere};
 	uint32_t tiles = world->limits.ground;
-	bool follows = scene->view.present && scene->view.camera != SCENE_FIXED && scene->view.target_vehicle == 0 && scene->object_count > 0 &&
-		       world->bodies[scene->view.target_object].track != NULL;
+	bool follows = scene->view.present && scene->view.aim.kind != SCENE_FIXED && scene->view.aim.vehicle == 0 && scene->object_count > 0 &&
+		       world->bodies[scene->view.aim.object].track != NULL;
 	const struct look_ahead_params params = {
 		.store = world->store,
 		.ground = world->ground,
@@ -85,7 +85,7 @@ static enum status start_look_ahead(struct world *world)
 		.spacing = world->spacing,
 		.camera = follows ? camera_places : NULL,
 		.camera_user = world,
-		.camera_speed = follows ? motion_track_fastest(world->bodies[scene->view.target_object].track) : 0,
+		.camera_speed = follows ? motion_track_fastest(world->bodies[scene->view.aim.object].track) : 0,
 		.prefetch = scene->prefetch,
 		.end = scene->end_time,
 	};

@@ -132,8 +132,8 @@ struct world_figures {
 	void *user;
 	/* Gives the middle of a figure, m, and its axes forward, left, up. Returns false: it is not there yet. */
 	bool (*place)(void *user, size_t figure, double middle[3], double axes[3][3]);
-	/* Gives the place of a vehicle, m, and the angle in which it looks, rad from east to north. Returns false: it is not there yet. */
-	bool (*vehicle)(void *user, size_t vehicle, double place[3], double *yaw);
+	/* Gives the place of a vehicle's body, m, and its axes forward, left, up. Returns false: it is not there yet. */
+	bool (*vehicle)(void *user, size_t vehicle, double place[3], double axes[3][3]);
 };
 
 struct world_params {

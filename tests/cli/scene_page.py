@@ -70,6 +70,13 @@ SAMPLES = [
     scene(wheel(shape={"cylinder": {"radius": 0.5, "length": 1}}), wheel(name="b", shape={"capsule": {"radius": 0.5, "length": 1}}),
           wheel(name="c", shape={"ellipsoid": {"radii": [0.5, 0.4, 0.3]}})),
     scene(view=view({"fixed": {"eye": [1, 2, 3], "target": [4, 5, 6]}}), cache={"memory": "512 MB"}),
+    scene(WHEEL, cameras=[
+        {"name": "a", "kind": "mounted", "on": "a", "rate": 5, "fov": 70, "size": [64, 48], "images": ["colour", "depth"], "depth_unit": 0.01, "stereo": 0.2,
+         "pose": {"at": [1, 0, 1], "yaw": 10, "pitch": -20, "roll": 3}},
+        {"name": "b", "kind": "fixed", "rate": 1, "pose": {"at": [1, 2, 3], "target": [4, 5, 6]}},
+        {"name": "c", "kind": "chase", "on": "a", "back": 9, "up": 4, "rate": 1}, {"name": "d", "kind": "overhead", "on": "a", "height": 9, "rate": 1},
+        {"name": "e", "kind": "poses", "file": "poses.csv", "rate": 1}]),
+    scene(cameras=[{"name": "alone", "kind": "fixed", "rate": 1, "pose": {"at": [1, 2, 3]}}]),
     scene(soil={"name": "dry_sand"}, redistribute={"model": "scm"}, time_step=0.002, stuck={"after": 5, "below": 0.01}, output={"vehicles": 10},
           vehicles=[vehicle(start={"at": [5, 5], "yaw": 30}, soil=["wheel"],
                             driver={"path": {"points": [[5, 5], [6, 5]], "speed": 1}, "steer": [], "drive": ["drive"]}),

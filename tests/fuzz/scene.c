@@ -189,10 +189,10 @@ static void check_scene(const struct scene *scene)
 	if (!view->present)
 		return;
 	fuzz_check(view->width > 0 && view->height > 0 && view->images >= 0);
-	if (view->camera != SCENE_FIXED)
-		fuzz_check(view->target_object >= 0 && (size_t)view->target_object < scene->object_count);
+	if (view->aim.kind != SCENE_FIXED)
+		fuzz_check(view->aim.object >= 0 && (size_t)view->aim.object < scene->object_count);
 	for (int i = 0; i < 3; i++)
-		fuzz_check(isfinite(view->eye[i]) && isfinite(view->target[i]));
+		fuzz_check(isfinite(view->aim.eye[i]) && isfinite(view->aim.target[i]));
 }
 
 static void check_message(enum status status)

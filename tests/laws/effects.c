@@ -17,6 +17,8 @@
 #define SEEN SPHERE "attributes: [dirt]\n"
 
 /* What is asked of the pair: nothing changes what is deformed, so all else is done as often. */
+#define ONE_CAMERA "cameras: [{name: x, kind: fixed, pose: {at: [40, 40, 150], pitch: -60}, rate: 2, size: [64, 48], images: [colour, depth]}]\n"
+
 struct pair {
 	enum scene_effect effect;
 	const char *without, *with;
@@ -48,6 +50,7 @@ static const struct pair pairs[] = {
 	{EFFECT_PICTURE, HEAD SPHERE, HEAD SPHERE VIEW(""), false},
 	{EFFECT_NORMALS, HEAD SPHERE, HEAD SPHERE VIEW(""), false},
 	{EFFECT_IMAGES, HEAD SPHERE, HEAD SPHERE VIEW(""), false},
+	{EFFECT_CAMERAS, HEAD SEEN VIEW(""), HEAD SEEN VIEW("") ONE_CAMERA, false},
 	{EFFECT_LOADERS, HEAD SPHERE, READ("loaders: 2, prefetch: 0") SPHERE, false},
 	{EFFECT_PREFETCH, HEAD SPHERE, READ("loaders: 0, prefetch: 0.5") SPHERE, false},
 	{EFFECT_TEXTURE, HEAD SEEN VIEW(""), HEAD SEEN VIEW("texture"), true},

@@ -297,7 +297,7 @@ static void draw(const struct golden *golden, uint8_t *pixels)
 	if (golden->layer != RENDER_NATURAL)
 		render_show_layer(render, &(struct render_layer){golden->layer, -0.2, 0.2});
 	must(render_frame(render, &camera, &selection));
-	gpu_texture_read(render->colour, 0, (struct gpu_rect){0, 0, WIDTH, HEIGHT}, pixels);
+	gpu_texture_read(render->screen->colour, 0, (struct gpu_rect){0, 0, WIDTH, HEIGHT}, pixels);
 	must(gpu_check(gpu, "reading the picture back"));
 	render_destroy(render);
 	gpu_slots_destroy(shown.slots);

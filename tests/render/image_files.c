@@ -38,7 +38,7 @@ static void draw(int64_t step)
 {
 	static uint8_t pixels[4 * TEXELS];
 	fill(pixels, step);
-	gpu_texture_upload(render->colour, 0, (struct gpu_rect){0, 0, WIDTH, HEIGHT}, pixels);
+	gpu_texture_upload(render->screen->colour, 0, (struct gpu_rect){0, 0, WIDTH, HEIGHT}, pixels);
 }
 
 static enum status begin(int64_t step)
@@ -96,7 +96,7 @@ static enum status create(void)
 	static char folder[128];
 	snprintf(folder, sizeof folder, "%s", support_path("out"));
 	pictures = NULL;
-	return render_pictures_create(gpu, folder, WIDTH, HEIGHT, &pictures);
+	return render_pictures_create(gpu, folder, 4 * TEXELS, &pictures);
 }
 
 static int enter(void **state)

@@ -344,7 +344,7 @@ static inline struct render *land_render(int width, int height, uint64_t effects
 /* Reversed: 0 where nothing was drawn. */
 static inline void land_depth(const struct render *render, float *depth)
 {
-	gpu_texture_read(render->depth, 0, (struct gpu_rect){0, 0, render->width, render->height}, depth);
+	gpu_texture_read(render->screen->depth, 0, (struct gpu_rect){0, 0, render->screen->width, render->screen->height}, depth);
 	assert_ok(gpu_check(land.gpu, "reading depth"));
 }
 
@@ -352,8 +352,8 @@ static inline void land_depth(const struct render *render, float *depth)
 static inline void land_ray(const struct render *render, const struct render_axes *axes, double px, double py, double ray[3])
 {
 	for (int i = 0; i < 3; i++)
-		ray[i] = axes->forward[i] + (px - render->width / 2.0) / axes->focal * axes->right[i] +
-			 (py - render->height / 2.0) / axes->focal * axes->up[i];
+		ray[i] = axes->forward[i] + (px - render->screen->width / 2.0) / axes->focal * axes->right[i] +
+			 (py - render->screen->height / 2.0) / axes->focal * axes->up[i];
 }
 
 #endif

@@ -142,7 +142,7 @@ static void a_tile_looks_the_same_ten_thousand_kilometres_away(void **state)
 		};
 		assert_ok(render_frame(render, &camera, &selection));
 		pixels[far] = test_malloc(4 * WIDTH * HEIGHT);
-		gpu_texture_read(render->colour, 0, (struct gpu_rect){0, 0, WIDTH, HEIGHT}, pixels[far]);
+		gpu_texture_read(render->screen->colour, 0, (struct gpu_rect){0, 0, WIDTH, HEIGHT}, pixels[far]);
 		end();
 	}
 	assert_true(difference(pixels[0], pixels[1]) < 0.02);

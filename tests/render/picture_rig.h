@@ -155,7 +155,7 @@ static inline uint8_t *draw(double x, double y, double up, double tx, double ty,
 		}
 	assert_ok(render_frame(render, &camera, &selection));
 	uint8_t *pixels = test_malloc(4 * WIDTH * HEIGHT);
-	gpu_texture_read(render->colour, 0, (struct gpu_rect){0, 0, WIDTH, HEIGHT}, pixels);
+	gpu_texture_read(render->screen->colour, 0, (struct gpu_rect){0, 0, WIDTH, HEIGHT}, pixels);
 	return pixels;
 }
 

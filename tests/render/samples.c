@@ -63,7 +63,7 @@ static void draw(const struct render_camera *camera, const uint32_t *from, size_
 			.tile = {0, 0, 0}, .slot = from[i], .ground = from[i], .quadrants = 15, .finest = true, .low = LOW - 60, .high = LOW + 60,
 		};
 	assert_ok(render_frame(render, camera, &selection));
-	gpu_texture_read(render->colour, 0, (struct gpu_rect){0, 0, WIDTH, HEIGHT}, pixels);
+	gpu_texture_read(render->screen->colour, 0, (struct gpu_rect){0, 0, WIDTH, HEIGHT}, pixels);
 	assert_ok(gpu_check(gpu, "reading the picture back"));
 }
 
@@ -171,8 +171,8 @@ static void one_sample_has_no_more_than_it_had(void **state)
 	uint8_t *pixels = test_malloc(4 * PIXELS);
 	gpu_stats(gpu, &before);
 	begin(&meadow, 1, DARK, 0);
-	assert_null(render->drawn);
-	assert_null(render->resolved);
+	assert_null(render->screen->drawn);
+	assert_null(render->screen->resolved);
 	draw(&along, (const uint32_t[]){0}, 1, pixels);
 	gpu_stats(gpu, &one);
 	assert_int_equal(one.passes[GPU_RESOLVE], before.passes[GPU_RESOLVE]);

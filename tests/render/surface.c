@@ -68,7 +68,7 @@ static void take(const struct shot *shot)
 	memcpy(camera.eye, shot->eye, sizeof camera.eye);
 	memcpy(camera.target, shot->target, sizeof camera.target);
 	assert_ok(render_frame(render, &camera, &selection));
-	gpu_texture_read(render->colour, 0, (struct gpu_rect){0, 0, WIDTH, HEIGHT}, pixels);
+	gpu_texture_read(render->screen->colour, 0, (struct gpu_rect){0, 0, WIDTH, HEIGHT}, pixels);
 	render_destroy(render);
 	gpu_slots_destroy(slots);
 }

@@ -54,7 +54,7 @@ static void draw(struct drive *drive, const struct render_camera *camera, uint8_
 	wait_for_tiles(drive, camera);
 	must(render_frame(drive->view->render, camera, drive->view->selection));
 	must(gpu_staging_create(drive->world.gpu, bytes, &staging));
-	render_read_into(drive->view->render, staging);
+	render_read_into(drive->view->render, SCENE_IMAGE_COLOUR, staging);
 	while (!gpu_staging_idle(staging))
 		usleep(100);
 	memcpy(pixels, gpu_staging_bytes(staging), bytes);

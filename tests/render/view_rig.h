@@ -65,8 +65,8 @@ static inline void rig_open(struct rig *rig, uint32_t slots, double speed, doubl
 	};
 	rig->scene = (struct scene){
 		.end_time = 1000, .slots = slots, .loaders = 2, .prefetch = prefetch, .objects = &rig->object, .object_count = 1,
-		.view = {.present = true, .width = 320, .height = 180, .camera = speed > 0 ? SCENE_CHASE : SCENE_FIXED,
-			 .back = 12, .up = 5, .eye = {20, 20, 130}, .target = {200, 220, 100}},
+		.view = {.present = true, .width = 320, .height = 180, .aim = {.kind = speed > 0 ? SCENE_CHASE : SCENE_FIXED,
+			 .back = 12, .up = 5, .eye = {20, 20, 130}, .target = {200, 220, 100}}},
 	};
 	if (access(path, F_OK) != 0)
 		support_store(path, extent, support_hills);

@@ -36,9 +36,9 @@ static void the_manuals_scene_has_the_values_it_says(void **state)
 	assert_true(scene->view.present);
 	assert_int_equal(scene->view.width, 1280);
 	assert_int_equal(scene->view.height, 720);
-	assert_int_equal(scene->view.camera, SCENE_CHASE);
-	assert_int_equal(scene->view.target_object, 0);
-	assert_true(scene->view.back == 12 && scene->view.up == 5);
+	assert_int_equal(scene->view.aim.kind, SCENE_CHASE);
+	assert_int_equal(scene->view.aim.object, 0);
+	assert_true(scene->view.aim.back == 12 && scene->view.aim.up == 5);
 	assert_int_equal(scene->view.images, 100);
 	assert_int_equal(scene->view.samples, 1);
 	assert_true(scene->view.pixel_error == 0);
@@ -82,8 +82,8 @@ static void a_view_without_objects_deforms_nothing(void **state)
 	struct scene *scene = load("scene: 1\nend_time: 1\nattributes: [disturbance]\n"
 				   "redistribute: {model: box, radius: 2, repetitions: 3}\n"
 				   "view: {camera: {fixed: {eye: [1, 2, 3], target: [4, 5, -6]}}}\n");
-	assert_int_equal(scene->view.camera, SCENE_FIXED);
-	assert_true(scene->view.eye[2] == 3 && scene->view.target[2] == -6);
+	assert_int_equal(scene->view.aim.kind, SCENE_FIXED);
+	assert_true(scene->view.aim.eye[2] == 3 && scene->view.aim.target[2] == -6);
 	assert_int_equal(scene->view.width, 1280);
 	assert_int_equal(scene->box_radius, 2);
 	assert_int_equal(scene->box_repetitions, 3);
@@ -98,16 +98,16 @@ static void a_camera_may_be_written_flat_or_under_its_name(void **state)
 	for (size_t i = 0; i < 2; i++) {
 		char *text = edited(example, "{chase: front_left, back: 12, up: 5}", cameras[i]);
 		struct scene *scene = load(text);
-		assert_int_equal(scene->view.camera, SCENE_OVERHEAD);
-		assert_int_equal(scene->view.target_object, 0);
-		assert_true(scene->view.over_height == 40);
+		assert_int_equal(scene->view.aim.kind, SCENE_OVERHEAD);
+		assert_int_equal(scene->view.aim.object, 0);
+		assert_true(scene->view.aim.over_height == 40);
 		scene_destroy(scene);
 		free(text);
 	}
 	char *text = edited(example, "{chase: front_left, back: 12, up: 5}",
 			    "{eye: [1, 2, 3], target: [0, 0, 0]}");
 	struct scene *scene = load(text);
-	assert_int_equal(scene->view.camera, SCENE_FIXED);
+	assert_int_equal(scene->view.aim.kind, SCENE_FIXED);
 	scene_destroy(scene);
 	free(text);
 }

@@ -21,7 +21,7 @@ static void a_setting_replaces_or_adds_what_its_key_names(void **state)
 	assert_true(scene->objects[0].sink == 0.05);
 	assert_int_equal(scene->objects[0].path.count, 3);
 	assert_true(scene->objects[0].path.points[2].y == 6);
-	assert_int_equal(scene->view.camera, SCENE_OVERHEAD);
+	assert_int_equal(scene->view.aim.kind, SCENE_OVERHEAD);
 	assert_int_equal(scene->view.effects, EFFECT_BIT(EFFECT_FOG));
 	assert_int_equal(scene->box_repetitions, 2);
 	assert_string_equal(scene->store, "/abs/other.furrow");

@@ -1,0 +1,42 @@
+/* The textures that a picture is drawn into. One render draws into screens of several sizes, in turn. */
+#include "render/internal.h"
+
+static enum status create_target(struct render *render, struct render_screen *screen)
+{
+	struct gpu *gpu = render->gpu;
+	uint32_t width = screen->width, height = screen->height, samples = screen->samples;
+	enum status status = gpu_texture_create(gpu, GPU_SRGB8_ALPHA8, width, height, 0, &screen->colour);
+	if (status == STATUS_OK && samples > 1)
+		status = gpu_texture_create_sampled(gpu, GPU_SRGB8_ALPHA8, width, height, samples, &screen->drawn);
+	if (status == STATUS_OK)
+		status = samples > 1 ? gpu_texture_create_sampled(gpu, GPU_DEPTH32F, width, height, samples, &screen->depth)
+				     : gpu_texture_create(gpu, GPU_DEPTH32F, width, height, 0, &screen->depth);
+	if (status == STATUS_OK)
+		status = gpu_target_create(gpu, &(struct gpu_attachment){samples > 1 ? screen->drawn : screen->colour, 0}, 1,
+					   (struct gpu_attachment){screen->depth, 0}, &screen->target);
+	if (status == STATUS_OK && samples > 1)
+		status = gpu_target_create(gpu, &(struct gpu_attachment){screen->colour, 0}, 1, (struct gpu_attachment){NULL, 0},
+					   &screen->resolved);
+	return status;
+}
+
+enum status render_screen_init(struct render *render, uint32_t width, uint32_t height, uint32_t samples, struct render_screen *screen)
+{
+	*screen = (struct render_screen){.width = width, .height = height, .samples = samples};
+	enum status status = create_target(render, screen);
+	if (status != STATUS_OK || !render_objects_cast(render->objects))
+		return status;
+	return gpu_target_create(render->gpu, &(struct gpu_attachment){screen->drawn != NULL ? screen->drawn : screen->colour, 0}, 1,
+				 (struct gpu_attachment){NULL, 0}, &screen->over);
+}
+
+void render_screen_finish(struct render_screen *screen)
+{
+	gpu_target_destroy(screen->over);
+	gpu_target_destroy(screen->target);
+	gpu_target_destroy(screen->resolved);
+	gpu_texture_destroy(screen->drawn);
+	gpu_texture_destroy(screen->colour);
+	gpu_texture_destroy(screen->depth);
+	*screen = (struct render_screen){.width = screen->width, .height = screen->height, .samples = screen->samples};
+}

@@ -1,0 +1,382 @@
+/*
+ * The cameras of a drive. Each writes a frame after some steps, and is drawn only then. All share one render, and one screen for each
+ * size of picture.
+ *
+ * A camera that is mounted on an object is in the object's pose as pictures show the object. Before a body is there, the camera is
+ * where the body will begin.
+ */
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "render/internal.h"
+#include "render/view.h"
+
+/* --- where they are --- */
+
+/* A place, and axes forward, left and up. */
+struct stand {
+	double at[3], axes[3][3];
+};
+
+/* The pose between two rows, angles the shorter way round. */
+static void stand_at(const struct scene_path *poses, double time, struct stand *stand)
+{
+	const struct scene_waypoint *points = poses->points;
+	size_t low = 0, high = poses->count - 1;
+	while (high - low > 1) {
+		const size_t middle = (low + high) / 2;
+		if (points[middle].t <= time)
+			low = middle;
+		else
+			high = middle;
+	}
+	const struct scene_waypoint *a = &points[low], *b = &points[high];
+	const double part = b->t > a->t ? fmin(fmax((time - a->t) / (b->t - a->t), 0), 1) : 0;
+	const double from[6] = {a->x, a->y, a->z, a->yaw, a->pitch, a->roll}, to[6] = {b->x, b->y, b->z, b->yaw, b->pitch, b->roll};
+	double now[6];
+	for (int i = 0; i < 6; i++)
+		now[i] = from[i] + part * (i < 3 ? to[i] - from[i] : remainder(to[i] - from[i], 2 * M_PI));
+	memcpy(stand->at, now, sizeof stand->at);
+	deform_axes(now[3], now[4], now[5], 0, stand->axes);
+}
+
+static double middle_height(const struct world *world)
+{
+	const double middle = (world->meta->low + world->meta->high) / 2;
+	return isnan(middle) ? 0 : middle;
+}
+
+/* Where a body will be. Its height is about right. */
+static void stand_later(struct view *view, const struct body *body, double time, struct stand *stand)
+{
+	const struct scene_object *object = body->object;
+	struct track_point point;
+	motion_track_at(body->track, time, &point);
+	const bool attitude = object->shape.kind != DEFORM_WHEEL;
+	stand->at[0] = point.x;
+	stand->at[1] = point.y;
+	stand->at[2] = object->path.has_z ? point.z : render_view_ground_at(view, point.x, point.y, middle_height(view->world)) +
+						      deform_shape_reach(&object->shape, point.pitch, point.roll) - object->sink;
+	deform_axes(point.yaw, attitude ? point.pitch : 0, point.roll, 0, stand->axes);
+}
+
+/* Where a vehicle is. Before it was set down, where it starts. */
+static void stand_on_vehicle(struct view *view, size_t index, struct stand *stand)
+{
+	const struct world_figures *figures = &view->world->figures;
+	const struct scene_vehicle *vehicle = &view->world->scene->vehicles[index];
+	if (figures->vehicle != NULL && figures->vehicle(figures->user, index, stand->at, stand->axes))
+		return;
+	memcpy(stand->at, vehicle->at, sizeof vehicle->at);
+	stand->at[2] = render_view_ground_at(view, vehicle->at[0], vehicle->at[1], middle_height(view->world));
+	deform_axes(vehicle->yaw, 0, 0, 0, stand->axes);
+}
+
+/* `now`: exactly as pictures show the body. */
+static enum status stand_on(struct view *view, const struct scene_aim *aim, double time, bool now, struct stand *stand)
+{
+	struct render_object object;
+	bool known = false;
+	if (aim->vehicle > 0) {
+		stand_on_vehicle(view, (size_t)aim->vehicle - 1, stand);
+		return STATUS_OK;
+	}
+	enum status status = now ? render_view_object(view, (size_t)aim->object, &object, &known) : STATUS_OK;
+	if (status != STATUS_OK)
+		return status;
+	stand_later(view, &view->world->bodies[aim->object], time, stand);
+	if (!known)
+		return STATUS_OK;
+	memcpy(stand->at, object.at, sizeof object.at);
+	deform_axes(object.yaw, object.pitch, object.roll, 0, stand->axes);
+	return STATUS_OK;
+}
+
+/* Moves and turns a camera against what it is mounted on. */
+static void mount(const struct scene_camera *given, const struct stand *on, struct stand *stand)
+{
+	double own[3][3];
+	deform_axes(given->yaw, given->pitch, given->roll, 0, own);
+	for (int i = 0; i < 3; i++) {
+		stand->at[i] = on->at[i];
+		for (int k = 0; k < 3; k++)
+			stand->at[i] += given->aim.eye[k] * on->axes[k][i];
+		for (int a = 0; a < 3; a++)
+			stand->axes[a][i] = own[a][0] * on->axes[0][i] + own[a][1] * on->axes[1][i] + own[a][2] * on->axes[2][i];
+	}
+}
+
+/* The angle of view from the lowest row to the highest. */
+static double upright_fov(const struct scene_camera *camera)
+{
+	return 2 * atan(tan(camera->fov / 2) * camera->height / camera->width);
+}
+
+static enum status place_left(struct view *view, const struct view_camera *this, double time, bool now, struct render_camera *camera)
+{
+	static const struct stand world = {.axes = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+	const struct scene_camera *given = this->camera;
+	struct stand on, stand;
+	enum status status = STATUS_OK;
+	switch (given->aim.kind) {
+	case SCENE_CHASE:
+	case SCENE_OVERHEAD:
+		render_view_aim(view, &given->aim, time, camera);
+		camera->fov = upright_fov(given);
+		return STATUS_OK;
+	case SCENE_FIXED:
+		mount(given, &world, &stand);
+		break;
+	case SCENE_MOUNTED:
+		status = stand_on(view, &given->aim, time, now, &on);
+		if (status != STATUS_OK)
+			return status;
+		mount(given, &on, &stand);
+		break;
+	case SCENE_POSES:
+		stand_at(&given->poses, time, &stand);
+		break;
+	}
+	*camera = (struct render_camera){.fov = upright_fov(given)};
+	for (int i = 0; i < 3; i++) {
+		camera->eye[i] = stand.at[i];
+		camera->target[i] = stand.at[i] + stand.axes[0][i];
+		camera->up[i] = stand.axes[2][i];
+	}
+	return STATUS_OK;
+}
+
+/* The render's screen is the camera's. */
+static enum status place(struct view *view, const struct view_camera *this, double time, bool now, struct render_camera *camera)
+{
+	struct render_axes axes;
+	enum status status = place_left(view, this, time, now, camera);
+	if (status != STATUS_OK || this->camera->baseline == 0)
+		return status;
+	render_axes(view->render, camera, &axes);
+	for (int i = 0; i < 3; i++) {
+		camera->eye[i] += this->camera->baseline * axes.right[i];
+		camera->target[i] += this->camera->baseline * axes.right[i];
+	}
+	return STATUS_OK;
+}
+
+/* --- what they will need --- */
+
+/* Returns when the camera's next frame comes, s; INFINITY: the drive ends before. */
+static double next_time(const struct world *world, const struct scene_camera *camera)
+{
+	const double step = world->scene->time_step;
+	int64_t frame = (int64_t)floor((double)world->step * camera->rate * step + 1e-9);
+	while (scene_camera_step(camera, step, frame) <= world->step)
+		frame++;
+	const int64_t at = scene_camera_step(camera, step, frame);
+	return at <= world_step_count(world) ? world_step_time(world->scene, at) : INFINITY;
+}
+
+enum status render_view_look_camera(struct view *view)
+{
+	const struct world *world = view->world;
+	struct view_camera *this = &view->cameras[view->camera_turn++ % view->camera_count];
+	struct view_look *look = &this->ahead;
+	const double time = next_time(world, this->camera);
+	const bool come = look->guessed && look->done != motion_look_ahead_ranges_done(world->ahead);
+	struct render_camera camera;
+	if (time > world->time + motion_look_ahead_reach(world->ahead, world->time))
+		return STATUS_OK;
+	if (look->time == time && !come && time - world->time > (time - look->made) / 2)
+		return STATUS_OK;
+	view->exact = !motion_look_ahead_brings_ranges(world->ahead);
+	view->render->screen = this->screen;
+	enum status status = place(view, this, time, false, &camera);
+	if (status == STATUS_OK)
+		status = render_view_look(view, &camera, time, look);
+	view->render->screen = &view->render->own;
+	view->exact = true;
+	return status;
+}
+
+/* --- their frames --- */
+
+static enum status write(const struct view_camera *this, struct render *render, struct pictures *pictures, int64_t frame)
+{
+	const struct scene_camera *camera = this->camera;
+	enum status status = STATUS_OK;
+	for (int image = 0; image < SCENE_IMAGES && status == STATUS_OK; image++) {
+		struct render_picture picture = {(enum scene_image)image, (uint32_t)camera->width, (uint32_t)camera->height, .unit = camera->depth_unit};
+		if (!(camera->images >> image & 1))
+			continue;
+		snprintf(picture.name, sizeof picture.name, RENDER_CAMERAS "/%s/%s/%06lld", camera->name, scene_image_name((enum scene_image)image),
+			 (long long)frame);
+		status = render_pictures_add(pictures, render, &picture);
+	}
+	return status;
+}
+
+static enum status tell_pose(struct view *view, const struct view_camera *this, const struct render_camera *camera, const struct render_poses *poses,
+			     int64_t frame)
+{
+	struct render_axes axes;
+	struct render_pose pose;
+	if (poses == NULL)
+		return STATUS_OK;
+	render_axes(view->render, camera, &axes);
+	memcpy(pose.eye, camera->eye, sizeof pose.eye);
+	memcpy(pose.right, axes.right, sizeof pose.right);
+	memcpy(pose.up, axes.up, sizeof pose.up);
+	memcpy(pose.forward, axes.forward, sizeof pose.forward);
+	return poses->take(poses->user, (size_t)(this - view->cameras), frame, &pose);
+}
+
+static enum status draw(struct view *view, struct view_camera *this, struct pictures *pictures, const struct render_poses *poses, int64_t frame)
+{
+	struct render_camera camera;
+	enum status status = place(view, this, view->world->time, true, &camera);
+	if (status == STATUS_OK)
+		status = render_view_find_tiles(view, &camera, true);
+	if (status == STATUS_OK)
+		status = render_frame(view->render, &camera, view->selection);
+	if (status == STATUS_OK)
+		status = tell_pose(view, this, &camera, poses, frame);
+	if (status != STATUS_OK)
+		return status;
+	render_view_count(view);
+	view->starved += view->coarse;
+	this->frames++;
+	return write(this, view->render, pictures, frame);
+}
+
+enum status render_view_cameras(struct view *view, struct pictures *pictures, const struct render_poses *poses)
+{
+	const struct world *world = view->world;
+	bool set = false;
+	enum status status = STATUS_OK;
+	for (size_t i = 0; i < view->camera_count && status == STATUS_OK; i++) {
+		const int64_t frame = scene_camera_frame(view->cameras[i].camera, world->scene->time_step, world->step);
+		if (frame < 0)
+			continue;
+		if (!set)
+			status = render_view_set_objects(view, true);
+		set = true;
+		view->render->screen = view->cameras[i].screen;
+		if (status == STATUS_OK)
+			status = draw(view, &view->cameras[i], pictures, poses, frame);
+		view->render->screen = &view->render->own;
+	}
+	return status;
+}
+
+uint64_t render_view_camera_frames(const struct view *view, size_t camera)
+{
+	return view->cameras[camera].frames;
+}
+
+/* --- life --- */
+
+static bool has_size(const struct render_screen *screen, const struct scene_camera *camera)
+{
+	return screen->width == (uint32_t)camera->width && screen->height == (uint32_t)camera->height;
+}
+
+static enum status find_screen(struct view *view, struct view_camera *this)
+{
+	const struct scene_camera *camera = this->camera;
+	struct render *render = view->render;
+	this->screen = has_size(&render->own, camera) ? &render->own : NULL;
+	for (size_t i = 0; i < view->screen_count && this->screen == NULL; i++)
+		if (has_size(&view->screens[i], camera))
+			this->screen = &view->screens[i];
+	if (this->screen != NULL)
+		return STATUS_OK;
+	this->screen = &view->screens[view->screen_count++];
+	return render_screen_init(render, (uint32_t)camera->width, (uint32_t)camera->height, render->own.samples, this->screen);
+}
+
+enum status render_view_make_cameras(struct view *view)
+{
+	const struct scene *scene = view->world->scene;
+	const size_t count = scene->camera_count;
+	if (count == 0)
+		return STATUS_OK;
+	view->cameras = mem_calloc(count, sizeof *view->cameras);
+	view->screens = mem_calloc(count, sizeof *view->screens);
+	if (view->cameras == NULL || view->screens == NULL)
+		return fail_memory("the cameras");
+	enum status status = STATUS_OK;
+	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
+		view->cameras[i] = (struct view_camera){.camera = &scene->cameras[i], .ahead = {.time = -INFINITY}};
+		status = find_screen(view, &view->cameras[i]);
+	}
+	view->camera_count = status == STATUS_OK ? count : 0;
+	return status;
+}
+
+void render_view_free_cameras(struct view *view)
+{
+	for (size_t i = 0; i < view->screen_count; i++)
+		render_screen_finish(&view->screens[i]);
+	mem_free(view->screens);
+	mem_free(view->cameras);
+}
+
+/* --- their folders --- */
+
+static enum status make_folder(const char *path)
+{
+	if (mkdir(path, 0777) != 0 && errno != EEXIST)
+		return fail_with(STATUS_FAILED, "%s: %s; give a folder that can be written", path, strerror(errno));
+	return STATUS_OK;
+}
+
+enum status render_cameras_folders(const struct scene *scene, const char *directory)
+{
+	char path[RENDER_PATH];
+	snprintf(path, sizeof path, "%s/" RENDER_CAMERAS, directory);
+	enum status status = scene->camera_count > 0 ? make_folder(path) : STATUS_OK;
+	for (size_t i = 0; i < scene->camera_count && status == STATUS_OK; i++) {
+		const struct scene_camera *camera = &scene->cameras[i];
+		snprintf(path, sizeof path, "%s/" RENDER_CAMERAS "/%s", directory, camera->name);
+		status = make_folder(path);
+		for (int image = 0; image < SCENE_IMAGES && status == STATUS_OK; image++) {
+			if (!(camera->images >> image & 1))
+				continue;
+			snprintf(path, sizeof path, "%s/" RENDER_CAMERAS "/%s/%s", directory, camera->name, scene_image_name((enum scene_image)image));
+			status = make_folder(path);
+		}
+	}
+	return status;
+}
+
+/* --- the plan --- */
+
+/* Returns whether an earlier camera, or the view, has a screen of this size. */
+static bool is_shared(const struct scene *scene, size_t index)
+{
+	const struct scene_camera *camera = &scene->cameras[index];
+	bool shared = scene->view.width == camera->width && scene->view.height == camera->height;
+	for (size_t i = 0; i < index && !shared; i++)
+		shared = scene->cameras[i].width == camera->width && scene->cameras[i].height == camera->height;
+	return shared;
+}
+
+void render_cameras_plan(const struct scene *scene, struct plan *plan)
+{
+	const char *effect = scene_effect_row(EFFECT_CAMERAS)->name;
+	const uint64_t samples = scene->view.samples > 1 ? (uint64_t)scene->view.samples : 1;
+	for (size_t i = 0; i < scene->camera_count; i++) {
+		const uint64_t bytes = 4 * (uint64_t)scene->cameras[i].width * (uint64_t)scene->cameras[i].height;
+		const struct plan_line line = {.kind = PLAN_TEXTURE, .unit = PLAN_ONCE, .effect = effect, .object = -1, .amount = 1};
+		struct plan_line colour = line, other = line;
+		colour.bytes = bytes;
+		other.bytes = samples * bytes;
+		if (is_shared(scene, i))
+			continue;
+		plan_add(plan, &colour, "camera colour");
+		plan_add(plan, &other, "camera depth");
+		if (samples > 1)
+			plan_add(plan, &other, "camera samples");
+	}
+}

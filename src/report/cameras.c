@@ -1,0 +1,189 @@
+/* What a camera is, and where it was at each frame: camera.json, and the text files of COLMAP. */
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "base/aside.h"
+#include "base/json.h"
+#include "report/poses.h"
+
+static const char *const kinds[] = {
+	[SCENE_CHASE] = "chase", [SCENE_OVERHEAD] = "overhead", [SCENE_FIXED] = "fixed", [SCENE_MOUNTED] = "mounted", [SCENE_POSES] = "poses",
+};
+
+/* The focal length in pixels, along both axes. */
+static double focal_of(const struct scene_camera *camera)
+{
+	return camera->width / 2.0 / tan(camera->fov / 2);
+}
+
+/* Writes a file aside, then renames it. `print` writes what it holds. */
+static enum status publish(const struct report_poses *poses, size_t index, const char *name,
+			   void (*print)(const struct report_poses *poses, size_t index, FILE *file))
+{
+	char path[POSES_PATH];
+	struct aside aside;
+	report_poses_path(poses, index, name, path);
+	enum status status = aside_begin(&aside, path);
+	if (status == STATUS_OK) {
+		print(poses, index, aside.file); /* a failure returns when the file is completed */
+		status = aside_whole(&aside, false);
+	}
+	if (status == STATUS_OK)
+		status = aside_publish(&aside);
+	aside_finish(&aside);
+	return status;
+}
+
+/* --- COLMAP (colmap.github.io/format.html): pixel centres at halves, axes right, down, ahead; poses from the world to the camera --- */
+
+static void print_model(const struct report_poses *poses, size_t index, FILE *file)
+{
+	const struct scene_camera *camera = &poses->world->scene->cameras[index];
+	const double focal = focal_of(camera);
+	fprintf(file, "# CAMERA_ID MODEL WIDTH HEIGHT FX FY CX CY\n1 PINHOLE %d %d %.9f %.9f %.9f %.9f\n", camera->width, camera->height, focal, focal,
+		camera->width / 2.0, camera->height / 2.0);
+}
+
+static enum scene_image first_image(const struct scene_camera *camera)
+{
+	int image = 0;
+	while (!(camera->images >> image & 1))
+		image++;
+	return (enum scene_image)image;
+}
+
+static void print_images(const struct report_poses *poses, size_t index, FILE *file)
+{
+	const struct scene_camera *camera = &poses->world->scene->cameras[index];
+	const struct poses_of *of = &poses->cameras[index];
+	fputs("# IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME, then a line of points, which is empty\n", file);
+	for (size_t i = 0; i < of->count; i++) {
+		const struct poses_row *row = &of->rows[i];
+		const double x = -row->q[0], y = -row->q[1], z = -row->q[2], w = row->q[3], *a = row->at;
+		/* t = -R a, R that of the turned-back quaternion */
+		const double t[3] = {
+			-((1 - 2 * (y * y + z * z)) * a[0] + 2 * (x * y - w * z) * a[1] + 2 * (x * z + w * y) * a[2]),
+			-(2 * (x * y + w * z) * a[0] + (1 - 2 * (x * x + z * z)) * a[1] + 2 * (y * z - w * x) * a[2]),
+			-(2 * (x * z - w * y) * a[0] + 2 * (y * z + w * x) * a[1] + (1 - 2 * (x * x + y * y)) * a[2]),
+		};
+		fprintf(file, "%zu %.12f %.12f %.12f %.12f %.9f %.9f %.9f 1 %s/%06lld.png\n\n", i + 1, w, x, y, z, t[0], t[1], t[2],
+			scene_image_name(first_image(camera)), (long long)row->frame);
+	}
+}
+
+static void print_points(const struct report_poses *poses, size_t index, FILE *file)
+{
+	fputs("# POINT3D_ID X Y Z R G B ERROR TRACK: none\n", file);
+}
+
+/* --- camera.json --- */
+
+static void add_numbers(cJSON *object, const char *name, const double *numbers, int count)
+{
+	cJSON *list = cJSON_CreateDoubleArray(numbers, count);
+	if (!cJSON_AddItemToObject(object, name, list))
+		cJSON_Delete(list);
+}
+
+static void add_conventions(cJSON *root)
+{
+	cJSON *told = cJSON_AddObjectToObject(root, "conventions");
+	cJSON_AddStringToObject(told, "world", "x east, y north, z up; m from the store's south-west post, heights as the store has them");
+	cJSON_AddStringToObject(told, "camera", "x right, y down, z ahead");
+	cJSON_AddStringToObject(told, "orientation", "quaternion x, y, z, w that turns the camera's axes into the world's");
+	cJSON_AddStringToObject(told, "pixels", "x right, y down from the upper left corner of the picture; the first pixel's centre is (0.5, 0.5)");
+	cJSON_AddStringToObject(told, "projection", "pixel x = cx + fx X / Z, pixel y = cy + fy Y / Z, with X, Y, Z along the camera's axes");
+}
+
+static void add_images(cJSON *root, const struct scene_camera *camera)
+{
+	cJSON *images = cJSON_AddObjectToObject(root, "images");
+	if (camera->images >> SCENE_IMAGE_COLOUR & 1)
+		cJSON_AddStringToObject(cJSON_AddObjectToObject(images, "colour"), "png", "8-bit sRGB");
+	if (camera->images >> SCENE_IMAGE_DEPTH & 1) {
+		cJSON *depth = cJSON_AddObjectToObject(images, "depth");
+		cJSON_AddStringToObject(depth, "png", "16-bit; 0: sky, or beyond 65535 units");
+		json_number(depth, "png_unit", camera->depth_unit);
+		cJSON_AddStringToObject(depth, "npy", "float32, m along the camera's z axis; inf: sky");
+	}
+}
+
+static void add_target(cJSON *root, const struct scene *scene, const struct scene_camera *camera)
+{
+	const struct scene_aim *aim = &camera->aim;
+	if (aim->kind == SCENE_FIXED || aim->kind == SCENE_POSES)
+		return;
+	cJSON_AddStringToObject(root, "on", aim->vehicle > 0 ? scene->vehicles[aim->vehicle - 1].name : scene->objects[aim->object].name);
+}
+
+static void add_stereo(cJSON *root, const struct scene *scene, const struct scene_camera *camera)
+{
+	if (camera->pair < 0)
+		return;
+	cJSON *stereo = cJSON_AddObjectToObject(root, "stereo");
+	cJSON_AddStringToObject(stereo, camera->baseline > 0 ? "left" : "right", scene->cameras[camera->pair].name);
+	json_number(stereo, "baseline", camera->baseline > 0 ? camera->baseline : scene->cameras[camera->pair].baseline);
+}
+
+static void add_frames(cJSON *root, const struct poses_of *of)
+{
+	cJSON *frames = cJSON_AddArrayToObject(root, "frames");
+	for (size_t i = 0; i < of->count; i++) {
+		cJSON *frame = cJSON_CreateObject();
+		if (!cJSON_AddItemToArray(frames, frame)) {
+			cJSON_Delete(frame);
+			return;
+		}
+		json_integer(frame, "frame", of->rows[i].frame);
+		json_number(frame, "time", of->rows[i].time);
+		add_numbers(frame, "position", of->rows[i].at, 3);
+		add_numbers(frame, "orientation", of->rows[i].q, 4);
+	}
+}
+
+static void print_json(const struct report_poses *poses, size_t index, FILE *file)
+{
+	const struct scene *scene = poses->world->scene;
+	const struct scene_camera *camera = &scene->cameras[index];
+	const double focal = focal_of(camera);
+	cJSON *root = cJSON_CreateObject();
+	cJSON_AddStringToObject(root, "name", camera->name);
+	cJSON_AddStringToObject(root, "kind", kinds[camera->aim.kind]);
+	add_target(root, scene, camera);
+	cJSON_AddStringToObject(root, "model", "pinhole");
+	cJSON_AddStringToObject(root, "distortion", "none");
+	json_integer(root, "width", camera->width);
+	json_integer(root, "height", camera->height);
+	json_number(root, "fx", focal);
+	json_number(root, "fy", focal);
+	json_number(root, "cx", camera->width / 2.0);
+	json_number(root, "cy", camera->height / 2.0);
+	json_number(root, "fov_horizontal", camera->fov * 180 / M_PI);
+	json_number(root, "rate", camera->rate);
+	add_images(root, camera);
+	add_stereo(root, scene, camera);
+	add_conventions(root);
+	add_frames(root, &poses->cameras[index]);
+	char *text = cJSON_Print(root);
+	cJSON_Delete(root);
+	if (text != NULL)
+		fprintf(file, "%s\n", text);
+	cJSON_free(text);
+}
+
+enum status report_cameras(const struct report_poses *poses)
+{
+	enum status status = STATUS_OK;
+	for (size_t i = 0; poses != NULL && i < poses->world->scene->camera_count && status == STATUS_OK; i++) {
+		status = publish(poses, i, "camera.json", print_json);
+		if (status == STATUS_OK)
+			status = publish(poses, i, "cameras.txt", print_model);
+		if (status == STATUS_OK)
+			status = publish(poses, i, "images.txt", print_images);
+		if (status == STATUS_OK)
+			status = publish(poses, i, "points3D.txt", print_points);
+	}
+	return status;
+}

@@ -1,0 +1,295 @@
+"""Cameras of a drive: pictures and poses agree with the ground, by a projection that is written here a second time.
+
+The ground is asked of `furrow query`, which computes on the CPU. Poses are read from camera.json, poses.tum and COLMAP's text.
+"""
+import json
+import math
+import pathlib
+import signal
+import struct
+import subprocess
+import sys
+import time
+import unittest
+import zlib
+
+try:
+    import numpy as np
+except ImportError:
+    print("no numpy: skipped")
+    sys.exit(77)
+
+sys.path.insert(0, str(pathlib.Path(__file__).parent))
+from furrow_test import FURROW, FurrowTest, main, write_png16
+
+SCENE = """scene: 1
+time_step: 0.05
+end_time: 2
+objects:
+  - {name: box, shape: {box: {size: [0.2, 0.2, 0.2]}}, path: {points: [[40, 40], [46, 44]], speed: 3}}
+cache: {slots: 120}
+"""
+# Three poses and more of each kind.
+CAMERAS = """cameras:
+  - {name: post, kind: fixed, pose: {at: [30, 34, 34], target: [44, 42, 20]}, rate: 1, size: [320, 240], images: [colour, depth]}
+  - {name: tilted, kind: fixed, pose: {at: [30, 34, 34], yaw: 20, pitch: -30, roll: 25}, fov: 80, rate: 1, images: [depth]}
+  - {name: nav, kind: mounted, on: box, pose: {at: [-4, 0.5, 3], yaw: 10, pitch: -25}, fov: 70, rate: 2, images: [depth], stereo: 0.4}
+  - {name: behind, kind: chase, on: box, back: 6, up: 4, rate: 2, images: [depth]}
+  - {name: above, kind: overhead, on: box, height: 12, rate: 1, images: [depth]}
+  - {name: drone, kind: poses, file: drone.csv, rate: 2, images: [depth]}
+"""
+DRONE = "t,x,y,z,yaw,pitch,roll\n0.5,38,30,36,60,-40,0\n1.5,44,34,34,100,-50,20\n"
+
+
+def read_png(path):
+    """Pixels, rows from the top, of a PNG whose rows are unfiltered or filtered by SUB."""
+    data, at, packed = path.read_bytes(), 8, b""
+    while at < len(data):
+        length, kind = struct.unpack(">I4s", data[at:at + 8])
+        chunk = data[at + 8:at + 8 + length]
+        if kind == b"IHDR":
+            width, height, bits, colour = struct.unpack(">IIBB", chunk[:10])
+        packed += chunk if kind == b"IDAT" else b""
+        at += 12 + length
+    wide = {0: 1, 2: 3}[colour] * bits // 8
+    rows = np.frombuffer(zlib.decompress(packed), np.uint8).reshape(height, width * wide + 1)
+    assert set(rows[:, 0]) <= {0, 1}
+    sums = np.cumsum(rows[:, 1:].reshape(height, width, wide).astype(np.uint32), axis=1).astype(np.uint8)
+    pixels = np.where(rows[:, :1, None] == 1, sums, rows[:, 1:].reshape(height, width, wide))
+    return pixels[..., 0].astype(int) * 256 + pixels[..., 1] if bits == 16 else pixels
+
+
+def matrix(q):
+    """The rotation of a quaternion x, y, z, w: columns are the images of the axes."""
+    x, y, z, w = q
+    return np.array([[1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+                     [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+                     [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)]])
+
+
+class Camera:
+    """A camera as its files tell it."""
+
+    def __init__(self, folder):
+        self.folder = folder
+        self.told = json.loads((folder / "camera.json").read_text())
+        self.frames = self.told["frames"]
+
+    def project(self, frame, points):
+        """Pixel x, y and depth of points of the world."""
+        at, turn = np.array(frame["position"]), matrix(frame["orientation"])
+        x, y, z = ((np.atleast_2d(points) - at) @ turn).T
+        return self.told["cx"] + self.told["fx"] * x / z, self.told["cy"] + self.told["fy"] * y / z, z
+
+    def rays(self, frame, u, v):
+        """Directions through pixels; a step along one goes as far ahead as the number says."""
+        own = np.stack([(u - self.told["cx"]) / self.told["fx"], (v - self.told["cy"]) / self.told["fy"], np.ones_like(u)], axis=-1)
+        return own @ matrix(frame["orientation"]).T
+
+    def depth(self, frame):
+        return np.load(self.folder / f"depth/{frame['frame']:06}.npy")
+
+    def tum(self):
+        return [list(map(float, line.split())) for line in (self.folder / "poses.tum").read_text().splitlines() if line[0] != "#"]
+
+
+class Cameras(FurrowTest):
+    def make(self, text=SCENE + CAMERAS, *arguments, **ground):
+        self.store = self.synth(**{"relief": 20, **ground})
+        (self.folder / "drone.csv").write_text(DRONE)
+        return self.drive(self.scene(text), "--store", self.store, "--overlay", "o.furrow", *arguments)
+
+    def camera(self, name):
+        return Camera(self.folder / "out/cameras" / name)
+
+    def hits(self, origin, rays):
+        text = "".join(" ".join(map(repr, [*map(float, origin), *map(float, ray)])) + "\n" for ray in rays)
+        told = json.loads(self.ok("query", self.folder / "o.furrow", "--json", stdin=text))
+        return [ray.get("point") for ray in told["rays"]]
+
+    def test_depth_is_where_rays_meet_the_ground(self):
+        self.make()
+        seen = 0
+        for name in ("post", "tilted", "nav", "nav_right", "behind", "above", "drone"):
+            camera = self.camera(name)
+            self.assertGreaterEqual(len(camera.frames), 3)
+            for frame in camera.frames:
+                depth = camera.depth(frame)
+                height, width = depth.shape
+                self.assertEqual((width, height), (camera.told["width"], camera.told["height"]))
+                u, v = np.meshgrid(np.linspace(5, width - 6, 6).astype(int), np.linspace(height // 2, height - 6, 4).astype(int))
+                u, v = u.ravel(), v.ravel()
+                rays = camera.rays(frame, u + 0.5, v + 0.5)
+                for i, hit in enumerate(self.hits(frame["position"], rays)):
+                    if hit is None or math.dist(hit, frame["position"]) > 18 or self.on_the_way(hit):
+                        continue
+                    ahead = (np.array(hit) - frame["position"]) @ matrix(frame["orientation"])[:, 2]
+                    seen += 1
+                    self.assertAlmostEqual(depth[v[i], u[i]], ahead, delta=2e-4 * ahead, msg=(name, frame["frame"], u[i], v[i]))
+        self.assertGreater(seen, 200)
+
+    def on_the_way(self, point):
+        """Near where the box is, was or will be: the ground is another at other times."""
+        along = min(max(((point[0] - 40) * 6 + (point[1] - 40) * 4) / 52, 0), 1)
+        return math.hypot(point[0] - 40 - 6 * along, point[1] - 40 - 4 * along) < 1.5
+
+    def test_a_post_is_at_its_pixel(self):
+        """The tip of a spike on a plain, from three places: it is found in the picture within half a pixel of where it is projected."""
+        write_png16(self.folder / "spike.png", 65, 65, lambda x, y: 150 if (x, y) == (40, 64 - 36) else 0)
+        self.ok("import", self.folder / "spike.png", "-o", "spike.furrow", "--spacing", 1, "--height-range", "0,655.35")
+        tip = np.array([40, 36, 1.5])
+        self.assertAlmostEqual(json.loads(self.ok("query", "spike.furrow", 40, 36, "--json"))["height"], 1.5, delta=0.01)
+        places = {"a": "at: [33, 36, 3], target: [40, 36.5, 1]", "b": "at: [41, 29, 2.5], yaw: 95, pitch: -10, roll: 15", "c": "at: [46, 42, 2], target: [41, 36, 1.2]"}
+        text = "scene: 1\nend_time: 0.1\ntime_step: 0.1\ncameras:\n" + "".join(
+            f"  - {{name: {name}, kind: fixed, pose: {{{pose}}}, rate: 1, fov: 30, size: [640, 480], images: [depth]}}\n" for name, pose in places.items())
+        self.drive(self.scene(text), "--store", "spike.furrow")
+        for name in places:
+            camera = self.camera(name)
+            frame = camera.frames[0]
+            depth = camera.depth(frame)
+            v, u = np.mgrid[:depth.shape[0], :depth.shape[1]]
+            near = np.where(np.isfinite(depth), depth, 1e4)
+            points = np.array(frame["position"]) + camera.rays(frame, u + 0.5, v + 0.5) * near[..., None]
+            high = (points[..., 2] > 1) & (near < 100) & (np.hypot(points[..., 0] - 40, points[..., 1] - 36) < 1)
+            x, y, z = (value[0] for value in camera.project(frame, tip))
+            # Its two sides are straight in the picture, and meet at the tip.
+            rows = np.unique(v[high])
+            rows = rows[:len(rows) // 2]
+            self.assertGreater(len(rows), 12, name)
+            sides = [np.polyfit(rows + 0.5, [edge(u[high & (v == row)]) for row in rows], 1) for edge in (np.min, lambda pixels: pixels.max() + 1)]
+            found_y = (sides[1][1] - sides[0][1]) / (sides[0][0] - sides[1][0])
+            found_x = np.polyval(sides[0], found_y)
+            self.assertLess(max(abs(found_x - x), abs(found_y - y)), 0.5, (name, found_x, x, found_y, y))
+            self.assertAlmostEqual(depth[int(y) + 1, int(x)], z, delta=0.02, msg=name)
+
+    def test_a_stereo_pair_sees_the_same_ground(self):
+        self.make()
+        left, right = self.camera("nav"), self.camera("nav_right")
+        self.assertEqual(left.told["stereo"], {"right": "nav_right", "baseline": 0.4})
+        self.assertEqual(right.told["stereo"], {"left": "nav", "baseline": 0.4})
+        compared = 0
+        for a, b in zip(left.frames, right.frames):
+            self.assertEqual(a["orientation"], b["orientation"])
+            apart = (np.array(b["position"]) - a["position"]) @ matrix(a["orientation"])
+            np.testing.assert_allclose(apart, [0.4, 0, 0], atol=1e-9)
+            one, other = left.depth(a), right.depth(b)
+            for v in range(250, 470, 20):
+                for u in range(200, 620, 35):
+                    z = float(one[v, u])
+                    at = u - left.told["fx"] * 0.4 / z  # disparity = f b / z
+                    if not math.isfinite(z) or at < 0:
+                        continue
+                    low, part = int(at), at - int(at)
+                    beside = other[v, low] * (1 - part) + other[v, low + 1] * part
+                    compared += abs(beside - z) < 0.01 * z
+                    self.assertLess(abs(beside - z), 0.5 * z)
+        self.assertGreater(compared, 300)
+
+    def test_every_file_tells_the_same_pose(self):
+        self.make()
+        for folder in sorted((self.folder / "out/cameras").iterdir()):
+            camera = Camera(folder)
+            rows, told = camera.tum(), camera.told
+            self.assertEqual(len(rows), len(camera.frames))
+            model = (folder / "cameras.txt").read_text().splitlines()[1].split()
+            self.assertEqual(model[1:4], ["PINHOLE", str(told["width"]), str(told["height"])])
+            np.testing.assert_allclose(list(map(float, model[4:])), [told[key] for key in ("fx", "fy", "cx", "cy")], rtol=1e-9)
+            self.assertAlmostEqual(told["fx"], told["width"] / 2 / math.tan(math.radians(told["fov_horizontal"]) / 2), places=9)
+            lines = (folder / "images.txt").read_text().splitlines()[1:]
+            self.assertEqual(lines[1::2], [""] * len(rows))
+            for frame, row, line in zip(camera.frames, rows, lines[::2]):
+                np.testing.assert_allclose(row, [frame["time"], *frame["position"], *frame["orientation"]], atol=1e-8)
+                words = line.split()
+                w, x, y, z, *t = map(float, words[1:8])
+                np.testing.assert_allclose(matrix((x, y, z, w)), matrix(frame["orientation"]).T, atol=1e-9)
+                np.testing.assert_allclose(t, -matrix((x, y, z, w)) @ frame["position"], atol=1e-6)
+                self.assertTrue((folder / words[9]).exists(), words[9])
+
+    def test_the_16_bit_picture_has_the_depth(self):
+        self.make(SCENE + CAMERAS.replace("images: [depth]}", "images: [depth], depth_unit: 0.0002}"))
+        beyond = within = 0
+        for name, unit in (("post", 0.001), ("drone", 0.0002)):
+            camera = self.camera(name)
+            self.assertEqual(camera.told["images"]["depth"]["png_unit"], unit)
+            for frame in camera.frames:
+                depth = camera.depth(frame)
+                grey = read_png(camera.folder / f"depth/{frame['frame']:06}.png")
+                held = np.isfinite(depth) & (depth < 65535.4 * unit)
+                self.assertTrue((grey[~held] == 0).all())
+                self.assertLessEqual(np.abs(grey[held] * unit - depth[held]).max(initial=0), 0.51 * unit)
+                beyond += (~held).sum()
+                within += held.sum()
+        self.assertGreater(min(beyond, within), 1000)
+
+    def test_frames_come_at_their_rate_and_nothing_else_is_drawn(self):
+        run = self.make(SCENE + "cameras: [{name: a, kind: overhead, on: box, height: 9, rate: 3, size: [64, 48]},\n"
+                        "  {name: b, kind: chase, on: box, rate: 20, size: [64, 48], images: [colour, depth]}]\n")
+        a, b = self.camera("a"), self.camera("b")
+        self.assertEqual([frame["frame"] for frame in a.frames], list(range(7)))
+        # after the first step that ends at n / 3 s or later
+        np.testing.assert_allclose([frame["time"] for frame in a.frames], [0, 0.35, 0.7, 1, 1.35, 1.7, 2], atol=1e-9)
+        np.testing.assert_allclose([frame["time"] for frame in b.frames], np.arange(41) * 0.05, atol=1e-9)
+        self.assertEqual(sorted(path.name for path in (a.folder / "colour").iterdir()), [f"{i:06}.png" for i in range(7)])
+        self.assertEqual(run["counts"]["units"]["frame"], 48)
+        self.assertEqual(run["view"]["images"], 7 + 2 * 41)
+        plan = self.json("explain", self.folder / "scene.yaml", "--store", self.store)
+        self.assertEqual({name: camera["frames"] for name, camera in plan["cameras"].items()}, {"a": 7, "b": 41})
+        self.assertEqual(plan["cameras"]["b"], {"images": ["colour", "depth"], "frames": 41, "frame_bytes": 2 * 64 * 48 * 4})
+
+    def files(self):
+        return {str(path.relative_to(self.folder / "out")): path.read_bytes() for path in (self.folder / "out/cameras").rglob("*") if path.is_file()}
+
+    def test_killed_and_resumed_it_leaves_what_it_leaves_in_one_go(self):
+        text = (SCENE + CAMERAS).replace("rate: 2", "rate: 10")
+        self.make(text)
+        wanted = self.files()
+        (self.folder / "out").rename(self.folder / "alone")
+        (self.folder / "o.furrow").unlink()
+        command = [FURROW, "drive", "scene.yaml", "--store", self.store, "--overlay", "o.furrow", "-o", "out"]
+        for after in (3, 9):
+            resume = ["--resume"] if (self.folder / "o.furrow").exists() else []
+            process = subprocess.Popen([*command, *resume], cwd=self.folder, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            while process.poll() is None and len(list((self.folder / "out").glob("cameras/drone/depth/*.npy"))) < after:
+                time.sleep(0.002)
+            process.send_signal(signal.SIGKILL if after == 3 else signal.SIGINT)
+            process.communicate()
+        self.drive("scene.yaml", "--store", self.store, "--overlay", "o.furrow", "--resume")
+        found = self.files()
+        self.assertEqual(sorted(found), sorted(wanted))
+        for name in wanted:
+            self.assertTrue(found[name] == wanted[name], name)
+
+    def test_what_is_wrong_is_told(self):
+        base = "scene: 1\nend_time: 1\ntime_step: 0.1\nobjects:\n  - {name: box, shape: {box: {size: [1, 1, 1]}}, path: {points: [[9, 9]], speed: 1}}\n"
+        (self.folder / "bad.csv").write_text("t,x,y,z,yaw,pitch,roll\n0,1,1,1,0,0,0\n1,1,1,1,0,zero,0\n")
+        (self.folder / "short.csv").write_text("0,1,1\n")
+        for entry, told in (
+                ("kind: mounted, on: bax, rate: 1", 'cameras[0].on: "bax" is no object; allowed: box'),
+                ("kind: mounted, rate: 1", "cameras[0]: is of kind mounted and has no on; needed: on"),
+                ("kind: fixed, rate: 1", "cameras[0]: is of kind fixed and has no pose"),
+                ("kind: overhead, on: box, rate: 1", "has no height"),
+                ("kind: chase, on: box, rate: 1, height: 3", "cameras[0].height: is not of a camera of kind chase; allowed with: overhead"),
+                ("kind: chase, on: box, back: 0, up: 0, rate: 1", "stands in its object"),
+                ("kind: chase, on: box, rate: 1, fov: 0", "cameras[0].fov: 0 is out of range; allowed: 1 to 170"),
+                ("kind: chase, on: box, rate: 1, fov: 180", "cameras[0].fov: 180 is out of range"),
+                ("kind: chase, on: box, rate: 11", "cameras[0].rate: 11 a second are more than there are steps, 10 a second"),
+                ("kind: chase, on: box, rate: 0", "cameras[0].rate: 0 is out of range"),
+                ("kind: chase, on: box, rate: 1, size: [9000, 10]", "cameras[0].size[0]: 9000 is out of range"),
+                ("kind: chase, on: box, rate: 1, images: [colours]", 'cameras[0].images[0]: "colours" is unknown; allowed: colour, depth'),
+                ("kind: chase, on: box, rate: 1, images: [depth, depth]", "is named twice"),
+                ("kind: poses, rate: 1, file: none.csv", "none.csv"),
+                ("kind: poses, rate: 1, file: bad.csv", "bad.csv:3: pitch: \"zero\" is not a number"),
+                ("kind: poses, rate: 1, file: short.csv", "its rows say no attitude; allowed: t,x,y,z,yaw,pitch,roll"),
+                ("kind: fixed, rate: 1, pose: {at: [1, 1, 1], target: [1, 1, 1]}", "cameras[0].pose.target: is where the camera is"),
+                ("kind: fixed, rate: 1, pose: {at: [1, 1, 1], target: [2, 1, 1], yaw: 3}", "and an angle are given"),
+                ("kind: fixed, rate: 1, pose: {at: [1, 1, 1]}}\n  - {name: a, kind: fixed, rate: 1, pose: {at: [1, 1, 1]}", "is the name of another camera"),
+                ("kind: fixed, rate: 1, stereo: 1, pose: {at: [1, 1, 1]}}\n  - {name: a_right, kind: fixed, rate: 1, pose: {at: [1, 1, 1]}",
+                 '"a_right" is the name of another camera')):
+            path = self.scene(base + f"cameras:\n  - {{name: a, {entry}}}\n")
+            self.assertIn(told, self.refused(3, "explain", path), entry)
+        path = self.scene(base + "view: {camera: {chase: box}, samples: 4}\ncameras: [{name: a, kind: chase, on: box, rate: 1, images: [depth]}]\n")
+        self.assertIn("view.samples is 4; allowed: colour alone", self.refused(3, "explain", path))
+
+
+if __name__ == "__main__":
+    main()
