@@ -75,7 +75,7 @@ def figures(text):
 
 def pages():
     """{name: text}."""
-    paths = [ROOT / "README.md"] + sorted((ROOT / "docs").glob("*.md"))
+    paths = [ROOT / "README.md"] + sorted((ROOT / "docs").rglob("*.md"))
     return {str(path.relative_to(ROOT)): path.read_text(encoding="utf-8") for path in paths}
 
 

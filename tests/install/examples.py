@@ -2,6 +2,7 @@
 import csv
 import re
 import shutil
+import subprocess
 import unittest
 
 import prefix
@@ -15,11 +16,11 @@ def rows(text):
 
 
 class ExamplesTest(unittest.TestCase):
-    def build(self, compiler, source, *flags):
+    def build(self, compiler, source, *flags, libraries=()):
         shutil.copy(EXAMPLES / source, prefix.work)
         program = prefix.work / source.rsplit(".", 1)[0]
         prefix.run(compiler, *flags, "-Wall", "-Wextra", "-Wpedantic", "-Werror", *prefix.compile_flags, source, "-o", program,
-                   *prefix.package_config("--cflags", "--libs"))
+                   *prefix.package_config("--cflags", "--libs"), *libraries)
         return program
 
     def run_example(self, program, *arguments):
@@ -42,6 +43,20 @@ class ExamplesTest(unittest.TestCase):
         self.assertTrue(-0.1 < fall[-1]["above_ground_m"] < -0.001, fall[-1])
         self.assertAlmostEqual(fall[-1]["force_N"], 196.2, delta=40)
         self.assertIn("# the ball left a hollow", text)
+
+    def test_mujoco_ball(self):
+        header = subprocess.run(["cc", "-E", "-xc", "-"], input="#include <mujoco/mujoco.h>", capture_output=True, text=True)
+        if header.returncode != 0:
+            self.skipTest("MuJoCo is not here")
+        program = self.build("cc", "mujoco_ball.c", "-std=c99", libraries=["-lmujoco"])
+        fall = rows(self.run_example(program, EXAMPLES / "mujoco_ball.xml", prefix.synthesize("plain.furrow", "plain"), "mujoco_ball.furrow"))
+        self.assertEqual(len(fall), 12)
+        self.assertAlmostEqual(fall[0]["above_ground_m"], 0.2, places=6)
+        # It rolls on, the soil brakes it, and it lies still: its 20 kg are carried.
+        self.assertTrue(30.2 < fall[-1]["x_m"] < 30.6, fall[-1])
+        self.assertLess(abs(fall[-1]["velocity_x_m_s"]), 0.01)
+        self.assertAlmostEqual(fall[-1]["force_N"], 20 * 9.81, delta=1)
+        self.assertTrue(-0.05 < fall[-1]["above_ground_m"] < -0.005, fall[-1])
 
     def test_spring_wheel(self):
         program = self.build("c++", "spring_wheel.cpp", "-std=c++17")

@@ -1,0 +1,186 @@
+"""The tutorials do what they say: every file that a page tells to save is saved, every command is run, and its output is compared.
+
+A page's blocks, in order:
+- after "Save this as `NAME`:", a block of any language is the file NAME;
+- in a `console` block, a line that begins with "$ " is a command (with a backslash at its end it goes on), and what follows is its output. "..." stands
+  for any text, on a line of its own for any lines.
+
+`tutorials.py --show PAGE` prints what the commands print here, for writing a page.
+"""
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+ROOT = pathlib.Path(__file__).parents[2]
+PAGES = ROOT / "docs" / "tutorials"
+FURROW = pathlib.Path(os.environ["FURROW"])
+BUILD = os.environ.get("FURROW_BUILD")
+# What a page needs besides the command: a program, or what a build may lack, as the message says that it does.
+LACKS = ("mujoco/mujoco.h: No such file", "this build has no MuJoCo", "built without GDAL", "this build has no MPI", "no GL")
+
+
+def blocks(text):
+    """(language, the file that it is to be saved as or None, lines, number of the first line) of each block."""
+    found, language, before = [], None, ""
+    for number, line in enumerate(text.splitlines(), 1):
+        if line.startswith("```"):
+            if language is None:
+                language, lines, first = line[3:].strip(), [], number + 1
+                named = re.search(r"Save (?:this|it) as `([^`]+)`:$", before)
+            else:
+                found.append((language, named.group(1) if named else None, lines, first))
+                language, before = None, ""
+        elif language is not None:
+            lines.append(line)
+        elif line.strip():
+            before = line.strip()
+    return found
+
+
+def commands(lines, first):
+    """(command, lines of its output, number of its line) of a console block."""
+    found = []
+    for number, line in enumerate(lines, first):
+        if line.startswith("$ "):
+            found.append([line[2:], [], number])
+        elif found and found[-1][0].endswith("\\"):
+            found[-1][0] = found[-1][0][:-1] + line.strip()
+        elif found:
+            found[-1][1].append(line)
+        else:
+            raise ValueError(f"line {number}: output before a command")
+    return found
+
+
+def pattern(lines):
+    """A regular expression of the output; "..." is any text, on a line of its own any lines."""
+    parts = []
+    for line in lines:
+        parts.append(r"(?:.*\n)*?" if line.strip() == "..." else ".*".join(map(re.escape, line.rstrip().split("..."))) + r"[ \t]*\n")
+    return re.compile("".join(parts) + r"\Z")
+
+
+class Runner:
+    def __init__(self, folder):
+        self.folder = pathlib.Path(folder)
+        for name in ("tools/scenes", "examples"):
+            shutil.copytree(ROOT / name, self.folder / name, ignore=shutil.ignore_patterns("*.furrow*"))
+        self.environment = dict(os.environ, PATH=f"{FURROW.parent}{os.pathsep}{os.environ['PATH']}", LC_ALL="C.UTF-8", COLUMNS="100",
+                                OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1", OMPI_MCA_rmaps_base_oversubscribe="1")
+
+    def install(self):
+        """What the page on embedding begins with: an installation of this build."""
+        sys.path.insert(0, str(ROOT / "tests" / "install"))
+        import prefix
+        description = next(prefix.libdir.rglob("furrow.pc"))
+        description.write_text(re.sub("^prefix=.*", f"prefix={prefix.prefix}", description.read_text(), flags=re.M))
+        self.environment.update({name: prefix.environment[name] for name in ("LD_LIBRARY_PATH", "PYTHONPATH", "PKG_CONFIG_PATH", "PATH")})
+        python = prefix.python_with("numpy")
+        if python is not None:
+            (self.folder / "bin").mkdir()
+            (self.folder / "bin/python3").symlink_to(python)
+            self.environment["PATH"] = f"{self.folder / 'bin'}{os.pathsep}{self.environment['PATH']}"
+
+    def run(self, command):
+        result = subprocess.run(["bash", "-c", command], cwd=self.folder, env=self.environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                                text=True, timeout=280)
+        return result.returncode, result.stdout
+
+
+class Tutorials(unittest.TestCase):
+    maxDiff = None
+
+    def page(self, name, needs=(), installed=False):
+        for program in needs:
+            if shutil.which(program) is None:
+                self.skipTest(f"{program} is not here")
+        folder = tempfile.mkdtemp(prefix="furrow-tutorial-")
+        self.addCleanup(shutil.rmtree, folder, ignore_errors=True)
+        runner = Runner(folder)
+        if installed:
+            runner.install()
+        ran = 0
+        for language, saved, lines, first in blocks((PAGES / name).read_text(encoding="utf-8")):
+            if saved is not None:
+                (runner.folder / saved).parent.mkdir(parents=True, exist_ok=True)
+                (runner.folder / saved).write_text("\n".join(lines) + "\n", encoding="utf-8")
+            if language != "console":
+                continue
+            for command, wanted, number in commands(lines, first):
+                code, output = runner.run(command)
+                if any(lack in output for lack in LACKS):
+                    self.skipTest(output.strip().splitlines()[-1])
+                ran += 1
+                where = f"{name}:{number}: {command}"
+                self.assertEqual(code, 0, f"{where}\n{output}")
+                if wanted and not pattern(wanted).match(output):
+                    self.fail(f"{where}\nthe page has\n" + "\n".join(wanted) + f"\nand it printed\n{output}")
+        self.assertGreater(ran, 3)
+        return runner
+
+    def test_each_page_has_a_test(self):
+        tested = re.findall(r'self\.page\("([^"]+)"', pathlib.Path(__file__).read_text(encoding="utf-8"))
+        self.assertEqual(sorted(tested), sorted(path.name for path in PAGES.glob("*.md")))
+
+    def test_first_drive(self):
+        self.page("first-drive.md")
+
+    def test_your_own_dem(self):
+        self.page("your-own-dem.md", needs=["gdal_translate"])
+
+    def test_a_vehicle_on_a_slope(self):
+        self.page("vehicle-on-a-slope.md")
+
+    def test_many_runs(self):
+        self.page("many-runs.md")
+
+    def test_embedding(self):
+        if os.environ.get("SANITIZE", "none") != "none":
+            self.skipTest("programs outside of the build are not sanitized")
+        self.page("embedding.md", needs=["cc", "pkg-config"], installed=True)
+
+    def test_on_a_cluster(self):
+        self.page("on-a-cluster.md", needs=["mpirun"])
+
+    def test_how_far_to_believe_it(self):
+        self.page("how-far-to-believe-it.md")
+
+    # --- the test itself ---
+
+    def test_what_differs_is_seen(self):
+        self.assertTrue(pattern(["a ... b", "...", "end"]).match("a 12 b\nx\ny\nend\n"))
+        self.assertTrue(pattern(["...", "end"]).match("end\n"))
+        for text in ("a 12 c\nend\n", "a 12 b\nend", "a 12 b\nend\nmore\n", "more\na 12 b\nend\n"):
+            self.assertFalse(pattern(["a ... b", "...", "end"]).match(text))
+        page = "Save this as `x.yaml`:\n\n```yaml\na: 1\n```\n\nNow run it:\n\n```console\n$ one \\\n  two\nout\n$ three\n```\n"
+        (yaml, console) = blocks(page)
+        self.assertEqual((yaml[1], yaml[2]), ("x.yaml", ["a: 1"]))
+        self.assertEqual([(c, o) for c, o, _ in commands(console[2], console[3])], [("one two", ["out"]), ("three", [])])
+
+
+def show(name):
+    with tempfile.TemporaryDirectory() as folder:
+        runner = Runner(folder)
+        if name.startswith("embedding"):
+            runner.install()
+        for language, saved, lines, first in blocks((PAGES / name).read_text(encoding="utf-8")):
+            if saved is not None:
+                (runner.folder / saved).write_text("\n".join(lines) + "\n", encoding="utf-8")
+            if language == "console":
+                for command, _, _ in commands(lines, first):
+                    code, output = runner.run(command)
+                    print(f"$ {command}\n{output}" + (f"[exit status {code}]\n" if code else ""), end="")
+        if len(sys.argv) > 3:
+            shutil.copytree(folder, sys.argv[3], dirs_exist_ok=True)
+
+
+if __name__ == "__main__":
+    if sys.argv[1:2] == ["--show"]:
+        show(sys.argv[2])
+    else:
+        unittest.main(verbosity=2)
