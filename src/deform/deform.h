@@ -405,6 +405,8 @@ enum status deform_forget_active(struct deform *deform) FURROW_CHECKED;
 /* Gives the list of all active blocks. Its order depends only on which blocks are active. The list is valid until the next call.
  * STATUS_FAILED: there are more than DEFORM_BLOCKS_MAX. Rarely waits for the GPU. */
 enum status deform_active_blocks(struct deform *deform, const struct deform_block **blocks, size_t *count) FURROW_CHECKED;
+/* Sorts blocks into the order of that list, and drops those that stand in it twice. Returns how many are left. Pure. */
+size_t deform_blocks_sort(struct deform_block *blocks, size_t count);
 
 /* An object at rest, in the pose of its last path sample. */
 struct deform_rest {

@@ -239,13 +239,22 @@ enum status world_record_ranks(struct world *world, const struct deform_block *o
 {
 	enum status status = world_fill_record(world);
 	struct record *record = world->record;
-	if (status == STATUS_OK && record->active_count + count > DEFORM_BLOCKS_MAX)
+	if (status != STATUS_OK || count == 0)
+		return status;
+	/* Two ranks may both have woken a block between their ground. */
+	struct deform_block *all = mem_alloc(record->active_count + count, sizeof *all);
+	if (all == NULL)
+		return fail_memory("active blocks");
+	memcpy(all, record->active, record->active_count * sizeof *all);
+	memcpy(all + record->active_count, others, count * sizeof *all);
+	const size_t kept = deform_blocks_sort(all, record->active_count + count);
+	if (kept > DEFORM_BLOCKS_MAX) {
 		status = fail_with(STATUS_FAILED, "soil: the ground slides in more than %d blocks of %d x %d posts at once; choose a soil that stands "
 						  "steeper, a coarser spacing, or model none", DEFORM_BLOCKS_MAX, DEFORM_BLOCK, DEFORM_BLOCK);
-	if (status != STATUS_OK)
-		return status;
-	if (count > 0)
-		memcpy(record->active + record->active_count, others, count * sizeof *others);
-	record->active_count += count;
-	return STATUS_OK;
+	} else {
+		memcpy(record->active, all, kept * sizeof *all);
+		record->active_count = kept;
+	}
+	mem_free(all);
+	return status;
 }

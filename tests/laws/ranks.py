@@ -55,6 +55,9 @@ HEAPS = scene("sumner", 4, "".join(
 # One stands where it was carried, on soil that slides, when a rank with others takes it over.
 STANDING = scene("scm", 5, wheel("stands", [[60, 60], [62, 60]], 4, "load: 4000") + wheel("far", [[20, 100], [60, 101]], 9) +
                  wheel("a", [[100, 60], [64, 60]], 9) + wheel("b", [[100, 62.5], [63, 61.5]], 9) + wheel("c", [[101, 57], [62, 58]], 9))
+# Two pass at both sides of a tile's edge, on two ranks, and wake the same blocks there. The first interval comes after the end.
+BOTH_SIDES = scene("sumner", 0.8, "".join(wheel(f"w{x}", [[x, 20], [x, 40]], 2, "sink: 0.1") for x in (61, 67))).replace(
+    "model: sumner", "model: sumner, iterations: 8, interval: 1")
 SPREAD = scene("box", 4, "".join(
     wheel(f"s{i}", [[16 + 20 * i, 20 + 7 * i], [200 - 19 * i, 190 - 13 * i]], 25, "sink: 0.08") for i in range(9)), step=0.1)
 
@@ -100,8 +103,19 @@ class Ranks(FurrowTest):
         db.close()
         return out
 
+    def record(self, name):
+        """What a drive goes on from: step, time, state, and the active blocks. Which of them are awake without need depends on the GPU."""
+        with sqlite3.connect(self.folder / f"{name}.furrow") as db:
+            step, time_, state = db.execute("SELECT step, time, state FROM run").fetchone()
+        db.close()
+        state = json.loads(state)
+        return (step, time_, state), state.pop("awake").split(";")[:-1]
+
     def same(self, one, many, reports):
         self.assertEqual(self.rows(one), self.rows(many))
+        record, awake = self.record(many)
+        self.assertEqual(self.record(one)[0], record)
+        self.assertEqual(len(awake), len(set(awake)), "a block stands twice in the record")
         for file in ("objects.csv", "vehicles.csv"):
             a, b = self.folder / one / file, self.folder / many / file
             self.assertEqual(a.exists(), b.exists(), file)
@@ -146,6 +160,14 @@ class TheSame(Ranks):
     def test_rows_that_come_later_than_their_contact(self):
         text = CROSSING.replace("load: 2000", "sink: 0.06").replace("load: 1500", "sink: 0.05")
         self.compare(text.replace("forces: 20", "forces: 3").replace("time_step: 0.05", "time_step: 0.01"), ranks=RANKS[-1:])
+
+    def test_blocks_that_two_ranks_have_woken_stand_once_in_the_record(self):
+        self.compare(BOTH_SIDES, ranks=[2], moves=False)
+        awake = [self.record(name)[1] for name in ("one", "many2")]
+        self.assertGreater(len(awake[0]), 3)
+        self.assertEqual(*awake)
+        balance = json.loads((self.folder / "many2" / "run.json").read_text())["ranks"]["balance"]
+        self.assertLess(balance, 1.5, "one rank had both")
 
     def test_a_convoy_in_one_rut_leaves_a_rank_with_nothing(self):
         self.compare(CONVOY, moves=False)

@@ -96,3 +96,14 @@ void deform_block_set_sort(struct block_set *set)
 	if (set->count > 0)
 		index_all(set);
 }
+
+size_t deform_blocks_sort(struct deform_block *blocks, size_t count)
+{
+	size_t kept = 0;
+	if (count > 0)
+		qsort(blocks, count, sizeof *blocks, morton);
+	for (size_t i = 0; i < count; i++)
+		if (kept == 0 || morton(&blocks[kept - 1], &blocks[i]) != 0)
+			blocks[kept++] = blocks[i];
+	return kept;
+}
