@@ -58,6 +58,11 @@ STANDING = scene("scm", 5, wheel("stands", [[60, 60], [62, 60]], 4, "load: 4000"
 # Two pass at both sides of a tile's edge, on two ranks, and wake the same blocks there. The first interval comes after the end.
 BOTH_SIDES = scene("sumner", 0.8, "".join(wheel(f"w{x}", [[x, 20], [x, 40]], 2, "sink: 0.1") for x in (61, 67))).replace(
     "model: sumner", "model: sumner, iterations: 8, interval: 1")
+# Slow wheels have a path sample in 0.3 to 0.42 s and a row in 0.33 s: a sample's forces are asked for long before the row that has them. Fast ones
+# on another rank come by meanwhile, and take them over.
+LATE = scene("scm", 2.5, "".join(wheel(f"slow{x}", [[x, 60], [x + 3, 60]], speed, "sink: 0.06")
+    for x, speed in ((70, 0.3), (90, 0.33), (110, 0.36), (130, 0.39), (150, 0.42))) + "".join(
+    wheel(f"fast{i}", [[30 - 2 * i, 63], [180, 63]], 22, "sink: 0.05") for i in range(6)), step=0.01).replace("forces: 20", "forces: 3")
 SPREAD = scene("box", 4, "".join(
     wheel(f"s{i}", [[16 + 20 * i, 20 + 7 * i], [200 - 19 * i, 190 - 13 * i]], 25, "sink: 0.08") for i in range(9)), step=0.1)
 
@@ -160,6 +165,9 @@ class TheSame(Ranks):
     def test_rows_that_come_later_than_their_contact(self):
         text = CROSSING.replace("load: 2000", "sink: 0.06").replace("load: 1500", "sink: 0.05")
         self.compare(text.replace("forces: 20", "forces: 3").replace("time_step: 0.05", "time_step: 0.01"), ranks=RANKS[-1:])
+
+    def test_forces_that_are_asked_for_long_before_their_row(self):
+        self.compare(LATE)
 
     def test_blocks_that_two_ranks_have_woken_stand_once_in_the_record(self):
         self.compare(BOTH_SIDES, ranks=[2], moves=False)
