@@ -98,13 +98,76 @@ static enum status list_due(struct world *world, double until)
 	return status;
 }
 
+/* --- events of later steps --- */
+
+/* The events of a body that were placed before their steps. */
+struct event_run {
+	int64_t sample; /* of the first */
+	size_t at, count; /* in world_events.ahead */
+};
+
+static enum status add_ahead(struct world_events *events, const struct event *event)
+{
+	if (events->ahead_count == events->ahead_room) {
+		const size_t room = events->ahead_room != 0 ? 2 * events->ahead_room : 256;
+		struct event *ahead = mem_realloc(events->ahead, room, sizeof *ahead);
+		if (ahead == NULL)
+			return fail_memory("the stations of a plan");
+		events->ahead = ahead;
+		events->ahead_room = room;
+	}
+	events->ahead[events->ahead_count++] = *event;
+	return STATUS_OK;
+}
+
+enum status world_check_events(struct world *world, double until)
+{
+	struct world_events *events = &world->events;
+	enum status status = STATUS_OK;
+	if (events->runs == NULL)
+		events->runs = mem_calloc(world->scene->object_count + 1, sizeof *events->runs);
+	if (events->runs == NULL)
+		return fail_memory("the stations of a plan");
+	events->ahead_count = 0;
+	for (size_t i = 0; i < world->scene->object_count; i++) {
+		struct body *body = &world->bodies[i];
+		struct event_run *run = &events->runs[i];
+		const int64_t samples = body->track != NULL && !body->elsewhere ? motion_track_samples(body->track) : 0;
+		*run = (struct event_run){body->next, events->ahead_count, 0};
+		for (int64_t k = body->next; k < samples && status == STATUS_OK && motion_track_sample_time(body->track, k) <= until; k++) {
+			struct event event = {.time = 0};
+			status = world_set_down(world, body, k, &event);
+			if (status == STATUS_OK)
+				status = add_ahead(events, &event);
+			run->count += status == STATUS_OK;
+		}
+	}
+	return status;
+}
+
+/* Places the event of a body's next sample. What was placed before is the same: it depends on the path and the base alone. */
+static enum status place(struct world *world, struct event *event)
+{
+	struct body *body = &world->bodies[event->body];
+	const struct event_run *run = world->events.runs != NULL ? &world->events.runs[event->body] : NULL;
+	if (run == NULL || body->next < run->sample || body->next >= run->sample + (int64_t)run->count)
+		return world_set_down(world, body, body->next, event);
+	const struct event due = *event;
+	*event = world->events.ahead[run->at + (size_t)(body->next - run->sample)];
+	event->body = due.body;
+	event->time = due.time;
+	return STATUS_OK;
+}
+
+/* --- the events of a step --- */
+
 enum status world_collect_events(struct world *world, double until)
 {
 	enum status status = list_due(world, until);
 	for (size_t i = 0; i < world->events.count && status == STATUS_OK; i++) {
 		struct event *event = &world->events.list[i];
 		struct body *body = &world->bodies[event->body];
-		status = world_set_down(world, body, body->next, event);
+		status = place(world, event);
 		if (status == STATUS_OK)
 			body->next++;
 		else

@@ -189,20 +189,6 @@ enum status world_body_unpack(struct world *world, const struct world_moved *mov
 	return STATUS_OK;
 }
 
-enum status world_check_events(struct world *world, double until)
-{
-	enum status status = STATUS_OK;
-	for (size_t i = 0; i < world->scene->object_count && status == STATUS_OK; i++) {
-		struct body *body = &world->bodies[i];
-		const int64_t samples = body->track != NULL && !body->elsewhere ? motion_track_samples(body->track) : 0;
-		for (int64_t k = body->next; k < samples && motion_track_sample_time(body->track, k) <= until && status == STATUS_OK; k++) {
-			struct event event = {.time = 0};
-			status = world_set_down(world, body, k, &event);
-		}
-	}
-	return status;
-}
-
 /* --- blocks where soil may slide --- */
 
 enum status world_active_keep(struct world *world, world_block_fn keeps, void *user)

@@ -333,6 +333,8 @@ void world_finish(struct world *world, enum status status)
 	key_set_finish(&world->aloft.seen);
 	key_set_finish(&world->aloft.old);
 	mem_free(world->events.list);
+	mem_free(world->events.ahead);
+	mem_free(world->events.runs);
 	if (world->commit_log != NULL)
 		fclose(world->commit_log);
 	resident_ground_destroy(world->ground);

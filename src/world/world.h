@@ -346,6 +346,10 @@ struct world {
 	struct world_events {     /* events.c: events of the current step */
 		struct event *list;
 		size_t count, room;
+		/* events of later steps that world_check_events() has placed. runs: by body; NULL: none */
+		struct event *ahead;
+		size_t ahead_count, ahead_room;
+		struct event_run *runs;
 	} events;
 	struct world_relaxation { /* relaxation.c */
 		struct deform_rest *rests; /* room for all bodies */
@@ -566,7 +570,7 @@ int64_t world_intervals_due(const struct world *world, double until); /* number 
 struct post_rect world_block_area(const struct world *world, struct deform_block block, int64_t intervals);
 void world_body_here(struct world *world, size_t index, bool here); /* says if this rank computes its contacts */
 void world_pass_elsewhere(struct world *world, double until);       /* counts the path samples of bodies elsewhere */
-/* Returns the failure that collecting the events until then would have. Changes nothing. */
+/* Returns the failure that collecting the events until then would have. Keeps what it placed for the steps until then. */
 enum status world_check_events(struct world *world, double until) FURROW_CHECKED;
 /* Undoes the collecting of this step's events. The step collects them again. */
 void world_forget_events(struct world *world);
