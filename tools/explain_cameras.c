@@ -28,13 +28,14 @@ static void list_images(const struct scene_camera *camera, char *text, size_t si
 /* The bytes that a frame has on its way from the GPU. */
 static uint64_t frame_bytes(const struct scene_camera *camera)
 {
-	return 4 * (uint64_t)camera->width * (uint64_t)camera->height * (uint64_t)__builtin_popcount(camera->images);
+	const int plain = __builtin_popcount(camera->images & ~SCENE_IMAGES_MEASURED), measured = camera->images & SCENE_IMAGES_MEASURED ? 4 : 0;
+	return 4 * (uint64_t)camera->width * (uint64_t)camera->height * (uint64_t)(plain + measured);
 }
 
 void explain_cameras_text(const struct scene *scene, const struct report_plan *plan)
 {
 	if (scene->camera_count > 0)
-		puts("\ncameras: each frame draws the ground once for itself, from at most as many tiles as a picture may have");
+		puts("\ncameras: each frame draws what it sees once, and for normals, height and class once more");
 	for (size_t i = 0; i < scene->camera_count; i++) {
 		const struct scene_camera *camera = &scene->cameras[i];
 		char what[240], images[120];

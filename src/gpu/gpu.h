@@ -115,7 +115,7 @@ void gpu_finish(struct gpu *gpu); /* waits until the GPU has finished; for bench
 /* R8 and R16 are normalised; R16F and R32F are float. A bench keeps heights in these formats, to compare them with integer
  * heights. */
 enum gpu_format {
-	GPU_R32I, GPU_R8UI, GPU_R8, GPU_R16, GPU_R16F, GPU_R32F, GPU_RGBA32I, GPU_RGBA8UI, GPU_RGBA8, GPU_SRGB8_ALPHA8, GPU_DEPTH32F
+	GPU_R32I, GPU_R8UI, GPU_R8, GPU_R16, GPU_R16F, GPU_R32F, GPU_RGBA32I, GPU_RGBA32F, GPU_RGBA8UI, GPU_RGBA8, GPU_SRGB8_ALPHA8, GPU_DEPTH32F
 };
 
 size_t gpu_format_bytes(enum gpu_format format); /* bytes of a texel */

@@ -151,7 +151,7 @@ static enum status run_tile(struct render *render, const struct gpu_slot *slot, 
 {
 	struct gpu_pass pass = {
 		.stage = GPU_TERRAIN,
-		.target = render->screen->target,
+		.target = render->measuring ? render->screen->measure : render->screen->target,
 		.viewport = {0, 0, render->screen->width, render->screen->height},
 		.textures = {slot->base, slot->planes[PLANE_OFFSET], NULL, ground, render->ground, slot->classes},
 		.lists = {render->instances},
@@ -203,15 +203,14 @@ static enum status draw_sky(struct render *render, const struct picture_params *
 	return status;
 }
 
-enum status render_frame(struct render *render, const struct render_camera *camera,
-			 const struct terrain_selection *selection)
+/* Draws the ground and the objects. */
+static enum status draw_frame(struct render *render, const struct render_camera *camera, const struct terrain_selection *selection,
+			      struct picture_params *params)
 {
-	float background[4];
 	struct render_axes axes;
 	struct terrain_view view;
 	render_axes(render, camera, &axes);
 	render_view(render, camera, &view);
-	render_body_background(&render->light, background);
 	struct drawn *drawn = mem_alloc(selection->draw_count + 1, sizeof *drawn);
 	if (drawn == NULL)
 		return fail_memory("the picture's draws");
@@ -220,12 +219,10 @@ enum status render_frame(struct render *render, const struct render_camera *came
 	double lowest = INFINITY;
 	for (size_t i = 0; i < selection->draw_count; i++)
 		lowest = fmin(lowest, selection->draws[i].low);
-	struct picture_params params = {0};
-	fill_frame(render, camera, &axes, &params);
+	fill_frame(render, camera, &axes, params);
 	render->triangles = 0;
 	render->tiles = (struct render_tiles){.drawn = 0};
-	gpu_target_clear(render->screen->target, background);
-	const bool counted = render->screen == &render->own; /* overdraw is of that size */
+	const bool counted = render->screen == &render->own && !render->measuring; /* overdraw is of that size */
 	if (counted)
 		gpu_counter_begin(render->ground_samples);
 	for (size_t i = 0, end; i < selection->draw_count && status == STATUS_OK; i = end) {
@@ -237,22 +234,42 @@ enum status render_frame(struct render *render, const struct render_camera *came
 			if (drawn[k].count == 0)
 				continue;
 			const struct terrain_draw *draw = &selection->draws[k];
-			fill_tile(render, camera, &axes, draw, drawn[k].first, patched, lowest, &params);
-			status = draw_tile(render, draw, &drawn[k], &params);
+			fill_tile(render, camera, &axes, draw, drawn[k].first, patched, lowest, params);
+			status = draw_tile(render, draw, &drawn[k], params);
 		}
 	}
 	if (counted)
 		gpu_counter_end(render->ground_samples);
 	if (status == STATUS_OK && render->objects != NULL)
-		status = render_objects_draw(render, camera, &axes, &view, &params);
+		status = render_objects_draw(render, camera, &axes, &view, params);
+	mem_free(drawn);
+	return status;
+}
+
+enum status render_frame(struct render *render, const struct render_camera *camera, const struct terrain_selection *selection)
+{
+	float background[4];
+	struct picture_params params = {0};
+	render_body_background(&render->light, background);
+	gpu_target_clear(render->screen->target, background);
+	enum status status = draw_frame(render, camera, selection, &params);
 	if (status == STATUS_OK && (render->effects >> EFFECT_SKY & 1))
 		status = draw_sky(render, &params);
 	if (status == STATUS_OK && render->screen->resolved != NULL)
 		gpu_target_resolve(render->screen->target, render->screen->resolved);
-	if (status == STATUS_OK)
-		status = gpu_check(render->gpu, "drawing the picture");
-	mem_free(drawn);
-	return status;
+	return status == STATUS_OK ? gpu_check(render->gpu, "drawing the picture") : status;
+}
+
+enum status render_measure(struct render *render, const struct render_camera *camera, const struct terrain_selection *selection)
+{
+	static const float nothing[4] = {0, 0, 0, 0};
+	struct picture_params params = {0};
+	assert(render->measures && render->screen->measure != NULL);
+	gpu_target_clear(render->screen->measure, nothing);
+	render->measuring = true;
+	enum status status = draw_frame(render, camera, selection, &params);
+	render->measuring = false;
+	return status == STATUS_OK ? gpu_check(render->gpu, "drawing numbers") : status;
 }
 
 /* --- before the first frame --- */
@@ -267,6 +284,26 @@ static enum status draw_kinds(struct render *render, const struct gpu_slot *defo
 		status = run_tile(render, deformed, NULL, 1, params);
 	if (status == STATUS_OK && any && divided)
 		status = run_tile(render, deformed, deformed->base, 1, params);
+	return status;
+}
+
+/* The screen that numbers are drawn into may be another's, so this makes one of a pixel. */
+static enum status measure_unseen(struct render *render, const struct gpu_slot *slot, bool deformed, bool divided,
+				  const struct picture_params *params)
+{
+	struct render_screen *shown = render->screen, small;
+	enum status status = render_screen_init(render, 1, 1, 1, &small);
+	if (status == STATUS_OK)
+		status = render_screen_measures(render, &small);
+	render->screen = &small;
+	render->measuring = true;
+	if (status == STATUS_OK)
+		status = draw_kinds(render, slot, deformed, divided, params);
+	if (status == STATUS_OK && render->objects != NULL)
+		status = render_objects_draw_unseen(render, params);
+	render->measuring = false;
+	render->screen = shown;
+	render_screen_finish(&small);
 	return status;
 }
 
@@ -288,6 +325,8 @@ static enum status draw_unseen(struct render *render, const struct gpu_slot *slo
 		render->layer = shown;
 	}
 	gpu_counter_end(render->ground_samples);
+	if (status == STATUS_OK && render->measures)
+		status = measure_unseen(render, slot, deformed, divided, &params);
 	if (status == STATUS_OK && render->objects != NULL)
 		status = render_objects_draw_unseen(render, &params);
 	return status == STATUS_OK && (render->effects >> EFFECT_SKY & 1) ? draw_sky(render, &params) : status;

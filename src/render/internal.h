@@ -164,11 +164,15 @@ struct render_screen {
 	/* colours with several samples for each pixel, resolved into `colour` at the end of a frame; NULL with 1 sample */
 	struct gpu_texture *drawn;
 	struct gpu_target *resolved; /* target with `colour`; NULL with 1 sample */
+	struct gpu_texture *numbers; /* NULL unless render_measure may be called */
+	struct gpu_target *measure;  /* draws into `numbers` and `depth` */
 	struct gpu_target *over;     /* target with only the picture's colour; NULL: no object casts a shadow */
 };
 /* Fills `screen` for pictures of this size. Call render_screen_finish even after a failure; it keeps the sizes. */
 enum status render_screen_init(struct render *render, uint32_t width, uint32_t height, uint32_t samples, struct render_screen *screen)
 	FURROW_CHECKED;
+/* Makes what render_measure draws into, unless the screen has it. One sample for each pixel. */
+enum status render_screen_measures(struct render *render, struct render_screen *screen) FURROW_CHECKED;
 void render_screen_finish(struct render_screen *screen);
 
 struct render {
@@ -194,6 +198,9 @@ struct render {
 	struct render_objects *objects; /* NULL: no objects are shown */
 	struct render_tiles tiles; /* counts of the last frame */
 	struct gpu_program *tile_programs[RENDER_VARIANTS]; /* NULL: not yet linked */
+	bool measures, classes; /* as in render_params */
+	bool measuring;         /* numbers are drawn now, not colours */
+	struct gpu_program *measure_programs[RENDER_VARIANTS];
 	bool layers;
 	struct render_layer layer;
 	struct gpu_program *layer_programs[RENDER_VARIANTS]; /* the same for false colours (layers) */

@@ -73,8 +73,12 @@ static struct gpu_program_request request_of(uint64_t effects, const char *body,
 	return request;
 }
 
+static const struct gpu_program_request measure_request = {.vertex = "object.vert", .fragment = "measure_object.frag"};
+
 static enum status program_of(struct render *render, bool shadow, struct gpu_program **out)
 {
+	if (render->measuring)
+		return gpu_program_get(render->gpu, &measure_request, out);
 	struct gpu_program_request request = request_of(render->effects, render_body_define(&render->light), (int)render->screen->samples, shadow);
 	return gpu_program_get(render->gpu, &request, out);
 }
@@ -85,6 +89,8 @@ enum status render_objects_warm(struct render *render)
 	if (render->objects == NULL)
 		return STATUS_OK;
 	enum status status = program_of(render, false, &program);
+	if (status == STATUS_OK && render->measures)
+		status = gpu_program_get(render->gpu, &measure_request, &program);
 	return status == STATUS_OK && render->objects->casts ? program_of(render, true, &program) : status;
 }
 
@@ -108,6 +114,11 @@ void render_objects_plan(const struct render_params *params, struct plan *plan)
 	if (!shows(params->effects, params->object_count))
 		return;
 	add_program(plan, EFFECT_OBJECTS, params);
+	if (params->measures) {
+		char name[GPU_PROGRAM_NAME];
+		gpu_program_name(&measure_request, name, sizeof name);
+		add(plan, PLAN_PROGRAM, PLAN_ONCE, EFFECT_CAMERAS, 0, name);
+	}
 	add(plan, PLAN_PASS, PLAN_OBJECTS, EFFECT_OBJECTS, 0, gpu_stage_name(GPU_OBJECTS));
 	add(plan, PLAN_BUFFER, PLAN_ONCE, EFFECT_OBJECTS, gpu_list_bytes(params->object_count * sizeof(struct object_posed)), "objects: where they are");
 	for (size_t i = 0; i < params->object_count; i++) {
@@ -339,7 +350,7 @@ static void run_objects(struct render *render, const struct picture_params *para
 	gpu_pass_run(render->gpu, &(struct gpu_pass){
 		.stage = GPU_OBJECTS,
 		.program = program,
-		.target = render->screen->target,
+		.target = render->measuring ? render->screen->measure : render->screen->target,
 		.viewport = {0, 0, render->screen->width, render->screen->height},
 		.storage = {shape->corners},
 		.lists = {[1] = render->objects->instances},
@@ -375,7 +386,7 @@ enum status render_objects_draw_unseen(struct render *render, const struct pictu
 	if (status != STATUS_OK)
 		return status;
 	run_objects(render, params, program, &objects->shapes[0], 0, 3, 1);
-	if (objects->casts) {
+	if (objects->casts && !render->measuring) {
 		objects->shadows[0] = (struct object_shadow){.kind = {0}};
 		status = draw_shadows(render, params, 1);
 	}
@@ -390,7 +401,7 @@ enum status render_objects_draw(struct render *render, const struct render_camer
 	struct gpu_program *program;
 	size_t seen, shadows;
 	look(render, camera, axes, view, sun, &seen, &shadows);
-	enum status status = shadows > 0 ? draw_shadows(render, params, shadows) : STATUS_OK;
+	enum status status = shadows > 0 && !render->measuring ? draw_shadows(render, params, shadows) : STATUS_OK;
 	if (status == STATUS_OK)
 		status = program_of(render, false, &program);
 	if (status != STATUS_OK || seen == 0)

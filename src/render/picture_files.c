@@ -1,4 +1,4 @@
-/* Turns what was read back of a frame into files: colours, and depths. */
+/* Turns what was read back of a frame into files: colours, depths, and the numbers of render_measure. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -24,31 +24,156 @@ static void put_greys(const void *user, uint32_t y, uint8_t *row)
 	}
 }
 
+/* Fills the path of an image of a frame, without its ending. */
+static void path_of(const char *directory, const struct render_picture *picture, enum scene_image image, char path[RENDER_PATH])
+{
+	if (picture->frame < 0)
+		snprintf(path, RENDER_PATH, "%.4096s/%s", directory, picture->name);
+	else
+		snprintf(path, RENDER_PATH, "%.4096s/%s/%s/%06lld", directory, picture->name, scene_image_name(image), (long long)picture->frame);
+}
+
+static enum status write_png(const char *path, const struct render_picture *picture, unsigned bits, unsigned channels,
+			     void (*put)(const void *user, uint32_t y, uint8_t *row), const void *user)
+{
+	char file[RENDER_PATH + 8];
+	snprintf(file, sizeof file, "%s.png", path);
+	return render_png_rows(file, &(struct render_png){picture->width, picture->height, bits, channels, put, user, .srgb = false});
+}
+
+static enum status write_npy(const char *path, const struct render_picture *picture, const void *values, unsigned channels, unsigned bytes)
+{
+	char file[RENDER_PATH + 8];
+	snprintf(file, sizeof file, "%s.npy", path);
+	return render_npy_write(file, &(struct render_array){values, picture->width, picture->height, channels, 'f', bytes});
+}
+
 static enum status write_depth(const char *path, const struct render_picture *picture, float *depth)
 {
-	char file[RENDER_PATH];
-	const size_t count = (size_t)picture->width * picture->height;
-	render_depths(depth, count);
+	render_depths(depth, (size_t)picture->width * picture->height);
 	const struct greys greys = {depth, picture->width, picture->unit};
-	snprintf(file, sizeof file, "%s.png", path);
-	enum status status = render_png_rows(file, &(struct render_png){picture->width, picture->height, 16, 1, put_greys, &greys, .srgb = false});
-	if (status != STATUS_OK)
+	enum status status = write_png(path, picture, 16, 1, put_greys, &greys);
+	return status == STATUS_OK ? write_npy(path, picture, depth, 1, sizeof *depth) : status;
+}
+
+/* --- numbers of render_measure --- */
+
+#define CODE 3 /* the number of a pixel that says what is there */
+
+static void put_normals(const void *user, uint32_t y, uint8_t *row)
+{
+	const struct greys *normals = user;
+	for (uint32_t x = 0; x < 3 * normals->width; x++) {
+		const float value = normals->values[(size_t)3 * normals->width * y + x];
+		row[x] = isnan(value) ? 0 : (uint8_t)lround(127.5 + 127.5 * value);
+	}
+}
+
+static enum status write_normals(const char *path, const struct render_picture *picture, const float *numbers)
+{
+	const size_t count = (size_t)picture->width * picture->height;
+	float *normals = mem_alloc(count, 3 * sizeof *normals);
+	if (normals == NULL)
+		return fail_memory("a picture of normals");
+	for (size_t i = 0; i < count; i++) {
+		const float *from = &numbers[4 * i];
+		const float up = sqrtf(fmaxf(1 - from[0] * from[0] - from[1] * from[1], 0));
+		const float normal[3] = {from[0], from[1], from[CODE] == -2 ? -up : up};
+		for (int k = 0; k < 3; k++)
+			normals[3 * i + k] = from[CODE] == 0 ? NAN : normal[k];
+	}
+	const struct greys rows = {normals, picture->width, 1};
+	enum status status = write_png(path, picture, 8, 3, put_normals, &rows);
+	if (status == STATUS_OK)
+		status = write_npy(path, picture, normals, 3, sizeof *normals);
+	mem_free(normals);
+	return status;
+}
+
+void render_height_scale(double low, double high, double *unit, double *zero)
+{
+	*zero = floor(low) - 100; /* ruts are less deep */
+	*unit = 0.001;
+	while ((high + 100 - *zero) / *unit > 65535)
+		*unit *= 10;
+}
+
+/* Heights as 16-bit numbers, 0 where there are none. */
+struct heights {
+	const double *values;
+	const struct render_picture *picture;
+};
+
+static void put_heights(const void *user, uint32_t y, uint8_t *row)
+{
+	const struct heights *heights = user;
+	const struct render_picture *picture = heights->picture;
+	for (uint32_t x = 0; x < picture->width; x++) {
+		const double value = (heights->values[(size_t)picture->width * y + x] - picture->low) / picture->unit + 0.5;
+		const unsigned grey = value >= 0 && value < 65536 ? (unsigned)value : 0;
+		row[2 * x] = (uint8_t)(grey >> 8);
+		row[2 * x + 1] = (uint8_t)grey;
+	}
+}
+
+static enum status write_heights(const char *path, const struct render_picture *picture, const float *numbers)
+{
+	const size_t count = (size_t)picture->width * picture->height;
+	double *values = mem_alloc(count, sizeof *values);
+	if (values == NULL)
+		return fail_memory("a picture of heights");
+	for (size_t i = 0; i < count; i++)
+		values[i] = numbers[4 * i + CODE] == 0 ? (double)NAN : picture->eye + (double)numbers[4 * i + 2];
+	const struct heights heights = {values, picture};
+	enum status status = write_png(path, picture, 16, 1, put_heights, &heights);
+	if (status == STATUS_OK)
+		status = write_npy(path, picture, values, 1, sizeof *values);
+	mem_free(values);
+	return status;
+}
+
+static void put_classes(const void *user, uint32_t y, uint8_t *row)
+{
+	const struct greys *numbers = user;
+	const float *from = numbers->values + (size_t)4 * numbers->width * y;
+	for (uint32_t x = 0; x < numbers->width; x++)
+		row[x] = from[4 * x + CODE] > 0 ? (uint8_t)(from[4 * x + CODE] - 1) : 255;
+}
+
+static enum status write_numbers(const char *directory, const struct render_picture *picture, const float *numbers)
+{
+	char path[RENDER_PATH];
+	enum status status = STATUS_OK;
+	if (picture->images >> SCENE_IMAGE_NORMALS & 1) {
+		path_of(directory, picture, SCENE_IMAGE_NORMALS, path);
+		status = write_normals(path, picture, numbers);
+	}
+	if (status == STATUS_OK && (picture->images >> SCENE_IMAGE_HEIGHT & 1)) {
+		path_of(directory, picture, SCENE_IMAGE_HEIGHT, path);
+		status = write_heights(path, picture, numbers);
+	}
+	if (status != STATUS_OK || !(picture->images >> SCENE_IMAGE_CLASS & 1))
 		return status;
-	snprintf(file, sizeof file, "%s.npy", path);
-	return render_npy_write(file, &(struct render_array){depth, picture->width, picture->height, 1, 'f', sizeof *depth});
+	const struct greys rows = {numbers, picture->width, 1};
+	path_of(directory, picture, SCENE_IMAGE_CLASS, path);
+	return write_png(path, picture, 8, 1, put_classes, &rows);
 }
 
 enum status render_picture_write(const char *directory, const struct render_picture *picture, void *bytes)
 {
-	char path[RENDER_PATH - 8], file[RENDER_PATH];
-	snprintf(path, sizeof path, "%s/%s", directory, picture->name);
+	char path[RENDER_PATH], file[RENDER_PATH + 8];
+	path_of(directory, picture, picture->image, path);
 	switch (picture->image) {
+	case SCENE_IMAGE_COLOUR:
+		snprintf(file, sizeof file, "%s.png", path);
+		return render_png_write(file, bytes, picture->width, picture->height);
 	case SCENE_IMAGE_DEPTH:
 		return write_depth(path, picture, bytes);
-	case SCENE_IMAGE_COLOUR:
+	case SCENE_IMAGE_NORMALS:
+	case SCENE_IMAGE_HEIGHT:
+	case SCENE_IMAGE_CLASS:
 	case SCENE_IMAGES:
 		break;
 	}
-	snprintf(file, sizeof file, "%s.png", path);
-	return render_png_write(file, bytes, picture->width, picture->height);
+	return write_numbers(directory, picture, bytes);
 }

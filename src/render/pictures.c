@@ -141,14 +141,14 @@ static void wait_for_room(struct pictures *pictures)
 	pictures->figures.wait_ms += (clock_seconds() - started) * 1e3;
 }
 
-static size_t bytes_of(uint64_t width, uint64_t height)
+static size_t bytes_of(uint64_t width, uint64_t height, bool measured)
 {
-	return width * height * gpu_format_bytes(GPU_SRGB8_ALPHA8);
+	return width * height * gpu_format_bytes(measured ? GPU_RGBA32F : GPU_SRGB8_ALPHA8);
 }
 
 enum status render_pictures_begin(struct pictures *pictures, struct render *render, int64_t step)
 {
-	struct render_picture picture = {SCENE_IMAGE_COLOUR, render->screen->width, render->screen->height, .unit = 1};
+	struct render_picture picture = {SCENE_IMAGE_COLOUR, render->screen->width, render->screen->height, .unit = 1, .frame = -1};
 	snprintf(picture.name, sizeof picture.name, "frame-%06lld", (long long)step);
 	return render_pictures_add(pictures, render, &picture);
 }
@@ -157,7 +157,7 @@ enum status render_pictures_add(struct pictures *pictures, struct render *render
 {
 	if (pictures == NULL)
 		return STATUS_OK;
-	assert(bytes_of(picture->width, picture->height) <= pictures->bytes);
+	assert(bytes_of(picture->width, picture->height, picture->images != 0) <= pictures->bytes);
 	wait_for_room(pictures);
 	enum status status = sticky(pictures);
 	if (status != STATUS_OK)
@@ -217,9 +217,10 @@ void render_pictures_figures(struct pictures *pictures, struct render_pictures_f
 size_t render_pictures_bytes(const struct scene *scene)
 {
 	const struct scene_view *view = &scene->view;
-	size_t most = view->images > 0 ? bytes_of((uint64_t)view->width, (uint64_t)view->height) : 0;
+	size_t most = view->images > 0 ? bytes_of((uint64_t)view->width, (uint64_t)view->height, false) : 0;
 	for (size_t i = 0; i < scene->camera_count; i++) {
-		const size_t bytes = bytes_of((uint64_t)scene->cameras[i].width, (uint64_t)scene->cameras[i].height);
+		const struct scene_camera *camera = &scene->cameras[i];
+		const size_t bytes = bytes_of((uint64_t)camera->width, (uint64_t)camera->height, camera->images & SCENE_IMAGES_MEASURED);
 		most = bytes > most ? bytes : most;
 	}
 	return most;

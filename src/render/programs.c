@@ -53,6 +53,21 @@ static struct gpu_program_request layer_request_of(const struct render *render, 
 	return request;
 }
 
+/* The request for numbers: normals, heights and classes. */
+static struct gpu_program_request measure_request_of(uint64_t effects, bool classes, bool by_error, unsigned variant)
+{
+	uint64_t shape = effects & (EFFECT_BIT(EFFECT_GEOMORPH) | EFFECT_BIT(EFFECT_SKIRTS));
+	struct gpu_program_request request = request_of(shape, NULL, false, by_error, variant);
+	size_t count = 0;
+	while (request.defines[count] != NULL)
+		count++;
+	assert(count < GPU_DEFINES_MAX);
+	request.fragment = "measure.frag";
+	if (classes)
+		request.defines[count] = "CLASSES";
+	return request;
+}
+
 static struct gpu_program_request sky_of(const char *body)
 {
 	return (struct gpu_program_request){.vertex = "sky.vert", .fragment = "sky.frag", .defines = {body}};
@@ -63,8 +78,23 @@ static bool has_variant(unsigned variant, bool deformed, bool divided)
 	return variant == RENDER_PLAIN || (deformed && (divided || variant != RENDER_LEVEL0));
 }
 
+static enum status measure_program(struct render *render, unsigned variant, struct gpu_program **out)
+{
+	struct gpu_program **program = &render->measure_programs[variant];
+	enum status status = STATUS_OK;
+	if (*program == NULL) {
+		const struct gpu_program_request request =
+			measure_request_of(render->effects, render->classes, render->pixel_error > 0, variant);
+		status = gpu_program_get(render->gpu, &request, program);
+	}
+	*out = *program;
+	return status;
+}
+
 enum status render_tile_program(struct render *render, unsigned variant, struct gpu_program **out)
 {
+	if (render->measuring)
+		return measure_program(render, variant, out);
 	bool natural = render->layer.kind == RENDER_NATURAL;
 	struct gpu_program **program = natural ? &render->tile_programs[variant] : &render->layer_programs[variant];
 	enum status status = STATUS_OK;
@@ -88,6 +118,8 @@ static enum status warm_variant(struct render *render, unsigned variant)
 {
 	struct gpu_program *program;
 	enum status status = render_tile_program(render, variant, &program);
+	if (status == STATUS_OK && render->measures)
+		status = measure_program(render, variant, &program);
 	if (status != STATUS_OK || !render->layers)
 		return status;
 	const struct render_layer shown = render->layer;
@@ -136,6 +168,9 @@ void render_plan(const struct render_params *params, bool deformed, bool divided
 		if (has_variant(variant, deformed, divided)) {
 			struct gpu_program_request request = request_of(effects, body, params->disturbance, params->pixel_error > 0, variant);
 			add_program(plan, asks_reaches(effects, params->pixel_error > 0) ? by_error : picture, &request);
+			request = measure_request_of(effects, params->classes, params->pixel_error > 0, variant);
+			if (params->measures)
+				add_program(plan, scene_effect_row(EFFECT_CAMERAS)->name, &request);
 		}
 	add(plan, PLAN_PASS, PLAN_DRAWN, picture, 0, gpu_stage_name(GPU_TERRAIN));
 	add(plan, PLAN_TEXTURE, PLAN_ONCE, picture, 4 * pixels, "colour");

@@ -105,6 +105,8 @@ enum status render_create(const struct render_params *params, struct render **ou
 		.disturbance = params->disturbance,
 		.pixel_error = params->pixel_error,
 		.layers = params->layers,
+		.measures = params->measures,
+		.classes = params->classes,
 		.layer = {RENDER_NATURAL, 0, 1},
 	};
 	render->screen = &render->own;
@@ -172,7 +174,8 @@ void render_tiles(const struct render *render, struct render_tiles *tiles)
 
 void render_read_into(struct render *render, enum scene_image image, struct gpu_staging *staging)
 {
-	struct gpu_texture *texture = image == SCENE_IMAGE_DEPTH ? render->screen->depth : render->screen->colour;
+	const struct render_screen *screen = render->screen;
+	struct gpu_texture *texture = image == SCENE_IMAGE_DEPTH ? screen->depth : image == SCENE_IMAGE_COLOUR ? screen->colour : screen->numbers;
 	gpu_texture_read_into(texture, 0, (struct gpu_rect){0, 0, render->screen->width, render->screen->height}, staging, 0);
 }
 

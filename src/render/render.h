@@ -42,6 +42,8 @@ struct render_params {
 	const struct scene_object *objects;
 	size_t object_count;
 	bool layers;          /* render_show_layer will be called; plans do not count layers */
+	bool measures;        /* render_measure will be called */
+	bool classes;         /* the slots have classes of soil, which render_measure tells */
 };
 
 /* Where one of the objects is. */
@@ -98,6 +100,10 @@ enum status render_frame(struct render *render, const struct render_camera *came
 /* Sets the layer that pictures show from the next frame on. At the start it is RENDER_NATURAL. Other layers have light and
  * shade, but no haze and no texture. */
 void render_show_layer(struct render *render, const struct render_layer *layer);
+/* Draws the last frame again as numbers. A pixel has four floats: the normal east and north, the height above the eye (m), and a code.
+ * Codes: 0 sky; 1 + class of the soil; -1 an object; -2 an object whose normal points down. Of slots without classes the class is 0. The depth
+ * texture becomes the same again. Counts as a frame in render_tiles. */
+enum status render_measure(struct render *render, const struct render_camera *camera, const struct terrain_selection *selection) FURROW_CHECKED;
 uint64_t render_triangles(const struct render *render); /* returns the triangles of the last frame */
 /* Returns the number of frames whose overdraw became known since the last call. *overdraw: sum over these frames of the samples
  * of ground that passed the depth test, divided by the samples of the picture. 1 for a frame: ground fills the picture and is
@@ -110,8 +116,9 @@ struct render_tiles {
 	uint64_t shadowed; /* 1: with shadows (PLAN_SHADOWED) */
 };
 void render_tiles(const struct render *render, struct render_tiles *tiles);
-/* Begins to read the last frame into a staging buffer, 4 bytes for each pixel, the bottom row first. Colour: sRGB and alpha. Depth: a
- * float of the depth texture, of one sample for each pixel. The next frame may be drawn at once. */
+/* Begins to read the last frame into a staging buffer, the bottom row first. Colour: sRGB and alpha, 4 bytes for each pixel. Depth: a
+ * float of the depth texture, of one sample for each pixel. Other images: what render_measure drew, 16 bytes for each pixel. The next
+ * frame may be drawn at once. */
 void render_read_into(struct render *render, enum scene_image image, struct gpu_staging *staging);
 /* Waits for the last frame and copies it. Either pointer may be NULL. `depth`: metres along the view direction, INFINITY: sky.
  * `depth` can only be read with one sample for each pixel. */
@@ -328,11 +335,17 @@ void render_view_read_into(struct view *view, struct gpu_staging *staging);
 
 /* What is written of a frame. */
 struct render_picture {
-	enum scene_image image;
+	enum scene_image image; /* what is read back; SCENE_IMAGE_NORMALS: what render_measure drew */
 	uint32_t width, height;
-	double unit;    /* depth: metres of 1 in the 16-bit PNG */
-	char name[160]; /* file without its ending, in the folder */
+	unsigned images;        /* of what render_measure drew: bit 1 << enum scene_image of each that is written */
+	double unit;            /* depth and height: metres of 1 in the 16-bit PNG */
+	double low;             /* height: metres at 0 of that */
+	double eye;             /* height: of the camera, m */
+	int64_t frame;          /* below 0: `name` is the file, without its ending */
+	char name[80];          /* in the folder; a camera's own folder, with a folder for each image, if it has frames */
 };
+/* The unit and the zero of 16-bit pictures of height over a terrain between these heights, m. 0 is below all ground. */
+void render_height_scale(double low, double high, double *unit, double *zero);
 /* Returns the bytes of the largest picture that the scene writes; 0: it writes none. Pure. */
 size_t render_pictures_bytes(const struct scene *scene);
 /* Adds the plan's lines of pictures of at most so many bytes. `effect`: the effect that calls for them. Pure. */

@@ -163,7 +163,7 @@ enum status render_view_between(struct view *view, struct pictures *pictures)
 	return status;
 }
 
-void render_view_count(struct view *view)
+void render_view_count_tiles(struct view *view)
 {
 	struct render_tiles tiles;
 	render_tiles(view->render, &tiles);
@@ -171,6 +171,11 @@ void render_view_count(struct view *view)
 	view->tiles.deformed += tiles.deformed;
 	view->tiles.objects += tiles.objects;
 	view->tiles.shadowed += tiles.shadowed;
+}
+
+void render_view_count(struct view *view)
+{
+	render_view_count_tiles(view);
 	view->triangles += (double)render_triangles(view->render);
 	view->coarsened += view->coarse;
 	view->frames++;
@@ -211,6 +216,8 @@ void render_view_params(const struct world *world, struct render_params *params)
 		.objects = scene->objects,
 		.object_count = scene->object_count,
 		.light = &scene->view.light,
+		.measures = scene_measures(scene),
+		.classes = scene_draws_classes(scene),
 		.soils = scene_draws_classes(scene) ? scene : NULL,
 	};
 }
@@ -247,6 +254,7 @@ static enum status make_render(struct view *view, bool watched, struct render **
 	params.low = isnan(world->meta->low) ? 0 : world->meta->low;
 	params.high = isnan(world->meta->high) ? 0 : world->meta->high;
 	params.layers = watched;
+	params.measures = params.measures && !watched;
 	return render_create(&params, out);
 }
 

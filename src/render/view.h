@@ -96,6 +96,7 @@ double render_view_ground_at(struct view *view, double x, double y, double other
 /* Selects the tiles that the camera sees. `complete`: waits until all are resident. */
 enum status render_view_find_tiles(struct view *view, const struct render_camera *camera, bool complete) FURROW_CHECKED;
 void render_view_count(struct view *view); /* counts the frame that was drawn */
+void render_view_count_tiles(struct view *view); /* counts the tiles alone: the frame was drawn a second time */
 
 /* view_cameras.c: cameras that write frames. */
 enum status render_view_make_cameras(struct view *view) FURROW_CHECKED;

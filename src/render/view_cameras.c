@@ -201,19 +201,35 @@ enum status render_view_look_camera(struct view *view)
 
 /* --- their frames --- */
 
-static enum status write(const struct view_camera *this, struct render *render, struct pictures *pictures, int64_t frame)
+/* Begins to write one read-back of the frame that was drawn. */
+static enum status write(struct view *view, const struct view_camera *this, const struct render_camera *at, struct pictures *pictures, int64_t frame,
+			 enum scene_image image)
 {
 	const struct scene_camera *camera = this->camera;
-	enum status status = STATUS_OK;
-	for (int image = 0; image < SCENE_IMAGES && status == STATUS_OK; image++) {
-		struct render_picture picture = {(enum scene_image)image, (uint32_t)camera->width, (uint32_t)camera->height, .unit = camera->depth_unit};
-		if (!(camera->images >> image & 1))
-			continue;
-		snprintf(picture.name, sizeof picture.name, RENDER_CAMERAS "/%s/%s/%06lld", camera->name, scene_image_name((enum scene_image)image),
-			 (long long)frame);
-		status = render_pictures_add(pictures, render, &picture);
+	struct render_picture picture = {image, (uint32_t)camera->width, (uint32_t)camera->height, .unit = camera->depth_unit, .frame = frame};
+	snprintf(picture.name, sizeof picture.name, RENDER_CAMERAS "/%s", camera->name);
+	if (image == SCENE_IMAGE_NORMALS) {
+		picture.images = camera->images & SCENE_IMAGES_MEASURED;
+		picture.eye = at->eye[2];
+		render_height_scale(view->render->low, view->render->high, &picture.unit, &picture.low);
 	}
-	return status;
+	return render_pictures_add(pictures, view->render, &picture);
+}
+
+static enum status write_all(struct view *view, const struct view_camera *this, const struct render_camera *at, struct pictures *pictures,
+			     int64_t frame)
+{
+	const unsigned images = this->camera->images;
+	enum status status = STATUS_OK;
+	if (images >> SCENE_IMAGE_COLOUR & 1)
+		status = write(view, this, at, pictures, frame, SCENE_IMAGE_COLOUR);
+	if (status == STATUS_OK && (images >> SCENE_IMAGE_DEPTH & 1))
+		status = write(view, this, at, pictures, frame, SCENE_IMAGE_DEPTH);
+	if (status != STATUS_OK || !(images & SCENE_IMAGES_MEASURED))
+		return status;
+	status = render_measure(view->render, at, view->selection);
+	render_view_count_tiles(view);
+	return status == STATUS_OK ? write(view, this, at, pictures, frame, SCENE_IMAGE_NORMALS) : status;
 }
 
 static enum status tell_pose(struct view *view, const struct view_camera *this, const struct render_camera *camera, const struct render_poses *poses,
@@ -246,7 +262,7 @@ static enum status draw(struct view *view, struct view_camera *this, struct pict
 	render_view_count(view);
 	view->starved += view->coarse;
 	this->frames++;
-	return write(this, view->render, pictures, frame);
+	return write_all(view, this, &camera, pictures, frame);
 }
 
 enum status render_view_cameras(struct view *view, struct pictures *pictures, const struct render_poses *poses)
@@ -309,6 +325,8 @@ enum status render_view_make_cameras(struct view *view)
 	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
 		view->cameras[i] = (struct view_camera){.camera = &scene->cameras[i], .ahead = {.time = -INFINITY}};
 		status = find_screen(view, &view->cameras[i]);
+		if (status == STATUS_OK && (scene->cameras[i].images & SCENE_IMAGES_MEASURED))
+			status = render_screen_measures(view->render, view->cameras[i].screen);
 	}
 	view->camera_count = status == STATUS_OK ? count : 0;
 	return status;
@@ -362,21 +380,35 @@ static bool is_shared(const struct scene *scene, size_t index)
 	return shared;
 }
 
+/* Returns whether the camera is the first of its size that is drawn as numbers, too. */
+static bool is_first_measured(const struct scene *scene, size_t index)
+{
+	const struct scene_camera *camera = &scene->cameras[index];
+	bool first = (camera->images & SCENE_IMAGES_MEASURED) != 0;
+	for (size_t i = 0; i < index && first; i++)
+		first = !(scene->cameras[i].images & SCENE_IMAGES_MEASURED) || scene->cameras[i].width != camera->width ||
+			scene->cameras[i].height != camera->height;
+	return first;
+}
+
+static void add_texture(struct plan *plan, uint64_t bytes, const char *name)
+{
+	plan_add(plan, &(struct plan_line){.kind = PLAN_TEXTURE, .unit = PLAN_ONCE, .effect = scene_effect_row(EFFECT_CAMERAS)->name, .object = -1,
+					   .amount = 1, .bytes = bytes}, name);
+}
+
 void render_cameras_plan(const struct scene *scene, struct plan *plan)
 {
-	const char *effect = scene_effect_row(EFFECT_CAMERAS)->name;
 	const uint64_t samples = scene->view.samples > 1 ? (uint64_t)scene->view.samples : 1;
 	for (size_t i = 0; i < scene->camera_count; i++) {
-		const uint64_t bytes = 4 * (uint64_t)scene->cameras[i].width * (uint64_t)scene->cameras[i].height;
-		const struct plan_line line = {.kind = PLAN_TEXTURE, .unit = PLAN_ONCE, .effect = effect, .object = -1, .amount = 1};
-		struct plan_line colour = line, other = line;
-		colour.bytes = bytes;
-		other.bytes = samples * bytes;
+		const uint64_t pixels = (uint64_t)scene->cameras[i].width * (uint64_t)scene->cameras[i].height;
+		if (is_first_measured(scene, i))
+			add_texture(plan, 16 * pixels, "camera numbers");
 		if (is_shared(scene, i))
 			continue;
-		plan_add(plan, &colour, "camera colour");
-		plan_add(plan, &other, "camera depth");
+		add_texture(plan, 4 * pixels, "camera colour");
+		add_texture(plan, 4 * pixels * samples, "camera depth");
 		if (samples > 1)
-			plan_add(plan, &other, "camera samples");
+			add_texture(plan, 4 * pixels * samples, "camera samples");
 	}
 }

@@ -97,7 +97,49 @@ static void add_conventions(cJSON *root)
 	cJSON_AddStringToObject(told, "projection", "pixel x = cx + fx X / Z, pixel y = cy + fy Y / Z, with X, Y, Z along the camera's axes");
 }
 
-static void add_images(cJSON *root, const struct scene_camera *camera)
+/* The soils that a picture of classes has the numbers of. */
+static void add_soils(cJSON *object, const struct scene *scene)
+{
+	cJSON *soils = cJSON_AddArrayToObject(object, "soils");
+	for (int i = 0; i < scene->soil_count; i++) {
+		cJSON *soil = cJSON_CreateObject();
+		if (!cJSON_AddItemToArray(soils, soil)) {
+			cJSON_Delete(soil);
+			return;
+		}
+		json_integer(soil, "index", i);
+		cJSON_AddStringToObject(soil, "name", scene->soil_names[i]);
+		if (scene_soil_value(scene, i) >= 0)
+			json_integer(soil, "map_value", scene_soil_value(scene, i));
+		else
+			cJSON_AddNullToObject(soil, "map_value");
+	}
+}
+
+static void add_measured(cJSON *images, const struct world *world, const struct scene_camera *camera)
+{
+	double unit, zero;
+	if (camera->images >> SCENE_IMAGE_NORMALS & 1) {
+		cJSON *normals = cJSON_AddObjectToObject(images, "normals");
+		cJSON_AddStringToObject(normals, "png", "8-bit: 127.5 + 127.5 of each axis of the world; 0, 0, 0: sky");
+		cJSON_AddStringToObject(normals, "npy", "float32, east, north, up; nan: sky");
+	}
+	if (camera->images >> SCENE_IMAGE_HEIGHT & 1) {
+		cJSON *height = cJSON_AddObjectToObject(images, "height");
+		render_height_scale(isnan(world->meta->low) ? 0 : world->meta->low, isnan(world->meta->high) ? 0 : world->meta->high, &unit, &zero);
+		cJSON_AddStringToObject(height, "png", "16-bit: (height - png_zero) / png_unit; 0: sky");
+		json_number(height, "png_unit", unit);
+		json_number(height, "png_zero", zero);
+		cJSON_AddStringToObject(height, "npy", "float64, m as the store has heights; nan: sky");
+	}
+	if (camera->images >> SCENE_IMAGE_CLASS & 1) {
+		cJSON *class = cJSON_AddObjectToObject(images, "class");
+		cJSON_AddStringToObject(class, "png", "8-bit: index of the soil; 255: sky, or an object");
+		add_soils(class, world->scene);
+	}
+}
+
+static void add_images(cJSON *root, const struct world *world, const struct scene_camera *camera)
 {
 	cJSON *images = cJSON_AddObjectToObject(root, "images");
 	if (camera->images >> SCENE_IMAGE_COLOUR & 1)
@@ -108,6 +150,7 @@ static void add_images(cJSON *root, const struct scene_camera *camera)
 		json_number(depth, "png_unit", camera->depth_unit);
 		cJSON_AddStringToObject(depth, "npy", "float32, m along the camera's z axis; inf: sky");
 	}
+	add_measured(images, world, camera);
 }
 
 static void add_target(cJSON *root, const struct scene *scene, const struct scene_camera *camera)
@@ -162,7 +205,7 @@ static void print_json(const struct report_poses *poses, size_t index, FILE *fil
 	json_number(root, "cy", camera->height / 2.0);
 	json_number(root, "fov_horizontal", camera->fov * 180 / M_PI);
 	json_number(root, "rate", camera->rate);
-	add_images(root, camera);
+	add_images(root, poses->world, camera);
 	add_stereo(root, scene, camera);
 	add_conventions(root);
 	add_frames(root, &poses->cameras[index]);

@@ -133,7 +133,7 @@ static const struct effect_row rows[EFFECT_COUNT] = {
 		"of a simple form round each object, on the ground alone, fading within about three of its sizes",
 		"shades the ground beside the objects"},
 	[EFFECT_CAMERAS] = {
-		"cameras", "cameras", "", NONE, "colour, depth", "", 0,
+		"cameras", "cameras", "", LIST("measure.frag", "measure_object.frag"), "colour, depth", "", 0,
 		LIST("cameras[].size[]", "cameras[].rate", "cameras[].fov", "cameras[].images", "cameras[].depth_unit"),
 		"at most 64; a step waits until each picture has all its tiles; at most 3 pictures on their way to their files",
 		"writes the frames of cameras to files"},
@@ -205,10 +205,24 @@ static uint64_t view_effects(const struct scene *scene)
 	       (scene->view.samples > 1 ? EFFECT_BIT(EFFECT_ANTIALIAS) : 0);
 }
 
+static unsigned images_of(const struct scene *scene)
+{
+	unsigned images = 0;
+	for (size_t i = 0; i < scene->camera_count; i++)
+		images |= scene->cameras[i].images;
+	return images;
+}
+
+bool scene_measures(const struct scene *scene)
+{
+	return (images_of(scene) & SCENE_IMAGES_MEASURED) != 0;
+}
+
 bool scene_draws_classes(const struct scene *scene)
 {
 	const uint64_t both = EFFECT_BIT(EFFECT_SPLAT) | EFFECT_BIT(EFFECT_TEXTURE);
-	return scene->view.present && (scene->view.effects & both) == both && scene->soil_map != NULL;
+	const bool shown = (scene->view.effects & both) == both || (images_of(scene) >> SCENE_IMAGE_CLASS & 1);
+	return scene->view.present && shown && scene->soil_map != NULL;
 }
 
 bool scene_moves_bodies(const struct scene *scene)

@@ -168,7 +168,8 @@ struct scene_aim {
 };
 
 /* What a camera writes of each frame. */
-enum scene_image { SCENE_IMAGE_COLOUR, SCENE_IMAGE_DEPTH, SCENE_IMAGES };
+enum scene_image { SCENE_IMAGE_COLOUR, SCENE_IMAGE_DEPTH, SCENE_IMAGE_NORMALS, SCENE_IMAGE_HEIGHT, SCENE_IMAGE_CLASS, SCENE_IMAGES };
+#define SCENE_IMAGES_MEASURED (1u << SCENE_IMAGE_NORMALS | 1u << SCENE_IMAGE_HEIGHT | 1u << SCENE_IMAGE_CLASS) /* drawn a second time */
 
 #define SCENE_CAMERAS 128 /* most cameras of a scene: 64 pairs */
 /* A camera that writes pictures of a drive. A stereo pair is two cameras. */
@@ -341,6 +342,7 @@ bool scene_moves_bodies(const struct scene *scene);
 /* Copies the scene as it is run without a window: the view is left out unless pictures are written. `out` shares the memory of
  * `scene`, so do not destroy `out`. */
 void scene_unwatched(const struct scene *scene, struct scene *out);
+bool scene_measures(const struct scene *scene); /* some camera writes images of SCENE_IMAGES_MEASURED */
 /* Returns true if pictures show which soil is where, by the map of soils. Then the soil class of each post must be loaded for
  * all drawn tiles. */
 bool scene_draws_classes(const struct scene *scene);

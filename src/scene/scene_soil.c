@@ -76,6 +76,10 @@ static bool draws_soil(const struct raw_scene *raw)
 	for (uint32_t i = 0; raw->view != NULL && i < raw->view->effects_count; i++)
 		if (strcmp(raw->view->effects[i], scene_effect_row(EFFECT_SPLAT)->name) == 0)
 			return true;
+	for (uint32_t i = 0; i < raw->cameras_count; i++)
+		for (uint32_t k = 0; k < raw->cameras[i].images_count; k++)
+			if (strcmp(raw->cameras[i].images[k], scene_image_name(SCENE_IMAGE_CLASS)) == 0)
+				return true;
 	return false;
 }
 

@@ -162,6 +162,71 @@ class Cameras(FurrowTest):
             self.assertLess(max(abs(found_x - x), abs(found_y - y)), 0.5, (name, found_x, x, found_y, y))
             self.assertAlmostEqual(depth[int(y) + 1, int(x)], z, delta=0.02, msg=name)
 
+    def seen(self, camera, frame, depth):
+        """Where the ground is that each pixel sees, and pixels near enough that the mesh is as fine as the posts."""
+        v, u = np.mgrid[:depth.shape[0], :depth.shape[1]]
+        rays = camera.rays(frame, u + 0.5, v + 0.5)
+        near = np.isfinite(depth) & (np.where(np.isfinite(depth), depth, 1e4) * np.linalg.norm(rays, axis=-1) < 18)
+        return np.array(frame["position"]) + rays * np.where(near, depth, 0)[..., None], near
+
+    def test_normals_heights_and_classes_are_those_of_the_ground(self):
+        """Over waves whose height and slope are known in closed form, and a map of two soils."""
+        size, wave = 129, 2 * math.pi / 40
+        write_png16(self.folder / "waves.png", size, size,
+                    lambda x, y: round(20000 + 3000 * math.sin(wave * x) + 2000 * math.cos(wave * (size - 1 - y))))
+        write_png16(self.folder / "soils.png", size, size, lambda x, y: 1 if (x // 6 + (size - 1 - y) // 6) % 2 else 7)
+        self.ok("import", self.folder / "waves.png", "-o", "waves.furrow", "--spacing", 1, "--height-range", "0,65.535")
+        ball = "objects: [{name: ball, shape: {sphere: {radius: 1}}, path: {points: [[66, 60]], speed: 1}}]\nview: {effects: [objects, geomorph], camera: {chase: ball}}\n"
+        text = ("scene: 1\nend_time: 0.1\ntime_step: 0.1\nsoil: {map: soils.png, classes: {7: mud, 1: snow}, default: dry_sand}\n" + ball +
+                "cameras:\n  - {name: a, kind: fixed, rate: 1, pose: {at: [60, 52, 30], target: [66, 61, 20]}, images: [depth, normals, height, class]}\n"
+                "  - {name: b, kind: fixed, rate: 1, size: [200, 200], pose: {at: [75, 70, 27], target: [68, 62, 20]}, fov: 100, images: [depth, normals, height, class]}\n"
+                "  - {name: c, kind: fixed, rate: 1, pose: {at: [58, 66, 26], target: [66, 60, 23]}, images: [colour, depth, normals, height, class]}\n")
+        run = self.drive(self.scene(text), "--store", "waves.furrow")
+        self.assertEqual(run["counts"]["units"]["frame"], 3)
+        balls = skies = 0
+        for name in "abc":
+            camera = self.camera(name)
+            frame, folder = camera.frames[0], camera.folder
+            depth = camera.depth(frame)
+            normals, heights = np.load(folder / "normals/000000.npy"), np.load(folder / "height/000000.npy")
+            classes = read_png(folder / "class/000000.png")[..., 0]
+            self.assertEqual((normals.dtype, heights.dtype), (np.float32, np.float64))
+            points, near = self.seen(camera, frame, depth)
+            ground = near & (classes != 255)
+            self.assertGreater(ground.sum(), 5000)
+            x, y = points[..., 0], points[..., 1]
+            height = 20 + 3 * np.sin(wave * x) + 2 * np.cos(wave * y)
+            # a cell's triangles are below a wave of 40 m by up to 0.03 m
+            self.assertLess(np.abs(heights - points[..., 2])[ground].max(), 1e-3)
+            self.assertLess(np.abs(heights - height)[ground].max(), 0.04)
+            slope = np.stack([-3 * wave * np.cos(wave * x), 2 * wave * np.sin(wave * y), np.ones_like(x)], axis=-1)
+            slope /= np.linalg.norm(slope, axis=-1, keepdims=True)
+            self.assertLess(np.abs(normals - slope)[ground].max(), 0.01)
+            np.testing.assert_allclose(np.linalg.norm(normals[ground], axis=-1), 1, atol=1e-6)
+            soils = {soil["map_value"]: soil["index"] for soil in camera.told["images"]["class"]["soils"]}
+            # the soil of the nearest post, where a post's border is not too near
+            col, row = np.floor(x + 0.5).astype(int), np.floor(y + 0.5).astype(int)
+            clear = ground & (np.abs(x + 0.5 - col - 0.5) < 0.48) & (np.abs(y + 0.5 - row - 0.5) < 0.48)
+            wanted = np.where((col // 6 + row // 6) % 2, soils[1], soils[7])
+            self.assertGreater(clear.sum(), 3000)
+            self.assertTrue((classes == wanted)[clear].all(), name)
+            self.assertEqual({soil["name"] for soil in camera.told["images"]["class"]["soils"]}, {"mud", "snow", "dry_sand"})
+            # The ball's normals are those of a ball.
+            ball = near & (classes == 255)
+            balls += ball.sum()
+            from_middle = points - [66, 60, json.loads(self.ok("query", "waves.furrow", 66, 60, "--json"))["height"] + 1]
+            self.assertLess(np.abs(normals - from_middle)[ball].max(initial=0), 0.2)
+            sky = np.isinf(depth)
+            skies += sky.sum()
+            self.assertTrue(np.isnan(normals[sky]).all() and np.isnan(heights[sky]).all() and (classes[sky] == 255).all())
+            told = camera.told["images"]["height"]
+            grey = read_png(folder / "height/000000.png")
+            self.assertLess(np.abs(grey * told["png_unit"] + told["png_zero"] - heights)[~sky].max(), 0.51 * told["png_unit"])
+            self.assertTrue((grey[sky] == 0).all())
+            shades = read_png(folder / "normals/000000.png")
+            self.assertLess(np.abs((shades - 127.5) / 127.5 - normals)[~sky].max(), 0.5 / 127)
+        self.assertGreater(min(balls, skies), 500)
+
     def test_a_stereo_pair_sees_the_same_ground(self):
         self.make()
         left, right = self.camera("nav"), self.camera("nav_right")
@@ -275,7 +340,7 @@ class Cameras(FurrowTest):
                 ("kind: chase, on: box, rate: 11", "cameras[0].rate: 11 a second are more than there are steps, 10 a second"),
                 ("kind: chase, on: box, rate: 0", "cameras[0].rate: 0 is out of range"),
                 ("kind: chase, on: box, rate: 1, size: [9000, 10]", "cameras[0].size[0]: 9000 is out of range"),
-                ("kind: chase, on: box, rate: 1, images: [colours]", 'cameras[0].images[0]: "colours" is unknown; allowed: colour, depth'),
+                ("kind: chase, on: box, rate: 1, images: [colours]", 'cameras[0].images[0]: "colours" is unknown; allowed: colour, depth, normals, height, class'),
                 ("kind: chase, on: box, rate: 1, images: [depth, depth]", "is named twice"),
                 ("kind: poses, rate: 1, file: none.csv", "none.csv"),
                 ("kind: poses, rate: 1, file: bad.csv", "bad.csv:3: pitch: \"zero\" is not a number"),

@@ -17,7 +17,7 @@
 #define SEEN SPHERE "attributes: [dirt]\n"
 
 /* What is asked of the pair: nothing changes what is deformed, so all else is done as often. */
-#define ONE_CAMERA "cameras: [{name: x, kind: fixed, pose: {at: [40, 40, 150], pitch: -60}, rate: 2, size: [64, 48], images: [colour, depth]}]\n"
+#define ONE_CAMERA "cameras: [{name: x, kind: fixed, pose: {at: [40, 40, 150], pitch: -60}, rate: 2, size: [64, 48], images: [colour, depth, normals]}]\n"
 
 struct pair {
 	enum scene_effect effect;

@@ -27,8 +27,8 @@ static void nothing_is_made_or_run_for_nothing(void **state)
 #define BY_ERROR "view: {size: [160, 90], camera: {chase: a, back: 12, up: 5}, pixel_error: 1, images: 1}\n"
 
 #define TWO_CAMERAS                                                                                                     \
-	"cameras: [{name: x, kind: mounted, on: a, rate: 2, size: [64, 48], images: [colour, depth]},\n"              \
-	"  {name: y, kind: overhead, on: b, height: 20, rate: 5, size: [160, 90]}]\n"
+	"cameras: [{name: x, kind: mounted, on: a, rate: 2, size: [64, 48], images: [colour, depth, height]},\n"              \
+	"  {name: y, kind: overhead, on: b, height: 20, rate: 5, size: [160, 90], images: [normals, class]}]\n"
 
 /* It comes down in between, and rises again. */
 #define HOPS "objects:\n  - {name: a, shape: {sphere: {radius: 1}}, path: {file: hops.csv}}\n"
@@ -54,6 +54,7 @@ static void every_drive_counts_what_was_planned(void **state)
 		BUSY MANY "soil: {map: classes.png, classes: {1: mud}, default: sand}\n" VIEW("splat, texture, fog"),
 		BUSY MANY "spacing: 0.5\n" TWO_CAMERAS,
 		BUSY MANY CHASE TWO_CAMERAS,
+		BUSY MANY MAP "spacing: 0.5\n" TWO_CAMERAS,
 		BUSY "view: {" CAMERA ", body: mars, effects: [texture, sky, fog]}\n",
 	};
 	write_files();
