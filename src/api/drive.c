@@ -5,6 +5,10 @@
 
 #include "api/internal.h"
 
+/* How often it is told how far a drive is, s. */
+#define TERMINAL_SECONDS 0.2
+#define LOG_SECONDS 10.0
+
 /* --- the view --- */
 
 static void before_record(void *user)
@@ -243,19 +247,20 @@ enum status api_one_step(struct drive *drive)
 	return drive->vehicles != NULL ? vehicle_step(drive->vehicles) : world_step(&drive->world);
 }
 
-static void show_progress(const struct drive *drive, int64_t total, double *shown)
+/* Tells how far the drive is: on a terminal in one line that changes, otherwise in a line now and then. */
+static void show_progress(const struct drive *drive, bool terminal, int64_t total, double *shown)
 {
 	const struct world *world = &drive->world;
 	double now = clock_seconds();
-	if (now - *shown < 0.2)
+	if (now - *shown < (terminal ? TERMINAL_SECONDS : LOG_SECONDS))
 		return;
 	*shown = now;
 	double elapsed = now - drive->began, rate = (double)(world->step - world->resumed.from) / elapsed;
 	if (rate <= 0)
 		return;
-	fprintf(stderr, "\rdrive: step %lld of %lld (%.0f %%), %.0f a second, %.0f s left\033[K",
-		(long long)world->step, (long long)total, 100.0 * (double)world->step / (double)total, rate,
-		(double)(total - world->step) / rate);
+	fprintf(stderr, "%s: step %lld of %lld (%.0f %%), %.*f a second, %.0f s left%s", terminal ? "\rdrive" : "furrow: note: drive",
+		(long long)world->step, (long long)total, 100.0 * (double)world->step / (double)total, rate < 10 ? 2 : 0, rate,
+		(double)(total - world->step) / rate, terminal ? "\033[K" : "\n");
 	fflush(stderr);
 }
 
@@ -264,7 +269,7 @@ static enum status all_steps(struct drive *drive, int64_t total)
 {
 	struct world *world = &drive->world;
 	bool terminal = drive->params->progress && isatty(STDERR_FILENO) != 0;
-	double shown = 0;
+	double shown = terminal ? 0 : drive->began;
 	enum status status = STATUS_OK;
 	while (world->step < total && status == STATUS_OK && !vehicle_stuck(drive->vehicles)) {
 		if (world_stopped(world)) {
@@ -288,8 +293,8 @@ static enum status all_steps(struct drive *drive, int64_t total)
 			world_stalls(world, &drive->report.stalls_settled);
 			drive->report.settled = true;
 		}
-		if (terminal)
-			show_progress(drive, total, &shown);
+		if (drive->params->progress)
+			show_progress(drive, terminal, total, &shown);
 	}
 	if (terminal)
 		fputs("\r\033[K", stderr);
