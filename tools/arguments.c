@@ -1,4 +1,5 @@
 /* Parses a command's arguments against its table of options. */
+#include "base/nearest.h"
 #include "command.h"
 
 #include <errno.h>
@@ -48,6 +49,19 @@ static const struct command_option *find_option(const struct command *command, c
 	return NULL;
 }
 
+static enum status unknown_option(const struct command *command, const char *token, const char *name, size_t length)
+{
+	char word[48], dashed[64] = "";
+	snprintf(word, sizeof word, "%.*s", (int)length, name);
+	struct nearest nearest = nearest_begin(word);
+	for (const struct command_option *option = command->options; option != NULL && option->name != NULL; option++)
+		nearest_offer(&nearest, option->name);
+	if (nearest.found != NULL)
+		snprintf(dashed, sizeof dashed, "; did you mean %s%s?", nearest.found[1] == '\0' ? "-" : "--", nearest.found);
+	return fail_with(STATUS_USAGE, "%s: %.*s is not an option; see furrow %s --help%s", command->name, (int)(length + (size_t)(name - token)), token,
+			 command->name, dashed);
+}
+
 static enum status take_option(struct arguments *arguments, const char *token, int argc, char **argv, int *at)
 {
 	const struct command *command = arguments->command;
@@ -56,8 +70,7 @@ static enum status take_option(struct arguments *arguments, const char *token, i
 	size_t length = equals != NULL ? (size_t)(equals - name) : strlen(name);
 	const struct command_option *option = find_option(command, name, length);
 	if (option == NULL)
-		return fail_with(STATUS_USAGE, "%s: %.*s is not an option; see furrow %s --help",
-				 command->name, (int)(length + (size_t)(name - token)), token, command->name);
+		return unknown_option(command, token, name, length);
 	const char *value = equals != NULL ? equals + 1 : NULL;
 	if (option->value == NULL && value != NULL)
 		return fail_with(STATUS_USAGE, "%s: %s takes no value; leave it out", command->name, token);

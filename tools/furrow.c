@@ -3,6 +3,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "base/nearest.h"
 #include "command.h"
 #include "dem/dem.h"
 #include "fleet/fleet.h"
@@ -45,6 +46,15 @@ static enum status print(int count, char **words)
 	return STATUS_OK;
 }
 
+static enum status unknown_command(const char *name)
+{
+	struct nearest nearest = nearest_begin(name);
+	const struct command *command;
+	for (size_t i = 0; (command = command_at(i)) != NULL; i++)
+		nearest_offer(&nearest, command->name);
+	return fail_with(STATUS_USAGE, "%s: not a command; see furrow --help%s", name, nearest_ask(&nearest).text);
+}
+
 int main(int argc, char **argv)
 {
 	dem_quiet_process();
@@ -65,7 +75,7 @@ int main(int argc, char **argv)
 		return report(close_output(print(argc - 2, argv + 2)));
 	const struct command *command = command_find(argv[1]);
 	if (command == NULL)
-		return report(fail_with(STATUS_USAGE, "%s: not a command; see furrow --help", argv[1]));
+		return report(unknown_command(argv[1]));
 	for (int i = 2; i < argc && strcmp(argv[i], "--") != 0; i++)
 		if (is_help(argv[i])) {
 			help_command(stdout, command);

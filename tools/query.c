@@ -244,13 +244,22 @@ static enum status print_json(const struct asking *asking)
 	return json_print(object);
 }
 
+/* An X has no Y. Who joins them by a comma is told so. */
+static enum status no_pairs(const struct arguments *arguments)
+{
+	const char *last = arguments_at(arguments, arguments_count(arguments) - 1);
+	if (strchr(last, ',') != NULL)
+		return fail_with(STATUS_USAGE, "query: %.40s: not one number; give X and Y apart, as in query world.furrow 120.5 300", last);
+	return fail_with(STATUS_USAGE, "query: %.40s: an X without its Y; give pairs, as in query world.furrow 120.5 300", last);
+}
+
 static enum status run(const struct arguments *arguments)
 {
 	struct asking asking = {.srs = arguments_text(arguments, "srs")};
 	struct store *store = NULL;
 	enum status status = STATUS_OK;
 	if (arguments_count(arguments) % 2 == 0)
-		status = fail_with(STATUS_USAGE, "query: an X has no Y; give pairs, as in query world.furrow 120.5 300");
+		status = no_pairs(arguments);
 	if (status == STATUS_OK)
 		status = store_open(arguments_at(arguments, 0), &(struct store_options){.mode = STORE_READ}, &store);
 	if (status != STATUS_OK)

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/nearest.h"
 #include "scene/scene_error.h"
 
 static enum status match_value(const struct scene_tree *tree, const cyaml_schema_value_t *schema,
@@ -21,11 +22,11 @@ static const char *kind_name(const struct scene_node *node)
 
 static void range_text(const struct scene_limit *limit, char *text, size_t size)
 {
+	const char *in = limit->unit != NULL ? ", in " : "", *unit = limit->unit != NULL ? limit->unit : "";
 	if (limit->low == limit->high)
-		snprintf(text, size, "%.10g", limit->low);
+		snprintf(text, size, "%.10g%s%s", limit->low, in, unit);
 	else
-		snprintf(text, size, "%s%.10g to %.10g", limit->above ? "above " : "", limit->low,
-			 limit->high);
+		snprintf(text, size, "%s%.10g to %.10g%s%s", limit->above ? "above " : "", limit->low, limit->high, in, unit);
 }
 
 bool scene_number_read(const char *text, bool whole, double *value)
@@ -73,16 +74,18 @@ static enum status match_word(const struct scene_tree *tree, const cyaml_schema_
 			      const struct scene_node *node)
 {
 	struct scene_list words = {.length = 0};
+	struct nearest nearest = nearest_begin(node->kind == SCENE_SCALAR ? node->text : "");
 	for (uint32_t i = 0; i < schema->enumeration.count; i++) {
 		const char *word = schema->enumeration.strings[i].str;
+		nearest_offer(&nearest, word);
 		if (node->kind == SCENE_SCALAR && strcmp(node->text, word) == 0)
 			return STATUS_OK;
 		scene_list_add(&words, word);
 	}
 	if (node->kind != SCENE_SCALAR)
 		return scene_error(tree->file, node, "%s; allowed: %s", kind_name(node), words.text);
-	return scene_error(tree->file, node, "%s is unknown; allowed: %s", scene_quote(node->text).text,
-			   words.text);
+	return scene_error(tree->file, node, "%s is unknown; allowed: %s%s", scene_quote(node->text).text, words.text,
+			   nearest_ask(&nearest).text);
 }
 
 static enum status match_text(const struct scene_tree *tree, const cyaml_schema_value_t *schema,
@@ -105,6 +108,31 @@ static const cyaml_schema_field_t *field_of(const cyaml_schema_field_t *fields, 
 		if (strcmp(fields->key, key) == 0)
 			return fields;
 	return NULL;
+}
+
+static enum status unknown_key(const struct scene_tree *tree, const cyaml_schema_field_t *fields, const struct scene_node *node, const char *keys)
+{
+	struct nearest nearest = nearest_begin(node->key);
+	for (; fields->key != NULL; fields++)
+		nearest_offer(&nearest, fields->key);
+	return scene_error(tree->file, node, "unknown key; allowed: %s%s", keys, nearest_ask(&nearest).text);
+}
+
+/* Says what kind of value a key takes. */
+static void describe(const cyaml_schema_value_t *schema, const struct scene_node *here, char *text, size_t size)
+{
+	char path[160], range[80] = "";
+	scene_node_path(here, true, path, sizeof path);
+	const struct scene_limit *limit = scene_limit_of(path);
+	if (limit != NULL)
+		range_text(limit, range, sizeof range);
+	const char *kind = schema->type == CYAML_INT	   ? "a whole number"
+			   : schema->type == CYAML_FLOAT   ? "a number"
+			   : schema->type == CYAML_MAPPING ? "a mapping"
+			   : schema->type == CYAML_STRING  ? "a text"
+			   : schema->type == CYAML_ENUM	   ? "a word"
+							   : "a list";
+	snprintf(text, size, "%s%s%s", kind, range[0] != '\0' ? ", " : "", range);
 }
 
 static bool is_needed(const struct scene_tree *tree, const cyaml_schema_field_t *field,
@@ -130,7 +158,7 @@ static enum status match_mapping(const struct scene_tree *tree, const cyaml_sche
 	for (const struct scene_node *child = node->first; child != NULL; child = child->next) {
 		const cyaml_schema_field_t *field = field_of(fields, child->key);
 		if (field == NULL)
-			return scene_error(tree->file, child, "unknown key; allowed: %s", keys.text);
+			return unknown_key(tree, fields, child, keys.text);
 		enum status status = match_value(tree, &field->value, child);
 		if (status != STATUS_OK)
 			return status;
@@ -139,8 +167,11 @@ static enum status match_mapping(const struct scene_tree *tree, const cyaml_sche
 		struct scene_node here = *node;
 		here.parent = (struct scene_node *)node;
 		here.key = (char *)field->key;
-		if (scene_node_child(node, field->key) == NULL && is_needed(tree, field, &here))
-			return scene_error(tree->file, &here, "is missing; needed here, of: %s", keys.text);
+		if (scene_node_child(node, field->key) != NULL || !is_needed(tree, field, &here))
+			continue;
+		char value[120];
+		describe(&field->value, &here, value, sizeof value);
+		return scene_error(tree->file, &here, "is missing; add it: %s", value);
 	}
 	return STATUS_OK;
 }

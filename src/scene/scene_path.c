@@ -99,8 +99,9 @@ static enum status take_line(struct reader *reader, char *line)
 		reader->width = count;
 		reader->path->has_z = count > 3;
 		reader->path->has_attitude = count == 7;
-		if (strcmp(fields[0], "t") == 0) {
-			for (int i = 1; i < count; i++)
+		double number;
+		if (!scene_number_read(fields[0], false, &number)) {
+			for (int i = 0; i < count; i++)
 				if (strcmp(fields[i], columns[i].name) != 0)
 					return refuse(reader, "not the names of the columns; allowed: "
 							      "t,x,y[,z[,yaw,pitch,roll]]");

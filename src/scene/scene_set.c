@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/nearest.h"
 #include "scene/scene_alias.h"
 #include "scene/scene_error.h"
 
@@ -38,16 +39,19 @@ static enum status element_missing(const struct scene_tree *tree,
 				   const struct scene_node *list, const char *segment)
 {
 	struct scene_list names = {.length = 0};
+	struct nearest nearest = nearest_begin(segment);
 	for (const struct scene_node *node = list->first; node != NULL; node = node->next) {
 		char index[24];
 		const struct scene_node *name =
 			node->kind == SCENE_MAPPING ? scene_node_child(node, "name") : NULL;
 		snprintf(index, sizeof index, "%zu", node->index);
+		if (name != NULL && name->text != NULL)
+			nearest_offer(&nearest, name->text);
 		scene_list_add(&names, name != NULL && name->text != NULL ? name->text : index);
 	}
-	return fail_with(STATUS_INPUT, "%s: --set %s: %s is not in the list; allowed: %s",
+	return fail_with(STATUS_INPUT, "%s: --set %s: %s is not in the list; allowed: %s%s",
 			 tree->file, setting->key, scene_quote(segment).text,
-			 names.length > 0 ? names.text : "nothing, the list is empty");
+			 names.length > 0 ? names.text : "nothing, the list is empty", nearest_ask(&nearest).text);
 }
 
 /* Steps from `at` to what `segment` names, which is made if a mapping lacks it. */

@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/nearest.h"
 #include "scene/scene_check.h"
 #include "scene/scene_error.h"
 #include "scene/scene_file.h"
@@ -53,9 +54,13 @@ static enum status take_name(const struct scene_tree *tree, const char *name, co
 	enum status status = deform_soil_named(name, soil);
 	if (status != STATUS_INPUT)
 		return status;
+	struct nearest nearest = nearest_begin(name);
+	const char *known;
+	for (size_t i = 0; (known = deform_soil_name(i)) != NULL; i++)
+		nearest_offer(&nearest, known);
 	/* Its message ends in the names there are. */
-	return scene_error(tree->file, scene_tree_find(tree, "%s.name", where), "%s is unknown; allowed:%s",
-			   scene_quote(name).text, strrchr(failure_message(), ':') + 1);
+	return scene_error(tree->file, scene_tree_find(tree, "%s.name", where), "%s is unknown; allowed:%s%s", scene_quote(name).text,
+			   strrchr(failure_message(), ':') + 1, nearest_ask(&nearest).text);
 }
 
 /* `value`: of the map's class; below 0: of no class. */

@@ -298,7 +298,7 @@ enum status scene_tree_parse(const char *file, const char *setting, const char *
 
 	*out = NULL;
 	if (memchr(text, '\0', length) != NULL)
-		return refuse(&builder, 1, "a NUL byte; allowed: YAML in UTF-8");
+		return refuse(&builder, 1, "it is no text, it has a NUL byte; allowed: a scene, YAML in UTF-8");
 	if (!yaml_parser_initialize(&parser))
 		return fail_memory("reading the scene");
 	yaml_parser_set_encoding(&parser, YAML_UTF8_ENCODING);
@@ -316,7 +316,7 @@ enum status scene_tree_parse(const char *file, const char *setting, const char *
 	yaml_parser_delete(&parser);
 	mem_free(builder.key);
 	if (status == STATUS_OK && builder.root == NULL)
-		status = refuse(&builder, 1, "nothing is written here; allowed: a YAML value");
+		status = refuse(&builder, 1, "nothing is written here; allowed: keys and values, as in scene: 1");
 	if (status != STATUS_OK)
 		scene_node_destroy(builder.root);
 	else

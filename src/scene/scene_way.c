@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/nearest.h"
 #include "scene/scene_error.h"
 #include "scene/scene_file.h"
 #include "scene/scene_path.h"
@@ -128,6 +129,7 @@ static enum status find_object(const struct following *following, size_t index, 
 	const struct scene *scene = following->scene;
 	const struct scene_node *node = scene_tree_find(following->tree, "objects[%zu].path.relative_to", index);
 	struct scene_list names = {.length = 0};
+	struct nearest nearest = nearest_begin(name);
 	for (*found = 0; *found < scene->object_count; ++*found)
 		if (strcmp(scene->objects[*found].name, name) == 0)
 			break;
@@ -137,10 +139,12 @@ static enum status find_object(const struct following *following, size_t index, 
 		return scene_error(following->tree->file, node, "%s has no path, the host moves it; allowed: an object with a path",
 				   scene_quote(name).text);
 	for (size_t i = 0; i < scene->object_count; i++)
-		if (i != index)
+		if (i != index) {
 			scene_list_add(&names, scene->objects[i].name);
-	return scene_error(following->tree->file, node, "%s is no object; allowed: %s", scene_quote(name).text,
-			   names.length > 0 ? names.text : "another object, and there is none");
+			nearest_offer(&nearest, scene->objects[i].name);
+		}
+	return scene_error(following->tree->file, node, "%s is no object; allowed: %s%s", scene_quote(name).text,
+			   names.length > 0 ? names.text : "another object, and there is none", nearest_ask(&nearest).text);
 }
 
 /* Copies the path at the end of the chain of leaders. Offsets and delays of the chain add up. */

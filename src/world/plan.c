@@ -160,7 +160,7 @@ static void advise_leaving(const struct world *world, scene_advice_fn tell, void
 	struct track_point at = {.time = INFINITY};
 	const struct body *first = NULL;
 	size_t leaving = 0;
-	char text[480], others[40] = "";
+	char text[560], others[40] = "";
 	for (size_t i = 0; i < scene->object_count; i++) {
 		const struct body *body = &world->bodies[i];
 		if (body->track == NULL)
@@ -179,10 +179,12 @@ static void advise_leaving(const struct world *world, scene_advice_fn tell, void
 		return;
 	if (leaving > 1)
 		snprintf(others, sizeof others, ", and %zu other%s later", leaving - 1, leaving > 2 ? "s" : "");
-	snprintf(text, sizeof text, "objects.%s.path: is off the terrain after %.6g s, at %.3f, %.3f m%s: %s; keep within 0 to %g, 0 to %g m%s",
+	const bool far = fabs(at.x - width / 2) > 10 * width || fabs(at.y - height / 2) > 10 * height;
+	snprintf(text, sizeof text, "objects.%s.path: is off the terrain after %.6g s, at %.3f, %.3f m%s: %s; keep within 0 to %g, 0 to %g m%s%s",
 		 first->object->name, at.time, at.x, at.y, others,
 		 scene->outside == SCENE_STOP ? "the drive will stop there" : "nothing is pressed there", width, height,
-		 scene->outside == SCENE_STOP ? ", end before, or set outside: skip" : "");
+		 scene->outside == SCENE_STOP ? ", end before, or set outside: skip" : "",
+		 far ? "; if these are coordinates of a reference system, say which in coordinates" : "");
 	tell(user, text);
 }
 

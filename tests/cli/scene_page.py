@@ -132,7 +132,7 @@ def limit_of(limits, key):
 
 def range_of(text):
     """(low, high, above): "0 .. 4", "above 0 .. 4", "1"; the checker says "to"."""
-    numbers = [float(number) for number in re.split(r" \.\. | to ", text.removeprefix("above "))]
+    numbers = [float(number) for number in re.split(r" \.\. | to ", text.removeprefix("above ").partition(", in ")[0])]
     return numbers[0], numbers[-1], text.startswith("above ")
 
 

@@ -151,12 +151,11 @@ static void the_command_needs_them(void **state)
 	static const struct {
 		const char *text, *says;
 	} cases[] = {
-		{"{}", ":1: scene: is missing; needed here, of: scene, store"},
-		{"{scene: 1}", ":1: end_time: is missing; needed here, of: scene, store"},
+		{"{}", ":1: scene: is missing; add it: a whole number, 1"},
+		{"{scene: 1}", ":1: end_time: is missing; add it: a number, above 0 to 1000000000, in s"},
 		{"{scene: 1, end_time: 1}", ":1: no object and no view"},
-		{"{scene: 1, end_time: 1, objects: [{shape: {sphere: {radius: 1}}}]}", "objects[0].name: is missing; needed here, of: name, "
-										    "shape, path"},
-		{"{scene: 1, end_time: 1, objects: [{name: a, shape: {sphere: {radius: 1}}}]}", "objects[0].path: is missing; needed"},
+		{"{scene: 1, end_time: 1, objects: [{shape: {sphere: {radius: 1}}}]}", "objects[0].name: is missing; add it: a text"},
+		{"{scene: 1, end_time: 1, objects: [{name: a, shape: {sphere: {radius: 1}}}]}", "objects[0].path: is missing; add it: a mapping"},
 	};
 	struct scene *scene;
 	for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {

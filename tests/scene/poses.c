@@ -75,7 +75,7 @@ static void each_mistake_has_its_line(void **state)
 		{"0,1,2,3,4,5,6,7\n", "poses.csv:1: not 3, 4 or 7 columns"},
 		{"t,x,y\n0,1,2\n1,2,3,4\n", "poses.csv:3: 4 columns; allowed: 3"},
 		{"t,y,x\n0,1,2\n", "poses.csv:1: not the names of the columns"},
-		{"time,x,y\n0,1,2\n", "poses.csv:1: t: \"time\" is not a number"},
+		{"time,x,y\n0,1,2\n", "poses.csv:1: not the names of the columns"},
 		{"0,1,2\n\nt,x,y\n", "poses.csv:3: t: \"t\" is not a number"},
 		{"0,1,2\n1,a,2\n", "poses.csv:2: x: \"a\" is not a number"},
 		{"0,1,2\n1,,2\n", "poses.csv:2: x: \"\" is not a number"},
