@@ -55,10 +55,34 @@ static void fill_soil(const char *name, bool earth, float out[4])
 	out[3] = (float)soil->like;
 }
 
-/* Returns how much air the sun shines through; 1: the air straight above (Kasten and Young 1989). */
+/* Returns how much air the sun shines through; 1: the air straight above (Kasten and Young 1989). Below the horizon: as upon it. */
 static double air_mass(double height)
 {
+	height = fmax(height, 0);
 	return 1 / (sin(height) + 0.50572 * pow(height * (180 / M_PI) + 6.07995, -1.6364));
+}
+
+static double sky_share(double height)
+{
+	if (height < 0)
+		return 0.2 * fmax(1 + height / (12 * M_PI / 180), 0.02);
+	return fmin(0.2 + 1.6 * sin(height), 1);
+}
+
+/* Returns the green light of level ground that is white. */
+static double level_light(const struct scene_light *light, double height)
+{
+	static const double sky[] = {[SCENE_EARTH] = 0.50, [SCENE_MARS] = 0.34, [SCENE_MOON] = 0.012}; /* skylight of lib/body.glsl */
+	const struct celestial_body *body = &bodies[light->body];
+	const double more = air_mass(height) - air_mass(SCENE_SUN_HEIGHT), sun = body->sunlight[1] * exp(-body->reddens * 0.11 * more);
+	return sun * fmax(sin(height), 0) + sky[light->body] * sky_share(height);
+}
+
+double render_body_exposure(const struct scene_light *light)
+{
+	if (light->exposure == SCENE_EXPOSURE_FIXED)
+		return 1;
+	return fmin(level_light(light, SCENE_SUN_HEIGHT) / fmax(level_light(light, light->height), 1e-6), 32);
 }
 
 void render_body_textures(const struct scene_light *light, enum render_ground kinds[RENDER_GROUND_LAYERS])
@@ -81,8 +105,14 @@ void render_body_fill(const struct scene_light *light, const struct scene *scene
 		params->sunlight[i] = (float)sun;
 		params->tint[i] = (float)sqrt(sun / body->sunlight[i]);
 	}
-	/* A lower sun lights the sky less. */
-	params->sunlight[3] = (float)fmin(0.2 + 1.6 * sin(light->height), 1);
+	/* A lower sun lights the sky less, and goes on to until it is 12 degrees below the horizon. */
+	params->sunlight[3] = (float)sky_share(light->height);
+	/* Below the horizon it lights no ground. Its disc is half a degree wide. */
+	const double shown = fmin(fmax(0.5 + light->height / (0.533 * M_PI / 180), 0), 1);
+	for (int i = 0; i < 3; i++)
+		params->sunlight[i] *= (float)shown;
+	for (int i = 0; i < 3 && light->height < 0; i++)
+		params->tint[i] *= params->sunlight[3] / 0.2f;
 	for (int i = 0; scene != NULL && i < scene->soil_count; i++)
 		fill_soil(scene->soil_names[i], light->body == SCENE_EARTH, params->soils[i]);
 }

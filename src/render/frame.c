@@ -45,7 +45,7 @@ static void fill_frame(const struct render *render, const struct render_camera *
 	to_floats(params->forward, f[0], f[1], f[2], 0);
 	const struct scene_light *light = &render->light;
 	to_floats(params->sun, sin(light->azimuth) * cos(light->height), cos(light->azimuth) * cos(light->height),
-		  sin(light->height), 0);
+		  sin(light->height), render_body_exposure(light) - 1);
 	render_body_fill(light, render->soils, params);
 
 	/* Clear air over large terrains; over small ones enough haze to soften the world's edge. */

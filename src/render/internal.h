@@ -108,6 +108,8 @@ void render_body_textures(const struct scene_light *light, enum render_ground ki
 const char *render_body_define(const struct scene_light *light);
 /* Fills sunlight, tint, and the look of soil classes. `soils` may be NULL. */
 void render_body_fill(const struct scene_light *light, const struct scene *soils, struct picture_params *params);
+/* Returns the factor of all light: 1, or what makes level ground as bright as under the default sun, at most 32. */
+double render_body_exposure(const struct scene_light *light);
 double render_body_air(const struct scene_light *light); /* returns the haze relative to the Earth's; 0: no air */
 void render_body_background(const struct scene_light *light, float rgba[4]); /* gives the colour where nothing is drawn */
 

@@ -154,6 +154,12 @@ void render_show_layer(struct render *render, const struct render_layer *layer)
 	render->layer = *layer;
 }
 
+void render_move_sun(struct render *render, double azimuth, double height)
+{
+	render->light.azimuth = azimuth;
+	render->light.height = height;
+}
+
 uint64_t render_triangles(const struct render *render)
 {
 	return render->triangles;

@@ -117,6 +117,7 @@ static enum status draw(struct view *view, bool complete)
 	status = render_view_set_objects(view, complete);
 	if (status != STATUS_OK)
 		return status;
+	render_view_move_sun(view);
 	return render_frame(view->render, &camera, view->selection);
 }
 
@@ -289,6 +290,8 @@ enum status render_view_create(struct world *world, bool watched, struct view **
 		view->reach = render_view_find_reach(world);
 	if (status == STATUS_OK)
 		status = make_render(view, watched, &view->render);
+	if (status == STATUS_OK)
+		status = render_view_find_place(view);
 	if (status == STATUS_OK && !watched)
 		status = render_view_make_cameras(view);
 	if (status == STATUS_OK && scene->view.pixel_error > 0)

@@ -62,6 +62,8 @@ struct view {
 	bool told;
 	bool free;                /* a host has set the camera: */
 	struct render_camera camera;
+	struct scene_light light; /* the scene's, with its place */
+	double north;             /* rad: true north, clockwise from the store's */
 	bool lacks;               /* the last picture lacked tiles that were not resident */
 	struct terrain_selection *selection;
 	struct view_look *now;    /* the last picture */
@@ -97,6 +99,10 @@ double render_view_ground_at(struct view *view, double x, double y, double other
 enum status render_view_find_tiles(struct view *view, const struct render_camera *camera, bool complete) FURROW_CHECKED;
 void render_view_count(struct view *view); /* counts the frame that was drawn */
 void render_view_count_tiles(struct view *view); /* counts the tiles alone: the frame was drawn a second time */
+
+/* view_sun.c: the sun of a time and a place. */
+enum status render_view_find_place(struct view *view) FURROW_CHECKED; /* of the terrain, if the scene gives none */
+void render_view_move_sun(struct view *view); /* to where it is now */
 
 /* view_cameras.c: cameras that write frames. */
 enum status render_view_make_cameras(struct view *view) FURROW_CHECKED;

@@ -276,6 +276,7 @@ enum status render_view_cameras(struct view *view, struct pictures *pictures, co
 			continue;
 		if (!set)
 			status = render_view_set_objects(view, true);
+		render_view_move_sun(view);
 		set = true;
 		view->render->screen = view->cameras[i].screen;
 		if (status == STATUS_OK)

@@ -150,11 +150,19 @@ struct scene_vehicle {
 struct scene_light {
 	enum scene_body body;
 	double azimuth, height; /* of the sun, in rad: azimuth clockwise from north, height above the horizon */
+	bool timed;             /* these follow from a time and a place: */
+	double days;            /* when the drive begins: days since 2000-01-01 12:00, UTC */
+	bool placed;            /* false: the place is the middle of the store's terrain */
+	double longitude, latitude; /* rad, east and north */
+	enum scene_exposure { SCENE_EXPOSURE_FIXED, SCENE_EXPOSURE_SUN } exposure; /* sun: level ground is as bright whatever its height */
 	bool coloured;          /* `colour` is given; false: the colour is computed for this planet and this height of the sun */
 	double colour[3];       /* linear */
 };
 #define SCENE_SUN_AZIMUTH (135 * M_PI / 180)
 #define SCENE_SUN_HEIGHT (35 * M_PI / 180)
+/* Gives where the sun is in the sky of a place: azimuth clockwise from true north and height above the horizon, rad. On the Earth the
+ * air raises it. `days`: since 2000-01-01 12:00, UTC. `longitude` (east) and `latitude`: rad. Sources and accuracy: scene_sun.c. */
+void scene_sun_at(enum scene_body body, double days, double longitude, double latitude, double *azimuth, double *height);
 struct scene_light scene_light_default(void); /* returns the light of a view that gives no light */
 
 /* What a camera follows, or where it is. */

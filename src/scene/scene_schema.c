@@ -167,6 +167,7 @@ static const cyaml_strval_t normals_words[] = {{"body", SCENE_BODY}, {"ground", 
 static const cyaml_strval_t body_words[] = {{"earth", SCENE_EARTH}, {"mars", SCENE_MARS}, {"moon", SCENE_MOON}};
 static const cyaml_strval_t camera_words[] = {{"mounted", SCENE_MOUNTED}, {"fixed", SCENE_FIXED}, {"chase", SCENE_CHASE},
 					      {"overhead", SCENE_OVERHEAD}, {"poses", SCENE_POSES}};
+static const cyaml_strval_t exposure_words[] = {{"fixed", SCENE_EXPOSURE_FIXED}, {"sun", SCENE_EXPOSURE_SUN}};
 static const cyaml_strval_t outside_words[] = {{"stop", SCENE_STOP}, {"skip", SCENE_SKIP}};
 
 static const cyaml_schema_field_t redistribute_fields[] = {
@@ -212,6 +213,8 @@ static const cyaml_schema_field_t camera_fields[] = {
 static const cyaml_schema_field_t sun_fields[] = {
 	CYAML_FIELD_FLOAT_PTR("azimuth", OPTIONAL, struct raw_sun, azimuth),
 	CYAML_FIELD_FLOAT_PTR("height", OPTIONAL, struct raw_sun, height),
+	CYAML_FIELD_STRING_PTR("time", OPTIONAL, struct raw_sun, time, 1, 64),
+	CYAML_FIELD_SEQUENCE("at", OPTIONAL_POINTER, struct raw_sun, at, &float_entry, 2, 2),
 	CYAML_FIELD_SEQUENCE("colour", OPTIONAL_POINTER, struct raw_sun, colour, &float_entry, 3, 3),
 	CYAML_FIELD_END,
 };
@@ -223,6 +226,7 @@ static const cyaml_schema_field_t view_fields[] = {
 	CYAML_FIELD_INT_PTR("images", OPTIONAL, struct raw_view, images),
 	CYAML_FIELD_INT_PTR("samples", OPTIONAL, struct raw_view, samples),
 	CYAML_FIELD_FLOAT_PTR("pixel_error", OPTIONAL, struct raw_view, pixel_error),
+	CYAML_FIELD_ENUM_PTR("exposure", OPTIONAL, struct raw_view, exposure, exposure_words, 2),
 	CYAML_FIELD_ENUM_PTR("body", OPTIONAL, struct raw_view, body, body_words, 3),
 	CYAML_FIELD_MAPPING_PTR("sun", OPTIONAL, struct raw_view, sun, sun_fields),
 	CYAML_FIELD_END,
@@ -427,6 +431,7 @@ static const struct scene_limit limits[] = {
 	{"view.pixel_error", 0, 64, true, NULL, "pixels", NAN, "by distance alone"},
 	{"view.sun.azimuth", 0, 360, false, NULL, "degrees", 135, NULL},
 	{"view.sun.height", 0, 90, false, NULL, "degrees", 35, NULL},
+	{"view.sun.at[]", -360, 360, false, NULL, "degrees", NAN, "the middle of the store's terrain"},
 	{"view.sun.colour[]", 0, 10, false, NULL, NULL, NAN, "the body's sun at its height"},
 	{"cameras[].pose.at[]", -1e9, 1e9, false, NULL, "m", NAN, NULL},
 	{"cameras[].pose.target[]", -1e9, 1e9, false, NULL, "m", NAN, "yaw, pitch and roll"},

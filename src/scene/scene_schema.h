@@ -126,6 +126,9 @@ struct raw_camera {
 };
 struct raw_sun {
 	double *azimuth, *height; /* degrees */
+	char *time;
+	double *at; /* degrees */
+	uint32_t at_count;
 	double *colour;
 	uint32_t colour_count;
 };
@@ -137,6 +140,7 @@ struct raw_view {
 	uint32_t effects_count;
 	int64_t *images, *samples;
 	double *pixel_error;
+	int *exposure; /* enum scene_exposure */
 	int *body; /* enum scene_body */
 	struct raw_sun *sun;
 };

@@ -3,6 +3,7 @@
 
 #include "scene/scene_check.h"
 #include "scene/scene_error.h"
+#include "scene/scene_sun.h"
 
 enum status scene_find_target(const struct scene_tree *tree, const struct scene *scene, const char *name, const char *key,
 			      struct scene_aim *aim)
@@ -104,7 +105,28 @@ static enum status check_samples(const struct scene_tree *tree, const struct raw
 
 struct scene_light scene_light_default(void)
 {
-	return (struct scene_light){SCENE_EARTH, SCENE_SUN_AZIMUTH, SCENE_SUN_HEIGHT, false, {0}};
+	return (struct scene_light){.body = SCENE_EARTH, .azimuth = SCENE_SUN_AZIMUTH, .height = SCENE_SUN_HEIGHT};
+}
+
+/* The sun of a time and a place. */
+static enum status check_time(const struct scene_tree *tree, const struct raw_sun *sun, struct scene_light *light)
+{
+	if (sun->at != NULL && sun->time == NULL)
+		return scene_error(tree->file, scene_tree_find(tree, "view.sun.at"), "is where a time's sun is seen, and there is no time; allowed with: time");
+	if (sun->time == NULL)
+		return STATUS_OK;
+	if (sun->azimuth != NULL || sun->height != NULL)
+		return scene_error(tree->file, scene_tree_find(tree, "view.sun.time"), "and an angle are given; allowed: time, or azimuth and height");
+	if (!scene_sun_time(sun->time, &light->days))
+		return scene_error(tree->file, scene_tree_find(tree, "view.sun.time"), "%s is no time; allowed: UTC from 1900 to 2100, as 2026-11-27T16:00:00Z",
+				   scene_quote(sun->time).text);
+	light->timed = true;
+	light->placed = sun->at != NULL;
+	if (sun->at != NULL && fabs(sun->at[1]) > 90)
+		return scene_error(tree->file, scene_tree_find(tree, "view.sun.at[1]"), "%g is no latitude; allowed: longitude, latitude", sun->at[1]);
+	light->longitude = light->placed ? sun->at[0] * M_PI / 180 : 0;
+	light->latitude = light->placed ? sun->at[1] * M_PI / 180 : 0;
+	return STATUS_OK;
 }
 
 static struct scene_light light_of(const struct raw_view *raw)
@@ -113,6 +135,7 @@ static struct scene_light light_of(const struct raw_view *raw)
 	struct scene_light light = scene_light_default();
 	if (raw->body != NULL)
 		light.body = (enum scene_body)*raw->body;
+	light.exposure = raw->exposure != NULL ? (enum scene_exposure)*raw->exposure : SCENE_EXPOSURE_FIXED;
 	if (sun != NULL && sun->azimuth != NULL)
 		light.azimuth = *sun->azimuth * M_PI / 180;
 	if (sun != NULL && sun->height != NULL)
@@ -140,5 +163,7 @@ enum status scene_check_view(const struct scene_tree *tree, const struct raw_sce
 	enum status status = check_camera(tree, &raw->view->camera, scene);
 	if (status == STATUS_OK)
 		status = check_samples(tree, raw->view, view);
+	if (status == STATUS_OK && raw->view->sun != NULL)
+		status = check_time(tree, raw->view->sun, &view->light);
 	return status != STATUS_OK ? status : check_effects(tree, raw->view, view);
 }

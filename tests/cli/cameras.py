@@ -301,6 +301,56 @@ class Cameras(FurrowTest):
         self.assertEqual({name: camera["frames"] for name, camera in plan["cameras"].items()}, {"a": 7, "b": 41})
         self.assertEqual(plan["cameras"]["b"], {"images": ["colour", "depth"], "frames": 41, "frame_bytes": 2 * 64 * 48 * 4})
 
+    def shade(self, sun, name="a"):
+        """Mean green of the ground under this sun, and the picture."""
+        text = ("scene: 1\nend_time: 0.1\ntime_step: 0.1\nview: {camera: {fixed: {eye: [1, 1, 50], target: [9, 9, 20]}}, " + sun + "}\n"
+                "cameras: [{name: a, kind: fixed, rate: 1, size: [160, 120], pose: {at: [30, 30, 60], pitch: -60}}]\n")
+        self.drive(self.scene(text), "--store", self.store)
+        pixels = read_png(self.folder / "out/cameras/a/colour/000000.png").astype(int)
+        return pixels[..., 1].mean(), pixels
+
+    def test_the_sun_of_a_time_is_where_it_was_published(self):
+        """The example of NREL's SPA: azimuth 194.34024, height 39.88838."""
+        self.store = self.synth(relief=20)
+        timed = self.shade('sun: {time: "2003-10-17T19:30:30Z", at: [-105.1786, 39.742476]}')[1]
+        given = self.shade("sun: {azimuth: 194.34, height: 39.888}")[1]
+        other = self.shade("sun: {azimuth: 194.34, height: 36}")[1]
+        self.assertLess(np.abs(timed - given).max(), 3)
+        self.assertGreater(np.abs(other - given).max(), 3)
+
+    def test_it_moves_with_the_time_of_the_drive(self):
+        text = ('scene: 1\nend_time: 7200\ntime_step: 3600\nview: {camera: {fixed: {eye: [1, 1, 50], target: [9, 9, 20]}}, '
+                'sun: {time: "2026-06-21T09:00:00Z", at: [0, 45]}}\n'
+                "cameras: [{name: a, kind: fixed, rate: 0.000277777778, size: [80, 60], pose: {at: [30, 30, 60], pitch: -60}}]\n")
+        self.store = self.synth(relief=20)
+        self.drive(self.scene(text), "--store", self.store)
+        greens = [read_png(self.folder / f"out/cameras/a/colour/{i:06}.png")[..., 1].mean() for i in range(3)]
+        self.assertEqual(greens, sorted(greens))
+        self.assertGreater(greens[2], greens[0] + 2)
+
+    def test_exposure_by_the_sun_keeps_a_low_sun_visible(self):
+        self.store = self.synth(relief=5)
+        for body in ("earth", "moon", "mars"):
+            default = self.shade(f"body: {body}")[0]
+            low = self.shade(f"body: {body}, sun: {{height: 3}}")[0]
+            exposed = self.shade(f"body: {body}, sun: {{height: 3}}, exposure: sun")[0]
+            self.assertLess(low, 0.75 * default, body)
+            self.assertGreater(exposed, 0.7 * default, body)
+            self.assertEqual(self.shade(f"body: {body}, exposure: sun")[0], default)
+
+    def test_a_time_without_a_place_is_refused(self):
+        self.store = self.synth(relief=5)
+        base = 'scene: 1\nend_time: 1\nview: {images: 1, camera: {fixed: {eye: [1, 1, 50], target: [9, 9, 20]}}, sun: {%s}}\n'
+        path = self.scene(base % 'time: "2026-06-21T09:00:00Z"')
+        result = self.furrow("drive", path, "--store", self.store, "-o", "out")
+        if result.returncode == 4:
+            self.skipTest("no GL here")
+        self.assertIn("the store has no reference system, so where it is is not known; give view.sun.at", self.told(3, result))
+        for sun, told in (('time: "2026-06-21"', "is no time; allowed: UTC from 1900 to 2100, as 2026-11-27T16:00:00Z"), ("at: [1, 2]", "there is no time"),
+                          ('time: "2026-06-21T09:00:00Z", height: 3', "and an angle are given"),
+                          ('time: "2026-06-21T09:00:00Z", at: [1, 95]', "95 is no latitude")):
+            self.assertIn(told, self.refused(3, "explain", self.scene(base % sun)))
+
     def files(self):
         return {str(path.relative_to(self.folder / "out")): path.read_bytes() for path in (self.folder / "out/cameras").rglob("*") if path.is_file()}
 

@@ -70,6 +70,8 @@ SAMPLES = [
     scene(wheel(shape={"cylinder": {"radius": 0.5, "length": 1}}), wheel(name="b", shape={"capsule": {"radius": 0.5, "length": 1}}),
           wheel(name="c", shape={"ellipsoid": {"radii": [0.5, 0.4, 0.3]}})),
     scene(view=view({"fixed": {"eye": [1, 2, 3], "target": [4, 5, 6]}}), cache={"memory": "512 MB"}),
+    scene(view=view({"fixed": {"eye": [1, 2, 3], "target": [4, 5, 6]}}, sun={"time": "2026-11-27T16:00:00Z"})),
+    scene(WHEEL, view=view({"chase": "a"}, exposure="sun", sun={"time": "2026-11-27T16:00:00Z", "at": [10, 45]})),
     scene(WHEEL, cameras=[
         {"name": "a", "kind": "mounted", "on": "a", "rate": 5, "fov": 70, "size": [64, 48], "images": ["colour", "depth"], "depth_unit": 0.01, "stereo": 0.2,
          "pose": {"at": [1, 0, 1], "yaw": 10, "pitch": -20, "roll": 3}},
