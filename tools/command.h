@@ -18,7 +18,7 @@
 
 struct arguments;
 
-/* An option, or an argument without a dash. --help, the manual page and the shell completions come from it, and the parser reads it. */
+/* An option, or an argument without a dash. The parser reads it; --help, the manual page and the completions are made of it. */
 struct command_option {
 	const char *name;           /* without dashes, one letter: a single dash; of an argument: what the usage calls it */
 	const char *value;          /* what its value is called; NULL: a flag, or an argument */

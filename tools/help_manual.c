@@ -122,7 +122,7 @@ static void put_blocks(FILE *out, const char *text)
 
 static void put_value(FILE *out, const char *value)
 {
-	fputs(" Ar ", out);
+	fputs("Ar ", out);
 	for (const char *at = value; *at != '\0'; at++)
 		if (*at == ' ')
 			fputs(" Ar ", out);
@@ -136,8 +136,10 @@ static void put_option(FILE *out, const struct command_option *option)
 	fprintf(out, "Fl %s", command_dashes(option) + 1);
 	for (const char *at = option->name; *at != '\0'; at++)
 		put_letter(out, *at, true);
-	if (option->value != NULL)
-		put_value(out, option->value);
+	if (option->value == NULL)
+		return;
+	putc(' ', out);
+	put_value(out, option->value);
 }
 
 static void put_group(FILE *out, const struct command_option *option, size_t count)
@@ -156,13 +158,8 @@ static void put_group(FILE *out, const struct command_option *option, size_t cou
 static void put_arguments(FILE *out, const struct command_option *argument)
 {
 	for (; argument != NULL && argument->name != NULL; argument++) {
-		fputs(argument->needed ? "." : ".Oo", out);
-		if (argument->needed)
-			fputs("Ar ", out);
-		if (argument->needed)
-			fputs(argument->name, out);
-		else
-			put_value(out, argument->name);
+		fputs(argument->needed ? "." : ".Oo ", out);
+		put_value(out, argument->name);
 		fprintf(out, "%s%s\n", argument->needed ? "" : " Oc", argument->repeats ? " Ns ..." : "");
 	}
 }
@@ -191,13 +188,11 @@ static void put_rows(FILE *out, const char *title, const struct command_option *
 		return;
 	fprintf(out, ".Sh %s\n.Bl -tag -width indent\n", title);
 	for (; rows->name != NULL; rows++) {
-		fputs(".It", out);
-		if (dashes) {
-			putc(' ', out);
+		fputs(".It ", out);
+		if (dashes)
 			put_option(out, rows);
-		} else {
+		else
 			put_value(out, rows->name);
-		}
 		putc('\n', out);
 		put_row(out, rows);
 	}

@@ -15,16 +15,19 @@
 
 static const struct command_option options[] = {
 	{"o", "OUT", .help = "a .tif of one layer, or a .png: a map of classes", .files = "tif png", .needed = true},
-	{"vehicle", "MODEL", .help = "MJCF or URDF of the vehicle; its soil geoms are those that collide", .files = "xml urdf mjcf", .needed = true},
+	{"vehicle", "MODEL", .help = "MJCF or URDF of the vehicle; its soil geoms are those that collide", .files = "xml urdf mjcf",
+	 .needed = true},
 	{"scene", "SCENE", .help = "a scene, with its first vehicle, soil and gravity", .files = "yaml yml json", .instead = true},
 	{"soil", "SOIL", .help = "a named soil, or a scene's soil in braces", .preset = "the scene's"},
 	{"gravity", "G", .help = "pull of the body", .unit = "m/s2", .preset = "9.81; the scene's"},
-	{"layer", "LAYER", .help = "what is written, see below", .choices = mobility_layers, .preset = "slip in a .tif, class in a .png"},
+	{"layer", "LAYER", .help = "what is written, see below", .choices = mobility_layers,
+	 .preset = "slip in a .tif, class in a .png"},
 	{"spread", "SHARE", .help = "how far the soil's numbers are uncertain: standard deviation of their logarithms, as in 0.15; or three, of cohesion, friction and "
 				    "Bekker's moduli", .preset = "0"},
 	{"samples", "N", .help = "soils of the spread", .preset = "12"},
 	{"seed", "S", .help = "of the spread", .preset = "1"},
-	{"spacing", "M", .help = "distance between the rig's posts", .unit = "m", .preset = "a tenth of a wheel's width or radius, whichever is less"},
+	{"spacing", "M", .help = "distance between the rig's posts", .unit = "m",
+	 .preset = "a tenth of a wheel's width or radius, whichever is less"},
 	{"json", .help = "one JSON object: shares, and of each slope and heading the verdict, slip, crab angle, torque, sinkage; of each slope P(GO)"},
 	{.name = NULL},
 };

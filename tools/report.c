@@ -80,7 +80,8 @@ static enum status run(const struct arguments *arguments)
 const struct command command_report = {
 	.name = "report",
 	.summary = "one page of a drive, or of several beside each other",
-	.arguments = COMMAND_ARGUMENTS({"DIR", .help = "a folder that furrow drive left; up to eight are compared", .files = "/", .needed = true, .repeats = true}),
+	.arguments = COMMAND_ARGUMENTS({"DIR", .help = "a folder that furrow drive left; up to eight are compared", .files = "/",
+	 .needed = true, .repeats = true}),
 	.options = options,
 	.details = "The page is one file. It needs no network, and no file beside it: plots are drawn within it, and map.png is a "
 		   "part of it.\n\n"

@@ -11,7 +11,8 @@ static const char *const kinds[] = {"slurm", "parallel", "snakemake", NULL};
 static const struct command_option options[] = {
 	{"o", "DIR", .help = "where the runs, study.json, study.csv and the plots go", .files = "/", .needed = true},
 	{"jobs", "N", .help = "runs at once", .preset = "the processor's cores"},
-	{"write", "KIND", .help = "run nothing, and write what a scheduler runs: DIR/slurm.sh, DIR/parallel.txt or DIR/Snakefile", .choices = kinds},
+	{"write", "KIND", .help = "run nothing, and write what a scheduler runs: DIR/slurm.sh, DIR/parallel.txt or DIR/Snakefile",
+	 .choices = kinds},
 	{"slurm", .help = "the same as --write slurm", .instead = true},
 	{"parallel", .help = "the same as --write parallel", .instead = true},
 	{"snakemake", .help = "the same as --write snakemake", .instead = true},
@@ -102,7 +103,8 @@ static enum status run(const struct arguments *arguments)
 const struct command command_study = {
 	.name = "study",
 	.summary = "drive a scene with many values: a grid, a list or a Latin hypercube, its results in one CSV, plots",
-	.arguments = COMMAND_ARGUMENTS({"STUDY.yaml", .help = "what to vary, and what to collect", .files = "yaml yml", .needed = true}),
+	.arguments = COMMAND_ARGUMENTS({"STUDY.yaml", .help = "what to vary, and what to collect", .files = "yaml yml",
+	 .needed = true}),
 	.also = COMMAND_ARGUMENTS({"collect", .help = "this word", .needed = true},
 				  {"DIR", .help = "the folder of a study", .files = "/", .needed = true}),
 	.options = options,

@@ -17,9 +17,11 @@ static const struct command_option options[] = {
 	{"posts", "WxH", .help = "posts east and north", .needed = true},
 	{"spacing", "M", .help = "distance between posts", .unit = "m", .needed = true},
 	{"kind", "KIND", .help = "landscape", .choices = kinds, .preset = "ridged"},
-	{"relief", "M", .help = "height from the lowest to the highest that it may reach", .unit = "m", .preset = "300; dunes 40, plain 20"},
+	{"relief", "M", .help = "height from the lowest to the highest that it may reach", .unit = "m",
+	 .preset = "300; dunes 40, plain 20"},
 	{"seed", "S", .help = "another number, another terrain", .preset = "1"},
-	{"jobs", "N", .help = "threads that work posts out, and as many that pack tiles; 1: one for everything", .preset = "all cores"},
+	{"jobs", "N", .help = "threads that work posts out, and as many that pack tiles; 1: one for everything",
+	 .preset = "all cores"},
 	{"overwrite", .help = "replace a store; rasters are replaced in any case"},
 	{.name = NULL},
 };
