@@ -27,7 +27,7 @@ man 5 scene | col -bx | grep -c soil.cohesion
 man 3 furrow | col -bx | grep -c furrow_world_open
 bash -c '. /usr/share/bash-completion/bash_completion; _completion_loader furrow; complete -p furrow'
 apt-get purge -y -qq furrow python3-furrow libfurrow0 libfurrow-dev >/dev/null 2>&1
-find / -xdev -name '*furrow*' -not -path '/packages/*' -not -path '/work/*' -not -path '/proc/*'
+find / -xdev -name '*furrow*' -not -path '/packages/*' -not -path '/work/*' -not -path '/var/cache/man/*' -not -path '/proc/*'
 echo done
 """
 
