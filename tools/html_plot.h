@@ -28,6 +28,9 @@ struct html_plot {
 	const char *told; /* what the upright line is */
 };
 
+/* The style sheet of a page with plots, in html_report.c. */
+extern const char html_style[];
+
 /* Whether any point of a line is drawn. */
 bool html_line_any(const struct html_line *line);
 void html_plot_write(const struct html_plot *plot, FILE *file);

@@ -5,7 +5,7 @@
 #include "svg.h"
 
 /* Paper and light screens; dark screens. Colours of curves: Okabe's and Ito's, lighter on dark ground. */
-static const char style[] =
+const char html_style[] =
 	":root{--ground:#fff;--text:#1c1c1c;--soft:#5a5a5a;--line:#ddd;--zero:#888;--head:#f3f3f1;"
 	"--c0:#0072b2;--c1:#c24e00;--c2:#00805d;--c3:#b4548c;--c4:#946300;--c5:#2a86c8;--c6:#7a5c00;--c7:#666}\n"
 	"@media screen and (prefers-color-scheme:dark){:root{--ground:#141414;--text:#e4e4e4;--soft:#a6a6a6;--line:#333;--zero:#888;--head:#222;"
@@ -56,7 +56,7 @@ static void write_head(const struct html_report *report)
 		fputs(i > 0 ? ", " : "", file);
 		svg_text(report->runs[i].folder, file);
 	}
-	fprintf(file, "</title>\n<style>\n%s</style></head><body>\n<h1>", style);
+	fprintf(file, "</title>\n<style>\n%s</style></head><body>\n<h1>", html_style);
 	for (size_t i = 0; i < report->count; i++) {
 		fputs(i > 0 ? ", " : "", file);
 		svg_text(report->runs[i].folder, file);

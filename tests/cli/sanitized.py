@@ -25,6 +25,7 @@ CHOSEN = {
     "explain": ["Explain.test_the_store_decides_level_and_spacing", "Explain.test_what_is_wrong_is_told",
                 "Explain.test_a_drive_tells_the_same_on_stderr"],
     "help": ["Help.test_the_parser_takes_what_is_listed", "Help.test_what_is_not_printed_is_refused"],
+    "fit_soil": ["FitSoil.test_what_is_wrong_is_refused_and_leaves_nothing", "FitSoil.test_a_name_cannot_break_out_of_the_soil_or_the_page"],
     "history": ["History.test_branches_and_names_are_told", "History.test_what_cannot_be_is_refused"],
     "meshes": ["Meshes.test_refusals"],
     "study": ["Study.test_refused_studies", "Study.test_what_cannot_be_collected_says_what_can",

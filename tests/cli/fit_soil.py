@@ -1,0 +1,142 @@
+"""furrow fit-soil: the examples' numbers, the soil that it writes in a scene, its JSON and its page, and files that are refused."""
+import json
+import math
+import pathlib
+import re
+import unittest
+import xml.etree.ElementTree
+
+from furrow_test import FurrowTest, main
+
+EXAMPLES = pathlib.Path(__file__).resolve().parents[2] / "examples/soil"
+PLATE, SHEAR = EXAMPLES / "plate.csv", EXAMPLES / "shear.csv"
+# As the first lines of the files say.
+TRUTH = {"kc": 25000, "kphi": 1900000, "n": 0.9, "cohesion": 1800, "friction_angle": 31, "janosi_shear": 0.014}
+SCENE = """scene: 1
+time_step: 0.02
+end_time: 1
+spacing: 0.0625
+redistribute: {model: scm}
+output: {forces: 20}
+objects:
+  - {name: wheel, shape: {wheel: {radius: 0.4, width: 0.2}}, load: 1500, path: {points: [[10, 10], [13, 10]], speed: 2}}
+"""
+
+
+def soil_of(text):
+    """{key: value} of a `soil:` block."""
+    lines = [line.split("#")[0].rstrip() for line in text[text.index("soil:"):].splitlines()[1:]]
+    return {key: value for key, value in (line.strip().split(": ") for line in lines if line.startswith("  "))}
+
+
+class FitSoil(FurrowTest):
+    def test_the_examples_give_their_numbers_within_three_standard_errors(self):
+        fit = self.json("fit-soil", PLATE, SHEAR)
+        for method in ("plain", "wong"):
+            for key in ("kc", "kphi", "n"):
+                number = fit["plate"][method][key]
+                self.assertLess(abs(number["value"] - TRUTH[key]), 3 * number["error"], (method, key))
+                self.assertLess(number["error"], 0.1 * TRUTH[key])
+            self.assertGreater(fit["plate"][method]["goodness"], 0.97)
+            self.assertLess(fit["plate"][method]["rms"], 2500)
+        for key in ("cohesion", "friction_angle", "janosi_shear"):
+            self.assertLess(abs(fit["shear"][key]["value"] - TRUTH[key]), 3 * fit["shear"][key]["error"], key)
+        self.assertEqual(fit["plate"]["widths"], [0.05, 0.1, 0.15])
+        self.assertEqual([fit["plate"]["rows"], fit["shear"]["rows"]], [36, 42])
+        # The largest residual is that of its line.
+        line = PLATE.read_text().splitlines()[fit["plate"]["plain"]["largest_line"] - 1]
+        b, z, p = (float(cell) for cell in line.split(","))
+        numbers = {key: fit["plate"]["plain"][key]["value"] for key in ("kc", "kphi", "n")}
+        fitted = (numbers["kc"] / (b / 1e3) + numbers["kphi"]) * (z / 1e3) ** numbers["n"]
+        self.assertAlmostEqual(fit["plate"]["plain"]["largest"], p * 1e3 - fitted, delta=1e-6 * p * 1e3)
+
+    def test_the_text_has_the_numbers_and_a_soil(self):
+        text, fit = self.ok("fit-soil", PLATE, SHEAR), self.json("fit-soil", PLATE, SHEAR)
+        for word in ("plain", "weighted as Wong", "goodness of fit", "plates of 50, 100, 150 mm", "normal stresses of 10, 25, 50 kPa"):
+            self.assertIn(word, text)
+        soil = soil_of(text)
+        self.assertEqual(soil.pop("name"), "dry_sand")
+        self.assertAlmostEqual(float(soil.pop("repose")), fit["soil"]["friction_angle"], places=6)
+        for key, value in soil.items():
+            self.assertTrue(math.isclose(float(value), fit["soil"][key], rel_tol=1e-10), key)
+        wong = self.json("fit-soil", PLATE, "--method", "wong", "--soil", "lunar")
+        self.assertEqual(wong["soil"]["name"], "lunar")
+        self.assertEqual(wong["soil"]["bekker_n"], wong["plate"]["wong"]["n"]["value"])
+        self.assertNotEqual(wong["soil"]["bekker_n"], fit["soil"]["bekker_n"])
+        self.assertNotIn("cohesion", wong["soil"])
+
+    def test_a_scene_takes_the_soil_as_it_is(self):
+        self.synth(kind="plain", posts="65x65", relief=1)
+        self.assertNotIn("soil:", self.ok("fit-soil", PLATE, SHEAR, "-o", "soil.yaml"))
+        fit = self.json("fit-soil", PLATE, SHEAR)
+        scene = self.scene(SCENE + (self.folder / "soil.yaml").read_text())
+        result = self.furrow("drive", scene, "--store", "world.furrow", "--overlay", "ruts.furrow", "-o", "out")
+        if result.returncode == 4:
+            self.skipTest("no GL here")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        report = json.loads((self.folder / "out/run.json").read_text())
+        soil = report["soils"][0]
+        for key, value in fit["soil"].items():
+            if key != "name":
+                self.assertTrue(math.isclose(soil[key], value, rel_tol=1e-9), (key, soil))
+        self.assertGreater(report["objects"]["wheel"]["sinkage"], 0.005)
+        # Plates alone: the strength is that of the named soil.
+        self.ok("fit-soil", PLATE, "-o", "soil.yaml", "--soil", "lete_sand")
+        scene = self.scene(SCENE + (self.folder / "soil.yaml").read_text())
+        self.ok("drive", scene, "--store", "world.furrow", "--overlay", "other.furrow", "-o", "other")
+        soil = json.loads((self.folder / "other/run.json").read_text())["soils"][0]
+        self.assertEqual([soil["cohesion"], soil["janosi_shear"]], [1300, 0.012])
+        self.assertTrue(math.isclose(soil["bekker_n"], fit["soil"]["bekker_n"], rel_tol=1e-9))
+
+    def test_the_page_is_one_file_with_plots(self):
+        self.ok("fit-soil", PLATE, SHEAR, "--page", "soil.html")
+        text = (self.folder / "soil.html").read_text()
+        root = xml.etree.ElementTree.fromstring(text)
+        self.assertEqual([section.get("id") for section in root.iter("section")], ["plates", "shear", "soil"])
+        plots = [svg.find("title").text for svg in root.iter("svg") if svg.find("title") is not None]
+        self.assertEqual(plots, ["pressure over sinkage", "residuals of pressure", "shear stress over displacement", "residuals of shear stress"])
+        circles = [sum(1 for _ in svg.iter("circle")) for svg in root.iter("svg") if svg.find("title") is not None]
+        self.assertEqual(circles, [36, 36, 42, 42])
+        self.assertNotRegex(text, r"(?:src|href)=|https?:|url\(|@import")
+        self.assertEqual(soil_of("".join(root.find(".//pre").itertext())), soil_of(self.ok("fit-soil", PLATE, SHEAR)))
+
+    def test_one_width_and_one_stress_are_told(self):
+        lines = PLATE.read_text().splitlines()
+        (self.folder / "one.csv").write_text("\n".join(lines[:2] + [line for line in lines if line.startswith("50,")]) + "\n")
+        lines = SHEAR.read_text().splitlines()
+        (self.folder / "ones.csv").write_text("\n".join(lines[:2] + [line for line in lines if line.startswith("25,")]) + "\n")
+        text = self.ok("fit-soil", "one.csv", "ones.csv")
+        self.assertIn("does not tell kc and kphi apart", text)
+        self.assertIn("does not tell cohesion and friction apart", text)
+        soil = soil_of(text)
+        self.assertEqual([soil["bekker_kc"], soil["cohesion"]], ["0", "0"])
+        k = TRUTH["kc"] / 0.05 + TRUTH["kphi"]
+        fit = self.json("fit-soil", "one.csv")["plate"]["plain"]
+        self.assertLess(abs(fit["kphi"]["value"] - k), 3 * fit["kphi"]["error"])
+        self.assertIsNone(fit["kc"]["error"])
+
+    def test_what_is_wrong_is_refused_and_leaves_nothing(self):
+        (self.folder / "bad.csv").write_text("b mm,z mm,p kPa\n50,4,10\n50,8,no\n")
+        (self.folder / "short.csv").write_text("b mm,z mm,p kPa\n50,4,10\n")
+        for arguments, status, why in (
+                (("bad.csv",), 3, r"bad\.csv:3: column 3, pressure p"), (("short.csv",), 3, r"short\.csv: has 1 rows"),
+                (("gone.csv",), 3, "No such file"), ((SHEAR,), 3, "no column plate width b"), ((PLATE, PLATE), 3, "no column normal stress"),
+                ((PLATE, "--soil", "cheese"), 3, "known are"), ((PLATE, "--soil", "mud"), 3, "mud has no numbers of Bekker"), ((PLATE, "--method", "guess"), 2, "method"), ((), 2, "PLATE"),
+                ((PLATE, SHEAR, PLATE), 2, "fit-soil")):
+            said = self.refused(status, "fit-soil", *arguments, *(("-o", "soil.yaml", "--page", "soil.html") if arguments else ()))
+            self.assertRegex(said, why)
+        self.assertEqual(sorted(path.name for path in self.folder.iterdir()), ["bad.csv", "short.csv"])
+
+    def test_help_lists_it(self):
+        self.assertRegex(self.ok("--help"), r"(?m)^  fit-soil ")
+        self.assertIn("plate width b", self.ok("fit-soil", "--help"))
+
+    def test_a_name_cannot_break_out_of_the_soil_or_the_page(self):
+        name = "a<b>&\n  name: lunar\n\".csv"
+        (self.folder / name).write_text(PLATE.read_text())
+        self.assertEqual(soil_of(self.ok("fit-soil", name, "--page", "soil.html"))["name"], "dry_sand")
+        xml.etree.ElementTree.fromstring((self.folder / "soil.html").read_text())
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,307 @@
+/*
+ * Reads the rows of a test from a CSV file, which is untrusted.
+ *
+ * A column is known by a word of its name, and its unit is the last word: `plate width b m`, `z [mm]`, `sinkage_mm`. A column without a unit is
+ * refused, since a guess could be wrong by a factor of a thousand. Other columns are passed over.
+ */
+#include "fit.h"
+
+#include <ctype.h>
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+enum { LINE_MOST = 4096, COLUMNS_MOST = 64, WORDS_MOST = 12, FIELDS = 3, GROUP = 0, X = 1, Y = 2 };
+#define SAME_GROUP 1e-9 /* of the value */
+#define VALUE_MOST 1e12
+
+/* Words of which a column's name has all; ended by NULL. */
+struct known {
+	enum fit_test test;
+	int field;
+	const char *words[3];
+};
+
+static const struct known known[] = {
+	{FIT_PLATE, GROUP, {"width"}}, {FIT_PLATE, GROUP, {"b"}}, {FIT_PLATE, GROUP, {"radius"}},
+	{FIT_PLATE, X, {"sinkage"}}, {FIT_PLATE, X, {"z"}},
+	{FIT_PLATE, Y, {"pressure"}}, {FIT_PLATE, Y, {"p"}},
+	{FIT_SHEAR, GROUP, {"normal"}}, {FIT_SHEAR, GROUP, {"sigma"}},
+	{FIT_SHEAR, X, {"displacement"}}, {FIT_SHEAR, X, {"j"}},
+	{FIT_SHEAR, Y, {"shear", "stress"}}, {FIT_SHEAR, Y, {"tau"}},
+};
+
+static const struct unit {
+	const char *name;
+	bool stress;
+	double size;
+} units[] = {{"m", false, 1}, {"cm", false, 1e-2}, {"mm", false, 1e-3}, {"Pa", true, 1}, {"kPa", true, 1e3}, {"MPa", true, 1e6}};
+#define COUNT(list) (sizeof list / sizeof *list)
+
+static const char *const names[][FIELDS] = {{"plate width b", "sinkage z", "pressure p"}, {"normal stress sigma", "displacement j", "shear stress tau"}};
+static const char *const lengths = "m, cm or mm", *const stresses = "Pa, kPa or MPa";
+
+static bool is_stress(enum fit_test test, int field)
+{
+	return field == Y || (field == GROUP && test == FIT_SHEAR);
+}
+
+const char *fit_table_columns(enum fit_test test)
+{
+	return test == FIT_PLATE ? "plate width b m, sinkage z m, pressure p kPa" : "normal stress sigma kPa, displacement j m, shear stress tau kPa";
+}
+
+/* --- columns --- */
+
+struct columns {
+	int at[FIELDS]; /* -1: not found */
+	double unit[FIELDS];
+};
+
+struct words {
+	char text[LINE_MOST];
+	const char *list[WORDS_MOST];
+	size_t count;
+};
+
+static void split(const char *cell, struct words *words)
+{
+	char *at = words->text;
+	snprintf(words->text, sizeof words->text, "%s", cell);
+	words->count = 0;
+	while (*at != '\0' && words->count < WORDS_MOST) {
+		while (*at != '\0' && !isalnum((unsigned char)*at))
+			at++;
+		if (*at != '\0')
+			words->list[words->count++] = at;
+		while (isalnum((unsigned char)*at))
+			at++;
+		if (*at != '\0')
+			*at++ = '\0';
+	}
+}
+
+static bool has_word(const struct words *words, const char *word)
+{
+	for (size_t i = 0; i < words->count; i++)
+		if (strcasecmp(words->list[i], word) == 0)
+			return true;
+	return false;
+}
+
+/* Finds what a column is; -1: something else. */
+static int field_of(const struct words *words, enum fit_test test)
+{
+	for (size_t i = 0; i < COUNT(known); i++) {
+		bool all = known[i].test == test;
+		for (size_t k = 0; k < 3 && known[i].words[k] != NULL; k++)
+			all = all && has_word(words, known[i].words[k]);
+		if (all)
+			return known[i].field;
+	}
+	return -1;
+}
+
+static const struct unit *unit_of(const struct words *words, bool stress)
+{
+	for (size_t i = 0; i < COUNT(units) && words->count > 1; i++)
+		if (units[i].stress == stress && strcasecmp(words->list[words->count - 1], units[i].name) == 0)
+			return &units[i];
+	return NULL;
+}
+
+static enum status take_column(const char *path, int line, enum fit_test test, const char *cell, int column, struct columns *columns)
+{
+	struct words words;
+	split(cell, &words);
+	const int field = field_of(&words, test);
+	if (field < 0)
+		return STATUS_OK;
+	const struct unit *unit = unit_of(&words, is_stress(test, field));
+	if (columns->at[field] >= 0)
+		return fail_with(STATUS_INPUT, "%s:%d: columns %d and %d are both %s; name one of them otherwise", path, line, columns->at[field] + 1,
+				 column + 1, names[test][field]);
+	if (unit == NULL)
+		return fail_with(STATUS_INPUT, "%s:%d: column %d, %s, does not end with its unit; write %s %s", path, line, column + 1, names[test][field],
+				 names[test][field], is_stress(test, field) ? stresses : lengths);
+	columns->at[field] = column;
+	columns->unit[field] = unit->size;
+	return STATUS_OK;
+}
+
+static enum status read_columns(const char *path, int line, enum fit_test test, char *text, struct columns *columns)
+{
+	char *rest = text, *cell;
+	enum status status = STATUS_OK;
+	for (int field = 0; field < FIELDS; field++)
+		columns->at[field] = -1;
+	for (int i = 0; status == STATUS_OK && (cell = strsep(&rest, ",")) != NULL; i++)
+		status = i < COLUMNS_MOST ? take_column(path, line, test, cell, i, columns)
+					  : fail_with(STATUS_INPUT, "%s:%d: has more than %d columns; give fewer", path, line, COLUMNS_MOST);
+	for (int field = 0; field < FIELDS && status == STATUS_OK; field++)
+		if (columns->at[field] < 0)
+			status = fail_with(STATUS_INPUT, "%s:%d: has no column %s; its first line names the columns with their units, as %s", path, line,
+					   names[test][field], fit_table_columns(test));
+	return status;
+}
+
+/* --- rows --- */
+
+static bool read_number(const char *cell, double *value)
+{
+	char *end;
+	cell += strspn(cell, " \t\"");
+	if (strspn(cell, "+-.0123456789eE") == 0)
+		return false;
+	*value = strtod(cell, &end);
+	return end != cell && end[strspn(end, " \t\"")] == '\0' && isfinite(*value) && end - cell <= (ptrdiff_t)strspn(cell, "+-.0123456789eE");
+}
+
+static enum status read_row(const char *path, int line, enum fit_test test, char *text, const struct columns *columns, struct fit_row *row)
+{
+	double values[FIELDS];
+	bool found[FIELDS] = {false};
+	char *rest = text, *cell;
+	for (int i = 0; (cell = strsep(&rest, ",")) != NULL; i++)
+		for (int field = 0; field < FIELDS; field++) {
+			if (columns->at[field] != i)
+				continue;
+			if (!read_number(cell, &values[field]))
+				return fail_with(STATUS_INPUT, "%s:%d: column %d, %s: \"%.40s\" is no number; give one, with a point and without a unit", path, line,
+						 i + 1, names[test][field], cell);
+			values[field] *= columns->unit[field];
+			found[field] = true;
+			if (values[field] < 0 || values[field] > VALUE_MOST)
+				return fail_with(STATUS_INPUT, "%s:%d: column %d, %s: %.40s is %s; count %s from 0 upwards", path, line, i + 1, names[test][field], cell,
+						 values[field] < 0 ? "below 0" : "too large", field == X ? "downwards or along the way" : "pressure and size");
+		}
+	for (int field = 0; field < FIELDS; field++)
+		if (!found[field])
+			return fail_with(STATUS_INPUT, "%s:%d: has no column %d, %s; each line has one value for each column", path, line, columns->at[field] + 1,
+					 names[test][field]);
+	if (test == FIT_PLATE && !(values[GROUP] > 0))
+		return fail_with(STATUS_INPUT, "%s:%d: the plate's width is 0; give its shorter side, or the radius of a round one", path, line);
+	*row = (struct fit_row){values[GROUP], values[X], values[Y], line};
+	return STATUS_OK;
+}
+
+static enum status add_row(struct fit_table *table, size_t *room, const struct fit_row *row)
+{
+	if (!(row->x > 0)) {
+		table->skipped++;
+		return STATUS_OK;
+	}
+	if (table->count == FIT_ROWS_MOST)
+		return fail_with(STATUS_INPUT, "%s:%d: has more than %d rows; give fewer, as every tenth", table->path, row->line, FIT_ROWS_MOST);
+	if (table->count == *room) {
+		const size_t more = *room > 0 ? 2 * *room : 256;
+		struct fit_row *rows = mem_realloc(table->rows, more, sizeof *rows);
+		if (rows == NULL)
+			return fail_memory("the rows of a test");
+		table->rows = rows;
+		*room = more;
+	}
+	table->rows[table->count++] = *row;
+	return STATUS_OK;
+}
+
+/* --- groups --- */
+
+static bool same_group(double a, double b)
+{
+	return fabs(a - b) <= SAME_GROUP * fmax(fabs(a), fabs(b));
+}
+
+size_t fit_table_group(const struct fit_table *table, const struct fit_row *row)
+{
+	size_t low = 0, high = table->group_count;
+	while (low + 1 < high) {
+		const size_t middle = low + (high - low) / 2;
+		if (table->groups[middle] <= row->group || same_group(table->groups[middle], row->group))
+			low = middle;
+		else
+			high = middle;
+	}
+	return low;
+}
+
+static enum status add_group(struct fit_table *table, const struct fit_row *row)
+{
+	const double value = row->group;
+	size_t at = 0;
+	while (at < table->group_count && table->groups[at] < value && !same_group(table->groups[at], value))
+		at++;
+	if (at < table->group_count && same_group(table->groups[at], value))
+		return STATUS_OK;
+	if (table->group_count == FIT_GROUPS_MOST)
+		return fail_with(STATUS_INPUT, "%s:%d: has more than %d plate widths or normal stresses; round them to those that were set", table->path, row->line,
+				 FIT_GROUPS_MOST);
+	memmove(table->groups + at + 1, table->groups + at, (table->group_count - at) * sizeof *table->groups);
+	table->groups[at] = value;
+	table->group_count++;
+	return STATUS_OK;
+}
+
+/* --- the file --- */
+
+static void trim(char *line)
+{
+	size_t length = strlen(line);
+	while (length > 0 && strchr("\r\n \t", line[length - 1]) != NULL)
+		line[--length] = '\0';
+}
+
+static enum status read_lines(FILE *file, enum fit_test test, struct fit_table *table)
+{
+	char line[LINE_MOST];
+	struct columns columns;
+	size_t room = 0;
+	bool named = false;
+	enum status status = STATUS_OK;
+	for (int number = 1; status == STATUS_OK && fgets(line, sizeof line, file) != NULL; number++) {
+		struct fit_row row;
+		if (strchr(line, '\n') == NULL && !feof(file))
+			return fail_with(STATUS_INPUT, "%s:%d: the line is longer than %d bytes, or has a byte 0; give a CSV file", table->path, number, LINE_MOST - 2);
+		trim(line);
+		char *text = number == 1 && strncmp(line, "\xef\xbb\xbf", 3) == 0 ? line + 3 : line;
+		if (*text == '\0' || *text == '#')
+			continue;
+		if (!named) {
+			status = read_columns(table->path, number, test, text, &columns);
+			named = true;
+			continue;
+		}
+		status = read_row(table->path, number, test, text, &columns, &row);
+		if (status == STATUS_OK)
+			status = add_row(table, &room, &row);
+		if (status == STATUS_OK && row.x > 0)
+			status = add_group(table, &row);
+	}
+	if (status == STATUS_OK && ferror(file))
+		status = fail_with(STATUS_INPUT, "%s: %s; give a file that can be read", table->path, strerror(errno));
+	if (status == STATUS_OK && !named)
+		status = fail_with(STATUS_INPUT, "%s: is empty; its first line names the columns, as %s", table->path, fit_table_columns(test));
+	return status;
+}
+
+enum status fit_table_read(const char *path, enum fit_test test, struct fit_table *out)
+{
+	*out = (struct fit_table){.path = path};
+	FILE *file = fopen(path, "r");
+	if (file == NULL)
+		return fail_with(STATUS_INPUT, "%s: %s; give a file that can be read", path, strerror(errno));
+	enum status status = read_lines(file, test, out);
+	fclose(file);
+	if (status != STATUS_OK)
+		fit_table_finish(out);
+	return status;
+}
+
+void fit_table_finish(struct fit_table *table)
+{
+	mem_free(table->rows);
+	*table = (struct fit_table){.path = table->path};
+}

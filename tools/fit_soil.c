@@ -1,0 +1,115 @@
+/* furrow fit-soil: a scene's soil from plate and shear tests. */
+#include "fit_soil.h"
+
+#include <math.h>
+
+#include "base/aside.h"
+#include "command.h"
+#include "deform/deform.h"
+
+const char *const fit_soil_methods[] = {"plain", "wong", NULL};
+
+static const struct command_option options[] = {
+	{"o", "FILE.yaml", .help = "a file for the soil, in place of the end of the output", .files = "yaml yml"},
+	{"page", "FILE.html", .help = "a page with plots of the curves and of their residuals", .files = "html"},
+	{"method", "METHOD", .help = "whose kc, kphi and n the soil has: least squares of pressure, or of its logarithm weighted by the square of pressure",
+	 .choices = fit_soil_methods, .preset = "plain"},
+	{"soil", "NAME", .help = "the named soil that has the numbers that were not measured", .preset = "dry_sand"},
+	{"json", .help = "print one JSON object in place of the text"},
+	{.name = NULL},
+};
+
+typedef enum status (*write_fn)(const struct fit_soil *fit, FILE *file);
+
+static enum status write_block(const struct fit_soil *fit, FILE *file)
+{
+	fit_soil_block(fit, file);
+	return STATUS_OK;
+}
+
+static enum status write_file(const struct fit_soil *fit, const char *path, write_fn write)
+{
+	struct aside aside = {.path = NULL};
+	if (path == NULL)
+		return STATUS_OK;
+	enum status status = aside_begin(&aside, path);
+	if (status == STATUS_OK)
+		status = write(fit, aside.file);
+	if (status == STATUS_OK)
+		status = aside_whole(&aside, true);
+	if (status == STATUS_OK)
+		status = aside_publish(&aside);
+	aside_finish(&aside);
+	return status;
+}
+
+static enum status fit_all(const struct arguments *arguments, struct fit_soil *fit)
+{
+	fit->has_shear = arguments_count(arguments) > 1;
+	enum status status = fit_table_read(arguments_at(arguments, 0), FIT_PLATE, &fit->plate);
+	if (status == STATUS_OK && fit->has_shear)
+		status = fit_table_read(arguments_at(arguments, 1), FIT_SHEAR, &fit->shear);
+	if (status == STATUS_OK)
+		status = fit_plates(&fit->plate, &fit->plates);
+	return status == STATUS_OK && fit->has_shear ? fit_shear(&fit->shear, &fit->strength) : status;
+}
+
+static enum status run(const struct arguments *arguments)
+{
+	struct fit_soil fit = {.named = arguments_text(arguments, "soil")};
+	struct deform_soil soil;
+	const char *path = arguments_text(arguments, "o");
+	int method = FIT_PLAIN;
+	if (fit.named == NULL)
+		fit.named = "dry_sand";
+	enum status status = arguments_choice(arguments, "method", &method);
+	if (status == STATUS_OK)
+		status = deform_soil_named(fit.named, &soil);
+	fit.method = (enum fit_method)method;
+	if (status == STATUS_OK && isnan(soil.elastic_stiffness))
+		status = fail_with(STATUS_INPUT, "fit-soil: --soil: %s has no numbers of Bekker's and Janosi's soils; name one that docs/SOILS.md has there", fit.named);
+	if (status == STATUS_OK)
+		status = fit_all(arguments, &fit);
+	if (status == STATUS_OK)
+		status = write_file(&fit, path, write_block);
+	if (status == STATUS_OK)
+		status = write_file(&fit, arguments_text(arguments, "page"), fit_soil_page);
+	if (status == STATUS_OK && arguments_flag(arguments, "json")) {
+		status = fit_soil_json(&fit);
+	} else if (status == STATUS_OK) {
+		fit_soil_print(&fit);
+		if (path == NULL) {
+			putchar('\n');
+			fit_soil_block(&fit, stdout);
+		}
+	}
+	fit_table_finish(&fit.plate);
+	fit_table_finish(&fit.shear);
+	return status;
+}
+
+const struct command command_fit_soil = {
+	.name = "fit-soil",
+	.summary = "a scene's soil from your own plate and shear tests",
+	.arguments = COMMAND_ARGUMENTS({"PLATE.csv", .help = "pressure and sinkage of plates of at least two widths", .files = "csv", .needed = true},
+				       {"SHEAR.csv", .help = "shear stress and displacement under some normal stresses", .files = "csv"}),
+	.options = options,
+	.details = "Fits Bekker's p = (kc / b + kphi) z^n to PLATE.csv, and Janosi's tau = (c + sigma tan phi) (1 - exp(-j / K)) to SHEAR.csv. Prints "
+		   "each number with its standard error, the residuals, and a soil: that a scene takes as it is.\n\n"
+		   "The first line of a file names its columns, each with its unit at the end:\n\n"
+		   "  PLATE.csv:  plate width b          m, cm or mm\n"
+		   "              sinkage z              m, cm or mm\n"
+		   "              pressure p             Pa, kPa or MPa\n"
+		   "  SHEAR.csv:  normal stress sigma    Pa, kPa or MPa\n"
+		   "              displacement j         m, cm or mm\n"
+		   "              shear stress tau       Pa, kPa or MPa\n\n"
+		   "One word of each name is enough, as in \"b mm,z mm,p kPa\". The width is a plate's shorter side, or the radius of a round one. Other "
+		   "columns, empty lines and lines that begin with # are passed over.\n\n"
+		   "Plates of one width do not tell kc and kphi apart. Then kc is 0, and kphi is their sum for that width. One normal stress does "
+		   "not tell cohesion and friction apart. Then the soil has no cohesion.\n\n"
+		   "wong weighs as J. Y. Wong (1980). More: docs/SOIL-TESTS.md\n",
+	.examples = "furrow fit-soil plate.csv shear.csv -o soil.yaml --page soil.html\n"
+		    "furrow fit-soil plate.csv --soil lete_sand --method wong\n",
+	.see = "furrow-rig(1), scene(5)",
+	.run = run,
+};
