@@ -17,6 +17,7 @@ static const struct command_option options[] = {
 	{"set", "KEY=VALUE", .help = "override a key of the scene, as in cache.slots=16", .repeats = true},
 	{"steps", "N", .help = "stop after N steps, counted from the scene's start"},
 	{"resume", .help = "go on from the last committed step, to the same bits as in one go"},
+	{"map", "FILE", .help = "the map of the drive in another file, too", .files = "png svg pdf"},
 	{"trace", "FILE", .help = "what was asked of the page cache, for furrow cache-sim", .files = "*"},
 	{"durable", "KIND", .help = "what a power cut may cost: the last commits, or with full none", .choices = durable,
 	 .preset = "normal"},
@@ -70,6 +71,20 @@ static enum status drive_alone(struct api_params *params, const char *stage, str
 static const struct world_rows *share_rows(void *user, const struct world_rows *rows)
 {
 	return fleet_rows(user, rows);
+}
+
+/* Before the drive, whose map comes last. */
+static enum status check_map(const struct arguments *arguments)
+{
+	const char *path = arguments_text(arguments, "map"), *missing = chart_missing();
+	enum chart_format format;
+	if (path != NULL && !chart_path_format(path, &format))
+		return fail_with(STATUS_USAGE, "drive: --map %s: has another ending; name a .png, .svg or .pdf", path);
+	if (missing != NULL && path != NULL)
+		return fail_with(STATUS_FAILED, "drive: --map %s: %s", path, missing);
+	if (missing != NULL)
+		note("drive: no map.png: %s", missing);
+	return STATUS_OK;
 }
 
 /* What many processes cannot do together. */
@@ -157,6 +172,8 @@ static enum status run(const struct arguments *arguments)
 		status = fail_with(STATUS_USAGE, "drive: --stage reads the store from a copy, and without --overlay the drive writes to the store; "
 						 "give an --overlay");
 	if (status == STATUS_OK)
+		status = check_map(arguments);
+	if (status == STATUS_OK)
 		status = arguments_integer(arguments, "steps", 1, INT64_MAX, &steps);
 	if (status == STATUS_OK)
 		status = arguments_choice(arguments, "durable", &durability);
@@ -178,7 +195,8 @@ static enum status run(const struct arguments *arguments)
 			.durable_full = durability == 1,
 			.keep_history = arguments_flag(arguments, "keep-history"),
 			.progress = true,
-			.map = true,
+			.map = chart_missing() == NULL,
+			.map_also = arguments_text(arguments, "map"),
 			.stop = &interrupted,
 		};
 		status = drive_with(arguments, &params, &result);

@@ -12,8 +12,8 @@ static const char *const layer_names[] = {"surface", "base",        "offset",   
 					  "shear_x", "shear_y",     "fixed_point", "hillshade", NULL};
 
 static const struct command_option options[] = {
-	{"o", "OUT", .help = "what to write: GeoTIFF, PNG, or 16 bits, little-endian, without a header", .files = "tif png r16 raw",
-	 .needed = true},
+	{"o", "OUT", .help = "what to write: GeoTIFF, PNG, or 16 bits, little-endian, without a header; .svg, .pdf: a map",
+	 .files = "tif png r16 raw svg pdf", .needed = true},
 	{"mesh", "OUT", .help = "the surface of the window as triangles: .obj, .glb (glTF 2.0) or .stl", .files = "obj glb stl",
 	 .instead = true},
 	{"tiles", "DIR", .help = "a folder of map tiles, globe tiles and a page that shows them", .files = "/", .instead = true},
@@ -59,12 +59,6 @@ static bool is_ruts(const struct export_request *request)
 	return request->layer >= LAYER_OFFSET && request->layer <= LAYER_QUANTA;
 }
 
-/* A picture of colours, and no raster of values: a PNG holds no negative metres. */
-static bool is_picture(const struct export_request *request)
-{
-	return request->png && is_ruts(request);
-}
-
 enum status export_read_light(const struct arguments *arguments, struct export_request *request, bool lit)
 {
 	double sun[2] = {315, 45};
@@ -75,17 +69,16 @@ enum status export_read_light(const struct arguments *arguments, struct export_r
 	if (status != STATUS_OK)
 		return status;
 	if (fabs(sun[0]) > 360 || sun[1] < 10 || sun[1] > 90)
-		return fail_with(STATUS_USAGE, "export: --sun %g,%g: is not in the sky; give degrees from north, and 10 to 90 above "
-					       "the horizon", sun[0], sun[1]);
+		return fail_with(STATUS_USAGE, "%s: --sun %g,%g: is not in the sky; give degrees from north, and 10 to 90 above "
+					       "the horizon", request->command, sun[0], sun[1]);
 	if (!lit && (given || arguments_flag(arguments, "exaggerate")))
-		return fail_with(STATUS_USAGE, "export: nothing of layer %s is lit; leave --sun and --exaggerate out",
+		return fail_with(STATUS_USAGE, "%s: nothing of layer %s is lit; leave --sun and --exaggerate out", request->command,
 				 layer_names[request->layer]);
-	render_sun_of(sun[0] * M_PI / 180, sun[1] * M_PI / 180, &request->sun);
+	chart_sun_of(sun[0] * M_PI / 180, sun[1] * M_PI / 180, &request->sun);
 	return STATUS_OK;
 }
 
-/* A layer by its name, or by its former one. */
-static enum status read_layer(const struct arguments *arguments, int *layer)
+enum status export_read_layer(const struct arguments *arguments, int *layer)
 {
 	const char *text = arguments_text(arguments, "layer");
 	const char *now = text != NULL ? scene_name_now(text) : "";
@@ -120,7 +113,7 @@ static enum status read_request(const struct arguments *arguments, struct export
 	if (status == STATUS_OK && request->path == NULL)
 		status = fail_with(STATUS_USAGE, "export: -o is missing; give a file ending in .tif, .png or .r16");
 	if (status == STATUS_OK)
-		status = read_layer(arguments, &request->layer);
+		status = export_read_layer(arguments, &request->layer);
 	if (status == STATUS_OK)
 		status = arguments_integer(arguments, "level", TILE_LEVEL_MIN, TILE_LEVEL_MAX, &request->level);
 	if (status == STATUS_OK)
@@ -129,15 +122,20 @@ static enum status read_request(const struct arguments *arguments, struct export
 		status = arguments_numbers(arguments, "height-range", 2, request->range, &request->has_range);
 	if (status != STATUS_OK)
 		return status;
-	request->png = dem_path_ends(request->path, ".png");
+	enum chart_format format;
+	const bool drawn = !request->mesh && chart_path_format(request->path, &format);
+	request->png = drawn && format == CHART_PNG;
+	request->map = drawn && (!request->png || is_ruts(request)); /* a PNG holds no negative metres */
+	if (drawn && !request->png && !is_ruts(request))
+		return fail_with(STATUS_USAGE, "export: %s: heights are a raster; write them as .tif or .png, or as a map by furrow map", request->path);
 	request->raw = dem_path_ends(request->path, ".r16") || dem_path_ends(request->path, ".raw");
 	if (request->has_range && request->range[0] >= request->range[1])
 		return fail_with(STATUS_USAGE, "export: --height-range %g,%g: is empty; give MIN,MAX", request->range[0],
 				 request->range[1]);
 	if (request->raw && request->layer != LAYER_SURFACE && request->layer != LAYER_BASE)
 		return fail_with(STATUS_USAGE, "export: a raw heightmap holds surface or base, not %s; write a .tif", layer_names[request->layer]);
-	status = export_read_light(arguments, request, request->layer == LAYER_HILLSHADE || is_picture(request));
-	return status == STATUS_OK && is_picture(request) ? export_check_picture(request) : status;
+	status = export_read_light(arguments, request, request->layer == LAYER_HILLSHADE || request->map);
+	return status == STATUS_OK && request->map ? export_check_picture(request) : status;
 }
 
 enum status export_find_rect(const struct export_request *request, const struct extent *extent, struct post_rect *rect)
@@ -145,14 +143,14 @@ enum status export_find_rect(const struct export_request *request, const struct 
 	int level = (int)request->level;
 	*rect = (struct post_rect){0, 0, extent_posts(extent->width, level), extent_posts(extent->height, level)};
 	if (level > extent_coarsest(extent))
-		return fail_with(STATUS_INPUT, "export: level %d is coarser than the store's coarsest; give at most %d",
-				 level, extent_coarsest(extent));
+		return fail_with(STATUS_INPUT, "%s: level %d is coarser than the store's coarsest; give at most %d",
+				 request->command, level, extent_coarsest(extent));
 	if (request->has_window) {
 		double w[4];
 		for (int i = 0; i < 4; i++) {
 			w[i] = request->window[i] / extent_spacing(extent, level);
 			if (fabs(w[i]) > 1e15)
-				return fail_with(STATUS_INPUT, "export: --window is outside the terrain; give metres inside it");
+				return fail_with(STATUS_INPUT, "%s: --window is outside the terrain; give metres inside it", request->command);
 			/* A post asked for exactly is in, whatever the division rounded. */
 			w[i] += (i < 2 ? -1 : 1) * (1e-9 + 4e-16 * fabs(w[i]));
 		}
@@ -167,8 +165,8 @@ enum status export_find_rect(const struct export_request *request, const struct 
 	if (request->has_window && (request->window[0] > request->window[2] || request->window[1] > request->window[3]))
 		return fail_with(STATUS_INPUT, "export: --window: its corners are swapped; give X0,Y0,X1,Y1, the south-west corner first");
 	if (post_rect_empty(*rect))
-		return fail_with(STATUS_INPUT, "export: no post lies in --window; give X0,Y0,X1,Y1 in metres, inside "
-					       "0,0,%g,%g",
+		return fail_with(STATUS_INPUT, "%s: no post lies in --window; give X0,Y0,X1,Y1 in metres, inside "
+					       "0,0,%g,%g", request->command,
 				 (double)(extent->width - 1) * extent->spacing, (double)(extent->height - 1) * extent->spacing);
 	return STATUS_OK;
 }
@@ -187,7 +185,7 @@ static enum status check_size(struct post_rect rect)
 static void shade(const struct export_request *request, double *east, const double *north, int64_t count)
 {
 	for (int64_t i = 0; i < count; i++) {
-		double light = render_shade(&request->sun, request->exaggerate * east[i], request->exaggerate * north[i]);
+		double light = chart_shade(&request->sun, request->exaggerate * east[i], request->exaggerate * north[i]);
 		east[i] = isnan(light) ? 0 : 1 + 254 * light;
 	}
 }
@@ -226,7 +224,7 @@ static enum status write_rows(const struct export_request *request, struct store
 		if (status != STATUS_OK)
 			break;
 		if (request->layer == LAYER_HILLSHADE) {
-			render_slopes(values, width, rows, extent_spacing(extent, (int)request->level), slopes, slopes + room);
+			chart_slopes(values, width, rows, extent_spacing(extent, (int)request->level), slopes, slopes + room);
 			shade(request, slopes, slopes + room, width * rows);
 			out = slopes;
 		} else if (request->png || request->raw) {
@@ -299,7 +297,7 @@ static enum status write_raster(const struct export_request *request, struct sto
 
 static enum status run(const struct arguments *arguments)
 {
-	struct export_request request = {.layer = LAYER_SURFACE, .exaggerate = 1};
+	struct export_request request = {.command = "export", .layer = LAYER_SURFACE, .exaggerate = 1};
 	struct store *store = NULL;
 	if (arguments_text(arguments, "tiles") != NULL)
 		return export_tiles(arguments);
@@ -313,7 +311,7 @@ static enum status run(const struct arguments *arguments)
 	if (status == STATUS_OK && is_ruts(&request) && !arguments_flag(arguments, "level") && store_has_working_level(store, &working))
 		request.level = working;
 	if (status == STATUS_OK)
-		status = request.mesh ? export_mesh(&request, store) : is_picture(&request) ? export_picture(&request, store) : write_raster(&request, store);
+		status = request.mesh ? export_mesh(&request, store) : request.map ? export_picture(&request, store) : write_raster(&request, store);
 	store_close(store);
 	return status;
 }
@@ -325,8 +323,8 @@ const struct command command_export = {
 	.options = options,
 	.details = "Rasters are north up, one pixel a post, and carry the store's reference system. Levels finer than what is "
 		   "stored are interpolated. Nodata of a hillshade and of a heightmap (.png, .r16, .raw) is 0.\n\n"
-		   "A .png of offset, deposited, plastic_sinkage or of shear is a map: false colours over the hillshade, with a "
-		   "legend, a scale bar and north. Its pixels are posts, small maps enlarged by a whole factor; more than 4096 on "
+		   "A .png, .svg or .pdf of offset, deposited, plastic_sinkage or of shear is a map: false colours over the "
+		   "hillshade, with a grid, a legend, a scale bar and north (furrow map says more of them). Its pixels are posts, small maps enlarged by a whole factor; more than 4096 on "
 		   "a side are drawn at a coarser level, each pixel with the largest value of the posts within it, so that narrow "
 		   "ruts are seen.\n\n"
 		   "--mesh writes the window's surface in metres from an origin that is told; holes are left out. OBJ and STL are "

@@ -2,8 +2,8 @@
 #ifndef FURROW_TOOLS_EXPORT_H
 #define FURROW_TOOLS_EXPORT_H
 
+#include "chart/chart.h"
 #include "command.h"
-#include "render/render.h"
 #include "store/store.h"
 
 /* Those in metres first; of what deformation left: from the offset to the quanta. */
@@ -21,16 +21,26 @@ enum export_layer {
 };
 
 struct export_request {
+	const char *command; /* furrow's, for messages */
 	const char *path;  /* to write */
 	const char *store; /* path, as given */
 	int layer;
 	int64_t level;
-	bool png, raw, mesh, has_window, has_range;
+	bool png, raw, mesh; /* path's ending; mesh: --mesh */
+	bool map;            /* a picture with a frame and a legend */
+	bool has_window, has_range;
 	double window[4], range[2];
-	struct render_sun sun;
+	struct chart_sun sun;
 	double exaggerate;
+	/* of a map's page, all zero without it */
+	double size;       /* mm */
+	uint32_t pixels;   /* of the frame's longer side */
+	enum chart_grid grid;
+	const char *title;
 };
 
+/* Reads --layer: a layer by its name, or by its former one. */
+enum status export_read_layer(const struct arguments *arguments, int *layer) FURROW_CHECKED;
 const char *export_layer_name(int layer);
 enum store_layer export_store_layer(int layer);
 /* The posts of the level in the window, at least one. STATUS_INPUT: none, or no such level. */
@@ -46,7 +56,7 @@ enum status export_mesh(const struct export_request *request, struct store *stor
 /* export_tiles.c: --tiles. */
 enum status export_tiles(const struct arguments *arguments) FURROW_CHECKED;
 
-/* export_picture.c: what deformation left, in false colour on the hillshade. */
+/* export_picture.c: a layer in false colour on the hillshade. */
 enum status export_check_picture(const struct export_request *request) FURROW_CHECKED;
 enum status export_picture(const struct export_request *request, struct store *store) FURROW_CHECKED;
 

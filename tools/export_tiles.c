@@ -55,7 +55,7 @@ static void print_made(const char *directory, const struct exchange_tiles_result
 enum status export_tiles(const struct arguments *arguments)
 {
 	const char *path = arguments_at(arguments, 0), *leaflet = arguments_text(arguments, "leaflet");
-	struct export_request request = {.exaggerate = 1};
+	struct export_request request = {.command = "export", .exaggerate = 1};
 	struct progress progress;
 	struct exchange_tiles_params params = {
 		.directory = arguments_text(arguments, "tiles"),

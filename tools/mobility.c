@@ -14,14 +14,14 @@
 #define EARTH 9.81
 
 static const struct command_option options[] = {
-	{"o", "OUT", .help = "a .tif of one layer, or a .png: a map of classes", .files = "tif png", .needed = true},
+	{"o", "OUT", .help = "a .tif of one layer, or a map of classes", .files = "tif png svg pdf", .needed = true},
 	{"vehicle", "MODEL", .help = "MJCF or URDF of the vehicle; its soil geoms are those that collide", .files = "xml urdf mjcf",
 	 .needed = true},
 	{"scene", "SCENE", .help = "a scene, with its first vehicle, soil and gravity", .files = "yaml yml json", .instead = true},
 	{"soil", "SOIL", .help = "a named soil, or a scene's soil in braces", .preset = "the scene's"},
 	{"gravity", "G", .help = "pull of the body", .unit = "m/s2", .preset = "9.81; the scene's"},
 	{"layer", "LAYER", .help = "what is written, see below", .choices = mobility_layers,
-	 .preset = "slip in a .tif, class in a .png"},
+	 .preset = "slip in a .tif, class in a map"},
 	{"spread", "SHARE", .help = "how far the soil's numbers are uncertain: standard deviation of their logarithms, as in 0.15; or three, of cohesion, friction and "
 				    "Bekker's moduli", .preset = "0"},
 	{"samples", "N", .help = "soils of the spread", .preset = "12"},
@@ -174,11 +174,13 @@ static enum status draw(struct asked *asked, struct store *store)
 				   .columns = asked->columns, .samples = (size_t)asked->samples, .meta = meta, .layer = (enum mobility_layer)asked->layer,
 				   .level = level_for(&meta->extent, length), .coarse = meta->extent.spacing > length};
 	memcpy(map.spread, asked->spread, sizeof map.spread);
-	while (dem_path_ends(asked->out, ".png") &&
+	enum chart_format format;
+	const bool picture = chart_path_format(asked->out, &format);
+	while (picture &&
 	       extent_posts(meta->extent.width > meta->extent.height ? meta->extent.width : meta->extent.height, map.level) > SIDE_MOST)
 		map.level++;
 	map.rect = (struct post_rect){0, 0, extent_posts(meta->extent.width, map.level), extent_posts(meta->extent.height, map.level)};
-	render_sun_of(RENDER_AZIMUTH, RENDER_ALTITUDE, &map.sun);
+	chart_sun_of(CHART_AZIMUTH, CHART_ALTITUDE, &map.sun);
 	enum status status = store_reader_create(store, &map.reader);
 	if (status == STATUS_OK)
 		status = mobility_draw(&map);
@@ -208,7 +210,8 @@ static enum status read_spread(const struct arguments *arguments, double spread[
 /* The layer is class, or with a spread probability, where it is not given. */
 static enum status read_layer(const struct arguments *arguments, struct asked *asked)
 {
-	const bool picture = dem_path_ends(asked->out, ".png"), spread = asked->spread[0] > 0 || asked->spread[1] > 0 || asked->spread[2] > 0;
+	enum chart_format format;
+	const bool picture = chart_path_format(asked->out, &format), spread = asked->spread[0] > 0 || asked->spread[1] > 0 || asked->spread[2] > 0;
 	asked->layer = !picture ? LAYER_SLIP : spread ? LAYER_PROBABILITY : LAYER_CLASS;
 	enum status status = arguments_choice(arguments, "layer", &asked->layer);
 	if (status != STATUS_OK)
@@ -230,8 +233,9 @@ static enum status read_arguments(const struct arguments *arguments, struct aske
 	asked->soil = arguments_text(arguments, "soil");
 	asked->json = arguments_flag(arguments, "json");
 	enum status status = STATUS_OK;
-	if ((asked->out == NULL || !(dem_path_ends(asked->out, ".png") || dem_path_ends(asked->out, ".tif"))))
-		status = fail_with(STATUS_USAGE, "mobility: -o is missing or ends in neither .tif nor .png; give such a file");
+	enum chart_format format;
+	if (asked->out == NULL || !(chart_path_format(asked->out, &format) || dem_path_ends(asked->out, ".tif")))
+		status = fail_with(STATUS_USAGE, "mobility: -o is missing or ends in neither .tif nor .png, .svg, .pdf; give such a file");
 	if (status == STATUS_OK && (asked->model == NULL) == (asked->scene == NULL))
 		status = fail_with(STATUS_USAGE, "mobility: --vehicle and --scene are both given, or neither; give one of them");
 	if (status == STATUS_OK)
@@ -292,7 +296,7 @@ const struct command command_mobility = {
 		   "  class        0 no-go, 1 go, 2 at some headings, 3 unknown\n"
 		   "  reason       why it does not go\n"
 		   "  probability  of going straight up, of the soils of the spread\n\n"
-		   "With --spread a .png shows the probability of going straight up, of a Latin hypercube of soils.\n\n"
+		   "With --spread a map shows the probability of going straight up, of a Latin hypercube of soils.\n\n"
 		   "It is for constant speed on ground that is even over the vehicle's length: steps, ditches and rocks are not "
 		   "seen. Map and drives rest on the same soil model: that they agree says that both are consistent, not that they "
 		   "are true.\n",

@@ -2,10 +2,10 @@
 #ifndef FURROW_TOOLS_MOBILITY_H
 #define FURROW_TOOLS_MOBILITY_H
 
+#include "chart/chart.h"
 #include "command.h"
 #include "dem/dem.h"
 #include "mobility/mobility.h"
-#include "render/render.h"
 #include "store/store.h"
 
 #define MOBILITY_SAMPLES_MOST 64
@@ -46,7 +46,7 @@ struct mobility_map {
 	int level;                     /* of the posts, one a cell */
 	struct post_rect rect;
 	bool coarse;                   /* the terrain's posts are farther apart than the vehicle is long */
-	struct render_sun sun;
+	struct chart_sun sun;
 	/* What mobility_draw counts: shares of the cells that have ground. */
 	double shares[CLASSES], colours[MOBILITY_COLOURS];
 };
@@ -54,11 +54,10 @@ struct mobility_map {
 /* mobility_cells.c: judges all cells, once, and writes the raster or the picture. */
 enum status mobility_draw(struct mobility_map *map) FURROW_CHECKED;
 
-/* mobility_picture.c: the layer in colours over the hillshade, with a legend, a scale bar and shares of the area. */
+/* mobility_picture.c: the layer in colours over the hillshade, with shares of the area. */
 struct mobility_picture {
-	int zoom, unit, width, height, inner; /* of the map, pixels */
-	int left, low;
-	struct render_canvas canvas;
+	struct chart_raster raster; /* its shade; without values */
+	uint8_t *classes;           /* of each cell */
 };
 enum status mobility_picture_create(const struct mobility_map *map, struct mobility_picture *picture) FURROW_CHECKED;
 void mobility_picture_row(struct mobility_picture *picture, const struct mobility_map *map, int64_t y, const struct mobility_cell *cells);

@@ -36,7 +36,7 @@ static void judge(const struct mobility_map *map, double east, double north, str
 	/* What is unknown in the soil as given has no probability. */
 	if (!mobility_is_unknown(cell->slope.up.reason))
 		cell->probability = mobility_probability(map->columns, map->samples, slope);
-	cell->shade = render_shade(&map->sun, east, north);
+	cell->shade = chart_shade(&map->sun, east, north);
 }
 
 /* What a pass over the map needs. */
@@ -55,7 +55,7 @@ static enum status read_rows(const struct mobility_map *map, int64_t y0, int64_t
 					      (struct post_rect){map->rect.x0 - 1, y0 - 1, map->rect.x1 + 1, y1 + 1}, pass->heights);
 	if (status != STATUS_OK)
 		return status;
-	render_slopes(pass->heights, width, rows, extent_spacing(&map->meta->extent, map->level), pass->slopes, pass->slopes + room);
+	chart_slopes(pass->heights, width, rows, extent_spacing(&map->meta->extent, map->level), pass->slopes, pass->slopes + room);
 	for (int64_t i = 0; i < width * rows; i++)
 		judge(map, pass->slopes[i], pass->slopes[room + (size_t)i], &pass->cells[i]);
 	return STATUS_OK;
@@ -125,7 +125,7 @@ static enum status go_through(struct mobility_map *map, struct dem_writer *write
 
 static enum status draw_picture(struct mobility_map *map)
 {
-	struct mobility_picture picture = {.zoom = 0};
+	struct mobility_picture picture = {.classes = NULL};
 	enum status status = mobility_picture_create(map, &picture);
 	if (status == STATUS_OK)
 		status = go_through(map, NULL, &picture);
@@ -137,7 +137,8 @@ static enum status draw_picture(struct mobility_map *map)
 
 enum status mobility_draw(struct mobility_map *map)
 {
-	if (dem_path_ends(map->path, ".png"))
+	enum chart_format format;
+	if (chart_path_format(map->path, &format))
 		return draw_picture(map);
 	const struct dem_raster raster = {
 		.path = map->path,

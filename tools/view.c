@@ -131,9 +131,13 @@ static enum status open_window(struct looking *looking)
 {
 	const struct scene_view *view = &looking->scene->view;
 	enum status status = window_open("furrow: loads", view->width, view->height, &looking->window);
-	if (status == STATUS_OK)
-		viewer_init(&looking->viewer, looking->window, looking->scene);
-	return status;
+	if (status != STATUS_OK)
+		return status;
+	viewer_init(&looking->viewer, looking->window, looking->scene);
+	if (chart_missing() == NULL)
+		return chart_pen_create(&looking->viewer.pen);
+	note("view: no text is on the picture: %s", chart_missing());
+	return STATUS_OK;
 }
 
 static enum status run(const struct arguments *arguments)
@@ -170,6 +174,7 @@ static enum status run(const struct arguments *arguments)
 	}
 	struct failure failure;
 	failure_capture(&failure, status);
+	chart_pen_destroy(looking.viewer.pen);
 	window_close(looking.window);
 	shelter_remove();
 	scene_destroy(looking.scene);

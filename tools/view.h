@@ -57,6 +57,7 @@ struct viewer {
 	int pace;                     /* a power of two; VIEW_PACE_MOST: as fast as it can */
 	enum render_layer_kind layer;
 	enum world_drop_shape shape;
+	struct chart_pen *pen;        /* for text on the picture; NULL: this process sets none */
 	bool line, help, snapshot;
 	bool again;                   /* the picture is to be drawn anew */
 	double titled;                /* clock, s: when the title was written */
@@ -72,8 +73,9 @@ struct api_host viewer_host(struct viewer *viewer);
 
 /* --- view_picture.c: what is drawn over the picture --- */
 void view_figures_text(const struct viewer *viewer, const struct api_figures *figures, char *text, size_t size);
-/* The line of figures, the legend of a layer, the help. Rows from the lowest. */
-void view_draw_over(const struct viewer *viewer, const struct api_figures *figures, uint8_t *pixels, uint32_t width, uint32_t height);
+/* The line of figures, the legend of a layer, the help. Rows from the lowest. Without a pen nothing. */
+enum status view_draw_over(const struct viewer *viewer, const struct api_figures *figures, uint8_t *pixels, uint32_t width, uint32_t height)
+	FURROW_CHECKED;
 
 /* --- view_scene.c: the scene as it is viewed --- */
 /* With a view, if it has none of its own: the one table of defaults is there. */

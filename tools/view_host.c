@@ -296,7 +296,7 @@ static enum status turn(void *user, struct drive *drive, struct api_control *wis
 }
 
 /* Under the first number that is free. What cannot be written is told, and nothing ends for it. */
-static void write_snapshot(struct viewer *viewer, const struct render_canvas *canvas)
+static void write_snapshot(struct viewer *viewer, const uint8_t *pixels, uint32_t width, uint32_t height)
 {
 	char path[32];
 	int number = 0;
@@ -304,7 +304,7 @@ static void write_snapshot(struct viewer *viewer, const struct render_canvas *ca
 		snprintf(path, sizeof path, "view-%04d.png", ++number);
 	while (number < SNAPSHOTS_MOST && access(path, F_OK) == 0);
 	viewer->snapshot = false;
-	if (render_canvas_write(canvas, path) != STATUS_OK) {
+	if (chart_png_write(path, pixels, width, height) != STATUS_OK) {
 		tell(viewer, "%.90s", failure_message());
 		return;
 	}
@@ -315,13 +315,14 @@ static void write_snapshot(struct viewer *viewer, const struct render_canvas *ca
 static enum status picture(void *user, struct drive *drive, uint8_t *pixels, uint32_t width, uint32_t height)
 {
 	struct viewer *viewer = user;
-	const struct render_canvas canvas = {pixels, width, height};
 	struct api_figures figures;
 	api_figures(drive, &figures);
 	viewer->pictures++;
-	view_draw_over(viewer, &figures, pixels, width, height);
+	enum status status = view_draw_over(viewer, &figures, pixels, width, height);
+	if (status != STATUS_OK)
+		return status;
 	if (viewer->snapshot)
-		write_snapshot(viewer, &canvas);
+		write_snapshot(viewer, pixels, width, height);
 	return window_show(viewer->window, pixels, (int)width, (int)height);
 }
 

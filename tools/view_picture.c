@@ -6,9 +6,10 @@
 #include "view.h"
 
 #define MARGIN 8     /* pixels, times the scale */
+#define LINE 15      /* pixels: a line's height, times the scale */
 #define LARGE 1400u  /* a picture wider than this has its letters twice as large */
 
-static const struct render_colour white = {255, 255, 255, 255}, black = {0, 0, 0, 200}, shadow = {0, 0, 0, 150};
+static const struct chart_colour white = {255, 255, 255, 255}, black = {0, 0, 0, 200}, shadow = {0, 0, 0, 150};
 
 void view_figures_text(const struct viewer *viewer, const struct api_figures *figures, char *text, size_t size)
 {
@@ -25,77 +26,128 @@ void view_figures_text(const struct viewer *viewer, const struct api_figures *fi
 		 (unsigned long long)figures->triangles, viewer->eye.eye[0], viewer->eye.eye[1], viewer->eye.eye[2]);
 }
 
-/* On a dark band, so that it can be read over snow. */
-static void write_line(const struct render_canvas *canvas, int x, int y, int scale, const char *text)
+/* What is drawn on, and with. */
+struct over {
+	struct chart_pen *pen;
+	struct chart_pixels pixels;
+	int scale;
+};
+
+/* On a dark band, so that it can be read over snow. (x, y): the lower left corner of the letters. */
+static enum status write_line(const struct over *over, int x, int y, const char *text)
 {
-	int pad = 3 * scale;
-	render_canvas_box(canvas, x - pad, y - pad, x + render_text_width(text, scale) + pad, y + scale * RENDER_LETTER_HEIGHT + pad, shadow);
-	render_canvas_text(canvas, x, y, scale, text, white, (struct render_colour){0, 0, 0, 0});
+	const int pad = 2 * over->scale, high = LINE * over->scale;
+	chart_box(&over->pixels, x - 2 * pad, y - pad, x + chart_pen_width(over->pen, high, text) + 2 * pad, y + high + pad, shadow);
+	return chart_pen_write(over->pen, &over->pixels, x, y, high, text, white);
 }
 
-/* In as many lines as the picture's width asks for, parted where figures are. */
-static int draw_figures(const struct render_canvas *canvas, int scale, const char *text)
+/* Ends `line` where figures part, or at its end, so that it is not longer than `most` pixels if that can be. Returns its length. */
+static size_t fit(const struct over *over, char *line, int most)
 {
-	char line[256];
-	int letters = ((int)canvas->width - 2 * MARGIN * scale) / (RENDER_LETTER_WIDTH * scale), y = (int)canvas->height;
-	while (*text != '\0') {
-		int end = 0, length = snprintf(line, sizeof line, "%s", text);
-		length = length < (int)sizeof line ? length : (int)sizeof line - 1;
-		for (int i = 0; i <= length && i <= letters; i++)
-			if (line[i] == '\0' || (line[i] == ' ' && line[i + 1] == ' '))
-				end = i;
-		end = end > 0 ? end : letters > 0 && letters < length ? letters : length;
+	size_t end = strlen(line);
+	while (chart_pen_width(over->pen, LINE * over->scale, line) > most) {
+		size_t shorter = end;
+		while (shorter > 0 && !(line[shorter - 1] == ' ' && line[shorter] == ' '))
+			shorter--;
+		if (shorter < 2)
+			break;
+		end = shorter - 1;
 		line[end] = '\0';
-		y -= scale * (RENDER_LETTER_HEIGHT + 6);
-		write_line(canvas, MARGIN * scale, y - 2 * scale, scale, line);
-		text += end;
+	}
+	return end;
+}
+
+/* In as many lines as the picture's width asks for, parted where figures are. *low: where the last one is. */
+static enum status draw_figures(const struct over *over, const char *text, int *low)
+{
+	char line[512];
+	const int scale = over->scale, most = (int)over->pixels.width - 2 * MARGIN * scale;
+	enum status status = STATUS_OK;
+	while (*text != '\0' && status == STATUS_OK) {
+		snprintf(line, sizeof line, "%s", text);
+		text += fit(over, line, most);
+		*low -= scale * (LINE + 6);
+		status = write_line(over, MARGIN * scale, *low - 2 * scale, line);
 		while (*text == ' ')
 			text++;
 	}
-	return y;
+	return status;
 }
 
-static void draw_help(const struct render_canvas *canvas, int scale, int top)
+/* Parts a line of the help at its first two spaces: the key, and *what it does. */
+static void part_help(const char *line, char key[32], const char **what)
 {
-	int y = top - scale * RENDER_LETTER_HEIGHT;
-	for (size_t i = 0; view_help(i) != NULL; i++) {
-		y -= scale * (RENDER_LETTER_HEIGHT + 5);
-		write_line(canvas, MARGIN * scale, y, scale, view_help(i));
-	}
+	const char *end = strstr(line, "  ");
+	snprintf(key, 32, "%.*s", end != NULL ? (int)(end - line) : 0, line);
+	*what = end != NULL ? end : line;
+	while (**what == ' ')
+		++*what;
 }
 
-/* A bar of the layer's colours, with what its ends and its middle are. */
-static void draw_legend(const struct render_canvas *canvas, int scale, const struct render_layer *layer)
+/* Two columns on one dark band. */
+static enum status draw_help(const struct over *over, int top)
+{
+	const int scale = over->scale, line = LINE * scale, apart = line + 4 * scale, x = MARGIN * scale;
+	int keys = 0, texts = 0, lines = 0;
+	const char *what;
+	char key[32];
+	for (; view_help((size_t)lines) != NULL; lines++) {
+		part_help(view_help((size_t)lines), key, &what);
+		keys = (int)fmax(keys, chart_pen_width(over->pen, line, key));
+		texts = (int)fmax(texts, chart_pen_width(over->pen, line, what));
+	}
+	const int second = x + keys + 14 * scale;
+	int y = top - line;
+	chart_box(&over->pixels, x - 4 * scale, y - lines * apart - 4 * scale, second + texts + 6 * scale, y, shadow);
+	enum status status = STATUS_OK;
+	for (int i = 0; i < lines && status == STATUS_OK; i++) {
+		part_help(view_help((size_t)i), key, &what);
+		y -= apart;
+		status = chart_pen_write(over->pen, &over->pixels, x, y, line, key, white);
+		if (status == STATUS_OK)
+			status = chart_pen_write(over->pen, &over->pixels, second, y, line, what, white);
+	}
+	return status;
+}
+
+/* A bar of the layer's colours, with what its ends and its middle are below it. */
+static enum status draw_legend(const struct over *over, const struct render_layer *layer)
 {
 	static const char *const units[RENDER_LAYERS] = {[RENDER_OFFSETS] = "m", [RENDER_DISTURBANCE] = "", [RENDER_HEIGHTS] = "m",
 							 [RENDER_SLOPES] = "degrees"};
-	int width = 200 * scale, height = 10 * scale, x = MARGIN * scale + 4, y = (MARGIN + 14) * scale;
+	const int scale = over->scale, width = 240 * scale, height = 10 * scale, line = LINE * scale;
+	const int x = (MARGIN + 12) * scale, y = MARGIN * scale + line + 4 * scale;
 	char text[64];
-	if (units[layer->kind] == NULL || (int)canvas->width < width + 2 * x)
-		return;
-	render_canvas_box(canvas, x - 1, y - 1, x + width + 1, y + height + 1, black);
+	if (units[layer->kind] == NULL || (int)over->pixels.width < width + 2 * x)
+		return STATUS_OK;
+	chart_box(&over->pixels, x - 12 * scale, y - line - 6 * scale, x + width + 12 * scale, y + height + 4 * scale, shadow);
+	chart_box(&over->pixels, x - 1, y - 1, x + width + 1, y + height + 1, black);
 	for (int i = 0; i < width; i++)
-		render_canvas_box(canvas, x + i, y, x + i + 1, y + height, render_layer_colour(layer->kind, (i + 0.5) / width));
-	for (int i = 0; i < 3; i++) {
+		chart_box(&over->pixels, x + i, y, x + i + 1, y + height, render_layer_colour(layer->kind, (i + 0.5) / width));
+	enum status status = STATUS_OK;
+	for (int i = 0; i < 3 && status == STATUS_OK; i++) {
 		snprintf(text, sizeof text, i == 2 ? "%.4g %s" : "%.4g", layer->low + (layer->high - layer->low) * i / 2, units[layer->kind]);
-		int at = x + width * i / 2 - (i == 1 ? render_text_width(text, scale) / 2 : i == 2 ? RENDER_LETTER_WIDTH * scale : 0);
-		render_canvas_text(canvas, at, y - 14 * scale, scale, text, white, black);
+		const int wide = chart_pen_width(over->pen, line, text), at = x + width * i / 2 - (i == 0 ? 0 : i == 1 ? wide / 2 : wide);
+		status = chart_pen_write(over->pen, &over->pixels, at, y - line - 2 * scale, line, text, white);
 	}
+	return status;
 }
 
-void view_draw_over(const struct viewer *viewer, const struct api_figures *figures, uint8_t *pixels, uint32_t width, uint32_t height)
+enum status view_draw_over(const struct viewer *viewer, const struct api_figures *figures, uint8_t *pixels, uint32_t width, uint32_t height)
 {
-	const struct render_canvas canvas = {pixels, width, height};
-	int scale = width > LARGE ? 2 : 1, top = (int)height;
+	const struct over over = {viewer->pen, {pixels, width, height}, width > LARGE ? 2 : 1};
+	int top = (int)height;
 	char text[320];
+	enum status status = STATUS_OK;
+	if (viewer->pen == NULL)
+		return STATUS_OK;
 	if (viewer->line) {
 		view_figures_text(viewer, figures, text, sizeof text - 96);
 		if (viewer->told[0] != '\0')
 			snprintf(text + strlen(text), sizeof text - strlen(text), "  %s", viewer->told);
-		top = draw_figures(&canvas, scale, text);
+		status = draw_figures(&over, text, &top);
 	}
-	if (viewer->layer != RENDER_NATURAL && viewer->line)
-		draw_legend(&canvas, scale, &figures->layer);
-	if (viewer->help)
-		draw_help(&canvas, scale, top);
+	if (status == STATUS_OK && viewer->layer != RENDER_NATURAL && viewer->line)
+		status = draw_legend(&over, &figures->layer);
+	return status == STATUS_OK && viewer->help ? draw_help(&over, top) : status;
 }

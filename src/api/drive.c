@@ -175,17 +175,31 @@ static enum status report(struct drive *drive, bool keep, struct api_result *res
 	return keep && access(path, F_OK) == 0 ? STATUS_OK : report_write(drive->params->directory, result->json);
 }
 
-/* Draws map.png, if asked for, unless `keep` and it exists. Returns `status` if that is a failure, else the map's status. */
-static enum status draw_map(const struct drive *drive, bool keep, struct api_result *result, enum status status)
+/* Draws map.png and what is asked for beside it. `keep`: only those that do not exist. */
+static enum status write_maps(const struct drive *drive, const struct world *world, bool keep, struct api_result *result)
 {
 	char path[4096];
-	struct failure failure;
 	snprintf(path, sizeof path, "%s/map.png", drive->params->directory);
-	if (!drive->params->map || (keep && access(path, F_OK) == 0))
+	const char *const paths[] = {path, drive->params->map_also};
+	enum status status = STATUS_OK;
+	for (size_t i = 0; i < 2 && status == STATUS_OK; i++) {
+		if (paths[i] == NULL || (keep && access(paths[i], F_OK) == 0))
+			continue;
+		status = report_map(world, drive->vehicles, paths[i], result->ended);
+		if (i == 0)
+			result->map = status == STATUS_OK;
+	}
+	return status;
+}
+
+/* Draws the maps, if asked for. `keep` as in write_maps. Returns `status` if that is a failure, else the maps' status. */
+static enum status draw_map(const struct drive *drive, bool keep, struct api_result *result, enum status status)
+{
+	struct failure failure;
+	if (!drive->params->map)
 		return status;
 	failure_capture(&failure, status);
-	enum status drawn = report_map(&drive->world, drive->vehicles, path, result->ended);
-	result->map = drawn == STATUS_OK;
+	enum status drawn = write_maps(drive, &drive->world, keep, result);
 	if (status == STATUS_OK)
 		return drawn;
 	if (drawn != STATUS_OK)
@@ -360,19 +374,17 @@ static enum status run(struct drive *drive, struct api_result *result)
 }
 
 /* Draws the map from the run's overlay, after what the ranks committed was gathered into it. */
-static enum status map_gathered(const struct drive *drive, int64_t step, double time, const char *ended)
+static enum status map_gathered(const struct drive *drive, int64_t step, double time, struct api_result *result)
 {
-	char path[4096];
 	struct world world;
 	struct store_meta assumed;
-	snprintf(path, sizeof path, "%s/map.png", drive->params->directory);
 	enum status status = world_prepare_plan(&world, &drive->scene, drive->params->ranks->over, false, &assumed);
 	world.step = step;
 	world.time = time;
 	if (status == STATUS_OK)
 		status = resident_ground_create(world.store, world.limits.ground, &world.ground);
 	if (status == STATUS_OK)
-		status = report_map(&world, drive->vehicles, path, ended);
+		status = write_maps(drive, &world, false, result);
 	world_finish(&world, STATUS_OK);
 	return status;
 }
@@ -391,8 +403,7 @@ static enum status conclude(struct drive *drive, int64_t step, double time, stru
 		if (gathered == STATUS_OK)
 			gathered = report_write(drive->params->directory, result->json);
 		if (gathered == STATUS_OK && drive->params->map)
-			gathered = map_gathered(drive, step, time, result->ended);
-		result->map = gathered == STATUS_OK && drive->params->map;
+			gathered = map_gathered(drive, step, time, result);
 	}
 	if (status == STATUS_OK || (status == STATUS_INTERRUPTED && gathered != STATUS_OK))
 		return gathered;

@@ -50,7 +50,7 @@ static double deepest(const struct scene *scene)
 		const struct scene_object *object = &scene->objects[i];
 		deep = fmax(deep, object->load > 0 ? deform_sinkage_guess(&object->shape, &scene->soils[0], object->load) : object->sink);
 	}
-	return render_round_range(deep);
+	return chart_round_range(deep);
 }
 
 static struct render_layer layer_of(const struct drive *drive, enum render_layer_kind kind)

@@ -10,7 +10,7 @@
 #include <stdint.h>
 
 #include "base/base.h"
-#include "render/render.h"
+#include "chart/chart.h"
 #include "store/store.h"
 
 /*
@@ -26,7 +26,7 @@ struct exchange_tiles_params {
 	int64_t since;         /* write only tiles that changed after this revision; -1: all */
 	bool has_range;
 	double range[2];       /* metres: ends of the ruts' colours, below and above 0. Without it: chosen, or those of the folder */
-	struct render_sun sun;
+	struct chart_sun sun;
 	double exaggerate;     /* factor of heights for the shading */
 	int64_t jobs;          /* threads; 0: one for each core */
 	const char *leaflet;   /* folder of leaflet.js and leaflet.css, which are copied beside the page */

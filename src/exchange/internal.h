@@ -4,6 +4,7 @@
 
 #include <assert.h>
 #include <math.h>
+#include <stdio.h>
 
 #include "base/key_map.h"
 #include "base/key_set.h"
@@ -128,7 +129,7 @@ struct exchange_bytes {
 enum status exchange_bytes_add(struct exchange_bytes *bytes, const void *data, size_t size) FURROW_CHECKED;
 void exchange_bytes_finish(struct exchange_bytes *bytes);
 /* Appends a PNG. `pixels`: rows from the north, RGB, or with a palette one byte each. Palette entry 0 is transparent. */
-enum status exchange_png_encode(const uint8_t *pixels, const struct render_colour *palette, struct exchange_bytes *out) FURROW_CHECKED;
+enum status exchange_png_encode(const uint8_t *pixels, const struct chart_colour *palette, struct exchange_bytes *out) FURROW_CHECKED;
 /* Reads the palette indices of such a PNG. STATUS_INPUT: it is not one; the message names `path`. */
 enum status exchange_png_decode(const struct exchange_bytes *in, const char *path, uint8_t *indices) FURROW_CHECKED;
 
@@ -160,7 +161,7 @@ struct exchange_maker {
 	void *mesh;
 	struct exchange_bytes bytes;
 	double range[2];
-	struct render_colour greys[256], colours[256]; /* palettes */
+	struct chart_colour greys[256], colours[256]; /* palettes */
 	int64_t made[EXCHANGE_SETS], written[EXCHANGE_SETS], removed;
 };
 enum status exchange_maker_init(struct exchange_maker *maker, const struct exchange_tiles_params *params, const struct exchange_zooms *zooms,
@@ -172,7 +173,7 @@ enum status exchange_map_tile(struct exchange_maker *maker, const struct exchang
 enum status exchange_mesh_tile(struct exchange_maker *maker, const struct exchange_zoom *zoom, struct tile tile) FURROW_CHECKED;
 /* Returns the palette index of an offset in metres: 0 none, 1 to 127 down, 129 to 255 up. */
 uint8_t exchange_rut_index(const double range[2], double offset);
-void exchange_rut_palette(struct render_colour palette[256]);
+void exchange_rut_palette(struct chart_colour palette[256]);
 
 /* Heights of mesh tiles are multiples of a power of two. The exponents of tiles that are asked for are kept. Any thread. */
 enum status exchange_steps_create(struct exchange_steps **out) FURROW_CHECKED;

@@ -21,7 +21,7 @@ enum status exchange_maker_init(struct exchange_maker *maker, const struct excha
 	maker->indices = mem_alloc(pixels, 1);
 	maker->mesh = mem_alloc(1, sizeof(struct exchange_quantized));
 	for (int i = 1; i < 256; i++)
-		maker->greys[i] = (struct render_colour){(uint8_t)i, (uint8_t)i, (uint8_t)i, 255};
+		maker->greys[i] = (struct chart_colour){(uint8_t)i, (uint8_t)i, (uint8_t)i, 255};
 	exchange_rut_palette(maker->colours);
 	enum status status = STATUS_OK;
 	if (maker->heights == NULL || maker->slopes == NULL || maker->pixels == NULL || maker->indices == NULL || maker->mesh == NULL)
@@ -89,14 +89,14 @@ static enum status put_terrain(struct exchange_maker *maker, struct tile tile)
 static enum status put_hillshade(struct exchange_maker *maker, const struct exchange_zoom *zoom, struct tile tile)
 {
 	double *east = maker->slopes, *north = maker->slopes + (size_t)EXCHANGE_PIXELS * EXCHANGE_PIXELS;
-	render_slopes(maker->heights, EXCHANGE_PIXELS, EXCHANGE_PIXELS, 1, east, north);
+	chart_slopes(maker->heights, EXCHANGE_PIXELS, EXCHANGE_PIXELS, 1, east, north);
 	for (size_t y = 0; y < EXCHANGE_PIXELS; y++) {
 		double step_east, step_north;
 		exchange_place_steps(&maker->sampler.frame, zoom, (double)tile.y * EXCHANGE_PIXELS + (double)y, &step_east, &step_north);
 		for (size_t x = 0; x < EXCHANGE_PIXELS; x++) {
 			size_t at = y * EXCHANGE_PIXELS + x;
 			/* Rows of pixels go south. */
-			double light = render_shade(&maker->params->sun, maker->params->exaggerate * east[at] / step_east,
+			double light = chart_shade(&maker->params->sun, maker->params->exaggerate * east[at] / step_east,
 						    -maker->params->exaggerate * north[at] / step_north);
 			maker->indices[at] = isnan(light) ? 0 : (uint8_t)(1 + 254 * light);
 		}
@@ -118,11 +118,11 @@ uint8_t exchange_rut_index(const double range[2], double offset)
 	return (uint8_t)(128 + (offset < 0 ? -place : place));
 }
 
-void exchange_rut_palette(struct render_colour palette[256])
+void exchange_rut_palette(struct chart_colour palette[256])
 {
-	palette[0] = (struct render_colour){0, 0, 0, 0};
+	palette[0] = (struct chart_colour){0, 0, 0, 0};
 	for (int i = 1; i < 256; i++)
-		palette[i] = i == 128 ? palette[0] : render_ramp(RENDER_RAMP_SIGNED, (i - 128) / 127.0);
+		palette[i] = i == 128 ? palette[0] : chart_ramp(CHART_RAMP_SIGNED, (i - 128) / 127.0);
 }
 
 static int strength(uint8_t index)

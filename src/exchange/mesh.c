@@ -68,7 +68,7 @@ void exchange_row_normal(const struct exchange_row *row, int64_t x, double spaci
 	double posts[9], east, north;
 	for (int k = 0; k < 9; k++)
 		posts[k] = row->heights[k / 3][x + k % 3];
-	render_slopes(posts, 1, 1, spacing, &east, &north);
+	chart_slopes(posts, 1, 1, spacing, &east, &north);
 	double size = sqrt(1 + east * east + north * north);
 	normal[0] = -east / size;
 	normal[1] = -north / size;

@@ -147,7 +147,7 @@ enum status exchange_mesh_tile(struct exchange_maker *maker, const struct exchan
 		return status;
 	fill_heights(maker, exponents, mesh);
 	double *east = maker->slopes, *north = maker->slopes + (size_t)EXCHANGE_SIDE * EXCHANGE_SIDE, j0 = (double)tile.y * EXCHANGE_CELLS;
-	render_slopes(maker->heights, EXCHANGE_SIDE, EXCHANGE_SIDE, 1, east, north);
+	chart_slopes(maker->heights, EXCHANGE_SIDE, EXCHANGE_SIDE, 1, east, north);
 	for (size_t j = 0; j < EXCHANGE_SIDE; j++) {
 		double step_east, step_north;
 		exchange_place_steps(frame, zoom, j0 + (double)j, &step_east, &step_north);

@@ -164,7 +164,7 @@ static void add_rows(struct text *text, const struct listed *list)
 
 static void add_ramp(struct text *text)
 {
-	struct render_colour palette[256];
+	struct chart_colour palette[256];
 	exchange_rut_palette(palette);
 	add(text, "  ramp: [");
 	for (int i = 1; i < 256; i += i == 127 || i == 128 ? 1 : 14)

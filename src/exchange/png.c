@@ -72,7 +72,7 @@ static void warned(png_structp png, png_const_charp why)
 }
 
 /* Makes all calls from which libpng may jump back here. */
-static bool encode(png_structp png, png_infop info, const uint8_t *pixels, const struct render_colour *palette)
+static bool encode(png_structp png, png_infop info, const uint8_t *pixels, const struct chart_colour *palette)
 {
 	if (setjmp(png_jmpbuf(png)) != 0)
 		return false;
@@ -103,7 +103,7 @@ static bool encode(png_structp png, png_infop info, const uint8_t *pixels, const
 	return true;
 }
 
-enum status exchange_png_encode(const uint8_t *pixels, const struct render_colour *palette, struct exchange_bytes *out)
+enum status exchange_png_encode(const uint8_t *pixels, const struct chart_colour *palette, struct exchange_bytes *out)
 {
 	struct coder coder = {.out = out};
 	png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &coder, failed, warned);

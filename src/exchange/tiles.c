@@ -210,8 +210,8 @@ static enum status choose_range(struct work *all, const struct exchange_stamp *o
 	enum status status = STATUS_OK;
 	if (all->zooms.deformed)
 		status = store_read_offset_range(all->reader, (struct tile){extent_coarsest(extent), 0, 0}, &low, &high, &found);
-	range[0] = -(found && low < 0 ? render_round_range(-low) : 0.1);
-	range[1] = found && high > 0 ? render_round_range(high) : 0.1;
+	range[0] = -(found && low < 0 ? chart_round_range(-low) : 0.1);
+	range[1] = found && high > 0 ? chart_round_range(high) : 0.1;
 	return status;
 }
 
@@ -236,8 +236,8 @@ static enum status check_stamp(struct work *all, const struct exchange_stamp *ol
 
 static uint64_t look_of(const struct exchange_tiles_params *params, const double range[2])
 {
-	double look[3 + 3 * RENDER_SUNS] = {range[0], range[1], params->exaggerate};
-	for (int i = 0; i < 3 * RENDER_SUNS; i++)
+	double look[3 + 3 * CHART_SUNS] = {range[0], range[1], params->exaggerate};
+	for (int i = 0; i < 3 * CHART_SUNS; i++)
 		look[3 + i] = params->sun.toward[i / 3][i % 3];
 	return XXH3_64bits(look, sizeof look);
 }

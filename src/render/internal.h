@@ -115,15 +115,6 @@ void render_body_background(const struct scene_light *light, float rgba[4]); /* 
 
 /* --- files of pictures --- */
 #define RENDER_PATH 4400 /* bytes of a path of a picture */
-struct render_png {
-	uint32_t width, height;
-	unsigned bits, channels; /* 8 or 16; 1 or 3 */
-	void (*put)(const void *user, uint32_t y, uint8_t *row); /* fills a row, 0 the lowest; of 16 bits, the high byte first */
-	const void *user;
-	bool srgb;
-};
-/* png.c: writes such a picture as PATH.part, then renames it. Any thread. */
-enum status render_png_rows(const char *path, const struct render_png *picture) FURROW_CHECKED;
 /* Numbers of the pixels, the lowest row first, without padding. */
 struct render_array {
 	const void *values;
@@ -137,25 +128,6 @@ enum status render_npy_write(const char *path, const struct render_array *array)
 void render_depths(float *depth, size_t count); /* turns values of the depth texture into metres; INFINITY: sky */
 /* picture_files.c: writes the files of a picture that was read back. Changes the bytes. Any thread. */
 enum status render_picture_write(const char *directory, const struct render_picture *picture, void *bytes) FURROW_CHECKED;
-
-/* --- ramp.c --- */
-/* Returns the position of a value on a ramp, -1 to 1. Values outside the range give positions outside -1 to 1. */
-double render_ramp_place(const struct render_range *range, double value);
-/* Returns the colour of shaded ground with the colour `over` on it. `shade`: brightness, NaN: nodata. `flat`: the shade at
- * which a colour stays as it is. */
-struct render_colour render_ground_colour(double shade, double flat, struct render_colour over);
-
-/* --- font.c --- */
-size_t render_text_letters(const char *text);
-
-/* --- map_raster.c --- */
-/* Finds the size (absolute value, metres) that at least `share` of all pixels with a value do not exceed. Also finds the lowest
- * and highest value; they are 0 if there is none. */
-enum status render_map_raster_spread(const struct render_map_raster *raster, double share, double *size, double *low,
-				 double *high) FURROW_CHECKED;
-
-/* --- map_layout.c --- */
-double render_round_length(double most); /* returns the largest number up to `most` that is 1, 2 or 5 times a power of ten */
 
 /* The textures that a picture is drawn into (screen.c). */
 struct render_screen {

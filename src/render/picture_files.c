@@ -38,7 +38,7 @@ static enum status write_png(const char *path, const struct render_picture *pict
 {
 	char file[RENDER_PATH + 8];
 	snprintf(file, sizeof file, "%s.png", path);
-	return render_png_rows(file, &(struct render_png){picture->width, picture->height, bits, channels, put, user, .srgb = false});
+	return chart_png_rows(file, &(struct chart_png){picture->width, picture->height, bits, channels, put, user, .srgb = false});
 }
 
 static enum status write_npy(const char *path, const struct render_picture *picture, const void *values, unsigned channels, unsigned bytes)
@@ -166,7 +166,7 @@ enum status render_picture_write(const char *directory, const struct render_pict
 	switch (picture->image) {
 	case SCENE_IMAGE_COLOUR:
 		snprintf(file, sizeof file, "%s.png", path);
-		return render_png_write(file, bytes, picture->width, picture->height);
+		return chart_png_write(file, bytes, picture->width, picture->height);
 	case SCENE_IMAGE_DEPTH:
 		return write_depth(path, picture, bytes);
 	case SCENE_IMAGE_NORMALS:

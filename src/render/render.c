@@ -213,7 +213,7 @@ enum status render_write_png(struct render *render, const char *path)
 	gpu_texture_read(render->screen->colour, 0, (struct gpu_rect){0, 0, render->screen->width, render->screen->height}, pixels);
 	enum status status = gpu_check(render->gpu, "reading the picture back");
 	if (status == STATUS_OK)
-		status = render_png_write(path, pixels, render->screen->width, render->screen->height);
+		status = chart_png_write(path, pixels, render->screen->width, render->screen->height);
 	mem_free(pixels);
 	return status;
 }

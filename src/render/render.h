@@ -1,7 +1,6 @@
 /*
  * render: pictures. It draws the tiles that terrain selected, each tile with one instanced draw. Shaders contain only the
- * effects that the scene names. It reads pictures back and writes PNGs. Call it on the GPU's thread. It also draws maps, on the
- * CPU.
+ * effects that the scene names. It reads pictures back and writes PNGs. Call it on the GPU's thread.
  */
 #ifndef FURROW_RENDER_H
 #define FURROW_RENDER_H
@@ -12,6 +11,7 @@
 
 #include "base/base.h"
 #include "base/plan.h"
+#include "chart/chart.h"
 #include "gpu/gpu.h"
 #include "scene/scene.h"
 #include "store/store.h"
@@ -125,127 +125,12 @@ void render_read_into(struct render *render, enum scene_image image, struct gpu_
 /* Waits for the last frame and copies it. Either pointer may be NULL. `depth`: metres along the view direction, INFINITY: sky.
  * `depth` can only be read with one sample for each pixel. */
 enum status render_read(struct render *render, uint8_t *pixels, float *depth) FURROW_CHECKED;
-/* Writes such pixels to a PNG without alpha: as PATH.part, then renamed. Removes it on failure. Any thread. */
-enum status render_png_write(const char *path, const uint8_t *pixels, uint32_t width, uint32_t height) FURROW_CHECKED;
 /* Writes the last frame to a PNG, and waits for all of it. */
 enum status render_write_png(struct render *render, const char *path) FURROW_CHECKED;
 
-/* --- on the CPU: canvases, and maps of a store. No GL. Any thread; one thread at a time uses a canvas or a map raster --- */
-
-struct render_colour {
-	uint8_t r, g, b, a; /* sRGB; a: 255 is opaque */
-};
-
 /* Returns the colour of a value in a layer. `t`: 0 at the layer's low end, 1 at its high end. Not for natural and tiles. The
  * result is without light and shade. */
-struct render_colour render_layer_colour(enum render_layer_kind kind, double t);
-
-/* RGBA8 pixels, the bottom row first, as GL reads pictures back. The pixels may belong to the caller. Pixels made by
- * render_canvas_create are freed by render_canvas_finish, which also accepts a canvas that is all zero. Positions are in pixels
- * from the lower left corner. Whole numbers are corners of pixels. Drawing outside the canvas has no effect. */
-struct render_canvas {
-	uint8_t *pixels;
-	uint32_t width, height;
-};
-enum status render_canvas_create(uint32_t width, uint32_t height, struct render_colour fill, struct render_canvas *out)
-	FURROW_CHECKED;
-void render_canvas_finish(struct render_canvas *canvas);
-void render_canvas_box(const struct render_canvas *canvas, int x0, int y0, int x1, int y1, struct render_colour colour);
-void render_canvas_disc(const struct render_canvas *canvas, double x, double y, double radius, struct render_colour colour);
-/* Draws a line through the points, with round ends and corners. `count` 0: nothing, 1: a dot. */
-enum status render_canvas_path(const struct render_canvas *canvas, const double (*points)[2], size_t count, double width,
-			       struct render_colour colour) FURROW_CHECKED;
-/* Draws one line of text. Each letter takes 6 x 10 pixels times `scale` (at least 1). (x, y) is the lower left corner of the
- * first letter. The letters have an outline of `scale` pixels, unless its colour is fully transparent. `text` is UTF-8;
- * characters outside ASCII are drawn as question marks. */
-#define RENDER_LETTER_WIDTH 6
-#define RENDER_LETTER_HEIGHT 10
-void render_canvas_text(const struct render_canvas *canvas, int x, int y, int scale, const char *text,
-			struct render_colour colour, struct render_colour outline);
-int render_text_width(const char *text, int scale); /* pixels */
-/* Writes the canvas as a PNG without alpha, under another name first, then renamed. */
-enum status render_canvas_write(const struct render_canvas *canvas, const char *path) FURROW_CHECKED;
-
-/* The sun of a map: several directions, so that its light is soft. Angles are in radians, the azimuth clockwise from north. */
-#define RENDER_AZIMUTH (M_PI * 315 / 180)
-#define RENDER_ALTITUDE (M_PI / 4)
-#define RENDER_SUNS 4
-struct render_sun {
-	double toward[RENDER_SUNS][3];
-};
-void render_sun_of(double azimuth, double altitude, struct render_sun *sun);
-/* Returns the brightness of ground with this slope, 0 to 1; NaN if a slope is NaN. `east`, `north`: rise in metres for each
- * metre. */
-double render_shade(const struct render_sun *sun, double east, double north);
-/* Computes slopes at width x rows posts. `heights` has one more row and column on each side; NaN: nodata. `spacing`: metres
- * between posts. */
-void render_slopes(const double *heights, int64_t width, int64_t rows, double spacing, double *east, double *north);
-
-/* A map raster: one pixel for each post of `level`, row 0 south. */
-struct render_map_raster {
-	uint32_t width, height;
-	int level;
-	double spacing;        /* metres a pixel */
-	struct post_rect rect; /* of posts of `level` */
-	float *shade;          /* 0 to 1; NaN: nodata */
-	float *values;         /* metres: of the values within the pixel, the one with the largest absolute value; 0: none */
-	double flat;           /* the shade of level ground */
-};
-struct render_map_raster_params {
-	struct store_reader *reader;
-	const struct store_meta *meta;
-	bool deformed;         /* the store has a working level, `working` */
-	int working;
-	enum store_layer layer; /* STORE_OFFSET, STORE_DEPOSITED, STORE_PLASTIC_SINKAGE or one of STORE_SHEAR's */
-	int level;             /* level of the pixels, TILE_LEVEL_MIN to the coarsest */
-	struct post_rect rect; /* not empty, within the terrain; held whole in memory, 8 to 12 bytes a pixel */
-	struct render_sun sun;
-	double exaggerate;     /* factor of heights for the shading; 1: none */
-	/* most offset tiles to read; if there are more, a coarser level is used. 0: no limit. Only for STORE_OFFSET */
-	uint64_t tiles_most;
-	store_progress_fn progress; /* called to tell progress; if it does not return STATUS_OK, the work stops. May be NULL */
-	void *progress_user;
-};
-/* Makes a map raster. On failure `out` is all zero. */
-enum status render_map_raster_create(const struct render_map_raster_params *params, struct render_map_raster *out) FURROW_CHECKED;
-void render_map_raster_finish(struct render_map_raster *raster); /* raster may be all zero */
-/* Sets each pixel to the largest value among itself and its neighbours. So lines of one pixel become three pixels wide. */
-enum status render_map_raster_widen(struct render_map_raster *raster) FURROW_CHECKED;
-
-/* Returns the end of a legend for values up to `size` (above 0): the smallest round number that is at least `size`. */
-double render_round_range(double size);
-
-/* A map layout: a title, the map in a frame, and below it a legend of colours, a scale bar and a north arrow. */
-enum render_ramp { RENDER_RAMP_SIGNED, RENDER_RAMP_GREEN, RENDER_RAMP_ROSE };
-/* Returns the colour to lay over ground for `t`, -1 to 1; 0 is fully transparent. Only the signed ramp distinguishes negative
- * from positive. */
-struct render_colour render_ramp(enum render_ramp ramp, double t);
-struct render_range {
-	double low, high; /* metres: the ends of the ramp. `low` is below 0 for the signed ramp, else 0 */
-};
-struct render_map_layout {
-	const struct render_map_raster *raster;
-	const char *title, *subtitle; /* above the map: left, and right if there is room */
-	const char *layer;            /* the legend's title */
-	bool share;                   /* values are shares of 1, not metres */
-	enum render_ramp ramp;
-	struct render_range range; /* both 0: chosen so that 99.9 % of the values are within it */
-	/* pixels: a map whose longer side is shorter than this is enlarged to about this size, by a whole factor */
-	uint32_t side;
-};
-/* Where the map lies on the canvas. A point `east` metres east of the world's south-west post is at x + east * scale, and north
- * in the same way. */
-struct render_placed {
-	double x, y, scale;
-	int left, low, right, high; /* the map's rectangle, in pixels of the canvas */
-	int unit;                   /* scale of the map's text */
-};
-/* Makes a canvas with the map on it. The caller may then draw on it, even over the map's edges. render_map_layout_frame adds the
- * frame. */
-enum status render_map_layout_create(const struct render_map_layout *layout, struct render_canvas *canvas, struct render_placed *placed)
-	FURROW_CHECKED;
-enum status render_map_layout_frame(const struct render_map_layout *layout, const struct render_canvas *canvas,
-			       const struct render_placed *placed) FURROW_CHECKED;
+struct chart_colour render_layer_colour(enum render_layer_kind kind, double t);
 
 /*
  * --- the view of a world ---

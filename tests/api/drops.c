@@ -57,7 +57,7 @@ static double linear(uint8_t coded)
 /* A legend's colour in the light that falls on level ground, which is the same whatever the colour. */
 static void is_colour(const uint8_t seen[3], enum render_layer_kind kind, double t, double *light)
 {
-	struct render_colour colour = render_layer_colour(kind, t);
+	struct chart_colour colour = render_layer_colour(kind, t);
 	const uint8_t rgb[3] = {colour.r, colour.g, colour.b};
 	if (isnan(*light))
 		*light = linear(seen[0]) / linear(rgb[0]);

@@ -531,6 +531,7 @@ objects:
             self.assertEqual(struct.unpack(">II", data[16:24]), (320, 180))
         self.assertEqual(len(list((self.folder / "out").glob("frame-*.png"))), 2)
 
+    @unittest.skipUnless(os.environ.get("FURROW_MAPS", "1") == "1", "this build draws no maps")
     def test_a_drive_leaves_a_map_and_says_where(self):
         store = self.synth()
         result = self.furrow("drive", self.scene(), "--store", store, "-o", "out")
@@ -539,7 +540,7 @@ objects:
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertRegex(result.stdout, r"^complete: .* in out/run\.json; a map in out/map\.png\n$")
         width, height = png_size(self.folder / "out/map.png")
-        self.assertLessEqual(max(width, height), 1200)
+        self.assertLessEqual(max(width, height), 1600)
         self.assertEqual(list((self.folder / "out").glob("*.part")), [])
         # A drive that cannot begin takes nothing away, and leaves none.
         before = (self.folder / "out/map.png").read_bytes()

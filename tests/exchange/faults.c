@@ -32,7 +32,7 @@ static struct exchange_tiles_params tiles_params(struct store *store, const char
 	struct exchange_tiles_params params = {
 		.store = store, .directory = path, .title = "small", .since = -1, .exaggerate = 1, .jobs = 1, .leaflet = beside,
 	};
-	render_sun_of(RENDER_AZIMUTH, RENDER_ALTITUDE, &params.sun);
+	chart_sun_of(CHART_AZIMUTH, CHART_ALTITUDE, &params.sun);
 	return params;
 }
 

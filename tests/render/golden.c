@@ -341,7 +341,7 @@ static void leave_difference(const char *name, const uint8_t *golden, const uint
 			apart[4 * i + c] = (uint8_t)(off > 255 ? 255 : off);
 		}
 	snprintf(path, 96, "%s/%s-difference.png", left, name);
-	must(render_png_write(path, apart, WIDTH, HEIGHT));
+	must(chart_png_write(path, apart, WIDTH, HEIGHT));
 }
 
 static void compare(const struct golden *golden, const uint8_t *kept, const uint8_t *pixels)
@@ -366,7 +366,7 @@ static void compare(const struct golden *golden, const uint8_t *kept, const uint
 		fail_msg("%s: cannot be made", left);
 	leaves = true;
 	snprintf(drawn, sizeof drawn, "%s/%s.png", left, golden->name);
-	must(render_png_write(drawn, pixels, WIDTH, HEIGHT));
+	must(chart_png_write(drawn, pixels, WIDTH, HEIGHT));
 	leave_difference(golden->name, kept, pixels, difference);
 	fail_msg("%s: mean difference %.3f, may be %.3f; %.2f %% of pixels are far off, may be %.2f %%; drawn: %s, 8 x the difference: %s",
 		 golden->name, mean, wider * golden->mean, 100 * share, 100 * wider * golden->share, drawn, difference);

@@ -1,14 +1,14 @@
 /* Hillshade and colours over it: pure functions. */
 #include "../support.h"
 
-#include "render/internal.h"
+#include "chart/internal.h"
 
 enum { W = 7, H = 5 };
 
-static struct render_sun usual(void)
+static struct chart_sun usual(void)
 {
-	struct render_sun sun;
-	render_sun_of(RENDER_AZIMUTH, RENDER_ALTITUDE, &sun);
+	struct chart_sun sun;
+	chart_sun_of(CHART_AZIMUTH, CHART_ALTITUDE, &sun);
 	return sun;
 }
 
@@ -30,7 +30,7 @@ static void a_plane_has_its_slope_up_to_its_last_post(void **state)
 			for (int x = 0; x < W + 2; x++)
 				if (x == 0 || y == 0 || y == H + 1 || (x == 4 && y == 3))
 					heights[y * (W + 2) + x] = (double)NAN;
-		render_slopes(heights, W, H, spacing, east, north);
+		chart_slopes(heights, W, H, spacing, east, north);
 		for (int i = 0; i < W * H; i++) {
 			bool hole = i == 2 * W + 3;
 			assert_int_equal(isnan(east[i]) && isnan(north[i]), hole);
@@ -45,7 +45,7 @@ static void a_post_alone_is_level(void **state)
 	double heights[9], east, north;
 	for (int i = 0; i < 9; i++)
 		heights[i] = i == 4 ? 12 : (double)NAN;
-	render_slopes(heights, 1, 1, 2, &east, &north);
+	chart_slopes(heights, 1, 1, 2, &east, &north);
 	assert_true(east == 0 && north == 0);
 }
 
@@ -56,34 +56,34 @@ static void neighbours_weigh_as_horn_says(void **state)
 		static const double wanted_east[9] = {-1, 0, 1, -2, 0, 2, -1, 0, 1}, wanted_north[9] = {-1, -2, -1, 0, 0, 0, 1, 2, 1};
 		double heights[9] = {0}, east, north;
 		heights[i] = 1;
-		render_slopes(heights, 1, 1, 4, &east, &north);
+		chart_slopes(heights, 1, 1, 4, &east, &north);
 		assert_true(fabs(east - wanted_east[i] / 32) < 1e-12 && fabs(north - wanted_north[i] / 32) < 1e-12);
 	}
 }
 
 static void light_comes_from_the_north_west(void **state)
 {
-	struct render_sun sun = usual();
-	double flat = render_shade(&sun, 0, 0);
+	struct chart_sun sun = usual();
+	double flat = chart_shade(&sun, 0, 0);
 	/* Ground that falls to the north-west rises to the south-east. */
-	double toward = render_shade(&sun, 0.4, -0.4), away = render_shade(&sun, -0.4, 0.4);
+	double toward = chart_shade(&sun, 0.4, -0.4), away = chart_shade(&sun, -0.4, 0.4);
 	assert_true(flat > 0.6 && flat < 0.85);
 	assert_true(toward > flat + 0.1 && away < flat - 0.25);
 	/* The same to both sides, but steeper is told from flat there, too. */
-	double left = render_shade(&sun, 0.4, 0.4), right = render_shade(&sun, -0.4, -0.4);
+	double left = chart_shade(&sun, 0.4, 0.4), right = chart_shade(&sun, -0.4, -0.4);
 	assert_true(fabs(left - right) < 1e-12 && fabs(left - flat) > 0.05);
 	for (double angle = 0; angle < 6.3; angle += 0.1)
 		for (double steep = 0; steep < 1e6; steep = 3 * steep + 0.1) {
-			double shade = render_shade(&sun, steep * cos(angle), steep * sin(angle));
+			double shade = chart_shade(&sun, steep * cos(angle), steep * sin(angle));
 			assert_true(shade > 0.03 && shade <= 1);
 		}
-	assert_true(isnan(render_shade(&sun, (double)NAN, 0)));
+	assert_true(isnan(chart_shade(&sun, (double)NAN, 0)));
 	/* Turned to the east it lights what falls to the east. */
-	render_sun_of(M_PI / 2, M_PI / 4, &sun);
-	assert_true(render_shade(&sun, -0.5, 0) > render_shade(&sun, 0.5, 0) + 0.2);
+	chart_sun_of(M_PI / 2, M_PI / 4, &sun);
+	assert_true(chart_shade(&sun, -0.5, 0) > chart_shade(&sun, 0.5, 0) + 0.2);
 }
 
-static int distance(struct render_colour a, struct render_colour b)
+static int distance(struct chart_colour a, struct chart_colour b)
 {
 	return abs(a.r - b.r) + abs(a.g - b.g) + abs(a.b - b.b);
 }
@@ -91,38 +91,38 @@ static int distance(struct render_colour a, struct render_colour b)
 /* Nothing is transparent; ruts are blue, heaps red; each step of a ramp is seen on flat ground. */
 static void ramps_tell_values_apart(void **state)
 {
-	struct render_sun sun = usual();
-	double flat = render_shade(&sun, 0, 0);
-	for (enum render_ramp ramp = RENDER_RAMP_SIGNED; ramp <= RENDER_RAMP_ROSE; ramp++) {
-		assert_int_equal(render_ramp(ramp, 0).a, 0);
-		struct render_colour bare = render_ground_colour(flat, flat, render_ramp(ramp, 0));
+	struct chart_sun sun = usual();
+	double flat = chart_shade(&sun, 0, 0);
+	for (enum chart_ramp ramp = CHART_RAMP_SIGNED; ramp <= CHART_RAMP_ROSE; ramp++) {
+		assert_int_equal(chart_ramp(ramp, 0).a, 0);
+		struct chart_colour bare = chart_ground_colour(flat, flat, chart_ramp(ramp, 0));
 		assert_true(bare.r == bare.g || abs(bare.r - bare.b) < 10); /* paper */
-		for (int sign = ramp == RENDER_RAMP_SIGNED ? -1 : 1; sign <= 1; sign += 2)
+		for (int sign = ramp == CHART_RAMP_SIGNED ? -1 : 1; sign <= 1; sign += 2)
 			for (int i = 0; i < 10; i++) {
-				struct render_colour a = render_ground_colour(flat, flat, render_ramp(ramp, sign * i / 10.0));
-				struct render_colour b = render_ground_colour(flat, flat, render_ramp(ramp, sign * (i + 1) / 10.0));
+				struct chart_colour a = chart_ground_colour(flat, flat, chart_ramp(ramp, sign * i / 10.0));
+				struct chart_colour b = chart_ground_colour(flat, flat, chart_ramp(ramp, sign * (i + 1) / 10.0));
 				assert_true(distance(a, b) > 15);
 			}
 		/* Beyond the end is the end. */
-		assert_int_equal(distance(render_ramp(ramp, 7), render_ramp(ramp, 1)), 0);
+		assert_int_equal(distance(chart_ramp(ramp, 7), chart_ramp(ramp, 1)), 0);
 	}
-	struct render_colour rut = render_ground_colour(flat, flat, render_ramp(RENDER_RAMP_SIGNED, -1));
-	struct render_colour heap = render_ground_colour(flat, flat, render_ramp(RENDER_RAMP_SIGNED, 1));
+	struct chart_colour rut = chart_ground_colour(flat, flat, chart_ramp(CHART_RAMP_SIGNED, -1));
+	struct chart_colour heap = chart_ground_colour(flat, flat, chart_ramp(CHART_RAMP_SIGNED, 1));
 	assert_true(rut.b > rut.r && heap.r > heap.b);
 }
 
 static void lengths_and_ranges_are_round(void **state)
 {
-	assert_true(render_round_length(99.99) == 50 && render_round_length(100) == 100 && render_round_length(0.021) > 0.0199);
-	assert_true(fabs(render_round_length(4.9e-3) - 2e-3) < 1e-12 && render_round_length(7e6) == 5e6);
+	assert_true(chart_round_length(99.99) == 50 && chart_round_length(100) == 100 && chart_round_length(0.021) > 0.0199);
+	assert_true(fabs(chart_round_length(4.9e-3) - 2e-3) < 1e-12 && chart_round_length(7e6) == 5e6);
 	for (double size = 1e-6; size < 2000; size *= 1.37) {
-		double range = render_round_range(size), length = render_round_length(size);
+		double range = chart_round_range(size), length = chart_round_length(size);
 		assert_true(range >= size * (1 - 1e-5) && range < 1.67 * size);
 		assert_true(length <= size * (1 + 1e-8) && length > 0.39 * size);
 	}
-	struct render_range range = {-0.5, 2};
-	assert_true(render_ramp_place(&range, -0.25) == -0.5 && render_ramp_place(&range, 1) == 0.5);
-	assert_true(render_ramp_place(&range, 0) == 0);
+	struct chart_range range = {-0.5, 2};
+	assert_true(chart_ramp_place(CHART_RAMP_SIGNED, &range, -0.25) == -0.5 && chart_ramp_place(CHART_RAMP_SIGNED, &range, 1) == 0.5);
+	assert_true(chart_ramp_place(CHART_RAMP_SIGNED, &range, 0) == 0);
 }
 
 int main(void)

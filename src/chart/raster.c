@@ -5,14 +5,14 @@
 #include <math.h>
 #include <string.h>
 
-#include "render/internal.h"
+#include "chart/internal.h"
 
 #define STRIP 128 /* rows */
 
 struct rasterizing {
-	const struct render_map_raster_params *params;
+	const struct chart_raster_params *params;
 	const struct extent *extent;
-	struct render_map_raster *raster;
+	struct chart_raster *raster;
 	float *offset; /* of each pixel, if offsets change the shade; NULL: they do not */
 	int working;
 	bool deformed;
@@ -22,7 +22,7 @@ struct rasterizing {
 static enum status tell(struct rasterizing *s, int64_t more)
 {
 	s->done += more;
-	const struct render_map_raster_params *params = s->params;
+	const struct chart_raster_params *params = s->params;
 	return params->progress != NULL ? params->progress(params->progress_user, s->done, s->total) : STATUS_OK;
 }
 
@@ -133,7 +133,7 @@ static float value_of(enum store_layer layer, int32_t post)
 /* Adds the tile's posts to the pixels that they are in. */
 static void splat(const struct rasterizing *s, struct tile tile, enum store_layer layer, const int32_t *posts, float *into)
 {
-	const struct render_map_raster *raster = s->raster;
+	const struct chart_raster *raster = s->raster;
 	int shift = s->params->level - tile.level;
 	int64_t half = shift > 0 ? (int64_t)1 << (shift - 1) : 0, side = tile_posts(s->extent);
 	struct post_rect own = tile_post_rect(s->extent, tile);
@@ -179,10 +179,15 @@ static enum status read_tiles(struct rasterizing *s, enum store_layer layer, enu
 	return status;
 }
 
-/* For pixels finer than the store has: interpolates, as exports do. */
+static bool is_heights(enum store_layer layer)
+{
+	return layer == STORE_SURFACE || layer == STORE_BASE;
+}
+
+/* For heights, and for pixels finer than the store has: interpolates, as exports do. */
 static enum status read_posts(struct rasterizing *s, enum store_layer layer, float *into)
 {
-	const struct render_map_raster *raster = s->raster;
+	const struct chart_raster *raster = s->raster;
 	double *values = mem_alloc((size_t)raster->width * STRIP, sizeof *values);
 	enum status status = values != NULL ? STATUS_OK : fail_memory("rows of a map");
 	struct post_rect rect = raster->rect;
@@ -192,7 +197,7 @@ static enum status read_posts(struct rasterizing *s, enum store_layer layer, flo
 		size_t count = (size_t)(part.y1 - part.y0) * raster->width;
 		float *to = into + (size_t)(y - rect.y0) * raster->width;
 		for (size_t i = 0; i < count && status == STATUS_OK; i++)
-			to[i] = isnan(values[i]) ? 0 : (float)values[i];
+			to[i] = isnan(values[i]) && !is_heights(layer) ? 0 : (float)values[i];
 	}
 	mem_free(values);
 	return status;
@@ -203,7 +208,7 @@ static enum status read_layer(struct rasterizing *s, enum store_layer layer, flo
 	static const enum plane planes[STORE_LAYERS] = {
 		[STORE_OFFSET] = PLANE_OFFSET, [STORE_DEPOSITED] = PLANE_DEPOSITED, [STORE_PLASTIC_SINKAGE] = PLANE_PLASTIC_SINKAGE,
 		[STORE_SHEAR] = PLANE_SHEAR, [STORE_SHEAR_EAST] = PLANE_SHEAR, [STORE_SHEAR_NORTH] = PLANE_SHEAR};
-	return s->params->level < s->working ? read_posts(s, layer, into) : read_tiles(s, layer, planes[layer], into);
+	return s->params->level < s->working || is_heights(layer) ? read_posts(s, layer, into) : read_tiles(s, layer, planes[layer], into);
 }
 
 /* --- the ground --- */
@@ -221,7 +226,7 @@ static enum status read_slopes(struct rasterizing *s, struct strip *strip)
 	struct post_rect r = strip->rect, wide = {r.x0 - 1, r.y0 - 1, r.x1 + 1, r.y1 + 1};
 	enum status status = store_read_posts(s->params->reader, STORE_BASE, strip->level, wide, strip->heights);
 	if (status == STATUS_OK)
-		render_slopes(strip->heights, r.x1 - r.x0, r.y1 - r.y0, extent_spacing(s->extent, strip->level), strip->east,
+		chart_slopes(strip->heights, r.x1 - r.x0, r.y1 - r.y0, extent_spacing(s->extent, strip->level), strip->east,
 			      strip->north);
 	return status;
 }
@@ -247,7 +252,7 @@ static void slope_at(const struct rasterizing *s, const struct strip *strip, int
  * side is used. */
 static void add_offset_slope(const struct rasterizing *s, int64_t x, int64_t y, double *east, double *north)
 {
-	const struct render_map_raster *raster = s->raster;
+	const struct chart_raster *raster = s->raster;
 	double around[9];
 	for (int64_t i = 0; i < 9; i++) {
 		int64_t px = x + i % 3 - 1, py = y + i / 3 - 1;
@@ -255,14 +260,14 @@ static void add_offset_slope(const struct rasterizing *s, int64_t x, int64_t y, 
 		around[i] = in ? s->offset[py * raster->width + px] : (double)NAN;
 	}
 	double e, n;
-	render_slopes(around, 1, 1, raster->spacing, &e, &n);
+	chart_slopes(around, 1, 1, raster->spacing, &e, &n);
 	*east += e;
 	*north += n;
 }
 
 static bool is_flat_around(const struct rasterizing *s, int64_t x, int64_t y)
 {
-	const struct render_map_raster *raster = s->raster;
+	const struct chart_raster *raster = s->raster;
 	if (x < 1 || y < 1 || x + 1 >= raster->width || y + 1 >= raster->height)
 		return false;
 	const float *p = s->offset + y * raster->width + x;
@@ -273,7 +278,7 @@ static bool is_flat_around(const struct rasterizing *s, int64_t x, int64_t y)
 
 static void shade_strip(struct rasterizing *s, const struct strip *strip, struct post_rect part)
 {
-	struct render_map_raster *raster = s->raster;
+	struct chart_raster *raster = s->raster;
 	for (int64_t y = part.y0; y < part.y1; y++)
 		for (int64_t x = part.x0; x < part.x1; x++) {
 			double east, north, steeper = s->params->exaggerate;
@@ -282,7 +287,7 @@ static void shade_strip(struct rasterizing *s, const struct strip *strip, struct
 			if (s->offset != NULL && !is_flat_around(s, px, py))
 				add_offset_slope(s, px, py, &east, &north);
 			raster->shade[py * raster->width + px] =
-				(float)render_shade(&s->params->sun, steeper * east, steeper * north);
+				(float)chart_shade(&s->params->sun, steeper * east, steeper * north);
 		}
 }
 
@@ -320,7 +325,7 @@ static enum status shade(struct rasterizing *s)
 
 static enum status allocate(struct rasterizing *s)
 {
-	struct render_map_raster *raster = s->raster;
+	struct chart_raster *raster = s->raster;
 	size_t pixels = (size_t)raster->width * raster->height;
 	raster->shade = mem_alloc(pixels, sizeof *raster->shade);
 	raster->values = mem_calloc(pixels, sizeof *raster->values);
@@ -330,20 +335,20 @@ static enum status allocate(struct rasterizing *s)
 												 : fail_memory("a map");
 }
 
-enum status render_map_raster_create(const struct render_map_raster_params *params, struct render_map_raster *out)
+enum status chart_raster_create(const struct chart_raster_params *params, struct chart_raster *out)
 {
-	*out = (struct render_map_raster){
+	*out = (struct chart_raster){
 		.width = (uint32_t)(params->rect.x1 - params->rect.x0),
 		.height = (uint32_t)(params->rect.y1 - params->rect.y0),
 		.level = params->level,
 		.rect = params->rect,
 		.spacing = extent_spacing(&params->meta->extent, params->level),
-		.flat = render_shade(&params->sun, 0, 0),
+		.flat = chart_shade(&params->sun, 0, 0),
 	};
 	struct rasterizing s = {.params = params, .extent = &params->meta->extent, .raster = out, .working = params->working,
 			      .deformed = params->deformed, .total = out->height};
 	enum status status = allocate(&s);
-	if (status == STATUS_OK && s.deformed)
+	if (status == STATUS_OK && (s.deformed || is_heights(params->layer)))
 		status = read_layer(&s, params->layer, out->values);
 	if (status == STATUS_OK && s.offset != NULL && s.offset != out->values)
 		status = read_layer(&s, STORE_OFFSET, s.offset);
@@ -352,18 +357,18 @@ enum status render_map_raster_create(const struct render_map_raster_params *para
 	if (s.offset != out->values)
 		mem_free(s.offset);
 	if (status != STATUS_OK)
-		render_map_raster_finish(out);
+		chart_raster_finish(out);
 	return status;
 }
 
-void render_map_raster_finish(struct render_map_raster *raster)
+void chart_raster_finish(struct chart_raster *raster)
 {
 	mem_free(raster->shade);
 	mem_free(raster->values);
-	*raster = (struct render_map_raster){.width = 0};
+	*raster = (struct chart_raster){.width = 0};
 }
 
-enum status render_map_raster_widen(struct render_map_raster *raster)
+enum status chart_raster_widen(struct chart_raster *raster)
 {
 	uint32_t width = raster->width, height = raster->height;
 	float *wide = mem_alloc((size_t)width * height, sizeof *wide);
@@ -392,7 +397,7 @@ static uint32_t size_class(float value)
 	return (bits & 0x7fffffff) >> 15;
 }
 
-enum status render_map_raster_spread(const struct render_map_raster *raster, double share, double *size, double *low, double *high)
+enum status chart_raster_spread(const struct chart_raster *raster, double share, double *size, double *low, double *high)
 {
 	size_t pixels = (size_t)raster->width * raster->height;
 	uint32_t *classes = mem_calloc((size_t)1 << 16, sizeof *classes);

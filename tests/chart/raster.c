@@ -3,7 +3,7 @@
 
 /* From the function alone: the largest of the posts that are nearer to the pixel's own than to others'; what is beyond the
  * last pixel's is that one's. */
-static double largest_within(const struct render_map_raster_params *params, int64_t px, int64_t py, int from)
+static double largest_within(const struct chart_raster_params *params, int64_t px, int64_t py, int from)
 {
 	int shift = params->level - from;
 	int64_t half = shift > 0 ? (int64_t)1 << (shift - 1) : 0, size = (int64_t)1 << shift, fine = (int64_t)1 << (from - LEVEL);
@@ -18,10 +18,10 @@ static double largest_within(const struct render_map_raster_params *params, int6
 	return largest;
 }
 
-static void check_values(const struct render_map_raster_params *params, int from)
+static void check_values(const struct chart_raster_params *params, int from)
 {
-	struct render_map_raster raster;
-	must(render_map_raster_create(params, &raster));
+	struct chart_raster raster;
+	must(chart_raster_create(params, &raster));
 	assert_int_equal(raster.width, params->rect.x1 - params->rect.x0);
 	assert_true(raster.spacing == extent_spacing(&extent, params->level));
 	for (uint32_t y = 0; y < raster.height; y++)
@@ -29,19 +29,19 @@ static void check_values(const struct render_map_raster_params *params, int from
 			double wanted = largest_within(params, params->rect.x0 + x, params->rect.y0 + y, from);
 			assert_true(raster.values[y * raster.width + x] == (float)wanted);
 		}
-	render_map_raster_finish(&raster);
+	chart_raster_finish(&raster);
 }
 
 static void a_pixel_has_the_largest_value_within_it(void **state)
 {
 	for (int level = LEVEL; level <= extent_coarsest(&extent); level++) {
-		struct render_map_raster_params params = asked(level, STORE_OFFSET);
+		struct chart_raster_params params = asked(level, STORE_OFFSET);
 		check_values(&params, LEVEL);
 	}
 	/* Of any window. */
 	uint32_t seed = 1;
 	for (int i = 0; i < 40; i++) {
-		struct render_map_raster_params params = asked(LEVEL + i % 5, STORE_OFFSET);
+		struct chart_raster_params params = asked(LEVEL + i % 5, STORE_OFFSET);
 		for (int k = 0; k < 2; k++) {
 			seed = seed * 1664525 + 1013904223;
 			int64_t *low = k == 0 ? &params.rect.x0 : &params.rect.y0, *high = k == 0 ? &params.rect.x1 : &params.rect.y1;
@@ -54,7 +54,7 @@ static void a_pixel_has_the_largest_value_within_it(void **state)
 
 static void with_fewer_tiles_a_coarser_level_is_looked_at(void **state)
 {
-	struct render_map_raster_params params = asked(2, STORE_OFFSET);
+	struct chart_raster_params params = asked(2, STORE_OFFSET);
 	/* Of level -1 there are this many; it is the finest that has no more. */
 	size_t tiles[3] = {0, 0, 0};
 	for (int level = -2; level <= 0; level++)
@@ -78,10 +78,10 @@ static void with_fewer_tiles_a_coarser_level_is_looked_at(void **state)
 
 static void a_map_finer_than_what_is_stored_is_interpolated(void **state)
 {
-	struct render_map_raster_params params = asked(LEVEL - 2, STORE_OFFSET);
+	struct chart_raster_params params = asked(LEVEL - 2, STORE_OFFSET);
 	params.rect = (struct post_rect){390, 370, 650, 500};
-	struct render_map_raster raster;
-	must(render_map_raster_create(&params, &raster));
+	struct chart_raster raster;
+	must(chart_raster_create(&params, &raster));
 	double *values = calloc((size_t)raster.width * raster.height, sizeof *values);
 	must(store_read_posts(reader, STORE_OFFSET, params.level, params.rect, values));
 	bool between = false;
@@ -91,34 +91,34 @@ static void a_map_finer_than_what_is_stored_is_interpolated(void **state)
 	}
 	assert_true(between);
 	free(values);
-	render_map_raster_finish(&raster);
+	chart_raster_finish(&raster);
 }
 
 /* Also where no offset is; and nowhere else. */
 static void the_soils_state_is_found_wherever_it_is(void **state)
 {
 	for (int level = LEVEL; level <= LEVEL + 3; level++) {
-		struct render_map_raster_params params = asked(level, STORE_PLASTIC_SINKAGE);
-		struct render_map_raster raster;
-		must(render_map_raster_create(&params, &raster));
+		struct chart_raster_params params = asked(level, STORE_PLASTIC_SINKAGE);
+		struct chart_raster raster;
+		must(chart_raster_create(&params, &raster));
 		int64_t at_x = 20 * CELLS + 200 % (CELLS + 1), at_y = 2 * CELLS + 200 / (CELLS + 1);
 		int shift = level - LEVEL;
 		int64_t half = shift > 0 ? 1 << (shift - 1) : 0;
 		int64_t pixel = ((at_y + half) >> shift) * raster.width + ((at_x + half) >> shift);
 		assert_true(raster.values[pixel] == 0.25f);
 		double size, low, high;
-		must(render_map_raster_spread(&raster, 1, &size, &low, &high));
+		must(chart_raster_spread(&raster, 1, &size, &low, &high));
 		assert_true(low == 0 && high == 1 && size == 1);
-		render_map_raster_finish(&raster);
+		chart_raster_finish(&raster);
 	}
 }
 
 static void holes_are_holes_and_the_rest_is_lit(void **state)
 {
 	for (int level = LEVEL; level <= 1; level++) {
-		struct render_map_raster_params params = asked(level, STORE_OFFSET);
-		struct render_map_raster raster;
-		must(render_map_raster_create(&params, &raster));
+		struct chart_raster_params params = asked(level, STORE_OFFSET);
+		struct chart_raster raster;
+		must(chart_raster_create(&params, &raster));
 		double *base = calloc((size_t)raster.width * raster.height, sizeof *base);
 		must(store_read_posts(reader, STORE_BASE, level, params.rect, base));
 		for (size_t i = 0; i < (size_t)raster.width * raster.height; i++) {
@@ -128,51 +128,51 @@ static void holes_are_holes_and_the_rest_is_lit(void **state)
 				assert_true(raster.shade[i] == (float)raster.flat);
 		}
 		free(base);
-		render_map_raster_finish(&raster);
+		chart_raster_finish(&raster);
 	}
 }
 
 static void slopes_of_ruts_are_added_to_the_grounds(void **state)
 {
-	struct render_map_raster_params params = asked(LEVEL, STORE_OFFSET);
-	struct render_map_raster raster;
-	must(render_map_raster_create(&params, &raster));
+	struct chart_raster_params params = asked(LEVEL, STORE_OFFSET);
+	struct chart_raster raster;
+	must(chart_raster_create(&params, &raster));
 	/* The broad rut's floor is level, its west wall falls to the east, its east wall rises. */
 	assert_true(raster.shade[150 * raster.width + 130] == (float)raster.flat);
 	assert_true(raster.shade[150 * raster.width + 100] < raster.flat - 0.01);
 	assert_true(raster.shade[150 * raster.width + 159] > raster.flat + 0.01);
 	float west = raster.shade[150 * raster.width + 100];
-	render_map_raster_finish(&raster);
+	chart_raster_finish(&raster);
 	params.exaggerate = 2;
-	must(render_map_raster_create(&params, &raster));
+	must(chart_raster_create(&params, &raster));
 	assert_true(raster.shade[150 * raster.width + 100] < west - 0.01f);
-	render_map_raster_finish(&raster);
+	chart_raster_finish(&raster);
 }
 
 static void most_values_are_no_larger_than_the_spread(void **state)
 {
 	enum { SIDE = 100 };
 	static float values[SIDE * SIDE];
-	struct render_map_raster raster = {.width = SIDE, .height = SIDE, .values = values};
+	struct chart_raster raster = {.width = SIDE, .height = SIDE, .values = values};
 	double size, low, high;
-	must(render_map_raster_spread(&raster, 0.9, &size, &low, &high));
+	must(chart_raster_spread(&raster, 0.9, &size, &low, &high));
 	assert_true(size == 0 && low == 0 && high == 0);
 	for (int i = 0; i < SIDE * SIDE / 2; i++)
 		values[2 * i] = (float)(i + 1) * (i % 3 == 0 ? -0.001f : 0.001f);
-	must(render_map_raster_spread(&raster, 0.9, &size, &low, &high));
+	must(chart_raster_spread(&raster, 0.9, &size, &low, &high));
 	assert_true(fabs(size - 4.5) < 0.03 && fabs(low + 4.999) < 1e-5 && fabs(high - 5) < 1e-5);
-	must(render_map_raster_spread(&raster, 1, &size, &low, &high));
+	must(chart_raster_spread(&raster, 1, &size, &low, &high));
 	assert_true(fabs(size - 5) < 1e-5);
 }
 
 static void lines_are_widened_by_a_pixel(void **state)
 {
-	struct render_map_raster_params params = asked(2, STORE_OFFSET);
-	struct render_map_raster raster;
-	must(render_map_raster_create(&params, &raster));
+	struct chart_raster_params params = asked(2, STORE_OFFSET);
+	struct chart_raster raster;
+	must(chart_raster_create(&params, &raster));
 	float *was = malloc((size_t)raster.width * raster.height * sizeof *was);
 	memcpy(was, raster.values, (size_t)raster.width * raster.height * sizeof *was);
-	must(render_map_raster_widen(&raster));
+	must(chart_raster_widen(&raster));
 	for (int64_t y = 0; y < raster.height; y++)
 		for (int64_t x = 0; x < raster.width; x++) {
 			float largest = 0;
@@ -185,7 +185,7 @@ static void lines_are_widened_by_a_pixel(void **state)
 			assert_true(raster.values[y * raster.width + x] == largest);
 		}
 	free(was);
-	render_map_raster_finish(&raster);
+	chart_raster_finish(&raster);
 }
 
 int main(void)

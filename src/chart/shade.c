@@ -10,7 +10,7 @@
  */
 #include <math.h>
 
-#include "render/internal.h"
+#include "chart/internal.h"
 
 /* Replaces NaN in two opposite neighbours of `here`, which is a number. */
 static void go_on(double *a, double *b, double here)
@@ -22,7 +22,7 @@ static void go_on(double *a, double *b, double here)
 		*b = isnan(was) ? here : 2 * here - was;
 }
 
-void render_slopes(const double *heights, int64_t width, int64_t rows, double spacing, double *east, double *north)
+void chart_slopes(const double *heights, int64_t width, int64_t rows, double spacing, double *east, double *north)
 {
 	int64_t stride = width + 2;
 	for (int64_t y = 0; y < rows; y++)
@@ -45,11 +45,11 @@ void render_slopes(const double *heights, int64_t width, int64_t rows, double sp
 /* Directions of light: the sun, two lower ones at its sides, and the sky straight above. */
 static const struct {
 	double turn, lower, weight;
-} suns[RENDER_SUNS] = {{0, 0, 0.52}, {-M_PI * 65 / 180, M_PI / 12, 0.17}, {M_PI * 65 / 180, M_PI / 12, 0.17}, {0, -M_PI, 0.14}};
+} suns[CHART_SUNS] = {{0, 0, 0.52}, {-M_PI * 65 / 180, M_PI / 12, 0.17}, {M_PI * 65 / 180, M_PI / 12, 0.17}, {0, -M_PI, 0.14}};
 
-void render_sun_of(double azimuth, double altitude, struct render_sun *sun)
+void chart_sun_of(double azimuth, double altitude, struct chart_sun *sun)
 {
-	for (size_t i = 0; i < RENDER_SUNS; i++) {
+	for (size_t i = 0; i < CHART_SUNS; i++) {
 		double turned = azimuth + suns[i].turn, up = fmin(fmax(altitude - suns[i].lower, M_PI / 18), M_PI / 2);
 		sun->toward[i][0] = suns[i].weight * cos(up) * sin(turned);
 		sun->toward[i][1] = suns[i].weight * cos(up) * cos(turned);
@@ -57,10 +57,10 @@ void render_sun_of(double azimuth, double altitude, struct render_sun *sun)
 	}
 }
 
-double render_shade(const struct render_sun *sun, double east, double north)
+double chart_shade(const struct chart_sun *sun, double east, double north)
 {
 	double light = 0, length = sqrt(1 + east * east + north * north);
-	for (size_t i = 0; i < RENDER_SUNS; i++)
+	for (size_t i = 0; i < CHART_SUNS; i++)
 		light += fmax(sun->toward[i][2] - sun->toward[i][0] * east - sun->toward[i][1] * north, 0);
 	light = fmin(light / length / 0.84, 1); /* that much comes from no slope */
 	return isnan(length) ? length : 0.04 + 0.96 * light * (0.5 + 0.5 * light);

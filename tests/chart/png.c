@@ -10,7 +10,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "render/internal.h"
+#include "chart/internal.h"
 
 static char folder[] = "/tmp/furrow-png-XXXXXX";
 static char path[64], part[72];
@@ -40,7 +40,7 @@ static void a_picture_comes_back_upright(void **state)
 {
 	uint8_t pixels[4 * 17 * 5], back[3 * 17 * 5];
 	fill(pixels, 17, 5);
-	assert_int_equal(render_png_write(path, pixels, 17, 5), STATUS_OK);
+	assert_int_equal(chart_png_write(path, pixels, 17, 5), STATUS_OK);
 	png_image image = {.version = PNG_IMAGE_VERSION};
 	assert_true(png_image_begin_read_from_file(&image, path));
 	assert_int_equal(image.width, 17);
@@ -56,7 +56,7 @@ static void a_picture_comes_back_upright(void **state)
 static void a_folder_that_is_not_there_is_told(void **state)
 {
 	uint8_t pixels[4 * 2 * 2] = {0};
-	assert_int_equal(render_png_write("/nowhere/at/all/a.png", pixels, 2, 2), STATUS_FAILED);
+	assert_int_equal(chart_png_write("/nowhere/at/all/a.png", pixels, 2, 2), STATUS_FAILED);
 	assert_non_null(strstr(failure_message(), "/nowhere/at/all/a.png"));
 }
 
@@ -70,7 +70,7 @@ static void a_full_disk_is_told(void **state)
 		test_free(pixels);
 		skip();
 	}
-	assert_int_equal(render_png_write(path, pixels, 64, 64), STATUS_FAILED);
+	assert_int_equal(chart_png_write(path, pixels, 64, 64), STATUS_FAILED);
 	assert_non_null(strstr(failure_message(), "No space left"));
 	assert_int_not_equal(access(path, F_OK), 0);
 	assert_int_not_equal(access(part, F_OK), 0);
@@ -82,7 +82,7 @@ static void running_out_of_memory_is_told(void **state)
 	uint8_t pixels[4 * 2 * 2] = {0};
 	for (uint64_t nth = 1; nth <= 2; nth++) {
 		mem_fail_nth(nth, 0);
-		assert_int_equal(render_png_write(path, pixels, 2, 2), STATUS_FAILED);
+		assert_int_equal(chart_png_write(path, pixels, 2, 2), STATUS_FAILED);
 		mem_fail_nth(0, 0);
 		assert_int_not_equal(access(part, F_OK), 0);
 	}

@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "base/aside.h"
-#include "render/internal.h"
+#include "chart/internal.h"
 
 /* zlib's level. For a picture of 1280 x 720, levels 1 to 4 take 28, 31, 51 and 69 ms of one core. The files have 1252, 1233, 1186 and 1212 kB.
  * Filters other than SUB are slower or larger. */
@@ -33,7 +33,7 @@ static void encode_warned(png_structp png, png_const_charp why)
 }
 
 /* Makes all calls from which libpng may jump back here. `row`: room for one row. */
-static void encode(struct encoder *encoder, FILE *file, const struct render_png *picture, uint8_t *row)
+static void encode(struct encoder *encoder, FILE *file, const struct chart_png *picture, uint8_t *row)
 {
 	if (setjmp(png_jmpbuf(encoder->png)) != 0)
 		return;
@@ -43,6 +43,8 @@ static void encode(struct encoder *encoder, FILE *file, const struct render_png 
 		     PNG_FILTER_TYPE_DEFAULT);
 	if (picture->srgb)
 		png_set_sRGB(encoder->png, encoder->info, PNG_sRGB_INTENT_PERCEPTUAL);
+	if (picture->per_metre > 0)
+		png_set_pHYs(encoder->png, encoder->info, picture->per_metre, picture->per_metre, PNG_RESOLUTION_METER);
 	png_set_compression_level(encoder->png, LEVEL);
 	png_set_filter(encoder->png, 0, PNG_FILTER_SUB);
 	png_write_info(encoder->png, encoder->info);
@@ -53,7 +55,7 @@ static void encode(struct encoder *encoder, FILE *file, const struct render_png 
 	png_write_end(encoder->png, NULL);
 }
 
-static enum status write_file(FILE *file, const char *path, const struct render_png *picture)
+static enum status write_file(FILE *file, const char *path, const struct chart_png *picture)
 {
 	struct encoder encoder = {.path = path};
 	uint8_t *row = mem_alloc(picture->width, picture->channels * picture->bits / 8);
@@ -69,7 +71,7 @@ static enum status write_file(FILE *file, const char *path, const struct render_
 	return encoder.status;
 }
 
-enum status render_png_rows(const char *path, const struct render_png *picture)
+enum status chart_png_rows(const char *path, const struct chart_png *picture)
 {
 	struct aside aside;
 	enum status status = aside_begin(&aside, path);
@@ -96,8 +98,13 @@ static void put_colours(const void *user, uint32_t y, uint8_t *row)
 		memcpy(row + (size_t)3 * x, from + (size_t)4 * x, 3);
 }
 
-enum status render_png_write(const char *path, const uint8_t *pixels, uint32_t width, uint32_t height)
+enum status chart_png_write_for_print(const char *path, const uint8_t *pixels, uint32_t width, uint32_t height, uint32_t per_metre)
 {
 	const struct colours colours = {pixels, width};
-	return render_png_rows(path, &(struct render_png){width, height, 8, 3, put_colours, &colours, .srgb = true});
+	return chart_png_rows(path, &(struct chart_png){width, height, 8, 3, put_colours, &colours, .srgb = true, .per_metre = per_metre});
+}
+
+enum status chart_png_write(const char *path, const uint8_t *pixels, uint32_t width, uint32_t height)
+{
+	return chart_png_write_for_print(path, pixels, width, height, 0);
 }

@@ -4,7 +4,7 @@
 
 #include "../support.h"
 
-#include "render/internal.h"
+#include "chart/internal.h"
 
 #define LEVEL (-2)
 #define CELLS 32
@@ -92,9 +92,9 @@ static inline int leave(void **state)
 	return support_leave(state);
 }
 
-static inline struct render_map_raster_params asked(int level, enum store_layer layer)
+static inline struct chart_raster_params asked(int level, enum store_layer layer)
 {
-	struct render_map_raster_params params = {
+	struct chart_raster_params params = {
 		.reader = reader,
 		.meta = store_meta(store),
 		.deformed = true,
@@ -104,7 +104,7 @@ static inline struct render_map_raster_params asked(int level, enum store_layer 
 		.rect = {0, 0, extent_posts(extent.width, level), extent_posts(extent.height, level)},
 		.exaggerate = 1,
 	};
-	render_sun_of(RENDER_AZIMUTH, RENDER_ALTITUDE, &params.sun);
+	chart_sun_of(CHART_AZIMUTH, CHART_ALTITUDE, &params.sun);
 	return params;
 }
 
