@@ -120,6 +120,7 @@ static void a_base_with_ruts_is_staged_as_it_is_now(void **state)
 	assert_int_equal(store_depth(store), 3);
 	assert_string_equal(store_copy_path(store), first.copy);
 	assert_true(content(store) == before);
+	assert_base(store);
 	struct store *copy = open_store(first.copy, STORE_READ), *original = open_store(chain.paths[0], STORE_READ);
 	assert_true(content(copy) == content(original));
 	assert_int_equal(copy->commit, original->commit);
