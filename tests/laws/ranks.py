@@ -396,6 +396,53 @@ class Staged(Ranks):
         self.run_command(self.command(2, "scene.yaml", "many", "--stage", "stage"))
         self.assertEqual(copy.stat().st_size, len(whole))
 
+    # mpirun starts this in place of ssh: a machine is a host name, and a disk of its own at node/.
+    MACHINE = """#!/bin/sh
+cd {folder}; host=$1; shift
+exec unshare --uts --mount sh -c "hostname $host && mount $(cat $host.mount) {folder}/node && $*"
+"""
+
+    def machines(self, *mounts):
+        """The beginning of a command that starts two ranks on each of some machines, whose disks are mounted so."""
+        (self.folder / "node").mkdir(exist_ok=True)
+        agent = self.folder / "machine.sh"
+        agent.write_text(self.MACHINE.format(folder=self.folder))
+        agent.chmod(0o755)
+        for i, mount in enumerate(mounts):
+            (self.folder / f"machine{i}.mount").write_text(mount)
+        (self.folder / "hosts").write_text("".join(f"machine{i} slots=2\n" for i in range(len(mounts))))
+        command = ["mpirun", "--allow-run-as-root", "--hostfile", "hosts", "-n", str(2 * len(mounts)), "--mca", "plm", "rsh", "--mca", "plm_rsh_agent",
+                   str(agent), "--mca", "btl_tcp_if_include", "lo", "--mca", "oob_tcp_if_include", "lo"]
+        try:
+            tried = subprocess.run([*command, "hostname"], cwd=self.folder, capture_output=True, text=True, timeout=60)
+        except subprocess.TimeoutExpired:
+            self.skipTest("no machines can be made here: mpirun does not end")
+        if sorted(tried.stdout.split()) != [f"machine{i}" for i in range(len(mounts)) for _ in range(2)]:
+            self.skipTest("no machines can be made here: " + tried.stderr.strip()[-300:])
+        return command
+
+    def test_each_machine_has_a_copy_of_its_own(self):
+        disks = [self.folder / name for name in ("disk0", "disk1")]
+        for disk in disks:
+            disk.mkdir()
+        begin = self.machines(*(f"--bind {disk}" for disk in disks))
+        self.scene(CROSSING)
+        one = self.run_command(self.command(1, "scene.yaml", "one"))
+        many = self.run_command(begin + self.command(1, "scene.yaml", "many", "--stage", self.folder / "node" / "stage"))
+        self.same("one", "many", (one, many))
+        self.assertEqual(many["ranks"]["count"], 4)
+        names = [[path.name for path in (disk / "stage").iterdir()] for disk in disks]
+        self.assertEqual(len(names[0]), 1)
+        self.assertEqual(*names)
+        self.assertEqual(list((self.folder / "node").iterdir()), [])
+
+    def test_the_disk_of_one_machine_is_full(self):
+        begin = self.machines("-t tmpfs -o size=20m tmpfs", "-t tmpfs -o size=64k tmpfs")
+        self.scene(CONVOY)
+        said = self.run_command(begin + self.command(1, "scene.yaml", "many", "--stage", self.folder / "node" / "stage"), expect=1)
+        self.assertRegex(said, r"rank [23]: .*stage/plain-[0-9a-f]{16}\.furrow: .*(disk|space)")
+        self.assertEqual(list(self.folder.glob("many*")), [])
+
     def test_a_disk_that_is_full(self):
         self.scene(CROSSING)
         one = self.run_command(self.command(1, "scene.yaml", "one"))
