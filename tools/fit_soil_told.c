@@ -66,6 +66,9 @@ static void print_plates(const struct fit_soil *fit)
 		       plates->curves[g].n, plates->curves[g].quality.goodness);
 	if (plates->one_width)
 		printf("  One width does not tell kc and kphi apart. kc is 0, and kphi is k = kc / b + kphi for b = %g mm.\n", fit->plate.groups[0] * 1e3);
+	const double kc = plates->kc[fit->method].value, kphi = plates->kphi[fit->method].value;
+	if (kc < 0)
+		printf("  kc is below 0. So k = kc / b + kphi is above 0 only for widths over %.3g mm.\n", -kc / kphi * 1e3);
 	if (plates->no_kphi)
 		puts("  kphi came out below 0, which no scene takes. It is 0, and the others were fitted with it.");
 }

@@ -115,6 +115,14 @@ class FitSoil(FurrowTest):
         self.assertLess(abs(fit["kphi"]["value"] - k), 3 * fit["kphi"]["error"])
         self.assertIsNone(fit["kc"]["error"])
 
+    def test_a_kc_below_0_tells_for_which_widths_it_holds(self):
+        rows = [f"{b},{z},{(-40e3 / b + 4e6) * z ** 1.2:.3f}" for b in (0.03, 0.05) for z in (0.01, 0.02, 0.04, 0.08)]
+        (self.folder / "low.csv").write_text("radius b m,z m,p Pa\n" + "\n".join(rows) + "\n")
+        text = self.ok("fit-soil", "low.csv")
+        self.assertIn("above 0 only for widths over 10 mm", text)
+        self.assertAlmostEqual(float(soil_of(text)["bekker_kc"]), -40e3, delta=1)
+        self.assertNotIn("kc is below 0", self.ok("fit-soil", PLATE))
+
     def test_what_is_wrong_is_refused_and_leaves_nothing(self):
         (self.folder / "bad.csv").write_text("b mm,z mm,p kPa\n50,4,10\n50,8,no\n")
         (self.folder / "short.csv").write_text("b mm,z mm,p kPa\n50,4,10\n")
