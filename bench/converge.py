@@ -142,8 +142,8 @@ HEADS = {"steady": "Steady rolling at slip 0.2", "vertical": "No rim, no damping
 
 
 def page(rows, before=()):
-    parts = ["In brackets: the lane that is furthest from the closed form (rim: from the finest; fz and side force: of the load), over directions of 0, "
-             "22.5 and 45 degrees on the lattice and off it.\n"]
+    parts = ["In brackets: the lane that is furthest from the closed form. Of the rim it is furthest from the finest; fz and side force are of the load. "
+             "Lanes lie in directions of 0, 22.5 and 45 degrees, on the lattice and off it.\n"]
     for case, text in TEXTS.items():
         of = [row for row in rows if row["case"] == case]
         if of:
