@@ -93,7 +93,7 @@ static enum status take_plot(const struct study *study, const struct scene_node 
 		scene_list_add(&list, study->results[plot->y].name);
 	return plot->y < study->result_count
 		       ? STATUS_OK
-		       : scene_error(study->file, scene_node_child(node, "y"), "is no result; allowed: %s", list.text);
+		       : scene_error(study->file, scene_node_child(node, "y"), "is no result of this study; give one of %s, or add it under results", list.text);
 }
 
 /* Without `plots`: each result over the first parameter, by the second. */

@@ -54,7 +54,7 @@ static enum status params_check(const struct dem_params *params)
 				 params->window_srs);
 	if (params->has_height_range && !(params->height_min < params->height_max &&
 					  isfinite(params->height_max - params->height_min)))
-		return fail_with(STATUS_USAGE, "height range %g, %g: not a range; give MIN,MAX in metres",
+		return fail_with(STATUS_USAGE, "height range %g, %g: the first is not below the second; give MIN,MAX in metres",
 				 params->height_min, params->height_max);
 	return STATUS_OK;
 }

@@ -42,6 +42,13 @@ bool scene_number_read(const char *text, bool whole, double *value)
 	return *end == '\0';
 }
 
+/* As in 0,25. */
+static bool has_decimal_comma(const char *text)
+{
+	const size_t before = strspn(text, "+-0123456789"), after = text[before] == ',' ? strspn(text + before + 1, "0123456789") : 0;
+	return before > 0 && after > 0 && text[before + 1 + after] == '\0';
+}
+
 static enum status match_number(const struct scene_tree *tree, const struct scene_node *node, bool whole)
 {
 	char path[160], range[80] = "";
@@ -58,8 +65,8 @@ static enum status match_number(const struct scene_tree *tree, const struct scen
 				   range);
 	errno = 0;
 	if (!node->plain || !scene_number_read(node->text, whole, &value))
-		return scene_error(tree->file, node, "%s is not %s; allowed: %s%s%s",
-				   scene_quote(node->text).text, kind, kind, space, range);
+		return scene_error(tree->file, node, "%s is not %s; allowed: %s%s%s%s", scene_quote(node->text).text, kind, kind, space, range,
+				   has_decimal_comma(node->text) ? "; write a decimal point, as in 0.25" : "");
 	if (errno == ERANGE || !isfinite(value) || fabs(value) > 1e15 ||
 	    (limit != NULL && (value < limit->low || value > limit->high ||
 			       (limit->above && value == limit->low))))
@@ -181,8 +188,9 @@ static enum status match_sequence(const struct scene_tree *tree, const cyaml_sch
 {
 	uint32_t min = schema->sequence.min, max = schema->sequence.max;
 	char size[48];
+	const enum cyaml_type entry = schema->sequence.entry->type;
 	if (min == max)
-		snprintf(size, sizeof size, "a list of %u", min);
+		snprintf(size, sizeof size, "a list of %u%s", min, entry == CYAML_FLOAT ? " numbers" : entry == CYAML_INT ? " whole numbers" : "");
 	else if (max == CYAML_UNLIMITED)
 		snprintf(size, sizeof size, "a list of at least %u", min);
 	else

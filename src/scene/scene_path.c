@@ -92,6 +92,8 @@ static enum status take_line(struct reader *reader, char *line)
 	line += strspn(line, " \t\r");
 	if (line[0] == '\0')
 		return STATUS_OK;
+	if (strchr(line, ',') == NULL && strpbrk(line, ";\t") != NULL)
+		return refuse(reader, "its columns are not parted by commas; write t,x,y with commas between them, and decimal points");
 	int count = split(line, fields);
 	if (count != 3 && count != 4 && count != 7)
 		return refuse(reader, "not 3, 4 or 7 columns; allowed: t,x,y[,z[,yaw,pitch,roll]]");
@@ -103,8 +105,7 @@ static enum status take_line(struct reader *reader, char *line)
 		if (!scene_number_read(fields[0], false, &number)) {
 			for (int i = 0; i < count; i++)
 				if (strcmp(fields[i], columns[i].name) != 0)
-					return refuse(reader, "not the names of the columns; allowed: "
-							      "t,x,y[,z[,yaw,pitch,roll]]");
+					return refuse(reader, "not the names of the columns in their order; allowed: t,x,y[,z[,yaw,pitch,roll]]");
 			return STATUS_OK;
 		}
 	}

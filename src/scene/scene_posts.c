@@ -78,7 +78,7 @@ void scene_advise_posts(const struct scene *scene, double spacing, scene_advice_
 		if (others > 0)
 			snprintf(alike, sizeof alike, ", as %zu other%s", others, others > 1 ? "s" : "");
 		const char *apart = object->shape.kind == DEFORM_WHEEL ? "" : ", without the heaps that it pushes";
-		snprintf(text, sizeof text, "objects.%s.shape: the soil bears it over about %.2g m%s, %.2g posts: forces within about %d %% here%s; %g m: %d %%",
+		snprintf(text, sizeof text, "objects.%s.shape: the soil bears it over about %.2g m%s, %.2g posts: forces may be off by about %d %% here%s; at %g m by %d %%",
 			 object->name, over, alike, over / spacing, error, apart, finer, error_of(&object->shape, over / finer));
 		tell(user, text);
 	}

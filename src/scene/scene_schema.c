@@ -404,7 +404,7 @@ static const struct scene_limit limits[] = {
 	{"objects[].path.delay", 0, 1e9, false, NULL, "s", 0, NULL},
 	{"objects[].sink", 0, 1000, false, NULL, "m", 0, NULL},
 	{"objects[].load", 0, 1e9, true, NULL, "N", NAN, "none: sink"},
-	{"objects[].slip", -1000, 0.99, false, NULL, NULL, 0, NULL},
+	{"objects[].slip", -1000, 0.99, false, "is out of range, since slip is a share (0.2 for 20 %)", NULL, 0, NULL},
 	{"objects[].interface.friction_angle", 0, 89, false, NULL, "degrees", NAN, "the soil's"},
 	{"objects[].interface.adhesion", 0, 1e9, false, NULL, "Pa", NAN, "the soil's cohesion"},
 	{"output.forces", 0, 1e6, false, NULL, "1/s", 0, NULL},

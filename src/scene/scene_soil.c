@@ -239,8 +239,7 @@ static enum status check_map(const struct scene_tree *tree, const struct raw_soi
 		return scene_error(tree->file, node, "does not go with a soil beside it; allowed: map, classes, "
 				   "default, rasters");
 	if (raw->classes == NULL || raw->elsewhere == NULL)
-		return scene_error(tree->file, node, "has no %s; allowed: map with classes, {1: dry_sand, ...}, and "
-				   "default, a soil", raw->classes == NULL ? "classes" : "default");
+		return scene_error(tree->file, node, "has no %s; write {map: FILE, classes: {1: dry_sand, ...}, default: dry_sand}", raw->classes == NULL ? "classes" : "default");
 	if (!read)
 		return STATUS_OK;
 	scene->soil_map = scene_file_beside(tree->folder, raw->map);

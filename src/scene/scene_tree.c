@@ -279,12 +279,26 @@ static enum status parser_failed(const struct builder *builder, const yaml_parse
 {
 	if (parser->error == YAML_MEMORY_ERROR)
 		return fail_memory("reading the scene");
+	static const struct {
+		const char *problem; /* as libyaml begins it */
+		bool at_context;     /* it is where libyaml began to read, not where it stopped */
+		const char *why;
+	} known[] = {
+		{"found a tab character", false, "not YAML: a tab before or between keys; indent with blanks only"},
+		{"found character that cannot start any token", false, "not YAML: a tab, or a sign that needs quotes; indent with blanks only, and put such text in quotes"},
+		{"did not find expected '-' indicator", false, "not YAML: the line begins in another column than the entries of its list; indent it as those"},
+		{"did not find expected key", false, "not YAML: the line begins in another column than the keys beside it; indent it as those"},
+		{"could not find expected ':'", true, "not YAML: no key with its value; write KEY: VALUE, with a blank after the colon"},
+		{"did not find expected ',' or ']'", true, "not YAML: a list is not closed; write [A, B], with a ] for each ["},
+		{"did not find expected ',' or '}'", true, "not YAML: a mapping is not closed; write {KEY: VALUE}, with a } for each {"},
+	};
 	char why[200];
-	snprintf(why, sizeof why, "not YAML: %s; allowed: a YAML mapping",
-		 parser->problem != NULL ? parser->problem : "unreadable");
-	size_t line = parser->problem_mark.line;
-	if (parser->error == YAML_READER_ERROR)
-		line = parser->mark.line;
+	size_t line = parser->error == YAML_READER_ERROR ? parser->mark.line : parser->problem_mark.line;
+	const char *problem = parser->problem != NULL ? parser->problem : "unreadable";
+	for (size_t i = 0; i < sizeof known / sizeof known[0]; i++)
+		if (strncmp(problem, known[i].problem, strlen(known[i].problem)) == 0)
+			return refuse(builder, (int)(known[i].at_context && parser->context != NULL ? parser->context_mark.line : line) + 1, known[i].why);
+	snprintf(why, sizeof why, "not YAML: %s; correct it as YAML wants", problem);
 	return refuse(builder, (int)line + 1, why);
 }
 
@@ -297,6 +311,8 @@ enum status scene_tree_parse(const char *file, const char *setting, const char *
 	bool ended = false;
 
 	*out = NULL;
+	if (strncmp(text, "SQLite format 3", strnlen("SQLite format 3", length)) == 0 && length > 0)
+		return fail_with(STATUS_INPUT, "%s: it is a store, not a scene; name the YAML file of the scene, and the store with --store", file);
 	if (memchr(text, '\0', length) != NULL)
 		return refuse(&builder, 1, "it is no text, it has a NUL byte; allowed: a scene, YAML in UTF-8");
 	if (!yaml_parser_initialize(&parser))

@@ -143,8 +143,11 @@ static enum status find_object(const struct following *following, size_t index, 
 			scene_list_add(&names, scene->objects[i].name);
 			nearest_offer(&nearest, scene->objects[i].name);
 		}
-	return scene_error(following->tree->file, node, "%s is no object; allowed: %s%s", scene_quote(name).text,
-			   names.length > 0 ? names.text : "another object, and there is none", nearest_ask(&nearest).text);
+	if (names.length == 0)
+		return scene_error(following->tree->file, node, "%s is no object, and there is no other; add it to objects, or give points or a file",
+				   scene_quote(name).text);
+	return scene_error(following->tree->file, node, "%s is no object; allowed: %s%s", scene_quote(name).text, names.text,
+			   nearest_ask(&nearest).text);
 }
 
 /* Copies the path at the end of the chain of leaders. Offsets and delays of the chain add up. */

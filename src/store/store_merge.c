@@ -226,7 +226,7 @@ static enum status settle_level(struct merging *merging)
 	if (ours->base_hash != theirs->base_hash)
 		return fail_with(STATUS_INPUT, "%s: it is over another base than %s; merge overlays of one store", theirs->path, ours->path);
 	if (ours->under == NULL || theirs->under == NULL)
-		return fail_with(STATUS_INPUT, "%s: it is a store of its own, not an overlay; make branches of it, drive them, and merge those",
+		return fail_with(STATUS_INPUT, "%s: it is a whole store, not an overlay; give two overlays of one store, as furrow branch and drive --overlay make them",
 				 ours->under == NULL ? ours->path : theirs->path);
 	if (!ours->working_stored && !theirs->working_stored)
 		return fail_with(STATUS_INPUT, "%s: neither it nor %s has ruts; drive them first", ours->path, theirs->path);

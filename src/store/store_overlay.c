@@ -164,8 +164,8 @@ static enum status connect_parent(struct store *store)
 	store->depth = store->under->depth + 1;
 	store->base = store->under->base;
 	if (store->under->base_hash != store->base_hash && store->parent_given != NULL)
-		return fail_with(STATUS_INPUT, "%s: it is not over %s, which has another base (base_hash %016llx, not %016llx); name the file "
-				 "that it was made from", store->path, store->under->path,
+		return fail_with(STATUS_INPUT, "%s: it was not made over %s, whose terrain is another one (base_hash %016llx, not %016llx); name the "
+				 "store that it was made over", store->path, store->under->path,
 				 (unsigned long long)store->under->base_hash, (unsigned long long)store->base_hash);
 	if (store->under->base_hash != store->base_hash)
 		return fail_with(STATUS_INPUT, "%s: its base %s is another one now (base_hash %016llx, not %016llx); put the "
@@ -388,8 +388,8 @@ static enum status check_overlay(const char *path, const char *base_path)
 	struct store *store = NULL, *base = NULL;
 	enum status status = store_open(path, &reading, &store);
 	if (status == STATUS_OK && store->under == NULL)
-		status = fail_with(STATUS_INPUT, "%s: it is a store of its own, not an overlay; name a file that is not "
-				   "there yet", path);
+		status = fail_with(STATUS_INPUT, "%s: it is a whole store, not an overlay; name a file that is not there yet%s", path,
+				   strcmp(path, base_path) == 0 ? ", or leave --overlay out to keep the ruts in the store" : "");
 	if (status == STATUS_OK)
 		status = store_open(base_path, &reading, &base);
 	if (status == STATUS_OK)

@@ -12,10 +12,10 @@ enum status store_sql_fail(sqlite3 *db, int code, const char *path, const char *
 		return fail_memory(doing);
 	switch (code & 0xff) {
 	case SQLITE_CORRUPT:
-		return fail_with(STATUS_INPUT, "%s: %s: %s; the file is damaged or was cut short, "
-				 "restore or import it again", path, doing, why);
+		return fail_with(STATUS_INPUT, "%s: %s: %s, the file is damaged or was cut short; "
+				 "copy it again from where it was whole, or make it anew with furrow import", path, doing, why);
 	case SQLITE_NOTADB:
-		return fail_with(STATUS_INPUT, "%s: not a Furrow store: %s; make one with furrow import",
+		return fail_with(STATUS_INPUT, "%s: not a Furrow store (%s); name a store, or make one with furrow import",
 				 path, why);
 	case SQLITE_CANTOPEN:
 		return fail_with(STATUS_INPUT, "%s: %s: %s; check the path and its permissions", path,

@@ -205,6 +205,22 @@ static enum status make_name(const struct vehicle *vehicle, size_t index)
 	return out->name != NULL ? STATUS_OK : fail_memory("a vehicle");
 }
 
+static enum status no_geom(const struct vehicle *vehicle, const char *where)
+{
+	if (vehicle->scene->soil.count == 0)
+		return fail_with(STATUS_INPUT, "%s: no geom of it collides, so none presses the ground; let geoms of moving bodies collide, or name them in soil",
+				 where);
+	char names[200] = "", name[80];
+	size_t length = 0;
+	int told = 0;
+	for (; told < vehicle->model->ngeom && length + sizeof name + 2 < sizeof names; told++) {
+		vehicle_geom_name(vehicle->model, told, name, sizeof name);
+		length += (size_t)snprintf(names + length, sizeof names - length, "%s%s", told > 0 ? ", " : "", name);
+	}
+	return fail_with(STATUS_INPUT, "%s: soil: %.64s names no geom of a body that moves; the model has: %s%s", where, vehicle->scene->soil.list[0], names,
+			 told < vehicle->model->ngeom ? ", ..." : "");
+}
+
 enum status vehicle_find_geoms(struct vehicle *vehicle, const char *where)
 {
 	const mjModel *model = vehicle->model;
@@ -222,7 +238,7 @@ enum status vehicle_find_geoms(struct vehicle *vehicle, const char *where)
 			status = make_shape(vehicle, &vehicle->geoms[index], where);
 	}
 	if (status == STATUS_OK && vehicle->geom_count == 0)
-		return fail_with(STATUS_INPUT, "%s: no geom of it presses the ground; name geoms of moving bodies in soil, or let them collide", where);
+		return no_geom(vehicle, where);
 	return status == STATUS_OK ? check_belts(vehicle, where) : status;
 }
 

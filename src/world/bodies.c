@@ -14,7 +14,8 @@ static enum status to_local(const struct world *world, bool degrees, size_t coun
 		return fail_with(STATUS_INPUT, "a path in longitude and latitude: the store has no reference system and lies nowhere on the globe; "
 					       "give points in metres, or a store with one");
 	if (srs != NULL && world->meta->srs[0] == '\0')
-		return fail_with(STATUS_INPUT, "coordinates: %s, but the store has no reference system; use local", srs);
+		return fail_with(STATUS_INPUT, "%s: coordinates: %s, but the store has no reference system; take coordinates away, and give paths in metres from "
+					       "its south-west post", scene->file, srs);
 	enum status status = srs != NULL ? dem_transform(srs, world->meta->srs, count, x, y) : STATUS_OK;
 	for (size_t i = 0; i < count && (srs != NULL || scene->coordinates == SCENE_STORE); i++) {
 		x[i] -= world->meta->origin[0];

@@ -170,9 +170,9 @@ enum status world_settle_limits(struct world *world)
 		return STATUS_OK;
 	struct resident_pages_budget most;
 	world_budget(world, &most);
-	return fail_with(STATUS_INPUT, "cache.memory: %.6g MB is too little: %u slots, %u changed tiles on their way, %u tiles of base heights "
-				       "and what loads take need more; give at least %.0f MB",
-			 (double)scene->memory / 1e6, least, most.images_few, world->limits.ground, (double)memory_for(world, least) / 1e6);
+	return fail_with(STATUS_INPUT, "%s: cache.memory: %.6g MB is too little for %u slots, %u changed tiles on their way to the store and %u tiles of base "
+				       "heights; give at least %.0f MB",
+			 scene->file, (double)scene->memory / 1e6, least, most.images_few, world->limits.ground, (double)memory_for(world, least) / 1e6);
 }
 
 void world_advise_limits(const struct world *world, scene_advice_fn tell, void *user)

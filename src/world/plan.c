@@ -179,7 +179,7 @@ static void advise_leaving(const struct world *world, scene_advice_fn tell, void
 		return;
 	if (leaving > 1)
 		snprintf(others, sizeof others, ", and %zu other%s later", leaving - 1, leaving > 2 ? "s" : "");
-	const bool far = fabs(at.x - width / 2) > 10 * width || fabs(at.y - height / 2) > 10 * height;
+	const bool far = world->meta->srs[0] != '\0' && (fabs(at.x - width / 2) > 10 * width || fabs(at.y - height / 2) > 10 * height);
 	snprintf(text, sizeof text, "objects.%s.path: is off the terrain after %.6g s, at %.3f, %.3f m%s: %s; keep within 0 to %g, 0 to %g m%s%s",
 		 first->object->name, at.time, at.x, at.y, others,
 		 scene->outside == SCENE_STOP ? "the drive will stop there" : "nothing is pressed there", width, height,

@@ -68,7 +68,7 @@ class Merge(Branches):
         for name, base in (("a", "world"), ("b", "world"), ("c", "other")):
             self.ok("branch", f"{base}.furrow", f"{name}.furrow")
         before = {path: path.read_bytes() for path in self.folder.iterdir()}
-        for pair, told in ((["a", "b"], "drive them"), (["a", "c"], "another base"), (["world", "a"], "store of its own"), (["a", "absent"], "No such file")):
+        for pair, told in ((["a", "b"], "drive them"), (["a", "c"], "another base"), (["world", "a"], "whole store"), (["a", "absent"], "No such file")):
             with self.subTest(pair=pair):
                 self.assertIn(told, self.refused(3, "merge", *(f"{name}.furrow" for name in pair), "-o", "x.furrow", "--json"))
         self.refused(2, "merge", "a.furrow", "b.furrow")
@@ -109,7 +109,7 @@ class Relink(Branches):
         other = self.synth("other.furrow", posts="65x65")
         self.ok("branch", store, "a.furrow")
         before = (self.folder / "a.furrow").read_bytes()
-        for arguments, told in ((["a.furrow", other], "another base"), (["a.furrow", "absent.furrow"], "No such file"),
+        for arguments, told in ((["a.furrow", other], "another one"), (["a.furrow", "absent.furrow"], "No such file"),
                                 (["a.furrow", "a.furrow"], "overlay itself"), ([store, other], "store of its own"),
                                 (["absent.furrow", store], "No such file")):
             with self.subTest(arguments=arguments):

@@ -184,7 +184,7 @@ static void objects_that_are_alike_are_told_of_once(void **state)
 static void keep(void *user, const char *text)
 {
 	struct told *told = user;
-	if (strstr(text, ": forces within about ") == NULL)
+	if (strstr(text, ": forces may be off by about ") == NULL)
 		return;
 	told->count++;
 	snprintf(told->text, sizeof told->text, "%s", text);
@@ -212,9 +212,9 @@ static struct few_posts forces_told(const char *object, const char *more, double
 	assert_in_range(told.count, 0, 1);
 	if (told.count == 0)
 		return found;
-	if (sscanf(told.text, "objects.a.shape: the soil bears it over about %lf m, %lf posts: forces within about %d %% here; %lf m: %d %%", &found.over,
+	if (sscanf(told.text, "objects.a.shape: the soil bears it over about %lf m, %lf posts: forces may be off by about %d %% here; at %lf m by %d %%", &found.over,
 		   &found.posts, &found.here, &found.finer, &found.there) != 5 &&
-	    sscanf(told.text, "objects.a.shape: the soil bears it over about %lf m, %lf posts: forces within about %d %% here%47[^;]; %lf m: %d %%", &found.over,
+	    sscanf(told.text, "objects.a.shape: the soil bears it over about %lf m, %lf posts: forces may be off by about %d %% here%47[^;]; at %lf m by %d %%", &found.over,
 		   &found.posts, &found.here, apart, &found.finer, &found.there) != 6)
 		fail_msg("%s", told.text);
 	return found;
@@ -310,8 +310,8 @@ static void the_examples_are_told_what_they_mean(void **state)
 	} examples[] = {
 		{"bare", NULL},   {"convoy", NULL}, {"demo", NULL},  {"foot", NULL},
 		{"shapes", NULL},
-		{"rover", "objects.front_left.shape: the soil bears it over about 0.061 m, as 5 others, 2 posts: forces within about "},
-		{"tracks", "objects.left.shape: the soil bears it over about 0.4 m, as 1 other, 6.4 posts: forces within about "},
+		{"rover", "objects.front_left.shape: the soil bears it over about 0.061 m, as 5 others, 2 posts: forces may be off by about "},
+		{"tracks", "objects.left.shape: the soil bears it over about 0.4 m, as 1 other, 6.4 posts: forces may be off by about "},
 		{"table2", "view: no picture is written, so a drive draws none; "},
 	};
 	const char *scenes = getenv("SCENES");

@@ -44,7 +44,7 @@ static void paths_that_cannot_be_followed_are_refused(void **state)
 	static const struct {
 		const char *objects, *says;
 	} cases[] = {
-		{"  - {name: a, " SHAPE ", path: {relative_to: b}}\n", ":4: objects[0].path.relative_to: \"b\" is no object; allowed: another object, and there is none"},
+		{"  - {name: a, " SHAPE ", path: {relative_to: b}}\n", ":4: objects[0].path.relative_to: \"b\" is no object, and there is no other; add it to objects"},
 		{"  - {name: a, " SHAPE ", path: {relative_to: b}}\n  - {name: c, " SHAPE ", path: {points: [[1, 1]], speed: 1}}\n", "\"b\" is no object; allowed: c"},
 		{"  - {name: a, " SHAPE ", path: {relative_to: a}}\n", "objects[0].path.relative_to: leads back to a itself; allowed: a chain that ends"},
 		{"  - {name: a, " SHAPE ", path: {relative_to: b}}\n  - {name: b, " SHAPE ", path: {relative_to: a}}\n", "leads back to a itself"},

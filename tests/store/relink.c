@@ -150,7 +150,7 @@ static void what_is_not_the_base_is_refused(void **state)
 	terrain_put(store);
 	assert_ok(store_publish(store));
 	store_close(store);
-	assert_kept(chain.paths[2], other, "another base");
+	assert_kept(chain.paths[2], other, "another one");
 	assert_kept(chain.paths[2], chain.paths[0], "ruts are others");
 	assert_kept(chain.paths[2], chain.paths[2], "overlay of itself");
 	assert_kept(chain.paths[2], chain.paths[3], "overlay of itself");
