@@ -11,6 +11,7 @@ import sys
 import textwrap
 
 SOURCE_WIDTH = 76
+ITEM = re.compile(r"^(- |\d+\. )")
 
 
 # --- text ---
@@ -108,12 +109,12 @@ def blocks_of(text):
             while at < len(rows) and rows[at].startswith("|"):
                 at += 1
             yield "table", rows[begin:at]
-        elif row.startswith("- "):
-            while at < len(rows) and (rows[at].startswith(("- ", "  "))):
+        elif ITEM.match(row):
+            while at < len(rows) and (ITEM.match(rows[at]) or rows[at].startswith("  ")):
                 at += 1
             yield "list", rows[begin:at]
         else:
-            while at < len(rows) and rows[at].strip() and not rows[at].startswith(("```", "#", "|", "- ")):
+            while at < len(rows) and rows[at].strip() and not rows[at].startswith(("```", "#", "|")) and not ITEM.match(rows[at]):
                 at += 1
             yield "text", rows[begin:at]
 
@@ -149,13 +150,16 @@ def put_table(rows, headings):
 
 
 def put_list(rows, headings):
-    items = []
-    for row in rows:
-        if row.startswith("- "):
-            items.append(row[2:])
-        else:
-            items[-1] += " " + row.strip()
-    return [".Bl -bullet"] + [line for item in items for line in [".It", *lines_of(inline(item, headings))]] + [".El"]
+    """A list whose items may end in a list of their own, which is set in by two or three spaces."""
+    out = [".Bl -bullet" if rows[0].startswith("-") else ".Bl -enum"]
+    marks = [i for i, row in enumerate(rows) if ITEM.match(row)] + [len(rows)]
+    for begin, end in zip(marks, marks[1:]):
+        item = [ITEM.sub("", rows[begin]), *(re.sub("^ {2,3}", "", row) for row in rows[begin + 1:end])]
+        inner = next((i for i, row in enumerate(item) if i > 0 and ITEM.match(row)), len(item))
+        out += [".It", *lines_of(inline(" ".join(row.strip() for row in item[:inner]), headings))]
+        if inner < len(item):
+            out += put_list(item[inner:], headings)
+    return out + [".El"]
 
 
 def anchor_of(heading):

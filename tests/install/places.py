@@ -37,7 +37,9 @@ class PlacesTest(unittest.TestCase):
         for name, source in (("scene.5", "src/scene/SCENE.md"), ("store.5", "src/store/FORMAT.md")):
             page = prefix.run("groff", "-mandoc", "-Tutf8", "-P-c", "-rLL=400n", SHARE / "man" / "man5" / name).stdout
             words = "".join(re.sub(".\b", "", page).split())
-            keys = re.findall(r"^\| (`[^|]*`) \|", (prefix.ROOT / source).read_text(), re.M)
+            markdown, made = (prefix.ROOT / source).read_text(), (SHARE / "man" / "man5" / name).read_text()
+            self.assertEqual(made.count(".Bl -enum"), len(re.findall(r"^1\. ", markdown, re.M)))
+            keys = re.findall(r"^\| (`[^|]*`) \|", markdown, re.M)
             self.assertGreater(len(keys), 20)
             for key in keys:
                 self.assertIn("".join(key.replace("`", "").split()), words)
