@@ -3,6 +3,9 @@
 #include "lib/picture.glsl"
 #include "lib/body.glsl"
 #include "lib/tone.glsl"
+#ifdef TERRAIN_SHADOW
+#include "lib/shade.glsl"
+#endif
 #ifdef FOG
 #include "lib/sky.glsl"
 #include "lib/haze.glsl"
@@ -22,6 +25,9 @@ void main()
 	// A surface that is not closed is seen from both sides.
 	vec3 outward = normalize(gl_FrontFacing ? normal : -normal);
 	float facing = max(dot(outward, sun.xyz), 0.0);
+#ifdef TERRAIN_SHADOW
+	facing *= sunlit(place, outward);
+#endif
 	vec3 lit = surface.rgb * (sunlight.rgb * facing + mix(groundlight, skylight, 0.5 + 0.5 * outward.z) * (open * sunlight.w));
 	vec3 toward_eye = -normalize(place), between = normalize(sun.xyz + toward_eye);
 	lit += surface.a * facing * pow(max(dot(outward, between), 0.0), 40.0) * sunlight.rgb;

@@ -12,6 +12,9 @@
 #ifdef TEXTURE
 #include "lib/ground.glsl"
 #endif
+#ifdef TERRAIN_SHADOW
+#include "lib/shade.glsl"
+#endif
 
 in vec2 post;
 in vec3 place;
@@ -99,6 +102,10 @@ void main()
 #else
 	vec3 normal = normalize(vec3(-gradient, 1.0));
 	float facing = max(dot(normal, sun.xyz), 0.0);
+#ifdef TERRAIN_SHADOW
+	if (facing > 0.0)
+		facing *= sunlit(place, normal);
+#endif
 	vec3 lit = albedo * (sunlight.rgb * facing + mix(groundlight, skylight, 0.5 + 0.5 * normal.z) * (shade * sunlight.w));
 #if defined OFFSET && defined DISTURBANCE
 	// Wet soil shines: Blinn-Phong with the vector half-way between sun and eye, to the power of 24.

@@ -3,7 +3,7 @@
 layout(std140, binding = 0) uniform picture {
 	mat4 project;     // from a place in metres to clip space
 	vec4 right, up, forward; // xyz: axes of the camera; right and up reach to the picture's edge; right.w: angle of a pixel, rad
-	vec4 sun;         // xyz: direction to the sun
+	vec4 sun;         // xyz: direction to the sun; w: exposure less 1
 	vec4 haze;        // x: extinction at the eye, 1/m; y: 1 / scale height, 1/m; z: height of the eye above the lowest ground, m
 	// x: lowest height, m; y: 1 / relief, 1/m; z: 0 .. 1, from a relief of hills to one of mountains; w: height of the eye, m
 	vec4 relief;
@@ -26,7 +26,14 @@ layout(std140, binding = 0) uniform picture {
 	vec4 layer;
 #ifdef REACHES
 	vec4 reaches[3];  // for the strides 2^0, 2^1, ...: from which distance from the eye, m, each is fine enough; they never fall
+#else
+	vec4 no_reaches[3];
 #endif
+	// Maps of shadows (src/render/shade_map.c). xyz: the maps' axes, of which the third is the sun
+	vec4 shade_across, shade_along;
+	// xyz: the middle of each map along these axes, m; w: the value of that depth
+	vec4 shade_middle[4];
+	vec4 shade_scale[4]; // xyz: from metres along these axes to -1 .. 1 and depth; w: size of a texel, m
 };
 
 const float half_base_metre = 1.0 / 131072.0; // metres in two units of a base height, 2^-17

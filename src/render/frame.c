@@ -47,6 +47,7 @@ static void fill_frame(const struct render *render, const struct render_camera *
 	to_floats(params->sun, sin(light->azimuth) * cos(light->height), cos(light->azimuth) * cos(light->height),
 		  sin(light->height), render_body_exposure(light) - 1);
 	render_body_fill(light, render->soils, params);
+	render_shade_fill(render, camera->eye, params);
 
 	/* Clear air over large terrains; over small ones enough haze to soften the world's edge. */
 	double across = hypot((double)(render->extent.width - 1), (double)(render->extent.height - 1)) * render->extent.spacing;
@@ -145,15 +146,25 @@ static void count_triangles(struct render *render)
 			render->triangles += 2 * cells * (uint64_t)__builtin_popcount(render->blocks.blocks[i] >> 24);
 }
 
+static struct gpu_target *target_of(const struct render *render)
+{
+	if (render->shading != NULL)
+		return render->shading;
+	return render->measuring ? render->screen->measure : render->screen->target;
+}
+
 /* `ground`: the base of the tile that its base is interpolated from, or NULL. */
 static enum status run_tile(struct render *render, const struct gpu_slot *slot, struct gpu_texture *ground, uint32_t blocks,
 			    const struct picture_params *params)
 {
+	const struct gpu_rect shade_rect = {0, 0, RENDER_SHADE_SIZE, RENDER_SHADE_SIZE};
+	const bool shown = render->shading == NULL && !render->measuring;
 	struct gpu_pass pass = {
 		.stage = GPU_TERRAIN,
-		.target = render->measuring ? render->screen->measure : render->screen->target,
-		.viewport = {0, 0, render->screen->width, render->screen->height},
-		.textures = {slot->base, slot->planes[PLANE_OFFSET], NULL, ground, render->ground, slot->classes},
+		.target = target_of(render),
+		.viewport = render->shading != NULL ? shade_rect : (struct gpu_rect){0, 0, render->screen->width, render->screen->height},
+		.textures = {slot->base, slot->planes[PLANE_OFFSET], NULL, ground, render->ground, slot->classes,
+			     shown ? render_shade_texture(render->shade) : NULL},
 		.lists = {render->instances},
 		.images = {slot->base, slot->planes[PLANE_OFFSET]},
 		.only_reads = true,
@@ -203,6 +214,37 @@ static enum status draw_sky(struct render *render, const struct picture_params *
 	return status;
 }
 
+/* Draws the blocks of the selected tiles that `view` sees. */
+static enum status draw_ground(struct render *render, const struct render_camera *camera, const struct render_axes *axes, const struct terrain_view *view,
+			       const struct terrain_selection *selection, struct picture_params *params)
+{
+	struct drawn *drawn = mem_alloc(selection->draw_count + 1, sizeof *drawn);
+	if (drawn == NULL)
+		return fail_memory("the picture's draws");
+	enum status status = STATUS_OK;
+	bool patched = is_patched(render, axes, selection);
+	double lowest = INFINITY;
+	for (size_t i = 0; i < selection->draw_count; i++)
+		lowest = fmin(lowest, selection->draws[i].low);
+	render->triangles = 0;
+	render->tiles = (struct render_tiles){.drawn = 0};
+	for (size_t i = 0, end; i < selection->draw_count && status == STATUS_OK; i = end) {
+		status = collect_blocks(render, view, axes, selection, i, &end, drawn);
+		if (status != STATUS_OK)
+			break;
+		count_triangles(render);
+		for (size_t k = i; k < end && status == STATUS_OK; k++) {
+			if (drawn[k].count == 0)
+				continue;
+			const struct terrain_draw *draw = &selection->draws[k];
+			fill_tile(render, camera, axes, draw, drawn[k].first, patched, lowest, params);
+			status = draw_tile(render, draw, &drawn[k], params);
+		}
+	}
+	mem_free(drawn);
+	return status;
+}
+
 /* Draws the ground and the objects. */
 static enum status draw_frame(struct render *render, const struct render_camera *camera, const struct terrain_selection *selection,
 			      struct picture_params *params)
@@ -211,39 +253,32 @@ static enum status draw_frame(struct render *render, const struct render_camera 
 	struct terrain_view view;
 	render_axes(render, camera, &axes);
 	render_view(render, camera, &view);
-	struct drawn *drawn = mem_alloc(selection->draw_count + 1, sizeof *drawn);
-	if (drawn == NULL)
-		return fail_memory("the picture's draws");
-	enum status status = STATUS_OK;
-	bool patched = is_patched(render, &axes, selection);
-	double lowest = INFINITY;
-	for (size_t i = 0; i < selection->draw_count; i++)
-		lowest = fmin(lowest, selection->draws[i].low);
 	fill_frame(render, camera, &axes, params);
-	render->triangles = 0;
-	render->tiles = (struct render_tiles){.drawn = 0};
 	const bool counted = render->screen == &render->own && !render->measuring; /* overdraw is of that size */
 	if (counted)
 		gpu_counter_begin(render->ground_samples);
-	for (size_t i = 0, end; i < selection->draw_count && status == STATUS_OK; i = end) {
-		status = collect_blocks(render, &view, &axes, selection, i, &end, drawn);
-		if (status != STATUS_OK)
-			break;
-		count_triangles(render);
-		for (size_t k = i; k < end && status == STATUS_OK; k++) {
-			if (drawn[k].count == 0)
-				continue;
-			const struct terrain_draw *draw = &selection->draws[k];
-			fill_tile(render, camera, &axes, draw, drawn[k].first, patched, lowest, params);
-			status = draw_tile(render, draw, &drawn[k], params);
-		}
-	}
+	enum status status = draw_ground(render, camera, &axes, &view, selection, params);
 	if (counted)
 		gpu_counter_end(render->ground_samples);
 	if (status == STATUS_OK && render->objects != NULL)
 		status = render_objects_draw(render, camera, &axes, &view, params);
-	mem_free(drawn);
 	return status;
+}
+
+enum status render_shade_draw(struct render *render, const struct render_camera *camera, int map, const struct terrain_view *view,
+			      const struct terrain_selection *selection)
+{
+	struct picture_params params = {0};
+	struct render_axes axes;
+	static const float nothing[4] = {0, 0, 0, 0};
+	render_axes(render, camera, &axes);
+	fill_frame(render, camera, &axes, &params);
+	render_shade_project(render, camera->eye, map, params.project);
+	render->shading = render_shade_target(render->shade, map);
+	gpu_target_clear(render->shading, nothing);
+	enum status status = draw_ground(render, camera, &axes, view, selection, &params);
+	render->shading = NULL;
+	return status == STATUS_OK ? gpu_check(render->gpu, "drawing shadows") : status;
 }
 
 enum status render_frame(struct render *render, const struct render_camera *camera, const struct terrain_selection *selection)
@@ -325,6 +360,11 @@ static enum status draw_unseen(struct render *render, const struct gpu_slot *slo
 		render->layer = shown;
 	}
 	gpu_counter_end(render->ground_samples);
+	if (status == STATUS_OK && render->shade != NULL) {
+		render->shading = render_shade_target(render->shade, 0);
+		status = draw_kinds(render, slot, deformed, divided, &params);
+		render->shading = NULL;
+	}
 	if (status == STATUS_OK && render->measures)
 		status = measure_unseen(render, slot, deformed, divided, &params);
 	if (status == STATUS_OK && render->objects != NULL)

@@ -15,6 +15,9 @@
 #define RENDER_GROUND_NEAR 8.0
 #define RENDER_GROUND_FAR 512.0
 
+#define RENDER_SHADES RENDER_SHADE_MAPS
+#define RENDER_SHADE_SIZE 1024u /* texels along a side of each */
+
 /* The uniform block of shaders/lib/picture.glsl, std140. */
 struct picture_params {
 	float project[16];
@@ -32,6 +35,8 @@ struct picture_params {
 	int32_t tile[4];
 	float layer[4]; /* only for programs with the define LAYER */
 	float reaches[TERRAIN_STRIDES]; /* only for programs with the define REACHES */
+	float shade_across[4], shade_along[4];
+	float shade_middle[RENDER_SHADES][4], shade_scale[RENDER_SHADES][4];
 };
 
 /* A camera's axes (unit vectors, at right angles), and the size of its pixels. */
@@ -98,6 +103,19 @@ enum status render_objects_draw_unseen(struct render *render, const struct pictu
 /* Call this after the ground was drawn and before the sky. `params`: those of the frame; values for a tile are overwritten. */
 enum status render_objects_draw(struct render *render, const struct render_camera *camera, const struct render_axes *axes,
 				const struct terrain_view *view, struct picture_params *params) FURROW_CHECKED;
+
+/* --- shade_map.c: maps of the shadows that the terrain casts on itself --- */
+struct render_shade;
+/* Makes render->shade, or leaves it NULL without EFFECT_TERRAIN_SHADOW. */
+enum status render_shade_create(struct render *render) FURROW_CHECKED;
+void render_shade_destroy(struct render_shade *shade); /* shade may be NULL */
+struct gpu_texture *render_shade_texture(const struct render_shade *shade); /* NULL for NULL */
+struct gpu_target *render_shade_target(const struct render_shade *shade, int index);
+/* Fills the projection of a map, from places relative to the eye. Call render_shade_view before. */
+void render_shade_project(struct render *render, const double eye[3], int index, float matrix[16]);
+/* Fills what shaders need to look into the maps. */
+void render_shade_fill(const struct render *render, const double eye[3], struct picture_params *params);
+void render_shade_plan(const struct render_params *params, struct plan *plan);
 
 /* --- body.c: the look of the planet on which the ground is --- */
 /* number of textures of the ground: sand, cover, soil, rock, snow, and one for ground seen from afar */
@@ -172,6 +190,9 @@ struct render {
 	struct render_objects *objects; /* NULL: no objects are shown */
 	struct render_tiles tiles; /* counts of the last frame */
 	struct gpu_program *tile_programs[RENDER_VARIANTS]; /* NULL: not yet linked */
+	struct render_shade *shade;    /* NULL: the terrain casts no shadows */
+	struct gpu_target *shading;    /* of the map that is drawn now; NULL: none */
+	struct gpu_program *shade_programs[RENDER_VARIANTS];
 	bool measures, classes; /* as in render_params */
 	bool measuring;         /* numbers are drawn now, not colours */
 	struct gpu_program *measure_programs[RENDER_VARIANTS];

@@ -69,6 +69,8 @@ static struct gpu_program_request request_of(uint64_t effects, const char *body,
 		request.defines[count++] = scene_effect_row(EFFECT_FOG)->define;
 	if (shadow && samples > 1)
 		request.defines[count++] = scene_effect_row(EFFECT_ANTIALIAS)->define;
+	if (!shadow && (effects >> EFFECT_TERRAIN_SHADOW & 1))
+		request.defines[count++] = scene_effect_row(EFFECT_TERRAIN_SHADOW)->define;
 	request.defines[count] = body;
 	return request;
 }
@@ -352,6 +354,7 @@ static void run_objects(struct render *render, const struct picture_params *para
 		.program = program,
 		.target = render->measuring ? render->screen->measure : render->screen->target,
 		.viewport = {0, 0, render->screen->width, render->screen->height},
+		.textures = {[6] = render->measuring ? NULL : render_shade_texture(render->shade)},
 		.storage = {shape->corners},
 		.lists = {[1] = render->objects->instances},
 		.params = params,

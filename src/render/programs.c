@@ -68,6 +68,14 @@ static struct gpu_program_request measure_request_of(uint64_t effects, bool clas
 	return request;
 }
 
+/* The request for maps of shadows. */
+static struct gpu_program_request shade_request_of(uint64_t effects, bool by_error, unsigned variant)
+{
+	struct gpu_program_request request = measure_request_of(effects, false, by_error, variant);
+	request.fragment = "depth.frag";
+	return request;
+}
+
 static struct gpu_program_request sky_of(const char *body)
 {
 	return (struct gpu_program_request){.vertex = "sky.vert", .fragment = "sky.frag", .defines = {body}};
@@ -91,8 +99,22 @@ static enum status measure_program(struct render *render, unsigned variant, stru
 	return status;
 }
 
+static enum status shade_program(struct render *render, unsigned variant, struct gpu_program **out)
+{
+	struct gpu_program **program = &render->shade_programs[variant];
+	enum status status = STATUS_OK;
+	if (*program == NULL) {
+		const struct gpu_program_request request = shade_request_of(render->effects, render->pixel_error > 0, variant);
+		status = gpu_program_get(render->gpu, &request, program);
+	}
+	*out = *program;
+	return status;
+}
+
 enum status render_tile_program(struct render *render, unsigned variant, struct gpu_program **out)
 {
+	if (render->shading != NULL)
+		return shade_program(render, variant, out);
 	if (render->measuring)
 		return measure_program(render, variant, out);
 	bool natural = render->layer.kind == RENDER_NATURAL;
@@ -120,6 +142,8 @@ static enum status warm_variant(struct render *render, unsigned variant)
 	enum status status = render_tile_program(render, variant, &program);
 	if (status == STATUS_OK && render->measures)
 		status = measure_program(render, variant, &program);
+	if (status == STATUS_OK && render->shade != NULL)
+		status = shade_program(render, variant, &program);
 	if (status != STATUS_OK || !render->layers)
 		return status;
 	const struct render_layer shown = render->layer;
@@ -171,6 +195,9 @@ void render_plan(const struct render_params *params, bool deformed, bool divided
 			request = measure_request_of(effects, params->classes, params->pixel_error > 0, variant);
 			if (params->measures)
 				add_program(plan, scene_effect_row(EFFECT_CAMERAS)->name, &request);
+			request = shade_request_of(effects, params->pixel_error > 0, variant);
+			if (effects >> EFFECT_TERRAIN_SHADOW & 1)
+				add_program(plan, scene_effect_row(EFFECT_TERRAIN_SHADOW)->name, &request);
 		}
 	add(plan, PLAN_PASS, PLAN_DRAWN, picture, 0, gpu_stage_name(GPU_TERRAIN));
 	add(plan, PLAN_TEXTURE, PLAN_ONCE, picture, 4 * pixels, "colour");
@@ -194,4 +221,5 @@ void render_plan(const struct render_params *params, bool deformed, bool divided
 		add(plan, PLAN_PASS, PLAN_FRAME, scene_effect_row(EFFECT_SKY)->name, 0, gpu_stage_name(GPU_SKY));
 	}
 	render_objects_plan(params, plan);
+	render_shade_plan(params, plan);
 }

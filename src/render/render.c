@@ -122,6 +122,8 @@ enum status render_create(const struct render_params *params, struct render **ou
 	if (status == STATUS_OK)
 		status = gpu_counter_create(render->gpu, &render->ground_samples);
 	if (status == STATUS_OK)
+		status = render_shade_create(render);
+	if (status == STATUS_OK)
 		status = render_objects_create(render, params);
 	if (status == STATUS_OK)
 		status = render_screen_init(render, (uint32_t)params->width, (uint32_t)params->height,
@@ -139,6 +141,7 @@ void render_destroy(struct render *render)
 	if (render == NULL)
 		return;
 	render_objects_destroy(render->objects);
+	render_shade_destroy(render->shade);
 	gpu_counter_destroy(render->ground_samples);
 	render_screen_finish(&render->own);
 	gpu_texture_destroy(render->ground);

@@ -100,6 +100,16 @@ enum status render_frame(struct render *render, const struct render_camera *came
 /* Sets the layer that pictures show from the next frame on. At the start it is RENDER_NATURAL. Other layers have light and
  * shade, but no haze and no texture. */
 void render_show_layer(struct render *render, const struct render_layer *layer);
+/*
+ * Shadows of the terrain, with EFFECT_TERRAIN_SHADOW. Before render_frame of the same camera: call render_shade_begin, and for each of the
+ * RENDER_SHADE_MAPS maps render_shade_view, select tiles for that view, and call render_shade_draw. render_shade_view returns false if the
+ * map is not needed. `ground`: height of the ground below the camera, m. Each draw counts its tiles in render_tiles.
+ */
+#define RENDER_SHADE_MAPS 4
+void render_shade_begin(struct render *render);
+bool render_shade_view(const struct render *render, const struct render_camera *camera, double ground, int map, struct terrain_view *view);
+enum status render_shade_draw(struct render *render, const struct render_camera *camera, int map, const struct terrain_view *view,
+			      const struct terrain_selection *selection) FURROW_CHECKED;
 /* Draws the last frame again as numbers. A pixel has four floats: the normal east and north, the height above the eye (m), and a code.
  * Codes: 0 sky; 1 + class of the soil; -1 an object; -2 an object whose normal points down. Of slots without classes the class is 0. The depth
  * texture becomes the same again. Counts as a frame in render_tiles. */

@@ -18,7 +18,7 @@ static void ask(struct view *view)
 }
 
 /* Waits for the coarsest tile that is missing. If it cannot be read, this says why; a prefetch would not. */
-static enum status load_first(struct view *view, const struct render_camera *camera)
+static enum status load_first(struct view *view, const struct terrain_view *whole)
 {
 	uint32_t slot;
 	uint64_t key = view->selection->wanted[0];
@@ -26,12 +26,12 @@ static enum status load_first(struct view *view, const struct render_camera *cam
 	if (status != STATUS_OK)
 		return status;
 	page_cache_unpin(view->world->cache, key);
-	return render_view_select(view, camera, false);
+	return render_view_select_seen(view, whole, false);
 }
 
 /* Waits for all tiles of a picture that is kept, however long. They fit into the slots, so the wait ends. If nothing arrives, or
  * there is no loader, it pins a tile. That says why, if the tile cannot be read. */
-static enum status load_wanted(struct view *view, const struct render_camera *camera)
+static enum status load_wanted(struct view *view, const struct terrain_view *whole)
 {
 	const struct world *world = view->world;
 	const volatile sig_atomic_t *stop = world->params.stop;
@@ -46,18 +46,18 @@ static enum status load_wanted(struct view *view, const struct render_camera *ca
 			progressed = now;
 		}
 		if (stop != NULL && *stop)
-			return load_first(view, camera);
+			return load_first(view, whole);
 		/* Coarser tiles that are drawn meanwhile must not take slots from the tiles that they replace. */
 		render_view_mark_used(view, false);
 		ask(view);
 		if (world->scene->loaders == 0 || now - progressed > 1) {
-			status = load_first(view, camera);
+			status = load_first(view, whole);
 			continue;
 		}
 		nanosleep(&nap, NULL);
 		status = page_cache_poll(world->cache);
 		if (status == STATUS_OK)
-			status = render_view_select(view, camera, false);
+			status = render_view_select_seen(view, whole, false);
 	}
 	return status;
 }
@@ -71,12 +71,12 @@ static double waited(const struct world *world)
 	return stalls.ms + ranges.ms;
 }
 
-static enum status wait_for_wanted(struct view *view, const struct render_camera *camera)
+static enum status wait_for_wanted(struct view *view, const struct terrain_view *whole)
 {
 	if (view->selection->wanted_count == 0)
 		return STATUS_OK;
 	double began = clock_seconds(), before = waited(view->world);
-	enum status status = load_wanted(view, camera);
+	enum status status = load_wanted(view, whole);
 	view->naps++;
 	view->nap_ms += fmax((clock_seconds() - began) * 1e3 - (waited(view->world) - before), 0);
 	return status;
@@ -90,18 +90,47 @@ static bool has_ground(const struct view *view)
 	       page_cache_peek(view->world->cache, tile_key(coarsest), false, &slot);
 }
 
-enum status render_view_find_tiles(struct view *view, const struct render_camera *camera, bool complete)
+static enum status find_tiles(struct view *view, const struct terrain_view *whole, bool complete)
 {
 	view->exact = complete || !motion_look_ahead_brings_ranges(view->world->ahead);
-	enum status status = render_view_select(view, camera, false);
+	enum status status = render_view_select_seen(view, whole, false);
 	if (status == STATUS_OK && complete)
-		status = wait_for_wanted(view, camera);
+		status = wait_for_wanted(view, whole);
 	/* If the step pinned every slot, not even the coarsest tile is resident. A picture needs it. */
 	if (status == STATUS_OK && !has_ground(view))
-		status = load_first(view, camera);
+		status = load_first(view, whole);
 	view->exact = true;
 	if (status == STATUS_OK)
 		render_view_mark_used(view, true);
+	return status;
+}
+
+enum status render_view_find_tiles(struct view *view, const struct render_camera *camera, bool complete)
+{
+	struct terrain_view whole;
+	render_view(view->render, camera, &whole);
+	return find_tiles(view, &whole, complete);
+}
+
+enum status render_view_shade(struct view *view, const struct render_camera *camera, bool complete)
+{
+	enum status status = STATUS_OK;
+	render_view_move_sun(view);
+	render_shade_begin(view->render);
+	if (!(view->world->scene->view.effects >> EFFECT_TERRAIN_SHADOW & 1))
+		return STATUS_OK;
+	view->exact = complete || !motion_look_ahead_brings_ranges(view->world->ahead);
+	const double ground = render_view_ground_at(view, camera->eye[0], camera->eye[1], isnan(view->world->meta->low) ? 0 : view->world->meta->low);
+	view->exact = true;
+	for (int map = 0; map < RENDER_SHADE_MAPS && status == STATUS_OK; map++) {
+		struct terrain_view whole;
+		if (!render_shade_view(view->render, camera, ground, map, &whole))
+			continue;
+		status = find_tiles(view, &whole, complete);
+		if (status == STATUS_OK)
+			status = render_shade_draw(view->render, camera, map, &whole, view->selection);
+		render_view_count_tiles(view);
+	}
 	return status;
 }
 
@@ -109,7 +138,9 @@ static enum status draw(struct view *view, bool complete)
 {
 	struct render_camera camera;
 	render_view_place_camera(view, view->world->time, &camera);
-	enum status status = render_view_find_tiles(view, &camera, complete);
+	enum status status = render_view_shade(view, &camera, complete);
+	if (status == STATUS_OK)
+		status = render_view_find_tiles(view, &camera, complete);
 	if (status != STATUS_OK)
 		return status;
 	if (!view->at_steps) /* with at_steps no picture stays on a screen */
@@ -117,7 +148,6 @@ static enum status draw(struct view *view, bool complete)
 	status = render_view_set_objects(view, complete);
 	if (status != STATUS_OK)
 		return status;
-	render_view_move_sun(view);
 	return render_frame(view->render, &camera, view->selection);
 }
 

@@ -97,6 +97,9 @@ double render_view_ground_at(struct view *view, double x, double y, double other
 /* view.c: the steps of a picture. */
 /* Selects the tiles that the camera sees. `complete`: waits until all are resident. */
 enum status render_view_find_tiles(struct view *view, const struct render_camera *camera, bool complete) FURROW_CHECKED;
+/* Draws the shadows of the terrain that this camera may see, if the scene has them, and moves the sun before. Call it before
+ * render_view_find_tiles. */
+enum status render_view_shade(struct view *view, const struct render_camera *camera, bool complete) FURROW_CHECKED;
 void render_view_count(struct view *view); /* counts the frame that was drawn */
 void render_view_count_tiles(struct view *view); /* counts the tiles alone: the frame was drawn a second time */
 
@@ -137,6 +140,8 @@ enum status render_view_add_chain(const struct view *view, struct key_set *set, 
 /* Selects the tiles that `camera` sees, within the budget. `everything`: treats all tiles as not resident, so that `wanted` has
  * the whole picture. No tile counts as used. */
 enum status render_view_select(struct view *view, const struct render_camera *camera, bool everything) FURROW_CHECKED;
+/* The same for any view. */
+enum status render_view_select_seen(struct view *view, const struct terrain_view *whole, bool everything) FURROW_CHECKED;
 /* Marks the selected tiles as used. `stand_ins`: also those that are drawn in place of tiles that are not resident. */
 void render_view_mark_used(struct view *view, bool stand_ins);
 

@@ -252,6 +252,8 @@ static enum status draw(struct view *view, struct view_camera *this, struct pict
 	struct render_camera camera;
 	enum status status = place(view, this, view->world->time, true, &camera);
 	if (status == STATUS_OK)
+		status = render_view_shade(view, &camera, true);
+	if (status == STATUS_OK)
 		status = render_view_find_tiles(view, &camera, true);
 	if (status == STATUS_OK)
 		status = render_frame(view->render, &camera, view->selection);
@@ -276,7 +278,6 @@ enum status render_view_cameras(struct view *view, struct pictures *pictures, co
 			continue;
 		if (!set)
 			status = render_view_set_objects(view, true);
-		render_view_move_sun(view);
 		set = true;
 		view->render->screen = view->cameras[i].screen;
 		if (status == STATUS_OK)

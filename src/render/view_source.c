@@ -187,13 +187,19 @@ static void tell(struct view *view)
 
 enum status render_view_select(struct view *view, const struct render_camera *camera, bool everything)
 {
+	struct terrain_view whole;
+	render_view(view->render, camera, &whole);
+	return render_view_select_seen(view, &whole, everything);
+}
+
+enum status render_view_select_seen(struct view *view, const struct terrain_view *whole, bool everything)
+{
 	const struct extent *extent = &view->world->meta->extent;
 	const struct terrain_source source = {view, bounds, everything ? not_resident : resident, divisible, error_of, stored};
-	struct terrain_view whole, looking;
-	render_view(view->render, camera, &whole);
+	struct terrain_view looking;
 	view->failed = STATUS_OK;
 	view->guessed = false;
-	looking = whole;
+	looking = *whole;
 	/* Always begin with the whole view, so that a picture does not depend on the pictures before. */
 	terrain_select(extent, &looking, &source, view->selection);
 	view->coarse = view->selection->needed > view->budget;

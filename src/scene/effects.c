@@ -132,6 +132,10 @@ static const struct effect_row rows[EFFECT_COUNT] = {
 		"shadow", "view.effects", "", LIST("shadow.vert", "shadow.frag"), "depth", "colour", 0, NONE,
 		"of a simple form round each object, on the ground alone, fading within about three of its sizes",
 		"shades the ground beside the objects"},
+	[EFFECT_TERRAIN_SHADOW] = {
+		"terrain_shadow", "view.effects", "TERRAIN_SHADOW", LIST("terrain.frag", "object.frag", "depth.frag"), "base, offset", "colour", 0, NONE,
+		"four maps of 1024 x 1024 texels, the first at least 24 m wide, each 8 times wider; the ground is drawn once for each of them",
+		"shades the ground that the terrain hides from the sun"},
 	[EFFECT_CAMERAS] = {
 		"cameras", "cameras", "", LIST("measure.frag", "measure_object.frag"), "colour, depth", "", 0,
 		LIST("cameras[].size[]", "cameras[].rate", "cameras[].fov", "cameras[].images", "cameras[].depth_unit"),

@@ -58,6 +58,7 @@ enum scene_effect {
 	EFFECT_OBJECTS,
 	EFFECT_SHADOW,
 	EFFECT_CAMERAS,
+	EFFECT_TERRAIN_SHADOW,
 	EFFECT_COUNT
 };
 #define EFFECT_OF(model) ((enum scene_effect)(EFFECT_MODEL + (int)(model))) /* the effect of using a model */

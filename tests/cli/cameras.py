@@ -328,6 +328,37 @@ class Cameras(FurrowTest):
         self.assertEqual(greens, sorted(greens))
         self.assertGreater(greens[2], greens[0] + 2)
 
+    def test_shadows_are_where_rays_to_the_sun_meet_the_ground(self):
+        """Each pixel's place is asked of `furrow query`, by a ray from there to the sun."""
+        self.store = self.synth(relief=60)
+        for azimuth, height, at, pitch in ((250, 7, [120, 110], -45), (70, 16, [60, 150], -40), (160, 6, [180, 60], -55)):
+            ground = json.loads(self.ok("query", self.store, *at, "--json"))["height"]
+            text = ("scene: 1\nend_time: 0.1\ntime_step: 0.1\nview: {camera: {fixed: {eye: [1, 1, 50], target: [9, 9, 20]}}, body: moon, exposure: sun, "
+                    f"sun: {{azimuth: {azimuth}, height: {height}}}, effects: [geomorph, EFFECT]}}\ncameras: [{{name: a, kind: fixed, rate: 1, fov: 90, "
+                    f"size: [240, 180], pose: {{at: [{at[0]}, {at[1]}, {ground + 9}], yaw: 30, pitch: {pitch}}}, images: [colour, depth, normals]}}]\n")
+            greens = []
+            for effect in ("skirts", "terrain_shadow"):
+                self.drive(self.scene(text.replace("EFFECT", effect)), "--store", self.store)
+                greens.append(read_png(self.folder / "out/cameras/a/colour/000000.png")[..., 1].astype(float))
+            camera = self.camera("a")
+            frame = camera.frames[0]
+            points, near = self.seen(camera, frame, camera.depth(frame))
+            normals = np.load(camera.folder / "normals/000000.npy")
+            az, up = math.radians(azimuth), math.radians(height)
+            sun = np.array([math.sin(az) * math.cos(up), math.cos(az) * math.cos(up), math.sin(up)])
+            facing = near & (normals @ sun > 0.04)
+            picked = np.argwhere(facing)[::17]
+            rays = "".join(" ".join(map(repr, map(float, [*(points[v, u] + 0.05 * normals[v, u]), *sun]))) + "\n" for v, u in picked)
+            hidden = ["point" in ray for ray in json.loads(self.ok("query", self.store, "--json", stdin=rays))["rays"]]
+            dark = [greens[1][v, u] < 0.5 * greens[0][v, u] for v, u in picked]
+            agree = np.mean(np.array(hidden) == np.array(dark))
+            self.assertGreater(agree, 0.97, (azimuth, height, len(hidden), sum(hidden), sum(dark)))
+            self.both = getattr(self, "both", np.zeros(2)) + [sum(hidden), len(hidden) - sum(hidden)]
+            # Nothing else changes.
+            lit = np.array([greens[1][v, u] - greens[0][v, u] for (v, u), is_hidden in zip(picked, hidden) if not is_hidden])
+            self.assertLess(np.median(np.abs(lit)) if len(lit) else 0, 3)
+        self.assertGreater(self.both.min(), 150, self.both)
+
     def test_exposure_by_the_sun_keeps_a_low_sun_visible(self):
         self.store = self.synth(relief=5)
         for body in ("earth", "moon", "mars"):

@@ -64,6 +64,7 @@ static const struct pair pairs[] = {
 	{EFFECT_TEXTURE, HEAD VIEW(""), HEAD VIEW("texture"), true},
 	{EFFECT_OBJECTS, HEAD SEEN VIEW(""), HEAD SEEN VIEW("objects"), true},
 	{EFFECT_SHADOW, HEAD SEEN VIEW("objects"), HEAD SEEN VIEW("objects, shadow"), true},
+	{EFFECT_TERRAIN_SHADOW, HEAD SEEN VIEW(""), HEAD SEEN VIEW("terrain_shadow"), false},
 	{EFFECT_SPLAT, HEAD SPHERE MAP VIEW("texture"), HEAD SPHERE MAP VIEW("texture, splat"), true},
 	{EFFECT_SPLAT, HEAD MAP VIEW("texture"), HEAD MAP VIEW("texture, splat"), true},
 };

@@ -24,6 +24,7 @@ static void nothing_is_made_or_run_for_nothing(void **state)
 	"  - {name: c, shape: {sphere: {radius: 1}}, sink: 0.2, path: {points: [[80, 30], [60, 30]], speed: 8}}\n"
 #define CHASE "view: {size: [160, 90], camera: {chase: a, back: 12, up: 5}, effects: [texture, detail, fog, sky, geomorph, skirts, objects, shadow], images: 5}\n"
 
+#define SHADED "view: {size: [160, 90], camera: {chase: a, back: 12, up: 5}, sun: {height: 12}, effects: [geomorph, skirts, objects, terrain_shadow], images: 5}\n"
 #define BY_ERROR "view: {size: [160, 90], camera: {chase: a, back: 12, up: 5}, pixel_error: 1, images: 1}\n"
 
 #define TWO_CAMERAS                                                                                                     \
@@ -54,6 +55,7 @@ static void every_drive_counts_what_was_planned(void **state)
 		BUSY MANY "soil: {map: classes.png, classes: {1: mud}, default: sand}\n" VIEW("splat, texture, fog"),
 		BUSY MANY "spacing: 0.5\n" TWO_CAMERAS,
 		BUSY MANY CHASE TWO_CAMERAS,
+		BUSY MANY SHADED TWO_CAMERAS,
 		BUSY MANY MAP "spacing: 0.5\n" TWO_CAMERAS,
 		BUSY "view: {" CAMERA ", body: mars, effects: [texture, sky, fog]}\n",
 	};

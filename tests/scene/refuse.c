@@ -85,7 +85,7 @@ static const struct {
 	{"images: 100", "body: venus", ":22: view.body: \"venus\" is unknown; allowed: earth, mars, moon"},
 	{"images: 100", "body: 3", ":22: view.body: \"3\" is unknown; allowed: earth, mars, moon"},
 	{"images: 100", "sun: 35", ":22: view.sun: is a single value; allowed: a mapping of azimuth"},
-	{"images: 100", "sun: {hight: 35}", ":22: view.sun.hight: unknown key; allowed: azimuth, height, colour"},
+	{"images: 100", "sun: {hight: 35}", ":22: view.sun.hight: unknown key; allowed: azimuth, height, time, at, colour"},
 	{"images: 100", "sun: {height: 91}", ":22: view.sun.height: 91 is out of range; allowed: 0 to 90"},
 	{"images: 100", "sun: {height: -1}", ":22: view.sun.height: -1 is out of range"},
 	{"images: 100", "sun: {azimuth: 361}", ":22: view.sun.azimuth: 361 is out of range; allowed: 0 to 360"},

@@ -1,0 +1,5 @@
+#version 450 core
+// Draws depth alone.
+void main()
+{
+}
