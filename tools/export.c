@@ -127,7 +127,8 @@ static enum status read_request(const struct arguments *arguments, struct export
 	request->png = drawn && format == CHART_PNG;
 	request->map = drawn && (!request->png || is_ruts(request)); /* a PNG holds no negative metres */
 	if (drawn && !request->png && !is_ruts(request))
-		return fail_with(STATUS_USAGE, "export: %s: heights are a raster; write them as .tif or .png, or as a map by furrow map", request->path);
+		return fail_with(STATUS_USAGE, "export: %s: heights are a raster; write them as .tif or .png, or as a map by furrow map",
+				 request->path);
 	request->raw = dem_path_ends(request->path, ".r16") || dem_path_ends(request->path, ".raw");
 	if (request->has_range && request->range[0] >= request->range[1])
 		return fail_with(STATUS_USAGE, "export: --height-range %g,%g: is empty; give MIN,MAX", request->range[0],
@@ -324,9 +325,9 @@ const struct command command_export = {
 	.details = "Rasters are north up, one pixel a post, and carry the store's reference system. Levels finer than what is "
 		   "stored are interpolated. Nodata of a hillshade and of a heightmap (.png, .r16, .raw) is 0.\n\n"
 		   "A .png, .svg or .pdf of offset, deposited, plastic_sinkage or of shear is a map: false colours over the "
-		   "hillshade, with a grid, a legend, a scale bar and north (furrow map says more of them). Its pixels are posts, small maps enlarged by a whole factor; more than 4096 on "
-		   "a side are drawn at a coarser level, each pixel with the largest value of the posts within it, so that narrow "
-		   "ruts are seen.\n\n"
+		   "hillshade, with a grid, a legend, a scale bar and north (furrow map says more of them). Its pixels are posts, "
+		   "small maps enlarged by a whole factor. More than 4096 on a side are drawn at a coarser level, each pixel with "
+		   "the largest value of the posts within it, so that narrow ruts are seen.\n\n"
 		   "--mesh writes the window's surface in metres from an origin that is told; holes are left out. OBJ and STL are "
 		   "z up, glTF is y up.\n\n"
 		   "--tiles writes terrain-RGB, hillshade and ruts under Z/X/Y, Cesium's quantized-mesh with layer.json, and a "

@@ -19,26 +19,35 @@ enum status export_check_picture(const struct export_request *request)
 	bool has_sign = request->layer == LAYER_OFFSET || request->layer == LAYER_HEAPED || request->layer == LAYER_SHEAR_X ||
 			request->layer == LAYER_SHEAR_Y;
 	if (has_sign && !(range[0] < 0 && range[1] > 0))
-		return fail_with(STATUS_USAGE, "%s: --height-range %g,%g: a map of %s has colours for both signs; give MIN below 0 "
-					       "and MAX above", command, range[0], range[1], layer);
+		return fail_with(STATUS_USAGE,
+				 "%s: --height-range %g,%g: a map of %s has colours for both signs; give MIN below 0 "
+				 "and MAX above",
+				 command, range[0], range[1], layer);
 	if (!has_sign && range[0] != 0)
-		return fail_with(STATUS_USAGE, "%s: --height-range %g,%g: the colours of %s begin at 0; give 0,MAX", command, range[0],
-				 range[1], layer);
+		return fail_with(STATUS_USAGE, "%s: --height-range %g,%g: the colours of %s begin at 0; give 0,MAX", command,
+				 range[0], range[1], layer);
 	return STATUS_OK;
 }
 
 static enum chart_ramp ramp_of(int layer)
 {
-	return layer <= LAYER_BASE ? CHART_RAMP_HEIGHTS : layer == LAYER_PRESSED ? CHART_RAMP_GREEN
-		: layer == LAYER_SHEAR ? CHART_RAMP_ROSE : CHART_RAMP_SIGNED;
+	return layer <= LAYER_BASE      ? CHART_RAMP_HEIGHTS
+	       : layer == LAYER_PRESSED ? CHART_RAMP_GREEN
+	       : layer == LAYER_SHEAR   ? CHART_RAMP_ROSE
+					: CHART_RAMP_SIGNED;
 }
 
 /* What the legend calls a layer. */
 static const char *title_of(int layer)
 {
-	static const char *const titles[] = {[LAYER_SURFACE] = "Height", [LAYER_BASE] = "Height of the base", [LAYER_HEAPED] = "Deposited thickness",
-					     [LAYER_PRESSED] = "Plastic sinkage", [LAYER_SHEAR] = "Shear", [LAYER_SHEAR_X] = "Shear, eastward",
-					     [LAYER_SHEAR_Y] = "Shear, northward", [LAYER_OFFSET] = "Offset"};
+	static const char *const titles[] = {[LAYER_SURFACE] = "Height",
+					     [LAYER_BASE] = "Height of the base",
+					     [LAYER_HEAPED] = "Deposited thickness",
+					     [LAYER_PRESSED] = "Plastic sinkage",
+					     [LAYER_SHEAR] = "Shear",
+					     [LAYER_SHEAR_X] = "Shear, eastward",
+					     [LAYER_SHEAR_Y] = "Shear, northward",
+					     [LAYER_OFFSET] = "Offset"};
 	return titles[layer];
 }
 
@@ -74,7 +83,9 @@ static enum status draw(const struct export_request *request, const struct store
 	const struct chart_map map = {
 		.raster = raster,
 		.meta = meta,
-		.title = request->title != NULL ? request->title : slash != NULL ? slash + 1 : request->store,
+		.title = request->title != NULL ? request->title
+			 : slash != NULL        ? slash + 1
+						: request->store,
 		.subtitle = subtitle,
 		.layer = title_of(request->layer),
 		.share = request->layer >= LAYER_SHEAR && request->layer <= LAYER_SHEAR_Y,
@@ -86,8 +97,8 @@ static enum status draw(const struct export_request *request, const struct store
 	};
 	enum status status = chart_map_write(&map, request->path, &written);
 	if (status == STATUS_OK)
-		printf("%s: a map of %s, %u x %u %s, of %u x %u posts, %g m apart\n", request->path, layer, written.width, written.height,
-		       request->png ? "pixels" : "points", raster->width, raster->height, raster->spacing);
+		printf("%s: a map of %s, %u x %u %s, of %u x %u posts, %g m apart\n", request->path, layer, written.width,
+		       written.height, request->png ? "pixels" : "points", raster->width, raster->height, raster->spacing);
 	return status;
 }
 
@@ -108,7 +119,8 @@ enum status export_picture(const struct export_request *request, struct store *s
 	enum status status = export_find_rect(request, &meta->extent, &params.rect);
 	if (status != STATUS_OK)
 		return status;
-	params.level = chart_level(&meta->extent, (int)request->level, request->pixels > 0 ? request->pixels : SIDE_MOST, &params.rect);
+	params.level =
+		chart_level(&meta->extent, (int)request->level, request->pixels > 0 ? request->pixels : SIDE_MOST, &params.rect);
 	params.deformed = store_has_working_level(store, &params.working);
 	interrupt_catch();
 	status = store_reader_create(store, &reader);

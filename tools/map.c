@@ -12,20 +12,24 @@
 #define PIXELS_LEAST 100.0
 
 /* The first of export's layers, in its order. */
-static const char *const layers[] = {"surface", "base", "offset", "deposited", "plastic_sinkage", "shear", "shear_x", "shear_y", NULL};
+static const char *const layers[] = {"surface", "base",    "offset",  "deposited", "plastic_sinkage",
+				     "shear",   "shear_x", "shear_y", NULL};
 /* In the order of enum chart_grid. */
 static const char *const grids[] = {"metres", "degrees", "none", NULL};
 
 static const struct command_option options[] = {
 	{"o", "OUT", .help = "what to write", .files = "png svg pdf", .needed = true},
-	{"layer", "LAYER", .help = "what is shown: heights of the surface or of the base, or what deformation left", .choices = layers, .preset = "surface"},
+	{"layer", "LAYER", .help = "what is shown: heights of the surface or of the base, or what deformation left",
+	 .choices = layers, .preset = "surface"},
 	{"window", "X0,Y0,X1,Y1", .help = "east and north of the south-west post", .unit = "m", .preset = "all"},
 	{"height-range", "MIN,MAX", .help = "values at the ends of the colours", .unit = "m", .preset = "those of the map"},
-	{"grid", "GRID", .help = "lines of round coordinates: metres of the store's system, or degrees of longitude and latitude", .choices = grids, .preset = "metres"},
+	{"grid", "GRID", .help = "lines of round coordinates: metres of the store's system, or degrees of longitude and latitude",
+	 .choices = grids, .preset = "metres"},
 	{"size", "MM", .help = "length of the frame's longer side", .unit = "mm", .preset = "160"},
 	{"dpi", "DPI", .help = "pixels an inch, of a PNG, and of the ground in SVG and PDF", .preset = "150"},
 	{"title", "TEXT", .help = "what stands above the map", .preset = "the store's name"},
-	{"sun", "AZIMUTH,ALTITUDE", .help = "of the shades, clockwise from north and above the horizon", .unit = "degrees", .preset = "315,45"},
+	{"sun", "AZIMUTH,ALTITUDE", .help = "of the shades, clockwise from north and above the horizon", .unit = "degrees",
+	 .preset = "315,45"},
 	{"exaggerate", "TIMES", .help = "shades as if heights were so many times what they are", .preset = "1"},
 	{.name = NULL},
 };
@@ -44,8 +48,9 @@ static enum status read_page(const struct arguments *arguments, struct export_re
 		return status;
 	const double pixels = request->size / 25.4 * dpi;
 	if (pixels > CHART_PIXELS_MOST || pixels < PIXELS_LEAST)
-		return fail_with(STATUS_USAGE, "map: --size %g at --dpi %g: is %.0f pixels; give a size and a resolution that make %.0f to %d", request->size,
-				 dpi, pixels, PIXELS_LEAST, CHART_PIXELS_MOST);
+		return fail_with(STATUS_USAGE,
+				 "map: --size %g at --dpi %g: is %.0f pixels; give a size and a resolution that make %.0f to %d",
+				 request->size, dpi, pixels, PIXELS_LEAST, CHART_PIXELS_MOST);
 	request->pixels = (uint32_t)lround(pixels);
 	request->grid = (enum chart_grid)grid;
 	request->title = arguments_text(arguments, "title");
@@ -68,7 +73,8 @@ static enum status read_request(const struct arguments *arguments, struct export
 	if (status == STATUS_OK)
 		status = arguments_numbers(arguments, "height-range", 2, request->range, &request->has_range);
 	if (status == STATUS_OK && request->has_range && request->range[0] >= request->range[1])
-		status = fail_with(STATUS_USAGE, "map: --height-range %g,%g: is empty; give MIN,MAX", request->range[0], request->range[1]);
+		status = fail_with(STATUS_USAGE, "map: --height-range %g,%g: is empty; give MIN,MAX", request->range[0],
+				   request->range[1]);
 	if (status == STATUS_OK)
 		status = export_read_light(arguments, request, true);
 	if (status == STATUS_OK)
@@ -100,12 +106,13 @@ const struct command command_map = {
 	.summary = "a layer of a store as a map: PNG, SVG or PDF",
 	.arguments = COMMAND_ARGUMENTS(COMMAND_STORE),
 	.options = options,
-	.details = "The map has the shaded ground with the layer in colours, a grid with its coordinates, a legend, a scale bar "
-		   "and grid north. Its posts are those of the finest level that has no more of them than the frame has pixels. "
-		   "Each pixel of offset and of soil has the largest value of the posts within it, so that narrow ruts are seen. "
-		   "Places without data are hatched.\n\n"
-		   "Words have the same size on every map. In SVG and PDF words and lines are vectors, the ground is pixels. Degrees "
-		   "are those of the store's body: WGS 84 on the Earth. furrow drive draws a map with the ways of a drive.\n",
+	.details =
+		"The map has the shaded ground with the layer in colours, a grid with its coordinates, a legend, a scale bar "
+		"and grid north. Its posts are those of the finest level that has no more of them than the frame has pixels. "
+		"Each pixel of offset and of soil has the largest value of the posts within it, so that narrow ruts are seen. "
+		"Places without data are hatched.\n\n"
+		"Words have the same size on every map. In SVG and PDF words and lines are vectors, the ground is pixels. Degrees "
+		"are those of the store's body: WGS 84 on the Earth. furrow drive draws a map with the ways of a drive.\n",
 	.examples = "furrow map world.furrow -o heights.pdf\n"
 		    "furrow map ruts.furrow -o ruts.png --layer offset --window 40,40,130,110\n"
 		    "furrow map world.furrow -o site.svg --grid degrees --size 120\n",

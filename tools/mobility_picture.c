@@ -34,7 +34,8 @@ static const struct key *keys_of(const struct mobility_map *map)
 	return map->layer == LAYER_PROBABILITY ? ranges : classes;
 }
 
-void mobility_picture_row(struct mobility_picture *picture, const struct mobility_map *map, int64_t y, const struct mobility_cell *cells)
+void mobility_picture_row(struct mobility_picture *picture, const struct mobility_map *map, int64_t y,
+			  const struct mobility_cell *cells)
 {
 	const size_t width = picture->raster.width, row = (size_t)(y - map->rect.y0) * width;
 	const struct key *const keys = keys_of(map);
@@ -54,7 +55,10 @@ void mobility_picture_row(struct mobility_picture *picture, const struct mobilit
 enum status mobility_picture_create(const struct mobility_map *map, struct mobility_picture *picture)
 {
 	const size_t width = (size_t)(map->rect.x1 - map->rect.x0), height = (size_t)(map->rect.y1 - map->rect.y0);
-	*picture = (struct mobility_picture){.raster = {.width = (uint32_t)width, .height = (uint32_t)height, .level = map->level, .rect = map->rect,
+	*picture = (struct mobility_picture){.raster = {.width = (uint32_t)width,
+							.height = (uint32_t)height,
+							.level = map->level,
+							.rect = map->rect,
 							.spacing = extent_spacing(&map->meta->extent, map->level)}};
 	picture->raster.shade = mem_alloc(width * height, sizeof *picture->raster.shade);
 	picture->classes = mem_alloc(width * height, 1);
@@ -76,11 +80,13 @@ enum status mobility_picture_write(struct mobility_picture *picture, const struc
 		.meta = map->meta,
 		.title = slash != NULL ? slash + 1 : map->store,
 		.subtitle = subtitle,
-		.layer = map->layer == LAYER_PROBABILITY ? "Probability of going straight up, and share of the area" : "Go or no-go, and share of the area",
+		.layer = map->layer == LAYER_PROBABILITY ? "Probability of going straight up, and share of the area"
+							 : "Go or no-go, and share of the area",
 		.classes = picture->classes,
 		.keys = keys,
 		.key_count = count,
-		.pixels = longest < SIDE ? (SIDE + longest - 1) / longest * longest : longest, /* a cell is a whole number of pixels */
+		.pixels = longest < SIDE ? (SIDE + longest - 1) / longest * longest
+					 : longest, /* a cell is a whole number of pixels */
 	};
 	return chart_map_write(&chart, map->path, NULL);
 }

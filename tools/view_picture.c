@@ -5,9 +5,9 @@
 
 #include "view.h"
 
-#define MARGIN 8     /* pixels, times the scale */
-#define LINE 15      /* pixels: a line's height, times the scale */
-#define LARGE 1400u  /* a picture wider than this has its letters twice as large */
+#define MARGIN 8    /* pixels, times the scale */
+#define LINE 15     /* pixels: a line's height, times the scale */
+#define LARGE 1400u /* a picture wider than this has its letters twice as large */
 
 static const struct chart_colour white = {255, 255, 255, 255}, black = {0, 0, 0, 200}, shadow = {0, 0, 0, 150};
 
@@ -18,12 +18,16 @@ void view_figures_text(const struct viewer *viewer, const struct api_figures *fi
 		snprintf(pace, sizeof pace, "free");
 	else
 		snprintf(pace, sizeof pace, "x%g", ldexp(1, viewer->pace));
-	snprintf(text, size, "%.0f fps  %.1f ms  step %lld/%lld  %.2f s  %s  %.2f ms/step  slots %u/%u  hits %llu  misses %llu  dirty %zu  "
-			     "queue %zu  %llu tri  eye %.1f %.1f %.1f",
+	snprintf(text, size,
+		 "%.0f fps  %.1f ms  step %lld/%lld  %.2f s  %s  %.2f ms/step  slots %u/%u  hits %llu  misses %llu  dirty %zu  "
+		 "queue %zu  %llu tri  eye %.1f %.1f %.1f",
 		 figures->fps, figures->frame_ms, (long long)figures->step, (long long)figures->steps, figures->time,
-		 figures->over ? "over" : viewer->paused ? "paused" : pace, figures->step_ms, figures->slots_used, figures->slots,
-		 (unsigned long long)figures->hits, (unsigned long long)figures->misses, figures->dirty, figures->queued,
-		 (unsigned long long)figures->triangles, viewer->eye.eye[0], viewer->eye.eye[1], viewer->eye.eye[2]);
+		 figures->over    ? "over"
+		 : viewer->paused ? "paused"
+				  : pace,
+		 figures->step_ms, figures->slots_used, figures->slots, (unsigned long long)figures->hits,
+		 (unsigned long long)figures->misses, figures->dirty, figures->queued, (unsigned long long)figures->triangles,
+		 viewer->eye.eye[0], viewer->eye.eye[1], viewer->eye.eye[2]);
 }
 
 /* What is drawn on, and with. */
@@ -37,7 +41,8 @@ struct over {
 static enum status write_line(const struct over *over, int x, int y, const char *text)
 {
 	const int pad = 2 * over->scale, high = LINE * over->scale;
-	chart_box(&over->pixels, x - 2 * pad, y - pad, x + chart_pen_width(over->pen, high, text) + 2 * pad, y + high + pad, shadow);
+	chart_box(&over->pixels, x - 2 * pad, y - pad, x + chart_pen_width(over->pen, high, text) + 2 * pad, y + high + pad,
+		  shadow);
 	return chart_pen_write(over->pen, &over->pixels, x, y, high, text, white);
 }
 
@@ -113,8 +118,8 @@ static enum status draw_help(const struct over *over, int top)
 /* A bar of the layer's colours, with what its ends and its middle are below it. */
 static enum status draw_legend(const struct over *over, const struct render_layer *layer)
 {
-	static const char *const units[RENDER_LAYERS] = {[RENDER_OFFSETS] = "m", [RENDER_DISTURBANCE] = "", [RENDER_HEIGHTS] = "m",
-							 [RENDER_SLOPES] = "degrees"};
+	static const char *const units[RENDER_LAYERS] = {
+		[RENDER_OFFSETS] = "m", [RENDER_DISTURBANCE] = "", [RENDER_HEIGHTS] = "m", [RENDER_SLOPES] = "degrees"};
 	const int scale = over->scale, width = 240 * scale, height = 10 * scale, line = LINE * scale;
 	const int x = (MARGIN + 12) * scale, y = MARGIN * scale + line + 4 * scale;
 	char text[64];
@@ -126,14 +131,19 @@ static enum status draw_legend(const struct over *over, const struct render_laye
 		chart_box(&over->pixels, x + i, y, x + i + 1, y + height, render_layer_colour(layer->kind, (i + 0.5) / width));
 	enum status status = STATUS_OK;
 	for (int i = 0; i < 3 && status == STATUS_OK; i++) {
-		snprintf(text, sizeof text, i == 2 ? "%.4g %s" : "%.4g", layer->low + (layer->high - layer->low) * i / 2, units[layer->kind]);
-		const int wide = chart_pen_width(over->pen, line, text), at = x + width * i / 2 - (i == 0 ? 0 : i == 1 ? wide / 2 : wide);
+		snprintf(text, sizeof text, i == 2 ? "%.4g %s" : "%.4g", layer->low + (layer->high - layer->low) * i / 2,
+			 units[layer->kind]);
+		const int wide = chart_pen_width(over->pen, line, text), at = x + width * i / 2 -
+									      (i == 0   ? 0
+									       : i == 1 ? wide / 2
+											: wide);
 		status = chart_pen_write(over->pen, &over->pixels, at, y - line - 2 * scale, line, text, white);
 	}
 	return status;
 }
 
-enum status view_draw_over(const struct viewer *viewer, const struct api_figures *figures, uint8_t *pixels, uint32_t width, uint32_t height)
+enum status view_draw_over(const struct viewer *viewer, const struct api_figures *figures, uint8_t *pixels, uint32_t width,
+			   uint32_t height)
 {
 	const struct over over = {viewer->pen, {pixels, width, height}, width > LARGE ? 2 : 1};
 	int top = (int)height;

@@ -60,7 +60,7 @@ struct chart_raster {
 	double spacing;        /* metres a pixel */
 	struct post_rect rect; /* of posts of `level` */
 	float *shade;          /* 0 to 1; NaN: nodata */
-	/* metres: of the values within the pixel, the one with the largest absolute value; 0: none. Of heights: the post's; NaN: nodata */
+	/* metres: of the values within the pixel, the one with the largest absolute value; 0: none. Heights: the post's; NaN: nodata */
 	float *values;
 	double flat;           /* the shade of level ground */
 };
@@ -151,7 +151,7 @@ struct chart_map {
 	size_t way_count;
 	enum chart_grid grid;
 	double size;                    /* mm: the longer side of the frame, CHART_SIZE_LEAST to CHART_SIZE_MOST; 0: CHART_SIZE */
-	uint32_t pixels;                /* the longer side of the frame, 1 to CHART_PIXELS_MOST; of SVG and PDF, that of the ground */
+	uint32_t pixels;                /* the frame's longer side, 1 to CHART_PIXELS_MOST; of SVG and PDF, the ground's */
 };
 /* What was written. */
 struct chart_written {

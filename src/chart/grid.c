@@ -56,7 +56,8 @@ static bool find_bounds(struct finding *finding)
 		finding->high[axis] = -INFINITY;
 	}
 	for (int i = 0; i < SIDE * SIDE; i++) {
-		double at[2] = {rect->x0 + (rect->x1 - rect->x0) * (i % SIDE) / (SIDE - 1), rect->y0 + (rect->y1 - rect->y0) * (i / SIDE) / (SIDE - 1)};
+		double at[2] = {rect->x0 + (rect->x1 - rect->x0) * (i % SIDE) / (SIDE - 1),
+				rect->y0 + (rect->y1 - rect->y0) * (i / SIDE) / (SIDE - 1)};
 		to_system(finding, &at[0], &at[1]);
 		if (!isfinite(at[0]) || !isfinite(at[1]))
 			return false;
@@ -110,7 +111,10 @@ static void write_label(const struct finding *finding, struct chart_line *line)
 	chart_number(fabs(value), step, number, sizeof number);
 	const bool zero = fabs(value) < step / 2;
 	snprintf(line->label, sizeof line->label, "%s°%s", number,
-		 zero ? "" : line->north ? (value < 0 ? " S" : " N") : value < 0 ? " W" : " E");
+		 zero          ? ""
+		 : line->north ? (value < 0 ? " S" : " N")
+		 : value < 0   ? " W"
+			       : " E");
 }
 
 /* Where the way from a to b crosses `edge` of the axis, within the frame. */
@@ -129,12 +133,14 @@ static void find_ends(const struct chart_frame *frame, struct chart_line *line)
 	const struct chart_rect *rect = &frame->rect;
 	const int axis = line->north ? 0 : 1; /* of the edges that it meets */
 	const double edges[2] = {line->north ? rect->x0 : rect->y1, line->north ? rect->x1 : rect->y0};
-	const double near = 1e-6, least = (line->north ? rect->y0 : rect->x0) - near, most = (line->north ? rect->y1 : rect->x1) + near;
+	const double near = 1e-6, least = (line->north ? rect->y0 : rect->x0) - near,
+		     most = (line->north ? rect->y1 : rect->x1) + near;
 	for (int i = 0; i < 2; i++) {
 		double *end = i == 0 ? line->low : line->high;
 		bool found = false;
 		for (size_t k = 0; k + 1 < line->count && !found; k++)
-			found = crosses(line->points[k], line->points[k + 1], axis, edges[i], end) && end[1 - axis] >= least && end[1 - axis] <= most;
+			found = crosses(line->points[k], line->points[k + 1], axis, edges[i], end) && end[1 - axis] >= least &&
+				end[1 - axis] <= most;
 		if (!found)
 			end[0] = end[1] = NAN;
 	}
@@ -166,7 +172,8 @@ static enum status make_lines(const struct finding *finding, struct chart_lines 
 {
 	size_t counts[2];
 	for (int axis = 0; axis < 2; axis++) {
-		const double first = ceil(finding->low[axis] / finding->step[axis] - 1e-9), last = floor(finding->high[axis] / finding->step[axis] + 1e-9);
+		const double first = ceil(finding->low[axis] / finding->step[axis] - 1e-9),
+			     last = floor(finding->high[axis] / finding->step[axis] + 1e-9);
 		counts[axis] = last < first ? 0 : (size_t)fmin(last - first + 1, LINES_MOST);
 	}
 	out->lines = mem_calloc(counts[0] + counts[1], sizeof *out->lines);

@@ -10,14 +10,14 @@
 
 #include "chart/internal.h"
 
-#define GAP 4.0        /* points from a point to a name beside it */
-#define DOT 3.2        /* points that a point takes to each side */
-#define DIRECTIONS 16  /* of names with a line */
+#define GAP 4.0       /* points from a point to a name beside it */
+#define DOT 3.2       /* points that a point takes to each side */
+#define DIRECTIONS 16 /* of names with a line */
 #define BESIDE 8
 static const double rings[] = {16, 26, 38, 52}; /* lengths of these lines, points */
 #define RINGS (sizeof rings / sizeof *rings)
-#define CROWD 60       /* with more names than these, lines are short: long ones would make a tangle */
-#define PAR 1.0        /* points between two names */
+#define CROWD 60 /* with more names than these, lines are short: long ones would make a tangle */
+#define PAR 1.0  /* points between two names */
 
 /* --- what names should not cover --- */
 
@@ -80,7 +80,8 @@ static bool candidate(const struct chart_label *label, size_t which, size_t ring
 		which -= BESIDE;
 		if (which >= rings_used * DIRECTIONS)
 			return false;
-		const double turn = 2 * M_PI * ((double)(which % DIRECTIONS) + 0.5) / DIRECTIONS - M_PI / 2, ring = rings[which / DIRECTIONS];
+		const double turn = 2 * M_PI * ((double)(which % DIRECTIONS) + 0.5) / DIRECTIONS - M_PI / 2,
+			     ring = rings[which / DIRECTIONS];
 		x += ring * cos(turn);
 		y += ring * sin(turn);
 		px = cos(turn) > 0 ? 0 : -1;
@@ -140,7 +141,8 @@ static bool is_free(const struct chart_label *labels, size_t count, size_t self,
 			continue;
 		if (chart_rect_meets(&wide, &other->rect) || (label->led && line_meets(from, label->lead, &other->rect)))
 			return false;
-		if (other->led && (line_meets(at, other->lead, &label->rect) || (label->led && lines_cross(from, label->lead, at, other->lead))))
+		if (other->led &&
+		    (line_meets(at, other->lead, &label->rect) || (label->led && lines_cross(from, label->lead, at, other->lead))))
 			return false;
 	}
 	return true;

@@ -5,12 +5,12 @@
 
 #include "chart/page.h"
 
-#define RAMP 164.0   /* points: its length */
+#define RAMP 164.0 /* points: its length */
 #define BAR 8.0
 #define SWATCH 14.0
 #define CLASS_MOST 190.0 /* points: the longest name of a class */
-#define LINE 11.5    /* from one line of a list to the next */
-#define COLUMN 128.0 /* of the list of ways */
+#define LINE 11.5        /* from one line of a list to the next */
+#define COLUMN 128.0     /* of the list of ways */
 #define SAMPLE 20.0
 #define GAP 5.0
 
@@ -45,7 +45,10 @@ void chart_legend_measure(struct chart_page *page, struct chart_legend *legend, 
 	for (size_t i = 0; i < map->way_count; i++)
 		ways += map->ways[i].count > 0;
 	legend->values_width = RAMP;
-	legend->values_height = LINE + (map->classes != NULL ? LINE * (double)map->key_count : has_ramp(legend) ? BAR + 15 : 0) +
+	legend->values_height = LINE +
+				(map->classes != NULL ? LINE * (double)map->key_count
+				 : has_ramp(legend)   ? BAR + 15
+						      : 0) +
 				(legend->holes ? LINE + 2 : 0);
 	legend->columns = (int)fmax(1, floor((width + GAP) / (COLUMN + GAP)));
 	const size_t lines = (size_t)fmax(2, floor((room - LINE) / LINE));
@@ -85,7 +88,8 @@ static void draw_ticks(struct chart_page *page, const struct chart_legend *legen
 	double of;
 	unit_for(legend, &of);
 	const double low = range->low / of, high = range->high / of, span = high - low;
-	const double step = chart_round_step(span / 4), fine = legend->map->ramp == CHART_RAMP_HEIGHTS ? chart_round_length(span / 50) : step / 2;
+	const double step = chart_round_step(span / 4),
+		     fine = legend->map->ramp == CHART_RAMP_HEIGHTS ? chart_round_length(span / 50) : step / 2;
 	struct tick ends[2] = {{0, ""}, {RAMP, ""}};
 	for (int i = 0; i < 2; i++) {
 		char plain[56];
@@ -209,7 +213,10 @@ void chart_legend_ways(struct chart_page *page, const struct chart_legend *legen
 	}
 	if (objects + vehicles == 0)
 		return;
-	chart_text(page, &head, x, y, objects == 0 ? "Ways of vehicles" : vehicles == 0 ? "Ways of objects" : "Ways of objects (●) and vehicles (■)");
+	chart_text(page, &head, x, y,
+		   objects == 0    ? "Ways of vehicles"
+		   : vehicles == 0 ? "Ways of objects"
+				   : "Ways of objects (●) and vehicles (■)");
 	const size_t entries = legend->listed + (legend->listed < objects + vehicles);
 	const size_t lines = (entries + (size_t)legend->columns - 1) / (size_t)legend->columns;
 	style.most = COLUMN - SAMPLE - GAP;

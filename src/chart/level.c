@@ -27,7 +27,8 @@ int chart_level(const struct extent *extent, int from, uint32_t pixels, struct p
 		const int64_t half = (int64_t)1 << (shift - 1);
 		const struct post_rect all = {0, 0, extent_posts(extent->width, level), extent_posts(extent->height, level)};
 		*rect = post_rect_intersect((struct post_rect){(posts.x0 + half) >> shift, (posts.y0 + half) >> shift,
-							       ((posts.x1 - 1 + half) >> shift) + 1, ((posts.y1 - 1 + half) >> shift) + 1},
+							       ((posts.x1 - 1 + half) >> shift) + 1,
+							       ((posts.y1 - 1 + half) >> shift) + 1},
 					    all);
 		if (rect->x0 == rect->x1) /* nearer to a post beyond the last one */
 			rect->x0--;

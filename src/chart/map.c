@@ -11,10 +11,10 @@
 #include "chart/page.h"
 
 #define MARGIN 20.0
-#define PANEL 164.0      /* width of what is right of a tall map */
+#define PANEL 164.0         /* width of what is right of a tall map */
 #define PANEL_CLASSES 212.0 /* with classes, whose names are longer than numbers */
-#define INNER_LEAST 340.0 /* width of what is below a broad one */
-#define TALL 1.25        /* height of a tall map, of its width */
+#define INNER_LEAST 340.0   /* width of what is below a broad one */
+#define TALL 1.25           /* height of a tall map, of its width */
 #define TICK 3.0
 #define COORDINATES 11.0 /* room for them beside the frame, with ticks */
 #define APART 62.0       /* least distance of two lines of the grid */
@@ -34,8 +34,8 @@ struct layout {
 	struct chart_legend legend;
 	struct chart_lines grid;
 	bool tall;
-	double width, height, inner;  /* inner: between the margins */
-	struct chart_rect panel;      /* of legend, scale and notes */
+	double width, height, inner; /* inner: between the margins */
+	struct chart_rect panel;     /* of legend, scale and notes */
 	double title_height, subtitle_height, notes_height, ways_room;
 	char notes[512];
 };
@@ -81,7 +81,8 @@ static double measure_panel(struct chart_page *page, struct layout *layout, doub
 	chart_legend_measure(page, legend, width, room);
 	style.most = width;
 	/* Room for the sentence about names that is added when they are placed. */
-	layout->notes_height = text_height(page, &style, layout->notes) + (layout->map->way_count > 0 ? text_height(page, &style, "x") : 0);
+	layout->notes_height =
+		text_height(page, &style, layout->notes) + (layout->map->way_count > 0 ? text_height(page, &style, "x") : 0);
 	const double marks = CHART_NORTH_HEIGHT, ways = legend->ways_height > 0 ? legend->ways_height + BLOCK : 0;
 	const double values = layout->tall ? legend->values_height + BLOCK + marks : fmax(legend->values_height, marks);
 	return values + BLOCK + ways + layout->notes_height;
@@ -99,12 +100,14 @@ static void arrange(struct chart_page *page, struct layout *layout)
 	if (layout->tall) {
 		const double fixed = measure_panel(page, layout, panel, 0) - layout->legend.ways_height;
 		const double high = measure_panel(page, layout, panel, fmax(frame_height - fixed, 60));
-		layout->panel = (struct chart_rect){left + frame_width + 18, top, left + frame_width + 18 + panel, top + fmax(high, frame_height)};
+		layout->panel = (struct chart_rect){left + frame_width + 18, top, left + frame_width + 18 + panel,
+						    top + fmax(high, frame_height)};
 		right = layout->panel.x1;
 		below = fmax(top + frame_height + COORDINATES, top + high);
 	} else {
 		const double inner = fmax(frame_width, INNER_LEAST);
-		const double high = measure_panel(page, layout, inner, 11.5 * (WAY_LINES + 1) + 1), first = top + frame_height + COORDINATES + 10;
+		const double high = measure_panel(page, layout, inner, 11.5 * (WAY_LINES + 1) + 1),
+			     first = top + frame_height + COORDINATES + 10;
 		layout->panel = (struct chart_rect){left, first, left + inner, first + high};
 		right = layout->panel.x1;
 		below = layout->panel.y1;
@@ -203,8 +206,8 @@ static void add_unlabelled(struct layout *layout, const struct chart_written *wr
 {
 	const size_t used = strlen(layout->notes);
 	if (written->unlabelled > 0)
-		snprintf(layout->notes + used, sizeof layout->notes - used, " %zu of %zu names have no room on the map.", written->unlabelled,
-			 written->names);
+		snprintf(layout->notes + used, sizeof layout->notes - used, " %zu of %zu names have no room on the map.",
+			 written->unlabelled, written->names);
 }
 
 static void draw_notes(struct chart_page *page, const struct layout *layout, double y)
@@ -278,7 +281,7 @@ static enum status draw(struct chart_page *page, struct layout *layout, struct c
 }
 
 enum status chart_map_page(const struct chart_map *map, const char *path, struct chart_page *page, struct chart_frame *frame,
-			    struct chart_written *written)
+			   struct chart_written *written)
 {
 	struct layout layout = {.map = map, .legend = {.map = map}};
 	enum chart_format format = CHART_PNG;

@@ -4,7 +4,7 @@
 
 #include "chart/page.h"
 
-#define BAR 3.4     /* points: the bar's height */
+#define BAR 3.4 /* points: the bar's height */
 #define PARTS 4
 #define NUMBERS 7.0 /* points: size of the numbers */
 
@@ -29,7 +29,8 @@ void chart_scale_bar(struct chart_page *page, double x, double y, double most, d
 	x = chart_page_snap(page, x);
 	y = chart_page_snap(page, y);
 	for (int part = 0; part < PARTS; part += 2)
-		chart_page_box(page, &(struct chart_rect){x + length * part / PARTS, y, x + length * (part + 1) / PARTS, y + BAR}, chart_ink);
+		chart_page_box(page, &(struct chart_rect){x + length * part / PARTS, y, x + length * (part + 1) / PARTS, y + BAR},
+			       chart_ink);
 	chart_page_colour(page, chart_ink);
 	cairo_set_line_width(cairo, 0.6);
 	cairo_rectangle(cairo, x, y, length, BAR);

@@ -104,7 +104,8 @@ static enum status open_picture(struct chart_page *page)
 	page->pixels = mem_calloc(page->rows, (size_t)stride);
 	if (page->pixels == NULL)
 		return fail_memory("a map");
-	page->surface = cairo_image_surface_create_for_data(page->pixels, CAIRO_FORMAT_RGB24, (int)page->columns, (int)page->rows, stride);
+	page->surface =
+		cairo_image_surface_create_for_data(page->pixels, CAIRO_FORMAT_RGB24, (int)page->columns, (int)page->rows, stride);
 	return STATUS_OK;
 }
 
@@ -128,8 +129,8 @@ static enum status open_file(struct chart_page *page, const char *path)
 	return STATUS_OK;
 }
 
-enum status chart_page_open(struct chart_page *page, const char *path, enum chart_format format, double width, double height, double dots,
-			     const char *title)
+enum status chart_page_open(struct chart_page *page, const char *path, enum chart_format format, double width, double height,
+			    double dots, const char *title)
 {
 	page->format = format;
 	page->width = width;
@@ -164,9 +165,11 @@ void chart_page_box(struct chart_page *page, const struct chart_rect *rect, stru
 	cairo_fill(page->cairo);
 }
 
-enum status chart_page_image(struct chart_page *page, uint32_t *pixels, uint32_t width, uint32_t height, const struct chart_rect *rect)
+enum status chart_page_image(struct chart_page *page, uint32_t *pixels, uint32_t width, uint32_t height,
+			     const struct chart_rect *rect)
 {
-	cairo_surface_t *image = cairo_image_surface_create_for_data((unsigned char *)pixels, CAIRO_FORMAT_RGB24, (int)width, (int)height, (int)(4 * width));
+	cairo_surface_t *image = cairo_image_surface_create_for_data((unsigned char *)pixels, CAIRO_FORMAT_RGB24, (int)width,
+								     (int)height, (int)(4 * width));
 	cairo_t *cairo = page->cairo;
 	cairo_save(cairo);
 	cairo_translate(cairo, rect->x0, rect->y0);
@@ -182,7 +185,9 @@ enum status chart_page_image(struct chart_page *page, uint32_t *pixels, uint32_t
 	/* SVG and PDF may keep a reference until they are written: then they keep a copy. */
 	cairo_surface_finish(image);
 	cairo_surface_destroy(image);
-	return failed == CAIRO_STATUS_SUCCESS ? STATUS_OK : fail_with(STATUS_FAILED, "map: %s; draw a smaller one", cairo_status_to_string(failed));
+	return failed == CAIRO_STATUS_SUCCESS
+		       ? STATUS_OK
+		       : fail_with(STATUS_FAILED, "map: %s; draw a smaller one", cairo_status_to_string(failed));
 }
 
 /* --- the file --- */
@@ -212,14 +217,17 @@ enum status chart_page_write(struct chart_page *page, const char *path)
 	if (failed == CAIRO_STATUS_SUCCESS)
 		failed = cairo_surface_status(page->surface);
 	if (page->full != 0)
-		return fail_with(STATUS_FAILED, "%s: cannot write the map: %s; check space and permissions of its folder", path, strerror(page->full));
+		return fail_with(STATUS_FAILED, "%s: cannot write the map: %s; check space and permissions of its folder", path,
+				 strerror(page->full));
 	if (failed != CAIRO_STATUS_SUCCESS)
-		return fail_with(STATUS_FAILED, "%s: cannot draw the map: %s; draw a smaller one", path, cairo_status_to_string(failed));
+		return fail_with(STATUS_FAILED, "%s: cannot draw the map: %s; draw a smaller one", path,
+				 cairo_status_to_string(failed));
 	if (page->lacking)
 		return fail_memory("a map's words");
 	if (page->format == CHART_PNG) {
 		turn_pixels(page);
-		return chart_png_write_for_print(path, page->pixels, page->columns, page->rows, (uint32_t)lround(page->dots * 72 / 0.0254));
+		return chart_png_write_for_print(path, page->pixels, page->columns, page->rows,
+						 (uint32_t)lround(page->dots * 72 / 0.0254));
 	}
 	enum status status = aside_whole(&page->aside, false);
 	return status == STATUS_OK ? aside_publish(&page->aside) : status;

@@ -21,12 +21,12 @@ enum chart_text_kind { CHART_TITLE, CHART_COORDINATE, CHART_NAME, CHART_LEGEND, 
 
 struct chart_style {
 	enum chart_text_kind kind;
-	double size;      /* of the letters, points */
+	double size;       /* of the letters, points */
 	bool bold, turned; /* turned: it runs upwards */
-	double most;      /* the longest that a line may be; longer text is cut with "…", or wrapped; 0: no limit */
-	int lines;        /* more than 1: wrapped to so many lines */
+	double most;       /* the longest that a line may be; longer text is cut with "…", or wrapped; 0: no limit */
+	int lines;         /* more than 1: wrapped to so many lines */
 	struct chart_colour colour;
-	bool halo;        /* letters have a white edge */
+	bool halo; /* letters have a white edge */
 };
 
 /* What was written, and where. */
@@ -42,25 +42,25 @@ struct chart_page {
 	PangoFontDescription *face;
 	/* from chart_page_open on */
 	enum chart_format format;
-	double width, height;     /* points */
-	double dots;              /* pixels a point, of a PNG */
-	uint32_t columns, rows;   /* pixels of a PNG */
+	double width, height;   /* points */
+	double dots;            /* pixels a point, of a PNG */
+	uint32_t columns, rows; /* pixels of a PNG */
 	uint8_t *pixels;
 	cairo_surface_t *surface;
 	cairo_t *cairo;
 	struct aside aside;
-	bool head;                /* of an SVG: its description is written */
-	int full;                 /* errno of a write that failed; 0: none did */
+	bool head; /* of an SVG: its description is written */
+	int full;  /* errno of a write that failed; 0: none did */
 	const char *title;
 	struct chart_said *said;
 	size_t said_count, said_room;
-	bool lacking;             /* memory ran out */
+	bool lacking; /* memory ran out */
 };
 
 enum status chart_page_create(struct chart_page *page) FURROW_CHECKED;
 /* Begins the page. `path` and `title` must stay valid. Nothing is at `path` before chart_page_write. */
 enum status chart_page_open(struct chart_page *page, const char *path, enum chart_format format, double width, double height,
-			     double dots, const char *title) FURROW_CHECKED;
+			    double dots, const char *title) FURROW_CHECKED;
 /* Writes the file, and checks everything that was drawn. */
 enum status chart_page_write(struct chart_page *page, const char *path) FURROW_CHECKED;
 void chart_page_finish(struct chart_page *page); /* page may be all zero */
@@ -68,8 +68,8 @@ void chart_page_finish(struct chart_page *page); /* page may be all zero */
 void chart_page_colour(struct chart_page *page, struct chart_colour colour);
 void chart_page_box(struct chart_page *page, const struct chart_rect *rect, struct chart_colour colour);
 /* Draws the ground, `width` x `height` pixels as chart_relief_fill makes them, into the rectangle. */
-enum status chart_page_image(struct chart_page *page, uint32_t *pixels, uint32_t width, uint32_t height, const struct chart_rect *rect)
-	FURROW_CHECKED;
+enum status chart_page_image(struct chart_page *page, uint32_t *pixels, uint32_t width, uint32_t height,
+			     const struct chart_rect *rect) FURROW_CHECKED;
 /* Returns the nearest place between two pixels of a PNG, so that edges are sharp. */
 double chart_page_snap(const struct chart_page *page, double place);
 
@@ -112,7 +112,7 @@ struct chart_legend {
 	double values_width, values_height; /* the ramp, or the classes */
 	double ways_height, ways_width;
 	int columns;
-	size_t listed;                      /* ways in the list */
+	size_t listed; /* ways in the list */
 };
 void chart_legend_measure(struct chart_page *page, struct chart_legend *legend, double width, double room);
 void chart_legend_values(struct chart_page *page, const struct chart_legend *legend, double x, double y);
@@ -121,7 +121,7 @@ void chart_legend_ways(struct chart_page *page, const struct chart_legend *legen
 /* --- map.c --- */
 /* Draws a map, all but its file, and says where its frame is. Call chart_page_finish afterwards, even on failure. */
 enum status chart_map_page(const struct chart_map *map, const char *path, struct chart_page *page, struct chart_frame *frame,
-			    struct chart_written *written) FURROW_CHECKED;
+			   struct chart_written *written) FURROW_CHECKED;
 
 extern const struct chart_colour chart_ink, chart_faint, chart_paper;
 

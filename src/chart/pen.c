@@ -46,7 +46,8 @@ int chart_pen_width(struct chart_pen *pen, int size, const char *text)
 }
 
 /* `cover`: how much of each pixel the letters cover, the top row first. */
-static void lay(const struct chart_pixels *pixels, int x, int y, const uint8_t *cover, int width, int height, int stride, struct chart_colour colour)
+static void lay(const struct chart_pixels *pixels, int x, int y, const uint8_t *cover, int width, int height, int stride,
+		struct chart_colour colour)
 {
 	for (int row = 0; row < height; row++) {
 		const int64_t to_y = (int64_t)y + height - 1 - row;
@@ -55,7 +56,8 @@ static void lay(const struct chart_pixels *pixels, int x, int y, const uint8_t *
 		for (int i = 0; i < width; i++) {
 			const int64_t to_x = (int64_t)x + i;
 			if (to_x >= 0 && to_x < pixels->width)
-				chart_blend(pixels->pixels + 4 * ((size_t)to_y * pixels->width + (size_t)to_x), colour, cover[(size_t)row * (size_t)stride + (size_t)i]);
+				chart_blend(pixels->pixels + 4 * ((size_t)to_y * pixels->width + (size_t)to_x), colour,
+					    cover[(size_t)row * (size_t)stride + (size_t)i]);
 		}
 	}
 }
@@ -82,5 +84,7 @@ enum status chart_pen_write(struct chart_pen *pen, const struct chart_pixels *pi
 	if (failed == CAIRO_STATUS_SUCCESS)
 		lay(pixels, x, y, cover, width, height, stride, colour);
 	mem_free(cover);
-	return failed == CAIRO_STATUS_SUCCESS ? STATUS_OK : fail_with(STATUS_FAILED, "text: %s; make the window smaller", cairo_status_to_string(failed));
+	return failed == CAIRO_STATUS_SUCCESS
+		       ? STATUS_OK
+		       : fail_with(STATUS_FAILED, "text: %s; make the window smaller", cairo_status_to_string(failed));
 }

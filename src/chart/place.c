@@ -49,7 +49,8 @@ void chart_system_name(const char *wkt, char *text, size_t room)
 				snprintf(name, sizeof name, "%s", quoted);
 			continue;
 		}
-		if (depth == 1 && (strncmp(at, "ID[", 3) == 0 || strncmp(at, "AUTHORITY[", 10) == 0) && !take_code(at, code, sizeof code))
+		if (depth == 1 && (strncmp(at, "ID[", 3) == 0 || strncmp(at, "AUTHORITY[", 10) == 0) &&
+		    !take_code(at, code, sizeof code))
 			code[0] = '\0';
 		depth += *at == '[' ? 1 : *at == ']' ? -1 : 0;
 		at++;

@@ -101,7 +101,8 @@ static void put_colours(const void *user, uint32_t y, uint8_t *row)
 enum status chart_png_write_for_print(const char *path, const uint8_t *pixels, uint32_t width, uint32_t height, uint32_t per_metre)
 {
 	const struct colours colours = {pixels, width};
-	return chart_png_rows(path, &(struct chart_png){width, height, 8, 3, put_colours, &colours, .srgb = true, .per_metre = per_metre});
+	const struct chart_png picture = {width, height, 8, 3, put_colours, &colours, .srgb = true, .per_metre = per_metre};
+	return chart_png_rows(path, &picture);
 }
 
 enum status chart_png_write(const char *path, const uint8_t *pixels, uint32_t width, uint32_t height)

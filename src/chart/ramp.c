@@ -14,7 +14,8 @@ static const uint8_t down[STOPS][3] = {{150, 205, 255}, {55, 130, 235}, {75, 50,
 static const uint8_t up[STOPS][3] = {{255, 226, 140}, {253, 160, 50}, {222, 70, 25}, {125, 0, 32}};
 static const uint8_t green[STOPS][3] = {{205, 235, 150}, {85, 185, 110}, {20, 120, 130}, {28, 38, 95}};
 /* Heights: each stop is lighter than the one before, so that a copy in grey, and every eye, has them in order. */
-static const uint8_t heights[][3] = {{84, 128, 134}, {116, 164, 140}, {172, 194, 142}, {218, 208, 160}, {238, 224, 194}, {252, 249, 242}};
+static const uint8_t heights[][3] = {{84, 128, 134}, {116, 164, 140}, {172, 194, 142},
+				      {218, 208, 160}, {238, 224, 194}, {252, 249, 242}};
 static const uint8_t rose[STOPS][3] = {{252, 220, 180}, {240, 140, 120}, {185, 50, 120}, {65, 8, 90}};
 
 static struct chart_colour between(const uint8_t (*stops)[3], int count, double t, double alpha)

@@ -8,9 +8,9 @@
 
 #include "chart/internal.h"
 
-#define SHARE 0.999   /* part of the values that are within the legend's range */
-#define SQUARES 3     /* pixels a post, from which on a post is a square of its value */
-#define HATCH 5.0     /* points between the lines that mean no data */
+#define SHARE 0.999 /* part of the values that are within the legend's range */
+#define SQUARES 3   /* pixels a post, from which on a post is a square of its value */
+#define HATCH 5.0   /* points between the lines that mean no data */
 #define HATCH_LINE 0.6
 
 /* --- the range --- */
@@ -117,8 +117,8 @@ static struct chart_colour value_colour(const struct chart_map *map, const struc
 	return chart_ground_colour(shade, map->raster->flat, over);
 }
 
-void chart_relief_fill(const struct chart_map *map, const struct chart_range *range, const struct chart_frame *frame, uint32_t *pixels,
-		       size_t stride)
+void chart_relief_fill(const struct chart_map *map, const struct chart_range *range, const struct chart_frame *frame,
+		       uint32_t *pixels, size_t stride)
 {
 	const struct chart_raster *raster = map->raster;
 	const struct chart_colour hatched = {150, 160, 174, 255};
@@ -133,9 +133,10 @@ void chart_relief_fill(const struct chart_map *map, const struct chart_range *ra
 			const size_t at = (size_t)spot.nearest_y * raster->width + (size_t)spot.nearest_x;
 			const double shade = between(raster->shade, raster, &spot);
 			struct chart_colour colour =
-				map->classes != NULL ? class_colour(map, shade, at)
-						     : value_colour(map, range, shade,
-								    squares ? raster->values[at] : between(raster->values, raster, &spot));
+				map->classes != NULL
+					? class_colour(map, shade, at)
+					: value_colour(map, range, shade,
+						       squares ? raster->values[at] : between(raster->values, raster, &spot));
 			const bool hole = map->classes != NULL ? map->classes[at] >= map->key_count : isnan(shade);
 			if (hole && (x + row) % apart < line)
 				colour = hatched;

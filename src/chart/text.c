@@ -11,7 +11,8 @@
 const char *chart_missing(void)
 {
 	FcFontSet *fonts = FcConfigGetFonts(FcConfigGetCurrent(), FcSetSystem);
-	return fonts != NULL && fonts->nfont > 0 ? NULL : "there is no font to draw letters with; install one, as fonts-dejavu-core";
+	return fonts != NULL && fonts->nfont > 0 ? NULL
+						 : "there is no font to draw letters with; install one, as fonts-dejavu-core";
 }
 
 char *chart_text_valid(const char *text)

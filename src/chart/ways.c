@@ -9,11 +9,11 @@
 
 #include "chart/page.h"
 
-#define WIDTH 0.75   /* points: of a way, so that the ruts under it are seen beside it */
-#define EDGE 1.45    /* with its white edge */
-#define MARK 2.3     /* points: half of a mark */
+#define WIDTH 0.75 /* points: of a way, so that the ruts under it are seen beside it */
+#define EDGE 1.45  /* with its white edge */
+#define MARK 2.3   /* points: half of a mark */
 #define ARROW 5.0
-#define BEYOND 20.0  /* points outside the frame at which lines are cut */
+#define BEYOND 20.0    /* points outside the frame at which lines are cut */
 #define NAMES_MOST 400 /* names that are tried */
 #define NAME_LONGEST 150.0
 
@@ -37,7 +37,8 @@ struct chart_pattern chart_way_pattern(size_t way, bool vehicle)
 /* Cuts the way from a to b at the rectangle. Returns false if none of it is within. */
 static bool cut(const struct chart_rect *rect, double a[2], double b[2])
 {
-	const double low[2] = {rect->x0, rect->y0}, high[2] = {rect->x1, rect->y1}, from[2] = {a[0], a[1]}, way[2] = {b[0] - a[0], b[1] - a[1]};
+	const double low[2] = {rect->x0, rect->y0}, high[2] = {rect->x1, rect->y1}, from[2] = {a[0], a[1]},
+		     way[2] = {b[0] - a[0], b[1] - a[1]};
 	double s = 0, e = 1;
 	for (int axis = 0; axis < 2; axis++) {
 		if (way[axis] == 0) {
@@ -123,7 +124,8 @@ static void mark(struct chart_page *page, const struct chart_pattern *pattern, d
 }
 
 /* An arrow at the end of a way that is longer than it. */
-static void arrow(struct chart_page *page, const struct chart_pattern *pattern, const struct chart_frame *frame, const struct chart_way *way)
+static void arrow(struct chart_page *page, const struct chart_pattern *pattern, const struct chart_frame *frame,
+		  const struct chart_way *way)
 {
 	double tip[2], from[2];
 	size_t i = way->count - 1;
@@ -175,7 +177,8 @@ static struct chart_colour dark(struct chart_colour colour)
 	return (struct chart_colour){colour.r * 3 / 5, colour.g * 3 / 5, colour.b * 3 / 5, 255};
 }
 
-static void draw_name(struct chart_page *page, const struct chart_label *label, const struct chart_way *way, struct chart_colour colour)
+static void draw_name(struct chart_page *page, const struct chart_label *label, const struct chart_way *way,
+		      struct chart_colour colour)
 {
 	struct chart_style style = name_style;
 	if (label->led) {
@@ -193,8 +196,8 @@ static void draw_name(struct chart_page *page, const struct chart_label *label, 
 }
 
 /* `which`: the way of each label. */
-static void draw_names(struct chart_page *page, const struct chart_map *map, struct chart_label *labels, const size_t *which, size_t count,
-		       struct chart_written *written)
+static void draw_names(struct chart_page *page, const struct chart_map *map, struct chart_label *labels, const size_t *which,
+		       size_t count, struct chart_written *written)
 {
 	for (size_t i = 0; i < count; i++) {
 		const struct chart_way *way = &map->ways[which[i]];
@@ -205,8 +208,8 @@ static void draw_names(struct chart_page *page, const struct chart_map *map, str
 	}
 }
 
-static enum status name_ways(struct chart_page *page, const struct chart_map *map, const struct chart_frame *frame, const struct chart_cover *cover,
-			     struct chart_written *written)
+static enum status name_ways(struct chart_page *page, const struct chart_map *map, const struct chart_frame *frame,
+			     const struct chart_cover *cover, struct chart_written *written)
 {
 	const struct chart_rect inside = {frame->rect.x0 + 2, frame->rect.y0 + 2, frame->rect.x1 - 2, frame->rect.y1 - 2};
 	const size_t room = map->way_count < NAMES_MOST ? map->way_count : NAMES_MOST;

@@ -36,7 +36,8 @@ static void drawn_finish(struct drawn *drawn)
 
 static struct chart_map plain(uint32_t pixels)
 {
-	return (struct chart_map){.title = "a title", .subtitle = "a subtitle", .layer = "Offset", .ramp = CHART_RAMP_SIGNED, .pixels = pixels};
+	return (struct chart_map){
+		.title = "a title", .subtitle = "a subtitle", .layer = "Offset", .ramp = CHART_RAMP_SIGNED, .pixels = pixels};
 }
 
 static const struct chart_said *said(const struct drawn *drawn, const char *text)
@@ -114,9 +115,12 @@ static void a_rut_has_its_place_and_its_depths_colour(void **state)
 			struct picture picture = write_and_read(&drawn);
 			double flat = drawn.raster.flat;
 			/* The middles of the broad rut and the heap; the ground beside. */
-			assert_colour(at_place(&drawn, &picture, 65, 75), chart_ground_colour(flat, flat, chart_ramp(CHART_RAMP_SIGNED, -0.5)));
-			assert_colour(at_place(&drawn, &picture, 260, 180), chart_ground_colour(flat, flat, chart_ramp(CHART_RAMP_SIGNED, 0.25)));
-			assert_colour(at_place(&drawn, &picture, 200, 250), chart_ground_colour(flat, flat, chart_ramp(CHART_RAMP_SIGNED, 0)));
+			assert_colour(at_place(&drawn, &picture, 65, 75),
+				      chart_ground_colour(flat, flat, chart_ramp(CHART_RAMP_SIGNED, -0.5)));
+			assert_colour(at_place(&drawn, &picture, 260, 180),
+				      chart_ground_colour(flat, flat, chart_ramp(CHART_RAMP_SIGNED, 0.25)));
+			assert_colour(at_place(&drawn, &picture, 200, 250),
+				      chart_ground_colour(flat, flat, chart_ramp(CHART_RAMP_SIGNED, 0)));
 			/* The narrow rut, and the hole: both are bluish. */
 			bool found = false;
 			for (double x = 164; x < 169; x += 0.25)
@@ -182,13 +186,16 @@ static void coordinates_at_the_corners_are_the_store_s(void **state)
 			struct chart_raster_params params = asked(levels[k], STORE_OFFSET);
 			struct store_meta meta = *params.meta;
 			memcpy(meta.origin, origins[i], sizeof meta.origin);
-			meta.srs = i == 0 ? "" : "PROJCS[\"Here\",GEOGCS[\"There\",AUTHORITY[\"EPSG\",\"1\"]],AUTHORITY[\"EPSG\",\"32633\"]]";
+			meta.srs = i == 0 ? ""
+					  : "PROJCS[\"Here\",GEOGCS[\"There\",AUTHORITY[\"EPSG\",\"1\"]],AUTHORITY[\"EPSG\","
+					    "\"32633\"]]";
 			struct chart_map map = plain(900);
 			map.meta = &meta;
 			struct drawn drawn = draw_map(map, &params, "map.png");
 			double low[2], high[2];
 			corners(&drawn, low, high);
-			const double spacing = drawn.raster.spacing, sides[2] = {drawn.raster.width * spacing, drawn.raster.height * spacing};
+			const double spacing = drawn.raster.spacing,
+				     sides[2] = {drawn.raster.width * spacing, drawn.raster.height * spacing};
 			for (int axis = 0; axis < 2; axis++) {
 				const double first = origins[i][axis] - spacing / 2; /* a pixel's centre is its post */
 				assert_true(fabs(low[axis] - first) < 0.004 * sides[axis]);
@@ -227,8 +234,11 @@ static void the_scale_bar_is_as_long_as_it_says(void **state)
 		uint32_t pixels;
 		double length;
 		const char *text;
-	} cases[] = {{0, {0, 0, 201, 150}, 900, 100, "100 m"}, {0, {0, 0, 201, 150}, 2700, 100, "100 m"}, {-2, {0, 0, 80, 60}, 900, 10, "10 m"},
-		     {2, {0, 0, 51, 38}, 900, 100, "100 m"}, {-2, {0, 0, 3, 3}, 1200, 0.2, "20 cm"}};
+	} cases[] = {{0, {0, 0, 201, 150}, 900, 100, "100 m"},
+		     {0, {0, 0, 201, 150}, 2700, 100, "100 m"},
+		     {-2, {0, 0, 80, 60}, 900, 10, "10 m"},
+		     {2, {0, 0, 51, 38}, 900, 100, "100 m"},
+		     {-2, {0, 0, 3, 3}, 1200, 0.2, "20 cm"}};
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		struct chart_raster_params params = asked(cases[i].level, STORE_OFFSET);
 		params.rect = cases[i].rect;
@@ -252,7 +262,14 @@ static void the_legend_says_what_the_colours_mean(void **state)
 	map.range = (struct chart_range){-0.1, 0.05};
 	struct drawn drawn = draw_map(map, &params, "map.png");
 	for (size_t i = 0; i < 7; i++) {
-		static const char *const texts[] = {"a title", "a subtitle", "Offset, cm", "< \xe2\x88\x92" "10", "0", "> 5", "no data"};
+		static const char *const texts[] = {"a title",
+						    "a subtitle",
+						    "Offset, cm",
+						    "< \xe2\x88\x92"
+						    "10",
+						    "0",
+						    "> 5",
+						    "no data"};
 		assert_non_null(said(&drawn, texts[i]));
 	}
 	assert_in_order(&drawn);
@@ -260,7 +277,9 @@ static void the_legend_says_what_the_colours_mean(void **state)
 	/* By itself: one post of a metre is beyond what a thousandth is; with all of it nothing is beyond. */
 	params = asked(LEVEL, STORE_OFFSET);
 	drawn = draw_map(plain(600), &params, "map.png");
-	assert_true(said(&drawn, "< \xe2\x88\x92" "30") != NULL && said(&drawn, "> 30") != NULL);
+	assert_true(said(&drawn, "< \xe2\x88\x92"
+				 "30") != NULL &&
+		    said(&drawn, "> 30") != NULL);
 	drawn_finish(&drawn);
 	map.range = (struct chart_range){-1, 1};
 	drawn = draw_map(map, &params, "map.png");
@@ -293,7 +312,10 @@ static void the_legend_of_heights_has_their_ends(void **state)
 	map.raster = &drawn.raster;
 	map.meta = params.meta;
 	must(chart_map_page(&map, "map.png", &drawn.page, &drawn.frame, &drawn.written));
-	static const char *const texts[] = {"Height, m", "\xe2\x88\x92" "12", "2000", "4000", "5988"};
+	static const char *const texts[] = {"Height, m",
+					    "\xe2\x88\x92"
+					    "12",
+					    "2000", "4000", "5988"};
 	for (size_t i = 0; i < 5; i++)
 		if (said(&drawn, texts[i]) == NULL)
 			fail_msg("no %s", texts[i]);
@@ -323,12 +345,15 @@ static void classes_have_their_colours_and_shares(void **state)
 	assert_true(said(&drawn, "go: 25.0 %") != NULL && said(&drawn, "no-go: 75.0 %") != NULL);
 	assert_in_order(&drawn);
 	struct picture picture = write_and_read(&drawn);
-	const uint8_t *go = at_place(&drawn, &picture, 40, 250), *no_go = at_place(&drawn, &picture, 220, 250), *none = at_place(&drawn, &picture, 390, 250);
+	const uint8_t *go = at_place(&drawn, &picture, 40, 250), *no_go = at_place(&drawn, &picture, 220, 250),
+		      *none = at_place(&drawn, &picture, 390, 250);
 	assert_true(go[1] > go[0] + 50 && no_go[0] > no_go[1] + 50 && none[2] >= none[0]);
 	free(picture.pixels);
 	chart_page_finish(&drawn.page);
 	/* Right of a tall map too, with names that are longer than there is room. */
-	static const struct chart_key longer[] = {{"unknown: too steep or too coarse to say, or whatever else it may be", {150, 150, 158, 255}, 1}, {"go", {0, 158, 115, 255}, 0}};
+	static const struct chart_key longer[] = {
+		{"unknown: too steep or too coarse to say, or whatever else it may be", {150, 150, 158, 255}, 1},
+		{"go", {0, 158, 115, 255}, 0}};
 	drawn.raster.width = 50;
 	map.raster = &drawn.raster;
 	map.keys = longer;
@@ -348,12 +373,21 @@ static double random_share(void)
 }
 
 /* Ways in a part of the terrain; every eighth name is as long as a name may be, every third way is a vehicle's. */
-static size_t make_ways(struct chart_way *ways, char (*names)[160], double (*places)[3][2], size_t count, const double low[2], const double size[2])
+static size_t make_ways(struct chart_way *ways, char (*names)[160], double (*places)[3][2], size_t count, const double low[2],
+			const double size[2])
 {
-	static const char *const words[] = {"rover", "\xd0\x9b\xd1\x83\xd0\xbd\xd0\xbe\xd1\x85\xd1\x96\xd0\xb4", "e\xcc\x8a", "\xd8\xb9\xd8\xb1\xd8\xa8\xd8\xa9",
-					    "\xe7\x81\xab\xe6\x98\x9f", "a<b>&\"c\"", "\xff\xfe", "x"};
+	static const char *const words[] = {"rover",
+					    "\xd0\x9b\xd1\x83\xd0\xbd\xd0\xbe\xd1\x85\xd1\x96\xd0\xb4",
+					    "e\xcc\x8a",
+					    "\xd8\xb9\xd8\xb1\xd8\xa8\xd8\xa9",
+					    "\xe7\x81\xab\xe6\x98\x9f",
+					    "a<b>&\"c\"",
+					    "\xff\xfe",
+					    "x"};
 	for (size_t i = 0; i < count; i++) {
-		snprintf(names[i], sizeof names[i], i % 8 == 7 ? "%s %zu with a name that goes on and on until nobody reads it, and then on" : "%s %zu", words[i % 8], i);
+		snprintf(names[i], sizeof names[i],
+			 i % 8 == 7 ? "%s %zu with a name that goes on and on until nobody reads it, and then on" : "%s %zu",
+			 words[i % 8], i);
 		places[i][0][0] = low[0] + random_share() * size[0];
 		places[i][0][1] = low[1] + random_share() * size[1];
 		for (int k = 1; k < 3; k++)
@@ -376,7 +410,8 @@ static void names_do_not_meet(void **state)
 			struct chart_raster_params params = asked(0, STORE_OFFSET);
 			params.rect = rects[i];
 			const double low[2] = {2.0 * (double)rects[i].x0, 2.0 * (double)rects[i].y0};
-			const double size[2] = {2.0 * (double)(rects[i].x1 - rects[i].x0 - 1), 2.0 * (double)(rects[i].y1 - rects[i].y0 - 1)};
+			const double size[2] = {2.0 * (double)(rects[i].x1 - rects[i].x0 - 1),
+						2.0 * (double)(rects[i].y1 - rects[i].y0 - 1)};
 			struct chart_map map = plain(700);
 			seed = (uint32_t)(10 * i + k);
 			map.ways = ways;
@@ -411,7 +446,8 @@ static void the_smallest_and_the_narrowest_maps_have_all_of_it(void **state)
 			params.rect = rects[i];
 			struct chart_map map = plain(500);
 			map.size = sizes[k];
-			map.title = "A title that is far longer than the page is wide, and so is cut in its middle, where it matters least of all to anybody who reads it";
+			map.title = "A title that is far longer than the page is wide, and so is cut in its middle, where it "
+				    "matters least of all to anybody who reads it";
 			struct drawn drawn = draw_map(map, &params, "map.png");
 			assert_in_order(&drawn);
 			assert_non_null(said(&drawn, "N"));
@@ -425,8 +461,26 @@ static void numbers_are_written_for_people(void **state)
 	static const struct {
 		double value, step;
 		const char *text;
-	} cases[] = {{0, 1, "0"}, {-0.4, 1, "0"}, {-12, 1, "\xe2\x88\x92" "12"}, {1234, 1, "1234"}, {12345, 1, "12\xe2\x80\xaf" "345"},
-		     {-4649776.5, 0.5, "\xe2\x88\x92" "4\xe2\x80\xaf" "649\xe2\x80\xaf" "776.5"}, {0.05, 0.01, "0.05"}, {1e9, 1e8, "1\xe2\x80\xaf" "000\xe2\x80\xaf" "000\xe2\x80\xaf" "000"}};
+	} cases[] = {{0, 1, "0"},
+		     {-0.4, 1, "0"},
+		     {-12, 1,
+		      "\xe2\x88\x92"
+		      "12"},
+		     {1234, 1, "1234"},
+		     {12345, 1,
+		      "12\xe2\x80\xaf"
+		      "345"},
+		     {-4649776.5, 0.5,
+		      "\xe2\x88\x92"
+		      "4\xe2\x80\xaf"
+		      "649\xe2\x80\xaf"
+		      "776.5"},
+		     {0.05, 0.01, "0.05"},
+		     {1e9, 1e8,
+		      "1\xe2\x80\xaf"
+		      "000\xe2\x80\xaf"
+		      "000\xe2\x80\xaf"
+		      "000"}};
 	char text[64];
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		chart_number(cases[i].value, cases[i].step, text, sizeof text);
@@ -439,14 +493,16 @@ static void numbers_are_written_for_people(void **state)
 	chart_length(0.0625, text, sizeof text);
 	assert_string_equal(text, "6.25 cm");
 	chart_length(2e7, text, sizeof text);
-	assert_string_equal(text, "20\xe2\x80\xaf" "000 km");
+	assert_string_equal(text, "20\xe2\x80\xaf"
+				  "000 km");
 }
 
 static void the_name_of_a_system_is_read_from_any_text(void **state)
 {
 	static const char *const cases[][2] = {
 		{"", ""},
-		{"PROJCRS[\"WGS 84 / UTM zone 33N\",BASEGEOGCRS[\"WGS 84\",ID[\"EPSG\",4326]],ID[\"EPSG\",32633]]", "WGS 84 / UTM zone 33N (EPSG:32633)"},
+		{"PROJCRS[\"WGS 84 / UTM zone 33N\",BASEGEOGCRS[\"WGS 84\",ID[\"EPSG\",4326]],ID[\"EPSG\",32633]]",
+		 "WGS 84 / UTM zone 33N (EPSG:32633)"},
 		{"PROJCS[\"a \"\"b\"\" [\",AUTHORITY[\"X\",\"7\"]]", "a \"b\" [ (X:7)"},
 		{"PROJCS[\"open", "open"},
 		{"PROJCS[\"x\",ID[", "x"},

@@ -10,7 +10,7 @@ import sys
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
-from furrow_test import FURROW, SCENE, SHARED, FurrowTest, has_gdal, main, write_png16
+from furrow_test import FURROW, MAPS, SCENE, SHARED, FurrowTest, has_gdal, main, write_png16
 
 NO_GL = {"__EGL_VENDOR_LIBRARY_FILENAMES": "/nonexistent.json", "EGL_PLATFORM": "surfaceless"}
 
@@ -531,7 +531,7 @@ objects:
             self.assertEqual(struct.unpack(">II", data[16:24]), (320, 180))
         self.assertEqual(len(list((self.folder / "out").glob("frame-*.png"))), 2)
 
-    @unittest.skipUnless(os.environ.get("FURROW_MAPS", "1") == "1", "this build draws no maps")
+    @unittest.skipUnless(MAPS, "this build draws no maps")
     def test_a_drive_leaves_a_map_and_says_where(self):
         store = self.synth()
         result = self.furrow("drive", self.scene(), "--store", store, "-o", "out")

@@ -11,6 +11,7 @@ import unittest
 import zlib
 
 FURROW = os.environ["FURROW"]
+MAPS = os.environ.get("FURROW_MAPS", "1") == "1"  # this build draws them
 SHARED = pathlib.Path(os.environ.get("SHARED", "/nonexistent"))
 
 SCENE = """scene: 1

@@ -8,8 +8,9 @@ import signal
 import struct
 import subprocess
 import time
+import unittest
 
-from furrow_test import FURROW, FurrowTest, main
+from furrow_test import FURROW, MAPS, FurrowTest, main
 
 SCENES = pathlib.Path(__file__).parents[2] / "tools" / "scenes"
 # Four wheels of 250 kg each. The rear ones run beside the ruts of the front ones, and beside the soil that these lay aside.
@@ -22,6 +23,7 @@ MODEL = """<mujoco><option timestep="0.002" integrator="implicit"/><worldbody><b
 SPACING = "0.0625"
 
 
+@unittest.skipUnless(MAPS, "this build draws no maps")
 class Mobility(FurrowTest):
     def setUp(self):
         super().setUp()

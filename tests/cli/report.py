@@ -15,7 +15,7 @@ import unittest
 import xml.etree.ElementTree
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
-from furrow_test import FURROW, FurrowTest, main
+from furrow_test import FURROW, MAPS, FurrowTest, main
 
 SCENE = """scene: 1
 time_step: 0.02
@@ -127,6 +127,7 @@ class Plot:
         return abs(self.scale[axis][2]) * 0.16
 
 
+@unittest.skipUnless(MAPS, "this build draws no maps")
 class Report(FurrowTest):
     @classmethod
     def setUpClass(cls):
