@@ -75,9 +75,20 @@ static void put_command(FILE *out, const struct command *command)
 		fprintf(out, "\t\t\t'%s:", argument->repeats ? "*" : argument->needed ? "" : ":");
 		put_string(out, argument->name);
 		putc(':', out);
-		put_action(out, argument);
+		if (command->also != NULL && argument == command->arguments) /* a file, or the word that begins the second form */
+			fprintf(out, "_alternative words\\:form\\:\"(%s)\" files\\:file\\:\"_files\"", command->also->name);
+		else
+			put_action(out, argument);
 		fputs("' \\\n", out);
 	}
+	if (command->also != NULL)
+		for (const struct command_option *argument = command->also + 1; argument->name != NULL; argument++) {
+			fputs("\t\t\t'::", out);
+			put_string(out, argument->name);
+			putc(':', out);
+			put_action(out, argument);
+			fputs("' \\\n", out);
+		}
 	fputs("\t\t\t&& return 0\n\t\t\t;;\n", out);
 }
 

@@ -171,22 +171,26 @@ class Help(FurrowTest):
         if shutil.which("zsh") is None:
             self.skipTest("there is no zsh")
         (self.folder / "_furrow").write_text(self.scripts["zsh"])
-        # A pseudo-terminal of zsh itself: what Tab lists, in a shell without settings.
+        # A pseudo-terminal of zsh itself, in a shell without settings: what Tab does with $1, until it shows $2.
         (self.folder / "ask").write_text("""
 zmodload zsh/zpty
 zpty z zsh -f -i
-send() { zpty -w z "$1" }
-send "PS1=; fpath=($PWD $fpath); autoload -Uz compinit; compinit -u -D; setopt no_beep no_list_ambiguous; zstyle ':completion:*' list-prompt ''; LISTMAX=1000; COLUMNS=200; echo ready"
+zpty -w z "PS1=; fpath=($PWD $fpath); autoload -Uz compinit; compinit -u -D; setopt no_beep no_list_ambiguous; LISTMAX=1000; COLUMNS=200; echo ready"
 zpty -r z out '*ready*ready*'
-zpty -w -n z $'furrow drive --\\t'
-zpty -r z out '*--trace*'
+zpty -w -n z "$1"$'\\t'
+zpty -r z out "*$2*"
 print -r -- "$out"
 zpty -d z
 """)
-        result = subprocess.run(["zsh", "-f", "ask"], capture_output=True, text=True, cwd=self.folder, timeout=60)
+
+        def offered(line, until):
+            return subprocess.run(["zsh", "-f", "ask", line, until], capture_output=True, text=True, cwd=self.folder, timeout=250).stdout
+        told = offered("furrow drive --", "--trace")
         for name in self.options["drive"]:
             if name.startswith("--"):
-                self.assertIn(name, result.stdout)
+                self.assertIn(name, told)
+        self.assertIn("collect", offered("furrow study col", "collect"))
+        self.assertIn("dunes", offered("furrow synth --kind d", "dunes"))
 
     def test_lines_are_short_and_manual_pages_are_clean(self):
         for command, text in {**self.help, "": self.overview}.items():
