@@ -38,7 +38,7 @@ void explain_cameras_text(const struct scene *scene, const struct report_plan *p
 		puts("\ncameras: each frame draws what it sees once, and for normals, height and class once more");
 	for (size_t i = 0; i < scene->camera_count; i++) {
 		const struct scene_camera *camera = &scene->cameras[i];
-		char what[240], images[120];
+		char what[320], images[120];
 		list_images(camera, images, sizeof images);
 		snprintf(what, sizeof what, "  %-12s %d x %d, %g a second: %s frames of %s, %s each", camera->name, camera->width, camera->height, camera->rate,
 			 layout_number((uint64_t)frames_of(scene, plan, camera)).text, images, layout_bytes(frame_bytes(camera)).text);

@@ -135,6 +135,17 @@ static void print_options(FILE *out, int width, const struct command_option *opt
 	}
 }
 
+static void print_examples(FILE *out, const char *line)
+{
+	while (*line != '\0') {
+		const size_t length = strcspn(line, "\n");
+		fputs("  ", out);
+		fwrite(line, 1, length, out);
+		putc('\n', out);
+		line += length + 1;
+	}
+}
+
 void help_command(FILE *out, const struct command *command)
 {
 	const int width = width_of(out);
@@ -154,8 +165,7 @@ void help_command(FILE *out, const struct command *command)
 	}
 	if (command->examples != NULL) {
 		fputs("\nexamples:\n", out);
-		for (const char *line = command->examples; *line != '\0'; line += strcspn(line, "\n") + 1)
-			fprintf(out, "  %.*s\n", (int)strcspn(line, "\n"), line);
+		print_examples(out, command->examples);
 	}
 	if (command->see != NULL)
 		fprintf(out, "\nsee also: %s\n", command->see);
