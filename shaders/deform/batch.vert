@@ -1,29 +1,32 @@
 #version 450 core
-// The windows of a batch, in one draw: a strip of four vertices for each. It passes the numbers of the window on to the fragments, as
+// Parts of the windows of a batch, in one draw: a strip of four vertices for each. It passes the numbers of the part on to the fragments, as
 // passed.vert does.
 // Defines:
-// - PASSED: how many numbers, of 16 bytes each
-// - FIRST: the first of them, among the numbers of a window
-// - RECORD: how many numbers a window has
+// - PASSED: how many numbers, of 16 bytes each, from the third on
+// - RECORD: how many numbers a part has
+// - HULL: draws a quadrilateral around what the pass changes, instead of all posts of the part. It may reach beyond these
 
 layout(std430, binding = 4) readonly buffer batch {
-	ivec4 records[]; // RECORD for each window. The first: its posts in the layer: first, one behind the last
+	ivec4 records[]; // RECORD for each part: struct record in src/deform/batch.h
 };
 
 layout(std140, binding = 0) uniform batch_params {
-	ivec4 first; // x: the first window of this draw
+	ivec4 draw; // the first part of this draw; posts along a side of the layer
 };
-
-#define LAYER_POSTS 256.0 /* DEFORM_WINDOW_POSTS */
 
 flat out ivec4 passed[PASSED];
 
 void main()
 {
-	int record = (first.x + gl_InstanceID) * RECORD;
+	int record = (draw.x + gl_InstanceID) * RECORD;
 	for (int i = 0; i < PASSED; i++)
-		passed[i] = records[record + FIRST + i];
-	ivec4 posts = records[record];
-	ivec2 corner = mix(posts.xy, posts.zw, bvec2(gl_VertexID & 1, gl_VertexID >> 1 & 1));
-	gl_Position = vec4(vec2(corner) * (2.0 / LAYER_POSTS) - 1.0, 0.0, 1.0);
+		passed[i] = records[record + 2 + i];
+#ifdef HULL
+	vec4 corners = intBitsToFloat(records[record + (gl_VertexID >> 1 & 1)]);
+	vec2 corner = (gl_VertexID & 1) == 0 ? corners.xy : corners.zw;
+#else
+	ivec4 posts = records[record + 2];
+	vec2 corner = vec2(mix(posts.xy, posts.zw, bvec2(gl_VertexID & 1, gl_VertexID >> 1 & 1)));
+#endif
+	gl_Position = vec4(corner * (2.0 / float(draw.y)) - 1.0, 0.0, 1.0);
 }

@@ -3,7 +3,8 @@
 // left a post that the contact lowered and that its end pose does not hold. One fragment for each post of the window.
 // Defines:
 // - RADIUS
-// - BATCH: the windows of a batch. Posts are counted from the first of the layer
+// - BATCH: parts of the windows of a batch. Posts are counted from the first of the layer
+// - STORE: with BATCH: writes the tiles, not the layer
 
 #include "lib/window.glsl"
 
@@ -11,8 +12,9 @@ layout(binding = 0, r32i) readonly restrict uniform iimage2DArray offsets;
 layout(binding = 1, r8ui) readonly restrict uniform uimage2DArray contacts;
 
 #ifdef BATCH
-flat in ivec4 passed[PASSED];
-ivec4 window = passed[0]; // the window's posts: first, one behind the last
+#include "lib/part.glsl"
+
+ivec4 window = passed[2]; // the window's posts: first, one behind the last
 const int layer = 0;
 #else
 layout(std140, binding = 0) uniform params {
@@ -22,7 +24,11 @@ ivec4 window = ivec4(0, 0, given.xy);
 int layer = given.z;
 #endif
 
+#ifdef STORE
+layout(binding = 2, r32i) writeonly restrict uniform iimage2DArray tiles;
+#else
 layout(location = 0) out int offset_out;
+#endif
 
 // a / b rounded down, and the rest; a < 2^24, 0 < b <= 81. A float holds `a` exactly, so the guess is wrong by one at most. A processor
 // has no division of several whole numbers at once.
@@ -35,27 +41,37 @@ uint divided(uint a, uint b, out uint rest)
 	return uint(int(guess) + by);
 }
 
-void main()
+int smooth_at(ivec2 post)
 {
-	ivec2 post = ivec2(gl_FragCoord.xy);
 	ivec2 low = max(post - RADIUS, window.xy), high = min(post + RADIUS, window.zw - 1);
-	offset_out = imageLoad(offsets, ivec3(post, layer)).r;
-	// This loop has a known length, so that it is unrolled. The next one ends at once if it has nothing to do in a whole block of posts.
-	uint left = 0u, count = 0u, own = 0u;
+	// The sum of up to 81 offsets exceeds 32 bits, so high and low halves are summed apart. Offsets are counted from the
+	// lowest possible one, since GLSL does not define the division of negative numbers.
+	uint high_sum = 0u, low_sum = 0u, left = 0u, count = 0u, own = 0u;
+	int now = imageLoad(offsets, ivec3(post, layer)).r;
+	// This loop has a known length, so that it is unrolled.
 	for (int y = -RADIUS; y <= RADIUS; y++)
 		for (int x = -RADIUS; x <= RADIUS; x++) {
 			ivec2 there = post + ivec2(x, y);
+#ifdef STORE
+			const bool inside = true; // a window has as many posts around those that it writes
+#else
 			bool inside = all(greaterThanEqual(there, low)) && all(lessThanEqual(there, high));
+#endif
 			uint contact = inside ? imageLoad(contacts, ivec3(there, layer)).r : NO_GROUND;
 			own = x == 0 && y == 0 ? contact : own;
 			left |= contact & ~(contact >> 1) & LOWERED; // LOWERED, and not HELD
 			count += (contact & NO_GROUND) == 0u ? 1u : 0u;
+#if RADIUS == 1
+			bool counts = (contact & NO_GROUND) == 0u;
+			uint offset = counts ? uint(imageLoad(offsets, ivec3(there, layer)).r) ^ 0x80000000u : 0u;
+			high_sum += offset >> 16;
+			low_sum += offset & 0xffffu;
+#endif
 		}
 	if (left == 0u || (own & (HELD | NO_GROUND)) != 0u)
-		return;
-	// The sum of up to 81 offsets exceeds 32 bits, so high and low halves are summed apart. Offsets are counted from the
-	// lowest possible one, since GLSL does not define the division of negative numbers.
-	uint high_sum = 0u, low_sum = 0u;
+		return now;
+#if RADIUS > 1
+	// This one ends at once if it has nothing to do in a whole block of posts.
 	for (int y = low.y; y <= high.y; y++)
 		for (int x = low.x; x <= high.x; x++) {
 			if ((imageLoad(contacts, ivec3(x, y, layer)).r & NO_GROUND) != 0u)
@@ -64,9 +80,21 @@ void main()
 			high_sum += offset >> 16;
 			low_sum += offset & 0xffffu;
 		}
+#endif
 	// floor((sum + count / 2) / count), sum = high_sum * 2^16 + low_sum.
 	uint rest, unused;
 	uint quotient = divided(high_sum, count, rest);
 	uint mean = (quotient << 16) + divided((rest << 16) + low_sum + count / 2u, count, unused);
-	offset_out = int(mean ^ 0x80000000u);
+	return int(mean ^ 0x80000000u);
+}
+
+void main()
+{
+	ivec2 post = ivec2(gl_FragCoord.xy);
+#ifdef STORE
+	if (in_part(post))
+		imageStore(tiles, ivec3(post + tile.xy, tile.w), ivec4(smooth_at(post)));
+#else
+	offset_out = smooth_at(post);
+#endif
 }

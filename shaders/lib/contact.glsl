@@ -2,15 +2,19 @@
 // Defines:
 // - CONTACT: also find the posts on which the object rests
 // - CONTACT_MORE: members that a model adds to the parameters
-// - BATCH: the windows of a batch. Posts are counted from the first of the layer
+// - BATCH: parts of the windows of a batch. Posts are counted from the first of the layer, and read from the tiles
 // - WITH_ENVELOPE: with BATCH: the pass also computes the lower envelope, with the defines of lib/envelope.glsl. So there are no textures of it
 
 #include "lib/int64.glsl"
 #include "lib/tally.glsl"
 #include "lib/window.glsl"
 
+#ifdef BATCH
+#include "lib/part_ground.glsl"
+#else
 layout(binding = 0, r32i) readonly restrict uniform iimage2DArray bases;
 layout(binding = 1, r32i) readonly restrict uniform iimage2DArray offsets;
+#endif
 #ifndef WITH_ENVELOPE
 layout(binding = 2, r32i) readonly restrict uniform iimage2DArray unders;
 #ifdef CONTACT
@@ -22,8 +26,7 @@ layout(binding = 3, r32i) readonly restrict uniform iimage2DArray rests;
 #define CONTACT_MORE
 #endif
 #ifdef BATCH
-flat in ivec4 passed[PASSED]; // as the parameters, from batch.vert
-ivec4 zero = passed[0], written = passed[1];
+ivec4 zero = passed[3], written = passed[4];
 #else
 layout(std140, binding = 0) uniform params {
 	// lo, hi: the window's zero height, fixed-point units from the store's reference; the layer; two spacings, fixed-point units
@@ -78,8 +81,14 @@ contact_result contact_at(ivec2 post)
 {
 	contact_result p;
 	ivec3 at = ivec3(post, zero.z);
+#ifdef BATCH
+	if (!in_part(post))
+		discard;
+	int base = part_base(post), offset = part_offset(post);
+#else
 	int base = imageLoad(bases, at).r;
 	int offset = imageLoad(offsets, at).r;
+#endif
 	int under = under_at(at);
 	p.written = all(greaterThanEqual(post, written.xy)) && all(lessThan(post, written.zw));
 	p.contact = 0u;

@@ -52,7 +52,7 @@ struct body {
 // Two: of the contact, of its end pose.
 #ifdef PASSED
 #ifdef WITH_ENVELOPE
-const int BODIES = 2; // lib/contact.glsl declares them
+const int BODIES = 5; // lib/part.glsl declares them
 #else
 const int BODIES = 0;
 flat in ivec4 passed[PASSED]; // the parameters, from the vertex shader: passed.vert says why

@@ -20,7 +20,7 @@ double lattice_base_metres(int64_t base)
 
 double lattice_offset_metres(int64_t offset)
 {
-	return ldexp((double)offset, -OFFSET_BITS);
+	return (double)offset * (1.0 / (1 << OFFSET_BITS));
 }
 
 int32_t lattice_reference(double low, double high)

@@ -34,6 +34,10 @@ enum plan_unit {
 	PLAN_NUMBER_SLOT,  /* base slots that also have numbers of the soil, from rasters */
 	PLAN_DEFORM_SLOT,  /* deform slots with the drawn planes */
 	PLAN_STATE_SLOT,   /* deform slots that also have the planes of the soil's state */
+	PLAN_BASE_ARRAY,   /* arrays of which bases are layers, if contacts are computed together */
+	PLAN_BASE_LAYER,   /* their layers */
+	PLAN_DEFORM_ARRAY, /* arrays of which one drawn plane of deform slots is a layer */
+	PLAN_DEFORM_LAYER, /* their layers */
 	PLAN_PATCH,        /* textures from which base heights are interpolated */
 	PLAN_PAGE,         /* copies of pages in main memory, while they are loaded or committed */
 	PLAN_WINDOW_LAYER, /* windows that one contact needs at once */
@@ -44,7 +48,8 @@ enum plan_unit {
 	PLAN_WINDOW,       /* windows of an object that were computed alone */
 	PLAN_MOVED,        /* of these, windows in which the object moved */
 	PLAN_BATCH,        /* batches of windows that were computed together */
-	PLAN_BATCH_DRAW,   /* draws of contacts in them: one for each kind of body in a batch */
+	PLAN_BATCH_DRAW,   /* draws in them of the ground, one for each pair of arrays, and of contacts, for each kind of body too */
+	PLAN_BATCH_STORE,  /* draws in them that write tiles: one for each array */
 	PLAN_BATCH_ENVELOPE, /* lower envelopes in them that were drawn alone */
 	PLAN_FACETS,       /* draws of an object's triangles */
 	PLAN_HELD,         /* blocks of relaxing soil with objects at rest, counted once for each object */

@@ -351,23 +351,22 @@ enum status deform_scatter(struct deform *deform, const struct deform_window *wi
 
 /*
  * A batch: contacts of one window each that share no post, computed together (batch.c). Call deform_batch_begin; deform_batch_add for each
- * window; deform_batch_compute; deform_batch_scatter for each window. The result has the same bits as contacts that are computed one
- * after another. Only if the parameters ask for batches.
+ * window; deform_batch_compute, which also writes the results to the tiles, as deform_scatter does. The result has the same bits as
+ * contacts that are computed one after another. Only if the parameters ask for batches; then the slots lie in arrays.
  */
-#define DEFORM_BATCH_MOST 256 /* windows */
+#define DEFORM_BATCH_MOST 512 /* windows */
+#define DEFORM_BATCH_TILES 4  /* that hold posts of one window, at most */
 #define DEFORM_BATCH_BUFFER "batch" /* name of the plan's line of the only memory that batches need */
 /* Returns true if some contacts of this object can be in a batch. */
 bool deform_batches(const struct deform_params *params, const struct deform_planned *object);
 /* Returns true if a contact with these windows can be in a batch. */
 bool deform_is_batched(const struct deform *deform, const struct deform_contact *contact, const struct deform_window *windows, size_t count);
 void deform_batch_begin(struct deform *deform);
-/* Adds a window and gathers it. `tiles`: all tiles that hold a post of `read`. Returns false if there is no room; there is room for a first
- * window. */
-bool deform_batch_add(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
-		      const struct deform_tile *tiles, size_t count);
+/* Adds a window. `tiles`: all tiles that hold a post of `read`, at most DEFORM_BATCH_TILES, and maybe others. They keep their slots until the
+ * batch is computed. *added is false if there is no room; there is room for a first window. */
+enum status deform_batch_add(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
+			     const struct deform_tile *tiles, size_t count, bool *added) FURROW_CHECKED;
 enum status deform_batch_compute(struct deform *deform) FURROW_CHECKED;
-/* As deform_scatter. `which`: the window's number, in the order in which windows were added. */
-enum status deform_batch_scatter(struct deform *deform, size_t which, const struct deform_tile *tiles, size_t count) FURROW_CHECKED;
 
 /*
  * Active blocks: blocks where soil may still relax. In intervals (SOIL.md) the whole lattice makes `iterations` iterations of
@@ -462,7 +461,8 @@ struct deform_figures {
 	uint64_t resting;  /* windows drawn for that, of closed forms; triangles are counted in `facets` */
 	uint64_t atlases;
 	uint64_t batches;  /* of two windows or more */
-	uint64_t batch_draws;     /* draws of contacts in batches: one for each kind of body in a batch */
+	uint64_t batch_draws;     /* draws in batches of the ground, one for each pair of arrays, and of contacts, for each kind of body too */
+	uint64_t batch_stores;    /* draws that wrote tiles: one for each array */
 	uint64_t batch_envelopes; /* lower envelopes that were drawn alone in batches */
 };
 void deform_figures(const struct deform *deform, struct deform_figures *figures);

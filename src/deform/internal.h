@@ -391,8 +391,10 @@ enum status deform_scatter_from(struct deform *deform, struct post_rect write, c
 enum status deform_batch_create(struct deform *deform) FURROW_CHECKED;
 void deform_batch_destroy(struct deform *deform); /* does nothing if it was never created */
 void deform_batch_plan(const struct deform_params *params, struct plan *plan);
-/* The contact pass of a model whose parameters are only struct contact_params, and the passes that smooth. For soil_batch_fn. */
+/* For soil_batch_fn. The contact pass of a model whose parameters are only struct contact_params. After it, a pass that writes the tiles; or
+ * the passes that smooth, of which the last writes the tiles. */
 enum status deform_batch_contact(struct deform *deform) FURROW_CHECKED;
+enum status deform_batch_store(struct deform *deform) FURROW_CHECKED;
 enum status deform_batch_smooth(struct deform *deform) FURROW_CHECKED;
 
 /* schedule/active.c */

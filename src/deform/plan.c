@@ -101,10 +101,16 @@ static void plan_batches(const struct deform_params *params, struct plan *plan)
 	deform_batch_plan(params, plan);
 	add_passes(plan, displace, -1, PLAN_BATCH_ENVELOPE, GPU_ENVELOPE, 1);
 	add_passes(plan, displace, -1, PLAN_BATCH_DRAW, GPU_CONTACT, 1);
-	if (deform_model_row(params->model)->smooths)
-		add_passes(plan, deform_model_row(params->model)->effect.name, -1, PLAN_BATCH, GPU_SMOOTH, params->box_repetitions);
+	if (deform_model_row(params->model)->smooths) {
+		const char *effect = deform_model_row(params->model)->effect.name;
+		if (params->box_repetitions > 1)
+			add_passes(plan, effect, -1, PLAN_BATCH, GPU_SMOOTH, params->box_repetitions - 1);
+		add_passes(plan, effect, -1, PLAN_BATCH_STORE, GPU_SMOOTH, 1);
+	} else {
+		add_passes(plan, displace, -1, PLAN_BATCH_STORE, GPU_CONTACT, 1);
+	}
 	if (params->disturbance)
-		add_passes(plan, "dirt", -1, PLAN_BATCH, GPU_DISTURBANCE, 1);
+		add_passes(plan, "dirt", -1, PLAN_BATCH_STORE, GPU_DISTURBANCE, 1);
 }
 
 void deform_plan(const struct deform_params *params, const struct deform_planned *objects, size_t count, bool forces,

@@ -201,27 +201,31 @@ void deform_programs_disturbance(struct deform_request *out)
 void deform_programs_batch(const struct deform_params *params, enum deform_batch_pass pass, struct deform_request *out)
 {
 	static const struct {
-		const char *passed, *first, *shape, *fragment;
+		const char *passed, *shape, *fragment;
 	} passes[] = {
-		[BATCH_WHEELS] = {"PASSED 16", "FIRST 1", "SHAPE_WHEEL", NULL},
-		[BATCH_SIDEWAYS_WHEELS] = {"PASSED 20", "FIRST 1", "SHAPE_WHEEL", NULL},
-		[BATCH_SPHERES] = {"PASSED 16", "FIRST 1", "SHAPE_SPHERE", NULL},
-		[BATCH_OTHERS] = {"PASSED 2", "FIRST 1", NULL, NULL},
-		[BATCH_BOX] = {"PASSED 1", "FIRST 0", NULL, "deform/box.frag"},
-		[BATCH_DISTURBANCE] = {"PASSED 1", "FIRST 0", NULL, "deform/disturbance.frag"},
+		[BATCH_WHEELS] = {"PASSED 19", "SHAPE_WHEEL", NULL},
+		[BATCH_SIDEWAYS_WHEELS] = {"PASSED 23", "SHAPE_WHEEL", NULL},
+		[BATCH_SPHERES] = {"PASSED 19", "SHAPE_SPHERE", NULL},
+		[BATCH_OTHERS] = {"PASSED 5", NULL, NULL},
+		[BATCH_GATHER] = {"PASSED 2", NULL, "deform/gather.frag"},
+		[BATCH_BOX] = {"PASSED 3", NULL, "deform/box.frag"},
+		[BATCH_BOX_STORE] = {"PASSED 3", NULL, "deform/box.frag"},
+		[BATCH_STORE] = {"PASSED 2", NULL, "deform/store.frag"},
+		[BATCH_DISTURBANCE] = {"PASSED 2", NULL, "deform/disturbance.frag"},
 	};
-	_Static_assert(DEFORM_BATCH_RECORD == 21 && GPU_PASSED_MOST == 20, "RECORD, PASSED");
-	const bool contact = pass <= BATCH_OTHERS;
+	_Static_assert(DEFORM_BATCH_RECORD == 25 && GPU_PASSED_MOST == 23, "RECORD, PASSED");
+	const bool contact = pass <= BATCH_OTHERS, box = pass == BATCH_BOX || pass == BATCH_BOX_STORE;
 	begin(out, "deform/batch.vert", contact ? deform_model_row(params->model)->shader : passes[pass].fragment);
 	define(out, passes[pass].passed, true);
-	define(out, passes[pass].first, true);
-	define(out, "RECORD 21", true);
-	define(out, "BATCH", contact || pass == BATCH_BOX);
+	define(out, "RECORD 25", true);
+	define(out, "HULL", pass != BATCH_GATHER && pass != BATCH_BOX);
+	define(out, "BATCH", contact || box || pass == BATCH_DISTURBANCE);
+	define(out, "STORE", pass == BATCH_BOX_STORE);
 	define(out, "WITH_ENVELOPE", passes[pass].shape != NULL);
 	define(out, passes[pass].shape, passes[pass].shape != NULL);
 	define(out, "SIDEWAYS", pass == BATCH_SIDEWAYS_WHEELS);
-	define(out, "CONTACT", contact && deform_needs_contacts(params));
-	if (pass == BATCH_BOX)
+	define(out, "CONTACT", (contact || pass == BATCH_GATHER) && deform_needs_contacts(params));
+	if (box)
 		define_number(out, "RADIUS", params->box_radius);
 }
 
@@ -349,7 +353,10 @@ static void each_batch(struct each *each, const struct deform_planned *object)
 		{BATCH_SIDEWAYS_WHEELS, kind == DEFORM_WHEEL && object->moves, displace},
 		{BATCH_SPHERES, kind == DEFORM_SPHERE, displace},
 		{BATCH_OTHERS, (kind != DEFORM_WHEEL && kind != DEFORM_SPHERE) || object->leans, displace},
-		{BATCH_BOX, smooths, deform_model_row(params->model)->effect.name},
+		{BATCH_GATHER, true, displace},
+		{BATCH_BOX, smooths && params->box_repetitions > 1, deform_model_row(params->model)->effect.name},
+		{BATCH_BOX_STORE, smooths, deform_model_row(params->model)->effect.name},
+		{BATCH_STORE, !smooths, displace},
 		{BATCH_DISTURBANCE, params->disturbance, "dirt"},
 	};
 	if (!deform_batches(params, object))

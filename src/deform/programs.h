@@ -51,9 +51,12 @@ void deform_programs_held(bool loaded, struct deform_request *out);
 void deform_programs_disturbance(struct deform_request *out);
 
 /* Passes over a batch of windows (batch.c). */
-/* Contacts of straight wheels, of wheels that also move sideways, of spheres, of other shapes; then the passes after them. */
-enum deform_batch_pass { BATCH_WHEELS, BATCH_SIDEWAYS_WHEELS, BATCH_SPHERES, BATCH_OTHERS, BATCH_BOX, BATCH_DISTURBANCE };
-#define DEFORM_BATCH_RECORD 21 /* numbers of 16 bytes for each window */
+/* Contacts of straight wheels, of wheels that also move sideways, of spheres, of other shapes. Then the copy of the ground, before them, and
+ * the passes after them. _STORE: a pass writes the tiles. */
+enum deform_batch_pass {
+	BATCH_WHEELS, BATCH_SIDEWAYS_WHEELS, BATCH_SPHERES, BATCH_OTHERS, BATCH_GATHER, BATCH_BOX, BATCH_BOX_STORE, BATCH_STORE, BATCH_DISTURBANCE
+};
+#define DEFORM_BATCH_RECORD 25 /* numbers of 16 bytes for each window */
 void deform_programs_batch(const struct deform_params *params, enum deform_batch_pass pass, struct deform_request *out);
 
 /* Calls `each` for every program that an object can need, for some of them twice. Arguments as of deform_warm. */

@@ -64,9 +64,11 @@ static enum status batch_all(struct deform *deform, const struct deform_planned 
 		contact.to.x += i % ways > 0;
 		contact.to.y += i % ways > 1;
 		deform_batch_begin(deform);
-		for (int k = 0; k < 2 && deform_is_batched(deform, &contact, &window, 1); k++)
-			(void)deform_batch_add(deform, &contact, &window, NULL, 0);
-		status = deform_batch_compute(deform);
+		bool added = deform_is_batched(deform, &contact, &window, 1);
+		for (int k = 0; k < 2 && added && status == STATUS_OK; k++)
+			status = deform_batch_add(deform, &contact, &window, NULL, 0, &added);
+		if (status == STATUS_OK)
+			status = deform_batch_compute(deform);
 	}
 	return status;
 }

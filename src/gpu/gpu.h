@@ -38,7 +38,7 @@ struct gpu_info {
 	 * have both */
 	bool vertices_pass;
 };
-#define GPU_PASSED_MOST 20
+#define GPU_PASSED_MOST 23
 
 /* Every pass belongs to a stage, for counts and times. The order is that in which stages run. */
 enum gpu_stage {
@@ -109,6 +109,7 @@ const struct gpu_info *gpu_info(const struct gpu *gpu);
 void gpu_stats(struct gpu *gpu, struct gpu_stats *stats);
 /* Returns the sticky failure, or a GL error since the last check. `what`: what was being done, for the message. */
 enum status gpu_check(struct gpu *gpu, const char *what) FURROW_CHECKED;
+void gpu_start(struct gpu *gpu); /* lets the GPU begin with all that was queued. Does not wait */
 void gpu_finish(struct gpu *gpu); /* waits until the GPU has finished; for benches, and before the first step */
 
 /* --- textures and targets: gpu_texture.c --- */
@@ -254,6 +255,7 @@ struct gpu_pass {
 	 * later pass, copy and read sees what it wrote. The target's textures must not be among them. */
 	struct gpu_texture *images[GPU_PASS_IMAGES];
 	bool only_reads; /* the pass does not write storage and images; such passes need not wait for each other */
+	bool beside; /* the pass reads and writes no post that passes since the last one without this wrote, so it does not wait for them */
 	struct gpu_buffer *block; /* layout(std140, binding = 1): GPU_STORAGE that earlier passes wrote; NULL: none */
 	const void *params; /* std140 block, layout(binding = 0). The bytes are copied. NULL: none */
 	size_t params_bytes; /* at most 16 KiB */
@@ -302,10 +304,15 @@ struct gpu_slot {
 	struct gpu_texture *planes[PLANES]; /* NULL: the tile is not deformed, or the slots lack this plane; it counts as zeros */
 	struct gpu_target *target;          /* FBO with offset and disturbance as colours 0 and 1; NULL: the tile is not deformed */
 };
+/* Returns the array of which a texture of a slot is a layer, and its layer. NULL: it is none (gpu_slots_in_arrays). */
+struct gpu_texture *gpu_texture_array(const struct gpu_texture *texture, uint32_t *layer);
 /* Makes the pools. `count`: number of base slots. `planes`: a mask of the planes that may be used; the offset is always one of
  * them. */
 enum status gpu_slots_create(struct gpu *gpu, uint32_t cells, uint32_t count, unsigned planes,
 			     struct gpu_slots **out) FURROW_CHECKED;
+/* From now on base heights and drawn planes are layers of a few arrays. One pass can read and write those of many tiles. Arrays are
+ * made as they are needed, up to 256 layers at once. Call it before a tile is loaded. */
+enum status gpu_slots_in_arrays(struct gpu_slots *slots) FURROW_CHECKED;
 unsigned gpu_slots_planes(const struct gpu_slots *slots); /* returns the mask of planes that may be used */
 void gpu_slots_destroy(struct gpu_slots *slots);
 const struct gpu_slot *gpu_slots_get(const struct gpu_slots *slots, uint32_t slot);
@@ -317,6 +324,8 @@ void gpu_slots_bytes(const struct gpu_slots *slots, struct gpu_slots_bytes *byte
 /* How many slots were allocated so far (they stay until the end), and what was computed in them. */
 struct gpu_slots_figures {
 	uint64_t base_slots, class_slots, number_slots, deform_slots, state_slots, patches;
+	/* gpu_slots_in_arrays: arrays of base heights and their layers; the same for each drawn plane */
+	uint64_t base_arrays, base_layers, deform_arrays, deform_layers;
 	uint64_t subdivided, decimated; /* base tiles interpolated; decimations of a deformed tile */
 };
 void gpu_slots_figures(const struct gpu_slots *slots, struct gpu_slots_figures *figures);
@@ -324,10 +333,10 @@ void gpu_slots_figures(const struct gpu_slots *slots, struct gpu_slots_figures *
 enum gpu_division { GPU_UNDIVIDED, GPU_DIVIDED, GPU_DIVIDED_RELIEF };
 /* Adds to `plan` the lines of slots with these planes (0: nothing is deformed), and of the ring of
  * pass parameters. `classes`, `numbers`: there are soil classes, and rasters of numbers.
- * `decimates`: coarser levels are used. `effect`: the effect that needs the planes other than
+ * `arrays`: they lie in arrays. `decimates`: coarser levels are used. `effect`: the effect that needs the planes other than
  * disturbance. Pure. */
 void gpu_slots_plan(uint32_t cells, unsigned planes, bool classes, bool numbers,
-		    enum gpu_division division, bool decimates, const char *effect,
+		    enum gpu_division division, bool arrays, bool decimates, const char *effect,
 		    struct plan *plan);
 /* Links all programs that these slots can run. */
 enum status gpu_slots_warm(struct gpu_slots *slots, enum gpu_division division,

@@ -154,6 +154,12 @@ void gpu_finish(struct gpu *gpu)
 		glFinish();
 }
 
+void gpu_start(struct gpu *gpu)
+{
+	if (gpu_usable(gpu))
+		glFlush();
+}
+
 static GLbitfield written_bits(const struct gpu *gpu)
 {
 	GLbitfield bits = 0;

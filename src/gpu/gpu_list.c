@@ -1,11 +1,9 @@
 /*
  * Lists: storage that passes read and the CPU writes anew, as a whole, again and again. Each writing goes into the next of several
  * copies, since passes that are queued may still read the one before. Drivers do not keep glBufferSubData behind such passes: llvmpipe
- * only after a barrier, NVIDIA's not even then.
+ * only after a barrier, NVIDIA's not even then. So all copies are mapped.
  *
- * Invariants:
- *   1. Copy `copy` is the one that passes read. Its fence is NULL. Another copy's fence comes after the last pass that read it; NULL: none does.
- *   2. On a software driver the first copy alone is used, and GL writes it behind a barrier.
+ * Invariant: copy `copy` is the one that passes read. Its fence is NULL. Another copy's fence comes after the last pass that read it; NULL: none does.
  */
 #include <string.h>
 
@@ -36,11 +34,10 @@ enum status gpu_list_create(struct gpu *gpu, size_t bytes, struct gpu_list **out
 		return fail_memory("GPU list");
 	*list = (struct gpu_list){.gpu = gpu, .bytes = copy_bytes(bytes)};
 	glCreateBuffers(1, &list->name);
-	glNamedBufferStorage(list->name, (GLsizeiptr)all, NULL, gpu->info.software ? GL_DYNAMIC_STORAGE_BIT : MAP_FLAGS);
-	if (!gpu->info.software)
-		list->map = glMapNamedBufferRange(list->name, 0, (GLsizeiptr)all, MAP_FLAGS);
+	glNamedBufferStorage(list->name, (GLsizeiptr)all, NULL, MAP_FLAGS);
+	list->map = glMapNamedBufferRange(list->name, 0, (GLsizeiptr)all, MAP_FLAGS);
 	enum status status = gpu_check(gpu, "GPU list");
-	if (status == STATUS_OK && list->map == NULL && !gpu->info.software)
+	if (status == STATUS_OK && list->map == NULL)
 		status = gpu_fail(gpu, fail_with(STATUS_FAILED, "GPU list: it cannot be mapped; try another GL driver than %s", gpu->info.renderer));
 	if (status != STATUS_OK) {
 		glDeleteBuffers(1, &list->name);
@@ -87,14 +84,9 @@ void gpu_list_write(struct gpu_list *list, size_t bytes, const void *data)
 	assert(bytes <= list->bytes);
 	if (!gpu_usable(gpu) || bytes == 0)
 		return;
-	if (list->map == NULL) {
-		glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT); /* llvmpipe draws what is queued */
-		glNamedBufferSubData(list->name, 0, (GLsizeiptr)bytes, data);
-	} else {
-		next_copy(list);
-		if (gpu_usable(gpu))
-			memcpy(list->map + list->copy * list->bytes, data, bytes);
-	}
+	next_copy(list);
+	if (gpu_usable(gpu))
+		memcpy(list->map + list->copy * list->bytes, data, bytes);
 	gpu->stats.uploads++;
 	gpu->stats.upload_bytes += bytes;
 }

@@ -122,7 +122,7 @@ void gpu_pass_run(struct gpu *gpu, const struct gpu_pass *pass)
 	if (pass->params != NULL && gpu_ring_bind(gpu, pass->params, pass->params_bytes) != STATUS_OK)
 		return;
 	gpu_timer_begin(gpu, pass->stage);
-	if (!(gpu->only_read && pass->only_reads))
+	if (!pass->beside && !(gpu->only_read && pass->only_reads))
 		(shares(pass) ? gpu_drawn_barrier : gpu_written_barrier)(gpu);
 	gpu->only_read = pass->only_reads;
 	if (gpu->program != pass->program)

@@ -34,6 +34,7 @@ struct gpu_slots {
 	struct gpu *gpu;
 	uint32_t cells, count;
 	unsigned planes;
+	struct gpu_pool *bases, *drawn[PLANES]; /* NULL: each texture is one of its own */
 	struct entry *entries;
 	struct deform_slot *all, *free[2]; /* lists. free[0]: without planes of the soil's state; free[1]: with them */
 	struct gpu_texture *scratch[SCRATCH_COUNT];
@@ -112,6 +113,9 @@ void gpu_slots_destroy(struct gpu_slots *slots)
 	}
 	for (uint32_t i = 0; i < SCRATCH_COUNT; i++)
 		gpu_texture_destroy(slots->scratch[i]);
+	gpu_pool_destroy(slots->bases);
+	for (int plane = 0; plane < PLANES; plane++)
+		gpu_pool_destroy(slots->drawn[plane]);
 	mem_free(slots->entries);
 	mem_free(slots);
 }
@@ -137,6 +141,13 @@ void gpu_slots_bytes(const struct gpu_slots *slots, struct gpu_slots_bytes *byte
 	for (const struct deform_slot *home = slots->all; home != NULL; home = home->next)
 		for (int plane = 0; plane < PLANES; plane++)
 			bytes->planes[plane] += bytes_of(home->planes[plane]);
+	uint64_t arrays, layers, more;
+	gpu_pool_figures(slots->bases, &arrays, &layers, &more);
+	bytes->base += more;
+	for (int plane = 0; plane < PLANES; plane++) {
+		gpu_pool_figures(slots->drawn[plane], &arrays, &layers, &more);
+		bytes->planes[plane] += more;
+	}
 }
 
 static bool has_state(const struct deform_slot *home)
@@ -161,12 +172,17 @@ void gpu_slots_figures(const struct gpu_slots *slots, struct gpu_slots_figures *
 	}
 	for (int i = 0; i < SCRATCH_COUNT; i++)
 		figures->patches += slots->scratch[i] != NULL;
+	uint64_t bytes;
+	gpu_pool_figures(slots->bases, &figures->base_arrays, &figures->base_layers, &bytes);
+	gpu_pool_figures(slots->drawn[PLANE_OFFSET], &figures->deform_arrays, &figures->deform_layers, &bytes);
 }
 
 static enum status need_base(struct gpu_slots *slots, struct entry *entry)
 {
 	if (entry->slot.base != NULL)
 		return STATUS_OK;
+	if (slots->bases != NULL)
+		return gpu_pool_take(slots->bases, &entry->slot.base);
 	return gpu_texture_create(slots->gpu, GPU_R32I, slots->cells + 1, slots->cells + 1, 0, &entry->slot.base);
 }
 
@@ -292,13 +308,28 @@ enum status gpu_slots_upload_numbers(struct gpu_slots *slots, uint32_t slot, str
 
 /* --- deform slots --- */
 
+static const enum gpu_format formats[PLANES] = {
+	[PLANE_OFFSET] = GPU_R32I,  [PLANE_DISTURBANCE] = GPU_R8UI,   [PLANE_DEPOSITED] = GPU_R32I,
+	[PLANE_PLASTIC_SINKAGE] = GPU_R32I, [PLANE_SHEAR] = GPU_R32I,   [PLANE_DUG] = GPU_R32I,
+};
+
+enum status gpu_slots_in_arrays(struct gpu_slots *slots)
+{
+	const uint32_t posts = slots->cells + 1;
+	enum status status = slots->bases == NULL ? gpu_pool_create(slots->gpu, GPU_R32I, posts, slots->count, &slots->bases) : STATUS_OK;
+	for (uint32_t i = 0; i < slots->count; i++)
+		assert(slots->entries[i].slot.base == NULL && slots->all == NULL);
+	for (int plane = 0; plane < PLANES && status == STATUS_OK; plane++)
+		if ((slots->planes & GPU_DRAWN_PLANES & PLANE_BIT(plane)) && slots->drawn[plane] == NULL)
+			status = gpu_pool_create(slots->gpu, formats[plane], posts, slots->count, &slots->drawn[plane]);
+	return status;
+}
+
 static enum status plane_create(struct gpu_slots *slots, struct deform_slot *home, int plane)
 {
-	static const enum gpu_format formats[PLANES] = {
-		[PLANE_OFFSET] = GPU_R32I,  [PLANE_DISTURBANCE] = GPU_R8UI,   [PLANE_DEPOSITED] = GPU_R32I,
-		[PLANE_PLASTIC_SINKAGE] = GPU_R32I, [PLANE_SHEAR] = GPU_R32I,   [PLANE_DUG] = GPU_R32I,
-	};
 	uint32_t posts = slots->cells + 1;
+	if (slots->drawn[plane] != NULL)
+		return gpu_pool_take(slots->drawn[plane], &home->planes[plane]);
 	return gpu_texture_create(slots->gpu, formats[plane], posts, posts, 0, &home->planes[plane]);
 }
 
@@ -318,6 +349,12 @@ static enum status deform_slot_create(struct gpu_slots *slots, struct deform_slo
 	if (status == STATUS_OK)
 		status = gpu_target_create(slots->gpu, drawn, count, (struct gpu_attachment){NULL, 0}, &home->target);
 	if (status != STATUS_OK) {
+		/* Drawn planes of a deform slot have the same layer of their arrays. */
+		for (int plane = 0; plane < PLANES; plane++)
+			if (home->planes[plane] != NULL && slots->drawn[plane] != NULL) {
+				gpu_pool_return(slots->drawn[plane], home->planes[plane]);
+				home->planes[plane] = NULL;
+			}
 		deform_slot_destroy(home);
 		return status;
 	}

@@ -39,14 +39,23 @@ static void add_texture(struct plan *plan, const char *effect, enum plan_unit un
 					   .bytes = bytes}, name);
 }
 
+/* An array is a texture. Another layer adds bytes, but no texture. */
+static void add_array(struct plan *plan, const char *effect, enum plan_unit array, enum plan_unit layer, uint64_t bytes, const char *name)
+{
+	add_texture(plan, effect, array, 0, name);
+	plan_add(plan, &(struct plan_line){.kind = PLAN_TEXTURE, .unit = layer, .effect = effect, .object = -1, .bytes = bytes}, name);
+}
+
 void gpu_slots_plan(uint32_t cells, unsigned planes, bool classes, bool numbers,
-		    enum gpu_division division, bool decimates, const char *effect,
+		    enum gpu_division division, bool arrays, bool decimates, const char *effect,
 		    struct plan *plan)
 {
 	uint64_t posts = (uint64_t)(cells + 1) * (cells + 1);
 	planes |= planes != 0 ? PLANE_BIT(PLANE_OFFSET) : 0;
 	plan_add(plan, &(struct plan_line){.kind = PLAN_PLANE, .object = -1, .amount = 1, .bytes = sizeof(int32_t)}, "base");
-	add_texture(plan, NULL, PLAN_BASE_SLOT, posts * sizeof(int32_t), "base");
+	add_texture(plan, NULL, PLAN_BASE_SLOT, arrays ? 0 : posts * sizeof(int32_t), "base");
+	if (arrays)
+		add_array(plan, NULL, PLAN_BASE_ARRAY, PLAN_BASE_LAYER, posts * sizeof(int32_t), "base");
 	if (classes) {
 		plan_add(plan, &(struct plan_line){.kind = PLAN_PLANE, .effect = "soil_map", .object = -1, .amount = 1, .bytes = 1},
 			 "classes");
@@ -57,11 +66,16 @@ void gpu_slots_plan(uint32_t cells, unsigned planes, bool classes, bool numbers,
 			 "numbers");
 		add_texture(plan, "soil_rasters", PLAN_NUMBER_SLOT, 4 * posts, "numbers");
 	}
-	for (int plane = 0; plane < PLANES; plane++)
-		if (planes & PLANE_BIT(plane))
-			add_texture(plan, effect == NULL ? NULL : plane == PLANE_DISTURBANCE ? "dirt" : plane == PLANE_DUG ? "slip" : effect,
-				    GPU_DRAWN_PLANES & PLANE_BIT(plane) ? PLAN_DEFORM_SLOT : PLAN_STATE_SLOT,
-				    posts * plane_bytes((enum plane)plane), plane_name((enum plane)plane));
+	for (int plane = 0; plane < PLANES; plane++) {
+		const bool drawn = GPU_DRAWN_PLANES & PLANE_BIT(plane);
+		const char *of = effect == NULL ? NULL : plane == PLANE_DISTURBANCE ? "dirt" : plane == PLANE_DUG ? "slip" : effect;
+		const uint64_t bytes = posts * plane_bytes((enum plane)plane);
+		if (!(planes & PLANE_BIT(plane)))
+			continue;
+		add_texture(plan, of, drawn ? PLAN_DEFORM_SLOT : PLAN_STATE_SLOT, drawn && arrays ? 0 : bytes, plane_name((enum plane)plane));
+		if (drawn && arrays)
+			add_array(plan, of, PLAN_DEFORM_ARRAY, PLAN_DEFORM_LAYER, bytes, plane_name((enum plane)plane));
+	}
 	if (division != GPU_UNDIVIDED) {
 		uint64_t side = cells / 2 + 1;
 		add_texture(plan, "subdivide", PLAN_PATCH, side * side * sizeof(int32_t), "patch");

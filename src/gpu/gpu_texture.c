@@ -46,6 +46,28 @@ uint64_t gpu_texture_bytes(enum gpu_format format, uint32_t width, uint32_t heig
 	return texels * (layers > 0 ? layers : 1) * formats[format].bytes;
 }
 
+/* Sets how the texture is sampled, and counts it. If GL has failed, destroys it. */
+static enum status settle(struct gpu_texture *texture, GLint filter, GLint wrap, struct gpu_texture **out)
+{
+	struct gpu *gpu = texture->gpu;
+	if (texture->kind != GL_TEXTURE_2D_MULTISAMPLE) { /* which is not filtered */
+		glTextureParameteri(texture->name, GL_TEXTURE_MIN_FILTER, texture->levels > 1 ? GL_LINEAR_MIPMAP_NEAREST : filter);
+		glTextureParameteri(texture->name, GL_TEXTURE_MAG_FILTER, filter);
+		glTextureParameteri(texture->name, GL_TEXTURE_WRAP_S, wrap);
+		glTextureParameteri(texture->name, GL_TEXTURE_WRAP_T, wrap);
+	}
+	enum status status = gpu_check(gpu, "texture");
+	if (status != STATUS_OK) {
+		glDeleteTextures(1, &texture->name);
+		mem_free(texture);
+		return status;
+	}
+	gpu->stats.textures++;
+	gpu->stats.bytes += texture->bytes;
+	*out = texture;
+	return STATUS_OK;
+}
+
 /* Of more than one sample: one level and no layers. */
 static enum status create(struct gpu *gpu, enum gpu_format format, uint32_t width, uint32_t height, uint32_t layers,
 			  uint32_t levels, uint32_t samples, struct gpu_texture **out)
@@ -75,28 +97,35 @@ static enum status create(struct gpu *gpu, enum gpu_format format, uint32_t widt
 		glTextureStorage3D(texture->name, (GLsizei)levels, internal, (GLsizei)width, (GLsizei)height, (GLsizei)layers);
 	else
 		glTextureStorage2D(texture->name, (GLsizei)levels, internal, (GLsizei)width, (GLsizei)height);
-	if (samples == 1) { /* others are not filtered */
-		glTextureParameteri(texture->name, GL_TEXTURE_MIN_FILTER, levels > 1 ? GL_LINEAR_MIPMAP_NEAREST : filter);
-		glTextureParameteri(texture->name, GL_TEXTURE_MAG_FILTER, filter);
-		glTextureParameteri(texture->name, GL_TEXTURE_WRAP_S, wrap);
-		glTextureParameteri(texture->name, GL_TEXTURE_WRAP_T, wrap);
-	}
-	enum status status = gpu_check(gpu, "texture");
-	if (status != STATUS_OK) {
-		glDeleteTextures(1, &texture->name);
-		mem_free(texture);
-		return status;
-	}
-	gpu->stats.textures++;
-	gpu->stats.bytes += texture->bytes;
-	*out = texture;
-	return STATUS_OK;
+	return settle(texture, filter, wrap, out);
 }
 
 enum status gpu_texture_create(struct gpu *gpu, enum gpu_format format, uint32_t width, uint32_t height, uint32_t layers,
 			       struct gpu_texture **out)
 {
 	return create(gpu, format, width, height, layers, 1, 1, out);
+}
+
+enum status gpu_texture_create_view(struct gpu_texture *array, uint32_t layer, struct gpu_texture **out)
+{
+	struct gpu *gpu = array->gpu;
+	assert(array->kind == GL_TEXTURE_2D_ARRAY && array->levels == 1 && layer < array->layers);
+	if (!gpu_usable(gpu))
+		return failure_restore(&gpu->failure);
+	struct gpu_texture *texture = mem_alloc(1, sizeof *texture);
+	if (texture == NULL)
+		return fail_memory("texture");
+	*texture = (struct gpu_texture){.gpu = gpu, .kind = GL_TEXTURE_2D, .format = array->format, .width = array->width, .height = array->height,
+					.layers = 1, .levels = 1, .array = array, .array_layer = layer};
+	glGenTextures(1, &texture->name);
+	glTextureView(texture->name, GL_TEXTURE_2D, array->name, formats[array->format].internal, 0, 1, layer, 1);
+	return settle(texture, GL_NEAREST, GL_CLAMP_TO_EDGE, out);
+}
+
+struct gpu_texture *gpu_texture_array(const struct gpu_texture *texture, uint32_t *layer)
+{
+	*layer = texture->array_layer;
+	return texture->array;
 }
 
 enum status gpu_texture_create_sampled(struct gpu *gpu, enum gpu_format format, uint32_t width, uint32_t height,

@@ -104,8 +104,22 @@ struct gpu_texture {
 	enum gpu_format format;
 	uint32_t width, height, layers; /* layers is 1 for a plain texture */
 	uint32_t levels;                /* number of mip levels; 1: no mipmaps */
-	uint64_t bytes;
+	uint64_t bytes;                 /* 0: a view */
+	struct gpu_texture *array;      /* of a view: the array of which it is a layer; otherwise NULL */
+	uint32_t array_layer;
 };
+/* Creates a texture that is one layer of an array. It has the array's posts: what is written to one is read from the other. The array must
+ * live longer. */
+enum status gpu_texture_create_view(struct gpu_texture *array, uint32_t layer, struct gpu_texture **out) FURROW_CHECKED;
+
+/* --- gpu_pool.c: textures that are views of layers of arrays --- */
+struct gpu_pool;
+/* `most`: how many textures may be taken. Square ones. */
+enum status gpu_pool_create(struct gpu *gpu, enum gpu_format format, uint32_t side, uint32_t most, struct gpu_pool **out) FURROW_CHECKED;
+void gpu_pool_destroy(struct gpu_pool *pool); /* after its textures */
+enum status gpu_pool_take(struct gpu_pool *pool, struct gpu_texture **out) FURROW_CHECKED; /* the caller destroys it */
+void gpu_pool_return(struct gpu_pool *pool, struct gpu_texture *last); /* destroys the texture that was taken last, which may be taken again */
+void gpu_pool_figures(const struct gpu_pool *pool, uint64_t *arrays, uint64_t *layers, uint64_t *bytes); /* NULL: none */
 
 bool gpu_format_is_integer(enum gpu_format format);
 GLenum gpu_format_internal(enum gpu_format format);
@@ -152,7 +166,7 @@ struct gpu_list {
 	struct gpu *gpu;
 	GLuint name;
 	size_t bytes; /* of a copy */
-	uint8_t *map; /* of all copies; NULL: on a software driver */
+	uint8_t *map; /* of all copies */
 	uint32_t copy;
 	GLsync fences[GPU_LIST_COPIES];
 };

@@ -43,6 +43,10 @@ static void add_memory_units(cJSON *units, const struct report *report, const st
 	add_unit(units, PLAN_NUMBER_SLOT, slots->number_slots);
 	add_unit(units, PLAN_DEFORM_SLOT, slots->deform_slots);
 	add_unit(units, PLAN_STATE_SLOT, slots->state_slots);
+	add_unit(units, PLAN_BASE_ARRAY, slots->base_arrays);
+	add_unit(units, PLAN_BASE_LAYER, slots->base_layers);
+	add_unit(units, PLAN_DEFORM_ARRAY, slots->deform_arrays);
+	add_unit(units, PLAN_DEFORM_LAYER, slots->deform_layers);
 	add_unit(units, PLAN_PATCH, slots->patches);
 	add_unit(units, PLAN_PAGE, io->changed_images);
 	add_unit(units, PLAN_WINDOW_LAYER, deform->window_layers);
@@ -110,6 +114,7 @@ static void add_units(cJSON *counts, const struct report *report, const struct g
 	add_object_units(units, report);
 	add_unit(units, PLAN_BATCH, deform.batches);
 	add_unit(units, PLAN_BATCH_DRAW, deform.batch_draws);
+	add_unit(units, PLAN_BATCH_STORE, deform.batch_stores);
 	add_unit(units, PLAN_BATCH_ENVELOPE, deform.batch_envelopes);
 	add_unit(units, PLAN_FACETS, deform.facets);
 	add_unit(units, PLAN_HELD, deform.held);

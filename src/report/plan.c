@@ -102,8 +102,7 @@ static enum status plan_lines(const struct world *world, struct report_plan *out
 	enum status status = plan_bodies(world, out);
 	/* Its planes come first: the effect that needs the offset is the one that deforms tiles. */
 	const char *effect = plan->count > 0 ? plan->lines[0].effect : NULL;
-	gpu_slots_plan(cells, planes, classes, numbers, world_division(world), decimates, effect,
-		       plan);
+	gpu_slots_plan(cells, planes, classes, numbers, world_division(world), world_computes_together(world), decimates, effect, plan);
 	if (scene->view.present) {
 		if (status == STATUS_OK)
 			status = plan_view(world, planes != 0, out);

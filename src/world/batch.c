@@ -12,7 +12,7 @@
 
 #include "world/internal.h"
 
-#define TILES_MOST 4   /* of a contact that may wait: with smaller tiles it is computed alone */
+#define TILES_MOST DEFORM_BATCH_TILES /* of a contact that may wait: with smaller tiles it is computed alone */
 #define WAITING_MOST 8192
 #define BLOCK 32       /* posts on a side of a block: about as many as a small window has */
 
@@ -28,7 +28,6 @@ struct waiting {
 /* One of a batch that is being computed. */
 struct chosen {
 	const struct waiting *waiting;
-	struct deform_tile tiles[TILES_MOST];
 	bool held;
 };
 
@@ -170,26 +169,23 @@ static enum status choose(struct world *world, const struct waiting *waiting, bo
 		return status;
 	struct chosen *chosen = &batches->chosen[batches->chosen_count];
 	*chosen = (struct chosen){.waiting = waiting, .held = true};
-	memcpy(chosen->tiles, held.tiles, held.count * sizeof *held.tiles);
-	*added = deform_batch_add(world->deform, &waiting->contact, &waiting->window, held.tiles, held.count);
-	if (*added)
+	status = deform_batch_add(world->deform, &waiting->contact, &waiting->window, held.tiles, held.count, added);
+	if (status == STATUS_OK && *added)
 		batches->chosen_count++;
 	else
 		release(world, chosen);
-	return STATUS_OK;
+	return status;
 }
 
-/* Writes a window of the batch to its tiles. */
-static enum status scatter(struct world *world, size_t which)
+/* Marks what a window of the batch changed. */
+static enum status mark(struct world *world, const struct waiting *waiting)
 {
-	const struct chosen *chosen = &world->batches->chosen[which];
-	const struct waiting *waiting = chosen->waiting;
 	struct held_tiles held = {.count = waiting->tiles};
-	memcpy(held.tiles, chosen->tiles, waiting->tiles * sizeof *held.tiles);
-	memcpy(held.keys, waiting->keys, waiting->tiles * sizeof *held.keys);
+	for (size_t i = 0; i < waiting->tiles; i++) {
+		held.keys[i] = waiting->keys[i];
+		held.tiles[i].tile = tile_from_key(waiting->keys[i]);
+	}
 	enum status status = world_tell_contact(world, waiting->event, &waiting->contact, &waiting->window, 1);
-	if (status == STATUS_OK)
-		status = deform_batch_scatter(world->deform, which, held.tiles, held.count);
 	if (status == STATUS_OK)
 		status = world_mark(world, waiting->window.write, &held);
 	return status == STATUS_OK ? world_tell_contact_ended(world) : status;
@@ -201,7 +197,7 @@ static enum status compute(struct world *world)
 	struct batches *batches = world->batches;
 	enum status status = deform_batch_compute(world->deform);
 	for (size_t i = 0; i < batches->chosen_count && status == STATUS_OK; i++)
-		status = scatter(world, i);
+		status = mark(world, batches->chosen[i].waiting);
 	if (status == STATUS_OK && batches->chosen_count == 1)
 		world_count_windows(world_body_at(world, batches->chosen[0].waiting->event->body), &batches->chosen[0].waiting->contact, 1);
 	return status;

@@ -108,6 +108,13 @@ void world_deform_params(const struct world *world, struct deform_params *params
 	params->batches = world_batched_bodies(world, params) > 1;
 }
 
+bool world_computes_together(const struct world *world)
+{
+	struct deform_params params;
+	world_deform_params(world, &params);
+	return params.batches;
+}
+
 /* A host may turn a wheel as it likes. */
 static bool leans(const struct scene_object *object)
 {

@@ -123,6 +123,8 @@ enum status world_start(struct world *world)
 	if (status == STATUS_OK)
 		status = gpu_slots_create(world->gpu, world->meta->extent.cells, world->limits.slots,
 					  world_planes(scene, world->was_deformed), &world->slots);
+	if (status == STATUS_OK && deform.batches)
+		status = gpu_slots_in_arrays(world->slots);
 	world->aloft.asks_touched = deform.touched;
 	deform.gpu = world->gpu;
 	deform.slots = world->slots;

@@ -75,6 +75,8 @@ static inline void ground_init(struct ground *ground, const struct ground_params
 		ground->base[i] = params->height(i % ground->posts, i / ground->posts);
 	assert_ok(gpu_slots_create(test_gpu, params->cells, (uint32_t)ground->tile_count,
 				   deform_planes(params->model, params->dirt, params->slip_sinkage > 0), &ground->slots));
+	if (params->batches)
+		assert_ok(gpu_slots_in_arrays(ground->slots));
 	int32_t *posts = ground_room((cells + 1) * (cells + 1), sizeof *posts);
 	for (uint32_t k = 0; k < ground->tile_count; k++) {
 		uint32_t tx = k % params->tiles, ty = k / params->tiles;

@@ -9,7 +9,7 @@ enum { CELLS = 16, COUNT = 9, POSTS = (CELLS + 1) * (CELLS + 1) };
 
 struct asked {
 	unsigned planes;
-	bool classes, numbers, divides, decimates;
+	bool classes, numbers, divides, decimates, arrays;
 };
 
 static int32_t zeros[POSTS];
@@ -61,6 +61,14 @@ static uint64_t units_of(const struct gpu_slots *slots, enum plan_unit unit)
 		return figures.deform_slots;
 	case PLAN_STATE_SLOT:
 		return figures.state_slots;
+	case PLAN_BASE_ARRAY:
+		return figures.base_arrays;
+	case PLAN_BASE_LAYER:
+		return figures.base_layers;
+	case PLAN_DEFORM_ARRAY:
+		return figures.deform_arrays;
+	case PLAN_DEFORM_LAYER:
+		return figures.deform_layers;
 	case PLAN_PATCH:
 		return figures.patches;
 	case PLAN_RING:
@@ -130,12 +138,14 @@ static void check(const struct gpu_slots *slots, const struct plan *plan, bool u
 static void slots_make_and_run_what_is_planned(void **state)
 {
 	static const struct asked cases[] = {
-		{PLANE_BIT(PLANE_OFFSET), false, false, false, false},
-		{PLANE_BIT(PLANE_DISTURBANCE), false, false, false, true},
-		{PLANE_BIT(PLANE_OFFSET), false, false, true, true},
-		{STATE_PLANES, true, false, false, false},
-		{STATE_PLANES, false, true, false, false},
-		{STATE_PLANES | PLANE_BIT(PLANE_DISTURBANCE), true, true, true, true},
+		{PLANE_BIT(PLANE_OFFSET), false, false, false, false, false},
+		{PLANE_BIT(PLANE_DISTURBANCE), false, false, false, true, false},
+		{PLANE_BIT(PLANE_OFFSET), false, false, true, true, false},
+		{STATE_PLANES, true, false, false, false, false},
+		{STATE_PLANES, false, true, false, false, false},
+		{STATE_PLANES | PLANE_BIT(PLANE_DISTURBANCE), true, true, true, true, false},
+		{PLANE_BIT(PLANE_OFFSET), false, false, true, false, true},
+		{STATE_PLANES | PLANE_BIT(PLANE_DISTURBANCE), true, true, true, true, true},
 	};
 	(void)state;
 	need_gpu();
@@ -145,9 +155,11 @@ static void slots_make_and_run_what_is_planned(void **state)
 		struct gpu_slots *slots;
 		close_gpu(NULL);
 		assert_int_equal(open_gpu(NULL), 0); /* of no programs */
-		gpu_slots_plan(CELLS, asked->planes, asked->classes, asked->numbers, asked->divides, asked->decimates, "displace", &plan);
+		gpu_slots_plan(CELLS, asked->planes, asked->classes, asked->numbers, asked->divides, asked->arrays, asked->decimates, "displace", &plan);
 		assert_ok(plan_status(&plan));
 		assert_ok(gpu_slots_create(test_gpu, CELLS, COUNT, asked->planes, &slots));
+		if (asked->arrays)
+			assert_ok(gpu_slots_in_arrays(slots));
 		assert_ok(gpu_slots_warm(slots, asked->divides, asked->decimates));
 		check(slots, &plan, false);
 		gpu_seal(test_gpu);

@@ -255,20 +255,59 @@ static void numbers_are_four_bytes_a_post(void **state)
 	mem_free(numbers);
 }
 
+/* The first arrays have 8 layers, then 8 more. There are no more layers than slots. */
+static void slots_in_arrays_hold_their_own_tiles(void **state)
+{
+	enum { CELLS = 512, COUNT = 20, SIDE = CELLS + 1 };
+	int32_t *posts = random_ints((size_t)SIDE * SIDE), at;
+	struct gpu_slots *slots;
+	struct gpu_slots_bytes bytes;
+	struct gpu_slots_figures figures;
+	(void)state;
+	need_gpu();
+	assert_ok(gpu_slots_create(test_gpu, CELLS, COUNT, PLANE_BIT(PLANE_DISTURBANCE), &slots));
+	assert_ok(gpu_slots_in_arrays(slots));
+	for (uint32_t i = 0; i < COUNT; i++) {
+		const uint32_t slot = i * 7 % COUNT;
+		posts[SIDE + 1] = 1000 + (int32_t)slot;
+		assert_ok(staged_upload_base(test_gpu, slots, CELLS, slot, posts));
+		if (i == 11)
+			gpu_slots_figures(slots, &figures);
+	}
+	assert_int_equal(figures.base_arrays, 2);
+	assert_int_equal(figures.base_layers, 16);
+	assert_ok(gpu_slots_deform(slots, 3));
+	gpu_slots_figures(slots, &figures);
+	gpu_slots_bytes(slots, &bytes);
+	assert_int_equal(figures.base_arrays, 3);
+	assert_int_equal(figures.base_layers, COUNT);
+	assert_int_equal(figures.deform_layers, 8);
+	assert_int_equal(bytes.base, (uint64_t)COUNT * SIDE * SIDE * 4);
+	assert_int_equal(bytes.planes[PLANE_OFFSET], (uint64_t)8 * SIDE * SIDE * 4);
+	assert_int_equal(bytes.planes[PLANE_DISTURBANCE], (uint64_t)8 * SIDE * SIDE);
+	for (uint32_t slot = 0; slot < COUNT; slot++) {
+		gpu_texture_read(gpu_slots_get(slots, slot)->base, 0, rect_of(1, 1, 1, 1), &at);
+		assert_int_equal(at, 1000 + (int32_t)slot);
+	}
+	gpu_slots_destroy(slots);
+	assert_int_equal(textures_alive(), 0);
+	mem_free(posts);
+}
+
 /* Any allocation of the host may fail; nothing leaks and the next try succeeds. */
-static void a_failed_allocation_loses_nothing(void **state)
+static void check_failures(bool arrays)
 {
 	enum { M = 8, COUNT = (M + 1) * (M + 1) };
 	int32_t posts[COUNT] = {1}, read[COUNT], zeros[COUNT] = {0};
 	const size_t places[PLANES] = {STAGED_AT, GPU_NO_PLANE, GPU_NO_PLANE, STAGED_AT, GPU_NO_PLANE};
 	struct gpu_staging *staging;
-	(void)state;
-	need_gpu();
 	assert_ok(staged_from(test_gpu, posts, sizeof posts, &staging));
 	for (uint64_t nth = 1;; nth++) {
 		struct gpu_slots *slots = NULL;
 		mem_fail_nth(nth, 0);
 		enum status status = gpu_slots_create(test_gpu, M, 2, ALL, &slots);
+		if (status == STATUS_OK && arrays)
+			status = gpu_slots_in_arrays(slots);
 		if (status == STATUS_OK)
 			status = gpu_slots_upload_base(slots, 0, staging, STAGED_AT);
 		if (status == STATUS_OK)
@@ -301,6 +340,14 @@ static void a_failed_allocation_loses_nothing(void **state)
 	gpu_staging_destroy(staging);
 }
 
+static void a_failed_allocation_loses_nothing(void **state)
+{
+	(void)state;
+	need_gpu();
+	check_failures(false);
+	check_failures(true);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -311,6 +358,7 @@ int main(void)
 		cmocka_unit_test(state_planes_are_those_of_the_working_level),
 		cmocka_unit_test(classes_are_there_once_they_are_loaded),
 		cmocka_unit_test(numbers_are_four_bytes_a_post),
+		cmocka_unit_test(slots_in_arrays_hold_their_own_tiles),
 	};
 	return cmocka_run_group_tests(tests, open_gpu, close_gpu);
 }

@@ -191,6 +191,52 @@ static void all_levels_are_counted_and_each_is_its_own(void **state)
 	assert_int_equal(after.textures, before.textures);
 }
 
+static void a_view_has_the_texels_of_its_layer(void **state)
+{
+	enum { SIDE = 9, LAYERS_OF = 4, ALL = SIDE * SIDE };
+	int32_t texels[ALL], read[ALL];
+	struct gpu_texture *array, *views[2];
+	struct gpu_stats before, alive, after;
+	struct gpu_target *target;
+	(void)state;
+	need_gpu();
+	const struct gpu_rect all = rect_of(0, 0, SIDE, SIDE), part = rect_of(2, 3, 4, 5);
+	gpu_stats(test_gpu, &before);
+	assert_ok(gpu_texture_create(test_gpu, GPU_R32I, SIDE, SIDE, LAYERS_OF, &array));
+	for (uint32_t i = 0; i < 2; i++)
+		assert_ok(gpu_texture_create_view(array, 1 + 2 * i, &views[i]));
+	gpu_stats(test_gpu, &alive);
+	assert_int_equal(alive.bytes - before.bytes, 4 * LAYERS_OF * ALL);
+	for (uint32_t layer = 0; layer < LAYERS_OF; layer++)
+		gpu_texture_clear(array, layer, all, (int32_t)layer);
+	for (int i = 0; i < ALL; i++)
+		texels[i] = 1000 + 7 * i;
+	gpu_texture_upload(views[1], 0, all, texels);
+	gpu_texture_copy(views[1], 0, 2, 3, views[0], 0, part);
+	gpu_texture_clear(views[1], 0, part, -5);
+	for (uint32_t layer = 0; layer < LAYERS_OF; layer++) {
+		gpu_texture_read(array, layer, all, read);
+		for (uint32_t i = 0; i < ALL; i++) {
+			const uint32_t x = i % SIDE, y = i / SIDE;
+			const bool inside = x >= 2 && x < 6 && y >= 3 && y < 8;
+			const int32_t is[LAYERS_OF] = {0, inside ? texels[i] : 1, 2, inside ? -5 : texels[i]};
+			assert_int_equal(read[i], is[layer]);
+		}
+	}
+	gpu_texture_upload(array, 3, all, texels);
+	gpu_texture_read(views[1], 0, all, read);
+	assert_memory_equal(read, texels, sizeof texels);
+	assert_ok(gpu_target_create(test_gpu, &(struct gpu_attachment){views[0], 0}, 1, (struct gpu_attachment){NULL, 0}, &target));
+	assert_ok(gpu_check(test_gpu, "views"));
+	gpu_target_destroy(target);
+	for (int i = 0; i < 2; i++)
+		gpu_texture_destroy(views[i]);
+	gpu_texture_destroy(array);
+	gpu_stats(test_gpu, &after);
+	assert_int_equal(after.bytes, before.bytes);
+	assert_int_equal(after.textures, before.textures);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -198,6 +244,7 @@ int main(void)
 		cmocka_unit_test(a_part_is_read_tightly),
 		cmocka_unit_test(a_target_clears_its_colours_and_its_depth),
 		cmocka_unit_test(all_levels_are_counted_and_each_is_its_own),
+		cmocka_unit_test(a_view_has_the_texels_of_its_layer),
 	};
 	return cmocka_run_group_tests(tests, open_gpu, close_gpu);
 }

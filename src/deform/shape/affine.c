@@ -16,16 +16,16 @@ static void put(uint32_t words[2], int64_t whole)
 
 struct functional deform_functional_of(struct affine value, int scale, int shift, int64_t x0, int64_t y0)
 {
-	value.at = ldexpl(value.at, scale + shift);
-	value.dx = ldexpl(value.dx, scale + shift);
-	value.dy = ldexpl(value.dy, scale + shift);
+	value.at = by_power(value.at, scale + shift);
+	value.dx = by_power(value.dx, scale + shift);
+	value.dy = by_power(value.dy, scale + shift);
 	for (; fabsl(value.at) + POSTS_FAR * (fabsl(value.dx) + fabsl(value.dy)) > 0x1p62L; shift -= shift > 0) {
 		value.at /= 2;
 		value.dx /= 2;
 		value.dy /= 2;
 	}
 	/* The half makes the shift round to nearest. */
-	int64_t at = llrintl(value.at + ldexpl(1, shift - 1)), di = llrintl(value.dx), dj = llrintl(value.dy);
+	int64_t at = llrintl(value.at + by_power(1, shift - 1)), di = llrintl(value.dx), dj = llrintl(value.dy);
 	struct functional functional = {.dj_shift = {0, 0, (uint32_t)shift, 0}};
 	put(functional.at_di, at + x0 * di + y0 * dj);
 	put(functional.at_di + 2, di);

@@ -24,6 +24,16 @@ struct affine {
 	long double at, dx, dy;
 };
 
+/* Returns v times 2^n, exactly: as ldexpl, without its call. n: -1022 to 1023. */
+static inline long double by_power(long double v, int n)
+{
+	const union {
+		uint64_t bits;
+		double value;
+	} power = {.bits = (uint64_t)(n + 1023) << 52};
+	return v * (long double)power.value;
+}
+
 /* Converts `value` times 2^scale to whole numbers, rounded to nearest, for a window. The window's first post is (x0, y0) from the
  * anchor. The result has `shift` more bits, or as many as fit 62 bits. Coefficients are rounded before the anchor is moved, so
  * every window has the same bits at a post. A value that does not fit is halved until it fits: at nearly every post only its sign

@@ -9,7 +9,7 @@
 /* Converts fixed-point units to metres, rounded once. */
 static long double metres(int64_t units)
 {
-	return ldexpl((long double)units, -OFFSET_BITS);
+	return by_power((long double)units, -OFFSET_BITS);
 }
 
 long double deform_body_from_post(int64_t place, int64_t post, double spacing)
@@ -66,7 +66,7 @@ static void slope_of(int64_t rise, int64_t length, int32_t *factor, int32_t *shi
 	int bits = 27 - ilogbl(slope);
 	bits = bits < 60 ? bits : 60;
 	bits = bits > 1 ? bits : 1;
-	*factor = (int32_t)llrintl(ldexpl(slope, bits));
+	*factor = (int32_t)llrintl(by_power(slope, bits));
 	*shift = bits;
 }
 
@@ -79,18 +79,18 @@ static void ratio_of(long double ratio, int32_t *factor, int32_t *shift)
 		return;
 	int bits = 27 - ilogbl(ratio);
 	*shift = bits < 1 ? 1 : bits < 62 ? bits : 62;
-	*factor = (int32_t)llrintl(ldexpl(ratio, *shift));
+	*factor = (int32_t)llrintl(by_power(ratio, *shift));
 }
 
 static void fill_round(struct body *body, const struct body_motion *m, long double radius, long double half_width,
 		       long double length, int fine)
 {
-	int64_t run = llrintl(ldexpl(length, fine));
-	body->a[0] = (int32_t)llrintl(ldexpl(radius, fine));
-	body->a[1] = (int32_t)llrintl(ldexpl(half_width, fine));
+	int64_t run = llrintl(by_power(length, fine));
+	body->a[0] = (int32_t)llrintl(by_power(radius, fine));
+	body->a[1] = (int32_t)llrintl(by_power(half_width, fine));
 	body->a[2] = (int32_t)run;
 	long double rise = metres(m->dz);
-	body->a[3] = run != 0 ? (int32_t)llrintl(ldexpl(rise / hypotl(rise, length), 28)) : 0;
+	body->a[3] = run != 0 ? (int32_t)llrintl(by_power(rise / hypotl(rise, length), 28)) : 0;
 	body->b[0] = (int32_t)m->z;
 	body->b[1] = (int32_t)m->dz;
 	slope_of(m->dz, run, &body->b[2], &body->b[3]);
@@ -98,10 +98,9 @@ static void fill_round(struct body *body, const struct body_motion *m, long doub
 	body->c[3] = 1 + (fine > OFFSET_BITS ? fine - OFFSET_BITS : 0);
 }
 
-static void wheel_of(const struct deform_shape *shape, const struct deform_pose *to, const struct body_motion *m,
-		     const struct body_frame *frame, struct body *body)
+static void wheel_of(const struct deform_shape *shape, const struct body_motion *m, const struct body_frame *frame, struct body *body)
 {
-	long double c = cosl(to->yaw), s = sinl(to->yaw);
+	long double c = frame->yaw[0], s = frame->yaw[1];
 	long double du = m->dx * c + m->dy * s, dv = m->dy * c - m->dx * s;
 	if (du < 0) { /* a wheel has no front, so let it roll forwards */
 		c = -c;
@@ -114,7 +113,7 @@ static void wheel_of(const struct deform_shape *shape, const struct deform_pose 
 	fill_round(body, m, shape->radius, half, du, fine);
 	body->f[0] = along(m, c, s, frame->spacing, 1, 0, fine, 12);
 	body->f[1] = along(m, -s, c, frame->spacing, 1, 0, fine, 12);
-	if (llrintl(ldexpl(dv, fine)) != 0) {
+	if (llrintl(by_power(dv, fine)) != 0) {
 		body->c[1] = 1;
 		body->f[2] = along(m, -s, c, frame->spacing, 1 / dv, -half / dv, 28, 12);
 		body->f[3] = along(m, -s, c, frame->spacing, 1 / dv, half / dv, 28, 12);
@@ -179,7 +178,7 @@ static void rod_face(const struct rod *rod, struct body *body)
 static void rod_ends(const struct rod *rod, long double k, struct body *body)
 {
 	long double n = hypotl(rod->da, k * rod->dv), c = rod->c, s = rod->s;
-	body->a[3] = (int32_t)llrintl(ldexpl(n, rod->fine));
+	body->a[3] = (int32_t)llrintl(by_power(n, rod->fine));
 	if (body->a[3] == 0)
 		return;
 	for (int end = 0; end < 2; end++) {
@@ -192,9 +191,9 @@ static void rod_ends(const struct rod *rod, long double k, struct body *body)
 		f[2] = rod_along(rod, tilt * across[0] + rises * ahead[0], tilt * across[1] + rises * ahead[1],
 				 tilt * across[2] + rises * ahead[2] + middle, OFFSET_BITS);
 	}
-	body->e[0] = (int32_t)llrintl(ldexpl(rod->dz / hypotl(rod->dz, n), 28));
+	body->e[0] = (int32_t)llrintl(by_power(rod->dz / hypotl(rod->dz, n), 28));
 	slope_of(rod->m->dz, body->a[3], &body->e[1], &body->e[2]);
-	ratio_of(ldexpl((c * rod->da + k * rod->dz) / n, OFFSET_BITS - rod->fine), &body->d[1], &body->d[2]);
+	ratio_of(by_power((c * rod->da + k * rod->dz) / n, OFFSET_BITS - rod->fine), &body->d[1], &body->d[2]);
 }
 
 static void rod_of(const struct deform_shape *shape, const struct deform_pose *to, const struct body_motion *m, const struct body_frame *frame,
@@ -210,21 +209,21 @@ static void rod_of(const struct deform_shape *shape, const struct deform_pose *t
 	rod.fine = fine_bits(m, hypotl(rod.radius, rod.half) + (capsule ? rod.radius : 0));
 	/* So little that no post sees it. */
 	bool level = !capsule && rod.s * rod.radius < 1e-6L, upright = rod.c * rod.half < 1e-6L;
-	body->a[0] = (int32_t)llrintl(ldexpl(rod.radius, rod.fine));
-	body->a[1] = upright ? 0 : (int32_t)llrintl(ldexpl(rod.c * rod.half, rod.fine));
-	body->a[2] = level ? 0 : (int32_t)llrintl(ldexpl(rod.s, 28));
+	body->a[0] = (int32_t)llrintl(by_power(rod.radius, rod.fine));
+	body->a[1] = upright ? 0 : (int32_t)llrintl(by_power(rod.c * rod.half, rod.fine));
+	body->a[2] = level ? 0 : (int32_t)llrintl(by_power(rod.s, 28));
 	body->b[0] = (int32_t)m->z;
 	body->b[1] = (int32_t)m->dz;
-	body->c[0] = (int32_t)llrintl(ldexpl(rod.dv, rod.fine));
-	body->c[1] = (int32_t)llrintl(ldexpl(rod.da, rod.fine));
-	body->c[2] = upright ? 0 : clamped(ldexpl(rod.dz - rod.da * rod.s / rod.c, OFFSET_BITS));
-	body->c[3] = level || capsule ? 0 : clamped(ldexpl(rod.dz + rod.da * rod.c / rod.s, OFFSET_BITS));
+	body->c[0] = (int32_t)llrintl(by_power(rod.dv, rod.fine));
+	body->c[1] = (int32_t)llrintl(by_power(rod.da, rod.fine));
+	body->c[2] = upright ? 0 : clamped(by_power(rod.dz - rod.da * rod.s / rod.c, OFFSET_BITS));
+	body->c[3] = level || capsule ? 0 : clamped(by_power(rod.dz + rod.da * rod.c / rod.s, OFFSET_BITS));
 	body->f[0] = rod_along(&rod, 0, 1, 0, rod.fine);
 	body->f[1] = rod_along(&rod, 1, 0, 0, rod.fine);
 	body->b[3] = 1;
 	if (!upright) {
 		body->f[2] = rod_along(&rod, rod.s / rod.c, 0, 0, OFFSET_BITS);
-		ratio_of(ldexpl(1 / rod.c, OFFSET_BITS - rod.fine), &body->b[2], &body->b[3]);
+		ratio_of(by_power(1 / rod.c, OFFSET_BITS - rod.fine), &body->b[2], &body->b[3]);
 	}
 	if (!level && !capsule)
 		body->f[3] = rod_along(&rod, -rod.c / rod.s, 0, -rod.half / rod.s, OFFSET_BITS);
@@ -232,8 +231,8 @@ static void rod_of(const struct deform_shape *shape, const struct deform_pose *t
 	rod_face(&rod, body);
 	if (!capsule)
 		return;
-	ratio_of(ldexpl(1, OFFSET_BITS - rod.fine), &body->d[1], &body->d[2]);
-	body->d[3] = (int32_t)llrintl(ldexpl(rod.half * rod.s, OFFSET_BITS));
+	ratio_of(by_power(1, OFFSET_BITS - rod.fine), &body->d[1], &body->d[2]);
+	body->d[3] = (int32_t)llrintl(by_power(rod.half * rod.s, OFFSET_BITS));
 }
 
 /* An ellipsoid is a sphere that was stretched, and then sheared along the vertical. The sphere's radius is the largest half axis in plan. */
@@ -249,15 +248,15 @@ static void ellipsoid_of(const struct deform_shape *shape, const struct deform_p
 	long double length = moved * stretched, cross = r * r * sqrtl((long double)q[0] * q[2] - (long double)q[1] * q[1]) / stretched;
 	int fine = 29 - ilogbl((length + r) * 1.001L);
 	fine = fine < 40 ? fine : 40;
-	int64_t run = llrintl(ldexpl(length, fine));
+	int64_t run = llrintl(by_power(length, fine));
 	long double rise = metres(m->dz) - u.rise[0] * m->dx - u.rise[1] * m->dy, as_sphere = rise * r / u.lift;
-	body->a[0] = (int32_t)llrintl(ldexpl(r, fine));
+	body->a[0] = (int32_t)llrintl(by_power(r, fine));
 	body->a[2] = (int32_t)run;
-	body->a[3] = run != 0 ? (int32_t)llrintl(ldexpl(as_sphere / hypotl(as_sphere, length), 28)) : 0;
+	body->a[3] = run != 0 ? (int32_t)llrintl(by_power(as_sphere / hypotl(as_sphere, length), 28)) : 0;
 	body->b[0] = (int32_t)m->z;
 	body->b[1] = (int32_t)m->dz;
-	slope_of(llrintl(ldexpl(rise, OFFSET_BITS)), run, &body->b[2], &body->b[3]);
-	ratio_of(ldexpl(u.lift / r, OFFSET_BITS - fine), &body->c[0], &body->c[3]);
+	slope_of(llrintl(by_power(rise, OFFSET_BITS)), run, &body->b[2], &body->b[3]);
+	ratio_of(by_power(u.lift / r, OFFSET_BITS - fine), &body->c[0], &body->c[3]);
 	body->f[0] = along(m, r * r * by_x / stretched, r * r * by_y / stretched, frame->spacing, 1, 0, fine, 12);
 	body->f[1] = along(m, -cross * y, cross * x, frame->spacing, 1, 0, fine, 12);
 	body->f[2] = along(m, u.rise[0], u.rise[1], frame->spacing, 1, 0, OFFSET_BITS, 12);
@@ -342,7 +341,7 @@ void deform_body_of(const struct deform_shape *shape, const struct deform_pose *
 	switch (shape->kind) {
 	case DEFORM_WHEEL:
 		if (to->roll == 0)
-			wheel_of(shape, to, &m, frame, body);
+			wheel_of(shape, &m, frame, body);
 		else
 			rod_of(shape, to, &m, frame, body);
 		break;

@@ -10,6 +10,7 @@ struct body_frame {
 	int64_t x0, y0; /* post */
 	double spacing; /* metres */
 	int64_t zero;   /* fixed-point units, absolute */
+	long double yaw[2]; /* its cosine and sine; read for wheels only */
 };
 
 struct body_motion {

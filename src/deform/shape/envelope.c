@@ -2,6 +2,7 @@
  * The first stage over a window: the object's lower envelope above each post. The soil model decides what the ground does
  * then. So shapes and models do not depend on each other.
  */
+#include <math.h>
 #include <string.h>
 
 #include "deform/shape/body.h"
@@ -46,7 +47,11 @@ static struct gpu_rect shadow_of(const struct deform *deform, const struct defor
 void deform_under_of(const struct deform *deform, const struct deform_contact *contact, int64_t x0, int64_t y0, struct under_params *params)
 {
 	const struct deform_pose *from = deform_is_contact_only(contact) ? &contact->to : &contact->from;
-	const struct body_frame frame = {.x0 = x0, .y0 = y0, .spacing = deform->spacing, .zero = contact->to.z};
+	struct body_frame frame = {.x0 = x0, .y0 = y0, .spacing = deform->spacing, .zero = contact->to.z};
+	if (contact->shape->kind == DEFORM_WHEEL) {
+		frame.yaw[0] = cosl(contact->to.yaw);
+		frame.yaw[1] = sinl(contact->to.yaw);
+	}
 	deform_body_of(contact->shape, from, &contact->to, &frame, &params->motion);
 	deform_body_of(contact->shape, &contact->to, &contact->to, &frame, &params->end);
 	params->kind = deform_kind_in(contact->shape, &contact->to);

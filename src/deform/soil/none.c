@@ -1,6 +1,12 @@
 /* The soil model "none": an object only compacts soil. The soil that it displaces is lost (dissertation 4.4.2). */
 #include "deform/internal.h"
 
+static enum status batch(struct deform *deform)
+{
+	enum status status = deform_batch_contact(deform);
+	return status == STATUS_OK ? deform_batch_store(deform) : status;
+}
+
 const struct soil_model deform_model_none = {
 	.name = "none",
 	.use = "takes the imprint",
@@ -16,7 +22,7 @@ const struct soil_model deform_model_none = {
 		"lowers the ground to what presses it, no more"},
 	.touched_effect = "dirt",
 	.contact = deform_contact_plainly,
-	.batch = deform_batch_contact,
+	.batch = batch,
 	.shader = "deform/none.frag",
 	.blind = true,
 };
