@@ -13,6 +13,7 @@ static uint32_t format_bytes(enum gpu_format format)
 	case GPU_R16F:
 		return 2;
 	case GPU_RGBA32I:
+	case GPU_RGBA32F:
 		return 16;
 	default:
 		return 4;
@@ -48,6 +49,7 @@ static uint32_t any_texel(enum gpu_format format)
 	case GPU_DEPTH32F: /* 1/2 .. 1 */
 		return 0x3f000000u + any_word() % 0x800000u;
 	case GPU_R32F: /* -2 .. -1 */
+	case GPU_RGBA32F:
 		return 0xbf800000u + any_word() % 0x800000u;
 	case GPU_R16F:
 		return 0xbc00u + any_word() % 0x400u;
