@@ -105,6 +105,8 @@ static enum status start(struct drive *drive)
 	enum status status = world_start(world);
 	if (status == STATUS_OK && scene->view.present)
 		status = render_check_samples(world->gpu, scene->view.samples);
+	if (status == STATUS_OK && drive->params->host == NULL)
+		status = render_cameras_fit(scene, mem_physical());
 	/* A drive that could not begin leaves nothing behind. */
 	if (status == STATUS_OK && writes(drive))
 		status = api_folder_make(drive->params->directory);
@@ -365,6 +367,8 @@ static enum status run(struct drive *drive, struct api_result *result)
 		return status == STATUS_OK ? made : failure_restore(&failure);
 	}
 	enum status written = report_cameras(drive->poses);
+	if (status == STATUS_OK && written == STATUS_OK)
+		report_videos(drive->poses);
 	if (written == STATUS_OK)
 		written = report(drive, false, result);
 	bool tell_written = written != STATUS_OK && (status == STATUS_OK || status == STATUS_INTERRUPTED);

@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 static _Atomic uint64_t made, failing;
 static _Atomic int failing_forever;
@@ -75,4 +76,10 @@ static uint64_t status_line(const char *name)
 uint64_t mem_peak_resident(void)
 {
 	return status_line("VmHWM");
+}
+
+uint64_t mem_physical(void)
+{
+	const long pages = sysconf(_SC_PHYS_PAGES), bytes = sysconf(_SC_PAGESIZE);
+	return pages > 0 && bytes > 0 ? (uint64_t)pages * (uint64_t)bytes : 0;
 }

@@ -20,5 +20,7 @@ uint64_t mem_fail_nth(uint64_t nth, int forever);
 
 /* Returns the largest resident memory of this process so far, in bytes (VmHWM); 0 if unknown. */
 uint64_t mem_peak_resident(void);
+/* Returns the machine's memory in bytes; 0 if unknown. */
+uint64_t mem_physical(void);
 
 #endif

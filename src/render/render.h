@@ -178,6 +178,8 @@ struct render_poses {
 enum status render_view_cameras(struct view *view, struct pictures *pictures, const struct render_poses *poses) FURROW_CHECKED;
 uint64_t render_view_camera_frames(const struct view *view, size_t camera); /* frames that the camera has drawn */
 #define RENDER_CAMERAS "cameras" /* folder of the cameras' folders */
+/* STATUS_INPUT if the pictures of the scene's cameras take more than `memory` bytes. 0: not known. */
+enum status render_cameras_fit(const struct scene *scene, uint64_t memory) FURROW_CHECKED;
 /* Makes the folders of the cameras' pictures, if they do not exist. */
 enum status render_cameras_folders(const struct scene *scene, const char *directory) FURROW_CHECKED;
 /* Adds the plan's lines of the cameras' screens. Pure. */

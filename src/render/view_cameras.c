@@ -399,6 +399,31 @@ static void add_texture(struct plan *plan, uint64_t bytes, const char *name)
 					   .amount = 1, .bytes = bytes}, name);
 }
 
+/* Returns the bytes of what the scene's cameras are drawn into, and of pictures on their way. */
+static uint64_t bytes_of(const struct scene *scene)
+{
+	struct plan plan = {.count = 0};
+	uint64_t bytes = PICTURES_ROOM * (uint64_t)render_pictures_bytes(scene);
+	render_cameras_plan(scene, &plan);
+	for (size_t i = 0; i < plan.count; i++)
+		bytes += plan.lines[i].bytes;
+	plan_finish(&plan);
+	return bytes;
+}
+
+enum status render_cameras_fit(const struct scene *scene, uint64_t memory)
+{
+	const struct scene_camera *largest = NULL;
+	const double needed = (double)bytes_of(scene);
+	for (size_t i = 0; i < scene->camera_count; i++)
+		if (largest == NULL || (int64_t)scene->cameras[i].width * scene->cameras[i].height > (int64_t)largest->width * largest->height)
+			largest = &scene->cameras[i];
+	if (largest == NULL || memory == 0 || needed <= (double)memory)
+		return STATUS_OK;
+	return fail_with(STATUS_INPUT, "cameras: their pictures take %.3g GB, and this machine has %.3g GB; give smaller sizes (the largest is %d x %d, of %s), or "
+				       "the same size to several", needed / 1e9, (double)memory / 1e9, largest->width, largest->height, largest->name);
+}
+
 void render_cameras_plan(const struct scene *scene, struct plan *plan)
 {
 	const uint64_t samples = scene->view.samples > 1 ? (uint64_t)scene->view.samples : 1;

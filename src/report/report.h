@@ -85,6 +85,9 @@ void report_poses_close(struct report_poses *poses); /* takes NULL */
 const struct render_poses *report_poses_sink(const struct report_poses *poses); /* NULL for NULL */
 /* Writes camera.json, and COLMAP's cameras.txt, images.txt and points3D.txt, of each camera. Takes NULL. */
 enum status report_cameras(const struct report_poses *poses) FURROW_CHECKED;
+/* Makes colour.mp4 of the cameras that ask for a video, with ffmpeg. Waits for it. Call it when all pictures are in their files. A video
+ * that cannot be made is noted. Takes NULL. */
+void report_videos(const struct report_poses *poses);
 
 /* --- the plan --- */
 

@@ -193,6 +193,7 @@ struct scene_camera {
 	double rate;           /* frames for each second of simulated time */
 	unsigned images;       /* bit 1 << enum scene_image of each */
 	double depth_unit;     /* metres of 1 in a 16-bit picture of depth */
+	bool video;            /* ffmpeg makes one of its colours at the end */
 	int pair;              /* the other camera of a stereo pair; -1: none */
 	double baseline;       /* of the right camera of a pair: metres to the right of the left one; else 0 */
 };

@@ -254,6 +254,7 @@ static const cyaml_schema_field_t listed_camera_fields[] = {
 	CYAML_FIELD_SEQUENCE("images", OPTIONAL_POINTER, struct raw_listed_camera, images, &word_entry, 1, CYAML_UNLIMITED),
 	CYAML_FIELD_FLOAT_PTR("depth_unit", OPTIONAL, struct raw_listed_camera, depth_unit),
 	CYAML_FIELD_FLOAT_PTR("stereo", OPTIONAL, struct raw_listed_camera, stereo),
+	CYAML_FIELD_BOOL_PTR("video", OPTIONAL, struct raw_listed_camera, video),
 	CYAML_FIELD_END,
 };
 static const cyaml_schema_value_t listed_camera_entry = {CYAML_VALUE_MAPPING(CYAML_FLAG_DEFAULT, struct raw_listed_camera, listed_camera_fields)};

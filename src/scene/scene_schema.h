@@ -165,6 +165,7 @@ struct raw_listed_camera {
 	char **images;
 	uint32_t images_count;
 	double *depth_unit, *stereo;
+	bool *video;
 };
 struct raw_cache {
 	int64_t *slots, *loaders;

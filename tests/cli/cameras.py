@@ -4,7 +4,9 @@ The ground is asked of `furrow query`, which computes on the CPU. Poses are read
 """
 import json
 import math
+import os
 import pathlib
+import shutil
 import signal
 import struct
 import subprocess
@@ -382,6 +384,57 @@ class Cameras(FurrowTest):
                           ('time: "2026-06-21T09:00:00Z", at: [1, 95]', "95 is no latitude")):
             self.assertIn(told, self.refused(3, "explain", self.scene(base % sun)))
 
+    def test_pictures_too_large_for_the_machine_are_refused(self):
+        self.store = self.synth(relief=5)
+        path = self.scene("scene: 1\nend_time: 1\ncameras:\n" + "".join(
+            f"  - {{name: c{i}, kind: fixed, rate: 1, size: [8192, {8192 - i}], images: [normals], pose: {{at: [30, 30, 60]}}}}\n" for i in range(64)))
+        if os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE") > 95e9:
+            self.skipTest("this machine has room for them")
+        result = self.furrow("drive", path, "--store", self.store, "-o", "out")
+        if result.returncode == 4:
+            self.skipTest("no GL here")
+        self.assertRegex(self.told(3, result), r"cameras: their pictures take 10\d GB, and this machine has [\d.]+ GB; give smaller sizes")
+        self.assertFalse((self.folder / "out").exists())
+
+    def with_ffmpeg(self, script):
+        """Drives with this program in place of ffmpeg, or with none."""
+        tools = self.folder / "tools"
+        tools.mkdir(exist_ok=True)
+        (tools / "ffmpeg").unlink(missing_ok=True)
+        if script is not None:
+            (tools / "ffmpeg").write_text("#!/bin/sh\n" + script)
+            (tools / "ffmpeg").chmod(0o755)
+        path = self.scene("scene: 1\nend_time: 0.5\ntime_step: 0.1\ncameras:\n  - {name: a, kind: fixed, rate: 4, size: [33, 25], video: true, pose: {at: [30, 30, 60]}}\n"
+                          "  - {name: b, kind: fixed, rate: 4, size: [33, 25], pose: {at: [30, 30, 60]}}\n")
+        result = self.furrow("drive", path, "--store", self.store, "-o", "50%d -y", env={"PATH": str(tools)})
+        if result.returncode == 4:
+            self.skipTest("no GL here")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        return result.stderr, self.folder / "50%d -y/cameras/a"
+
+    def test_a_video_is_made_by_ffmpeg_if_it_is_there(self):
+        self.store = self.synth(relief=5)
+        told, folder = self.with_ffmpeg('/bin/cat colour/000000.png colour/000002.png > colour.part.mp4; echo "$@" > "$PWD/words"\n')
+        self.assertEqual((folder / "colour.mp4").read_bytes(), b"".join((folder / f"colour/{i:06}.png").read_bytes() for i in (0, 2)))
+        self.assertIn("-framerate 4 -i colour/%06d.png", (folder / "words").read_text())
+        self.assertNotIn("video", told)
+        self.assertFalse((folder.parent / "b/colour.mp4").exists())
+        (folder / "colour.mp4").unlink()
+        for script, words in ((None, "there is no ffmpeg"), ("exit 3\n", "ffmpeg ended with 3")):
+            told, folder = self.with_ffmpeg(script)
+            self.assertIn("furrow: note: cameras.a.video: " + words, told)
+            self.assertFalse(list(folder.glob("*.mp4")))
+
+    def test_ffmpeg_makes_a_video_of_every_frame(self):
+        if shutil.which("ffprobe") is None:
+            self.skipTest("no ffmpeg here")
+        self.store = self.synth(relief=5)
+        self.drive(self.scene("scene: 1\nend_time: 1\ntime_step: 0.1\ncameras: [{name: a, kind: fixed, rate: 10, size: [65, 49], video: true, "
+                              "pose: {at: [30, 30, 60]}}]\n"), "--store", self.store)
+        probe = subprocess.run(["ffprobe", "-v", "error", "-count_frames", "-show_entries", "stream=width,height,nb_read_frames,r_frame_rate", "-of", "json",
+                                self.folder / "out/cameras/a/colour.mp4"], capture_output=True, text=True, check=True)
+        self.assertEqual(json.loads(probe.stdout)["streams"], [{"width": 66, "height": 50, "r_frame_rate": "10/1", "nb_read_frames": "11"}])
+
     def files(self):
         return {str(path.relative_to(self.folder / "out")): path.read_bytes() for path in (self.folder / "out/cameras").rglob("*") if path.is_file()}
 
@@ -423,6 +476,7 @@ class Cameras(FurrowTest):
                 ("kind: chase, on: box, rate: 1, size: [9000, 10]", "cameras[0].size[0]: 9000 is out of range"),
                 ("kind: chase, on: box, rate: 1, images: [colours]", 'cameras[0].images[0]: "colours" is unknown; allowed: colour, depth, normals, height, class'),
                 ("kind: chase, on: box, rate: 1, images: [depth, depth]", "is named twice"),
+                ("kind: chase, on: box, rate: 1, images: [depth], video: true", "cameras[0].video: is of colours, which it does not write"),
                 ("kind: poses, rate: 1, file: none.csv", "none.csv"),
                 ("kind: poses, rate: 1, file: bad.csv", "bad.csv:3: pitch: \"zero\" is not a number"),
                 ("kind: poses, rate: 1, file: short.csv", "its rows say no attitude; allowed: t,x,y,z,yaw,pitch,roll"),

@@ -73,7 +73,7 @@ SAMPLES = [
     scene(view=view({"fixed": {"eye": [1, 2, 3], "target": [4, 5, 6]}}, sun={"time": "2026-11-27T16:00:00Z"})),
     scene(WHEEL, view=view({"chase": "a"}, exposure="sun", sun={"time": "2026-11-27T16:00:00Z", "at": [10, 45]})),
     scene(WHEEL, cameras=[
-        {"name": "a", "kind": "mounted", "on": "a", "rate": 5, "fov": 70, "size": [64, 48], "images": ["colour", "depth"], "depth_unit": 0.01, "stereo": 0.2,
+        {"name": "a", "kind": "mounted", "on": "a", "rate": 5, "fov": 70, "size": [64, 48], "images": ["colour", "depth"], "depth_unit": 0.01, "stereo": 0.2, "video": True,
          "pose": {"at": [1, 0, 1], "yaw": 10, "pitch": -20, "roll": 3}},
         {"name": "b", "kind": "fixed", "rate": 1, "pose": {"at": [1, 2, 3], "target": [4, 5, 6]}},
         {"name": "c", "kind": "chase", "on": "a", "back": 9, "up": 4, "rate": 1}, {"name": "d", "kind": "overhead", "on": "a", "height": 9, "rate": 1},
