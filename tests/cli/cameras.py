@@ -24,6 +24,7 @@ except ImportError:
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
 from furrow_test import FURROW, FurrowTest, main, write_png16
 
+ROOT = pathlib.Path(__file__).parents[2]
 SCENE = """scene: 1
 time_step: 0.05
 end_time: 2
@@ -434,6 +435,34 @@ class Cameras(FurrowTest):
         probe = subprocess.run(["ffprobe", "-v", "error", "-count_frames", "-show_entries", "stream=width,height,nb_read_frames,r_frame_rate", "-of", "json",
                                 self.folder / "out/cameras/a/colour.mp4"], capture_output=True, text=True, check=True)
         self.assertEqual(json.loads(probe.stdout)["streams"], [{"width": 66, "height": 50, "r_frame_rate": "10/1", "nb_read_frames": "11"}])
+
+    def test_on_a_vehicle_it_goes_along_with_the_body(self):
+        """The body's pose is that of vehicles.csv; here it is turned into axes a second time."""
+        shutil.copy(ROOT / "tools/scenes/vehicles/rover.xml", self.folder)
+        self.store = self.synth(kind="plain", relief=6)
+        path = self.scene("scene: 1\ntime_step: 0.002\nend_time: 1\ngravity: 1.62\nspacing: 0.03125\nsoil: {name: lunar}\nredistribute: {model: scm}\n"
+                          "vehicles:\n  - {name: rover, model: rover.xml, start: {at: [60, 60], yaw: 30}, soil: [wheel_*],\n"
+                          "     driver: {path: {points: [[60, 60], [63, 61.7]], speed: 0.1}, steer: [steer_*], drive: [drive_*]}}\noutput: {vehicles: 10}\n"
+                          "cameras: [{name: mast, kind: mounted, on: rover, pose: {at: [0.3, 0.1, 1.3], pitch: -35}, rate: 5, size: [64, 48]}]\n")
+        if "no MuJoCo" in self.furrow("explain", path).stderr:
+            self.skipTest("no MuJoCo here")
+        self.drive(path, "--store", self.store, "--overlay", "o.furrow")
+        rows = [line.split(",") for line in (self.folder / "out/vehicles.csv").read_text().splitlines()]
+        poses = {round(float(row[0]), 6): list(map(float, row[2:8])) for row in rows[1:]}
+        compared = 0
+        for frame in self.camera("mast").frames:
+            x, y, z, *angles = poses[round(frame["time"], 6)]
+            roll, pitch, yaw = map(math.radians, angles)
+            ahead = np.array([math.cos(yaw) * math.cos(pitch), math.sin(yaw) * math.cos(pitch), math.sin(pitch)])
+            level = np.array([-math.sin(yaw), math.cos(yaw), 0])
+            top = np.cross(ahead, level)
+            left, up = math.cos(roll) * level + math.sin(roll) * top, math.cos(roll) * top - math.sin(roll) * level
+            compared += 1
+            np.testing.assert_allclose(frame["position"], np.array([x, y, z]) + 0.3 * ahead + 0.1 * left + 1.3 * up, atol=1e-5)
+            tilt = math.radians(-35)
+            np.testing.assert_allclose(matrix(frame["orientation"]),
+                                       np.stack([-left, math.sin(tilt) * ahead - math.cos(tilt) * up, math.cos(tilt) * ahead + math.sin(tilt) * up], axis=1), atol=1e-5)
+        self.assertEqual(compared, 6)
 
     def files(self):
         return {str(path.relative_to(self.folder / "out")): path.read_bytes() for path in (self.folder / "out/cameras").rglob("*") if path.is_file()}
