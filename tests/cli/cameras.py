@@ -321,6 +321,25 @@ class Cameras(FurrowTest):
         self.assertLess(np.abs(timed - given).max(), 3)
         self.assertGreater(np.abs(other - given).max(), 3)
 
+    def test_without_a_place_it_is_seen_from_the_store(self):
+        """The same example from a store in UTM, two zones to the east: its north is off true north by 3.95 degrees there."""
+        if shutil.which("gdal_translate") is None or shutil.which("gdaltransform") is None:
+            self.skipTest("no GDAL's programs here")
+        text = subprocess.run(["gdaltransform", "-s_srs", "EPSG:4326", "-t_srs", "EPSG:32614", "-output_xy"], input="-105.1786 39.742476\n", text=True,
+                              capture_output=True, check=True).stdout
+        east, north = map(float, text.split()[:2])
+        self.ok("synth", "-o", "hills.tif", "--posts", "257x257", "--spacing", "1", "--relief", "20")
+        subprocess.run(["gdal_translate", "-q", "-a_srs", "EPSG:32614", "-a_ullr", *map(str, (east - 128.5, north + 128.5, east + 128.5, north - 128.5)),
+                        "hills.tif", "placed.tif"], cwd=self.folder, check=True)
+        self.ok("import", "placed.tif", "-o", "placed.furrow", "--t-srs", "source")
+        self.store = self.folder / "placed.furrow"
+        timed = self.shade('sun: {time: "2003-10-17T19:30:30Z"}')[1]
+        off = math.degrees(math.radians(-105.1786 + 99) * math.sin(math.radians(39.742476)))
+        given = self.shade(f"sun: {{azimuth: {194.34 - off}, height: 39.888}}")[1]
+        other = self.shade("sun: {azimuth: 194.34, height: 39.888}")[1]
+        self.assertLess(np.abs(timed - given).max(), 3)
+        self.assertGreater(np.abs(other - given).max(), 3)
+
     def test_it_moves_with_the_time_of_the_drive(self):
         text = ('scene: 1\nend_time: 7200\ntime_step: 3600\nview: {camera: {fixed: {eye: [1, 1, 50], target: [9, 9, 20]}}, '
                 'sun: {time: "2026-06-21T09:00:00Z", at: [0, 45]}}\n'
