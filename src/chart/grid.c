@@ -44,8 +44,8 @@ static void to_system(const struct finding *finding, double *x, double *y)
 		dem_globe_to_degrees(finding->globe, 1, x, y);
 }
 
-/* Finds which coordinates are in the frame: at points along its edges and within it. Returns false if some have none, or if they
- * do not go round once, as at a pole. */
+/* Finds which coordinates are in the frame: at points along its edges and within it. Returns false if some have none, if they do
+ * not go round once, as at a pole, or if all are the same. */
 static bool find_bounds(struct finding *finding)
 {
 	const struct chart_rect *rect = &finding->frame->rect;
@@ -69,6 +69,9 @@ static bool find_bounds(struct finding *finding)
 			finding->high[axis] = fmax(finding->high[axis], at[axis]);
 		}
 	}
+	/* So far from the origin that numbers cannot tell one edge from the other. */
+	if (!(finding->high[0] > finding->low[0]) || !(finding->high[1] > finding->low[1]))
+		return false;
 	return finding->globe == NULL || finding->high[0] - finding->low[0] < 180;
 }
 

@@ -208,6 +208,24 @@ static void coordinates_at_the_corners_are_the_store_s(void **state)
 		}
 }
 
+/* A store is not trusted: its origin may be any number. */
+static void an_origin_beyond_all_numbers_has_no_grid(void **state)
+{
+	static const double origins[][2] = {{1e300, 0}, {0, -1e25}, {INFINITY, 0}, {0, NAN}};
+	for (size_t i = 0; i < 4; i++) {
+		struct chart_raster_params params = asked(0, STORE_OFFSET);
+		struct store_meta meta = *params.meta;
+		memcpy(meta.origin, origins[i], sizeof meta.origin);
+		struct chart_map map = plain(300);
+		map.meta = &meta;
+		struct drawn drawn = draw_map(map, &params, "map.png");
+		for (size_t k = 0; k < drawn.page.said_count; k++)
+			assert_true(drawn.page.said[k].kind != CHART_COORDINATE);
+		assert_in_order(&drawn);
+		drawn_finish(&drawn);
+	}
+}
+
 /* --- the scale bar --- */
 
 /* The longest run of dark pixels in one row outside the frame, in a part of the page that is right of the legend. */
@@ -644,6 +662,7 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_rut_has_its_place_and_its_depths_colour),
 		cmocka_unit_test(coordinates_at_the_corners_are_the_store_s),
+		cmocka_unit_test(an_origin_beyond_all_numbers_has_no_grid),
 		cmocka_unit_test(the_scale_bar_is_as_long_as_it_says),
 		cmocka_unit_test(the_legend_says_what_the_colours_mean),
 		cmocka_unit_test(the_legend_of_heights_has_their_ends),
