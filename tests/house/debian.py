@@ -35,6 +35,11 @@ class Debian(unittest.TestCase):
         self.assertGreater(len(packages), 12)
         self.assertEqual(libraries(needed()), packages)
 
+    def test_lines_of_descriptions_are_short(self):
+        lines = [line for text in re.findall(r"^Description: .*\n((?: .*\n)+)", CONTROL, re.M) for line in text.splitlines()]
+        self.assertGreater(len(lines), 20)
+        self.assertEqual([line for line in lines if len(line) > 80], [])
+
     def test_the_library_package_has_the_number_of_the_library(self):
         number = re.search(r"soversion: '(\d+)'", (ROOT / "src" / "meson.build").read_text(encoding="utf-8")).group(1)
         self.assertEqual(re.findall(r"^Package: (.*)$", CONTROL, re.M), ["furrow", f"libfurrow{number}", "libfurrow-dev", "python3-furrow"])
