@@ -144,11 +144,11 @@ static void close_rig(struct rig *rig)
 static void aim(struct rig *rig, int view)
 {
 	struct scene_view *wish = &rig->scene->view;
-	wish->camera = view == CHASE ? SCENE_CHASE : SCENE_FIXED;
+	wish->aim.kind = view == CHASE ? SCENE_CHASE : SCENE_FIXED;
 	double middle = 0.5 * (POSTS - 1), high = rig->world.meta->high;
 	const double eye[3] = {0.1 * middle, 0.1 * middle, high + 350}, target[3] = {middle, middle, rig->world.meta->low};
-	memcpy(wish->eye, eye, sizeof eye);
-	memcpy(wish->target, target, sizeof target);
+	memcpy(wish->aim.eye, eye, sizeof eye);
+	memcpy(wish->aim.target, target, sizeof target);
 }
 
 /* --- looks: a line of a table --- */
