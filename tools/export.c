@@ -6,7 +6,10 @@
 #include "dem/dem.h"
 #include "export.h"
 #include "relief_told.h"
+#include "ruts.h"
 #include "scene/scene.h"
+
+#define LARGE_GIGABYTES 0.5 /* a raster of the whole terrain that is told before it is written */
 
 static const char *const layer_names[] = {"surface", "base",        "offset",    "deposited", "plastic_sinkage", "shear",
 					  "shear_x", "shear_y",     "fixed_point", "hillshade", NULL};
@@ -251,6 +254,21 @@ static enum dem_raster_type float_type(const struct store_meta *meta)
 	return height_code_float_holds(meta->step, fmax(fabs(meta->low), fabs(meta->high))) ? DEM_FLOAT32 : DEM_FLOAT64;
 }
 
+/* Of the whole terrain at the spacing of ruts a raster is large, and most of it is 0. */
+static enum status note_large(const struct export_request *request, struct store *store, struct post_rect rect)
+{
+	const double gigabytes = 4e-9 * (double)(rect.x1 - rect.x0) * (double)(rect.y1 - rect.y0);
+	double ruts[4];
+	bool any;
+	if (request->has_window || gigabytes < LARGE_GIGABYTES)
+		return STATUS_OK;
+	enum status status = ruts_window(store, ruts, &any);
+	if (status == STATUS_OK && any)
+		note("%s: the whole terrain at this spacing: %lld x %lld posts, %.1f GB; the ruts lie within --window %.10g,%.10g,%.10g,%.10g", request->path,
+		     (long long)(rect.x1 - rect.x0), (long long)(rect.y1 - rect.y0), gigabytes, ruts[0], ruts[1], ruts[2], ruts[3]);
+	return status;
+}
+
 static enum status write_raster(const struct export_request *request, struct store *store)
 {
 	const struct store_meta *meta = store_meta(store);
@@ -260,6 +278,8 @@ static enum status write_raster(const struct export_request *request, struct sto
 	enum status status = export_find_rect(request, extent, &rect);
 	if (status == STATUS_OK)
 		status = check_size(rect);
+	if (status == STATUS_OK)
+		status = note_large(request, store, rect);
 	if (status != STATUS_OK)
 		return status;
 	bool metres = request->layer < LAYER_QUANTA;

@@ -6,6 +6,7 @@
 #include "command.h"
 #include "errors.h"
 #include "json.h"
+#include "ruts.h"
 #include "store/store.h"
 
 static const struct command_option options[] = {
@@ -126,7 +127,7 @@ static void add_parent(cJSON *object, const struct store *store)
 	json_integer(parent, "revision", revision);
 }
 
-static enum status print_json(struct store *store, const struct store_numbers *numbers)
+static enum status print_json(struct store *store, const struct store_numbers *numbers, const double *ruts)
 {
 	const struct store_meta *meta = store_meta(store);
 	const struct extent *extent = &meta->extent;
@@ -140,6 +141,8 @@ static enum status print_json(struct store *store, const struct store_numbers *n
 	json_pair(object, "levels", store_finest(store), extent_coarsest(extent));
 	if (store_has_working_level(store, &working))
 		json_integer(object, "working_level", working);
+	if (ruts != NULL)
+		cJSON_AddItemToObject(object, "ruts", cJSON_CreateDoubleArray(ruts, 4));
 	else
 		cJSON_AddNullToObject(object, "working_level");
 	if (store_relief_text(store) != NULL)
@@ -204,7 +207,7 @@ static void print_srs(const char *wkt)
 		printf("srs        %s\n", wkt);
 }
 
-static void print_text(struct store *store, const struct store_numbers *numbers)
+static void print_text(struct store *store, const struct store_numbers *numbers, const double *ruts)
 {
 	const struct store_meta *meta = store_meta(store);
 	const struct extent *extent = &meta->extent;
@@ -220,6 +223,9 @@ static void print_text(struct store *store, const struct store_numbers *numbers)
 	printf("levels     %d to %d", store_finest(store), extent_coarsest(extent));
 	if (store_has_working_level(store, &working))
 		printf("; deformed at level %d, %g m", working, extent_spacing(extent, working));
+	if (ruts != NULL)
+		printf("\nruts       within %.10g,%.10g,%.10g,%.10g (west, south, east, north of the tiles with ruts, m; for --window)", ruts[0], ruts[1],
+		       ruts[2], ruts[3]);
 	if (store_relief_text(store) != NULL)
 		printf("\nrelief     %s", store_relief_text(store));
 	printf("\nheight     %.2f to %.2f m\n", meta->low, meta->high);
@@ -259,12 +265,16 @@ static enum status run(const struct arguments *arguments)
 	struct store *store = NULL;
 	struct store_numbers numbers;
 	enum status status = store_open(arguments_at(arguments, 0), &(struct store_options){.mode = STORE_READ}, &store);
+	double ruts[4];
+	bool any = false;
 	if (status == STATUS_OK)
 		status = store_count(store, &numbers);
+	if (status == STATUS_OK)
+		status = ruts_window(store, ruts, &any);
 	if (status == STATUS_OK && arguments_flag(arguments, "json"))
-		status = print_json(store, &numbers);
+		status = print_json(store, &numbers, any ? ruts : NULL);
 	else if (status == STATUS_OK)
-		print_text(store, &numbers);
+		print_text(store, &numbers, any ? ruts : NULL);
 	store_close(store);
 	return status;
 }

@@ -10,7 +10,17 @@
 bool scene_path_is_line(const char *file)
 {
 	const char *ending = strrchr(file, '.');
-	return ending != NULL && (strcasecmp(ending, ".gpx") == 0 || strcasecmp(ending, ".geojson") == 0);
+	return ending != NULL && (strcasecmp(ending, ".gpx") == 0 || strcasecmp(ending, ".geojson") == 0 || strcasecmp(ending, ".json") == 0);
+}
+
+bool scene_path_is_other_line(const char *file)
+{
+	static const char *const endings[] = {".gpkg", ".shp", ".kml", ".kmz", ".fgb", ".gml", ".tcx", ".fit"};
+	const char *ending = strrchr(file, '.');
+	for (size_t i = 0; ending != NULL && i < sizeof endings / sizeof endings[0]; i++)
+		if (strcasecmp(ending, endings[i]) == 0)
+			return true;
+	return false;
 }
 
 /* Receivers tell whole seconds: of points of one second the first is taken. */

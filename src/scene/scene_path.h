@@ -14,7 +14,8 @@
 enum status scene_path_read(const char *file, const char *told, struct scene_path *path)
 	FURROW_CHECKED;
 
-bool scene_path_is_line(const char *file); /* by its ending: .gpx or .geojson */
+bool scene_path_is_line(const char *file); /* by its ending: .gpx, .geojson or .json */
+bool scene_path_is_other_line(const char *file); /* by its ending: a format of lines that is not read */
 /*
  * Reads line `number` (from 1; 0: its only one) of a GPX or GeoJSON file. Fills points, count, degrees; and timed, with times from the
  * first point on, unless the line has a speed of its own. STATUS_INPUT: there is no such line, or it has no times and needs them.

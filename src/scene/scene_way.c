@@ -62,7 +62,9 @@ static enum status take_file(const struct way *way)
 	enum status status;
 	if (file == NULL)
 		return fail_memory("reading a path");
-	if (scene_path_is_line(file)) {
+	if (scene_path_is_other_line(file)) {
+		status = fail_with(STATUS_INPUT, "%s: lines are read from .gpx and .geojson; convert it: ogr2ogr -t_srs EPSG:4326 LINE.geojson FILE", told.text);
+	} else if (scene_path_is_line(file)) {
 		status = scene_path_read_line(file, told.text, raw->line != NULL ? (size_t)*raw->line : 0, raw->speed != NULL, way->path);
 	} else {
 		status = refuse_keys(way, (const char *const[]){"speed", "loop", "line", NULL},

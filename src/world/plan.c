@@ -187,11 +187,13 @@ static void advise_leaving(const struct world *world, scene_advice_fn tell, void
 	if (leaving > 1)
 		snprintf(others, sizeof others, ", and %zu other%s later", leaving - 1, leaving > 2 ? "s" : "");
 	const bool far = world->meta->srs[0] != '\0' && (fabs(at.x - width / 2) > 10 * width || fabs(at.y - height / 2) > 10 * height);
+	const char *hint = !far ? "" : first->object->path.degrees ? "; are its longitude and latitude swapped?"
+								   : "; if these are coordinates of a reference system, say which in coordinates";
 	snprintf(text, sizeof text, "objects.%s.path: is off the terrain after %.6g s, at %.3f, %.3f m%s: %s; keep within 0 to %g, 0 to %g m%s%s",
 		 first->object->name, at.time, at.x, at.y, others,
 		 scene->outside == SCENE_STOP ? "the drive will stop there" : "nothing is pressed there", width, height,
 		 scene->outside == SCENE_STOP ? ", end before, or set outside: skip" : "",
-		 far ? "; if these are coordinates of a reference system, say which in coordinates" : "");
+		 hint);
 	tell(user, text);
 }
 
