@@ -50,6 +50,13 @@ class FitSoil(FurrowTest):
         fitted = (numbers["kc"] / (b / 1e3) + numbers["kphi"]) * (z / 1e3) ** numbers["n"]
         self.assertAlmostEqual(fit["plate"]["plain"]["largest"], p * 1e3 - fitted, delta=1e-6 * p * 1e3)
 
+    def test_a_diameter_is_two_radii(self):
+        lines = PLATE.read_text().splitlines()
+        double = [lines[1].replace("plate width b", "diameter")] + [f"{2 * float(line.split(',')[0]):g},{line.split(',', 1)[1]}" for line in lines[2:]]
+        (self.folder / "round.csv").write_text("\n".join(double) + "\n")
+        self.assertEqual(self.json("fit-soil", "round.csv")["plate"]["plain"], {
+            **self.json("fit-soil", PLATE)["plate"]["plain"], "largest_line": self.json("fit-soil", PLATE)["plate"]["plain"]["largest_line"] - 1})
+
     def test_the_text_has_the_numbers_and_a_soil(self):
         text, fit = self.ok("fit-soil", PLATE, SHEAR), self.json("fit-soil", PLATE, SHEAR)
         for word in ("plain", "weighted as Wong", "goodness of fit", "plates of 50, 100, 150 mm", "normal stresses of 10, 25, 50 kPa"):

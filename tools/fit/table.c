@@ -26,7 +26,7 @@ struct known {
 };
 
 static const struct known known[] = {
-	{FIT_PLATE, GROUP, {"width"}}, {FIT_PLATE, GROUP, {"b"}}, {FIT_PLATE, GROUP, {"radius"}},
+	{FIT_PLATE, GROUP, {"width"}}, {FIT_PLATE, GROUP, {"b"}}, {FIT_PLATE, GROUP, {"radius"}}, {FIT_PLATE, GROUP, {"diameter"}},
 	{FIT_PLATE, X, {"sinkage"}}, {FIT_PLATE, X, {"z"}},
 	{FIT_PLATE, Y, {"pressure"}}, {FIT_PLATE, Y, {"p"}},
 	{FIT_SHEAR, GROUP, {"normal"}}, {FIT_SHEAR, GROUP, {"sigma"}},
@@ -129,6 +129,9 @@ static enum status take_column(const char *path, int line, enum fit_test test, c
 				 names[test][field], is_stress(test, field) ? stresses : lengths);
 	columns->at[field] = column;
 	columns->unit[field] = unit->size;
+	/* The width of a round plate is its radius. */
+	if (test == FIT_PLATE && field == GROUP && has_word(&words, "diameter"))
+		columns->unit[field] /= 2;
 	return STATUS_OK;
 }
 
