@@ -136,7 +136,7 @@ static enum status place_left(struct view *view, const struct view_camera *this,
 			return status;
 		mount(given, &on, &stand);
 		break;
-	case SCENE_POSES:
+	case SCENE_BY_POSES:
 		stand_at(&given->poses, time, &stand);
 		break;
 	}

@@ -9,7 +9,7 @@
 #include "report/poses.h"
 
 static const char *const kinds[] = {
-	[SCENE_CHASE] = "chase", [SCENE_OVERHEAD] = "overhead", [SCENE_FIXED] = "fixed", [SCENE_MOUNTED] = "mounted", [SCENE_POSES] = "poses",
+	[SCENE_CHASE] = "chase", [SCENE_OVERHEAD] = "overhead", [SCENE_FIXED] = "fixed", [SCENE_MOUNTED] = "mounted", [SCENE_BY_POSES] = "poses",
 };
 
 /* The focal length in pixels, along both axes. */
@@ -156,7 +156,7 @@ static void add_images(cJSON *root, const struct world *world, const struct scen
 static void add_target(cJSON *root, const struct scene *scene, const struct scene_camera *camera)
 {
 	const struct scene_aim *aim = &camera->aim;
-	if (aim->kind == SCENE_FIXED || aim->kind == SCENE_POSES)
+	if (aim->kind == SCENE_FIXED || aim->kind == SCENE_BY_POSES)
 		return;
 	cJSON_AddStringToObject(root, "on", aim->vehicle > 0 ? scene->vehicles[aim->vehicle - 1].name : scene->objects[aim->object].name);
 }

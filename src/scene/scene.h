@@ -21,7 +21,7 @@ enum scene_outside { SCENE_STOP, SCENE_SKIP };
 enum scene_undisturbed { SCENE_STABLE, SCENE_SLIDES };
 enum scene_normals { SCENE_BODY, SCENE_GROUND };
 enum scene_body { SCENE_EARTH, SCENE_MARS, SCENE_MOON };
-enum scene_camera_kind { SCENE_CHASE, SCENE_OVERHEAD, SCENE_FIXED, SCENE_MOUNTED, SCENE_POSES };
+enum scene_camera_kind { SCENE_CHASE, SCENE_OVERHEAD, SCENE_FIXED, SCENE_MOUNTED, SCENE_BY_POSES };
 
 /* Every effect that a scene can use: first one for each soil model, then those of the table in src/scene/effects.c, in its
  * order. */
@@ -187,7 +187,7 @@ struct scene_camera {
 	struct scene_aim aim;
 	bool turned;           /* fixed: yaw, pitch and roll count, and not aim.target. Of a mounted camera they always count */
 	double yaw, pitch, roll; /* radians, as a pose's; of a mounted camera against the body's axes */
-	struct scene_path poses; /* of SCENE_POSES, in local metres */
+	struct scene_path poses; /* of SCENE_BY_POSES, in local metres */
 	double fov;            /* horizontal, radians */
 	int width, height;     /* pixels */
 	double rate;           /* frames for each second of simulated time */

@@ -25,7 +25,7 @@ static const struct scene_node *node_of(const struct entry *entry, const char *k
 }
 
 static const char *const kinds[] = {
-	[SCENE_CHASE] = "chase", [SCENE_OVERHEAD] = "overhead", [SCENE_FIXED] = "fixed", [SCENE_MOUNTED] = "mounted", [SCENE_POSES] = "poses",
+	[SCENE_CHASE] = "chase", [SCENE_OVERHEAD] = "overhead", [SCENE_FIXED] = "fixed", [SCENE_MOUNTED] = "mounted", [SCENE_BY_POSES] = "poses",
 };
 
 /* The keys that say where a camera is, and the kinds that have each. */
@@ -38,7 +38,7 @@ static const struct {
 	{"back", 0, 1u << SCENE_CHASE},
 	{"up", 0, 1u << SCENE_CHASE},
 	{"height", 1u << SCENE_OVERHEAD, 1u << SCENE_OVERHEAD},
-	{"file", 1u << SCENE_POSES, 1u << SCENE_POSES},
+	{"file", 1u << SCENE_BY_POSES, 1u << SCENE_BY_POSES},
 };
 
 static enum status check_keys(const struct entry *entry)

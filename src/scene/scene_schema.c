@@ -166,7 +166,7 @@ static const cyaml_strval_t undisturbed_words[] = {{"stable", SCENE_STABLE}, {"s
 static const cyaml_strval_t normals_words[] = {{"body", SCENE_BODY}, {"ground", SCENE_GROUND}};
 static const cyaml_strval_t body_words[] = {{"earth", SCENE_EARTH}, {"mars", SCENE_MARS}, {"moon", SCENE_MOON}};
 static const cyaml_strval_t camera_words[] = {{"mounted", SCENE_MOUNTED}, {"fixed", SCENE_FIXED}, {"chase", SCENE_CHASE},
-					      {"overhead", SCENE_OVERHEAD}, {"poses", SCENE_POSES}};
+					      {"overhead", SCENE_OVERHEAD}, {"poses", SCENE_BY_POSES}};
 static const cyaml_strval_t exposure_words[] = {{"fixed", SCENE_EXPOSURE_FIXED}, {"sun", SCENE_EXPOSURE_SUN}};
 static const cyaml_strval_t outside_words[] = {{"stop", SCENE_STOP}, {"skip", SCENE_SKIP}};
 
