@@ -75,6 +75,15 @@ static bool shares(const struct deform *deform, const struct deform_tile *tile, 
 	return !post_rect_empty(post_rect_intersect(tile_post_rect(deform->params.extent, tile->tile), rect));
 }
 
+/* Returns true if some posts may lie on no tile, which makes one more part. */
+static bool is_beyond(const struct deform *deform, struct post_rect rect)
+{
+	const struct extent *extent = deform->params.extent;
+	const int level = deform->params.level;
+	return rect.x0 < 0 || rect.y0 < 0 || rect.x1 > extent_tiles_x(extent, level) * (int64_t)extent->cells + 1 ||
+	       rect.y1 > extent_tiles_y(extent, level) * (int64_t)extent->cells + 1;
+}
+
 /* Finds room for a window in the layer. A full layer grows, if it may. */
 static enum status place(struct deform *deform, uint32_t width, uint32_t height, bool *found)
 {
@@ -111,7 +120,7 @@ enum status deform_batch_add(struct deform *deform, const struct deform_contact 
 			assert(batched->tile_count < DEFORM_BATCH_TILES);
 			batched->tiles[batched->tile_count++] = tiles[i];
 		}
-	batch->part_count += batched->tile_count + 1;
+	batch->part_count += batched->tile_count + is_beyond(deform, read);
 	batch->x += aligned(width);
 	batch->height = aligned(height) > batch->height ? aligned(height) : batch->height;
 	return STATUS_OK;

@@ -48,8 +48,7 @@ static void cut(const struct deform *deform, const struct batched *batched)
 	struct batch *batch = deform->batch;
 	const struct post_rect read = batched->window.read, write = batched->window.write;
 	int64_t held = 0;
-	const size_t first = batch->gather_count;
-	batch->gather_count++; /* for what lies on no tile */
+	const size_t first = batch->gather_count++; /* for what lies on no tile */
 	for (size_t i = 0; i < batched->tile_count; i++) {
 		const struct deform_tile *tile = &batched->tiles[i];
 		const struct post_rect gathered = post_rect_intersect(only(deform, batched, tile), read);
