@@ -11,10 +11,11 @@
 #include "render/internal.h"
 
 static const struct extent extent = {1025, 1025, 1, 256};
+static struct render_screen screen = {.width = 1280, .height = 720};
 
 static void look(double x, double y, double z, double tx, double ty, struct terrain_view *view)
 {
-	struct render render = {.extent = extent, .width = 1280, .height = 720};
+	struct render render = {.extent = extent, .screen = &screen};
 	struct render_camera camera = {{x, y, z}, {tx, ty, 0}, 0.9, {0}};
 	render_view(&render, &camera, view);
 }
@@ -131,7 +132,7 @@ static void skirts_hang_only_where_strides_or_tiles_meet(void **state)
 
 static void by_the_radii_reach_doubles_with_the_stride_and_nothing_asks_for_errors(void **state)
 {
-	struct render render = {.extent = extent, .width = 1280, .height = 720};
+	struct render render = {.extent = extent, .screen = &screen};
 	struct render_camera camera = {{0, 0, 9}, {5, 5, 0}, 0.9, {0}};
 	struct render_axes axes;
 	struct terrain_view view;
@@ -154,7 +155,7 @@ static void by_the_radii_reach_doubles_with_the_stride_and_nothing_asks_for_erro
 
 static void by_error_a_stride_reaches_as_far_as_its_error_is_seen(void **state)
 {
-	struct render render = {.extent = extent, .width = 1280, .height = 720, .pixel_error = 2};
+	struct render render = {.extent = extent, .screen = &screen, .pixel_error = 2};
 	struct render_camera camera = {{0, 0, 9}, {5, 5, 0}, 0.9, {0}};
 	struct render_axes axes;
 	struct terrain_view view;
