@@ -55,7 +55,7 @@ if [ "${1:-}" = quick ]; then
 elif [ $# -gt 0 ]; then
 	run "$build" "$@"
 else
-	run "$build" --no-suite plain
+	run "$build" --no-suite plain --no-suite packages
 	setup "$laws"
 	ninja -C "$laws" --quiet benches
 	run "$laws" --suite plain
