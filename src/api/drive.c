@@ -353,6 +353,18 @@ static void stop_threads(struct drive *drive)
 		render_view_settle(drive->view);
 }
 
+/* A drive may end before a vehicle has come to the end of its path. */
+static void tell_on_the_way(const struct drive *drive)
+{
+	for (size_t i = 0; drive->vehicles != NULL && i < drive->scene.vehicle_count; i++) {
+		struct vehicle_info info;
+		vehicle_info(drive->vehicles, i, &info);
+		if (drive->scene.vehicles[i].driver == SCENE_FOLLOW && !info.arrived)
+			note("vehicles.%s: is not at the end of its path: it has come %.4g m; drive longer, or look at what holds it up (vehicles.csv)",
+			     info.name, info.distance);
+	}
+}
+
 static enum status run(struct drive *drive, struct api_result *result)
 {
 	enum status status = publish_trace(drive, all(drive));
@@ -360,6 +372,8 @@ static enum status run(struct drive *drive, struct api_result *result)
 	result->ended = status == STATUS_OK ? vehicle_stuck(drive->vehicles) ? "stuck" : "complete"
 			: status == STATUS_INTERRUPTED ? "interrupted"
 						       : "failed";
+	if (strcmp(result->ended, "complete") == 0 && writes(drive))
+		tell_on_the_way(drive);
 	struct failure failure;
 	failure_capture(&failure, status);
 	if (drive->params->ranks != NULL) { /* conclude() writes it */

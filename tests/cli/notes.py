@@ -1,4 +1,5 @@
 """Notes that a drive prints before its first step: ruts that are there already, and numbers that are probably in another unit."""
+import pathlib
 import shutil
 
 from furrow_test import SCENE, FurrowTest, main
@@ -67,6 +68,22 @@ class Notes(FurrowTest):
         self.assertEqual(len([note for note in self.json("explain", "scm.yaml")["notes"] if "kPa" in note]), 1)
         self.scene(SCM.replace("1.04", "1040"), "scm.yaml")
         self.assertEqual(self.notes("kPa", "--overlay", "b.furrow", scene="scm.yaml"), [])
+
+    def test_a_vehicle_that_has_not_arrived_is_told(self):
+        shutil.copy(pathlib.Path(__file__).parents[1] / "vehicle/one_wheel.xml", self.folder)
+        scene = ("scene: 1\ntime_step: 0.002\nend_time: 0.1\nspacing: 0.25\nsoil: {name: dry_sand}\nredistribute: {model: scm}\nvehicles:\n"
+                 "  - {name: car, model: one_wheel.xml, start: {at: [20, 20]}, driver: {path: {points: [[20, 20], %s], speed: 1}, drive: [drive]}}\n")
+        self.scene(scene % "[30, 20]", "car.yaml")
+        result = self.furrow("drive", "car.yaml", "--store", "world.furrow", "--overlay", "c.furrow", "-o", "out")
+        if result.returncode == 4 or "this build has no MuJoCo" in result.stderr:
+            self.skipTest(result.stderr.strip())
+        self.assertEqual(result.returncode, 0, result.stderr)
+        told = [line for line in result.stderr.splitlines() if "vehicles.car" in line]
+        self.assertEqual(len(told), 1, result.stderr)
+        self.assertRegex(told[0], r"^furrow: note: vehicles\.car: is not at the end of its path: it has come [\d.e-]+ m; drive longer, or look ")
+        # One point: it is there.
+        self.scene((scene % "[30, 20]").replace("[[20, 20], [30, 20]]", "[[20, 20]]"), "there.yaml")
+        self.assertEqual(self.notes("vehicles.car", "--overlay", "d.furrow", scene="there.yaml"), [])
 
     def test_few_posts_below_a_wheel_are_told(self):
         self.scene(SCM, "scm.yaml")
