@@ -25,6 +25,7 @@ static const struct command_option options[] = {
 	{"level", "L", .help = "0: the source's spacing; -k: 2^k times finer; k: coarser",
 	 .preset = "0; offset to fixed_point: the deformed level"},
 	{"window", "X0,Y0,X1,Y1", .help = "east and north of the south-west post", .unit = "m", .preset = "all"},
+	{"window-srs", "SRS", .help = "what --window is in; store: the store's own", .preset = "metres from the south-west post"},
 	{"height-range", "MIN,MAX", .help = "heights that a heightmap's 0 and full scale mean; of a map, its ramp's ends",
 	 .unit = "m", .preset = "one metre a unit"},
 	{"sun", "AZIMUTH,ALTITUDE", .help = "of a hillshade, clockwise from north and above the horizon", .unit = "degrees",
@@ -120,7 +121,7 @@ static enum status read_request(const struct arguments *arguments, struct export
 	if (status == STATUS_OK)
 		status = arguments_integer(arguments, "level", TILE_LEVEL_MIN, TILE_LEVEL_MAX, &request->level);
 	if (status == STATUS_OK)
-		status = arguments_numbers(arguments, "window", 4, request->window, &request->has_window);
+		status = export_read_window(arguments, request);
 	if (status == STATUS_OK)
 		status = arguments_numbers(arguments, "height-range", 2, request->range, &request->has_range);
 	if (status != STATUS_OK)
@@ -326,6 +327,8 @@ static enum status run(const struct arguments *arguments)
 	request.store = arguments_at(arguments, 0);
 	if (status == STATUS_OK)
 		status = store_open(request.store, &(struct store_options){.mode = STORE_READ}, &store);
+	if (status == STATUS_OK)
+		status = export_place_window(&request, store_meta(store));
 	int working;
 	if (status == STATUS_OK && !is_ruts(&request))
 		relief_tell_missing(request.store, store);

@@ -29,7 +29,8 @@ struct export_request {
 	bool png, raw, mesh; /* path's ending; mesh: --mesh */
 	bool map;            /* a picture with a frame and a legend */
 	bool has_window, has_range;
-	double window[4], range[2];
+	double window[4], range[2]; /* window: m from the south-west post; before export_place_window, in window_srs */
+	const char *window_srs;     /* NULL: metres from the south-west post; "store": the store's own system */
 	struct chart_sun sun;
 	double exaggerate;
 	/* of a map's page, all zero without it */
@@ -43,6 +44,10 @@ struct export_request {
 enum status export_read_layer(const struct arguments *arguments, int *layer) FURROW_CHECKED;
 const char *export_layer_name(int layer);
 enum store_layer export_store_layer(int layer);
+/* export_window.c: reads --window and --window-srs. */
+enum status export_read_window(const struct arguments *arguments, struct export_request *request) FURROW_CHECKED;
+/* Makes the window one of metres from the south-west post: of a slanted one, the rectangle around it. */
+enum status export_place_window(struct export_request *request, const struct store_meta *meta) FURROW_CHECKED;
 /* The posts of the level in the window, at least one. STATUS_INPUT: none, or no such level. */
 enum status export_find_rect(const struct export_request *request, const struct extent *extent, struct post_rect *rect)
 	FURROW_CHECKED;

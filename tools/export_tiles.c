@@ -11,7 +11,7 @@
 /* Options that say what one file has, and nothing of tiles. */
 static enum status check_options(const struct arguments *arguments)
 {
-	static const char *const foreign[] = {"o", "mesh", "layer", "level", "window"};
+	static const char *const foreign[] = {"o", "mesh", "layer", "level", "window", "window-srs"};
 	enum status status = STATUS_OK;
 	for (size_t i = 0; i < sizeof foreign / sizeof *foreign && status == STATUS_OK; i++)
 		if (arguments_text(arguments, foreign[i]) != NULL)

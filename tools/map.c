@@ -22,6 +22,7 @@ static const struct command_option options[] = {
 	{"layer", "LAYER", .help = "what is shown: heights of the surface or of the base, or what deformation left",
 	 .choices = layers, .preset = "surface"},
 	{"window", "X0,Y0,X1,Y1", .help = "east and north of the south-west post", .unit = "m", .preset = "all"},
+	{"window-srs", "SRS", .help = "what --window is in; store: the store's own", .preset = "metres from the south-west post"},
 	{"height-range", "MIN,MAX", .help = "values at the ends of the colours", .unit = "m", .preset = "those of the map"},
 	{"grid", "GRID", .help = "lines of round coordinates: metres of the store's system, or degrees of longitude and latitude",
 	 .choices = grids, .preset = "metres"},
@@ -69,7 +70,7 @@ static enum status read_request(const struct arguments *arguments, struct export
 	if (status == STATUS_OK)
 		status = export_read_layer(arguments, &request->layer);
 	if (status == STATUS_OK)
-		status = arguments_numbers(arguments, "window", 4, request->window, &request->has_window);
+		status = export_read_window(arguments, request);
 	if (status == STATUS_OK)
 		status = arguments_numbers(arguments, "height-range", 2, request->range, &request->has_range);
 	if (status == STATUS_OK && request->has_range && request->range[0] >= request->range[1])
@@ -91,6 +92,8 @@ static enum status run(const struct arguments *arguments)
 		status = fail_with(STATUS_FAILED, "map: %s", chart_missing());
 	if (status == STATUS_OK)
 		status = store_open(request.store, &(struct store_options){.mode = STORE_READ}, &store);
+	if (status == STATUS_OK)
+		status = export_place_window(&request, store_meta(store));
 	if (status == STATUS_OK && request.layer <= LAYER_BASE)
 		relief_tell_missing(request.store, store);
 	if (status == STATUS_OK) {

@@ -405,6 +405,28 @@ class Maps(FurrowTest):
         self.assertEqual(info["bands"][0]["noDataValue"], 0)
         self.assertEqual(info["geoTransform"], [500020, 2, 0, 4000062, 0, -2])
 
+    @unittest.skipUnless(has_gdal(), "needs gdal_translate")
+    def test_a_window_in_a_reference_system(self):
+        self.ok("synth", "-o", "a.tif", "--posts", "65x65", "--spacing", "2")
+        subprocess.run(["gdal_translate", "-q", "-a_srs", "EPSG:32633", "-a_ullr", "500000", "4000130", "500130", "4000000",
+                        str(self.folder / "a.tif"), str(self.folder / "utm.tif")], check=True)
+        self.ok("import", "utm.tif", "-o", "s.furrow")
+        self.ok("export", "s.furrow", "-o", "local.tif", "--window", "20,20,60,60")
+        wanted = (self.folder / "local.tif").read_bytes()
+        for srs, window in (("store", "500021,4000021,500061,4000061"), ("EPSG:32633", "500021,4000021,500061,4000061")):
+            self.ok("export", "s.furrow", "-o", "there.tif", "--window", window, "--window-srs", srs)
+            self.assertEqual((self.folder / "there.tif").read_bytes(), wanted, srs)
+        # gdaltransform has the degrees of its corners; a slanted window becomes the rectangle around it.
+        told = subprocess.run(["gdaltransform", "-s_srs", "EPSG:32633", "-t_srs", "EPSG:4326", "-output_xy"], check=True, capture_output=True,
+                              text=True, input="500022 4000022\n500060 4000060\n").stdout.split()
+        self.ok("export", "s.furrow", "-o", "there.tif", "--window", ",".join(told), "--window-srs", "EPSG:4326")
+        self.assertEqual((self.folder / "there.tif").read_bytes(), (self.ok("export", "s.furrow", "-o", "inner.tif", "--window", "21,21,59,59"),
+                                                                    (self.folder / "inner.tif").read_bytes())[1])
+        self.ok("map", "s.furrow", "-o", "there.png", "--window", ",".join(told), "--window-srs", "EPSG:4326")
+        self.assertIn("there is no window", self.refused(2, "export", "s.furrow", "-o", "x.tif", "--window-srs", "store"))
+        self.ok("synth", "-o", "nowhere.furrow", "--posts", "65x65", "--spacing", "1")
+        self.assertIn("has no reference system", self.refused(3, "export", "nowhere.furrow", "-o", "x.tif", "--window", "1,1,9,9", "--window-srs", "EPSG:4326"))
+
 
 class Drives(FurrowTest):
     def test_a_drive_leaves_ruts_figures_and_a_clean_store(self):
