@@ -202,7 +202,7 @@ static void describe(const struct finding *finding, char *text, size_t room)
 	else if (finding->map->meta->srs[0] == '\0')
 		snprintf(text, room, "Metres east and north of the terrain's south-west post");
 	else
-		snprintf(text, room, "Metres of %s", named ? name : "the store's system, which has no name");
+		snprintf(text, room, "Coordinates in metres: %s", named ? name : "the store's system, which has no name");
 }
 
 enum status chart_grid_find(const struct chart_map *map, const struct chart_frame *frame, double apart, struct chart_lines *out)

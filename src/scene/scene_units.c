@@ -146,7 +146,8 @@ static enum status doubt_sun(const struct units *units)
 	const double *height = view != NULL && view->sun != NULL ? view->sun->height : NULL;
 	char why[320], radians[48] = "";
 	double brightest = 1;
-	if (height == NULL || *height >= LEAST_SUN)
+	const bool bright = view != NULL && view->exposure != NULL && *view->exposure == SCENE_EXPOSURE_SUN;
+	if (height == NULL || *height >= LEAST_SUN || bright)
 		return STATUS_OK;
 	if (view->sun->colour != NULL)
 		brightest = fmax(fmax(view->sun->colour[0], view->sun->colour[1]), view->sun->colour[2]);
@@ -155,7 +156,7 @@ static enum status doubt_sun(const struct units *units)
 	if (*height > 0 && *height <= M_PI / 2)
 		snprintf(radians, sizeof radians, "if it is in radians give %.4g, else ", *height * DEGREES);
 	snprintf(why, sizeof why, "%g degrees above the horizon: level ground is drawn almost black; the unit is degrees: %sgive %g or more, "
-				  "or a brighter view.sun.colour",
+				  "a brighter view.sun.colour, or exposure: sun",
 		 *height, radians, LEAST_SUN);
 	return doubt(units, scene_tree_find(units->tree, "view.sun.height"), why);
 }

@@ -203,7 +203,7 @@ static void coordinates_at_the_corners_are_the_store_s(void **state)
 			}
 			assert_in_order(&drawn);
 			const char *notes = drawn.page.said[drawn.page.said_count - 1].text;
-			assert_non_null(strstr(notes, i == 0 ? "south-west post" : "Metres of Here (EPSG:32633)"));
+			assert_non_null(strstr(notes, i == 0 ? "south-west post" : "Coordinates in metres: Here (EPSG:32633)"));
 			drawn_finish(&drawn);
 		}
 }

@@ -104,7 +104,7 @@ static void loads_in_kilonewtons_or_kilograms(void **state)
 static void a_sun_that_leaves_the_picture_black(void **state)
 {
 	noted("view.sun.height", "0.6", "view.sun.height: 0.6 degrees above the horizon: level ground is drawn almost black; the unit is degrees: "
-					"if it is in radians give 34.38, else give 10 or more, or a brighter view.sun.colour");
+					"if it is in radians give 34.38, else give 10 or more, a brighter view.sun.colour, or exposure: sun");
 	noted("view.sun.height", "9.9", "the unit is degrees: give 10 or more");
 	noted("view.sun.height", "0", "the unit is degrees: give 10 or more");
 	noted("view.sun.height", "10", NULL);
@@ -112,6 +112,8 @@ static void a_sun_that_leaves_the_picture_black(void **state)
 	noted("view.sun", "{height: 5, colour: [1, 1, 1]}", "5 degrees");
 	noted("view.sun", "{height: 5, colour: [1, 2.5, 1]}", NULL); /* as bright as above 10 degrees */
 	noted("view.sun.azimuth", "3", NULL);
+	const struct scene_setting exposed[] = {{"view.sun.height", "5"}, {"view.exposure", "sun"}};
+	assert_int_equal(heard_of(scm, exposed, 2).count, 0);
 }
 
 static void what_the_model_does_not_read_gets_no_such_note(void **state)
