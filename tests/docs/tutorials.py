@@ -16,7 +16,7 @@ import sys
 import tempfile
 import unittest
 
-ROOT = pathlib.Path(__file__).parents[2]
+ROOT = pathlib.Path(__file__).resolve().parents[2]
 PAGES = ROOT / "docs" / "tutorials"
 FURROW = pathlib.Path(os.environ["FURROW"])
 BUILD = os.environ.get("FURROW_BUILD")
