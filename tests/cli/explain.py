@@ -127,7 +127,9 @@ class Explain(FurrowTest):
                     changed = [row for row in changed if not row[1].startswith("loads: ")]
                 # An object that leaves a mark needs to know what it touched: the press is another variant.
                 variants = [row for row in changed if row[0] == "programs" and row[5] == "displace"]
-                self.assertLessEqual({row[5] for row in changed if row not in variants}, effects, changed)
+                # The last pass of a batch writes the tiles: without box that is the press.
+                last = [row for row in changed if row[:2] == ("passes", "press") and row[3] in ("batch", "batch_store")]
+                self.assertLessEqual({row[5] for row in changed if row not in variants + last}, effects, changed)
                 self.assertEqual(len([row for row in variants if row in after]), len([row for row in variants if row in before]))
                 called = {effect["name"] for effect in plan["effects"] if effect["called"]}
                 was = {effect["name"] for effect in bare["effects"] if effect["called"]}
@@ -144,7 +146,7 @@ class Explain(FurrowTest):
         self.assertEqual([row[1].split(" PASSED")[0] for row in own if row[0] == "programs"],
                          ["full.vert deform/disturbance.frag", "deform/batch.vert deform/disturbance.frag"])
         self.assertEqual([row[1:4] for row in own if row[0] == "passes"],
-                         [("dirt", "a", "window"), ("dirt", "b", "window"), ("dirt", "c", "window"), ("dirt", None, "batch")])
+                         [("dirt", "a", "window"), ("dirt", "b", "window"), ("dirt", "c", "window"), ("dirt", None, "batch_store")])
         self.assertEqual({row[1] for row in own if row[0] == "tables"}, {"read dirt", "write dirt"})
         self.assertEqual([row for row in own if row[0] == "threads"], [])
 
