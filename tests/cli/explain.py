@@ -130,7 +130,9 @@ class Explain(FurrowTest):
                 # The last pass of a batch writes the tiles: without box that is the press.
                 last = [row for row in changed if row[:2] == ("passes", "press") and row[3] in ("batch", "batch_store")]
                 self.assertLessEqual({row[5] for row in changed if row not in variants + last}, effects, changed)
-                self.assertEqual(len([row for row in variants if row in after]), len([row for row in variants if row in before]))
+                # A batch has other programs without box, whose last pass writes the tiles.
+                alone = [row for row in variants if "batch.vert" not in row[1]]
+                self.assertEqual(len([row for row in alone if row in after]), len([row for row in alone if row in before]))
                 called = {effect["name"] for effect in plan["effects"] if effect["called"]}
                 was = {effect["name"] for effect in bare["effects"] if effect["called"]}
                 self.assertEqual(called ^ was, effects)
