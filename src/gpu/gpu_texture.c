@@ -191,6 +191,22 @@ size_t gpu_rect_bytes(const struct gpu_texture *texture, struct gpu_rect rect)
 	return (size_t)rect.width * rect.height * gpu_texel_bytes(texture);
 }
 
+/* Where a layer of a texture lies. That of a view lies in its array. Transfers name the array: with NVIDIA's driver 580 a tile that was uploaded
+ * to a view was not read back from it. */
+struct storage {
+	GLuint name;
+	GLenum kind;
+	GLint layer;
+};
+
+static struct storage storage_of(const struct gpu_texture *texture, uint32_t layer)
+{
+	const struct gpu_texture *array = texture->array;
+	if (array != NULL)
+		return (struct storage){array->name, array->kind, (GLint)texture->array_layer};
+	return (struct storage){texture->name, texture->kind, (GLint)layer};
+}
+
 void gpu_texture_upload(struct gpu_texture *texture, uint32_t layer, struct gpu_rect rect, const void *data)
 {
 	const struct format *format = &formats[texture->format];
@@ -198,11 +214,12 @@ void gpu_texture_upload(struct gpu_texture *texture, uint32_t layer, struct gpu_
 	if (!gpu_usable(texture->gpu) || rect.width == 0 || rect.height == 0)
 		return;
 	gpu_written_barrier(texture->gpu);
-	if (texture->kind == GL_TEXTURE_2D)
-		glTextureSubImage2D(texture->name, 0, (GLint)rect.x, (GLint)rect.y, (GLsizei)rect.width,
+	const struct storage to = storage_of(texture, layer);
+	if (to.kind == GL_TEXTURE_2D)
+		glTextureSubImage2D(to.name, 0, (GLint)rect.x, (GLint)rect.y, (GLsizei)rect.width,
 				    (GLsizei)rect.height, format->transfer, format->type, data);
 	else
-		glTextureSubImage3D(texture->name, 0, (GLint)rect.x, (GLint)rect.y, (GLint)layer, (GLsizei)rect.width,
+		glTextureSubImage3D(to.name, 0, (GLint)rect.x, (GLint)rect.y, to.layer, (GLsizei)rect.width,
 				    (GLsizei)rect.height, 1, format->transfer, format->type, data);
 	texture->gpu->stats.uploads++;
 	texture->gpu->stats.upload_bytes += gpu_rect_bytes(texture, rect);
@@ -235,7 +252,8 @@ void gpu_texture_read(struct gpu_texture *texture, uint32_t layer, struct gpu_re
 	}
 	assert(bytes <= INT32_MAX);
 	gpu_written_barrier(texture->gpu);
-	glGetTextureSubImage(texture->name, 0, (GLint)rect.x, (GLint)rect.y, (GLint)layer, (GLsizei)rect.width,
+	const struct storage from = storage_of(texture, layer);
+	glGetTextureSubImage(from.name, 0, (GLint)rect.x, (GLint)rect.y, from.layer, (GLsizei)rect.width,
 			     (GLsizei)rect.height, 1, format->transfer, format->type, (GLsizei)bytes, data);
 	texture->gpu->stats.read_backs++;
 	texture->gpu->stats.read_back_bytes += bytes;
@@ -251,7 +269,8 @@ void gpu_texture_clear(struct gpu_texture *texture, uint32_t layer, struct gpu_r
 	if (!gpu_usable(texture->gpu) || rect.width == 0 || rect.height == 0)
 		return;
 	gpu_written_barrier(texture->gpu);
-	glClearTexSubImage(texture->name, 0, (GLint)rect.x, (GLint)rect.y, (GLint)layer, (GLsizei)rect.width,
+	const struct storage to = storage_of(texture, layer);
+	glClearTexSubImage(to.name, 0, (GLint)rect.x, (GLint)rect.y, to.layer, (GLsizei)rect.width,
 			   (GLsizei)rect.height, 1, format->transfer, format->type,
 			   format->bytes == 1 ? (const void *)&byte : format->bytes == 2 ? (const void *)&half : all);
 }
@@ -265,8 +284,9 @@ void gpu_texture_copy(struct gpu_texture *from, uint32_t from_layer, uint32_t fr
 	if (!gpu_usable(to->gpu) || to_rect.width == 0 || to_rect.height == 0)
 		return;
 	gpu_written_barrier(to->gpu);
-	glCopyImageSubData(from->name, from->kind, 0, (GLint)from_x, (GLint)from_y, (GLint)from_layer, to->name, to->kind,
-			   0, (GLint)to_rect.x, (GLint)to_rect.y, (GLint)to_layer, (GLsizei)to_rect.width,
+	const struct storage source = storage_of(from, from_layer), into = storage_of(to, to_layer);
+	glCopyImageSubData(source.name, source.kind, 0, (GLint)from_x, (GLint)from_y, source.layer, into.name, into.kind,
+			   0, (GLint)to_rect.x, (GLint)to_rect.y, into.layer, (GLsizei)to_rect.width,
 			   (GLsizei)to_rect.height, 1);
 }
 

@@ -228,6 +228,9 @@ static void a_view_has_the_texels_of_its_layer(void **state)
 	gpu_texture_upload(array, 3, all, texels);
 	gpu_texture_read(views[1], 0, all, read);
 	assert_memory_equal(read, texels, sizeof texels);
+	gpu_texture_read(views[1], 0, part, read);
+	for (uint32_t i = 0; i < part.width * part.height; i++)
+		assert_int_equal(read[i], texels[(part.y + i / part.width) * SIDE + part.x + i % part.width]);
 	assert_ok(gpu_target_create(test_gpu, &(struct gpu_attachment){views[0], 0}, 1, (struct gpu_attachment){NULL, 0}, &target));
 	assert_ok(gpu_check(test_gpu, "views"));
 	gpu_target_destroy(target);

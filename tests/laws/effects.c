@@ -180,7 +180,7 @@ static int check_units(const struct outcome *first, const struct outcome *second
 		    strcmp(unit->string, plan_unit_name(PLAN_SHADOWED)) == 0)
 			continue;
 		if (!cJSON_Compare(unit, other, true)) {
-			print_error("unit %s differs\n", unit->string);
+			print_error("unit %s differs: %g, %g\n", unit->string, unit->valuedouble, other != NULL ? other->valuedouble : NAN);
 			problems++;
 		}
 	}
@@ -231,7 +231,8 @@ static void each_effect_comes_and_goes_alone(void **state)
 		/* All taken out again: the first numbers again. */
 		struct outcome again = drive(pairs[i].without);
 		assert_int_equal(check_lines(&without.plan, &again.plan, 0) + check_lines(&again.plan, &without.plan, 0), 0);
-		assert_int_equal(check_units(&without, &again), 0);
+		if (check_units(&without, &again) != 0)
+			fail_msg("a scene that is run twice: %s", pairs[i].without);
 		finish(&again);
 		finish(&without);
 	}
