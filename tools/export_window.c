@@ -2,8 +2,8 @@
 #include <math.h>
 #include <string.h>
 
-#include "dem/dem.h"
 #include "export.h"
+#include "place.h"
 
 #define EDGE 8 /* parts of an edge whose ends are converted: edges may become curves */
 
@@ -25,19 +25,16 @@ enum status export_place_window(struct export_request *request, const struct sto
 		return STATUS_OK;
 	if (given[0] > given[2] || given[1] > given[3])
 		return STATUS_OK; /* refused where the window is used */
-	if (strcmp(request->window_srs, "store") != 0 && meta->srs[0] == '\0')
-		return fail_with(STATUS_INPUT, "%s: --window-srs: the store has no reference system; leave it out and give metres from its south-west post",
-				 request->command);
 	for (int i = 0; i <= EDGE; i++)
 		for (int k = 0; k <= EDGE; k++) {
 			double x = given[0] + (given[2] - given[0]) * i / EDGE, y = given[1] + (given[3] - given[1]) * k / EDGE;
-			enum status status = strcmp(request->window_srs, "store") != 0 ? dem_transform(request->window_srs, meta->srs, 1, &x, &y) : STATUS_OK;
+			enum status status = place_local(meta, request->window_srs, request->command, "--window-srs", &x, &y);
 			if (status != STATUS_OK)
 				return status;
-			window[0] = fmin(window[0], x - meta->origin[0]);
-			window[1] = fmin(window[1], y - meta->origin[1]);
-			window[2] = fmax(window[2], x - meta->origin[0]);
-			window[3] = fmax(window[3], y - meta->origin[1]);
+			window[0] = fmin(window[0], x);
+			window[1] = fmin(window[1], y);
+			window[2] = fmax(window[2], x);
+			window[3] = fmax(window[3], y);
 		}
 	memcpy(request->window, window, sizeof window);
 	return STATUS_OK;

@@ -35,12 +35,7 @@ static enum status write_file(const struct fit_soil *fit, const char *path, writ
 	enum status status = aside_begin(&aside, path);
 	if (status == STATUS_OK)
 		status = write(fit, aside.file);
-	if (status == STATUS_OK)
-		status = aside_whole(&aside, true);
-	if (status == STATUS_OK)
-		status = aside_publish(&aside);
-	aside_finish(&aside);
-	return status;
+	return aside_end(&aside, true, status);
 }
 
 static enum status fit_all(const struct arguments *arguments, struct fit_soil *fit)

@@ -6,6 +6,7 @@
 #include <sys/stat.h>
 
 #include "command.h"
+#include "place.h"
 #include "api/import.h"
 #include "errors.h"
 #include "made.h"
@@ -68,11 +69,10 @@ static void print_plan(const struct dem_info *info, const struct dem_insets *ins
 	const struct extent *extent = &meta->extent;
 	printf("%zu source%s%s%s\n", info->source_count, info->source_count == 1 ? "" : "s",
 	       info->projected[0] != '\0' ? ", projected from " : "", info->projected);
-	if (info->projected[0] != '\0') {
-		const char *from = strchr(meta->srs, '"'), *to = from != NULL ? strchr(from + 1, '"') : NULL;
-		if (to != NULL)
-			printf("projected to %.*s, where a metre is a metre on the ground; --t-srs source keeps the source's own system\n", (int)(to - from - 1), from + 1);
-	}
+	int length;
+	const char *system = place_system(meta->srs, &length);
+	if (info->projected[0] != '\0' && system != NULL)
+		printf("projected to %.*s, where a metre is a metre on the ground; --t-srs source keeps the source's own system\n", length, system);
 	printf("%lld x %lld posts, %g m apart (%.3f x %.3f km), tiles of %u x %u posts, levels 0 to %d\n",
 	       (long long)info->width, (long long)info->height, info->spacing,
 	       (double)(info->width - 1) * info->spacing / 1e3, (double)(info->height - 1) * info->spacing / 1e3,

@@ -6,6 +6,7 @@
 #include "command.h"
 #include "errors.h"
 #include "json.h"
+#include "place.h"
 #include "ruts.h"
 #include "store/store.h"
 
@@ -198,11 +199,12 @@ static enum status print_json(struct store *store, const struct store_numbers *n
 /* The first name in a WKT, which is what people call the system. */
 static void print_srs(const char *wkt)
 {
-	const char *from = strchr(wkt, '"'), *to = from != NULL ? strchr(from + 1, '"') : NULL;
+	int length;
+	const char *name = place_system(wkt, &length);
 	if (wkt[0] == '\0')
 		puts("srs        none: local metres");
-	else if (to != NULL)
-		printf("srs        %.*s (--json has all of it)\n", (int)(to - from - 1), from + 1);
+	else if (name != NULL)
+		printf("srs        %.*s (--json has all of it)\n", length, name);
 	else
 		printf("srs        %s\n", wkt);
 }

@@ -7,6 +7,7 @@
 #include "command.h"
 #include "dem/dem.h"
 #include "json.h"
+#include "place.h"
 #include "relief_told.h"
 #include "resident/resident.h"
 #include "store/store.h"
@@ -32,19 +33,7 @@ enum { POINT = 2, RAY = 6 };
 
 static enum status to_local(const struct asking *asking, double *x, double *y)
 {
-	if (asking->srs == NULL)
-		return STATUS_OK;
-	if (strcmp(asking->srs, "store") != 0) {
-		if (asking->meta->srs[0] == '\0')
-			return fail_with(STATUS_INPUT, "query: the store has no reference system; leave --srs out and give "
-						       "metres from its south-west post");
-		enum status status = dem_transform(asking->srs, asking->meta->srs, 1, x, y);
-		if (status != STATUS_OK)
-			return status;
-	}
-	*x -= asking->meta->origin[0];
-	*y -= asking->meta->origin[1];
-	return STATUS_OK;
+	return place_local(asking->meta, asking->srs, "query", "--srs", x, y);
 }
 
 /* From the store's metres to what was asked in. */

@@ -50,12 +50,7 @@ static enum status write_page(struct html_report *report, const char *path)
 		report->file = aside.file;
 		status = html_report_write(report);
 	}
-	if (status == STATUS_OK)
-		status = aside_whole(&aside, true);
-	if (status == STATUS_OK)
-		status = aside_publish(&aside);
-	aside_finish(&aside);
-	return status;
+	return aside_end(&aside, true, status);
 }
 
 static enum status run(const struct arguments *arguments)

@@ -212,12 +212,8 @@ static enum status write_file(const struct rig_table *table, const char *folder,
 	enum status status = aside_begin(&aside, path);
 	if (status == STATUS_OK) {
 		write(table, aside.file);
-		status = aside_whole(&aside, false);
 	}
-	if (status == STATUS_OK)
-		status = aside_publish(&aside);
-	aside_finish(&aside);
-	return status;
+	return aside_end(&aside, false, status);
 }
 
 static enum status read_all(const struct arguments *arguments, struct asked *asked, struct settings *settings)

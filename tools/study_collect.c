@@ -152,12 +152,8 @@ static enum status write_csv(const struct study *study, const struct study_cell 
 	enum status status = aside_begin(&aside, path);
 	if (status == STATUS_OK) {
 		write_rows(study, cells, aside.file);
-		status = aside_whole(&aside, true);
 	}
-	if (status == STATUS_OK)
-		status = aside_publish(&aside);
-	aside_finish(&aside);
-	return status;
+	return aside_end(&aside, true, status);
 }
 
 static enum status write_plot(const struct study *study, const struct study_plot *plot, const struct study_cell *cells)
@@ -168,12 +164,7 @@ static enum status write_plot(const struct study *study, const struct study_plot
 	enum status status = aside_begin(&aside, path);
 	if (status == STATUS_OK)
 		status = study_plot_write(study, plot, cells, aside.file);
-	if (status == STATUS_OK)
-		status = aside_whole(&aside, false);
-	if (status == STATUS_OK)
-		status = aside_publish(&aside);
-	aside_finish(&aside);
-	return status;
+	return aside_end(&aside, false, status);
 }
 
 enum status study_collect(struct study *study)

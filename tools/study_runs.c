@@ -234,11 +234,8 @@ static enum status write_script(struct study *study, size_t run)
 		fputs(" >>", aside.file);
 		study_quote(study_path(study, run, "log.txt", log), aside.file);
 		fputs(" 2>&1\n", aside.file);
-		status = aside_whole(&aside, false);
 	}
-	if (status == STATUS_OK)
-		status = aside_publish(&aside);
-	aside_finish(&aside);
+	status = aside_end(&aside, false, status);
 	mem_free(list);
 	return status;
 }
@@ -252,12 +249,8 @@ static enum status write_copy(const struct study *study)
 	enum status status = aside_begin(&aside, path);
 	if (status == STATUS_OK) {
 		fwrite(study->text, 1, study->length, aside.file);
-		status = aside_whole(&aside, false);
 	}
-	if (status == STATUS_OK)
-		status = aside_publish(&aside);
-	aside_finish(&aside);
-	return status;
+	return aside_end(&aside, false, status);
 }
 
 static enum status find_paths(struct study *study, const char *directory)

@@ -107,11 +107,8 @@ enum status study_manifest(const struct study *study)
 	enum status status = aside_begin(&aside, path);
 	if (status == STATUS_OK) {
 		fprintf(aside.file, "%s\n", text);
-		status = aside_whole(&aside, true);
 	}
-	if (status == STATUS_OK)
-		status = aside_publish(&aside);
-	aside_finish(&aside);
+	status = aside_end(&aside, true, status);
 	cJSON_free(text);
 	return status;
 }

@@ -2,7 +2,8 @@
 // Defines:
 // - CONTACT: also find the posts on which the object rests
 // - CONTACT_MORE: members that a model adds to the parameters
-// - BATCH: parts of the windows of a batch. Posts are counted from the first of the layer, and read from the tiles
+// - BATCH: the fragments are those of a batch, which has many windows in one texture layer. The numbers of posts are counted from the layer's
+//   first post. The ground is read from the tiles
 // - WITH_ENVELOPE: with BATCH: the pass also computes the lower envelope, with the defines of lib/envelope.glsl. So there are no textures of it
 
 #include "lib/int64.glsl"

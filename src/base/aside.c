@@ -60,3 +60,13 @@ void aside_finish(struct aside *aside)
 	mem_free(aside->part);
 	*aside = (struct aside){.path = NULL};
 }
+
+enum status aside_end(struct aside *aside, bool synced, enum status status)
+{
+	if (status == STATUS_OK)
+		status = aside_whole(aside, synced);
+	if (status == STATUS_OK)
+		status = aside_publish(aside);
+	aside_finish(aside);
+	return status;
+}

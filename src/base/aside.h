@@ -31,5 +31,8 @@ enum status aside_whole(struct aside *aside, bool synced) FURROW_CHECKED;
 enum status aside_publish(struct aside *aside) FURROW_CHECKED;
 /* Frees the struct's memory, and removes PATH.part unless it was published. `aside` may be all zero. */
 void aside_finish(struct aside *aside);
+/* All three in one, for a single file. `status`: how its writer ended. STATUS_OK: completes and publishes the file. Finishes it in any case.
+ * Returns `status`, or the first failure after it. */
+enum status aside_end(struct aside *aside, bool synced, enum status status) FURROW_CHECKED;
 
 #endif

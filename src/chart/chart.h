@@ -58,7 +58,7 @@ struct chart_raster {
 	uint32_t width, height;
 	int level;
 	double spacing;        /* metres a pixel */
-	struct post_rect rect; /* of posts of `level` */
+	struct post_rect rect; /* what is shown: columns and rows of the posts of `level` */
 	float *shade;          /* 0 to 1; NaN: nodata */
 	/* metres: of the values within the pixel, the one with the largest absolute value; 0: none. Heights: the post's; NaN: nodata */
 	float *values;

@@ -96,7 +96,7 @@ struct chart_pattern {
 	struct chart_colour colour;
 	double dashes[4];
 	int dash_count;
-	int shape; /* of the mark where it begins */
+	int shape; /* the mark where it begins: 0 that of an object, 1 that of a vehicle */
 };
 struct chart_pattern chart_way_pattern(size_t way, bool vehicle);
 enum status chart_ways_draw(struct chart_page *page, const struct chart_map *map, const struct chart_frame *frame,

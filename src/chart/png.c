@@ -77,12 +77,7 @@ enum status chart_png_rows(const char *path, const struct chart_png *picture)
 	enum status status = aside_begin(&aside, path);
 	if (status == STATUS_OK)
 		status = write_file(aside.file, path, picture);
-	if (status == STATUS_OK)
-		status = aside_whole(&aside, false);
-	if (status == STATUS_OK)
-		status = aside_publish(&aside);
-	aside_finish(&aside);
-	return status;
+	return aside_end(&aside, false, status);
 }
 
 struct colours {

@@ -110,11 +110,8 @@ enum status exchange_file_put(const char *path, const struct exchange_bytes *byt
 	}
 	if (status == STATUS_OK) {
 		(void)fwrite(bytes->data, 1, bytes->size, aside.file); /* aside_whole tells a failure */
-		status = aside_whole(&aside, false);
 	}
-	if (status == STATUS_OK)
-		status = aside_publish(&aside);
-	aside_finish(&aside);
+	status = aside_end(&aside, false, status);
 	*written = status == STATUS_OK;
 	return status;
 }

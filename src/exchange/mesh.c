@@ -191,12 +191,7 @@ static enum status write_file(struct exchange_surface *surface, const struct exc
 	surface->file = aside.file;
 	if (status == STATUS_OK)
 		status = format->write(surface);
-	if (status == STATUS_OK)
-		status = aside_whole(&aside, true);
-	if (status == STATUS_OK)
-		status = aside_publish(&aside);
-	aside_finish(&aside);
-	return status;
+	return aside_end(&aside, true, status);
 }
 
 enum status exchange_mesh(const struct exchange_mesh_params *params, struct exchange_mesh_result *result)

@@ -41,10 +41,5 @@ enum status render_npy_write(const char *path, const struct render_array *array)
 	if (status == STATUS_OK && !whole)
 		status = fail_with(STATUS_FAILED, "%s: cannot write the numbers: %s; check space and permissions of its folder", path,
 				   strerror(errno));
-	if (status == STATUS_OK)
-		status = aside_whole(&aside, false);
-	if (status == STATUS_OK)
-		status = aside_publish(&aside);
-	aside_finish(&aside);
-	return status;
+	return aside_end(&aside, false, status);
 }

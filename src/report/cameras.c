@@ -28,12 +28,8 @@ static enum status publish(const struct report_poses *poses, size_t index, const
 	enum status status = aside_begin(&aside, path);
 	if (status == STATUS_OK) {
 		print(poses, index, aside.file); /* a failure returns when the file is completed */
-		status = aside_whole(&aside, false);
 	}
-	if (status == STATUS_OK)
-		status = aside_publish(&aside);
-	aside_finish(&aside);
-	return status;
+	return aside_end(&aside, false, status);
 }
 
 /* --- COLMAP (colmap.github.io/format.html): pixel centres at halves, axes right, down, ahead; poses from the world to the camera --- */

@@ -88,11 +88,8 @@ static enum status begin_file(struct poses_of *poses, const char *path)
 			print_row(&poses->rows[i], text);
 			(void)fputs(text, aside.file);
 		}
-		status = aside_whole(&aside, false);
 	}
-	if (status == STATUS_OK)
-		status = aside_publish(&aside);
-	aside_finish(&aside);
+	status = aside_end(&aside, false, status);
 	if (status != STATUS_OK)
 		return status;
 	poses->file = fopen(path, "a");

@@ -464,10 +464,6 @@ enum status report_write(const char *directory, const char *json)
 		/* A failure here returns when the file is completed. */
 		(void)fputs(json, aside.file);
 		(void)fputc('\n', aside.file);
-		status = aside_whole(&aside, true);
 	}
-	if (status == STATUS_OK)
-		status = aside_publish(&aside);
-	aside_finish(&aside);
-	return status;
+	return aside_end(&aside, true, status);
 }
