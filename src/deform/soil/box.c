@@ -50,7 +50,7 @@ const struct soil_model deform_model_box = {
 	.use = "takes the imprint; the dissertation's smoothing",
 	.volume = "compacted",
 	.effect = {
-		"box", "redistribute.model", "", EFFECT_LIST("deform/box.frag"), "base, offset", "offset", 4,
+		"box", "redistribute.model", "", EFFECT_LIST("deform/box.frag", "deform/gather.frag", "deform/store.frag"), "base, offset", "offset", 4,
 		EFFECT_LIST("redistribute.radius", "redistribute.repetitions"),
 		"reads as many posts around the trail as the radius times the repetitions: 32 at most",
 		"smooths the trail: the mean of the posts around"},
