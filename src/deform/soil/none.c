@@ -12,8 +12,7 @@ const struct soil_model deform_model_none = {
 	.use = "takes the imprint",
 	.volume = "compacted",
 	.effect = {
-		"displace", "objects", "", EFFECT_LIST("deform/under.frag", "deform/none.frag",
-						   "deform/store.frag"),
+		"displace", "objects", "", EFFECT_LIST("deform/under.frag", "deform/none.frag", "deform/gather.frag", "deform/store.frag"),
 		"base, offset", "offset", 0,
 		EFFECT_LIST("objects[].shape.wheel.radius", "objects[].shape.wheel.width", "objects[].shape.sphere.radius",
 			    "objects[].shape.box.size[]", "objects[].shape.cylinder.radius",
