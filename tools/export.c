@@ -25,7 +25,7 @@ static const struct command_option options[] = {
 	{"level", "L", .help = "0: the source's spacing; -k: 2^k times finer; k: coarser",
 	 .preset = "0; offset to fixed_point: the deformed level"},
 	{"window", "X0,Y0,X1,Y1", .help = "east and north of the south-west post", .unit = "m", .preset = "all"},
-	{"window-srs", "SRS", .help = "what --window is in; store: the store's own", .preset = "metres from the south-west post"},
+	{"window-srs", "SRS", .help = "what --window is in; store: the store's own; degrees: longitude and latitude on its body", .preset = "metres from the south-west post"},
 	{"height-range", "MIN,MAX", .help = "heights that a heightmap's 0 and full scale mean; of a map, its ramp's ends",
 	 .unit = "m", .preset = "one metre a unit"},
 	{"sun", "AZIMUTH,ALTITUDE", .help = "of a hillshade, clockwise from north and above the horizon", .unit = "degrees",

@@ -25,7 +25,7 @@ static const struct command_option options[] = {
 	{"spacing", "M", .help = "distance between posts: resamples; for sources without a place, their own", .unit = "m",
 	 .preset = "1 without a place"},
 	{"window", "W,S,E,N", .help = "import only what lies in this area, in the store's coordinates"},
-	{"window-srs", "SRS", .help = "the SRS in which the window is given, as EPSG:4326 for degrees: longitude first"},
+	{"window-srs", "SRS", .help = "the SRS in which the window is given; degrees: longitude and latitude on the sources' body"},
 	{"r", "METHOD", .help = "how to resample", .choices = api_import_methods, .preset = "bilinear"},
 	{"nodata", "V", .help = "a value that means nodata though no tag says so", .repeats = true},
 	{"radii", "KIND", .help = "values are distances from the body's middle; auto finds that by their size",

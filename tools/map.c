@@ -22,7 +22,7 @@ static const struct command_option options[] = {
 	{"layer", "LAYER", .help = "what is shown: heights of the surface or of the base, or what deformation left",
 	 .choices = layers, .preset = "surface"},
 	{"window", "X0,Y0,X1,Y1", .help = "east and north of the south-west post", .unit = "m", .preset = "all"},
-	{"window-srs", "SRS", .help = "what --window is in; store: the store's own", .preset = "metres from the south-west post"},
+	{"window-srs", "SRS", .help = "what --window is in; store: the store's own; degrees: longitude and latitude on its body", .preset = "metres from the south-west post"},
 	{"height-range", "MIN,MAX", .help = "values at the ends of the colours", .unit = "m", .preset = "those of the map"},
 	{"grid", "GRID", .help = "lines of round coordinates: metres of the store's system, or degrees of longitude and latitude",
 	 .choices = grids, .preset = "metres"},

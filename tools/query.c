@@ -14,7 +14,7 @@
 
 static const struct command_option options[] = {
 	{"ray", "X,Y,Z,DX,DY,DZ", .help = "where a ray from there first meets the ground, from above or below", .repeats = true},
-	{"srs", "SRS", .help = "what X and Y are in; store: the store's own", .preset = "metres from the south-west post"},
+	{"srs", "SRS", .help = "what X and Y are in; store: the store's own; degrees: longitude and latitude on its body", .preset = "metres from the south-west post"},
 	{"json", .help = "one JSON object: points, each with height, base, offset, surface, normal, nodata, soil (in metres but for dirt)"},
 	{.name = NULL},
 };

@@ -283,7 +283,7 @@ enum status dem_numbers_read(struct dem_pixels *pixels, int level, struct post_r
 
 /* A line on the globe. */
 struct dem_line {
-	double (*points)[2]; /* degrees east and north of WGS 84 */
+	double (*points)[2]; /* degrees east and north; DEM_SRS_DEGREES says of what */
 	double *times;       /* s since 1970 UTC, one a point; NULL: the points have none */
 	size_t count;
 };
@@ -296,7 +296,10 @@ struct dem_line {
 enum status dem_line_read(const char *path, const char *told, size_t number, struct dem_line *line) FURROW_CHECKED;
 void dem_line_finish(struct dem_line *line);
 
-/* Converts coordinates in place, from `from_srs` (any form that GDAL accepts) to the SRS `to_wkt`. Without GDAL: STATUS_FAILED. */
+/* The name of a system: longitude and latitude in degrees on the body of the other SRS. On the Earth they are WGS 84's. */
+#define DEM_SRS_DEGREES "degrees"
+/* Converts coordinates in place, from `from_srs` (any form that GDAL accepts) to the SRS `to_wkt`. One of them may be DEM_SRS_DEGREES.
+ * Without GDAL: STATUS_FAILED. */
 enum status dem_transform(const char *from_srs, const char *to_wkt, size_t count, double *x, double *y)
 	FURROW_CHECKED;
 

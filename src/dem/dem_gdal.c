@@ -243,8 +243,12 @@ bool dem_gdal_knows(const char *path)
 const char *dem_gdal_message(void)
 {
 	static _Thread_local char text[320];
-	snprintf(text, sizeof text, "%s", CPLGetLastErrorMsg());
+	const bool cut = snprintf(text, sizeof text, "%s", CPLGetLastErrorMsg()) >= (int)sizeof text;
+	if (cut)
+		memcpy(text + sizeof text - 5, " ...", 5);
 	size_t length = strlen(text);
+	if (cut)
+		return text;
 	while (length > 0 && strchr(". \n", text[length - 1]) != NULL)
 		text[--length] = '\0';
 	return length > 0 ? text : "no reason given";

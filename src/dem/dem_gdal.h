@@ -190,6 +190,14 @@ enum status dem_overlap(struct gdal_source *sources, size_t count, const struct 
 /* --- dem_srs.c --- */
 /* Returns a new SRS with x east. Returns NULL and sets the failure message if `text` is not an SRS. */
 OGRSpatialReferenceH dem_srs_parse(const char *text);
+/* Longitude and latitude in degrees: WGS 84 on the Earth, on another body its own. NULL: the SRS is local, or GDAL fails. */
+OGRSpatialReferenceH dem_srs_degrees(OGRSpatialReferenceH srs);
+/* As dem_srs_parse, but DEM_SRS_DEGREES means the degrees of the body of `other`. */
+OGRSpatialReferenceH dem_srs_parse_beside(const char *text, OGRSpatialReferenceH other);
+/* Makes the transformation. `told` names what is converted, and `whose` the owner of `to`, for messages. STATUS_INPUT: there is no way;
+ * between two bodies there is none. */
+enum status dem_srs_move(const char *told, OGRSpatialReferenceH from, OGRSpatialReferenceH to, const char *whose, OGRCoordinateTransformationH *move)
+	FURROW_CHECKED;
 /* Returns the metres on the ground from (x, y) to (x + dx, y + dy). Returns NaN if this cannot be computed. */
 double dem_srs_ground(OGRSpatialReferenceH srs, double x, double y, double dx, double dy);
 /* Returns a metric SRS for data around (x, y): UTM, or on other planets an equirectangular projection. NULL: failed. */

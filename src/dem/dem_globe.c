@@ -8,25 +8,13 @@ struct dem_globe {
 	OGRCoordinateTransformationH to, from; /* degrees */
 };
 
-static OGRSpatialReferenceH degrees_of(OGRSpatialReferenceH srs, bool earth)
-{
-	OGRSpatialReferenceH degrees = earth ? OSRNewSpatialReference(NULL) : OSRCloneGeogCS(srs);
-	if (degrees != NULL && earth && OSRImportFromEPSG(degrees, 4326) != OGRERR_NONE) {
-		OSRDestroySpatialReference(degrees);
-		return NULL;
-	}
-	if (degrees != NULL)
-		OSRSetAxisMappingStrategy(degrees, OAMS_TRADITIONAL_GIS_ORDER);
-	return degrees;
-}
-
 static enum status fill(struct dem_globe *globe, OGRSpatialReferenceH srs)
 {
 	OGRErr problem = OGRERR_NONE;
 	OSRStripVertical(srs); /* heights stay as they are */
 	double a = OSRGetSemiMajor(srs, &problem), inverse = OSRGetInvFlattening(srs, NULL);
 	globe->info.earth = a > 6.35e6 && a < 6.4e6;
-	OGRSpatialReferenceH degrees = problem == OGRERR_NONE ? degrees_of(srs, globe->info.earth) : NULL;
+	OGRSpatialReferenceH degrees = problem == OGRERR_NONE ? dem_srs_degrees(srs) : NULL;
 	if (degrees != NULL) {
 		globe->to = OCTNewCoordinateTransformation(srs, degrees);
 		globe->from = OCTNewCoordinateTransformation(degrees, srs);

@@ -136,7 +136,8 @@ static enum status read_geojson(struct reading *reading, GDALDatasetH set)
 	OGRLayerH layer = GDALDatasetGetLayer(set, 0);
 	OGRSpatialReferenceH srs = layer != NULL ? OGR_L_GetSpatialRef(layer) : NULL;
 	if (srs != NULL && !OSRIsGeographic(srs))
-		return fail_with(STATUS_INPUT, "%s: it is not in longitude and latitude; convert it: ogr2ogr -t_srs EPSG:4326 OUT.geojson FILE",
+		return fail_with(STATUS_INPUT, "%s: it is not in longitude and latitude; convert it: ogr2ogr -t_srs EPSG:4326 OUT.geojson FILE (Mars: "
+				 "IAU_2015:49900, the Moon: IAU_2015:30100)",
 				 reading->told);
 	return layer != NULL ? add_layer(reading, layer) : STATUS_OK;
 }

@@ -24,6 +24,62 @@ OGRSpatialReferenceH dem_srs_parse(const char *text)
 	return srs;
 }
 
+static bool is_earth(OGRSpatialReferenceH srs)
+{
+	double radius = OSRGetSemiMajor(srs, NULL);
+	return radius > 6.35e6 && radius < 6.4e6;
+}
+
+OGRSpatialReferenceH dem_srs_degrees(OGRSpatialReferenceH srs)
+{
+	if (OSRIsLocal(srs))
+		return NULL;
+	const bool earth = is_earth(srs);
+	OGRSpatialReferenceH degrees = earth ? OSRNewSpatialReference(NULL) : OSRCloneGeogCS(srs);
+	if (degrees != NULL && earth && OSRImportFromEPSG(degrees, 4326) != OGRERR_NONE) {
+		OSRDestroySpatialReference(degrees);
+		return NULL;
+	}
+	if (degrees != NULL)
+		OSRSetAxisMappingStrategy(degrees, OAMS_TRADITIONAL_GIS_ORDER);
+	return degrees;
+}
+
+OGRSpatialReferenceH dem_srs_parse_beside(const char *text, OGRSpatialReferenceH other)
+{
+	if (strcmp(text, DEM_SRS_DEGREES) != 0)
+		return dem_srs_parse(text);
+	OGRSpatialReferenceH degrees = dem_srs_degrees(other);
+	if (degrees == NULL)
+		(void)fail_with(STATUS_INPUT, "degrees: the reference system is a local one, on no planet; give metres");
+	return degrees;
+}
+
+/* True if the two are of bodies that differ by more than ellipsoids of one body do. */
+static bool are_of_two_bodies(OGRSpatialReferenceH a, OGRSpatialReferenceH b)
+{
+	const double radius = OSRGetSemiMajor(a, NULL), other = OSRGetSemiMajor(b, NULL);
+	return !OSRIsLocal(a) && !OSRIsLocal(b) && fabs(radius - other) > 0.005 * fmax(radius, other);
+}
+
+enum status dem_srs_move(const char *told, OGRSpatialReferenceH from, OGRSpatialReferenceH to, const char *whose, OGRCoordinateTransformationH *move)
+{
+	CPLErrorReset();
+	*move = are_of_two_bodies(from, to) ? NULL : OCTNewCoordinateTransformation(from, to);
+	if (*move != NULL)
+		return STATUS_OK;
+	if (!are_of_two_bodies(from, to))
+		return fail_with(STATUS_INPUT, "%s: no way to %s SRS: %s; give others", told, whose, dem_gdal_message());
+	OGRSpatialReferenceH own = OSRCloneGeogCS(to);
+	const char *name = own != NULL ? OSRGetName(own) : NULL;
+	enum status status = fail_with(STATUS_INPUT, "%s: is on a body of radius %.0f km, and %s SRS, \"%.80s\", on one of %.0f km; for longitude and latitude there "
+				       "give " DEM_SRS_DEGREES, told, OSRGetSemiMajor(from, NULL) / 1000, whose, name != NULL ? name : "",
+				       OSRGetSemiMajor(to, NULL) / 1000);
+	if (own != NULL)
+		OSRDestroySpatialReference(own);
+	return status;
+}
+
 char *dem_srs_wkt(OGRSpatialReferenceH srs)
 {
 	const char *options[] = {"FORMAT=WKT2_2019", "MULTILINE=NO", NULL};
@@ -119,13 +175,11 @@ static OGRSpatialReferenceH metric_on_body(OGRSpatialReferenceH globe, double lo
 
 OGRSpatialReferenceH dem_srs_metric(OGRSpatialReferenceH srs, double x, double y)
 {
-	double radius = OSRGetSemiMajor(srs, NULL);
-	bool earth = radius > 6.35e6 && radius < 6.4e6;
-	OGRSpatialReferenceH globe = earth ? OSRNewSpatialReference(NULL) : OSRCloneGeogCS(srs), found = NULL;
+	const bool earth = is_earth(srs);
+	OGRSpatialReferenceH globe = dem_srs_degrees(srs), found = NULL;
 	OGRCoordinateTransformationH move = NULL;
-	if (globe == NULL || (earth && OSRImportFromEPSG(globe, 4326) != OGRERR_NONE))
+	if (globe == NULL)
 		goto done;
-	OSRSetAxisMappingStrategy(globe, OAMS_TRADITIONAL_GIS_ORDER);
 	move = OCTNewCoordinateTransformation(srs, globe);
 	if (move == NULL || !OCTTransform(move, 1, &x, &y, NULL) || !isfinite(x) || fabs(y) > 90)
 		goto done;
@@ -158,18 +212,17 @@ enum status dem_transform(const char *from_srs, const char *to_wkt, size_t count
 	if (to_wkt[0] == '\0')
 		return fail_with(STATUS_INPUT, "coordinates in \"%.80s\": the store is local metres and lies on "
 				 "no planet; give local coordinates", from_srs);
-	OGRSpatialReferenceH from = dem_srs_parse(from_srs), to = NULL;
+	/* One of the two may be the other's degrees. */
+	const bool back = strcmp(to_wkt, DEM_SRS_DEGREES) == 0;
+	char told[120];
+	snprintf(told, sizeof told, "coordinates in \"%.80s\"", back ? to_wkt : from_srs);
+	OGRSpatialReferenceH known = dem_srs_parse(back ? from_srs : to_wkt), other = NULL;
 	OGRCoordinateTransformationH move = NULL;
 	status = STATUS_INPUT;
-	if (from == NULL || (to = dem_srs_parse(to_wkt)) == NULL)
+	if (known == NULL || (other = dem_srs_parse_beside(back ? to_wkt : from_srs, known)) == NULL)
 		goto done;
-	move = OCTNewCoordinateTransformation(from, to);
-	if (move == NULL) {
-		status = fail_with(STATUS_INPUT, "coordinates in \"%.80s\": no way to the store's SRS: %s; give "
-				   "others", from_srs, dem_gdal_message());
-		goto done;
-	}
-	status = STATUS_OK;
+	OGRSpatialReferenceH from = back ? known : other, to = back ? other : known;
+	status = dem_srs_move(told, from, to, "the store's", &move);
 	for (size_t i = 0; status == STATUS_OK && i < count; i++) {
 		double at[2] = {x[i], y[i]};
 		if (!OCTTransform(move, 1, &x[i], &y[i], NULL) || !isfinite(x[i]) || !isfinite(y[i]))
@@ -179,9 +232,9 @@ enum status dem_transform(const char *from_srs, const char *to_wkt, size_t count
 done:
 	if (move != NULL)
 		OCTDestroyCoordinateTransformation(move);
-	if (to != NULL)
-		OSRDestroySpatialReference(to);
-	if (from != NULL)
-		OSRDestroySpatialReference(from);
+	if (other != NULL)
+		OSRDestroySpatialReference(other);
+	if (known != NULL)
+		OSRDestroySpatialReference(known);
 	return status;
 }

@@ -90,14 +90,15 @@ static enum status bounds_cut(struct bounds *bounds, const struct dem_params *pa
 		return fail_with(STATUS_INPUT, "window SRS \"%.80s\": the sources say no SRS; name theirs with --s-srs, or give the window "
 				 "in their coordinates", params->window_srs);
 	if (params->window_srs != NULL) {
-		given = dem_srs_parse(params->window_srs);
+		char told[120];
+		snprintf(told, sizeof told, "window SRS \"%.80s\"", params->window_srs);
+		given = dem_srs_parse_beside(params->window_srs, srs);
 		if (given == NULL)
 			return STATUS_INPUT;
-		move = OCTNewCoordinateTransformation(given, srs);
-		if (move == NULL) {
+		enum status status = dem_srs_move(told, given, srs, "the terrain's", &move);
+		if (status != STATUS_OK) {
 			OSRDestroySpatialReference(given);
-			return fail_with(STATUS_INPUT, "window SRS \"%.80s\": no way from there: %s; name another", params->window_srs,
-					 dem_gdal_message());
+			return status;
 		}
 	}
 	for (int i = 0; i < WINDOW_PROBES * WINDOW_PROBES; i++) {

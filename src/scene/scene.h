@@ -95,7 +95,7 @@ struct scene_path {
 	size_t count; /* 0: the path has no points, and the host moves the object */
 	double speed; /* m/s; only for a path of points */
 	bool loop;
-	bool degrees; /* x and y are degrees east and north of WGS 84, whatever the scene's coordinates are */
+	bool degrees; /* x and y are degrees east and north on the store's body, whatever the scene's coordinates are */
 	bool smooth;  /* it is a curve through its points, not straight lines */
 	/* The path in metres of the store's axes is turned about its first point, in rad from east to north, and then moved, in m. Yaws of the
 	 * waypoints are turned already; x and y are not. */

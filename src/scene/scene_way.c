@@ -63,7 +63,8 @@ static enum status take_file(const struct way *way)
 	if (file == NULL)
 		return fail_memory("reading a path");
 	if (scene_path_is_other_line(file)) {
-		status = fail_with(STATUS_INPUT, "%s: lines are read from .gpx and .geojson; convert it: ogr2ogr -t_srs EPSG:4326 LINE.geojson FILE", told.text);
+		status = fail_with(STATUS_INPUT, "%s: lines are read from .gpx and .geojson; convert it: ogr2ogr -t_srs EPSG:4326 LINE.geojson FILE (Mars: "
+				   "IAU_2015:49900, the Moon: IAU_2015:30100)", told.text);
 	} else if (scene_path_is_line(file)) {
 		status = scene_path_read_line(file, told.text, raw->line != NULL ? (size_t)*raw->line : 0, raw->speed != NULL, way->path);
 	} else {

@@ -9,7 +9,7 @@
 static enum status to_local(const struct world *world, bool degrees, size_t count, double *x, double *y)
 {
 	const struct scene *scene = world->scene;
-	const char *srs = degrees ? "EPSG:4326" : scene->coordinates == SCENE_SRS ? scene->srs : NULL;
+	const char *srs = degrees ? DEM_SRS_DEGREES : scene->coordinates == SCENE_SRS ? scene->srs : NULL;
 	if (srs != NULL && world->meta->srs[0] == '\0' && degrees)
 		return fail_with(STATUS_INPUT, "a path in longitude and latitude: the store has no reference system and lies nowhere on the globe; "
 					       "give points in metres, or a store with one");

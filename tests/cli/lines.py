@@ -117,6 +117,36 @@ class Lines(FurrowTest):
                         (self.folder / f"globe.furrow{suffix}").unlink(missing_ok=True)
             (self.folder / "local.furrow").unlink()
 
+    def test_degrees_are_those_of_the_stores_body(self):
+        if not has_gdal():
+            self.skipTest("needs GDAL's programs")
+        rasters.make(self.folder / "mars.tif", 101, 101, [100.0] * 101 * 101, "f", step=0.00002, west=137.4, north=-4.6, srs="IAU_2015:49900")
+        result = self.furrow("import", "mars.tif", "-o", "base.furrow")
+        if "built without GDAL" in result.stderr:
+            self.skipTest("built without GDAL")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        store = self.json("info", "base.furrow")
+        degrees = [(137.4004, -4.6014), (137.4010, -4.6012), (137.4014, -4.6006)]
+        told = subprocess.run(["gdaltransform", "-s_srs", "IAU_2015:49900", "-t_srs", store["srs"], "-output_xy"], check=True, capture_output=True,
+                              text=True, input="".join(f"{x} {y}\n" for x, y in degrees)).stdout
+        metres = [tuple(map(float, line.split())) for line in told.splitlines()]
+        local = [[x - store["origin"][0], y - store["origin"][1]] for x, y in metres]
+        wanted = self.places("local", f"{{points: {local}, speed: 8}}")
+        self.geojson("line.geojson", {"type": "LineString", "coordinates": degrees})
+        self.assert_near(self.places("globe", "{file: line.geojson, speed: 8}"), wanted, 1e-4)
+        points = [list(point) for point in degrees]
+        self.assert_near(self.places("named", f"{{points: {points}, speed: 8}}", "--set", "coordinates=degrees"), wanted, 1e-4)
+        point = self.json("query", "base.furrow", *degrees[0], "--srs", "degrees")["points"][0]
+        self.assertLess(max(abs(point[key] - value) for key, value in zip("xy", degrees[0])), 1e-9, point)
+        window = ",".join(f"{value:.10f}" for value in (*degrees[0], *degrees[2]))
+        self.ok("export", "base.furrow", "-o", "there.tif", "--window", window, "--window-srs", "degrees")
+        self.ok("import", "mars.tif", "-o", "part.furrow", "--window", window, "--window-srs", "degrees")
+        self.assertLess(self.json("info", "part.furrow")["posts"][0], 60)
+        # Longitude and latitude of the Earth are refused, and the whole message is there.
+        for command in (("query", "base.furrow", *degrees[0], "--srs", "EPSG:4326"),
+                        ("import", "mars.tif", "-o", "x.furrow", "--window", window, "--window-srs", "EPSG:4326")):
+            self.assertRegex(self.refused(3, *command), 'radius 6378 km, and .* "Mars .*", on one of 3396 km; .* give degrees$')
+
     def test_a_track_has_its_own_times(self):
         self.utm()
         stamps = ["2026-02-28T23:59:58Z", "2026-03-01T00:00:03Z", "2026-03-01T01:00:08.500+01:00"]
