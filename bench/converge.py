@@ -15,6 +15,7 @@ import time
 
 import converge_cases
 import lanes
+import record
 from converge_tables import PARTS, at, convergence, furthest, gates_table, grouped, mean, millimetres, percent, posts_errors, worst
 from pages import publish, table
 from validation import COLOURS, Plot
@@ -167,6 +168,23 @@ def draw(rows, before, folder):
         plot.write(folder / f"converge-{key}.svg")
 
 
+def keep(kept, rows):
+    """Figures: of each number its closed form, what the lanes say on average, and how far the worst lane is off."""
+    for (normals, spacing, sink, slip), of in grouped([row for row in rows if row["case"] == "fixed"], "normals", "spacing", "sink", "slip").items():
+        form = of[0]["closed_ground" if normals == "ground" else "closed_rim"]
+        for key, unit in (("fz", "N"), ("drawbar", "N"), ("torque", "N m")):
+            name = f"fixed.{normals}.{spacing * 100:g}cm.sink_{sink:g}.slip_{slip:g}.{key}"
+            kept.add(f"{name}.closed", form[key], unit)
+            kept.add(name, mean(of, key), unit)
+            kept.add(f"{name}.off", abs(worst(of, key, lambda _: form[key])) * 100, "%")
+    for (soil, rim), own in grouped([row for row in rows if row["case"] == "steady"], "soil", "rim_of").items():
+        for key, unit in (("sinkage", "m"), ("drawbar", "N"), ("torque", "N m")):
+            name = f"steady.{soil}.{rim}_rim.{key}"
+            kept.add(f"{name}.closed", own[0]["closed"][key], unit)
+            for spacing in sorted({row["spacing"] for row in own}):
+                kept.add(f"{name}.{spacing * 100:g}cm", worst(at(own, spacing), key, lambda row: row["closed"][key]) * 100, "%")
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("furrow", help="the command; or a file of JSON lines of an earlier run")
@@ -181,11 +199,12 @@ def main():
     parser.add_argument("--publish", type=pathlib.Path, help="a page; the tables go between its markers")
     parser.add_argument("--posts", action="store_true", help="print src/scene/scene_posts.h of the rows, and nothing else")
     parser.add_argument("--block", default="converge", help="which markers of the page")
+    record.add_option(parser)
     options = parser.parse_args()
     if options.furrow.endswith(".jsonl"):
         rows = [json.loads(line) for line in pathlib.Path(options.furrow).read_text().splitlines()]
     else:
-        rows = []
+        rows, kept = [], record.Record("converge", options.furrow)
         with tempfile.TemporaryDirectory() as folder:
             bench = converge_cases.Bench(options.furrow, folder, ", " * bool(options.redistribute) + options.redistribute,
                                          ", " * bool(options.soil) + options.soil, options.kappa, options.normals)
@@ -197,6 +216,9 @@ def main():
                 except lanes.Failed as error:
                     print(f"{name}: {error}", file=sys.stderr)
                 print(f"{name}: {time.monotonic() - begun:.0f} s", file=sys.stderr, flush=True)
+        kept.seen(bench.run)
+        keep(kept, rows)
+        kept.write(options.figures)
     if options.posts:
         print(posts_header(rows), end="")
         return 0

@@ -29,6 +29,7 @@ class Bench:
 
     def __init__(self, furrow, folder, extra="", soil_extra="", kappa=0.0, normals=None):
         self.furrow, self.folder, self.extra, self.soil_extra, self.kappa = furrow, folder, extra, soil_extra, kappa
+        self.run = None  # run.json of the last drive
         self.has_normals = lanes.accepts(furrow, folder, "normals", "ground")
         self.normals = normals or ("surface" if self.has_normals else "ground")   # of a scene that says nothing of them
         # Chrono's law: no slip sinkage.
@@ -36,7 +37,9 @@ class Bench:
 
     def drive(self, case_lanes, spacing, soil, redistribute="", coarsest=COARSEST, degrees=0.0):
         store = lanes.ground(self.furrow, self.folder, coarsest, degrees)
-        return lanes.drive(self.furrow, store, self.folder, case_lanes, spacing, soil + self.soil_extra, redistribute + self.extra)
+        driven = lanes.drive(self.furrow, store, self.folder, case_lanes, spacing, soil + self.soil_extra, redistribute + self.extra)
+        self.run = driven.run
+        return driven
 
 
 def fan(places=((0.0, 0.0), (0.37, 0.29)), directions=DIRECTIONS, **keys):

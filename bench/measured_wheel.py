@@ -14,6 +14,7 @@ import sys
 import tempfile
 
 import lanes
+import record
 from pages import publish, table
 
 RADIUS, WIDTH, SPEED, LENGTH = 0.058, 0.05, 0.01, 0.5
@@ -60,6 +61,7 @@ class Rig:
     def __init__(self, furrow, folder, redistribute):
         self.furrow, self.folder, self.redistribute = furrow, folder, redistribute
         self.store = lanes.ground(furrow, folder, COARSEST)
+        self.run = None  # run.json of the last drive
         self.digs = lanes.accepts(furrow, folder, "slip_sinkage", "1")
         self.least = DRAGGED_MOST if self.accepts_slip(DRAGGED_MOST) else -0.99
 
@@ -91,6 +93,7 @@ class Rig:
                 continue
             extra = self.redistribute + (f", slip_sinkage: {kappa!r}" if self.digs and kappa is not None else "")
             driven = lanes.drive(self.furrow, self.store, self.folder, [lane for _, lane in way], SPACING, soil_text(setting), extra)
+            self.run = driven.run
             for i, lane in way:
                 found = lanes.steady(lane, driven, 0.3, LENGTH)
                 answers[i] = {"sinkage": found["sinkage"] * 1e3, "drawbar": found["drawbar"], "side": found["side"], "fz": found["fz"]}
@@ -201,19 +204,38 @@ def report(rig, folder, quick):
     say(f"\n| gate | | |\n| --- | --- | --- |\n| sinkage 2.0 mm RMS | {'met' if depth <= 2 else 'MISSED'} | {depth:.2f} mm |\n"
         f"| drawbar 3 N RMS | {'met' if pull <= 3 else 'MISSED'} | {pull:.2f} N |\n" +
         (f"| sinkage 2.5 mm left out | {'met' if one <= 2.5 else 'MISSED'} | {one:.2f} mm |\n" if rig.digs else ""),
-        what="smooth", sinkage_rms=depth, drawbar_rms=pull)
+        what="smooth", sinkage_rms=depth, drawbar_rms=pull, trials=len(fitted))
     if quick:
         return told
     say("From here on nothing is fitted.\n")
-    for name, trials, bars, angle, low, high in (
-            ("Smooth wheel, locked and nearly locked", smooth, False, 0, -1, -0.65), ("Wheel with grousers, 0 degrees", grouser, True, 0, -1, 0.95),
-            ("Smooth wheel at a slip angle of 30 degrees", smooth, False, 30, -1, 0.95), ("Smooth wheel at a slip angle of 90 degrees", smooth, False, 90, -1, 0.95),
-            ("Wheel with grousers at 30 degrees", grouser, True, 30, -1, 0.95), ("Wheel with grousers at 90 degrees", grouser, True, 90, -1, 0.95)):
+    for key, name, trials, bars, angle, low, high in (
+            ("locked", "Smooth wheel, locked and nearly locked", smooth, False, 0, -1, -0.65),
+            ("grousers", "Wheel with grousers, 0 degrees", grouser, True, 0, -1, 0.95),
+            ("smooth_30", "Smooth wheel at a slip angle of 30 degrees", smooth, False, 30, -1, 0.95),
+            ("smooth_90", "Smooth wheel at a slip angle of 90 degrees", smooth, False, 90, -1, 0.95),
+            ("grousers_30", "Wheel with grousers at 30 degrees", grouser, True, 30, -1, 0.95),
+            ("grousers_90", "Wheel with grousers at 90 degrees", grouser, True, 90, -1, 0.95)):
         of = chosen(trials, angle, low, high)
         got = rig.at_an_angle(of, bars, kappa) if angle else rig.drive(of, bars, kappa)
-        say(f"{name}:\n\n{trial_table(of, got, side=angle > 0)}\n{summary(of, got, side=angle > 0)}\n", what=name,
+        say(f"{name}:\n\n{trial_table(of, got, side=angle > 0)}\n{summary(of, got, side=angle > 0)}\n", what=name, key=key,
             rms=dict(zip(("sinkage", "drawbar", "side"), errors(of, got))))
     return told
+
+
+def keep(kept, told):
+    """Figures of what report() told."""
+    for part in told:
+        if part.get("kappa") is not None:
+            kept.add("slip_sinkage", part["kappa"], "")
+            kept.add("left_out.trial", part["leave_one_trial"], "mm")
+            kept.add("left_out.slip", part["leave_one_slip"], "mm")
+        elif part.get("what") == "smooth":
+            kept.add("smooth.sinkage_rms", part["sinkage_rms"], "mm")
+            kept.add("smooth.drawbar_rms", part["drawbar_rms"], "N")
+            kept.add("smooth.trials", part["trials"], "")
+        elif "key" in part:
+            for what, unit in (("sinkage", "mm"), ("drawbar", "N"), ("side", "N")):
+                kept.add(f"{part['key']}.{what}_rms", part["rms"][what], unit)
 
 
 def main():
@@ -224,17 +246,25 @@ def main():
     parser.add_argument("--quick", action="store_true", help="the smooth wheel alone")
     parser.add_argument("-o", "--out", type=pathlib.Path, help="a folder for measured_wheel.md and .jsonl")
     parser.add_argument("--publish", type=pathlib.Path, help="a page; the tables go between its markers `measured`")
+    record.add_option(parser)
     options = parser.parse_args()
     missing = [name for name in ("wheel_smooth.csv", "wheel_grouser.csv") if not (options.rig / name).is_file()]
     if missing:
         print(f"{options.rig}: has no {' and no '.join(missing)}; give the folder of the rig's numbers by --rig. Nothing was compared.")
         return 0
+    kept = record.Record("measured_wheel", options.furrow)
     try:
         with tempfile.TemporaryDirectory() as folder:
-            told = report(Rig(options.furrow, folder, ", " * bool(options.redistribute) + options.redistribute), options.rig, options.quick)
+            rig = Rig(options.furrow, folder, ", " * bool(options.redistribute) + options.redistribute)
+            told = report(rig, options.rig, options.quick)
     except lanes.Failed as error:
         print(f"measured_wheel.py: {error}", file=sys.stderr)
         return 1
+    kept.seen(rig.run)
+    keep(kept, told)
+    if not options.quick:
+        kept.page("measured", "\n".join(part["text"] for part in told))
+    kept.write(options.figures)
     if options.publish:
         publish(options.publish, "measured", "\n".join(part["text"] for part in told))
     if options.out:

@@ -18,6 +18,7 @@ import time
 
 import paging_plots
 import paging_scenes
+import record
 
 BIG, SMALL = 65537, 16385  # posts of a side: 17 GB and 1 GB as floats
 MARGIN = 64                # slots that the all-resident drive has beside those of the tiles it touches
@@ -45,6 +46,8 @@ def parse():
     parser.add_argument("--json", type=pathlib.Path, help="where the JSON lines go")
     parser.add_argument("--plots", type=pathlib.Path, help="a folder for the pictures (SVG)")
     parser.add_argument("--folder", type=pathlib.Path, help="where the scratch files go (the system's)")
+    parser.add_argument("--alone", action="store_true", help="no drive beside: none with all resident, over the small terrain, or for cache-sim")
+    record.add_option(parser)
     options = parser.parse_args()
     options.slots = options.slots or ([64, 256] if options.quick else [64, 256, 1024])
     options.runs = options.runs or (1 if options.quick else 3)
@@ -113,6 +116,7 @@ class Bench:
     def __init__(self, options, folder):
         self.options, self.folder = options, folder
         self.lines, self.bars, self.failed, self.gl = [], [], 0, None
+        self.kept = record.Record("paging", options.furrow)
 
     def note(self, **line):
         """A line of JSON; --json holds what is known so far whatever comes."""
@@ -170,6 +174,7 @@ class Bench:
                 raise RuntimeError((folder / "said").read_text().strip()[-500:] or f"status {process.returncode}")
             report = json.loads((folder / "run.json").read_text())
             self.gl = report["gl"]
+            self.kept.seen(report)
             rows, sums = contents(overlay)
             found = figures(report, samples, wal)
             found.update(rows=rows, offset_sum=sums, quanta=report["volume"]["quanta"], memory=samples)
@@ -205,18 +210,18 @@ def measure(bench, scene, terrain, slots, verify=False):
             runs[count].append(bench.drive(scene, terrain, count, run, verify=verify and run == 0))
             if runs[count][-1]:
                 touched = runs[count][-1]["touched"]
-        if touched:  # with a horizon beyond the end, what lies on the paths is loaded before the first step
+        if touched and not bench.options.alone:  # with a horizon beyond the end, what lies on the paths is loaded before the first step
             runs[ALL].append(bench.drive(scene, terrain, max(*slots, touched + MARGIN), run, prefetch=3600))
     kept = {count: [run for run in found if run] for count, found in runs.items()}
     left = {(run["rows"], json.dumps(run["quanta"])) for found in kept.values() for run in found}
     first = {count: found[0]["memory"] for count, found in kept.items() if found}
     same = len(left) == 1 if len(first) > 1 else None
-    return {count: {**medians(found), "greatest": greatest(found)} for count, found in kept.items() if found}, same, first
+    return {count: {**medians(found), "greatest": greatest(found), "runs": len(found)} for count, found in kept.items() if found}, same, first
 
 
 def simulate(bench, scene, terrain, slots):
     """{policy: {slots: misses}} of caches that only fetch on demand, from a trace of one more drive."""
-    if "--trace" not in bench.furrow("drive", "--help"):
+    if bench.options.alone or "--trace" not in bench.furrow("drive", "--help"):
         return {}
     trace = bench.folder / f"{scene.name}.trace"
     if bench.drive(scene, terrain, slots[-1], run="trace", trace=trace) is None:
@@ -336,6 +341,19 @@ def memory_bars(bars, big, small):
             bars.add("memory, big terrain / small", f"straight, {count} slots", ratio, 1.1, ratio <= 1.1)
 
 
+def keep(kept, name, found, misses):
+    """Figures of a scene, by its number of slots."""
+    units = {"p50": "ms", "p99": "ms", "rss_mb": "MB", "growth": "times", "touched": "", "stalls": "", "stalls_late": ""}
+    for count, median in found.items():
+        for figure, unit in units.items():
+            if median[figure] is not None:
+                kept.add(f"{name}.{'all' if count == ALL else count}.{figure}", median[figure], unit, runs=median["runs"])
+    kept.add(f"{name}.any.stalls_late", max(median["greatest"]["stalls_late"] for median in found.values()), "")
+    for policy in ("lru", "opt"):
+        for count, missed in misses.get(policy, {}).items():
+            kept.add(f"{name}.{count}.misses_{policy}", missed, "")
+
+
 # --- all of it ---
 
 def write_plots(folder, results, slots, memory):
@@ -366,11 +384,14 @@ def run(bench):
         print_scene(scene, found, misses)
         scene_bars(bars, scene.name, found, same, misses)
         simulated.append((scene.name, next((m["touched"] for m in found.values()), 0), misses))
-        if scene.name == "straight":
+        keep(bench.kept, scene.name.replace(" ", "_"), found, misses)
+        if scene.name == "straight" and not options.alone:
             small = bench.terrain(options.small, SMALL, "small.furrow")
             found_small, _, samples_small = measure(bench, scene, small, options.slots, verify=True)
             print_scene(scene, found_small, {})
             memory_bars(bars, found, found_small)
+            for count in set(found) & set(found_small):
+                bench.kept.add(f"straight.{count}.big_to_small", found[count]["rss_mb"] / found_small[count]["rss_mb"], "times")
             memory = [(f"big, {count}", line) for count, line in samples.items()]
             memory += [(f"small, {count}", line) for count, line in samples_small.items()]
     policy_bars(bars, simulated)
@@ -404,6 +425,8 @@ def main():
         if options.plots:
             options.plots.mkdir(parents=True, exist_ok=True)
         run(bench)
+    if bench.failed == 0:
+        bench.kept.write(options.figures)
     print(f"\n{bench.failed} drives failed; {os.cpu_count()} cores; GL: "
           f"{bench.gl['renderer'] + ', ' + bench.gl['version'] if bench.gl else 'none'}")
 

@@ -14,6 +14,7 @@ import sys
 import tempfile
 
 import lanes
+import record
 from pages import publish, table
 from validation import COLOURS, Plot
 
@@ -32,11 +33,12 @@ def soil_text(janosi):
             "elastic_stiffness: 4e7, damping: 0, repose: 31.9")
 
 
-def driven(furrow, store, folder, janosi, redistribute):
+def driven(furrow, store, folder, janosi, redistribute, kept):
     """Returns sinkage, drawbar and torque by slip, of the smooth wheel and of the one with lugs."""
     way = [lanes.Lane(f"{kind}{i}", RADIUS, WIDTH, LOAD, slip=slip, length=LENGTH, speed=0.05, grousers=LUGS * lugged, grouser_height=LUG_HEIGHT * lugged)
            for lugged, (kind, points) in enumerate((("smooth", SMOOTH), ("lugged", LUGGED))) for i, slip in enumerate(points)]
     run = lanes.drive(furrow, store, folder, way, SPACING, soil_text(janosi), redistribute)
+    kept.seen(run.run)
     found = {True: {}, False: {}}
     for lane in way:
         mean = lanes.steady(lane, run, 0.6, LENGTH)
@@ -46,6 +48,21 @@ def driven(furrow, store, folder, janosi, redistribute):
 
 def rms(pairs):
     return math.sqrt(sum((a - b) ** 2 for a, b in pairs) / len(pairs))
+
+
+def errors_of(measured, told):
+    """RMS of sinkage, drawbar and torque. told: by slip, of the middle K."""
+    return [rms([(told[slip][k], values[k]) for slip, values in measured.items()]) for k in range(3)]
+
+
+def keep(kept, name, measured, told):
+    """Figures of the middle K: each that was measured, what the command says, and the errors."""
+    for slip, values in measured.items():
+        for what, unit, value, answer in zip(("sinkage", "drawbar", "torque"), ("mm", "N", "N m"), values, told[slip]):
+            kept.add(f"{name}.slip_{slip:g}.{what}_measured", value, unit)
+            kept.add(f"{name}.slip_{slip:g}.{what}", answer, unit)
+    for what, unit, error in zip(("sinkage", "drawbar", "torque"), ("mm", "N", "N m"), errors_of(measured, told)):
+        kept.add(f"{name}.{what}_rms", error, unit)
 
 
 def compared(measured, told):
@@ -58,7 +75,7 @@ def compared(measured, told):
             cells += [f"{value:.1f}", f"{middle[slip][k]:.1f} ({ends[0]:.1f} .. {ends[-1]:.1f})"]
         rows.append(cells)
     head = ["slip"] + [cell for name in NAMES for cell in (f"measured {name}", "told")]
-    errors = [rms([(middle[slip][k], values[k]) for slip, values in measured.items()]) for k in range(3)]
+    errors = errors_of(measured, middle)
     deeper = rms([(middle[slip][0] - middle[0][0], values[0] - measured[0][0]) for slip, values in measured.items() if slip > 0])
     return (table(head, rows) + f"\nRMS: sinkage {errors[0]:.2f} mm, drawbar {errors[1]:.2f} N, torque {errors[2]:.2f} N m. "
             f"What slip adds to the sinkage at slip 0: {deeper:.2f} mm.\n")
@@ -80,18 +97,24 @@ def main():
     parser.add_argument("--redistribute", default="", help="keys for every scene, as in 'slip_sinkage: 0'")
     parser.add_argument("--plots", type=pathlib.Path, help="a folder for validation-published.svg")
     parser.add_argument("--publish", type=pathlib.Path, help="a page; the tables go between its markers `published`")
+    record.add_option(parser)
     options = parser.parse_args()
+    kept = record.Record("published_wheel", options.furrow)
     extra = ", " * bool(options.redistribute) + options.redistribute
     try:
         with tempfile.TemporaryDirectory() as folder:
             store = lanes.ground(options.furrow, folder, COARSEST)
-            told = [driven(options.furrow, store, folder, janosi, extra) for janosi in JANOSI]
+            told = [driven(options.furrow, store, folder, janosi, extra, kept) for janosi in JANOSI]
     except lanes.Failed as error:
         print(f"published_wheel.py: {error}", file=sys.stderr)
         return 1
     smooth, lugged = ([one[k] for one in told] for k in range(2))
     text = "Smooth wheel:\n\n" + compared(SMOOTH, smooth) + "\nWith 30 lugs of 10 mm:\n\n" + compared(LUGGED, lugged)
     print(text)
+    for name, measured, told in (("smooth", SMOOTH, smooth), ("lugged", LUGGED, lugged)):
+        keep(kept, name, measured, told[len(told) // 2])
+    kept.page("published", text)
+    kept.write(options.figures)
     if options.plots:
         draw(options.plots / "validation-published.svg", SMOOTH, smooth)
     if options.publish:

@@ -8,6 +8,7 @@ import argparse
 import json
 import os
 import pathlib
+import re
 import shutil
 import sqlite3
 import statistics
@@ -15,6 +16,8 @@ import subprocess
 import sys
 import tempfile
 import time
+
+import record
 
 BLOCK = 256
 LEVEL_0 = (32 << 56, (33 << 56) - 1)  # keys, FORMAT.md
@@ -38,6 +41,8 @@ def parse():
     parser.add_argument("--no-write", action="store_true", help="leave the write-backs out")
     parser.add_argument("--json", type=pathlib.Path, help="where the JSON lines go")
     parser.add_argument("--folder", type=pathlib.Path, help="where the scratch files go (the system's)")
+    parser.add_argument("--quick", action="store_true", help="bytes at the DEMs' own bounds, coding, reads and the synthetic import alone")
+    record.add_option(parser)
     return parser.parse_args()
 
 
@@ -45,6 +50,7 @@ class Bench:
     def __init__(self, options, folder):
         self.options, self.folder = options, folder
         self.lines, self.rows = [], []
+        self.kept = record.Record("store", options.furrow)
         self.gdal = shutil.which("gdal_translate") is not None  # without it, our figures stand alone
 
     def path(self, name):
@@ -72,10 +78,19 @@ class Bench:
     def mean_row(self, what, ratios, bar):
         """The geometric mean of what each DEM takes beside the other."""
         mean = statistics.geometric_mean(ratios)
-        self.row(what, f"mean of {len(ratios)}", mean, 1, "ratio", bar, "LERC_ZSTD")
+        self.row(what, f"mean of {len(ratios)}", mean, 1, "ratio", bar, "LERC_ZSTD", runs=1)
 
-    def row(self, what, data, ours, theirs, unit, bar=None, beside="GDAL"):
-        """`bar`: ("<=" or ">=", ratio)."""
+    def keep(self, what, data, ours, theirs, unit, beside, runs):
+        """Figures: DATA.WHAT.furrow, that of the other, and DATA.WHAT.ratio. Ours is there once, whatever stands beside it."""
+        name, other = (re.sub(r"[^a-z0-9.]+", "_", text.lower()).strip("_") for text in (f"{data}.{what}", beside))
+        values = ((f"{name}.furrow", ours, unit), (f"{name}.{other}", theirs, unit), (f"{name}.ratio_{other}", theirs and ours / theirs, ""))
+        for key, value, of in values:
+            if value is not None and key not in self.kept.figures:
+                self.kept.add(key, value, of, runs=runs)
+
+    def row(self, what, data, ours, theirs, unit, bar=None, beside="GDAL", runs=None):
+        """`bar`: ("<=" or ">=", ratio). `runs`: of how many a rate or time is the median (those of the option); bytes are of one."""
+        self.keep(what, data, ours, theirs, unit, beside, runs or (1 if unit == "B" else self.options.runs))
         ratio = ours / theirs if theirs else None
         met = None
         if bar and ratio is not None:
@@ -274,12 +289,15 @@ def compare_all_bytes(bench, all_posts, bound):
 def dems(bench, folder):
     paths = [path for path in sorted(folder.iterdir()) if path.suffix.lower() in SUFFIXES]
     all_posts = [Posts(bench, path) for path in paths]
-    for bound in [None, *map(float, bench.options.max_error or (0.1, 0.01))]:
+    for bound in [None, *map(float, [] if bench.options.quick else bench.options.max_error or (0.1, 0.01))]:
         compare_all_bytes(bench, all_posts, bound)
     before = [compare_before(bench, posts) for posts in all_posts if bench.options.before]
     for posts, rows in zip(all_posts, before):
         for row, (ours, theirs) in rows.items():
             bench.row(row, posts.name, ours, theirs, "tiles/s", (">=", 1) if row == "decode native" else None, "before")
+    for row in before[0] if before else ():
+        ratios = [rows[row][0] / rows[row][1] for rows in before]
+        bench.row(row, f"mean of {len(ratios)}", statistics.geometric_mean(ratios), 1, "ratio", None, "before")
     found = []
     for posts in all_posts:
         best = compare_reads(bench, posts)
@@ -340,11 +358,11 @@ def compare_commands(bench, data, sources, rasters, runs):
     bench.note(row="import in full", data=data, seconds_processor_mb=figures, file_bytes=size)
     median = {label: [statistics.median(column) for column in zip(*found)] for label, found in figures.items()}
     for label in rasters or [None]:
-        theirs = median.get(label, [None] * 3)
         beside = label or "GDAL"
-        bench.row("import", data, median[""][0], theirs[0], "s", ("<=", 1.0), beside)
-        bench.row("import, processor", data, median[""][1], theirs[1], "s", None, beside)
-        bench.row("import, peak memory", data, median[""][2], theirs[2], "MB", None, beside)
+        theirs = median.get(label, [None] * 3)
+        bench.row("import", data, median[""][0], theirs[0], "s", ("<=", 1.0), beside, runs)
+        bench.row("import, processor", data, median[""][1], theirs[1], "s", None, beside, runs)
+        bench.row("import, peak memory", data, median[""][2], theirs[2], "MB", None, beside, runs)
     for path in (store, out):
         path.unlink(missing_ok=True)
 
@@ -354,7 +372,7 @@ def synth(bench, posts):
     bench.furrow("synth", "-o", terrain, "--posts", f"{posts}x{posts}", "--spacing", 1)
     rasters = {"LERC": (terrain, []), "LERC same bound": (terrain, ["-co", "MAX_Z_ERROR=0.001"])}
     compare_import(bench, f"synth {posts}", [terrain], rasters if bench.gdal else {}, min(3, bench.options.runs))
-    if bench.gdal:
+    if bench.gdal and not bench.options.quick:
         quarters(bench, terrain, posts)
     terrain.unlink()
 
@@ -433,14 +451,15 @@ def main():
         bench = Bench(options, pathlib.Path(name))
         if options.dem:
             dems(bench, options.dem)
-        if not options.no_write:
+        if not options.no_write and not options.quick:
             writes(bench)
         if options.mosaic:
             mosaic(bench, options.mosaic)
-        if options.mixed and bench.gdal:
+        if options.mixed and bench.gdal and not options.quick:
             mixed(bench, options.mixed)
         if options.posts:
             synth(bench, options.posts)
+        bench.kept.write(options.figures)
     print_table(bench.rows)
 
 

@@ -10,6 +10,7 @@
 #include <stdlib.h>
 
 #include "bench.h"
+#include "record.h"
 
 #define RUNS 3
 
@@ -32,7 +33,8 @@ static int wheel(char *text, size_t room, const char *name, double side, double 
 	return used + snprintf(text + used, room - (size_t)used, "]}}\n");
 }
 
-static double frames(int size, double spacing, bool deform, char *renderer)
+/* Fills fps with RUNS runs and returns their median. */
+static double frames(int size, double spacing, bool deform, char *renderer, double fps[RUNS])
 {
 	char text[32768];
 	double metres = size - 1, axle = 2.6 / (0.3 * metres) * 180 / M_PI;
@@ -49,7 +51,6 @@ static double frames(int size, double spacing, bool deform, char *renderer)
 		used += wheel(text + used, sizeof text - (size_t)used, "rear_left", -0.9, axle, metres);
 		wheel(text + used, sizeof text - (size_t)used, "rear_right", 0.9, axle, metres);
 	}
-	double fps[RUNS];
 	for (int run = 0; run < RUNS; run++) {
 		struct dem_synth synth = {DEM_SYNTH_PLAIN, size, size, 1, 2, 1};
 		const char *store = bench_path("table2.furrow");
@@ -63,18 +64,31 @@ static double frames(int size, double spacing, bool deform, char *renderer)
 	return bench_median(fps, RUNS);
 }
 
-int main(void)
+static void keep(int size, double spacing, const char *what, double *runs, size_t count)
+{
+	char key[64];
+	snprintf(key, sizeof key, "%s.m%d_%gcm", what, size, spacing * 100);
+	bench_record_add(key, "", runs, count);
+}
+
+int main(int count, char **words)
 {
 	char renderer[256] = "";
+	bench_record_begin("table2", &count, words);
 	for (int i = 0; i < 2; i++)
 		for (int k = 0; k < 3; k++) {
-			double without = frames(sizes[i], spacings[k], false, renderer);
-			double with = frames(sizes[i], spacings[k], true, renderer);
+			double fps[RUNS];
+			double without = frames(sizes[i], spacings[k], false, renderer, fps);
+			keep(sizes[i], spacings[k], "without_deformation", fps, RUNS);
+			double with = frames(sizes[i], spacings[k], true, renderer, fps);
+			keep(sizes[i], spacings[k], "furrow", fps, RUNS);
+			keep(sizes[i], spacings[k], "dissertation", &(double){dissertation[i][k]}, 1);
 			printf("{\"bench\": \"table2\", \"terrain_m\": %d, \"posts_m\": %g, \"fps\": %.1f, "
 			       "\"fps_without_deformation\": %.1f, \"dissertation_fps\": %d, \"size\": [640, 480], \"gl\": "
 			       "\"%s\"}\n",
 			       sizes[i], spacings[k], with, without, dissertation[i][k], renderer);
 			fflush(stdout);
 		}
+	bench_record_end(renderer);
 	return 0;
 }

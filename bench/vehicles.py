@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
 """What must hold for vehicles over a long time, and on rough ground. Prints a table; takes half an hour.
 
-    bench/vehicles.py FURROW [--only rest|rough] [--dem N41E001.hgt] [--minutes 10]
+    bench/vehicles.py FURROW [--only rest|rough|speed] [--dem N41E001.hgt] [--minutes 10]
 
 rest: vehicles are set down and left alone. Told: how far they drift in the last minute, and their kinetic energy at its end.
 rough: the off-road vehicle drives at the longest time step over real ground whose posts lie 4 cm apart. Told: its energy, and
 for how many rows each wheel is in the air.
+speed: the same vehicle drives straight over level sand at 3 m/s. Told: the wall time of a metre, and simulated time over wall time.
 """
 import argparse
 import csv
@@ -16,6 +17,8 @@ import re
 import subprocess
 import sys
 import tempfile
+
+import record
 
 MODELS = pathlib.Path(__file__).parents[1] / "tools" / "scenes" / "vehicles"
 ONE = pathlib.Path(__file__).parents[1] / "tests" / "vehicle" / "one_wheel.xml"
@@ -115,17 +118,43 @@ def rough(furrow, folder, dem):
     print("rows in the air after the first second: %s" % ", ".join("%s %d" % item for item in sorted(air.items())))
 
 
+def speed(furrow, folder, kept, runs):
+    """Drives at both spacings take turns. The time is that of all steps, and the way that from the start, where the vehicle stands."""
+    print("| posts, cm | times real time | ms for a metre |\n| --- | --- | --- |")
+    found = {0.03125: [], 0.015625: []}
+    driver = "    driver: {path: {points: [[4, 16], [30, 16]], speed: 3}, steer: [steer_*], drive: [drive_*]}\n"
+    for _ in range(runs):
+        for spacing, of in found.items():
+            scene = SCENE.format(step=0.002, end=5, gravity=9.81, spacing=spacing, soil="sandy_loam_15", model=MODELS / "offroad.xml", x=4, y=16, yaw=0,
+                                 driver=driver, rows=10)
+            rows, info = drive(furrow, folder, scene, plane(furrow, folder, 0))
+            run = json.loads((folder / "out" / "run.json").read_text())
+            kept.seen(run)
+            of.append((run["rtf"], 1e3 * run["seconds"] / info["distance"]))
+    for spacing, of in found.items():
+        times, metres = zip(*of)
+        kept.add(f"posts_{spacing * 100:.1f}cm.real_time", times, "")
+        kept.add(f"posts_{spacing * 100:.1f}cm.ms_a_metre", metres, "ms")
+        print("| %.1f | %.1f | %.0f |" % (spacing * 100, sorted(times)[runs // 2], sorted(metres)[runs // 2]))
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("furrow", type=pathlib.Path)
-    parser.add_argument("--only", choices=("rest", "rough"))
+    parser.add_argument("--only", choices=("rest", "rough", "speed"))
     parser.add_argument("--dem", type=pathlib.Path, help="real ground for rough: N41E001.hgt")
     parser.add_argument("--minutes", type=float, default=10)
+    parser.add_argument("--runs", type=int, default=3, help="of each drive for speed, in turn")
+    record.add_option(parser)
     arguments = parser.parse_args()
+    kept = record.Record("vehicles", arguments.furrow)
     with tempfile.TemporaryDirectory() as folder:
-        if arguments.only != "rough":
+        if arguments.only in (None, "speed"):
+            speed(arguments.furrow.resolve(), pathlib.Path(folder), kept, arguments.runs)
+        kept.write(arguments.figures)
+        if arguments.only in (None, "rest"):
             rest(arguments.furrow.resolve(), pathlib.Path(folder), arguments.minutes)
-        if arguments.only != "rest" and arguments.dem is not None:
+        if arguments.only in (None, "rough") and arguments.dem is not None:
             rough(arguments.furrow.resolve(), pathlib.Path(folder), arguments.dem)
 
 

@@ -1,0 +1,95 @@
+#!/usr/bin/env python3
+"""Measures again every figure that README.md shows, by the benches that it names. About ten minutes on two quiet cores.
+
+    python3 bench/measure.py -o bench/figures --dem FOLDER --rig FOLDER     # then: python3 bench/marks.py writes them into the pages
+
+It builds what it needs in the release build `build` first. Each bench leaves one file. Where a bench fails, or the data that it needs are
+not given, its file stays as it is, which is told.
+"""
+import argparse
+import os
+import pathlib
+import subprocess
+import sys
+import time
+
+from record import FIGURES, ROOT
+
+BUSY = 0.5  # a load above which other programs take a core's time that is worth telling
+
+
+class Step:
+    """One bench: the file that it leaves, its targets in the build, its command. needs: the options without which it cannot run."""
+
+    def __init__(self, name, targets, command, needs=()):
+        self.name, self.targets, self.command, self.needs = name, targets, command, needs
+
+
+def steps(options):
+    furrow = options.build / "tools" / "furrow"
+    python, bench = sys.executable, ROOT / "bench"
+    big = ["--big", options.big] if options.big else []
+    return [
+        Step("store", ["bench/bench_store"], [python, bench / "store.py", furrow, options.build / "bench/bench_store", "--quick", "--runs", 3,
+                                              "--dem", options.dem], ["dem"]),
+        Step("vehicles", [], [python, bench / "vehicles.py", furrow, "--only", "speed"]),
+        Step("converge_fixed", [], [python, bench / "converge.py", furrow, "--only", "fixed", "--quick"]),
+        Step("measured_smooth", [], [python, bench / "measured_wheel.py", furrow, "--quick", "--rig", options.rig], ["rig"]),
+        Step("published_wheel", [], [python, bench / "published_wheel.py", furrow]),
+        Step("table2", ["bench/bench_table2"], [options.build / "bench/bench_table2"]),
+        Step("paging_64", [], [python, bench / "paging.py", furrow, "--alone", "--scenes", "straight", "--slots", 64, "--runs", 1, *big]),
+    ]
+
+
+def parse():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("-o", "--out", type=pathlib.Path, default=FIGURES, help="the folder of the files (bench/figures)")
+    parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build", help="a release build of meson (build)")
+    parser.add_argument("--dem", type=pathlib.Path, help="the folder of the nine DEMs, for the store")
+    parser.add_argument("--rig", type=pathlib.Path, help="the folder of wheel_smooth.csv and wheel_grouser.csv, for the measured wheel")
+    parser.add_argument("--big", type=pathlib.Path, help="a terrain that bench/paging.py made before (made: minutes, 3 GB)")
+    parser.add_argument("--only", action="append", help="the file of one bench, as table2; may be given again")
+    return parser.parse_args()
+
+
+def measured(step, options):
+    """Whether the bench left its file."""
+    lacking = [f"--{name}" for name in step.needs if getattr(options, name) is None]
+    if lacking:
+        print(f"{step.name}: left as it is; it needs {' and '.join(lacking)}", flush=True)
+        return False
+    began = time.monotonic()
+    path = options.out / f"{step.name}.json"
+    done = subprocess.run([str(word) for word in (*step.command, "--figures", path)], cwd=ROOT, stdout=subprocess.DEVNULL)
+    seconds = time.monotonic() - began
+    if done.returncode != 0:
+        print(f"{step.name}: FAILED after {seconds:.0f} s, see above; {path} stays as it is", flush=True)
+        return False
+    print(f"{step.name}: {seconds:.0f} s", flush=True)
+    return True
+
+
+def main():
+    options = parse()
+    for name in ("out", "build", "dem", "rig", "big"):
+        if getattr(options, name) is not None:
+            setattr(options, name, getattr(options, name).resolve())
+    every = steps(options)
+    wrong = set(options.only or ()) - {step.name for step in every}
+    if wrong:
+        sys.exit(f"measure.py: --only {' '.join(sorted(wrong))}: is no file of it; there are {', '.join(step.name for step in every)}")
+    chosen = [step for step in every if not options.only or step.name in options.only]
+    targets = sorted({"tools/furrow"}.union(*(step.targets for step in chosen)))
+    if subprocess.run(["ninja", "-C", str(options.build), *targets], stdout=subprocess.DEVNULL).returncode != 0:
+        sys.exit(f"measure.py: {options.build}: cannot be built, see above; meson setup build makes a release build")
+    load = os.getloadavg()[0]
+    if load > BUSY:
+        print(f"other programs run (load {load:.1f}); times will be too long, and the files say so", file=sys.stderr)
+    options.out.mkdir(parents=True, exist_ok=True)
+    good = [measured(step, options) for step in chosen]
+    print("python3 bench/marks.py writes them into the pages")
+    return 0 if all(good) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
