@@ -8,7 +8,7 @@
  * copy_fraction: the bytes of the planes of those posts, once read and once written, a second, over what memcpy moves in the same
  * process. interval_ms: the mean over intervals, blocks: active blocks of an interval. "draws": with the raster threads a process that
  * draws keeps. "quick": fewer runs. A model's name: it alone; "fine": at the finest spacing only. "soil=NAME": of that soil instead of
- * dry_sand; "cohesion=PA": with that cohesion.
+ * dry_sand; "cohesion=PA": with that cohesion. "--figures FILE": see record.h; of runs without disturbance.
  */
 #include <math.h>
 #include <stdio.h>
@@ -17,10 +17,12 @@
 
 #include "bench.h"
 #include "deform/deform.h"
+#include "record.h"
 
 #define INTERVAL 0.05 /* s: a scene's default */
 enum { STEPS = 400, RUNS = 5, SIDE = 5, CELLS = 256, WHEELS_MOST = 4 };
 
+static char renderer[256]; /* of the last ground */
 static const struct deform_shape wheel = {.kind = DEFORM_WHEEL, .radius = 0.5, .width = 0.4};
 
 struct bench_case {
@@ -255,6 +257,7 @@ static void measure(const struct bench_case *of, bool draws, int runs, double ra
 	struct ground ground;
 	struct figures each[RUNS];
 	double mean[RUNS], p50[RUNS], p95[RUNS], interval_ms[RUNS];
+	char key[64];
 	open_ground(of, draws, &ground);
 	run_once(&ground, &each[0]); /* warms */
 	for (int i = 0; i < runs; i++) {
@@ -272,6 +275,14 @@ static void measure(const struct bench_case *of, bool draws, int runs, double ra
 	       ms / of->spacing, bench_median(p50, (size_t)runs), bench_median(p95, (size_t)runs), each[0].posts, posts_per_s, each[0].passes,
 	       bench_median(interval_ms, (size_t)runs), each[0].blocks, post_bytes(of), posts_per_s * (double)post_bytes(of) * 2 / rate, gpu_info(ground.gpu)->renderer);
 	fflush(stdout);
+	const int used = snprintf(key, sizeof key, "%s.w%d.%gcm", deform_model_row(of->model)->name, of->wheels, of->spacing * 100);
+	if (!of->dirt) {
+		snprintf(key + used, sizeof key - (size_t)used, ".p50");
+		bench_record_add(key, "ms", p50, (size_t)runs);
+		snprintf(key + used, sizeof key - (size_t)used, ".mean");
+		bench_record_add(key, "ms", mean, (size_t)runs);
+	}
+	snprintf(renderer, sizeof renderer, "%s", gpu_info(ground.gpu)->renderer);
 	close_ground(&ground);
 }
 
@@ -297,6 +308,7 @@ int main(int argc, char **argv)
 	enum { COUNT = 6 };
 	static const double spacings[COUNT] = {0.25, 0.125, 0.04, 0.03125, 0.02, 0.01};
 	/* A process settles llvmpipe's threads once: draws or not is an argument. */
+	bench_record_begin("deform", &argc, argv);
 	bool draws = says(argc, argv, "draws"), quick = says(argc, argv, "quick");
 	double rate = copy_rate();
 	printf("{\"bench\": \"deform\", \"memcpy_bytes_per_s\": %.3g}\n", rate);
@@ -311,5 +323,6 @@ int main(int argc, char **argv)
 					measure(&(struct bench_case){(enum deform_model)model, spacings[s], wheels, dirt == 1,
 								     soil != NULL ? soil : "dry_sand", cohesion != NULL ? atof(cohesion) : -1},
 						draws, quick ? 1 : RUNS, rate);
+	bench_record_end(renderer);
 	return 0;
 }

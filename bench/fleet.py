@@ -16,6 +16,7 @@ import sys
 import tempfile
 
 import pages
+import record
 
 SIDE, TIME_STEP, SPEED, SPACING = 1800, 0.05, 2.5, 0.125
 
@@ -60,10 +61,22 @@ def measure(arguments, folder):
                 runs[name].append(drive(furrow, folder, path))
         row = {"wheels": wheels, "model": arguments.model, "load": os.getloadavg()[0]}
         for name, found in runs.items():
-            row[name] = {"step_ms": median([run["step_ms"]["p50"] for run in found]),
+            row[name] = {"step_ms": median([run["step_ms"]["p50"] for run in found]), "gl": found[0]["gl"]["renderer"],
+                         "each": [run["step_ms"]["p50"] for run in found],
                          "passes_a_step": (found[0]["passes"]["displace"] + found[0]["passes"]["redistribute"]) / found[0]["steps"],
                          "batches": found[0]["counts"]["units"].get("batch", 0), "gpu_bytes": found[0]["memory"]["gpu_bytes"]}
         yield row
+
+
+def keep(kept, rows):
+    for row in rows:
+        for name in ("before", "now"):
+            if name in row:
+                kept.renderer = row[name]["gl"]
+                kept.add(f"w{row['wheels']}.{name}.step_ms", row[name]["each"], "ms")
+                kept.add(f"w{row['wheels']}.{name}.passes", row[name]["passes_a_step"], "")
+        if "before" in row:
+            kept.add(f"w{row['wheels']}.ratio", [now / before for now, before in zip(row["now"]["each"], row["before"]["each"])], "")
 
 
 def main():
@@ -76,11 +89,12 @@ def main():
     parser.add_argument("--runs", default=3, type=int)
     parser.add_argument("--json")
     parser.add_argument("--scene")
+    record.add_option(parser)
     arguments = parser.parse_args()
     if arguments.scene:
         pathlib.Path(arguments.scene).write_text(scene(arguments.wheels[0], arguments.model, arguments.steps))
         return
-    rows = []
+    rows, kept = [], record.Record("fleet", arguments.furrow)
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         subprocess.run([arguments.furrow, "synth", "-o", str(folder / "plain.furrow"), "--posts", "2049x2049", "--spacing", "1",
@@ -92,6 +106,8 @@ def main():
     head = ["wheels"] + [f"{name}: ms a step" for name in names] + [f"{name}: passes a step" for name in names] + ["load"]
     print(pages.table(head, [[str(row["wheels"])] + [pages.figure(row[name]["step_ms"]) for name in names] +
                              [pages.figure(row[name]["passes_a_step"]) for name in names] + [f"{row['load']:.1f}"] for row in rows]))
+    keep(kept, rows)
+    kept.write(arguments.figures)
     if arguments.json:
         pathlib.Path(arguments.json).write_text("".join(json.dumps(row) + "\n" for row in rows))
 

@@ -22,6 +22,7 @@
 #include <string.h>
 
 #include "bench.h"
+#include "record.h"
 #include "render/internal.h"
 #include "render/view.h"
 #include "world/internal.h"
@@ -233,6 +234,20 @@ static double median_over(const double *values, const double *others)
 	return bench_median(apart, (size_t)rounds);
 }
 
+/* A figure of the record. `more`: what a key has behind the effects' names. */
+static void keep(const char *view, const int size[2], const char *effects, const char *more, const char *unit, const double *values, int count)
+{
+	char key[160];
+	double sorted[ROUNDS_MOST];
+	int used = snprintf(key, sizeof key, "%s.%dx%d.", view, size[0], size[1]);
+	for (; *effects != '\0'; effects++) /* "texture, fog" is texture_fog */
+		if (*effects != ',')
+			key[used++] = *effects == ' ' ? '_' : *effects;
+	snprintf(key + used, sizeof key - (size_t)used, "%s", more);
+	memcpy(sorted, values, (size_t)count * sizeof *sorted);
+	bench_record_add(key, unit, sorted, (size_t)count);
+}
+
 static void print_look(const char *table, const struct look *look, const struct look *over)
 {
 	char budget[32] = "null";
@@ -272,6 +287,8 @@ static void effects_table(struct rig *rig, struct bar *bar)
 			take(looks, SETS, "effects");
 			for (size_t i = 0; i < SETS; i++) {
 				print_look("effects", &looks[i], &looks[0]);
+				keep(view_names[view], sizes[s], looks[i].effects, "", "ms", looks[i].ms, rounds);
+				keep(view_names[view], sizes[s], looks[i].effects, ".triangles", "", &(double){looks[i].triangles}, 1);
 				if (sets[i].effects != BAR_EFFECTS || sizes[s][1] != 720)
 					continue;
 				bar->ms = fmax(bar->ms, median(looks[i].ms));
@@ -373,6 +390,8 @@ static void deform_table(struct rig *rig, struct rig *untouched, struct bar *bar
 	       "\"step\": %.2f, \"ratio\": %.3f, \"triangles\": %.0f, \"tiles\": %" PRIu64 ", \"gl\": \"%s\"}\n",
 	       sizes[1][0], sizes[1][1], median(without.ms), median(at_rest), median(frames), median(pyramid), median(both), median(step),
 	       bar->deforming, moving.triangles, moving.tiles.drawn, gpu_info(gpu)->renderer);
+	bench_record_add("deforming.ratio", "times", ratio, (size_t)rounds);
+	bench_record_add("deforming.pyramid", "ms", pyramid, (size_t)rounds);
 	save(&moving, "deforming");
 	world_watch(&rig->world, NULL);
 	render_view_destroy(moving.view);
@@ -392,9 +411,11 @@ static void hardware_table(struct rig *rig)
 		for (int i = 0; i < IN_A_ROW; i++)
 			bench_must(render_view_frame(look.view, NULL, false));
 		gpu_finish(gpu);
+		const double fps = IN_A_ROW / (clock_seconds() - began);
+		keep(view_names[view], sizes[2], "all", ".in_a_row", "1/s", &fps, 1);
 		printf("{\"bench\": \"frame\", \"table\": \"hardware\", \"view\": \"%s\", \"size\": [%d, %d], \"effects\": \"all\", "
 		       "\"fps\": %.1f, \"triangles\": %" PRIu64 ", \"gl\": \"%s\"}\n",
-		       view_names[view], sizes[2][0], sizes[2][1], IN_A_ROW / (clock_seconds() - began),
+		       view_names[view], sizes[2][0], sizes[2][1], fps,
 		       render_triangles(look.view->render), gpu_info(gpu)->renderer);
 		render_view_destroy(look.view);
 	}
@@ -422,11 +443,12 @@ static bool asked(const char *only, const char *table)
 int main(int argc, char **argv)
 {
 	const char *only = NULL;
+	bench_record_begin("frame", &argc, argv);
 	for (int i = 1; i < argc; i++) {
 		bool quick = strcmp(argv[i], "--quick") == 0, more = i + 1 < argc;
 		bool png = more && strcmp(argv[i], "--png") == 0, table = more && strcmp(argv[i], "--table") == 0;
 		if (!quick && !png && !table) {
-			fprintf(stderr, "usage: bench_frame [--quick] [--png FOLDER] [--table effects|levels|slots|deforming]\n");
+			fprintf(stderr, "usage: bench_frame [--quick] [--png FOLDER] [--table effects|levels|slots|deforming] [--figures FILE]\n");
 			return 2;
 		}
 		rounds = quick ? 5 : rounds;
@@ -470,6 +492,7 @@ int main(int argc, char **argv)
 	}
 	if (only == NULL)
 		print_bar(&bar);
+	bench_record_end(gpu_info(gpu)->renderer);
 	gpu_destroy(gpu);
 	return 0;
 }

@@ -2,14 +2,21 @@
 four wheels across it at about 0.1 m posts: 150 m with 128 slots and 1280 x 720 pictures, for peak
 memory, and 2 km with 16 slots and none, for evictions and write-backs. Verifies the store after each
 and prints a JSON line each. Made for the SRTM pair N41E001 + N42E001."""
+import argparse
 import json
 import math
 import pathlib
 import subprocess
-import sys
 import tempfile
 
-furrow, dems = sys.argv[1], sys.argv[2:]
+import record
+
+PARSER = argparse.ArgumentParser(description=__doc__.split(":")[0])
+PARSER.add_argument("furrow")
+PARSER.add_argument("dems", nargs="+", metavar="DEM")
+record.add_option(PARSER)
+OPTIONS = PARSER.parse_args()
+furrow, dems = OPTIONS.furrow, OPTIONS.dems
 VIEW = ("view: {size: [1280, 720], camera: {chase: w0, back: 12, up: 5}, "
         "effects: [texture, fog, sky, skirts], images: 500}\n")
 
@@ -30,6 +37,7 @@ def scene(info, metres, speed, slots, view):
             "attributes: [dirt]\nobjects:\n" + "".join(wheels) + view + f"cache: {{slots: {slots}}}\n")
 
 
+kept = record.Record("mosaic", furrow)
 with tempfile.TemporaryDirectory(prefix="furrow-mosaic-") as name:
     folder = pathlib.Path(name)
     store, path = folder / "mosaic.furrow", folder / "scene.yaml"
@@ -45,3 +53,10 @@ with tempfile.TemporaryDirectory(prefix="furrow-mosaic-") as name:
                           "cache": report["cache"], "commits": report["io"]["commits"], "step_ms": report["step_ms"],
                           "fps": report["fps"], "rtf": report["rtf"], "verify_ok": check["ok"],
                           "gl": report["gl"]["renderer"]}), flush=True)
+        kept.seen(report)
+        for key, value, unit in (("rtf", report["rtf"], ""), ("fps", report["fps"]["mean"] if view else None, "1/s"),
+                                 ("rss_peak", report["memory"]["rss_peak"] / 1e6, "MB"),
+                                 *((key, report["cache"][key], "") for key in ("touched", "evictions", "writebacks"))):
+            if value is not None:
+                kept.add(f"m{metres}.{key}", value, unit)
+kept.write(OPTIONS.figures)

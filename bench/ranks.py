@@ -27,6 +27,7 @@ import numpy
 
 import fleet
 import pages
+import record
 
 CHECKED = 3  # ranks of the runs that the model is checked on
 
@@ -69,11 +70,11 @@ def measure(arguments, folder, wheels, ranks):
     if ranks == 1:
         _, start = drive(arguments.furrow, folder, 1, "--steps", str(steps // 4))
         return {"wheels": wheels, "ranks": 1, "busy": (used - start) / (steps - steps // 4), "planning": 0, "moving": 0, "tiles": 0, "bytes": 0,
-                "exchanges": 0, "balance": 1}
+                "exchanges": 0, "balance": 1, "gl": report["gl"]["renderer"]}
     told = report["ranks"]
     return {"wheels": wheels, "ranks": ranks, "busy": told["busy"] / steps, "planning": told["planning"] / steps, "moving": told["moving"] / steps,
             "tiles": told["tiles_moved"] / steps, "bytes": told["bytes_moved"] / steps, "exchanges": told["exchanges"] / steps,
-            "balance": told["balance"]}
+            "balance": told["balance"], "gl": report["gl"]["renderer"]}
 
 
 def fit(rows):
@@ -102,6 +103,20 @@ def half(found, bodies):
     return max(1, math.floor(found["w"] * bodies / (found["a"] + found["p"] * bodies))) if found["a"] + found["p"] > 0 else math.inf
 
 
+def keep(kept, rows, found, runs):
+    kept.renderer = rows[-1]["gl"]
+    for row in rows:
+        one = next((r["busy"] for r in rows if r["wheels"] == row["wheels"] and r["ranks"] == 1), None)
+        values = {"busy": (row["busy"] * 1e3, "ms"), "modelled": (row["modelled"] * 1e3, "ms"), "planning": (row["planning"] * 1e3, "ms"),
+                  "moving": (row["moving"] * 1e3, "ms"), "tiles": (row["tiles"], ""), "bytes": (row["bytes"], "B"), "exchanges": (row["exchanges"], "")}
+        if one is not None:
+            values["efficiency"] = one / row["busy"], ""
+        for name, (value, unit) in values.items():
+            kept.add(f"w{row['wheels']}_r{row['ranks']}.{name}", value, unit, runs=runs)
+    for name in "awpq":
+        kept.add(f"model.{name}", found[name] * 1e6, "us")
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("furrow")
@@ -111,8 +126,9 @@ def main():
     parser.add_argument("--steps", type=int, default=160)
     parser.add_argument("--runs", type=int, default=3)
     parser.add_argument("--json")
+    record.add_option(parser)
     arguments = parser.parse_args()
-    rows = []
+    rows, kept = [], record.Record("ranks", arguments.furrow)
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         subprocess.run([arguments.furrow, "synth", "-o", str(folder / "plain.furrow"), "--posts", "2049x2049", "--spacing", "1", "--kind", "plain"],
@@ -136,6 +152,8 @@ def main():
           (f", and by at most {max(checked) * 100:.0f} % at {CHECKED} ranks" if checked else ""))
     for power in (2, 3, 4, 5):
         print(f"10^{power} bodies: half of the time is its own work up to {half(found, 10 ** power)} ranks")
+    keep(kept, rows, found, arguments.runs)
+    kept.write(arguments.figures)
     if arguments.json:
         pathlib.Path(arguments.json).write_text(json.dumps({"rows": rows, "model": found}, indent=1) + "\n")
 

@@ -3,6 +3,8 @@
 over a strip. usage: track.py FURROW [--km 40] [--spacing 0.0625] [--runs 1]; JSON lines and a table."""
 import argparse, json, os, subprocess, tempfile
 
+import record
+
 SCENE = """scene: 1
 time_step: %(step)r
 end_time: %(end)r
@@ -31,13 +33,23 @@ def drive(furrow, store, folder, metres, spacing):
             'stalls': run['cache']['stalls'], 'soil_bytes': info['bytes']['offset'] + info['bytes']['soil'], 'gl': run['gl']['renderer']}
 
 
+def keep(kept, rows):
+    for metres in sorted({row['metres'] for row in rows}):
+        of = [row for row in rows if row['metres'] == metres]
+        for key, name, unit, scale in (('step_ms', 'p50', 'ms', 1), ('p99_ms', 'p99', 'ms', 1), ('rss', 'rss_peak', 'MB', 1e-6),
+                                       ('soil_bytes', 'soil', 'MB', 1e-6)):
+            kept.add('m%g.%s' % (metres, name), [row[key] * scale for row in of], unit)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument('furrow')
     parser.add_argument('--km', type=float, default=40)
     parser.add_argument('--spacing', type=float, default=0.0625)
     parser.add_argument('--runs', type=int, default=1)
+    record.add_option(parser)
     args = parser.parse_args()
+    kept = record.Record('track', args.furrow)
     with tempfile.TemporaryDirectory() as folder:
         store = os.path.join(folder, 'strip.furrow')
         posts = int(args.km * 1000) + 60
@@ -48,6 +60,9 @@ def main():
             for metres in (40.0, 400.0, args.km * 1000):
                 rows.append(drive(args.furrow, store, folder, metres, args.spacing))
                 print(json.dumps(rows[-1]), flush=True)
+    kept.renderer = rows[-1]['gl']
+    keep(kept, rows)
+    kept.write(args.figures)
     print('%10s %9s %9s %9s %9s %12s' % ('track m', 'p50 ms', 'mean ms', 'p99 ms', 'RSS MB', 'soil MB'))
     for row in rows:
         print('%10g %9.3f %9.3f %9.3f %9.0f %12.2f' % (row['metres'], row['step_ms'], row['mean_ms'], row['p99_ms'],
