@@ -8,6 +8,7 @@
 
 #include "dem/dem.h"
 #include "mobility.h"
+#include "soil_given.h"
 
 #define ROWS 64
 #define SIDE_MOST 4096 /* cells of a map */
@@ -18,7 +19,7 @@ static const struct command_option options[] = {
 	{"vehicle", "MODEL", .help = "MJCF or URDF of the vehicle; its soil geoms are those that collide", .files = "xml urdf mjcf",
 	 .needed = true},
 	{"scene", "SCENE", .help = "a scene, with its first vehicle, soil and gravity", .files = "yaml yml json", .instead = true},
-	{"soil", "SOIL", .help = "a named soil, or a scene's soil in braces", .preset = "the scene's"},
+	{"soil", "SOIL", .help = "a named soil, a file with a scene's soil as furrow fit-soil writes it, or a scene's soil in braces", .preset = "the scene's"},
 	{"gravity", "G", .help = "pull of the body", .unit = "m/s2", .preset = "9.81; the scene's"},
 	{"layer", "LAYER", .help = "what is written, see below", .choices = mobility_layers,
 	 .preset = "slip in a .tif, class in a map"},
@@ -33,8 +34,8 @@ static const struct command_option options[] = {
 };
 
 struct asked {
-	const char *store, *out, *model, *scene, *soil;
-	char *soil_text;          /* owned: the scene's soil */
+	const char *store, *out, *model, *scene;
+	struct soil_given soil;
 	int layer;
 	bool json;
 	double gravity, spread[3], spacing; /* spread: of cohesion, friction, stiffness */
@@ -85,16 +86,15 @@ static enum status read_vehicle(struct asked *asked)
 		return status;
 	if (asked->scene != NULL && isnan(asked->gravity))
 		asked->gravity = scene->gravity;
-	if (asked->scene != NULL && asked->soil == NULL) {
-		asked->soil_text = mem_strdup(scene->soil_names[0]);
-		asked->soil = asked->soil_text;
-	}
+	if (asked->scene != NULL && asked->soil.text == NULL)
+		status = soil_given_of_scene(scene, asked->scene, &asked->soil);
 	if (isnan(asked->gravity))
 		asked->gravity = EARTH;
-	status = take_vehicle(scene, asked);
+	if (status == STATUS_OK)
+		status = take_vehicle(scene, asked);
 	scene_destroy(scene);
-	if (status == STATUS_OK && asked->soil == NULL)
-		status = fail_with(STATUS_USAGE, "mobility: --soil is missing; give a named soil (docs/SOILS.md), or numbers in braces");
+	if (status == STATUS_OK && asked->soil.text == NULL)
+		status = fail_with(STATUS_USAGE, "mobility: --soil is missing; give a named soil (docs/SOILS.md), a file, or numbers in braces");
 	return status;
 }
 
@@ -109,10 +109,10 @@ static enum status progress_rig(void *user, int64_t done, int64_t total)
 /* Fills the curves. factor: of the soil's numbers; NULL: the soil as it is. */
 static enum status measure(struct asked *asked, const double *factor)
 {
-	const char *soil = asked->soil;
+	const char *soil = asked->soil.text;
 	char *varied = NULL;
 	if (factor != NULL) {
-		soil = varied = mobility_soil_varied(asked->soil, factor);
+		soil = varied = mobility_soil_varied(asked->soil.text, factor);
 		if (varied == NULL)
 			return STATUS_INPUT;
 	}
@@ -169,7 +169,7 @@ static enum status draw(struct asked *asked, struct store *store)
 {
 	const struct store_meta *meta = store_meta(store);
 	const double length = mobility_length(&asked->vehicle);
-	struct mobility_map map = {.store = asked->store, .path = asked->out, .vehicle = asked->vehicle.name, .soil = asked->soil,
+	struct mobility_map map = {.store = asked->store, .path = asked->out, .vehicle = asked->vehicle.name, .soil = asked->soil.label,
 				   .mass = asked->vehicle.mass, .gravity = asked->gravity, .seed = asked->seed, .table = asked->table,
 				   .columns = asked->columns, .samples = (size_t)asked->samples, .meta = meta, .layer = (enum mobility_layer)asked->layer,
 				   .level = level_for(&meta->extent, length), .coarse = meta->extent.spacing > length};
@@ -230,7 +230,6 @@ static enum status read_arguments(const struct arguments *arguments, struct aske
 	asked->out = arguments_text(arguments, "o");
 	asked->model = arguments_text(arguments, "vehicle");
 	asked->scene = arguments_text(arguments, "scene");
-	asked->soil = arguments_text(arguments, "soil");
 	asked->json = arguments_flag(arguments, "json");
 	enum status status = STATUS_OK;
 	enum chart_format format;
@@ -251,6 +250,8 @@ static enum status read_arguments(const struct arguments *arguments, struct aske
 		status = arguments_integer(arguments, "samples", 1, MOBILITY_SAMPLES_MOST, &asked->samples);
 	if (status == STATUS_OK)
 		status = arguments_integer(arguments, "seed", 0, INT64_MAX, &asked->seed);
+	if (status == STATUS_OK && arguments_text(arguments, "soil") != NULL)
+		status = soil_given_take(arguments_text(arguments, "soil"), &asked->soil);
 	return status == STATUS_OK ? read_layer(arguments, asked) : status;
 }
 
@@ -273,7 +274,7 @@ static enum status run(const struct arguments *arguments)
 	mem_free(asked.table);
 	mem_free(asked.columns);
 	mem_free(asked.curves);
-	mem_free(asked.soil_text);
+	soil_given_finish(&asked.soil);
 	return status;
 }
 

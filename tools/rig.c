@@ -10,6 +10,7 @@
 #include "base/aside.h"
 #include "rig_plot.h"
 #include "settings.h"
+#include "soil_given.h"
 
 #define DEFAULT_SHAPE "wheel: {radius: 0.25, width: 0.2}"
 #define DEFAULT_SOIL "dry_sand"
@@ -20,7 +21,7 @@
 static const struct command_option options[] = {
 	{"o", "DIR", .help = "where rig.csv and rig.svg go", .files = "/", .needed = true},
 	{"shape", "YAML", .help = "what is carried, as an object's shape in a scene", .preset = DEFAULT_SHAPE},
-	{"soil", "LIST", .help = "names of soils, or a scene's soil in braces", .preset = DEFAULT_SOIL},
+	{"soil", "LIST", .help = "soils: names, files with a scene's soil as furrow fit-soil writes them, or a scene's soil in braces", .preset = DEFAULT_SOIL},
 	{"load", "LIST", .help = "what presses on the soil", .unit = "N", .preset = DEFAULT_LOAD},
 	{"slip", "LIST", .help = "of a wheel or a belt: 1 - way / (turn x radius), 1 - way / what the belt runs; -0.2:0.8:0.1 is a range", .preset = DEFAULT_SLIP},
 	{"torque", "LIST", .help = "what drives a wheel, or pulls a belt; the slip is found", .unit = "N m; of a belt N",
@@ -38,8 +39,8 @@ static const struct command_option options[] = {
 struct asked {
 	struct rig_params params;
 	struct rig_table table;
-	char *soils_text;
-	const char *soils[SOILS_MOST];
+	struct soil_given given[SOILS_MOST];
+	const char *soils[SOILS_MOST], *labels[SOILS_MOST];
 	double loads[RIG_VALUES_MOST], slips[RIG_VALUES_MOST], torques[RIG_VALUES_MOST];
 	size_t room;
 	struct progress progress;
@@ -99,31 +100,49 @@ static enum status read_list(const struct arguments *arguments, const char *opti
 	return status;
 }
 
+static enum status add_soil(struct asked *asked, const char *given)
+{
+	const size_t count = asked->params.soil_count;
+	if (*given == '\0')
+		return fail_with(STATUS_USAGE, "rig: --soil: a name is missing; give names parted by commas; docs/SOILS.md has them");
+	if (count == SOILS_MOST)
+		return fail_with(STATUS_USAGE, "rig: --soil: are more than %d soils; give fewer", SOILS_MOST);
+	struct soil_given *soil = &asked->given[count];
+	enum status status = soil_given_take(given, soil);
+	if (status != STATUS_OK)
+		return status;
+	/* Files of one name in two folders. */
+	for (size_t i = 0; i < count; i++)
+		if (strcmp(soil->label, asked->labels[i]) == 0 && strcmp(soil->label, given) != 0) {
+			mem_free(soil->label);
+			soil->label = mem_strdup(given);
+			if (soil->label == NULL)
+				return fail_memory("a soil");
+		}
+	asked->soils[count] = soil->text;
+	asked->labels[count] = soil->label;
+	asked->params.soil_count++;
+	return STATUS_OK;
+}
+
 /* Commas within braces part nothing. */
 static enum status read_soils(const struct arguments *arguments, struct asked *asked)
 {
 	const char *given = arguments_text(arguments, "soil");
-	asked->soils_text = mem_strdup(given != NULL ? given : DEFAULT_SOIL);
-	if (asked->soils_text == NULL)
-		return fail_memory("soils");
+	char *text = mem_strdup(given != NULL ? given : DEFAULT_SOIL), *begin = text;
+	enum status status = text != NULL ? STATUS_OK : fail_memory("soils");
 	int depth = 0;
-	char *begin = asked->soils_text;
-	for (char *at = begin;; at++) {
+	for (char *at = text; status == STATUS_OK && begin != NULL; at++) {
 		const char c = *at;
 		depth += (c == '{') - (c == '}');
 		if (c != '\0' && (c != ',' || depth > 0))
 			continue;
 		*at = '\0';
-		begin += strspn(begin, " ");
-		if (*begin == '\0')
-			return fail_with(STATUS_USAGE, "rig: --soil: a name is missing; give names parted by commas; docs/SOILS.md has them");
-		if (asked->params.soil_count == SOILS_MOST)
-			return fail_with(STATUS_USAGE, "rig: --soil: are more than %d soils; give fewer", SOILS_MOST);
-		asked->soils[asked->params.soil_count++] = begin;
-		begin = at + 1;
-		if (c == '\0')
-			return STATUS_OK;
+		status = add_soil(asked, begin + strspn(begin, " "));
+		begin = c != '\0' ? at + 1 : NULL;
 	}
+	mem_free(text);
+	return status;
 }
 
 /* --- running --- */
@@ -195,7 +214,7 @@ static void print_differences(const struct rig_table *table, size_t soil)
 static void print_table(const struct rig_table *table)
 {
 	for (size_t soil = 0; soil < table->params->soil_count; soil++) {
-		printf("%s%s, posts of %g mm\n%10s%8s%12s%12s%12s%12s\n", soil > 0 ? "\n" : "", table->params->soils[soil], table->found.spacing * 1e3, "load N",
+		printf("%s%s, posts of %g mm\n%10s%8s%12s%12s%12s%12s\n", soil > 0 ? "\n" : "", table->soils[soil], table->found.spacing * 1e3, "load N",
 		       "slip", "sinkage mm", "drawbar N", table->found.belt ? "pull N" : "torque N m", "efficiency");
 		for (size_t i = 0; i < table->count; i++)
 			if (table->rows[i].soil == soil)
@@ -265,6 +284,7 @@ static enum status run(const struct arguments *arguments)
 	*params = (struct rig_params){.soils = asked->soils, .loads = asked->loads, .slips = asked->slips, .torques = asked->torques, .stop = &interrupted,
 				      .progress = progress_rig, .tell = tell, .user = asked};
 	asked->table.params = params;
+	asked->table.soils = asked->labels;
 	enum status status = read_all(arguments, asked, &settings);
 	params->settings = settings.list;
 	params->setting_count = settings.count;
@@ -287,7 +307,8 @@ static enum status run(const struct arguments *arguments)
 	settings_finish(&settings);
 	mem_free(asked->table.rows);
 	mem_free(asked->table.measured);
-	mem_free(asked->soils_text);
+	for (size_t i = 0; i < SOILS_MOST; i++)
+		soil_given_finish(&asked->given[i]);
 	mem_free(asked);
 	return status;
 }
@@ -306,7 +327,8 @@ const struct command command_rig = {
 		   "last quarter is than the first. Of a box or a mesh with belt: true, torque is what pulls its belt, in N.\n\n"
 		   "With --compare the differences from the measured trials are told, and drawn; lines with a slip_angle_deg other "
 		   "than 0 are left out.\n",
-	.examples = "furrow rig -o bench --soil dry_sand,clayey_38 --load 500,1000\n",
+	.examples = "furrow rig -o bench --soil dry_sand,clayey_38 --load 500,1000\n"
+		    "furrow rig -o bench --soil my_sand.yaml,dry_sand\n",
 	.see = "furrow-mobility(1), scene(5)",
 	.run = run,
 };

@@ -21,9 +21,9 @@ void rig_csv_write(const struct rig_table *table, FILE *file)
 		const struct rig_row *row = &table->rows[i];
 		const double numbers[] = {params->loads[row->load], row->slip, row->torque, row->sinkage, row->drawbar, row->side, row->fz, row->efficiency,
 					  row->deeper};
-		const char *quote = strpbrk(params->soils[row->soil], ",\"") != NULL ? "\"" : "";
+		const char *quote = strpbrk(table->soils[row->soil], ",\"") != NULL ? "\"" : "";
 		fputs(quote, file);
-		for (const char *at = params->soils[row->soil]; *at != '\0'; at++)
+		for (const char *at = table->soils[row->soil]; *at != '\0'; at++)
 			fputs(*at == '"' ? "\"\"" : (char[]){*at, '\0'}, file);
 		fprintf(file, "%s,", quote);
 		for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++)

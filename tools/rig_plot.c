@@ -1,6 +1,7 @@
 /*
- * Four plots over slip: sinkage, drawbar pull, torque, efficiency. A colour a soil, a dash a load, a black dot a measured trial.
- * Of an object without a slip the plots are over its load. Colours: Okabe's and Ito's, which every eye tells apart.
+ * Four plots over slip: sinkage, drawbar pull, torque, efficiency. A colour and a mark a soil, a dash a load, a black dot a measured trial.
+ * Of an object without a slip the plots are over its load. Colours: Okabe's and Ito's, which every eye tells apart. No two of 42
+ * soils have both the same colour and the same mark.
  */
 #include "rig_plot.h"
 
@@ -13,6 +14,9 @@ enum { WIDTH = 1190, LEFT = 70, TOP = 60, ACROSS = 390, DOWN = 270, GAP_X = 80, 
 
 static const char *const colours[] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"};
 static const char *const dashes[] = {"", "7 4", "2 3", "10 3 2 3"};
+/* Marks: a point of SVG's path each, about 6 wide, and its count differs from that of colours. */
+static const char *const marks[] = {"m-3 0a3 3 0 1 0 6 0a3 3 0 1 0 -6 0z", "m-2.8 -2.8h5.6v5.6h-5.6z",       "m0 -3.8l3.6 6.3h-7.2z", "m0 -4l4 4l-4 4l-4 -4z",
+				    "m0 3.8l3.6 -6.3h-7.2z",               "m-2.4 -3.6l6.3 3.6l-6.3 3.6z", "m2.4 -3.6l-6.3 3.6l6.3 3.6z"};
 static const char *const titles[RIG_FIGURES] = {"sinkage, mm", "drawbar pull, N", "torque, N m", "efficiency"};
 #define COUNT(list) (sizeof list / sizeof *list)
 
@@ -97,6 +101,12 @@ static void write_axes(const struct rig_table *table, const struct panel *panel,
 		panel->y - 9, title_of(table, panel->figure), panel->x + ACROSS / 2.0, panel->y + DOWN + 36, has_slip(table) ? "slip" : "load, N");
 }
 
+static void write_mark(double x, double y, size_t soil, bool filled, FILE *file)
+{
+	const char *colour = colours[soil % COUNT(colours)];
+	fprintf(file, "<path class=\"mark\" stroke=\"%s\" fill=\"%s\" d=\"M%.1f %.1f%s\"/>\n", colour, filled ? colour : "none", x, y, marks[soil % COUNT(marks)]);
+}
+
 static void write_curve(const struct rig_table *table, const struct panel *panel, size_t soil, size_t load, FILE *file)
 {
 	const char *colour = colours[soil % COUNT(colours)];
@@ -120,8 +130,7 @@ static void write_curve(const struct rig_table *table, const struct panel *panel
 	fputs("\"/>\n", file);
 	for (const struct rig_row *row = table->rows; row < table->rows + table->count; row++)
 		if (row->soil == soil && row->load == load && isfinite(rig_figure(row, panel->figure)) && isfinite(across(table, row)))
-			fprintf(file, "<circle cx=\"%.1f\" cy=\"%.1f\" r=\"3\" stroke=\"%s\" fill=\"%s\"/>\n", place_x(panel, across(table, row)),
-				place_y(panel, rig_figure(row, panel->figure)), colour, row->state == RIG_STEADY ? colour : "none");
+			write_mark(place_x(panel, across(table, row)), place_y(panel, rig_figure(row, panel->figure)), soil, row->state == RIG_STEADY, file);
 }
 
 static void write_panel(const struct rig_table *table, const struct panel *panel, FILE *file)
@@ -150,11 +159,12 @@ static void write_legend(const struct rig_table *table, FILE *file)
 	double y = TOP + 12;
 	for (size_t i = 0; i < table->params->soil_count; i++) {
 		y = legend_line(y, colours[i % COUNT(colours)], "", file);
-		const char *soil = table->params->soils[i];
+		const char *soil = table->soils[i];
 		char label[LABEL + 1];
 		snprintf(label, sizeof label, "%s", soil);
 		svg_text(label, file);
 		fputs(strlen(soil) > LABEL ? "…</text>\n" : "</text>\n", file);
+		write_mark(LEGEND + 17, y - 24, i, true, file);
 	}
 	for (size_t i = 0; i < table->params->load_count && has_slip(table); i++) {
 		y = legend_line(y, "#888", dashes[i % COUNT(dashes)], file);

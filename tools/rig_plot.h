@@ -15,6 +15,7 @@ struct rig_measured {
 
 struct rig_table {
 	const struct rig_params *params;
+	const char *const *soils; /* what each of the params' soils is called */
 	struct rig_found found;
 	struct rig_row *rows;
 	size_t count;

@@ -3,6 +3,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "rig/internal.h"
@@ -70,6 +71,34 @@ enum status rig_soil_scene(const char *soil, struct scene **out)
 	char why[512];
 	snprintf(why, sizeof why, "%s", failure_message());
 	return fail_with(status, "soil %s: %.400s", soil, why);
+}
+
+char *rig_soil_text(const struct deform_soil *soil, enum deform_model model)
+{
+	char *text = NULL, *made = NULL;
+	size_t length;
+	FILE *stream = open_memstream(&text, &length);
+	const char *key, *comma = "";
+	double value;
+	if (stream == NULL) {
+		(void)fail_memory("a soil");
+		return NULL;
+	}
+	int failed = fputc('{', stream) < 0;
+	for (size_t i = 0; scene_soil_number(soil, i, &key, &value); i++) {
+		if (isnan(value) || !deform_model_reads(model, key))
+			continue;
+		failed |= fprintf(stream, "%s%s: %.17g", comma, key, value) < 0;
+		comma = ", ";
+	}
+	failed |= fputc('}', stream) < 0;
+	failed |= fclose(stream) != 0;
+	if (!failed)
+		made = mem_strdup(text);
+	free(text);
+	if (made == NULL)
+		(void)fail_memory("a soil");
+	return made;
 }
 
 static char *in_braces(const char *shape)

@@ -112,6 +112,22 @@ class Mobility(FurrowTest):
         self.assertTrue(all(abs(3 * chance - round(3 * chance)) < 1e-9 for chance in chances))
         self.assertTrue(any(0 < chance < 1 for chance in chances))
 
+    def test_a_soil_of_a_file_or_a_scene_has_its_numbers(self):
+        store, numbers = self.ramp("level", 0), "name: dry_sand, cohesion: 300, bekker_n: 1.3"
+        (self.folder / "mine.yaml").write_text(f"soil: {{{numbers}}}\n")
+        (self.folder / "car.yaml").write_text(f"scene: 1\ntime_step: 0.002\nend_time: 1\nsoil: {{{numbers}}}\nredistribute: {{model: scm}}\n"
+                                              "vehicles: [{name: car, model: car.xml, start: {at: [5, 8]}}]\n")
+        told = [self.judged(store, "--spacing", "0.25", "--soil", soil)[0] for soil in (f"{{{numbers}}}", "mine.yaml")]
+        result = self.furrow("mobility", store, "--scene", "car.yaml", "--spacing", "0.25", "-o", "out.png", "--json")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        told.append(json.loads(result.stdout))
+        self.assertEqual([each["soil"] for each in told], [f"{{{numbers}}}", "mine", "dry_sand of car.yaml"])
+        for each in told[1:]:
+            self.assertAlmostEqual(each["steepest_up"], told[0]["steepest_up"], delta=0.01)
+            self.assertAlmostEqual(each["slopes"][5]["verdicts"][0]["slip"], told[0]["slopes"][5]["verdicts"][0]["slip"], delta=1e-6)
+        plain = self.judged(store, "--spacing", "0.25")[0]
+        self.assertNotAlmostEqual(plain["slopes"][5]["verdicts"][0]["slip"], told[0]["slopes"][5]["verdicts"][0]["slip"], delta=1e-3)
+
     def test_ctrl_c_leaves_nothing(self):
         store = self.ramp("level", 0)
         self.judged(store, "--spacing", "0.125")

@@ -94,6 +94,25 @@ class Rig(FurrowTest):
             self.assertTrue(math.isnan(row["slip"]) and math.isnan(row["torque"]))
             self.assertLess(row["drawbar"], 0)
 
+    def test_a_soil_of_a_file_has_its_name(self):
+        numbers = "name: dry_sand, cohesion: 500, janosi_shear: 0.02"
+        (self.folder / "a").mkdir()
+        for name in ("mine.yaml", "a/mine.yaml"):
+            (self.folder / name).write_text("# as furrow fit-soil writes it\nsoil:\n  " + numbers.replace(", ", "  # a note\n  ") + "\n")
+        (self.folder / "scene.yml").write_text(f"scene: 1\nend_time: 1\ntime_step: 1\nsoil: {{{numbers}}}\nredistribute: {{model: box}}\n")
+        names = ["mine", "a/mine.yaml", "scene", "lunar", "snow_us", "clayey_38", "lete_sand", "dry_sand"]
+        rows = self.rig("--soil", "mine.yaml,a/mine.yaml,scene.yml," + ",".join(names[3:]), "--slip", "0.5", "--spacing", "0.08")
+        self.assertEqual([row["soil"] for row in rows], names)
+        braces, = self.rig("--soil", f"{{{numbers}}}", "--slip", "0.5", "--spacing", "0.08", out="braces")
+        for row in rows[:3]:
+            for key in ("sinkage", "drawbar", "torque"):
+                self.assertAlmostEqual(row[key], braces[key], delta=1e-9 * abs(braces[key]))
+        self.assertNotAlmostEqual(rows[0]["drawbar"], rows[7]["drawbar"], delta=1)
+        # Each of eight soils has its own pair of colour and mark.
+        drawn = xml.etree.ElementTree.parse(self.folder / "rig" / "rig.svg").iter("{http://www.w3.org/2000/svg}path")
+        looks = {(path.get("stroke"), path.get("d").split("m" if "m" in path.get("d") else "M", 1)[-1]) for path in drawn if path.get("class") == "mark"}
+        self.assertEqual(len(looks), 8)
+
     def test_a_belt_draws_as_a_rigid_track(self):
         """(A c + W tan phi) (1 - K / (i l) (1 - exp(-i l / K))): Wong's rigid track under a uniform pressure. A box has no resistance."""
         length, width = 1.2, 0.3
@@ -154,11 +173,14 @@ class Rig(FurrowTest):
     def test_wrong_input_is_told(self):
         (self.folder / "none.csv").write_text("a,b\n1,2\n")
         (self.folder / "odd.csv").write_text("slip,sinkage\n0.1,deep\n")
+        (self.folder / "typo.yaml").write_text("soil: {name: dry_sand, cohesin: 3}\n")
+        (self.folder / "map.yaml").write_text("soil: {name: dry_sand, rasters: {cohesion: typo.yaml}}\n")
         for status, arguments, part in (
                 (2, [], "-o is missing"), (2, ["-o", "r", "--slip", "x"], "--slip x"), (2, ["-o", "r", "--slip", "0:1"], "--slip 0:1"),
                 (2, ["-o", "r", "--slip", "0.1", "--torque", "5"], "give one of them"), (2, ["-o", "r", "--slip", "1"], "slip: 1"),
                 (2, ["-o", "r", "--load", "0"], "load: 0"), (2, ["-o", "r", "--soil", "lunar,,mud"], "name is missing"),
-                (3, ["-o", "r", "--soil", "moondust"], "moondust"), (3, ["-o", "r", "--shape", "wheel: {radius: -1, width: 1}"], "radius"),
+                (3, ["-o", "r", "--soil", "moondust"], "moondust"), (3, ["-o", "r", "--soil", "absent.yaml"], "absent.yaml"),
+                (3, ["-o", "r", "--soil", "map.yaml"], "its soil is a map"), (3, ["-o", "r", "--soil", "typo.yaml"], "typo.yaml:1: soil.cohesin: unknown key"), (3, ["-o", "r", "--shape", "wheel: {radius: -1, width: 1}"], "radius"),
                 (2, ["-o", "r", "--shape", "box: {size: [1, 1, 1]}", "--torque", "5"], "no wheel"),
                 (3, ["-o", "r", "--compare", "absent.csv"], "absent.csv"), (3, ["-o", "r", "--compare", "none.csv"], "none.csv:1"),
                 (3, ["-o", "r", "--compare", "odd.csv"], "odd.csv:2"), (2, ["-o", "r", "--set", "x"], "KEY=VALUE")):

@@ -243,6 +243,8 @@ static void soils_vary_by_their_factors(void **state)
 			wanted = atan(1.2 * tan(wanted * RADIANS)) / RADIANS;
 		else if (strncmp(key, "bekker_k", 8) == 0)
 			wanted *= 0.8;
+		if (!deform_model_reads(plain->model, key)) /* it is left out */
+			wanted = NAN;
 		assert_true(isnan(value) ? isnan(wanted) : fabs(value - wanted) <= 1e-9 * fabs(wanted));
 	}
 	mem_free(text);

@@ -1,0 +1,88 @@
+/* Soils of the command line; see soil_given.h. */
+#include "soil_given.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#include "dem/dem.h"
+#include "rig/rig.h"
+
+bool soil_given_is_file(const char *given)
+{
+	static const char *const endings[] = {".yaml", ".yml", ".json"};
+	for (size_t i = 0; i < sizeof endings / sizeof *endings; i++)
+		if (dem_path_ends(given, endings[i]))
+			return true;
+	return false;
+}
+
+void soil_given_finish(struct soil_given *soil)
+{
+	mem_free(soil->text);
+	mem_free(soil->label);
+	*soil = (struct soil_given){.text = NULL};
+}
+
+/* The file's name without its folder and its ending. */
+static char *label_of(const char *path)
+{
+	const char *slash = strrchr(path, '/');
+	char *label = mem_strdup(slash != NULL ? slash + 1 : path);
+	if (label != NULL)
+		*strrchr(label, '.') = '\0';
+	return label;
+}
+
+/* Refuses a scene whose soil is not one everywhere. */
+static enum status check_one(const struct scene *scene, const char *path)
+{
+	if (scene->soil_map != NULL || scene->raster_count > 0)
+		return fail_with(STATUS_INPUT, "%s: its soil is a map; give a file with one soil, as furrow fit-soil -o writes it", path);
+	return STATUS_OK;
+}
+
+static enum status take_file(const char *path, struct soil_given *soil)
+{
+	/* The soil is read for the rig's model, whatever the file says of its own. */
+	const struct scene_setting model = {.key = "redistribute", .value = "{model: scm}"};
+	struct scene *scene = NULL;
+	enum status status = scene_load_file(path, &model, 1, SCENE_HOST, &scene);
+	if (status == STATUS_OK)
+		status = check_one(scene, path);
+	if (status == STATUS_OK) {
+		soil->text = rig_soil_text(&scene->soils[0], scene->model);
+		soil->label = label_of(path);
+		if (soil->text == NULL || soil->label == NULL)
+			status = fail_memory("a soil");
+	}
+	scene_destroy(scene);
+	return status;
+}
+
+enum status soil_given_take(const char *given, struct soil_given *soil)
+{
+	if (soil_given_is_file(given))
+		return take_file(given, soil);
+	soil->text = mem_strdup(given);
+	soil->label = mem_strdup(given);
+	return soil->text != NULL && soil->label != NULL ? STATUS_OK : fail_memory("a soil");
+}
+
+enum status soil_given_of_scene(const struct scene *scene, const char *path, struct soil_given *soil)
+{
+	const char *name = scene->soil_names[0];
+	if (scene->soil_count == 0)
+		return fail_with(STATUS_INPUT, "%s: its model reads no soil; give --soil", path);
+	struct deform_soil named;
+	soil->text = rig_soil_text(&scene->soils[0], scene->model);
+	char *plain = deform_soil_named(name, &named) == STATUS_OK ? rig_soil_text(&named, scene->model) : NULL;
+	/* A named soil with numbers of the scene's own is another one. */
+	const bool own = soil->text != NULL && (plain == NULL || strcmp(plain, soil->text) != 0);
+	const size_t room = strlen(name) + strlen(path) + 8;
+	mem_free(plain);
+	soil->label = mem_alloc(room, 1);
+	if (soil->text == NULL || soil->label == NULL)
+		return fail_memory("a soil");
+	snprintf(soil->label, room, own ? "%s of %s" : "%s", name, path);
+	return STATUS_OK;
+}
