@@ -34,9 +34,9 @@ static void what_cannot_press_or_move_is_refused(void **state)
 	/* Its only geom belongs to the model's own world. */
 	support_write(support_path("model.xml"),
 		      "<mujoco><worldbody><geom type=\"plane\" size=\"1 1 1\"/><geom type=\"sphere\" size=\"1\"/></worldbody></mujoco>");
-	rig_refused(STEP, "", STATUS_INPUT, "no geom of it presses the ground; name geoms");
+	rig_refused(STEP, "", STATUS_INPUT, "no geom of it collides, so none presses the ground; let geoms of moving bodies collide, or name them in soil");
 	rig_model("", "", "");
-	rig_refused(STEP, ", soil: [weel*]", STATUS_INPUT, "no geom of it presses the ground");
+	rig_refused(STEP, ", soil: [weel*]", STATUS_INPUT, "soil: weel* names no geom of a body that moves; the model has: wheel");
 	support_write(support_path("model.xml"),
 		      "<mujoco><worldbody><body><freejoint/><geom type=\"plane\" size=\"1 1 1\" mass=\"1\"/></body></worldbody></mujoco>");
 	rig_refused(STEP, "", STATUS_INPUT, "vehicles.car");
