@@ -136,6 +136,9 @@ class Tutorials(unittest.TestCase):
     def test_a_vehicle_on_a_slope(self):
         self.page("vehicle-on-a-slope.md")
 
+    def test_a_rover_on_mars(self):
+        self.page("rover-on-mars.md", needs=["gdal_translate"])
+
     def test_soil_from_your_own_tests(self):
         self.page("../SOIL-TESTS.md")
 
