@@ -19,6 +19,7 @@ import pages
 import record
 
 SIDE, TIME_STEP, SPEED, SPACING = 1800, 0.05, 2.5, 0.125
+SOILS = ("scm", "sumner", "slippage")  # models that need a soil
 
 
 def scene(wheels, model, steps):
@@ -26,7 +27,7 @@ def scene(wheels, model, steps):
     across = math.ceil(math.sqrt(wheels))
     apart = SIDE / across
     lines = ["scene: 1", f"time_step: {TIME_STEP}", f"end_time: {steps * TIME_STEP}", f"spacing: {SPACING}",
-             f"redistribute: {{model: {model}}}", "cache: {slots: 4096}", "objects:"]
+             f"redistribute: {{model: {model}}}"] + (["soil: {name: dry_sand}"] if model in SOILS else []) + ["cache: {slots: 4096}", "objects:"]
     far = SPEED * TIME_STEP * (steps + 4)
     for i in range(wheels):
         x, y, turn = 120 + (i % across + 0.5) * apart, 120 + (i // across + 0.5) * apart, 2.399963 * i

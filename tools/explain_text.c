@@ -190,7 +190,7 @@ static const char *each_of(enum plan_unit unit)
 		[PLAN_BATCH] = "a batch of windows",
 		[PLAN_BATCH_DRAW] = "an array, or bodies of a kind, in a batch",
 		[PLAN_BATCH_STORE] = "an array that a batch writes",
-		[PLAN_BATCH_ENVELOPE] = "an underside drawn alone in a batch",
+		[PLAN_BATCH_ENVELOPE] = "a draw of undersides in a batch",
 		[PLAN_FACETS] = "a draw of triangles",
 		[PLAN_HELD] = "a block of soil that slides under an object",
 		[PLAN_RESTING] = "a window of an object at rest",

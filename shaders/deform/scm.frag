@@ -4,6 +4,7 @@
 // a post reads only the base and the deposited thickness, which this pass does not write.
 // Defines: FORCES: sums forces and moments; PATCH: b follows from the counted posts; LOAD: the equilibrium height was found; BELT: the object has a belt.
 
+#include "lib/rows.glsl"
 #include "lib/soil.glsl"
 #include "lib/laying.glsl"
 #include "lib/tally.glsl"
@@ -62,7 +63,7 @@ const int NOTHING = 0, REACHED = 1, CONCERNED = 2;
 // the object does not quite. fell: how much lower the object was before the contact than it is now, fixed-point units.
 int concerns(int x, int y, ground west, ground g, ground east, float by_width, int raised, int fell)
 {
-	ivec3 post = ivec3(x, y, zero.z);
+	ivec3 post = image_post(x, y);
 	bool sheared = imageLoad(shears, post).r != 0;
 	ground south = ground_at(x, y - 1), north = ground_at(x, y + 1);
 #ifdef SHAPE_WHEEL
@@ -124,7 +125,7 @@ void main()
 	}
 	if (first < last)
 		reaches = ivec2(min(reaches.x, first), max(reaches.y, last));
-	reach(y, reaches.x, reaches.y);
+	reach(y + window_at.y, reaches.x + window_at.x, reaches.y + window_at.x);
 	total lost = total(0, 0u), moved = lost;
 	uint over = 0u, moving = 0u, of_classes = 0u;
 	int hollow = 0, first_touched = last, last_touched = first;
@@ -136,7 +137,7 @@ void main()
 #endif
 #endif
 	for (int x = first; x < last; x++, west = g, g = east) {
-		ivec3 post = ivec3(x, y, zero.z);
+		ivec3 post = image_post(x, y);
 		object o = object_at(x, y, raised);
 		east = ground_at(x + 1, y);
 		soil s = soil_at(x, y);
@@ -196,7 +197,7 @@ void main()
 	}
 #endif
 	if (frame.z != 0)
-		store_ways(y, zero.z, written.x, written.z);
+		store_ways(y + window_at.y, window_at.z, written.x + window_at.x, written.z + window_at.x);
 	if (last <= first)
 		return;
 	if (first_touched < last)

@@ -21,13 +21,18 @@ layout(binding = 2, r8ui) readonly restrict uniform uimage2DArray classes;
 #endif
 
 layout(std140, binding = 0) uniform params {
-	ivec4 place;         // layer; direction: x, y, north-east, south-east; tolerance; no difference up to this slides
+	ivec4 of_pass;       // layer; direction: x, y, north-east, south-east; tolerance; no difference up to this slides
 	ivec4 window;        // the posts that the window writes: first, one behind the last
 	ivec4 around;        // x: of reached_posts
 	ivec4 limits[SOILS]; // critical difference of heights in this direction
 };
 
-ivec4 written = reached_posts(window, around.x); // posts that exchange soil: first, one behind the last
+#ifdef BATCH
+// From windows.vert. Of the parameters only the limits count. written: posts that exchange soil: first, one behind the last
+ivec4 place = passed[0], written = passed[1];
+#else
+ivec4 place = of_pass, written = reached_posts(window, around.x);
+#endif
 
 const int POPS_MOST = 512;  // posts that join from before the pool, of all pools of a walk: drivers end long loops
 

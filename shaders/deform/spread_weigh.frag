@@ -56,30 +56,30 @@ i64 quotient(i64 a, uint b)
 
 void find_rates()
 {
-	i64 all = words(carried[0], carried[1]), rest = all, part[FACES];
+	i64 all = words(LAYING.carried[0], LAYING.carried[1]), rest = all, part[FACES];
 	int most = -1;
 	for (int face = 0; face < FACES; face++) {
-		bool takes = weights[face] > 0u;
+		bool takes = LAYING.weights[face] > 0u;
 		part[face] = takes ? i64_sar(i64_mul_int(all, shares[face]), 16) : i64(0, 0u);
 		rest = i64_sub(rest, part[face]);
 		most = takes && (most < 0 || shares[face] > shares[most]) ? face : most;
 	}
 	if (most < 0) {
 		tally_sum(COMPACTED, uvec2(all.lo, uint(all.hi)));
-		tally_add(CONFINED, givers);
+		tally_add(CONFINED, LAYING.givers);
 		return;
 	}
 	part[most] = i64_add(part[most], rest);
 	for (int face = 0; face < FACES; face++) {
-		if (weights[face] == 0u)
+		if (LAYING.weights[face] == 0u)
 			continue;
-		i64 rate = quotient(i64_shl(part[face], RATE_BITS), weights[face]);
-		i64 limit = quotient(i64_shl(i64_from(AMOUNT_MOST), RATE_BITS), heaviest[face] >> 20);
+		i64 rate = quotient(i64_shl(part[face], RATE_BITS), LAYING.weights[face]);
+		i64 limit = quotient(i64_shl(i64_from(AMOUNT_MOST), RATE_BITS), LAYING.heaviest[face] >> 20);
 		rate = i64_min(rate, limit);
-		parts[2 * face] = part[face].lo;
-		parts[2 * face + 1] = uint(part[face].hi);
-		rates[2 * face] = rate.lo;
-		rates[2 * face + 1] = uint(rate.hi);
+		LAYING.parts[2 * face] = part[face].lo;
+		LAYING.parts[2 * face + 1] = uint(part[face].hi);
+		LAYING.rates[2 * face] = rate.lo;
+		LAYING.rates[2 * face + 1] = uint(rate.hi);
 	}
 }
 
@@ -99,7 +99,7 @@ void weigh(int x, int y, int face, int weight)
 void main()
 {
 	int y = row_of_pass(written.y);
-	if (y >= written.w || (carried[0] | carried[1]) == 0u)
+	if (y >= written.w || (LAYING.carried[0] | LAYING.carried[1]) == 0u)
 		return;
 	// Two loops, not one loop with a branch: a driver may compute both sides of a branch for every post.
 	find_band();
@@ -113,8 +113,8 @@ void main()
 	}
 	for (int face = 0; face < FACES; face++)
 		if (sum[face] > 0u) {
-			atomicAdd(weights[face], sum[face]);
-			atomicMax(heaviest[face], best[face]);
+			atomicAdd(LAYING.weights[face], sum[face]);
+			atomicMax(LAYING.heaviest[face], best[face]);
 		}
 	if (is_last(0))
 		find_rates();

@@ -9,7 +9,7 @@ const int FACES = 4; // of the patch's rectangle: ahead, behind, left, right
 const int HOLLOW_MOST = 1 << 23;
 const int NO_WAY = 1023;
 
-layout(std430, binding = 4) coherent restrict buffer laying {
+struct laying_state {
 	uint reached[4];       // lib/reached.glsl
 	uint carried[2];       // lo, hi: fixed-point units
 	uint givers;           // posts that carry soil
@@ -24,15 +24,20 @@ layout(std430, binding = 4) coherent restrict buffer laying {
 	uint laid[2 * FACES];  // lo, hi
 };
 
+layout(std430, binding = 4) coherent restrict buffer laying {
+	laying_state layings[]; // one for each window of a batch; otherwise one
+};
+#define LAYING layings[WINDOW]
+
 // Adds posts of a row to those that the contact reached: from the first to before the last.
 void reach(int y, int first, int last)
 {
 	if (first >= last)
 		return;
-	atomicMax(reached[0], uint(BIAS + last - 1));
-	atomicMax(reached[1], uint(BIAS - first));
-	atomicMax(reached[2], uint(BIAS + y));
-	atomicMax(reached[3], uint(BIAS - y));
+	atomicMax(LAYING.reached[0], uint(BIAS + last - 1));
+	atomicMax(LAYING.reached[1], uint(BIAS - first));
+	atomicMax(LAYING.reached[2], uint(BIAS + y));
+	atomicMax(LAYING.reached[3], uint(BIAS - y));
 }
 
 // Returns the place of a post in the body's frame. frame: place of post (0, 0); axis: the x axis, 2^-16
@@ -54,14 +59,14 @@ int depth_of(int carries, int offset, int dug, int of_dug, int share)
 // carry soil: a bit for each class.
 void measured(uvec2 soil, uint count, uint of_classes, int deepest, ivec2 at[2])
 {
-	uint before = atomicAdd(carried[0], soil.x);
-	atomicAdd(carried[1], soil.y + uint(before + soil.x < before));
-	atomicAdd(givers, count);
-	atomicOr(given_soils, of_classes);
-	atomicMax(deep, uint(deepest));
+	uint before = atomicAdd(LAYING.carried[0], soil.x);
+	atomicAdd(LAYING.carried[1], soil.y + uint(before + soil.x < before));
+	atomicAdd(LAYING.givers, count);
+	atomicOr(LAYING.given_soils, of_classes);
+	atomicMax(LAYING.deep, uint(deepest));
 	ivec2 least = min(at[0], at[1]), most = max(at[0], at[1]);
-	atomicMax(ends[0], uint(BIAS + most.x));
-	atomicMax(ends[1], uint(BIAS - least.x));
-	atomicMax(ends[2], uint(BIAS + most.y));
-	atomicMax(ends[3], uint(BIAS - least.y));
+	atomicMax(LAYING.ends[0], uint(BIAS + most.x));
+	atomicMax(LAYING.ends[1], uint(BIAS - least.x));
+	atomicMax(LAYING.ends[2], uint(BIAS + most.y));
+	atomicMax(LAYING.ends[3], uint(BIAS - least.y));
 }

@@ -279,7 +279,7 @@ vec2 place_of(int x, int y)
 
 bool covers(ivec2 post)
 {
-	return all(greaterThanEqual(post, drawn.xy)) && all(lessThan(post, drawn.zw)) && rest_at(ivec3(post, zero.z)) != UNDER_NONE;
+	return all(greaterThanEqual(post, drawn.xy)) && all(lessThan(post, drawn.zw)) && rest_at(image_post(post.x, post.y)) != UNDER_NONE;
 }
 
 const float BORDER = 1e-5; // m: nearer to a border only the lower envelope, in whole numbers, tells whether a post is covered
@@ -380,9 +380,9 @@ cell cell_at(int x, int y, object o)
 		for (int k = 0; k < 2; k++) {
 			ivec2 next = k == 0 ? ivec2(1, 0) : ivec2(0, 1);
 			bool low = covers(ivec2(x, y) - next), high = covers(ivec2(x, y) + next);
-			int here = rest_at(ivec3(x, y, zero.z));
-			float before = low ? float(here - rest_at(ivec3(ivec2(x, y) - next, zero.z))) : 0.0;
-			float after = high ? float(rest_at(ivec3(ivec2(x, y) + next, zero.z)) - here) : 0.0;
+			int here = rest_at(image_post(x, y));
+			float before = low ? float(here - rest_at(image_post(x - next.x, y - next.y))) : 0.0;
+			float after = high ? float(rest_at(image_post(x + next.x, y + next.y)) - here) : 0.0;
 			c.own[k] = (low && high ? middle_slope(before, after) : before + after) * scale.x;
 		}
 #endif

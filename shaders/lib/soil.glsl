@@ -5,6 +5,8 @@
 // - SOIL_RASTERS: rasters give some numbers of the soil at each post. A post has a byte for each raster. Three bits of the define's
 //   value belong to each byte: 0: there is no raster; otherwise 1 + the number as in enum deform_number
 // - SLIP: slip digs
+// - BATCH: over all windows of a batch. Posts are counted from the first of their own window, so that numbers are rounded as in a window
+//   that is alone
 
 #include "lib/window.glsl"
 
@@ -50,14 +52,37 @@ layout(std140, binding = 0) uniform params {
 #endif
 } given;
 
+#ifdef BATCH
+// From windows.vert: the numbers above from the first on, then those of lib/rows.glsl. Of `given` only the soils count.
+ivec4 zero = passed[0], written = passed[1], shadow = passed[2], drawn = passed[15], frame = passed[19], frame_axis = passed[20];
+vec4 scale = intBitsToFloat(passed[3]), way = intBitsToFloat(passed[4]), spin = intBitsToFloat(passed[5]), rolls = intBitsToFloat(passed[6]);
+vec4 place = intBitsToFloat(passed[7]), load = intBitsToFloat(passed[8]), body = intBitsToFloat(passed[9]), heading = intBitsToFloat(passed[10]);
+vec4 moves = intBitsToFloat(passed[11]), digs = intBitsToFloat(passed[16]), surface = intBitsToFloat(passed[17]);
+vec4 faces[3] = vec4[3](intBitsToFloat(passed[12]), intBitsToFloat(passed[13]), intBitsToFloat(passed[14]));
+#ifdef BELT
+vec4 belt = intBitsToFloat(passed[18]);
+#endif
+ivec3 window_at = ivec3(of_window.w & 0xffff, of_window.w >> 16, 0); // the window's first post in the layer
+#else
 // A software rasteriser fetches a parameter anew for each invocation and wherever it is named. So all are fetched once, before the loops.
 ivec4 zero = given.zero, written = given.written, shadow = given.shadow, drawn = given.drawn, frame = given.frame, frame_axis = given.frame_axis;
 vec4 scale = given.scale, way = given.way, spin = given.spin, rolls = given.rolls, place = given.place, load = given.load;
 vec4 body = given.body, heading = given.heading, moves = given.moves, faces[3] = given.faces, digs = given.digs, surface = given.surface;
 #ifdef BELT
 vec4 belt = given.belt;
+#endif
+ivec3 window_at = ivec3(0, 0, zero.z);
+#endif
+#ifdef BELT
 float belt_level = length(belt.xy);
 #endif
+
+// Returns where the images have a post of the window.
+ivec3 image_post(int x, int y)
+{
+	return ivec3(x, y, 0) + window_at;
+}
+
 #ifndef SOIL_MAP
 soil the_soil = given.soils[0];
 #endif
@@ -111,7 +136,7 @@ struct ground {
 
 ground ground_at(int x, int y)
 {
-	ivec3 post = ivec3(x, y, zero.z);
+	ivec3 post = image_post(x, y);
 	ground g;
 	g.base = base_at(post);
 	int d = g.base - zero.x;
@@ -167,8 +192,8 @@ incline incline_at(int x, int y, ground g)
 float slope_between(ivec2 low, ivec2 high)
 {
 	ivec2 middle = (low + high) / 2;
-	int first = base_at(ivec3(low, zero.z)), last = base_at(ivec3(high, zero.z));
-	int between = base_at(ivec3(middle, zero.z));
+	int first = base_at(image_post(low.x, low.y)), last = base_at(image_post(high.x, high.y));
+	int between = base_at(image_post(middle.x, middle.y));
 	low = first == BASE_NODATA ? middle : low;
 	high = last == BASE_NODATA ? middle : high;
 	first = first == BASE_NODATA ? between : first;
@@ -217,7 +242,7 @@ void soil_take(inout soil s, int number, uint level, vec4 raster)
 int class_at(int x, int y)
 {
 #ifdef SOIL_MAP
-	return min(int(texelFetch(classes, ivec3(x, y, zero.z), 0).r), SOILS - 1);
+	return min(int(texelFetch(classes, image_post(x, y), 0).r), SOILS - 1);
 #else
 	return 0;
 #endif
@@ -231,7 +256,7 @@ soil soil_at(int x, int y)
 	soil s = the_soil;
 #endif
 #ifdef SOIL_RASTERS
-	uvec4 levels = texelFetch(numbers, ivec3(x, y, zero.z), 0);
+	uvec4 levels = texelFetch(numbers, image_post(x, y), 0);
 	soil_take(s, (SOIL_RASTERS & 7) - 1, levels.x, given.rasters[0]);
 	soil_take(s, (SOIL_RASTERS >> 3 & 7) - 1, levels.y, given.rasters[1]);
 	soil_take(s, (SOIL_RASTERS >> 6 & 7) - 1, levels.z, given.rasters[2]);
@@ -284,8 +309,8 @@ object object_at(int x, int y, int raised)
 {
 	object o;
 	o.raised = raised;
-	int rest = rest_at(ivec3(x, y, zero.z));
-	int lowest = min(rest, texelFetch(unders, ivec3(x, y, zero.z), 0).r);
+	int rest = rest_at(image_post(x, y));
+	int lowest = min(rest, texelFetch(unders, image_post(x, y), 0).r);
 	o.rests = rest == UNDER_NONE ? UNDER_NONE : max(rest, -FAR_UNITS) + raised;
 	o.lowest = lowest == UNDER_NONE ? UNDER_NONE : max(lowest, -FAR_UNITS) + raised;
 	return o;

@@ -50,7 +50,7 @@ enum plan_unit {
 	PLAN_BATCH,        /* batches of windows that were computed together */
 	PLAN_BATCH_DRAW,   /* draws in them of the ground, one for each pair of arrays, and of contacts, for each kind of body too */
 	PLAN_BATCH_STORE,  /* draws in them that write tiles: one for each array */
-	PLAN_BATCH_ENVELOPE, /* lower envelopes in them that were drawn alone */
+	PLAN_BATCH_ENVELOPE, /* draws of lower envelopes in them */
 	PLAN_FACETS,       /* draws of an object's triangles */
 	PLAN_HELD,         /* blocks of relaxing soil with objects at rest, counted once for each object */
 	PLAN_RESTING,      /* windows of objects at rest for which a lower envelope was drawn */

@@ -9,6 +9,8 @@
  *
  * A batch: begun -> windows are added -> computed -> begun again.
  *
+ * Of a model that conserves soil, windows also lie beside each other, and each pass draws all of them (together.c).
+ *
  * Invariant: windows lie in rows, from the south-west corner, and do not overlap.
  */
 #include <assert.h>
@@ -17,12 +19,15 @@
 #include "deform/batch.h"
 
 #define SIDE_MOST (4 * SIDE) /* of the layer, posts. It grows when a batch is full */
+#define SIDE_MOST_TOGETHER (2 * SIDE) /* the same of a model that conserves soil: it has more textures, each with a second layer */
 
 enum status deform_batch_create(struct deform *deform)
 {
 	deform->batch = mem_calloc(1, sizeof *deform->batch);
 	if (deform->batch == NULL)
 		return fail_memory("a batch of windows");
+	if (deform_conserves(deform->params.model))
+		return deform_together_create(deform);
 	return gpu_list_create(deform->params.gpu, sizeof deform->batch->records, &deform->batch->list);
 }
 
@@ -31,36 +36,40 @@ void deform_batch_destroy(struct deform *deform)
 	if (deform->batch == NULL)
 		return;
 	gpu_list_destroy(deform->batch->list);
+	deform_together_destroy(deform);
 	mem_free(deform->batch);
 }
 
 void deform_batch_plan(const struct deform_params *params, struct plan *plan)
 {
-	const uint64_t bytes = gpu_list_bytes(sizeof ((struct batch *)NULL)->records);
-	deform_plan_buffer(plan, deform_displace_effect(params->model), 1, bytes, DEFORM_BATCH_BUFFER);
+	const bool conserves = deform_conserves(params->model);
+	const uint64_t bytes = conserves ? deform_together_bytes() : gpu_list_bytes(sizeof ((struct batch *)NULL)->records);
+	deform_plan_buffer(plan, deform_displace_effect(params->model), 1 + conserves, bytes, DEFORM_BATCH_BUFFER);
 }
 
 static bool is_batched(const struct deform_params *params, const struct deform_shape *shape)
 {
-	return params->batches && deform_model_row(params->model)->batch != NULL && shape->kind != DEFORM_MESH && shape->grousers == 0;
+	return params->batches && deform_model_row(params->model)->batch != NULL && shape->kind != DEFORM_MESH && shape->grousers == 0 &&
+	       !deform_is_counted(params, shape, false);
 }
 
 /* A model that smooths has fewer passes for a contact without motion, which comes once for each body. */
 bool deform_batches(const struct deform_params *params, const struct deform_planned *object)
 {
-	return is_batched(params, object->shape) && (object->moves || !deform_model_row(params->model)->smooths);
+	return is_batched(params, object->shape) && !(deform_tells_forces(params->model) && object->load > 0) && (object->moves || !deform_model_row(params->model)->smooths);
 }
 
 bool deform_is_batched(const struct deform *deform, const struct deform_contact *contact, const struct deform_window *windows, size_t count)
 {
 	return count == 1 && windows[0].parts == 0 && is_batched(&deform->params, contact->shape) &&
+	       !(deform_tells_forces(deform->params.model) && contact->load > 0) &&
 	       !(deform_model_row(deform->params.model)->smooths && deform_is_contact_only(contact));
 }
 
 void deform_batch_begin(struct deform *deform)
 {
 	struct batch *batch = deform->batch;
-	batch->count = batch->part_count = 0;
+	batch->count = batch->part_count = batch->tagged = 0;
 	batch->x = batch->y = batch->height = 0;
 }
 
@@ -88,12 +97,13 @@ static bool is_beyond(const struct deform *deform, struct post_rect rect)
 static enum status place(struct deform *deform, uint32_t width, uint32_t height, bool *found)
 {
 	struct batch *batch = deform->batch;
+	const bool together = deform->together != NULL;
 	if (batch->x + aligned(width) > deform->side) {
 		batch->y += batch->height;
 		batch->x = batch->height = 0;
 	}
-	*found = batch->y + aligned(height) <= deform->side;
-	if (*found || deform->side >= SIDE_MOST)
+	*found = batch->y + aligned(height) <= deform->side && (!together || batch->count < deform_together_room(deform->side));
+	if (*found || deform->side >= (together ? SIDE_MOST_TOGETHER : SIDE_MOST))
 		return STATUS_OK;
 	enum status status = deform_need_layers(deform, 1, 2 * deform->side);
 	*found = status == STATUS_OK;
@@ -108,7 +118,8 @@ enum status deform_batch_add(struct deform *deform, const struct deform_contact 
 	const uint32_t width = (uint32_t)(read.x1 - read.x0), height = (uint32_t)(read.y1 - read.y0);
 	*added = false;
 	assert(width <= SIDE && height <= SIDE);
-	if (batch->count == DEFORM_BATCH_MOST || batch->part_count + DEFORM_BATCH_TILES + 1 > PARTS_MOST)
+	if (batch->count == DEFORM_BATCH_MOST || batch->part_count + DEFORM_BATCH_TILES + 1 > PARTS_MOST ||
+	    (contact->tag != 0 && batch->tagged == DEFORM_FORCES_MOST))
 		return STATUS_OK;
 	enum status status = place(deform, width, height, added);
 	if (status != STATUS_OK || !*added)
@@ -120,13 +131,14 @@ enum status deform_batch_add(struct deform *deform, const struct deform_contact 
 			assert(batched->tile_count < DEFORM_BATCH_TILES);
 			batched->tiles[batched->tile_count++] = tiles[i];
 		}
+	batch->tagged += contact->tag != 0;
 	batch->part_count += batched->tile_count + is_beyond(deform, read);
 	batch->x += aligned(width);
 	batch->height = aligned(height) > batch->height ? aligned(height) : batch->height;
 	return STATUS_OK;
 }
 
-static enum group group_of(const struct under_params *under)
+enum group deform_group_of(const struct under_params *under)
 {
 	if (under->kind == DEFORM_WHEEL)
 		return under->sideways ? SIDEWAYS_WHEELS : WHEELS;
@@ -147,6 +159,11 @@ static void *put_body(void *to, const struct body *body, size_t functionals)
 	return put(to, body->c, sizeof body->c);
 }
 
+void deform_put_bodies(const struct under_params *under, int32_t bodies[18][4])
+{
+	put_body(put_body(bodies, &under->motion, under->sideways ? 4 : 2), &under->end, 2);
+}
+
 static void fill_numbers(const struct deform *deform, const struct under_params *under, struct batched *batched)
 {
 	const struct contact_params contact = deform_contact_params(deform, &batched->contact, &batched->window, 0);
@@ -157,7 +174,7 @@ static void fill_numbers(const struct deform *deform, const struct under_params 
 	for (int k = 0; k < 4; k++)
 		record->written[k] = contact.written[k] + at[k % 2];
 	if (batched->group != OTHERS)
-		put_body(put_body(record->bodies, &under->motion, batched->group == SIDEWAYS_WHEELS ? 4 : 2), &under->end, 2);
+		deform_put_bodies(under, record->bodies);
 }
 
 /* Fills the records, and draws the lower envelopes that the contact pass does not compute. */
@@ -170,7 +187,7 @@ static enum status prepare(struct deform *deform)
 		const struct post_rect read = batched->window.read;
 		struct under_params under;
 		deform_under_of(deform, &batched->contact, read.x0 - batched->posts.x, read.y0 - batched->posts.y, &under);
-		batched->group = group_of(&under);
+		batched->group = deform_group_of(&under);
 		fill_numbers(deform, &under, batched);
 		if (batched->group == OTHERS) {
 			status = deform_under_run(deform, &under, batched->posts, 0);
@@ -310,14 +327,16 @@ static enum status disturb(struct deform *deform)
 	return status;
 }
 
-/* A window without others is gathered, computed and scattered as a window that is alone. */
+/* A window without others is gathered, computed and scattered as a window that is alone. One beyond the world wakes nothing: warm.c. */
 static enum status compute_one(struct deform *deform)
 {
 	const struct batched *batched = &deform->batch->windows[0];
 	const struct deform_window *window = &batched->window;
 	deform_gather(deform, window->read, 0, 0, 0, false, deform->planes, batched->tiles, batched->tile_count);
 	enum status status = deform_run_stages(deform, &batched->contact, window, 0);
-	return status == STATUS_OK ? deform_scatter(deform, window, 0, batched->tiles, batched->tile_count) : status;
+	if (status == STATUS_OK)
+		status = deform_scatter(deform, window, 0, batched->tiles, batched->tile_count);
+	return status == STATUS_OK && batched->tile_count > 0 ? deform_wake_swept(deform, window, 0) : status;
 }
 
 enum status deform_batch_compute(struct deform *deform)
@@ -327,6 +346,10 @@ enum status deform_batch_compute(struct deform *deform)
 		return STATUS_OK;
 	if (deform->batch->count == 1) {
 		status = compute_one(deform);
+	} else if (deform->together != NULL) {
+		deform->figures.batches++;
+		status = deform_model_row(deform->params.model)->batch(deform);
+		gpu_start(deform->params.gpu);
 	} else {
 		memset(deform->scratch[0].now, 0, sizeof deform->scratch[0].now);
 		deform->figures.batches++;

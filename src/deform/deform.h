@@ -351,8 +351,9 @@ enum status deform_scatter(struct deform *deform, const struct deform_window *wi
 
 /*
  * A batch: contacts of one window each that share no post, computed together (batch.c). Call deform_batch_begin; deform_batch_add for each
- * window; deform_batch_compute, which also writes the results to the tiles, as deform_scatter does. The result has the same bits as
- * contacts that are computed one after another. Only if the parameters ask for batches; then the slots lie in arrays.
+ * window; deform_batch_compute, which also writes the results to the tiles, as deform_scatter does, and then calls deform_wake_swept. The result
+ * has the same bits as contacts that are computed one after another. Only if the parameters ask for batches. The slots must lie in
+ * arrays then, except under a model that conserves soil.
  */
 #define DEFORM_BATCH_MOST 512 /* windows */
 #define DEFORM_BATCH_TILES 4  /* that hold posts of one window, at most */
@@ -463,7 +464,7 @@ struct deform_figures {
 	uint64_t batches;  /* of two windows or more */
 	uint64_t batch_draws;     /* draws in batches of the ground, one for each pair of arrays, and of contacts, for each kind of body too */
 	uint64_t batch_stores;    /* draws that wrote tiles: one for each array */
-	uint64_t batch_envelopes; /* lower envelopes that were drawn alone in batches */
+	uint64_t batch_envelopes; /* draws of lower envelopes in batches: of one window, or of many under a model that conserves soil */
 };
 void deform_figures(const struct deform *deform, struct deform_figures *figures);
 

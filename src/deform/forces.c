@@ -12,7 +12,7 @@
 
 #include "deform/internal.h"
 
-#define RECORDS 256
+#define RECORDS DEFORM_FORCES_MOST
 #define BATCHES 8
 
 /* A record of scm.frag. */
@@ -188,6 +188,20 @@ enum status deform_forces_take(struct deform *deform, bool wait, struct deform_f
 	*out = forces->ready[forces->taken++];
 	*taken = true;
 	return STATUS_OK;
+}
+
+struct gpu_buffer *deform_forces_records(const struct deform *deform)
+{
+	return deform->forces->records;
+}
+
+enum status deform_forces_reserve(struct deform *deform, size_t count)
+{
+	enum status status = count > 0 && deform->forces == NULL ? create(deform) : STATUS_OK;
+	const struct forces *forces = deform->forces;
+	while (count > 0 && status == STATUS_OK && forces->next - forces->first + count > RECORDS)
+		status = forces->under_way > 0 ? land_oldest(deform) : deform_forces_begin(deform);
+	return status;
 }
 
 enum status deform_forces_record(struct deform *deform, const struct deform_contact *contact, bool first_window, double arm,

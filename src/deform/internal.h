@@ -103,18 +103,20 @@ struct deform {
 	struct active *active;                 /* active blocks; NULL: the model does not conserve soil */
 	struct interval *interval;
 	struct batch *batch;                   /* batch.c; NULL: every window is computed alone */
+	struct together *together;             /* together.c: batches of a model that conserves soil; NULL: there are none */
 	struct gpu_program *under_program[2 * DEFORM_SHAPES]; /* every program is linked when it is first needed */
-	struct gpu_program *box, *contact, *disturbance, *spread[SPREAD_PASSES];
+	struct gpu_program *box, *contact, *disturbance;
+	struct gpu_program *spread[2][SPREAD_PASSES]; /* first index: 1 over a batch */
 	struct gpu_program *held[2];           /* index: 1 if the object carries a load */
 	struct gpu_program *facet;
 	struct facets *facets;                 /* triangles of meshes and grousers; made when first needed */
-	struct gpu_program *slide_begin[2][2]; /* indices: 1 over blocks, 0 over a window; 1 if the object carries a load */
-	struct gpu_program *slide[2][2], *shed[2]; /* indices: 1 over blocks, 0 over a window; 1 in the last iteration */
-	struct gpu_program *lines[2];          /* index: 1: diagonal ones */
+	struct gpu_program *slide_begin[OVERS][2]; /* indices: enum deform_over; 1 if the object carries a load */
+	struct gpu_program *slide[OVERS][2], *shed[OVERS]; /* indices: enum deform_over; 1 in the last iteration */
+	struct gpu_program *lines[2][2];       /* indices: 1 over a batch; 1: diagonal ones */
 	struct gpu_program *slope[SLOPE_HOPS], *steep;
 	struct slide_soil soils[DEFORM_SOILS];
 	bool contacts_flag;                    /* the flags that a contact writes show all blocks where soil moves after it */
-	struct gpu_program *scm[WITH_ALL];     /* of each variant */
+	struct gpu_program *scm[2][WITH_ALL];  /* indices: 1 over a batch; the variant */
 	struct gpu_program *find[FIND_ALL];    /* of each variant */
 	struct forces *forces;                 /* NULL until a contact has a tag */
 	struct gpu_buffer *found;              /* what soil/load.c found; NULL until a contact needs it */
@@ -193,6 +195,8 @@ struct under_params {
 	enum deform_shape_kind kind;
 	bool sideways;
 };
+/* Returns the posts of a window that the object can be above, in the window's layer; one post if there are none. */
+struct gpu_rect deform_under_posts(const struct deform *deform, const struct deform_contact *contact, struct post_rect read);
 void deform_under_of(const struct deform *deform, const struct deform_contact *contact, int64_t x0, int64_t y0, struct under_params *params);
 enum status deform_under_run(struct deform *deform, const struct under_params *params, struct gpu_rect posts, uint32_t layer) FURROW_CHECKED;
 
@@ -282,6 +286,10 @@ double deform_area_units(const struct deform *deform, const struct deform_contac
 /* forces.c: finds the record, a place in a buffer, to which this contact's windows add their forces. May wait for the GPU. */
 enum status deform_forces_record(struct deform *deform, const struct deform_contact *contact, bool first_window, double arm,
 				 struct gpu_buffer **records, uint32_t *record) FURROW_CHECKED;
+/* Makes room for so many records, at most DEFORM_FORCES_MOST: finding them then does not wait, nor send those before them. */
+#define DEFORM_FORCES_MOST 256
+enum status deform_forces_reserve(struct deform *deform, size_t count) FURROW_CHECKED;
+struct gpu_buffer *deform_forces_records(const struct deform *deform); /* after a record was found */
 void deform_forces_destroy(struct deform *deform);
 void deform_forces_plan(const char *effect, struct plan *plan);
 
@@ -310,6 +318,10 @@ enum status deform_spread(struct deform *deform, const struct spread_params *par
 			  uint32_t layer) FURROW_CHECKED;
 double deform_spread_band(const struct deform *deform, const struct deform_shape *shape); /* posts: how wide it is at most; 0: none is laid */
 struct post_rect deform_spread_posts(const struct deform *deform, const struct deform_contact *contact, struct post_rect shadow);
+#define DEFORM_LAYING_BYTES (47 * 4) /* lib/laying.glsl: of one window */
+/* Over a batch: runs the passes; fills numbers of a window's record from its parameters. posts: where the window lies in the layer. */
+enum status deform_spread_together(struct deform *deform) FURROW_CHECKED;
+void deform_spread_numbers(const struct spread_params *params, const struct gpu_rect *posts, int32_t numbers[6][4]);
 enum status deform_spread_create(struct deform *deform) FURROW_CHECKED;
 void deform_spread_plan(struct plan *plan);
 
@@ -345,8 +357,12 @@ struct slide_place {
 		bool loaded;              /* as in struct layer */
 	} flags;
 	const struct slide_atlas *atlas; /* NULL over a window */
+	bool batch;                      /* over all windows of a batch: only `layer` counts, and the rest is in the records (together.c) */
 };
 enum status deform_slide_run(struct deform *deform, const struct slide_place *place) FURROW_CHECKED;
+/* Returns the place of a window. deform_slide_numbers: over a batch: fills numbers of its record. */
+struct slide_place deform_slide_place(struct deform *deform, const struct deform_window *window, uint32_t layer);
+void deform_slide_numbers(const struct deform *deform, const struct slide_place *place, int32_t begin[5][4], int32_t excess[6][4]);
 /* soil/atlas.c: runs a pass at a place, and fills its viewport. Over an atlas it also fills the geometry, and the parameters before those
  * of the pass (regions.vert). It draws regions, less `trim` posts along each side; or blocks; or only cells near marked ones. */
 enum atlas_part { ATLAS_REGIONS, ATLAS_BLOCKS, ATLAS_CELLS, ATLAS_BLOCK_CELLS };
@@ -355,6 +371,9 @@ void deform_atlas_run(struct deform *deform, const struct slide_place *place, en
  * deform_line_passes: returns in how many directions, a pass each. */
 int deform_line_passes(const struct deform_params *params);
 enum status deform_lines_run(struct deform *deform, const struct slide_place *place, int heights) FURROW_CHECKED;
+/* Over a batch: fills a number of a window's record for one of its passes. Returns true if the pass is along diagonal lines. */
+bool deform_lines_numbers(const struct deform *deform, const struct slide_place *place, int pass, int32_t numbers[4]);
+#define DEFORM_LINES_MOST 4 /* passes */
 /* soil/slopes.c: finds the critical difference in the slope at each post, in blocks. deform_slopes_found: returns the result. */
 int deform_slope_passes(const struct deform_params *params); /* 0 if the height of slopes does not count */
 int64_t deform_slope_reach(const struct deform_params *params); /* returns over how many posts a slope is followed each way */
@@ -397,6 +416,34 @@ enum status deform_batch_contact(struct deform *deform) FURROW_CHECKED;
 enum status deform_batch_store(struct deform *deform) FURROW_CHECKED;
 enum status deform_batch_smooth(struct deform *deform) FURROW_CHECKED;
 
+/*
+ * together.c: batches of a model that conserves soil. For soil_batch_fn: deform_together computes all. The model fills the numbers of each
+ * contact, in the order of the contacts. It tells which variant of its contact pass computes it. Then it runs that pass for `count` contacts
+ * from `first` on, which all have one variant.
+ */
+#define TOGETHER_CONTACT_NUMBERS 21 /* lib/soil.glsl: those of struct scm_params before the soils */
+typedef enum status (*together_fill_fn)(struct deform *deform, const struct deform_contact *contact, const struct spread_params *spread,
+					const struct deform_window *window, int32_t numbers[TOGETHER_CONTACT_NUMBERS][4]);
+typedef unsigned (*together_variant_fn)(const struct deform *deform, const struct deform_contact *contact);
+typedef enum status (*together_pass_fn)(struct deform *deform, unsigned variant, uint32_t first, uint32_t count);
+struct together_model {
+	together_variant_fn variant;
+	together_fill_fn fill;
+	together_pass_fn contact;
+};
+enum status deform_together(struct deform *deform, const struct together_model *model) FURROW_CHECKED;
+enum status deform_together_create(struct deform *deform) FURROW_CHECKED;
+void deform_together_destroy(struct deform *deform); /* does nothing if it was never created */
+size_t deform_together_room(uint32_t side); /* windows in a layer of this side, at most */
+uint64_t deform_together_bytes(void); /* GPU memory of its two buffers */
+/* What a draw passes on to the fragments, and where it draws (windows.vert). TOGETHER_LINES: + 2 * pass + 1 if along diagonal lines. */
+enum { TOGETHER_UNDER, TOGETHER_CONTACT, TOGETHER_SPREAD, TOGETHER_BEGIN, TOGETHER_EXCESS, TOGETHER_LINES };
+/* Fills the first parameter of a draw from the first window on. */
+void deform_together_draw(const struct deform *deform, int what, int32_t draw[4]);
+/* Draws so many windows. Fills the pass's geometry, viewport and buffers. */
+#define TOGETHER_ALL 0
+void deform_together_run(struct deform *deform, uint32_t count, struct gpu_pass *pass);
+
 /* schedule/active.c */
 enum status deform_active_create(struct deform *deform) FURROW_CHECKED;
 void deform_active_destroy(struct active *active); /* takes NULL */
@@ -404,6 +451,8 @@ void deform_active_plan(const char *effect, struct plan *plan);
 /* Returns where a window's sliding must write its flags. Valid until the next call. The flags are kept only if
  * deform_wake_swept follows. */
 struct place_flags deform_active_flags(struct deform *deform, const struct deform_window *window, uint32_t layer);
+/* Returns the buffer that these flags are in. */
+struct gpu_buffer *deform_active_words(const struct deform *deform);
 /* Waits until all flags from the GPU have been read, then makes all blocks inactive. */
 enum status deform_active_forget(struct deform *deform) FURROW_CHECKED;
 /* Begins an interval: one round of sliding, which runs every few steps. Gives the blocks in which soil may still move. The list does
@@ -422,6 +471,9 @@ enum status deform_interval_warm(struct deform *deform, const struct deform_shap
 void deform_interval_plan(const struct deform_params *params, struct plan *plan);
 void deform_interval_destroy(struct deform *deform); /* does nothing if it was never created */
 
+/* stages.c: deform_begin_layer: begins a window in its layer. deform_disturb: the pass that writes the disturbance of a window's posts. */
+void deform_begin_layer(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window, uint32_t layer);
+enum status deform_disturb(struct deform *deform, struct post_rect read, uint32_t layer) FURROW_CHECKED;
 /* stages.c: run all passes over a window that was gathered. deform_run_feel: only those that compute forces. */
 enum status deform_run_feel(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window, uint32_t layer)
 	FURROW_CHECKED;

@@ -95,10 +95,27 @@ static void plan_intervals(const struct deform_params *params, const struct any 
 	deform_interval_plan(params, plan);
 }
 
+/* A batch of a model that conserves soil: together.c. Its lines are in two draws each. */
+static void plan_together(const struct deform_params *params, struct plan *plan)
+{
+	const char *displace = deform_displace_effect(params->model);
+	add_passes(plan, displace, -1, PLAN_BATCH_ENVELOPE, GPU_ENVELOPE, 1);
+	add_passes(plan, displace, -1, PLAN_BATCH_DRAW, GPU_CONTACT, 1);
+	add_passes(plan, "spread", -1, PLAN_BATCH, GPU_SPREAD, SPREAD_PASSES - (int)deform_spread_first(params->model));
+	add_passes(plan, deform_slide_effect(params->model), -1, PLAN_BATCH, GPU_SLIDE,
+		   deform_slide_passes(params, false) + deform_line_passes(params));
+	if (params->disturbance)
+		add_passes(plan, "dirt", -1, PLAN_BATCH, GPU_DISTURBANCE, 1);
+}
+
 static void plan_batches(const struct deform_params *params, struct plan *plan)
 {
 	const char *displace = deform_displace_effect(params->model);
 	deform_batch_plan(params, plan);
+	if (deform_conserves(params->model)) {
+		plan_together(params, plan);
+		return;
+	}
 	add_passes(plan, displace, -1, PLAN_BATCH_ENVELOPE, GPU_ENVELOPE, 1);
 	add_passes(plan, displace, -1, PLAN_BATCH_DRAW, GPU_CONTACT, 1);
 	if (deform_model_row(params->model)->smooths) {

@@ -48,12 +48,26 @@ static bool has_thickness(const struct deform_params *params)
 	return (deform_planes(params->model, params->disturbance, params->slip_sinkage > 0) & PLANE_BIT(PLANE_DEPOSITED)) != 0;
 }
 
-void deform_programs_envelope(const struct deform_params *params, enum deform_shape_kind kind, bool sideways,
+/* A pass over all windows of a batch. `passed`: the define that says how many numbers the vertex shader passes on. */
+static void begin_batch(struct deform_request *out, const char *passed, bool rows, bool reached, const char *fragment)
+{
+	begin(out, "deform/windows.vert", fragment);
+	define(out, "BATCH", true);
+	define(out, passed, true);
+	define(out, "ROWS", rows);
+	define(out, "REACHED", reached);
+}
+
+void deform_programs_envelope(const struct deform_params *params, enum deform_shape_kind kind, bool sideways, bool batch,
 			struct deform_request *out)
 {
 	bool brief = deform_envelope_is_brief(kind, sideways);
-	begin(out, brief ? "passed.vert" : "full.vert", "deform/under.frag");
-	define(out, "PASSED 14", brief);
+	if (batch) {
+		begin_batch(out, brief ? "PASSED 14" : "PASSED 18", false, false, "deform/under.frag");
+	} else {
+		begin(out, brief ? "passed.vert" : "full.vert", "deform/under.frag");
+		define(out, "PASSED 14", brief);
+	}
 	define(out, shapes[kind], true);
 	define(out, "REST", deform_needs_contacts(params));
 	define(out, "SIDEWAYS", sideways);
@@ -65,10 +79,13 @@ void deform_programs_facet(const struct deform_params *params, struct deform_req
 	define(out, "REST", deform_needs_contacts(params));
 }
 
-void deform_programs_contact(const struct deform_params *params, unsigned with, struct deform_request *out)
+void deform_programs_contact(const struct deform_params *params, unsigned with, bool batch, struct deform_request *out)
 {
 	const struct soil_model *model = deform_model_row(params->model);
-	begin(out, "full.vert", model->shader);
+	if (batch)
+		begin_batch(out, "PASSED 22", true, false, model->shader);
+	else
+		begin(out, "full.vert", model->shader);
 	define(out, "FORCES", with & WITH_FORCES);
 	define(out, "PATCH", with & WITH_PATCH);
 	define(out, "LOAD", with & WITH_LOAD);
@@ -109,45 +126,53 @@ enum spread_pass deform_spread_first(enum deform_model model)
 	return deform_model_row(model)->measures ? SPREAD_WEIGH : SPREAD_MEASURE;
 }
 
-void deform_programs_spread(const struct deform_params *params, enum spread_pass pass, struct deform_request *out)
+void deform_programs_spread(const struct deform_params *params, enum spread_pass pass, bool batch, struct deform_request *out)
 {
 	static const char *const files[SPREAD_PASSES] = {
 		[SPREAD_MEASURE] = "deform/spread_measure.frag",
 		[SPREAD_WEIGH] = "deform/spread_weigh.frag",
 		[SPREAD_LAY] = "deform/spread_lay.frag",
 	};
-	begin(out, "full.vert", files[pass]);
+	if (batch)
+		begin_batch(out, "PASSED 7", true, false, files[pass]);
+	else
+		begin(out, "full.vert", files[pass]);
 	define_number(out, "SOILS", deform_soil_slots(params));
 }
 
 /* A pass of sliding. The vertex shader passes parameters on. `passed`: the define that says how many. Over a window all passes but the
  * last also compute the still posts around, since the next pass reads them. */
-static void begin_passed(struct deform_request *out, bool blocks, const char *passed, const char *fragment)
+static void begin_passed(struct deform_request *out, enum deform_over over, const char *passed, const char *fragment)
 {
-	begin(out, blocks ? "deform/regions.vert" : "deform/reached.vert", fragment);
-	define(out, "BLOCKS", blocks);
+	if (over == OVER_BATCH) {
+		begin_batch(out, passed, false, true, fragment);
+		return;
+	}
+	begin(out, over == OVER_BLOCKS ? "deform/regions.vert" : "deform/reached.vert", fragment);
+	define(out, "BLOCKS", over == OVER_BLOCKS);
 	define(out, passed, true);
 }
 
-void deform_programs_begin(const struct deform_params *params, bool blocks, bool loaded, struct deform_request *out)
+void deform_programs_begin(const struct deform_params *params, enum deform_over over, bool loaded, struct deform_request *out)
 {
-	begin_passed(out, blocks, "PASSED 5", "deform/slide_begin.frag");
-	define(out, "LOAD", !blocks && loaded);
+	begin_passed(out, over, "PASSED 5", "deform/slide_begin.frag");
+	define(out, "LOAD", over == OVER_WINDOW && loaded);
 	define(out, "THICKNESS", has_thickness(params));
 	define(out, "BOUNDED", deform_is_bounded(params));
 	define(out, "STEEP", deform_is_steep(params));
 	define(out, "HELD_STILL", deform_model_row(params->model)->slide->held_still);
 }
 
-void deform_programs_slide(const struct deform_params *params, enum slide_what what, bool blocks, bool last,
+void deform_programs_slide(const struct deform_params *params, enum slide_what what, enum deform_over over, bool last,
 		    struct deform_request *out)
 {
+	const bool blocks = over == OVER_BLOCKS;
 	static const char *const files[] = {
 		[SLIDE_EXCESS] = "deform/slide_excess.frag",
 		[SLIDE_SHED] = "deform/slide_shed.frag",
 		[SLIDE_TAKE] = "deform/slide_take.frag",
 	};
-	begin_passed(out, blocks, what == SLIDE_EXCESS ? "PASSED 6" : "PASSED 5", files[what]);
+	begin_passed(out, over, what == SLIDE_EXCESS ? "PASSED 6" : "PASSED 5", files[what]);
 	define(out, "BY_CELLS", what == SLIDE_EXCESS && blocks && last && deform_has_slopes(params));
 	define(out, "OF_BLOCKS", what == SLIDE_EXCESS && blocks && last && deform_has_slopes(params));
 	if (what != SLIDE_TAKE) {
@@ -164,9 +189,12 @@ void deform_programs_slide(const struct deform_params *params, enum slide_what w
 	}
 }
 
-void deform_programs_lines(const struct deform_params *params, bool diagonal, struct deform_request *out)
+void deform_programs_lines(const struct deform_params *params, bool diagonal, bool batch, struct deform_request *out)
 {
-	begin(out, "full.vert", "deform/slide_lines.frag");
+	if (batch)
+		begin_batch(out, "PASSED 3", true, true, "deform/slide_lines.frag");
+	else
+		begin(out, "full.vert", "deform/slide_lines.frag");
 	define(out, "DIAGONAL", diagonal);
 	define_number(out, "SOILS", deform_soil_slots(params));
 	define(out, "BOUNDED", deform_is_bounded(params));
@@ -175,12 +203,12 @@ void deform_programs_lines(const struct deform_params *params, bool diagonal, st
 
 void deform_programs_steep(struct deform_request *out)
 {
-	begin_passed(out, true, "PASSED 2", "deform/steep.frag");
+	begin_passed(out, OVER_BLOCKS, "PASSED 2", "deform/steep.frag");
 }
 
 void deform_programs_slope(const struct deform_params *params, enum slope_hop hop, struct deform_request *out)
 {
-	begin_passed(out, true, "PASSED 2", "deform/slope.frag");
+	begin_passed(out, OVER_BLOCKS, "PASSED 2", "deform/slope.frag");
 	define(out, "BY_CELLS", true);
 	define(out, "FIRST", hop == SLOPE_FIRST);
 	define(out, "LAST", hop == SLOPE_LAST);
@@ -265,15 +293,15 @@ static void each_envelope(struct each *each, const struct deform_planned *object
 	const struct deform_shape *shape = object->shape;
 	const char *displace = deform_displace_effect(each->params->model);
 	if (shape->kind != DEFORM_MESH) {
-		deform_programs_envelope(each->params, shape->kind, false, &each->request);
+		deform_programs_envelope(each->params, shape->kind, false, false, &each->request);
 		add(each, displace);
 	}
 	if (object->leans) {
-		deform_programs_envelope(each->params, DEFORM_CYLINDER, false, &each->request);
+		deform_programs_envelope(each->params, DEFORM_CYLINDER, false, false, &each->request);
 		add(each, displace);
 	}
 	if (shape->kind == DEFORM_WHEEL && object->moves) {
-		deform_programs_envelope(each->params, shape->kind, true, &each->request);
+		deform_programs_envelope(each->params, shape->kind, true, false, &each->request);
 		add(each, displace);
 	}
 	if (shape->kind == DEFORM_MESH || shape->grousers > 0) {
@@ -299,22 +327,23 @@ static void each_felt(struct each *each, const struct deform_planned *object, bo
 		const enum deform_shape_kind form = leans ? DEFORM_CYLINDER : object->shape->kind;
 		unsigned with = (patch ? WITH_PATCH : 0) | (load ? WITH_LOAD : 0) | (object->shape->belt ? WITH_BELT : 0) | WITH_SHAPE * (unsigned)form;
 		each_find(each, with, form);
-		deform_programs_contact(each->params, with, &each->request);
+		deform_programs_contact(each->params, with, false, &each->request);
 		add(each, load ? "load" : deform_displace_effect(each->params->model));
 		if (forces || load) {
-			deform_programs_contact(each->params, with | WITH_FORCES, &each->request);
+			deform_programs_contact(each->params, with | WITH_FORCES, false, &each->request);
 			add(each, forces ? "forces" : "load");
 		}
 	}
 }
 
-static void each_slide(struct each *each, bool blocks, bool loaded)
+static void each_slide(struct each *each, enum deform_over over, bool loaded)
 {
+	const bool blocks = over == OVER_BLOCKS;
 	const struct deform_params *params = each->params;
 	const char *effect = deform_slide_effect(params->model);
 	const struct soil_slide *slide = deform_model_row(params->model)->slide;
 	const int last_pass = slide->pass_count - 1;
-	deform_programs_begin(params, blocks, loaded, &each->request);
+	deform_programs_begin(params, over, loaded, &each->request);
 	add(each, !blocks && loaded ? "load" : effect);
 	if (blocks && deform_has_slopes(params)) {
 		deform_programs_steep(&each->request);
@@ -325,20 +354,45 @@ static void each_slide(struct each *each, bool blocks, bool loaded)
 		add(each, effect);
 	}
 	for (int diagonal = 0; diagonal < 2 && !blocks && deform_line_passes(params) > 0; diagonal++) {
-		deform_programs_lines(params, diagonal, &each->request);
+		deform_programs_lines(params, diagonal, over == OVER_BATCH, &each->request);
 		add(each, effect);
 	}
 	for (int pass = 0; pass < last_pass; pass++) {
-		deform_programs_slide(params, slide->passes[pass], blocks, false, &each->request);
+		deform_programs_slide(params, slide->passes[pass], over, false, &each->request);
 		add(each, effect);
 	}
 	for (int last = params->iterations == 1; last < 2; last++) {
-		deform_programs_slide(params, slide->passes[last_pass], blocks, last, &each->request);
+		deform_programs_slide(params, slide->passes[last_pass], over, last, &each->request);
 		add(each, effect);
 	}
 }
 
-static void each_batch(struct each *each, const struct deform_planned *object)
+/* The same for a model that conserves soil (together.c). */
+static void each_together(struct each *each, const struct deform_planned *object, bool forces)
+{
+	const struct deform_params *params = each->params;
+	const char *displace = deform_displace_effect(params->model);
+	const enum deform_shape_kind kind = object->shape->kind;
+	for (int sideways = 0; sideways < 2; sideways++)
+		if ((kind == DEFORM_WHEEL && (!sideways || object->moves)) || (kind == DEFORM_SPHERE && !sideways)) {
+			deform_programs_envelope(params, kind, sideways, true, &each->request);
+			add(each, displace);
+		}
+	for (int leans = 0; leans <= object->leans; leans++) {
+		const unsigned with = (object->shape->belt ? WITH_BELT : 0) | WITH_SHAPE * (unsigned)(leans ? DEFORM_CYLINDER : kind);
+		for (int tells = 0; tells <= forces; tells++) {
+			deform_programs_contact(params, with | (tells ? WITH_FORCES : 0), true, &each->request);
+			add(each, tells ? "forces" : displace);
+		}
+	}
+	for (int pass = deform_spread_first(params->model); pass < SPREAD_PASSES; pass++) {
+		deform_programs_spread(params, (enum spread_pass)pass, true, &each->request);
+		add(each, "spread");
+	}
+	each_slide(each, OVER_BATCH, false);
+}
+
+static void each_batch(struct each *each, const struct deform_planned *object, bool forces)
 {
 	const struct deform_params *params = each->params;
 	const char *displace = deform_displace_effect(params->model);
@@ -361,6 +415,10 @@ static void each_batch(struct each *each, const struct deform_planned *object)
 	};
 	if (!deform_batches(params, object))
 		return;
+	if (deform_conserves(params->model)) {
+		each_together(each, object, forces);
+		return;
+	}
 	for (size_t i = 0; i < sizeof passes / sizeof *passes; i++)
 		if (passes[i].wanted) {
 			deform_programs_batch(params, passes[i].pass, &each->request);
@@ -377,7 +435,7 @@ void deform_programs_each(const struct deform_params *params, const struct defor
 	if (deform_tells_forces(params->model)) {
 		each_felt(&each, object, forces);
 	} else {
-		deform_programs_contact(params, 0, &each.request);
+		deform_programs_contact(params, 0, false, &each.request);
 		add(&each, deform_displace_effect(params->model));
 	}
 	if (deform_model_row(params->model)->smooths && object->moves) {
@@ -386,11 +444,11 @@ void deform_programs_each(const struct deform_params *params, const struct defor
 	}
 	if (deform_conserves(params->model)) {
 		for (int pass = deform_spread_first(params->model); pass < SPREAD_PASSES; pass++) {
-			deform_programs_spread(params, (enum spread_pass)pass, &each.request);
+			deform_programs_spread(params, (enum spread_pass)pass, false, &each.request);
 			add(&each, "spread");
 		}
-		each_slide(&each, false, loaded);
-		each_slide(&each, true, false);
+		each_slide(&each, OVER_WINDOW, loaded);
+		each_slide(&each, OVER_BLOCKS, false);
 		deform_programs_held(loaded && params->loaded_bodies > 0, &each.request);
 		add(&each, loaded && params->loaded_bodies > 0 ? "load" : deform_slide_effect(params->model));
 	}
@@ -398,5 +456,5 @@ void deform_programs_each(const struct deform_params *params, const struct defor
 		deform_programs_disturbance(&each.request);
 		add(&each, "dirt");
 	}
-	each_batch(&each, object);
+	each_batch(&each, object, forces);
 }

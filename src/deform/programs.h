@@ -31,20 +31,23 @@ enum slope_hop { SLOPE_FIRST, SLOPE_BETWEEN, SLOPE_LAST, SLOPE_HOPS };
 enum spread_pass { SPREAD_MEASURE, SPREAD_WEIGH, SPREAD_LAY, SPREAD_PASSES };
 enum spread_pass deform_spread_first(enum deform_model model);
 
-/* Each fills `out` completely. Pure. */
-void deform_programs_envelope(const struct deform_params *params, enum deform_shape_kind kind, bool sideways,
+/* What a pass computes in one draw: a window, blocks of the atlas, or all windows of a batch (together.c). */
+enum deform_over { OVER_WINDOW, OVER_BLOCKS, OVER_BATCH, OVERS };
+
+/* Each fills `out` completely. Pure. `batch`: over all windows of a batch. */
+void deform_programs_envelope(const struct deform_params *params, enum deform_shape_kind kind, bool sideways, bool batch,
 			struct deform_request *out);
 void deform_programs_facet(const struct deform_params *params, struct deform_request *out);
-void deform_programs_contact(const struct deform_params *params, unsigned with, struct deform_request *out);
+void deform_programs_contact(const struct deform_params *params, unsigned with, bool batch, struct deform_request *out);
 void deform_programs_find(const struct deform_params *params, unsigned what, enum deform_shape_kind kind, struct deform_request *out);
 void deform_programs_box(const struct deform_params *params, struct deform_request *out);
-void deform_programs_spread(const struct deform_params *params, enum spread_pass pass, struct deform_request *out);
-/* Over blocks, or over a window (`loaded`: of an object with a load). */
-void deform_programs_begin(const struct deform_params *params, bool blocks, bool loaded, struct deform_request *out);
-void deform_programs_slide(const struct deform_params *params, enum slide_what what, bool blocks, bool last,
+void deform_programs_spread(const struct deform_params *params, enum spread_pass pass, bool batch, struct deform_request *out);
+/* `loaded`: over a window of an object with a load. */
+void deform_programs_begin(const struct deform_params *params, enum deform_over over, bool loaded, struct deform_request *out);
+void deform_programs_slide(const struct deform_params *params, enum slide_what what, enum deform_over over, bool last,
 		    struct deform_request *out);
 /* Along lines of a window. `diagonal`: these cross the window's sides. */
-void deform_programs_lines(const struct deform_params *params, bool diagonal, struct deform_request *out);
+void deform_programs_lines(const struct deform_params *params, bool diagonal, bool batch, struct deform_request *out);
 void deform_programs_steep(struct deform_request *out); /* marks where soil may slide */
 void deform_programs_slope(const struct deform_params *params, enum slope_hop hop, struct deform_request *out);
 void deform_programs_held(bool loaded, struct deform_request *out);

@@ -58,7 +58,7 @@ enum status deform_run_contact(struct deform *deform, const void *params, size_t
 			 const struct deform_window *window, uint32_t layer)
 {
 	struct deform_request request;
-	deform_programs_contact(&deform->params, 0, &request);
+	deform_programs_contact(&deform->params, 0, false, &request);
 	enum status status = deform_program(deform, &request, &deform->contact);
 	if (status != STATUS_OK)
 		return status;
@@ -84,7 +84,7 @@ enum status deform_contact_plainly(struct deform *deform, const struct deform_co
 	return deform_run_contact(deform, &params, sizeof params, window, layer);
 }
 
-static enum status dirty(struct deform *deform, struct post_rect read, uint32_t layer)
+enum status deform_disturb(struct deform *deform, struct post_rect read, uint32_t layer)
 {
 	struct deform_request request;
 	deform_programs_disturbance(&request);
@@ -107,7 +107,7 @@ static enum status dirty(struct deform *deform, struct post_rect read, uint32_t 
 	return STATUS_OK;
 }
 
-static void begin_layer(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window, uint32_t layer)
+void deform_begin_layer(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window, uint32_t layer)
 {
 	struct layer *scratch = &deform->scratch[layer];
 	const struct post_rect all = deform_reached(deform, contact), write = window->write;
@@ -120,7 +120,7 @@ static void begin_layer(struct deform *deform, const struct deform_contact *cont
 
 enum status deform_run_feel(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window, uint32_t layer)
 {
-	begin_layer(deform, contact, window, layer);
+	deform_begin_layer(deform, contact, window, layer);
 	enum status status = deform_envelope(deform, contact, window, layer);
 	return status == STATUS_OK ? deform_model_row(deform->params.model)->feel(deform, contact, window, layer) : status;
 }
@@ -128,11 +128,11 @@ enum status deform_run_feel(struct deform *deform, const struct deform_contact *
 enum status deform_run_stages(struct deform *deform, const struct deform_contact *contact,
 			      const struct deform_window *window, uint32_t layer)
 {
-	begin_layer(deform, contact, window, layer);
+	deform_begin_layer(deform, contact, window, layer);
 	enum status status = deform_envelope(deform, contact, window, layer);
 	if (status == STATUS_OK)
 		status = deform_model_row(deform->params.model)->contact(deform, contact, window, layer);
 	if (status == STATUS_OK && deform->params.disturbance)
-		status = dirty(deform, window->read, layer);
+		status = deform_disturb(deform, window->read, layer);
 	return status;
 }

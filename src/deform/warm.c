@@ -50,7 +50,7 @@ static enum status contact_all(struct deform *deform, const struct deform_planne
 }
 
 /* Runs batches of contacts as above: two windows each. They lie beyond the world. */
-static enum status batch_all(struct deform *deform, const struct deform_planned *object)
+static enum status batch_all(struct deform *deform, const struct deform_planned *object, bool tags)
 {
 	const struct deform_window window = {.read = {-64, -64, -48, -48}, .write = {-64, -64, -48, -48}};
 	const struct deform_pose middle = {.x = lattice_offset(-56 * deform->spacing), .y = lattice_offset(-56 * deform->spacing)};
@@ -58,9 +58,9 @@ static enum status batch_all(struct deform *deform, const struct deform_planned 
 	enum status status = STATUS_OK;
 	if (!deform_batches(&deform->params, object))
 		return STATUS_OK;
-	for (int i = 0; i < ways * (1 + object->leans) && status == STATUS_OK; i++) {
-		struct deform_contact contact = {.shape = object->shape, .from = middle, .to = middle};
-		contact.to.roll = i / ways * 0.1;
+	for (int i = 0; i < ways * (1 + tags) * (1 + object->leans) && status == STATUS_OK; i++) {
+		struct deform_contact contact = {.shape = object->shape, .from = middle, .to = middle, .tag = (uint64_t)(i / ways % (1 + tags))};
+		contact.to.roll = i / ways / (1 + tags) * 0.1;
 		contact.to.x += i % ways > 0;
 		contact.to.y += i % ways > 1;
 		deform_batch_begin(deform);
@@ -100,7 +100,7 @@ enum status deform_warm(struct deform *deform, const struct deform_planned *obje
 	if (status == STATUS_OK)
 		status = contact_all(deform, object, deform_tells_forces(params->model) && (forces || loaded));
 	if (status == STATUS_OK)
-		status = batch_all(deform, object);
+		status = batch_all(deform, object, deform_tells_forces(params->model) && forces);
 	if (status == STATUS_OK && deform->interval != NULL)
 		status = deform_interval_warm(deform, object->shape, loaded && params->loaded_bodies > 0);
 	if (status == STATUS_OK)

@@ -34,7 +34,7 @@ struct gpu_info {
 	const char *vendor, *renderer, *version;
 	bool software;
 	uint32_t samples_most; /* most samples for each pixel */
-	/* a vertex shader can read storage, and pass GPU_PASSED_MOST vectors on. OpenGL 4.5 promises no storage and 15 vectors; usual drivers
+	/* a vertex shader can read two buffers of storage, and pass GPU_PASSED_MOST vectors on. OpenGL 4.5 promises no storage and 15 vectors; usual drivers
 	 * have both */
 	bool vertices_pass;
 };

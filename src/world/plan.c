@@ -112,7 +112,7 @@ bool world_computes_together(const struct world *world)
 {
 	struct deform_params params;
 	world_deform_params(world, &params);
-	return params.batches;
+	return params.batches && !deform_conserves(params.model);
 }
 
 /* A host may turn a wheel as it likes. */

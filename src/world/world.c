@@ -123,7 +123,7 @@ enum status world_start(struct world *world)
 	if (status == STATUS_OK)
 		status = gpu_slots_create(world->gpu, world->meta->extent.cells, world->limits.slots,
 					  world_planes(scene, world->was_deformed), &world->slots);
-	if (status == STATUS_OK && deform.batches)
+	if (status == STATUS_OK && world_computes_together(world))
 		status = gpu_slots_in_arrays(world->slots);
 	world->aloft.asks_touched = deform.touched;
 	deform.gpu = world->gpu;

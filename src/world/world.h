@@ -600,7 +600,7 @@ enum status world_record_ranks(struct world *world, const struct deform_block *o
 /* Returns the planes that are read and committed. With bodies: the planes of the scene's model, and disturbance if the scene
  * asks for it. Without bodies: the drawn planes if the store `was_deformed`, otherwise none. */
 unsigned world_planes(const struct scene *scene, bool was_deformed);
-bool world_computes_together(const struct world *world); /* contacts of several bodies, so the slots lie in arrays */
+bool world_computes_together(const struct world *world); /* contacts of several bodies, whose passes read and write tiles, so the slots lie in arrays */
 const struct relief *world_relief(const struct world *world); /* returns what raises the ground below level 0; NULL: nothing */
 enum gpu_division world_division(const struct world *world);  /* returns how tiles below level 0 get their base */
 bool world_needs_soil_map(const struct scene *scene); /* true if there is a map of soils and something uses it */

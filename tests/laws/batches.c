@@ -66,9 +66,22 @@ static void write_scene(const char *path, const struct setup *setup)
 }
 
 struct left {
-	uint64_t rows;
+	uint64_t rows, forces; /* hashes of the rows, and of objects.csv; 0: there is none */
 	long long batches, passes;
 };
+
+static uint64_t hash_of(const char *path)
+{
+	uint64_t hash = 14695981039346656037u;
+	long bytes = 0;
+	FILE *file = fopen(path, "r");
+	assert_non_null(file);
+	for (int c; (c = fgetc(file)) != EOF; bytes++)
+		hash = (hash ^ (uint64_t)c) * 1099511628211u;
+	assert_true(bytes > 10000);
+	assert_int_equal(fclose(file), 0);
+	return hash;
+}
 
 static struct left drive(const struct setup *setup, bool alone)
 {
@@ -87,6 +100,7 @@ static struct left drive(const struct setup *setup, bool alone)
 	must(status);
 	support_verify(store);
 	left.rows = support_hash(store);
+	left.forces = strstr(setup->more, "forces") != NULL ? hash_of(support_path("out/objects.csv")) : 0;
 	left.batches = support_figure(result.json, "\"units\"", "batch");
 	left.passes = support_figure(result.json, "\"passes\"", "displace") + support_figure(result.json, "\"passes\"", "redistribute");
 	mem_free(result.json);
@@ -99,6 +113,8 @@ static void batches_do_not_show_in_the_rows(void **state)
 		{"box, radius: 2, repetitions: 2", "attributes: [dirt]\n", 0.25, 0.05, 64, 256, false},
 		{"box", "", 0.125, 0.02, 128, 16, true},
 		{"none", "attributes: [dirt]\n", 0.5, 0.2, 32, 64, true},
+		{"scm", "soil: {name: dry_sand}\noutput: {forces: 7}\n", 0.25, 0.05, 64, 64, true},
+		{"scm, depth: 0.2, slip_sinkage: 1", "soil: {name: dry_sand}\nattributes: [dirt]\n", 0.5, 0.1, 32, 256, false},
 	};
 	(void)state;
 	for (size_t i = 0; i < sizeof setups / sizeof *setups; i++) {
@@ -107,6 +123,7 @@ static void batches_do_not_show_in_the_rows(void **state)
 		assert_true(together.batches > 0 && together.passes < alone.passes);
 		if (alone.rows != together.rows)
 			fail_msg("model %s, %g m, tiles of %u: other rows in batches", setups[i].model, setups[i].spacing, setups[i].cells);
+		assert_true(alone.forces == together.forces);
 	}
 }
 

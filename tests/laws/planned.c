@@ -22,6 +22,11 @@ static void nothing_is_made_or_run_for_nothing(void **state)
 	"objects:\n  - {name: a, shape: {" WHEEL "}}, load: 4000, slip: 0.2, " PATH "}\n"                               \
 	"  - {name: b, shape: {box: {size: [2, 1, 1]}}, load: 3000, path: {points: [[70, 70]], speed: 1}}\n"           \
 	"  - {name: c, shape: {sphere: {radius: 1}}, sink: 0.2, path: {points: [[80, 30], [60, 30]], speed: 8}}\n"
+/* Under scm, bodies without a load whose touched posts need not be counted are computed together. */
+#define PAIRS                                                                                                           \
+	"objects:\n  - {name: a, shape: {" WHEEL "}}, sink: 0.3, " PATH "}\n"                                           \
+	"  - {name: b, shape: {" WHEEL "}}, sink: 0.2, path: {points: [[90, 80], [120, 60]], speed: 12}}\n"              \
+	"  - {name: c, shape: {box: {size: [2, 1, 1]}}, sink: 0.2, path: {points: [[120, 20], [130, 40]], speed: 5}}\n"
 #define CHASE "view: {size: [160, 90], camera: {chase: a, back: 12, up: 5}, effects: [texture, detail, fog, sky, geomorph, skirts, objects, shadow], images: 5}\n"
 
 #define SHADED "view: {size: [160, 90], camera: {chase: a, back: 12, up: 5}, sun: {height: 12}, effects: [geomorph, skirts, objects, terrain_shadow], images: 5}\n"
@@ -43,6 +48,7 @@ static void every_drive_counts_what_was_planned(void **state)
 		BUSY MANY SOIL "redistribute: {model: sumner, iterations: 3}\nspacing: 0.5\n" VIEW("sky"),
 		BUSY MANY SOIL "redistribute: {model: slippage, undisturbed: slides}\n",
 		BUSY OBJECT("sphere: {radius: 90}") SOIL "redistribute: {model: slippage}\nspacing: 0.5\n",
+		BUSY PAIRS SCM "attributes: [dirt]\noutput: {forces: 10}\n",
 		FEW SPHERE SCM,
 		FEW MANY "outside: skip\nattributes: [dirt]\nspacing: 0.5\n" VIEW("texture"),
 		BUSY CHASE SPHERE,

@@ -126,6 +126,11 @@ struct place_flags deform_active_flags(struct deform *deform, const struct defor
 	};
 }
 
+struct gpu_buffer *deform_active_words(const struct deform *deform)
+{
+	return deform->active->contact_flags;
+}
+
 static enum status keep_swept(struct period *period, struct swept window)
 {
 	if (period->count == period->room) {

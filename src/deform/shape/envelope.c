@@ -35,7 +35,7 @@ static struct brief_body brief(const struct body *body)
 
 /* Returns the posts of the window that the object can be above; one post if there are none. A window always runs the same
  * number of passes. */
-static struct gpu_rect shadow_of(const struct deform *deform, const struct deform_contact *contact, struct post_rect read)
+struct gpu_rect deform_under_posts(const struct deform *deform, const struct deform_contact *contact, struct post_rect read)
 {
 	struct post_rect in = post_rect_intersect(deform_shadow(deform, contact), read);
 	if (post_rect_empty(in))
@@ -64,7 +64,7 @@ enum status deform_under_run(struct deform *deform, const struct under_params *p
 	const struct brief_params few = {brief(&params->motion), brief(&params->end)};
 	bool is_brief = deform_envelope_is_brief(params->kind, params->sideways);
 	struct deform_request request;
-	deform_programs_envelope(&deform->params, params->kind, params->sideways, &request);
+	deform_programs_envelope(&deform->params, params->kind, params->sideways, false, &request);
 	struct gpu_program **program = &deform->under_program[params->kind + (params->sideways ? DEFORM_SHAPES : 0)];
 	enum status status = deform_program(deform, &request, program);
 	if (status != STATUS_OK)
@@ -89,7 +89,7 @@ enum status deform_envelope(struct deform *deform, const struct deform_contact *
 		return deform_mesh(deform, contact, window, layer);
 	deform_under_of(deform, contact, read.x0, read.y0, &params);
 	/* A model that works in place reads the envelope only within the object's shadow. */
-	struct gpu_rect posts = deform_model_row(deform->params.model)->in_place ? shadow_of(deform, contact, read) : deform_window_rect(window);
+	struct gpu_rect posts = deform_model_row(deform->params.model)->in_place ? deform_under_posts(deform, contact, read) : deform_window_rect(window);
 	enum status status = deform_under_run(deform, &params, posts, layer);
 	bool grousers = contact->shape->kind == DEFORM_WHEEL && contact->shape->grousers > 0;
 	return status == STATUS_OK && grousers ? deform_grousers(deform, contact, window, layer) : status;

@@ -3,6 +3,7 @@
  * the soil rebounds elastically. Displaced soil is deposited around the object and slides to its angle of repose.
  */
 #include <math.h>
+#include <stddef.h>
 #include <string.h>
 
 #include "deform/shape/body.h"
@@ -215,6 +216,28 @@ static struct scm_params params_of(const struct deform *deform, const struct def
 	return params;
 }
 
+/* Returns the variant of the contact pass, less what a search before it finds. */
+static unsigned variant(const struct deform *deform, const struct deform_contact *contact)
+{
+	(void)deform;
+	return (contact->tag != 0 ? WITH_FORCES : 0) | (contact->shape->belt ? WITH_BELT : 0) |
+	       WITH_SHAPE * (unsigned)deform_kind_in(contact->shape, &contact->to);
+}
+
+/* Fills the textures, images and buffers of the contact pass. */
+static void bind(struct deform *deform, bool posts_only, struct gpu_buffer *tally, struct gpu_buffer *records, struct gpu_pass *pass)
+{
+	const struct gpu_pass bound = {
+		.stage = GPU_CONTACT,
+		.textures = {deform->under, deform->classes, deform->numbers, posts_only ? deform->bases : deform->rest},
+		.images = {deform->planes_of[0][PLANE_DUG], deform->planes_of[1][PLANE_DEPOSITED], posts_only ? deform->rest : deform->bases, deform->planes_of[1][PLANE_OFFSET],
+			   deform->planes_of[0][PLANE_PLASTIC_SINKAGE], deform->planes_of[0][PLANE_SHEAR], deform->contacts,
+			   deform->heights[0]}, /* the heights are not used before soil slides */
+		.storage = {tally, records},
+	};
+	*pass = bound;
+}
+
 static enum status run_contact(struct deform *deform, const struct deform_contact *contact, const struct spread_params *spread,
 			       const struct deform_window *window, uint32_t layer, struct gpu_buffer *tally)
 {
@@ -225,13 +248,12 @@ static enum status run_contact(struct deform *deform, const struct deform_contac
 	bool counted = deform_is_counted(&deform->params, contact->shape, contact->load > 0) &&
 		       deform_fits_window(deform, contact);
 	params.scale[3] = (float)by_width(contact, extent, counted);
-	unsigned with = (contact->tag != 0 ? WITH_FORCES : 0) | (params.scale[3] == 0 ? WITH_PATCH : 0) |
-			(contact->load > 0 ? WITH_LOAD : 0) | (contact->shape->belt ? WITH_BELT : 0) | WITH_SHAPE * (unsigned)form;
+	const unsigned with = variant(deform, contact) | (params.scale[3] == 0 ? WITH_PATCH : 0) | (contact->load > 0 ? WITH_LOAD : 0);
 	struct gpu_buffer *records = NULL;
 	uint32_t record = 0;
 	struct deform_request request;
-	deform_programs_contact(&deform->params, with, &request);
-	enum status status = deform_program(deform, &request, &deform->scm[with]);
+	deform_programs_contact(&deform->params, with, false, &request);
+	enum status status = deform_program(deform, &request, &deform->scm[0][with]);
 	if (status == STATUS_OK && (with & (WITH_PATCH | WITH_LOAD)))
 		status = deform_find(deform, &params, with / WITH_PATCH % FIND_SHAPE, form, tally);
 	if (status == STATUS_OK && (with & WITH_FORCES))
@@ -240,20 +262,17 @@ static enum status run_contact(struct deform *deform, const struct deform_contac
 		return status;
 	params.zero[3] = (int32_t)record;
 	gpu_texture_clear(deform->contacts, layer, deform_written(window), 0);
-	bool posts_only = contact->shape->kind == DEFORM_MESH; /* lib/soil.glsl */
-	gpu_pass_run(deform->params.gpu, &(struct gpu_pass){
-		.stage = GPU_CONTACT,
-		.program = deform->scm[with],
-		.target = deform->scratch[layer].to[TO_BARE],
-		.viewport = deform_rows(params.shadow),
-		.textures = {deform->under, deform->classes, deform->numbers, posts_only ? deform->bases : deform->rest},
-		.images = {deform->planes_of[0][PLANE_DUG], deform->planes_of[1][PLANE_DEPOSITED], posts_only ? deform->rest : deform->bases, deform->planes_of[1][PLANE_OFFSET],
-			   deform->planes_of[0][PLANE_PLASTIC_SINKAGE], deform->planes_of[0][PLANE_SHEAR], deform->contacts,
-			   deform->heights[0]}, /* the heights are not used before soil slides */
-		.storage = {tally, records, deform->found, deform->standing, deform->laying},
-		.params = &params,
-		.params_bytes = sizeof params,
-	});
+	struct gpu_pass pass;
+	bind(deform, contact->shape->kind == DEFORM_MESH, tally, records, &pass); /* lib/soil.glsl */
+	pass.program = deform->scm[0][with];
+	pass.target = deform->scratch[layer].to[TO_BARE];
+	pass.viewport = deform_rows(params.shadow);
+	pass.storage[2] = deform->found;
+	pass.storage[3] = deform->standing;
+	pass.storage[4] = deform->laying;
+	pass.params = &params;
+	pass.params_bytes = sizeof params;
+	gpu_pass_run(deform->params.gpu, &pass);
 	return STATUS_OK;
 }
 
@@ -272,6 +291,55 @@ static enum status contact(struct deform *deform, const struct deform_contact *c
 	deform_spread_begin(deform, window, layer);
 	enum status status = run_contact(deform, contact, &spread, window, layer, deform->tally);
 	return status == STATUS_OK ? deform_spread_and_slide(deform, &spread, window, layer) : status;
+}
+
+/* --- over a batch --- */
+
+static enum status fill_numbers(struct deform *deform, const struct deform_contact *contact, const struct spread_params *spread,
+				const struct deform_window *window, int32_t numbers[TOGETHER_CONTACT_NUMBERS][4])
+{
+	double extent[2];
+	struct gpu_buffer *records;
+	uint32_t record = 0;
+	enum status status = STATUS_OK;
+	deform_body_extent(contact->shape, &contact->to, extent);
+	struct scm_params params = params_of(deform, contact, spread, window, 0, extent);
+	params.scale[3] = (float)by_width(contact, extent, false);
+	if (contact->tag != 0)
+		status = deform_forces_record(deform, contact, true, arm_of(contact->shape, extent), &records, &record);
+	params.zero[3] = (int32_t)record;
+	_Static_assert(offsetof(struct scm_params, soils) == TOGETHER_CONTACT_NUMBERS * 16, "lib/soil.glsl");
+	memcpy(numbers, &params, offsetof(struct scm_params, soils));
+	return status;
+}
+
+static enum status run_together(struct deform *deform, unsigned with, uint32_t first, uint32_t count)
+{
+	struct scm_params params = {.zero = {0}};
+	struct gpu_pass pass;
+	struct deform_request request;
+	deform_programs_contact(&deform->params, with, true, &request);
+	enum status status = deform_program(deform, &request, &deform->scm[1][with]);
+	if (status != STATUS_OK)
+		return status;
+	deform_together_draw(deform, TOGETHER_CONTACT, params.zero);
+	params.zero[0] = (int32_t)first;
+	fill_soils(&deform->params, params.soils);
+	fill_rasters(&deform->params, params.rasters);
+	bind(deform, false, deform->tally, with & WITH_FORCES ? deform_forces_records(deform) : NULL, &pass);
+	pass.program = deform->scm[1][with];
+	pass.target = deform->scratch[0].to[TO_BARE];
+	pass.params = &params;
+	pass.params_bytes = sizeof params;
+	pass.beside = first > 0;
+	deform_together_run(deform, count, &pass);
+	return STATUS_OK;
+}
+
+static enum status batch(struct deform *deform)
+{
+	static const struct together_model model = {.variant = variant, .fill = fill_numbers, .contact = run_together};
+	return deform_together(deform, &model);
 }
 
 static int32_t critical(const struct deform_soil *soil, double apart)
@@ -307,6 +375,7 @@ const struct soil_model deform_model_scm = {
 			       "elastic_stiffness", "damping", "repose"),
 	.contact = contact,
 	.feel = feel,
+	.batch = batch,
 	.shader = "deform/scm.frag",
 	.planes = PLANE_BIT(PLANE_DEPOSITED) | PLANE_BIT(PLANE_PLASTIC_SINKAGE) | PLANE_BIT(PLANE_SHEAR),
 	.measures = true,

@@ -158,10 +158,43 @@ static struct slide_params slide_params(const struct slide_place *place, int64_t
 	return params;
 }
 
-/* Tells passes over a window from passes over blocks. */
+static enum deform_over over_of(const struct slide_place *place)
+{
+	return place->atlas != NULL ? OVER_BLOCKS : place->batch ? OVER_BATCH : OVER_WINDOW;
+}
+
+/* Tells passes over windows from passes over blocks. */
 static enum gpu_stage stage_of(const struct slide_place *place)
 {
 	return place->atlas != NULL ? GPU_SETTLE : GPU_SLIDE;
+}
+
+static struct slide_params begin_params(const struct deform *deform, const struct slide_place *place)
+{
+	struct slide_params params = {
+		.place = {(int32_t)place->layer, deform_is_bounded(&deform->params) ? loose_depth(deform) : 0},
+	};
+	fill_window(place, &params);
+	return params;
+}
+
+static struct excess_params excess_params(const struct deform *deform, const struct slide_place *place)
+{
+	struct excess_params params = {.slide = slide_params(place, deform_slide_rim(deform))};
+	for (int i = 0; i < deform->params.soil_count; i++) {
+		const struct slide_soil *soil = &deform->soils[i];
+		const int32_t limits[4] = {soil->critical[0], soil->critical[1], deform_tolerance(deform), soil->rise[0]};
+		memcpy(params.limits[i], limits, sizeof limits);
+	}
+	return params;
+}
+
+void deform_slide_numbers(const struct deform *deform, const struct slide_place *place, int32_t begin[5][4], int32_t excess[6][4])
+{
+	const struct slide_params first = begin_params(deform, place);
+	const struct excess_params iterations = excess_params(deform, place);
+	memcpy(begin, &first, sizeof first);
+	memcpy(excess, &iterations, sizeof iterations.slide + sizeof *iterations.limits);
 }
 
 /* Runs the first pass: reads planes_of[1]; writes the heights. */
@@ -169,15 +202,14 @@ static enum status begin(struct deform *deform, const struct slide_place *place)
 {
 	bool blocks = place->atlas != NULL, loaded = place->flags.loaded;
 	struct deform_request request;
-	deform_programs_begin(&deform->params, blocks, loaded, &request);
-	struct gpu_program **program = &deform->slide_begin[blocks][loaded];
+	deform_programs_begin(&deform->params, over_of(place), loaded, &request);
+	struct gpu_program **program = &deform->slide_begin[over_of(place)][loaded];
 	enum status status = deform_program(deform, &request, program);
 	if (status != STATUS_OK)
 		return status;
-	struct slide_params params = {
-		.place = {(int32_t)place->layer, deform_is_bounded(&deform->params) ? loose_depth(deform) : 0},
-	};
-	fill_window(place, &params);
+	struct slide_params params = begin_params(deform, place);
+	if (place->batch)
+		deform_together_draw(deform, TOGETHER_BEGIN, params.region);
 	/* Iterations need no heights where only the extents of slopes are found. Marking steep posts reads one post more. */
 	int64_t reach = deform_slope_reach(&deform->params);
 	deform_atlas_run(deform, place, ATLAS_REGIONS, reach > 0 ? reach - 1 : 0, &(struct gpu_pass){
@@ -187,7 +219,7 @@ static enum status begin(struct deform *deform, const struct slide_place *place)
 		.images = {deform->bases, deform->planes_of[1][PLANE_OFFSET], deform->contacts, blocks ? NULL : deform->deposits,
 			   deform->planes_of[1][PLANE_DEPOSITED]},
 		.storage = {deform->tally},
-		.block = blocks ? NULL : deform->laying,
+		.block = blocks || place->batch ? NULL : deform->laying,
 		.params = &params,
 		.params_bytes = sizeof params,
 	});
@@ -205,7 +237,7 @@ static void run(struct deform *deform, const struct slide_place *place, int iter
 	pass->target = deform->scratch[place->layer].to[last ? TO_BARE : heights];
 	pass->images[0] = deform->heights[iteration % 2];
 	pass->storage[1] = last ? place->flags.words : NULL;
-	pass->block = blocks ? NULL : deform->laying;
+	pass->block = blocks || place->batch ? NULL : deform->laying;
 	if (last) {
 		pass->images[3] = blocks ? NULL : deform->deposits;
 		pass->images[4] = planes[PLANE_OFFSET];
@@ -222,20 +254,17 @@ static enum status excess(struct deform *deform, const struct slide_place *place
 {
 	bool last = iteration == deform->params.iterations - 1, stood = deform_asks_what_stood(&deform->params);
 	struct deform_request request;
-	deform_programs_slide(&deform->params, SLIDE_EXCESS, place->atlas != NULL, last, &request);
-	struct gpu_program **program = &deform->slide[place->atlas != NULL][last];
+	deform_programs_slide(&deform->params, SLIDE_EXCESS, over_of(place), last, &request);
+	struct gpu_program **program = &deform->slide[over_of(place)][last];
 	enum status status = deform_program(deform, &request, program);
 	if (status != STATUS_OK)
 		return status;
 	bool slopes = place->atlas != NULL && deform_has_slopes(&deform->params);
-	struct excess_params params = {.slide = slide_params(place, deform_slide_rim(deform))};
+	struct excess_params params = excess_params(deform, place);
 	if (slopes)
 		params.slide.region[2] = deform_slopes_least(deform);
-	for (int i = 0; i < deform->params.soil_count; i++) {
-		const struct slide_soil *soil = &deform->soils[i];
-		const int32_t limits[4] = {soil->critical[0], soil->critical[1], deform_tolerance(deform), soil->rise[0]};
-		memcpy(params.limits[i], limits, sizeof limits);
-	}
+	if (place->batch)
+		deform_together_draw(deform, TOGETHER_EXCESS, params.slide.region);
 	run(deform, place, iteration, &(struct gpu_pass){
 		.program = *program,
 		.images = {NULL, deform->floors, deform->classes, [6] = slopes ? deform_slopes_found(deform) : NULL,
@@ -250,8 +279,8 @@ static enum status shed(struct deform *deform, const struct slide_place *place, 
 {
 	bool stood = deform_asks_what_stood(&deform->params);
 	struct deform_request request;
-	deform_programs_slide(&deform->params, SLIDE_SHED, place->atlas != NULL, false, &request);
-	struct gpu_program **program = &deform->shed[place->atlas != NULL];
+	deform_programs_slide(&deform->params, SLIDE_SHED, over_of(place), false, &request);
+	struct gpu_program **program = &deform->shed[over_of(place)];
 	enum status status = deform_program(deform, &request, program);
 	if (status != STATUS_OK)
 		return status;
@@ -288,8 +317,8 @@ static enum status shed_and_take(struct deform *deform, const struct slide_place
 	if (status != STATUS_OK)
 		return status;
 	struct deform_request request;
-	deform_programs_slide(&deform->params, SLIDE_TAKE, place->atlas != NULL, last, &request);
-	struct gpu_program **program = &deform->slide[place->atlas != NULL][last];
+	deform_programs_slide(&deform->params, SLIDE_TAKE, over_of(place), last, &request);
+	struct gpu_program **program = &deform->slide[over_of(place)][last];
 	status = deform_program(deform, &request, program);
 	if (status != STATUS_OK)
 		return status;
@@ -334,9 +363,9 @@ enum status deform_slide_run(struct deform *deform, const struct slide_place *pl
 	return status;
 }
 
-enum status deform_slide(struct deform *deform, const struct deform_window *window, uint32_t layer)
+struct slide_place deform_slide_place(struct deform *deform, const struct deform_window *window, uint32_t layer)
 {
-	const struct slide_place place = {
+	return (struct slide_place){
 		.layer = layer,
 		.all = deform_window_rect(window),
 		.written = deform_written(window),
@@ -344,6 +373,11 @@ enum status deform_slide(struct deform *deform, const struct deform_window *wind
 		.turn = (int)((window->write.x0 + 2 * window->write.y0) & 7),
 		.flags = deform_active_flags(deform, window, layer),
 	};
+}
+
+enum status deform_slide(struct deform *deform, const struct deform_window *window, uint32_t layer)
+{
+	const struct slide_place place = deform_slide_place(deform, window, layer);
 	assert(deform->scratch[layer].now[PLANE_OFFSET] == 1);
 	assert(!(deform->planes & PLANE_BIT(PLANE_DEPOSITED)) || deform->scratch[layer].now[PLANE_DEPOSITED] == 1);
 	return deform_slide_run(deform, &place);

@@ -3,11 +3,11 @@
  * (SOIL.md, "Laying"). All lengths are metres: they come from the object, its motion and the depth, not from the posts.
  */
 #include <math.h>
+#include <string.h>
 
 #include "deform/shape/body.h"
 #include "deform/internal.h"
 
-#define LAYING_BYTES (47 * 4)   /* lib/laying.glsl */
 #define STEEPEST_TAN 1.0        /* steeper soil is laid as if it stood at 45 degrees */
 #define ONE 65536.0
 #define FARTHEST 8192.0         /* posts: more than a window has */
@@ -220,10 +220,11 @@ struct spread_params deform_spread_params(const struct deform *deform, const str
 void deform_spread_begin(struct deform *deform, const struct deform_window *window, uint32_t layer)
 {
 	gpu_texture_clear(deform->deposits, layer, deform_written(window), 0);
-	gpu_buffer_clear(deform->laying, 0, LAYING_BYTES);
+	gpu_buffer_clear(deform->laying, 0, DEFORM_LAYING_BYTES);
 }
 
-enum status deform_spread(struct deform *deform, const struct spread_params *params, const struct deform_window *window, uint32_t layer)
+/* Runs the passes from `first` on. `batch`: over all windows of a batch. */
+static enum status run(struct deform *deform, const struct spread_params *params, enum spread_pass first, uint32_t layer, bool batch)
 {
 	/* The heights are not used before soil slides. */
 	struct gpu_texture *const images[SPREAD_PASSES][3] = {
@@ -231,18 +232,15 @@ enum status deform_spread(struct deform *deform, const struct spread_params *par
 		[SPREAD_WEIGH] = {deform->contacts, deform->heights[0], deform->deposits},
 		[SPREAD_LAY] = {deform->deposits},
 	};
-	const enum spread_pass first = deform_spread_first(deform->params.model);
-	if (first == SPREAD_MEASURE)
-		deform_spread_begin(deform, window, layer);
 	for (int pass = first; pass < SPREAD_PASSES; pass++) {
 		struct deform_request request;
-		deform_programs_spread(&deform->params, (enum spread_pass)pass, &request);
-		enum status status = deform_program(deform, &request, &deform->spread[pass]);
+		deform_programs_spread(&deform->params, (enum spread_pass)pass, batch, &request);
+		enum status status = deform_program(deform, &request, &deform->spread[batch][pass]);
 		if (status != STATUS_OK)
 			return status;
-		gpu_pass_run(deform->params.gpu, &(struct gpu_pass){
+		struct gpu_pass spreads = {
 			.stage = GPU_SPREAD,
-			.program = deform->spread[pass],
+			.program = deform->spread[batch][pass],
 			.target = deform->scratch[layer].to[TO_BARE],
 			.viewport = deform_rows(pass == SPREAD_MEASURE ? params->shadow : params->written),
 			.textures = {[4] = pass == SPREAD_MEASURE ? deform->classes : NULL},
@@ -250,17 +248,50 @@ enum status deform_spread(struct deform *deform, const struct spread_params *par
 			.storage = {deform->tally, [4] = deform->laying},
 			.params = params,
 			.params_bytes = (size_t)((const char *)params->soils[deform_soil_slots(&deform->params)] - (const char *)params),
-		});
+		};
+		if (batch)
+			deform_together_run(deform, TOGETHER_ALL, &spreads);
+		else
+			gpu_pass_run(deform->params.gpu, &spreads);
 	}
 	return STATUS_OK;
 }
 
+enum status deform_spread(struct deform *deform, const struct spread_params *params, const struct deform_window *window, uint32_t layer)
+{
+	const enum spread_pass first = deform_spread_first(deform->params.model);
+	if (first == SPREAD_MEASURE)
+		deform_spread_begin(deform, window, layer);
+	return run(deform, params, first, layer, false);
+}
+
+enum status deform_spread_together(struct deform *deform)
+{
+	struct spread_params params = {.place = {0}};
+	deform_together_draw(deform, TOGETHER_SPREAD, params.place);
+	fill_soils(deform, params.soils);
+	return run(deform, &params, SPREAD_WEIGH, 0, true);
+}
+
+void deform_spread_numbers(const struct spread_params *params, const struct gpu_rect *posts, int32_t numbers[6][4])
+{
+	const int32_t x = (int32_t)posts->x, y = (int32_t)posts->y;
+	memcpy(numbers, params, 6 * sizeof *numbers);
+	for (int k = 0; k < 4; k++) {
+		numbers[1][k] += k % 2 == 0 ? x : y; /* `written` and `shadow` */
+		numbers[2][k] += k % 2 == 0 ? x : y;
+	}
+	/* The frame's place of the layer's first post, not of the window's. */
+	numbers[3][0] -= x * params->axis[0] + y * params->axis[1];
+	numbers[3][1] -= y * params->axis[0] - x * params->axis[1];
+}
+
 enum status deform_spread_create(struct deform *deform)
 {
-	return gpu_buffer_create(deform->params.gpu, GPU_STORAGE, LAYING_BYTES, NULL, &deform->laying);
+	return gpu_buffer_create(deform->params.gpu, GPU_STORAGE, DEFORM_LAYING_BYTES, NULL, &deform->laying);
 }
 
 void deform_spread_plan(struct plan *plan)
 {
-	deform_plan_buffer(plan, "spread", 1, LAYING_BYTES, "laying");
+	deform_plan_buffer(plan, "spread", 1, DEFORM_LAYING_BYTES, "laying");
 }
