@@ -470,10 +470,12 @@ enum status api_drive(const struct api_params *params, struct api_result *result
 		if (status == STATUS_OK && writes(&drive))
 			status = draw_map(&drive, true, result, report(&drive, true, result));
 	} else if (status == STATUS_OK) {
-		if (params->host == NULL) /* settings that a drive does not use may matter to who watches */
+		if (params->host == NULL) { /* settings that a drive does not use may matter to who watches */
 			world_advise(&drive.world, tell_advice, NULL);
-		else
+			vehicle_advise(drive.vehicles, &drive.scene, drive.world.spacing, tell_advice, NULL);
+		} else {
 			scene_advise_units(params->scene, tell_advice, NULL);
+		}
 		status = agree(&drive, start(&drive));
 		drive.ran = status == STATUS_OK;
 		if (status == STATUS_OK)

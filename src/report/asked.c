@@ -41,8 +41,10 @@ void report_asked(cJSON *root, const struct report *report)
 		add_path(store, "staged", store_copy_path(world->store));
 	add_path(root, "trace", page_trace_path(world->trace));
 	cJSON *notes = cJSON_AddArrayToObject(root, "notes");
-	if (report->advised)
+	if (report->advised) {
 		world_advise(world, add_note, notes);
-	else
+		vehicle_advise(report->vehicles, scene, world->spacing, add_note, notes);
+	} else {
 		scene_advise_units(scene, add_note, notes);
+	}
 }

@@ -153,6 +153,8 @@ static enum status describe(struct world *world, struct report_plan *out)
 	for (int i = 0; world->soil_rasters != NULL && i < scene->raster_count; i++)
 		out->rasters[out->raster_count++] = world_raster(world, i);
 	world_advise(world, keep_note, &notes);
+	if (world->store != NULL || world->scene->spacing > 0)
+		vehicle_advise(out->vehicles, world->scene, world->spacing, keep_note, &notes);
 	status = list_bodies(world, out);
 	if (status == STATUS_OK)
 		status = plan_lines(world, out);

@@ -11,8 +11,18 @@
 
 #define TOLD_ABOVE 2 /* percent: smaller errors are not told */
 
-/* Returns over how many metres the soil bears the object. That is its width or, if less, twice the sinkage of a round object
- * over the slope of its rim where it enters the soil. A wheel that hardly sinks enters it so far ahead of its axle. 0: not known. */
+double scene_bears_over(const struct scene *scene, const struct deform_shape *shape, double load, double sink)
+{
+	double least = shape->kind == DEFORM_WHEEL ? shape->width : 2 * shape->radius;
+	for (int i = 0; i < scene->soil_count; i++) {
+		double sinkage = load > 0 ? deform_sinkage_guess(shape, &scene->soils[i], load) : sink;
+		sinkage = fmin(sinkage, 0.9 * shape->radius);
+		least = fmin(least, 2 * sinkage * (shape->radius - sinkage) / sqrt(sinkage * (2 * shape->radius - sinkage)));
+	}
+	return least;
+}
+
+/* The same of any object. 0: not known. */
 static double bears_over(const struct scene *scene, const struct scene_object *object)
 {
 	const struct deform_shape *shape = &object->shape;
@@ -26,13 +36,7 @@ static double bears_over(const struct scene *scene, const struct scene_object *o
 		return fmin(shape->size[0], shape->size[1]);
 	if (shape->kind == DEFORM_MESH)
 		return fmin(shape->mesh->high[0] - shape->mesh->low[0], shape->mesh->high[1] - shape->mesh->low[1]);
-	double least = shape->kind == DEFORM_WHEEL ? shape->width : 2 * shape->radius;
-	for (int i = 0; i < scene->soil_count; i++) {
-		double sinkage = object->load > 0 ? deform_sinkage_guess(shape, &scene->soils[i], object->load) : object->sink;
-		sinkage = fmin(sinkage, 0.9 * shape->radius);
-		least = fmin(least, 2 * sinkage * (shape->radius - sinkage) / sqrt(sinkage * (2 * shape->radius - sinkage)));
-	}
-	return least;
+	return scene_bears_over(scene, shape, object->load, object->sink);
 }
 
 /* Returns the error in percent that no body of the bench exceeded that had at least so many posts below it. */
@@ -60,26 +64,36 @@ static bool is_first_told(const struct scene *scene, const struct scene_object *
 	return true;
 }
 
+void scene_advise_posts_below(const char *key, const struct deform_shape *shape, double over, size_t others, double spacing, scene_advice_fn tell,
+			      void *user)
+{
+	char text[400], alike[48] = "";
+	double finer = spacing;
+	const int error = error_of(shape, over / spacing), best = error_of(shape, INFINITY);
+	if (error <= TOLD_ABOVE || best >= error)
+		return;
+	/* The first halving that halves the error; if none does, the first with the least error that the bench knows. */
+	while (2 * error_of(shape, over / finer) > error && error_of(shape, over / finer) > best)
+		finer /= 2;
+	if (others > 0)
+		snprintf(alike, sizeof alike, ", as %zu other%s", others, others > 1 ? "s" : "");
+	const char *apart = shape->kind == DEFORM_WHEEL ? "" : ", without the heaps that it pushes";
+	snprintf(text, sizeof text, "%s: the soil bears it over about %.2g m%s, %.2g posts: forces may be off by about %d %% here%s; at %g m by %d %%", key, over,
+		 alike, over / spacing, error, apart, finer, error_of(shape, over / finer));
+	tell(user, text);
+}
+
 void scene_advise_posts(const struct scene *scene, double spacing, scene_advice_fn tell, void *user)
 {
 	if (!deform_tells_forces(scene->model) || !(spacing > 0))
 		return;
 	for (const struct scene_object *object = scene->objects; object < scene->objects + scene->object_count; object++) {
-		char text[400], alike[48] = "";
-		double over = bears_over(scene, object), finer = spacing;
-		int error = error_of(&object->shape, over / spacing), best = error_of(&object->shape, INFINITY);
+		char key[160];
+		const double over = bears_over(scene, object);
 		size_t others;
-		if (!(over > 0) || (object->load <= 0 && scene->forces <= 0) || error <= TOLD_ABOVE || best >= error ||
-		    !is_first_told(scene, object, &others))
+		if (!(over > 0) || (object->load <= 0 && scene->forces <= 0) || !is_first_told(scene, object, &others))
 			continue;
-		/* The first halving that halves the error; if none does, the first with the least error that the bench knows. */
-		while (2 * error_of(&object->shape, over / finer) > error && error_of(&object->shape, over / finer) > best)
-			finer /= 2;
-		if (others > 0)
-			snprintf(alike, sizeof alike, ", as %zu other%s", others, others > 1 ? "s" : "");
-		const char *apart = object->shape.kind == DEFORM_WHEEL ? "" : ", without the heaps that it pushes";
-		snprintf(text, sizeof text, "objects.%s.shape: the soil bears it over about %.2g m%s, %.2g posts: forces may be off by about %d %% here%s; at %g m by %d %%",
-			 object->name, over, alike, over / spacing, error, apart, finer, error_of(&object->shape, over / finer));
-		tell(user, text);
+		snprintf(key, sizeof key, "objects.%s.shape", object->name);
+		scene_advise_posts_below(key, &object->shape, over, others, spacing, tell, user);
 	}
 }

@@ -79,11 +79,18 @@ class Notes(FurrowTest):
             self.skipTest(result.stderr.strip())
         self.assertEqual(result.returncode, 0, result.stderr)
         told = [line for line in result.stderr.splitlines() if "vehicles.car" in line]
-        self.assertEqual(len(told), 1, result.stderr)
-        self.assertRegex(told[0], r"^furrow: note: vehicles\.car: is not at the end of its path: it has come [\d.e-]+ m; drive longer, or look ")
+        # Few posts are below its wheel, as is told of an object of that shape and load.
+        self.assertEqual(len(told), 2, result.stderr)
+        self.scene(SCM.replace("1.04", "1040").replace("radius: 0.5, width: 0.4", "radius: 0.32, width: 0.24").replace("900", "981"), "alike.yaml")
+        alike = [note for note in self.json("explain", "alike.yaml", "--store", "world.furrow", "--set", "spacing=0.25")["notes"] if "forces may" in note]
+        self.assertEqual([told[0].replace("vehicles.car.wheel", "objects.a.shape").removeprefix("furrow: note: ")], alike)
+        self.assertIn(told[0].removeprefix("furrow: note: "), self.json("explain", "car.yaml", "--store", "world.furrow")["notes"])
+        fine = self.json("explain", "car.yaml", "--store", "world.furrow", "--set", "spacing=0.01")["notes"]
+        self.assertEqual([note for note in fine if "vehicles.car" in note], [])
+        self.assertRegex(told[1], r"^furrow: note: vehicles\.car: is not at the end of its path: it has come [\d.e-]+ m; drive longer, or look ")
         # One point: it is there.
         self.scene((scene % "[30, 20]").replace("[[20, 20], [30, 20]]", "[[20, 20]]"), "there.yaml")
-        self.assertEqual(self.notes("vehicles.car", "--overlay", "d.furrow", scene="there.yaml"), [])
+        self.assertEqual(self.notes("vehicles.car: ", "--overlay", "d.furrow", scene="there.yaml"), [])
 
     def test_few_posts_below_a_wheel_are_told(self):
         self.scene(SCM, "scm.yaml")

@@ -1,0 +1,44 @@
+/* Advice on vehicles: which spacing their wheels need. */
+#include <stdio.h>
+
+#include "vehicle/vehicle.h"
+
+/* Returns over how many metres the soil bears a soil geom. 0: not known, since it is neither a wheel nor a sphere. */
+static double bears_over(const struct scene *scene, const struct vehicle_info *vehicle, const struct vehicle_geom *geom)
+{
+	if (geom->shape->kind != DEFORM_WHEEL && geom->shape->kind != DEFORM_SPHERE)
+		return 0;
+	return scene_bears_over(scene, geom->shape, vehicle->mass * scene->gravity / (double)vehicle->geom_count, 0);
+}
+
+static void advise_vehicle(const struct scene *scene, const struct vehicles *vehicles, size_t number, double spacing, scene_advice_fn tell, void *user)
+{
+	struct vehicle_info info;
+	vehicle_info(vehicles, number, &info);
+	for (size_t i = 0; i < info.geom_count; i++) {
+		struct vehicle_geom geom;
+		char key[200];
+		vehicle_geom(vehicles, number, i, spacing, &geom);
+		const double over = bears_over(scene, &info, &geom);
+		size_t alike = 0;
+		bool first = over > 0;
+		for (size_t k = 0; k < info.geom_count && first; k++) {
+			struct vehicle_geom other;
+			vehicle_geom(vehicles, number, k, spacing, &other);
+			if (k == i || other.shape->kind != geom.shape->kind || bears_over(scene, &info, &other) != over)
+				continue;
+			first = k > i;
+			alike++;
+		}
+		if (!first)
+			continue;
+		snprintf(key, sizeof key, "vehicles.%s", geom.name);
+		scene_advise_posts_below(key, geom.shape, over, alike, spacing, tell, user);
+	}
+}
+
+void vehicle_advise(const struct vehicles *vehicles, const struct scene *scene, double spacing, scene_advice_fn tell, void *user)
+{
+	for (size_t i = 0; i < vehicle_count(vehicles); i++)
+		advise_vehicle(scene, vehicles, i, spacing, tell, user);
+}
