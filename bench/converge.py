@@ -16,7 +16,7 @@ import time
 import converge_cases
 import lanes
 import record
-from converge_tables import PARTS, at, convergence, furthest, gates_table, grouped, mean, millimetres, percent, posts_errors, worst
+from converge_tables import PARTS, at, convergence, furthest, gates_table, grouped, mean, millimetres, order, percent, posts_errors, worst
 from pages import publish, table
 from validation import COLOURS, Plot
 
@@ -178,11 +178,14 @@ def keep(kept, rows):
             kept.add(name, mean(of, key), unit)
             kept.add(f"{name}.off", abs(worst(of, key, lambda _: form[key])) * 100, "%")
     for (soil, rim), own in grouped([row for row in rows if row["case"] == "steady"], "soil", "rim_of").items():
-        for key, unit in (("sinkage", "m"), ("drawbar", "N"), ("torque", "N m")):
+        for key, unit, scale in (("sinkage", "mm", 1e3), ("drawbar", "N", 1), ("torque", "N m", 1)):
             name = f"steady.{soil}.{rim}_rim.{key}"
-            kept.add(f"{name}.closed", own[0]["closed"][key], unit)
-            for spacing in sorted({row["spacing"] for row in own}):
-                kept.add(f"{name}.{spacing * 100:g}cm", worst(at(own, spacing), key, lambda row: row["closed"][key]) * 100, "%")
+            errors = {spacing: worst(at(own, spacing), key, lambda row: row["closed"][key]) for spacing in {row["spacing"] for row in own}}
+            kept.add(f"{name}.closed", own[0]["closed"][key] * scale, unit)
+            for spacing, error in sorted(errors.items()):
+                kept.add(f"{name}.{spacing * 100:g}cm", error * 100, "%")
+            if order(errors) is not None:
+                kept.add(f"{name}.order", order(errors), "")
 
 
 def main():

@@ -13,7 +13,7 @@
 enum { WIDTH = 1190, LEFT = 70, TOP = 60, ACROSS = 390, DOWN = 270, GAP_X = 80, GAP_Y = 80, LEGEND = 960, LABEL = 22 };
 
 static const char *const colours[] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"};
-static const char *const dashes[] = {"", "7 4", "2 3", "10 3 2 3"};
+static const char *const dashes[] = {"none", "7 4", "2 3", "10 3 2 3"};
 /* Marks: a point of SVG's path each, about 6 wide, and its count differs from that of colours. */
 static const char *const marks[] = {"m-3 0a3 3 0 1 0 6 0a3 3 0 1 0 -6 0z", "m-2.8 -2.8h5.6v5.6h-5.6z",       "m0 -3.8l3.6 6.3h-7.2z", "m0 -4l4 4l-4 4l-4 -4z",
 				    "m0 3.8l3.6 -6.3h-7.2z",               "m-2.4 -3.6l6.3 3.6l-6.3 3.6z", "m2.4 -3.6l-6.3 3.6l6.3 3.6z"};
@@ -158,7 +158,7 @@ static void write_legend(const struct rig_table *table, FILE *file)
 {
 	double y = TOP + 12;
 	for (size_t i = 0; i < table->params->soil_count; i++) {
-		y = legend_line(y, colours[i % COUNT(colours)], "", file);
+		y = legend_line(y, colours[i % COUNT(colours)], "none", file);
 		const char *soil = table->soils[i];
 		char label[LABEL + 1];
 		snprintf(label, sizeof label, "%s", soil);

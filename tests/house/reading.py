@@ -49,7 +49,8 @@ def paragraphs(text):
 
 
 def spoken(text):
-    """As it is read: a link is its text, code is one word, emphasis is nothing."""
+    """As it is read: a link is its text, code is one word, emphasis and marks of figures are nothing."""
+    text = re.sub(r"<!--.*?-->", "", text)
     text = re.sub(r"!\[[^]]*\]\([^)]*\)", "", text)
     text = re.sub(r"\[([^]]*)\]\([^)]*\)", r"\1", text)
     return re.sub(r"\*\*?|<br>", "", re.sub(r"`[^`]*`", "code", text))

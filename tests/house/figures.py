@@ -1,0 +1,130 @@
+"""Every figure that a page shows is that of a file, and every file says where its figures are of (bench/record.py, bench/marks.py).
+
+README's table of measured figures has a mark behind each number that is Furrow's, or of what stands beside it."""
+import json
+import os
+import pathlib
+import re
+import sys
+import unittest
+
+ROOT = pathlib.Path(os.environ["SOURCES"]).parent
+sys.path.insert(0, str(ROOT / "bench"))
+import marks  # noqa: E402
+import record  # noqa: E402
+
+# Names that have a number in them. What a row is about is in its first column, where numbers are settings.
+NAMES = ("GDAL 3.6", "GeForce 7800 GT")
+GOOD = {"bench": "b", "command": "c", "commit": "0" * 40, "dirty": False, "date": "2026-01-01T00:00:00Z", "load": [0.1, 0.2],
+        "machine": {"cpu": "x", "cores": 2, "memory": 1, "renderer": None}, "build": {"type": "release", "asserts": False, "sanitizers": "none"},
+        "figures": {"a": {"value": 2.5, "unit": "ms", "runs": 3, "low": 2, "high": 3}, "r.b": {"value": 12345.6, "unit": "B", "runs": 1}}}
+
+
+def table_under(text, heading):
+    """Cells of the rows of the first table under a heading."""
+    part = text.partition(f"\n{heading}\n")[2].partition("\n## ")[0]
+    return [row.strip("|").split("|") for row in part.split("\n") if row.startswith("|")][2:]
+
+
+def unmarked(cell):
+    """Numbers of a cell without a mark."""
+    for name in NAMES:
+        cell = cell.replace(name, "")
+    return re.findall(r"(?<![\w.])" + marks.NUMBER, marks.MARK.sub("", cell))
+
+
+class Files(unittest.TestCase):
+    def test_each_says_what_it_is_of(self):
+        found = marks.records()
+        self.assertGreater(len(found), 10)
+        self.assertEqual({name: record.faults(of) for name, of in found.items() if record.faults(of)}, {})
+
+    def test_each_is_one_that_a_bench_writes(self):
+        for name, of in marks.records().items():
+            with self.subTest(file=name):
+                self.assertTrue(of["bench"] == "none" or list((ROOT / "bench").glob(of["bench"] + ".*")), "no such bench")
+                self.assertNotRegex(json.dumps(of), r'[ "]/(home|root|tmp|work|usr)/', "a path of a machine")
+
+    def test_what_is_wrong_is_seen(self):
+        self.assertEqual(record.faults(GOOD), [])
+        for change, wanted in (({"commit": "abc"}, ["commit, load"]), ({"load": [1]}, ["commit, load"]), ({"more": 1}, ["more"]), ({"machine": {}}, None),
+                               ({"figures": {"a": {"value": 9, "unit": "", "runs": 3, "low": 1, "high": 2}}}, ["figures.a"]),
+                               ({"figures": {"a": {"value": float("nan"), "unit": "", "runs": 1}}}, ["figures.a"]),
+                               ({"figures": {"a": {"value": 1, "unit": "", "runs": 0}}}, ["figures.a"])):
+            faults = record.faults(GOOD | change)
+            self.assertTrue(faults if wanted is None else faults == wanted, (change, faults))
+        for name in record.FIELDS:
+            self.assertEqual(record.faults({key: value for key, value in GOOD.items() if key != name}), [name])
+        self.assertEqual(record.faults({"bench": "b", "source": "somewhere", "figures": {}}), ["source: says too little"])
+        self.assertEqual(json.loads(record.text(GOOD)), GOOD)
+
+
+class Pages(unittest.TestCase):
+    def setUp(self):
+        self.filler = marks.Filler(marks.records())
+        for path in marks.pages():
+            self.filler.page(path.read_text(encoding="utf-8"), path.relative_to(ROOT).as_posix())
+
+    def test_each_figure_is_that_of_its_file(self):
+        self.assertGreater(len(self.filler.used), 100)
+        self.assertEqual(self.filler.wrong, [], "\npython3 bench/marks.py writes the files' figures into the pages")
+
+    def test_each_file_is_on_a_page(self):
+        self.assertEqual(set(marks.records()) - {name for name, key in self.filler.used}, set())
+
+    def test_each_figure_of_README_has_a_mark(self):
+        rows = table_under((ROOT / "README.md").read_text(encoding="utf-8"), "## Measured")
+        self.assertGreater(len(rows), 7)
+        for row in rows:
+            with self.subTest(row=row[0].strip()):
+                self.assertIsNotNone(marks.MARK.search(row[1]))
+                self.assertEqual(unmarked(row[1]) + unmarked(row[2]), [])
+
+
+class Marks(unittest.TestCase):
+    def filled(self, text, **more):
+        filler = marks.Filler({"f": GOOD | more})
+        return filler.page(text, "page"), filler.wrong
+
+    def test_a_number_is_written_with_the_digits_that_are_there(self):
+        for like, value, wanted in (("1.50", 2.504, "2.50"), ("1,000", 28141.4, "28,141"), ("7", 0.4, "0"), ("+0.1", 0.26, "+0.3"), ("-3", -3.6, "-4"),
+                                    ("2.5e-22", 1.04e-9, "1.0e-09"), ("999", 12345, "12,345"), ("1086", 1090.2, "1090")):
+            self.assertEqual(marks.printed(value, like), wanted)
+        self.assertEqual(marks.converted(5589870, "B", "MB"), 5.58987)
+        self.assertEqual(marks.converted(0.25, "times", "%"), 25)
+        self.assertIsNone(marks.converted(1, "B", "ms"))
+
+    def test_a_mark_fills_the_number_before_it(self):
+        self.assertEqual(self.filled("it takes 2.5<!-- f.a --> ms, **12.3**<!-- f.r.b kB --> kB"),
+                         ("it takes 2.5<!-- f.a --> ms, **12.3**<!-- f.r.b kB --> kB", []))
+        text, wrong = self.filled("it takes 2.6<!-- f.a --> ms")
+        self.assertEqual((text, len(wrong)), ("it takes 2.5<!-- f.a --> ms", 1))
+        for text in ("it takes <!-- f.a --> ms", "1<!-- f.none -->", "1<!-- g.a -->", "1<!-- f.a MB -->"):
+            self.assertEqual((self.filled(text)[0], len(self.filled(text)[1])), (text, 1), text)
+
+    def test_a_table_is_filled_by_one_mark(self):
+        figures = {key: {"value": value, "unit": "", "runs": 1} for key, value in (("x.p", 1), ("x.q", 2), ("y.p", 3), ("y.q", 4))}
+        mark = "<!-- cells: f; rows: x y; columns: p/q - -->\n"
+        right = mark + "| | 9 | 9 |\n| --- | --- | --- |\n| 8 | 1 / 2 | 7 |\n| z | 3 / 4 | 7 |\n\n5"
+        self.assertEqual(self.filled(right, figures=figures), (right, []))
+        text, wrong = self.filled(right.replace("3 / 4", "3 / 5"), figures=figures)
+        self.assertEqual((text, len(wrong)), (right, 1))
+        self.assertEqual(self.filled(right.replace("| 8 | 1 / 2 |", "| 8 | |"), figures=figures)[1], [])
+        for before, after in (("1 / 2", "1"), ("| z | 3 / 4 | 7 |\n", ""), ("| 7 |\n|", "|\n|"), ("rows: x y", "rows: x"), ("cells: f;", "cells: f")):
+            self.assertEqual(len(self.filled(right.replace(before, after, 1), figures=figures)[1]), 1, after)
+
+    def test_a_part_is_that_of_the_file(self):
+        page = "a\n<!-- part: begin -->\nx 1\n<!-- part: end -->\nb"
+        self.assertEqual(self.filled(page, parts={"part": ["x 1"]}), (page, []))
+        text, wrong = self.filled(page, parts={"part": ["x 2", "y"]})
+        self.assertEqual((text, len(wrong)), (page.replace("x 1", "x 2\ny"), 1))
+        self.assertEqual(len(self.filled(page + page, parts={"part": ["x 1"]})[1]), 1)
+
+    def test_a_number_without_a_mark_is_seen(self):
+        self.assertEqual(unmarked(" 5.59<!-- store.a MB --> MB, GDAL 3.6 COG "), [])
+        self.assertEqual(unmarked("1.7<!-- store.a --> s, 181 MB"), ["181"])
+        self.assertEqual(table_under("# A\n\n## B\n\n| a | b |\n| --- | --- |\n| c | 1 |\n\n## C\n\n| d | 2 |\n", "## B"), [[" c ", " 1 "]])
+
+
+if __name__ == "__main__":
+    unittest.main()
