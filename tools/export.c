@@ -168,7 +168,7 @@ enum status export_find_rect(const struct export_request *request, const struct 
 		*rect = post_rect_intersect(*rect, asked);
 	}
 	if (request->has_window && (request->window[0] > request->window[2] || request->window[1] > request->window[3]))
-		return fail_with(STATUS_INPUT, "export: --window: its corners are swapped; give X0,Y0,X1,Y1, the south-west corner first");
+		return fail_with(STATUS_INPUT, "%s: --window: its corners are swapped; give X0,Y0,X1,Y1, the south-west corner first", request->command);
 	if (post_rect_empty(*rect))
 		return fail_with(STATUS_INPUT, "%s: no post lies in --window; give X0,Y0,X1,Y1 in metres, inside "
 					       "0,0,%g,%g", request->command,

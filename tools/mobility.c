@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include "dem/dem.h"
+#include "export.h"
 #include "mobility.h"
 #include "soil_given.h"
 
@@ -29,6 +30,9 @@ static const struct command_option options[] = {
 	{"seed", "S", .help = "of the spread", .preset = "1"},
 	{"spacing", "M", .help = "distance between the rig's posts", .unit = "m",
 	 .preset = "a tenth of a wheel's width or radius, whichever is less"},
+	{"window", "X0,Y0,X1,Y1", .help = "the part that is judged, east and north of the south-west post", .unit = "m", .preset = "all"},
+	{"window-srs", "SRS", .help = "what --window is in; store: the store's own; degrees: longitude and latitude on its body",
+	 .preset = "metres from the south-west post"},
 	{"json", .help = "one JSON object: shares, and of each slope and heading the verdict, slip, crab angle, torque, sinkage; of each slope P(GO)"},
 	{.name = NULL},
 };
@@ -45,7 +49,7 @@ struct asked {
 	struct mobility_column *columns; /* of the spread's soils */
 	struct mobility_curves *curves;
 	struct progress progress;
-	const char *stage;
+	struct export_request window;
 };
 
 /* --- the vehicle --- */
@@ -165,21 +169,44 @@ static int level_for(const struct extent *extent, double length)
 	return level;
 }
 
-static enum status draw(struct asked *asked, struct store *store)
+/* Refuses a terrain of which nothing could be known. The rig would take a minute before that is told. */
+static enum status check_posts(const struct asked *asked, const struct store_meta *meta)
+{
+	const double length = mobility_length(&asked->vehicle);
+	if (meta->extent.spacing <= length)
+		return STATUS_OK;
+	return fail_with(STATUS_INPUT, "mobility: %s: its posts are %g m apart, and %s is %.2g m long, so all would be unknown; give a terrain with posts of "
+				       "at most %.2g m", asked->store, meta->extent.spacing, asked->vehicle.name, length, floor(length * 100) / 100);
+}
+
+/* Finds the posts that are judged, and their level. A picture has at most SIDE_MOST cells on a side. */
+static enum status find_cells(struct asked *asked, const struct store_meta *meta, int *level, struct post_rect *rect)
+{
+	const int own = level_for(&meta->extent, mobility_length(&asked->vehicle));
+	enum chart_format format;
+	const bool picture = chart_path_format(asked->out, &format);
+	for (asked->window.level = own;; asked->window.level++) {
+		enum status status = export_find_rect(&asked->window, &meta->extent, rect);
+		if (status != STATUS_OK)
+			return status;
+		if (!picture || (rect->x1 - rect->x0 <= SIDE_MOST && rect->y1 - rect->y0 <= SIDE_MOST))
+			break;
+	}
+	*level = (int)asked->window.level;
+	if (*level > own)
+		note("%s: its cells are %g m wide, so that it is no larger than %d; slopes are taken over twice that, not over the vehicle; give a --window or "
+		     "a .tif", asked->out, extent_spacing(&meta->extent, *level), SIDE_MOST);
+	return STATUS_OK;
+}
+
+static enum status draw(struct asked *asked, struct store *store, int level, struct post_rect rect)
 {
 	const struct store_meta *meta = store_meta(store);
-	const double length = mobility_length(&asked->vehicle);
 	struct mobility_map map = {.store = asked->store, .path = asked->out, .vehicle = asked->vehicle.name, .soil = asked->soil.label,
 				   .mass = asked->vehicle.mass, .gravity = asked->gravity, .seed = asked->seed, .table = asked->table,
 				   .columns = asked->columns, .samples = (size_t)asked->samples, .meta = meta, .layer = (enum mobility_layer)asked->layer,
-				   .level = level_for(&meta->extent, length), .coarse = meta->extent.spacing > length};
+				   .level = level, .rect = rect};
 	memcpy(map.spread, asked->spread, sizeof map.spread);
-	enum chart_format format;
-	const bool picture = chart_path_format(asked->out, &format);
-	while (picture &&
-	       extent_posts(meta->extent.width > meta->extent.height ? meta->extent.width : meta->extent.height, map.level) > SIDE_MOST)
-		map.level++;
-	map.rect = (struct post_rect){0, 0, extent_posts(meta->extent.width, map.level), extent_posts(meta->extent.height, map.level)};
 	chart_sun_of(CHART_AZIMUTH, CHART_ALTITUDE, &map.sun);
 	enum status status = store_reader_create(store, &map.reader);
 	if (status == STATUS_OK)
@@ -188,9 +215,6 @@ static enum status draw(struct asked *asked, struct store *store)
 		status = mobility_print_json(&map);
 	else if (status == STATUS_OK)
 		mobility_print(&map);
-	if (status == STATUS_OK && map.coarse)
-		note("%s: its posts are %g m apart, and the vehicle is %g m long: all is unknown; give a finer terrain", asked->store,
-		     meta->extent.spacing, length);
 	store_reader_destroy(map.reader);
 	return status;
 }
@@ -250,6 +274,8 @@ static enum status read_arguments(const struct arguments *arguments, struct aske
 		status = arguments_integer(arguments, "samples", 1, MOBILITY_SAMPLES_MOST, &asked->samples);
 	if (status == STATUS_OK)
 		status = arguments_integer(arguments, "seed", 0, INT64_MAX, &asked->seed);
+	if (status == STATUS_OK)
+		status = export_read_window(arguments, &asked->window);
 	if (status == STATUS_OK && arguments_text(arguments, "soil") != NULL)
 		status = soil_given_take(arguments_text(arguments, "soil"), &asked->soil);
 	return status == STATUS_OK ? read_layer(arguments, asked) : status;
@@ -258,18 +284,26 @@ static enum status read_arguments(const struct arguments *arguments, struct aske
 static enum status run(const struct arguments *arguments)
 {
 	struct store *store = NULL;
-	struct asked asked = {.gravity = NAN, .samples = 12, .seed = 1};
+	struct asked asked = {.gravity = NAN, .samples = 12, .seed = 1, .window = {.command = "mobility"}};
+	int level = 0;
+	struct post_rect rect = {0, 0, 0, 0};
 	enum status status = read_arguments(arguments, &asked);
 	if (status == STATUS_OK)
 		status = store_open(asked.store, &(struct store_options){.mode = STORE_READ}, &store);
 	if (status == STATUS_OK)
 		status = read_vehicle(&asked);
+	if (status == STATUS_OK)
+		status = check_posts(&asked, store_meta(store));
+	if (status == STATUS_OK)
+		status = export_place_window(&asked.window, store_meta(store));
+	if (status == STATUS_OK)
+		status = find_cells(&asked, store_meta(store), &level, &rect);
 	if (status == STATUS_OK) {
 		interrupt_catch();
 		status = make_tables(&asked);
 	}
 	if (status == STATUS_OK)
-		status = draw(&asked, store);
+		status = draw(&asked, store, level, rect);
 	store_close(store);
 	mem_free(asked.table);
 	mem_free(asked.columns);
@@ -289,8 +323,8 @@ const struct command command_mobility = {
 		   "the weight does down the slope. Across a slope its nose points up the slope, so that the soil's side forces "
 		   "hold it.\n\n"
 		   "It does not go where no slip pulls enough, it slides down, a motor is too weak, a wheel has no load left, it "
-		   "sinks to its belly, or a wheel digs itself in. Unknown is what lies beyond the curves, on ground steeper than "
-		   "the soil's friction angle, and where the terrain's posts are farther apart than the vehicle is long.\n\n"
+		   "sinks to its belly, or a wheel digs itself in. Unknown is what lies beyond the curves, and ground steeper than "
+		   "the soil's friction angle. A terrain whose posts are farther apart than the vehicle is long is refused.\n\n"
 		   "Layers:\n\n"
 		   "  slip         straight up, at constant speed\n"
 		   "  steepest     heading in degrees: 0 along the slope, 90 straight up\n"
@@ -301,7 +335,8 @@ const struct command command_mobility = {
 		   "It is for constant speed on ground that is even over the vehicle's length: steps, ditches and rocks are not "
 		   "seen. Map and drives rest on the same soil model: that they agree says that both are consistent, not that they "
 		   "are true.\n",
-	.examples = "furrow mobility site.furrow --vehicle rover.xml --soil lunar -o go.png\n",
+	.examples = "furrow mobility site.furrow --vehicle rover.xml --soil lunar -o go.png\n"
+		    "furrow mobility site.furrow --scene scene.yaml -o go.tif --window 0,0,400,300\n",
 	.see = "furrow-rig(1), scene(5)",
 	.run = run,
 };

@@ -45,7 +45,6 @@ struct mobility_map {
 	enum mobility_layer layer;
 	int level;                     /* of the posts, one a cell */
 	struct post_rect rect;
-	bool coarse;                   /* the terrain's posts are farther apart than the vehicle is long */
 	struct chart_sun sun;
 	/* What mobility_draw counts: shares of the cells that have ground. */
 	double shares[CLASSES], colours[MOBILITY_COLOURS];

@@ -30,8 +30,6 @@ static void judge(const struct mobility_map *map, double east, double north, str
 {
 	const double slope = atan(hypot(east, north)) * 180 / M_PI;
 	cell->slope = mobility_table_at(map->table, slope);
-	if (map->coarse && !isnan(slope))
-		cell->slope = (struct mobility_slope){{MOBILITY_TOO_COARSE, NAN, NAN, NAN, NAN}, NAN, false};
 	cell->probability = NAN;
 	/* What is unknown in the soil as given has no probability. */
 	if (!mobility_is_unknown(cell->slope.up.reason))
@@ -146,8 +144,8 @@ enum status mobility_draw(struct mobility_map *map)
 		.height = map->rect.y1 - map->rect.y0,
 		.type = DEM_FLOAT32,
 		.srs = map->meta->srs,
-		.west = map->meta->origin[0],
-		.south = map->meta->origin[1],
+		.west = map->meta->origin[0] + (double)map->rect.x0 * extent_spacing(&map->meta->extent, map->level),
+		.south = map->meta->origin[1] + (double)map->rect.y0 * extent_spacing(&map->meta->extent, map->level),
 		.spacing = extent_spacing(&map->meta->extent, map->level),
 		.has_nodata = true,
 		.nodata = NAN,

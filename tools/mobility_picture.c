@@ -17,7 +17,7 @@ static const struct key classes[] = {
 	{"go at every heading", {0, 158, 115, 255}, CLASS_GO},
 	{"go at some headings only", {240, 228, 66, 255}, CLASS_SOME},
 	{"no-go", {213, 94, 0, 255}, CLASS_NO_GO},
-	{"unknown: too steep or too coarse to say", {150, 150, 158, 255}, CLASS_UNKNOWN},
+	{"unknown: too steep to say", {150, 150, 158, 255}, CLASS_UNKNOWN},
 	{NULL, {0, 0, 0, 0}, 0},
 };
 static const struct key ranges[] = {

@@ -13,12 +13,12 @@
 const char *const mobility_reason_names[MOBILITY_REASONS] = {
 	[MOBILITY_GO] = "go", [MOBILITY_NO_PULL] = "too little pull", [MOBILITY_SLIDES] = "slides down", [MOBILITY_NO_TORQUE] = "too little torque", [MOBILITY_TIPS] = "tips over",
 	[MOBILITY_NO_CLEARANCE] = "sinks to its belly", [MOBILITY_DIGS] = "digs itself in", [MOBILITY_OFF_CURVES] = "load beyond the curves",
-	[MOBILITY_TOO_STEEP] = "steeper than the friction angle", [MOBILITY_TOO_COARSE] = "terrain too coarse", [MOBILITY_NO_GROUND] = "no ground",
+	[MOBILITY_TOO_STEEP] = "steeper than the friction angle", [MOBILITY_NO_GROUND] = "no ground",
 };
 
 bool mobility_is_unknown(enum mobility_reason reason)
 {
-	return reason == MOBILITY_OFF_CURVES || reason == MOBILITY_TOO_STEEP || reason == MOBILITY_TOO_COARSE || reason == MOBILITY_NO_GROUND;
+	return reason == MOBILITY_OFF_CURVES || reason == MOBILITY_TOO_STEEP || reason == MOBILITY_NO_GROUND;
 }
 
 /*

@@ -98,7 +98,6 @@ enum mobility_reason {
 	MOBILITY_DIGS,       /* a wheel sinks on and on */
 	MOBILITY_OFF_CURVES, /* unknown: a wheel's load is beyond the curves */
 	MOBILITY_TOO_STEEP,  /* unknown: the ground is steeper than the soil's friction angle */
-	MOBILITY_TOO_COARSE, /* unknown: the terrain's posts are farther apart than the vehicle is long */
 	MOBILITY_NO_GROUND,  /* there is no height */
 	MOBILITY_REASONS
 };

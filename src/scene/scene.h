@@ -365,11 +365,11 @@ void scene_effect_reason(const struct scene *scene, enum scene_effect effect, ch
  * first. `spacing`: metres between posts of the working level; 0: not known. */
 typedef void (*scene_advice_fn)(void *user, const char *text);
 void scene_advise(const struct scene *scene, double spacing, scene_advice_fn tell, void *user);
-/* Returns over how many metres the soil bears a wheel or a sphere, by its load in N, or without one by its sinkage in m. That is its
- * width or, if less, twice the sinkage over the slope of its rim where it enters the soil. A wheel that hardly sinks enters it so far
- * ahead of its axle. */
+/* Returns over how many metres the soil bears a wheel or a sphere. `load`: N; 0: `sink` is how deep it is, m. The result is its width or,
+ * if less, twice the sinkage over the slope of its rim where it enters the soil. A wheel that hardly sinks enters it so far ahead of its
+ * axle. */
 double scene_bears_over(const struct scene *scene, const struct deform_shape *shape, double load, double sink);
-/* Tells how far off forces are where so few posts lie below `over` metres; nothing where they are hardly off. scene_advise tells it of
+/* Tells how far off forces are where `over` metres hold few posts. Tells nothing where they are hardly off. scene_advise does this for
  * the scene's objects. `key`: of the body; `others`: how many are alike. */
 void scene_advise_posts_below(const char *key, const struct deform_shape *shape, double over, size_t others, double spacing, scene_advice_fn tell,
 			      void *user);
