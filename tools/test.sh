@@ -24,18 +24,20 @@ export ASAN_OPTIONS="detect_odr_violation=0:intercept_tls_get_addr=0${ASAN_OPTIO
 status=0
 logs=
 
-# setup FOLDER OPTION...: a build with asserts, unless there is one.
+# setup FOLDER OPTION...: a build with asserts, unless there is one. Line numbers are all that is kept for a debugger: it compiles
+# in three quarters of the time. gold links in half the time of binutils' own, where it is there.
+linker=$(command -v ld.gold > /dev/null && echo -fuse-ld=gold || true)
 setup() {
 	folder=$1
 	shift
-	[ -f "$folder/build.ninja" ] || meson setup "$folder" -Dbuildtype=debugoptimized -Db_lundef=false -Db_ndebug=false "$@"
+	[ -f "$folder/build.ninja" ] || meson setup "$folder" -Dbuildtype=debugoptimized -Dc_args=-g1 -Dc_link_args="$linker" -Db_lundef=false -Db_ndebug=false "$@"
 }
 
-# run FOLDER ARGUMENT...: builds what these tests need, and runs them.
+# run FOLDER ARGUMENT...: builds what these tests need, and runs them. One more at a time than processors: some wait for the disk.
 run() {
 	folder=$1
 	shift
-	meson test -C "$folder" --print-errorlogs --num-processes "$(nproc)" "$@" || status=$?
+	meson test -C "$folder" --print-errorlogs --num-processes $(($(nproc) + 1)) "$@" || status=$?
 	logs="$logs $folder/meson-logs/testlog.json"
 }
 

@@ -139,7 +139,7 @@ static void tiles_of_64_and_512_give_the_same_posts(void **state)
 static void no_time_step_shows_in_the_rut(void **state)
 {
 	const char *scene = support_path("meet.yaml");
-	support_write(scene, "scene: 1\nend_time: 20\nspacing: 0.25\nobjects:\n"
+	support_write(scene, "scene: 1\nend_time: 8\nspacing: 0.25\nobjects:\n"
 			     /* Two behind one another, and one across the way of both. */
 			     "  - {name: rear, shape: {wheel: {radius: 0.9, width: 0.7}}, sink: 0.2,\n"
 			     "     path: {points: [[40, 40], [400, 300]], speed: 20}}\n"
