@@ -18,6 +18,7 @@ import tempfile
 import zlib
 
 import pages
+import record
 
 HERE = pathlib.Path(__file__).resolve().parent
 SIDE, FINE, SPEED = 128, 16, 2.0  # metres of the terrain; posts a metre of its fine store; m/s
@@ -217,6 +218,7 @@ def parse():
     parser.add_argument("--only", type=lambda text: text.split(","), help="those effects alone: scm,load")
     parser.add_argument("--quick", action="store_true", help="drives a fifth as long, one run of each")
     parser.add_argument("--publish", action="store_true", help="rewrites the table in bench/ACCURACY.md")
+    record.add_option(parser)
     options = parser.parse_args()
     if options.only and not set(options.only) <= {name for name, _, _ in PAIRS}:
         parser.error("--only: of " + ", ".join(name for name, _, _ in PAIRS))
@@ -234,7 +236,7 @@ def run():
     metres = 16 if options.quick else 80
     pairs = [pair for pair in PAIRS if not options.only or pair[0] in options.only]
     options.out.mkdir(parents=True, exist_ok=True)
-    lines, progress = [], pages.Progress("ablation")
+    lines, progress, kept = [], pages.Progress("ablation"), record.Record("ablation", options.furrow)
     each = 2 * (options.runs + 1)
     with tempfile.TemporaryDirectory(prefix="furrow-ablation-") as name:
         bench = Bench(options.furrow, pathlib.Path(name))
@@ -258,6 +260,9 @@ def run():
     (options.out / "ablation.md").write_text(text)
     print(text)
     print(f"{options.out / 'ablation.jsonl'}, {options.out / 'ablation.md'}: written")
+    kept.renderer = lines[-1]["with"]["gl"]
+    kept.page("ablation", text)
+    kept.write(options.figures)
     if options.publish:
         pages.publish(HERE / "ACCURACY.md", "ablation", text)
         print(f"{HERE / 'ACCURACY.md'}: its table is this one now")

@@ -19,6 +19,7 @@ import threading
 import accuracy_plots
 import accuracy_study
 import pages
+import record
 
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parent
@@ -40,7 +41,10 @@ def parse():
     parser.add_argument("--from", dest="lines", type=pathlib.Path, action="append", help="a file of lines, instead of a run; repeatable")
     parser.add_argument("--quick", action="store_true", help="fewer settings, shorter runs")
     parser.add_argument("--publish", action="store_true", help="copies chosen plots to docs, rewrites the tables of BENCHMARKS.md and ACCURACY.md")
+    record.add_option(parser)
     options = parser.parse_args()
+    if options.figures and (options.lines or not options.publish):
+        parser.error("--figures: has the parts of the pages, of this run; give --publish with it, and no --from")
     if options.publish and options.quick:
         parser.error("--publish: a whole run is published, not --quick")
     for program in () if options.lines else PROGRAMS:
@@ -156,7 +160,8 @@ def picture(name, folder):
     return f"![{PUBLISHED[name]}]({folder}accuracy-{name}.svg)\n"
 
 
-def publish(options, studies, lines, written):
+def publish(options, studies, lines, written, kept):
+    """kept: the record; None for lines of an earlier run, whose machine nobody knows."""
     for name in PUBLISHED:
         source = options.out / f"{name}.svg"
         if source not in written:
@@ -165,14 +170,21 @@ def publish(options, studies, lines, written):
         shutil.copyfile(options.out / f"{name}.svg", ROOT / "docs" / f"accuracy-{name}.svg")
     first = next(iter(PUBLISHED))
     pictures = "\n".join(picture(name, "../docs/") for name in PUBLISHED)
-    pages.publish(HERE / "ACCURACY.md", "accuracy", pictures + "\n" + report(studies, lines))
-    pages.publish(ROOT / "docs" / "BENCHMARKS.md", "accuracy", picture(first, "") + "\n" + spacing_table(studies, lines))
+    for page, text in (("bench/ACCURACY.md", pictures + "\n" + report(studies, lines)),
+                       ("docs/BENCHMARKS.md", picture(first, "") + "\n" + spacing_table(studies, lines))):
+        pages.publish(ROOT / page, "accuracy", text)
+        if kept is not None:
+            kept.page(f"{page} accuracy", text)
+    if kept is not None:
+        kept.renderer = gl_of(lines)
+        kept.write(options.figures)
     print("docs/accuracy-*.svg, bench/ACCURACY.md, docs/BENCHMARKS.md: of this run now")
 
 
 def run():
     options = parse()
     options.out.mkdir(parents=True, exist_ok=True)
+    kept = None if options.lines else record.Record("accuracy", options.build / "tools" / "furrow")
     lines = gather(options)
     studies = accuracy_study.studies(lines)
     text = report(studies, lines)
@@ -183,7 +195,7 @@ def run():
     written = write_plots(options, studies)
     print("\n".join(f"{path}" for path in written))
     if options.publish:
-        publish(options, studies, lines, written)
+        publish(options, studies, lines, written, kept)
 
 
 if __name__ == "__main__":

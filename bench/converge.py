@@ -204,6 +204,7 @@ def main():
     parser.add_argument("--block", default="converge", help="which markers of the page")
     record.add_option(parser)
     options = parser.parse_args()
+    kept = None
     if options.furrow.endswith(".jsonl"):
         rows = [json.loads(line) for line in pathlib.Path(options.furrow).read_text().splitlines()]
     else:
@@ -221,13 +222,16 @@ def main():
                 print(f"{name}: {time.monotonic() - begun:.0f} s", file=sys.stderr, flush=True)
         kept.seen(bench.run)
         keep(kept, rows)
-        kept.write(options.figures)
     if options.posts:
         print(posts_header(rows), end="")
         return 0
     before = [json.loads(line) for line in options.before.read_text().splitlines()] if options.before else []
     text = page(rows, before)
     print(text)
+    if kept is not None:
+        if not options.only and not options.quick:
+            kept.page(options.block, text)
+        kept.write(options.figures)
     if options.publish:
         publish(options.publish, options.block, text)
     if options.out:

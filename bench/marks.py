@@ -7,6 +7,8 @@ column of several words, parted by "/". "-" is a column or row without figures, 
 
     <!-- cells: deform; rows: none box; columns: one/one_mean four/four_mean -->
 
+What lies between "<!-- NAME: begin -->" and "<!-- NAME: end -->" a bench writes whole. Its file has the text, in `parts`.
+
     python3 bench/marks.py            # writes every figure into its page, with as many digits as are there
     python3 bench/marks.py --check    # tells what differs, and writes nothing
 """
@@ -119,15 +121,16 @@ class Filler:
     def parts(self, text, name):
         """The text with each part that a bench writes whole as its file has it."""
         for file, record in self.records.items():
-            for part, lines in record.get("parts", {}).items():
-                if f"<!-- {part}: begin -->" not in text:
+            for key, lines in record.get("parts", {}).items():
+                page, _, part = key.rpartition(" ")
+                if page not in ("", name) or f"<!-- {part}: begin -->" not in text:
                     continue
                 try:
                     filled = between(text, part, "\n".join(lines))
                 except Told as told:
                     self.wrong.append(f"{name}: {part}: {told}")
                     continue
-                self.used.add((file, part))
+                self.used.add((file, key))
                 if filled != text:
                     self.wrong.append(f"{name}: what is between the markers of {part} is not what bench/figures/{file}.json has")
                     text = filled

@@ -179,7 +179,8 @@ def summary(trials, answers, side=False):
     return text + (f", side force {across:.2f} N" if side else "") + "."
 
 
-def report(rig, folder, quick):
+def report(rig, folder, quick, frozen=None):
+    """frozen: the constant of an earlier fit; None: it is fitted."""
     smooth, grouser = trials_of(folder / "wheel_smooth.csv"), trials_of(folder / "wheel_grouser.csv")
 
     def chosen(trials, angle, low, high):
@@ -191,8 +192,10 @@ def report(rig, folder, quick):
         print(text, flush=True)
         told.append({"text": text, **row})
 
-    kappa = None
-    if rig.digs:
+    kappa, one = frozen, None
+    if frozen is not None:
+        say(f"Slip sinkage {frozen:g}, fitted by an earlier run.\n", what="fit", kappa=frozen)
+    elif rig.digs:
         kappa, one, setting = fit(rig, fitted)
         say(f"Slip sinkage {kappa:.2f} fits the smooth wheel best; left out one trial at a time {one:.2f} mm, one slip at a time {setting:.2f} mm RMS.\n",
             what="fit", kappa=kappa, leave_one_trial=one, leave_one_slip=setting)
@@ -203,7 +206,7 @@ def report(rig, folder, quick):
     depth, pull, _ = errors(fitted, answers)
     say(f"\n| gate | | |\n| --- | --- | --- |\n| sinkage 2.0 mm RMS | {'met' if depth <= 2 else 'MISSED'} | {depth:.2f} mm |\n"
         f"| drawbar 3 N RMS | {'met' if pull <= 3 else 'MISSED'} | {pull:.2f} N |\n" +
-        (f"| sinkage 2.5 mm left out | {'met' if one <= 2.5 else 'MISSED'} | {one:.2f} mm |\n" if rig.digs else ""),
+        (f"| sinkage 2.5 mm left out | {'met' if one <= 2.5 else 'MISSED'} | {one:.2f} mm |\n" if one is not None else ""),
         what="smooth", sinkage_rms=depth, drawbar_rms=pull, trials=len(fitted))
     if quick:
         return told
@@ -227,8 +230,9 @@ def keep(kept, told):
     for part in told:
         if part.get("kappa") is not None:
             kept.add("slip_sinkage", part["kappa"], "")
-            kept.add("left_out.trial", part["leave_one_trial"], "mm")
-            kept.add("left_out.slip", part["leave_one_slip"], "mm")
+            for name in ("trial", "slip"):
+                if f"leave_one_{name}" in part:
+                    kept.add(f"left_out.{name}", part[f"leave_one_{name}"], "mm")
         elif part.get("what") == "smooth":
             kept.add("smooth.sinkage_rms", part["sinkage_rms"], "mm")
             kept.add("smooth.drawbar_rms", part["drawbar_rms"], "N")
@@ -244,6 +248,7 @@ def main():
     parser.add_argument("--rig", type=pathlib.Path, required=True, help="folder of wheel_smooth.csv and wheel_grouser.csv")
     parser.add_argument("--redistribute", default="", help="keys for every scene, as in 'bulldozing: 0'")
     parser.add_argument("--quick", action="store_true", help="the smooth wheel alone")
+    parser.add_argument("--slip-sinkage", type=float, metavar="K", help="the constant of an earlier fit; nothing is fitted then, which takes minutes")
     parser.add_argument("-o", "--out", type=pathlib.Path, help="a folder for measured_wheel.md and .jsonl")
     parser.add_argument("--publish", type=pathlib.Path, help="a page; the tables go between its markers `measured`")
     record.add_option(parser)
@@ -256,7 +261,7 @@ def main():
     try:
         with tempfile.TemporaryDirectory() as folder:
             rig = Rig(options.furrow, folder, ", " * bool(options.redistribute) + options.redistribute)
-            told = report(rig, options.rig, options.quick)
+            told = report(rig, options.rig, options.quick, options.slip_sinkage)
     except lanes.Failed as error:
         print(f"measured_wheel.py: {error}", file=sys.stderr)
         return 1

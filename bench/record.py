@@ -79,15 +79,14 @@ class Record:
     def __init__(self, bench, program, command=None):
         """program: what is measured, in its build folder. command: words of a command line, if not this script's own."""
         self.bench, self.command = bench, command or ["python3", *sys.argv]
-        self.build, self.stale = build_of(program)
-        self.load, self.renderer, self.figures, self.parts = os.getloadavg()[0], None, {}, {}
+        self.program, self.load, self.renderer, self.figures, self.parts = program, os.getloadavg()[0], None, {}, {}
 
     def seen(self, run):
         """Takes the renderer's name from the run.json of a drive."""
         self.renderer = run["gl"]["renderer"]
 
     def page(self, name, text):
-        """A part of a page that the bench writes whole, between the markers of `name`."""
+        """A part of a page that the bench writes whole, between the markers of `name`; "PAGE NAME" where several pages have such markers."""
         self.parts[name] = text.strip().split("\n")
 
     def add(self, key, values, unit, runs=None):
@@ -108,12 +107,13 @@ class Record:
         commit = said("git", "rev-parse", "HEAD")
         if commit is None:
             raise Told(f"{path}: {ROOT} is no checkout of git, so no commit is known; measure in one")
+        build, stale = build_of(self.program)
         path.parent.mkdir(parents=True, exist_ok=True)
         with aside(path) as file:
             parts = {"parts": self.parts} if self.parts else {}
-            file.write(text({"bench": self.bench, "command": shlex.join(map(shown, self.command)), "commit": commit, "dirty": self.stale or changed(),
+            file.write(text({"bench": self.bench, "command": shlex.join(map(shown, self.command)), "commit": commit, "dirty": stale or changed(),
                              "date": datetime.datetime.now(datetime.timezone.utc).strftime("%Y-%m-%dT%H:%M:%SZ"), "machine": machine(self.renderer),
-                             "build": self.build, "load": [round(self.load, 2), round(os.getloadavg()[0], 2)], **parts, "figures": self.figures}))
+                             "build": build, "load": [round(self.load, 2), round(os.getloadavg()[0], 2)], **parts, "figures": self.figures}))
 
 
 def text(record):
@@ -135,6 +135,8 @@ def faults(record):
     wrong = lacks({key: value for key, value in record.items() if key != "parts"}, fields)
     if wrong:
         return wrong
+    if not record["figures"] and not record.get("parts"):
+        return ["figures: none, and no part of a page"]
     if fields is FIELDS:
         wrong = lacks(record["machine"], MACHINE, "machine.") + lacks(record["build"], BUILD, "build.")
         if len(record["commit"]) != 40 or len(record["load"]) != 2:

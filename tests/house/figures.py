@@ -55,7 +55,9 @@ class Files(unittest.TestCase):
             self.assertTrue(faults if wanted is None else faults == wanted, (change, faults))
         for name in record.FIELDS:
             self.assertEqual(record.faults({key: value for key, value in GOOD.items() if key != name}), [name])
-        self.assertEqual(record.faults({"bench": "b", "source": "somewhere", "figures": {}}), ["source: says too little"])
+        self.assertEqual(record.faults({"bench": "b", "source": "somewhere", "figures": GOOD["figures"]}), ["source: says too little"])
+        self.assertEqual(record.faults(GOOD | {"figures": {}}), ["figures: none, and no part of a page"])
+        self.assertEqual(record.faults(GOOD | {"figures": {}, "parts": {"a": ["b"]}}), [])
         self.assertEqual(json.loads(record.text(GOOD)), GOOD)
 
 
@@ -71,6 +73,13 @@ class Pages(unittest.TestCase):
 
     def test_each_file_is_on_a_page(self):
         self.assertEqual(set(marks.records()) - {name for name, key in self.filler.used}, set())
+
+    def test_each_part_that_a_bench_writes_is_held_to_a_file(self):
+        parts = {key for of in marks.records().values() for key in of.get("parts", {})}
+        for path in marks.pages():
+            for name in re.findall(r"^<!-- (\w+): begin -->$", path.read_text(encoding="utf-8"), re.MULTILINE):
+                page = path.relative_to(ROOT).as_posix()
+                self.assertTrue({name, f"{page} {name}"} & parts, f"{page}: no file of bench/figures has the part {name}")
 
     def test_each_figure_of_README_has_a_mark(self):
         rows = table_under((ROOT / "README.md").read_text(encoding="utf-8"), "## Measured")
@@ -119,6 +128,7 @@ class Marks(unittest.TestCase):
         text, wrong = self.filled(page, parts={"part": ["x 2", "y"]})
         self.assertEqual((text, len(wrong)), (page.replace("x 1", "x 2\ny"), 1))
         self.assertEqual(len(self.filled(page + page, parts={"part": ["x 1"]})[1]), 1)
+        self.assertEqual(self.filled(page, parts={"other part": ["x 2"], "page part": ["x 1"]}), (page, []))
 
     def test_a_number_without_a_mark_is_seen(self):
         self.assertEqual(unmarked(" 5.59<!-- store.a MB --> MB, GDAL 3.6 COG "), [])
