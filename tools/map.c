@@ -15,7 +15,7 @@
 static const char *const layers[] = {"surface", "base",    "offset",  "deposited", "plastic_sinkage",
 				     "shear",   "shear_x", "shear_y", NULL};
 /* In the order of enum chart_grid. */
-static const char *const grids[] = {"metres", "degrees", "none", NULL};
+static const char *const grids[] = {"metres", "local", "degrees", "none", NULL};
 
 static const struct command_option options[] = {
 	{"o", "OUT", .help = "what to write", .files = "png svg pdf", .needed = true},
@@ -24,7 +24,7 @@ static const struct command_option options[] = {
 	{"window", "X0,Y0,X1,Y1", .help = "east and north of the south-west post", .unit = "m", .preset = "all"},
 	{"window-srs", "SRS", .help = "what --window is in; store: the store's own; degrees: longitude and latitude on its body", .preset = "metres from the south-west post"},
 	{"height-range", "MIN,MAX", .help = "values at the ends of the colours", .unit = "m", .preset = "those of the map"},
-	{"grid", "GRID", .help = "lines of round coordinates: metres of the store's system, or degrees of longitude and latitude",
+	{"grid", "GRID", .help = "lines of round coordinates: metres of the store's system, local metres from the south-west post as scenes have them, or degrees of longitude and latitude",
 	 .choices = grids, .preset = "metres"},
 	{"size", "MM", .help = "length of the frame's longer side", .unit = "mm", .preset = "160"},
 	{"dpi", "DPI", .help = "pixels an inch, of a PNG, and of the ground in SVG and PDF", .preset = "150"},

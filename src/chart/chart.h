@@ -12,6 +12,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
 
 #include "base/base.h"
 #include "store/store.h"
@@ -27,6 +28,7 @@ struct chart_png {
 	void (*put)(const void *user, uint32_t y, uint8_t *row); /* fills a row, 0 the lowest; of 16 bits, the high byte first */
 	const void *user;
 	bool srgb;
+	bool small;              /* takes longer, for fewer bytes */
 	uint32_t per_metre;      /* dots a metre on paper, which the file says; 0: it says nothing */
 };
 /* Writes such a picture as PATH.part, then renames it. Removes it on failure. Any thread. */
@@ -125,9 +127,9 @@ struct chart_key {
 };
 #define CHART_NO_CLASS 255
 
-/* Lines of round coordinates. METRES: of the store's system, local metres if it has none. DEGREES: longitude and latitude on the
- * store's body. */
-enum chart_grid { CHART_GRID_METRES, CHART_GRID_DEGREES, CHART_GRID_NONE };
+/* Lines of round coordinates. METRES: of the store's system, as its origin has them. LOCAL: metres from the south-west post, as scenes have
+ * them. DEGREES: longitude and latitude on the store's body. */
+enum chart_grid { CHART_GRID_METRES, CHART_GRID_LOCAL, CHART_GRID_DEGREES, CHART_GRID_NONE };
 
 #define CHART_SIZE 160.0       /* mm: the longer side of a map's frame, if not said otherwise */
 #define CHART_SIZE_LEAST 40.0
@@ -161,6 +163,18 @@ struct chart_written {
 /* Draws a map and writes it: under another name first, then renamed. `written` may be NULL. The frame is as long as asked for, text
  * has the same size on every map. STATUS_FAILED: chart_missing(), no memory, or the file cannot be written. */
 enum status chart_map_write(const struct chart_map *map, const char *path, struct chart_written *written) FURROW_CHECKED;
+
+/* The ground of a map alone, as pixels. A build without Pango has it, too. */
+struct chart_ground {
+	struct chart_range range; /* values at the ends of the colours */
+	bool beyond[2];           /* some are below or above it */
+	bool holes;
+};
+/* Writes the ground as a PNG into an open file, as small as it can. Of the map it needs raster, ramp, share, range or classes, and pixels: of
+ * its longer side. `name`: of the file, for messages. */
+enum status chart_ground_write(const struct chart_map *map, const char *name, FILE *file, struct chart_ground *out) FURROW_CHECKED;
+/* Returns the colour of a value on level ground. */
+struct chart_colour chart_ground_key(const struct chart_map *map, const struct chart_range *range, double value);
 
 /* Returns the level of detail for a map: the finest level, not below `finest`, at which no side has more than `pixels` posts.
  * `rect`: posts of level `from`, which become those of the level. Pure. */

@@ -1,7 +1,8 @@
 /*
  * The grid of a map: lines of round coordinates, and where they meet the frame.
  *
- * Metres are those of the store's system: the origin of the store is added. Degrees are longitude and latitude on the store's body.
+ * Metres are those of the store's system: the origin of the store is added. Local metres have none. Degrees are longitude and latitude on
+ * the store's body.
  * Their lines are curves on the map, drawn through CHART_GRID_POINTS points.
  */
 #include <math.h>
@@ -19,6 +20,8 @@ struct finding {
 	const struct chart_map *map;
 	const struct chart_frame *frame;
 	struct dem_globe *globe; /* NULL: metres */
+	double origin[2];        /* coordinates of the south-west post */
+	bool local;              /* they are 0 */
 	double low[2], high[2];  /* coordinates in the frame */
 	double step[2];
 };
@@ -30,16 +33,16 @@ static void to_page(const struct finding *finding, double *x, double *y)
 	const struct chart_frame *frame = finding->frame;
 	if (finding->globe != NULL)
 		dem_globe_from_degrees(finding->globe, 1, x, y);
-	*x = frame->x + (*x - finding->map->meta->origin[0]) * frame->scale;
-	*y = frame->y - (*y - finding->map->meta->origin[1]) * frame->scale;
+	*x = frame->x + (*x - finding->origin[0]) * frame->scale;
+	*y = frame->y - (*y - finding->origin[1]) * frame->scale;
 }
 
 /* From a place on the page, points. */
 static void to_system(const struct finding *finding, double *x, double *y)
 {
 	const struct chart_frame *frame = finding->frame;
-	*x = finding->map->meta->origin[0] + (*x - frame->x) / frame->scale;
-	*y = finding->map->meta->origin[1] + (frame->y - *y) / frame->scale;
+	*x = finding->origin[0] + (*x - frame->x) / frame->scale;
+	*y = finding->origin[1] + (frame->y - *y) / frame->scale;
 	if (finding->globe != NULL)
 		dem_globe_to_degrees(finding->globe, 1, x, y);
 }
@@ -105,7 +108,7 @@ static void write_label(const struct finding *finding, struct chart_line *line)
 	const double step = finding->step[line->north];
 	if (finding->globe == NULL) {
 		chart_number(line->value, step, number, sizeof number);
-		snprintf(line->label, sizeof line->label, "%s %s", number, meta->srs[0] == '\0' ? "m" : line->north ? "N" : "E");
+		snprintf(line->label, sizeof line->label, "%s %s", number, finding->local || meta->srs[0] == '\0' ? "m" : line->north ? "N" : "E");
 		return;
 	}
 	double value = line->value;
@@ -199,15 +202,19 @@ static void describe(const struct finding *finding, char *text, size_t room)
 	const bool named = name[0] != '\0' && strcasecmp(name, "unnamed") != 0 && strcasecmp(name, "unknown") != 0;
 	if (finding->globe != NULL)
 		snprintf(text, room, "Longitude and latitude: %s", dem_globe_info(finding->globe)->name);
-	else if (finding->map->meta->srs[0] == '\0')
+	else if (finding->local || (finding->map->meta->srs[0] == '\0' && finding->origin[0] == 0 && finding->origin[1] == 0))
 		snprintf(text, room, "Metres east and north of the terrain's south-west post");
+	else if (finding->map->meta->srs[0] == '\0')
+		snprintf(text, room, "Metres of the terrain's source, which names no system");
 	else
 		snprintf(text, room, "Coordinates in metres: %s", named ? name : "the store's system, which has no name");
 }
 
 enum status chart_grid_find(const struct chart_map *map, const struct chart_frame *frame, double apart, struct chart_lines *out)
 {
-	struct finding finding = {.map = map, .frame = frame};
+	struct finding finding = {.map = map, .frame = frame, .local = map->grid == CHART_GRID_LOCAL};
+	for (int k = 0; k < 2 && !finding.local; k++)
+		finding.origin[k] = map->meta->origin[k];
 	*out = (struct chart_lines){NULL, 0, ""};
 	if (map->grid == CHART_GRID_DEGREES) {
 		enum status status = map->meta->srs[0] != '\0' ? dem_globe_create(map->meta->srs, &finding.globe) : STATUS_OK;

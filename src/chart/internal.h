@@ -3,6 +3,7 @@
 #define FURROW_CHART_INTERNAL_H
 
 #include <assert.h>
+#include <stdio.h>
 
 #include "chart/chart.h"
 
@@ -12,6 +13,10 @@ double chart_ramp_place(enum chart_ramp ramp, const struct chart_range *range, d
 /* Returns the colour of shaded ground with the colour `over` on it. `shade`: brightness, NaN: nodata. `flat`: the shade at
  * which a colour stays as it is. */
 struct chart_colour chart_ground_colour(double shade, double flat, struct chart_colour over);
+
+/* --- png.c --- */
+/* Writes to a file that the caller opened. `name`: for messages. */
+enum status chart_png_file(FILE *file, const char *name, const struct chart_png *picture) FURROW_CHECKED;
 
 /* --- raster.c --- */
 /* Finds the size (absolute value, metres) that at least `share` of all pixels with a value do not exceed. Also finds the lowest

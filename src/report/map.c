@@ -180,6 +180,8 @@ static enum status draw(const struct map *map, const char *path, const char *end
 		.ramp = CHART_RAMP_SIGNED,
 		.ways = ways,
 		.way_count = map->count,
+		/* in the coordinates of the scene's paths, where these are metres */
+		.grid = map->world->scene->coordinates == SCENE_LOCAL ? CHART_GRID_LOCAL : CHART_GRID_METRES,
 		.pixels = PIXELS,
 	};
 	enum status status = chart_map_write(&chart, path, NULL);

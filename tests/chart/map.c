@@ -179,10 +179,10 @@ static void corners(const struct drawn *drawn, double low[2], double high[2])
 
 static void coordinates_at_the_corners_are_the_store_s(void **state)
 {
-	static const double origins[][2] = {{0, 0}, {500000, 4649776.25}, {-1234567.5, 98765432}};
+	static const double origins[][2] = {{0, 0}, {500000, 4649776.25}, {-1234567.5, 98765432}, {500000, 4649776.25}};
 	static const int levels[] = {LEVEL, 0, 2};
-	for (size_t i = 0; i < 3; i++)
-		for (size_t k = 0; k < 3; k++) {
+	for (size_t i = 0; i < 4; i++)
+		for (size_t k = 0; k < (i == 3 ? 1 : 3); k++) {
 			struct chart_raster_params params = asked(levels[k], STORE_OFFSET);
 			struct store_meta meta = *params.meta;
 			memcpy(meta.origin, origins[i], sizeof meta.origin);
@@ -191,19 +191,20 @@ static void coordinates_at_the_corners_are_the_store_s(void **state)
 					    "\"32633\"]]";
 			struct chart_map map = plain(900);
 			map.meta = &meta;
+			map.grid = i == 3 ? CHART_GRID_LOCAL : CHART_GRID_METRES; /* metres of scenes, whatever the store's system */
 			struct drawn drawn = draw_map(map, &params, "map.png");
 			double low[2], high[2];
 			corners(&drawn, low, high);
 			const double spacing = drawn.raster.spacing,
 				     sides[2] = {drawn.raster.width * spacing, drawn.raster.height * spacing};
 			for (int axis = 0; axis < 2; axis++) {
-				const double first = origins[i][axis] - spacing / 2; /* a pixel's centre is its post */
+				const double first = (i == 3 ? 0 : origins[i][axis]) - spacing / 2; /* a pixel's centre is its post */
 				assert_true(fabs(low[axis] - first) < 0.004 * sides[axis]);
 				assert_true(fabs(high[axis] - first - sides[axis]) < 0.004 * sides[axis]);
 			}
 			assert_in_order(&drawn);
 			const char *notes = drawn.page.said[drawn.page.said_count - 1].text;
-			assert_non_null(strstr(notes, i == 0 ? "south-west post" : "Coordinates in metres: Here (EPSG:32633)"));
+			assert_non_null(strstr(notes, i == 0 || i == 3 ? "south-west post" : "Coordinates in metres: Here (EPSG:32633)"));
 			drawn_finish(&drawn);
 		}
 }
