@@ -1,4 +1,5 @@
-/* objects.csv: the forces of the soil on each body, a row for each multiple of 1 / output.forces. SCENE.md has the columns. */
+/* objects.csv: the forces of the soil on each body, a row for each multiple of 1 / output.forces. SCENE.md has the columns. With vehicles
+ * there is one more, their work on the soil. */
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -7,7 +8,8 @@
 
 #include "report/rows_file.h"
 
-static const char header[] = "t,name,x,y,z,sinkage,fx,fy,fz,tx,ty,tz,slip,contact_area,load,soil,state,residual\n";
+#define COLUMNS "t,name,x,y,z,sinkage,fx,fy,fz,tx,ty,tz,slip,contact_area,load,soil,state,residual"
+static const char header_of_objects[] = COLUMNS "\n", header_of_vehicles[] = COLUMNS ",work\n";
 
 struct report_rows {
 	const struct world *world;
@@ -31,13 +33,17 @@ static enum status write_row(void *user, const struct world_row *row)
 		[DEFORM_TOUCHING] = "touching", [DEFORM_SLIDES] = "slides", [DEFORM_SUNK] = "sunk", [DEFORM_AIR] = "air",
 	};
 	const char *soil = row->soil >= 0 ? rows->world->scene->soil_names[row->soil] : "";
-	char load[32] = "";
+	char load[32] = "", work[32] = "";
+	if (rows->world->scene->vehicle_count > 0)
+		strcpy(work, ",");
 	if (object->load > 0)
 		snprintf(load, sizeof load, "%.9g", object->load);
-	int printed = fprintf(rows->file, "%.9g,%s,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%s,%s,%s,%.9g\n", row->time, object->name,
+	if (row->body > rows->world->scene->object_count) /* of a vehicle */
+		snprintf(work, sizeof work, ",%.9g", force->work);
+	int printed = fprintf(rows->file, "%.9g,%s,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%s,%s,%s,%.9g%s\n", row->time, object->name,
 			      row->position[0], row->position[1], row->position[2], force->sinkage, force->force[0], force->force[1],
 			      force->force[2], force->moment[0], force->moment[1], force->moment[2], row->slip, force->area, load, soil,
-			      states[force->state], force->residual);
+			      states[force->state], force->residual, work);
 	return printed > 0 ? STATUS_OK : failed(rows);
 }
 
@@ -77,6 +83,7 @@ enum status report_rows_open(const struct world *world, const char *directory, s
 		return fail_memory("objects.csv");
 	*rows = (struct report_rows){.world = world, .directory = directory, .sink = {rows, write_row, flush, mark, rollback}};
 	bool begins;
+	const char *header = world->scene->vehicle_count > 0 ? header_of_vehicles : header_of_objects;
 	enum status status = report_rows_file_open(world, path, header, &rows->file, &begins);
 	if (status == STATUS_OK && begins && fputs(header, rows->file) < 0)
 		status = report_rows_file_failed(path);

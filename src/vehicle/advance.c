@@ -99,7 +99,10 @@ void vehicle_advance(struct vehicle *vehicle, double time, double seconds, doubl
 			hold_level(vehicle, h);
 			mju_scl(data->qvel, data->qvel, exp(-rate * h), model->nv);
 		}
-		vehicle->work += drives ? work_of(vehicle, before) * h : 0;
+		if (!drives)
+			continue;
+		vehicle->work += work_of(vehicle, before) * h;
+		vehicle_couple_work(vehicle, h, before);
 	}
 	if (!drives)
 		brake(vehicle, false);

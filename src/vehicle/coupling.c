@@ -34,6 +34,7 @@
 #define DAMPING 0.5     /* of what is critical */
 #define PERIODS 4.0     /* w follows within this many swings / 2 pi */
 #define HELD 1e-12      /* 1/kg: an inverse mass that is rounding alone: its joints do not let it move that way */
+#define CONTACTS 64     /* most geoms that touch at once */
 #define LIGHT 0.25      /* of the mass that the contact carries: the least inverse mass is that of a body as many times heavier */
 
 /* One contact in an engine step. */
@@ -50,7 +51,7 @@ struct contact {
 
 struct step {
 	struct vehicle *vehicle;
-	struct contact list[64];
+	struct contact list[CONTACTS];
 	size_t count, rows;     /* rows: 6 count */
 	double h;               /* s */
 	double later;           /* s: of the coupling step after this step of the engine */
@@ -337,7 +338,7 @@ static bool begin(struct step *step)
 	for (size_t i = 0; i < vehicle->geom_count; i++) {
 		struct soil_geom *geom = &vehicle->geoms[i];
 		mju_zero(geom->force, 6);
-		if (touches(geom) && step->count < sizeof step->list / sizeof step->list[0])
+		if (touches(geom) && step->count < CONTACTS)
 			step->list[step->count++].geom = geom;
 		else
 			mju_zero3(geom->mean);
@@ -358,12 +359,15 @@ static bool begin(struct step *step)
 	return whole;
 }
 
-/* What of a belt's pull is not in the force along its body's x axis, as a torque on its hinge. Adds it to forces of the joints. */
-static void turn_back(const struct contact *contact, double *forces)
+/* What of a belt's pull is not in the force along its body's x axis, as a torque on its hinge. Adds it to forces of the joints. Returns it. */
+static double turn_back(const struct contact *contact, double *forces)
 {
 	const struct soil_geom *geom = contact->geom;
-	if (geom->shape.belt && isfinite(geom->contact.pull))
-		forces[geom->dof] -= geom->sprocket * (geom->contact.pull - mju_dot3(geom->contact.force, contact->forward));
+	if (!geom->shape.belt || !isfinite(geom->contact.pull))
+		return 0;
+	const double torque = -geom->sprocket * (geom->contact.pull - mju_dot3(geom->contact.force, contact->forward));
+	forces[geom->dof] += torque;
+	return torque;
 }
 
 void vehicle_couple(struct vehicle *vehicle, double h, double later)
@@ -387,8 +391,27 @@ void vehicle_couple(struct vehicle *vehicle, double h, double later)
 	for (size_t r = 0; r < step.rows; r++)
 		mju_addToScl(data->qfrc_applied, step.jacobian + r * nv, step.force[r], (int)nv);
 	for (size_t i = 0; i < step.count; i++) {
-		turn_back(&step.list[i], data->qfrc_applied);
+		step.list[i].geom->pulled = turn_back(&step.list[i], data->qfrc_applied);
 		follow(&step, i);
+	}
+}
+
+void vehicle_couple_work(struct vehicle *vehicle, double h, const double *before)
+{
+	const size_t nv = (size_t)vehicle->model->nv;
+	const double *after = vehicle->data->qvel, *row = vehicle->room + nv * nv; /* the Jacobians that vehicle_couple laid out */
+	size_t count = 0;
+	for (size_t i = 0; i < vehicle->geom_count; i++) {
+		struct soil_geom *geom = &vehicle->geoms[i];
+		double power = 0;
+		if (!touches(geom) || count == CONTACTS)
+			continue;
+		count++;
+		for (int k = 0; k < 6; k++, row += nv)
+			power += geom->force[k] * (mju_dot(row, before, (int)nv) + mju_dot(row, after, (int)nv)) / 2;
+		if (geom->shape.belt)
+			power += geom->pulled * (before[geom->dof] + after[geom->dof]) / 2;
+		geom->work -= power * h;
 	}
 }
 
@@ -422,7 +445,7 @@ bool vehicle_find_response(struct vehicle *vehicle, double seconds, double *iner
 	for (size_t r = 0; r < step.rows; r++)
 		mju_addToScl(velocity, step.jacobian + r * (size_t)nv, step.force[r], nv);
 	for (size_t i = 0; i < step.count; i++)
-		turn_back(&step.list[i], velocity);
+		(void)turn_back(&step.list[i], velocity);
 	if (!vehicle_factor(inertia, (size_t)nv))
 		return false;
 	vehicle_solve_factored(inertia, velocity, (size_t)nv);

@@ -24,6 +24,8 @@ struct soil_geom {
 	struct world_contact contact;  /* linearised at `now` */
 	double armature;            /* kg m2: of a wheel that is braked: what the model gives it */
 	double force[6];            /* N, N m about the body's origin: what was applied last */
+	double pulled;              /* N m: torque of a belt on its hinge besides that force (coupling.c) */
+	double work;                /* J: what it has done on the soil since the start; in the record */
 };
 
 /* What sets the controls: driver.c. */
@@ -71,7 +73,7 @@ struct vehicle {
 	double lift;                /* m: by which it was lifted when it was set down */
 	double work, distance;      /* J, m */
 	double slow;                /* s: for how long it has been slower than `stuck.below`; in settling: when the stage began */
-	struct trail trail;         /* of this run */
+	struct trail trail;         /* of the whole drive; in the record */
 	double *room;               /* numbers for coupling.c */
 	double *pushed;             /* nv: forces of other vehicles in this time step */
 };
@@ -168,6 +170,10 @@ void vehicle_pursue(struct vehicle *vehicle, double time);
 /* Adds the soil's forces to qfrc_applied, for a step of the engine of `h` seconds. later: s of the time step after it. */
 void vehicle_couple(struct vehicle *vehicle, double h, double later);
 size_t vehicle_coupling_room(const struct vehicle *vehicle); /* numbers in vehicle->room */
+
+/* Adds to each geom's work what it did on the soil in the engine's step of `h` seconds that has just ended. `before`: nv, the velocities at
+ * that step's start. The Jacobians are those of its start, as the forces are. */
+void vehicle_couple_work(struct vehicle *vehicle, double h, const double *before);
 
 /* Finds how a prepared vehicle would move until `seconds` from now, without other vehicles. `inertia`: nv x nv, with what joints and soil
  * resist in that time, factored. `velocity`: nv, at the end. Returns false if the inertia has no inverse. Runs within a guard. */

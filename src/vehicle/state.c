@@ -5,13 +5,14 @@
 #include "vehicle/internal.h"
 #include "vehicle/settle.h"
 
-#define OWN 14       /* numbers of a vehicle itself */
-#define GEOM_OWN 18  /* of a soil geom, without its body in the world */
+#define OWN 14       /* numbers of a vehicle itself, */
+#define TRAIL (2 + 2 * VEHICLE_TRAIL) /* of its trail, */
+#define GEOM_OWN 19  /* of a soil geom, without its body in the world */
 
 size_t vehicle_state_numbers(const struct vehicle *vehicle)
 {
 	const mjModel *model = vehicle->model;
-	return OWN + (size_t)(model->nq + 2 * model->nv + model->na) + vehicle->geom_count * (GEOM_OWN + WORLD_BODY_NUMBERS);
+	return OWN + TRAIL + (size_t)(model->nq + 2 * model->nv + model->na) + vehicle->geom_count * (GEOM_OWN + WORLD_BODY_NUMBERS);
 }
 
 static double *put(double *to, const double *from, size_t count)
@@ -33,6 +34,7 @@ static double *save_geom(const struct world *world, const struct soil_geom *geom
 	const struct world_state *touched = &geom->touched;
 	*to++ = geom->is_touched;
 	*to++ = touched->belt.travel;
+	*to++ = geom->work;
 	to = put(to, touched->pose.position, 3);
 	to = put(to, touched->pose.orientation, 4);
 	to = put(to, touched->linear, 3);
@@ -40,6 +42,17 @@ static double *save_geom(const struct world *world, const struct soil_geom *geom
 	to = put(to, geom->mean, 3);
 	world_body_save(world, geom->number, to);
 	return to + WORLD_BODY_NUMBERS;
+}
+
+/* Places that are not used are 0. */
+static double *save_trail(const struct trail *trail, double *to)
+{
+	*to++ = (double)trail->count;
+	*to++ = trail->apart;
+	for (size_t i = 0; i < VEHICLE_TRAIL; i++)
+		for (int k = 0; k < 2; k++)
+			*to++ = i < trail->count ? trail->places[i][k] : 0;
+	return to;
 }
 
 static double *save_one(const struct vehicles *vehicles, const struct vehicle *vehicle, double *to)
@@ -51,6 +64,7 @@ static double *save_one(const struct vehicles *vehicles, const struct vehicle *v
 				 vehicle->work, vehicle->distance, vehicle->slow, vehicle->origin[2], vehicle->lift, data->time, driver->at,
 				 driver->sum, driver->arrived};
 	to = put(to, own, OWN);
+	to = save_trail(&vehicle->trail, to);
 	to = put(to, data->qpos, (size_t)model->nq);
 	to = put(to, data->qvel, (size_t)model->nv);
 	to = put(to, data->qacc_warmstart, (size_t)model->nv);
@@ -78,6 +92,7 @@ static enum status restore_geom(struct vehicles *vehicles, struct soil_geom *geo
 	struct world_state *touched = &geom->touched;
 	geom->is_touched = *(*from)++ != 0;
 	touched->belt.travel = *(*from)++;
+	geom->work = *(*from)++;
 	*from = take(*from, touched->pose.position, 3);
 	*from = take(*from, touched->pose.orientation, 4);
 	*from = take(*from, touched->linear, 3);
@@ -88,15 +103,26 @@ static enum status restore_geom(struct vehicles *vehicles, struct soil_geom *geo
 	return status;
 }
 
+/* Returns false if it is none. */
+static bool restore_trail(struct trail *trail, const double *from)
+{
+	if (!(from[0] >= 0 && from[0] <= VEHICLE_TRAIL && from[0] == floor(from[0]) && from[1] >= 0))
+		return false;
+	trail->count = (size_t)from[0];
+	trail->apart = from[1];
+	memcpy(trail->places, from + 2, sizeof trail->places);
+	return true;
+}
+
 static enum status restore_one(struct vehicles *vehicles, struct vehicle *vehicle, const double **numbers)
 {
 	const mjModel *model = vehicle->model;
 	mjData *data = vehicle->data;
 	struct driver *driver = &vehicle->driver;
-	const double *n = *numbers, *from = n + OWN;
+	const double *n = *numbers, *from = n + OWN + TRAIL;
 	if (n[0] != vehicle->checksum[0] || n[1] != vehicle->checksum[1])
 		return damaged(vehicles, vehicle, "its model is another one now, or was read by another MuJoCo");
-	if (!(n[2] >= 0 && n[2] <= VEHICLE_DRIVES) || !(n[11] >= 0 && n[11] <= fmax((double)driver->point_count - 1, 0)))
+	if (!restore_trail(&vehicle->trail, n + OWN) || !(n[2] >= 0 && n[2] <= VEHICLE_DRIVES) || !(n[11] >= 0 && n[11] <= fmax((double)driver->point_count - 1, 0)))
 		return damaged(vehicles, vehicle, "numbers out of range");
 	vehicle->begun = n[2];
 	vehicle->settle_seconds = n[3];

@@ -1,5 +1,5 @@
 /*
- * Where a vehicle went in this run, for maps. The trail has a fixed size. Its points are some distance apart. When it is full, every
+ * Where a vehicle went in the whole drive, for maps. The trail has a fixed size. Its points are some distance apart. When it is full, every
  * second point is dropped and the distance is doubled.
  */
 #include <math.h>

@@ -174,7 +174,7 @@ static enum status tell_forces(struct vehicles *vehicles)
 		for (size_t g = 0; g < vehicles->list[v].geom_count && status == STATUS_OK; g++) {
 			const struct soil_geom *geom = &vehicles->list[v].geoms[g];
 			const struct world_contact *contact = &geom->contact;
-			struct world_force force = {.sinkage = contact->sinkage, .area = contact->area, .state = state_of(contact->state)};
+			struct world_force force = {.sinkage = contact->sinkage, .area = contact->area, .work = geom->work, .state = state_of(contact->state)};
 			if (force.state == DEFORM_AIR || !isfinite(force.area) || !isfinite(force.sinkage))
 				force.sinkage = force.area = 0;
 			memcpy(force.force, geom->force, sizeof force.force);
@@ -253,6 +253,7 @@ void vehicle_info(const struct vehicles *vehicles, size_t index, struct vehicle_
 	*info = (struct vehicle_info){
 		.name = vehicle->scene->name,
 		.mass = mj_getTotalmass(vehicle->model),
+		.gravity = -vehicle->model->opt.gravity[2],
 		.geom_count = vehicle->geom_count,
 		.joint_count = vehicle->joint_count,
 		.actuator_count = (size_t)vehicle->model->nu,

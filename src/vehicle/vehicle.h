@@ -64,6 +64,7 @@ void vehicle_set_rows(struct vehicles *vehicles, const struct vehicle_rows *rows
 struct vehicle_info {
 	const char *name;
 	double mass;           /* kg */
+	double gravity;        /* m/s2, downward, as its model has it */
 	size_t geom_count;     /* soil geoms */
 	size_t joint_count, actuator_count;  /* columns of its rows; joints with one number each */
 	double largest_step;   /* s: the longest time_step that is allowed */
@@ -82,8 +83,8 @@ struct vehicle_info {
 size_t vehicle_count(const struct vehicles *vehicles); /* 0 for NULL */
 void vehicle_info(const struct vehicles *vehicles, size_t vehicle, struct vehicle_info *info);
 
-/* Fills `places` with points of the vehicle's way in this run, and with where it is now, in local metres. Returns their number, at
- * most VEHICLE_TRAIL + 1; 0 before its first step. A resumed run begins where it goes on. */
+/* Fills `places` with points of the vehicle's way in the whole drive, and with where it is now, in local metres. Returns their number,
+ * at most VEHICLE_TRAIL + 1; 0 before its first step. */
 #define VEHICLE_TRAIL 128
 size_t vehicle_trail(const struct vehicles *vehicles, size_t vehicle, double (*places)[2]);
 

@@ -39,6 +39,7 @@ struct world_force {
 	double force[3], moment[3]; /* N, N m */
 	double sinkage, area;       /* m below the base; m2 */
 	double residual, pull;      /* N: struct deform_forces */
+	double work;                /* J: what a quiet body has done on the soil since the start; of other bodies 0 */
 	int64_t z;                  /* 2^-20 m */
 	enum deform_state state;
 };

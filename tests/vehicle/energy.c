@@ -1,6 +1,7 @@
 /*
  * Energy and step size. A body that falls on the soil never has more energy than it began with, and springs back no higher than the
- * soil's elastic part lets it. A shorter time step changes where a vehicle comes to by less and less.
+ * soil's elastic part lets it. What a motor does is found again in the soil, in height and in motion. A shorter time step changes where a
+ * vehicle comes to by less and less.
  */
 #include <math.h>
 
@@ -67,6 +68,62 @@ static void a_fall_ends_in_the_soil(void **state)
 	assert_true(rows[count - 1].kinetic < 1e-6);
 }
 
+struct turned {
+	double t, x, z, angle, kinetic, work;
+};
+
+/* What the rows tell of the wheel: its angle from vehicles.csv, and from objects.csv what it did on the soil. */
+static size_t read_turned(struct turned *rows, size_t most)
+{
+	char *text = drive_text(support_path("out/vehicles.csv"));
+	size_t count = 0;
+	for (char *line = strchr(text, '\n'); line != NULL && line[1] != '\0' && count < most; line = strchr(line + 1, '\n'))
+		count += sscanf(line + 1, "%lf,%*[^,],%lf,%*f,%lf,%*f,%*f,%*f,%*f,%*f,%*f,%lf,%lf,%lf", &rows[count].t, &rows[count].x, &rows[count].z,
+				&rows[count].kinetic, &rows[count].work, &rows[count].angle) == 6;
+	free(text);
+	return count;
+}
+
+/* A motor drives a wheel from rest, without damping anywhere. Then its work is energy in the soil, in height and in motion. And the energy in the
+ * soil is the integral of the soil's force over the way and of its moment over the angle, which the rows tell too. */
+static void the_motor_s_work_is_in_the_soil_in_height_and_in_motion(void **state)
+{
+	static struct drive_row unused[2000];
+	static struct turned rows[2000];
+	(void)state;
+	support_write(support_path("wheel.xml"), "<mujoco><option timestep=\"0.0005\"/><worldbody><body name=\"carriage\" pos=\"0 0 0.5\">"
+		      "<joint type=\"slide\" axis=\"1 0 0\"/><joint type=\"slide\" axis=\"0 0 1\"/><inertial pos=\"0 0 0\" mass=\"70\" diaginertia=\"1 1 1\"/>"
+		      "<body><joint name=\"turn\" axis=\"0 1 0\"/><geom name=\"wheel\" type=\"cylinder\" size=\"0.32 0.12\" euler=\"90 0 0\" mass=\"30\"/>"
+		      "</body></body></worldbody><actuator><motor name=\"drive\" joint=\"turn\"/></actuator></mujoco>");
+	const size_t told = drive("", "model: wheel.xml, start: {at: [10, 16]}, driver: {hold: {drive: 70}}",
+				  (const char *const[]){"time_step=0.0005", "end_time=1.2", "output={vehicles: 1000, forces: 1000}", NULL}, unused, 2000);
+	const size_t count = read_turned(rows, 2000);
+	assert_int_equal(count, 1201);
+	assert_int_equal(told, count);
+	char *text = drive_text(support_path("out/objects.csv"));
+	double integral = 0, soil = 0, before[4] = {0, 0, 0, 0};
+	size_t at = 0;
+	for (char *line = strchr(text, '\n'); line != NULL && line[1] != '\0'; line = strchr(line + 1, '\n'), at++) {
+		double x, z, now[4]; /* fx, fz, ty */
+		assert_true(at < count);
+		assert_int_equal(sscanf(line + 1, "%*f,%*[^,],%lf,%*f,%lf,%*f,%lf,%*f,%lf,%*f,%lf,%*f,%*f,%*f,,%*[^,],%*[^,],%*f,%lf", &x, &z, &now[0], &now[1], &now[2], &soil), 6);
+		for (int k = 0; k < 3 && at > 0; k++) {
+			const struct turned *a = &rows[at - 1], *b = &rows[at];
+			const double by[3] = {b->x - a->x, b->z - a->z, b->angle - a->angle};
+			integral -= (before[k] + now[k]) / 2 * by[k];
+		}
+		memcpy(before, now, sizeof before);
+	}
+	free(text);
+	assert_int_equal(at, count);
+	const struct turned *end = &rows[count - 1];
+	const double lifted = 100 * 9.81 * (end->z - rows[0].z), moving = end->kinetic - rows[0].kinetic;
+	print_message("the motor did %.2f J: soil %.2f (by rows %.2f), height %.2f, motion %.2f\n", end->work, soil, integral, lifted, moving);
+	assert_true(end->work > 50 && soil > 0.2 * end->work && moving > 0.05 * end->work);
+	assert_true(fabs(soil + lifted + moving - end->work) < 0.0005 * end->work);
+	assert_true(fabs(integral - soil) < 0.01 * soil);
+}
+
 static void shorter_steps_converge(void **state)
 {
 	static struct drive_row rows[2000];
@@ -99,6 +156,7 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_fall_ends_in_the_soil),
+		cmocka_unit_test(the_motor_s_work_is_in_the_soil_in_height_and_in_motion),
 		cmocka_unit_test(shorter_steps_converge),
 	};
 	return cmocka_run_group_tests_name("energy and steps of vehicles", tests, support_enter, support_leave);

@@ -56,6 +56,26 @@ static void assert_same(const char *a, const char *b)
 	}
 }
 
+/* A resumed drive knows the way of its earlier parts. */
+static void assert_same_ways(const char *a, const char *b)
+{
+	const char *outs[] = {a, b};
+	char *ways[2];
+	for (int i = 0; i < 2; i++) {
+		char path[256];
+		snprintf(path, sizeof path, "%s/run.json", outs[i]);
+		char *text = drive_text(path), *vehicle = strstr(text, "\"vehicles\":"), *way = vehicle != NULL ? strstr(vehicle, "\"way\":") : NULL;
+		assert_non_null(way);
+		*strstr(way, "\"soils\":") = '\0';
+		ways[i] = strdup(way);
+		free(text);
+	}
+	assert_true(strlen(ways[0]) > 200);
+	assert_string_equal(ways[0], ways[1]);
+	free(ways[0]);
+	free(ways[1]);
+}
+
 static void drive_again(int vehicle)
 {
 	const char *const few[] = {vehicles[vehicle].slots, "cache.loaders=0", NULL};
@@ -74,6 +94,7 @@ static void drive_again(int vehicle)
 	must(drive_run(scene, store, NULL, &(struct drive_cut){overlays[3], outs[3], true, 0}, NULL));
 	for (int i = 1; i < 4; i++) {
 		assert_same(outs[0], outs[i]);
+		assert_same_ways(outs[0], outs[i]);
 		assert_true(support_hash(overlays[0]) == support_hash(overlays[i]));
 	}
 	snprintf(path, sizeof path, "%s/vehicles.csv", outs[0]);
