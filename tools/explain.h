@@ -10,6 +10,7 @@
 void explain_reason(const struct scene *scene, const char *effect, char *text, size_t size);
 
 /* explain_cameras.c: what each camera writes, and what it costs. */
+void explain_sun_text(const struct report_plan *plan); /* where the sun of pictures is */
 void explain_cameras_text(const struct scene *scene, const struct report_plan *plan);
 void explain_cameras_json(cJSON *root, const struct scene *scene, const struct report_plan *plan);
 

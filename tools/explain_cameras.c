@@ -1,4 +1,4 @@
-/* furrow explain: what each camera writes, and what it costs. */
+/* furrow explain: the sun of pictures, what each camera writes, and what it costs. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -30,6 +30,16 @@ static uint64_t frame_bytes(const struct scene_camera *camera)
 {
 	const int plain = __builtin_popcount(camera->images & ~SCENE_IMAGES_MEASURED), measured = camera->images & SCENE_IMAGES_MEASURED ? 4 : 0;
 	return 4 * (uint64_t)camera->width * (uint64_t)camera->height * (uint64_t)(plain + measured);
+}
+
+void explain_sun_text(const struct report_plan *plan)
+{
+	const struct report_sun *sun = &plan->sun;
+	if (!sun->drawn)
+		return;
+	printf("\nsun: azimuth %.1f degrees, clockwise from the store's north; %.1f degrees above the horizon\n", sun->begins.azimuth, sun->begins.height);
+	if (sun->sun.light.timed)
+		printf("  it moves: when the drive ends, azimuth %.1f, height %.1f degrees\n", sun->ends.azimuth, sun->ends.height);
 }
 
 void explain_cameras_text(const struct scene *scene, const struct report_plan *plan)

@@ -195,6 +195,7 @@ enum status explain_json(const struct scene *scene, const struct report_plan *pl
 	add_effects(root, scene, plan);
 	add_rasters(root, plan);
 	add_vehicles(root, plan);
+	report_sun_add(root, &plan->sun);
 	explain_cameras_json(root, scene, plan);
 	add_lines(root, "planes", scene, plan, PLAN_PLANE);
 	add_lines(root, "programs", scene, plan, PLAN_PROGRAM);

@@ -465,6 +465,7 @@ void explain_text(const struct scene *scene, const struct report_plan *plan)
 	print_effects(scene, plan);
 	print_rasters(plan);
 	print_vehicles(plan);
+	explain_sun_text(plan);
 	explain_cameras_text(scene, plan);
 	print_planes(scene, plan);
 	print_programs(scene, &plan->plan);

@@ -10,6 +10,7 @@
 #include "svg.h"
 
 enum { WIDTH = 520, HEIGHT = 320, LEFT = 64, RIGHT = 12, TOP = 30, BOTTOM = 46, ACROSS = WIDTH - LEFT - RIGHT, DOWN = HEIGHT - TOP - BOTTOM };
+enum { MAP_DOWN = 430 }; /* a map has more room */
 enum { WAY_POINTS = 3000 };
 #define NUMBER_MOST 1e30
 #define NUMBER_LEAST 1e-30 /* of a logarithmic axis; a linear axis takes less for 0 */
@@ -115,6 +116,15 @@ static void find_axes(struct axes *axes)
 	}
 	for (int k = plot->logarithmic ? 1 : 0; k < 2; k++)
 		part(&low[k], &high[k]);
+	if (plot->ground != NULL) {
+		for (int k = 0; k < 2; k++) {
+			low[k] = plot->ground->low[k];
+			high[k] = plot->ground->high[k];
+			axes->step[k] = svg_step((high[k] - low[k]) / 7);
+		}
+		one_scale(axes);
+		return;
+	}
 	svg_axis(&low[1], &high[1], &axes->step[1]);
 	if (!plot->logarithmic)
 		svg_axis(&low[0], &high[0], &axes->step[0]);
@@ -163,10 +173,12 @@ static void write_axes(const struct axes *axes, FILE *file)
 {
 	const struct html_plot *plot = axes->plot;
 	for (int k = plot->logarithmic ? 1 : 0; k < 2; k++) {
-		const int steps = (int)lround((axes->high[k] - axes->low[k]) / axes->step[k]);
-		const int every = k == 0 && axes->wide < 30.0 * steps ? 2 : 1; /* numbers stay apart */
+		const double first = ceil(axes->low[k] / axes->step[k] - 1e-6) * axes->step[k];
+		const int steps = (int)floor((axes->high[k] - first) / axes->step[k] + 1e-6);
+		const double room = k == 0 ? axes->wide / (30.0 * steps) : axes->tall / (14.0 * steps);
+		const int every = room < 0.5 ? 4 : room < 1 ? 2 : 1; /* numbers stay apart */
 		for (int i = 0; i <= steps; i += every) {
-			const double value = axes->low[k] + i * axes->step[k], shown = fabs(value) < axes->step[k] * 1e-6 ? 0 : value;
+			const double value = first + i * axes->step[k], shown = fabs(value) < axes->step[k] * 1e-6 ? 0 : value;
 			tick(axes, k, k == 0 ? place_x(axes, value) : place_y(axes, value), shown, file);
 		}
 	}
@@ -253,15 +265,8 @@ static void write_steps(const struct axes *axes, const struct html_line *line, b
 		point(axes, line->x[line->count - 1], 0, &down, file);
 }
 
-static void write_line(const struct axes *axes, const struct html_line *line, FILE *file)
+static void write_shape(const struct axes *axes, const struct html_line *line, FILE *file)
 {
-	const int colour = (int)(line->colour % HTML_COLOURS);
-	if (line->steps) {
-		fprintf(file, "<path class=\"area f%d\" d=\"", colour);
-		write_steps(axes, line, true, file);
-		fputs("Z\"/>\n", file);
-	}
-	fprintf(file, "<path class=\"curve s%d\" stroke-dasharray=\"%s\" d=\"", colour, dashes[line->dash % HTML_DASHES]);
 	if (line->steps) {
 		write_steps(axes, line, false, file);
 	} else if (axes->plot->map) {
@@ -272,7 +277,29 @@ static void write_line(const struct axes *axes, const struct html_line *line, FI
 	} else {
 		write_over(axes, line, file);
 	}
+}
+
+static void write_line(const struct axes *axes, const struct html_line *line, FILE *file)
+{
+	const int colour = (int)(line->colour % HTML_COLOURS);
+	if (line->steps) {
+		fprintf(file, "<path class=\"area f%d\" d=\"", colour);
+		write_steps(axes, line, true, file);
+		fputs("Z\"/>\n", file);
+	}
+	if (axes->plot->ground != NULL && !line->dots) { /* so that it is seen on any ground */
+		fputs("<path class=\"halo\" d=\"", file);
+		write_shape(axes, line, file);
+		fputs("\"/>\n", file);
+	}
+	fprintf(file, "<path class=\"curve s%d\" stroke-dasharray=\"%s\" d=\"", colour, dashes[line->dash % HTML_DASHES]);
+	write_shape(axes, line, file);
 	fputs("\"/>\n", file);
+	for (size_t i = 0; line->begins && i < line->count; i++)
+		if (is_drawn(axes->plot, line, i)) {
+			fprintf(file, "<circle class=\"f%d begin\" cx=\"%.1f\" cy=\"%.1f\" r=\"4\"/>\n", colour, place_x(axes, line->x[i]), place_y(axes, line->y[i]));
+			break;
+		}
 	for (size_t i = 0; line->dots && i < line->count; i++)
 		if (is_drawn(axes->plot, line, i))
 			fprintf(file, "<circle class=\"f%d\" cx=\"%.1f\" cy=\"%.1f\" r=\"2.5\"/>", colour, place_x(axes, line->x[i]), place_y(axes, line->y[i]));
@@ -291,13 +318,37 @@ static void write_upright(const struct axes *axes, FILE *file)
 	fputs("</text>\n", file);
 }
 
+void html_base64(const unsigned char *bytes, size_t length, FILE *file)
+{
+	static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+	for (size_t i = 0; i < length; i += 3) {
+		const unsigned a = bytes[i], b = i + 1 < length ? bytes[i + 1] : 0, c = i + 2 < length ? bytes[i + 2] : 0;
+		fputc(digits[a >> 2], file);
+		fputc(digits[(a & 3) << 4 | b >> 4], file);
+		fputc(i + 1 < length ? digits[(b & 15) << 2 | c >> 6] : '=', file);
+		fputc(i + 2 < length ? digits[c & 63] : '=', file);
+	}
+}
+
+static void write_ground(const struct axes *axes, FILE *file)
+{
+	const struct html_ground *ground = axes->plot->ground;
+	if (ground == NULL)
+		return;
+	fprintf(file, "<image x=\"%.2f\" y=\"%.2f\" width=\"%.2f\" height=\"%.2f\" preserveAspectRatio=\"none\" href=\"data:image/png;base64,",
+		axes->left, axes->top, axes->wide, axes->tall);
+	html_base64(ground->png, ground->length, file);
+	fprintf(file, "\"/><path class=\"edge\" d=\"M%.2f %.2fh%.2fv%.2fh%.2fz\"/>\n", axes->left, axes->top, axes->wide, axes->tall, -axes->wide);
+}
+
 void html_plot_write(const struct html_plot *plot, FILE *file)
 {
-	struct axes axes = {.plot = plot, .left = LEFT, .top = TOP, .wide = ACROSS, .tall = DOWN};
+	struct axes axes = {.plot = plot, .left = LEFT, .top = TOP, .wide = ACROSS, .tall = plot->map ? MAP_DOWN : DOWN};
 	find_axes(&axes);
-	fprintf(file, "<svg role=\"img\" viewBox=\"0 0 %d %.0f\"><title>", WIDTH, TOP + axes.tall + BOTTOM);
+	fprintf(file, "<svg role=\"img\"%s viewBox=\"0 0 %d %.0f\"><title>", plot->ground != NULL ? " class=\"map\"" : "", WIDTH, TOP + axes.tall + BOTTOM);
 	svg_text(plot->title, file);
 	fputs("</title>\n", file);
+	write_ground(&axes, file);
 	write_axes(&axes, file);
 	for (size_t i = plot->count; i-- > 0;) /* the first lies on top */
 		write_line(&axes, &plot->lines[i], file);

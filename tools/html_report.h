@@ -3,6 +3,7 @@
 #define FURROW_TOOLS_HTML_REPORT_H
 
 #include "html_cache.h"
+#include "html_map.h"
 #include "html_run.h"
 #include "html_rut.h"
 
@@ -12,6 +13,7 @@ struct html_report {
 	struct html_run runs[HTML_RUNS];
 	struct html_rut ruts[HTML_RUNS];
 	struct html_cache caches[HTML_RUNS];
+	struct html_map maps[HTML_RUNS];
 	size_t count; /* of runs */
 	FILE *file;
 };
@@ -29,10 +31,27 @@ void html_tables_volume(const struct html_report *report);
 void html_tables_notes(const struct html_report *report);
 /* html_curves.c: */
 enum status html_curves_write(const struct html_report *report) FURROW_CHECKED; /* ways, curves of objects and vehicles */
+size_t html_bodies_most(const struct html_report *report);      /* bodies of a drive that plots show */
+size_t html_drawn(const struct html_report *report, const struct html_bodies *bodies); /* how many of these they show */
+struct html_line html_line_of(const struct html_report *report, size_t run, size_t body); /* its colour and dash */
+void html_legend_begin(const struct html_report *report);
+void html_legend_line(const struct html_report *report, const struct html_line *line, const char *folder, const char *name);
+void html_legend_end(const struct html_report *report);
+void html_legend_ways(const struct html_report *report);        /* of the ways that the map shows */
+/* Gives the ends of the rut profile, as two x and two y, m. Returns false if there is none. */
+bool html_profile(const struct html_report *report, size_t run, double ends[2][2]);
+/* html_energy.c: where the energy went, as tables. */
+void html_energy_objects(const struct html_report *report);
+void html_energy_vehicles(const struct html_report *report);
+/* html_volume.c: volume over time. */
+void html_volume_plot(const struct html_report *report);
+/* html_figures.c: */
 enum status html_curves_rut(const struct html_report *report) FURROW_CHECKED;
 enum status html_curves_steps(const struct html_report *report) FURROW_CHECKED;
 enum status html_curves_cache(const struct html_report *report) FURROW_CHECKED;
-/* html_map.c: map.png of each folder, within the page. */
+/* html_cameras.c: what cameras did, and their first and last pictures. */
+enum status html_cameras_write(const struct html_report *report) FURROW_CHECKED;
+/* html_map.c: the map of each drive. */
 enum status html_map_write(const struct html_report *report) FURROW_CHECKED;
 
 /* Pieces of the page. */

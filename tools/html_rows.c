@@ -1,37 +1,22 @@
-/*
- * Reads objects.csv and vehicles.csv into curves. Computes for each row the way since the first row, the drawbar pull, and the energy
- * into the soil:
- *
- *     drawbar = F . d          d: the direction of the way in plan
- *     energy += -(F . dp + (M . a) ds / (r (1 - slip)))      second term: only for a wheel; a: its axle, to the left of d
- *
- * F, M: the soil's force and moment on the object, means of two rows. dp, ds: the way between these rows, in space and in plan.
- */
+/* Reads objects.csv and vehicles.csv into curves, and the way since the first row. html_forces.c has what is computed of each row. */
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "command.h"
-#include "html_run.h"
+#include "html_row.h"
 
 #define CELLS_MOST 2048
 #define BODIES_MOST 4096
 #define ROWS_MOST 20000000 /* in a file: about 2 GB */
-#define SLIP_MOST 0.99     /* above it a wheel turns almost in place, so its angle cannot be computed from its way */
-
-struct html_row {
-	double time, place[3], force[3], moment[3], sinkage, slip, direction[2];
-	double values[HTML_VALUES]; /* of a vehicle */
-	double radius;              /* of a wheel; 0: it does not turn; NaN: not known how it turns */
-	bool moved;                 /* direction is known */
-};
 
 /* How a column is read: where its number goes within a row. */
 struct column {
 	const char *name;
 	size_t offset;
-	int cell; /* -1: the file has none */
+	int cell;     /* -1: the file has none */
+	bool may_lack; /* the file may have none, and a cell may be empty: NaN then */
 };
 #define PLACE(member) offsetof(struct html_row, member)
 
@@ -75,7 +60,7 @@ static enum status find_columns(struct table *table, char **cells, size_t count)
 		for (size_t i = 0; i < count && table->columns[k].cell < 0; i++)
 			if (strcmp(cells[i], table->columns[k].name) == 0)
 				table->columns[k].cell = (int)i;
-		if (table->columns[k].cell < 0)
+		if (table->columns[k].cell < 0 && !table->columns[k].may_lack)
 			return wrong(table, "lacks a column that such a file has");
 	}
 	return STATUS_OK;
@@ -117,6 +102,17 @@ static double radius_of(const struct html_run *run, const char *name)
 	return shaped ? 0 : (double)NAN;
 }
 
+/* A path has heights only if a file gives it. */
+static bool is_flat(const struct html_run *run, const char *name)
+{
+	char key[300];
+	snprintf(key, sizeof key, "objects.%.200s.load", name);
+	if (html_setting(run, key) != NULL)
+		return false;
+	snprintf(key, sizeof key, "objects.%.200s.path.file", name);
+	return html_setting(run, key) != NULL;
+}
+
 static struct html_body *body_named(struct table *table, const char *name)
 {
 	struct html_bodies *bodies = table->bodies;
@@ -129,6 +125,7 @@ static struct html_body *body_named(struct table *table, const char *name)
 	if (body == NULL || (body->last = mem_calloc(1, sizeof *body->last)) == NULL)
 		return NULL;
 	body->last->radius = table->vehicles ? (double)NAN : radius_of(table->run, name);
+	body->last->flat = !table->vehicles && is_flat(table->run, name);
 	return body;
 }
 
@@ -154,42 +151,6 @@ enum status html_body_room(struct html_body *body)
 	return STATUS_OK;
 }
 
-static double dot(const double a[3], const double b[3])
-{
-	return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-/* Returns the energy into the soil between two rows, J. NaN: not known. */
-static double energy_between(const struct html_row *a, const struct html_row *b, double went)
-{
-	double way[3], force[3], moment[3], turned = 0;
-	for (int k = 0; k < 3; k++) {
-		way[k] = b->place[k] - a->place[k];
-		force[k] = (a->force[k] + b->force[k]) / 2;
-		moment[k] = (a->moment[k] + b->moment[k]) / 2;
-	}
-	const double slip = (a->slip + b->slip) / 2, axle[3] = {-b->direction[1], b->direction[0], 0};
-	if (isnan(a->radius) || (a->radius > 0 && !(slip < SLIP_MOST)))
-		return (double)NAN;
-	if (a->radius > 0)
-		turned = went / (a->radius * (1 - slip));
-	return -(dot(force, way) + dot(moment, axle) * turned);
-}
-
-static void take_object(struct html_body *body, struct html_row *row, double went)
-{
-	const struct html_row *last = body->last;
-	const size_t at = body->count;
-	double *const *values = body->values;
-	const bool first = at == 0;
-	values[HTML_SINKAGE][at] = row->sinkage * 1e3;
-	values[HTML_SLIP][at] = row->slip;
-	values[HTML_DRAWBAR][at] = row->moved ? row->force[0] * row->direction[0] + row->force[1] * row->direction[1] : (double)NAN;
-	values[HTML_ENERGY][at] = first ? (isnan(row->radius) ? (double)NAN : 0) : values[HTML_ENERGY][at - 1] + energy_between(last, row, went) / 1e3;
-	if (row->moved && at == 1) /* the first row looks along the way to the second */
-		values[HTML_DRAWBAR][0] = last->force[0] * row->direction[0] + last->force[1] * row->direction[1];
-}
-
 static enum status take_row(struct table *table, const char *name, struct html_row *row)
 {
 	struct html_body *body = body_named(table, name);
@@ -201,17 +162,11 @@ static enum status take_row(struct table *table, const char *name, struct html_r
 	enum status status = html_body_room(body);
 	if (status != STATUS_OK)
 		return status;
-	double went = 0;
-	row->radius = last->radius;
-	if (body->count > 0) {
-		const double way[2] = {row->place[0] - last->place[0], row->place[1] - last->place[1]};
-		went = hypot(way[0], way[1]);
-		row->moved = last->moved || went > 0;
-		for (int k = 0; k < 2; k++)
-			row->direction[k] = went > 0 ? way[k] / went : last->direction[k];
-	}
 	const size_t at = body->count;
+	const double went = at > 0 ? hypot(row->place[0] - last->place[0], row->place[1] - last->place[1]) : 0;
 	body->time[at] = row->time;
+	body->floor = at > 0 ? body->floor : row->place[2];
+	body->rise = row->place[2] - body->floor;
 	body->way[at] = at > 0 ? body->way[at - 1] + went : 0;
 	body->x[at] = row->place[0];
 	body->y[at] = row->place[1];
@@ -219,7 +174,7 @@ static enum status take_row(struct table *table, const char *name, struct html_r
 		for (int k = 0; k < HTML_VALUES; k++)
 			body->values[k][at] = row->values[k];
 	else
-		take_object(body, row, went);
+		html_forces_take(body, row, went);
 	body->count++;
 	*body->last = *row;
 	return STATUS_OK;
@@ -233,17 +188,21 @@ static enum status take_line(struct table *table, char **cells, size_t count)
 	if (++table->rows > ROWS_MOST)
 		return wrong(table, "is behind the 20 million rows that a report reads");
 	for (size_t k = 0; k < table->count; k++) {
-		double *number = (double *)((char *)&row + table->columns[k].offset);
-		if (!take_number(cells[table->columns[k].cell], number))
+		const struct column *column = &table->columns[k];
+		double *number = (double *)((char *)&row + column->offset);
+		if (column->may_lack && (column->cell < 0 || cells[column->cell][0] == '\0'))
+			*number = (double)NAN;
+		else if (!take_number(cells[column->cell], number))
 			return wrong(table, "has a cell that is no number");
 	}
 	if (isnan(row.time) || isnan(row.place[0]) || isnan(row.place[1]) || isnan(row.place[2]))
 		return wrong(table, "does not tell when or where it is");
 	if (table->vehicles) {
-		row.values[HTML_SPEED] = sqrt(dot(row.force, row.force)); /* where its velocity was read to */
+		row.values[HTML_SPEED] = hypot(hypot(row.force[0], row.force[1]), row.force[2]); /* where its velocity was read to */
 		row.values[HTML_WORK] /= 1e3;
 		row.values[HTML_KINETIC] /= 1e3;
-		row.values[HTML_ENERGY] = (double)NAN;
+		for (int k = HTML_SOIL; k < HTML_VALUES; k++)
+			row.values[k] = (double)NAN;
 	}
 	return take_row(table, cells[1], &row);
 }
@@ -289,9 +248,10 @@ static enum status read_file(struct html_run *run, const char *name, bool vehicl
 enum status html_rows_objects(struct html_run *run)
 {
 	struct column columns[] = {
-		{"t", PLACE(time), 0}, {"x", PLACE(place[0]), 0}, {"y", PLACE(place[1]), 0}, {"z", PLACE(place[2]), 0},
-		{"sinkage", PLACE(sinkage), 0}, {"slip", PLACE(slip), 0}, {"fx", PLACE(force[0]), 0}, {"fy", PLACE(force[1]), 0},
-		{"fz", PLACE(force[2]), 0}, {"tx", PLACE(moment[0]), 0}, {"ty", PLACE(moment[1]), 0}, {"tz", PLACE(moment[2]), 0},
+		{"t", PLACE(time), 0, false}, {"x", PLACE(place[0]), 0, false}, {"y", PLACE(place[1]), 0, false}, {"z", PLACE(place[2]), 0, false},
+		{"sinkage", PLACE(sinkage), 0, false}, {"slip", PLACE(slip), 0, false}, {"fx", PLACE(force[0]), 0, false}, {"fy", PLACE(force[1]), 0, false},
+		{"fz", PLACE(force[2]), 0, false}, {"tx", PLACE(moment[0]), 0, false}, {"ty", PLACE(moment[1]), 0, false}, {"tz", PLACE(moment[2]), 0, false},
+		{"load", PLACE(load), 0, true}, {"work", PLACE(work), 0, true},
 	};
 	return read_file(run, "objects.csv", false, columns, sizeof columns / sizeof *columns, &run->objects);
 }
@@ -299,11 +259,34 @@ enum status html_rows_objects(struct html_run *run)
 enum status html_rows_vehicles(struct html_run *run)
 {
 	struct column columns[] = {
-		{"t", PLACE(time), 0}, {"x", PLACE(place[0]), 0}, {"y", PLACE(place[1]), 0}, {"z", PLACE(place[2]), 0},
-		{"vx", PLACE(force[0]), 0}, {"vy", PLACE(force[1]), 0}, {"vz", PLACE(force[2]), 0},
-		{"work", PLACE(values[HTML_WORK]), 0}, {"kinetic", PLACE(values[HTML_KINETIC]), 0},
+		{"t", PLACE(time), 0, false}, {"x", PLACE(place[0]), 0, false}, {"y", PLACE(place[1]), 0, false}, {"z", PLACE(place[2]), 0, false},
+		{"vx", PLACE(force[0]), 0, false}, {"vy", PLACE(force[1]), 0, false}, {"vz", PLACE(force[2]), 0, false},
+		{"work", PLACE(values[HTML_WORK]), 0, false}, {"kinetic", PLACE(values[HTML_KINETIC]), 0, false},
 	};
 	return read_file(run, "vehicles.csv", true, columns, sizeof columns / sizeof *columns, &run->vehicles);
+}
+
+/* Adds the energy of an object's rows to a vehicle's, at the vehicle's times: that of the last row until then. */
+static void add_soil(const struct html_body *object, struct html_body *vehicle)
+{
+	for (size_t i = 0, k = 0; i < vehicle->count; i++) {
+		while (k + 1 < object->count && object->time[k + 1] <= vehicle->time[i] * (1 + 1e-9))
+			k++;
+		vehicle->values[HTML_SOIL][i] = (isnan(vehicle->values[HTML_SOIL][i]) ? 0 : vehicle->values[HTML_SOIL][i]) + object->values[HTML_ENERGY][k];
+	}
+}
+
+void html_rows_join(struct html_run *run)
+{
+	for (size_t v = 0; v < run->vehicles.count; v++) {
+		struct html_body *vehicle = &run->vehicles.list[v];
+		const size_t length = strlen(vehicle->name);
+		for (size_t k = 0; k < run->objects.count; k++) {
+			const struct html_body *object = &run->objects.list[k];
+			if (strncmp(object->name, vehicle->name, length) == 0 && object->name[length] == '.' && object->count > 0)
+				add_soil(object, vehicle);
+		}
+	}
 }
 
 struct html_body *html_bodies_add(struct html_bodies *bodies, const char *name)

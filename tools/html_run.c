@@ -86,6 +86,10 @@ enum status html_run_read(const char *folder, struct html_run *out)
 	if (status == STATUS_OK)
 		status = html_rows_vehicles(out);
 	if (status == STATUS_OK)
+		status = html_volumes_read(out);
+	if (status == STATUS_OK)
+		html_rows_join(out);
+	if (status == STATUS_OK)
 		status = read_ways(out, "objects");
 	if (status == STATUS_OK)
 		status = read_ways(out, "vehicles");
@@ -98,6 +102,7 @@ void html_run_finish(struct html_run *run)
 	html_bodies_finish(&run->objects);
 	html_bodies_finish(&run->vehicles);
 	html_bodies_finish(&run->ways);
+	html_volumes_finish(&run->volumes);
 	*run = (struct html_run){.folder = NULL};
 }
 

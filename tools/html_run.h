@@ -17,13 +17,26 @@
 enum html_value {
 	HTML_SINKAGE, /* mm */
 	HTML_SLIP,
-	HTML_DRAWBAR, /* N: the soil's force along the way */
+	HTML_TRACTION, /* N: the soil's force along the ground, in the direction of the way */
+	HTML_GRADE,   /* N: the part of it that carries the weight up the slope */
+	HTML_DRAWBAR, /* N: the rest of it */
 	HTML_ENERGY,  /* kJ into the soil, since the first row */
+	HTML_LOSS,    /* J of it for each metre of way */
 	HTML_VALUES,
 	/* of a vehicle: */
 	HTML_SPEED = 0, /* m/s */
 	HTML_WORK,      /* kJ */
 	HTML_KINETIC,   /* kJ */
+	HTML_SOIL,      /* kJ into the soil by all its soil geoms, as the rows of objects.csv have it at its times */
+};
+
+/* What an object did with its energy from its first row to its last, kJ. NaN: not known. */
+struct html_energy {
+	double soil;      /* what went into the soil: torque - push */
+	double torque;    /* work of the axle's torque; of what does not turn 0 */
+	double push;      /* work of the soil's force along the way, in space: above 0 it drives, below 0 it resists */
+	double climb;     /* the part of `push` that lifts the weight */
+	double slip;      /* the part of `soil` that the wheel's slip takes: slip x torque */
 };
 
 /* The rows of one object or vehicle. */
@@ -34,6 +47,9 @@ struct html_body {
 	double *x, *y;                /* m */
 	double *values[HTML_VALUES];  /* NaN: not known */
 	struct html_row *last;        /* while rows are read */
+	struct html_energy energy;    /* of an object */
+	double floor, rise;           /* m: height in the first row; how much higher it is in the last one */
+	double steepest;              /* of an object: largest grade resistance over the weight, a share of 1 */
 };
 
 struct html_bodies {
@@ -42,10 +58,18 @@ struct html_bodies {
 	bool there;     /* the file is there, and has rows */
 };
 
+/* Rows of volume.csv. */
+enum html_volume { HTML_REMOVED, HTML_RAISED, HTML_COMPACTED, HTML_NET, HTML_VOLUMES }; /* m3; net: raised - removed */
+struct html_volumes {
+	size_t count, room;
+	double *time, *values[HTML_VOLUMES];
+};
+
 struct html_run {
 	const char *folder; /* as it was given */
 	cJSON *json;
 	struct html_bodies objects, vehicles; /* of objects.csv, of vehicles.csv */
+	struct html_volumes volumes;
 	struct html_bodies ways;              /* corners of the objects' ways, of run.json: without times and values */
 };
 
@@ -67,9 +91,16 @@ const char *html_setting(const struct html_run *run, const char *key);
 /* Returns the ways, from the first of these that has them: vehicles.csv, objects.csv, run.json. */
 const struct html_bodies *html_ways(const struct html_run *run);
 
+/* html_forces.c: computes what a row of an object tells, with the row before. */
+void html_forces_take(struct html_body *body, struct html_row *row, double went);
 /* html_rows.c: reads a file of rows; the bodies stay empty if it is not there. */
 enum status html_rows_objects(struct html_run *run) FURROW_CHECKED;
 enum status html_rows_vehicles(struct html_run *run) FURROW_CHECKED;
+/* html_volume.c: reads volume.csv; there are no rows if it is not there. */
+enum status html_volumes_read(struct html_run *run) FURROW_CHECKED;
+void html_volumes_finish(struct html_volumes *volumes);
+/* Sums the energy of each vehicle's soil geoms, which are the objects VEHICLE.GEOM. */
+void html_rows_join(struct html_run *run);
 /* Adds a body without points; NULL: out of memory. */
 struct html_body *html_bodies_add(struct html_bodies *bodies, const char *name);
 /* Makes room for one more point. */

@@ -106,6 +106,8 @@ void html_tables_run(const struct html_report *report)
 		{"scene", "scene.file", 1}, {"hash of the scene", "scene.hash", 1}, {"store", "store.file", 1}, {"base store", "store.base", 1},
 		{"spacing of posts, m", "spacing", 1}, {"working level", "working_level", 1}, {"furrow", "version", 1}, {"GL renderer", "gl.renderer", 1},
 		{"GL vendor", "gl.vendor", 1}, {"GL version", "gl.version", 1}, {"software GL", "gl.software", 1},
+		{"sun of pictures: azimuth, degrees", "sun.azimuth", 1}, {"sun of pictures: height, degrees", "sun.height", 1},
+		{"sun's azimuth at the end, degrees", "sun.azimuth_at_end", 1}, {"sun's height at the end, degrees", "sun.height_at_end", 1},
 	};
 	html_section(report, "run", "What was run");
 	html_table(report, "");
@@ -389,6 +391,7 @@ void html_tables_volume(const struct html_report *report)
 		{"net, fixed-point units", "volume.quanta.net", 1}, {"compacted, fixed-point units", "volume.quanta.compacted", 1},
 	};
 	html_section(report, "volume", "Volume balance");
+	html_volume_plot(report);
 	html_table(report, "");
 	ROWS(report, list);
 	bool conserves = false;

@@ -37,6 +37,8 @@ static enum status read_runs(const struct arguments *arguments, struct html_repo
 		if (status == STATUS_OK)
 			status = html_rut_read(&report->runs[i], &report->ruts[i]);
 		if (status == STATUS_OK)
+			status = html_map_read(&report->runs[i], arguments_count(arguments) > 1 ? 480 : 720, &report->maps[i]);
+		if (status == STATUS_OK)
 			status = html_cache_read(&report->runs[i], &report->caches[i]);
 	}
 	return status;
@@ -67,6 +69,7 @@ static enum status run(const struct arguments *arguments)
 	for (size_t i = 0; report != NULL && i < report->count; i++) {
 		html_run_finish(&report->runs[i]);
 		html_rut_finish(&report->ruts[i]);
+		html_map_finish(&report->maps[i]);
 	}
 	mem_free(report);
 	return status;
@@ -78,16 +81,18 @@ const struct command command_report = {
 	.arguments = COMMAND_ARGUMENTS({"DIR", .help = "a folder that furrow drive left; up to eight are compared", .files = "/",
 	 .needed = true, .repeats = true}),
 	.options = options,
-	.details = "The page is one file. It needs no network, and no file beside it: plots are drawn within it, and map.png is a "
-		   "part of it.\n\n"
+	.details = "The page is one file. It needs no network, and no file beside it: plots and maps are drawn within it, and pictures "
+		   "are a part of it.\n\n"
 		   "Sections, and the files that they come from:\n\n"
 		   "  what was run, settings, soils,     run.json\n"
 		   "    results, step times, volume, notes\n"
-		   "  map                                map.png\n"
-		   "  ways in plan                       vehicles.csv, objects.csv or run.json\n"
-		   "  sinkage, slip, drawbar pull,       objects.csv (output.forces in the scene)\n"
-		   "    energy\n"
-		   "  speed and work of vehicles         vehicles.csv (output.vehicles)\n"
+		   "  volume over time                   volume.csv\n"
+		   "  map of the ground and the ways     the deformed store; else map.png\n"
+		   "  ways, seen from above              vehicles.csv, objects.csv or run.json\n"
+		   "  cameras                            run.json, and pictures in cameras\n"
+		   "  sinkage, slip, traction, drawbar   objects.csv (output.forces in the scene)\n"
+		   "    pull, energy\n"
+		   "  speed, work, energy of vehicles    vehicles.csv (output.vehicles)\n"
 		   "  rut profile, across the way        the store or overlay that was deformed\n"
 		   "  page cache: misses over slots      the trace (drive --trace FILE)\n\n"
 		   "If a folder does not have the data for a section, one sentence gives the reason. More: docs/REPORT.md\n",

@@ -88,6 +88,8 @@ static enum status start_rows(struct drive *drive)
 			status = report_rows_open(world, params->directory, &drive->rows);
 		if (status == STATUS_OK)
 			status = report_vehicles_open(world, drive->vehicles, params->directory, &drive->vehicle_rows);
+		if (status == STATUS_OK)
+			status = report_volume_open(world, params->directory, &drive->volume);
 	}
 	if (status == STATUS_OK && drive->view != NULL && params->host == NULL)
 		status = report_poses_open(world, params->directory, &drive->poses);
@@ -136,6 +138,8 @@ static void finish(struct drive *drive, enum status status)
 	report_rows_close(drive->rows);
 	report_vehicles_close(drive->vehicle_rows);
 	report_poses_close(drive->poses);
+	if (drive->volume != NULL)
+		fclose(drive->volume);
 }
 
 /* Also for a drive that failed or was interrupted, once it began. The drive's own failure is returned before the trace's. */
@@ -157,6 +161,7 @@ static enum status describe(struct drive *drive, struct api_result *result)
 	report->world = world;
 	report->view = drive->view;
 	report->pictures = drive->pictures;
+	report->poses = drive->poses;
 	report->vehicles = drive->vehicles;
 	report->advised = drive->params->host == NULL;
 	result->steps = world->step;
@@ -472,6 +477,7 @@ enum status api_drive(const struct api_params *params, struct api_result *result
 	} else if (status == STATUS_OK) {
 		if (params->host == NULL) { /* settings that a drive does not use may matter to who watches */
 			world_advise(&drive.world, tell_advice, NULL);
+			report_sun_advise(&drive.world, tell_advice, NULL);
 			vehicle_advise(drive.vehicles, &drive.scene, drive.world.spacing, tell_advice, NULL);
 		} else {
 			scene_advise_units(params->scene, tell_advice, NULL);

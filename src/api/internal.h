@@ -20,6 +20,7 @@ struct drive {
 	struct view *view;            /* NULL if the scene has no view */
 	struct pictures *pictures;    /* NULL: none are written */
 	struct report_poses *poses;   /* NULL: the scene has no cameras, or they write nothing */
+	FILE *volume;                 /* volume.csv; NULL: none */
 	struct report_rows *rows;     /* NULL: no objects.csv */
 	struct report report;
 	bool ran;                     /* its loop began */

@@ -154,6 +154,16 @@ struct view;
  * be shown. The world's pages must have been started. */
 enum status render_view_create(struct world *world, bool watched, struct view **out) FURROW_CHECKED;
 void render_view_destroy(struct view *view); /* view may be NULL */
+/* The scene's light with its place. */
+struct render_sun {
+	struct scene_light light;
+	double north;           /* rad: true north, clockwise from the store's */
+};
+/* Finds the place of a light that has a time: the middle of the terrain, if the scene gives none. STATUS_INPUT: the store has no place
+ * on a globe. */
+enum status render_sun_find(const struct scene_light *light, const struct store_meta *meta, struct render_sun *out) FURROW_CHECKED;
+/* Gives where the sun is at a time of the drive, s. Angles in rad: azimuth clockwise from the store's north, height above the horizon. */
+void render_sun_at(const struct render_sun *sun, double time, double *azimuth, double *height);
 /* Fills the parameters of a picture of this world, except gpu, slots, reference, low, high and layers. Pure. */
 void render_view_params(const struct world *world, struct render_params *params);
 /* Links and runs every program once, so that no step has to. If a picture may follow any step, it also loads the tiles of the

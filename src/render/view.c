@@ -321,7 +321,7 @@ enum status render_view_create(struct world *world, bool watched, struct view **
 	if (status == STATUS_OK)
 		status = make_render(view, watched, &view->render);
 	if (status == STATUS_OK)
-		status = render_view_find_place(view);
+		status = render_sun_find(&scene->view.light, world->meta, &view->sun);
 	if (status == STATUS_OK && !watched)
 		status = render_view_make_cameras(view);
 	if (status == STATUS_OK && scene->view.pixel_error > 0)

@@ -62,8 +62,7 @@ struct view {
 	bool told;
 	bool free;                /* a host has set the camera: */
 	struct render_camera camera;
-	struct scene_light light; /* the scene's, with its place */
-	double north;             /* rad: true north, clockwise from the store's */
+	struct render_sun sun;
 	bool lacks;               /* the last picture lacked tiles that were not resident */
 	struct terrain_selection *selection;
 	struct view_look *now;    /* the last picture */
@@ -103,9 +102,7 @@ enum status render_view_shade(struct view *view, const struct render_camera *cam
 void render_view_count(struct view *view); /* counts the frame that was drawn */
 void render_view_count_tiles(struct view *view); /* counts the tiles alone: the frame was drawn a second time */
 
-/* view_sun.c: the sun of a time and a place. */
-enum status render_view_find_place(struct view *view) FURROW_CHECKED; /* of the terrain, if the scene gives none */
-void render_view_move_sun(struct view *view); /* to where it is now */
+void render_view_move_sun(struct view *view); /* view_sun.c: to where it is now */
 
 /* view_cameras.c: cameras that write frames. */
 enum status render_view_make_cameras(struct view *view) FURROW_CHECKED;

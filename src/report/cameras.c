@@ -89,6 +89,7 @@ static void add_conventions(cJSON *root)
 	cJSON_AddStringToObject(told, "world", "x east, y north, z up; m from the store's south-west post, heights as the store has them");
 	cJSON_AddStringToObject(told, "camera", "x right, y down, z ahead");
 	cJSON_AddStringToObject(told, "orientation", "quaternion x, y, z, w that turns the camera's axes into the world's");
+	cJSON_AddStringToObject(told, "sun", "degrees: azimuth clockwise from the store's north, height above the horizon; with a time, of each frame too");
 	cJSON_AddStringToObject(told, "pixels", "x right, y down from the upper left corner of the picture; the first pixel's centre is (0.5, 0.5)");
 	cJSON_AddStringToObject(told, "projection", "pixel x = cx + fx X / Z, pixel y = cy + fy Y / Z, with X, Y, Z along the camera's axes");
 }
@@ -166,7 +167,8 @@ static void add_stereo(cJSON *root, const struct scene *scene, const struct scen
 	json_number(stereo, "baseline", camera->baseline > 0 ? camera->baseline : scene->cameras[camera->pair].baseline);
 }
 
-static void add_frames(cJSON *root, const struct poses_of *of)
+/* The sun moves in the frames of a scene that gives a time. */
+static void add_frames(cJSON *root, const struct poses_of *of, const struct report_sun *sun)
 {
 	cJSON *frames = cJSON_AddArrayToObject(root, "frames");
 	for (size_t i = 0; i < of->count; i++) {
@@ -179,6 +181,10 @@ static void add_frames(cJSON *root, const struct poses_of *of)
 		json_number(frame, "time", of->rows[i].time);
 		add_numbers(frame, "position", of->rows[i].at, 3);
 		add_numbers(frame, "orientation", of->rows[i].q, 4);
+		if (!sun->sun.light.timed)
+			continue;
+		const struct report_sun_place place = report_sun_at(sun, of->rows[i].time);
+		add_numbers(frame, "sun", (const double[2]){place.azimuth, place.height}, 2);
 	}
 }
 
@@ -204,12 +210,54 @@ static void print_json(const struct report_poses *poses, size_t index, FILE *fil
 	add_images(root, poses->world, camera);
 	add_stereo(root, scene, camera);
 	add_conventions(root);
-	add_frames(root, &poses->cameras[index]);
+	struct report_sun sun;
+	if (report_sun_find(poses->world, &sun) != STATUS_OK)
+		sun = (struct report_sun){.drawn = false};
+	report_sun_add(root, &sun);
+	add_frames(root, &poses->cameras[index], &sun);
 	char *text = cJSON_Print(root);
 	cJSON_Delete(root);
 	if (text != NULL)
 		fprintf(file, "%s\n", text);
 	cJSON_free(text);
+}
+
+/* --- run.json --- */
+
+static void add_place(cJSON *camera, const char *name, const struct poses_row *row)
+{
+	cJSON *frame = cJSON_AddObjectToObject(camera, name);
+	json_integer(frame, "frame", row->frame);
+	json_number(frame, "time", row->time);
+	add_numbers(frame, "position", row->at, 3);
+	add_numbers(frame, "orientation", row->q, 4);
+}
+
+void report_cameras_add(cJSON *root, const struct scene *scene, const struct report_poses *poses)
+{
+	if (scene->camera_count == 0)
+		return;
+	cJSON *cameras = cJSON_AddObjectToObject(root, "cameras");
+	for (size_t i = 0; i < scene->camera_count; i++) {
+		const struct scene_camera *camera = &scene->cameras[i];
+		cJSON *object = cJSON_AddObjectToObject(cameras, camera->name), *images = NULL;
+		cJSON_AddStringToObject(object, "kind", kinds[camera->aim.kind]);
+		add_target(object, scene, camera);
+		json_integer(object, "width", camera->width);
+		json_integer(object, "height", camera->height);
+		json_number(object, "fov_horizontal", camera->fov * 180 / M_PI);
+		json_number(object, "rate", camera->rate);
+		images = cJSON_AddArrayToObject(object, "images");
+		for (int image = 0; image < SCENE_IMAGES; image++)
+			if (camera->images >> image & 1)
+				cJSON_AddItemToArray(images, cJSON_CreateString(scene_image_name((enum scene_image)image)));
+		const struct poses_of *of = poses != NULL ? &poses->cameras[i] : NULL;
+		json_number(object, "frames", of != NULL ? (double)of->count : (double)NAN);
+		if (of == NULL || of->count == 0)
+			continue;
+		add_place(object, "first", &of->rows[0]);
+		add_place(object, "last", &of->rows[of->count - 1]);
+	}
 }
 
 enum status report_cameras(const struct report_poses *poses)

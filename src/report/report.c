@@ -239,6 +239,7 @@ static void add_vehicles(cJSON *root, const struct report *report)
 		vehicle_info(report->vehicles, i, &info);
 		cJSON *vehicle = cJSON_AddObjectToObject(vehicles, info.name);
 		json_number(vehicle, "mass", info.mass);
+		json_number(vehicle, "gravity", info.gravity);
 		json_integer(vehicle, "soil_geoms", (int64_t)info.geom_count);
 		json_number(vehicle, "largest_step", info.largest_step);
 		json_number(vehicle, "settled_after", info.settled ? info.settle_seconds : (double)NAN);
@@ -409,6 +410,10 @@ char *report_json(const struct report *report, const char *ended)
 	else
 		cJSON_AddNullToObject(root, "resumed_from");
 	report_asked(root, report);
+	struct report_sun sun;
+	if (report_sun_find(report->world, &sun) == STATUS_OK)
+		report_sun_add(root, &sun);
+	report_cameras_add(root, report->world->scene, report->poses);
 	json_number(root, "spacing", report->world->spacing);
 	json_integer(root, "working_level", report->world->level);
 	if (world_relief(report->world) != NULL)

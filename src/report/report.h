@@ -7,6 +7,8 @@
 #ifndef FURROW_REPORT_H
 #define FURROW_REPORT_H
 
+#include <stdio.h>
+
 #include "base/base.h"
 #include "base/times.h"
 #include "render/render.h"
@@ -14,12 +16,14 @@
 #include "world/world.h"
 
 struct cJSON;
+struct report_poses;
 
 /* What a run's own loop measured. */
 struct report {
 	const struct world *world;
 	const struct view *view;         /* NULL: there is no view, or nobody asked for a picture of it */
 	struct pictures *pictures;       /* NULL: none are written */
+	const struct report_poses *poses; /* of cameras; NULL: none */
 	const struct vehicles *vehicles; /* NULL: there are none */
 	bool advised;                    /* a drive: run.json has all notes on its scene; of a host only those on units */
 	struct times step_ms, frame_ms;  /* a frame is a step and its picture, or a step alone if none is drawn */
@@ -56,6 +60,24 @@ struct report_tiles report_tiles_of(const struct world *world, const struct resi
 /* where.c: adds where effects were computed, and where they might have been. */
 void report_where(struct cJSON *root, const struct report *report, const struct gpu_stats *gpu);
 
+/* --- the sun --- */
+
+/* Degrees: clockwise from the store's north, and above the horizon. */
+struct report_sun_place {
+	double azimuth, height;
+};
+struct report_sun {
+	bool drawn;              /* the scene has pictures or cameras; else there is no sun */
+	struct render_sun sun;
+	struct report_sun_place begins, ends; /* at the drive's beginning, and at end_time */
+};
+/* Needs the world's store or its assumed extent, no GL. STATUS_INPUT: the scene gives a time, and where the store is is not known. */
+enum status report_sun_find(const struct world *world, struct report_sun *out) FURROW_CHECKED;
+struct report_sun_place report_sun_at(const struct report_sun *sun, double time);
+void report_sun_add(struct cJSON *root, const struct report_sun *sun); /* adds "sun", if there is one */
+/* Tells if the sun is below the horizon in a part of the drive. */
+void report_sun_advise(const struct world *world, scene_advice_fn tell, void *user);
+
 /* --- objects.csv --- */
 
 struct report_rows;
@@ -75,9 +97,14 @@ enum status report_vehicles_open(const struct world *world, const struct vehicle
 void report_vehicles_close(struct report_vehicles *rows); /* takes NULL */
 const struct vehicle_rows *report_vehicles_sink(const struct report_vehicles *rows); /* NULL for NULL */
 
+/* --- volume.csv --- */
+
+/* Opens DIRECTORY/volume.csv, as report_rows_open opens objects.csv, and has the pages write it. *out is NULL if nothing is deformed, or the world
+ * is one of many ranks. Close it when the world has stopped. */
+enum status report_volume_open(const struct world *world, const char *directory, FILE **out) FURROW_CHECKED;
+
 /* --- cameras --- */
 
-struct report_poses;
 /* Takes the poses of frames into DIRECTORY/cameras/NAME/poses.tum, whose folder exists. A resumed run goes on with the rows that it
  * finds. *out is NULL if the scene has no cameras. `directory` must outlive it. */
 enum status report_poses_open(const struct world *world, const char *directory, struct report_poses **out) FURROW_CHECKED;
@@ -85,6 +112,9 @@ void report_poses_close(struct report_poses *poses); /* takes NULL */
 const struct render_poses *report_poses_sink(const struct report_poses *poses); /* NULL for NULL */
 /* Writes camera.json, and COLMAP's cameras.txt, images.txt and points3D.txt, of each camera. Takes NULL. */
 enum status report_cameras(const struct report_poses *poses) FURROW_CHECKED;
+/* Adds "cameras" to run.json: what each is, how many frames it has written, and where it was at the first and the last. Frames are those of the
+ * whole drive. `poses` NULL: they are not known. */
+void report_cameras_add(struct cJSON *root, const struct scene *scene, const struct report_poses *poses);
 /* Makes colour.mp4 of the cameras that ask for a video, with ffmpeg. Waits for it. Call it when all pictures are in their files. A video
  * that cannot be made is noted. Takes NULL. */
 void report_videos(const struct report_poses *poses);
@@ -124,6 +154,7 @@ struct report_plan {
 	struct world_raster rasters[DEFORM_RASTERS]; /* as the store's posts get them. Paths are the scene's */
 	int raster_count;     /* 0: there is none, or no store */
 	struct vehicles *vehicles; /* loaded; NULL: there are none */
+	struct report_sun sun;
 	char **notes;         /* texts of scene_advise, and those about the store: "KEY: WHY; WHAT TO DO" */
 	size_t note_count;
 };

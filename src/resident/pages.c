@@ -131,6 +131,13 @@ struct page_cache *resident_pages_cache(struct pages *pages)
 	return pages->cache;
 }
 
+void resident_pages_volume(struct pages *pages, FILE *file, double unit)
+{
+	mutex_lock(&pages->mutex);
+	pages->volume = (struct pages_volume){file, unit};
+	mutex_unlock(&pages->mutex);
+}
+
 void resident_pages_io(struct pages *pages, struct resident_pages_io *io)
 {
 	mutex_lock(&pages->mutex);

@@ -50,7 +50,11 @@ struct pages {
 	} moved;
 	double readback_ms;              /* readback_ms and the next two are used by the GPU's thread */
 	uint64_t host_bytes, changed_images;
-	struct mutex mutex;              /* guards io */
+	struct mutex mutex;              /* guards io and volume */
+	struct pages_volume {            /* file NULL: none */
+		FILE *file;
+		double unit;             /* m3 */
+	} volume;
 	struct resident_pages_io io;
 };
 

@@ -111,6 +111,16 @@ static enum status acknowledge(struct pages *pages, int64_t commit, int64_t step
 	return STATUS_OK;
 }
 
+static enum status tell_volume(const struct pages_volume *volume, const struct store_run *run, const struct pages_sums *sums)
+{
+	if (volume->file == NULL)
+		return STATUS_OK;
+	if (fprintf(volume->file, "%.9g,%lld,%.12g,%.12g,%.12g\n", run->time, (long long)run->step, (double)-sums->below * volume->unit, (double)sums->above * volume->unit,
+		    (double)sums->compacted * volume->unit) < 0 || fflush(volume->file) != 0)
+		return fail_with(STATUS_FAILED, "volume.csv: %s; free some disk space", strerror(errno));
+	return STATUS_OK;
+}
+
 /* Returns a number of the tally; 0 if there is no tally. */
 static int64_t tally_number(const struct page_image *snapshot, int index)
 {
@@ -200,8 +210,10 @@ static enum status commit(void *user, const struct page_image *const *images, si
 	pages->io.sums.slid += describing.more.slid;
 	count_commit_locked(pages, count, &result);
 	pages->io.writeback_ms += (clock_seconds() - started) * 1e3;
+	const struct pages_sums sums = pages->io.sums;
+	const struct pages_volume volume = pages->volume;
 	mutex_unlock(&pages->mutex);
-	return status;
+	return status == STATUS_OK ? tell_volume(&volume, &run, &sums) : status;
 }
 
 struct page_io resident_pages_io_of(struct pages *pages)

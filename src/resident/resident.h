@@ -326,6 +326,9 @@ enum status resident_pages_mark(struct pages *pages) FURROW_CHECKED;
  * failure nothing changes. */
 enum status resident_pages_rollback(struct pages *pages) FURROW_CHECKED;
 void resident_pages_io(struct pages *pages, struct resident_pages_io *io);
+/* From now on writes a line into `file` after each commit: time (s), step, and three volumes (m3). These are what the whole drive removed,
+ * raised and compacted. `unit`: m3 of a fixed-point unit. The file must outlive the pages' threads. Call it before the first commit. */
+void resident_pages_volume(struct pages *pages, FILE *file, double unit);
 /*
  * Pages that move to another process, between two steps, as page_cache_take and page_cache_put do. `bytes`: resident_pages_moved_bytes()
  * bytes, each plane of params.planes in turn. `planes`: those that the tile has; 0: it is not deformed, and there are no bytes.

@@ -300,6 +300,12 @@ class Cameras(FurrowTest):
         self.assertEqual(sorted(path.name for path in (a.folder / "colour").iterdir()), [f"{i:06}.png" for i in range(7)])
         self.assertEqual(run["counts"]["units"]["frame"], 48)
         self.assertEqual(run["view"]["images"], 7 + 2 * 41)
+        for camera, kind, images, size in ((a, "overhead", ["colour"], [64, 48]), (b, "chase", ["colour", "depth"], [64, 48])):
+            told = run["cameras"][camera.told["name"]]
+            self.assertEqual([told[key] for key in ("kind", "on", "images", "frames")], [kind, "box", images, len(camera.frames)])
+            self.assertEqual([told["width"], told["height"]], size)
+            for key, frame in (("first", camera.frames[0]), ("last", camera.frames[-1])):
+                self.assertEqual(told[key], frame)
         plan = self.json("explain", self.folder / "scene.yaml", "--store", self.store)
         self.assertEqual({name: camera["frames"] for name, camera in plan["cameras"].items()}, {"a": 7, "b": 41})
         self.assertEqual(plan["cameras"]["b"], {"images": ["colour", "depth"], "frames": 41, "frame_bytes": 2 * 64 * 48 * 4})
@@ -316,6 +322,17 @@ class Cameras(FurrowTest):
         """The example of NREL's SPA: azimuth 194.34024, height 39.88838."""
         self.store = self.synth(relief=20)
         timed = self.shade('sun: {time: "2003-10-17T19:30:30Z", at: [-105.1786, 39.742476]}')[1]
+        plan = self.json("explain", self.folder / "scene.yaml", "--store", self.store)
+        for told in (plan["sun"], json.loads((self.folder / "out/run.json").read_text())["sun"], self.camera("a").told["sun"]):
+            self.assertAlmostEqual(told["azimuth"], 194.34024, delta=0.02)
+            self.assertAlmostEqual(told["height"], 39.88838, delta=0.02)
+        self.assertRegex(self.ok("explain", self.folder / "scene.yaml", "--store", self.store), r"\nsun: azimuth 194\.3 degrees.*; 39\.9 degrees above the horizon\n")
+        self.assertFalse([note for note in plan["notes"] if "horizon" in note])
+        # Half a day later it is below the horizon.
+        night = self.json("explain", self.folder / "scene.yaml", "--store", self.store, "--set", "view.sun.time=2003-10-18T07:30:30Z")
+        note, = [note for note in night["notes"] if "horizon" in note]
+        self.assertRegex(note, "^view.sun.time: the sun is below the horizon for all of the drive")
+        self.assertLess(night["sun"]["height"], -30)
         given = self.shade("sun: {azimuth: 194.34, height: 39.888}")[1]
         other = self.shade("sun: {azimuth: 194.34, height: 36}")[1]
         self.assertLess(np.abs(timed - given).max(), 3)
@@ -347,6 +364,10 @@ class Cameras(FurrowTest):
         self.store = self.synth(relief=20)
         self.drive(self.scene(text), "--store", self.store)
         greens = [read_png(self.folder / f"out/cameras/a/colour/{i:06}.png")[..., 1].mean() for i in range(3)]
+        suns, run = [frame["sun"] for frame in self.camera("a").frames], json.loads((self.folder / "out/run.json").read_text())["sun"]
+        self.assertEqual([run[key] for key in ("azimuth", "height", "azimuth_at_end", "height_at_end")], suns[0] + suns[2])
+        self.assertGreater(suns[1][0] - suns[0][0], 15)
+        self.assertGreater(suns[2][1] - suns[0][1], 10)
         self.assertEqual(greens, sorted(greens))
         self.assertGreater(greens[2], greens[0] + 2)
 

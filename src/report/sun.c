@@ -1,0 +1,70 @@
+/* Where the sun of a drive's pictures is, for people who look at them and for programs that read camera.json. */
+#include <math.h>
+#include <stdio.h>
+
+#include "base/json.h"
+#include "report/report.h"
+
+#define DEGREES (180 / M_PI)
+#define STEPS 200 /* of the drive's time, in which the note looks for a sun below the horizon */
+
+static struct report_sun_place place_at(const struct report_sun *sun, double time)
+{
+	struct report_sun_place place;
+	render_sun_at(&sun->sun, time, &place.azimuth, &place.height);
+	place.azimuth = fmod(fmod(place.azimuth * DEGREES, 360) + 360, 360);
+	place.height *= DEGREES;
+	return place;
+}
+
+enum status report_sun_find(const struct world *world, struct report_sun *out)
+{
+	const struct scene *scene = world->scene;
+	*out = (struct report_sun){.drawn = scene->view.present};
+	if (!out->drawn)
+		return STATUS_OK;
+	enum status status = render_sun_find(&scene->view.light, world->meta, &out->sun);
+	if (status == STATUS_OK) {
+		out->begins = place_at(out, 0);
+		out->ends = place_at(out, scene->end_time);
+	}
+	return status;
+}
+
+struct report_sun_place report_sun_at(const struct report_sun *sun, double time)
+{
+	return place_at(sun, time);
+}
+
+void report_sun_add(cJSON *root, const struct report_sun *sun)
+{
+	if (!sun->drawn)
+		return;
+	cJSON *object = cJSON_AddObjectToObject(root, "sun");
+	json_number(object, "azimuth", sun->begins.azimuth);
+	json_number(object, "height", sun->begins.height);
+	cJSON_AddBoolToObject(object, "moves", sun->sun.light.timed);
+	if (!sun->sun.light.timed)
+		return;
+	json_number(object, "azimuth_at_end", sun->ends.azimuth);
+	json_number(object, "height_at_end", sun->ends.height);
+	json_number(object, "longitude", sun->sun.light.longitude * DEGREES);
+	json_number(object, "latitude", sun->sun.light.latitude * DEGREES);
+}
+
+void report_sun_advise(const struct world *world, scene_advice_fn tell, void *user)
+{
+	struct report_sun sun;
+	char text[300];
+	int below = 0;
+	if (report_sun_find(world, &sun) != STATUS_OK || !sun.drawn || !sun.sun.light.timed)
+		return; /* where the place is not known, the view refuses the scene */
+	for (int i = 0; i <= STEPS; i++)
+		below += place_at(&sun, world->scene->end_time * i / STEPS).height <= 0;
+	if (below == 0)
+		return;
+	snprintf(text, sizeof text, "view.sun.time: the sun is below the horizon for %s of the drive (%.1f degrees high when it begins, %.1f when it ends), and pictures are "
+				    "dark then; give a time of day, or view.sun.azimuth and height",
+		 below > STEPS ? "all" : "a part", sun.begins.height, sun.ends.height);
+	tell(user, text);
+}
