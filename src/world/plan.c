@@ -197,6 +197,50 @@ static void advise_leaving(const struct world *world, scene_advice_fn tell, void
 	tell(user, text);
 }
 
+/* Metres along the ground that the object has come at `time`; NAN: out of memory. */
+static double way_at(const struct track *track, double time)
+{
+	double(*places)[2] = mem_alloc(motion_track_corners(track), sizeof *places), way = 0;
+	if (places == NULL)
+		return NAN;
+	const size_t count = motion_track_way(track, time, places);
+	for (size_t i = 1; i < count; i++)
+		way += hypot(places[i][0] - places[i - 1][0], places[i][1] - places[i - 1][1]);
+	mem_free(places);
+	return way;
+}
+
+/* Tells about paths of which the drive's end cuts off more than a tenth of their time. It names the one that needs the most time. */
+static void advise_unfinished(const struct world *world, scene_advice_fn tell, void *user)
+{
+	const struct scene *scene = world->scene;
+	const struct body *longest = NULL;
+	const double most = fmax(scene->end_time / 0.9, scene->end_time + scene->time_step);
+	double needed = most;
+	size_t unfinished = 0;
+	char text[400], others[64] = "";
+	for (size_t i = 0; i < scene->object_count; i++) {
+		const struct track *track = world->bodies[i].track;
+		const int64_t samples = track != NULL ? motion_track_samples(track) : INT64_MAX;
+		if (samples == INT64_MAX || motion_track_sample_time(track, 0) > scene->end_time)
+			continue;
+		const double end = motion_track_sample_time(track, samples - 1);
+		unfinished += end > most;
+		if (end <= needed)
+			continue;
+		needed = end;
+		longest = &world->bodies[i];
+	}
+	if (longest == NULL)
+		return;
+	if (unfinished > 1)
+		snprintf(others, sizeof others, ", and %zu other%s not at the end either", unfinished - 1, unfinished > 2 ? "s are" : " is");
+	snprintf(text, sizeof text, "objects.%s.path: the drive ends after %.6g s, when it has come %.4g m of %.4g m%s; the whole path takes %.6g s: give "
+				    "end_time %.6g, or a shorter path", longest->object->name, scene->end_time, way_at(longest->track, scene->end_time),
+		 way_at(longest->track, needed), others, needed, ceil(needed * 1e3) / 1e3);
+	tell(user, text);
+}
+
 void world_advise(const struct world *world, scene_advice_fn tell, void *user)
 {
 	const struct scene *scene = world->scene;
@@ -209,6 +253,7 @@ void world_advise(const struct world *world, scene_advice_fn tell, void *user)
 	if (world->store != NULL) {
 		advise_spacing(world, tell, user);
 		advise_leaving(world, tell, user);
+		advise_unfinished(world, tell, user);
 		world_advise_relief(world, tell, user);
 	}
 	world_advise_limits(world, tell, user);

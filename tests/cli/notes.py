@@ -92,6 +92,21 @@ class Notes(FurrowTest):
         self.scene((scene % "[30, 20]").replace("[[20, 20], [30, 20]]", "[[20, 20]]"), "there.yaml")
         self.assertEqual(self.notes("vehicles.car: ", "--overlay", "d.furrow", scene="there.yaml"), [])
 
+    def test_a_path_that_is_not_finished_is_told(self):
+        scene = ("scene: 1\ntime_step: 0.1\nend_time: %s\nspacing: 0.5\nredistribute: {model: box}\nobjects:\n"
+                 "  - {name: a, shape: {sphere: {radius: 1}}, sink: 0.1, path: {points: [[20, 20], [50, 60]], speed: 5}}\n"
+                 "  - {name: b, shape: {sphere: {radius: 1}}, sink: 0.1, path: {relative_to: a, delay: 2.5}}\n"
+                 "  - {name: late, shape: {sphere: {radius: 1}}, sink: 0.1, path: {relative_to: a, delay: 4.5}}\n"
+                 "  - {name: round, shape: {sphere: {radius: 1}}, sink: 0.1, path: {points: [[20, 70], [50, 70]], speed: 5, loop: true}}\n")
+        for end, told in ((4, ["objects.b.path: the drive ends after 4 s, when it has come 7.5 m of 50 m, and 1 other is not at the end either; the whole path takes "
+                               "12.5 s: give end_time 12.5, or a shorter path"]), (14.5, [])):
+            self.scene(scene % end, "way.yaml")
+            notes = self.json("explain", "way.yaml", "--store", "world.furrow")["notes"]
+            self.assertEqual([note for note in notes if ".path:" in note and "begins after" not in note], told)
+        driven = self.notes(".path: the drive ends", "--overlay", "w.furrow", "--set", "end_time=4", scene="way.yaml")
+        self.assertEqual(len(driven), 1)
+        self.assertEqual(self.notes(".path: the drive ends", "--overlay", "v.furrow", scene="way.yaml"), [])
+
     def test_few_posts_below_a_wheel_are_told(self):
         self.scene(SCM, "scm.yaml")
         told = self.notes("forces may be off", "--overlay", "a.furrow", "--set", "spacing=0.0625", "--steps", "1", scene="scm.yaml")
