@@ -179,10 +179,11 @@ class Explain(FurrowTest):
         self.assertIn("\nnotes\n  soil: ", self.ok("explain", scene))
         self.assertIn("the store has 1 tile at this spacing: the others stay empty; give 4", self.slots_note("cache.slots=5"))
         self.assertEqual(self.slots_note("cache.slots=4"), "")  # no fewer are allowed
-        self.assertEqual(self.json("explain", self.scene(BARE, "bare.yaml"), "--store", "world.furrow")["notes"], [])
+        arrives = BARE.replace("90]], speed: 10", "90]], speed: 40")
+        self.assertEqual(self.json("explain", self.scene(arrives, "bare.yaml"), "--store", "world.furrow")["notes"], [])
         self.assertNotIn("notes", self.ok("explain", "bare.yaml", "--store", "world.furrow"))
         # What depends on the posts is told where they are known.
-        narrow = self.scene(BARE.replace("width: 1", "width: 0.5"), "narrow.yaml")
+        narrow = self.scene(arrives.replace("width: 1", "width: 0.5"), "narrow.yaml")
         self.assertEqual(self.json("explain", narrow)["notes"], [])
         self.assertEqual(len(self.json("explain", narrow, "--store", "world.furrow")["notes"]), 1)
 
