@@ -179,7 +179,7 @@ class Explain(FurrowTest):
         self.assertIn("\nnotes\n  soil: ", self.ok("explain", scene))
         self.assertIn("the store has 1 tile at this spacing: the others stay empty; give 4", self.slots_note("cache.slots=5"))
         self.assertEqual(self.slots_note("cache.slots=4"), "")  # no fewer are allowed
-        arrives = BARE.replace("90]], speed: 10", "90]], speed: 40")
+        arrives = BARE.replace("90]], speed: 10", "90]], speed: 36")
         self.assertEqual(self.json("explain", self.scene(arrives, "bare.yaml"), "--store", "world.furrow")["notes"], [])
         self.assertNotIn("notes", self.ok("explain", "bare.yaml", "--store", "world.furrow"))
         # What depends on the posts is told where they are known.
