@@ -69,7 +69,9 @@ static enum status read_ways(struct html_run *run, const char *list)
 
 const struct html_bodies *html_ways(const struct html_run *run)
 {
-	return run->vehicles.there ? &run->vehicles : run->objects.there ? &run->objects : &run->ways;
+	/* no file of rows has vehicles and objects, but not the vehicles' wheels */
+	const bool both = run->vehicles.there && run->ways.there && cJSON_GetArraySize(html_members(run, "objects")) > 0;
+	return both ? &run->ways : run->vehicles.there ? &run->vehicles : run->objects.there ? &run->objects : &run->ways;
 }
 
 enum status html_run_read(const char *folder, struct html_run *out)

@@ -88,7 +88,8 @@ const char *html_string(const struct html_run *run, const char *path); /* NULL: 
 /* A setting of the scene by its key; NULL: the scene has none, or run.json does not tell. */
 const char *html_setting(const struct html_run *run, const char *key);
 
-/* Returns the ways, from the first of these that has them: vehicles.csv, objects.csv, run.json. */
+/* Returns the ways, from the first of these that has them: vehicles.csv, objects.csv, run.json. If there are vehicles and objects on paths, from
+ * run.json. */
 const struct html_bodies *html_ways(const struct html_run *run);
 
 /* html_forces.c: computes what a row of an object tells, with the row before. */

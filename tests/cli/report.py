@@ -619,6 +619,10 @@ class Report(FurrowTest):
         rest = rows[-1]["work"] - soil - lifted - (rows[-1]["kinetic"] - rows[0]["kinetic"])
         self.assertTrue(-0.01 * rows[-1]["work"] < rest < 0.1 * rows[-1]["work"], (rest, rows[-1]["work"], soil))
         self.assertEqual(len(curves["energy into the soil over the way"].curves), 4)
+        self.copy("car")
+        run["objects"] = {"roller": {"way": [[12, 14], [15, 14]]}}
+        (self.folder / "car/run.json").write_text(json.dumps(run))
+        self.assertEqual(["".join(item.itertext()).strip() for item in self.report("car", cwd=self.folder).section("map").iter("li")], ["roller", "car"])
         self.assertIn("The ground across the way", page.plots("rut"))
 
     # --- several folders ---
