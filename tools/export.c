@@ -9,7 +9,7 @@
 #include "ruts.h"
 #include "scene/scene.h"
 
-#define LARGE_GIGABYTES 0.5 /* a raster of the whole terrain that is told before it is written */
+#define LARGE_GIGABYTES 0.5 /* of a raster; of a larger one only what changed is written, unless a window is given */
 
 static const char *const layer_names[] = {"surface", "base",        "offset",    "deposited", "plastic_sinkage", "shear",
 					  "shear_x", "shear_y",     "fixed_point", "hillshade", NULL};
@@ -24,7 +24,7 @@ static const struct command_option options[] = {
 	 .preset = "surface"},
 	{"level", "L", .help = "0: the source's spacing; -k: 2^k times finer; k: coarser",
 	 .preset = "0; offset to fixed_point: the deformed level"},
-	{"window", "X0,Y0,X1,Y1", .help = "east and north of the south-west post", .unit = "m", .preset = "all"},
+	{"window", "X0,Y0,X1,Y1", .help = "east and north of the south-west post", .unit = "m", .preset = "all, or what changed, see below"},
 	{"window-srs", "SRS", .help = "what --window is in; store: the store's own; degrees: longitude and latitude on its body", .preset = "metres from the south-west post"},
 	{"height-range", "MIN,MAX", .help = "heights that a heightmap's 0 and full scale mean; of a map, its ramp's ends",
 	 .unit = "m", .preset = "one metre a unit"},
@@ -255,19 +255,23 @@ static enum dem_raster_type float_type(const struct store_meta *meta)
 	return height_code_float_holds(meta->step, fmax(fabs(meta->low), fabs(meta->high))) ? DEM_FLOAT32 : DEM_FLOAT64;
 }
 
-/* Of the whole terrain at the spacing of ruts a raster is large, and most of it is 0. */
-static enum status note_large(const struct export_request *request, struct store *store, struct post_rect rect)
+/* Of the whole terrain at the spacing of ruts a raster may have gigabytes, and most of it is 0. Then takes the window of what changed. */
+static enum status take_changed(struct export_request *request, struct store *store)
 {
-	const double gigabytes = 4e-9 * (double)(rect.x1 - rect.x0) * (double)(rect.y1 - rect.y0);
-	double ruts[4];
+	const struct extent *extent = &store_meta(store)->extent;
+	const int level = (int)request->level;
+	const double gigabytes = 4e-9 * (double)extent_posts(extent->width, level) * (double)extent_posts(extent->height, level);
 	bool any;
-	if (request->has_window || gigabytes < LARGE_GIGABYTES)
+	if (!is_ruts(request) || request->map || request->has_window || gigabytes < LARGE_GIGABYTES)
 		return STATUS_OK;
-	enum status status = ruts_window(store, ruts, &any);
-	if (status == STATUS_OK && any)
-		note("%s: the whole terrain at this spacing: %lld x %lld posts, %.1f GB; the ruts lie within --window %.10g,%.10g,%.10g,%.10g", request->path,
-		     (long long)(rect.x1 - rect.x0), (long long)(rect.y1 - rect.y0), gigabytes, ruts[0], ruts[1], ruts[2], ruts[3]);
-	return status;
+	enum status status = ruts_window(store, request->window, &any);
+	if (status != STATUS_OK || !any)
+		return status;
+	request->has_window = true;
+	note("%s: only what changed is written, --window %.10g,%.10g,%.10g,%.10g; the whole terrain has %.1f GB at this spacing: give --window "
+	     "0,0,%.10g,%.10g for it", request->path, request->window[0], request->window[1], request->window[2], request->window[3], gigabytes,
+	     (double)(extent->width - 1) * extent->spacing, (double)(extent->height - 1) * extent->spacing);
+	return STATUS_OK;
 }
 
 static enum status write_raster(const struct export_request *request, struct store *store)
@@ -279,8 +283,6 @@ static enum status write_raster(const struct export_request *request, struct sto
 	enum status status = export_find_rect(request, extent, &rect);
 	if (status == STATUS_OK)
 		status = check_size(rect);
-	if (status == STATUS_OK)
-		status = note_large(request, store, rect);
 	if (status != STATUS_OK)
 		return status;
 	bool metres = request->layer < LAYER_QUANTA;
@@ -335,6 +337,8 @@ static enum status run(const struct arguments *arguments)
 	if (status == STATUS_OK && is_ruts(&request) && !arguments_flag(arguments, "level") && store_has_working_level(store, &working))
 		request.level = working;
 	if (status == STATUS_OK)
+		status = take_changed(&request, store);
+	if (status == STATUS_OK)
 		status = request.mesh ? export_mesh(&request, store) : request.map ? export_picture(&request, store) : write_raster(&request, store);
 	store_close(store);
 	return status;
@@ -346,7 +350,11 @@ const struct command command_export = {
 	.arguments = COMMAND_ARGUMENTS(COMMAND_STORE),
 	.options = options,
 	.details = "Rasters are north up, one pixel a post, and carry the store's reference system. Levels finer than what is "
-		   "stored are interpolated. Nodata of a hillshade and of a heightmap (.png, .r16, .raw) is 0.\n\n"
+		   "stored are interpolated. Nodata of a hillshade and of a heightmap (.png, .r16, .raw) is 0. GeoTIFFs are compressed, "
+		   "without loss.\n\n"
+		   "Layers offset to fixed_point are 0 where nothing changed, and nodata where there is no ground (fixed_point: 0). "
+		   "Where the whole terrain would make a raster of more than half a gigabyte, only the tiles that changed are "
+		   "written, and the window is told. --window writes any other part.\n\n"
 		   "A .png, .svg or .pdf of offset, deposited, plastic_sinkage or of shear is a map: false colours over the "
 		   "hillshade, with a grid, a legend, a scale bar and north (furrow map says more of them). Its pixels are posts, "
 		   "small maps enlarged by a whole factor. More than 4096 on a side are drawn at a coarser level, each pixel with "

@@ -1,4 +1,4 @@
-/* Writes GeoTIFF files with GDAL. Each row is an uncompressed strip, so rows can be written from the south. */
+/* Writes GeoTIFF files with GDAL. Each row is a compressed strip of its own, so rows can be written from the south. */
 #include "dem_gdal.h"
 
 #include <errno.h>
@@ -88,6 +88,8 @@ enum status dem_gdal_sink(const struct dem_raster *raster, const char *part, str
 	if (status == STATUS_OK) {
 		char **options = CSLSetNameValue(NULL, "BIGTIFF", "IF_SAFER");
 		options = CSLSetNameValue(options, "BLOCKYSIZE", "1");
+		options = CSLSetNameValue(options, "COMPRESS", "DEFLATE");
+		options = CSLSetNameValue(options, "PREDICTOR", raster->type == DEM_FLOAT32 || raster->type == DEM_FLOAT64 ? "3" : "2");
 		gdal->dataset = driver != NULL ? GDALCreate(driver, part, (int)raster->width, (int)raster->height,
 							    1, types[raster->type], options) : NULL;
 		CSLDestroy(options);

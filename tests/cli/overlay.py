@@ -37,6 +37,26 @@ class Overlay(FurrowTest):
 
 
 class Drives(Overlay):
+    def test_a_large_raster_of_ruts_is_what_changed(self):
+        self.synth(posts="1025x1025", kind="plain")
+        self.scene()
+        self.drive("scene.yaml", "--store", "world.furrow", "--overlay", "r.furrow", "--set", "spacing=0.0625", "--steps", "4")
+        told = self.furrow("export", "r.furrow", "-o", "all.tif", "--layer", "offset")
+        self.assertEqual(told.returncode, 0, told.stderr)
+        self.assertRegex(told.stderr, r"^furrow: note: all\.tif: only what changed is written, --window \d+,\d+,\d+,\d+; the whole terrain has 1\.1 GB .* give --window 0,0,1024,1024 ")
+        window = told.stderr.split("--window ")[1].split(";")[0]
+        self.ok("export", "r.furrow", "-o", "part.tif", "--layer", "offset", "--window", window)
+        self.assertEqual((self.folder / "all.tif").read_bytes(), (self.folder / "part.tif").read_bytes())
+        # Nothing changed outside of it, and what is written is compressed.
+        west, south, east, north = map(float, window.split(","))
+        asked = [(west - 1, south + 1), (east + 1, north - 1), (west + 1, south - 1), (east - 1, north + 1)]
+        points = self.json("query", "r.furrow", stdin="".join(f"{x} {y}\n" for x, y in asked))["points"]
+        self.assertEqual([point["offset"] for point in points], [0] * 4)
+        posts = ((east - west) * 16 + 1) * ((north - south) * 16 + 1)
+        self.assertLess((self.folder / "all.tif").stat().st_size, posts)
+        surface = self.furrow("export", "r.furrow", "-o", "s.tif")
+        self.assertNotIn("only what changed", surface.stderr)
+
     def test_an_overlay_holds_what_a_drive_into_a_copy_would(self):
         store = self.synth()
         (self.folder / "copy.furrow").write_bytes(store.read_bytes())
