@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Measures again every figure that README.md shows, by the benches that it names. About ten minutes on two quiet cores.
+"""Measures again every figure that README.md shows, by the benches that it names. Some ten minutes on two quiet cores, six with `--big`.
 
     python3 bench/measure.py -o bench/figures --dem FOLDER --rig FOLDER     # then: python3 bench/marks.py writes them into the pages
 
@@ -87,8 +87,9 @@ def main():
     if load > BUSY:
         print(f"other programs run (load {load:.1f}); times will be too long, and the files say so", file=sys.stderr)
     options.out.mkdir(parents=True, exist_ok=True)
+    began = time.monotonic()
     good = [measured(step, options) for step in chosen]
-    print("python3 bench/marks.py writes them into the pages")
+    print(f"{time.monotonic() - began:.0f} s in all; python3 bench/marks.py writes them into the pages")
     return 0 if all(good) else 1
 
 
