@@ -95,14 +95,14 @@ void main()
 	int raised = 0, fell = 0;
 	float by_width = scale.w, unit = scale.z;
 #ifdef LOAD
-	unit /= found_share;
-	raised = found_raised;
-	fell = max(raised - found_before, 0);
+	unit /= FOUND.share;
+	raised = FOUND.raised;
+	fell = max(raised - FOUND.before, 0);
 	if (begins && load.z > 0.0)
 		standing[int(load.z) - 1] = raised;
 #endif
 #ifdef PATCH
-	by_width = found_by_width(found_posts, place.w);
+	by_width = found_by_width(FOUND.posts, place.w);
 #endif
 	// The posts of this row, without those at its ends that the object does not concern. It may have left some of these.
 	int first = shadow.x, last = shadow.z;
@@ -193,7 +193,7 @@ void main()
 #if defined(FORCES) && defined(LOAD)
 	if (begins) {
 		record[zero.w * WORDS + RAISED] = raised;
-		atomicOr(record[zero.w * WORDS + SATURATED], int(found_state << STATE_BIT));
+		atomicOr(record[zero.w * WORDS + SATURATED], int(FOUND.state << STATE_BIT));
 	}
 #endif
 	if (frame.z != 0)

@@ -3,9 +3,22 @@
 // height, at which the soil's whole vertical force, by normal stress and shear, is the load. Each try sums over the posts that the
 // object can be above. All sums are whole numbers, so their order does not matter. Heights are fixed-point units above the prescribed
 // one.
+// Define: BATCH: over windows of a batch, each by a work group
 
 layout(local_size_x = 16, local_size_y = 8) in;
 
+#ifdef BATCH
+const int RECORD = 81; // windows.vert
+
+layout(std430, binding = 5) readonly buffer batch {
+	ivec4 records[];
+};
+
+#define WINDOW (given.zero.x + int(gl_WorkGroupID.x)) // first the draw of windows.vert
+#define NUMBER(i) records[WINDOW * RECORD + given.zero.y + i]
+#else
+#define WINDOW 0
+#endif
 #include "lib/soil.glsl"
 #include "lib/found.glsl"
 #include "lib/scm_post.glsl"
@@ -68,7 +81,7 @@ float real_of(int word)
 // A post's gap is a height at and above which the object does not touch its cell. Each invocation reads only gaps that it wrote itself.
 int gap_at(int x, int y)
 {
-	return imageLoad(gaps, ivec3(x, y, zero.z)).r;
+	return imageLoad(gaps, image_post(x, y)).r;
 }
 
 // Writes all gaps. Returns the height of the first contact. NOWHERE: there is no ground below the object.
@@ -80,7 +93,7 @@ int first_contact()
 			ground g = ground_at(x, y);
 			object o = object_at(x, y, 0);
 			int room = touch_room(incline_at(x, y, g), g, o, cell_at(x, y, o));
-			imageStore(gaps, ivec3(x, y, zero.z), ivec4(room));
+			imageStore(gaps, image_post(x, y), ivec4(room));
 			highest = max(highest, g.far ? NOWHERE : room);
 		}
 	if (gl_LocalInvocationIndex == 0u)
@@ -122,7 +135,7 @@ vec3 share_at(int at, float by_width)
 				continue;
 			ground g = ground_at(x, y);
 			object o = object_at(x, y, at);
-			ivec3 post = ivec3(x, y, zero.z);
+			ivec3 post = image_post(x, y);
 			post_state before = {0, imageLoad(heaps, post).r, imageLoad(sinkages, post).r, 0, imageLoad(shears, post).r};
 #ifdef SLIP
 			before.dug = imageLoad(dugs, post).r;
@@ -240,12 +253,12 @@ void main()
 	posts = posts_at(at);
 #endif
 	if (gl_LocalInvocationIndex == 0u) {
-		found_raised = at;
-		found_posts = posts;
-		found_state = state;
-		found_share = carried;
+		FOUND.raised = at;
+		FOUND.posts = posts;
+		FOUND.state = state;
+		FOUND.share = carried;
 #ifdef LOAD
-		found_before = load.z > 0.0 ? standing[int(load.z) - 1] : 0;
+		FOUND.before = load.z > 0.0 ? standing[int(load.z) - 1] : 0;
 		if (state == SLIDES || state == SUNK)
 			tally_add(state == SLIDES ? SLID : CARRIED_NOWHERE, 1u);
 #endif

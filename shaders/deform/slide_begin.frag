@@ -22,7 +22,7 @@ layout(binding = 4, r32i) readonly uniform iimage2DArray heaps;
 #endif
 
 flat in ivec4 passed[PASSED]; // the parameters, from the vertex shader: passed.vert says why. The first is not read
-ivec4 place = passed[1];   // x: layer of the images; y: depth of relaxing soil below the base, fixed-point units
+ivec4 place = passed[1];   // x: layer of the images; y: depth of relaxing soil below the base, fixed-point units; z: with BATCH: the object carries a load
 ivec4 written = passed[2]; // posts that exchange soil: the first (x, y), one behind the last (z, w)
 
 #ifndef BLOCKS
@@ -48,7 +48,9 @@ void main()
 	bool ours = all(greaterThanEqual(post, written.xy)) && all(lessThan(post, written.zw));
 	uint contact = imageLoad(contacts, at).r;
 	bool still = !ours || base == BASE_NODATA || (contact & CLOSED) != 0u;
-#ifdef LOAD
+#if defined(BATCH)
+	uint is_held = place.z != 0 ? IS_HELD | MAY_BE_FREED : IS_HELD;
+#elif defined(LOAD)
 	const uint is_held = IS_HELD | MAY_BE_FREED;
 #else
 	const uint is_held = IS_HELD;

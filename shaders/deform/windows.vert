@@ -9,8 +9,8 @@
 
 const int RECORD = 81; // numbers of a window
 
-layout(std430, binding = 3) readonly buffer batch {
-	ivec4 records[]; // RECORD for each window: struct record in src/deform/batch_soil.c
+layout(std430, binding = 5) readonly buffer batch {
+	ivec4 records[]; // RECORD for each window: struct record in src/deform/together.c
 };
 
 layout(std140, binding = 0) uniform batch_params {

@@ -7,6 +7,7 @@ const int ROWS_ABREAST = 4; // they lie side by side in the pass's viewport, so 
 flat in ivec4 passed[PASSED];
 ivec4 of_window = passed[PASSED - 1]; // the window's number in the batch; x, y of its rows in the viewport
 #define WINDOW of_window.x
+#define NUMBER(i) passed[i]
 #else
 #define WINDOW 0
 #endif

@@ -53,16 +53,17 @@ layout(std140, binding = 0) uniform params {
 } given;
 
 #ifdef BATCH
-// From windows.vert: the numbers above from the first on, then those of lib/rows.glsl. Of `given` only the soils count.
-ivec4 zero = passed[0], written = passed[1], shadow = passed[2], drawn = passed[15], frame = passed[19], frame_axis = passed[20];
-vec4 scale = intBitsToFloat(passed[3]), way = intBitsToFloat(passed[4]), spin = intBitsToFloat(passed[5]), rolls = intBitsToFloat(passed[6]);
-vec4 place = intBitsToFloat(passed[7]), load = intBitsToFloat(passed[8]), body = intBitsToFloat(passed[9]), heading = intBitsToFloat(passed[10]);
-vec4 moves = intBitsToFloat(passed[11]), digs = intBitsToFloat(passed[16]), surface = intBitsToFloat(passed[17]);
-vec4 faces[3] = vec4[3](intBitsToFloat(passed[12]), intBitsToFloat(passed[13]), intBitsToFloat(passed[14]));
+// From the record of the window: the numbers above from the first on, then those of lib/rows.glsl. Of `given` only the soils count.
+ivec4 zero = NUMBER(0), written = NUMBER(1), shadow = NUMBER(2), drawn = NUMBER(15), frame = NUMBER(19), frame_axis = NUMBER(20);
+vec4 scale = intBitsToFloat(NUMBER(3)), way = intBitsToFloat(NUMBER(4)), spin = intBitsToFloat(NUMBER(5)), rolls = intBitsToFloat(NUMBER(6));
+vec4 place = intBitsToFloat(NUMBER(7)), load = intBitsToFloat(NUMBER(8)), body = intBitsToFloat(NUMBER(9)), heading = intBitsToFloat(NUMBER(10));
+vec4 moves = intBitsToFloat(NUMBER(11)), digs = intBitsToFloat(NUMBER(16)), surface = intBitsToFloat(NUMBER(17));
+vec4 faces[3] = vec4[3](intBitsToFloat(NUMBER(12)), intBitsToFloat(NUMBER(13)), intBitsToFloat(NUMBER(14)));
 #ifdef BELT
-vec4 belt = intBitsToFloat(passed[18]);
+vec4 belt = intBitsToFloat(NUMBER(18));
 #endif
-ivec3 window_at = ivec3(of_window.w & 0xffff, of_window.w >> 16, 0); // the window's first post in the layer
+ivec4 last_number = NUMBER(21);
+ivec3 window_at = ivec3(last_number.w & 0xffff, last_number.w >> 16, 0); // the window's first post in the layer
 #else
 // A software rasteriser fetches a parameter anew for each invocation and wherever it is named. So all are fetched once, before the loops.
 ivec4 zero = given.zero, written = given.written, shadow = given.shadow, drawn = given.drawn, frame = given.frame, frame_axis = given.frame_axis;

@@ -66,7 +66,7 @@ const char *plan_unit_name(enum plan_unit unit)
 		[PLAN_DEFORM_LAYER] = "deform_layer", [PLAN_PATCH] = "patch",
 		[PLAN_PAGE] = "page", [PLAN_WINDOW_LAYER] = "window_layer", [PLAN_RESULT_LAYER] = "result_layer", [PLAN_PROBED] = "probed",
 		[PLAN_RING] = "ring", [PLAN_WINDOW] = "window", [PLAN_MOVED] = "moved", [PLAN_BATCH] = "batch", [PLAN_BATCH_DRAW] = "batch_draw",
-		[PLAN_BATCH_STORE] = "batch_store", [PLAN_BATCH_ENVELOPE] = "batch_underside",
+		[PLAN_BATCH_SEARCH] = "batch_search", [PLAN_BATCH_STORE] = "batch_store", [PLAN_BATCH_ENVELOPE] = "batch_underside",
 		[PLAN_FACETS] = "facets",
 		[PLAN_HELD] = "held", [PLAN_RESTING] = "resting", [PLAN_ATLAS] = "atlas", [PLAN_DECIMATED] = "decimated",
 		[PLAN_SUBDIVIDED] = "subdivided", [PLAN_DRAWN] = "drawn", [PLAN_OBJECTS] = "objects",

@@ -43,26 +43,24 @@ void deform_batch_destroy(struct deform *deform)
 void deform_batch_plan(const struct deform_params *params, struct plan *plan)
 {
 	const bool conserves = deform_conserves(params->model);
-	const uint64_t bytes = conserves ? deform_together_bytes() : gpu_list_bytes(sizeof ((struct batch *)NULL)->records);
-	deform_plan_buffer(plan, deform_displace_effect(params->model), 1 + conserves, bytes, DEFORM_BATCH_BUFFER);
+	const uint64_t bytes = conserves ? deform_together_bytes(params) : gpu_list_bytes(sizeof ((struct batch *)NULL)->records);
+	deform_plan_buffer(plan, deform_displace_effect(params->model), 1 + conserves + deform_tells_forces(params->model), bytes, DEFORM_BATCH_BUFFER);
 }
 
 static bool is_batched(const struct deform_params *params, const struct deform_shape *shape)
 {
-	return params->batches && deform_model_row(params->model)->batch != NULL && shape->kind != DEFORM_MESH && shape->grousers == 0 &&
-	       !deform_is_counted(params, shape, false);
+	return params->batches && deform_model_row(params->model)->batch != NULL && shape->kind != DEFORM_MESH && shape->grousers == 0;
 }
 
 /* A model that smooths has fewer passes for a contact without motion, which comes once for each body. */
 bool deform_batches(const struct deform_params *params, const struct deform_planned *object)
 {
-	return is_batched(params, object->shape) && !(deform_tells_forces(params->model) && object->load > 0) && (object->moves || !deform_model_row(params->model)->smooths);
+	return is_batched(params, object->shape) && (object->moves || !deform_model_row(params->model)->smooths);
 }
 
 bool deform_is_batched(const struct deform *deform, const struct deform_contact *contact, const struct deform_window *windows, size_t count)
 {
 	return count == 1 && windows[0].parts == 0 && is_batched(&deform->params, contact->shape) &&
-	       !(deform_tells_forces(deform->params.model) && contact->load > 0) &&
 	       !(deform_model_row(deform->params.model)->smooths && deform_is_contact_only(contact));
 }
 

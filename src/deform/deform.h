@@ -463,6 +463,7 @@ struct deform_figures {
 	uint64_t atlases;
 	uint64_t batches;  /* of two windows or more */
 	uint64_t batch_draws;     /* draws in batches of the ground, one for each pair of arrays, and of contacts, for each kind of body too */
+	uint64_t batch_searches;  /* searches before contacts in batches: one for each kind of body that needs one */
 	uint64_t batch_stores;    /* draws that wrote tiles: one for each array */
 	uint64_t batch_envelopes; /* draws of lower envelopes in batches: of one window, or of many under a model that conserves soil */
 };

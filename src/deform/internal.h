@@ -117,7 +117,7 @@ struct deform {
 	struct slide_soil soils[DEFORM_SOILS];
 	bool contacts_flag;                    /* the flags that a contact writes show all blocks where soil moves after it */
 	struct gpu_program *scm[2][WITH_ALL];  /* indices: 1 over a batch; the variant */
-	struct gpu_program *find[FIND_ALL];    /* of each variant */
+	struct gpu_program *find[2][FIND_ALL]; /* indices: 1 over a batch; the variant */
 	struct forces *forces;                 /* NULL until a contact has a tag */
 	struct gpu_buffer *found;              /* what soil/load.c found; NULL until a contact needs it */
 	struct gpu_buffer *standing;           /* int32 for each loaded body: equilibrium height above its pose, fixed-point units;
@@ -251,6 +251,10 @@ struct gpu_rect deform_rows(const int32_t posts[4]);
  * deform_find_what. The results are in the buffer `found`. `tally` counts loads that are not carried. */
 enum status deform_find(struct deform *deform, const struct scm_params *params, unsigned what, enum deform_shape_kind kind,
 			struct gpu_buffer *tally) FURROW_CHECKED;
+/* The same over windows of a batch that lie in a row: the numbers are in their records. */
+enum status deform_find_together(struct deform *deform, const struct scm_params *params, unsigned what, enum deform_shape_kind kind, uint32_t count)
+	FURROW_CHECKED;
+#define DEFORM_FOUND_BYTES 20 /* lib/found.glsl: of one window */
 /* soil/between.c: fills what the shaders need to compute the lower envelope between posts (lib/scm_body.glsl). Needs `way`
  * and `spin`. deform_turn_into_frame: then turns these, `rolls`, `belt` and the slopes of a box into the object's frame. */
 void deform_between_posts(const struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
@@ -435,7 +439,8 @@ enum status deform_together(struct deform *deform, const struct together_model *
 enum status deform_together_create(struct deform *deform) FURROW_CHECKED;
 void deform_together_destroy(struct deform *deform); /* does nothing if it was never created */
 size_t deform_together_room(uint32_t side); /* windows in a layer of this side, at most */
-uint64_t deform_together_bytes(void); /* GPU memory of its two buffers */
+uint64_t deform_together_bytes(const struct deform_params *params); /* GPU memory of its buffers */
+struct gpu_buffer *deform_together_found(const struct deform *deform); /* what a search before the contacts finds: lib/found.glsl */
 /* What a draw passes on to the fragments, and where it draws (windows.vert). TOGETHER_LINES: + 2 * pass + 1 if along diagonal lines. */
 enum { TOGETHER_UNDER, TOGETHER_CONTACT, TOGETHER_SPREAD, TOGETHER_BEGIN, TOGETHER_EXCESS, TOGETHER_LINES };
 /* Fills the first parameter of a draw from the first window on. */
@@ -443,6 +448,7 @@ void deform_together_draw(const struct deform *deform, int what, int32_t draw[4]
 /* Draws so many windows. Fills the pass's geometry, viewport and buffers. */
 #define TOGETHER_ALL 0
 void deform_together_run(struct deform *deform, uint32_t count, struct gpu_pass *pass);
+void deform_together_compute(struct deform *deform, uint32_t count, struct gpu_pass *pass); /* a work group for each */
 
 /* schedule/active.c */
 enum status deform_active_create(struct deform *deform) FURROW_CHECKED;

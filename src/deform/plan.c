@@ -95,12 +95,15 @@ static void plan_intervals(const struct deform_params *params, const struct any 
 	deform_interval_plan(params, plan);
 }
 
-/* A batch of a model that conserves soil: together.c. Its lines are in two draws each. */
-static void plan_together(const struct deform_params *params, struct plan *plan)
+/* A batch of a model that conserves soil: together.c. Its lines are in two draws each. `search`: the effect of the search before contacts; NULL: none
+ * needs one. */
+static void plan_together(const struct deform_params *params, const char *search, struct plan *plan)
 {
 	const char *displace = deform_displace_effect(params->model);
 	add_passes(plan, displace, -1, PLAN_BATCH_ENVELOPE, GPU_ENVELOPE, 1);
 	add_passes(plan, displace, -1, PLAN_BATCH_DRAW, GPU_CONTACT, 1);
+	if (search != NULL)
+		add_passes(plan, search, -1, PLAN_BATCH_SEARCH, GPU_LOAD, 1);
 	add_passes(plan, "spread", -1, PLAN_BATCH, GPU_SPREAD, SPREAD_PASSES - (int)deform_spread_first(params->model));
 	add_passes(plan, deform_slide_effect(params->model), -1, PLAN_BATCH, GPU_SLIDE,
 		   deform_slide_passes(params, false) + deform_line_passes(params));
@@ -108,12 +111,12 @@ static void plan_together(const struct deform_params *params, struct plan *plan)
 		add_passes(plan, "dirt", -1, PLAN_BATCH, GPU_DISTURBANCE, 1);
 }
 
-static void plan_batches(const struct deform_params *params, struct plan *plan)
+static void plan_batches(const struct deform_params *params, const struct any *any, struct plan *plan)
 {
 	const char *displace = deform_displace_effect(params->model);
 	deform_batch_plan(params, plan);
 	if (deform_conserves(params->model)) {
-		plan_together(params, plan);
+		plan_together(params, any->found, plan);
 		return;
 	}
 	add_passes(plan, displace, -1, PLAN_BATCH_ENVELOPE, GPU_ENVELOPE, 1);
@@ -145,7 +148,7 @@ void deform_plan(const struct deform_params *params, const struct deform_planned
 	deform_scratch_plan(params, plan);
 	deform_plan_buffer(plan, deform_displace_effect(params->model), 1, sizeof(struct deform_tally), "tally");
 	if (params->batches && deform_model_row(params->model)->batch != NULL)
-		plan_batches(params, plan);
+		plan_batches(params, &any, plan);
 	if (params->loaded_bodies > 0)
 		deform_plan_buffer(plan, "load", 1, params->loaded_bodies * sizeof(int32_t), "heights of the loaded");
 	if (any.facets != NULL) {

@@ -101,9 +101,10 @@ void deform_programs_contact(const struct deform_params *params, unsigned with, 
 		define_number(out, "SOILS", deform_soil_slots(params));
 }
 
-void deform_programs_find(const struct deform_params *params, unsigned what, enum deform_shape_kind kind, struct deform_request *out)
+void deform_programs_find(const struct deform_params *params, unsigned what, enum deform_shape_kind kind, bool batch, struct deform_request *out)
 {
 	*out = (struct deform_request){.gl = {.compute = "deform/scm_find.comp"}};
+	define(out, "BATCH", batch);
 	define(out, "PATCH", what & FIND_PATCH);
 	define(out, "LOAD", what & FIND_LOAD);
 	define(out, "BELT", what & FIND_BELT);
@@ -310,27 +311,27 @@ static void each_envelope(struct each *each, const struct deform_planned *object
 	}
 }
 
-static void each_find(struct each *each, unsigned with, enum deform_shape_kind kind)
+static void each_find(struct each *each, unsigned with, enum deform_shape_kind kind, bool batch)
 {
 	const bool load = with & WITH_LOAD;
 	if (!(with & (WITH_PATCH | WITH_LOAD)))
 		return;
-	deform_programs_find(each->params, with / WITH_PATCH % FIND_SHAPE, kind, &each->request);
+	deform_programs_find(each->params, with / WITH_PATCH % FIND_SHAPE, kind, batch, &each->request);
 	add(each, load ? "load" : deform_displace_effect(each->params->model));
 }
 
 /* The contact passes of a model that tells forces. */
-static void each_felt(struct each *each, const struct deform_planned *object, bool forces)
+static void each_felt(struct each *each, const struct deform_planned *object, bool forces, bool batch)
 {
 	bool load = object->load > 0, patch = deform_is_counted(each->params, object->shape, load);
 	for (int leans = 0; leans <= object->leans; leans++) {
 		const enum deform_shape_kind form = leans ? DEFORM_CYLINDER : object->shape->kind;
 		unsigned with = (patch ? WITH_PATCH : 0) | (load ? WITH_LOAD : 0) | (object->shape->belt ? WITH_BELT : 0) | WITH_SHAPE * (unsigned)form;
-		each_find(each, with, form);
-		deform_programs_contact(each->params, with, false, &each->request);
+		each_find(each, with, form, batch);
+		deform_programs_contact(each->params, with, batch, &each->request);
 		add(each, load ? "load" : deform_displace_effect(each->params->model));
 		if (forces || load) {
-			deform_programs_contact(each->params, with | WITH_FORCES, false, &each->request);
+			deform_programs_contact(each->params, with | WITH_FORCES, batch, &each->request);
 			add(each, forces ? "forces" : "load");
 		}
 	}
@@ -378,13 +379,7 @@ static void each_together(struct each *each, const struct deform_planned *object
 			deform_programs_envelope(params, kind, sideways, true, &each->request);
 			add(each, displace);
 		}
-	for (int leans = 0; leans <= object->leans; leans++) {
-		const unsigned with = (object->shape->belt ? WITH_BELT : 0) | WITH_SHAPE * (unsigned)(leans ? DEFORM_CYLINDER : kind);
-		for (int tells = 0; tells <= forces; tells++) {
-			deform_programs_contact(params, with | (tells ? WITH_FORCES : 0), true, &each->request);
-			add(each, tells ? "forces" : displace);
-		}
-	}
+	each_felt(each, object, forces, true);
 	for (int pass = deform_spread_first(params->model); pass < SPREAD_PASSES; pass++) {
 		deform_programs_spread(params, (enum spread_pass)pass, true, &each->request);
 		add(each, "spread");
@@ -433,7 +428,7 @@ void deform_programs_each(const struct deform_params *params, const struct defor
 	bool loaded = deform_tells_forces(params->model) && object->load > 0;
 	each_envelope(&each, object);
 	if (deform_tells_forces(params->model)) {
-		each_felt(&each, object, forces);
+		each_felt(&each, object, forces, false);
 	} else {
 		deform_programs_contact(params, 0, false, &each.request);
 		add(&each, deform_displace_effect(params->model));

@@ -39,7 +39,7 @@ void deform_programs_envelope(const struct deform_params *params, enum deform_sh
 			struct deform_request *out);
 void deform_programs_facet(const struct deform_params *params, struct deform_request *out);
 void deform_programs_contact(const struct deform_params *params, unsigned with, bool batch, struct deform_request *out);
-void deform_programs_find(const struct deform_params *params, unsigned what, enum deform_shape_kind kind, struct deform_request *out);
+void deform_programs_find(const struct deform_params *params, unsigned what, enum deform_shape_kind kind, bool batch, struct deform_request *out);
 void deform_programs_box(const struct deform_params *params, struct deform_request *out);
 void deform_programs_spread(const struct deform_params *params, enum spread_pass pass, bool batch, struct deform_request *out);
 /* `loaded`: over a window of an object with a load. */

@@ -45,6 +45,7 @@ struct key {
 struct together {
 	struct gpu_list *list;
 	struct gpu_buffer *layings;
+	struct gpu_buffer *found; /* what a search before the contacts finds: lib/found.glsl */
 	struct gpu_program *under[GROUPS];
 	struct key keys[DEFORM_BATCH_MOST];
 	struct together_record records[DEFORM_BATCH_MOST], sorted[DEFORM_BATCH_MOST];
@@ -58,6 +59,8 @@ enum status deform_together_create(struct deform *deform)
 	enum status status = gpu_list_create(deform->params.gpu, sizeof deform->together->sorted, &deform->together->list);
 	if (status == STATUS_OK)
 		status = gpu_buffer_create(deform->params.gpu, GPU_STORAGE, DEFORM_BATCH_MOST * DEFORM_LAYING_BYTES, NULL, &deform->together->layings);
+	if (status == STATUS_OK && deform_tells_forces(deform->params.model))
+		status = gpu_buffer_create(deform->params.gpu, GPU_STORAGE, DEFORM_BATCH_MOST * DEFORM_FOUND_BYTES, NULL, &deform->together->found);
 	return status;
 }
 
@@ -67,12 +70,14 @@ void deform_together_destroy(struct deform *deform)
 		return;
 	gpu_list_destroy(deform->together->list);
 	gpu_buffer_destroy(deform->together->layings);
+	gpu_buffer_destroy(deform->together->found);
 	mem_free(deform->together);
 }
 
-uint64_t deform_together_bytes(void)
+uint64_t deform_together_bytes(const struct deform_params *params)
 {
-	return gpu_list_bytes(sizeof ((struct together *)NULL)->sorted) + DEFORM_BATCH_MOST * DEFORM_LAYING_BYTES;
+	const uint64_t found = deform_tells_forces(params->model) ? DEFORM_BATCH_MOST * DEFORM_FOUND_BYTES : 0;
+	return gpu_list_bytes(sizeof ((struct together *)NULL)->sorted) + DEFORM_BATCH_MOST * DEFORM_LAYING_BYTES + found;
 }
 
 /* The rows of all windows lie beside each other in the viewport. */
@@ -110,9 +115,21 @@ void deform_together_run(struct deform *deform, uint32_t count, struct gpu_pass 
 {
 	pass->viewport = (struct gpu_rect){0, 0, deform->side, deform->side};
 	pass->instances = count != TOGETHER_ALL ? count : (uint32_t)deform->batch->count;
-	pass->lists[3] = deform->together->list;
+	pass->lists[5] = deform->together->list;
 	pass->storage[4] = deform->together->layings;
 	gpu_pass_run(deform->params.gpu, pass);
+}
+
+void deform_together_compute(struct deform *deform, uint32_t count, struct gpu_pass *pass)
+{
+	pass->groups = count;
+	pass->lists[5] = deform->together->list;
+	gpu_pass_run(deform->params.gpu, pass);
+}
+
+struct gpu_buffer *deform_together_found(const struct deform *deform)
+{
+	return deform->together->found;
 }
 
 /* --- records --- */

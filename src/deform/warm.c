@@ -59,7 +59,8 @@ static enum status batch_all(struct deform *deform, const struct deform_planned 
 	if (!deform_batches(&deform->params, object))
 		return STATUS_OK;
 	for (int i = 0; i < ways * (1 + tags) * (1 + object->leans) && status == STATUS_OK; i++) {
-		struct deform_contact contact = {.shape = object->shape, .from = middle, .to = middle, .tag = (uint64_t)(i / ways % (1 + tags))};
+		struct deform_contact contact = {.shape = object->shape, .from = middle, .to = middle, .load = object->load,
+					     .tag = (uint64_t)(i / ways % (1 + tags))};
 		contact.to.roll = i / ways / (1 + tags) * 0.1;
 		contact.to.x += i % ways > 0;
 		contact.to.y += i % ways > 1;
@@ -100,7 +101,7 @@ enum status deform_warm(struct deform *deform, const struct deform_planned *obje
 	if (status == STATUS_OK)
 		status = contact_all(deform, object, deform_tells_forces(params->model) && (forces || loaded));
 	if (status == STATUS_OK)
-		status = batch_all(deform, object, deform_tells_forces(params->model) && forces);
+		status = batch_all(deform, object, deform_tells_forces(params->model) && (forces || loaded));
 	if (status == STATUS_OK && deform->interval != NULL)
 		status = deform_interval_warm(deform, object->shape, loaded && params->loaded_bodies > 0);
 	if (status == STATUS_OK)

@@ -238,7 +238,7 @@ void gpu_list_write(struct gpu_list *list, size_t bytes, const void *data); /* m
 
 /* --- passes: gpu_pass.c --- */
 #define GPU_PASS_TEXTURES 8
-#define GPU_PASS_BUFFERS 5
+#define GPU_PASS_BUFFERS 6
 #define GPU_PASS_IMAGES 8
 struct gpu_pass {
 	enum gpu_stage stage; /* the pass is counted under this stage */

@@ -120,6 +120,16 @@ static enum status add(struct batches *batches, const struct waiting *waiting)
 	return status;
 }
 
+/* Returns the round of the last contact of a body that waits; 0: none does. The search for the height of a loaded body begins at the height
+ * that its last contact found. So its contacts keep their order, even if it jumped, and they share no post. */
+static size_t round_of_body(const struct batches *batches, size_t body)
+{
+	for (size_t i = batches->count; i > 0; i--)
+		if (batches->list[i - 1].event->body == body)
+			return batches->list[i - 1].round;
+	return 0;
+}
+
 enum status world_batches_take(struct world *world, const struct event *event, const struct deform_contact *contact,
 			       const struct deform_window *windows, size_t count, bool *taken)
 {
@@ -131,13 +141,17 @@ enum status world_batches_take(struct world *world, const struct event *event, c
 		waiting.tiles = tiles_of(world, windows[0].read, waiting.keys, TILES_MOST);
 		*taken = waiting.tiles > 0 && waiting.tiles <= TILES_MOST;
 	}
+	const size_t before = contact->load > 0 ? round_of_body(batches, event->body) : 0;
+	if (!*taken && before > 0)
+		return world_batches_flush(world);
 	if (!*taken)
 		return world_batches_flush_near(world, windows, count);
 	if (batches->count == WAITING_MOST)
 		status = world_batches_flush(world);
 	if (status != STATUS_OK)
 		return status;
-	waiting.round = last_round(batches, windows[0].read) + 1;
+	const size_t near = last_round(batches, windows[0].read), own = batches->count > 0 ? before : 0;
+	waiting.round = (near > own ? near : own) + 1;
 	batches->rounds = waiting.round > batches->rounds ? waiting.round : batches->rounds;
 	return add(batches, &waiting);
 }

@@ -12,6 +12,8 @@
 enum { ASSUMED_CELLS = 256 };
 #define ASSUMED_SPACING 1.0
 #define ASSUMED_POSTS ((int64_t)1 << 24)
+/* So few bodies would save less in their steps than the many further programs of a model that conserves soil cost at the start. */
+#define TOGETHER_LEAST 4
 
 /* --- facts that follow from scene and store --- */
 
@@ -105,7 +107,7 @@ void world_deform_params(const struct world *world, struct deform_params *params
 	params->raster_count = world_rasters(world, params->rasters);
 	for (size_t i = 0; i < scene->object_count && world->bodies != NULL; i++)
 		params->loaded_bodies += world->bodies[i].loaded_body > 0;
-	params->batches = world_batched_bodies(world, params) > 1;
+	params->batches = world_batched_bodies(world, params) >= (deform_conserves(scene->model) ? TOGETHER_LEAST : 2);
 }
 
 bool world_computes_together(const struct world *world)

@@ -85,7 +85,7 @@ class Explain(FurrowTest):
         self.assertEqual(box["key"], "redistribute.model")
         self.assertEqual(box["reason"], "redistribute.model: box")
         self.assertEqual((box["reads"], box["writes"], box["stencil"]), (["base", "offset"], ["offset"], 4))
-        self.assertEqual(box["shaders"], ["deform/box.frag"])
+        self.assertEqual(box["shaders"], ["deform/box.frag", "deform/gather.frag", "deform/store.frag"])
         self.assertEqual(box["parameters"][0], {"key": "redistribute.radius", "kind": "whole number", "unit": "posts",
                                                 "range": [1, 4], "above": False, "words": [], "default": 1})
         self.assertTrue(box["limits"])

@@ -12,6 +12,7 @@ struct setup {
 	uint32_t cells;
 	int slots;
 	bool rises; /* some bodies leave the ground at times */
+	bool loads; /* some carry a load */
 };
 
 static uint32_t seed;
@@ -59,8 +60,9 @@ static void write_scene(const char *path, const struct setup *setup)
 			write_hops(file, i, x, y);
 			continue;
 		}
-		fprintf(file, "  - {name: b%d, shape: {%s}, sink: %g, path: {points: [[%g, %g], [%g, %g], [%g, %g]], speed: %g}}\n", i, shape_of(i),
-			0.1 + 0.1 * any_share(), x, y, x + 8 * any_share(), y - 5 * any_share(), x + 3, y + 6, 4 + 3 * any_share());
+		const bool loaded = setup->loads && i % 7 < 5 && i % 3 != 1;
+		fprintf(file, "  - {name: b%d, shape: {%s}, %s: %g, path: {points: [[%g, %g], [%g, %g], [%g, %g]], speed: %g}}\n", i, shape_of(i),
+			loaded ? "load" : "sink", loaded ? 2000 + 3000 * any_share() : 0.1 + 0.1 * any_share(), x, y, x + 8 * any_share(), y - 5 * any_share(), x + 3, y + 6, 4 + 3 * any_share());
 	}
 	assert_int_equal(fclose(file), 0);
 }
@@ -110,11 +112,11 @@ static struct left drive(const struct setup *setup, bool alone)
 static void batches_do_not_show_in_the_rows(void **state)
 {
 	static const struct setup setups[] = {
-		{"box, radius: 2, repetitions: 2", "attributes: [dirt]\n", 0.25, 0.05, 64, 256, false},
-		{"box", "", 0.125, 0.02, 128, 16, true},
-		{"none", "attributes: [dirt]\n", 0.5, 0.2, 32, 64, true},
-		{"scm", "soil: {name: dry_sand}\noutput: {forces: 7}\n", 0.25, 0.05, 64, 64, true},
-		{"scm, depth: 0.2, slip_sinkage: 1", "soil: {name: dry_sand}\nattributes: [dirt]\n", 0.5, 0.1, 32, 256, false},
+		{"box, radius: 2, repetitions: 2", "attributes: [dirt]\n", 0.25, 0.05, 64, 256, false, false},
+		{"box", "", 0.125, 0.02, 128, 16, true, false},
+		{"none", "attributes: [dirt]\n", 0.5, 0.2, 32, 64, true, false},
+		{"scm", "soil: {name: dry_sand}\noutput: {forces: 7}\n", 0.25, 0.05, 64, 64, true, true},
+		{"scm, depth: 0.2, slip_sinkage: 1", "soil: {name: dry_sand}\nattributes: [dirt]\n", 0.5, 0.1, 32, 256, false, false},
 	};
 	(void)state;
 	for (size_t i = 0; i < sizeof setups / sizeof *setups; i++) {

@@ -22,11 +22,12 @@ static void nothing_is_made_or_run_for_nothing(void **state)
 	"objects:\n  - {name: a, shape: {" WHEEL "}}, load: 4000, slip: 0.2, " PATH "}\n"                               \
 	"  - {name: b, shape: {box: {size: [2, 1, 1]}}, load: 3000, path: {points: [[70, 70]], speed: 1}}\n"           \
 	"  - {name: c, shape: {sphere: {radius: 1}}, sink: 0.2, path: {points: [[80, 30], [60, 30]], speed: 8}}\n"
-/* Under scm, bodies without a load whose touched posts need not be counted are computed together. */
+/* Computed together under scm, too. */
 #define PAIRS                                                                                                           \
 	"objects:\n  - {name: a, shape: {" WHEEL "}}, sink: 0.3, " PATH "}\n"                                           \
-	"  - {name: b, shape: {" WHEEL "}}, sink: 0.2, path: {points: [[90, 80], [120, 60]], speed: 12}}\n"              \
-	"  - {name: c, shape: {box: {size: [2, 1, 1]}}, sink: 0.2, path: {points: [[120, 20], [130, 40]], speed: 5}}\n"
+	"  - {name: b, shape: {" WHEEL "}}, load: 4000, path: {points: [[90, 80], [120, 60]], speed: 12}}\n"             \
+	"  - {name: c, shape: {box: {size: [2, 1, 1]}}, sink: 0.2, path: {points: [[120, 20], [130, 40]], speed: 5}}\n"        \
+	"  - {name: d, shape: {sphere: {radius: 1}}, sink: 0.2, path: {points: [[20, 110], [40, 100]], speed: 8}}\n"
 #define CHASE "view: {size: [160, 90], camera: {chase: a, back: 12, up: 5}, effects: [texture, detail, fog, sky, geomorph, skirts, objects, shadow], images: 5}\n"
 
 #define SHADED "view: {size: [160, 90], camera: {chase: a, back: 12, up: 5}, sun: {height: 12}, effects: [geomorph, skirts, objects, terrain_shadow], images: 5}\n"

@@ -188,6 +188,12 @@ static void fill_laying(const struct spread_params *spread, struct scm_params *p
 	params->frame_axis[2] = spread->place[3];
 }
 
+/* Tells whether the posts that the object touches are counted before its contact. */
+static bool is_counted(const struct deform *deform, const struct deform_contact *contact)
+{
+	return deform_is_counted(&deform->params, contact->shape, contact->load > 0) && deform_fits_window(deform, contact);
+}
+
 static struct scm_params params_of(const struct deform *deform, const struct deform_contact *contact, const struct spread_params *spread,
 				   const struct deform_window *window, uint32_t layer, const double extent[2])
 {
@@ -213,14 +219,15 @@ static struct scm_params params_of(const struct deform *deform, const struct def
 	params.faces[0][3] = (float)deform_area_units(deform, contact);
 	fill_soils(&deform->params, params.soils);
 	fill_rasters(&deform->params, params.rasters);
+	params.scale[3] = (float)by_width(contact, extent, is_counted(deform, contact));
 	return params;
 }
 
-/* Returns the variant of the contact pass, less what a search before it finds. */
+/* Returns the variant of the contact pass. */
 static unsigned variant(const struct deform *deform, const struct deform_contact *contact)
 {
-	(void)deform;
-	return (contact->tag != 0 ? WITH_FORCES : 0) | (contact->shape->belt ? WITH_BELT : 0) |
+	return (contact->tag != 0 ? WITH_FORCES : 0) | (is_counted(deform, contact) ? WITH_PATCH : 0) | (contact->load > 0 ? WITH_LOAD : 0) |
+	       (contact->shape->belt ? WITH_BELT : 0) |
 	       WITH_SHAPE * (unsigned)deform_kind_in(contact->shape, &contact->to);
 }
 
@@ -245,10 +252,7 @@ static enum status run_contact(struct deform *deform, const struct deform_contac
 	deform_body_extent(contact->shape, &contact->to, extent);
 	const enum deform_shape_kind form = deform_kind_in(contact->shape, &contact->to);
 	struct scm_params params = params_of(deform, contact, spread, window, layer, extent);
-	bool counted = deform_is_counted(&deform->params, contact->shape, contact->load > 0) &&
-		       deform_fits_window(deform, contact);
-	params.scale[3] = (float)by_width(contact, extent, counted);
-	const unsigned with = variant(deform, contact) | (params.scale[3] == 0 ? WITH_PATCH : 0) | (contact->load > 0 ? WITH_LOAD : 0);
+	const unsigned with = variant(deform, contact);
 	struct gpu_buffer *records = NULL;
 	uint32_t record = 0;
 	struct deform_request request;
@@ -304,7 +308,6 @@ static enum status fill_numbers(struct deform *deform, const struct deform_conta
 	enum status status = STATUS_OK;
 	deform_body_extent(contact->shape, &contact->to, extent);
 	struct scm_params params = params_of(deform, contact, spread, window, 0, extent);
-	params.scale[3] = (float)by_width(contact, extent, false);
 	if (contact->tag != 0)
 		status = deform_forces_record(deform, contact, true, arm_of(contact->shape, extent), &records, &record);
 	params.zero[3] = (int32_t)record;
@@ -326,12 +329,18 @@ static enum status run_together(struct deform *deform, unsigned with, uint32_t f
 	params.zero[0] = (int32_t)first;
 	fill_soils(&deform->params, params.soils);
 	fill_rasters(&deform->params, params.rasters);
+	if (with & (WITH_PATCH | WITH_LOAD))
+		status = deform_find_together(deform, &params, with / WITH_PATCH % FIND_SHAPE, (enum deform_shape_kind)(with / WITH_SHAPE), count);
+	if (status != STATUS_OK)
+		return status;
 	bind(deform, false, deform->tally, with & WITH_FORCES ? deform_forces_records(deform) : NULL, &pass);
 	pass.program = deform->scm[1][with];
 	pass.target = deform->scratch[0].to[TO_BARE];
 	pass.params = &params;
 	pass.params_bytes = sizeof params;
-	pass.beside = first > 0;
+	pass.storage[2] = deform_together_found(deform);
+	pass.storage[3] = deform->standing;
+	pass.beside = first > 0 && !(with & (WITH_PATCH | WITH_LOAD));
 	deform_together_run(deform, count, &pass);
 	return STATUS_OK;
 }

@@ -174,6 +174,7 @@ static struct slide_params begin_params(const struct deform *deform, const struc
 	struct slide_params params = {
 		.place = {(int32_t)place->layer, deform_is_bounded(&deform->params) ? loose_depth(deform) : 0},
 	};
+	params.place[2] = place->flags.loaded; /* read over a batch only */
 	fill_window(place, &params);
 	return params;
 }
