@@ -327,6 +327,7 @@ static enum status all(struct drive *drive)
 	struct world *world = &drive->world;
 	int64_t total = world_step_count(world);
 	enum status status = begin(drive);
+	drive->unbegun = status == STATUS_INPUT && !world->resumed.is && world->step == 0 && drive->params->ranks == NULL && drive->params->host == NULL;
 	if (status != STATUS_OK && drive->params->ranks == NULL)
 		return status;
 	drive->began = clock_seconds();
@@ -358,6 +359,23 @@ static void stop_threads(struct drive *drive)
 		render_view_settle(drive->view);
 }
 
+static bool is_there(const char *path)
+{
+	return path == NULL || access(path, F_OK) == 0;
+}
+
+/* Removes what a drive made that could not begin. What was there before stays. */
+static void remove_made(const struct drive *drive)
+{
+	static const char *const endings[] = {"", "-wal", "-shm"};
+	char path[4096];
+	if (drive->new_folder)
+		api_folder_remove(drive->params->directory);
+	for (size_t i = 0; drive->new_overlay && i < sizeof endings / sizeof *endings; i++)
+		if (snprintf(path, sizeof path, "%s%s", drive->params->overlay, endings[i]) < (int)sizeof path)
+			(void)unlink(path);
+}
+
 /* A drive may end before a vehicle has come to the end of its path. */
 static void tell_on_the_way(const struct drive *drive)
 {
@@ -372,8 +390,12 @@ static void tell_on_the_way(const struct drive *drive)
 
 static enum status run(struct drive *drive, struct api_result *result)
 {
-	enum status status = publish_trace(drive, all(drive));
+	enum status status = all(drive);
+	if (!drive->unbegun)
+		status = publish_trace(drive, status);
 	stop_threads(drive);
+	if (drive->unbegun)
+		return status;
 	result->ended = status == STATUS_OK ? vehicle_stuck(drive->vehicles) ? "stuck" : "complete"
 			: status == STATUS_INTERRUPTED ? "interrupted"
 						       : "failed";
@@ -440,7 +462,8 @@ static void tell_advice(void *user, const char *text)
 
 enum status api_drive(const struct api_params *params, struct api_result *result)
 {
-	struct drive drive = {.params = params, .scene = *params->scene, .entered = clock_seconds()};
+	struct drive drive = {.params = params, .scene = *params->scene, .entered = clock_seconds(), .new_folder = !is_there(params->directory),
+			      .new_overlay = !is_there(params->overlay)};
 	if (params->host == NULL)
 		scene_unwatched(params->scene, &drive.scene);
 	const struct world_ranks *ranks = params->ranks;
@@ -490,6 +513,8 @@ enum status api_drive(const struct api_params *params, struct api_result *result
 	const int64_t step = drive.world.step;
 	const double time = drive.world.time;
 	finish(&drive, status);
+	if (drive.unbegun)
+		remove_made(&drive);
 	if (drive.ran && ranks != NULL)
 		status = conclude(&drive, step, time, result, status);
 	vehicle_destroy(drive.vehicles);

@@ -1,5 +1,8 @@
 /* The folder of a run: makes it, locks it, and removes the files of an earlier run. */
+#define _GNU_SOURCE /* nftw */
 #include <errno.h>
+#include <ftw.h>
+#include <stdio.h>
 #include <string.h>
 #include <sys/file.h>
 #include <sys/stat.h>
@@ -48,4 +51,16 @@ enum status api_folder_clear(const struct world *world, const char *directory)
 	snprintf(path, sizeof path, "%s/map.png", directory);
 	unlink(path);
 	return STATUS_OK;
+}
+
+static int remove_entry(const char *path, const struct stat *stats, int kind, struct FTW *where)
+{
+	(void)stats, (void)kind, (void)where;
+	(void)remove(path);
+	return 0;
+}
+
+void api_folder_remove(const char *directory)
+{
+	(void)nftw(directory, remove_entry, 16, FTW_DEPTH | FTW_PHYS);
 }

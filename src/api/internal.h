@@ -24,6 +24,8 @@ struct drive {
 	struct report_rows *rows;     /* NULL: no objects.csv */
 	struct report report;
 	bool ran;                     /* its loop began */
+	bool unbegun;                 /* a vehicle or an object could not be set down: nothing of the drive is to be kept */
+	bool new_folder, new_overlay; /* they were not there before */
 	struct host *host;            /* NULL unless a window controls the drive */
 	double entered, began;        /* s, of the system's clock: start of the drive, and of its loop */
 };
@@ -33,6 +35,9 @@ struct drive {
 enum status api_folder_commits(const char *directory, FILE **out) FURROW_CHECKED;
 /* Removes the files of an earlier run, except the lines that a resumed run continues. */
 enum status api_folder_clear(const struct world *world, const char *directory) FURROW_CHECKED;
+
+/* Removes the folder with all that is in it, a link but not what it leads to. What cannot be removed stays. */
+void api_folder_remove(const char *directory);
 
 /* drive.c: makes one step of the world, and of the vehicles in it. */
 enum status api_one_step(struct drive *drive) FURROW_CHECKED;

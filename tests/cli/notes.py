@@ -92,6 +92,24 @@ class Notes(FurrowTest):
         self.scene((scene % "[30, 20]").replace("[[20, 20], [30, 20]]", "[[20, 20]]"), "there.yaml")
         self.assertEqual(self.notes("vehicles.car: ", "--overlay", "d.furrow", scene="there.yaml"), [])
 
+    def test_a_vehicle_that_cannot_start_leaves_nothing(self):
+        shutil.copy(pathlib.Path(__file__).parents[1] / "vehicle/one_wheel.xml", self.folder)
+        self.scene("scene: 1\ntime_step: 0.002\nend_time: 0.1\nspacing: 0.25\nsoil: {name: dry_sand}\nredistribute: {model: scm}\noutput: {vehicles: 20}\n"
+                   "vehicles: [{name: car, model: one_wheel.xml, start: {at: [-5, 20]}}]\n", "off.yaml")
+        before = sorted(self.folder.rglob("*"))
+        new = ("drive", "off.yaml", "--store", "world.furrow", "--overlay", "new.furrow", "-o", "out", "--trace", "new.trace")
+        result = self.furrow(*new)
+        if result.returncode == 4 or "this build has no MuJoCo" in result.stderr:
+            self.skipTest(result.stderr.strip())
+        self.assertIn("no ground under car.wheel", self.told(3, result))
+        self.assertEqual(result.stdout, "")
+        self.assertEqual(sorted(self.folder.rglob("*")), before)
+        # What was there before stays.
+        self.ok(*new, "--set", "vehicles.car.start.at=[20, 20]")
+        (self.folder / "out/mine").write_text("mine")
+        self.refused(3, *new)
+        self.assertTrue((self.folder / "out/mine").exists() and (self.folder / "new.furrow").exists())
+
     def test_a_path_that_is_not_finished_is_told(self):
         scene = ("scene: 1\ntime_step: 0.1\nend_time: %s\nspacing: 0.5\nredistribute: {model: box}\nobjects:\n"
                  "  - {name: a, shape: {sphere: {radius: 1}}, sink: 0.1, path: {points: [[20, 20], [50, 60]], speed: 5}}\n"
