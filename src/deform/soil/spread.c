@@ -219,7 +219,8 @@ struct spread_params deform_spread_params(const struct deform *deform, const str
 
 void deform_spread_begin(struct deform *deform, const struct deform_window *window, uint32_t layer)
 {
-	gpu_texture_clear(deform->deposits, layer, deform_written(window), 0);
+	/* Sliding on steep ground reads the posts around those that are written, too (slide_begin.frag). */
+	gpu_texture_clear(deform->deposits, layer, deform_window_rect(window), 0);
 	gpu_buffer_clear(deform->laying, 0, DEFORM_LAYING_BYTES);
 }
 
