@@ -274,6 +274,21 @@ static enum status take_changed(struct export_request *request, struct store *st
 	return STATUS_OK;
 }
 
+/* The surface of the source's level has only few posts of finer ruts. */
+static enum status tell_finer_ruts(const struct export_request *request, struct store *store, int working)
+{
+	double ruts[4];
+	bool any;
+	if ((request->layer != LAYER_SURFACE && request->layer != LAYER_HILLSHADE) || working >= request->level)
+		return STATUS_OK;
+	enum status status = ruts_window(store, ruts, &any);
+	if (status == STATUS_OK && any)
+		note("%s: at level %d it has one of %lld posts of the ruts, which are %g m apart: for all of them give --level %d --window %.10g,%.10g,%.10g,%.10g",
+		     request->path, (int)request->level, 1LL << 2 * (request->level - working), extent_spacing(&store_meta(store)->extent, working), working,
+		     ruts[0], ruts[1], ruts[2], ruts[3]);
+	return status;
+}
+
 static enum status write_raster(const struct export_request *request, struct store *store)
 {
 	const struct store_meta *meta = store_meta(store);
@@ -336,6 +351,8 @@ static enum status run(const struct arguments *arguments)
 		relief_tell_missing(request.store, store);
 	if (status == STATUS_OK && is_ruts(&request) && !arguments_flag(arguments, "level") && store_has_working_level(store, &working))
 		request.level = working;
+	if (status == STATUS_OK && !arguments_flag(arguments, "level") && store_has_working_level(store, &working))
+		status = tell_finer_ruts(&request, store, working);
 	if (status == STATUS_OK)
 		status = take_changed(&request, store);
 	if (status == STATUS_OK)
