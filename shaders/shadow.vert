@@ -1,5 +1,5 @@
 #version 450 core
-// Draws the volume that the shadow of one object may reach: a box. Only its far sides are drawn. So each pixel of the volume is drawn
+// Draws the volume that the shadow of one object may reach: a box along the sun's rays. Only its far sides are drawn. So each pixel of the volume is drawn
 // once, also if the eye is inside.
 #include "lib/picture.glsl"
 #include "lib/body.glsl"
@@ -22,7 +22,6 @@ layout(std430, binding = 0) readonly buffer casters {
 
 flat out vec4 own_x, own_y, own_z, form, volume_x, volume_y, volume_z;
 flat out vec4 to_sun; // xyz: direction to the sun along the form's axes; w: kind of the form
-flat out vec3 of_sun; // share of the light on level ground that comes from the sun, for each colour
 flat out vec2 strength; // 0 .. 1: strength of the shadow from the sun, and from the sky; weaker in haze
 
 // Returns the part along one axis of the place on the volume where that axis has the value `side`.
@@ -34,8 +33,6 @@ vec3 side_of(vec4 axis, float side)
 void main()
 {
 	caster it = all[gl_InstanceID];
-	vec3 direct = sunlight.rgb * max(sun.z, 0.05);
-	of_sun = direct / (direct + skylight * sunlight.w);
 	own_x = it.to_own[0];
 	own_y = it.to_own[1];
 	own_z = it.to_own[2];
@@ -44,7 +41,7 @@ void main()
 	volume_y = it.to_volume[1];
 	volume_z = it.to_volume[2];
 	to_sun = vec4(dot(own_x.xyz, sun.xyz), dot(own_y.xyz, sun.xyz), dot(own_z.xyz, sun.xyz), it.kind.x);
-	strength = vec2(smoothstep(0.0, 0.1, sun.z), 1.0);
+	strength = vec2(smoothstep(0.0, 0.005, sun.z), 1.0);
 #ifdef FOG
 	strength *= haze_between(side_of(volume_x, 0.0) + side_of(volume_y, 0.0) + side_of(volume_z, 0.0)).x;
 #endif

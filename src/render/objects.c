@@ -69,7 +69,7 @@ static struct gpu_program_request request_of(uint64_t effects, const char *body,
 		request.defines[count++] = scene_effect_row(EFFECT_FOG)->define;
 	if (shadow && samples > 1)
 		request.defines[count++] = scene_effect_row(EFFECT_ANTIALIAS)->define;
-	if (!shadow && (effects >> EFFECT_TERRAIN_SHADOW & 1))
+	if (effects >> EFFECT_TERRAIN_SHADOW & 1)
 		request.defines[count++] = scene_effect_row(EFFECT_TERRAIN_SHADOW)->define;
 	request.defines[count] = body;
 	return request;
@@ -328,7 +328,7 @@ static enum status draw_shadows(struct render *render, const struct picture_para
 		.stage = GPU_SHADOW,
 		.target = render->screen->over,
 		.viewport = {0, 0, render->screen->width, render->screen->height},
-		.textures = {render->screen->depth},
+		.textures = {render->screen->depth, [6] = render_shade_texture(render->shade)},
 		.lists = {objects->casters},
 		.only_reads = true,
 		.params = params,

@@ -1,14 +1,17 @@
 /*
  * The parts of an object's shadow: a simple form, and a volume in which it shades the ground. The form is the shape itself, without
- * a wheel's grousers. For a mesh it is the box around it, for a capsule a cylinder, for an ellipsoid a ball. The volume is a box along the sun's azimuth. It goes from a little behind
- * the object to where the shadow of its top ends. The shader lets the shadow fade before the volume's sides.
+ * a wheel's grousers. For a mesh it is the box around it, for a capsule a cylinder, for an ellipsoid a ball. The volume is a box along
+ * the sun's rays. It begins on the object's sunny side. It ends where the ray past the object's top has come down by twice the object's
+ * height and some metres more. So the ground may fall away from the object.
  */
 #include <math.h>
 #include <string.h>
 
 #include "render/objects.h"
 
-#define LENGTH_MOST 6.0 /* times the object's largest half size; if the sun is low, the end is cut off */
+#define DROP 3.0      /* metres that the volume reaches below twice the object's height: parts of vehicles are so high above the ground */
+#define LOWEST 0.0175 /* sine of the sun's height: below 1 degree shadows do not get longer */
+#define SPREAD 0.0047 /* metres by which half a shadow's edge widens with each metre: the sun's radius in radians. shadow.frag has it, too */
 
 /* Returns half the form's size along a direction of length 1. */
 static double extent(const struct object_shadow *shadow, double axes[3][3], const double along[3])
@@ -79,16 +82,19 @@ void render_object_shadow_of(const struct deform_shape *shape, double axes[3][3]
 	for (int i = 0; i < 3; i++)
 		row(shadow->to_own[i], form[i], centre, 1);
 
-	const double away[3] = {level > 0 ? -sun[0] / level : 1, level > 0 ? -sun[1] / level : 0, 0};
-	const double across[3] = {-away[1], away[0], 0}, up[3] = {0, 0, 1};
-	double along = extent(shadow, form, away), wide = extent(shadow, form, across), high = extent(shadow, form, up);
-	double beside = 0.8 * (double)shadow->form[3], below = 0.5 * high + 0.3 * (double)shadow->form[3];
-	double length = fmin((2 * high + below) * level / fmax(sun[2], 1e-3), LENGTH_MOST * fmax(high, fmax(along, wide)));
-	double half[3] = {along + (beside + length) / 2, wide + beside, (1.1 * high + below) / 2};
+	/* Along the light, level across it, and the third. */
+	const double east = level > 0 ? -sun[0] / level : 1, north = level > 0 ? -sun[1] / level : 0;
+	const double away[3] = {-sun[0], -sun[1], -sun[2]}, across[3] = {-north, east, 0}, over[3] = {east * sun[2], north * sun[2], level};
+	const double upright[3] = {0, 0, 1}, size = (double)shadow->form[3];
+	const double along = extent(shadow, form, away), wide = extent(shadow, form, across), thick = extent(shadow, form, over);
+	const double drop = 4 * extent(shadow, form, upright) + DROP, length = fmax(drop / fmax(sun[2], LOWEST), along + size);
+	/* Beside the form there is shade from the sky, and the shadow's soft edge. */
+	const double beside = fmax(0.8 * size, 0.1 * size + SPREAD * length);
+	const double half[3] = {(along + beside + length) / 2, wide + beside, thick + beside};
 	for (int k = 0; k < 3; k++)
-		middle[k] = centre[k] + away[k] * (length - beside) / 2 + up[k] * (0.1 * high - half[2]);
+		middle[k] = centre[k] + away[k] * (length - along - beside) / 2;
 	row(shadow->to_volume[0], away, middle, 1 / half[0]);
 	row(shadow->to_volume[1], across, middle, 1 / half[1]);
-	row(shadow->to_volume[2], up, middle, 1 / half[2]);
+	row(shadow->to_volume[2], over, middle, 1 / half[2]);
 	*radius = sqrt(half[0] * half[0] + half[1] * half[1] + half[2] * half[2]);
 }

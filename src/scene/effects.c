@@ -130,10 +130,10 @@ static const struct effect_row rows[EFFECT_COUNT] = {
 		"draws the objects, wheels as they turn"},
 	[EFFECT_SHADOW] = {
 		"shadow", "view.effects", "", LIST("shadow.vert", "shadow.frag"), "depth", "colour", 0, NONE,
-		"of a simple form round each object, on the ground alone, fading within about three of its sizes",
+		"of a simple form round each object, on the ground alone; as long as with the sun 1 degree high, at most; those of two objects add up",
 		"shades the ground beside the objects"},
 	[EFFECT_TERRAIN_SHADOW] = {
-		"terrain_shadow", "view.effects", "TERRAIN_SHADOW", LIST("terrain.frag", "object.frag", "depth.frag"), "base, offset", "colour", 0, NONE,
+		"terrain_shadow", "view.effects", "TERRAIN_SHADOW", LIST("terrain.frag", "object.frag", "shadow.frag", "depth.frag"), "base, offset", "colour", 0, NONE,
 		"four maps of 1024 x 1024 texels, the first at least 24 m wide, each 8 times wider; the ground is drawn once for each of them",
 		"shades the ground that the terrain hides from the sun"},
 	[EFFECT_CAMERAS] = {

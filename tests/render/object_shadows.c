@@ -103,6 +103,118 @@ static void a_shadow_is_on_the_ground_alone(void **state)
 	end();
 }
 
+#define DEGREES (M_PI / 180)
+#define WEST 270.0
+#define FROM_ABOVE camera_at((const double[3]){8, 7.99, 20}, (const double[3]){8, 8, 0})
+
+/* Draws with and without the shadow, the sun in the west. ratios[i]: how much light is left at each pixel of the row through y = 8,
+ * from west to east. */
+static void measure_row(const struct render_object *object, double sun, double ratios[WIDTH])
+{
+	uint8_t *pixels[2];
+	const struct render_camera camera = FROM_ABOVE;
+	struct terrain_view view;
+	render_move_sun(render, WEST * DEGREES, sun * DEGREES);
+	for (int k = 0; k < 2; k++) {
+		render->objects->casts = k > 0;
+		render_shade_begin(render);
+		for (int map = 0; map < RENDER_SHADE_MAPS; map++)
+			if (render_shade_view(render, &camera, GROUND, map, &view))
+				assert_ok(render_shade_draw(render, &camera, map, &view, &selection));
+		pixels[k] = draw(&camera, object, 1);
+	}
+	for (int x = 0; x < WIDTH; x++)
+		ratios[x] = (double)luminance(pixels[1], x, HEIGHT / 2) / luminance(pixels[0], x, HEIGHT / 2);
+	test_free(pixels[0]);
+	test_free(pixels[1]);
+}
+
+/* The pixel of a place east of the tile's corner, at a height. */
+static int column(double x, double z)
+{
+	const struct render_camera camera = FROM_ABOVE;
+	const double east = (double)away * 16, place[3] = {east + x, east + 8, GROUND + z};
+	double at[2];
+	project(&camera, place, at);
+	return (int)at[0];
+}
+
+/* By trigonometry: height / tan(sun). Down to where the sun is 2 degrees high, that is 29 heights. */
+static void a_shadow_is_as_long_as_the_sun_is_low(void **state)
+{
+	need_gpu();
+	static const double cases[][2] = {{60, 1.6}, {40, 1.6}, {20, 1}, {10, 0.8}, {5, 0.8}, {2, 0.4}}; /* degrees; metres along a side */
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+		const double sun = cases[i][0], side = cases[i][1], east = 2 + side / 2;
+		const struct deform_shape cube = {.kind = DEFORM_BOX, .size = {side, side, side}};
+		const struct render_object object = posed(0, 2, 8, side / 2);
+		double ratios[WIDTH];
+		begin(OBJECTS | SHADOW, flat, &cube, 1);
+		const int first = column(east, 0) + 1, last = column(15.9, 0);
+		const double pixels = (column(15, 0) - column(1, 0)) / 14.0; /* a metre */
+		measure_row(&object, sun, ratios);
+		end();
+		/* The light that is left in the shadow; nearer to the object the sky's is less, too. */
+		const double wanted = side / tan(sun * DEGREES), least = ratios[first + (int)(0.75 * wanted * pixels)];
+		int end = first;
+		while (end < last && ratios[end] < (1 + least) / 2)
+			end++;
+		const double found = (end - first + 1) / pixels;
+		if (!(least < 0.95) || fabs(found - wanted) > 0.2 + 0.05 * wanted)
+			fail_msg("sun %g degrees high: a shadow of %g m, not %g; %g of the light", sun, found, wanted, least);
+		/* beyond the penumbra, and the sky's shade beside the object */
+		for (int x = first + (int)(pixels * fmax(1.3 * wanted + 0.4, side)); x < last; x++)
+			assert_true(ratios[x] > 0.97);
+	}
+}
+
+static double falling(double x, double y)
+{
+	return GROUND + 0.18 * (16 - x);
+}
+
+static double rising(double x, double y)
+{
+	return GROUND + 0.1 * x;
+}
+
+/* It falls 3 m at x = 4, eastward. */
+static double stepped(double x, double y)
+{
+	return GROUND + (x < 4 ? 3 : 0);
+}
+
+/* An object takes the sun's light, and none where there is none: on ground that is turned away from the sun, or in the shadow of
+ * other ground. */
+static void where_no_sun_falls_a_shadow_is_not_dark_twice(void **state)
+{
+	need_gpu();
+	double ratios[WIDTH];
+	begin(OBJECTS | SHADOW, falling, &ball, 1);
+	struct render_object object = posed(0, 6, 8, falling(6, 8) - GROUND + 0.5);
+	measure_row(&object, 5, ratios);
+	for (int x = column(7.5, 1.5); x < column(14, 0.4); x++)
+		assert_true(ratios[x] > 0.99);
+	end();
+	begin(OBJECTS | SHADOW, rising, &ball, 1);
+	object = posed(0, 6, 8, 0.6 + 0.5);
+	measure_row(&object, 5, ratios);
+	for (int x = column(7.5, 0.75); x < column(9.5, 0.95); x++)
+		assert_true(ratios[x] < 0.95);
+	end();
+	/* The step's shadow reaches 8.2 m, to x = 12.2. */
+	begin(OBJECTS | SHADOW | EFFECT_BIT(EFFECT_TERRAIN_SHADOW), stepped, &ball, 1);
+	object = posed(0, 6, 8, 0.5);
+	measure_row(&object, 20, ratios);
+	for (int x = column(7.3, 0); x < column(11.5, 0); x++)
+		assert_true(ratios[x] > 0.99);
+	object = posed(0, 13, 8, 0.5);
+	measure_row(&object, 20, ratios);
+	for (int x = column(14.2, 0); x < column(15, 0); x++)
+		assert_true(ratios[x] < 0.8);
+	end();
+}
+
 static void with_samples_a_shadow_lies_there_too(void **state)
 {
 	need_gpu();
@@ -111,6 +223,7 @@ static void with_samples_a_shadow_lies_there_too(void **state)
 	samples = 4;
 	a_shadow_lies_beside_its_object_away_from_the_sun(state);
 	a_shadow_is_on_the_ground_alone(state);
+	where_no_sun_falls_a_shadow_is_not_dark_twice(state);
 	samples = 1;
 }
 
@@ -174,6 +287,8 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_shadow_lies_beside_its_object_away_from_the_sun),
 		cmocka_unit_test(a_shadow_is_on_the_ground_alone),
+		cmocka_unit_test(a_shadow_is_as_long_as_the_sun_is_low),
+		cmocka_unit_test(where_no_sun_falls_a_shadow_is_not_dark_twice),
 		cmocka_unit_test(with_samples_a_shadow_lies_there_too),
 		cmocka_unit_test(resized_it_is_as_if_it_had_been_so),
 		cmocka_unit_test(an_eye_within_the_volume_sees_the_shadow),
