@@ -109,6 +109,22 @@ double relief_rms(const struct relief *relief, int from)
 	return sqrt(sum);
 }
 
+/* The midpoints of a band have the variance s^2. Along an edge of a cell neighbouring posts of the band differ by a midpoint: s^2. Along
+ * the cell's middle they differ by -(3 a + b + c + d) / 2: 3 s^2. At t from edge to middle the difference is interpolated between both,
+ * and has (1 - 3 t + 5 t^2) s^2. Posts of the finest level divide that way into `parts`. Their mean is 7/6 + 5 / (6 parts^2). */
+double relief_slope(const struct relief *relief, int class, double spacing)
+{
+	double sum = 0;
+	if (!relief_any(relief))
+		return 0;
+	for (int level = relief->coarsest; level >= relief->finest; level--) {
+		const double parts = ldexp(1, level - relief->finest);
+		const double slope = ldexp(relief->amplitudes[class][-1 - level], -UNIT_BITS) * 2 / sqrt(3) / ldexp(spacing, level);
+		sum += slope * slope * (7 / 6.0 + 5 / (6 * parts * parts));
+	}
+	return sqrt(sum);
+}
+
 /* --- heights --- */
 
 /* One level's detail of a rectangle. A cell is one of the coarser level; its side is `side` posts of the rectangle's level. */

@@ -76,6 +76,10 @@ double relief_bound(const struct relief *relief, int from);
 /* Returns the root mean square over an area, in metres, of the detail of the levels below `from`, in the roughest class. */
 double relief_rms(const struct relief *relief, int from);
 
+/* Returns the root mean square slope between neighbouring posts of the finest level, along an axis. Of the relief of a class alone. It is about 2.7 times the roughness, divided by the root of the longest band's spacing times the finest one's.
+ * `spacing`: metres between posts of level 0. relief may be NULL: 0. */
+double relief_slope(const struct relief *relief, int class, double spacing);
+
 /* --- its text --- */
 
 /* Returns the text of a specification, JSON, which the caller frees with mem_free; equal relief has equal text. NULL: out of memory. */

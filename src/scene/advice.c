@@ -389,6 +389,27 @@ static void advise_view(const struct adviser *adviser)
 		advise(adviser, "view.effects.fog: there is no air on the Moon: it changes nothing; take it away");
 }
 
+#define ERROR_TOLD 0.25 /* pixels: what numbers over relief may be off without a note */
+
+/* Relief has waves down to the working posts, and the mesh of a picture is coarser than these after a few metres. */
+static void advise_cameras(const struct adviser *adviser)
+{
+	const struct scene *scene = adviser->scene;
+	const unsigned measured = 1u << SCENE_IMAGE_DEPTH | SCENE_IMAGES_MEASURED;
+	double rough = 0;
+	for (int i = 0; i < scene->relief.classes; i++)
+		rough = fmax(rough, scene->relief.waves[i].roughness);
+	if (rough <= 0 || (scene->view.pixel_error > 0 && scene->view.pixel_error <= ERROR_TOLD))
+		return;
+	for (size_t i = 0; i < scene->camera_count; i++)
+		if ((scene->cameras[i].images & measured) != 0) {
+			advise(adviser, "cameras.%s: over relief its numbers are those of a mesh that leaves out the shorter waves: off by up to about %.2g m; "
+					"view.pixel_error: 0.25 bounds that by a quarter of a pixel, and a frame then takes many times as long",
+			       scene->cameras[i].name, 2 * rough);
+			return;
+		}
+}
+
 static void advise_cache(const struct adviser *adviser)
 {
 	const struct scene *scene = adviser->scene;
@@ -418,5 +439,6 @@ void scene_advise(const struct scene *scene, double spacing, scene_advice_fn tel
 	scene_advise_posts(scene, spacing, tell, user);
 	advise_forces(&adviser);
 	advise_view(&adviser);
+	advise_cameras(&adviser);
 	advise_cache(&adviser);
 }

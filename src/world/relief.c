@@ -3,6 +3,8 @@
 
 #include "world/internal.h"
 
+#define SHARE_TOLD 0.01 /* of slopes that are too steep: fewer are not told */
+
 /* What relief by class reads. All threads share one handle of the raster. */
 struct world_relief {
 	struct relief_map map;
@@ -73,6 +75,36 @@ enum status world_settle_relief(struct world *world)
 	return STATUS_OK;
 }
 
+/* Returns the steepest slope between two posts at which a soil is stable, as a tangent; NAN: the model does not let it slide. */
+static double stable_slope(const struct world *world, const struct deform_soil *soil)
+{
+	const struct soil_model *row = deform_model_row(world->scene->model);
+	if (row->slide == NULL)
+		return (double)NAN;
+	if (row->critical != NULL)
+		return lattice_offset_metres(row->critical(soil, world->spacing)) / world->spacing;
+	return row->laid_at != NULL ? tan(row->laid_at(soil)) : (double)NAN;
+}
+
+/* Tells of soils that relief makes steeper than they are stable. Slopes are taken as normally distributed. */
+static void advise_slopes(const struct world *world, scene_advice_fn tell, void *user)
+{
+	const struct scene *scene = world->scene;
+	const struct relief *relief = world_relief(world);
+	char text[320];
+	for (int i = 0; i < scene->soil_count && relief_any(relief); i++) {
+		const double slope = relief_slope(relief, relief->classes > 1 ? i : 0, world->meta->extent.spacing);
+		const double stable = stable_slope(world, &scene->soils[i]), share = slope > 0 && !isnan(stable) ? erfc(stable / slope / M_SQRT2) : 0;
+		if (share < SHARE_TOLD)
+			continue;
+		snprintf(text, sizeof text, "relief: posts %g m apart slope by %.0f degrees (root mean square), and %s is stable up to %.0f: about %.2g %% of the slopes "
+					    "are steeper, and slide where they are touched; give less roughness, a longer wavelength, or posts farther apart",
+			 world->spacing, atan(slope) * 180 / M_PI, scene->soil_names[i][0] != '\0' ? scene->soil_names[i] : "the soil", atan(stable) * 180 / M_PI,
+			 100 * share);
+		tell(user, text);
+	}
+}
+
 void world_advise_relief(const struct world *world, scene_advice_fn tell, void *user)
 {
 	const struct relief_spec *spec = &world->scene->relief;
@@ -81,6 +113,7 @@ void world_advise_relief(const struct world *world, scene_advice_fn tell, void *
 	char text[200];
 	for (int i = 0; i < spec->classes; i++)
 		longest = spec->waves[i].roughness > 0 ? fmax(longest, spec->waves[i].wavelength) : longest;
+	advise_slopes(world, tell, user);
 	if (spec->classes == 0 || world->store == NULL || world_relief(world) != NULL)
 		return;
 	if (world->level >= 0)

@@ -210,6 +210,41 @@ static void longer_waves_than_asked_for_have_none(void **state)
 	assert_true(fabs(relief_rms(&all, 0) - 0.02) < 1e-5 && relief_rms(&all, -4) < 0.01 && relief_bound(&all, -4) < relief_bound(&all, 0));
 }
 
+/* The closed form beside slopes that are counted: along both axes, and how many are steeper than a multiple of it. */
+static void slopes_are_as_steep_as_the_closed_form_says(void **state)
+{
+	static const struct {
+		double roughness, wavelength, spacing;
+		int finest;
+	} cases[] = {{0.02, 2, 1, -1}, {0.02, 2, 1, -4}, {0.05, 8, 1, -5}, {0.3, 3, 20, -6}, {0.1, 50, 20, -7}};
+	enum { ACROSS = 1025 };
+	for (size_t c = 0; c < sizeof cases / sizeof *cases; c++) {
+		struct relief relief = made(cases[c].roughness, cases[c].wavelength, 11, cases[c].spacing, cases[c].finest);
+		const double apart = ldexp(cases[c].spacing, cases[c].finest), told = relief_slope(&relief, 0, cases[c].spacing);
+		const struct post_rect rect = {4096, 8192, 4096 + ACROSS, 8192 + ACROSS};
+		int32_t *heights = heights_of(&relief, cases[c].finest, 0, rect);
+		for (int axis = 0; axis < 2; axis++) {
+			const size_t step = axis == 0 ? 1 : ACROSS;
+			double squares = 0, steep = 0, count = 0;
+			for (size_t y = 0; y + 1 < ACROSS; y++)
+				for (size_t x = 0; x + 1 < ACROSS; x++) {
+					const size_t at = y * ACROSS + x;
+					const double slope = lattice_base_metres((int64_t)heights[at + step] - heights[at]) / apart;
+					squares += slope * slope;
+					steep += fabs(slope) > 1.5 * told;
+					count++;
+				}
+			print_message("%g m, %g m, %g m apart: slope %.4f, %.4f by the closed form; %.3f steeper than 1.5 of it\n", cases[c].roughness,
+				      cases[c].wavelength, apart, sqrt(squares / count), told, steep / count);
+			assert_true(fabs(sqrt(squares / count) / told - 1) < 0.03);
+			/* of a normal distribution: 0.134 */
+			assert_true(steep / count > 0.1 && steep / count < 0.16);
+		}
+		free(heights);
+	}
+	assert_true(relief_slope(NULL, 0, 1) == 0);
+}
+
 static void seeds_differ_and_are_kept(void **state)
 {
 	enum { COUNT = 100 * 100 };
@@ -311,6 +346,7 @@ int main(void)
 		cmocka_unit_test(the_roughness_is_that_asked_for),
 		cmocka_unit_test(variances_halve_from_level_to_level),
 		cmocka_unit_test(longer_waves_than_asked_for_have_none),
+		cmocka_unit_test(slopes_are_as_steep_as_the_closed_form_says),
 		cmocka_unit_test(seeds_differ_and_are_kept),
 		cmocka_unit_test(classes_have_their_own),
 		cmocka_unit_test(a_text_is_what_it_was),

@@ -118,6 +118,34 @@ class Relief(FurrowTest):
             self.assertEqual(answer["base"], 1000)
         self.assertEqual(self.json("query", "flat.furrow", *points[:2])["points"][0]["base"], 1000)
 
+    def test_explain_tells_what_is_coarse_and_what_is_too_steep(self):
+        self.store()
+        more = "soil: {name: lunar}\ncameras: [{name: nav, kind: chase, on: a, back: 3, up: 2, rate: 5, images: [IMAGE]}]\n"
+
+        def notes(image="depth", relief=RELIEF, model="scm", *arguments):
+            scene = self.scene(relief, more=more.replace("IMAGE", image))
+            scene.write_text(scene.read_text().replace("model: box", "model: " + model))
+            return self.json("explain", scene, "--store", "flat.furrow", *arguments)["notes"]
+
+        def find(notes, words):
+            return [note for note in notes if words in note]
+
+        coarse, steep = "over relief its numbers", "degrees (root mean square)"
+        found = notes()
+        self.assertEqual(len(find(found, coarse)), 1)
+        # 2.72 r / sqrt(first d) for many levels; here four, posts of 1 m to 0.125 m
+        slope = 0.08 * 1.5 * math.sqrt(sum((7 / 6 + 5 / 6 / q ** 2) / q for q in (1, 2, 4, 8)) / 0.125)
+        share = math.erfc(math.tan(math.radians(35)) / slope / math.sqrt(2))
+        told = re.search(r"slope by (\d+) degrees .*, and lunar is stable up to (\d+): about ([\d.]+) %", find(found, steep)[0])
+        self.assertEqual(told.groups()[:2], (f"{math.degrees(math.atan(slope)):.0f}", "35"))
+        self.assertAlmostEqual(float(told[3]), 100 * share, delta=0.06 * 100 * share)
+        self.assertFalse(find(notes(model="box"), steep))  # nothing slides
+        self.assertFalse(find(notes(relief=RELIEF.replace("0.08", "0.01")), steep))
+        self.assertFalse(find(notes(image="colour"), coarse))
+        fine = "view={camera: {chase: a}, pixel_error: 0.25}"
+        self.assertFalse(find(notes("depth", RELIEF, "scm", "--set", fine), coarse))
+        self.assertTrue(find(notes("depth", RELIEF, "scm", "--set", fine.replace("0.25", "1")), coarse))
+
     def test_another_relief_is_refused_and_the_same_goes_on(self):
         self.store()
         self.drive(self.scene(), "--overlay", "over.furrow")
