@@ -70,8 +70,8 @@ vec3 place_of(vec2 pixel, float depth)
 	return (forward.xyz + corner.x * right.xyz + corner.y * up.xyz) * (project[3][2] / depth);
 }
 
-// Returns the way from the place of this pixel to that of a pixel beside it, on the same surface if there is one: of the two
-// neighbours the one whose place is nearer.
+// Returns the way from the place of this pixel to that of a pixel beside it. Of the two neighbours it takes the one whose place is
+// nearer, since that is likely to be on the same surface.
 vec3 way_along(vec3 place, vec2 step)
 {
 	vec2 pixel = gl_FragCoord.xy, last = picture_size() - 1.0;

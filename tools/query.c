@@ -287,8 +287,8 @@ const struct command command_query = {
 	.details = "Without points or rays on the command line, lines of X Y (a point) and X Y Z DX DY DZ (a ray) are read from "
 		   "stdin. With --json a single one's values also stand at the top of the object.\n\n"
 		   "height is between the four posts of the cell, at the finest level that is deformed there. surface and normal "
-		   "are of the triangle that is drawn there from nearby, which rays meet too: both are the same at the posts. A "
-		   "ray goes as far as the terrain does; its direction (of any length) and its hit's normal are east, north and up "
+		   "are of the same ground, and so is what rays meet. Beside a hole, where height has no value, surface is that of the triangle "
+		   "between the cell's other posts. A ray goes as far as the terrain does; its direction (of any length) and its hit's normal are east, north and up "
 		   "of the store. \"below\": it comes from under the ground.\n",
 	.examples = "furrow query world.furrow 120.5 300 -3 4\n"
 		    "furrow query world.furrow --ray 10,10,500,0,0,-1 --json\n",

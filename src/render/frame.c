@@ -178,7 +178,8 @@ static enum status run_tile(struct render *render, const struct gpu_slot *slot, 
 	};
 	if (render->disturbance)
 		pass.images[2] = slot->planes[PLANE_DISTURBANCE];
-	unsigned variant = slot->planes[PLANE_OFFSET] == NULL ? RENDER_PLAIN : ground != NULL ? RENDER_LEVEL0 : RENDER_OFFSET;
+	const bool smooth = ground != NULL && render->shading == NULL && !render->measuring;
+	unsigned variant = slot->planes[PLANE_OFFSET] == NULL ? (smooth ? RENDER_SMOOTH : RENDER_PLAIN) : smooth ? RENDER_LEVEL0 : RENDER_OFFSET;
 	enum status status = render_tile_program(render, variant, &pass.program);
 	if (status == STATUS_OK)
 		gpu_pass_run(render->gpu, &pass);
@@ -309,22 +310,28 @@ enum status render_measure(struct render *render, const struct render_camera *ca
 
 /* --- before the first frame --- */
 
+/* Which kinds of tiles there may be. */
+struct kinds {
+	bool deformed, divided, smooth;
+};
+
 /* Draws each kind of tile once. */
-static enum status draw_kinds(struct render *render, const struct gpu_slot *deformed, bool any, bool divided,
-			      const struct picture_params *params)
+static enum status draw_kinds(struct render *render, const struct gpu_slot *deformed, const struct kinds *kinds, const struct picture_params *params)
 {
 	const struct gpu_slot plain = {.base = deformed->base};
+	const bool shown = render->shading == NULL && !render->measuring;
 	enum status status = run_tile(render, &plain, NULL, 1, params);
-	if (status == STATUS_OK && any)
+	if (status == STATUS_OK && kinds->smooth && shown)
+		status = run_tile(render, &plain, deformed->base, 1, params);
+	if (status == STATUS_OK && kinds->deformed)
 		status = run_tile(render, deformed, NULL, 1, params);
-	if (status == STATUS_OK && any && divided)
+	if (status == STATUS_OK && kinds->deformed && kinds->divided && shown)
 		status = run_tile(render, deformed, deformed->base, 1, params);
 	return status;
 }
 
 /* The screen that numbers are drawn into may be another's, so this makes one of a pixel. */
-static enum status measure_unseen(struct render *render, const struct gpu_slot *slot, bool deformed, bool divided,
-				  const struct picture_params *params)
+static enum status measure_unseen(struct render *render, const struct gpu_slot *slot, const struct kinds *kinds, const struct picture_params *params)
 {
 	struct render_screen *shown = render->screen, small;
 	enum status status = render_screen_init(render, 1, 1, 1, &small);
@@ -333,7 +340,7 @@ static enum status measure_unseen(struct render *render, const struct gpu_slot *
 	render->screen = &small;
 	render->measuring = true;
 	if (status == STATUS_OK)
-		status = draw_kinds(render, slot, deformed, divided, params);
+		status = draw_kinds(render, slot, kinds, params);
 	if (status == STATUS_OK && render->objects != NULL)
 		status = render_objects_draw_unseen(render, params);
 	render->measuring = false;
@@ -342,7 +349,7 @@ static enum status measure_unseen(struct render *render, const struct gpu_slot *
 	return status;
 }
 
-static enum status draw_unseen(struct render *render, const struct gpu_slot *slot, bool deformed, bool divided)
+static enum status draw_unseen(struct render *render, const struct gpu_slot *slot, const struct kinds *kinds)
 {
 	struct picture_params params = {.project = {[12] = 4, [15] = 1}}; /* puts every vertex at one place beside the picture */
 	uint32_t none = 0;
@@ -352,27 +359,27 @@ static enum status draw_unseen(struct render *render, const struct gpu_slot *slo
 	gpu_list_write(render->instances, sizeof none, &none);
 	/* Count samples as in any frame, since llvmpipe compiles a program again for that. */
 	gpu_counter_begin(render->ground_samples);
-	enum status status = draw_kinds(render, slot, deformed, divided, &params);
+	enum status status = draw_kinds(render, slot, kinds, &params);
 	if (status == STATUS_OK && render->layers) {
 		const struct render_layer shown = render->layer;
 		render->layer.kind = RENDER_TILES;
-		status = draw_kinds(render, slot, deformed, divided, &params);
+		status = draw_kinds(render, slot, kinds, &params);
 		render->layer = shown;
 	}
 	gpu_counter_end(render->ground_samples);
 	if (status == STATUS_OK && render->shade != NULL) {
 		render->shading = render_shade_target(render->shade, 0);
-		status = draw_kinds(render, slot, deformed, divided, &params);
+		status = draw_kinds(render, slot, kinds, &params);
 		render->shading = NULL;
 	}
 	if (status == STATUS_OK && render->measures)
-		status = measure_unseen(render, slot, deformed, divided, &params);
+		status = measure_unseen(render, slot, kinds, &params);
 	if (status == STATUS_OK && render->objects != NULL)
 		status = render_objects_draw_unseen(render, &params);
 	return status == STATUS_OK && (render->effects >> EFFECT_SKY & 1) ? draw_sky(render, &params) : status;
 }
 
-enum status render_draw_unseen(struct render *render, bool deformed, bool divided)
+enum status render_draw_unseen(struct render *render, bool deformed, bool divided, bool smooth)
 {
 	struct gpu *gpu = render->gpu;
 	const uint32_t side = render->extent.cells + 1;
@@ -384,7 +391,7 @@ enum status render_draw_unseen(struct render *render, bool deformed, bool divide
 	if (status == STATUS_OK && deformed && render->disturbance)
 		status = gpu_texture_create(gpu, GPU_R8UI, side, side, 0, &slot.planes[PLANE_DISTURBANCE]);
 	if (status == STATUS_OK)
-		status = draw_unseen(render, &slot, deformed, divided);
+		status = draw_unseen(render, &slot, &(struct kinds){deformed, divided, smooth});
 	if (status == STATUS_OK)
 		status = gpu_check(gpu, "drawing before the first picture");
 	gpu_texture_destroy(slot.planes[PLANE_DISTURBANCE]);

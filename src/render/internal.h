@@ -82,10 +82,10 @@ enum status render_blocks_add(struct render_blocks *blocks, const struct extent 
 /* --- programs.c --- */
 /* Returns the effects of params, without those that would show nothing. */
 uint64_t render_effects(const struct render_params *params);
-/* Kinds of tiles; each has its own program. PLAIN: not deformed. OFFSET: deformed. LEVEL0: deformed and below level 0; it also
- * reads its level-0 tile, for the large-scale shape. A tile below level 0 without deformation is rare, and drawn as a deformed
- * one. */
-enum { RENDER_PLAIN, RENDER_OFFSET, RENDER_LEVEL0, RENDER_VARIANTS };
+/* Kinds of tiles; each has its own program. PLAIN: not deformed. OFFSET: deformed. LEVEL0: deformed and below level 0. SMOOTH: not
+ * deformed and below level 0. The last two also read the tile that they are interpolated from, so that light does not show its cells.
+ * Numbers and shadows have the ground as it is, so for them these two are drawn as OFFSET and PLAIN. */
+enum { RENDER_PLAIN, RENDER_OFFSET, RENDER_LEVEL0, RENDER_SMOOTH, RENDER_VARIANTS };
 enum status render_tile_program(struct render *render, unsigned variant, struct gpu_program **out) FURROW_CHECKED;
 enum status render_sky_program(struct render *render, struct gpu_program **out) FURROW_CHECKED;
 

@@ -19,6 +19,11 @@ uint64_t render_effects(const struct render_params *params)
 	return classes ? params->effects : params->effects & ~EFFECT_BIT(EFFECT_SPLAT);
 }
 
+static bool is_interpolated(unsigned variant)
+{
+	return variant == RENDER_LEVEL0 || variant == RENDER_SMOOTH;
+}
+
 static struct gpu_program_request request_of(uint64_t effects, const char *body, bool disturbance, bool by_error, unsigned variant)
 {
 	struct gpu_program_request request = {.vertex = "terrain.vert", .fragment = "terrain.frag"};
@@ -30,11 +35,12 @@ static struct gpu_program_request request_of(uint64_t effects, const char *body,
 	}
 	if (asks_reaches(effects, by_error))
 		request.defines[count++] = scene_effect_row(EFFECT_PIXEL_ERROR)->define;
-	if (variant != RENDER_PLAIN)
+	const bool offset = variant == RENDER_OFFSET || variant == RENDER_LEVEL0;
+	if (offset)
 		request.defines[count++] = "OFFSET";
-	if (variant != RENDER_PLAIN && disturbance)
+	if (offset && disturbance)
 		request.defines[count++] = "DISTURBANCE";
-	if (variant == RENDER_LEVEL0)
+	if (is_interpolated(variant))
 		request.defines[count++] = "LEVEL0";
 	request.defines[count] = body;
 	return request;
@@ -81,9 +87,18 @@ static struct gpu_program_request sky_of(const char *body)
 	return (struct gpu_program_request){.vertex = "sky.vert", .fragment = "sky.frag", .defines = {body}};
 }
 
-static bool has_variant(unsigned variant, bool deformed, bool divided)
+static bool has_variant(unsigned variant, bool deformed, bool divided, bool smooth)
 {
-	return variant == RENDER_PLAIN || (deformed && (divided || variant != RENDER_LEVEL0));
+	switch (variant) {
+	case RENDER_OFFSET:
+		return deformed;
+	case RENDER_LEVEL0:
+		return deformed && divided;
+	case RENDER_SMOOTH:
+		return smooth;
+	default:
+		return true;
+	}
 }
 
 static enum status measure_program(struct render *render, unsigned variant, struct gpu_program **out)
@@ -140,9 +155,9 @@ static enum status warm_variant(struct render *render, unsigned variant)
 {
 	struct gpu_program *program;
 	enum status status = render_tile_program(render, variant, &program);
-	if (status == STATUS_OK && render->measures)
+	if (status == STATUS_OK && render->measures && !is_interpolated(variant))
 		status = measure_program(render, variant, &program);
-	if (status == STATUS_OK && render->shade != NULL)
+	if (status == STATUS_OK && render->shade != NULL && !is_interpolated(variant))
 		status = shade_program(render, variant, &program);
 	if (status != STATUS_OK || !render->layers)
 		return status;
@@ -153,12 +168,12 @@ static enum status warm_variant(struct render *render, unsigned variant)
 	return status;
 }
 
-enum status render_warm(struct render *render, bool deformed, bool divided)
+enum status render_warm(struct render *render, bool deformed, bool divided, bool smooth)
 {
 	struct gpu_program *program;
 	enum status status = STATUS_OK;
 	for (unsigned variant = 0; variant < RENDER_VARIANTS && status == STATUS_OK; variant++)
-		if (has_variant(variant, deformed, divided))
+		if (has_variant(variant, deformed, divided, smooth))
 			status = warm_variant(render, variant);
 	if (status == STATUS_OK && (render->effects >> EFFECT_SKY & 1))
 		status = render_sky_program(render, &program);
@@ -180,7 +195,7 @@ static void add_program(struct plan *plan, const char *effect, const struct gpu_
 	add(plan, PLAN_PROGRAM, PLAN_ONCE, effect, 0, name);
 }
 
-void render_plan(const struct render_params *params, bool deformed, bool divided, struct plan *plan)
+void render_plan(const struct render_params *params, bool deformed, bool divided, bool smooth, struct plan *plan)
 {
 	uint64_t pixels = (uint64_t)params->width * (uint64_t)params->height;
 	uint64_t effects = render_effects(params);
@@ -189,14 +204,14 @@ void render_plan(const struct render_params *params, bool deformed, bool divided
 	bool skirts = effects >> EFFECT_SKIRTS & 1;
 	const char *picture = scene_effect_row(EFFECT_PICTURE)->name, *by_error = scene_effect_row(EFFECT_PIXEL_ERROR)->name;
 	for (unsigned variant = 0; variant < RENDER_VARIANTS; variant++)
-		if (has_variant(variant, deformed, divided)) {
+		if (has_variant(variant, deformed, divided, smooth)) {
 			struct gpu_program_request request = request_of(effects, body, params->disturbance, params->pixel_error > 0, variant);
 			add_program(plan, asks_reaches(effects, params->pixel_error > 0) ? by_error : picture, &request);
 			request = measure_request_of(effects, params->classes, params->pixel_error > 0, variant);
-			if (params->measures)
+			if (params->measures && !is_interpolated(variant))
 				add_program(plan, scene_effect_row(EFFECT_CAMERAS)->name, &request);
 			request = shade_request_of(effects, params->pixel_error > 0, variant);
-			if (effects >> EFFECT_TERRAIN_SHADOW & 1)
+			if ((effects >> EFFECT_TERRAIN_SHADOW & 1) && !is_interpolated(variant))
 				add_program(plan, scene_effect_row(EFFECT_TERRAIN_SHADOW)->name, &request);
 		}
 	add(plan, PLAN_PASS, PLAN_DRAWN, picture, 0, gpu_stage_name(GPU_TERRAIN));

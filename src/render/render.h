@@ -74,8 +74,9 @@ struct render_layer {
 struct render;
 
 /* Adds the plan's lines of pictures with these params. Ignores gpu, slots, reference, low and high. `deformed`: some tile is or
- * may be deformed. `divided`: the working level is below 0, and such tiles are drawn. Pure. */
-void render_plan(const struct render_params *params, bool deformed, bool divided, struct plan *plan);
+ * may be deformed. `divided`: the working level is below 0, and such tiles are drawn. `smooth`: also those that nothing deformed, if
+ * they are interpolated. Pure. */
+void render_plan(const struct render_params *params, bool deformed, bool divided, bool smooth, struct plan *plan);
 
 /* Checks that the driver can draw so many samples a pixel. STATUS_INPUT: it cannot; the message names its limit. */
 enum status render_check_samples(const struct gpu *gpu, int samples) FURROW_CHECKED;
@@ -85,10 +86,10 @@ void render_destroy(struct render *render);
 /* Sets the size of the next frames, in pixels. The last frame is lost. After a failure only render_destroy may be called. */
 enum status render_resize(struct render *render, uint32_t width, uint32_t height) FURROW_CHECKED;
 /* Links every program that such pictures can need. Arguments as for render_plan. */
-enum status render_warm(struct render *render, bool deformed, bool divided) FURROW_CHECKED;
+enum status render_warm(struct render *render, bool deformed, bool divided, bool smooth) FURROW_CHECKED;
 /* Draws once with each of these programs, because drivers finish compiling at the first draw. The picture is undefined until
  * the next frame. This counts as passes, and as a frame of overdraw. Arguments as for render_warm. */
-enum status render_draw_unseen(struct render *render, bool deformed, bool divided) FURROW_CHECKED;
+enum status render_draw_unseen(struct render *render, bool deformed, bool divided, bool smooth) FURROW_CHECKED;
 /* Fills the view that terrain_select needs for this camera. */
 void render_view(const struct render *render, const struct render_camera *camera, struct terrain_view *view);
 /* render_set_objects copies the objects that pictures show from now on, each at most once. Before the first call there are
@@ -166,6 +167,9 @@ enum status render_sun_find(const struct scene_light *light, const struct store_
 void render_sun_at(const struct render_sun *sun, double time, double *azimuth, double *height);
 /* Fills the parameters of a picture of this world, except gpu, slots, reference, low, high and layers. Pure. */
 void render_view_params(const struct world *world, struct render_params *params);
+/* Returns true if pictures have tiles below level 0 that nothing deformed. The ground between posts of level 0 is bilinear, and its
+ * triangles would be too coarse. With relief such tiles are drawn, too, but they are not interpolated. Pure. */
+bool render_view_smooths(const struct world *world);
 /* Links and runs every program once, so that no step has to. If a picture may follow any step, it also loads the tiles of the
  * first picture and draws it. */
 enum status render_view_warm(struct view *view) FURROW_CHECKED;

@@ -155,9 +155,10 @@ enum status render_view_warm(struct view *view)
 {
 	const struct world *world = view->world;
 	bool deformed = world_planes(world->scene, world->was_deformed) != 0;
-	enum status status = render_warm(view->render, deformed, world->level < 0);
+	const bool divided = world->level < 0, smooth = render_view_smooths(world);
+	enum status status = render_warm(view->render, deformed, divided, smooth);
 	if (status == STATUS_OK)
-		status = render_draw_unseen(view->render, deformed, world->level < 0);
+		status = render_draw_unseen(view->render, deformed, divided, smooth);
 	if (status == STATUS_OK && !view->at_steps)
 		status = draw(view, !view->watched); /* a watched picture may be drawn before its tiles are there */
 	for (int i = 0; i < VIEW_LOOKS && status == STATUS_OK; i++)

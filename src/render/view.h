@@ -129,6 +129,9 @@ void render_view_expect_contacts(struct view *view);
 
 /* view_source.c */
 void render_view_find_room(struct view *view);
+/* Finds how far the triangles between a tile's posts are off the ground between them, metres; `tile` is of level 0 or below. If the view
+ * is not exact, it may be 0 until the look-ahead has read the ground. */
+enum status render_view_bend(struct view *view, struct tile tile, double *bend) FURROW_CHECKED;
 /* Finds the lowest (a) and highest (b) base height of a tile, in metres; a is NaN: all is nodata. If the view is not exact, the
  * range may be that of a coarser tile above. */
 enum status render_view_base_range(struct view *view, struct tile tile, struct key_pair *range) FURROW_CHECKED;

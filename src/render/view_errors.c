@@ -1,8 +1,9 @@
 /*
  * How far off the ground a tile is drawn, for pictures that go by a pixel error (the dissertation's Equation 3).
  *
- * The store has the error of each base tile, over its whole subtree. A surface through some offsets is between the lowest and the
- * highest one. So deformation adds at most the difference of these two, in the subtree.
+ * The store has the error of each base tile, over its whole subtree, at the posts. Between posts of level 0 the ground is bilinear, and
+ * a tile's triangles are off it (render_view_bend). A surface through some offsets is between the lowest and the highest one. So
+ * deformation adds at most the difference of these two, in the subtree.
  *
  * The store knows the offsets from before the drive (view_offsets.c). Only the GPU knows those of this drive. So they are estimated
  * from the object's pose. They go as deep as its lowest point is below the base beside it. If soil is moved, deposits go as high.
@@ -184,6 +185,9 @@ enum status render_view_error(struct view *view, struct tile tile, bool expected
 	if (status == STATUS_OK && (tile.level > store_finest_base(view->world->store) ||
 				    world_relief(view->world) != NULL))
 		status = base_error(view, tile, error);
-	*error += apart;
+	double bend = 0;
+	if (status == STATUS_OK && tile.level <= 0 && tile.level > view->world->level)
+		status = render_view_bend(view, tile, &bend);
+	*error += apart + bend;
 	return status;
 }

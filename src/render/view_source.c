@@ -29,6 +29,38 @@ static bool is_expected(const struct view *view, struct tile tile)
 	return view->expected.count > 0 && key_set_has(&view->expected, tile_key(tile));
 }
 
+/* --- ground that is interpolated --- */
+
+/* A tile below level 0 is drawn if the triangles of the tile above it are off the ground by more than this, in metres. */
+#define BEND_LEAST 0.0005
+
+bool render_view_smooths(const struct world *world)
+{
+	return world->level < 0 && world_relief(world) == NULL;
+}
+
+enum status render_view_bend(struct view *view, struct tile tile, double *bend)
+{
+	const struct tile below = tile.level < 0 ? tile : (struct tile){-1, 2 * tile.x, 2 * tile.y};
+	*bend = 0;
+	/* Until the look-ahead has read the tile of level 0, nothing finer is drawn. */
+	if (!view->exact && !resident_ground_has_bend(view->world->ground, tile) && render_view_lacks_range(view, GROUND_BASE, below))
+		return STATUS_OK;
+	return resident_ground_bend(view->world->ground, tile, bend);
+}
+
+/* Returns true if the tile above this one would show the ground here too coarsely. */
+static bool is_bent(struct view *view, struct tile tile)
+{
+	double bend;
+	if (tile.level >= 0 || tile.level < view->world->level || !render_view_smooths(view->world))
+		return false;
+	enum status status = render_view_bend(view, tile, &bend);
+	if (status != STATUS_OK)
+		view->failed = status;
+	return 4 * bend > BEND_LEAST;
+}
+
 /* Returns true if it or a tile below it has offsets, or will have by the time that is looked at. */
 static bool is_deformed(const struct view *view, struct tile tile)
 {
@@ -61,7 +93,7 @@ static bool bounds(void *user, struct tile tile, double *low, double *high)
 	if (!extent_has(&world->meta->extent, tile))
 		return false;
 	bool deformed = is_deformed(view, tile);
-	if (!deformed && !raised(view, tile.level) && !stored(view, tile))
+	if (!deformed && !raised(view, tile.level) && !stored(view, tile) && !is_bent(view, tile))
 		return false;
 	struct key_pair range = {.a = NAN};
 	double lowest = 0, highest = 0;
@@ -91,7 +123,7 @@ static bool divisible(void *user, struct tile tile)
 	/* Offsets are kept at the working level. No finer tile has them, so none is drawn in their place, not even an inset's. */
 	if (deformed || tile.level > 0)
 		return deformed ? tile.level > view->world->level : true;
-	if (raised(view, tile.level - 1))
+	if (raised(view, tile.level - 1) || (tile.level > view->world->level && render_view_smooths(view->world)))
 		return true;
 	for (unsigned i = 0; i < 4; i++) {
 		const struct tile child = {tile.level - 1, 2 * tile.x + (i & 1), 2 * tile.y + (i >> 1)};

@@ -85,7 +85,7 @@ static enum status plan_view(const struct world *world, bool planes, struct repo
 		drawn[scene->object_count + i] = figures.list[i];
 	render.objects = drawn;
 	render.object_count = scene->object_count + figures.count;
-	render_plan(&render, planes, world->level < 0, &out->plan);
+	render_plan(&render, planes, world->level < 0, render_view_smooths(world), &out->plan);
 	mem_free(drawn);
 	return STATUS_OK;
 }

@@ -31,7 +31,7 @@ enum status resident_ground_create(struct store *store, uint32_t tiles, struct g
 		return fail_memory("the ground");
 	assert(tiles >= 1);
 	mutex_init(&ground->mutex);
-	ground->bases.most = ground->errors.most = ground->stored.most = RANGES;
+	ground->bases.most = ground->errors.most = ground->stored.most = ground->bends.most = RANGES;
 	ground->finest = store_finest_base(store);
 	ground->offsets.most = SIZE_MAX;
 	ground->meta = store_meta(store);
@@ -61,6 +61,7 @@ void resident_ground_destroy(struct ground *ground)
 	mem_free(ground->spare);
 	key_cache_finish(&ground->bases);
 	key_cache_finish(&ground->errors);
+	key_cache_finish(&ground->bends);
 	key_cache_finish(&ground->offsets);
 	key_cache_finish(&ground->stored);
 	mutex_finish(&ground->mutex);

@@ -21,6 +21,7 @@ struct ground {
 	/* ground_ranges.c */
 	struct key_cache bases;   /* a: lowest, b: highest base in metres; NaN: all is nodata */
 	struct key_cache errors;  /* a: metres */
+	struct key_cache bends;   /* ground_bend.c. a: metres */
 	/* as in the store. a: lowest, b: highest, in metres; NaN: no offsets. All are kept, unless `most` is set lower */
 	struct key_cache offsets;
 	struct key_cache stored; /* of levels below 0. a: 1: the store has this base tile; 0: it has not */

@@ -58,6 +58,11 @@ enum status resident_ground_has_base(struct ground *ground, struct tile tile, bo
  * relief the error has three times the root mean square that finer levels add: more is rare. If no
  * other thread has loaded it, the owner reads it, and this counts as a wait. */
 enum status resident_ground_base_range(struct ground *ground, struct tile tile, struct store_range *range) FURROW_CHECKED;
+/* Finds how far the triangles between the tile's posts are off the ground between them, in metres, in the cell where that is most. Relief
+ * and offsets do not count. `tile` is of level 0 or below. The owner may have to read the stored tiles above it. Kept once found. */
+enum status resident_ground_bend(struct ground *ground, struct tile tile, double *bend) FURROW_CHECKED;
+/* Returns true if the owner need not read a tile for that. Where insets lie it may be false although nothing is missing. */
+bool resident_ground_has_bend(struct ground *ground, struct tile tile);
 /* Finds the range of the offsets that the store has for the tile and all finer tiles below it, in metres. low <= 0 <= high. If
  * there are none, *found is false and both are 0. If no other thread has loaded the range, the owner reads it. The range stays
  * as first read, also after later commits, until resident_ground_forget_offsets(). */

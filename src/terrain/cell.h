@@ -1,4 +1,7 @@
-/* The two triangles of a cell, as they are drawn. The diagonal goes from the cell's south-west to its north-east post. */
+/*
+ * The ground of a cell. Between four posts it is bilinear. If one of them is nodata, one of the cell's two triangles may be left.
+ * Their diagonal goes from the cell's south-west to its north-east post.
+ */
 #ifndef FURROW_TERRAIN_CELL_H
 #define FURROW_TERRAIN_CELL_H
 
@@ -6,10 +9,19 @@
 
 #include "terrain/terrain.h"
 
-/* The plane of a triangle: height = at + slope[0] u + slope[1] v. (u, v) is in cells, from the cell's south-west post. */
+/* The ground of a cell, or of a part of it: height = at + slope[0] u + slope[1] v + twist u v. (u, v) is in cells, from the
+ * cell's south-west post. A triangle has no twist. */
 struct terrain_plane {
-	double at, slope[2];
+	double at, slope[2], twist;
 };
+
+/* Returns the bilinear ground of a cell. `sw`: pointer to the cell's south-west post, in rows of `stride` posts. If a corner is
+ * nodata, it has NaN. */
+static inline struct terrain_plane terrain_cell_of(const double *sw, size_t stride)
+{
+	const double a = sw[0], b = sw[1], c = sw[stride], d = sw[stride + 1];
+	return (struct terrain_plane){a, {b - a, c - a}, a - b - c + d};
+}
 
 /* Returns the plane of a triangle. `sw`: pointer to the cell's south-west post, in rows of `stride` posts. `upper`: the
  * north-west triangle. If a corner is nodata, the plane has NaN. */
@@ -17,18 +29,18 @@ static inline struct terrain_plane terrain_plane_of(const double *sw, size_t str
 {
 	const double a = sw[0], d = sw[stride + 1];
 	const double turn = upper ? sw[stride] : sw[1];
-	return upper ? (struct terrain_plane){a, {d - turn, turn - a}} : (struct terrain_plane){a, {turn - a, d - turn}};
+	return upper ? (struct terrain_plane){a, {d - turn, turn - a}, 0} : (struct terrain_plane){a, {turn - a, d - turn}, 0};
 }
 
 static inline bool terrain_plane_whole(const struct terrain_plane *plane)
 {
-	return !isnan(plane->slope[0] + plane->slope[1]);
+	return !isnan(plane->slope[0] + plane->slope[1] + plane->twist);
 }
 
-/* Computes the upward unit normal. `spacing`: metres between posts. */
-static inline void terrain_plane_normal(const struct terrain_plane *plane, double spacing, double normal[3])
+/* Computes the upward unit normal at (u, v). `spacing`: metres between posts. */
+static inline void terrain_plane_normal(const struct terrain_plane *plane, double u, double v, double spacing, double normal[3])
 {
-	const double x = plane->slope[0] / spacing, y = plane->slope[1] / spacing, length = sqrt(x * x + y * y + 1);
+	const double x = (plane->slope[0] + plane->twist * v) / spacing, y = (plane->slope[1] + plane->twist * u) / spacing, length = sqrt(x * x + y * y + 1);
 	normal[0] = -x / length;
 	normal[1] = -y / length;
 	normal[2] = 1 / length;

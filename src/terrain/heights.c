@@ -96,13 +96,17 @@ static void measure(const struct extent *extent, struct tile tile, const struct 
 	const double corners[3] = {sw[0], upper ? sw[stride] : sw[1], sw[stride + 1]};
 	const double weights[3] = {1 - fmax(u, v), fabs(u - v), fmin(u, v)};
 	const double all[4] = {sw[0], sw[1], sw[stride], sw[stride + 1]};
+	struct terrain_plane plane = terrain_cell_of(sw, stride);
 	height->level = tile.level;
-	height->height = lattice_weighted(corners, weights, 3, BESIDE);
 	height->bilinear = lattice_bilinear(all, u, v, BESIDE);
+	height->height = height->bilinear;
+	if (!terrain_plane_whole(&plane)) {
+		plane = terrain_plane_of(sw, stride, upper);
+		height->height = lattice_weighted(corners, weights, 3, BESIDE);
+	}
 	height->nodata = isnan(height->height);
-	struct terrain_plane plane = terrain_plane_of(sw, stride, upper);
 	if (!height->nodata)
-		terrain_plane_normal(&plane, spacing, height->normal);
+		terrain_plane_normal(&plane, u, v, spacing, height->normal);
 }
 
 /* Computes the heights of all points. `places` has the points' keys and is sorted. */

@@ -2,13 +2,13 @@
  * Rays: down the quadtree by bounds, front to back; then from block to block and cell to cell in the tiles at
  * its leaves.
  *
- * A ray is cut into pieces, one after another along it, each over one triangle or over none. Over a triangle,
- * what matters is whether the ray is above its plane or below. Invariants:
+ * A ray is cut into pieces, one after another along it. Each is over one cell, over one triangle of a cell that lacks a post, or
+ * over no ground. Over ground, what matters is whether the ray is above it or below. Invariants:
  *
  * 1. Pieces are told in order and without a gap wider than a rounding. Where a node is passed over, or there is
- *    no triangle, the side is forgotten.
+ *    no ground, the side is forgotten.
  * 2. The side at a piece's end is compared with that at the next one's begin. So whatever rounding does where
- *    two triangles meet, and however slanted the ray, it cannot be above here and below there without a hit.
+ *    two cells meet, and however slanted the ray, it cannot be above here and below there without a hit.
  * 3. A node is passed over only if the ray stays CLEAR of its bounds. CLEAR is more than the heights of neighbours can differ
  *    along their common edge, by roundings of the lattice. So the ray comes out on the same side, unless there was a hole.
  */
@@ -30,55 +30,91 @@ struct ray {
 	struct terrain_hit *hit;
 };
 
-static void hit_at(struct ray *ray, double t, bool below, const struct terrain_plane *plane, uint32_t x, uint32_t y,
-		   bool upper)
+static void hit_at(struct ray *ray, double t, bool below, const struct terrain_plane *plane, uint32_t x, uint32_t y)
 {
 	struct terrain_hit *hit = ray->hit;
-	*hit = (struct terrain_hit){.hit = true, .below = below, .distance = t, .tile = ray->tile, .x = x, .y = y, .upper = upper};
+	*hit = (struct terrain_hit){.hit = true, .below = below, .distance = t, .tile = ray->tile, .x = x, .y = y};
 	for (int i = 0; i < 3; i++)
 		hit->point[i] = ray->origin[i] + t * ray->way[i];
-	terrain_plane_normal(plane, ray->spacing, hit->normal);
+	/* A ray straight down does not move in the cell. */
+	const double u = ray->at[0] - x + (ray->step[0] == 0 ? 0 : t * ray->step[0]), v = ray->at[1] - y + (ray->step[1] == 0 ? 0 : t * ray->step[1]);
+	terrain_plane_normal(plane, fmin(fmax(u, 0), 1), fmin(fmax(v, 0), 1), ray->spacing, hit->normal);
 }
 
-/* Over one triangle from `begin` to `end`, which may be infinite. True: hit. */
-static bool piece(struct ray *ray, double begin, double end, uint32_t x, uint32_t y, bool upper)
+/* How far a ray is above the ground: over + rate s + bend s^2, with s metres along the ray from the begin of a piece. */
+struct above {
+	double over, rate, bend;
+};
+
+static struct above above_of(const struct ray *ray, const struct terrain_plane *plane, uint32_t x, uint32_t y, double begin)
 {
-	const size_t stride = ray->ground->extent->cells + 1;
-	const struct terrain_plane plane = terrain_plane_of(ray->posts.heights + y * stride + x, stride, upper);
-	if (!terrain_plane_whole(&plane)) {
+	const double su = ray->step[0], sv = ray->step[1], p = plane->slope[0], q = plane->slope[1], twist = plane->twist;
+	const double u = ray->at[0] - x + (su == 0 ? 0 : begin * su), v = ray->at[1] - y + (sv == 0 ? 0 : begin * sv);
+	return (struct above){
+		.over = ray->origin[2] + begin * ray->way[2] - (plane->at + p * u + q * v + twist * u * v),
+		.rate = ray->way[2] - p * su - q * sv - twist * (u * sv + v * su),
+		.bend = -twist * su * sv,
+	};
+}
+
+/* Returns the first s from 0 to `length` at which the ray meets the ground; NAN: nowhere. `length` may be infinite if bend is 0. */
+static double meets(const struct above *above, double length)
+{
+	const double a = above->bend, b = above->rate, c = above->over;
+	const double last = isinf(length) ? (b == 0 ? c : b * length) : c + length * (b + a * length);
+	const bool crosses = c > 0 ? last <= 0 : last >= 0; /* an odd number of times */
+	double first = (double)NAN;
+	if (a == 0) {
+		first = -c / b;
+	} else if (b * b >= 4 * a * c) {
+		const double q = -0.5 * (b + copysign(sqrt(b * b - 4 * a * c), b)), one = q / a, other = q != 0 ? c / q : one;
+		const double low = fmin(one, other), high = fmax(one, other);
+		first = low >= 0 ? low : high;
+	}
+	if (crosses) /* whatever rounding says */
+		return isnan(first) ? length : fmin(fmax(first, 0), length);
+	return a != 0 && first >= 0 && first <= length ? first : (double)NAN;
+}
+
+/* Over one cell or triangle from `begin` to `end`, which may be infinite. True: hit. */
+static bool piece(struct ray *ray, double begin, double end, const struct terrain_plane *plane, uint32_t x, uint32_t y)
+{
+	if (!terrain_plane_whole(plane)) {
 		ray->side = SIDE_UNKNOWN;
 		return false;
 	}
-	const double over = ray->origin[2] - (plane.at + plane.slope[0] * (ray->at[0] - x) + plane.slope[1] * (ray->at[1] - y));
-	const double rate = ray->way[2] - plane.slope[0] * ray->step[0] - plane.slope[1] * ray->step[1];
-	const double first = over + rate * begin, last = isinf(end) && rate == 0 ? first : over + rate * end;
-	const enum side side = first > 0 ? SIDE_ABOVE : first < 0 ? SIDE_BELOW : SIDE_UNKNOWN;
+	const struct above above = above_of(ray, plane, x, y, begin);
+	const enum side side = above.over > 0 ? SIDE_ABOVE : above.over < 0 ? SIDE_BELOW : SIDE_UNKNOWN;
 	if (side == SIDE_UNKNOWN || (ray->side != SIDE_UNKNOWN && side != ray->side)) {
-		bool below = ray->side != SIDE_UNKNOWN ? ray->side == SIDE_BELOW : rate > 0;
-		hit_at(ray, begin, below, &plane, x, y, upper);
+		bool below = ray->side != SIDE_UNKNOWN ? ray->side == SIDE_BELOW : above.rate > 0;
+		hit_at(ray, begin, below, plane, x, y);
 		return true;
 	}
 	ray->side = side;
-	if (side == SIDE_ABOVE ? last > 0 : last < 0)
+	const double met = meets(&above, end - begin);
+	if (isnan(met))
 		return false;
-	hit_at(ray, fmin(fmax(-over / rate, begin), end), side == SIDE_BELOW, &plane, x, y, upper);
+	hit_at(ray, begin + met, side == SIDE_BELOW, plane, x, y);
 	return true;
 }
 
 static bool in_cell(struct ray *ray, uint32_t x, uint32_t y, double begin, double end)
 {
-	/* Each cell has two triangles. The sign of `apart` tells on which side of the diagonal the ray is. */
+	const size_t stride = ray->ground->extent->cells + 1;
+	const double *sw = ray->posts.heights + y * stride + x;
+	const struct terrain_plane cell = terrain_cell_of(sw, stride);
+	if (terrain_plane_whole(&cell))
+		return piece(ray, begin, end, &cell, x, y);
+	const struct terrain_plane lower = terrain_plane_of(sw, stride, false), upper = terrain_plane_of(sw, stride, true);
+	/* The sign of `apart` tells on which side of the diagonal the ray is. */
 	const double apart = (ray->at[0] - x) - (ray->at[1] - y), rate = ray->step[0] - ray->step[1];
 	const double first = apart + rate * begin, last = rate == 0 ? apart : apart + rate * end;
-	if (first == 0 && last == 0) {
-		const size_t stride = ray->ground->extent->cells + 1;
-		const struct terrain_plane lower = terrain_plane_of(ray->posts.heights + y * stride + x, stride, false);
-		return piece(ray, begin, end, x, y, !terrain_plane_whole(&lower));
-	}
+	if (first == 0 && last == 0)
+		return piece(ray, begin, end, terrain_plane_whole(&lower) ? &lower : &upper, x, y);
 	if ((first >= 0 && last >= 0) || (first <= 0 && last <= 0))
-		return piece(ray, begin, end, x, y, first + last < 0);
+		return piece(ray, begin, end, first + last < 0 ? &upper : &lower, x, y);
 	const double middle = fmin(fmax(-apart / rate, begin), end);
-	return piece(ray, begin, middle, x, y, first < 0) || piece(ray, middle, end, x, y, last < 0);
+	return piece(ray, begin, middle, first < 0 ? &upper : &lower, x, y) || piece(ray, middle, end, last < 0 ? &upper : &lower, x, y);
 }
 
 /* Returns true if the ray between `begin` and `end` stays above or below all heights in this range. */

@@ -28,14 +28,14 @@ struct terrain_view {
 struct terrain_source {
 	void *user;
 	/* Gives the lowest and highest height of the tile and of all finer tiles below it, with deformation. Returns false if
-	 * there is nothing to draw. At level >= 0 that means: all is nodata. Below level 0: the tile has neither offsets nor
-	 * posts of an inset, and its parent is drawn there. */
+	 * there is nothing to draw. At level >= 0 that means: all is nodata. Below level 0: its parent is drawn
+	 * there, since the tile would show nothing else. */
 	bool (*bounds)(void *user, struct tile tile, double *low, double *high);
 	/* Returns true if the tile is resident now, and gives its slot. Asked only about tiles that the picture needs, or that
 	 * may be drawn in their place. If it always returns false, all tiles of the picture become wanted. */
 	bool (*resident)(void *user, struct tile tile, uint32_t *slot);
 	/* Returns true if finer tiles may be drawn in place of this tile. At level > 0: its children exist. At level 0 and finer:
-	 * there are finer tiles with offsets or of an inset below it. terrain never asks about children outside the world. */
+	 * some of its children may have bounds. terrain never asks about children outside the world. */
 	bool (*divisible)(void *user, struct tile tile);
 	/* Used if by_error. Returns the largest height difference, in metres, between the drawn tile and the finest ground,
 	 * with deformation. Asked only about tiles that have bounds. A child's error should be at most its parent's. A larger
@@ -110,10 +110,10 @@ double terrain_box_distance(const double eye[3], const double low[3], const doub
 /*
  * --- queries: heights at points, and rays ---
  *
- * A query uses the same ground as a picture from nearby, without morphing or skirts. This ground consists of the triangles of
- * level 0. Where finer tiles have offsets or insets, it consists of the triangles of the finest level there. The diagonal of each cell
- * goes from its south-west to its north-east post. A triangle with a nodata corner does not exist. There are no walls at the
- * terrain's edge or at a hole.
+ * A query uses the ground that wheels feel: bilinear between the four posts of a cell of level 0. Where finer tiles have offsets or
+ * insets, the cells are those of the finest level there. Pictures show the same ground from nearby, within 0.5 mm between posts of the
+ * source. A cell with a nodata corner has the triangles that are left: its diagonal goes from its south-west to its north-east post.
+ * There are no walls at the terrain's edge or at a hole.
  *
  * All values are metres from the world's south-west post, in doubles. They are as exact at 10,000 km as at 0.
  */
@@ -148,12 +148,12 @@ struct terrain_point {
 };
 
 struct terrain_height {
-	double height;    /* height of the triangle at the point; NaN if outside or nodata */
-	/* Height interpolated between the cell's four posts; `furrow query` shows it, and objects are placed on it. NaN if a
-	 * post with weight is nodata. Equals `height` at the posts and along the cell's sides. */
+	double height;    /* height of the ground at the point; NaN if outside or nodata */
+	/* The same, but NaN if any post with weight is nodata: only a triangle is left there. `furrow query` shows it, and objects
+	 * are placed on it. */
 	double bilinear;
-	double normal[3]; /* of the triangle, a unit vector, upward; NaN if beside a hole only a post or an edge exists here */
-	int level;        /* level of the triangle */
+	double normal[3]; /* of the ground, a unit vector, upward; NaN if beside a hole only a post or an edge exists here */
+	int level;        /* level of the posts */
 	bool outside, nodata; /* `nodata` is also true if `outside` is */
 };
 
@@ -172,14 +172,13 @@ struct terrain_hit {
 	bool below;       /* the ray came from below the ground */
 	double distance;  /* metres from the origin */
 	double point[3];
-	double normal[3]; /* of the triangle, upward, even if it was hit from below */
-	struct tile tile; /* The tile, the cell in it, and which of the cell's two triangles was hit. */
+	double normal[3]; /* of the ground, upward, even if it was hit from below */
+	struct tile tile; /* the tile, and the cell in it */
 	uint32_t x, y;
-	bool upper;       /* the north-west triangle was hit; otherwise the south-east one */
 };
 
 /* Finds the first place where each ray meets the ground, from above or from below. This may be the origin, if it lies on the
- * ground. No ray passes between two triangles that share an edge. STATUS_INPUT: a number is NaN or infinite, the direction is
+ * ground. No ray passes between two cells that share an edge. STATUS_INPUT: a number is NaN or infinite, the direction is
  * 0, or the length is negative. */
 enum status terrain_rays(const struct terrain_ground *ground, const struct terrain_ray *rays, size_t count,
 			 struct terrain_hit *hits) FURROW_CHECKED;

@@ -111,7 +111,7 @@ class Cameras(FurrowTest):
         return [ray.get("point") for ray in told["rays"]]
 
     def test_depth_is_where_rays_meet_the_ground(self):
-        self.make()
+        self.make(SCENE + CAMERAS + "spacing: 0.25\n")
         seen = 0
         for name in ("post", "tilted", "nav", "nav_right", "behind", "above", "drone"):
             camera = self.camera(name)
@@ -128,7 +128,7 @@ class Cameras(FurrowTest):
                         continue
                     ahead = (np.array(hit) - frame["position"]) @ matrix(frame["orientation"])[:, 2]
                     seen += 1
-                    self.assertAlmostEqual(depth[v[i], u[i]], ahead, delta=2e-4 * ahead, msg=(name, frame["frame"], u[i], v[i]))
+                    self.assertAlmostEqual(depth[v[i], u[i]], ahead, delta=5e-4 * ahead, msg=(name, frame["frame"], u[i], v[i]))
         self.assertGreater(seen, 200)
 
     def on_the_way(self, point):
@@ -229,6 +229,71 @@ class Cameras(FurrowTest):
             shades = read_png(folder / "normals/000000.png")
             self.assertLess(np.abs((shades - 127.5) / 127.5 - normals)[~sky].max(), 0.5 / 127)
         self.assertGreater(min(balls, skies), 500)
+
+    def test_between_posts_of_the_source_a_camera_measures_what_wheels_feel(self):
+        """Posts 20 m apart and bilinear ground between them, computed here from the posts; a box that drives changes only its rut."""
+        posts = [[round(400 * (2 + math.sin(0.9 * x) + math.cos(1.3 * y + 0.7 * x))) + 37 * (x * x + 5 * x * y + 3 * y * y) % 200 for x in range(17)] for y in range(17)]
+        write_png16(self.folder / "coarse.png", 17, 17, lambda x, y: posts[16 - y][x])
+        self.ok("import", self.folder / "coarse.png", "-o", "coarse.furrow", "--spacing", 20, "--height-range", "0,655.35", "--max-error", 0, "--tile", 16)
+        z = np.array(posts) / 100
+
+        def ground(x, y):
+            """Height, slope east and north, and by how much the source's triangles are off."""
+            cx, cy = np.clip(np.floor(x / 20).astype(int), 0, 15), np.clip(np.floor(y / 20).astype(int), 0, 15)
+            u, v = x / 20 - cx, y / 20 - cy
+            a, b, c, d = z[cy, cx], z[cy, cx + 1], z[cy + 1, cx], z[cy + 1, cx + 1]
+            twist = a - b - c + d
+            high = a + (b - a) * u + (c - a) * v + twist * u * v
+            flat = np.where(u > v, a + (b - a) * u + (d - b) * v, a + (d - c) * u + (c - a) * v)
+            return high, (b - a + twist * v) / 20, (c - a + twist * u) / 20, np.abs(high - flat), np.minimum(np.minimum(u, 1 - u), np.minimum(v, 1 - v))
+
+        most = np.abs(z[:-1, :-1] - z[:-1, 1:] - z[1:, :-1] + z[1:, 1:]).max() / 4
+        eye = float(ground(np.array(142.0), np.array(150.0))[0]) + 2
+        for spacing, error in ((0.3125, None), (0.625, None), (0.625, 0.5), (1.25, None)):
+            text = (f"scene: 1\nend_time: 2\ntime_step: 0.5\nspacing: {spacing}\nredistribute: {{model: box}}\ncache: {{slots: 200}}\n"
+                    "objects:\n  - {name: box, shape: {box: {size: [1, 1, 0.5]}}, sink: 0.1, path: {points: [[152, 151], [158, 153]], speed: 4}}\n" +
+                    ("" if error is None else f"view: {{camera: {{chase: box}}, effects: [objects, geomorph, skirts], pixel_error: {error}}}\n") +
+                    f"cameras:\n  - {{name: a, kind: fixed, rate: 0.5, size: [160, 120], fov: 70, pose: {{at: [142, 150, {eye}], yaw: 8, pitch: -12}}, images: [depth, normals, height]}}\n")
+            (self.folder / "o.furrow").unlink(missing_ok=True)
+            self.drive(self.scene(text), "--store", "coarse.furrow", "--overlay", "o.furrow")
+            camera = self.camera("a")
+            self.assertEqual(len(camera.frames), 2)
+            depths = [camera.depth(frame) for frame in camera.frames]
+            frame, depth = camera.frames[0], depths[0]
+            v, u = np.mgrid[:120, :160]
+            rays = camera.rays(frame, u + 0.5, v + 0.5)
+            near = depth < 70
+            points = np.array(frame["position"]) + rays * np.where(near, depth, 0)[..., None]
+            x, y = points[..., 0], points[..., 1]
+            box = np.hypot(x - 152, y - 151) < 1.2
+            near &= ~box
+            high, east, north, off, within = ground(x, y)
+            cell = np.maximum(spacing, (depth if error is None else 0) / 18)  # of the mesh
+            allowed = 0.002 + most * (cell / 20) ** 2 + (0 if error is None else error * depth / camera.told["fx"])
+            self.assertGreater((near & (off > 0.1)).sum(), 3000, spacing)  # the source's triangles are not this ground
+            self.assertLess((np.abs(points[..., 2] - high) - allowed)[near].max(), 0, (spacing, error))
+            heights, normals = np.load(camera.folder / "height/000000.npy"), np.load(camera.folder / "normals/000000.npy")
+            self.assertLess((np.abs(heights - high) - allowed)[near].max(), 0, (spacing, error))
+            wanted = np.stack([-east, -north, np.ones_like(east)], axis=-1) / np.sqrt(east ** 2 + north ** 2 + 1)[..., None]
+            inner = near & (within > 0.15) & (depth < 25)
+            self.assertGreater(inner.sum(), 1000)
+            self.assertLess(np.abs(normals - wanted)[inner].max(), 0.02, (spacing, error))
+            # What the command's rays meet is the same ground, to the bit's rounding.
+            rut = np.abs((y - 151) * 6 - (x - 152) * 2) / math.hypot(6, 2) < 5
+            picked = np.argwhere(near & ~rut & (v % 7 == 3) & (u % 13 == 7))
+            self.assertGreater(len(picked), 15)
+            for (row, column), hit in zip(picked, self.hits(frame["position"], [rays[row, column] for row, column in picked])):
+                self.assertIsNotNone(hit)
+                self.assertAlmostEqual(hit[2], ground(np.array(hit[0]), np.array(hit[1]))[0], delta=1e-4)
+                ahead = (np.array(hit) - frame["position"]) @ matrix(frame["orientation"])[:, 2]
+                steep = max(0.05, -(rays[row, column] / np.linalg.norm(rays[row, column])) @ wanted[row, column])
+                self.assertLess(abs(depth[row, column] - ahead), allowed[row, column] / steep + 1e-3, (spacing, error, row, column))
+            # The tiles under the box are deformed now. Away from it and its rut nothing has moved.
+            after = np.array(frame["position"]) + rays * np.where(near, depths[1], 0)[..., None]
+            still = near & ~rut & (depths[1] < 70)
+            self.assertGreater(still.sum(), 1500)
+            self.assertLess((np.abs(after[..., 2] - points[..., 2]) - allowed)[still].max(), 0, (spacing, error))
+            self.assertGreater(np.abs(depths[1][near & rut] - depths[0][near & rut]).max(), 0.3)
 
     def test_a_stereo_pair_sees_the_same_ground(self):
         self.make()
@@ -376,7 +441,7 @@ class Cameras(FurrowTest):
         self.store = self.synth(relief=60)
         for azimuth, height, at, pitch in ((250, 7, [120, 110], -45), (70, 16, [60, 150], -40), (160, 6, [180, 60], -55)):
             ground = json.loads(self.ok("query", self.store, *at, "--json"))["height"]
-            text = ("scene: 1\nend_time: 0.1\ntime_step: 0.1\nview: {camera: {fixed: {eye: [1, 1, 50], target: [9, 9, 20]}}, body: moon, exposure: sun, "
+            text = ("scene: 1\nend_time: 0.1\ntime_step: 0.1\nspacing: 0.25\nview: {camera: {fixed: {eye: [1, 1, 50], target: [9, 9, 20]}}, body: moon, exposure: sun, "
                     f"sun: {{azimuth: {azimuth}, height: {height}}}, effects: [geomorph, EFFECT]}}\ncameras: [{{name: a, kind: fixed, rate: 1, fov: 90, "
                     f"size: [240, 180], pose: {{at: [{at[0]}, {at[1]}, {ground + 9}], yaw: 30, pitch: {pitch}}}, images: [colour, depth, normals]}}]\n")
             greens = []
@@ -395,12 +460,14 @@ class Cameras(FurrowTest):
             hidden = ["point" in ray for ray in json.loads(self.ok("query", self.store, "--json", stdin=rays))["rays"]]
             dark = [greens[1][v, u] < 0.5 * greens[0][v, u] for v, u in picked]
             agree = np.mean(np.array(hidden) == np.array(dark))
-            self.assertGreater(agree, 0.97, (azimuth, height, len(hidden), sum(hidden), sum(dark)))
+            self.same = getattr(self, "same", np.zeros(2)) + [agree * len(hidden), len(hidden)]
+            self.assertGreater(agree, 0.95, (azimuth, height, len(hidden), sum(hidden), sum(dark)))
             self.both = getattr(self, "both", np.zeros(2)) + [sum(hidden), len(hidden) - sum(hidden)]
             # Nothing else changes.
             lit = np.array([greens[1][v, u] - greens[0][v, u] for (v, u), is_hidden in zip(picked, hidden) if not is_hidden])
             self.assertLess(np.median(np.abs(lit)) if len(lit) else 0, 3)
         self.assertGreater(self.both.min(), 150, self.both)
+        self.assertGreater(self.same[0], 0.99 * self.same[1], self.same)
 
     def test_exposure_by_the_sun_keeps_a_low_sun_visible(self):
         self.store = self.synth(relief=5)

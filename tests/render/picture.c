@@ -20,7 +20,7 @@ static void what_is_drawn_unseen_is_not_seen(void **state)
 	begin(ALL);
 	uint8_t *before = draw(60, 60, 20, 300, 300, 0);
 	uint64_t triangles = render_triangles(render);
-	assert_ok(render_draw_unseen(render, true, true));
+	assert_ok(render_draw_unseen(render, true, true, true));
 	uint8_t *after = draw(60, 60, 20, 300, 300, 0);
 	assert_memory_equal(before, after, 4 * WIDTH * HEIGHT);
 	assert_true(render_triangles(render) == triangles);

@@ -218,7 +218,9 @@ static size_t below_zero(const struct view *view)
 static void looking_ahead_the_ground_is_divided_where_the_objects_will_be(void **state)
 {
 	struct rig rig;
+	rig_lay_straight();
 	rig_open(&rig, 128, 25, 2);
+	rig_lay_hills();
 	struct world *world = &rig.world;
 	for (int i = 0; i < VIEW_LOOKS; i++)
 		must(render_view_look_ahead(rig.view));
@@ -238,6 +240,41 @@ static void looking_ahead_the_ground_is_divided_where_the_objects_will_be(void *
 		assert_true(tile_from_key(now->keys[i]).level >= 0);
 	assert_int_equal(rig.view->deformed.count, 0);
 	rig_close(&rig);
+}
+
+/* Ground that nothing deformed: finer tiles are drawn where the ground bends between its posts, and nowhere else. */
+static void bent_ground_is_drawn_finely_and_straight_ground_is_not(void **state)
+{
+	for (int straight = 0; straight < 2; straight++)
+		for (int level = 0; level >= -3; level--) {
+			struct rig rig;
+			if (straight)
+				rig_lay_straight();
+			rig_open(&rig, 400, 0, 0);
+			rig_lay_hills();
+			rig.world.level = level;
+			rig.world.spacing = extent_spacing(&extent, level);
+			rig.scene.view.aim.eye[2] = 107; /* near the ground */
+			must(render_view_frame(rig.view, NULL, true));
+			const struct terrain_selection *selection = rig.view->selection;
+			size_t finer = 0;
+			int finest = 0;
+			for (size_t i = 0; i < selection->draw_count; i++) {
+				const struct terrain_draw *draw = &selection->draws[i];
+				double bend = 0;
+				finer += draw->tile.level < 0;
+				finest = draw->tile.level < finest ? draw->tile.level : finest;
+				assert_true(draw->tile.level >= level && draw->ground_level == (draw->tile.level < 0 ? 0 : draw->tile.level));
+				if (draw->tile.level < 0)
+					must(render_view_bend(rig.view, draw->tile, &bend));
+				assert_true(draw->tile.level >= 0 || bend > 0.0001);
+			}
+			assert_int_equal(finest, straight ? 0 : level);
+			assert_true(straight ? finer == 0 : level == 0 || finer >= 4);
+			assert_int_equal(selection->wanted_count, 0);
+			assert_false(rig.view->coarse);
+			rig_close(&rig);
+		}
 }
 
 static void however_far_it_looks_an_object_wishes_for_no_more_than_the_slots(void **state)
@@ -331,7 +368,7 @@ static void every_program_of_a_picture_has_drawn_before_the_first_step(void **st
 	must(render_view_create(&rig.world, false, &rig.view));
 	must(render_view_warm(rig.view));
 	gpu_programs_each(rig.world.gpu, note_program, &count);
-	assert_int_equal(count, 6);
+	assert_int_equal(count, 7);
 	/* None of it is a picture of the drive's. */
 	struct render_view_figures figures;
 	render_view_settle(rig.view);
@@ -383,10 +420,13 @@ static uint64_t range_waits(const struct rig *rig)
 	return figures.range_waits;
 }
 
-static void looking_ahead_waits_for_no_range(void **state)
+static void looking_ahead_waits_for_no_range_at(int level)
 {
 	struct rig rig;
 	rig_open(&rig, 400, 25, 2);
+	rig.world.level = level;
+	rig.world.spacing = extent_spacing(&extent, level);
+	start_look_ahead(&rig);
 	start_bringing(&rig);
 	struct view *view = rig.view;
 	bool guessed = true;
@@ -409,6 +449,12 @@ static void looking_ahead_waits_for_no_range(void **state)
 	assert_true(view->now->count > 10);
 	assert_true(range_waits(&rig) <= 1);
 	rig_close(&rig);
+}
+
+static void looking_ahead_waits_for_no_range(void **state)
+{
+	looking_ahead_waits_for_no_range_at(0);
+	looking_ahead_waits_for_no_range_at(-2);
 }
 
 /* It is drawn with the ranges of coarser tiles, and again when its own have come: then it is as if they had been read. */
@@ -453,6 +499,7 @@ int main(void)
 		cmocka_unit_test(wishes_are_what_is_lacking_now_then_what_will_be),
 		cmocka_unit_test(wishes_ahead_are_soonest_first_and_end_with_the_room),
 		cmocka_unit_test(looking_ahead_the_ground_is_divided_where_the_objects_will_be),
+		cmocka_unit_test(bent_ground_is_drawn_finely_and_straight_ground_is_not),
 		cmocka_unit_test(however_far_it_looks_an_object_wishes_for_no_more_than_the_slots),
 		cmocka_unit_test(looking_ahead_marks_nothing_used),
 		cmocka_unit_test(what_a_frame_drew_was_used_last),

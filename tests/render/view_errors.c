@@ -3,7 +3,10 @@
 
 static void rig_open_with(struct rig *rig, double pixel_error, int level)
 {
+	if (level < 0)
+		rig_lay_straight();
 	rig_open(rig, 128, 0, 0);
+	rig_lay_hills();
 	render_view_destroy(rig->view);
 	rig->scene.view.pixel_error = pixel_error;
 	rig->world.level = level;
@@ -201,6 +204,29 @@ static void what_will_be_deformed_counts_as_deep_as_anything_yet(void **state)
 	rig_close(&rig);
 }
 
+/* Hills without a rut: triangles between posts are off the bilinear ground, down to the working level. */
+static void bent_ground_counts_as_far_as_it_bends(void **state)
+{
+	struct rig rig;
+	rig_open(&rig, 128, 0, 0);
+	render_view_destroy(rig.view);
+	rig.scene.view.pixel_error = 1;
+	rig.world.level = -3;
+	must(render_view_create(&rig.world, false, &rig.view));
+	for (uint32_t i = 0; i < 20; i++) {
+		double errors[16], bend, before = INFINITY;
+		chain(&rig, -3, 7 + 20 * i, 300, errors);
+		assert_true(errors[0] == 0);
+		for (int level = 0; level >= -2; level--) {
+			double side = extent_spacing(&extent, level) * CELLS;
+			must(resident_ground_bend(rig.world.ground, (struct tile){level, (uint32_t)((7 + 20 * i) / side), (uint32_t)(300 / side)}, &bend));
+			assert_true(errors[level + 3] == bend && bend > 0 && bend <= before / 4);
+			before = bend;
+		}
+	}
+	rig_close(&rig);
+}
+
 /* A pit and a heap in two tiles of one parent, of a store that was deformed before. */
 static void what_was_committed_is_known_exactly(void **state)
 {
@@ -239,6 +265,7 @@ int main(void)
 		cmocka_unit_test(a_rut_is_drawn_finely_where_its_depth_is_seen_and_not_where_not),
 		cmocka_unit_test(what_will_be_deformed_counts_as_deep_as_anything_yet),
 		cmocka_unit_test(what_was_committed_is_known_exactly),
+		cmocka_unit_test(bent_ground_counts_as_far_as_it_bends),
 	};
 	return cmocka_run_group_tests_name("view_errors", tests, support_enter, support_leave);
 }

@@ -23,6 +23,35 @@ struct rig {
 
 static enum store_mode rig_mode = STORE_READ;
 
+/* The ground, and the store's file. */
+static double (*rig_heights)(int64_t, int64_t) = support_hills;
+static const char *rig_file = "view.furrow";
+
+/* Rough along both axes, without a twist: the ground between its posts is made of planes, so nothing finer has to be drawn. */
+static inline double rig_rough(int64_t at)
+{
+	uint32_t h = (uint32_t)at * 2654435761u;
+	h ^= h >> 15;
+	return floor(96 * sin((double)at * 0.31)) / 64 + (double)((h * 2246822519u) >> 26) / 64;
+}
+
+static inline double rig_straight(int64_t x, int64_t y)
+{
+	return 100 + rig_rough(x) + rig_rough(y + 1000);
+}
+
+static inline void rig_lay_straight(void)
+{
+	rig_heights = rig_straight;
+	rig_file = "straight.furrow";
+}
+
+static inline void rig_lay_hills(void)
+{
+	rig_heights = support_hills;
+	rig_file = "view.furrow";
+}
+
 static inline enum status before_read_back(void *user, struct tile tile, uint32_t slot)
 {
 	return STATUS_OK; /* nothing is ever dirty here */
@@ -56,7 +85,7 @@ static inline void start_look_ahead(struct rig *rig)
 static inline void rig_open(struct rig *rig, uint32_t slots, double speed, double prefetch)
 {
 	struct world *world = &rig->world;
-	const char *path = support_path("view.furrow");
+	const char *path = support_path(rig_file);
 	*rig = (struct rig){.points = {{.x = 40, .y = 60}, {.x = 460, .y = 440}}};
 	rig->object = (struct scene_object){
 		.name = "it",
@@ -69,7 +98,7 @@ static inline void rig_open(struct rig *rig, uint32_t slots, double speed, doubl
 			 .back = 12, .up = 5, .eye = {20, 20, 130}, .target = {200, 220, 100}}},
 	};
 	if (access(path, F_OK) != 0)
-		support_store(path, extent, support_hills);
+		support_store(path, extent, rig_heights);
 	must(store_open(path, &(struct store_options){.mode = rig_mode}, &world->store)); /* nothing is deformed */
 	world->scene = &rig->scene;
 	world->limits.slots = slots;

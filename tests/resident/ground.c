@@ -52,6 +52,41 @@ static void a_patch_subdivides_to_the_interpolated_tile(void **state)
 	store_close(store);
 }
 
+/* How far the middle of each cell's bilinear ground is from its diagonal: from the tile's own posts, which the store gives. */
+static void a_bend_is_what_triangles_between_the_posts_are_off(void **state)
+{
+	struct store *store = open_store();
+	struct ground *ground;
+	enum { N = 32 };
+	static double posts[(N + 1) * (N + 1)];
+	int curved = 0;
+	must(resident_ground_create(store, 2, &ground));
+	for (int level = 0; level >= -7; level--)
+		for (uint32_t i = 0; i < 8; i++) {
+			const struct tile tile = {level, i * 37 % extent_tiles_x(&extent, level), i * 53 % extent_tiles_y(&extent, level)};
+			const struct post_rect whole = {0, 0, extent_posts(extent.width, level), extent_posts(extent.height, level)};
+			const struct post_rect rect = post_rect_intersect(tile_post_rect(&extent, tile), whole);
+			const int64_t width = rect.x1 - rect.x0;
+			double most = 0, bend, again;
+			must(store_read_posts(resident_ground_reader(ground), STORE_BASE, level, rect, posts));
+			for (int64_t y = 0; y + 1 < rect.y1 - rect.y0; y++)
+				for (int64_t x = 0; x + 1 < width; x++) {
+					const double *a = posts + y * width + x, *c = a + width;
+					const double off = fabs((a[0] + a[1] + c[0] + c[1]) / 4 - (a[0] + c[1]) / 2);
+					most = off > most ? off : most; /* not if NaN */
+				}
+			must(resident_ground_bend(ground, tile, &bend));
+			must(resident_ground_bend(ground, tile, &again));
+			assert_true(bend == again && resident_ground_has_bend(ground, tile));
+			/* finer posts are rounded to the lattice; a tile smaller than a cell has only a part of it, and all cells bend alike */
+			assert_true(fabs(bend - most) <= 0x1p-17);
+			curved += bend > 0.001;
+		}
+	assert_true(curved > 20);
+	resident_ground_destroy(ground);
+	store_close(store);
+}
+
 /* No post of a rectangle is above what is said of it, and below a level's own posts that is no more than the source's. */
 static void the_highest_is_that_of_the_posts_it_comes_from(void **state)
 {
@@ -394,6 +429,7 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_patch_subdivides_to_the_interpolated_tile),
+		cmocka_unit_test(a_bend_is_what_triangles_between_the_posts_are_off),
 		cmocka_unit_test(the_highest_is_that_of_the_posts_it_comes_from),
 		cmocka_unit_test(the_highest_asks_for_no_tile_it_does_not_need),
 		cmocka_unit_test(a_height_is_bilinear_and_misses_only_holes_and_the_outside),

@@ -1,53 +1,50 @@
-/* Heights and normals at points, against every triangle of the ground. */
+/* Heights and normals at points, against every face of the ground. */
 #include "query_rig.h"
 
 static const struct rig rough = {.extent = {61, 45, 2, 8}, .finest = -2, .fine = 30, .relief = 9, .rut = 0.7};
 
-static void check(const struct rig *rig, const struct rig_triangle *all, size_t count, struct terrain_point point,
+static void check(const struct rig *rig, const struct rig_face *all, size_t count, struct terrain_point point,
 		  const struct terrain_height *height)
 {
 	double east = (double)(rig->extent.width - 1) * rig->extent.spacing, north = (double)(rig->extent.height - 1) * rig->extent.spacing;
 	bool outside = !(point.x >= 0 && point.y >= 0 && point.x <= east && point.y <= north);
 	assert_int_equal(height->outside, outside);
-	double there = NAN;
-	const struct rig_triangle *triangle = outside ? NULL : rig_over(all, count, point, 1e-9, &there);
-	if (triangle == NULL) {
+	double there = NAN, normal[3];
+	const struct rig_face *face = outside ? NULL : rig_over(all, count, point, 1e-9, &there, normal);
+	if (face == NULL) {
 		double edge;
-		/* On an edge, which no triangle has for itself; or in a hole. */
-		assert_true(height->nodata || rig_over(all, count, point, -1e-9, &edge) != NULL);
+		/* On an edge, which no face has for itself; or in a hole. */
+		assert_true(height->nodata || rig_over(all, count, point, -1e-9, &edge, normal) != NULL);
 		assert_true(height->nodata == (bool)isnan(height->height));
 		return;
 	}
 	assert_false(height->nodata);
-	assert_int_equal(height->level, triangle->level);
+	assert_int_equal(height->level, face->level);
 	assert_true(fabs(height->height - there) < 1e-10);
+	assert_true(!face->cell || height->bilinear == height->height);
 	double length = 0;
-	for (int k = 1; k < 3; k++) {
-		double dot = 0;
-		for (int i = 0; i < 3; i++)
-			dot += (triangle->corner[k][i] - triangle->corner[0][i]) * height->normal[i];
-		assert_true(fabs(dot) < 1e-10);
-	}
-	for (int i = 0; i < 3; i++)
+	for (int i = 0; i < 3; i++) {
+		assert_true(fabs(height->normal[i] - normal[i]) < 1e-9);
 		length += height->normal[i] * height->normal[i];
+	}
 	assert_true(fabs(length - 1) < 1e-12 && height->normal[2] > 0);
 }
 
-static void every_triangle_agrees(void **unused)
+static void every_face_agrees(void **unused)
 {
 	enum { COUNT = 3000 };
 	static struct terrain_point points[COUNT];
 	static struct terrain_height heights[COUNT];
 	for (uint64_t seed = 1; seed <= 4; seed++) {
 		struct rig rig = rough;
-		struct rig_triangle *all;
+		struct rig_face *all;
 		uint64_t state = seed;
 		rig.seed = seed;
 		rig.holes = seed % 2 ? 0 : 30;
 		rig.extent.cells = seed % 3 ? 8 : 32;
 		rig.fine = (unsigned)(seed % 4 * 30);
 		rig_open(&rig);
-		size_t count = rig_triangles(&rig, &all), holes = 0, fine = 0;
+		size_t count = rig_faces(&rig, &all), holes = 0, fine = 0;
 		for (int i = 0; i < COUNT; i++)
 			points[i] = (struct terrain_point){rig_between(&state, -3, 125), rig_between(&state, -3, 93)};
 		assert_int_equal(terrain_heights(&rig.ground, points, COUNT, heights), STATUS_OK);
@@ -62,7 +59,7 @@ static void every_triangle_agrees(void **unused)
 	}
 }
 
-/* At the posts all agree: the triangle, the four posts, the post itself; beside a hole too. */
+/* At the posts all agree: the ground, the four posts, the post itself; beside a hole too. */
 static void posts_are_posts(void **unused)
 {
 	struct rig rig = rough;
@@ -117,7 +114,7 @@ static void many_are_as_one(void **unused)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(every_triangle_agrees),
+		cmocka_unit_test(every_face_agrees),
 		cmocka_unit_test(posts_are_posts),
 		cmocka_unit_test(many_are_as_one),
 	};

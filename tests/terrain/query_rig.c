@@ -1,4 +1,4 @@
-/* The ground of queries and plain answers about it: every triangle, in long doubles. */
+/* The ground of queries and plain answers about it: every face, in long doubles. */
 #include "query_rig.h"
 
 /* --- ground --- */
@@ -124,35 +124,55 @@ void rig_open(struct rig *rig)
 	rig->ground = (struct terrain_ground){rig, &rig->extent, rig->finest, rig_posts, rig_ask, rig_bounds};
 }
 
-size_t rig_triangles(const struct rig *rig, struct rig_triangle **out)
+static void put_corner(const struct rig *rig, int level, int64_t x, int64_t y, double corner[3])
+{
+	double spacing = extent_spacing(&rig->extent, level);
+	corner[0] = (double)x * spacing;
+	corner[1] = (double)y * spacing;
+	corner[2] = rig_height(rig, level, x, y);
+}
+
+/* The faces of one cell. Returns how many. */
+static size_t faces_of(const struct rig *rig, int level, int64_t x, int64_t y, struct rig_face faces[2])
+{
+	size_t count = 0;
+	struct rig_face cell = {.cell = true, .level = level};
+	double sum = 0;
+	for (int i = 0; i < 4; i++) {
+		put_corner(rig, level, x + i % 2, y + i / 2, cell.corner[i]);
+		sum += cell.corner[i][2];
+	}
+	faces[0] = cell;
+	if (!isnan(sum))
+		return 1;
+	for (int upper = 0; upper < 2; upper++) {
+		struct rig_face face = {.level = level};
+		memcpy(face.corner[0], cell.corner[0], sizeof face.corner[0]);
+		memcpy(face.corner[1], cell.corner[upper ? 2 : 1], sizeof face.corner[1]);
+		memcpy(face.corner[2], cell.corner[3], sizeof face.corner[2]);
+		if (!isnan(face.corner[0][2] + face.corner[1][2] + face.corner[2][2]))
+			faces[count++] = face;
+	}
+	return count;
+}
+
+size_t rig_faces(const struct rig *rig, struct rig_face **out)
 {
 	size_t count = 0, room = 1 << 16;
-	struct rig_triangle *all = malloc(room * sizeof *all);
+	struct rig_face *all = malloc(room * sizeof *all);
 	int64_t across = (rig->extent.width - 1) << -rig->finest, up = (rig->extent.height - 1) << -rig->finest;
 	assert_non_null(all);
 	for (int level = 0; level >= rig->finest; level--) {
 		int64_t width = across >> (level - rig->finest), height = up >> (level - rig->finest), cells = rig->extent.cells;
-		double spacing = extent_spacing(&rig->extent, level);
 		for (int64_t y = 0; y < height; y++)
 			for (int64_t x = 0; x < width; x++) {
 				struct tile own = {level, (uint32_t)(x / cells), (uint32_t)(y / cells)};
 				struct tile below = {level - 1, (uint32_t)(2 * x / cells), (uint32_t)(2 * y / cells)};
 				if ((level < 0 && !rig_present(rig, own)) || (level > rig->finest && rig_present(rig, below)))
 					continue;
-				for (int upper = 0; upper < 2; upper++) {
-					const int64_t corners[3][2] = {{x, y}, {x + !upper, y + upper}, {x + 1, y + 1}};
-					struct rig_triangle triangle = {.level = level};
-					for (int i = 0; i < 3; i++) {
-						triangle.corner[i][0] = (double)corners[i][0] * spacing;
-						triangle.corner[i][1] = (double)corners[i][1] * spacing;
-						triangle.corner[i][2] = rig_height(rig, level, corners[i][0], corners[i][1]);
-					}
-					if (isnan(triangle.corner[0][2] + triangle.corner[1][2] + triangle.corner[2][2]))
-						continue;
-					if (count == room)
-						assert_non_null(all = realloc(all, (room *= 2) * sizeof *all));
-					all[count++] = triangle;
-				}
+				if (count + 2 > room)
+					assert_non_null(all = realloc(all, (room *= 2) * sizeof *all));
+				count += faces_of(rig, level, x, y, all + count);
 			}
 	}
 	*out = all;
@@ -161,8 +181,52 @@ size_t rig_triangles(const struct rig *rig, struct rig_triangle **out)
 
 /* --- plain answers --- */
 
+static long double height_in(const struct rig_face *face, long double u, long double v)
+{
+	const double(*c)[3] = face->corner;
+	return (1 - u) * ((1 - v) * c[0][2] + v * c[2][2]) + u * ((1 - v) * c[1][2] + v * c[3][2]);
+}
+
+/* How far a ray is above a cell's ground t metres from its origin. *inside: it is over the cell, made larger by `slack`. */
+static long double above(const struct rig_face *face, const long double origin[3], const long double way[3], long double t, long double slack, bool *inside)
+{
+	const double(*c)[3] = face->corner;
+	long double side = c[1][0] - c[0][0], u = (origin[0] + t * way[0] - c[0][0]) / side, v = (origin[1] + t * way[1] - c[0][1]) / side;
+	*inside = u >= -slack && v >= -slack && u <= 1 + slack && v <= 1 + slack;
+	return origin[2] + t * way[2] - height_in(face, u, v);
+}
+
+/* The same as `meets`, for a cell: along the ray the difference is a parabola, found from three of its places. */
+static long double meets_cell(const struct rig_face *face, const long double origin[3], const long double way[3], long double slack)
+{
+	const double(*c)[3] = face->corner;
+	bool inside;
+	/* around where the ray passes the cell's middle; in units of its side */
+	long double side = c[1][0] - c[0][0], level = way[0] * way[0] + way[1] * way[1];
+	long double middle = level > 0 ? ((c[0][0] + side / 2 - origin[0]) * way[0] + (c[0][1] + side / 2 - origin[1]) * way[1]) / level : 0;
+	long double step = level > 0 ? side / sqrtl(level) : side;
+	long double zero = above(face, origin, way, middle, slack, &inside), plus = above(face, origin, way, middle + step, slack, &inside);
+	long double minus = above(face, origin, way, middle - step, slack, &inside);
+	long double a = (plus + minus) / 2 - zero, b = (plus - minus) / 2, found = INFINITY;
+	long double root = b * b - 4 * a * zero, roots[2] = {NAN, NAN};
+	if (root >= 0 && (a != 0 || b != 0)) {
+		long double q = -0.5L * (b + copysignl(sqrtl(root), b));
+		roots[0] = q != 0 ? zero / q : 0;
+		roots[1] = a != 0 ? q / a : (long double)NAN;
+	}
+	for (int i = 0; i < 2; i++) {
+		long double t = middle + roots[i] * step;
+		if (isnan(t) || t < -slack)
+			continue;
+		above(face, origin, way, t, slack, &inside);
+		if (inside && t < found)
+			found = t;
+	}
+	return found;
+}
+
 /* Where the ray meets a triangle, made larger or smaller by `slack`; INFINITY: nowhere. */
-static long double meets(const struct rig_triangle *triangle, const long double origin[3], const long double way[3],
+static long double meets(const struct rig_face *triangle, const long double origin[3], const long double way[3],
 			 long double slack)
 {
 	const double(*c)[3] = triangle->corner;
@@ -186,17 +250,17 @@ static long double meets(const struct rig_triangle *triangle, const long double 
 	return u >= -slack && v >= -slack && u + v <= 1 + slack && t >= -slack ? t : INFINITY;
 }
 
-/* Seen from above the ray's line passes a triangle by: corner 0 is farther from it than any point of the triangle is from that corner,
+/* Seen from above the ray's line passes a face by: corner 0 is farther from it than any point of the face is from that corner,
  * sqrt(2) sides, and a third more. `across`: length of the direction from above. */
-static bool passes_by(const struct rig_triangle *triangle, const struct terrain_ray *ray, double across)
+static bool passes_by(const struct rig_face *face, const struct terrain_ray *ray, double across)
 {
-	const double(*c)[3] = triangle->corner;
+	const double(*c)[3] = face->corner;
 	double x = c[0][0] - ray->origin[0], y = c[0][1] - ray->origin[1];
-	double reach = c[2][0] - c[0][0] + (c[2][1] - c[0][1]); /* two sides: corner 2 is opposite to corner 0 in the cell */
+	double reach = 2 * (fabs(c[1][0] - c[0][0]) + fabs(c[1][1] - c[0][1])); /* two sides */
 	return fabs(ray->direction[0] * y - ray->direction[1] * x) > across * reach;
 }
 
-struct rig_strike rig_strike(const struct rig_triangle *all, size_t count, const struct terrain_ray *ray, long double slack)
+struct rig_strike rig_strike(const struct rig_face *all, size_t count, const struct terrain_ray *ray, long double slack)
 {
 	struct rig_strike struck = {INFINITY, NULL};
 	long double origin[3], way[3], length = 0;
@@ -211,24 +275,53 @@ struct rig_strike rig_strike(const struct rig_triangle *all, size_t count, const
 	for (size_t i = 0; i < count; i++) {
 		if (passes_by(&all[i], ray, across))
 			continue;
-		long double t = meets(&all[i], origin, way, slack);
+		long double t = all[i].cell ? meets_cell(&all[i], origin, way, slack) : meets(&all[i], origin, way, slack);
 		if (t <= ray->length + slack && t < struck.first)
 			struck = (struct rig_strike){t, &all[i]};
 	}
 	return struck;
 }
 
-const struct rig_triangle *rig_over(const struct rig_triangle *all, size_t count, struct terrain_point point, double slack,
-				    double *height)
+/* Where a point is between corner 0 and corners 1 and 2. */
+static void place_in(const struct rig_face *face, long double x, long double y, long double *u, long double *v)
+{
+	const double(*c)[3] = face->corner;
+	long double ex = c[1][0] - c[0][0], ey = c[1][1] - c[0][1], fx = c[2][0] - c[0][0], fy = c[2][1] - c[0][1];
+	long double det = ex * fy - ey * fx;
+	x -= c[0][0];
+	y -= c[0][1];
+	*u = (x * fy - y * fx) / det;
+	*v = (ex * y - ey * x) / det;
+}
+
+static long double height_of(const struct rig_face *face, long double x, long double y)
+{
+	const double(*c)[3] = face->corner;
+	long double u, v;
+	place_in(face, x, y, &u, &v);
+	return face->cell ? height_in(face, u, v) : c[0][2] + u * (c[1][2] - c[0][2]) + v * (c[2][2] - c[0][2]);
+}
+
+void rig_normal(const struct rig_face *face, long double x, long double y, double normal[3])
+{
+	/* along an axis the ground is linear, so that any difference is exact */
+	long double east = (height_of(face, x + 0.25L, y) - height_of(face, x - 0.25L, y)) * 2;
+	long double north = (height_of(face, x, y + 0.25L) - height_of(face, x, y - 0.25L)) * 2, length = sqrtl(east * east + north * north + 1);
+	normal[0] = (double)(-east / length);
+	normal[1] = (double)(-north / length);
+	normal[2] = (double)(1 / length);
+}
+
+const struct rig_face *rig_over(const struct rig_face *all, size_t count, struct terrain_point point, double slack, double *height,
+				double normal[3])
 {
 	for (size_t i = 0; i < count; i++) {
-		const double(*c)[3] = all[i].corner;
-		long double ex = c[1][0] - c[0][0], ey = c[1][1] - c[0][1], fx = c[2][0] - c[0][0], fy = c[2][1] - c[0][1];
-		long double x = (long double)point.x - c[0][0], y = (long double)point.y - c[0][1], det = ex * fy - ey * fx;
-		long double u = (x * fy - y * fx) / det, v = (ex * y - ey * x) / det;
-		if (u < slack || v < slack || u + v > 1 - slack)
+		long double u, v;
+		place_in(&all[i], point.x, point.y, &u, &v);
+		if (u < slack || v < slack || (all[i].cell ? u > 1 - slack || v > 1 - slack : u + v > 1 - slack))
 			continue;
-		*height = (double)(c[0][2] + u * (c[1][2] - c[0][2]) + v * (c[2][2] - c[0][2]));
+		*height = (double)height_of(&all[i], point.x, point.y);
+		rig_normal(&all[i], point.x, point.y, normal);
 		return &all[i];
 	}
 	return NULL;

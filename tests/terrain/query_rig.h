@@ -1,6 +1,6 @@
 /*
- * What the tests of queries share: a small rough ground with holes and finer tiles here and there, every triangle of it, and
- * plain answers from all of these triangles. query_rig.c is an oracle: see tests/meson.build.
+ * What the tests of queries share: a small rough ground with holes and finer tiles here and there, every face of it, and
+ * plain answers from all of these faces. query_rig.c is an oracle: see tests/meson.build.
  */
 #ifndef FURROW_TESTS_TERRAIN_QUERY_RIG_H
 #define FURROW_TESTS_TERRAIN_QUERY_RIG_H
@@ -33,15 +33,18 @@ struct rig {
 	uint64_t fails_at;      /* the posts asked for that fail; 0: none */
 };
 
-struct rig_triangle {
-	double corner[3][3];
+/* A cell with all four posts, bilinear between south-west, south-east, north-west and north-east; or a triangle that a cell with a
+ * hole is left with, whose corners are south-west, the other, north-east. */
+struct rig_face {
+	double corner[4][3];
+	bool cell;
 	int level;
 };
 
-/* A ray and all triangles: the nearest that it meets. */
+/* A ray and all faces: the nearest that it meets. */
 struct rig_strike {
 	long double first; /* metres from the origin; INFINITY: none */
-	const struct rig_triangle *triangle;
+	const struct rig_face *face;
 };
 
 /* --- chance --- */
@@ -57,15 +60,17 @@ void rig_open(struct rig *rig);
 /* The height of a post of level 0, a multiple of 2^-18 m; NAN: a hole. */
 double rig_post(const struct rig *rig, int64_t x, int64_t y);
 bool rig_present(const struct rig *rig, struct tile tile);
-/* All of the ground: those that have no hole, in the finest tile there. Returns how many; *out is freed by the caller. */
-size_t rig_triangles(const struct rig *rig, struct rig_triangle **out);
+/* All of the ground, in the finest tile there. Returns how many; *out is freed by the caller. */
+size_t rig_faces(const struct rig *rig, struct rig_face **out);
 
 /* --- plain answers --- */
 
-/* Every triangle is made larger by `slack`, smaller if negative. */
-struct rig_strike rig_strike(const struct rig_triangle *all, size_t count, const struct terrain_ray *ray, long double slack);
-/* The triangle over a point, which lies inside by `slack`; NULL: none. *height: metres. */
-const struct rig_triangle *rig_over(const struct rig_triangle *all, size_t count, struct terrain_point point, double slack,
-				    double *height);
+/* Every face is made larger by `slack`, smaller if negative. */
+struct rig_strike rig_strike(const struct rig_face *all, size_t count, const struct terrain_ray *ray, long double slack);
+/* The face over a point, which lies inside by `slack`; NULL: none. *height: metres. normal: of length 1, upward. */
+const struct rig_face *rig_over(const struct rig_face *all, size_t count, struct terrain_point point, double slack, double *height,
+				double normal[3]);
+/* The normal of a face at a point: by differences of its height, for a cell. */
+void rig_normal(const struct rig_face *face, long double x, long double y, double normal[3]);
 
 #endif
