@@ -170,7 +170,7 @@ static void a_shadow_is_as_long_as_the_sun_is_low(void **state)
 
 static double falling(double x, double y)
 {
-	return GROUND + 0.18 * (16 - x);
+	return GROUND + 0.1 * (16 - x);
 }
 
 static double rising(double x, double y)
@@ -191,9 +191,9 @@ static void where_no_sun_falls_a_shadow_is_not_dark_twice(void **state)
 	need_gpu();
 	double ratios[WIDTH];
 	begin(OBJECTS | SHADOW, falling, &ball, 1);
-	struct render_object object = posed(0, 6, 8, falling(6, 8) - GROUND + 0.5);
+	struct render_object object = posed(0, 6, 8, falling(6, 8) - GROUND + 0.3);
 	measure_row(&object, 5, ratios);
-	for (int x = column(7.5, 1.5); x < column(14, 0.4); x++)
+	for (int x = column(7.5, 0.85); x < column(12, 0.4); x++)
 		assert_true(ratios[x] > 0.99);
 	end();
 	begin(OBJECTS | SHADOW, rising, &ball, 1);
