@@ -310,6 +310,7 @@ static enum status write_raster(const struct export_request *request, struct sto
 			: metres			  ? float_type(meta)
 							  : DEM_INT32,
 		.srs = meta->srs,
+		.vertical = request->layer <= LAYER_BASE ? meta->vertical : "",
 		.west = meta->origin[0] + (double)rect.x0 * spacing,
 		.south = meta->origin[1] + (double)rect.y0 * spacing,
 		.spacing = spacing,

@@ -224,6 +224,7 @@ struct dem_raster {
 	int64_t width, height;
 	enum dem_raster_type type; /* PNG: UINT8 and UINT16 only; raw: UINT16 only */
 	const char *srs;           /* WKT or "" */
+	const char *vertical;      /* what its values, heights in metres, are above, as dem_info tells it; NULL or "": not said. Valid during dem_writer_create */
 	double west, south;        /* SRS coordinates of the south-west post */
 	double spacing;
 	bool has_nodata;

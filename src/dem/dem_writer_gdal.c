@@ -1,5 +1,5 @@
 /* Writes GeoTIFF files with GDAL. Each row is a compressed strip of its own, so rows can be written from the south. */
-#include "dem_gdal.h"
+#include "dem_vertical.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -50,6 +50,30 @@ static void sink_destroy(struct dem_sink *sink)
 	mem_free(gdal);
 }
 
+/* Makes `srs` one with heights above raster->vertical, a name as dem_vertical_part tells it. A GeoTIFF says nothing of a projected
+ * SRS with heights above its own ellipsoid. */
+static void add_vertical(const struct dem_raster *raster, OGRSpatialReferenceH srs)
+{
+	PJ_CONTEXT *context = dem_vertical_context();
+	struct dem_vertical vertical = {NULL, 0};
+	bool added = false;
+	if (context != NULL && dem_vertical_init(context, raster->vertical, &vertical) == STATUS_OK && vertical.crs != NULL && vertical.metres == 1) {
+		OGRSpatialReferenceH heights = OSRNewSpatialReference(NULL), flat = OSRClone(srs);
+		const char *wkt = dem_proj_calls.proj_as_wkt(context, vertical.crs, PJ_WKT2_2019, NULL);
+		char both[400];
+		snprintf(both, sizeof both, "%.190s + %.160s", flat != NULL && OSRGetName(flat) != NULL ? OSRGetName(flat) : "unnamed", raster->vertical);
+		added = heights != NULL && flat != NULL && wkt != NULL && OSRSetFromUserInput(heights, wkt) == OGRERR_NONE &&
+			OSRSetCompoundCS(srs, both, flat, heights) == OGRERR_NONE;
+		OSRDestroySpatialReference(heights);
+		OSRDestroySpatialReference(flat);
+	}
+	dem_vertical_finish(&vertical);
+	if (context != NULL)
+		dem_proj_calls.proj_context_destroy(context);
+	if (!added)
+		note("%s: cannot say that its heights are metres above %s; who imports it must be told, as by --s-vertical", raster->path, raster->vertical);
+}
+
 static enum status set_meaning(struct gdal_sink *gdal)
 {
 	const struct dem_raster *raster = gdal->raster;
@@ -65,6 +89,8 @@ static enum status set_meaning(struct gdal_sink *gdal)
 	OGRSpatialReferenceH srs = dem_srs_parse(raster->srs);
 	if (srs == NULL)
 		return STATUS_INPUT;
+	if (raster->vertical != NULL && raster->vertical[0] != '\0')
+		add_vertical(raster, srs);
 	CPLErr set = GDALSetSpatialRef(gdal->dataset, srs);
 	OSRDestroySpatialReference(srs);
 	return set == CE_None ? STATUS_OK : refuse(raster);

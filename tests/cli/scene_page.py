@@ -412,7 +412,7 @@ class ScenePage(FurrowTest):
     def test_columns_of_objects_csv_are_as_it_says(self):
         table = re.search(r"^## objects\.csv\n.*?\n\| --- \| --- \| --- \|\n(.*?)\n\n", PAGE.read_text(), re.S | re.M).group(1)
         said = [name for line in table.splitlines() for name in line.split("|")[1].strip().split(", ")]
-        written = re.search(r'header\[\] = "([^"]*)\\n"', (ROOT / "src" / "report" / "objects_csv.c").read_text()).group(1)
+        written = re.search(r'#define COLUMNS "([^"]*)"', (ROOT / "src" / "report" / "objects_csv.c").read_text()).group(1)
         self.assertEqual(said, written.split(","))
 
     def test_other_pages_lead_to_it(self):

@@ -109,6 +109,22 @@ class Vertical(RasterTest):
         told = self.json("import", "geoid.tif", "back.tif", "-o", "s.furrow", "--overwrite", "--spacing", 90, "--max-error", 0.001)
         self.assertLess(told["overlap"]["greatest"], 0.7)  # between posts
 
+    def test_an_exported_raster_says_above_what_its_heights_are(self):
+        for srs, west, step in (("EPSG:32645", 500000, 90), ("EPSG:4326", 86.6, 0.001)):
+            self.ground("a.tif", west, 3100000 if step > 1 else 28.2, step, srs)
+            for reference, said in (("egm96", "EGM96 height"), ("EPSG:3855", "EGM2008 height"), ("ellipsoid", None), ("EPSG:6360", None)):
+                with self.subTest(srs=srs, reference=reference):
+                    self.ok("import", "a.tif", "-o", "a.furrow", "--overwrite", "--spacing", 90, "--s-vertical", reference)
+                    told = self.furrow("export", "a.furrow", "-o", "b.tif")
+                    self.assertEqual(0, told.returncode, told.stderr)
+                    self.assertEqual(said is None, "cannot say" in told.stderr, told.stderr)  # those of EPSG:6360 are feet
+                    wkt = json.loads(rasters.gdal("gdalinfo", "-json", self.folder / "b.tif"))["coordinateSystem"]["wkt"]
+                    self.assertEqual(said is not None, wkt.startswith("COMPOUNDCRS"), wkt)
+                    self.ok("import", "b.tif", "-o", "b.furrow", "--overwrite")
+                    self.assertEqual(said or "", self.json("info", "b.furrow").get("vertical") or "")
+                    self.ok("export", "a.furrow", "-o", "c.tif", "--layer", "offset")
+                    self.assertNotIn("COMPOUNDCRS", rasters.gdal("gdalinfo", self.folder / "c.tif"))
+
     def test_a_grid_that_is_not_there_is_named_and_where_to_put_it(self):
         folder = self.folder / "proj"
         folder.mkdir()
