@@ -63,8 +63,9 @@ else
 	run "$laws" --suite plain
 	if has_tsan; then
 		setup "$tsan" -Doptimization=1 -Db_sanitize=thread
+		# The detector of deadlocks counts LLVM's locks without an end, and fails at 64.
 		# shellcheck disable=SC2086
-		TSAN_OPTIONS="suppressions=$PWD/tests/tsan.supp" PAGE_STEPS=10000 run "$tsan" $threaded
+		TSAN_OPTIONS="suppressions=$PWD/tests/tsan.supp:detect_deadlocks=0" PAGE_STEPS=10000 run "$tsan" $threaded
 	else
 		echo "ThreadSanitizer: ${CC:-cc} or this machine has none; its tests are left out" >&2
 	fi
