@@ -29,7 +29,7 @@ static double load_now(void)
 	return load;
 }
 
-/* A command line as others may read it: a path of this machine by its name alone. */
+/* Writes the command line down. Of a path that begins at the root it keeps the file name alone, since the folders are of this machine. */
 static void describe(int count, char **words)
 {
 	size_t used = 0;

@@ -66,7 +66,7 @@ def changed():
 
 
 def shown(argument):
-    """An argument as others may read it: a path of this machine by its name alone."""
+    """The argument, to be written down. Of a path outside the project it keeps the file name alone, since its folders are of this machine."""
     path = pathlib.Path(argument)
     if path.is_absolute():
         return path.relative_to(ROOT).as_posix() if path.is_relative_to(ROOT) else f".../{path.name}"

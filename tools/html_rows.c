@@ -129,7 +129,7 @@ static struct html_body *body_named(struct table *table, const char *name)
 	return body;
 }
 
-static bool grow(double **list, size_t room)
+bool html_grow(double **list, size_t room)
 {
 	double *grown = mem_realloc(*list, room, sizeof *grown);
 	if (grown != NULL)
@@ -142,9 +142,9 @@ enum status html_body_room(struct html_body *body)
 	if (body->count < body->room)
 		return STATUS_OK;
 	const size_t room = body->room == 0 ? 256 : body->room * 2;
-	bool whole = grow(&body->time, room) && grow(&body->way, room) && grow(&body->x, room) && grow(&body->y, room);
+	bool whole = html_grow(&body->time, room) && html_grow(&body->way, room) && html_grow(&body->x, room) && html_grow(&body->y, room);
 	for (int k = 0; k < HTML_VALUES; k++)
-		whole = whole && grow(&body->values[k], room);
+		whole = whole && html_grow(&body->values[k], room);
 	if (!whole)
 		return fail_memory("the rows of a drive");
 	body->room = room;

@@ -12,22 +12,14 @@
 
 /* --- the file --- */
 
-static bool grow(double **list, size_t room)
-{
-	double *grown = mem_realloc(*list, room, sizeof *grown);
-	if (grown != NULL)
-		*list = grown;
-	return grown != NULL;
-}
-
 static enum status make_room(struct html_volumes *volumes)
 {
 	if (volumes->count < volumes->room)
 		return STATUS_OK;
 	const size_t room = volumes->room == 0 ? 64 : 2 * volumes->room;
-	bool whole = grow(&volumes->time, room);
+	bool whole = html_grow(&volumes->time, room);
 	for (int k = 0; k < HTML_VOLUMES; k++)
-		whole = whole && grow(&volumes->values[k], room);
+		whole = whole && html_grow(&volumes->values[k], room);
 	if (!whole)
 		return fail_memory("the volumes of a drive");
 	volumes->room = room;

@@ -19,7 +19,7 @@
 #include "deform/batch.h"
 
 #define SIDE_MOST (4 * SIDE) /* of the layer, posts. It grows when a batch is full */
-#define SIDE_MOST_TOGETHER (2 * SIDE) /* the same of a model that conserves soil: it has more textures, each with a second layer */
+#define SIDE_MOST_TOGETHER (2 * SIDE) /* under a model that conserves soil, whose windows need more textures */
 
 enum status deform_batch_create(struct deform *deform)
 {

@@ -368,7 +368,7 @@ static void each_slide(struct each *each, enum deform_over over, bool loaded)
 	}
 }
 
-/* The same for a model that conserves soil (together.c). */
+/* The programs of a batch under a model that conserves soil (together.c). */
 static void each_together(struct each *each, const struct deform_planned *object, bool forces)
 {
 	const struct deform_params *params = each->params;

@@ -67,7 +67,7 @@ struct report_sun_place {
 	double azimuth, height;
 };
 struct report_sun {
-	bool drawn;              /* the scene has pictures or cameras; else there is no sun */
+	bool drawn;              /* the scene has pictures or cameras. Otherwise the rest is not filled */
 	struct render_sun sun;
 	struct report_sun_place begins, ends; /* at the drive's beginning, and at end_time */
 };

@@ -8,7 +8,7 @@
 #define DEGREES (180 / M_PI)
 #define STEPS 200 /* of the drive's time, in which the note looks for a sun below the horizon */
 
-static struct report_sun_place place_at(const struct report_sun *sun, double time)
+struct report_sun_place report_sun_at(const struct report_sun *sun, double time)
 {
 	struct report_sun_place place;
 	render_sun_at(&sun->sun, time, &place.azimuth, &place.height);
@@ -25,15 +25,10 @@ enum status report_sun_find(const struct world *world, struct report_sun *out)
 		return STATUS_OK;
 	enum status status = render_sun_find(&scene->view.light, world->meta, &out->sun);
 	if (status == STATUS_OK) {
-		out->begins = place_at(out, 0);
-		out->ends = place_at(out, scene->end_time);
+		out->begins = report_sun_at(out, 0);
+		out->ends = report_sun_at(out, scene->end_time);
 	}
 	return status;
-}
-
-struct report_sun_place report_sun_at(const struct report_sun *sun, double time)
-{
-	return place_at(sun, time);
 }
 
 void report_sun_add(cJSON *root, const struct report_sun *sun)
@@ -60,7 +55,7 @@ void report_sun_advise(const struct world *world, scene_advice_fn tell, void *us
 	if (report_sun_find(world, &sun) != STATUS_OK || !sun.drawn || !sun.sun.light.timed)
 		return; /* where the place is not known, the view refuses the scene */
 	for (int i = 0; i <= STEPS; i++)
-		below += place_at(&sun, world->scene->end_time * i / STEPS).height <= 0;
+		below += report_sun_at(&sun, world->scene->end_time * i / STEPS).height <= 0;
 	if (below == 0)
 		return;
 	snprintf(text, sizeof text, "view.sun.time: the sun is below the horizon for %s of the drive (%.1f degrees high when it begins, %.1f when it ends), and pictures are "

@@ -71,7 +71,7 @@ static double meets(const struct above *above, double length)
 		const double low = fmin(one, other), high = fmax(one, other);
 		first = low >= 0 ? low : high;
 	}
-	if (crosses) /* whatever rounding says */
+	if (crosses) /* also if rounding puts the first place outside, or finds none */
 		return isnan(first) ? length : fmin(fmax(first, 0), length);
 	return a != 0 && first >= 0 && first <= length ? first : (double)NAN;
 }
