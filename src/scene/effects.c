@@ -222,6 +222,18 @@ bool scene_measures(const struct scene *scene)
 	return (images_of(scene) & SCENE_IMAGES_MEASURED) != 0;
 }
 
+double scene_pixels_a_step(const struct scene *scene)
+{
+	const struct scene_view *view = &scene->view;
+	double pixels = view->images > 0 ? (double)view->width * view->height / (double)view->images : 0;
+	for (size_t i = 0; i < scene->camera_count; i++) {
+		const struct scene_camera *camera = &scene->cameras[i];
+		const int draws = camera->images & SCENE_IMAGES_MEASURED ? 2 : 1;
+		pixels += draws * camera->rate * scene->time_step * camera->width * camera->height;
+	}
+	return pixels;
+}
+
 bool scene_draws_classes(const struct scene *scene)
 {
 	const uint64_t both = EFFECT_BIT(EFFECT_SPLAT) | EFFECT_BIT(EFFECT_TEXTURE);

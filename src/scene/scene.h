@@ -352,6 +352,8 @@ bool scene_moves_bodies(const struct scene *scene);
 /* Copies the scene as it is run without a window: the view is left out unless pictures are written. `out` shares the memory of
  * `scene`, so do not destroy `out`. */
 void scene_unwatched(const struct scene *scene, struct scene *out);
+/* Returns how many pixels of pictures a step draws, as a mean over the drive. A window is not counted. */
+double scene_pixels_a_step(const struct scene *scene);
 bool scene_measures(const struct scene *scene); /* some camera writes images of SCENE_IMAGES_MEASURED */
 /* Returns true if pictures show which soil is where, by the map of soils. Then the soil class of each post must be loaded for
  * all drawn tiles. */

@@ -114,6 +114,9 @@ static void tiles_of_64_and_512_give_the_same_posts(void **state)
 	for (int m = 0; m < MODELS; m++) {
 		double *first = NULL;
 		for (int i = 0; i < 3; i++) {
+			/* The smallest with each model; of the others, each with every other. */
+			if (i > 0 && !support_in_part((size_t)m, (size_t)i, 2))
+				continue;
 			struct extent shape = extent;
 			shape.cells = sizes[i];
 			const char *path = fresh_store("tiles.furrow", shape);

@@ -166,6 +166,32 @@ static void finer_posts_than_the_sources_are_interpolated(void **state)
 	scene_destroy(scene);
 }
 
+static void pictures_are_counted_by_the_step(void **state)
+{
+#define BALL "scene: 1\nend_time: 1\nobjects: [{name: ball, shape: {sphere: {radius: 1}}, path: {points: [[1, 1], [2, 2]], speed: 1}}]\n"
+	static const struct {
+		const char *text;
+		double pixels;
+	} cases[] = {
+		{BALL, 0},
+		{BALL "view: {size: [200, 100], camera: {overhead: {over: ball, height: 9}}}\n", 0}, /* a window alone shows it */
+		{BALL "view: {size: [200, 100], camera: {overhead: {over: ball, height: 9}}, images: 50}\n", 400},
+		{BALL "time_step: 0.01\ncameras: [{name: a, kind: overhead, on: ball, height: 9, size: [200, 100], rate: 10}]\n", 2000},
+		/* Normals are drawn a second time. */
+		{BALL "time_step: 0.01\ncameras: [{name: a, kind: overhead, on: ball, height: 9, size: [200, 100], rate: 10, "
+		 "images: [normals]}]\n", 4000},
+	};
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+		struct scene *scene = NULL;
+		if (load_text(cases[i].text, NULL, 0, &scene) != STATUS_OK)
+			fail_msg("%s: %s", cases[i].text, failure_message());
+		if (fabs(scene_pixels_a_step(scene) - cases[i].pixels) > 1e-9)
+			fail_msg("%s: %g pixels", cases[i].text, scene_pixels_a_step(scene));
+		scene_destroy(scene);
+	}
+#undef BALL
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -174,6 +200,7 @@ int main(void)
 		cmocka_unit_test(every_parameter_is_a_key_with_a_range),
 		cmocka_unit_test(a_parameter_is_what_the_scene_takes),
 		cmocka_unit_test(each_key_calls_for_its_own),
+		cmocka_unit_test(pictures_are_counted_by_the_step),
 		cmocka_unit_test(finer_posts_than_the_sources_are_interpolated),
 	};
 	return cmocka_run_group_tests(tests, make_folder, drop_folder);
