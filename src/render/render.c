@@ -190,8 +190,8 @@ void render_read_into(struct render *render, enum scene_image image, struct gpu_
 
 void render_depths(float *depth, size_t count)
 {
-	for (size_t i = 0; i < count; i++) /* the texture has near / distance; 0: infinitely far */
-		depth[i] = depth[i] > 0 ? (float)RENDER_NEAR / depth[i] : INFINITY;
+	for (size_t i = 0; i < count; i++) /* the texture has near / distance; 0: nothing was drawn; 1e-12: the sky (shaders/sky.vert) */
+		depth[i] = depth[i] > 1e-11f ? (float)RENDER_NEAR / depth[i] : INFINITY;
 }
 
 enum status render_read(struct render *render, uint8_t *pixels, float *depth)

@@ -253,6 +253,14 @@ static void a_picture_has_depths_in_metres(void **state)
 	camera.width = 32;
 	done(furrow_render(world, &camera, rgb[0][0], depth[0]));
 	done(furrow_world_close(world));
+	/* A sky that is drawn is as far as one that is not. */
+	world = hosted_world_over("sky.furrow", "{\"scene\": 1, \"spacing\": 0.125, \"view\": {\"effects\": [\"texture\", \"sky\"], "
+				  "\"camera\": {\"fixed\": {\"eye\": [1, 1, 110], \"target\": [9, 9, 100]}}}}", hosted_flat);
+	camera.width = WIDTH;
+	done(furrow_render(world, &camera, rgb[0][0], again[0]));
+	assert_true(isinf(again[0][WIDTH / 2]));
+	assert_true(again[HEIGHT - 1][WIDTH / 2] > 1 && again[HEIGHT - 1][WIDTH / 2] < 4);
+	done(furrow_world_close(world));
 }
 
 static void figures_are_json(void **state)

@@ -179,7 +179,7 @@ class Cameras(FurrowTest):
                     lambda x, y: round(20000 + 3000 * math.sin(wave * x) + 2000 * math.cos(wave * (size - 1 - y))))
         write_png16(self.folder / "soils.png", size, size, lambda x, y: 1 if (x // 6 + (size - 1 - y) // 6) % 2 else 7)
         self.ok("import", self.folder / "waves.png", "-o", "waves.furrow", "--spacing", 1, "--height-range", "0,65.535")
-        ball = "objects: [{name: ball, shape: {sphere: {radius: 1}}, path: {points: [[66, 60]], speed: 1}}]\nview: {effects: [objects, geomorph], camera: {chase: ball}}\n"
+        ball = "objects: [{name: ball, shape: {sphere: {radius: 1}}, path: {points: [[66, 60]], speed: 1}}]\nview: {effects: [objects, geomorph, sky], camera: {chase: ball}}\n"
         text = ("scene: 1\nend_time: 0.1\ntime_step: 0.1\nsoil: {map: soils.png, classes: {7: mud, 1: snow}, default: dry_sand}\n" + ball +
                 "cameras:\n  - {name: a, kind: fixed, rate: 1, pose: {at: [60, 52, 30], target: [66, 61, 20]}, images: [depth, normals, height, class]}\n"
                 "  - {name: b, kind: fixed, rate: 1, size: [200, 200], pose: {at: [75, 70, 27], target: [68, 62, 20]}, fov: 100, images: [depth, normals, height, class]}\n"
