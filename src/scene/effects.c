@@ -269,7 +269,7 @@ void scene_unwatched(const struct scene *scene, struct scene *out)
 	*out = *scene;
 	if (!scene->view.present || scene->view.images > 0 || scene->camera_count > 0)
 		return;
-	out->view = (struct scene_view){.left_out = true};
+	out->view = (struct scene_view){.left_out = true, .light = scene->view.light};
 }
 
 /* --- why --- */

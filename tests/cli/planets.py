@@ -1,5 +1,6 @@
 """Sources of other bodies: PDS images with their labels, and values that are radii, beside what GDAL reads of them."""
 import array
+import json
 import pathlib
 import sys
 import unittest
@@ -116,6 +117,38 @@ class Planets(RasterTest):
         rasters.make(self.folder / "in.tif", WIDTH, HEIGHT, cells, "f", west=10.0, north=20.0, step=0.01, srs="IAU_2015:49900")
         self.assertIn("radii", self.furrow("import", "in.tif", "-o", "s.furrow", "--overwrite", "--nodata", 0).stderr)
         self.assertIn("auto yes no", self.refused(2, "import", "in.tif", "-o", "x.furrow", "--radii", "maybe"))
+
+    def test_the_body_of_the_store_is_told_where_the_scene_has_another(self):
+        car = pathlib.Path(__file__).parents[1] / "vehicle/one_wheel.xml"
+        drives = f"vehicles: [{{name: car, model: {car}, start: {{at: [20, 20]}}, driver: {{hold: {{drive: 0}}}}}}]\n"
+        plain = "objects: [{name: a, shape: {sphere: {radius: 9}}, sink: 0.1, path: {points: [[20, 20], [21, 20]], speed: 1}}]\n"
+        looks = "view: {camera: {fixed: {eye: [1, 1, 50], target: [9, 9, 20]}}, images: 1, %s}\n"
+        eye = "cameras: [{name: c, kind: fixed, rate: 1, fov: 90, size: [64, 64], pose: {at: [1, 1, 50]}}]\n"
+        on = "view.body: the store is on %s, and pictures have the colours, the sky and the sun of %s; give view.body: %s"
+        weighs = "gravity: it is not given, so vehicles weigh as on the Earth, and %s; give gravity: %s"
+        mars, moon = "IAU_2015:49900", "IAU_2015:30100"
+        seen = "the store is on Mars"
+        cases = ((mars, plain, []), (mars, plain + looks % "body: mars", []), (mars, plain + looks % "body: moon", [on % ("Mars", "the Moon", "mars")]),
+                 (mars, plain + looks % "samples: 1", [on % ("Mars", "the Earth", "mars")]), (mars, plain + looks.replace("images: 1, ", "") % "samples: 1", []),
+                 (mars, plain + looks.replace("images: 1, ", "") % "sun: {height: 40}", [on % ("Mars", "the Earth", "mars")]),
+                 (mars, plain + eye, [on % ("Mars", "the Earth", "mars") + ", in a view with a camera"]),
+                 (moon, plain + looks % "body: earth", [on % ("the Moon", "the Earth", "moon")]), (moon, plain + looks % "body: moon", []),
+                 ("EPSG:4326", plain + looks % "body: moon", []), (mars, drives, [weighs % (seen, "3.71")]), (mars, drives + "gravity: 3.7\n", []),
+                 (mars, drives + "gravity: 9.81\n", []), (moon, drives, [weighs % ("the store is on the Moon", "1.62")]), ("EPSG:4326", drives, []),
+                 ("EPSG:4326", drives + looks % "body: mars", [weighs % ("the scene's body is Mars", "3.71")]),
+                 (None, drives + looks.replace("images: 1, ", "") % "body: mars", [weighs % ("the scene's body is Mars", "3.71")]))
+        for srs, scene, told in cases:
+            name = f"{str(srs)[-5:]}.furrow"
+            if not (self.folder / name).exists():
+                rasters.make(self.folder / "in.tif", 101, 101, [100.0] * 101 * 101, "f", west=10.0, north=20.0, step=0.00002, srs=srs)
+                self.ok("import", "in.tif", "-o", name)
+            with self.subTest(srs=srs, scene=scene):
+                path = self.scene("scene: 1\ntime_step: 0.01\nend_time: 1\nspacing: 0.5\nsoil: {name: dry_sand}\nredistribute: {model: scm}\n" + scene)
+                result = self.furrow("explain", path, "--store", name, "--json")
+                if "this build has no MuJoCo" in result.stderr:
+                    continue
+                self.assertEqual(result.returncode, 0, result.stderr)
+                self.assertEqual([note for note in json.loads(result.stdout)["notes"] if note.startswith(("view.body", "gravity"))], told)
 
 
 if __name__ == "__main__":
