@@ -460,9 +460,18 @@ static void print_not_run(const struct report_plan *plan)
 	layout_wrapped(names, 2);
 }
 
+static void print_notes(const struct report_plan *plan)
+{
+	if (plan->note_count > 0)
+		puts("\nnotes");
+	for (size_t i = 0; i < plan->note_count; i++)
+		layout_wrapped(plan->notes[i], 4);
+}
+
 void explain_text(const struct scene *scene, const struct report_plan *plan)
 {
 	print_head(scene, plan);
+	print_notes(plan);
 	print_effects(scene, plan);
 	print_rasters(plan);
 	print_vehicles(plan);
@@ -475,8 +484,6 @@ void explain_text(const struct scene *scene, const struct report_plan *plan)
 	print_tables(scene, &plan->plan);
 	print_memory(scene, plan);
 	print_not_run(plan);
-	if (plan->note_count > 0)
-		puts("\nnotes");
-	for (size_t i = 0; i < plan->note_count; i++)
-		layout_wrapped(plan->notes[i], 4);
+	if (plan->note_count > 0) /* a terminal shows the end */
+		printf("\n%zu note%s: see the top\n", plan->note_count, plan->note_count == 1 ? "" : "s");
 }

@@ -176,12 +176,15 @@ class Explain(FurrowTest):
         scene = self.scene(BARE + "gravity: 1.62\nsoil: {name: mud}\n")
         plan = self.json("explain", scene, "--store", "world.furrow", "--set", "cache.slots=2000")
         self.assertEqual([note.split(":")[0] for note in plan["notes"]], ["soil", "gravity", "objects.a.path", "cache.slots"])
-        self.assertIn("\nnotes\n  soil: ", self.ok("explain", scene))
+        text = self.ok("explain", scene)
+        self.assertIn("\nnotes\n  soil: ", text)
+        self.assertLess(text.index("\nnotes\n"), text.index("\neffects\n"))
+        self.assertEqual(text.splitlines()[-1], "2 notes: see the top")
         self.assertIn("the store has 1 tile at this spacing: the others stay empty; give 4", self.slots_note("cache.slots=5"))
         self.assertEqual(self.slots_note("cache.slots=4"), "")  # no fewer are allowed
         arrives = BARE.replace("90]], speed: 10", "90]], speed: 36")
         self.assertEqual(self.json("explain", self.scene(arrives, "bare.yaml"), "--store", "world.furrow")["notes"], [])
-        self.assertNotIn("notes", self.ok("explain", "bare.yaml", "--store", "world.furrow"))
+        self.assertNotIn("note", self.ok("explain", "bare.yaml", "--store", "world.furrow"))
         # What depends on the posts is told where they are known.
         narrow = self.scene(arrives.replace("width: 1", "width: 0.5"), "narrow.yaml")
         self.assertEqual(self.json("explain", narrow)["notes"], [])
