@@ -1,4 +1,5 @@
 /* Checks the view of a scene and fills its values: picture size, camera and effects. */
+#include <stdio.h>
 #include <string.h>
 
 #include "scene/scene_check.h"
@@ -108,6 +109,21 @@ struct scene_light scene_light_default(void)
 	return (struct scene_light){.body = SCENE_EARTH, .azimuth = SCENE_SUN_AZIMUTH, .height = SCENE_SUN_HEIGHT};
 }
 
+/* Says why a text is no time: what would make it one. */
+static enum status refuse_time(const struct scene_tree *tree, const char *text)
+{
+	const struct scene_node *node = scene_tree_find(tree, "view.sun.time");
+	char mended[80];
+	double days;
+	snprintf(mended, sizeof mended, "%sZ", text);
+	if (scene_sun_time(mended, &days))
+		return scene_error(tree->file, node, "%s has no Z at its end; end it with Z: UTC", scene_quote(text).text);
+	snprintf(mended, sizeof mended, "%.8s01%s", text, strlen(text) > 10 ? text + 10 : "");
+	if (scene_sun_time(mended, &days))
+		return scene_error(tree->file, node, "%s is no time: its month has no day %.2s; allowed: a day of that month", scene_quote(text).text, text + 8);
+	return scene_error(tree->file, node, "%s is no time; allowed: UTC from 1900 to 2100, as 2026-11-27T16:00:00Z", scene_quote(text).text);
+}
+
 /* The sun of a time and a place. */
 static enum status check_time(const struct scene_tree *tree, const struct raw_sun *sun, struct scene_light *light)
 {
@@ -118,8 +134,7 @@ static enum status check_time(const struct scene_tree *tree, const struct raw_su
 	if (sun->azimuth != NULL || sun->height != NULL)
 		return scene_error(tree->file, scene_tree_find(tree, "view.sun.time"), "and an angle are given; allowed: time, or azimuth and height");
 	if (!scene_sun_time(sun->time, &light->days))
-		return scene_error(tree->file, scene_tree_find(tree, "view.sun.time"), "%s is no time; allowed: UTC from 1900 to 2100, as 2026-11-27T16:00:00Z",
-				   scene_quote(sun->time).text);
+		return refuse_time(tree, sun->time);
 	light->timed = true;
 	light->placed = sun->at != NULL;
 	if (sun->at != NULL && fabs(sun->at[1]) > 90)
