@@ -168,7 +168,7 @@ void render_sun_at(const struct render_sun *sun, double time, double *azimuth, d
 /* Fills the parameters of a picture of this world, except gpu, slots, reference, low, high and layers. Pure. */
 void render_view_params(const struct world *world, struct render_params *params);
 /* Returns true if pictures have tiles below level 0 that nothing deformed. The ground between posts of level 0 is bilinear, and its
- * triangles would be too coarse. With relief such tiles are drawn, too, but they are not interpolated. Pure. */
+ * triangles would be too coarse. Where relief raises all levels below 0, they have heights of their own. Pure. */
 bool render_view_smooths(const struct world *world);
 /* Links and runs every program once, so that no step has to. If a picture may follow any step, it also loads the tiles of the
  * first picture and draws it. */

@@ -36,7 +36,7 @@ static bool is_expected(const struct view *view, struct tile tile)
 
 bool render_view_smooths(const struct world *world)
 {
-	return world->level < 0 && world_relief(world) == NULL;
+	return world->level < 0 && !relief_has_level(world_relief(world), -1);
 }
 
 enum status render_view_bend(struct view *view, struct tile tile, double *bend)

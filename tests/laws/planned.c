@@ -63,6 +63,8 @@ static void every_drive_counts_what_was_planned(void **state)
 		BUSY MANY "spacing: 0.5\n" TWO_CAMERAS,
 		BUSY MANY CHASE TWO_CAMERAS,
 		BUSY MANY SHADED TWO_CAMERAS,
+		/* Relief does not raise level -1, which is interpolated. */
+		BUSY MANY "spacing: 0.25\nrelief: {roughness: 0.02, wavelength: 0.6}\n" CHASE,
 		BUSY MANY MAP "spacing: 0.5\n" TWO_CAMERAS,
 		BUSY "view: {" CAMERA ", body: mars, effects: [texture, sky, fog]}\n",
 	};
