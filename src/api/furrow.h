@@ -205,7 +205,7 @@ struct furrow_contact {
 	double normal[3];       /* unit: mean normal of the patch, upward */
 	double sinkage;         /* m below the undisturbed surface */
 	double area;            /* m2 that touch */
-	double slip;            /* of a wheel: 1 - travel / (turn x radius); of a belt: 1 - travel / its own; NaN: has none */
+	double slip;            /* of a wheel: 1 - travel along the ground / (turn x radius); of a belt: 1 - travel / its own; NaN: has none, or does not move */
 	double stiffness[6][6]; /* N/m, N, N, N m/rad: d(force, moment) / d(translation, rotation) */
 	double damping[6][6];   /* the same of their rates: times s */
 	double normal_force;    /* N: the sum over the patch */

@@ -74,8 +74,11 @@ static void line_of(const double origin[3], double reach, const double force[3],
 		point[i] = origin[i] + arm[i] + along * force[i];
 }
 
-/* `belt`: how fast the body's belt runs, m/s. */
-static double slip_of(const struct scene_object *object, const struct world_state *state, double belt)
+#define AT_REST 1e-3 /* m/s. The slip of a rim that is slower would be noise */
+
+/* `belt`: how fast the body's belt runs, m/s. `normal`: of the ground, along which a wheel travels. Without one, travel counts in plan. A body
+ * on a path has no vertical velocity, so there it is upright. */
+static double slip_of(const struct scene_object *object, const struct world_state *state, double belt, const double normal[3])
 {
 	struct deform_pose pose;
 	if (object->shape.belt) {
@@ -87,9 +90,10 @@ static double slip_of(const struct scene_object *object, const struct world_stat
 	}
 	if (object->shape.kind != DEFORM_WHEEL || world_attitude(&object->shape, object->name, &state->pose, &pose) != STATUS_OK)
 		return NAN;
-	const double along = state->linear[0] * cos(pose.yaw) + state->linear[1] * sin(pose.yaw);
+	const double c = cos(pose.yaw), s = sin(pose.yaw), rise = normal[2] > 0 ? -(normal[0] * c + normal[1] * s) / normal[2] : 0;
+	const double along = (state->linear[0] * c + state->linear[1] * s + state->linear[2] * rise) / hypot(1, rise);
 	const double rim = world_spin(&pose, state->angular) * object->shape.radius;
-	return rim != 0 ? 1 - along / rim : NAN;
+	return fabs(rim) > AT_REST ? 1 - along / rim : NAN;
 }
 
 /* Tells all but the slip. */
@@ -131,7 +135,7 @@ void world_tell_probed(const struct host_body *host, const struct world_state *s
 	*contact = world_contact_unknown();
 	contact->time = time;
 	contact->state = world_contact_state_of(probed->state);
-	contact->slip = slip_of(object, state, world_belt_of(host, state)->speed);
+	contact->slip = slip_of(object, state, world_belt_of(host, state)->speed, probed->normal);
 	contact->pull = probed->pull;
 	contact->sinkage = probed->sinkage;
 	contact->area = probed->area;
@@ -162,7 +166,7 @@ enum status world_body_contact(struct world *world, int32_t number, struct world
 	if (host != NULL) {
 		struct deform_probed probed;
 		status = fill(world, host->body.object, &state, &host->force, host->told, host->state, contact);
-		contact->slip = slip_of(host->body.object, &state, world_belt_of(host, &state)->speed);
+		contact->slip = slip_of(host->body.object, &state, world_belt_of(host, &state)->speed, contact->normal);
 		if (status == STATUS_OK && world_probes_now(world, host, &probed)) {
 			memcpy(contact->stiffness, probed.stiffness, sizeof contact->stiffness);
 			memcpy(contact->damping, probed.damping, sizeof contact->damping);
@@ -180,7 +184,7 @@ enum status world_body_contact(struct world *world, int32_t number, struct world
 	else
 		force.sinkage = body->sinkage;
 	enum status filled = fill(world, body->object, &state, &force, world->time, touches, contact);
-	contact->slip = body->object->shape.belt ? body->object->slip : slip_of(body->object, &state, 0);
+	contact->slip = body->object->shape.belt ? body->object->slip : slip_of(body->object, &state, 0, (const double[3]){0, 0, 1});
 	return filled;
 }
 

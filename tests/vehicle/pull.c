@@ -37,7 +37,29 @@ struct trial {
 	double camber;  /* degrees */
 };
 
-/* Drives the wheel until its motion is steady. Returns its slip. */
+/* The mean of a column of objects.csv over its last `rows`. */
+static double told(const char *column, size_t rows)
+{
+	char *text = drive_text(support_path("out/objects.csv")), *end = text + strlen(text);
+	double sum = 0;
+	int commas = 0;
+	const char *name = strstr(text, column);
+	assert_non_null(name);
+	for (const char *c = text; c <= name; c++)
+		commas += *c == ',';
+	for (size_t row = 0; row < rows; row++) {
+		end[-1] = '\0';
+		char *at = strrchr(text, '\n') + 1;
+		end = at;
+		for (int k = 0; k < commas; k++)
+			at = strchr(at, ',') + 1;
+		sum += strtod(at, NULL);
+	}
+	free(text);
+	return sum / (double)rows;
+}
+
+/* Drives the wheel until its motion is steady. Returns its slip. The drive tells the same. */
 static double drive(const struct trial *trial)
 {
 	static struct drive_row rows[2000];
@@ -51,7 +73,7 @@ static double drive(const struct trial *trial)
 	support_write(support_path("controls.csv"), text);
 	snprintf(text, sizeof text, "scene: 1\nend_time: %g\ntime_step: 0.002\nspacing: %g\ngravity: %g\nsoil: {name: %s%s}\nredistribute: {model: scm}\n"
 				    "vehicles:\n  - {name: v, model: wheel.xml, start: {at: [8, 8]}, driver: {controls: controls.csv}}\n"
-				    "output: {vehicles: 20}\n", seconds, trial->spacing, trial->gravity, trial->soil, trial->more);
+				    "output: {vehicles: 20, forces: 20}\n", seconds, trial->spacing, trial->gravity, trial->soil, trial->more);
 	support_write(support_path("scene.yaml"), text);
 	support_store(store, extent, ground);
 	must(drive_run(support_path("scene.yaml"), store, NULL, &(struct drive_cut){.out = support_path("out")}, NULL));
@@ -59,7 +81,10 @@ static double drive(const struct trial *trial)
 	assert_true(count > 30);
 	const struct drive_row *from = &rows[count - count / 4], *to = &rows[count - 1];
 	const double way = (to->x - from->x) / cos(trial->degrees * M_PI / 180);
-	return 1 - way / (trial->turns * RADIUS * (to->t - from->t));
+	const double slip = 1 - way / (trial->turns * RADIUS * (to->t - from->t));
+	if (fabs(told(",slip,", count / 4) - slip) > 0.003)
+		fail_msg("%s, %g degrees: a slip of %.4f, but it came and turned %.4f", trial->soil, trial->degrees, told(",slip,", count / 4), slip);
+	return slip;
 }
 
 static enum status keep(void *user, const struct rig_row *row)
