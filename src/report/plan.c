@@ -125,12 +125,39 @@ static void describe_batches(struct report_plan *out)
 	}
 }
 
+/* Tells where a vehicle's start has no ground below it. A drive looks below each soil geom, and refuses it. */
+static enum status advise_starts(const struct world *world, struct notes *notes)
+{
+	const struct scene *scene = world->scene;
+	struct store_reader *reader = NULL;
+	if (scene->vehicle_count == 0 || world->store == NULL)
+		return STATUS_OK;
+	enum status status = store_reader_create(world->store, &reader);
+	for (size_t i = 0; i < scene->vehicle_count && status == STATUS_OK; i++) {
+		struct store_sample sample = {.nodata = false};
+		double at[2];
+		char text[300];
+		status = world_local_point(world, scene->vehicles[i].at, at);
+		if (status == STATUS_OK)
+			status = store_sample(reader, at[0], at[1], &sample);
+		if (status != STATUS_OK || !(sample.nodata || sample.outside))
+			continue;
+		snprintf(text, sizeof text, "vehicles.%s.start: there is no ground at %.3f, %.3f m, %s, and a drive refuses a vehicle with none below a soil geom; "
+					    "start elsewhere", scene->vehicles[i].name, at[0], at[1], sample.outside ? "off the terrain" : "in a hole of the terrain");
+		keep_note(notes, text);
+	}
+	store_reader_destroy(reader);
+	return status;
+}
+
 static enum status describe(struct world *world, struct report_plan *out)
 {
 	const struct scene *scene = world->scene;
 	struct resident_pages_budget most;
 	struct notes notes = {.plan = out};
 	enum status status = world_budget_check(world);
+	if (status == STATUS_OK)
+		status = advise_starts(world, &notes);
 	if (status != STATUS_OK)
 		return status;
 	world_budget(world, &most);

@@ -1,4 +1,5 @@
 """Holes: a sentinel is nodata at every level and under every kernel, and never a height."""
+import json
 import math
 import pathlib
 import sys
@@ -48,6 +49,22 @@ class Nodata(RasterTest):
                                        (3.4028234663852886e38, None, ["--nodata", "3.4e38"])):
             with self.subTest(sentinel=sentinel, tag=tag):
                 self.check_levels(sentinel, tag, *options)
+
+    def test_a_vehicle_that_starts_over_a_hole_is_told(self):
+        self.make("in.tif", 60, 60, lambda x, y: -9999 if x < 9 else 100, nodata=-9999)
+        self.ok("import", "in.tif", "-o", "s.furrow", "--nodata", "-9999")
+        post = self.json("info", "s.furrow")["spacing"]
+        car = pathlib.Path(__file__).parents[1] / "vehicle/one_wheel.xml"
+        for x, told in ((5, "in a hole of the terrain"), (-1, "off the terrain"), (30, None)):
+            path = self.scene("scene: 1\ntime_step: 0.01\nend_time: 1\nspacing: 0.25\nsoil: {name: dry_sand}\nredistribute: {model: scm}\n"
+                              f"vehicles: [{{name: car, model: {car}, start: {{at: [{x * post}, {30 * post}]}}}}]\n")
+            result = self.furrow("explain", path, "--store", "s.furrow", "--json")
+            if "this build has no MuJoCo" in result.stderr:
+                self.skipTest(result.stderr.strip())
+            self.assertEqual(result.returncode, 0, result.stderr)
+            notes = [note for note in json.loads(result.stdout)["notes"] if "start" in note]
+            self.assertEqual(notes, told and [f"vehicles.car.start: there is no ground at {x * post:.3f}, {30 * post:.3f} m, {told}, and a drive refuses a "
+                                              "vehicle with none below a soil geom; start elsewhere"] or [])
 
     def test_nodata_no_tag_declares_is_told_and_can_be_named(self):
         for sentinel in (-32767, -32768, -9999, 32767):
