@@ -23,7 +23,7 @@ world = furrow.World(scene, store=store, overlay=overlay)
 # %% A wheel that sinks 3 cm and drives 2 m to the east, at 20 % slip
 RADIUS, SPEED, SLIP, SINKAGE, STEP = 0.25, 0.5, 0.2, 0.03, 0.02
 x, y = world.info.extent / 2
-wheel = world.add(shape={"wheel": {"radius": RADIUS, "width": 0.2, "lugs": 18}})
+wheel = world.add(shape={"wheel": {"radius": RADIUS, "width": 0.2, "grousers": 18}})
 ground = world.points([(x, y)])["height"][0]
 wheel.place(position=(x, y, ground + RADIUS))
 
