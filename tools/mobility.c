@@ -102,6 +102,24 @@ static enum status read_vehicle(struct asked *asked)
 	return status;
 }
 
+static void tell(void *user, const char *text)
+{
+	(void)user;
+	note("%s", text);
+}
+
+/* Notes numbers of the soil that are probably in a wrong unit. */
+static enum status check_units(const struct asked *asked)
+{
+	struct scene *scene;
+	enum status status = rig_soil_scene(asked->soil.text, &scene);
+	if (status != STATUS_OK)
+		return status;
+	scene_advise_units(scene, tell, NULL);
+	scene_destroy(scene);
+	return STATUS_OK;
+}
+
 /* --- its tables --- */
 
 static enum status progress_rig(void *user, int64_t done, int64_t total)
@@ -298,6 +316,8 @@ static enum status run(const struct arguments *arguments)
 		status = export_place_window(&asked.window, store_meta(store));
 	if (status == STATUS_OK)
 		status = find_cells(&asked, store_meta(store), &level, &rect);
+	if (status == STATUS_OK)
+		status = check_units(&asked);
 	if (status == STATUS_OK) {
 		interrupt_catch();
 		status = make_tables(&asked);

@@ -317,9 +317,11 @@ void scene_destroy(struct scene *scene);
  * if `index` is beyond the last number.
  */
 bool scene_soil_number(const struct deform_soil *soil, size_t index, const char **key, double *value);
-/* Soils have more than these. A smaller number is probably in a wrong unit. */
+/* Soils have more than these, but for the last. A smaller number is probably in a wrong unit. */
 #define SCENE_LEAST_ANGLE 1.6     /* degrees. The largest angle in radians, pi / 2, is less, so it is noticed */
 #define SCENE_LEAST_COHESION 50.0 /* Pa: of the soils in the tables the least has 170 */
+#define SCENE_LEAST_KPHI 10000.0  /* N/m^(n+2): of the soils in the tables the least has 43120, and the largest 5301 in kN */
+#define SCENE_MOST_SHEAR 0.15     /* m: of the soils in the tables the largest has 0.03. A larger number is probably in cm or mm */
 /* Returns the SI value of 1 in the unit that a scene and a raster use for the number. */
 double scene_raster_unit(enum deform_number number);
 /* Returns k_c / b + k_phi of a soil under an object. *width: b, metres; 0: it depends on the contact. Then the larger of k_c and

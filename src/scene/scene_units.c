@@ -1,6 +1,6 @@
 /*
  * Warns about numbers of a scene that are allowed but probably in a wrong unit. Examples: radians for degrees, kPa for Pa, kN or
- * kg for N. The note names the place, the number, the key's unit, and what to write. Nothing is refused.
+ * kg for N, cm for m. The note names the place, the number, the key's unit, and what to write. Nothing is refused.
  */
 #include <math.h>
 #include <stdio.h>
@@ -11,6 +11,8 @@
 #define DEGREES (180 / M_PI)
 #define LEAST_ANGLE SCENE_LEAST_ANGLE
 #define LEAST_COHESION SCENE_LEAST_COHESION
+#define LEAST_KC 500.0      /* N/m^(n+1): of the soils in the tables the least has 990, and the largest 102 in kN */
+#define LARGE_KC 2e5        /* N/m^(n+1): twice the largest of the tables; such a soil may have a small k_phi */
 #define LEAST_LOAD 10.0     /* N */
 #define LARGE_WHEEL 0.5     /* metres across: its own weight is more than LEAST_LOAD */
 #define LEAST_SUN 10.0      /* degrees */
@@ -62,11 +64,41 @@ static enum status doubt_cohesion(const struct units *units, const char *where, 
 	return doubt(units, scene_tree_find(units->tree, "%s.%s", where, key), why);
 }
 
+/* Doubts k_phi, and tells k_c with it. k_c alone says little: a fit may give any small number. */
+static enum status doubt_moduli(const struct units *units, const char *where, const struct raw_class *class)
+{
+	const double *kphi = class->bekker_kphi, *kc = class->bekker_kc;
+	char why[240], with[64] = "";
+	if (kphi == NULL || *kphi == 0 || *kphi >= SCENE_LEAST_KPHI || (kc != NULL && *kc >= LARGE_KC))
+		return STATUS_OK;
+	if (kc != NULL && *kc != 0 && fabs(*kc) < LEAST_KC)
+		snprintf(with, sizeof with, ", and bekker_kc %.9g", *kc * 1e3);
+	snprintf(why, sizeof why, "%.9g N/m^(n+2) is less than soils have, and probably in kN/m^(n+2); the unit is N/m^(n+2): give %.9g%s", *kphi,
+		 *kphi * 1e3, with);
+	return doubt(units, scene_tree_find(units->tree, "%s.bekker_kphi", where), why);
+}
+
+static enum status doubt_shear(const struct units *units, const char *where, const double *shear)
+{
+	char why[240];
+	if (shear == NULL || *shear <= SCENE_MOST_SHEAR)
+		return STATUS_OK;
+	snprintf(why, sizeof why, "%g m is more than soils have, and probably in cm or mm; the unit is m: if it is in cm give %.6g, if it is in mm "
+				  "give %.6g",
+		 *shear, *shear / 100, *shear / 1000);
+	return doubt(units, scene_tree_find(units->tree, "%s.janosi_shear", where), why);
+}
+
 static enum status doubt_class(const struct units *units, const char *where, const struct raw_class *class)
 {
-	enum status status = doubt_cohesion(units, where, "cohesion", class->cohesion);
+	const bool bears = deform_model_reads(units->scene->model, "bekker_kphi");
+	enum status status = bears ? doubt_moduli(units, where, class) : STATUS_OK;
+	if (status == STATUS_OK)
+		status = doubt_cohesion(units, where, "cohesion", class->cohesion);
 	if (status == STATUS_OK)
 		status = doubt_angle(units, where, "friction_angle", class->friction_angle);
+	if (status == STATUS_OK && bears)
+		status = doubt_shear(units, where, class->janosi_shear);
 	return status == STATUS_OK ? doubt_angle(units, where, "repose", class->repose) : status;
 }
 

@@ -93,16 +93,24 @@ struct world_raster world_raster(const struct world *world, int raster)
 
 void world_advise_rasters(const struct world *world, scene_advice_fn tell, void *user)
 {
+	static const struct {
+		double least;
+		const char *probably;
+	} doubts[DEFORM_NUMBERS] = {
+		[DEFORM_FRICTION_ANGLE] = {SCENE_LEAST_ANGLE, "radians"},
+		[DEFORM_COHESION] = {SCENE_LEAST_COHESION, "kPa"},
+		[DEFORM_BEKKER_KPHI] = {SCENE_LEAST_KPHI, "kN/m^(n+2)"},
+	};
 	for (int i = 0; world->soil_rasters != NULL && i < world->scene->raster_count; i++) {
 		const struct world_raster told = world_raster(world, i);
-		bool angle = world->scene->rasters[i].number == DEFORM_FRICTION_ANGLE;
-		bool cohesion = world->scene->rasters[i].number == DEFORM_COHESION;
-		double least = angle ? SCENE_LEAST_ANGLE : cohesion ? SCENE_LEAST_COHESION : 0;
+		const enum deform_number number = world->scene->rasters[i].number;
+		const bool long_shear = number == DEFORM_JANOSI_SHEAR && told.low > SCENE_MOST_SHEAR;
 		char text[400];
-		if (told.high <= 0 || told.high >= least)
+		if (!long_shear && (told.high <= 0 || told.high >= doubts[number].least))
 			continue;
-		snprintf(text, sizeof text, "soil.rasters.%s: %.200s has at most %g %s, which is less than soils have, and probably in %s; give %s",
-			 told.key, told.path, told.high, told.unit, angle ? "radians" : "kPa", told.unit);
+		snprintf(text, sizeof text, "soil.rasters.%s: %.200s has at %s %g %s, which is %s than soils have, and probably in %s; give %s", told.key,
+			 told.path, long_shear ? "least" : "most", long_shear ? told.low : told.high, told.unit, long_shear ? "more" : "less",
+			 long_shear ? "cm or mm" : doubts[number].probably, told.unit);
 		tell(user, text);
 	}
 }

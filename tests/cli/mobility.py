@@ -4,6 +4,7 @@ import json
 import math
 import os
 import pathlib
+import re
 import signal
 import struct
 import subprocess
@@ -148,6 +149,10 @@ class Mobility(FurrowTest):
             self.assertAlmostEqual(each["slopes"][5]["verdicts"][0]["slip"], told[0]["slopes"][5]["verdicts"][0]["slip"], delta=1e-6)
         plain = self.judged(store, "--spacing", "0.25")[0]
         self.assertNotAlmostEqual(plain["slopes"][5]["verdicts"][0]["slip"], told[0]["slopes"][5]["verdicts"][0]["slip"], delta=1e-3)
+
+    def test_numbers_in_a_wrong_unit_are_told_once(self):
+        _, result = self.judged(self.ramp("level", 0), "--spacing", "0.25", "--soil", "{name: dry_sand, janosi_shear: 2}", "--spread", "0.1", "--samples", "1")
+        self.assertEqual(len(re.findall(r"furrow: note: .*soil\.janosi_shear: 2 m is more than soils have, .* in cm give 0\.02,", result.stderr)), 1, result.stderr)
 
     def test_ctrl_c_leaves_nothing(self):
         store = self.ramp("level", 0)

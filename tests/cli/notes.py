@@ -66,6 +66,12 @@ class Notes(FurrowTest):
         self.assertEqual(told, ["furrow: note: scm.yaml:4: soil.cohesion: 1.04 Pa is less than soils have, and probably in kPa; the unit is "
                                 "Pa: give 1040, or 0 for none"])
         self.assertEqual(len([note for note in self.json("explain", "scm.yaml")["notes"] if "kPa" in note]), 1)
+        self.scene(SCM.replace("cohesion: 1.04", "bekker_kphi: 1528, janosi_shear: 2"), "scm.yaml")
+        explained = self.json("explain", "scm.yaml")["notes"]
+        for key in ("soil.bekker_kphi", "soil.janosi_shear"):
+            told = self.notes(f" {key}: ", "--overlay", "c.furrow", "--set", "end_time=0.1", scene="scm.yaml")
+            self.assertEqual([told[0].removeprefix("furrow: note: ")], [note for note in explained if f" {key}: " in note])
+            self.assertEqual(len(told), 1)
         self.scene(SCM.replace("1.04", "1040"), "scm.yaml")
         self.assertEqual(self.notes("kPa", "--overlay", "b.furrow", scene="scm.yaml"), [])
 

@@ -94,6 +94,15 @@ class Rig(FurrowTest):
             self.assertTrue(math.isnan(row["slip"]) and math.isnan(row["torque"]))
             self.assertLess(row["drawbar"], 0)
 
+    def test_numbers_in_a_wrong_unit_are_told_once(self):
+        (self.folder / "mine.yaml").write_text("soil: {name: dry_sand, bekker_kphi: 9000, janosi_shear: 2}\n")
+        result = self.furrow("rig", "-o", "rig", "--shape", WHEEL, "--soil", "mine.yaml", "--load", "50,100", "--spacing", "0.08")
+        if result.returncode == 4:
+            self.skipTest("no GL here: " + result.stderr.strip())
+        self.assertEqual(result.returncode, 0, result.stderr)
+        for note in ("soil.bekker_kphi: 9000 N/m^(n+2) is less", "soil.janosi_shear: 2 m is more"):
+            self.assertEqual(result.stderr.count(note), 1, result.stderr)
+
     def test_a_soil_of_a_file_has_its_name(self):
         numbers = "name: dry_sand, cohesion: 500, janosi_shear: 0.02"
         (self.folder / "a").mkdir()

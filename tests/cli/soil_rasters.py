@@ -162,15 +162,20 @@ class SoilRasters(FurrowTest):
     def test_a_raster_in_a_wrong_unit_is_told(self):
         self.png("one.png", 0, 1)
         self.png("right.png", 20, 200)
+        self.png("shear.png", 1, 3)
         for rasters_of, notes in (({"friction_angle": "one.png"}, "soil.rasters.friction_angle: {} has at most 1 degrees, which is less than soils have, "
                                                                   "and probably in radians; give degrees"),
                                   ({"cohesion": "one.png"}, "soil.rasters.cohesion: {} has at most 1 Pa, which is less than soils have, and probably "
                                                             "in kPa; give Pa"),
+                                  ({"bekker_kphi": "one.png", "bekker_kc": "right.png"}, "soil.rasters.bekker_kphi: {} has at most 1 N/m^(n+2), which is less than soils "
+                                                                                         "have, and probably in kN/m^(n+2); give N/m^(n+2)"),
+                                  ({"janosi_shear": "shear.png"}, "soil.rasters.janosi_shear: {} has at least 1 m, which is more than soils have, and probably "
+                                                                  "in cm or mm; give m"),
                                   ({"cohesion": "right.png", "bekker_n": "right_n.png"}, None)):
             write_png16(self.folder / "right_n.png", POSTS, POSTS, lambda x, y: 1)
             scene = self.scene(SCENE.format(model="scm", soil=beside(**rasters_of)))
             told = [note for note in self.json("explain", scene, "--store", "hills.furrow")["notes"] if note.startswith("soil.rasters")]
-            self.assertEqual(told, [notes.format(self.folder / "one.png")] if notes else [])
+            self.assertEqual(told, [notes.format(self.folder / rasters_of.get("janosi_shear", "one.png"))] if notes else [])
 
     def test_a_changed_raster_is_another_scene(self):
         self.png("c.png", 100, 2000)

@@ -70,6 +70,49 @@ static void cohesion_in_kilopascals(void **state)
 	noted("soil.cohesion", "0", NULL);
 }
 
+static void moduli_in_kilonewtons(void **state)
+{
+	noted("soil.bekker_kphi", "1528.43", "--set soil.bekker_kphi: soil.bekker_kphi: 1528.43 N/m^(n+2) is less than soils have, and probably in "
+					     "kN/m^(n+2); the unit is N/m^(n+2): give 1528430");
+	noted("soil", "{name: dry_sand, bekker_kphi: 5301, bekker_kc: 102}", "give 5301000, and bekker_kc 102000");
+	noted("soil", "{name: dry_sand, bekker_kphi: 43.12, bekker_kc: -2.5}", "give 43120, and bekker_kc -2500");
+	noted("soil.bekker_kphi", "9999", "give 9999000");
+	noted("soil.bekker_kphi", "10000", NULL);
+	noted("soil.bekker_kphi", "0", NULL);
+	noted("soil.bekker_kc", "0.99", NULL);
+	noted("soil", "{name: dry_sand, bekker_kphi: 100, bekker_kc: 2e5}", NULL);
+}
+
+static void shear_in_centimetres_or_millimetres(void **state)
+{
+	noted("soil.janosi_shear", "2", "soil.janosi_shear: 2 m is more than soils have, and probably in cm or mm; the unit is m: if it is in cm give 0.02, "
+					"if it is in mm give 0.002");
+	noted("soil.janosi_shear", "0.16", "give 0.0016");
+	noted("soil.janosi_shear", "0.15", NULL);
+}
+
+/* Not the numbers of a name when they are written out, and each of them when it is in the units of Wong's table. */
+static void named_soils_get_none_but_in_the_units_of_their_table(void **state)
+{
+	const char *name;
+	for (size_t i = 0; (name = deform_soil_name(i)) != NULL; i++) {
+		struct deform_soil soil;
+		char text[320];
+		assert_int_equal(deform_soil_named(name, &soil), STATUS_OK);
+		if (isnan(soil.bekker_n))
+			continue;
+		for (int table = 0; table < 2; table++) {
+			const double kilo = table ? 1e3 : 1, centi = table ? 100 : 1;
+			snprintf(text, sizeof text, "{name: %s, bekker_kc: %.9g, bekker_kphi: %.9g, janosi_shear: %.9g}", name, soil.bekker_kc / kilo,
+				 soil.bekker_kphi / kilo, soil.janosi_shear * centi);
+			const struct scene_setting setting = {"soil", text};
+			const struct heard heard = heard_of(scm, &setting, 1);
+			if (heard.count != 2 * table)
+				fail_msg("%s: %d notes: %s", text, heard.count, heard.text);
+		}
+	}
+}
+
 static void surfaces_are_doubted_as_soils_are(void **state)
 {
 	noted("objects.a.interface.friction_angle", "0.35", "--set objects.a.interface.friction_angle: objects[0].interface.friction_angle: 0.35 degrees is "
@@ -122,8 +165,8 @@ static void what_the_model_does_not_read_gets_no_such_note(void **state)
 	assert_int_equal(heard_of(scm, box, 2).count, 0);
 	const struct scene_setting sumner[] = {{"redistribute.model", "sumner"}, {"soil", "{name: sand, cohesion: 1}"}};
 	assert_int_equal(heard_of(scm, sumner, 2).count, 0);
-	const struct scene_setting slippage[] = {{"redistribute.model", "slippage"}, {"soil.cohesion", "1"}};
-	assert_int_equal(heard_of(scm, slippage, 2).count, 1);
+	const struct scene_setting slippage[] = {{"redistribute.model", "slippage"}, {"soil.cohesion", "1"}, {"soil.bekker_kphi", "1"}, {"soil.janosi_shear", "1"}};
+	assert_int_equal(heard_of(scm, slippage, 4).count, 1);
 }
 
 static void a_note_names_the_line(void **state)
@@ -185,10 +228,10 @@ static void shipped_scenes_get_none(void **state)
 static void memory_that_runs_out_is_told(void **state)
 {
 	const struct scene_setting settings[] = {{"soil.cohesion", "1"}, {"objects.a.load", "4"}, {"view.sun.height", "1"},
-						   {"objects.b.interface.friction_angle", "1"}};
+						   {"objects.b.interface.friction_angle", "1"}, {"soil.janosi_shear", "2"}, {"soil.bekker_kphi", "5e3"}};
 	write_text("scene.yaml", scm);
-	assert_memory_is_told(settings, 4, false);
-	assert_memory_is_told(settings, 4, true);
+	assert_memory_is_told(settings, 6, false);
+	assert_memory_is_told(settings, 6, true);
 	unlink(in_folder("scene.yaml"));
 }
 
@@ -197,6 +240,9 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(angles_in_radians),
 		cmocka_unit_test(cohesion_in_kilopascals),
+		cmocka_unit_test(moduli_in_kilonewtons),
+		cmocka_unit_test(shear_in_centimetres_or_millimetres),
+		cmocka_unit_test(named_soils_get_none_but_in_the_units_of_their_table),
 		cmocka_unit_test(surfaces_are_doubted_as_soils_are),
 		cmocka_unit_test(loads_in_kilonewtons_or_kilograms),
 		cmocka_unit_test(a_sun_that_leaves_the_picture_black),
