@@ -215,6 +215,9 @@ struct deform_raster {
 #define DEFORM_LEVELS 255
 double deform_raster_value(const struct deform_raster *raster, uint8_t level); /* `level`: not 0 */
 
+/* All predefined soils of Wong's table have these, as no source gives them by soil. */
+#define DEFORM_USUAL_STIFFNESS 4e7 /* Pa/m */
+#define DEFORM_USUAL_DAMPING 3e4   /* Pa s/m */
 /* Sets every number to NAN. */
 void deform_soil_clear(struct deform_soil *soil);
 /* Returns the name of a predefined soil by its index, 0, 1, ...; NULL beyond the last. */

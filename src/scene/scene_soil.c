@@ -29,8 +29,8 @@ static const struct parameter {
 	PARAMETER(cohesion, 1, false),
 	PARAMETER(friction_angle, DEGREE, false),
 	PARAMETER(janosi_shear, 1, false),
-	PARAMETER(elastic_stiffness, 1, false),
-	PARAMETER(damping, 1, false),
+	PARAMETER(elastic_stiffness, 1, true),
+	PARAMETER(damping, 1, true),
 	PARAMETER(unit_weight, 1, false),
 	PARAMETER(repose, DEGREE, true),
 	PARAMETER(theta_in, DEGREE, false),
@@ -158,6 +158,10 @@ static enum status check_class(const struct scene_tree *tree, const struct raw_c
 		return status;
 	if (isnan(soil->repose))
 		soil->repose = soil->friction_angle;
+	if (deform_model_reads(model, "elastic_stiffness") && isnan(soil->elastic_stiffness))
+		soil->elastic_stiffness = DEFORM_USUAL_STIFFNESS;
+	if (deform_model_reads(model, "damping") && isnan(soil->damping))
+		soil->damping = DEFORM_USUAL_DAMPING;
 	if (deform_model_reads(model, "repose") && soil->repose <= 0)
 		return scene_error(tree->file, scene_tree_find(tree, "%s", where),
 				   "without friction it needs repose too; allowed: above 0 to 89");

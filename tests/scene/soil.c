@@ -51,12 +51,24 @@ static void every_parameter_may_be_given_and_counts_over_the_names(void **state)
 			    "elastic_stiffness: 1, damping: 0}\nredistribute: {model: scm}");
 	assert_true(scene->soils[0].repose == 33 * DEGREE);
 	scene_destroy(scene);
+	/* Two more have the value of all named soils. */
+	static const char *const both[] = {"", ", elastic_stiffness: 4e7, damping: 30000"};
+	char hashes[2][33];
+	for (int i = 0; i < 2; i++) {
+		char soil[200];
+		snprintf(soil, sizeof soil, "{bekker_kc: 0, bekker_kphi: 1e6, bekker_n: 1, cohesion: 0, friction_angle: 33, janosi_shear: 0.02%s}", both[i]);
+		scene = load_edited(base, "{name: dry_sand}", soil);
+		assert_true(scene->soils[0].elastic_stiffness == sand.elastic_stiffness && scene->soils[0].damping == sand.damping);
+		strcpy(hashes[i], scene->hash);
+		scene_destroy(scene);
+	}
+	assert_string_equal(hashes[0], hashes[1]);
 }
 
 static void without_a_name_all_that_the_model_needs_must_be_given(void **state)
 {
 	refuse("name: dry_sand", "cohesion: 3, bekker_n: 1", ":3: soil: model scm needs bekker_kc, bekker_kphi, friction_angle, "
-							    "janosi_shear, elastic_stiffness, damping too; allowed: a name, or");
+							    "janosi_shear too; allowed: a name, or");
 	refuse("{name: dry_sand}\nredistribute: {model: scm", "{cohesion: 3}\nredistribute: {model: slippage",
 	       ":3: soil: model slippage needs friction_angle, unit_weight too");
 	refuse("{name: dry_sand}\nredistribute: {model: scm", "{}\nredistribute: {model: sumner",

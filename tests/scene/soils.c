@@ -12,7 +12,7 @@ static const char *const by_wong[] = {"sandy_loam_15", "sandy_loam_22", "clayey_
 static const char *const by_sumner[] = {"sand", "mud", "snow"};
 #define COUNT(array) (sizeof(array) / sizeof(array)[0])
 
-static const char scm_reads[] = "bekker_kc, bekker_kphi, bekker_n, cohesion, friction_angle, janosi_shear, elastic_stiffness, damping";
+static const char scm_reads[] = "bekker_kc, bekker_kphi, bekker_n, cohesion, friction_angle, janosi_shear";
 static const char slippage_reads[] = "cohesion, friction_angle, unit_weight";
 static const char sumner_reads[] = "theta_in, theta_out, theta_stop, roughness, compression";
 static const char wongs[] = "name one of dry_sand, sandy_loam_15, sandy_loam_22, clayey_38, heavy_clay_25, heavy_clay_40, "
@@ -107,9 +107,9 @@ static void only_what_the_model_reads_and_the_soil_lacks_is_asked_for(void **sta
 	/* What nobody gave, and nobody reads, is not made up. */
 	assert_true(isnan(scene->soils[0].bekker_n) && isnan(scene->soils[0].damping));
 	scene_destroy(scene);
-	take("{name: snow, bekker_kc: 1000, bekker_kphi: 2e5, bekker_n: 1.5, cohesion: 900, friction_angle: 21, janosi_shear: 0.03, "
-	     "elastic_stiffness: 4e7, damping: 3e4}", "scm", &scene);
+	take("{name: snow, bekker_kc: 1000, bekker_kphi: 2e5, bekker_n: 1.5, cohesion: 900, friction_angle: 21, janosi_shear: 0.03}", "scm", &scene);
 	assert_true(scene->soils[0].repose == scene->soils[0].friction_angle);
+	assert_true(scene->soils[0].elastic_stiffness == DEFORM_USUAL_STIFFNESS && scene->soils[0].damping == DEFORM_USUAL_DAMPING);
 	scene_destroy(scene);
 	refuse("{name: snow, bekker_kc: 1000, bekker_kphi: 2e5, bekker_n: 1.5, cohesion: 900, friction_angle: 0, janosi_shear: 0.03, "
 	       "elastic_stiffness: 4e7, damping: 3e4}", "scm", ": soil: without friction it needs repose too; allowed: above 0 to 89");

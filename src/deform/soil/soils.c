@@ -15,8 +15,6 @@
 
 #include "deform/deform.h"
 
-#define ELASTIC_STIFFNESS 4e7 /* Pa/m */
-#define DAMPING 3e4           /* Pa s/m */
 #define SUMNER_SAND {0.8, 0.436, 0.2, 0.8, 0.3}
 
 static const struct row {
@@ -59,8 +57,8 @@ static void take_wong(const struct wong *wong, struct deform_soil *soil)
 	soil->cohesion = wong->c * 1e3;
 	soil->friction_angle = radians(wong->phi);
 	soil->janosi_shear = wong->k_cm / 100;
-	soil->elastic_stiffness = ELASTIC_STIFFNESS;
-	soil->damping = DAMPING;
+	soil->elastic_stiffness = DEFORM_USUAL_STIFFNESS;
+	soil->damping = DEFORM_USUAL_DAMPING;
 	soil->unit_weight = wong->weight * 1e3;
 	soil->repose = radians(wong->phi);
 }
