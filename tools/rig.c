@@ -173,8 +173,28 @@ static enum status keep(void *user, const struct rig_row *row)
 		table->rows = rows;
 		asked->room = room;
 	}
-	table->rows[table->count++] = *row;
+	struct rig_row *kept = &table->rows[table->count++];
+	*kept = *row;
+	if (row->state == RIG_SUNK) { /* such forces mean nothing, nor does a slip that was found from them */
+		kept->drawbar = kept->side = kept->efficiency = NAN;
+		*(asked->params.torque_count > 0 ? &kept->slip : &kept->torque) = NAN;
+	}
 	return STATUS_OK;
+}
+
+static void tell_sunk(const struct rig_table *table)
+{
+	size_t count = 0;
+	double deepest = 0;
+	for (size_t i = 0; i < table->count; i++)
+		if (table->rows[i].state == RIG_SUNK) {
+			count++;
+			deepest = fmax(deepest, table->rows[i].sinkage);
+		}
+	if (count > 0)
+		note("rig: %zu of %zu rows are sunk, up to %.3g m deep: the soil does not carry the load; bekker_kphi or the load is probably in a wrong unit: "
+		     "give N/m^(n+2) and N",
+		     count, table->count, deepest);
 }
 
 /* --- what comes out --- */
@@ -301,6 +321,7 @@ static enum status run(const struct arguments *arguments)
 	if (status == STATUS_OK)
 		status = write_file(&asked->table, params->folder, "rig.svg", rig_plot_write);
 	if (status == STATUS_OK) {
+		tell_sunk(&asked->table);
 		print_table(&asked->table);
 		printf("\n%s/rig.csv, %s/rig.svg: written\n", params->folder, params->folder);
 	}
@@ -321,7 +342,7 @@ const struct command command_rig = {
 		   "eight radii far. The numbers are means over the last quarter of the way, by the model scm, as furrow drive "
 		   "tells them. The bed is made for it and thrown away.\n\n"
 		   "State: steady; digs: still sinking there, by more than 5 % in an eighth of the way; sunk: the soil does not "
-		   "carry the load; spins: no slip from -0.9 to 0.95 gives this torque.\n\n"
+		   "carry the load, and the row has no forces but fz; spins: no slip from -0.9 to 0.95 gives this torque.\n\n"
 		   "rig.csv, in m, N and N m: soil, load, slip, torque, sinkage, drawbar, side, fz, efficiency, deeper, state. "
 		   "Efficiency is drawbar pull times way over torque times turn. deeper: how much deeper the second half of the "
 		   "last quarter is than the first. Of a box or a mesh with belt: true, torque is what pulls its belt, in N.\n\n"

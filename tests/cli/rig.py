@@ -103,6 +103,22 @@ class Rig(FurrowTest):
         for note in ("soil.bekker_kphi: 9000 N/m^(n+2) is less", "soil.janosi_shear: 2 m is more"):
             self.assertEqual(result.stderr.count(note), 1, result.stderr)
 
+    def test_forces_of_a_wheel_that_is_not_carried_are_left_out(self):
+        result = self.furrow("rig", "-o", "rig", "--shape", WHEEL, "--soil", "{name: dry_sand, bekker_kphi: 1528.43},dry_sand", "--load", "3000", "--slip", "0.2,0.5", "--spacing", "0.04")
+        if result.returncode == 4:
+            self.skipTest("no GL here: " + result.stderr.strip())
+        self.assertEqual(result.returncode, 0, result.stderr)
+        with open(self.folder / "rig" / "rig.csv") as file:
+            rows = list(csv.DictReader(file))
+        self.assertEqual([row["state"] == "sunk" for row in rows], [True, True, False, False])
+        for row in rows:
+            for key in ("torque", "drawbar", "side", "efficiency"):
+                self.assertEqual(row[key] == "", row["state"] == "sunk", (key, row))
+        deepest = max(float(row["sinkage"]) for row in rows[:2])
+        self.assertIn(f"furrow: note: rig: 2 of 4 rows are sunk, up to {deepest:.3g} m deep: the soil does not carry the load; bekker_kphi or the load is probably in a "
+                      "wrong unit: give N/m^(n+2) and N\n", result.stderr)
+        self.assertRegex(result.stdout, r"3000 +0\.200 +\d+\.\d+ +- +- +-  sunk\n")
+
     def test_a_soil_of_a_file_has_its_name(self):
         numbers = "name: dry_sand, cohesion: 500, janosi_shear: 0.02"
         (self.folder / "a").mkdir()
