@@ -185,6 +185,36 @@ static enum status check_unread(const struct raw_class *raw, const char *where, 
 						      deform_model_row(scene->model)->name, unread.text);
 }
 
+/*
+ * Notes a name if the numbers beside it replace all of its numbers that the model reads. Numbers with a default may remain the name's. furrow fit-soil
+ * writes such soils, so these are noted only if --set gave the name alone.
+ */
+static enum status check_replaced(const struct scene_tree *tree, const struct raw_class *raw, const char *where, struct scene *scene)
+{
+	struct scene_list remain = {.length = 0};
+	struct deform_soil named;
+	bool differs = false;
+	if (raw->name == NULL || deform_soil_named(raw->name, &named) != STATUS_OK || missing_keys(&named, scene->model).length > 0)
+		return STATUS_OK;
+	for (size_t i = 0; i < PARAMETERS; i++) {
+		const double *value = given(raw, &parameters[i]);
+		if (!deform_model_reads(scene->model, parameters[i].key))
+			continue;
+		if (value == NULL && !parameters[i].optional)
+			return STATUS_OK;
+		if (value == NULL)
+			scene_list_add(&remain, parameters[i].key);
+		else
+			differs = differs || fabs(*value * parameters[i].unit / *number_of(&named, &parameters[i]) - 1) > 1e-9;
+	}
+	const struct scene_node *name = scene_tree_find(tree, "%s.name", where);
+	if (!differs || (remain.length > 0 && (name->setting == NULL || name->setting == name->parent->setting)))
+		return STATUS_OK;
+	return scene_tell_unused(scene, "%s.name: the scene's own numbers replace all that model %s reads of %s%s%s, but run.json names %s; give {name: %s} alone, "
+					"or take the name away",
+				 where, deform_model_row(scene->model)->name, raw->name, remain.length > 0 ? ", except " : "", remain.text, raw->name, raw->name);
+}
+
 /* Metres: scm's b of an object whose shape says it; 0: it depends on the contact. */
 static double contact_width(const struct deform_shape *shape)
 {
@@ -265,6 +295,8 @@ static enum status check_classes(const struct scene_tree *tree, const struct raw
 		enum status status = check_class(tree, class, where, scene->model, &scene->soils[i + 1]);
 		if (status == STATUS_OK && reads_soil(scene))
 			status = check_unread(class, where, scene);
+		if (status == STATUS_OK && reads_soil(scene))
+			status = check_replaced(tree, class, where, scene);
 		if (status != STATUS_OK)
 			return status;
 		scene->soil_class[class->value] = (uint8_t)(i + 1);
@@ -310,6 +342,8 @@ enum status scene_check_soil(const struct scene_tree *tree, const struct raw_sce
 	keep_name(scene, 0, mapped && soil->elsewhere != NULL ? soil->elsewhere->name : soil->all.name, -1);
 	if (status == STATUS_OK && read)
 		status = check_unread(mapped ? soil->elsewhere : &soil->all, mapped ? "soil.default" : "soil", scene);
+	if (status == STATUS_OK && read)
+		status = check_replaced(tree, mapped ? soil->elsewhere : &soil->all, mapped ? "soil.default" : "soil", scene);
 	if (status == STATUS_OK)
 		status = check_classes(tree, soil, scene);
 	if (status == STATUS_OK && deform_model_reads(scene->model, "bekker_kc"))

@@ -119,6 +119,15 @@ static void what_the_ground_makes_nothing_of(void **state)
 	advised(sound, 0.5, "soil", "{name: mud}", "soil: model none does not depend on it; ");
 	advised(soil, 0.5, "soil.theta_in&soil.unit_weight", "30&9000", "soil: model scm does not read unit_weight, theta_in; ");
 	advised(soil, 0.5, "soil.repose", "30", NULL);
+#define OWN "bekker_kc: 990, bekker_kphi: 1e6, bekker_n: 1, cohesion: 500, friction_angle: 30, janosi_shear: 0.02"
+	advised(soil, 0.5, "soil&soil.name", "{" OWN "}&lete_sand", "soil.name: the scene's own numbers replace all that model scm reads of lete_sand, except "
+							      "elastic_stiffness, damping, repose, but run.json names lete_sand; give {name: lete_sand} alone, or take the name away");
+	advised(soil, 0.5, "soil", "{name: lete_sand, " OWN "}", NULL); /* as furrow fit-soil writes it */
+	advised(soil, 0.5, "soil", "{" OWN "}", NULL);
+	advised(soil, 0.5, "soil&soil.name", "{cohesion: 500, friction_angle: 30, janosi_shear: 0.02}&lete_sand", NULL);
+	advised(soil, 0.5, "redistribute.model&soil", "slippage&{name: lunar, cohesion: 500, friction_angle: 30, unit_weight: 9000}",
+		"soil.name: the scene's own numbers replace all that model slippage reads of lunar, but run.json names lunar; ");
+	advised(soil, 0.5, "redistribute.model&soil", "slippage&{name: lunar, cohesion: 170, friction_angle: 35, unit_weight: 2500}", NULL); /* its own */
 	advised(soil, 0.5, "redistribute.model&soil.repose", "slippage&30", "soil: model slippage does not read repose; ");
 	advised(sound, 0.5, "attributes", "[disturbance]", "attributes.disturbance: no picture shows it: it is kept for query and for later drives that draw it, at 1 byte a post; ");
 	advised(looked_at, 0.5, "attributes", "[disturbance]", NULL);
