@@ -391,23 +391,27 @@ static void advise_view(const struct adviser *adviser)
 
 #define ERROR_TOLD 0.25 /* pixels: what numbers over relief may be off without a note */
 
-/* Relief has waves down to the working posts, and the mesh of a picture is coarser than these after a few metres. */
+/* With the distance the mesh of a picture gets coarser than the working posts. Ruts and relief are as fine as these posts. */
 static void advise_cameras(const struct adviser *adviser)
 {
 	const struct scene *scene = adviser->scene;
-	const unsigned measured = 1u << SCENE_IMAGE_DEPTH | SCENE_IMAGES_MEASURED;
+	const unsigned numbers = 1u << SCENE_IMAGE_DEPTH | 1u << SCENE_IMAGE_NORMALS | 1u << SCENE_IMAGE_HEIGHT;
+	const bool ruts = (scene->object_count > 0 || scene_moves_bodies(scene)) && scene->view.pixel_error <= 0;
+	const char *name = NULL;
 	double rough = 0;
 	for (int i = 0; i < scene->relief.classes; i++)
 		rough = fmax(rough, scene->relief.waves[i].roughness);
-	if (rough <= 0 || (scene->view.pixel_error > 0 && scene->view.pixel_error <= ERROR_TOLD))
+	for (size_t i = 0; i < scene->camera_count && name == NULL; i++)
+		name = (scene->cameras[i].images & numbers) != 0 ? scene->cameras[i].name : NULL;
+	if (name == NULL)
 		return;
-	for (size_t i = 0; i < scene->camera_count; i++)
-		if ((scene->cameras[i].images & measured) != 0) {
-			advise(adviser, "cameras.%s: over relief its numbers are those of a mesh that leaves out the shorter waves: off by up to about %.2g m; "
-					"view.pixel_error: 0.25 bounds that by a quarter of a pixel, and a frame then takes many times as long",
-			       scene->cameras[i].name, 2 * rough);
-			return;
-		}
+	if (rough > 0 && (scene->view.pixel_error <= 0 || scene->view.pixel_error > ERROR_TOLD))
+		advise(adviser, "cameras.%s: over relief its numbers are those of a mesh that leaves out shorter waves, up to about %.2g m high%s; "
+				"view.pixel_error: 0.25 bounds that by a quarter of a pixel, and a frame then takes several times as long",
+		       name, 2 * rough, ruts ? ", and narrow ruts" : "");
+	else if (ruts)
+		advise(adviser, "cameras.%s: with the distance its mesh gets coarser than the posts, and narrow ruts are blurred or missing in its numbers; "
+				"view.pixel_error: 0.25 shows them, and a frame then takes several times as long", name);
 }
 
 static void advise_cache(const struct adviser *adviser)

@@ -302,6 +302,26 @@ static void pictures_that_nobody_sees(void **state)
 	advised(looked_at, 0.5, "view.effects", "[splat, texture]", "view.effects.splat: shows the classes of a map of soils, and there is none; ");
 }
 
+#define CAMERA(images) "[{name: c, kind: overhead, on: a, height: 8, rate: 1, images: [" images "]}]"
+
+static void cameras_whose_mesh_leaves_out_ruts(void **state)
+{
+	static const char rough[] = "{roughness: 0.01, wavelength: 2}", coarse[] = "cameras.c: over relief its numbers are those of a mesh that leaves out shorter waves, up to about 0.02 m high";
+	char text[256], says[256];
+	advised(sound, 0.5, "cameras", CAMERA("depth"), "cameras.c: with the distance its mesh gets coarser than the posts, and narrow ruts are ");
+	advised(sound, 0.5, "cameras", CAMERA("class, height"), "cameras.c: with the distance its mesh ");
+	advised(sound, 0.5, "cameras", CAMERA("colour, class"), NULL);
+	advised(looked_at, 0.5, "cameras&view.pixel_error", CAMERA("normals") "&1", NULL);
+	advised(still, 0.5, "cameras", "[{name: c, kind: fixed, pose: {at: [1, 2, 3]}, rate: 1, images: [depth]}]", NULL);
+	/* Over relief that is told along. */
+	snprintf(text, sizeof text, "%s&%s", CAMERA("depth"), rough);
+	snprintf(says, sizeof says, "%s, and narrow ruts; ", coarse);
+	advised(sound, 0.125, "cameras&relief", text, says);
+	snprintf(text, sizeof text, "%s&%s&1", CAMERA("depth"), rough);
+	snprintf(says, sizeof says, "%s; ", coarse);
+	advised(looked_at, 0.125, "cameras&relief&view.pixel_error", text, says);
+}
+
 static void a_cache_that_reads_nothing_ahead(void **state)
 {
 	advised(sound, 0.5, "cache.loaders", "0", "cache.prefetch: without loaders no tile is read ahead");
@@ -355,6 +375,7 @@ int main(void)
 		cmocka_unit_test(forces_where_few_posts_lie_below_an_object),
 		cmocka_unit_test(rows_that_repeat),
 		cmocka_unit_test(pictures_that_nobody_sees),
+		cmocka_unit_test(cameras_whose_mesh_leaves_out_ruts),
 		cmocka_unit_test(a_cache_that_reads_nothing_ahead),
 		cmocka_unit_test(the_examples_are_told_what_they_mean),
 	};
