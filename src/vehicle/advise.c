@@ -15,6 +15,8 @@ static void advise_vehicle(const struct scene *scene, const struct vehicles *veh
 {
 	struct vehicle_info info;
 	vehicle_info(vehicles, number, &info);
+	if (info.told_sunk != NULL)
+		tell(user, info.told_sunk);
 	for (size_t i = 0; i < info.geom_count; i++) {
 		struct vehicle_geom geom;
 		char key[200];

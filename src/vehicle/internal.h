@@ -26,6 +26,7 @@ struct soil_geom {
 	double force[6];            /* N, N m about the body's origin: what was applied last */
 	double pulled;              /* N m: torque of a belt on its hinge besides that force (coupling.c) */
 	double work;                /* J: what it has done on the soil since the start; in the record */
+	double sunk;                /* s: for how long it has been sunk in the drive, without a break */
 };
 
 /* What sets the controls: driver.c. */
@@ -74,6 +75,7 @@ struct vehicle {
 	double work, distance;      /* J, m */
 	double slow;                /* s: for how long it has been slower than `stuck.below`; in settling: when the stage began */
 	struct trail trail;         /* of the whole drive; in the record */
+	char told_sunk[500];        /* the note that was printed; empty: none */
 	double *room;               /* numbers for coupling.c */
 	double *pushed;             /* nv: forces of other vehicles in this time step */
 };

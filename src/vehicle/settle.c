@@ -7,6 +7,7 @@
  * All controls are 0, and wheels do not turn. The time of this does not count; what it does to the ground does.
  */
 #include <math.h>
+#include <stdio.h>
 
 #include "vehicle/between.h"
 #include "vehicle/settle.h"
@@ -177,6 +178,40 @@ static void tell_unrest(const struct vehicles *vehicles)
 	}
 }
 
+const struct soil_geom *vehicle_sunk(const struct vehicle *vehicle)
+{
+	const struct soil_geom *deepest = NULL;
+	for (const struct soil_geom *geom = vehicle->geoms; geom < vehicle->geoms + vehicle->geom_count; geom++)
+		if (geom->contact.state == WORLD_SUNK && (deepest == NULL || geom->contact.sinkage > deepest->contact.sinkage))
+			deepest = geom;
+	return deepest;
+}
+
+void vehicle_say_sunk(const struct vehicles *vehicles, const struct vehicle *vehicle, const struct soil_geom *geom, char *text, size_t size)
+{
+	char soil[64] = "";
+	if (vehicles->scene->soil_count == 1)
+		snprintf(soil, sizeof soil, ", here %g", vehicles->scene->soils[0].bekker_kphi);
+	snprintf(text, size, "vehicles.%s: is %.3g m deep in the soil, deeper than it is high: the soil does not carry the vehicle, which weighs %.4g N; "
+			     "check bekker_kphi (in Pa/m^(n+1)%s), the vehicle's mass, and spacing", geom->name, geom->contact.sinkage,
+		 mj_getTotalmass(vehicle->model) * vehicles->scene->gravity, soil);
+}
+
+/* Soil that yields does not lift a geom again. So a vehicle is refused once a geom is deeper than it is large in any direction. A thin plate
+ * that is only deeper than it is high may be carried. */
+static enum status check_sunk(const struct vehicles *vehicles)
+{
+	char text[500];
+	for (size_t v = 0; v < vehicles->count; v++) {
+		const struct soil_geom *geom = vehicle_sunk(&vehicles->list[v]);
+		if (geom == NULL || geom->contact.sinkage <= 2 * deform_shape_bound(&geom->shape))
+			continue;
+		vehicle_say_sunk(vehicles, &vehicles->list[v], geom, text, sizeof text);
+		return fail_with(STATUS_INPUT, "%s: while it settles, %s", vehicles->scene->file, text);
+	}
+	return STATUS_OK;
+}
+
 /* Lets all vehicles move until each was at rest for a while. */
 static enum status until_still(struct vehicles *vehicles, double rate, double still, double most)
 {
@@ -193,6 +228,8 @@ static enum status until_still(struct vehicles *vehicles, double rate, double st
 			vehicle->calm = speed_of(vehicle) < still ? vehicle->calm + seconds : 0;
 			all = all && vehicle->calm >= CALM;
 		}
+		if (status == STATUS_OK)
+			status = check_sunk(vehicles);
 		if (status == STATUS_OK)
 			status = world_move_hosts(vehicles->world);
 		if (status != STATUS_OK)

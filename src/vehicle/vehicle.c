@@ -2,11 +2,14 @@
 #include "vehicle/vehicle.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "vehicle/between.h"
 #include "vehicle/load.h"
 #include "vehicle/settle.h"
+
+#define SUNK_LONG 1.0 /* s: a soil geom that is sunk for longer, without a break, is told */
 
 /* --- loading --- */
 
@@ -199,6 +202,22 @@ enum status vehicle_begin(struct vehicles *vehicles)
 	return status == STATUS_OK ? tell_rows(vehicles) : status;
 }
 
+/* Tells once of each vehicle that the soil does not carry it. */
+static void watch_sunk(const struct vehicles *vehicles, struct vehicle *vehicle)
+{
+	char text[500];
+	bool long_sunk = false;
+	for (struct soil_geom *geom = vehicle->geoms; geom < vehicle->geoms + vehicle->geom_count; geom++) {
+		geom->sunk = geom->contact.state == WORLD_SUNK ? geom->sunk + vehicles->scene->time_step : 0;
+		long_sunk = long_sunk || geom->sunk > SUNK_LONG;
+	}
+	if (!long_sunk || vehicle->told_sunk[0] != '\0')
+		return;
+	vehicle_say_sunk(vehicles, vehicle, vehicle_sunk(vehicle), text, sizeof text);
+	snprintf(vehicle->told_sunk, sizeof vehicle->told_sunk, "after %.3g s, %.450s", vehicles->world->time, text);
+	note("%s", vehicle->told_sunk);
+}
+
 static void watch(struct vehicles *vehicles)
 {
 	const struct scene *scene = vehicles->scene;
@@ -208,6 +227,7 @@ static void watch(struct vehicles *vehicles)
 		mj_objectVelocity(vehicle->model, vehicle->data, mjOBJ_XBODY, vehicle->root, velocity, 0);
 		const bool slow = hypot(velocity[3], velocity[4]) < scene->stuck_below && !vehicle->driver.arrived;
 		vehicle->slow = slow ? vehicle->slow + scene->time_step : 0;
+		watch_sunk(vehicles, vehicle);
 	}
 }
 
@@ -267,6 +287,7 @@ void vehicle_info(const struct vehicles *vehicles, size_t index, struct vehicle_
 		.distance = vehicle->distance,
 		.work = vehicle->work,
 		.arrived = vehicle->driver.arrived,
+		.told_sunk = vehicle->told_sunk[0] != '\0' ? vehicle->told_sunk : NULL,
 		.stuck = is_stuck(vehicles, vehicle),
 	};
 	for (size_t g = 0; g < vehicle->geom_count && vehicles->world != NULL; g++) {

@@ -77,6 +77,7 @@ struct vehicle_info {
 	double reach;          /* m in plan, from its place to the farthest part of a soil geom; 0 before it is joined to a world */
 	double kinetic, work;  /* J */
 	bool arrived;          /* at the end of its path */
+	const char *told_sunk; /* the note that the soil does not carry it; NULL: none was printed */
 	bool stuck;
 	double stuck_at;       /* s; while stuck */
 };

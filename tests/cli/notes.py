@@ -1,4 +1,5 @@
 """Notes that a drive prints before its first step: ruts that are there already, and numbers that are probably in another unit."""
+import json
 import pathlib
 import shutil
 
@@ -115,6 +116,29 @@ class Notes(FurrowTest):
         (self.folder / "out/mine").write_text("mine")
         self.refused(3, *new)
         self.assertTrue((self.folder / "out/mine").exists() and (self.folder / "new.furrow").exists())
+
+    def test_a_vehicle_that_the_soil_does_not_carry_is_told(self):
+        self.synth(posts="65x65", kind="plain", relief=1)
+        model = (pathlib.Path(__file__).parents[1] / "vehicle/one_wheel.xml").read_text()
+        (self.folder / "car.xml").write_text(model.replace("<actuator>", '<actuator><motor name="press" joint="z"/>'))
+        soil = "{bekker_kc: 5, bekker_kphi: %s, bekker_n: 0.9, cohesion: 0, friction_angle: 32, janosi_shear: 0.015, elastic_stiffness: 1e6, damping: 30000}"
+        scene = ("scene: 1\ntime_step: 0.002\nend_time: 1.6\nspacing: 0.125\nsoil: " + soil + "\nredistribute: {model: scm}\nvehicles:\n  - {name: car, "
+                 "model: car.xml, start: {at: [20, 20]}, driver: {hold: [{actuator: press, value: %g}]}}\n")
+        self.scene(scene % ("1200", 0), "mud.yaml")
+        before = sorted(self.folder.rglob("*"))
+        result = self.furrow("drive", "mud.yaml", "--store", "world.furrow", "--overlay", "a.furrow", "-o", "out")
+        if result.returncode == 4 or "this build has no MuJoCo" in result.stderr:
+            self.skipTest(result.stderr.strip())
+        self.assertEqual((result.returncode, result.stdout), (3, ""), result.stderr)
+        self.assertRegex(result.stderr, r"mud\.yaml: while it settles, vehicles\.car\.wheel: is [\d.]+ m deep in the soil, deeper than it is high: the soil does not "
+                         r"carry the vehicle, which weighs 981 N; check bekker_kphi \(in Pa/m\^\(n\+1\), here 1200\), the vehicle's mass, and spacing")
+        self.assertEqual(sorted(self.folder.rglob("*")), before)
+        # It is pressed down only once it drives.
+        self.scene(scene % ("200000", -1e5), "pressed.yaml")
+        told = self.notes("deep in the soil", "--overlay", "a.furrow", scene="pressed.yaml")
+        self.assertEqual(len(told), 1, told)
+        self.assertRegex(told[0], r"note: after 1\.\d+ s, vehicles\.car\.wheel: is [\d.]+ m deep in the soil, deeper than it is high: .* here 200000\)")
+        self.assertIn(told[0].removeprefix("furrow: note: "), json.loads((self.folder / "out/run.json").read_text())["notes"])
 
     def test_a_path_that_is_not_finished_is_told(self):
         scene = ("scene: 1\ntime_step: 0.1\nend_time: %s\nspacing: 0.5\nredistribute: {model: box}\nobjects:\n"
