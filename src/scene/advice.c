@@ -258,23 +258,39 @@ static double grouser_pitch(const struct scene_object *object)
 
 /* Objects that are alike are told of once. */
 struct alike {
+	size_t count;
 	char others[48]; /* ", as of 3 others,", or "," */
 };
+static void say_alike(struct alike *alike)
+{
+	if (alike->count == 0)
+		snprintf(alike->others, sizeof alike->others, ",");
+	else
+		snprintf(alike->others, sizeof alike->others, ", as of %zu other%s,", alike->count, alike->count > 1 ? "s" : "");
+}
+
 static bool is_first_alike(const struct scene *scene, const struct scene_object *object, struct alike *alike)
 {
-	size_t others = 0;
+	*alike = (struct alike){.count = 0};
 	for (const struct scene_object *other = scene->objects; other < scene->objects + scene->object_count; other++) {
 		if (narrowest(other) != narrowest(object) || grouser_pitch(other) != grouser_pitch(object))
 			continue;
 		if (other < object)
 			return false;
-		others += other > object;
+		alike->count += other > object;
 	}
-	if (others == 0)
-		snprintf(alike->others, sizeof alike->others, ",");
-	else
-		snprintf(alike->others, sizeof alike->others, ", as of %zu other%s,", others, others > 1 ? "s" : "");
+	say_alike(alike);
 	return true;
+}
+
+void scene_advise_narrow(const char *key, double across, size_t others, double spacing, scene_advice_fn tell, void *user)
+{
+	const struct adviser adviser = {.tell = tell, .user = user};
+	struct alike alike = {.count = others};
+	say_alike(&alike);
+	if (across < spacing)
+		advise(&adviser, "%s: is %g m across%s and posts are %g m apart: it can pass between them and leave nothing; give a spacing of at most %g",
+		       key, across, alike.others, spacing, across);
 }
 
 static void advise_shape(const struct adviser *adviser, const struct scene_object *object)
@@ -283,10 +299,9 @@ static void advise_shape(const struct adviser *adviser, const struct scene_objec
 	if (!is_first_alike(adviser->scene, object, &alike))
 		return;
 	double spacing = adviser->spacing;
-	if (narrowest(object) < spacing)
-		advise(adviser, "objects.%s.shape: is %g m across%s and posts are %g m apart: it can pass between them and leave nothing; "
-				"give a spacing of at most %g",
-		       object->name, narrowest(object), alike.others, spacing, narrowest(object));
+	char key[160];
+	snprintf(key, sizeof key, "objects.%s.shape", object->name);
+	scene_advise_narrow(key, narrowest(object), alike.count, spacing, adviser->tell, adviser->user);
 	double pitch = grouser_pitch(object);
 	if (pitch < 2 * spacing)
 		advise(adviser, "objects.%s.shape.wheel.grousers: their prints are %.3g m apart%s less than two posts of %g m: the ground cannot "

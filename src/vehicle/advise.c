@@ -11,6 +11,11 @@ static double bears_over(const struct scene *scene, const struct vehicle_info *v
 	return scene_bears_over(scene, geom->shape, vehicle->mass * scene->gravity / (double)vehicle->geom_count, 0);
 }
 
+static double across(const struct deform_shape *shape)
+{
+	return shape->kind == DEFORM_WHEEL ? shape->width : 2 * shape->radius;
+}
+
 static void advise_vehicle(const struct scene *scene, const struct vehicles *vehicles, size_t number, double spacing, scene_advice_fn tell, void *user)
 {
 	struct vehicle_info info;
@@ -27,7 +32,8 @@ static void advise_vehicle(const struct scene *scene, const struct vehicles *veh
 		for (size_t k = 0; k < info.geom_count && first; k++) {
 			struct vehicle_geom other;
 			vehicle_geom(vehicles, number, k, spacing, &other);
-			if (k == i || other.shape->kind != geom.shape->kind || bears_over(scene, &info, &other) != over)
+			if (k == i || other.shape->kind != geom.shape->kind || bears_over(scene, &info, &other) != over ||
+			    across(other.shape) != across(geom.shape))
 				continue;
 			first = k > i;
 			alike++;
@@ -35,6 +41,7 @@ static void advise_vehicle(const struct scene *scene, const struct vehicles *veh
 		if (!first)
 			continue;
 		snprintf(key, sizeof key, "vehicles.%s", geom.name);
+		scene_advise_narrow(key, across(geom.shape), alike, spacing, tell, user);
 		scene_advise_posts_below(key, geom.shape, over, alike, spacing, tell, user);
 	}
 }

@@ -87,13 +87,17 @@ class Notes(FurrowTest):
         self.assertEqual(result.returncode, 0, result.stderr)
         told = [line for line in result.stderr.splitlines() if "vehicles.car" in line]
         # Few posts are below its wheel, as is told of an object of that shape and load.
-        self.assertEqual(len(told), 2, result.stderr)
+        self.assertEqual(len(told), 3, result.stderr)
+        self.assertEqual(told.pop(0), "furrow: note: vehicles.car.wheel: is 0.24 m across, and posts are 0.25 m apart: it can pass between them and leave nothing; "
+                         "give a spacing of at most 0.24")
         self.scene(SCM.replace("1.04", "1040").replace("radius: 0.5, width: 0.4", "radius: 0.32, width: 0.24").replace("900", "981"), "alike.yaml")
         alike = [note for note in self.json("explain", "alike.yaml", "--store", "world.furrow", "--set", "spacing=0.25")["notes"] if "forces may" in note]
         self.assertEqual([told[0].replace("vehicles.car.wheel", "objects.a.shape").removeprefix("furrow: note: ")], alike)
         self.assertIn(told[0].removeprefix("furrow: note: "), self.json("explain", "car.yaml", "--store", "world.furrow")["notes"])
         fine = self.json("explain", "car.yaml", "--store", "world.furrow", "--set", "spacing=0.01")["notes"]
         self.assertEqual([note for note in fine if "vehicles.car" in note], [])
+        coarse = self.json("explain", "car.yaml", "--store", "world.furrow", "--set", "spacing=0.5")["notes"]
+        self.assertEqual(len([note for note in coarse if "posts: forces may be off by more than 100 % here; at " in note]), 1)
         self.assertRegex(told[1], r"^furrow: note: vehicles\.car: is not at the end of its path: it has come [\d.e-]+ m; drive longer, or look ")
         # One point: it is there.
         self.scene((scene % "[30, 20]").replace("[[20, 20], [30, 20]]", "[[20, 20]]"), "there.yaml")

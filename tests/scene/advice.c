@@ -193,7 +193,7 @@ static void objects_that_are_alike_are_told_of_once(void **state)
 static void keep(void *user, const char *text)
 {
 	struct told *told = user;
-	if (strstr(text, ": forces may be off by about ") == NULL)
+	if (strstr(text, ": forces may be off by ") == NULL)
 		return;
 	told->count++;
 	snprintf(told->text, sizeof told->text, "%s", text);
@@ -221,9 +221,9 @@ static struct few_posts forces_told(const char *object, const char *more, double
 	assert_in_range(told.count, 0, 1);
 	if (told.count == 0)
 		return found;
-	if (sscanf(told.text, "objects.a.shape: the soil bears it over about %lf m, %lf posts: forces may be off by about %d %% here; at %lf m by %d %%", &found.over,
+	if (sscanf(told.text, "objects.a.shape: the soil bears it over about %lf m, %lf posts: forces may be off by %*[a-z ]%d %% here; at %lf m by %d %%", &found.over,
 		   &found.posts, &found.here, &found.finer, &found.there) != 5 &&
-	    sscanf(told.text, "objects.a.shape: the soil bears it over about %lf m, %lf posts: forces may be off by about %d %% here%47[^;]; at %lf m by %d %%", &found.over,
+	    sscanf(told.text, "objects.a.shape: the soil bears it over about %lf m, %lf posts: forces may be off by %*[a-z ]%d %% here%47[^;]; at %lf m by %d %%", &found.over,
 		   &found.posts, &found.here, apart, &found.finer, &found.there) != 6)
 		fail_msg("%s", told.text);
 	return found;
@@ -239,7 +239,7 @@ static void forces_where_few_posts_lie_below_an_object(void **state)
 		for (double spacing = 0.64; spacing > 0.0005; spacing /= 2) {
 			const struct few_posts found = forces_told(bodies[i], "", spacing);
 			assert_true(found.here == 0 || found.here > 2);
-			assert_true(found.here <= before);
+			assert_true(found.here <= before && found.here <= 100);
 			before = found.here;
 			if (found.here == 0)
 				continue;
