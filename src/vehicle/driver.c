@@ -55,15 +55,36 @@ static enum status check_joints(const struct vehicle *vehicle, const char *where
 	return STATUS_OK;
 }
 
+/* Returns the cylinder that a hinge turns about another axis than its own, and the angle between both in degrees; NULL: there is none. */
+static const struct soil_geom *crossed(const struct vehicle *vehicle, int joint, double *degrees)
+{
+	const mjModel *model = vehicle->model;
+	for (const struct soil_geom *geom = vehicle->geoms; geom < vehicle->geoms + vehicle->geom_count; geom++) {
+		const double *mat = &vehicle->data->geom_xmat[9 * geom->geom], axis[3] = {mat[2], mat[5], mat[8]};
+		*degrees = acos(fmin(fabs(mju_dot3(axis, &vehicle->data->xaxis[3 * joint])), 1)) * 180 / M_PI;
+		if (geom->shape.kind == DEFORM_CYLINDER && model->geom_bodyid[geom->geom] == model->jnt_bodyid[joint] && *degrees > 0.05)
+			return geom;
+	}
+	return NULL;
+}
+
 static enum status check_wheels(const struct vehicle *vehicle, const char *where)
 {
 	const mjModel *model = vehicle->model;
 	const struct driver *driver = &vehicle->driver;
 	for (size_t i = 0; i < driver->drive_count; i++) {
 		const int joint = model->actuator_trnid[2 * driver->drive[i]];
-		if (vehicle_driven(vehicle, joint) == NULL)
-			return fail_with(STATUS_INPUT, "%s: driver.drive: %s turns no wheel and no belt that presses the ground; name actuators of wheels or belts",
-					 where, mj_id2name(model, mjOBJ_ACTUATOR, driver->drive[i]));
+		if (vehicle_driven(vehicle, joint) != NULL)
+			continue;
+		double degrees;
+		const struct soil_geom *geom = crossed(vehicle, joint, &degrees);
+		const char *hinge = mj_id2name(model, mjOBJ_JOINT, joint);
+		if (geom != NULL)
+			return fail_with(STATUS_INPUT, "%s: driver.drive: %s turns no wheel: %s is a cylinder whose axis is %.3g degrees off its hinge%s%s; check its "
+						       "euler, and angle of the model's compiler", where, mj_id2name(model, mjOBJ_ACTUATOR, driver->drive[i]), geom->name,
+					 degrees, hinge != NULL ? " " : "", hinge != NULL ? hinge : "");
+		return fail_with(STATUS_INPUT, "%s: driver.drive: %s turns no wheel and no belt that presses the ground; name actuators of wheels or belts",
+				 where, mj_id2name(model, mjOBJ_ACTUATOR, driver->drive[i]));
 	}
 	return STATUS_OK;
 }

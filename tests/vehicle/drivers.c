@@ -16,6 +16,12 @@ static void names_that_are_not_there_are_refused(void **state)
 	rig_refused(STEP, ", driver: {path: {points: [[1, 1], [2, 2]], speed: 1}, drive: [drive], steer: [steer]}", STATUS_INPUT,
 		    "driver.steer: steer names no actuator");
 	support_write(support_path("model.xml"),
+		      "<mujoco><compiler angle=\"radian\"/><worldbody><body><freejoint/><inertial pos=\"0 0 0\" mass=\"9\" diaginertia=\"1 1 1\"/>"
+		      "<body><joint name=\"turn\" axis=\"0 1 0\"/><geom name=\"tyre\" type=\"cylinder\" size=\"0.3 0.1\" euler=\"90 0 0\" mass=\"9\"/></body></body>"
+		      "</worldbody><actuator><motor name=\"drive\" joint=\"turn\"/></actuator></mujoco>");
+	rig_refused(STEP, ", driver: {path: {points: [[1, 1], [2, 2]], speed: 1}, drive: [drive]}", STATUS_INPUT,
+		    "driver.drive: drive turns no wheel: car.tyre is a cylinder whose axis is 26.6 degrees off its hinge turn; check its euler, and angle of the ");
+	support_write(support_path("model.xml"),
 		      "<mujoco><worldbody><body><freejoint/><geom type=\"box\" size=\"1 1 1\" mass=\"1\"/><body><joint name=\"j\" type=\"slide\"/>"
 		      "<geom type=\"sphere\" size=\"1\" mass=\"1\"/></body><body><joint name=\"h\"/><geom type=\"sphere\" size=\"1\" mass=\"1\"/></body>"
 		      "</body></worldbody><actuator><motor name=\"m\" joint=\"j\"/><motor name=\"n\" joint=\"h\"/></actuator></mujoco>");
