@@ -311,6 +311,8 @@ static enum status write_raster(const struct export_request *request, struct sto
 							  : DEM_INT32,
 		.srs = meta->srs,
 		.vertical = request->layer <= LAYER_BASE ? meta->vertical : "",
+		.unit = request->layer < LAYER_SHEAR ? "m" : NULL,
+		.band = layer_names[request->layer],
 		.west = meta->origin[0] + (double)rect.x0 * spacing,
 		.south = meta->origin[1] + (double)rect.y0 * spacing,
 		.spacing = spacing,
@@ -369,7 +371,7 @@ const struct command command_export = {
 	.options = options,
 	.details = "Rasters are north up, one pixel a post, and carry the store's reference system. Levels finer than what is "
 		   "stored are interpolated. Nodata of a hillshade and of a heightmap (.png, .r16, .raw) is 0. GeoTIFFs are compressed, "
-		   "without loss.\n\n"
+		   "without loss. They name unit and layer of the band, and in VERTICAL_REFERENCE what heights are above.\n\n"
 		   "Layers offset to fixed_point are 0 where nothing changed, and nodata where there is no ground (fixed_point: 0). "
 		   "Where the whole terrain would make a raster of more than half a gigabyte, only the tiles that changed are "
 		   "written, and the window is told. --window writes any other part.\n\n"

@@ -72,7 +72,8 @@ static void print_plan(const struct dem_info *info, const struct dem_insets *ins
 	int length;
 	const char *system = place_system(meta->srs, &length);
 	if (info->projected[0] != '\0' && system != NULL)
-		printf("projected to %.*s, where a metre is a metre on the ground; --t-srs source keeps the source's own system\n", length, system);
+		printf("projected to %.*s%s; --t-srs source keeps the source's own system\n", length, system,
+		       info->untrue ? "" : ", where a metre is a metre on the ground");
 	printf("%lld x %lld posts, %g m apart (%.3f x %.3f km), tiles of %u x %u posts, levels 0 to %d\n",
 	       (long long)info->width, (long long)info->height, info->spacing,
 	       (double)(info->width - 1) * info->spacing / 1e3, (double)(info->height - 1) * info->spacing / 1e3,

@@ -56,6 +56,7 @@ struct dem_info {
 	double origin[2];      /* x, y of the south-west post in `srs` */
 	const char *vertical;  /* what heights are above, as the first source says, or t_vertical; "" if not said */
 	const char *projected; /* the SRS from which the sources were projected; "" if they were not */
+	bool untrue;           /* resampled posts are in an SRS whose distances are more than 0.5 % off those on the ground */
 	size_t source_count;   /* number of sources, including those in directories and lists */
 	const char *const *sources;
 	size_t file_count; /* other files that belong to the sources, as GDAL tells: parts of a VRT, sidecars */
@@ -225,6 +226,7 @@ struct dem_raster {
 	enum dem_raster_type type; /* PNG: UINT8 and UINT16 only; raw: UINT16 only */
 	const char *srs;           /* WKT or "" */
 	const char *vertical;      /* what its values, heights in metres, are above, as dem_info tells it; NULL or "": not said. Valid during dem_writer_create */
+	const char *unit, *band;   /* of a GeoTIFF: unit of the values, and what they are; NULL: not said. Valid during dem_writer_create */
 	double west, south;        /* SRS coordinates of the south-west post */
 	double spacing;
 	bool has_nodata;

@@ -25,6 +25,23 @@ static void gdal_destroy(struct dem_grid *grid)
 	mem_free(gdal);
 }
 
+/* Tells if the SRS given is not that of the files. */
+static void note_replaced(const struct gdal_grid *gdal, const struct dem_params *params)
+{
+	const struct gdal_source *first = NULL;
+	size_t replaced = 0;
+	for (size_t i = 0; i < gdal->source_count; i++) {
+		const struct gdal_source *source = &gdal->sources[i];
+		first = first == NULL && source->replaced[0] != '\0' ? source : first;
+		replaced += source->replaced[0] != '\0';
+	}
+	char more[64] = "";
+	if (replaced > 1)
+		snprintf(more, sizeof more, ", and for %zu more", replaced - 1);
+	if (replaced > 0)
+		note("%s: the file says %s; --s-srs %.80s is used%s", first->path, first->replaced, params->s_srs, more);
+}
+
 static enum status open_sources(struct gdal_grid *gdal, const struct dem_params *params,
 				const struct dem_list *list)
 {
@@ -42,6 +59,8 @@ static enum status open_sources(struct gdal_grid *gdal, const struct dem_params 
 		if (status == STATUS_OK)
 			dem_grid_find_system(gdal->sources, i);
 	}
+	if (status == STATUS_OK && override != NULL)
+		note_replaced(gdal, params);
 	if (override != NULL)
 		OSRDestroySpatialReference(override);
 	return status;
@@ -97,7 +116,7 @@ static enum status several_agree(const struct gdal_grid *gdal)
 }
 
 /* Tells what becomes of posts that are resampled only because they are not square or not in metres. */
-static void note_resampled(const struct gdal_grid *gdal, const struct dem_params *params)
+static void note_resampled(struct gdal_grid *gdal, const struct dem_params *params)
 {
 	size_t resampled = 0;
 	const struct dem_group *first = NULL;
@@ -110,7 +129,7 @@ static void note_resampled(const struct gdal_grid *gdal, const struct dem_params
 	}
 	if (first == NULL)
 		return;
-	dem_target_note_scale(&gdal->target, gdal->name);
+	gdal->grid.untrue = dem_target_note_scale(&gdal->target, gdal->name);
 	if (params->spacing > 0 || params->anchor != NULL)
 		return;
 	char more[64] = "";
@@ -240,18 +259,18 @@ bool dem_gdal_knows(const char *path)
 	return dem_gdal_init(path) != STATUS_OK || GDALIdentifyDriverEx(path, GDAL_OF_RASTER, NULL, NULL) != NULL;
 }
 
-const char *dem_gdal_message(void)
+const char *dem_gdal_because(void)
 {
 	static _Thread_local char text[320];
-	const bool cut = snprintf(text, sizeof text, "%s", CPLGetLastErrorMsg()) >= (int)sizeof text;
+	const bool cut = snprintf(text, sizeof text, ": %s", CPLGetLastErrorMsg()) >= (int)sizeof text;
 	if (cut)
 		memcpy(text + sizeof text - 5, " ...", 5);
 	size_t length = strlen(text);
 	if (cut)
 		return text;
-	while (length > 0 && strchr(". \n", text[length - 1]) != NULL)
+	while (length > 0 && strchr(":. \n", text[length - 1]) != NULL)
 		text[--length] = '\0';
-	return length > 0 ? text : "no reason given";
+	return text;
 }
 
 /* The pixel function of a source's vrt: values to metres. The meaning comes as text: scale, offset,

@@ -26,6 +26,7 @@ struct gdal_source {
 	char *own;      /* what its heights are above, as it says (struct dem_vertical); NULL: it does not say */
 	char *from, *to; /* heights are converted from one vertical reference to the other; NULL: they are not */
 	char vertical[160]; /* describes what heights are above, when they are converted */
+	char replaced[80];  /* name of the file's own SRS, if the one given instead is another; "": it is not */
 };
 
 #define DEM_CACHE_BYTES (48 << 20) /* bytes of decoded blocks that GDAL keeps */
@@ -34,7 +35,8 @@ struct gdal_source {
  * be loaded; the message names `what`, the file or name that needs it. */
 enum status dem_gdal_init(const char *what) FURROW_CHECKED;
 void dem_gdal_register(void);       /* of dem_gdal_init: drivers, the size of the cache, and our pixel function */
-const char *dem_gdal_message(void); /* the last message of GDAL; valid until the next call in this thread */
+/* ": " and the last message of GDAL, "" if there is none; valid until the next call in this thread. */
+const char *dem_gdal_because(void);
 
 /* --- dem_source.c --- */
 /* Opens a source. Adds to `files` the other files that belong to it. */
@@ -158,8 +160,8 @@ enum status dem_target_area(const struct dem_target *target, const struct dem_gr
 enum status dem_target_choose(const struct dem_params *params, struct dem_groups *groups, struct dem_target *target) FURROW_CHECKED;
 void dem_target_finish(struct dem_target *target);
 void dem_target_lattice(const struct dem_target *target, struct dem_lattice *lattice);
-/* Prints a note if a metre of the target differs much from a metre on the ground. There, ruts and wheels have a wrong size. */
-void dem_target_note_scale(const struct dem_target *target, const char *name);
+/* Prints a note and returns true if a metre of the target differs much from a metre on the ground. There, ruts and wheels have a wrong size. */
+bool dem_target_note_scale(const struct dem_target *target, const char *name);
 
 /* --- dem_misfit.c --- */
 /* Heights at posts of the target, whose surface is bilinear, and the part of it that is measured. */
@@ -198,6 +200,10 @@ OGRSpatialReferenceH dem_srs_parse_beside(const char *text, OGRSpatialReferenceH
  * between two bodies there is none. */
 enum status dem_srs_move(const char *told, OGRSpatialReferenceH from, OGRSpatialReferenceH to, const char *whose, OGRCoordinateTransformationH *move)
 	FURROW_CHECKED;
+/* Writes the code of an SRS, as EPSG:32611, or its name if it has no code. */
+void dem_srs_told(OGRSpatialReferenceH srs, char *text, size_t size);
+/* Returns true if the two differ in more than their vertical part. */
+bool dem_srs_differ(OGRSpatialReferenceH a, OGRSpatialReferenceH b);
 /* Returns the metres on the ground from (x, y) to (x + dx, y + dy). Returns NaN if this cannot be computed. */
 double dem_srs_ground(OGRSpatialReferenceH srs, double x, double y, double dx, double dy);
 /* Returns a metric SRS for data around (x, y): UTM, or on other planets an equirectangular projection. NULL: failed. */

@@ -38,7 +38,7 @@ static void load_once(void)
 	DEM_GDAL_EACH(DEM_GDAL_FIND)
 	if (!whole) {
 		const char *why = dlerror();
-		snprintf(missing, sizeof missing, "%s", why != NULL ? why : "no reason given");
+		snprintf(missing, sizeof missing, "cannot be loaded%s%s", why != NULL ? ": " : "", why != NULL ? why : "");
 		return;
 	}
 	if (quiet)
@@ -60,7 +60,7 @@ enum status dem_gdal_init(const char *what)
 	static pthread_once_t once = PTHREAD_ONCE_INIT;
 	pthread_once(&once, load_once);
 	if (missing[0] != '\0')
-		return fail_with(STATUS_FAILED, "%.200s: needs GDAL, which cannot be loaded: %s; install it again, or give PNG "
+		return fail_with(STATUS_FAILED, "%.200s: needs GDAL, which %s; install it again, or give PNG "
 				 "or raw heightmaps", what, missing);
 	push_handlers();
 	dem_gdal_calls.CPLErrorReset();

@@ -26,8 +26,8 @@ static enum status fill(struct dem_globe *globe, OGRSpatialReferenceH srs)
 		OSRDestroySpatialReference(degrees);
 	}
 	if (globe->to == NULL || globe->from == NULL)
-		return fail_with(STATUS_INPUT, "the store's SRS: has no way to longitude and latitude: %s; import with another --t-srs",
-				 dem_gdal_message());
+		return fail_with(STATUS_INPUT, "the store's SRS: has no way to longitude and latitude%s; import with another --t-srs",
+				 dem_gdal_because());
 	return STATUS_OK;
 }
 

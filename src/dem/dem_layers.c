@@ -109,8 +109,8 @@ enum status dem_layers_create(const struct gdal_source *const *sources, size_t c
 		layers->layers[i] = (struct layer){GDALOpen(source->vrt, GA_ReadOnly), 0, 0, source->width, source->height};
 		if (layers->layers[i].dataset == NULL) {
 			dem_layers_destroy(layers);
-			return fail_with(STATUS_INPUT, "%s: cannot be read: %s; give another raster", source->path,
-					 dem_gdal_message());
+			return fail_with(STATUS_INPUT, "%s: cannot be read%s; give another raster", source->path,
+					 dem_gdal_because());
 		}
 	}
 	cover(layers, sources, count);

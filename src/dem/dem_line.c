@@ -173,11 +173,11 @@ enum status dem_line_read(const char *path, const char *told, size_t number, str
 	CPLErrorReset();
 	GDALDatasetH set = GDALOpenEx(path, GDAL_OF_VECTOR | GDAL_OF_READONLY, drivers, NULL, NULL);
 	if (set == NULL)
-		return fail_with(STATUS_INPUT, "%s: neither GPX nor GeoJSON (%s); check the file", told, dem_gdal_message());
+		return fail_with(STATUS_INPUT, "%s: neither GPX nor GeoJSON%s; check the file", told, dem_gdal_because());
 	status = GDALDatasetGetLayerByName(set, "track_points") != NULL ? read_gpx(&reading, set) : read_geojson(&reading, set);
 	/* Reading ends at a damaged place as at the end of the file. */
 	if (status == STATUS_OK && CPLGetLastErrorType() >= CE_Failure)
-		status = fail_with(STATUS_INPUT, "%s: it is damaged: %s; check the file", told, dem_gdal_message());
+		status = fail_with(STATUS_INPUT, "%s: it is damaged%s; check the file", told, dem_gdal_because());
 	GDALClose(set);
 	if (status == STATUS_OK)
 		status = check_number(&reading);

@@ -129,8 +129,8 @@ enum status dem_map_create(const struct dem_lattice *from, const struct dem_latt
 		CPLErrorReset();
 		map->move = OCTNewCoordinateTransformation(from->srs, to->srs);
 		if (map->move == NULL)
-			status = fail_with(STATUS_INPUT, "%s: no way to project it: %s; name another target with --t-srs", name,
-					   dem_gdal_message());
+			status = fail_with(STATUS_INPUT, "%s: no way to project it%s; name another target with --t-srs", name,
+					   dem_gdal_because());
 	}
 	if (status != STATUS_OK) {
 		dem_map_destroy(map);

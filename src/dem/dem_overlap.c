@@ -104,8 +104,8 @@ static enum status compare_rows(struct pair *pair, struct post_rect strip, struc
 	if (status == STATUS_OK && done)
 		status = dem_sampler_read(pair->sampler, &samples, strip, &done);
 	if (status == STATUS_OK && !done)
-		status = fail_with(STATUS_INPUT, "%s: reading where it overlaps %s failed: %s; check that both are whole",
-				   pair->second->path, pair->first->path, dem_gdal_message());
+		status = fail_with(STATUS_INPUT, "%s: reading where it overlaps %s failed%s; check that both are whole",
+				   pair->second->path, pair->first->path, dem_gdal_because());
 	if (status == STATUS_OK)
 		count_strip(pair, posts, grid);
 	return status;
@@ -135,8 +135,8 @@ static enum status find_area(struct gdal_source *source, OGRSpatialReferenceH ta
 	if (source->srs != NULL && !OSRIsSame(source->srs, target)) {
 		move = OCTNewCoordinateTransformation(source->srs, target);
 		if (move == NULL)
-			return fail_with(STATUS_INPUT, "%s: no way to project it: %s; name another target with --t-srs", source->path,
-					 dem_gdal_message());
+			return fail_with(STATUS_INPUT, "%s: no way to project it%s; name another target with --t-srs", source->path,
+					 dem_gdal_because());
 	}
 	source->low[0] = source->low[1] = (double)INFINITY;
 	source->high[0] = source->high[1] = -(double)INFINITY;

@@ -87,8 +87,8 @@ static enum status gdal_window(struct dem_placed *raster, struct post_rect pixel
 		problem = GDALRasterIO(gdal->mask, GF_Read, x, y, width, height, gdal->masked, width, height, GDT_Byte,
 				       0, 0);
 	if (problem != CE_None)
-		return fail_with(STATUS_INPUT, "%s: reading it failed at column %d, row %d: %s; fetch or make that file "
-				 "again", gdal->params->path, x, y, dem_gdal_message());
+		return fail_with(STATUS_INPUT, "%s: reading it failed at column %d, row %d%s; fetch or make that file "
+				 "again", gdal->params->path, x, y, dem_gdal_because());
 	for (int64_t i = 0; i < (int64_t)width * height; i++)
 		values[i] = gdal->mask != NULL && gdal->masked[i] == 0 ? (double)NAN : values[i] * gdal->scale + gdal->offset;
 	return STATUS_OK;
@@ -144,8 +144,8 @@ static enum status take_way(struct gdal_of_values *gdal, OGRSpatialReferenceH sr
 	if (!OSRIsSame(store, srs)) {
 		gdal->move = OCTNewCoordinateTransformation(store, srs);
 		if (gdal->move == NULL)
-			status = fail_with(STATUS_INPUT, "%s: no way from the store's SRS to its own: %s; project it with "
-					   "gdalwarp", params->path, dem_gdal_message());
+			status = fail_with(STATUS_INPUT, "%s: no way from the store's SRS to its own%s; project it with "
+					   "gdalwarp", params->path, dem_gdal_because());
 	}
 	if (OSRIsGeographic(srs))
 		gdal->turn = 2 * M_PI / OSRGetAngularUnits(srs, NULL);
@@ -192,8 +192,8 @@ enum status dem_placed_gdal_open(const struct dem_placed_params *params, enum de
 	gdal->dataset = GDALOpenEx(params->path, GDAL_OF_RASTER | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR, drivers,
 				   NULL, NULL);
 	if (gdal->dataset == NULL)
-		status = fail_with(STATUS_INPUT, "%s: cannot be opened as %s: %s; give a whole GeoTIFF or a grey PNG",
-				   params->path, names[kind], dem_gdal_message());
+		status = fail_with(STATUS_INPUT, "%s: cannot be opened as %s%s; give a whole GeoTIFF or a grey PNG",
+				   params->path, names[kind], dem_gdal_because());
 	if (status == STATUS_OK)
 		status = take_band(gdal);
 	if (status == STATUS_OK)

@@ -36,8 +36,8 @@ static enum status sample(const struct gdal_source *source, double sphere, struc
 	GDALDatasetH dataset = GDALOpen(source->vrt, GA_ReadOnly);
 	bool done = dataset != NULL && GDALRasterIO(GDALGetRasterBand(dataset, 1), GF_Read, 0, 0, source->width, source->height, taken, width,
 						    height, GDT_Float64, 0, 0) == CE_None;
-	enum status status = done ? STATUS_OK : fail_with(STATUS_INPUT, "%s: reading it failed: %s; fetch or make that file again",
-							  source->path, dem_gdal_message());
+	enum status status = done ? STATUS_OK : fail_with(STATUS_INPUT, "%s: reading it failed%s; fetch or make that file again",
+							  source->path, dem_gdal_because());
 	for (int i = 0; done && i < width * height; i++) {
 		*values += !isnan(taken[i]);
 		guess_add(&guesses[0], taken[i], sphere);

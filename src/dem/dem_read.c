@@ -47,8 +47,8 @@ static const char *culprit(const struct gdal_grid *gdal, const char *message)
 static enum status refuse_rows(const struct gdal_grid *gdal, struct post_rect rect)
 {
 	char message[320];
-	snprintf(message, sizeof message, "%s", dem_gdal_message());
-	return fail_with(STATUS_INPUT, "%s: reading it failed at row %d of the whole: %s; fetch or make that file again",
+	snprintf(message, sizeof message, "%s", dem_gdal_because());
+	return fail_with(STATUS_INPUT, "%s: reading it failed at row %d of the whole%s; fetch or make that file again",
 			 culprit(gdal, message), (int)(gdal->grid.height - rect.y1), message);
 }
 

@@ -36,7 +36,10 @@ static enum status place_source(struct gdal_source *source, GDALDatasetH dataset
 	if (det == 0)
 		return fail_with(STATUS_INPUT, "%s: its geotransform is singular; give it a proper one with "
 				 "gdal_translate -a_ullr", source->path);
-	OGRSpatialReferenceH own = override != NULL ? override : GDALGetSpatialRef(dataset);
+	OGRSpatialReferenceH own = GDALGetSpatialRef(dataset);
+	if (own != NULL && override != NULL && dem_srs_differ(own, override))
+		dem_srs_told(own, source->replaced, sizeof source->replaced);
+	own = override != NULL ? override : own;
 	if (own == NULL)
 		return STATUS_OK;
 	if (OSRIsGeocentric(own))
@@ -222,8 +225,8 @@ enum status dem_source_init(struct gdal_source *source, const struct dem_params 
 	GDALDatasetH dataset = GDALOpenEx(source->name, GDAL_OF_RASTER | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR,
 					  NULL, NULL, NULL);
 	if (dataset == NULL)
-		return fail_with(STATUS_INPUT, "%s: cannot be opened as a raster: %s; give a whole raster that "
-				 "GDAL reads", path, dem_gdal_message());
+		return fail_with(STATUS_INPUT, "%s: cannot be opened as a raster%s; give a whole raster that "
+				 "GDAL reads", path, dem_gdal_because());
 	double unit;
 	bool said;
 	struct dem_radius radius;

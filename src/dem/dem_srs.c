@@ -8,7 +8,8 @@
 
 #define SCALE_TOLERANCE 1e-3
 
-OGRSpatialReferenceH dem_srs_parse(const char *text)
+/* `more`: what else may be given, for the message. */
+static OGRSpatialReferenceH parse(const char *text, const char *more)
 {
 	OGRSpatialReferenceH srs = OSRNewSpatialReference(NULL);
 	text += strspn(text, " \t\r\n"); /* WKT of a file or a here-document often begins with a new line */
@@ -16,12 +17,17 @@ OGRSpatialReferenceH dem_srs_parse(const char *text)
 	if (srs == NULL || OSRSetFromUserInput(srs, text) != OGRERR_NONE) {
 		if (srs != NULL)
 			OSRDestroySpatialReference(srs);
-		(void)fail_with(STATUS_INPUT, "SRS \"%.80s\": not understood: %s; give an EPSG code, WKT, PROJ or "
-				"IAU name", text, dem_gdal_message());
+		(void)fail_with(STATUS_INPUT, "SRS \"%.80s\": not understood%s; give an EPSG code, WKT, PROJ or "
+				"IAU name%s", text, dem_gdal_because(), more);
 		return NULL;
 	}
 	OSRSetAxisMappingStrategy(srs, OAMS_TRADITIONAL_GIS_ORDER);
 	return srs;
+}
+
+OGRSpatialReferenceH dem_srs_parse(const char *text)
+{
+	return parse(text, "");
 }
 
 static bool is_earth(OGRSpatialReferenceH srs)
@@ -48,7 +54,7 @@ OGRSpatialReferenceH dem_srs_degrees(OGRSpatialReferenceH srs)
 OGRSpatialReferenceH dem_srs_parse_beside(const char *text, OGRSpatialReferenceH other)
 {
 	if (strcmp(text, DEM_SRS_DEGREES) != 0)
-		return dem_srs_parse(text);
+		return parse(text, ", or " DEM_SRS_DEGREES);
 	OGRSpatialReferenceH degrees = dem_srs_degrees(other);
 	if (degrees == NULL)
 		(void)fail_with(STATUS_INPUT, "degrees: the reference system is a local one, on no planet; give metres");
@@ -69,7 +75,7 @@ enum status dem_srs_move(const char *told, OGRSpatialReferenceH from, OGRSpatial
 	if (*move != NULL)
 		return STATUS_OK;
 	if (!are_of_two_bodies(from, to))
-		return fail_with(STATUS_INPUT, "%s: no way to %s SRS: %s; give others", told, whose, dem_gdal_message());
+		return fail_with(STATUS_INPUT, "%s: no way to %s SRS%s; give others", told, whose, dem_gdal_because());
 	OGRSpatialReferenceH own = OSRCloneGeogCS(to);
 	const char *name = own != NULL ? OSRGetName(own) : NULL;
 	enum status status = fail_with(STATUS_INPUT, "%s: is on a body of radius %.0f km, and %s SRS, \"%.80s\", on one of %.0f km; for longitude and latitude there "
@@ -78,6 +84,34 @@ enum status dem_srs_move(const char *told, OGRSpatialReferenceH from, OGRSpatial
 	if (own != NULL)
 		OSRDestroySpatialReference(own);
 	return status;
+}
+
+void dem_srs_told(OGRSpatialReferenceH srs, char *text, size_t size)
+{
+	const char *authority = OSRGetAuthorityName(srs, NULL), *code = OSRGetAuthorityCode(srs, NULL), *name = OSRGetName(srs);
+	if (authority != NULL && code != NULL)
+		snprintf(text, size, "%s:%s", authority, code);
+	else
+		snprintf(text, size, "\"%.60s\"", name != NULL ? name : "unnamed");
+}
+
+bool dem_srs_differ(OGRSpatialReferenceH a, OGRSpatialReferenceH b)
+{
+	OGRSpatialReferenceH pair[2] = {OSRClone(a), OSRClone(b)};
+	for (int i = 0; i < 2; i++) {
+		if (pair[i] == NULL)
+			continue;
+		if (OSRIsCompound(pair[i]))
+			OSRStripVertical(pair[i]);
+		else if (OSRGetAxesCount(pair[i]) > 2)
+			(void)OSRDemoteTo2D(pair[i], NULL);
+		OSRSetAxisMappingStrategy(pair[i], OAMS_TRADITIONAL_GIS_ORDER);
+	}
+	const bool differ = pair[0] != NULL && pair[1] != NULL && !OSRIsSame(pair[0], pair[1]);
+	for (int i = 0; i < 2; i++)
+		if (pair[i] != NULL)
+			OSRDestroySpatialReference(pair[i]);
+	return differ;
 }
 
 char *dem_srs_wkt(OGRSpatialReferenceH srs)

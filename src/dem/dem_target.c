@@ -53,8 +53,8 @@ static enum status bounds_add_raster(struct bounds *bounds, const struct dem_lat
 		CPLErrorReset();
 		move = OCTNewCoordinateTransformation(raster->srs, srs);
 		if (move == NULL)
-			return fail_with(STATUS_INPUT, "%s: no way to project it: %s; name another target with --t-srs", name,
-					 dem_gdal_message());
+			return fail_with(STATUS_INPUT, "%s: no way to project it%s; name another target with --t-srs", name,
+					 dem_gdal_because());
 	}
 	for (int i = 0; i < PROBES * PROBES; i++) {
 		double x, y;
@@ -126,7 +126,7 @@ static enum status bounds_cut(struct bounds *bounds, const struct dem_params *pa
 /* --- distances --- */
 
 /* Measures the distance of posts along a row and a column in the middle of a raster, metres. */
-static enum status measure(const struct dem_lattice *raster, const char *name, double step[2])
+static enum status measure(const struct dem_lattice *raster, const struct gdal_source *source, double step[2])
 {
 	const double *at = raster->at;
 	double x, y;
@@ -135,10 +135,15 @@ static enum status measure(const struct dem_lattice *raster, const char *name, d
 	if (raster->srs == NULL)
 		return STATUS_OK;
 	dem_lattice_point(raster, (double)(raster->width - 1) / 2, (double)(raster->height - 1) / 2, &x, &y);
+	CPLErrorReset();
 	double ground[2] = {dem_srs_ground(raster->srs, x, y, at[1], at[4]), dem_srs_ground(raster->srs, x, y, at[2], at[5])};
-	if (!(ground[0] > 0) || !(ground[1] > 0))
-		return fail_with(STATUS_INPUT, "%s: its middle at %.10g, %.10g is nowhere in its SRS: %s; name the right one with "
-				 "--s-srs", name, x, y, dem_gdal_message());
+	if (!(ground[0] > 0) || !(ground[1] > 0)) {
+		const char *said = source->replaced, *why = OSRIsGeographic(raster->srs) ? ": these are no degrees" : dem_gdal_because();
+		char told[80];
+		dem_srs_told(raster->srs, told, sizeof told);
+		return fail_with(STATUS_INPUT, "%s: its middle at %.10g, %.10g is nowhere in %s%s; %s%s%sname the right one with --s-srs",
+				 source->path, x, y, told, why, said[0] != '\0' ? "the file says " : "", said, said[0] != '\0' ? ": leave --s-srs out, or " : "");
+	}
 	double unit = OSRIsGeographic(raster->srs) ? 0 : OSRGetLinearUnits(raster->srs, NULL);
 	bool fit = fabs(unit - 1) <= 1e-12 && fabs(ground[0] / step[0] - 1) <= SCALE_TOLERANCE &&
 		   fabs(ground[1] / step[1] - 1) <= SCALE_TOLERANCE;
@@ -217,8 +222,8 @@ static enum status choose_srs(struct dem_target *target, const struct dem_params
 	double x = (bounds.low[0] + bounds.high[0]) / 2, y = (bounds.low[1] + bounds.high[1]) / 2;
 	target->srs = is_true_at(first->srs, x, y, fabs(first->place[1])) ? OSRClone(first->srs) : dem_srs_metric(first->srs, x, y);
 	if (target->srs == NULL)
-		return fail_with(STATUS_INPUT, "%s: found no metric projection for it: %s; name one with --t-srs", first->path,
-				 dem_gdal_message());
+		return fail_with(STATUS_INPUT, "%s: found no metric projection for it%s; name one with --t-srs", first->path,
+				 dem_gdal_because());
 	OSRSetAxisMappingStrategy(target->srs, OAMS_TRADITIONAL_GIS_ORDER);
 	return STATUS_OK;
 }
@@ -234,15 +239,13 @@ static double own_spacing(const struct dem_group *group, bool *square)
 	return *square ? at[1] : round_to_3_digits(sqrt(group->step[0] * group->step[1]));
 }
 
-static enum status measure_groups(struct dem_target *target, const struct dem_params *params, struct dem_groups *groups)
+static void measure_groups(struct dem_target *target, const struct dem_params *params, struct dem_groups *groups)
 {
-	enum status status = STATUS_OK;
 	target->spacing = params->spacing;
-	for (size_t i = 0; i < groups->count && status == STATUS_OK; i++) {
+	for (size_t i = 0; i < groups->count; i++) {
 		struct dem_group *group = &groups->groups[i];
 		const struct dem_lattice *lattice = dem_layers_lattice(group->layers);
 		bool square;
-		status = measure(lattice, group->sources[0]->path, group->step);
 		group->projected = differ(lattice->srs, target->srs);
 		/* `source` keeps the metres of its SRS, true or not. */
 		if (!group->projected && target->keep)
@@ -253,7 +256,6 @@ static enum status measure_groups(struct dem_target *target, const struct dem_pa
 		if (finer || (square && fabs(own / target->spacing - 1) <= SAME_SPACING))
 			target->spacing = own;
 	}
-	return status;
 }
 
 /* Chooses the posts: as many as lie within the area of the sources' posts. */
@@ -310,9 +312,13 @@ enum status dem_target_measure(const struct dem_params *params, struct dem_group
 {
 	target->keep = params->t_srs != NULL && strcmp(params->t_srs, "source") == 0;
 	enum status status = systems_agree(groups);
+	for (size_t i = 0; i < groups->count && status == STATUS_OK; i++)
+		status = measure(dem_layers_lattice(groups->groups[i].layers), groups->groups[i].sources[0], groups->groups[i].step);
 	if (status == STATUS_OK)
 		status = choose_srs(target, params, groups);
-	return status == STATUS_OK ? measure_groups(target, params, groups) : status;
+	if (status == STATUS_OK)
+		measure_groups(target, params, groups);
+	return status;
 }
 
 enum status dem_target_choose(const struct dem_params *params, struct dem_groups *groups, struct dem_target *target)
@@ -343,7 +349,7 @@ void dem_target_finish(struct dem_target *target)
 	target->srs = NULL;
 }
 
-void dem_target_note_scale(const struct dem_target *target, const char *name)
+bool dem_target_note_scale(const struct dem_target *target, const char *name)
 {
 	double worst = 0, s = target->spacing;
 	for (int i = 0; target->srs != NULL && i < 9; i++) {
@@ -355,4 +361,5 @@ void dem_target_note_scale(const struct dem_target *target, const char *name)
 	if (worst > SCALE_TOLD)
 		note("%s: in its target SRS distances are up to %.2g %% off those on the ground; import less at once, or choose "
 		     "a --t-srs that is true there", name, 100 * worst);
+	return worst > SCALE_TOLD;
 }

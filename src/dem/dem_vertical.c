@@ -83,8 +83,8 @@ enum status dem_vertical_part(struct gdal_source *source)
 		snprintf(source->vertical, sizeof source->vertical, "ellipsoid %s", name != NULL ? name : "of the SRS");
 		source->own = mem_strdup(DEM_ELLIPSOID);
 		if (OSRDemoteTo2D(srs, NULL) != OGRERR_NONE)
-			return fail_with(STATUS_INPUT, "%s: its SRS has three axes and cannot do with two: %s; name another with --s-srs", source->path,
-					 dem_gdal_message());
+			return fail_with(STATUS_INPUT, "%s: its SRS has three axes and cannot do with two%s; name another with --s-srs", source->path,
+					 dem_gdal_because());
 	}
 	return source->own != NULL ? STATUS_OK : fail_memory(source->path);
 }

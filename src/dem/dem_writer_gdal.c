@@ -13,8 +13,8 @@ struct gdal_sink {
 
 static enum status refuse(const struct dem_raster *raster)
 {
-	return fail_with(STATUS_FAILED, "%s: cannot be written: %s; check the disk's room", raster->path,
-			 dem_gdal_message());
+	return fail_with(STATUS_FAILED, "%s: cannot be written%s; check the disk's room", raster->path,
+			 dem_gdal_because());
 }
 
 static enum status sink_row(struct dem_sink *sink, int64_t y, const double *values)
@@ -71,7 +71,8 @@ static void add_vertical(const struct dem_raster *raster, OGRSpatialReferenceH s
 	if (context != NULL)
 		dem_proj_calls.proj_context_destroy(context);
 	if (!added)
-		note("%s: cannot say that its heights are metres above %s; who imports it must be told, as by --s-vertical", raster->path, raster->vertical);
+		note("%s: its SRS cannot say that heights are metres above %s, only its metadata VERTICAL_REFERENCE does; who imports it must be told, as by "
+		     "--s-vertical", raster->path, raster->vertical);
 }
 
 static enum status set_meaning(struct gdal_sink *gdal)
@@ -84,12 +85,20 @@ static enum status set_meaning(struct gdal_sink *gdal)
 	if (raster->has_nodata &&
 	    GDALSetRasterNoDataValue(GDALGetRasterBand(gdal->dataset, 1), raster->nodata) != CE_None)
 		return refuse(raster);
+	const bool heights = raster->vertical != NULL && raster->vertical[0] != '\0';
+	GDALRasterBandH band = GDALGetRasterBand(gdal->dataset, 1);
+	if (raster->unit != NULL)
+		(void)GDALSetRasterUnitType(band, raster->unit);
+	if (raster->band != NULL)
+		GDALSetDescription(band, raster->band);
+	if (heights)
+		(void)GDALSetMetadataItem(gdal->dataset, "VERTICAL_REFERENCE", raster->vertical, NULL);
 	if (raster->srs[0] == '\0')
 		return STATUS_OK;
 	OGRSpatialReferenceH srs = dem_srs_parse(raster->srs);
 	if (srs == NULL)
 		return STATUS_INPUT;
-	if (raster->vertical != NULL && raster->vertical[0] != '\0')
+	if (heights)
 		add_vertical(raster, srs);
 	CPLErr set = GDALSetSpatialRef(gdal->dataset, srs);
 	OSRDestroySpatialReference(srs);
@@ -121,9 +130,9 @@ enum status dem_gdal_sink(const struct dem_raster *raster, const char *part, str
 		CSLDestroy(options);
 		status = gdal->dataset != NULL
 				 ? set_meaning(gdal)
-				 : fail_with(STATUS_FAILED, "%s: cannot be created: %s; check the folder and its "
-					     "permissions", raster->path,
-					     errno != 0 ? strerror(errno) : dem_gdal_message());
+				 : fail_with(STATUS_FAILED, "%s: cannot be created%s%s; check the folder and its "
+					     "permissions", raster->path, errno != 0 ? ": " : "",
+					     errno != 0 ? strerror(errno) : dem_gdal_because());
 	}
 	if (status != STATUS_OK) {
 		sink_destroy(&gdal->sink);

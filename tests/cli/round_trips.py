@@ -50,10 +50,31 @@ class Places(RasterTest):
     def test_a_projection_that_is_not_true_there_is_told(self):
         """At 46.9 degrees a metre of web Mercator is 0.68 m on the ground."""
         self.make("in.tif", 50, 40, self.slope, "h", **self.DEGREES)
-        told = self.furrow("import", "in.tif", "-o", "s.furrow", "--t-srs", "EPSG:3857", "--dry-run").stderr
-        self.assertRegex(told, r"up to 3[12](\.\d+)? % off")
-        told = self.furrow("import", "in.tif", "-o", "s.furrow", "--dry-run").stderr
-        self.assertNotIn("% off", told)
+        told = self.furrow("import", "in.tif", "-o", "s.furrow", "--t-srs", "EPSG:3857", "--dry-run")
+        self.assertRegex(told.stderr, r"up to 3[12](\.\d+)? % off")
+        self.assertIn("projected to WGS 84 / Pseudo-Mercator; --t-srs", told.stdout)
+        told = self.furrow("import", "in.tif", "-o", "s.furrow", "--dry-run")
+        self.assertNotIn("% off", told.stderr)
+        self.assertIn("UTM zone 33N, where a metre is a metre on the ground;", told.stdout)
+
+    def test_an_srs_in_place_of_the_files_own_is_told(self):
+        self.make("in.tif", 50, 40, self.slope, "h")
+        self.make("bare.tif", 50, 40, self.slope, "h", srs=None)
+        for source, srs, told in (("in.tif", "EPSG:32634", "in.tif: the file says EPSG:32633; --s-srs EPSG:32634 is used\n"),
+                                  ("in.tif", "EPSG:32633", ""), ("in.tif", "EPSG:32633+5773", ""), ("bare.tif", "EPSG:32634", "")):
+            with self.subTest(source=source, srs=srs):
+                found = self.furrow("import", source, "-o", "s.furrow", "--s-srs", srs, "--dry-run")
+                self.assertEqual(found.returncode, 0, found.stderr)
+                self.assertEqual(told != "", "the file says" in found.stderr, found.stderr)
+                self.assertIn(told, found.stderr)
+
+    def test_coordinates_that_are_nowhere_in_their_srs_are_told_first(self):
+        self.make("in.tif", 50, 40, self.slope, "h")
+        self.make("bare.tif", 50, 40, self.slope, "h", srs=None)
+        for source, own in (("in.tif", "the file says EPSG:32633: leave --s-srs out, or "), ("bare.tif", "")):
+            for more in ((), ("--t-srs", "EPSG:32633")):
+                told = self.refused(3, "import", source, "-o", "s.furrow", "--s-srs", "EPSG:4326", *more)
+                self.assertIn("its middle at 500250, 4999800 is nowhere in EPSG:4326: these are no degrees; " + own + "name the right one with --s-srs", told)
 
     def test_a_corner_at_zero_and_a_spacing_of_one_is_a_place(self):
         self.make("in.tif", 50, 40, self.slope, "h", west=0.0, north=0.0, step=1.0, srs=None)

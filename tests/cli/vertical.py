@@ -118,12 +118,18 @@ class Vertical(RasterTest):
                     told = self.furrow("export", "a.furrow", "-o", "b.tif")
                     self.assertEqual(0, told.returncode, told.stderr)
                     self.assertEqual(said is None, "cannot say" in told.stderr, told.stderr)  # those of EPSG:6360 are feet
-                    wkt = json.loads(rasters.gdal("gdalinfo", "-json", self.folder / "b.tif"))["coordinateSystem"]["wkt"]
+                    found = rasters.gdalinfo(self.folder / "b.tif")
+                    wkt, band = found["coordinateSystem"]["wkt"], found["bands"][0]
+                    self.assertEqual((band["unit"], band["description"]), ("m", "surface"))
+                    self.assertEqual(found["metadata"][""]["VERTICAL_REFERENCE"], self.json("info", "a.furrow")["vertical"])
                     self.assertEqual(said is not None, wkt.startswith("COMPOUNDCRS"), wkt)
                     self.ok("import", "b.tif", "-o", "b.furrow", "--overwrite")
                     self.assertEqual(said or "", self.json("info", "b.furrow").get("vertical") or "")
                     self.ok("export", "a.furrow", "-o", "c.tif", "--layer", "offset")
-                    self.assertNotIn("COMPOUNDCRS", rasters.gdal("gdalinfo", self.folder / "c.tif"))
+                    found = rasters.gdalinfo(self.folder / "c.tif")
+                    self.assertNotIn("COMPOUNDCRS", found["coordinateSystem"]["wkt"])
+                    self.assertNotIn("VERTICAL_REFERENCE", found["metadata"][""])
+                    self.assertEqual((found["bands"][0]["unit"], found["bands"][0]["description"]), ("m", "offset"))
 
     def test_a_grid_that_is_not_there_is_named_and_where_to_put_it(self):
         folder = self.folder / "proj"
