@@ -388,6 +388,11 @@ static void tell_on_the_way(const struct drive *drive)
 	}
 }
 
+static void tell_advice(void *user, const char *text)
+{
+	note("%s", text);
+}
+
 static enum status run(struct drive *drive, struct api_result *result)
 {
 	enum status status = all(drive);
@@ -399,8 +404,10 @@ static enum status run(struct drive *drive, struct api_result *result)
 	result->ended = status == STATUS_OK ? vehicle_stuck(drive->vehicles) ? "stuck" : "complete"
 			: status == STATUS_INTERRUPTED ? "interrupted"
 						       : "failed";
-	if (strcmp(result->ended, "complete") == 0 && writes(drive))
+	if (strcmp(result->ended, "complete") == 0 && writes(drive)) {
 		tell_on_the_way(drive);
+		report_groundless(&drive->world, tell_advice, NULL);
+	}
 	struct failure failure;
 	failure_capture(&failure, status);
 	if (drive->params->ranks != NULL) { /* conclude() writes it */
@@ -453,11 +460,6 @@ static enum status conclude(struct drive *drive, int64_t step, double time, stru
 	if (status == STATUS_OK || (status == STATUS_INTERRUPTED && gathered != STATUS_OK))
 		return gathered;
 	return failure_restore(&failure);
-}
-
-static void tell_advice(void *user, const char *text)
-{
-	note("%s", text);
 }
 
 enum status api_drive(const struct api_params *params, struct api_result *result)

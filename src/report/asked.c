@@ -1,4 +1,5 @@
 /* What run.json says was run: version, scene, store, trace, and the notes on them. So a folder explains itself later. */
+#include <stdio.h>
 #include <stdlib.h>
 
 #include "base/json.h"
@@ -23,6 +24,19 @@ static void add_note(void *user, const char *text)
 		cJSON_Delete(note);
 }
 
+void report_groundless(const struct world *world, scene_advice_fn tell, void *user)
+{
+	char text[400];
+	for (size_t i = 0; world->ranks == NULL && i < world->scene->object_count; i++) {
+		const struct body *body = &world->bodies[i];
+		if (body->track == NULL || body->skipped == 0 || body->skipped < body->next)
+			continue;
+		snprintf(text, sizeof text, "objects.%.200s.path: all %lld path samples had no ground, so the object pressed nothing; lead the path over the "
+					    "terrain, or fill its holes (furrow import --fill)", body->object->name, (long long)body->skipped);
+		tell(user, text);
+	}
+}
+
 void report_asked(cJSON *root, const struct report *report)
 {
 	const struct world *world = report->world;
@@ -45,6 +59,7 @@ void report_asked(cJSON *root, const struct report *report)
 		world_advise(world, add_note, notes);
 		vehicle_advise(report->vehicles, scene, world->spacing, add_note, notes);
 		report_sun_advise(world, add_note, notes);
+		report_groundless(world, add_note, notes);
 	} else {
 		scene_advise_units(scene, add_note, notes);
 	}

@@ -137,7 +137,7 @@ static enum status advise_starts(const struct world *world, struct notes *notes)
 		struct store_sample sample = {.nodata = false};
 		double at[2];
 		char text[300];
-		status = world_local_point(world, scene->vehicles[i].at, at);
+		status = world_start_point(world, &scene->vehicles[i], at);
 		if (status == STATUS_OK)
 			status = store_sample(reader, at[0], at[1], &sample);
 		if (status != STATUS_OK || !(sample.nodata || sample.outside))

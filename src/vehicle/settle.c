@@ -109,7 +109,7 @@ static enum status check_start(const struct vehicles *vehicles, const struct veh
 
 static enum status turn(const struct vehicles *vehicles, struct vehicle *vehicle)
 {
-	enum status status = world_local_point(vehicles->world, vehicle->scene->at, vehicle->origin);
+	enum status status = world_start_point(vehicles->world, vehicle->scene, vehicle->origin);
 	each_root(vehicle, turn_root, 0);
 	return status;
 }

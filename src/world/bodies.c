@@ -1,12 +1,23 @@
 /* Makes the bodies: each gets its path as path samples in local metres, and a place in the record. */
 #include <assert.h>
 #include <math.h>
+#include <stdio.h>
 
 #include "dem/dem.h"
 #include "world/internal.h"
 
-/* Converts points of a path to local metres, in place: of the globe if `degrees`, otherwise of the scene's coordinates. */
-static enum status to_local(const struct world *world, bool degrees, size_t count, double *x, double *y)
+/* Puts the scene's key before the message of a failed dem_transform from `srs`: `key`, or coordinates if no point is convertible. */
+static enum status tell_key(const struct world *world, const char *srs, const char *key, enum status status)
+{
+	char why[600];
+	snprintf(why, sizeof why, "%s", failure_message());
+	if (dem_transform(srs, world->meta->srs, 0, NULL, NULL) != STATUS_OK)
+		key = "coordinates";
+	return fail_with(status, "%s: %s: %s", world->scene->file, key, why);
+}
+
+/* Converts points to local metres, in place: of the globe if `degrees`, otherwise of the scene's coordinates. `key`: of the scene, for messages. */
+static enum status to_local(const struct world *world, bool degrees, const char *key, size_t count, double *x, double *y)
 {
 	const struct scene *scene = world->scene;
 	const char *srs = degrees ? DEM_SRS_DEGREES : scene->coordinates == SCENE_SRS ? scene->srs : NULL;
@@ -17,6 +28,8 @@ static enum status to_local(const struct world *world, bool degrees, size_t coun
 		return fail_with(STATUS_INPUT, "%s: coordinates: %s, but the store has no reference system; take coordinates away, and give paths in metres from "
 					       "its south-west post", scene->file, srs);
 	enum status status = srs != NULL ? dem_transform(srs, world->meta->srs, count, x, y) : STATUS_OK;
+	if (status != STATUS_OK)
+		return tell_key(world, srs, key, status);
 	for (size_t i = 0; i < count && (srs != NULL || scene->coordinates == SCENE_STORE); i++) {
 		x[i] -= world->meta->origin[0];
 		y[i] -= world->meta->origin[1];
@@ -24,22 +37,26 @@ static enum status to_local(const struct world *world, bool degrees, size_t coun
 	return status;
 }
 
-enum status world_local_point(const struct world *world, const double from[2], double to[2])
+enum status world_start_point(const struct world *world, const struct scene_vehicle *vehicle, double to[2])
 {
-	to[0] = from[0];
-	to[1] = from[1];
-	return to_local(world, false, 1, &to[0], &to[1]);
+	char key[300];
+	snprintf(key, sizeof key, "vehicles.%.270s.start.at", vehicle->name);
+	to[0] = vehicle->at[0];
+	to[1] = vehicle->at[1];
+	return to_local(world, false, key, 1, &to[0], &to[1]);
 }
 
 /* Converts the path's points to local metres: points[count][2], whose memory also has room for x and y apart. */
-static enum status local_points(const struct world *world, const struct scene_path *path, double (*points)[2])
+static enum status local_points(const struct world *world, const struct scene_path *path, const char *name, double (*points)[2])
 {
 	double *x = points[path->count], *y = x + path->count;
 	for (size_t i = 0; i < path->count; i++) {
 		x[i] = path->points[i].x;
 		y[i] = path->points[i].y;
 	}
-	enum status status = to_local(world, path->degrees, path->count, x, y);
+	char key[300];
+	snprintf(key, sizeof key, "%.280s: path", name);
+	enum status status = to_local(world, path->degrees, key, path->count, x, y);
 	for (size_t i = 0; i < path->count; i++) {
 		points[i][0] = x[i];
 		points[i][1] = y[i];
@@ -52,7 +69,7 @@ enum status world_route(const struct world *world, const struct scene_path *path
 	double(*points)[2] = mem_alloc(2 * path->count, sizeof *points);
 	if (points == NULL)
 		return fail_memory("a path");
-	enum status status = local_points(world, path, points);
+	enum status status = local_points(world, path, name, points);
 	if (status == STATUS_OK)
 		status = motion_route_create(path, name, (const double(*)[2])points, route);
 	mem_free(points);

@@ -213,13 +213,12 @@ static double way_at(const struct track *track, double time)
 	return way;
 }
 
-/* Tells about paths of which the drive's end cuts off more than a tenth of their time. It names the one that needs the most time. */
+/* Tells about paths of which the drive's end cuts off more than a time step and a path sample. It names the one that needs the most time. */
 static void advise_unfinished(const struct world *world, scene_advice_fn tell, void *user)
 {
 	const struct scene *scene = world->scene;
 	const struct body *longest = NULL;
-	const double most = fmax(scene->end_time / 0.9, scene->end_time + scene->time_step);
-	double needed = most;
+	double needed = 0;
 	size_t unfinished = 0;
 	char text[400], others[64] = "";
 	for (size_t i = 0; i < scene->object_count; i++) {
@@ -228,7 +227,9 @@ static void advise_unfinished(const struct world *world, scene_advice_fn tell, v
 		if (samples == INT64_MAX || motion_track_sample_time(track, 0) > scene->end_time)
 			continue;
 		const double end = motion_track_sample_time(track, samples - 1);
-		unfinished += end > most;
+		if (end <= scene->end_time + scene->time_step || motion_track_sample_time(track, samples - 2) <= scene->end_time)
+			continue;
+		unfinished++;
 		if (end <= needed)
 			continue;
 		needed = end;

@@ -430,8 +430,8 @@ void world_finish(struct world *world, enum status status);
 /* Makes the way that a path of the scene says, in local metres. `name`: of the object or vehicle, for messages. The caller frees it by
  * motion_route_finish. STATUS_INPUT: the store has no reference system, or there is no such way. */
 enum status world_route(const struct world *world, const struct scene_path *path, const char *name, struct scene_path *route) FURROW_CHECKED;
-/* Converts x and y of the scene's `coordinates` to local metres. STATUS_INPUT: the store has no reference system. */
-enum status world_local_point(const struct world *world, const double from[2], double to[2]) FURROW_CHECKED;
+/* Gives where a vehicle starts, in local metres. STATUS_INPUT: the store has no reference system, or the point is nowhere in it. */
+enum status world_start_point(const struct world *world, const struct scene_vehicle *vehicle, double to[2]) FURROW_CHECKED;
 
 /* --- steps --- */
 

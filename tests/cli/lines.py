@@ -3,6 +3,8 @@ import csv
 import hashlib
 import json
 import math
+import pathlib
+import shutil
 import subprocess
 import unittest
 
@@ -101,6 +103,19 @@ class Lines(FurrowTest):
         self.assertGreater(len(found), 50)
         for a, b in zip(found, wanted):
             self.assertLess(max(abs(p - q) for p, q in zip(a, b)), tolerance, (a, b))
+
+    def test_points_nowhere_and_unknown_coordinates_name_their_key(self):
+        self.utm()
+        ball = HEAD + f"  - {{name: a, {BALL}, path: {{points: [[15.0002, 45.15], [15.0005, 45.15]], speed: 8}}}}\ncoordinates: "
+        car = (HEAD.split("redistribute")[0].replace("0.1", "0.002") + "soil: {name: dry_sand}\nredistribute: {model: scm}\ncoordinates: degrees\nvehicles:\n"
+               "  - {name: car, model: one_wheel.xml, start: {at: [45.15, 115.0002]}}\n")
+        shutil.copy(pathlib.Path(__file__).parents[1] / "vehicle/one_wheel.xml", self.folder)
+        result = self.furrow("drive", self.scene(car, "car.yaml"), "--store", "base.furrow", "-o", "x")
+        if "this build has no MuJoCo" not in result.stderr:
+            self.assertIn("car.yaml: vehicles.car.start.at: point 45.15, 115.0002: is nowhere", result.stderr)
+        for scene, told in ((ball + "lonlat\n", r'lost.yaml: coordinates: SRS "lonlat": not understood.*, or degrees$'),
+                            (ball.replace("[15.0002, 45.15]", "[45.15, 115.0002]") + "degrees\n", r"lost.yaml: a: path: point 45.15, 115.0002: is nowhere")):
+            self.assertRegex(self.refused(3, "drive", self.scene(scene, "lost.yaml"), "--store", "base.furrow", "-o", "x").strip(), told)
 
     def test_a_line_on_the_globe_is_the_same_way(self):
         self.utm()

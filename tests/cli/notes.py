@@ -1,4 +1,4 @@
-"""Notes that a drive prints before its first step: ruts that are there already, and numbers that are probably in another unit."""
+"""Notes that a drive prints: ruts that are there already, numbers that are probably in another unit, and paths without ground or end."""
 import json
 import pathlib
 import shutil
@@ -158,6 +158,23 @@ class Notes(FurrowTest):
         driven = self.notes(".path: the drive ends", "--overlay", "w.furrow", "--set", "end_time=4", scene="way.yaml")
         self.assertEqual(len(driven), 1)
         self.assertEqual(self.notes(".path: the drive ends", "--overlay", "v.furrow", scene="way.yaml"), [])
+        # A path of 50 m that takes 10 s: what is within a path sample, or a time step, is not missing.
+        self.scene((scene % 10).replace("time_step: 0.1", "time_step: 0.01").split("  - {name: b")[0], "one.yaml")
+        for end, told in ((9.6, 1), (9.85, 1), (9.95, 0), (9.992, 0)):
+            notes = self.json("explain", "one.yaml", "--store", "world.furrow", "--set", f"end_time={end}")["notes"]
+            self.assertEqual(sum(".path: the drive ends" in note for note in notes), told, (end, notes))
+
+    def test_a_path_without_any_ground_is_told(self):
+        scene = ("scene: 1\ntime_step: 0.1\nend_time: 4\nspacing: 0.5\noutside: skip\nredistribute: {model: box}\nobjects:\n"
+                 "  - {name: off, shape: {sphere: {radius: 1}}, sink: 0.1, path: {points: [[-50, -50], [-50, -40]], speed: 5}}\n"
+                 "  - {name: half, shape: {sphere: {radius: 1}}, sink: 0.1, path: {points: [[-5, 20], [10, 20]], speed: 5}}\n")
+        self.scene(scene, "off.yaml")
+        told = self.notes("had no ground", "--overlay", "w.furrow", scene="off.yaml")
+        self.assertEqual(len(told), 1, told)
+        run = json.loads((self.folder / "out/run.json").read_text())
+        self.assertRegex(told[0], f"objects.off.path: all {run['objects']['off']['skipped']} path samples had no ground, ")
+        self.assertEqual([f"furrow: note: {note}" for note in run["notes"] if "had no ground" in note], told)
+        self.assertGreater(run["objects"]["half"]["skipped"], 0)
 
     def test_few_posts_below_a_wheel_are_told(self):
         self.scene(SCM, "scm.yaml")
