@@ -9,8 +9,6 @@
 #include "ruts.h"
 #include "scene/scene.h"
 
-#define LARGE_GIGABYTES 0.5 /* of a raster; of a larger one only what changed is written, unless a window is given */
-
 static const char *const layer_names[] = {"surface", "base",        "offset",    "deposited", "plastic_sinkage", "shear",
 					  "shear_x", "shear_y",     "fixed_point", "hillshade", NULL};
 
@@ -56,11 +54,6 @@ static double nodata_beside(const struct store_meta *meta)
 	const double usual = -32767, deepest = 2048, highest = 2048; /* that offsets reach */
 	bool taken = meta->low - deepest <= usual && usual <= meta->high + highest;
 	return taken ? (double)NAN : usual;
-}
-
-static bool is_ruts(const struct export_request *request)
-{
-	return request->layer >= LAYER_OFFSET && request->layer <= LAYER_QUANTA;
 }
 
 enum status export_read_light(const struct arguments *arguments, struct export_request *request, bool lit)
@@ -129,8 +122,8 @@ static enum status read_request(const struct arguments *arguments, struct export
 	enum chart_format format;
 	const bool drawn = !request->mesh && chart_path_format(request->path, &format);
 	request->png = drawn && format == CHART_PNG;
-	request->map = drawn && (!request->png || is_ruts(request)); /* a PNG holds no negative metres */
-	if (drawn && !request->png && !is_ruts(request))
+	request->map = drawn && (!request->png || export_is_ruts(request)); /* a PNG holds no negative metres */
+	if (drawn && !request->png && !export_is_ruts(request))
 		return fail_with(STATUS_USAGE, "export: %s: heights are a raster; write them as .tif or .png, or as a map by furrow map",
 				 request->path);
 	request->raw = dem_path_ends(request->path, ".r16") || dem_path_ends(request->path, ".raw");
@@ -255,25 +248,6 @@ static enum dem_raster_type float_type(const struct store_meta *meta)
 	return height_code_float_holds(meta->step, fmax(fabs(meta->low), fabs(meta->high))) ? DEM_FLOAT32 : DEM_FLOAT64;
 }
 
-/* Of the whole terrain at the spacing of ruts a raster may have gigabytes, and most of it is 0. Then takes the window of what changed. */
-static enum status take_changed(struct export_request *request, struct store *store)
-{
-	const struct extent *extent = &store_meta(store)->extent;
-	const int level = (int)request->level;
-	const double gigabytes = 4e-9 * (double)extent_posts(extent->width, level) * (double)extent_posts(extent->height, level);
-	bool any;
-	if (!is_ruts(request) || request->map || request->has_window || gigabytes < LARGE_GIGABYTES)
-		return STATUS_OK;
-	enum status status = ruts_window(store, request->window, &any);
-	if (status != STATUS_OK || !any)
-		return status;
-	request->has_window = true;
-	note("%s: only what changed is written, --window %.10g,%.10g,%.10g,%.10g; the whole terrain has %.1f GB at this spacing: give --window "
-	     "0,0,%.10g,%.10g for it", request->path, request->window[0], request->window[1], request->window[2], request->window[3], gigabytes,
-	     (double)(extent->width - 1) * extent->spacing, (double)(extent->height - 1) * extent->spacing);
-	return STATUS_OK;
-}
-
 /* The surface of the source's level has only few posts of finer ruts. */
 static enum status tell_finer_ruts(const struct export_request *request, struct store *store, int working)
 {
@@ -350,14 +324,14 @@ static enum status run(const struct arguments *arguments)
 	if (status == STATUS_OK)
 		status = export_place_window(&request, store_meta(store));
 	int working;
-	if (status == STATUS_OK && !is_ruts(&request))
+	if (status == STATUS_OK && !export_is_ruts(&request))
 		relief_tell_missing(request.store, store);
-	if (status == STATUS_OK && is_ruts(&request) && !arguments_flag(arguments, "level") && store_has_working_level(store, &working))
+	if (status == STATUS_OK && export_is_ruts(&request) && !arguments_flag(arguments, "level") && store_has_working_level(store, &working))
 		request.level = working;
 	if (status == STATUS_OK && !arguments_flag(arguments, "level") && store_has_working_level(store, &working))
 		status = tell_finer_ruts(&request, store, working);
 	if (status == STATUS_OK)
-		status = take_changed(&request, store);
+		status = export_take_changed(&request, store);
 	if (status == STATUS_OK)
 		status = request.mesh ? export_mesh(&request, store) : request.map ? export_picture(&request, store) : write_raster(&request, store);
 	store_close(store);
@@ -374,7 +348,7 @@ const struct command command_export = {
 		   "without loss. They name unit and layer of the band, and in VERTICAL_REFERENCE what heights are above.\n\n"
 		   "Layers offset to fixed_point are 0 where nothing changed, and nodata where there is no ground (fixed_point: 0). "
 		   "Where the whole terrain would make a raster of more than half a gigabyte, only the tiles that changed are "
-		   "written, and the window is told. --window writes any other part.\n\n"
+		   "written, and the window is told. Maps have only these tiles, too. --window writes any other part.\n\n"
 		   "A .png, .svg or .pdf of offset, deposited, plastic_sinkage or of shear is a map: false colours over the "
 		   "hillshade, with a grid, a legend, a scale bar and north (furrow map says more of them). Its pixels are posts, "
 		   "small maps enlarged by a whole factor. More than 4096 on a side are drawn at a coarser level, each pixel with "

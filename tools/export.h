@@ -48,6 +48,9 @@ enum store_layer export_store_layer(int layer);
 enum status export_read_window(const struct arguments *arguments, struct export_request *request) FURROW_CHECKED;
 /* Makes the window one of metres from the south-west post: of a slanted one, the rectangle around it. */
 enum status export_place_window(struct export_request *request, const struct store_meta *meta) FURROW_CHECKED;
+bool export_is_ruts(const struct export_request *request); /* the layer is what deformation left */
+/* Without a window: of ruts, makes it that of the tiles that changed, and tells it. Not for a raster that is small in whole. */
+enum status export_take_changed(struct export_request *request, struct store *store) FURROW_CHECKED;
 /* The posts of the level in the window, at least one. STATUS_INPUT: none, or no such level. */
 enum status export_find_rect(const struct export_request *request, const struct extent *extent, struct post_rect *rect)
 	FURROW_CHECKED;

@@ -51,6 +51,17 @@ static const char *title_of(int layer)
 	return titles[layer];
 }
 
+/* Of heights also what they are above, if the store knows: "EGM96 height" is the name of what is above EGM96. */
+static void write_layer(int layer, const struct store_meta *meta, char *text, size_t room)
+{
+	const size_t length = strlen(meta->vertical), ending = strlen(" height");
+	const bool named = length > ending && strcmp(meta->vertical + length - ending, " height") == 0;
+	if (layer <= LAYER_BASE && length > 0)
+		snprintf(text, room, "%s above %.*s", title_of(layer), (int)(named ? length - ending : length), meta->vertical);
+	else
+		snprintf(text, room, "%s", title_of(layer));
+}
+
 static void write_side(uint32_t posts, double spacing, char *text, size_t room)
 {
 	const double metres = posts * spacing;
@@ -77,8 +88,9 @@ static uint32_t pixels_for(const struct export_request *request, const struct ch
 static enum status draw(const struct export_request *request, const struct store_meta *meta, const struct chart_raster *raster)
 {
 	const char *slash = strrchr(request->store, '/'), *layer = export_layer_name(request->layer);
-	char subtitle[96];
+	char subtitle[96], head[128];
 	struct chart_written written;
+	write_layer(request->layer, meta, head, sizeof head);
 	write_subtitle(request, raster, subtitle, sizeof subtitle);
 	const struct chart_map map = {
 		.raster = raster,
@@ -87,7 +99,7 @@ static enum status draw(const struct export_request *request, const struct store
 			 : slash != NULL        ? slash + 1
 						: request->store,
 		.subtitle = subtitle,
-		.layer = title_of(request->layer),
+		.layer = head,
 		.share = request->layer >= LAYER_SHEAR && request->layer <= LAYER_SHEAR_Y,
 		.ramp = ramp_of(request->layer),
 		.range = {request->range[0], request->range[1]},

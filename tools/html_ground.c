@@ -108,7 +108,8 @@ static enum status draw(const struct store_meta *meta, const struct chart_raster
 	map->beyond[1] = told.beyond[1];
 	map->holes = told.holes;
 	map->spacing = raster->spacing;
-	map->system = meta->srs[0] != '\0';
+	map->rut = raster->rut;
+	chart_system_name(meta->srs, map->system, sizeof map->system);
 	map->ground.png = (const unsigned char *)map->bytes;
 	map->ground.length = length;
 	for (int k = 0; k < 2; k++) { /* a pixel's centre is its post */

@@ -93,16 +93,23 @@ static void write_key(const struct html_report *report, const struct html_map *m
 	fputs("<p class=\"small\">Colours: by how much the drive changed the height of the ground. Blue is lower, red is higher.", file);
 	if (map->holes)
 		fputs(" Hatched ground has no data.", file);
-	fprintf(file, " Posts of this picture are %g m apart.</p>\n", map->spacing);
+	fprintf(file, " Posts of this picture are %g m apart.", map->spacing);
+	if (map->rut > 0)
+		fprintf(file, " Ruts are drawn at least %g m wide, so that they are seen.", map->rut);
+	fputs("</p>\n", file);
 }
 
 static void write_coordinates(const struct html_report *report, const struct html_map *map)
 {
-	if (map->system || map->origin[0] != 0 || map->origin[1] != 0)
-		fprintf(report->file, "<p class=\"small\">Metres are those of the scene: from the terrain's south-west post. That post lies at %.10g, %.10g %s.</p>\n", map->origin[0],
-			map->origin[1], map->system ? "of the store's reference system" : "of the terrain's source");
-	else
-		fputs("<p class=\"small\">Metres are those of the scene: from the terrain's south-west post.</p>\n", report->file);
+	FILE *file = report->file;
+	if (map->system[0] != '\0' || map->origin[0] != 0 || map->origin[1] != 0) {
+		fprintf(file, "<p class=\"small\">Metres are those of the scene: from the terrain's south-west post. That post lies at %.10g, %.10g of ", map->origin[0],
+			map->origin[1]);
+		svg_text(map->system[0] != '\0' ? map->system : "the terrain's source", file);
+		fputs(".</p>\n", file);
+	} else {
+		fputs("<p class=\"small\">Metres are those of the scene: from the terrain's south-west post.</p>\n", file);
+	}
 }
 
 static void write_map(const struct html_report *report, size_t index)

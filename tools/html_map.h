@@ -15,8 +15,9 @@ struct html_map {
 	bool beyond[2], holes;
 	struct chart_colour key[HTML_KEY]; /* from the lowest value to the highest */
 	double spacing;                /* m between posts of the picture */
+	double rut;                    /* as in struct chart_raster */
 	double origin[2];              /* of the south-west post in the store's system */
-	bool system;                   /* the store has a reference system */
+	char system[160];              /* that system's name and code; "": it has none */
 	char why[512];                 /* one sentence */
 };
 

@@ -6,8 +6,8 @@
 #include <sys/stat.h>
 
 #include "command.h"
-#include "place.h"
 #include "api/import.h"
+#include "chart/chart.h"
 #include "errors.h"
 #include "made.h"
 
@@ -69,10 +69,10 @@ static void print_plan(const struct dem_info *info, const struct dem_insets *ins
 	const struct extent *extent = &meta->extent;
 	printf("%zu source%s%s%s\n", info->source_count, info->source_count == 1 ? "" : "s",
 	       info->projected[0] != '\0' ? ", projected from " : "", info->projected);
-	int length;
-	const char *system = place_system(meta->srs, &length);
-	if (info->projected[0] != '\0' && system != NULL)
-		printf("projected to %.*s%s; --t-srs source keeps the source's own system\n", length, system,
+	char system[160];
+	chart_system_name(meta->srs, system, sizeof system);
+	if (info->projected[0] != '\0' && system[0] != '\0')
+		printf("projected to %s%s; --t-srs source keeps the source's own system\n", system,
 		       info->untrue ? "" : ", where a metre is a metre on the ground");
 	printf("%lld x %lld posts, %g m apart (%.3f x %.3f km), tiles of %u x %u posts, levels 0 to %d\n",
 	       (long long)info->width, (long long)info->height, info->spacing,

@@ -1,12 +1,13 @@
 /* furrow info: what a store holds. */
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
+#include "chart/chart.h"
 #include "command.h"
 #include "errors.h"
 #include "json.h"
-#include "place.h"
 #include "ruts.h"
 #include "store/store.h"
 
@@ -196,17 +197,26 @@ static enum status print_json(struct store *store, const struct store_numbers *n
 	return json_print(object);
 }
 
-/* The first name in a WKT, which is what people call the system. */
 static void print_srs(const char *wkt)
 {
-	int length;
-	const char *name = place_system(wkt, &length);
+	char name[160];
+	chart_system_name(wkt, name, sizeof name);
 	if (wkt[0] == '\0')
 		puts("srs        none: local metres");
-	else if (name != NULL)
-		printf("srs        %.*s (--json has all of it)\n", length, name);
+	else if (name[0] != '\0')
+		printf("srs        %s; --json has all of it\n", name);
 	else
 		printf("srs        %s\n", wkt);
+}
+
+/* With all digits that the number needs, so that furrow query finds the same place. */
+static void print_exactly(double value)
+{
+	char text[400]; /* a store may say 1e308 */
+	int digits = 3;
+	while (snprintf(text, sizeof text, "%.*f", digits, value) < 30 && digits < 17 && strtod(text, NULL) != value)
+		digits++;
+	fputs(text, stdout);
 }
 
 static void print_text(struct store *store, const struct store_numbers *numbers, const double *ruts)
@@ -247,7 +257,11 @@ static void print_text(struct store *store, const struct store_numbers *numbers,
 	putchar('\n');
 	if (store_depth(store) > 1 || (parent != NULL && revision > 0))
 		printf("parent     %s at revision %lld; %d files under this one\n", parent, (long long)revision, store_depth(store));
-	printf("origin     %.3f, %.3f (south-west post)\n", meta->origin[0], meta->origin[1]);
+	fputs("origin     ", stdout);
+	print_exactly(meta->origin[0]);
+	fputs(", ", stdout);
+	print_exactly(meta->origin[1]);
+	puts(" (south-west post)");
 	if (meta->vertical[0] != '\0' || meta->srs[0] != '\0')
 		printf("vertical   %s\n", meta->vertical[0] != '\0' ? meta->vertical : "not said");
 	print_srs(meta->srs);

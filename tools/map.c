@@ -21,7 +21,7 @@ static const struct command_option options[] = {
 	{"o", "OUT", .help = "what to write", .files = "png svg pdf", .needed = true},
 	{"layer", "LAYER", .help = "what is shown: heights of the surface or of the base, or what deformation left",
 	 .choices = layers, .preset = "surface"},
-	{"window", "X0,Y0,X1,Y1", .help = "east and north of the south-west post", .unit = "m", .preset = "all"},
+	{"window", "X0,Y0,X1,Y1", .help = "east and north of the south-west post", .unit = "m", .preset = "all, or what changed, see below"},
 	{"window-srs", "SRS", .help = "what --window is in; store: the store's own; degrees: longitude and latitude on its body", .preset = "metres from the south-west post"},
 	{"height-range", "MIN,MAX", .help = "values at the ends of the colours", .unit = "m", .preset = "those of the map"},
 	{"grid", "GRID", .help = "lines of round coordinates: metres of the store's system, local metres from the south-west post as scenes have them, or degrees of longitude and latitude",
@@ -85,7 +85,7 @@ static enum status read_request(const struct arguments *arguments, struct export
 
 static enum status run(const struct arguments *arguments)
 {
-	struct export_request request = {.command = "map", .layer = LAYER_SURFACE, .exaggerate = 1};
+	struct export_request request = {.command = "map", .map = true, .layer = LAYER_SURFACE, .exaggerate = 1};
 	struct store *store = NULL;
 	enum status status = read_request(arguments, &request);
 	if (status == STATUS_OK && chart_missing() != NULL)
@@ -98,8 +98,10 @@ static enum status run(const struct arguments *arguments)
 		relief_tell_missing(request.store, store);
 	if (status == STATUS_OK) {
 		request.level = store_finest(store);
-		status = export_picture(&request, store);
+		status = export_take_changed(&request, store);
 	}
+	if (status == STATUS_OK)
+		status = export_picture(&request, store);
 	store_close(store);
 	return status;
 }
@@ -113,7 +115,8 @@ const struct command command_map = {
 		"The map has the shaded ground with the layer in colours, a grid with its coordinates, a legend, a scale bar "
 		"and grid north. Its posts are those of the finest level that has no more of them than the frame has pixels. "
 		"Each pixel of offset and of soil has the largest value of the posts within it, so that narrow ruts are seen. "
-		"Places without data are hatched.\n\n"
+		"Places without data are hatched. Of offset and of soil without --window only the tiles that changed are drawn, and the "
+		"window is told.\n\n"
 		"Words have the same size on every map. In SVG and PDF words and lines are vectors, the ground is pixels. Degrees "
 		"are those of the store's body: WGS 84 on the Earth. furrow drive draws a map with the ways of a drive.\n",
 	.examples = "furrow map world.furrow -o heights.pdf\n"

@@ -1,8 +1,11 @@
 /* Places as people give them; see place.h. */
 #include "place.h"
 
+#include <math.h>
+#include <stdio.h>
 #include <string.h>
 
+#include "chart/chart.h"
 #include "dem/dem.h"
 
 enum status place_local(const struct store_meta *meta, const char *srs, const char *command, const char *option, double *x, double *y)
@@ -22,9 +25,44 @@ enum status place_local(const struct store_meta *meta, const char *srs, const ch
 	return STATUS_OK;
 }
 
-const char *place_system(const char *wkt, int *length)
+static bool any_inside(const struct store_meta *meta, size_t count, const double *x, const double *y)
 {
-	const char *from = strchr(wkt, '"'), *to = from != NULL ? strchr(from + 1, '"') : NULL;
-	*length = to != NULL ? (int)(to - from - 1) : 0;
-	return to != NULL ? from + 1 : NULL;
+	const struct extent *extent = &meta->extent;
+	const double width = (double)(extent->width - 1) * extent->spacing, height = (double)(extent->height - 1) * extent->spacing;
+	for (size_t i = 0; i < count; i++) {
+		const double east = x[i] - meta->origin[0], north = y[i] - meta->origin[1];
+		if (east >= 0 && north >= 0 && east <= width && north <= height)
+			return true;
+	}
+	return false;
+}
+
+bool place_guess(const struct store_meta *meta, const char *srs, const char *option, size_t count, const double *x, const double *y, char *hint,
+		 size_t room)
+{
+	char system[160];
+	chart_system_name(meta->srs, system, sizeof system);
+	if ((srs == NULL || strcmp(srs, "store") != 0) && any_inside(meta, count, x, y)) {
+		snprintf(hint, room, "inside as coordinates of %s; give %s store", system[0] != '\0' ? system : "the terrain's source", option);
+		return true;
+	}
+	struct dem_globe *globe = NULL;
+	bool degrees = meta->srs[0] != '\0';
+	for (size_t i = 0; i < count; i++)
+		degrees = degrees && fabs(x[i]) <= 360 && fabs(y[i]) <= 360;
+	if (!degrees || dem_globe_create(meta->srs, &globe) != STATUS_OK || globe == NULL)
+		return false;
+	bool found = false;
+	for (int swapped = 0; swapped < 2 && !found; swapped++) {
+		double east[PLACE_POINTS], north[PLACE_POINTS];
+		memcpy(swapped ? north : east, x, count * sizeof *x);
+		memcpy(swapped ? east : north, y, count * sizeof *y);
+		dem_globe_from_degrees(globe, count, east, north);
+		found = any_inside(meta, count, east, north);
+		if (found)
+			snprintf(hint, room, swapped ? "inside as latitude and longitude; give longitude first, and %s degrees"
+						     : "inside as longitude and latitude; give %s degrees", option);
+	}
+	dem_globe_destroy(globe);
+	return found;
 }

@@ -9,7 +9,11 @@
  * `option` name who asks. STATUS_INPUT: the store has no reference system, or there is no way to it. */
 enum status place_local(const struct store_meta *meta, const char *srs, const char *command, const char *option, double *x, double *y)
 	FURROW_CHECKED;
-/* Returns where the name of a WKT's system begins, and its length. NULL: it has none. */
-const char *place_system(const char *wkt, int *length);
+/* Points that are outside the terrain, given in `srs` (as in place_local): returns true if one of them is inside when read otherwise, as
+ * coordinates of the store's system, as degrees, or as degrees with the latitude first. Then writes a hint: as what, and which option says so.
+ * At most PLACE_POINTS. */
+#define PLACE_POINTS 81
+bool place_guess(const struct store_meta *meta, const char *srs, const char *option, size_t count, const double *x, const double *y, char *hint,
+		 size_t room);
 
 #endif

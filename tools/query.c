@@ -26,6 +26,7 @@ struct asking {
 	const char *srs;
 	cJSON *points, *rays; /* NULL: print lines */
 	cJSON *only;          /* the last one */
+	bool guessed;         /* a hint was given */
 };
 
 /* What a line or an option says: so many numbers. */
@@ -46,6 +47,16 @@ static enum status from_local(const struct asking *asking, double *x, double *y)
 	return strcmp(asking->srs, "store") != 0 ? dem_transform(asking->meta->srs, asking->srs, 1, x, y) : STATUS_OK;
 }
 
+/* Tells, once, if a point outside would be inside in other coordinates. */
+static void tell_outside(struct asking *asking, double x, double y)
+{
+	char hint[240];
+	if (asking->guessed || !place_guess(asking->meta, asking->srs, "--srs", 1, &x, &y, hint, sizeof hint))
+		return;
+	asking->guessed = true;
+	note("query: %.15g %.15g: is outside the terrain, but %s", x, y, hint);
+}
+
 static void add_numbers(cJSON *object, const char *name, const double *values, size_t count)
 {
 	cJSON *array = cJSON_AddArrayToObject(object, name);
@@ -63,6 +74,8 @@ static enum status ask_point(struct asking *asking, double x, double y)
 	if (status != STATUS_OK)
 		return status;
 	bool nodata = sample.nodata || sample.outside;
+	if (sample.outside)
+		tell_outside(asking, x, y);
 	if (asking->points == NULL) {
 		if (nodata)
 			printf("%.15g %.15g %s\n", x, y, sample.outside ? "outside" : "nodata");
@@ -128,6 +141,14 @@ static enum status ask_ray(struct asking *asking, const double asked[RAY])
 		status = from_local(asking, &hit.point[0], &hit.point[1]);
 	if (status != STATUS_OK)
 		return status;
+	if (!hit.hit && !asking->guessed) {
+		struct store_sample sample;
+		status = store_sample(asking->reader, ray.origin[0], ray.origin[1], &sample);
+		if (status != STATUS_OK)
+			return status;
+		if (sample.outside)
+			tell_outside(asking, asked[0], asked[1]);
+	}
 	if (asking->rays == NULL) {
 		print_ray(asked, &hit);
 		return STATUS_OK;

@@ -98,7 +98,7 @@ struct api_params {
 	bool durable_full;
 	bool keep_history;     /* each commit keeps what it replaces, for furrow restore */
 	bool progress;         /* writes a line of progress on stderr */
-	bool map;              /* also writes map.png, of the whole drive, at the end; run.json does not count it */
+	bool map;              /* also writes map.png, of the whole drive, at the end, unless it failed in its first step; run.json does not count it */
 	const char *map_also;  /* with `map`: the same map to this file too, .png, .svg or .pdf; NULL: only map.png */
 	bool alone;            /* computes every contact alone: for tests that compare results */
 	bool everywhere;       /* computes every contact, also one that changes nothing: for tests that compare results */

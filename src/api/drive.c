@@ -199,11 +199,12 @@ static enum status write_maps(const struct drive *drive, const struct world *wor
 	return status;
 }
 
-/* Draws the maps, if asked for. `keep` as in write_maps. Returns `status` if that is a failure, else the maps' status. */
+/* Draws the maps, if asked for, and unless the drive failed in its first step. `keep` as in write_maps. Returns `status` if that is a failure, else the maps' status. */
 static enum status draw_map(const struct drive *drive, bool keep, struct api_result *result, enum status status)
 {
 	struct failure failure;
-	if (!drive->params->map)
+	const bool empty = status != STATUS_OK && status != STATUS_INTERRUPTED && drive->world.step == 0;
+	if (!drive->params->map || empty)
 		return status;
 	failure_capture(&failure, status);
 	enum status drawn = write_maps(drive, &drive->world, keep, result);

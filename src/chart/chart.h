@@ -65,6 +65,7 @@ struct chart_raster {
 	/* metres: of the values within the pixel, the one with the largest absolute value; 0: none. Heights: the post's; NaN: nodata */
 	float *values;
 	double flat;           /* the shade of level ground */
+	double rut;            /* metres: ruts that are narrower are drawn so wide; 0: ruts are as wide as they are */
 };
 struct chart_raster_params {
 	struct store_reader *reader;
@@ -107,6 +108,9 @@ struct chart_range {
 /* What a path's ending asks for. Returns false if it is none of .png, .svg and .pdf. */
 enum chart_format { CHART_PNG, CHART_SVG, CHART_PDF };
 bool chart_path_format(const char *path, enum chart_format *format);
+
+/* Writes the name of a WKT's system and its code, as in "WGS 84 / UTM zone 33N (EPSG:32633)". `wkt` is not trusted. "": none. */
+void chart_system_name(const char *wkt, char *text, size_t room);
 
 /* Returns why this process cannot draw maps and text: it was built without Pango, or there is no font. NULL: it can. */
 const char *chart_missing(void);

@@ -38,10 +38,6 @@ void chart_number(double value, double step, char *text, size_t room);
 /* Writes a length with its unit, mm, cm, m or km, and at most four digits that count. */
 void chart_length(double metres, char *text, size_t room);
 
-/* --- place.c --- */
-/* Writes the name of a WKT's system and its code, as in "WGS 84 / UTM zone 33N (EPSG:32633)". `wkt` is not trusted. "": none. */
-void chart_system_name(const char *wkt, char *text, size_t room);
-
 /* --- a rectangle on the page: points (1/72 inch) from the upper left corner --- */
 struct chart_rect {
 	double x0, y0, x1, y1;

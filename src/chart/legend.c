@@ -33,6 +33,31 @@ static bool has_ramp(const struct chart_legend *legend)
 	return legend->map->classes == NULL && legend->range.high > legend->range.low;
 }
 
+/* What the colours are of, with its unit. Returns its style: as long as the ramp, on two lines at most; classes have one line. */
+static struct chart_style write_head(const struct chart_legend *legend, char *text, size_t room)
+{
+	const struct chart_map *map = legend->map;
+	struct chart_style style = head;
+	char plain[48];
+	double of;
+	const char *unit = unit_for(legend, &of);
+	if (map->classes != NULL) {
+		snprintf(text, room, "%s", map->layer);
+		return style;
+	}
+	if (has_ramp(legend)) {
+		snprintf(text, room, "%s, %s", map->layer, unit);
+	} else if (map->ramp != CHART_RAMP_HEIGHTS) {
+		snprintf(text, room, "%s: no change", map->layer);
+	} else {
+		chart_number(legend->range.low, 0.01, plain, sizeof plain);
+		snprintf(text, room, "%s: %s m everywhere", map->layer, plain);
+	}
+	style.most = RAMP;
+	style.lines = 2;
+	return style;
+}
+
 static size_t lines_of(const struct chart_legend *legend)
 {
 	return legend->map->classes != NULL ? legend->map->key_count : 0;
@@ -44,8 +69,12 @@ void chart_legend_measure(struct chart_page *page, struct chart_legend *legend, 
 	size_t ways = 0;
 	for (size_t i = 0; i < map->way_count; i++)
 		ways += map->ways[i].count > 0;
-	legend->values_width = RAMP;
-	legend->values_height = LINE +
+	char text[160];
+	double head_width, head_height;
+	const struct chart_style style = write_head(legend, text, sizeof text);
+	chart_text_size(page, &style, text, &head_width, &head_height);
+	legend->head_height = head_height > 1.5 * LINE ? 2 * LINE - 1 : LINE;
+	legend->values_height = legend->head_height +
 				(map->classes != NULL ? LINE * (double)map->key_count
 				 : has_ramp(legend)   ? BAR + 15
 						      : 0) +
@@ -170,22 +199,11 @@ static void draw_hatched(struct chart_page *page, double x, double y)
 void chart_legend_values(struct chart_page *page, const struct chart_legend *legend, double x, double y)
 {
 	const struct chart_map *map = legend->map;
-	char text[160], plain[48];
+	char text[160];
 	struct chart_style class_style = line;
-	double of;
-	const char *unit = unit_for(legend, &of);
-	if (map->classes != NULL)
-		snprintf(text, sizeof text, "%s", map->layer);
-	else if (has_ramp(legend))
-		snprintf(text, sizeof text, "%s, %s", map->layer, unit);
-	else if (map->ramp != CHART_RAMP_HEIGHTS)
-		snprintf(text, sizeof text, "%s: no change", map->layer);
-	else {
-		chart_number(legend->range.low, 0.01, plain, sizeof plain);
-		snprintf(text, sizeof text, "%s: %s m everywhere", map->layer, plain);
-	}
-	chart_text(page, &head, x, y, text);
-	y += LINE;
+	const struct chart_style style = write_head(legend, text, sizeof text);
+	chart_text(page, &style, x, y, text);
+	y += legend->head_height;
 	for (size_t i = 0; i < lines_of(legend); i++, y += LINE) {
 		swatch(page, x, y, map->keys[i].colour);
 		snprintf(text, sizeof text, "%s: %.1f %%", map->keys[i].name, 100 * map->keys[i].share);

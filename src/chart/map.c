@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "chart/page.h"
+#include "dem/dem.h"
 
 #define MARGIN 20.0
 #define PANEL 164.0         /* width of what is right of a tall map */
@@ -26,7 +27,7 @@
 static const struct chart_style title_style = {.kind = CHART_TITLE, .size = 13, .bold = true, .colour = {32, 36, 42, 255}};
 static const struct chart_style subtitle_style = {.kind = CHART_TITLE, .size = 8, .colour = {98, 104, 112, 255}};
 static const struct chart_style coordinate_style = {.kind = CHART_COORDINATE, .size = 6.8, .colour = {62, 68, 76, 255}};
-static const struct chart_style note_style = {.kind = CHART_NOTE, .size = 6.5, .lines = 5, .colour = {98, 104, 112, 255}};
+static const struct chart_style note_style = {.kind = CHART_NOTE, .size = 6.5, .lines = 9, .colour = {98, 104, 112, 255}};
 
 struct layout {
 	const struct chart_map *map;
@@ -37,7 +38,7 @@ struct layout {
 	double width, height, inner; /* inner: between the margins */
 	struct chart_rect panel;     /* of legend, scale and notes */
 	double title_height, subtitle_height, notes_height, ways_room;
-	char notes[512];
+	char notes[800];
 };
 
 /* --- where all of it is: the frame and its grid first, then the page around them --- */
@@ -58,12 +59,33 @@ static void size_frame(struct layout *layout)
 	layout->tall = frame->rect.y1 > TALL * frame->rect.x1;
 }
 
+/* By what share distances on the ground differ from those of the map. */
+static double ground_off(const struct chart_map *map)
+{
+	const struct chart_raster *raster = map->raster;
+	const double *origin = map->meta->origin, s = raster->spacing;
+	return dem_ground_off(map->meta->srs, (double[2]){origin[0] + (double)raster->rect.x0 * s, origin[1] + (double)raster->rect.y0 * s},
+			      (double[2]){origin[0] + (double)(raster->rect.x1 - 1) * s, origin[1] + (double)(raster->rect.y1 - 1) * s});
+}
+
 static void write_notes(struct layout *layout)
 {
 	const struct chart_raster *raster = layout->map->raster;
-	char length[64];
-	chart_length(raster->spacing, length, sizeof length);
-	snprintf(layout->notes, sizeof layout->notes, "%s. North is grid north. Posts are %s apart.", layout->grid.system, length);
+	const long long every = 1LL << (raster->level > 0 ? raster->level : 0);
+	const double off = ground_off(layout->map);
+	char length[64], posts[160], ruts[160] = "", scale[160] = "";
+	chart_length(raster->spacing / (double)every, length, sizeof length);
+	if (every > 1)
+		snprintf(posts, sizeof posts, "Drawn from every %lld%s post: posts are %s apart.", every, every % 10 == 2 && every % 100 != 12 ? "nd" : "th", length);
+	else
+		snprintf(posts, sizeof posts, raster->rut > 0 ? "Pixels are %s wide." : "Posts are %s apart.", length);
+	chart_length(raster->rut, length, sizeof length);
+	if (raster->rut > 0)
+		snprintf(ruts, sizeof ruts, " Ruts are drawn at least %s wide, so that they are seen.", length);
+	if (off != 0)
+		snprintf(scale, sizeof scale, " The scale bar has metres of the map: on the ground distances are up to %.2g %% %s.", 100 * fabs(off),
+			 off < 0 ? "shorter" : "longer");
+	snprintf(layout->notes, sizeof layout->notes, "%s. North is grid north. %s%s%s", layout->grid.system, posts, ruts, scale);
 }
 
 static double text_height(struct chart_page *page, const struct chart_style *style, const char *text)

@@ -109,7 +109,8 @@ struct chart_legend {
 	const struct chart_map *map;
 	struct chart_range range;
 	bool beyond[2], holes;
-	double values_width, values_height; /* the ramp, or the classes */
+	double values_height;               /* of the ramp, or the classes */
+	double head_height;                 /* of their title, a part of values_height */
 	double ways_height, ways_width;
 	int columns;
 	size_t listed; /* ways in the list */

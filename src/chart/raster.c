@@ -352,6 +352,8 @@ enum status chart_raster_create(const struct chart_raster_params *params, struct
 	enum status status = allocate(&s);
 	if (status == STATUS_OK && (s.deformed || is_heights(params->layer)))
 		status = read_layer(&s, params->layer, out->values);
+	if (s.deformed && !is_heights(params->layer) && params->level > params->working)
+		out->rut = out->spacing;
 	if (status == STATUS_OK && s.offset != NULL && s.offset != out->values)
 		status = read_layer(&s, STORE_OFFSET, s.offset);
 	if (status == STATUS_OK)
@@ -388,6 +390,7 @@ enum status chart_raster_widen(struct chart_raster *raster)
 		}
 	mem_free(raster->values);
 	raster->values = wide;
+	raster->rut = 3 * raster->spacing;
 	return STATUS_OK;
 }
 

@@ -206,6 +206,8 @@ void dem_srs_told(OGRSpatialReferenceH srs, char *text, size_t size);
 bool dem_srs_differ(OGRSpatialReferenceH a, OGRSpatialReferenceH b);
 /* Returns the metres on the ground from (x, y) to (x + dx, y + dy). Returns NaN if this cannot be computed. */
 double dem_srs_ground(OGRSpatialReferenceH srs, double x, double y, double dx, double dy);
+/* As dem_ground_off. */
+double dem_srs_ground_off(OGRSpatialReferenceH srs, const double low[2], const double high[2]);
 /* Returns a metric SRS for data around (x, y): UTM, or on other planets an equirectangular projection. NULL: failed. */
 OGRSpatialReferenceH dem_srs_metric(OGRSpatialReferenceH srs, double x, double y);
 /* Returns the SRS as WKT, to free with mem_free; NULL: out of memory. */

@@ -46,6 +46,12 @@ enum status dem_transform(const char *from_srs, const char *to_wkt, size_t count
 			 "knows no SRS; give local coordinates, or build with GDAL", from_srs);
 }
 
+double dem_ground_off(const char *wkt, const double low[2], const double high[2])
+{
+	(void)wkt, (void)low, (void)high;
+	return 0;
+}
+
 enum status dem_globe_create(const char *wkt, struct dem_globe **out)
 {
 	(void)wkt;

@@ -7,6 +7,7 @@
 #include <stdio.h>
 
 #define SCALE_TOLERANCE 1e-3
+#define SCALE_TOLD 5e-3
 
 /* `more`: what else may be given, for the message. */
 static OGRSpatialReferenceH parse(const char *text, const char *more)
@@ -163,6 +164,31 @@ double dem_srs_ground(OGRSpatialReferenceH srs, double x, double y, double dx, d
 	double east = remainder(lon[1] - lon[0], 2 * M_PI) * cos(middle) * a / w;
 	double north = (lat[1] - lat[0]) * a * (1 - e2) / (w * w * w);
 	return hypot(east, north);
+}
+
+double dem_srs_ground_off(OGRSpatialReferenceH srs, const double low[2], const double high[2])
+{
+	const double step = 10;
+	double worst = 0;
+	for (int i = 0; i < 18; i++) {
+		const double x = low[0] + i / 2 % 3 * 0.5 * (high[0] - low[0]), y = low[1] + i / 6 * 0.5 * (high[1] - low[1]);
+		const double off = dem_srs_ground(srs, x, y, i % 2 == 0 ? step : 0, i % 2 == 0 ? 0 : step) / step - 1;
+		worst = fabs(off) > fabs(worst) ? off : worst; /* NaN is not larger */
+	}
+	return fabs(worst) > SCALE_TOLD ? worst : 0;
+}
+
+double dem_ground_off(const char *wkt, const double low[2], const double high[2])
+{
+	if (wkt[0] == '\0' || dem_gdal_init("distances on the ground") != STATUS_OK)
+		return 0;
+	dem_quiet_begin();
+	OGRSpatialReferenceH srs = dem_srs_parse(wkt);
+	const double off = srs != NULL ? dem_srs_ground_off(srs, low, high) : 0;
+	if (srs != NULL)
+		OSRDestroySpatialReference(srs);
+	dem_quiet_end();
+	return off;
 }
 
 /* True if a metre of `srs`, a metric one, is a metre on the ground at (lon, lat) in degrees. */

@@ -11,7 +11,6 @@
 #include <stdlib.h>
 
 #define SCALE_TOLERANCE 1e-3
-#define SCALE_TOLD 5e-3
 #define SAME_SPACING 1e-6
 #define PROBES 33 /* points along each side of a raster that are projected to find its extent */
 
@@ -351,15 +350,13 @@ void dem_target_finish(struct dem_target *target)
 
 bool dem_target_note_scale(const struct dem_target *target, const char *name)
 {
-	double worst = 0, s = target->spacing;
-	for (int i = 0; target->srs != NULL && i < 9; i++) {
-		double x = target->origin[0] + i % 3 * 0.5 * (double)(target->width - 1) * s;
-		double y = target->origin[1] + i / 3 * 0.5 * (double)(target->height - 1) * s;
-		worst = fmax(worst, fabs(dem_srs_ground(target->srs, x, y, s, 0) / s - 1)); /* fmax ignores NaN */
-		worst = fmax(worst, fabs(dem_srs_ground(target->srs, x, y, 0, s) / s - 1));
-	}
-	if (worst > SCALE_TOLD)
+	double high[2], off = 0;
+	for (int i = 0; i < 2; i++)
+		high[i] = target->origin[i] + (double)((i == 0 ? target->width : target->height) - 1) * target->spacing;
+	if (target->srs != NULL)
+		off = dem_srs_ground_off(target->srs, target->origin, high);
+	if (off != 0)
 		note("%s: in its target SRS distances are up to %.2g %% off those on the ground; import less at once, or choose "
-		     "a --t-srs that is true there", name, 100 * worst);
-	return worst > SCALE_TOLD;
+		     "a --t-srs that is true there", name, 100 * fabs(off));
+	return off != 0;
 }

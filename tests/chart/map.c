@@ -114,6 +114,8 @@ static void a_rut_has_its_place_and_its_depths_colour(void **state)
 			struct drawn drawn = draw_map(map, &params, "map.png");
 			struct picture picture = write_and_read(&drawn);
 			double flat = drawn.raster.flat;
+			const char *notes = drawn.page.said[drawn.page.said_count - 1].text;
+			assert_true((strstr(notes, "Ruts are drawn at least") != NULL) == (level > LEVEL));
 			/* The middles of the broad rut and the heap; the ground beside. */
 			assert_colour(at_place(&drawn, &picture, 65, 75),
 				      chart_ground_colour(flat, flat, chart_ramp(CHART_RAMP_SIGNED, -0.5)));

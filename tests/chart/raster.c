@@ -172,7 +172,9 @@ static void lines_are_widened_by_a_pixel(void **state)
 	must(chart_raster_create(&params, &raster));
 	float *was = malloc((size_t)raster.width * raster.height * sizeof *was);
 	memcpy(was, raster.values, (size_t)raster.width * raster.height * sizeof *was);
+	assert_true(raster.rut == raster.spacing);
 	must(chart_raster_widen(&raster));
+	assert_true(raster.rut == 3 * raster.spacing);
 	for (int64_t y = 0; y < raster.height; y++)
 		for (int64_t x = 0; x < raster.width; x++) {
 			float largest = 0;

@@ -427,6 +427,30 @@ class Maps(FurrowTest):
         self.ok("synth", "-o", "nowhere.furrow", "--posts", "65x65", "--spacing", "1")
         self.assertIn("has no reference system", self.refused(3, "export", "nowhere.furrow", "-o", "x.tif", "--window", "1,1,9,9", "--window-srs", "EPSG:4326"))
 
+    @unittest.skipUnless(has_gdal(), "needs gdal_translate")
+    def test_coordinates_without_their_system_are_found_out(self):
+        self.ok("synth", "-o", "a.tif", "--posts", "65x65", "--spacing", "2")
+        subprocess.run(["gdal_translate", "-q", "-a_srs", "EPSG:32611", "-a_ullr", "400000.1234567", "4000130.7654321", "400130.1234567", "4000000.7654321",
+                        str(self.folder / "a.tif"), str(self.folder / "utm.tif")], check=True)
+        self.ok("import", "utm.tif", "-o", "s.furrow")
+        told = subprocess.run(["gdaltransform", "-s_srs", "EPSG:32611", "-t_srs", "EPSG:4326", "-output_xy"], check=True, capture_output=True,
+                              text=True, input="400022 4000022\n400060 4000060\n").stdout.split()
+        for window, words in ((["400022", "4000022", "400060", "4000060"], "inside as coordinates of WGS 84 / UTM zone 11N (EPSG:32611); give {} store"),
+                              (told, "inside as longitude and latitude; give {} degrees"),
+                              ([told[i] for i in (1, 0, 3, 2)], "inside as latitude and longitude; give longitude first, and {} degrees")):
+            for command, name in (("map", "x.png"), ("export", "x.tif")):
+                self.assertIn(words.format("--window-srs"), self.refused(3, command, "s.furrow", "-o", name, "--window", ",".join(window)))
+            # A hint comes once.
+            for arguments, points in ((window, None), (["--ray", f"{window[0]},{window[1]},9000,0,0,-1"], None), ([], f"{window[0]} {window[1]}\n" * 3)):
+                asked = self.furrow("query", "s.furrow", *arguments, stdin=points)
+                self.assertEqual(asked.returncode, 0, asked.stderr)
+                self.assertRegex(asked.stderr, rf"^furrow: note: query: \S+ \S+: is outside the terrain, but {re.escape(words.format('--srs'))}\n$")
+        for arguments in (["-5", "-5"], ["--ray", "5,5,9000,0,0,1"], ["400022", "4000022", "--srs", "store"], ["1", "1", "--srs", "store"]):
+            self.assertEqual(self.furrow("query", "s.furrow", *arguments).stderr, "", arguments)
+        # info tells the south-west post so that it is found.
+        origin = re.search(r"^origin +(\S+), (\S+) ", self.ok("info", "s.furrow"), re.M).groups()
+        self.assertNotIn("outside", self.ok("query", "s.furrow", *origin, "--srs", "store"))
+
 
 class Drives(FurrowTest):
     def test_a_drive_leaves_ruts_figures_and_a_clean_store(self):

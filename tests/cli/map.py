@@ -154,6 +154,23 @@ class Maps(FurrowTest):
         self.assertIn("Longitude and latitude: WGS 84", degrees.text())
         self.assertEqual(degrees.meeting(), [])
 
+    def test_notes_tell_the_scale_the_posts_and_what_heights_are_above(self):
+        if not has_gdal() or not (SHARED / "dem").is_dir():
+            self.skipTest("needs the shared elevation data and GDAL")
+        told = self.furrow("import", SHARED / "dem/bigtujunga.tif", "-o", "a.furrow", "--t-srs", "EPSG:3857", "--s-vertical", "egm96")
+        share = re.search(r"distances are up to (\d+) % off", told.stderr).group(1)
+        page = self.pdf("map", "a.furrow", "-o", "a.pdf")
+        for words in (f"The scale bar has metres of the map: on the ground distances are up to {share} % shorter.", "Height above EGM96, m",
+                      "Drawn from every 2nd post: posts are 30 m apart."):
+            self.assertIn(words, page.text())
+        page = self.pdf("map", "a.furrow", "--layer", "base", "--size", "60", "-o", "a.pdf")
+        self.assertIn("Height of the base above EGM96, m", page.text())
+        self.assertEqual(page.meeting(), [])
+        self.ok("import", SHARED / "dem/bigtujunga.tif", "-o", "b.furrow")
+        page = self.pdf("map", "b.furrow", "-o", "b.pdf")
+        self.assertIn("Height, m", page.text())
+        self.assertNotIn("on the ground", page.text())
+
     def test_a_local_store_has_no_degrees(self):
         store = self.synth()
         result = self.furrow("map", store, "-o", "a.svg", "--grid", "degrees")

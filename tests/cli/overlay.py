@@ -57,6 +57,14 @@ class Drives(Overlay):
         surface = self.furrow("export", "r.furrow", "-o", "s.tif")
         self.assertRegex(surface.stderr, r"^furrow: note: s\.tif: at level 0 it has one of 256 posts of the ruts, which are 0\.0625 m apart: .* give --level -4 --window " + window + "\n$")
         self.assertEqual(self.furrow("export", "r.furrow", "-o", "s.tif", "--level", "0").stderr, "")
+        # A map, too.
+        for command in ("map", "export"):
+            drawn = self.furrow(command, "r.furrow", "-o", "m.png", "--layer", "offset")
+            if "no font" in drawn.stderr or "without Pango" in drawn.stderr:
+                break
+            self.assertEqual(drawn.stderr, f"furrow: note: m.png: only what changed is drawn, --window {window}; the whole terrain: give --window 0,0,1024,1024 for it\n")
+            self.assertEqual(self.furrow(command, "r.furrow", "-o", "n.png", "--layer", "offset", "--window", window).stderr, "")
+            self.assertEqual((self.folder / "m.png").read_bytes(), (self.folder / "n.png").read_bytes())
 
     def test_an_overlay_holds_what_a_drive_into_a_copy_would(self):
         store = self.synth()

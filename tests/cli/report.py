@@ -442,6 +442,16 @@ class Report(FurrowTest):
         self.assertLess(abs(red - blue), 25)
         self.assertIn("Metres are those of the scene", " ".join(page.sentences("map")))
 
+    @unittest.skipUnless(shutil.which("gdal_translate"), "needs GDAL's programs")
+    def test_the_store_s_system_is_named(self):
+        self.call("synth", "-o", "ground.tif", "--posts", "65x65", "--spacing", "1", "--kind", "plain", "--overwrite")
+        subprocess.run(["gdal_translate", "-q", "-a_srs", "EPSG:32633", "-a_ullr", "499999.5", "5000064.5", "500064.5", "4999999.5", self.made / "ground.tif",
+                        self.made / "utm.tif"], check=True)
+        self.call("import", "utm.tif", "-o", "utm.furrow", "--overwrite")
+        self.scene(BOX)
+        self.call("drive", self.folder / "scene.yaml", "-o", "utm", "--store", "utm.furrow")
+        self.assertIn("That post lies at 500000, 5000000 of WGS 84 / UTM zone 33N (EPSG:32633).", " ".join(self.report("utm").sentences("map")))
+
     def test_a_store_that_changed_leaves_the_map_of_the_drive(self):
         self.copy("a")
         run = json.loads((self.folder / "a/run.json").read_text())

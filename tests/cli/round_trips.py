@@ -52,10 +52,10 @@ class Places(RasterTest):
         self.make("in.tif", 50, 40, self.slope, "h", **self.DEGREES)
         told = self.furrow("import", "in.tif", "-o", "s.furrow", "--t-srs", "EPSG:3857", "--dry-run")
         self.assertRegex(told.stderr, r"up to 3[12](\.\d+)? % off")
-        self.assertIn("projected to WGS 84 / Pseudo-Mercator; --t-srs", told.stdout)
+        self.assertIn("projected to WGS 84 / Pseudo-Mercator (EPSG:3857); --t-srs", told.stdout)
         told = self.furrow("import", "in.tif", "-o", "s.furrow", "--dry-run")
         self.assertNotIn("% off", told.stderr)
-        self.assertIn("UTM zone 33N, where a metre is a metre on the ground;", told.stdout)
+        self.assertIn("UTM zone 33N (EPSG:32633), where a metre is a metre on the ground;", told.stdout)
 
     def test_an_srs_in_place_of_the_files_own_is_told(self):
         self.make("in.tif", 50, 40, self.slope, "h")

@@ -234,6 +234,13 @@ static void a_drive_that_fails_has_its_map(void **state)
 	struct box ruts = find(&picture, is_rut, frame_bottom(&picture));
 	assert_true(ruts.count > 1000);
 	free(picture.pixels);
+	/* Where the first step failed there is nothing to show. */
+	status = drive(SCENE("20", "", "path: {points: [[500000, 4000000], [500010, 4000000]], speed: 20}"), fresh("f.furrow"),
+		       (struct drive_asked){.out = "nothing", .map = true}, &result);
+	assert_int_equal(status, STATUS_FAILED);
+	assert_non_null(strstr(failure_message(), "ball: no ground under it"));
+	assert_true(!result.map && access(in_out("nothing", "map.png"), F_OK) != 0);
+	mem_free(result.json);
 }
 
 static void a_map_that_cannot_be_written_is_the_failure_if_nothing_else_was(void **state)
