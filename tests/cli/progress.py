@@ -7,7 +7,7 @@ import time
 from furrow_test import FURROW, FurrowTest, main
 
 SCENE = """scene: 1
-time_step: 0.0001
+time_step: 0.00005
 end_time: 20
 spacing: 0.125
 redistribute: {model: box}
@@ -38,9 +38,9 @@ class Progress(FurrowTest):
         scene = self.scene(SCENE)
         log = self.folder / "out/epochs.log"
         errors = self.stopped(lambda: log.exists() and log.stat().st_size > 0, "drive", scene, "--store", "plain.furrow", "-o", "out")
-        told = re.findall(r"^furrow: note: drive: step (\d+) of 200000 \((\d+) %\), [\d.]+ a second, \d+ s left$", errors, re.M)
+        told = re.findall(r"^furrow: note: drive: step (\d+) of 400000 \((\d+) %\), [\d.]+ a second, \d+ s left$", errors, re.M)
         self.assertEqual(len(told), 1, errors)
-        self.assertAlmostEqual(int(told[0][0]) / 2000, int(told[0][1]), delta=1)
+        self.assertAlmostEqual(int(told[0][0]) / 4000, int(told[0][1]), delta=1)
 
 
 if __name__ == "__main__":
