@@ -199,7 +199,8 @@ static enum status write_maps(const struct drive *drive, const struct world *wor
 	return status;
 }
 
-/* Draws the maps, if asked for, and unless the drive failed in its first step. `keep` as in write_maps. Returns `status` if that is a failure, else the maps' status. */
+/* Draws the maps, if asked for, unless the drive failed in its first step. `keep` is as in write_maps. Returns `status` if that is a failure,
+ * otherwise the status of the maps. */
 static enum status draw_map(const struct drive *drive, bool keep, struct api_result *result, enum status status)
 {
 	struct failure failure;

@@ -33,7 +33,8 @@ static bool has_ramp(const struct chart_legend *legend)
 	return legend->map->classes == NULL && legend->range.high > legend->range.low;
 }
 
-/* What the colours are of, with its unit. Returns its style: as long as the ramp, on two lines at most; classes have one line. */
+/* Writes the legend's title: what the colours show, and the unit. Returns its style: a title of a ramp breaks at the ramp's width into at most
+ * two lines; one of classes stays on one line. */
 static struct chart_style write_head(const struct chart_legend *legend, char *text, size_t room)
 {
 	const struct chart_map *map = legend->map;

@@ -75,7 +75,7 @@ struct vehicle {
 	double work, distance;      /* J, m */
 	double slow;                /* s: for how long it has been slower than `stuck.below`; in settling: when the stage began */
 	struct trail trail;         /* of the whole drive; in the record */
-	char told_sunk[500];        /* the note that was printed; empty: none */
+	char told_sunk[500];        /* the note that the soil does not carry it, as it was printed; empty: it was not printed */
 	double *room;               /* numbers for coupling.c */
 	double *pushed;             /* nv: forces of other vehicles in this time step */
 };
