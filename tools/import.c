@@ -73,7 +73,7 @@ static void print_plan(const struct dem_info *info, const struct dem_insets *ins
 	chart_system_name(meta->srs, system, sizeof system);
 	if (info->projected[0] != '\0' && system[0] != '\0')
 		printf("projected to %s%s; --t-srs source keeps the source's own system\n", system,
-		       info->untrue ? "" : ", where a metre is a metre on the ground");
+		       info->ground_off != 0 ? "" : ", where a metre is a metre on the ground");
 	printf("%lld x %lld posts, %g m apart (%.3f x %.3f km), tiles of %u x %u posts, levels 0 to %d\n",
 	       (long long)info->width, (long long)info->height, info->spacing,
 	       (double)(info->width - 1) * info->spacing / 1e3, (double)(info->height - 1) * info->spacing / 1e3,

@@ -330,6 +330,7 @@ enum status api_import_open(struct import *import, const char *const *sources, s
 		.max_error = max_error,
 		.srs = info->srs,
 		.origin = {info->origin[0], info->origin[1]},
+		.ground_off = info->ground_off,
 		.vertical = info->vertical,
 		.pack = import->pack,
 	};

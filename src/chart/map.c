@@ -59,9 +59,12 @@ static void size_frame(struct layout *layout)
 	layout->tall = frame->rect.y1 > TALL * frame->rect.x1;
 }
 
-/* By what share distances on the ground differ from those of the map. */
+/* By what share distances on the ground differ from those of the map. GDAL, which takes long to load, is asked only where the store says that they
+ * do, or does not say. */
 static double ground_off(const struct chart_map *map)
 {
+	if (map->meta->ground_off == 0)
+		return 0;
 	const struct chart_raster *raster = map->raster;
 	const double *origin = map->meta->origin, s = raster->spacing;
 	return dem_ground_off(map->meta->srs, (double[2]){origin[0] + (double)raster->rect.x0 * s, origin[1] + (double)raster->rect.y0 * s},

@@ -56,7 +56,7 @@ struct dem_info {
 	double origin[2];      /* x, y of the south-west post in `srs` */
 	const char *vertical;  /* what heights are above, as the first source says, or t_vertical; "" if not said */
 	const char *projected; /* the SRS from which the sources were projected; "" if they were not */
-	bool untrue;           /* resampled posts are in an SRS whose distances are more than 0.5 % off those on the ground */
+	double ground_off;     /* what dem_ground_off returns for the SRS and its posts */
 	size_t source_count;   /* number of sources, including those in directories and lists */
 	const char *const *sources;
 	size_t file_count; /* other files that belong to the sources, as GDAL tells: parts of a VRT, sidecars */

@@ -115,6 +115,14 @@ static enum status several_agree(const struct gdal_grid *gdal)
 	return STATUS_OK;
 }
 
+/* Tells if a metre of the target differs much from a metre on the ground. There, ruts and wheels have a wrong size. */
+static void note_scale(const struct gdal_grid *gdal)
+{
+	if (gdal->grid.ground_off != 0)
+		note("%s: in its target SRS distances are up to %.2g %% off those on the ground; import less at once, or choose "
+		     "a --t-srs that is true there", gdal->name, 100 * fabs(gdal->grid.ground_off));
+}
+
 /* Tells what becomes of posts that are resampled only because they are not square or not in metres. */
 static void note_resampled(struct gdal_grid *gdal, const struct dem_params *params)
 {
@@ -129,7 +137,6 @@ static void note_resampled(struct gdal_grid *gdal, const struct dem_params *para
 	}
 	if (first == NULL)
 		return;
-	gdal->grid.untrue = dem_target_note_scale(&gdal->target, gdal->name);
 	if (params->spacing > 0 || params->anchor != NULL)
 		return;
 	char more[64] = "";
@@ -184,8 +191,10 @@ static enum status describe(struct gdal_grid *gdal)
 			snprintf(text + length, sizeof text - (size_t)length, ", and from %zu other SRS", others);
 		grid->projected = mem_strdup(text);
 	}
-	if (target->srs != NULL)
+	if (target->srs != NULL) {
 		grid->srs = dem_srs_wkt(target->srs);
+		grid->ground_off = dem_target_ground_off(target);
+	}
 	grid->vertical = mem_strdup(gdal->sources[0].vertical);
 	bool whole = grid->vertical != NULL && (projected == NULL || grid->projected != NULL) && (target->srs == NULL || grid->srs != NULL);
 	return whole ? STATUS_OK : fail_memory("opening the sources");
@@ -227,9 +236,13 @@ static enum status open_grid(struct gdal_grid *gdal, const struct dem_params *pa
 		status = dem_overlap(gdal->sources, gdal->source_count, &lattice, &gdal->grid);
 	if (status != STATUS_OK)
 		return status;
+	status = describe(gdal);
+	if (status != STATUS_OK)
+		return status;
+	note_scale(gdal);
 	note_resampled(gdal, params);
 	note_vertical(gdal);
-	return describe(gdal);
+	return STATUS_OK;
 }
 
 enum status dem_gdal_open(const struct dem_params *params, struct dem_list *list, struct dem_grid **out)

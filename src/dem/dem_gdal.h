@@ -160,8 +160,8 @@ enum status dem_target_area(const struct dem_target *target, const struct dem_gr
 enum status dem_target_choose(const struct dem_params *params, struct dem_groups *groups, struct dem_target *target) FURROW_CHECKED;
 void dem_target_finish(struct dem_target *target);
 void dem_target_lattice(const struct dem_target *target, struct dem_lattice *lattice);
-/* Prints a note and returns true if a metre of the target differs much from a metre on the ground. There, ruts and wheels have a wrong size. */
-bool dem_target_note_scale(const struct dem_target *target, const char *name);
+/* As dem_ground_off, of all posts of the target, which has an SRS. */
+double dem_target_ground_off(const struct dem_target *target);
 
 /* --- dem_misfit.c --- */
 /* Heights at posts of the target, whose surface is bilinear, and the part of it that is measured. */

@@ -37,7 +37,7 @@ struct dem_grid {
 	int64_t panel_posts;
 	double origin[2];
 	char *srs, *vertical, *projected; /* NULL: "" */
-	bool untrue; /* as in dem_info */
+	double ground_off; /* as in dem_info */
 	struct dem_list files; /* as in dem_info */
 	struct dem_list finer; /* as in dem_info */
 	size_t *finer_sets;

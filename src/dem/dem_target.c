@@ -348,15 +348,10 @@ void dem_target_finish(struct dem_target *target)
 	target->srs = NULL;
 }
 
-bool dem_target_note_scale(const struct dem_target *target, const char *name)
+double dem_target_ground_off(const struct dem_target *target)
 {
-	double high[2], off = 0;
+	double high[2];
 	for (int i = 0; i < 2; i++)
 		high[i] = target->origin[i] + (double)((i == 0 ? target->width : target->height) - 1) * target->spacing;
-	if (target->srs != NULL)
-		off = dem_srs_ground_off(target->srs, target->origin, high);
-	if (off != 0)
-		note("%s: in its target SRS distances are up to %.2g %% off those on the ground; import less at once, or choose "
-		     "a --t-srs that is true there", name, 100 * fabs(off));
-	return off != 0;
+	return dem_srs_ground_off(target->srs, target->origin, high);
 }

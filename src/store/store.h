@@ -29,6 +29,9 @@ struct store_meta {
 	double max_error;     /* metres: largest error that the import allowed */
 	const char *srs;      /* WKT, "" for local metres */
 	double origin[2];     /* SRS coordinates of the south-west post */
+	/* By what share distances on the ground differ most from those of the SRS; -0.18: they are up to 18 % shorter. 0: by less than 0.5 %. NaN: not
+	 * known, as in stores that an older Furrow made */
+	double ground_off;
 	const char *vertical; /* "" if unknown */
 	const char *sources;  /* the sources of the base, one on each line */
 	const char *insets;   /* the insets, one on each line, which store_inset_next() reads; "" or NULL: none */

@@ -116,6 +116,8 @@ enum status store_meta_write(struct store *store)
 		status = store_meta_put_real(store, reals[i].key, reals[i].value);
 	for (size_t i = 0; i < sizeof texts / sizeof *texts && status == STATUS_OK; i++)
 		status = store_meta_put_text(store, texts[i].key, texts[i].value);
+	if (status == STATUS_OK && !isnan(meta->ground_off))
+		status = store_meta_put_real(store, "ground_off", meta->ground_off);
 	if (status == STATUS_OK && meta->insets != NULL && meta->insets[0] != '\0')
 		status = store_meta_put_text(store, "insets", meta->insets);
 	if (status == STATUS_OK)
@@ -207,6 +209,16 @@ static enum status get_real(struct lookup *lookup, const char *key, bool may_lac
 	*value = type == SQLITE_FLOAT ? sqlite3_column_double(lookup->statement, 0) : (double)NAN;
 	bool good = type == SQLITE_FLOAT ? isfinite(*value) : may_lack && type == SQLITE_NULL;
 	return good ? STATUS_OK : bad_key(lookup, key);
+}
+
+static enum status get_ground_off(struct lookup *lookup, double *value)
+{
+	bool found;
+	enum status status = look_up(lookup, "ground_off", &found);
+	*value = (double)NAN;
+	if (status != STATUS_OK || !found)
+		return status;
+	return get_real(lookup, "ground_off", false, value);
 }
 
 /* `lacking`: its value if there is no such key; NULL: there must be. */
@@ -432,6 +444,8 @@ static enum status get_all(struct lookup *lookup, struct store *store)
 	};
 	for (size_t i = 0; i < sizeof reals / sizeof *reals && status == STATUS_OK; i++)
 		status = get_real(lookup, reals[i].key, reals[i].may_lack, reals[i].value);
+	if (status == STATUS_OK)
+		status = get_ground_off(lookup, &meta->ground_off);
 	if (status == STATUS_OK)
 		status = get_text(lookup, "srs", NULL, &meta->srs);
 	if (status == STATUS_OK)

@@ -2,6 +2,7 @@
 import math
 import re
 import shutil
+import sqlite3
 import struct
 import subprocess
 import unittest
@@ -170,6 +171,17 @@ class Maps(FurrowTest):
         page = self.pdf("map", "b.furrow", "-o", "b.pdf")
         self.assertIn("Height, m", page.text())
         self.assertNotIn("on the ground", page.text())
+        # The store says where a metre is a metre on the ground, so nobody waits for GDAL there; an older one says nothing, and it is asked.
+        for name, key, loads in (("b", True, False), ("a", True, True), ("b", False, True), ("a", False, True)):
+            with self.subTest(name, key=key):
+                if not key:
+                    with sqlite3.connect(self.folder / f"{name}.furrow") as database:
+                        self.assertEqual(database.execute("DELETE FROM meta WHERE key = 'ground_off'").rowcount, 1)
+                    database.close()
+                told = self.furrow("map", f"{name}.furrow", "--grid", "local", "-o", f"{name}.svg", env={"LD_DEBUG": "files"})
+                self.assertEqual(told.returncode, 0)
+                self.assertEqual("libgdal" in told.stderr, loads)
+                self.assertEqual("on the ground" in (self.folder / f"{name}.svg").read_text(), name == "a")
 
     def test_a_local_store_has_no_degrees(self):
         store = self.synth()

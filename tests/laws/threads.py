@@ -25,7 +25,8 @@ objects:
 
 class Threads(FurrowTest):
     def left(self, arguments, threads):
-        """All rows of the tables of ground, all files, and the figures that do not tell time, of a drive."""
+        """All rows of the tables of ground, all files, and the figures that tell no time, of a drive. Not what depends on how fast it is: rows of
+        volume.csv, one for each commit, and passes that make a tile ready when it is read."""
         name = f"t{threads}"
         run = self.json("drive", *arguments, "--store", "plain.furrow", "--overlay", f"{name}.furrow", "-o", name, env={"LP_NUM_THREADS": str(threads)})
         rows = []
@@ -36,8 +37,9 @@ class Threads(FurrowTest):
                     quoted = ",".join(f'"{column}"' for column in columns)
                     rows += [(table, *row) for row in db.execute(f'SELECT {quoted} FROM "{table}" ORDER BY key')]
         db.close()
-        files = {file.name: file.read_bytes() for file in sorted((self.folder / name).iterdir()) if file.suffix == ".csv" or file.name.startswith("frame-")}
-        return rows, files, [run[key] for key in ("volume", "passes", "steps")]
+        files = {file.name: file.read_bytes() for file in sorted((self.folder / name).iterdir())
+                 if file.suffix == ".csv" and file.name != "volume.csv" or file.name.startswith("frame-")}
+        return rows, files, [run["volume"], run["steps"], {name: run["passes"][name] for name in ("displace", "redistribute", "render")}]
 
     def the_same(self, *arguments):
         one = self.left(arguments, THREADS[0])
