@@ -82,12 +82,23 @@ static enum status load_model(const struct asked *asked, struct scene **scene)
 	return status;
 }
 
+/* The scene of a model has no name and no lines that its user knows. */
+static enum status fail_of_model(enum status status)
+{
+	char why[512];
+	const char *reason = scene_text_reason(failure_message());
+	if (status != STATUS_INPUT || reason == failure_message())
+		return status;
+	snprintf(why, sizeof why, "%s", reason);
+	return fail_with(status, "mobility: %.500s", why);
+}
+
 static enum status read_vehicle(struct asked *asked)
 {
 	struct scene *scene = NULL;
 	enum status status = asked->scene != NULL ? scene_load(asked->scene, NULL, 0, &scene) : load_model(asked, &scene);
 	if (status != STATUS_OK)
-		return status;
+		return asked->scene == NULL ? fail_of_model(status) : status;
 	if (asked->scene != NULL && isnan(asked->gravity))
 		asked->gravity = scene->gravity;
 	if (asked->scene != NULL && asked->soil.text == NULL)
@@ -97,6 +108,8 @@ static enum status read_vehicle(struct asked *asked)
 	if (status == STATUS_OK)
 		status = take_vehicle(scene, asked);
 	scene_destroy(scene);
+	if (status != STATUS_OK && asked->scene == NULL)
+		status = fail_of_model(status);
 	if (status == STATUS_OK && asked->soil.text == NULL)
 		status = fail_with(STATUS_USAGE, "mobility: --soil is missing; give a named soil (docs/SOILS.md), a file, or numbers in braces");
 	return status;

@@ -68,7 +68,7 @@ static enum status load(const struct rig *rig, size_t soil, const struct rig_lan
 	if (status != STATUS_INPUT && status != STATUS_USAGE)
 		return status;
 	char why[512];
-	snprintf(why, sizeof why, "%s", failure_message());
+	snprintf(why, sizeof why, "%s", scene_text_reason(failure_message()));
 	return fail_with(status, "rig: soil %s, in the scene that it makes: %.400s", rig->params->soils[soil], why);
 }
 

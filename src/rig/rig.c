@@ -69,7 +69,7 @@ enum status rig_soil_scene(const char *soil, struct scene **out)
 	if (status != STATUS_INPUT)
 		return status;
 	char why[512];
-	snprintf(why, sizeof why, "%s", failure_message());
+	snprintf(why, sizeof why, "%s", scene_text_reason(failure_message()));
 	return fail_with(status, "soil %s: %.400s", soil, why);
 }
 

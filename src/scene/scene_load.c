@@ -103,10 +103,22 @@ enum status scene_load(const char *path, const struct scene_setting *settings, s
 	return scene_load_file(path, settings, count, SCENE_COMMAND, out);
 }
 
+static const char name[] = "scene text";
+
+const char *scene_text_reason(const char *message)
+{
+	const size_t length = strlen(name);
+	if (strncmp(message, name, length) != 0 || message[length] != ':')
+		return message;
+	const char *reason = message + length + 1;
+	reason += strspn(reason, "0123456789");
+	reason += *reason == ':';
+	return reason + (*reason == ' ');
+}
+
 enum status scene_load_text(const char *text, const char *folder, const struct scene_setting *settings,
 			    size_t count, enum scene_reader reader, struct scene **out)
 {
-	static const char name[] = "scene text";
 	size_t length = strnlen(text, SCENE_BYTES + 1), folder_length = folder != NULL ? strlen(folder) : 0;
 	*out = NULL;
 	if (length > SCENE_BYTES)

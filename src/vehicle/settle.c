@@ -193,7 +193,7 @@ void vehicle_say_sunk(const struct vehicles *vehicles, const struct vehicle *veh
 	if (vehicles->scene->soil_count == 1)
 		snprintf(soil, sizeof soil, ", here %g", vehicles->scene->soils[0].bekker_kphi);
 	snprintf(text, size, "vehicles.%s: is %.3g m deep in the soil, deeper than it is high: the soil does not carry the vehicle, which weighs %.4g N; "
-			     "check bekker_kphi (in Pa/m^(n+1)%s), the vehicle's mass, and spacing", geom->name, geom->contact.sinkage,
+			     "check bekker_kphi (in N/m^(n+2)%s), the vehicle's mass, and spacing", geom->name, geom->contact.sinkage,
 		 mj_getTotalmass(vehicle->model) * vehicles->scene->gravity, soil);
 }
 

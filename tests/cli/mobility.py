@@ -179,9 +179,12 @@ class Mobility(FurrowTest):
                 (2, ["-o", "x.png", *car, "--soil", "lunar", "--layer", "slip"], "is not for a picture"),
                 (2, ["-o", "x.tif", *car, "--soil", "lunar", "--layer", "probability"], "give --spread"),
                 (2, ["-o", "x.tif", *car, "--soil", "lunar", "--spread", "0.1,2,0.1"], "--spread"),
+                (3, ["-o", "x.png", "--vehicle", SCENES / "convoy.yaml", "--soil", "lunar"], "convoy.yaml: "),
                 (3, ["-o", "x.png", "--vehicle", SCENES / "vehicles" / "walker.xml", "--soil", "lunar"], "wheel")):
             with self.subTest(arguments=arguments):
-                self.assertIn(part, self.refused(status, "mobility", store, *arguments))
+                error = self.refused(status, "mobility", store, *arguments)
+                self.assertIn(part, error)
+                self.assertNotIn("scene text", error)
 
 
 if __name__ == "__main__":
