@@ -131,14 +131,14 @@ static void draw_ticks(struct chart_page *page, const struct chart_legend *legen
 	cairo_set_line_width(page->cairo, 0.6);
 	for (double value = ceil(low / step) * step; value <= high + 1e-9 * span; value += step) {
 		struct tick tick = {.at = (value - low) / span * RAMP};
-		cairo_move_to(page->cairo, x + tick.at, y);
-		cairo_line_to(page->cairo, x + tick.at, y + 2.5);
-		chart_page_colour(page, chart_ink);
-		cairo_stroke(page->cairo);
 		chart_number(value, step, tick.text, sizeof tick.text);
 		const double half = tick_width(page, &tick) / 2;
 		if (tick.at - half < taken || tick.at + half > limit)
 			continue;
+		cairo_move_to(page->cairo, x + tick.at, y);
+		cairo_line_to(page->cairo, x + tick.at, y + 2.5);
+		chart_page_colour(page, chart_ink);
+		cairo_stroke(page->cairo);
 		write_value(page, x + tick.at, y + 3.5, x, x + RAMP, tick.text);
 		taken = tick.at + half + GAP;
 	}
