@@ -200,10 +200,4 @@ static inline double support_hills(int64_t x, int64_t y)
 	return 100 + 3 * sin((double)x * 0.31) * cos((double)y * 0.23) + (double)(h >> 22) / 1024;
 }
 
-/* Tests of many pairs take a part of them, so that each value of both comes up; with FURROW_LONG in the environment all of them. */
-static inline bool support_in_part(size_t one, size_t other, size_t part)
-{
-	return getenv("FURROW_LONG") != NULL || (one + other) % part == 0;
-}
-
 #endif

@@ -1,7 +1,7 @@
 #!/bin/sh
 # Packages, builds, tests:
 #
-#   sh tools/test.sh            every test; CONTRIBUTING.md says for how long
+#   sh tools/test.sh            what finds most for its time: some 15 minutes on two quiet cores
 #   sh tools/test.sh quick      the tests of suite `quick`; a minute or two
 #   sh tools/test.sh long       every test, at full length: an hour or more
 #   sh tools/test.sh ARGUMENT   what `meson test` takes: names, --suite X; in the sanitizer build alone
@@ -25,8 +25,12 @@ export UBSAN_OPTIONS="halt_on_error=1:print_stacktrace=1"
 export ASAN_OPTIONS="detect_odr_violation=0:intercept_tls_get_addr=0:quarantine_size_mb=16${ASAN_OPTIONS:+:$ASAN_OPTIONS}"
 status=0
 logs=
+both=
+without='--no-suite long'
 if [ "${1:-}" = long ]; then
 	shift
+	both='--suite both'
+	without=
 	export FURROW_LONG=1
 fi
 
@@ -63,10 +67,12 @@ if [ "${1:-}" = quick ]; then
 elif [ $# -gt 0 ]; then
 	run "$build" "$@"
 else
-	run "$build" --no-suite plain --no-suite packages
+	# shellcheck disable=SC2086
+	run "$build" --no-suite plain --no-suite packages $without
 	setup "$laws"
 	ninja -C "$laws" --quiet benches
-	run "$laws" --suite plain --suite both
+	# shellcheck disable=SC2086
+	run "$laws" --suite plain $both $without
 	if has_tsan; then
 		setup "$tsan" -Doptimization=1 -Db_sanitize=thread
 		# The detector of deadlocks counts LLVM's locks without an end, and fails at 64.

@@ -47,10 +47,23 @@ void report_sun_add(cJSON *root, const struct report_sun *sun)
 	json_number(object, "latitude", sun->sun.light.latitude * DEGREES);
 }
 
+/* Writes when the sun rises, if that is within a month: on the Moon a night takes two weeks. Otherwise an empty text. */
+static void say_when_it_rises(const struct report_sun *sun, char *text, size_t size)
+{
+	const double minute = 60, day = 86400;
+	double after = 0;
+	text[0] = '\0';
+	while (after < 31 * day && report_sun_at(sun, after).height <= 0)
+		after += minute;
+	if (after > 0 && after < 31 * day)
+		snprintf(text, size, after < 2 * day ? "; it rises %.1f h after the drive begins" : "; it rises %.1f days after the drive begins",
+			 after / (after < 2 * day ? 3600 : day));
+}
+
 void report_sun_advise(const struct world *world, scene_advice_fn tell, void *user)
 {
 	struct report_sun sun;
-	char text[300];
+	char text[400], rises[80];
 	int below = 0;
 	if (report_sun_find(world, &sun) != STATUS_OK || !sun.drawn || !sun.sun.light.timed)
 		return; /* where the place is not known, the view refuses the scene */
@@ -58,8 +71,9 @@ void report_sun_advise(const struct world *world, scene_advice_fn tell, void *us
 		below += report_sun_at(&sun, world->scene->end_time * i / STEPS).height <= 0;
 	if (below == 0)
 		return;
+	say_when_it_rises(&sun, rises, sizeof rises);
 	snprintf(text, sizeof text, "view.sun.time: the sun is below the horizon for %s of the drive (%.1f degrees high when it begins, %.1f when it ends), and pictures are "
-				    "dark then; give a time of day, or view.sun.azimuth and height",
-		 below > STEPS ? "all" : "a part", sun.begins.height, sun.ends.height);
+				    "dark then%s; give a time of day, or view.sun.azimuth and height",
+		 below > STEPS ? "all" : "a part", sun.begins.height, sun.ends.height, rises);
 	tell(user, text);
 }

@@ -309,8 +309,7 @@ enum status scene_load_file(const char *path, const struct scene_setting *settin
  * of them changes anything in the process, not even the locale. */
 enum status scene_load_text(const char *text, const char *folder, const struct scene_setting *settings,
 			    size_t count, enum scene_reader reader, struct scene **out) FURROW_CHECKED;
-/* Returns a message of scene_load_text from behind "scene text:LINE: " on, where it begins with it: nobody knows the lines of a text that a program
- * wrote. */
+/* Returns a message of scene_load_text without "scene text:LINE: " at its begin: nobody knows the lines of a text that a program wrote. */
 const char *scene_text_reason(const char *message);
 void scene_destroy(struct scene *scene);
 

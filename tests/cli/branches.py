@@ -6,7 +6,7 @@ import shutil
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
-from furrow_test import SCENE, FurrowTest, main
+from furrow_test import SCENE, FurrowTest, long, main
 
 EAST = SCENE.replace("[[20, 20], [120, 90], [40, 130]]", "[[160, 30], [230, 60], [170, 110]]").replace(
     "[[22, 18], [122, 88], [42, 128]]", "[[162, 28], [232, 58], [172, 108]]")
@@ -77,6 +77,7 @@ class Merge(Branches):
 
 
 class Relink(Branches):
+    @long
     def test_after_a_move_every_command_names_relink_and_it_mends(self):
         store, scene = self.synth(), self.scene()
         self.drive(scene, "--store", store, "--steps", "20")
@@ -123,6 +124,7 @@ class Relink(Branches):
 
 
 class Flatten(Branches):
+    @long
     def test_a_chain_and_its_flat_store_are_the_same_ground(self):
         store, scene = self.synth(), self.scene()
         self.drive(scene, "--store", store, "--steps", "20")

@@ -10,7 +10,7 @@ import sys
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
-from furrow_test import FURROW, MAPS, SCENE, SHARED, FurrowTest, has_gdal, main, write_png16
+from furrow_test import FURROW, MAPS, SCENE, SHARED, FurrowTest, has_gdal, long, main, write_png16
 
 NO_GL = {"__EGL_VENDOR_LIBRARY_FILENAMES": "/nonexistent.json", "EGL_PLATFORM": "surfaceless"}
 
@@ -82,6 +82,7 @@ cache: {slots: 4}
         self.assertLessEqual(memory["host_bytes"], budget["loads"] + budget["queue"])
         self.assertLessEqual(sum(memory["plane_bytes"].values()), budget["slots"])
 
+    @long
     def test_the_slots_asked_for_are_enough_wherever_the_object_lies_between_posts(self):
         self.ok("synth", "-o", "dem.png", "--posts", "129x129", "--spacing", "1")
         self.ok("import", "dem.png", "-o", "tiny.furrow", "--tile", "8", "--spacing", "1")
@@ -391,6 +392,7 @@ class Maps(FurrowTest):
         self.assertEqual(made[0], made[1])
         self.assertEqual(len(set(made)), 3)
 
+    @long
     @unittest.skipUnless(has_gdal(), "needs gdal_translate")
     def test_a_hillshade_keeps_its_place(self):
         self.ok("synth", "-o", "a.tif", "--posts", "65x65", "--spacing", "2")
@@ -496,6 +498,7 @@ class Drives(FurrowTest):
         self.drive(scene, "--store", store)
         self.assertEqual(self.json("verify", store)["offset_sum"], first)
 
+    @long
     def test_what_no_offset_holds_is_refused_counted_and_told(self):
         store = self.synth()
         (self.folder / "deep.csv").write_text("t,x,y,z\n0,40,40,-1500\n1,44,41,-1500\n")

@@ -10,7 +10,7 @@ import sys
 import time
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
-from furrow_test import FURROW, SCENE, FurrowTest, main, write_png16
+from furrow_test import FURROW, SCENE, FurrowTest, long, main, write_png16
 
 NO_GL = {"__EGL_VENDOR_LIBRARY_FILENAMES": "/nonexistent.json", "EGL_PLATFORM": "surfaceless"}
 WHOLE = "ended steps simulated spacing working_level volume objects".split()
@@ -122,6 +122,7 @@ cache: {slots: 16}
             self.assertEqual(report["steps"], total)
             self.assert_same((report, store), whole)
 
+    @long
     def test_a_step_that_was_cut_short_leaves_the_picture_before_it(self):
         view = "view: {size: [160, 90], camera: {overhead: {over: left, height: 40}}, effects: [texture], images: 1}\n"
         scene = self.scene(SCENE.replace("time_step: 0.05", "time_step: 0.37") + view)
@@ -174,6 +175,7 @@ cache: {slots: 16}
         self.assertEqual(len(self.log()), report["io"]["commits"])
         self.assertAlmostEqual(report["objects"]["left"]["distance"], 120, delta=1)
 
+    @long
     def test_another_scene_is_refused_and_a_cache_or_a_view_is_no_other_scene(self):
         scene = self.scene()
         self.drive(scene, "--store", self.store, "--steps", 30)
@@ -210,6 +212,7 @@ cache: {slots: 16}
                 self.assertTrue(self.kept(damaged) == before)
                 self.assertFalse((self.folder / "other").exists())
 
+    @long
     def test_a_torn_line_is_dropped_and_the_others_are_kept(self):
         scene = self.scene()
         self.drive(scene, "--store", self.store, "--steps", 30)
@@ -252,6 +255,7 @@ cache: {slots: 16}
         report = self.drive(scene, "--store", self.store, "--resume")
         self.assert_same((report, self.store), whole)
 
+    @long
     def test_a_drive_that_ran_out_of_ground_stops_there_again(self):
         write_png16(self.folder / "holes.png", 150, 150, lambda x, y: 0 if x > 80 else 100 + (x * 7 + y) % 5)
         self.ok("import", "holes.png", "-o", "holes.furrow", "--nodata", "0")
@@ -275,6 +279,7 @@ cache: {slots: 16}
         in_pieces = self.pieces(scene, self.folder / "pieces.furrow", *([*skip, "--steps", n] for n in (39, 41, 58, 60, 61, 62)), skip)
         self.assert_same(in_pieces, whole)
 
+    @long
     def test_a_picture_of_the_step_that_was_committed_is_not_left_out(self):
         scene = self.scene(SCENE + "view: {size: [64, 48], camera: {chase: left, back: 8, up: 4}, images: 20}\n")
         self.drive(scene, "--store", self.copy())

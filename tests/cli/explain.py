@@ -7,7 +7,7 @@ import sys
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
-from furrow_test import FURROW, SCENE, FurrowTest, main  # noqa: E402
+from furrow_test import FURROW, SCENE, FurrowTest, long, main  # noqa: E402
 
 SCENES = pathlib.Path(__file__).parents[2] / "tools" / "scenes"
 
@@ -383,6 +383,7 @@ class ExplainAndDrive(FurrowTest):
                          {name: count for name, count in ran.items() if count > 0})
         self.assertEqual(plan["memory"]["most"], run["memory"]["budget"])
 
+    @long
     def test_a_drive_makes_and_runs_what_was_told(self):
         for name, text in self.SCENES.items():
             with self.subTest(scene=name):

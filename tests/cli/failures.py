@@ -12,7 +12,7 @@ import sys
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
-from furrow_test import FURROW, FurrowTest, main
+from furrow_test import FURROW, FurrowTest, long, main
 from raster_test import RasterTest
 import rasters
 
@@ -66,6 +66,7 @@ class FullDisk(FurrowTest):
         self.assertIn("TMPDIR", result.stderr)
         self.assertEqual([p.name for p in self.folder.iterdir()], ["in.raw"])
 
+    @long
     def test_unpacking_without_room_and_without_end_is_told(self):
         (self.folder / "N46E015.hgt.xz").write_bytes(lzma.compress(random.Random(5).randbytes(2 * 1201 * 1201), preset=0))
         result = self.limited(100000, "import", "N46E015.hgt.xz", "-o", "s.furrow")
@@ -109,6 +110,7 @@ class Unreadable(RasterTest):
                          west=500000 + 2000 * i, **options)
         return self.folder / "tiles/1.tif"
 
+    @long
     def test_a_source_that_fails_in_the_middle_is_named_and_leaves_nothing(self):
         """A broken strip of a compressed TIFF: the file opens, and most of it reads."""
         bad = self.tiles(options=["-co", "COMPRESS=DEFLATE", "-co", "BLOCKYSIZE=10"])
@@ -133,6 +135,7 @@ class Unreadable(RasterTest):
                     self.assertRegex(self.refused(3, "import", source, "-o", "out.furrow"), r"^furrow: \S*1\.tif: ")
                     self.nothing_left()
 
+    @long
     def test_rubbish_among_tiles_is_named_and_not_left_out(self):
         bad = self.tiles()
         bad.write_bytes(b"no raster at all" * 40)

@@ -8,7 +8,7 @@ import struct
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
-from furrow_test import has_gdal, main
+from furrow_test import has_gdal, long, main
 from raster_test import RasterTest
 import rasters
 import store_reader
@@ -171,6 +171,7 @@ class Bases(FormatTest):
             found = {flag for one, flags in seen if one == codec for flag in (1, 2, 4, 16, 32, 64) if flags & flag}
             self.assertEqual(found, wanted, codec)
 
+    @long
     def test_insets_one_within_the_other(self):
         """Below level 0 too the page says where each post comes from."""
         self.grid("coarse.asc", 20, 15, lambda x, y: round(300 + 20 * math.sin(x / 4)) if (x, y) != (12, 7) else None, cell=8)
@@ -204,6 +205,7 @@ class Bases(FormatTest):
                 most = max(abs(a - b) for a, b in zip(pixels, source))
                 self.assertTrue(step * 0.49 < most <= float(error), most)
 
+    @long
     def test_halves_of_the_lattice_negative_zero_and_high_places(self):
         for name, value in (("halves", lambda x, y: (x * 5 + y * 3 - 90) * 2**-19),
                             ("zeros", lambda x, y: -0.0 if (x + y) % 3 else 2**-140),

@@ -12,6 +12,7 @@ import zlib
 
 FURROW = os.environ["FURROW"]
 MAPS = os.environ.get("FURROW_MAPS", "1") == "1"  # this build draws them
+FULL = "FURROW_LONG" in os.environ  # in `sh tools/test.sh long`
 SHARED = pathlib.Path(os.environ.get("SHARED", "/nonexistent"))
 
 SCENE = """scene: 1
@@ -42,6 +43,11 @@ def write_png16(path, width, height, value):
 
 def has_gdal():
     return shutil.which("gdal_translate") is not None
+
+
+def long(test):
+    """Of a test or a class of them that costs much for what it finds: `sh tools/test.sh long` runs it."""
+    return unittest.skipUnless(FULL, "for sh tools/test.sh long")(test)
 
 
 class FurrowTest(unittest.TestCase):

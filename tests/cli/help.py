@@ -4,7 +4,7 @@ import shutil
 import subprocess
 import unittest
 
-from furrow_test import FURROW, FurrowTest, main
+from furrow_test import FURROW, FurrowTest, long, main
 
 KINDS = ("bash", "zsh", "fish")
 
@@ -69,6 +69,7 @@ class Help(FurrowTest):
             with self.subTest(command):
                 self.assertEqual(*in_help(text))
 
+    @long
     def test_the_parser_takes_what_is_listed(self):
         for command, options in self.options.items():
             for name, value in options.items():

@@ -4,7 +4,7 @@ import pathlib
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
-from furrow_test import SCENE, FurrowTest, main
+from furrow_test import SCENE, FurrowTest, long, main
 from store_reader import Store
 
 OTHER = SCENE.replace("[120, 90]", "[200, 60]").replace("[122, 88]", "[202, 58]")
@@ -60,6 +60,7 @@ class History(FurrowTest):
             row = then.rows["offset"].get(key)
             self.assertEqual(store.posts_then("offset", key, revision), list(row.posts) if row else [0] * (store.cells + 1)**2)
 
+    @long
     def test_a_run_goes_on_from_what_is_restored(self):
         store, scene = self.synth(), self.scene()
         self.drive(scene, "--store", store, "--steps", "30")

@@ -8,7 +8,7 @@ import time
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
-from furrow_test import FURROW, SHARED, main
+from furrow_test import FURROW, SHARED, long, main
 from raster_test import RasterTest
 import rasters
 
@@ -33,10 +33,16 @@ class Insets(RasterTest):
                   west=WEST + x0 - step / 2, north=SOUTH + y0 + (height - 0.5) * step, **options)
         return name
 
+    made = {}  # the bytes of the three, for the next test
+
     def three(self):
-        self.raster("country.tif", self.country, 0, 0, 97, 81, 32, "h")
-        self.raster("site.tif", self.site, 800, 600, 501, 401, 1)
-        self.raster("scan.tif", self.scan, 1000, 780, 641, 481, 1 / 16)
+        for name, data in self.made.items():
+            (self.folder / name).write_bytes(data)
+        if self.made:
+            return
+        for name in (self.raster("country.tif", self.country, 0, 0, 97, 81, 32, "h"), self.raster("site.tif", self.site, 800, 600, 501, 401, 1),
+                     self.raster("scan.tif", self.scan, 1000, 780, 641, 481, 1 / 16)):
+            self.made[name] = (self.folder / name).read_bytes()
 
     def imported(self, *more, name="s.furrow", tile=64):
         self.ok("import", "country.tif", *more, "-o", name, "--tile", tile, "--overwrite")
@@ -76,6 +82,7 @@ class Insets(RasterTest):
             self.assertEqual(self.base_of(store, 0, 0, 0, 760, 2500), self.base_of("plain.furrow", 0, 0, 0, 760, 2500))
             self.assertCore(store, -5, (850, 650, 960, 950), self.site, bound + 1e-4, 100)
 
+    @long
     def test_the_tile_size_does_not_show(self):
         self.three()
         for name, tile in (("a", 16), ("b", 256)):
@@ -148,6 +155,7 @@ class Insets(RasterTest):
         finer = inset["tiles"]["base"] - plain["tiles"]["base"]
         self.assertLess(finer * 32 * 32, 2.2 * 501 * 401)
 
+    @long
     def test_a_flat_store_of_a_branch_has_the_insets(self):
         self.three()
         store = self.imported("--inset", "site.tif", "--inset", "scan.tif")
@@ -242,6 +250,7 @@ cache: {slots: 256}
         found = self.info_of("country.tif", "site.tif", "--spacing", 16)
         self.assertEqual((found["levels"][0], found["insets"]), (0, []))
 
+    @long
     def test_about_as_fine_is_no_inset(self):
         self.raster("country.tif", self.country, 0, 0, 97, 81, 32, "h")
         for step, level in ((33, 0), (17, 0), (16, -1), (15, -2), (8, -2)):
@@ -250,6 +259,7 @@ cache: {slots: 256}
             self.assertEqual(found["levels"][0], level)
             self.assertEqual(found["spacing"], 32 if level < 0 else min(step, 32))
 
+    @long
     def test_what_lies_beside_is_no_inset(self):
         self.raster("country.tif", self.country, 0, 0, 65, 65, 32, "h")
         for x0, level in ((2000, -3), (2030, -3), (2100, 0), (2300, 0)):
@@ -257,6 +267,7 @@ cache: {slots: 256}
             found = self.info_of("beside.tif", "country.tif", told=None if level < 0 else "note: beside.tif: its posts of 4 m are finer")
             self.assertEqual((found["levels"][0], found["spacing"]), (level, 32 if level < 0 else 4))
 
+    @long
     def test_tiles_side_by_side_are_one_inset_without_a_rim_between(self):
         self.three()
         whole = self.info_of("country.tif", "site.tif")
@@ -296,6 +307,7 @@ cache: {slots: 256}
         for name in ("b.furrow", "flat.furrow"):
             self.assertEqual(self.json("info", name)["insets"], found)
 
+    @long
     def test_s_srs_is_that_of_insets_too(self):
         self.three()
         def heights():
@@ -308,6 +320,7 @@ cache: {slots: 256}
             self.info_of("country.tif", "--inset", name, "--s-srs", "EPSG:32633")
             self.assertEqual(heights(), wanted)
 
+    @long
     def test_the_bound_holds_everywhere(self):
         """The country's heights are whole metres, to which it is also rounded where it is resampled; the inset's are finer."""
         self.three()

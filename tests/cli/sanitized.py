@@ -1,59 +1,69 @@
-"""Some tests of every program of the command, which run under sanitizers; the other tests of this folder run without."""
+"""Some tests of every program of the command, above all those of wrong input. They run under sanitizers, the other tests of this folder without.
+`sh tools/test.sh long` runs more of them."""
 import importlib
 import sys
 import unittest
 
-from furrow_test import has_gdal
+from furrow_test import FULL, has_gdal
 
 CHOSEN = {
     "contract": ["Usage", "BadInput.test_missing_empty_garbage_and_truncated_stores_are_status_3",
                  "BadInput.test_missing_empty_and_garbage_sources_are_status_3_and_leave_nothing",
-                 "BadInput.test_an_existing_store_is_not_overwritten_unless_asked",
-                 "BadInput.test_a_dry_run_makes_nothing_and_tells_what_is_in_the_way", "BadInput.test_a_png_with_holes",
+                 "BadInput.test_a_png_with_holes",
                  "BadInput.test_a_scene_with_a_wrong_key_names_file_line_and_what_is_allowed",
                  "RoundTrips.test_a_png_comes_back_as_it_was", "RoundTrips.test_info_holds_what_the_contract_names",
                  "RoundTrips.test_query_reads_points_from_stdin", "RoundTrips.test_query_casts_rays",
                  "Maps.test_what_is_no_picture_is_refused_and_leaves_nothing",
-                 "Drives.test_a_drive_leaves_ruts_figures_and_a_clean_store", "Drives.test_ctrl_c_ends_cleanly_with_130",
-                 "Drives.test_pictures_are_written"],
+                 "Drives.test_a_drive_leaves_ruts_figures_and_a_clean_store", "Drives.test_ctrl_c_ends_cleanly_with_130"],
     "branches": ["Merge.test_what_cannot_be_merged_is_refused_and_nothing_is_left",
-                 "Merge.test_what_both_changed_is_listed_and_nothing_is_made",
                  "Relink.test_what_is_not_the_base_is_refused_and_the_overlay_kept",
                  "Flatten.test_what_cannot_be_flattened_is_refused_and_nothing_is_left"],
-    "cache_sim": ["CacheSim.test_table_and_plot", "CacheSim.test_what_is_no_trace_is_refused_and_nothing_is_left"],
+    "cache_sim": ["CacheSim.test_what_is_no_trace_is_refused_and_nothing_is_left"],
     "drive_resume": ["Resume.test_a_damaged_record_is_refused_and_named"],
-    "explain": ["Explain.test_the_store_decides_level_and_spacing", "Explain.test_what_is_wrong_is_told",
-                "Explain.test_a_drive_tells_the_same_on_stderr"],
+    "explain": ["Explain.test_what_is_wrong_is_told"],
     "help": ["Help.test_what_is_not_printed_is_refused"],
     "fit_soil": ["FitSoil.test_what_is_wrong_is_refused_and_leaves_nothing", "FitSoil.test_a_name_cannot_break_out_of_the_soil_or_the_page"],
     "history": ["History.test_what_cannot_be_is_refused"],
     "meshes": ["Meshes.test_refusals"],
-    "study": ["Study.test_refused_studies",
-              "Study.test_a_hypercube_has_one_value_in_each_part", "Study.test_one_that_fails_does_not_stop_the_others"],
+    "study": ["Study.test_refused_studies"],
     "tiles": ["Tiles.test_refusals"],
-    "notes": ["Notes.test_the_unit_of_a_number_is_told_once"],
-    "overlay": ["Drives.test_one_overlay_has_one_drive_and_its_base_may_be_driven_meanwhile",
-                "Refusals.test_what_is_no_overlay_of_that_store_is_refused_and_kept"],
-    "resume": ["Resume.test_interrupted_it_says_how_to_go_on_and_does", "Resume.test_a_damaged_part_is_refused_and_kept"],
+    "overlay": ["Refusals.test_what_is_no_overlay_of_that_store_is_refused_and_kept"],
+    "resume": ["Resume.test_a_damaged_part_is_refused_and_kept"],
     "report": ["Report.test_names_are_text", "Report.test_numbers_are_checked", "Report.test_rows_that_are_none_are_told_with_their_line",
                "Report.test_what_is_no_drive_is_refused_and_nothing_is_left"],
     "soil_rasters": ["SoilRasters.test_what_cannot_be_used_is_refused_before_anything_is_driven"],
     "soil_map": ["SoilMap.test_what_is_no_map_is_refused_before_anything_is_driven"],
-    "view": ["View.test_a_display_that_is_lost_leaves_nothing_behind"],
 }
 OF_GDAL = {
-    "failures": ["Unreadable", "SeamsThatDisagree", "Damage", "FullDisk.test_a_store_that_is_to_be_overwritten_survives_a_full_disk"],
-    "insets": ["Insets.test_holes_are_filled_and_a_ragged_outline_is_feathered",
-               "Insets.test_what_cannot_be_an_inset_is_refused_and_leaves_nothing"],
+    "failures": ["Unreadable", "Damage"],
+    "insets": ["Insets.test_what_cannot_be_an_inset_is_refused_and_leaves_nothing"],
     "nodata": ["Nodata.test_no_kernel_reaches_over_a_holes_edge"],
+    "values": ["Bytes"],
+}
+LONG = {
+    "contract": ["BadInput.test_an_existing_store_is_not_overwritten_unless_asked",
+                 "BadInput.test_a_dry_run_makes_nothing_and_tells_what_is_in_the_way", "Drives.test_pictures_are_written"],
+    "branches": ["Merge.test_what_both_changed_is_listed_and_nothing_is_made"],
+    "cache_sim": ["CacheSim.test_table_and_plot"],
+    "explain": ["Explain.test_the_store_decides_level_and_spacing", "Explain.test_a_drive_tells_the_same_on_stderr"],
+    "study": ["Study.test_a_hypercube_has_one_value_in_each_part", "Study.test_one_that_fails_does_not_stop_the_others"],
+    "notes": ["Notes.test_the_unit_of_a_number_is_told_once"],
+    "overlay": ["Drives.test_one_overlay_has_one_drive_and_its_base_may_be_driven_meanwhile"],
+    "resume": ["Resume.test_interrupted_it_says_how_to_go_on_and_does"],
+    "view": ["View.test_a_display_that_is_lost_leaves_nothing_behind"],
+}
+LONG_OF_GDAL = {
+    "failures": ["SeamsThatDisagree", "FullDisk.test_a_store_that_is_to_be_overwritten_survives_a_full_disk"],
+    "insets": ["Insets.test_holes_are_filled_and_a_ragged_outline_is_feathered"],
     "round_trips": ["Places.test_levels_and_windows_export_in_their_place"],
-    "values": ["Values.test_a_negative_scale_keeps_the_bound", "Bytes"],
+    "values": ["Values.test_a_negative_scale_keeps_the_bound"],
 }
 
 
 def suite():
     found = unittest.TestSuite()
-    for name, tests in {**CHOSEN, **(OF_GDAL if has_gdal() else {})}.items():
+    lists = [(CHOSEN, True), (OF_GDAL, has_gdal()), (LONG, FULL), (LONG_OF_GDAL, FULL and has_gdal())]
+    for name, tests in [row for chosen, runs in lists if runs for row in chosen.items()]:
         module = importlib.import_module(name)
         missing = getattr(module, "NEEDED", [])
         if name == "view" and not (module.WINDOW and all(map(module.shutil.which, missing))):

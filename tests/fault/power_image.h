@@ -2,11 +2,12 @@
 #ifndef FURROW_TEST_FAULT_POWER_IMAGE_H
 #define FURROW_TEST_FAULT_POWER_IMAGE_H
 
+#include "../long.h"
 #include "known.h"
 #include "power_disk.h"
 #include "power_vfs.h"
 
-#define SEEDS 12
+#define SEEDS (long_run() ? 12u : 4u)
 
 static void folder_empty(const char *of)
 {

@@ -16,7 +16,7 @@ import time
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent.parent / "cli"))
-from furrow_test import FURROW, FurrowTest, main
+from furrow_test import FURROW, FurrowTest, long, main
 
 RANKS = [int(n) for n in os.environ.get("RANKS", "2,3").split(",")]
 KILLS = int(os.environ.get("KILLS", "2"))
@@ -153,19 +153,23 @@ class TheSame(Ranks):
     def test_wheels_that_cross_at_the_corner_of_four_tiles(self):
         self.compare(CROSSING)
 
+    @long
     def test_wheels_that_cross_each_other_everywhere(self):
         self.compare(SPREAD, "ridged.furrow")
 
     def test_heaps_that_slide_over_the_edge_of_a_rank(self):
         self.compare(HEAPS, blocks=True)
 
+    @long
     def test_a_loaded_wheel_that_stands_on_sliding_soil_goes_over_to_another_rank(self):
         self.compare(STANDING, ranks=RANKS[:1])
 
+    @long
     def test_rows_that_come_later_than_their_contact(self):
         text = CROSSING.replace("load: 2000", "sink: 0.06").replace("load: 1500", "sink: 0.05")
         self.compare(text.replace("forces: 20", "forces: 3").replace("time_step: 0.05", "time_step: 0.01"), ranks=RANKS[-1:])
 
+    @long
     def test_forces_that_are_asked_for_long_before_their_row(self):
         self.compare(LATE)
 
@@ -180,6 +184,7 @@ class TheSame(Ranks):
     def test_a_convoy_in_one_rut_leaves_a_rank_with_nothing(self):
         self.compare(CONVOY, moves=False)
 
+    @long
     def test_a_path_that_leaves_the_terrain_ends_all_after_one_step(self):
         self.scene(scene("box", 4, wheel("stays", [[20, 30], [60, 33]], 8, "sink: 0.1") + wheel("leaves", [[240, 200], [300, 201]], 9, "sink: 0.1")))
         for ranks, name in ((1, "one"), (2, "two")):
@@ -307,6 +312,7 @@ class Refused(Ranks):
         self.assertIn("rank 1: its scene is not that of rank 0", said)
         self.assertEqual(list(self.folder.glob("many.furrow*")), [])
 
+    @long
     def test_a_rank_with_another_renderer(self):
         self.scene(CONVOY)
         drive = self.command(1, "scene.yaml", "many")
@@ -350,6 +356,7 @@ class Staged(Ranks):
     def copies(self):
         return sorted(path.name for path in (self.folder / "stage").iterdir())
 
+    @long
     def test_a_staged_base_gives_the_same(self):
         self.scene(CROSSING)
         for store in ("plain", "ridged"):
@@ -367,6 +374,7 @@ class Staged(Ranks):
                 shutil.rmtree(path) if path.is_dir() else path.unlink()
         self.assertEqual([name.split("-")[0] for name in self.copies()], ["plain", "ridged"])
 
+    @long
     def test_a_drive_goes_on_with_a_staged_base_or_without(self):
         self.scene(CROSSING)
         one = self.run_command(self.command(1, "scene.yaml", "one"))
@@ -421,6 +429,7 @@ exec unshare --uts --mount sh -c "hostname $host && mount $(cat $host.mount) {fo
             self.skipTest("no machines can be made here: " + tried.stderr.strip()[-300:])
         return command
 
+    @long
     def test_each_machine_has_a_copy_of_its_own(self):
         disks = [self.folder / name for name in ("disk0", "disk1")]
         for disk in disks:

@@ -1,5 +1,6 @@
 /* Law 7: a contact is computed only where it has something to do. Bodies that fly and hop over ground that nothing touched, over
  * rims and over the parts of a shape: what is left out would have changed nothing. */
+#include "../long.h"
 #include "where.h"
 
 /* --- ground --- */
@@ -17,7 +18,7 @@ static void what_hops_leaves_the_same_rows(void **state)
 	static const support_height heights[] = {support_hills, flat, cliff, holed};
 	for (int h = 0; h < 4; h++)
 		for (int m = 0; m < MODELS; m++) {
-			if (!support_in_part((size_t)m, (size_t)h, 2))
+			if (!long_or_part((size_t)m, (size_t)h, 2))
 				continue;
 			write_hops(heights[h]);
 			/* Where soil slides a tile that was touched is looked at, and the next to it then is touched. */

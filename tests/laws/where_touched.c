@@ -1,5 +1,6 @@
 /* Law 7 over soil that was touched: bodies that walk and bounce over their own prints, and resumed drives of such bodies. What is
  * left out would have changed nothing. */
+#include "../long.h"
 #include "where.h"
 
 /* --- over soil that was touched, and beside it --- */
@@ -46,7 +47,7 @@ static void what_walks_is_aloft_between_its_prints(void **state)
 	};
 	for (int m = 2; m < MODELS; m++)
 		for (size_t i = 0; i < sizeof walks / sizeof *walks; i++) {
-			if (!support_in_part((size_t)m, i, 2))
+			if (!long_or_part((size_t)m, i, 2))
 				continue;
 			write_steps("left.csv", 10.03, 12.01, 1.2, walks[i].lift, walks[i].back);
 			write_steps("right.csv", 9.55, 12.01 + walks[i].apart, 1.2, walks[i].lift, walks[i].back);
@@ -68,7 +69,7 @@ static void what_bounces_over_its_own_rims_leaves_the_same(void **state)
 	static const support_height heights[] = {flat, holed};
 	for (int h = 0; h < 2; h++)
 		for (int m = 2; m < MODELS; m++) {
-			if (!support_in_part((size_t)m, (size_t)h, 2))
+			if (!long_or_part((size_t)m, (size_t)h, 2))
 				continue;
 			write_poses("ball.csv", &(struct hops){heights[h], 0.5, 10, 10, 0.7, 0.3, 0.4, 0.15, 0.5, 3.3, 6, false});
 			/* Several windows. */
