@@ -186,6 +186,7 @@ class Bases(FormatTest):
             store = self.whole_base(path, levels=(-5, -4, -3, -2, -1, 0))
             self.assertEqual({row.level for row in store.rows["base"].values() if row.level < 0}, {-1, -2, -3, -4})
 
+    @long
     def test_a_step_that_is_no_power_of_two(self):
         self.make("in.tif", 70, 50, lambda x, y: x * x // 7 + 3 * y * (x % 3), "h",
                   options=["-a_scale", "0.1", "-a_offset", "-200"])

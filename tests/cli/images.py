@@ -9,7 +9,7 @@ import sys
 import time
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
-from furrow_test import FURROW, SCENE, FurrowTest, main
+from furrow_test import FURROW, SCENE, FurrowTest, long, main
 
 # Every tile has a slot: a picture is the same whenever it is drawn.
 VIEW = SCENE.replace("slots: 16", "slots: 120") + """view:
@@ -85,6 +85,7 @@ class Images(FurrowTest):
             for name, picture in found[1].items():
                 self.assertTrue(found[0][name] == picture, name)
 
+    @long
     def test_no_epoch_is_committed_before_the_pictures_it_leaves_behind(self):
         wanted = self.whole(10)
         part = self.place(10)
@@ -122,6 +123,7 @@ class Images(FurrowTest):
         self.resume()
         self.assertTrue(self.found() == wanted)
 
+    @long
     def test_what_was_begun_is_ended_when_it_is_interrupted(self):
         wanted = self.whole(1)
         process = self.start()
@@ -137,6 +139,7 @@ class Images(FurrowTest):
         self.resume()
         self.assertTrue(self.found() == wanted)
 
+    @long
     def test_killed_over_and_over_it_has_the_pictures_of_one_that_was_left_alone(self):
         kills, seed = int(os.environ.get("KILLS", "8")), int(os.environ.get("RESUME_SEED", "1"))
         print(f"KILLS={kills} RESUME_SEED={seed}", flush=True)

@@ -108,6 +108,7 @@ class Insets(RasterTest):
             edge = [abs(heights[800.0, float(y)] - heights[801.0, float(y)]) for y in range(701, 719)]
             self.assertLess(max(edge), max(own) + max(under) + 3 * apart / feather ** 2 + 0.002)
 
+    @long
     def test_its_offset_is_found_and_taken_off_when_asked(self):
         self.three()
         for shift in (-3.0, 7.0):
@@ -138,6 +139,7 @@ class Insets(RasterTest):
         self.assertAlmostEqual(heights[900.0, 1000.0], 460, delta=0.002)
         self.assertLess(max(self.steps(heights, 4.0)), 1.5 * 10 / 40 * 4 + 0.1)
 
+    @long
     def test_of_two_the_first_named_lies_on_top(self):
         self.raster("country.tif", lambda x, y: 100, 0, 0, 97, 81, 32, "h")
         self.raster("a.tif", lambda x, y: 110, 640, 640, 101, 101, 4)

@@ -8,7 +8,7 @@ import shutil
 import subprocess
 import unittest
 
-from furrow_test import FurrowTest, has_gdal, main
+from furrow_test import FurrowTest, has_gdal, long, main
 import rasters
 
 HEAD = "scene: 1\ntime_step: 0.1\nend_time: 12\nspacing: 0.25\nredistribute: {model: box}\nobjects:\n"
@@ -132,6 +132,7 @@ class Lines(FurrowTest):
                         (self.folder / f"globe.furrow{suffix}").unlink(missing_ok=True)
             (self.folder / "local.furrow").unlink()
 
+    @long
     def test_degrees_are_those_of_the_stores_body(self):
         if not has_gdal():
             self.skipTest("needs GDAL's programs")
@@ -170,6 +171,7 @@ class Lines(FurrowTest):
         (self.folder / "poses.csv").write_text("".join(f"{t},{x},{y}\n" for t, x, y in local))
         self.assert_near(self.places("track", "{file: track.gpx}"), self.places("poses", "{file: poses.csv}"), 1e-4)
 
+    @long
     def test_one_of_several_lines(self):
         self.utm()
         other = self.globe([(500010, 5000080), (500090, 5000080)])

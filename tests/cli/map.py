@@ -8,7 +8,7 @@ import subprocess
 import unittest
 import xml.etree.ElementTree
 
-from furrow_test import SCENE, SHARED, FurrowTest, has_gdal, main
+from furrow_test import SCENE, SHARED, FurrowTest, has_gdal, long, main
 
 XHTML = "{http://www.w3.org/1999/xhtml}"
 SVG = "{http://www.w3.org/2000/svg}"
@@ -212,6 +212,7 @@ class Maps(FurrowTest):
 
     # --- drives ---
 
+    @long
     def test_names_of_a_drive_do_not_meet(self):
         for side, count in ((100, 3), (300, 30), (780, 150)):
             with self.subTest(side=side, count=count):

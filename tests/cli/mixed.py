@@ -13,7 +13,7 @@ import unittest
 import zipfile
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
-from furrow_test import FURROW, main, write_png16
+from furrow_test import FURROW, long, main, write_png16
 from raster_test import RasterTest
 import rasters
 
@@ -109,6 +109,7 @@ class Mixed(MixedTest):
                     rms = math.sqrt(sum((a - b) ** 2 for a, b in inner) / len(inner))
                     self.assertLess(rms, 0.15)
 
+    @long
     def test_a_window_in_degrees_cuts_the_same_posts_from_all(self):
         sources = self.sources()
         self.ok("import", *sources, "-o", "whole.furrow", "--spacing", 5, "--max-error", 0.001)
@@ -186,6 +187,7 @@ class Mixed(MixedTest):
         self.assertGreater(made["off_source"]["posts"], 40 * 40 + 15 * 35)
         self.assertLess(made["off_source"]["posts"], 40 * 40 + 20 * 40 + 41 * 3)
 
+    @long
     def test_a_directory_skips_what_has_no_place(self):
         folder = self.folder / "tiles"
         folder.mkdir()

@@ -11,7 +11,7 @@ import subprocess
 import time
 import unittest
 
-from furrow_test import FURROW, MAPS, FurrowTest, has_gdal, main
+from furrow_test import FURROW, MAPS, FurrowTest, has_gdal, long, main
 import rasters
 
 SCENES = pathlib.Path(__file__).parents[2] / "tools" / "scenes"
@@ -89,6 +89,7 @@ class Mobility(FurrowTest):
                 if passed:
                     self.assertAlmostEqual(slip, up["slip"], delta=0.05)
 
+    @long
     def test_cells_have_the_class_of_their_slope(self):
         store = self.ramp("steep", 0.5)
         told, _ = self.judged(store)
@@ -134,6 +135,7 @@ class Mobility(FurrowTest):
         self.assertTrue(all(abs(3 * chance - round(3 * chance)) < 1e-9 for chance in chances))
         self.assertTrue(any(0 < chance < 1 for chance in chances))
 
+    @long
     def test_a_soil_of_a_file_or_a_scene_has_its_numbers(self):
         store, numbers = self.ramp("level", 0), "name: dry_sand, cohesion: 300, bekker_n: 1.3"
         (self.folder / "mine.yaml").write_text(f"soil: {{{numbers}}}\n")

@@ -6,7 +6,7 @@ import sys
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
-from furrow_test import SHARED, main
+from furrow_test import SHARED, long, main
 from raster_test import RasterTest
 import rasters
 
@@ -43,6 +43,7 @@ class Nodata(RasterTest):
                         self.assertLessEqual(abs(value - ground(x, y)), 0.0011, (level, x, y))
         self.assertTrue(self.json("verify", "s.furrow")["ok"])
 
+    @long
     def test_a_sentinel_does_not_drift_in_coarser_levels(self):
         for sentinel, tag, options in ((-32767, -32767, []), (-9999, None, ["--nodata", "-9999"]),
                                        (math.nan, None, []), (LOWEST_FLOAT, "-3.40282e+38", []),

@@ -9,7 +9,7 @@ import sys
 import time
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
-from furrow_test import FURROW, SCENE, FurrowTest, has_gdal, main
+from furrow_test import FURROW, SCENE, FurrowTest, has_gdal, long, main
 
 NO_GL = {"__EGL_VENDOR_LIBRARY_FILENAMES": "/nonexistent.json", "EGL_PLATFORM": "surfaceless"}
 OTHER = SCENE.replace("[120, 90]", "[200, 60]").replace("[122, 88]", "[202, 58]")
@@ -37,6 +37,7 @@ class Overlay(FurrowTest):
 
 
 class Drives(Overlay):
+    @long
     def test_a_large_raster_of_ruts_is_what_changed(self):
         self.synth(posts="1025x1025", kind="plain")
         self.scene()
@@ -114,6 +115,7 @@ class Drives(Overlay):
         self.assertTrue(self.json("verify", store)["ok"])
         self.assertEqual(self.json("info", store), info)
 
+    @long
     def test_drives_over_one_base_run_at_once(self):
         store = self.synth()
         before = digest(store)
@@ -174,6 +176,7 @@ class Chains(Overlay):
             layers.append(digest(self.folder / name))
         return layers, {key: info[key] for key in ("tiles", "soil", "compacted", "levels", "last_run", "working_level")}
 
+    @long
     def test_drives_in_a_chain_are_the_drives_in_one_store(self):
         store = self.synth()
         (self.folder / "copy.furrow").write_bytes(store.read_bytes())

@@ -6,7 +6,7 @@ import sys
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
-from furrow_test import main
+from furrow_test import long, main
 from raster_test import RasterTest
 import rasters
 
@@ -76,6 +76,7 @@ class Planets(RasterTest):
         (self.folder / "moon.lbl").unlink()
         self.assertIn("moon.img", self.refused(3, "import", "moon.img", "-o", "x.furrow"))
 
+    @long
     def test_radii_become_heights_over_their_sphere(self):
         for radius, scale, offset, code, unit in ((1737400, 0.5, 1737400, "h", "METER"), (3396000, 1, 3396000, "h", "METER"),
                                                   (1737400, 0.0005, 1737.4, "f", "KILOMETER"), (3396190, 0.0005, 3396.19, "f", "KILOMETER"),

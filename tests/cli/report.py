@@ -17,7 +17,7 @@ import xml.etree.ElementTree
 import zlib
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
-from furrow_test import FURROW, MAPS, FurrowTest, main
+from furrow_test import FURROW, MAPS, FurrowTest, long, main
 
 SCENE = """scene: 1
 time_step: 0.02
@@ -336,6 +336,7 @@ class Report(FurrowTest):
             self.assertTrue(all(abs(y - told["energy into the soil for each metre, J/m"][0]) < loss.grain(1) for _, y in loss.curves[0]))
             self.assertIn("Grade resistance is the part of it that carries the weight up the slope", " ".join(page.sentences("curves")))
 
+    @long
     def test_many_rows_make_a_small_page_that_has_the_extremes(self):
         self.copy("a")
         with open(self.folder / "a/objects.csv") as lines:
@@ -354,6 +355,7 @@ class Report(FurrowTest):
         self.assertLess(len(re.sub(r"base64,[^\"]*", "", page.text)), 200000)
         self.assertLess(len(page.text), 400000)
 
+    @long
     def test_the_rut_is_that_of_the_store(self):
         page, run = self.report("a"), self.json_of("a")
         sentence, = page.sentences("rut")
@@ -681,6 +683,7 @@ class Report(FurrowTest):
         # The store has gone on since, so it does not show what the first part left.
         self.without_plots(self.report("before", cwd=self.folder), "rut", "was changed after this drive")
 
+    @long
     def test_a_drive_by_two_processes(self):
         command = [FURROW, "drive", "scene.yaml", "-o", "two", "--overlay", "two.furrow", "--set", "end_time=1"]
         if shutil.which("mpirun") is None:

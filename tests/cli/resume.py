@@ -9,7 +9,7 @@ import subprocess
 import time
 import unittest
 
-from furrow_test import FURROW, FurrowTest, has_gdal, main
+from furrow_test import FURROW, FurrowTest, has_gdal, long, main
 
 SIDE = 5121
 
@@ -61,6 +61,7 @@ class Resume(FurrowTest):
     def hash_of(self, store):
         return self.json("info", store)["base_hash"]
 
+    @long
     def test_killed_over_and_over_it_becomes_the_same_store(self):
         started = time.monotonic()
         self.ok(*self.arguments("whole.furrow", "--jobs", "2"))

@@ -7,7 +7,7 @@ import subprocess
 import time
 import xml.etree.ElementTree
 
-from furrow_test import FURROW, FurrowTest, main
+from furrow_test import FURROW, FurrowTest, long, main
 
 WHEEL = "wheel: {radius: 0.32, width: 0.24}"
 
@@ -60,6 +60,7 @@ class Rig(FurrowTest):
             self.assertAlmostEqual(row["efficiency"], row["drawbar"] * 0.8 * 0.32 / row["torque"], delta=1e-6)
             self.assertEqual(row["state"], "steady")
 
+    @long
     def test_lanes_do_not_meet(self):
         """Each row is the same beside 17 others as alone: more lanes than a bed has."""
         slips = [round(-0.4 + 0.07 * i, 2) for i in range(18)]
@@ -138,6 +139,7 @@ class Rig(FurrowTest):
         looks = {(path.get("stroke"), path.get("d").split("m" if "m" in path.get("d") else "M", 1)[-1]) for path in drawn if path.get("class") == "mark"}
         self.assertEqual(len(looks), 8)
 
+    @long
     def test_a_belt_draws_as_a_rigid_track(self):
         """(A c + W tan phi) (1 - K / (i l) (1 - exp(-i l / K))): Wong's rigid track under a uniform pressure. A box has no resistance."""
         length, width = 1.2, 0.3
@@ -163,6 +165,7 @@ class Rig(FurrowTest):
         for row, found in zip(by_slip, by_pull):
             self.assertAlmostEqual(found["slip"], row["slip"], delta=0.02)
 
+    @long
     def test_a_second_pass_is_what_a_drive_tells(self):
         """Two wheels of a drive, one 1.28 m behind the other, on other ground and in another direction. Where both sides of a wheel are exactly on posts,
         its rut is a post wider."""

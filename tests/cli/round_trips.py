@@ -8,7 +8,7 @@ import sys
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
-from furrow_test import SHARED, main
+from furrow_test import SHARED, long, main
 from raster_test import RasterTest
 import rasters
 
@@ -138,6 +138,7 @@ class Places(RasterTest):
 class ErrorBound(RasterTest):
     WIDTH, HEIGHT = 70, 61
 
+    @long
     def test_the_bound_holds_at_every_exported_post(self):
         for seed, (bound, reach) in enumerate(((0, 1e8), (0.001, 4e6), (0.01, 4e6), (0.05, 4e6), (0.123, 4e6), (0.5, 4e6), (3, 4e6),
                                                (None, 4e6))):
@@ -261,16 +262,19 @@ class RealRoundTrips(RoundTrips):
             shutil.copy(SHARED / "dem" / name, self.folder)
         return names[0]
 
+    @long
     def test_metric_ones_come_back_as_they_were(self):
         for name, more in (("bigtujunga.tif", []), ("sthelens.dem", []), ("gabilan_dtm1m.bil", ["gabilan_dtm1m.hdr"])):
             with self.subTest(name=name):
                 self.check_as_source(self.copy(name, *more))
 
+    @long
     def test_projected_ones_come_back_from_their_export(self):
         for name, options in (("craterlake.tif", ["--nodata", "-32767"]), ("mars_gale_ctx20m.tif", []), ("everest_voids.tif", [])):
             with self.subTest(name=name):
                 self.check(self.copy(name), *options)
 
+    @long
     def test_the_16_bit_png_comes_back_pixel_for_pixel(self):
         name = self.copy("heightmap16_1280.png")
         self.ok("import", name, "-o", "s.furrow")

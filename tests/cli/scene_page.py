@@ -11,7 +11,7 @@ import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
 import rasters  # noqa: E402
-from furrow_test import FurrowTest, has_gdal, main, write_png16  # noqa: E402
+from furrow_test import FurrowTest, has_gdal, long, main, write_png16  # noqa: E402
 
 ROOT = pathlib.Path(__file__).parents[2]
 PAGE = ROOT / "src" / "scene" / "SCENE.md"
@@ -311,6 +311,7 @@ class ScenePage(FurrowTest):
                 del self.holders(without, parts)[i][parts[-1]]
                 yield without
 
+    @long
     def test_what_is_needed_is_needed_and_nothing_else(self):
         checker = Checker(self)
         samples = [sample for sample in SAMPLES if not self.needs_meshes(checker.answer(sample))]

@@ -7,7 +7,7 @@ import sys
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
-from furrow_test import FurrowTest, has_gdal, main, write_png16
+from furrow_test import FurrowTest, has_gdal, long, main, write_png16
 import rasters
 
 POSTS = 129  # a metre apart
@@ -114,6 +114,7 @@ class SoilMap(FurrowTest):
                 self.assertGreater(report["cache"]["evictions"], 20)
                 self.assertTrue(tiles(store) == wanted, f"{model}, {loaders} loaders: other rows")
 
+    @long
     def test_each_window_of_a_large_object_has_its_own_soil(self):
         plate = """
   - {{name: plate, shape: {{box: {{size: [80, 6, 2]}}}}, sink: 0.1, path: {{points: [[64, 100], [64.5, 100.25]], speed: 1}}}}
@@ -158,6 +159,7 @@ class SoilMap(FurrowTest):
         self.assertIn(why, error)
         self.assertTrue(self.json("verify", store)["ok"])
 
+    @long
     @unittest.skipUnless(has_gdal(), "needs GDAL's programs")
     def test_a_map_in_degrees_over_a_store_in_metres(self):
         west, north = 500000, 5000000

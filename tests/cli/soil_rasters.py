@@ -7,7 +7,7 @@ import sys
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
-from furrow_test import FurrowTest, has_gdal, main, write_png16
+from furrow_test import FurrowTest, has_gdal, long, main, write_png16
 from soil_map import BORDER, POSTS, SCENE, halves, rough, tiles
 import rasters
 
@@ -95,6 +95,7 @@ class SoilRasters(FurrowTest):
                 self.assertNotEqual(alone[name], plain[name], key)
                 self.assert_near(found[name], alone[name], key)
 
+    @long
     def test_four_rasters_are_each_for_its_number(self):
         halves_of = {"bekker_kc": (500, 4000), "cohesion": (200, 5000), "friction_angle": (20, 35), "janosi_shear": (1, 3)}
         soil = beside(**{key: self.png(key + ".png", west, east) for key, (west, east) in halves_of.items()})
@@ -105,6 +106,7 @@ class SoilRasters(FurrowTest):
             self.assertGreater(len(found[name]), 5)
             self.assert_near(found[name], alone[name], name)
 
+    @long
     def test_tiles_slots_and_loaders_change_no_bit(self):
         write_png16(self.folder / "c.png", POSTS, POSTS, lambda x, y: (x * 37 + y * 101) % 4000)
         write_png16(self.folder / "phi.png", POSTS, POSTS, lambda x, y: 20 + (x + y) % 15)
@@ -177,6 +179,7 @@ class SoilRasters(FurrowTest):
             told = [note for note in self.json("explain", scene, "--store", "hills.furrow")["notes"] if note.startswith("soil.rasters")]
             self.assertEqual(told, [notes.format(self.folder / rasters_of.get("janosi_shear", "one.png"))] if notes else [])
 
+    @long
     def test_a_changed_raster_is_another_scene(self):
         self.png("c.png", 100, 2000)
         scene = self.scene(SCENE.format(model="scm", soil=beside(cohesion="c.png")))

@@ -12,7 +12,7 @@ import time
 import xml.etree.ElementTree
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
-from furrow_test import FURROW, FurrowTest, main
+from furrow_test import FURROW, FurrowTest, long, main
 
 SCENE = """scene: 1
 time_step: 0.05
@@ -187,6 +187,7 @@ class Study(FurrowTest):
             slip = [(float(run["values"]["slip"]) + 0.1) / 0.6 for run in self.manifest(f"n{count}")["runs"]]
             self.assertEqual(sorted(int(value * count) for value in slip), list(range(count)))
 
+    @long
     def test_a_grid_s_ranges(self):
         self.study("study: 1\nscene: scene.yaml\nstore: flat.furrow\ngrid:\n  objects.wheel.load: {from: 100, to: 10000, count: 3, scale: log}\n"
                    "  objects.wheel.slip: {from: 0, to: 0.3, count: 4}\n", "--write", "slurm")
@@ -259,6 +260,7 @@ class Study(FurrowTest):
         resumed = self.goes_on()
         self.assertTrue(all(step is not None for step in resumed), resumed)
 
+    @long
     def test_killed_it_goes_on(self):
         process = self.begin("--jobs", "1")
         process.kill()
@@ -296,6 +298,7 @@ class Study(FurrowTest):
 
     # --- schedulers ---
 
+    @long
     def test_schedulers_run_the_same(self):
         self.study(GRID)
         wanted = (self.folder / "out/study.csv").read_bytes()

@@ -237,6 +237,7 @@ class Tiles(furrow_test.FurrowTest):
 
     # --- ruts, and what changed ---
 
+    @furrow_test.long
     def test_a_rut_is_seen_at_every_zoom_level(self):
         store = self.synth(posts="257x257", spacing=1, kind="plain", relief=2)
         self.dig(store, [[20, 20], [120, 90]])
@@ -302,6 +303,7 @@ class Tiles(furrow_test.FurrowTest):
 
     # --- kills ---
 
+    @furrow_test.long
     def test_a_killed_export_goes_on_to_the_same_files(self):
         store = self.synth(posts="1025x1025", spacing=1, relief=60)
         self.dig(store, [[300, 300], [380, 360]])

@@ -6,7 +6,7 @@ import struct
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
-from furrow_test import main
+from furrow_test import long, main
 from raster_test import RasterTest
 import rasters
 
@@ -82,6 +82,7 @@ class Values(RasterTest):
         self.ok("import", "in.tif", "-o", "s.furrow", "--max-error", "0")
 
 
+    @long
     def test_whole_numbers_are_kept_whole_at_any_bound(self):
         """No float has 16777217; and a bound finer than their unit makes them no better, nor larger."""
         self.make("in.tif", 20, 20, lambda x, y: 16777217 if (x, y) == (3, 4) else 5 * x - y, "i")
@@ -138,6 +139,7 @@ class Bytes(RasterTest):
             with self.subTest(format="ASCII grid", end=repr(end)):
                 self.assertEqual(self.check("in.asc")["geotransform"], [500000, 10, 0, 5000000, 0, -10])
 
+    @long
     def test_byte_order_is_the_sources(self):
         values = self.values()
         for letter, order in (("I", values), ("M", array.array("h", values))):

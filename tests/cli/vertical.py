@@ -6,7 +6,7 @@ import sys
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
-from furrow_test import main
+from furrow_test import long, main
 from raster_test import RasterTest
 import rasters
 
@@ -93,6 +93,7 @@ class Vertical(RasterTest):
         self.assertEqual(hashes[0], hashes[1])
         self.assertEqual(hashes[0], hashes[2])
 
+    @long
     @unittest.skipUnless(has_grid(), "needs PROJ's grid egm96_15")
     def test_sources_above_different_references_become_one(self):
         """The second is the first's ground in ellipsoidal heights."""

@@ -7,7 +7,7 @@ import sys
 import time
 import unittest
 
-from furrow_test import FurrowTest, main
+from furrow_test import FurrowTest, long, main
 from window_test import SCENE, WINDOW, Display, WindowTest
 
 NEEDED = ["Xvfb", "xdotool"]
@@ -95,6 +95,7 @@ class View(WindowTest):
         self.assertIn("looking changes nothing", err)
         self.assertEqual(self.json("verify", "world.furrow"), before)
 
+    @long
     def test_what_is_dropped_is_kept_in_the_overlay(self):
         self.open("--overlay", "ruts.furrow")
         self.hold()
@@ -116,6 +117,7 @@ class View(WindowTest):
         deepest = min(self.json("query", "ruts.furrow", 128, y)["offset"] for y in range(70, 250))
         self.assertAlmostEqual(deepest, -0.6, delta=0.1)
 
+    @long
     def test_write_deforms_the_store(self):
         self.open("--write")
         self.until("steps", lambda: self.step() > 5)

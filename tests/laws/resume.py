@@ -16,7 +16,7 @@ import sys
 import time
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent.parent / "cli"))
-from furrow_test import FURROW, FurrowTest, main, write_png16
+from furrow_test import FULL, FURROW, FurrowTest, main, write_png16
 
 HEAD = "scene: 1\ntime_step: {step}\nend_time: {end}\nspacing: 0.5\nredistribute: {{model: {model}}}\n"
 WHEELS = """objects:
@@ -233,7 +233,7 @@ class Campaign:
 
 class Resume(FurrowTest):
     def test_killed_over_and_over_it_ends_as_one_that_was_left_alone(self):
-        kills, seed = int(os.environ.get("KILLS", "48" if "FURROW_LONG" in os.environ else "12")), int(os.environ.get("RESUME_SEED", "1"))
+        kills, seed = int(os.environ.get("KILLS", "48" if FULL else "8")), int(os.environ.get("RESUME_SEED", "1"))
         print(f"KILLS={kills} RESUME_SEED={seed}", flush=True)
         write_png16(self.folder / "hills.png", 193, 193, lambda x, y: 100 + (x * 7 + y * 3) % 11 % 4)
         write_png16(self.folder / "holes.png", 193, 193,
