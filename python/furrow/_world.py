@@ -10,7 +10,7 @@ import numpy
 
 from furrow import _declarations as declared
 from furrow._declarations import Contact, Info, Layer, Pose, State
-from furrow._library import Path, call, text, yaml
+from furrow._library import Error, Path, call, text, yaml
 
 Vector = Union[Sequence[float], numpy.ndarray]
 
@@ -146,9 +146,14 @@ class World:
         self._forgotten = weakref.finalize(self, _close, handle.value)
 
     def _call(self, name: str, *arguments: Any) -> Any:
-        """A closed world is NULL to the library, which says so."""
+        """A closed world is NULL to the library."""
         with self._lock:
-            return call(name, self._handle, *arguments)
+            try:
+                return call(name, self._handle, *arguments)
+            except Error as error:
+                if self._handle is None:
+                    raise Error(error.status, "world: it is closed; open it again with furrow.World") from None
+                raise
 
     # --- life ---
 

@@ -26,6 +26,7 @@ def refused(status, call, *arguments, **keys):
     error = raises(furrow.Error, call, *arguments, **keys)
     assert error.status == status, (error.status, str(error))
     assert ": " in str(error) and "; " in str(error), str(error)
+    return str(error)
 
 def rut(world, y=20):
     ball = world.add(shape={"sphere": {"radius": 0.5}})
@@ -97,7 +98,7 @@ class PythonPackageTest(unittest.TestCase):
                 patch = world.read("offset", x=50, y=50, width=4, height=4)
                 assert patch.shape == (65, 65) and patch.dtype == np.float64 and patch.min() < -0.01
             assert os.path.exists(overlay)
-            refused(furrow.Status.USAGE, world.step)
+            assert "it is closed" in refused(furrow.Status.USAGE, world.step)
             world.close()
             """)
 
