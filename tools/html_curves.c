@@ -176,8 +176,7 @@ static void tell_energy(const struct html_report *report)
 	}
 }
 
-/* Returns true if a way is so steep that a part of the traction carries the weight. */
-static bool any_slope(const struct html_report *report)
+bool html_any_slope(const struct html_report *report)
 {
 	for (size_t i = 0; i < report->count; i++)
 		for (size_t k = 0; k < html_drawn(report, &report->runs[i].objects); k++)
@@ -203,7 +202,7 @@ static void write_bodies(const struct html_report *report)
 		html_section_end(report);
 		return;
 	}
-	const bool slope = any_slope(report);
+	const bool slope = html_any_slope(report);
 	legend(report, OBJECTS);
 	fputs("<div class=\"plots\">\n", report->file);
 	for (size_t i = 0; i < sizeof values / sizeof *values; i++)

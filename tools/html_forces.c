@@ -10,6 +10,7 @@
  *     push     = F . dp                dp: the way of the centre, in space
  *     soil     = torque - push         of a vehicle the soil's part is the column `work`, and the torque's work follows from it
  *     torque   = -(M . a) ds / (r (1 - slip))      only of a wheel; a: its axle, to the left; ds: its way along the ground
+ *     axle's torque = -(M . a)         of a wheel, and of a vehicle's soil geom; a: level, to the left of the way
  *     by slip  = slip x torque         a wheel with the torque's force T / r loses T / r x slip x rim's way to slip (Wong, ch. 4)
  *
  * F, M: the soil's force and moment on the object.
@@ -88,6 +89,9 @@ static void fill_forces(struct html_body *body, const struct html_row *row, cons
 	body->values[HTML_TRACTION][at] = dot(row->force, tangent);
 	body->values[HTML_GRADE][at] = grade;
 	body->values[HTML_DRAWBAR][at] = dot(row->force, tangent) - grade;
+	const double level = hypot(tangent[0], tangent[1]);
+	if (row->radius > 0 || isfinite(row->work)) /* a wheel, or a soil geom of a vehicle */
+		body->values[HTML_TORQUE][at] = (row->moment[0] * tangent[1] - row->moment[1] * tangent[0]) / level;
 	if (weight_of(row) > 0)
 		body->steepest = fmax(body->steepest, fabs(tangent[2]));
 }
@@ -147,7 +151,8 @@ void html_forces_take(struct html_body *body, struct html_row *row, double went)
 	double *const *values = body->values;
 	values[HTML_SINKAGE][at] = row->sinkage * 1e3;
 	values[HTML_SLIP][at] = row->slip;
-	values[HTML_TRACTION][at] = values[HTML_GRADE][at] = values[HTML_DRAWBAR][at] = values[HTML_LOSS][at] = (double)NAN;
+	values[HTML_VERTICAL][at] = row->force[2];
+	values[HTML_TRACTION][at] = values[HTML_GRADE][at] = values[HTML_DRAWBAR][at] = values[HTML_LOSS][at] = values[HTML_TORQUE][at] = (double)NAN;
 	row->radius = last->radius;
 	row->flat = last->flat;
 	if (at == 0) {

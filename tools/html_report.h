@@ -29,7 +29,10 @@ void html_tables_soils(const struct html_report *report);
 void html_tables_results(const struct html_report *report);
 void html_tables_volume(const struct html_report *report);
 void html_tables_notes(const struct html_report *report);
+/* html_means.c: means over the last quarter of the time, of objects and vehicles. */
+void html_means_write(const struct html_report *report);
 /* html_curves.c: */
+bool html_any_slope(const struct html_report *report);          /* Whether grade resistance is a part of the traction somewhere */
 enum status html_curves_write(const struct html_report *report) FURROW_CHECKED; /* ways, curves of objects and vehicles */
 size_t html_bodies_most(const struct html_report *report);      /* bodies of a drive that plots show */
 size_t html_drawn(const struct html_report *report, const struct html_bodies *bodies); /* how many of these they show */
@@ -61,6 +64,9 @@ void html_section_end(const struct html_report *report);
 void html_sentence(const struct html_report *report, const struct html_run *run, const char *text);
 /* The head of a table: an empty cell, or `corner`, then the folders. */
 void html_table(const struct html_report *report, const char *corner);
+/* Begins a row with its name; a cell with a number, divided by `unit`, NaN: none. The value attribute has all digits. */
+void html_row_head(const struct html_report *report, const char *text);
+void html_number_cell(double value, double unit, FILE *file);
 void html_table_end(const struct html_report *report);
 
 #endif

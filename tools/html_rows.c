@@ -276,14 +276,19 @@ static void add_soil(const struct html_body *object, struct html_body *vehicle)
 	}
 }
 
+bool html_is_part(const char *object, const char *vehicle)
+{
+	const size_t length = strlen(vehicle);
+	return strncmp(object, vehicle, length) == 0 && object[length] == '.';
+}
+
 void html_rows_join(struct html_run *run)
 {
 	for (size_t v = 0; v < run->vehicles.count; v++) {
 		struct html_body *vehicle = &run->vehicles.list[v];
-		const size_t length = strlen(vehicle->name);
 		for (size_t k = 0; k < run->objects.count; k++) {
 			const struct html_body *object = &run->objects.list[k];
-			if (strncmp(object->name, vehicle->name, length) == 0 && object->name[length] == '.' && object->count > 0)
+			if (html_is_part(object->name, vehicle->name) && object->count > 0)
 				add_soil(object, vehicle);
 		}
 	}

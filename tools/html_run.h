@@ -22,6 +22,8 @@ enum html_value {
 	HTML_DRAWBAR, /* N: the rest of it */
 	HTML_ENERGY,  /* kJ into the soil, since the first row */
 	HTML_LOSS,    /* J of it for each metre of way */
+	HTML_TORQUE,  /* N m about the axle: the soil's moment, turned round. Of what turns */
+	HTML_VERTICAL, /* N: the soil's force upward */
 	HTML_VALUES,
 	/* of a vehicle: */
 	HTML_SPEED = 0, /* m/s */
@@ -102,7 +104,9 @@ enum status html_rows_vehicles(struct html_run *run) FURROW_CHECKED;
 /* html_volume.c: reads volume.csv; there are no rows if it is not there. */
 enum status html_volumes_read(struct html_run *run) FURROW_CHECKED;
 void html_volumes_finish(struct html_volumes *volumes);
-/* Sums the energy of each vehicle's soil geoms, which are the objects VEHICLE.GEOM. */
+/* Whether an object is a soil geom of a vehicle: VEHICLE.GEOM. */
+bool html_is_part(const char *object, const char *vehicle);
+/* Sums the energy of each vehicle's soil geoms. */
 void html_rows_join(struct html_run *run);
 /* Adds a body without points; NULL: out of memory. */
 struct html_body *html_bodies_add(struct html_bodies *bodies, const char *name);

@@ -25,7 +25,7 @@ void html_table_end(const struct html_report *report)
 	fputs("</tbody></table></div>\n", report->file);
 }
 
-static void head(const struct html_report *report, const char *text)
+void html_row_head(const struct html_report *report, const char *text)
 {
 	fputs("<tr><th scope=\"row\">", report->file);
 	svg_text(text, report->file);
@@ -43,8 +43,8 @@ static void text_cell(const char *text, FILE *file)
 	fputs("</td>", file);
 }
 
-/* Shows five digits. The value attribute has all digits of run.json. */
-static void number_cell(double value, double unit, FILE *file)
+/* Shows five digits. */
+void html_number_cell(double value, double unit, FILE *file)
 {
 	const double shown = value / unit;
 	if (!isfinite(value)) {
@@ -61,7 +61,7 @@ static void value_cell(const cJSON *value, double unit, FILE *file)
 	if (cJSON_IsBool(value))
 		text_cell(cJSON_IsTrue(value) ? "yes" : "no", file);
 	else if (cJSON_IsNumber(value))
-		number_cell(value->valuedouble, unit, file);
+		html_number_cell(value->valuedouble, unit, file);
 	else
 		text_cell(cJSON_GetStringValue(value), file);
 }
@@ -79,7 +79,7 @@ static void row(const struct html_report *report, const char *name, const char *
 		any = any || is_told(html_at(&report->runs[i], path));
 	if (!any)
 		return;
-	head(report, name);
+	html_row_head(report, name);
 	for (size_t i = 0; i < report->count; i++)
 		value_cell(html_at(&report->runs[i], path), unit, report->file);
 	fputs("</tr>\n", report->file);
@@ -104,8 +104,7 @@ void html_tables_run(const struct html_report *report)
 	static const struct row list[] = {
 		{"ended", "ended", 1}, {"steps", "steps", 1}, {"simulated, s", "simulated", 1}, {"resumed from step", "resumed_from", 1},
 		{"scene", "scene.file", 1}, {"hash of the scene", "scene.hash", 1}, {"store", "store.file", 1}, {"base store", "store.base", 1},
-		{"spacing of posts, m", "spacing", 1}, {"working level", "working_level", 1}, {"furrow", "version", 1}, {"GL renderer", "gl.renderer", 1},
-		{"GL vendor", "gl.vendor", 1}, {"GL version", "gl.version", 1}, {"software GL", "gl.software", 1},
+		{"spacing of posts, m", "spacing", 1}, {"working level", "working_level", 1}, {"furrow", "version", 1},
 		{"sun of pictures: azimuth, degrees", "sun.azimuth", 1}, {"sun of pictures: height, degrees", "sun.height", 1},
 		{"sun's azimuth at the end, degrees", "sun.azimuth_at_end", 1}, {"sun's height at the end, degrees", "sun.height_at_end", 1},
 	};
@@ -154,7 +153,7 @@ static size_t setting_rows(const struct html_report *report, bool only_different
 				continue;
 			if (count++ == 0)
 				html_table(report, "setting");
-			head(report, value->string);
+			html_row_head(report, value->string);
 			for (size_t k = 0; k < report->count; k++)
 				text_cell(value_of(report, k, value->string), report->file);
 			fputs("</tr>\n", report->file);
@@ -293,7 +292,7 @@ static void soil_keys(const struct html_report *report, const cJSON *soil, const
 		snprintf(setting, sizeof setting, "soil.%.100s", number->string);
 		const bool known = scene_parameter(setting, &parameter) && parameter.unit != NULL;
 		snprintf(label, sizeof label, "%.100s%s%.60s", number->string, known ? ", " : "", known ? parameter.unit : "");
-		head(report, label);
+		html_row_head(report, label);
 		each_soil(report, soil_number, number->string);
 		fputs("</tr>\n", report->file);
 	}
@@ -341,7 +340,7 @@ static void named_rows(const struct html_report *report, const char *list, const
 				if (!any)
 					continue;
 				snprintf(label, sizeof label, "%.120s: %s", named->string, figures[f].name);
-				head(report, label);
+				html_row_head(report, label);
 				for (size_t k = 0; k < report->count; k++)
 					value_cell(cJSON_GetObjectItemCaseSensitive(
 							   cJSON_GetObjectItemCaseSensitive(html_members(&report->runs[k], list), named->string), figures[f].path),
@@ -366,12 +365,16 @@ void html_tables_results(const struct html_report *report)
 		{"peak memory, MB", "memory.rss_peak", 1e6}, {"GPU memory, MB", "memory.gpu_bytes", 1e6}, {"read, MB", "io.bytes_read", 1e6},
 		{"written, MB", "io.bytes_written", 1e6}, {"commits", "io.commits", 1}, {"pictures", "view.images", 1}, {"ranks", "ranks.count", 1},
 		{"tiles moved between ranks", "ranks.tiles_moved", 1}, {"moved between ranks, MB", "ranks.bytes_moved", 1e6},
-		{"balance of ranks", "ranks.balance", 1},
+		{"balance of ranks", "ranks.balance", 1}, {"GL renderer", "gl.renderer", 1}, {"GL vendor", "gl.vendor", 1},
+		{"GL version", "gl.version", 1}, {"software GL", "gl.software", 1},
 	};
 	html_section(report, "results", "Results");
-	html_table(report, "");
+	html_means_write(report);
+	html_table(report, "the whole drive");
 	named_rows(report, "objects", objects, sizeof objects / sizeof *objects);
 	named_rows(report, "vehicles", vehicles, sizeof vehicles / sizeof *vehicles);
+	html_table_end(report);
+	html_table(report, "the computation");
 	ROWS(report, run);
 	html_table_end(report);
 	html_section_end(report);
@@ -398,9 +401,9 @@ void html_tables_volume(const struct html_report *report)
 	for (size_t i = 0; i < report->count; i++)
 		conserves = conserves || has_soils(&report->runs[i]);
 	if (conserves)
-		head(report, "net + compacted, fixed-point units");
+		html_row_head(report, "net + compacted, fixed-point units");
 	for (size_t i = 0; i < report->count && conserves; i++)
-		number_cell(has_soils(&report->runs[i]) ? html_number(&report->runs[i], "volume.quanta.net") + html_number(&report->runs[i], "volume.quanta.compacted")
+		html_number_cell(has_soils(&report->runs[i]) ? html_number(&report->runs[i], "volume.quanta.net") + html_number(&report->runs[i], "volume.quanta.compacted")
 							: (double)NAN,
 			    1, report->file);
 	if (conserves)

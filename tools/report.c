@@ -90,6 +90,7 @@ const struct command command_report = {
 		   "  map of the ground and the ways     the deformed store; else map.png\n"
 		   "  ways, seen from above              vehicles.csv, objects.csv or run.json\n"
 		   "  cameras                            run.json, and pictures in cameras\n"
+		   "  means over the last quarter        objects.csv\n"
 		   "  sinkage, slip, traction, drawbar   objects.csv (output.forces in the scene)\n"
 		   "    pull, energy\n"
 		   "  speed, work, energy of vehicles    vehicles.csv (output.vehicles)\n"

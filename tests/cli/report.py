@@ -231,9 +231,11 @@ class Report(FurrowTest):
         self.assertEqual(told["hash of the scene"], [run["scene"]["hash"]])
         self.assertEqual(told["store"], [str((self.made / "a.furrow").resolve())])
         self.assertEqual(told["base store"], [str((self.made / "flat.furrow").resolve())])
-        self.assertEqual(told["GL renderer"], [run["gl"]["renderer"]])
         self.assertEqual(told["furrow"], [self.ok("--version").split()[1]])
         results = page.rows("results")
+        self.assertEqual(results["GL renderer"], [run["gl"]["renderer"]])
+        labels = list(results)
+        self.assertTrue(labels.index("left: mean slip") < labels.index("left: distance, m") < labels.index("hits") < labels.index("GL renderer"))
         for name, object_ in run["objects"].items():
             for label, key in (("distance, m", "distance"), ("sinkage, mm", "sinkage"), ("load, N", "load"), ("slip", "slip")):
                 self.assertEqual(results[f"{name}: {label}"], [object_[key]])
@@ -294,9 +296,29 @@ class Report(FurrowTest):
                 curve = plots[f"drawbar pull over {axis}"].curves[1 - index]
                 self.assertAlmostEqual(curve[-1][1], pulls[-1], delta=2)
                 self.assertAlmostEqual(max(y for _, y in curve), max(pulls), delta=4)
+            self.means_are_those_of([mine], page.rows("results"), name, "")
             told = page.rows("curves")
             self.assertAlmostEqual(told["energy into the soil, kJ"][index], energies[-1], delta=1e-6)
             self.assertAlmostEqual(told["energy into the soil for each metre, J/m"][index], 1e3 * energies[-1] / ways[-1], delta=1e-3)
+
+    def means_are_those_of(self, wheels, results, name, means=" of its wheels", sums=""):
+        """The means over the last quarter of the time, of one object's rows, or of several wheels together."""
+        end = wheels[0][-1]["t"]
+        self.assertEqual((results["rows of objects.csv from t, s"], results["to t, s"]), ([0.75 * end], [end]))
+        late = [[row for row in wheel if row["t"] >= 0.75 * end * (1 - 1e-9)] for wheel in wheels]
+        self.assertGreater(len(late[0]), 10)
+        mean = lambda key: sum(sum(row[key] for row in wheel) / len(wheel) for wheel in late)
+        for label, value in ((f"slip{means}", mean("slip") / len(late)), (f"sinkage{means}, mm", mean("sinkage") / len(late)), (f"vertical force{sums}, N", mean("fz"))):
+            told, = results[f"{name}: mean {label}"]
+            self.assertAlmostEqual(told, value, delta=1e-9 * abs(value), msg=label)
+        told = {"drawbar pull": 0, "torque": 0}  # of ways that are almost level
+        for wheel in wheels:
+            for a, b in list(zip(wheel, wheel[1:]))[-len(late[0]):]:
+                step = math.hypot(b["x"] - a["x"], b["y"] - a["y"]) * len(late[0])
+                told["drawbar pull"] += (b["fx"] * (b["x"] - a["x"]) + b["fy"] * (b["y"] - a["y"])) / step
+                told["torque"] += (b["tx"] * (b["y"] - a["y"]) - b["ty"] * (b["x"] - a["x"])) / step
+        self.assertAlmostEqual(results[f"{name}: mean drawbar pull{sums}, N"][0], told["drawbar pull"], delta=0.005 * mean("fz"))
+        self.assertAlmostEqual(results[f"{name}: mean torque{sums}, N m"][0], told["torque"], delta=0.005 * mean("fz"))
 
     def rows_on_a_slope(self, degrees, work):
         """A wheel that climbs at a slip, with forces that do not change: what the page tells of it. Returns its closed form."""
@@ -319,19 +341,23 @@ class Report(FurrowTest):
                       "work that lifts the weight, kJ": load * math.sin(a) * way / 1e3,
                       "of that, by slip, J/m": slip / (1 - slip) * torque / radius * way / along, "of that, by sinking and pushing soil, J/m": resists * way / along,
                       "energy into the soil, kJ": (torque / radius / (1 - slip) - traction) * way / 1e3,
-                      "tractive efficiency, share of 1": traction * (1 - slip) * radius / torque}, {"traction": traction, "grade resistance": load * math.sin(a), "drawbar pull": pull}
+                      "tractive efficiency, share of 1": traction * (1 - slip) * radius / torque}, {"traction": traction, "grade resistance": load * math.sin(a), "drawbar pull": pull,
+                      "torque": torque}
 
     def test_forces_and_energy_on_a_slope_are_those_of_the_closed_form(self):
         for degrees, work in ((20, False), (-8, False), (20, True)):
             page, energy, forces = self.rows_on_a_slope(degrees, work)
             shutil.rmtree(self.folder / "a")
-            told, plots = page.rows("curves"), page.plots("curves")
+            told, plots, results = page.rows("curves"), page.plots("curves"), page.rows("results")
             for label, value in energy.items():
                 if label in told or value == value and degrees > 0:
                     self.assertAlmostEqual(told[label][0], value, delta=1e-5 * abs(value) + 1e-9, msg=(label, degrees, work))
             for name, value in forces.items():
-                for x, y in plots[f"{name} over the way"].curves[0]:
+                for x, y in plots[f"{name} over the way"].curves[0] if name != "torque" else []:
                     self.assertAlmostEqual(y, value, delta=plots[f"{name} over the way"].grain(1), msg=(name, x))
+                if name != "grade resistance":
+                    unit = "N m" if name == "torque" else "N"
+                    self.assertAlmostEqual(results[f"{'other' if work else 'left'}: mean {name}, {unit}"][0], value, delta=1e-4 * abs(value))
             loss = plots["energy into the soil for each metre over time"]
             self.assertTrue(all(abs(y - told["energy into the soil for each metre, J/m"][0]) < loss.grain(1) for _, y in loss.curves[0]))
             self.assertIn("Grade resistance is the part of it that carries the weight up the slope", " ".join(page.sentences("curves")))
@@ -610,6 +636,7 @@ class Report(FurrowTest):
         results = page.rows("results")
         for label, key in (("mass, kg", "mass"), ("distance, m", "distance"), ("work, J", "work"), ("kinetic energy, J", "kinetic")):
             self.assertEqual(results["car: " + label], [run["vehicles"]["car"][key]])
+        self.means_are_those_of(list(self.csv_of("car").values()), results, "car", sums=", sum of its wheels")
         plots = page.plots("vehicles")
         wanted = {"speed": math.hypot(*(rows[-1][key] for key in ("vx", "vy", "vz"))), "work of the actuators": rows[-1]["work"] / 1e3,
                   "kinetic energy": rows[-1]["kinetic"] / 1e3}
@@ -719,7 +746,7 @@ class Report(FurrowTest):
         self.assertEqual(page.root.find("body/h1").text, folder)
         self.assertIn("<script src='https://example.org/x.js'></script>", page.sentences("notes")[0])
         self.assertEqual(page.rows("settings")["</th><b>"], ["<i>"])
-        self.assertRegex(page.rows("run")["GL renderer"][0], r"^\]\]>&#0;\?+<!--$")
+        self.assertRegex(page.rows("results")["GL renderer"][0], r"^\]\]>&#0;\?+<!--$")
 
     def test_numbers_are_checked(self):
         self.copy("a")
