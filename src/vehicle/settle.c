@@ -121,10 +121,21 @@ enum status vehicle_replace(const struct vehicles *vehicles, struct vehicle *veh
 	return status;
 }
 
+/* Fails for a vehicle that starts where there is no ground. Small numbers off a terrain that knows degrees are probably degrees. */
+static enum status fail_ground(const struct vehicles *vehicles, const struct vehicle *vehicle, const char *name)
+{
+	const struct extent *extent = &vehicles->world->meta->extent;
+	const double *at = vehicle->origin, width = (double)(extent->width - 1) * extent->spacing, height = (double)(extent->height - 1) * extent->spacing;
+	const bool off = at[0] < 0 || at[1] < 0 || at[0] > width || at[1] > height;
+	const bool degrees = off && vehicles->scene->coordinates == SCENE_LOCAL && vehicles->world->meta->srs[0] != '\0' && fabs(at[0]) <= 360 && fabs(at[1]) <= 90;
+	return fail_with(STATUS_INPUT, "%s: vehicles.%s.start: no ground under %s at %g, %g m; start on the terrain, %g x %g m, away from holes%s",
+			 vehicles->scene->file, vehicle->scene->name, name, at[0], at[1], width, height,
+			 degrees ? "; if these are longitude and latitude, give coordinates: degrees" : "");
+}
+
 static enum status set_down(const struct vehicles *vehicles, struct vehicle *vehicle)
 {
 	double deepest = -INFINITY;
-	const double *place = vehicle->origin;
 	enum status status = turn(vehicles, vehicle);
 	if (status != STATUS_OK)
 		return status;
@@ -136,10 +147,7 @@ static enum status set_down(const struct vehicles *vehicles, struct vehicle *veh
 		if (status != STATUS_OK)
 			return status;
 		if (!any)
-			return fail_with(STATUS_INPUT, "%s: vehicles.%s.start: no ground under %s at %g, %g m; start on the terrain, %g x %g m, away from holes",
-					 vehicles->scene->file, vehicle->scene->name, vehicle->geoms[g].name, place[0], place[1],
-					 (double)(vehicles->world->meta->extent.width - 1) * vehicles->world->meta->extent.spacing,
-					 (double)(vehicles->world->meta->extent.height - 1) * vehicles->world->meta->extent.spacing);
+			return fail_ground(vehicles, vehicle, vehicle->geoms[g].name);
 		deepest = fmax(deepest, depth);
 	}
 	/* Whole metres are the origin's, so that MuJoCo's numbers stay small. */

@@ -200,6 +200,30 @@ static void advise_leaving(const struct world *world, scene_advice_fn tell, void
 	tell(user, text);
 }
 
+/* Tells the first point of each vehicle's path that is not over the terrain. It does not look for holes. */
+static void advise_ways(const struct world *world, scene_advice_fn tell, void *user)
+{
+	const struct extent *extent = &world->meta->extent;
+	const double width = (double)(extent->width - 1) * extent->spacing, height = (double)(extent->height - 1) * extent->spacing;
+	for (size_t v = 0; v < world->scene->vehicle_count; v++) {
+		const struct scene_vehicle *vehicle = &world->scene->vehicles[v];
+		struct scene_path route;
+		char text[300];
+		if (vehicle->driver != SCENE_FOLLOW || world_route(world, &vehicle->way, vehicle->name, &route) != STATUS_OK)
+			continue; /* a drive refuses a path that is nowhere */
+		for (size_t i = 0; i < route.count; i++) {
+			const double x = route.points[i].x, y = route.points[i].y;
+			if (x >= 0 && x <= width && y >= 0 && y <= height)
+				continue;
+			snprintf(text, sizeof text, "vehicles.%s.driver.path: point %zu, at %.3f, %.3f m, is off the terrain, where the drive would end; "
+						    "keep within 0 to %g, 0 to %g m", vehicle->name, i + 1, x, y, width, height);
+			tell(user, text);
+			break;
+		}
+		motion_route_finish(&route);
+	}
+}
+
 /* Metres along the ground that the object has come at `time`; NAN: out of memory. */
 static double way_at(const struct track *track, double time)
 {
@@ -312,6 +336,7 @@ void world_advise(const struct world *world, scene_advice_fn tell, void *user)
 	if (world->store != NULL) {
 		advise_spacing(world, tell, user);
 		advise_leaving(world, tell, user);
+		advise_ways(world, tell, user);
 		advise_unfinished(world, tell, user);
 		world_advise_relief(world, tell, user);
 	}

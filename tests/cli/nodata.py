@@ -66,6 +66,10 @@ class Nodata(RasterTest):
             notes = [note for note in json.loads(result.stdout)["notes"] if "start" in note]
             self.assertEqual(notes, told and [f"vehicles.car.start: there is no ground at {x * post:.3f}, {30 * post:.3f} m, {told}, and a drive refuses a "
                                               "vehicle with none below a soil geom; start elsewhere"] or [])
+        for at, hint in (("[15.1, -4.7]", True), ("[-5000, 20]", False)):
+            path.write_text(path.read_text().replace(path.read_text().split("start: {at: ")[1].split("}")[0], at))
+            error = self.refused(3, "drive", path, "--store", "s.furrow", "--overlay", "a.furrow", "-o", "d")
+            self.assertEqual("if these are longitude and latitude, give coordinates: degrees" in error, hint, error)
 
     def test_nodata_no_tag_declares_is_told_and_can_be_named(self):
         for sentinel in (-32767, -32768, -9999, 32767):

@@ -99,6 +99,10 @@ class Notes(FurrowTest):
         coarse = self.json("explain", "car.yaml", "--store", "world.furrow", "--set", "spacing=0.5")["notes"]
         self.assertEqual(len([note for note in coarse if "posts: forces may be off by more than 100 % here; at " in note]), 1)
         self.assertRegex(told[1], r"^furrow: note: vehicles\.car: is not at the end of its path: it has come [\d.e-]+ m; drive longer, or look ")
+        self.scene(scene % "[30, 20], [9000, 20]", "far.yaml")
+        far = [note for note in self.json("explain", "far.yaml", "--store", "world.furrow")["notes"] if "off the terrain" in note]
+        self.assertEqual(len(far), 1)
+        self.assertRegex(far[0], r"^vehicles\.car\.driver\.path: point 3, at 9000\.000, 20\.000 m, is off the terrain, where the drive would end; keep within 0 to ")
         # One point: it is there.
         self.scene((scene % "[30, 20]").replace("[[20, 20], [30, 20]]", "[[20, 20]]"), "there.yaml")
         self.assertEqual(self.notes("vehicles.car: ", "--overlay", "d.furrow", scene="there.yaml"), [])
