@@ -252,6 +252,7 @@ struct scene {
 	enum scene_normals normals; /* along which stresses act: those of a body itself, or of the ground */
 	enum scene_undisturbed undisturbed; /* what undisturbed ground does where it is steeper than the soil's critical slope */
 	struct deform_soil soils[DEFORM_SOILS]; /* with a map, soils[0] is used where the map names no other soil */
+	unsigned soil_given[DEFORM_SOILS]; /* for scene_soil_given */
 	int soil_count;
 	/* "unnamed" if the scene gives numbers without a name; such a class of the map is "unnamed_VALUE" */
 	char soil_names[DEFORM_SOILS][64];
@@ -319,6 +320,8 @@ void scene_destroy(struct scene *scene);
  * if `index` is beyond the last number.
  */
 bool scene_soil_number(const struct deform_soil *soil, size_t index, const char **key, double *value);
+/* Returns true if the scene gives the number itself; false: it is that of a named soil, or a default. */
+bool scene_soil_given(const struct scene *scene, int soil, const char *key);
 /* Soils have more than these, but for the last. A smaller number is probably in a wrong unit. */
 #define SCENE_LEAST_ANGLE 1.6     /* degrees. The largest angle in radians, pi / 2, is less, so it is noticed */
 #define SCENE_LEAST_COHESION 50.0 /* Pa: of the soils in the tables the least has 170 */

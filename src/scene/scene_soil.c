@@ -140,10 +140,12 @@ static enum status check_whole(const struct scene_tree *tree, const char *name, 
 			   deform_model_row(model)->name, whole_soils(model).text);
 }
 
-/* Checks the soil written at `where`. */
+/* Checks the soil written at `where`, and fills soils[index]. */
 static enum status check_class(const struct scene_tree *tree, const struct raw_class *raw, const char *where,
-			       enum deform_model model, struct deform_soil *soil)
+			       struct scene *scene, size_t index)
 {
+	const enum deform_model model = scene->model;
+	struct deform_soil *soil = &scene->soils[index];
 	deform_soil_clear(soil);
 	enum status status = raw->name != NULL ? take_name(tree, raw->name, where, soil) : STATUS_OK;
 	if (status != STATUS_OK)
@@ -152,6 +154,7 @@ static enum status check_class(const struct scene_tree *tree, const struct raw_c
 		const double *value = given(raw, &parameters[i]);
 		if (value != NULL)
 			*number_of(soil, &parameters[i]) = *value * parameters[i].unit;
+		scene->soil_given[index] |= (unsigned)(value != NULL) << i;
 	}
 	status = check_whole(tree, raw->name, where, model, soil);
 	if (status != STATUS_OK)
@@ -292,7 +295,7 @@ static enum status check_classes(const struct scene_tree *tree, const struct raw
 		if (scene->soil_class[class->value] != 0)
 			return scene_error(tree->file, scene_tree_find(tree, "%s.value", where),
 					   "%d is another class; allowed: each value once", (int)class->value);
-		enum status status = check_class(tree, class, where, scene->model, &scene->soils[i + 1]);
+		enum status status = check_class(tree, class, where, scene, i + 1);
 		if (status == STATUS_OK && reads_soil(scene))
 			status = check_unread(class, where, scene);
 		if (status == STATUS_OK && reads_soil(scene))
@@ -336,8 +339,7 @@ enum status scene_check_soil(const struct scene_tree *tree, const struct raw_sce
 	bool drawn = mapped && (draws_soil(raw) || raises_by_class(raw));
 	enum status status = mapped ? check_map(tree, soil, read || drawn, scene) : STATUS_OK;
 	if (status == STATUS_OK)
-		status = check_class(tree, mapped ? soil->elsewhere : &soil->all, mapped ? "soil.default" : "soil",
-				     scene->model, &scene->soils[0]);
+		status = check_class(tree, mapped ? soil->elsewhere : &soil->all, mapped ? "soil.default" : "soil", scene, 0);
 	scene->soil_count = 1;
 	keep_name(scene, 0, mapped && soil->elsewhere != NULL ? soil->elsewhere->name : soil->all.name, -1);
 	if (status == STATUS_OK && read)
@@ -382,6 +384,14 @@ bool scene_soil_number(const struct deform_soil *soil, size_t index, const char 
 	*key = parameters[index].key;
 	*value = isnan(number) ? number : strtod(text, NULL);
 	return true;
+}
+
+bool scene_soil_given(const struct scene *scene, int soil, const char *key)
+{
+	for (size_t i = 0; i < PARAMETERS; i++)
+		if (strcmp(parameters[i].key, key) == 0)
+			return scene->soil_given[soil] >> i & 1;
+	return false;
 }
 
 int scene_soil_value(const struct scene *scene, int soil)

@@ -1,4 +1,4 @@
-/* Advice on vehicles: which spacing their wheels need. */
+/* Advice on vehicles: which spacing their wheels need, and that they feel a damping of the soil that the scene does not give. */
 #include <stdio.h>
 
 #include "vehicle/vehicle.h"
@@ -46,8 +46,23 @@ static void advise_vehicle(const struct scene *scene, const struct vehicles *veh
 	}
 }
 
+static void advise_damping(const struct scene *scene, scene_advice_fn tell, void *user)
+{
+	for (int i = 0; i < scene->soil_count; i++) {
+		char text[240];
+		if (scene->soils[i].damping == 0 || scene_soil_given(scene, i, "damping"))
+			continue;
+		snprintf(text, sizeof text, "soil.damping: is not given, so it is %g Pa s/m: it adds slip, more at a higher speed; furrow rig and "
+					    "furrow mobility have no damping: for the same as there give 0", scene->soils[i].damping);
+		tell(user, text);
+		return;
+	}
+}
+
 void vehicle_advise(const struct vehicles *vehicles, const struct scene *scene, double spacing, scene_advice_fn tell, void *user)
 {
+	if (vehicle_count(vehicles) > 0)
+		advise_damping(scene, tell, user);
 	for (size_t i = 0; i < vehicle_count(vehicles); i++)
 		advise_vehicle(scene, vehicles, i, spacing, tell, user);
 }

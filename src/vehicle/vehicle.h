@@ -98,8 +98,9 @@ struct vehicle_geom {
 /* `spacing`: m between posts. */
 void vehicle_geom(const struct vehicles *vehicles, size_t vehicle, size_t geom, double spacing, struct vehicle_geom *out);
 
-/* Calls `tell` for wheels and round feet with so few posts below them that forces are off, as scene_advise does for objects. Each soil
- * geom is taken to bear the same share of the weight. `spacing`: m between posts of the working level. NULL: there are no vehicles. */
+/* Calls `tell` for a damping of the soil that the scene does not give. It also calls it for wheels and round feet with so few posts below them
+ * that forces are off, as scene_advise does for objects. Each soil geom is taken to bear the same share of the weight. `spacing`: m between
+ * posts of the working level. NULL: there are no vehicles. */
 void vehicle_advise(const struct vehicles *vehicles, const struct scene *scene, double spacing, scene_advice_fn tell, void *user);
 
 const char *vehicle_joint_name(const struct vehicles *vehicles, size_t vehicle, size_t joint);

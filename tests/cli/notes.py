@@ -98,6 +98,11 @@ class Notes(FurrowTest):
         self.assertEqual([note for note in fine if "vehicles.car" in note], [])
         coarse = self.json("explain", "car.yaml", "--store", "world.furrow", "--set", "spacing=0.5")["notes"]
         self.assertEqual(len([note for note in coarse if "posts: forces may be off by more than 100 % here; at " in note]), 1)
+        # Damping is told where the scene does not give it.
+        damped = "soil.damping: is not given, so it is 30000 Pa s/m: it adds slip, more at a higher speed; furrow rig and furrow mobility have no damping: for the same as there give 0"
+        self.assertIn("furrow: note: " + damped + "\n", result.stderr)
+        self.assertIn(damped, fine)
+        self.assertNotIn("soil.damping", "".join(self.json("explain", "car.yaml", "--set", "soil.damping=30000")["notes"]))
         self.assertRegex(told[1], r"^furrow: note: vehicles\.car: is not at the end of its path: it has come [\d.e-]+ m; drive longer, or look ")
         self.scene(scene % "[30, 20], [9000, 20]", "far.yaml")
         far = [note for note in self.json("explain", "far.yaml", "--store", "world.furrow")["notes"] if "off the terrain" in note]
@@ -139,7 +144,7 @@ class Notes(FurrowTest):
             self.skipTest(result.stderr.strip())
         self.assertEqual((result.returncode, result.stdout), (3, ""), result.stderr)
         self.assertRegex(result.stderr, r"mud\.yaml: while it settles, vehicles\.car\.wheel: is [\d.]+ m deep in the soil, deeper than it is high: the soil does not "
-                         r"carry the vehicle, which weighs 981 N; check bekker_kphi \(in Pa/m\^\(n\+1\), here 1200\), the vehicle's mass, and spacing")
+                         r"carry the vehicle, which weighs 981 N; check bekker_kphi \(in N/m\^\(n\+2\), here 1200\), the vehicle's mass, and spacing")
         self.assertEqual(sorted(self.folder.rglob("*")), before)
         # It is pressed down only once it drives.
         self.scene(scene % ("200000", -1e5), "pressed.yaml")
