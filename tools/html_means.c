@@ -17,8 +17,10 @@ struct figure {
 static double ends_at(const struct html_run *run)
 {
 	double end = NAN;
-	for (size_t i = 0; i < run->objects.count; i++)
-		end = fmax(end, run->objects.list[i].time[run->objects.list[i].count - 1]);
+	for (size_t i = 0; i < run->objects.count; i++) {
+		const struct html_body *body = &run->objects.list[i];
+		end = body->count > 0 ? fmax(end, body->time[body->count - 1]) : end;
+	}
 	return end;
 }
 
