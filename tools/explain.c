@@ -50,8 +50,8 @@ const struct command command_explain = {
 	.summary = "what a scene will make and run, and why, before it does",
 	.arguments = COMMAND_ARGUMENTS(COMMAND_SCENE),
 	.options = options,
-	.details = "Prints the plan of a drive. Notes come first: settings without effect, and what is probably wrong. Then planes kept a "
-		   "post, programs, passes of each object and picture, threads, statements of the store's tables, memory at most; each "
+	.details = "Prints the plan of a drive. Notes come first: settings without effect, and what is probably wrong. Then numbers of the soil and whose they are, "
+		   "geoms and actuators of vehicles, planes kept a post, programs, passes of each object and picture, threads, statements of the store's tables, memory at most; each "
 		   "with the key of the scene that calls for it, as in `normals <- view`. What is not there is not made and not run: run.json's counts are these amounts, times how "
 		   "often each unit came. Needs no GL, and changes nothing: the store is only read, also while another drive writes it. What a scene may say is in scene(5), which is "
 		   "src/scene/SCENE.md.\n",

@@ -14,6 +14,14 @@ void explain_sun_text(const struct report_plan *plan); /* where the sun of pictu
 void explain_cameras_text(const struct scene *scene, const struct report_plan *plan);
 void explain_cameras_json(cJSON *root, const struct scene *scene, const struct report_plan *plan);
 
+/* explain_vehicles.c */
+void explain_soils_text(const struct scene *scene);
+void explain_vehicles_text(const struct report_plan *plan);
+void explain_geom(const struct deform_shape *shape, char *text, size_t size); /* "wheel, radius 0.4 m, width 0.2 m" */
+/* As scene_soil_number; NAN also for a number that the scene's model does not read. */
+bool explain_number(const struct scene *scene, int soil, size_t index, const char **key, double *value);
+const char *explain_number_from(const struct scene *scene, int soil, const char *key); /* "scene", "name" or "default" */
+
 /* The same as a tree that a person reads, at most 100 columns where names allow it. */
 void explain_text(const struct scene *scene, const struct report_plan *plan);
 enum status explain_json(const struct scene *scene, const struct report_plan *plan) FURROW_CHECKED;

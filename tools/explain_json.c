@@ -147,6 +147,27 @@ static void add_rasters(cJSON *root, const struct report_plan *plan)
 	}
 }
 
+static void add_soils(cJSON *root, const struct scene *scene)
+{
+	if (deform_model_row(scene->model)->numbers == NULL)
+		return;
+	cJSON *soils = cJSON_AddArrayToObject(root, "soils");
+	for (int soil = 0; soil < scene->soil_count; soil++) {
+		const char *key;
+		double value;
+		cJSON *row = cJSON_CreateObject();
+		cJSON_AddItemToArray(soils, row);
+		cJSON_AddStringToObject(row, "name", scene->soil_names[soil]);
+		for (size_t i = 0; explain_number(scene, soil, i, &key, &value); i++) {
+			if (isnan(value))
+				continue;
+			cJSON *number = cJSON_AddObjectToObject(row, key);
+			json_number(number, "value", value);
+			cJSON_AddStringToObject(number, "from", explain_number_from(scene, soil, key));
+		}
+	}
+}
+
 static void add_vehicles(cJSON *root, const struct report_plan *plan)
 {
 	if (plan->vehicles == NULL)
@@ -161,11 +182,19 @@ static void add_vehicles(cJSON *root, const struct report_plan *plan)
 		json_integer(vehicle, "engine_steps", info.engine_steps);
 		json_number(vehicle, "largest_step", info.largest_step);
 		cJSON *contacts = cJSON_AddObjectToObject(vehicle, "contacts_per_metre");
+		cJSON *shapes = cJSON_AddObjectToObject(vehicle, "shapes");
 		for (size_t g = 0; g < info.geom_count; g++) {
 			struct vehicle_geom geom;
+			char shape[96];
 			vehicle_geom(plan->vehicles, i, g, plan->spacing, &geom);
 			json_number(contacts, geom.name, geom.contacts);
+			explain_geom(geom.shape, shape, sizeof shape);
+			cJSON_AddStringToObject(shapes, geom.name, shape);
 		}
+		cJSON *actuators = cJSON_AddObjectToObject(vehicle, "actuators");
+		for (size_t a = 0; a < info.actuator_count; a++)
+			if (vehicle_actuator_name(plan->vehicles, i, a)[0] != '\0')
+				add_text(actuators, vehicle_actuator_name(plan->vehicles, i, a), vehicle_actuator_key(plan->vehicles, i, a));
 		cJSON *by = cJSON_AddObjectToObject(vehicle, "by");
 		cJSON_AddStringToObject(by, "geom", info.largest_geom);
 		json_number(by, "mass", info.largest_mass);
@@ -194,6 +223,7 @@ enum status explain_json(const struct scene *scene, const struct report_plan *pl
 		json_integer(samples, scene->objects[i].name, (int64_t)plan->samples[i]);
 	add_effects(root, scene, plan);
 	add_rasters(root, plan);
+	add_soils(root, scene);
 	add_vehicles(root, plan);
 	report_sun_add(root, &plan->sun);
 	explain_cameras_json(root, scene, plan);

@@ -79,21 +79,6 @@ static void print_rasters(const struct report_plan *plan)
 	}
 }
 
-static void print_vehicles(const struct report_plan *plan)
-{
-	if (vehicle_count(plan->vehicles) > 0)
-		puts("\nvehicles");
-	for (size_t i = 0; i < vehicle_count(plan->vehicles); i++) {
-		struct vehicle_info info;
-		char what[240];
-		vehicle_info(plan->vehicles, i, &info);
-		snprintf(what, sizeof what, "%s: %.6g kg, %zu soil geom%s, %zu actuators, %d engine steps in a time step; time_step at most %.3g s "
-					    "(%s: %.3g kg on %.3g m2)", info.name, info.mass, info.geom_count, info.geom_count == 1 ? "" : "s",
-			 info.actuator_count, info.engine_steps, info.largest_step, info.largest_geom, info.largest_mass, info.largest_area);
-		layout_wrapped(what, 4);
-	}
-}
-
 /* --- what is made --- */
 
 static void print_planes(const struct scene *scene, const struct report_plan *plan)
@@ -474,7 +459,8 @@ void explain_text(const struct scene *scene, const struct report_plan *plan)
 	print_notes(plan);
 	print_effects(scene, plan);
 	print_rasters(plan);
-	print_vehicles(plan);
+	explain_soils_text(scene);
+	explain_vehicles_text(plan);
 	explain_sun_text(plan);
 	explain_cameras_text(scene, plan);
 	print_planes(scene, plan);

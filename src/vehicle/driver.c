@@ -134,6 +134,26 @@ enum status vehicle_make_driver(struct vehicle *vehicle, const char *where)
 	return STATUS_OK;
 }
 
+static bool names(const int *list, size_t count, size_t actuator)
+{
+	for (size_t i = 0; i < count; i++)
+		if ((size_t)list[i] == actuator)
+			return true;
+	return false;
+}
+
+const char *vehicle_actuator_key(const struct vehicles *vehicles, size_t vehicle, size_t actuator)
+{
+	const struct driver *driver = &vehicles->list[vehicle].driver;
+	if (names(driver->steer, driver->steer_count, actuator))
+		return "steer";
+	if (names(driver->drive, driver->drive_count, actuator))
+		return "drive";
+	if (!names(driver->held, driver->held_count, actuator))
+		return NULL;
+	return vehicles->list[vehicle].scene->driver == SCENE_HOLD ? "hold" : "controls";
+}
+
 enum status vehicle_place_driver(struct vehicle *vehicle, const struct world *world)
 {
 	struct driver *driver = &vehicle->driver;

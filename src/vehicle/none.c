@@ -97,6 +97,12 @@ const char *vehicle_actuator_name(const struct vehicles *vehicles, size_t vehicl
 	return "";
 }
 
+const char *vehicle_actuator_key(const struct vehicles *vehicles, size_t vehicle, size_t actuator)
+{
+	(void)vehicles, (void)vehicle, (void)actuator;
+	return NULL;
+}
+
 enum status vehicle_outline(const struct scene *scene, size_t vehicle, struct vehicle_outline *out)
 {
 	(void)scene, (void)vehicle, (void)out;

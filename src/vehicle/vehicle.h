@@ -105,6 +105,8 @@ void vehicle_advise(const struct vehicles *vehicles, const struct scene *scene, 
 
 const char *vehicle_joint_name(const struct vehicles *vehicles, size_t vehicle, size_t joint);
 const char *vehicle_actuator_name(const struct vehicles *vehicles, size_t vehicle, size_t actuator);
+/* Returns which key of `driver` sets the actuator: "steer", "drive", "controls" or "hold"; NULL: none, its control is 0. */
+const char *vehicle_actuator_key(const struct vehicles *vehicles, size_t vehicle, size_t actuator);
 
 /* A wheel of a vehicle. x and y: m from the centre of gravity, forward and to the left, in the model's first pose. */
 struct vehicle_wheel {

@@ -77,6 +77,23 @@ class Explain(FurrowTest):
                 for effect in plan["effects"]:
                     self.assertEqual(effect["called"], effect["reason"] is not None)
 
+    def test_soils_and_vehicles_tell_where_their_numbers_come_from(self):
+        scene, own = self.folder / "tools/scenes/vehicles/offroad.yaml", ("--set", "soil.cohesion=1040", "--set", "vehicles.car.driver.drive=[drive_rear_*]")
+        result = self.furrow("explain", scene, *own)
+        if "this build has no MuJoCo" in result.stderr:
+            self.skipTest("this build has no MuJoCo")
+        text = " ".join(result.stdout.split())
+        for told in ("sandy_loam_15: the scene's cohesion 1040 Pa; the name's bekker_kc 5270 N/m^(n+1), bekker_kphi 1515040 N/m^(n+2), bekker_n 0.7, "
+                     "friction_angle 29 degrees, janosi_shear 0.02 m, repose 29 degrees; defaults elastic_stiffness 40000000 Pa/m, damping 30000 Pa s/m",
+                     "soil geoms: car.wheel_front_left, car.wheel_front_right, car.wheel_rear_left, car.wheel_rear_right (wheel, radius 0.4 m, width 0.2 m)",
+                     "actuators: driver.steer: steer_front_left, steer_front_right; driver.drive: drive_rear_left, drive_rear_right; "
+                     "no key, so 0: drive_front_left, drive_front_right "):
+            self.assertIn(told, text)
+        plan = self.json("explain", scene, *own)
+        self.assertEqual([plan["soils"][0][key] for key in ("cohesion", "damping")], [{"value": 1040, "from": "scene"}, {"value": 30000, "from": "default"}])
+        self.assertEqual(plan["vehicles"]["car"]["shapes"]["car.wheel_rear_left"], "wheel, radius 0.4 m, width 0.2 m")
+        self.assertEqual([plan["vehicles"]["car"]["actuators"]["drive_" + name] for name in ("front_left", "rear_left")], [None, "drive"])
+
     def test_json_says_what_an_effect_is(self):
         self.synth()
         self.scene(BARE, "bare.yaml")

@@ -1,0 +1,185 @@
+/* furrow explain: the numbers of each soil, and the soil geoms and actuators of each vehicle, with where each number and control comes from. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "explain.h"
+#include "explain_layout.h"
+
+/* Prints what was written to the stream, and frees it. */
+static void print_wrapped(FILE *stream, char **text)
+{
+	if (fclose(stream) == 0)
+		layout_wrapped(*text, 4);
+	free(*text);
+}
+
+/* --- soils --- */
+
+const char *explain_number_from(const struct scene *scene, int soil, const char *key)
+{
+	const bool guess = strcmp(key, "elastic_stiffness") == 0 || strcmp(key, "damping") == 0; /* no source gives them by soil */
+	if (scene_soil_given(scene, soil, key))
+		return "scene";
+	return guess || strncmp(scene->soil_names[soil], "unnamed", 7) == 0 ? "default" : "name";
+}
+
+bool explain_number(const struct scene *scene, int soil, size_t index, const char **key, double *value)
+{
+	if (!scene_soil_number(&scene->soils[soil], index, key, value))
+		return false;
+	if (!deform_model_reads(scene->model, *key))
+		*value = NAN;
+	return true;
+}
+
+static void add_numbers(FILE *stream, const struct scene *scene, int soil, const char *from, const char *title)
+{
+	const char *key;
+	double value;
+	bool any = false;
+	for (size_t i = 0; explain_number(scene, soil, i, &key, &value); i++) {
+		char path[64];
+		struct scene_parameter parameter = {.unit = NULL};
+		if (isnan(value) || strcmp(explain_number_from(scene, soil, key), from) != 0)
+			continue;
+		snprintf(path, sizeof path, "soil.%s", key);
+		(void)scene_parameter(path, &parameter);
+		fprintf(stream, "%s %s %.9g%s%s", any ? "," : title, key, value, parameter.unit != NULL ? " " : "", parameter.unit != NULL ? parameter.unit : "");
+		any = true;
+	}
+	if (any)
+		fputc(';', stream);
+}
+
+static void print_soil(const struct scene *scene, int soil)
+{
+	char *text = NULL;
+	size_t size = 0;
+	FILE *stream = open_memstream(&text, &size);
+	if (stream == NULL)
+		return;
+	fprintf(stream, "%s:", scene->soil_names[soil]);
+	add_numbers(stream, scene, soil, "scene", " the scene's");
+	add_numbers(stream, scene, soil, "name", " the name's");
+	add_numbers(stream, scene, soil, "default", " defaults");
+	fseek(stream, -1, SEEK_CUR);
+	fputc('\0', stream);
+	print_wrapped(stream, &text);
+}
+
+void explain_soils_text(const struct scene *scene)
+{
+	if (deform_model_row(scene->model)->numbers == NULL)
+		return;
+	puts("\nsoil");
+	for (int i = 0; i < scene->soil_count; i++)
+		print_soil(scene, i);
+}
+
+/* --- vehicles --- */
+
+void explain_geom(const struct deform_shape *shape, char *text, size_t size)
+{
+	const double *s = shape->size;
+	switch (shape->kind) {
+	case DEFORM_WHEEL:
+		snprintf(text, size, "wheel, radius %.4g m, width %.4g m", shape->radius, shape->width);
+		return;
+	case DEFORM_SPHERE:
+		snprintf(text, size, "sphere, radius %.4g m", shape->radius);
+		return;
+	case DEFORM_BOX:
+		snprintf(text, size, "box%s, %.4g x %.4g x %.4g m", shape->belt ? " with a belt" : "", s[0], s[1], s[2]);
+		return;
+	case DEFORM_CYLINDER:
+	case DEFORM_CAPSULE:
+		snprintf(text, size, "%s, radius %.4g m, length %.4g m", shape->kind == DEFORM_CYLINDER ? "cylinder" : "capsule", shape->radius, shape->length);
+		return;
+	case DEFORM_ELLIPSOID:
+		snprintf(text, size, "ellipsoid, half axes %.4g, %.4g, %.4g m", s[0], s[1], s[2]);
+		return;
+	default:
+		snprintf(text, size, "mesh of %u triangles", shape->mesh->triangle_count);
+	}
+}
+
+/* Soil geoms of one shape together, where the first is. */
+static void add_geoms(FILE *stream, const struct report_plan *plan, size_t vehicle, size_t first, size_t count)
+{
+	char shape[96], other[96];
+	struct vehicle_geom geom;
+	bool any = false;
+	vehicle_geom(plan->vehicles, vehicle, first, plan->spacing, &geom);
+	explain_geom(geom.shape, shape, sizeof shape);
+	for (size_t i = 0; i < count; i++) {
+		vehicle_geom(plan->vehicles, vehicle, i, plan->spacing, &geom);
+		explain_geom(geom.shape, other, sizeof other);
+		if (strcmp(shape, other) != 0)
+			continue;
+		if (i < first)
+			return;
+		fprintf(stream, "%s %s", any ? "," : first > 0 ? ";" : "", geom.name);
+		any = true;
+	}
+	fprintf(stream, " (%s)", shape);
+}
+
+static void add_actuators(FILE *stream, const struct report_plan *plan, size_t vehicle, size_t count, const char *key, const char *title)
+{
+	bool any = false;
+	for (size_t i = 0; i < count; i++) {
+		const char *name = vehicle_actuator_name(plan->vehicles, vehicle, i), *by = vehicle_actuator_key(plan->vehicles, vehicle, i);
+		if (by != key && (by == NULL || key == NULL || strcmp(by, key) != 0))
+			continue;
+		fprintf(stream, "%s %s", any ? "," : title, name[0] != '\0' ? name : "(without a name)");
+		any = true;
+	}
+	if (any)
+		fputc(';', stream);
+}
+
+static void print_vehicle(const struct report_plan *plan, size_t vehicle)
+{
+	static const char *const keys[] = {"steer", "drive", "controls", "hold"};
+	struct vehicle_info info;
+	char *text = NULL;
+	size_t size = 0;
+	vehicle_info(plan->vehicles, vehicle, &info);
+	FILE *stream = open_memstream(&text, &size);
+	if (stream != NULL) {
+		fprintf(stream, "%s: %.6g kg, %zu soil geom%s, %zu actuators, %d engine steps in a time step; time_step at most %.3g s (%s: %.3g kg on %.3g m2)",
+			info.name, info.mass, info.geom_count, info.geom_count == 1 ? "" : "s", info.actuator_count, info.engine_steps, info.largest_step,
+			info.largest_geom, info.largest_mass, info.largest_area);
+		print_wrapped(stream, &text);
+	}
+	stream = open_memstream(&text, &size);
+	if (stream != NULL) {
+		fputs("soil geoms:", stream);
+		for (size_t i = 0; i < info.geom_count; i++)
+			add_geoms(stream, plan, vehicle, i, info.geom_count);
+		print_wrapped(stream, &text);
+	}
+	stream = info.actuator_count > 0 ? open_memstream(&text, &size) : NULL;
+	if (stream == NULL)
+		return;
+	fputs("actuators:", stream);
+	for (size_t k = 0; k < sizeof keys / sizeof *keys; k++) {
+		char title[40];
+		snprintf(title, sizeof title, " driver.%s:", keys[k]);
+		add_actuators(stream, plan, vehicle, info.actuator_count, keys[k], title);
+	}
+	add_actuators(stream, plan, vehicle, info.actuator_count, NULL, " no key, so 0:");
+	fseek(stream, -1, SEEK_CUR);
+	fputc('\0', stream);
+	print_wrapped(stream, &text);
+}
+
+void explain_vehicles_text(const struct report_plan *plan)
+{
+	if (vehicle_count(plan->vehicles) > 0)
+		puts("\nvehicles");
+	for (size_t i = 0; i < vehicle_count(plan->vehicles); i++)
+		print_vehicle(plan, i);
+}
