@@ -88,13 +88,17 @@ static void fill_key(const struct chart_map *chart, struct html_map *map)
 		map->key[i] = chart_ground_key(chart, &map->range, map->range.low + (map->range.high - map->range.low) * (i + 0.5) / HTML_KEY);
 }
 
-static enum status draw(const struct store_meta *meta, const struct chart_raster *raster, uint32_t pixels, struct html_map *map)
+/* Draws the picture. A range of 0 and 0: as the values need it. */
+static enum status draw(struct html_map *map, struct chart_range range)
 {
+	const struct chart_raster *raster = &map->raster;
 	const uint32_t longest = raster->width > raster->height ? raster->width : raster->height;
-	const uint32_t times = longest > 0 && longest * 2 <= pixels ? pixels / longest : 1; /* posts stay whole pixels */
-	const struct chart_map chart = {.raster = raster, .meta = meta, .ramp = CHART_RAMP_SIGNED, .pixels = longest * times};
+	const uint32_t times = longest > 0 && longest * 2 <= map->pixels ? map->pixels / longest : 1; /* posts stay whole pixels */
+	const struct chart_map chart = {.raster = raster, .ramp = CHART_RAMP_SIGNED, .range = range, .pixels = longest * times};
 	struct chart_ground told;
 	size_t length = 0;
+	free(map->bytes);
+	map->bytes = NULL;
 	FILE *file = open_memstream(&map->bytes, &length);
 	if (file == NULL)
 		return fail_memory("a map");
@@ -107,13 +111,9 @@ static enum status draw(const struct store_meta *meta, const struct chart_raster
 	map->beyond[0] = told.beyond[0];
 	map->beyond[1] = told.beyond[1];
 	map->holes = told.holes;
-	map->spacing = raster->spacing;
-	map->rut = raster->rut;
-	chart_system_name(meta->srs, map->system, sizeof map->system);
 	map->ground.png = (const unsigned char *)map->bytes;
 	map->ground.length = length;
 	for (int k = 0; k < 2; k++) { /* a pixel's centre is its post */
-		map->origin[k] = meta->origin[k];
 		map->ground.low[k] = ((double)(k == 0 ? raster->rect.x0 : raster->rect.y0) - 0.5) * raster->spacing;
 		map->ground.high[k] = map->ground.low[k] + (k == 0 ? raster->width : raster->height) * raster->spacing;
 	}
@@ -124,18 +124,19 @@ static enum status draw(const struct store_meta *meta, const struct chart_raster
 static enum status read_store(const struct html_run *run, struct store *store, const char *path, uint32_t pixels, struct html_map *map)
 {
 	struct store_run last;
-	struct chart_raster raster;
+	const struct store_meta *meta = store_meta(store);
 	const char *hash = html_string(run, "scene.hash");
 	enum status status = store_last_run(store, &last);
 	if (status != STATUS_OK)
 		return status;
 	if (last.scene_hash == NULL || hash == NULL || strcmp(last.scene_hash, hash) != 0 || (double)last.step != html_number(run, "steps"))
 		return none(map, "%.300s was changed after this drive: by another drive, a reset or a restore", path);
-	status = find_raster(run, store, pixels, &raster);
-	if (status == STATUS_OK)
-		status = draw(store_meta(store), &raster, pixels, map);
-	chart_raster_finish(&raster);
-	return status;
+	map->pixels = pixels;
+	chart_system_name(meta->srs, map->system, sizeof map->system);
+	for (int k = 0; k < 2; k++)
+		map->origin[k] = meta->origin[k];
+	status = find_raster(run, store, pixels, &map->raster);
+	return status == STATUS_OK ? draw(map, (struct chart_range){0, 0}) : status;
 }
 
 enum status html_map_read(const struct html_run *run, uint32_t pixels, struct html_map *out)
@@ -158,8 +159,22 @@ enum status html_map_read(const struct html_run *run, uint32_t pixels, struct ht
 	return status == STATUS_INPUT || status == STATUS_FAILED ? none(out, "%.450s", failure_message()) : status;
 }
 
+enum status html_maps_share(struct html_map *maps, size_t count)
+{
+	struct chart_range range = {0, 0};
+	enum status status = STATUS_OK;
+	for (size_t i = 0; i < count; i++)
+		if (maps[i].ground.png != NULL && maps[i].range.high > range.high)
+			range = maps[i].range;
+	for (size_t i = 0; i < count && status == STATUS_OK; i++)
+		if (maps[i].ground.png != NULL && maps[i].range.high > 0 && maps[i].range.high < range.high)
+			status = draw(&maps[i], range);
+	return status;
+}
+
 void html_map_finish(struct html_map *map)
 {
 	free(map->bytes);
+	chart_raster_finish(&map->raster);
 	*map = (struct html_map){.bytes = NULL};
 }

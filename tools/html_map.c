@@ -93,9 +93,9 @@ static void write_key(const struct html_report *report, const struct html_map *m
 	fputs("<p class=\"small\">Colours: by how much the drive changed the height of the ground. Blue is lower, red is higher.", file);
 	if (map->holes)
 		fputs(" Hatched ground has no data.", file);
-	fprintf(file, " Posts of this picture are %g m apart.", map->spacing);
-	if (map->rut > 0)
-		fprintf(file, " Ruts are drawn at least %g m wide, so that they are seen.", map->rut);
+	fprintf(file, " Posts of this picture are %g m apart.", map->raster.spacing);
+	if (map->raster.rut > 0)
+		fprintf(file, " Ruts are drawn at least %g m wide, so that they are seen.", map->raster.rut);
 	fputs("</p>\n", file);
 }
 
@@ -157,6 +157,8 @@ enum status html_map_write(const struct html_report *report)
 	fputs("</div>\n", report->file);
 	if (first < report->count) {
 		fputs("<p class=\"small\">A way begins at its large dot. A dotted line between two small dots shows where the rut profile lies.</p>\n", report->file);
+		if (report->count > 1)
+			fputs("<p class=\"small\">All maps that this page draws have one colour scale: the largest of the drives.</p>\n", report->file);
 		write_coordinates(report, &report->maps[first]);
 	}
 	html_section_end(report);

@@ -114,7 +114,8 @@ const struct command command_map = {
 	.details =
 		"The map has the shaded ground with the layer in colours, a grid with its coordinates, a legend, a scale bar "
 		"and grid north. Its posts are those of the finest level that has no more of them than the frame has pixels. "
-		"Each pixel of offset and of soil has the largest value of the posts within it, so that narrow ruts are seen. "
+		"Each pixel of offset and of soil has the largest value of the posts within it, so that narrow ruts are seen. Of offset "
+		"it has the deepest rut, even beside a higher heap. "
 		"Places without data are hatched. Of offset and of soil without --window only the tiles that changed are drawn, and the "
 		"window is told.\n\n"
 		"Words have the same size on every map. In SVG and PDF words and lines are vectors, the ground is pixels. Degrees "

@@ -41,7 +41,7 @@ static enum status read_runs(const struct arguments *arguments, struct html_repo
 		if (status == STATUS_OK)
 			status = html_cache_read(&report->runs[i], &report->caches[i]);
 	}
-	return status;
+	return status == STATUS_OK ? html_maps_share(report->maps, report->count) : status;
 }
 
 static enum status write_page(struct html_report *report, const char *path)

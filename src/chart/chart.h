@@ -62,7 +62,8 @@ struct chart_raster {
 	double spacing;        /* metres a pixel */
 	struct post_rect rect; /* what is shown: columns and rows of the posts of `level` */
 	float *shade;          /* 0 to 1; NaN: nodata */
-	/* metres: of the values within the pixel, the one with the largest absolute value; 0: none. Heights: the post's; NaN: nodata */
+	/* metres: of the values within the pixel, the one with the largest absolute value; of offsets the
+	 * deepest rut, without a rut the highest heap; 0: none. Heights: the post's; NaN: nodata */
 	float *values;
 	double flat;           /* the shade of level ground */
 	double rut;            /* metres: ruts that are narrower are drawn so wide; 0: ruts are as wide as they are */
@@ -86,7 +87,8 @@ struct chart_raster_params {
 /* Makes a map raster. On failure `out` is all zero. */
 enum status chart_raster_create(const struct chart_raster_params *params, struct chart_raster *out) FURROW_CHECKED;
 void chart_raster_finish(struct chart_raster *raster); /* raster may be all zero */
-/* Sets each pixel to the largest value among itself and its neighbours. So lines of one pixel become three pixels wide. */
+/* Of offsets: sets each pixel to the deepest rut among itself and its neighbours; without a rut to the highest heap. So lines of one pixel become three
+ * pixels wide. */
 enum status chart_raster_widen(struct chart_raster *raster) FURROW_CHECKED;
 
 /* Returns the end of a legend for values up to `size` (above 0): the smallest round number that is at least `size`. */

@@ -8,6 +8,7 @@
 #include "chart/internal.h"
 
 #define STRIP 128 /* rows */
+#define RUT 1e-3f /* m: ground that is lowered by so much is a rut */
 
 struct rasterizing {
 	const struct chart_raster_params *params;
@@ -130,6 +131,13 @@ static float value_of(enum store_layer layer, int32_t post)
 	return (float)lattice_offset_metres(post);
 }
 
+/* Whether a pixel shows this offset rather than the other: a rut before a heap, which may be higher than the rut is deep; then the larger one. */
+static bool is_shown(float offset, float other)
+{
+	const bool rut = offset <= -RUT;
+	return rut != (other <= -RUT) ? rut : fabsf(offset) > fabsf(other);
+}
+
 /* Adds the tile's posts to the pixels that they are in. */
 static void splat(const struct rasterizing *s, struct tile tile, enum store_layer layer, const int32_t *posts, float *into)
 {
@@ -146,7 +154,7 @@ static void splat(const struct rasterizing *s, struct tile tile, enum store_laye
 			float value = value_of(layer, posts[(y - own.y0) * side + x - own.x0]);
 			int64_t px = ((x + half) >> shift) - raster->rect.x0;
 			float *pixel = row + (px < last_x ? px : last_x);
-			if (fabsf(value) > fabsf(*pixel))
+			if (layer == STORE_OFFSET ? is_shown(value, *pixel) : fabsf(value) > fabsf(*pixel))
 				*pixel = value;
 		}
 	}
@@ -380,13 +388,13 @@ enum status chart_raster_widen(struct chart_raster *raster)
 		return fail_memory("a map");
 	for (uint32_t y = 0; y < height; y++)
 		for (uint32_t x = 0; x < width; x++) {
-			float largest = 0;
+			float shown = 0;
 			for (uint32_t py = y > 0 ? y - 1 : 0; py <= y + 1 && py < height; py++)
 				for (uint32_t px = x > 0 ? x - 1 : 0; px <= x + 1 && px < width; px++) {
 					float value = raster->values[(size_t)py * width + px];
-					largest = fabsf(value) > fabsf(largest) ? value : largest;
+					shown = is_shown(value, shown) ? value : shown;
 				}
-			wide[(size_t)y * width + x] = largest;
+			wide[(size_t)y * width + x] = shown;
 		}
 	mem_free(raster->values);
 	raster->values = wide;

@@ -13,11 +13,13 @@ static const struct extent extent = {201, 150, 2, CELLS};
 static struct store *store;
 static struct store_reader *reader;
 
-/* Metres at a post of the working level, half a metre apart: a rut one post wide, a broad one, a heap, one deep post. */
+/* Metres at a post of the working level, half a metre apart: a rut one post wide with a rim, a broad one, a heap, one deep post. */
 static inline double dug(int64_t x, int64_t y)
 {
 	if (x == 333 && y > 40)
 		return -0.25;
+	if (x == 334 && y > 40) /* its rim, higher than it is deep */
+		return 0.28125;
 	if (y == 596 && x < 4) /* beyond the last pixel's own half, at coarse levels */
 		return 0.5;
 	if (y == 0 || x == 800) /* at the terrain's edges */

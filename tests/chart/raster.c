@@ -1,7 +1,15 @@
 /* Map rasters: the values and the shade that a map finds in a store, pixel by pixel. No GL. */
 #include "dug.h"
 
-/* From the function alone: the largest of the posts that are nearer to the pixel's own than to others'; what is beyond the
+/* Ruts before heaps, then the larger one. */
+static double shown_of(double value, double other)
+{
+	if ((value <= -0.001) != (other <= -0.001))
+		return value < other ? value : other;
+	return fabs(value) > fabs(other) ? value : other;
+}
+
+/* From the function alone: what is shown of the posts that are nearer to the pixel's own than to others'; what is beyond the
  * last pixel's is that one's. */
 static double largest_within(const struct chart_raster_params *params, int64_t px, int64_t py, int from)
 {
@@ -13,7 +21,7 @@ static double largest_within(const struct chart_raster_params *params, int64_t p
 	for (int64_t y = py * size - half; y < (last_y ? height : py * size - half + size); y++)
 		for (int64_t x = px * size - half; x < (last_x ? width : px * size - half + size); x++) {
 			double value = x < 0 || y < 0 ? 0 : lattice_offset_metres(quanta(x * fine, y * fine));
-			largest = fabs(value) > fabs(largest) ? value : largest;
+			largest = shown_of(value, largest);
 		}
 	return largest;
 }
@@ -180,9 +188,8 @@ static void lines_are_widened_by_a_pixel(void **state)
 			float largest = 0;
 			for (int i = 0; i < 9; i++) {
 				int64_t px = x + i % 3 - 1, py = y + i / 3 - 1;
-				if (px >= 0 && py >= 0 && px < raster.width && py < raster.height &&
-				    fabsf(was[py * raster.width + px]) > fabsf(largest))
-					largest = was[py * raster.width + px];
+				if (px >= 0 && py >= 0 && px < raster.width && py < raster.height)
+					largest = (float)shown_of(was[py * raster.width + px], largest);
 			}
 			assert_true(raster.values[y * raster.width + x] == largest);
 		}

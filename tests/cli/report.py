@@ -680,6 +680,10 @@ class Report(FurrowTest):
         self.assertIn("box: No rows of objects.csv.", page.sentences("curves"))
         self.assertEqual(len(page.plots("rut")["The ground across the way"].curves), 3)
         self.assertEqual(len(list(page.section("map").iter("image"))), 3)
+        ends = lambda page: [[t.text for t in svg.iter("text")] for svg in page.section("map").iter("svg") if svg.get("class") == "ramp"]
+        largest = max((ends(self.report(name))[0][0] for name in ("a", "b", "box")), key=lambda text: abs(float(text.split()[0])))
+        self.assertEqual([low for low, _, _ in ends(page)], [largest] * 3)
+        self.assertIn("one colour scale", " ".join(page.sentences("map")))
         heads = [th.text for th in page.section("soils").iter("th") if th.text and th.get("scope") == "col"]
         self.assertEqual(heads, ["number", "dry_sand", "sandy_loam_15"])
         page = self.report("a", "b")
