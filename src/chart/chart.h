@@ -62,8 +62,8 @@ struct chart_raster {
 	double spacing;        /* metres a pixel */
 	struct post_rect rect; /* what is shown: columns and rows of the posts of `level` */
 	float *shade;          /* 0 to 1; NaN: nodata */
-	/* metres: of the values within the pixel, the one with the largest absolute value; of offsets the
-	 * deepest rut, without a rut the highest heap; 0: none. Heights: the post's; NaN: nodata */
+	/* metres: of the values within the pixel, the one with the largest absolute value; 0: none. Of offsets the deepest rut comes
+	 * before the highest heap. Heights: the post's; NaN: nodata */
 	float *values;
 	double flat;           /* the shade of level ground */
 	double rut;            /* metres: ruts that are narrower are drawn so wide; 0: ruts are as wide as they are */

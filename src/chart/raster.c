@@ -131,7 +131,7 @@ static float value_of(enum store_layer layer, int32_t post)
 	return (float)lattice_offset_metres(post);
 }
 
-/* Whether a pixel shows this offset rather than the other: a rut before a heap, which may be higher than the rut is deep; then the larger one. */
+/* Whether a pixel shows this offset rather than the other. A rut comes before a heap, even a higher one. Else the larger one comes first. */
 static bool is_shown(float offset, float other)
 {
 	const bool rut = offset <= -RUT;
