@@ -378,13 +378,20 @@ static void remove_made(const struct drive *drive)
 			(void)unlink(path);
 }
 
+#define DRIVES_STILL 0.25 /* of its commanded speed: from there on nothing holds a vehicle up */
+
 /* A drive may end before a vehicle has come to the end of its path. */
 static void tell_on_the_way(const struct drive *drive)
 {
 	for (size_t i = 0; drive->vehicles != NULL && i < drive->scene.vehicle_count; i++) {
 		struct vehicle_info info;
 		vehicle_info(drive->vehicles, i, &info);
-		if (drive->scene.vehicles[i].driver == SCENE_FOLLOW && !info.arrived)
+		if (drive->scene.vehicles[i].driver != SCENE_FOLLOW || info.arrived)
+			continue;
+		if (info.speed >= DRIVES_STILL * drive->scene.vehicles[i].way.speed)
+			note("vehicles.%s: is not at the end of its path, but still drives at %.2g m/s: it has come %.4g m, and %.4g m are left; give an end_time of "
+			     "%.0f s or more", info.name, info.speed, info.distance, info.left, ceil(drive->world.time + info.left / info.speed + 1));
+		else
 			note("vehicles.%s: is not at the end of its path: it has come %.4g m; drive longer, or look at what holds it up (vehicles.csv)",
 			     info.name, info.distance);
 	}

@@ -42,6 +42,7 @@ struct driver {
 	size_t row_count;
 	/* State: */
 	double at;                  /* segment of the path that it is on */
+	double left;                /* m of the path ahead; found anew whenever controls are set */
 	double sum;                 /* m: how far it is behind, for drives that give torque */
 	bool arrived;
 };

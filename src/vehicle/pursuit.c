@@ -183,7 +183,7 @@ void vehicle_pursue(struct vehicle *vehicle, double time)
 		driver->arrived = true;
 		return;
 	}
-	const double left = go_on(driver, x, y);
+	const double left = driver->left = go_on(driver, x, y);
 	look(driver, fmax(AHEAD_BASES * base, AHEAD_TIME * wanted), goal);
 	const double ahead = (goal[0] - x) * cos(heading) + (goal[1] - y) * sin(heading);
 	const double aside = -(goal[0] - x) * sin(heading) + (goal[1] - y) * cos(heading);

@@ -218,14 +218,20 @@ static void watch_sunk(const struct vehicles *vehicles, struct vehicle *vehicle)
 	note("%s", vehicle->told_sunk);
 }
 
+/* m/s in plan. */
+static double speed_of(const struct vehicle *vehicle)
+{
+	double velocity[6];
+	mj_objectVelocity(vehicle->model, vehicle->data, mjOBJ_XBODY, vehicle->root, velocity, 0);
+	return hypot(velocity[3], velocity[4]);
+}
+
 static void watch(struct vehicles *vehicles)
 {
 	const struct scene *scene = vehicles->scene;
 	for (size_t v = 0; v < vehicles->count; v++) {
 		struct vehicle *vehicle = &vehicles->list[v];
-		double velocity[6];
-		mj_objectVelocity(vehicle->model, vehicle->data, mjOBJ_XBODY, vehicle->root, velocity, 0);
-		const bool slow = hypot(velocity[3], velocity[4]) < scene->stuck_below && !vehicle->driver.arrived;
+		const bool slow = speed_of(vehicle) < scene->stuck_below && !vehicle->driver.arrived;
 		vehicle->slow = slow ? vehicle->slow + scene->time_step : 0;
 		watch_sunk(vehicles, vehicle);
 	}
@@ -287,6 +293,8 @@ void vehicle_info(const struct vehicles *vehicles, size_t index, struct vehicle_
 		.distance = vehicle->distance,
 		.work = vehicle->work,
 		.arrived = vehicle->driver.arrived,
+		.speed = speed_of(vehicle),
+		.left = vehicle->driver.left,
 		.told_sunk = vehicle->told_sunk[0] != '\0' ? vehicle->told_sunk : NULL,
 		.stuck = is_stuck(vehicles, vehicle),
 	};

@@ -77,6 +77,7 @@ struct vehicle_info {
 	double reach;          /* m in plan, from its place to the farthest part of a soil geom; 0 before it is joined to a world */
 	double kinetic, work;  /* J */
 	bool arrived;          /* at the end of its path */
+	double speed, left;    /* m/s in plan, now; m of its path ahead, when its controls were last set */
 	const char *told_sunk; /* the note that the soil does not carry it; NULL: none was printed */
 	bool stuck;
 	double stuck_at;       /* s; while stuck */

@@ -1,6 +1,7 @@
 """Notes that a drive prints: ruts that are there already, numbers that are probably in another unit, and paths without ground or end."""
 import json
 import pathlib
+import re
 import shutil
 
 from furrow_test import SCENE, FurrowTest, main
@@ -21,9 +22,9 @@ class Notes(FurrowTest):
         self.store = self.synth()
         self.scene()
 
-    def notes(self, word, *arguments, scene="scene.yaml", status=0):
+    def notes(self, word, *arguments, scene="scene.yaml", status=0, store=("--store", "world.furrow")):
         """The notes of a drive that have `word` in them."""
-        result = self.furrow("drive", scene, "--store", "world.furrow", "-o", "out", *arguments)
+        result = self.furrow("drive", scene, *store, "-o", "out", *arguments)
         if result.returncode == 4:
             self.skipTest("no GL here: " + result.stderr.strip())
         self.assertEqual(result.returncode, status, result.stderr)
@@ -108,6 +109,15 @@ class Notes(FurrowTest):
         far = [note for note in self.json("explain", "far.yaml", "--store", "world.furrow")["notes"] if "off the terrain" in note]
         self.assertEqual(len(far), 1)
         self.assertRegex(far[0], r"^vehicles\.car\.driver\.path: point 3, at 9000\.000, 20\.000 m, is off the terrain, where the drive would end; keep within 0 to ")
+        # It drives on the level, and hardly moved on the hill above.
+        self.synth("plain.furrow", posts="65x65", kind="plain", relief=0.2)
+        moving = self.notes("vehicles.car: ", "--set", "end_time=2", "--store", "plain.furrow", scene="car.yaml", store=())
+        self.assertEqual(len(moving), 1, moving)
+        told = re.search(r"not at the end of its path, but still drives at ([\d.]+) m/s: it has come ([\d.]+) m, and ([\d.]+) m are left; give an end_time of (\d+) s or more$",
+                         moving[0])
+        speed, way, left, end = map(float, told.groups())
+        self.assertAlmostEqual(way + left, 10, delta=0.1)
+        self.assertAlmostEqual(end, 3.5 + left / speed, delta=1)  # 2 s, and one in which it slows down
         # One point: it is there.
         self.scene((scene % "[30, 20]").replace("[[20, 20], [30, 20]]", "[[20, 20]]"), "there.yaml")
         self.assertEqual(self.notes("vehicles.car: ", "--overlay", "d.furrow", scene="there.yaml"), [])
