@@ -120,8 +120,13 @@ void html_tables_run(const struct html_report *report)
 
 /* --- settings --- */
 
+#define BASE "" /* key of the terrain: the base store, or the store that was deformed itself */
+
 static const char *value_of(const struct html_report *report, size_t run, const char *key)
 {
+	const char *base = html_string(&report->runs[run], "store.base");
+	if (key[0] == '\0')
+		return base != NULL ? base : html_string(&report->runs[run], "store.file");
 	return html_setting(&report->runs[run], key);
 }
 
@@ -136,10 +141,22 @@ static bool differs(const struct html_report *report, const char *key)
 	return false;
 }
 
-/* Writes a row for each setting, or for each that differs. Returns the number of rows. */
+static void setting_row(const struct html_report *report, const char *key, bool first)
+{
+	if (first)
+		html_table(report, "setting");
+	html_row_head(report, key[0] == '\0' ? "base store" : key);
+	for (size_t k = 0; k < report->count; k++)
+		text_cell(value_of(report, k, key), report->file);
+	fputs("</tr>\n", report->file);
+}
+
+/* Writes a row for each setting, or for each that differs, also the terrain. Returns the number of rows. */
 static size_t setting_rows(const struct html_report *report, bool only_different)
 {
-	size_t count = 0;
+	size_t count = only_different && differs(report, BASE) ? 1 : 0;
+	if (count > 0)
+		setting_row(report, BASE, true);
 	for (size_t i = 0; i < report->count; i++) {
 		const cJSON *value;
 		size_t seen = 0;
@@ -151,12 +168,7 @@ static size_t setting_rows(const struct html_report *report, bool only_different
 				before = before || value_of(report, k, value->string) != NULL;
 			if (before || (only_different && !differs(report, value->string)))
 				continue;
-			if (count++ == 0)
-				html_table(report, "setting");
-			html_row_head(report, value->string);
-			for (size_t k = 0; k < report->count; k++)
-				text_cell(value_of(report, k, value->string), report->file);
-			fputs("</tr>\n", report->file);
+			setting_row(report, value->string, count++ == 0);
 		}
 	}
 	if (count > 0)

@@ -692,6 +692,11 @@ class Report(FurrowTest):
         self.copy("a")
         page = self.report("a", self.folder / "a")
         self.assertEqual(page.sentences("differences"), ["No setting differs."])
+        run = self.json_of("a")
+        run["store"]["base"] = "/other.furrow"
+        (self.folder / "a/run.json").write_text(json.dumps(run))
+        base = str((self.made / "flat.furrow").resolve())
+        self.assertEqual(self.report("a", self.folder / "a").rows("differences"), {"setting": ["a", str(self.folder / "a")], "base store": [base, "/other.furrow"]})
 
     # --- a drive that was gone on with ---
 
