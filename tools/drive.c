@@ -26,13 +26,16 @@ static const struct command_option options[] = {
 	{.name = NULL},
 };
 
-static void print_summary(const struct api_result *result, const char *directory)
+static void print_summary(const struct api_result *result, const struct api_params *params)
 {
 	printf("%s: %lld steps in %.1f s (%.2f times real time), in %s/run.json", result->ended, (long long)result->steps,
-	       result->seconds, result->rtf, directory);
+	       result->seconds, result->rtf, params->directory);
 	if (result->map)
-		printf("; a map in %s/map.png", directory);
-	putchar('\n');
+		printf("; a map in %s/map.png", params->directory);
+	if (params->overlay != NULL)
+		printf("; ruts in %s\n", params->overlay);
+	else
+		printf("; ruts in %s itself\n", params->store != NULL ? params->store : params->scene->store);
 }
 
 static struct fleet_params fleet_params_of(const struct api_params *params, const char *stage, struct progress *progress)
@@ -139,7 +142,7 @@ static enum status drive_with(const struct arguments *arguments, struct api_para
 		if (json)
 			puts(result->json);
 		else
-			print_summary(result, params->directory);
+			print_summary(result, params);
 	}
 	return status;
 }
@@ -216,7 +219,7 @@ const struct command command_drive = {
 	.details = "What a scene may say is in scene(5), which is src/scene/SCENE.md: every key, its unit, range and default.\n\n"
 		   "Leaves in DIR: run.json (figures, also when interrupted), epochs.log (a line for each commit), map.png (each "
 		   "object's way and the ruts, on the hillshade), frame-NNNNNN.png, and cameras/NAME for each camera of the scene: pictures, "
-		   "camera.json, poses.tum, and COLMAP's text files (docs/CAMERAS.md). Ctrl-C ends it cleanly with everything "
+		   "camera.json, poses.tum, and COLMAP's text files (docs/CAMERAS.md). Ruts are written to the overlay, or else to the store itself; the last line tells which. Ctrl-C ends it cleanly with everything "
 		   "committed, status 130.\n\n"
 		   "--resume goes on where a drive of the same scene into the same store ended or was killed (end_time, cache and "
 		   "view may differ by then), and begins where there was none; run.json's resumed_from says at which step.\n\n"

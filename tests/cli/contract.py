@@ -587,7 +587,8 @@ objects:
         if result.returncode == 4:
             self.skipTest("no GL here")
         self.assertEqual(result.returncode, 0, result.stderr)
-        self.assertRegex(result.stdout, r"^complete: .* in out/run\.json; a map in out/map\.png\n$")
+        self.assertRegex(result.stdout, r"^complete: .* in out/run\.json; a map in out/map\.png; ruts in .*world\.furrow itself\n$")
+        self.assertRegex(self.ok("drive", self.scene(), "--store", store, "--overlay", "o.furrow", "-o", "o"), r"^complete: .*; ruts in o\.furrow\n$")
         width, height = png_size(self.folder / "out/map.png")
         self.assertLessEqual(max(width, height), 1600)
         self.assertEqual(list((self.folder / "out").glob("*.part")), [])
