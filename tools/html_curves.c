@@ -185,6 +185,14 @@ bool html_any_slope(const struct html_report *report)
 	return false;
 }
 
+static bool any_vehicle(const struct html_report *report)
+{
+	for (size_t i = 0; i < report->count; i++)
+		if (cJSON_GetArraySize(html_members(&report->runs[i], "vehicles")) > 0)
+			return true;
+	return false;
+}
+
 static void write_bodies(const struct html_report *report)
 {
 	static const struct value values[] = {
@@ -216,6 +224,9 @@ static void write_bodies(const struct html_report *report)
 		      "object's load; of an object without a load, such as a wheel of a vehicle, it is the soil's upward force.</p>\n"
 		    : "<p class=\"small\">Drawbar pull is the soil's force on the object along the ground, in the direction of the way. These ways are level: less than 2 % of the "
 		      "weight acts along them.</p>\n", report->file);
+	if (any_vehicle(report))
+		fputs("<p class=\"small\">A vehicle that drives itself at constant speed on level ground has a drawbar pull near 0, summed over its wheels. What its plot shows then is "
+		      "noise.</p>\n", report->file);
 	html_energy_objects(report);
 	html_section_end(report);
 }
@@ -228,10 +239,7 @@ static void write_vehicles(const struct html_report *report)
 		{HTML_SOIL, "energy into the soil", ", kJ", 0, 0, false, "No energy into the soil: objects.csv has no rows of these vehicles; set output.forces in the scene"},
 		{HTML_KINETIC, "kinetic energy", ", kJ", 0, 0, false, "No kinetic energy: vehicles.csv has none"},
 	};
-	bool told = false;
-	for (size_t i = 0; i < report->count; i++)
-		told = told || cJSON_GetArraySize(html_at(&report->runs[i], "vehicles")) > 0;
-	if (!told)
+	if (!any_vehicle(report))
 		return;
 	html_section(report, "vehicles", "Vehicles");
 	if (!any_there(report, VEHICLES)) {

@@ -647,6 +647,8 @@ class Report(FurrowTest):
         self.assertAlmostEqual(plots["speed over the way"].curves[0][-1][0], run["vehicles"]["car"]["distance"], delta=0.1)
         curves = page.plots("curves")
         self.assertEqual(len(curves["sinkage over time"].curves), 4)
+        near = "has a drawbar pull near 0"
+        self.assertTrue(near in " ".join(page.sentences("curves")) and near not in self.report("a").text)
         self.assertTrue(all(-1.001 <= y <= 1.001 for curve in curves["slip over time"].curves for _, y in curve))
         # The work of the motors went into the soil, into height and motion, and a little into the dampers of its springs.
         works = {name: [float(row["work"]) for row in list_] for name, list_ in self.csv_of("car").items()}
