@@ -1,15 +1,13 @@
 #version 450 core
-// Darkens the ground in the shadow of one object. The output is the share of light that still reaches the ground, for each colour.
-// Blending multiplies the pixel by this share. The inputs are described in shadow.vert.
+// The shadow of one object. Alpha is the share of the sun's light that still reaches the ground. Blending keeps the least alpha of all
+// objects in the picture. umbra.frag then takes the sun's light away. The colour is the share of the sky's light beside the object. Blending
+// multiplies the picture and the ground without the sun by it. The inputs are described in shadow.vert.
 #include "lib/picture.glsl"
-#include "lib/body.glsl"
-#ifdef TERRAIN_SHADOW
-#include "lib/shade.glsl"
-#endif
 flat in vec4 own_x, own_y, own_z, form, volume_x, volume_y, volume_z;
 flat in vec4 to_sun;
 flat in vec2 strength;
 layout(location = 0) out vec4 left;
+layout(location = 1) out vec4 left_umbra;
 
 #ifdef SAMPLES
 // With multisampling, the shader runs for each sample of a pixel and reads the depth of that sample. So at the edge of a hill,
@@ -70,32 +68,6 @@ vec3 place_of(vec2 pixel, float depth)
 	return (forward.xyz + corner.x * right.xyz + corner.y * up.xyz) * (project[3][2] / depth);
 }
 
-// Returns the way from the place of this pixel to that of a pixel beside it. Of the two neighbours it takes the one whose place is
-// nearer, since that is likely to be on the same surface.
-vec3 way_along(vec3 place, vec2 step)
-{
-	vec2 pixel = gl_FragCoord.xy, last = picture_size() - 1.0;
-	vec2 next = min(pixel + step, last + 0.5), before = max(pixel - step, vec2(0.5));
-	vec3 ahead = place_of(next, max(depth_at(ivec2(next)), 1e-9)) - place, back = place - place_of(before, max(depth_at(ivec2(before)), 1e-9));
-	bool no_ahead = next == pixel, no_back = before == pixel;
-	return no_back || (!no_ahead && dot(ahead, ahead) < dot(back, back)) ? ahead : back;
-}
-
-// Returns the share of the light on the ground that comes from the sun, for each colour. Where the ground is turned away from the
-// sun, or in the shadow of other ground, there is none.
-vec3 share_of_sun(vec3 place)
-{
-	vec3 normal = cross(way_along(place, vec2(1.0, 0.0)), way_along(place, vec2(0.0, 1.0)));
-	normal = normalize(normal.z < 0.0 ? -normal : normal);
-	float facing = max(dot(normal, sun.xyz), 0.0);
-#ifdef TERRAIN_SHADOW
-	if (facing > 0.0)
-		facing *= sunlit(place, normal);
-#endif
-	vec3 direct = sunlight.rgb * facing;
-	return direct / (direct + mix(groundlight, skylight, 0.5 + 0.5 * normal.z) * sunlight.w);
-}
-
 void main()
 {
 	float depth = depth_at(ivec2(gl_FragCoord.xy));
@@ -120,6 +92,5 @@ void main()
 	float skyless = 0.5 * near * near;
 
 	vec2 share = strength * fade * vec2(sunless, skyless);
-	vec3 of_sun = share.x > 0.0 ? share_of_sun(place) : vec3(0.0);
-	left = vec4((1.0 - share.x * of_sun) * (1.0 - share.y), 1.0);
+	left = left_umbra = vec4(vec3(1.0 - share.y), 1.0 - share.x);
 }

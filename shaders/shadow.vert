@@ -22,7 +22,7 @@ layout(std430, binding = 0) readonly buffer casters {
 
 flat out vec4 own_x, own_y, own_z, form, volume_x, volume_y, volume_z;
 flat out vec4 to_sun; // xyz: direction to the sun along the form's axes; w: kind of the form
-flat out vec2 strength; // 0 .. 1: strength of the shadow from the sun, and from the sky; weaker in haze
+flat out vec2 strength; // 0 .. 1: strength of the shadow from the sun, and from the sky; the latter is weaker in haze
 
 // Returns the part along one axis of the place on the volume where that axis has the value `side`.
 vec3 side_of(vec4 axis, float side)
@@ -43,7 +43,7 @@ void main()
 	to_sun = vec4(dot(own_x.xyz, sun.xyz), dot(own_y.xyz, sun.xyz), dot(own_z.xyz, sun.xyz), it.kind.x);
 	strength = vec2(smoothstep(0.0, 0.005, sun.z), 1.0);
 #ifdef FOG
-	strength *= haze_between(side_of(volume_x, 0.0) + side_of(volume_y, 0.0) + side_of(volume_z, 0.0)).x;
+	strength.y *= haze_between(side_of(volume_x, 0.0) + side_of(volume_y, 0.0) + side_of(volume_z, 0.0)).x;
 #endif
 	vec3 side = vec3(gl_VertexID & 1, gl_VertexID >> 1 & 1, gl_VertexID >> 2 & 1) * 2.0 - 1.0;
 	gl_Position = project * vec4(side_of(volume_x, side.x) + side_of(volume_y, side.y) + side_of(volume_z, side.z), 1.0);

@@ -29,6 +29,9 @@ in vec2 country;
 in vec2 air;
 #endif
 layout(location = 0) out vec4 colour;
+#ifdef SHADOW
+layout(location = 1) out vec4 umbra; // the colour without the sun's light
+#endif
 #ifdef LAYER
 #include "lib/layer.glsl"
 #endif
@@ -98,7 +101,10 @@ void main()
 	values.disturbance = wet;
 #endif
 #endif
-	colour = layer_colour(values, gradient);
+	colour = layer_colour(values, max(dot(normalize(vec3(-gradient, 1.0)), sun.xyz), 0.0));
+#ifdef SHADOW
+	umbra = layer_colour(values, 0.0);
+#endif
 #else
 	vec3 normal = normalize(vec3(-gradient, 1.0));
 	float facing = max(dot(normal, sun.xyz), 0.0);
@@ -106,7 +112,8 @@ void main()
 	if (facing > 0.0)
 		facing *= sunlit(place, normal);
 #endif
-	vec3 lit = albedo * (sunlight.rgb * facing + mix(groundlight, skylight, 0.5 + 0.5 * normal.z) * (shade * sunlight.w));
+	vec3 unlit = albedo * mix(groundlight, skylight, 0.5 + 0.5 * normal.z) * (shade * sunlight.w);
+	vec3 lit = albedo * sunlight.rgb * facing + unlit;
 #if defined OFFSET && defined DISTURBANCE
 	// Wet soil shines: Blinn-Phong with the vector half-way between sun and eye, to the power of 24.
 	vec3 between = sun.xyz - place * inversesqrt(dot(place, place));
@@ -118,5 +125,11 @@ void main()
 	lit = through_haze(lit, air);
 #endif
 	colour = vec4(tone(lit), 1.0);
+#ifdef SHADOW
+#ifdef FOG
+	unlit = through_haze(unlit, air);
+#endif
+	umbra = vec4(tone(unlit), 1.0);
+#endif
 #endif
 }

@@ -49,7 +49,7 @@ vec3 layer_tile()
 	return layer_linear(levels[level]) * ((code & 1) != 0 ? 0.75 : 1.0) * (1.0 - 0.7 * line);
 }
 
-vec4 layer_colour(layer_values values, vec2 gradient)
+vec4 layer_colour(layer_values values, float facing)
 {
 	int kind = int(layer.x);
 	vec3 flat_colour;
@@ -61,6 +61,5 @@ vec4 layer_colour(layer_values values, vec2 gradient)
 		float at = (value - layer.y) * layer.z;
 		flat_colour = kind == LAYER_OFFSETS ? layer_apart(at) : layer_rising(at);
 	}
-	float facing = max(dot(normalize(vec3(-gradient, 1.0)), sun.xyz), 0.0);
 	return vec4(flat_colour * (0.35 + 0.65 * facing), 1.0);
 }

@@ -269,7 +269,9 @@ struct gpu_pass {
 	bool depth_test;  /* draws only what is nearer; depth is reversed, so the test is GREATER */
 	bool cull_back;   /* does not draw back faces; counter-clockwise is front */
 	bool cull_front;  /* does not draw front faces; not together with cull_back */
-	bool multiply;    /* multiplies the target's colours by the drawn colours; if the target is sRGB, as linear light */
+	/* Blending; if the target is sRGB, of linear light. At most one of these. */
+	bool multiply;    /* multiplies the target's colours by the drawn colours; keeps the lesser alpha */
+	bool fill;        /* adds the drawn colours with the weight 1 - alpha of the target, to its colours with the weight alpha; takes the drawn alpha */
 };
 void gpu_pass_run(struct gpu *gpu, const struct gpu_pass *pass);
 

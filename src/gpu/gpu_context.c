@@ -109,7 +109,6 @@ enum status gpu_create(const struct gpu_params *params, struct gpu **out)
 	glDepthFunc(GL_GREATER);
 	glFrontFace(GL_CCW);
 	glCullFace(GL_BACK);
-	glBlendFunc(GL_ZERO, GL_SRC_COLOR); /* where a pass multiplies */
 	glDisable(GL_DITHER);
 	glPixelStorei(GL_PACK_ALIGNMENT, 1);
 	glPixelStorei(GL_UNPACK_ALIGNMENT, 1);

@@ -95,7 +95,14 @@ static void set_drawing(struct gpu *gpu, const struct gpu_pass *pass)
 	if (gpu->culls && gpu->culls_front != pass->cull_front)
 		glCullFace(pass->cull_front ? GL_FRONT : GL_BACK);
 	gpu->culls_front = gpu->culls ? pass->cull_front : gpu->culls_front;
-	set_flag(GL_BLEND, &gpu->blends, pass->multiply);
+	assert(!(pass->multiply && pass->fill));
+	set_flag(GL_BLEND, &gpu->blends, pass->multiply || pass->fill);
+	if (pass->multiply)
+		glBlendFuncSeparate(GL_ZERO, GL_SRC_COLOR, GL_ONE, GL_ONE);
+	else if (pass->fill)
+		glBlendFuncSeparate(GL_ONE_MINUS_DST_ALPHA, GL_DST_ALPHA, GL_ONE, GL_ZERO);
+	if (gpu->blends)
+		glBlendEquationSeparate(GL_FUNC_ADD, pass->multiply ? GL_MIN : GL_FUNC_ADD);
 	glViewport((GLint)view->x, (GLint)view->y, (GLsizei)view->width, (GLsizei)view->height);
 }
 

@@ -150,7 +150,8 @@ static struct gpu_target *target_of(const struct render *render)
 {
 	if (render->shading != NULL)
 		return render->shading;
-	return render->measuring ? render->screen->measure : render->screen->target;
+	const struct render_screen *screen = render->screen;
+	return render->measuring ? screen->measure : screen->ground != NULL ? screen->ground : screen->target;
 }
 
 /* `ground`: the base of the tile that its base is interpolated from, or NULL. */
@@ -287,7 +288,7 @@ enum status render_frame(struct render *render, const struct render_camera *came
 	float background[4];
 	struct picture_params params = {0};
 	render_body_background(&render->light, background);
-	gpu_target_clear(render->screen->target, background);
+	gpu_target_clear(target_of(render), background);
 	enum status status = draw_frame(render, camera, selection, &params);
 	if (status == STATUS_OK && (render->effects >> EFFECT_SKY & 1))
 		status = draw_sky(render, &params);

@@ -95,6 +95,7 @@ struct render_objects;
 enum status render_objects_create(struct render *render, const struct render_params *params) FURROW_CHECKED;
 void render_objects_destroy(struct render_objects *objects); /* objects may be NULL */
 bool render_objects_cast(const struct render_objects *objects); /* some object may cast a shadow; objects may be NULL */
+bool render_objects_are_cast(const struct render_params *params); /* the same, before they are made */
 void render_objects_plan(const struct render_params *params, struct plan *plan);
 enum status render_objects_warm(struct render *render) FURROW_CHECKED;
 /* Draws an object and a shadow, if there are any, but outside the picture: `params` make them invisible. This compiles the
@@ -158,7 +159,10 @@ struct render_screen {
 	struct gpu_target *resolved; /* target with `colour`; NULL with 1 sample */
 	struct gpu_texture *numbers; /* NULL unless render_measure may be called */
 	struct gpu_target *measure;  /* draws into `numbers` and `depth` */
-	struct gpu_target *over;     /* target with only the picture's colour; NULL: no object casts a shadow */
+	/* For shadows of objects; NULL: no object casts one */
+	struct gpu_texture *umbra;   /* the ground without the sun's light */
+	struct gpu_target *ground;   /* `target` and `umbra` */
+	struct gpu_target *over;     /* the same without depth */
 };
 /* Fills `screen` for pictures of this size. Call render_screen_finish even after a failure; it keeps the sizes. */
 enum status render_screen_init(struct render *render, uint32_t width, uint32_t height, uint32_t samples, struct render_screen *screen)

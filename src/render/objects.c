@@ -1,7 +1,7 @@
 /*
  * Objects in the picture, and their shadows on the ground. Each different shape has its triangles in buffers once. Objects of one
- * shape that look about equally large are one draw. All shadows are one draw over the ground, before the objects are drawn. It
- * reads the depth, and multiplies.
+ * shape that look about equally large are one draw. All shadows are two draws over the ground, before the objects are drawn. The
+ * first reads the depth and keeps the darkest shadow in alpha, the second takes the light of the sun away by it.
  *
  * Invariants:
  * - One function decides what is planned of a shape and what is made of it.
@@ -69,10 +69,17 @@ static struct gpu_program_request request_of(uint64_t effects, const char *body,
 		request.defines[count++] = scene_effect_row(EFFECT_FOG)->define;
 	if (shadow && samples > 1)
 		request.defines[count++] = scene_effect_row(EFFECT_ANTIALIAS)->define;
-	if (effects >> EFFECT_TERRAIN_SHADOW & 1)
+	if (!shadow && (effects >> EFFECT_TERRAIN_SHADOW & 1))
 		request.defines[count++] = scene_effect_row(EFFECT_TERRAIN_SHADOW)->define;
 	request.defines[count] = body;
 	return request;
+}
+
+/* The request for what takes the sun's light away. */
+static struct gpu_program_request umbra_of(int samples)
+{
+	return (struct gpu_program_request){.vertex = "full.vert", .fragment = "umbra.frag",
+					    .defines = {samples > 1 ? scene_effect_row(EFFECT_ANTIALIAS)->define : NULL}};
 }
 
 static const struct gpu_program_request measure_request = {.vertex = "object.vert", .fragment = "measure_object.frag"};
@@ -93,7 +100,11 @@ enum status render_objects_warm(struct render *render)
 	enum status status = program_of(render, false, &program);
 	if (status == STATUS_OK && render->measures)
 		status = gpu_program_get(render->gpu, &measure_request, &program);
-	return status == STATUS_OK && render->objects->casts ? program_of(render, true, &program) : status;
+	if (status != STATUS_OK || !render->objects->casts)
+		return status;
+	const struct gpu_program_request umbra = umbra_of((int)render->screen->samples);
+	status = program_of(render, true, &program);
+	return status == STATUS_OK ? gpu_program_get(render->gpu, &umbra, &program) : status;
 }
 
 static void add(struct plan *plan, enum plan_kind kind, enum plan_unit unit, enum scene_effect effect, uint64_t bytes, const char *name)
@@ -102,25 +113,27 @@ static void add(struct plan *plan, enum plan_kind kind, enum plan_unit unit, enu
 		 name);
 }
 
-static void add_program(struct plan *plan, enum scene_effect effect, const struct render_params *params)
+static void add_program(struct plan *plan, enum scene_effect effect, const struct gpu_program_request *request)
 {
 	char name[GPU_PROGRAM_NAME];
+	gpu_program_name(request, name, sizeof name);
+	add(plan, PLAN_PROGRAM, PLAN_ONCE, effect, 0, name);
+}
+
+static void add_bodies_program(struct plan *plan, enum scene_effect effect, const struct render_params *params)
+{
 	struct scene_light light = params->light != NULL ? *params->light : scene_light_default();
 	struct gpu_program_request request = request_of(params->effects, render_body_define(&light), params->samples, effect == EFFECT_SHADOW);
-	gpu_program_name(&request, name, sizeof name);
-	add(plan, PLAN_PROGRAM, PLAN_ONCE, effect, 0, name);
+	add_program(plan, effect, &request);
 }
 
 void render_objects_plan(const struct render_params *params, struct plan *plan)
 {
 	if (!shows(params->effects, params->object_count))
 		return;
-	add_program(plan, EFFECT_OBJECTS, params);
-	if (params->measures) {
-		char name[GPU_PROGRAM_NAME];
-		gpu_program_name(&measure_request, name, sizeof name);
-		add(plan, PLAN_PROGRAM, PLAN_ONCE, EFFECT_CAMERAS, 0, name);
-	}
+	add_bodies_program(plan, EFFECT_OBJECTS, params);
+	if (params->measures)
+		add_program(plan, EFFECT_CAMERAS, &measure_request);
 	add(plan, PLAN_PASS, PLAN_OBJECTS, EFFECT_OBJECTS, 0, gpu_stage_name(GPU_OBJECTS));
 	add(plan, PLAN_BUFFER, PLAN_ONCE, EFFECT_OBJECTS, gpu_list_bytes(params->object_count * sizeof(struct object_posed)), "objects: where they are");
 	for (size_t i = 0; i < params->object_count; i++) {
@@ -141,8 +154,13 @@ void render_objects_plan(const struct render_params *params, struct plan *plan)
 	}
 	if (!casts(params->effects, params->object_count))
 		return;
-	add_program(plan, EFFECT_SHADOW, params);
-	add(plan, PLAN_PASS, PLAN_SHADOWED, EFFECT_SHADOW, 0, gpu_stage_name(GPU_SHADOW));
+	const struct gpu_program_request umbra = umbra_of(params->samples);
+	const uint64_t samples = (uint64_t)params->width * (uint64_t)params->height * (params->samples > 1 ? (uint64_t)params->samples : 1);
+	add_bodies_program(plan, EFFECT_SHADOW, params);
+	add_program(plan, EFFECT_SHADOW, &umbra);
+	for (int pass = 0; pass < 2; pass++)
+		add(plan, PLAN_PASS, PLAN_SHADOWED, EFFECT_SHADOW, 0, gpu_stage_name(GPU_SHADOW));
+	add(plan, PLAN_TEXTURE, PLAN_ONCE, EFFECT_SHADOW, 4 * samples, "ground without sun");
 	add(plan, PLAN_BUFFER, PLAN_ONCE, EFFECT_SHADOW, gpu_list_bytes(params->object_count * sizeof(struct object_shadow)), "shadows: where they are");
 	add(plan, PLAN_BUFFER, PLAN_ONCE, EFFECT_SHADOW, sizeof volume_sides, "shadows: a volume");
 }
@@ -178,6 +196,11 @@ static enum status make_shapes(struct render *render, struct render_objects *obj
 		status = make_shape(render, &objects->objects[i].shape, &objects->shapes[shapes++]);
 	}
 	return status;
+}
+
+bool render_objects_are_cast(const struct render_params *params)
+{
+	return casts(params->effects, params->object_count);
 }
 
 bool render_objects_cast(const struct render_objects *objects)
@@ -328,7 +351,7 @@ static enum status draw_shadows(struct render *render, const struct picture_para
 		.stage = GPU_SHADOW,
 		.target = render->screen->over,
 		.viewport = {0, 0, render->screen->width, render->screen->height},
-		.textures = {render->screen->depth, [6] = render_shade_texture(render->shade)},
+		.textures = {render->screen->depth},
 		.lists = {objects->casters},
 		.only_reads = true,
 		.params = params,
@@ -339,9 +362,22 @@ static enum status draw_shadows(struct render *render, const struct picture_para
 		.cull_front = true,
 		.multiply = true,
 	};
+	struct gpu_pass umbra = {
+		.stage = GPU_SHADOW,
+		.target = render->screen->target,
+		.viewport = pass.viewport,
+		.textures = {render->screen->umbra},
+		.only_reads = true,
+		.fill = true,
+	};
+	const struct gpu_program_request request = umbra_of((int)render->screen->samples);
 	enum status status = program_of(render, true, &pass.program);
 	if (status == STATUS_OK)
+		status = gpu_program_get(render->gpu, &request, &umbra.program);
+	if (status == STATUS_OK) {
 		gpu_pass_run(render->gpu, &pass);
+		gpu_pass_run(render->gpu, &umbra);
+	}
 	render->tiles.shadowed = 1;
 	return status;
 }

@@ -16,7 +16,8 @@ static bool asks_reaches(uint64_t effects, bool by_error)
 uint64_t render_effects(const struct render_params *params)
 {
 	bool classes = params->soils != NULL && (params->effects >> EFFECT_TEXTURE & 1);
-	return classes ? params->effects : params->effects & ~EFFECT_BIT(EFFECT_SPLAT);
+	bool casts = render_objects_are_cast(params);
+	return params->effects & ~((classes ? 0 : EFFECT_BIT(EFFECT_SPLAT)) | (casts ? 0 : EFFECT_BIT(EFFECT_SHADOW)));
 }
 
 static bool is_interpolated(unsigned variant)
@@ -46,10 +47,11 @@ static struct gpu_program_request request_of(uint64_t effects, const char *body,
 	return request;
 }
 
-/* The request for false colours. It has the effects that change the ground's shape, but not those that change its look. */
+/* The request for false colours. It has the effects that change the ground's shape, and shadows, but
+ * not what else changes its look. */
 static struct gpu_program_request layer_request_of(const struct render *render, unsigned variant)
 {
-	uint64_t shape = render->effects & (EFFECT_BIT(EFFECT_GEOMORPH) | EFFECT_BIT(EFFECT_SKIRTS));
+	uint64_t shape = render->effects & (EFFECT_BIT(EFFECT_GEOMORPH) | EFFECT_BIT(EFFECT_SKIRTS) | EFFECT_BIT(EFFECT_SHADOW));
 	struct gpu_program_request request = request_of(shape, NULL, render->disturbance, render->pixel_error > 0, variant);
 	size_t count = 0;
 	while (request.defines[count] != NULL)

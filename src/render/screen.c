@@ -26,8 +26,14 @@ enum status render_screen_init(struct render *render, uint32_t width, uint32_t h
 	enum status status = create_target(render, screen);
 	if (status != STATUS_OK || !render_objects_cast(render->objects))
 		return status;
-	return gpu_target_create(render->gpu, &(struct gpu_attachment){screen->drawn != NULL ? screen->drawn : screen->colour, 0}, 1,
-				 (struct gpu_attachment){NULL, 0}, &screen->over);
+	status = samples > 1 ? gpu_texture_create_sampled(render->gpu, GPU_SRGB8_ALPHA8, width, height, samples, &screen->umbra)
+			     : gpu_texture_create(render->gpu, GPU_SRGB8_ALPHA8, width, height, 0, &screen->umbra);
+	const struct gpu_attachment colours[2] = {{screen->drawn != NULL ? screen->drawn : screen->colour, 0}, {screen->umbra, 0}};
+	if (status == STATUS_OK)
+		status = gpu_target_create(render->gpu, colours, 2, (struct gpu_attachment){screen->depth, 0}, &screen->ground);
+	if (status == STATUS_OK)
+		status = gpu_target_create(render->gpu, colours, 2, (struct gpu_attachment){NULL, 0}, &screen->over);
+	return status;
 }
 
 enum status render_screen_measures(struct render *render, struct render_screen *screen)
@@ -45,6 +51,8 @@ enum status render_screen_measures(struct render *render, struct render_screen *
 void render_screen_finish(struct render_screen *screen)
 {
 	gpu_target_destroy(screen->over);
+	gpu_target_destroy(screen->ground);
+	gpu_texture_destroy(screen->umbra);
 	gpu_target_destroy(screen->measure);
 	gpu_texture_destroy(screen->numbers);
 	gpu_target_destroy(screen->target);

@@ -437,5 +437,7 @@ void render_cameras_plan(const struct scene *scene, struct plan *plan)
 		add_texture(plan, 4 * pixels * samples, "camera depth");
 		if (samples > 1)
 			add_texture(plan, 4 * pixels * samples, "camera samples");
+		if (scene_effects(scene, 0) >> EFFECT_SHADOW & 1)
+			add_texture(plan, 4 * pixels * samples, "camera ground without sun");
 	}
 }

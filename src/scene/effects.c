@@ -113,7 +113,7 @@ static const struct effect_row rows[EFFECT_COUNT] = {
 		"splat", "view.effects", "SPLAT", LIST("lib/ground.glsl"), "class", "colour", 1, NONE,
 		"of a map of soils, with the texture", "shows each soil of the map as what it is"},
 	[EFFECT_ANTIALIAS] = {
-		"antialias", "view.samples", "SAMPLES", LIST("shadow.frag"), "colour", "colour", 0, LIST("view.samples"),
+		"antialias", "view.samples", "SAMPLES", LIST("shadow.frag", "umbra.frag"), "colour", "colour", 0, LIST("view.samples"),
 		"edges alone: within a triangle a pixel has one colour; as many samples as the driver has", "smooths the edges of what is drawn"},
 	[EFFECT_IMAGES] = {
 		"images", "view.images", "", NONE, "colour", "", 0, LIST("view.images"),
@@ -129,11 +129,11 @@ static const struct effect_row rows[EFFECT_COUNT] = {
 		"one light and no shadow upon them; what a path has not begun is not there",
 		"draws the objects, wheels as they turn"},
 	[EFFECT_SHADOW] = {
-		"shadow", "view.effects", "", LIST("shadow.vert", "shadow.frag"), "depth", "colour", 0, NONE,
-		"of a simple form round each object, on the ground alone; as long as with the sun 1 degree high, at most; those of two objects add up",
+		"shadow", "view.effects", "SHADOW", LIST("terrain.frag", "shadow.vert", "shadow.frag", "umbra.frag"), "depth", "colour", 0, NONE,
+		"of a simple form round each object, on the ground alone; as long as with the sun 1 degree high, at most; where two lie, the darker one counts",
 		"shades the ground beside the objects"},
 	[EFFECT_TERRAIN_SHADOW] = {
-		"terrain_shadow", "view.effects", "TERRAIN_SHADOW", LIST("terrain.frag", "object.frag", "shadow.frag", "depth.frag"), "base, offset", "colour", 0, NONE,
+		"terrain_shadow", "view.effects", "TERRAIN_SHADOW", LIST("terrain.frag", "object.frag", "depth.frag"), "base, offset", "colour", 0, NONE,
 		"four maps of 1024 x 1024 texels, the first at least 24 m wide, each 8 times wider; the ground is drawn once for each of them",
 		"shades the ground that the terrain hides from the sun"},
 	[EFFECT_CAMERAS] = {

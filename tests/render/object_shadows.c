@@ -215,6 +215,45 @@ static void where_no_sun_falls_a_shadow_is_not_dark_twice(void **state)
 	end();
 }
 
+static double rough(double x, double y)
+{
+	return GROUND + 0.12 * sin(5 * x) * cos(4 * y);
+}
+
+/* There is one sun: in a shadow, or in two, ground is as without it. So is ground that is turned from it, in the shadow and outside. */
+static void in_a_shadow_ground_is_as_without_the_sun(void **state)
+{
+	need_gpu();
+	const struct deform_shape cube = {.kind = DEFORM_BOX, .size = {1.6, 1.6, 1.6}}, cubes[2] = {cube, cube};
+	const struct render_object both[2] = {posed(0, 2, 8, 0.8), posed(1, 4.5, 8, 0.8)};
+	const struct render_camera camera = FROM_ABOVE;
+	uint8_t *pixels[4]; /* by 0, 1 and 2 objects; without the sun */
+	begin(OBJECTS | SHADOW, rough, cubes, 2);
+	render_move_sun(render, WEST * DEGREES, 10 * DEGREES);
+	for (size_t k = 0; k < 4; k++) {
+		if (k == 3) {
+			render->light.coloured = true;
+			memset(render->light.colour, 0, sizeof render->light.colour);
+		}
+		pixels[k] = draw(&camera, both, k % 3);
+	}
+	/* Both shadows reach this far, to 10 m at least, and past the sky's shade beside the objects. */
+	int lit = 0, turned = 0;
+	for (int y = HEIGHT / 2 - 2; y <= HEIGHT / 2 + 2; y++)
+		for (int x = column(6.6, 0); x < column(9, 0); x++) {
+			const int sunless = luminance(pixels[3], x, y), sunny = luminance(pixels[0], x, y);
+			lit += sunny > 1.5 * sunless;
+			turned += sunny == sunless;
+			for (int k = 1; k < 3; k++)
+				if (abs(luminance(pixels[k], x, y) - sunless) > 8)
+					fail_msg("%d objects, pixel %d, %d: %d, without the sun %d", k, x, y, luminance(pixels[k], x, y), sunless);
+		}
+	assert_true(lit > 10 && turned > 10);
+	end();
+	for (int k = 0; k < 4; k++)
+		test_free(pixels[k]);
+}
+
 static void with_samples_a_shadow_lies_there_too(void **state)
 {
 	need_gpu();
@@ -224,6 +263,7 @@ static void with_samples_a_shadow_lies_there_too(void **state)
 	a_shadow_lies_beside_its_object_away_from_the_sun(state);
 	a_shadow_is_on_the_ground_alone(state);
 	where_no_sun_falls_a_shadow_is_not_dark_twice(state);
+	in_a_shadow_ground_is_as_without_the_sun(state);
 	samples = 1;
 }
 
@@ -289,6 +329,7 @@ int main(void)
 		cmocka_unit_test(a_shadow_is_on_the_ground_alone),
 		cmocka_unit_test(a_shadow_is_as_long_as_the_sun_is_low),
 		cmocka_unit_test(where_no_sun_falls_a_shadow_is_not_dark_twice),
+		cmocka_unit_test(in_a_shadow_ground_is_as_without_the_sun),
 		cmocka_unit_test(with_samples_a_shadow_lies_there_too),
 		cmocka_unit_test(resized_it_is_as_if_it_had_been_so),
 		cmocka_unit_test(an_eye_within_the_volume_sees_the_shadow),
