@@ -201,10 +201,11 @@ static void write_bodies(const struct html_report *report)
 		{HTML_TRACTION, "traction", ", N", 0, 0, false, NULL},
 		{HTML_GRADE, "grade resistance", ", N", 0, 0, false, NULL},
 		{HTML_DRAWBAR, "drawbar pull", ", N", 0, 0, false, "No drawbar pull: nothing moved"},
+		{HTML_TORQUE, "torque", ", N m", 0, 0, false, NULL},
 		{HTML_ENERGY, "energy into the soil", ", kJ", 0, 0, false, NULL},
 		{HTML_LOSS, "energy into the soil for each metre", ", J/m", 0, 0, false, NULL},
 	};
-	html_section(report, "curves", "Sinkage, slip, drawbar pull, energy");
+	html_section(report, "curves", "Sinkage, slip, drawbar pull, torque, energy");
 	if (!any_there(report, OBJECTS)) {
 		html_sentence(report, NULL, "No curves: there are no rows of objects.csv; set output.forces in the scene, if its model computes forces (scm)");
 		html_section_end(report);
@@ -218,7 +219,7 @@ static void write_bodies(const struct html_report *report)
 			write_value(report, OBJECTS, &values[i]);
 	tell_energy(report);
 	tell_missing(report, OBJECTS, "No rows of objects.csv");
-	fputs("</div>\n<p class=\"small\">The way is that of the object's centre, seen from above. Slip beyond -1 and 1 is drawn at -1 and 1.</p>\n", report->file);
+	fputs("</div>\n<p class=\"small\">The way is that of the object's centre, seen from above. Slip beyond -1 and 1 is drawn at -1 and 1. Torque is what turns a wheel.</p>\n", report->file);
 	fputs(slope ? "<p class=\"small\">Traction is the soil's force on the object along the ground, in the direction of the way. Grade resistance is the part of it that carries "
 		      "the weight up the slope: the weight times the sine of the slope, below 0 downhill. Drawbar pull is traction less grade resistance. The weight is the "
 		      "object's load; of an object without a load, such as a wheel of a vehicle, it is the soil's upward force.</p>\n"

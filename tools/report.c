@@ -92,7 +92,7 @@ const struct command command_report = {
 		   "  cameras                            run.json, and pictures in cameras\n"
 		   "  means over the last quarter        objects.csv\n"
 		   "  sinkage, slip, traction, drawbar   objects.csv (output.forces in the scene)\n"
-		   "    pull, energy\n"
+		   "    pull, torque, energy\n"
 		   "  speed, work, energy of vehicles    vehicles.csv (output.vehicles)\n"
 		   "  rut profile, across the way        the store or overlay that was deformed\n"
 		   "  page cache: misses over slots      the trace (drive --trace FILE)\n\n"

@@ -264,7 +264,7 @@ class Report(FurrowTest):
     def test_curves_are_the_rows_of_objects_csv(self):
         page, rows = self.report("a"), self.csv_of("a")
         plots = page.plots("curves")
-        values = ("sinkage", "slip", "traction", "grade resistance", "drawbar pull", "energy into the soil", "energy into the soil for each metre")
+        values = ("sinkage", "slip", "traction", "grade resistance", "drawbar pull", "torque", "energy into the soil", "energy into the soil for each metre")
         self.assertEqual(sorted(plots), sorted(f"{name} over {axis}" for axis in ("time", "the way") for name in values))
         for index, name in enumerate(("left", "right")):
             mine, radius = rows[name], 0.25
@@ -353,7 +353,7 @@ class Report(FurrowTest):
                 if label in told or value == value and degrees > 0:
                     self.assertAlmostEqual(told[label][0], value, delta=1e-5 * abs(value) + 1e-9, msg=(label, degrees, work))
             for name, value in forces.items():
-                for x, y in plots[f"{name} over the way"].curves[0] if name != "torque" else []:
+                for x, y in plots[f"{name} over the way"].curves[0]:
                     self.assertAlmostEqual(y, value, delta=plots[f"{name} over the way"].grain(1), msg=(name, x))
                 if name != "grade resistance":
                     unit = "N m" if name == "torque" else "N"
