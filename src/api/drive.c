@@ -32,8 +32,6 @@ static enum status start_view(struct drive *drive)
 	enum status status = render_view_create(&drive->world, watched, &drive->view);
 	const size_t bytes = watched ? 0 : render_pictures_bytes(drive->world.scene);
 	if (status == STATUS_OK && bytes > 0)
-		status = render_cameras_folders(drive->world.scene, drive->params->directory);
-	if (status == STATUS_OK && bytes > 0)
 		status = render_pictures_create(drive->world.gpu, drive->params->directory, bytes, &drive->pictures);
 	if (status != STATUS_OK)
 		return status;
@@ -84,6 +82,8 @@ static enum status start_rows(struct drive *drive)
 	enum status status = STATUS_OK;
 	if (writes(drive)) {
 		status = api_folder_clear(world, params->directory);
+		if (status == STATUS_OK && drive->pictures != NULL)
+			status = render_cameras_folders(world->scene, params->directory);
 		if (status == STATUS_OK)
 			status = report_rows_open(world, params->directory, &drive->rows);
 		if (status == STATUS_OK)

@@ -33,7 +33,7 @@ struct drive {
 /* --- folder.c --- */
 /* Opens the folder's log of commits, and locks the folder with it. */
 enum status api_folder_commits(const char *directory, FILE **out) FURROW_CHECKED;
-/* Removes the files of an earlier run, except the lines that a resumed run continues. */
+/* Removes the files of an earlier run, by their names. A resumed run keeps pictures, and the lines that it continues. */
 enum status api_folder_clear(const struct world *world, const char *directory) FURROW_CHECKED;
 
 /* Removes the folder with all that is in it, a link but not what it leads to. What cannot be removed stays. */

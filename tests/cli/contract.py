@@ -580,6 +580,32 @@ objects:
             self.assertEqual(struct.unpack(">II", data[16:24]), (320, 180))
         self.assertEqual(len(list((self.folder / "out").glob("frame-*.png"))), 2)
 
+    def test_pictures_of_an_earlier_drive_are_removed(self):
+        store, out = self.synth(), self.folder / "out"
+        shot = ("view: {size: [32, 18], camera: {fixed: {eye: [24, 16, 60], target: [24, 20, 10]}}, images: %d}\n"
+                "cameras: [{name: %s, kind: fixed, pose: {at: [24, 16, 60], target: [24, 20, 10]}, size: [32, 18], rate: 1, images: [colour, depth]}]\n")
+        def left():
+            return {str(path.relative_to(out)) for path in out.rglob("*") if path.is_file() and (path.name.startswith("frame-") or "cameras" in path.parts)}
+        def drive(images, camera, *more):
+            return self.drive(self.scene(SCENE + shot % (images, camera)), "--store", store, *more)
+        drive(10, "a")
+        first = left()
+        self.assertTrue({"frame-000010.png", "cameras/a/camera.json", "cameras/a/poses.tum"} <= first, first)
+        self.assertTrue(any(name.endswith(".npy") for name in first))
+        mine = {"frame-000010-mine.png", "frame-1.png", "cameras/mine.txt", "cameras/a/depth/mine.npy"}
+        for name in mine:
+            (out / name).write_text("mine")
+        drive(40, "b")
+        second = left()
+        self.assertEqual(second & first, {"frame-000040.png", "frame-000080.png"})
+        self.assertTrue(mine <= second)
+        self.assertEqual({name for name in second if name.startswith("cameras/a/")}, {"cameras/a/depth/mine.npy"})
+        # A folder without a drive keeps all, and a resumed drive keeps its pictures.
+        (self.folder / "other").mkdir()
+        (self.folder / "other/frame-000010.png").write_text("mine")
+        self.ok("drive", self.scene(), "--store", store, "-o", "other")
+        self.assertEqual((self.folder / "other/frame-000010.png").read_text(), "mine")
+
     @unittest.skipUnless(MAPS, "this build draws no maps")
     def test_a_drive_leaves_a_map_and_says_where(self):
         store = self.synth()
