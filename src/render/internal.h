@@ -158,7 +158,8 @@ struct render_screen {
 	struct gpu_texture *drawn;
 	struct gpu_target *resolved; /* target with `colour`; NULL with 1 sample */
 	struct gpu_texture *numbers; /* NULL unless render_measure may be called */
-	struct gpu_target *measure;  /* draws into `numbers` and `depth` */
+	struct gpu_texture *single;  /* depth of one sample for each pixel, if `depth` has several and `numbers` is there; else NULL */
+	struct gpu_target *measure;  /* draws into `numbers`, and `single` or `depth` */
 	/* For shadows of objects; NULL: no object casts one */
 	struct gpu_texture *umbra;   /* the ground without the sun's light */
 	struct gpu_target *ground;   /* `target` and `umbra` */
@@ -167,7 +168,7 @@ struct render_screen {
 /* Fills `screen` for pictures of this size. Call render_screen_finish even after a failure; it keeps the sizes. */
 enum status render_screen_init(struct render *render, uint32_t width, uint32_t height, uint32_t samples, struct render_screen *screen)
 	FURROW_CHECKED;
-/* Makes what render_measure draws into, unless the screen has it. One sample for each pixel. */
+/* Makes what render_measure draws into, unless the screen has it: of one sample for each pixel. */
 enum status render_screen_measures(struct render *render, struct render_screen *screen) FURROW_CHECKED;
 void render_screen_finish(struct render_screen *screen);
 

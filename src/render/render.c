@@ -184,7 +184,8 @@ void render_tiles(const struct render *render, struct render_tiles *tiles)
 void render_read_into(struct render *render, enum scene_image image, struct gpu_staging *staging)
 {
 	const struct render_screen *screen = render->screen;
-	struct gpu_texture *texture = image == SCENE_IMAGE_DEPTH ? screen->depth : image == SCENE_IMAGE_COLOUR ? screen->colour : screen->numbers;
+	struct gpu_texture *depth = screen->single != NULL ? screen->single : screen->depth;
+	struct gpu_texture *texture = image == SCENE_IMAGE_DEPTH ? depth : image == SCENE_IMAGE_COLOUR ? screen->colour : screen->numbers;
 	gpu_texture_read_into(texture, 0, (struct gpu_rect){0, 0, render->screen->width, render->screen->height}, staging, 0);
 }
 

@@ -130,7 +130,7 @@ void render_tiles(const struct render *render, struct render_tiles *tiles);
 /* Moves the sun, from the next frame on. Azimuth clockwise from the store's north, and height, rad. */
 void render_move_sun(struct render *render, double azimuth, double height);
 /* Begins to read the last frame into a staging buffer, the bottom row first. Colour: sRGB and alpha, 4 bytes for each pixel. Depth: a
- * float of the depth texture, of one sample for each pixel. Other images: what render_measure drew, 16 bytes for each pixel. The next
+ * float of the depth texture; with several samples for each pixel, of what render_measure drew. Other images: what render_measure drew, 16 bytes for each pixel. The next
  * frame may be drawn at once. */
 void render_read_into(struct render *render, enum scene_image image, struct gpu_staging *staging);
 /* Waits for the last frame and copies it. Either pointer may be NULL. `depth`: metres along the view direction, INFINITY: sky.

@@ -40,12 +40,13 @@ enum status render_screen_measures(struct render *render, struct render_screen *
 {
 	if (screen->numbers != NULL)
 		return STATUS_OK;
-	assert(screen->samples <= 1);
 	enum status status = gpu_texture_create(render->gpu, GPU_RGBA32F, screen->width, screen->height, 0, &screen->numbers);
+	if (status == STATUS_OK && screen->samples > 1)
+		status = gpu_texture_create(render->gpu, GPU_DEPTH32F, screen->width, screen->height, 0, &screen->single);
 	if (status != STATUS_OK)
 		return status;
-	return gpu_target_create(render->gpu, &(struct gpu_attachment){screen->numbers, 0}, 1, (struct gpu_attachment){screen->depth, 0},
-				 &screen->measure);
+	return gpu_target_create(render->gpu, &(struct gpu_attachment){screen->numbers, 0}, 1,
+				 (struct gpu_attachment){screen->single != NULL ? screen->single : screen->depth, 0}, &screen->measure);
 }
 
 void render_screen_finish(struct render_screen *screen)
@@ -55,6 +56,7 @@ void render_screen_finish(struct render_screen *screen)
 	gpu_texture_destroy(screen->umbra);
 	gpu_target_destroy(screen->measure);
 	gpu_texture_destroy(screen->numbers);
+	gpu_texture_destroy(screen->single);
 	gpu_target_destroy(screen->target);
 	gpu_target_destroy(screen->resolved);
 	gpu_texture_destroy(screen->drawn);

@@ -220,16 +220,17 @@ static enum status write_all(struct view *view, const struct view_camera *this, 
 			     int64_t frame)
 {
 	const unsigned images = this->camera->images;
+	const bool measures = scene_camera_measures(view->world->scene, this->camera);
 	enum status status = STATUS_OK;
 	if (images >> SCENE_IMAGE_COLOUR & 1)
 		status = write(view, this, at, pictures, frame, SCENE_IMAGE_COLOUR);
+	if (status == STATUS_OK && measures) {
+		status = render_measure(view->render, at, view->selection);
+		render_view_count_tiles(view);
+	}
 	if (status == STATUS_OK && (images >> SCENE_IMAGE_DEPTH & 1))
 		status = write(view, this, at, pictures, frame, SCENE_IMAGE_DEPTH);
-	if (status != STATUS_OK || !(images & SCENE_IMAGES_MEASURED))
-		return status;
-	status = render_measure(view->render, at, view->selection);
-	render_view_count_tiles(view);
-	return status == STATUS_OK ? write(view, this, at, pictures, frame, SCENE_IMAGE_NORMALS) : status;
+	return status == STATUS_OK && (images & SCENE_IMAGES_MEASURED) ? write(view, this, at, pictures, frame, SCENE_IMAGE_NORMALS) : status;
 }
 
 static enum status tell_pose(struct view *view, const struct view_camera *this, const struct render_camera *camera, const struct render_poses *poses,
@@ -327,7 +328,7 @@ enum status render_view_make_cameras(struct view *view)
 	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
 		view->cameras[i] = (struct view_camera){.camera = &scene->cameras[i], .ahead = {.time = -INFINITY}};
 		status = find_screen(view, &view->cameras[i]);
-		if (status == STATUS_OK && (scene->cameras[i].images & SCENE_IMAGES_MEASURED))
+		if (status == STATUS_OK && scene_camera_measures(scene, &scene->cameras[i]))
 			status = render_screen_measures(view->render, view->cameras[i].screen);
 	}
 	view->camera_count = status == STATUS_OK ? count : 0;
@@ -386,9 +387,9 @@ static bool is_shared(const struct scene *scene, size_t index)
 static bool is_first_measured(const struct scene *scene, size_t index)
 {
 	const struct scene_camera *camera = &scene->cameras[index];
-	bool first = (camera->images & SCENE_IMAGES_MEASURED) != 0;
+	bool first = scene_camera_measures(scene, camera);
 	for (size_t i = 0; i < index && first; i++)
-		first = !(scene->cameras[i].images & SCENE_IMAGES_MEASURED) || scene->cameras[i].width != camera->width ||
+		first = !scene_camera_measures(scene, &scene->cameras[i]) || scene->cameras[i].width != camera->width ||
 			scene->cameras[i].height != camera->height;
 	return first;
 }
@@ -431,6 +432,8 @@ void render_cameras_plan(const struct scene *scene, struct plan *plan)
 		const uint64_t pixels = (uint64_t)scene->cameras[i].width * (uint64_t)scene->cameras[i].height;
 		if (is_first_measured(scene, i))
 			add_texture(plan, 16 * pixels, "camera numbers");
+		if (is_first_measured(scene, i) && samples > 1)
+			add_texture(plan, 4 * pixels, "camera depth of one sample");
 		if (is_shared(scene, i))
 			continue;
 		add_texture(plan, 4 * pixels, "camera colour");

@@ -217,9 +217,17 @@ static unsigned images_of(const struct scene *scene)
 	return images;
 }
 
+bool scene_camera_measures(const struct scene *scene, const struct scene_camera *camera)
+{
+	return (camera->images & (SCENE_IMAGES_MEASURED | (scene->view.samples > 1 ? 1u << SCENE_IMAGE_DEPTH : 0))) != 0;
+}
+
 bool scene_measures(const struct scene *scene)
 {
-	return (images_of(scene) & SCENE_IMAGES_MEASURED) != 0;
+	bool measures = false;
+	for (size_t i = 0; i < scene->camera_count; i++)
+		measures = measures || scene_camera_measures(scene, &scene->cameras[i]);
+	return measures;
 }
 
 double scene_pixels_a_step(const struct scene *scene)
@@ -228,7 +236,7 @@ double scene_pixels_a_step(const struct scene *scene)
 	double pixels = view->images > 0 ? (double)view->width * view->height / (double)view->images : 0;
 	for (size_t i = 0; i < scene->camera_count; i++) {
 		const struct scene_camera *camera = &scene->cameras[i];
-		const int draws = camera->images & SCENE_IMAGES_MEASURED ? 2 : 1;
+		const int draws = scene_camera_measures(scene, camera) ? 2 : 1;
 		pixels += draws * camera->rate * scene->time_step * camera->width * camera->height;
 	}
 	return pixels;

@@ -361,7 +361,9 @@ bool scene_moves_bodies(const struct scene *scene);
 void scene_unwatched(const struct scene *scene, struct scene *out);
 /* Returns how many pixels of pictures a step draws, as a mean over the drive. A window is not counted. */
 double scene_pixels_a_step(const struct scene *scene);
-bool scene_measures(const struct scene *scene); /* some camera writes images of SCENE_IMAGES_MEASURED */
+/* Returns true if the camera's frames are drawn a second time: for SCENE_IMAGES_MEASURED, and with view.samples for depth, of one sample. */
+bool scene_camera_measures(const struct scene *scene, const struct scene_camera *camera);
+bool scene_measures(const struct scene *scene); /* some camera does */
 /* Returns true if pictures show which soil is where, by the map of soils. Then the soil class of each post must be loaded for
  * all drawn tiles. */
 bool scene_draws_classes(const struct scene *scene);

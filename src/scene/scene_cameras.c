@@ -168,11 +168,6 @@ static enum status check_images(const struct entry *entry)
 	entry->camera->video = raw->video != NULL && *raw->video;
 	if (entry->camera->video && !(entry->camera->images >> SCENE_IMAGE_COLOUR & 1))
 		return scene_error(entry->tree->file, node_of(entry, "video"), "is of colours, which it does not write; allowed with: images of colour");
-	/* A pixel of several samples has several depths. */
-	if (entry->camera->images != 1u << SCENE_IMAGE_COLOUR && entry->scene->view.samples > 1)
-		return scene_error(entry->tree->file, node_of(entry, "images"),
-				   "pictures other than colour have one sample a pixel, and view.samples is %d; allowed: colour alone, or view.samples 1",
-				   entry->scene->view.samples);
 	return STATUS_OK;
 }
 
