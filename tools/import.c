@@ -21,6 +21,8 @@ static const struct command_option options[] = {
 	{"s-srs", "SRS", .help = "the sources' reference system, if they do not say or say it wrong"},
 	{"t-srs", "SRS", .help = "the store's reference system, in metres, or auto, or source: see below", .preset = "auto"},
 	{"s-vertical", "REF", .help = "above what the sources' heights are, if they do not say or say it wrong: see below"},
+	{"s-unit", "UNIT", .help = "unit of the sources' heights; otherwise what they say, or the vertical reference, or m",
+	 .choices = api_import_units},
 	{"t-vertical", "REF", .help = "convert heights to this vertical reference: ellipsoid, egm96, egm2008 or a vertical SRS"},
 	{"spacing", "M", .help = "distance between posts: resamples; for sources without a place, their own", .unit = "m",
 	 .preset = "1 without a place"},

@@ -24,6 +24,7 @@ struct option {
 const char *const api_import_methods[] = {"bilinear", "cubic", "near", NULL};
 const char *const api_import_radii[] = {"auto", "yes", "no", NULL};
 const char *const api_import_packs[] = {"fast", "small", NULL};
+const char *const api_import_units[] = {"m", "ft", "us-ft", NULL};
 static const struct option options[] = {
 	{"tile", WHOLE, TILE_CELLS_MIN, TILE_CELLS_MAX, NULL},
 	{"jobs", WHOLE, 1, 256, NULL},
@@ -35,6 +36,7 @@ static const struct option options[] = {
 	{"t-srs", TEXT, 0, 0, NULL},
 	{"s-vertical", TEXT, 0, 0, NULL},
 	{"t-vertical", TEXT, 0, 0, NULL},
+	{"s-unit", WORD, 0, 0, api_import_units},
 	{"r", WORD, 0, 0, api_import_methods},
 	{"radii", WORD, 0, 0, api_import_radii},
 	{"pack", WORD, 0, 0, api_import_packs},
@@ -222,6 +224,8 @@ static enum status take(struct import *import, const struct option *option, cons
 			import->dem.resample = (enum dem_resample)word;
 		else if (option->words == api_import_radii)
 			import->dem.radii = (enum dem_radii)word;
+		else if (option->words == api_import_units)
+			import->dem.s_unit = status == STATUS_OK ? api_import_units[word] : NULL;
 		else
 			import->pack = (enum store_pack)word;
 		return status;

@@ -36,8 +36,9 @@ void api_import_finish(struct import *import);
  * "true" or "false". `nodata` adds one value. STATUS_USAGE: there is no such option, or it does not take this value. */
 enum status api_import_option(struct import *import, const char *name, const char *value) FURROW_CHECKED;
 bool api_import_has_option(const char *name);
-/* The values of `r`, `radii` and `pack`, ended by NULL. */
-extern const char *const api_import_methods[], *const api_import_radii[], *const api_import_packs[];
+/* The values of `r`, `radii`, `pack` and `s-unit`, ended by NULL. */
+extern const char *const api_import_methods[], *const api_import_radii[], *const api_import_packs[],
+	*const api_import_units[];
 /* Opens the sources, which must outlive the import. Writes nothing. STATUS_INPUT: they give no terrain. */
 enum status api_import_open(struct import *import, const char *const *sources, size_t count) FURROW_CHECKED;
 /* Makes the complete store, or none; fills `made`. STATUS_INTERRUPTED: `progress` stopped it. */

@@ -165,8 +165,9 @@ static char *describe(const struct import *import, const struct dem_info *info)
 		(int)dem->resample, (int)dem->radii, dem->fill, dem->has_height_range, dem->height_min, dem->height_max);
 	for (size_t i = 0; i < dem->nodata_count; i++)
 		fprintf(out, " %.17g", dem->nodata[i]);
-	fprintf(out, "\nsrs %s\nfrom %s\nvertical %s from %s to %s\n", info->srs, dem->s_srs != NULL ? dem->s_srs : "", info->vertical,
-		dem->s_vertical != NULL ? dem->s_vertical : "", dem->t_vertical != NULL ? dem->t_vertical : "");
+	fprintf(out, "\nsrs %s\nfrom %s\nvertical %s from %s to %s unit %s\n", info->srs, dem->s_srs != NULL ? dem->s_srs : "", info->vertical,
+		dem->s_vertical != NULL ? dem->s_vertical : "", dem->t_vertical != NULL ? dem->t_vertical : "",
+		dem->s_unit != NULL ? dem->s_unit : "");
 	describe_files(out, info);
 	if (inset_count(import) > 0)
 		fprintf(out, "insets feather %.17g match %d coarse %.17g\n", import->feather, import->match_heights, import->coarse_step);

@@ -27,6 +27,7 @@ struct dem_params {
 	/* What heights are above: "ellipsoid", "egm96", "egm2008", or a vertical SRS. s_vertical overrides what the sources say, NULL: no
 	 * override. Heights are converted to t_vertical, NULL: they stay as they are. */
 	const char *s_vertical, *t_vertical;
+	const char *s_unit; /* unit of the sources' values, as "us-ft"; NULL: what each says, or metres */
 	double spacing;             /* metres; 0: that of the source (1 if it has none) */
 	/* x and y in t_srs of a post with which all posts of the result are aligned, at multiples of `spacing`; NULL: any posts */
 	const double *anchor;

@@ -42,6 +42,23 @@ static void note_replaced(const struct gdal_grid *gdal, const struct dem_params 
 		note("%s: the file says %s; --s-srs %.80s is used%s", first->path, first->replaced, params->s_srs, more);
 }
 
+/* Tells if heights may be feet and are taken as metres. */
+static void note_feet(const struct gdal_grid *gdal)
+{
+	const struct gdal_source *first = NULL;
+	size_t feet = 0;
+	for (size_t i = 0; i < gdal->source_count; i++) {
+		first = first == NULL && gdal->sources[i].perhaps_feet ? &gdal->sources[i] : first;
+		feet += gdal->sources[i].perhaps_feet;
+	}
+	char more[64] = "";
+	if (feet > 1)
+		snprintf(more, sizeof more, ", and those of %zu more", feet - 1);
+	if (feet > 0)
+		note("%s: its SRS is in feet and nothing says the unit of its heights%s; they are taken as metres. Give --s-unit %s if they are feet",
+		     first->path, more, OSRGetLinearUnits(first->srs, NULL) == 0.3048 ? "ft" : "us-ft");
+}
+
 static enum status open_sources(struct gdal_grid *gdal, const struct dem_params *params,
 				const struct dem_list *list)
 {
@@ -61,6 +78,8 @@ static enum status open_sources(struct gdal_grid *gdal, const struct dem_params 
 	}
 	if (status == STATUS_OK && override != NULL)
 		note_replaced(gdal, params);
+	if (status == STATUS_OK)
+		note_feet(gdal);
 	if (override != NULL)
 		OSRDestroySpatialReference(override);
 	return status;

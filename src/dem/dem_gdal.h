@@ -21,6 +21,7 @@ struct gdal_source {
 	double low[2], high[2];   /* its area in the SRS of the target, x and y */
 	bool doubles;             /* heights need 64 bits */
 	double unit;              /* as in dem_info */
+	bool perhaps_feet;        /* its SRS is in feet, and nothing says the unit of heights */
 	int64_t panel_posts;      /* as in dem_info */
 	bool whole;               /* heights are exactly whole numbers of units */
 	char *own;      /* what its heights are above, as it says (struct dem_vertical); NULL: it does not say */

@@ -91,6 +91,9 @@ static enum status grid_open(const struct dem_params *params, struct dem_list *l
 	if (!plain && params->has_height_range)
 		return fail_with(STATUS_USAGE, "height range: %s is neither a PNG nor a raw heightmap and "
 				 "says itself what it means; leave it out", list->paths[0]);
+	if (plain && params->s_unit != NULL)
+		return fail_with(STATUS_USAGE, "unit %s: %s is a PNG or a raw heightmap; say what its values mean in metres with --height-range",
+				 params->s_unit, list->paths[0]);
 	if (plain && params->t_srs != NULL && strcmp(params->t_srs, "auto") != 0)
 		return fail_with(STATUS_INPUT, "%s: has no place on a planet, so it cannot be projected; leave "
 				 "the target SRS out", list->paths[0]);

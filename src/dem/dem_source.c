@@ -60,20 +60,26 @@ static enum status place_source(struct gdal_source *source, GDALDatasetH dataset
 	return STATUS_OK;
 }
 
-/* Gives the vertical unit in metres: that of the band, or of the vertical SRS, or else 1. *said: the source says it. Takes the
+/* Gives the unit of values in metres: --s-unit, or that of the band, of the vertical reference, or else 1. *said: that is known. Takes the
  * vertical part off the SRS. */
-static enum status vertical_unit(struct gdal_source *source, GDALRasterBandH band, double *metres, bool *said)
+static enum status vertical_unit(struct gdal_source *source, const struct dem_params *params, GDALRasterBandH band, double *metres, bool *said)
 {
-	const char *unit = GDALGetRasterUnitType(band);
-	*metres = 1;
+	const char *tag = GDALGetRasterUnitType(band), *unit = params->s_unit != NULL ? params->s_unit : tag;
+	const bool tagged = tag != NULL && tag[0] != '\0', projected = source->srs != NULL && OSRIsProjected(source->srs);
+	double axis = 0;
 	if (source->srs != NULL && OSRIsCompound(source->srs))
-		*metres = OSRGetTargetLinearUnits(source->srs, "COMPD_CS|VERT_CS", NULL);
+		axis = OSRGetTargetLinearUnits(source->srs, "COMPD_CS|VERT_CS", NULL);
 	enum status status = dem_vertical_part(source);
-	*said = source->own != NULL || (unit != NULL && unit[0] != '\0');
-	if (unit != NULL && unit[0] != '\0')
-		*metres = dem_unit_metres(unit);
-	if (!(*metres > 0))
-		*metres = 1;
+	if (status == STATUS_OK && params->s_vertical != NULL)
+		status = dem_vertical_unit(params->s_vertical, &axis);
+	*said = source->own != NULL || tagged || params->s_unit != NULL;
+	*metres = unit != NULL && unit[0] != '\0' ? dem_unit_metres(unit) : axis > 0 ? axis : 1;
+	source->perhaps_feet = !*said && params->s_vertical == NULL && projected && fabs(OSRGetLinearUnits(source->srs, NULL) - 0.3048) < 1e-5;
+	if (tagged && params->s_unit != NULL && *metres != dem_unit_metres(tag))
+		note("%s: the file says that its unit is %s; --s-unit %s is used", source->path, tag, unit);
+	else if (tagged && params->s_unit == NULL && axis > 0 && fabs(axis / *metres - 1) > 1e-9)
+		note("%s: the file says that its unit is %s; that is used, not the %.10g m of %.80s. --s-unit names another", source->path, tag, axis,
+		     params->s_vertical != NULL ? params->s_vertical : source->vertical);
 	return status;
 }
 
@@ -252,7 +258,7 @@ enum status dem_source_init(struct gdal_source *source, const struct dem_params 
 	status = place_source(source, dataset, params, override);
 	if (status != STATUS_OK)
 		goto close;
-	status = vertical_unit(source, band, &unit, &said);
+	status = vertical_unit(source, params, band, &unit, &said);
 	if (status == STATUS_OK)
 		status = write_vrt(source, params, band, unit, 0, number);
 	if (status == STATUS_OK)

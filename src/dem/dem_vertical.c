@@ -68,6 +68,21 @@ void dem_vertical_finish(struct dem_vertical *vertical)
 	vertical->crs = NULL;
 }
 
+enum status dem_vertical_unit(const char *text, double *metres)
+{
+	struct dem_vertical vertical;
+	PJ_CONTEXT *context = dem_vertical_context();
+	if (context == NULL)
+		return STATUS_FAILED;
+	enum status status = dem_vertical_init(context, text, &vertical);
+	if (status == STATUS_OK) {
+		*metres = vertical.metres;
+		dem_vertical_finish(&vertical);
+	}
+	P.proj_context_destroy(context);
+	return status;
+}
+
 enum status dem_vertical_part(struct gdal_source *source)
 {
 	OGRSpatialReferenceH srs = source->srs;

@@ -20,6 +20,8 @@ PJ_CONTEXT *dem_vertical_context(void);
 /* STATUS_INPUT: it is no vertical reference of heights. dem_vertical_finish is due only after a success. */
 enum status dem_vertical_init(PJ_CONTEXT *context, const char *text, struct dem_vertical *vertical) FURROW_CHECKED;
 void dem_vertical_finish(struct dem_vertical *vertical);
+/* Gives the metres of its unit. */
+enum status dem_vertical_unit(const char *text, double *metres) FURROW_CHECKED;
 /* Takes the vertical part off a source's SRS. Keeps it in `own`, and describes it in `vertical`; leaves both if there is none. */
 enum status dem_vertical_part(struct gdal_source *source) FURROW_CHECKED;
 /* Decides from what to what the source's heights are converted, and describes the result. Does nothing if `params` ask for nothing.

@@ -6,7 +6,7 @@ import sys
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
-from furrow_test import long, main
+from furrow_test import long, main, write_png16
 from raster_test import RasterTest
 import rasters
 
@@ -131,6 +131,31 @@ class Vertical(RasterTest):
                     self.assertNotIn("COMPOUNDCRS", found["coordinateSystem"]["wkt"])
                     self.assertNotIn("VERTICAL_REFERENCE", found["metadata"][""])
                     self.assertEqual((found["bands"][0]["unit"], found["bands"][0]["description"]), ("m", "offset"))
+
+    def test_feet_become_metres_by_whoever_says_that_they_are(self):
+        us, ft = 1200 / 3937, 0.3048
+        for name, srs in (("plain", "EPSG:32611"), ("plane", "EPSG:2229"), ("said", "EPSG:32611+6360")):
+            self.make(f"{name}.tif", 20, 15, lambda x, y: 1000, srs=srs)
+        rasters.gdal("gdal_translate", "-q", "-of", "VRT", self.folder / "plain.tif", self.folder / "tagged.vrt")
+        text = (self.folder / "tagged.vrt").read_text()
+        (self.folder / "tagged.vrt").write_text(text.replace("<ColorInterp>", "<UnitType>ft</UnitType><ColorInterp>"))
+        navd = ("--s-vertical", "EPSG:6360")
+        for source, options, metres, told in (
+                ("plain.tif", (), 1, None), ("plain.tif", navd, us, None), ("plain.tif", (*navd, "--t-vertical", "EPSG:5703"), us, None),
+                ("plain.tif", ("--s-srs", "EPSG:32611+6360"), us, None), ("plain.tif", ("--s-unit", "ft"), ft, None), ("said.tif", (), us, None),
+                ("tagged.vrt", (), ft, None), ("tagged.vrt", navd, ft, "its unit is ft; that is used, not the 0.3048006096 m of EPSG:6360"),
+                ("tagged.vrt", ("--s-unit", "us-ft"), us, "its unit is ft; --s-unit us-ft is used"), ("tagged.vrt", ("--s-vertical", "egm96"), ft,
+                                                                                                   "not the 1 m of egm96"),
+                ("plane.tif", (), 1, "Give --s-unit us-ft"), ("plane.tif", ("--s-unit", "m"), 1, None), ("plane.tif", navd, us, None)):
+            with self.subTest(source=source, options=options):
+                made = self.furrow("import", source, "-o", "s.furrow", "--overwrite", "--spacing", 10, "--max-error", 0, *options)
+                self.assertEqual(0, made.returncode, made.stderr)
+                self.assertEqual(told is not None, "nit" in made.stderr, made.stderr)
+                self.assertIn(told or "", made.stderr)
+                for height in self.json("info", "s.furrow")["height"]:
+                    self.assertAlmostEqual(height, 1000 * metres, delta=1e-4)
+        write_png16(self.folder / "a.png", 9, 9, lambda x, y: 100)
+        self.assertIn("--height-range", self.refused(2, "import", "a.png", "-o", "x.furrow", "--s-unit", "ft"))
 
     def test_a_grid_that_is_not_there_is_named_and_where_to_put_it(self):
         folder = self.folder / "proj"
