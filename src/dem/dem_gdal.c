@@ -25,38 +25,23 @@ static void gdal_destroy(struct dem_grid *grid)
 	mem_free(gdal);
 }
 
-/* Tells if the SRS given is not that of the files. */
-static void note_replaced(const struct gdal_grid *gdal, const struct dem_params *params)
+/* Tells what users may not expect. An inset is opened several times, and told the first time. */
+static void note_remarks(const struct gdal_grid *gdal, const struct dem_params *params)
 {
-	const struct gdal_source *first = NULL;
-	size_t replaced = 0;
-	for (size_t i = 0; i < gdal->source_count; i++) {
-		const struct gdal_source *source = &gdal->sources[i];
-		first = first == NULL && source->replaced[0] != '\0' ? source : first;
-		replaced += source->replaced[0] != '\0';
+	for (int remark = 0; remark < SOURCE_REMARKS && (params->anchor == NULL || params->spacing == 0); remark++) {
+		const struct gdal_source *first = NULL;
+		size_t count = 0;
+		for (size_t i = gdal->source_count; i-- > 0;)
+			if (gdal->sources[i].remarks[remark] != NULL) {
+				first = &gdal->sources[i];
+				count++;
+			}
+		char more[32] = "";
+		if (count > 1)
+			snprintf(more, sizeof more, " and %zu more", count - 1);
+		if (first != NULL)
+			note("%s%s: %s", first->path, more, first->remarks[remark]);
 	}
-	char more[64] = "";
-	if (replaced > 1)
-		snprintf(more, sizeof more, ", and for %zu more", replaced - 1);
-	if (replaced > 0)
-		note("%s: the file says %s; --s-srs %.80s is used%s", first->path, first->replaced, params->s_srs, more);
-}
-
-/* Tells if heights may be feet and are taken as metres. */
-static void note_feet(const struct gdal_grid *gdal)
-{
-	const struct gdal_source *first = NULL;
-	size_t feet = 0;
-	for (size_t i = 0; i < gdal->source_count; i++) {
-		first = first == NULL && gdal->sources[i].perhaps_feet ? &gdal->sources[i] : first;
-		feet += gdal->sources[i].perhaps_feet;
-	}
-	char more[64] = "";
-	if (feet > 1)
-		snprintf(more, sizeof more, ", and those of %zu more", feet - 1);
-	if (feet > 0)
-		note("%s: its SRS is in feet and nothing says the unit of its heights%s; they are taken as metres. Give --s-unit %s if they are feet",
-		     first->path, more, OSRGetLinearUnits(first->srs, NULL) == 0.3048 ? "ft" : "us-ft");
 }
 
 static enum status open_sources(struct gdal_grid *gdal, const struct dem_params *params,
@@ -76,10 +61,8 @@ static enum status open_sources(struct gdal_grid *gdal, const struct dem_params 
 		if (status == STATUS_OK)
 			dem_grid_find_system(gdal->sources, i);
 	}
-	if (status == STATUS_OK && override != NULL)
-		note_replaced(gdal, params);
 	if (status == STATUS_OK)
-		note_feet(gdal);
+		note_remarks(gdal, params);
 	if (override != NULL)
 		OSRDestroySpatialReference(override);
 	return status;
@@ -188,6 +171,7 @@ static enum status describe(struct gdal_grid *gdal)
 	grid->spacing = target->spacing;
 	grid->origin[0] = target->origin[0];
 	grid->origin[1] = target->origin[1];
+	grid->placed = gdal->sources[0].placed;
 	grid->unit = common_unit(gdal->sources, gdal->source_count);
 	grid->panel_posts = common_panel(gdal);
 	grid->whole = all_whole(gdal);

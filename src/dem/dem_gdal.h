@@ -6,6 +6,9 @@
 #include "dem_internal.h"
 #include "dem_unpack.h"
 
+/* What is told of a source once all are open, once for all sources of which it is told. */
+enum source_remark { SOURCE_SYSTEM, SOURCE_UNIT, SOURCE_DEGREES, SOURCE_REMARKS };
+
 /* One source file. `vrt` is a small virtual raster in GDAL's memory files. It gives band 1 in metres, with NaN for nodata. So
  * its readers need not handle nodata values, scales and units. */
 struct gdal_source {
@@ -21,7 +24,7 @@ struct gdal_source {
 	double low[2], high[2];   /* its area in the SRS of the target, x and y */
 	bool doubles;             /* heights need 64 bits */
 	double unit;              /* as in dem_info */
-	bool perhaps_feet;        /* its SRS is in feet, and nothing says the unit of heights */
+	char *remarks[SOURCE_REMARKS]; /* NULL: nothing is told */
 	int64_t panel_posts;      /* as in dem_info */
 	bool whole;               /* heights are exactly whole numbers of units */
 	char *own;      /* what its heights are above, as it says (struct dem_vertical); NULL: it does not say */

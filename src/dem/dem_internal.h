@@ -33,7 +33,7 @@ struct dem_grid {
 	void (*destroy)(struct dem_grid *grid);
 	int64_t width, height; /* posts */
 	double spacing, unit;  /* as in dem_info */
-	bool whole;
+	bool whole, placed; /* placed: the sources say where they lie */
 	int64_t panel_posts;
 	double origin[2];
 	char *srs, *vertical, *projected; /* NULL: "" */

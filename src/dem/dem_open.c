@@ -115,6 +115,8 @@ enum status dem_open(const struct dem_params *params, struct dem **out)
 	status = dem_list_init(&dem->list, params->sources, params->source_count);
 	if (status == STATUS_OK)
 		status = grid_open(params, &dem->list, &dem->grid);
+	if (status == STATUS_OK && !dem->grid->placed && params->spacing == 0 && params->anchor == NULL)
+		note("%s: says no distance between posts; taken as 1 m. --spacing names another", dem->list.paths[0]);
 	if (status == STATUS_OK && (dem->grid->width < 2 || dem->grid->height < 2))
 		status = fail_with(STATUS_INPUT, "%s: %lld x %lld posts are no terrain; it needs at least 2 x 2",
 				   dem->list.paths[0], (long long)dem->grid->width,

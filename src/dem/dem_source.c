@@ -7,6 +7,19 @@
 #include <stdatomic.h>
 #include <stdio.h>
 
+/* Keeps what is to be told of the source. Without memory it is not told. */
+static void remark(struct gdal_source *source, enum source_remark which, const char *format, ...) FURROW_PRINTF(3, 4);
+static void remark(struct gdal_source *source, enum source_remark which, const char *format, ...)
+{
+	char text[320];
+	va_list args;
+	va_start(args, format);
+	vsnprintf(text, sizeof text, format, args);
+	va_end(args);
+	mem_free(source->remarks[which]);
+	source->remarks[which] = mem_strdup(text);
+}
+
 /* GDAL's default is no place; north up, it is one: a corner at 0, 0 and a spacing of 1. */
 static bool has_place(GDALDatasetH dataset, double place[6])
 {
@@ -14,6 +27,30 @@ static bool has_place(GDALDatasetH dataset, double place[6])
 		return false;
 	return place[0] != 0 || place[1] != 1 || place[2] != 0 || place[3] != 0 || place[4] != 0 ||
 	       place[5] != 1;
+}
+
+static bool looks_like_degrees(const struct gdal_source *source)
+{
+	const double *p = source->place, x = p[0] + source->width * p[1], y = p[3] + source->height * p[5];
+	return p[2] == 0 && p[4] == 0 && fabs(p[1]) < 0.1 && fabs(p[5]) < 0.1 && fabs(p[0]) <= 360 && fabs(x) <= 360 && fabs(p[3]) <= 90 &&
+	       fabs(y) <= 90 && (fabs(p[0]) > 1 || fabs(p[3]) > 1);
+}
+
+/* Refuses a place in degrees that would become a terrain much higher than wide. */
+static enum status refuse_degrees(const struct gdal_source *source)
+{
+	const double wide = source->width * fabs(source->place[1]), high = source->height * fabs(source->place[5]);
+	double range[2] = {0, 0};
+	GDALDatasetH dataset = GDALOpen(source->vrt, GA_ReadOnly);
+	if (dataset != NULL) {
+		GDALComputeRasterMinMax(GDALGetRasterBand(dataset, 1), TRUE, range);
+		GDALClose(dataset);
+	}
+	if (!(range[1] - range[0] > 1000 * fmax(wide, high)))
+		return STATUS_OK;
+	return fail_with(STATUS_INPUT, "%s: no SRS is said, and its place %.6g, %.6g with posts %.3g apart looks like degrees: as metres it is %.3g m wide and "
+			 "its heights differ by %.4g m; give --s-srs EPSG:4326", source->path, source->place[0], source->place[3],
+			 fabs(source->place[1]), wide, range[1] - range[0]);
 }
 
 static enum status place_source(struct gdal_source *source, GDALDatasetH dataset,
@@ -37,11 +74,17 @@ static enum status place_source(struct gdal_source *source, GDALDatasetH dataset
 		return fail_with(STATUS_INPUT, "%s: its geotransform is singular; give it a proper one with "
 				 "gdal_translate -a_ullr", source->path);
 	OGRSpatialReferenceH own = GDALGetSpatialRef(dataset);
-	if (own != NULL && override != NULL && dem_srs_differ(own, override))
+	if (own != NULL && override != NULL && dem_srs_differ(own, override)) {
 		dem_srs_told(own, source->replaced, sizeof source->replaced);
+		remark(source, SOURCE_SYSTEM, "the file says %s; --s-srs %.80s is used", source->replaced, params->s_srs);
+	}
 	own = override != NULL ? override : own;
-	if (own == NULL)
+	if (own == NULL) {
+		if (looks_like_degrees(source))
+			remark(source, SOURCE_DEGREES, "no SRS is said, and its place %.6g, %.6g with posts %.3g apart looks like degrees; taken as metres. "
+			       "If they are degrees, give --s-srs EPSG:4326", source->place[0], source->place[3], fabs(source->place[1]));
 		return STATUS_OK;
+	}
 	if (OSRIsGeocentric(own))
 		return fail_with(STATUS_INPUT, "%s: geocentric coordinates are no map; project it first",
 				 source->path);
@@ -74,12 +117,14 @@ static enum status vertical_unit(struct gdal_source *source, const struct dem_pa
 		status = dem_vertical_unit(params->s_vertical, &axis);
 	*said = source->own != NULL || tagged || params->s_unit != NULL;
 	*metres = unit != NULL && unit[0] != '\0' ? dem_unit_metres(unit) : axis > 0 ? axis : 1;
-	source->perhaps_feet = !*said && params->s_vertical == NULL && projected && fabs(OSRGetLinearUnits(source->srs, NULL) - 0.3048) < 1e-5;
+	if (!*said && params->s_vertical == NULL && projected && fabs(OSRGetLinearUnits(source->srs, NULL) - 0.3048) < 1e-5)
+		remark(source, SOURCE_UNIT, "its SRS is in feet and nothing says the unit of heights; they are taken as metres. Give --s-unit %s if they are feet",
+		       OSRGetLinearUnits(source->srs, NULL) == 0.3048 ? "ft" : "us-ft");
 	if (tagged && params->s_unit != NULL && *metres != dem_unit_metres(tag))
-		note("%s: the file says that its unit is %s; --s-unit %s is used", source->path, tag, unit);
+		remark(source, SOURCE_UNIT, "the file says that its unit is %.40s; --s-unit %s is used", tag, unit);
 	else if (tagged && params->s_unit == NULL && axis > 0 && fabs(axis / *metres - 1) > 1e-9)
-		note("%s: the file says that its unit is %s; that is used, not the %.10g m of %.80s. --s-unit names another", source->path, tag, axis,
-		     params->s_vertical != NULL ? params->s_vertical : source->vertical);
+		remark(source, SOURCE_UNIT, "the file says that its unit is %.40s; that is used, not the %.10g m of %.80s. --s-unit names another", tag, axis,
+		       params->s_vertical != NULL ? params->s_vertical : source->vertical);
 	return status;
 }
 
@@ -261,6 +306,8 @@ enum status dem_source_init(struct gdal_source *source, const struct dem_params 
 	status = vertical_unit(source, params, band, &unit, &said);
 	if (status == STATUS_OK)
 		status = write_vrt(source, params, band, unit, 0, number);
+	if (status == STATUS_OK && source->remarks[SOURCE_DEGREES] != NULL)
+		status = refuse_degrees(source);
 	if (status == STATUS_OK)
 		status = dem_radii_find(source, params->radii, unit, said, &radius);
 	if (status == STATUS_OK && radius.sphere > 0) {
@@ -300,6 +347,8 @@ void dem_source_finish(struct gdal_source *source)
 		OSRDestroySpatialReference(source->srs);
 	if (source->vrt != NULL)
 		VSIUnlink(source->vrt);
+	for (int i = 0; i < SOURCE_REMARKS; i++)
+		mem_free(source->remarks[i]);
 	mem_free(source->vrt);
 	mem_free(source->own);
 	mem_free(source->from);
