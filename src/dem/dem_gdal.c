@@ -152,14 +152,9 @@ static void note_resampled(struct gdal_grid *gdal, const struct dem_params *para
 static void note_vertical(const struct gdal_grid *gdal)
 {
 	const struct gdal_source *first = &gdal->sources[0];
-	for (size_t i = 1; i < gdal->source_count; i++) {
-		const struct gdal_source *other = &gdal->sources[i];
-		if (first->vertical[0] != '\0' && other->vertical[0] != '\0' && strcmp(first->vertical, other->vertical) != 0) {
-			note("%s: its heights are above %s, and those of %s above %s; --t-vertical makes them the same", first->path, first->vertical,
-			     other->path, other->vertical);
-			return;
-		}
-	}
+	bool told = false;
+	for (size_t i = 1; i < gdal->source_count && !told; i++)
+		told = dem_vertical_note(first->path, first->vertical, gdal->sources[i].path, gdal->sources[i].vertical);
 }
 
 static enum status describe(struct gdal_grid *gdal)

@@ -7,7 +7,7 @@
 #include "dem_unpack.h"
 
 /* What is told of a source once all are open, once for all sources of which it is told. */
-enum source_remark { SOURCE_SYSTEM, SOURCE_UNIT, SOURCE_DEGREES, SOURCE_REMARKS };
+enum source_remark { SOURCE_SYSTEM, SOURCE_UNIT, SOURCE_DEGREES, SOURCE_VERTICAL, SOURCE_REMARKS };
 
 /* One source file. `vrt` is a small virtual raster in GDAL's memory files. It gives band 1 in metres, with NaN for nodata. So
  * its readers need not handle nodata values, scales and units. */
@@ -49,6 +49,8 @@ enum status dem_source_init(struct gdal_source *source, const struct dem_params 
 /* Returns false if the file can be opened and has no place. */
 bool dem_source_is_placed(const char *path);
 void dem_source_finish(struct gdal_source *source);
+/* Keeps what is to be told of the source. Without memory it is not told. */
+void dem_source_remark(struct gdal_source *source, enum source_remark which, const char *format, ...) FURROW_PRINTF(3, 4);
 
 /* --- dem_radii.c: values that are radii --- */
 struct dem_radius {

@@ -38,12 +38,14 @@ static enum status choose_level(const struct dem_insets_params *params, struct i
 {
 	struct dem *own;
 	const char *source = inset->info.source;
+	const struct dem_info *country = dem_info(params->country);
 	const double coarse = params->extent->spacing;
 	enum status status = open_at(params, inset, 0, false, &own);
 	if (status != STATUS_OK)
 		return status;
 	const double spacing = dem_info(own)->spacing;
-	const bool placed = (dem_info(own)->srs[0] != '\0') == (dem_info(params->country)->srs[0] != '\0');
+	const bool placed = (dem_info(own)->srs[0] != '\0') == (country->srs[0] != '\0');
+	(void)dem_vertical_note(source, dem_info(own)->vertical, country->sources[0], country->vertical);
 	dem_close(own);
 	inset->info.level = 0;
 	while (ldexp(coarse, inset->info.level) > spacing * (1 + SAME))

@@ -63,6 +63,11 @@ bool dem_unit_exact(double unit);
 /* Returns the metres of a unit named as GDAL does ("ft"). Returns 1 for "" and unknown names. */
 double dem_unit_metres(const char *unit);
 
+/* --- dem_open.c: what heights are above, as dem_info tells it --- */
+size_t dem_vertical_length(const char *vertical); /* of the reference's name; what follows tells of the unit */
+/* Notes that two sources differ in it, or that only one says it. Returns true if so. */
+bool dem_vertical_note(const char *path, const char *vertical, const char *other, const char *other_vertical);
+
 /* --- grids --- */
 enum status dem_raw_open(const struct dem_params *params, const char *path, struct dem_grid **out)
 	FURROW_CHECKED;

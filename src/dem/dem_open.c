@@ -26,6 +26,27 @@ void dem_grid_destroy(struct dem_grid *grid)
 	grid->destroy(grid);
 }
 
+size_t dem_vertical_length(const char *vertical)
+{
+	const char *unit = strstr(vertical, "converted from units of");
+	const size_t length = unit != NULL ? (size_t)(unit - vertical) : strlen(vertical);
+	return unit != NULL && length >= 2 ? length - 2 : length; /* ", " */
+}
+
+bool dem_vertical_note(const char *path, const char *vertical, const char *other, const char *other_vertical)
+{
+	const size_t length = dem_vertical_length(vertical), other_length = dem_vertical_length(other_vertical);
+	if (length == other_length && strncmp(vertical, other_vertical, length) == 0)
+		return false;
+	if (length > 0 && other_length > 0)
+		note("%s: its heights are above %.*s, and those of %s above %.*s; --t-vertical makes them the same", path, (int)length, vertical, other,
+		     (int)other_length, other_vertical);
+	else
+		note("%s: does not say above what its heights are, and %s says %.*s; both are taken as they are. --s-vertical says it for all",
+		     length == 0 ? path : other, length == 0 ? other : path, (int)(length + other_length), length == 0 ? other_vertical : vertical);
+	return true;
+}
+
 static bool is_raw(const char *path)
 {
 	return dem_path_ends(path, ".raw") || dem_path_ends(path, ".r16");

@@ -7,9 +7,7 @@
 #include <stdatomic.h>
 #include <stdio.h>
 
-/* Keeps what is to be told of the source. Without memory it is not told. */
-static void remark(struct gdal_source *source, enum source_remark which, const char *format, ...) FURROW_PRINTF(3, 4);
-static void remark(struct gdal_source *source, enum source_remark which, const char *format, ...)
+void dem_source_remark(struct gdal_source *source, enum source_remark which, const char *format, ...)
 {
 	char text[320];
 	va_list args;
@@ -76,12 +74,12 @@ static enum status place_source(struct gdal_source *source, GDALDatasetH dataset
 	OGRSpatialReferenceH own = GDALGetSpatialRef(dataset);
 	if (own != NULL && override != NULL && dem_srs_differ(own, override)) {
 		dem_srs_told(own, source->replaced, sizeof source->replaced);
-		remark(source, SOURCE_SYSTEM, "the file says %s; --s-srs %.80s is used", source->replaced, params->s_srs);
+		dem_source_remark(source, SOURCE_SYSTEM, "the file says %s; --s-srs %.80s is used", source->replaced, params->s_srs);
 	}
 	own = override != NULL ? override : own;
 	if (own == NULL) {
 		if (looks_like_degrees(source))
-			remark(source, SOURCE_DEGREES, "no SRS is said, and its place %.6g, %.6g with posts %.3g apart looks like degrees; taken as metres. "
+			dem_source_remark(source, SOURCE_DEGREES, "no SRS is said, and its place %.6g, %.6g with posts %.3g apart looks like degrees; taken as metres. "
 			       "If they are degrees, give --s-srs EPSG:4326", source->place[0], source->place[3], fabs(source->place[1]));
 		return STATUS_OK;
 	}
@@ -118,12 +116,12 @@ static enum status vertical_unit(struct gdal_source *source, const struct dem_pa
 	*said = source->own != NULL || tagged || params->s_unit != NULL;
 	*metres = unit != NULL && unit[0] != '\0' ? dem_unit_metres(unit) : axis > 0 ? axis : 1;
 	if (!*said && params->s_vertical == NULL && projected && fabs(OSRGetLinearUnits(source->srs, NULL) - 0.3048) < 1e-5)
-		remark(source, SOURCE_UNIT, "its SRS is in feet and nothing says the unit of heights; they are taken as metres. Give --s-unit %s if they are feet",
+		dem_source_remark(source, SOURCE_UNIT, "its SRS is in feet and nothing says the unit of heights; they are taken as metres. Give --s-unit %s if they are feet",
 		       OSRGetLinearUnits(source->srs, NULL) == 0.3048 ? "ft" : "us-ft");
 	if (tagged && params->s_unit != NULL && *metres != dem_unit_metres(tag))
-		remark(source, SOURCE_UNIT, "the file says that its unit is %.40s; --s-unit %s is used", tag, unit);
+		dem_source_remark(source, SOURCE_UNIT, "the file says that its unit is %.40s; --s-unit %s is used", tag, unit);
 	else if (tagged && params->s_unit == NULL && axis > 0 && fabs(axis / *metres - 1) > 1e-9)
-		remark(source, SOURCE_UNIT, "the file says that its unit is %.40s; that is used, not the %.10g m of %.80s. --s-unit names another", tag, axis,
+		dem_source_remark(source, SOURCE_UNIT, "the file says that its unit is %.40s; that is used, not the %.10g m of %.80s. --s-unit names another", tag, axis,
 		       params->s_vertical != NULL ? params->s_vertical : source->vertical);
 	return status;
 }
@@ -304,6 +302,9 @@ enum status dem_source_init(struct gdal_source *source, const struct dem_params 
 	if (status != STATUS_OK)
 		goto close;
 	status = vertical_unit(source, params, band, &unit, &said);
+	const char *metadata = GDALGetMetadataItem(dataset, "VERTICAL_REFERENCE", NULL);
+	if (status == STATUS_OK && source->own == NULL && metadata != NULL)
+		status = dem_vertical_metadata(source, metadata);
 	if (status == STATUS_OK)
 		status = write_vrt(source, params, band, unit, 0, number);
 	if (status == STATUS_OK && source->remarks[SOURCE_DEGREES] != NULL)

@@ -104,6 +104,23 @@ enum status dem_vertical_part(struct gdal_source *source)
 	return source->own != NULL ? STATUS_OK : fail_memory(source->path);
 }
 
+enum status dem_vertical_metadata(struct gdal_source *source, const char *text)
+{
+	struct dem_vertical vertical;
+	const bool round = strncmp(text, "ellipsoid ", 10) == 0 || strncmp(text, "sphere of ", 10) == 0;
+	snprintf(source->vertical, sizeof source->vertical, "%.*s", (int)dem_vertical_length(text), text);
+	PJ_CONTEXT *context = round ? NULL : dem_vertical_context();
+	const bool known = context != NULL && dem_vertical_init(context, source->vertical, &vertical) == STATUS_OK;
+	if (known)
+		dem_vertical_finish(&vertical);
+	if (context != NULL)
+		P.proj_context_destroy(context);
+	if (!round && !known)
+		return STATUS_OK;
+	source->own = mem_strdup(round ? DEM_ELLIPSOID : source->vertical);
+	return source->own != NULL ? STATUS_OK : fail_memory(source->path);
+}
+
 /* Describes a reference in source->vertical. */
 static void describe(struct gdal_source *source, const struct dem_vertical *vertical)
 {
@@ -121,10 +138,15 @@ static bool same(PJ_CONTEXT *context, const struct dem_vertical *a, const struct
 
 static enum status plan(struct gdal_source *source, const struct dem_params *params, PJ_CONTEXT *context, const char *said)
 {
-	struct dem_vertical from, to;
+	struct dem_vertical from, to, own;
 	enum status status = dem_vertical_init(context, said, &from);
 	if (status != STATUS_OK)
 		return status;
+	if (said != source->own && source->own != NULL && dem_vertical_init(context, source->own, &own) == STATUS_OK) {
+		if (!same(context, &from, &own))
+			dem_source_remark(source, SOURCE_VERTICAL, "the file says heights above %s; --s-vertical %.80s is used", source->vertical, said);
+		dem_vertical_finish(&own);
+	}
 	if (params->t_vertical == NULL) {
 		describe(source, &from);
 		dem_vertical_finish(&from);

@@ -24,6 +24,8 @@ void dem_vertical_finish(struct dem_vertical *vertical);
 enum status dem_vertical_unit(const char *text, double *metres) FURROW_CHECKED;
 /* Takes the vertical part off a source's SRS. Keeps it in `own`, and describes it in `vertical`; leaves both if there is none. */
 enum status dem_vertical_part(struct gdal_source *source) FURROW_CHECKED;
+/* Takes `text`, which furrow export wrote into the metadata, for what heights are above. */
+enum status dem_vertical_metadata(struct gdal_source *source, const char *text) FURROW_CHECKED;
 /* Decides from what to what the source's heights are converted, and describes the result. Does nothing if `params` ask for nothing.
  * STATUS_INPUT: the source does not say what its heights are above; a name is not known. */
 enum status dem_vertical_plan(struct gdal_source *source, const struct dem_params *params) FURROW_CHECKED;

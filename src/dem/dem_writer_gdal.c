@@ -71,8 +71,8 @@ static void add_vertical(const struct dem_raster *raster, OGRSpatialReferenceH s
 	if (context != NULL)
 		dem_proj_calls.proj_context_destroy(context);
 	if (!added)
-		note("%s: its SRS cannot say that heights are metres above %s, only its metadata VERTICAL_REFERENCE does; who imports it must be told, as by "
-		     "--s-vertical", raster->path, raster->vertical);
+		note("%s: its SRS cannot say that heights are metres above %s, only its metadata VERTICAL_REFERENCE does, which furrow import "
+		     "reads; other programs must be told", raster->path, raster->vertical);
 }
 
 static enum status set_meaning(struct gdal_sink *gdal)

@@ -6,7 +6,7 @@ import struct
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
-from furrow_test import long, main
+from furrow_test import long, main, write_png16
 from raster_test import RasterTest
 import rasters
 
@@ -103,6 +103,26 @@ class Values(RasterTest):
         self.ok("import", "scaled.tif", "-o", "s.furrow", "--max-error", "0", "--overwrite")
         self.assertEqual(self.json("query", "s.furrow", 30, 150)["points"][0]["height"], 0.25 * (7 * 3 + 4) + 100)
 
+
+    def test_what_looks_like_degrees_and_what_has_no_place_is_told(self):
+        for west, north, step, height, told in ((119.2, 34.1, 0.01, 50, "looks like degrees"), (119.2, 34.1, 0.01, 5000, None), (119.2, 34.1, 0.5, 5, ""),
+                                                (0, 0.2, 0.01, 5, ""), (500000, 34.1, 0.01, 5, ""), (None, 0, 0, 5, "--spacing")):
+            with self.subTest(west=west, step=step, height=height):
+                if west is None:
+                    write_png16(self.folder / "in.png", 20, 20, lambda x, y: height)
+                else:
+                    self.make("in.tif", 20, 20, lambda x, y: height * x / 19, west=west, north=north, step=step, srs=None)
+                source = "in.png" if west is None else "in.tif"
+                if told is None:
+                    self.assertIn("--s-srs EPSG:4326", self.refused(3, "import", source, "-o", "s.furrow"))
+                    self.ok("import", source, "-o", "s.furrow", "--overwrite", "--s-srs", "LOCAL_CS[\"metres\"]")
+                    continue
+                found = self.furrow("import", source, "-o", "s.furrow", "--overwrite")
+                self.assertEqual(0, found.returncode, found.stderr)
+                self.assertEqual(told != "", "note" in found.stderr, found.stderr)
+                self.assertIn(told, found.stderr)
+        self.assertEqual("", self.furrow("import", "in.png", "-o", "s.furrow", "--overwrite", "--spacing", 1).stderr)
+        self.assertEqual("", self.furrow("import", "in.tif", "-o", "s.furrow", "--overwrite", "--s-srs", rasters.UTM).stderr)
 
     def test_of_several_bands_the_first_is_taken_and_that_is_told(self):
         self.make("one.tif", 20, 20, lambda x, y: 3 * x + y, "h")

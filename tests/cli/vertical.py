@@ -125,12 +125,27 @@ class Vertical(RasterTest):
                     self.assertEqual(found["metadata"][""]["VERTICAL_REFERENCE"], self.json("info", "a.furrow")["vertical"])
                     self.assertEqual(said is not None, wkt.startswith("COMPOUNDCRS"), wkt)
                     self.ok("import", "b.tif", "-o", "b.furrow", "--overwrite")
-                    self.assertEqual(said or "", self.json("info", "b.furrow").get("vertical") or "")
+                    self.assertEqual(self.json("info", "b.furrow")["vertical"], found["metadata"][""]["VERTICAL_REFERENCE"].split(", converted")[0])
                     self.ok("export", "a.furrow", "-o", "c.tif", "--layer", "offset")
                     found = rasters.gdalinfo(self.folder / "c.tif")
                     self.assertNotIn("COMPOUNDCRS", found["coordinateSystem"]["wkt"])
                     self.assertNotIn("VERTICAL_REFERENCE", found["metadata"][""])
                     self.assertEqual((found["bands"][0]["unit"], found["bands"][0]["description"]), ("m", "offset"))
+
+    def test_what_contradicts_the_file_or_is_not_said_by_all_is_told(self):
+        self.make("wide.tif", 40, 30, lambda x, y: 100, srs="EPSG:32633+5773", step=30)
+        for name, west, step, options in (("beside.tif", 501200, 30, ()), ("fine.tif", 500300, 5, ()), ("other.tif", 500300, 5, ("-a_srs", "EPSG:32633+3855"))):
+            self.make(name, 40, 30, lambda x, y: 100, west=west, north=4999800 if step == 5 else 5000000, step=step, options=options)
+        untold, unlike = "does not say above what its heights are, and wide.tif says EGM96 height", "EGM2008 height, and those of wide.tif above EGM96 height"
+        for sources, told in ((("wide.tif", "--s-vertical", "egm2008"), "the file says heights above EGM96 height; --s-vertical egm2008 is used"),
+                              (("wide.tif", "--s-vertical", "egm96"), None), (("beside.tif", "--s-vertical", "egm96"), None),
+                              (("wide.tif", "beside.tif"), untold), (("beside.tif", "wide.tif"), untold), (("wide.tif", "--inset", "fine.tif"), untold),
+                              (("wide.tif", "--inset", "other.tif"), unlike), (("wide.tif", "other.tif"), unlike), (("beside.tif", "fine.tif"), None)):
+            with self.subTest(sources=sources):
+                made = self.furrow("import", *sources, "-o", "s.furrow", "--overwrite")
+                self.assertEqual(0, made.returncode, made.stderr)
+                self.assertEqual(told is not None, "above" in made.stderr, made.stderr)
+                self.assertIn(told or "", made.stderr)
 
     def test_feet_become_metres_by_whoever_says_that_they_are(self):
         us, ft = 1200 / 3937, 0.3048
