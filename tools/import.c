@@ -109,13 +109,18 @@ static enum status read_options(const struct arguments *arguments, struct import
 }
 
 /* Also where nothing was made: then errors were not measured. */
-static void print_planned_errors(const struct import *import)
+static void print_planned(const struct import *import)
 {
-	const char *what = dem_info(import->opened)->resampled ? "resampled source" : "source";
+	const struct dem_info *info = dem_info(import->opened);
+	const double posts = (double)info->width * (double)info->height;
+	const char *what = info->resampled ? "resampled source" : "source";
 	if (import->meta.max_error > 0)
 		printf("stored heights off the %s by at most %g m\n", what, import->meta.max_error);
 	else
 		printf("stored heights are those of the %s, lossless\n", what);
+	/* Bytes of a post depend on the ground and on the error that is allowed. */
+	printf("the sources cover %.3g %% of %.4g posts: about %.2f to %.2f MB\n", 100 * info->covered, posts, posts * info->covered * 0.2 / 1e6,
+	       posts * info->covered * 2 / 1e6);
 }
 
 static enum status print_json(const struct import *import, const struct intake *made)
@@ -134,6 +139,7 @@ static enum status print_json(const struct import *import, const struct intake *
 	json_integer(overlap, "differing", info->overlap_differing);
 	json_number(overlap, "greatest", info->overlap_difference);
 	errors_json(object, &made->meta);
+	json_number(object, "covered", info->covered);
 	json_pair(object, "height", made->low, made->high);
 	json_integer(object, "bytes", made->bytes);
 	json_number(object, "seconds", made->seconds);
@@ -178,7 +184,7 @@ static enum status run(const struct arguments *arguments)
 			print_made(&made);
 		print_plan(dem_info(import.opened), import.insets, &import.meta);
 		if (dry)
-			print_planned_errors(&import);
+			print_planned(&import);
 		else
 			print_errors(&made.meta, "stored heights ", "stored heights ");
 	}

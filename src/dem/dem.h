@@ -66,6 +66,7 @@ struct dem_info {
 	size_t finer_count;
 	const char *const *finer;
 	const size_t *finer_sets;
+	double covered; /* share of the posts that lie in the sources' rectangles, at most; of one source 1 */
 	/* Where sources overlap: number of posts compared, number that differ, and the largest difference in metres. */
 	int64_t overlap_posts, overlap_differing;
 	double overlap_difference;

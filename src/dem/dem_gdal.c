@@ -8,6 +8,9 @@
 
 #include <stdio.h>
 
+#define LEAST_COVERED 0.01 /* of the posts */
+#define MOST_EMPTY 1e9     /* posts of a terrain that sources cover less: minutes, for nothing */
+
 static void gdal_destroy(struct dem_grid *grid)
 {
 	struct gdal_grid *gdal = (struct gdal_grid *)grid;
@@ -157,6 +160,50 @@ static void note_vertical(const struct gdal_grid *gdal)
 		told = dem_vertical_note(first->path, first->vertical, gdal->sources[i].path, gdal->sources[i].vertical);
 }
 
+static double apart(const struct gdal_source *a, const struct gdal_source *b)
+{
+	double gap[2];
+	for (int i = 0; i < 2; i++)
+		gap[i] = fmax(0, fmax(a->low[i] - b->high[i], b->low[i] - a->high[i]));
+	return hypot(gap[0], gap[1]);
+}
+
+static const struct gdal_source *farthest(const struct gdal_grid *gdal, const struct gdal_source *from)
+{
+	const struct gdal_source *found = from;
+	for (size_t i = 0; i < gdal->source_count; i++)
+		found = apart(&gdal->sources[i], from) > apart(found, from) ? &gdal->sources[i] : found;
+	return found;
+}
+
+/* Finds what share of the posts the sources cover. Refuses a large terrain that is nearly empty; tells of a small one. */
+static enum status check_cover(struct gdal_grid *gdal)
+{
+	const struct dem_target *target = &gdal->target;
+	const double posts = (double)target->width * (double)target->height;
+	double covered = 0;
+	for (size_t i = 0; i < gdal->source_count; i++) {
+		double area = 1;
+		for (int axis = 0; axis < 2; axis++) {
+			const double side = (double)((axis == 0 ? target->width : target->height) - 1) * target->spacing, from = target->origin[axis];
+			area *= fmax(0, fmin(gdal->sources[i].high[axis], from + side) - fmax(gdal->sources[i].low[axis], from)) / side;
+		}
+		covered += area;
+	}
+	gdal->grid.covered = fmin(covered, 1);
+	if (covered >= LEAST_COVERED)
+		return STATUS_OK;
+	const struct gdal_source *one = farthest(gdal, &gdal->sources[0]), *other = farthest(gdal, one);
+	char told[512];
+	snprintf(told, sizeof told, "%.160s and %.160s are %.4g km apart, and the sources cover %.2g %% of %.3g posts", one->path, other->path,
+		 apart(one, other) / 1000, 100 * covered, posts);
+	if (posts >= MOST_EMPTY)
+		return fail_with(STATUS_INPUT, "%s; if one has a wrong SRS, name the right one with --s-srs, else import them apart or with a coarser --spacing",
+				 told);
+	note("%s; the rest is empty", told);
+	return STATUS_OK;
+}
+
 static enum status describe(struct gdal_grid *gdal)
 {
 	struct dem_grid *grid = &gdal->grid;
@@ -232,6 +279,8 @@ static enum status open_grid(struct gdal_grid *gdal, const struct dem_params *pa
 	dem_target_lattice(&gdal->target, &lattice);
 	if (status == STATUS_OK && gdal->source_count > 1)
 		status = dem_overlap(gdal->sources, gdal->source_count, &lattice, &gdal->grid);
+	if (status == STATUS_OK && gdal->source_count > 1)
+		status = check_cover(gdal);
 	if (status != STATUS_OK)
 		return status;
 	status = describe(gdal);

@@ -41,6 +41,7 @@ struct dem_grid {
 	struct dem_list files; /* as in dem_info */
 	struct dem_list finer; /* as in dem_info */
 	size_t *finer_sets;
+	double covered; /* as in dem_info; 0: 1 */
 	int64_t overlap_posts, overlap_differing;
 	double overlap_difference;
 };

@@ -172,6 +172,7 @@ enum status dem_open(const struct dem_params *params, struct dem **out)
 		.finer_count = grid->finer.count,
 		.finer = (const char *const *)grid->finer.paths,
 		.finer_sets = grid->finer_sets,
+		.covered = grid->covered > 0 ? grid->covered : 1,
 		.overlap_posts = grid->overlap_posts,
 		.overlap_differing = grid->overlap_differing,
 		.overlap_difference = grid->overlap_difference,

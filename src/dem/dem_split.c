@@ -56,6 +56,18 @@ static enum status measure(struct gdal_grid *gdal, const struct dem_params *para
 	return status;
 }
 
+static bool side_by_side(const struct part *a, const struct part *b, double margin)
+{
+	struct dem_area wide = a->area;
+	for (int i = 0; i < 2; i++) {
+		wide.low[i] -= margin;
+		wide.high[i] += margin;
+		if (!(wide.low[i] <= b->area.high[i] && b->area.low[i] <= wide.high[i]))
+			return false;
+	}
+	return true;
+}
+
 /* Decides which parts are finer. Returns the spacing of the terrain. */
 static double decide(const struct gdal_grid *gdal, struct part *parts)
 {
@@ -72,6 +84,7 @@ static double decide(const struct gdal_grid *gdal, struct part *parts)
 				widen(&area, &parts[i].area);
 				finest = fmin(finest, parts[i].spacing);
 			}
+		const struct part whole = {.area = area};
 		changed = false;
 		for (size_t i = 0; i < count; i++) {
 			const bool stays = lies_within(&parts[i].area, &area, coarsest) && 2 * parts[i].spacing * TWICE <= finest;
@@ -80,8 +93,8 @@ static double decide(const struct gdal_grid *gdal, struct part *parts)
 			parts[i].finer = false;
 			changed = true;
 			note("%s: its posts of %g m are finer than those of %g m beside it, but it does not lie within them; so all is stored every %g m. "
-			     "Name it with --inset, or give --spacing", gdal->groups.groups[i].sources[0]->path, parts[i].spacing, coarsest,
-			     fmin(finest, parts[i].spacing));
+			     "%s, or give --spacing", gdal->groups.groups[i].sources[0]->path, parts[i].spacing, coarsest,
+			     fmin(finest, parts[i].spacing), side_by_side(&parts[i], &whole, 0) ? "Name it with --inset" : "Import it apart");
 		}
 	}
 	return finest;
@@ -90,18 +103,6 @@ static double decide(const struct gdal_grid *gdal, struct part *parts)
 static int level_of(double spacing, double finest)
 {
 	return (int)ceil(log2(finest / spacing) - 1e-6);
-}
-
-static bool side_by_side(const struct part *a, const struct part *b, double margin)
-{
-	struct dem_area wide = a->area;
-	for (int i = 0; i < 2; i++) {
-		wide.low[i] -= margin;
-		wide.high[i] += margin;
-		if (!(wide.low[i] <= b->area.high[i] && b->area.low[i] <= wide.high[i]))
-			return false;
-	}
-	return true;
 }
 
 /* Numbers the sets. */

@@ -68,6 +68,21 @@ class Places(RasterTest):
                 self.assertEqual(told != "", "the file says" in found.stderr, found.stderr)
                 self.assertIn(told, found.stderr)
 
+    def test_sources_far_apart_are_told_and_a_large_empty_terrain_refused(self):
+        for name, west, north in (("a.tif", 500000, 5000000), ("b.tif", 700000, 5250000)):
+            for step in (1, 100):
+                self.make(f"{step}{name}", 40, 30, self.slope, "h", west=west, north=north, step=step)
+        self.make("fine.tif", 40, 30, self.slope, "h", west=700000, north=5250000, step=10)
+        told = self.refused(3, "import", "1a.tif", "1b.tif", "-o", "s.furrow")
+        self.assertRegex(told, r"1b.tif and 1a.tif are 320.1 km apart, and the sources cover 4.8e-06 % of 5e\+10 posts; if one has a wrong SRS, .*--s-srs")
+        told = self.furrow("import", "100a.tif", "100b.tif", "-o", "s.furrow", "--dry-run")
+        self.assertRegex(told.stderr, "100a.tif are 316.3 km apart, and the sources cover 0.045 % of 5.1")
+        self.assertRegex(told.stdout, r"the sources cover 0.0\d+ % of 5.1\d*e\+06 posts: about 0.00 to 0.00 MB")
+        self.assertIn("Import it apart", self.furrow("import", "100a.tif", "fine.tif", "-o", "s.furrow", "--dry-run").stderr)
+        told = self.furrow("import", "100a.tif", "-o", "s.furrow", "--dry-run")
+        self.assertEqual("", told.stderr)
+        self.assertIn("cover 100 % of 1200 posts", told.stdout)
+
     def test_coordinates_that_are_nowhere_in_their_srs_are_told_first(self):
         self.make("in.tif", 50, 40, self.slope, "h")
         self.make("bare.tif", 50, 40, self.slope, "h", srs=None)
