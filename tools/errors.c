@@ -27,6 +27,12 @@ void print_errors(const struct store_meta *meta, const char *first, const char *
 		printf("%soff the source at its own posts: it has none on this ground\n", next);
 }
 
+void print_holes(const struct store_meta *meta, const char *first)
+{
+	if (meta->holes > 0)
+		printf("%s%.3g %% of the posts\n", first, 100 * meta->holes);
+}
+
 static void misfit_json(cJSON *object, const char *name, const struct misfit *misfit)
 {
 	if (misfit->posts == 0) {
@@ -41,6 +47,7 @@ static void misfit_json(cJSON *object, const char *name, const struct misfit *mi
 
 void errors_json(cJSON *object, const struct store_meta *meta)
 {
+	json_number(object, "holes", meta->holes);
 	json_number(object, "max_error", meta->max_error);
 	misfit_json(object, "off_resampled", &meta->off_resampled);
 	misfit_json(object, "off_source", &meta->off_source);

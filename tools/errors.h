@@ -7,7 +7,9 @@
 
 /* Prints two lines on stdout, each after `first` or `next`: off the resampled sources, and off the sources at their own posts. */
 void print_errors(const struct store_meta *meta, const char *first, const char *next);
-/* Adds max_error, off_resampled and off_source; these are null if they were not measured. */
+/* Tells on stdout what share of the posts has no height, if any has none. */
+void print_holes(const struct store_meta *meta, const char *first);
+/* Adds holes, max_error, off_resampled and off_source; the latter two are null if they were not measured. */
 void errors_json(cJSON *object, const struct store_meta *meta);
 
 #endif

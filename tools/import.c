@@ -187,6 +187,7 @@ static enum status run(const struct arguments *arguments)
 			print_planned(&import);
 		else
 			print_errors(&made.meta, "stored heights ", "stored heights ");
+		print_holes(&made.meta, "no data: ");
 	}
 	api_import_finish(&import);
 	mem_free(sources);

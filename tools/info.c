@@ -241,6 +241,7 @@ static void print_text(struct store *store, const struct store_numbers *numbers,
 	if (store_relief_text(store) != NULL)
 		printf("\nrelief     %s", store_relief_text(store));
 	printf("\nheight     %.2f to %.2f m\n", meta->low, meta->high);
+	print_holes(meta, "no data    ");
 	print_errors(meta, "errors     ", "           ");
 	printf("bytes      %lld file, %lld base (%.3f a post of level 0), %lld offset, %lld soil\n",
 	       (long long)numbers->file_bytes, (long long)numbers->base_bytes,

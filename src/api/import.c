@@ -335,6 +335,7 @@ enum status api_import_open(struct import *import, const char *const *sources, s
 		.srs = info->srs,
 		.origin = {info->origin[0], info->origin[1]},
 		.ground_off = info->ground_off,
+		.holes = (double)NAN,
 		.vertical = info->vertical,
 		.pack = import->pack,
 	};

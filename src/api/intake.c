@@ -54,8 +54,30 @@ static enum status settle(void *user)
 
 struct measuring {
 	const struct intake *intake;
-	const struct conveyor *conveyor;
+	struct conveyor *conveyor;
+	int64_t holes; /* posts of level 0 without a height */
 };
+
+/* A post that tiles share counts once: in the tile of which it is not in the last row or column. */
+static int64_t count_holes(const struct extent *extent, const struct dem_tile *tile)
+{
+	const struct post_rect all = tile_post_rect(extent, tile->tile);
+	int64_t holes = 0;
+	for (int64_t y = all.y0; y < all.y1 && y < extent->height; y++)
+		for (int64_t x = all.x0; x < all.x1 && x < extent->width; x++) {
+			const bool own = (x + 1 < all.x1 || x + 1 == extent->width) && (y + 1 < all.y1 || y + 1 == extent->height);
+			holes += own && tile->codes[(y - all.y0) * (all.x1 - all.x0) + x - all.x0] == HEIGHT_CODE_NODATA;
+		}
+	return holes;
+}
+
+static enum status put_tile(void *user, const struct dem_tile *tile)
+{
+	struct measuring *measuring = user;
+	if (tile->tile.level == 0)
+		measuring->holes += count_holes(&measuring->intake->meta.extent, tile);
+	return api_conveyor_put(measuring->conveyor, tile);
+}
 
 /* What is stored already was measured, too. */
 static enum status measure_tile(void *user, const struct dem_tile *tile, struct misfit *source)
@@ -73,7 +95,7 @@ static enum status cut_and_store(const struct intake *intake, struct store *stor
 	enum status status = api_conveyor_create(store, intake->jobs, stored, &conveyor);
 	if (status != STATUS_OK)
 		return status;
-	struct measuring measuring = {intake, conveyor};
+	struct measuring measuring = {intake, conveyor, 0};
 	struct dem_insets_cut insets = {
 		.insets = intake->insets,
 		.step = intake->meta.step,
@@ -92,8 +114,8 @@ static enum status cut_and_store(const struct intake *intake, struct store *stor
 		.step = intake->meta.step,
 		.posts = intake->posts,
 		.posts_user = intake->posts_user,
-		.emit = api_conveyor_put,
-		.emit_user = conveyor,
+		.emit = put_tile,
+		.emit_user = &measuring,
 		.measure = intake->misfit != NULL ? measure_tile : NULL,
 		.measure_user = &measuring,
 		.rounded = intake->rounded,
@@ -108,6 +130,8 @@ static enum status cut_and_store(const struct intake *intake, struct store *stor
 	struct failure failure;
 	failure_capture(&failure, status);
 	enum status done = api_conveyor_finish(conveyor);
+	const struct extent *extent = &intake->meta.extent;
+	store_put_holes(store, (double)measuring.holes / ((double)extent->width * (double)extent->height));
 	/* If something failed besides an interruption, the failure is told. */
 	bool other = status == STATUS_OK || (status == STATUS_INTERRUPTED && done != STATUS_OK);
 	return other ? done : failure_restore(&failure);
@@ -140,6 +164,7 @@ enum status api_intake_run(struct intake *intake)
 	if (status == STATUS_OK) {
 		intake->low = store_meta(store)->low;
 		intake->high = store_meta(store)->high;
+		intake->meta.holes = store_meta(store)->holes;
 		intake->meta.off_resampled = store_meta(store)->off_resampled;
 		intake->meta.off_source = store_meta(store)->off_source;
 	}

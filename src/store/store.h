@@ -32,6 +32,7 @@ struct store_meta {
 	/* By what share distances on the ground differ most from those of the SRS; -0.18: they are up to 18 % shorter. 0: by less than 0.5 %. NaN: not
 	 * known, as in stores that an older Furrow made */
 	double ground_off;
+	double holes; /* share of the posts of level 0 that have no height; NaN: not known, as in stores that an older Furrow made */
 	const char *vertical; /* "" if unknown */
 	const char *sources;  /* the sources of the base, one on each line */
 	const char *insets;   /* the insets, one on each line, which store_inset_next() reads; "" or NULL: none */
@@ -85,6 +86,7 @@ size_t store_packed_most(const struct store_packer *packer);
 /* A tile of an odd level above 0 takes no bytes: the tiles below it have its posts, and must be put before it. */
 struct store_packed store_pack(struct store_packer *packer, struct tile tile, const int32_t *codes);
 /* Adds to what the store says about errors; written with the tiles put before. */
+void store_put_holes(struct store *store, double share); /* before store_publish; sets meta.holes */
 void store_put_misfit(struct store *store, const struct misfit *resampled, const struct misfit *source);
 enum status store_put_packed(struct store *store, struct tile tile, const struct store_packed *packed,
 			     const struct store_range *range) FURROW_CHECKED;

@@ -118,6 +118,8 @@ enum status store_meta_write(struct store *store)
 		status = store_meta_put_text(store, texts[i].key, texts[i].value);
 	if (status == STATUS_OK && !isnan(meta->ground_off))
 		status = store_meta_put_real(store, "ground_off", meta->ground_off);
+	if (status == STATUS_OK && !isnan(meta->holes))
+		status = store_meta_put_real(store, "holes", meta->holes);
 	if (status == STATUS_OK && meta->insets != NULL && meta->insets[0] != '\0')
 		status = store_meta_put_text(store, "insets", meta->insets);
 	if (status == STATUS_OK)
@@ -211,14 +213,15 @@ static enum status get_real(struct lookup *lookup, const char *key, bool may_lac
 	return good ? STATUS_OK : bad_key(lookup, key);
 }
 
-static enum status get_ground_off(struct lookup *lookup, double *value)
+/* NaN: there is no such key. */
+static enum status get_optional(struct lookup *lookup, const char *key, double *value)
 {
 	bool found;
-	enum status status = look_up(lookup, "ground_off", &found);
+	enum status status = look_up(lookup, key, &found);
 	*value = (double)NAN;
 	if (status != STATUS_OK || !found)
 		return status;
-	return get_real(lookup, "ground_off", false, value);
+	return get_real(lookup, key, false, value);
 }
 
 /* `lacking`: its value if there is no such key; NULL: there must be. */
@@ -445,7 +448,9 @@ static enum status get_all(struct lookup *lookup, struct store *store)
 	for (size_t i = 0; i < sizeof reals / sizeof *reals && status == STATUS_OK; i++)
 		status = get_real(lookup, reals[i].key, reals[i].may_lack, reals[i].value);
 	if (status == STATUS_OK)
-		status = get_ground_off(lookup, &meta->ground_off);
+		status = get_optional(lookup, "ground_off", &meta->ground_off);
+	if (status == STATUS_OK)
+		status = get_optional(lookup, "holes", &meta->holes);
 	if (status == STATUS_OK)
 		status = get_text(lookup, "srs", NULL, &meta->srs);
 	if (status == STATUS_OK)

@@ -44,6 +44,11 @@ enum status store_misfit_read(struct store *store)
 	return status;
 }
 
+void store_put_holes(struct store *store, double share)
+{
+	store->meta.holes = share;
+}
+
 void store_put_misfit(struct store *store, const struct misfit *resampled, const struct misfit *source)
 {
 	misfit_add(&store->meta.off_resampled, resampled);

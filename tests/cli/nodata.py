@@ -119,6 +119,11 @@ class Nodata(RasterTest):
 
     def test_a_hole_stays_a_hole_when_it_is_resampled(self):
         self.make("in.tif", 90, 80, lambda x, y: -9999 if 30 <= x < 60 and 20 <= y < 50 else 50, nodata=-9999)
+        self.assertIn("no data: 12.5 % of the posts", self.ok("import", "in.tif", "-o", "own.furrow", "--tile", 8))
+        self.assertIn("no data    12.5 % of the posts", self.ok("info", "own.furrow"))
+        self.assertEqual(self.json("info", "own.furrow")["holes"], 0.125)
+        self.assertNotIn("no data", self.ok("import", "in.tif", "-o", "own.furrow", "--overwrite", "--fill"))
+        self.assertEqual(self.json("info", "own.furrow")["holes"], 0)
         for method in ("bilinear", "cubic", "near"):
             self.ok("import", "in.tif", "-o", "s.furrow", "--overwrite", "-r", method, "--spacing", "4")
             for x, y, nodata in ((450, 440, True), (302 + 16, 440, True), (270, 440, False), (450, 260, False)):
