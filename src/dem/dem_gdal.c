@@ -8,7 +8,7 @@
 
 #include <stdio.h>
 
-#define LEAST_COVERED 0.01 /* of the posts */
+#define LEAST_COVERED 0.05 /* of the posts, by sources that lie apart */
 #define MOST_EMPTY 1e9     /* posts of a terrain that sources cover less: minutes, for nothing */
 
 static void gdal_destroy(struct dem_grid *grid)
@@ -168,15 +168,37 @@ static double apart(const struct gdal_source *a, const struct gdal_source *b)
 	return hypot(gap[0], gap[1]);
 }
 
-static const struct gdal_source *farthest(const struct gdal_grid *gdal, const struct gdal_source *from)
+static double longest_side(const struct gdal_source *source)
 {
-	const struct gdal_source *found = from;
-	for (size_t i = 0; i < gdal->source_count; i++)
-		found = apart(&gdal->sources[i], from) > apart(found, from) ? &gdal->sources[i] : found;
-	return found;
+	return fmax(source->high[0] - source->low[0], source->high[1] - source->low[1]);
 }
 
-/* Finds what share of the posts the sources cover. Refuses a large terrain that is nearly empty; tells of a small one. */
+/* Finds a source to which no chain of neighbours leads from the first one. Neighbours are at most a side apart. */
+static enum status find_lone(const struct gdal_grid *gdal, const struct gdal_source **lone)
+{
+	const size_t count = gdal->source_count;
+	size_t *chain = mem_alloc(count, sizeof *chain), known = 1; /* numbers of sources: first those that are reached */
+	*lone = NULL;
+	if (chain == NULL)
+		return fail_memory("opening the sources");
+	for (size_t i = 0; i < count; i++)
+		chain[i] = i;
+	for (size_t i = 0; i < known; i++)
+		for (size_t j = known; j < count; j++) {
+			const struct gdal_source *one = &gdal->sources[chain[i]], *other = &gdal->sources[chain[j]];
+			if (apart(one, other) > fmax(longest_side(one), longest_side(other)))
+				continue;
+			const size_t reached = chain[j];
+			chain[j] = chain[known];
+			chain[known++] = reached;
+		}
+	if (known < count)
+		*lone = &gdal->sources[chain[known]];
+	mem_free(chain);
+	return STATUS_OK;
+}
+
+/* Finds what share of the posts the sources cover. Sources that lie apart in a nearly empty terrain are refused if it is large, or else told. */
 static enum status check_cover(struct gdal_grid *gdal)
 {
 	const struct dem_target *target = &gdal->target;
@@ -191,12 +213,13 @@ static enum status check_cover(struct gdal_grid *gdal)
 		covered += area;
 	}
 	gdal->grid.covered = fmin(covered, 1);
-	if (covered >= LEAST_COVERED)
-		return STATUS_OK;
-	const struct gdal_source *one = farthest(gdal, &gdal->sources[0]), *other = farthest(gdal, one);
+	const struct gdal_source *one = &gdal->sources[0], *other = NULL;
+	enum status status = covered < LEAST_COVERED ? find_lone(gdal, &other) : STATUS_OK;
+	if (status != STATUS_OK || other == NULL)
+		return status;
 	char told[512];
-	snprintf(told, sizeof told, "%.160s and %.160s are %.4g km apart, and the sources cover %.2g %% of %.3g posts", one->path, other->path,
-		 apart(one, other) / 1000, 100 * covered, posts);
+	snprintf(told, sizeof told, "%.160s: lies %.4g km from %.160s, and the sources cover %.2g %% of %.3g posts", one->path,
+		 apart(one, other) / 1000, other->path, 100 * covered, posts);
 	if (posts >= MOST_EMPTY)
 		return fail_with(STATUS_INPUT, "%s; if one has a wrong SRS, name the right one with --s-srs, else import them apart or with a coarser --spacing",
 				 told);

@@ -4,6 +4,7 @@
  *   open -> level, place on the terrain's lattice -> what surrounds it -> feather -> distances -> covered cells -> offset
  */
 #include "dem_inset.h"
+#include "dem_internal.h"
 
 #include <math.h>
 #include <stdlib.h>
