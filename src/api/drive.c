@@ -397,6 +397,17 @@ static void tell_on_the_way(const struct drive *drive)
 	}
 }
 
+static void tell_stuck(const struct drive *drive)
+{
+	for (size_t i = 0; i < vehicle_count(drive->vehicles); i++) {
+		struct vehicle_info info;
+		vehicle_info(drive->vehicles, i, &info);
+		if (info.stuck && info.deepest != NULL)
+			note("vehicles.%s: is stuck since %.2f s: it has come %.4g m, and %s is deepest in the soil, by %.3g m; look at its rows in objects.csv "
+			     "(output.forces)", info.name, fmax(info.stuck_at, 0), info.distance, info.deepest, info.depth);
+	}
+}
+
 static void tell_advice(void *user, const char *text)
 {
 	note("%s", text);
@@ -417,6 +428,8 @@ static enum status run(struct drive *drive, struct api_result *result)
 		tell_on_the_way(drive);
 		report_groundless(&drive->world, tell_advice, NULL);
 	}
+	if (strcmp(result->ended, "stuck") == 0 && writes(drive))
+		tell_stuck(drive);
 	struct failure failure;
 	failure_capture(&failure, status);
 	if (drive->params->ranks != NULL) { /* conclude() writes it */

@@ -1,6 +1,7 @@
 /* Counts the changes between two words: optimal string alignment (Damerau, Comm. ACM 7, 1964; Levenshtein, 1966). */
 #include "base/nearest.h"
 
+#include <stdbool.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -39,7 +40,9 @@ void nearest_offer(struct nearest *nearest, const char *word)
 	if (written > LONGEST || offered > LONGEST)
 		return;
 	const size_t changes = changes_between(nearest->word, written, word, offered);
-	if (changes >= nearest->changes)
+	const char *found = nearest->found, last = written > 0 ? nearest->word[written - 1] : '\0';
+	const bool ends_alike = offered > 0 && word[offered - 1] == last && found != NULL && found[strlen(found) - 1] != last;
+	if (changes > nearest->changes || (changes == nearest->changes && !ends_alike))
 		return;
 	nearest->changes = changes;
 	nearest->found = word;

@@ -15,7 +15,8 @@ struct nearest {
 struct nearest nearest_begin(const char *word);
 /*
  * Offers a word. It is near if at most a third of the letters of `word` must change. A change adds a letter, leaves one out, replaces one, or swaps two.
- * Of words that are as near as each other the first is kept. Words of more than 40 letters are never near.
+ * Of words that are as near as each other the first is kept, or the first that has the same last letter as `word`. Words of more than 40 letters are never
+ * near.
  */
 void nearest_offer(struct nearest *nearest, const char *word);
 

@@ -15,6 +15,7 @@
 #define LARGE_KC 2e5        /* N/m^(n+1): twice the largest of the tables; such a soil may have a small k_phi */
 #define LEAST_LOAD 10.0     /* N */
 #define LARGE_WHEEL 0.5     /* metres across: its own weight is more than LEAST_LOAD */
+#define LARGEST_RADIUS 20.0 /* m */
 #define LEAST_SUN 10.0      /* degrees */
 #define GRAVITY 9.81        /* m/s2, of a load in kg */
 
@@ -143,6 +144,24 @@ static bool is_light(const struct scene_object *object)
 	       2 * object->shape.radius >= LARGE_WHEEL;
 }
 
+/* Doubts a radius that only a building has. */
+static enum status doubt_radii(const struct units *units)
+{
+	static const char *const names[DEFORM_SHAPES] = {[DEFORM_WHEEL] = "wheel", [DEFORM_SPHERE] = "sphere", [DEFORM_CYLINDER] = "cylinder", [DEFORM_CAPSULE] = "capsule"};
+	const struct scene_object *objects = units->scene->objects;
+	enum status status = STATUS_OK;
+	for (size_t i = 0; i < units->scene->object_count && status == STATUS_OK; i++) {
+		const struct deform_shape *shape = &objects[i].shape;
+		char where[80], why[120];
+		if (names[shape->kind] == NULL || shape->radius <= LARGEST_RADIUS)
+			continue;
+		snprintf(where, sizeof where, "objects[%zu].shape.%s.radius", i, names[shape->kind]);
+		snprintf(why, sizeof why, "%g m is large, and perhaps in mm; the unit is m: if it is in mm give %.6g", shape->radius, shape->radius / 1e3);
+		status = doubt(units, scene_tree_find(units->tree, "%s", where), why);
+	}
+	return status;
+}
+
 /* Wheels with one load and radius get one note. */
 static enum status doubt_loads(const struct units *units)
 {
@@ -199,6 +218,8 @@ enum status scene_check_units(const struct scene_tree *tree, const struct raw_sc
 	enum status status = doubt_soils(&units);
 	if (status == STATUS_OK)
 		status = doubt_interfaces(&units);
+	if (status == STATUS_OK)
+		status = doubt_radii(&units);
 	if (status == STATUS_OK)
 		status = doubt_loads(&units);
 	return status == STATUS_OK ? doubt_sun(&units) : status;

@@ -306,13 +306,16 @@ bool store_has_working_level(const struct store *store, int *level)
 enum status store_set_working_level(struct store *store, int level)
 {
 	const struct extent *extent = &store->meta.extent;
+	const struct store *first = store; /* whose ruts those of overlays are over */
+	while (first->under != NULL && first->under->has_working)
+		first = first->under;
 	if (level < TILE_LEVEL_MIN || level > extent_coarsest(extent))
 		return fail_with(STATUS_INPUT, "%s: level %d cannot be deformed; give one from %d to %d", store->path,
 				 level, TILE_LEVEL_MIN, extent_coarsest(extent));
 	if (store->has_working && store->working != level)
 		return fail_with(STATUS_INPUT, "%s: it is deformed at a spacing of %g m, not %g m; use that spacing, "
-				 "or furrow reset", store->path, extent_spacing(extent, store->working),
-				 extent_spacing(extent, level));
+				 "or furrow reset %s", first->path, extent_spacing(extent, store->working),
+				 extent_spacing(extent, level), first->path);
 	if (store->history.has_level && store->history.level != level)
 		return fail_with(STATUS_INPUT, "%s: its history is of ground that was deformed at a spacing of %g m, not %g m; use that spacing, or "
 				 "furrow reset", store->path, extent_spacing(extent, store->history.level), extent_spacing(extent, level));

@@ -299,6 +299,10 @@ void vehicle_info(const struct vehicles *vehicles, size_t index, struct vehicle_
 		.stuck = is_stuck(vehicles, vehicle),
 	};
 	for (size_t g = 0; g < vehicle->geom_count && vehicles->world != NULL; g++) {
+		if (vehicle->geoms[g].contact.sinkage > info->depth) {
+			info->deepest = vehicle->geoms[g].name;
+			info->depth = vehicle->geoms[g].contact.sinkage;
+		}
 		const double *place = &vehicle->data->xpos[3 * vehicle->root];
 		const double *at = &vehicle->data->geom_xpos[3 * vehicle->geoms[g].geom];
 		info->reach = fmax(info->reach, hypot(at[0] - place[0], at[1] - place[1]) + deform_shape_bound(&vehicle->geoms[g].shape));

@@ -81,6 +81,8 @@ struct vehicle_info {
 	const char *told_sunk; /* the note that the soil does not carry it; NULL: none was printed */
 	bool stuck;
 	double stuck_at;       /* s; while stuck */
+	const char *deepest;   /* its soil geom that is deepest in the soil now, */
+	double depth;          /* m: below the undisturbed surface; 0: none touches */
 };
 size_t vehicle_count(const struct vehicles *vehicles); /* 0 for NULL */
 void vehicle_info(const struct vehicles *vehicles, size_t vehicle, struct vehicle_info *info);

@@ -10,7 +10,7 @@
 
 static const char *found(const char *word)
 {
-	static const char *const words[] = {"import", "info", "export", "end_time", "time_step", "wheel", "dry_sand", "o", "load"};
+	static const char *const words[] = {"import", "info", "export", "end_time", "time_step", "wheel", "dry_sand", "o", "load", "bekker_kc", "bekker_kphi"};
 	struct nearest nearest = nearest_begin(word);
 	for (size_t i = 0; i < sizeof words / sizeof words[0]; i++)
 		nearest_offer(&nearest, words[i]);
@@ -27,6 +27,8 @@ static void typing_errors_are_seen(void **state)
 	assert_string_equal(found("drysand"), "dry_sand");
 	assert_string_equal(found("laod"), "load");
 	assert_string_equal(found("inof"), "info");
+	assert_string_equal(found("bekker_kfi"), "bekker_kphi"); /* kc is as near, and ends otherwise */
+	assert_string_equal(found("bekker_k"), "bekker_kc");
 }
 
 static void other_words_are_not_near(void **state)

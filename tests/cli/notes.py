@@ -118,6 +118,8 @@ class Notes(FurrowTest):
         speed, way, left, end = map(float, told.groups())
         self.assertAlmostEqual(way + left, 10, delta=0.1)
         self.assertAlmostEqual(end, 3.5 + left / speed, delta=1)  # 2 s, and one in which it slows down
+        stuck = self.notes("vehicles.car: ", "--overlay", "f.furrow", "--set", "end_time=20", "--set", "stuck={after: 1, below: 0.5}", scene="car.yaml")
+        self.assertRegex(" ".join(stuck), r"vehicles\.car: is stuck since [\d.]+ s: it has come [\d.]+ m, and car\.wheel is deepest in the soil, by [\d.]+ m; look ")
         # One point: it is there.
         self.scene((scene % "[30, 20]").replace("[[20, 20], [30, 20]]", "[[20, 20]]"), "there.yaml")
         self.assertEqual(self.notes("vehicles.car: ", "--overlay", "d.furrow", scene="there.yaml"), [])

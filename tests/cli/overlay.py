@@ -252,6 +252,14 @@ class Refusals(Overlay):
         self.refused(3, "drive", self.scene(), "--store", "absent.furrow", "--overlay", "over.furrow", "-o", "out")
         self.assertEqual(self.names(), ["broken.yaml", "scene.yaml", "world.furrow"])
 
+    def test_ruts_of_another_spacing_are_told_of_the_file_that_has_them(self):
+        store = self.synth()
+        self.drive(self.scene(), "--store", store, "--set", "spacing=0.5", "--steps", 2)
+        for overlay in ("a.furrow", "b.furrow"):
+            self.drive(self.scene(), "--store", store, "--overlay", "a.furrow", "--set", "spacing=0.5", "--steps", 2)
+            error = self.refused(3, "drive", self.scene(), "--store", store, "--overlay", overlay, "-o", "out", "--set", "spacing=0.25")
+            self.assertRegex(error, r"world\.furrow: it is deformed at a spacing of 0\.5 m, not 0\.25 m; use that spacing, or furrow reset \S*world\.furrow$")
+
     def test_an_overlay_that_was_there_is_kept_by_a_drive_that_fails(self):
         store = self.synth()
         self.drive(self.scene(), "--store", store, "--overlay", "over.furrow")

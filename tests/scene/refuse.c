@@ -68,6 +68,8 @@ static const struct {
 	{"model: box", "model: box, repetitions: 9", ":9: redistribute.repetitions: 9 is out of range; "
 						     "allowed: 1 to 8"},
 	{"radius: 0.5", "radius: 0", ":14: objects[0].shape.wheel.radius: 0 is out of range"},
+	{"radius: 0.5", "radius: 1500", ":14: objects[0].shape.wheel.radius: 1500 is out of range, and the unit is m, not mm; allowed: 0.001 to 1000"},
+	{"{name: dry_sand}", "{janosi_shear: 25}", ":8: soil.janosi_shear: 25 is out of range, and the unit is m, not cm or mm; allowed: above 0 to 10"},
 	{"width: 0.4", "width: -0.4", ":14: objects[0].shape.wheel.width: -0.4 is out of range"},
 	{"speed: 5", "speed: 0", ":15: objects[0].path.speed: 0 is out of range; allowed: above 0"},
 	{"[90, 40]", "[90, 4e10]", ":15: objects[0].path.points[1][1]: 4e10 is out of range"},

@@ -83,6 +83,14 @@ static void moduli_in_kilonewtons(void **state)
 	noted("soil", "{name: dry_sand, bekker_kphi: 100, bekker_kc: 2e5}", NULL);
 }
 
+static void radii_in_millimetres(void **state)
+{
+	noted("objects", "[{name: a, shape: {wheel: {radius: 320, width: 240}}, path: {points: [[9, 9]], speed: 1}}]",
+	      "objects[0].shape.wheel.radius: 320 m is large, and perhaps in mm; the unit is m: if it is in mm give 0.32");
+	noted("objects", "[{name: a, shape: {sphere: {radius: 21}}, path: {points: [[9, 9]], speed: 1}}]", "if it is in mm give 0.021");
+	noted("objects", "[{name: a, shape: {sphere: {radius: 20}}, path: {points: [[9, 9]], speed: 1}}]", NULL);
+}
+
 static void shear_in_centimetres_or_millimetres(void **state)
 {
 	noted("soil.janosi_shear", "2", "soil.janosi_shear: 2 m is more than soils have, and probably in cm or mm; the unit is m: if it is in cm give 0.02, "
@@ -241,6 +249,7 @@ int main(void)
 		cmocka_unit_test(angles_in_radians),
 		cmocka_unit_test(cohesion_in_kilopascals),
 		cmocka_unit_test(moduli_in_kilonewtons),
+		cmocka_unit_test(radii_in_millimetres),
 		cmocka_unit_test(shear_in_centimetres_or_millimetres),
 		cmocka_unit_test(named_soils_get_none_but_in_the_units_of_their_table),
 		cmocka_unit_test(surfaces_are_doubted_as_soils_are),
