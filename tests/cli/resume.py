@@ -97,7 +97,7 @@ class Resume(FurrowTest):
         process.send_signal(signal.SIGCONT)
         _, errors = process.communicate(timeout=100)
         self.assertEqual(process.returncode, 0, errors)
-        self.assertRegex(errors, r"^furrow: note: killed.furrow: \d+ of 5121 rows \(\d+ %\), \d+ a second, \d+ s left\n")
+        self.assertRegex(errors, r"(?m)^furrow: note: killed.furrow: \d+ of 5121 rows \(\d+ %\), \d+ a second, \d+ s left$")
         self.assertLessEqual(errors.count(" s left"), (time.monotonic() - started) // 10)
 
     def test_interrupted_it_says_how_to_go_on_and_does(self):
@@ -142,6 +142,7 @@ class Resume(FurrowTest):
         if status == 0 or "without GDAL" in errors:
             self.skipTest("it was done before it could be interrupted, or cannot be read")
         self.assertEqual(status, 130, errors)
+        self.assertIn("--resume", self.refused(3, *self.arguments("killed.furrow", "--resume", "--s-unit", "m")))
         os.utime(self.folder / "noise.r16", (1, 1))
         self.assertIn("sources that have changed", self.refused(3, *self.arguments("killed.furrow", "--resume")))
         self.assertTrue((self.folder / "killed.furrow.part").exists())
