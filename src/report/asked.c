@@ -5,6 +5,8 @@
 #include "base/json.h"
 #include "report/report.h"
 
+#define GROUNDLESS_SHARE 0.01 /* of an object's path samples; more are told */
+
 /* Adds a path that holds from any folder; null without one. As it was given, if the file is not there. */
 static void add_path(cJSON *object, const char *name, const char *path)
 {
@@ -26,13 +28,18 @@ static void add_note(void *user, const char *text)
 
 void report_groundless(const struct world *world, scene_advice_fn tell, void *user)
 {
-	char text[400];
+	char text[440], count[60];
 	for (size_t i = 0; world->ranks == NULL && i < world->scene->object_count; i++) {
 		const struct body *body = &world->bodies[i];
-		if (body->track == NULL || body->skipped == 0 || body->skipped < body->next)
+		const bool all = body->skipped == body->next;
+		if (body->track == NULL || (double)body->skipped <= GROUNDLESS_SHARE * (double)body->next)
 			continue;
-		snprintf(text, sizeof text, "objects.%.200s.path: all %lld path samples had no ground, so the object pressed nothing; lead the path over the "
-					    "terrain, or fill its holes (furrow import --fill)", body->object->name, (long long)body->skipped);
+		if (all)
+			snprintf(count, sizeof count, "all %lld", (long long)body->skipped);
+		else
+			snprintf(count, sizeof count, "%lld of %lld", (long long)body->skipped, (long long)body->next);
+		snprintf(text, sizeof text, "objects.%.200s.path: %s path samples had no ground, so the object pressed nothing%s; lead the path over the "
+					    "terrain, or fill its holes (furrow import --fill)", body->object->name, count, all ? "" : " there");
 		tell(user, text);
 	}
 }

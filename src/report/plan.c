@@ -6,6 +6,8 @@
 
 #include "report/report.h"
 
+#define HOLE_SAMPLES 512 /* path samples of all objects that are looked at for holes: each reads a tile */
+
 /* There is always room for one more text before it is written. `failed` keeps a failure. */
 struct notes {
 	struct report_plan *plan;
@@ -150,6 +152,51 @@ static enum status advise_starts(const struct world *world, struct notes *notes)
 	return status;
 }
 
+/* Looks at up to `most` of the body's due path samples, evenly spread. Finds the first over a hole, and the share of them over holes. */
+static enum status find_hole(struct store_reader *reader, const struct world *world, const struct body *body, uint64_t most, struct track_point *first,
+			     double *share)
+{
+	const uint64_t due = world_samples_until(body->track, world->scene->end_time), count = due < most ? due : most;
+	enum status status = STATUS_OK;
+	uint64_t holes = 0;
+	for (uint64_t i = 0; i < count && status == STATUS_OK; i++) {
+		struct track_point point;
+		struct store_sample sample = {.nodata = false};
+		motion_track_sample(body->track, (int64_t)(count > 1 ? i * (due - 1) / (count - 1) : 0), &point);
+		status = store_sample(reader, point.x, point.y, &sample);
+		if (status == STATUS_OK && sample.nodata && !sample.outside && holes++ == 0)
+			*first = point;
+	}
+	*share = count > 0 ? (double)holes / (double)count : 0;
+	return status;
+}
+
+/* Tells of paths over holes, as advise_leaving does of those off the terrain. It looks at some path samples only. */
+static enum status advise_holes(const struct world *world, struct notes *notes)
+{
+	const struct scene *scene = world->scene;
+	struct store_reader *reader = NULL;
+	if (scene->object_count == 0 || world->store == NULL)
+		return STATUS_OK;
+	enum status status = store_reader_create(world->store, &reader);
+	for (size_t i = 0; i < scene->object_count && status == STATUS_OK; i++) {
+		struct track_point first = {.time = 0};
+		double share;
+		char text[500];
+		if (world->bodies[i].track == NULL)
+			continue;
+		status = find_hole(reader, world, &world->bodies[i], HOLE_SAMPLES / scene->object_count + 2, &first, &share);
+		if (status != STATUS_OK || share == 0)
+			continue;
+		snprintf(text, sizeof text, "objects.%.200s.path: is over a hole of the terrain after %.6g s, at %.3f, %.3f m, and for about %.2g %% of its path samples: %s; move "
+					    "the path%s, or import with holes filled (furrow import --fill)", scene->objects[i].name, first.time, first.x, first.y, 100 * share,
+			 scene->outside == SCENE_STOP ? "the drive will stop there" : "nothing is pressed there", scene->outside == SCENE_STOP ? ", set outside: skip" : "");
+		keep_note(notes, text);
+	}
+	store_reader_destroy(reader);
+	return status;
+}
+
 static enum status describe(struct world *world, struct report_plan *out)
 {
 	const struct scene *scene = world->scene;
@@ -158,6 +205,8 @@ static enum status describe(struct world *world, struct report_plan *out)
 	enum status status = world_budget_check(world);
 	if (status == STATUS_OK)
 		status = advise_starts(world, &notes);
+	if (status == STATUS_OK)
+		status = advise_holes(world, &notes);
 	if (status != STATUS_OK)
 		return status;
 	world_budget(world, &most);

@@ -44,7 +44,7 @@ enum status report_write(const char *directory, const char *json) FURROW_CHECKED
  * there are none. */
 enum status report_map(const struct world *world, const struct vehicles *vehicles, const char *path, const char *ended) FURROW_CHECKED;
 
-/* asked.c: tells of each object whose path samples all had no ground. Of many processes: nothing, since none has all samples. */
+/* asked.c: tells of each object of whose path samples more than 1 % had no ground. Of many processes: nothing, since none has all samples. */
 void report_groundless(const struct world *world, scene_advice_fn tell, void *user);
 /* asked.c: adds what was run: the program's version, the scene with all its settings, the store, the trace, and the notes. */
 void report_asked(struct cJSON *root, const struct report *report);

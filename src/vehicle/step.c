@@ -157,8 +157,7 @@ static enum status check_ground(const struct vehicles *vehicles, const struct so
 	enum status status = resident_ground_height(world->ground, lattice_offset(at[0]), lattice_offset(at[1]), &height, &any);
 	if (status != STATUS_OK || any || world->scene->outside == SCENE_SKIP)
 		return status;
-	return fail_with(STATUS_FAILED, "%s: no ground under it at %.3f, %.3f after %.3f s; move its path, or set outside: skip", geom->name, at[0],
-			 at[1], world->time);
+	return world_no_ground(world, geom->name, false, at[0], at[1], world->time);
 }
 
 /* --- the motion --- */

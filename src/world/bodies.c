@@ -37,6 +37,22 @@ static enum status to_local(const struct world *world, bool degrees, const char 
 	return status;
 }
 
+enum status world_no_ground(const struct world *world, const char *name, bool degrees, double x, double y, double time)
+{
+	const struct extent *extent = &world->meta->extent;
+	const bool hole = x >= 0 && y >= 0 && x <= (double)(extent->width - 1) * extent->spacing && y <= (double)(extent->height - 1) * extent->spacing;
+	const enum scene_coordinates coordinates = world->scene->coordinates;
+	const char *srs = degrees ? DEM_SRS_DEGREES : coordinates == SCENE_SRS ? world->scene->srs : "the store's system";
+	char given[160] = "";
+	if (degrees || coordinates != SCENE_LOCAL) {
+		double east = x + world->meta->origin[0], north = y + world->meta->origin[1];
+		if (degrees || coordinates == SCENE_SRS ? dem_transform(world->meta->srs, srs, 1, &east, &north) == STATUS_OK : true)
+			snprintf(given, sizeof given, ", which is %.10g, %.10g in %.80s,", east, north, srs);
+	}
+	return fail_with(STATUS_FAILED, "%s: no ground under it at %.3f, %.3f m%s after %.3f s: it is %s; move its path%s, or set outside: skip", name, x, y, given,
+			 time, hole ? "over a hole of the terrain" : "off the terrain", hole ? ", import with holes filled (furrow import --fill)" : "");
+}
+
 enum status world_start_point(const struct world *world, const struct scene_vehicle *vehicle, double to[2])
 {
 	char key[300];

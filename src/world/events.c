@@ -24,13 +24,6 @@ static enum status add_event(struct world *world, const struct event *event)
 	return STATUS_OK;
 }
 
-static enum status no_ground(const struct body *body, const struct track_point *point)
-{
-	return fail_with(STATUS_FAILED, "%s: no ground under it at %.3f, %.3f after %.3f s; move its path, or set "
-					"outside: skip",
-			 body->object->name, point->x, point->y, point->time);
-}
-
 enum status world_set_down(struct world *world, struct body *body, int64_t sample, struct event *event)
 {
 	struct track_point point;
@@ -48,7 +41,7 @@ enum status world_set_down(struct world *world, struct body *body, int64_t sampl
 	if (status != STATUS_OK)
 		return status;
 	if (!event->contact && world->scene->outside == SCENE_STOP)
-		return no_ground(body, &point);
+		return world_no_ground(world, body->object->name, body->object->path.degrees, point.x, point.y, point.time);
 	if (!event->contact)
 		return STATUS_OK;
 	double reach = deform_shape_reach(&body->object->shape, point.pitch, point.roll);

@@ -430,6 +430,9 @@ void world_finish(struct world *world, enum status status);
 /* Makes the way that a path of the scene says, in local metres. `name`: of the object or vehicle, for messages. The caller frees it by
  * motion_route_finish. STATUS_INPUT: the store has no reference system, or there is no such way. */
 enum status world_route(const struct world *world, const struct scene_path *path, const char *name, struct scene_path *route) FURROW_CHECKED;
+/* Fails with STATUS_FAILED. The message tells that `name` has no ground at (x, y), local metres, after `time` seconds: off the terrain, or over a hole. It
+ * also gives the point in degrees if `degrees`, otherwise in the scene's coordinates. */
+enum status world_no_ground(const struct world *world, const char *name, bool degrees, double x, double y, double time) FURROW_CHECKED;
 /* Gives where a vehicle starts, in local metres. STATUS_INPUT: the store has no reference system, or the point is nowhere in it. */
 enum status world_start_point(const struct world *world, const struct scene_vehicle *vehicle, double to[2]) FURROW_CHECKED;
 

@@ -258,7 +258,7 @@ class Explain(FurrowTest):
             self.skipTest("no GL here")
         self.assertEqual(result.returncode, 1, result.stderr)
         self.assertIn("furrow: note: " + told[0], result.stderr)
-        self.assertIn("a: no ground under it at 257.000, 20.000 after 1.700 s; ", result.stderr)
+        self.assertIn("a: no ground under it at 257.000, 20.000 m after 1.700 s: it is off the terrain; ", result.stderr)
 
     def test_a_store_that_is_not_there_is_named(self):
         scene = self.scene(BARE + "store: demo.furrow\n")

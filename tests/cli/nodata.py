@@ -71,6 +71,35 @@ class Nodata(RasterTest):
             error = self.refused(3, "drive", path, "--store", "s.furrow", "--overlay", "a.furrow", "-o", "d")
             self.assertEqual("if these are longitude and latitude, give coordinates: degrees" in error, hint, error)
 
+    def test_a_path_over_a_hole_is_told(self):
+        self.make("in.tif", 60, 60, lambda x, y: -9999 if 20 <= x < 30 else 100, nodata=-9999)
+        self.ok("import", "in.tif", "-o", "s.furrow", "--nodata", "-9999")
+        info = self.json("info", "s.furrow")
+        post, origin = info["spacing"], info["origin"]
+        car = ("scene: 1\ntime_step: 0.5\nend_time: 100\noutside: %s\ncoordinates: %s\nredistribute: {model: box}\nobjects: [{name: car, shape: {sphere: "
+               f"{{radius: {3 * post}}}}}, sink: 0.1, path: {{points: [[%.9g, %.9g], [%.9g, %.9g]], speed: {post}}}}}]\n")
+
+        def notes(command, *given):
+            result = self.furrow(command, self.scene(car % given), "--store", "s.furrow", *(("--json",) if command == "explain" else ("-o", "out", "--overlay", "o.furrow")))
+            kept = [note for note in (result.stderr.split("furrow: ") if command == "drive" else json.loads(result.stdout)["notes"]) if "furrow import --fill" in note]
+            return result, kept
+
+        way = [x * post for x in (10, 30, 50, 30)]
+        _, told = notes("explain", "stop", "local", *way)
+        self.assertEqual(len(told), 1, told)
+        self.assertRegex(told[0], r"^objects.car.path: is over a hole of the terrain after (9|1\d)\S* s, at .* m, and for about 2\d % of its path samples: the drive will stop there")
+        self.assertEqual(notes("explain", "stop", "local", *[x * post for x in (2, 2, 12, 12)])[1], [])
+        place = [value + origin[i % 2] for i, value in enumerate(way)]
+        result, _ = notes("drive", "stop", "store", *place)
+        self.assertEqual(result.returncode, 1)
+        self.assertRegex(result.stderr, r"car: no ground under it at \S+, \S+ m, which is \S+, \S+ in the store's system, after \S+ s: it is over a hole of the terrain; "
+                         r"move its path, import with holes filled \(furrow import --fill\), or set outside: skip")
+        east = float(result.stderr.split("which is ")[1].split(",")[0])
+        self.assertAlmostEqual(east, origin[0] + float(result.stderr.split("under it at ")[1].split(",")[0]), delta=post / 100)
+        result, told = notes("drive", "skip", "store", *place)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertRegex(told[0], r"^note: objects.car.path: \d+ of \d+ path samples had no ground, so the object pressed nothing there; ")
+
     def test_nodata_no_tag_declares_is_told_and_can_be_named(self):
         for sentinel in (-32767, -32768, -9999, 32767):
             with self.subTest(sentinel=sentinel):
