@@ -14,8 +14,8 @@ enum status place_local(const struct store_meta *meta, const char *srs, const ch
 		return STATUS_OK;
 	if (strcmp(srs, "store") != 0) {
 		if (meta->srs[0] == '\0')
-			return fail_with(STATUS_INPUT, "%s: the store has no reference system; leave %s out and give metres from its south-west post", command,
-					 option);
+			return fail_with(STATUS_INPUT, "%s: the store has no reference system; leave %s out and give metres from its south-west post, or import again "
+						       "with --s-srs EPSG:..., if its coordinates are of a system", command, option);
 		enum status status = dem_transform(srs, meta->srs, 1, x, y);
 		if (status != STATUS_OK)
 			return status;

@@ -23,10 +23,10 @@ static enum status to_local(const struct world *world, bool degrees, const char 
 	const char *srs = degrees ? DEM_SRS_DEGREES : scene->coordinates == SCENE_SRS ? scene->srs : NULL;
 	if (srs != NULL && world->meta->srs[0] == '\0' && degrees)
 		return fail_with(STATUS_INPUT, "a path in longitude and latitude: the store has no reference system and lies nowhere on the globe; "
-					       "give points in metres, or a store with one");
+					       "give points in metres, or import again with --s-srs EPSG:..., if its coordinates are of a system");
 	if (srs != NULL && world->meta->srs[0] == '\0')
 		return fail_with(STATUS_INPUT, "%s: coordinates: %s, but the store has no reference system; take coordinates away, and give paths in metres from "
-					       "its south-west post", scene->file, srs);
+					       "its south-west post, or import again with --s-srs EPSG:..., if its coordinates are of a system", scene->file, srs);
 	enum status status = srs != NULL ? dem_transform(srs, world->meta->srs, count, x, y) : STATUS_OK;
 	if (status != STATUS_OK)
 		return tell_key(world, srs, key, status);
