@@ -10,6 +10,7 @@ struct reading {
 	size_t lines;  /* so far */
 	size_t room;
 	bool timeless; /* a point has no time */
+	bool gpx;      /* points have attributes lat and lon */
 	struct dem_line *line;
 };
 
@@ -24,6 +25,9 @@ static enum status add_point(struct reading *reading, double x, double y, double
 	struct dem_line *line = reading->line;
 	if (!is_wanted(reading))
 		return STATUS_OK;
+	if (!(fabs(x) <= 360 && fabs(y) <= 90) && reading->gpx)
+		return fail_with(STATUS_INPUT, "%s: point %zu has lat %.10g and lon %.10g, which is no place%s", reading->told, line->count + 1, y, x,
+				 fabs(x) <= 90 && fabs(y) <= 360 ? "; lat and lon are swapped" : "; both are degrees");
 	if (!(fabs(x) <= 360 && fabs(y) <= 90))
 		return fail_with(STATUS_INPUT, "%s: point %zu, %.10g, %.10g, is no longitude and latitude; both are degrees, longitude first",
 				 reading->told, line->count + 1, x, y);
@@ -124,6 +128,7 @@ static enum status add_points(struct reading *reading, OGRLayerH layer, const ch
 
 static enum status read_gpx(struct reading *reading, GDALDatasetH set)
 {
+	reading->gpx = true;
 	OGRLayerH tracks = GDALDatasetGetLayerByName(set, "track_points"), routes = GDALDatasetGetLayerByName(set, "route_points");
 	enum status status = tracks != NULL ? add_points(reading, tracks, "track_fid") : STATUS_OK;
 	return status == STATUS_OK && reading->lines == 0 && routes != NULL ? add_points(reading, routes, "route_fid") : status;

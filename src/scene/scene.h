@@ -104,6 +104,7 @@ struct scene_path {
 	 * it is along that object's own axis. */
 	double beside[2];
 	double delay;          /* s by which all of it is later */
+	int line;              /* where the scene's file gives its points; 0: --set does */
 	bool timed;            /* the path is from a file with times, so each waypoint has its t */
 	bool cornered;         /* only of motion_route: timed, and yet it turns at its waypoints alone, not between them */
 	bool has_z, has_attitude;

@@ -6,18 +6,21 @@
 #include "dem/dem.h"
 #include "world/internal.h"
 
-/* Puts the scene's key before the message of a failed dem_transform from `srs`: `key`, or coordinates if no point is convertible. */
-static enum status tell_key(const struct world *world, const char *srs, const char *key, enum status status)
+/* Puts the scene's line and key before the message of a failed dem_transform from `srs`: `key`, or coordinates if no point is convertible. */
+static enum status tell_key(const struct world *world, const char *srs, int line, const char *key, enum status status)
 {
-	char why[600];
+	char why[600], at[16] = "";
 	snprintf(why, sizeof why, "%s", failure_message());
 	if (dem_transform(srs, world->meta->srs, 0, NULL, NULL) != STATUS_OK)
 		key = "coordinates";
-	return fail_with(status, "%s: %s: %s", world->scene->file, key, why);
+	else if (line > 0)
+		snprintf(at, sizeof at, ":%d", line);
+	return fail_with(status, "%s%s: %s: %s", world->scene->file, at, key, why);
 }
 
-/* Converts points to local metres, in place: of the globe if `degrees`, otherwise of the scene's coordinates. `key`: of the scene, for messages. */
-static enum status to_local(const struct world *world, bool degrees, const char *key, size_t count, double *x, double *y)
+/* Converts points to local metres, in place: of the globe if `degrees`, otherwise of the scene's coordinates. `line`, `key`: of the scene, for
+ * messages; line 0: unknown. */
+static enum status to_local(const struct world *world, bool degrees, int line, const char *key, size_t count, double *x, double *y)
 {
 	const struct scene *scene = world->scene;
 	const char *srs = degrees ? DEM_SRS_DEGREES : scene->coordinates == SCENE_SRS ? scene->srs : NULL;
@@ -29,7 +32,7 @@ static enum status to_local(const struct world *world, bool degrees, const char 
 					       "its south-west post, or import again with --s-srs EPSG:..., if its coordinates are of a system", scene->file, srs);
 	enum status status = srs != NULL ? dem_transform(srs, world->meta->srs, count, x, y) : STATUS_OK;
 	if (status != STATUS_OK)
-		return tell_key(world, srs, key, status);
+		return tell_key(world, srs, line, key, status);
 	for (size_t i = 0; i < count && (srs != NULL || scene->coordinates == SCENE_STORE); i++) {
 		x[i] -= world->meta->origin[0];
 		y[i] -= world->meta->origin[1];
@@ -59,7 +62,7 @@ enum status world_start_point(const struct world *world, const struct scene_vehi
 	snprintf(key, sizeof key, "vehicles.%.270s.start.at", vehicle->name);
 	to[0] = vehicle->at[0];
 	to[1] = vehicle->at[1];
-	return to_local(world, false, key, 1, &to[0], &to[1]);
+	return to_local(world, false, 0, key, 1, &to[0], &to[1]);
 }
 
 /* Converts the path's points to local metres: points[count][2], whose memory also has room for x and y apart. */
@@ -72,7 +75,7 @@ static enum status local_points(const struct world *world, const struct scene_pa
 	}
 	char key[300];
 	snprintf(key, sizeof key, "%.280s: path", name);
-	enum status status = to_local(world, path->degrees, key, path->count, x, y);
+	enum status status = to_local(world, path->degrees, path->line, key, path->count, x, y);
 	for (size_t i = 0; i < path->count; i++) {
 		points[i][0] = x[i];
 		points[i][1] = y[i];

@@ -7,6 +7,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "dem/dem.h"
 #include "world/internal.h"
 
 /* Assumed without a store: tiles as import makes them, on the widest ground, of little relief. */
@@ -161,6 +162,33 @@ static void advise_spacing(const struct world *world, scene_advice_fn tell, void
 	tell(user, text);
 }
 
+/* Returns true if the path's first point is on the terrain with its coordinates of `srs` in the other order. */
+static bool is_swapped(const struct world *world, const struct scene_path *path, const char *srs)
+{
+	const struct extent *extent = &world->meta->extent;
+	double x = path->points[0].y, y = path->points[0].x;
+	if (dem_transform(srs, world->meta->srs, 1, &x, &y) != STATUS_OK)
+		return false;
+	x -= world->meta->origin[0];
+	y -= world->meta->origin[1];
+	return x >= 0 && y >= 0 && x <= (double)(extent->width - 1) * extent->spacing && y <= (double)(extent->height - 1) * extent->spacing;
+}
+
+/* Writes what is probably wrong with a path far off the terrain. */
+static void guess_far(const struct world *world, const struct scene_path *path, char *hint, size_t room)
+{
+	const struct scene *scene = world->scene;
+	const char *srs = path->degrees ? DEM_SRS_DEGREES : scene->coordinates == SCENE_SRS ? scene->srs : NULL;
+	if (srs != NULL && is_swapped(world, path, srs))
+		snprintf(hint, room, "; are its %s swapped?", strcmp(srs, DEM_SRS_DEGREES) == 0 ? "longitude and latitude" : "x and y");
+	else if (path->degrees)
+		hint[0] = '\0';
+	else if (scene->coordinates == SCENE_LOCAL)
+		snprintf(hint, room, "; if these are coordinates of a reference system, say which in coordinates");
+	else
+		snprintf(hint, room, "; is coordinates: %.80s right?", srs != NULL ? srs : "store");
+}
+
 /* Tells about paths that leave the terrain before the drive ends. It names the first to leave. It does not look for holes. */
 static void advise_leaving(const struct world *world, scene_advice_fn tell, void *user)
 {
@@ -170,7 +198,7 @@ static void advise_leaving(const struct world *world, scene_advice_fn tell, void
 	struct track_point at = {.time = INFINITY};
 	const struct body *first = NULL;
 	size_t leaving = 0;
-	char text[560], others[40] = "";
+	char text[560], others[40] = "", hint[160] = "";
 	for (size_t i = 0; i < scene->object_count; i++) {
 		const struct body *body = &world->bodies[i];
 		if (body->track == NULL)
@@ -190,8 +218,8 @@ static void advise_leaving(const struct world *world, scene_advice_fn tell, void
 	if (leaving > 1)
 		snprintf(others, sizeof others, ", and %zu other%s later", leaving - 1, leaving > 2 ? "s" : "");
 	const bool far = world->meta->srs[0] != '\0' && (fabs(at.x - width / 2) > 10 * width || fabs(at.y - height / 2) > 10 * height);
-	const char *hint = !far ? "" : first->object->path.degrees ? "; are its longitude and latitude swapped?"
-								   : "; if these are coordinates of a reference system, say which in coordinates";
+	if (far)
+		guess_far(world, &first->object->path, hint, sizeof hint);
 	snprintf(text, sizeof text, "objects.%s.path: is off the terrain after %.6g s, at %.3f, %.3f m%s: %s; keep within 0 to %g, 0 to %g m%s%s",
 		 first->object->name, at.time, at.x, at.y, others,
 		 scene->outside == SCENE_STOP ? "the drive will stop there" : "nothing is pressed there", width, height,

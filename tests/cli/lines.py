@@ -114,7 +114,7 @@ class Lines(FurrowTest):
         if "this build has no MuJoCo" not in result.stderr:
             self.assertIn("car.yaml: vehicles.car.start.at: point 45.15, 115.0002: is nowhere", result.stderr)
         for scene, told in ((ball + "lonlat\n", r'lost.yaml: coordinates: SRS "lonlat": not understood.*, or degrees$'),
-                            (ball.replace("[15.0002, 45.15]", "[45.15, 115.0002]") + "degrees\n", r"lost.yaml: a: path: point 45.15, 115.0002: is nowhere")):
+                            (ball.replace("[15.0002, 45.15]", "[45.15, 115.0002]") + "degrees\n", r"lost.yaml:\d+: a: path: point 45.15, 115.0002: is nowhere")):
             self.assertRegex(self.refused(3, "drive", self.scene(scene, "lost.yaml"), "--store", "base.furrow", "-o", "x").strip(), told)
 
     def test_a_line_on_the_globe_is_the_same_way(self):
@@ -191,6 +191,7 @@ class Lines(FurrowTest):
         self.gpx("still.gpx", [self.degrees])
         self.gpx("back.gpx", [self.degrees], times=["2026-01-01T00:00:05Z", "2026-01-01T00:00:02Z", "2026-01-01T00:00:09Z"])
         self.gpx("empty.gpx", [])
+        self.gpx("swapped.gpx", [[(45, 115), (45, 115.01)]])
         self.geojson("point.geojson", {"type": "Point", "coordinates": [15, 45]})
         self.geojson("metres.geojson", {"type": "LineString", "coordinates": WAY})
         self.geojson("utm.geojson", {"type": "LineString", "coordinates": WAY},
@@ -202,6 +203,7 @@ class Lines(FurrowTest):
                            ("{file: empty.gpx, speed: 1}", "it has no line; give a GPX file with a track or a route"),
                            ("{file: point.geojson, speed: 1}", "it has no line; give"),
                            ("{file: metres.geojson, speed: 1}", "is no longitude and latitude; both are degrees"),
+                           ("{file: swapped.gpx, speed: 1}", "swapped.gpx\": point 1 has lat 115 and lon 45, which is no place; lat and lon are swapped"),
                            ("{file: utm.geojson, speed: 1}", "it is not in longitude and latitude; convert it: ogr2ogr"),
                            ("{file: text.gpx, speed: 1}", '"text.gpx": '),
                            ("{file: cut.gpx, speed: 1}", '"cut.gpx": '),
@@ -213,6 +215,15 @@ class Lines(FurrowTest):
         self.ok("synth", "-o", "nowhere.furrow", "--posts", "129x129", "--spacing", "1", "--kind", "plain")
         self.assertIn("the store has no reference system and lies nowhere on the globe",
                       self.refused(3, "drive", self.one("{file: still.gpx, speed: 1}"), "--store", "nowhere.furrow", "-o", "out"))
+        # What a path that is far off is told.
+        ball = HEAD + f"  - {{name: a, {BALL}, path: {{points: [%s], speed: 8}}}}\ncoordinates: %s\n"
+        degrees = [", ".join(str(list(pair)[::step]) for pair in self.degrees[:2]) for step in (-1, 1)]
+        far = "[500000, 4000000], [500010, 4000000]"
+        for points, coordinates, told in ((degrees[0], "degrees", "; are its longitude and latitude swapped?"), (far, "EPSG:32634", "; is coordinates: EPSG:32634 right?"),
+                                          ("[10, 20], [20, 20]", "degrees", "; is coordinates: degrees right?"),
+                                          (far, "local", "; if these are coordinates of a reference system, say which in coordinates")):
+            notes = [note for note in self.json("explain", self.scene(ball % (points, coordinates)), "--store", "base.furrow")["notes"] if "is off the terrain" in note]
+            self.assertTrue(len(notes) == 1 and notes[0].endswith(told), (told, notes))
         # A line that leaves the terrain is told as any path is.
         self.geojson("far.geojson", {"type": "LineString", "coordinates": self.globe([(500050, 5000050), (500250, 5000050)])})
         self.refused(1, "drive", self.one("{file: far.geojson, speed: 8}", "outside: stop\n"), "--store", "base.furrow", "-o", "far")
