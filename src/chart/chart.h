@@ -111,7 +111,8 @@ struct chart_range {
 enum chart_format { CHART_PNG, CHART_SVG, CHART_PDF };
 bool chart_path_format(const char *path, enum chart_format *format);
 
-/* Writes the name of a WKT's system and its code, as in "WGS 84 / UTM zone 33N (EPSG:32633)". `wkt` is not trusted. "": none. */
+/* Writes the name of a WKT's system and its code, as in "WGS 84 / UTM zone 33N (EPSG:32633)". A system without a name
+ * is told by its projection and datum: "unnamed, UTM zone 10N on NAD27". `wkt` is not trusted. "": none. */
 void chart_system_name(const char *wkt, char *text, size_t room);
 
 /* Returns why this process cannot draw maps and text: it was built without Pango, or there is no font. NULL: it can. */

@@ -2,6 +2,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 #include "chart/internal.h"
 
@@ -37,6 +38,40 @@ static bool take_code(const char *at, char *code, size_t room)
 	return true;
 }
 
+static bool is_name(const char *text)
+{
+	return text[0] != '\0' && strcasecmp(text, "unnamed") != 0 && strcasecmp(text, "unknown") != 0;
+}
+
+/* Reads the name in the first of `keyword`, as in DATUM["...". Returns false if there is none, or it says nothing. */
+static bool find_name(const char *wkt, const char *keyword, char *text, size_t room)
+{
+	text[0] = '\0';
+	for (const char *at = wkt; *at != '\0' && text[0] == '\0';)
+		if (*at == '"') {
+			char skipped[4];
+			take_quoted(&at, skipped, sizeof skipped);
+		} else if (strncmp(at, keyword, strlen(keyword)) == 0 && at[strlen(keyword)] == '[' && at[strlen(keyword) + 1] == '"') {
+			at += strlen(keyword) + 1;
+			take_quoted(&at, text, room);
+		} else {
+			at++;
+		}
+	return is_name(text);
+}
+
+/* Says of a system without a name how it is projected, and on what datum. */
+static void describe_unnamed(const char *wkt, char *text, size_t room)
+{
+	static const char *const bases[] = {"GEOGCRS", "GEODCRS", "GEOGCS", "DATUM", "ENSEMBLE"}; /* BASEGEOGCRS too */
+	char how[96], on[96] = "";
+	for (size_t i = 0; i < sizeof bases / sizeof bases[0] && !is_name(on); i++)
+		find_name(wkt, bases[i], on, sizeof on);
+	const bool projected = find_name(wkt, "CONVERSION", how, sizeof how);
+	if (is_name(on))
+		snprintf(text, room, "unnamed, %s%son %s", projected ? how : "", projected ? " " : "", on);
+}
+
 void chart_system_name(const char *wkt, char *text, size_t room)
 {
 	char name[96] = "", code[72] = "";
@@ -61,4 +96,6 @@ void chart_system_name(const char *wkt, char *text, size_t room)
 		snprintf(text, room, "%s", name);
 	else
 		snprintf(text, room, "%s (%s)", name, code);
+	if (!is_name(name) && code[0] == '\0')
+		describe_unnamed(wkt, text, room);
 }

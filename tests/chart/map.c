@@ -529,6 +529,11 @@ static void the_name_of_a_system_is_read_from_any_text(void **state)
 		{"PROJCS[\"x\",ID[", "x"},
 		{"PROJCS[\"x\",ID[\"EPSG\"", "x"},
 		{"[[[[]]]]]]]\"", ""},
+		{"PROJCRS[\"unnamed\",BASEGEOGCRS[\"NAD27\",DATUM[\"North American Datum 1927\"]],CONVERSION[\"UTM zone 10N\"]]",
+		 "unnamed, UTM zone 10N on NAD27"},
+		{"PROJCS[\"unknown\",GEOGCS[\"unknown\",DATUM[\"D \"\"DATUM[\"]],PROJECTION[\"Transverse_Mercator\"]]", "unnamed, on D \"DATUM["},
+		{"PROJCS[\"unnamed\",GEOGCS[\"unknown\",DATUM[\"unknown\"]]]", "unnamed"},
+		{"PROJCRS[\"unnamed\",BASEGEOGCRS[", "unnamed"},
 	};
 	char text[160];
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
