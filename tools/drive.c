@@ -32,6 +32,8 @@ static void print_summary(const struct api_result *result, const struct api_para
 	       result->seconds, result->rtf, params->directory);
 	if (result->map)
 		printf("; a map in %s/map.png", params->directory);
+	if (result->map_also)
+		printf("%s%s", result->map ? " and " : "; a map in ", params->map_also);
 	if (params->overlay != NULL)
 		printf("; ruts in %s\n", params->overlay);
 	else

@@ -195,6 +195,8 @@ static enum status write_maps(const struct drive *drive, const struct world *wor
 		status = report_map(world, drive->vehicles, paths[i], result->ended);
 		if (i == 0)
 			result->map = status == STATUS_OK;
+		else
+			result->map_also = status == STATUS_OK;
 	}
 	return status;
 }

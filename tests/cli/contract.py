@@ -157,7 +157,7 @@ objects:
         if result.returncode == 4:
             self.skipTest("no GL here")
         self.assertEqual(result.returncode, 1)
-        self.assertRegex(result.stderr, r"furrow: left: no ground under it at .* after .* s; .*")
+        self.assertRegex(result.stderr, r"furrow: left: no ground under it at .* after .* s: it is over a hole of the terrain; .*")
         self.assertEqual(json.loads((self.folder / "out/run.json").read_text())["ended"], "failed")
         report = self.drive(scene, "--store", "holes.furrow", "--set", "outside=skip")
         self.assertGreater(report["objects"]["left"]["skipped"], 0)
@@ -427,7 +427,7 @@ class Maps(FurrowTest):
         self.ok("map", "s.furrow", "-o", "there.png", "--window", ",".join(told), "--window-srs", "EPSG:4326")
         self.assertIn("there is no window", self.refused(2, "export", "s.furrow", "-o", "x.tif", "--window-srs", "store"))
         self.ok("synth", "-o", "nowhere.furrow", "--posts", "65x65", "--spacing", "1")
-        self.assertIn("has no reference system", self.refused(3, "export", "nowhere.furrow", "-o", "x.tif", "--window", "1,1,9,9", "--window-srs", "EPSG:4326"))
+        self.assertIn("or import again with --s-srs EPSG:", self.refused(3, "export", "nowhere.furrow", "-o", "x.tif", "--window", "1,1,9,9", "--window-srs", "EPSG:4326"))
 
     @unittest.skipUnless(has_gdal(), "needs gdal_translate")
     def test_coordinates_without_their_system_are_found_out(self):
@@ -614,7 +614,11 @@ objects:
             self.skipTest("no GL here")
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertRegex(result.stdout, r"^complete: .* in out/run\.json; a map in out/map\.png; ruts in .*world\.furrow itself\n$")
-        self.assertRegex(self.ok("drive", self.scene(), "--store", store, "--overlay", "o.furrow", "-o", "o"), r"^complete: .*; ruts in o\.furrow\n$")
+        self.assertRegex(self.ok("drive", self.scene(), "--store", store, "--overlay", "o.furrow", "-o", "o", "--map", "both.pdf"),
+                         r"^complete: .* in o/run\.json; a map in o/map\.png and both\.pdf; ruts in o\.furrow\n$")
+        result = self.furrow("drive", self.scene(), "--store", store, "-o", "out", "--resume", "--map", "way.pdf")
+        self.assertRegex(result.stdout, r"json; a map in way\.pdf; ruts in .*itself\n$")
+        self.assertTrue((self.folder / "way.pdf").exists() and (self.folder / "both.pdf").exists())
         width, height = png_size(self.folder / "out/map.png")
         self.assertLessEqual(max(width, height), 1600)
         self.assertEqual(list((self.folder / "out").glob("*.part")), [])
