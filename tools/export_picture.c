@@ -62,17 +62,19 @@ static void write_layer(int layer, const struct store_meta *meta, char *text, si
 		snprintf(text, room, "%s", title_of(layer));
 }
 
-static void write_side(uint32_t posts, double spacing, char *text, size_t room)
+/* The side of the window, or of the terrain, from east to west (axis 0) or from south to north. */
+static void write_side(const struct export_request *request, const struct extent *extent, int axis, char *text, size_t room)
 {
-	const double metres = posts * spacing;
+	const double all = (double)((axis == 0 ? extent->width : extent->height) - 1) * extent->spacing, *window = request->window;
+	const double metres = request->has_window ? fmin(window[2 + axis], all) - fmax(window[axis], 0) : all;
 	snprintf(text, room, metres >= 1000 ? "%.4g km" : "%.4g m", metres >= 1000 ? metres / 1000 : metres);
 }
 
-static void write_subtitle(const struct export_request *request, const struct chart_raster *raster, char *text, size_t room)
+static void write_subtitle(const struct export_request *request, const struct extent *extent, char *text, size_t room)
 {
 	char across[32], up[32];
-	write_side(raster->width, raster->spacing, across, sizeof across);
-	write_side(raster->height, raster->spacing, up, sizeof up);
+	write_side(request, extent, 0, across, sizeof across);
+	write_side(request, extent, 1, up, sizeof up);
 	snprintf(text, room, "%s, %s by %s", request->layer <= LAYER_BASE ? "Heights" : "What deformation left", across, up);
 }
 
@@ -91,7 +93,7 @@ static enum status draw(const struct export_request *request, const struct store
 	char subtitle[96], head[128];
 	struct chart_written written;
 	write_layer(request->layer, meta, head, sizeof head);
-	write_subtitle(request, raster, subtitle, sizeof subtitle);
+	write_subtitle(request, &meta->extent, subtitle, sizeof subtitle);
 	const struct chart_map map = {
 		.raster = raster,
 		.meta = meta,

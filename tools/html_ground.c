@@ -108,8 +108,8 @@ static enum status draw(struct html_map *map, struct chart_range range)
 	if (status != STATUS_OK)
 		return status;
 	map->range = told.range;
-	map->beyond[0] = told.beyond[0];
-	map->beyond[1] = told.beyond[1];
+	map->beyond[0] = !isnan(told.beyond[0]);
+	map->beyond[1] = !isnan(told.beyond[1]);
 	map->holes = told.holes;
 	map->ground.png = (const unsigned char *)map->bytes;
 	map->ground.length = length;
@@ -164,11 +164,19 @@ enum status html_maps_share(struct html_map *maps, size_t count)
 	struct chart_range range = {0, 0};
 	enum status status = STATUS_OK;
 	for (size_t i = 0; i < count; i++)
-		if (maps[i].ground.png != NULL && maps[i].range.high > range.high)
-			range = maps[i].range;
-	for (size_t i = 0; i < count && status == STATUS_OK; i++)
-		if (maps[i].ground.png != NULL && maps[i].range.high > 0 && maps[i].range.high < range.high)
+		if (maps[i].ground.png != NULL) {
+			range.low = fmin(range.low, maps[i].range.low);
+			range.high = fmax(range.high, maps[i].range.high);
+		}
+	if (range.low < 0 && range.high > 0) {
+		range.high = fmax(range.high, -range.low);
+		range.low = -range.high;
+	}
+	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
+		const struct chart_range *own = &maps[i].range;
+		if (maps[i].ground.png != NULL && own->high > own->low && (own->low != range.low || own->high != range.high))
 			status = draw(&maps[i], range);
+	}
 	return status;
 }
 

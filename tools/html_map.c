@@ -88,8 +88,9 @@ static void write_key(const struct html_report *report, const struct html_map *m
 	fputs("<svg class=\"ramp\" viewBox=\"0 0 260 34\" role=\"img\"><title>Colours of the change of height</title>", file);
 	for (int i = 0; i < HTML_KEY; i++)
 		fprintf(file, "<path fill=\"#%02x%02x%02x\" d=\"M%d 0h10.5v12h-10.5z\"/>", map->key[i].r, map->key[i].g, map->key[i].b, 10 + 10 * i);
-	fprintf(file, "<text x=\"10\" y=\"27\">%s%s</text><text x=\"130\" y=\"27\" text-anchor=\"middle\">0</text><text x=\"250\" y=\"27\" text-anchor=\"end\">%s%s</text></svg>\n",
-		low, map->beyond[0] ? " or less" : "", high, map->beyond[1] ? " or more" : "");
+	fprintf(file, "<text x=\"10\" y=\"27\">%s%s</text>%s<text x=\"250\" y=\"27\" text-anchor=\"end\">%s%s</text></svg>\n", low,
+		map->beyond[0] ? " or less" : "", map->range.low < 0 && map->range.high > 0 ? "<text x=\"130\" y=\"27\" text-anchor=\"middle\">0</text>" : "",
+		high, map->beyond[1] ? " or more" : "");
 	fputs("<p class=\"small\">Colours: by how much the drive changed the height of the ground. Blue is lower, red is higher.", file);
 	if (map->holes)
 		fputs(" Hatched ground has no data.", file);

@@ -174,7 +174,7 @@ enum status chart_map_write(const struct chart_map *map, const char *path, struc
 /* The ground of a map alone, as pixels. A build without Pango has it, too. */
 struct chart_ground {
 	struct chart_range range; /* values at the ends of the colours */
-	bool beyond[2];           /* some are below or above it */
+	double beyond[2];         /* the lowest and the highest value, if they are outside of it; NaN: they are not */
 	bool holes;
 };
 /* Writes the ground as a PNG into an open file, as small as it can. Of the map it needs raster, ramp, share, range or classes, and pixels: of

@@ -109,7 +109,7 @@ void chart_labels_place(struct chart_label *labels, size_t count, const struct c
 void chart_relief_fill(const struct chart_map *map, const struct chart_range *range, const struct chart_frame *frame,
 		       uint32_t *pixels, size_t stride);
 /* Sets the values at the ramp's ends, and notes if values lie outside them. */
-enum status chart_relief_range(const struct chart_map *map, struct chart_range *range, bool beyond[2]) FURROW_CHECKED;
+enum status chart_relief_range(const struct chart_map *map, struct chart_range *range, double beyond[2]) FURROW_CHECKED;
 bool chart_relief_has_holes(const struct chart_map *map);
 
 #endif

@@ -101,7 +101,7 @@ static void write_value(struct chart_page *page, double x, double y, double left
 /* A number on the ramp: its place from the left end, and its text. */
 struct tick {
 	double at;
-	char text[64];
+	char text[128];
 };
 
 static double tick_width(struct chart_page *page, const struct tick *tick)
@@ -109,6 +109,12 @@ static double tick_width(struct chart_page *page, const struct tick *tick)
 	double width, height;
 	chart_text_size(page, &number, tick->text, &width, &height);
 	return width;
+}
+
+/* A number of an end of the ramp: with the digits of the round numbers if it is one, otherwise with those of `fine`. */
+static void write_end(double value, double step, double fine, char *text, size_t room)
+{
+	chart_number(value, fabs(value - nearbyint(value / step) * step) < 1e-7 * step ? step : fine, text, room);
 }
 
 /* Both ends, and round numbers between them that have room. */
@@ -119,13 +125,16 @@ static void draw_ticks(struct chart_page *page, const struct chart_legend *legen
 	unit_for(legend, &of);
 	const double low = range->low / of, high = range->high / of, span = high - low;
 	const double step = chart_round_step(span / 4),
-		     fine = legend->map->ramp == CHART_RAMP_HEIGHTS ? chart_round_length(span / 50) : step / 2;
+		     fine = chart_round_length(span / 50);
 	struct tick ends[2] = {{0, ""}, {RAMP, ""}};
 	for (int i = 0; i < 2; i++) {
-		char plain[56];
-		const double end = i == 0 ? low : high;
-		chart_number(end, fabs(end - nearbyint(end / step) * step) < 1e-9 * span ? step : fine, plain, sizeof plain);
-		snprintf(ends[i].text, sizeof ends[i].text, "%s%s", !legend->beyond[i] ? "" : i == 0 ? "< " : "> ", plain);
+		char plain[56], most[56];
+		write_end(i == 0 ? low : high, step, fine, plain, sizeof plain);
+		write_end(legend->beyond[i] / of, step, fine, most, sizeof most);
+		if (isnan(legend->beyond[i]))
+			snprintf(ends[i].text, sizeof ends[i].text, "%s", plain);
+		else
+			snprintf(ends[i].text, sizeof ends[i].text, "%s to %s", i == 0 ? most : plain, i == 0 ? plain : most);
 	}
 	double taken = tick_width(page, &ends[0]) + GAP, limit = RAMP - tick_width(page, &ends[1]) - GAP;
 	cairo_set_line_width(page->cairo, 0.6);

@@ -108,7 +108,8 @@ void chart_way_sample(struct chart_page *page, size_t way, bool vehicle, double 
 struct chart_legend {
 	const struct chart_map *map;
 	struct chart_range range;
-	bool beyond[2], holes;
+	double beyond[2]; /* as in struct chart_ground */
+	bool holes;
 	double values_height;               /* of the ramp, or the classes */
 	double head_height;                 /* of their title, a part of values_height */
 	double ways_height, ways_width;

@@ -9,6 +9,7 @@
 #include "chart/internal.h"
 
 #define SHARE 0.999 /* part of the values that are within the legend's range */
+#define OUTLIERS 2  /* the range goes to the largest value, unless that is so many times as large */
 #define SQUARES 3   /* pixels a post, from which on a post is a square of its value */
 #define HATCH 5.0   /* points between the lines that mean no data */
 #define HATCH_LINE 0.6
@@ -28,11 +29,20 @@ static void height_range(const struct chart_raster *raster, struct chart_range *
 	}
 }
 
-enum status chart_relief_range(const struct chart_map *map, struct chart_range *range, bool beyond[2])
+/* Finds the range of values of both signs, or of one, whose ends are 0 and the largest value. It is a rounder and smaller one if a few values are
+ * much larger than all others. */
+static void value_range(enum chart_ramp ramp, double size, double low, double high, struct chart_range *range)
+{
+	const double most = fmax(-low, high), end = most <= OUTLIERS * size ? most : chart_round_range(size);
+	range->low = low < 0 && ramp == CHART_RAMP_SIGNED ? -end : 0;
+	range->high = high > 0 || ramp != CHART_RAMP_SIGNED ? end : 0;
+}
+
+enum status chart_relief_range(const struct chart_map *map, struct chart_range *range, double beyond[2])
 {
 	double size, low, high;
 	*range = map->range;
-	beyond[0] = beyond[1] = false;
+	beyond[0] = beyond[1] = (double)NAN;
 	if (map->classes != NULL)
 		return STATUS_OK;
 	if (map->ramp == CHART_RAMP_HEIGHTS) {
@@ -40,19 +50,17 @@ enum status chart_relief_range(const struct chart_map *map, struct chart_range *
 		height_range(map->raster, &found);
 		if (range->low == 0 && range->high == 0)
 			*range = found;
-		beyond[0] = found.low < range->low;
-		beyond[1] = found.high > range->high;
+		beyond[0] = found.low < range->low ? found.low : (double)NAN;
+		beyond[1] = found.high > range->high ? found.high : (double)NAN;
 		return STATUS_OK;
 	}
 	enum status status = chart_raster_spread(map->raster, SHARE, &size, &low, &high);
 	if (status != STATUS_OK)
 		return status;
-	if (range->low == 0 && range->high == 0 && size > 0) {
-		range->high = chart_round_range(size);
-		range->low = map->ramp == CHART_RAMP_SIGNED ? -range->high : 0;
-	}
-	beyond[0] = low < range->low * (1 + 1e-9);
-	beyond[1] = high > range->high * (1 + 1e-9);
+	if (range->low == 0 && range->high == 0 && size > 0)
+		value_range(map->ramp, size, low, high, range);
+	beyond[0] = low < range->low * (1 + 1e-9) ? low : (double)NAN;
+	beyond[1] = high > range->high * (1 + 1e-9) ? high : (double)NAN;
 	return STATUS_OK;
 }
 

@@ -160,6 +160,17 @@ static void write_titles(const struct map *map, const char *ended, char *title, 
 		 strcmp(ended, "complete") == 0 ? "" : ended);
 }
 
+/* Returns true if all of the scene's paths and starts are in local metres. */
+static bool is_local(const struct scene *scene)
+{
+	bool local = scene->coordinates == SCENE_LOCAL;
+	for (size_t i = 0; i < scene->object_count; i++)
+		local = local && !scene->objects[i].path.degrees;
+	for (size_t i = 0; i < scene->vehicle_count; i++)
+		local = local && !scene->vehicles[i].way.degrees;
+	return local;
+}
+
 static enum status draw(const struct map *map, const char *path, const char *ended)
 {
 	char title[256], subtitle[320];
@@ -180,8 +191,7 @@ static enum status draw(const struct map *map, const char *path, const char *end
 		.ramp = CHART_RAMP_SIGNED,
 		.ways = ways,
 		.way_count = map->count,
-		/* in the coordinates of the scene's paths, where these are metres */
-		.grid = map->world->scene->coordinates == SCENE_LOCAL ? CHART_GRID_LOCAL : CHART_GRID_METRES,
+		.grid = is_local(map->world->scene) ? CHART_GRID_LOCAL : CHART_GRID_METRES,
 		.pixels = PIXELS,
 	};
 	enum status status = chart_map_write(&chart, path, NULL);

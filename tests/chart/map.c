@@ -286,10 +286,11 @@ static void the_legend_says_what_the_colours_mean(void **state)
 		static const char *const texts[] = {"a title",
 						    "a subtitle",
 						    "Offset, cm",
-						    "< \xe2\x88\x92"
+						    "\xe2\x88\x92"
+						    "100 to \xe2\x88\x92"
 						    "10",
 						    "0",
-						    "> 5",
+						    "5 to 50",
 						    "no data"};
 		assert_non_null(said(&drawn, texts[i]));
 	}
@@ -298,10 +299,21 @@ static void the_legend_says_what_the_colours_mean(void **state)
 	/* By itself: one post of a metre is beyond what a thousandth is; with all of it nothing is beyond. */
 	params = asked(LEVEL, STORE_OFFSET);
 	drawn = draw_map(plain(600), &params, "map.png");
-	assert_true(said(&drawn, "< \xe2\x88\x92"
+	assert_true(said(&drawn, "\xe2\x88\x92"
+				 "100 to \xe2\x88\x92"
 				 "30") != NULL &&
-		    said(&drawn, "> 30") != NULL);
+		    said(&drawn, "30 to 50") != NULL);
+	const char *notes = drawn.page.said[drawn.page.said_count - 1].text;
+	assert_non_null(strstr(notes, "Drawn at 50 cm; the terrain's own posts are 2 m apart."));
 	drawn_finish(&drawn);
+	/* Of lowered ground alone: from 0 to the deepest. */
+	params.rect = (struct post_rect){90, 90, 200, 210};
+	drawn = draw_map(plain(600), &params, "map.png");
+	assert_true(said(&drawn, "\xe2\x88\x92"
+				 "12.5") != NULL &&
+		    said(&drawn, "0") != NULL && said(&drawn, "12.5") == NULL);
+	drawn_finish(&drawn);
+	params = asked(LEVEL, STORE_OFFSET);
 	map.range = (struct chart_range){-1, 1};
 	drawn = draw_map(map, &params, "map.png");
 	assert_true(said(&drawn, "Offset, m") != NULL && said(&drawn, "1.0") != NULL);
@@ -309,7 +321,7 @@ static void the_legend_says_what_the_colours_mean(void **state)
 	/* Thousandths; and nothing at all. */
 	map.range = (struct chart_range){-0.004, 0.004};
 	drawn = draw_map(map, &params, "map.png");
-	assert_true(said(&drawn, "Offset, mm") != NULL && said(&drawn, "> 4") != NULL);
+	assert_true(said(&drawn, "Offset, mm") != NULL && said(&drawn, "4 to 500") != NULL);
 	drawn_finish(&drawn);
 	params.rect = (struct post_rect){200, 20, 300, 40};
 	drawn = draw_map(plain(600), &params, "map.png");

@@ -8,7 +8,7 @@ import shutil
 import subprocess
 import unittest
 
-from furrow_test import FurrowTest, has_gdal, long, main
+from furrow_test import MAPS, FurrowTest, has_gdal, long, main
 import rasters
 
 HEAD = "scene: 1\ntime_step: 0.1\nend_time: 12\nspacing: 0.25\nredistribute: {model: box}\nobjects:\n"
@@ -131,6 +131,10 @@ class Lines(FurrowTest):
                     for suffix in ("", "-wal", "-shm"):
                         (self.folder / f"globe.furrow{suffix}").unlink(missing_ok=True)
             (self.folder / "local.furrow").unlink()
+        if MAPS:
+            for name, path, system in (("globe", "{file: track.gpx, speed: 8}", "WGS 84 / UTM zone 33N (EPSG:32633)"), ("local", f"{{points: {local}, speed: 8}}", "south-west post")):
+                self.places(name, path, "--steps", 60, "--map", "way.svg")
+                self.assertIn(system, (self.folder / "way.svg").read_text())
 
     @long
     def test_degrees_are_those_of_the_stores_body(self):
@@ -213,7 +217,7 @@ class Lines(FurrowTest):
                 self.assertIn(told, self.refused(3, "drive", self.one(path), "--store", "base.furrow", "-o", "out"))
         # A store that lies nowhere.
         self.ok("synth", "-o", "nowhere.furrow", "--posts", "129x129", "--spacing", "1", "--kind", "plain")
-        self.assertIn("the store has no reference system and lies nowhere on the globe",
+        self.assertIn("the store has no reference system and lies nowhere on the globe; give points in metres, or import again with --s-srs EPSG:",
                       self.refused(3, "drive", self.one("{file: still.gpx, speed: 1}"), "--store", "nowhere.furrow", "-o", "out"))
         # What a path that is far off is told.
         ball = HEAD + f"  - {{name: a, {BALL}, path: {{points: [%s], speed: 8}}}}\ncoordinates: %s\n"

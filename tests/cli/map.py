@@ -130,6 +130,8 @@ class Maps(FurrowTest):
             store = self.synth(f"{posts}.furrow", posts=posts, spacing=spacing)
             more = ["--window", ",".join(map(str, window))] if window else []
             page = self.pdf("map", store, "--size", 160, *more, "-o", "a.pdf")
+            sides = [window[i + 2] - window[i] if window else (int(posts.split("x")[i]) - 1) * spacing for i in range(2)]
+            self.assertIn(" by ".join(f"{side / 1000:g} km" if side >= 1000 else f"{side} m" for side in sides), page.text())
             legend = next(word[2] for word in page.words if word[0] == "Height,")
             below = [(number(text), (x0 + x1) / 2) for text, x0, y0, x1, y1 in page.words
                      if re.fullmatch(rf"[{MINUS}]?[\d{NARROW}.]+", text) and x1 > MARGIN and legend - 25 < y0 < legend - 5]
