@@ -29,7 +29,18 @@ static enum status step(void *user, int64_t done, int64_t total)
 	return status;
 }
 
-static void print_made(const char *directory, const struct exchange_tiles_result *made)
+/* Globes have no other heights than those above the ellipsoid. `vertical`: what the store's are above; "": not known. */
+static void tell_vertical(const char *directory, const char *vertical)
+{
+	if (vertical[0] == '\0')
+		note("%s: globes take heights as above the ellipsoid, and the store does not know what its heights are above; import with --s-vertical and "
+		     "--t-vertical ellipsoid for globes", directory);
+	else if (strncmp(vertical, "ellipsoid", strlen("ellipsoid")) != 0)
+		note("%s: globes take heights as above the ellipsoid, and those of the store are %s; import with --t-vertical ellipsoid for globes", directory,
+		     vertical);
+}
+
+static void print_made(const char *directory, const struct exchange_tiles_result *made, const char *vertical)
 {
 	int64_t tiles = 0, written = 0;
 	for (int set = 0; set < EXCHANGE_SETS; set++) {
@@ -50,6 +61,8 @@ static void print_made(const char *directory, const struct exchange_tiles_result
 		     directory);
 	else if (!made->earth)
 		note("%s: degrees are those of %s, not of the Earth: give a client that body's ellipsoid", directory, made->system);
+	else
+		tell_vertical(directory, vertical);
 }
 
 enum status export_tiles(const struct arguments *arguments)
@@ -93,8 +106,8 @@ enum status export_tiles(const struct arguments *arguments)
 	if (status == STATUS_OK)
 		status = exchange_tiles(&params, &made);
 	progress_end(&progress);
-	store_close(store);
 	if (status == STATUS_OK)
-		print_made(params.directory, &made);
+		print_made(params.directory, &made, store_meta(store)->vertical);
+	store_close(store);
 	return status;
 }
