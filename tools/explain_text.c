@@ -309,7 +309,7 @@ static void print_object(const struct scene *scene, const struct passes *passes,
 	printf(": %s", layout_number(least).text);
 	if (most > least)
 		printf(" to %s", layout_number(most).text);
-	printf(" %s%s, a window or more at each over ground\n", most == 1 ? "station" : "stations", alike > 1 ? " each" : "");
+	printf(" %s%s, a window or more each on ground\n", most == 1 ? "path sample" : "path samples", alike > 1 ? " each" : "");
 	print_passes_of(scene, passes, (int)first);
 }
 

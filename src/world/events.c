@@ -9,14 +9,14 @@
 static enum status add_event(struct world *world, const struct event *event)
 {
 	if (world->events.count == EVENTS_MAX)
-		return fail_with(STATUS_INPUT, "time_step: a step of %g s brings more than %d stations; make it shorter, or the "
+		return fail_with(STATUS_INPUT, "time_step: a step of %g s brings more than %d path samples; make it shorter, or the "
 					       "spacing coarser",
 				 world->scene->time_step, EVENTS_MAX);
 	if (world->events.count == world->events.room) {
 		size_t room = world->events.room != 0 ? 2 * world->events.room : 64;
 		struct event *events = mem_realloc(world->events.list, room, sizeof *events);
 		if (events == NULL)
-			return fail_memory("the stations of a step");
+			return fail_memory("the path samples of a step");
 		world->events.list = events;
 		world->events.room = room;
 	}
@@ -105,7 +105,7 @@ static enum status add_ahead(struct world_events *events, const struct event *ev
 		const size_t room = events->ahead_room != 0 ? 2 * events->ahead_room : 256;
 		struct event *ahead = mem_realloc(events->ahead, room, sizeof *ahead);
 		if (ahead == NULL)
-			return fail_memory("the stations of a plan");
+			return fail_memory("the path samples of a plan");
 		events->ahead = ahead;
 		events->ahead_room = room;
 	}
@@ -120,7 +120,7 @@ enum status world_check_events(struct world *world, double until)
 	if (events->runs == NULL)
 		events->runs = mem_calloc(world->scene->object_count + 1, sizeof *events->runs);
 	if (events->runs == NULL)
-		return fail_memory("the stations of a plan");
+		return fail_memory("the path samples of a plan");
 	events->ahead_count = 0;
 	for (size_t i = 0; i < world->scene->object_count; i++) {
 		struct body *body = &world->bodies[i];

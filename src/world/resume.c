@@ -31,9 +31,9 @@ static enum status check_object(struct world *world, struct body *body, const st
 	if (object->next > samples ||
 	    (object->next > 0 && motion_track_sample_time(body->track, object->next - 1) > record->time) ||
 	    (object->next < samples && motion_track_sample_time(body->track, object->next) <= record->time))
-		return world_record_damaged(store, "stations that are not those of its time");
+		return world_record_damaged(store, "path samples that are not those of its time");
 	if (object->next == 0)
-		return object->in_contact ? world_record_damaged(store, "contact before the first station") : STATUS_OK;
+		return object->in_contact ? world_record_damaged(store, "contact before the first path sample") : STATUS_OK;
 	enum status status = world_set_down(world, body, object->next - 1, &event);
 	if (status != STATUS_OK)
 		return status;

@@ -172,8 +172,8 @@ class Explain(FurrowTest):
     def test_objects_that_are_alike_are_folded(self):
         self.synth()
         text = self.ok("explain", self.scene(BARE), "--store", "world.furrow")
-        self.assertIn("\n  a and 1 like it: 31 stations each", text)
-        self.assertIn("\n  c: 11 stations", text)
+        self.assertIn("\n  a and 1 like it: 31 path samples each", text)
+        self.assertIn("\n  c: 11 path samples", text)
         self.assertNotIn("\n  b:", text)
         self.assertNotIn("\n  b and", text)
 
