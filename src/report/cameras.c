@@ -32,6 +32,76 @@ static enum status publish(const struct report_poses *poses, size_t index, const
 	return aside_end(&aside, false, status);
 }
 
+/* --- notes --- */
+
+/* The eye of a camera on an object at the start of its path, where the ground is `ground` high. The soil carries a load at an unknown depth, here 0. */
+static void eye_on(const struct body *body, const struct track_point *start, double ground, const double own[3], double eye[3])
+{
+	const struct scene_object *object = body->object;
+	double axes[3][3];
+	deform_axes(start->yaw, 0, 0, 0, axes);
+	eye[0] = start->x;
+	eye[1] = start->y;
+	eye[2] = ground + deform_shape_reach(&object->shape, 0, 0) - object->sink;
+	for (int i = 0; i < 3; i++)
+		for (int k = 0; k < 3; k++)
+			eye[i] += own[k] * axes[k][i];
+}
+
+static enum status advise_camera(const struct world *world, struct store_reader *reader, const struct scene_camera *camera, scene_advice_fn tell,
+				 void *user)
+{
+	const struct extent *extent = &world->meta->extent;
+	const bool fixed = camera->aim.kind == SCENE_FIXED;
+	const struct body *body = fixed ? NULL : &world->bodies[camera->aim.object];
+	struct store_sample at;
+	struct track_point start;
+	double eye[3];
+	char text[400];
+	enum status status = STATUS_OK;
+	memcpy(eye, camera->aim.eye, sizeof eye);
+	if (!fixed) {
+		motion_track_sample(body->track, 0, &start);
+		status = store_sample(reader, start.x, start.y, &at);
+		if (status != STATUS_OK || at.nodata || at.outside)
+			return status; /* told of the path */
+		eye_on(body, &start, at.base, camera->aim.eye, eye);
+	}
+	status = store_sample(reader, eye[0], eye[1], &at);
+	if (status != STATUS_OK)
+		return status;
+	if (fixed && at.outside)
+		snprintf(text, sizeof text, "cameras.%s.pose.at: %.9g, %.9g m is off the terrain, which is 0 to %g, 0 to %g m: the place of a camera is in local "
+					    "metres, and coordinates does not hold for it", camera->name, eye[0], eye[1],
+			 (extent->width - 1) * extent->spacing, (extent->height - 1) * extent->spacing);
+	else if (!at.outside && !at.nodata && eye[2] < at.base && fixed)
+		snprintf(text, sizeof text, "cameras.%s.pose.at: its height is %.3f m, and the ground there is %.3f m high, so it is below the ground: give a height "
+					    "above that (heights are as the store has them, places local metres)", camera->name, eye[2], at.base);
+	else if (!at.outside && !at.nodata && eye[2] < at.base)
+		snprintf(text, sizeof text, "cameras.%s.pose.at: the camera is %.3f m below the soil when the drive begins; the place is forward, left and up from the "
+					    "centre of %s, in metres", camera->name, at.base - eye[2], body->object->name);
+	else
+		return STATUS_OK;
+	tell(user, text);
+	return STATUS_OK;
+}
+
+void report_cameras_advise(const struct world *world, scene_advice_fn tell, void *user)
+{
+	const struct scene *scene = world->scene;
+	struct store_reader *reader = NULL;
+	if (scene->camera_count == 0 || world->store == NULL || world->ranks != NULL || store_reader_create(world->store, &reader) != STATUS_OK)
+		return;
+	enum status status = STATUS_OK;
+	for (size_t i = 0; i < scene->camera_count && status == STATUS_OK; i++) {
+		const struct scene_camera *camera = &scene->cameras[i];
+		const bool on_object = camera->aim.kind == SCENE_MOUNTED && camera->aim.vehicle == 0 && world->bodies[camera->aim.object].track != NULL;
+		if (camera->baseline == 0 && (camera->aim.kind == SCENE_FIXED || on_object))
+			status = advise_camera(world, reader, camera, tell, user); /* a tile that cannot be read is told when it is drawn */
+	}
+	store_reader_destroy(reader);
+}
+
 /* --- COLMAP (colmap.github.io/format.html): pixel centres at halves, axes right, down, ahead; poses from the world to the camera --- */
 
 static void print_model(const struct report_poses *poses, size_t index, FILE *file)

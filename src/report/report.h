@@ -79,6 +79,9 @@ struct report_sun_place report_sun_at(const struct report_sun *sun, double time)
 void report_sun_add(struct cJSON *root, const struct report_sun *sun); /* adds "sun", if there is one */
 /* Tells if the sun is below the horizon in a part of the drive. */
 void report_sun_advise(const struct world *world, scene_advice_fn tell, void *user);
+/* Tells cameras that see nothing at first. A fixed one is below the ground, or off the terrain. One on an object is below the soil when the drive
+ * begins. The ground is as it was imported. Without a store it tells nothing. */
+void report_cameras_advise(const struct world *world, scene_advice_fn tell, void *user);
 
 /* --- objects.csv --- */
 

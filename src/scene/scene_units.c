@@ -17,6 +17,7 @@
 #define LARGE_WHEEL 0.5     /* metres across: its own weight is more than LEAST_LOAD */
 #define LARGEST_RADIUS 20.0 /* m */
 #define LEAST_SUN 10.0      /* degrees */
+#define LEAST_FOV 3.0       /* degrees: of radians nearly the largest */
 #define GRAVITY 9.81        /* m/s2, of a load in kg */
 
 struct units {
@@ -212,6 +213,21 @@ static enum status doubt_sun(const struct units *units)
 	return doubt(units, scene_tree_find(units->tree, "view.sun.height"), why);
 }
 
+static enum status doubt_cameras(const struct units *units)
+{
+	enum status status = STATUS_OK;
+	for (uint32_t i = 0; i < units->raw->cameras_count && status == STATUS_OK; i++) {
+		const double *fov = units->raw->cameras[i].fov;
+		char why[200];
+		if (fov == NULL || *fov >= LEAST_FOV)
+			continue;
+		snprintf(why, sizeof why, "%g degrees is narrow, and probably in radians; the unit is degrees: if it is in radians give %.3g", *fov,
+			 fmin(*fov * DEGREES, 170));
+		status = doubt(units, scene_tree_find(units->tree, "cameras[%u].fov", i), why);
+	}
+	return status;
+}
+
 enum status scene_check_units(const struct scene_tree *tree, const struct raw_scene *raw, struct scene *scene)
 {
 	const struct units units = {tree, raw, scene};
@@ -222,7 +238,9 @@ enum status scene_check_units(const struct scene_tree *tree, const struct raw_sc
 		status = doubt_radii(&units);
 	if (status == STATUS_OK)
 		status = doubt_loads(&units);
-	return status == STATUS_OK ? doubt_sun(&units) : status;
+	if (status == STATUS_OK)
+		status = doubt_sun(&units);
+	return status == STATUS_OK ? doubt_cameras(&units) : status;
 }
 
 void scene_advise_units(const struct scene *scene, scene_advice_fn tell, void *user)

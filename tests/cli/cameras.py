@@ -6,6 +6,7 @@ import json
 import math
 import os
 import pathlib
+import re
 import shutil
 import signal
 import struct
@@ -574,6 +575,37 @@ class Cameras(FurrowTest):
 
     def files(self):
         return {str(path.relative_to(self.folder / "out")): path.read_bytes() for path in (self.folder / "out/cameras").rglob("*") if path.is_file()}
+
+    def test_a_camera_that_sees_nothing_at_first_is_told(self):
+        self.store = self.synth(relief=20)
+        ground = json.loads(self.ok("query", self.store, "--json", stdin="30 30\n"))["points"][0]["height"]
+        cases = ((f"kind: fixed, pose: {{at: [30, 30, {ground - 1}]}}", r"pose\.at: its height is .* m, and the ground there is .* below the ground"),
+                 (f"kind: fixed, pose: {{at: [30, 30, {ground + 1}]}}", None),
+                 ("kind: fixed, pose: {at: [500000, 4400000, 30]}", r"pose\.at: 500000, 4400000 m is off the terrain, which is 0 to .*: the place of a camera is in local metres"),
+                 ("kind: mounted, on: box, pose: {at: [0, 0, -0.6]}", r"pose\.at: the camera is 0\.200 m below the soil when the drive begins; .* centre of box"),
+                 ("kind: mounted, on: box, pose: {at: [0, 0, -0.3]}", None))
+        path = self.scene("scene: 1\nend_time: 0.1\ntime_step: 0.1\nobjects:\n"
+                          "  - {name: box, shape: {box: {size: [1, 1, 1]}}, sink: 0.1, path: {points: [[30, 30], [50, 50]], speed: 1}}\ncameras:\n" +
+                          "".join(f"  - {{name: c{i}, rate: 1, size: [33, 25], fov: {(3, 1.05)[i == 4]}, {entry}}}\n" for i, (entry, _) in enumerate(cases)))
+        result = self.furrow("drive", path, "--store", self.store, "--overlay", "seen.furrow", "-o", "out")
+        if result.returncode == 4:
+            self.skipTest("no GL here")
+        told = [line.removeprefix("furrow: note: ") for line in result.stderr.splitlines() if "cameras" in line]
+        self.assertEqual([note for note in self.json("explain", path, "--store", self.store)["notes"] if "cameras" in note], told)
+        wanted = [rf"^cameras\.c{i}\.{words}" for i, (_, words) in enumerate(cases) if words is not None]
+        wanted.append(r"scene\.yaml:11: cameras\[4\]\.fov: 1\.05 degrees is narrow, .*: if it is in radians give 60\.2$")
+        self.assertEqual(len(told), len(wanted), told)
+        for words in wanted:
+            self.assertEqual(sum(re.search(words, note) is not None for note in told), 1, (words, told))
+        shutil.copy(ROOT / "tests/vehicle/one_wheel.xml", self.folder)
+        path = self.scene("scene: 1\ntime_step: 0.002\nend_time: 0.01\nspacing: 0.25\nsoil: {name: dry_sand}\nredistribute: {model: scm}\n"
+                          "vehicles: [{name: car, model: one_wheel.xml, start: {at: [20, 20]}}]\ncameras:\n"
+                          "  - {name: low, kind: mounted, on: car, pose: {at: [0, 0, -2]}, rate: 1, size: [33, 25]}\n"
+                          "  - {name: top, kind: mounted, on: car, pose: {at: [0, 0, 2]}, rate: 1, size: [33, 25]}\n")
+        result = self.furrow("drive", path, "--store", self.store, "--overlay", "car.furrow", "-o", "out")
+        if "no MuJoCo" not in result.stderr:
+            self.assertRegex("".join(line for line in result.stderr.splitlines() if "cameras" in line),
+                             r"^furrow: note: cameras\.low\.pose\.at: the camera is \d\.\d+ m below the soil when the drive begins; .*body, in metres$")
 
     def test_samples_smooth_colours_alone(self):
         self.store = self.synth(relief=20)
