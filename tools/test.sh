@@ -7,8 +7,8 @@
 #   sh tools/test.sh ARGUMENT   what `meson test` takes: names, --suite X; in the sanitizer build alone
 #
 # Three builds: one with address and undefined-behaviour sanitizers; one without, optimized and with asserts, for the suite `plain`:
-# laws, power cuts, the command and what is installed; one with ThreadSanitizer, for the tests of threads again. Each builds only
-# what its tests need, and the second the benches too.
+# laws, power cuts, the command and what is installed; in the long run one with ThreadSanitizer, for the tests of threads again. Each
+# builds only what its tests need, and the second the benches too.
 set -eu
 cd "$(dirname "$0")/.."
 sh tools/packages.sh
@@ -73,7 +73,9 @@ else
 	ninja -C "$laws" --quiet benches
 	# shellcheck disable=SC2086
 	run "$laws" --suite plain $both $without
-	if has_tsan; then
+	if [ -z "${FURROW_LONG:-}" ]; then
+		: # ThreadSanitizer is for the long run
+	elif has_tsan; then
 		setup "$tsan" -Doptimization=1 -Db_sanitize=thread
 		# The detector of deadlocks counts LLVM's locks without an end, and fails at 64.
 		# shellcheck disable=SC2086

@@ -527,7 +527,6 @@ enum status api_drive(const struct api_params *params, struct api_result *result
 		if (params->host == NULL) { /* settings that a drive does not use may matter to who watches */
 			world_advise(&drive.world, tell_advice, NULL);
 			report_sun_advise(&drive.world, tell_advice, NULL);
-			report_cameras_advise(&drive.world, tell_advice, NULL);
 			vehicle_advise(drive.vehicles, &drive.scene, drive.world.spacing, tell_advice, NULL);
 		} else {
 			scene_advise_units(params->scene, tell_advice, NULL);

@@ -248,13 +248,14 @@ static enum status tell_pose(struct view *view, const struct view_camera *this, 
 	return poses->take(poses->user, (size_t)(this - view->cameras), frame, &pose);
 }
 
-/* Tells if a camera on a vehicle begins below the ground. Those on objects are told before (report_cameras_advise). */
+/* Tells if a camera begins below the ground. report_cameras_advise tells more of those whose place is known before a drive. */
 static void tell_below(struct view *view, const struct scene_camera *camera, const double eye[3])
 {
+	const bool mounted = camera->aim.kind == SCENE_MOUNTED;
 	const double ground = render_view_ground_at(view, eye[0], eye[1], -INFINITY);
-	if (camera->aim.kind == SCENE_MOUNTED && camera->aim.vehicle > 0 && camera->baseline == 0 && eye[2] < ground)
-		note("cameras.%s.pose.at: the camera is %.3f m below the soil when the drive begins; the place is forward, left and up from the origin of the "
-		     "vehicle's body, in metres", camera->name, ground - eye[2]);
+	if ((mounted || camera->aim.kind == SCENE_FIXED) && camera->baseline == 0 && eye[2] < ground)
+		note("cameras.%s.pose.at: the camera is %.3f m below the ground when the drive begins; %s", camera->name, ground - eye[2],
+		     mounted ? "the place is forward, left and up from the origin of what it is on, in metres" : "heights are as the store has them");
 }
 
 static enum status draw(struct view *view, struct view_camera *this, struct pictures *pictures, const struct render_poses *poses, int64_t frame)

@@ -66,7 +66,6 @@ void report_asked(cJSON *root, const struct report *report)
 		world_advise(world, add_note, notes);
 		vehicle_advise(report->vehicles, scene, world->spacing, add_note, notes);
 		report_sun_advise(world, add_note, notes);
-		report_cameras_advise(world, add_note, notes);
 		report_groundless(world, add_note, notes);
 	} else {
 		scene_advise_units(scene, add_note, notes);

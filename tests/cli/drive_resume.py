@@ -107,6 +107,7 @@ cache: {slots: 16}
         db.close()
         self.assertIn("awake", self.refused(3, "drive", scene, "--store", self.store, "-o", "out", "--resume"))
 
+    @long
     def test_a_scene_that_ends_later_now_goes_on(self):
         # 1 s is 2.7 steps: the third is done to its end.
         for step, first, total in ((0.05, 20, 80), (0.37, 3, 11)):

@@ -42,10 +42,10 @@ class FullDisk(FurrowTest):
         side = 300
         (self.folder / "in.raw").write_bytes(noise.randbytes(2 * side * side))
         store = self.folder / "whole.furrow"
-        self.ok("import", "in.raw", "-o", store)
+        self.ok("import", "in.raw", "--spacing", "1", "-o", store)
         size = store.stat().st_size
-        self.check(size, "out.furrow", "import", "in.raw")
-        self.check(size, "out.furrow", "import", "in.raw", "--jobs", "1")
+        self.check(size, "out.furrow", "import", "in.raw", "--spacing", "1")
+        self.check(size, "out.furrow", "import", "in.raw", "--spacing", "1", "--jobs", "1")
         for name in ("whole.tif", "whole.png"):
             self.ok("export", store, "-o", name)
             size = (self.folder / name).stat().st_size
@@ -53,15 +53,15 @@ class FullDisk(FurrowTest):
 
     def test_a_store_that_is_to_be_overwritten_survives_a_full_disk(self):
         (self.folder / "in.raw").write_bytes(random.Random(8).randbytes(2 * 200 * 200))
-        self.ok("import", "in.raw", "-o", "s.furrow")
+        self.ok("import", "in.raw", "--spacing", "1", "-o", "s.furrow")
         before = (self.folder / "s.furrow").read_bytes()
-        self.assertEqual(self.limited(60000, "import", "in.raw", "-o", "s.furrow", "--overwrite").returncode, 1)
+        self.assertEqual(self.limited(60000, "import", "in.raw", "--spacing", "1", "-o", "s.furrow", "--overwrite").returncode, 1)
         self.assertEqual((self.folder / "s.furrow").read_bytes(), before)
         self.assertEqual(sorted(p.name for p in self.folder.iterdir()), ["in.raw", "s.furrow"])
 
     def test_filling_holes_without_room_is_told(self):
         (self.folder / "in.raw").write_bytes(random.Random(9).randbytes(2 * 100 * 100))
-        result = self.limited(5000, "import", "in.raw", "-o", "s.furrow", "--fill")
+        result = self.limited(5000, "import", "in.raw", "--spacing", "1", "-o", "s.furrow", "--fill")
         self.assertEqual(result.returncode, 1)
         self.assertIn("TMPDIR", result.stderr)
         self.assertEqual([p.name for p in self.folder.iterdir()], ["in.raw"])
@@ -88,9 +88,9 @@ class FullDisk(FurrowTest):
             self.skipTest("cannot mount a small file system here")
         try:
             (self.folder / "in.raw").write_bytes(random.Random(7).randbytes(2 * 400 * 400))
-            self.refused(1, "import", "in.raw", "-o", "disk/out.furrow")
+            self.refused(1, "import", "in.raw", "--spacing", "1", "-o", "disk/out.furrow")
             self.assertEqual(list(disk.iterdir()), [])
-            self.ok("import", "in.raw", "-o", "whole.furrow")
+            self.ok("import", "in.raw", "--spacing", "1", "-o", "whole.furrow")
             for name in ("out.tif", "out.png"):
                 self.refused(1, "export", "whole.furrow", "-o", f"disk/{name}")
                 self.assertEqual(list(disk.iterdir()), [])

@@ -93,6 +93,7 @@ class Insets(RasterTest):
     def steps(self, heights, step):
         return [abs(v - heights[x + step, y]) for (x, y), v in heights.items() if (x + step, y) in heights]
 
+    @long
     def test_no_step_in_a_rim_is_above_the_slopes_that_meet_there(self):
         """The steepest of a feather is 1.5 times the difference over its width; half a step of heights comes with each post."""
         self.three()
@@ -213,6 +214,7 @@ cache: {slots: 256}
             self.assertIn(why, told)
         self.assertEqual(list(self.folder.glob("no.furrow*")), [])
 
+    @long
     def test_neither_threads_nor_a_kill_show_in_the_store(self):
         self.three()
         insets = ("--inset", "site.tif", "--inset", "scan.tif")

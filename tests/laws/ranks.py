@@ -16,10 +16,10 @@ import time
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent.parent / "cli"))
-from furrow_test import FURROW, FurrowTest, long, main
+from furrow_test import FULL, FURROW, FurrowTest, long, main
 
 RANKS = [int(n) for n in os.environ.get("RANKS", "2,3").split(",")]
-KILLS = int(os.environ.get("KILLS", "2"))
+KILLS = int(os.environ.get("KILLS", "4" if FULL else "1"))
 SEED = int(os.environ.get("RANKS_SEED", "1"))
 MODELS = pathlib.Path(os.environ.get("SCENES", "")) / "vehicles"
 TABLES = ("offset", "dirt", "heaped", "pressed", "shear", "dug")
@@ -173,6 +173,7 @@ class TheSame(Ranks):
     def test_forces_that_are_asked_for_long_before_their_row(self):
         self.compare(LATE)
 
+    @long
     def test_blocks_that_two_ranks_have_woken_stand_once_in_the_record(self):
         self.compare(BOTH_SIDES, ranks=[2], moves=False)
         awake = [self.record(name)[1] for name in ("one", "many2")]
@@ -195,6 +196,7 @@ class TheSame(Ranks):
         self.assertIn("leaves: no ground under it", self.run_command(self.command(2, "scene.yaml", "two", "--resume"), expect=1))
         self.same("one", "two", reports)
 
+    @long
     def test_more_ranks_than_bodies(self):
         self.compare(ALONE, ranks=[3], moves=False)
 
