@@ -1,7 +1,7 @@
 #!/bin/sh
 # Packages, builds, tests:
 #
-#   sh tools/test.sh            what finds most for its time: some 15 minutes on two quiet cores
+#   sh tools/test.sh            what finds most for its time: 30 to 40 minutes on two cores
 #   sh tools/test.sh quick      the tests of suite `quick`; a minute or two
 #   sh tools/test.sh long       every test, at full length: an hour or more
 #   sh tools/test.sh ARGUMENT   what `meson test` takes: names, --suite X; in the sanitizer build alone
