@@ -105,7 +105,8 @@ void explain_geom(const struct deform_shape *shape, char *text, size_t size)
 	}
 }
 
-/* Soil geoms of one shape together, where the first is. */
+/* Writes the names of all soil geoms that have the shape of geom `first`. Writes nothing if an earlier geom has that shape: these names are written
+ * already. */
 static void add_geoms(FILE *stream, const struct report_plan *plan, size_t vehicle, size_t first, size_t count)
 {
 	char shape[96], other[96];

@@ -119,7 +119,7 @@ struct api_result {
 	double seconds, rtf;
 	char *json; /* the text of run.json; free with mem_free */
 	bool map;   /* map.png was written */
-	bool map_also; /* the map of the parameter was written */
+	bool map_also; /* the map that the parameter `map_also` names was written */
 };
 
 /*

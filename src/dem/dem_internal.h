@@ -37,11 +37,11 @@ struct dem_grid {
 	int64_t panel_posts;
 	double origin[2];
 	char *srs, *vertical, *projected; /* NULL: "" */
-	double ground_off; /* as in dem_info */
+	double ground_off; /* share by which distances on the ground differ: as in dem_info */
 	struct dem_list files; /* as in dem_info */
 	struct dem_list finer; /* as in dem_info */
 	size_t *finer_sets;
-	double covered; /* as in dem_info; 0: 1 */
+	double covered; /* as in dem_info; 0: not computed, then dem_info tells 1 */
 	int64_t overlap_posts, overlap_differing;
 	double overlap_difference;
 };

@@ -321,7 +321,7 @@ void scene_destroy(struct scene *scene);
  * if `index` is beyond the last number.
  */
 bool scene_soil_number(const struct deform_soil *soil, size_t index, const char **key, double *value);
-/* Returns true if the scene gives the number itself; false: it is that of a named soil, or a default. */
+/* Returns true if the scene gives the number itself. Returns false if the number is that of a named soil, or a default. */
 bool scene_soil_given(const struct scene *scene, int soil, const char *key);
 /* Soils have more than these, but for the last. A smaller number is probably in a wrong unit. */
 #define SCENE_LEAST_ANGLE 1.6     /* degrees. The largest angle in radians, pi / 2, is less, so it is noticed */
