@@ -65,7 +65,7 @@ static void write_layer(int layer, const struct store_meta *meta, char *text, si
 /* The side of the window, or of the terrain, from east to west (axis 0) or from south to north. */
 static void write_side(const struct export_request *request, const struct extent *extent, int axis, char *text, size_t room)
 {
-	const double all = (double)((axis == 0 ? extent->width : extent->height) - 1) * extent->spacing, *window = request->window;
+	const double all = extent_side(extent, axis), *window = request->window;
 	const double metres = request->has_window ? fmin(window[2 + axis], all) - fmax(window[axis], 0) : all;
 	snprintf(text, room, metres >= 1000 ? "%.4g km" : "%.4g m", metres >= 1000 ? metres / 1000 : metres);
 }

@@ -63,7 +63,7 @@ enum status export_take_changed(struct export_request *request, struct store *st
 	const struct extent *extent = &store_meta(store)->extent;
 	const int level = (int)request->level;
 	const double gigabytes = 4e-9 * (double)extent_posts(extent->width, level) * (double)extent_posts(extent->height, level);
-	const double ends[2] = {(double)(extent->width - 1) * extent->spacing, (double)(extent->height - 1) * extent->spacing};
+	const double ends[2] = {extent_side(extent, 0), extent_side(extent, 1)};
 	double *window = request->window;
 	char size[64] = "";
 	bool any;

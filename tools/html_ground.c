@@ -58,7 +58,7 @@ static enum status find_raster(const struct html_run *run, struct store *store, 
 {
 	const struct store_meta *meta = store_meta(store);
 	const struct extent *extent = &meta->extent;
-	const double size[2] = {(double)(extent->width - 1) * extent->spacing, (double)(extent->height - 1) * extent->spacing};
+	const double size[2] = {extent_side(extent, 0), extent_side(extent, 1)};
 	struct chart_raster_params params = {.meta = meta, .layer = STORE_OFFSET, .exaggerate = 1, .tiles_most = TILES_MOST};
 	double low[2], high[2];
 	params.deformed = store_has_working_level(store, &params.working);

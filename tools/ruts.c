@@ -35,7 +35,7 @@ enum status ruts_window(struct store *store, double window[4], bool *any)
 	if (status == STATUS_OK)
 		status = store_each_offset(reader, level, add_tile, &area);
 	store_reader_destroy(reader);
-	const double ends[2] = {(double)(extent->width - 1) * extent->spacing, (double)(extent->height - 1) * extent->spacing};
+	const double ends[2] = {extent_side(extent, 0), extent_side(extent, 1)};
 	for (int i = 0; i < 4; i++)
 		window[i] = i < 2 ? area.window[i] : fmin(area.window[i], ends[i - 2]);
 	*any = area.any;

@@ -53,6 +53,18 @@ bool extent_has(const struct extent *extent, struct tile tile);
 /* Returns NULL if this program can handle such a world. Otherwise returns the reason, a static text. */
 const char *extent_problem(const struct extent *extent);
 
+/* Returns the metres from the first to the last post of a side: from west to east (axis 0) or from south to north (axis 1). */
+static inline double extent_side(const struct extent *extent, int axis)
+{
+	return (double)((axis == 0 ? extent->width : extent->height) - 1) * extent->spacing;
+}
+
+/* Returns true if a place in local metres is on the terrain, its edges included. It may be a hole. */
+static inline bool extent_holds(const struct extent *extent, double x, double y)
+{
+	return x >= 0 && y >= 0 && x <= extent_side(extent, 0) && y <= extent_side(extent, 1);
+}
+
 static inline uint32_t tile_posts(const struct extent *extent)
 {
 	return extent->cells + 1;

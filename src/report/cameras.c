@@ -73,7 +73,7 @@ static enum status advise_camera(const struct world *world, struct store_reader 
 	if (fixed && at.outside)
 		snprintf(text, sizeof text, "cameras.%s.pose.at: %.9g, %.9g m is off the terrain, which is 0 to %g, 0 to %g m: the place of a camera is in local "
 					    "metres, and coordinates does not hold for it", camera->name, eye[0], eye[1],
-			 (extent->width - 1) * extent->spacing, (extent->height - 1) * extent->spacing);
+			 extent_side(extent, 0), extent_side(extent, 1));
 	else if (!at.outside && !at.nodata && eye[2] < at.base && fixed)
 		snprintf(text, sizeof text, "cameras.%s.pose.at: its height is %.3f m, and the ground there is %.3f m high, so it is below the ground: give a height "
 					    "above that (heights are as the store has them, places local metres)", camera->name, eye[2], at.base);

@@ -109,7 +109,7 @@ static struct post_rect find_rect(const struct map *map, int *level)
 {
 	const struct world *world = map->world;
 	const struct extent *extent = &world->meta->extent;
-	const double size[2] = {(double)(extent->width - 1) * extent->spacing, (double)(extent->height - 1) * extent->spacing};
+	const double size[2] = {extent_side(extent, 0), extent_side(extent, 1)};
 	double low[2], high[2];
 	find_extent(map, size, low, high);
 	int coarsest = extent_coarsest(extent);

@@ -125,11 +125,10 @@ enum status vehicle_replace(const struct vehicles *vehicles, struct vehicle *veh
 static enum status fail_ground(const struct vehicles *vehicles, const struct vehicle *vehicle, const char *name)
 {
 	const struct extent *extent = &vehicles->world->meta->extent;
-	const double *at = vehicle->origin, width = (double)(extent->width - 1) * extent->spacing, height = (double)(extent->height - 1) * extent->spacing;
-	const bool off = at[0] < 0 || at[1] < 0 || at[0] > width || at[1] > height;
-	const bool degrees = off && vehicles->scene->coordinates == SCENE_LOCAL && vehicles->world->meta->srs[0] != '\0' && fabs(at[0]) <= 360 && fabs(at[1]) <= 90;
+	const double *at = vehicle->origin;
+	const bool degrees = !extent_holds(extent, at[0], at[1]) && vehicles->scene->coordinates == SCENE_LOCAL && vehicles->world->meta->srs[0] != '\0' && fabs(at[0]) <= 360 && fabs(at[1]) <= 90;
 	return fail_with(STATUS_INPUT, "%s: vehicles.%s.start: no ground under %s at %g, %g m; start on the terrain, %g x %g m, away from holes%s",
-			 vehicles->scene->file, vehicle->scene->name, name, at[0], at[1], width, height,
+			 vehicles->scene->file, vehicle->scene->name, name, at[0], at[1], extent_side(extent, 0), extent_side(extent, 1),
 			 degrees ? "; if these are longitude and latitude, give coordinates: degrees" : "");
 }
 

@@ -42,8 +42,7 @@ static enum status to_local(const struct world *world, bool degrees, int line, c
 
 enum status world_no_ground(const struct world *world, const char *name, bool degrees, double x, double y, double time)
 {
-	const struct extent *extent = &world->meta->extent;
-	const bool hole = x >= 0 && y >= 0 && x <= (double)(extent->width - 1) * extent->spacing && y <= (double)(extent->height - 1) * extent->spacing;
+	const bool hole = extent_holds(&world->meta->extent, x, y);
 	const enum scene_coordinates coordinates = world->scene->coordinates;
 	const char *srs = degrees ? DEM_SRS_DEGREES : coordinates == SCENE_SRS ? world->scene->srs : "the store's system";
 	char given[160] = "";

@@ -165,13 +165,12 @@ static void advise_spacing(const struct world *world, scene_advice_fn tell, void
 /* Returns true if the path's first point is on the terrain with its coordinates of `srs` in the other order. */
 static bool is_swapped(const struct world *world, const struct scene_path *path, const char *srs)
 {
-	const struct extent *extent = &world->meta->extent;
 	double x = path->points[0].y, y = path->points[0].x;
 	if (dem_transform(srs, world->meta->srs, 1, &x, &y) != STATUS_OK)
 		return false;
 	x -= world->meta->origin[0];
 	y -= world->meta->origin[1];
-	return x >= 0 && y >= 0 && x <= (double)(extent->width - 1) * extent->spacing && y <= (double)(extent->height - 1) * extent->spacing;
+	return extent_holds(&world->meta->extent, x, y);
 }
 
 /* Writes what is probably wrong with a path far off the terrain. */
@@ -194,7 +193,7 @@ static void advise_leaving(const struct world *world, scene_advice_fn tell, void
 {
 	const struct scene *scene = world->scene;
 	const struct extent *extent = &world->meta->extent;
-	double width = (double)(extent->width - 1) * extent->spacing, height = (double)(extent->height - 1) * extent->spacing;
+	const double width = extent_side(extent, 0), height = extent_side(extent, 1);
 	struct track_point at = {.time = INFINITY};
 	const struct body *first = NULL;
 	size_t leaving = 0;
@@ -232,7 +231,6 @@ static void advise_leaving(const struct world *world, scene_advice_fn tell, void
 static void advise_ways(const struct world *world, scene_advice_fn tell, void *user)
 {
 	const struct extent *extent = &world->meta->extent;
-	const double width = (double)(extent->width - 1) * extent->spacing, height = (double)(extent->height - 1) * extent->spacing;
 	for (size_t v = 0; v < world->scene->vehicle_count; v++) {
 		const struct scene_vehicle *vehicle = &world->scene->vehicles[v];
 		struct scene_path route;
@@ -241,10 +239,10 @@ static void advise_ways(const struct world *world, scene_advice_fn tell, void *u
 			continue; /* a drive refuses a path that is nowhere */
 		for (size_t i = 0; i < route.count; i++) {
 			const double x = route.points[i].x, y = route.points[i].y;
-			if (x >= 0 && x <= width && y >= 0 && y <= height)
+			if (extent_holds(extent, x, y))
 				continue;
 			snprintf(text, sizeof text, "vehicles.%s.driver.path: point %zu, at %.3f, %.3f m, is off the terrain, where the drive would end; "
-						    "keep within 0 to %g, 0 to %g m", vehicle->name, i + 1, x, y, width, height);
+						    "keep within 0 to %g, 0 to %g m", vehicle->name, i + 1, x, y, extent_side(extent, 0), extent_side(extent, 1));
 			tell(user, text);
 			break;
 		}
