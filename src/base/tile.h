@@ -53,7 +53,7 @@ bool extent_has(const struct extent *extent, struct tile tile);
 /* Returns NULL if this program can handle such a world. Otherwise returns the reason, a static text. */
 const char *extent_problem(const struct extent *extent);
 
-/* Returns the metres from the first to the last post of a side: from west to east (axis 0) or from south to north (axis 1). */
+/* Returns the length of a side in metres, from its first to its last post. Axis 0: from west to east; 1: from south to north. */
 static inline double extent_side(const struct extent *extent, int axis)
 {
 	return (double)((axis == 0 ? extent->width : extent->height) - 1) * extent->spacing;
