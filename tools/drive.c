@@ -209,7 +209,6 @@ static enum status run(const struct arguments *arguments)
 	mem_free(result.json);
 	scene_destroy(scene);
 	settings_finish(&settings);
-	fleet_leave();
 	return status;
 }
 

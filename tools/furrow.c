@@ -86,5 +86,7 @@ int main(int argc, char **argv)
 	if (status == STATUS_OK)
 		status = command->run(arguments);
 	arguments_destroy(arguments);
-	return report(close_output(status));
+	const int code = report(close_output(status));
+	fleet_leave(); /* after the error is told: a launcher ends all processes when the first one has failed */
+	return code;
 }

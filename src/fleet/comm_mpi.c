@@ -108,6 +108,8 @@ void fleet_comm_finish(void)
 {
 	int begun = 0;
 	MPI_Initialized(&begun);
+	if (begun && at.ranks > 0)
+		MPI_Barrier(at.comm); /* MPI_Finalize need not wait for the others */
 	if (begun)
 		MPI_Finalize();
 	mem_free(at.firsts);
