@@ -22,6 +22,21 @@ void explain_geom(const struct deform_shape *shape, char *text, size_t size); /*
 bool explain_number(const struct scene *scene, int soil, size_t index, const char **key, double *value);
 const char *explain_number_from(const struct scene *scene, int soil, const char *key); /* "scene", "name" or "default" */
 
+/* explain_passes.c */
+bool explain_same_effect(const struct plan_line *a, const struct plan_line *b);
+size_t explain_count(const struct plan *plan, enum plan_kind kind); /* lines of that kind */
+const char *explain_each_of(enum plan_unit unit); /* what stands after an amount: "a window" */
+void explain_passes_text(const struct scene *scene, const struct report_plan *plan);
+
+/* explain_all.c: what only --all shows */
+void explain_effects_text(const struct scene *scene, const struct report_plan *plan);
+void explain_planes_text(const struct scene *scene, const struct report_plan *plan);
+void explain_programs_text(const struct scene *scene, const struct plan *plan);
+void explain_threads_text(const struct scene *scene, const struct plan *plan);
+void explain_tables_text(const struct scene *scene, const struct plan *plan);
+void explain_bytes_text(const struct scene *scene, const struct plan *plan); /* of textures and buffers */
+void explain_not_run_text(const struct report_plan *plan);
+
 /* The same as a tree that a person reads, at most 100 columns where names allow it. */
 void explain_text(const struct scene *scene, const struct report_plan *plan);
 enum status explain_json(const struct scene *scene, const struct report_plan *plan) FURROW_CHECKED;
