@@ -10,6 +10,7 @@ static const struct command_option options[] = {
 	{"store", "STORE", .help = "the terrain, or an overlay of it, instead of the scene's own; none: tiles of 256 cells are assumed", .files = "furrow"},
 	{"keep-history", .help = "the drive is to keep a history, as with furrow drive --keep-history"},
 	{"set", "KEY=VALUE", .help = "override a key of the scene, as in cache.slots=16", .repeats = true},
+	{"all", .help = "effects, planes, programs, passes, threads and statements too, each with the key that calls for it"},
 	{"json", .help = "one JSON object"},
 	{.name = NULL},
 };
@@ -38,7 +39,7 @@ static enum status run(const struct arguments *arguments)
 	if (status == STATUS_OK && arguments_flag(arguments, "json"))
 		status = explain_json(scene, &plan);
 	else if (status == STATUS_OK)
-		explain_text(scene, &plan);
+		explain_text(scene, &plan, arguments_flag(arguments, "all"));
 	report_plan_finish(&plan);
 	scene_destroy(scene);
 	settings_finish(&settings);
@@ -51,9 +52,9 @@ const struct command command_explain = {
 	.arguments = COMMAND_ARGUMENTS(COMMAND_SCENE),
 	.options = options,
 	.details = "Prints the plan of a drive. Notes come first: settings without effect, and what is probably wrong. Then numbers of the soil and whose they are, "
-		   "geoms and actuators of vehicles, planes kept a post, programs, passes of each object and picture, threads, statements of the store's tables, memory at most; each "
-		   "with the key of the scene that calls for it, as in `normals <- view`. What is not there is not made and not run: run.json's counts are these amounts, times how "
-		   "often each unit came. Needs no GL, and changes nothing: the store is only read, also while another drive writes it. What a scene may say is in scene(5), which is "
+		   "geoms and actuators of vehicles, how many posts are below each body, how many passes run, and memory at most. --all adds effects, planes kept a post, programs, "
+		   "passes of each object and picture, threads and statements of the store's tables, each with the key of the scene that calls for it, as in `normals <- view`. What is "
+		   "not there is not made and not run: run.json's counts are these amounts, times how often each unit came. Needs no GL, and changes nothing: the store is only read, also while another drive writes it. What a scene may say is in scene(5), which is "
 		   "src/scene/SCENE.md.\n",
 	.examples = "furrow explain scene.yaml --store world.furrow\n",
 	.see = "furrow-drive(1), scene(5)",

@@ -25,7 +25,8 @@ const char *explain_number_from(const struct scene *scene, int soil, const char 
 /* explain_passes.c */
 bool explain_same_effect(const struct plan_line *a, const struct plan_line *b);
 size_t explain_count(const struct plan *plan, enum plan_kind kind); /* lines of that kind */
-const char *explain_each_of(enum plan_unit unit); /* what stands after an amount: "a window" */
+const char *explain_each_of(enum plan_unit unit);        /* what stands after an amount: "a window" */
+void explain_bodies_text(const struct scene *scene, const struct report_plan *plan); /* bodies, and the sums of passes */
 void explain_passes_text(const struct scene *scene, const struct report_plan *plan);
 
 /* explain_all.c: what only --all shows */
@@ -37,8 +38,8 @@ void explain_tables_text(const struct scene *scene, const struct plan *plan);
 void explain_bytes_text(const struct scene *scene, const struct plan *plan); /* of textures and buffers */
 void explain_not_run_text(const struct report_plan *plan);
 
-/* The same as a tree that a person reads, at most 100 columns where names allow it. */
-void explain_text(const struct scene *scene, const struct report_plan *plan);
+/* The same for a person, at most 100 columns where names allow it. `all`: with all that explain_all.c shows. */
+void explain_text(const struct scene *scene, const struct report_plan *plan, bool all);
 enum status explain_json(const struct scene *scene, const struct report_plan *plan) FURROW_CHECKED;
 
 #endif

@@ -152,13 +152,44 @@ static void print_contacts(const double contacts[2], bool each)
 	       "    at most one a time step; a window or more at each over ground\n", each ? " each" : "");
 }
 
+/* Prints the sums of an object's passes, by what they are run for. */
+static void print_sums(const struct passes *passes, int object, const char *before)
+{
+	const struct plan_line *line;
+	char text[1024] = "";
+	size_t used = 0;
+	for (int unit = 0; unit < PLAN_UNITS; unit++) {
+		int64_t sum = 0;
+		for (size_t nth = 0; (line = pass_of(passes, object, nth)) != NULL; nth++)
+			sum += (int)line->unit == unit ? line->amount : 0;
+		if (sum > 0 && used < sizeof text)
+			used += (size_t)snprintf(text + used, sizeof text - used, "%s%lld %s", used > 0 ? ", " : before, (long long)sum,
+						 explain_each_of((enum plan_unit)unit));
+	}
+	if (used > 0 && object >= 0)
+		printf("    %s\n", text);
+	else if (used > 0)
+		layout_wrapped(text, 4);
+}
+
+/* Prints how many posts are below the bodies, if that is known of all. */
+static void print_below(const double over[2], double spacing, bool each)
+{
+	if (!(over[0] > 0) || !isfinite(over[0]))
+		return;
+	printf("    %.2g", over[0] / spacing);
+	if (over[1] > 1.005 * over[0])
+		printf(" to %.2g", over[1] / spacing);
+	printf(" posts below %s: the soil bears it over about %.2g m\n", each ? "each" : "it", over[0]);
+}
+
 /* The object or the soil geom, and those like it, where it is the first of them. */
-static void print_object(const struct scene *scene, const struct passes *passes, size_t first)
+static void print_object(const struct scene *scene, const struct passes *passes, size_t first, bool all)
 {
 	const struct report_plan *plan = passes->all;
 	size_t alike = 0;
 	uint64_t least = UINT64_MAX, most = 0;
-	double contacts[2] = {INFINITY, 0};
+	double contacts[2] = {INFINITY, 0}, over[2] = {INFINITY, 0};
 	for (size_t i = 0; i < plan->body_count; i++) {
 		if (!are_alike(passes, (int)first, (int)i))
 			continue;
@@ -167,6 +198,8 @@ static void print_object(const struct scene *scene, const struct passes *passes,
 		alike++;
 		contacts[0] = fmin(contacts[0], plan->bodies[i].contacts);
 		contacts[1] = fmax(contacts[1], plan->bodies[i].contacts);
+		over[0] = fmin(over[0], plan->bodies[i].over);
+		over[1] = fmax(over[1], plan->bodies[i].over);
 		if (i >= scene->object_count)
 			continue;
 		least = plan->samples[i] < least ? plan->samples[i] : least;
@@ -177,38 +210,64 @@ static void print_object(const struct scene *scene, const struct passes *passes,
 		printf(" and %zu like it", alike - 1);
 	if (contacts[1] > 0) {
 		print_contacts(contacts, alike > 1);
+	} else {
+		printf(": %s", layout_number(least).text);
+		if (most > least)
+			printf(" to %s", layout_number(most).text);
+		printf(" %s%s, a window or more each on ground\n", most == 1 ? "path sample" : "path samples", alike > 1 ? " each" : "");
+	}
+	if (all) {
 		print_passes_of(scene, passes, (int)first);
 		return;
 	}
-	printf(": %s", layout_number(least).text);
-	if (most > least)
-		printf(" to %s", layout_number(most).text);
-	printf(" %s%s, a window or more each on ground\n", most == 1 ? "path sample" : "path samples", alike > 1 ? " each" : "");
-	print_passes_of(scene, passes, (int)first);
+	print_below(over, plan->spacing, alike > 1);
+	print_sums(passes, (int)first, "passes: ");
+}
+
+static void print_besides(const struct scene *scene, const struct passes *passes, bool all)
+{
+	if (pass_of(passes, -1, 0) == NULL)
+		return;
+	if (!all) {
+		print_sums(passes, -1, passes->all->body_count > 0 ? "passes besides: " : "passes: ");
+		return;
+	}
+	if (passes->all->body_count > 0)
+		puts("  besides");
+	print_passes_of(scene, passes, -1);
+}
+
+static void print_all_passes(const struct scene *scene, const struct report_plan *plan, bool all)
+{
+	const struct passes passes = {
+		.all = plan,
+		.first = mem_alloc(plan->body_count + 1, sizeof *passes.first),
+		.next = mem_alloc(plan->plan.count, sizeof *passes.next),
+	};
+	if (passes.first != NULL && passes.next != NULL) {
+		list_passes(&passes);
+		for (size_t i = 0; i < plan->body_count; i++)
+			print_object(scene, &passes, i, all);
+		print_besides(scene, &passes, all);
+	} else {
+		puts("  out of memory: they cannot be listed");
+	}
+	mem_free(passes.first);
+	mem_free(passes.next);
 }
 
 void explain_passes_text(const struct scene *scene, const struct report_plan *plan)
 {
 	if (explain_count(&plan->plan, PLAN_PASS) == 0)
 		return;
-	const struct passes passes = {
-		.all = plan,
-		.first = mem_alloc(plan->body_count + 1, sizeof *passes.first),
-		.next = mem_alloc(plan->plan.count, sizeof *passes.next),
-	};
 	puts("\npasses");
-	if (passes.first != NULL && passes.next != NULL) {
-		list_passes(&passes);
-		for (size_t i = 0; i < plan->body_count; i++)
-			print_object(scene, &passes, i);
-		if (pass_of(&passes, -1, 0) != NULL) {
-			if (plan->body_count > 0)
-				puts("  besides");
-			print_passes_of(scene, &passes, -1);
-		}
-	} else {
-		puts("  out of memory: they cannot be listed");
-	}
-	mem_free(passes.first);
-	mem_free(passes.next);
+	print_all_passes(scene, plan, true);
+}
+
+void explain_bodies_text(const struct scene *scene, const struct report_plan *plan)
+{
+	if (explain_count(&plan->plan, PLAN_PASS) == 0)
+		return;
+	puts(plan->body_count > 0 ? "\nbodies, and passes" : "\npasses");
+	print_all_passes(scene, plan, false);
 }

@@ -1,4 +1,4 @@
-/* furrow explain, for a person: sections of lines, each with what calls for it in one column at the right. */
+/* furrow explain, for a person: sections of lines. Without --all only what a person asks first. */
 #include <stdio.h>
 
 #include "explain.h"
@@ -42,12 +42,25 @@ static void print_rasters(const struct report_plan *plan)
 
 /* --- what it takes --- */
 
-static void print_memory(const struct scene *scene, const struct report_plan *plan)
+/* Bytes of what is made once, whatever the drive does. */
+static uint64_t bytes_once(const struct plan *plan)
+{
+	uint64_t bytes = 0;
+	for (size_t i = 0; i < plan->count; i++)
+		if (plan->lines[i].unit == PLAN_ONCE && (plan->lines[i].kind == PLAN_TEXTURE || plan->lines[i].kind == PLAN_BUFFER))
+			bytes += plan->lines[i].bytes;
+	return bytes;
+}
+
+static void print_memory(const struct scene *scene, const struct report_plan *plan, bool all)
 {
 	const uint64_t few = plan->most.slots + plan->most.loads + plan->most.queue_few + plan->most.ground;
 	char most[640], asked[96] = "";
 	puts("\nmemory");
-	explain_bytes_text(scene, &plan->plan);
+	if (all)
+		explain_bytes_text(scene, &plan->plan);
+	else
+		printf("  %s for textures and buffers that are made once\n", layout_bytes(bytes_once(&plan->plan)).text);
 	if (scene->memory > 0)
 		snprintf(asked, sizeof asked, " of cache.memory: %s", layout_bytes(scene->memory).text);
 	snprintf(most, sizeof most, "for tiles %s%s (%s in %u slots, %s in loads, %s in %u tiles of base heights and those of loaders%s, %s in "
@@ -67,23 +80,40 @@ static void print_notes(const struct report_plan *plan)
 		layout_wrapped(plan->notes[i], 4);
 }
 
-void explain_text(const struct scene *scene, const struct report_plan *plan)
+/* The last line, which a terminal still shows. */
+static void print_end(const struct report_plan *plan, bool all)
+{
+	char notes[48] = "";
+	if (plan->note_count > 0)
+		snprintf(notes, sizeof notes, "%zu note%s: see the top", plan->note_count, plan->note_count == 1 ? "" : "s");
+	if (!all)
+		printf("\n%s%s--all shows effects, planes, programs, passes, threads and statements\n", notes, notes[0] != '\0' ? "; " : "");
+	else if (notes[0] != '\0')
+		printf("\n%s\n", notes);
+}
+
+void explain_text(const struct scene *scene, const struct report_plan *plan, bool all)
 {
 	print_head(scene, plan);
 	print_notes(plan);
-	explain_effects_text(scene, plan);
+	if (all)
+		explain_effects_text(scene, plan);
 	print_rasters(plan);
 	explain_soils_text(scene);
 	explain_vehicles_text(plan);
 	explain_sun_text(plan);
 	explain_cameras_text(scene, plan);
-	explain_planes_text(scene, plan);
-	explain_programs_text(scene, &plan->plan);
-	explain_passes_text(scene, plan);
-	explain_threads_text(scene, &plan->plan);
-	explain_tables_text(scene, &plan->plan);
-	print_memory(scene, plan);
-	explain_not_run_text(plan);
-	if (plan->note_count > 0) /* a terminal shows the end */
-		printf("\n%zu note%s: see the top\n", plan->note_count, plan->note_count == 1 ? "" : "s");
+	if (all) {
+		explain_planes_text(scene, plan);
+		explain_programs_text(scene, &plan->plan);
+		explain_passes_text(scene, plan);
+		explain_threads_text(scene, &plan->plan);
+		explain_tables_text(scene, &plan->plan);
+	} else {
+		explain_bodies_text(scene, plan);
+	}
+	print_memory(scene, plan, all);
+	if (all)
+		explain_not_run_text(plan);
+	print_end(plan, all);
 }

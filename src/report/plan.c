@@ -44,14 +44,14 @@ static enum status list_bodies(const struct world *world, struct report_plan *ou
 	if (out->bodies == NULL)
 		return fail_memory("the plan");
 	for (size_t i = 0; i < scene->object_count; i++)
-		out->bodies[out->body_count++] = (struct report_body){scene->objects[i].name, &scene->objects[i].shape, 0};
+		out->bodies[out->body_count++] = (struct report_body){scene->objects[i].name, &scene->objects[i].shape, scene_object_bears_over(scene, &scene->objects[i]), 0};
 	for (size_t v = 0; v < vehicle_count(out->vehicles); v++) {
 		struct vehicle_info info;
 		struct vehicle_geom geom;
 		vehicle_info(out->vehicles, v, &info);
 		for (size_t g = 0; g < info.geom_count; g++) {
 			vehicle_geom(out->vehicles, v, g, world->spacing, &geom);
-			out->bodies[out->body_count++] = (struct report_body){geom.name, geom.shape, geom.contacts};
+			out->bodies[out->body_count++] = (struct report_body){geom.name, geom.shape, vehicle_bears_over(out->vehicles, v, g, scene), geom.contacts};
 		}
 	}
 	return STATUS_OK;

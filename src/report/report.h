@@ -135,6 +135,7 @@ void report_videos(const struct report_poses *poses);
 struct report_body {
 	const char *name;
 	const struct deform_shape *shape;
+	double over;          /* metres over which the soil bears it; 0: not known */
 	double contacts;      /* of a soil geom: contacts a metre, as vehicle_geom tells it; 0: an object of the scene */
 };
 struct report_plan {

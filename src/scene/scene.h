@@ -383,6 +383,8 @@ void scene_advise_narrow(const char *key, double across, size_t others, double s
  * if less, twice the sinkage over the slope of its rim where it enters the soil. A wheel that hardly sinks enters it so far ahead of its
  * axle. */
 double scene_bears_over(const struct scene *scene, const struct deform_shape *shape, double load, double sink);
+/* The same of any object of the scene. Returns 0 if it is not known: without load and sink, and for a shape whose attitude changes. */
+double scene_object_bears_over(const struct scene *scene, const struct scene_object *object);
 /* Tells how far off forces are where `over` metres hold few posts. Tells nothing where they are hardly off. scene_advise does this for
  * the scene's objects. `key`: of the body; `others`: how many are alike. */
 void scene_advise_posts_below(const char *key, const struct deform_shape *shape, double over, size_t others, double spacing, scene_advice_fn tell,

@@ -22,8 +22,7 @@ double scene_bears_over(const struct scene *scene, const struct deform_shape *sh
 	return least;
 }
 
-/* The same of any object. 0: not known. */
-static double bears_over(const struct scene *scene, const struct scene_object *object)
+double scene_object_bears_over(const struct scene *scene, const struct scene_object *object)
 {
 	const struct deform_shape *shape = &object->shape;
 	if ((object->load <= 0 && object->sink <= 0) || (object->path.has_attitude && shape->kind != DEFORM_WHEEL && shape->kind != DEFORM_SPHERE))
@@ -55,7 +54,7 @@ static bool is_first_told(const struct scene *scene, const struct scene_object *
 	bool wheel = object->shape.kind == DEFORM_WHEEL;
 	*others = 0;
 	for (const struct scene_object *other = scene->objects; other < scene->objects + scene->object_count; other++) {
-		if (bears_over(scene, other) != bears_over(scene, object) || (other->shape.kind == DEFORM_WHEEL) != wheel)
+		if (scene_object_bears_over(scene, other) != scene_object_bears_over(scene, object) || (other->shape.kind == DEFORM_WHEEL) != wheel)
 			continue;
 		if (other < object)
 			return false;
@@ -91,7 +90,7 @@ void scene_advise_posts(const struct scene *scene, double spacing, scene_advice_
 		return;
 	for (const struct scene_object *object = scene->objects; object < scene->objects + scene->object_count; object++) {
 		char key[160];
-		const double over = bears_over(scene, object);
+		const double over = scene_object_bears_over(scene, object);
 		size_t others;
 		if (!(over > 0) || (object->load <= 0 && scene->forces <= 0) || !is_first_told(scene, object, &others))
 			continue;

@@ -11,6 +11,15 @@ static double bears_over(const struct scene *scene, const struct vehicle_info *v
 	return scene_bears_over(scene, geom->shape, vehicle->mass * scene->gravity / (double)vehicle->geom_count, 0);
 }
 
+double vehicle_bears_over(const struct vehicles *vehicles, size_t vehicle, size_t number, const struct scene *scene)
+{
+	struct vehicle_info info;
+	struct vehicle_geom geom;
+	vehicle_info(vehicles, vehicle, &info);
+	vehicle_geom(vehicles, vehicle, number, 1, &geom);
+	return bears_over(scene, &info, &geom);
+}
+
 static double across(const struct deform_shape *shape)
 {
 	return shape->kind == DEFORM_WHEEL ? shape->width : 2 * shape->radius;

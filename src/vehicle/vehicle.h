@@ -101,6 +101,8 @@ struct vehicle_geom {
 /* `spacing`: m between posts. */
 void vehicle_geom(const struct vehicles *vehicles, size_t vehicle, size_t geom, double spacing, struct vehicle_geom *out);
 
+/* Returns over how many metres the soil bears a soil geom, if each bears the same share of the weight. 0: it is neither a wheel nor a sphere. */
+double vehicle_bears_over(const struct vehicles *vehicles, size_t vehicle, size_t number, const struct scene *scene);
 /* Calls `tell` for a damping of the soil that the scene does not give. It also calls it for wheels and round feet with so few posts below them
  * that forces are off, as scene_advise does for objects. Each soil geom is taken to bear the same share of the weight. `spacing`: m between
  * posts of the working level. NULL: there are no vehicles. */

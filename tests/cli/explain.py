@@ -52,12 +52,18 @@ class Explain(FurrowTest):
         for scene in self.all_shipped:
             for arguments in ([], ["--store", store]):
                 with self.subTest(scene=scene.name, store=bool(arguments)):
-                    text = self.shipped(scene, *arguments)
-                    self.assertLessEqual(max(len(line) for line in text.splitlines()[1:]), 100)
-                    self.assertEqual("assumed" in text, not arguments)
-                    for section in ["effects", "planes: ", "programs: ", "passes", "threads: ", "tables", "memory", "not run"]:
-                        self.assertIn("\n" + section, text)
-                    self.assertNotIn("(null)", text)
+                    only_all = ["effects", "planes: ", "programs: ", "passes", "threads: ", "tables", "not run"]
+                    for text, here, not_here in ((self.shipped(scene, *arguments, "--all"), ["memory", *only_all], ["bodies"]),
+                                                 (self.shipped(scene, *arguments), ["bodies, and passes", "memory"], only_all)):
+                        self.assertLessEqual(max(len(line) for line in text.splitlines()[1:]), 100)
+                        self.assertEqual("assumed" in text, not arguments)
+                        for section in here:
+                            self.assertIn("\n" + section, text)
+                        for section in not_here:
+                            self.assertNotIn("\n" + section, text)
+                        self.assertNotIn("(null)", text)
+                    self.assertLess(len(text.splitlines()), 60)
+                    self.assertTrue(text.splitlines()[-1].endswith("--all shows effects, planes, programs, passes, threads and statements"))
 
     def test_every_line_has_a_reason_that_the_scene_gives(self):
         store = self.synth(posts="513x513")
@@ -171,11 +177,23 @@ class Explain(FurrowTest):
 
     def test_objects_that_are_alike_are_folded(self):
         self.synth()
-        text = self.ok("explain", self.scene(BARE), "--store", "world.furrow")
+        text = self.ok("explain", self.scene(BARE), "--store", "world.furrow", "--all")
         self.assertIn("\n  a and 1 like it: 31 path samples each", text)
         self.assertIn("\n  c: 11 path samples", text)
         self.assertNotIn("\n  b:", text)
         self.assertNotIn("\n  b and", text)
+
+    def test_posts_and_passes_of_bodies_are_told(self):
+        self.synth()
+        load = ("--set", "redistribute.model=scm", "--set", "soil.name=dry_sand", "--set", "spacing=0.25")
+        text = self.ok("explain", self.scene(BARE), "--store", "world.furrow", *load)
+        # A wheel is wider than it is long where it is 0.2 m deep: 2 (0.2) (1.5 - 0.2) / sqrt(0.2 (3 - 0.2)).
+        self.assertIn("31 path samples each, a window or more each on ground\n    2.8 posts below each: the soil bears it over about 0.69 m\n    passes: "
+                      .replace("31", "121"), text)
+        plan = self.json("explain", "scene.yaml", "--store", "world.furrow", *load)
+        passes = sum(row["amount"] for row in plan["passes"] if row["object"] == "a" and row["unit"] == "window")
+        self.assertGreater(passes, 0)
+        self.assertIn(f"\n    passes: {passes} a window\n  c: ", text)
 
     def slots_note(self, setting):
         plan = self.json("explain", self.scene(BARE, "bare.yaml"), "--store", "world.furrow", "--set", setting)
@@ -184,7 +202,7 @@ class Explain(FurrowTest):
     def test_no_size_is_told_as_a_power(self):
         self.synth()
         view = VIEW.replace("[64, 48]", "[128, 487]")  # 999.75 KiB once
-        text = self.ok("explain", self.scene(BARE), "--store", "world.furrow", "--set", "view=" + view)
+        text = self.ok("explain", self.scene(BARE), "--store", "world.furrow", "--set", "view=" + view, "--all")
         self.assertIn("\n  0.976 MiB    once", text)
         self.assertNotIn("e+", text)
 
@@ -193,10 +211,11 @@ class Explain(FurrowTest):
         scene = self.scene(BARE + "gravity: 1.62\nsoil: {name: mud}\n")
         plan = self.json("explain", scene, "--store", "world.furrow", "--set", "cache.slots=2000")
         self.assertEqual([note.split(":")[0] for note in plan["notes"]], ["soil", "gravity", "objects.a.path", "cache.slots"])
-        text = self.ok("explain", scene)
+        text = self.ok("explain", scene, "--all")
         self.assertIn("\nnotes\n  soil: ", text)
         self.assertLess(text.index("\nnotes\n"), text.index("\neffects\n"))
         self.assertEqual(text.splitlines()[-1], "2 notes: see the top")
+        self.assertTrue(self.ok("explain", scene).splitlines()[-1].startswith("2 notes: see the top; --all shows "))
         self.assertIn("the store has 1 tile at this spacing: the others stay empty; give 4", self.slots_note("cache.slots=5"))
         self.assertEqual(self.slots_note("cache.slots=4"), "")  # no fewer are allowed
         arrives = BARE.replace("90]], speed: 10", "90]], speed: 36")
@@ -352,7 +371,7 @@ class Explain(FurrowTest):
 
     def test_help_says_what_it_is(self):
         text = self.ok("explain", "--help")
-        for word in ["--store", "--set", "--json", "<-", "no GL"]:
+        for word in ["--store", "--set", "--all", "--json", "<-", "no GL"]:
             self.assertIn(word, text)
 
 
