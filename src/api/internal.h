@@ -39,8 +39,27 @@ enum status api_folder_clear(const struct world *world, const char *directory) F
 /* Removes the folder with all that is in it, a link but not what it leads to. What cannot be removed stays. */
 void api_folder_remove(const char *directory);
 
+/* --- drive_start.c --- */
+/* Of many processes that step the world together, the first writes the files. */
+bool api_writes(const struct drive *drive);
+/* Returns the failure of any process on all of them. */
+enum status api_agree(struct drive *drive, enum status status) FURROW_CHECKED;
+/* Opens and makes all that the drive changes: pages, the view, files of rows. */
+enum status api_start(struct drive *drive) FURROW_CHECKED;
+
 /* drive.c: makes one step of the world, and of the vehicles in it. */
 enum status api_one_step(struct drive *drive) FURROW_CHECKED;
+
+/* --- drive_end.c --- */
+/* Stops the threads, and writes run.json, cameras and maps. `status`: how the loop ended; returned, unless only the writing failed. */
+enum status api_end(struct drive *drive, struct api_result *result, enum status status) FURROW_CHECKED;
+/* Writes of these what is missing, for a resumed drive that has nothing left to do. */
+enum status api_end_again(struct drive *drive, struct api_result *result) FURROW_CHECKED;
+/* Of many processes, when all have closed the ground: what they did comes together, and the first writes run.json and the map. `status`: how
+ * this one ended. */
+enum status api_conclude(const struct drive *drive, int64_t step, double time, struct api_result *result, enum status status) FURROW_CHECKED;
+/* Removes what a drive made that could not begin. What was there before stays. */
+void api_remove_made(const struct drive *drive);
 
 /* host.c: the loop of a drive that a window controls. */
 enum status api_host_steps(struct drive *drive, int64_t total) FURROW_CHECKED;

@@ -1,0 +1,234 @@
+/* The end of a drive: run.json, maps, and notes on how it ended. */
+#include <math.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "api/internal.h"
+
+/* Stops all threads, so that the counts are complete. */
+static void stop_threads(struct drive *drive)
+{
+	drive->report.threads = thread_running();
+	render_pictures_stop(drive->pictures);
+	world_stop(&drive->world);
+	if (drive->view != NULL)
+		render_view_settle(drive->view);
+}
+
+/* --- files --- */
+
+/* Also for a drive that failed or was interrupted, once it began. The drive's own failure is returned before the trace's. */
+static enum status publish_trace(const struct drive *drive, enum status status)
+{
+	struct failure failure;
+	failure_capture(&failure, status);
+	enum status published = page_trace_publish(drive->world.trace);
+	if (published != STATUS_OK && (status == STATUS_OK || status == STATUS_INTERRUPTED))
+		return published;
+	return status == STATUS_OK ? STATUS_OK : failure_restore(&failure);
+}
+
+/* Makes the text of run.json. */
+static enum status describe(struct drive *drive, struct api_result *result)
+{
+	const struct world *world = &drive->world;
+	struct report *report = &drive->report;
+	report->world = world;
+	report->view = drive->view;
+	report->pictures = drive->pictures;
+	report->poses = drive->poses;
+	report->vehicles = drive->vehicles;
+	report->advised = drive->params->host == NULL;
+	result->steps = world->step;
+	result->seconds = report->seconds;
+	result->rtf = report->seconds > 0 ? (world->time - world->resumed.time) / report->seconds : 0;
+	result->json = report_json(report, result->ended);
+	return result->json != NULL ? STATUS_OK : fail_memory("run.json");
+}
+
+/* Writes run.json, unless `keep` and it exists. */
+static enum status report(struct drive *drive, bool keep, struct api_result *result)
+{
+	char path[4096];
+	snprintf(path, sizeof path, "%s/run.json", drive->params->directory);
+	enum status status = describe(drive, result);
+	if (status != STATUS_OK)
+		return status;
+	return keep && access(path, F_OK) == 0 ? STATUS_OK : report_write(drive->params->directory, result->json);
+}
+
+/* Draws map.png and what is asked for beside it. `keep`: only those that do not exist. */
+static enum status write_maps(const struct drive *drive, const struct world *world, bool keep, struct api_result *result)
+{
+	char path[4096];
+	snprintf(path, sizeof path, "%s/map.png", drive->params->directory);
+	const char *const paths[] = {path, drive->params->map_also};
+	enum status status = STATUS_OK;
+	for (size_t i = 0; i < 2 && status == STATUS_OK; i++) {
+		if (paths[i] == NULL || (keep && access(paths[i], F_OK) == 0))
+			continue;
+		status = report_map(world, drive->vehicles, paths[i], result->ended);
+		if (i == 0)
+			result->map = status == STATUS_OK;
+		else
+			result->map_also = status == STATUS_OK;
+	}
+	return status;
+}
+
+/* Draws the maps, if asked for, unless the drive failed in its first step. `keep` is as in write_maps. Returns `status` if that is a failure,
+ * otherwise the status of the maps. */
+static enum status draw_map(const struct drive *drive, bool keep, struct api_result *result, enum status status)
+{
+	struct failure failure;
+	const bool empty = status != STATUS_OK && status != STATUS_INTERRUPTED && drive->world.step == 0;
+	if (!drive->params->map || empty)
+		return status;
+	failure_capture(&failure, status);
+	enum status drawn = write_maps(drive, &drive->world, keep, result);
+	if (status == STATUS_OK)
+		return drawn;
+	if (drawn != STATUS_OK)
+		note("%s", failure_message());
+	return failure_restore(&failure);
+}
+
+/* --- notes --- */
+
+#define DRIVES_STILL 0.25 /* of its commanded speed: from there on nothing holds a vehicle up */
+
+/* A drive may end before a vehicle has come to the end of its path. */
+static void tell_on_the_way(const struct drive *drive)
+{
+	for (size_t i = 0; drive->vehicles != NULL && i < drive->scene.vehicle_count; i++) {
+		struct vehicle_info info;
+		vehicle_info(drive->vehicles, i, &info);
+		if (drive->scene.vehicles[i].driver != SCENE_FOLLOW || info.arrived)
+			continue;
+		if (info.speed >= DRIVES_STILL * drive->scene.vehicles[i].way.speed)
+			note("vehicles.%s: is not at the end of its path, but still drives at %.2g m/s: it has come %.4g m, and %.4g m are left; give an end_time of "
+			     "%.0f s or more", info.name, info.speed, info.distance, info.left, ceil(drive->world.time + info.left / info.speed + 1));
+		else
+			note("vehicles.%s: is not at the end of its path: it has come %.4g m; drive longer, or look at what holds it up (vehicles.csv)",
+			     info.name, info.distance);
+	}
+}
+
+static void tell_stuck(const struct drive *drive)
+{
+	for (size_t i = 0; i < vehicle_count(drive->vehicles); i++) {
+		struct vehicle_info info;
+		vehicle_info(drive->vehicles, i, &info);
+		if (info.stuck && info.deepest != NULL)
+			note("vehicles.%s: is stuck since %.2f s: it has come %.4g m, and %s is deepest in the soil, by %.3g m; look at its rows in objects.csv "
+			     "(output.forces)", info.name, fmax(info.stuck_at, 0), info.distance, info.deepest, info.depth);
+	}
+}
+
+static void tell_note(void *user, const char *text)
+{
+	(void)user;
+	note("%s", text);
+}
+
+/* --- the end --- */
+
+static const char *ending(const struct drive *drive, enum status status)
+{
+	if (status == STATUS_OK)
+		return vehicle_stuck(drive->vehicles) ? "stuck" : "complete";
+	return status == STATUS_INTERRUPTED ? "interrupted" : "failed";
+}
+
+static void tell_end(struct drive *drive, const char *ended)
+{
+	if (strcmp(ended, "complete") == 0 && api_writes(drive)) {
+		tell_on_the_way(drive);
+		report_groundless(&drive->world, tell_note, NULL);
+	}
+	if (strcmp(ended, "stuck") == 0 && api_writes(drive))
+		tell_stuck(drive);
+}
+
+enum status api_end(struct drive *drive, struct api_result *result, enum status status)
+{
+	if (!drive->unbegun)
+		status = publish_trace(drive, status);
+	stop_threads(drive);
+	if (drive->unbegun)
+		return status;
+	result->ended = ending(drive, status);
+	tell_end(drive, result->ended);
+	struct failure failure;
+	failure_capture(&failure, status);
+	if (drive->params->ranks != NULL) { /* api_conclude() writes it */
+		enum status made = describe(drive, result);
+		return status == STATUS_OK ? made : failure_restore(&failure);
+	}
+	enum status written = report_cameras(drive->poses);
+	if (status == STATUS_OK && written == STATUS_OK)
+		report_videos(drive->poses);
+	if (written == STATUS_OK)
+		written = report(drive, false, result);
+	bool tell_written = written != STATUS_OK && (status == STATUS_OK || status == STATUS_INTERRUPTED);
+	if (!tell_written && status != STATUS_OK)
+		status = failure_restore(&failure);
+	return draw_map(drive, false, result, tell_written ? written : status);
+}
+
+enum status api_end_again(struct drive *drive, struct api_result *result)
+{
+	result->ended = "complete";
+	if (drive->params->trace != NULL)
+		note("%s: no trace is written, since nothing is left to drive", drive->params->trace);
+	if (!api_writes(drive))
+		return STATUS_OK;
+	enum status status = api_folder_make(drive->params->directory);
+	return status == STATUS_OK ? draw_map(drive, true, result, report(drive, true, result)) : status;
+}
+
+/* Draws the map from the run's overlay, after what the ranks committed was gathered into it. */
+static enum status map_gathered(const struct drive *drive, int64_t step, double time, struct api_result *result)
+{
+	struct world world;
+	struct store_meta assumed;
+	enum status status = world_prepare_plan(&world, &drive->scene, drive->params->ranks->over, false, &assumed);
+	world.step = step;
+	world.time = time;
+	if (status == STATUS_OK)
+		status = resident_ground_create(world.store, world.limits.ground, &world.ground);
+	if (status == STATUS_OK)
+		status = write_maps(drive, &world, false, result);
+	world_finish(&world, STATUS_OK);
+	return status;
+}
+
+enum status api_conclude(const struct drive *drive, int64_t step, double time, struct api_result *result, enum status status)
+{
+	const struct world_ranks *ranks = drive->params->ranks;
+	struct world_ranked ranked;
+	struct failure failure;
+	failure_capture(&failure, status);
+	enum status gathered = ranks->gather(ranks->user, &ranked);
+	if (gathered == STATUS_OK && api_writes(drive) && result->json != NULL) {
+		gathered = report_gathered(&result->json, &ranked, ranks->ranks);
+		if (gathered == STATUS_OK)
+			gathered = report_write(drive->params->directory, result->json);
+		if (gathered == STATUS_OK && drive->params->map)
+			gathered = map_gathered(drive, step, time, result);
+	}
+	if (status == STATUS_OK || (status == STATUS_INTERRUPTED && gathered != STATUS_OK))
+		return gathered;
+	return failure_restore(&failure);
+}
+
+void api_remove_made(const struct drive *drive)
+{
+	static const char *const endings[] = {"", "-wal", "-shm"};
+	char path[4096];
+	if (drive->new_folder)
+		api_folder_remove(drive->params->directory);
+	for (size_t i = 0; drive->new_overlay && i < sizeof endings / sizeof *endings; i++)
+		if (snprintf(path, sizeof path, "%s%s", drive->params->overlay, endings[i]) < (int)sizeof path)
+			(void)unlink(path);
+}
