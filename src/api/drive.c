@@ -162,6 +162,7 @@ static void advise(const struct drive *drive)
 		scene_advise_units(drive->params->scene, tell_advice, NULL);
 		return;
 	}
+	world_tell_written(&drive->world);
 	world_advise(&drive->world, tell_advice, NULL);
 	report_sun_advise(&drive->world, tell_advice, NULL);
 	vehicle_advise(drive->vehicles, &drive->scene, drive->world.spacing, tell_advice, NULL);

@@ -1,6 +1,10 @@
-/* Says before the first step that the ground already has ruts. Who drives a second time may have wanted the ground as imported. */
+/*
+ * Says before the first step that the ground already has ruts, or that it gets its first. Who drives a second time may have wanted the ground as
+ * imported.
+ */
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 #include "world/internal.h"
 
@@ -21,4 +25,15 @@ enum status world_tell_ruts(const struct world *world)
 	note("%s: the ground has ruts already, up to %.3g m deep%s; this run goes on over them; for the ground as it was imported %s"
 	     "run furrow reset %s", world->path, fmax(-low, 0), heaps, store_base_path(world->store) != NULL ? "give another --overlay, or " : "", world->path);
 	return STATUS_OK;
+}
+
+void world_tell_written(const struct world *world)
+{
+	const struct scene *scene = world->scene;
+	const bool made_here = strncmp(world->meta->sources, "synthetic ", strlen("synthetic ")) == 0; /* furrow synth makes the same again */
+	if (world->was_deformed || made_here || store_base_path(world->store) != NULL || world->params.resume || world->params.keep_history ||
+	    (scene->object_count == 0 && scene->vehicle_count == 0))
+		return;
+	note("%s: this run writes its ruts into the imported store itself; to keep the store as it is, give --overlay FILE. furrow reset removes ruts",
+	     world->path);
 }

@@ -44,6 +44,21 @@ class Notes(FurrowTest):
         self.ok("reset", "a.furrow")
         self.assertEqual(self.notes("ruts", "--overlay", "a.furrow"), [], "nor has one that was reset")
 
+    def test_the_first_ruts_in_an_imported_store_are_told(self):
+        self.ok("synth", "-o", "dem.png", "--posts", "129x129", "--spacing", "1")
+        self.ok("import", "dem.png", "-o", "dem.furrow", "--spacing", "1")
+        self.ok("import", "dem.png", "-o", "kept.furrow", "--spacing", "1")
+        over = ("--store", "dem.furrow")
+        self.assertEqual(self.notes("into the imported store", "--overlay", "a.furrow", store=over), [])
+        self.assertEqual(self.notes("into the imported store", "--keep-history", store=("--store", "kept.furrow")), [])
+        told = self.notes("ruts", "--steps", "10", store=over)
+        self.assertEqual(len(told), 1, told)
+        self.assertIn("dem.furrow: this run writes its ruts into the imported store itself; to keep the store as it is, give --overlay FILE", told[0])
+        self.assertEqual(self.notes("ruts", "--resume", store=over), [])
+        self.assertIn("the ground has ruts already", "".join(self.notes("ruts", store=over)))
+        self.assertEqual(self.notes("into the imported store", store=over), [])
+        self.assertEqual(self.notes("into the imported store"), [], "furrow synth makes the same again")
+
     def test_how_deep_they_are(self):
         self.notes("ruts")
         deepest = self.deepest("world.furrow")
