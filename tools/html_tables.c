@@ -104,6 +104,7 @@ void html_tables_run(const struct html_report *report)
 	static const struct row list[] = {
 		{"ended", "ended", 1}, {"steps", "steps", 1}, {"simulated, s", "simulated", 1}, {"resumed from step", "resumed_from", 1},
 		{"scene", "scene.file", 1}, {"hash of the scene", "scene.hash", 1}, {"store", "store.file", 1}, {"base store", "store.base", 1},
+		{"hash of the base store", "store.base_hash", 1},
 		{"spacing of posts, m", "spacing", 1}, {"working level", "working_level", 1}, {"furrow", "version", 1},
 		{"sun of pictures: azimuth, degrees", "sun.azimuth", 1}, {"sun of pictures: height, degrees", "sun.height", 1},
 		{"sun's azimuth at the end, degrees", "sun.azimuth_at_end", 1}, {"sun's height at the end, degrees", "sun.height_at_end", 1},
@@ -122,12 +123,34 @@ void html_tables_run(const struct html_report *report)
 
 #define BASE "" /* key of the terrain: the base store, or the store that was deformed itself */
 
-static const char *value_of(const struct html_report *report, size_t run, const char *key)
+static const char *base_path(const struct html_report *report, size_t run)
 {
 	const char *base = html_string(&report->runs[run], "store.base");
-	if (key[0] == '\0')
-		return base != NULL ? base : html_string(&report->runs[run], "store.file");
-	return html_setting(&report->runs[run], key);
+	return base != NULL ? base : html_string(&report->runs[run], "store.file");
+}
+
+/* Returns the hash of the terrain if each run has one, else the path of its store: another path may be a copy. */
+static const char *base_of(const struct html_report *report, size_t run)
+{
+	for (size_t i = 0; i < report->count; i++)
+		if (html_string(&report->runs[i], "store.base_hash") == NULL)
+			return base_path(report, run);
+	return html_string(&report->runs[run], "store.base_hash");
+}
+
+static const char *value_of(const struct html_report *report, size_t run, const char *key)
+{
+	return key[0] == '\0' ? base_of(report, run) : html_setting(&report->runs[run], key);
+}
+
+/* "hill.furrow (be33580def278a43)", or the path where no hash is known. */
+static void base_cell(const struct html_report *report, size_t run)
+{
+	const char *path = base_path(report, run), *is = base_of(report, run), *slash = path != NULL ? strrchr(path, '/') : NULL;
+	char text[300];
+	if (is != NULL && is != path)
+		snprintf(text, sizeof text, "%.250s (%.20s)", slash != NULL ? slash + 1 : path != NULL ? path : "", is);
+	text_cell(is != NULL && is != path ? text : is, report->file);
 }
 
 static bool differs(const struct html_report *report, const char *key)
@@ -147,7 +170,10 @@ static void setting_row(const struct html_report *report, const char *key, bool 
 		html_table(report, "setting");
 	html_row_head(report, key[0] == '\0' ? "base store" : key);
 	for (size_t k = 0; k < report->count; k++)
-		text_cell(value_of(report, k, key), report->file);
+		if (key[0] == '\0')
+			base_cell(report, k);
+		else
+			text_cell(value_of(report, k, key), report->file);
 	fputs("</tr>\n", report->file);
 }
 

@@ -48,6 +48,7 @@ void report_asked(cJSON *root, const struct report *report)
 {
 	const struct world *world = report->world;
 	const struct scene *scene = world->scene;
+	char hash[20];
 	cJSON_AddStringToObject(root, "version", FURROW_VERSION);
 	cJSON *told = cJSON_AddObjectToObject(root, "scene");
 	cJSON_AddStringToObject(told, "file", scene->file);
@@ -58,6 +59,8 @@ void report_asked(cJSON *root, const struct report *report)
 	cJSON *store = cJSON_AddObjectToObject(root, "store");
 	add_path(store, "file", world->ranks != NULL ? world->ranks->over : world->path);
 	add_path(store, "base", store_base_path(world->store));
+	snprintf(hash, sizeof hash, "%016llx", (unsigned long long)store_base_hash(world->store));
+	cJSON_AddStringToObject(store, "base_hash", hash);
 	if (store_copy_path(world->store) != NULL)
 		add_path(store, "staged", store_copy_path(world->store));
 	add_path(root, "trace", page_trace_path(world->trace));

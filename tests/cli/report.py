@@ -697,6 +697,14 @@ class Report(FurrowTest):
         run = self.json_of("a")
         run["store"]["base"] = "/other.furrow"
         (self.folder / "a/run.json").write_text(json.dumps(run))
+        self.assertEqual(self.report("a", self.folder / "a").sentences("differences"), ["No setting differs."])  # a copy of the same terrain
+        is_, run["store"]["base_hash"] = run["store"]["base_hash"], "0123456789abcdef"
+        self.assertEqual(is_, json.loads(self.call("info", "flat.furrow", "--json"))["base_hash"])
+        (self.folder / "a/run.json").write_text(json.dumps(run))
+        self.assertEqual(self.report("a", self.folder / "a").rows("differences"), {"setting": ["a", str(self.folder / "a")], "base store": [
+            f"flat.furrow ({is_})", "other.furrow (0123456789abcdef)"]})
+        del run["store"]["base_hash"]  # of an older furrow
+        (self.folder / "a/run.json").write_text(json.dumps(run))
         base = str((self.made / "flat.furrow").resolve())
         self.assertEqual(self.report("a", self.folder / "a").rows("differences"), {"setting": ["a", str(self.folder / "a")], "base store": [base, "/other.furrow"]})
 
