@@ -1,5 +1,9 @@
 """furrow explain: what a scene will make and run, told before; and what a drive then made and ran."""
+import itertools
+import json
+import math
 import pathlib
+import re
 import shutil
 import sqlite3
 import subprocess
@@ -99,6 +103,12 @@ class Explain(FurrowTest):
         self.assertEqual([plan["soils"][0][key] for key in ("cohesion", "damping")], [{"value": 1040, "from": "scene"}, {"value": 30000, "from": "default"}])
         self.assertEqual(plan["vehicles"]["car"]["shapes"]["car.wheel_rear_left"], "wheel, radius 0.4 m, width 0.2 m")
         self.assertEqual([plan["vehicles"]["car"]["actuators"]["drive_" + name] for name in ("front_left", "rear_left")], [None, "drive"])
+
+    def test_the_demo_has_time_for_its_path(self):
+        text = (SCENES / "vehicles/offroad.yaml").read_text()  # at a mean of 2.6 m/s the vehicle arrives after 22 s
+        points, speed = re.search(r"points: (\[\[.*?\]\]), speed: ([\d.]+)", text).groups()
+        length = sum(math.dist(a, b) for a, b in itertools.pairwise(json.loads(points)))
+        self.assertGreater(float(re.search(r"^end_time: (\S+)", text, re.M)[1]), 1.18 * length / float(speed))
 
     def test_json_says_what_an_effect_is(self):
         self.synth()
