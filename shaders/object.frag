@@ -26,7 +26,7 @@ void main()
 	vec3 outward = normalize(gl_FrontFacing ? normal : -normal);
 	float facing = max(dot(outward, sun.xyz), 0.0);
 #ifdef TERRAIN_SHADOW
-	facing *= sunlit(place, outward);
+	facing *= sunlit(place, outward, sun.xyz);
 #endif
 	vec3 lit = surface.rgb * (sunlight.rgb * facing + mix(groundlight, skylight, 0.5 + 0.5 * outward.z) * (open * sunlight.w));
 	vec3 toward_eye = -normalize(place), between = normalize(sun.xyz + toward_eye);

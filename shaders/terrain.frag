@@ -18,6 +18,11 @@
 
 in vec2 post;
 in vec3 place;
+#if defined SKIRTS && defined TERRAIN_SHADOW
+in float sunk; // metres below the ground's edge: more than 0 on skirts alone
+#else
+const float sunk = 0.0;
+#endif
 #ifdef LEVEL0
 in vec2 broad; // slope of the ground without offsets
 #endif
@@ -89,6 +94,9 @@ void main()
 	albedo *= 1.0 - 0.4 * wet;
 #endif
 #endif
+#ifdef TERRAIN_SHADOW
+	vec3 broad_normal = normalize(vec3(-gradient, 1.0));
+#endif
 #if defined TEXTURE && defined DETAIL
 	gradient += surface.tilt;
 #endif
@@ -109,8 +117,12 @@ void main()
 	vec3 normal = normalize(vec3(-gradient, 1.0));
 	float facing = max(dot(normal, sun.xyz), 0.0);
 #ifdef TERRAIN_SHADOW
+	// A skirt is as bright as the edge above it: below the ground it would be dark.
+	vec3 triangle = cross(dFdx(place), dFdy(place));
+	float area = length(triangle);
+	triangle = sunk > 0.0 || area == 0.0 ? broad_normal : triangle / area;
 	if (facing > 0.0)
-		facing *= sunlit(place, normal);
+		facing *= sunlit(vec3(place.xy, place.z + sunk), broad_normal, triangle);
 #endif
 	vec3 unlit = albedo * mix(groundlight, skylight, 0.5 + 0.5 * normal.z) * (shade * sunlight.w);
 	vec3 lit = albedo * sunlight.rgb * facing + unlit;

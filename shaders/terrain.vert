@@ -33,6 +33,9 @@ layout(std430, binding = 0) readonly buffer blocks {
 
 out vec2 post;      // place in the tile, in posts
 out vec3 place;     // metres relative to the eye
+#if defined SKIRTS && defined TERRAIN_SHADOW
+out float sunk; // metres below the ground's edge: more than 0 on skirts alone
+#endif
 #ifdef LEVEL0
 out vec2 broad; // slope of the ground without offsets
 #endif
@@ -131,7 +134,11 @@ void main()
 	// A skirt covers the gap to the neighbouring tile. Both edges may have the allowed error. If coarser tiles are drawn in place of
 	// missing ones, the gap may be larger, so detail.y gives the least depth.
 	if (drop > 0.0)
-		place.z -= max(2.0 * detail.w * length(place), detail.y);
+		drop = max(2.0 * detail.w * length(place), detail.y);
+	place.z -= drop;
+#ifdef TERRAIN_SHADOW
+	sunk = drop;
+#endif
 #endif
 #ifdef LEVEL0
 	// Base heights of levels below 0 are interpolated linearly, so their slope would jump at each level-0 post. The slope of the

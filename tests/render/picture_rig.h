@@ -26,7 +26,7 @@ static bool said_of_half; /* of every other tile; the rest is said to be without
 
 static struct {
 	double hole[4];  /* west, south, east, north: nodata inside; metres */
-	double rut[4];   /* pressed by `deep` inside */
+	double rut[4];   /* pressed by `deep` inside; raised, if that is below 0 */
 	double deep, roughness;
 	bool smooth; /* without grain */
 } ground;
@@ -49,8 +49,8 @@ static inline int32_t offset_at(int64_t i, int64_t j)
 
 static inline bool world_bounds(void *user, struct tile tile, double *low, double *high)
 {
-	*low = 400 - 14 * ground.roughness - ground.deep;
-	*high = 400 + 14 * ground.roughness;
+	*low = 400 - 14 * ground.roughness - fmax(ground.deep, 0);
+	*high = 400 + 14 * ground.roughness + fmax(-ground.deep, 0);
 	return tile.level >= 0;
 }
 
@@ -131,18 +131,16 @@ static inline void end(void)
 	slots = NULL;
 }
 
-static inline uint8_t *draw(double x, double y, double up, double tx, double ty, double tz)
+/* Selects the tiles of a view, and loads them. */
+static inline void select_tiles(struct terrain_view *view)
 {
 	const struct terrain_source source = {NULL, world_bounds, world_resident, world_divisible, world_error, NULL};
-	struct render_camera camera = {{x, y, 400 + up}, {tx, ty, 400 + tz}, 0.9, {0}};
-	struct terrain_view view;
-	render_view(render, &camera, &view);
-	if (!view.by_error || said_errors[1] > 0) {
-		view.by_error = false;
-		view.radius = tile_radius;
+	if (!view->by_error || said_errors[1] > 0) {
+		view->by_error = false;
+		view->radius = tile_radius;
 	}
 	for (;;) {
-		terrain_select(&extent, &view, &source, &selection);
+		terrain_select(&extent, view, &source, &selection);
 		if (selection.wanted_count == 0)
 			break;
 		for (size_t i = 0; i < selection.wanted_count; i++)
@@ -153,6 +151,21 @@ static inline uint8_t *draw(double x, double y, double up, double tx, double ty,
 			bool none = said_of_half && (selection.draws[i].tile.x + selection.draws[i].tile.y) % 2 > 0;
 			selection.draws[i].errors[k] = none ? 0 : said_errors[k];
 		}
+}
+
+static inline uint8_t *draw(double x, double y, double up, double tx, double ty, double tz)
+{
+	struct render_camera camera = {{x, y, 400 + up}, {tx, ty, 400 + tz}, 0.9, {0}};
+	struct terrain_view view;
+	render_shade_begin(render);
+	for (int map = 0; map < RENDER_SHADE_MAPS; map++) {
+		if (!render_shade_view(render, &camera, 400, map, &view))
+			continue;
+		select_tiles(&view);
+		assert_ok(render_shade_draw(render, &camera, map, &view, &selection));
+	}
+	render_view(render, &camera, &view);
+	select_tiles(&view);
 	assert_ok(render_frame(render, &camera, &selection));
 	uint8_t *pixels = test_malloc(4 * WIDTH * HEIGHT);
 	gpu_texture_read(render->screen->colour, 0, (struct gpu_rect){0, 0, WIDTH, HEIGHT}, pixels);

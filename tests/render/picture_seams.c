@@ -1,5 +1,5 @@
-/* Tiles and blocks of several levels in one picture: no sky is seen between them, and blocks are drawn near to far. Skipped
- * without GL. */
+/* Tiles and blocks of several levels in one picture: no sky is seen between them, what closes the gaps looks like the ground, and blocks
+ * are drawn near to far. Shadows of the ground go on from map to map. Skipped without GL. */
 #include "picture_rig.h"
 
 static int count_background(const uint8_t *pixels, const uint8_t background[4])
@@ -93,6 +93,92 @@ static void however_coarse_a_neighbour_no_sky_is_between(void **state)
 	pixel_error = 0;
 }
 
+#define LUMINANCE(pixels, i) ((pixels)[4 * (i)] + 2 * (pixels)[4 * (i) + 1] + (pixels)[4 * (i) + 2])
+#define DEGREES (M_PI / 180)
+
+/* A rut crosses tiles that are too coarse to have it. There skirts are seen. The sun is behind them, high above the rut's other end, so that
+ * nothing has a shadow. */
+static void a_skirt_is_as_bright_as_the_ground_above_it(void **state)
+{
+	need_gpu();
+	uint8_t *pixels[2];
+	memset(&ground, 0, sizeof ground);
+	memcpy(ground.rut, (const double[4]){201, 0, 203, 512}, sizeof ground.rut);
+	ground.deep = 3;
+	pixel_error = 25 / 60.0 * (HEIGHT / 2.0 / tan(0.45));
+	said_of_half = true;
+	for (int k = 1; k < TERRAIN_STRIDES; k++)
+		said_errors[k] = 1e6;
+	for (int e = 0; e < 2; e++) {
+		begin(EFFECT_BIT(EFFECT_SKIRTS) | (e > 0 ? EFFECT_BIT(EFFECT_TERRAIN_SHADOW) : 0));
+		render_move_sun(render, 0, 60 * DEGREES);
+		pixels[e] = draw(202, 226, 2, 202, 256, -1);
+		end();
+	}
+	memset(said_errors, 0, sizeof said_errors);
+	said_of_half = false;
+	pixel_error = 0;
+	int darkest = 0;
+	for (int i = 0; i < WIDTH * HEIGHT; i++) {
+		const int darker = LUMINANCE(pixels[0], i) - LUMINANCE(pixels[1], i);
+		darkest = darker > darkest ? darker : darkest;
+	}
+	test_free(pixels[0]);
+	test_free(pixels[1]);
+	if (darkest > 40)
+		fail_msg("some of it is darker by %d of 1020", darkest);
+}
+
+/* Where a row of the picture meets level ground at 400 m, north of the eye: metres ahead of it; and the width of a pixel there. */
+static double ahead_of(const struct render_camera *camera, int row, double *pixel)
+{
+	struct render_axes axes;
+	render_axes(render, camera, &axes);
+	const double up = (row + 0.5 - HEIGHT / 2.0) / axes.focal;
+	const double part = (400 - camera->eye[2]) / (axes.forward[2] + up * axes.up[2]);
+	*pixel = part / axes.focal;
+	return part * (axes.forward[1] + up * axes.up[1]);
+}
+
+/* A straight bank, 1.5 m high, and the sun 6 degrees high beside it. The edge of its shadow is a straight line 14 m beside the bank. It passes
+ * from one map of shadows to the next, 67 m ahead. */
+static void a_shadow_has_no_step_where_maps_meet(void **state)
+{
+	need_gpu();
+	const struct render_camera camera = {{190, 40, 420}, {190, 140, 400}, 0.9, {0}};
+	memset(&ground, 0, sizeof ground);
+	memcpy(ground.rut, (const double[4]){200, 0, 204, 512}, sizeof ground.rut);
+	ground.deep = -1.5;
+	begin(EFFECT_BIT(EFFECT_SKIRTS) | EFFECT_BIT(EFFECT_TERRAIN_SHADOW));
+	tile_radius = 9;
+	render_move_sun(render, 90 * DEGREES, 6 * DEGREES);
+	uint8_t *pixels = draw(190, 40, 20, 190, 140, 0);
+	const double beside = 200 - 1.5 / tan(6 * DEGREES);
+	double before = NAN, most = 0, worst = 0;
+	int rows = 0;
+	for (int row = 0; row < HEIGHT; row++) {
+		double pixel, ahead = ahead_of(&camera, row, &pixel);
+		if (!(ahead > 30 && ahead < 110))
+			continue;
+		/* In the shadow is 194 m east, in the sun 176 m. */
+		const int dark = (int)(WIDTH / 2 + 4 / pixel) + row * WIDTH, bright = (int)(WIDTH / 2 - 14 / pixel) + row * WIDTH;
+		const int middle = (LUMINANCE(pixels, dark) + LUMINANCE(pixels, bright)) / 2;
+		assert_true(LUMINANCE(pixels, bright) > LUMINANCE(pixels, dark) + 20);
+		int at = bright;
+		while (LUMINANCE(pixels, at) > middle)
+			at++;
+		const double edge = 190 + (at % WIDTH - WIDTH / 2) * pixel;
+		worst = fmax(worst, fabs(edge - beside));
+		most = isnan(before) ? most : fmax(most, fabs(edge - before) - pixel);
+		before = edge;
+		rows++;
+	}
+	print_message("%d rows: the edge is up to %.2f m off, and steps by %.2f m\n", rows, worst, most);
+	assert_true(rows > 30 && most < 1.5 && worst < 4);
+	test_free(pixels);
+	end();
+}
+
 /* Blocks of the last selection's draws, and edges of them with skirts, found anew. */
 static void count_blocks(const struct render_camera *camera, uint64_t *count, uint64_t *skirts)
 {
@@ -160,6 +246,8 @@ int main(void)
 		cmocka_unit_test(no_sky_is_seen_through_the_ground),
 		cmocka_unit_test(no_sky_is_seen_through_the_ground_by_pixel_error),
 		cmocka_unit_test(however_coarse_a_neighbour_no_sky_is_between),
+		cmocka_unit_test(a_skirt_is_as_bright_as_the_ground_above_it),
+		cmocka_unit_test(a_shadow_has_no_step_where_maps_meet),
 		cmocka_unit_test(hills_are_drawn_near_to_far_and_triangles_are_those_of_blocks),
 	};
 	return cmocka_run_group_tests(tests, open_gpu, close_gpu);
