@@ -38,6 +38,7 @@ struct export_request {
 	uint32_t pixels;   /* of the frame's longer side */
 	enum chart_grid grid;
 	const char *title;
+	bool world_file;   /* of a PNG: says where it lies */
 };
 
 /* Reads --layer: a layer by its name, or by its former one. */

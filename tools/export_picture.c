@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "export.h"
+#include "world_file.h"
 
 #define SIDE_MOST 4096 /* posts, without a size */
 #define SIDE 900       /* pixels: smaller maps are enlarged to at least that, without a size */
@@ -110,6 +111,8 @@ static enum status draw(const struct export_request *request, const struct store
 		.pixels = pixels_for(request, raster),
 	};
 	enum status status = chart_map_write(&map, request->path, &written);
+	if (status == STATUS_OK && request->world_file)
+		status = world_file_write(request->path, meta, &written.place);
 	if (status == STATUS_OK)
 		printf("%s: a map of %s, %u x %u %s, of %u x %u posts, %g m apart\n", request->path, layer, written.width,
 		       written.height, request->png ? "pixels" : "points", raster->width, raster->height, raster->spacing);

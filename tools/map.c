@@ -28,6 +28,7 @@ static const struct command_option options[] = {
 	 .choices = grids, .preset = "metres"},
 	{"size", "MM", .help = "length of the frame's longer side", .unit = "mm", .preset = "160"},
 	{"dpi", "DPI", .help = "pixels an inch, of a PNG, and of the ground in SVG and PDF", .preset = "150"},
+	{"world-file", .help = "of a PNG: OUT.pgw, and OUT.png.aux.xml with the reference system, so that GDAL and QGIS know where the map lies"},
 	{"title", "TEXT", .help = "what stands above the map", .preset = "the store's name"},
 	{"sun", "AZIMUTH,ALTITUDE", .help = "of the shades, clockwise from north and above the horizon", .unit = "degrees",
 	 .preset = "315,45"},
@@ -67,6 +68,9 @@ static enum status read_request(const struct arguments *arguments, struct export
 	if (request->path == NULL || !chart_path_format(request->path, &format))
 		status = fail_with(STATUS_USAGE, "map: -o is missing or ends in none of .png, .svg and .pdf; give such a file");
 	request->png = format == CHART_PNG;
+	request->world_file = arguments_flag(arguments, "world-file");
+	if (status == STATUS_OK && request->world_file && !request->png)
+		status = fail_with(STATUS_USAGE, "map: --world-file: %s is no PNG; leave it out, or write a .png", request->path);
 	if (status == STATUS_OK)
 		status = export_read_layer(arguments, &request->layer);
 	if (status == STATUS_OK)
@@ -119,9 +123,11 @@ const struct command command_map = {
 		"Places without data are hatched. Of offset and of soil without --window only the tiles that changed are drawn, and the "
 		"window is told.\n\n"
 		"Words have the same size on every map. In SVG and PDF words and lines are vectors, the ground is pixels. Degrees "
-		"are those of the store's body: WGS 84 on the Earth. furrow drive draws a map with the ways of a drive.\n",
+		"are those of the store's body: WGS 84 on the Earth. With --world-file each pixel of the ground has its place in the "
+		"store's system, and so have margins and legend. For the heights themselves use furrow export. furrow drive draws a map with the ways of a drive.\n",
 	.examples = "furrow map world.furrow -o heights.pdf\n"
 		    "furrow map ruts.furrow -o ruts.png --layer offset --window 40,40,130,110\n"
+		    "furrow map world.furrow -o layer.png --world-file\n"
 		    "furrow map world.furrow -o site.svg --grid degrees --size 120\n",
 	.see = "furrow-drive(1), furrow-export(1)",
 	.run = run,

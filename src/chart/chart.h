@@ -162,9 +162,15 @@ struct chart_map {
 	double size;                    /* mm: the longer side of the frame, CHART_SIZE_LEAST to CHART_SIZE_MOST; 0: CHART_SIZE */
 	uint32_t pixels;                /* the frame's longer side, 1 to CHART_PIXELS_MOST; of SVG and PDF, the ground's */
 };
+/* Where the whole picture of a map lies on the ground, with its margins: metres east and north of the south-west post. */
+struct chart_place {
+	double east, south;           /* metres a pixel, to the right and downwards */
+	double west_edge, north_edge; /* of the picture */
+};
 /* What was written. */
 struct chart_written {
 	uint32_t width, height;  /* pixels of a PNG; points (1/72 inch) of SVG and PDF */
+	struct chart_place place; /* of a PNG */
 	size_t names, unlabelled; /* ways that are drawn, and those of them that have no name beside them on the map */
 };
 /* Draws a map and writes it: under another name first, then renamed. `written` may be NULL. The frame is as long as asked for, text

@@ -308,13 +308,25 @@ static enum status draw(struct chart_page *page, struct layout *layout, struct c
 	return status;
 }
 
+/* A post is in the middle of its pixels. `dots`: pixels a point. */
+static struct chart_place place_of(const struct chart_raster *raster, const struct chart_frame *frame, double dots)
+{
+	struct chart_place place = {
+		.east = raster->width * raster->spacing / frame->width,
+		.south = raster->height * raster->spacing / frame->height,
+	};
+	place.west_edge = ((double)raster->rect.x0 - 0.5) * raster->spacing - frame->rect.x0 * dots * place.east;
+	place.north_edge = ((double)raster->rect.y1 - 0.5) * raster->spacing + frame->rect.y0 * dots * place.south;
+	return place;
+}
+
 enum status chart_map_page(const struct chart_map *map, const char *path, struct chart_page *page, struct chart_frame *frame,
 			   struct chart_written *written)
 {
 	struct layout layout = {.map = map, .legend = {.map = map}};
 	enum chart_format format = CHART_PNG;
 	assert(map->pixels >= 1 && map->pixels <= CHART_PIXELS_MOST);
-	*written = (struct chart_written){0, 0, 0, 0};
+	*written = (struct chart_written){.width = 0};
 	if (!chart_path_format(path, &format))
 		return fail_with(STATUS_USAGE, "%s: is no map's name; give one that ends in .png, .svg or .pdf", path);
 	enum status status = chart_page_create(page);
@@ -337,6 +349,7 @@ enum status chart_map_page(const struct chart_map *map, const char *path, struct
 	*frame = layout.frame;
 	written->width = format == CHART_PNG ? page->columns : (uint32_t)layout.width;
 	written->height = format == CHART_PNG ? page->rows : (uint32_t)layout.height;
+	written->place = place_of(map->raster, &layout.frame, dots);
 	chart_grid_finish(&layout.grid);
 	return status;
 }

@@ -8,6 +8,7 @@ import subprocess
 import unittest
 import xml.etree.ElementTree
 
+import rasters
 from furrow_test import SCENE, SHARED, FurrowTest, has_gdal, long, main
 
 XHTML = "{http://www.w3.org/1999/xhtml}"
@@ -83,11 +84,32 @@ class Maps(FurrowTest):
             at = data.index(b"pHYs") + 4
             self.assertAlmostEqual(struct.unpack(">I", data[at:at + 4])[0], dpi / 0.0254, delta=0.01 * dpi / 0.0254)
 
+    def test_a_world_file_places_each_pixel(self):
+        """GDAL finds one high post at its coordinates, as wide as a post is, in maps of the whole and of a window."""
+        if not has_gdal():
+            self.skipTest("needs GDAL's programs")
+        east, north, step = 500000 + 40.5 * 10, 5000000 - 10.5 * 10, 10
+        rasters.make(self.folder / "a.tif", 65, 41, [0.1 * ((x, y) == (40, 10)) for y in range(41) for x in range(65)])
+        self.ok("import", "a.tif", "-o", "a.furrow")
+        for arguments in ([], ["--window", "350,250,450,350"], ["--size", "97", "--dpi", "201", "--layer", "base"]):
+            self.ok("map", "a.furrow", "-o", "a.png", "--world-file", "--exaggerate", "0.01", "--grid", "none", *arguments)
+            self.assertIn("UTM zone", rasters.gdalinfo(self.folder / "a.png")["coordinateSystem"]["wkt"])
+            around = [(far * x, far * y) for far in (0.42, 0.58) for x, y in ((1, 0), (-1, 0), (0, 1), (0, -1))]
+            told = rasters.gdal("gdallocationinfo", "-geoloc", "-valonly", self.folder / "a.png",
+                                stdin="".join(f"{east + dx * step} {north + dy * step}\n" for dx, dy in [(0, 0), *around])).split()
+            peak, *others = [[int(band) for band in told[i:i + 3]] for i in range(0, 27, 3)]
+            self.assertLess(max(math.dist(peak, other) for other in others[:4]), 5, arguments)
+            self.assertGreater(min(math.dist(peak, other) for other in others[4:]), 50, arguments)
+        self.ok("map", self.synth(), "-o", "b.png", "--world-file")
+        self.assertTrue((self.folder / "b.pgw").exists() and not (self.folder / "b.png.aux.xml").exists())
+        self.ok("map", "a.furrow", "-o", "c.png")
+        self.assertEqual([path.name for path in self.folder.glob("c*")], ["c.png"])
+
     def test_what_is_asked_wrongly_is_told(self):
         store = self.synth()
         for status, arguments, words in (
                 (2, ["-o", "a.jpg"], ".png, .svg and .pdf"), (2, [], "-o is missing"), (2, ["-o", "a.png", "--size", "20"], "size"),
-                (2, ["-o", "a.png", "--size", "1000", "--dpi", "1200"], "8192"), (2, ["-o", "a.png", "--grid", "feet"], "grid"),
+                (2, ["-o", "a.png", "--size", "1000", "--dpi", "1200"], "8192"), (2, ["-o", "a.png", "--grid", "feet"], "grid"), (2, ["-o", "a.pdf", "--world-file"], "no PNG"),
                 (2, ["-o", "a.png", "--layer", "hillshade"], "hillshade"), (2, ["-o", "a.png", "--height-range", "5,4"], "empty"),
                 (2, ["-o", "a.png", "--layer", "offset", "--height-range", "1,4"], "both signs"),
                 (3, ["-o", "a.png", "--window", "9000,9000,9001,9001"], "window"), (1, ["-o", "no/a.pdf"], "no/a.pdf")):
