@@ -6,7 +6,7 @@
 
 #include "report/report.h"
 
-#define HOLE_SAMPLES 512 /* path samples of all objects that are looked at for holes: each reads a tile */
+#define HOLE_SAMPLES 512 /* path samples of all objects and drivers that are looked at for holes: each reads a tile */
 
 /* There is always room for one more text before it is written. `failed` keeps a failure. */
 struct notes {
@@ -152,22 +152,63 @@ static enum status advise_starts(const struct world *world, struct notes *notes)
 	return status;
 }
 
-/* Looks at up to `most` of the body's due path samples, evenly spread. Finds the first over a hole, and the share of them over holes. */
-static enum status find_hole(struct store_reader *reader, const struct world *world, const struct body *body, uint64_t most, struct track_point *first,
-			     double *share)
+/* Where a path is over holes. */
+struct over_holes {
+	struct track_point first;
+	double share; /* of the path samples that are due until the drive's end */
+};
+
+/* Looks at up to `most` of the due path samples, evenly spread. */
+static enum status find_holes(struct store_reader *reader, const struct track *track, double end, uint64_t most, struct over_holes *out)
 {
-	const uint64_t due = world_samples_until(body->track, world->scene->end_time), count = due < most ? due : most;
+	const uint64_t due = world_samples_until(track, end), count = due < most ? due : most;
 	enum status status = STATUS_OK;
 	uint64_t holes = 0;
 	for (uint64_t i = 0; i < count && status == STATUS_OK; i++) {
 		struct track_point point;
 		struct store_sample sample = {.nodata = false};
-		motion_track_sample(body->track, (int64_t)(count > 1 ? i * (due - 1) / (count - 1) : 0), &point);
+		motion_track_sample(track, (int64_t)(count > 1 ? i * (due - 1) / (count - 1) : 0), &point);
 		status = store_sample(reader, point.x, point.y, &sample);
 		if (status == STATUS_OK && sample.nodata && !sample.outside && holes++ == 0)
-			*first = point;
+			out->first = point;
 	}
-	*share = count > 0 ? (double)holes / (double)count : 0;
+	out->share = count > 0 ? (double)holes / (double)count : 0;
+	return status;
+}
+
+static void tell_holes(const struct world *world, const char *key, const struct over_holes *holes, bool vehicle, struct notes *notes)
+{
+	const bool stops = world->scene->outside == SCENE_STOP;
+	char text[500];
+	if (holes->share == 0)
+		return;
+	snprintf(text, sizeof text, "%.220s: is over a hole of the terrain after %.6g s%s, at %.3f, %.3f m, and for about %.2g %% of its path samples: %s; move "
+				    "the path%s, or import with holes filled (furrow import --fill)", key, holes->first.time, vehicle ? " at its speed" : "", holes->first.x,
+		 holes->first.y, 100 * holes->share,
+		 stops     ? "the drive will stop there"
+		 : vehicle ? "nothing carries the vehicle there"
+			   : "nothing is pressed there",
+		 stops ? ", set outside: skip" : "");
+	keep_note(notes, text);
+}
+
+/* The same of a path that a vehicle's driver follows. The wheels beside it may be over other holes. */
+static enum status advise_way(const struct world *world, struct store_reader *reader, const struct scene_vehicle *vehicle, uint64_t most, struct notes *notes)
+{
+	struct over_holes holes = {.share = 0};
+	struct scene_path route;
+	struct track *track = NULL;
+	char key[240];
+	if (world_route(world, &vehicle->way, vehicle->name, &route) != STATUS_OK)
+		return STATUS_OK; /* a drive refuses it */
+	enum status status = motion_track_create(&route, world->spacing, 0, &track);
+	if (status == STATUS_OK)
+		status = find_holes(reader, track, world->scene->end_time, most, &holes);
+	snprintf(key, sizeof key, "vehicles.%.200s.driver.path", vehicle->name);
+	if (status == STATUS_OK)
+		tell_holes(world, key, &holes, true, notes);
+	motion_track_destroy(track);
+	motion_route_finish(&route);
 	return status;
 }
 
@@ -175,24 +216,25 @@ static enum status find_hole(struct store_reader *reader, const struct world *wo
 static enum status advise_holes(const struct world *world, struct notes *notes)
 {
 	const struct scene *scene = world->scene;
+	const size_t paths = scene->object_count + scene->vehicle_count;
 	struct store_reader *reader = NULL;
-	if (scene->object_count == 0 || world->store == NULL)
+	if (paths == 0 || world->store == NULL)
 		return STATUS_OK;
+	const uint64_t most = HOLE_SAMPLES / paths + 2;
 	enum status status = store_reader_create(world->store, &reader);
 	for (size_t i = 0; i < scene->object_count && status == STATUS_OK; i++) {
-		struct track_point first = {.time = 0};
-		double share;
-		char text[500];
+		struct over_holes holes = {.share = 0};
+		char key[240];
 		if (world->bodies[i].track == NULL)
 			continue;
-		status = find_hole(reader, world, &world->bodies[i], HOLE_SAMPLES / scene->object_count + 2, &first, &share);
-		if (status != STATUS_OK || share == 0)
-			continue;
-		snprintf(text, sizeof text, "objects.%.200s.path: is over a hole of the terrain after %.6g s, at %.3f, %.3f m, and for about %.2g %% of its path samples: %s; move "
-					    "the path%s, or import with holes filled (furrow import --fill)", scene->objects[i].name, first.time, first.x, first.y, 100 * share,
-			 scene->outside == SCENE_STOP ? "the drive will stop there" : "nothing is pressed there", scene->outside == SCENE_STOP ? ", set outside: skip" : "");
-		keep_note(notes, text);
+		status = find_holes(reader, world->bodies[i].track, scene->end_time, most, &holes);
+		snprintf(key, sizeof key, "objects.%.200s.path", scene->objects[i].name);
+		if (status == STATUS_OK)
+			tell_holes(world, key, &holes, false, notes);
 	}
+	for (size_t i = 0; i < scene->vehicle_count && status == STATUS_OK; i++)
+		if (scene->vehicles[i].driver == SCENE_FOLLOW)
+			status = advise_way(world, reader, &scene->vehicles[i], most, notes);
 	store_reader_destroy(reader);
 	return status;
 }

@@ -71,6 +71,26 @@ class Nodata(RasterTest):
             error = self.refused(3, "drive", path, "--store", "s.furrow", "--overlay", "a.furrow", "-o", "d")
             self.assertEqual("if these are longitude and latitude, give coordinates: degrees" in error, hint, error)
 
+    def test_a_driver_s_path_over_a_hole_is_told(self):
+        self.make("in.tif", 60, 60, lambda x, y: -9999 if 20 <= x < 30 else 100, nodata=-9999)
+        self.ok("import", "in.tif", "-o", "s.furrow", "--nodata", "-9999")
+        post = self.json("info", "s.furrow")["spacing"]
+        car = pathlib.Path(__file__).parents[2] / "tools/scenes/vehicles/offroad.xml"
+        for row, outside, told in ((30, "stop", "the drive will stop there"), (30, "skip", "nothing carries the vehicle there"), (None, "stop", None)):
+            way = [[10 * post, 30 * post], [50 * post, 30 * post] if row else [12 * post, 50 * post]]
+            path = self.scene(f"scene: 1\ntime_step: 0.002\nend_time: 100\noutside: {outside}\nsoil: {{name: dry_sand}}\nredistribute: {{model: scm}}\nvehicles:\n  - "
+                              f"{{name: car, model: {car}, start: {{at: {way[0]}}}, soil: [wheel_*], driver: {{path: {{points: {way}, speed: {post}}}, "
+                              "steer: [steer_*], drive: [drive_*]}}\n")
+            result = self.furrow("explain", path, "--store", "s.furrow", "--json")
+            if "this build has no MuJoCo" in result.stderr:
+                self.skipTest(result.stderr.strip())
+            self.assertEqual(result.returncode, 0, result.stderr)
+            notes = [note for note in json.loads(result.stdout)["notes"] if "hole" in note]
+            self.assertEqual(len(notes), told is not None, notes)
+            if told is not None:
+                self.assertRegex(notes[0], r"^vehicles.car.driver.path: is over a hole of the terrain after (9|1\d)\S* s at its speed, at .* m, and for about 2\d % of its "
+                                           "path samples: " + told)
+
     def test_a_path_over_a_hole_is_told(self):
         self.make("in.tif", 60, 60, lambda x, y: -9999 if 20 <= x < 30 else 100, nodata=-9999)
         self.ok("import", "in.tif", "-o", "s.furrow", "--nodata", "-9999")
