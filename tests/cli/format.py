@@ -1,8 +1,10 @@
 """src/store/FORMAT.md is enough: a reader written from it alone finds in stores every post that `furrow export` finds."""
 import array
 import contextlib
+import json
 import math
 import pathlib
+import re
 import sqlite3
 import struct
 import sys
@@ -317,6 +319,16 @@ class Deformed(FormatTest):
         self.assertEqual(again.offset(-2), over.offset(-2))
         self.assertNotEqual(driven.offset(-2), over.offset(-2))
         self.whole_deformation(self.folder / "s.furrow", levels=(-2, 0))
+
+    def test_the_page_has_the_members_of_a_run_s_state(self):
+        self.driven(SCENE, 75, bound="0.03")
+        page = (pathlib.Path(__file__).parents[2] / "src/store/FORMAT.md").read_text()
+        part = page.split("`state` is a JSON object")[1].split("`revision` is the epoch")[0]
+        named = {word for line in part.splitlines() if line.startswith("| `") for word in re.findall(r"`(\w+)`", line.split(" | ")[0])}
+        with contextlib.closing(sqlite3.connect(self.folder / "s.furrow")) as db:
+            state = json.loads(db.execute("SELECT state FROM run").fetchone()[0])
+        written = {*state, *state["objects"][0], *state["objects"][0]["force"]}
+        self.assertEqual(written | {"attached"}, named)  # `attached`: only with vehicles
 
     def test_a_chain_of_overlays(self):
         self.driven(SCENE, 75)
