@@ -138,6 +138,7 @@ struct scene_vehicle {
 	char *model;            /* path, resolved relative to the scene's file */
 	uint64_t model_hash[2]; /* hash of the model's bytes; files that the model names are not in it */
 	double at[2], yaw;      /* where it starts: in the unit of `coordinates`; rad from east to north */
+	int line;               /* where the scene's file gives that place; 0: --set does */
 	struct scene_texts soil;         /* patterns of the geoms that touch the ground; none: all that collide */
 	enum scene_driver driver;
 	struct scene_path way;  /* SCENE_FOLLOW: points and a speed */

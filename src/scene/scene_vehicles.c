@@ -112,6 +112,8 @@ static enum status check_vehicle(const struct scene_tree *tree, const struct raw
 				   vehicle->model_hash);
 	if (status == STATUS_OK)
 		status = take_texts(raw->soil, raw->soil_count, &vehicle->soil);
+	const struct scene_node *at = scene_tree_find(tree, "vehicles[%zu].start.at", index);
+	vehicle->line = at->setting == NULL ? at->line : 0;
 	memcpy(vehicle->at, raw->start.at, sizeof vehicle->at);
 	vehicle->yaw = (raw->start.yaw != NULL ? *raw->start.yaw : scene_absent("vehicles[].start.yaw")) * M_PI / 180;
 	return status == STATUS_OK && raw->driver != NULL ? check_driver(tree, raw->driver, index, vehicle) : status;

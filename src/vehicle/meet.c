@@ -2,6 +2,7 @@
 #include <math.h>
 
 #include "vehicle/between.h"
+#include "vehicle/settle.h"
 
 #define INSIDE 1e-3 /* m: deeper than this, a vehicle starts inside another one */
 
@@ -218,6 +219,6 @@ enum status vehicle_between_check_start(struct vehicles *vehicles)
 	char names[2][200];
 	vehicle_geom_name(first->model, deepest->geom[0], names[0], sizeof names[0]);
 	vehicle_geom_name(second->model, deepest->geom[1], names[1], sizeof names[1]);
-	return fail_with(STATUS_INPUT, "%s: vehicles.%s: its geom %s starts %.3g m inside %s of vehicles.%s; move the start of one of them",
-			 vehicles->scene->file, second->scene->name, names[1], deepest->depth, names[0], first->scene->name);
+	return vehicle_fail_start(vehicles, second, "its geom %s starts %.3g m inside %s of vehicles.%s; move the start of one of them", names[1],
+				  deepest->depth, names[0], first->scene->name);
 }

@@ -7,6 +7,7 @@
  * All controls are 0, and wheels do not turn. The time of this does not count; what it does to the ground does.
  */
 #include <math.h>
+#include <stdarg.h>
 #include <stdio.h>
 
 #include "vehicle/between.h"
@@ -23,6 +24,18 @@
 #define SIDES 8         /* directions each way in which the lowest places of a geom are looked for */
 
 /* --- where it starts --- */
+
+enum status vehicle_fail_start(const struct vehicles *vehicles, const struct vehicle *vehicle, const char *format, ...)
+{
+	char why[700], line[16] = "";
+	va_list args;
+	va_start(args, format);
+	vsnprintf(why, sizeof why, format, args);
+	va_end(args);
+	if (vehicle->scene->line > 0)
+		snprintf(line, sizeof line, ":%d", vehicle->scene->line);
+	return fail_with(STATUS_INPUT, "%s%s: vehicles.%s.start: %s", vehicles->scene->file, line, vehicle->scene->name, why);
+}
 
 /* Turns and shifts a root body of the model: its free joint, or its place in the model's world. */
 static void place_root(struct vehicle *vehicle, int body)
@@ -101,8 +114,8 @@ static enum status check_start(const struct vehicles *vehicles, const struct veh
 		if (depth <= 0)
 			continue;
 		vehicle_geom_name(model, i, name, sizeof name);
-		return fail_with(STATUS_INPUT, "%s: vehicles.%s: its geom %s starts %.3g m under ground, and does not press it; name it in soil, or "
-					       "start elsewhere", vehicles->scene->file, vehicle->scene->name, name, depth);
+		return vehicle_fail_start(vehicles, vehicle, "its geom %s starts %.3g m under ground, and does not press it; name it in soil, or start elsewhere",
+					  name, depth);
 	}
 	return STATUS_OK;
 }
@@ -127,9 +140,9 @@ static enum status fail_ground(const struct vehicles *vehicles, const struct veh
 	const struct extent *extent = &vehicles->world->meta->extent;
 	const double *at = vehicle->origin;
 	const bool degrees = !extent_holds(extent, at[0], at[1]) && vehicles->scene->coordinates == SCENE_LOCAL && vehicles->world->meta->srs[0] != '\0' && fabs(at[0]) <= 360 && fabs(at[1]) <= 90;
-	return fail_with(STATUS_INPUT, "%s: vehicles.%s.start: no ground under %s at %g, %g m; start on the terrain, %g x %g m, away from holes%s",
-			 vehicles->scene->file, vehicle->scene->name, name, at[0], at[1], extent_side(extent, 0), extent_side(extent, 1),
-			 degrees ? "; if these are longitude and latitude, give coordinates: degrees" : "");
+	return vehicle_fail_start(vehicles, vehicle, "no ground under %s at %g, %g m; start on the terrain, %g x %g m, away from holes%s", name, at[0], at[1],
+				  extent_side(extent, 0), extent_side(extent, 1),
+				  degrees ? "; if these are longitude and latitude, give coordinates: degrees" : "");
 }
 
 static enum status set_down(const struct vehicles *vehicles, struct vehicle *vehicle)

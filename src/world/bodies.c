@@ -61,7 +61,7 @@ enum status world_start_point(const struct world *world, const struct scene_vehi
 	snprintf(key, sizeof key, "vehicles.%.270s.start.at", vehicle->name);
 	to[0] = vehicle->at[0];
 	to[1] = vehicle->at[1];
-	return to_local(world, false, 0, key, 1, &to[0], &to[1]);
+	return to_local(world, false, vehicle->line, key, 1, &to[0], &to[1]);
 }
 
 /* Converts the path's points to local metres: points[count][2], whose memory also has room for x and y apart. */

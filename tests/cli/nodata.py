@@ -70,6 +70,7 @@ class Nodata(RasterTest):
             path.write_text(path.read_text().replace(path.read_text().split("start: {at: ")[1].split("}")[0], at))
             error = self.refused(3, "drive", path, "--store", "s.furrow", "--overlay", "a.furrow", "-o", "d")
             self.assertEqual("if these are longitude and latitude, give coordinates: degrees" in error, hint, error)
+            self.assertIn(f"{path}:7: vehicles.car.start: no ground under car.wheel at ", error)
 
     def test_a_driver_s_path_over_a_hole_is_told(self):
         self.make("in.tif", 60, 60, lambda x, y: -9999 if 20 <= x < 30 else 100, nodata=-9999)

@@ -211,7 +211,7 @@ static void one_that_starts_inside_another_one_is_refused(void **state)
 	assert_int_equal(drive_run(support_path("scene.yaml"), support_path("world.furrow"), NULL, &(struct drive_cut){.out = support_path("out")}, NULL),
 			 STATUS_INPUT);
 	print_message("%s\n", failure_message());
-	assert_non_null(strstr(failure_message(), "vehicles.b: its geom block starts 0.113 m inside block of vehicles.a; move"));
+	assert_non_null(strstr(failure_message(), ".yaml:10: vehicles.b.start: its geom block starts 0.113 m inside block of vehicles.a; move"));
 }
 
 int main(void)
