@@ -7,12 +7,16 @@
 
 #include "report/rows_file.h"
 
-static const char header[] = "t,name,x,y,z,roll,pitch,yaw,vx,vy,vz,kinetic,work";
+static const char fixed[] = "t,name,x,y,z,roll,pitch,yaw,vx,vy,vz,kinetic,work";
+
+/* What a column after the fixed ones has. The file has them in this order. */
+enum kind { JOINT, CONTROL, FORCE, KINDS };
+static const char letters[KINDS] = "quf";
 
 /* A column of a joint or an actuator. Vehicles that have one of this name share it. */
 struct column {
 	const char *name;
-	bool joint;
+	enum kind kind;
 	int *index; /* for each vehicle: its joint or actuator; -1: it has none */
 };
 
@@ -22,12 +26,18 @@ struct report_vehicles {
 	FILE *file;
 	struct column *columns;
 	size_t count;
+	char *header; /* the file's first line */
 	struct vehicle_rows sink;
 };
 
 static enum status failed(const struct report_vehicles *rows)
 {
 	return fail_with(STATUS_FAILED, "%s/vehicles.csv: %s; free some disk space", rows->directory, strerror(errno));
+}
+
+static double value_of(const struct vehicle_row *row, enum kind kind, int index)
+{
+	return (kind == JOINT ? row->joints : kind == CONTROL ? row->controls : row->forces)[index];
 }
 
 static enum status write_row(void *user, const struct vehicle_row *row)
@@ -44,7 +54,7 @@ static enum status write_row(void *user, const struct vehicle_row *row)
 		if (index < 0)
 			printed = fputs(",", rows->file) >= 0;
 		else
-			printed = fprintf(rows->file, ",%.9g", (column->joint ? row->joints : row->controls)[index]);
+			printed = fprintf(rows->file, ",%.9g", value_of(row, column->kind, index));
 	}
 	return printed > 0 && fputs("\n", rows->file) >= 0 ? STATUS_OK : failed(rows);
 }
@@ -57,28 +67,28 @@ static enum status flush(void *user)
 
 /* --- columns --- */
 
-static struct column *find_column(struct report_vehicles *rows, const char *name, bool joint)
+static struct column *find_column(struct report_vehicles *rows, const char *name, enum kind kind)
 {
 	for (size_t i = 0; i < rows->count; i++)
-		if (rows->columns[i].joint == joint && strcmp(rows->columns[i].name, name) == 0)
+		if (rows->columns[i].kind == kind && strcmp(rows->columns[i].name, name) == 0)
 			return &rows->columns[i];
 	return NULL;
 }
 
-static enum status add_column(struct report_vehicles *rows, size_t vehicle, size_t index, bool joint)
+static enum status add_column(struct report_vehicles *rows, size_t vehicle, size_t index, enum kind kind)
 {
 	const size_t vehicles = vehicle_count(rows->vehicles);
-	const char *name = joint ? vehicle_joint_name(rows->vehicles, vehicle, index) : vehicle_actuator_name(rows->vehicles, vehicle, index);
+	const char *name = kind == JOINT ? vehicle_joint_name(rows->vehicles, vehicle, index) : vehicle_actuator_name(rows->vehicles, vehicle, index);
 	if (name[0] == '\0')
 		return STATUS_OK;
-	struct column *column = find_column(rows, name, joint);
+	struct column *column = find_column(rows, name, kind);
 	if (column == NULL) {
 		struct column *grown = mem_realloc(rows->columns, rows->count + 1, sizeof *grown);
 		if (grown == NULL)
 			return fail_memory("vehicles.csv");
 		rows->columns = grown;
 		column = &grown[rows->count];
-		*column = (struct column){name, joint, mem_alloc(vehicles, sizeof *column->index)};
+		*column = (struct column){name, kind, mem_alloc(vehicles, sizeof *column->index)};
 		if (column->index == NULL)
 			return fail_memory("vehicles.csv");
 		rows->count++;
@@ -89,27 +99,32 @@ static enum status add_column(struct report_vehicles *rows, size_t vehicle, size
 	return STATUS_OK;
 }
 
-/* All joints first, then all actuators. */
 static enum status find_columns(struct report_vehicles *rows)
 {
 	enum status status = STATUS_OK;
-	for (int joint = 1; joint >= 0; joint--)
+	for (enum kind kind = JOINT; kind < KINDS; kind++)
 		for (size_t v = 0; v < vehicle_count(rows->vehicles); v++) {
 			struct vehicle_info info;
 			vehicle_info(rows->vehicles, v, &info);
-			const size_t count = joint ? info.joint_count : info.actuator_count;
+			const size_t count = kind == JOINT ? info.joint_count : info.actuator_count;
 			for (size_t i = 0; i < count && status == STATUS_OK; i++)
-				status = add_column(rows, v, i, joint != 0);
+				status = add_column(rows, v, i, kind);
 		}
 	return status;
 }
 
-static bool write_header(const struct report_vehicles *rows)
+static enum status make_header(struct report_vehicles *rows)
 {
-	bool whole = fputs(header, rows->file) >= 0;
-	for (size_t i = 0; i < rows->count && whole; i++)
-		whole = fprintf(rows->file, ",%s:%s", rows->columns[i].joint ? "q" : "u", rows->columns[i].name) > 0;
-	return whole && fputs("\n", rows->file) >= 0;
+	size_t size = 0;
+	FILE *stream = open_memstream(&rows->header, &size);
+	if (stream == NULL)
+		return fail_memory("vehicles.csv");
+	fputs(fixed, stream);
+	for (size_t i = 0; i < rows->count; i++)
+		fprintf(stream, ",%c:%s", letters[rows->columns[i].kind], rows->columns[i].name);
+	fputc('\n', stream);
+	const bool whole = !ferror(stream);
+	return fclose(stream) == 0 && whole ? STATUS_OK : fail_memory("vehicles.csv");
 }
 
 enum status report_vehicles_open(const struct world *world, const struct vehicles *vehicles, const char *directory,
@@ -129,8 +144,10 @@ enum status report_vehicles_open(const struct world *world, const struct vehicle
 	enum status status = find_columns(rows);
 	bool begins = false;
 	if (status == STATUS_OK)
-		status = report_rows_file_open(world, path, header, &rows->file, &begins);
-	if (status == STATUS_OK && begins && !write_header(rows))
+		status = make_header(rows);
+	if (status == STATUS_OK)
+		status = report_rows_file_open(world, path, rows->header, &rows->file, &begins);
+	if (status == STATUS_OK && begins && fputs(rows->header, rows->file) < 0)
 		status = report_rows_file_failed(path);
 	if (status != STATUS_OK) {
 		report_vehicles_close(rows);
@@ -149,6 +166,7 @@ void report_vehicles_close(struct report_vehicles *rows)
 	for (size_t i = 0; i < rows->count; i++)
 		mem_free(rows->columns[i].index);
 	mem_free(rows->columns);
+	free(rows->header);
 	mem_free(rows);
 }
 

@@ -135,6 +135,7 @@ static void fill_row(const struct vehicle *vehicle, struct vehicle_row *row)
 		vehicle->row_joints[i] = data->qpos[model->jnt_qposadr[vehicle->joints[i]]];
 	row->joints = vehicle->row_joints;
 	row->controls = data->ctrl;
+	row->forces = data->actuator_force;
 }
 
 /* Tells rows that are due at the present time. */

@@ -50,7 +50,8 @@ struct vehicle_row {
 	double roll, pitch, yaw; /* degrees, as in a path file */
 	double velocity[3];    /* m/s */
 	double kinetic, work;  /* J: kinetic energy; what its actuators have done since the start */
-	const double *joints, *controls; /* joint_count, actuator_count numbers */
+	const double *joints;  /* joint_count numbers */
+	const double *controls, *forces; /* actuator_count numbers; N or N m before `gear`, in the last step of the engine */
 };
 /* Receives the rows in their order. The functions return their own failure. */
 struct vehicle_rows {

@@ -69,17 +69,17 @@ static void a_fall_ends_in_the_soil(void **state)
 }
 
 struct turned {
-	double t, x, z, angle, kinetic, work;
+	double t, x, z, angle, kinetic, work, force;
 };
 
-/* What the rows tell of the wheel: its angle from vehicles.csv, and from objects.csv what it did on the soil. */
+/* What the rows tell of the wheel: its angle and its actuator's force from vehicles.csv, and from objects.csv what it did on the soil. */
 static size_t read_turned(struct turned *rows, size_t most)
 {
 	char *text = drive_text(support_path("out/vehicles.csv"));
 	size_t count = 0;
 	for (char *line = strchr(text, '\n'); line != NULL && line[1] != '\0' && count < most; line = strchr(line + 1, '\n'))
-		count += sscanf(line + 1, "%lf,%*[^,],%lf,%*f,%lf,%*f,%*f,%*f,%*f,%*f,%*f,%lf,%lf,%lf", &rows[count].t, &rows[count].x, &rows[count].z,
-				&rows[count].kinetic, &rows[count].work, &rows[count].angle) == 6;
+		count += sscanf(line + 1, "%lf,%*[^,],%lf,%*f,%lf,%*f,%*f,%*f,%*f,%*f,%*f,%lf,%lf,%lf,%*f,%lf", &rows[count].t, &rows[count].x, &rows[count].z,
+				&rows[count].kinetic, &rows[count].work, &rows[count].angle, &rows[count].force) == 7;
 	free(text);
 	return count;
 }
@@ -94,7 +94,7 @@ static void the_motor_s_work_is_in_the_soil_in_height_and_in_motion(void **state
 	support_write(support_path("wheel.xml"), "<mujoco><option timestep=\"0.0005\"/><worldbody><body name=\"carriage\" pos=\"0 0 0.5\">"
 		      "<joint type=\"slide\" axis=\"1 0 0\"/><joint type=\"slide\" axis=\"0 0 1\"/><inertial pos=\"0 0 0\" mass=\"70\" diaginertia=\"1 1 1\"/>"
 		      "<body><joint name=\"turn\" axis=\"0 1 0\"/><geom name=\"wheel\" type=\"cylinder\" size=\"0.32 0.12\" euler=\"90 0 0\" mass=\"30\"/>"
-		      "</body></body></worldbody><actuator><motor name=\"drive\" joint=\"turn\"/></actuator></mujoco>");
+		      "</body></body></worldbody><actuator><general name=\"drive\" joint=\"turn\" gainprm=\"0.5\" gear=\"2\"/></actuator></mujoco>");
 	const size_t told = drive("", "model: wheel.xml, start: {at: [10, 16]}, driver: {hold: {drive: 70}}",
 				  (const char *const[]){"time_step=0.0005", "end_time=1.2", "output={vehicles: 1000, forces: 1000}", NULL}, unused, 2000);
 	const size_t count = read_turned(rows, 2000);
@@ -122,6 +122,9 @@ static void the_motor_s_work_is_in_the_soil_in_height_and_in_motion(void **state
 	assert_true(end->work > 50 && soil > 0.2 * end->work && moving > 0.05 * end->work);
 	assert_true(fabs(soil + lifted + moving - end->work) < 0.0005 * end->work);
 	assert_true(fabs(integral - soil) < 0.01 * soil);
+	/* A control of 70 is a force of 35 N m, which the gear doubles at the hinge. */
+	for (size_t i = 1; i < count; i++)
+		assert_true(rows[i].force == 35 && fabs(rows[i].work - 70 * (rows[i].angle - rows[0].angle)) < 0.005 * end->work);
 }
 
 static void shorter_steps_converge(void **state)
