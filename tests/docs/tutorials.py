@@ -7,6 +7,8 @@ A page's blocks, in order:
 
 `tutorials.py --show PAGE` prints what the commands print here, for writing a page.
 """
+import csv
+import math
 import os
 import pathlib
 import re
@@ -136,7 +138,27 @@ class Tutorials(unittest.TestCase):
         self.page("your-own-dem.md", needs=["gdal_translate"])
 
     def test_a_vehicle_on_a_slope(self):
-        self.page("vehicle-on-a-slope.md")
+        folder = self.page("vehicle-on-a-slope.md").folder
+        for name, lines in (("tow", 8), ("uphill", 4)):
+            self.assert_pull_is_that_of_the_wheels(folder / name, lines)
+
+    def assert_pull_is_that_of_the_wheels(self, folder, lines):
+        """A tow test in steady state: the load car's force is the sum of the soil's along the way, less the weight's part. In each hold of the
+        controls, means over its last second; a second time, without drawbar.py."""
+        def rows(name):
+            with open(folder / name, newline="") as file:
+                return list(csv.DictReader(file))
+        vehicle, wheels = rows("vehicles.csv"), rows("objects.csv")
+        ends = [3.5 + 3 * i for i in range(lines)]
+        pulls, offs = [], []
+        for end in ends:
+            during = [row for row in vehicle if end - 1 <= float(row["t"]) <= end]
+            rise = math.atan2(float(during[-1]["z"]) - float(during[0]["z"]), float(during[-1]["x"]) - float(during[0]["x"]))
+            soil = sum(float(row["fx"]) * math.cos(rise) + float(row["fz"]) * math.sin(rise) for row in wheels if end - 1 <= float(row["t"]) <= end) / len(during)
+            pulls.append(sum(float(row["f:tow"]) for row in during) / len(during))
+            offs.append(soil - 2000 * 9.81 * math.sin(rise) - pulls[-1])
+        self.assertEqual(pulls, sorted(pulls))
+        self.assertLess(max(map(abs, offs)), 0.01 * 5460, offs)
 
     def test_a_rover_on_mars(self):
         self.page("rover-on-mars.md", needs=["gdal_translate"])
