@@ -183,11 +183,13 @@ static void add_vehicles(cJSON *root, const struct report_plan *plan)
 		json_number(vehicle, "largest_step", info.largest_step);
 		cJSON *contacts = cJSON_AddObjectToObject(vehicle, "contacts_per_metre");
 		cJSON *shapes = cJSON_AddObjectToObject(vehicle, "shapes");
+		cJSON *shares = cJSON_AddObjectToObject(vehicle, "shares");
 		for (size_t g = 0; g < info.geom_count; g++) {
 			struct vehicle_geom geom;
 			char shape[96];
 			vehicle_geom(plan->vehicles, i, g, plan->spacing, &geom);
 			json_number(contacts, geom.name, geom.contacts);
+			json_number(shares, geom.name, geom.share);
 			explain_geom(geom.shape, shape, sizeof shape);
 			cJSON_AddStringToObject(shapes, geom.name, shape);
 		}

@@ -127,6 +127,19 @@ static void add_geoms(FILE *stream, const struct report_plan *plan, size_t vehic
 	fprintf(stream, " (%s)", shape);
 }
 
+/* Writes what each geom bears on level ground: N, and its share of the weight. Returns false if that is not known. */
+static bool add_loads(FILE *stream, const struct report_plan *plan, size_t vehicle, const struct vehicle_info *info)
+{
+	struct vehicle_geom geom;
+	for (size_t i = 0; i < info->geom_count; i++) {
+		vehicle_geom(plan->vehicles, vehicle, i, plan->spacing, &geom);
+		if (isnan(geom.share))
+			return false;
+		fprintf(stream, "%s %s %.4g N (%.1f %%)", i > 0 ? "," : "", geom.name, geom.share * info->mass * info->gravity, 100 * geom.share);
+	}
+	return true;
+}
+
 static void add_actuators(FILE *stream, const struct report_plan *plan, size_t vehicle, size_t count, const char *key, const char *title)
 {
 	bool any = false;
@@ -160,6 +173,15 @@ static void print_vehicle(const struct report_plan *plan, size_t vehicle)
 		fputs("soil geoms:", stream);
 		for (size_t i = 0; i < info.geom_count; i++)
 			add_geoms(stream, plan, vehicle, i, info.geom_count);
+		print_wrapped(stream, &text);
+	}
+	stream = open_memstream(&text, &size);
+	if (stream != NULL) {
+		fputs("load on level ground:", stream);
+		if (!add_loads(stream, plan, vehicle, &info)) {
+			rewind(stream);
+			fputs("load on level ground: not known: the model does not stand in its first pose", stream);
+		}
 		print_wrapped(stream, &text);
 	}
 	stream = info.actuator_count > 0 ? open_memstream(&text, &size) : NULL;

@@ -26,6 +26,7 @@ struct soil_geom {
 	double force[6];            /* N, N m about the body's origin: what was applied last */
 	double pulled;              /* N m: torque of a belt on its hinge besides that force (coupling.c) */
 	double work;                /* J: what it has done on the soil since the start; in the record */
+	double share;               /* of the weight, on level ground; NaN: not known (shares.c) */
 	double sunk;                /* s: for how long it has been sunk in the drive, without a break */
 };
 
@@ -147,6 +148,11 @@ void vehicle_free_figures(struct vehicles *vehicles);
 
 /* Finds the longest step that is stable. STATUS_INPUT: the scene's time_step is longer. */
 enum status vehicle_check_step(struct vehicle *vehicle, const struct scene *scene, const char *where) FURROW_CHECKED;
+
+/* --- shares.c --- */
+
+/* Finds each soil geom's share of the weight. All are NaN where the first pose does not stand. */
+void vehicle_find_shares(struct vehicle *vehicle, const struct scene *scene);
 
 /* --- driver.c --- */
 

@@ -78,7 +78,7 @@ void vehicle_geom(const struct vehicles *vehicles, size_t vehicle, size_t geom, 
 {
 	const struct soil_geom *from = &vehicles->list[vehicle].geoms[geom];
 	const double bound = deform_shape_bound(&from->shape), turn = fmin(TURN_MOST, spacing / bound);
-	*out = (struct vehicle_geom){.name = from->name, .shape = &from->shape, .contacts = 1 / spacing};
+	*out = (struct vehicle_geom){.name = from->name, .shape = &from->shape, .share = from->share, .contacts = 1 / spacing};
 	if (from->shape.kind == DEFORM_WHEEL)
 		out->contacts = fmax(out->contacts, 1 / (turn * from->shape.radius));
 }

@@ -97,6 +97,7 @@ size_t vehicle_trail(const struct vehicles *vehicles, size_t vehicle, double (*p
 struct vehicle_geom {
 	const char *name;          /* VEHICLE.GEOM, the name of its body in the world */
 	const struct deform_shape *shape;
+	double share;              /* of the weight that it bears on level ground, in the first pose; NaN: not known */
 	double contacts;           /* that change the ground, for each metre on level ground: a wheel rolls without slip, others slide */
 };
 /* `spacing`: m between posts. */

@@ -1,4 +1,5 @@
 """furrow explain: what a scene will make and run, told before; and what a drive then made and ran."""
+import csv
 import itertools
 import json
 import math
@@ -109,6 +110,35 @@ class Explain(FurrowTest):
         points, speed = re.search(r"points: (\[\[.*?\]\]), speed: ([\d.]+)", text).groups()
         length = sum(math.dist(a, b) for a, b in itertools.pairwise(json.loads(points)))
         self.assertGreater(float(re.search(r"^end_time: (\S+)", text, re.M)[1]), 1.18 * length / float(speed))
+
+    def test_loads_on_level_ground_are_those_after_settling(self):
+        store = self.synth(kind="plain", spacing=0.5, relief=0)
+        for scene, geoms in (("offroad", 4), ("rover", 6), ("tracked", 2), ("walker", 4)):
+            path = self.folder / f"tools/scenes/vehicles/{scene}.yaml"
+            if "this build has no MuJoCo" in self.furrow("explain", path).stderr:
+                self.skipTest("this build has no MuJoCo")
+            (vehicle,) = self.json("explain", path)["vehicles"].values()
+            weight = vehicle["mass"] * (1.62 if scene == "rover" else 9.81)
+            self.drive(path, "--store", store, "--overlay", f"{scene}.furrow", "--set", "end_time=0.002", "--set", "output.forces=500", "--set", "output.delay=0")
+            with open(self.folder / "out/objects.csv", newline="") as file:
+                loads = {row["name"]: float(row["fz"]) for row in csv.DictReader(file) if float(row["t"]) == 0}
+            self.assertEqual((set(loads), len(loads)), (set(vehicle["shares"]), geoms))
+            text = " ".join(self.ok("explain", path).split())
+            for name, load in loads.items():
+                share = vehicle["shares"][name]
+                self.assertLess(abs(share * weight / load - 1), 0.01, (name, load))
+                self.assertIn(f"{name} {share * weight:.4g} N ({100 * share:.1f} %)", text)
+
+    def test_a_model_that_does_not_stand_has_no_loads(self):
+        (self.folder / "falls.xml").write_text("<mujoco><option timestep='0.002'/><worldbody><body pos='0 0 1'><freejoint/><geom name='pole' type='box' size='.1 .1 .1' mass='9'/>"
+                                               "<body pos='2 0 0'><geom name='weight' type='box' size='.1 .1 .1' mass='90'/></body></body></worldbody></mujoco>")
+        scene = self.scene("scene: 1\ntime_step: 0.002\nend_time: 1\nspacing: 0.1\nsoil: {name: dry_sand}\nredistribute: {model: scm}\n"
+                           "vehicles: [{name: v, model: falls.xml, start: {at: [5, 5]}, soil: [pole]}]\n")
+        result = self.furrow("explain", scene)
+        if "this build has no MuJoCo" in result.stderr:
+            self.skipTest("this build has no MuJoCo")
+        self.assertIn("load on level ground: not known", " ".join(result.stdout.split()))
+        self.assertEqual(self.json("explain", scene)["vehicles"]["v"]["shares"], {"v.pole": None})
 
     def test_json_says_what_an_effect_is(self):
         self.synth()
