@@ -76,6 +76,8 @@ static enum status run(const struct arguments *arguments)
 		if (path == NULL) {
 			putchar('\n');
 			fit_soil_block(&fit, stdout);
+		} else {
+			printf("\n%s: a soil, for furrow drive SCENE --set soil=%s, and for --soil of furrow rig and furrow mobility\n", path, path);
 		}
 	}
 	fit_table_finish(&fit.plate);
@@ -102,9 +104,11 @@ const struct command command_fit_soil = {
 		   "columns, empty lines and lines that begin with # are passed over.\n\n"
 		   "Plates of one width do not tell kc and kphi apart. Then kc is 0, and kphi is their sum for that width. One normal stress does "
 		   "not tell cohesion and friction apart. Then the soil has no cohesion.\n\n"
+		   "A drive takes the soil in place of its scene's: furrow drive SCENE -o DIR --set soil=soil.yaml. So do explain and view; rig and mobility "
+		   "take it by --soil.\n\n"
 		   "wong weighs as J. Y. Wong (1980). More: docs/SOIL-TESTS.md\n",
 	.examples = "furrow fit-soil plate.csv shear.csv -o soil.yaml --page soil.html\n"
 		    "furrow fit-soil plate.csv --soil lete_sand --method wong\n",
-	.see = "furrow-rig(1), scene(5)",
+	.see = "furrow-drive(1), furrow-rig(1), scene(5)",
 	.run = run,
 };

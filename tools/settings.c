@@ -2,6 +2,34 @@
 
 #include <string.h>
 
+#include "soil_given.h"
+
+/* Adds a setting. */
+static enum status add(struct settings *settings, const char *key, size_t length, const char *value)
+{
+	const size_t room = strlen(value) + 1;
+	char *copy = mem_alloc(length + 1 + room, 1);
+	if (copy == NULL)
+		return fail_memory("settings");
+	memcpy(copy, key, length);
+	copy[length] = '\0';
+	memcpy(copy + length + 1, value, room);
+	settings->texts[settings->count] = copy;
+	settings->list[settings->count++] = (struct scene_setting){copy, copy + length + 1};
+	return STATUS_OK;
+}
+
+/* A soil may be a file that has one. */
+static enum status add_soil(struct settings *settings, const char *path)
+{
+	char *value = NULL;
+	enum status status = soil_given_value(path, &value);
+	if (status == STATUS_OK)
+		status = add(settings, "soil", strlen("soil"), value);
+	mem_free(value);
+	return status;
+}
+
 enum status settings_take(const struct arguments *arguments, struct settings *settings)
 {
 	const char *text;
@@ -11,12 +39,11 @@ enum status settings_take(const struct arguments *arguments, struct settings *se
 			return fail_with(STATUS_USAGE, "--set %s: not KEY=VALUE; give one as in --set cache.slots=16", text);
 		if (settings->count == SETTINGS_MAX)
 			return fail_with(STATUS_USAGE, "--set: is given too often; %d times at most", SETTINGS_MAX);
-		char *copy = mem_strdup(text);
-		if (copy == NULL)
-			return fail_memory("settings");
-		copy[equals - text] = '\0';
-		settings->texts[settings->count] = copy;
-		settings->list[settings->count++] = (struct scene_setting){copy, copy + (equals - text) + 1};
+		const size_t length = (size_t)(equals - text);
+		const bool file = length == strlen("soil") && strncmp(text, "soil", length) == 0 && soil_given_is_file(equals + 1);
+		enum status status = file ? add_soil(settings, equals + 1) : add(settings, text, length, equals + 1);
+		if (status != STATUS_OK)
+			return status;
 	}
 	return STATUS_OK;
 }

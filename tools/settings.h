@@ -12,7 +12,7 @@ struct settings {
 	size_t count;
 };
 
-/* Those given, in order. STATUS_USAGE if one is not KEY=VALUE. `settings` is zeroed before, and finished after, also
+/* Those given, in order. `soil=FILE.yaml` is the soil that the file has. STATUS_USAGE if one is not KEY=VALUE. `settings` is zeroed before, and finished after, also
  * when it fails. */
 enum status settings_take(const struct arguments *arguments, struct settings *settings) FURROW_CHECKED;
 void settings_finish(struct settings *settings);

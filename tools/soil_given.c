@@ -2,6 +2,7 @@
 #include "soil_given.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "dem/dem.h"
@@ -41,14 +42,48 @@ static enum status check_one(const struct scene *scene, const char *path)
 	return STATUS_OK;
 }
 
-static enum status take_file(const char *path, struct soil_given *soil)
+/* Loads a file with one soil. The caller destroys the scene, also on failure. */
+static enum status load_file(const char *path, struct scene **scene)
 {
 	/* The soil is read for the rig's model, whatever the file says of its own. */
 	const struct scene_setting model = {.key = "redistribute", .value = "{model: scm}"};
+	enum status status = scene_load_file(path, &model, 1, SCENE_HOST, scene);
+	return status == STATUS_OK ? check_one(*scene, path) : status;
+}
+
+/* Writes "{name: dry_sand, cohesion: 500}": what the scene gives of its soil. */
+static enum status write_value(const struct scene *scene, char **out)
+{
+	static const char key[] = "soil.";
+	char *text = NULL;
+	size_t size = 0, count = 0;
+	FILE *stream = open_memstream(&text, &size);
+	if (stream == NULL)
+		return fail_memory("a soil");
+	for (size_t i = 0; i < scene->value_count; i++)
+		if (strncmp(scene->values[i].key, key, strlen(key)) == 0)
+			fprintf(stream, "%s%s: %s", count++ > 0 ? ", " : "{", scene->values[i].key + strlen(key), scene->values[i].text);
+	fputs(count > 0 ? "}" : "{}", stream);
+	const bool written = fclose(stream) == 0;
+	*out = written ? mem_strdup(text) : NULL;
+	free(text);
+	return *out != NULL ? STATUS_OK : fail_memory("a soil");
+}
+
+enum status soil_given_value(const char *path, char **out)
+{
 	struct scene *scene = NULL;
-	enum status status = scene_load_file(path, &model, 1, SCENE_HOST, &scene);
+	enum status status = load_file(path, &scene);
 	if (status == STATUS_OK)
-		status = check_one(scene, path);
+		status = write_value(scene, out);
+	scene_destroy(scene);
+	return status;
+}
+
+static enum status take_file(const char *path, struct soil_given *soil)
+{
+	struct scene *scene = NULL;
+	enum status status = load_file(path, &scene);
 	if (status == STATUS_OK) {
 		soil->text = rig_soil_text(&scene->soils[0], scene->model);
 		soil->label = label_of(path);

@@ -12,6 +12,8 @@ struct soil_given {
 
 /* Returns true if the text is the path of a file of a soil: if it ends in .yaml, .yml or .json. */
 bool soil_given_is_file(const char *given);
+/* Reads the soil of such a file as a value of --set: what it gives, in braces. The caller frees *out by mem_free. STATUS_INPUT as below. */
+enum status soil_given_value(const char *path, char **out) FURROW_CHECKED;
 /* STATUS_INPUT: the file cannot be read, or has no soil, or several. `soil` is to be finished also then. */
 enum status soil_given_take(const char *given, struct soil_given *soil) FURROW_CHECKED;
 /* Takes the soil of a scene that was read from `path`; of a map of soils its default. STATUS_INPUT: its model reads none. */

@@ -87,6 +87,15 @@ class FitSoil(FurrowTest):
             if key != "name":
                 self.assertTrue(math.isclose(soil[key], value, rel_tol=1e-9), (key, soil))
         self.assertGreater(report["objects"]["wheel"]["sinkage"], 0.005)
+        # The same without editing the scene.
+        same = self.scene(SCENE + "soil: {name: lunar, cohesion: 3}\n", "same.yaml")
+        told = self.ok("fit-soil", PLATE, SHEAR, "-o", "soil.yaml").splitlines()[-1]
+        self.assertIn("furrow drive SCENE --set soil=soil.yaml", told)
+        self.ok("drive", same, "--store", "world.furrow", "--overlay", "set.furrow", "-o", "set", "--set", "soil=soil.yaml", "--set", "soil.damping=7")
+        set_ = json.loads((self.folder / "set/run.json").read_text())
+        self.assertEqual(set_["soils"][0], {**soil, "damping": 7})
+        self.assertNotIn("lunar", set_["scene"]["values"].values())
+        self.assertIn("no.yaml", self.refused(3, "explain", same, "--set", "soil=no.yaml"))
         # Plates alone: the strength is that of the named soil.
         self.ok("fit-soil", PLATE, "-o", "soil.yaml", "--soil", "lete_sand")
         scene = self.scene(SCENE + (self.folder / "soil.yaml").read_text())

@@ -355,7 +355,8 @@ class ScenePage(FurrowTest):
 
     def test_settings_are_as_it_says(self):
         lines = re.findall(r"^    --set ('[^']*'|\S+) ", PAGE.read_text(), re.M)
-        self.assertEqual(len(lines), 6)
+        self.assertEqual(len(lines), 7)
+        (self.folder / "soil.yaml").write_text("soil: {name: dry_sand, cohesion: 500}\n")
         path = self.folder / "set.yaml"
         path.write_text(json.dumps(scene(wheel(name="wheel"), view=view({"fixed": {"eye": [1, 2, 3], "target": [4, 5, 6]}}, images=1,
                                                                         effects=["sky"]))))
