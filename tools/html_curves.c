@@ -50,12 +50,12 @@ void html_legend_end(const struct html_report *report)
 
 #define LEVEL 0.02 /* sine of a slope from which grade resistance is shown */
 
-/* Curves of objects.csv, curves of vehicles.csv, or ways. */
-enum kind { OBJECTS, VEHICLES, WAYS };
+/* Curves of objects.csv, curves of vehicles.csv and of actuators in it, or ways. */
+enum kind { OBJECTS, VEHICLES, ACTUATORS, WAYS };
 
 static const struct html_bodies *bodies_of(const struct html_run *run, enum kind kind)
 {
-	return kind == VEHICLES ? &run->vehicles : kind == OBJECTS ? &run->objects : html_ways(run);
+	return kind == VEHICLES ? &run->vehicles : kind == ACTUATORS ? &run->actuators : kind == OBJECTS ? &run->objects : html_ways(run);
 }
 
 size_t html_drawn(const struct html_report *report, const struct html_bodies *bodies)
@@ -79,7 +79,7 @@ static void legend(const struct html_report *report, enum kind kind)
 		char text[200];
 		if (bodies->count <= html_drawn(report, bodies))
 			continue;
-		snprintf(text, sizeof text, "The plots show the first %zu of %zu %s", html_drawn(report, bodies), bodies->count, kind == VEHICLES ? "vehicles" : "objects");
+		snprintf(text, sizeof text, "The plots show the first %zu of %zu %s", html_drawn(report, bodies), bodies->count, kind == VEHICLES ? "vehicles" : kind == ACTUATORS ? "actuators" : "objects");
 		html_sentence(report, &report->runs[i], text);
 	}
 }
@@ -232,6 +232,19 @@ static void write_bodies(const struct html_report *report)
 	html_section_end(report);
 }
 
+static void write_actuators(const struct html_report *report)
+{
+	static const struct value force = {HTML_FORCE, "force of the actuators", ", N or N m", 0, 0, false, NULL};
+	if (!any_there(report, ACTUATORS)) {
+		html_sentence(report, NULL, "No forces of actuators: vehicles.csv has none");
+		return;
+	}
+	legend(report, ACTUATORS);
+	fputs("<div class=\"plots\">\n", report->file);
+	write_value(report, ACTUATORS, &force);
+	fputs("</div>\n<p class=\"small\">Force of an actuator before its gear: N m at a hinge, N at a slide or a site.</p>\n", report->file);
+}
+
 static void write_vehicles(const struct html_report *report)
 {
 	static const struct value values[] = {
@@ -252,6 +265,7 @@ static void write_vehicles(const struct html_report *report)
 			write_value(report, VEHICLES, &values[i]);
 		tell_missing(report, VEHICLES, "No rows of vehicles.csv");
 		fputs("</div>\n", report->file);
+		write_actuators(report);
 		html_energy_vehicles(report);
 	}
 	html_section_end(report);

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "command.h"
+#include "html_actuators.h"
 #include "html_row.h"
 
 #define CELLS_MOST 2048
@@ -28,6 +29,7 @@ struct table {
 	size_t count;     /* of columns */
 	size_t cells;     /* of a line */
 	bool vehicles;
+	struct html_actuators actuators;
 	uint64_t line, rows;
 };
 
@@ -63,7 +65,7 @@ static enum status find_columns(struct table *table, char **cells, size_t count)
 		if (table->columns[k].cell < 0 && !table->columns[k].may_lack)
 			return wrong(table, "lacks a column that such a file has");
 	}
-	return STATUS_OK;
+	return table->vehicles ? html_actuators_find(&table->actuators, cells, count) : STATUS_OK;
 }
 
 /* NaN, as of slip in the air, is a gap. */
@@ -204,7 +206,10 @@ static enum status take_line(struct table *table, char **cells, size_t count)
 		for (int k = HTML_SOIL; k < HTML_VALUES; k++)
 			row.values[k] = (double)NAN;
 	}
-	return take_row(table, cells[1], &row);
+	enum status status = take_row(table, cells[1], &row);
+	if (status != STATUS_OK || !table->vehicles)
+		return status;
+	return html_actuators_take(&table->actuators, cells, body_named(table, cells[1]), &table->run->actuators);
 }
 
 static enum status read_rows(struct table *table, FILE *file)
@@ -240,6 +245,7 @@ static enum status read_file(struct html_run *run, const char *name, bool vehicl
 		return fail_with(STATUS_INPUT, "%s: %s; give a folder that can be read", path, strerror(errno));
 	struct table table = {.run = run, .bodies = bodies, .path = path, .columns = columns, .count = count, .vehicles = vehicles};
 	enum status status = read_rows(&table, file);
+	html_actuators_finish(&table.actuators);
 	fclose(file);
 	bodies->there = table.rows > 0;
 	return status;

@@ -103,6 +103,7 @@ void html_run_finish(struct html_run *run)
 	cJSON_Delete(run->json);
 	html_bodies_finish(&run->objects);
 	html_bodies_finish(&run->vehicles);
+	html_bodies_finish(&run->actuators);
 	html_bodies_finish(&run->ways);
 	html_volumes_finish(&run->volumes);
 	*run = (struct html_run){.folder = NULL};

@@ -30,6 +30,8 @@ enum html_value {
 	HTML_WORK,      /* kJ */
 	HTML_KINETIC,   /* kJ */
 	HTML_SOIL,      /* kJ into the soil by all its soil geoms, as the rows of objects.csv have it at its times */
+	/* of an actuator: */
+	HTML_FORCE = 0, /* N m at a hinge, N at a slide or site; before its gear */
 };
 
 /* What an object did with its energy from its first row to its last, kJ. NaN: not known. */
@@ -71,6 +73,7 @@ struct html_run {
 	const char *folder; /* as it was given */
 	cJSON *json;
 	struct html_bodies objects, vehicles; /* of objects.csv, of vehicles.csv */
+	struct html_bodies actuators;         /* of vehicles.csv, each named VEHICLE: ACTUATOR; way and place are the vehicle's */
 	struct html_volumes volumes;
 	struct html_bodies ways;              /* corners of the objects' ways, of run.json: without times and values */
 };

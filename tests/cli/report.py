@@ -645,6 +645,13 @@ class Report(FurrowTest):
                 plot = plots[f"{name} over {axis}"]
                 self.assertAlmostEqual(plot.curves[0][-1][1], value, delta=plot.grain(1))
         self.assertAlmostEqual(plots["speed over the way"].curves[0][-1][0], run["vehicles"]["car"]["distance"], delta=0.1)
+        for axis in ("time", "the way"):
+            plot = plots[f"force of the actuators over {axis}"]
+            ends = [force for name, force in rows[-1].items() if name.startswith("f:")]
+            self.assertEqual((len(plot.curves), len(ends)), (6, 6))
+            for curve, end in zip(reversed(plot.curves), ends):  # the first lies on top
+                self.assertAlmostEqual(curve[-1][1], end, delta=plot.grain(1))
+        self.assertGreater(max(ends), 50)
         curves = page.plots("curves")
         self.assertEqual(len(curves["sinkage over time"].curves), 4)
         near = "has a drawbar pull near 0"
