@@ -3,6 +3,7 @@ import functools
 import http.server
 import json
 import pathlib
+import re
 import shutil
 import signal
 import subprocess
@@ -358,6 +359,17 @@ class Tiles(furrow_test.FurrowTest):
 
     # --- the page ---
 
+    def test_the_page_of_ground_without_ruts_has_no_scale_of_them(self):
+        browser = shutil.which("chromium") or shutil.which("chromium-browser")
+        if browser is None or not LEAFLET.exists():
+            self.skipTest("no chromium, or no libjs-leaflet")
+        folder = self.export(self.synth(posts="65x65", spacing=1, relief=30), "tiles")
+        told = subprocess.run([browser, "--headless=new", "--no-sandbox", "--disable-gpu", f"--user-data-dir={self.folder}/profile", "--virtual-time-budget=5000",
+                               "--dump-dom", f"file://{folder}/index.html"], capture_output=True, text=True, timeout=200, cwd=self.folder).stdout
+        made = re.sub(r"<script.*?</script>", "", told, flags=re.S)
+        self.assertIn("no ruts", made)
+        self.assertNotIn("ramp", made.split("</style>")[-1])
+
     def test_the_page_in_a_browser(self):
         browser = shutil.which("chromium") or shutil.which("chromium-browser")
         if browser is None or not LEAFLET.exists():
@@ -381,6 +393,7 @@ class Tiles(furrow_test.FurrowTest):
                                f"http://127.0.0.1:{server.server_port}/"], capture_output=True, text=True, timeout=200, cwd=self.folder)
         self.assertIn('data-drawn="yes"', told.stdout, told.stderr)
         self.assertIn("world.furrow", told.stdout)
+        self.assertIn("ruts and heaps, metres", re.sub(r"<script.*?</script>", "", told.stdout, flags=re.S))
         for name in ("hillshade", "ruts"):
             self.assertTrue(any(f"/{name}/" in line for line in asked), asked)
         self.assertEqual([line for line in asked if " 404 " in line], [])
