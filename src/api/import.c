@@ -316,6 +316,16 @@ static void note_sentinel(const struct intake *intake)
 		     "again with --nodata and that value", intake->low);
 }
 
+/* Heights that were whole numbers of a unit are none when they were converted, and are rounded to the unit again. */
+static void note_rounding(const struct import *import)
+{
+	const struct dem_info *info = dem_info(import->opened);
+	if (!info->shifted || !(info->unit > 0) || import->max_error >= 0)
+		return;
+	note("%s: its heights are multiples of %g m, and so they are again after the conversion to %s: up to %g m off, with steps where the conversion "
+	     "changes; give --max-error %g to keep it smooth", info->sources[0], info->unit, info->vertical, info->unit / 2, info->unit / 20);
+}
+
 enum status api_import_open(struct import *import, const char *const *sources, size_t count)
 {
 	import->dem.sources = sources;
@@ -339,6 +349,7 @@ enum status api_import_open(struct import *import, const char *const *sources, s
 		.vertical = info->vertical,
 		.pack = import->pack,
 	};
+	note_rounding(import);
 	const char *problem = extent_problem(&import->meta.extent);
 	if (problem != NULL)
 		return fail_with(STATUS_INPUT, "import: %s; change --tile, --spacing or the sources", problem);

@@ -52,6 +52,7 @@ struct dem_info {
 	double unit;           /* metres of the source's unit, if its values are whole numbers; otherwise 0 */
 	bool resampled;        /* posts of some sources are not the result's; dem_misfit tells by how much it is off them */
 	bool whole;            /* every height is exactly a whole number of units, so nothing was resampled */
+	bool shifted;          /* heights of a source are converted to another vertical reference */
 	int64_t panel_posts;   /* posts of a row that are best read together, in strips, before the next panel; 0: whole rows */
 	const char *srs;       /* WKT; "" for local metres. Owned by the dem */
 	double origin[2];      /* x, y of the south-west post in `srs` */

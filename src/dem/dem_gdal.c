@@ -240,6 +240,8 @@ static enum status describe(struct gdal_grid *gdal)
 	grid->unit = common_unit(gdal->sources, gdal->source_count);
 	grid->panel_posts = common_panel(gdal);
 	grid->whole = all_whole(gdal);
+	for (size_t i = 0; i < gdal->source_count; i++)
+		grid->shifted = grid->shifted || gdal->sources[i].from != NULL;
 	for (size_t i = 0; i < gdal->groups.count; i++)
 		if (!dem_sampler_copies(gdal->groups.groups[i].sampler))
 			grid->misfit = dem_grid_misfit;

@@ -160,6 +160,7 @@ enum status dem_open(const struct dem_params *params, struct dem **out)
 		.panel_posts = grid->panel_posts,
 		.resampled = grid->misfit != NULL,
 		.whole = grid->whole && !params->fill,
+		.shifted = grid->shifted,
 		.srs = grid->srs != NULL ? grid->srs : "",
 		.origin = {grid->origin[0], grid->origin[1]},
 		.vertical = grid->vertical != NULL ? grid->vertical : "",

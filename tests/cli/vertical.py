@@ -39,6 +39,18 @@ class Vertical(RasterTest):
         return [(west + (x + 0.5) * step, north - (y + 0.5) * step) for x in (9, 31, 40, 66) for y in (7, 34, 61)]
 
     @unittest.skipUnless(has_grid(), "needs PROJ's grid egm96_15")
+    def test_whole_metres_that_are_rounded_again_are_told(self):
+        rasters.make(self.folder / "in.tif", 40, 30, [500 + x for y in range(30) for x in range(40)], "h", west=500000, north=7200000, step=900, srs="EPSG:32627")
+        shift = ("--s-vertical", "egm96", "--t-vertical", "ellipsoid", "--overwrite")
+        told = self.furrow("import", "in.tif", "-o", "s.furrow", *shift).stderr
+        self.assertRegex(told, r"note: in\.tif: its heights are multiples of 1 m, and so they are again after the conversion to ellipsoid WGS 84: up to 0\.5 m off, .*"
+                               r"; give --max-error 0\.05 to keep it smooth\n")
+        for more in (("--max-error", "0.05", *shift), ("--s-vertical", "egm96", "--overwrite"), ("--s-vertical", "egm96", "--t-vertical", "egm96", "--overwrite")):
+            self.assertNotIn("multiples", self.furrow("import", "in.tif", "-o", "s.furrow", *more).stderr)
+        rasters.make(self.folder / "float.tif", 40, 30, [500 + x for y in range(30) for x in range(40)], "f", west=500000, north=7200000, step=900, srs="EPSG:32627")
+        self.assertNotIn("multiples", self.furrow("import", "float.tif", "-o", "s.furrow", *shift).stderr)
+
+    @unittest.skipUnless(has_grid(), "needs PROJ's grid egm96_15")
     def test_heights_differ_as_gdaltransform_says(self):
         for place, (west, north, step, srs) in {"Nepal": (86.6, 28.2, 0.01, "EPSG:4326"), "Iceland": (500000, 7200000, 900, "EPSG:32627"),
                                                 "Andes": (-70.3, -33.1, 0.0008, "EPSG:4326"), "Java": (600000, 9200000, 25, "EPSG:32749")}.items():
