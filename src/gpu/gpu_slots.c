@@ -42,7 +42,7 @@ void gpu_slots_destroy(struct gpu_slots *slots)
 	while (slots->all != NULL) {
 		struct deform_slot *home = slots->all;
 		slots->all = home->next;
-		deform_slot_destroy(home);
+		gpu_deform_slot_destroy(home);
 	}
 	for (uint32_t i = 0; i < slots->count; i++) {
 		gpu_target_destroy(slots->entries[i].base_target);
@@ -99,7 +99,7 @@ void gpu_slots_figures(const struct gpu_slots *slots, struct gpu_slots_figures *
 	}
 	for (const struct deform_slot *home = slots->all; home != NULL; home = home->next) {
 		figures->deform_slots++;
-		figures->state_slots += deform_slot_has_state(home);
+		figures->state_slots += gpu_deform_slot_has_state(home);
 	}
 	for (int i = 0; i < SCRATCH_COUNT; i++)
 		figures->patches += slots->scratch[i] != NULL;

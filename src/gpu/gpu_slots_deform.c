@@ -28,7 +28,7 @@ static enum status plane_create(struct gpu_slots *slots, struct deform_slot *hom
 	return gpu_texture_create(slots->gpu, formats[plane], posts, posts, 0, &home->planes[plane]);
 }
 
-void deform_slot_destroy(struct deform_slot *home)
+void gpu_deform_slot_destroy(struct deform_slot *home)
 {
 	gpu_target_destroy(home->target);
 	for (int plane = 0; plane < PLANES; plane++)
@@ -58,7 +58,7 @@ static enum status deform_slot_create(struct gpu_slots *slots, struct deform_slo
 				gpu_pool_return(slots->drawn[plane], home->planes[plane]);
 				home->planes[plane] = NULL;
 			}
-		deform_slot_destroy(home);
+		gpu_deform_slot_destroy(home);
 		return status;
 	}
 	home->next = slots->all;
@@ -94,7 +94,7 @@ static enum status hold(struct gpu_slots *slots, struct slot_entry *entry, bool 
 
 static void release(struct gpu_slots *slots, struct slot_entry *entry)
 {
-	struct deform_slot **list = &slots->free[deform_slot_has_state(entry->home)];
+	struct deform_slot **list = &slots->free[gpu_deform_slot_has_state(entry->home)];
 	entry->home->free = *list;
 	*list = entry->home;
 	entry->home = NULL;

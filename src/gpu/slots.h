@@ -62,7 +62,7 @@ static inline struct slot_entry *slots_entry(const struct gpu_slots *slots, uint
 }
 
 /* Returns true if the deform slot has planes of the soil's state. */
-static inline bool deform_slot_has_state(const struct deform_slot *home)
+static inline bool gpu_deform_slot_has_state(const struct deform_slot *home)
 {
 	for (int plane = 0; plane < PLANES; plane++)
 		if (home->planes[plane] != NULL && !(GPU_DRAWN_PLANES & PLANE_BIT(plane)))
@@ -70,6 +70,6 @@ static inline bool deform_slot_has_state(const struct deform_slot *home)
 	return false;
 }
 
-void deform_slot_destroy(struct deform_slot *home);
+void gpu_deform_slot_destroy(struct deform_slot *home);
 
 #endif
