@@ -189,7 +189,7 @@ struct furrow_state {
 };
 
 enum furrow_contact_state {
-	FURROW_AIR,      /* touches nothing */
+	FURROW_AIR,      /* touches nothing; also off the terrain and over a hole, where there is no soil */
 	FURROW_TOUCHING, /* the soil carries it */
 	FURROW_SLIDES,   /* the shear stress is beyond friction */
 	FURROW_SUNK,     /* the soil does not carry it */
@@ -288,14 +288,15 @@ FURROW_API furrow_status furrow_get_contacts(struct furrow_world *world, size_t 
 /* The ground at a point. */
 struct furrow_point {
 	double height;    /* m; NaN where nodata */
-	double normal[3]; /* unit, upward */
-	double offset;    /* m that deformation added to the base: negative in a rut */
+	double normal[3]; /* unit, upward; NaN where nodata */
+	double offset;    /* m that deformation added to the base: negative in a rut; NaN where nodata */
 	int32_t soil;     /* index among the scene's soils */
 	bool nodata;      /* outside the terrain, or in a hole */
 };
 
 /*
- * Fills `count` points. `xy`: `count` pairs in m, local axes. A point outside the terrain is nodata and no failure.
+ * Fills `count` points. `xy`: `count` pairs in m, local axes. A point outside the terrain or in a hole is nodata and no failure: its
+ * height, offset and normal are NaN.
  * FURROW_USAGE: a NULL or a NaN.
  */
 FURROW_API furrow_status furrow_points(struct furrow_world *world, size_t count, const double (*xy)[2],
@@ -362,7 +363,9 @@ struct furrow_camera {
 };
 
 /*
- * Draws a picture of the newest ground. Rows come from the top. The scene's `view` says what is drawn, and may be absent.
+ * Draws a picture of the newest ground. Rows come from the top. The scene's `view` says what is drawn, and may be absent. Then the
+ * effects are texture, detail, fog, sky, geomorph, skirts, objects and shadow. With `objects` the bodies are drawn that were placed or
+ * follow a path, also those that were added. The first picture after a body was added takes longer.
  * `rgb`: 3 x width x height bytes, sRGB. `depth`: width x height metres along the view direction; INFINITY: sky. Either may
  * be NULL. What drawing needs is made at the first call. FURROW_USAGE: a NaN, a size that is off.
  */

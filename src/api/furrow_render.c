@@ -4,8 +4,8 @@
 #include <math.h>
 #include <string.h>
 
-/* The view of a scene without one: the defaults of `view`. */
-static const char default_view[] = "view: {size: [640, 480], camera: {fixed: {eye: [0, 0, 1], target: [1, 0, 0]}}}\n";
+/* The view of a scene without one: what `furrow view` and cameras of drives draw, too. */
+static const char default_view[] = "view: {size: [640, 480], effects: [texture, detail, fog, sky, geomorph, skirts, objects, shadow]}\n";
 
 enum status api_library_start_view(struct furrow_world *host)
 {
@@ -92,6 +92,8 @@ static enum status picture(struct furrow_world *host, const struct furrow_camera
 		status = api_library_settle(host);
 	if (status == STATUS_OK)
 		status = need_view(host);
+	if (status == STATUS_OK)
+		status = render_view_follow_bodies(host->view);
 	if (status == STATUS_OK)
 		status = render_view_resize(host->view, from->width, from->height);
 	if (status != STATUS_OK)

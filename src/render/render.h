@@ -224,6 +224,8 @@ void render_view_look_from(struct view *view, const struct render_camera *camera
 void render_view_scene_camera(struct view *view, struct render_camera *camera);    /* the scene's camera, now */
 void render_view_show_layer(struct view *view, const struct render_layer *layer);
 enum status render_view_resize(struct view *view, uint32_t width, uint32_t height) FURROW_CHECKED; /* from the next picture on */
+/* Makes what draws bodies anew if the host has added some since. Call render_view_resize after it: the size is the scene's again. */
+enum status render_view_follow_bodies(struct view *view) FURROW_CHECKED;
 /* Draws the whole picture now, from the camera given to render_view_look_from, and waits for it. `pixels`: RGBA as in
  * render_view_read_into. `depth`: m along the view direction, INFINITY: sky, rows from the lowest up; needs one sample a pixel.
  * Either may be NULL. */

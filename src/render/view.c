@@ -254,30 +254,12 @@ void render_view_params(const struct world *world, struct render_params *params)
 	};
 }
 
-/* Lists the scene's objects, and figures after them. They share the memory of both. */
-static enum status list_drawn(struct view *view, struct render_params *params)
-{
-	const struct world *world = view->world;
-	const size_t objects = world->scene->object_count, figures = world->figures.count;
-	if (figures == 0)
-		return STATUS_OK;
-	view->drawn = mem_calloc(objects + figures, sizeof *view->drawn);
-	if (view->drawn == NULL)
-		return fail_memory("the view");
-	if (objects > 0)
-		memcpy(view->drawn, world->scene->objects, objects * sizeof *view->drawn);
-	memcpy(view->drawn + objects, world->figures.list, figures * sizeof *view->drawn);
-	params->objects = view->drawn;
-	params->object_count = objects + figures;
-	return STATUS_OK;
-}
-
 static enum status make_render(struct view *view, bool watched, struct render **out)
 {
 	const struct world *world = view->world;
 	struct render_params params;
 	render_view_params(world, &params);
-	enum status status = list_drawn(view, &params);
+	enum status status = render_view_list_drawn(view, &params);
 	if (status != STATUS_OK)
 		return status;
 	params.gpu = world->gpu;
@@ -352,6 +334,7 @@ void render_view_destroy(struct view *view)
 	key_cache_finish(&view->ranges);
 	render_view_errors_destroy(view->errors);
 	mem_free(view->drawn);
+	mem_free(view->added);
 	mem_free(view->selection);
 	mem_free(view->now);
 	mem_free(view->missing);
@@ -400,6 +383,34 @@ void render_view_show_layer(struct view *view, const struct render_layer *layer)
 enum status render_view_resize(struct view *view, uint32_t width, uint32_t height)
 {
 	return render_resize(view->render, width, height);
+}
+
+enum status render_view_follow_bodies(struct view *view)
+{
+	if (view->bodies == view->world->hosts.count || !view->world->scene->hosted)
+		return STATUS_OK;
+	/* After a failure all is as before: what draws bodies uses the lists. */
+	struct render *render;
+	struct scene_object *drawn = view->drawn;
+	int32_t *added = view->added;
+	const size_t added_count = view->added_count, bodies = view->bodies;
+	view->drawn = NULL;
+	view->added = NULL;
+	enum status status = make_render(view, view->watched, &render);
+	if (status != STATUS_OK) {
+		mem_free(view->drawn);
+		mem_free(view->added);
+		view->drawn = drawn;
+		view->added = added;
+		view->added_count = added_count;
+		view->bodies = bodies;
+		return status;
+	}
+	render_destroy(view->render);
+	view->render = render;
+	mem_free(drawn);
+	mem_free(added);
+	return STATUS_OK;
 }
 
 bool render_view_lacks(const struct view *view)

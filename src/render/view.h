@@ -40,7 +40,11 @@ struct view {
 	bool watched;             /* somebody watches every picture, as in a window */
 	bool at_steps;            /* true: only every scene.view.images-th step has a picture; false: any step may have one */
 	uint64_t frames;          /* pictures drawn */
-	struct scene_object *drawn; /* the scene's objects and the world's figures; NULL: there are no figures */
+	/* the scene's objects, the world's figures, and the bodies that a host has added; NULL: the scene's objects alone */
+	struct scene_object *drawn;
+	int32_t *added;           /* numbers of these bodies */
+	size_t added_count;
+	size_t bodies;            /* of the host's world when they were listed */
 	struct render *render;
 	struct key_set deformed;  /* tiles that had offsets, or a finer tile with offsets, before the drive; 11 to 21 bytes each */
 	/* for each tile that this drive changed: bounds of the offsets that its contacts may have left */
@@ -115,6 +119,11 @@ enum status render_view_object(struct view *view, size_t index, struct render_ob
 /* view_objects.c: gives the picture the present places of objects. `settled`: waits for the heights of loaded bodies, so that
  * the picture is always the same. Otherwise the last known heights are used. */
 enum status render_view_set_objects(struct view *view, bool settled) FURROW_CHECKED;
+
+/* view_bodies.c: bodies of a host, which may add some at any time. Fills params->objects with all that may be drawn. */
+enum status render_view_list_drawn(struct view *view, struct render_params *params) FURROW_CHECKED;
+/* Finds where a body of this number is. Returns false if it was not placed, is gone, or follows a path. */
+bool render_view_body(const struct view *view, size_t number, struct render_object *object);
 
 /* view_ranges.c: ranges of tiles. If the exact range is missing, that of a coarser tile above is used. */
 /* Returns true if this range is not in memory and must not be read now. It is then noted as missing, and the caller must use

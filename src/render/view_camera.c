@@ -62,10 +62,12 @@ void render_view_aim(struct view *view, const struct scene_aim *given, double ti
 	double places[2][2];
 	*camera = (struct render_camera){.fov = 0.9};
 	const struct body *target = target_of(world, given);
-	const struct scene_path *path = target != NULL ? &target->object->path : NULL;
 	const bool vehicle = given->kind != SCENE_FIXED && given->vehicle > 0;
-	const size_t count = vehicle ? vehicle_places(world, given, places)
-				     : motion_track_camera_places(given, path, target != NULL ? target->track : NULL, time, places);
+	size_t count = 0;
+	if (vehicle)
+		count = vehicle_places(world, given, places);
+	else if (target != NULL && target->track != NULL) /* a body without a track is a host's, which gives the camera, too */
+		count = motion_track_camera_places(given, &target->object->path, target->track, time, places);
 	if (count == 0) {
 		memcpy(camera->eye, given->eye, sizeof camera->eye);
 		memcpy(camera->target, given->target, sizeof camera->target);

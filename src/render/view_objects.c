@@ -69,13 +69,18 @@ enum status render_view_set_objects(struct view *view, bool settled)
 	if (!render_shows_objects(view->render))
 		return STATUS_OK;
 	const struct world_figures *figures = &world->figures;
-	struct render_object *objects = mem_alloc(scene->object_count + figures->count, sizeof *objects);
+	struct render_object *objects = mem_alloc(scene->object_count + figures->count + view->added_count, sizeof *objects);
 	if (objects == NULL)
 		return fail_memory("the picture's objects");
 	size_t count = 0;
 	enum status status = settled ? world_settle_forces(world) : STATUS_OK;
 	for (size_t i = 0; i < scene->object_count && status == STATUS_OK; i++) {
 		bool known;
+		if (world->bodies[i].track == NULL) { /* a host moves it */
+			if (render_view_body(view, i, &objects[count]))
+				objects[count++].object = i;
+			continue;
+		}
 		if (world->time < motion_track_sample_time(world->bodies[i].track, 0))
 			continue; /* its path has not begun */
 		status = render_view_object(view, i, &objects[count], &known);
@@ -86,6 +91,9 @@ enum status render_view_set_objects(struct view *view, bool settled)
 		if (figures->place(figures->user, i, figure.at, figure.axes))
 			objects[count++] = figure;
 	}
+	for (size_t i = 0; i < view->added_count && status == STATUS_OK; i++)
+		if (render_view_body(view, (size_t)view->added[i], &objects[count]))
+			objects[count++].object = scene->object_count + figures->count + i;
 	if (status == STATUS_OK)
 		render_set_objects(view->render, objects, count);
 	mem_free(objects);

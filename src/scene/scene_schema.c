@@ -220,7 +220,7 @@ static const cyaml_schema_field_t sun_fields[] = {
 };
 static const cyaml_schema_field_t view_fields[] = {
 	CYAML_FIELD_SEQUENCE("size", OPTIONAL_POINTER, struct raw_view, size, &int_entry, 2, 2),
-	CYAML_FIELD_MAPPING("camera", NEEDED, struct raw_view, camera, camera_fields),
+	CYAML_FIELD_MAPPING_PTR("camera", OPTIONAL, struct raw_view, camera, camera_fields),
 	CYAML_FIELD_SEQUENCE("effects", OPTIONAL_POINTER, struct raw_view, effects, &word_entry, 0,
 			     CYAML_UNLIMITED),
 	CYAML_FIELD_INT_PTR("images", OPTIONAL, struct raw_view, images),
@@ -341,7 +341,7 @@ const cyaml_schema_value_t scene_schema = {
 
 bool scene_needed_by_command(const char *where)
 {
-	static const char *const needed[] = {"scene", "end_time", "objects[].name", "objects[].path"};
+	static const char *const needed[] = {"scene", "end_time", "objects[].name", "objects[].path", "view.camera"};
 	for (size_t i = 0; i < sizeof needed / sizeof needed[0]; i++)
 		if (strcmp(needed[i], where) == 0)
 			return true;

@@ -135,7 +135,7 @@ struct raw_sun {
 struct raw_view {
 	int64_t *size;
 	uint32_t size_count;
-	struct raw_camera camera;
+	struct raw_camera *camera; /* NULL: of a host, which has its own */
 	char **effects;
 	uint32_t effects_count;
 	int64_t *images, *samples;

@@ -175,7 +175,10 @@ enum status scene_check_view(const struct scene_tree *tree, const struct raw_sce
 	view->images = raw->view->images != NULL ? *raw->view->images : (int64_t)scene_absent("view.images");
 	view->pixel_error = raw->view->pixel_error != NULL ? *raw->view->pixel_error : 0;
 	view->light = light_of(raw->view);
-	enum status status = check_camera(tree, &raw->view->camera, scene);
+	view->aim = (struct scene_aim){.kind = SCENE_FIXED, .target = {1, 0, 0}}; /* of a host, which gives a camera with each picture */
+	enum status status = STATUS_OK;
+	if (raw->view->camera != NULL)
+		status = check_camera(tree, raw->view->camera, scene);
 	if (status == STATUS_OK)
 		status = check_samples(tree, raw->view, view);
 	if (status == STATUS_OK && raw->view->sun != NULL)

@@ -263,6 +263,57 @@ static void a_picture_has_depths_in_metres(void **state)
 	done(furrow_world_close(world));
 }
 
+/* How far the middle of a picture is from a camera 10 m above the ground that looks straight down. */
+static double depth_below(struct furrow_world *world, double x, double y)
+{
+	float depth[9];
+	const struct furrow_camera camera = {sizeof camera, {{x, y, 110}, {sqrt(0.5), 0, sqrt(0.5), 0}}, 0.02, 3, 3};
+	done(furrow_render(world, &camera, NULL, depth));
+	return (double)depth[4];
+}
+
+/* Bodies are drawn where they are: those that a scene has without a path, and those that are added after the first picture. */
+static void a_picture_has_the_bodies_that_a_host_moves(void **state)
+{
+	struct furrow_world *world = hosted_world_over("shown.furrow", "{view: {effects: [objects]}, spacing: 0.125, "
+						       "objects: [{name: own, shape: {sphere: {radius: 1}}}]}", hosted_flat);
+	furrow_body own, wheel;
+	const struct furrow_pose first = hosted_pose(8, 8, 101), second = {{16, 16, 101}, {sqrt(0.5), 0, 0, sqrt(0.5)}};
+	assert_float_equal(depth_below(world, 8, 8), 10, 0.01);
+	done(furrow_body_find(world, "own", &own));
+	done(furrow_place(world, own, &first));
+	assert_float_equal(depth_below(world, 8, 8), 8, 0.05);
+	const furrow_body ball = hosted_ball(world, 24, 24);
+	done(furrow_body_add(world, "{shape: {wheel: {radius: 1, width: 0.5}}}", &wheel));
+	assert_float_equal(depth_below(world, 16, 16), 10, 0.01); /* it is nowhere yet */
+	done(furrow_place(world, wheel, &second));
+	/* It rolls to the north: 0.8 m ahead there is its rim, 0.8 m beside it the ground. */
+	assert_float_equal(depth_below(world, 16, 16.8), 8.4, 0.05);
+	assert_float_equal(depth_below(world, 16.8, 16), 10, 0.05);
+	assert_float_equal(depth_below(world, 24, 24), 9, 0.05);
+	done(furrow_body_remove(world, ball));
+	assert_float_equal(depth_below(world, 24, 24), 10, 0.05);
+	assert_float_equal(depth_below(world, 8, 8), 8, 0.05);
+	done(furrow_world_close(world));
+}
+
+/* A scene without a view, and a view without a camera: a picture needs neither. Nothing is seen through the ground. */
+static void a_picture_needs_no_view(void **state)
+{
+	enum { SIZE = 32 };
+	static uint8_t rgb[SIZE][SIZE][3], sunlit[SIZE][SIZE][3];
+	struct furrow_camera camera = {sizeof camera, {{16, 16, 102}, {1, 0, 0, 0}}, 0.8, SIZE, SIZE};
+	struct furrow_world *world = hosted_world("bare.furrow");
+	done(furrow_render(world, &camera, rgb[0][0], NULL));
+	assert_true(rgb[0][0][2] > 100 && rgb[0][0][2] > rgb[0][0][0]); /* a sky, and grass */
+	assert_true(rgb[SIZE - 1][0][1] > rgb[SIZE - 1][0][2]);
+	done(furrow_world_close(world));
+	world = hosted_world_over("dark.furrow", "{view: {effects: [sky, skirts], sun: {height: 2}}}", hosted_flat);
+	done(furrow_render(world, &camera, sunlit[0][0], NULL));
+	assert_true(sunlit[SIZE - 1][0][1] < rgb[SIZE - 1][0][1]);
+	done(furrow_world_close(world));
+}
+
 static void figures_are_json(void **state)
 {
 	struct furrow_world *world = hosted_world("stats.furrow");
@@ -401,6 +452,8 @@ int main(void)
 		cmocka_unit_test(a_body_that_rasters_do_not_bear_is_refused),
 		cmocka_unit_test(states_are_as_they_were_set),
 		cmocka_unit_test(a_picture_has_depths_in_metres),
+		cmocka_unit_test(a_picture_has_the_bodies_that_a_host_moves),
+		cmocka_unit_test(a_picture_needs_no_view),
 		cmocka_unit_test(figures_are_json),
 		cmocka_unit_test(an_import_stops_and_goes_on),
 		cmocka_unit_test(a_host_on_a_path_leaves_what_the_path_leaves),

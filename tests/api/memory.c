@@ -62,7 +62,9 @@ static bool ask(struct furrow_world *world, furrow_body ball)
 static bool live(void)
 {
 	static uint8_t rgb[3 * 32 * 24];
-	const struct furrow_open open = hosted_open(HOSTED_SCENE, store);
+	/* A picture of few effects: these lives are many. */
+	const struct furrow_open open = hosted_open("{time_step: 0.01, spacing: 0.125, soil: {name: dry_sand}, redistribute: {model: scm}, "
+						    "view: {effects: [skirts, objects]}}", store);
 	const struct furrow_camera camera = {.size = sizeof camera, .pose = hosted_pose(10, 16, 102), .fovy = 1, .width = 32, .height = 24};
 	const struct furrow_pose pose = hosted_pose(16, 16, 100.5);
 	struct furrow_world *world = NULL;

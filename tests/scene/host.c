@@ -127,6 +127,9 @@ static void a_host_may_leave_out_what_the_command_needs(void **state)
 	assert_int_equal(scene->objects[0].path.count, 0);
 	assert_int_equal(scene->objects[2].path.count, 1);
 	scene_destroy(scene);
+	scene = hosted("{view: {effects: [sky]}}"); /* the host has a camera of its own */
+	assert_true(scene->view.present && scene->view.effects == EFFECT_BIT(EFFECT_SKY));
+	scene_destroy(scene);
 }
 
 static void nothing(void *user, const char *text)
@@ -154,6 +157,7 @@ static void the_command_needs_them(void **state)
 		{"{}", ":1: scene: is missing; add it: a whole number, 1"},
 		{"{scene: 1}", ":1: end_time: is missing; add it: a number, above 0 to 1000000000, in s"},
 		{"{scene: 1, end_time: 1}", ":1: no object and no view"},
+		{"{scene: 1, end_time: 1, view: {effects: [sky]}}", "view.camera: is missing; add it: a mapping"},
 		{"{scene: 1, end_time: 1, objects: [{shape: {sphere: {radius: 1}}}]}", "objects[0].name: is missing; add it: a text"},
 		{"{scene: 1, end_time: 1, objects: [{name: a, shape: {sphere: {radius: 1}}}]}", "objects[0].path: is missing; add it: a mapping"},
 	};

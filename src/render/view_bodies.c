@@ -1,0 +1,61 @@
+/* Lists what may be drawn beside the ground: the scene's objects, the world's figures, and bodies that a host has added. */
+#include <math.h>
+#include <string.h>
+
+#include "render/view.h"
+
+/* Lists the numbers of the bodies that a host has added and that are there. */
+static enum status list_added(struct view *view)
+{
+	const struct world *world = view->world;
+	const size_t first = world->scene->object_count, count = world->scene->hosted ? world->hosts.count : 0;
+	mem_free(view->added);
+	view->added = NULL;
+	view->added_count = 0;
+	view->bodies = count;
+	if (count <= first)
+		return STATUS_OK;
+	view->added = mem_alloc(count - first, sizeof *view->added);
+	if (view->added == NULL)
+		return fail_memory("the view");
+	for (size_t number = first; number < count; number++)
+		if (world->hosts.list[number] != NULL)
+			view->added[view->added_count++] = (int32_t)number;
+	return STATUS_OK;
+}
+
+enum status render_view_list_drawn(struct view *view, struct render_params *params)
+{
+	const struct world *world = view->world;
+	const size_t objects = world->scene->object_count, figures = world->figures.count;
+	mem_free(view->drawn);
+	view->drawn = NULL;
+	enum status status = list_added(view);
+	if (status != STATUS_OK || figures + view->added_count == 0)
+		return status;
+	/* They share the memory of the scene's objects, of the figures and of the bodies. */
+	view->drawn = mem_calloc(objects + figures + view->added_count, sizeof *view->drawn);
+	if (view->drawn == NULL)
+		return fail_memory("the view");
+	if (objects > 0)
+		memcpy(view->drawn, world->scene->objects, objects * sizeof *view->drawn);
+	if (figures > 0)
+		memcpy(view->drawn + objects, world->figures.list, figures * sizeof *view->drawn);
+	for (size_t i = 0; i < view->added_count; i++)
+		view->drawn[objects + figures + i] = *world->hosts.list[view->added[i]]->body.object;
+	params->objects = view->drawn;
+	params->object_count = objects + figures + view->added_count;
+	return STATUS_OK;
+}
+
+bool render_view_body(const struct view *view, size_t number, struct render_object *object)
+{
+	const struct world_hosts *hosts = &view->world->hosts;
+	const struct host_body *host = number < hosts->count ? hosts->list[number] : NULL;
+	if (host == NULL || host->removed || !host->placed)
+		return false;
+	*object = (struct render_object){.posed = true};
+	memcpy(object->at, host->now.pose.position, sizeof object->at);
+	world_axes(host->now.pose.orientation, object->axes);
+	return true;
+}
