@@ -1,6 +1,7 @@
 """A world and its bodies."""
 import ctypes
 import json
+import math
 import os
 import threading
 import weakref
@@ -9,7 +10,7 @@ from typing import Any, Iterable, Optional, Sequence, Tuple, Union
 import numpy
 
 from furrow import _declarations as declared
-from furrow._declarations import Contact, Info, Layer, Pose, State
+from furrow._declarations import Contact, Info, Layer, Pose, State, Status
 from furrow._library import Error, Path, call, text, yaml
 
 Vector = Union[Sequence[float], numpy.ndarray]
@@ -20,6 +21,9 @@ POINT = numpy.dtype(declared.furrow_point)
 HIT = numpy.dtype(declared.furrow_hit)
 RECT = numpy.dtype(declared.furrow_rect)
 LEVEL_WITH_NO_TURN = (1.0, 0.0, 0.0, 0.0)
+CHASE = (-6.0, 3.0)  # m: where render is from what it looks at: to the north, and up
+LEAST_ABOVE = 1.0    # m: of that place above the ground
+OVERVIEW = 0.6       # rad: how steeply render looks down on a whole terrain
 STILL = (0.0, 0.0, 0.0)
 
 
@@ -93,7 +97,11 @@ class Body:
 
     @property
     def contact(self) -> Contact:
-        """What the soil did to the body in the last step: .force (3,), N; .moment (3,), N m; .sinkage, m; .state; and more."""
+        """What the soil did to the body in the last step: .force (3,), N; .moment (3,), N m; .sinkage, m; .state; and more.
+
+        Off the terrain and over holes in it there is no soil: the force is 0 and .state is ContactState.AIR, as high above the ground.
+        Nothing is raised. To know which it is, ask World.points for ["nodata"] there.
+        """
         contact, handle = declared.furrow_contact(), ctypes.c_int32(self.handle)
         self.world._call("furrow_get_contacts", 1, ctypes.byref(handle), ctypes.byref(contact), ctypes.sizeof(contact))
         return Contact(contact)
@@ -268,6 +276,8 @@ class World:
 
         xy: (n, 2), or any (..., 2), m, local axes; not copied if it is contiguous float64.
         Returns (n,), or (...), of furrow.POINT: ["height"] and ["offset"] in m, ["normal"] (n, 3), ["soil"], ["nodata"].
+        A point off the terrain or in a hole raises nothing: its ["nodata"] is True, its height, offset and normal are nan. The
+        terrain goes from (0, 0) to World.info.extent.
         """
         pairs = _array(xy, "xy", 2)
         points = numpy.empty(pairs.shape[:-1], POINT)
@@ -278,7 +288,8 @@ class World:
         """Where n rays first meet the newest ground.
 
         origin: (n, 3), m; direction: (n, 3), of any length but 0; local axes. One of either serves all of the other.
-        Returns (n,) of furrow.HIT: ["position"] (n, 3), m, ["normal"] (n, 3), ["distance"], m, ["hit"].
+        Returns (n,) of furrow.HIT: ["position"] (n, 3), m, ["normal"] (n, 3), ["distance"], m, ["hit"]. A ray that misses the terrain
+        raises nothing: its ["hit"] is False, its position, normal and distance are nan.
         """
         first, second = numpy.broadcast_arrays(_array(origin, "origin", 3), _array(direction, "direction", 3))
         first, second = numpy.ascontiguousarray(first), numpy.ascontiguousarray(second)
@@ -339,21 +350,81 @@ class World:
 
     # --- looking ---
 
-    def render(self, position: Vector, orientation: Vector = LEVEL_WITH_NO_TURN, *, fovy: float = 1.0,
+    def render(self, position: Optional[Vector] = None, orientation: Optional[Vector] = None, *,
+               look_at: Union[Body, Vector, None] = None, fovy: float = 1.0,
                size: Tuple[int, int] = (640, 480)) -> Tuple[numpy.ndarray, numpy.ndarray]:
-        """Draws a picture of the newest ground.
+        """Draws a picture of the newest ground. The scene's `view` says what is drawn; it may be absent, and so may its camera.
 
-        position: (3,), m. orientation: (4,), a quaternion w, x, y, z: the camera looks along its own x, its z is up. fovy: rad,
-        the vertical angle of view. size: (width, height), pixels.
+        position: (3,), m. orientation: (4,), a quaternion w, x, y, z: the camera looks along its own x, its z is up.
+        look_at: a Body or a place, (3,), m, in place of an orientation. Without both the camera looks level to the east.
+        Without a position it is 6 m south of look_at and 3 m above it. Without look_at, too, it looks at the scene's first body,
+        or the first that was added. If that was not placed, the whole terrain is seen from the south.
+        fovy: rad, the vertical angle of view. size: (width, height), pixels.
         Returns rgb, (height, width, 3) uint8, sRGB, and depth, (height, width) float32, m along the view direction, inf: sky.
         Rows come from the top.
         """
         width, height = size
+        if orientation is not None and look_at is not None:
+            raise ValueError("furrow: render takes an orientation or look_at, not both")
+        if position is None and orientation is not None:
+            raise ValueError("furrow: render needs a position with an orientation")
+        target = self._target(look_at)
+        if position is None and target is None:
+            target = self._place_of(0)
+        if position is None:
+            position, target = self._beside(target) if target is not None else self._overview(fovy, width / height)
+        if orientation is None:
+            orientation = LEVEL_WITH_NO_TURN if target is None else _toward(_array(position, "position", 3), target)
         camera = declared.furrow_camera(ctypes.sizeof(declared.furrow_camera), _pose(position, orientation), fovy, width, height)
         rgb = numpy.empty((height, width, 3), numpy.uint8)
         depth = numpy.empty((height, width), numpy.float32)
         self._call("furrow_render", ctypes.byref(camera), rgb.ctypes.data, depth.ctypes.data)
         return rgb, depth
+
+    def _place_of(self, handle: int) -> Optional[numpy.ndarray]:
+        """Where a body is; None: it was not placed, or there is none."""
+        state = numpy.empty(1, STATE)
+        try:
+            self._call("furrow_get_states", 1, numpy.array([handle], numpy.int32).ctypes.data, state.ctypes.data)
+        except Error as error:
+            if error.status != Status.USAGE or self._handle is None:
+                raise
+            return None
+        place = state["pose"]["position"][0]
+        return place if numpy.isfinite(place).all() else None
+
+    def _target(self, look_at: Union[Body, Vector, None]) -> Optional[numpy.ndarray]:
+        if not isinstance(look_at, Body):
+            return None if look_at is None else _array(look_at, "look_at", 3)
+        place = self._place_of(look_at.handle)
+        if place is None:
+            raise ValueError(f"furrow: {look_at!r} is nowhere; place it before render looks at it")
+        return place
+
+    def _beside(self, target: numpy.ndarray) -> Tuple[numpy.ndarray, numpy.ndarray]:
+        """A place from which the target is seen, above the ground, and the target."""
+        eye = target + (0.0, *CHASE)
+        ground = self.points(eye[:2])["height"]
+        return numpy.array([eye[0], eye[1], numpy.fmax(eye[2], ground + LEAST_ABOVE)]), target
+
+    def _overview(self, fovy: float, aspect: float) -> Tuple[numpy.ndarray, numpy.ndarray]:
+        """A place from which the whole terrain is seen, and its middle."""
+        info = self.info
+        low, high = (info.low, info.high) if math.isfinite(info.low) else (0.0, 0.0)
+        middle = numpy.array([info.extent[0] / 2, info.extent[1] / 2, (low + high) / 2])
+        radius = math.hypot(info.extent[0], info.extent[1], high - low) / 2
+        narrow = math.atan(math.tan(min(fovy, 3.0) / 2) * min(1.0, aspect))
+        far = radius / math.sin(narrow)
+        return middle + (0.0, -far * math.cos(OVERVIEW), far * math.sin(OVERVIEW)), middle
+
+
+def _toward(eye: numpy.ndarray, target: numpy.ndarray) -> Tuple[float, float, float, float]:
+    """The quaternion w, x, y, z of a camera that looks from one place to another, with z up; straight down, north is up."""
+    east, north, up = target - eye
+    level = math.hypot(east, north)
+    yaw = math.atan2(north, east) / 2 if level > 1e-9 * abs(up) else math.pi / 4
+    pitch = -math.atan2(up, level) / 2
+    return (math.cos(yaw) * math.cos(pitch), -math.sin(yaw) * math.sin(pitch), math.cos(yaw) * math.sin(pitch), math.sin(yaw) * math.cos(pitch))
 
 
 def _posts_between(start: float, length: float, spacing: float) -> Tuple[int, int]:

@@ -134,6 +134,52 @@ class PythonPackageTest(unittest.TestCase):
                 assert np.allclose(hits["position"][:, 2], points["height"])
             """)
 
+    def test_pictures_need_no_view_and_no_camera(self):
+        self.run_script("""
+            from furrow import _world
+            near = lambda a, b: np.allclose(a, b, atol=1e-9)
+            with furrow.World(SCENE, store=store, overlay=work + "/looks.furrow") as world:
+                # Nothing to look at: the whole terrain is in the picture, and sky at its sides.
+                rgb, depth = world.render(size=(64, 48))
+                middle = np.array([*world.info.extent, world.info.low + world.info.high]) / 2
+                eye, target = world._overview(1.0, 64 / 48)
+                assert near(target, middle) and abs(depth[24, 32] - np.linalg.norm(eye - middle)) < 0.1 * np.linalg.norm(eye - middle)
+                assert np.isinf(depth[:, [0, -1]]).all() and np.isinf(depth[[0, -1]]).all() and np.isfinite(depth).mean() > 0.1
+                ball = world.add(shape={"sphere": {"radius": 0.5}})
+                raises(ValueError, world.render, look_at=ball)
+                z = float(world.points([(20, 20)])["height"][0]) + 0.5
+                ball.place((20, 20, z))
+                # A body is seen from the south, as are places; it is in the picture.
+                first = world.render(size=(64, 48))[1]
+                assert abs(first[24, 32] - (6 ** 2 + 3 ** 2) ** 0.5 + 0.5) < 0.05, first[24, 32]
+                assert (world.render(look_at=ball, size=(64, 48))[1] == first).all()
+                assert (world.render(look_at=(20, 20, z), size=(64, 48))[1] == first).all()
+                assert abs(world.render((20, 20, z + 4), look_at=ball, size=(9, 9))[1][4, 4] - 3.5) < 0.05
+                assert near(_world._toward(np.zeros(3), np.array([3, 0, 0])), (1, 0, 0, 0))
+                # Straight down, north is up: own x is down, own z north.
+                w, x, y, z = _world._toward(np.array([0, 0, 5]), np.zeros(3))
+                assert near([1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)], (0, 0, -1))
+                assert near([2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)], (0, 1, 0))
+                raises(ValueError, world.render, (0, 0, 0), (1, 0, 0, 0), look_at=ball)
+                raises(ValueError, world.render, orientation=(1, 0, 0, 0))
+            with furrow.World({**SCENE, "view": {"effects": ["sky"]}}, store=store, overlay=work + "/looks.furrow") as world:
+                assert world.render(size=(64, 48))[0].shape == (48, 64, 3)
+            """)
+
+    def test_off_the_terrain_nothing_is_raised(self):
+        self.run_script("""
+            with furrow.World(SCENE, store=store, overlay=work + "/off.furrow") as world:
+                point = world.points([(-5, 5)])[0]
+                assert point["nodata"] and np.isnan([point["height"], point["offset"], *point["normal"]]).all()
+                hit = world.rays([(-5, 5, 500)], (0, 0, -1))[0]
+                assert not hit["hit"] and np.isnan([hit["distance"], *hit["position"], *hit["normal"]]).all()
+                ball = world.add(shape={"sphere": {"radius": 0.5}})
+                ball.place((-20, -20, 50))
+                ball.set((-20, -20, 0))
+                world.step()
+                assert (ball.contact.force == 0).all() and ball.contact.state == furrow.ContactState.AIR
+            """)
+
     def test_states_and_contacts_of_many(self):
         self.run_script("""
             with furrow.World(SCENE, store=store, overlay=work + "/many.furrow") as world:
