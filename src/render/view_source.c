@@ -77,7 +77,8 @@ static bool raised(const struct view *view, int level)
 static bool stored(void *user, struct tile tile)
 {
 	struct view *view = user;
-	bool found = relief_has_level(world_relief(view->world), tile.level);
+	/* Below the working level there is no relief: its cells would be drawn as planes with sharp edges. */
+	bool found = tile.level >= view->world->level && relief_has_level(world_relief(view->world), tile.level);
 	if (found)
 		return true;
 	enum status status = resident_ground_has_base(view->world->ground, tile, &found);

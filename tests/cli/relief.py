@@ -5,6 +5,7 @@ import pathlib
 import re
 import signal
 import sqlite3
+import struct
 import subprocess
 import sys
 import time
@@ -243,6 +244,18 @@ class Relief(FurrowTest):
             self.ok("drive", scene, "--store", "flat.furrow", "--overlay", name + ".furrow", "-o", name)
             pixels[name] = (self.folder / name / "frame-000100.png").read_bytes()
         self.assertGreater(len(pixels["with"]), 1.5 * len(pixels["without"]))
+
+    def test_pictures_show_no_cells_of_the_finest_posts(self):
+        """From 1.5 m above, a cell of 12.5 cm is 30 pixels wide. So from pixel to pixel the normal turns little, also where cells meet."""
+        self.store()
+        camera = ("cameras: [{name: a, kind: fixed, rate: 1, fov: 45, size: [300, 300], pose: {at: [90, 20, 1001.5], pitch: -90}, images: [normals]}]\n")
+        self.ok("drive", self.scene(end=0.1, more=camera), "--store", "flat.furrow", "--overlay", "o.furrow", "-o", "out")
+        header, numbers = (self.folder / "out/cameras/a/normals/000000.npy").read_bytes().split(b"\n", 1)
+        self.assertIn(b"(300, 300, 3)", header)
+        east = struct.unpack("<270000f", numbers)[::3]
+        turns = [abs(east[i + 1] - east[i]) for i in range(len(east) - 1) if i % 300 < 299]
+        self.assertGreater(max(east) - min(east), 0.5)
+        self.assertLess(max(turns), 0.15)
 
 
 if __name__ == "__main__":
