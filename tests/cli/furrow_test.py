@@ -50,6 +50,11 @@ def long(test):
     return unittest.skipUnless(FULL, "for sh tools/test.sh long")(test)
 
 
+def part(cases, *kept):
+    """Returns the cases at the places `kept`; in `sh tools/test.sh long` all of them."""
+    return list(cases) if FULL else [cases[i] for i in kept]
+
+
 class FurrowTest(unittest.TestCase):
     def setUp(self):
         self.folder = pathlib.Path(tempfile.mkdtemp(prefix="furrow-cli-"))

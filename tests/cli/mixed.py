@@ -13,7 +13,7 @@ import unittest
 import zipfile
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
-from furrow_test import FURROW, long, main, write_png16
+from furrow_test import FURROW, long, main, part, write_png16
 from raster_test import RasterTest
 import rasters
 
@@ -92,8 +92,8 @@ class Mixed(MixedTest):
         noise = random.Random(8)
         cells = [noise.uniform(0, 100) for _ in range(120 * 100)]
         rasters.make(self.folder / "noise.tif", 120, 100, cells, "f", west=15.0, north=45.2, step=0.0004, srs="EPSG:4326")
-        for method in ("bilinear", "cubic", "near"):
-            for spacing in (9, 40, 170):  # of posts 31 x 44 m apart: finer, about the same, a mean
+        for method, kept in (("bilinear", (0, 2)), ("cubic", (1,)), ("near", (2,))):
+            for spacing in part((9, 40, 170), *kept):  # of posts 31 x 44 m apart: finer, about the same, a mean
                 with self.subTest(method=method, spacing=spacing):
                     self.ok("import", "noise.tif", "-o", "s.furrow", "--overwrite", "--max-error", 0.001, "--spacing", spacing, "-r", method)
                     width, _, found = self.exported("s.furrow", "--layer", "base")

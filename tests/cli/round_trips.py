@@ -8,7 +8,7 @@ import sys
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
-from furrow_test import SHARED, long, main
+from furrow_test import SHARED, long, main, part
 from raster_test import RasterTest
 import rasters
 
@@ -250,7 +250,7 @@ class RoundTrips(RasterTest):
 
     def test_synthetic_rasters_come_back(self):
         noise = random.Random(2)
-        for code, nodata, srs in (("h", -1, "EPSG:32633"), ("f", -9999, "EPSG:32719"), ("f", None, "EPSG:3035"), ("d", 0, None)):
+        for code, nodata, srs in part((("h", -1, "EPSG:32633"), ("f", -9999, "EPSG:32719"), ("f", None, "EPSG:3035"), ("d", 0, None)), 0, 3):
             with self.subTest(code=code, srs=srs):
                 east = {"EPSG:3035": 4321000.0, None: -30.0}.get(srs, 500000.0)
                 north = {"EPSG:3035": 3210000.0, None: 77.0, "EPSG:32719": 6000000.0}.get(srs, 5000000.0)

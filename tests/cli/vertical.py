@@ -6,7 +6,7 @@ import sys
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
-from furrow_test import long, main, write_png16
+from furrow_test import long, main, part, write_png16
 from raster_test import RasterTest
 import rasters
 
@@ -52,13 +52,13 @@ class Vertical(RasterTest):
 
     @unittest.skipUnless(has_grid(), "needs PROJ's grid egm96_15")
     def test_heights_differ_as_gdaltransform_says(self):
-        for place, (west, north, step, srs) in {"Nepal": (86.6, 28.2, 0.01, "EPSG:4326"), "Iceland": (500000, 7200000, 900, "EPSG:32627"),
-                                                "Andes": (-70.3, -33.1, 0.0008, "EPSG:4326"), "Java": (600000, 9200000, 25, "EPSG:32749")}.items():
+        for turn, (place, west, north, step, srs) in enumerate((("Nepal", 86.6, 28.2, 0.01, "EPSG:4326"), ("Iceland", 500000, 7200000, 900, "EPSG:32627"),
+                                                               ("Andes", -70.3, -33.1, 0.0008, "EPSG:4326"), ("Java", 600000, 9200000, 25, "EPSG:32749"))):
             points = self.ground("in.tif", west, north, step, srs)
             metric = ("--t-srs", srs) if srs != "EPSG:4326" else ()
             spacing = ("--spacing", step * (1 if metric else 80000))
             deep = "EPSG:4979" if srs == "EPSG:4326" else None
-            for before, after in (("egm96", "ellipsoid"), ("ellipsoid", "egm96"), ("EPSG:5773", "ellipsoid")):
+            for before, after in part((("egm96", "ellipsoid"), ("ellipsoid", "egm96"), ("EPSG:5773", "ellipsoid")), turn % 3):
                 with self.subTest(place=place, before=before, after=after):
                     self.ok("import", "in.tif", "-o", "plain.furrow", "--overwrite", *metric, *spacing, "--max-error", 0.001)
                     told = self.json("import", "in.tif", "-o", "s.furrow", "--overwrite", *metric, *spacing, "--max-error", 0.001, "--s-vertical",
@@ -129,9 +129,9 @@ class Vertical(RasterTest):
         self.assertLess(told["overlap"]["greatest"], 0.7)  # between posts
 
     def test_an_exported_raster_says_above_what_its_heights_are(self):
-        for srs, west, step in (("EPSG:32645", 500000, 90), ("EPSG:4326", 86.6, 0.001)):
+        for turn, (srs, west, step) in enumerate((("EPSG:32645", 500000, 90), ("EPSG:4326", 86.6, 0.001))):
             self.ground("a.tif", west, 3100000 if step > 1 else 28.2, step, srs)
-            for reference, said in (("egm96", "EGM96 height"), ("EPSG:3855", "EGM2008 height"), ("ellipsoid", None), ("EPSG:6360", None)):
+            for reference, said in part((("egm96", "EGM96 height"), ("EPSG:3855", "EGM2008 height"), ("ellipsoid", None), ("EPSG:6360", None)), turn, 2 + turn):
                 with self.subTest(srs=srs, reference=reference):
                     self.ok("import", "a.tif", "-o", "a.furrow", "--overwrite", "--spacing", 90, "--s-vertical", reference)
                     told = self.furrow("export", "a.furrow", "-o", "b.tif")

@@ -182,6 +182,7 @@ class TheSame(Ranks):
         balance = json.loads((self.folder / "many2" / "run.json").read_text())["ranks"]["balance"]
         self.assertLess(balance, 1.5, "one rank had both")
 
+    @long
     def test_a_convoy_in_one_rut_leaves_a_rank_with_nothing(self):
         self.compare(CONVOY, moves=False)
 
@@ -327,6 +328,7 @@ class Refused(Ranks):
         self.assertEqual(list(self.folder.glob("many.furrow*")), [])
         self.assertFalse((self.folder / "many" / "run.json").exists())
 
+    @long
     def test_a_rank_whose_disk_is_full(self):
         self.scene(CROSSING)
         drive = self.command(1, "scene.yaml", "many")
