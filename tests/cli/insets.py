@@ -8,7 +8,7 @@ import time
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
-from furrow_test import FURROW, SHARED, long, main
+from furrow_test import FURROW, SHARED, long, main, part
 from raster_test import RasterTest
 import rasters
 
@@ -77,7 +77,7 @@ class Insets(RasterTest):
         for level in (-2, 0):
             self.assertEqual(self.base_of(store, level, 0, 0, 760, 2500), self.base_of("plain.furrow", level, 0, 0, 760, 2500))
         # at every bound: the step of a country in whole metres is a multiple of the store's
-        for bound in (0.01, 0.1, 0.3):
+        for bound in part((0.01, 0.1, 0.3), 1):
             store = self.imported("--inset", "site.tif", "--feather", 40, "--max-error", bound, name="coarser.furrow")
             self.assertEqual(self.base_of(store, 0, 0, 0, 760, 2500), self.base_of("plain.furrow", 0, 0, 0, 760, 2500))
             self.assertCore(store, -5, (850, 650, 960, 950), self.site, bound + 1e-4, 100)
