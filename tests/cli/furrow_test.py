@@ -52,7 +52,8 @@ def long(test):
 
 def part(cases, *kept):
     """Returns the cases at the places `kept`; in `sh tools/test.sh long` all of them."""
-    return list(cases) if FULL else [cases[i] for i in kept]
+    cases = list(cases)
+    return cases if FULL else [cases[i] for i in kept]
 
 
 class FurrowTest(unittest.TestCase):
