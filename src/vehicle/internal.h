@@ -152,7 +152,7 @@ enum status vehicle_check_step(struct vehicle *vehicle, const struct scene *scen
 /* --- shares.c --- */
 
 /* Finds each soil geom's share of the weight. All are NaN where the first pose does not stand. */
-void vehicle_find_shares(struct vehicle *vehicle, const struct scene *scene);
+enum status vehicle_find_shares(struct vehicle *vehicle, const struct scene *scene) FURROW_CHECKED;
 
 /* --- driver.c --- */
 

@@ -151,11 +151,15 @@ static bool bears(const struct statics *statics, double weight)
 	return fabs(sum - weight) < MISSED_MOST * weight;
 }
 
-void vehicle_find_shares(struct vehicle *vehicle, const struct scene *scene)
+enum status vehicle_find_shares(struct vehicle *vehicle, const struct scene *scene)
 {
 	const double weight = mj_getTotalmass(vehicle->model) * scene->gravity;
 	struct statics statics;
-	bool found = begin(&statics, vehicle) && !(vehicle->model->neq > 0 && mj_isSparse(vehicle->model)) && weight > 0, same = false;
+	if (!begin(&statics, vehicle)) {
+		finish(&statics);
+		return fail_memory("a vehicle");
+	}
+	bool found = !(vehicle->model->neq > 0 && mj_isSparse(vehicle->model)) && weight > 0, same = false;
 	if (found) {
 		mj_forward(vehicle->model, statics.data);
 		find_fixed(&statics, find_springs(&statics, &scene->soils[0], weight / (double)vehicle->geom_count));
@@ -168,4 +172,5 @@ void vehicle_find_shares(struct vehicle *vehicle, const struct scene *scene)
 	for (size_t i = 0; i < statics.count && found; i++)
 		vehicle->geoms[i / PLACES].share += statics.springs[i].load / weight;
 	finish(&statics);
+	return STATUS_OK;
 }
