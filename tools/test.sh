@@ -2,7 +2,7 @@
 # Packages, builds, tests:
 #
 #   sh tools/test.sh            what finds most for its time: 30 to 40 minutes on two cores
-#   sh tools/test.sh quick      the tests of suite `quick`; a minute or two
+#   sh tools/test.sh quick      the tests of suite `quick` that are not of suite `plain`; two minutes or so
 #   sh tools/test.sh long       every test, at full length: an hour or more
 #   sh tools/test.sh ARGUMENT   what `meson test` takes: names, --suite X; in the sanitizer build alone
 #
@@ -63,7 +63,7 @@ has_tsan() {
 setup "$build" -Doptimization=1 -Db_sanitize=address,undefined
 if [ "${1:-}" = quick ]; then
 	shift
-	run "$build" --suite quick "$@"
+	run "$build" --suite quick --no-suite plain "$@"
 elif [ $# -gt 0 ]; then
 	run "$build" "$@"
 else
