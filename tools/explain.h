@@ -35,6 +35,7 @@ void explain_planes_text(const struct scene *scene, const struct report_plan *pl
 void explain_programs_text(const struct scene *scene, const struct plan *plan);
 void explain_threads_text(const struct scene *scene, const struct plan *plan);
 void explain_tables_text(const struct scene *scene, const struct plan *plan);
+bool explain_is_memory(const struct plan_line *line); /* a texture or a buffer */
 void explain_bytes_text(const struct scene *scene, const struct plan *plan); /* of textures and buffers */
 void explain_not_run_text(const struct report_plan *plan);
 

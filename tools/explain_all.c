@@ -5,11 +5,6 @@
 #include "explain.h"
 #include "explain_layout.h"
 
-static bool is_of(const struct plan_line *line, enum plan_kind kind)
-{
-	return line->kind == kind;
-}
-
 void explain_effects_text(const struct scene *scene, const struct report_plan *plan)
 {
 	puts("\neffects");
@@ -30,14 +25,14 @@ void explain_planes_text(const struct scene *scene, const struct report_plan *pl
 {
 	uint64_t bytes = 0;
 	for (size_t i = 0; i < plan->plan.count; i++)
-		if (is_of(&plan->plan.lines[i], PLAN_PLANE))
+		if (plan->plan.lines[i].kind == PLAN_PLANE)
 			bytes += plan->plan.lines[i].bytes;
 	printf("\nplanes: %s bytes a post\n", layout_number(bytes).text);
 	for (int called = 0; called < 2; called++) /* what every drive has comes first */
 		for (size_t i = 0; i < plan->plan.count; i++) {
 			const struct plan_line *line = &plan->plan.lines[i];
 			char what[160], why[160];
-			if (!is_of(line, PLAN_PLANE) || (line->effect != NULL) != called)
+			if (line->kind != PLAN_PLANE || (line->effect != NULL) != called)
 				continue;
 			snprintf(what, sizeof what, "  %-12s %llu", line->name, (unsigned long long)line->bytes);
 			explain_reason(scene, line->effect, why, sizeof why);
@@ -55,7 +50,7 @@ static size_t files_length(const char *name)
 static bool same_files(const struct plan_line *a, const struct plan_line *b)
 {
 	size_t length = files_length(a->name);
-	return is_of(b, PLAN_PROGRAM) && files_length(b->name) == length && strncmp(a->name, b->name, length) == 0;
+	return b->kind == PLAN_PROGRAM && files_length(b->name) == length && strncmp(a->name, b->name, length) == 0;
 }
 
 /* Programs of the same files together, where the first of them is; each variant on a line of its own if there are more. */
@@ -89,7 +84,7 @@ void explain_programs_text(const struct scene *scene, const struct plan *plan)
 {
 	printf("\nprograms: %zu\n", explain_count(plan, PLAN_PROGRAM));
 	for (size_t i = 0; i < plan->count; i++)
-		if (is_of(&plan->lines[i], PLAN_PROGRAM))
+		if (plan->lines[i].kind == PLAN_PROGRAM)
 			print_variants(scene, plan, i);
 }
 
@@ -99,12 +94,12 @@ void explain_threads_text(const struct scene *scene, const struct plan *plan)
 {
 	int64_t threads = 0;
 	for (size_t i = 0; i < plan->count; i++)
-		threads += is_of(&plan->lines[i], PLAN_THREAD) ? plan->lines[i].amount : 0;
+		threads += plan->lines[i].kind == PLAN_THREAD ? plan->lines[i].amount : 0;
 	printf("\nthreads: %lld besides the one that steps\n", (long long)threads);
 	for (size_t i = 0; i < plan->count; i++) {
 		const struct plan_line *line = &plan->lines[i];
 		char what[160], why[160];
-		if (!is_of(line, PLAN_THREAD))
+		if (line->kind != PLAN_THREAD)
 			continue;
 		snprintf(what, sizeof what, "  %-12s %lld", line->name, (long long)line->amount);
 		explain_reason(scene, line->effect, why, sizeof why);
@@ -119,7 +114,7 @@ static void print_table(const struct scene *scene, const struct plan *plan, size
 	for (size_t i = 0; i < plan->count; i++) {
 		const struct plan_line *line = &plan->lines[i];
 		char what[160], why[160];
-		if (!is_of(line, PLAN_STATEMENT) || strcmp(line->name, name) != 0)
+		if (line->kind != PLAN_STATEMENT || strcmp(line->name, name) != 0)
 			continue;
 		if (i < first)
 			return;
@@ -133,15 +128,15 @@ void explain_tables_text(const struct scene *scene, const struct plan *plan)
 {
 	puts("\ntables");
 	for (size_t i = 0; i < plan->count; i++)
-		if (is_of(&plan->lines[i], PLAN_STATEMENT))
+		if (plan->lines[i].kind == PLAN_STATEMENT)
 			print_table(scene, plan, i);
 }
 
 /* --- what it takes --- */
 
-static bool is_memory(const struct plan_line *line)
+bool explain_is_memory(const struct plan_line *line)
 {
-	return is_of(line, PLAN_TEXTURE) || is_of(line, PLAN_BUFFER);
+	return line->kind == PLAN_TEXTURE || line->kind == PLAN_BUFFER;
 }
 
 /* What of a unit is there for one reason, where its first line is. */
@@ -153,7 +148,7 @@ static void print_bytes(const struct scene *scene, const struct plan *plan, size
 	explain_reason(scene, head->effect, why, sizeof why);
 	for (size_t i = 0; i < plan->count; i++) {
 		const struct plan_line *line = &plan->lines[i];
-		if (!is_memory(line) || line->unit != head->unit)
+		if (!explain_is_memory(line) || line->unit != head->unit)
 			continue;
 		if (!explain_same_effect(line, head)) {
 			explain_reason(scene, line->effect, other, sizeof other);
@@ -173,7 +168,7 @@ void explain_bytes_text(const struct scene *scene, const struct plan *plan)
 {
 	for (int unit = 0; unit < PLAN_UNITS; unit++)
 		for (size_t i = 0; i < plan->count; i++)
-			if (is_memory(&plan->lines[i]) && (int)plan->lines[i].unit == unit)
+			if (explain_is_memory(&plan->lines[i]) && (int)plan->lines[i].unit == unit)
 				print_bytes(scene, plan, i);
 }
 

@@ -6,11 +6,6 @@
 #include "explain.h"
 #include "explain_layout.h"
 
-static bool is_of(const struct plan_line *line, enum plan_kind kind)
-{
-	return line->kind == kind;
-}
-
 bool explain_same_effect(const struct plan_line *a, const struct plan_line *b)
 {
 	return a->effect == b->effect || (a->effect != NULL && b->effect != NULL && strcmp(a->effect, b->effect) == 0);
@@ -20,11 +15,11 @@ size_t explain_count(const struct plan *plan, enum plan_kind kind)
 {
 	size_t count = 0;
 	for (size_t i = 0; i < plan->count; i++)
-		count += is_of(&plan->lines[i], kind);
+		count += plan->lines[i].kind == kind;
 	return count;
 }
 
-/* After an amount: "a window". */
+/* Returns the words that stand after an amount: "a window" in "8 a window". */
 const char *explain_each_of(enum plan_unit unit)
 {
 	static const char *const words[PLAN_UNITS] = {
@@ -96,7 +91,7 @@ static void list_passes(const struct passes *passes)
 	for (size_t i = 0; i <= passes->all->body_count; i++)
 		passes->first[i] = plan->count;
 	for (size_t i = plan->count; i-- > 0;) {
-		if (!is_of(&plan->lines[i], PLAN_PASS))
+		if (plan->lines[i].kind != PLAN_PASS)
 			continue;
 		size_t *first = &passes->first[plan->lines[i].object + 1];
 		passes->next[i] = *first;

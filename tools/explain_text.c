@@ -47,7 +47,7 @@ static uint64_t bytes_once(const struct plan *plan)
 {
 	uint64_t bytes = 0;
 	for (size_t i = 0; i < plan->count; i++)
-		if (plan->lines[i].unit == PLAN_ONCE && (plan->lines[i].kind == PLAN_TEXTURE || plan->lines[i].kind == PLAN_BUFFER))
+		if (plan->lines[i].unit == PLAN_ONCE && explain_is_memory(&plan->lines[i]))
 			bytes += plan->lines[i].bytes;
 	return bytes;
 }

@@ -28,12 +28,9 @@ enum status place_local(const struct store_meta *meta, const char *srs, const ch
 static bool any_inside(const struct store_meta *meta, size_t count, const double *x, const double *y)
 {
 	const struct extent *extent = &meta->extent;
-	const double width = extent_side(extent, 0), height = extent_side(extent, 1);
-	for (size_t i = 0; i < count; i++) {
-		const double east = x[i] - meta->origin[0], north = y[i] - meta->origin[1];
-		if (east >= 0 && north >= 0 && east <= width && north <= height)
+	for (size_t i = 0; i < count; i++)
+		if (extent_holds(extent, x[i] - meta->origin[0], y[i] - meta->origin[1]))
 			return true;
-	}
 	return false;
 }
 

@@ -36,11 +36,12 @@ enum status world_file_write(const char *picture, const struct store_meta *meta,
 		put_lines(lines.file, meta, place);
 		status = aside_whole(&lines, false);
 	}
-	if (status == STATUS_OK && meta->srs[0] != '\0')
-		status = aside_begin(&system, system_name);
 	if (status == STATUS_OK && meta->srs[0] != '\0') {
-		put_system(system.file, meta);
-		status = aside_end(&system, false, STATUS_OK);
+		status = aside_begin(&system, system_name);
+		if (status == STATUS_OK) {
+			put_system(system.file, meta);
+			status = aside_end(&system, false, STATUS_OK);
+		}
 	}
 	if (status == STATUS_OK)
 		status = aside_publish(&lines);

@@ -6,7 +6,7 @@
 #include "store/store.h"
 
 /* Writes NAME.pgw for the picture NAME.png: six lines, from pixels to metres of the store's system. If the store has a system, also
- * NAME.png.aux.xml, which names it. Writes none of both on failure. */
+ * NAME.png.aux.xml, which names it. If one of them cannot be written, neither is. */
 enum status world_file_write(const char *picture, const struct store_meta *meta, const struct chart_place *place) FURROW_CHECKED;
 
 #endif

@@ -8,7 +8,7 @@
 layout(binding = 6) uniform sampler2DArray shade_map;
 
 #define SHADE_MAPS 4
-// Where the next map begins to take over, and where it has done so. 1 is the side of the map, 0 its middle.
+// How far from the map's middle the next map begins to take over, and from where on it counts alone. 1 is the side of the map.
 #define SHADE_BLEND 0.70
 #define SHADE_END 0.98
 // The triangle's own depth gives half of what is needed, the move the other half and some more. With the depth alone light would get to the

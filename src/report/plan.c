@@ -297,6 +297,8 @@ enum status report_plan(const struct scene *scene, const char *store, bool keep_
 		return fail_memory("the plan");
 	scene_unwatched(scene, &driven);
 	enum status status = vehicle_load(scene, &out->vehicles);
+	if (status == STATUS_OK)
+		status = vehicle_find_shares(out->vehicles);
 	if (status != STATUS_OK) {
 		report_plan_finish(out);
 		return status;

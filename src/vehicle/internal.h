@@ -149,11 +149,6 @@ void vehicle_free_figures(struct vehicles *vehicles);
 /* Finds the longest step that is stable. STATUS_INPUT: the scene's time_step is longer. */
 enum status vehicle_check_step(struct vehicle *vehicle, const struct scene *scene, const char *where) FURROW_CHECKED;
 
-/* --- shares.c --- */
-
-/* Finds each soil geom's share of the weight. All are NaN where the first pose does not stand. */
-enum status vehicle_find_shares(struct vehicle *vehicle, const struct scene *scene) FURROW_CHECKED;
-
 /* --- driver.c --- */
 
 /* Finds the driver's actuators, and reads its table. `where`: for messages. */

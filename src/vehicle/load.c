@@ -140,9 +140,7 @@ enum status vehicle_read(struct vehicle *vehicle, const struct scene *scene)
 	vehicle->pushed = mem_calloc((size_t)vehicle->model->nv + 1, sizeof *vehicle->pushed);
 	if (vehicle->room == NULL || vehicle->pushed == NULL)
 		return fail_memory("a vehicle");
-	status = vehicle_find_shares(vehicle, scene);
-	if (status == STATUS_OK)
-		status = vehicle_check_step(vehicle, scene, where);
+	status = vehicle_check_step(vehicle, scene, where);
 	return status == STATUS_OK ? vehicle_make_driver(vehicle, where) : status;
 }
 

@@ -108,3 +108,9 @@ enum status vehicle_outline(const struct scene *scene, size_t vehicle, struct ve
 	(void)scene, (void)vehicle, (void)out;
 	return none();
 }
+
+enum status vehicle_find_shares(struct vehicles *vehicles)
+{
+	(void)vehicles;
+	return STATUS_OK;
+}

@@ -15,10 +15,10 @@
 #include "vehicle/internal.h"
 #include "vehicle/linear.h"
 
-#define PLACES 4           /* of a geom: two of each of its lower edges */
-#define ASIDE 1e-3         /* slope of the directions in which they are lowest */
+#define PLACES 4           /* of each geom: its lowest places in four directions that lean a little from straight down, so the corners of a flat lower side */
+#define ASIDE 1e-3         /* how far these directions lean: their slope against straight down */
 #define RIGID 1e4          /* stiffness of an equality constraint over that of the soil below all geoms */
-#define SINKAGE_LEAST 1e-4 /* m */
+#define SINKAGE_LEAST 1e-4 /* m. Hard ground has less; the springs would be too stiff for the solution */
 #define FREE 1e-3          /* 1/s2, times the inertia: holds what nothing else does, such as a wheel that rolls */
 #define MOVES_MOST 0.5     /* m, rad: beyond this the pose is another one */
 #define MISSED_MOST 0.01   /* of the weight */
@@ -151,7 +151,7 @@ static bool bears(const struct statics *statics, double weight)
 	return fabs(sum - weight) < MISSED_MOST * weight;
 }
 
-enum status vehicle_find_shares(struct vehicle *vehicle, const struct scene *scene)
+static enum status find(struct vehicle *vehicle, const struct scene *scene)
 {
 	const double weight = mj_getTotalmass(vehicle->model) * scene->gravity;
 	struct statics statics;
@@ -173,4 +173,12 @@ enum status vehicle_find_shares(struct vehicle *vehicle, const struct scene *sce
 		vehicle->geoms[i / PLACES].share += statics.springs[i].load / weight;
 	finish(&statics);
 	return STATUS_OK;
+}
+
+enum status vehicle_find_shares(struct vehicles *vehicles)
+{
+	enum status status = STATUS_OK;
+	for (size_t i = 0; vehicles != NULL && i < vehicles->count && status == STATUS_OK; i++)
+		status = find(&vehicles->list[i], vehicles->scene);
+	return status;
 }

@@ -97,12 +97,14 @@ size_t vehicle_trail(const struct vehicles *vehicles, size_t vehicle, double (*p
 struct vehicle_geom {
 	const char *name;          /* VEHICLE.GEOM, the name of its body in the world */
 	const struct deform_shape *shape;
-	double share;              /* of the weight that it bears on level ground, in the first pose; NaN: not known */
+	double share;              /* of the weight that it bears on level ground, in the first pose: see vehicle_find_shares */
 	double contacts;           /* that change the ground, for each metre on level ground: a wheel rolls without slip, others slide */
 };
 /* `spacing`: m between posts. */
 void vehicle_geom(const struct vehicles *vehicles, size_t vehicle, size_t geom, double spacing, struct vehicle_geom *out);
 
+/* Finds the share of each soil geom; before this call all are 0. All shares of a model that does not stand are NaN. NULL: there are no vehicles. */
+enum status vehicle_find_shares(struct vehicles *vehicles) FURROW_CHECKED;
 /* Returns over how many metres the soil bears a soil geom, if each bears the same share of the weight. 0: it is neither a wheel nor a sphere. */
 double vehicle_bears_over(const struct vehicles *vehicles, size_t vehicle, size_t number, const struct scene *scene);
 /* Calls `tell` for a damping of the soil that the scene does not give. It also calls it for wheels and round feet with so few posts below them
