@@ -186,6 +186,23 @@ def keep(kept, rows):
                 kept.add(f"{name}.{spacing * 100:g}cm", error * 100, "%")
             if order(errors) is not None:
                 kept.add(f"{name}.order", order(errors), "")
+    keep_worst(kept, rows)
+
+
+def keep_worst(kept, rows):
+    """Figures of all soils together: the worst by spacing with the rim, of the vertical and the side force, and of ten passes."""
+    steady = [row for row in rows if row["case"] == "steady"]
+    for (spacing,), own in grouped([row for row in steady if row["rim_of"] == "default"], "spacing").items():
+        for key in PARTS:
+            kept.add(f"worst.{spacing * 100:g}cm.{key}", abs(worst(own, key, lambda row: row["closed"][key])) * 100, "%")
+    loaded = [row for row in rows if row["case"] in ("steady", "slopes", "speeds") or row["case"] == "loads" and row["carried"]]
+    if loaded:
+        kept.add("fz_off", max(abs(row["fz"] / row["load"] - 1) for row in loaded) * 100, "%")
+    if steady:
+        kept.add("side_off", max(abs(row["side"]) / row["load"] for row in steady) * 100, "%")
+    passes = grouped([row for row in rows if row["case"] == "passes"], "direction", "pass")
+    if passes:
+        kept.add("passes.apart", max(max(row["sinkage"] for row in own) / min(row["sinkage"] for row in own) - 1 for own in passes.values()) * 100, "%")
 
 
 def main():

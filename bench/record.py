@@ -23,7 +23,8 @@ from pages import Told, aside
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 FIGURES = ROOT / "bench" / "figures"
 # What a file of a bench has, and what each of them is.
-FIELDS = {"bench": str, "command": str, "commit": str, "dirty": bool, "date": str, "machine": dict, "build": dict, "load": list, "figures": dict}
+FIELDS = {"bench": str, "command": str, "commit": str, "dirty": bool, "date": str, "machine": dict, "build": (dict, type(None)),
+          "load": list, "figures": dict}
 OTHERWISE = {"bench": str, "source": str, "figures": dict}
 MACHINE = {"cpu": str, "cores": int, "memory": int, "renderer": (str, type(None))}
 BUILD = {"type": str, "asserts": bool, "sanitizers": str}
@@ -77,7 +78,7 @@ class Record:
     """Made before the first measurement, since it looks at the machine's load."""
 
     def __init__(self, bench, program, command=None):
-        """program: what is measured, in its build folder. command: words of a command line, if not this script's own."""
+        """program: what is measured, in its build folder; None if the script alone makes its figures. command: words of a command line, if not this script's own."""
         self.bench, self.command = bench, command or ["python3", *sys.argv]
         self.program, self.load, self.renderer, self.figures, self.parts = program, os.getloadavg()[0], None, {}, {}
 
@@ -107,7 +108,7 @@ class Record:
         commit = said("git", "rev-parse", "HEAD")
         if commit is None:
             raise Told(f"{path}: {ROOT} is no checkout of git, so no commit is known; measure in one")
-        build, stale = build_of(self.program)
+        build, stale = (None, False) if self.program is None else build_of(self.program)
         path.parent.mkdir(parents=True, exist_ok=True)
         with aside(path) as file:
             parts = {"parts": self.parts} if self.parts else {}
@@ -138,7 +139,7 @@ def faults(record):
     if not record["figures"] and not record.get("parts"):
         return ["figures: none, and no part of a page"]
     if fields is FIELDS:
-        wrong = lacks(record["machine"], MACHINE, "machine.") + lacks(record["build"], BUILD, "build.")
+        wrong = lacks(record["machine"], MACHINE, "machine.") + (lacks(record["build"], BUILD, "build.") if record["build"] is not None else [])
         if len(record["commit"]) != 40 or len(record["load"]) != 2:
             wrong.append("commit, load")
     elif len(record["source"].split()) < 5:

@@ -8,10 +8,12 @@ this file to see how far they are apart:
 
     python3 bench/soil_forms.py
 """
+import argparse
 import bisect
 import dataclasses
 import math
 import operator
+import sys
 
 NAMED = {  # k_c, k_phi, n, cohesion, friction angle in degrees, K: docs/SOILS.md
     "dry_sand": (990, 1528430, 1.1, 1040, 28, 0.02),
@@ -29,6 +31,7 @@ NAMED = {  # k_c, k_phi, n, cohesion, friction angle in degrees, K: docs/SOILS.m
     "chrono_soft": (0, 200000, 1.1, 0, 30, 0.01),
 }
 STIFFNESS = 4e7  # Pa/m, K_e of every named soil
+PLATE = 0.1      # m: the width of a plate for which stiff soils are told
 
 
 @dataclasses.dataclass(frozen=True)
@@ -428,28 +431,57 @@ def under_load(soil, wheel, load, slip, law=Law(), forces=by_angle):
     return forces(soil, wheel, high, slip, law)
 
 
+def key_of(name, wheel, load, depth, slip, law):
+    """A figure's key: the soil, the law, and what else tells a case from others."""
+    words = [name, f"{law.stress}_{law.j}", f"slip_{slip:g}", f"load_{load:g}" if load else f"sink_{depth:g}"]
+    return ".".join(words + [f"kappa_{law.kappa:g}"] * bool(law.kappa) + [f"{what}_{value:g}" for what, value in
+                                                                          (("delta", wheel.friction), ("adhesion", wheel.adhesion)) if value is not None])
+
+
+def stiff_to(soil, width):
+    """The sinkage in m down to which Bekker's curve is steeper than K_e, so that soil yields at K_e z. 0: nowhere."""
+    return ((soil.kc / width + soil.kphi) / soil.stiffness) ** (1 / (1 - soil.n)) if soil.n < 1 else 0.0
+
+
+def cases():
+    """(soil, wheel, load in N or None, sinkage in m or None, slip, law)"""
+    wheel, stiff = Wheel(0.32, 0.24), Wheel(0.5, 0.4)
+    found = [("dry_sand", wheel, 1000, None, 0.2, Law(stress, j)) for stress in ("surface", "ground") for j in ("rim", "ground")]
+    found += [("chrono_soft", stiff, None, z, s, Law("ground", j)) for z in (0.1, 0.05) for s in (0, 0.2, 0.5) for j in ("rim", "ground")]
+    found += [(name, wheel, 1000, None, s, Law()) for name in ("lunar", "lete_sand", "snow_us", "sandy_loam_15") for s in (0.2, -0.2)]
+    found += [(name, wheel, 1000, None, 0.2, Law(kappa=1.35)) for name in ("dry_sand", "lunar", "lete_sand", "snow_us", "sandy_loam_15")]
+    found += [(name, wheel, 1000, None, s, Law(kappa=1.1)) for name in ("dry_sand", "lete_sand") for s in (-0.5, 0.6)]
+    found += [("dry_sand", dataclasses.replace(wheel, **rim), 1000, None, 0.2, Law()) for rim in ({"adhesion": 0}, {"friction": 15})]
+    return found + [("heavy_clay_25", stiff, 1, None, 0, Law())]
+
+
 def main():
-    wheel, worst, furthest = Wheel(0.32, 0.24), 0.0, 0.0
+    import record   # here, since tests use the forms alone
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    record.add_option(parser)
+    options = parser.parse_args()
+    kept, worst, furthest = record.Record("soil_forms", None), 0.0, 0.0
     print("| soil | load N or sinkage mm | slip | stresses | j | sinkage mm | Fz N | Fx N | My N m | two quadratures apart | posts apart |")
     print("|" + " --- |" * 11)
-    cases = [("dry_sand", wheel, 1000, None, 0.2, Law()), ("dry_sand", wheel, 1000, None, 0.2, Law("ground", "rim")),
-             ("dry_sand", wheel, 1000, None, 0.2, Law("ground", "ground")), ("dry_sand", wheel, 1000, None, 0.2, Law("surface", "ground"))]
-    cases += [("chrono_soft", Wheel(0.5, 0.4), None, z, s, Law("ground", j)) for z in (0.1, 0.05) for s in (0, 0.2, 0.5) for j in ("rim", "ground")]
-    cases += [(name, wheel, 1000, None, s, Law()) for name in ("lunar", "lete_sand", "snow_us", "sandy_loam_15") for s in (0.2, -0.2)]
-    cases += [(name, wheel, 1000, None, 0.2, Law(kappa=1.35)) for name in ("dry_sand", "lunar", "lete_sand", "snow_us", "sandy_loam_15")]
-    cases += [(name, wheel, 1000, None, s, Law(kappa=1.1)) for name in ("dry_sand", "lete_sand") for s in (-0.5, 0.6)]
-    for name, wheel, load, depth, slip, law in cases:
+    for name, wheel, load, depth, slip, law in cases():
         soil = named(name)
         got = under_load(soil, wheel, load, slip, law) if load else by_angle(soil, wheel, depth, slip, law)
         apart = got.apart(by_way(soil, wheel, got.sinkage, slip, law))
         stepped = got.apart(by_posts(soil, wheel, got.sinkage, slip, law))
         worst, furthest = max(worst, apart), max(furthest, stepped)
+        key = key_of(name, wheel, load, depth, slip, law)
+        for what, value, unit in (("sinkage", got.sinkage * 1e3, "mm"), ("fz", got.fz, "N"), ("fx", got.fx, "N"), ("my", got.my, "N m")):
+            kept.add(f"{key}.{what}", value, unit)
         print(f"| {name} | {load or depth * 1e3:g} | {slip:g} | {law.stress} | {law.j}{f', kappa {law.kappa:g}' if law.kappa else ''} | {got.sinkage * 1e3:.3f} | {got.fz:.2f} | "
               f"{got.fx:.2f} | {got.my:.2f} | {apart:.1e} | {stepped:.1e} |", flush=True)
+    for name in NAMED:
+        kept.add(f"{name}.stiff_to", stiff_to(named(name), PLATE) * 1e3, "mm")
+    kept.add("quadratures_apart", worst, "")
     print(f"\nThe two quadratures differ by {worst:.1e} of the load at most; {'met' if worst < 1e-6 else 'MISSED'}: 1e-6.")
     print(f"The row of posts differs by {furthest:.1e} at most; {'met' if furthest < 1e-3 else 'MISSED'}: 1e-3.")
+    kept.write(options.figures)
     return worst >= 1e-6 or furthest >= 1e-3
 
 
 if __name__ == "__main__":
-    raise SystemExit(main())
+    sys.exit(main())

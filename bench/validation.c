@@ -178,12 +178,32 @@ static void plates(void)
 		}
 }
 
+/* A wheel with camber by the integral over its rim and lower side wall, at slip 0.2 under 1 kN. Side force: to its right, where it leans to. */
+static void leaning(void)
+{
+	static const struct {
+		const char *soil;
+		double degrees;
+	} rows[] = {{"dry_sand", 0}, {"dry_sand", 1}, {"dry_sand", 3},  {"dry_sand", 9},  {"dry_sand", 23}, {"lunar", 0},
+		    {"lunar", 1},    {"lunar", 9},    {"clayey_38", 0}, {"clayey_38", 1}, {"clayey_38", 9}};
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+		struct deform_soil soil;
+		struct reference_leaning wheel = {.radius = 0.32, .width = 0.24, .camber = rows[i].degrees * RADIANS, .rolls = true, .turned = reference_turned(0.2)};
+		bench_must(deform_soil_named(rows[i].soil, &soil));
+		wheel.sinkage = reference_leaning_sinkage(&soil, &wheel, 1000);
+		const struct reference_wrench got = reference_leaning(&soil, &wheel);
+		printf("{\"what\": \"leaning\", \"soil\": \"%s\", \"degrees\": %g, \"mm\": %.4f, \"drawbar_n\": %.4f, \"side_n\": %.4f}\n", rows[i].soil,
+		       rows[i].degrees, wheel.sinkage * 1e3, got.force[0], -got.force[1]);
+	}
+}
+
 int main(int argc, char **argv)
 {
 	static const double spacings[] = {0.004, 0.002, 0.001};
 	has_gpu = bed_open();
 	plates();
 	towed();
+	leaning();
 	rig(spacings, argc > 1 && strcmp(argv[1], "quick") == 0 ? 2 : 3);
 	bed_close();
 	return 0;

@@ -2,6 +2,8 @@
 """The soil model against its closed forms and against a measured wheel: tables, and two pictures.
 
     python3 bench/validation.py build/bench/bench_validation --plots docs --json validation.jsonl
+
+`--quick --figures FILE` writes what VALIDATION.md says of plates and wheels, in a minute or so.
 """
 import argparse
 import html
@@ -10,6 +12,8 @@ import math
 import pathlib
 import subprocess
 import sys
+
+import record
 
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000", "#7f3c8d", "#11a579", "#a5aa99",
            "#80581f", "#cf1c90")
@@ -206,13 +210,42 @@ def draw(lines, folder):
     plot.write(folder / "validation-plates.svg")
 
 
+def leaning_table(lines):
+    table(["soil", "camber", "sinkage mm", "drawbar N", "side force N"],
+          [[line["soil"], f'{line["degrees"]:g}', *(f"{line[key]:.1f}" for key in ("mm", "drawbar_n", "side_n"))] for line in lines])
+
+
+STIFF = ("heavy_clay_25", "lean_clay_22")   # at 20 mm they yield at K_e z
+
+
+def keep(kept, lines):
+    """Figures: how far plates of 20 mm and towed wheels are from closed forms, and the wheels that lean."""
+    plates = [line for line in lines if line["what"] == "plate" and line["mm"] == 20]
+    for name, key in (("posts", "posts_kpa"), ("gpu", "gpu_kpa")):
+        off = [kpa / line["closed_kpa"] - 1 for line in plates if line["soil"] not in STIFF for kpa in line[key].values()]
+        if off:
+            kept.add(f"plates.{name}_off", max(map(abs, off)) * 100, "%")
+    for line in plates:
+        if line["soil"] in STIFF:
+            kept.add(f"plates.{line['soil']}.less", (1 - min(line["posts_kpa"].values()) / line["closed_kpa"]) * 100, "%")
+    for line in lines:
+        if line["what"] == "towed":
+            finest, _ = line["posts"][min(line["posts"], key=float)]
+            kept.add(f"towed.{line['soil']}.less", (1 - finest / line["elastic_arc_mm"]) * 100, "%")
+        elif line["what"] == "leaning":
+            for name, key, unit in (("sinkage", "mm", "mm"), ("drawbar", "drawbar_n", "N"), ("side", "side_n", "N")):
+                kept.add(f"leaning.{line['soil']}.{line['degrees']:g}.{name}", line[key], unit)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("bench", help="bench_validation; or a file of the lines it printed")
     parser.add_argument("--plots", type=pathlib.Path, help="a folder for the pictures")
     parser.add_argument("--json", type=pathlib.Path, help="a file for the figures, a line each")
     parser.add_argument("--quick", action="store_true", help="without posts of 1 mm")
+    record.add_option(parser)
     options = parser.parse_args()
+    kept = None if options.bench.endswith(".jsonl") else record.Record("validation", options.bench)
     if options.bench.endswith(".jsonl"):
         text = pathlib.Path(options.bench).read_text()
     else:
@@ -222,7 +255,11 @@ def main():
         options.json.write_text(text)
     plate_table([line for line in lines if line["what"] == "plate"])
     towed_table([line for line in lines if line["what"] == "towed"])
+    leaning_table([line for line in lines if line["what"] == "leaning"])
     rig_tables([line for line in lines if line["what"] == "rig"])
+    if kept is not None:
+        keep(kept, lines)
+        kept.write(options.figures)
     if options.plots:
         options.plots.mkdir(parents=True, exist_ok=True)
         draw(lines, options.plots)

@@ -58,6 +58,8 @@ class Files(unittest.TestCase):
         self.assertEqual(record.faults({"bench": "b", "source": "somewhere", "figures": GOOD["figures"]}), ["source: says too little"])
         self.assertEqual(record.faults(GOOD | {"figures": {}}), ["figures: none, and no part of a page"])
         self.assertEqual(record.faults(GOOD | {"figures": {}, "parts": {"a": ["b"]}}), [])
+        self.assertEqual(record.faults(GOOD | {"build": None}), [])  # a script's own figures
+        self.assertEqual(record.faults(GOOD | {"build": "release"}), ["build"])
         self.assertEqual(json.loads(record.text(GOOD)), GOOD)
 
 
