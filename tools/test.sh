@@ -27,10 +27,12 @@ status=0
 logs=
 both=
 without='--no-suite long'
+later='--no-suite later'
 if [ "${1:-}" = long ]; then
 	shift
 	both='--suite both'
 	without=
+	later=
 	export FURROW_LONG=1
 fi
 
@@ -68,11 +70,11 @@ elif [ $# -gt 0 ]; then
 	run "$build" "$@"
 else
 	# shellcheck disable=SC2086
-	run "$build" --no-suite plain --no-suite packages $without
+	run "$build" --no-suite plain --no-suite packages $later $without
 	setup "$laws"
 	ninja -C "$laws" --quiet benches
 	# shellcheck disable=SC2086
-	run "$laws" --suite plain $both $without
+	run "$laws" --suite plain --suite later $both $without
 	if [ -z "${FURROW_LONG:-}" ]; then
 		: # ThreadSanitizer is for the long run
 	elif has_tsan; then

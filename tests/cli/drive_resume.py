@@ -10,7 +10,7 @@ import sys
 import time
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
-from furrow_test import FURROW, SCENE, FurrowTest, long, main, write_png16
+from furrow_test import FURROW, SCENE, FurrowTest, long, main, sampled, write_png16
 
 NO_GL = {"__EGL_VENDOR_LIBRARY_FILENAMES": "/nonexistent.json", "EGL_PLATFORM": "surfaceless"}
 WHOLE = "ended steps simulated spacing working_level volume objects".split()
@@ -192,14 +192,14 @@ cache: {slots: 16}
     def test_a_damaged_record_is_refused_and_named(self):
         scene = self.scene()
         self.drive(scene, "--store", self.store, "--steps", 30)
-        for change in ("state = 'x'", "state = '{}'", "state = replace(state, 'left', 'lost')", "state = replace(state, '\"next\":\"', '\"next\":\"1')",
+        for change in sampled(("state = 'x'", "state = '{}'", "state = replace(state, 'left', 'lost')", "state = replace(state, '\"next\":\"', '\"next\":\"1')",
                        "state = replace(state, '\"in_contact\":true', '\"in_contact\":false')",
                        "state = replace(state, '\"x\":\"', '\"x\":\"9')", "state = replace(state, '\"y\":\"', '\"y\":\"-')",
                        "state = replace(state, '\"z\":\"', '\"z\":\"12')",
                        # Half a metre: a sweep from there is longer than any that the budget knows.
                        "state = json_set(state, '$.objects[0].x', CAST(json_extract(state, '$.objects[0].x') + 524288 AS TEXT))", "state = replace(state, '\"level\":\"-2', '\"level\":\"-1')",
                        "step = 29", "step = 31", "step = -1", "time = 1.49", "time = 1.51", "time = -1", "time = 1e300",
-                       "step = 0, time = 0"):
+                       "step = 0, time = 0")):
             with self.subTest(change=change):
                 damaged = pathlib.Path(shutil.copy(self.store, self.folder / "damaged.furrow"))
                 db = sqlite3.connect(damaged)

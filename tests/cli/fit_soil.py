@@ -6,7 +6,7 @@ import re
 import unittest
 import xml.etree.ElementTree
 
-from furrow_test import FurrowTest, main
+from furrow_test import FurrowTest, main, sampled
 
 EXAMPLES = pathlib.Path(__file__).resolve().parents[2] / "examples/soil"
 PLATE, SHEAR = EXAMPLES / "plate.csv", EXAMPLES / "shear.csv"
@@ -142,11 +142,11 @@ class FitSoil(FurrowTest):
     def test_what_is_wrong_is_refused_and_leaves_nothing(self):
         (self.folder / "bad.csv").write_text("b mm,z mm,p kPa\n50,4,10\n50,8,no\n")
         (self.folder / "short.csv").write_text("b mm,z mm,p kPa\n50,4,10\n")
-        for arguments, status, why in (
+        for arguments, status, why in sampled((
                 (("bad.csv",), 3, r"bad\.csv:3: column 3, pressure p"), (("short.csv",), 3, r"short\.csv: has 1 rows"),
                 (("gone.csv",), 3, "No such file"), ((SHEAR,), 3, "no column plate width b"), ((PLATE, PLATE), 3, "no column normal stress"),
                 ((PLATE, "--soil", "cheese"), 3, "known are"), ((PLATE, "--soil", "mud"), 3, "mud has no numbers of Bekker"), ((PLATE, "--method", "guess"), 2, "method"), ((), 2, "PLATE"),
-                ((PLATE, SHEAR, PLATE), 2, "fit-soil")):
+                ((PLATE, SHEAR, PLATE), 2, "fit-soil"))):
             said = self.refused(status, "fit-soil", *arguments, *(("-o", "soil.yaml", "--page", "soil.html") if arguments else ()))
             self.assertRegex(said, why)
         self.assertEqual(sorted(path.name for path in self.folder.iterdir()), ["bad.csv", "short.csv"])

@@ -56,6 +56,11 @@ def part(cases, *kept):
     return cases if FULL else [cases[i] for i in kept]
 
 
+def sampled(cases):
+    """Returns the cases; with sanitizers (cli/sanitized) every fourth, but in `sh tools/test.sh long` all of them."""
+    return list(cases)[::int(os.environ.get("FURROW_EVERY", "1"))]
+
+
 class FurrowTest(unittest.TestCase):
     def setUp(self):
         self.folder = pathlib.Path(tempfile.mkdtemp(prefix="furrow-cli-"))

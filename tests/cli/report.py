@@ -17,7 +17,7 @@ import xml.etree.ElementTree
 import zlib
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
-from furrow_test import FURROW, MAPS, FurrowTest, long, main
+from furrow_test import FURROW, MAPS, FurrowTest, long, main, sampled
 
 SCENE = """scene: 1
 time_step: 0.02
@@ -778,11 +778,11 @@ class Report(FurrowTest):
         self.copy("a")
         path = self.folder / "a/run.json"
         text = path.read_text()
-        for old, new in (('"seconds":', '"seconds": 1e999, "was":'), ('"edges":', '"edges": [3, 2], "was":'), ('"counts":', '"counts": [-1], "was":'),
+        for old, new in sampled((('"seconds":', '"seconds": 1e999, "was":'), ('"edges":', '"edges": [3, 2], "was":'), ('"counts":', '"counts": [-1], "was":'),
                          ('"volume":', '"volume": [1, {"quanta": 3}], "was":'), ('"cache":', '"cache": "none", "was":'), ('"soils":', '"soils": {"a": [1]}, "was":'),
                          ('"spacing":', '"spacing": -1, "was":'), ('"spacing":', '"spacing": 1e-300, "was":'), ('"values":', '"values": [[1]], "was":'),
                          ('"edges":', '"edges": [1e-320, 1e308], "was":'), ('"objects":', '"objects": [1, [2]], "was":'), ('"step_ms":', '"step_ms": {"p50": {}}, "was":'),
-                         ('"way":', '"way": [[1e308, 1e308], [-1e308, -1e308]], "was":'), ('"scene":', '"scene": 7, "was":')):
+                         ('"way":', '"way": [[1e308, 1e308], [-1e308, -1e308]], "was":'), ('"scene":', '"scene": 7, "was":'))):
             self.assertIn(old, text)
             path.write_text(text.replace(old, new, 1))
             page = self.report("a", cwd=self.folder)
@@ -792,7 +792,7 @@ class Report(FurrowTest):
         rows = self.folder / "a/objects.csv"
         lines = rows.read_text().splitlines(keepends=True)
         for cell in ("1e308", "-1e308", "1e-320", "nan", "1e29"):
-            for column in (2, 5, 6, 12):
+            for column in sampled((2, 5, 6, 12)):
                 changed = lines[20].split(",")
                 changed[column] = cell
                 rows.write_text("".join(lines[:20] + [",".join(changed)] + lines[21:]))

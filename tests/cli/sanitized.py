@@ -1,6 +1,7 @@
 """Some tests of every program of the command, above all those of wrong input. They run under sanitizers, the other tests of this folder without.
-`sh tools/test.sh long` runs more of them."""
+Of many cases that are alike they try every fourth (sampled() in furrow_test.py). `sh tools/test.sh long` runs more tests, and all cases."""
 import importlib
+import os
 import sys
 import unittest
 
@@ -61,6 +62,8 @@ LONG_OF_GDAL = {
 
 
 def suite():
+    if not FULL:
+        os.environ["FURROW_EVERY"] = "4"
     found = unittest.TestSuite()
     lists = [(CHOSEN, True), (OF_GDAL, has_gdal()), (LONG, FULL), (LONG_OF_GDAL, FULL and has_gdal())]
     for name, tests in [row for chosen, runs in lists if runs for row in chosen.items()]:

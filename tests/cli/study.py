@@ -12,7 +12,7 @@ import time
 import xml.etree.ElementTree
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
-from furrow_test import FURROW, FurrowTest, long, main
+from furrow_test import FURROW, FurrowTest, long, main, sampled
 
 SCENE = """scene: 1
 time_step: 0.05
@@ -398,7 +398,7 @@ class Study(FurrowTest):
             ("study: 1\nscene: scene.yaml\nlist:\n  - {a: 1}\n  - {a: 1, b: 1}\n", 5, "first run"), ("study: 1\nscene: scene.yaml\n", 1, "what is varied"),
             ("study: 1\nscene: scene.yaml\ngrid: {" + ", ".join(f"k{i}: {{from: 0, to: 1, count: 10}}" for i in range(5)) + "}\n", 3, "10000 runs"),
         ]
-        for text, line, why in cases:
+        for text, line, why in sampled(cases):
             self.scene(text, "study.yaml")
             error = self.refused(3, "study", "study.yaml", "-o", "out")
             self.assertIn(f"study.yaml:{line}: ", error)
