@@ -97,15 +97,14 @@ def brick():
         "".join(f"f {a} {b} {c}\nf {a} {c} {d}\n" for a, b, c, d in faces)
 
 
-def classes():
-    """Stripes of two soils, 8 m wide: a PNG of a pixel a post."""
-    posts = SIDE * FINE + 1
-    row = b"\0" + bytes(1 + x // (8 * FINE) % 2 for x in range(posts))
+def classes(wide=SIDE * FINE + 1, high=SIDE * FINE + 1, stripe=8 * FINE):
+    """Stripes of two soils: a PNG of a pixel a post."""
+    row = b"\0" + bytes(1 + x // stripe % 2 for x in range(wide))
 
     def chunk(kind, data):
         return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
-    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", posts, posts, 8, 0, 0, 0, 0)) + \
-        chunk(b"IDAT", zlib.compress(row * posts)) + chunk(b"IEND", b"")
+    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", wide, high, 8, 0, 0, 0, 0)) + \
+        chunk(b"IDAT", zlib.compress(row * high)) + chunk(b"IEND", b"")
 
 
 # --- drives ---

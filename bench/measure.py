@@ -1,7 +1,10 @@
 #!/usr/bin/env python3
-"""Measures again every figure that README.md shows, by the benches that it names. Some ten minutes on two quiet cores, six with `--big`.
+"""Measures again the figures of README.md and of the pages about the soil, by the benches that they name.
+
+Some twenty minutes on two quiet cores, fewer with `--big`. With `--long` also those of benches that take longer: two hours more.
 
     python3 bench/measure.py -o bench/figures --dem FOLDER --rig FOLDER     # then: python3 bench/marks.py writes them into the pages
+    python3 bench/measure.py -o bench/figures --only soil_forms --only tested --only validation --only rig   # no times: a busy machine will do
 
 It builds what it needs in the release build `build` first. Each bench leaves one file. Where a bench fails, or the data that it needs are
 not given, its file stays as it is, which is told.
@@ -13,21 +16,24 @@ import subprocess
 import sys
 import time
 
+import tested
 from record import FIGURES, ROOT
 
+LONG = ("deform", "frame", "ranks", "track", "measured_wheel", "converge", "ablation", "paging")
 SLIP_SINKAGE = 1.27  # as bench/measured_wheel.py fits it; a fit takes minutes
 BUSY = 0.5  # a load above which other programs take a core's time that is worth telling
 
 
 class Step:
-    """One bench: the file that it leaves, its targets in the build, its command. needs: the options without which it cannot run."""
+    """One bench: the file that it leaves, its targets in the build, its command. needs: the options without which it cannot run. One of LONG runs
+    with --long or --only."""
 
     def __init__(self, name, targets, command, needs=()):
-        self.name, self.targets, self.command, self.needs = name, targets, command, needs
+        self.name, self.targets, self.command, self.needs, self.long = name, targets, command, needs, name in LONG
 
 
 def steps(options):
-    furrow = options.build / "tools" / "furrow"
+    furrow, programs = options.build / "tools" / "furrow", options.build / "bench"
     python, bench = sys.executable, ROOT / "bench"
     big = ["--big", options.big] if options.big else []
     return [
@@ -39,6 +45,23 @@ def steps(options):
         Step("published_wheel", [], [python, bench / "published_wheel.py", furrow]),
         Step("table2", ["bench/bench_table2"], [options.build / "bench/bench_table2"]),
         Step("paging_64", [], [python, bench / "paging.py", furrow, "--alone", "--scenes", "straight", "--slots", 64, "--runs", 1, *big]),
+        Step("soil_forms", [], [python, bench / "soil_forms.py"]),
+        Step("tested", tested.TARGETS, [python, bench / "tested.py", options.build]),
+        Step("validation", ["bench/bench_validation"], [python, bench / "validation.py", programs / "bench_validation", "--quick"]),
+        Step("rig", [], [python, bench / "rig.py", furrow, "--rig", options.rig], ["rig"]),
+        Step("probe", ["bench/bench_probe"], [programs / "bench_probe"]),
+        Step("transfer", ["bench/bench_transfer"], [programs / "bench_transfer"]),
+        Step("terrain_size", ["bench/bench_terrain_size"], [programs / "bench_terrain_size"]),
+        Step("looks", [], [python, bench / "looks.py", furrow]),
+        Step("deform", ["bench/bench_deform"], [programs / "bench_deform"]),
+        Step("frame", ["bench/bench_frame"], [programs / "bench_frame"]),
+        Step("ranks", [], [python, bench / "ranks.py", furrow, "--wheels", "100,400", "--runs", 3, "--steps", 240]),
+        Step("scale", [], [python, bench / "scale.py", furrow]),
+        Step("track", [], [python, bench / "track.py", furrow]),
+        Step("measured_wheel", [], [python, bench / "measured_wheel.py", furrow, "--rig", options.rig], ["rig"]),
+        Step("converge", [], [python, bench / "converge.py", furrow]),
+        Step("ablation", [], [python, bench / "ablation.py", "--build", options.build, "-o", options.build / "bench-out"]),
+        Step("paging", [], [python, bench / "paging.py", furrow, *big]),
     ]
 
 
@@ -49,6 +72,7 @@ def parse():
     parser.add_argument("--dem", type=pathlib.Path, help="the folder of the nine DEMs, for the store")
     parser.add_argument("--rig", type=pathlib.Path, help="the folder of wheel_smooth.csv and wheel_grouser.csv, for the measured wheel")
     parser.add_argument("--big", type=pathlib.Path, help="a terrain that bench/paging.py made before (made: minutes, 3 GB)")
+    parser.add_argument("--long", action="store_true", help="also what takes long: " + ", ".join(LONG))
     parser.add_argument("--only", action="append", help="the file of one bench, as table2; may be given again")
     return parser.parse_args()
 
@@ -79,7 +103,7 @@ def main():
     wrong = set(options.only or ()) - {step.name for step in every}
     if wrong:
         sys.exit(f"measure.py: --only {' '.join(sorted(wrong))}: is no file of it; there are {', '.join(step.name for step in every)}")
-    chosen = [step for step in every if not options.only or step.name in options.only]
+    chosen = [step for step in every if (step.name in options.only if options.only else options.long or not step.long)]
     targets = sorted({"tools/furrow"}.union(*(step.targets for step in chosen)))
     if subprocess.run(["ninja", "-C", str(options.build), *targets], stdout=subprocess.DEVNULL).returncode != 0:
         sys.exit(f"measure.py: {options.build}: cannot be built, see above; meson setup build makes a release build")

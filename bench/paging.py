@@ -313,7 +313,7 @@ def scene_bars(bars, name, found, same, misses):
 
 def policy_bars(bars, simulated):
     """LRU against OPT over the scenes that do not fit; those that hardly do not (a lap of them is LRU's worst)
-    apart. `simulated`: [(name, touched, misses)]."""
+    apart. `simulated`: [(name, touched, misses)]. Returns the summed ratio by slots."""
     sums = {}
     for name, touched, misses in simulated:
         for count, lru in misses.get("lru", {}).items():
@@ -326,6 +326,7 @@ def policy_bars(bars, simulated):
                 total[1] += opt
     for count, (lru, opt) in sums.items():
         bars.add("LRU / OPT, summed", f"{count} slots", lru / opt, 1.5, lru <= 1.5 * opt)
+    return {count: lru / opt for count, (lru, opt) in sums.items()}
 
 
 def memory_bars(bars, big, small):
@@ -394,7 +395,8 @@ def run(bench):
                 bench.kept.add(f"straight.{count}.big_to_small", found[count]["rss_mb"] / found_small[count]["rss_mb"], "times")
             memory = [(f"big, {count}", line) for count, line in samples.items()]
             memory += [(f"small, {count}", line) for count, line in samples_small.items()]
-    policy_bars(bars, simulated)
+    for count, ratio in policy_bars(bars, simulated).items():
+        bench.kept.add(f"lru_to_opt.{count}", ratio, "times")
     if wanted(options, "picture"):
         pictures(bench, big)
     print()

@@ -2,7 +2,7 @@
  * Measures furrow_probe: microseconds for one state of a body that carries 1 kN on dry_sand, at rest and rolling, and a step that commits
  * with the ground read for the next probes. Prints a JSON line for each.
  *
- *     bench_probe [PROBES]      default 20000
+ *     bench_probe [PROBES] [--figures FILE]      default 20000 probes
  */
 #include <math.h>
 #include <stdio.h>
@@ -11,6 +11,7 @@
 
 #include "api/library.h"
 #include "bench.h"
+#include "record.h"
 
 enum { CELLS = 256 };
 #define SPACING 0.02 /* m, of the working level, which is that of the store */
@@ -54,6 +55,9 @@ static void measure(struct furrow_world *world, furrow_body body, const struct f
 		us[i] = (clock_seconds() - began) * 1e5;
 	}
 	qsort(us, (size_t)groups, sizeof *us, compare);
+	char key[64];
+	snprintf(key, sizeof key, "%s.%s", name, how);
+	bench_record_add(key, "us", us, (size_t)groups);
 	printf("{\"bench\": \"probe\", \"body\": \"%s\", \"motion\": \"%s\", \"us\": %.2f, \"best_us\": %.2f, \"force_z\": %.1f, \"posts\": %.0f}\n", name,
 	       how, us[groups / 2], us[0], contact.force[2], contact.area / (SPACING * SPACING));
 	free(us);
@@ -100,6 +104,7 @@ static void of_body(struct furrow_world *world, const char *name, const char *sh
 
 int main(int argc, char **argv)
 {
+	bench_record_begin("probe", &argc, argv);
 	const int probes = argc > 1 ? atoi(argv[1]) : 20000;
 	const struct dem_synth synth = {.kind = DEM_SYNTH_PLAIN, .width = 2 * CELLS + 1, .height = CELLS + 1, .spacing = SPACING, .relief = 0.01, .seed = 1};
 	const char *store = bench_path("probe.furrow");
@@ -112,6 +117,7 @@ int main(int argc, char **argv)
 	of_body(world, "wheel", "{wheel: {radius: 0.25, width: 0.2}}", 0.25, 1, probes);
 	of_body(world, "sphere", "{sphere: {radius: 0.25}}", 0.25, 4, probes);
 	of_body(world, "box", "{box: {size: [0.3, 0.2, 0.2]}}", 0.1, 7, probes);
+	bench_record_end(gpu_info(world->world.gpu)->renderer);
 	must(furrow_world_close(world));
 	return 0;
 }

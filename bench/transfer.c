@@ -10,6 +10,7 @@
 
 #include "bench.h"
 #include "gpu/internal.h"
+#include "record.h"
 
 #define RUNS 15
 #define SIDE 257u
@@ -117,6 +118,11 @@ static void measure(struct rig *rig, bool upload, bool mapped, enum work work)
 	       bench_median(queue, RUNS), bench_median(call, RUNS), bench_median(over, RUNS),
 	       gpu_info(rig->gpu)->renderer);
 	fflush(stdout);
+	char key[64];
+	snprintf(key, sizeof key, "%s.%s.%s.call", upload ? "upload" : "read", mapped ? "mapped" : "pointer", work_names[work]);
+	bench_record_add(key, "us", call, RUNS);
+	snprintf(key, sizeof key, "%s.%s.%s.over", upload ? "upload" : "read", mapped ? "mapped" : "pointer", work_names[work]);
+	bench_record_add(key, "us", over, RUNS);
 }
 
 static void rig_init(struct rig *rig)
@@ -154,11 +160,13 @@ static void rig_finish(struct rig *rig)
 int main(int argc, char **argv)
 {
 	/* A process settles llvmpipe's threads once: draws or not is an argument. */
+	bench_record_begin("transfer", &argc, argv);
 	struct rig rig = {.draws = argc > 1 && argv[1][0] == 'd'};
 	rig_init(&rig);
 	for (int work = NOTHING; work < WORKS; work++)
 		for (int way = 0; way < 4; way++)
 			measure(&rig, way & 1, way & 2, (enum work)work);
+	bench_record_end(gpu_info(rig.gpu)->renderer);
 	rig_finish(&rig);
 	return 0;
 }
