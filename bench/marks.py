@@ -7,6 +7,13 @@ column of several words, parted by "/". "-" is a column or row without figures, 
 
     <!-- cells: deform; rows: none box; columns: one/one_mean four/four_mean -->
 
+A table on a page of figures that has none, or columns that are settings, says so above it, by the heads of these columns:
+
+    <!-- settings -->
+    <!-- settings: asked; allowed -->
+
+A table of bounds names the tests that hold them: `<!-- bounds: tests/api/probe.c -->`.
+
 What lies between "<!-- NAME: begin -->" and "<!-- NAME: end -->" a bench writes whole. Its file has the text, in `parts`.
 
     python3 bench/marks.py            # writes every figure into its page, with as many digits as are there
@@ -24,6 +31,8 @@ from record import FIGURES, ROOT
 FOLDERS = ("docs", "src", "bench", "examples")
 NUMBER = r"[-+]?\d[\d,]*(?:\.\d+)?(?:e[-+]?\d+)?"
 MARK = re.compile(r"(?P<number>" + NUMBER + r")?(?P<mark>(?P<bold>\*\*)?<!-- (?P<file>\w+)\.(?P<key>[\w.]+)(?: (?P<unit>[^\s>]+))? -->)")
+SETTINGS = re.compile(r"<!-- settings(?:: (?P<heads>[^>]+))? -->")
+BOUNDS = re.compile(r"<!-- bounds: (?P<tests>[^>]+) -->")
 CELLS = re.compile(r"<!-- cells: (?P<file>\w+); rows: (?P<rows>[\w. -]+); columns: (?P<columns>[\w./ -]+) -->")
 # In how many of its first unit a unit is. Units of a line may be turned into each other.
 UNITS = ({"B": 1, "kB": 1e3, "MB": 1e6, "GB": 1e9}, {"s": 1, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}, {"m": 1, "cm": 1e-2, "mm": 1e-3}, {"times": 1, "%": 1e-2},
@@ -50,6 +59,7 @@ def converted(value, unit, wanted):
 
 def printed(value, like):
     """A value with the digits, the sign and the commas of the number that a page has."""
+    value += 0.0  # no -0.0
     mantissa, _, exponent = like.partition("e")
     places = len(mantissa.partition(".")[2])
     sign = "+" if like.startswith("+") else ""

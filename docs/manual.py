@@ -169,7 +169,7 @@ def anchor_of(heading):
 def page(name, summary, date, version, path):
     name, section = re.fullmatch(r"(\w+)\((\d)\)", name).groups()
     with open(path, encoding="utf-8") as file:
-        text = file.read()
+        text = re.sub(r"^<!--.*?-->\n|<!--.*?-->", "", file.read(), flags=re.MULTILINE)  # marks of figures
     headings = {anchor_of(title): title for title in re.findall(r"^#+ (.*)$", text, re.M)}
     out, begins = head(name, section, summary, date, version) + [".Sh DESCRIPTION"], True
     for kind, rows in blocks_of(text):

@@ -1,10 +1,12 @@
 """Every figure that a page shows is that of a file, and every file says where its figures are of (bench/record.py, bench/marks.py).
 
-README's table of measured figures has a mark behind each number that is Furrow's, or of what stands beside it."""
+On pages of figures (WHOLE) each number in a table has a mark, but for the first column, which says what a row is about, and for settings. On every page a
+time or a ratio of times in a sentence has one."""
 import json
 import os
 import pathlib
 import re
+import subprocess
 import sys
 import unittest
 
@@ -12,25 +14,61 @@ ROOT = pathlib.Path(os.environ["SOURCES"]).parent
 sys.path.insert(0, str(ROOT / "bench"))
 import marks  # noqa: E402
 import record  # noqa: E402
+import scale  # noqa: E402
 
+# Pages whose tables have figures.
+WHOLE = ("README.md", "docs/BENCHMARKS.md", "docs/SCALE.md", "src/deform/VALIDATION.md", "src/deform/SOIL.md", "src/store/HISTORY.md", "src/page/PAGING.md",
+         "src/vehicle/VEHICLES.md", "docs/CAMERAS.md", "bench/README.md", "bench/CONVERGE.md", "bench/ACCURACY.md")
 # Names that have a number in them. What a row is about is in its first column, where numbers are settings.
 NAMES = ("GDAL 3.6", "GeForce 7800 GT")
+# What is always measured, wherever a sentence tells it.
+TIMES = re.compile(r"(?<![\w.])" + marks.NUMBER + r"(?= (?:us\b|times as long|times the (?:processor )?time|ms (?:a|longer)\b))")
 GOOD = {"bench": "b", "command": "c", "commit": "0" * 40, "dirty": False, "date": "2026-01-01T00:00:00Z", "load": [0.1, 0.2],
         "machine": {"cpu": "x", "cores": 2, "memory": 1, "renderer": None}, "build": {"type": "release", "asserts": False, "sanitizers": "none"},
         "figures": {"a": {"value": 2.5, "unit": "ms", "runs": 3, "low": 2, "high": 3}, "r.b": {"value": 12345.6, "unit": "B", "runs": 1}}}
 
 
-def table_under(text, heading):
-    """Cells of the rows of the first table under a heading."""
-    part = text.partition(f"\n{heading}\n")[2].partition("\n## ")[0]
-    return [row.strip("|").split("|") for row in part.split("\n") if row.startswith("|")][2:]
+def parts_of(text):
+    """The text without what a bench writes whole, and without code."""
+    text = re.sub(r"^<!-- (\w+): begin -->$.*?^<!-- \1: end -->$", "", text, flags=re.MULTILINE | re.DOTALL)
+    return re.sub(r"^```.*?^```$|^    [^\n]*$", "", text, flags=re.MULTILINE | re.DOTALL)
+
+
+def tables(text):
+    """(the comment above it or "", heads, rows of cells) of each table."""
+    lines = parts_of(text).split("\n")
+    for at, line in enumerate(lines):
+        if not line.startswith("|") or at and lines[at - 1].startswith("|"):
+            continue
+        rows = []
+        while at + len(rows) < len(lines) and lines[at + len(rows)].startswith("|"):
+            rows.append([cell.strip() for cell in lines[at + len(rows)].strip().strip("|").split("|")])
+        yield lines[at - 1].strip() or lines[max(at - 2, 0)].strip(), rows[0], rows[2:]
+
+
+def without_marks(text):
+    """Cells of the tables that have a number without a mark, as "HEAD: CELL"."""
+    found = []
+    for comment, heads, rows in tables(text):
+        settings, bounds = marks.SETTINGS.fullmatch(comment), marks.BOUNDS.fullmatch(comment)
+        if bounds:
+            found += [f"{comment}: {test} is not there" for test in bounds["tests"].split() if not (ROOT / test).is_file()]
+            continue
+        if marks.CELLS.fullmatch(comment) or settings and settings["heads"] is None:
+            continue
+        free = {head.strip() for head in settings["heads"].split(";")} if settings else set()
+        if free - set(heads):
+            found.append(f"{comment}: the table has no such column")
+        found += [f"{head}: {cell}" for row in rows for head, cell in list(zip(heads, row))[1:] if head not in free and unmarked(cell)]
+    return found
 
 
 def unmarked(cell):
     """Numbers of a cell without a mark."""
     for name in NAMES:
         cell = cell.replace(name, "")
-    return re.findall(r"(?<![\w.])" + marks.NUMBER, marks.MARK.sub("", cell))
+    cell = re.sub(r"`[^`]*`|\]\([^)]*\)", "", marks.MARK.sub("", cell))  # neither code nor addresses
+    return re.findall(r"(?<![\w.])" + marks.NUMBER + r"(?!\w)", cell)
 
 
 class Files(unittest.TestCase):
@@ -44,6 +82,14 @@ class Files(unittest.TestCase):
             with self.subTest(file=name):
                 self.assertTrue(of["bench"] == "none" or list((ROOT / "bench").glob(of["bench"] + ".*")), "no such bench")
                 self.assertNotRegex(json.dumps(of), r'[ "]/(home|root|tmp|work|usr)/', "a path of a machine")
+
+    def test_figures_that_follow_from_others_do(self):
+        records = marks.records()
+        kept = records["scale"]["figures"]
+        wanted = {key: value for key, value, _ in scale.derived(records, kept["ruts.a_km"]["value"])}
+        self.assertEqual(set(kept), set(wanted))
+        for key, value in wanted.items():
+            self.assertAlmostEqual(kept[key]["value"], value, delta=1e-9 * abs(value), msg=f"{key}: bench/scale.py was not run after what it follows from")
 
     def test_what_is_wrong_is_seen(self):
         self.assertEqual(record.faults(GOOD), [])
@@ -83,13 +129,27 @@ class Pages(unittest.TestCase):
                 page = path.relative_to(ROOT).as_posix()
                 self.assertTrue({name, f"{page} {name}"} & parts, f"{page}: no file of bench/figures has the part {name}")
 
-    def test_each_figure_of_README_has_a_mark(self):
-        rows = table_under((ROOT / "README.md").read_text(encoding="utf-8"), "## Measured")
-        self.assertGreater(len(rows), 7)
-        for row in rows:
-            with self.subTest(row=row[0].strip()):
-                self.assertIsNotNone(marks.MARK.search(row[1]))
-                self.assertEqual(unmarked(row[1]) + unmarked(row[2]), [])
+    def test_each_figure_in_a_table_of_a_page_of_figures_has_a_mark(self):
+        for page in WHOLE:
+            with self.subTest(page=page):
+                self.assertEqual(without_marks((ROOT / page).read_text(encoding="utf-8")), [], "\nbench/marks.py explains marks, and `settings`")
+
+    def test_each_time_in_a_sentence_has_a_mark(self):
+        for path in marks.pages():
+            page = path.relative_to(ROOT).as_posix()
+            for line in parts_of(path.read_text(encoding="utf-8")).split("\n"):
+                with self.subTest(page=page):
+                    self.assertEqual([] if line.startswith("|") else TIMES.findall(marks.MARK.sub("", line)), [], line)
+
+    def test_pages_of_figures_are_pages(self):
+        self.assertEqual(set(WHOLE) - {path.relative_to(ROOT).as_posix() for path in marks.pages()}, set())
+
+
+class Manual(unittest.TestCase):
+    def test_a_manual_page_has_no_marks(self):
+        for name, page in (("scene(5)", "src/scene/SCENE.md"), ("store(5)", "src/store/FORMAT.md")):
+            text = subprocess.run([sys.executable, ROOT / "docs" / "manual.py", "page", name, "x", "2026-01-01", "1", ROOT / page], check=True, capture_output=True, text=True).stdout
+            self.assertNotIn("<!", text)
 
 
 class Marks(unittest.TestCase):
@@ -98,7 +158,7 @@ class Marks(unittest.TestCase):
         return filler.page(text, "page"), filler.wrong
 
     def test_a_number_is_written_with_the_digits_that_are_there(self):
-        for like, value, wanted in (("1.50", 2.504, "2.50"), ("1,000", 28141.4, "28,141"), ("7", 0.4, "0"), ("+0.1", 0.26, "+0.3"), ("-3", -3.6, "-4"),
+        for like, value, wanted in (("1.50", 2.504, "2.50"), ("0.0", -0.0, "0.0"), ("1,000", 28141.4, "28,141"), ("7", 0.4, "0"), ("+0.1", 0.26, "+0.3"), ("-3", -3.6, "-4"),
                                     ("2.5e-22", 1.04e-9, "1.0e-09"), ("999", 12345, "12,345"), ("1086", 1090.2, "1090")):
             self.assertEqual(marks.printed(value, like), wanted)
         self.assertEqual(marks.converted(5589870, "B", "MB"), 5.58987)
@@ -134,8 +194,16 @@ class Marks(unittest.TestCase):
 
     def test_a_number_without_a_mark_is_seen(self):
         self.assertEqual(unmarked(" 5.59<!-- store.a MB --> MB, GDAL 3.6 COG "), [])
-        self.assertEqual(unmarked("1.7<!-- store.a --> s, 181 MB"), ["181"])
-        self.assertEqual(table_under("# A\n\n## B\n\n| a | b |\n| --- | --- |\n| c | 1 |\n\n## C\n\n| d | 2 |\n", "## B"), [[" c ", " 1 "]])
+        self.assertEqual(unmarked("1.7<!-- store.a --> s, 181 MB of `x 3` by [A](b-4.md)"), ["181"])
+        page = "# A\n\n## B\n\n%s\n| a | b | asked |\n| --- | --- | --- |\n| 3 | 1<!-- f.a --> | 2 |\n\n```\n| d | 2 |\n```\n"
+        for comment, wanted in (("", ["asked: 2"]), ("<!-- settings -->", []), ("<!-- settings: asked -->", []), ("<!-- bounds: tests/house/figures.py -->", []),
+                                ("<!-- bounds: tests/none.c -->", ["<!-- bounds: tests/none.c -->: tests/none.c is not there"]), ("<!-- cells: f; rows: a; columns: b c -->", []),
+                                ("<!-- settings: wanted -->", ["<!-- settings: wanted -->: the table has no such column", "asked: 2"])):
+            self.assertEqual(without_marks(page % comment), wanted)
+
+    def test_a_time_in_a_sentence_is_seen(self):
+        for text, wanted in (("takes 1.8 times as long", ["1.8"]), ("12 us", ["12"]), ("0.1 ms a step", ["0.1"]), ("a step of 2 ms", []), ("2 times", [])):
+            self.assertEqual(TIMES.findall(text), wanted, text)
 
 
 if __name__ == "__main__":
