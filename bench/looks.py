@@ -19,7 +19,7 @@ import record
 from pages import Told
 from pages import main as told_main
 
-FEW, MANY = 4, 28   # pictures of a drive; the wheel hardly moves, so later ones load nothing
+FEW, MANY, LONG = 4, 28, {"finest": 10}   # pictures of a drive, fewer where each takes a second; the wheel hardly moves, so later ones load nothing
 STORES = {"metre": ("--posts", "1025x129", "--spacing", "1", "--kind", "plain", "--relief", "1"),
           "coarse": ("--posts", "129x129", "--spacing", "20", "--kind", "ridged", "--relief", "200"),
           "hills": ("--posts", "1025x1025", "--spacing", "1", "--kind", "ridged", "--relief", "160", "--seed", "7")}
@@ -77,10 +77,9 @@ class Bench:
             path.unlink()
         return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime, run
 
-    def picture(self, made):
-        step = made["time_step"]
-        few, many = (self.drive(made, count * step)[0] for count in (FEW, MANY))
-        return (many - few) / (MANY - FEW)
+    def picture(self, made, most):
+        few, many = (self.drive(made, count * made["time_step"])[0] for count in (FEW, most))
+        return (many - few) / (most - FEW)
 
 
 def pictures(bench, kept, wanted, runs):
@@ -90,7 +89,7 @@ def pictures(bench, kept, wanted, runs):
         found = {name: [] for name in scenes}
         for _ in range(runs):
             for name, made in scenes.items():
-                found[name].append(bench.picture(made))
+                found[name].append(bench.picture(made, LONG.get(part, MANY)))
         for name, seconds in found.items():
             kept.add(f"{part}.{name}.picture", seconds, "s")
             beside = "two_pixels" if name == "relief_two_pixels" else "none"
