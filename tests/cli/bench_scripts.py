@@ -17,7 +17,14 @@ BENCH = pathlib.Path(__file__).resolve().parents[2] / "bench"
 sys.path.insert(0, str(BENCH))
 import accuracy_plots  # noqa: E402
 import accuracy_study  # noqa: E402
+import converge  # noqa: E402
+import measure  # noqa: E402
 import pages  # noqa: E402
+import record  # noqa: E402
+import rig  # noqa: E402
+import soil_forms  # noqa: E402
+import tested  # noqa: E402
+import validation  # noqa: E402
 
 
 def line(study, knobs, ms, rms=None, default=False, count=1000, picture=None):
@@ -165,6 +172,64 @@ class Pages(unittest.TestCase):
     def test_figures_have_three_digits(self):
         for value, text in ((0, "0"), (None, "-"), (1.23456, "1.23"), (0.0123456, "0.0123"), (1234.5, "1,234"), (2e-7, "2.00e-07")):
             self.assertEqual(pages.figure(value), text)
+
+
+class Kept(unittest.TestCase):
+    """Figures that benches of the soil keep."""
+
+    def kept(self):
+        return record.Record("soil_forms", None)
+
+    def values(self, kept):
+        return {key: figure["value"] for key, figure in kept.figures.items()}
+
+    def test_lines_that_tests_print_are_found_by_their_test(self):
+        printed = tested.Printed("a", "[ RUN      ] one (gpu)\nsinkage, mm    1.5e-3, wanted    2: -0.1 %, allowed 1 %\nposts of 0.1 m: 3 mm\n[       OK ] one (gpu)\n"
+                                      "[ RUN      ] two\nsinkage, mm    4, wanted    5: +1 %\n")
+        self.assertEqual(printed.near("one (gpu)", "sinkage, mm"), [(0.0015, 2)])
+        self.assertEqual(printed.near("two", "sinkage, mm"), [(4, 5)])
+        self.assertEqual(printed.all("one (gpu)", "posts of NUMBER m: NUMBER mm"), [(0.1, 3)])
+        for test, pattern in (("two", "posts of NUMBER m"), ("three", "sinkage")):
+            with self.assertRaisesRegex(pages.Told, test):
+                printed.all(test, pattern)
+
+    def test_a_case_of_the_closed_forms_has_a_key_of_its_own(self):
+        keys = [soil_forms.key_of(name, wheel, load, depth, slip, law) for name, wheel, load, depth, slip, law in soil_forms.cases()]
+        self.assertEqual(len(set(keys)), len(keys))
+        self.assertIn("dry_sand.surface_rim.slip_0.2.load_1000.delta_15", keys)
+        self.assertAlmostEqual(soil_forms.stiff_to(soil_forms.named("heavy_clay_25"), 0.1), 0.0262, places=4)
+
+    def test_the_worst_of_converging_wheels_is_kept(self):
+        row = {"case": "steady", "soil": "a", "rim_of": "default", "spacing": 0.02, "load": 100, "fz": 101, "side": -0.5, "sinkage": 1.1, "drawbar": 1, "torque": 1,
+               "closed": {"sinkage": 1, "drawbar": 1, "torque": 1}}
+        kept = self.kept()
+        converge.keep(kept, [row, row | {"soil": "b", "sinkage": 0.8}, {"case": "passes", "direction": 0, "pass": 1, "sinkage": 1},
+                             {"case": "passes", "direction": 0, "pass": 1, "sinkage": 1.05}])
+        for key, value in (("worst.2cm.sinkage", 20), ("fz_off", 1), ("side_off", 0.5), ("passes.apart", 5)):
+            self.assertAlmostEqual(self.values(kept)[key], value)
+
+    def test_plates_and_wheels_are_kept(self):
+        kept = self.kept()
+        validation.keep(kept, [{"what": "plate", "soil": "lunar", "mm": 20, "closed_kpa": 10, "posts_kpa": {"4": 10.1, "1": 10}, "gpu_kpa": {}},
+                               {"what": "plate", "soil": "lean_clay_22", "mm": 20, "closed_kpa": 10, "posts_kpa": {"4": 9}, "gpu_kpa": {}},
+                               {"what": "towed", "soil": "lunar", "elastic_arc_mm": 20, "posts": {"40": [1, 1], "10": [19, 1]}},
+                               {"what": "leaning", "soil": "lunar", "degrees": 1, "mm": 3, "drawbar_n": 4, "side_n": 5}])
+        wanted = {"plates.posts_off": 1, "plates.lean_clay_22.less": 10, "towed.lunar.less": 5, "leaning.lunar.1.sinkage": 3, "leaning.lunar.1.drawbar": 4,
+                  "leaning.lunar.1.side": 5}
+        self.assertEqual({key: round(value, 9) for key, value in self.values(kept).items()}, wanted)
+
+    def test_slips_of_the_measured_wheel_are_counted_as_the_rig_does(self):
+        with tempfile.TemporaryDirectory() as folder:
+            folder = pathlib.Path(folder)
+            (folder / "wheel_smooth.csv").write_text("slip_angle_deg,slip,rim_mm_s,way_mm_s,lateral_N,drag_N,load_N,sinkage_mm\n0,-0.5,5,10,0,7,24,20\n"
+                                                     "0,0.5,20,10,0,-1,24,21\n30,0.5,20,10,0,-1,24,21\n0,-1,0,10,0,9,24,50\n")
+            self.assertEqual(rig.trials(folder, folder / "out.csv"), [-1.0, 0.5])
+            self.assertEqual((folder / "out.csv").read_text(), "slip,sinkage_mm,drag_N\n-1.0000,20.0,7.0\n0.5000,21.0,-1.0\n")
+
+    def test_measure_knows_each_file_that_it_names(self):
+        names = {step.name for step in measure.steps(measure.argparse.Namespace(build=pathlib.Path("build"), dem=None, rig=None, big=None))}
+        self.assertLessEqual(set(measure.LONG), names)
+        self.assertLessEqual(names, {path.stem for path in (BENCH / "figures").glob("*.json")} | {"climb"})
 
 
 class Script(unittest.TestCase):
