@@ -358,6 +358,15 @@ enum status api_import_open(struct import *import, const char *const *sources, s
 	return status == STATUS_OK ? api_import_describe(import) : status;
 }
 
+/* What to look at if no post has a height. */
+static const char *why_none(const struct import *import)
+{
+	if (dem_info(import->opened)->projected[0] != '\0')
+		return "the sources say other places than their SRS has (a longitude beyond 180 degrees, the radius of another body), or all their "
+		       "values are nodata; name the right SRS with --s-srs, or keep the sources' with --t-srs source";
+	return "all values of the sources are nodata; look at --nodata, at --window and at what gdalinfo says of nodata";
+}
+
 enum status api_import_run(struct import *import, const char *store, dem_progress_fn progress, void *user, struct intake *made)
 {
 	*made = (struct intake){
@@ -368,6 +377,7 @@ enum status api_import_run(struct import *import, const char *store, dem_progres
 		.posts = read_posts,
 		.posts_user = import,
 		.insets = import->insets,
+		.none = why_none(import),
 		.rounded = import->coarse_step,
 		.misfit = dem_info(import->opened)->resampled ? misfit : NULL,
 		.panel_posts = dem_info(import->opened)->panel_posts,

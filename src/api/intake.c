@@ -131,7 +131,10 @@ static enum status cut_and_store(const struct intake *intake, struct store *stor
 	failure_capture(&failure, status);
 	enum status done = api_conveyor_finish(conveyor);
 	const struct extent *extent = &intake->meta.extent;
-	store_put_holes(store, (double)measuring.holes / ((double)extent->width * (double)extent->height));
+	const double posts = (double)extent->width * (double)extent->height;
+	store_put_holes(store, (double)measuring.holes / posts);
+	if (status == STATUS_OK && done == STATUS_OK && intake->none != NULL && intake->insets == NULL && (double)measuring.holes == posts)
+		return fail_with(STATUS_INPUT, "%s: none of its %.0f posts has a height; %s", intake->path, posts, intake->none);
 	/* If something failed besides an interruption, the failure is told. */
 	bool other = status == STATUS_OK || (status == STATUS_INTERRUPTED && done != STATUS_OK);
 	return other ? done : failure_restore(&failure);

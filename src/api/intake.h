@@ -17,6 +17,7 @@ struct intake {
 	enum status (*misfit)(void *user, const struct extent *extent, const struct dem_tile *tile, double step, struct misfit *misfit);
 	int64_t panel_posts; /* as in struct dem_cut */
 	struct dem_insets *insets; /* NULL: there are none */
+	const char *none; /* what to look at if no post has a height: the end of that error; NULL: a store without heights is made */
 	/* called with the rows done and all rows; NULL: no calls. If it returns STATUS_INTERRUPTED, the import stops */
 	dem_progress_fn progress;
 	void *progress_user;

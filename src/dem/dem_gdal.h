@@ -218,5 +218,8 @@ double dem_srs_ground_off(OGRSpatialReferenceH srs, const double low[2], const d
 OGRSpatialReferenceH dem_srs_metric(OGRSpatialReferenceH srs, double x, double y);
 /* Returns the SRS as WKT, to free with mem_free; NULL: out of memory. */
 char *dem_srs_wkt(OGRSpatialReferenceH srs);
+/* The length of one turn around the body along x, in units of `srs`: x and x + turn are one place. 0: x has no such length, or it is not known.
+ * *middle: x of the SRS's own central meridian. */
+double dem_srs_turn(OGRSpatialReferenceH srs, double *middle);
 
 #endif

@@ -21,7 +21,7 @@ struct dem_map {
 	double inverse[6];  /* from coordinates to posts of the other lattice */
 	double straight[6]; /* from posts to posts, in one SRS */
 	OGRCoordinateTransformationH move; /* NULL: one SRS */
-	double turn, middle; /* a turn around the planet, and the middle of the other lattice, in its degrees; turn 0: no degrees */
+	double turn, middle; /* a turn around the planet, and the middle of the other lattice, in its units; turn 0: x has none */
 	int64_t side;        /* of a cell, posts; 1: every point is computed exactly */
 };
 
@@ -137,9 +137,9 @@ enum status dem_map_create(const struct dem_lattice *from, const struct dem_latt
 		return status;
 	}
 	if (map->move != NULL) {
-		double y;
+		double x, y;
+		map->turn = dem_srs_turn(to->srs, &x);
 		dem_lattice_point(to, (double)(to->width - 1) / 2, (double)(to->height - 1) / 2, &map->middle, &y);
-		map->turn = OSRIsGeographic(to->srs) ? 2 * M_PI / OSRGetAngularUnits(to->srs, NULL) : 0;
 		map->side = choose_side(map);
 	}
 	for (int i = 0; i < 3; i++) { /* the images of post (0, 0), and of a step along a row and along a column */

@@ -19,7 +19,7 @@ struct gdal_of_values {
 	double scale, offset; /* of a pixel's stored value; classes are as they are stored */
 	double pixels[6]; /* the geotransform's inverse */
 	OGRCoordinateTransformationH move; /* NULL: none is needed */
-	double turn; /* the raster's unit in a full circle of longitude; 0: x is none */
+	double turn; /* the raster's units in a full circle of longitude; 0: x has none */
 };
 
 static const char *const names[] = {
@@ -147,8 +147,8 @@ static enum status take_way(struct gdal_of_values *gdal, OGRSpatialReferenceH sr
 			status = fail_with(STATUS_INPUT, "%s: no way from the store's SRS to its own%s; project it with "
 					   "gdalwarp", params->path, dem_gdal_because());
 	}
-	if (OSRIsGeographic(srs))
-		gdal->turn = 2 * M_PI / OSRGetAngularUnits(srs, NULL);
+	double middle;
+	gdal->turn = dem_srs_turn(srs, &middle);
 	OSRDestroySpatialReference(store);
 	return status;
 }

@@ -303,6 +303,8 @@ enum status dem_source_init(struct gdal_source *source, const struct dem_params 
 		goto close;
 	status = vertical_unit(source, params, band, &unit, &said);
 	const char *metadata = GDALGetMetadataItem(dataset, "VERTICAL_REFERENCE", NULL);
+	if (metadata == NULL) /* DEMs of planets name their geoid or areoid so */
+		metadata = GDALGetMetadataItem(dataset, "GEOID", NULL);
 	if (status == STATUS_OK && source->own == NULL && metadata != NULL)
 		status = dem_vertical_metadata(source, metadata);
 	if (status == STATUS_OK)

@@ -152,6 +152,36 @@ static bool on_ellipsoid(OGRSpatialReferenceH srs, int count, double *x, double 
 	return good;
 }
 
+/* In these, x is proportional to longitude. */
+static bool is_cylindrical(OGRSpatialReferenceH srs)
+{
+	static const char *const names[] = {"Equirectangular", "Mercator_1SP", "Mercator_2SP", "Cylindrical_Equal_Area", "Miller_Cylindrical",
+					    "Popular_Visualisation_Pseudo_Mercator"};
+	const char *name = OSRIsProjected(srs) ? OSRGetAttrValue(srs, "PROJECTION", 0) : NULL;
+	for (size_t i = 0; name != NULL && i < sizeof names / sizeof *names; i++)
+		if (strcmp(name, names[i]) == 0)
+			return true;
+	return false;
+}
+
+double dem_srs_turn(OGRSpatialReferenceH srs, double *middle)
+{
+	*middle = 0;
+	if (srs == NULL)
+		return 0;
+	if (OSRIsGeographic(srs))
+		return 2 * M_PI / OSRGetAngularUnits(srs, NULL);
+	if (!is_cylindrical(srs))
+		return 0;
+	*middle = OSRGetProjParm(srs, "false_easting", 0, NULL);
+	const double north = OSRGetProjParm(srs, "false_northing", 0, NULL), step = 1000;
+	double x[2] = {*middle - step, *middle + step}, y[2] = {north, north};
+	if (!on_ellipsoid(srs, 2, x, y))
+		return 0;
+	const double turned = remainder(x[1] - x[0], 2 * M_PI);
+	return turned > 0 ? 2 * step * 2 * M_PI / turned : 0;
+}
+
 double dem_srs_ground(OGRSpatialReferenceH srs, double x, double y, double dx, double dy)
 {
 	double lon[2] = {x - dx / 2, x + dx / 2}, lat[2] = {y - dy / 2, y + dy / 2};

@@ -187,6 +187,17 @@ static enum status parse_target(const char *text, OGRSpatialReferenceH *out)
 	return STATUS_OK;
 }
 
+/*
+ * Returns true if x is more than half a turn from the SRS's central meridian. A point in degrees converts to an x within half a turn,
+ * so it would not be found in a store there.
+ */
+static bool lies_a_turn_away(OGRSpatialReferenceH srs, double x)
+{
+	double middle;
+	const double turn = dem_srs_turn(srs, &middle);
+	return turn > 0 && !OSRIsGeographic(srs) && fabs(x - middle) > turn / 2;
+}
+
 static enum status keep_own(OGRSpatialReferenceH own, const char *name, OGRSpatialReferenceH *out)
 {
 	if (own != NULL && (OSRIsGeographic(own) || fabs(OSRGetLinearUnits(own, NULL) - 1) > 1e-12))
@@ -203,8 +214,13 @@ static enum status choose_srs(struct dem_target *target, const struct dem_params
 	if (target->srs != NULL)
 		return STATUS_OK;
 	bool chosen = params->t_srs == NULL || strcmp(params->t_srs, "auto") == 0;
-	if (!chosen && strcmp(params->t_srs, "source") == 0)
+	if (!chosen && strcmp(params->t_srs, "source") == 0) {
+		const double *place = first->place;
+		if (first->srs != NULL && lies_a_turn_away(first->srs, place[0] + place[1] * first->width / 2))
+			note("%s: its x is beyond 180 degrees from the central meridian of its SRS, so points in degrees are not found in the store; leave "
+			     "--t-srs source out", first->path);
 		return keep_own(first->srs, first->path, &target->srs);
+	}
 	if (!chosen && first->srs == NULL)
 		return fail_with(STATUS_INPUT, "%s: says no SRS to project from; name it with --s-srs", first->path);
 	if (!chosen)
@@ -219,7 +235,8 @@ static enum status choose_srs(struct dem_target *target, const struct dem_params
 	if (status != STATUS_OK)
 		return status;
 	double x = (bounds.low[0] + bounds.high[0]) / 2, y = (bounds.low[1] + bounds.high[1]) / 2;
-	target->srs = is_true_at(first->srs, x, y, fabs(first->place[1])) ? OSRClone(first->srs) : dem_srs_metric(first->srs, x, y);
+	const bool fits = is_true_at(first->srs, x, y, fabs(first->place[1])) && !lies_a_turn_away(first->srs, x);
+	target->srs = fits ? OSRClone(first->srs) : dem_srs_metric(first->srs, x, y);
 	if (target->srs == NULL)
 		return fail_with(STATUS_INPUT, "%s: found no metric projection for it%s; name one with --t-srs", first->path,
 				 dem_gdal_because());

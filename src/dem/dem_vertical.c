@@ -2,6 +2,7 @@
 #include "dem_vertical.h"
 
 #include <stdio.h>
+#include <strings.h>
 
 #define P dem_proj_calls
 
@@ -22,7 +23,7 @@ static const char *text_of(const char *text)
 {
 	static const char *const names[][2] = {{"egm96", "EPSG:5773"}, {"egm2008", "EPSG:3855"}};
 	for (size_t i = 0; i < sizeof names / sizeof *names; i++)
-		if (strcmp(text, names[i][0]) == 0)
+		if (strcasecmp(text, names[i][0]) == 0)
 			return names[i][1];
 	return text;
 }

@@ -1,6 +1,7 @@
 """Sources of other bodies: PDS images with their labels, and values that are radii, beside what GDAL reads of them."""
 import array
 import json
+import math
 import pathlib
 import sys
 import unittest
@@ -96,6 +97,34 @@ class Planets(RasterTest):
                 found, told = self.heights("moon.img", "--radii", "no", "--max-error", 0.5)
                 self.assert_near(found, plain, 0.51)
                 self.assertNotIn("radii", told)
+
+    def test_longitudes_beyond_180_are_found(self):
+        """Products of planets count longitude to 360: their x is beyond half a turn from the central meridian."""
+        kept = {}
+        for north in (-257330.0, 200.0):  # projected, or kept as true metres were it not for its place
+            for west in (11860000.0, 11860000.0 - 2 * math.pi * 3396190):
+                self.make("mars.tif", WIDTH, HEIGHT, lambda x, y: x * 7 - y * 3, west=west, north=north, step=20.0, srs="IAU_2015:49910", options=["-mo", "GEOID=mola"])
+                self.ok("import", "mars.tif", "-o", "s.furrow", "--overwrite")
+                told = self.json("info", "s.furrow")
+                self.assertLess(told["holes"], 0.05)
+                self.assertEqual(told["vertical"], "mola")
+                x, y = 11860000 + 20 * WIDTH / 2, north - 20 * HEIGHT / 2
+                for turn in (0, 360):
+                    point = self.json("query", "s.furrow", "--srs", "degrees", math.degrees(x / 3396190) - turn, math.degrees(y / 3396190))
+                    kept.setdefault(north, []).append(point["height"])
+        for heights in kept.values():
+            self.assertLess(max(heights) - min(heights), 0.5)
+        # Kept as it is, it is told.
+        self.make("mars.tif", WIDTH, HEIGHT, lambda x, y: 5, west=11860000.0, north=200.0, step=20.0, srs="IAU_2015:49910")
+        result = self.furrow("import", "mars.tif", "-o", "s.furrow", "--overwrite", "--t-srs", "source")
+        self.assertIn("beyond 180 degrees", result.stderr)
+
+    def test_a_store_without_heights_is_refused(self):
+        self.make("none.tif", WIDTH, HEIGHT, lambda x, y: -9999, west=2e6, north=-257330.0, step=20.0, srs="IAU_2015:49910", nodata=-9999)
+        for more, why in (((), "longitude beyond 180"), (("--t-srs", "source"), "nodata")):
+            told = self.refused(3, "import", "none.tif", "-o", "x.furrow", *more)
+            self.assertIn("has a height", told)
+            self.assertIn(why, told)
 
     def test_heights_stay_heights(self):
         for radius, offset in ((1737400, 0), (3396190, -4000), (1737400, 9000)):
