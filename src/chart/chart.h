@@ -66,6 +66,7 @@ struct chart_raster {
 	 * before the highest heap. Heights: the post's; NaN: nodata */
 	float *values;
 	double flat;           /* the shade of level ground */
+	double inset;          /* metres: spacing of the finest inset in the map; 0: there is none, or the map's posts are no finer than the terrain's */
 	double rut;            /* metres: ruts that are narrower are drawn so wide; 0: ruts are as wide as they are */
 };
 struct chart_raster_params {

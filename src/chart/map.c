@@ -76,13 +76,15 @@ static void write_notes(struct layout *layout)
 	const struct chart_raster *raster = layout->map->raster;
 	const long long every = 1LL << (raster->level > 0 ? raster->level : 0);
 	const double off = ground_off(layout->map);
-	char length[64], own[64], posts[180], ruts[160] = "", scale[160] = "";
+	char length[64], own[64], inset[64] = "", posts[240], ruts[160] = "", scale[160] = "";
 	chart_length(raster->spacing / (double)every, length, sizeof length);
 	if (every > 1)
 		snprintf(posts, sizeof posts, "Drawn from every %lld%s post: posts are %s apart.", every, every % 10 == 2 && every % 100 != 12 ? "nd" : "th", length);
 	else if (raster->level < 0 && raster->rut == 0) {
 		chart_length(raster->spacing * (double)(1LL << -raster->level), own, sizeof own);
-		snprintf(posts, sizeof posts, "Drawn at %s; the terrain's own posts are %s apart.", length, own);
+		if (raster->inset > 0)
+			chart_length(raster->inset, inset, sizeof inset);
+		snprintf(posts, sizeof posts, "Drawn at %s; the terrain's own posts are %s apart%s%s.", length, own, inset[0] != '\0' ? ", those of its inset " : "", inset);
 	} else
 		snprintf(posts, sizeof posts, raster->rut > 0 ? "Pixels are %s wide." : "Posts are %s apart.", length);
 	chart_length(raster->rut, length, sizeof length);

@@ -5,27 +5,9 @@
 #include <math.h>
 #include <string.h>
 
-#include "chart/internal.h"
+#include "chart/raster.h"
 
-#define STRIP 128 /* rows */
 #define RUT 1e-3f /* m: ground that is lowered by so much is a rut */
-
-struct rasterizing {
-	const struct chart_raster_params *params;
-	const struct extent *extent;
-	struct chart_raster *raster;
-	float *offset; /* of each pixel, if offsets change the shade; NULL: they do not */
-	int working;
-	bool deformed;
-	int64_t done, total; /* for the progress function */
-};
-
-static enum status tell(struct rasterizing *s, int64_t more)
-{
-	s->done += more;
-	const struct chart_raster_params *params = s->params;
-	return params->progress != NULL ? params->progress(params->progress_user, s->done, s->total) : STATUS_OK;
-}
 
 /* --- values --- */
 
@@ -180,7 +162,7 @@ static enum status read_tiles(struct rasterizing *s, enum store_layer layer, enu
 		if (status == STATUS_OK && present != 0)
 			splat(s, tile, layer, posts, into);
 		if (status == STATUS_OK)
-			status = tell(s, 1);
+			status = chart_raster_tell(s, 1);
 	}
 	mem_free(list.keys);
 	mem_free(posts);
@@ -196,11 +178,11 @@ static bool is_heights(enum store_layer layer)
 static enum status read_posts(struct rasterizing *s, enum store_layer layer, float *into)
 {
 	const struct chart_raster *raster = s->raster;
-	double *values = mem_alloc((size_t)raster->width * STRIP, sizeof *values);
+	double *values = mem_alloc((size_t)raster->width * RASTER_STRIP, sizeof *values);
 	enum status status = values != NULL ? STATUS_OK : fail_memory("rows of a map");
 	struct post_rect rect = raster->rect;
-	for (int64_t y = rect.y0; y < rect.y1 && status == STATUS_OK; y += STRIP) {
-		struct post_rect part = {rect.x0, y, rect.x1, y + STRIP < rect.y1 ? y + STRIP : rect.y1};
+	for (int64_t y = rect.y0; y < rect.y1 && status == STATUS_OK; y += RASTER_STRIP) {
+		struct post_rect part = {rect.x0, y, rect.x1, y + RASTER_STRIP < rect.y1 ? y + RASTER_STRIP : rect.y1};
 		status = store_read_posts(s->params->reader, layer, s->params->level, part, values);
 		size_t count = (size_t)(part.y1 - part.y0) * raster->width;
 		float *to = into + (size_t)(y - rect.y0) * raster->width;
@@ -219,116 +201,6 @@ static enum status read_layer(struct rasterizing *s, enum store_layer layer, flo
 	if (is_heights(layer) || s->params->level < s->working)
 		return read_posts(s, layer, into);
 	return read_tiles(s, layer, planes[layer], into);
-}
-
-/* --- the ground --- */
-
-struct strip {
-	double *heights;      /* with one more post at each side */
-	double *east, *north; /* slopes */
-	struct post_rect rect;
-	int level;
-};
-
-/* Computes the base's slopes at the posts of strip->rect. */
-static enum status read_slopes(struct rasterizing *s, struct strip *strip)
-{
-	struct post_rect r = strip->rect, wide = {r.x0 - 1, r.y0 - 1, r.x1 + 1, r.y1 + 1};
-	enum status status = store_read_posts(s->params->reader, STORE_BASE, strip->level, wide, strip->heights);
-	if (status == STATUS_OK)
-		chart_slopes(strip->heights, r.x1 - r.x0, r.y1 - r.y0, extent_spacing(s->extent, strip->level), strip->east,
-			      strip->north);
-	return status;
-}
-
-/* Finds the base's slope at a post of the map; NaN: nodata. */
-static void slope_at(const struct rasterizing *s, const struct strip *strip, int64_t x, int64_t y, double *east, double *north)
-{
-	int shift = strip->level - s->params->level;
-	int64_t cx = x >> shift, cy = y >> shift, width = strip->rect.x1 - strip->rect.x0;
-	double unit = ldexp(1, -shift), u = (double)(x - (cx << shift)) * unit, v = (double)(y - (cy << shift)) * unit;
-	const double weights[4] = {(1 - u) * (1 - v), u * (1 - v), (1 - u) * v, u * v};
-	*east = *north = 0;
-	for (int64_t i = 0; i < 4; i++) {
-		if (weights[i] == 0)
-			continue;
-		int64_t at = (cy + (i >> 1) - strip->rect.y0) * width + cx + (i & 1) - strip->rect.x0;
-		*east += weights[i] * strip->east[at];
-		*north += weights[i] * strip->north[at];
-	}
-}
-
-/* Adds the slope that offsets cause at a pixel, from the pixels around it. For a pixel outside the map, the slope of the other
- * side is used. */
-static void add_offset_slope(const struct rasterizing *s, int64_t x, int64_t y, double *east, double *north)
-{
-	const struct chart_raster *raster = s->raster;
-	double around[9];
-	for (int64_t i = 0; i < 9; i++) {
-		int64_t px = x + i % 3 - 1, py = y + i / 3 - 1;
-		bool in = px >= 0 && py >= 0 && px < raster->width && py < raster->height;
-		around[i] = in ? s->offset[py * raster->width + px] : (double)NAN;
-	}
-	double e, n;
-	chart_slopes(around, 1, 1, raster->spacing, &e, &n);
-	*east += e;
-	*north += n;
-}
-
-static bool is_flat_around(const struct rasterizing *s, int64_t x, int64_t y)
-{
-	const struct chart_raster *raster = s->raster;
-	if (x < 1 || y < 1 || x + 1 >= raster->width || y + 1 >= raster->height)
-		return false;
-	const float *p = s->offset + y * raster->width + x;
-	int64_t w = raster->width;
-	return p[-w - 1] == 0 && p[-w] == 0 && p[-w + 1] == 0 && p[-1] == 0 && p[1] == 0 && p[w - 1] == 0 && p[w] == 0 &&
-	       p[w + 1] == 0;
-}
-
-static void shade_strip(struct rasterizing *s, const struct strip *strip, struct post_rect part)
-{
-	struct chart_raster *raster = s->raster;
-	for (int64_t y = part.y0; y < part.y1; y++)
-		for (int64_t x = part.x0; x < part.x1; x++) {
-			double east, north, steeper = s->params->exaggerate;
-			int64_t px = x - raster->rect.x0, py = y - raster->rect.y0;
-			slope_at(s, strip, x, y, &east, &north);
-			if (s->offset != NULL && !is_flat_around(s, px, py))
-				add_offset_slope(s, px, py, &east, &north);
-			raster->shade[py * raster->width + px] =
-				(float)chart_shade(&s->params->sun, steeper * east, steeper * north);
-		}
-}
-
-static enum status shade(struct rasterizing *s)
-{
-	int level = s->params->level > 0 ? s->params->level : 0, shift = level - s->params->level;
-	struct post_rect rect = s->raster->rect;
-	int64_t rows = STRIP < rect.y1 - rect.y0 ? STRIP : rect.y1 - rect.y0;
-	size_t width = (size_t)(((rect.x1 - 1) >> shift) + 2 - (rect.x0 >> shift)), high = (size_t)((rows >> shift) + 3);
-	struct strip strip = {
-		.heights = mem_alloc((width + 2) * (high + 2), sizeof(double)),
-		.east = mem_alloc(width * high, sizeof(double)),
-		.north = mem_alloc(width * high, sizeof(double)),
-		.level = level,
-	};
-	enum status status = strip.heights != NULL && strip.east != NULL && strip.north != NULL ? STATUS_OK
-												: fail_memory("rows of a map");
-	for (int64_t y = rect.y0; y < rect.y1 && status == STATUS_OK; y += rows) {
-		struct post_rect part = {rect.x0, y, rect.x1, y + rows < rect.y1 ? y + rows : rect.y1};
-		strip.rect = (struct post_rect){rect.x0 >> shift, y >> shift, ((rect.x1 - 1) >> shift) + 2,
-						((part.y1 - 1) >> shift) + 2};
-		status = read_slopes(s, &strip);
-		if (status == STATUS_OK)
-			shade_strip(s, &strip, part);
-		if (status == STATUS_OK)
-			status = tell(s, part.y1 - part.y0);
-	}
-	mem_free(strip.heights);
-	mem_free(strip.east);
-	mem_free(strip.north);
-	return status;
 }
 
 /* --- the whole raster --- */
@@ -365,7 +237,7 @@ enum status chart_raster_create(const struct chart_raster_params *params, struct
 	if (status == STATUS_OK && s.offset != NULL && s.offset != out->values)
 		status = read_layer(&s, STORE_OFFSET, s.offset);
 	if (status == STATUS_OK)
-		status = shade(&s);
+		status = chart_raster_shade(&s);
 	if (s.offset != out->values)
 		mem_free(s.offset);
 	if (status != STATUS_OK)

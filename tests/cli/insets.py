@@ -1,5 +1,6 @@
 """Insets: what import makes of nested sources of other spacings, beside GDAL and beside the sources themselves."""
 import math
+import os
 import pathlib
 import random
 import subprocess
@@ -63,6 +64,21 @@ class Insets(RasterTest):
         self.assertGreater(len(heights), most)
         worst = max(abs(v - truth(x, y)) for (x, y), v in heights.items())
         self.assertLessEqual(worst, bound)
+
+    @unittest.skipUnless(os.environ.get("FURROW_MAPS") == "1", "this build draws no maps")
+    def test_a_map_shades_the_relief_of_insets(self):
+        self.three()
+        spans = {}
+        for name, window in (("with.furrow", "1010,790,1030,805"), ("with.furrow", "1200,1500,1220,1515"), ("site.furrow", "1010,790,1030,805")):
+            if not (self.folder / name).exists():
+                self.imported("--inset", "site.tif", *(("--inset", "scan.tif") if name[0] == "w" else ()), "--feather", 40, name=name)
+            # nearly one colour, so that only the light differs
+            self.ok("map", name, "-o", "m.png", "--window", window, "--height-range", "-1e6,1e6", "--grid", "none", "--exaggerate", 4)
+            width, height, cells = rasters.pixels(self.folder / "m.png", "B")
+            middle = [cells[y * width + x] for y in range(height // 3, height // 2) for x in range(width // 3, width // 2)]
+            spans[name, window] = max(middle) - min(middle)
+        scan, beside, site = spans.values()
+        self.assertGreater(scan, 8 + 2 * max(site, beside))
 
     def test_in_each_core_the_store_is_that_source_at_every_level(self):
         self.three()
