@@ -32,6 +32,8 @@ void rig_bed_remove(const struct rig *rig);
 bool rig_is_driven(const struct rig *rig);
 /* rig.c: true if a text is a mapping in braces, and no name. */
 bool rig_in_braces(const char *text);
+/* Returns the load of those ahead of the last, N. `load`: index of the last one's. */
+double rig_lead(const struct rig_params *params, size_t load);
 
 /* lanes.c: drives lanes over one soil and fills their rows. */
 enum status rig_lanes_drive(struct rig *rig, size_t soil, struct rig_lane *lanes, size_t count) FURROW_CHECKED;

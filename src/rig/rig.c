@@ -37,8 +37,6 @@ static enum status check(const struct rig_params *params)
 		return fail_with(STATUS_USAGE, "rig: slips and torques are both given; give one of them");
 	if (params->passes > RIG_PASSES_MOST)
 		return fail_with(STATUS_USAGE, "rig: passes: %zu are too many; give 1 to %d", params->passes, RIG_PASSES_MOST);
-	if (params->passes > 1 && params->torque_count > 0)
-		return fail_with(STATUS_USAGE, "rig: torques have one pass; give slips");
 	enum status status = check_list("load", params->loads, params->load_count, 1e-3, 1e9);
 	if (status == STATUS_OK && params->leads != NULL)
 		status = check_list("load ahead", params->leads, params->load_count, 1e-3, 1e9);
@@ -50,6 +48,11 @@ static enum status check(const struct rig_params *params)
 bool rig_is_driven(const struct rig *rig)
 {
 	return rig->found.wheel || rig->found.belt;
+}
+
+double rig_lead(const struct rig_params *params, size_t load)
+{
+	return params->leads != NULL ? params->leads[load] : params->loads[load];
 }
 
 bool rig_in_braces(const char *text)
@@ -166,7 +169,7 @@ static enum status slips(struct rig *rig, size_t soil, rig_row_fn give, void *us
 	if (lanes == NULL)
 		return fail_memory("the rig's lanes");
 	for (size_t i = 0; i < count; i++)
-		lanes[i] = (struct rig_lane){.load = params->loads[i / each], .lead = params->leads != NULL ? params->leads[i / each] : params->loads[i / each],
+		lanes[i] = (struct rig_lane){.load = params->loads[i / each], .lead = rig_lead(params, i / each),
 					     .slip = rig_is_driven(rig) ? params->slips[i % each] : (double)NAN};
 	enum status status = rig_lanes_drive(rig, soil, lanes, count);
 	for (size_t i = 0; i < count * rig->passes && status == STATUS_OK; i++)

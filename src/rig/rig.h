@@ -41,7 +41,7 @@ struct rig_params {
 	size_t slip_count;
 	const double *torques;          /* N m, of the drive; of a belt its pull, N. With torques there are no slips */
 	size_t torque_count;
-	size_t passes;                  /* objects that follow each other in a lane, up to RIG_PASSES_MOST; 0: one. With torques: one */
+	size_t passes;                  /* objects that follow each other in a lane, up to RIG_PASSES_MOST; 0: one */
 	const double *leads;            /* N: loads of those ahead of the last, one for each of loads; NULL: as loads */
 	double spacing;                 /* m between posts; 0: a twentieth of the object's width or height, whichever is less */
 	const struct scene_setting *settings; /* of the scene, as in redistribute.slip_sinkage */
@@ -80,7 +80,7 @@ typedef enum status (*rig_row_fn)(void *user, const struct rig_row *row);
 
 /*
  * Runs all soils, loads and slips (or torques), and gives a row for each, in that order, slips fastest. With several passes each of them has
- * a row, the first pass first. An object that is no wheel and has no belt has one row a load. Objects that follow each other have the same slip. STATUS_INPUT: shape, soil or a setting is wrong. STATUS_INTERRUPTED: `stop` was set; rows of soils that were done
+ * a row, the first pass first; with torques the last alone, and those ahead slip as it does. An object that is no wheel and has no belt has one row a load. Objects that follow each other have the same slip. STATUS_INPUT: shape, soil or a setting is wrong. STATUS_INTERRUPTED: `stop` was set; rows of soils that were done
  * have been given.
  */
 enum status rig_run(const struct rig_params *params, struct rig_found *found, rig_row_fn give, void *user) FURROW_CHECKED;

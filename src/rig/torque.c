@@ -1,6 +1,7 @@
 /*
  * Finds the slip of a wheel from its torque, of a belt from its pull. Torque grows with slip, so a few slips bracket each torque. A straight line between
- * the two nearest gives a slip to try, which then replaces one of them. This ends when its torque is near enough.
+ * the two nearest gives a slip to try, which then replaces one of them. This ends when its torque is near enough. Of objects that follow each
+ * other the last one has that torque, and those ahead slip as it does.
  */
 #include <math.h>
 #include <stdlib.h>
@@ -15,7 +16,7 @@ static const double bracketing[] = {RIG_SLIP_LEAST, -0.6, -0.35, -0.15, 0, 0.1, 
 
 /* The search for one torque. */
 struct search {
-	double torque, load;
+	double torque, load, lead; /* lead: of those ahead, N */
 	struct rig_row low, high, best; /* at both sides, and the nearest so far */
 	bool inside, done;
 };
@@ -24,6 +25,12 @@ static bool is_near(const struct rig *rig, const struct search *search, const st
 {
 	const double scale = fmax(fabs(search->torque), 0.05 * search->load * rig->found.arm);
 	return fabs(row->torque - search->torque) <= NEAR * scale;
+}
+
+/* The object of a lane whose torque is asked for. */
+static const struct rig_row *last_of(const struct rig *rig, const struct rig_lane *lane)
+{
+	return &lane->rows[rig->passes - 1];
 }
 
 static void look(const struct rig *rig, struct search *search, const struct rig_row *row)
@@ -38,11 +45,11 @@ static void bracket(const struct rig *rig, struct search *search, const struct r
 {
 	search->best.torque = NAN;
 	for (size_t i = 0; i < BRACKETING; i++) {
-		look(rig, search, &lanes[i].rows[0]);
-		if (i == 0 || search->inside || (lanes[i - 1].rows[0].torque > search->torque) == (lanes[i].rows[0].torque > search->torque))
+		look(rig, search, last_of(rig, &lanes[i]));
+		if (i == 0 || search->inside || (last_of(rig, &lanes[i - 1])->torque > search->torque) == (last_of(rig, &lanes[i])->torque > search->torque))
 			continue;
-		search->low = lanes[i - 1].rows[0];
-		search->high = lanes[i].rows[0];
+		search->low = *last_of(rig, &lanes[i - 1]);
+		search->high = *last_of(rig, &lanes[i]);
 		search->inside = true;
 	}
 }
@@ -60,7 +67,7 @@ static enum status refine(struct rig *rig, size_t soil, struct search *searches,
 			if (s->done || !s->inside)
 				continue;
 			const double share = (s->torque - s->low.torque) / (s->high.torque - s->low.torque);
-			lanes[open++] = (struct rig_lane){.load = s->load, .slip = s->low.slip + (s->high.slip - s->low.slip) * share};
+			lanes[open++] = (struct rig_lane){.load = s->load, .lead = s->lead, .slip = s->low.slip + (s->high.slip - s->low.slip) * share};
 		}
 		if (open == 0)
 			break;
@@ -71,7 +78,7 @@ static enum status refine(struct rig *rig, size_t soil, struct search *searches,
 			struct search *s = &searches[i];
 			if (s->done || !s->inside)
 				continue;
-			const struct rig_row *row = &lanes[open++].rows[0];
+			const struct rig_row *row = last_of(rig, &lanes[open++]);
 			look(rig, s, row);
 			if ((row->torque > s->torque) == (s->high.torque > s->torque))
 				s->high = *row;
@@ -89,7 +96,7 @@ static enum status give_all(const struct search *searches, size_t count, rig_row
 	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
 		struct rig_row row = searches[i].best;
 		if (!searches[i].inside && !searches[i].done)
-			row = (struct rig_row){.soil = row.soil, .load = row.load, .slip = NAN, .torque = searches[i].torque, .sinkage = NAN, .drawbar = NAN,
+			row = (struct rig_row){.soil = row.soil, .load = row.load, .pass = row.pass, .slip = NAN, .torque = searches[i].torque, .sinkage = NAN, .drawbar = NAN,
 					       .side = NAN, .fz = NAN, .efficiency = NAN, .deeper = NAN, .state = RIG_SPINS};
 		status = give(user, &row);
 	}
@@ -104,12 +111,13 @@ enum status rig_torques(struct rig *rig, size_t soil, rig_row_fn give, void *use
 	struct search *searches = mem_calloc(count, sizeof *searches);
 	enum status status = lanes == NULL || searches == NULL ? fail_memory("the rig's lanes") : STATUS_OK;
 	for (size_t i = 0; i < params->load_count * BRACKETING && status == STATUS_OK; i++)
-		lanes[i] = (struct rig_lane){.load = params->loads[i / BRACKETING], .slip = bracketing[i % BRACKETING]};
+		lanes[i] = (struct rig_lane){.load = params->loads[i / BRACKETING], .lead = rig_lead(params, i / BRACKETING), .slip = bracketing[i % BRACKETING]};
 	if (status == STATUS_OK)
 		status = rig_lanes_drive(rig, soil, lanes, params->load_count * BRACKETING);
 	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
-		searches[i] = (struct search){.torque = params->torques[i % params->torque_count], .load = params->loads[i / params->torque_count]};
-		bracket(rig, &searches[i], &lanes[i / params->torque_count * BRACKETING]);
+		const size_t load = i / params->torque_count;
+		searches[i] = (struct search){.torque = params->torques[i % params->torque_count], .load = params->loads[load], .lead = rig_lead(params, load)};
+		bracket(rig, &searches[i], &lanes[load * BRACKETING]);
 	}
 	if (status == STATUS_OK)
 		status = refine(rig, soil, searches, count);
