@@ -5,6 +5,7 @@
 #include "json.h"
 #include "mobility.h"
 
+#define SLIPS 2
 static const int headings[] = {0, MOBILITY_HEADINGS - 1};
 
 /* The steepest slope of a table at which it goes straight up, or along the slope; NaN: at none. */
@@ -38,6 +39,31 @@ static void print_spread(const struct mobility_map *map)
 	printf("straight up, of %zu soils of the spread: all of them up to %.1f degrees, one at least up to %.1f\n", map->samples, all, any);
 }
 
+static const double slips[SLIPS] = {0.2, 0.3};
+
+/* The steepest slope that it climbs straight up while no wheel slips by more; NaN: none. */
+static double steepest_at(const struct mobility_table *table, double slip)
+{
+	double slope = NAN;
+	for (int i = 0; i < MOBILITY_SLOPES && table->verdicts[i][0].reason == MOBILITY_GO && table->verdicts[i][0].slip <= slip; i++)
+		slope = i * MOBILITY_SLOPE_STEP;
+	return slope;
+}
+
+/* The end of climbing is no slope to plan with: there the wheels hardly move it. */
+static void print_slips(const struct mobility_map *map)
+{
+	for (int i = 0; i < SLIPS; i++) {
+		const double slope = steepest_at(map->table, slips[i]);
+		printf(i == 0 ? "straight up with a slip of at most %g: " : "; %g: ", slips[i]);
+		if (isnan(slope))
+			fputs("not even on level ground", stdout);
+		else
+			printf("up to %.1f degrees", slope);
+	}
+	putchar('\n');
+}
+
 void mobility_print(const struct mobility_map *map)
 {
 	static const char *const ways[] = {"straight up", "along the slope"};
@@ -49,10 +75,12 @@ void mobility_print(const struct mobility_map *map)
 			continue;
 		}
 		const struct mobility_verdict *last = &map->table->verdicts[(int)(slope / MOBILITY_SLOPE_STEP)][headings[i]];
-		printf("%s: up to %.1f degrees, slip %.2f there", ways[i], slope, last->slip);
+		printf("%s: up to %.1f degrees, slip %.2f there%s", ways[i], slope, last->slip, i == 0 ? ", where climbing ends" : "");
 		if (last->crab > 0)
 			printf(", nose %.0f degrees up the slope", last->crab);
 		printf("; steeper: %s\n", ends_by(map->table, headings[i]));
+		if (i == 0)
+			print_slips(map);
 	}
 	if (map->samples > 0)
 		print_spread(map);
@@ -95,6 +123,11 @@ enum status mobility_print_json(const struct mobility_map *map)
 	json_integer(object, "seed", map->seed);
 	json_number(object, "cell", extent_spacing(&map->meta->extent, map->level));
 	json_number(object, "steepest_up", steepest(map->table, headings[0]));
+	for (int i = 0; i < SLIPS; i++) {
+		char key[40];
+		snprintf(key, sizeof key, "steepest_up_slip_%g", slips[i]);
+		json_number(object, key, steepest_at(map->table, slips[i]));
+	}
 	json_number(object, "steepest_along", steepest(map->table, headings[1]));
 	for (int i = 0; i < CLASSES; i++)
 		json_number(shares, mobility_classes[i], map->shares[i]);

@@ -78,6 +78,11 @@ class Mobility(FurrowTest):
         steepest = told["steepest_up"]
         self.assertGreater(steepest, 10)
         self.assertLess(steepest, 25)
+        for slip in ("0.2", "0.3"):
+            slope = told["steepest_up_slip_" + slip]
+            self.assertTrue(0 < slope < steepest, told)
+            ups = [told["slopes"][round(slope / 0.5) + more]["verdicts"][0] for more in (0, 1)]
+            self.assertTrue(ups[0]["slip"] <= float(slip) and (ups[1]["slip"] > float(slip) or ups[1]["reason"] != "go"), ups)
         for share in (0.5, 0.8, 1.25):
             degrees = share * steepest
             row = told["slopes"][round(degrees / 0.5)]
