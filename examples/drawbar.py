@@ -76,13 +76,17 @@ def main(folder, plot=None, vehicle=None, actuator="tow"):
         print(f"{slip:6.3f}{pull:10.0f}{force:10.0f}{grade:10.0f}{force - grade - pull:10.1f}{pull / weight:13.3f}")
     most = max(lines, key=lambda numbers: numbers[1])
     worst = max(abs(force - grade - pull) for _, pull, force, grade in lines)
-    print(f"greatest pull {most[1]:.0f} N at slip {most[0]:.2f}; wheels less grade are within {100 * worst / abs(most[1]):.1f} % of that from the pull")
+    rising = ", still rising at the last step: slower steps of the load car would show more" if len(lines) > 1 and most is lines[-1] else ""
+    print(f"greatest pull {most[1]:.0f} N at slip {most[0]:.2f}{rising}; wheels less grade are within {100 * worst / abs(most[1]):.1f} % of that from the pull")
     if plot is not None:
         draw(lines, vehicle, plot)
 
 
 def draw(lines, vehicle, plot):
-    import matplotlib
+    try:
+        import matplotlib
+    except ImportError:
+        sys.exit(f"{plot}: is not drawn: there is no matplotlib; install it (Debian: python3-matplotlib), or leave the file name out")
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
     plt.rcParams["svg.hashsalt"] = "furrow"

@@ -8,11 +8,14 @@ import csv
 import os
 import sys
 
-import matplotlib
+try:
+    import matplotlib
+    import numpy
+except ImportError as missing:
+    sys.exit(f"plot_drive.py: there is no {missing.name}; install it (Debian: python3-matplotlib has both)")
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
-import numpy
 
 
 def read(path):

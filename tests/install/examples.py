@@ -105,6 +105,24 @@ class ExamplesTest(unittest.TestCase):
         self.assertNotEqual(missing.returncode, 0)
         self.assertIn("there is no vehicle bus; there are car", missing.stderr)
 
+    def test_drawbar(self):
+        shutil.copy(EXAMPLES / "drawbar.py", prefix.work)
+        drive = prefix.work / "towed"
+        drive.mkdir()
+        (drive / "run.json").write_text('{"vehicles": {"car": {"mass": 100, "gravity": 10}}}')
+        # A load car lets a car go 0.9 m/s, then 0.8 m/s; the pull grows, or falls.
+        for last, rising in ((300, True), (100, False)):
+            pulls, times = {-0.9: 200, -0.8: last}, [i / 50 for i in range(201)]
+            control = {t: -0.9 if t < 2 else -0.8 for t in times}
+            (drive / "vehicles.csv").write_text("t,name,x,y,z,u:tow,f:tow\n" + "".join(f"{t},car,{t},5,1,{control[t]},{pulls[control[t]]}\n" for t in times))
+            (drive / "objects.csv").write_text("t,name,slip,fx,fy,fz\n" + "".join(f"{t},car.wheel,{1 + control[t]},{pulls[control[t]]},0,1000\n" for t in times))
+            told = prefix.run("python3", "drawbar.py", drive).stdout
+            self.assertEqual("still rising at the last step" in told, rising, told)
+            self.assertIn(f"greatest pull {max(200, last)} N at slip 0.{2 if rising else 1}0", told)
+        missing = prefix.run("python3", "-I", "-S", "drawbar.py", drive, "tow.svg", check=False)  # without any package
+        self.assertEqual((missing.returncode, len(missing.stderr.splitlines())), (1, 1), missing.stderr)
+        self.assertIn("there is no matplotlib", missing.stderr)
+
     def test_the_programs_of_the_readme(self):
         section = (prefix.ROOT / "README.md").read_text(encoding="utf-8").split("## From C and Python")[1].split("\n## ")[0]
         sources = dict(re.findall(r"```(python|c)\n(.*?)```", section, re.DOTALL))
