@@ -19,7 +19,7 @@ static void print_wrapped(FILE *stream, char **text)
 
 const char *explain_number_from(const struct scene *scene, int soil, const char *key)
 {
-	const bool guess = strcmp(key, "elastic_stiffness") == 0 || strcmp(key, "damping") == 0; /* no source gives them by soil */
+	const bool guess = strcmp(key, "elastic_stiffness") == 0 || strcmp(key, "damping") == 0; /* all named soils have one number */
 	if (scene_soil_given(scene, soil, key))
 		return "scene";
 	return guess || strncmp(scene->soil_names[soil], "unnamed", 7) == 0 ? "default" : "name";
@@ -163,8 +163,9 @@ static void print_vehicle(const struct report_plan *plan, size_t vehicle)
 	vehicle_info(plan->vehicles, vehicle, &info);
 	FILE *stream = open_memstream(&text, &size);
 	if (stream != NULL) {
-		fprintf(stream, "%s: %.6g kg, %zu soil geom%s, %zu actuators, %d engine steps in a time step; time_step at most %.3g s (%s: %.3g kg on %.3g m2)",
-			info.name, info.mass, info.geom_count, info.geom_count == 1 ? "" : "s", info.actuator_count, info.engine_steps, info.largest_step,
+		fprintf(stream, "%s: %.6g kg, %zu soil geom%s, %zu actuator%s, %d engine step%s in a time step; time_step at most %.3g s (%s: %.3g kg on %.3g m2)",
+			info.name, info.mass, info.geom_count, info.geom_count == 1 ? "" : "s", info.actuator_count, info.actuator_count == 1 ? "" : "s", info.engine_steps,
+			info.engine_steps == 1 ? "" : "s", info.largest_step,
 			info.largest_geom, info.largest_mass, info.largest_area);
 		print_wrapped(stream, &text);
 	}

@@ -456,6 +456,7 @@ void scene_advise(const struct scene *scene, double spacing, scene_advice_fn tel
 		advise_interface(&adviser, &scene->objects[i]);
 	}
 	scene_advise_posts(scene, spacing, tell, user);
+	scene_advise_rebound(scene, tell, user);
 	advise_forces(&adviser);
 	advise_view(&adviser);
 	advise_cameras(&adviser);

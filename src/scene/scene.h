@@ -390,6 +390,19 @@ double scene_object_bears_over(const struct scene *scene, const struct scene_obj
  * the scene's objects. `key`: of the body; `others`: how many are alike. */
 void scene_advise_posts_below(const char *key, const struct deform_shape *shape, double over, size_t others, double spacing, scene_advice_fn tell,
 			      void *user);
+/* What a soil's rebound does to a wheel: scene_rebound.c. */
+struct scene_rebound {
+	char key[200];           /* of the body */
+	int soil;                /* its number in the scene */
+	double sinkage, rebound; /* m: below the axle, and what of it springs back behind it */
+	double less;             /* 1 - resistance / that in a soil that does not spring back; 0: nothing found */
+};
+#define SCENE_REBOUND_TOLD 0.2 /* smaller shares are not told */
+/* Estimates the rebound below a wheel under `load` N, in each soil whose elastic_stiffness the scene does not give. Replaces *worst where the
+ * wheel's resistance is less by more. `key`: of the body. A body that is no wheel changes nothing. */
+void scene_rebound_look(const struct scene *scene, const char *key, const struct deform_shape *shape, double load, struct scene_rebound *worst);
+/* Tells of *worst, if its share is large enough. scene_advise does it for the scene's objects. */
+void scene_rebound_advise(const struct scene *scene, const struct scene_rebound *worst, scene_advice_fn tell, void *user);
 /* Calls `tell` for each number that seems to be given in a wrong unit. The text is one line, "FILE:LINE: KEY: WHY; WHAT TO DO".
  * scene_advise calls this first. */
 void scene_advise_units(const struct scene *scene, scene_advice_fn tell, void *user);

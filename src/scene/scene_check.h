@@ -56,6 +56,8 @@ enum status scene_check_units(const struct scene_tree *tree, const struct raw_sc
 struct scene_list scene_models_with_forces(void);
 /* Tells which objects have so few posts below them that forces are off, and by how much. Part of scene_advise. */
 void scene_advise_posts(const struct scene *scene, double spacing, scene_advice_fn tell, void *user);
+/* Tells of the wheel that the soil's rebound pushes most, if the scene writes forces. Part of scene_advise. */
+void scene_advise_rebound(const struct scene *scene, scene_advice_fn tell, void *user);
 void scene_drop_doubts(struct scene *scene); /* frees the notes of scene_check_units */
 
 /* Computes scene->hash from all settings that decide the ground. The cache, the view, the output, the store's name and the end

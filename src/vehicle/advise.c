@@ -1,4 +1,4 @@
-/* Advice on vehicles: which spacing their wheels need, and that they feel a damping of the soil that the scene does not give. */
+/* Advice on vehicles: which spacing their wheels need, and which numbers of the soil they feel that the scene does not give. */
 #include <stdio.h>
 
 #include "vehicle/vehicle.h"
@@ -68,10 +68,29 @@ static void advise_damping(const struct scene *scene, scene_advice_fn tell, void
 	}
 }
 
+/* Of the wheel that the soil's rebound pushes most. */
+static void advise_rebound(const struct vehicles *vehicles, const struct scene *scene, double spacing, scene_advice_fn tell, void *user)
+{
+	struct scene_rebound worst = {.less = 0};
+	for (size_t i = 0; i < vehicle_count(vehicles); i++) {
+		struct vehicle_info info;
+		vehicle_info(vehicles, i, &info);
+		for (size_t k = 0; k < info.geom_count; k++) {
+			struct vehicle_geom geom;
+			char key[200];
+			vehicle_geom(vehicles, i, k, spacing, &geom);
+			snprintf(key, sizeof key, "vehicles.%s", geom.name);
+			scene_rebound_look(scene, key, geom.shape, info.mass * scene->gravity / (double)info.geom_count, &worst);
+		}
+	}
+	scene_rebound_advise(scene, &worst, tell, user);
+}
+
 void vehicle_advise(const struct vehicles *vehicles, const struct scene *scene, double spacing, scene_advice_fn tell, void *user)
 {
 	if (vehicle_count(vehicles) > 0)
 		advise_damping(scene, tell, user);
+	advise_rebound(vehicles, scene, spacing, tell, user);
 	for (size_t i = 0; i < vehicle_count(vehicles); i++)
 		advise_vehicle(scene, vehicles, i, spacing, tell, user);
 }
