@@ -172,10 +172,14 @@ static void print_below(const double over[2], double spacing, bool each)
 {
 	if (!(over[0] > 0) || !isfinite(over[0]))
 		return;
-	printf("    %.2g", over[0] / spacing);
+	char least[24], most[24];
+	snprintf(least, sizeof least, "%.2g", over[0] / spacing);
+	snprintf(most, sizeof most, "%.2g", over[1] / spacing);
+	printf("    %s", least);
 	if (over[1] > 1.005 * over[0])
-		printf(" to %.2g", over[1] / spacing);
-	printf(" posts below %s: the soil bears it over about %.2g m\n", each ? "each" : "it", over[0]);
+		printf(" to %s", most);
+	printf(" post%s below %s: the soil bears it over about %.2g m\n",
+	       strcmp(least, "1") == 0 && strcmp(most, "1") == 0 ? "" : "s", each ? "each" : "it", over[0]);
 }
 
 /* The object or the soil geom, and those like it, where it is the first of them. */

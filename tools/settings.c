@@ -19,6 +19,12 @@ static enum status add(struct settings *settings, const char *key, size_t length
 	return STATUS_OK;
 }
 
+/* What is given in place of a soil, and looks like a path. */
+static bool looks_like_file(const char *value)
+{
+	return value[0] != '\0' && strpbrk(value, "{}[]:,") == NULL && strpbrk(value, "./") != NULL;
+}
+
 /* A soil may be a file that has one. */
 static enum status add_soil(struct settings *settings, const char *path)
 {
@@ -40,7 +46,10 @@ enum status settings_take(const struct arguments *arguments, struct settings *se
 		if (settings->count == SETTINGS_MAX)
 			return fail_with(STATUS_USAGE, "--set: is given too often; %d times at most", SETTINGS_MAX);
 		const size_t length = (size_t)(equals - text);
-		const bool file = length == strlen("soil") && strncmp(text, "soil", length) == 0 && soil_given_is_file(equals + 1);
+		const bool soil = length == strlen("soil") && strncmp(text, "soil", length) == 0, file = soil && soil_given_is_file(equals + 1);
+		if (soil && !file && looks_like_file(equals + 1))
+			return fail_with(STATUS_USAGE, "--set %s: not a soil file; give one that ends in .yaml, as furrow fit-soil -o writes it, a name as in "
+						       "--set soil.name=dry_sand, or numbers in braces", text);
 		enum status status = file ? add_soil(settings, equals + 1) : add(settings, text, length, equals + 1);
 		if (status != STATUS_OK)
 			return status;

@@ -97,6 +97,18 @@ static enum status draw_map(const struct drive *drive, bool keep, struct api_res
 
 #define DRIVES_STILL 0.25 /* of its commanded speed: from there on nothing holds a vehicle up */
 
+struct slip_text {
+	char text[48];
+};
+
+static struct slip_text slip_text(double slip)
+{
+	struct slip_text out = {""};
+	if (isfinite(slip))
+		snprintf(out.text, sizeof out.text, ", and its wheels slip %.2f", slip);
+	return out;
+}
+
 /* A drive may end before a vehicle has come to the end of its path. */
 static void tell_on_the_way(const struct drive *drive)
 {
@@ -109,8 +121,8 @@ static void tell_on_the_way(const struct drive *drive)
 			note("vehicles.%s: is not at the end of its path, but still drives at %.2g m/s: it has come %.4g m, and %.4g m are left; give an end_time of "
 			     "%.0f s or more", info.name, info.speed, info.distance, info.left, ceil(drive->world.time + info.left / info.speed + 1));
 		else
-			note("vehicles.%s: is not at the end of its path: it has come %.4g m; drive longer, or look at what holds it up (vehicles.csv)",
-			     info.name, info.distance);
+			note("vehicles.%s: is not at the end of its path: it has come %.4g m%s; drive longer, or look at what holds it up (vehicles.csv)",
+			     info.name, info.distance, slip_text(info.slip).text);
 	}
 }
 
@@ -120,8 +132,8 @@ static void tell_stuck(const struct drive *drive)
 		struct vehicle_info info;
 		vehicle_info(drive->vehicles, i, &info);
 		if (info.stuck && info.deepest != NULL)
-			note("vehicles.%s: is stuck since %.2f s: it has come %.4g m, and %s is deepest in the soil, by %.3g m; look at its rows in objects.csv "
-			     "(output.forces)", info.name, fmax(info.stuck_at, 0), info.distance, info.deepest, info.depth);
+			note("vehicles.%s: is stuck since %.2f s: it has come %.4g m%s, and %s is deepest in the soil, by %.3g m; look at its rows in objects.csv "
+			     "(output.forces)", info.name, fmax(info.stuck_at, 0), info.distance, slip_text(info.slip).text, info.deepest, info.depth);
 	}
 }
 

@@ -7,6 +7,7 @@
 /* Heights within an object are int32 fixed-point units. Half its height and the rise of a contact must fit. */
 #define SIZE_MAX_METRES 512.0
 #define GROUSERS_MAX 360
+#define LARGE 20.0 /* m across: larger bodies are probably given in mm */
 #define THINNEST 1000.0 /* an ellipsoid is at most so many times as long as it is thick */
 
 static enum status check_grousers(const struct deform_shape *shape)
@@ -63,8 +64,8 @@ enum status deform_shape_check(const struct deform_shape *shape, double spacing)
 		return fail_with(STATUS_INPUT, "shape: it has no width; give sizes above 0");
 	if (most > limit)
 		return fail_with(STATUS_INPUT, "shape: %g m across is too large for posts %g m apart; give at most %g m, or a "
-					       "coarser spacing",
-				 most, spacing, limit);
+					       "coarser spacing%s",
+				 most, spacing, limit, most > LARGE ? "; the unit of a size is m: if it is in mm, give thousandths of it" : "");
 	return STATUS_OK;
 }
 

@@ -9,6 +9,18 @@
 #include <unistd.h>
 #include <xxhash.h>
 
+/* Fails for a file that cannot be read, and tells where it was looked for: a scene's paths are relative to its folder. */
+static enum status fail_missing(const char *path, const char *told)
+{
+	char folder[PATH_MAX] = "";
+	const int why = errno;
+	if (strcmp(path, told) == 0)
+		return fail_with(STATUS_INPUT, "%s: %s; name a file that can be read", told, strerror(why));
+	if (path[0] != '/' && getcwd(folder, sizeof folder - 1) != NULL)
+		strcat(folder, "/");
+	return fail_with(STATUS_INPUT, "%s: %s; name a file that can be read; it was looked for at %.500s%.500s", told, strerror(why), folder, path);
+}
+
 enum status scene_file_read(const char *path, const char *told, size_t limit, char **bytes,
 			    size_t *length)
 {
@@ -17,8 +29,7 @@ enum status scene_file_read(const char *path, const char *told, size_t limit, ch
 	size_t used = 0, size = 0;
 	FILE *file = fopen(path, "rb");
 	if (file == NULL)
-		return fail_with(STATUS_INPUT, "%s: %s; name a file that can be read", told,
-				 strerror(errno));
+		return fail_missing(path, told);
 	for (;;) {
 		if (size - used < 2) {
 			size_t wanted = size == 0 ? 16384 : size * 2;
@@ -80,7 +91,7 @@ enum status scene_file_hash(const char *path, const char *told, uint64_t limit, 
 		return fail_with(STATUS_INPUT, "%s: not a file; name one", told);
 	FILE *file = fopen(path, "rb");
 	if (file == NULL)
-		return fail_with(STATUS_INPUT, "%s: %s; name a file that can be read", told, strerror(errno));
+		return fail_missing(path, told);
 	XXH3_state_t *state = XXH3_createState();
 	if (state == NULL) {
 		fclose(file);

@@ -5,6 +5,7 @@
  */
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 #include "scene/scene_check.h"
 #include "scene/scene_posts.h"
@@ -66,7 +67,7 @@ static bool is_first_told(const struct scene *scene, const struct scene_object *
 void scene_advise_posts_below(const char *key, const struct deform_shape *shape, double over, size_t others, double spacing, scene_advice_fn tell,
 			      void *user)
 {
-	char text[400], alike[48] = "", off[32] = "more than 100 %";
+	char text[400], posts[24], alike[48] = "", off[32] = "more than 100 %";
 	double finer = spacing;
 	const int error = error_of(shape, over / spacing), best = error_of(shape, INFINITY);
 	if (error <= TOLD_ABOVE || best >= error)
@@ -78,9 +79,10 @@ void scene_advise_posts_below(const char *key, const struct deform_shape *shape,
 		snprintf(alike, sizeof alike, ", as %zu other%s", others, others > 1 ? "s" : "");
 	if (error <= 100)
 		snprintf(off, sizeof off, "about %d %%", error);
+	snprintf(posts, sizeof posts, "%.2g", over / spacing);
 	const char *apart = shape->kind == DEFORM_WHEEL ? "" : ", without the heaps that it pushes";
-	snprintf(text, sizeof text, "%s: the soil bears it over about %.2g m%s, %.2g posts: forces may be off by %s here%s; at %g m by %d %%", key, over,
-		 alike, over / spacing, off, apart, finer, error_of(shape, over / finer));
+	snprintf(text, sizeof text, "%s: the soil bears it over about %.2g m%s, %s post%s: forces may be off by %s here%s; at %g m by %d %%", key, over,
+		 alike, posts, strcmp(posts, "1") == 0 ? "" : "s", off, apart, finer, error_of(shape, over / finer));
 	tell(user, text);
 }
 

@@ -117,6 +117,26 @@ static enum status sum_model(struct vehicle *vehicle)
 	return STATUS_OK;
 }
 
+#define LARGE 20.0 /* m: what a soil geom reaches; larger ones are probably in mm or cm */
+
+/* Units come first: numbers in mm also make other errors. */
+static void doubt_sizes(const struct vehicle *vehicle, const char *where)
+{
+	size_t large = 0, first = 0;
+	for (size_t i = vehicle->geom_count; i-- > 0;)
+		if (deform_shape_bound(&vehicle->geoms[i].shape) > LARGE) {
+			first = i;
+			large++;
+		}
+	char others[48] = "";
+	if (large > 1)
+		snprintf(others, sizeof others, ", as %zu other%s", large - 1, large > 2 ? "s" : "");
+	if (large > 0)
+		note("%s: %s reaches %.4g m from its middle%s: that is large, and perhaps in mm; the unit of a model is m: if its sizes are in mm give "
+		     "thousandths of them",
+		     where, vehicle->geoms[first].name, deform_shape_bound(&vehicle->geoms[first].shape), others);
+}
+
 enum status vehicle_read(struct vehicle *vehicle, const struct scene *scene)
 {
 	char where[300];
@@ -130,8 +150,10 @@ enum status vehicle_read(struct vehicle *vehicle, const struct scene *scene)
 		status = sum_model(vehicle);
 	if (status == STATUS_OK)
 		status = vehicle_find_geoms(vehicle, where);
-	if (status == STATUS_OK)
+	if (status == STATUS_OK) {
+		doubt_sizes(vehicle, where);
 		status = find_root(vehicle, where);
+	}
 	if (status == STATUS_OK)
 		status = find_joints(vehicle);
 	if (status != STATUS_OK)

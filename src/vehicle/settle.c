@@ -135,12 +135,12 @@ enum status vehicle_replace(const struct vehicles *vehicles, struct vehicle *veh
 }
 
 /* Fails for a vehicle that starts where there is no ground. Small numbers off a terrain that knows degrees are probably degrees. */
-static enum status fail_ground(const struct vehicles *vehicles, const struct vehicle *vehicle, const char *name)
+static enum status fail_ground(const struct vehicles *vehicles, const struct vehicle *vehicle, const struct soil_geom *geom)
 {
 	const struct extent *extent = &vehicles->world->meta->extent;
-	const double *at = vehicle->origin;
+	const double *at = vehicle->origin, *from = &vehicle->data->geom_xpos[3 * geom->geom];
 	const bool degrees = !extent_holds(extent, at[0], at[1]) && vehicles->scene->coordinates == SCENE_LOCAL && vehicles->world->meta->srs[0] != '\0' && fabs(at[0]) <= 360 && fabs(at[1]) <= 90;
-	return vehicle_fail_start(vehicles, vehicle, "no ground under %s at %g, %g m; start on the terrain, %g x %g m, away from holes%s", name, at[0], at[1],
+	return vehicle_fail_start(vehicles, vehicle, "no ground under %s at %g, %g m; start on the terrain, %g x %g m, away from holes%s", geom->name, at[0] + from[0], at[1] + from[1],
 				  extent_side(extent, 0), extent_side(extent, 1),
 				  degrees ? "; if these are longitude and latitude, give coordinates: degrees" : "");
 }
@@ -159,7 +159,7 @@ static enum status set_down(const struct vehicles *vehicles, struct vehicle *veh
 		if (status != STATUS_OK)
 			return status;
 		if (!any)
-			return fail_ground(vehicles, vehicle, vehicle->geoms[g].name);
+			return fail_ground(vehicles, vehicle, &vehicle->geoms[g]);
 		deepest = fmax(deepest, depth);
 	}
 	/* Whole metres are the origin's, so that MuJoCo's numbers stay small. */

@@ -84,6 +84,7 @@ struct vehicle_info {
 	double stuck_at;       /* s; while stuck */
 	const char *deepest;   /* its soil geom that is deepest in the soil now, */
 	double depth;          /* m: below the undisturbed surface; 0: none touches */
+	double slip;           /* mean of its wheels and belts now; NaN: none turns */
 };
 size_t vehicle_count(const struct vehicles *vehicles); /* 0 for NULL */
 void vehicle_info(const struct vehicles *vehicles, size_t vehicle, struct vehicle_info *info);
@@ -107,8 +108,8 @@ void vehicle_geom(const struct vehicles *vehicles, size_t vehicle, size_t geom, 
 enum status vehicle_find_shares(struct vehicles *vehicles) FURROW_CHECKED;
 /* Returns over how many metres the soil bears a soil geom, if each bears the same share of the weight. 0: it is neither a wheel nor a sphere. */
 double vehicle_bears_over(const struct vehicles *vehicles, size_t vehicle, size_t number, const struct scene *scene);
-/* Calls `tell` for a damping of the soil that the scene does not give. It also calls it for wheels and round feet with so few posts below them
- * that forces are off, as scene_advise does for objects. Each soil geom is taken to bear the same share of the weight. `spacing`: m between
+/* Calls `tell` for a damping of the soil that the scene does not give, and for a rebound that does much to a wheel's resistance. It also calls it
+ * for wheels and round feet with so few posts below them that forces are off, as scene_advise does for objects. Each soil geom is taken to bear the same share of the weight. `spacing`: m between
  * posts of the working level. NULL: there are no vehicles. */
 void vehicle_advise(const struct vehicles *vehicles, const struct scene *scene, double spacing, scene_advice_fn tell, void *user);
 

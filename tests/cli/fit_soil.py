@@ -96,6 +96,7 @@ class FitSoil(FurrowTest):
         self.assertEqual(set_["soils"][0], {**soil, "damping": 7})
         self.assertNotIn("lunar", set_["scene"]["values"].values())
         self.assertIn("no.yaml", self.refused(3, "explain", same, "--set", "soil=no.yaml"))
+        self.assertIn("--set soil=utv.xml: not a soil file; give one that ends in .yaml", self.refused(2, "explain", same, "--set", "soil=utv.xml"))
         # Plates alone: the strength is that of the named soil.
         self.ok("fit-soil", PLATE, "-o", "soil.yaml", "--soil", "lete_sand")
         scene = self.scene(SCENE + (self.folder / "soil.yaml").read_text())

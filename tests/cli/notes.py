@@ -102,6 +102,12 @@ class Notes(FurrowTest):
             self.skipTest(result.stderr.strip())
         self.assertEqual(result.returncode, 0, result.stderr)
         told = [line for line in result.stderr.splitlines() if "vehicles.car" in line]
+        # What the soil's rebound does is told once, of drives and by explain, unless the scene gives it.
+        springs = [line for line in told if line.startswith("furrow: note: soil.elastic_stiffness: is not given, so it is 4e+07 Pa/m: below vehicles.car.wheel the soil springs back by ")]
+        self.assertEqual(len(springs), 1, result.stderr)
+        told.remove(springs[0])
+        self.assertIn(springs[0].removeprefix("furrow: note: "), self.json("explain", "car.yaml", "--store", "world.furrow")["notes"])
+        self.assertNotIn("elastic_stiffness", "".join(self.json("explain", "car.yaml", "--set", "soil.elastic_stiffness=1e8")["notes"]))
         # Few posts are below its wheel, as is told of an object of that shape and load.
         self.assertEqual(len(told), 3, result.stderr)
         self.assertEqual(told.pop(0), "furrow: note: vehicles.car.wheel: is 0.24 m across, and posts are 0.25 m apart: it can pass between them and leave nothing; "
@@ -111,7 +117,7 @@ class Notes(FurrowTest):
         self.assertEqual([told[0].replace("vehicles.car.wheel", "objects.a.shape").removeprefix("furrow: note: ")], alike)
         self.assertIn(told[0].removeprefix("furrow: note: "), self.json("explain", "car.yaml", "--store", "world.furrow")["notes"])
         fine = self.json("explain", "car.yaml", "--store", "world.furrow", "--set", "spacing=0.01")["notes"]
-        self.assertEqual([note for note in fine if "vehicles.car" in note], [])
+        self.assertEqual([note for note in fine if "vehicles.car" in note and "springs back" not in note], [])
         coarse = self.json("explain", "car.yaml", "--store", "world.furrow", "--set", "spacing=0.5")["notes"]
         self.assertEqual(len([note for note in coarse if "posts: forces may be off by more than 100 % here; at " in note]), 1)
         # Damping is told where the scene does not give it.
@@ -119,7 +125,7 @@ class Notes(FurrowTest):
         self.assertIn("furrow: note: " + damped + "\n", result.stderr)
         self.assertIn(damped, fine)
         self.assertNotIn("soil.damping", "".join(self.json("explain", "car.yaml", "--set", "soil.damping=30000")["notes"]))
-        self.assertRegex(told[1], r"^furrow: note: vehicles\.car: is not at the end of its path: it has come [\d.e-]+ m; drive longer, or look ")
+        self.assertRegex(told[1], r"^furrow: note: vehicles\.car: is not at the end of its path: it has come [\d.e-]+ m(, and its wheels slip -?[\d.]+)?; drive longer, or look ")
         self.scene(scene % "[30, 20], [9000, 20]", "far.yaml")
         far = [note for note in self.json("explain", "far.yaml", "--store", "world.furrow")["notes"] if "off the terrain" in note]
         self.assertEqual(len(far), 1)
@@ -134,13 +140,29 @@ class Notes(FurrowTest):
         self.assertAlmostEqual(way + left, 10, delta=0.1)
         self.assertAlmostEqual(end, 3.5 + left / speed, delta=1)  # 2 s, and one in which it slows down
         stuck = self.notes("vehicles.car: ", "--overlay", "f.furrow", "--set", "end_time=20", "--set", "stuck={after: 1, below: 0.5}", scene="car.yaml")
-        self.assertRegex(" ".join(stuck), r"vehicles\.car: is stuck since [\d.]+ s: it has come [\d.]+ m, and car\.wheel is deepest in the soil, by [\d.]+ m; look ")
+        self.assertRegex(" ".join(stuck), r"vehicles\.car: is stuck since [\d.]+ s: it has come [\d.]+ m, and its wheels slip [\d.]+, and car\.wheel is deepest in the soil, by [\d.]+ m; look ")
         # One point: it is there.
         self.scene((scene % "[30, 20]").replace("[[20, 20], [30, 20]]", "[[20, 20]]"), "there.yaml")
         self.assertEqual(self.notes("vehicles.car: ", "--overlay", "d.furrow", scene="there.yaml"), [])
 
+    def test_sizes_and_paths_of_a_model_are_told(self):
+        model = (pathlib.Path(__file__).parents[1] / "vehicle/one_wheel.xml").read_text()
+        (self.folder / "mm.xml").write_text(model.replace('size="0.32 0.12"', 'size="320 120"'))
+        scene = "scene: 1\ntime_step: 0.002\nend_time: 1\nspacing: 0.25\nsoil: {name: dry_sand}\nredistribute: {model: scm}\nvehicles: [{name: car, model: %s, start: {at: [20, 20]}}]\n"
+        self.scene(scene % "mm.xml", "mm.yaml")
+        result = self.furrow("explain", "mm.yaml")
+        if "this build has no MuJoCo" in result.stderr:
+            self.skipTest(result.stderr.strip())
+        self.assertRegex(result.stderr.splitlines()[0], r"^furrow: note: mm\.yaml: vehicles\.car: car\.wheel reaches 341\.8 m from its middle: that is large, and perhaps in mm; ")
+        self.scene(scene % "none.xml", "none.yaml")
+        self.assertIn(f"name a file that can be read; it was looked for at {self.folder.resolve()}/none.xml", self.refused(3, "explain", "none.yaml"))
+        self.scene(SCM.replace("1.04", "1040").replace("radius: 0.5", "radius: 500"), "large.yaml")
+        self.assertIn("too large for posts", self.refused(3, "explain", "large.yaml", "--set", "spacing=0.25"))
+        self.assertIn("if it is in mm, give thousandths of it", self.refused(3, "explain", "large.yaml", "--set", "spacing=0.25"))
+
     def test_a_vehicle_that_cannot_start_leaves_nothing(self):
-        shutil.copy(pathlib.Path(__file__).parents[1] / "vehicle/one_wheel.xml", self.folder)
+        model = (pathlib.Path(__file__).parents[1] / "vehicle/one_wheel.xml").read_text()
+        (self.folder / "one_wheel.xml").write_text(model.replace('<body name="wheel">', '<body name="wheel" pos="0.75 0 0">'))
         self.scene("scene: 1\ntime_step: 0.002\nend_time: 0.1\nspacing: 0.25\nsoil: {name: dry_sand}\nredistribute: {model: scm}\noutput: {vehicles: 20}\n"
                    "vehicles: [{name: car, model: one_wheel.xml, start: {at: [-5, 20]}}]\n", "off.yaml")
         before = sorted(self.folder.rglob("*"))
@@ -148,7 +170,7 @@ class Notes(FurrowTest):
         result = self.furrow(*new)
         if result.returncode == 4 or "this build has no MuJoCo" in result.stderr:
             self.skipTest(result.stderr.strip())
-        self.assertIn("no ground under car.wheel", self.told(3, result))
+        self.assertIn("no ground under car.wheel at -4.25, 20 m", self.told(3, result))
         self.assertEqual(result.stdout, "")
         self.assertEqual(sorted(self.folder.rglob("*")), before)
         # What was there before stays.
