@@ -219,7 +219,8 @@ static void write_bodies(const struct html_report *report)
 			write_value(report, OBJECTS, &values[i]);
 	tell_energy(report);
 	tell_missing(report, OBJECTS, "No rows of objects.csv");
-	fputs("</div>\n<p class=\"small\">The way is that of the object's centre, seen from above. Slip beyond -1 and 1 is drawn at -1 and 1. Torque is what turns a wheel.</p>\n", report->file);
+	fputs("</div>\n<p class=\"small\">The way is that of the object's centre, seen from above. Slip beyond -1 and 1 is drawn at -1 and 1. Torque is what turns a wheel. Where curves lie on each other, "
+	      "as those of the two wheels of an axle on level ground, the one that the legend names first is on top.</p>\n", report->file);
 	fputs(slope ? "<p class=\"small\">Traction is the soil's force on the object along the ground, in the direction of the way. Grade resistance is the part of it that carries "
 		      "the weight up the slope: the weight times the sine of the slope, below 0 downhill. Drawbar pull is traction less grade resistance. The weight is the "
 		      "object's load; of an object without a load, such as a wheel of a vehicle, it is the soil's upward force.</p>\n"

@@ -130,8 +130,8 @@ void html_energy_objects(const struct html_report *report)
 	table_row(report, list, count, "of that, by sinking and pushing soil, J/m", by_sinking);
 	table_row(report, list, count, "tractive efficiency, share of 1", efficiency);
 	html_table_end(report);
-	fputs("<p class=\"small\">Work of the torque = energy into the soil + work of the drawbar pull + work that lifts the weight. The pull's work is below 0 where the object is "
-	      "pushed or towed. The part by slip is slip times the work of the torque. Tractive efficiency is the work of pull and lifting over that of the torque.</p>\n",
+	fputs("<p class=\"small\">Work of the torque = energy into the soil + work of the drawbar pull + work that lifts the weight. The table has the whole drive, with its run-up; the results have the last quarter. "
+	      " The pull's work is below 0 where the object is pushed or towed. The part by slip is slip times the work of the torque. Tractive efficiency is the work of pull and lifting over that of the torque.</p>\n",
 	      report->file);
 }
 
@@ -190,6 +190,6 @@ void html_energy_vehicles(const struct html_report *report)
 	table_row(report, list, count, "into motion, kJ", kinetic);
 	table_row(report, list, count, "the rest: dampers, springs and stops of its joints, kJ", rest);
 	html_table_end(report);
-	fputs("<p class=\"small\">The weight is lifted by as much as the origin of the vehicle's root body rises. The energy into the soil is that of the rows of objects.csv.</p>\n",
+	fputs("<p class=\"small\">The table has the whole drive, with its run-up; the results have the last quarter. The weight is lifted by as much as the origin of the vehicle's root body rises. The energy into the soil is that of the rows of objects.csv.</p>\n",
 	      report->file);
 }

@@ -167,6 +167,7 @@ void html_forces_take(struct html_body *body, struct html_row *row, double went)
 		add_energy(&body->energy, last, row, went);
 	}
 	values[HTML_ENERGY][at] = body->energy.soil;
+	values[HTML_PUSH][at] = body->energy.push;
 	if (at > 0)
 		fill_loss(body, row, at);
 	if (row->moved)

@@ -7,9 +7,9 @@
 /* Paper and light screens; dark screens. Colours of curves: Okabe's and Ito's, lighter on dark ground. */
 const char html_style[] =
 	":root{--ground:#fff;--text:#1c1c1c;--soft:#5a5a5a;--line:#ddd;--zero:#888;--head:#f3f3f1;"
-	"--c0:#0072b2;--c1:#c24e00;--c2:#00805d;--c3:#b4548c;--c4:#946300;--c5:#2a86c8;--c6:#7a5c00;--c7:#666}\n"
+	"--c0:#0072b2;--c1:#c24e00;--c2:#00805d;--c3:#b4548c;--c4:#946300;--c5:#6a3fb5;--c6:#111;--c7:#666}\n"
 	"@media screen and (prefers-color-scheme:dark){:root{--ground:#141414;--text:#e4e4e4;--soft:#a6a6a6;--line:#333;--zero:#888;--head:#222;"
-	"--c0:#56b4e9;--c1:#f0883e;--c2:#35c79a;--c3:#e39ac4;--c4:#e6b422;--c5:#8cc8f5;--c6:#c9ab57;--c7:#aaa}}\n"
+	"--c0:#56b4e9;--c1:#f0883e;--c2:#35c79a;--c3:#e39ac4;--c4:#e6b422;--c5:#b39df3;--c6:#f2f2f2;--c7:#aaa}}\n"
 	"html{color-scheme:light dark}body{font:15px/1.45 system-ui,sans-serif;margin:0 auto;padding:1rem;max-width:75rem;background:var(--ground);color:var(--text)}\n"
 	"h1{font-size:1.5rem;margin:.5rem 0;overflow-wrap:anywhere}h2{font-size:1.15rem;margin:2rem 0 .6rem;border-bottom:1px solid var(--line)}\n"
 	".small,small,figcaption{font-size:.85rem;color:var(--soft)}p{margin:.5rem 0;overflow-wrap:anywhere}\n"

@@ -24,6 +24,7 @@ enum html_value {
 	HTML_LOSS,    /* J of it for each metre of way */
 	HTML_TORQUE,  /* N m about the axle: the soil's moment, turned round. Of what turns */
 	HTML_VERTICAL, /* N: the soil's force upward */
+	HTML_PUSH,    /* kJ: work of the soil's force along the way, in space, since the first row */
 	HTML_VALUES,
 	/* of a vehicle: */
 	HTML_SPEED = 0, /* m/s */

@@ -358,6 +358,9 @@ class Report(FurrowTest):
                 if name != "grade resistance":
                     unit = "N m" if name == "torque" else "N"
                     self.assertAlmostEqual(results[f"{'other' if work else 'left'}: mean {name}, {unit}"][0], value, delta=1e-4 * abs(value))
+            for label in ("tractive efficiency, share of 1", "energy into the soil for each metre, J/m"):  # of the last quarter the same
+                if label in told and degrees > 0:
+                    self.assertAlmostEqual(results[f"{'other' if work else 'left'}: {label}"][0], told[label][0], delta=1e-4 * told[label][0])
             loss = plots["energy into the soil for each metre over time"]
             self.assertTrue(all(abs(y - told["energy into the soil for each metre, J/m"][0]) < loss.grain(1) for _, y in loss.curves[0]))
             self.assertIn("Grade resistance is the part of it that carries the weight up the slope", " ".join(page.sentences("curves")))
@@ -637,6 +640,14 @@ class Report(FurrowTest):
         for label, key in (("mass, kg", "mass"), ("distance, m", "distance"), ("work, J", "work"), ("kinetic energy, J", "kinetic")):
             self.assertEqual(results["car: " + label], [run["vehicles"]["car"][key]])
         self.means_are_those_of(list(self.csv_of("car").values()), results, "car", sums=", sum of its wheels")
+        # Energy in the same rows: of the actuators, and into the soil. On level ground its wheels pull nothing, so it has no efficiency.
+        late = [row for row in rows if row["t"] >= 0.75 * rows[-1]["t"] * (1 - 1e-9)]
+        work, went = late[-1]["work"] - late[0]["work"], sum(math.hypot(b["x"] - a["x"], b["y"] - a["y"]) for a, b in zip(late, late[1:]))
+        self.assertAlmostEqual(results["car: mean power of its actuators, W"][0], work / (late[-1]["t"] - late[0]["t"]), delta=1e-3 * work)
+        self.assertAlmostEqual(results["car: work of its actuators for each metre, J/m"][0], work / went, delta=1e-6 * work / went)
+        lost = sum(wheel[-1]["work"] - next(row["work"] for row in wheel if row["t"] >= late[0]["t"] * (1 - 1e-9)) for wheel in self.csv_of("car").values())
+        self.assertAlmostEqual(results["car: energy into the soil for each metre, J/m"][0], lost / went, delta=1e-3 * lost / went)
+        self.assertNotIn("car: tractive efficiency, share of 1", results)
         plots = page.plots("vehicles")
         wanted = {"speed": math.hypot(*(rows[-1][key] for key in ("vx", "vy", "vz"))), "work of the actuators": rows[-1]["work"] / 1e3,
                   "kinetic energy": rows[-1]["kinetic"] / 1e3}
