@@ -16,6 +16,7 @@ import subprocess
 import sys
 import time
 
+import looks
 import tested
 from record import FIGURES, ROOT
 
@@ -53,7 +54,8 @@ def steps(options):
         Step("probe", ["bench/bench_probe"], [programs / "bench_probe"]),
         Step("transfer", ["bench/bench_transfer"], [programs / "bench_transfer"]),
         Step("terrain_size", ["bench/bench_terrain_size"], [programs / "bench_terrain_size"]),
-        Step("looks", [], [python, bench / "looks.py", furrow]),
+        Step("looks", [], [python, bench / "looks.py", furrow, *(word for part in looks.parts() for word in ("--only", part))]),
+        Step("looks_tile", [], [python, bench / "looks.py", furrow, "--only", "tile", "--runs", 5]),
         Step("deform", ["bench/bench_deform"], [programs / "bench_deform"]),
         Step("frame", ["bench/bench_frame"], [programs / "bench_frame"]),
         Step("ranks", [], [python, bench / "ranks.py", furrow, "--wheels", "100,400", "--runs", 3, "--steps", 240]),
