@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What pages say of `furrow rig`: the measured wheel by one command, a wheel of a newton on stiff clay, and what K_e changes. Some minutes on two quiet cores.
+"""What pages say of `furrow rig`: the measured wheel by one command, a wheel of a newton on stiff clay, what K_e changes, and a second pass. A minute.
 
     python3 bench/rig.py build/tools/furrow --rig FOLDER --figures bench/figures/rig.json     # FOLDER: wheel_smooth.csv
 
@@ -20,6 +20,7 @@ from pages import Told
 from pages import main as told_main
 
 LOAD, LEAST, MOST = 24.5, -0.55, 0.95   # N; the slips of the rig's page that are compared
+STIFFNESSES = ("1e7", "4e7", "4e8", "1e10")   # Pa/m
 STIFF = {"shape": "wheel: {radius: 0.35, width: 0.25}", "load": "3000", "soil": "dry_sand", "slip": "0.2"}
 
 
@@ -41,6 +42,29 @@ def rig(furrow, folder, name, **options):
         raise Told(f"furrow rig {' '.join(words)}: {done.stderr.strip()}")
     with open(folder / name / "rig.csv") as file:
         return done.stdout, list(csv.DictReader(file))
+
+
+def springs_back(furrow, folder, kept):
+    """A towed and a driven wheel on loam by its elastic stiffness."""
+    for stiffness in STIFFNESSES:
+        (folder / f"loam-{stiffness}.yaml").write_text("soil: {name: sandy_loam_15, elastic_stiffness: " + stiffness + "}\n")
+    soils = ",".join(str(folder / f"loam-{stiffness}.yaml") for stiffness in STIFFNESSES)
+    for name, asked in (("towed", {"torque": "0"}), ("driven", {"slip": "0.2"})):
+        _, rows = rig(furrow, folder, name, soil=soils, shape="wheel: {radius: 0.35, width: 0.22}", load="2207", spacing="0.0275", **asked)
+        for stiffness, row in zip(STIFFNESSES, rows, strict=True):
+            kept.add(f"loam_{stiffness}.{name}.sinkage", float(row["sinkage"]) * 1e3, "mm")
+            kept.add(f"loam_{stiffness}.{name}.drawbar", float(row["drawbar"]), "N")
+        if name == "towed":
+            for stiffness, row in zip(STIFFNESSES, rows):
+                kept.add(f"loam_{stiffness}.towed.resistance", -float(row["drawbar"]), "N")
+
+
+def second_pass(furrow, folder, kept):
+    """The wheel that `furrow rig` has by itself, and one that follows another."""
+    for passes, name in (("1", "first"), ("2", "second")):
+        _, rows = rig(furrow, folder, f"passes-{passes}", soil="dry_sand,sandy_loam_15", slip="0.1,0.2,0.4", spacing="0.02", passes=passes)
+        for row in rows:
+            kept.add(f"rut.{row['soil']}.slip_{float(row['slip']):g}.{name}", float(row["drawbar"]), "N")
 
 
 def main():
@@ -70,6 +94,8 @@ def main():
             pulls.append(float(row["drawbar"]))
             kept.add(f"stiffness_{stiffness}.drawbar", pulls[-1], "N")
         kept.add("stiffness.less", 1 - pulls[1] / pulls[0], "times")
+        springs_back(options.furrow, folder, kept)
+        second_pass(options.furrow, folder, kept)
     for key, figure in kept.figures.items():
         if not math.isfinite(figure["value"]):
             raise Told(f"{key}: the wheel sank; mend the bench")
