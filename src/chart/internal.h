@@ -51,6 +51,16 @@ static inline bool chart_rect_within(const struct chart_rect *inner, const struc
 	return inner->x0 >= outer->x0 && inner->y0 >= outer->y0 && inner->x1 <= outer->x1 && inner->y1 <= outer->y1;
 }
 
+/* --- join.c: ways that lie on each other --- */
+struct chart_joined {
+	struct chart_way *ways; /* places are those of the given ways; names also of `names` */
+	char **names;           /* NULL: the way's own */
+	size_t count;
+};
+/* Makes one way, "left-1 ... left-10", of those that lie on each other and whose names differ in the number at their end only. */
+enum status chart_ways_join(const struct chart_way *ways, size_t count, struct chart_joined *out) FURROW_CHECKED;
+void chart_joined_finish(struct chart_joined *joined);
+
 /* --- frame: where the ground lies on the page --- */
 struct chart_frame {
 	struct chart_rect rect;

@@ -322,8 +322,9 @@ static struct chart_place place_of(const struct chart_raster *raster, const stru
 	return place;
 }
 
-enum status chart_map_page(const struct chart_map *map, const char *path, struct chart_page *page, struct chart_frame *frame,
-			   struct chart_written *written)
+/* Of ways that are joined. */
+static enum status write_page(const struct chart_map *map, const char *path, struct chart_page *page, struct chart_frame *frame,
+			      struct chart_written *written)
 {
 	struct layout layout = {.map = map, .legend = {.map = map}};
 	enum chart_format format = CHART_PNG;
@@ -353,6 +354,22 @@ enum status chart_map_page(const struct chart_map *map, const char *path, struct
 	written->height = format == CHART_PNG ? page->rows : (uint32_t)layout.height;
 	written->place = place_of(map->raster, &layout.frame, dots);
 	chart_grid_finish(&layout.grid);
+	return status;
+}
+
+enum status chart_map_page(const struct chart_map *map, const char *path, struct chart_page *page, struct chart_frame *frame,
+			   struct chart_written *written)
+{
+	struct chart_joined joined;
+	struct chart_map drawn = *map;
+	*written = (struct chart_written){.width = 0};
+	enum status status = chart_ways_join(map->ways, map->way_count, &joined);
+	if (status != STATUS_OK)
+		return status;
+	drawn.ways = joined.ways;
+	drawn.way_count = joined.count;
+	status = write_page(&drawn, path, page, frame, written);
+	chart_joined_finish(&joined);
 	return status;
 }
 

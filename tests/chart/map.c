@@ -368,6 +368,34 @@ static void names_do_not_meet(void **state)
 		}
 }
 
+/* Copies of a template pass over one way, the last of them not to its end. */
+static void copies_on_one_way_have_one_name(void **state)
+{
+	static char names[20][24];
+	static const double left[3][2] = {{20, 20}, {200, 100}, {350, 120}}, right[3][2] = {{20, 60}, {200, 140}, {350, 160}}, part[2][2] = {{20, 60}, {110, 100}};
+	struct chart_raster_params params = asked(0, STORE_OFFSET);
+	struct chart_map map = plain(700);
+	struct chart_way ways[24];
+	for (size_t i = 0; i < 20; i++) {
+		snprintf(names[i], sizeof names[i], "%s-%zu", i % 2 == 0 ? "left" : "right", i / 2 + 1);
+		ways[i] = (struct chart_way){names[i], i % 2 == 0 ? left : right, 3, false};
+	}
+	ways[19] = (struct chart_way){names[19], part, 2, false};
+	ways[20] = (struct chart_way){"left-11", right, 3, false}; /* other ways, and other names */
+	ways[21] = (struct chart_way){"leftover-1", left, 3, false};
+	ways[22] = (struct chart_way){"left", left, 3, false};
+	ways[23] = (struct chart_way){"right-12", right, 3, true};
+	map.ways = ways;
+	map.way_count = 24;
+	struct drawn drawn = draw_map(map, &params, "map.png");
+	assert_int_equal(drawn.written.names, 6);
+	assert_non_null(said(&drawn, "left-1 ... left-10"));
+	assert_non_null(said(&drawn, "right-1 ... right-10"));
+	assert_true(said(&drawn, "left-11") != NULL && said(&drawn, "leftover-1") != NULL && said(&drawn, "left") != NULL && said(&drawn, "right-12") != NULL);
+	assert_in_order(&drawn);
+	drawn_finish(&drawn);
+}
+
 /* --- odd maps --- */
 
 static void the_smallest_and_the_narrowest_maps_have_all_of_it(void **state)
@@ -401,6 +429,7 @@ int main(void)
 		cmocka_unit_test(the_legend_of_heights_has_their_ends),
 		cmocka_unit_test(classes_have_their_colours_and_shares),
 		cmocka_unit_test(names_do_not_meet),
+		cmocka_unit_test(copies_on_one_way_have_one_name),
 		cmocka_unit_test(the_smallest_and_the_narrowest_maps_have_all_of_it),
 	};
 	return cmocka_run_group_tests(tests, enter, leave);
