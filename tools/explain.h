@@ -15,7 +15,7 @@ void explain_cameras_text(const struct scene *scene, const struct report_plan *p
 void explain_cameras_json(cJSON *root, const struct scene *scene, const struct report_plan *plan);
 
 /* explain_vehicles.c */
-void explain_soils_text(const struct scene *scene);
+void explain_soils_text(const struct scene *scene, const struct report_plan *plan);
 void explain_vehicles_text(const struct report_plan *plan);
 void explain_geom(const struct deform_shape *shape, char *text, size_t size); /* "wheel, radius 0.4 m, width 0.2 m" */
 /* As scene_soil_number; NAN also for a number that the scene's model does not read. */

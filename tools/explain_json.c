@@ -144,10 +144,12 @@ static void add_rasters(cJSON *root, const struct report_plan *plan)
 		add_text(raster, "unit", told->unit);
 		json_pair(raster, "range", told->low, told->high);
 		json_number(raster, "step", told->step);
+		if (plan->soils_known)
+			json_number(raster, "share", plan->covered[i]);
 	}
 }
 
-static void add_soils(cJSON *root, const struct scene *scene)
+static void add_soils(cJSON *root, const struct scene *scene, const struct report_plan *plan)
 {
 	if (deform_model_row(scene->model)->numbers == NULL)
 		return;
@@ -158,6 +160,10 @@ static void add_soils(cJSON *root, const struct scene *scene)
 		cJSON *row = cJSON_CreateObject();
 		cJSON_AddItemToArray(soils, row);
 		cJSON_AddStringToObject(row, "name", scene->soil_names[soil]);
+		if (soil > 0)
+			json_integer(row, "class", scene_soil_value(scene, soil));
+		if (plan->soils_known)
+			json_number(row, "share", plan->soils[soil]);
 		for (size_t i = 0; explain_number(scene, soil, i, &key, &value); i++) {
 			if (isnan(value))
 				continue;
@@ -225,7 +231,7 @@ enum status explain_json(const struct scene *scene, const struct report_plan *pl
 		json_integer(samples, scene->objects[i].name, (int64_t)plan->samples[i]);
 	add_effects(root, scene, plan);
 	add_rasters(root, plan);
-	add_soils(root, scene);
+	add_soils(root, scene, plan);
 	add_vehicles(root, plan);
 	report_sun_add(root, &plan->sun);
 	explain_cameras_json(root, scene, plan);

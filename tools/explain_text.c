@@ -33,9 +33,11 @@ static void print_rasters(const struct report_plan *plan)
 		puts("\nnumbers of the soil at each post");
 	for (int i = 0; i < plan->raster_count; i++) {
 		const struct world_raster *raster = &plan->rasters[i];
-		char what[160];
-		snprintf(what, sizeof what, "  %-17s %.6g to %.6g%s%s in steps of %.4g", raster->key, raster->low, raster->high,
-			 raster->unit != NULL ? " " : "", raster->unit != NULL ? raster->unit : "", raster->step);
+		char what[200];
+		int used = snprintf(what, sizeof what, "  %-17s %.6g to %.6g%s%s in steps of %.4g", raster->key, raster->low, raster->high,
+				    raster->unit != NULL ? " " : "", raster->unit != NULL ? raster->unit : "", raster->step);
+		if (plan->soils_known)
+			snprintf(what + used, sizeof what - (size_t)used, ", along %.3g %% of the paths", 100 * plan->covered[i]);
 		layout_row(what, raster->path);
 	}
 }
@@ -55,7 +57,7 @@ static uint64_t bytes_once(const struct plan *plan)
 static void print_memory(const struct scene *scene, const struct report_plan *plan, bool all)
 {
 	const uint64_t few = plan->most.slots + plan->most.loads + plan->most.queue_few + plan->most.ground;
-	char most[640], asked[96] = "";
+	char most[760], asked[96] = "", worst[160] = "";
 	puts("\nmemory");
 	if (all)
 		explain_bytes_text(scene, &plan->plan);
@@ -63,12 +65,14 @@ static void print_memory(const struct scene *scene, const struct report_plan *pl
 		printf("  %s for textures and buffers that are made once\n", layout_bytes(bytes_once(&plan->plan)).text);
 	if (scene->memory > 0)
 		snprintf(asked, sizeof asked, " of cache.memory: %s", layout_bytes(scene->memory).text);
+	if (all) /* far more than any drive needs: it frightens who does not ask */
+		snprintf(worst, sizeof worst, "; at most %s if one step changed every tile that the scene's objects could reach in it",
+			 layout_bytes(few + plan->most.queue - plan->most.queue_few).text);
 	snprintf(most, sizeof most, "for tiles %s%s (%s in %u slots, %s in loads, %s in %u tiles of base heights and those of loaders%s, %s in "
-				    "%u changed tiles) while no more changed tiles are on their way; %s in the worst step that there can be",
+				    "%u changed tiles) while no more changed tiles are on their way%s",
 		 layout_bytes(few).text, asked, layout_bytes(plan->most.slots).text, plan->tiles.slots, layout_bytes(plan->most.loads).text,
 		 layout_bytes(plan->most.ground).text, plan->tiles.ground, plan->tiles.queries > 0 ? " and queries" : "",
-		 layout_bytes(plan->most.queue_few).text, plan->tiles.changed,
-		 layout_bytes(few + plan->most.queue - plan->most.queue_few).text);
+		 layout_bytes(plan->most.queue_few).text, plan->tiles.changed, worst);
 	layout_wrapped(most, 4);
 }
 
@@ -99,7 +103,7 @@ void explain_text(const struct scene *scene, const struct report_plan *plan, boo
 	if (all)
 		explain_effects_text(scene, plan);
 	print_rasters(plan);
-	explain_soils_text(scene);
+	explain_soils_text(scene, plan);
 	explain_vehicles_text(plan);
 	explain_sun_text(plan);
 	explain_cameras_text(scene, plan);

@@ -53,14 +53,57 @@ static void add_numbers(FILE *stream, const struct scene *scene, int soil, const
 		fputc(';', stream);
 }
 
-static void print_soil(const struct scene *scene, int soil)
+/* Tells whether explain prints the same of both. */
+static bool same_soil(const struct scene *scene, int a, int b)
 {
+	const char *key;
+	double one, other;
+	if (strcmp(scene->soil_names[a], scene->soil_names[b]) != 0)
+		return false;
+	for (size_t i = 0; explain_number(scene, a, i, &key, &one); i++) {
+		explain_number(scene, b, i, &key, &other);
+		if ((one != other && !(isnan(one) && isnan(other))) || strcmp(explain_number_from(scene, a, key), explain_number_from(scene, b, key)) != 0)
+			return false;
+	}
+	return true;
+}
+
+/* Writes which classes of the map have this soil, and along what share of the paths they lie. */
+static void add_classes(FILE *stream, const struct scene *scene, const struct report_plan *plan, int soil)
+{
+	double share = 0;
+	bool any = false;
+	if (scene->soil_map == NULL)
+		return;
+	for (int i = 1; i <= scene->soil_count; i++) { /* the default, which is the first, comes last */
+		const int other = i % scene->soil_count;
+		if (!same_soil(scene, soil, other))
+			continue;
+		if (other == 0)
+			fprintf(stream, "%sdefault", any ? " and " : " (");
+		else
+			fprintf(stream, "%s%d", any ? ", " : " (class ", scene_soil_value(scene, other));
+		share += plan->soils[other];
+		any = true;
+	}
+	if (plan->soils_known)
+		fprintf(stream, "; %.3g %% of the paths", 100 * share);
+	fputc(')', stream);
+}
+
+static void print_soil(const struct scene *scene, const struct report_plan *plan, int soil)
+{
+	for (int i = 0; i < soil; i++)
+		if (same_soil(scene, i, soil))
+			return;
 	char *text = NULL;
 	size_t size = 0;
 	FILE *stream = open_memstream(&text, &size);
 	if (stream == NULL)
 		return;
-	fprintf(stream, "%s:", scene->soil_names[soil]);
+	fprintf(stream, "%s", scene->soil_names[soil]);
+	add_classes(stream, scene, plan, soil);
+	fputc(':', stream);
 	add_numbers(stream, scene, soil, "scene", " the scene's");
 	add_numbers(stream, scene, soil, "name", " the name's");
 	add_numbers(stream, scene, soil, "default", " defaults");
@@ -69,13 +112,15 @@ static void print_soil(const struct scene *scene, int soil)
 	print_wrapped(stream, &text);
 }
 
-void explain_soils_text(const struct scene *scene)
+void explain_soils_text(const struct scene *scene, const struct report_plan *plan)
 {
 	if (deform_model_row(scene->model)->numbers == NULL)
 		return;
 	puts("\nsoil");
 	for (int i = 0; i < scene->soil_count; i++)
-		print_soil(scene, i);
+		print_soil(scene, plan, i);
+	if (scene->soil_map != NULL && plan->soils_known && plan->unmapped > 0)
+		printf("  soil.map has no value along %.3g %% of the paths: the default soil is there\n", 100 * plan->unmapped);
 }
 
 /* --- vehicles --- */

@@ -216,6 +216,22 @@ static bool one_hash(const struct html_report *report)
 	return true;
 }
 
+/* Writes of each drive that began on ruts of earlier ones how deep these were: then drives of the same scene differ. */
+static void began_on(const struct html_report *report)
+{
+	for (size_t i = 0; i < report->count; i++) {
+		const struct html_run *run = &report->runs[i];
+		const double deepest = html_number(run, "store.began_on.deepest"), highest = html_number(run, "store.began_on.highest");
+		char text[240], heaps[80] = "";
+		if (!isfinite(deepest))
+			continue;
+		if (highest > 0)
+			snprintf(heaps, sizeof heaps, " and heaps up to %.3g mm high", 1e3 * highest);
+		snprintf(text, sizeof text, "The drive began on ground that earlier drives had left, with ruts up to %.3g mm deep%s", 1e3 * deepest, heaps);
+		html_sentence(report, run, text);
+	}
+}
+
 void html_tables_differences(const struct html_report *report)
 {
 	if (report->count < 2)
@@ -225,6 +241,7 @@ void html_tables_differences(const struct html_report *report)
 		fputs(one_hash(report) ? "<p>No setting differs.</p>\n"
 				       : "<p>No setting differs, but the hashes of the scenes differ. Either a file that a scene names differs, or run.json has no settings.</p>\n",
 		      report->file);
+	began_on(report);
 	html_section_end(report);
 }
 
@@ -496,6 +513,8 @@ void html_tables_notes(const struct html_report *report)
 {
 	html_section(report, "notes", "Notes");
 	const long before = ftell(report->file);
+	if (report->count == 1)
+		began_on(report);
 	for (size_t i = 0; i < report->count; i++)
 		notes_of(report, &report->runs[i]);
 	if (ftell(report->file) == before)

@@ -61,6 +61,11 @@ void report_asked(cJSON *root, const struct report *report)
 	add_path(store, "base", store_base_path(world->store));
 	snprintf(hash, sizeof hash, "%016llx", (unsigned long long)store_base_hash(world->store));
 	cJSON_AddStringToObject(store, "base_hash", hash);
+	if (world->began.low < 0 || world->began.high > 0) {
+		cJSON *began = cJSON_AddObjectToObject(store, "began_on");
+		json_number(began, "deepest", -world->began.low);
+		json_number(began, "highest", world->began.high);
+	}
 	if (store_copy_path(world->store) != NULL)
 		add_path(store, "staged", store_copy_path(world->store));
 	add_path(root, "trace", page_trace_path(world->trace));

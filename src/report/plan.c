@@ -239,6 +239,20 @@ static enum status advise_holes(const struct world *world, struct notes *notes)
 	return status;
 }
 
+static void describe_soils(const struct world *world, struct report_plan *out)
+{
+	const struct world_soils_met *met = world->met;
+	if (met == NULL)
+		return;
+	out->soils_known = true;
+	out->places = met->places;
+	out->unmapped = met->none / met->all;
+	for (int i = 0; i < DEFORM_SOILS; i++)
+		out->soils[i] = met->soils[i] / met->all;
+	for (int i = 0; i < DEFORM_RASTERS; i++)
+		out->covered[i] = met->numbers[i] / met->all;
+}
+
 static enum status describe(struct world *world, struct report_plan *out)
 {
 	const struct scene *scene = world->scene;
@@ -270,6 +284,7 @@ static enum status describe(struct world *world, struct report_plan *out)
 		out->samples[i] = world_samples_until(world->bodies[i].track, scene->end_time);
 	for (int i = 0; world->soil_rasters != NULL && i < scene->raster_count; i++)
 		out->rasters[out->raster_count++] = world_raster(world, i);
+	describe_soils(world, out);
 	world_advise(world, keep_note, &notes);
 	if (world->store != NULL || world->scene->spacing > 0)
 		vehicle_advise(out->vehicles, world->scene, world->spacing, keep_note, &notes);

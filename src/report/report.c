@@ -270,6 +270,8 @@ static void add_soils(cJSON *root, const struct report *report)
 			json_integer(soil, "class", scene_soil_value(scene, i));
 		else if (scene->soil_map != NULL)
 			cJSON_AddNullToObject(soil, "class");
+		if (report->world->met != NULL)
+			json_number(soil, "share", report->world->met->soils[i] / report->world->met->all);
 		const char *key;
 		double value;
 		for (size_t n = 0; scene_soil_number(&scene->soils[i], n, &key, &value); n++)
@@ -310,18 +312,13 @@ static void add_forces(cJSON *root, const struct report *report, const struct pa
 {
 	struct world_forces_figures figures;
 	world_forces_figures(report->world->forces, &figures);
-	if (sums->sunk > 0)
-		note("%lld times the soil did not carry an object's load: it sank as deep as it is high (state sunk of objects.csv)",
-		     (long long)sums->sunk);
-	if (sums->slid > 0)
-		note("%lld times a loaded object stood on a slope where the soil cannot hold it: only its path did (state slides of objects.csv)",
-		     (long long)sums->slid);
 	if (figures.saturated > 0)
 		note("%llu times a post bore more than can be summed (134 MPa): it counts as that", (unsigned long long)figures.saturated);
 	cJSON *forces = cJSON_AddObjectToObject(root, "forces");
 	json_integer(forces, "sunk", sums->sunk);
 	json_integer(forces, "slides", sums->slid);
 	json_integer(forces, "saturated", (int64_t)figures.saturated);
+	report_failed(forces, report->world, sums->sunk, sums->slid);
 }
 
 static void add_view(cJSON *root, const struct report *report)

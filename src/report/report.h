@@ -46,6 +46,9 @@ enum status report_map(const struct world *world, const struct vehicles *vehicle
 
 /* asked.c: tells of each object of whose path samples more than 1 % had no ground. Of many processes: nothing, since none has all samples. */
 void report_groundless(const struct world *world, scene_advice_fn tell, void *user);
+/* failed.c: tells how often loads were not carried, or not held on a slope, and which object most, where and when first. Adds that object to
+ * run.json's "forces". `sunk`, `slid`: how often in the whole drive. */
+void report_failed(struct cJSON *forces, const struct world *world, int64_t sunk, int64_t slid);
 /* asked.c: adds what was run: the program's version, the scene with all its settings, the store, the trace, and the notes. */
 void report_asked(struct cJSON *root, const struct report *report);
 /* counts.c: adds what was made and run. `gpu`: passes, without those of warming up. */
@@ -159,6 +162,12 @@ struct report_plan {
 	size_t body_count;
 	struct world_raster rasters[DEFORM_RASTERS]; /* as the store's posts get them. Paths are the scene's */
 	int raster_count;     /* 0: there is none, or no store */
+	/* Of what lies along the paths of objects and drivers, shares of 1: */
+	bool soils_known;     /* false: no path, or no store and a map */
+	double soils[DEFORM_SOILS];     /* of each soil */
+	double unmapped;      /* where the map of soils has no value, so that the default soil is there */
+	double covered[DEFORM_RASTERS]; /* where each raster has a number */
+	size_t places;        /* that were looked at */
 	struct vehicles *vehicles; /* loaded; NULL: there are none */
 	struct report_sun sun;
 	char **notes;         /* texts of scene_advise, and those about the store: "KEY: WHY; WHAT TO DO" */

@@ -158,6 +158,8 @@ enum status resident_soil_map_read(struct soil_map *map, unsigned loader, struct
  * time. */
 enum status resident_soil_map_rect(struct soil_map *map, int level, struct post_rect rect,
 				   uint8_t *classes) FURROW_CHECKED;
+/* Reads the raster's own value at one post of a level, as loader 0 does; -1: it has none there. One thread at a time. */
+enum status resident_soil_map_value(struct soil_map *map, int level, int64_t x, int64_t y, int *value) FURROW_CHECKED;
 /* Reads the soil index of one post of a level. Only if params.places is set, and on the owner's thread. It may read the
  * raster's file. */
 enum status resident_soil_map_at(struct soil_map *map, int level, int64_t x, int64_t y, uint8_t *soil) FURROW_CHECKED;
@@ -195,6 +197,8 @@ void resident_soil_rasters_range(const struct soil_rasters *rasters, int raster,
 /* Reads PAGES_NUMBER_BYTES for each of the tile's (cells + 1)^2 posts. Call it on the thread of loader `loader`. */
 enum status resident_soil_rasters_read(struct soil_rasters *rasters, unsigned loader, struct tile tile, uint8_t *numbers)
 	FURROW_CHECKED;
+/* Reads PAGES_NUMBER_BYTES of one post of a level, as loader 0 does. One thread at a time. */
+enum status resident_soil_rasters_levels(struct soil_rasters *rasters, int level, int64_t x, int64_t y, uint8_t *numbers) FURROW_CHECKED;
 /* Reads PAGES_NUMBER_BYTES of one post of a level. Only if params.places is set, and on the owner's thread. */
 enum status resident_soil_rasters_at(struct soil_rasters *rasters, int level, int64_t x, int64_t y, uint8_t *numbers) FURROW_CHECKED;
 

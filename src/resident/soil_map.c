@@ -71,6 +71,24 @@ enum status resident_soil_map_rect(struct soil_map *map, int level, struct post_
 	return read_rect(map, map->rasters[0], level, rect, classes);
 }
 
+/* A byte has no room for "none" beside 256 values, so a second read tells whether there is a value. */
+enum status resident_soil_map_value(struct soil_map *map, int level, int64_t x, int64_t y, int *value)
+{
+	const struct post_rect post = {x, y, x + 1, y + 1};
+	uint8_t same[256], any[256], read = 0, has = 0;
+	for (int i = 0; i < 256; i++) {
+		same[i] = (uint8_t)i;
+		any[i] = 1;
+	}
+	dem_quiet_begin();
+	enum status status = dem_classes_read(map->rasters[0], level, post, same, 0, &read);
+	if (status == STATUS_OK && read == 0)
+		status = dem_classes_read(map->rasters[0], level, post, any, 0, &has);
+	dem_quiet_end();
+	*value = read > 0 || has > 0 ? read : -1;
+	return status;
+}
+
 enum status resident_soil_map_at(struct soil_map *map, int level, int64_t x, int64_t y, uint8_t *soil)
 {
 	assert(map->at != NULL);

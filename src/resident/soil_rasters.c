@@ -131,11 +131,21 @@ enum status resident_soil_rasters_read(struct soil_rasters *rasters, unsigned lo
 	return status;
 }
 
+static enum status read_post(struct soil_rasters *rasters, unsigned reader, int level, int64_t x, int64_t y, uint8_t *numbers)
+{
+	dem_quiet_begin();
+	enum status status = read_posts(rasters, &rasters->list[reader], level, (struct post_rect){x, y, x + 1, y + 1}, numbers);
+	dem_quiet_end();
+	return status;
+}
+
+enum status resident_soil_rasters_levels(struct soil_rasters *rasters, int level, int64_t x, int64_t y, uint8_t *numbers)
+{
+	return read_post(rasters, 0, level, x, y, numbers);
+}
+
 enum status resident_soil_rasters_at(struct soil_rasters *rasters, int level, int64_t x, int64_t y, uint8_t *numbers)
 {
 	assert(rasters->params.places);
-	dem_quiet_begin();
-	enum status status = read_posts(rasters, &rasters->list[rasters->readers - 1], level, (struct post_rect){x, y, x + 1, y + 1}, numbers);
-	dem_quiet_end();
-	return status;
+	return read_post(rasters, rasters->readers - 1, level, x, y, numbers);
 }

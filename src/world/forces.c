@@ -268,6 +268,15 @@ static enum status give_row(const struct forces *forces, const struct entry *ent
 	return status == STATUS_OK ? rows->row(rows->user, &row) : status;
 }
 
+static void count_failed(const struct scene *scene, const struct entry *entry, struct body_failed *failed)
+{
+	if (failed->steps++ == 0) {
+		failed->time = world_step_time(scene, entry->step + 1);
+		failed->x = lattice_offset_metres(entry->at.pose.x);
+		failed->y = lattice_offset_metres(entry->at.pose.y);
+	}
+}
+
 /* Uses the entries of all steps until `step`, in order. Waits for forces that have not come. */
 static enum status use(struct forces *forces, int64_t step)
 {
@@ -286,9 +295,14 @@ static enum status use(struct forces *forces, int64_t step)
 		if (entry->t >= 0) {
 			status = give_row(forces, entry);
 		} else {
-			forces->world->bodies[entry->object].sinkage = entry->force.sinkage;
-			forces->world->bodies[entry->object].equilibrium = entry->force.z;
-			forces->world->bodies[entry->object].raised = entry->force.z - entry->at.pose.z;
+			struct body *body = &forces->world->bodies[entry->object];
+			body->sinkage = entry->force.sinkage;
+			body->equilibrium = entry->force.z;
+			body->raised = entry->force.z - entry->at.pose.z;
+			if (entry->force.state == DEFORM_SUNK)
+				count_failed(forces->world->scene, entry, &body->sunk);
+			if (entry->force.state == DEFORM_SLIDES)
+				count_failed(forces->world->scene, entry, &body->slid);
 		}
 		if (status != STATUS_OK)
 			return status;

@@ -15,8 +15,8 @@ enum status world_fill_record(struct world *world) FURROW_CHECKED; /* steps.c */
 
 /* --- ruts.c --- */
 
-/* Reads how deep the ruts in the store or overlay are, and prints a note about it. Prints nothing if the drive is resumed. */
-enum status world_tell_ruts(const struct world *world) FURROW_CHECKED;
+/* Finds world->began: how deep the ruts in the store or overlay are, and prints a note about it. Does nothing if the drive is resumed. */
+enum status world_find_ruts(struct world *world) FURROW_CHECKED;
 
 /* --- drop.c: links the programs for bodies that a window drops, before the first step --- */
 enum status world_warm_drops(struct world *world) FURROW_CHECKED;
@@ -113,6 +113,13 @@ enum status world_open_rasters(struct world *world) FURROW_CHECKED;
 enum status world_check_bearing(const struct world *world, const char *name, const struct deform_shape *shape) FURROW_CHECKED;
 /* Tells the rasters whose values seem to be in a wrong unit. */
 void world_advise_rasters(const struct world *world, scene_advice_fn tell, void *user);
+/* --- soils_met.c --- */
+/* Finds world->met. Call it after world_make_bodies, before a thread reads the map. What cannot be read is left to the drive. */
+enum status world_find_soils_met(struct world *world) FURROW_CHECKED;
+void world_soils_met_free(struct world_soils_met *met); /* takes NULL */
+/* Tells maps and rasters that cover nothing, values in no class, classes under no path, and loads that a soil does not carry. */
+void world_advise_soils_met(const struct world *world, scene_advice_fn tell, void *user);
+/* --- numbers.c --- */
 /* Fills the rasters as deform takes them. Returns their number. Ranges are 0 while the rasters are not open. */
 int world_rasters(const struct world *world, struct deform_raster *rasters);
 /* Gives the numbers of the soil at the nearest post, as contacts read them there. *found false: outside of the terrain. */

@@ -358,6 +358,7 @@ void world_advise(const struct world *world, scene_advice_fn tell, void *user)
 	bool known = world->store != NULL || scene->spacing > 0;
 	scene_advise(scene, known ? world->spacing : 0, tell, user);
 	world_advise_rasters(world, tell, user);
+	world_advise_soils_met(world, tell, user);
 	advise_body(world, tell, user);
 	if (world->store != NULL) {
 		advise_spacing(world, tell, user);
@@ -492,5 +493,7 @@ enum status world_prepare_plan(struct world *world, const struct scene *scene, c
 	enum status status = store != NULL ? over_store(world, store) : over_nothing(world, assumed);
 	if (status == STATUS_OK)
 		status = world_make_bodies(world);
+	if (status == STATUS_OK)
+		status = world_find_soils_met(world);
 	return status == STATUS_OK ? world_settle_limits(world) : status;
 }

@@ -8,7 +8,7 @@
 
 #include "world/internal.h"
 
-enum status world_tell_ruts(const struct world *world)
+enum status world_find_ruts(struct world *world)
 {
 	const struct extent *extent = &world->meta->extent;
 	const struct tile all = {extent_coarsest(extent), 0, 0}; /* the row has the range of every tile below it */
@@ -20,6 +20,7 @@ enum status world_tell_ruts(const struct world *world)
 	enum status status = store_read_offset_range(resident_ground_reader(world->ground), all, &low, &high, &found);
 	if (status != STATUS_OK || world->params.resume || !found || (low >= 0 && high <= 0))
 		return status;
+	world->began = (struct world_began){fmin(low, 0), fmax(high, 0)};
 	if (high > 0)
 		snprintf(heaps, sizeof heaps, " and heaps up to %.3g m high", high);
 	note("%s: the ground has ruts already, up to %.3g m deep%s; this run goes on over them; for the ground as it was imported %s"

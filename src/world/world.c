@@ -44,11 +44,13 @@ enum status world_prepare(struct world *world, const struct world_params *params
 	if (status == STATUS_OK)
 		status = world_make_bodies(world);
 	if (status == STATUS_OK)
+		status = world_find_soils_met(world);
+	if (status == STATUS_OK)
 		status = world_settle_limits(world);
 	if (status == STATUS_OK)
 		status = resident_ground_create(world->store, world->limits.ground, &world->ground);
 	if (status == STATUS_OK)
-		status = world_tell_ruts(world);
+		status = world_find_ruts(world);
 	if (status == STATUS_OK && params->resume)
 		status = world_resume(world);
 	else if (status == STATUS_OK)
@@ -332,6 +334,7 @@ void world_finish(struct world *world, enum status status)
 	resident_soil_map_close(world->soil_map);
 	world_relief_close(world->relief);
 	resident_soil_rasters_close(world->soil_rasters);
+	world_soils_met_free(world->met);
 	page_trace_destroy(world->trace);
 	world_forces_destroy(world->forces);
 	world_probes_free(world);

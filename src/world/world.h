@@ -175,6 +175,12 @@ struct body {
 	int64_t skipped;          /* number of path samples without ground */
 	uint64_t windows, windows_moved; /* windows computed; of these, the windows in which the body moved */
 	_Atomic bool elsewhere;   /* another rank computes its contacts. Threads that load ahead read it */
+	/* Of a body with a load, since this run began: at the end of how many steps the soil did not carry it, or did not hold it on its slope, and when
+	 * and where (local metres) it first did not */
+	struct body_failed {
+		int64_t steps;
+		double time, x, y;
+	} sunk, slid;
 };
 
 /* Where a host's body is, and how it moves. Local axes: x east, y north, z up. */
@@ -319,6 +325,9 @@ struct world {
 	int level;         /* the working level */
 	double spacing;    /* m, of the working level */
 	bool was_deformed; /* the store was deformed before this world was opened */
+	struct world_began {
+		double low, high; /* m: the deepest rut, at most 0, and the highest heap that earlier runs left. Of a run that is resumed both are 0 */
+	} began;
 	struct gpu *gpu;
 	struct gpu_slots *slots;
 	struct ground *ground;
@@ -332,6 +341,7 @@ struct world {
 	struct soil_map *soil_map; /* NULL: one soil */
 	struct world_relief *relief;       /* what relief by class reads; NULL: it has none */
 	struct soil_rasters *soil_rasters; /* NULL: every number is that of a post's soil */
+	struct world_soils_met *met;       /* NULL: not known, or nobody asks */
 	struct pages *pages;
 	struct page_cache *cache;
 	struct page_trace *trace; /* NULL: no trace was asked for */
@@ -558,6 +568,8 @@ enum status world_read_posts(struct world *world, enum store_layer layer, int le
 
 /* Gives the index of the soil at the post of the working level nearest to (x, y), in local metres. -1: outside the terrain. */
 enum status world_soil_at(struct world *world, double x, double y, int *soil) FURROW_CHECKED;
+/* The same when the world has stopped. -1: also if the map cannot be read there. */
+int world_soil_index(const struct world *world, double x, double y);
 
 /*
  * --- ranks.c: for struct world_ranks ---
@@ -609,6 +621,19 @@ const struct relief *world_relief(const struct world *world); /* returns what ra
 enum gpu_division world_division(const struct world *world);  /* returns how tiles below level 0 get their base */
 bool world_needs_soil_map(const struct scene *scene); /* true if there is a map of soils and something uses it */
 bool world_needs_rasters(const struct scene *scene);  /* true if there are rasters of soil numbers and something uses them */
+/* Which soils lie along the paths of objects and drivers until the drive's end. Found at some places of each path, before the drive. Amounts are
+ * path samples that a place stands for. */
+struct world_soils_met {
+	size_t places;              /* that were looked at, on the terrain */
+	bool partly;                /* some body comes elsewhere: a vehicle without a path, or a host's */
+	double all, soils[DEFORM_SOILS];
+	double values[256], none;   /* by the value of the map of soils; none: the map has no value there */
+	double numbers[DEFORM_RASTERS]; /* by raster of soil numbers: where it has a number */
+	/* Of object i and soil k, at i * DEFORM_SOILS + k: about what load the soil bears that is weakest there, N, and that soil. NAN: the object has no
+	 * load, or does not come to it. INFINITY: not known for its shape */
+	double *least;
+	struct deform_soil *weakest;
+};
 /* One of the scene's rasters, in the unit of its key. Only if world->soil_rasters is not NULL. `step`: from one level to the next. */
 struct world_raster {
 	const char *key, *unit, *path; /* unit NULL: none */

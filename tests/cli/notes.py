@@ -35,8 +35,11 @@ class Notes(FurrowTest):
             f"{20 + 100 * i / 1000} {20 + 70 * i / 1000}\n" for i in range(1001)))["points"])
 
     def test_ruts_in_an_overlay_are_told(self):
+        began = lambda: json.loads((self.folder / "out/run.json").read_text())["store"].get("began_on")
         self.assertEqual(self.notes("ruts", "--overlay", "a.furrow"), [], "it has none yet")
+        self.assertIsNone(began())
         told = self.notes("ruts", "--overlay", "a.furrow")
+        self.assertRegex(told[0], f"up to {began()['deepest']:.3g} m deep")
         self.assertEqual(len(told), 1, told)
         self.assertIn("a.furrow: the ground has ruts already, up to ", told[0])
         self.assertIn("; for the ground as it was imported give another --overlay, or run furrow reset a.furrow", told[0])
@@ -201,6 +204,28 @@ class Notes(FurrowTest):
         self.assertEqual(len(told), 1, told)
         self.assertRegex(told[0], r"note: after 1\.\d+ s, vehicles\.car\.wheel: is [\d.]+ m deep in the soil, deeper than it is high: .* here 200000\)")
         self.assertIn(told[0].removeprefix("furrow: note: "), json.loads((self.folder / "out/run.json").read_text())["notes"])
+
+    def test_a_load_that_the_soil_does_not_carry_is_told_before_and_after(self):
+        self.synth(posts="65x65", kind="plain", relief=0)
+        scene = SCM.replace("dry_sand, cohesion: 1.04", "sandy_loam_22").replace("radius: 0.5, width: 0.4", "radius: 0.66, width: 0.7")
+        for load, told in ((40000, 1), (25000, 0)):
+            self.scene(scene.replace("load: 900", f"load: {load}, slip: 0.1"), "heavy.yaml")
+            before = [note for note in self.json("explain", "heavy.yaml", "--store", "world.furrow")["notes"] if ".load:" in note]
+            self.assertEqual(len(before), told, before)
+            if told:  # furrow rig: 32.2 cm under 19200 N, 77 cm under 32000 N, and under 38000 N it is sunk
+                self.assertEqual(before[0], "objects.a.load: sandy_loam_22 on its path does not carry 40000 N: it bears about 32000 N when the object has sunk by "
+                                            "0.66 m, and about 19000 N at 0.33 m; give less load, or a wider wheel")
+            after = self.notes("did not carry", "--overlay", f"{load}.furrow", "--set", "spacing=0.125", "--set", "end_time=0.3", scene="heavy.yaml")
+            self.assertEqual(len(after), told, after)
+            if told:
+                self.assertRegex(after[0], r"note: \d+ times the soil did not carry an object's load, which sank as deep as it is high; most often a \(40000 N\), first after "
+                                           r"0\.05 s at 20\.\d\d, 20\.00 m, on sandy_loam_22 \(output\.forces: 10 in the scene writes objects\.csv, whose rows then have the "
+                                           r"state sunk\)$")
+                most = json.loads((self.folder / "out/run.json").read_text())["forces"]["sunk_most"]
+                self.assertEqual((most["object"], most["soil"], most["steps"]), ("a", "sandy_loam_22", 6))
+                rows = self.notes("did not carry", "--overlay", "b.furrow", "--set", "spacing=0.125", "--set", "end_time=0.3", "--set", "output.forces=10", scene="heavy.yaml")
+                self.assertIn("on sandy_loam_22 (state sunk of objects.csv)", rows[0])
+        self.assertNotIn("sunk_most", json.loads((self.folder / "out/run.json").read_text())["forces"])
 
     def test_a_path_that_is_not_finished_is_told(self):
         scene = ("scene: 1\ntime_step: 0.1\nend_time: %s\nspacing: 0.5\nredistribute: {model: box}\nobjects:\n"

@@ -716,6 +716,12 @@ class Report(FurrowTest):
         run["store"]["base"] = "/other.furrow"
         (self.folder / "a/run.json").write_text(json.dumps(run))
         self.assertEqual(self.report("a", self.folder / "a").sentences("differences"), ["No setting differs."])  # a copy of the same terrain
+        run["store"]["began_on"] = {"deepest": 0.0841, "highest": 0.0123}
+        (self.folder / "a/run.json").write_text(json.dumps(run))
+        tells = "The drive began on ground that earlier drives had left, with ruts up to 84.1 mm deep and heaps up to 12.3 mm high."
+        self.assertEqual(self.report("a", self.folder / "a").sentences("differences"), ["No setting differs.", f"{self.folder / 'a'}: {tells}"])
+        self.assertEqual(self.report(self.folder / "a").sentences("notes")[0], tells)
+        del run["store"]["began_on"]
         is_, run["store"]["base_hash"] = run["store"]["base_hash"], "0123456789abcdef"
         self.assertEqual(is_, json.loads(self.call("info", "flat.furrow", "--json"))["base_hash"])
         (self.folder / "a/run.json").write_text(json.dumps(run))

@@ -131,6 +131,42 @@ class SoilMap(FurrowTest):
         report = self.drive(self.scene(SCENE.format(model="box", soil=self.mapped("scm"))), "--store", "hills.furrow")
         self.assertNotIn("classes", report["memory"]["plane_bytes"])
 
+    def told(self, soil, *options):
+        """Notes on the map, and {soil: share of the paths}, before a drive."""
+        plan = self.json("explain", self.scene(SCENE.format(model="scm", soil=soil)), "--store", "hills.furrow", *options)
+        return ([note for note in plan["notes"] if note.startswith(("soil.map", "soil.classes"))],
+                {(row["name"], row.get("class")): round(row["share"], 2) for row in plan["soils"]})
+
+    def test_what_the_map_has_along_the_paths_is_told(self):
+        both = "{map: map.png, classes: {1: dry_sand, 2: sandy_loam_15}, default: dry_sand}"
+        notes, shares = self.told(both)
+        self.assertEqual(notes, [])
+        west, east = shares[("dry_sand", 1)], shares[("sandy_loam_15", 2)]
+        self.assertAlmostEqual(west, 0.49, delta=0.03)  # 77 m of 79, and half of 13
+        self.assertAlmostEqual(west + east + shares[("dry_sand", None)], 1, delta=0.011)
+        west = both.replace("both", "").replace("map.png", "west.png")
+        write_png16(self.folder / "west.png", POSTS, POSTS, lambda x, y: 1)
+        self.assertEqual(self.told(west)[1][("dry_sand", 1)], 1)
+        notes, = self.told(west)[0]
+        self.assertRegex(notes, r"soil.classes: class 2 \(sandy_loam_15\) lies under no path: \d+ places along the paths have other soils")
+        write_png16(self.folder / "west.png", POSTS, POSTS, lambda x, y: 3)
+        notes = self.told(west)[0]
+        self.assertEqual(notes[0], "soil.map: value 3, along 100 % of the paths, is in no class: the default soil is there, dry_sand; give a soil in soil.classes")
+        write_png16(self.folder / "west.png", 9, 9, lambda x, y: 1)  # the north-west of the terrain alone
+        notes, shares = self.told(west)
+        self.assertEqual(shares, {("dry_sand", None): 1, ("dry_sand", 1): 0, ("sandy_loam_15", 2): 0})
+        self.assertEqual(notes, [f"soil.map: {self.folder / 'west.png'} covers 0 % of the paths of objects and vehicles: all get the default soil, dry_sand; look at "
+                                 "its place and its reference system (gdalinfo)"])
+        text = self.ok("explain", "scene.yaml", "--store", "hills.furrow")
+        self.assertIn("  dry_sand (class 1 and default; 100 % of the paths): the name's", text)  # both at once
+        self.assertIn("  soil.map has no value along 100 % of the paths: the default soil is there", text)
+        self.assertEqual(text.count("dry_sand ("), 1)
+        self.assertNotIn("GiB", text)  # nor what no drive comes near
+        result = self.furrow("drive", "scene.yaml", "--store", "hills.furrow", "--overlay", "a.furrow", "-o", "out", "--steps", 1)
+        if result.returncode == 4:
+            self.skipTest("no GL here: " + result.stderr.strip())
+        self.assertIn(f"furrow: note: {notes[0].replace(f'{self.folder}/', '')}\n", result.stderr)
+
     def test_what_is_no_map_is_refused_before_anything_is_driven(self):
         (self.folder / "short.png").write_bytes((self.folder / "map.png").read_bytes()[:100])
         (self.folder / "text.png").write_text("class 1")

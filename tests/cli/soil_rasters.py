@@ -158,8 +158,17 @@ class SoilRasters(FurrowTest):
         text = self.ok("explain", scene, "--store", "hills.furrow")
         self.assertIn("cohesion          200 to 5280 Pa in steps of 20", text)
         told = self.json("explain", scene, "--store", "hills.furrow")["rasters"]
-        self.assertEqual(told, [{"number": "cohesion", "file": str(self.folder / "c.png"), "unit": "Pa", "range": [200, 5280], "step": 20}])
+        self.assertEqual(told, [{"number": "cohesion", "file": str(self.folder / "c.png"), "unit": "Pa", "range": [200, 5280], "step": 20, "share": 1}])
         self.assertEqual(self.json("explain", scene)["rasters"], [])  # over no store
+
+    def test_a_raster_beside_the_paths_is_told(self):
+        write_png16(self.folder / "corner.png", 9, 9, lambda x, y: 500)  # the north-west of the terrain alone
+        scene = self.scene(SCENE.format(model="scm", soil=beside(cohesion="corner.png")))
+        told = self.json("explain", scene, "--store", "hills.furrow")
+        self.assertEqual(told["rasters"][0]["share"], 0)
+        notes = [note for note in told["notes"] if note.startswith("soil.rasters")]
+        self.assertEqual(notes, [f"soil.rasters.cohesion: {self.folder / 'corner.png'} covers 0 % of the paths of objects and vehicles: the soil's own number counts "
+                                 "there; look at its place and its reference system (gdalinfo)"])
 
     def test_a_raster_in_a_wrong_unit_is_told(self):
         self.png("one.png", 0, 1)

@@ -1,0 +1,300 @@
+/*
+ * Which soils lie along the paths of objects and drivers, and what they cannot carry. Found before a drive, at path samples that are spread
+ * evenly over what is due until the drive's end. So a map of soils beside the paths is told before the drive, not by its ruts.
+ */
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "world/internal.h"
+
+#define SAMPLES 1024 /* of all paths together; each path has two at least */
+#define VALUES 256   /* of the map */
+
+/* What is at one post. */
+struct post_soil {
+	int soil, value; /* value: the map's; -1: it has none, or there is no map */
+	bool has[DEFORM_RASTERS];
+	struct deform_soil numbers;
+};
+
+/* Needs a post of the terrain. */
+static enum status read_post(const struct world *world, int64_t column, int64_t row, struct post_soil *out)
+{
+	const struct scene *scene = world->scene;
+	uint8_t levels[PAGES_NUMBER_BYTES] = {0};
+	struct deform_raster rasters[DEFORM_RASTERS];
+	enum status status = STATUS_OK;
+	*out = (struct post_soil){.value = -1};
+	if (world->soil_map != NULL)
+		status = resident_soil_map_value(world->soil_map, world->level, column, row, &out->value);
+	out->soil = out->value >= 0 ? scene->soil_class[out->value] : 0;
+	out->numbers = scene->soils[out->soil];
+	if (status != STATUS_OK || world->soil_rasters == NULL)
+		return status;
+	status = resident_soil_rasters_levels(world->soil_rasters, world->level, column, row, levels);
+	const int count = world_rasters(world, rasters);
+	for (int i = 0; i < count && status == STATUS_OK; i++) {
+		out->has[i] = levels[i] != 0;
+		if (out->has[i])
+			*deform_number_in(&out->numbers, rasters[i].number) = deform_raster_value(&rasters[i], levels[i]);
+	}
+	return status;
+}
+
+/* Returns the depth at which the soil bears about as much as it ever does, m. A wheel below its axle finds no more soil. A box is pressed in whole. */
+static double sinks_at_most(const struct deform_shape *shape)
+{
+	return deform_shape_reach(shape, 0, 0) * (shape->kind == DEFORM_WHEEL ? 1 : 2);
+}
+
+/* Adds one place that stands for `weight` path samples. `object` NULL: a driver's. Places off the terrain do not count. */
+static enum status add_place(const struct world *world, double x, double y, double weight, const struct scene_object *object, double *least,
+			     struct world_soils_met *met)
+{
+	const struct extent *extent = &world->meta->extent;
+	struct post_soil post;
+	if (!extent_holds(extent, x, y))
+		return STATUS_OK;
+	enum status status = read_post(world, (int64_t)floor(x / world->spacing + 0.5), (int64_t)floor(y / world->spacing + 0.5), &post);
+	if (status != STATUS_OK)
+		return status;
+	met->places++;
+	met->all += weight;
+	met->soils[post.soil] += weight;
+	*(post.value >= 0 ? &met->values[post.value] : &met->none) += weight;
+	for (int i = 0; i < DEFORM_RASTERS; i++)
+		met->numbers[i] += post.has[i] ? weight : 0;
+	if (object != NULL && object->load > 0) {
+		const double carries = deform_load_at(&object->shape, &object->interface, object->slip, &post.numbers, sinks_at_most(&object->shape));
+		if (!(least[post.soil] <= carries)) { /* or nothing yet: NAN */
+			least[post.soil] = carries;
+			met->weakest[(size_t)(object - world->scene->objects) * DEFORM_SOILS + (size_t)post.soil] = post.numbers;
+		}
+	}
+	return STATUS_OK;
+}
+
+static enum status add_track(const struct world *world, const struct track *track, uint64_t most, const struct scene_object *object, double *least,
+			     struct world_soils_met *met)
+{
+	const uint64_t due = world_samples_until(track, world->scene->end_time), count = due < most ? due : most;
+	enum status status = STATUS_OK;
+	for (uint64_t i = 0; i < count && status == STATUS_OK; i++) {
+		struct track_point point;
+		motion_track_sample(track, (int64_t)(count > 1 ? i * (due - 1) / (count - 1) : 0), &point);
+		status = add_place(world, point.x, point.y, (double)due / (double)count, object, least, met);
+	}
+	return status;
+}
+
+/* The way of a driver, or where a vehicle starts whose way is not known. */
+static enum status add_vehicle(const struct world *world, const struct scene_vehicle *vehicle, uint64_t most, struct world_soils_met *met)
+{
+	struct scene_path route;
+	struct track *track = NULL;
+	double at[2];
+	if (vehicle->driver != SCENE_FOLLOW) {
+		met->partly = true;
+		enum status status = world_start_point(world, vehicle, at);
+		return status == STATUS_OK ? add_place(world, at[0], at[1], 1, NULL, NULL, met) : status;
+	}
+	enum status status = world_route(world, &vehicle->way, vehicle->name, &route);
+	if (status != STATUS_OK)
+		return status;
+	status = motion_track_create(&route, world->spacing, 0, &track);
+	if (status == STATUS_OK)
+		status = add_track(world, track, most, NULL, NULL, met);
+	motion_track_destroy(track);
+	motion_route_finish(&route);
+	return status;
+}
+
+static enum status add_all(const struct world *world, struct world_soils_met *met)
+{
+	const struct scene *scene = world->scene;
+	const uint64_t most = SAMPLES / (scene->object_count + scene->vehicle_count) + 2;
+	enum status status = STATUS_OK;
+	for (size_t i = 0; i < scene->object_count && status == STATUS_OK; i++) {
+		met->partly = met->partly || world->bodies[i].track == NULL;
+		if (world->bodies[i].track != NULL)
+			status = add_track(world, world->bodies[i].track, most, &scene->objects[i], &met->least[i * DEFORM_SOILS], met);
+	}
+	for (size_t i = 0; i < scene->vehicle_count && status == STATUS_OK; i++)
+		status = add_vehicle(world, &scene->vehicles[i], most, met);
+	return status;
+}
+
+void world_soils_met_free(struct world_soils_met *met)
+{
+	if (met == NULL)
+		return;
+	mem_free(met->least);
+	mem_free(met->weakest);
+	mem_free(met);
+}
+
+enum status world_find_soils_met(struct world *world)
+{
+	const struct scene *scene = world->scene;
+	const size_t rows = scene->object_count * DEFORM_SOILS + 1;
+	const bool read = world->soil_map != NULL || world->soil_rasters != NULL;
+	/* Without the files it is known only if there are none. */
+	if (scene->hosted || scene->object_count + scene->vehicle_count == 0 || deform_model_row(scene->model)->numbers == NULL ||
+	    (!read && (scene->soil_map != NULL || scene->raster_count > 0)))
+		return STATUS_OK;
+	struct world_soils_met *met = mem_calloc(1, sizeof *met);
+	if (met == NULL)
+		return fail_memory("the soils along the paths");
+	met->least = mem_alloc(rows, sizeof *met->least);
+	met->weakest = mem_calloc(rows, sizeof *met->weakest);
+	if (met->least == NULL || met->weakest == NULL) {
+		world_soils_met_free(met);
+		return fail_memory("the soils along the paths");
+	}
+	for (size_t i = 0; i < rows; i++)
+		met->least[i] = NAN;
+	/* What cannot be read is refused by the drive where it comes to it, with the message of that place. */
+	if (add_all(world, met) == STATUS_OK && met->all > 0)
+		world->met = met;
+	else
+		world_soils_met_free(met);
+	return STATUS_OK;
+}
+
+int world_soil_index(const struct world *world, double x, double y)
+{
+	struct post_soil post;
+	const bool read = extent_holds(&world->meta->extent, x, y) &&
+			  read_post(world, (int64_t)floor(x / world->spacing + 0.5), (int64_t)floor(y / world->spacing + 0.5), &post) == STATUS_OK;
+	return read ? post.soil : -1;
+}
+
+/* --- what is told --- */
+
+/* Writes "value 3" or "values 3, 4" of those that some path comes to and no class has. Returns their share of the places. */
+static double unlisted(const struct world *world, char *text, size_t room)
+{
+	const struct world_soils_met *met = world->met;
+	double share = 0;
+	char list[80] = "";
+	size_t used = 0, count = 0;
+	for (int value = 0; value < VALUES; value++)
+		if (met->values[value] > 0 && world->scene->soil_class[value] == 0) {
+			share += met->values[value] / met->all;
+			if (count < 8)
+				used += (size_t)snprintf(list + used, sizeof list - used, "%s%d", used > 0 ? ", " : "", value);
+			count++;
+		}
+	snprintf(text, room, "value%s %s%s", count == 1 ? "" : "s", list, count > 8 ? ", ..." : "");
+	return share;
+}
+
+/* One line for all classes: a map of a region has many that a drive does not come to. */
+static void advise_unmet(const struct world *world, scene_advice_fn tell, void *user)
+{
+	const struct scene *scene = world->scene;
+	char text[500], list[300] = "";
+	size_t used = 0, count = 0;
+	for (int i = 1; i < scene->soil_count; i++)
+		if (world->met->soils[i] == 0 && used < sizeof list) {
+			used += (size_t)snprintf(list + used, sizeof list - used, "%s%d (%s)", used > 0 ? ", " : "", scene_soil_value(scene, i), scene->soil_names[i]);
+			count++;
+		}
+	if (count == 0)
+		return;
+	snprintf(text, sizeof text, "soil.classes: class%s %s lie%s under no path: %zu places along the paths have other soils", count > 1 ? "es" : "", list,
+		 count > 1 ? "" : "s", world->met->places);
+	tell(user, text);
+}
+
+static void advise_map(const struct world *world, scene_advice_fn tell, void *user)
+{
+	const struct scene *scene = world->scene;
+	const struct world_soils_met *met = world->met;
+	char text[500], values[120];
+	if (met->none == met->all) {
+		snprintf(text, sizeof text, "soil.map: %.200s covers 0 %% of the paths of objects and vehicles: all get the default soil, %s; look at its place and "
+					    "its reference system (gdalinfo)", scene->soil_map, scene->soil_names[0]);
+		tell(user, text);
+		return;
+	}
+	const double share = unlisted(world, values, sizeof values);
+	if (share > 0) {
+		snprintf(text, sizeof text, "soil.map: %s, along %.3g %% of the paths, %s in no class: the default soil is there, %s; give a soil in soil.classes", values,
+			 100 * share, strchr(values, ',') != NULL ? "are" : "is", scene->soil_names[0]);
+		tell(user, text);
+	}
+	if (!met->partly)
+		advise_unmet(world, tell, user);
+}
+
+static void advise_numbers(const struct world *world, scene_advice_fn tell, void *user)
+{
+	for (int i = 0; world->soil_rasters != NULL && i < world->scene->raster_count; i++) {
+		const struct world_raster told = world_raster(world, i);
+		char text[400];
+		if (world->met->numbers[i] > 0)
+			continue;
+		snprintf(text, sizeof text, "soil.rasters.%s: %.200s covers 0 %% of the paths of objects and vehicles: the soil's own number counts there; look at its "
+					    "place and its reference system (gdalinfo)", told.key, told.path);
+		tell(user, text);
+	}
+}
+
+/* Two digits: it is an estimate. */
+static double about(double newtons)
+{
+	const double unit = pow(10, floor(log10(fmax(newtons, 1e-9))) - 1);
+	return unit * round(newtons / unit);
+}
+
+static bool is_like(const struct scene_object *a, const struct scene_object *b)
+{
+	return a->load == b->load && a->slip == b->slip && a->shape.kind == b->shape.kind && a->shape.radius == b->shape.radius && a->shape.width == b->shape.width &&
+	       memcmp(a->shape.size, b->shape.size, sizeof a->shape.size) == 0;
+}
+
+static bool is_too_much(const struct world *world, size_t object, int soil)
+{
+	return world->met->least[object * DEFORM_SOILS + (size_t)soil] < world->scene->objects[object].load;
+}
+
+/* Tells of one object for all that are like it. */
+static void advise_load(const struct world *world, size_t first, int soil, scene_advice_fn tell, void *user)
+{
+	const struct scene *scene = world->scene;
+	const struct scene_object *object = &scene->objects[first];
+	const double most = sinks_at_most(&object->shape), shallow = deform_shape_reach(&object->shape, 0, 0) / 2;
+	char text[500], others[48] = "";
+	size_t alike = 0;
+	for (size_t i = 0; i < scene->object_count; i++)
+		if (i != first && is_too_much(world, i, soil) && is_like(object, &scene->objects[i])) {
+			if (i < first)
+				return;
+			alike++;
+		}
+	if (alike > 0)
+		snprintf(others, sizeof others, " (nor that of %zu other%s)", alike, alike > 1 ? "s" : "");
+	const struct deform_soil *weakest = &world->met->weakest[first * DEFORM_SOILS + (size_t)soil];
+	snprintf(text, sizeof text, "objects.%.160s.load: %s on its path does not carry %.6g N%s: it bears about %.9g N when the object has sunk by %.2g m, and "
+				    "about %.9g N at %.2g m; give less load, or %s", object->name, scene->soil_names[soil], object->load, others,
+		 about(world->met->least[first * DEFORM_SOILS + (size_t)soil]), most,
+		 about(deform_load_at(&object->shape, &object->interface, object->slip, weakest, shallow)), shallow,
+		 object->shape.kind == DEFORM_WHEEL ? "a wider wheel" : "a larger plate");
+	tell(user, text);
+}
+
+void world_advise_soils_met(const struct world *world, scene_advice_fn tell, void *user)
+{
+	const struct scene *scene = world->scene;
+	if (world->met == NULL)
+		return;
+	if (world->soil_map != NULL)
+		advise_map(world, tell, user);
+	advise_numbers(world, tell, user);
+	for (size_t i = 0; i < scene->object_count && deform_tells_forces(scene->model); i++)
+		for (int soil = 0; soil < scene->soil_count; soil++)
+			if (is_too_much(world, i, soil))
+				advise_load(world, i, soil, tell, user);
+}
