@@ -288,7 +288,7 @@ double deform_shear_limit(const struct deform_soil *soil, const struct deform_in
 /* Returns about how deep the object sinks under a load, m, as the start of a search. A wheel: Bekker's formula for a towed
  * wheel. Other shapes: as plates. */
 double deform_sinkage_guess(const struct deform_shape *shape, const struct deform_soil *soil, double load);
-/* Returns about what load sinks a wheel that rolls with this slip, or an upright box, to a sinkage, N. `sinkage`: m, above 0. INFINITY:
+/* Returns about what load sinks a wheel that rolls with this slip, or an upright box, by so much, N. `sinkage`: m, above 0. INFINITY:
  * another shape, of which it is not known. */
 double deform_load_at(const struct deform_shape *shape, const struct deform_interface *interface, double slip, const struct deform_soil *soil,
 		      double sinkage);

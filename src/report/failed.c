@@ -1,4 +1,4 @@
-/* Notes after a drive on loads that the soil did not carry, or did not hold on a slope: how often, which object most, where and when first. */
+/* Notes after a drive on loads that the soil did not carry, or did not hold on a slope. They name the object, the soil, and the first place. */
 #include <stdio.h>
 
 #include "base/json.h"
@@ -9,7 +9,7 @@ static const struct body_failed *of(const struct body *body, bool sunk)
 	return sunk ? &body->sunk : &body->slid;
 }
 
-/* Returns the object with the most such steps in this run; NULL: none has any, so all were before it was resumed, or in other processes. */
+/* Returns the object with the most such steps in this run. NULL: none has any. Then all were before it was resumed, or in other processes. */
 static const struct body *worst(const struct world *world, bool sunk)
 {
 	const struct body *most = NULL;
