@@ -42,13 +42,13 @@ static enum status read_post(const struct world *world, int64_t column, int64_t 
 	return status;
 }
 
-/* Returns the depth at which the soil bears about as much as it ever does, m. A wheel below its axle finds no more soil. A box is pressed in whole. */
+/* Returns the depth at which the soil bears about as much as it ever does, m. A wheel below its axle finds no more soil. A box sinks in whole. */
 static double sinks_at_most(const struct deform_shape *shape)
 {
 	return deform_shape_reach(shape, 0, 0) * (shape->kind == DEFORM_WHEEL ? 1 : 2);
 }
 
-/* Adds one place that stands for `weight` path samples. `object` NULL: a driver's. Places off the terrain do not count. */
+/* Adds one place, which counts as `weight` path samples. `object` NULL: a driver's. Places off the terrain do not count. */
 static enum status add_place(const struct world *world, double x, double y, double weight, const struct scene_object *object, double *least,
 			     struct world_soils_met *met)
 {

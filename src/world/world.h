@@ -175,11 +175,10 @@ struct body {
 	int64_t skipped;          /* number of path samples without ground */
 	uint64_t windows, windows_moved; /* windows computed; of these, the windows in which the body moved */
 	_Atomic bool elsewhere;   /* another rank computes its contacts. Threads that load ahead read it */
-	/* Of a body with a load, since this run began: at the end of how many steps the soil did not carry it, or did not hold it on its slope, and when
-	 * and where (local metres) it first did not */
+	/* Of a body with a load, since this run began: the soil did not carry it, or did not hold it on its slope */
 	struct body_failed {
-		int64_t steps;
-		double time, x, y;
+		int64_t steps;      /* at whose end it was so */
+		double time, x, y;  /* the first time, s, and the place then, local metres */
 	} sunk, slid;
 };
 
@@ -622,7 +621,7 @@ enum gpu_division world_division(const struct world *world);  /* returns how til
 bool world_needs_soil_map(const struct scene *scene); /* true if there is a map of soils and something uses it */
 bool world_needs_rasters(const struct scene *scene);  /* true if there are rasters of soil numbers and something uses them */
 /* Which soils lie along the paths of objects and drivers until the drive's end. Found at some places of each path, before the drive. Amounts are
- * path samples that a place stands for. */
+ * counted in path samples. */
 struct world_soils_met {
 	size_t places;              /* that were looked at, on the terrain */
 	bool partly;                /* some body comes elsewhere: a vehicle without a path, or a host's */
