@@ -160,6 +160,15 @@ class Tutorials(unittest.TestCase):
         self.assertEqual(pulls, sorted(pulls))
         self.assertLess(max(map(abs, offs)), 0.01 * 5460, offs)
 
+    def test_ten_passes(self):
+        folder = self.page("many-passes.md").folder
+        with open(folder / "passes.csv", newline="") as file:
+            rows = list(csv.DictReader(file))
+        self.assertEqual([(row["drive"], row["pass"]) for row in rows], [(drive, str(i)) for drive in ("clay", "loam") for i in range(1, 11)])
+        clay = [float(row["depth"]) for row in rows[:10]]
+        self.assertEqual(clay, sorted(clay))
+        self.assertAlmostEqual(clay[-1] / clay[0], 10 ** (1 / 3), delta=0.2)
+
     def test_a_rover_on_mars(self):
         self.page("rover-on-mars.md", needs=["gdal_translate"])
 
