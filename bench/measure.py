@@ -50,6 +50,7 @@ def steps(options):
         Step("tested", tested.TARGETS, [python, bench / "tested.py", options.build]),
         Step("validation", ["bench/bench_validation"], [python, bench / "validation.py", programs / "bench_validation", "--quick"]),
         Step("rig", [], [python, bench / "rig.py", furrow, "--rig", options.rig], ["rig"]),
+        Step("mobility", [], [python, bench / "mobility.py", furrow, "--dem", (options.dem or pathlib.Path()) / "gabilan_dtm1m.bil"], ["dem"]),
         Step("climb", [], [python, bench / "climb.py", furrow]),
         Step("towed", [], [python, bench / "towed.py", furrow]),
         Step("probe", ["bench/bench_probe"], [programs / "bench_probe"]),

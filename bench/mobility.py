@@ -17,6 +17,9 @@ import subprocess
 import sys
 import tempfile
 
+import pages
+import record
+
 MODELS = pathlib.Path(__file__).parents[1] / "tools" / "scenes" / "vehicles"
 # Of each: soil, gravity, speed of the rims m/s, way m, posts of the drive m, its wheelbase and its wheels' radius m
 KINDS = {"offroad": ("dry_sand", 9.81, 0.5, 5.0, 0.03125, 2.8, 0.4), "rover": ("lunar", 1.62, 0.1, 1.5, 0.015625, 1.2, 0.15)}
@@ -162,8 +165,9 @@ def main():
     parser.add_argument("--soil")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--places", type=int, default=10)
+    record.add_option(parser)
     given = parser.parse_args()
-    furrow = given.furrow.resolve()
+    furrow, kept, rows = given.furrow.resolve(), record.Record("mobility", given.furrow), []
     soil, gravity, _, way, _, length, _ = KINDS[given.vehicle]
     soil = given.soil or soil
     with tempfile.TemporaryDirectory() as name:
@@ -188,12 +192,16 @@ def main():
             half = told[len(told) // 2:]
             mean = sum(t[3] for t in half) / len(half) if not stops else None
             agree += passed == (not stops)
-            print("| %.1f, %.1f | %.1f to %.1f | %.0f | %s | %s | %s | %s | %.2f |" %
-                  (place[0], place[1], min(t[0] for t in told), max(t[0] for t in told), sum(t[1] for t in told) / len(told),
+            row = ["%.1f to %.1f" % (min(t[0] for t in told), max(t[0] for t in told)), "%.0f" % (sum(t[1] for t in told) / len(told)),
                    "go" if not stops else "%s on %.0f %%" % (stops[0], 100 * len(stops) / len(told)),
-                   "passes" if passed else "stops after %.1f m" % gone, "" if mean is None else "%.2f" % mean, "" if slip is None else "%.2f" % slip, aside),
-                  flush=True)
+                   "passes" if passed else "stops after %.1f m" % gone, "" if mean is None else "%.2f" % mean, "" if slip is None else "%.2f" % slip]
+            print("| %.1f, %.1f | %s | %.2f |" % (place[0], place[1], " | ".join(row), aside), flush=True)
+            if not stops:
+                rows.append(row)
         print("%d of %d agree" % (agree, given.places))
+        kept.seen(json.loads((folder / "out" / "run.json").read_text()))
+    kept.page("mobility", pages.table(["slope, degrees", "heading above the contour", "the map", "the drive", "slip, map", "slip, drive"], rows))
+    kept.write(given.figures)
 
 
 if __name__ == "__main__":
