@@ -4,7 +4,7 @@
 Some twenty minutes on two quiet cores, fewer with `--big`. With `--long` also those of benches that take longer: two hours more.
 
     python3 bench/measure.py -o bench/figures --dem FOLDER --rig FOLDER     # then: python3 bench/marks.py writes them into the pages
-    python3 bench/measure.py -o bench/figures --only soil_forms --only tested --only validation --only rig --only climb --only towed   # no times: a busy machine will do
+    python3 bench/measure.py -o bench/figures --only soil_forms --only tested --only validation --only rig --only climb   # no times: a busy machine will do
 
 It builds what it needs in the release build `build` first. Each bench leaves one file. Where a bench fails, or the data that it needs are
 not given, its file stays as it is, which is told.
@@ -52,7 +52,6 @@ def steps(options):
         Step("rig", [], [python, bench / "rig.py", furrow, "--rig", options.rig], ["rig"]),
         Step("mobility", [], [python, bench / "mobility.py", furrow, "--dem", (options.dem or pathlib.Path()) / "gabilan_dtm1m.bil"], ["dem"]),
         Step("climb", [], [python, bench / "climb.py", furrow]),
-        Step("towed", [], [python, bench / "towed.py", furrow]),
         Step("probe", ["bench/bench_probe"], [programs / "bench_probe"]),
         Step("transfer", ["bench/bench_transfer"], [programs / "bench_transfer"]),
         Step("terrain_size", ["bench/bench_terrain_size"], [programs / "bench_terrain_size"]),
