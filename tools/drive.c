@@ -28,16 +28,20 @@ static const struct command_option options[] = {
 
 static void print_summary(const struct api_result *result, const struct api_params *params)
 {
-	printf("%s: %lld steps in %.1f s (%.2f times real time), in %s/run.json", result->ended, (long long)result->steps,
-	       result->seconds, result->rtf, params->directory);
+	const bool unfinished = strcmp(result->ended, "interrupted") == 0 || strcmp(result->ended, "failed") == 0;
+	printf("%s: %lld steps in %.1f s (%.2f times real time), %s%s/run.json%s", result->ended, (long long)result->steps,
+	       result->seconds, result->rtf, result->reported ? "in " : "but ", params->directory, result->reported ? "" : " could not be written");
 	if (result->map)
 		printf("; a map in %s/map.png", params->directory);
 	if (result->map_also)
 		printf("%s%s", result->map ? " and " : "; a map in ", params->map_also);
 	if (params->overlay != NULL)
-		printf("; ruts in %s\n", params->overlay);
+		printf("; ruts in %s", params->overlay);
 	else
-		printf("; ruts in %s itself\n", params->store != NULL ? params->store : params->scene->store);
+		printf("; ruts in %s itself", params->store != NULL ? params->store : params->scene->store);
+	if (unfinished && result->committed > 0)
+		printf(", up to step %lld; --resume goes on with the same scene from there", (long long)result->committed);
+	putchar('\n');
 }
 
 static struct fleet_params fleet_params_of(const struct api_params *params, const char *stage, struct progress *progress)

@@ -74,8 +74,8 @@ static void print_plan(const struct dem_info *info, const struct dem_insets *ins
 	char system[160];
 	chart_system_name(meta->srs, system, sizeof system);
 	if (info->projected[0] != '\0' && system[0] != '\0')
-		printf("projected to %s%s; --t-srs source keeps the source's own system\n", system,
-		       info->ground_off != 0 ? "" : ", where a metre is a metre on the ground");
+		printf("projected to %s%s%s\n", system, info->ground_off != 0 ? "" : ", where a metre is a metre on the ground",
+		       info->keepable ? "; --t-srs source keeps the source's own system" : "");
 	else if (system[0] != '\0')
 		printf("srs: %s\n", system);
 	printf("%lld x %lld posts, %g m apart (%.3f x %.3f km), tiles of %u x %u posts, levels 0 to %d\n",

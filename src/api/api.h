@@ -118,6 +118,8 @@ struct api_result {
 	int64_t steps;
 	double seconds, rtf;
 	char *json; /* the text of run.json; free with mem_free */
+	bool reported;     /* run.json was written */
+	int64_t committed; /* step from which a later call with `resume` goes on; 0: the first, or not known, as of many processes */
 	bool map;   /* map.png was written */
 	bool map_also; /* the map that the parameter `map_also` names was written */
 };

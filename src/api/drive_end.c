@@ -54,7 +54,10 @@ static enum status report(struct drive *drive, bool keep, struct api_result *res
 	enum status status = describe(drive, result);
 	if (status != STATUS_OK)
 		return status;
-	return keep && access(path, F_OK) == 0 ? STATUS_OK : report_write(drive->params->directory, result->json);
+	if (!keep || access(path, F_OK) != 0)
+		status = report_write(drive->params->directory, result->json);
+	result->reported = status == STATUS_OK;
+	return status;
 }
 
 /* Draws map.png and what is asked for beside it. `keep`: only those that do not exist. */
@@ -162,6 +165,14 @@ static void tell_end(struct drive *drive, const char *ended)
 		tell_stuck(drive);
 }
 
+/* Returns the step of the last commit: of this drive, or of the one that it resumes. */
+static int64_t last_committed(const struct world *world)
+{
+	struct resident_pages_io io;
+	resident_pages_io(world->pages, &io);
+	return io.commits > 0 ? io.step : world->resumed.is ? world->resumed.from : 0;
+}
+
 enum status api_end(struct drive *drive, struct api_result *result, enum status status)
 {
 	if (!drive->unbegun)
@@ -177,6 +188,7 @@ enum status api_end(struct drive *drive, struct api_result *result, enum status 
 		enum status made = describe(drive, result);
 		return status == STATUS_OK ? made : failure_restore(&failure);
 	}
+	result->committed = last_committed(&drive->world);
 	enum status written = report_cameras(drive->poses);
 	if (status == STATUS_OK && written == STATUS_OK)
 		report_videos(drive->poses);
@@ -226,6 +238,7 @@ enum status api_conclude(const struct drive *drive, int64_t step, double time, s
 		gathered = report_gathered(&result->json, &ranked, ranks->ranks);
 		if (gathered == STATUS_OK)
 			gathered = report_write(drive->params->directory, result->json);
+		result->reported = gathered == STATUS_OK;
 		if (gathered == STATUS_OK && drive->params->map)
 			gathered = map_gathered(drive, step, time, result);
 	}

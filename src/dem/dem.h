@@ -58,6 +58,7 @@ struct dem_info {
 	double origin[2];      /* x, y of the south-west post in `srs` */
 	const char *vertical;  /* what heights are above, as the first source says, or t_vertical; "" if not said */
 	const char *projected; /* the SRS from which the sources were projected; "" if they were not */
+	bool keepable;         /* they were projected by t_srs `auto`; `source` would keep the first one's SRS */
 	double ground_off;     /* what dem_ground_off returns for the SRS and its posts */
 	size_t source_count;   /* number of sources, including those in directories and lists */
 	const char *const *sources;

@@ -227,7 +227,7 @@ static enum status check_cover(struct gdal_grid *gdal)
 	return STATUS_OK;
 }
 
-static enum status describe(struct gdal_grid *gdal)
+static enum status describe(struct gdal_grid *gdal, const struct dem_params *params)
 {
 	struct dem_grid *grid = &gdal->grid;
 	const struct dem_target *target = &gdal->target;
@@ -261,6 +261,7 @@ static enum status describe(struct gdal_grid *gdal)
 			snprintf(text + length, sizeof text - (size_t)length, ", and from %zu other SRS", others);
 		grid->projected = mem_strdup(text);
 	}
+	grid->keepable = dem_target_keepable(params, &gdal->groups);
 	if (target->srs != NULL) {
 		grid->srs = dem_srs_wkt(target->srs);
 		grid->ground_off = dem_target_ground_off(target);
@@ -308,7 +309,7 @@ static enum status open_grid(struct gdal_grid *gdal, const struct dem_params *pa
 		status = check_cover(gdal);
 	if (status != STATUS_OK)
 		return status;
-	status = describe(gdal);
+	status = describe(gdal, params);
 	if (status != STATUS_OK)
 		return status;
 	note_scale(gdal);

@@ -166,6 +166,8 @@ enum status dem_target_area(const struct dem_target *target, const struct dem_gr
 enum status dem_target_choose(const struct dem_params *params, struct dem_groups *groups, struct dem_target *target) FURROW_CHECKED;
 void dem_target_finish(struct dem_target *target);
 void dem_target_lattice(const struct dem_target *target, struct dem_lattice *lattice);
+/* As `keepable` of dem_info, of groups whose target is chosen. */
+bool dem_target_keepable(const struct dem_params *params, const struct dem_groups *groups);
 /* As dem_ground_off, of all posts of the target, which has an SRS. */
 double dem_target_ground_off(const struct dem_target *target);
 

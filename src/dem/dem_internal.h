@@ -34,7 +34,7 @@ struct dem_grid {
 	int64_t width, height; /* posts */
 	double spacing, unit;  /* as in dem_info */
 	bool whole, placed; /* placed: the sources say where they lie */
-	bool shifted;       /* as in dem_info */
+	bool shifted, keepable; /* as in dem_info */
 	int64_t panel_posts;
 	double origin[2];
 	char *srs, *vertical, *projected; /* NULL: "" */

@@ -165,6 +165,7 @@ enum status dem_open(const struct dem_params *params, struct dem **out)
 		.origin = {grid->origin[0], grid->origin[1]},
 		.vertical = grid->vertical != NULL ? grid->vertical : "",
 		.projected = grid->projected != NULL ? grid->projected : "",
+		.keepable = grid->keepable,
 		.ground_off = grid->ground_off,
 		.source_count = dem->list.count,
 		.sources = (const char *const *)dem->list.paths,

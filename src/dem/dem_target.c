@@ -174,12 +174,22 @@ static enum status systems_agree(const struct dem_groups *groups)
 	return STATUS_OK;
 }
 
+static bool is_metric(OGRSpatialReferenceH srs)
+{
+	return !OSRIsGeographic(srs) && fabs(OSRGetLinearUnits(srs, NULL) - 1) <= 1e-12;
+}
+
+static bool is_automatic(const struct dem_params *params)
+{
+	return params->t_srs == NULL || strcmp(params->t_srs, "auto") == 0;
+}
+
 static enum status parse_target(const char *text, OGRSpatialReferenceH *out)
 {
 	*out = dem_srs_parse(text);
 	if (*out == NULL)
 		return STATUS_INPUT;
-	if (!OSRIsProjected(*out) || fabs(OSRGetLinearUnits(*out, NULL) - 1) > 1e-12)
+	if (!OSRIsProjected(*out) || !is_metric(*out))
 		return fail_with(STATUS_INPUT, "target SRS \"%.80s\": is not in metres, and a store is; choose a metric projection "
 				 "or auto", text);
 	if (OSRIsCompound(*out))
@@ -198,9 +208,22 @@ static bool lies_a_turn_away(OGRSpatialReferenceH srs, double x)
 	return turn > 0 && !OSRIsGeographic(srs) && fabs(x - middle) > turn / 2;
 }
 
+/* The same of a source's middle. */
+static bool source_lies_a_turn_away(const struct gdal_source *source)
+{
+	return lies_a_turn_away(source->srs, source->place[0] + source->place[1] * source->width / 2);
+}
+
+bool dem_target_keepable(const struct dem_params *params, const struct dem_groups *groups)
+{
+	const struct dem_group *first = &groups->groups[0];
+	const struct gdal_source *source = first->sources[0];
+	return is_automatic(params) && first->projected && is_metric(source->srs) && !source_lies_a_turn_away(source);
+}
+
 static enum status keep_own(OGRSpatialReferenceH own, const char *name, OGRSpatialReferenceH *out)
 {
-	if (own != NULL && (OSRIsGeographic(own) || fabs(OSRGetLinearUnits(own, NULL) - 1) > 1e-12))
+	if (own != NULL && !is_metric(own))
 		return fail_with(STATUS_INPUT, "%s: its SRS is in %s, and a store is in metres; leave --t-srs source out, or name a "
 				 "metric SRS", name, OSRIsGeographic(own) ? "degrees" : "other units");
 	*out = own != NULL ? OSRClone(own) : NULL;
@@ -213,10 +236,9 @@ static enum status choose_srs(struct dem_target *target, const struct dem_params
 	const struct gdal_source *first = groups->groups[0].sources[0];
 	if (target->srs != NULL)
 		return STATUS_OK;
-	bool chosen = params->t_srs == NULL || strcmp(params->t_srs, "auto") == 0;
+	bool chosen = is_automatic(params);
 	if (!chosen && strcmp(params->t_srs, "source") == 0) {
-		const double *place = first->place;
-		if (first->srs != NULL && lies_a_turn_away(first->srs, place[0] + place[1] * first->width / 2))
+		if (first->srs != NULL && source_lies_a_turn_away(first))
 			note("%s: its x is beyond 180 degrees from the central meridian of its SRS, so points in degrees are not found in the store; leave "
 			     "--t-srs source out", first->path);
 		return keep_own(first->srs, first->path, &target->srs);

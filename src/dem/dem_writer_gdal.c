@@ -11,10 +11,19 @@ struct gdal_sink {
 	double *row;
 };
 
+/* Returns what GDAL said of its last error, without the name of the function that said it ("_tiffWriteProc:No space left on device"). */
+static const char *because(void)
+{
+	const char *said = dem_gdal_because() + 2; /* behind ": " */
+	const char *rest = said + strspn(said, "_ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz");
+	return *rest == ':' && rest > said && rest[1] != '\0' ? rest + 1 : said;
+}
+
 static enum status refuse(const struct dem_raster *raster)
 {
-	return fail_with(STATUS_FAILED, "%s: cannot be written%s; check the disk's room", raster->path,
-			 dem_gdal_because());
+	if (CPLGetLastErrorMsg()[0] == '\0')
+		return fail_with(STATUS_FAILED, "%s: cannot be written; free some disk space", raster->path);
+	return fail_with(STATUS_FAILED, "%s: cannot be written: %s; free some disk space", raster->path, because());
 }
 
 static enum status sink_row(struct dem_sink *sink, int64_t y, const double *values)

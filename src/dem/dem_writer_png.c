@@ -83,7 +83,7 @@ static enum status sink_finish(struct dem_sink *sink)
 		png->file = NULL;
 	}
 	if (!done)
-		return fail_with(STATUS_FAILED, "%s: cannot be written: %s; check the disk's room",
+		return fail_with(STATUS_FAILED, "%s: cannot be written: %s; free some disk space",
 				 png->raster->path, problem.text);
 	png->file = NULL;
 	return STATUS_OK;

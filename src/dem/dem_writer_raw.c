@@ -15,7 +15,7 @@ struct raw_sink {
 
 static enum status refuse(const struct dem_raster *raster)
 {
-	return fail_with(STATUS_FAILED, "%s: cannot be written: %s; check the disk's room", raster->path, strerror(errno));
+	return fail_with(STATUS_FAILED, "%s: cannot be written: %s; free some disk space", raster->path, strerror(errno));
 }
 
 static enum status sink_row(struct dem_sink *sink, int64_t y, const double *values)

@@ -201,6 +201,7 @@ static enum status commit(void *user, const struct page_image *const *images, si
 		status = store_bound_wal(pages->params.store);
 	mutex_lock(&pages->mutex);
 	pages->io.commits++;
+	pages->io.step = run.step;
 	pages->io.tiles_written += result.tiles_written;
 	pages->io.bytes_written += result.bytes_written;
 	pages->io.sums.below += result.below;

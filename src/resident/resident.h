@@ -294,6 +294,7 @@ struct pages_counts {
 
 struct resident_pages_io {
 	int64_t commits, tiles_read, tiles_written, bytes_read, bytes_written;
+	int64_t step;           /* of the last commit; 0 if there is none */
 	struct pages_sums sums; /* sums of the whole drive */
 	double load_ms, readback_ms, writeback_ms;
 	uint64_t host_bytes; /* bytes of all images made so far; images are kept until the end */

@@ -26,8 +26,8 @@ enum status store_sql_fail(sqlite3 *db, int code, const char *path, const char *
 	case SQLITE_NOMEM:
 		return fail_memory(doing);
 	case SQLITE_FULL:
-		return fail_with(STATUS_FAILED, "%s: %s: %s; nothing was lost, free some disk space and "
-				 "go on", path, doing, why);
+		return fail_with(STATUS_FAILED, "%s: %s: %s; free some disk space, then run it again",
+				 path, doing, why);
 	case SQLITE_IOERR:
 		return fail_with(STATUS_FAILED, "%s: %s: %s%s%s; check the disk and its free space", path, doing,
 				 why, error != 0 ? ": " : "", error != 0 ? strerror(error) : "");

@@ -52,10 +52,23 @@ class Places(RasterTest):
         self.make("in.tif", 50, 40, self.slope, "h", **self.DEGREES)
         told = self.furrow("import", "in.tif", "-o", "s.furrow", "--t-srs", "EPSG:3857", "--dry-run")
         self.assertRegex(told.stderr, r"up to 3[12](\.\d+)? % off")
-        self.assertIn("projected to WGS 84 / Pseudo-Mercator (EPSG:3857); --t-srs", told.stdout)
+        self.assertIn("projected to WGS 84 / Pseudo-Mercator (EPSG:3857)\n", told.stdout)
         told = self.furrow("import", "in.tif", "-o", "s.furrow", "--dry-run")
         self.assertNotIn("% off", told.stderr)
-        self.assertIn("UTM zone 33N (EPSG:32633), where a metre is a metre on the ground;", told.stdout)
+        self.assertIn("UTM zone 33N (EPSG:32633), where a metre is a metre on the ground\n", told.stdout)
+
+    def test_that_the_source_s_own_system_can_be_kept_is_told_only_where_it_can(self):
+        self.make("degrees.tif", 50, 40, self.slope, "h", **self.DEGREES)
+        self.make("feet.tif", 50, 40, self.slope, "h", srs="EPSG:2229", west=6400000, north=1900000)
+        self.make("mercator.tif", 50, 40, self.slope, "h", srs="EPSG:3857", west=1670000, north=5900000)
+        for source, more, can in (("degrees.tif", (), False), ("feet.tif", (), False), ("mercator.tif", (), True),
+                                  ("mercator.tif", ("--t-srs", "auto"), True), ("mercator.tif", ("--t-srs", "EPSG:32633"), False)):
+            with self.subTest(source=source, more=more):
+                told = self.ok("import", source, "-o", "s.furrow", "--dry-run", *more)
+                self.assertIn("\nprojected to ", told)
+                self.assertEqual("; --t-srs source keeps the source's own system" in told, can)
+                if can:
+                    self.ok("import", source, "-o", "s.furrow", "--dry-run", "--t-srs", "source")
 
     def test_an_srs_in_place_of_the_files_own_is_told(self):
         self.make("in.tif", 50, 40, self.slope, "h")
