@@ -125,6 +125,20 @@ static void print_planned(const struct import *import)
 	       posts * info->covered * 2 / 1e6);
 }
 
+/* Where errors that resampling makes come from, and what lessens them. */
+static void print_resampling(const struct import *import, const struct store_meta *meta)
+{
+	const struct dem_info *info = dem_info(import->opened);
+	if (!info->resampled)
+		return;
+	if (meta->off_source.posts > 0)
+		printf("  these come from resampling to posts %g m apart, the largest at single peaks, edges and rims of holes; a finer --spacing%s lessens them\n",
+		       info->spacing, import->dem.resample == DEM_CUBIC ? "" : " or -r cubic");
+	if (info->unit > 0 && meta->max_error >= info->unit / 2 && !info->shifted)
+		printf("  resampled heights are rounded to the source's unit of %g m; --max-error %g keeps them smooth, in about half as many bytes again\n",
+		       info->unit, info->unit / 20);
+}
+
 static enum status print_json(const struct import *import, const struct intake *made)
 {
 	const struct dem_info *info = dem_info(import->opened);
@@ -189,6 +203,7 @@ static enum status run(const struct arguments *arguments)
 			print_planned(&import);
 		else
 			print_errors(&made.meta, "stored heights ", "stored heights ");
+		print_resampling(&import, &made.meta);
 		print_holes(&made.meta, "no data: ");
 	}
 	api_import_finish(&import);

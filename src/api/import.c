@@ -79,6 +79,8 @@ static enum status take_number(const struct option *option, const char *text, do
 static enum status take_word(const struct option *option, const char *text, int *word)
 {
 	char allowed[160] = "one of";
+	if (option->words == api_import_units && (strcmp(text, "feet") == 0 || strcmp(text, "foot") == 0))
+		return refuse(option->name, text, "ft (0.3048 m), or us-ft (the US survey foot)");
 	for (int i = 0; option->words[i] != NULL; i++) {
 		if (strcmp(option->words[i], text) == 0) {
 			*word = i;

@@ -46,8 +46,13 @@ static enum status refuse_degrees(const struct gdal_source *source)
 	}
 	if (!(range[1] - range[0] > 1000 * fmax(wide, high)))
 		return STATUS_OK;
-	return fail_with(STATUS_INPUT, "%s: no SRS is said, and its place %.6g, %.6g with posts %.3g apart looks like degrees: as metres it is %.3g m wide and "
-			 "its heights differ by %.4g m; give --s-srs EPSG:4326", source->path, source->place[0], source->place[3],
+	char system[80] = "no SRS is said";
+	if (source->srs != NULL) {
+		dem_srs_told(source->srs, system, sizeof system - sizeof " is in metres");
+		strcat(system, " is in metres");
+	}
+	return fail_with(STATUS_INPUT, "%s: %s, and its place %.6g, %.6g with posts %.3g apart looks like degrees: as metres it is %.3g m wide and "
+			 "its heights differ by %.4g m; give --s-srs EPSG:4326", source->path, system, source->place[0], source->place[3],
 			 fabs(source->place[1]), wide, range[1] - range[0]);
 }
 
@@ -97,6 +102,9 @@ static enum status place_source(struct gdal_source *source, GDALDatasetH dataset
 			source->place[i] *= metres;
 		OSRDestroySpatialReference(source->srs);
 		source->srs = NULL;
+	} else if (OSRIsProjected(source->srs) && looks_like_degrees(source)) {
+		dem_source_remark(source, SOURCE_DEGREES, "its place %.6g, %.6g with posts %.3g apart looks like degrees; taken as the metres or feet of its SRS. "
+			       "If they are degrees, give --s-srs EPSG:4326", source->place[0], source->place[3], fabs(source->place[1]));
 	}
 	return STATUS_OK;
 }

@@ -67,8 +67,18 @@ class Places(RasterTest):
                 told = self.ok("import", source, "-o", "s.furrow", "--dry-run", *more)
                 self.assertIn("\nprojected to ", told)
                 self.assertEqual("; --t-srs source keeps the source's own system" in told, can)
+                self.assertIn("--max-error 0.05 keeps them smooth", told)
                 if can:
                     self.ok("import", source, "-o", "s.furrow", "--dry-run", "--t-srs", "source")
+
+    def test_errors_of_resampling_are_told_with_what_lessens_them(self):
+        self.make("in.tif", 50, 40, self.slope, "h", **self.DEGREES)
+        come = "these come from resampling to posts 30.2 m apart, .*; a finer --spacing"
+        self.assertRegex(self.ok("import", "in.tif", "-o", "s.furrow", "--spacing", 30.2), come + " or -r cubic lessens them\n")
+        told = self.ok("import", "in.tif", "-o", "s.furrow", "--overwrite", "--spacing", 30.2, "-r", "cubic", "--max-error", 0.05)
+        self.assertRegex(told, come + " lessens them\n")
+        self.assertNotIn("smooth", told)
+        self.assertRegex(self.ok("info", "s.furrow"), r"\norigin +\d+\.\d{3,6}, \d+\.\d{3,6} ")
 
     def test_an_srs_in_place_of_the_files_own_is_told(self):
         self.make("in.tif", 50, 40, self.slope, "h")

@@ -121,6 +121,12 @@ class Values(RasterTest):
                 self.assertEqual(0, found.returncode, found.stderr)
                 self.assertEqual(told != "", "note" in found.stderr, found.stderr)
                 self.assertIn(told, found.stderr)
+        self.make("in.tif", 20, 20, lambda x, y: 5000 * x / 19, west=119.2, north=34.1, step=0.01, srs="EPSG:4326")
+        self.assertIn("EPSG:26911 is in metres, and its place 119.2, 34.1 with posts 0.01 apart looks like degrees: as metres it is 0.2 m wide",
+                      self.refused(3, "import", "in.tif", "-o", "s.furrow", "--s-srs", "EPSG:26911"))
+        self.make("in.tif", 20, 20, lambda x, y: 5 * x / 19, west=119.2, north=34.1, step=0.01, srs=None)
+        self.assertIn("looks like degrees; taken as the metres", self.furrow("import", "in.tif", "-o", "s.furrow", "--overwrite", "--s-srs", rasters.UTM).stderr)
+        self.make("in.tif", 20, 20, lambda x, y: x, west=500000, north=34.1, step=0.01, srs=None)
         self.assertEqual("", self.furrow("import", "in.png", "-o", "s.furrow", "--overwrite", "--spacing", 1).stderr)
         self.assertEqual("", self.furrow("import", "in.tif", "-o", "s.furrow", "--overwrite", "--s-srs", rasters.UTM).stderr)
 
