@@ -172,12 +172,30 @@ static enum status take_place(struct gdal_of_values *gdal)
 	return take_way(gdal, srs);
 }
 
+/* Refuses a file that has the ending of a format of polygons. It is not opened: a scene is a stranger's. */
+static enum status refuse_vector(const char *path, enum dem_placed_kind kind)
+{
+	static const struct {
+		const char *ending;
+		bool degrees; /* always, or nearly so */
+	} formats[] = {{".geojson", true}, {".json", true}, {".kml", true}, {".shp", false}, {".gpkg", false}, {".gml", false}, {".fgb", false}, {".dxf", false}};
+	for (size_t i = 0; i < sizeof formats / sizeof *formats; i++)
+		if (dem_path_ends(path, formats[i].ending))
+			return fail_with(STATUS_INPUT, "%.120s: is a vector file, and %s is a raster; make it of the polygons: gdal_rasterize -a CLASS -ot Byte -tr %s "
+						       "%.120s map.tif (CLASS: the attribute with the values; -tr: a pixel's size, %s)",
+					 path, names[kind], formats[i].degrees ? "0.00005 0.00005" : "5 5", path,
+					 formats[i].degrees ? "degrees" : "in the unit of its SRS");
+	return STATUS_OK;
+}
+
 enum status dem_placed_gdal_open(const struct dem_placed_params *params, enum dem_placed_kind kind, int64_t most,
 				 struct dem_placed **out)
 {
 	/* A scene is a stranger's: no format that names further files, or places on the net. */
 	static const char *const drivers[] = {"GTiff", NULL};
-	enum status status = dem_gdal_init(params->path);
+	enum status status = refuse_vector(params->path, kind);
+	if (status == STATUS_OK)
+		status = dem_gdal_init(params->path);
 	if (status != STATUS_OK)
 		return status;
 	struct gdal_of_values *gdal = mem_calloc(1, sizeof *gdal);

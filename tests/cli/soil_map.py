@@ -175,6 +175,11 @@ class SoilMap(FurrowTest):
             self.driven_badly(scene, 2, path, "")
             self.assertIsNone(self.json("info", "driven.furrow")["last_run"])
 
+    def test_a_vector_file_is_told_how_it_becomes_a_raster(self):
+        for name, size in (("map.geojson", "0.00005 0.00005"), ("map.shp", "5 5")):
+            (self.folder / name).write_text("polygons")
+            self.driven_badly(self.scene(SCENE.format(model="scm", soil=self.mapped("scm", name))), 2, name, f"gdal_rasterize -a CLASS -ot Byte -tr {size}")
+
     def test_a_value_that_is_no_class_ends_the_drive_where_it_is_read(self):
         # Far from where the drive begins.
         write_png16(self.folder / "odd.png", POSTS, POSTS, lambda x, y: 300 if x > 90 and y < 40 else 1)
