@@ -2,6 +2,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "dem/dem.h"
 #include "export.h"
@@ -127,6 +128,8 @@ static enum status read_request(const struct arguments *arguments, struct export
 		return fail_with(STATUS_USAGE, "export: %s: heights are a raster; write them as .tif or .png, or as a map by furrow map",
 				 request->path);
 	request->raw = dem_path_ends(request->path, ".r16") || dem_path_ends(request->path, ".raw");
+	if (!request->mesh && !drawn && !request->raw && !dem_path_ends(request->path, ".tif") && !dem_path_ends(request->path, ".tiff"))
+		return fail_with(STATUS_USAGE, "%s: no raster that can be written has this ending; name a .tif, a .png, or a raw .r16", request->path);
 	if (request->has_range && request->range[0] >= request->range[1])
 		return fail_with(STATUS_USAGE, "export: --height-range %g,%g: is empty; give MIN,MAX", request->range[0],
 				 request->range[1]);
@@ -242,6 +245,26 @@ static enum status write_rows(const struct export_request *request, struct store
 	return status;
 }
 
+/* Unreal's Landscape has components of sections of 7 to 255 quads; these squares fill whole numbers of components. */
+static const int64_t unreal_sides[] = {127, 253, 505, 1009, 2017, 4033, 8129};
+
+/* A raw heightmap that no engine takes as it is: Unreal takes these sides, Unity and Gazebo squares of 2^n + 1. */
+static void note_side(const struct export_request *request, struct post_rect rect, double spacing)
+{
+	const int64_t width = rect.x1 - rect.x0, height = rect.y1 - rect.y0, least = width < height ? width : height;
+	int64_t side = 0;
+	bool fits = width == height && ((width - 1) & (width - 2)) == 0;
+	for (size_t i = 0; i < sizeof unreal_sides / sizeof *unreal_sides; i++) {
+		fits = fits || (width == unreal_sides[i] && height == width);
+		side = unreal_sides[i] <= least ? unreal_sides[i] : side;
+	}
+	if (fits || side == 0)
+		return;
+	const double west = (double)rect.x0 * spacing, south = (double)rect.y0 * spacing, length = (double)(side - 1) * spacing;
+	note("%s: %lld x %lld posts are no size of Unreal's Landscape; the nearest that lies within is %lld x %lld: --window %.10g,%.10g,%.10g,%.10g",
+	     request->path, (long long)width, (long long)height, (long long)side, (long long)side, west, south, west + length, south + length);
+}
+
 /* So that the error bound of the import holds in the raster too. */
 static enum dem_raster_type float_type(const struct store_meta *meta)
 {
@@ -293,6 +316,7 @@ static enum status write_raster(const struct export_request *request, struct sto
 		.has_nodata = request->layer != LAYER_QUANTA,
 		.nodata = metres ? nodata_beside(meta) : 0,
 	};
+	const bool replaces = access(request->path, F_OK) == 0;
 	struct dem_writer *writer = NULL;
 	struct store_reader *reader = NULL;
 	status = store_reader_create(store, &reader);
@@ -304,8 +328,10 @@ static enum status write_raster(const struct export_request *request, struct sto
 	if (status == STATUS_OK)
 		status = dem_writer_publish(writer);
 	if (status == STATUS_OK)
-		printf("%s: %s, %lld x %lld posts, %g m apart\n", request->path, layer_names[request->layer],
-		       (long long)raster.width, (long long)raster.height, spacing);
+		printf("%s: %s, %lld x %lld posts, %g m apart%s\n", request->path, layer_names[request->layer],
+		       (long long)raster.width, (long long)raster.height, spacing, replaces ? "; the file that was there is replaced" : "");
+	if (status == STATUS_OK && request->raw)
+		note_side(request, rect, spacing);
 	dem_writer_destroy(writer);
 	store_reader_destroy(reader);
 	return status;

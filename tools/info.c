@@ -209,14 +209,28 @@ static void print_srs(const char *wkt)
 		printf("srs        %s\n", wkt);
 }
 
-/* With all digits that the number needs, so that furrow query finds the same place. */
-static void print_exactly(double value)
+#define PLACE_OFF 1e-6 /* m, inwards: furrow query finds the printed place on the terrain */
+
+/* Prints a coordinate of the south-west post with three digits or more: as few as lie on the terrain and no further than PLACE_OFF in it. */
+static void print_place(double value)
 {
 	char text[400]; /* a store may say 1e308 */
 	int digits = 3;
-	while (snprintf(text, sizeof text, "%.*f", digits, value) < 30 && digits < 17 && strtod(text, NULL) != value)
-		digits++;
+	for (; snprintf(text, sizeof text, "%.*f", digits, value) < 30 && digits < 17; digits++) {
+		const double printed = strtod(text, NULL);
+		if (printed >= value && printed - value < PLACE_OFF)
+			break;
+	}
 	fputs(text, stdout);
+}
+
+/* In m3, as "compacted" of run.json. Ruts are at the working level. */
+static double compacted_volume(const struct store *store, const struct store_numbers *numbers)
+{
+	const struct extent *extent = &store_meta(store)->extent;
+	int working;
+	const double spacing = store_has_working_level(store, &working) ? extent_spacing(extent, working) : extent->spacing;
+	return (double)numbers->compacted * lattice_offset_metres(1) * spacing * spacing;
 }
 
 static void print_text(struct store *store, const struct store_numbers *numbers, const double *ruts)
@@ -248,7 +262,7 @@ static void print_text(struct store *store, const struct store_numbers *numbers,
 	       (double)numbers->base_bytes / ((double)extent->width * (double)extent->height),
 	       (long long)numbers->plane_bytes[PLANE_OFFSET], (long long)soil_sum(numbers->plane_bytes));
 	if (numbers->compacted != 0)
-		printf("compacted  %lld quanta\n", (long long)numbers->compacted);
+		printf("compacted  %.6g m3\n", compacted_volume(store, numbers));
 	if (numbers->revisions != 0)
 		printf("history    %lld revisions, %lld names, %lld rows of %lld bytes\n", (long long)numbers->revisions,
 		       (long long)numbers->snapshots, (long long)numbers->history_rows, (long long)numbers->history_bytes);
@@ -259,9 +273,9 @@ static void print_text(struct store *store, const struct store_numbers *numbers,
 	if (store_depth(store) > 1 || (parent != NULL && revision > 0))
 		printf("parent     %s at revision %lld; %d files under this one\n", parent, (long long)revision, store_depth(store));
 	fputs("origin     ", stdout);
-	print_exactly(meta->origin[0]);
+	print_place(meta->origin[0]);
 	fputs(", ", stdout);
-	print_exactly(meta->origin[1]);
+	print_place(meta->origin[1]);
 	puts(" (south-west post)");
 	if (meta->vertical[0] != '\0' || meta->srs[0] != '\0')
 		printf("vertical   %s\n", meta->vertical[0] != '\0' ? meta->vertical : "not said");

@@ -41,6 +41,19 @@ static enum status fold_cameras(const struct scene_tree *tree)
 	return status != STATUS_OK ? status : fold_camera(camera, "fixed", fixed);
 }
 
+/* --set view.images=0 for a scene without a view: there is nothing to draw, and nothing changes. */
+static void drop_view(struct scene_tree *tree)
+{
+	struct scene_node *view = scene_node_child(tree->root, "view");
+	if (view == NULL || view->kind != SCENE_MAPPING || view->count != 1)
+		return;
+	const struct scene_node *images = view->first;
+	if (images->setting == NULL || images->kind != SCENE_SCALAR || strcmp(images->key, "images") != 0 || strcmp(images->text, "0") != 0)
+		return;
+	scene_node_remove(view);
+	scene_node_destroy(view);
+}
+
 /* Adds a text below `parent`. The tree owns the text; on failure it is freed. */
 static enum status add_text(struct scene_node *parent, const char *key, char *text, bool plain)
 {
@@ -150,6 +163,7 @@ static enum status fold_vehicles(const struct scene_tree *tree)
 
 enum status scene_fold(struct scene_tree *tree)
 {
+	drop_view(tree);
 	enum status status = fold_cameras(tree);
 	if (status == STATUS_OK)
 		status = fold_soil(tree);

@@ -245,6 +245,16 @@ class RoundTrips(FurrowTest):
             self.assertEqual(self.json("query", "s.furrow", x, y)["height"], 7 * x + 300 * (60 - y))
             self.assertEqual(self.json("query", "t.furrow", x, y)["height"], 7 * x + 300 * (60 - y))
 
+    def test_an_export_tells_what_it_replaced_and_what_unreal_takes(self):
+        store = self.synth(posts="300x257", spacing=0.5)
+        told = self.furrow("export", store, "-o", "a.r16", "--height-range", "-500,500")
+        self.assertIn("300 x 257 posts are no size of Unreal's Landscape; the nearest that lies within is 253 x 253: --window 0,0,126,126\n", told.stderr)
+        self.assertNotIn("replaced", told.stdout)
+        told = self.furrow("export", store, "-o", "a.r16", "--height-range", "-500,500", "--window", "0,0,126,126")
+        self.assertEqual((told.stderr, told.stdout), ("", "a.r16: surface, 253 x 253 posts, 0.5 m apart; the file that was there is replaced\n"))
+        self.assertEqual(self.furrow("export", store, "-o", "b.r16", "--height-range", "-500,500", "--window", "0,0,128,128").stderr, "")
+        self.assertIn("name a .tif", self.refused(2, "export", store, "-o", "a.asc"))
+
     def test_a_heightmap_of_16_bits_comes_back_within_its_step(self):
         for relief, low, high in part(((40, -100, 100), (3, -5, 7), (900, -2000, 2500)), 1):
             store = self.synth(posts="129x129", spacing=2, relief=relief)
@@ -455,6 +465,19 @@ class Maps(FurrowTest):
 
 
 class Drives(FurrowTest):
+    def test_info_tells_soil_that_was_compacted_in_m3_as_run_json_does(self):
+        store = self.synth()
+        compacted = self.drive(self.scene(SCENE.replace("box", "scm, bulldozing: 0").replace("attributes: [dirt]", "soil: {name: dry_sand}")
+                                           .replace("sink: 0.15", "load: 900")), "--store", store, "--steps", 20)["volume"]["compacted"]
+        self.assertGreater(compacted, 0)
+        self.assertRegex(self.ok("info", store), rf"\ncompacted +{compacted:.6g} m3\n")
+
+    def test_no_pictures_of_a_scene_without_a_view_are_no_change(self):
+        scene = self.scene()
+        plan = self.json("explain", scene, "--store", self.synth())
+        self.assertEqual(self.json("explain", scene, "--store", "world.furrow", "--set", "view.images=0")["effects"], plan["effects"])
+        self.assertIn("view.camera: is missing", self.refused(3, "explain", scene, "--store", "world.furrow", "--set", "view.images=1"))
+
     def test_a_drive_leaves_ruts_figures_and_a_clean_store(self):
         store = self.synth()
         report = self.drive(self.scene(), "--store", store)
