@@ -12,6 +12,7 @@ import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 FOLDERS = ("docs", "src", "bench", "examples")
+STYLES = ["docs/site.css"]  # extra_css of mkdocs.yml
 ITEM = re.compile(r" *([-*]|\d+\.) ")
 
 
@@ -91,7 +92,7 @@ def on_files(files, config, **_):
         return File(name, str(root), config["site_dir"], config["use_directory_urls"])
 
     theme = [one for one in files if not pathlib.Path(one.abs_src_path).is_relative_to(config["docs_dir"])]
-    return Files(theme + [file(name, ROOT) for name in pages() + names] + [file(name + "/index.md", made) for name in folders])
+    return Files(theme + [file(name, ROOT) for name in pages() + names + STYLES] + [file(name + "/index.md", made) for name in folders])
 
 
 def on_page_markdown(markdown, page, **_):

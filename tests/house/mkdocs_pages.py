@@ -68,6 +68,11 @@ class Site(unittest.TestCase):
         named = re.findall(r"^ +- [^:]+: (\S+\.md)$", (ROOT / "mkdocs.yml").read_text(encoding="utf-8"), re.MULTILINE)
         self.assertEqual(sorted(named), sorted(site.pages()))
 
+    def test_its_style_is_there_and_lets_wide_tables_scroll(self):
+        named = re.search(r"^extra_css: \[(.*)\]$", (ROOT / "mkdocs.yml").read_text(encoding="utf-8"), re.MULTILINE)[1]
+        self.assertEqual(named.split(", "), site.STYLES)
+        self.assertRegex((ROOT / site.STYLES[0]).read_text(encoding="utf-8"), r"table \{[^}]*overflow-x: auto;")
+
     def test_a_page_is_written_as_mkdocs_reads_it(self):
         self.assertEqual(site.for_mkdocs("Two:\n- a\n- b\n  more\n  - c\n\n```\nx:\n- y\n```\n", "docs/X.md"),
                          "Two:\n\n- a\n- b\n  more\n    - c\n\n```\nx:\n- y\n```\n")
@@ -88,6 +93,7 @@ class Site(unittest.TestCase):
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertNotIn("WARNING", done.stderr)
         self.assertEqual(dead(out), [])
+        self.assertTrue((out / site.STYLES[0]).is_file())
         of_theme = Page((out / "404.html").read_text(encoding="utf-8")).tags["table"]
         for page in site.pages():
             made = out / (page[:-len("README.md")] + "index.html" if page.endswith("README.md") else page[:-3] + ".html")
