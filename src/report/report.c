@@ -270,14 +270,23 @@ static void add_soils(cJSON *root, const struct report *report)
 			json_integer(soil, "class", scene_soil_value(scene, i));
 		else if (scene->soil_map != NULL)
 			cJSON_AddNullToObject(soil, "class");
-		if (report->world->met != NULL)
-			json_number(soil, "share", report->world->met->soils[i] / report->world->met->all);
 		const char *key;
 		double value;
 		for (size_t n = 0; scene_soil_number(&scene->soils[i], n, &key, &value); n++)
 			if (!isnan(value))
 				json_number(soil, key, value);
 	}
+}
+
+/* With a map: along what share of the paths each of the soils lies, in their order. */
+static void add_soil_shares(cJSON *root, const struct report *report)
+{
+	const struct world_soils_met *met = report->world->met;
+	if (met == NULL || report->world->soil_map == NULL)
+		return;
+	cJSON *shares = cJSON_AddArrayToObject(root, "soil_shares");
+	for (int i = 0; i < report->world->scene->soil_count; i++)
+		cJSON_AddItemToArray(shares, cJSON_CreateNumber(met->soils[i] / met->all));
 }
 
 /* How finely numbers from rasters are kept, in the scene's units. */
@@ -419,6 +428,7 @@ char *report_json(const struct report *report, const char *ended)
 	add_objects(root, report);
 	add_vehicles(root, report);
 	add_soils(root, report);
+	add_soil_shares(root, report);
 	add_rasters(root, report);
 	if (report->world->pages != NULL)
 		add_process(root, report, &io);

@@ -203,8 +203,8 @@ static void advise_unmet(const struct world *world, scene_advice_fn tell, void *
 		}
 	if (count == 0)
 		return;
-	snprintf(text, sizeof text, "soil.classes: class%s %s lie%s under no path: %zu places along the paths have other soils", count > 1 ? "es" : "", list,
-		 count > 1 ? "" : "s", world->met->places);
+	snprintf(text, sizeof text, "soil.classes: class%s %s lie%s under no path (%zu place%s looked at)", count > 1 ? "es" : "", list,
+		 count > 1 ? "" : "s", world->met->places, world->met->places > 1 ? "s" : "");
 	tell(user, text);
 }
 

@@ -1,5 +1,6 @@
 """A map of two soils, driven: each half is that of a drive with its soil alone, whatever is resident; and a map that
 is no map ends the drive with one line."""
+import json
 import pathlib
 import sqlite3
 import subprocess
@@ -148,7 +149,7 @@ class SoilMap(FurrowTest):
         write_png16(self.folder / "west.png", POSTS, POSTS, lambda x, y: 1)
         self.assertEqual(self.told(west)[1][("dry_sand", 1)], 1)
         notes, = self.told(west)[0]
-        self.assertRegex(notes, r"soil.classes: class 2 \(sandy_loam_15\) lies under no path: \d+ places along the paths have other soils")
+        self.assertRegex(notes, r"soil.classes: class 2 \(sandy_loam_15\) lies under no path \(\d+ places looked at\)")
         write_png16(self.folder / "west.png", POSTS, POSTS, lambda x, y: 3)
         notes = self.told(west)[0]
         self.assertEqual(notes[0], "soil.map: value 3, along 100 % of the paths, is in no class: the default soil is there, dry_sand; give a soil in soil.classes")
@@ -165,6 +166,7 @@ class SoilMap(FurrowTest):
         result = self.furrow("drive", "scene.yaml", "--store", "hills.furrow", "--overlay", "a.furrow", "-o", "out", "--steps", 1)
         if result.returncode == 4:
             self.skipTest("no GL here: " + result.stderr.strip())
+        self.assertEqual(json.loads((self.folder / "out/run.json").read_text())["soil_shares"], [1, 0, 0])
         self.assertIn(f"furrow: note: {notes[0].replace(f'{self.folder}/', '')}\n", result.stderr)
 
     def test_what_is_no_map_is_refused_before_anything_is_driven(self):
