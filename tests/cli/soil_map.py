@@ -197,7 +197,7 @@ class SoilMap(FurrowTest):
         result = self.furrow(*arguments)
         if result.returncode == 4:
             self.skipTest("no GL here: " + result.stderr.strip())
-        error = self.told(3, result)
+        error = super().told(3, result)
         self.assertIn(path, error)
         self.assertIn(why, error)
         self.assertTrue(self.json("verify", store)["ok"])
