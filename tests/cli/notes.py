@@ -227,6 +227,14 @@ class Notes(FurrowTest):
                 self.assertIn("on sandy_loam_22 (state sunk of objects.csv)", rows[0])
         self.assertNotIn("sunk_most", json.loads((self.folder / "out/run.json").read_text())["forces"])
 
+    def test_a_slope_that_does_not_hold_a_load_is_told_with_its_first_place(self):
+        self.synth(posts="65x65", relief=60)
+        self.scene(SCM.replace("[40, 20]], speed: 5", "[40, 40]], speed: 20"), "steep.yaml")
+        told = self.notes("on a slope", "--overlay", "a.furrow", "--set", "spacing=0.125", "--set", "end_time=0.5", scene="steep.yaml")
+        self.assertEqual(len(told), 1, told)
+        self.assertRegex(told[0], r"cannot hold it: only its path did; most often a \(900 N\), first after 0\.\d+ s at [\d.]+, [\d.]+ m, on dry_sand \(output\.forces: 10 in the "
+                                  r"scene writes objects\.csv, whose rows then have the state slides\)$")
+
     def test_a_path_that_is_not_finished_is_told(self):
         scene = ("scene: 1\ntime_step: 0.1\nend_time: %s\nspacing: 0.5\nredistribute: {model: box}\nobjects:\n"
                  "  - {name: a, shape: {sphere: {radius: 1}}, sink: 0.1, path: {points: [[20, 20], [50, 60]], speed: 5}}\n"
