@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Measures again the figures of README.md and of the pages about the soil, by the benches that they name.
 
-Some twenty minutes on two quiet cores, fewer with `--big`. With `--long` also those of benches that take longer: two hours more.
+Some half an hour on two quiet cores, less with `--big`. With `--long` also those of benches that take longer: two hours more.
 
     python3 bench/measure.py -o bench/figures --dem FOLDER --rig FOLDER     # then: python3 bench/marks.py writes them into the pages
     python3 bench/measure.py -o bench/figures --only soil_forms --only tested --only validation --only rig --only climb   # no times: a busy machine will do
