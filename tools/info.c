@@ -76,6 +76,9 @@ static cJSON *insets_json(const struct store_meta *meta)
 		json_number(object, "spacing", extent_spacing(&meta->extent, inset.level));
 		json_pair(object, "posts", (double)inset.width, (double)inset.height);
 		cJSON_AddItemToObject(object, "bounds", cJSON_CreateDoubleArray(bounds, 4));
+		for (int i = 0; i < 4; i++)
+			bounds[i] -= meta->origin[i % 2];
+		cJSON_AddItemToObject(object, "window", cJSON_CreateDoubleArray(bounds, 4));
 		json_integer(object, "tiles", inset_tiles(meta, &inset));
 		cJSON_AddItemToArray(array, object);
 	}
@@ -88,9 +91,10 @@ static void print_insets(const struct store_meta *meta)
 	for (const char *text = meta->insets; store_inset_next(&text, &meta->extent, &inset);) {
 		double bounds[4];
 		inset_bounds(meta, &inset, bounds);
-		printf("inset      %.*s: %lld x %lld posts, %g m apart, level %d, %lld tiles; %.3f, %.3f to %.3f, %.3f\n", (int)inset.source_length,
+		printf("inset      %.*s: %lld x %lld posts, %g m apart, level %d, %lld tiles; %.3f, %.3f to %.3f, %.3f; --window %.3f,%.3f,%.3f,%.3f\n", (int)inset.source_length,
 		       inset.source, (long long)inset.width, (long long)inset.height, extent_spacing(&meta->extent, inset.level), inset.level,
-		       (long long)inset_tiles(meta, &inset), bounds[0], bounds[1], bounds[2], bounds[3]);
+		       (long long)inset_tiles(meta, &inset), bounds[0], bounds[1], bounds[2], bounds[3], bounds[0] - meta->origin[0],
+		       bounds[1] - meta->origin[1], bounds[2] - meta->origin[0], bounds[3] - meta->origin[1]);
 	}
 }
 
@@ -143,10 +147,10 @@ static enum status print_json(struct store *store, const struct store_numbers *n
 	json_pair(object, "levels", store_finest(store), extent_coarsest(extent));
 	if (store_has_working_level(store, &working))
 		json_integer(object, "working_level", working);
-	if (ruts != NULL)
-		cJSON_AddItemToObject(object, "ruts", cJSON_CreateDoubleArray(ruts, 4));
 	else
 		cJSON_AddNullToObject(object, "working_level");
+	if (ruts != NULL)
+		cJSON_AddItemToObject(object, "ruts", cJSON_CreateDoubleArray(ruts, 4));
 	if (store_relief_text(store) != NULL)
 		cJSON_AddRawToObject(object, "relief", store_relief_text(store));
 	else
@@ -181,7 +185,7 @@ static enum status print_json(struct store *store, const struct store_numbers *n
 	json_integer(bytes, "soil", soil_sum(numbers->plane_bytes));
 	cJSON *soil = cJSON_AddObjectToObject(object, "soil");
 	for (int plane = PLANE_DISTURBANCE; plane < PLANES; plane++) {
-		cJSON *one = cJSON_AddObjectToObject(soil, plane_name((enum plane)plane));
+		cJSON *one = cJSON_AddObjectToObject(soil, plane_layer((enum plane)plane));
 		json_integer(one, "tiles", numbers->plane_tiles[plane]);
 		json_integer(one, "bytes", numbers->plane_bytes[plane]);
 	}

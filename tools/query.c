@@ -15,7 +15,7 @@
 static const struct command_option options[] = {
 	{"ray", "X,Y,Z,DX,DY,DZ", .help = "where a ray from there first meets the ground, from above or below", .repeats = true},
 	{"srs", "SRS", .help = "what X and Y are in; store: the store's own; degrees: longitude and latitude on its body", .preset = "metres from the south-west post"},
-	{"json", .help = "one JSON object: points, each with height, base, offset, surface, normal, nodata, soil (in metres but for dirt)"},
+	{"json", .help = "one JSON object: points, each with height, base, offset, surface, normal, nodata, soil (in metres but for dirt), and local: metres from the south-west post, as scenes and --window take them"},
 	{.name = NULL},
 };
 
@@ -91,6 +91,7 @@ static enum status ask_point(struct asking *asking, double x, double y)
 	cJSON *point = cJSON_CreateObject();
 	json_number(point, "x", x);
 	json_number(point, "y", y);
+	json_pair(point, "local", local_x, local_y);
 	json_number(point, "height", nodata ? (double)NAN : sample.height);
 	json_number(point, "base", nodata ? (double)NAN : sample.base);
 	json_number(point, "offset", nodata ? (double)NAN : sample.offset);
@@ -111,9 +112,9 @@ static enum status ask_point(struct asking *asking, double x, double y)
 	};
 	for (size_t i = 0; i < sizeof state / sizeof *state; i++)
 		if (sample.planes & PLANE_BIT(state[i].plane))
-			json_number(soil, plane_name(state[i].plane), state[i].value);
+			json_number(soil, plane_layer(state[i].plane), state[i].value);
 	if (sample.planes & PLANE_BIT(PLANE_SHEAR))
-		add_numbers(soil, plane_name(PLANE_SHEAR), sample.shear, 2);
+		add_numbers(soil, plane_layer(PLANE_SHEAR), sample.shear, 2);
 	cJSON_AddItemToArray(asking->points, point);
 	asking->only = point;
 	return STATUS_OK;

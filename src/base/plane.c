@@ -6,12 +6,15 @@
 #include "base/lattice.h"
 
 static const struct {
-	const char *name;
+	const char *name, *layer;
 	size_t bytes;
 } planes[PLANES] = {
-	[PLANE_OFFSET] = {"offset", 4},	  [PLANE_DISTURBANCE] = {"dirt", 1},	[PLANE_DEPOSITED] = {"heaped", 4},
-	[PLANE_PLASTIC_SINKAGE] = {"pressed", 4}, [PLANE_SHEAR] = {"shear", 4},
-	[PLANE_DUG] = {"dug", 4},
+	[PLANE_OFFSET] = {"offset", "offset", 4},
+	[PLANE_DISTURBANCE] = {"dirt", "dirt", 1},
+	[PLANE_DEPOSITED] = {"heaped", "deposited", 4},
+	[PLANE_PLASTIC_SINKAGE] = {"pressed", "plastic_sinkage", 4},
+	[PLANE_SHEAR] = {"shear", "shear", 4},
+	[PLANE_DUG] = {"dug", "dug", 4},
 };
 
 size_t plane_bytes(enum plane plane)
@@ -24,6 +27,12 @@ const char *plane_name(enum plane plane)
 {
 	assert((unsigned)plane < PLANES);
 	return planes[plane].name;
+}
+
+const char *plane_layer(enum plane plane)
+{
+	assert((unsigned)plane < PLANES);
+	return planes[plane].layer;
 }
 
 double plane_value(enum plane plane, int32_t post)

@@ -23,6 +23,8 @@ enum plane {
 /* Return the bytes of a post, and the name: "offset", "dirt", ... Pure. */
 size_t plane_bytes(enum plane plane);
 const char *plane_name(enum plane plane);
+/* Returns its name as a layer of exports and maps: "deposited" for "heaped", "plastic_sinkage" for "pressed". Pure. */
+const char *plane_layer(enum plane plane);
 /* Returns the value of a post in metres; for disturbance the stored number; for shear its amount, as a share of the soil's strength.
  * Pure. */
 double plane_value(enum plane plane, int32_t post);

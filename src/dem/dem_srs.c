@@ -294,6 +294,16 @@ done:
 	return found;
 }
 
+/* Says why a point has no place. */
+static const char *why_nowhere(bool degrees, const double at[2])
+{
+	if (degrees && fabs(at[0]) <= 90 && fabs(at[1]) > 90 && fabs(at[1]) <= 360)
+		return "is no longitude and latitude in degrees; latitude and longitude swapped? give longitude first";
+	if (degrees && (fabs(at[0]) > 360 || fabs(at[1]) > 90))
+		return "is no longitude and latitude in degrees; metres from the south-west post need no reference system";
+	return "is nowhere in the store's SRS; check that x is east (longitude) and comes first";
+}
+
 enum status dem_transform(const char *from_srs, const char *to_wkt, size_t count, double *x, double *y)
 {
 	enum status status = dem_gdal_init(from_srs);
@@ -316,9 +326,7 @@ enum status dem_transform(const char *from_srs, const char *to_wkt, size_t count
 	for (size_t i = 0; status == STATUS_OK && i < count; i++) {
 		double at[2] = {x[i], y[i]};
 		if (!OCTTransform(move, 1, &x[i], &y[i], NULL) || !isfinite(x[i]) || !isfinite(y[i]))
-			status = fail_with(STATUS_INPUT, !back && strcmp(from_srs, DEM_SRS_DEGREES) == 0 && (fabs(at[0]) > 360 || fabs(at[1]) > 90)
-							? "point %.10g, %.10g: is no longitude and latitude in degrees; metres from the south-west post need no reference system"
-							: "point %.10g, %.10g: is nowhere in the store's SRS; check that x is east (longitude) and comes first", at[0], at[1]);
+			status = fail_with(STATUS_INPUT, "point %.10g, %.10g: %s", at[0], at[1], why_nowhere(!back && strcmp(from_srs, DEM_SRS_DEGREES) == 0, at));
 	}
 done:
 	if (move != NULL)

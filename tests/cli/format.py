@@ -390,10 +390,10 @@ class Deformed(FormatTest):
         self.same_posts(path, store, "quanta", -1)
         self.same_posts(path, store, "surface", 0)
         point, info = self.json("query", path, "20", "30.5"), self.json("info", path)
-        self.assertEqual(point["soil"], {"dirt": 0, "heaped": -3 / 2**20, "pressed": 0.5 + 2**-20, "shear": [3 / 2**15, 3 / 2**15]})
+        self.assertEqual(point["soil"], {"dirt": 0, "deposited": -3 / 2**20, "plastic_sinkage": 0.5 + 2**-20, "shear": [3 / 2**15, 3 / 2**15]})
         self.assertEqual(info["compacted"], -5)
         self.assertEqual({name: found["tiles"] for name, found in info["soil"].items()},
-                         {"dirt": 0, "heaped": 16, "pressed": 16, "shear": 16, "dug": 0})
+                         {"dirt": 0, "deposited": 16, "plastic_sinkage": 16, "shear": 16, "dug": 0})
         self.assertEqual((info["tiles"]["soil"], info["bytes"]["soil"]), (48, 48 * 4))
         if has_gdal():
             self.assertIn("2 m apart", self.ok("export", path, "-o", "heaped.tif", "--layer", "heaped"))

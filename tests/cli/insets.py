@@ -77,6 +77,10 @@ class Insets(RasterTest):
             width, height, cells = rasters.pixels(self.folder / "m.png", "B")
             middle = [cells[y * width + x] for y in range(height // 3, height // 2) for x in range(width // 3, width // 2)]
             spans[name, window] = max(middle) - min(middle)
+        found = self.json("info", "with.furrow")
+        for inset in found["insets"]:
+            self.assertEqual(inset["window"], [b - found["origin"][i % 2] for i, b in enumerate(inset["bounds"])])
+            self.assertIn("; --window {:.3f},{:.3f},{:.3f},{:.3f}\n".format(*inset["window"]), self.ok("info", "with.furrow"))
         scan, beside, site = spans.values()
         self.assertGreater(scan, 8 + 2 * max(site, beside))
 

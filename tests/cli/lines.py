@@ -112,9 +112,10 @@ class Lines(FurrowTest):
         shutil.copy(pathlib.Path(__file__).parents[1] / "vehicle/one_wheel.xml", self.folder)
         result = self.furrow("drive", self.scene(car, "car.yaml"), "--store", "base.furrow", "-o", "x")
         if "this build has no MuJoCo" not in result.stderr:
-            self.assertIn("car.yaml:9: vehicles.car.start.at: point 45.15, 115.0002: is no longitude and latitude in degrees", result.stderr)
+            self.assertIn("car.yaml:9: vehicles.car.start.at: point 45.15, 115.0002: is no longitude and latitude in degrees; latitude and longitude swapped?", result.stderr)
         for scene, told in ((ball + "lonlat\n", r'lost.yaml: coordinates: SRS "lonlat": not understood.*, or degrees$'),
-                            (ball.replace("[15.0002, 45.15]", "[45.15, 115.0002]") + "degrees\n", r"lost.yaml:\d+: a: path: point 45.15, 115.0002: is no longitude and latitude in degrees")):
+                            (ball.replace("[15.0002, 45.15]", "[45.15, 115.0002]") + "degrees\n", r"lost.yaml:\d+: a: path: point 45.15, 115.0002: is no longitude and latitude in degrees; latitude and longitude swapped\?"),
+                            (ball.replace("[15.0002, 45.15]", "[45.15, 1115]") + "degrees\n", r"in degrees; metres from the south-west post need no")):
             self.assertRegex(self.refused(3, "drive", self.scene(scene, "lost.yaml"), "--store", "base.furrow", "-o", "x").strip(), told)
 
     def test_a_line_on_the_globe_is_the_same_way(self):
