@@ -62,8 +62,27 @@ enum status api_one_step(struct drive *drive)
 	return drive->vehicles != NULL ? vehicle_step(drive->vehicles) : world_step(&drive->world);
 }
 
-/* Tells how far the drive is: on a terminal in one line that changes, otherwise in a line now and then. */
-static void show_progress(const struct drive *drive, bool terminal, int64_t total, double *shown)
+#define DRAWING_TOLD 0.1 /* part of the time */
+
+/* Pictures often take more time than steps: tells how long one takes. `drawing`: seconds for `frames` of them. */
+static void tell_drawing(double drawing, double elapsed, uint64_t frames, char *text, size_t room)
+{
+	text[0] = '\0';
+	if (frames > 0 && drawing > DRAWING_TOLD * elapsed)
+		snprintf(text, room, "; pictures take %.2g s each, %.0f %% of the time", drawing / (double)frames, 100 * drawing / elapsed);
+}
+
+static uint64_t frames_of(const struct drive *drive)
+{
+	struct render_view_figures figures = {.frames = 0};
+	if (drive->view != NULL)
+		render_view_figures(drive->view, &figures);
+	return figures.frames;
+}
+
+/* Tells how far the drive is: on a terminal in one line that changes, otherwise in a line now and then. `drawing`: seconds for the pictures
+ * after the first `before` ones. */
+static void show_progress(const struct drive *drive, bool terminal, int64_t total, double drawing, uint64_t before, double *shown)
 {
 	const struct world *world = &drive->world;
 	double now = clock_seconds();
@@ -73,9 +92,11 @@ static void show_progress(const struct drive *drive, bool terminal, int64_t tota
 	double elapsed = now - drive->began, rate = (double)(world->step - world->resumed.from) / elapsed;
 	if (rate <= 0)
 		return;
-	fprintf(stderr, "%s: step %lld of %lld (%.0f %%), %.*f a second, %.0f s left%s", terminal ? "\rdrive" : "furrow: note: drive",
+	char pictures[96];
+	tell_drawing(drawing, elapsed, frames_of(drive) - before, pictures, sizeof pictures);
+	fprintf(stderr, "%s: step %lld of %lld (%.0f %%), %.*f a second, %.0f s left%s%s", terminal ? "\rdrive" : "furrow: note: drive",
 		(long long)world->step, (long long)total, 100.0 * (double)world->step / (double)total, rate < 10 ? 2 : 0, rate,
-		(double)(total - world->step) / rate, terminal ? "\033[K" : "\n");
+		(double)(total - world->step) / rate, pictures, terminal ? "\033[K" : "\n");
 	fflush(stderr);
 }
 
@@ -84,7 +105,8 @@ static enum status all_steps(struct drive *drive, int64_t total)
 {
 	struct world *world = &drive->world;
 	bool terminal = drive->params->progress && isatty(STDERR_FILENO) != 0;
-	double shown = terminal ? 0 : drive->began;
+	double shown = terminal ? 0 : drive->began, drawing = 0;
+	const uint64_t before = frames_of(drive);
 	enum status status = STATUS_OK;
 	while (world->step < total && status == STATUS_OK && !vehicle_stuck(drive->vehicles)) {
 		if (world_stopped(world)) {
@@ -97,6 +119,7 @@ static enum status all_steps(struct drive *drive, int64_t total)
 		if (status == STATUS_OK && drive->view != NULL) {
 			status = draw_step(drive);
 			framed = clock_seconds();
+			drawing += framed - stepped;
 		}
 		if (status == STATUS_OK)
 			status = page_trace_status(world->trace);
@@ -109,7 +132,7 @@ static enum status all_steps(struct drive *drive, int64_t total)
 			drive->report.settled = true;
 		}
 		if (drive->params->progress)
-			show_progress(drive, terminal, total, &shown);
+			show_progress(drive, terminal, total, drawing, before, &shown);
 	}
 	if (terminal)
 		fputs("\r\033[K", stderr);

@@ -1,4 +1,6 @@
 """Long work in a pipe tells every ten seconds how far it is. The work is stopped for that long, so that no test has to work so long."""
+import os
+import pty
 import re
 import signal
 import subprocess
@@ -42,6 +44,24 @@ class Progress(FurrowTest):
         told = re.findall(r"^furrow: note: drive: step (\d+) of 1600000 \((\d+) %\), [\d.]+ a second, \d+ s left$", errors, re.M)
         self.assertEqual(len(told), 1, errors)
         self.assertAlmostEqual(int(told[0][0]) / 16000, int(told[0][1]), delta=1)
+
+    def test_a_drive_tells_what_pictures_take(self):
+        self.synth("plain.furrow", "65x65", kind="plain", relief=2)
+        scene = self.scene(SCENE.replace("0.00005", "0.05").replace("80", "1.5") + "view: {size: [320, 240], camera: {fixed: {eye: [10, 10, 30], target: [30, 20, 0]}}, images: 1}\n")
+        seen, terminal = pty.openpty()
+        process = subprocess.Popen([FURROW, "drive", scene, "--store", "plain.furrow", "-o", "out"], cwd=self.folder, stdout=subprocess.DEVNULL, stderr=terminal)
+        self.addCleanup(process.kill)
+        os.close(terminal)
+        text = b""
+        try:
+            while more := os.read(seen, 4096):
+                text += more
+        except OSError:  # the other end is closed
+            pass
+        os.close(seen)
+        if process.wait() == 4:
+            self.skipTest("no GL here")
+        self.assertRegex(text.decode(), r"drive: step \d+ of 30 \(\d+ %\), [\d.]+ a second, \d+ s left; pictures take [\d.e-]+ s each, \d+ % of the time")
 
 
 if __name__ == "__main__":
