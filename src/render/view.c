@@ -247,7 +247,7 @@ void render_view_params(const struct world *world, struct render_params *params)
 		.samples = scene->view.samples,
 		.objects = scene->objects,
 		.object_count = scene->object_count,
-		.light = &scene->view.light,
+		.light = &world->light,
 		.measures = scene_measures(scene),
 		.classes = scene_draws_classes(scene),
 		.soils = scene_draws_classes(scene) ? scene : NULL,
@@ -304,7 +304,7 @@ enum status render_view_create(struct world *world, bool watched, struct view **
 	if (status == STATUS_OK)
 		status = make_render(view, watched, &view->render);
 	if (status == STATUS_OK)
-		status = render_sun_find(&scene->view.light, world->meta, &view->sun);
+		status = render_sun_find(&world->light, world->meta, &view->sun);
 	if (status == STATUS_OK && !watched)
 		status = render_view_make_cameras(view);
 	if (status == STATUS_OK && scene->view.pixel_error > 0)

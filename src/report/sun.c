@@ -23,7 +23,7 @@ enum status report_sun_find(const struct world *world, struct report_sun *out)
 	*out = (struct report_sun){.drawn = scene->view.present};
 	if (!out->drawn)
 		return STATUS_OK;
-	enum status status = render_sun_find(&scene->view.light, world->meta, &out->sun);
+	enum status status = render_sun_find(&world->light, world->meta, &out->sun);
 	if (status == STATUS_OK) {
 		out->begins = report_sun_at(out, 0);
 		out->ends = report_sun_at(out, scene->end_time);

@@ -152,6 +152,7 @@ struct scene_vehicle {
 /* The light of pictures. */
 struct scene_light {
 	enum scene_body body;
+	bool on_body;           /* the scene names the body; false: it is that of the store, if that is known, otherwise the Earth */
 	double azimuth, height; /* of the sun, in rad: azimuth clockwise from north, height above the horizon */
 	bool timed;             /* these follow from a time and a place: */
 	double days;            /* when the drive begins: days since 2000-01-01 12:00, UTC */

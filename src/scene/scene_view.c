@@ -148,6 +148,7 @@ static struct scene_light light_of(const struct raw_view *raw)
 {
 	const struct raw_sun *sun = raw->sun;
 	struct scene_light light = scene_light_default();
+	light.on_body = raw->body != NULL;
 	if (raw->body != NULL)
 		light.body = (enum scene_body)*raw->body;
 	light.exposure = raw->exposure != NULL ? (enum scene_exposure)*raw->exposure : SCENE_EXPOSURE_FIXED;

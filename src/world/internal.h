@@ -104,6 +104,9 @@ enum status world_settle_relief(struct world *world) FURROW_CHECKED;
 void world_relief_close(struct world_relief *relief); /* relief may be NULL */
 /* Tells why the scene's relief raises nothing, if so. */
 void world_advise_relief(const struct world *world, scene_advice_fn tell, void *user);
+/* planet.c: sets world->light; tells if pictures or vehicles are of another planet than the store. */
+void world_settle_light(struct world *world);
+void world_advise_planet(const struct world *world, scene_advice_fn tell, void *user);
 /* Opens the map of soils, if the scene needs it. */
 enum status world_open_soil_map(struct world *world) FURROW_CHECKED;
 /* --- numbers.c --- */

@@ -295,60 +295,6 @@ static void advise_unfinished(const struct world *world, scene_advice_fn tell, v
 	tell(user, text);
 }
 
-static const struct {
-	const char *name, *word;
-	double radius, gravity; /* m, m/s2 */
-} bodies[] = {
-	[SCENE_EARTH] = {"the Earth", "earth", 6.375e6, 9.81},
-	[SCENE_MARS] = {"Mars", "mars", 3.39e6, 3.71},
-	[SCENE_MOON] = {"the Moon", "moon", 1.7374e6, 1.62},
-};
-
-/* Finds the body whose radius the WKT of an SRS has. GDAL is not asked: it takes long to load. Returns false if it is none of these. */
-static bool body_of(const char *wkt, enum scene_body *body)
-{
-	const char *found = strstr(wkt, "ELLIPSOID[\"");
-	const char *name = found != NULL ? strchr(found, '"') : NULL, *end = name != NULL ? strchr(name + 1, '"') : NULL;
-	const double radius = end != NULL && end[1] == ',' ? strtod(end + 2, NULL) : 0;
-	for (int i = SCENE_EARTH; i <= SCENE_MOON; i++)
-		if (fabs(radius / bodies[i].radius - 1) < 0.01) {
-			*body = (enum scene_body)i;
-			return true;
-		}
-	return false;
-}
-
-/* Returns true if the scene gives this key, or a key in it. */
-static bool gives(const struct scene *scene, const char *key)
-{
-	for (size_t i = 0; i < scene->value_count; i++)
-		if (strncmp(scene->values[i].key, key, strlen(key)) == 0)
-			return true;
-	return false;
-}
-
-/* Pictures of ground of the Earth may show another body: such ground is often used in its place. */
-static void advise_body(const struct world *world, scene_advice_fn tell, void *user)
-{
-	const struct scene *scene = world->scene;
-	const bool given = gives(scene, "view.body");
-	enum scene_body body = scene->view.light.body, ground = SCENE_EARTH;
-	const bool known = world->store != NULL && body_of(world->meta->srs, &ground);
-	char text[240];
-	if (ground != SCENE_EARTH && ground != body && (given || scene->view.present || gives(scene, "view.sun"))) {
-		snprintf(text, sizeof text, "view.body: the store is on %s, and pictures have the colours, the sky and the sun of %s; give view.body: %s%s",
-			 bodies[ground].name, bodies[body].name, bodies[ground].word, scene->view.implied ? ", in a view with a camera" : "");
-		tell(user, text);
-	}
-	if (!given && known)
-		body = ground;
-	if (scene->vehicle_count == 0 || body == SCENE_EARTH || gives(scene, "gravity"))
-		return;
-	snprintf(text, sizeof text, "gravity: it is not given, so vehicles weigh as on the Earth, and %s %s; give gravity: %g",
-		 given ? "the scene's body is" : "the store is on", bodies[body].name, bodies[body].gravity);
-	tell(user, text);
-}
-
 void world_advise(const struct world *world, scene_advice_fn tell, void *user)
 {
 	const struct scene *scene = world->scene;
@@ -359,7 +305,7 @@ void world_advise(const struct world *world, scene_advice_fn tell, void *user)
 	scene_advise(scene, known ? world->spacing : 0, tell, user);
 	world_advise_rasters(world, tell, user);
 	world_advise_soils_met(world, tell, user);
-	advise_body(world, tell, user);
+	world_advise_planet(world, tell, user);
 	if (world->store != NULL) {
 		advise_spacing(world, tell, user);
 		advise_leaving(world, tell, user);
@@ -455,6 +401,7 @@ static enum status over_store(struct world *world, const char *path)
 	if (status != STATUS_OK)
 		return status;
 	world->meta = store_meta(world->store);
+	world_settle_light(world);
 	status = world_settle_level(world);
 	if (status == STATUS_OK)
 		status = world_settle_relief(world);
@@ -482,6 +429,7 @@ static enum status over_nothing(struct world *world, struct store_meta *assumed)
 		.sources = "",
 	};
 	world->meta = assumed;
+	world_settle_light(world);
 	world->spacing = spacing;
 	return STATUS_OK;
 }

@@ -34,6 +34,7 @@ enum status world_prepare(struct world *world, const struct world_params *params
 		return status;
 	world->path = store_file_path(world->store);
 	world->meta = store_meta(world->store);
+	world_settle_light(world);
 	status = world_settle_level(world);
 	if (status == STATUS_OK)
 		status = world_settle_relief(world);

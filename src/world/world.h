@@ -300,6 +300,7 @@ struct world_ranks {
 struct world {
 	struct world_params params;
 	const struct scene *scene;
+	struct scene_light light; /* the scene's; on the store's body, if the scene names none */
 	const char *path; /* the store's: path of the file that is written, the store or the overlay */
 	const struct world_watcher *watcher; /* NULL: nothing watches the world */
 	const struct world_rows *rows;       /* NULL: rows are not used */

@@ -112,6 +112,7 @@ class Planets(RasterTest):
                 for turn in (0, 360):
                     point = self.json("query", "s.furrow", "--srs", "degrees", math.degrees(x / 3396190) - turn, math.degrees(y / 3396190))
                     kept.setdefault(north, []).append(point["height"])
+                    self.assertAlmostEqual(self.json("query", "s.furrow", *point["local"])["height"], point["height"], delta=1e-6)
         for heights in kept.values():
             self.assertLess(max(heights) - min(heights), 0.5)
         # Kept as it is, it is told.
@@ -154,17 +155,19 @@ class Planets(RasterTest):
         plain = "objects: [{name: a, shape: {sphere: {radius: 9}}, sink: 0.1, path: {points: [[20, 20], [21, 20]], speed: 1}}]\n"
         looks = "view: {camera: {fixed: {eye: [1, 1, 50], target: [9, 9, 20]}}, images: 1, %s}\n"
         eye = "cameras: [{name: c, kind: fixed, rate: 1, fov: 90, size: [64, 64], pose: {at: [1, 1, 50]}}]\n"
-        on = "view.body: the store is on %s, and pictures have the colours, the sky and the sun of %s; give view.body: %s"
+        on = "view.body: the store is on %s, and pictures have the colours, the sky and the sun of %s; give view.body: %s, or leave it out"
         weighs = "gravity: it is not given, so vehicles weigh as on the Earth, and %s; give gravity: %s"
         mars, moon = "IAU_2015:49900", "IAU_2015:30100"
         seen = "the store is on Mars"
+        other = "gravity: %s is that of %s, and %s %s; give gravity: %s"
         cases = ((mars, plain, []), (mars, plain + looks % "body: mars", []), (mars, plain + looks % "body: moon", [on % ("Mars", "the Moon", "mars")]),
-                 (mars, plain + looks % "samples: 1", [on % ("Mars", "the Earth", "mars")]), (mars, plain + looks.replace("images: 1, ", "") % "samples: 1", []),
-                 (mars, plain + looks.replace("images: 1, ", "") % "sun: {height: 40}", [on % ("Mars", "the Earth", "mars")]),
-                 (mars, plain + eye, [on % ("Mars", "the Earth", "mars") + ", in a view with a camera"]),
+                 (mars, plain + looks % "body: earth", [on % ("Mars", "the Earth", "mars")]), (mars, plain + looks % "samples: 1", []), (mars, plain + eye, []),
                  (moon, plain + looks % "body: earth", [on % ("the Moon", "the Earth", "moon")]), (moon, plain + looks % "body: moon", []),
                  ("EPSG:4326", plain + looks % "body: moon", []), (mars, drives, [weighs % (seen, "3.71")]), (mars, drives + "gravity: 3.7\n", []),
                  (mars, drives + "gravity: 9.81\n", []), (moon, drives, [weighs % ("the store is on the Moon", "1.62")]), ("EPSG:4326", drives, []),
+                 (moon, drives + "gravity: 3.72\n", [other % ("3.72", "Mars", "the store is on", "the Moon", "1.62")]), (None, drives + "gravity: 3.72\n", []),
+                 (None, drives + "gravity: 3.72\n" + looks.replace("images: 1, ", "") % "body: moon",
+                  [other % ("3.72", "Mars", "the scene's body is", "the Moon", "1.62") + ", or view.body: mars"]),
                  ("EPSG:4326", drives + looks % "body: mars", [weighs % ("the scene's body is Mars", "3.71")]),
                  (None, drives + looks.replace("images: 1, ", "") % "body: mars", [weighs % ("the scene's body is Mars", "3.71")]))
         for srs, scene, told in cases:
@@ -178,7 +181,10 @@ class Planets(RasterTest):
                 if "this build has no MuJoCo" in result.stderr:
                     continue
                 self.assertEqual(result.returncode, 0, result.stderr)
-                self.assertEqual([note for note in json.loads(result.stdout)["notes"] if note.startswith(("view.body", "gravity"))], told)
+                planned = json.loads(result.stdout)
+                if scene == plain + looks % "samples: 1": # programs name the body they draw
+                    self.assertIn("MARS", json.dumps(planned["programs"]))
+                self.assertEqual([note for note in planned["notes"] if note.startswith(("view.body", "gravity"))], told)
 
 
 if __name__ == "__main__":
