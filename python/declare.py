@@ -18,7 +18,7 @@ SCALARS = {
     "uint64_t": "ctypes.c_uint64", "size_t": "ctypes.c_size_t",
 }
 # Of these Python makes objects; the others are handed over as arrays of structs.
-RECORDS = ("furrow_info", "furrow_pose", "furrow_state", "furrow_contact")
+RECORDS = ("furrow_info", "furrow_pose", "furrow_state", "furrow_contact", "furrow_vehicle_state")
 HINTS = {"bool": "bool", "double": "float", "float": "float"}
 DTYPES = {"double": "float64", "float": "float32"}
 

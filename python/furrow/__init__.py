@@ -11,10 +11,11 @@
 Metres, seconds, newtons and radians; local axes are x east, y north, z up, from the store's south-west post. Failures raise
 furrow.Error, whose .status is a furrow.Status.
 """
-from furrow._declarations import Contact, ContactState, Info, Layer, Pose, State, Status
+from furrow._declarations import Contact, ContactState, Info, Layer, Pose, State, Status, VehicleState
 from furrow._library import Error, import_dem, set_log, version
 from furrow._world import CONTACT, HIT, POINT, RECT, STATE, Body, World
+from furrow._vehicle import Vehicle
 
 __all__ = ["Body", "CONTACT", "Contact", "ContactState", "Error", "HIT", "Info", "Layer", "POINT", "Pose", "RECT", "STATE", "State",
-           "Status", "World", "import_dem", "set_log", "version"]
+           "Status", "Vehicle", "VehicleState", "World", "import_dem", "set_log", "version"]
 __version__ = version()

@@ -12,6 +12,7 @@ import numpy
 from furrow import _declarations as declared
 from furrow._declarations import Contact, Info, Layer, Pose, State, Status
 from furrow._library import Error, Path, call, text, yaml
+from furrow._vehicle import Vehicle
 
 Vector = Union[Sequence[float], numpy.ndarray]
 
@@ -229,6 +230,13 @@ class World:
         handle = ctypes.c_int32(-1)
         self._call("furrow_body_find", text(name), ctypes.byref(handle))
         return Body(self, handle.value)
+
+    def vehicle(self, name: Optional[str] = None) -> Vehicle:
+        """The scene's vehicle of that name; None: its first one."""
+        handle = ctypes.c_int32(0)
+        if name is not None:
+            self._call("furrow_vehicle_find", text(name), ctypes.byref(handle))
+        return Vehicle(self, handle.value)
 
     def set_states(self, bodies: Bodies, states: numpy.ndarray) -> None:
         """Body.set for n bodies at once. states: (n,) of furrow.STATE; not copied if it is contiguous."""

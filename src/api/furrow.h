@@ -129,7 +129,7 @@ FURROW_API furrow_status furrow_world_close(struct furrow_world *world);
  * Moves time on by `seconds`. Bodies with paths follow them; the others get to where furrow_set_states said.
  * 0: the scene's time_step; n such steps end at n x time_step exactly. A step with bodies of the host ends when the ground
  * under them is on the host.
- * FURROW_USAGE: `seconds` is negative, NaN or infinite. FURROW_FAILED: the step could not be completed; the world can then only
+ * FURROW_USAGE: `seconds` is negative, NaN or infinite; with vehicles also if it is no multiple of time_step. FURROW_FAILED: the step could not be completed; the world can then only
  * be rolled back or closed, and nothing of that step is committed.
  */
 FURROW_API furrow_status furrow_step(struct furrow_world *world, double seconds);
@@ -141,7 +141,7 @@ FURROW_API double furrow_time(const struct furrow_world *world);
 FURROW_API furrow_status furrow_checkpoint(struct furrow_world *world);
 
 /*
- * Goes back to the last checkpoint, or to the opening if there was none: ground, bodies, forces, time and objects.csv.
+ * Goes back to the last checkpoint, or to the opening if there was none: ground, bodies, vehicles, forces, time and files of rows.
  * Bodies that were removed since are back. Bodies that were added since are gone, and their handles stay invalid.
  */
 FURROW_API furrow_status furrow_rollback(struct furrow_world *world);
@@ -282,6 +282,66 @@ FURROW_API furrow_status furrow_get_states(struct furrow_world *world, size_t co
  */
 FURROW_API furrow_status furrow_get_contacts(struct furrow_world *world, size_t count, const furrow_body *bodies,
 					     struct furrow_contact *contacts, size_t contact_size);
+
+/* --- vehicles of the scene: MuJoCo computes their motion, the soil carries them, furrow_step moves them --- */
+
+/*
+ * A handle: the vehicle's number among the scene's `vehicles`, from 0 on. A vehicle follows the scene's `driver`, if it has one. The host
+ * may set its controls instead. Its soil geoms are bodies of the world with the name VEHICLE.GEOM: furrow_body_find finds them,
+ * furrow_get_states and furrow_get_contacts tell of them. They cannot be placed, set or removed. When the world is opened the vehicles
+ * are set down and come to rest. A step is then one time_step, or a multiple of it.
+ */
+typedef int32_t furrow_vehicle;
+
+/* Finds a vehicle of the scene by its name. FURROW_INPUT: there is none; *vehicle is -1 then. */
+FURROW_API furrow_status furrow_vehicle_find(struct furrow_world *world, const char *name, furrow_vehicle *vehicle);
+
+enum furrow_part {
+	FURROW_JOINT,    /* a hinge or a slide */
+	FURROW_ACTUATOR, /* what a control sets */
+	FURROW_SOIL_GEOM /* what touches the ground; its name is that of its body in the world, VEHICLE.GEOM */
+};
+
+/*
+ * Returns the name of a part of a vehicle, "" if the model gives it none; NULL: the vehicle has no more than `index` of them.
+ * The string is the world's, valid until it is closed.
+ */
+FURROW_API const char *furrow_vehicle_part(const struct furrow_world *world, furrow_vehicle vehicle, enum furrow_part part, size_t index);
+
+/* Where a vehicle is, and what it has done. Filled by furrow_vehicle_get. */
+struct furrow_vehicle_state {
+	size_t size;               /* sizeof(struct furrow_vehicle_state) */
+	struct furrow_state state; /* of its root body */
+	double mass;               /* kg */
+	double distance;           /* m in plan, since the start */
+	double kinetic;            /* J */
+	double work;               /* J that its actuators have done since the start */
+	size_t joints, actuators, soil_geoms; /* how many of each part */
+	bool arrived;              /* at the end of its driver's path */
+};
+
+/* Fills *state, whose `size` the caller has set. FURROW_USAGE: there is no such vehicle, or `size` is off. */
+FURROW_API furrow_status furrow_vehicle_get(struct furrow_world *world, furrow_vehicle vehicle, struct furrow_vehicle_state *state);
+
+/*
+ * Fills what the joints of a vehicle have. `values`: rad of hinges and m of slides, from the model's first pose on. `rates`: rad/s and m/s.
+ * `count`: the number of its joints. Either array may be NULL. FURROW_USAGE: `count` is off.
+ */
+FURROW_API furrow_status furrow_get_joints(struct furrow_world *world, furrow_vehicle vehicle, size_t count, double *values, double *rates);
+
+/*
+ * Fills what the actuators of a vehicle did in the last step: their `controls`, and their `forces` in N or N m before `gear`.
+ * `count`: the number of its actuators. Either array may be NULL. FURROW_USAGE: `count` is off.
+ */
+FURROW_API furrow_status furrow_get_actuators(struct furrow_world *world, furrow_vehicle vehicle, size_t count, double *controls,
+					      double *forces);
+
+/*
+ * Sets the controls of a vehicle for all steps from now on, in the order of its actuators. `controls`: `count` numbers, the number of
+ * its actuators; NaN: the scene's driver sets that one, or 0 without a driver. The model's ctrlrange holds. A rollback keeps them.
+ * FURROW_USAGE: `count` is off, or a number is infinite.
+ */
+FURROW_API furrow_status furrow_set_controls(struct furrow_world *world, furrow_vehicle vehicle, size_t count, const double *controls);
 
 /* --- asking: the newest ground, wherever it is --- */
 

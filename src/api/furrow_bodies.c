@@ -23,7 +23,7 @@ static struct world_state state_of(const struct furrow_state *from)
 	return state;
 }
 
-static void tell_state(const struct world_state *from, struct furrow_state *state)
+void api_library_tell_state(const struct world_state *from, struct furrow_state *state)
 {
 	memcpy(state->pose.position, from->pose.position, sizeof state->pose.position);
 	memcpy(state->pose.orientation, from->pose.orientation, sizeof state->pose.orientation);
@@ -69,6 +69,30 @@ static enum status need_bodies(const struct furrow_world *world, size_t count, c
 	for (size_t i = 0; i < count && status == STATUS_OK; i++)
 		status = world_body_state(&world->world, bodies[i], &state);
 	return status;
+}
+
+/* Checks that no vehicle moves a body. */
+static enum status need_free(const struct furrow_world *world, size_t count, const furrow_body *bodies)
+{
+	for (size_t i = 0; i < count; i++) {
+		const char *name = vehicle_body_name(world->vehicles, bodies[i]);
+		if (name != NULL)
+			return fail_with(STATUS_USAGE, "%s: it is a part of a vehicle, which moves it; set the vehicle's controls (furrow_set_controls)", name);
+	}
+	return STATUS_OK;
+}
+
+/* Where a body is. */
+static enum status state_at(const struct furrow_world *world, furrow_body body, struct world_state *state)
+{
+	struct world_contact contact;
+	return vehicle_body(world->vehicles, body, state, &contact) ? STATUS_OK : world_body_state(&world->world, body, state);
+}
+
+static enum status contact_of(struct furrow_world *world, furrow_body body, struct world_contact *contact)
+{
+	struct world_state state;
+	return vehicle_body(world->vehicles, body, &state, contact) ? STATUS_OK : world_body_contact(&world->world, body, contact);
 }
 
 /* Checks lists of bodies and of their contacts, and the caller's size of a contact. */
@@ -123,6 +147,8 @@ furrow_status furrow_body_remove(struct furrow_world *world, furrow_body body)
 	struct library_call call;
 	enum status status = api_library_enter(&call, world);
 	if (status == STATUS_OK)
+		status = need_free(world, 1, &body);
+	if (status == STATUS_OK)
 		status = world_body_remove(&world->world, body);
 	return api_library_leave(&call, status);
 }
@@ -133,6 +159,8 @@ furrow_status furrow_place(struct furrow_world *world, furrow_body body, const s
 	enum status status = api_library_enter(&call, world);
 	if (status == STATUS_OK)
 		status = api_library_need(pose, "pose");
+	if (status == STATUS_OK)
+		status = need_free(world, 1, &body);
 	if (status == STATUS_OK) {
 		const struct world_pose at = pose_of(pose);
 		status = world_body_place(&world->world, body, &at);
@@ -144,6 +172,8 @@ furrow_status furrow_set_states(struct furrow_world *world, size_t count, const 
 {
 	api_library_begin();
 	enum status status = need_lists(world, count, bodies, states, "states");
+	if (status == STATUS_OK)
+		status = need_free(world, count, bodies);
 	struct world_state *list = NULL;
 	if (status == STATUS_OK && count > 0) {
 		list = mem_alloc(count, sizeof *list);
@@ -161,6 +191,8 @@ furrow_status furrow_set_belts(struct furrow_world *world, size_t count, const f
 {
 	api_library_begin();
 	enum status status = need_lists(world, count, bodies, belts, "belts");
+	if (status == STATUS_OK)
+		status = need_free(world, count, bodies);
 	struct world_belt *list = NULL;
 	if (status == STATUS_OK && count > 0) {
 		list = mem_alloc(count, sizeof *list);
@@ -182,9 +214,9 @@ furrow_status furrow_get_states(struct furrow_world *world, size_t count, const 
 		status = need_bodies(world, count, bodies);
 	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
 		struct world_state state;
-		status = world_body_state(&world->world, bodies[i], &state);
+		status = state_at(world, bodies[i], &state);
 		if (status == STATUS_OK)
-			tell_state(&state, &states[i]);
+			api_library_tell_state(&state, &states[i]);
 	}
 	return api_library_end(status);
 }
@@ -200,7 +232,7 @@ furrow_status furrow_get_contacts(struct furrow_world *world, size_t count, cons
 		status = need_bodies(world, count, bodies);
 	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
 		struct world_contact contact;
-		status = world_body_contact(&world->world, bodies[i], &contact);
+		status = contact_of(world, bodies[i], &contact);
 		if (status == STATUS_OK)
 			tell_contact(&contact, &contacts[i]);
 	}

@@ -33,7 +33,21 @@ static enum status start_output(struct furrow_world *host)
 	if (status == STATUS_OK)
 		status = report_rows_open(&host->world, host->output, &host->rows);
 	host->world.rows = report_rows_sink(host->rows);
+	if (status == STATUS_OK)
+		status = report_vehicles_open(&host->world, host->vehicles, host->output, &host->vehicle_rows);
+	vehicle_set_rows(host->vehicles, report_vehicles_sink(host->vehicle_rows));
 	return status;
+}
+
+static enum status checkpoint(struct furrow_world *host)
+{
+	enum status status = world_checkpoint(&host->world);
+	return status == STATUS_OK ? report_vehicles_mark(host->vehicle_rows) : status;
+}
+
+static void tell_advice(void *user, const char *text)
+{
+	note("%s", text);
 }
 
 static enum status start(struct furrow_world *host)
@@ -42,19 +56,26 @@ static enum status start(struct furrow_world *host)
 	enum status status = world_start(world);
 	if (status == STATUS_OK)
 		status = start_pages(host);
+	world->figures = vehicle_figures(host->vehicles);
 	if (status == STATUS_OK && host->scene->view.present)
 		status = api_library_start_view(host);
 	if (status == STATUS_OK)
 		status = world_warm(world);
 	if (status == STATUS_OK && host->view != NULL)
 		status = render_view_warm(host->view);
+	if (status == STATUS_OK && host->vehicles != NULL)
+		status = vehicle_join(host->vehicles, world);
 	if (status == STATUS_OK)
 		status = start_output(host);
 	if (status != STATUS_OK)
 		return status;
 	world_seal(world);
 	status = world_begin(world);
-	return status == STATUS_OK ? world_checkpoint(world) : status;
+	if (status == STATUS_OK && host->vehicles != NULL) {
+		vehicle_advise(host->vehicles, host->scene, world->spacing, tell_advice, NULL);
+		status = vehicle_begin(host->vehicles);
+	}
+	return status == STATUS_OK ? checkpoint(host) : status;
 }
 
 static void destroy(struct furrow_world *host, enum status status)
@@ -63,6 +84,8 @@ static void destroy(struct furrow_world *host, enum status status)
 	render_view_destroy(host->view);
 	world_finish(&host->world, status);
 	report_rows_close(host->rows);
+	report_vehicles_close(host->vehicle_rows);
+	vehicle_destroy(host->vehicles);
 	scene_destroy(host->scene);
 	mem_free(host->output);
 	mem_free(host);
@@ -80,9 +103,12 @@ static enum status create(const struct furrow_open *open, struct furrow_world **
 		if (status == STATUS_OK)
 			strcpy(host->output, open->output);
 	}
+	if (status == STATUS_OK)
+		status = vehicle_load(host->scene, &host->vehicles);
 	if (status == STATUS_OK) {
 		const struct world_params params = {
 			.scene = host->scene,
+			.attached = vehicle_attached(host->vehicles),
 			.store = open->store,
 			.overlay = open->overlay,
 			.resume = open->resume,
@@ -140,6 +166,7 @@ static enum status write_report(struct furrow_world *host, const char *ended)
 {
 	host->report.world = &host->world;
 	host->report.view = host->view;
+	host->report.vehicles = host->vehicles;
 	host->report.seconds = host->busy;
 	char *json = report_json(&host->report, ended);
 	if (json == NULL)
@@ -184,6 +211,21 @@ furrow_status furrow_world_close(struct furrow_world *world)
 
 /* --- steps --- */
 
+/* Vehicles take whole steps of time_step. What a step that failed has moved only a rollback sets back. */
+static enum status step_vehicles(struct furrow_world *host, double seconds)
+{
+	struct world *world = &host->world;
+	const double time_step = host->scene->time_step, count = seconds == 0 ? 1 : round(seconds / time_step);
+	if (count < 1 || (seconds != 0 && fabs(seconds - count * time_step) > 1e-9 * seconds))
+		return fail_with(STATUS_USAGE, "step: %g s is no whole number of time_steps of %g s, which vehicles need; give a multiple, or 0 for one", seconds,
+				 time_step);
+	enum status status = STATUS_OK;
+	for (double i = 0; i < count && status == STATUS_OK; i++)
+		status = vehicle_step(host->vehicles);
+	world->torn = world->torn || status != STATUS_OK;
+	return status;
+}
+
 static enum status step(struct furrow_world *host, double seconds)
 {
 	struct world *world = &host->world;
@@ -193,13 +235,15 @@ static enum status step(struct furrow_world *host, double seconds)
 		return fail_with(STATUS_FAILED, "step: the last one failed half-way; roll back first, or close the world");
 	const double began = clock_seconds();
 	const double until = seconds == 0 ? host->origin + (double)(host->steps + 1) * host->scene->time_step : world->time + seconds;
-	enum status status = world_step_to(world, until);
+	enum status status = host->vehicles != NULL ? step_vehicles(host, seconds) : world_step_to(world, until);
 	const double took = clock_seconds() - began;
 	host->busy += took;
 	if (status != STATUS_OK)
 		return status;
 	host->steps++;
-	if (seconds != 0) {
+	if (host->vehicles != NULL) {
+		host->steps = world->step;
+	} else if (seconds != 0) {
 		host->origin = until;
 		host->steps = 0;
 	}
@@ -225,7 +269,7 @@ furrow_status furrow_checkpoint(struct furrow_world *world)
 	struct library_call call;
 	enum status status = api_library_enter(&call, world);
 	if (status == STATUS_OK)
-		status = world_checkpoint(&world->world);
+		status = checkpoint(world);
 	if (status == STATUS_OK)
 		world->mark = (struct library_mark){world->origin, world->steps};
 	return api_library_leave(&call, status);
@@ -237,6 +281,12 @@ furrow_status furrow_rollback(struct furrow_world *world)
 	enum status status = api_library_enter(&call, world);
 	if (status == STATUS_OK)
 		status = world_rollback(&world->world);
+	if (status == STATUS_OK && world->vehicles != NULL) {
+		status = vehicle_rollback(world->vehicles);
+		if (status == STATUS_OK)
+			status = report_vehicles_rollback(world->vehicle_rows);
+		world->world.torn = status != STATUS_OK;
+	}
 	if (status == STATUS_OK) {
 		world->origin = world->mark.origin;
 		world->steps = world->mark.steps;
@@ -292,6 +342,7 @@ furrow_status furrow_stats(struct furrow_world *world, char **json)
 	if (status == STATUS_OK) {
 		world->report.world = &world->world;
 		world->report.view = world->view;
+		world->report.vehicles = world->vehicles;
 		world->report.seconds = world->busy;
 		world->report.threads = thread_running();
 		*json = report_json(&world->report, "running");

@@ -11,13 +11,16 @@
 #include "render/render.h"
 #include "report/report.h"
 #include "scene/scene.h"
+#include "vehicle/vehicle.h"
 #include "world/world.h"
 
 struct furrow_world {
 	struct world world;
 	struct scene *scene;
 	char *output;             /* NULL: nothing is written */
+	struct vehicles *vehicles; /* NULL: the scene has none */
 	struct report_rows *rows; /* NULL: no objects.csv */
+	struct report_vehicles *vehicle_rows; /* NULL: no vehicles.csv */
 	struct report report;
 	struct view *view;        /* NULL until the first picture, if the scene has no view */
 	struct world_watcher watcher;
@@ -45,6 +48,8 @@ furrow_status api_library_end(enum status status);
 enum status api_library_enter(struct library_call *call, struct furrow_world *world) FURROW_CHECKED;
 furrow_status api_library_leave(struct library_call *call, enum status status);
 
+/* furrow_bodies.c: tells a state of the world. */
+void api_library_tell_state(const struct world_state *from, struct furrow_state *state);
 /* furrow_render.c: makes the view of the scene, which draws pictures. */
 enum status api_library_start_view(struct furrow_world *host) FURROW_CHECKED;
 /* Checks that an argument is not NULL. If it is: STATUS_USAGE, with a message that has `name`. */

@@ -27,6 +27,7 @@ struct report_vehicles {
 	struct column *columns;
 	size_t count;
 	char *header; /* the file's first line */
+	long marked;  /* bytes that a rollback keeps */
 	struct vehicle_rows sink;
 };
 
@@ -173,4 +174,22 @@ void report_vehicles_close(struct report_vehicles *rows)
 const struct vehicle_rows *report_vehicles_sink(const struct report_vehicles *rows)
 {
 	return rows != NULL ? &rows->sink : NULL;
+}
+
+enum status report_vehicles_mark(struct report_vehicles *rows)
+{
+	if (rows == NULL)
+		return STATUS_OK;
+	if (fflush(rows->file) != 0 || fseek(rows->file, 0, SEEK_END) != 0 || (rows->marked = ftell(rows->file)) < 0)
+		return failed(rows);
+	return STATUS_OK;
+}
+
+enum status report_vehicles_rollback(const struct report_vehicles *rows)
+{
+	if (rows == NULL)
+		return STATUS_OK;
+	if (fflush(rows->file) != 0 || ftruncate(fileno(rows->file), rows->marked) != 0 || fseek(rows->file, 0, SEEK_END) != 0)
+		return failed(rows);
+	return STATUS_OK;
 }

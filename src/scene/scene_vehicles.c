@@ -127,9 +127,6 @@ enum status scene_check_vehicles(const struct scene_tree *tree, const struct raw
 		return scene_error(tree->file, scene_tree_find(tree, "%s", without), "is of vehicles, and there is none; allowed with: vehicles");
 	if (count == 0)
 		return STATUS_OK;
-	if (scene->hosted)
-		return scene_error(tree->file, scene_tree_find(tree, "vehicles"),
-				   "are driven by the command alone; a host moves bodies itself (furrow_probe): leave them out");
 	if (!deform_tells_forces(scene->model))
 		return scene_error(tree->file, scene_tree_find(tree, "vehicles"), "model %s computes no force that carries them; allowed with: "
 				   "redistribute: {model: %s}", deform_model_row(scene->model)->name, scene_models_with_forces().text);

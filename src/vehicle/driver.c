@@ -184,12 +184,10 @@ void vehicle_free_driver(struct driver *driver)
 	mem_free(driver->table);
 }
 
-void vehicle_control(struct vehicle *vehicle, double time, bool drives)
+/* The driver's controls. */
+static void drive(struct vehicle *vehicle, double time)
 {
 	const struct driver *driver = &vehicle->driver;
-	mju_zero(vehicle->data->ctrl, vehicle->model->nu);
-	if (!drives)
-		return;
 	switch (vehicle->scene->driver) {
 	case SCENE_FOLLOW:
 		vehicle_pursue(vehicle, time);
@@ -204,4 +202,15 @@ void vehicle_control(struct vehicle *vehicle, double time, bool drives)
 	case SCENE_IDLE:
 		return;
 	}
+}
+
+void vehicle_control(struct vehicle *vehicle, double time, bool drives)
+{
+	mju_zero(vehicle->data->ctrl, vehicle->model->nu);
+	if (!drives)
+		return;
+	drive(vehicle, time);
+	for (int i = 0; i < vehicle->model->nu; i++)
+		if (!isnan(vehicle->told[i]))
+			vehicle->data->ctrl[i] = vehicle->told[i];
 }

@@ -80,6 +80,7 @@ struct vehicle {
 	char told_sunk[500];        /* the note that the soil does not carry it, as it was printed; empty: it was not printed */
 	double *room;               /* numbers for coupling.c */
 	double *pushed;             /* nv: forces of other vehicles in this time step */
+	double *told;               /* nu: controls that a host has set; NaN: the driver sets it */
 };
 
 /* A geom that pictures show. */
@@ -168,6 +169,10 @@ void vehicle_table_control(struct vehicle *vehicle, double time);
 /* --- pursuit.c --- */
 /* Sets the controls so that the vehicle follows its path. Once in an engine step. */
 void vehicle_pursue(struct vehicle *vehicle, double time);
+
+/* --- vehicle.c --- */
+/* Takes the rows of the time that has gone as told. */
+void vehicle_skip_rows(struct vehicles *vehicles);
 
 /* --- coupling.c --- */
 

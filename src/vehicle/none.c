@@ -114,3 +114,44 @@ enum status vehicle_find_shares(struct vehicles *vehicles)
 	(void)vehicles;
 	return STATUS_OK;
 }
+
+void vehicle_state(const struct vehicles *vehicles, size_t vehicle, struct world_state *state)
+{
+	(void)vehicles, (void)vehicle;
+	*state = (struct world_state){.pose = {.position = {0}}};
+}
+
+void vehicle_joints(const struct vehicles *vehicles, size_t vehicle, double *values, double *rates)
+{
+	(void)vehicles, (void)vehicle, (void)values, (void)rates;
+}
+
+void vehicle_actuators(const struct vehicles *vehicles, size_t vehicle, double *controls, double *forces)
+{
+	(void)vehicles, (void)vehicle, (void)controls, (void)forces;
+}
+
+void vehicle_set_controls(struct vehicles *vehicles, size_t vehicle, const double *controls)
+{
+	(void)vehicles, (void)vehicle, (void)controls;
+}
+
+const char *vehicle_body_name(const struct vehicles *vehicles, int32_t number)
+{
+	(void)vehicles, (void)number;
+	return NULL;
+}
+
+bool vehicle_body(const struct vehicles *vehicles, int32_t number, struct world_state *state, struct world_contact *contact)
+{
+	(void)vehicles, (void)number;
+	*state = (struct world_state){.pose = {.position = {0}}};
+	*contact = world_contact_unknown();
+	return false;
+}
+
+enum status vehicle_rollback(struct vehicles *vehicles)
+{
+	(void)vehicles;
+	return none();
+}

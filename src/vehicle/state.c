@@ -98,6 +98,7 @@ static enum status restore_geom(struct vehicles *vehicles, struct soil_geom *geo
 	*from = take(*from, touched->linear, 3);
 	*from = take(*from, touched->angular, 3);
 	*from = take(*from, geom->mean, 3);
+	geom->contact = world_contact_unknown();
 	enum status status = world_body_restore(vehicles->world, geom->number, *from);
 	*from += WORLD_BODY_NUMBERS;
 	return status;
@@ -124,6 +125,7 @@ static enum status restore_one(struct vehicles *vehicles, struct vehicle *vehicl
 		return damaged(vehicles, vehicle, "its model is another one now, or was read by another MuJoCo");
 	if (!restore_trail(&vehicle->trail, n + OWN) || !(n[2] >= 0 && n[2] <= VEHICLE_DRIVES) || !(n[11] >= 0 && n[11] <= fmax((double)driver->point_count - 1, 0)))
 		return damaged(vehicles, vehicle, "numbers out of range");
+	const bool is_placed = vehicle->begun > 0; /* it goes back to a checkpoint: its model is turned and lifted already */
 	vehicle->begun = n[2];
 	vehicle->settle_seconds = n[3];
 	vehicle->calm = n[4];
@@ -135,7 +137,7 @@ static enum status restore_one(struct vehicles *vehicles, struct vehicle *vehicl
 	driver->at = n[11];
 	driver->sum = n[12];
 	driver->arrived = n[13] != 0;
-	enum status status = vehicle->begun > 0 ? vehicle_replace(vehicles, vehicle) : STATUS_OK;
+	enum status status = vehicle->begun > 0 && !is_placed ? vehicle_replace(vehicles, vehicle) : STATUS_OK;
 	data->time = n[10];
 	from = take(from, data->qpos, (size_t)model->nq);
 	from = take(from, data->qvel, (size_t)model->nv);

@@ -47,7 +47,7 @@ enum status vehicle_load(const struct scene *scene, struct vehicles **out)
 		status = make_lists(vehicles);
 	if (status == STATUS_OK)
 		status = vehicle_between_create(vehicles);
-	if (status == STATUS_OK && scene->view.present)
+	if (status == STATUS_OK && (scene->view.present || scene->hosted)) /* a host may ask for pictures without a view */
 		status = vehicle_make_figures(vehicles);
 	if (status == STATUS_OK) {
 		*out = vehicles;
@@ -190,11 +190,16 @@ static enum status tell_forces(struct vehicles *vehicles)
 
 /* --- steps --- */
 
+void vehicle_skip_rows(struct vehicles *vehicles)
+{
+	vehicles->row = floor(vehicles->world->time * vehicles->scene->vehicle_rows * (1 + 1e-12)) + 1;
+}
+
 enum status vehicle_begin(struct vehicles *vehicles)
 {
 	enum status status = STATUS_OK;
 	if (vehicles->list[0].begun == VEHICLE_DRIVES) { /* the rows of its time were written */
-		vehicles->row = floor(vehicles->world->time * vehicles->scene->vehicle_rows * (1 + 1e-12)) + 1;
+		vehicle_skip_rows(vehicles);
 		return STATUS_OK;
 	}
 	status = vehicle_settle(vehicles);

@@ -94,6 +94,24 @@ void vehicle_info(const struct vehicles *vehicles, size_t vehicle, struct vehicl
 #define VEHICLE_TRAIL 128
 size_t vehicle_trail(const struct vehicles *vehicles, size_t vehicle, double (*places)[2]);
 
+/* --- of a host's world: hosted.c --- */
+
+/* Where its root body is, and how it moves. */
+void vehicle_state(const struct vehicles *vehicles, size_t vehicle, struct world_state *state);
+/* joint_count values in rad or m, and rates in rad/s or m/s. Either may be NULL. */
+void vehicle_joints(const struct vehicles *vehicles, size_t vehicle, double *values, double *rates);
+/* actuator_count controls, and forces as in a row. Either may be NULL. */
+void vehicle_actuators(const struct vehicles *vehicles, size_t vehicle, double *controls, double *forces);
+/* Sets the controls of the steps from now on, actuator_count numbers. NaN: the scene's driver sets it. */
+void vehicle_set_controls(struct vehicles *vehicles, size_t vehicle, const double *controls);
+/* Returns the name of the soil geom that is this body of the world; NULL: the body is no vehicle's. `vehicles` may be NULL. */
+const char *vehicle_body_name(const struct vehicles *vehicles, int32_t number);
+/* Tells where such a body is, and what the soil did to it in the last step. The contact is unknown after a rollback and in a resumed run, until
+ * a step. Returns false if the body is no vehicle's. `vehicles` may be NULL. */
+bool vehicle_body(const struct vehicles *vehicles, int32_t number, struct world_state *state, struct world_contact *contact);
+/* Goes back to the checkpoint, after world_rollback. Controls that the host set stay. */
+enum status vehicle_rollback(struct vehicles *vehicles) FURROW_CHECKED;
+
 /* A soil geom, 0 .. geom_count - 1. */
 struct vehicle_geom {
 	const char *name;          /* VEHICLE.GEOM, the name of its body in the world */

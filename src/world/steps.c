@@ -66,6 +66,11 @@ const double *world_attached(const struct world *world)
 		       : NULL;
 }
 
+const double *world_attached_last(const struct world *world)
+{
+	return world_record_attached(world->record, world->scene->object_count);
+}
+
 static enum status deform_step(struct world *world, double until)
 {
 	enum status status = STATUS_OK;

@@ -458,6 +458,8 @@ enum status world_end_step(struct world *world) FURROW_CHECKED;
 void world_stalls(const struct world *world, struct stalls *stalls); /* waits since world_begin */
 /* Returns the attached numbers of the run that is resumed. NULL: there are none. Call it before world_begin. */
 const double *world_attached(const struct world *world);
+/* Returns the attached numbers as the last step left them; after world_rollback as the checkpoint did. */
+const double *world_attached_last(const struct world *world);
 void world_recorded(const struct world *world, struct world_recorded *recorded);
 /* waits for ranges of tiles since world_begin; they do not count as stalls */
 void world_range_waits(const struct world *world, struct stalls *waits);

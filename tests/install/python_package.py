@@ -1,4 +1,5 @@
 """The installed Python package. Each test is a script of its own, run by an interpreter that has numpy."""
+import pathlib
 import re
 import signal
 import subprocess
@@ -47,12 +48,39 @@ class PythonPackageTest(unittest.TestCase):
 
     def run_script(self, text):
         store = prefix.synthesize("plain.furrow", "plain")
-        result = prefix.run_python(self.script(text), store, prefix.work, check=False)
+        model = pathlib.Path(__file__).resolve().parents[1] / "vehicle/one_wheel.xml"
+        result = prefix.run_python(self.script(text), store, prefix.work, model, check=False)
+        if "this build has no MuJoCo" in result.stderr:
+            self.skipTest("there is no MuJoCo")
         if "OpenGL 4.5" in result.stderr and "NO_GL" in result.stderr:
             self.skipTest("there is no GL")
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertEqual(result.stderr, "")
         return result.stdout
+
+    def test_a_vehicle_takes_controls(self):
+        self.run_script("""
+            scene = {**SCENE, "time_step": 0.002, "vehicles": [{"name": "cart", "model": sys.argv[3], "start": {"at": [10, 10]}}]}
+            with furrow.World(scene, store=store, overlay=work + "/cart.furrow") as world:
+                cart = world.vehicle("cart")
+                assert cart.actuator_names == ("drive",) and cart.joint_names[3] == "turn", (cart.actuator_names, cart.joint_names)
+                assert list(cart.bodies) == ["wheel"] and cart.state.mass == 100
+                cart.set(drive=2)
+                for _ in range(300):
+                    world.step()
+                wheel = cart.bodies["wheel"].contact
+                assert wheel.slip > 0 and 800 < wheel.force[2] < 1200 and cart.joints["turn"][1] > 1.5, (wheel, cart.joints)
+                assert cart.actuators["drive"][0] == 2 and cart.state.distance > 0.1, (cart.actuators, cart.state)
+                assert "drive" in str(raises(ValueError, cart.set, drives=2))
+                cart.set(drive=None)
+                world.step(0.004)
+                assert cart.actuators["drive"][0] == 0
+                refused(furrow.Status.INPUT, world.vehicle, "horse")
+                refused(furrow.Status.USAGE, cart.bodies["wheel"].remove)
+                world.rollback()
+                assert cart.state.distance == 0 and world.time == 0
+                rgb, depth = world.render(size=(64, 48))
+        """)
 
     def test_a_belt_draws(self):
         self.run_script("""

@@ -1,0 +1,74 @@
+"""A vehicle of the scene."""
+import ctypes
+import math
+from typing import Dict, Optional, Tuple, TYPE_CHECKING
+
+import numpy
+
+from furrow import _declarations as declared
+from furrow._declarations import Part, VehicleState
+
+if TYPE_CHECKING:
+    from furrow._world import Body, World
+
+
+class Vehicle:
+    """A vehicle of the scene: MuJoCo computes its motion, the soil carries it. World.vehicle makes it; World.step moves it.
+
+    It follows the scene's `driver`, if it has one; `set` takes actuators over.
+    """
+
+    def __init__(self, world: "World", handle: int) -> None:
+        self.world = world
+        self.handle = handle
+        state = self.state  # there is such a vehicle
+        self.joint_names = self._names(Part.JOINT, state.joints)
+        self.actuator_names = self._names(Part.ACTUATOR, state.actuators)
+        self._controls = numpy.full(state.actuators, math.nan)
+
+    def _names(self, part: Part, count: int) -> Tuple[str, ...]:
+        return tuple(self.world._call("furrow_vehicle_part", self.handle, part, index).decode() for index in range(count))
+
+    @property
+    def state(self) -> VehicleState:
+        """Where it is, and what it has done: .state.pose.position (3,), m; .state.linear (3,), m/s; .distance, m; .work, J; and more."""
+        state = declared.furrow_vehicle_state(size=ctypes.sizeof(declared.furrow_vehicle_state))
+        self.world._call("furrow_vehicle_get", self.handle, ctypes.byref(state))
+        return VehicleState(state)
+
+    @property
+    def bodies(self) -> "Dict[str, Body]":
+        """Its soil geoms by their names in the model: their .contact tells slip, sinkage and force of each wheel."""
+        names = self._names(Part.SOIL_GEOM, self.state.soil_geoms)
+        return {name.partition(".")[2]: self.world.body(name) for name in names}
+
+    def _values(self, function: str, count: int) -> Tuple[numpy.ndarray, numpy.ndarray]:
+        first, second = numpy.empty(count), numpy.empty(count)
+        self.world._call(function, self.handle, count, first.ctypes.data, second.ctypes.data)
+        return first, second
+
+    @property
+    def joints(self) -> Dict[str, Tuple[float, float]]:
+        """Its hinges and slides: (angle in rad or way in m, rate in rad/s or m/s), by name."""
+        values, rates = self._values("furrow_get_joints", len(self.joint_names))
+        return {name: (value, rate) for name, value, rate in zip(self.joint_names, values.tolist(), rates.tolist())}
+
+    @property
+    def actuators(self) -> Dict[str, Tuple[float, float]]:
+        """Its actuators in the last step: (control, force in N or N m before gear), by name."""
+        controls, forces = self._values("furrow_get_actuators", len(self.actuator_names))
+        return {name: (control, force) for name, control, force in zip(self.actuator_names, controls.tolist(), forces.tolist())}
+
+    def set(self, controls: Optional[Dict[str, Optional[float]]] = None, **more: Optional[float]) -> None:
+        """Sets controls by the names of actuators, for all steps from now on: set(steer=0.1, drive_fl=2.5).
+
+        None gives an actuator back to the scene's driver. Actuators that are not named keep what was set before.
+        """
+        for name, value in {**(controls or {}), **more}.items():
+            if name not in self.actuator_names:
+                raise ValueError(f"furrow: {name} is no actuator; there are: {', '.join(self.actuator_names)}")
+            self._controls[self.actuator_names.index(name)] = math.nan if value is None else value
+        self.world._call("furrow_set_controls", self.handle, self._controls.size, self._controls.ctypes.data)
+
+    def __repr__(self) -> str:
+        return f"Vehicle({self.handle})"

@@ -1,0 +1,134 @@
+/* furrow.h: vehicles. Handles are their numbers in the scene. */
+#include "api/library.h"
+
+#include <math.h>
+#include <string.h>
+
+static enum status need_vehicle(const struct furrow_world *world, furrow_vehicle vehicle)
+{
+	enum status status = api_library_need(world, "world");
+	if (status != STATUS_OK || (vehicle >= 0 && (size_t)vehicle < vehicle_count(world->vehicles)))
+		return status;
+	return fail_with(STATUS_USAGE, "vehicle %d: there is none; use a handle that furrow_vehicle_find gave", (int)vehicle);
+}
+
+static enum status need_count(const struct furrow_world *world, furrow_vehicle vehicle, size_t count, const char *what)
+{
+	struct vehicle_info info;
+	vehicle_info(world->vehicles, (size_t)vehicle, &info);
+	const size_t has = strcmp(what, "joints") == 0 ? info.joint_count : info.actuator_count;
+	if (count == has)
+		return STATUS_OK;
+	return fail_with(STATUS_USAGE, "count: it is %zu, and %s has %zu %s; give room for each", count, info.name, has, what);
+}
+
+furrow_status furrow_vehicle_find(struct furrow_world *world, const char *name, furrow_vehicle *vehicle)
+{
+	api_library_begin();
+	enum status status = api_library_need(world, "world");
+	if (vehicle != NULL)
+		*vehicle = -1;
+	if (status == STATUS_OK)
+		status = api_library_need(name, "name");
+	if (status == STATUS_OK)
+		status = api_library_need(vehicle, "vehicle");
+	for (size_t i = 0; status == STATUS_OK && i < vehicle_count(world->vehicles); i++) {
+		struct vehicle_info info;
+		vehicle_info(world->vehicles, i, &info);
+		if (strcmp(info.name, name) == 0)
+			*vehicle = (furrow_vehicle)i;
+	}
+	if (status == STATUS_OK && *vehicle < 0)
+		status = fail_with(STATUS_INPUT, "%s: no vehicle has this name; give one of the scene's vehicles", name);
+	return api_library_end(status);
+}
+
+const char *furrow_vehicle_part(const struct furrow_world *world, furrow_vehicle vehicle, enum furrow_part part, size_t index)
+{
+	struct vehicle_info info;
+	struct vehicle_geom geom;
+	if (world == NULL || vehicle < 0 || (size_t)vehicle >= vehicle_count(world->vehicles))
+		return NULL;
+	vehicle_info(world->vehicles, (size_t)vehicle, &info);
+	switch (part) {
+	case FURROW_JOINT:
+		return index < info.joint_count ? vehicle_joint_name(world->vehicles, (size_t)vehicle, index) : NULL;
+	case FURROW_ACTUATOR:
+		return index < info.actuator_count ? vehicle_actuator_name(world->vehicles, (size_t)vehicle, index) : NULL;
+	case FURROW_SOIL_GEOM:
+		if (index >= info.geom_count)
+			return NULL;
+		vehicle_geom(world->vehicles, (size_t)vehicle, index, world->world.spacing, &geom);
+		return geom.name;
+	}
+	return NULL;
+}
+
+furrow_status furrow_vehicle_get(struct furrow_world *world, furrow_vehicle vehicle, struct furrow_vehicle_state *state)
+{
+	struct vehicle_info info;
+	struct world_state now;
+	api_library_begin();
+	enum status status = need_vehicle(world, vehicle);
+	if (status == STATUS_OK)
+		status = api_library_need(state, "state");
+	if (status == STATUS_OK && state->size < sizeof state->size)
+		status = fail_with(STATUS_USAGE, "state: its size is %zu; set it to sizeof(struct furrow_vehicle_state), %zu", state->size, sizeof *state);
+	if (status != STATUS_OK)
+		return api_library_end(status);
+	vehicle_info(world->vehicles, (size_t)vehicle, &info);
+	vehicle_state(world->vehicles, (size_t)vehicle, &now);
+	const size_t size = state->size < sizeof *state ? state->size : sizeof *state;
+	struct furrow_vehicle_state all = {
+		.size = state->size,
+		.mass = info.mass,
+		.distance = info.distance,
+		.kinetic = info.kinetic,
+		.work = info.work,
+		.joints = info.joint_count,
+		.actuators = info.actuator_count,
+		.soil_geoms = info.geom_count,
+		.arrived = info.arrived,
+	};
+	api_library_tell_state(&now, &all.state);
+	memcpy(state, &all, size);
+	return api_library_end(STATUS_OK);
+}
+
+furrow_status furrow_get_joints(struct furrow_world *world, furrow_vehicle vehicle, size_t count, double *values, double *rates)
+{
+	api_library_begin();
+	enum status status = need_vehicle(world, vehicle);
+	if (status == STATUS_OK)
+		status = need_count(world, vehicle, count, "joints");
+	if (status == STATUS_OK)
+		vehicle_joints(world->vehicles, (size_t)vehicle, values, rates);
+	return api_library_end(status);
+}
+
+furrow_status furrow_get_actuators(struct furrow_world *world, furrow_vehicle vehicle, size_t count, double *controls, double *forces)
+{
+	api_library_begin();
+	enum status status = need_vehicle(world, vehicle);
+	if (status == STATUS_OK)
+		status = need_count(world, vehicle, count, "actuators");
+	if (status == STATUS_OK)
+		vehicle_actuators(world->vehicles, (size_t)vehicle, controls, forces);
+	return api_library_end(status);
+}
+
+furrow_status furrow_set_controls(struct furrow_world *world, furrow_vehicle vehicle, size_t count, const double *controls)
+{
+	api_library_begin();
+	enum status status = need_vehicle(world, vehicle);
+	if (status == STATUS_OK)
+		status = need_count(world, vehicle, count, "actuators");
+	if (status == STATUS_OK && count > 0)
+		status = api_library_need(controls, "controls");
+	for (size_t i = 0; i < count && status == STATUS_OK; i++)
+		if (isinf(controls[i]))
+			status = fail_with(STATUS_USAGE, "controls: number %zu is infinite; give a finite one, or NaN for the driver's", i);
+	if (status == STATUS_OK && count > 0)
+		vehicle_set_controls(world->vehicles, (size_t)vehicle, controls);
+	return api_library_end(status);
+}

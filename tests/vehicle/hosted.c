@@ -1,0 +1,214 @@
+/* A vehicle in a host's world: it drives as the command drives it, goes back to a checkpoint, takes the host's controls, and stands in its pictures. */
+#include <math.h>
+
+#include "../api/hosted.h"
+#include "drive.h"
+
+#define SIDE 20.0 /* m of ground that is compared, from its south-west corner */
+
+static const struct extent extent = {129, 129, 0.25, 32};
+
+static double ground(int64_t x, int64_t y)
+{
+	return 5 + 0.02 * sin(0.9 * (double)x) + 0.01 * (double)y;
+}
+
+/* Of one_wheel.xml. `driver`: the line of the scene, or "". */
+static void prepare(const char *driver)
+{
+	char text[1024], path[512];
+	snprintf(path, sizeof path, "%s/one_wheel.xml", getenv("MODELS"));
+	char *model = drive_text(path);
+	support_write(support_path("model.xml"), model);
+	free(model);
+	snprintf(text, sizeof text, "scene: 1\nend_time: 1\ntime_step: 0.002\nsoil: {name: dry_sand}\nspacing: 0.0625\nredistribute: {model: scm}\n"
+				    "vehicles:\n  - name: cart\n    model: model.xml\n    start: {at: [10, 10.5], yaw: 20}\n    soil: [wheel]\n%s"
+				    "output: {forces: 20, vehicles: 50}\n", driver);
+	support_write(support_path("scene.yaml"), text);
+	support_store(support_path("ground.furrow"), extent, ground);
+}
+
+static struct furrow_world *opened(const char *overlay, const char *output)
+{
+	struct furrow_world *world = NULL;
+	const struct furrow_open open = {.size = sizeof open, .scene_file = support_path("scene.yaml"), .store = support_path("ground.furrow"),
+					 .overlay = overlay, .output = output};
+	done(furrow_world_open(&open, &world));
+	return world;
+}
+
+/* What a drive left: offsets of the ground, and their number of bytes. */
+static double *offsets(const char *overlay, size_t *bytes)
+{
+	const uint32_t side = (uint32_t)(SIDE / 0.0625);
+	const struct furrow_open open = {.size = sizeof open, .scene = "{spacing: 0.0625}", .store = support_path("ground.furrow"), .overlay = overlay};
+	double *posts = calloc((size_t)side * side, sizeof *posts);
+	struct furrow_world *world = NULL;
+	assert_non_null(posts);
+	done(furrow_world_open(&open, &world));
+	done(furrow_read(world, FURROW_OFFSET, -2, 0, 0, side, side, posts, side));
+	done(furrow_world_close(world));
+	*bytes = (size_t)side * side * sizeof *posts;
+	return posts;
+}
+
+static struct furrow_vehicle_state state_of(struct furrow_world *world)
+{
+	struct furrow_vehicle_state state = {.size = sizeof state};
+	done(furrow_vehicle_get(world, 0, &state));
+	return state;
+}
+
+static void assert_same_files(const char *a, const char *b)
+{
+	static const char *const files[] = {"vehicles.csv", "objects.csv"};
+	for (int i = 0; i < 2; i++) {
+		char path_a[256], path_b[256];
+		snprintf(path_a, sizeof path_a, "%s/%s", a, files[i]);
+		snprintf(path_b, sizeof path_b, "%s/%s", b, files[i]);
+		char *text_a = drive_text(path_a), *text_b = drive_text(path_b);
+		assert_true(strlen(text_a) > 500);
+		assert_string_equal(text_a, text_b);
+		free(text_a);
+		free(text_b);
+	}
+}
+
+/* Steps of one and of five time_steps, through a checkpoint and back, leave what the command leaves. */
+static void it_drives_as_the_command_drives_it(void **unused)
+{
+	const struct drive_cut cut = {.overlay = support_path("a.furrow"), .out = support_path("a")};
+	const char *overlay = support_path("b.furrow"), *output = support_path("b");
+	size_t bytes;
+	prepare("    driver: {hold: {drive: 2}}\n");
+	assert_int_equal(drive_run(support_path("scene.yaml"), support_path("ground.furrow"), NULL, &cut, NULL), STATUS_OK);
+	struct furrow_world *world = opened(overlay, output);
+	for (int i = 0; i < 150; i++)
+		done(furrow_step(world, 0));
+	done(furrow_checkpoint(world));
+	const struct furrow_vehicle_state before = state_of(world);
+	assert_true(before.distance > 0.05 && before.work > 0);
+	for (int i = 0; i < 20; i++)
+		done(furrow_step(world, 0.01));
+	done(furrow_rollback(world));
+	const struct furrow_vehicle_state back = state_of(world);
+	assert_memory_equal(&before, &back, sizeof before);
+	assert_true(fabs(furrow_time(world) - 0.3) < 1e-12);
+	for (int i = 0; i < 70; i++)
+		done(furrow_step(world, 0.01));
+	assert_true(fabs(furrow_time(world) - 1) < 1e-12);
+	done(furrow_world_close(world));
+	double *here = offsets(overlay, &bytes), *there = offsets(cut.overlay, &bytes), deepest = 0;
+	for (size_t i = 0; i < bytes / sizeof *here; i++)
+		deepest = fmin(deepest, here[i]);
+	assert_true(deepest < -0.01);
+	assert_memory_equal(here, there, bytes);
+	free(here);
+	free(there);
+	assert_same_files(cut.out, output);
+}
+
+static void the_host_sets_controls(void **unused)
+{
+	furrow_vehicle cart;
+	furrow_body wheel;
+	double value, rate, control, force;
+	struct furrow_contact contact;
+	struct furrow_state at;
+	prepare("");
+	struct furrow_world *world = opened(support_path("c.furrow"), NULL);
+	done(furrow_vehicle_find(world, "cart", &cart));
+	done(furrow_body_find(world, "cart.wheel", &wheel));
+	assert_string_equal(furrow_vehicle_part(world, cart, FURROW_ACTUATOR, 0), "drive");
+	assert_string_equal(furrow_vehicle_part(world, cart, FURROW_JOINT, 3), "turn");
+	assert_string_equal(furrow_vehicle_part(world, cart, FURROW_SOIL_GEOM, 0), "cart.wheel");
+	assert_null(furrow_vehicle_part(world, cart, FURROW_SOIL_GEOM, 1));
+	const struct furrow_vehicle_state first = state_of(world);
+	assert_true(first.joints == 4 && first.actuators == 1 && first.soil_geoms == 1 && fabs(first.mass - 100) < 1e-9);
+	for (int i = 0; i < 100; i++)
+		done(furrow_step(world, 0));
+	assert_true(state_of(world).distance < 0.01); /* nothing drives it */
+	control = 2.5;
+	done(furrow_set_controls(world, cart, 1, &control));
+	for (int i = 0; i < 500; i++)
+		done(furrow_step(world, 0));
+	done(furrow_get_actuators(world, cart, 1, &control, &force));
+	double values[4], rates[4];
+	done(furrow_get_joints(world, cart, 4, values, rates));
+	value = values[3], rate = rates[3];
+	done(furrow_get_contacts(world, 1, &wheel, &contact, sizeof contact));
+	done(furrow_get_states(world, 1, &wheel, &at));
+	const struct furrow_vehicle_state moved = state_of(world);
+	const double speed = hypot(moved.state.linear[0], moved.state.linear[1]);
+	assert_true(control == 2.5 && force > 0 && rate > 2 && rate < 2.6 && value > 1);
+	assert_true(contact.state == FURROW_TOUCHING && contact.sinkage > 0.005 && contact.time == furrow_time(world));
+	assert_true(fabs(contact.force[2] - 100 * 9.81) < 0.1 * 981); /* it carries the weight */
+	assert_true(fabs(contact.slip - (1 - speed / (rate * 0.32))) < 0.02);
+	assert_true(fabs(at.pose.position[0] - moved.state.pose.position[0]) < 1e-6); /* the axle's */
+	control = (double)NAN; /* the driver's again, and there is none */
+	done(furrow_set_controls(world, cart, 1, &control));
+	done(furrow_step(world, 0));
+	done(furrow_get_actuators(world, cart, 1, &control, NULL));
+	assert_true(control == 0);
+	done(furrow_world_close(world));
+}
+
+static void what_cannot_be_is_refused(void **unused)
+{
+	furrow_vehicle none;
+	furrow_body wheel;
+	double controls[2] = {INFINITY, 0};
+	struct furrow_vehicle_state state = {.size = 0};
+	prepare("");
+	struct furrow_world *world = opened(support_path("d.furrow"), NULL);
+	done(furrow_body_find(world, "cart.wheel", &wheel));
+	const struct furrow_pose pose = {{5, 5, 6}, {1, 0, 0, 0}};
+	const struct furrow_state to = {.pose = pose};
+	const struct furrow_belt belt = {0, 0};
+	misused(furrow_place(world, wheel, &pose));
+	misused(furrow_set_states(world, 1, &wheel, &to));
+	misused(furrow_set_belts(world, 1, &wheel, &belt));
+	misused(furrow_body_remove(world, wheel));
+	misused(furrow_step(world, 0.003));
+	misused(furrow_step(world, 0.0005));
+	misused(furrow_set_controls(world, 0, 2, controls));
+	misused(furrow_set_controls(world, 0, 1, controls));
+	misused(furrow_set_controls(world, 0, 1, NULL));
+	misused(furrow_set_controls(world, 1, 1, controls + 1));
+	misused(furrow_get_joints(world, 0, 3, controls, NULL));
+	misused(furrow_vehicle_get(world, -1, &state));
+	misused(furrow_vehicle_get(world, 0, &state));
+	refused(FURROW_INPUT, furrow_vehicle_find(world, "horse", &none));
+	assert_int_equal(none, -1);
+	assert_null(furrow_vehicle_part(world, 3, FURROW_JOINT, 0));
+	done(furrow_step(world, 0)); /* and none of this changed anything */
+	done(furrow_world_close(world));
+}
+
+/* A camera 3 m beside the axle's middle sees the wheel's side, which is 0.12 m nearer but for what its hub lies back. */
+static void it_stands_in_pictures(void **unused)
+{
+	float depth[15 * 15];
+	prepare("");
+	struct furrow_world *world = opened(support_path("e.furrow"), NULL);
+	const struct furrow_vehicle_state state = state_of(world);
+	const double *p = state.state.pose.position, yaw = 20 * M_PI / 180, toward = (yaw + M_PI / 2) / 2;
+	const struct furrow_camera camera = {
+		.size = sizeof camera,
+		.pose = {{p[0] + 3 * sin(yaw), p[1] - 3 * cos(yaw), p[2] + 0.05}, {cos(toward), 0, 0, sin(toward)}},
+		.fovy = 0.2, .width = 15, .height = 15};
+	done(furrow_render(world, &camera, NULL, depth));
+	assert_true(fabs(depth[7 * 15 + 7] - 2.9) < 0.05);
+	done(furrow_world_close(world));
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(it_drives_as_the_command_drives_it),
+		cmocka_unit_test(the_host_sets_controls),
+		cmocka_unit_test(what_cannot_be_is_refused),
+		cmocka_unit_test(it_stands_in_pictures),
+	};
+	return cmocka_run_group_tests(tests, support_enter, support_leave);
+}
