@@ -321,7 +321,8 @@ cache: {slots: 256}
         self.three()
         found = self.json("info", self.imported("--inset", "scan.tif", "--inset", "site.tif"))["insets"]
         self.assertEqual(found[0], {"source": "scan.tif", "level": -9, "spacing": 1 / 16, "posts": [641, 481],
-                                    "bounds": [WEST + 1000, SOUTH + 780, WEST + 1040, SOUTH + 810], "tiles": 12 * 9})
+                                    "bounds": [WEST + 1000, SOUTH + 780, WEST + 1040, SOUTH + 810], "window": [1000, 780, 1040, 810],
+                                    "tiles": 12 * 9})
         self.assertEqual([found[1][key] for key in ("source", "level", "posts")], ["site.tif", -5, [501, 401]])
         lines = [line for line in self.ok("info", "s.furrow").splitlines() if line.startswith("inset ")]
         self.assertEqual(len(lines), 2)
