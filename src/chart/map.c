@@ -76,7 +76,7 @@ static void write_notes(struct layout *layout)
 	const struct chart_raster *raster = layout->map->raster;
 	const long long every = 1LL << (raster->level > 0 ? raster->level : 0);
 	const double off = ground_off(layout->map);
-	char length[64], own[64], inset[64] = "", posts[320], ruts[160] = "", scale[160] = "";
+	char length[64], own[64], inset[64] = "", posts[264], ruts[160] = "", scale[160] = "";
 	chart_length(raster->spacing / (double)every, length, sizeof length);
 	if (every > 1)
 		snprintf(posts, sizeof posts, "Drawn from every %lld%s post: posts are %s apart.", every, every % 10 == 2 && every % 100 != 12 ? "nd" : "th", length);

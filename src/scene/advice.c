@@ -251,9 +251,14 @@ static double narrowest(const struct scene_object *object)
 }
 
 /* Metres between the prints of bars, on the ground. */
+static double pitch_of(const struct deform_shape *shape, double slip)
+{
+	return shape->grousers > 0 ? 2 * M_PI * shape->radius * (1 - slip) / shape->grousers : INFINITY;
+}
+
 static double grouser_pitch(const struct scene_object *object)
 {
-	return object->shape.grousers > 0 ? 2 * M_PI * object->shape.radius * (1 - object->slip) / object->shape.grousers : INFINITY;
+	return pitch_of(&object->shape, object->slip);
 }
 
 /* Objects that are alike are told of once. */
@@ -293,6 +298,18 @@ void scene_advise_narrow(const char *key, double across, size_t others, double s
 		       key, across, alike.others, spacing, across);
 }
 
+void scene_advise_grousers(const char *key, const struct deform_shape *shape, double slip, size_t others, double spacing, scene_advice_fn tell,
+			   void *user)
+{
+	const struct adviser adviser = {.tell = tell, .user = user};
+	struct alike alike = {.count = others};
+	const double pitch = pitch_of(shape, slip);
+	say_alike(&alike);
+	if (pitch < 2 * spacing)
+		advise(&adviser, "%s: their prints are %.3g m apart%s less than two posts of %g m: the ground cannot tell them apart; give fewer, or a "
+				 "spacing of at most %.3g", key, pitch, alike.others, spacing, pitch / 2);
+}
+
 static void advise_shape(const struct adviser *adviser, const struct scene_object *object)
 {
 	struct alike alike;
@@ -302,11 +319,8 @@ static void advise_shape(const struct adviser *adviser, const struct scene_objec
 	char key[160];
 	snprintf(key, sizeof key, "objects.%s.shape", object->name);
 	scene_advise_narrow(key, narrowest(object), alike.count, spacing, adviser->tell, adviser->user);
-	double pitch = grouser_pitch(object);
-	if (pitch < 2 * spacing)
-		advise(adviser, "objects.%s.shape.wheel.grousers: their prints are %.3g m apart%s less than two posts of %g m: the ground cannot "
-				"tell them apart; give fewer, or a spacing of at most %.3g",
-		       object->name, pitch, alike.others, spacing, pitch / 2);
+	snprintf(key, sizeof key, "objects.%s.shape.wheel.grousers", object->name);
+	scene_advise_grousers(key, &object->shape, object->slip, alike.count, spacing, adviser->tell, adviser->user);
 }
 
 static void advise_path(const struct adviser *adviser, const struct scene_object *object)

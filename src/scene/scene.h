@@ -381,6 +381,9 @@ typedef void (*scene_advice_fn)(void *user, const char *text);
 void scene_advise(const struct scene *scene, double spacing, scene_advice_fn tell, void *user);
 /* Tells that a body is narrower than posts are apart. `across`: m; the rest as in scene_advise_posts_below. */
 void scene_advise_narrow(const char *key, double across, size_t others, double spacing, scene_advice_fn tell, void *user);
+/* Tells that posts cannot tell the prints of a wheel's bars apart. */
+void scene_advise_grousers(const char *key, const struct deform_shape *shape, double slip, size_t others, double spacing, scene_advice_fn tell,
+			   void *user);
 /* Returns over how many metres the soil bears a wheel or a sphere. `load`: N; 0: `sink` is how deep it is, m. The result is its width or,
  * if less, twice the sinkage over the slope of its rim where it enters the soil. A wheel that hardly sinks enters it so far ahead of its
  * axle. */

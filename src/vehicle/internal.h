@@ -109,6 +109,7 @@ struct vehicles {
 	const struct vehicle_rows *rows;
 	struct between *between;    /* between.h; NULL: one vehicle only */
 	double stuck_at;
+	double told;                /* s, by the clock: when it was last told how far settling is; 0: not begun */
 };
 
 /* --- geoms.c --- */

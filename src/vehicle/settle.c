@@ -21,6 +21,7 @@
 #define SLOWED_MOST 60.0 /* s */
 #define FREE_MOST 20.0  /* s */
 #define TREMBLES 2e-3   /* m/s: slower than this at the end, its wheels tremble by micrometres; their sides lie on a row of posts */
+#define TOLD_SECONDS 10.0 /* of the clock, between two lines that tell how far it is */
 #define SIDES 8         /* directions each way in which the lowest places of a geom are looked for */
 
 /* --- where it starts --- */
@@ -232,6 +233,22 @@ static enum status check_sunk(const struct vehicles *vehicles)
 	return STATUS_OK;
 }
 
+/* Tells now and then how far it is: settling may take minutes of computing. */
+static void tell_settling(struct vehicles *vehicles, double still)
+{
+	const double now = clock_seconds();
+	double fastest = 0;
+	if (vehicles->told == 0)
+		vehicles->told = now;
+	if (now - vehicles->told < TOLD_SECONDS)
+		return;
+	vehicles->told = now;
+	for (size_t v = 0; v < vehicles->count; v++)
+		fastest = fmax(fastest, speed_of(&vehicles->list[v]));
+	note("vehicles: settling before the first step, %.3g s simulated of at most %g: still at %.2g mm/s, at rest below %g", vehicles->list[0].settle_seconds,
+	     SLOWED_MOST + FREE_MOST, 1e3 * fastest, 1e3 * still);
+}
+
 /* Lets all vehicles move until each was at rest for a while. */
 static enum status until_still(struct vehicles *vehicles, double rate, double still, double most)
 {
@@ -254,6 +271,7 @@ static enum status until_still(struct vehicles *vehicles, double rate, double st
 			status = world_move_hosts(vehicles->world);
 		if (status != STATUS_OK)
 			return status;
+		tell_settling(vehicles, still);
 	}
 	return STATUS_OK;
 }
