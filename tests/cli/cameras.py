@@ -424,6 +424,7 @@ class Cameras(FurrowTest):
         self.assertLess(np.abs(timed - given).max(), 3)
         self.assertGreater(np.abs(other - given).max(), 3)
 
+    @long
     def test_it_moves_with_the_time_of_the_drive(self):
         text = ('scene: 1\nend_time: 7200\ntime_step: 3600\nview: {camera: {fixed: {eye: [1, 1, 50], target: [9, 9, 20]}}, '
                 'sun: {time: "2026-06-21T09:00:00Z", at: [0, 45]}}\n'
@@ -536,6 +537,7 @@ class Cameras(FurrowTest):
             self.assertIn("furrow: note: cameras.a.video: " + words, told)
             self.assertFalse(list(folder.glob("*.mp4")))
 
+    @long
     def test_ffmpeg_makes_a_video_of_every_frame(self):
         if shutil.which("ffprobe") is None:
             self.skipTest("no ffmpeg here")
@@ -610,6 +612,7 @@ class Cameras(FurrowTest):
             self.assertRegex("".join(line for line in result.stderr.splitlines() if "cameras" in line),
                              r"^furrow: note: cameras\.low\.pose\.at: the camera is \d\.\d+ m below the ground when the drive begins; .*, in metres$")
 
+    @long
     def test_samples_smooth_colours_alone(self):
         self.store = self.synth(relief=20)
         images = {}

@@ -281,6 +281,7 @@ class RoundTrips(FurrowTest):
         self.assertEqual(infos[0], infos[1])
         self.assertEqual(infos[0], infos[2])
 
+    @long
     def test_any_number_of_jobs_makes_the_same_synthetic_terrain(self):
         made = []
         for jobs in (1, 2, 5):
@@ -358,6 +359,7 @@ class Maps(FurrowTest):
                 self.assertLessEqual(max(posts_x, posts_y), 4096)
         self.assertEqual(list(self.folder.glob("*.part")), [])
 
+    @long
     def test_a_pixel_a_post_or_a_coarser_level(self):
         store = self.synth(posts="1025x9")
         for level, wanted in ((0, "1025 x 9 posts, 1 m"), (2, "257 x 3 posts, 4 m"), (-1, "2049 x 17 posts, 0.5 m"),

@@ -194,6 +194,7 @@ class Bases(FormatTest):
                   options=["-a_scale", "0.1", "-a_offset", "-200"])
         self.assertEqual(self.whole_base(self.import_("in.tif", "--tile", "16"), levels=(-1, 0, 1)).step, 0.1)
 
+    @long
     def test_steps_at_the_bound(self):
         """Twice the bound in 1024ths of a metre; what is exported is within the bound of what was imported."""
         height = lambda x, y: 1500 + 700 * math.sin(x / 11 + y / 7) + x * 0.0137
@@ -217,6 +218,7 @@ class Bases(FormatTest):
                 self.make("in.tif", 41, 37, value)
                 self.whole_base(self.import_("in.tif", "--tile", "16", "--max-error", "0"), levels=(-2, -1, 0))
 
+    @long
     def test_tiles_of_synthetic_terrain(self):
         for kind in ("ridged", "dunes", "plain"):
             with self.subTest(kind=kind):
@@ -340,6 +342,7 @@ class Deformed(FormatTest):
         self.assertEqual(after.meta["parent_revision"], self.json("info", "b.furrow")["last_run"]["epochs"])
         self.whole_deformation(self.folder / "c.furrow", levels=(-2, 0))
 
+    @long
     def test_a_working_level_above_the_source_s_that_ends_before_the_terrain(self):
         text = SCENE
         for old, new in (("spacing: 0.25", "spacing: 2.5\noutside: skip"), ("radius: 0.8, width: 0.6", "radius: 9, width: 8"),

@@ -88,6 +88,7 @@ class Mixed(MixedTest):
                         self.assertTrue(any((x + dx, y + dy) in layer for layer in layers for dx in (-1, 0, 1) for dy in (-1, 0, 1)))
                 self.assertTrue(all(count > 100 for count in counts), counts)
 
+    @long
     def test_kernels_are_gdals(self):
         noise = random.Random(8)
         cells = [noise.uniform(0, 100) for _ in range(120 * 100)]
@@ -177,6 +178,7 @@ class Mixed(MixedTest):
             self.assertLessEqual(made["off_source"]["greatest"], bound)
             self.assertEqual(made["off_source"]["greatest"] > 0, bound > 0)
 
+    @long
     def test_a_source_under_another_is_not_counted(self):
         """The hidden part of the second source is 7 m off; its own posts show only where it is on top."""
         self.hills_in("top.tif", 40, 40, 500000.0, 5e6, 10.0)

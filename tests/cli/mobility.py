@@ -111,6 +111,7 @@ class Mobility(FurrowTest):
         self.assertIn("posts are 30 m apart, and vehicle is 2.2 m long, so all would be unknown; give a terrain with posts of at most 2.2 m", self.refused(
             3, "mobility", self.ramp("coarse", 0.1, spacing=30), "--vehicle", "car.xml", "--soil", "dry_sand", "--spacing", "0.002", "-o", "out.png"))
 
+    @long
     @unittest.skipUnless(has_gdal(), "needs GDAL's programs")
     def test_a_window_is_that_part_of_the_whole(self):
         store = self.ramp("ramp", 0.15)
@@ -126,6 +127,7 @@ class Mobility(FurrowTest):
         self.assertTrue(all(value == value for value in part[5][part[3] + 1:part[3] * 2 - 1]))
         self.assertIn("no post lies in --window", self.refused(3, "mobility", store, "--vehicle", "car.xml", "--soil", "lunar", "-o", "x.png", "--window", "90,90,95,95"))
 
+    @long
     def test_a_spread_of_soils_gives_probabilities(self):
         store = self.ramp("steep", 0.2)
         options = ["--spread", "0.3,0.2,0.1", "--samples", "3", "--seed", "7", "--spacing", "0.125"]

@@ -133,6 +133,7 @@ class Places(RasterTest):
         for point, height, value in zip(points, found, wanted):
             self.assertLess(abs(height - float(value)), 0.08, point)
 
+    @long
     def test_projected_point_and_area_rasters_are_not_shifted(self):
         for meaning in ("Area", "Point"):
             with self.subTest(meaning=meaning):
@@ -201,6 +202,7 @@ class ErrorBound(RasterTest):
                     else:
                         self.assertLessEqual(abs(stored - source), 0.001 if bound is None else bound)
 
+    @long
     def test_the_bound_holds_for_sources_of_64_bits(self):
         noise = random.Random(11)
         cells = [random_height(noise) for _ in range(400)]

@@ -128,6 +128,7 @@ class Vertical(RasterTest):
         told = self.json("import", "geoid.tif", "back.tif", "-o", "s.furrow", "--overwrite", "--spacing", 90, "--max-error", 0.001)
         self.assertLess(told["overlap"]["greatest"], 0.7)  # between posts
 
+    @long
     def test_an_exported_raster_says_above_what_its_heights_are(self):
         for turn, (srs, west, step) in enumerate((("EPSG:32645", 500000, 90), ("EPSG:4326", 86.6, 0.001))):
             self.ground("a.tif", west, 3100000 if step > 1 else 28.2, step, srs)
@@ -150,6 +151,7 @@ class Vertical(RasterTest):
                     self.assertNotIn("VERTICAL_REFERENCE", found["metadata"][""])
                     self.assertEqual((found["bands"][0]["unit"], found["bands"][0]["description"]), ("m", "offset"))
 
+    @long
     def test_what_contradicts_the_file_or_is_not_said_by_all_is_told(self):
         self.make("wide.tif", 40, 30, lambda x, y: 100, srs="EPSG:32633+5773", step=30)
         for name, west, step, options in (("beside.tif", 501200, 30, ()), ("fine.tif", 500300, 5, ()), ("other.tif", 500300, 5, ("-a_srs", "EPSG:32633+3855"))):
