@@ -1,6 +1,7 @@
 /* What a mark leaves in the file, and what a damaged or killed one does. */
 #include <signal.h>
 #include <sys/wait.h>
+#include <time.h>
 
 #include "marked.h"
 
@@ -34,6 +35,15 @@ static void a_store_that_was_never_deformed_is_that_again(void **state)
 	free(bytes_of(model.path, &after));
 	free(bytes_of(in_folder("other.furrow"), &before));
 	assert_int_equal(after, before);
+}
+
+/* Each commit keeps the second in which it was made. Here no second passes, so that two stores can be the same to the byte. */
+time_t time(time_t *out)
+{
+	const time_t now = 1000000000;
+	if (out != NULL)
+		*out = now;
+	return now;
 }
 
 /* Law 7: marks that nothing is rolled back to leave the very bytes that none would. */
