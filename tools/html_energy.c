@@ -131,7 +131,7 @@ void html_energy_objects(const struct html_report *report)
 	table_row(report, list, count, "tractive efficiency, share of 1", efficiency);
 	html_table_end(report);
 	fputs("<p class=\"small\">Work of the torque = energy into the soil + work of the drawbar pull + work that lifts the weight. The table has the whole drive, with its run-up; the results have the last quarter. "
-	      " The pull's work is below 0 where the object is pushed or towed. The part by slip is slip times the work of the torque. Tractive efficiency is the work of pull and lifting over that of the torque.</p>\n",
+	      "The pull's work is below 0 where the object is pushed or towed. The part by slip is slip times the work of the torque. Tractive efficiency is the work of pull and lifting over that of the torque.</p>\n",
 	      report->file);
 }
 

@@ -62,7 +62,7 @@ enum status api_one_step(struct drive *drive)
 	return drive->vehicles != NULL ? vehicle_step(drive->vehicles) : world_step(&drive->world);
 }
 
-#define DRAWING_TOLD 0.1 /* part of the time */
+#define DRAWING_TOLD 0.1 /* share of the drive's time: if pictures take more, it is told */
 
 /* Pictures often take more time than steps: tells how long one takes. `drawing`: seconds for `frames` of them. */
 static void tell_drawing(double drawing, double elapsed, uint64_t frames, char *text, size_t room)

@@ -129,8 +129,8 @@ FURROW_API furrow_status furrow_world_close(struct furrow_world *world);
  * Moves time on by `seconds`. Bodies with paths follow them; the others get to where furrow_set_states said.
  * 0: the scene's time_step; n such steps end at n x time_step exactly. A step with bodies of the host ends when the ground
  * under them is on the host.
- * FURROW_USAGE: `seconds` is negative, NaN or infinite; with vehicles also if it is no multiple of time_step. FURROW_FAILED: the step could not be completed; the world can then only
- * be rolled back or closed, and nothing of that step is committed.
+ * FURROW_USAGE: `seconds` is negative, NaN or infinite; with vehicles also if it is no multiple of time_step. FURROW_FAILED: the step
+ * could not be completed; the world can then only be rolled back or closed, and nothing of that step is committed.
  */
 FURROW_API furrow_status furrow_step(struct furrow_world *world, double seconds);
 

@@ -12,14 +12,15 @@ static enum status need_vehicle(const struct furrow_world *world, furrow_vehicle
 	return fail_with(STATUS_USAGE, "vehicle %d: there is none; use a handle that furrow_vehicle_find gave", (int)vehicle);
 }
 
-static enum status need_count(const struct furrow_world *world, furrow_vehicle vehicle, size_t count, const char *what)
+static enum status need_count(const struct furrow_world *world, furrow_vehicle vehicle, size_t count, enum furrow_part part)
 {
 	struct vehicle_info info;
 	vehicle_info(world->vehicles, (size_t)vehicle, &info);
-	const size_t has = strcmp(what, "joints") == 0 ? info.joint_count : info.actuator_count;
+	const bool joints = part == FURROW_JOINT;
+	const size_t has = joints ? info.joint_count : info.actuator_count;
 	if (count == has)
 		return STATUS_OK;
-	return fail_with(STATUS_USAGE, "count: it is %zu, and %s has %zu %s; give room for each", count, info.name, has, what);
+	return fail_with(STATUS_USAGE, "count: it is %zu, and %s has %zu %s; give room for each", count, info.name, has, joints ? "joints" : "actuators");
 }
 
 furrow_status furrow_vehicle_find(struct furrow_world *world, const char *name, furrow_vehicle *vehicle)
@@ -100,7 +101,7 @@ furrow_status furrow_get_joints(struct furrow_world *world, furrow_vehicle vehic
 	api_library_begin();
 	enum status status = need_vehicle(world, vehicle);
 	if (status == STATUS_OK)
-		status = need_count(world, vehicle, count, "joints");
+		status = need_count(world, vehicle, count, FURROW_JOINT);
 	if (status == STATUS_OK)
 		vehicle_joints(world->vehicles, (size_t)vehicle, values, rates);
 	return api_library_end(status);
@@ -111,7 +112,7 @@ furrow_status furrow_get_actuators(struct furrow_world *world, furrow_vehicle ve
 	api_library_begin();
 	enum status status = need_vehicle(world, vehicle);
 	if (status == STATUS_OK)
-		status = need_count(world, vehicle, count, "actuators");
+		status = need_count(world, vehicle, count, FURROW_ACTUATOR);
 	if (status == STATUS_OK)
 		vehicle_actuators(world->vehicles, (size_t)vehicle, controls, forces);
 	return api_library_end(status);
@@ -122,7 +123,7 @@ furrow_status furrow_set_controls(struct furrow_world *world, furrow_vehicle veh
 	api_library_begin();
 	enum status status = need_vehicle(world, vehicle);
 	if (status == STATUS_OK)
-		status = need_count(world, vehicle, count, "actuators");
+		status = need_count(world, vehicle, count, FURROW_ACTUATOR);
 	if (status == STATUS_OK && count > 0)
 		status = api_library_need(controls, "controls");
 	for (size_t i = 0; i < count && status == STATUS_OK; i++)

@@ -9,7 +9,7 @@
 
 #include "chart/internal.h"
 
-#define NEAR 0.01 /* m */
+#define NEAR 0.01 /* m: places that are no farther apart count as the same */
 
 /* Returns the length of the name without "-NUMBER"; 0: it does not end so. */
 static size_t stem(const char *name)

@@ -19,7 +19,7 @@ static enum status list_added(struct view *view)
 	if (view->added == NULL)
 		return fail_memory("the view");
 	for (size_t number = first; number < count; number++)
-		if (world->hosts.list[number] != NULL && !world->hosts.list[number]->quiet) /* those of vehicles are drawn as figures */
+		if (world->hosts.list[number] != NULL && !world->hosts.list[number]->quiet) /* a quiet body is a part of a vehicle, and world->figures has that */
 			view->added[view->added_count++] = (int32_t)number;
 	return STATUS_OK;
 }

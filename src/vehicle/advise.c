@@ -84,7 +84,7 @@ static void advise_damping(const struct scene *scene, scene_advice_fn tell, void
 	}
 }
 
-/* Of the wheel that the soil's rebound pushes most. */
+/* Tells of the wheel whose resistance the soil's rebound changes most. */
 static void advise_rebound(const struct vehicles *vehicles, const struct scene *scene, double spacing, scene_advice_fn tell, void *user)
 {
 	struct scene_rebound worst = {.less = 0};

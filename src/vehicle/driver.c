@@ -211,6 +211,6 @@ void vehicle_control(struct vehicle *vehicle, double time, bool drives)
 		return;
 	drive(vehicle, time);
 	for (int i = 0; i < vehicle->model->nu; i++)
-		if (!isnan(vehicle->told[i]))
-			vehicle->data->ctrl[i] = vehicle->told[i];
+		if (!isnan(vehicle->host_controls[i]))
+			vehicle->data->ctrl[i] = vehicle->host_controls[i];
 }

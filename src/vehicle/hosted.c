@@ -40,7 +40,7 @@ void vehicle_actuators(const struct vehicles *vehicles, size_t index, double *co
 void vehicle_set_controls(struct vehicles *vehicles, size_t index, const double *controls)
 {
 	struct vehicle *vehicle = &vehicles->list[index];
-	mju_copy(vehicle->told, controls, vehicle->model->nu);
+	mju_copy(vehicle->host_controls, controls, vehicle->model->nu);
 }
 
 static const struct soil_geom *geom_of(const struct vehicles *vehicles, int32_t number, const struct vehicle **of)

@@ -80,7 +80,7 @@ struct vehicle {
 	char told_sunk[500];        /* the note that the soil does not carry it, as it was printed; empty: it was not printed */
 	double *room;               /* numbers for coupling.c */
 	double *pushed;             /* nv: forces of other vehicles in this time step */
-	double *told;               /* nu: controls that a host has set; NaN: the driver sets it */
+	double *host_controls;      /* nu: what a host has set; NaN: the driver sets it */
 };
 
 /* A geom that pictures show. */
@@ -109,7 +109,7 @@ struct vehicles {
 	const struct vehicle_rows *rows;
 	struct between *between;    /* between.h; NULL: one vehicle only */
 	double stuck_at;
-	double told;                /* s, by the clock: when it was last told how far settling is; 0: not begun */
+	double settling_told;       /* s, by the clock: when it was last told how far settling is; 0: not begun */
 };
 
 /* --- geoms.c --- */

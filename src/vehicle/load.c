@@ -160,11 +160,11 @@ enum status vehicle_read(struct vehicle *vehicle, const struct scene *scene)
 		return status;
 	vehicle->room = mem_calloc(vehicle_coupling_room(vehicle), sizeof *vehicle->room);
 	vehicle->pushed = mem_calloc((size_t)vehicle->model->nv + 1, sizeof *vehicle->pushed);
-	vehicle->told = mem_alloc((size_t)vehicle->model->nu + 1, sizeof *vehicle->told);
-	if (vehicle->room == NULL || vehicle->pushed == NULL || vehicle->told == NULL)
+	vehicle->host_controls = mem_alloc((size_t)vehicle->model->nu + 1, sizeof *vehicle->host_controls);
+	if (vehicle->room == NULL || vehicle->pushed == NULL || vehicle->host_controls == NULL)
 		return fail_memory("a vehicle");
 	for (int i = 0; i < vehicle->model->nu; i++)
-		vehicle->told[i] = (double)NAN;
+		vehicle->host_controls[i] = (double)NAN;
 	status = vehicle_check_step(vehicle, scene, where);
 	return status == STATUS_OK ? vehicle_make_driver(vehicle, where) : status;
 }
@@ -181,5 +181,5 @@ void vehicle_forget(struct vehicle *vehicle)
 	mem_free(vehicle->row_joints);
 	mem_free(vehicle->room);
 	mem_free(vehicle->pushed);
-	mem_free(vehicle->told);
+	mem_free(vehicle->host_controls);
 }

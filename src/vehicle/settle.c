@@ -238,11 +238,11 @@ static void tell_settling(struct vehicles *vehicles, double still)
 {
 	const double now = clock_seconds();
 	double fastest = 0;
-	if (vehicles->told == 0)
-		vehicles->told = now;
-	if (now - vehicles->told < TOLD_SECONDS)
+	if (vehicles->settling_told == 0)
+		vehicles->settling_told = now;
+	if (now - vehicles->settling_told < TOLD_SECONDS)
 		return;
-	vehicles->told = now;
+	vehicles->settling_told = now;
 	for (size_t v = 0; v < vehicles->count; v++)
 		fastest = fmax(fastest, speed_of(&vehicles->list[v]));
 	note("vehicles: settling before the first step, %.3g s simulated of at most %g: still at %.2g mm/s, at rest below %g", vehicles->list[0].settle_seconds,

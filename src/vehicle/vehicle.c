@@ -131,8 +131,6 @@ static void fill_row(const struct vehicle *vehicle, struct vehicle_row *row)
 	row->roll = atan2(mat[7], mat[8]) * 180 / M_PI;
 	row->kinetic = vehicle_kinetic(vehicle);
 	row->work = vehicle->work;
-	for (size_t i = 0; i < vehicle->joint_count; i++)
-		vehicle->row_joints[i] = data->qpos[model->jnt_qposadr[vehicle->joints[i]]];
 	row->joints = vehicle->row_joints;
 	row->controls = data->ctrl;
 	row->forces = data->actuator_force;
@@ -148,6 +146,7 @@ static enum status tell_rows(struct vehicles *vehicles)
 	vehicles->row = floor(time * rate * (1 + 1e-12)) + 1;
 	for (size_t v = 0; v < vehicles->count && status == STATUS_OK; v++) {
 		struct vehicle_row row = {.time = time, .vehicle = v};
+		vehicle_joints(vehicles, v, vehicles->list[v].row_joints, NULL);
 		fill_row(&vehicles->list[v], &row);
 		status = vehicles->rows->row(vehicles->rows->user, &row);
 	}
