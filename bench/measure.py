@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Measures again the figures of README.md and of the pages about the soil, by the benches that they name.
 
-Some half an hour on two quiet cores, less with `--big`. With `--long` also those of benches that take longer: two hours more.
+Some half an hour on two quiet cores, less with `--big`. With `--long` also those of benches that take longer: some hours more.
 
     python3 bench/measure.py -o bench/figures --dem FOLDER --rig FOLDER     # then: python3 bench/marks.py writes them into the pages
     python3 bench/measure.py -o bench/figures --only soil_forms --only tested --only validation --only rig --only climb   # no times: a busy machine will do
@@ -20,7 +20,8 @@ import looks
 import tested
 from record import FIGURES, ROOT
 
-LONG = ("deform", "frame", "ranks", "track", "measured_wheel", "converge", "ablation", "paging")
+LONG = ("deform", "frame", "fleet_scm", "ranks", "scale", "track", "vehicles_rest", "measured_wheel", "converge", "ablation", "accuracy", "store_full",
+        "paging")
 SLIP_SINKAGE = 1.27  # as bench/measured_wheel.py fits it; a fit takes minutes
 BUSY = 0.5  # a load above which other programs take a core's time that is worth telling
 
@@ -36,11 +37,17 @@ class Step:
 def steps(options):
     furrow, programs = options.build / "tools" / "furrow", options.build / "bench"
     python, bench = sys.executable, ROOT / "bench"
+    dem = options.dem or pathlib.Path()
+    srtm = [dem / "N41E001.hgt", dem / "N42E001.hgt"]
     big = ["--big", options.big] if options.big else []
     return [
         Step("store", ["bench/bench_store"], [python, bench / "store.py", furrow, options.build / "bench/bench_store", "--quick", "--runs", 3,
                                               "--dem", options.dem], ["dem"]),
-        Step("vehicles", [], [python, bench / "vehicles.py", furrow, "--only", "speed"]),
+        Step("store_write", ["bench/bench_store"], [programs / "bench_store", "--runs", 3, "write"]),
+        Step("tiles", [], [python, bench / "tiles.py", furrow, srtm[0]], ["dem"]),
+        Step("mosaic", [], [python, bench / "mosaic.py", furrow, *srtm], ["dem"]),
+        Step("vehicles", [], [python, bench / "vehicles.py", furrow, "--only", "speed", "--only", "touch"]),
+        Step("vehicles_rest", [], [python, bench / "vehicles.py", furrow, "--only", "rest", "--only", "rough", "--dem", srtm[0]], ["dem"]),
         Step("converge_fixed", [], [python, bench / "converge.py", furrow, "--only", "fixed", "--quick"]),
         Step("measured_smooth", [], [python, bench / "measured_wheel.py", furrow, "--quick", "--slip-sinkage", SLIP_SINKAGE, "--rig", options.rig], ["rig"]),
         Step("published_wheel", [], [python, bench / "published_wheel.py", furrow]),
@@ -50,7 +57,7 @@ def steps(options):
         Step("tested", tested.TARGETS, [python, bench / "tested.py", options.build]),
         Step("validation", ["bench/bench_validation"], [python, bench / "validation.py", programs / "bench_validation", "--quick"]),
         Step("rig", [], [python, bench / "rig.py", furrow, "--rig", options.rig], ["rig"]),
-        Step("mobility", [], [python, bench / "mobility.py", furrow, "--dem", (options.dem or pathlib.Path()) / "gabilan_dtm1m.bil"], ["dem"]),
+        Step("mobility", [], [python, bench / "mobility.py", furrow, "--dem", dem / "gabilan_dtm1m.bil"], ["dem"]),
         Step("climb", [], [python, bench / "climb.py", furrow]),
         Step("probe", ["bench/bench_probe"], [programs / "bench_probe"]),
         Step("transfer", ["bench/bench_transfer"], [programs / "bench_transfer"]),
@@ -59,12 +66,17 @@ def steps(options):
         Step("looks_tile", [], [python, bench / "looks.py", furrow, "--only", "tile", "--runs", 5]),
         Step("deform", ["bench/bench_deform"], [programs / "bench_deform"]),
         Step("frame", ["bench/bench_frame"], [programs / "bench_frame"]),
+        Step("fleet_quiet", [], [python, bench / "fleet.py", furrow, "--wheels", "200,1000,4096"]),
+        Step("fleet_scm", [], [python, bench / "fleet.py", furrow, "--wheels", "200,1000", "--model", "scm", "--steps", 40]),
+        Step("store_full", ["bench/bench_store"], [python, bench / "store.py", furrow, programs / "bench_store", "--dem", dem, "--mosaic", *srtm,
+                                                   "--runs", 3], ["dem"]),
         Step("ranks", [], [python, bench / "ranks.py", furrow, "--wheels", "100,400", "--runs", 3, "--steps", 240]),
         Step("scale", [], [python, bench / "scale.py", furrow]),
         Step("track", [], [python, bench / "track.py", furrow]),
         Step("measured_wheel", [], [python, bench / "measured_wheel.py", furrow, "--rig", options.rig], ["rig"]),
         Step("converge", [], [python, bench / "converge.py", furrow]),
         Step("ablation", [], [python, bench / "ablation.py", "--build", options.build, "-o", options.build / "bench-out"]),
+        Step("accuracy", ["bench/bench_accuracy"], [python, bench / "accuracy.py", "--build", options.build, "-o", options.build / "bench-out"]),
         Step("paging", [], [python, bench / "paging.py", furrow, *big]),
     ]
 

@@ -2,7 +2,7 @@
  * What a store costs on one thread: coding, decoding, reading and writing back tiles, beside GDAL
  * and LMDB on the same posts. JSON lines; store.py runs it over data and prints the table.
  *
- *   bench_store read STORE [COG...]   bench_store write   bench_store rollback
+ *   bench_store read STORE [COG...]   bench_store write [--figures FILE]   bench_store rollback   bench_store chain
  *   bench_store error EXACT OTHER     bench_store blocks RASTER
  */
 #include <stdio.h>
@@ -11,6 +11,7 @@
 #include <time.h>
 
 #include "bench.h"
+#include "record.h"
 #include "store_bench.h"
 
 void bench_dunes(const char *path, uint32_t blocks)
@@ -79,13 +80,14 @@ struct tile *bench_tiles(const struct extent *extent, size_t most, size_t *count
 
 static int usage(void)
 {
-	fputs("usage: bench_store [--runs N] read STORE [COG...] | write | rollback | chain | error EXACT OTHER | blocks RASTER\n", stderr);
+	fputs("usage: bench_store [--runs N] read STORE [COG...] | write [--figures FILE] | rollback | chain | error EXACT OTHER | blocks RASTER\n", stderr);
 	return 2;
 }
 
 int main(int argc, char **argv)
 {
 	int runs = 5;
+	bench_record_begin("store_write", &argc, argv);
 	argv++;
 	argc--;
 	if (argc >= 2 && strcmp(argv[0], "--runs") == 0) {
@@ -97,8 +99,11 @@ int main(int argc, char **argv)
 		return usage();
 	if (strcmp(argv[0], "read") == 0 && argc >= 2)
 		return bench_read(argv[1], argv + 2, argc - 2, runs);
-	if (strcmp(argv[0], "write") == 0 && argc == 1)
-		return bench_write(runs);
+	if (strcmp(argv[0], "write") == 0 && argc == 1) {
+		bench_write(runs);
+		bench_record_end(NULL);
+		return 0;
+	}
 	if (strcmp(argv[0], "rollback") == 0 && argc == 1)
 		return bench_rollback();
 	if (strcmp(argv[0], "chain") == 0 && argc == 1)

@@ -31,8 +31,8 @@ void bench_dunes(const char *path, uint32_t blocks);
 
 /* bench_store read STORE [COG...] */
 int bench_read(const char *path, char **cogs, int cog_count, int runs);
-/* bench_store write */
-int bench_write(int runs);
+/* bench_store write; leaves figures (record.h) */
+void bench_write(int runs);
 /* bench_store rollback */
 int bench_rollback(void);
 /* bench_store chain */

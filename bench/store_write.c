@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "bench.h"
+#include "record.h"
 #include "store/store.h"
 #include "store_bench.h"
 
@@ -129,12 +130,24 @@ static void check_history(struct store *store, int64_t wanted)
 		bench_must(fail_with(STATUS_FAILED, "bench: a history lacks revisions; this is a bug"));
 }
 
-static void print(const char *subject, bool sync, size_t batch, double *rates, int runs)
+/* The figures of one durability and batch. `base`: those without history, run by run, or NULL: these are they. */
+static void print(const char *subject, bool sync, size_t batch, double *rates, const double *base, int runs)
 {
+	char key[64];
+	double times[BENCH_RUNS_MAX];
+	const char *durability = sync ? "full" : "normal", *name = *subject ? subject : "furrow";
+	for (int i = 0; base != NULL && i < runs; i++)
+		times[i] = base[i] / rates[i];
+	if (base != NULL) {
+		snprintf(key, sizeof key, "%s.%zu.%s.times_longer", durability, batch, name);
+		bench_record_add(key, "times", times, (size_t)runs);
+	}
+	snprintf(key, sizeof key, "%s.%zu.%s.pages_s", durability, batch, name);
+	bench_record_add(key, "", rates, (size_t)runs);
 	double rate = bench_median(rates, (size_t)runs);
 	printf("{\"bench\": \"store\", \"row\": \"write-back\", \"subject\": \"%s\", \"durability\": \"%s\", "
 	       "\"batch\": %zu, \"pages_s\": %.1f, \"commits_s\": %.1f}\n",
-	       subject, sync ? "full" : "normal", batch, rate, rate / (double)batch);
+	       subject, durability, batch, rate, rate / (double)batch);
 	fflush(stdout);
 }
 
@@ -172,15 +185,15 @@ static void measure(struct pages *pages, bool sync, size_t batch, int runs)
 		check(&targets[i], pages);
 	check_history(targets[1].store, (runs + 1) * (int64_t)(PAGES / batch) + 1);
 	check_history(targets[2].store, 2);
-	for (size_t i = 0; i < count; i++)
-		print(subjects[i], sync, batch, rates[i], runs);
+	for (size_t i = count; i-- > 0;) /* the store last: the median sorts its runs, and others are taken beside them */
+		print(subjects[i], sync, batch, rates[i], i == 0 ? NULL : rates[0], runs);
 	for (size_t i = STORES; i < count; i++)
 		bench_gdal_close(targets[i].gdal);
 	for (size_t i = 0; i < STORES; i++)
 		store_close(targets[i].store);
 }
 
-int bench_write(int runs)
+void bench_write(int runs)
 {
 	static const size_t batches[] = {1, 32, 256};
 	static struct pages pages;
@@ -191,5 +204,4 @@ int bench_write(int runs)
 		for (size_t i = 0; i < sizeof batches / sizeof *batches; i++)
 			measure(&pages, sync, batches[i], runs);
 	mem_free(pages.posts);
-	return 0;
 }

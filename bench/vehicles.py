@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
-"""What must hold for vehicles over a long time, and on rough ground. Prints a table; takes half an hour.
+"""What must hold for vehicles over a long time, on rough ground and against each other. Prints a table; takes half an hour.
 
-    bench/vehicles.py FURROW [--only rest|rough|speed] [--dem N41E001.hgt] [--minutes 10]
+    bench/vehicles.py FURROW [--only rest|rough|speed|touch]... [--dem N41E001.hgt] [--minutes 10]
 
 rest: vehicles are set down and left alone. Told: how far they drift in the last minute, and their kinetic energy at its end.
 rough: the off-road vehicle drives at the longest time step over real ground whose posts lie 4 cm apart. Told: its energy, and
 for how many rows each wheel is in the air.
 speed: the same vehicle drives straight over level sand at 3 m/s. Told: the wall time of a metre, and simulated time over wall time.
+touch: two such vehicles, driven at 1 and 0.5 m/s. The faster one pushes the other, or drives 10 m beside it. Told: the wall time of a step.
 """
 import argparse
 import csv
@@ -18,8 +19,10 @@ import subprocess
 import sys
 import tempfile
 
+import pages
 import record
 
+PARTS = ("speed", "touch", "rest", "rough")
 MODELS = pathlib.Path(__file__).parents[1] / "tools" / "scenes" / "vehicles"
 ONE = pathlib.Path(__file__).parents[1] / "tests" / "vehicle" / "one_wheel.xml"
 SCENE = """scene: 1
@@ -75,7 +78,7 @@ def drive(furrow, folder, scene, store):
     return rows, json.loads((folder / "out" / "run.json").read_text())["vehicles"]["v"]
 
 
-def rest(furrow, folder, minutes):
+def rest(furrow, folder, kept, minutes):
     print("| vehicle | soil | slope | settled after, s | slid in all, mm | drift in the last minute, um/s | kinetic, J |")
     print("| --- | --- | --- | --- | --- | --- | --- |")
     for name, model, soil, gravity in (("one wheel", ONE, "dry_sand", 9.81), ("four wheels", MODELS / "offroad.xml", "dry_sand", 9.81),
@@ -89,11 +92,13 @@ def rest(furrow, folder, minutes):
             first, last, before = rows[0], rows[-1], rows[-61]
             slid = math.dist([first[k] for k in "xyz"], [last[k] for k in "xyz"])
             drift = math.dist([before[k] for k in "xyz"], [last[k] for k in "xyz"]) / 60
-            print("| %s | %s | %g | %.2f | %.3f | %.3g | %.2g |" % (name, soil, degrees, info["settled_after"], 1e3 * slid, 1e6 * drift,
-                                                                 last["kinetic"]), flush=True)
+            row = {"settled": (info["settled_after"], "s"), "slid": (1e3 * slid, "mm"), "drift": (1e6 * drift, "um/s"), "kinetic": (last["kinetic"], "J")}
+            for key, (value, unit) in row.items():
+                kept.add(f"{name.split()[0]}_{degrees}.{key}", value, unit)
+            print("| %s | %s | %g | %.2f | %.3f | %.3g | %.2g |" % (name, soil, degrees, *(value for value, _ in row.values())), flush=True)
 
 
-def rough(furrow, folder, dem):
+def rough(furrow, folder, kept, dem):
     store = folder / "rough.furrow"
     run(furrow, "import", dem, "-o", store)
     (folder / "model.xml").write_text((MODELS / "offroad.xml").read_text().replace('timestep="0.002"', 'timestep="0.01"'))
@@ -110,9 +115,12 @@ def rough(furrow, folder, dem):
     with open(folder / "out" / "objects.csv", encoding="ascii") as file:
         for row in csv.DictReader(file):
             air[row["name"]] = air.get(row["name"], 0) + (row["state"] == "air" and float(row["t"]) > 1)
+    lowest, highest = min(row["z"] for row in rows), max(row["z"] for row in rows)
+    for key, value, unit in (("way", info["distance"], "m"), ("relief", highest - lowest, "m"), ("motors", rows[-1]["work"], "J"), ("above", above, "J"),
+                             ("air", sum(air.values()), "")):
+        kept.add(f"rough.{key}", value, unit)
     print("%d rows over %.1f m, from %.2f to %.2f m; greatest speed %.2f m/s; motors %.0f J" %
-          (len(rows), info["distance"], min(r["z"] for r in rows), max(r["z"] for r in rows), max(math.hypot(r["vx"], r["vy"], r["vz"]) for r in rows),
-           rows[-1]["work"]))
+          (len(rows), info["distance"], lowest, highest, max(math.hypot(r["vx"], r["vy"], r["vz"]) for r in rows), rows[-1]["work"]))
     print("energy less the motors' work: at most %.1f J above the start (%.2g of the motors'), and +%.2f J in a step" %
           (above, above / max(rows[-1]["work"], 1), gained))
     print("rows in the air after the first second: %s" % ", ".join("%s %d" % item for item in sorted(air.items())))
@@ -138,25 +146,49 @@ def speed(furrow, folder, kept, runs):
         print("| %.1f | %.1f | %.0f |" % (spacing * 100, sorted(times)[runs // 2], sorted(metres)[runs // 2]))
 
 
+def touch(furrow, folder, kept, runs):
+    """Both drives take turns. The hulls, 4.3 m long, meet in the first second if one vehicle starts behind the other."""
+    driver = "driver: {path: {points: [[%g, %g], [28, %g]], speed: %g}, steer: [steer_*], drive: [drive_*]}"
+    first = "    " + driver % (8, 16, 16, 1) + "\n"
+    found = {"apart": [], "pushing": []}
+    for _ in range(runs):
+        for name, of in found.items():
+            x, y = (12.6, 16) if name == "pushing" else (12.6, 26)
+            other = "  - {name: other, model: %s, start: {at: [%g, %g]}, soil: [wheel*], %s}\n" % (MODELS / "offroad.xml", x, y, driver % (x, y, y, 0.5))
+            scene = SCENE.format(step=0.002, end=6, gravity=9.81, spacing=0.0625, soil="sandy_loam_15", model=MODELS / "offroad.xml", x=8, y=16, yaw=0,
+                                 driver=first + other, rows=10)
+            drive(furrow, folder, scene, plane(furrow, folder, 0))
+            run = json.loads((folder / "out" / "run.json").read_text())
+            ways = [run["vehicles"][vehicle]["distance"] for vehicle in ("v", "other")]
+            if (ways[0] - ways[1] < 1) != (name == "pushing"):
+                raise pages.Told(f"touch: {name}: the vehicles moved {ways[0]:.2f} and {ways[1]:.2f} m; mend the bench")
+            kept.seen(run)
+            of.append(run["step_ms"]["p50"])
+    for name, of in found.items():
+        kept.add(f"touch.{name}", of, "ms")
+        print("two vehicles %s: %.3f ms a step" % (name, sorted(of)[runs // 2]))
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("furrow", type=pathlib.Path)
-    parser.add_argument("--only", choices=("rest", "rough", "speed"))
+    parser.add_argument("--only", action="append", choices=PARTS, help="one part; may be given again")
     parser.add_argument("--dem", type=pathlib.Path, help="real ground for rough: N41E001.hgt")
     parser.add_argument("--minutes", type=float, default=10)
-    parser.add_argument("--runs", type=int, default=3, help="of each drive for speed, in turn")
+    parser.add_argument("--runs", type=int, default=3, help="of each drive for speed and touch, in turn")
     record.add_option(parser)
     arguments = parser.parse_args()
     kept = record.Record("vehicles", arguments.furrow)
+    chosen = arguments.only or [part for part in PARTS if part != "rough" or arguments.dem is not None]
+    if "rough" in chosen and arguments.dem is None:
+        raise pages.Told("--only rough: needs --dem, real ground to drive on")
     with tempfile.TemporaryDirectory() as folder:
-        if arguments.only in (None, "speed"):
-            speed(arguments.furrow.resolve(), pathlib.Path(folder), kept, arguments.runs)
-        kept.write(arguments.figures)
-        if arguments.only in (None, "rest"):
-            rest(arguments.furrow.resolve(), pathlib.Path(folder), arguments.minutes)
-        if arguments.only in (None, "rough") and arguments.dem is not None:
-            rough(arguments.furrow.resolve(), pathlib.Path(folder), arguments.dem)
+        parts = {"speed": (speed, arguments.runs), "touch": (touch, arguments.runs), "rest": (rest, arguments.minutes), "rough": (rough, arguments.dem)}
+        for part in chosen:
+            of, option = parts[part]
+            of(arguments.furrow.resolve(), pathlib.Path(folder), kept, option)
+    kept.write(arguments.figures)
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(pages.main(main))
