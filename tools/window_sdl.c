@@ -2,10 +2,11 @@
  * A window of SDL2. The CPU fills it: SDL makes no renderer and no GL context. The one GL context is the drive's, on the
  * same thread, and SDL must not make another one current.
  */
-#include <SDL.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "window.h"
+#include "window_sdl_calls.h"
 
 #define LEAST_WIDTH 64
 #define LEAST_HEIGHT 36
@@ -18,41 +19,43 @@ struct window {
 static enum status sdl_failed(const char *what)
 {
 	return fail_with(STATUS_FAILED, "window: %s: %s; give a display (DISPLAY or WAYLAND_DISPLAY), or furrow drive the scene and look "
-					"at its pictures", what, SDL_GetError());
+					"at its pictures", what, sdl.GetError());
 }
 
 /* Drivers that SDL takes where there is no display: nobody would see the window. One that was asked for by name is right. */
 static bool is_unseen(const char *driver)
 {
-	return driver != NULL && SDL_getenv("SDL_VIDEODRIVER") == NULL &&
+	return driver != NULL && getenv("SDL_VIDEODRIVER") == NULL &&
 	       (strcmp(driver, "offscreen") == 0 || strcmp(driver, "dummy") == 0);
 }
 
 enum status window_open(const char *title, int width, int height, struct window **out)
 {
+	enum status status = sdl_load();
+	if (status != STATUS_OK)
+		return status;
 	struct window *window = mem_calloc(1, sizeof *window);
 	if (window == NULL)
 		return fail_memory("a window");
-	SDL_SetMainReady();
-	SDL_SetHint(SDL_HINT_NO_SIGNAL_HANDLERS, "1"); /* Ctrl-C is the command's own */
+	sdl.SetMainReady();
+	sdl.SetHint(SDL_HINT_NO_SIGNAL_HANDLERS, "1"); /* Ctrl-C is the command's own */
 	/* The environment may ask for a renderer, even one that does not exist. The window needs none. */
-	SDL_SetHintWithPriority(SDL_HINT_FRAMEBUFFER_ACCELERATION, "0", SDL_HINT_OVERRIDE);
-	SDL_SetHint(SDL_HINT_VIDEO_ALLOW_SCREENSAVER, "1");
-	enum status status = STATUS_OK;
-	if (SDL_InitSubSystem(SDL_INIT_VIDEO) != 0)
+	sdl.SetHintWithPriority(SDL_HINT_FRAMEBUFFER_ACCELERATION, "0", SDL_HINT_OVERRIDE);
+	sdl.SetHint(SDL_HINT_VIDEO_ALLOW_SCREENSAVER, "1");
+	if (sdl.InitSubSystem(SDL_INIT_VIDEO) != 0)
 		status = sdl_failed("no display");
-	else if (is_unseen(SDL_GetCurrentVideoDriver()))
+	else if (is_unseen(sdl.GetCurrentVideoDriver()))
 		status = fail_with(STATUS_FAILED, "window: no display: none is named or there; give a display (DISPLAY or WAYLAND_DISPLAY), or "
 						  "furrow drive the scene and look at its pictures");
 	if (status == STATUS_OK) {
-		window->sdl = SDL_CreateWindow(title, SDL_WINDOWPOS_UNDEFINED, SDL_WINDOWPOS_UNDEFINED, width, height, SDL_WINDOW_RESIZABLE);
+		window->sdl = sdl.CreateWindow(title, SDL_WINDOWPOS_UNDEFINED, SDL_WINDOWPOS_UNDEFINED, width, height, SDL_WINDOW_RESIZABLE);
 		if (window->sdl == NULL)
 			status = sdl_failed("cannot be opened");
-		else if (SDL_GetWindowSurface(window->sdl) == NULL)
+		else if (sdl.GetWindowSurface(window->sdl) == NULL)
 			status = fail_with(STATUS_FAILED, "window: SDL's video driver %s cannot show what the CPU draws: %s; try "
-							  "SDL_VIDEODRIVER=x11", SDL_GetCurrentVideoDriver(), SDL_GetError());
+							  "SDL_VIDEODRIVER=x11", sdl.GetCurrentVideoDriver(), sdl.GetError());
 		else
-			SDL_SetWindowMinimumSize(window->sdl, LEAST_WIDTH, LEAST_HEIGHT);
+			sdl.SetWindowMinimumSize(window->sdl, LEAST_WIDTH, LEAST_HEIGHT);
 	}
 	if (status != STATUS_OK) {
 		window_close(window);
@@ -66,11 +69,11 @@ void window_close(struct window *window)
 {
 	if (window == NULL)
 		return;
-	SDL_FreeSurface(window->upright);
+	sdl.FreeSurface(window->upright);
 	if (window->sdl != NULL)
-		SDL_DestroyWindow(window->sdl);
-	SDL_QuitSubSystem(SDL_INIT_VIDEO);
-	SDL_Quit();
+		sdl.DestroyWindow(window->sdl);
+	sdl.QuitSubSystem(SDL_INIT_VIDEO);
+	sdl.Quit();
 	mem_free(window);
 }
 
@@ -118,7 +121,7 @@ static SDL_Keycode code_of(int key)
 bool window_next(struct window *window, struct window_event *event)
 {
 	SDL_Event from;
-	while (SDL_PollEvent(&from)) {
+	while (sdl.PollEvent(&from)) {
 		*event = (struct window_event){.key = 0};
 		if (from.type == SDL_QUIT) {
 			event->kind = WINDOW_CLOSE;
@@ -151,27 +154,27 @@ bool window_next(struct window *window, struct window_event *event)
 bool window_held(const struct window *window, int key)
 {
 	int count;
-	const Uint8 *down = SDL_GetKeyboardState(&count);
+	const Uint8 *down = sdl.GetKeyboardState(&count);
 	if (key == WINDOW_SHIFT)
-		return (SDL_GetModState() & KMOD_SHIFT) != 0;
-	SDL_Scancode code = SDL_GetScancodeFromKey(code_of(key));
+		return (sdl.GetModState() & KMOD_SHIFT) != 0;
+	SDL_Scancode code = sdl.GetScancodeFromKey(code_of(key));
 	return (int)code < count && down[code] != 0;
 }
 
 bool window_mouse(const struct window *window, int *x, int *y)
 {
-	SDL_GetMouseState(x, y);
-	return SDL_GetMouseFocus() == window->sdl;
+	sdl.GetMouseState(x, y);
+	return sdl.GetMouseFocus() == window->sdl;
 }
 
 void window_size(struct window *window, int *width, int *height)
 {
-	SDL_GetWindowSize(window->sdl, width, height);
+	sdl.GetWindowSize(window->sdl, width, height);
 }
 
 void window_title(struct window *window, const char *title)
 {
-	SDL_SetWindowTitle(window->sdl, title);
+	sdl.SetWindowTitle(window->sdl, title);
 }
 
 /* Copies the picture into window->upright, highest row first. */
@@ -179,11 +182,11 @@ static bool turn_upright(struct window *window, const uint8_t *pixels, int width
 {
 	SDL_Surface *to = window->upright;
 	if (to == NULL || to->w != width || to->h != height) {
-		SDL_FreeSurface(to);
-		window->upright = to = SDL_CreateRGBSurfaceWithFormat(0, width, height, 32, SDL_PIXELFORMAT_RGBA32);
+		sdl.FreeSurface(to);
+		window->upright = to = sdl.CreateRGBSurfaceWithFormat(0, width, height, 32, SDL_PIXELFORMAT_RGBA32);
 		if (to == NULL)
 			return false;
-		SDL_SetSurfaceBlendMode(to, SDL_BLENDMODE_NONE);
+		sdl.SetSurfaceBlendMode(to, SDL_BLENDMODE_NONE);
 	}
 	size_t row = (size_t)4 * (size_t)width;
 	for (int y = 0; y < height; y++)
@@ -193,16 +196,16 @@ static bool turn_upright(struct window *window, const uint8_t *pixels, int width
 
 enum status window_show(struct window *window, const uint8_t *pixels, int width, int height)
 {
-	SDL_Surface *to = SDL_GetWindowSurface(window->sdl);
+	SDL_Surface *to = sdl.GetWindowSurface(window->sdl);
 	if (to == NULL) {
-		SDL_ClearError();
+		sdl.ClearError();
 		return STATUS_OK; /* between two sizes, or minimised: the next picture may be seen */
 	}
 	if (!turn_upright(window, pixels, width, height))
 		return sdl_failed("a picture cannot be shown");
 	bool same = to->w == width && to->h == height;
-	int failed = same ? SDL_BlitSurface(window->upright, NULL, to, NULL) : SDL_BlitScaled(window->upright, NULL, to, NULL);
-	if (failed != 0 || SDL_UpdateWindowSurface(window->sdl) != 0)
+	int failed = same ? sdl.UpperBlit(window->upright, NULL, to, NULL) : sdl.UpperBlitScaled(window->upright, NULL, to, NULL);
+	if (failed != 0 || sdl.UpdateWindowSurface(window->sdl) != 0)
 		return sdl_failed("a picture cannot be shown");
 	return STATUS_OK;
 }

@@ -163,6 +163,15 @@ class View(WindowTest):
         self.assertEqual(result.returncode, 1, result.stderr)
         self.assertIn("furrow: window: no display: ", result.stderr)
 
+    def test_only_the_window_needs_sdl(self):
+        """A file that is no library stands before SDL's."""
+        (self.folder / "broken").mkdir()
+        (self.folder / "broken" / "libSDL2-2.0.so.0").write_bytes(b"no library")
+        env = {"LD_LIBRARY_PATH": str(self.folder / "broken")}
+        self.assertEqual(self.json("explain", "scene.yaml", "--store", "world.furrow", env=env)["store"], "world.furrow")
+        error = self.refused(1, "view", "scene.yaml", "--store", "world.furrow", env=env)
+        self.assertRegex(error, "^furrow: window: SDL cannot be loaded: .*libSDL2.*; install it")
+
     def test_a_display_that_is_lost_leaves_nothing_behind(self):
         shared, self.display = self.display, Display()
         try:
