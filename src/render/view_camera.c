@@ -38,7 +38,7 @@ static size_t vehicle_places(const struct world *world, const struct scene_aim *
 	const struct world_figures *figures = &world->figures;
 	const struct scene_vehicle *vehicle = &world->scene->vehicles[aim->vehicle - 1];
 	double place[3], axes[3][3], yaw = vehicle->yaw;
-	if (figures->vehicle != NULL && figures->vehicle(figures->user, (size_t)aim->vehicle - 1, place, axes))
+	if (figures->vehicle != NULL && figures->vehicle(figures->user, (size_t)aim->vehicle - 1, NULL, place, axes))
 		yaw = atan2(axes[0][1], axes[0][0]);
 	else
 		memcpy(place, vehicle->at, sizeof vehicle->at);

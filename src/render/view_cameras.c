@@ -63,12 +63,12 @@ static void stand_later(struct view *view, const struct body *body, double time,
 	deform_axes(point.yaw, attitude ? point.pitch : 0, point.roll, 0, stand->axes);
 }
 
-/* Where a vehicle is. Before it was set down, where it starts. */
-static void stand_on_vehicle(struct view *view, size_t index, struct stand *stand)
+/* Where a vehicle, or a body of its model, is. Before the vehicle was set down, where it starts. */
+static void stand_on_vehicle(struct view *view, size_t index, const char *body, struct stand *stand)
 {
 	const struct world_figures *figures = &view->world->figures;
 	const struct scene_vehicle *vehicle = &view->world->scene->vehicles[index];
-	if (figures->vehicle != NULL && figures->vehicle(figures->user, index, stand->at, stand->axes))
+	if (figures->vehicle != NULL && figures->vehicle(figures->user, index, body, stand->at, stand->axes))
 		return;
 	memcpy(stand->at, vehicle->at, sizeof vehicle->at);
 	stand->at[2] = render_view_ground_at(view, vehicle->at[0], vehicle->at[1], middle_height(view->world));
@@ -76,12 +76,13 @@ static void stand_on_vehicle(struct view *view, size_t index, struct stand *stan
 }
 
 /* `now`: exactly as pictures show the body. */
-static enum status stand_on(struct view *view, const struct scene_aim *aim, double time, bool now, struct stand *stand)
+static enum status stand_on(struct view *view, const struct scene_camera *given, double time, bool now, struct stand *stand)
 {
+	const struct scene_aim *aim = &given->aim;
 	struct render_object object;
 	bool known = false;
 	if (aim->vehicle > 0) {
-		stand_on_vehicle(view, (size_t)aim->vehicle - 1, stand);
+		stand_on_vehicle(view, (size_t)aim->vehicle - 1, given->body, stand);
 		return STATUS_OK;
 	}
 	enum status status = now ? render_view_object(view, (size_t)aim->object, &object, &known) : STATUS_OK;
@@ -131,7 +132,7 @@ static enum status place_left(struct view *view, const struct view_camera *this,
 		mount(given, &world, &stand);
 		break;
 	case SCENE_MOUNTED:
-		status = stand_on(view, &given->aim, time, now, &on);
+		status = stand_on(view, given, time, now, &on);
 		if (status != STATUS_OK)
 			return status;
 		mount(given, &on, &stand);

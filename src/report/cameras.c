@@ -226,6 +226,8 @@ static void add_target(cJSON *root, const struct scene *scene, const struct scen
 	if (aim->kind == SCENE_FIXED || aim->kind == SCENE_BY_POSES)
 		return;
 	cJSON_AddStringToObject(root, "on", aim->vehicle > 0 ? scene->vehicles[aim->vehicle - 1].name : scene->objects[aim->object].name);
+	if (camera->body != NULL)
+		cJSON_AddStringToObject(root, "body", camera->body);
 }
 
 static void add_stereo(cJSON *root, const struct scene *scene, const struct scene_camera *camera)

@@ -188,6 +188,7 @@ enum scene_image { SCENE_IMAGE_COLOUR, SCENE_IMAGE_DEPTH, SCENE_IMAGE_NORMALS, S
 struct scene_camera {
 	char *name;            /* also of its folder */
 	struct scene_aim aim;
+	char *body;            /* mounted on a vehicle: a body of its model; NULL: the root body */
 	bool turned;           /* fixed: yaw, pitch and roll count, and not aim.target. Of a mounted camera they always count */
 	double yaw, pitch, roll; /* radians, as a pose's; of a mounted camera against the body's axes */
 	struct scene_path poses; /* of SCENE_BY_POSES, in local metres */

@@ -34,6 +34,7 @@ static const struct {
 	unsigned needed, allowed; /* 1 << enum scene_camera_kind */
 } places[] = {
 	{"on", 1u << SCENE_CHASE | 1u << SCENE_OVERHEAD | 1u << SCENE_MOUNTED, 1u << SCENE_CHASE | 1u << SCENE_OVERHEAD | 1u << SCENE_MOUNTED},
+	{"body", 0, 1u << SCENE_MOUNTED},
 	{"pose", 1u << SCENE_FIXED, 1u << SCENE_FIXED | 1u << SCENE_MOUNTED},
 	{"back", 0, 1u << SCENE_CHASE},
 	{"up", 0, 1u << SCENE_CHASE},
@@ -44,7 +45,7 @@ static const struct {
 static enum status check_keys(const struct entry *entry)
 {
 	const struct raw_listed_camera *raw = entry->raw;
-	const bool given[] = {raw->on != NULL, raw->pose != NULL, raw->back != NULL, raw->up != NULL, raw->height != NULL, raw->file != NULL};
+	const bool given[] = {raw->on != NULL, raw->body != NULL, raw->pose != NULL, raw->back != NULL, raw->up != NULL, raw->height != NULL, raw->file != NULL};
 	for (size_t i = 0; i < sizeof places / sizeof places[0]; i++) {
 		struct scene_list with = {.length = 0};
 		for (size_t k = 0; k < sizeof kinds / sizeof kinds[0]; k++)
@@ -113,6 +114,19 @@ static enum status read_poses(const struct entry *entry)
 	return status;
 }
 
+/* The models are not read yet: vehicle_load looks for the body. */
+static enum status check_body(const struct entry *entry)
+{
+	struct scene_camera *camera = entry->camera;
+	if (entry->raw->body == NULL)
+		return STATUS_OK;
+	if (camera->aim.vehicle == 0)
+		return scene_error(entry->tree->file, node_of(entry, "body"), "is given, and %s is no vehicle; allowed with: a vehicle",
+				   scene_quote(entry->raw->on).text);
+	camera->body = mem_strdup(entry->raw->body);
+	return camera->body != NULL ? STATUS_OK : fail_memory("reading the cameras");
+}
+
 static enum status check_place(const struct entry *entry)
 {
 	const struct raw_listed_camera *raw = entry->raw;
@@ -124,6 +138,8 @@ static enum status check_place(const struct entry *entry)
 		snprintf(key, sizeof key, "cameras[%zu].on", entry->index);
 		status = scene_find_target(entry->tree, entry->scene, raw->on, key, aim);
 	}
+	if (status == STATUS_OK)
+		status = check_body(entry);
 	if (aim->kind == SCENE_CHASE) {
 		aim->back = raw->back != NULL ? *raw->back : scene_absent("cameras[].back");
 		aim->up = raw->up != NULL ? *raw->up : scene_absent("cameras[].up");
@@ -198,13 +214,15 @@ static enum status add_right(const struct entry *left, struct scene *scene)
 	const struct entry right = {left->tree, left->raw, left->index, scene, camera};
 	char name[64];
 	*camera = *left->camera;
-	camera->name = NULL;
+	camera->name = camera->body = NULL;
 	camera->poses.points = NULL;
 	camera->pair = (int)scene->camera_count - 1;
 	camera->baseline = *left->raw->stereo;
 	left->camera->pair = (int)scene->camera_count++;
 	snprintf(name, sizeof name, "%s_right", left->raw->name);
 	enum status status = check_name(&right, name);
+	if (status == STATUS_OK)
+		status = check_body(&right);
 	if (status != STATUS_OK || left->camera->poses.points == NULL)
 		return status;
 	camera->poses.points = mem_alloc(camera->poses.count, sizeof *camera->poses.points);
@@ -252,6 +270,7 @@ enum status scene_check_cameras(const struct scene_tree *tree, const struct raw_
 void scene_camera_finish(struct scene_camera *camera)
 {
 	mem_free(camera->name);
+	mem_free(camera->body);
 	mem_free(camera->poses.points);
 }
 

@@ -243,6 +243,7 @@ static const cyaml_schema_field_t listed_camera_fields[] = {
 	CYAML_FIELD_STRING_PTR("name", NEEDED, struct raw_listed_camera, name, 1, 48),
 	CYAML_FIELD_ENUM("kind", NEEDED, struct raw_listed_camera, kind, camera_words, 5),
 	CYAML_FIELD_STRING_PTR("on", OPTIONAL, struct raw_listed_camera, on, 1, 64),
+	CYAML_FIELD_STRING_PTR("body", OPTIONAL, struct raw_listed_camera, body, 1, 64),
 	CYAML_FIELD_MAPPING_PTR("pose", OPTIONAL, struct raw_listed_camera, pose, camera_pose_fields),
 	CYAML_FIELD_FLOAT_PTR("back", OPTIONAL, struct raw_listed_camera, back),
 	CYAML_FIELD_FLOAT_PTR("up", OPTIONAL, struct raw_listed_camera, up),

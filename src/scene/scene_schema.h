@@ -154,7 +154,7 @@ struct raw_camera_pose {
 struct raw_listed_camera {
 	char *name;
 	int kind; /* enum scene_camera_kind */
-	char *on;
+	char *on, *body;
 	struct raw_camera_pose *pose;
 	double *back, *up, *height;
 	char *file;

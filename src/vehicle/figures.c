@@ -1,5 +1,6 @@
 /* What pictures show of vehicles: the geoms of their models, in groups 0 to 2, as MuJoCo shows them. */
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "vehicle/internal.h"
@@ -101,19 +102,48 @@ static bool place_figure(void *user, size_t index, double middle[3], double axes
 	return true;
 }
 
-static bool place_vehicle(void *user, size_t index, double place[3], double axes[3][3])
+static bool place_vehicle(void *user, size_t index, const char *name, double place[3], double axes[3][3])
 {
 	const struct vehicles *vehicles = user;
 	const struct vehicle *vehicle = &vehicles->list[index];
-	const double *columns = &vehicle->data->xmat[9 * vehicle->root];
+	const int body = name != NULL ? mj_name2id(vehicle->model, mjOBJ_BODY, name) : vehicle->root; /* vehicle_check_cameras has found it */
+	const double *columns = &vehicle->data->xmat[9 * body];
 	if (vehicle->begun == VEHICLE_ABOVE)
 		return false;
 	for (int i = 0; i < 3; i++) {
-		place[i] = vehicle->origin[i] + vehicle->data->xpos[3 * vehicle->root + i];
+		place[i] = vehicle->origin[i] + vehicle->data->xpos[3 * body + i];
 		for (int k = 0; k < 3; k++)
 			axes[i][k] = columns[3 * k + i];
 	}
 	return true;
+}
+
+static enum status no_body(const struct scene *scene, const struct scene_camera *camera, const struct vehicle *vehicle)
+{
+	char names[200] = "";
+	size_t length = 0;
+	int told = 1; /* 0 is the world */
+	for (; told < vehicle->model->nbody && length + 80 < sizeof names; told++) {
+		const char *one = mj_id2name(vehicle->model, mjOBJ_BODY, told);
+		if (one != NULL)
+			length += (size_t)snprintf(names + length, sizeof names - length, "%s%.64s", length > 0 ? ", " : "", one);
+	}
+	return fail_with(STATUS_INPUT, "%s: cameras.%s.body: %.64s names no body of the model of %.64s; there are: %s%s", scene->file, camera->name,
+			 camera->body, vehicle->scene->name, length > 0 ? names : "none with a name", told < vehicle->model->nbody ? ", ..." : "");
+}
+
+enum status vehicle_check_cameras(const struct vehicles *vehicles)
+{
+	const struct scene *scene = vehicles->scene;
+	for (size_t i = 0; i < scene->camera_count; i++) {
+		const struct scene_camera *camera = &scene->cameras[i];
+		if (camera->body == NULL)
+			continue;
+		const struct vehicle *vehicle = &vehicles->list[camera->aim.vehicle - 1];
+		if (mj_name2id(vehicle->model, mjOBJ_BODY, camera->body) <= 0)
+			return no_body(scene, camera, vehicle);
+	}
+	return STATUS_OK;
 }
 
 struct world_figures vehicle_figures(struct vehicles *vehicles)

@@ -144,6 +144,8 @@ void vehicle_free_mesh(struct deform_mesh *mesh); /* takes NULL */
 
 /* --- figures.c --- */
 enum status vehicle_make_figures(struct vehicles *vehicles) FURROW_CHECKED;
+/* STATUS_INPUT: a camera is mounted on a body that its vehicle does not have. */
+enum status vehicle_check_cameras(const struct vehicles *vehicles) FURROW_CHECKED;
 void vehicle_free_figures(struct vehicles *vehicles);
 
 /* --- bound.c --- */

@@ -46,6 +46,8 @@ enum status vehicle_load(const struct scene *scene, struct vehicles **out)
 	if (status == STATUS_OK)
 		status = make_lists(vehicles);
 	if (status == STATUS_OK)
+		status = vehicle_check_cameras(vehicles);
+	if (status == STATUS_OK)
 		status = vehicle_between_create(vehicles);
 	if (status == STATUS_OK && (scene->view.present || scene->hosted)) /* a host may ask for pictures without a view */
 		status = vehicle_make_figures(vehicles);

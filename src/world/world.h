@@ -133,8 +133,9 @@ struct world_figures {
 	void *user;
 	/* Gives the middle of a figure, m, and its axes forward, left, up. Returns false: it is not there yet. */
 	bool (*place)(void *user, size_t figure, double middle[3], double axes[3][3]);
-	/* Gives the place of a vehicle's body, m, and its axes forward, left, up. Returns false: it is not there yet. */
-	bool (*vehicle)(void *user, size_t vehicle, double place[3], double axes[3][3]);
+	/* Gives the place of a vehicle, m, and its axes forward, left, up. `body`: those of this body of its model; NULL: of its root body.
+	 * Returns false: it is not there yet. */
+	bool (*vehicle)(void *user, size_t vehicle, const char *body, double place[3], double axes[3][3]);
 };
 
 struct world_params {

@@ -576,6 +576,46 @@ class Cameras(FurrowTest):
                                        np.stack([-left, math.sin(tilt) * ahead - math.cos(tilt) * up, math.cos(tilt) * ahead + math.sin(tilt) * up], axis=1), atol=1e-5)
         self.assertEqual(compared, 6)
 
+    def test_on_a_mast_it_turns_with_the_mast(self):
+        """The hinge's angle is that of vehicles.csv. A spring turns the mast to about 40 degrees before the drive begins."""
+        text = (ROOT / "tools/scenes/vehicles/rover.xml").read_text()
+        root = re.search(r"<freejoint[^>]*/>", text).group()
+        (self.folder / "mast.xml").write_text(text.replace(root, root + """
+            <body name="mast" pos="0.3 0.1 0.6"><joint name="pan" axis="0 0 1" stiffness="20" damping="4" springref="40"/>
+              <geom name="head" type="box" size="0.05 0.1 0.05" mass="2" contype="0" conaffinity="0"/></body>"""))
+        self.store = self.synth(kind="plain", relief=6)
+        scene = ("scene: 1\ntime_step: 0.002\nend_time: 0.4\ngravity: 1.62\nspacing: 0.0625\nsoil: {name: lunar}\nredistribute: {model: scm}\n"
+                 "vehicles: [{name: rover, model: mast.xml, start: {at: [60, 60], yaw: 30}, soil: [wheel_*]}]\noutput: {vehicles: 10}\n"
+                 "objects: [{name: box, shape: {box: {size: [1, 1, 1]}}, sink: 0.1, path: {points: [[30, 30], [50, 50]], speed: 1}}]\n"
+                 "cameras: [{name: eye, kind: mounted, on: %s, body: %s, pose: {at: [0.2, 0, 0.05]}, stereo: 0.1, rate: 10, size: [64, 48]}]\n")
+        path = self.scene(scene % ("rover", "mast"))
+        if "no MuJoCo" in self.furrow("explain", path).stderr:
+            self.skipTest("no MuJoCo here")
+        self.drive(path, "--store", self.store, "--overlay", "o.furrow")
+        lines = [line.split(",") for line in (self.folder / "out/vehicles.csv").read_text().splitlines()]
+        rows = {round(float(line[0]), 6): dict(zip(lines[0], line)) for line in lines[1:]}
+        cameras = [self.camera(name) for name in ("eye", "eye_right")]
+        self.assertEqual(len(cameras[0].frames), 5)
+        for left, right in zip(*(camera.frames for camera in cameras)):
+            row = rows[round(left["time"], 6)]
+            roll, pitch, yaw = (math.radians(float(row[key])) for key in ("roll", "pitch", "yaw"))
+            ahead = np.array([math.cos(yaw) * math.cos(pitch), math.sin(yaw) * math.cos(pitch), math.sin(pitch)])
+            level = np.array([-math.sin(yaw), math.cos(yaw), 0])
+            top = np.cross(ahead, level)
+            axes = np.stack([ahead, math.cos(roll) * level + math.sin(roll) * top, math.cos(roll) * top - math.sin(roll) * level], axis=1)
+            pan = float(row["q:pan"])
+            self.assertAlmostEqual(pan, 0.7, delta=0.1)
+            turn = axes @ np.array([[math.cos(pan), -math.sin(pan), 0], [math.sin(pan), math.cos(pan), 0], [0, 0, 1]])
+            eye = np.array([float(row[key]) for key in "xyz"]) + axes @ [0.3, 0.1, 0.6] + turn @ [0.2, 0, 0.05]
+            np.testing.assert_allclose(left["position"], eye, atol=1e-5)
+            np.testing.assert_allclose(right["position"], eye - 0.1 * turn[:, 1], atol=1e-5)
+            np.testing.assert_allclose(matrix(left["orientation"])[:, 2], turn[:, 0], atol=1e-5)
+        self.assertEqual(cameras[0].told["body"], "mast")
+        error = self.refused(3, "drive", self.scene(scene % ("rover", "boom")), "--store", self.store, "--overlay", "p.furrow", "-o", "p")
+        self.assertRegex(error, r"cameras\.eye\.body: boom names no body of the model of rover; there are: .*\bmast\b")
+        self.assertRegex(self.refused(3, "explain", self.scene(scene % ("box", "mast"))), r'cameras\[0\]\.body: is given, and "?box"? is no vehicle; allowed with: a vehicle')
+        self.assertFalse((self.folder / "p.furrow").exists())
+
     def files(self):
         return {str(path.relative_to(self.folder / "out")): path.read_bytes() for path in (self.folder / "out/cameras").rglob("*") if path.is_file()}
 
