@@ -52,8 +52,8 @@ static const struct binding {
 
 static const char *const lines[] = {LINES(ENTRY)};
 const char view_keys_text[] =
-	"Needs a display. Looking changes nothing: ruts go to a temporary overlay, which a store with ruts of its own cannot have; give\n"
-	"--overlay or --write there. Ruts that are there already are told. At the scene's end the window stays.\n"
+	"Needs a display. Looking changes nothing: ruts go to a temporary overlay, which is removed at the end; --overlay or --write keeps\n"
+	"them. A note tells which ruts are there already. At the scene's end the window stays.\n"
 	"Pictures go to view-NNNN.png in the present folder.\n"
 	"Keys:\n" LINES(TEXT);
 
