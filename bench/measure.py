@@ -70,7 +70,7 @@ def steps(options):
         Step("fleet_scm", [], [python, bench / "fleet.py", furrow, "--wheels", "200,1000", "--model", "scm", "--steps", 40]),
         Step("store_full", ["bench/bench_store"], [python, bench / "store.py", furrow, programs / "bench_store", "--dem", dem, "--mosaic", *srtm,
                                                    "--runs", 3], ["dem"]),
-        Step("ranks", [], [python, bench / "ranks.py", furrow, "--wheels", "100,400", "--runs", 3, "--steps", 240]),
+        Step("ranks", [], [python, bench / "ranks.py", furrow, "--wheels", "100,400", "--runs", 3, "--steps", 720]),
         Step("scale", [], [python, bench / "scale.py", furrow]),
         Step("track", [], [python, bench / "track.py", furrow]),
         Step("measured_wheel", [], [python, bench / "measured_wheel.py", furrow, "--rig", options.rig], ["rig"]),

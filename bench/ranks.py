@@ -4,8 +4,8 @@
 
 Wheels as in bench/fleet.py: posts 1/8 m apart, steps of 0.05 s, a path sample for each wheel and step. One wheel of twenty drives
 to another that is on another rank, and over its track: 95 % of the wheels are independent. What is measured is processor time, of all ranks together, in steps without waiting: two
-processors cannot show how long eight ranks take. One process alone has no such figure in run.json; its processor time is that of a run
-less that of a run of a quarter of the steps.
+processors cannot show how long eight ranks take. One process alone has no such figure in run.json; its processor time is that of the command. From
+each figure that of a run of a quarter of the steps is taken off: what remains has neither the start nor the last commit.
 
 The model of the processor time of a step, s:
 
@@ -63,18 +63,18 @@ def drive(furrow, folder, ranks, *more):
 
 
 def measure(arguments, folder, wheels, ranks):
-    """One run: busy, planning and moving in s a step, and what moved a step."""
+    """One run: busy, planning and moving in s a step, and what moved a step. Less a run of a quarter of the steps, so that neither start nor last commit counts."""
     (folder / "ranks.yaml").write_text(scene(wheels, arguments.model, arguments.steps))
     report, used = drive(arguments.furrow, folder, ranks)
-    steps = arguments.steps
+    before, start = drive(arguments.furrow, folder, ranks, "--steps", str(arguments.steps // 4))
+    steps = arguments.steps - arguments.steps // 4
+    row = {"wheels": wheels, "ranks": ranks, "gl": report["gl"]["renderer"]}
     if ranks == 1:
-        _, start = drive(arguments.furrow, folder, 1, "--steps", str(steps // 4))
-        return {"wheels": wheels, "ranks": 1, "busy": (used - start) / (steps - steps // 4), "planning": 0, "moving": 0, "tiles": 0, "bytes": 0,
-                "exchanges": 0, "balance": 1, "gl": report["gl"]["renderer"]}
-    told = report["ranks"]
-    return {"wheels": wheels, "ranks": ranks, "busy": told["busy"] / steps, "planning": told["planning"] / steps, "moving": told["moving"] / steps,
-            "tiles": told["tiles_moved"] / steps, "bytes": told["bytes_moved"] / steps, "exchanges": told["exchanges"] / steps,
-            "balance": told["balance"], "gl": report["gl"]["renderer"]}
+        return row | {"busy": (used - start) / steps, "planning": 0, "moving": 0, "tiles": 0, "bytes": 0, "exchanges": 0, "balance": 1}
+    told = {key: (report["ranks"][key] - before["ranks"][key]) / steps
+            for key in ("busy", "planning", "moving", "tiles_moved", "bytes_moved", "exchanges")}
+    return row | {"busy": told["busy"], "planning": told["planning"], "moving": told["moving"], "tiles": told["tiles_moved"], "bytes": told["bytes_moved"],
+                  "exchanges": told["exchanges"], "balance": report["ranks"]["balance"]}
 
 
 def fit(rows):
