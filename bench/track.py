@@ -36,7 +36,7 @@ def drive(furrow, store, folder, metres, spacing):
 def keep(kept, rows):
     for metres in sorted({row['metres'] for row in rows}):
         of = [row for row in rows if row['metres'] == metres]
-        for key, name, unit, scale in (('step_ms', 'p50', 'ms', 1), ('p99_ms', 'p99', 'ms', 1), ('rss', 'rss_peak', 'MB', 1e-6),
+        for key, name, unit, scale in (('step_ms', 'p50', 'ms', 1), ('mean_ms', 'mean', 'ms', 1), ('p99_ms', 'p99', 'ms', 1), ('rss', 'rss_peak', 'MB', 1e-6),
                                        ('soil_bytes', 'soil', 'MB', 1e-6)):
             kept.add('m%g.%s' % (metres, name), [row[key] * scale for row in of], unit)
 
