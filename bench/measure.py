@@ -20,8 +20,8 @@ import looks
 import tested
 from record import FIGURES, ROOT
 
-LONG = ("deform", "frame", "fleet_scm", "ranks", "scale", "track", "vehicles_rest", "measured_wheel", "converge", "ablation", "accuracy", "store_full",
-        "paging")
+LONG = ("deform", "frame", "fleet_scm", "ranks", "ranks_again", "scale", "track", "vehicles_rest", "measured_wheel", "converge", "ablation", "accuracy",
+        "store_full", "paging")
 SLIP_SINKAGE = 1.27  # as bench/measured_wheel.py fits it; a fit takes minutes
 BUSY = 0.5  # a load above which other programs take a core's time that is worth telling
 
@@ -71,12 +71,14 @@ def steps(options):
         Step("store_full", ["bench/bench_store"], [python, bench / "store.py", furrow, programs / "bench_store", "--dem", dem, "--mosaic", *srtm,
                                                    "--runs", 3], ["dem"]),
         Step("ranks", [], [python, bench / "ranks.py", furrow, "--wheels", "100,400", "--runs", 3, "--steps", 720]),
+        Step("ranks_again", [], [python, bench / "ranks.py", furrow, "--wheels", "100,400", "--runs", 3, "--steps", 720]),
         Step("scale", [], [python, bench / "scale.py", furrow]),
         Step("track", [], [python, bench / "track.py", furrow]),
         Step("measured_wheel", [], [python, bench / "measured_wheel.py", furrow, "--rig", options.rig], ["rig"]),
         Step("converge", [], [python, bench / "converge.py", furrow]),
         Step("ablation", [], [python, bench / "ablation.py", "--build", options.build, "-o", options.build / "bench-out"]),
-        Step("accuracy", ["bench/bench_accuracy"], [python, bench / "accuracy.py", "--build", options.build, "-o", options.build / "bench-out"]),
+        Step("accuracy", ["bench/bench_accuracy"], [python, bench / "accuracy.py", "--build", options.build, "-o", options.build / "bench-out",
+                                                             "--publish"]),
         Step("paging", [], [python, bench / "paging.py", furrow, *big]),
     ]
 

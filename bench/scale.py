@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""The figures of docs/SCALE.md that follow from others: tables of bodies and of a country, from bench/figures/ranks.json and the store's files. It drives one
-wheel for a kilometre, for the bytes of its rut. Seconds.
+"""The figures of docs/SCALE.md that follow from others: tables of bodies and of a country, from ranks.json, ranks_again.json and the store's files in
+bench/figures. It drives one wheel for a kilometre, for the bytes of its rut. Seconds.
 
     python3 bench/scale.py build/tools/furrow --figures bench/figures/scale.json
 
@@ -46,13 +46,15 @@ def value(records, name, key):
 def derived(records, rut):
     """(key, value, unit) of each figure that follows. rut: bytes a kilometre of one wheel."""
     w, p = (value(records, "ranks", f"model.{name}") * 1e-6 for name in "wp")
+    if p == 0:
+        raise Told("bench/figures/ranks.json: its model has p 0, so no number of ranks follows; the machine was busy, measure again")
 
     def step(bodies, ranks):
         return w * bodies / ranks + p * bodies
     yield "half.ranks", math.floor(w / p), ""
-    yield "half.ranks_second", math.floor(value(records, "ranks", "second.w") / value(records, "ranks", "second.p")), ""
-    for wheels in (100, 400):
-        yield f"four_ranks.w{wheels}", value(records, "ranks", f"w{wheels}_r4.busy") / value(records, "ranks", f"w{wheels}_r1.busy"), ""
+    for name in ("ranks", "ranks_again"):
+        for wheels in (100, 400):
+            yield f"four_{name}.w{wheels}", value(records, name, f"w{wheels}_r4.busy") / value(records, name, f"w{wheels}_r1.busy"), ""
     off = {key.split(".")[0]: abs(value(records, "ranks", key) / value(records, "ranks", key.replace("modelled", "busy")) - 1)
            for key in records["ranks"]["figures"] if key.endswith(".modelled")}
     yield "model_off.three_ranks", max(share for name, share in off.items() if name.endswith("_r3")), "times"
