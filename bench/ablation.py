@@ -55,6 +55,7 @@ def loaded(made):
 
 SCM = scene(WHEEL, "scm", **SAND)
 SEEN = scene(WHEEL, **view())
+EYE = {"name": "eye", "kind": "fixed", "pose": {"at": [30, 20, 20], "target": [60, 64, 0]}, "size": [640, 360], "rate": 20}  # a picture a step
 MAPPED = SCM | {"soil": {"map": "classes.png", "classes": {1: "dry_sand", 2: "lete_sand"}, "default": "dry_sand"}}
 
 # What is measured, the scene without, the scene with it. Which effects those are is what `furrow explain` says the second
@@ -82,6 +83,8 @@ PAIRS = [
     ("shadow", scene(WHEEL, **view("objects")), scene(WHEEL, **view("objects", "shadow"))),
     ("detail", scene(WHEEL, **view("texture")), scene(WHEEL, **view("texture", "detail"))),
     ("splat", MAPPED | view("texture"), MAPPED | view("texture", "splat")),
+    ("terrain_shadow", scene(WHEEL, **view("texture")), scene(WHEEL, **view("texture", "terrain_shadow"))),
+    ("cameras", SEEN, SEEN | {"cameras": [EYE]}),
     ("pixel_error", scene(WHEEL, **view("geomorph")), scene(WHEEL, **view("geomorph", pixel_error=4))),
     ("antialias", SEEN, scene(WHEEL, **view(samples=4))),
     ("images", scene(WHEEL), SEEN),
@@ -139,6 +142,16 @@ class Bench:
         """(those it calls for, all that there are)"""
         said = json.loads(self.command("explain", self.written(made), "--json"))
         return {row["name"] for row in said["effects"] if row["called"]}, {row["name"] for row in said["effects"]}
+
+    def changes(self, pairs):
+        """For each pair the effects that it brings and those that it drops; and all that no pair brings."""
+        changes, every, called = [], set(), set()
+        for _, without, made in pairs:
+            had, every = self.effects(without)
+            has, _ = self.effects(made)
+            changes.append((sorted(has - had), sorted(had - has)))
+            called |= has - had
+        return changes, sorted(every - called)
 
     def drive(self, made, metres):
         run = json.loads(self.command("drive", self.written(made, metres), "--overlay", "ruts.furrow", "-o", "out", "--json"))
@@ -239,14 +252,9 @@ def run():
     each = 2 * (options.runs + 1)
     with tempfile.TemporaryDirectory(prefix="furrow-ablation-") as name:
         bench = Bench(options.furrow, pathlib.Path(name))
-        changes, every, called = [], set(), set()
-        for _, without, made in pairs:
-            had, every = bench.effects(without)
-            has, _ = bench.effects(made)
-            changes.append((sorted(has - had), sorted(had - has)))
-            called |= has - had
-        if not options.only and every - called:
-            raise pages.Told(f"no pair calls for {', '.join(sorted(every - called))}; add one to PAIRS")
+        changes, lacking = bench.changes(pairs)
+        if not options.only and lacking:
+            raise pages.Told(f"no pair calls for {', '.join(lacking)}; add one to PAIRS")
         with pages.aside(options.out / "ablation.jsonl") as file:
             for i, (pair, (brings, drops)) in enumerate(zip(pairs, changes)):
                 without, made = measure(bench, pair, length(pair, metres), options.runs, progress, i * each, len(pairs) * each)

@@ -52,7 +52,6 @@ def steps(options):
         Step("measured_smooth", [], [python, bench / "measured_wheel.py", furrow, "--quick", "--slip-sinkage", SLIP_SINKAGE, "--rig", options.rig], ["rig"]),
         Step("published_wheel", [], [python, bench / "published_wheel.py", furrow]),
         Step("table2", ["bench/bench_table2"], [options.build / "bench/bench_table2"]),
-        Step("paging_64", [], [python, bench / "paging.py", furrow, "--alone", "--scenes", "straight", "--slots", 64, "--runs", 1, *big]),
         Step("soil_forms", [], [python, bench / "soil_forms.py"]),
         Step("tested", tested.TARGETS, [python, bench / "tested.py", options.build]),
         Step("validation", ["bench/bench_validation"], [python, bench / "validation.py", programs / "bench_validation", "--quick"]),
@@ -79,7 +78,7 @@ def steps(options):
         Step("ablation", [], [python, bench / "ablation.py", "--build", options.build, "-o", options.build / "bench-out"]),
         Step("accuracy", ["bench/bench_accuracy"], [python, bench / "accuracy.py", "--build", options.build, "-o", options.build / "bench-out",
                                                              "--publish"]),
-        Step("paging", [], [python, bench / "paging.py", furrow, *big]),
+        Step("paging", [], [python, bench / "paging.py", furrow, "--runs", 1, *big]),
     ]
 
 

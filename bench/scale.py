@@ -23,10 +23,10 @@ COUNTRY = 4e11                      # posts: 400,000 km2 at 1 m
 COARSER = 4 / 3                     # what all coarser levels add to the finest
 GABILAN = 921 * 859                 # posts of gabilan_dtm1m
 IMPORTED = 16385 ** 2               # posts of the import that store.json has
-RANKS = 11
+RANKS = 16
 MACHINES = {"wheels": 4000, "hours": 8, "step": 0.05, "km": 72}   # of each wheel
 NETWORKS = {"infiniband": (2e-6, 1e10), "ethernet": (50e-6, 1e10)}  # s, bytes a second; assumed
-EXCHANGES = {"here": 0.08, "vehicles": 2}
+VEHICLES = 2                        # exchanges a step
 METRES = 1000
 SCENE = """scene: 1
 end_time: 500
@@ -61,11 +61,11 @@ def derived(records, rut):
     yield "model_off.others", max(share for name, share in off.items() if not name.endswith("_r3")), "times"
     yield "moving.most", max(value(records, "ranks", key) for key in records["ranks"]["figures"] if key.endswith(".moving")), "ms"
     for network, (latency, width) in NETWORKS.items():
-        for place, exchanges in EXCHANGES.items():
+        for place, exchanges in (("here", value(records, "ranks", "w100_r8.exchanges")), ("vehicles", VEHICLES)):
             yield f"messages.{network}.{place}", exchanges * latency * math.log2(RANKS) + value(records, "ranks", "w100_r8.bytes") / width, "s"
     for bodies in (100, 1000, 10000, 100000):
         yield f"b{bodies}.one", step(bodies, 1) * 1e3, "ms"
-        yield f"b{bodies}.eleven", step(bodies, RANKS) * 1e3, "ms"
+        yield f"b{bodies}.sixteen", step(bodies, RANKS) * 1e3, "ms"
         yield f"b{bodies}.rate", 1 / step(bodies, RANKS), ""
     rate = IMPORTED / value(records, "store", "synth_16385.import.furrow")
     yield "import.posts", IMPORTED / 1e6, ""
@@ -76,7 +76,7 @@ def derived(records, rut):
         yield f"store.{name}.a_post", a_post, "B"
         yield f"store.{name}.country", a_post * COUNTRY * COARSER, "B"
     steps = MACHINES["hours"] * 3600 / MACHINES["step"]
-    for name, ranks in (("one", 1), ("eleven", RANKS)):
+    for name, ranks in (("one", 1), ("sixteen", RANKS)):
         seconds = step(MACHINES["wheels"], ranks)
         yield f"machines.{name}.step", seconds, "s"
         yield f"machines.{name}.hours", seconds * steps / 3600, ""

@@ -11,10 +11,12 @@ import sys
 import tempfile
 import time
 import unittest
+import unittest.mock
 import xml.etree.ElementTree
 
 BENCH = pathlib.Path(__file__).resolve().parents[2] / "bench"
 sys.path.insert(0, str(BENCH))
+import ablation  # noqa: E402
 import accuracy_plots  # noqa: E402
 import accuracy_study  # noqa: E402
 import converge  # noqa: E402
@@ -53,6 +55,16 @@ LINES += [line("pixel_error", {"pixel_error": n}, 20 / n, default=n == 1, pictur
 def beaten(point, points):
     """As the words say it."""
     return any(all(a <= b for a, b in zip(other, point)) and other != point for other in points)
+
+
+class Ablation(unittest.TestCase):
+    def test_every_effect_has_a_pair_that_calls_for_it(self):
+        with tempfile.TemporaryDirectory() as folder, unittest.mock.patch.object(ablation, "SIDE", 8):
+            bench = ablation.Bench(os.environ["FURROW"], pathlib.Path(folder))
+            changes, lacking = bench.changes(ablation.PAIRS)
+        self.assertEqual(lacking, [])
+        for (name, _, _), (brings, _) in zip(ablation.PAIRS, changes):
+            self.assertTrue(name in brings or name == "images", (name, brings))
 
 
 class Front(unittest.TestCase):
