@@ -57,7 +57,7 @@ def part(cases, *kept):
 
 
 def sampled(cases):
-    """Returns the cases; with sanitizers (cli/sanitized) every fourth, but in `sh tools/test.sh long` all of them."""
+    """Returns the cases; with sanitizers (cli/sanitized) every eighth, but in `sh tools/test.sh long` all of them."""
     return list(cases)[::int(os.environ.get("FURROW_EVERY", "1"))]
 
 

@@ -1,5 +1,5 @@
 """Some tests of every program of the command, above all those of wrong input. They run under sanitizers, the other tests of this folder without.
-Of many cases that are alike they try every fourth (sampled() in furrow_test.py). `sh tools/test.sh long` runs more tests, and all cases."""
+Of many cases that are alike they try every eighth (sampled() in furrow_test.py). `sh tools/test.sh long` runs more tests, and all cases."""
 import importlib
 import os
 import sys
@@ -63,7 +63,7 @@ LONG_OF_GDAL = {
 
 def suite():
     if not FULL:
-        os.environ["FURROW_EVERY"] = "4"
+        os.environ["FURROW_EVERY"] = "8"
     found = unittest.TestSuite()
     lists = [(CHOSEN, True), (OF_GDAL, has_gdal()), (LONG, FULL), (LONG_OF_GDAL, FULL and has_gdal())]
     for name, tests in [row for chosen, runs in lists if runs for row in chosen.items()]:

@@ -8,7 +8,7 @@ import sys
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
-from furrow_test import FurrowTest, has_gdal, long, main, write_png16
+from furrow_test import FurrowTest, has_gdal, long, part, main, write_png16
 import rasters
 
 POSTS = 129  # a metre apart
@@ -109,7 +109,7 @@ class SoilMap(FurrowTest):
             self.assertGreater(report["memory"]["plane_bytes"]["classes"], 0)
             wanted = tiles(store)
             self.check_halves(model, store)
-            for loaders in loader_counts:
+            for loaders in part(loader_counts, 0):
                 store, report = self.driven(model, self.mapped(model), options=(
                     "--set", "cache.slots=4", "--set", f"cache.loaders={loaders}", "--set", f"cache.prefetch={loaders % 2}"))
                 self.assertGreater(report["cache"]["evictions"], 20)

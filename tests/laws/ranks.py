@@ -299,6 +299,7 @@ class Refused(Ranks):
         self.assertFalse((self.folder / "many.furrow").exists())
         self.run_command(command + ["--set", "view.images=0"])
 
+    @long
     def test_a_rank_without_gl(self):
         self.scene(CONVOY)
         drive = self.command(1, "scene.yaml", "many")
@@ -341,6 +342,7 @@ class Refused(Ranks):
         many = self.run_command(self.command(2, "scene.yaml", "many", "--resume"))
         self.same("one", "many", (one, many))
 
+    @long
     def test_an_overlay_that_is_there(self):
         self.scene(CONVOY)
         self.run_command(self.command(1, "scene.yaml", "one"))
@@ -449,6 +451,7 @@ exec unshare --uts --mount sh -c "hostname $host && mount $(cat $host.mount) {fo
         self.assertEqual(*names)
         self.assertEqual(list((self.folder / "node").iterdir()), [])
 
+    @long
     def test_the_disk_of_one_machine_is_full(self):
         begin = self.machines("-t tmpfs -o size=20m tmpfs", "-t tmpfs -o size=64k tmpfs")
         self.scene(CONVOY)
@@ -456,6 +459,7 @@ exec unshare --uts --mount sh -c "hostname $host && mount $(cat $host.mount) {fo
         self.assertRegex(said, r"rank [23]: .*stage/plain-[0-9a-f]{16}\.furrow: .*(disk|space)")
         self.assertEqual(list(self.folder.glob("many*")), [])
 
+    @long
     def test_a_disk_that_is_full(self):
         self.scene(CROSSING)
         one = self.run_command(self.command(1, "scene.yaml", "one"))
@@ -471,6 +475,7 @@ exec unshare --uts --mount sh -c "hostname $host && mount $(cat $host.mount) {fo
         self.assertFalse((self.folder / "many.furrow.parts").exists())
         self.same("one", "many", (one, self.run_command(command)))
 
+    @long
     def test_a_kill_while_the_base_is_copied(self):
         self.ok("synth", "-o", "large.tif", "--posts", "1537x1537", "--spacing", 1, "--relief", 30)
         self.ok("import", "large.tif", "-o", "large.furrow", "--tile", 64)
