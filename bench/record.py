@@ -13,6 +13,7 @@ import math
 import os
 import pathlib
 import platform
+import re
 import shlex
 import statistics
 import subprocess
@@ -27,6 +28,8 @@ FIELDS = {"bench": str, "command": str, "commit": str, "dirty": bool, "date": st
           "load": list, "figures": dict}
 OTHERWISE = {"bench": str, "source": str, "figures": dict}
 MACHINE = {"cpu": str, "cores": int, "memory": int, "renderer": (str, type(None))}
+# A program of bench/ is made anew for each commit, which it has in it. That is no other program.
+COMMIT = re.compile(r"bench_commit\.h|furrow_bench|Linking target bench/")
 BUILD = {"type": str, "asserts": bool, "sanitizers": str}
 
 
@@ -58,7 +61,8 @@ def build_of(program):
     options = {option["name"]: option["value"] for option in json.loads((folder / "meson-info" / "intro-buildoptions.json").read_text())}
     asserts = options["b_ndebug"] == "false" or options["b_ndebug"] == "if-release" and options["buildtype"] not in ("release", "plain")
     wanting = said("ninja", "-C", str(folder), "-n", str(program.relative_to(folder)))
-    return ({"type": options["buildtype"], "asserts": asserts, "sanitizers": options["b_sanitize"]}, wanting is None or "no work to do" not in wanting)
+    stale = wanting is None or any(re.match(r"\[\d+/\d+\] ", line) and not COMMIT.search(line) for line in wanting.splitlines())
+    return {"type": options["buildtype"], "asserts": asserts, "sanitizers": options["b_sanitize"]}, stale
 
 
 def changed():
