@@ -90,14 +90,15 @@ class Bench:
         return sum(slips) / len(slips) if slips else None, max(row["x"] for row in rows)
 
     def across(self, degrees):
-        """Returns the mean angle between its way and its nose over the second half of the path, and how far it slid down on all of it."""
+        """Returns the mean angle between its way and its nose from half of the path on, how far it slid down, and how far along the path it came."""
         start, end = 10, 34
         rows, _ = self.drive(self.store(side_slope, degrees), CLIMB, None, start, end)
+        far = max(row["x"] for row in rows)
         half = [row for row in rows if start + 12 <= row["x"] <= end - 3]
         if not half:
-            raise Told(f"across {degrees} degrees: stopped after {rows[-1]['x'] - start:.1f} m; mend the bench")
+            raise Told(f"across {degrees} degrees: stopped after {far - start:.1f} m; mend the bench")
         crab = sum(row["yaw"] - math.degrees(math.atan2(row["vy"], row["vx"])) for row in half) / len(half)
-        return crab, rows[0]["y"] - min(row["y"] for row in rows)
+        return crab, rows[0]["y"] - min(row["y"] for row in rows), far - start
 
 
 def main():
@@ -124,10 +125,11 @@ def main():
         kept.add("mobility.steepest", steepest, "degrees")
         kept.add("mobility.slip", slip, "")
         for degrees in ACROSS:
-            crab, slid = bench.across(degrees)
-            print(f"across {degrees} degrees: crab {crab:.1f} degrees, slid {slid:.2f} m", flush=True)
+            crab, slid, way = bench.across(degrees)
+            print(f"across {degrees} degrees: crab {crab:.1f} degrees, slid {slid:.2f} m on {way:.1f} m", flush=True)
             kept.add(f"across.{degrees}.crab", crab, "degrees")
             kept.add(f"across.{degrees}.slid", slid, "m")
+            kept.add(f"across.{degrees}.way", way, "m")
     kept.write(options.figures)
 
 

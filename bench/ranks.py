@@ -4,8 +4,8 @@
 
 Wheels as in bench/fleet.py: posts 1/8 m apart, steps of 0.05 s, a path sample for each wheel and step. One wheel of twenty drives
 to another that is on another rank, and over its track: 95 % of the wheels are independent. What is measured is processor time, of all ranks together, in steps without waiting: two
-processors cannot show how long eight ranks take. One process alone has no such figure in run.json; its processor time is that of the command. From
-each figure that of a run of a quarter of the steps is taken off: what remains has neither the start nor the last commit.
+processors cannot show how long eight ranks take. It ends before the last commit. From
+each figure that of a run of a quarter of the steps is taken off, since the first steps load most of the tiles.
 
 The model of the processor time of a step, s:
 
@@ -18,7 +18,6 @@ import json
 import math
 import pathlib
 import re
-import resource
 import subprocess
 import sys
 import tempfile
@@ -33,20 +32,16 @@ CHECKED = 3  # ranks of the runs that the model is checked on
 
 
 def scene(wheels, model, steps):
-    """fleet.py's scene. One wheel of twenty begins 34 m from another, half of the fleet later in the list, and drives over its track."""
+    """fleet.py's scene. One wheel of twenty drives to another, half of the fleet later in the list, and over its track. It is there after 0.6 of the steps."""
     lines = fleet.scene(wheels, model, steps).splitlines()
     first = next(i for i, line in enumerate(lines) if line.startswith("  - "))
+    far = 0.6 * fleet.SPEED * fleet.TIME_STEP * steps
     starts = [[float(n) for n in re.search(r"points: \[\[([^]]*)\]", line).group(1).split(",")] for line in lines[first:]]
     for i in range(0, wheels, 20):
         head = lines[first + i].split("path:")[0]
         x, y = starts[(i + wheels // 2) % wheels]
-        lines[first + i] = f"{head}path: {{points: [[{x + 34:.3f}, {y + 1:.3f}], [{x - 34:.3f}, {y + 1:.3f}]], speed: {fleet.SPEED}}}}}"
+        lines[first + i] = f"{head}path: {{points: [[{x + far:.3f}, {y + 1:.3f}], [{x - far:.3f}, {y + 1:.3f}]], speed: {fleet.SPEED}}}}}"
     return "\n".join(lines).replace("slots: 4096", "slots: 2048") + "\n"
-
-
-def processor():
-    used = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return used.ru_utime + used.ru_stime
 
 
 def drive(furrow, folder, ranks, *more):
@@ -55,22 +50,21 @@ def drive(furrow, folder, ranks, *more):
                str(folder / "out"), *more]
     if ranks > 1:
         command = ["mpirun", "--allow-run-as-root", "--oversubscribe", "-n", str(ranks), *command]
-    began = processor()
     done = subprocess.run(command, capture_output=True, text=True)
     if done.returncode != 0:
         raise pages.Told(f"{ranks} ranks: {done.stderr.strip()}")
-    return json.loads((folder / "out" / "run.json").read_text()), processor() - began
+    return json.loads((folder / "out" / "run.json").read_text())
 
 
 def measure(arguments, folder, wheels, ranks):
-    """One run: busy, planning and moving in s a step, and what moved a step. Less a run of a quarter of the steps, so that neither start nor last commit counts."""
+    """One run: busy, planning and moving in s a step, and what moved a step. A run of a quarter of the steps is taken off."""
     (folder / "ranks.yaml").write_text(scene(wheels, arguments.model, arguments.steps))
-    report, used = drive(arguments.furrow, folder, ranks)
-    before, start = drive(arguments.furrow, folder, ranks, "--steps", str(arguments.steps // 4))
+    report = drive(arguments.furrow, folder, ranks)
+    before = drive(arguments.furrow, folder, ranks, "--steps", str(arguments.steps // 4))
     steps = arguments.steps - arguments.steps // 4
     row = {"wheels": wheels, "ranks": ranks, "gl": report["gl"]["renderer"]}
     if ranks == 1:
-        return row | {"busy": (used - start) / steps, "planning": 0, "moving": 0, "tiles": 0, "bytes": 0, "exchanges": 0, "balance": 1}
+        return row | {"busy": (report["processor_seconds"] - before["processor_seconds"]) / steps, "planning": 0, "moving": 0, "tiles": 0, "bytes": 0, "exchanges": 0, "balance": 1}
     told = {key: (report["ranks"][key] - before["ranks"][key]) / steps
             for key in ("busy", "planning", "moving", "tiles_moved", "bytes_moved", "exchanges")}
     return row | {"busy": told["busy"], "planning": told["planning"], "moving": told["moving"], "tiles": told["tiles_moved"], "bytes": told["bytes_moved"],
@@ -107,6 +101,8 @@ def keep(kept, rows, found, runs):
     kept.renderer = rows[-1]["gl"]
     for row in rows:
         one = next((r["busy"] for r in rows if r["wheels"] == row["wheels"] and r["ranks"] == 1), None)
+        if row["busy"] <= 0:
+            raise pages.Told(f"{row['wheels']} wheels, {row['ranks']} ranks: fewer steps took longer; measure again when nothing else runs, or with more --steps")
         values = {"busy": (row["busy"] * 1e3, "ms"), "modelled": (row["modelled"] * 1e3, "ms"), "planning": (row["planning"] * 1e3, "ms"),
                   "moving": (row["moving"] * 1e3, "ms"), "tiles": (row["tiles"], ""), "bytes": (row["bytes"], "B"), "exchanges": (row["exchanges"], "")}
         if one is not None:

@@ -29,7 +29,7 @@ FIELDS = {"bench": str, "command": str, "commit": str, "dirty": bool, "date": st
 OTHERWISE = {"bench": str, "source": str, "figures": dict}
 MACHINE = {"cpu": str, "cores": int, "memory": int, "renderer": (str, type(None))}
 # A program of bench/ is made anew for each commit, which it has in it. That is no other program.
-COMMIT = re.compile(r"bench_commit\.h|furrow_bench|Linking target bench/")
+COMMIT = re.compile(r"bench_commit\.h|libfurrow_bench\.a\.p/record\.c\.o|Linking static target bench/libfurrow_bench\.a|Linking target bench/")
 BUILD = {"type": str, "asserts": bool, "sanitizers": str}
 
 
@@ -67,7 +67,7 @@ def build_of(program):
 
 def changed():
     """Whether a tracked file differs from the commit. Pages and figures do not count, since no program is made of them."""
-    return said("git", "status", "--porcelain", "--untracked-files=no", "--", ".", ":!*.md", ":!bench/figures") != ""
+    return said("git", "status", "--porcelain", "--untracked-files=no", "--", ".", ":!*.md", ":!bench/figures", ":!docs/accuracy-*.svg") != ""
 
 
 def shown(argument):

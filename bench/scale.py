@@ -46,13 +46,14 @@ def value(records, name, key):
 def derived(records, rut):
     """(key, value, unit) of each figure that follows. rut: bytes a kilometre of one wheel."""
     w, p = (value(records, "ranks", f"model.{name}") * 1e-6 for name in "wp")
-    if p == 0:
-        raise Told("bench/figures/ranks.json: its model has p 0, so no number of ranks follows; the machine was busy, measure again")
 
     def step(bodies, ranks):
         return w * bodies / ranks + p * bodies
-    yield "half.ranks", math.floor(w / p), ""
+    pairs = [[value(records, name, key) for name in ("ranks", "ranks_again")] for key in records["ranks"]["figures"] if key.endswith(".busy")]
+    yield "series.apart", max(abs(again / once - 1) for once, again in pairs), "times"
     for name in ("ranks", "ranks_again"):
+        if value(records, name, "model.p") > 0:
+            yield f"half.{name}", math.floor(value(records, name, "model.w") / value(records, name, "model.p")), ""
         for wheels in (100, 400):
             yield f"four_{name}.w{wheels}", value(records, name, f"w{wheels}_r4.busy") / value(records, name, f"w{wheels}_r1.busy"), ""
     off = {key.split(".")[0]: abs(value(records, "ranks", key) / value(records, "ranks", key.replace("modelled", "busy")) - 1)
@@ -62,7 +63,7 @@ def derived(records, rut):
     yield "moving.most", max(value(records, "ranks", key) for key in records["ranks"]["figures"] if key.endswith(".moving")), "ms"
     for network, (latency, width) in NETWORKS.items():
         for place, exchanges in (("here", value(records, "ranks", "w100_r8.exchanges")), ("vehicles", VEHICLES)):
-            yield f"messages.{network}.{place}", exchanges * latency * math.log2(RANKS) + value(records, "ranks", "w100_r8.bytes") / width, "s"
+            yield f"messages.{network}.{place}", exchanges * latency * math.log2(RANKS) + value(records, "ranks", "w400_r8.bytes") / width, "s"
     for bodies in (100, 1000, 10000, 100000):
         yield f"b{bodies}.one", step(bodies, 1) * 1e3, "ms"
         yield f"b{bodies}.sixteen", step(bodies, RANKS) * 1e3, "ms"

@@ -158,12 +158,12 @@ def touch(furrow, folder, kept, runs):
             scene = SCENE.format(step=0.002, end=6, gravity=9.81, spacing=0.0625, soil="sandy_loam_15", model=MODELS / "offroad.xml", x=8, y=16, yaw=0,
                                  driver=first + other, rows=10)
             drive(furrow, folder, scene, plane(furrow, folder, 0))
-            run = json.loads((folder / "out" / "run.json").read_text())
-            ways = [run["vehicles"][vehicle]["distance"] for vehicle in ("v", "other")]
+            report = json.loads((folder / "out" / "run.json").read_text())
+            ways = [report["vehicles"][vehicle]["distance"] for vehicle in ("v", "other")]
             if (ways[0] - ways[1] < 1) != (name == "pushing"):
                 raise pages.Told(f"touch: {name}: the vehicles moved {ways[0]:.2f} and {ways[1]:.2f} m; mend the bench")
-            kept.seen(run)
-            of.append(run["step_ms"]["p50"])
+            kept.seen(report)
+            of.append(report["step_ms"]["p50"])
     for name, of in found.items():
         kept.add(f"touch.{name}", of, "ms")
         print("two vehicles %s: %.3f ms a step" % (name, sorted(of)[runs // 2]))
@@ -187,7 +187,8 @@ def main():
         for part in chosen:
             of, option = parts[part]
             of(arguments.furrow.resolve(), pathlib.Path(folder), kept, option)
-    kept.write(arguments.figures)
+            kept.seen(json.loads((pathlib.Path(folder) / "out" / "run.json").read_text()))
+            kept.write(arguments.figures)
 
 
 if __name__ == "__main__":

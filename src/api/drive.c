@@ -148,9 +148,11 @@ static enum status all(struct drive *drive)
 	if (status != STATUS_OK && drive->params->ranks == NULL)
 		return status;
 	drive->began = clock_seconds();
+	const double used = clock_process_seconds();
 	drive->report.warm_seconds = drive->began - drive->entered;
 	if (status == STATUS_OK)
 		status = drive->params->host != NULL ? api_host_steps(drive, total) : all_steps(drive, total);
+	drive->report.processor = clock_process_seconds() - used;
 	struct failure failure;
 	const struct world_ranks *ranks = drive->params->ranks;
 	if (ranks != NULL)

@@ -370,6 +370,7 @@ static void add_process(cJSON *root, const struct report *report, const struct r
 		note("%llu times a post would have been pressed deeper than an offset holds (1024 m): refused",
 		     (unsigned long long)tally.refused);
 	json_number(root, "seconds", report->seconds);
+	json_number(root, "processor_seconds", report->processor);
 	json_number(root, "rtf", report->seconds > 0 ? (report->world->time - report->world->resumed.time) / report->seconds : 0);
 	add_warm_up(root, report);
 	add_times(root, report);

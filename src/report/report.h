@@ -32,6 +32,7 @@ struct report {
 	double warm_seconds;             /* wall clock until the loop began */
 	unsigned threads;                /* threads that ran when the last step was over */
 	double seconds;                  /* wall clock of the loop */
+	double processor;                /* s of all threads, from the first step until the last is over; the last commit comes after it */
 };
 
 /* Returns the text of run.json, to free with mem_free. `ended`: "complete", "interrupted" or "failed". NULL: out of memory. */

@@ -8,16 +8,9 @@
 
 static enum status no_actuator(const struct vehicle *vehicle, const char *where, const char *key, const char *name)
 {
-	char names[200] = "";
-	size_t length = 0;
-	int told = 0;
-	for (; told < vehicle->model->nu && length + 80 < sizeof names; told++) {
-		const char *one = mj_id2name(vehicle->model, mjOBJ_ACTUATOR, told);
-		if (one != NULL)
-			length += (size_t)snprintf(names + length, sizeof names - length, "%s%.64s", length > 0 ? ", " : "", one);
-	}
-	return fail_with(STATUS_INPUT, "%s: driver.%s: %.64s names no actuator of the model; there are: %s%s", where, key, name,
-			 length > 0 ? names : "none with a name", told < vehicle->model->nu ? ", ..." : "");
+	char names[VEHICLE_NAMES];
+	vehicle_list_names(vehicle->model, mjOBJ_ACTUATOR, 0, vehicle->model->nu, names);
+	return fail_with(STATUS_INPUT, "%s: driver.%s: %.64s names no actuator of the model; there are: %s", where, key, name, names);
 }
 
 /* Finds the actuators that one of the patterns names, in the model's order. */

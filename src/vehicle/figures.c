@@ -1,6 +1,5 @@
 /* What pictures show of vehicles: the geoms of their models, in groups 0 to 2, as MuJoCo shows them. */
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
 
 #include "vehicle/internal.h"
@@ -120,16 +119,10 @@ static bool place_vehicle(void *user, size_t index, const char *name, double pla
 
 static enum status no_body(const struct scene *scene, const struct scene_camera *camera, const struct vehicle *vehicle)
 {
-	char names[200] = "";
-	size_t length = 0;
-	int told = 1; /* 0 is the world */
-	for (; told < vehicle->model->nbody && length + 80 < sizeof names; told++) {
-		const char *one = mj_id2name(vehicle->model, mjOBJ_BODY, told);
-		if (one != NULL)
-			length += (size_t)snprintf(names + length, sizeof names - length, "%s%.64s", length > 0 ? ", " : "", one);
-	}
-	return fail_with(STATUS_INPUT, "%s: cameras.%s.body: %.64s names no body of the model of %.64s; there are: %s%s", scene->file, camera->name,
-			 camera->body, vehicle->scene->name, length > 0 ? names : "none with a name", told < vehicle->model->nbody ? ", ..." : "");
+	char names[VEHICLE_NAMES];
+	vehicle_list_names(vehicle->model, mjOBJ_BODY, 1, vehicle->model->nbody, names); /* 0 is the world */
+	return fail_with(STATUS_INPUT, "%s: cameras.%s.body: %.64s names no body of the model of %.64s; give one of them, or leave body out for the root "
+				       "body; there are: %s", scene->file, camera->name, camera->body, vehicle->scene->name, names);
 }
 
 enum status vehicle_check_cameras(const struct vehicles *vehicles)

@@ -30,6 +30,21 @@ void vehicle_geom_name(const mjModel *model, int geom, char *text, size_t size)
 		snprintf(text, size, "geom_%d", geom);
 }
 
+void vehicle_list_names(const mjModel *model, mjtObj kind, int first, int end, char text[VEHICLE_NAMES])
+{
+	size_t length = 0;
+	int told = first;
+	for (; told < end && length + 80 < VEHICLE_NAMES; told++) {
+		const char *one = mj_id2name(model, kind, told);
+		if (one != NULL)
+			length += (size_t)snprintf(text + length, VEHICLE_NAMES - length, "%s%.64s", length > 0 ? ", " : "", one);
+	}
+	if (length == 0)
+		length = (size_t)snprintf(text, VEHICLE_NAMES, "none with a name");
+	if (told < end)
+		snprintf(text + length, VEHICLE_NAMES - length, ", ...");
+}
+
 bool vehicle_is_fixed(const mjModel *model, int geom)
 {
 	return model->body_weldid[model->geom_bodyid[geom]] == 0;

@@ -586,9 +586,8 @@ class Cameras(FurrowTest):
         self.store = self.synth(kind="plain", relief=6)
         scene = ("scene: 1\ntime_step: 0.002\nend_time: 0.4\ngravity: 1.62\nspacing: 0.0625\nsoil: {name: lunar}\nredistribute: {model: scm}\n"
                  "vehicles: [{name: rover, model: mast.xml, start: {at: [60, 60], yaw: 30}, soil: [wheel_*]}]\noutput: {vehicles: 10}\n"
-                 "objects: [{name: box, shape: {box: {size: [1, 1, 1]}}, sink: 0.1, path: {points: [[30, 30], [50, 50]], speed: 1}}]\n"
-                 "cameras: [{name: eye, kind: mounted, on: %s, body: %s, pose: {at: [0.2, 0, 0.05]}, stereo: 0.1, rate: 10, size: [64, 48]}]\n")
-        path = self.scene(scene % ("rover", "mast"))
+                 "cameras: [{name: eye, kind: mounted, on: rover, body: mast, pose: {at: [0.2, 0, 0.05]}, stereo: 0.1, rate: 10, size: [64, 48]}]\n")
+        path = self.scene(scene)
         if "no MuJoCo" in self.furrow("explain", path).stderr:
             self.skipTest("no MuJoCo here")
         self.drive(path, "--store", self.store, "--overlay", "o.furrow")
@@ -610,11 +609,26 @@ class Cameras(FurrowTest):
             np.testing.assert_allclose(left["position"], eye, atol=1e-5)
             np.testing.assert_allclose(right["position"], eye - 0.1 * turn[:, 1], atol=1e-5)
             np.testing.assert_allclose(matrix(left["orientation"])[:, 2], turn[:, 0], atol=1e-5)
-        self.assertEqual(cameras[0].told["body"], "mast")
-        error = self.refused(3, "drive", self.scene(scene % ("rover", "boom")), "--store", self.store, "--overlay", "p.furrow", "-o", "p")
-        self.assertRegex(error, r"cameras\.eye\.body: boom names no body of the model of rover; there are: .*\bmast\b")
-        self.assertRegex(self.refused(3, "explain", self.scene(scene % ("box", "mast"))), r'cameras\[0\]\.body: is given, and "?box"? is no vehicle; allowed with: a vehicle')
-        self.assertFalse((self.folder / "p.furrow").exists())
+        run = json.loads((self.folder / "out/run.json").read_text())["cameras"]
+        self.assertEqual([cameras[0].told["body"], cameras[1].told["body"], run["eye"]["body"], run["eye_right"]["body"]], ["mast"] * 4)
+
+    def test_a_body_that_is_not_there_is_refused(self):
+        shutil.copy(ROOT / "tests/vehicle/one_wheel.xml", self.folder)
+        self.store = self.synth(posts="65x65")
+        scene = ("scene: 1\ntime_step: 0.002\nend_time: 0.1\nspacing: 0.25\nsoil: {name: dry_sand}\nredistribute: {model: scm}\n"
+                 "vehicles: [{name: car, model: one_wheel.xml, start: {at: [20, 20]}}]\n"
+                 "objects: [{name: box, shape: {box: {size: [1, 1, 1]}}, sink: 0.1, path: {points: [[30, 30], [50, 50]], speed: 1}}]\n"
+                 "cameras: [{name: eye, kind: %s, on: %s, body: %s, stereo: 0.1, rate: 10, size: [64, 48]}]\n")
+        if "no MuJoCo" in self.furrow("explain", self.scene(scene % ("mounted", "car", "boom"))).stderr:
+            self.skipTest("no MuJoCo here")
+        for kind, on, body, words in (("mounted", "car", "boom", r"cameras\.eye\.body: boom names no body of the model of car; give one of them, .*; there are: \w+"),
+                                      ("mounted", "box", "boom", r'cameras\[0\]\.body: is given, and "?box"? is no vehicle; allowed with: a vehicle'),
+                                      ("chase", "car", "boom", r"cameras\[0\]\.body: is not of a camera of kind chase; allowed with: mounted")):
+            path = self.scene(scene % (kind, on, body))
+            for command in (["explain", path], ["drive", path, "--store", self.store, "--overlay", "p.furrow", "-o", "p"]):
+                with self.subTest(kind=kind, on=on, command=command[0]):
+                    self.assertRegex(self.refused(3, *command), words)
+        self.assertEqual([*self.folder.glob("p.furrow*"), *self.folder.glob("p/*")], [])
 
     def files(self):
         return {str(path.relative_to(self.folder / "out")): path.read_bytes() for path in (self.folder / "out/cameras").rglob("*") if path.is_file()}

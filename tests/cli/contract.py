@@ -483,7 +483,7 @@ class Drives(FurrowTest):
     def test_a_drive_leaves_ruts_figures_and_a_clean_store(self):
         store = self.synth()
         report = self.drive(self.scene(), "--store", store)
-        for key in ("ended steps seconds rtf fps step_ms stage_ms cache passes gl memory programs io volume "
+        for key in ("ended steps seconds processor_seconds rtf fps step_ms stage_ms cache passes gl memory programs io volume "
                     "objects").split():
             self.assertIn(key, report)
         self.assertEqual(report["ended"], "complete")

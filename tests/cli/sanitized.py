@@ -20,6 +20,7 @@ CHOSEN = {
                  "Relink.test_what_is_not_the_base_is_refused_and_the_overlay_kept",
                  "Flatten.test_what_cannot_be_flattened_is_refused_and_nothing_is_left"],
     "cache_sim": ["CacheSim.test_what_is_no_trace_is_refused_and_nothing_is_left"],
+    "cameras": ["Cameras.test_a_body_that_is_not_there_is_refused"],
     "drive_resume": ["Resume.test_a_damaged_record_is_refused_and_named"],
     "explain": ["Explain.test_what_is_wrong_is_told"],
     "help": ["Help.test_what_is_not_printed_is_refused"],
