@@ -59,9 +59,11 @@ def converted(value, unit, wanted):
 
 def printed(value, like):
     """A value with the digits, the sign and the commas of the number that a page has."""
-    value += 0.0  # no -0.0
     mantissa, _, exponent = like.partition("e")
     places = len(mantissa.partition(".")[2])
+    if not exponent:
+        value = round(value, places)
+    value += 0.0  # no -0.0
     sign = "+" if like.startswith("+") else ""
     if exponent:
         digits, _, power = f"{value:{sign}.{places}e}".partition("e")

@@ -87,7 +87,8 @@ static int usage(void)
 int main(int argc, char **argv)
 {
 	int runs = 5;
-	if (argc > 1 && strcmp(argv[1], "write") == 0) /* the others leave no figures */
+	const int at = argc > 2 && strcmp(argv[1], "--runs") == 0 ? 3 : 1;
+	if (at < argc && strcmp(argv[at], "write") == 0) /* the others leave no figures */
 		bench_record_begin("store_write", &argc, argv);
 	argv++;
 	argc--;
