@@ -130,7 +130,7 @@ bool vehicle_is_fixed(const mjModel *model, int geom);
 /* Writes the geom's name into `text`: its own, that of its body, or its number. */
 void vehicle_geom_name(const mjModel *model, int geom, char *text, size_t size);
 #define VEHICLE_NAMES 208
-/* Lists the names of a kind of parts of the model, from `first` on until before `end`, for a message. "..." stands for those that find no room. */
+/* Lists the names of a kind of parts of the model, from `first` on until before `end`, for a message. "..." at the end means that there are more. */
 void vehicle_list_names(const mjModel *model, mjtObj kind, int first, int end, char text[VEHICLE_NAMES]);
 
 /* --- trail.c --- */
