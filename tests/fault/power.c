@@ -64,7 +64,7 @@ static void every_import_cut(enum before before)
 	uint64_t cut = 1;
 	while (cut_import(before, cut) >= cut)
 		cut += stride();
-	assert_true(cut > 50 && resumed > 20 / stride());
+	assert_true(cut > 50 && resumed > 20 / (int)stride());
 	tell_counts(cut);
 }
 
