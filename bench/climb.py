@@ -27,18 +27,22 @@ SCENE = {"scene": 1, "time_step": 0.002, "spacing": 0.0625, "redistribute": {"mo
          "output": {"forces": 20, "vehicles": 20}}
 
 
+def write_grid(path, height):
+    """An ESRI grid of 129 x 129 posts, half a metre apart. height(x, y): m, of a post so many metres east and north of the first one."""
+    rows = (" ".join(f"{height(x * 0.5, y * 0.5):.4f}" for x in range(129)) for y in range(128, -1, -1))
+    path.write_text("ncols 129\nnrows 129\nxllcenter 0\nyllcenter 0\ncellsize 0.5\n" + "\n".join(rows) + "\n")
+
+
 def ramp(path, degrees):
-    """An ESRI grid: level to the foot, then up to the east."""
+    """Level to the foot, then up to the east."""
     rise = math.tan(math.radians(degrees))
-    row = " ".join(f"{10 + max(x * 0.5 - FOOT, 0) * rise:.4f}" for x in range(129))
-    path.write_text("ncols 129\nnrows 129\nxllcenter 0\nyllcenter 0\ncellsize 0.5\n" + f"{row}\n" * 129)
+    write_grid(path, lambda x, y: 10 + max(x - FOOT, 0) * rise)
 
 
 def side_slope(path, degrees):
-    """An ESRI grid that rises to the north everywhere. Its first row is the northernmost."""
+    """Rises to the north everywhere."""
     rise = math.tan(math.radians(degrees))
-    rows = (f"{10 + (128 - y) * 0.5 * rise:.4f} " * 129 for y in range(129))
-    path.write_text("ncols 129\nnrows 129\nxllcenter 0\nyllcenter 0\ncellsize 0.5\n" + "\n".join(rows) + "\n")
+    write_grid(path, lambda x, y: 10 + y * rise)
 
 
 class Bench:
@@ -46,7 +50,7 @@ class Bench:
         self.furrow, self.folder, self.kept, self.stores = furrow, folder, kept, {}
 
     def command(self, *words):
-        """What it prints."""
+        """Runs furrow with these words. Returns what it prints."""
         done = subprocess.run([self.furrow, *map(str, words)], capture_output=True, text=True)
         if done.returncode != 0:
             raise Told(f"furrow {words[0]}: {done.stderr.strip()}")
@@ -62,8 +66,9 @@ class Bench:
         return self.stores[made, degrees]
 
     def mobility(self):
-        """What the map has of the same vehicle in the same soil: the steepest slope straight up, and the slip there at DEGREES."""
-        told = json.loads(self.command("mobility", self.store(ramp, DEGREES), "-o", self.folder / "map.png", "--vehicle", MODEL, "--soil", "dry_sand", "--json"))
+        """What the map says of the same vehicle in the same soil: the steepest slope straight up, and the slip on a slope of DEGREES."""
+        told = json.loads(self.command("mobility", self.store(ramp, DEGREES), "-o", self.folder / "map.png", "--vehicle", MODEL, "--soil", "dry_sand",
+                                       "--json"))
         up = next(verdict for row in told["slopes"] if row["slope"] == DEGREES for verdict in row["verdicts"] if verdict["heading"] == 90)
         return told["steepest_up"], up["slip"]
 

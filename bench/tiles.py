@@ -44,8 +44,9 @@ def main():
         before = processor_seconds()
         furrow(options, "export", folder / "dem.furrow", "--tiles", folder / "tiles")
         seconds = processor_seconds() - before
-        kinds = {part.name: [path.stat().st_size for path in part.glob("*/*/*.*")] for part in sorted((folder / "tiles").iterdir()) if part.is_dir()}
-    kinds = {kind: sizes for kind, sizes in kinds.items() if sizes}
+        kinds = {}  # the bytes of each tile, by the folder of its kind: terrain, hillshade, ruts, mesh
+        for path in sorted((folder / "tiles").glob("*/*/*/*.*")):  # KIND/Z/X/Y.ENDING
+            kinds.setdefault(path.relative_to(folder / "tiles").parts[0], []).append(path.stat().st_size)
     count = sum(map(len, kinds.values()))
     kept.add("count", count, "")
     kept.add("processor", seconds, "s")

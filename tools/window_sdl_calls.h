@@ -1,6 +1,6 @@
 /*
  * The functions of SDL that the window calls. They are found when the first window is opened. SDL needs 34 libraries for sounds and screens, and
- * loading those would double the time in which every other command starts.
+ * loading those would make every other command start in 1.7 times the time.
  */
 #ifndef FURROW_TOOLS_WINDOW_SDL_CALLS_H
 #define FURROW_TOOLS_WINDOW_SDL_CALLS_H

@@ -8,7 +8,7 @@ import sys
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
-from furrow_test import FurrowTest, has_gdal, long, part, main, write_png16
+from furrow_test import FurrowTest, has_gdal, long, main, part, write_png16
 import rasters
 
 POSTS = 129  # a metre apart
