@@ -67,10 +67,11 @@ def listen(child, progress):
 
 def measured(options, progress):
     """Lines as the programs print them."""
-    arguments = {"bench_accuracy": ["--truth", str(options.out / "accuracy.truth"), *["--quick"] * options.quick]}
+    quick = ["--quick"] * options.quick
+    arguments = {"bench_accuracy": ["--truth", str(options.out / "accuracy.truth"), *quick], "bench_picture_error": quick}
     for program in PROGRAMS:
         path = (options.build / "bench" / program).resolve()
-        child = subprocess.Popen([str(path), *arguments.get(program, [])], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        child = subprocess.Popen([str(path), *arguments[program]], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         listener = threading.Thread(target=listen, args=(child, progress))
         listener.start()
         try:

@@ -27,6 +27,7 @@ import rig  # noqa: E402
 import soil_forms  # noqa: E402
 import tested  # noqa: E402
 import validation  # noqa: E402
+from furrow_test import FURROW, long  # noqa: E402
 
 
 def line(study, knobs, ms, rms=None, default=False, count=1000, picture=None):
@@ -334,6 +335,18 @@ class Script(unittest.TestCase):
         self.assertEqual([text for text in done.stderr.splitlines() if "gnuplot" not in text], ["bench: it warns"] * 2)
         self.assertIn(done.returncode, (0, 1))  # 1: no gnuplot
         self.assertEqual(len((self.out / "accuracy.jsonl").read_text().splitlines()), len(LINES))
+
+    @long
+    def test_pictures_are_more_like_the_true_one_at_a_smaller_error(self):
+        program = pathlib.Path(FURROW).parents[1] / "bench" / "bench_picture_error"
+        if not program.exists():
+            self.skipTest(f"no {program}: this build has no benches")
+        done = subprocess.run([program, "--quick"], capture_output=True, text=True, timeout=600)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        by_radii, by_error = map(json.loads, done.stdout.splitlines())
+        self.assertEqual((by_radii["knobs"], by_error["knobs"]), ({"pixel_error": None}, {"pixel_error": 4}))
+        self.assertLess(by_radii["picture"]["psnr"], by_error["picture"]["psnr"])
+        self.assertLess(by_error["picture"]["psnr"], 60)
 
     def test_a_program_that_fails_fails_it(self):
         self.programs(f"head -2 {self.folder / 'lines'}; exit 3\n", "true\n")
