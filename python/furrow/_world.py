@@ -173,12 +173,22 @@ class World:
         self.close()
 
     def close(self) -> None:
-        """Commits the ground as it is and frees the world. A closed world is closed again without effect."""
+        """Commits the ground as it is and frees the world. A closed world is closed again without effect.
+
+        An Error with Status.NO_GL: the world is still open; release the thread's own GL context and close it again.
+        """
         with self._lock:
             handle, self._handle = self._handle, None
             self._forgotten.detach()
-            if handle is not None:
+            if handle is None:
+                return
+            try:
                 call("furrow_world_close", handle)
+            except Error as error:
+                if error.status == Status.NO_GL:
+                    self._handle = handle
+                    self._forgotten = weakref.finalize(self, _close, handle)
+                raise
 
     def step(self, seconds: float = 0.0) -> None:
         """Moves time on by `seconds`; 0: by the scene's time_step. Ctrl-C is raised when the step is over."""

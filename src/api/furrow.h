@@ -120,8 +120,9 @@ struct furrow_open {
 FURROW_API furrow_status furrow_world_open(const struct furrow_open *open, struct furrow_world **world);
 
 /*
- * Commits the ground as it is and frees the world, also when it fails. After a rollback the ground is the rolled-back one.
- * NULL: does nothing, FURROW_OK. FURROW_FAILED: the last changes could not be committed; the store has its last commit.
+ * Commits the ground as it is and frees the world. After a rollback the ground is the rolled-back one. NULL: does nothing, FURROW_OK.
+ * FURROW_FAILED: the last changes could not be committed; the store has its last commit, and the world is freed. FURROW_NO_GL: the
+ * world's GL cannot be made current here. Then nothing was done and the world is still open: close it again, as "Manners" says.
  */
 FURROW_API furrow_status furrow_world_close(struct furrow_world *world);
 

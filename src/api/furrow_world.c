@@ -188,7 +188,9 @@ furrow_status furrow_world_close(struct furrow_world *world)
 	if (world == NULL)
 		return FURROW_OK;
 	enum status status = api_library_enter(&call, world);
-	if (status == STATUS_OK && !world->world.torn)
+	if (status != STATUS_OK) /* without its own context, the world would delete what is in the host's */
+		return api_library_leave(&call, status);
+	if (!world->world.torn)
 		status = world_hosts_commit(&world->world);
 	if (status == STATUS_OK)
 		status = world_end(&world->world, is_complete(world));
