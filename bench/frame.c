@@ -103,7 +103,7 @@ static void open_rig(struct rig *rig, const char *store, const char *overlay, ui
 	rig->scene->slots = slots;
 	rig->scene->loaders = 2;
 	rig->scene->view = (struct scene_view){.present = true, .width = sizes[1][0], .height = sizes[1][1], .effects = ALL,
-					       .aim = {SCENE_CHASE, .object = 2, .back = 13, .up = 3.2}};
+					       .aim = {SCENE_CHASE, .object = 2, .back = 13, .up = 3.2}, .light = scene_light_default()};
 	world->scene = rig->scene;
 	world->time = MOMENT;
 	const struct store_options write = {.mode = STORE_WRITE}, read = {.mode = STORE_READ};
@@ -112,6 +112,7 @@ static void open_rig(struct rig *rig, const char *store, const char *overlay, ui
 	world->commit_log = tmpfile();
 	if (world->commit_log == NULL)
 		bench_must(fail_with(STATUS_FAILED, "/tmp: no file can be made; free some space"));
+	world_settle_light(world);
 	bench_must(world_settle_level(world));
 	bench_must(world_make_bodies(world));
 	bench_must(world_settle_limits(world));

@@ -21,6 +21,7 @@
 #include "bench.h"
 #include "render/internal.h"
 #include "render/view.h"
+#include "world/internal.h"
 #include "world/record.h"
 
 #define WIDTH 640
@@ -86,6 +87,7 @@ static void open_rig(struct rig *rig, const char *store)
 	*rig = (struct rig){.scene = {
 		.end_time = 1, .slots = SLOTS, .loaders = 2, .disturbance = true,
 		.view = {.present = true, .width = WIDTH, .height = HEIGHT, .aim = {SCENE_FIXED, .target = {1, 1, 0}},
+			 .light = scene_light_default(),
 			 .effects = EFFECT_BIT(EFFECT_TEXTURE) | EFFECT_BIT(EFFECT_DETAIL) | EFFECT_BIT(EFFECT_FOG) | EFFECT_BIT(EFFECT_SKY) |
 				    EFFECT_BIT(EFFECT_GEOMORPH) | EFFECT_BIT(EFFECT_SKIRTS)},
 	}};
@@ -93,6 +95,7 @@ static void open_rig(struct rig *rig, const char *store)
 	world->scene = &rig->scene;
 	world->meta = store_meta(world->store);
 	world->limits.slots = SLOTS;
+	world_settle_light(world);
 	if (!store_has_working_level(world->store, &world->level))
 		bench_must(fail_with(STATUS_FAILED, "%s: no rut was made; look at the drive", store));
 	world->spacing = extent_spacing(&world->meta->extent, world->level);

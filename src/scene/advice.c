@@ -373,6 +373,9 @@ static void advise_forces(const struct adviser *adviser)
 		fastest = fmax(fastest, path_fastest(scene, &scene->objects[i].path));
 	if (scene->object_count == 0 || scene->vehicle_count > 0 || scene->forces == 0)
 		return;
+	if (!deform_tells_forces(scene->model))
+		advise(adviser, "output.forces: model %s computes no force: objects.csv has where the objects are and how deep, and nan as forces; "
+				"redistribute: {model: %s} computes them", deform_model_row(scene->model)->name, scene_models_with_forces().text);
 	double samples = adviser->spacing > 0 || fastest == 0 ? fastest / fmax(adviser->spacing, 1e-9) : INFINITY;
 	if (scene->forces > samples && samples > 0)
 		advise(adviser, "output.forces: %g rows a second, and no object comes to more than %.4g posts in one: rows between repeat the "

@@ -189,7 +189,7 @@ static uint64_t object_effects(const struct scene *scene)
 		effects |= EFFECT_BIT(EFFECT_SLIP);
 	if (scene->raster_count > 0)
 		effects |= EFFECT_BIT(EFFECT_SOIL_RASTERS);
-	if (scene->forces > 0)
+	if (scene->forces > 0 && deform_tells_forces(scene->model))
 		effects |= EFFECT_BIT(EFFECT_FORCES);
 	if (scene->prefetch > 0)
 		effects |= EFFECT_BIT(EFFECT_PREFETCH);

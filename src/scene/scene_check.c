@@ -100,10 +100,6 @@ static enum status check_output(const struct scene_tree *tree, const struct raw_
 				   "is of forces, and none are asked for; allowed with: forces");
 	if (output->forces == NULL)
 		return STATUS_OK;
-	if (*output->forces > 0 && !deform_tells_forces(scene->model))
-		return scene_error(tree->file, scene_tree_find(tree, "output.forces"),
-				   "no model but %s computes forces; allowed with: redistribute: {model: %s}",
-				   scene_models_with_forces().text, scene_models_with_forces().text);
 	scene->forces = *output->forces;
 	scene->forces_delay = scene->forces > 0 ? (int)whole(output->delay, "output.delay") : 0;
 	return STATUS_OK;

@@ -5,6 +5,8 @@
  * Each row is for a multiple of 1 / output.forces. An object's row is that of its latest path sample until then, at most one
  * post behind the object. It holds while the object is at rest. Only contacts that a row needs are summed.
  *
+ * A model without forces gives rows of where its objects are and how deep. Nothing is asked of the GPU for them.
+ *
  * Forces asked for in a step are used `delay` steps later, even if they came earlier. So the rows, and the part of them that a
  * commit keeps, do not depend on the GPU's speed. The thread waits for forces only if they have not come by then, and at a
  * commit.
@@ -57,9 +59,14 @@ bool world_feels(const struct world *world)
 	return deform_tells_forces(world->scene->model);
 }
 
+static bool writes_rows(const struct world *world)
+{
+	return world->scene->forces > 0 && world->params.rows;
+}
+
 bool world_asks_forces(const struct world *world)
 {
-	return (world->scene->forces > 0 && world->params.rows) || (world->scene->hosted && world_feels(world));
+	return world_feels(world) && (writes_rows(world) || world->scene->hosted);
 }
 
 static bool any_load(const struct scene *scene)
@@ -75,7 +82,7 @@ enum status world_forces_create(struct world *world, struct forces **out)
 	const struct scene *scene = world->scene;
 	*out = NULL;
 	if (!(world->scene->hosted && world_feels(world)) &&
-	    ((scene->object_count == 0 && scene->vehicle_count == 0) || (!world_asks_forces(world) && !any_load(scene))))
+	    ((scene->object_count == 0 && scene->vehicle_count == 0) || (!writes_rows(world) && !any_load(scene))))
 		return STATUS_OK;
 	struct forces *forces = mem_calloc(1, sizeof *forces);
 	if (forces == NULL)
@@ -143,9 +150,10 @@ static enum status add_entry(struct forces *forces, const struct entry *entry)
 	if (entry->ready) /* of a quiet body */
 		return STATUS_OK;
 	size_t i = entry->object;
+	const bool feels = world_feels(forces->world);
 	added->slip = forces->world->scene->objects[i].slip;
 	added->ready = entry->at.tag == 0 || forces->known_tag[i] == entry->at.tag;
-	if (added->ready && entry->at.tag != 0)
+	if (added->ready && (entry->at.tag != 0 || !feels))
 		added->force = forces->known[i];
 	else if (added->ready)
 		added->force = world_no_force(entry->at.pose.z);
@@ -190,7 +198,7 @@ uint64_t world_forces_ask(struct forces *forces, size_t object, const struct eve
 	if (forces == NULL)
 		return 0;
 	if (world_is_hosts(forces->world, object)) {
-		if (world_is_quiet(forces->world, object))
+		if (world_is_quiet(forces->world, object) || !world_feels(forces->world))
 			return 0;
 		const uint64_t tag = last_in_step ? ++forces->tag : 0;
 		if (last_in_step)
@@ -206,8 +214,12 @@ uint64_t world_forces_ask(struct forces *forces, size_t object, const struct eve
 		double row = (double)forces->row / forces->rate;
 		asked = asked || event->next_time > row;
 	}
+	const bool feels = world_feels(forces->world);
 	struct standing *standing = &forces->standing[object];
-	*standing = (struct standing){asked ? ++forces->tag : 0, event->pose, true};
+	if (!feels)
+		forces->known[object] = (struct world_force){.sinkage = fmax(event->sinkage, 0), .z = event->pose.z,
+							     .state = event->sinkage > 0 ? DEFORM_TOUCHING : DEFORM_AIR};
+	*standing = (struct standing){asked && feels ? ++forces->tag : 0, event->pose, true};
 	return standing->tag;
 }
 
@@ -225,7 +237,7 @@ void world_forces_absent(struct forces *forces, size_t object, const struct even
 	struct deform_pose pose = event->pose;
 	if (!event->contact)
 		pose.z = standing->pose.z; /* there is no ground */
-	else /* in the air above it; the record has the same */
+	if (event->contact || !world_feels(forces->world)) /* in the air above it; the record has the same */
 		forces->known[object] = world_no_force(pose.z);
 	*standing = (struct standing){0, pose, true};
 }
@@ -264,6 +276,11 @@ static enum status give_row(const struct forces *forces, const struct entry *ent
 		.position = {lattice_offset_metres(pose->x), lattice_offset_metres(pose->y), lattice_offset_metres(entry->force.z)},
 		.force = entry->force,
 	};
+	if (!world_feels(forces->world)) {
+		for (int i = 0; i < 3; i++)
+			row.force.force[i] = row.force.moment[i] = (double)NAN;
+		row.force.area = row.force.residual = (double)NAN;
+	}
 	enum status status = world_soil_at(forces->world, row.position[0], row.position[1], &row.soil);
 	return status == STATUS_OK ? rows->row(rows->user, &row) : status;
 }
@@ -394,12 +411,13 @@ bool world_forces_known(const struct forces *forces, size_t body, struct world_f
 {
 	if (forces == NULL || !forces->standing[body].placed)
 		return false;
-	if (forces->standing[body].tag == 0) { /* it touches nothing */
+	const bool feels = world_feels(forces->world);
+	if (feels && forces->standing[body].tag == 0) { /* it touches nothing */
 		*force = world_no_force(0);
 		return true;
 	}
 	*force = forces->known[body];
-	return forces->known_tag[body] == forces->standing[body].tag;
+	return !feels || forces->known_tag[body] == forces->standing[body].tag;
 }
 
 struct forces_saved {

@@ -1,4 +1,5 @@
 """drive --resume: where it goes on, where it begins, what it refuses. tests/laws/resume.py kills."""
+import csv
 import hashlib
 import json
 import pathlib
@@ -10,7 +11,7 @@ import sys
 import time
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
-from furrow_test import FURROW, SCENE, FurrowTest, long, main, sampled, write_png16
+from furrow_test import FURROW, SCENE, FurrowTest, long, main, part, sampled, write_png16
 
 NO_GL = {"__EGL_VENDOR_LIBRARY_FILENAMES": "/nonexistent.json", "EGL_PLATFORM": "surfaceless"}
 WHOLE = "ended steps simulated spacing working_level volume objects".split()
@@ -97,6 +98,24 @@ cache: {slots: 16}
             db.execute("UPDATE run SET state = json_set(state, '$.objects[0].force.z', '4611686018427387904')")
         db.close()
         self.assertIn("stands where it cannot", self.refused(3, "drive", scene, "--store", in_pieces[1], "-o", "out", "--resume"))
+
+    def test_a_model_without_forces_has_rows_of_where_its_objects_are(self):
+        for model in part(("box", "none", "sumner", "slippage"), 0):
+            scene = self.scene(SCENE.replace("{model: box}", f"{{model: {model}}}\nsoil: {{name: dry_sand}}\noutput: {{forces: 7}}"))
+            self.pieces(scene, self.copy(), [])
+            rows = (self.folder / "out/objects.csv").read_text()
+            self.pieces(scene, self.copy(), ["--steps", 1], ["--steps", 9], [])
+            self.assertEqual((self.folder / "out/objects.csv").read_text(), rows)
+            found = list(csv.DictReader(rows.splitlines()))
+            self.assertEqual([(float(row["t"]), row["name"]) for row in found],
+                             [(float(f"{i / 7:.9g}"), name) for i in range(29) for name in ("left", "right")])
+            for row in found:
+                self.assertAlmostEqual(float(row["sinkage"]), 0.15, delta=1e-5)
+                self.assertEqual({row[name] for name in ("fx", "fy", "fz", "tx", "ty", "tz", "contact_area", "residual")}, {"nan"})
+                self.assertEqual(row["state"], "touching")
+            self.assertEqual((float(found[0]["x"]), float(found[0]["y"])), (20, 20))
+            self.assertGreater(float(found[-1]["x"]), 100)
+            self.ok("report", "out", "-o", "out.html")
 
     def test_nothing_is_awake_without_objects(self):
         scene = self.scene("scene: 1\ntime_step: 0.1\nend_time: 1\nspacing: 0.25\nsoil: {name: dry_sand}\n"
