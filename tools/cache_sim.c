@@ -8,6 +8,7 @@
 #include "base/aside.h"
 #include "cache_plot.h"
 #include "command.h"
+#include "dem/dem.h"
 #include "json.h"
 
 #define SLOTS_MOST 1000000000 /* no cache has more */
@@ -106,6 +107,8 @@ static enum status check_outputs(const char *trace, const char *const outputs[2]
 		if (outputs[i] != NULL && stat(trace, &in) == 0 && stat(outputs[i], &out) == 0 &&
 		    in.st_dev == out.st_dev && in.st_ino == out.st_ino)
 			return fail_with(STATUS_USAGE, "cache-sim: %s: is the trace itself; give another file", outputs[i]);
+	if (outputs[1] != NULL && !dem_path_ends(outputs[1], ".svg"))
+		return fail_with(STATUS_USAGE, "cache-sim: %s: a plot is an SVG; name a file ending in .svg", outputs[1]);
 	if (outputs[0] != NULL && outputs[1] != NULL && strcmp(outputs[0], outputs[1]) == 0)
 		return fail_with(STATUS_USAGE, "cache-sim: %s: cannot be both table and plot; give two files", outputs[0]);
 	return STATUS_OK;

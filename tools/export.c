@@ -9,6 +9,7 @@
 #include "relief_told.h"
 #include "ruts.h"
 #include "scene/scene.h"
+#include "world_file.h"
 
 static const char *const layer_names[] = {"surface", "base",        "offset",    "deposited", "plastic_sinkage", "shear",
 					  "shear_x", "shear_y",     "fixed_point", "hillshade", NULL};
@@ -327,6 +328,9 @@ static enum status write_raster(const struct export_request *request, struct sto
 		status = write_rows(request, reader, extent, rect, writer);
 	if (status == STATUS_OK)
 		status = dem_writer_publish(writer);
+	if (status == STATUS_OK && request->png && meta->srs[0] != '\0') /* a PNG has no place of its own */
+		status = world_file_write(request->path, meta, &(struct chart_place){.east = spacing, .south = spacing,
+			.west_edge = ((double)rect.x0 - 0.5) * spacing, .north_edge = ((double)rect.y1 - 0.5) * spacing});
 	if (status == STATUS_OK)
 		printf("%s: %s, %lld x %lld posts, %g m apart%s\n", request->path, layer_names[request->layer],
 		       (long long)raster.width, (long long)raster.height, spacing, replaces ? "; the file that was there is replaced" : "");
@@ -354,12 +358,12 @@ static enum status run(const struct arguments *arguments)
 		relief_tell_missing(request.store, store);
 	if (status == STATUS_OK && export_is_ruts(&request) && !arguments_flag(arguments, "level") && store_has_working_level(store, &working))
 		request.level = working;
-	if (status == STATUS_OK && !arguments_flag(arguments, "level") && store_has_working_level(store, &working))
-		status = tell_finer_ruts(&request, store, working);
 	if (status == STATUS_OK)
 		status = export_take_changed(&request, store);
 	if (status == STATUS_OK)
 		status = request.mesh ? export_mesh(&request, store) : request.map ? export_picture(&request, store) : write_raster(&request, store);
+	if (status == STATUS_OK && !arguments_flag(arguments, "level") && store_has_working_level(store, &working))
+		status = tell_finer_ruts(&request, store, working);
 	store_close(store);
 	return status;
 }

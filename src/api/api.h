@@ -116,6 +116,8 @@ struct api_params {
 struct api_result {
 	const char *ended; /* "complete", "interrupted", "failed" */
 	int64_t steps;
+	int level;      /* that was deformed */
+	double spacing; /* m, of its posts */
 	double seconds, rtf;
 	char *json; /* the text of run.json; free with mem_free */
 	bool reported;     /* run.json was written */

@@ -248,6 +248,7 @@ enum status api_drive(const struct api_params *params, struct api_result *result
 		advise(&drive);
 		status = api_agree(&drive, api_start(&drive));
 		drive.ran = status == STATUS_OK;
+		drive.unbegun = !drive.ran && !drive.world.resumed.is && params->ranks == NULL && params->host == NULL;
 		if (status == STATUS_OK)
 			status = api_end(&drive, result, all(&drive));
 	}

@@ -40,6 +40,8 @@ static enum status describe(struct drive *drive, struct api_result *result)
 	report->vehicles = drive->vehicles;
 	report->advised = drive->params->host == NULL;
 	result->steps = world->step;
+	result->level = world->level;
+	result->spacing = world->spacing;
 	result->seconds = report->seconds;
 	result->rtf = report->seconds > 0 ? (world->time - world->resumed.time) / report->seconds : 0;
 	result->json = report_json(report, result->ended);

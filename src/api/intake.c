@@ -145,7 +145,7 @@ static enum status suspend(const struct intake *intake, struct store *store)
 {
 	enum status status = store_suspend(store);
 	return status != STATUS_OK ? status
-				   : fail_with(STATUS_INTERRUPTED, "%s: interrupted; the same once more with --resume, or {resume: true}, goes on",
+				   : fail_with(STATUS_INTERRUPTED, "%s: interrupted; run the same import with --resume to go on",
 					       intake->path);
 }
 

@@ -24,7 +24,7 @@ struct drive {
 	struct report_rows *rows;     /* NULL: no objects.csv */
 	struct report report;
 	bool ran;                     /* its loop began */
-	bool unbegun;                 /* a vehicle or an object could not be set down: nothing of the drive is to be kept */
+	bool unbegun;                 /* it failed before its first step, or nothing could be set down: nothing of it is to be kept */
 	bool new_folder, new_overlay; /* they were not there before */
 	struct host *host;            /* NULL unless a window controls the drive */
 	double entered, began;        /* s, of the system's clock: start of the drive, and of its loop */

@@ -24,7 +24,7 @@ enum status aside_begin(struct aside *aside, const char *path)
 	aside->file = fopen(aside->part, "w");
 	aside->begun = aside->file != NULL;
 	return aside->begun ? STATUS_OK
-			    : fail_with(STATUS_FAILED, "%s: %s; give a file that can be written", aside->part, strerror(errno));
+			    : fail_with(STATUS_FAILED, "%s: %s; give a file that can be written", aside->path, strerror(errno));
 }
 
 enum status aside_whole(struct aside *aside, bool synced)

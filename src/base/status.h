@@ -26,7 +26,7 @@ enum status {
 /* A failure carried from one thread to another. */
 struct failure {
 	enum status status;
-	char message[512];
+	char message[4096 + 512]; /* room for a long path and what is wrong with it */
 };
 
 /* Sets this thread's message and returns `status`, so that `return fail_with(...)` reads well. */

@@ -311,6 +311,10 @@ enum status scene_tree_parse(const char *file, const char *setting, const char *
 	bool ended = false;
 
 	*out = NULL;
+	if (length >= 3 && memcmp(text, "\xef\xbb\xbf", 3) == 0) { /* an editor's byte order mark */
+		text += 3;
+		length -= 3;
+	}
 	if (strncmp(text, "SQLite format 3", strnlen("SQLite format 3", length)) == 0 && length > 0)
 		return fail_with(STATUS_INPUT, "%s: it is a store, not a scene; name the YAML file of the scene, and the store with --store", file);
 	if (memchr(text, '\0', length) != NULL)

@@ -54,6 +54,19 @@ class BadInput(FurrowTest):
                 self.refused(3, "drive", self.scene(), "--store", name, "-o", "out")
                 self.assertFalse((self.folder / "out").exists())
 
+    def test_what_to_do_is_told_behind_a_long_path(self):
+        path = "/".join(["folder-of-a-long-name"] * 45 + ["missing.furrow"])
+        self.assertIn(path, self.refused(3, "info", path))
+
+    def test_a_drive_that_cannot_start_leaves_nothing(self):
+        self.synth(posts="65x65")
+        self.assertIn("no/trace:", self.refused(1, "drive", self.scene(), "--store", "world.furrow", "--overlay", "o.furrow", "-o", "out", "--trace", "no/trace"))
+        self.assertEqual(sorted(path.name for path in self.folder.iterdir()), ["scene.yaml", "world.furrow"])
+
+    def test_a_scene_may_begin_with_a_byte_order_mark(self):
+        self.assertEqual(self.json("explain", self.scene(), "--json"), self.json("explain", self.scene("\ufeff" + SCENE), "--json"))
+        self.assertIn(":2: time_ste: unknown key", self.refused(3, "explain", self.scene("\ufeff" + SCENE.replace("time_step", "time_ste"))))
+
     def test_slots_below_what_a_step_needs_are_refused_with_the_number(self):
         """Before anything is made; and with that number of slots it runs, within what it says it takes."""
         self.ok("synth", "-o", "dem.png", "--posts", "513x513", "--spacing", "1")

@@ -292,6 +292,18 @@ class RoundTrips(RasterTest):
             self.ok("import", "in.png", "-o", "s.furrow", "--overwrite", *extra)
             self.ok("export", "s.furrow", "-o", "out.png", *extra)
             self.assertEqual(list(rasters.pixels(self.folder / "out.png", "H")[2]), cells)
+        self.assertFalse((self.folder / "out.pgw").exists())  # the store has no place on a body
+
+    def test_a_png_tells_gdal_where_it_lies(self):
+        self.make("in.tif", 60, 50, lambda x, y: x + y, "f", west=500000.0, north=5000000.0, srs="EPSG:32633", nodata=None)
+        self.ok("import", "in.tif", "-o", "s.furrow")
+        for extra in ([], ["--level", "1"], ["--window", "100,50,300,200"]):
+            self.ok("export", "s.furrow", "-o", "out.png", *extra)
+            self.ok("export", "s.furrow", "-o", "out.tif", *extra)
+            png, tif = (rasters.gdalinfo(self.folder / name) for name in ("out.png", "out.tif"))
+            self.assertEqual(png["geoTransform"], tif["geoTransform"])
+            self.assertEqual(png["size"], tif["size"])
+            self.assertEqual(png["coordinateSystem"]["wkt"], tif["coordinateSystem"]["wkt"])
 
 
 def holes(x, y):
