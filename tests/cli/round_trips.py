@@ -296,7 +296,7 @@ class RoundTrips(RasterTest):
 
     def test_a_png_tells_gdal_where_it_lies(self):
         self.make("in.tif", 60, 50, lambda x, y: x + y, "f", west=500000.0, north=5000000.0, srs="EPSG:32633", nodata=None)
-        self.ok("import", "in.tif", "-o", "s.furrow")
+        self.ok("import", "in.tif", "-o", "s.furrow", "--tile", 16)
         for extra in ([], ["--level", "1"], ["--window", "100,50,300,200"]):
             self.ok("export", "s.furrow", "-o", "out.png", *extra)
             self.ok("export", "s.furrow", "-o", "out.tif", *extra)
