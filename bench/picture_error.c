@@ -31,6 +31,7 @@
 #define CELLS 256
 #define REPEATS 9
 #define TRUTH 1e-6
+#define DARK 64 /* of 255: daylight is brighter in the mean */
 
 /* Places in metres; z above the ground there. */
 static const struct {
@@ -98,14 +99,16 @@ static void open_rig(struct rig *rig, const char *store)
 	world_settle_light(world);
 	if (!store_has_working_level(world->store, &world->level))
 		bench_must(fail_with(STATUS_FAILED, "%s: no rut was made; look at the drive", store));
+	world->was_deformed = true;
 	world->spacing = extent_spacing(&world->meta->extent, world->level);
+	const unsigned planes = world_planes(&rig->scene, true);
 	world->commit_log = tmpfile();
 	if (world->commit_log == NULL)
 		bench_must(fail_with(STATUS_FAILED, "/tmp: no file can be made; free some space"));
 	bench_must(gpu_create(&(struct gpu_params){.draws = true}, &world->gpu));
-	bench_must(gpu_slots_create(world->gpu, CELLS, SLOTS, PLANE_BIT(PLANE_DISTURBANCE), &world->slots));
+	bench_must(gpu_slots_create(world->gpu, CELLS, SLOTS, planes, &world->slots));
 	bench_must(resident_ground_create(world->store, 64, &world->ground));
-	bench_must(resident_pages_create(&(struct pages_params){.gpu = world->gpu, .store = world->store, .slots = world->slots,
+	bench_must(resident_pages_create(&(struct pages_params){.gpu = world->gpu, .store = world->store, .slots = world->slots, .planes = planes,
 						       .level = world->level, .count = SLOTS, .loaders = 2, .step_pages = 16,
 						       .record = world_record_pages(&rig->scene), .commit_log = world->commit_log, .commit_age = 1000,
 						       .before_read_back = before_read_back},
@@ -144,15 +147,18 @@ struct figures {
 	double ms[CAMERAS * REPEATS];
 	size_t timed;
 	double triangles, tiles, bytes; /* a frame */
+	size_t deformed;                /* tiles with ruts, of all frames */
 };
 
-static double slot_bytes(const struct rig *rig)
+static double slot_bytes(const struct rig *rig, size_t *deformed)
 {
 	const struct terrain_selection *selection = rig->view->selection;
 	double posts = (CELLS + 1) * (CELLS + 1), bytes = (double)selection->needed * posts * sizeof(int32_t);
 	for (size_t i = 0; i < selection->draw_count; i++)
-		if (gpu_slots_get(rig->world.slots, selection->draws[i].slot)->target != NULL)
+		if (gpu_slots_get(rig->world.slots, selection->draws[i].slot)->target != NULL) {
 			bytes += posts * (sizeof(int32_t) + 1); /* offset and dirt */
+			++*deformed;
+		}
 	return bytes;
 }
 
@@ -186,7 +192,7 @@ static void draw(struct rig *rig, double pixel_error, int repeats, const char *f
 		gpu_texture_read(view->render->screen->colour, 0, (struct gpu_rect){0, 0, WIDTH, HEIGHT}, pixels + i * PIXELS * 4);
 		figures->triangles += (double)render_triangles(view->render) / CAMERAS;
 		figures->tiles += (double)selection->draw_count / CAMERAS;
-		figures->bytes += slot_bytes(rig) / CAMERAS;
+		figures->bytes += slot_bytes(rig, &figures->deformed) / CAMERAS;
 		if (folder != NULL) {
 			char path[4096];
 			snprintf(path, sizeof path, "%s/%s-%g.png", folder, cameras[i].name, pixel_error);
@@ -195,6 +201,15 @@ static void draw(struct rig *rig, double pixel_error, int repeats, const char *f
 	}
 	render_view_destroy(view);
 	rig->view = NULL;
+}
+
+/* Of all channels but alpha. */
+static double sum_of(const uint8_t *pixels)
+{
+	double sum = 0;
+	for (size_t i = 0; i < 4 * PIXELS * CAMERAS; i++)
+		sum += i % 4 < 3 ? pixels[i] : 0;
+	return sum;
 }
 
 static void print(const struct rig *rig, double pixel_error, const uint8_t *truth, const uint8_t *pixels, struct figures *figures)
@@ -207,6 +222,8 @@ static void print(const struct rig *rig, double pixel_error, const uint8_t *trut
 		sum += apart * apart;
 		worst = apart > worst ? apart : worst;
 	}
+	if (sum_of(truth) < DARK * 3.0 * PIXELS * CAMERAS)
+		bench_must(fail_with(STATUS_FAILED, "the true pictures are dark; look at the light"));
 	double psnr = 10 * log10(255.0 * 255 / (sum / (3.0 * PIXELS * CAMERAS)));
 	if (pixel_error > 0)
 		snprintf(knob, sizeof knob, "%g", pixel_error);
@@ -241,6 +258,8 @@ int main(int argc, char **argv)
 		bench_must(fail_memory("the pictures"));
 	struct figures figures;
 	draw(&rig, TRUTH, 0, folder, truth, &figures);
+	if (figures.deformed == 0)
+		bench_must(fail_with(STATUS_FAILED, "no picture has a rut; look at the planes of the slots"));
 	for (size_t i = 0; i < sizeof pixel_errors / sizeof *pixel_errors; i++) {
 		if (quick && pixel_errors[i] != 0 && pixel_errors[i] != 4)
 			continue;

@@ -1,6 +1,9 @@
-/* The bed: a store of level ground, in a file that is removed when the rig has ended. */
+/* The bed: a store of level ground, in a folder of its own that is removed when the rig has ended. */
+#include <errno.h>
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 #include <unistd.h>
 
 #include "dem/dem.h"
@@ -8,6 +11,7 @@
 #include "store/store.h"
 
 #define CELLS 256
+#define NAME "/bed.furrow"
 
 static enum status level(void *user, struct post_rect rect, double *heights)
 {
@@ -46,12 +50,33 @@ enum status rig_bed_make(const struct rig *rig, size_t lanes)
 	return status;
 }
 
-void rig_bed_remove(const struct rig *rig)
+enum status rig_bed_begin(struct rig *rig)
+{
+	const char *folder = rig->params->folder;
+	rig->bed = mem_alloc(strlen(folder) + sizeof "/bed-XXXXXX" NAME, 1);
+	if (rig->bed == NULL)
+		return fail_memory("the rig");
+	char *const end = rig->bed + sprintf(rig->bed, "%s/bed-XXXXXX", folder);
+	if (mkdtemp(rig->bed) != NULL) {
+		strcpy(end, NAME);
+		return STATUS_OK;
+	}
+	mem_free(rig->bed);
+	rig->bed = NULL;
+	return fail_with(STATUS_FAILED, "%s: no folder can be made in it: %s; give another folder", folder, strerror(errno));
+}
+
+void rig_bed_remove(struct rig *rig)
 {
 	static const char *const ends[] = {"", "-wal", "-shm", ".part"};
 	char path[4096];
-	for (size_t i = 0; rig->bed != NULL && i < sizeof ends / sizeof *ends; i++) {
+	if (rig->bed == NULL)
+		return;
+	for (size_t i = 0; i < sizeof ends / sizeof *ends; i++) {
 		snprintf(path, sizeof path, "%s%s", rig->bed, ends[i]);
 		unlink(path);
 	}
+	rig->bed[strlen(rig->bed) - strlen(NAME)] = '\0';
+	rmdir(rig->bed);
+	mem_free(rig->bed);
 }

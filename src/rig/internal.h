@@ -24,9 +24,11 @@ struct rig {
 	int64_t done, total;      /* lanes, for progress */
 };
 
-/* bed.c: makes level ground for so many lanes. */
+/* bed.c. Makes the folder of the bed, and names it. Nothing of the user's has that name. */
+enum status rig_bed_begin(struct rig *rig) FURROW_CHECKED;
+/* Makes level ground for so many lanes. */
 enum status rig_bed_make(const struct rig *rig, size_t lanes) FURROW_CHECKED;
-void rig_bed_remove(const struct rig *rig);
+void rig_bed_remove(struct rig *rig); /* and its folder */
 
 /* rig.c: true if the object has a slip and what drives it. */
 bool rig_is_driven(const struct rig *rig);

@@ -185,13 +185,9 @@ enum status rig_run(const struct rig_params *params, struct rig_found *found, ri
 	if (status != STATUS_OK)
 		return status;
 	rig.shape = in_braces(params->shape);
-	rig.bed = mem_alloc(strlen(params->folder) + sizeof "/bed.furrow", 1);
-	if (rig.shape == NULL || rig.bed == NULL) {
-		status = fail_memory("the rig");
-	} else {
-		sprintf(rig.bed, "%s/bed.furrow", params->folder);
+	status = rig.shape != NULL ? rig_bed_begin(&rig) : fail_memory("the rig");
+	if (status == STATUS_OK)
 		status = measure(&rig);
-	}
 	if (status == STATUS_OK && rig_is_driven(&rig) && params->slip_count + params->torque_count == 0)
 		status = fail_with(STATUS_USAGE, "rig: a wheel or a belt needs slips or torques; give some");
 	if (status == STATUS_OK && !rig_is_driven(&rig) && params->torque_count > 0)
@@ -206,6 +202,5 @@ enum status rig_run(const struct rig_params *params, struct rig_found *found, ri
 	failure_capture(&failure, status);
 	rig_bed_remove(&rig);
 	mem_free(rig.shape);
-	mem_free(rig.bed);
 	return status == STATUS_OK ? STATUS_OK : failure_restore(&failure);
 }

@@ -46,7 +46,7 @@ struct rig_params {
 	double spacing;                 /* m between posts; 0: a twentieth of the object's width or height, whichever is less */
 	const struct scene_setting *settings; /* of the scene, as in redistribute.slip_sinkage */
 	size_t setting_count;
-	const char *folder;             /* an existing folder, for the bed's file while it is used */
+	const char *folder;             /* an existing folder, in which the bed has a folder while it is used */
 	const volatile sig_atomic_t *stop;
 	/* Called from time to time. If it does not return STATUS_OK, the rig stops with that. NULL: no calls */
 	enum status (*progress)(void *user, int64_t done, int64_t total);

@@ -238,10 +238,12 @@ class Rig(FurrowTest):
                 self.assertIn(part, error)
                 self.assertNotIn("scene text", error)
 
-    def test_it_stops_when_told(self):
+    def test_it_stops_when_told_and_leaves_what_was_there(self):
+        (self.folder / "rig").mkdir()
+        (self.folder / "rig" / "bed.furrow").write_text("the user's own")
         process = subprocess.Popen([FURROW, "rig", "-o", "rig", "--slip", "0:0.8:0.01"], cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         until = time.monotonic() + 60
-        while process.poll() is None and time.monotonic() < until and not (self.folder / "rig" / "bed.furrow").exists():
+        while process.poll() is None and time.monotonic() < until and not list((self.folder / "rig").glob("bed-*/bed.furrow")):
             time.sleep(0.01)
         time.sleep(0.5)
         process.send_signal(signal.SIGINT)
@@ -249,7 +251,8 @@ class Rig(FurrowTest):
         if process.returncode == 4:
             self.skipTest("no GL here")
         self.assertEqual(process.returncode, 130, told)
-        self.assertEqual(list(pathlib.Path(self.folder / "rig").iterdir()), [])
+        self.assertEqual([path.name for path in (self.folder / "rig").iterdir()], ["bed.furrow"])
+        self.assertEqual((self.folder / "rig" / "bed.furrow").read_text(), "the user's own")
 
 
 if __name__ == "__main__":
