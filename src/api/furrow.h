@@ -120,8 +120,10 @@ struct furrow_open {
 FURROW_API furrow_status furrow_world_open(const struct furrow_open *open, struct furrow_world **world);
 
 /*
- * Commits the ground as it is and frees the world, also when it fails. After a rollback the ground is the rolled-back one.
- * NULL: does nothing, FURROW_OK. FURROW_FAILED: the last changes could not be committed; the store has its last commit.
+ * Commits the ground as the last whole step left it and frees the world, also when it fails. After a rollback the ground is the
+ * rolled-back one. If the last step failed, run.json ends with "failed". NULL: does nothing, FURROW_OK.
+ * FURROW_FAILED: the last changes could not be committed; the store has its last commit. So it is after a step that failed half-way, if
+ * whole steps before it had no commit.
  */
 FURROW_API furrow_status furrow_world_close(struct furrow_world *world);
 
@@ -129,8 +131,10 @@ FURROW_API furrow_status furrow_world_close(struct furrow_world *world);
  * Moves time on by `seconds`. Bodies with paths follow them; the others get to where furrow_set_states said.
  * 0: the scene's time_step; n such steps end at n x time_step exactly. A step with bodies of the host ends when the ground
  * under them is on the host.
- * FURROW_USAGE: `seconds` is negative, NaN or infinite; with vehicles also if it is no multiple of time_step. FURROW_FAILED: the step
- * could not be completed; the world can then only be rolled back or closed, and nothing of that step is committed.
+ * FURROW_USAGE: `seconds` is negative, NaN or infinite; with vehicles also if it is no multiple of time_step.
+ * FURROW_FAILED: the step could not be completed, and nothing of it is committed. If it failed before it changed the ground, as where a
+ * body leaves the terrain, the world is as it was before and may go on; contacts of vehicles are not known until the next step.
+ * Otherwise the world can only be rolled back or closed. Of several time_steps of vehicles those before the failure stay.
  */
 FURROW_API furrow_status furrow_step(struct furrow_world *world, double seconds);
 

@@ -182,22 +182,48 @@ static bool is_complete(const struct furrow_world *host)
 	return isfinite(host->scene->end_time) && host->world.time >= host->scene->end_time * (1 - 1e-12);
 }
 
+/* A step that failed half-way cannot be committed. The commit that is in flight may have all steps before it. */
+static enum status end_torn(struct world *world)
+{
+	struct resident_pages_io io;
+	enum status status = page_cache_await_commit(world->cache);
+	if (status != STATUS_OK)
+		return status;
+	resident_pages_io(world->pages, &io);
+	if (io.step >= world->step)
+		return STATUS_OK;
+	return fail_with(STATUS_FAILED, "close: a step failed half-way, and %lld whole steps before it are lost with it; go on from step %lld, which is in the store",
+			 (long long)(world->step - io.step), (long long)io.step);
+}
+
+static enum status end(struct furrow_world *host)
+{
+	struct world *world = &host->world;
+	if (world->torn)
+		return end_torn(world);
+	enum status status = world_hosts_commit(world);
+	return status == STATUS_OK ? world_end(world, is_complete(host)) : status;
+}
+
+static const char *ended(const struct furrow_world *host, enum status status)
+{
+	return status != STATUS_OK || host->failed ? "failed" : is_complete(host) ? "complete" : "interrupted";
+}
+
 furrow_status furrow_world_close(struct furrow_world *world)
 {
 	struct library_call call;
 	if (world == NULL)
 		return FURROW_OK;
 	enum status status = api_library_enter(&call, world);
-	if (status == STATUS_OK && !world->world.torn)
-		status = world_hosts_commit(&world->world);
 	if (status == STATUS_OK)
-		status = world_end(&world->world, is_complete(world));
+		status = end(world);
 	world->report.threads = thread_running();
 	world_stop(&world->world);
 	struct failure failure;
 	failure_capture(&failure, status);
 	if (world->output != NULL) {
-		enum status written = write_report(world, status != STATUS_OK ? "failed" : is_complete(world) ? "complete" : "interrupted");
+		enum status written = write_report(world, ended(world, status));
 		if (status == STATUS_OK && written != STATUS_OK) {
 			status = written;
 			failure_capture(&failure, status);
@@ -211,7 +237,7 @@ furrow_status furrow_world_close(struct furrow_world *world)
 
 /* --- steps --- */
 
-/* Vehicles take whole steps of time_step. What a step that failed has moved only a rollback sets back. */
+/* Vehicles take whole steps of time_step. Those before one that failed stay. */
 static enum status step_vehicles(struct furrow_world *host, double seconds)
 {
 	struct world *world = &host->world;
@@ -222,8 +248,12 @@ static enum status step_vehicles(struct furrow_world *host, double seconds)
 	enum status status = STATUS_OK;
 	for (double i = 0; i < count && status == STATUS_OK; i++)
 		status = vehicle_step(host->vehicles);
-	world->torn = world->torn || status != STATUS_OK;
-	return status;
+	if (status == STATUS_OK || world->torn)
+		return status;
+	struct failure failure;
+	failure_capture(&failure, status);
+	world->torn = vehicle_step_back(host->vehicles) != STATUS_OK;
+	return failure_restore(&failure);
 }
 
 static enum status step(struct furrow_world *host, double seconds)
@@ -238,6 +268,7 @@ static enum status step(struct furrow_world *host, double seconds)
 	enum status status = host->vehicles != NULL ? step_vehicles(host, seconds) : world_step_to(world, until);
 	const double took = clock_seconds() - began;
 	host->busy += took;
+	host->failed = status != STATUS_OK && status != STATUS_USAGE;
 	if (status != STATUS_OK)
 		return status;
 	host->steps++;
@@ -290,6 +321,7 @@ furrow_status furrow_rollback(struct furrow_world *world)
 	if (status == STATUS_OK) {
 		world->origin = world->mark.origin;
 		world->steps = world->mark.steps;
+		world->failed = false;
 	}
 	return api_library_leave(&call, status);
 }

@@ -30,6 +30,7 @@ struct furrow_world {
 		double origin;
 		int64_t steps;
 	} mark;
+	bool failed;              /* the last step failed, and nothing was rolled back since */
 	double began;             /* s, by the clock */
 	double busy;              /* s, by the clock, in furrow_step */
 };

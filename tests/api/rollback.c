@@ -256,6 +256,50 @@ static void force_commit(struct furrow_world *world)
 	done(api_library_leave(&call, page_cache_flush(world->world.cache, world->world.record)));
 }
 
+static enum status no_contact(void *user, const struct event *event, const struct contact_area *area)
+{
+	(void)user, (void)event, (void)area;
+	return fail_with(STATUS_FAILED, "contact: it fails; try another");
+}
+
+/* Fails a step when the soil moves already. */
+static void tear(struct furrow_world *world, furrow_body ball, double x)
+{
+	const struct world_watcher watcher = {.contact = no_contact};
+	const struct furrow_state state = hosted_state(x, 16, 100.4);
+	world->world.watcher = &watcher;
+	done(furrow_set_states(world, 1, &ball, &state));
+	refused(FURROW_FAILED, furrow_step(world, 0));
+	world->world.watcher = NULL;
+	assert_true(world->world.torn);
+}
+
+/* What a commit has of it stays, and a close tells if that is not all. */
+static void a_step_that_fails_half_way_is_told_if_others_go_with_it(void **state)
+{
+	for (int committed = 0; committed < 2; committed++) {
+		const char *name = committed ? "torn-all.furrow" : "torn-some.furrow";
+		struct furrow_world *world = hosted_world(name);
+		furrow_body ball = hosted_ball(world, 10, 16);
+		make_rut(world, ball, 10, 16, 12);
+		done(furrow_checkpoint(world));
+		const double rut = point_at(world, 10.5, 16).offset;
+		hosted_move(world, ball, 12.6, 16, 100.4);
+		if (committed)
+			force_commit(world);
+		tear(world, ball, 12.8);
+		if (committed)
+			done(furrow_world_close(world));
+		else
+			refused(FURROW_FAILED, furrow_world_close(world));
+		support_verify(support_path(name));
+		done(open_again(name, &world));
+		assert_true(point_at(world, 10.5, 16).offset <= rut && rut < -0.05);
+		assert_true((point_at(world, 12, 16).offset < -0.05) == committed);
+		done(furrow_world_close(world));
+	}
+}
+
 /* The heap is pressed flat and committed before a body is first looked at in the air. A rollback brings the heap back: now a body
  * above the base is in the heap, and must press it. */
 static void ground_that_a_rollback_raises_is_pressed(void **state)
@@ -292,6 +336,7 @@ int main(void)
 		cmocka_unit_test(a_rollback_without_a_checkpoint_goes_back_to_the_opening),
 		cmocka_unit_test(ground_that_a_rollback_raises_is_pressed),
 		cmocka_unit_test(what_is_closed_is_in_the_store),
+		cmocka_unit_test(a_step_that_fails_half_way_is_told_if_others_go_with_it),
 		cmocka_unit_test(an_overlay_keeps_the_store_as_it_was),
 		cmocka_unit_test(what_open_was_given_may_go),
 		cmocka_unit_test(copies_that_follow_changes_end_as_the_store_does),
