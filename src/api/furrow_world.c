@@ -207,7 +207,7 @@ static enum status end(struct furrow_world *host)
 
 static const char *ended(const struct furrow_world *host, enum status status)
 {
-	return status != STATUS_OK || host->failed ? "failed" : is_complete(host) ? "complete" : "interrupted";
+	return status != STATUS_OK || host->failed || host->world.torn ? "failed" : is_complete(host) ? "complete" : "interrupted";
 }
 
 furrow_status furrow_world_close(struct furrow_world *world)

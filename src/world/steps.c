@@ -155,10 +155,9 @@ enum status world_step(struct world *world)
 	return world_step_to(world, world_step_time(world->scene, world->step + 1));
 }
 
-enum status world_step_to(struct world *world, double until)
+/* Does all that can fail before anything changes: a scene that leaves the ground stops at the end of a step. */
+static enum status prepare(struct world *world, double until)
 {
-	world->hosts.until = until;
-	/* This is before anything changes: a scene that leaves the ground stops at the end of a step. */
 	enum status status = world_collect_events(world, until);
 	if (world->ranks != NULL)
 		status = world->ranks->step(world->ranks->user, until, status);
@@ -168,8 +167,17 @@ enum status world_step_to(struct world *world, double until)
 		status = page_cache_poll(world->cache);
 	if (status == STATUS_OK)
 		status = motion_look_ahead_step(world->ahead, world->time);
-	if (status != STATUS_OK)
+	return status;
+}
+
+enum status world_step_to(struct world *world, double until)
+{
+	enum status status = prepare(world, until);
+	if (status != STATUS_OK) {
+		world_forget_events(world);
 		return status;
+	}
+	world->hosts.until = until;
 	world->torn = true;
 	status = deform_step(world, until);
 	if (status != STATUS_OK)
