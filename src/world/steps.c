@@ -20,8 +20,8 @@ int64_t world_step_count(const struct world *world)
 double world_step_time(const struct scene *scene, int64_t step)
 {
 	double time = (double)step * scene->time_step;
-	/* The last step ends where the scene does, whatever the time step. So the same path samples are due. */
-	return time < scene->end_time * (1 - 1e-12) ? time : scene->end_time;
+	/* The last step ends where the scene does, whatever the time step. So the same path samples are due. A host's world has no end. */
+	return scene->hosted || time < scene->end_time * (1 - 1e-12) ? time : scene->end_time;
 }
 
 enum status world_fill_record(struct world *world)

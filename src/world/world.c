@@ -1,6 +1,7 @@
 /* A world's life: opened, started, warmed up, stopped, freed. */
 #include "world/internal.h"
 
+#include <math.h>
 #include <string.h>
 
 /*
@@ -95,7 +96,7 @@ static enum status start_look_ahead(struct world *world)
 		.camera_user = world,
 		.camera_speed = follows ? motion_track_fastest(world->bodies[scene->view.aim.object].track) : 0,
 		.prefetch = scene->prefetch,
-		.end = scene->end_time,
+		.end = scene->hosted ? (double)INFINITY : scene->end_time,
 	};
 	enum status status = motion_look_ahead_create(&params, &world->ahead);
 	mem_free(bodies);

@@ -451,7 +451,7 @@ enum status world_start_point(const struct world *world, const struct scene_vehi
 
 int64_t world_step_count(const struct world *world); /* number of the last step */
 double world_steps_until(const struct scene *scene, double time); /* number of whole steps until `time`, s */
-double world_step_time(const struct scene *scene, int64_t step);  /* time in s at which this step ends */
+double world_step_time(const struct scene *scene, int64_t step);  /* s at which this step ends; at most end_time, unless a host steps */
 bool world_stopped(const struct world *world); /* true after Ctrl-C */
 enum status world_interrupted(const struct world *world) FURROW_CHECKED;
 /* Ends a change of the ground. From now on it may be committed with the present record. */

@@ -174,6 +174,20 @@ static void a_failed_step_loses_nothing(void **unused)
 	assert_same_files(cut.out, output);
 }
 
+/* The time goes on with the vehicle. */
+static void a_scenes_end_ends_nothing(void **unused)
+{
+	prepare("    driver: {hold: {drive: 2}}\n");
+	struct furrow_world *world = opened(support_path("h.furrow"), NULL);
+	for (int i = 1; i <= 510; i++)
+		done(furrow_step(world, 0));
+	const double before = state_of(world).distance;
+	assert_true(furrow_time(world) == 510 * 0.002);
+	done(furrow_step(world, 0.01));
+	assert_true(furrow_time(world) == 515 * 0.002 && state_of(world).distance > before);
+	done(furrow_world_close(world));
+}
+
 static void the_host_sets_controls(void **unused)
 {
 	furrow_vehicle cart;
@@ -273,6 +287,7 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(it_drives_as_the_command_drives_it),
 		cmocka_unit_test(a_failed_step_loses_nothing),
+		cmocka_unit_test(a_scenes_end_ends_nothing),
 		cmocka_unit_test(the_host_sets_controls),
 		cmocka_unit_test(what_cannot_be_is_refused),
 		cmocka_unit_test(it_stands_in_pictures),
