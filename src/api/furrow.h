@@ -202,7 +202,7 @@ enum furrow_contact_state {
 
 /* What the soil does to a body. A figure that is not known is NaN. */
 struct furrow_contact {
-	double time;            /* s: of the ground and the state that it is of */
+	double time;            /* s: of the ground and the state that it is of; on a path that of the latest path sample, a working post apart */
 	double force[3];        /* N, on the body, local axes */
 	double moment[3];       /* N m, about the body's origin, on the body, local axes */
 	double point[3];        /* m: where the force's line passes nearest the patch's centre */

@@ -201,7 +201,7 @@ enum world_contact_state { WORLD_AIR, WORLD_TOUCHING, WORLD_SLIDES, WORLD_SUNK, 
 
 /* The contact of a body with the soil. NaN: not known. */
 struct world_contact {
-	double time;                  /* s: time at which the ground and the body were as described here */
+	double time;                  /* s: time at which the ground and the body were as described here; on a path that of the latest path sample */
 	double force[3], moment[3];   /* on the body, in local axes: N, and N m about the origin */
 	double point[3];              /* m: on the line of the force, the point nearest to the body's lowest point */
 	double normal[3];             /* unit normal of the undisturbed surface under the body */

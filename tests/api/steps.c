@@ -51,10 +51,35 @@ static void a_step_that_fails_before_anything_changed_changes_no_later_one(void 
 	free(other);
 }
 
+/* Path samples are 0.125 m apart, so that each force is of a multiple of 0.25 s. */
+static void a_contact_on_a_path_has_the_time_of_its_path_sample(void **state)
+{
+	static const char scene[] = "{\"scene\": 1, \"time_step\": 0.05, \"spacing\": 0.125, \"soil\": {\"name\": \"dry_sand\"},"
+				    " \"redistribute\": {\"model\": \"scm\"}, \"objects\": [{\"name\": \"ball\", \"shape\": {\"sphere\": {\"radius\": 0.5}},"
+				    " \"sink\": 0.1, \"path\": {\"points\": [[10, 16], [20, 16]], \"speed\": 0.5}}]}";
+	struct furrow_world *world = hosted_world_over("sample.furrow", scene, hosted_flat);
+	struct furrow_contact before = {.time = NAN};
+	furrow_body ball;
+	done(furrow_body_find(world, "ball", &ball));
+	assert_true(isnan(contact_of(world, ball).time)); /* no step was made */
+	for (int i = 1; i <= 20; i++) {
+		done(furrow_step(world, 0));
+		const struct furrow_contact contact = contact_of(world, ball);
+		assert_float_equal(contact.time, 0.25 * floor(i / 5.0), 1e-9);
+		if (contact.time == before.time)
+			assert_memory_equal(contact.force, before.force, sizeof before.force);
+		else
+			assert_memory_not_equal(contact.force, before.force, sizeof before.force);
+		before = contact;
+	}
+	done(furrow_world_close(world));
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_step_that_fails_before_anything_changed_changes_no_later_one),
+		cmocka_unit_test(a_contact_on_a_path_has_the_time_of_its_path_sample),
 	};
 	return cmocka_run_group_tests(tests, support_enter, support_leave);
 }
