@@ -165,7 +165,7 @@ struct furrow_info {
 	double time_step;      /* s, the scene's: what furrow_step(world, 0) means */
 	const char *srs;       /* WKT of the store's reference system; "": local metres. Valid until the world is closed */
 	double origin[2];      /* coordinates of the south-west post in it, east and north */
-	uint64_t revision;     /* of the ground now, for furrow_changes */
+	uint64_t revision;     /* of the ground now, for furrow_changes; 1 or more */
 };
 
 /* Fills *info, whose `size` the caller has set. Members beyond `size` are not written. FURROW_USAGE: `size` is off. */
@@ -409,7 +409,7 @@ struct furrow_rect {
 
 /*
  * Tells which rectangles of the working level changed since a revision, and the revision now. For engines that keep a copy.
- * `since`: a revision of this world, by an earlier call or by furrow_info; 0: since the store was made.
+ * `since`: a revision of this world, by an earlier call or by furrow_info; the first is 1. 0: since the store was made.
  * `rects`: room for *count; may be NULL if *count is 0. *count gets the number. `now` may be NULL.
  * FURROW_USAGE: there is too little room; *count and *now are filled then, too. Or `since` has not been yet.
  */

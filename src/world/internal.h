@@ -84,6 +84,7 @@ void world_tell_probed(const struct host_body *host, const struct world_state *s
 
 /* --- changes.c --- */
 
+void world_changes_begin(struct world *world);
 /* Notes that these posts of a tile of the working level changed. */
 enum status world_changed(struct world *world, struct tile tile, struct post_rect rect) FURROW_CHECKED;
 void world_changes_end(struct world *world); /* ends a step: its changes get the next revision */

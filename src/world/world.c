@@ -16,6 +16,7 @@ enum status world_prepare(struct world *world, const struct world_params *params
 {
 	const struct scene *scene = params->scene;
 	*world = (struct world){.params = *params, .scene = scene, .ranks = params->ranks};
+	world_changes_begin(world);
 	const char *path = params->store != NULL ? params->store : scene->store;
 	if (path == NULL)
 		return fail_with(STATUS_INPUT, "%s: names no store; add store:, or give --store", scene->file);

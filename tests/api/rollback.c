@@ -210,6 +210,33 @@ static void copies_that_follow_changes_end_as_the_store_does(void **state)
 	free(copy);
 }
 
+/* What an earlier world left is told to those that ask for all, and to nobody else. */
+static void ruts_of_earlier_worlds_are_told_once(void **state)
+{
+	struct furrow_world *world = hosted_world("earlier.furrow");
+	struct furrow_info info = {.size = sizeof info};
+	struct furrow_rect rects[64];
+	uint64_t now = 0;
+	make_rut(world, hosted_ball(world, 10, 16), 10, 16, 5);
+	done(furrow_world_close(world));
+	done(open_again("earlier.furrow", &world));
+	done(furrow_info(world, &info));
+	assert_true(info.revision > 0);
+	const uint64_t asked[] = {0, info.revision, 0, info.revision};
+	for (int i = 0; i < 4; i++) {
+		size_t count = 64;
+		done(furrow_changes(world, asked[i], rects, &count, &now));
+		assert_true(now == info.revision && (count > 0) == (asked[i] == 0));
+	}
+	make_rut(world, hosted_ball(world, 20, 16), 20, 16, 0);
+	size_t count = 64;
+	done(furrow_changes(world, now, rects, &count, &now));
+	assert_true(count > 0 && now > info.revision);
+	for (size_t i = 0; i < count; i++)
+		assert_true(rects[i].column > 140 && rects[i].columns < 32 && rects[i].rows < 32);
+	done(furrow_world_close(world));
+}
+
 /* --- higher ground comes back --- */
 
 #define HEAP_METRES 0.5
@@ -340,6 +367,7 @@ int main(void)
 		cmocka_unit_test(an_overlay_keeps_the_store_as_it_was),
 		cmocka_unit_test(what_open_was_given_may_go),
 		cmocka_unit_test(copies_that_follow_changes_end_as_the_store_does),
+		cmocka_unit_test(ruts_of_earlier_worlds_are_told_once),
 	};
 	return cmocka_run_group_tests(tests, support_enter, support_leave);
 }
