@@ -141,7 +141,7 @@ FURROW_API furrow_status furrow_step(struct furrow_world *world, double seconds)
 /* Returns the simulated seconds since the scene's start; NaN if `world` is NULL. */
 FURROW_API double furrow_time(const struct furrow_world *world);
 
-/* Commits all so far. The store then holds it, and furrow_rollback returns to it. */
+/* Commits all so far. The store then holds it, and furrow_rollback returns to it. If the call fails, to the checkpoint before. */
 FURROW_API furrow_status furrow_checkpoint(struct furrow_world *world);
 
 /*

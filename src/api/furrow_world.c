@@ -41,8 +41,13 @@ static enum status start_output(struct furrow_world *host)
 
 static enum status checkpoint(struct furrow_world *host)
 {
-	enum status status = world_checkpoint(&host->world);
-	return status == STATUS_OK ? report_vehicles_mark(host->vehicle_rows) : status;
+	struct library_mark mark = {host->origin, host->steps, 0};
+	enum status status = report_vehicles_mark(host->vehicle_rows, &mark.rows_end);
+	if (status == STATUS_OK)
+		status = world_checkpoint(&host->world);
+	if (status == STATUS_OK)
+		host->mark = mark;
+	return status;
 }
 
 static void tell_advice(void *user, const char *text)
@@ -132,7 +137,8 @@ static enum status create(const struct furrow_open *open, struct furrow_world **
 		host->origin = 0;
 		host->steps = host->world.step;
 	}
-	host->mark = (struct library_mark){host->origin, host->steps};
+	host->mark.origin = host->origin;
+	host->mark.steps = host->steps;
 	host->began = clock_seconds();
 	*out = host;
 	return STATUS_OK;
@@ -301,8 +307,6 @@ furrow_status furrow_checkpoint(struct furrow_world *world)
 	enum status status = api_library_enter(&call, world);
 	if (status == STATUS_OK)
 		status = checkpoint(world);
-	if (status == STATUS_OK)
-		world->mark = (struct library_mark){world->origin, world->steps};
 	return api_library_leave(&call, status);
 }
 
@@ -315,7 +319,7 @@ furrow_status furrow_rollback(struct furrow_world *world)
 	if (status == STATUS_OK && world->vehicles != NULL) {
 		status = vehicle_rollback(world->vehicles);
 		if (status == STATUS_OK)
-			status = report_vehicles_rollback(world->vehicle_rows);
+			status = report_vehicles_rollback(world->vehicle_rows, world->mark.rows_end);
 		world->world.torn = status != STATUS_OK;
 	}
 	if (status == STATUS_OK) {

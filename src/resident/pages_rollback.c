@@ -26,9 +26,9 @@ enum status resident_pages_mark(struct pages *pages)
 	if (marked->reader == NULL)
 		status = store_reader_create(pages->params.store, &marked->reader);
 	if (status == STATUS_OK)
-		status = store_mark(pages->params.store);
+		status = store_each_changed(marked->reader, INT64_MAX - 1, nothing, NULL, &revision);
 	if (status == STATUS_OK)
-		status = store_each_changed(pages->marked.reader, INT64_MAX - 1, nothing, NULL, &revision);
+		status = store_mark(pages->params.store);
 	if (status == STATUS_OK)
 		*marked = (struct pages_marked){true, marked->reader, revision, pages->io.step, pages->tallied, pages->io.sums};
 	return status;

@@ -113,10 +113,10 @@ struct world_rows {
 	void *user;
 	enum status (*row)(void *user, const struct world_row *row);
 	enum status (*flush)(void *user);
-	/* mark: a checkpoint was made, and the rows so far are kept. rollback: drop all rows after the checkpoint. NULL: there
-	 * are no checkpoints. */
-	enum status (*mark)(void *user);
-	enum status (*rollback)(void *user);
+	/* mark: tells where the rows so far end, when all are written. rollback: drops the rows after such an end. NULL: there are no
+	 * checkpoints. */
+	enum status (*mark)(void *user, int64_t *end);
+	enum status (*rollback)(void *user, int64_t end);
 };
 
 /* Numbers that another part of the run adds to each record, such as the state of vehicles. */
@@ -526,7 +526,7 @@ struct world_contact world_contact_unknown(void);
 enum status world_body_contact(struct world *world, int32_t number, struct world_contact *contact) FURROW_CHECKED;
 /* Computes the axes of a body (forward, left, up) in local axes. `q`: unit quaternion w, x, y, z. Pure. */
 void world_axes(const double q[4], double axes[3][3]);
-/* Commits everything so far. world_rollback can restore this state. */
+/* Commits everything so far. world_rollback can restore this state. On failure it restores that of the earlier checkpoint. */
 enum status world_checkpoint(struct world *world) FURROW_CHECKED;
 /* Restores ground, bodies, forces, time and rows to the last checkpoint. STATUS_FAILED: there is none. */
 enum status world_rollback(struct world *world) FURROW_CHECKED;

@@ -73,6 +73,40 @@ static void a_rollback_leaves_what_the_checkpoint_had(void **state)
 	free_copy(&ways[1]);
 }
 
+static enum status no_mark(void *user, int64_t *end)
+{
+	(void)user, (void)end;
+	return fail_with(STATUS_FAILED, "rows: they fail; try others");
+}
+
+static enum status no_flush(void *user)
+{
+	(void)user;
+	return STATUS_OK;
+}
+
+/* A checkpoint that fails leaves the one before. */
+static void a_failed_checkpoint_changes_no_rollback(void **state)
+{
+	const struct world_rows rows = {.flush = no_flush, .mark = no_mark};
+	struct furrow_world *world = hosted_world("unmarked.furrow");
+	furrow_body ball = hosted_ball(world, 10, 16);
+	make_rut(world, ball, 10, 16, 12);
+	done(furrow_checkpoint(world));
+	struct copy first = copy_of(world, ball);
+	make_rut(world, ball, 10.6, 16, 20);
+	world->world.rows = &rows;
+	refused(FURROW_FAILED, furrow_checkpoint(world));
+	world->world.rows = NULL;
+	make_rut(world, ball, 11.6, 16, 5);
+	done(furrow_rollback(world));
+	struct copy back = copy_of(world, ball);
+	assert_same(&first, &back);
+	done(furrow_world_close(world));
+	free_copy(&first);
+	free_copy(&back);
+}
+
 static void a_rollback_without_a_checkpoint_goes_back_to_the_opening(void **state)
 {
 	struct furrow_world *world = hosted_world("opening.furrow");
@@ -360,6 +394,7 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_rollback_leaves_what_the_checkpoint_had),
+		cmocka_unit_test(a_failed_checkpoint_changes_no_rollback),
 		cmocka_unit_test(a_rollback_without_a_checkpoint_goes_back_to_the_opening),
 		cmocka_unit_test(ground_that_a_rollback_raises_is_pressed),
 		cmocka_unit_test(what_is_closed_is_in_the_store),
