@@ -351,8 +351,8 @@ class World:
     def changes(self, since: int = 0) -> Tuple[numpy.ndarray, int]:
         """Rectangles of the working level that changed since a revision, and the revision now.
 
-        since: a revision that an earlier call told, or .info.revision. Returns ((n,) of furrow.RECT: ["column"], ["row"],
-        ["columns"], ["rows"], in posts; revision).
+        since: a revision that an earlier call told, or .info.revision; 0: since the store was made.
+        Returns ((n,) of furrow.RECT: ["column"], ["row"], ["columns"], ["rows"], in posts; revision).
         """
         room = 64
         with self._lock:

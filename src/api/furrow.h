@@ -120,25 +120,29 @@ struct furrow_open {
 FURROW_API furrow_status furrow_world_open(const struct furrow_open *open, struct furrow_world **world);
 
 /*
- * Commits the ground as it is and frees the world. After a rollback the ground is the rolled-back one. NULL: does nothing, FURROW_OK.
- * FURROW_FAILED: the last changes could not be committed; the store has its last commit, and the world is freed. FURROW_NO_GL: the
- * world's GL cannot be made current here. Then nothing was done and the world is still open: close it again, as "Manners" says.
+ * Commits the ground as the last whole step left it and frees the world. After a rollback the ground is the rolled-back one. If the
+ * last step failed, run.json ends with "failed". NULL: does nothing, FURROW_OK.
+ * FURROW_FAILED: the last changes could not be committed; the store has its last commit, and the world is freed. So it is after a step
+ * that failed half-way, if whole steps before it had no commit. FURROW_NO_GL: the world's GL cannot be made current here. Then nothing
+ * was done and the world is still open: close it again, as "Manners" says.
  */
 FURROW_API furrow_status furrow_world_close(struct furrow_world *world);
 
 /*
  * Moves time on by `seconds`. Bodies with paths follow them; the others get to where furrow_set_states said.
  * 0: the scene's time_step; n such steps end at n x time_step exactly. A step with bodies of the host ends when the ground
- * under them is on the host.
- * FURROW_USAGE: `seconds` is negative, NaN or infinite; with vehicles also if it is no multiple of time_step. FURROW_FAILED: the step
- * could not be completed; the world can then only be rolled back or closed, and nothing of that step is committed.
+ * under them is on the host. The scene's `end_time` ends nothing: time goes on beyond it.
+ * FURROW_USAGE: `seconds` is negative, NaN or infinite; with vehicles also if it is no multiple of time_step.
+ * FURROW_FAILED: the step could not be completed, and nothing of it is committed. Where a body leaves the terrain it fails before it
+ * changes the ground. Then the world is as it was and may go on; contacts of vehicles are not known until the next step. A step that
+ * fails later leaves a world that can only be rolled back or closed. Of several time_steps of vehicles those before the failure stay.
  */
 FURROW_API furrow_status furrow_step(struct furrow_world *world, double seconds);
 
 /* Returns the simulated seconds since the scene's start; NaN if `world` is NULL. */
 FURROW_API double furrow_time(const struct furrow_world *world);
 
-/* Commits all so far. The store then holds it, and furrow_rollback returns to it. */
+/* Commits all so far. The store then holds it, and furrow_rollback returns to it. If the call fails, to the checkpoint before. */
 FURROW_API furrow_status furrow_checkpoint(struct furrow_world *world);
 
 /*
@@ -162,7 +166,7 @@ struct furrow_info {
 	double time_step;      /* s, the scene's: what furrow_step(world, 0) means */
 	const char *srs;       /* WKT of the store's reference system; "": local metres. Valid until the world is closed */
 	double origin[2];      /* coordinates of the south-west post in it, east and north */
-	uint64_t revision;     /* of the ground now, for furrow_changes */
+	uint64_t revision;     /* of the ground now, for furrow_changes; 1 or more */
 };
 
 /* Fills *info, whose `size` the caller has set. Members beyond `size` are not written. FURROW_USAGE: `size` is off. */
@@ -199,7 +203,7 @@ enum furrow_contact_state {
 
 /* What the soil does to a body. A figure that is not known is NaN. */
 struct furrow_contact {
-	double time;            /* s: of the ground and the state that it is of */
+	double time;            /* s: of the ground and the state that it is of; on a path that of the latest path sample, a working post apart */
 	double force[3];        /* N, on the body, local axes */
 	double moment[3];       /* N m, about the body's origin, on the body, local axes */
 	double point[3];        /* m: where the force's line passes nearest the patch's centre */
@@ -406,7 +410,7 @@ struct furrow_rect {
 
 /*
  * Tells which rectangles of the working level changed since a revision, and the revision now. For engines that keep a copy.
- * `since`: a revision of this world, by an earlier call or by furrow_info; 0: since the store was made.
+ * `since`: a revision of this world, by an earlier call or by furrow_info; the first is 1. 0: since the store was made.
  * `rects`: room for *count; may be NULL if *count is 0. *count gets the number. `now` may be NULL.
  * FURROW_USAGE: there is too little room; *count and *now are filled then, too. Or `since` has not been yet.
  */

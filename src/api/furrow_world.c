@@ -41,8 +41,13 @@ static enum status start_output(struct furrow_world *host)
 
 static enum status checkpoint(struct furrow_world *host)
 {
-	enum status status = world_checkpoint(&host->world);
-	return status == STATUS_OK ? report_vehicles_mark(host->vehicle_rows) : status;
+	struct library_mark mark = {host->origin, host->steps, 0};
+	enum status status = report_vehicles_mark(host->vehicle_rows, &mark.rows_end);
+	if (status == STATUS_OK)
+		status = world_checkpoint(&host->world);
+	if (status == STATUS_OK)
+		host->mark = mark;
+	return status;
 }
 
 static void tell_advice(void *user, const char *text)
@@ -132,7 +137,8 @@ static enum status create(const struct furrow_open *open, struct furrow_world **
 		host->origin = 0;
 		host->steps = host->world.step;
 	}
-	host->mark = (struct library_mark){host->origin, host->steps};
+	host->mark.origin = host->origin;
+	host->mark.steps = host->steps;
 	host->began = clock_seconds();
 	*out = host;
 	return STATUS_OK;
@@ -182,6 +188,34 @@ static bool is_complete(const struct furrow_world *host)
 	return isfinite(host->scene->end_time) && host->world.time >= host->scene->end_time * (1 - 1e-12);
 }
 
+/* A step that failed half-way cannot be committed. The commit that is in flight may have all steps before it. */
+static enum status end_torn(struct world *world)
+{
+	struct resident_pages_io io;
+	enum status status = page_cache_await_commit(world->cache);
+	if (status != STATUS_OK)
+		return status;
+	resident_pages_io(world->pages, &io);
+	if (io.step >= world->step)
+		return STATUS_OK;
+	return fail_with(STATUS_FAILED, "close: a step failed half-way, and %lld whole steps before it are lost with it; go on from step %lld, which is in the store",
+			 (long long)(world->step - io.step), (long long)io.step);
+}
+
+static enum status end(struct furrow_world *host)
+{
+	struct world *world = &host->world;
+	if (world->torn)
+		return end_torn(world);
+	enum status status = world_hosts_commit(world);
+	return status == STATUS_OK ? world_end(world, is_complete(host)) : status;
+}
+
+static const char *ended(const struct furrow_world *host, enum status status)
+{
+	return status != STATUS_OK || host->failed || host->world.torn ? "failed" : is_complete(host) ? "complete" : "interrupted";
+}
+
 furrow_status furrow_world_close(struct furrow_world *world)
 {
 	struct library_call call;
@@ -190,16 +224,13 @@ furrow_status furrow_world_close(struct furrow_world *world)
 	enum status status = api_library_enter(&call, world);
 	if (status != STATUS_OK) /* without its own context, the world would delete what is in the host's */
 		return api_library_leave(&call, status);
-	if (!world->world.torn)
-		status = world_hosts_commit(&world->world);
-	if (status == STATUS_OK)
-		status = world_end(&world->world, is_complete(world));
+	status = end(world);
 	world->report.threads = thread_running();
 	world_stop(&world->world);
 	struct failure failure;
 	failure_capture(&failure, status);
 	if (world->output != NULL) {
-		enum status written = write_report(world, status != STATUS_OK ? "failed" : is_complete(world) ? "complete" : "interrupted");
+		enum status written = write_report(world, ended(world, status));
 		if (status == STATUS_OK && written != STATUS_OK) {
 			status = written;
 			failure_capture(&failure, status);
@@ -213,7 +244,7 @@ furrow_status furrow_world_close(struct furrow_world *world)
 
 /* --- steps --- */
 
-/* Vehicles take whole steps of time_step. What a step that failed has moved only a rollback sets back. */
+/* Vehicles take whole steps of time_step. Those before one that failed stay. */
 static enum status step_vehicles(struct furrow_world *host, double seconds)
 {
 	struct world *world = &host->world;
@@ -224,8 +255,12 @@ static enum status step_vehicles(struct furrow_world *host, double seconds)
 	enum status status = STATUS_OK;
 	for (double i = 0; i < count && status == STATUS_OK; i++)
 		status = vehicle_step(host->vehicles);
-	world->torn = world->torn || status != STATUS_OK;
-	return status;
+	if (status == STATUS_OK || world->torn)
+		return status;
+	struct failure failure;
+	failure_capture(&failure, status);
+	world->torn = vehicle_step_back(host->vehicles) != STATUS_OK;
+	return failure_restore(&failure);
 }
 
 static enum status step(struct furrow_world *host, double seconds)
@@ -240,6 +275,7 @@ static enum status step(struct furrow_world *host, double seconds)
 	enum status status = host->vehicles != NULL ? step_vehicles(host, seconds) : world_step_to(world, until);
 	const double took = clock_seconds() - began;
 	host->busy += took;
+	host->failed = status != STATUS_OK && status != STATUS_USAGE;
 	if (status != STATUS_OK)
 		return status;
 	host->steps++;
@@ -272,8 +308,6 @@ furrow_status furrow_checkpoint(struct furrow_world *world)
 	enum status status = api_library_enter(&call, world);
 	if (status == STATUS_OK)
 		status = checkpoint(world);
-	if (status == STATUS_OK)
-		world->mark = (struct library_mark){world->origin, world->steps};
 	return api_library_leave(&call, status);
 }
 
@@ -286,12 +320,13 @@ furrow_status furrow_rollback(struct furrow_world *world)
 	if (status == STATUS_OK && world->vehicles != NULL) {
 		status = vehicle_rollback(world->vehicles);
 		if (status == STATUS_OK)
-			status = report_vehicles_rollback(world->vehicle_rows);
+			status = report_vehicles_rollback(world->vehicle_rows, world->mark.rows_end);
 		world->world.torn = status != STATUS_OK;
 	}
 	if (status == STATUS_OK) {
 		world->origin = world->mark.origin;
 		world->steps = world->mark.steps;
+		world->failed = false;
 	}
 	return api_library_leave(&call, status);
 }

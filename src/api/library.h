@@ -26,10 +26,11 @@ struct furrow_world {
 	struct world_watcher watcher;
 	double origin;            /* s: time from which steps of time_step are counted */
 	int64_t steps;            /* steps since then */
-	struct library_mark {     /* values of `origin` and `steps` at the last checkpoint */
+	struct library_mark {     /* values of `origin` and `steps` at the last checkpoint, and the end of vehicle_rows */
 		double origin;
-		int64_t steps;
+		int64_t steps, rows_end;
 	} mark;
+	bool failed;              /* the last step failed, and nothing was rolled back since */
 	double began;             /* s, by the clock */
 	double busy;              /* s, by the clock, in furrow_step */
 };

@@ -15,7 +15,6 @@ struct report_rows {
 	const struct world *world;
 	const char *directory;
 	FILE *file;
-	long marked; /* bytes that a rollback keeps */
 	struct world_rows sink;
 };
 
@@ -53,20 +52,16 @@ static enum status flush(void *user)
 	return fflush(rows->file) == 0 ? STATUS_OK : failed(rows);
 }
 
-static enum status mark(void *user)
-{
-	struct report_rows *rows = user;
-	if (fflush(rows->file) != 0 || fseek(rows->file, 0, SEEK_END) != 0 || (rows->marked = ftell(rows->file)) < 0)
-		return failed(rows);
-	return STATUS_OK;
-}
-
-static enum status rollback(void *user)
+static enum status mark(void *user, int64_t *end)
 {
 	const struct report_rows *rows = user;
-	if (fflush(rows->file) != 0 || ftruncate(fileno(rows->file), rows->marked) != 0 || fseek(rows->file, 0, SEEK_END) != 0)
-		return failed(rows);
-	return STATUS_OK;
+	return report_rows_file_end(rows->file, end) ? STATUS_OK : failed(rows);
+}
+
+static enum status rollback(void *user, int64_t end)
+{
+	const struct report_rows *rows = user;
+	return report_rows_file_cut(rows->file, end) ? STATUS_OK : failed(rows);
 }
 
 enum status report_rows_open(const struct world *world, const char *directory, struct report_rows **out)

@@ -105,9 +105,9 @@ enum status report_vehicles_open(const struct world *world, const struct vehicle
 				 struct report_vehicles **out) FURROW_CHECKED;
 void report_vehicles_close(struct report_vehicles *rows); /* takes NULL */
 const struct vehicle_rows *report_vehicles_sink(const struct report_vehicles *rows); /* NULL for NULL */
-/* Marks the end of the file, to which report_vehicles_rollback cuts it. Both do nothing for NULL. */
-enum status report_vehicles_mark(struct report_vehicles *rows) FURROW_CHECKED;
-enum status report_vehicles_rollback(const struct report_vehicles *rows) FURROW_CHECKED;
+/* Tells the end of the file, to which report_vehicles_rollback cuts it. Both do nothing for NULL. */
+enum status report_vehicles_mark(const struct report_vehicles *rows, int64_t *end) FURROW_CHECKED;
+enum status report_vehicles_rollback(const struct report_vehicles *rows, int64_t end) FURROW_CHECKED;
 
 /* --- volume.csv --- */
 

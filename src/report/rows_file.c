@@ -42,3 +42,16 @@ enum status report_rows_file_open(const struct world *world, const char *path, c
 		return report_rows_file_failed(path);
 	return STATUS_OK;
 }
+
+bool report_rows_file_end(FILE *file, int64_t *end)
+{
+	if (fflush(file) != 0 || fseek(file, 0, SEEK_END) != 0)
+		return false;
+	*end = ftell(file);
+	return *end >= 0;
+}
+
+bool report_rows_file_cut(FILE *file, int64_t end)
+{
+	return fflush(file) == 0 && ftruncate(fileno(file), end) == 0 && fseek(file, 0, SEEK_END) == 0;
+}

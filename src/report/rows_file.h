@@ -12,4 +12,8 @@ enum status report_rows_file_open(const struct world *world, const char *path, c
 /* Returns the failure to open the file or to write its first line. errno tells why. */
 enum status report_rows_file_failed(const char *path);
 
+/* Tells where the file ends, when all its rows are written, and cuts it there. Returns false with errno. */
+bool report_rows_file_end(FILE *file, int64_t *end);
+bool report_rows_file_cut(FILE *file, int64_t end);
+
 #endif

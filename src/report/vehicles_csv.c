@@ -27,7 +27,6 @@ struct report_vehicles {
 	struct column *columns;
 	size_t count;
 	char *header; /* the file's first line */
-	long marked;  /* bytes that a rollback keeps */
 	struct vehicle_rows sink;
 };
 
@@ -176,20 +175,12 @@ const struct vehicle_rows *report_vehicles_sink(const struct report_vehicles *ro
 	return rows != NULL ? &rows->sink : NULL;
 }
 
-enum status report_vehicles_mark(struct report_vehicles *rows)
+enum status report_vehicles_mark(const struct report_vehicles *rows, int64_t *end)
 {
-	if (rows == NULL)
-		return STATUS_OK;
-	if (fflush(rows->file) != 0 || fseek(rows->file, 0, SEEK_END) != 0 || (rows->marked = ftell(rows->file)) < 0)
-		return failed(rows);
-	return STATUS_OK;
+	return rows == NULL || report_rows_file_end(rows->file, end) ? STATUS_OK : failed(rows);
 }
 
-enum status report_vehicles_rollback(const struct report_vehicles *rows)
+enum status report_vehicles_rollback(const struct report_vehicles *rows, int64_t end)
 {
-	if (rows == NULL)
-		return STATUS_OK;
-	if (fflush(rows->file) != 0 || ftruncate(fileno(rows->file), rows->marked) != 0 || fseek(rows->file, 0, SEEK_END) != 0)
-		return failed(rows);
-	return STATUS_OK;
+	return rows == NULL || report_rows_file_cut(rows->file, end) ? STATUS_OK : failed(rows);
 }

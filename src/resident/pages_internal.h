@@ -41,7 +41,7 @@ struct pages {
 	struct pages_marked {            /* pages_rollback.c */
 		bool is;
 		struct store_reader *reader; /* used by the owner; NULL before the first mark */
-		int64_t revision;
+		int64_t revision, step;
 		struct pages_sums tallied, sums;
 	} marked;
 	struct pages_moved {             /* pages_move.c: for a page whose newest version is in the store */

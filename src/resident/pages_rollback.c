@@ -26,11 +26,11 @@ enum status resident_pages_mark(struct pages *pages)
 	if (marked->reader == NULL)
 		status = store_reader_create(pages->params.store, &marked->reader);
 	if (status == STATUS_OK)
+		status = store_each_changed(marked->reader, INT64_MAX - 1, nothing, NULL, &revision);
+	if (status == STATUS_OK)
 		status = store_mark(pages->params.store);
 	if (status == STATUS_OK)
-		status = store_each_changed(pages->marked.reader, INT64_MAX - 1, nothing, NULL, &revision);
-	if (status == STATUS_OK)
-		*marked = (struct pages_marked){true, marked->reader, revision, pages->tallied, pages->io.sums};
+		*marked = (struct pages_marked){true, marked->reader, revision, pages->io.step, pages->tallied, pages->io.sums};
 	return status;
 }
 
@@ -94,6 +94,7 @@ enum status resident_pages_rollback(struct pages *pages)
 		return status;
 	mutex_lock(&pages->mutex);
 	pages->io.sums = pages->marked.sums;
+	pages->io.step = pages->marked.step;
 	mutex_unlock(&pages->mutex);
 	pages->tallied = pages->marked.tallied;
 	return STATUS_OK;

@@ -329,8 +329,8 @@ void resident_pages_destroy(struct pages *pages);
 /* Stops the threads, so that figures are final. Afterwards call only resident_pages_io and resident_pages_destroy. */
 void resident_pages_stop(struct pages *pages);
 struct page_cache *resident_pages_cache(struct pages *pages);
-/* Marks the committed state, so that resident_pages_rollback can restore it. Replaces the earlier mark. Call it between two
- * steps, after page_cache_flush. */
+/* Marks the committed state, so that resident_pages_rollback can restore it. Replaces the earlier mark, which stays on failure. Call it
+ * between two steps, after page_cache_flush. */
 enum status resident_pages_mark(struct pages *pages) FURROW_CHECKED;
 /* Restores the store, the sums and the pages to the mark. Pages that changed since are dropped. Call it between two steps. On
  * failure nothing changes. */

@@ -150,7 +150,7 @@ static enum status drive(struct rig *rig, const struct scene *scene, struct sums
 {
 	struct world world = {.step = 0};
 	struct taking taking = {rig, sums};
-	const struct world_rows rows = {&taking, take, nothing, nothing, nothing};
+	const struct world_rows rows = {.user = &taking, .row = take, .flush = nothing};
 	const struct world_params params = {.scene = scene, .store = rig->bed, .rows = true, .stop = rig->params->stop};
 	enum status status = world_prepare(&world, &params);
 	if (status == STATUS_OK && !rig->advised && rig->params->tell != NULL)

@@ -78,9 +78,14 @@ bool vehicle_body(const struct vehicles *vehicles, int32_t number, struct world_
 	return true;
 }
 
+enum status vehicle_step_back(struct vehicles *vehicles)
+{
+	return vehicle_restore(vehicles, world_attached_last(vehicles->world));
+}
+
 enum status vehicle_rollback(struct vehicles *vehicles)
 {
-	enum status status = vehicle_restore(vehicles, world_attached_last(vehicles->world));
+	enum status status = vehicle_step_back(vehicles);
 	if (status == STATUS_OK)
 		vehicle_skip_rows(vehicles);
 	return status;

@@ -150,6 +150,12 @@ bool vehicle_body(const struct vehicles *vehicles, int32_t number, struct world_
 	return false;
 }
 
+enum status vehicle_step_back(struct vehicles *vehicles)
+{
+	(void)vehicles;
+	return none();
+}
+
 enum status vehicle_rollback(struct vehicles *vehicles)
 {
 	(void)vehicles;

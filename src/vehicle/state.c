@@ -139,6 +139,7 @@ static enum status restore_one(struct vehicles *vehicles, struct vehicle *vehicl
 	driver->arrived = n[13] != 0;
 	enum status status = vehicle->begun > 0 && !is_placed ? vehicle_replace(vehicles, vehicle) : STATUS_OK;
 	data->time = n[10];
+	memset(data->warning, 0, sizeof data->warning);
 	from = take(from, data->qpos, (size_t)model->nq);
 	from = take(from, data->qvel, (size_t)model->nv);
 	from = take(from, data->qacc_warmstart, (size_t)model->nv);

@@ -34,7 +34,7 @@ enum status vehicle_join(struct vehicles *vehicles, struct world *world) FURROW_
  * terrain or under ground. STATUS_FAILED: its motion diverged. */
 enum status vehicle_begin(struct vehicles *vehicles) FURROW_CHECKED;
 /* Makes one time step of the vehicles and of the world. STATUS_FAILED: a motion diverged, or a vehicle left the terrain. Then
- * the world is as the last step left it. */
+ * the world is as the last step left it, unless it is torn. The vehicles may have moved on: vehicle_step_back. */
 enum status vehicle_step(struct vehicles *vehicles) FURROW_CHECKED;
 /* Returns true if the scene asks to stop when vehicles are stuck, and they are. */
 bool vehicle_stuck(const struct vehicles *vehicles);
@@ -109,6 +109,8 @@ const char *vehicle_body_name(const struct vehicles *vehicles, int32_t number);
 /* Tells where such a body is, and what the soil did to it in the last step. The contact is unknown after a rollback and in a resumed run, until
  * a step. Returns false if the body is no vehicle's. `vehicles` may be NULL. */
 bool vehicle_body(const struct vehicles *vehicles, int32_t number, struct world_state *state, struct world_contact *contact);
+/* Goes back to the world's last whole step, after vehicle_step failed and left world->torn false. Contacts are unknown until the next step. */
+enum status vehicle_step_back(struct vehicles *vehicles) FURROW_CHECKED;
 /* Goes back to the checkpoint, after world_rollback. Controls that the host set stay. */
 enum status vehicle_rollback(struct vehicles *vehicles) FURROW_CHECKED;
 

@@ -83,6 +83,14 @@ enum status world_attitude(const struct deform_shape *shape, const char *name, c
 	return STATUS_OK;
 }
 
+enum status world_state_check(const struct deform_shape *shape, const char *name, const struct world_state *state, struct deform_pose *pose)
+{
+	for (int i = 0; i < 3; i++)
+		if (!isfinite(state->linear[i]) || !isfinite(state->angular[i]))
+			return fail_with(STATUS_USAGE, "%s: a velocity is not a finite number; give m/s and rad/s", name);
+	return world_attitude(shape, name, &state->pose, pose);
+}
+
 void world_orientation(const struct deform_pose *pose, double q[4])
 {
 	double axes[3][3];

@@ -1,11 +1,16 @@
 /*
  * Tells what changed since a revision, for hosts that keep a copy of the ground.
  *
- * A revision is a number of this world. It grows by one with each step, each motion committed between steps, and each rollback
- * that changed the ground. Each changed tile has its last revision, and one rectangle with all its changes after the revision
- * `from`. A host that asks regularly gets rectangles. Another host gets whole tiles.
+ * A revision is a number of this world. It begins at 1: 0 is left for the time before any drive. It grows by one with each step,
+ * each motion committed between steps, and each rollback that changed the ground. Each changed tile has its last revision, and one
+ * rectangle with all its changes after the revision `from`. A host that asks regularly gets rectangles. Another host gets whole tiles.
  */
 #include "world/internal.h"
+
+void world_changes_begin(struct world *world)
+{
+	world->changes.revision = world->changes.asked = 1;
+}
 
 static enum status add(struct world_changes *changes, struct tile tile, struct changed_tile **out)
 {

@@ -2,7 +2,7 @@
  * Checkpoints, and going back to the last one: ground, bodies, forces, time and rows.
  *
  * After a checkpoint the store keeps what commits replace (store_mark), and a rollback drops the pages that changed. The
- * world's own state is copied here. Touched posts, seen tiles and the bounds of what a view saw change are not set back. They only
+ * world's own state is copied here. A checkpoint that fails leaves the earlier one: the store's mark is the last that can fail. Touched posts, seen tiles and the bounds of what a view saw change are not set back. They only
  * save time, and may include too much. Ranges of offsets that were read from the store may include too little, since commits
  * narrow them. So they are forgotten, and read again.
  */
@@ -15,6 +15,7 @@ struct checkpoint {
 	double time;
 	int64_t intervals;
 	uint64_t revision;
+	int64_t rows_end;
 	struct deform_tally tally;
 	struct record *record;
 	struct body *bodies;      /* of the scene */
@@ -68,6 +69,8 @@ static enum status save(struct world *world, struct checkpoint **out)
 		status = world_forces_save(world->forces, &saved->forces);
 	if (status == STATUS_OK && world->deform != NULL)
 		status = deform_tally(world->deform, &saved->tally);
+	if (status == STATUS_OK && world->rows != NULL && world->rows->mark != NULL)
+		status = world->rows->mark(world->rows->user, &saved->rows_end);
 	if (status != STATUS_OK) {
 		world_checkpoint_free(saved);
 		return status;
@@ -90,8 +93,6 @@ enum status world_checkpoint(struct world *world)
 		status = save(world, &saved);
 	if (status == STATUS_OK)
 		status = resident_pages_mark(world->pages);
-	if (status == STATUS_OK && world->rows != NULL && world->rows->mark != NULL)
-		status = world->rows->mark(world->rows->user);
 	if (status != STATUS_OK) {
 		world_checkpoint_free(saved);
 		return status;
@@ -178,7 +179,7 @@ enum status world_rollback(struct world *world)
 	if (status == STATUS_OK)
 		status = rewind_paths(world);
 	if (status == STATUS_OK && world->rows != NULL && world->rows->rollback != NULL)
-		status = world->rows->rollback(world->rows->user);
+		status = world->rows->rollback(world->rows->user, saved->rows_end);
 	world->torn = status != STATUS_OK;
 	return status;
 }

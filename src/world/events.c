@@ -157,6 +157,8 @@ static enum status place(struct world *world, struct event *event)
 enum status world_collect_events(struct world *world, double until)
 {
 	enum status status = list_due(world, until);
+	if (status != STATUS_OK)
+		world->events.count = 0; /* none was placed */
 	for (size_t i = 0; i < world->events.count && status == STATUS_OK; i++) {
 		struct event *event = &world->events.list[i];
 		struct body *body = &world->bodies[event->body];

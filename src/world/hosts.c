@@ -226,23 +226,13 @@ enum status world_body_add(struct world *world, struct scene_object *object, int
 
 /* --- poses --- */
 
-static bool is_finite_state(const struct world_state *state)
-{
-	double sum = 0;
-	for (int i = 0; i < 3; i++)
-		sum += fabs(state->linear[i]) + fabs(state->angular[i]);
-	return isfinite(sum);
-}
-
 static enum status check_state(const struct world *world, const struct host_body *host, const struct world_state *state)
 {
 	struct deform_pose pose;
 	const char *name = host->body.object->name;
 	if (!host->placed)
 		return fail_with(STATUS_USAGE, "%s: it was not placed; call furrow_place first, since it has nowhere to come from", name);
-	if (!is_finite_state(state))
-		return fail_with(STATUS_USAGE, "%s: a velocity is not a finite number; give m/s and rad/s", name);
-	enum status status = world_attitude(&host->body.object->shape, name, &state->pose, &pose);
+	enum status status = world_state_check(&host->body.object->shape, name, state, &pose);
 	if (status != STATUS_OK)
 		return status;
 	const struct world_state *from = &host->now;
@@ -443,6 +433,7 @@ enum status world_body_restore(struct world *world, int32_t number, const double
 	host->body.sinkage = n[11];
 	host->stamped = n[12];
 	host->now = now;
+	host->has_next = false;
 	host->fresh = !host->body.in_contact;
 	return STATUS_OK;
 }

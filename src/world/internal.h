@@ -31,6 +31,9 @@ void world_free_bodies(struct world *world); /* the world may have no bodies */
  * length is. `name`: the body's name, for messages. */
 enum status world_attitude(const struct deform_shape *shape, const char *name, const struct world_pose *from, struct deform_pose *pose)
 	FURROW_CHECKED;
+/* Checks a state that a host gave, and finds its pose. STATUS_USAGE as world_attitude, or a velocity is not finite. */
+enum status world_state_check(const struct deform_shape *shape, const char *name, const struct world_state *state, struct deform_pose *pose)
+	FURROW_CHECKED;
 /* Returns how fast a wheel in this pose turns forwards about its axle, rad/s. angular: its angular velocity, rad/s. */
 double world_spin(const struct deform_pose *pose, const double angular[3]);
 /* Computes the quaternion w, x, y, z of a pose. */
@@ -84,6 +87,7 @@ void world_tell_probed(const struct host_body *host, const struct world_state *s
 
 /* --- changes.c --- */
 
+void world_changes_begin(struct world *world);
 /* Notes that these posts of a tile of the working level changed. */
 enum status world_changed(struct world *world, struct tile tile, struct post_rect rect) FURROW_CHECKED;
 void world_changes_end(struct world *world); /* ends a step: its changes get the next revision */

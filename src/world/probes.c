@@ -167,10 +167,7 @@ static enum status probe_host(const struct world *world, const struct host_body 
 	struct deform_pose to, now;
 	struct deform_probe probe;
 	probed->known = false;
-	enum status status = world_attitude(&object->shape, object->name, &state->pose, &to);
-	for (int k = 0; k < 3 && status == STATUS_OK; k++)
-		if (!isfinite(state->linear[k]) || !isfinite(state->angular[k]))
-			status = fail_with(STATUS_USAGE, "%s: a velocity is not a finite number; give m/s and rad/s", object->name);
+	enum status status = world_state_check(&object->shape, object->name, state, &to);
 	if (status != STATUS_OK || host->mirror.patch == NULL || host->mirror.stale || world->torn || !place_of(host, &now))
 		return status;
 	motion_of(host, state, &now, &to, &probe);
@@ -223,6 +220,15 @@ static enum status need_mirror(struct world *world, struct host_body *host)
 	return status == STATUS_OK ? land(host) : status;
 }
 
+/* Checks a state whose contact is unknown. */
+static enum status check(const struct world *world, int32_t number, const struct world_state *state)
+{
+	const struct host_body *host = world_host_body(world, number);
+	const struct scene_object *object = host != NULL ? host->body.object : world->bodies[number].object;
+	struct deform_pose pose;
+	return world_state_check(&object->shape, object->name, state, &pose);
+}
+
 enum status world_probe(struct world *world, size_t count, const int32_t *numbers, const struct world_state *states,
 			struct world_contact *contacts)
 {
@@ -234,8 +240,10 @@ enum status world_probe(struct world *world, size_t count, const int32_t *number
 		struct host_body *host = probed_host(world, numbers[i]);
 		struct deform_probed probed = {.known = false};
 		contacts[i] = world_contact_unknown();
-		if (host == NULL || host->body.elsewhere)
+		if (host == NULL || host->body.elsewhere) {
+			status = check(world, numbers[i], &states[i]);
 			continue;
+		}
 		status = need_mirror(world, host);
 		if (status == STATUS_OK)
 			status = probe_host(world, host, &states[i], &probed);

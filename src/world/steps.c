@@ -20,8 +20,8 @@ int64_t world_step_count(const struct world *world)
 double world_step_time(const struct scene *scene, int64_t step)
 {
 	double time = (double)step * scene->time_step;
-	/* The last step ends where the scene does, whatever the time step. So the same path samples are due. */
-	return time < scene->end_time * (1 - 1e-12) ? time : scene->end_time;
+	/* The last step ends where the scene does, whatever the time step. So the same path samples are due. A host's world has no end. */
+	return scene->hosted || time < scene->end_time * (1 - 1e-12) ? time : scene->end_time;
 }
 
 enum status world_fill_record(struct world *world)
@@ -155,10 +155,9 @@ enum status world_step(struct world *world)
 	return world_step_to(world, world_step_time(world->scene, world->step + 1));
 }
 
-enum status world_step_to(struct world *world, double until)
+/* Does all that can fail before anything changes: a scene that leaves the ground stops at the end of a step. */
+static enum status prepare(struct world *world, double until)
 {
-	world->hosts.until = until;
-	/* This is before anything changes: a scene that leaves the ground stops at the end of a step. */
 	enum status status = world_collect_events(world, until);
 	if (world->ranks != NULL)
 		status = world->ranks->step(world->ranks->user, until, status);
@@ -168,8 +167,17 @@ enum status world_step_to(struct world *world, double until)
 		status = page_cache_poll(world->cache);
 	if (status == STATUS_OK)
 		status = motion_look_ahead_step(world->ahead, world->time);
-	if (status != STATUS_OK)
+	return status;
+}
+
+enum status world_step_to(struct world *world, double until)
+{
+	enum status status = prepare(world, until);
+	if (status != STATUS_OK) {
+		world_forget_events(world);
 		return status;
+	}
+	world->hosts.until = until;
 	world->torn = true;
 	status = deform_step(world, until);
 	if (status != STATUS_OK)

@@ -183,7 +183,8 @@ enum status world_body_contact(struct world *world, int32_t number, struct world
 		touches = world_contact_state_of(force.state);
 	else
 		force.sinkage = body->sinkage;
-	enum status filled = fill(world, body->object, &state, &force, world->time, touches, contact);
+	/* The soil was last touched at the latest path sample. */
+	enum status filled = fill(world, body->object, &state, &force, motion_track_sample_time(body->track, body->next - 1), touches, contact);
 	contact->slip = body->object->shape.belt ? body->object->slip : slip_of(body->object, &state, 0, (const double[3]){0, 0, 1});
 	return filled;
 }

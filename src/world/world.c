@@ -1,6 +1,7 @@
 /* A world's life: opened, started, warmed up, stopped, freed. */
 #include "world/internal.h"
 
+#include <math.h>
 #include <string.h>
 
 /*
@@ -15,6 +16,7 @@ enum status world_prepare(struct world *world, const struct world_params *params
 {
 	const struct scene *scene = params->scene;
 	*world = (struct world){.params = *params, .scene = scene, .ranks = params->ranks};
+	world_changes_begin(world);
 	const char *path = params->store != NULL ? params->store : scene->store;
 	if (path == NULL)
 		return fail_with(STATUS_INPUT, "%s: names no store; add store:, or give --store", scene->file);
@@ -95,7 +97,7 @@ static enum status start_look_ahead(struct world *world)
 		.camera_user = world,
 		.camera_speed = follows ? motion_track_fastest(world->bodies[scene->view.aim.object].track) : 0,
 		.prefetch = scene->prefetch,
-		.end = scene->end_time,
+		.end = scene->hosted ? (double)INFINITY : scene->end_time,
 	};
 	enum status status = motion_look_ahead_create(&params, &world->ahead);
 	mem_free(bodies);

@@ -113,10 +113,10 @@ struct world_rows {
 	void *user;
 	enum status (*row)(void *user, const struct world_row *row);
 	enum status (*flush)(void *user);
-	/* mark: a checkpoint was made, and the rows so far are kept. rollback: drop all rows after the checkpoint. NULL: there
-	 * are no checkpoints. */
-	enum status (*mark)(void *user);
-	enum status (*rollback)(void *user);
+	/* mark: tells where the rows so far end, when all are written. rollback: drops the rows after such an end. NULL: there are no
+	 * checkpoints. */
+	enum status (*mark)(void *user, int64_t *end);
+	enum status (*rollback)(void *user, int64_t end);
 };
 
 /* Numbers that another part of the run adds to each record, such as the state of vehicles. */
@@ -201,7 +201,7 @@ enum world_contact_state { WORLD_AIR, WORLD_TOUCHING, WORLD_SLIDES, WORLD_SUNK, 
 
 /* The contact of a body with the soil. NaN: not known. */
 struct world_contact {
-	double time;                  /* s: time at which the ground and the body were as described here */
+	double time;                  /* s: time at which the ground and the body were as described here; on a path that of the latest path sample */
 	double force[3], moment[3];   /* on the body, in local axes: N, and N m about the origin */
 	double point[3];              /* m: on the line of the force, the point nearest to the body's lowest point */
 	double normal[3];             /* unit normal of the undisturbed surface under the body */
@@ -451,7 +451,7 @@ enum status world_start_point(const struct world *world, const struct scene_vehi
 
 int64_t world_step_count(const struct world *world); /* number of the last step */
 double world_steps_until(const struct scene *scene, double time); /* number of whole steps until `time`, s */
-double world_step_time(const struct scene *scene, int64_t step);  /* time in s at which this step ends */
+double world_step_time(const struct scene *scene, int64_t step);  /* s at which this step ends; at most end_time, unless a host steps */
 bool world_stopped(const struct world *world); /* true after Ctrl-C */
 enum status world_interrupted(const struct world *world) FURROW_CHECKED;
 /* Ends a change of the ground. From now on it may be committed with the present record. */
@@ -526,7 +526,7 @@ struct world_contact world_contact_unknown(void);
 enum status world_body_contact(struct world *world, int32_t number, struct world_contact *contact) FURROW_CHECKED;
 /* Computes the axes of a body (forward, left, up) in local axes. `q`: unit quaternion w, x, y, z. Pure. */
 void world_axes(const double q[4], double axes[3][3]);
-/* Commits everything so far. world_rollback can restore this state. */
+/* Commits everything so far. world_rollback can restore this state. On failure it restores that of the earlier checkpoint. */
 enum status world_checkpoint(struct world *world) FURROW_CHECKED;
 /* Restores ground, bodies, forces, time and rows to the last checkpoint. STATUS_FAILED: there is none. */
 enum status world_rollback(struct world *world) FURROW_CHECKED;

@@ -283,6 +283,38 @@ static void it_says_what_it_does_not_know(void **state)
 	done(furrow_world_close(world));
 }
 
+/* A body that follows its path, one that was not placed, and every body under another soil model. */
+static void states_are_checked_where_nothing_is_known(void **state)
+{
+	static const char *const scenes[] = {
+		"{\"spacing\": 0.125, \"soil\": {\"name\": \"dry_sand\"}, \"redistribute\": {\"model\": \"scm\"}, \"objects\": [{\"name\": \"ball\","
+		" \"shape\": {\"sphere\": {\"radius\": 0.5}}, \"sink\": 0.1, \"path\": {\"points\": [[10, 16], [20, 16]], \"speed\": 1}}]}",
+		"{\"spacing\": 0.125, \"soil\": {\"name\": \"dry_sand\"}, \"redistribute\": {\"model\": \"scm\"}, \"objects\": [{\"name\": \"ball\","
+		" \"shape\": {\"sphere\": {\"radius\": 0.5}}}]}",
+		"{\"spacing\": 0.125, \"redistribute\": {\"model\": \"box\"}, \"objects\": [{\"name\": \"ball\", \"shape\": {\"sphere\": {\"radius\": 0.5}}}]}",
+	};
+	const struct furrow_state good = hosted_state(16, 16, 100.5);
+	for (int i = 0; i < 3; i++) {
+		struct furrow_world *world = hosted_world_over("unknown.furrow", scenes[i], hosted_flat);
+		struct furrow_contact contact;
+		struct furrow_state wrong = good;
+		furrow_body ball;
+		done(furrow_body_find(world, "ball", &ball));
+		if (i == 2)
+			done(furrow_place(world, ball, &good.pose));
+		assert_int_equal(probing_ask(world, ball, &good).state, FURROW_UNKNOWN);
+		wrong.pose.position[0] = NAN;
+		misused(furrow_probe(world, 1, &ball, &wrong, &contact, sizeof contact));
+		wrong = good;
+		wrong.pose.orientation[0] = 2;
+		misused(furrow_probe(world, 1, &ball, &wrong, &contact, sizeof contact));
+		wrong = good;
+		wrong.angular[2] = INFINITY;
+		misused(furrow_probe(world, 1, &ball, &wrong, &contact, sizeof contact));
+		done(furrow_world_close(world));
+	}
+}
+
 static void after_a_rollback_it_knows_the_ground_as_it_was(void **state)
 {
 	struct furrow_world *world = probing_world(&(struct probing_ground){"back.furrow", "dry_sand", 0.03125, 0, 100, 0, 0, false});
@@ -366,6 +398,7 @@ int main(void)
 		cmocka_unit_test(a_probe_changes_nothing),
 		cmocka_unit_test(each_body_has_the_same_bits_in_any_company),
 		cmocka_unit_test(it_says_what_it_does_not_know),
+		cmocka_unit_test(states_are_checked_where_nothing_is_known),
 		cmocka_unit_test(after_a_rollback_it_knows_the_ground_as_it_was),
 		cmocka_unit_test(unloading_is_as_stiff_after_any_short_way),
 	};

@@ -73,6 +73,40 @@ static void a_rollback_leaves_what_the_checkpoint_had(void **state)
 	free_copy(&ways[1]);
 }
 
+static enum status no_mark(void *user, int64_t *end)
+{
+	(void)user, (void)end;
+	return fail_with(STATUS_FAILED, "rows: they fail; try others");
+}
+
+static enum status no_flush(void *user)
+{
+	(void)user;
+	return STATUS_OK;
+}
+
+/* A checkpoint that fails leaves the one before. */
+static void a_failed_checkpoint_changes_no_rollback(void **state)
+{
+	const struct world_rows rows = {.flush = no_flush, .mark = no_mark};
+	struct furrow_world *world = hosted_world("unmarked.furrow");
+	furrow_body ball = hosted_ball(world, 10, 16);
+	make_rut(world, ball, 10, 16, 12);
+	done(furrow_checkpoint(world));
+	struct copy first = copy_of(world, ball);
+	make_rut(world, ball, 10.6, 16, 20);
+	world->world.rows = &rows;
+	refused(FURROW_FAILED, furrow_checkpoint(world));
+	world->world.rows = NULL;
+	make_rut(world, ball, 11.6, 16, 5);
+	done(furrow_rollback(world));
+	struct copy back = copy_of(world, ball);
+	assert_same(&first, &back);
+	done(furrow_world_close(world));
+	free_copy(&first);
+	free_copy(&back);
+}
+
 static void a_rollback_without_a_checkpoint_goes_back_to_the_opening(void **state)
 {
 	struct furrow_world *world = hosted_world("opening.furrow");
@@ -210,6 +244,33 @@ static void copies_that_follow_changes_end_as_the_store_does(void **state)
 	free(copy);
 }
 
+/* What an earlier world left is told to those that ask for all, and to nobody else. */
+static void ruts_of_earlier_worlds_are_told_once(void **state)
+{
+	struct furrow_world *world = hosted_world("earlier.furrow");
+	struct furrow_info info = {.size = sizeof info};
+	struct furrow_rect rects[64];
+	uint64_t now = 0;
+	make_rut(world, hosted_ball(world, 10, 16), 10, 16, 5);
+	done(furrow_world_close(world));
+	done(open_again("earlier.furrow", &world));
+	done(furrow_info(world, &info));
+	assert_true(info.revision > 0);
+	const uint64_t asked[] = {0, info.revision, 0, info.revision};
+	for (int i = 0; i < 4; i++) {
+		size_t count = 64;
+		done(furrow_changes(world, asked[i], rects, &count, &now));
+		assert_true(now == info.revision && (count > 0) == (asked[i] == 0));
+	}
+	make_rut(world, hosted_ball(world, 20, 16), 20, 16, 0);
+	size_t count = 64;
+	done(furrow_changes(world, now, rects, &count, &now));
+	assert_true(count > 0 && now > info.revision);
+	for (size_t i = 0; i < count; i++)
+		assert_true(rects[i].column > 140 && rects[i].columns < 32 && rects[i].rows < 32);
+	done(furrow_world_close(world));
+}
+
 /* --- higher ground comes back --- */
 
 #define HEAP_METRES 0.5
@@ -256,6 +317,50 @@ static void force_commit(struct furrow_world *world)
 	done(api_library_leave(&call, page_cache_flush(world->world.cache, world->world.record)));
 }
 
+static enum status no_contact(void *user, const struct event *event, const struct contact_area *area)
+{
+	(void)user, (void)event, (void)area;
+	return fail_with(STATUS_FAILED, "contact: it fails; try another");
+}
+
+/* Fails a step when the soil moves already. */
+static void tear(struct furrow_world *world, furrow_body ball, double x)
+{
+	const struct world_watcher watcher = {.contact = no_contact};
+	const struct furrow_state state = hosted_state(x, 16, 100.4);
+	world->world.watcher = &watcher;
+	done(furrow_set_states(world, 1, &ball, &state));
+	refused(FURROW_FAILED, furrow_step(world, 0));
+	world->world.watcher = NULL;
+	assert_true(world->world.torn);
+}
+
+/* What a commit has of it stays, and a close tells if that is not all. */
+static void a_step_that_fails_half_way_is_told_if_others_go_with_it(void **state)
+{
+	for (int committed = 0; committed < 2; committed++) {
+		const char *name = committed ? "torn-all.furrow" : "torn-some.furrow";
+		struct furrow_world *world = hosted_world(name);
+		furrow_body ball = hosted_ball(world, 10, 16);
+		make_rut(world, ball, 10, 16, 12);
+		done(furrow_checkpoint(world));
+		const double rut = point_at(world, 10.5, 16).offset;
+		hosted_move(world, ball, 12.6, 16, 100.4);
+		if (committed)
+			force_commit(world);
+		tear(world, ball, 12.8);
+		if (committed)
+			done(furrow_world_close(world));
+		else
+			refused(FURROW_FAILED, furrow_world_close(world));
+		support_verify(support_path(name));
+		done(open_again(name, &world));
+		assert_true(point_at(world, 10.5, 16).offset <= rut && rut < -0.05);
+		assert_true((point_at(world, 12, 16).offset < -0.05) == committed);
+		done(furrow_world_close(world));
+	}
+}
+
 /* The heap is pressed flat and committed before a body is first looked at in the air. A rollback brings the heap back: now a body
  * above the base is in the heap, and must press it. */
 static void ground_that_a_rollback_raises_is_pressed(void **state)
@@ -289,12 +394,15 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_rollback_leaves_what_the_checkpoint_had),
+		cmocka_unit_test(a_failed_checkpoint_changes_no_rollback),
 		cmocka_unit_test(a_rollback_without_a_checkpoint_goes_back_to_the_opening),
 		cmocka_unit_test(ground_that_a_rollback_raises_is_pressed),
 		cmocka_unit_test(what_is_closed_is_in_the_store),
+		cmocka_unit_test(a_step_that_fails_half_way_is_told_if_others_go_with_it),
 		cmocka_unit_test(an_overlay_keeps_the_store_as_it_was),
 		cmocka_unit_test(what_open_was_given_may_go),
 		cmocka_unit_test(copies_that_follow_changes_end_as_the_store_does),
+		cmocka_unit_test(ruts_of_earlier_worlds_are_told_once),
 	};
 	return cmocka_run_group_tests(tests, support_enter, support_leave);
 }

@@ -4,7 +4,10 @@
 #include "../api/hosted.h"
 #include "drive.h"
 
-#define SIDE 20.0 /* m of ground that is compared, from its south-west corner */
+#include "api/library.h"
+#include "vehicle/internal.h"
+
+#define SIDE 32.0 /* m of ground that is compared, from its south-west corner */
 
 static const struct extent extent = {129, 129, 0.25, 32};
 
@@ -13,8 +16,8 @@ static double ground(int64_t x, int64_t y)
 	return 5 + 0.02 * sin(0.9 * (double)x) + 0.01 * (double)y;
 }
 
-/* Of one_wheel.xml. `driver`: the line of the scene, or "". */
-static void prepare(const char *driver)
+/* Of one_wheel.xml, which starts at x, 10.5. `driver`: the line of the scene, or "". */
+static void prepare_at(double x, const char *driver)
 {
 	char text[1024], path[512];
 	snprintf(path, sizeof path, "%s/one_wheel.xml", getenv("MODELS"));
@@ -22,10 +25,15 @@ static void prepare(const char *driver)
 	support_write(support_path("model.xml"), model);
 	free(model);
 	snprintf(text, sizeof text, "scene: 1\nend_time: 1\ntime_step: 0.002\nsoil: {name: dry_sand}\nspacing: 0.0625\nredistribute: {model: scm}\n"
-				    "vehicles:\n  - name: cart\n    model: model.xml\n    start: {at: [10, 10.5], yaw: 20}\n    soil: [wheel]\n%s"
-				    "output: {forces: 20, vehicles: 50}\n", driver);
+				    "vehicles:\n  - name: cart\n    model: model.xml\n    start: {at: [%g, 10.5], yaw: 20}\n    soil: [wheel]\n%s"
+				    "output: {forces: 20, vehicles: 50}\n", x, driver);
 	support_write(support_path("scene.yaml"), text);
 	support_store(support_path("ground.furrow"), extent, ground);
+}
+
+static void prepare(const char *driver)
+{
+	prepare_at(10, driver);
 }
 
 static struct furrow_world *opened(const char *overlay, const char *output)
@@ -59,6 +67,13 @@ static struct furrow_vehicle_state state_of(struct furrow_world *world)
 	return state;
 }
 
+/* What the record has of a vehicle. Its kinetic energy is found anew, and may be off by a rounding. */
+static void assert_same_state(const struct furrow_vehicle_state *a, const struct furrow_vehicle_state *b)
+{
+	assert_memory_equal(a, b, offsetof(struct furrow_vehicle_state, kinetic));
+	assert_true(a->work == b->work && fabs(a->kinetic - b->kinetic) <= 1e-12 * a->kinetic);
+}
+
 static void assert_same_files(const char *a, const char *b)
 {
 	static const char *const files[] = {"vehicles.csv", "objects.csv"};
@@ -74,7 +89,19 @@ static void assert_same_files(const char *a, const char *b)
 	}
 }
 
-/* Steps of one and of five time_steps, through a checkpoint and back, leave what the command leaves. */
+/* A step in which only the vehicles move. */
+static void step_and_go_back(struct furrow_world *world)
+{
+	const struct furrow_vehicle_state before = state_of(world);
+	must(vehicle_move(world->vehicles, 0, true));
+	const struct furrow_vehicle_state moved = state_of(world);
+	assert_memory_not_equal(&before, &moved, sizeof before);
+	must(vehicle_step_back(world->vehicles));
+	const struct furrow_vehicle_state back = state_of(world);
+	assert_same_state(&before, &back);
+}
+
+/* Steps of one and of five time_steps, through a checkpoint and back and through steps that failed, leave what the command leaves. */
 static void it_drives_as_the_command_drives_it(void **unused)
 {
 	const struct drive_cut cut = {.overlay = support_path("a.furrow"), .out = support_path("a")};
@@ -83,8 +110,11 @@ static void it_drives_as_the_command_drives_it(void **unused)
 	prepare("    driver: {hold: {drive: 2}}\n");
 	assert_int_equal(drive_run(support_path("scene.yaml"), support_path("ground.furrow"), NULL, &cut, NULL), STATUS_OK);
 	struct furrow_world *world = opened(overlay, output);
-	for (int i = 0; i < 150; i++)
+	for (int i = 0; i < 150; i++) {
 		done(furrow_step(world, 0));
+		if (i % 10 == 0)
+			step_and_go_back(world);
+	}
 	done(furrow_checkpoint(world));
 	const struct furrow_vehicle_state before = state_of(world);
 	assert_true(before.distance > 0.05 && before.work > 0);
@@ -106,6 +136,56 @@ static void it_drives_as_the_command_drives_it(void **unused)
 	free(here);
 	free(there);
 	assert_same_files(cut.out, output);
+}
+
+/* The wheel drives off the terrain. What failed is undone, and all whole steps are kept, as by the command. */
+static void a_failed_step_loses_nothing(void **unused)
+{
+	const struct drive_cut cut = {.overlay = support_path("f.furrow"), .out = support_path("f")};
+	const char *overlay = support_path("g.furrow"), *output = support_path("g");
+	char *json, path[512];
+	size_t bytes;
+	int whole = 0;
+	prepare_at(31.6, "    driver: {hold: {drive: 3}}\n");
+	assert_int_equal(drive_run(support_path("scene.yaml"), support_path("ground.furrow"), NULL, &cut, &json), STATUS_FAILED);
+	const long long steps = support_figure(json, "{", "steps");
+	mem_free(json);
+	struct furrow_world *world = opened(overlay, output);
+	struct furrow_vehicle_state before = state_of(world);
+	while (whole < 400 && furrow_step(world, 0) == FURROW_OK) {
+		whole++;
+		before = state_of(world);
+	}
+	assert_true(whole > 100 && whole == steps);
+	assert_non_null(strstr(furrow_last_error(), "cart.wheel"));
+	const struct furrow_vehicle_state after = state_of(world);
+	assert_same_state(&before, &after);
+	refused(FURROW_FAILED, furrow_step(world, 0));
+	assert_true(fabs(furrow_time(world) - 0.002 * whole) < 1e-12);
+	done(furrow_world_close(world));
+	snprintf(path, sizeof path, "%s/run.json", output);
+	json = drive_text(path);
+	assert_non_null(strstr(json, "\"failed\""));
+	free(json);
+	double *here = offsets(overlay, &bytes), *there = offsets(cut.overlay, &bytes);
+	assert_memory_equal(here, there, bytes);
+	free(here);
+	free(there);
+	assert_same_files(cut.out, output);
+}
+
+/* The time goes on with the vehicle. */
+static void a_scenes_end_ends_nothing(void **unused)
+{
+	prepare("    driver: {hold: {drive: 2}}\n");
+	struct furrow_world *world = opened(support_path("h.furrow"), NULL);
+	for (int i = 1; i <= 510; i++)
+		done(furrow_step(world, 0));
+	const double before = state_of(world).distance;
+	assert_true(furrow_time(world) == 510 * 0.002);
+	done(furrow_step(world, 0.01));
+	assert_true(furrow_time(world) == 515 * 0.002 && state_of(world).distance > before);
+	done(furrow_world_close(world));
 }
 
 static void the_host_sets_controls(void **unused)
@@ -206,6 +286,8 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(it_drives_as_the_command_drives_it),
+		cmocka_unit_test(a_failed_step_loses_nothing),
+		cmocka_unit_test(a_scenes_end_ends_nothing),
 		cmocka_unit_test(the_host_sets_controls),
 		cmocka_unit_test(what_cannot_be_is_refused),
 		cmocka_unit_test(it_stands_in_pictures),

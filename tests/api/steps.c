@@ -1,0 +1,85 @@
+/* What furrow.h promises of steps: of one that fails before anything changed, and of the times that are told. */
+#include "rut.h"
+
+#include "api/library.h"
+
+/* Two bodies at equal times. The one that drives east leaves the terrain after 0.4 s. */
+#define LEAVING \
+	"{\"scene\": 1, \"time_step\": 0.02, \"spacing\": 0.125, \"soil\": {\"name\": \"dry_sand\"}, \"redistribute\": {\"model\": \"scm\"}," \
+	" \"objects\": [{\"name\": \"leaves\", \"shape\": {\"sphere\": {\"radius\": 0.5}}, \"sink\": 0.1," \
+	" \"path\": {\"points\": [[30, 16], [34, 16]], \"speed\": 5}}, {\"name\": \"stays\", \"shape\": {\"sphere\": {\"radius\": 0.5}}, \"sink\": 0.1," \
+	" \"path\": {\"points\": [[5, 10], [15, 10]], \"speed\": 5}}]}"
+
+static enum status no_step(void *user, double until, enum status status)
+{
+	(void)user, (void)until, (void)status;
+	return fail_with(STATUS_FAILED, "step: it fails; try another");
+}
+
+/* Fails a step when all of its path samples are placed. */
+static void fail_late(struct furrow_world *world)
+{
+	const struct world_ranks ranks = {.step = no_step};
+	world->world.ranks = &ranks;
+	refused(FURROW_FAILED, furrow_step(world, 0.1));
+	world->world.ranks = NULL;
+}
+
+static double *driven(const char *name, bool fails, struct furrow_info *info)
+{
+	struct furrow_world *world = hosted_world_over(name, LEAVING, hosted_flat);
+	for (int i = 0; i < 15; i++) {
+		if (fails && i % 5 == 0) {
+			refused(FURROW_FAILED, furrow_step(world, 1));
+			fail_late(world);
+			assert_true(fabs(furrow_time(world) - 0.02 * i) < 1e-12);
+		}
+		done(furrow_step(world, 0));
+	}
+	double *offsets = hosted_read(world, FURROW_OFFSET, info);
+	done(furrow_world_close(world));
+	return offsets;
+}
+
+static void a_step_that_fails_before_anything_changed_changes_no_later_one(void **state)
+{
+	struct furrow_info info;
+	double *failed = driven("failed.furrow", true, &info), *other = driven("other.furrow", false, &info);
+	assert_true(other[128 * info.columns + 248] < -0.05 && other[80 * info.columns + 48] < -0.05);
+	assert_memory_equal(failed, other, (size_t)(info.columns * info.rows) * sizeof *other);
+	free(failed);
+	free(other);
+}
+
+/* Path samples are 0.125 m apart, so that each force is of a multiple of 0.25 s. */
+static void a_contact_on_a_path_has_the_time_of_its_path_sample(void **state)
+{
+	static const char scene[] = "{\"scene\": 1, \"time_step\": 0.05, \"spacing\": 0.125, \"soil\": {\"name\": \"dry_sand\"},"
+				    " \"redistribute\": {\"model\": \"scm\"}, \"objects\": [{\"name\": \"ball\", \"shape\": {\"sphere\": {\"radius\": 0.5}},"
+				    " \"sink\": 0.1, \"path\": {\"points\": [[10, 16], [20, 16]], \"speed\": 0.5}}]}";
+	struct furrow_world *world = hosted_world_over("sample.furrow", scene, hosted_flat);
+	struct furrow_contact before = {.time = NAN};
+	furrow_body ball;
+	done(furrow_body_find(world, "ball", &ball));
+	assert_true(isnan(contact_of(world, ball).time)); /* no step was made */
+	for (int i = 1; i <= 20; i++) {
+		done(furrow_step(world, 0));
+		const struct furrow_contact contact = contact_of(world, ball);
+		assert_float_equal(contact.time, 0.25 * floor(i / 5.0), 1e-9);
+		if (contact.time == before.time)
+			assert_memory_equal(contact.force, before.force, sizeof before.force);
+		else
+			assert_memory_not_equal(contact.force, before.force, sizeof before.force);
+		before = contact;
+	}
+	done(furrow_world_close(world));
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(a_step_that_fails_before_anything_changed_changes_no_later_one),
+		cmocka_unit_test(a_contact_on_a_path_has_the_time_of_its_path_sample),
+	};
+	return cmocka_run_group_tests(tests, support_enter, support_leave);
+}
