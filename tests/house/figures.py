@@ -46,6 +46,16 @@ def tables(text):
         yield lines[at - 1].strip() or lines[max(at - 2, 0)].strip(), rows[0], rows[2:]
 
 
+def read(test):
+    return (ROOT / test).read_text() if (ROOT / test).is_file() else ""
+
+
+def bounds_of(row):
+    """The shares that a row of bounds tells, each with the test that the row names."""
+    tests = re.findall(r"tests/[\w/]+\.\w+", row[-1])
+    return [(share, test) for cell in row for share in re.findall(r"([\d.]+) %", cell) for test in tests]
+
+
 def without_marks(text):
     """Cells of the tables that have a number without a mark, as "HEAD: CELL"."""
     found = []
@@ -53,6 +63,7 @@ def without_marks(text):
         settings, bounds = marks.SETTINGS.fullmatch(comment), marks.BOUNDS.fullmatch(comment)
         if bounds:
             found += [f"{comment}: {test} is not there" for test in bounds["tests"].split() if not (ROOT / test).is_file()]
+            found += [f"{comment}: no {share} % in {test}" for row in rows for share, test in bounds_of(row) if f"{float(share) / 100:g}" not in read(test)]
             continue
         if marks.CELLS.fullmatch(comment) or settings and settings["heads"] is None:
             continue
