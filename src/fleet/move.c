@@ -258,7 +258,7 @@ static enum status unpack(struct fleet *fleet, const struct fleet_message *messa
 	struct fleet_bytes in = {.bytes = message->bytes, .size = message->size};
 	if (message->size == 0) {
 		fleet->world->torn = true;
-		return fail_with(STATUS_FAILED, "rank %d: it could not send its ground", message->rank);
+		return fail_with(STATUS_FAILED, "rank %d: it could not send its ground; look at what that rank says", message->rank);
 	}
 	enum status status = take_tiles(fleet, &in, planes);
 	if (status == STATUS_OK)

@@ -87,7 +87,7 @@ enum status resident_pages_rollback(struct pages *pages)
 	struct going_back going = {.pages = pages};
 	const struct page_rollback rollback = {&going, back, changed, dropped};
 	if (!pages->marked.is)
-		return fail_with(STATUS_FAILED, "rollback: there is no checkpoint to go back to");
+		return fail_with(STATUS_FAILED, "rollback: there is no checkpoint to go back to; make one first");
 	enum status status = page_cache_rollback(pages->cache, &rollback);
 	key_set_finish(&going.changed);
 	if (status != STATUS_OK)

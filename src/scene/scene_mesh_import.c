@@ -176,7 +176,7 @@ static enum status take_mesh(const struct aiMesh *mesh, const double place[3][4]
 			continue; /* a point or a line */
 		for (int c = 0; c < 3; c++) {
 			if (face->mIndices[c] >= mesh->mNumVertices)
-				return fail_with(STATUS_INPUT, "%s: a triangle names vertex %u, and there are %u", told,
+				return fail_with(STATUS_INPUT, "%s: a triangle names vertex %u, and there are %u; export the mesh again", told,
 						 face->mIndices[c], mesh->mNumVertices);
 			const struct aiVector3D *v = &mesh->mVertices[face->mIndices[c]];
 			for (int k = 0; k < 3; k++)

@@ -88,10 +88,10 @@ static enum status parent_unusable(const struct store *store, enum status status
 	if (status != STATUS_INPUT || store->parent_given != NULL) /* who relinks asks about the parent */
 		return status;
 	if (store->over_told) /* an overlay further down said it all */
-		return store->over != NULL ? status : fail_with(STATUS_INPUT, "%s: it is over %.440s", store->path, failure.message);
+		return store->over != NULL ? status : fail_with(STATUS_INPUT, "%s: it is over %s", store->path, failure.message);
 	if (advice != NULL)
 		*advice = '\0';
-	return fail_with(STATUS_INPUT, "%s: its base cannot be used: %.320s; put the base back, tell where it is with "
+	return fail_with(STATUS_INPUT, "%s: its base cannot be used: %s; put the base back, tell where it is with "
 			 "furrow relink, or drive with another --overlay", store->path, failure.message);
 }
 

@@ -151,7 +151,7 @@ static enum status check_copy(const struct store_staged *staged, store_progress_
 	char *advice = strstr(failure.message, "; ");
 	if (advice != NULL)
 		*advice = '\0';
-	return fail_with(STATUS_INPUT, "%s: it is not the whole copy of %s that its name promises: %.320s; remove that file, or stage in another folder",
+	return fail_with(STATUS_INPUT, "%s: it is not the whole copy of %s that its name promises: %s; remove that file, or stage in another folder",
 			 staged->copy, staged->original, failure.message);
 }
 

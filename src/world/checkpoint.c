@@ -156,7 +156,7 @@ enum status world_rollback(struct world *world)
 {
 	const struct checkpoint *saved = world->checkpoint;
 	if (saved == NULL)
-		return fail_with(STATUS_FAILED, "rollback: there is no checkpoint");
+		return fail_with(STATUS_FAILED, "rollback: there is no checkpoint; make one first");
 	const size_t objects = world->scene->object_count;
 	enum status status = world_forces_wait(world->forces);
 	if (status == STATUS_OK)
