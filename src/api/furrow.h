@@ -22,6 +22,7 @@
  * Manners. No function prints, exits, sets a signal handler, or changes the environment or the locale. A function that needs
  * GL makes its own EGL context current, and gives back the one that was current before. Where a GLX context is current the
  * call can be refused with FURROW_NO_GL: release the context first, or use another thread.
+ * Numbers in files, texts and messages have a decimal point, whatever the locale is. Functions of the host run in the host's locale.
  *
  * Ownership. Strings and arrays that a host gives are read during the call only. The library frees nothing of the host's.
  *

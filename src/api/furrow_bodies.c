@@ -129,8 +129,9 @@ furrow_status furrow_body_add(struct furrow_world *world, const char *object, fu
 
 furrow_status furrow_body_find(struct furrow_world *world, const char *name, furrow_body *body)
 {
-	api_library_begin();
-	enum status status = api_library_need(world, "world");
+	enum status status = api_library_begin();
+	if (status == STATUS_OK)
+		status = api_library_need(world, "world");
 	if (body != NULL)
 		*body = -1;
 	if (status == STATUS_OK)
@@ -170,8 +171,9 @@ furrow_status furrow_place(struct furrow_world *world, furrow_body body, const s
 
 furrow_status furrow_set_states(struct furrow_world *world, size_t count, const furrow_body *bodies, const struct furrow_state *states)
 {
-	api_library_begin();
-	enum status status = need_lists(world, count, bodies, states, "states");
+	enum status status = api_library_begin();
+	if (status == STATUS_OK)
+		status = need_lists(world, count, bodies, states, "states");
 	if (status == STATUS_OK)
 		status = need_free(world, count, bodies);
 	struct world_state *list = NULL;
@@ -189,8 +191,9 @@ furrow_status furrow_set_states(struct furrow_world *world, size_t count, const 
 
 furrow_status furrow_set_belts(struct furrow_world *world, size_t count, const furrow_body *bodies, const struct furrow_belt *belts)
 {
-	api_library_begin();
-	enum status status = need_lists(world, count, bodies, belts, "belts");
+	enum status status = api_library_begin();
+	if (status == STATUS_OK)
+		status = need_lists(world, count, bodies, belts, "belts");
 	if (status == STATUS_OK)
 		status = need_free(world, count, bodies);
 	struct world_belt *list = NULL;
@@ -208,8 +211,9 @@ furrow_status furrow_set_belts(struct furrow_world *world, size_t count, const f
 
 furrow_status furrow_get_states(struct furrow_world *world, size_t count, const furrow_body *bodies, struct furrow_state *states)
 {
-	api_library_begin();
-	enum status status = need_lists(world, count, bodies, states, "states");
+	enum status status = api_library_begin();
+	if (status == STATUS_OK)
+		status = need_lists(world, count, bodies, states, "states");
 	if (status == STATUS_OK)
 		status = need_bodies(world, count, bodies);
 	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
@@ -261,8 +265,9 @@ furrow_status furrow_probe(struct furrow_world *world, size_t count, const furro
 			   struct furrow_contact *contacts, size_t contact_size)
 {
 	struct library_call call;
-	api_library_begin();
-	enum status status = need_lists(world, count, bodies, states, "states");
+	enum status status = api_library_begin();
+	if (status == STATUS_OK)
+		status = need_lists(world, count, bodies, states, "states");
 	if (status == STATUS_OK)
 		status = need_contacts(world, count, bodies, contacts, contact_size);
 	if (status == STATUS_OK)

@@ -15,7 +15,12 @@ struct telling {
 static enum status tell(void *user, int64_t done, int64_t total)
 {
 	const struct telling *telling = user;
-	if (telling->progress == NULL || telling->progress(total > 0 ? (double)done / (double)total : 1, telling->user))
+	if (telling->progress == NULL)
+		return STATUS_OK;
+	const locale_t locale = api_library_to_host();
+	const bool goes_on = telling->progress(total > 0 ? (double)done / (double)total : 1, telling->user);
+	api_library_from_host(locale);
+	if (goes_on)
 		return STATUS_OK;
 	return fail_with(STATUS_INTERRUPTED, "%s: stopped; the same call with {resume: true} goes on", telling->store);
 }
@@ -99,9 +104,10 @@ furrow_status furrow_import(const char *const *sources, size_t count, const char
 	struct import import;
 	struct intake made;
 	struct telling telling = {progress, user, store};
-	api_library_begin();
+	enum status status = api_library_begin();
 	api_import_init(&import);
-	enum status status = api_library_need(sources, "sources");
+	if (status == STATUS_OK)
+		status = api_library_need(sources, "sources");
 	if (status == STATUS_OK && count == 0)
 		status = fail_with(STATUS_USAGE, "sources: there are none; give at least one path");
 	for (size_t i = 0; i < count && status == STATUS_OK; i++)

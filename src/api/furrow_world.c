@@ -142,10 +142,11 @@ furrow_status furrow_world_open(const struct furrow_open *open, struct furrow_wo
 {
 	struct gpu_kept kept;
 	struct furrow_open known = {.size = 0};
-	api_library_begin();
+	enum status status = api_library_begin();
 	if (world != NULL)
 		*world = NULL;
-	enum status status = api_library_need(open, "open");
+	if (status == STATUS_OK)
+		status = api_library_need(open, "open");
 	if (status == STATUS_OK)
 		status = api_library_need(world, "world");
 	if (status == STATUS_OK && open->size < sizeof *open)
@@ -298,8 +299,9 @@ furrow_status furrow_rollback(struct furrow_world *world)
 
 furrow_status furrow_info(struct furrow_world *world, struct furrow_info *info)
 {
-	api_library_begin();
-	enum status status = api_library_need(world, "world");
+	enum status status = api_library_begin();
+	if (status == STATUS_OK)
+		status = api_library_need(world, "world");
 	if (status == STATUS_OK)
 		status = api_library_need(info, "info");
 	if (status == STATUS_OK && info->size < sizeof info->size)

@@ -34,8 +34,11 @@ static void *log_user;
 static void take_note(const char *text)
 {
 	pthread_rwlock_rdlock(&log_lock);
-	if (log_function != NULL)
+	if (log_function != NULL) {
+		const locale_t locale = api_library_to_host();
 		log_function(0, text, log_user);
+		api_library_from_host(locale);
+	}
 	pthread_rwlock_unlock(&log_lock);
 }
 
@@ -44,28 +47,49 @@ static void begin_once(void)
 	note_to(take_note);
 }
 
-void api_library_begin(void)
+static void take_notes(void)
 {
 	static pthread_once_t once = PTHREAD_ONCE_INIT;
 	pthread_once(&once, begin_once);
-	dem_quiet_begin();
 }
 
 void furrow_set_log(void (*log)(int level, const char *message, void *user), void *user)
 {
-	api_library_begin();
+	take_notes();
 	pthread_rwlock_wrlock(&log_lock);
 	log_function = log;
 	log_user = user;
 	pthread_rwlock_unlock(&log_lock);
-	api_library_end(STATUS_OK);
 }
 
 /* --- calls --- */
 
+static _Thread_local locale_t host_locale; /* of the thread outside the library; (locale_t)0 in the library's own threads */
+
+locale_t api_library_to_host(void)
+{
+	return uselocale(host_locale != (locale_t)0 ? host_locale : LC_GLOBAL_LOCALE);
+}
+
+void api_library_from_host(locale_t locale)
+{
+	host_locale = uselocale(locale);
+}
+
+enum status api_library_begin(void)
+{
+	locale_t locale;
+	take_notes();
+	const enum status status = c_locale(&locale);
+	host_locale = uselocale(locale);
+	dem_quiet_begin();
+	return status;
+}
+
 furrow_status api_library_end(enum status status)
 {
 	dem_quiet_end();
+	uselocale(host_locale);
 	if (status != STATUS_OK)
 		snprintf(error, sizeof error, "%s", failure_message());
 	return (furrow_status)status_exit_code(status);
@@ -73,9 +97,10 @@ furrow_status api_library_end(enum status status)
 
 enum status api_library_enter(struct library_call *call, struct furrow_world *world)
 {
-	api_library_begin();
+	enum status status = api_library_begin();
 	*call = (struct library_call){.world = NULL};
-	enum status status = api_library_need(world, "world");
+	if (status == STATUS_OK)
+		status = api_library_need(world, "world");
 	if (status != STATUS_OK)
 		return status;
 	gpu_keep(world->world.gpu, &call->kept);

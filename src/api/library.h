@@ -41,9 +41,13 @@ struct library_call {
 	struct gpu_kept kept;
 };
 
-/* Begin and end a call without GL. The end returns the host's status, and keeps the message of a failure for it. */
-void api_library_begin(void);
+/* Begin and end a call without GL. Between them the thread has the locale "C". End a call whatever its begin returns. The end returns the
+ * host's status, and keeps the message of a failure for it. */
+enum status api_library_begin(void) FURROW_CHECKED;
 furrow_status api_library_end(enum status status);
+/* Before and after a call of the host's own function: it has the host's locale. The first returns the thread's locale for the second. */
+locale_t api_library_to_host(void);
+void api_library_from_host(locale_t locale);
 /* The same for a call that uses the world's GL. STATUS_USAGE: `world` is NULL. End with api_library_leave, whatever it returns. */
 enum status api_library_enter(struct library_call *call, struct furrow_world *world) FURROW_CHECKED;
 furrow_status api_library_leave(struct library_call *call, enum status status);

@@ -2,6 +2,7 @@
 #include <math.h>
 
 #include "../api/hosted.h"
+#include "../comma.h"
 #include "drive.h"
 
 #define SIDE 20.0 /* m of ground that is compared, from its south-west corner */
@@ -18,7 +19,7 @@ static void prepare(const char *driver)
 {
 	char text[1024], path[512];
 	snprintf(path, sizeof path, "%s/one_wheel.xml", getenv("MODELS"));
-	char *model = drive_text(path);
+	char *model = support_text(path);
 	support_write(support_path("model.xml"), model);
 	free(model);
 	snprintf(text, sizeof text, "scene: 1\nend_time: 1\ntime_step: 0.002\nsoil: {name: dry_sand}\nspacing: 0.0625\nredistribute: {model: scm}\n"
@@ -66,7 +67,7 @@ static void assert_same_files(const char *a, const char *b)
 		char path_a[256], path_b[256];
 		snprintf(path_a, sizeof path_a, "%s/%s", a, files[i]);
 		snprintf(path_b, sizeof path_b, "%s/%s", b, files[i]);
-		char *text_a = drive_text(path_a), *text_b = drive_text(path_b);
+		char *text_a = support_text(path_a), *text_b = support_text(path_b);
 		assert_true(strlen(text_a) > 500);
 		assert_string_equal(text_a, text_b);
 		free(text_a);
@@ -106,6 +107,28 @@ static void it_drives_as_the_command_drives_it(void **unused)
 	free(here);
 	free(there);
 	assert_same_files(cut.out, output);
+}
+
+/* A host whose locale has a decimal comma leaves what the command leaves, also when it goes on from the middle. */
+static void a_decimal_comma_changes_nothing(void **state)
+{
+	const struct drive_cut cut = {.overlay = support_path("point.furrow"), .out = support_path("point")};
+	const struct furrow_open open = {.size = sizeof open, .scene_file = support_path("scene.yaml"), .store = support_path("ground.furrow"),
+					 .overlay = support_path("comma.furrow"), .output = support_path("comma"), .resume = true};
+	prepare("    driver: {controls: controls.csv}\n");
+	support_write(support_path("controls.csv"), "t,drive\n0,0.5\n0.75,2.25\n");
+	assert_int_equal(drive_run(support_path("scene.yaml"), support_path("ground.furrow"), NULL, &cut, NULL), STATUS_OK);
+	if (!comma_begin(support_folder))
+		skip();
+	for (int part = 0; part < 2; part++) {
+		struct furrow_world *world = NULL;
+		done(furrow_world_open(&open, &world));
+		for (int i = 0; i < 250; i++)
+			done(furrow_step(world, 0));
+		done(furrow_world_close(world));
+	}
+	comma_end(state);
+	assert_same_files(cut.out, open.output);
 }
 
 static void the_host_sets_controls(void **unused)
@@ -206,6 +229,7 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(it_drives_as_the_command_drives_it),
+		cmocka_unit_test_teardown(a_decimal_comma_changes_nothing, comma_end),
 		cmocka_unit_test(the_host_sets_controls),
 		cmocka_unit_test(what_cannot_be_is_refused),
 		cmocka_unit_test(it_stands_in_pictures),
