@@ -239,20 +239,32 @@ static bool is_name(const char *name, const char *given)
 	return *name == '\0' && *given == '\0';
 }
 
-bool api_import_has_option(const char *name)
+static const struct option *find(const char *name)
 {
 	for (size_t i = 0; i < sizeof options / sizeof *options; i++)
 		if (is_name(options[i].name, name))
-			return true;
-	return false;
+			return &options[i];
+	return NULL;
+}
+
+bool api_import_has_option(const char *name)
+{
+	return find(name) != NULL;
+}
+
+enum import_list api_import_list(const char *name)
+{
+	const struct option *option = find(name);
+	if (option != NULL && (option->kind == LIST || option->kind == SOURCES))
+		return IMPORT_EACH;
+	return option != NULL && (option->kind == RANGE || option->kind == WINDOW) ? IMPORT_JOINED : IMPORT_NO_LIST;
 }
 
 enum status api_import_option(struct import *import, const char *name, const char *value)
 {
-	for (size_t i = 0; i < sizeof options / sizeof *options; i++)
-		if (is_name(options[i].name, name))
-			return take(import, &options[i], value);
-	return fail_with(STATUS_USAGE, "import: %s is not an option; furrow import --help lists them", name);
+	const struct option *option = find(name);
+	return option != NULL ? take(import, option, value)
+			      : fail_with(STATUS_USAGE, "import: %s is not an option; furrow import --help lists them", name);
 }
 
 void api_import_init(struct import *import)

@@ -54,6 +54,12 @@ static void an_import_that_is_wrong(void **state)
 	misused(furrow_import(missing, 1, out, "{max_error: -1}", NULL, NULL));
 	misused(furrow_import(missing, 1, out, "{max_error: much}", NULL, NULL));
 	misused(furrow_import(missing, 1, out, "{tile: 100}", NULL, NULL));
+	misused(furrow_import(missing, 1, out, "{spacing: [1, 2]}", NULL, NULL));
+	assert_non_null(strstr(furrow_last_error(), "options: line 1: spacing is a list; give one value"));
+	misused(furrow_import(missing, 1, out, "{spacing: []}", NULL, NULL));
+	misused(furrow_import(missing, 1, out, "{no_such_option: []}", NULL, NULL));
+	misused(furrow_import(missing, 1, out, "{window: [1, 2]}", NULL, NULL));
+	refused(FURROW_INPUT, furrow_import(missing, 1, out, "{nodata: [1, 2], window: [0, 0, 1, 1]}", NULL, NULL)); /* the source is not there */
 	misused(furrow_import(missing, 1, out, "{", NULL, NULL));
 	misused(furrow_import(missing, 1, out, "[1, 2]", NULL, NULL));
 	assert_int_equal(access(out, F_OK), -1);
