@@ -117,6 +117,8 @@ furrow_status furrow_import(const char *const *sources, size_t count, const char
 		status = api_library_need(sources, "sources");
 	if (status == STATUS_OK && count == 0)
 		status = fail_with(STATUS_USAGE, "sources: there are none; give at least one path");
+	if (status == STATUS_OK)
+		status = api_library_need_count(count, sizeof *sources);
 	for (size_t i = 0; i < count && status == STATUS_OK; i++)
 		status = api_library_need(sources[i], "a source");
 	if (status == STATUS_OK)

@@ -75,8 +75,8 @@ furrow_status furrow_vehicle_get(struct furrow_world *world, furrow_vehicle vehi
 		status = need_vehicle(world, vehicle);
 	if (status == STATUS_OK)
 		status = api_library_need(state, "state");
-	if (status == STATUS_OK && state->size < sizeof state->size)
-		status = fail_with(STATUS_USAGE, "state: its size is %zu; set it to sizeof(struct furrow_vehicle_state), %zu", state->size, sizeof *state);
+	if (status == STATUS_OK)
+		status = api_library_need_size(state->size, sizeof state->size, sizeof *state, "vehicle_state");
 	if (status != STATUS_OK)
 		return api_library_end(status);
 	vehicle_info(world->vehicles, (size_t)vehicle, &info);

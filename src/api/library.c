@@ -6,6 +6,8 @@
 
 #include "dem/dem.h"
 
+#define SIZE_MOST 4096 /* bytes: more than any version of a struct of furrow.h will have */
+
 /* --- messages --- */
 
 static _Thread_local char error[sizeof(((struct failure *)0)->message)];
@@ -119,6 +121,20 @@ furrow_status api_library_leave(struct library_call *call, enum status status)
 enum status api_library_need(const void *pointer, const char *name)
 {
 	return pointer != NULL ? STATUS_OK : fail_with(STATUS_USAGE, "%s: it is NULL; give one", name);
+}
+
+enum status api_library_need_count(size_t count, size_t bytes)
+{
+	return count <= PTRDIFF_MAX / bytes ? STATUS_OK
+					    : fail_with(STATUS_USAGE, "count: %zu entries are more than memory has; give the number of your entries", count);
+}
+
+/* A struct's size is a multiple of its first member's. */
+enum status api_library_need_size(size_t size, size_t least, size_t known, const char *name)
+{
+	if (size >= least && size <= SIZE_MOST && size % sizeof size == 0)
+		return STATUS_OK;
+	return fail_with(STATUS_USAGE, "%s: its size is %zu; set it to sizeof(struct furrow_%s), %zu", name, size, name, known);
 }
 
 enum status api_library_settle(struct furrow_world *world)

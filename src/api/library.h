@@ -58,6 +58,11 @@ void api_library_tell_state(const struct world_state *from, struct furrow_state 
 enum status api_library_start_view(struct furrow_world *host) FURROW_CHECKED;
 /* Checks that an argument is not NULL. If it is: STATUS_USAGE, with a message that has `name`. */
 enum status api_library_need(const void *pointer, const char *name) FURROW_CHECKED;
+/* Checks a count of entries of `bytes` each. STATUS_USAGE: they are more than an array can have. */
+enum status api_library_need_count(size_t count, size_t bytes) FURROW_CHECKED;
+/* Checks the `size` of a struct furrow_`name` of the host. `least`: that of its first version; `known`: that of this library's version. A later
+ * version is larger. STATUS_USAGE: no version has that size. */
+enum status api_library_need_size(size_t size, size_t least, size_t known, const char *name) FURROW_CHECKED;
 /* Commits the motion of the host's bodies, so that a query sees the ground as it is. */
 enum status api_library_settle(struct furrow_world *world) FURROW_CHECKED;
 

@@ -201,6 +201,8 @@ static void what_cannot_be_is_refused(void **unused)
 	misused(furrow_get_joints(world, 0, 3, controls, NULL));
 	misused(furrow_vehicle_get(world, -1, &state));
 	misused(furrow_vehicle_get(world, 0, &state));
+	state.size = SIZE_MAX;
+	misused(furrow_vehicle_get(world, 0, &state));
 	refused(FURROW_INPUT, furrow_vehicle_find(world, "horse", &none));
 	assert_int_equal(none, -1);
 	assert_null(furrow_vehicle_part(world, 3, FURROW_JOINT, 0));
