@@ -216,9 +216,9 @@ struct furrow_contact {
 };
 
 /*
- * Adds a body. `object`: YAML of one entry of the scene's `objects`, as in "{shape: {sphere: {radius: 0.2}}}"; `name` may be
- * absent. It is the host's: without a path, and it touches nothing until it is placed. *body gets its handle, or -1 when the
- * call fails. FURROW_INPUT: the text is no such entry, it has a path, or its name is taken.
+ * Adds a body. `object`: YAML of one entry of the scene's `objects`, as in "{shape: {sphere: {radius: 0.2}}}". `name` may be
+ * absent; the body is then body-N, the first such name that is free. The body is the host's: without a path, and it touches nothing
+ * until it is placed. *body gets its handle, or -1 when the call fails. FURROW_INPUT: the text is no such entry, it has a path, or its name is taken.
  */
 FURROW_API furrow_status furrow_body_add(struct furrow_world *world, const char *object, furrow_body *body);
 

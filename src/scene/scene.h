@@ -112,6 +112,7 @@ struct scene_path {
 
 struct scene_object {
 	char *name;
+	bool name_is_made; /* the scene gave none: it is body-N */
 	struct deform_shape shape;
 	struct scene_path path;
 	struct deform_mesh *mesh; /* owned by the object; it is also shape.mesh. NULL: no mesh */

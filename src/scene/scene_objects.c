@@ -48,6 +48,7 @@ static enum status make_name(const struct scene *scene, struct scene_object *obj
 		snprintf(name, sizeof name, "body-%zu", number++);
 	while (is_named(scene, object, name));
 	object->name = mem_strdup(name);
+	object->name_is_made = true;
 	return object->name != NULL ? STATUS_OK : fail_memory("reading the objects");
 }
 

@@ -438,6 +438,22 @@ static void bodies_without_a_name_get_the_first_that_is_free(void **state)
 		done(furrow_body_remove(world, bodies[i]));
 }
 
+/* A name of that kind, too. */
+static void a_name_that_is_given_and_taken_is_refused(void **state)
+{
+	static const char *const objects[] = {"{name: body-7, shape: {sphere: {radius: 0.5}}}", "{name: body-of-mine, shape: {sphere: {radius: 0.5}}}"};
+	need_world();
+	for (int i = 0; i < 2; i++) {
+		furrow_body first, second;
+		done(furrow_body_add(world, objects[i], &first));
+		refused(FURROW_INPUT, furrow_body_add(world, objects[i], &second));
+		assert_int_equal(second, -1);
+		done(furrow_body_remove(world, first));
+		done(furrow_body_add(world, objects[i], &second));
+		done(furrow_body_remove(world, second));
+	}
+}
+
 static void all_of_that_changed_nothing(void **state)
 {
 	need_world();
@@ -458,6 +474,7 @@ int main(void)
 		cmocka_unit_test(sizes_that_are_off),        cmocka_unit_test(nothing_of_everything),
 		cmocka_unit_test(sizes_that_no_struct_has),  cmocka_unit_test(counts_that_memory_cannot_have),
 		cmocka_unit_test(bodies_that_are_not_there), cmocka_unit_test(bodies_without_a_name_get_the_first_that_is_free),
+		cmocka_unit_test(a_name_that_is_given_and_taken_is_refused),
 		cmocka_unit_test(all_of_that_changed_nothing),
 	};
 	return cmocka_run_group_tests(tests, enter, leave);
