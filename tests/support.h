@@ -100,6 +100,18 @@ static inline void support_write(const char *path, const char *text)
 	assert_int_equal(fclose(file), 0);
 }
 
+/* The text of a file of at most 4 MB. Freed by the caller. */
+static inline char *support_text(const char *path)
+{
+	FILE *file = fopen(path, "r");
+	assert_non_null(file);
+	char *text = calloc(1, 1 << 22);
+	assert_non_null(text);
+	assert_true(fread(text, 1, (1 << 22) - 1, file) > 0);
+	fclose(file);
+	return text;
+}
+
 /* An integer of run.json by name, wherever it first stands after `after`. */
 static inline long long support_figure(const char *json, const char *after, const char *name)
 {

@@ -4,6 +4,7 @@ import ctypes
 import json
 import os
 import pathlib
+import re
 import threading
 from typing import Any, Callable, Iterable, Optional, Union
 
@@ -74,12 +75,18 @@ def text(value: Optional[Path]) -> Optional[bytes]:
     return None if value is None else os.fsencode(value)
 
 
+# Control characters, separators of lines and paragraphs, the byte order mark, and what is no character. The library refuses each where it is
+# escaped. Otherwise YAML makes a space of some.
+_ESCAPED = re.compile("[\x7f-\x9f\u2028\u2029\ufeff\ufffe\uffff]")
+
+
 def yaml(value: Any) -> bytes:
-    """A dict or list as the library reads it. JSON is YAML; numbers and arrays of numpy are taken as well."""
+    """A dict or list as the library reads it. JSON is YAML, but for pairs of surrogates; numbers and arrays of numpy are taken as well."""
     try:
-        return json.dumps(value, allow_nan=False, default=lambda other: other.tolist()).encode()
+        json_text = json.dumps(value, allow_nan=False, ensure_ascii=False, default=lambda other: other.tolist())
     except AttributeError:
         raise TypeError(f"furrow: {value!r} holds what is no dict, list, text, number or bool") from None
+    return _ESCAPED.sub(lambda found: f"\\u{ord(found[0]):04x}", json_text).encode(errors="surrogateescape")
 
 
 def version() -> str:

@@ -22,6 +22,7 @@
  * Manners. No function prints, exits, sets a signal handler, or changes the environment or the locale. A function that needs
  * GL makes its own EGL context current, and gives back the one that was current before. Where a GLX context is current the
  * call can be refused with FURROW_NO_GL: release the context first, or use another thread.
+ * Numbers in files, texts and messages have a decimal point, whatever the locale is. Functions of the host run in the host's locale.
  *
  * Ownership. Strings and arrays that a host gives are read during the call only. The library frees nothing of the host's.
  *
@@ -83,6 +84,7 @@ FURROW_API void furrow_free(void *memory);
  * Makes a store of elevation data, as `furrow import` does.
  * `sources`: `count` paths of rasters, folders, or "@list.txt"; at least one. `store`: path of the file to make.
  * `options`: a YAML mapping of the command's long names, as in "{max_error: 0.01, spacing: 1}"; NULL: all defaults.
+ * `nodata` and `inset` may be lists of values; `height_range` and `window` are lists of numbers. No other option is a list.
  * `progress`: gets the share that is done, 0 to 1, and returns false to stop; NULL: nobody asks. It is called on this thread.
  * `user` is handed on to it.
  * FURROW_INTERRUPTED: `progress` stopped it; a call with {resume: true} goes on. FURROW_INPUT: a source cannot be read, or
@@ -219,9 +221,9 @@ struct furrow_contact {
 };
 
 /*
- * Adds a body. `object`: YAML of one entry of the scene's `objects`, as in "{shape: {sphere: {radius: 0.2}}}"; `name` may be
- * absent. It is the host's: without a path, and it touches nothing until it is placed. *body gets its handle, or -1 when the
- * call fails. FURROW_INPUT: the text is no such entry, it has a path, or its name is taken.
+ * Adds a body. `object`: YAML of one entry of the scene's `objects`, as in "{shape: {sphere: {radius: 0.2}}}". `name` may be
+ * absent; the body is then body-N, the first such name that is free. The body is the host's: without a path, and it touches nothing
+ * until it is placed. *body gets its handle, or -1 when the call fails. FURROW_INPUT: the text is no such entry, it has a path, or its name is taken.
  */
 FURROW_API furrow_status furrow_body_add(struct furrow_world *world, const char *object, furrow_body *body);
 

@@ -50,10 +50,13 @@ static void tell_contact(const struct world_contact *from, struct furrow_contact
 	memcpy(contact->damping, from->damping, sizeof contact->damping);
 }
 
-/* Checks lists of bodies, and of the data of each. */
-static enum status need_lists(const struct furrow_world *world, size_t count, const void *bodies, const void *items, const char *name)
+/* Checks lists of bodies, and of the data of each: `bytes` a body. */
+static enum status need_lists(const struct furrow_world *world, size_t count, const void *bodies, const void *items, size_t bytes,
+			      const char *name)
 {
 	enum status status = api_library_need(world, "world");
+	if (status == STATUS_OK)
+		status = api_library_need_count(count, bytes);
 	if (status == STATUS_OK && count > 0)
 		status = api_library_need(bodies, "bodies");
 	if (status == STATUS_OK && count > 0)
@@ -99,7 +102,7 @@ static enum status contact_of(struct furrow_world *world, furrow_body body, stru
 static enum status need_contacts(const struct furrow_world *world, size_t count, const furrow_body *bodies,
 				 const struct furrow_contact *contacts, size_t size)
 {
-	enum status status = need_lists(world, count, bodies, contacts, "contacts");
+	enum status status = need_lists(world, count, bodies, contacts, sizeof *contacts, "contacts");
 	if (status != STATUS_OK || size == sizeof *contacts)
 		return status;
 	return fail_with(STATUS_USAGE, "contact_size: it is %zu, and a contact has %zu bytes; give sizeof(struct furrow_contact)", size,
@@ -129,8 +132,9 @@ furrow_status furrow_body_add(struct furrow_world *world, const char *object, fu
 
 furrow_status furrow_body_find(struct furrow_world *world, const char *name, furrow_body *body)
 {
-	api_library_begin();
-	enum status status = api_library_need(world, "world");
+	enum status status = api_library_begin();
+	if (status == STATUS_OK)
+		status = api_library_need(world, "world");
 	if (body != NULL)
 		*body = -1;
 	if (status == STATUS_OK)
@@ -170,15 +174,16 @@ furrow_status furrow_place(struct furrow_world *world, furrow_body body, const s
 
 furrow_status furrow_set_states(struct furrow_world *world, size_t count, const furrow_body *bodies, const struct furrow_state *states)
 {
-	api_library_begin();
-	enum status status = need_lists(world, count, bodies, states, "states");
+	enum status status = api_library_begin();
 	if (status == STATUS_OK)
-		status = need_free(world, count, bodies);
+		status = need_lists(world, count, bodies, states, sizeof *states, "states");
 	struct world_state *list = NULL;
 	if (status == STATUS_OK && count > 0) {
 		list = mem_alloc(count, sizeof *list);
 		status = list != NULL ? STATUS_OK : fail_memory("states");
 	}
+	if (status == STATUS_OK)
+		status = need_free(world, count, bodies);
 	for (size_t i = 0; i < count && status == STATUS_OK; i++)
 		list[i] = state_of(&states[i]);
 	if (status == STATUS_OK && count > 0)
@@ -189,15 +194,16 @@ furrow_status furrow_set_states(struct furrow_world *world, size_t count, const 
 
 furrow_status furrow_set_belts(struct furrow_world *world, size_t count, const furrow_body *bodies, const struct furrow_belt *belts)
 {
-	api_library_begin();
-	enum status status = need_lists(world, count, bodies, belts, "belts");
+	enum status status = api_library_begin();
 	if (status == STATUS_OK)
-		status = need_free(world, count, bodies);
+		status = need_lists(world, count, bodies, belts, sizeof *belts, "belts");
 	struct world_belt *list = NULL;
 	if (status == STATUS_OK && count > 0) {
 		list = mem_alloc(count, sizeof *list);
 		status = list != NULL ? STATUS_OK : fail_memory("belts");
 	}
+	if (status == STATUS_OK)
+		status = need_free(world, count, bodies);
 	for (size_t i = 0; i < count && status == STATUS_OK; i++)
 		list[i] = (struct world_belt){belts[i].travel, belts[i].speed};
 	if (status == STATUS_OK && count > 0)
@@ -208,8 +214,9 @@ furrow_status furrow_set_belts(struct furrow_world *world, size_t count, const f
 
 furrow_status furrow_get_states(struct furrow_world *world, size_t count, const furrow_body *bodies, struct furrow_state *states)
 {
-	api_library_begin();
-	enum status status = need_lists(world, count, bodies, states, "states");
+	enum status status = api_library_begin();
+	if (status == STATUS_OK)
+		status = need_lists(world, count, bodies, states, sizeof *states, "states");
 	if (status == STATUS_OK)
 		status = need_bodies(world, count, bodies);
 	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
@@ -261,8 +268,9 @@ furrow_status furrow_probe(struct furrow_world *world, size_t count, const furro
 			   struct furrow_contact *contacts, size_t contact_size)
 {
 	struct library_call call;
-	api_library_begin();
-	enum status status = need_lists(world, count, bodies, states, "states");
+	enum status status = api_library_begin();
+	if (status == STATUS_OK)
+		status = need_lists(world, count, bodies, states, sizeof *states, "states");
 	if (status == STATUS_OK)
 		status = need_contacts(world, count, bodies, contacts, contact_size);
 	if (status == STATUS_OK)

@@ -46,6 +46,8 @@ furrow_status furrow_points(struct furrow_world *world, size_t count, const doub
 	struct terrain_point *at = NULL;
 	struct terrain_height *heights = NULL;
 	enum status status = api_library_enter(&call, world);
+	if (status == STATUS_OK)
+		status = api_library_need_count(count, sizeof *points);
 	if (status == STATUS_OK && count > 0)
 		status = api_library_need(xy, "xy");
 	if (status == STATUS_OK && count > 0)
@@ -100,6 +102,8 @@ furrow_status furrow_rays(struct furrow_world *world, size_t count, const double
 	struct terrain_ray *rays = NULL;
 	struct terrain_hit *found = NULL;
 	enum status status = api_library_enter(&call, world);
+	if (status == STATUS_OK)
+		status = api_library_need_count(count, sizeof *hits);
 	if (status == STATUS_OK && count > 0)
 		status = api_library_need(origin, "origin");
 	if (status == STATUS_OK && count > 0)
@@ -149,8 +153,8 @@ static enum store_layer layer_of(enum furrow_layer layer)
 	return STORE_SURFACE;
 }
 
-static enum status check_read(const struct furrow_world *world, enum furrow_layer layer, int level, uint32_t columns, const double *posts,
-			      size_t row_stride)
+static enum status check_read(const struct furrow_world *world, enum furrow_layer layer, int level, uint32_t columns, uint32_t rows,
+			      const double *posts, size_t row_stride)
 {
 	const int coarsest = extent_coarsest(&world->world.meta->extent);
 	enum status status = api_library_need(posts, "posts");
@@ -162,6 +166,9 @@ static enum status check_read(const struct furrow_world *world, enum furrow_laye
 		return fail_with(STATUS_USAGE, "level: %d is not kept; give %d to %d", level, world->world.level, coarsest);
 	if (row_stride < columns)
 		return fail_with(STATUS_USAGE, "row_stride: %zu posts are less than the %u of a row; give at least as many", row_stride, columns);
+	if (row_stride > PTRDIFF_MAX / sizeof *posts / rows)
+		return fail_with(STATUS_USAGE, "row_stride: %zu posts in each of %u rows are more than memory has; give those of your array", row_stride,
+				 rows);
 	return STATUS_OK;
 }
 
@@ -200,7 +207,7 @@ furrow_status furrow_read(struct furrow_world *world, enum furrow_layer layer, i
 	if (status == STATUS_OK && (columns == 0 || rows == 0))
 		return api_library_leave(&call, status);
 	if (status == STATUS_OK)
-		status = check_read(world, layer, level, columns, posts, row_stride);
+		status = check_read(world, layer, level, columns, rows, posts, row_stride);
 	if (status == STATUS_OK)
 		status = api_library_settle(world);
 	if (status != STATUS_OK)
@@ -228,6 +235,8 @@ furrow_status furrow_changes(struct furrow_world *world, uint64_t since, struct 
 	enum status status = api_library_enter(&call, world);
 	if (status == STATUS_OK)
 		status = api_library_need(count, "count");
+	if (status == STATUS_OK)
+		status = api_library_need_count(*count, sizeof *rects);
 	if (status == STATUS_OK && *count > 0)
 		status = api_library_need(rects, "rects");
 	if (status == STATUS_OK)

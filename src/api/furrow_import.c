@@ -15,7 +15,12 @@ struct telling {
 static enum status tell(void *user, int64_t done, int64_t total)
 {
 	const struct telling *telling = user;
-	if (telling->progress == NULL || telling->progress(total > 0 ? (double)done / (double)total : 1, telling->user))
+	if (telling->progress == NULL)
+		return STATUS_OK;
+	const locale_t locale = api_library_to_host();
+	const bool goes_on = telling->progress(total > 0 ? (double)done / (double)total : 1, telling->user);
+	api_library_from_host(locale);
+	if (goes_on)
 		return STATUS_OK;
 	return fail_with(STATUS_INTERRUPTED, "%s: stopped; the same call with {resume: true} goes on", telling->store);
 }
@@ -35,28 +40,35 @@ static enum status take(struct import *import, const char *name, const yaml_node
 	return api_import_option(import, name, (const char *)value->data.scalar.value);
 }
 
+static enum status take_list(struct import *import, yaml_document_t *document, const char *name, const yaml_node_t *list)
+{
+	const enum import_list kind = api_import_list(name);
+	char joined[128] = "";
+	enum status status = STATUS_OK;
+	if (kind == IMPORT_NO_LIST && api_import_has_option(name))
+		return fail_with(STATUS_USAGE, "options: line %zu: %s is a list; give one value", list->start_mark.line + 1, name);
+	for (const yaml_node_item_t *item = list->data.sequence.items.start; item < list->data.sequence.items.top && status == STATUS_OK; item++) {
+		const yaml_node_t *one = yaml_document_get_node(document, *item);
+		const size_t used = strlen(joined);
+		if (kind == IMPORT_EACH)
+			status = take(import, name, one);
+		else if (one == NULL || one->type != YAML_SCALAR_NODE)
+			status = off(one, "a value is no number");
+		else
+			snprintf(joined + used, sizeof joined - used, "%s%s", used > 0 ? "," : "", (const char *)one->data.scalar.value);
+	}
+	return status == STATUS_OK && kind != IMPORT_EACH ? api_import_option(import, name, joined) : status;
+}
+
 static enum status take_pair(struct import *import, yaml_document_t *document, const yaml_node_pair_t *pair)
 {
 	const yaml_node_t *key = yaml_document_get_node(document, pair->key), *value = yaml_document_get_node(document, pair->value);
 	if (key == NULL || key->type != YAML_SCALAR_NODE)
 		return off(key, "a name is no text");
 	const char *name = (const char *)key->data.scalar.value;
-	if (value == NULL || value->type != YAML_SEQUENCE_NODE)
-		return take(import, name, value);
-	char range[128] = "";
-	enum status status = STATUS_OK;
-	const bool is_range = strcmp(name, "height_range") == 0 || strcmp(name, "height-range") == 0 || strcmp(name, "window") == 0;
-	for (const yaml_node_item_t *item = value->data.sequence.items.start; item < value->data.sequence.items.top && status == STATUS_OK; item++) {
-		const yaml_node_t *one = yaml_document_get_node(document, *item);
-		const size_t used = strlen(range);
-		if (!is_range)
-			status = take(import, name, one);
-		else if (one == NULL || one->type != YAML_SCALAR_NODE)
-			status = off(one, "a value is no number");
-		else
-			snprintf(range + used, sizeof range - used, "%s%s", used > 0 ? "," : "", (const char *)one->data.scalar.value);
-	}
-	return status == STATUS_OK && is_range ? api_import_option(import, name, range) : status;
+	if (value != NULL && value->type == YAML_SEQUENCE_NODE)
+		return take_list(import, document, name, value);
+	return take(import, name, value);
 }
 
 static enum status take_document(struct import *import, yaml_document_t *document)
@@ -99,11 +111,14 @@ furrow_status furrow_import(const char *const *sources, size_t count, const char
 	struct import import;
 	struct intake made;
 	struct telling telling = {progress, user, store};
-	api_library_begin();
+	enum status status = api_library_begin();
 	api_import_init(&import);
-	enum status status = api_library_need(sources, "sources");
+	if (status == STATUS_OK)
+		status = api_library_need(sources, "sources");
 	if (status == STATUS_OK && count == 0)
 		status = fail_with(STATUS_USAGE, "sources: there are none; give at least one path");
+	if (status == STATUS_OK)
+		status = api_library_need_count(count, sizeof *sources);
 	for (size_t i = 0; i < count && status == STATUS_OK; i++)
 		status = api_library_need(sources[i], "a source");
 	if (status == STATUS_OK)

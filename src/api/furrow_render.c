@@ -117,7 +117,7 @@ furrow_status furrow_render(struct furrow_world *world, const struct furrow_came
 	enum status status = api_library_enter(&call, world);
 	if (status == STATUS_OK)
 		status = api_library_need(camera, "camera");
-	if (status == STATUS_OK && camera->size < sizeof *camera)
-		status = fail_with(STATUS_USAGE, "camera: its size is %zu; set it to sizeof(struct furrow_camera), %zu", camera->size, sizeof *camera);
+	if (status == STATUS_OK)
+		status = api_library_need_size(camera->size, sizeof *camera, sizeof *camera, "camera");
 	return api_library_leave(&call, status == STATUS_OK ? picture(world, camera, rgb, depth) : status);
 }

@@ -25,8 +25,9 @@ static enum status need_count(const struct furrow_world *world, furrow_vehicle v
 
 furrow_status furrow_vehicle_find(struct furrow_world *world, const char *name, furrow_vehicle *vehicle)
 {
-	api_library_begin();
-	enum status status = api_library_need(world, "world");
+	enum status status = api_library_begin();
+	if (status == STATUS_OK)
+		status = api_library_need(world, "world");
 	if (vehicle != NULL)
 		*vehicle = -1;
 	if (status == STATUS_OK)
@@ -69,12 +70,13 @@ furrow_status furrow_vehicle_get(struct furrow_world *world, furrow_vehicle vehi
 {
 	struct vehicle_info info;
 	struct world_state now;
-	api_library_begin();
-	enum status status = need_vehicle(world, vehicle);
+	enum status status = api_library_begin();
+	if (status == STATUS_OK)
+		status = need_vehicle(world, vehicle);
 	if (status == STATUS_OK)
 		status = api_library_need(state, "state");
-	if (status == STATUS_OK && state->size < sizeof state->size)
-		status = fail_with(STATUS_USAGE, "state: its size is %zu; set it to sizeof(struct furrow_vehicle_state), %zu", state->size, sizeof *state);
+	if (status == STATUS_OK)
+		status = api_library_need_size(state->size, sizeof state->size, sizeof *state, "vehicle_state");
 	if (status != STATUS_OK)
 		return api_library_end(status);
 	vehicle_info(world->vehicles, (size_t)vehicle, &info);
@@ -98,8 +100,9 @@ furrow_status furrow_vehicle_get(struct furrow_world *world, furrow_vehicle vehi
 
 furrow_status furrow_get_joints(struct furrow_world *world, furrow_vehicle vehicle, size_t count, double *values, double *rates)
 {
-	api_library_begin();
-	enum status status = need_vehicle(world, vehicle);
+	enum status status = api_library_begin();
+	if (status == STATUS_OK)
+		status = need_vehicle(world, vehicle);
 	if (status == STATUS_OK)
 		status = need_count(world, vehicle, count, FURROW_JOINT);
 	if (status == STATUS_OK)
@@ -109,8 +112,9 @@ furrow_status furrow_get_joints(struct furrow_world *world, furrow_vehicle vehic
 
 furrow_status furrow_get_actuators(struct furrow_world *world, furrow_vehicle vehicle, size_t count, double *controls, double *forces)
 {
-	api_library_begin();
-	enum status status = need_vehicle(world, vehicle);
+	enum status status = api_library_begin();
+	if (status == STATUS_OK)
+		status = need_vehicle(world, vehicle);
 	if (status == STATUS_OK)
 		status = need_count(world, vehicle, count, FURROW_ACTUATOR);
 	if (status == STATUS_OK)
@@ -120,8 +124,9 @@ furrow_status furrow_get_actuators(struct furrow_world *world, furrow_vehicle ve
 
 furrow_status furrow_set_controls(struct furrow_world *world, furrow_vehicle vehicle, size_t count, const double *controls)
 {
-	api_library_begin();
-	enum status status = need_vehicle(world, vehicle);
+	enum status status = api_library_begin();
+	if (status == STATUS_OK)
+		status = need_vehicle(world, vehicle);
 	if (status == STATUS_OK)
 		status = need_count(world, vehicle, count, FURROW_ACTUATOR);
 	if (status == STATUS_OK && count > 0)

@@ -148,14 +148,15 @@ furrow_status furrow_world_open(const struct furrow_open *open, struct furrow_wo
 {
 	struct gpu_kept kept;
 	struct furrow_open known = {.size = 0};
-	api_library_begin();
+	enum status status = api_library_begin();
 	if (world != NULL)
 		*world = NULL;
-	enum status status = api_library_need(open, "open");
+	if (status == STATUS_OK)
+		status = api_library_need(open, "open");
 	if (status == STATUS_OK)
 		status = api_library_need(world, "world");
-	if (status == STATUS_OK && open->size < sizeof *open)
-		status = fail_with(STATUS_USAGE, "open: its size is %zu; set it to sizeof(struct furrow_open), %zu", open->size, sizeof *open);
+	if (status == STATUS_OK)
+		status = api_library_need_size(open->size, sizeof *open, sizeof *open, "open");
 	if (status != STATUS_OK)
 		return api_library_end(status);
 	memcpy(&known, open, sizeof known < open->size ? sizeof known : open->size);
@@ -335,12 +336,13 @@ furrow_status furrow_rollback(struct furrow_world *world)
 
 furrow_status furrow_info(struct furrow_world *world, struct furrow_info *info)
 {
-	api_library_begin();
-	enum status status = api_library_need(world, "world");
+	enum status status = api_library_begin();
+	if (status == STATUS_OK)
+		status = api_library_need(world, "world");
 	if (status == STATUS_OK)
 		status = api_library_need(info, "info");
-	if (status == STATUS_OK && info->size < sizeof info->size)
-		status = fail_with(STATUS_USAGE, "info: its size is %zu; set it to sizeof(struct furrow_info), %zu", info->size, sizeof *info);
+	if (status == STATUS_OK)
+		status = api_library_need_size(info->size, sizeof info->size, sizeof *info, "info");
 	if (status != STATUS_OK)
 		return api_library_end(status);
 	const struct world *of = &world->world;

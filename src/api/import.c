@@ -1,9 +1,7 @@
 /* Imports elevation data into a store: the options, and the import. */
-#define _GNU_SOURCE /* strtod_l */
 #include "api/import.h"
 
 #include <errno.h>
-#include <locale.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -55,20 +53,10 @@ static enum status refuse(const char *name, const char *text, const char *allowe
 	return fail_with(STATUS_USAGE, "import: %s%s %s: not a value it takes; give %s", name[1] == '\0' ? "-" : "--", name, text, allowed);
 }
 
-/* Independent of the process's locale. */
-static double number_of(const char *text, char **end)
-{
-	const locale_t plain = newlocale(LC_ALL_MASK, "C", (locale_t)0);
-	const double number = plain != (locale_t)0 ? strtod_l(text, end, plain) : strtod(text, end);
-	if (plain != (locale_t)0)
-		freelocale(plain);
-	return number;
-}
-
 static enum status take_number(const struct option *option, const char *text, double *number)
 {
 	char *end, allowed[96];
-	*number = number_of(text, &end);
+	*number = strtod(text, &end);
 	const bool whole = option->kind != WHOLE || (*number == floor(*number) && strpbrk(text, ".eExX") == NULL);
 	if (end != text && *end == '\0' && *number >= option->low && *number <= option->high && whole)
 		return STATUS_OK;
@@ -97,7 +85,7 @@ static bool take_numbers(const char *text, size_t count, double *numbers)
 {
 	for (size_t i = 0; i < count; i++) {
 		char *end;
-		numbers[i] = number_of(text, &end);
+		numbers[i] = strtod(text, &end);
 		if (end == text || !isfinite(numbers[i]) || *end != (i + 1 < count ? ',' : '\0'))
 			return false;
 		text = end + 1;
@@ -128,7 +116,7 @@ static enum status take_nodata(struct import *import, const char *text)
 	if (import->dem.nodata_count == sizeof import->nodata / sizeof *import->nodata)
 		return fail_with(STATUS_USAGE, "import: --nodata is given too often; %zu values at most",
 				 sizeof import->nodata / sizeof *import->nodata);
-	const double value = number_of(text, &end);
+	const double value = strtod(text, &end);
 	if (end == text || *end != '\0' || isnan(value))
 		return fail_with(STATUS_USAGE, "import: --nodata %s: not a number; give one as in --nodata -32767", text);
 	import->nodata[import->dem.nodata_count++] = value;
@@ -251,20 +239,32 @@ static bool is_name(const char *name, const char *given)
 	return *name == '\0' && *given == '\0';
 }
 
-bool api_import_has_option(const char *name)
+static const struct option *find(const char *name)
 {
 	for (size_t i = 0; i < sizeof options / sizeof *options; i++)
 		if (is_name(options[i].name, name))
-			return true;
-	return false;
+			return &options[i];
+	return NULL;
+}
+
+bool api_import_has_option(const char *name)
+{
+	return find(name) != NULL;
+}
+
+enum import_list api_import_list(const char *name)
+{
+	const struct option *option = find(name);
+	if (option != NULL && (option->kind == LIST || option->kind == SOURCES))
+		return IMPORT_EACH;
+	return option != NULL && (option->kind == RANGE || option->kind == WINDOW) ? IMPORT_JOINED : IMPORT_NO_LIST;
 }
 
 enum status api_import_option(struct import *import, const char *name, const char *value)
 {
-	for (size_t i = 0; i < sizeof options / sizeof *options; i++)
-		if (is_name(options[i].name, name))
-			return take(import, &options[i], value);
-	return fail_with(STATUS_USAGE, "import: %s is not an option; furrow import --help lists them", name);
+	const struct option *option = find(name);
+	return option != NULL ? take(import, option, value)
+			      : fail_with(STATUS_USAGE, "import: %s is not an option; furrow import --help lists them", name);
 }
 
 void api_import_init(struct import *import)

@@ -36,6 +36,13 @@ void api_import_finish(struct import *import);
  * "true" or "false". `nodata` adds one value. STATUS_USAGE: there is no such option, or it does not take this value. */
 enum status api_import_option(struct import *import, const char *name, const char *value) FURROW_CHECKED;
 bool api_import_has_option(const char *name);
+/* How an option takes a list. */
+enum import_list {
+	IMPORT_NO_LIST, /* it has one value */
+	IMPORT_EACH,    /* a call of api_import_option for each value */
+	IMPORT_JOINED   /* one call, with the values parted by commas */
+};
+enum import_list api_import_list(const char *name); /* IMPORT_NO_LIST of a name that is no option, too */
 /* The values of `r`, `radii`, `pack` and `s-unit`, ended by NULL. */
 extern const char *const api_import_methods[], *const api_import_radii[], *const api_import_packs[],
 	*const api_import_units[];

@@ -6,6 +6,8 @@
 
 #include "dem/dem.h"
 
+#define SIZE_MOST 4096 /* bytes: more than any version of a struct of furrow.h will have */
+
 /* --- messages --- */
 
 static _Thread_local char error[sizeof(((struct failure *)0)->message)];
@@ -34,8 +36,11 @@ static void *log_user;
 static void take_note(const char *text)
 {
 	pthread_rwlock_rdlock(&log_lock);
-	if (log_function != NULL)
+	if (log_function != NULL) {
+		const locale_t locale = api_library_to_host();
 		log_function(0, text, log_user);
+		api_library_from_host(locale);
+	}
 	pthread_rwlock_unlock(&log_lock);
 }
 
@@ -44,28 +49,49 @@ static void begin_once(void)
 	note_to(take_note);
 }
 
-void api_library_begin(void)
+static void take_notes(void)
 {
 	static pthread_once_t once = PTHREAD_ONCE_INIT;
 	pthread_once(&once, begin_once);
-	dem_quiet_begin();
 }
 
 void furrow_set_log(void (*log)(int level, const char *message, void *user), void *user)
 {
-	api_library_begin();
+	take_notes();
 	pthread_rwlock_wrlock(&log_lock);
 	log_function = log;
 	log_user = user;
 	pthread_rwlock_unlock(&log_lock);
-	api_library_end(STATUS_OK);
 }
 
 /* --- calls --- */
 
+static _Thread_local locale_t host_locale; /* of the thread outside the library; (locale_t)0 in the library's own threads */
+
+locale_t api_library_to_host(void)
+{
+	return uselocale(host_locale != (locale_t)0 ? host_locale : LC_GLOBAL_LOCALE);
+}
+
+void api_library_from_host(locale_t locale)
+{
+	host_locale = uselocale(locale);
+}
+
+enum status api_library_begin(void)
+{
+	locale_t locale;
+	take_notes();
+	const enum status status = c_locale(&locale);
+	host_locale = uselocale(locale);
+	dem_quiet_begin();
+	return status;
+}
+
 furrow_status api_library_end(enum status status)
 {
 	dem_quiet_end();
+	uselocale(host_locale);
 	if (status != STATUS_OK)
 		snprintf(error, sizeof error, "%s", failure_message());
 	return (furrow_status)status_exit_code(status);
@@ -73,9 +99,10 @@ furrow_status api_library_end(enum status status)
 
 enum status api_library_enter(struct library_call *call, struct furrow_world *world)
 {
-	api_library_begin();
+	enum status status = api_library_begin();
 	*call = (struct library_call){.world = NULL};
-	enum status status = api_library_need(world, "world");
+	if (status == STATUS_OK)
+		status = api_library_need(world, "world");
 	if (status != STATUS_OK)
 		return status;
 	gpu_keep(world->world.gpu, &call->kept);
@@ -94,6 +121,20 @@ furrow_status api_library_leave(struct library_call *call, enum status status)
 enum status api_library_need(const void *pointer, const char *name)
 {
 	return pointer != NULL ? STATUS_OK : fail_with(STATUS_USAGE, "%s: it is NULL; give one", name);
+}
+
+enum status api_library_need_count(size_t count, size_t bytes)
+{
+	return count <= PTRDIFF_MAX / bytes ? STATUS_OK
+					    : fail_with(STATUS_USAGE, "count: %zu entries are more than memory has; give the number of your entries", count);
+}
+
+/* A struct's size is a multiple of its first member's. */
+enum status api_library_need_size(size_t size, size_t least, size_t known, const char *name)
+{
+	if (size >= least && size <= SIZE_MOST && size % sizeof size == 0)
+		return STATUS_OK;
+	return fail_with(STATUS_USAGE, "%s: its size is %zu; set it to sizeof(struct furrow_%s), %zu", name, size, name, known);
 }
 
 enum status api_library_settle(struct furrow_world *world)

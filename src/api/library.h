@@ -42,9 +42,13 @@ struct library_call {
 	struct gpu_kept kept;
 };
 
-/* Begin and end a call without GL. The end returns the host's status, and keeps the message of a failure for it. */
-void api_library_begin(void);
+/* Begin and end a call without GL. Between them the thread has the locale "C". End a call whatever its begin returns. The end returns the
+ * host's status, and keeps the message of a failure for it. */
+enum status api_library_begin(void) FURROW_CHECKED;
 furrow_status api_library_end(enum status status);
+/* Before and after a call of the host's own function: it has the host's locale. The first returns the thread's locale for the second. */
+locale_t api_library_to_host(void);
+void api_library_from_host(locale_t locale);
 /* The same for a call that uses the world's GL. STATUS_USAGE: `world` is NULL. End with api_library_leave, whatever it returns. */
 enum status api_library_enter(struct library_call *call, struct furrow_world *world) FURROW_CHECKED;
 furrow_status api_library_leave(struct library_call *call, enum status status);
@@ -55,6 +59,11 @@ void api_library_tell_state(const struct world_state *from, struct furrow_state 
 enum status api_library_start_view(struct furrow_world *host) FURROW_CHECKED;
 /* Checks that an argument is not NULL. If it is: STATUS_USAGE, with a message that has `name`. */
 enum status api_library_need(const void *pointer, const char *name) FURROW_CHECKED;
+/* Checks a count of entries of `bytes` each. STATUS_USAGE: they are more than an array can have. */
+enum status api_library_need_count(size_t count, size_t bytes) FURROW_CHECKED;
+/* Checks the `size` of a struct furrow_`name` of the host. `least`: that of its first version; `known`: that of this library's version. A later
+ * version is larger. STATUS_USAGE: no version has that size. */
+enum status api_library_need_size(size_t size, size_t least, size_t known, const char *name) FURROW_CHECKED;
 /* Commits the motion of the host's bodies, so that a query sees the ground as it is. */
 enum status api_library_settle(struct furrow_world *world) FURROW_CHECKED;
 

@@ -8,6 +8,7 @@
 #ifndef FURROW_BASE_H
 #define FURROW_BASE_H
 
+#include "base/c_locale.h"
 #include "base/clock.h"
 #include "base/height_code.h"
 #include "base/lattice.h"

@@ -12,6 +12,8 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "base/c_locale.h"
+
 static atomic_uint running;
 
 static void must(int error)
@@ -79,13 +81,26 @@ void condition_wake_all(struct condition *condition)
 	must(pthread_cond_broadcast(&condition->handle));
 }
 
+static void *begin(void *user)
+{
+	struct thread *thread = user;
+	uselocale(thread->locale);
+	return thread->body(thread->argument);
+}
+
 enum status thread_start(struct thread *thread, void *(*body)(void *), void *argument,
 			 const char *name)
 {
 	sigset_t all, before;
+	thread->started = false;
+	enum status status = c_locale(&thread->locale);
+	if (status != STATUS_OK)
+		return status;
+	thread->body = body;
+	thread->argument = argument;
 	sigfillset(&all);
 	must(pthread_sigmask(SIG_SETMASK, &all, &before));
-	int error = pthread_create(&thread->handle, NULL, body, argument);
+	int error = pthread_create(&thread->handle, NULL, begin, thread);
 	must(pthread_sigmask(SIG_SETMASK, &before, NULL));
 	thread->started = error == 0;
 	if (error != 0)

@@ -5,6 +5,7 @@
 #ifndef FURROW_BASE_THREAD_H
 #define FURROW_BASE_THREAD_H
 
+#include <locale.h>
 #include <pthread.h>
 #include <stdbool.h>
 
@@ -21,6 +22,9 @@ struct condition {
 struct thread {
 	pthread_t handle;
 	bool started;
+	void *(*body)(void *); /* what it runs, with its argument, in this locale */
+	void *argument;
+	locale_t locale;
 };
 
 void mutex_init(struct mutex *mutex);
@@ -35,7 +39,8 @@ void condition_wait(struct condition *condition, struct mutex *mutex);
 void condition_wait_for(struct condition *condition, struct mutex *mutex, double seconds);
 void condition_wake_all(struct condition *condition);
 
-/* Starts a thread. Signals are blocked in it, so that Ctrl-C always reaches the main thread. */
+/* Starts a thread. `thread` stays where it is until thread_join. The thread has the locale "C", whatever the locale of the process. Signals
+ * are blocked in it, so that Ctrl-C always reaches the main thread. */
 enum status thread_start(struct thread *thread, void *(*body)(void *), void *argument,
 			 const char *name) FURROW_CHECKED;
 void thread_join(struct thread *thread); /* does nothing if the thread was never started */

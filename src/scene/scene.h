@@ -112,6 +112,7 @@ struct scene_path {
 
 struct scene_object {
 	char *name;
+	bool name_is_made; /* the scene gave none: it is body-N */
 	struct deform_shape shape;
 	struct scene_path path;
 	struct deform_mesh *mesh; /* owned by the object; it is also shape.mesh. NULL: no mesh */
@@ -310,8 +311,8 @@ enum status scene_load(const char *path, const struct scene_setting *settings, s
 enum status scene_load_file(const char *path, const struct scene_setting *settings, size_t count,
 			    enum scene_reader reader, struct scene **out) FURROW_CHECKED;
 /* The same from a text: YAML in UTF-8 (JSON is YAML). Messages begin with "scene text:LINE". Files that the scene names are
- * looked for in `folder`; NULL: the current folder of the process. Several threads may call these three functions at once. None
- * of them changes anything in the process, not even the locale. */
+ * looked for in `folder`; NULL: the current folder of the process. Several threads may call these three functions at once. The
+ * locale of each must be "C" (base/c_locale.h), as in all of the library. */
 enum status scene_load_text(const char *text, const char *folder, const struct scene_setting *settings,
 			    size_t count, enum scene_reader reader, struct scene **out) FURROW_CHECKED;
 /* Returns a message of scene_load_text without "scene text:LINE: " at its begin: nobody knows the lines of a text that a program wrote. */

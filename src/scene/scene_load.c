@@ -8,7 +8,6 @@
 #include "scene/scene_error.h"
 #include "scene/scene_file.h"
 #include "scene/scene_fold.h"
-#include "scene/scene_locale.h"
 #include "scene/scene_match.h"
 #include "scene/scene_set.h"
 #include "scene/scene_template.h"
@@ -62,11 +61,8 @@ static enum status load(const char *name, const char *beside, const char *text, 
 			const struct scene_setting *settings, size_t count, enum scene_reader reader,
 			struct scene **out)
 {
-	struct scene_locale locale;
-	enum status status = scene_locale_begin(&locale);
-	if (status != STATUS_OK)
-		return status;
 	struct scene *scene = mem_calloc(1, sizeof *scene);
+	enum status status = STATUS_OK;
 	if (scene == NULL || (scene->file = mem_strdup(name)) == NULL)
 		status = fail_memory("reading the scene");
 	if (status == STATUS_OK) {
@@ -75,7 +71,6 @@ static enum status load(const char *name, const char *beside, const char *text, 
 	}
 	if (status == STATUS_OK)
 		status = fill(scene, text, length, settings, count);
-	scene_locale_end(&locale);
 	if (status == STATUS_OK)
 		*out = scene;
 	else

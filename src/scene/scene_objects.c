@@ -7,7 +7,6 @@
 #include "scene/scene_check.h"
 #include "scene/scene_error.h"
 #include "scene/scene_file.h"
-#include "scene/scene_locale.h"
 #include "scene/scene_match.h"
 #include "scene/scene_mesh.h"
 #include "scene/scene_path.h"
@@ -49,6 +48,7 @@ static enum status make_name(const struct scene *scene, struct scene_object *obj
 		snprintf(name, sizeof name, "body-%zu", number++);
 	while (is_named(scene, object, name));
 	object->name = mem_strdup(name);
+	object->name_is_made = true;
 	return object->name != NULL ? STATUS_OK : fail_memory("reading the objects");
 }
 
@@ -213,15 +213,10 @@ static enum status parse(const struct scene *scene, const char *text, struct sce
 
 enum status scene_object_parse(const struct scene *scene, const char *text, struct scene_object *object)
 {
-	struct scene_locale locale;
 	*object = (struct scene_object){0};
 	if (strnlen(text, SCENE_BYTES + 1) > SCENE_BYTES)
 		return fail_with(STATUS_INPUT, "object text: it is too large; allowed: %u bytes", SCENE_BYTES);
-	enum status status = scene_locale_begin(&locale);
-	if (status != STATUS_OK)
-		return status;
-	status = parse(scene, text, object);
-	scene_locale_end(&locale);
+	enum status status = parse(scene, text, object);
 	if (status != STATUS_OK)
 		scene_object_finish(object);
 	return status;

@@ -158,14 +158,14 @@ enum status world_body_find(const struct world *world, const char *name, int32_t
 	return fail_with(STATUS_INPUT, "%s: no body has this name; give one of the scene's objects, or one that was added", name);
 }
 
-/* Gives a free name instead of the scene's "body-1". */
-static enum status name_it(struct world *world, struct scene_object *object, bool given)
+/* Gives a free name in place of one that the scene made, if that is taken. A name that the host gave stays. */
+static enum status name_it(struct world *world, struct scene_object *object)
 {
 	int32_t other;
 	char name[32];
 	if (world_body_find(world, object->name, &other) != STATUS_OK)
 		return STATUS_OK;
-	if (given)
+	if (!object->name_is_made)
 		return fail_with(STATUS_INPUT, "%s: another body has this name; give one that is free", object->name);
 	do
 		snprintf(name, sizeof name, "body-%u", ++world->hosts.named);
@@ -177,11 +177,6 @@ static enum status name_it(struct world *world, struct scene_object *object, boo
 	mem_free(object->name);
 	object->name = copy;
 	return STATUS_OK;
-}
-
-static bool is_made_up(const char *name)
-{
-	return strncmp(name, "body-", 5) == 0;
 }
 
 struct deform_planned world_planned_host(const struct deform_shape *shape)
@@ -206,7 +201,7 @@ enum status world_body_add(struct world *world, struct scene_object *object, int
 	if (status == STATUS_OK)
 		status = make_room(world);
 	if (status == STATUS_OK)
-		status = name_it(world, object, !is_made_up(object->name));
+		status = name_it(world, object);
 	if (status == STATUS_OK)
 		status = world_forces_wait(world->forces); /* warming up drops forces that are being computed */
 	if (status == STATUS_OK)

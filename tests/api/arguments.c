@@ -54,6 +54,12 @@ static void an_import_that_is_wrong(void **state)
 	misused(furrow_import(missing, 1, out, "{max_error: -1}", NULL, NULL));
 	misused(furrow_import(missing, 1, out, "{max_error: much}", NULL, NULL));
 	misused(furrow_import(missing, 1, out, "{tile: 100}", NULL, NULL));
+	misused(furrow_import(missing, 1, out, "{spacing: [1, 2]}", NULL, NULL));
+	assert_non_null(strstr(furrow_last_error(), "options: line 1: spacing is a list; give one value"));
+	misused(furrow_import(missing, 1, out, "{spacing: []}", NULL, NULL));
+	misused(furrow_import(missing, 1, out, "{no_such_option: []}", NULL, NULL));
+	misused(furrow_import(missing, 1, out, "{window: [1, 2]}", NULL, NULL));
+	refused(FURROW_INPUT, furrow_import(missing, 1, out, "{nodata: [1, 2], window: [0, 0, 1, 1]}", NULL, NULL)); /* the source is not there */
 	misused(furrow_import(missing, 1, out, "{", NULL, NULL));
 	misused(furrow_import(missing, 1, out, "[1, 2]", NULL, NULL));
 	assert_int_equal(access(out, F_OK), -1);
@@ -266,6 +272,65 @@ static void sizes_that_are_off(void **state)
 	misused(furrow_changes(world, before.revision + 1000, NULL, &(size_t){0}, NULL));
 }
 
+/* A struct's size is that of an earlier version of it, of this one, or of a later one. */
+static void sizes_that_no_struct_has(void **state)
+{
+	need_world();
+	static const size_t wrong[] = {0, 7, 9, sizeof before - 1, sizeof before + 1, 4096 + sizeof(size_t), PTRDIFF_MAX, SIZE_MAX};
+	struct furrow_open open = hosted_open(HOSTED_SCENE, support_path("arguments.furrow"));
+	struct furrow_camera camera = {.pose = hosted_pose(16, 16, 110), .fovy = 1, .width = 8, .height = 8};
+	struct furrow_world *none;
+	uint8_t rgb[3 * 64];
+	union {
+		struct furrow_info info;
+		unsigned char bytes[4096];
+	} later;
+	for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
+		open.size = camera.size = later.info.size = wrong[i];
+		misused(furrow_world_open(&open, &none));
+		misused(furrow_render(world, &camera, rgb, NULL));
+		misused(furrow_info(world, &later.info));
+	}
+	memset(&later, 0x55, sizeof later);
+	later.info.size = sizeof later;
+	done(furrow_info(world, &later.info));
+	assert_int_equal(later.info.cells, before.cells);
+	assert_int_equal(later.bytes[sizeof later.info], 0x55);
+	camera.size = sizeof camera + sizeof(size_t);
+	done(furrow_render(world, &camera, rgb, NULL));
+}
+
+/* Nothing of the lists may be read before: they have one entry. */
+static void counts_that_memory_cannot_have(void **state)
+{
+	need_world();
+	static const size_t wrong[] = {SIZE_MAX, SIZE_MAX / 2, SIZE_MAX / 8};
+	const struct furrow_state body_state = hosted_state(16, 16, 100.5);
+	const struct furrow_belt belt = {0, 1};
+	const double up[1][3] = {{0, 0, 1}}, pair[1][2] = {{1, 2}};
+	const char *source[] = {"/nonexistent/dem.tif"};
+	struct furrow_state got;
+	struct furrow_contact contact;
+	struct furrow_point point;
+	struct furrow_hit hit;
+	struct furrow_rect rect;
+	double post;
+	for (int i = 0; i < 3; i++) {
+		const size_t count = wrong[i];
+		size_t room = count;
+		misused(furrow_set_states(world, count, &ball, &body_state));
+		misused(furrow_get_states(world, count, &ball, &got));
+		misused(furrow_set_belts(world, count, &ball, &belt));
+		misused(furrow_get_contacts(world, count, &ball, &contact, sizeof contact));
+		misused(furrow_probe(world, count, &ball, &body_state, &contact, sizeof contact));
+		misused(furrow_points(world, count, pair, &point));
+		misused(furrow_rays(world, count, up, up, &hit));
+		misused(furrow_changes(world, 0, &rect, &room, NULL));
+		misused(furrow_read(world, FURROW_SURFACE, before.level, 0, 0, 1, 16, &post, count));
+		misused(furrow_import(source, count, support_path("import.furrow"), NULL, NULL, NULL));
+	}
+}
+
 /* Nothing is asked for: NULL is fine then. Beyond the terrain there are no posts. */
 static void nothing_of_everything(void **state)
 {
@@ -373,6 +438,22 @@ static void bodies_without_a_name_get_the_first_that_is_free(void **state)
 		done(furrow_body_remove(world, bodies[i]));
 }
 
+/* A name of that kind, too. */
+static void a_name_that_is_given_and_taken_is_refused(void **state)
+{
+	static const char *const objects[] = {"{name: body-7, shape: {sphere: {radius: 0.5}}}", "{name: body-of-mine, shape: {sphere: {radius: 0.5}}}"};
+	need_world();
+	for (int i = 0; i < 2; i++) {
+		furrow_body first, second;
+		done(furrow_body_add(world, objects[i], &first));
+		refused(FURROW_INPUT, furrow_body_add(world, objects[i], &second));
+		assert_int_equal(second, -1);
+		done(furrow_body_remove(world, first));
+		done(furrow_body_add(world, objects[i], &second));
+		done(furrow_body_remove(world, second));
+	}
+}
+
 static void all_of_that_changed_nothing(void **state)
 {
 	need_world();
@@ -391,7 +472,9 @@ int main(void)
 		cmocka_unit_test(an_opening_that_is_wrong),  cmocka_unit_test(no_world),
 		cmocka_unit_test(pointers_that_are_null),    cmocka_unit_test(numbers_that_are_none),
 		cmocka_unit_test(sizes_that_are_off),        cmocka_unit_test(nothing_of_everything),
+		cmocka_unit_test(sizes_that_no_struct_has),  cmocka_unit_test(counts_that_memory_cannot_have),
 		cmocka_unit_test(bodies_that_are_not_there), cmocka_unit_test(bodies_without_a_name_get_the_first_that_is_free),
+		cmocka_unit_test(a_name_that_is_given_and_taken_is_refused),
 		cmocka_unit_test(all_of_that_changed_nothing),
 	};
 	return cmocka_run_group_tests(tests, enter, leave);

@@ -266,6 +266,18 @@ class PythonPackageTest(unittest.TestCase):
                 assert "spacing=0.125" in repr(info)
             """)
 
+    def test_a_scene_has_paths_of_any_characters(self):
+        self.run_script(r"""
+            import shutil
+            for name in ("b\U0001f600", "R\u00e4der", "q\"\\ud83d"):
+                path = f"{work}/{name}.furrow"
+                shutil.copy(store, path)
+                with furrow.World({**SCENE, "store": path}) as world:
+                    assert "is not a name" in refused(furrow.Status.INPUT, world.add, name=name, shape={"sphere": {"radius": 0.5}})
+            for name in ("a\x7fb", "a\x85b", "a\u2028b", "a\ufeffb"):
+                assert "a control character" in refused(furrow.Status.INPUT, furrow.World, {**SCENE, "store": name})
+            """)
+
     def test_what_is_wrong_is_an_error(self):
         self.run_script("""
             refused(furrow.Status.INPUT, furrow.World, SCENE, store=work + "/missing.furrow")

@@ -1,9 +1,6 @@
 /* Scenes and objects as text, for a host: what it may leave out, and what is checked all the same. */
 #include "fixture.h"
 
-#include <locale.h>
-#include <math.h>
-
 #include "base/thread.h"
 
 static struct scene *load_as(const char *text, enum scene_reader reader)
@@ -242,58 +239,6 @@ static void an_object_becomes_what_the_scene_would_make_of_it(void **state)
 	scene_object_finish(&body);
 }
 
-/* A locale with a decimal comma, made here where the machine has none; (locale_t)0: it cannot be made. */
-static locale_t comma_locale(void)
-{
-	char command[300];
-	snprintf(command, sizeof command, "localedef -f UTF-8 -i de_DE %s/de_DE.UTF-8 >/dev/null 2>&1", folder);
-	if (system(command) < 0)
-		return (locale_t)0;
-	setenv("LOCPATH", folder, 1);
-	locale_t locale = newlocale(LC_ALL_MASK, "de_DE.UTF-8", (locale_t)0);
-	unsetenv("LOCPATH");
-	snprintf(command, sizeof command, "rm -rf %s/de_DE.UTF-8", folder);
-	return system(command) < 0 ? (locale_t)0 : locale;
-}
-
-static void numbers_do_not_depend_on_the_locale(void **state)
-{
-	locale_t comma = comma_locale();
-	if (comma == (locale_t)0)
-		skip();
-	struct scene *plain, *scene;
-	assert_int_equal(load_text(example, NULL, 0, &plain), STATUS_OK);
-	write_text("poses.csv", "0,1.5,2.5\n");
-	uselocale(comma);
-	double read = strtod("0.5", NULL);
-	enum status status = load_text(example, NULL, 0, &scene);
-	struct scene *host = NULL;
-	struct scene_object object = {0};
-	enum status text = scene_load_text("{time_step: 0.5}", folder, NULL, 0, SCENE_HOST, &host);
-	enum status parsed = text == STATUS_OK ? scene_object_parse(host, "{shape: {sphere: {radius: 0.75}}, path: {file: poses.csv}}", &object)
-					       : text;
-	struct scene *none;
-	enum status refused = scene_load_text("{cache: {prefetch: -0.5}, time_step: 0}", folder, NULL, 0, SCENE_HOST, &none);
-	bool kept = uselocale((locale_t)0) == comma;
-	uselocale(LC_GLOBAL_LOCALE);
-	freelocale(comma);
-	assert_true(read == 0); /* the locale is one that would do harm */
-	assert_int_equal(status, STATUS_OK);
-	assert_string_equal(scene->hash, plain->hash);
-	assert_int_equal(text, STATUS_OK);
-	assert_true(host->time_step == 0.5);
-	assert_int_equal(parsed, STATUS_OK);
-	assert_true(object.shape.radius == 0.75 && object.path.points[0].x == 1.5);
-	assert_int_equal(refused, STATUS_INPUT);
-	assert_says("-0.5 is out of range");
-	assert_true(kept);
-	scene_object_finish(&object);
-	scene_destroy(host);
-	scene_destroy(scene);
-	scene_destroy(plain);
-	assert_int_equal(unlink(in_folder("poses.csv")), 0);
-}
-
 /* --- several threads --- */
 
 struct loader {
@@ -382,7 +327,6 @@ int main(void)
 		cmocka_unit_test(the_command_needs_them),
 		cmocka_unit_test(an_object_is_checked_as_one_of_the_scene),
 		cmocka_unit_test(an_object_becomes_what_the_scene_would_make_of_it),
-		cmocka_unit_test(numbers_do_not_depend_on_the_locale),
 		cmocka_unit_test(threads_load_scenes_at_once),
 		cmocka_unit_test(failing_memory_is_told),
 	};

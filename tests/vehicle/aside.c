@@ -75,7 +75,7 @@ static double driven(const struct soil *soil, double slip, double angle)
 	support_write(support_path("scene.yaml"), text);
 	support_store(store, extent, level);
 	must(drive_run(support_path("scene.yaml"), store, NULL, &(struct drive_cut){.out = support_path("out")}, NULL));
-	char *rows = drive_text(support_path("out/objects.csv"));
+	char *rows = support_text(support_path("out/objects.csv"));
 	double sum = 0, count = 0;
 	for (char *line = strchr(rows, '\n'); line != NULL && line[1] != '\0'; line = strchr(line + 1, '\n')) {
 		double t, fx, fy;

@@ -112,7 +112,7 @@ struct turned {
 /* The rows of the shipped vehicle: when, where, and the angle of its left sprocket. */
 static size_t read_turned(struct turned *rows, size_t most)
 {
-	char *text = drive_text(support_path("out/vehicles.csv"));
+	char *text = support_text(support_path("out/vehicles.csv"));
 	size_t count = 0;
 	for (char *line = strchr(text, '\n'); line != NULL && line[1] != '\0' && count < most; line = strchr(line + 1, '\n'))
 		count += sscanf(line + 1, "%lf,%*[^,],%lf,%*f,%*f,%*f,%*f,%*f,%*f,%*f,%*f,%*f,%*f,%lf", &rows[count].t, &rows[count].x, &rows[count].angle) == 3;
@@ -131,7 +131,7 @@ static void the_shipped_vehicle_climbs_at_the_slip_of_its_slope(void **state)
 	char text[2048], path[512];
 	(void)state;
 	snprintf(path, sizeof path, "%s/vehicles/tracked.xml", getenv("SCENES"));
-	char *shipped = drive_text(path);
+	char *shipped = support_text(path);
 	support_write(support_path("tracked.xml"), shipped);
 	free(shipped);
 	for (size_t i = 0; i < sizeof trials / sizeof *trials; i++) {

@@ -8,21 +8,10 @@ struct drive_row {
 	double t, x, y, z, roll, pitch, yaw, vx, vy, vz, kinetic, work;
 };
 
-static inline char *drive_text(const char *path)
-{
-	FILE *file = fopen(path, "r");
-	assert_non_null(file);
-	char *text = calloc(1, 1 << 22);
-	assert_non_null(text);
-	assert_true(fread(text, 1, (1 << 22) - 1, file) > 0);
-	fclose(file);
-	return text;
-}
-
 /* The rows of one vehicle. Returns their number. */
 static inline size_t drive_rows(const char *path, const char *name, struct drive_row *rows, size_t most)
 {
-	char *text = drive_text(path), called[64];
+	char *text = support_text(path), called[64];
 	size_t count = 0;
 	for (char *line = strchr(text, '\n'); line != NULL && line[1] != '\0' && count < most; line = strchr(line + 1, '\n')) {
 		struct drive_row *r = &rows[count];

@@ -75,7 +75,7 @@ struct turned {
 /* What the rows tell of the wheel: its angle and its actuator's force from vehicles.csv, and from objects.csv what it did on the soil. */
 static size_t read_turned(struct turned *rows, size_t most)
 {
-	char *text = drive_text(support_path("out/vehicles.csv"));
+	char *text = support_text(support_path("out/vehicles.csv"));
 	size_t count = 0;
 	for (char *line = strchr(text, '\n'); line != NULL && line[1] != '\0' && count < most; line = strchr(line + 1, '\n'))
 		count += sscanf(line + 1, "%lf,%*[^,],%lf,%*f,%lf,%*f,%*f,%*f,%*f,%*f,%*f,%lf,%lf,%lf,%*f,%lf", &rows[count].t, &rows[count].x, &rows[count].z,
@@ -100,7 +100,7 @@ static void the_motor_s_work_is_in_the_soil_in_height_and_in_motion(void **state
 	const size_t count = read_turned(rows, 2000);
 	assert_int_equal(count, 1201);
 	assert_int_equal(told, count);
-	char *text = drive_text(support_path("out/objects.csv"));
+	char *text = support_text(support_path("out/objects.csv"));
 	double integral = 0, soil = 0, before[4] = {0, 0, 0, 0};
 	size_t at = 0;
 	for (char *line = strchr(text, '\n'); line != NULL && line[1] != '\0'; line = strchr(line + 1, '\n'), at++) {

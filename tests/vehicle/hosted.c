@@ -2,6 +2,7 @@
 #include <math.h>
 
 #include "../api/hosted.h"
+#include "../comma.h"
 #include "drive.h"
 
 #include "api/library.h"
@@ -21,7 +22,7 @@ static void prepare_at(double x, const char *driver)
 {
 	char text[1024], path[512];
 	snprintf(path, sizeof path, "%s/one_wheel.xml", getenv("MODELS"));
-	char *model = drive_text(path);
+	char *model = support_text(path);
 	support_write(support_path("model.xml"), model);
 	free(model);
 	snprintf(text, sizeof text, "scene: 1\nend_time: 1\ntime_step: 0.002\nsoil: {name: dry_sand}\nspacing: 0.0625\nredistribute: {model: scm}\n"
@@ -81,7 +82,7 @@ static void assert_same_files(const char *a, const char *b)
 		char path_a[256], path_b[256];
 		snprintf(path_a, sizeof path_a, "%s/%s", a, files[i]);
 		snprintf(path_b, sizeof path_b, "%s/%s", b, files[i]);
-		char *text_a = drive_text(path_a), *text_b = drive_text(path_b);
+		char *text_a = support_text(path_a), *text_b = support_text(path_b);
 		assert_true(strlen(text_a) > 500);
 		assert_string_equal(text_a, text_b);
 		free(text_a);
@@ -164,7 +165,7 @@ static void a_failed_step_loses_nothing(void **unused)
 	assert_true(fabs(furrow_time(world) - 0.002 * whole) < 1e-12);
 	done(furrow_world_close(world));
 	snprintf(path, sizeof path, "%s/run.json", output);
-	json = drive_text(path);
+	json = support_text(path);
 	assert_non_null(strstr(json, "\"failed\""));
 	free(json);
 	double *here = offsets(overlay, &bytes), *there = offsets(cut.overlay, &bytes);
@@ -186,6 +187,28 @@ static void a_scenes_end_ends_nothing(void **unused)
 	done(furrow_step(world, 0.01));
 	assert_true(furrow_time(world) == 515 * 0.002 && state_of(world).distance > before);
 	done(furrow_world_close(world));
+}
+
+/* A host whose locale has a decimal comma leaves what the command leaves, also when it goes on from the middle. */
+static void a_decimal_comma_changes_nothing(void **state)
+{
+	const struct drive_cut cut = {.overlay = support_path("point.furrow"), .out = support_path("point")};
+	const struct furrow_open open = {.size = sizeof open, .scene_file = support_path("scene.yaml"), .store = support_path("ground.furrow"),
+					 .overlay = support_path("comma.furrow"), .output = support_path("comma"), .resume = true};
+	prepare("    driver: {controls: controls.csv}\n");
+	support_write(support_path("controls.csv"), "t,drive\n0,0.5\n0.75,2.25\n");
+	assert_int_equal(drive_run(support_path("scene.yaml"), support_path("ground.furrow"), NULL, &cut, NULL), STATUS_OK);
+	if (!comma_begin(support_folder))
+		skip();
+	for (int part = 0; part < 2; part++) {
+		struct furrow_world *world = NULL;
+		done(furrow_world_open(&open, &world));
+		for (int i = 0; i < 250; i++)
+			done(furrow_step(world, 0));
+		done(furrow_world_close(world));
+	}
+	comma_end(state);
+	assert_same_files(cut.out, open.output);
 }
 
 static void the_host_sets_controls(void **unused)
@@ -258,6 +281,8 @@ static void what_cannot_be_is_refused(void **unused)
 	misused(furrow_get_joints(world, 0, 3, controls, NULL));
 	misused(furrow_vehicle_get(world, -1, &state));
 	misused(furrow_vehicle_get(world, 0, &state));
+	state.size = SIZE_MAX;
+	misused(furrow_vehicle_get(world, 0, &state));
 	refused(FURROW_INPUT, furrow_vehicle_find(world, "horse", &none));
 	assert_int_equal(none, -1);
 	assert_null(furrow_vehicle_part(world, 3, FURROW_JOINT, 0));
@@ -288,6 +313,7 @@ int main(void)
 		cmocka_unit_test(it_drives_as_the_command_drives_it),
 		cmocka_unit_test(a_failed_step_loses_nothing),
 		cmocka_unit_test(a_scenes_end_ends_nothing),
+		cmocka_unit_test_teardown(a_decimal_comma_changes_nothing, comma_end),
 		cmocka_unit_test(the_host_sets_controls),
 		cmocka_unit_test(what_cannot_be_is_refused),
 		cmocka_unit_test(it_stands_in_pictures),

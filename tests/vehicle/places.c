@@ -30,7 +30,7 @@ static size_t drive(const struct place *place, struct drive_row *rows)
 	char text[1024], *model, path[512];
 	const char *store = support_path("world.furrow"), *scene = support_path("scene.yaml");
 	snprintf(path, sizeof path, "%s/one_wheel.xml", getenv("MODELS"));
-	model = drive_text(path);
+	model = support_text(path);
 	support_write(support_path("one_wheel.xml"), model);
 	free(model);
 	height = place->height;
@@ -48,7 +48,7 @@ static size_t drive(const struct place *place, struct drive_row *rows)
 /* Rows of objects.csv in which the wheel does not touch. */
 static int lost(void)
 {
-	char *text = drive_text(support_path("out/objects.csv"));
+	char *text = support_text(support_path("out/objects.csv"));
 	int count = 0;
 	for (char *line = strchr(text, '\n'); line != NULL && line[1] != '\0'; line = strchr(line + 1, '\n')) {
 		char *end = strchr(line + 1, '\n');

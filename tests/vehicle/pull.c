@@ -40,7 +40,7 @@ struct trial {
 /* The mean of a column of objects.csv over its last `rows`. */
 static double told(const char *column, size_t rows)
 {
-	char *text = drive_text(support_path("out/objects.csv")), *end = text + strlen(text);
+	char *text = support_text(support_path("out/objects.csv")), *end = text + strlen(text);
 	double sum = 0;
 	int commas = 0;
 	const char *name = strstr(text, column);

@@ -30,7 +30,7 @@ static void prepare(const char *store, int vehicle)
 {
 	char text[2048], path[512];
 	snprintf(path, sizeof path, "%s/vehicles/%s.xml", getenv("SCENES"), vehicles[vehicle].name);
-	char *model = drive_text(path);
+	char *model = support_text(path);
 	support_write(support_path("model.xml"), model);
 	free(model);
 	snprintf(text, sizeof text, "scene: 1\nend_time: 6\ntime_step: 0.002\n%s\nspacing: 0.0625\n"
@@ -48,7 +48,7 @@ static void assert_same(const char *a, const char *b)
 		char path_a[256], path_b[256];
 		snprintf(path_a, sizeof path_a, "%s/%s", a, files[i]);
 		snprintf(path_b, sizeof path_b, "%s/%s", b, files[i]);
-		char *text_a = drive_text(path_a), *text_b = drive_text(path_b);
+		char *text_a = support_text(path_a), *text_b = support_text(path_b);
 		assert_true(strlen(text_a) > 1000);
 		assert_string_equal(text_a, text_b);
 		free(text_a);
@@ -64,7 +64,7 @@ static void assert_same_ways(const char *a, const char *b)
 	for (int i = 0; i < 2; i++) {
 		char path[256];
 		snprintf(path, sizeof path, "%s/run.json", outs[i]);
-		char *text = drive_text(path), *vehicle = strstr(text, "\"vehicles\":"), *way = vehicle != NULL ? strstr(vehicle, "\"way\":") : NULL;
+		char *text = support_text(path), *vehicle = strstr(text, "\"vehicles\":"), *way = vehicle != NULL ? strstr(vehicle, "\"way\":") : NULL;
 		assert_non_null(way);
 		*strstr(way, "\"soils\":") = '\0';
 		ways[i] = strdup(way);

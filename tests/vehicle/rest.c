@@ -28,10 +28,10 @@ static void write_braked(const char *folder, const char *file, const char *joint
 {
 	char path[512];
 	snprintf(path, sizeof path, "%s/%s", getenv(folder), file);
-	char *text = drive_text(path);
+	char *text = support_text(path);
 	write_changed("model.xml", text, joint, held);
 	free(text);
-	text = drive_text(support_path("model.xml"));
+	text = support_text(support_path("model.xml"));
 	write_changed("model.xml", text, motor, "kv=\"0\"");
 	free(text);
 }

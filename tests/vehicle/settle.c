@@ -34,7 +34,7 @@ static void copy_model(const char *name)
 {
 	char path[512];
 	snprintf(path, sizeof path, "%s/%s", getenv("MODELS"), name);
-	char *text = drive_text(path);
+	char *text = support_text(path);
 	support_write(support_path(name), text);
 	free(text);
 }

@@ -45,7 +45,7 @@ static void write_wheels(double degrees, const char *user)
 /* Returns the sum of the vertical forces in the last rows of objects.csv. *least: the least of them. */
 static double carried(double *least)
 {
-	char *text = drive_text(support_path("out/objects.csv"));
+	char *text = support_text(support_path("out/objects.csv"));
 	double last = -1, sum = 0;
 	for (char *line = strchr(text, '\n'); line != NULL && line[1] != '\0'; line = strchr(line + 1, '\n')) {
 		double t, fz;

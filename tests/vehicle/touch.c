@@ -71,7 +71,7 @@ struct force {
 /* The soil's forces on a body, along a direction. */
 static size_t read_forces(const char *path, const char *name, double yaw, struct force *forces, size_t most)
 {
-	char *text = drive_text(path), called[64];
+	char *text = support_text(path), called[64];
 	size_t count = 0;
 	for (char *line = strchr(text, '\n'); line != NULL && line[1] != '\0' && count < most; line = strchr(line + 1, '\n')) {
 		double t, fx, fy, fz;
@@ -149,7 +149,7 @@ static void resumed_it_goes_on_to_the_same_bits(void **state)
 	must(drive_run(scene, store, NULL, &(struct drive_cut){parts, outs[1], false, 333}, NULL));
 	must(drive_run(scene, store, (const char *const[]){"cache.slots=9", "cache.loaders=1", NULL}, &(struct drive_cut){parts, outs[1], true, 400}, NULL));
 	must(drive_run(scene, store, NULL, &(struct drive_cut){parts, outs[1], true, 0}, NULL));
-	char *a = drive_text(support_path("a/vehicles.csv")), *b = drive_text(support_path("b/vehicles.csv"));
+	char *a = support_text(support_path("a/vehicles.csv")), *b = support_text(support_path("b/vehicles.csv"));
 	assert_string_equal(a, b);
 	assert_true(support_hash(whole) == support_hash(parts));
 	free(a);
