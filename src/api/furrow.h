@@ -208,14 +208,14 @@ struct furrow_contact {
 	double time;            /* s: of the ground and the state that it is of; on a path that of the latest path sample, a working post apart */
 	double force[3];        /* N, on the body, local axes */
 	double moment[3];       /* N m, about the body's origin, on the body, local axes */
-	double point[3];        /* m: where the force's line passes nearest the patch's centre */
-	double normal[3];       /* unit: mean normal of the patch, upward */
+	double point[3];        /* m: where the force's line passes nearest the body's lowest point */
+	double normal[3];       /* unit: of the undisturbed surface under the body, upward */
 	double sinkage;         /* m below the undisturbed surface */
 	double area;            /* m2 that touch */
 	double slip;            /* of a wheel: 1 - travel along the ground / (turn x radius); of a belt: 1 - travel / its own; NaN: has none, or does not move */
 	double stiffness[6][6]; /* N/m, N, N, N m/rad: d(force, moment) / d(translation, rotation) */
 	double damping[6][6];   /* the same of their rates: times s */
-	double normal_force;    /* N: the sum over the patch */
+	double normal_force;    /* N: the part of `force` along `normal`; by furrow_probe the soil's pressure, summed over the patch */
 	double shear_limit;     /* N: the most that its shear can hold */
 	enum furrow_contact_state state; /* whether the soil carries the body */
 };
