@@ -22,7 +22,7 @@ struct soil_geom {
 	bool is_touched;
 	double mean[3];             /* m/s: slow part of the velocity at the contact; its change is damped (coupling.c) */
 	struct world_contact contact;  /* linearised at `now` */
-	double armature;            /* kg m2: of a wheel that is braked: what the model gives it */
+	double armature;            /* kg m2: what the model gives the dof, which several geoms may share; its brake puts another number there */
 	double force[6];            /* N, N m about the body's origin: what was applied last */
 	double pulled;              /* N m: torque of a belt on its hinge besides that force (coupling.c) */
 	double work;                /* J: what it has done on the soil since the start; in the record */
