@@ -54,6 +54,8 @@ struct trail {
 	size_t count;
 };
 
+struct contact; /* coupling.c */
+
 struct vehicle {
 	const struct scene_vehicle *scene;
 	mjModel *model;
@@ -79,6 +81,7 @@ struct vehicle {
 	struct trail trail;         /* of the whole drive; in the record */
 	char told_sunk[500];        /* the note that the soil does not carry it, as it was printed; empty: it was not printed */
 	double *room;               /* numbers for coupling.c */
+	struct contact *contacts;   /* geom_count: room for coupling.c */
 	double *pushed;             /* nv: forces of other vehicles in this time step */
 	double *host_controls;      /* nu: what a host has set; NaN: the driver sets it */
 };
@@ -182,6 +185,8 @@ void vehicle_skip_rows(struct vehicles *vehicles);
 
 /* --- coupling.c --- */
 
+/* Makes room for all soil geoms to touch at once. */
+enum status vehicle_make_room(struct vehicle *vehicle) FURROW_CHECKED;
 /* Adds the soil's forces to qfrc_applied, for a step of the engine of `h` seconds. later: s of the time step after it. */
 void vehicle_couple(struct vehicle *vehicle, double h, double later);
 size_t vehicle_coupling_room(const struct vehicle *vehicle); /* numbers in vehicle->room */
