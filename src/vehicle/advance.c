@@ -51,13 +51,10 @@ static void hold_level(struct vehicle *vehicle, double h)
 static void brake(const struct vehicle *vehicle, bool braked)
 {
 	for (size_t g = 0; g < vehicle->geom_count; g++) {
-		struct soil_geom *geom = &vehicle->geoms[g];
-		double *inertia = geom->dof >= 0 ? &vehicle->model->dof_armature[geom->dof] : NULL;
-		if (inertia == NULL)
+		const struct soil_geom *geom = &vehicle->geoms[g];
+		if (geom->dof < 0)
 			continue;
-		if (braked)
-			geom->armature = *inertia;
-		*inertia = braked ? BRAKE : geom->armature;
+		vehicle->model->dof_armature[geom->dof] = braked ? BRAKE : geom->armature;
 		if (!braked)
 			vehicle->data->qvel[geom->dof] = 0;
 	}

@@ -34,7 +34,6 @@
 #define DAMPING 0.5     /* of what is critical */
 #define PERIODS 4.0     /* w follows within this many swings / 2 pi */
 #define HELD 1e-12      /* 1/kg: an inverse mass that is rounding alone: its joints do not let it move that way */
-#define CONTACTS 64     /* most geoms that touch at once */
 #define LIGHT 0.25      /* of the mass that the contact carries: the least inverse mass is that of a body as many times heavier */
 
 /* One contact in an engine step. */
@@ -51,7 +50,7 @@ struct contact {
 
 struct step {
 	struct vehicle *vehicle;
-	struct contact list[CONTACTS];
+	struct contact *list;   /* of geoms that touch; room for all soil geoms */
 	size_t count, rows;     /* rows: 6 count */
 	double h;               /* s */
 	double later;           /* s: of the coupling step after this step of the engine */
@@ -62,6 +61,13 @@ size_t vehicle_coupling_room(const struct vehicle *vehicle)
 {
 	const size_t rows = 6 * vehicle->geom_count, nv = (size_t)vehicle->model->nv;
 	return nv * nv + 2 * rows * nv + 2 * rows * rows + 2 * rows + 8 * nv + 64;
+}
+
+enum status vehicle_make_room(struct vehicle *vehicle)
+{
+	vehicle->room = mem_calloc(vehicle_coupling_room(vehicle), sizeof *vehicle->room);
+	vehicle->contacts = mem_calloc(vehicle->geom_count, sizeof *vehicle->contacts);
+	return vehicle->room != NULL && vehicle->contacts != NULL ? STATUS_OK : fail_memory("a vehicle");
 }
 
 static bool touches(const struct soil_geom *geom)
@@ -335,11 +341,12 @@ static void set_forward(struct contact *contact)
 static bool begin(struct step *step)
 {
 	struct vehicle *vehicle = step->vehicle;
+	step->list = vehicle->contacts;
 	for (size_t i = 0; i < vehicle->geom_count; i++) {
 		struct soil_geom *geom = &vehicle->geoms[i];
 		mju_zero(geom->force, 6);
-		if (touches(geom) && step->count < CONTACTS)
-			step->list[step->count++].geom = geom;
+		if (touches(geom))
+			step->list[step->count++] = (struct contact){.geom = geom};
 		else
 			mju_zero3(geom->mean);
 	}
@@ -400,13 +407,11 @@ void vehicle_couple_work(struct vehicle *vehicle, double h, const double *before
 {
 	const size_t nv = (size_t)vehicle->model->nv;
 	const double *after = vehicle->data->qvel, *row = vehicle->room + nv * nv; /* the Jacobians that vehicle_couple laid out */
-	size_t count = 0;
 	for (size_t i = 0; i < vehicle->geom_count; i++) {
 		struct soil_geom *geom = &vehicle->geoms[i];
 		double power = 0;
-		if (!touches(geom) || count == CONTACTS)
+		if (!touches(geom))
 			continue;
-		count++;
 		for (int k = 0; k < 6; k++, row += nv)
 			power += geom->force[k] * (mju_dot(row, before, (int)nv) + mju_dot(row, after, (int)nv)) / 2;
 		if (geom->shape.belt)

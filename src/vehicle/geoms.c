@@ -220,6 +220,17 @@ static enum status make_name(const struct vehicle *vehicle, size_t index)
 	return out->name != NULL ? STATUS_OK : fail_memory("a vehicle");
 }
 
+static enum status make_geom(const struct vehicle *vehicle, size_t index, const char *where)
+{
+	struct soil_geom *out = &vehicle->geoms[index];
+	enum status status = make_name(vehicle, index);
+	if (status == STATUS_OK)
+		status = make_shape(vehicle, out, where);
+	if (status == STATUS_OK && out->dof >= 0)
+		out->armature = vehicle->model->dof_armature[out->dof];
+	return status;
+}
+
 static enum status no_geom(const struct vehicle *vehicle, const char *where)
 {
 	if (vehicle->scene->soil.count == 0)
@@ -248,9 +259,7 @@ enum status vehicle_find_geoms(struct vehicle *vehicle, const char *where)
 			continue;
 		const size_t index = vehicle->geom_count++;
 		vehicle->geoms[index].geom = i;
-		status = make_name(vehicle, index);
-		if (status == STATUS_OK)
-			status = make_shape(vehicle, &vehicle->geoms[index], where);
+		status = make_geom(vehicle, index, where);
 	}
 	if (status == STATUS_OK && vehicle->geom_count == 0)
 		return no_geom(vehicle, where);

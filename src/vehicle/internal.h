@@ -22,7 +22,7 @@ struct soil_geom {
 	bool is_touched;
 	double mean[3];             /* m/s: slow part of the velocity at the contact; its change is damped (coupling.c) */
 	struct world_contact contact;  /* linearised at `now` */
-	double armature;            /* kg m2: of a wheel that is braked: what the model gives it */
+	double armature;            /* kg m2: what the model gives the dof, which several geoms may share; its brake puts another number there */
 	double force[6];            /* N, N m about the body's origin: what was applied last */
 	double pulled;              /* N m: torque of a belt on its hinge besides that force (coupling.c) */
 	double work;                /* J: what it has done on the soil since the start; in the record */
@@ -54,6 +54,8 @@ struct trail {
 	size_t count;
 };
 
+struct contact; /* coupling.c */
+
 struct vehicle {
 	const struct scene_vehicle *scene;
 	mjModel *model;
@@ -79,6 +81,7 @@ struct vehicle {
 	struct trail trail;         /* of the whole drive; in the record */
 	char told_sunk[500];        /* the note that the soil does not carry it, as it was printed; empty: it was not printed */
 	double *room;               /* numbers for coupling.c */
+	struct contact *contacts;   /* geom_count: room for coupling.c */
 	double *pushed;             /* nv: forces of other vehicles in this time step */
 	double *host_controls;      /* nu: what a host has set; NaN: the driver sets it */
 };
@@ -182,6 +185,8 @@ void vehicle_skip_rows(struct vehicles *vehicles);
 
 /* --- coupling.c --- */
 
+/* Makes room for all soil geoms to touch at once. */
+enum status vehicle_make_room(struct vehicle *vehicle) FURROW_CHECKED;
 /* Adds the soil's forces to qfrc_applied, for a step of the engine of `h` seconds. later: s of the time step after it. */
 void vehicle_couple(struct vehicle *vehicle, double h, double later);
 size_t vehicle_coupling_room(const struct vehicle *vehicle); /* numbers in vehicle->room */

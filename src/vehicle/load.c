@@ -156,12 +156,13 @@ enum status vehicle_read(struct vehicle *vehicle, const struct scene *scene)
 	}
 	if (status == STATUS_OK)
 		status = find_joints(vehicle);
+	if (status == STATUS_OK)
+		status = vehicle_make_room(vehicle);
 	if (status != STATUS_OK)
 		return status;
-	vehicle->room = mem_calloc(vehicle_coupling_room(vehicle), sizeof *vehicle->room);
 	vehicle->pushed = mem_calloc((size_t)vehicle->model->nv + 1, sizeof *vehicle->pushed);
 	vehicle->host_controls = mem_alloc((size_t)vehicle->model->nu + 1, sizeof *vehicle->host_controls);
-	if (vehicle->room == NULL || vehicle->pushed == NULL || vehicle->host_controls == NULL)
+	if (vehicle->pushed == NULL || vehicle->host_controls == NULL)
 		return fail_memory("a vehicle");
 	for (int i = 0; i < vehicle->model->nu; i++)
 		vehicle->host_controls[i] = (double)NAN;
@@ -180,6 +181,7 @@ void vehicle_forget(struct vehicle *vehicle)
 	mem_free(vehicle->joints);
 	mem_free(vehicle->row_joints);
 	mem_free(vehicle->room);
+	mem_free(vehicle->contacts);
 	mem_free(vehicle->pushed);
 	mem_free(vehicle->host_controls);
 }

@@ -29,6 +29,19 @@ static void write_table(const char *foot, double down)
 	support_write(support_path("model.xml"), text);
 }
 
+/* A plate on `across` times `across` feet. */
+static void write_plate(int across, double mass)
+{
+	static char text[32768];
+	size_t at = (size_t)snprintf(text, sizeof text, "<mujoco><option timestep=\"0.01\" integrator=\"implicit\"/><worldbody><body pos=\"0 0 0.5\"><freejoint/>"
+							"<inertial pos=\"0 0 0\" mass=\"%g\" diaginertia=\"20 20 20\"/>", mass);
+	for (int i = 0; i < across * across; i++)
+		at += (size_t)snprintf(text + at, sizeof text - at, "<geom type=\"sphere\" size=\"0.05\" pos=\"%g %g -0.05\"/>", 0.15 * (i % across - (across - 1) / 2.0),
+				       0.15 * (i / across - (across - 1) / 2.0));
+	snprintf(text + at, sizeof text - at, "</body></worldbody></mujoco>");
+	support_write(support_path("model.xml"), text);
+}
+
 /* A carriage that slides up and down only, with two wheels that lean outwards by `degrees` and do not turn by themselves. */
 static void write_wheels(double degrees, const char *user)
 {
@@ -58,17 +71,24 @@ static double carried(double *least)
 	return sum;
 }
 
+static void drive(double time_step, double seconds)
+{
+	const char *store = support_path("world.furrow");
+	char text[512];
+	snprintf(text, sizeof text, "scene: 1\nend_time: %g\ntime_step: %g\nspacing: 0.03125\nsoil: {name: dry_sand}\nredistribute: {model: scm}\n"
+				    "vehicles:\n  - {name: v, model: model.xml, start: {at: [8.01, 8.02], yaw: 20}}\noutput: {forces: 20, vehicles: 20}\n",
+		 seconds, time_step);
+	support_write(support_path("scene.yaml"), text);
+	support_store(store, extent, ground);
+	must(drive_run(support_path("scene.yaml"), store, NULL, &(struct drive_cut){.out = support_path("out")}, NULL));
+}
+
 /* still: how far it may move, m. */
 static void stands(const char *what, double mass, double still)
 {
-	const char *store = support_path("world.furrow");
 	struct drive_row rows[64];
 	double least = 0;
-	support_write(support_path("scene.yaml"),
-		      "scene: 1\nend_time: 0.6\ntime_step: 0.001\nspacing: 0.03125\nsoil: {name: dry_sand}\nredistribute: {model: scm}\n"
-		      "vehicles:\n  - {name: v, model: model.xml, start: {at: [8.01, 8.02], yaw: 20}}\noutput: {forces: 20, vehicles: 20}\n");
-	support_store(store, extent, ground);
-	must(drive_run(support_path("scene.yaml"), store, NULL, &(struct drive_cut){.out = support_path("out")}, NULL));
+	drive(0.001, 0.6);
 	const size_t count = drive_rows(support_path("out/vehicles.csv"), "v", rows, 64);
 	const double weight = mass * 9.81, sum = carried(&least);
 	print_message("%s: %.2f N of %.2f N, the least %.2f N, %.3g J, moved by %.3g m\n", what, sum, weight, least, rows[count - 1].kinetic,
@@ -94,6 +114,18 @@ static void feet_of_every_shape_carry_their_load(void **state)
 	stands("meshes", 50, 2e-5);
 }
 
+static void each_of_a_hundred_feet_carries_its_load(void **state)
+{
+	(void)state;
+	const double weight = 200 * 9.81;
+	double least = 0;
+	write_plate(10, 200);
+	drive(0.01, 0.1);
+	const double sum = carried(&least);
+	print_message("a hundred feet: %.2f N of %.2f N, the least %.2f N\n", sum, weight, least);
+	assert_true(fabs(sum - weight) < 0.002 * weight && least > 0.5 * weight / 100);
+}
+
 static void wheels_that_lean_carry_their_load(void **state)
 {
 	(void)state;
@@ -111,6 +143,7 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(feet_of_every_shape_carry_their_load),
+		cmocka_unit_test(each_of_a_hundred_feet_carries_its_load),
 		cmocka_unit_test(wheels_that_lean_carry_their_load),
 	};
 	return cmocka_run_group_tests_name("vehicle/shapes", tests, support_enter, support_leave);
