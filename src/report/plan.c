@@ -319,6 +319,8 @@ enum status report_plan(const struct scene *scene, const char *store, bool keep_
 		return status;
 	}
 	status = world_prepare_plan(&world, &driven, path, keep_history, &assumed);
+	if (status == STATUS_OK)
+		status = vehicle_check_rasters(out->vehicles, &world);
 	if (status == STATUS_OK && path != NULL && (out->store = mem_strdup(path)) == NULL)
 		status = fail_memory("the plan");
 	if (status == STATUS_OK)

@@ -4,9 +4,11 @@
  * Soil that unloads is a spring of K_e A: its elastic stiffness times the area of the contact. A mass m on a spring k is stable for
  * steps below 2 sqrt(m / k), if its force is taken at the step's start. The coupling takes it at the step's end (coupling.c). So it is
  * stable beyond that, too, but then the motion is no longer the soil's. m is the least effective mass of a soil geom, straight up and
- * down, in the model's first pose. A is the contact's area where the geom carries its share of the weight.
+ * down, in the model's first pose. A is the contact's area where the geom carries its share of the weight. K_e is that of the stiffest soil,
+ * or of the stiffest post of a raster, which is known once the world is prepared.
  */
 #include <math.h>
+#include <stdio.h>
 
 #include "vehicle/internal.h"
 
@@ -75,12 +77,10 @@ static double stiffest(const struct scene *scene, const struct deform_soil **soi
 	return most;
 }
 
-enum status vehicle_check_step(struct vehicle *vehicle, const struct scene *scene, const char *where)
+/* Shortens the longest step to what a soil of this stiffness, Pa/m, allows. */
+static void allow(struct vehicle *vehicle, const struct scene *scene, const struct deform_soil *soil, double stiffness)
 {
-	const struct deform_soil *soil = &scene->soils[0];
-	const double stiffness = stiffest(scene, &soil), mass = mj_getTotalmass(vehicle->model);
-	const double load = mass * scene->gravity / (double)vehicle->geom_count;
-	vehicle->largest_step = INFINITY;
+	const double load = mj_getTotalmass(vehicle->model) * scene->gravity / (double)vehicle->geom_count;
 	for (size_t i = 0; i < vehicle->geom_count; i++) {
 		const struct soil_geom *geom = &vehicle->geoms[i];
 		const double area = area_of(&geom->shape, deform_sinkage_guess(&geom->shape, soil, load)), effective = mass_of(vehicle, geom->geom);
@@ -92,9 +92,47 @@ enum status vehicle_check_step(struct vehicle *vehicle, const struct scene *scen
 		vehicle->largest_area = area;
 		vehicle->largest_geom = i;
 	}
+}
+
+/* `raster`: what is told of the raster that was looked at last. */
+static enum status check(const struct vehicle *vehicle, const struct scene *scene, const char *raster)
+{
+	char where[VEHICLE_WHERE];
 	if (scene->time_step <= vehicle->largest_step)
 		return STATUS_OK;
-	return fail_with(STATUS_INPUT, "%s: time_step: %g s is longer than %.3g s, the longest that is stable (%s: %.3g kg on %.3g m2 of soil); give "
+	vehicle_where(vehicle, scene, where);
+	return fail_with(STATUS_INPUT, "%s: time_step: %g s is longer than %.3g s, the longest that is stable (%s: %.3g kg on %.3g m2 of soil%s); give "
 				       "at most that", where, scene->time_step, vehicle->largest_step, vehicle->geoms[vehicle->largest_geom].name,
-			 vehicle->largest_mass, vehicle->largest_area);
+			 vehicle->largest_mass, vehicle->largest_area, raster);
+}
+
+enum status vehicle_check_step(struct vehicle *vehicle, const struct scene *scene)
+{
+	const struct deform_soil *soil = &scene->soils[0];
+	const double stiffness = stiffest(scene, &soil);
+	vehicle->largest_step = INFINITY;
+	allow(vehicle, scene, soil, stiffness);
+	return check(vehicle, scene, "");
+}
+
+/* The stiffest post of a raster may be of any soil. */
+static enum status check_raster(struct vehicle *vehicle, const struct scene *scene, const struct world_raster *raster)
+{
+	char told[120];
+	for (int i = 0; i < scene->soil_count; i++)
+		allow(vehicle, scene, &scene->soils[i], raster->high);
+	snprintf(told, sizeof told, "; soil.rasters.%s has at most %g %s", raster->key, raster->high, raster->unit);
+	return check(vehicle, scene, told);
+}
+
+enum status vehicle_check_rasters(struct vehicles *vehicles, const struct world *world)
+{
+	const struct scene *scene = world->scene;
+	enum status status = STATUS_OK;
+	for (int i = 0; world->soil_rasters != NULL && i < scene->raster_count; i++) {
+		const struct world_raster raster = world_raster(world, i);
+		for (size_t v = 0; v < vehicle_count(vehicles) && scene->rasters[i].number == DEFORM_ELASTIC_STIFFNESS && status == STATUS_OK; v++)
+			status = check_raster(&vehicles->list[v], scene, &raster);
+	}
+	return status;
 }

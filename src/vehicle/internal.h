@@ -115,6 +115,11 @@ struct vehicles {
 	double settling_told;       /* s, by the clock: when it was last told how far settling is; 0: not begun */
 };
 
+/* --- load.c --- */
+#define VEHICLE_WHERE 300
+/* Writes where the scene names the vehicle, for a message. */
+void vehicle_where(const struct vehicle *vehicle, const struct scene *scene, char where[VEHICLE_WHERE]);
+
 /* --- geoms.c --- */
 
 /* Finds the soil geoms of a model and makes their shapes. STATUS_INPUT: there is none, or one has a shape that cannot touch the ground. */
@@ -157,7 +162,7 @@ void vehicle_free_figures(struct vehicles *vehicles);
 /* --- bound.c --- */
 
 /* Finds the longest step that is stable. STATUS_INPUT: the scene's time_step is longer. */
-enum status vehicle_check_step(struct vehicle *vehicle, const struct scene *scene, const char *where) FURROW_CHECKED;
+enum status vehicle_check_step(struct vehicle *vehicle, const struct scene *scene) FURROW_CHECKED;
 
 /* --- driver.c --- */
 

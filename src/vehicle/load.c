@@ -137,10 +137,15 @@ static void doubt_sizes(const struct vehicle *vehicle, const char *where)
 		     where, vehicle->geoms[first].name, deform_shape_bound(&vehicle->geoms[first].shape), others);
 }
 
+void vehicle_where(const struct vehicle *vehicle, const struct scene *scene, char where[VEHICLE_WHERE])
+{
+	snprintf(where, VEHICLE_WHERE, "%.200s: vehicles.%s", scene->file, vehicle->scene->name);
+}
+
 enum status vehicle_read(struct vehicle *vehicle, const struct scene *scene)
 {
-	char where[300];
-	snprintf(where, sizeof where, "%.200s: vehicles.%s", scene->file, vehicle->scene->name);
+	char where[VEHICLE_WHERE];
+	vehicle_where(vehicle, scene, where);
 	enum status status = read(vehicle, where);
 	if (status != STATUS_OK)
 		return status;
@@ -166,7 +171,7 @@ enum status vehicle_read(struct vehicle *vehicle, const struct scene *scene)
 		return fail_memory("a vehicle");
 	for (int i = 0; i < vehicle->model->nu; i++)
 		vehicle->host_controls[i] = (double)NAN;
-	status = vehicle_check_step(vehicle, scene, where);
+	status = vehicle_check_step(vehicle, scene);
 	return status == STATUS_OK ? vehicle_make_driver(vehicle, where) : status;
 }
 

@@ -32,6 +32,12 @@ static enum status none(void)
 	return fail_with(STATUS_FAILED, "vehicles: this build has no MuJoCo; install libmujoco-dev and build again with -Dvehicle=enabled");
 }
 
+enum status vehicle_check_rasters(struct vehicles *vehicles, const struct world *world)
+{
+	(void)vehicles, (void)world;
+	return STATUS_OK;
+}
+
 enum status vehicle_join(struct vehicles *vehicles, struct world *world)
 {
 	(void)vehicles, (void)world;

@@ -96,7 +96,7 @@ static enum status add_body(struct world *world, struct soil_geom *geom)
 
 enum status vehicle_join(struct vehicles *vehicles, struct world *world)
 {
-	enum status status = STATUS_OK;
+	enum status status = vehicle_check_rasters(vehicles, world);
 	vehicles->world = world;
 	for (size_t v = 0; v < vehicles->count && status == STATUS_OK; v++) {
 		struct vehicle *vehicle = &vehicles->list[v];

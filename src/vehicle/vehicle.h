@@ -28,7 +28,10 @@ void vehicle_destroy(struct vehicles *vehicles); /* takes NULL */
 /* Returns what the vehicles add to the run's record. For NULL: nothing. */
 struct world_attached vehicle_attached(struct vehicles *vehicles);
 
-/* Adds the soil geoms to the world. Call it after world_warm. */
+/* Finds the longest stable step again, with the highest elastic stiffness of the scene's rasters. Needs a world that is prepared, or prepared for
+ * a plan; without a store no raster is known. STATUS_INPUT: the scene's time_step is longer. NULL: there are no vehicles. */
+enum status vehicle_check_rasters(struct vehicles *vehicles, const struct world *world) FURROW_CHECKED;
+/* Adds the soil geoms to the world. Call it after world_warm. STATUS_INPUT: as vehicle_check_rasters. */
 enum status vehicle_join(struct vehicles *vehicles, struct world *world) FURROW_CHECKED;
 /* Sets the vehicles down and lets them settle, or goes on where the resumed run stopped. STATUS_INPUT: one starts outside the
  * terrain or under ground. STATUS_FAILED: its motion diverged. */

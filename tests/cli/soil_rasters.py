@@ -161,6 +161,30 @@ class SoilRasters(FurrowTest):
         self.assertEqual(told, [{"number": "cohesion", "file": str(self.folder / "c.png"), "unit": "Pa", "range": [200, 5280], "step": 20, "share": 1}])
         self.assertEqual(self.json("explain", scene)["rasters"], [])  # over no store
 
+    @unittest.skipUnless(has_gdal(), "needs GDAL's programs")
+    def test_the_longest_step_counts_the_stiffest_post(self):
+        car = pathlib.Path(__file__).parents[1] / "vehicle/one_wheel.xml"
+        text = ("scene: 1\ntime_step: 0.002\nend_time: 0.01\nspacing: 0.25\nsoil: %s\nredistribute: {model: scm}\n"
+                f"vehicles: [{{name: v, model: {car}, start: {{at: [20, 20]}}, driver: {{hold: {{drive: 0}}}}}}]\n")
+
+        def longest(soil, *store):
+            return self.json("explain", self.scene(text % soil), *store)["vehicles"]["v"]["largest_step"]
+        for name, most in (("soft", 1e6), ("hard", 9e8), ("rock", 9e9)):
+            values = [most if (x, y) == (9, 7) else 1e6 for y in range(POSTS) for x in range(POSTS)]
+            rasters.make(self.folder / f"{name}.tif", POSTS, POSTS, values, "f", west=-0.5, north=POSTS - 0.5, step=1, srs=None)
+        store = "--store", "hills.furrow"
+        if "this build has no MuJoCo" in self.furrow("explain", self.scene(text % "{name: dry_sand}"), *store).stderr:
+            self.skipTest("this build has no MuJoCo")
+        plain = longest("{name: dry_sand}", *store)
+        self.assertEqual(longest(beside(elastic_stiffness="soft.tif"), *store), plain)
+        self.assertAlmostEqual(longest(beside(elastic_stiffness="hard.tif"), *store), longest(own(elastic_stiffness=9e8)), delta=1e-9)
+        self.assertEqual(longest(beside(elastic_stiffness="rock.tif")), plain)  # over no store
+        why = "; soil.rasters.elastic_stiffness has at most 9e+09 Pa/m); give at most that"
+        scene = self.scene(text % beside(elastic_stiffness="rock.tif"))
+        self.assertIn(why, self.refused(3, "explain", scene, *store))
+        self.assertIn(why, self.refused(3, "drive", scene, *store, "-o", "refused"))
+        self.assertFalse((self.folder / "refused").exists())
+
     def test_a_raster_beside_the_paths_is_told(self):
         write_png16(self.folder / "corner.png", 9, 9, lambda x, y: 500)  # the north-west of the terrain alone
         scene = self.scene(SCENE.format(model="scm", soil=beside(cohesion="corner.png")))
