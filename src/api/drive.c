@@ -190,7 +190,7 @@ static void advise(const struct drive *drive)
 	world_tell_written(&drive->world);
 	world_advise(&drive->world, tell_advice, NULL);
 	report_sun_advise(&drive->world, tell_advice, NULL);
-	vehicle_advise(drive->vehicles, &drive->scene, drive->world.spacing, tell_advice, NULL);
+	vehicle_advise(drive->vehicles, &drive->world, tell_advice, NULL);
 }
 
 static struct world_params world_params_of(const struct drive *drive)

@@ -77,7 +77,7 @@ static enum status start(struct furrow_world *host)
 	world_seal(world);
 	status = world_begin(world);
 	if (status == STATUS_OK && host->vehicles != NULL) {
-		vehicle_advise(host->vehicles, host->scene, world->spacing, tell_advice, NULL);
+		vehicle_advise(host->vehicles, world, tell_advice, NULL);
 		status = vehicle_begin(host->vehicles);
 	}
 	return status == STATUS_OK ? checkpoint(host) : status;

@@ -72,7 +72,7 @@ void report_asked(cJSON *root, const struct report *report)
 	cJSON *notes = cJSON_AddArrayToObject(root, "notes");
 	if (report->advised) {
 		world_advise(world, add_note, notes);
-		vehicle_advise(report->vehicles, scene, world->spacing, add_note, notes);
+		vehicle_advise(report->vehicles, world, add_note, notes);
 		report_sun_advise(world, add_note, notes);
 		report_groundless(world, add_note, notes);
 	} else {

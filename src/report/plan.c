@@ -287,7 +287,7 @@ static enum status describe(struct world *world, struct report_plan *out)
 	describe_soils(world, out);
 	world_advise(world, keep_note, &notes);
 	if (world->store != NULL || world->scene->spacing > 0)
-		vehicle_advise(out->vehicles, world->scene, world->spacing, keep_note, &notes);
+		vehicle_advise(out->vehicles, world, keep_note, &notes);
 	report_sun_advise(world, keep_note, &notes);
 	report_cameras_advise(world, keep_note, &notes);
 	if (report_sun_find(world, &out->sun) != STATUS_OK) /* told when the store is known */

@@ -1,7 +1,10 @@
 /* Advice on vehicles: which spacing their wheels need, and which numbers of the soil they feel that the scene does not give. */
+#include <math.h>
 #include <stdio.h>
 
 #include "vehicle/vehicle.h"
+
+#define SAME_GRAVITY 0.02 /* people write 9.8, 9.81 or 9.80665 */
 
 /* Returns over how many metres the soil bears a soil geom. 0: not known, since it is neither a wheel nor a sphere. */
 static double bears_over(const struct scene *scene, const struct vehicle_info *vehicle, const struct vehicle_geom *geom)
@@ -102,8 +105,29 @@ static void advise_rebound(const struct vehicles *vehicles, const struct scene *
 	scene_rebound_advise(scene, &worst, tell, user);
 }
 
-void vehicle_advise(const struct vehicles *vehicles, const struct scene *scene, double spacing, scene_advice_fn tell, void *user)
+/* Tells of the first vehicle whose model has a gravity that it does not get. */
+static void advise_gravity(const struct vehicles *vehicles, const struct world *world, scene_advice_fn tell, void *user)
 {
+	const double used = world->scene->gravity;
+	for (size_t i = 0; world_assumes_gravity(world) && i < vehicle_count(vehicles); i++) {
+		struct vehicle_info info;
+		char text[300];
+		vehicle_info(vehicles, i, &info);
+		const double *own = info.own_gravity, most = hypot(hypot(own[0], own[1]), own[2]);
+		if (most == 0 || hypot(hypot(own[0], own[1]), own[2] + used) <= SAME_GRAVITY * used)
+			continue;
+		snprintf(text, sizeof text, "gravity: it is not given, so vehicles weigh as on the Earth, %g m/s2 straight down; that of the model of %.64s, "
+					    "%g %g %g, does not count; give gravity: %g", used, info.name, own[0], own[1], own[2], most);
+		tell(user, text);
+		return;
+	}
+}
+
+void vehicle_advise(const struct vehicles *vehicles, const struct world *world, scene_advice_fn tell, void *user)
+{
+	const struct scene *scene = world->scene;
+	const double spacing = world->spacing;
+	advise_gravity(vehicles, world, tell, user);
 	if (vehicle_count(vehicles) > 0)
 		advise_damping(scene, tell, user);
 	advise_rebound(vehicles, scene, spacing, tell, user);

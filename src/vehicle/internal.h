@@ -61,6 +61,7 @@ struct vehicle {
 	mjModel *model;
 	mjData *data;
 	double checksum[2];         /* of the compiled model, as two whole numbers */
+	double gravity[3];          /* m/s2: of the model's own option, in place of which the scene's counts */
 	double origin[3];           /* m, local: where MuJoCo's origin is */
 	int root;                   /* the body whose place is the vehicle's */
 	int engine_steps;           /* in a time step */

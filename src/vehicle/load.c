@@ -55,6 +55,7 @@ static void fit(struct vehicle *vehicle, const struct scene *scene)
 {
 	mjModel *model = vehicle->model;
 	const double gravity[3] = {0, 0, -scene->gravity};
+	mju_copy3(vehicle->gravity, model->opt.gravity);
 	mju_copy3(model->opt.gravity, gravity);
 	for (int i = 0; i < model->ngeom; i++)
 		if (vehicle_is_fixed(model, i))

@@ -287,6 +287,7 @@ void vehicle_info(const struct vehicles *vehicles, size_t index, struct vehicle_
 		.name = vehicle->scene->name,
 		.mass = mj_getTotalmass(vehicle->model),
 		.gravity = -vehicle->model->opt.gravity[2],
+		.own_gravity = {vehicle->gravity[0], vehicle->gravity[1], vehicle->gravity[2]},
 		.geom_count = vehicle->geom_count,
 		.joint_count = vehicle->joint_count,
 		.actuator_count = (size_t)vehicle->model->nu,

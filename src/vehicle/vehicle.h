@@ -68,7 +68,8 @@ void vehicle_set_rows(struct vehicles *vehicles, const struct vehicle_rows *rows
 struct vehicle_info {
 	const char *name;
 	double mass;           /* kg */
-	double gravity;        /* m/s2, downward, as its model has it */
+	double gravity;        /* m/s2, downward, of the scene */
+	double own_gravity[3]; /* m/s2: what its model's file has instead; it does not count */
 	size_t geom_count;     /* soil geoms */
 	size_t joint_count, actuator_count;  /* columns of its rows; joints with one number each */
 	double largest_step;   /* s: the longest time_step that is allowed */
@@ -131,10 +132,10 @@ void vehicle_geom(const struct vehicles *vehicles, size_t vehicle, size_t geom, 
 enum status vehicle_find_shares(struct vehicles *vehicles) FURROW_CHECKED;
 /* Returns over how many metres the soil bears a soil geom, if each bears the same share of the weight. 0: it is neither a wheel nor a sphere. */
 double vehicle_bears_over(const struct vehicles *vehicles, size_t vehicle, size_t number, const struct scene *scene);
-/* Calls `tell` for a damping of the soil that the scene does not give, and for a rebound that does much to a wheel's resistance. It also calls it
- * for wheels and round feet with so few posts below them that forces are off, as scene_advise does for objects. Each soil geom is taken to bear the same share of the weight. `spacing`: m between
- * posts of the working level. NULL: there are no vehicles. */
-void vehicle_advise(const struct vehicles *vehicles, const struct scene *scene, double spacing, scene_advice_fn tell, void *user);
+/* Calls `tell` for a model's gravity that does not count since the scene gives none. It tells a damping of the soil that the scene does not give, and a rebound that does much to a wheel's resistance. It also calls it
+ * for wheels and round feet with so few posts below them that forces are off, as scene_advise does for objects. Each soil geom is taken to bear the same share of the weight. The world is prepared,
+ * or prepared for a plan. NULL: there are no vehicles. */
+void vehicle_advise(const struct vehicles *vehicles, const struct world *world, scene_advice_fn tell, void *user);
 
 const char *vehicle_joint_name(const struct vehicles *vehicles, size_t vehicle, size_t joint);
 const char *vehicle_actuator_name(const struct vehicles *vehicles, size_t vehicle, size_t actuator);

@@ -47,6 +47,17 @@ void world_settle_light(struct world *world)
 		(void)body_of(world->meta->srs, &world->light.body);
 }
 
+static bool knows_body(const struct world *world)
+{
+	enum scene_body ground;
+	return world->scene->view.light.on_body || (world->store != NULL && body_of(world->meta->srs, &ground));
+}
+
+bool world_assumes_gravity(const struct world *world)
+{
+	return !gives(world->scene, "gravity") && !(knows_body(world) && world->light.body != SCENE_EARTH);
+}
+
 /* Tells if vehicles do not weigh as on their planet. Gravity of the Earth, if it is given, is that of a test on the Earth. */
 static void advise_gravity(const struct world *world, enum scene_body body, bool given, scene_advice_fn tell, void *user)
 {
@@ -74,13 +85,14 @@ void world_advise_planet(const struct world *world, scene_advice_fn tell, void *
 	const struct scene *scene = world->scene;
 	const bool given = scene->view.light.on_body;
 	enum scene_body body = world->light.body, ground = SCENE_EARTH;
-	const bool known = world->store != NULL && body_of(world->meta->srs, &ground);
+	if (world->store != NULL)
+		(void)body_of(world->meta->srs, &ground);
 	char text[240];
 	if (given && ground != SCENE_EARTH && ground != body) {
 		snprintf(text, sizeof text, "view.body: the store is on %s, and pictures have the colours, the sky and the sun of %s; give view.body: %s, or leave it out",
 			 bodies[ground].name, bodies[body].name, bodies[ground].word);
 		tell(user, text);
 	}
-	if (scene->vehicle_count > 0 && (given || known))
+	if (scene->vehicle_count > 0 && knows_body(world))
 		advise_gravity(world, body, given, tell, user);
 }

@@ -650,6 +650,8 @@ enum status world_prepare_plan(struct world *world, const struct scene *scene, c
 	FURROW_CHECKED;
 /* Prints a note if this run is the first to write ruts into a store that was imported, and keeps no history. For runs of a command. */
 void world_tell_written(const struct world *world);
+/* Returns true if vehicles weigh as on the Earth only because the scene gives no gravity, and no note of world_advise says so. */
+bool world_assumes_gravity(const struct world *world);
 /* Calls `tell` for each setting of the scene that has no effect on this store. */
 void world_advise(const struct world *world, scene_advice_fn tell, void *user);
 /* Add lines to a plan: the first for the passes and resources of contacts, the second for pages and the look-ahead. `added`: shapes of

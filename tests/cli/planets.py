@@ -152,6 +152,14 @@ class Planets(RasterTest):
     def test_the_body_of_the_store_is_told_where_the_scene_has_another(self):
         car = pathlib.Path(__file__).parents[1] / "vehicle/one_wheel.xml"
         drives = f"vehicles: [{{name: car, model: {car}, start: {{at: [20, 20]}}, driver: {{hold: {{drive: 0}}}}}}]\n"
+
+
+        def of_its_own(name, gravity):
+            (self.folder / f"{name}.xml").write_text(car.read_text().replace("<option ", f'<option gravity="{gravity}" '))
+            return drives.replace(str(car), f"{name}.xml")
+        light, near, none, aslant = of_its_own("light", "0 0 -1.62"), of_its_own("near", "0 0 -9.80665"), of_its_own("none", "0 0 0"), of_its_own("aslant", "6 0 -8")
+        two = light.replace("]\n", ", {name: other, model: aslant.xml, start: {at: [30, 30]}}]\n")
+        counts = "gravity: it is not given, so vehicles weigh as on the Earth, 9.81 m/s2 straight down; that of the model of car, %s, does not count; give gravity: %s"
         plain = "objects: [{name: a, shape: {sphere: {radius: 9}}, sink: 0.1, path: {points: [[20, 20], [21, 20]], speed: 1}}]\n"
         looks = "view: {camera: {fixed: {eye: [1, 1, 50], target: [9, 9, 20]}}, images: 1, %s}\n"
         eye = "cameras: [{name: c, kind: fixed, rate: 1, fov: 90, size: [64, 64], pose: {at: [1, 1, 50]}}]\n"
@@ -170,6 +178,8 @@ class Planets(RasterTest):
                   [other % ("3.72", "Mars", "the scene's body is", "the Moon", "1.62") + ", or view.body: mars"]),
                  ("EPSG:4326", drives + looks % "body: mars", [weighs % ("the scene's body is Mars", "3.71")]),
                  (None, drives + looks.replace("images: 1, ", "") % "body: mars", [weighs % ("the scene's body is Mars", "3.71")]))
+        cases += ((None, light, [counts % ("0 0 -1.62", "1.62")]), ("EPSG:4326", two, [counts % ("0 0 -1.62", "1.62")]), (None, aslant, [counts % ("6 0 -8", "10")]),
+                  (mars, light, [weighs % (seen, "3.71")]), (None, near, []), (None, none, []), (None, light + "gravity: 9.81\n", []), (moon, light + "gravity: 1.62\n", []))
         for srs, scene, told in cases:
             name = f"{str(srs)[-5:]}.furrow"
             if not (self.folder / name).exists():
