@@ -132,9 +132,10 @@ void vehicle_geom(const struct vehicles *vehicles, size_t vehicle, size_t geom, 
 enum status vehicle_find_shares(struct vehicles *vehicles) FURROW_CHECKED;
 /* Returns over how many metres the soil bears a soil geom, if each bears the same share of the weight. 0: it is neither a wheel nor a sphere. */
 double vehicle_bears_over(const struct vehicles *vehicles, size_t vehicle, size_t number, const struct scene *scene);
-/* Calls `tell` for a model's gravity that does not count since the scene gives none. It tells a damping of the soil that the scene does not give, and a rebound that does much to a wheel's resistance. It also calls it
- * for wheels and round feet with so few posts below them that forces are off, as scene_advise does for objects. Each soil geom is taken to bear the same share of the weight. The world is prepared,
- * or prepared for a plan. NULL: there are no vehicles. */
+/* Calls `tell` for a model's gravity that does not count since the scene gives none. It also calls it for grousers, and for a damping of the
+ * soil that the scene does not give. It tells a rebound that does much to a wheel's resistance. As scene_advise does for objects, it
+ * tells wheels and round feet with so few posts below them that forces are off. Each soil geom is taken to bear the same share of the weight.
+ * The world is prepared, or prepared for a plan. NULL: there are no vehicles. */
 void vehicle_advise(const struct vehicles *vehicles, const struct world *world, scene_advice_fn tell, void *user);
 
 const char *vehicle_joint_name(const struct vehicles *vehicles, size_t vehicle, size_t joint);
