@@ -39,14 +39,23 @@ double scene_object_bears_over(const struct scene *scene, const struct scene_obj
 	return scene_bears_over(scene, shape, object->load, object->sink);
 }
 
-/* Returns the error in percent that no body of the bench exceeded that had at least so many posts below it. */
+static int error_of_row(const struct deform_shape *shape, size_t row)
+{
+	return shape->kind == DEFORM_WHEEL ? scene_posts[row].wheel : scene_posts[row].other;
+}
+
+/* Returns the error in percent that no body of the bench exceeded that had at least so many posts below it. Between two rows it goes with the
+ * logarithm of the posts. */
 static int error_of(const struct deform_shape *shape, double posts)
 {
-	int error = -1;
-	for (size_t i = 0; i < SCENE_POSTS_ROWS; i++)
-		if (i == 0 || posts >= scene_posts[i].posts)
-			error = shape->kind == DEFORM_WHEEL ? scene_posts[i].wheel : scene_posts[i].other;
-	return error;
+	size_t row = 0;
+	while (row + 1 < SCENE_POSTS_ROWS && posts >= scene_posts[row + 1].posts)
+		row++;
+	const int error = error_of_row(shape, row);
+	if (row + 1 == SCENE_POSTS_ROWS || posts <= scene_posts[row].posts)
+		return error;
+	const double part = log(posts / scene_posts[row].posts) / log(scene_posts[row + 1].posts / scene_posts[row].posts);
+	return (int)lround(error + part * (error_of_row(shape, row + 1) - error));
 }
 
 /* Returns whether no object before it is told the same. `others`: how many objects behind it are. */
