@@ -373,7 +373,8 @@ const struct command command_export = {
 	.summary = "posts of a store as a raster, a mesh, or tiles for maps and globes",
 	.arguments = COMMAND_ARGUMENTS(COMMAND_STORE),
 	.options = options,
-	.details = "Rasters are north up, one pixel a post, and carry the store's reference system. Levels finer than what is "
+	.details = "Rasters are north up, one pixel a post, and carry the store's reference system: that of a .png is in a world file (.pgw) "
+		   "and a .png.aux.xml beside it. Levels finer than what is "
 		   "stored are interpolated. Nodata of a hillshade and of a heightmap (.png, .r16, .raw) is 0. GeoTIFFs are compressed, "
 		   "without loss. They name unit and layer of the band, and in VERTICAL_REFERENCE what heights are above.\n\n"
 		   "Layers offset to fixed_point are 0 where nothing changed, and nodata where there is no ground (fixed_point: 0). "
