@@ -139,12 +139,18 @@ static enum status all_steps(struct drive *drive, int64_t total)
 	return status;
 }
 
+/* Returns true if nobody else uses the drive's files, and no earlier run left anything in them. */
+static bool owns_its_files(const struct drive *drive)
+{
+	return !drive->world.resumed.is && drive->params->ranks == NULL && drive->params->host == NULL;
+}
+
 static enum status all(struct drive *drive)
 {
 	struct world *world = &drive->world;
 	int64_t total = world_step_count(world);
 	enum status status = begin(drive);
-	drive->unbegun = status == STATUS_INPUT && !world->resumed.is && world->step == 0 && drive->params->ranks == NULL && drive->params->host == NULL;
+	drive->unbegun = status == STATUS_INPUT && world->step == 0 && owns_its_files(drive);
 	if (status != STATUS_OK && drive->params->ranks == NULL)
 		return status;
 	drive->began = clock_seconds();
@@ -248,7 +254,7 @@ enum status api_drive(const struct api_params *params, struct api_result *result
 		advise(&drive);
 		status = api_agree(&drive, api_start(&drive));
 		drive.ran = status == STATUS_OK;
-		drive.unbegun = !drive.ran && !drive.world.resumed.is && params->ranks == NULL && params->host == NULL;
+		drive.unbegun = !drive.ran && owns_its_files(&drive);
 		if (status == STATUS_OK)
 			status = api_end(&drive, result, all(&drive));
 	}

@@ -168,7 +168,7 @@ struct furrow_info {
 	double time_step;      /* s, the scene's: what furrow_step(world, 0) means */
 	const char *srs;       /* WKT of the store's reference system; "": local metres. Valid until the world is closed */
 	double origin[2];      /* coordinates of the south-west post in it, east and north */
-	uint64_t revision;     /* of the ground now, for furrow_changes; 1 or more */
+	uint64_t revision;     /* number of the ground's last change, as furrow_changes tells it; 1 or more */
 };
 
 /* Fills *info, whose `size` the caller has set. Members beyond `size` are not written. FURROW_USAGE: `size` is off. */

@@ -66,7 +66,7 @@ void furrow_set_log(void (*log)(int level, const char *message, void *user), voi
 
 /* --- calls --- */
 
-static _Thread_local locale_t host_locale; /* of the thread outside the library; (locale_t)0 in the library's own threads */
+static _Thread_local locale_t host_locale; /* that this thread had before its call of the library; (locale_t)0 in the library's own threads */
 
 locale_t api_library_to_host(void)
 {

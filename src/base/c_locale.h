@@ -7,7 +7,7 @@
 #include "base/status.h"
 
 /*
- * *locale gets the locale "C", for uselocale. It is the process's own, and never freed. Nothing changes until a thread uses it.
+ * *locale gets the locale "C", for uselocale. There is one for the whole process, and it is never freed. Nothing changes until a thread uses it.
  * STATUS_FAILED: it cannot be made; *locale is (locale_t)0, with which uselocale changes nothing. Any thread.
  */
 enum status c_locale(locale_t *locale) FURROW_CHECKED;

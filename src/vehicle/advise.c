@@ -4,7 +4,7 @@
 
 #include "vehicle/vehicle.h"
 
-#define SAME_GRAVITY 0.02 /* people write 9.8, 9.81 or 9.80665 */
+#define SAME_GRAVITY 0.02 /* gravities that differ by a smaller share are the same: 9.8, 9.81 and 9.80665 are all the Earth's */
 
 /* Returns over how many metres the soil bears a soil geom. 0: not known, since it is neither a wheel nor a sphere. */
 static double bears_over(const struct scene *scene, const struct vehicle_info *vehicle, const struct vehicle_geom *geom)

@@ -68,8 +68,8 @@ void vehicle_set_rows(struct vehicles *vehicles, const struct vehicle_rows *rows
 struct vehicle_info {
 	const char *name;
 	double mass;           /* kg */
-	double gravity;        /* m/s2, downward, of the scene */
-	double own_gravity[3]; /* m/s2: what its model's file has instead; it does not count */
+	double gravity;        /* m/s2, downward: the scene's */
+	double own_gravity[3]; /* m/s2: in its model's file; not used */
 	size_t geom_count;     /* soil geoms */
 	size_t joint_count, actuator_count;  /* columns of its rows; joints with one number each */
 	double largest_step;   /* s: the longest time_step that is allowed */
