@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Figures that tests of the soil print: what they ask of closed forms, and what the posts and the GPU say. A minute or two on two quiet cores.
 
-    ninja -C build tests/test_validation_plate ...     # bench/measure.py --only tested builds what is needed
+    ninja -C build tests/test_validation tests/test_deform     # bench/measure.py --only tested builds what is needed
     python3 bench/tested.py build --figures bench/figures/tested.json
 
 A test prints lines such as "sinkage, mm   19.2946, wanted   19.29: ...". A figure here is a number of such a line: of one test, found by the line's words.
@@ -21,10 +21,10 @@ NUMBER = r"([-+]?[\d.]+(?:e[-+]?\d+)?)"
 PLATES = ("dry_sand", "sandy_loam_15", "lete_sand", "lunar", "snow_us")
 SOILS = ("dry_sand", "lunar", "lete_sand", "snow_us", "sandy_loam_15")
 KINDS = ("reference", "gpu")  # a test with each kind of bed has both names in brackets
-# The programs, each a test of the build; FURROW_LONG: it prints some figures in the long run alone.
+# Files of tests, as folder_file; FURROW_LONG: it prints some figures in the long run alone.
 PROGRAMS = {"validation_plate": {}, "validation_wheel": {}, "validation_slope": {}, "validation_rolling": {}, "validation_incline": {},
             "deform_against_reference": {}, "deform_camber": {}, "deform_envelope": {}, "deform_belt": {"FURROW_LONG": "1"}}
-TARGETS = [f"tests/test_{name}" for name in PROGRAMS]
+TARGETS = ["tests/test_validation", "tests/test_deform"]
 
 
 class Printed:
@@ -54,10 +54,11 @@ class Printed:
 
 
 def run(build, name):
-    program = build / "tests" / f"test_{name}"
+    folder, file = name.split("_", 1)
+    program = build / "tests" / f"test_{folder}"
     if not program.is_file():
         raise Told(f"{program}: is not there; ninja -C {build} {' '.join(TARGETS)} builds it")
-    done = subprocess.run([program], env=os.environ | PROGRAMS[name], capture_output=True, text=True)
+    done = subprocess.run([program, file], env=os.environ | PROGRAMS[name], capture_output=True, text=True)
     if done.returncode != 0:
         raise Told(f"{name}: failed:\n{done.stdout[-2000:]}{done.stderr[-2000:]}")
     if "SKIPPED" in done.stdout + done.stderr:

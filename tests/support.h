@@ -16,6 +16,7 @@
 #include "dem/dem.h"
 #include "api/api.h"
 #include "store/store.h"
+#include "support/skip.h"
 
 /* A folder of its own for the test program, removed by support_leave. */
 static char support_folder[64];
@@ -156,7 +157,7 @@ static inline char *support_drive(const char *scene_path, const char *store, con
 	enum status status = api_drive(&params, &result);
 	scene_destroy(scene);
 	if (status == STATUS_NO_GL)
-		skip();
+		skip_since("no GL");
 	must(status);
 	assert_int_equal(support_figure(result.json, "\"counts\"", "unplanned"), 0);
 	return result.json;

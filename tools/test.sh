@@ -1,19 +1,20 @@
 #!/bin/sh
 # Packages, builds, tests:
 #
-#   sh tools/test.sh            what finds most for its time: 30 to 40 minutes on two cores
-#   sh tools/test.sh quick      the tests of suite `quick` that are not of suite `plain`; two minutes or so
+#   sh tools/test.sh            what finds most for its time: at most ten minutes on two cores, the builds included
+#   sh tools/test.sh quick      the tests of suite `quick`: under a minute once they are built
 #   sh tools/test.sh long       every test, at full length: an hour or more
-#   sh tools/test.sh ARGUMENT   what `meson test` takes: names, --suite X; in the sanitizer build alone
+#   sh tools/test.sh ARGUMENT   what `meson test` takes: names, --suite X; in build-test alone
 #
-# Three builds: one with address and undefined-behaviour sanitizers; one without, optimized and with asserts, for the suite `plain`:
-# laws, power cuts, the command and what is installed; in the long run one with ThreadSanitizer, for the tests of threads again. Each
-# builds only what its tests need, and the second the benches too.
+# Three builds. build-test is optimized, with asserts, and ends where UBSan finds undefined behaviour: it runs everything. build-asan has
+# address and undefined-behaviour sanitizers: it runs fuzz targets and faults always, the tests of each folder of src whose sources changed
+# since the last tag, and in the long run all that is not `plain`. build-tsan has ThreadSanitizer, for the tests of threads, in the long run.
+# Each builds only what its tests need.
 set -eu
 cd "$(dirname "$0")/.."
 sh tools/packages.sh
 build=${BUILD:-build-test}
-laws=${BUILD:-build}-laws
+asan=${BUILD:-build}-asan
 tsan=${BUILD:-build}-tsan
 threaded='page/pin page/write_back page/hazards page/prefetch page/faults page/newest page/random resident/ground motion/prefetcher dem/crew api/threads'
 
@@ -23,16 +24,15 @@ export UBSAN_OPTIONS="halt_on_error=1:print_stacktrace=1"
 # and reads what their first words happen to be: it ends with signal 11. So it does not look there.
 # Memory that was freed is kept for a while, so that its use is seen: 16 MB of it. The default, 256, takes a tenth of the time.
 export ASAN_OPTIONS="detect_odr_violation=0:intercept_tls_get_addr=0:quarantine_size_mb=16${ASAN_OPTIONS:+:$ASAN_OPTIONS}"
+# Chooses the cases of kills, power cuts and ranks that a run takes (tests/support/chosen.h).
+FURROW_COMMIT=${FURROW_COMMIT:-$(git rev-parse HEAD 2>/dev/null | cut -c1-8)}
+export FURROW_COMMIT
 status=0
 logs=
-both=
-without='--no-suite long'
-later='--no-suite later'
+length='--no-suite long --no-suite asan'
 if [ "${1:-}" = long ]; then
 	shift
-	both='--suite both'
-	without=
-	later=
+	length=
 	export FURROW_LONG=1
 fi
 
@@ -41,8 +41,9 @@ fi
 linker=$(command -v ld.gold > /dev/null && echo -fuse-ld=gold || true)
 setup() {
 	folder=$1
-	shift
-	[ -f "$folder/build.ninja" ] || meson setup "$folder" -Dbuildtype=debugoptimized -Dc_args=-g1 -Dc_link_args="$linker" -Db_lundef=false -Db_ndebug=false "$@"
+	arguments=$2
+	shift 2
+	[ -f "$folder/build.ninja" ] || meson setup "$folder" -Dbuildtype=debugoptimized -Dc_args="-g1 $arguments" -Dc_link_args="$linker" -Db_lundef=false -Db_ndebug=false "$@"
 }
 
 # run FOLDER ARGUMENT...: builds what these tests need, and runs them. One more at a time than processors: some wait for the disk.
@@ -51,6 +52,13 @@ run() {
 	shift
 	meson test -C "$folder" --print-errorlogs --num-processes $(($(nproc) + 1)) "$@" || status=$?
 	logs="$logs $folder/meson-logs/testlog.json"
+}
+
+# Prints `--suite NAME` for each folder of src, and for tools, whose sources changed since the last tag; where there is no tag, in the
+# last twenty commits.
+changed() {
+	since=$(git describe --tags --abbrev=0 2>/dev/null || git rev-list --max-count=20 HEAD 2>/dev/null | tail -n 1)
+	git diff --name-only "$since" -- src tools 2>/dev/null | sed -n 's,^src/\([a-z]*\)/.*\.[ch]$,\1,p; s,^tools/.*\.[ch]$,tools,p' | sort -u | sed 's/^/--suite /'
 }
 
 # Whether the compiler has it, and this machine lets it run.
@@ -62,23 +70,27 @@ has_tsan() {
 	return $found
 }
 
-setup "$build" -Doptimization=1 -Db_sanitize=address,undefined
+# With -fsanitize gcc takes some variables for unset that are not.
+setup "$build" "-fsanitize=undefined -fsanitize-undefined-trap-on-error -Wno-maybe-uninitialized"
 if [ "${1:-}" = quick ]; then
 	shift
-	run "$build" --suite quick --no-suite plain "$@"
+	run "$build" --suite quick "$@"
 elif [ $# -gt 0 ]; then
 	run "$build" "$@"
 else
 	# shellcheck disable=SC2086
-	run "$build" --no-suite plain --no-suite packages $later $without
-	setup "$laws"
-	ninja -C "$laws" --quiet benches
-	# shellcheck disable=SC2086
-	run "$laws" --suite plain --suite later $both $without
+	run "$build" --no-suite packages --no-suite sanitized $length
+	setup "$asan" "" -Doptimization=1 -Db_sanitize=address,undefined
+	if [ -n "${FURROW_LONG:-}" ]; then
+		run "$asan" --no-suite packages --no-suite plain
+	else
+		# shellcheck disable=SC2046
+		run "$asan" --suite fuzz --suite fault $(changed) --no-suite packages --no-suite plain --no-suite later --no-suite long
+	fi
 	if [ -z "${FURROW_LONG:-}" ]; then
 		: # ThreadSanitizer is for the long run
 	elif has_tsan; then
-		setup "$tsan" -Doptimization=1 -Db_sanitize=thread
+		setup "$tsan" "" -Doptimization=1 -Db_sanitize=thread
 		# The detector of deadlocks counts LLVM's locks without an end, and fails at 64.
 		# shellcheck disable=SC2086
 		TSAN_OPTIONS="suppressions=$PWD/tests/tsan.supp:detect_deadlocks=0" PAGE_STEPS=10000 run "$tsan" $threaded
@@ -87,13 +99,7 @@ else
 	fi
 fi
 
-# One line a person, and a machine, can read.
+# One line a person, and a machine, can read. It fails if a test skipped that should have run.
 # shellcheck disable=SC2086
-python3 - $logs <<'PYTHON'
-import json, sys
-results = [json.loads(line)["result"] for log in sys.argv[1:] for line in open(log)]
-skipped = results.count("SKIP")
-passed = results.count("OK") + results.count("EXPECTEDFAIL")
-print(f"{passed} passed, {len(results) - passed - skipped} failed, {skipped} skipped")
-PYTHON
+python3 tests/summary.py $logs || status=1
 exit $status

@@ -1,5 +1,6 @@
 /* Every function of furrow.h with what it must refuse: a status and a whole message, never a crash, and nothing changed. */
 #include "hosted.h"
+#include "../support/program.h"
 
 #define SCENE_WITH_PATH \
 	"scene: 1\ntime_step: 0.01\nspacing: 0.125\nsoil: {name: dry_sand}\nredistribute: {model: scm}\nobjects:\n" \
@@ -465,7 +466,7 @@ static void all_of_that_changed_nothing(void **state)
 	assert_true(furrow_time(world) == 0.01);
 }
 
-int main(void)
+TEST_PROGRAM(arguments)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(functions_without_a_world), cmocka_unit_test(an_import_that_is_wrong),

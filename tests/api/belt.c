@@ -2,6 +2,7 @@
 #include <math.h>
 
 #include "hosted.h"
+#include "../support/program.h"
 
 #define SCENE                                                                                                            \
 	"{scene: 1, time_step: 0.01, spacing: 0.0625, soil: {name: dry_sand}, redistribute: {model: scm, bulldozing: 0, " \
@@ -129,7 +130,7 @@ static void a_rollback_leaves_the_belt_as_it_was(void **state)
 	done(furrow_world_close(world));
 }
 
-int main(void)
+TEST_PROGRAM(belt)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_belt_draws_at_every_step),

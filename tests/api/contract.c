@@ -1,5 +1,6 @@
 /* What furrow.h promises of a world that is imported, stepped, asked and looked at. */
 #include "rut.h"
+#include "../support/program.h"
 
 #include <cjson/cJSON.h>
 
@@ -440,7 +441,7 @@ static void a_host_on_a_path_leaves_what_the_path_leaves(void **state)
 	}
 }
 
-int main(void)
+TEST_PROGRAM(contract)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(steps_end_at_multiples_of_the_time_step),

@@ -1,6 +1,7 @@
 /* Bodies that a host drops between two steps: they press the ground, the store keeps it, and the next picture shows it. */
 #include "guest.h"
 #include "render/view.h"
+#include "../support/program.h"
 
 static enum status drop_one(struct guest *guest, struct drive *drive, struct api_control *wish)
 {
@@ -268,7 +269,7 @@ static void under_a_load_the_soil_carries_what_is_dropped(void **state)
 	free(ball);
 }
 
-int main(void)
+TEST_PROGRAM(drops)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(what_is_dropped_is_pressed_as_deep_as_it_sinks_and_kept),

@@ -3,6 +3,7 @@
 #define FURROW_TESTS_GUEST_H
 
 #include "../support.h"
+#include "../support/skip.h"
 
 #include "api/api.h"
 #include "api/internal.h"
@@ -78,7 +79,7 @@ static inline enum status drive_with(const char *store, const char *text, const 
 	enum status status = api_drive(&params, &result);
 	scene_destroy(scene);
 	if (status == STATUS_NO_GL)
-		skip();
+		skip_since("no GL");
 	if (result.json != NULL)
 		assert_int_equal(support_figure(result.json, "\"counts\"", "unplanned"), 0);
 	mem_free(result.json);

@@ -1,6 +1,7 @@
 /* A host over whole drives: a held drive makes no step, pictures follow the camera of the host, and a host that only watches
  * changes nothing. */
 #include "guest.h"
+#include "../support/program.h"
 
 static enum status only_watch(struct guest *guest, struct drive *drive, struct api_control *wish)
 {
@@ -184,7 +185,7 @@ static void a_host_that_fails_ends_the_drive(void **state)
 	support_verify(store);
 }
 
-int main(void)
+TEST_PROGRAM(host)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(who_only_watches_changes_nothing),

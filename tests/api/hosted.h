@@ -3,6 +3,7 @@
 #define FURROW_TESTS_HOSTED_H
 
 #include "../support.h"
+#include "../support/skip.h"
 
 #include "api/furrow.h"
 
@@ -22,7 +23,7 @@ static inline double hosted_flat(int64_t x, int64_t y)
 	do {                                                                             \
 		const furrow_status status_of_call = (call);                             \
 		if (status_of_call == FURROW_NO_GL)                                      \
-			skip();                                                          \
+			skip_since("no GL");                                             \
 		if (status_of_call != FURROW_OK) {                                       \
 			print_error("%s: %s\n", #call, furrow_last_error());            \
 			assert_int_equal(status_of_call, FURROW_OK);                     \

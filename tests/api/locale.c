@@ -1,5 +1,7 @@
 /* A host whose locale has a decimal comma: files are as in the locale "C", and the host keeps its locale. */
 #include "../comma.h"
+#include "../support/program.h"
+#include "../support/skip.h"
 #include "hosted.h"
 
 #include <cjson/cJSON.h>
@@ -36,7 +38,7 @@ static void a_drive_and_its_resumption_leave_the_same_rows(void **state)
 	prepare(german);
 	drive(plain, support_path("plain"), STEPS);
 	if (!comma_begin(support_folder))
-		skip();
+		skip_since("no locale with a decimal comma");
 	drive(german, support_path("german"), STEPS / 2);
 	drive(german, support_path("german"), STEPS / 2);
 	comma_end(state);
@@ -95,7 +97,7 @@ static void an_import_makes_the_same_store(void **state)
 	write_raster(source);
 	done(furrow_import(&source, 1, plain, options, NULL, NULL));
 	if (!comma_begin(support_folder))
-		skip();
+		skip_since("no locale with a decimal comma");
 	done(furrow_import(&source, 1, german, options, count_progress, &heard));
 	comma_end(state);
 	assert_true(heard.progress > 0 && heard.comma);
@@ -110,7 +112,7 @@ static void the_host_keeps_its_locale(void **state)
 	struct heard heard = {.comma = true};
 	prepare(store);
 	if (!comma_begin(support_folder))
-		skip();
+		skip_since("no locale with a decimal comma");
 	char before[256];
 	snprintf(before, sizeof before, "%s", setlocale(LC_ALL, NULL));
 	const locale_t own = duplocale(LC_GLOBAL_LOCALE), locales[] = {LC_GLOBAL_LOCALE, own};
@@ -131,7 +133,7 @@ static void the_host_keeps_its_locale(void **state)
 	assert_true(heard.notes > 0 && heard.comma);
 }
 
-int main(void)
+TEST_PROGRAM(locale)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test_teardown(a_drive_and_its_resumption_leave_the_same_rows, comma_end),

@@ -1,5 +1,7 @@
 /* What a host has and the library leaves alone: its output, locale, environment, signals, and EGL context. */
 #include "hosted.h"
+#include "../support/program.h"
+#include "../support/skip.h"
 
 #include <fcntl.h>
 #include <locale.h>
@@ -51,7 +53,7 @@ static void the_context_of_the_host_is_current_after_every_call(void **state)
 {
 	struct screen screen;
 	if (!open_screen(&screen))
-		skip();
+		skip_since("no GL on a device");
 	glPixelStorei(GL_UNPACK_ALIGNMENT, 2);
 	const char *store = support_path("context.furrow");
 	support_store(store, hosted_extent, hosted_flat);
@@ -257,7 +259,7 @@ static void the_process_is_left_as_it_was(void **state)
 	assert_string_equal(folder_after, folder);
 }
 
-int main(void)
+TEST_PROGRAM(manners)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(the_context_of_the_host_is_current_after_every_call),

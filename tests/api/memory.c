@@ -3,6 +3,8 @@
  * closed. What is committed verifies.
  */
 #include "hosted.h"
+#include "../support/program.h"
+#include "../support/skip.h"
 
 /* Beyond this every GROWTH-th allocation is tried, so that a test of thousands ends. */
 #define EACH 150
@@ -14,7 +16,7 @@ static const char *store;
 static bool tell(furrow_status status)
 {
 	if (status == FURROW_NO_GL)
-		skip();
+		skip_since("no GL");
 	if (status != FURROW_OK) {
 		if (status != FURROW_FAILED)
 			print_error("%d: %s\n", (int)status, furrow_last_error());
@@ -108,7 +110,7 @@ static void a_life_without_memory_ends_with_statuses(void **state)
 	done(furrow_world_close(world));
 }
 
-int main(void)
+TEST_PROGRAM(memory)
 {
 	const struct CMUnitTest tests[] = {cmocka_unit_test(a_life_without_memory_ends_with_statuses)};
 	return cmocka_run_group_tests(tests, support_enter, support_leave);

@@ -1,5 +1,6 @@
 /* furrow_probe beside what the GPU tells of the same motion, beside closed forms, and beside its own differences; what it does not know. */
 #include "probing.h"
+#include "../support/program.h"
 
 /* --- beside the GPU --- */
 
@@ -389,7 +390,7 @@ static void unloading_is_as_stiff_after_any_short_way(void **state)
 	assert_true(stiffest < 1.1);
 }
 
-int main(void)
+TEST_PROGRAM(probe)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_probe_tells_what_the_gpu_does),

@@ -1,6 +1,7 @@
 /* furrow_probe beside what the GPU tells, and beside its own differences, of bodies of every shape in any attitude: wheels with camber and
  * grousers, cylinders, capsules, ellipsoids, meshes. */
 #include "../long.h"
+#include "../support/program.h"
 #include "probing.h"
 
 static char foot[300]; /* a mesh: write_foot */
@@ -203,7 +204,7 @@ static void stiffness_and_damping_are_how_the_force_changes(void **state)
 	}
 }
 
-int main(void)
+TEST_PROGRAM(probe_bodies)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_probe_tells_what_the_gpu_does),

@@ -3,6 +3,7 @@
  * They settle where statics says, lose their energy and hold on slopes.
  */
 #include "probing.h"
+#include "../support/program.h"
 
 #define G 9.81
 #define MASS 125.0
@@ -176,7 +177,7 @@ static void on_a_slope_it_holds(void **state)
 	}
 }
 
-int main(void)
+TEST_PROGRAM(probe_motion)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_body_that_is_let_down_settles_where_statics_says),

@@ -3,6 +3,7 @@
 #include "rut.h"
 
 #include "gpu/gpu.h"
+#include "../support/program.h"
 
 static bool refuses;
 
@@ -38,7 +39,7 @@ static void leaves_the_world_open_and_nothing_is_lost(void **state)
 	done(furrow_world_close(again));
 }
 
-int main(void)
+TEST_PROGRAM(refused)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(leaves_the_world_open_and_nothing_is_lost),

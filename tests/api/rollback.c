@@ -2,6 +2,7 @@
 #include "rut.h"
 
 #include "api/library.h"
+#include "../support/program.h"
 
 /* A whole copy of what a host can ask for. */
 struct copy {
@@ -390,7 +391,7 @@ static void ground_that_a_rollback_raises_is_pressed(void **state)
 	}
 }
 
-int main(void)
+TEST_PROGRAM(rollback)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_rollback_leaves_what_the_checkpoint_had),

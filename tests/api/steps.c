@@ -2,6 +2,7 @@
 #include "rut.h"
 
 #include "api/library.h"
+#include "../support/program.h"
 
 /* Two bodies at equal times. The one that drives east leaves the terrain after 0.4 s. */
 #define LEAVING \
@@ -75,7 +76,7 @@ static void a_contact_on_a_path_has_the_time_of_its_path_sample(void **state)
 	done(furrow_world_close(world));
 }
 
-int main(void)
+TEST_PROGRAM(steps)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_step_that_fails_before_anything_changed_changes_no_later_one),

@@ -1,5 +1,7 @@
 /* Several worlds on several threads at once; under ThreadSanitizer, too. */
 #include "hosted.h"
+#include "../support/program.h"
+#include "../support/skip.h"
 
 #include <pthread.h>
 #include <stdatomic.h>
@@ -61,7 +63,7 @@ static void *run(void *user)
 static void ended(const struct life *life)
 {
 	if (life->status == FURROW_NO_GL)
-		skip();
+		skip_since("no GL");
 	if (life->status != FURROW_OK)
 		print_error("%s\n", life->message);
 	assert_int_equal(life->status, FURROW_OK);
@@ -136,7 +138,7 @@ static void a_message_is_of_its_thread(void **state)
 	assert_true(strlen(there) > 0);
 }
 
-int main(void)
+TEST_PROGRAM(threads)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_message_is_of_its_thread),

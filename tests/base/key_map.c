@@ -7,6 +7,7 @@
 
 #include "base/key_map.h"
 #include "base/key_set.h"
+#include "../support/program.h"
 
 static void what_was_put_is_found_and_nothing_else(void **state)
 {
@@ -83,7 +84,7 @@ static void a_set_has_what_was_added_until_it_is_cleared(void **state)
 	key_set_finish(&set);
 }
 
-int main(void)
+TEST_PROGRAM(key_map)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(what_was_put_is_found_and_nothing_else),

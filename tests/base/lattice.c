@@ -6,6 +6,7 @@
 #include <cmocka.h>
 
 #include "base/base.h"
+#include "../support/program.h"
 
 static uint32_t seed = 1;
 static int32_t any_height(void)
@@ -139,7 +140,7 @@ static void height_codes_keep_the_promised_error(void **state)
 	assert_false(height_code_encode(1e9, 0.002, &code));
 }
 
-int main(void)
+TEST_PROGRAM(lattice)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(interpolation_at_a_corner_is_the_corner),

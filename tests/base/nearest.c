@@ -7,6 +7,7 @@
 #include <cmocka.h>
 
 #include "base/nearest.h"
+#include "../support/program.h"
 
 static const char *found(const char *word)
 {
@@ -77,7 +78,7 @@ static void the_question_ends_a_message(void **state)
 	assert_string_equal(nearest_ask(&nearest).text, "; did you mean export?");
 }
 
-int main(void)
+TEST_PROGRAM(nearest)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(typing_errors_are_seen),

@@ -1,4 +1,5 @@
 #include "base/recent.h"
+#include "../support/program.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -78,7 +79,7 @@ static void it_finds_and_gives_places_as_one_that_looks_at_all(void **state)
 	}
 }
 
-int main(void)
+TEST_PROGRAM(recent)
 {
 	const struct CMUnitTest tests[] = {cmocka_unit_test(it_finds_and_gives_places_as_one_that_looks_at_all)};
 	return cmocka_run_group_tests_name("recent", tests, NULL, NULL);

@@ -8,6 +8,7 @@
 #include <cmocka.h>
 
 #include "base/base.h"
+#include "../support/program.h"
 
 #define must(call) assert_int_equal(call, STATUS_OK)
 
@@ -337,7 +338,7 @@ static void a_text_is_what_it_was(void **state)
 		assert_false(relief_parse(wrong[i], &read));
 }
 
-int main(void)
+TEST_PROGRAM(relief)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(posts_of_coarser_levels_stay),

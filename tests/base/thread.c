@@ -1,6 +1,8 @@
 /* A thread has the locale "C", whatever the locale of the process and of the thread that starts it. */
 #include "../comma.h"
 #include "../support.h"
+#include "../support/program.h"
+#include "../support/skip.h"
 
 #include "base/thread.h"
 
@@ -20,7 +22,7 @@ static void *look(void *user)
 static void numbers_of_a_thread_have_a_point(void **state)
 {
 	if (!comma_begin(support_folder))
-		skip();
+		skip_since("no locale with a decimal comma");
 	struct thread thread = {.started = false};
 	struct seen seen, here;
 	must(thread_start(&thread, look, &seen, "furrow-test"));
@@ -32,7 +34,7 @@ static void numbers_of_a_thread_have_a_point(void **state)
 	assert_true(seen.number == 0.5);
 }
 
-int main(void)
+TEST_PROGRAM(thread)
 {
 	const struct CMUnitTest tests[] = {cmocka_unit_test(numbers_of_a_thread_have_a_point)};
 	return cmocka_run_group_tests(tests, support_enter, support_leave);

@@ -6,6 +6,7 @@
 #include <cmocka.h>
 
 #include "base/base.h"
+#include "../support/program.h"
 
 static const struct extent worlds[] = {
 	{1201, 2401, 90, 256}, {257, 257, 1, 256}, {258, 1025, 1, 256}, {65537, 65537, 0.5, 256},
@@ -104,7 +105,7 @@ static void the_largest_world_is_counted_without_overflow(void **state)
 	assert_int_equal(extent_posts(extent.width, TILE_LEVEL_MIN), ((extent.width - 1) << 14) + 1);
 }
 
-int main(void)
+TEST_PROGRAM(tile)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_key_comes_back_as_its_tile),

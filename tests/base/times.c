@@ -8,6 +8,7 @@
 #include <cmocka.h>
 
 #include "base/times.h"
+#include "../support/program.h"
 
 static int by_size(const void *a, const void *b)
 {
@@ -155,7 +156,7 @@ static void ranges_follow_each_other_and_hold_every_value(void **state)
 	assert_int_equal(told.ranges, 0);
 }
 
-int main(void)
+TEST_PROGRAM(times)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(percentiles_are_within_the_error_of_the_sorted_ones),

@@ -1,5 +1,6 @@
 /* Maps: where the ground, the grid, the words and the marks stand. Places are checked, not the shapes of letters. No GL. */
 #include "drawn.h"
+#include "../support/program.h"
 
 #define NAMES 300
 
@@ -418,7 +419,7 @@ static void the_smallest_and_the_narrowest_maps_have_all_of_it(void **state)
 		}
 }
 
-int main(void)
+TEST_PROGRAM(map)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_rut_has_its_place_and_its_depths_colour),

@@ -1,5 +1,7 @@
 /* The files of maps, and what is written in them: numbers, names of systems, text on pictures. No GL. */
 #include "drawn.h"
+#include "../support/program.h"
+#include "../support/skip.h"
 
 /* --- numbers and names --- */
 
@@ -111,7 +113,7 @@ static void a_full_disk_is_told_and_leaves_nothing(void **state)
 {
 	static const char *const endings[] = {"png", "svg", "pdf"};
 	if (access("/dev/full", W_OK) != 0)
-		skip();
+		skip_since(SKIP_ELSEWHERE "no /dev/full");
 	for (size_t i = 0; i < 3; i++) {
 		char name[16], part[24];
 		snprintf(name, sizeof name, "full.%s", endings[i]);
@@ -191,7 +193,7 @@ static void a_pen_writes_where_it_is_told(void **state)
 	chart_pen_destroy(NULL);
 }
 
-int main(void)
+TEST_PROGRAM(map_files)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(numbers_are_written_for_people),

@@ -11,6 +11,8 @@
 #include <unistd.h>
 
 #include "chart/internal.h"
+#include "../support/program.h"
+#include "../support/skip.h"
 
 static char folder[] = "/tmp/furrow-png-XXXXXX";
 static char path[64], part[72];
@@ -68,7 +70,7 @@ static void a_full_disk_is_told(void **state)
 	unlink(path);
 	if (access("/dev/full", W_OK) != 0 || symlink("/dev/full", part) != 0) {
 		test_free(pixels);
-		skip();
+		skip_since(SKIP_ELSEWHERE "no /dev/full");
 	}
 	assert_int_equal(chart_png_write(path, pixels, 64, 64), STATUS_FAILED);
 	assert_non_null(strstr(failure_message(), "No space left"));
@@ -88,7 +90,7 @@ static void running_out_of_memory_is_told(void **state)
 	}
 }
 
-int main(void)
+TEST_PROGRAM(png)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_picture_comes_back_upright),

@@ -1,5 +1,6 @@
 /* Map rasters: the values and the shade that a map finds in a store, pixel by pixel. No GL. */
 #include "dug.h"
+#include "../support/program.h"
 
 /* Ruts before heaps, then the larger one. */
 static double shown_of(double value, double other)
@@ -197,7 +198,7 @@ static void lines_are_widened_by_a_pixel(void **state)
 	chart_raster_finish(&raster);
 }
 
-int main(void)
+TEST_PROGRAM(raster)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_pixel_has_the_largest_value_within_it),

@@ -1,5 +1,6 @@
 /* Hillshade and colours over it: pure functions. */
 #include "../support.h"
+#include "../support/program.h"
 
 #include "chart/internal.h"
 
@@ -125,7 +126,7 @@ static void lengths_and_ranges_are_round(void **state)
 	assert_true(chart_ramp_place(CHART_RAMP_SIGNED, &range, 0) == 0);
 }
 
-int main(void)
+TEST_PROGRAM(shade)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_plane_has_its_slope_up_to_its_last_post),

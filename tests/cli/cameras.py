@@ -16,11 +16,7 @@ import time
 import unittest
 import zlib
 
-try:
-    import numpy as np
-except ImportError:
-    print("no numpy: skipped")
-    sys.exit(77)
+import numpy as np
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
 from furrow_test import FURROW, FurrowTest, long, main, write_png16
@@ -501,7 +497,7 @@ class Cameras(FurrowTest):
         path = self.scene("scene: 1\nend_time: 1\ncameras:\n" + "".join(
             f"  - {{name: c{i}, kind: fixed, rate: 1, size: [8192, {8192 - i}], images: [normals], pose: {{at: [30, 30, 60]}}}}\n" for i in range(64)))
         if os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE") > 95e9:
-            self.skipTest("this machine has room for them")
+            self.skipTest("not on this machine: it has room for them")
         result = self.furrow("drive", path, "--store", self.store, "-o", "out")
         if result.returncode == 4:
             self.skipTest("no GL here")
@@ -540,7 +536,7 @@ class Cameras(FurrowTest):
     @long
     def test_ffmpeg_makes_a_video_of_every_frame(self):
         if shutil.which("ffprobe") is None:
-            self.skipTest("no ffmpeg here")
+            self.skipTest("not on this machine: no ffmpeg")
         self.store = self.synth(relief=5)
         self.drive(self.scene("scene: 1\nend_time: 1\ntime_step: 0.1\ncameras: [{name: a, kind: fixed, rate: 10, size: [65, 49], video: true, "
                               "pose: {at: [30, 30, 60]}}]\n"), "--store", self.store)

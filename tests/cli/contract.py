@@ -667,7 +667,7 @@ objects:
 
 
 class RealElevation(FurrowTest):
-    @unittest.skipUnless((SHARED / "dem").is_dir() and has_gdal(), "needs the shared elevation data and GDAL")
+    @unittest.skipUnless((SHARED / "dem").is_dir() and has_gdal(), "not on this machine: no shared elevation data")
     def test_each_of_the_real_dems_imports_and_verifies(self):
         dem = SHARED / "dem"
         cases = {"bigtujunga.tif": [], "craterlake.tif": ["--nodata", "-32767"], "everest_voids.tif": [],
@@ -681,13 +681,13 @@ class RealElevation(FurrowTest):
                 self.assertTrue(check["ok"], check["problems"])
                 os.remove(self.folder / "real.furrow")
 
-    @unittest.skipUnless((SHARED / "dem").is_dir() and has_gdal(), "needs the shared elevation data and GDAL")
+    @unittest.skipUnless((SHARED / "dem").is_dir() and has_gdal(), "not on this machine: no shared elevation data")
     def test_nodata_that_no_tag_declares_is_told(self):
         result = self.furrow("import", SHARED / "dem/craterlake.tif", "-o", "real.furrow")
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertIn("--nodata -32767", result.stderr)
 
-    @unittest.skipUnless((SHARED / "dem").is_dir() and has_gdal(), "needs the shared elevation data and GDAL")
+    @unittest.skipUnless((SHARED / "dem").is_dir() and has_gdal(), "not on this machine: no shared elevation data")
     def test_a_wheel_leaves_its_shape_in_a_90_m_mosaic(self):
         dem = SHARED / "dem"
         self.ok("import", dem / "N41E001.hgt", dem / "N42E001.hgt", "-o", "es.furrow")

@@ -82,7 +82,7 @@ class FullDisk(FurrowTest):
 
     def test_a_drive_names_no_file_that_it_could_not_write_and_the_step_to_go_on_from(self):
         if not os.path.exists("/dev/full"):
-            self.skipTest("no device is full here")
+            self.skipTest("not on this machine: no device that is full")
         store, scene = self.synth(), self.scene()
         (self.folder / "out").mkdir()
         (self.folder / "out/run.json.part").symlink_to("/dev/full")
@@ -103,7 +103,7 @@ class FullDisk(FurrowTest):
         disk = self.folder / "disk"
         disk.mkdir()
         if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=256k", "tmpfs", disk], capture_output=True).returncode:
-            self.skipTest("cannot mount a small file system here")
+            self.skipTest("not on this machine: cannot mount a small file system here")
         try:
             (self.folder / "in.raw").write_bytes(random.Random(7).randbytes(2 * 400 * 400))
             self.assertIn("free some disk space, then run it again", self.refused(1, "import", "in.raw", "--spacing", "1", "-o", "disk/out.furrow"))
@@ -176,7 +176,7 @@ class Unreadable(RasterTest):
             result = subprocess.run([FURROW, "import", source, "-o", "out.furrow"], cwd=self.folder, capture_output=True,
                                     text=True, user=nobody, group=nobody, timeout=280)
             if "cannot execute" in result.stderr or result.returncode in (126, 127):
-                self.skipTest("another user may not run the command")
+                self.skipTest("not on this machine: another user may not run the command")
             self.assertEqual(result.returncode, 3, result.stderr)
             self.assertRegex(result.stderr, r"^furrow: \S*1\.tif: ")
             self.nothing_left()

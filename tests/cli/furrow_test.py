@@ -50,6 +50,25 @@ def long(test):
     return unittest.skipUnless(FULL, "for sh tools/test.sh long")(test)
 
 
+def chosen(count, of):
+    """Returns the places of `count` cases out of `of`, by the hash of the commit, so that all come up over some commits; in
+    `sh tools/test.sh long` all. FURROW_COMMIT has the hash's first eight digits; without it the first are taken."""
+    first = int(os.environ.get("FURROW_COMMIT") or "0", 16)
+    return list(range(of)) if FULL else sorted((first + i) % of for i in range(min(count, of)))
+
+
+def chosen_tests(count):
+    """Of a class whose tests are many cases of one thing, such as kills and ranks: a run takes `count` of them, as chosen() says."""
+    def mark(cls):
+        names = sorted(name for name in vars(cls) if name.startswith("test_"))
+        run = {names[place] for place in chosen(count, len(names))}
+        for name in names:
+            if name not in run:
+                setattr(cls, name, long(getattr(cls, name)))
+        return cls
+    return mark
+
+
 def part(cases, *kept):
     """Returns the cases at the places `kept`; in `sh tools/test.sh long` all of them."""
     cases = list(cases)

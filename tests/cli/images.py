@@ -109,7 +109,7 @@ class Images(FurrowTest):
     def test_a_picture_that_cannot_be_written_ends_the_drive_which_goes_on_from_there(self):
         wanted = self.whole(10)
         if not os.path.exists("/dev/full"):
-            self.skipTest("no device is full here")
+            self.skipTest("not on this machine: no device that is full")
         part = self.place(30)
         part.symlink_to("/dev/full")
         error = self.refused(1, "drive", self.path, *self.overlay("it"), "-o", "out")

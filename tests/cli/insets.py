@@ -388,7 +388,7 @@ cache: {slots: 256}
             self.assertAlmostEqual(squares, sum(v * v for v in off), delta=0.2 * sum(v * v for v in off) + 0.01)
 
 
-@unittest.skipUnless((SHARED / "dem").is_dir(), "needs the shared elevation data")
+@unittest.skipUnless((SHARED / "dem").is_dir(), "not on this machine: no shared elevation data")
 class RealInsets(RasterTest):
     """Big Tujunga at 30 m; a site of it, made finer and raised; the Gabilan ground made a scan of 5 cm. GDAL makes them and says what
     is true."""

@@ -165,7 +165,7 @@ class Maps(FurrowTest):
 
     def test_a_map_of_a_projected_store_names_its_system_and_has_degrees(self):
         if not has_gdal() or not (SHARED / "dem").is_dir():
-            self.skipTest("needs the shared elevation data and GDAL")
+            self.skipTest("not on this machine: no shared elevation data")
         self.ok("import", SHARED / "dem/everest_voids.tif", "-o", "a.furrow")
         page = self.pdf("map", "a.furrow", "-o", "a.pdf")
         self.assertIn("WGS 84 / UTM zone 45N (EPSG:32645)", page.text())
@@ -181,7 +181,7 @@ class Maps(FurrowTest):
 
     def test_notes_tell_the_scale_the_posts_and_what_heights_are_above(self):
         if not has_gdal() or not (SHARED / "dem").is_dir():
-            self.skipTest("needs the shared elevation data and GDAL")
+            self.skipTest("not on this machine: no shared elevation data")
         told = self.furrow("import", SHARED / "dem/bigtujunga.tif", "-o", "a.furrow", "--t-srs", "EPSG:3857", "--s-vertical", "egm96")
         share = re.search(r"distances are up to (\d+) % off", told.stderr).group(1)
         page = self.pdf("map", "a.furrow", "-o", "a.pdf")

@@ -139,7 +139,7 @@ class Nodata(RasterTest):
         self.assertIn("means nodata", note)
         self.assertNotIn("--nodata -3", note)
 
-    @unittest.skipUnless((SHARED / "dem").is_dir(), "needs the shared elevation data")
+    @unittest.skipUnless((SHARED / "dem").is_dir(), "not on this machine: no shared elevation data")
     def test_crater_lake_declares_nothing_and_is_a_third_holes(self):
         crater = SHARED / "dem/craterlake.tif"
         self.assertIn("--nodata -32767", self.furrow("import", crater, "-o", "mixed.furrow").stderr)

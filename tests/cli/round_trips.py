@@ -310,7 +310,7 @@ def holes(x, y):
     return (x - 40) ** 2 + (y - 30) ** 2 < 200 or x == 0 or y == 69
 
 
-@unittest.skipUnless((SHARED / "dem").is_dir(), "needs the shared elevation data")
+@unittest.skipUnless((SHARED / "dem").is_dir(), "not on this machine: no shared elevation data")
 class RealRoundTrips(RoundTrips):
     test_synthetic_rasters_come_back = test_a_16_bit_png_comes_back_pixel_for_pixel = None
 

@@ -330,7 +330,7 @@ class Study(FurrowTest):
         for run in self.manifest()["runs"]:
             self.assertIn(f'"{run["folder"]}"', text)
         if shutil.which("snakemake") is None:
-            self.skipTest("snakemake is not here")
+            self.skipTest("not on this machine: no snakemake")
         subprocess.run(["snakemake", "--snakefile", "out/Snakefile", "--cores", "2"], cwd=self.folder, check=True, capture_output=True)
         self.assertEqual([row["state"] for row in self.rows()], ["complete"] * 6)
 

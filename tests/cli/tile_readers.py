@@ -1,20 +1,9 @@
 """Second readers of what `furrow export --tiles` writes, made from the formats' specifications alone."""
 import math
-import os
 import struct
-import subprocess
-import sys
 import zlib
 
-try:
-    import numpy
-except ImportError:
-    # Not each python3 of a machine has what Debian's python3-numpy gives to its own.
-    for place in os.environ.get("PATH", "").split(":"):
-        program = os.path.join(place, "python3")
-        if os.access(program, os.X_OK) and subprocess.run([program, "-c", "import numpy"], capture_output=True).returncode == 0:
-            os.execv(program, [program, *sys.argv])
-    sys.exit("no python3 has numpy; run tools/packages.sh")
+import numpy
 
 
 def png(data):

@@ -362,7 +362,7 @@ class Tiles(furrow_test.FurrowTest):
     def test_the_page_of_ground_without_ruts_has_no_scale_of_them(self):
         browser = shutil.which("chromium") or shutil.which("chromium-browser")
         if browser is None or not LEAFLET.exists():
-            self.skipTest("no chromium, or no libjs-leaflet")
+            self.skipTest("not on this machine: no chromium")
         folder = self.export(self.synth(posts="65x65", spacing=1, relief=30), "tiles")
         told = subprocess.run([browser, "--headless=new", "--no-sandbox", "--disable-gpu", f"--user-data-dir={self.folder}/profile", "--virtual-time-budget=5000",
                                "--dump-dom", f"file://{folder}/index.html"], capture_output=True, text=True, timeout=200, cwd=self.folder).stdout
@@ -373,7 +373,7 @@ class Tiles(furrow_test.FurrowTest):
     def test_the_page_in_a_browser(self):
         browser = shutil.which("chromium") or shutil.which("chromium-browser")
         if browser is None or not LEAFLET.exists():
-            self.skipTest("no chromium, or no libjs-leaflet")
+            self.skipTest("not on this machine: no chromium")
         store = self.synth(posts="257x257", spacing=1, relief=30)
         self.dig(store, [[40, 60], [200, 180]])
         folder = self.export(store, "tiles")

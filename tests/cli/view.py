@@ -203,5 +203,6 @@ class View(WindowTest):
 
 if __name__ == "__main__":
     if WINDOW and any(shutil.which(name) is None for name in NEEDED):
+        print("no Xvfb, xdotool or their like")
         sys.exit(77)
     main()

@@ -1,6 +1,7 @@
 /* Active blocks: the ground becomes the same as if all of it were computed. */
 #include "late.h"
 #include "sliding.h"
+#include "../support/program.h"
 
 /* The whole block of ground as one window. */
 static void whole(struct ground *ground)
@@ -272,7 +273,7 @@ static void more_blocks_than_there_may_be_are_refused(void **state)
 	ground_finish(&ground);
 }
 
-int main(void)
+TEST_PROGRAM(active)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(few_blocks_do_what_all_would),

@@ -7,6 +7,7 @@
  * two ways they may differ at a tie: such posts are found, counted, and must be few.
  */
 #include "matched.h"
+#include "../support/program.h"
 
 /* --- pressing --- */
 
@@ -480,7 +481,7 @@ static void scm_is_as_the_reference(void **state)
 	rounds(DEFORM_SCM, 28);
 }
 
-int main(void)
+TEST_PROGRAM(against_reference)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(none_presses_as_the_reference),

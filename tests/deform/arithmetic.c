@@ -2,6 +2,7 @@
 #include "ground.h"
 
 #include "deform/shape/affine.h"
+#include "../support/program.h"
 
 enum { EDGE = 256, COUNT = EDGE * EDGE };
 
@@ -134,7 +135,7 @@ static void windows_see_the_same_functional(void **state)
 	}
 }
 
-int main(void)
+TEST_PROGRAM(arithmetic)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(roots_are_the_largest_whole_ones),

@@ -3,6 +3,7 @@
  * 0, 22.5 and 45 degrees, and halve the spacing twice.
  */
 #include "ground.h"
+#include "../support/program.h"
 
 static const double headings[] = {0, M_PI / 8, M_PI / 4};
 
@@ -321,7 +322,7 @@ static void ten_passes_deepen_a_rut_steadily(void **state)
 	assert_true(fabs(sinkage[0][9] - sinkage[1][9]) < 0.06 * sinkage[1][9]);
 }
 
-int main(void)
+TEST_PROGRAM(bands)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_rolling_wheel_lays_the_same_berm_at_every_spacing),

@@ -3,6 +3,7 @@
  * carried, are held to the reference in doubles.
  */
 #include "../validation/bed_gpu.h"
+#include "../support/program.h"
 
 enum { POSTS = 60 };
 #define SPACING 0.02
@@ -138,7 +139,7 @@ static void a_step_of_a_metre(void **state)
 	presses(1e6, 1);
 }
 
-int main(void)
+TEST_PROGRAM(banks)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(level_ground),

@@ -1,5 +1,6 @@
 /* Contacts of a batch leave the same bits as contacts that are computed one after another. */
 #include "ground.h"
+#include "../support/program.h"
 
 #define CONTACTS 9
 
@@ -285,7 +286,7 @@ static void only_small_contacts_that_are_alike_are_batched(void **state)
 	ground_finish(&ground);
 }
 
-int main(void)
+TEST_PROGRAM(batch)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_batch_leaves_the_bits_of_contacts_that_are_alone),

@@ -6,6 +6,7 @@
 #include <stdio.h>
 
 #include "../long.h"
+#include "../support/program.h"
 #include "ground.h"
 
 #define DEGREES (M_PI / 180)
@@ -312,7 +313,7 @@ static void tiles_show_in_no_bit(void **state)
 	}
 }
 
-int main(void)
+TEST_PROGRAM(belt)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_track_draws_what_the_closed_form_says),

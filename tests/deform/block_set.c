@@ -2,6 +2,7 @@
 #include "ground.h"
 
 #include "deform/schedule/block_set.h"
+#include "../support/program.h"
 
 enum { SIDE_BLOCKS = 40 };
 
@@ -51,7 +52,7 @@ static void sorted_blocks_are_found_at_their_new_places(void **state)
 	deform_block_set_finish(&set);
 }
 
-int main(void)
+TEST_PROGRAM(block_set)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_block_is_found_once_it_was_added),

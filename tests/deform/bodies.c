@@ -2,6 +2,7 @@
 #include "scm_rig.h"
 
 #include "deform/shape/lower_envelope.h"
+#include "../support/program.h"
 
 /* --- shapes that are others --- */
 
@@ -199,7 +200,7 @@ static void asking_for_forces_changes_no_post(void **state)
 		}
 }
 
-int main(void)
+TEST_PROGRAM(bodies)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_level_cylinder_is_a_wheel_that_does_not_turn),

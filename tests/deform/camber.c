@@ -1,5 +1,6 @@
 /* Wheels that lean, under scm: beside an integral over the wheel's surface, from no camber to much, and to both sides. */
 #include "scm_rig.h"
+#include "../support/program.h"
 
 #include <stdlib.h>
 
@@ -263,7 +264,7 @@ static void a_cylinder_that_leans_is_a_wheel_that_does_not_turn(void **state)
 	ground_finish(&ground);
 }
 
-int main(void)
+TEST_PROGRAM(camber)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(the_integral_of_a_level_wheel_is_the_closed_form),

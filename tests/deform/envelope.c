@@ -1,5 +1,6 @@
 /* At every post under an object, the ground is lowered to within 4 micrometres of the reference. */
 #include "../long.h"
+#include "../support/program.h"
 #include "ground.h"
 
 #define NEAR 4e-6L /* metres */
@@ -188,7 +189,7 @@ static void an_ellipsoid_of_any_attitude_is_that_of_the_reference(void **state)
 	many(DEFORM_ELLIPSOID, false, 60);
 }
 
-int main(void)
+TEST_PROGRAM(envelope)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_wheel_is_that_of_the_reference),

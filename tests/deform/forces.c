@@ -1,5 +1,6 @@
 /* Forces on their way: each sweep's own, in order, however many are asked for before one is taken. */
 #include "ground.h"
+#include "../support/program.h"
 
 static const struct deform_shape plate = {.kind = DEFORM_BOX, .size = {0.4, 0.4, 0.5}};
 
@@ -134,7 +135,7 @@ static void windows_of_one_sweep_add_up(void **state)
 	ground_finish(&ground);
 }
 
-int main(void)
+TEST_PROGRAM(forces)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(every_sweep_that_asks_is_told_once_and_in_order),

@@ -1,5 +1,6 @@
 /* A wheel with grousers: the lower of the smooth wheel and its bars, turned as the pose says. */
 #include "ground.h"
+#include "../support/program.h"
 
 #define BELOW 250 /* how deep in the ground the wheels run */
 
@@ -207,7 +208,7 @@ static void lugs_that_cannot_be_are_refused(void **state)
 	assert_int_equal(deform_shape_check(&shape, 0.1), STATUS_INPUT);
 }
 
-int main(void)
+TEST_PROGRAM(grousers)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_standing_wheel_is_that_of_the_reference),

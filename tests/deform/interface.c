@@ -1,5 +1,6 @@
 /* Friction and adhesion of an object's surface: they change forces where they are weaker than the soil, and nothing elsewhere. */
 #include "ground.h"
+#include "../support/program.h"
 
 #define DEGREES (M_PI / 180)
 #define SPACING 0.0125
@@ -146,7 +147,7 @@ static void the_shear_limit_is_the_weaker_line(void **state)
 	assert_float_equal(deform_shear_limit(&soil, &(struct deform_interface){true, true, 0, 1200}, 2, 500), 2400, 1e-9);
 }
 
-int main(void)
+TEST_PROGRAM(interface)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_dragged_block_is_held_back_by_adhesion_and_friction),

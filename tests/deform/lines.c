@@ -1,5 +1,6 @@
 /* Sliding along lines: bit for bit what the plain rule gives, and the laws that sliding keeps. */
 #include "slab.h"
+#include "../support/program.h"
 
 #define MOST (1 << 22) /* levels of a pool differ by less */
 
@@ -255,7 +256,7 @@ static void ground_at_rest_stays(void **state)
 	}
 }
 
-int main(void)
+TEST_PROGRAM(lines)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(lines_are_the_plain_rule_bit_for_bit),

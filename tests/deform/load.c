@@ -1,5 +1,6 @@
 /* Loads: the height found on the GPU is that at which the soil's normal force is the load, against a bisection in double. */
 #include "ground.h"
+#include "../support/program.h"
 
 #define LOADS 7
 
@@ -197,7 +198,7 @@ static void the_ground_slides_around_where_it_stands(void **state)
 	}
 }
 
-int main(void)
+TEST_PROGRAM(load)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(plates_stand_where_the_soil_carries_them),

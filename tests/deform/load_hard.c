@@ -3,6 +3,7 @@
  * nothing. The height is held to the reference in doubles, and to a search from above in small steps.
  */
 #include "../validation/bed_gpu.h"
+#include "../support/program.h"
 
 enum { POSTS = 60, STEPS = 100 };
 
@@ -124,7 +125,7 @@ static void the_reference_carries_it_there_and_nowhere_above(void **state)
 	assert_true(seen.least <= 1.5 * 0x1p-20); /* heights are whole units */
 }
 
-int main(void)
+TEST_PROGRAM(load_hard)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(the_reference_carries_it_there_and_nowhere_above),

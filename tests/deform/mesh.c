@@ -1,5 +1,6 @@
 /* A mesh presses the ground as the reference says, whatever its form and attitude, and the same wherever it is. */
 #include "ground.h"
+#include "../support/program.h"
 
 #define NEAR 4e-6L    /* metres */
 #define SNAPPED 2e-5L /* posts: a vertex and the motion, each snapped to 2^-16 posts */
@@ -433,7 +434,7 @@ static void any_number_of_triangles(void **state)
 	ground_finish(&ground);
 }
 
-int main(void)
+TEST_PROGRAM(mesh)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(every_mesh_is_that_of_the_reference),

@@ -5,6 +5,7 @@
 #include <float.h>
 
 #include "ground.h"
+#include "../support/program.h"
 
 enum { CELLS = 32, TILES = 3, POSTS = CELLS * TILES + 1 };
 
@@ -198,7 +199,7 @@ static void scm_makes_nothing_but_numbers(void **state)
 	at_its_limits(DEFORM_SCM, 120);
 }
 
-int main(void)
+TEST_PROGRAM(models_limits)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(sumner_makes_nothing_but_numbers),

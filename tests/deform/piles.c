@@ -1,5 +1,6 @@
 /* Piles, cliffs, pits and cuts slide to rest at the angle that their soil has, and within the range of an offset. */
 #include "slab.h"
+#include "../support/program.h"
 
 static struct deform_soil loose_sand(void)
 {
@@ -239,7 +240,7 @@ static void what_would_leave_the_range_is_refused_and_counted(void **state)
 	ground_finish(&ground);
 }
 
-int main(void)
+TEST_PROGRAM(piles)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_spike_and_a_cliff_of_1000_m_come_to_the_angle_of_repose),

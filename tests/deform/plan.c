@@ -3,6 +3,8 @@
 
 #include "scene/scene.h"
 #include "sliding.h"
+#include "../support/program.h"
+#include "../support/skip.h"
 
 #define OBJECTS_MAX 6
 #define NAMES_MAX 64
@@ -312,7 +314,7 @@ static int find_gl(void **state)
 #define need_gl()                                                                                  \
 	do {                                                                                       \
 		if (*state == NULL)                                                                \
-			skip();                                                                    \
+			skip_since("no GL");                                                       \
 	} while (0)
 
 static void hold_all_to_plan(const struct scenario *scenarios, size_t count)
@@ -395,7 +397,7 @@ static void nothing_is_planned_without_objects(void **state)
 	plan_finish(&plan);
 }
 
-int main(void)
+TEST_PROGRAM(plan)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(nothing_is_planned_without_objects),

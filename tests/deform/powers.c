@@ -4,6 +4,7 @@
 #include "support.h"
 
 #include "deform/probe/powers.h"
+#include "../support/program.h"
 
 #define MOST_OFF 1e-13 /* relative */
 #define STEPS 200000
@@ -63,7 +64,7 @@ static void nothing_jumps_where_a_number_is_split(void **state)
 		}
 }
 
-int main(void)
+TEST_PROGRAM(powers)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(powers_are_those_of_the_c_library),

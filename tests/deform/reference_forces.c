@@ -1,5 +1,6 @@
 /* The reference alone: its forces on bodies whose forces have closed forms, and the state of posts that a contact leaves. */
 #include "reference_rig.h"
+#include "../support/program.h"
 
 /* A flat plate: every force and moment is the pressure's, the shear's, or an arm's. */
 static void forces_are_those_of_a_plate(void **state)
@@ -189,7 +190,7 @@ static void stress_is_along_the_undisturbed_normal(void **state)
 	reference_ground_finish(&ground);
 }
 
-int main(void)
+TEST_PROGRAM(reference_forces)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(forces_are_those_of_a_plate),

@@ -1,5 +1,6 @@
 /* The reference alone: it neither makes nor loses soil, and its rules give what a hand computes for a few posts. */
 #include "reference_rig.h"
+#include "../support/program.h"
 
 /* Heights of the surface, squared: the potential energy but for factors. */
 static double energy(const struct reference_ground *ground)
@@ -263,7 +264,7 @@ static void sliding_only_ever_lowers_the_potential_energy(void **state)
 		}
 }
 
-int main(void)
+TEST_PROGRAM(reference_laws)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(soil_is_neither_made_nor_lost),

@@ -2,6 +2,7 @@
 #include "ground.h"
 
 #include "deform/schedule/regions.h"
+#include "../support/program.h"
 
 enum { SIDE_BLOCKS = 40 };
 
@@ -101,7 +102,7 @@ static void what_fits_an_atlas_is_one_region(void **state)
 	deform_block_set_finish(&set);
 }
 
-int main(void)
+TEST_PROGRAM(regions)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(each_block_is_in_one_region),

@@ -1,5 +1,6 @@
 /* The soil contact model: plates and wheels against its formulas. */
 #include "scm_rig.h"
+#include "../support/program.h"
 
 static const struct deform_shape plate = {.kind = DEFORM_BOX, .size = {0.4, 0.1, 0.5}};
 
@@ -207,7 +208,7 @@ static void a_wheel_that_slips_more_pulls_more(void **state)
 	ground_finish(&ground);
 }
 
-int main(void)
+TEST_PROGRAM(scm)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(plates_sink_as_bekker_says),

@@ -1,5 +1,6 @@
 /* The soil contact model: no soil is lost, paging and places change no bit, and any soil gives finite numbers. */
 #include "scm_rig.h"
+#include "../support/program.h"
 
 static int32_t rough(int64_t x, int64_t y)
 {
@@ -210,7 +211,7 @@ static void no_soil_makes_anything_but_numbers(void **state)
 	}
 }
 
-int main(void)
+TEST_PROGRAM(scm_exact)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(what_is_not_compacted_is_somewhere),

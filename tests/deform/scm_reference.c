@@ -5,6 +5,7 @@
 #include <stdio.h>
 
 #include "ground.h"
+#include "../support/program.h"
 
 #define METRES 3e-6 /* a wheel a metre high, in floats */
 /* m: where an arc of 0.9 m hardly touches, a height's quantum moves the place of its first touch by sqrt(2 r q). Of that the slip
@@ -191,7 +192,7 @@ static void pressed_again_as_deep_it_lays_nothing_more_aside(void **state)
 	ground_finish(&ground);
 }
 
-int main(void)
+TEST_PROGRAM(scm_reference)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(every_sweep_is_that_of_the_reference),

@@ -1,5 +1,6 @@
 /* Mobilised shear of scm: a vector that grows after Janosi, turns, reverses, and ends with the contact. */
 #include "ground.h"
+#include "../support/program.h"
 
 #define UNIT 0x1p-15
 
@@ -199,7 +200,7 @@ static void passes_at_one_height_pull_the_same(void **state)
 	ground_finish(&ground);
 }
 
-int main(void)
+TEST_PROGRAM(shear)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_way_shears_the_same_however_it_is_cut),

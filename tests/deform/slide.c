@@ -1,5 +1,6 @@
 /* The rules of sliding: post by post the same bits as plain versions of them, and no rise of the potential energy. */
 #include "slab.h"
+#include "../support/program.h"
 
 /* --- the same, obviously --- */
 
@@ -223,7 +224,7 @@ static void no_iteration_raises_the_potential_energy(void **state)
 	assert_true(still < 54 * 60 / 2);
 }
 
-int main(void)
+TEST_PROGRAM(slide)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(every_rule_is_the_obvious_one_bit_for_bit),

@@ -1,5 +1,6 @@
 /* Slip sinkage of scm: a body that slips digs, what it digs is laid around, and one that rolls or stands digs nothing. */
 #include "conserve.h"
+#include "../support/program.h"
 
 #define KAPPA 1.1
 
@@ -237,7 +238,7 @@ static void every_unit_that_is_dug_is_laid(void **state)
 	}
 }
 
-int main(void)
+TEST_PROGRAM(slip)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_plate_that_slips_sinks_by_the_formula),

@@ -1,5 +1,6 @@
 /* The model `slippage` over whole sweeps: nothing is lost, whatever the ground, the object and the windows. */
 #include "conserve.h"
+#include "../support/program.h"
 
 static void every_quantum_stays(void **state)
 {
@@ -8,7 +9,7 @@ static void every_quantum_stays(void **state)
 	conserve_every_quantum(DEFORM_SLIPPAGE);
 }
 
-int main(void)
+TEST_PROGRAM(slippage)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(every_quantum_stays),

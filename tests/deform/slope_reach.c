@@ -1,6 +1,7 @@
 /* Where the height of slopes counts, a slope that grows in one block activates the blocks in which more of its posts lie, however far
  * from the change: active blocks alone do what all blocks would do. */
 #include "sliding.h"
+#include "../support/program.h"
 
 /* A bank that lies half in the first block, half in the one beside it. In the first block it is hardly steeper than phi. In the other
  * one it is steep, but low enough to be stable. Soil slides there only once the bank has grown by the pile or the pit, both far away. */
@@ -115,7 +116,7 @@ static void a_pit_at_the_foot_of_a_slope_activates_its_other_block(void **state)
 	}
 }
 
-int main(void)
+TEST_PROGRAM(slope_reach)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_pile_that_slides_onto_a_slope_activates_its_other_block),

@@ -2,6 +2,7 @@
 #include "late.h"
 #include "sliding.h"
 #include "deform/soil/stability.h"
+#include "../support/program.h"
 
 static const double steep = M_PI / 3;
 
@@ -323,7 +324,7 @@ static void few_blocks_do_what_all_would(void **state)
 	}
 }
 
-int main(void)
+TEST_PROGRAM(slopes)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(the_angle_of_a_height_is_the_one_whose_height_it_is),

@@ -1,5 +1,6 @@
 /* Where carried soil goes: to free posts of the bands beside the patch alone, every quantum of it, wherever the window lies. */
 #include "ground.h"
+#include "../support/program.h"
 
 #define N 40 /* posts a side of what is written */
 #define AT 3 /* the first of them, in a window that is read farther */
@@ -234,7 +235,7 @@ static void a_contact_on_one_soil_is_that_of_a_ground_of_this_soil(void **state)
 	}
 }
 
-int main(void)
+TEST_PROGRAM(spread)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(every_quantum_goes_where_it_may),

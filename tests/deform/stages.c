@@ -1,5 +1,6 @@
 /* What the stages do at each post: press, refuse, touch, smooth, dirty; and what they leave alone. */
 #include "ground.h"
+#include "../support/program.h"
 
 #define NEAR 16 /* a bit of contacts: the object was less than two spacings above the post */
 
@@ -290,7 +291,7 @@ static void shapes_and_poses_beyond_limits_are_refused(void **state)
 	ground_finish(&ground);
 }
 
-int main(void)
+TEST_PROGRAM(stages)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(only_ground_above_the_object_is_pressed),

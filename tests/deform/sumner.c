@@ -1,5 +1,6 @@
 /* The model `sumner` over whole sweeps: nothing is lost, whatever the ground, the object and the windows. */
 #include "conserve.h"
+#include "../support/program.h"
 
 static void every_quantum_stays(void **state)
 {
@@ -44,7 +45,7 @@ static void what_is_compacted_is_its_share(void **state)
 	}
 }
 
-int main(void)
+TEST_PROGRAM(sumner)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(every_quantum_stays),

@@ -1,6 +1,7 @@
 /* What sweeps leave awake: what becomes of the ground is what becomes of it when all of it is worked on. */
 #include "late.h"
 #include "sliding.h"
+#include "../support/program.h"
 
 /* What a sweep leaves awake, by its own flags or all of it: the drive's rules. */
 static void sweep_and_wake(struct ground *ground, const struct deform_contact *sweep, const struct deform_pose *left, bool all)
@@ -361,7 +362,7 @@ static void many_sweeps_are_as_right(void **state)
 	ground_finish(&all);
 }
 
-int main(void)
+TEST_PROGRAM(swept)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(what_a_sweep_lets_sleep_would_not_move),

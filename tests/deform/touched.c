@@ -2,6 +2,7 @@
 #include "ground.h"
 
 #include "deform/schedule/touched.h"
+#include "../support/program.h"
 
 #define SIDE_BLOCKS 7
 #define FIELD (SIDE_BLOCKS * DEFORM_BLOCK)
@@ -197,7 +198,7 @@ static void whole_blocks_take_no_rows(void **state)
 	deform_touched_finish(&touched);
 }
 
-int main(void)
+TEST_PROGRAM(touched)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(it_is_what_a_field_of_bits_is),

@@ -4,6 +4,7 @@
  */
 #include "late.h"
 #include "sliding.h"
+#include "../support/program.h"
 
 struct trip {
 	enum deform_model model;
@@ -263,7 +264,7 @@ static void all_that_changed_is_told_whenever_flags_come(void **state)
 		}
 }
 
-int main(void)
+TEST_PROGRAM(touched_late)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(what_comes_takes_back_the_guess),

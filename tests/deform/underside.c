@@ -3,6 +3,7 @@
 
 #include "deform/shape/body.h"
 #include "deform/shape/lower_envelope.h"
+#include "../support/program.h"
 
 #define SHAPES 7
 #define PLACES 400
@@ -150,7 +151,7 @@ static void grousers_are_those_of_the_reference(void **state)
 	assert_true(alike > 2000);
 }
 
-int main(void)
+TEST_PROGRAM(underside)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(it_is_that_of_the_reference),

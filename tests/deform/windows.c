@@ -1,5 +1,6 @@
 /* The laws a window must keep: what it makes of the ground depends on no tile, no cut and no place. */
 #include "ground.h"
+#include "../support/program.h"
 
 
 static int64_t shift_x, shift_y; /* of `hilly`, posts */
@@ -276,7 +277,7 @@ static void nothing_that_was_not_asked_for_is_made_or_run(void **state)
 	}
 }
 
-int main(void)
+TEST_PROGRAM(windows)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(tiles_of_any_size_hold_the_same_bits),

@@ -7,6 +7,7 @@
 #include <math.h>
 
 #include "classes.h"
+#include "../support/program.h"
 
 static const struct extent extent = {9, 7, 2, 8};
 
@@ -116,7 +117,7 @@ static void memory_that_runs_out_is_told(void **state)
 	assert_placed_tells_memory(&params, DEM_PLACED_CLASSES);
 }
 
-int main(void)
+TEST_PROGRAM(classes)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_png_is_a_pixel_a_post_from_the_north_west),

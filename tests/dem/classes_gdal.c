@@ -8,6 +8,7 @@
 
 #include "classes.h"
 #include "placed_gdal.h"
+#include "../support/program.h"
 
 static double mixed(int column, int row)
 {
@@ -280,7 +281,7 @@ static void a_map_without_an_srs_is_in_the_stores_coordinates(void **state)
 	dem_pixels_close(classes);
 }
 
-int main(void)
+TEST_PROGRAM(classes_gdal)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(pixels_of_the_stores_own_srs_are_nearest),

@@ -11,6 +11,7 @@
 #include <string.h>
 
 #include "dem/dem_crew.h"
+#include "../support/program.h"
 
 #define TASKS 1000
 
@@ -94,7 +95,7 @@ static void every_failing_allocation_is_told(void **state)
 	assert_int_equal(thread_running(), 0);
 }
 
-int main(void)
+TEST_PROGRAM(crew)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(each_task_is_done_once),

@@ -8,6 +8,7 @@
 #include <cmocka.h>
 
 #include "dem/dem.h"
+#include "../support/program.h"
 
 #define STEP 0.5
 #define TILES_MAX 4096
@@ -346,7 +347,7 @@ static void every_failing_allocation_is_told(void **state)
 	}
 }
 
-int main(void)
+TEST_PROGRAM(cut)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(every_tile_of_every_level_is_what_brute_force_says),

@@ -6,6 +6,7 @@
 #include <cmocka.h>
 
 #include "files.h"
+#include "../support/program.h"
 
 static void a_raw_heightmap_is_little_endian_and_starts_in_the_north(void **state)
 {
@@ -276,7 +277,7 @@ static void every_failing_allocation_is_told(void **state)
 	}
 }
 
-int main(void)
+TEST_PROGRAM(heightmaps)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_raw_heightmap_is_little_endian_and_starts_in_the_north),

@@ -7,6 +7,7 @@
 
 #include "dem/dem_inset.h"
 #include "files.h"
+#include "../support/program.h"
 
 /* --- the rim --- */
 
@@ -139,7 +140,7 @@ static void every_failing_allocation_is_told(void **state)
 	dem_close(country);
 }
 
-int main(void)
+TEST_PROGRAM(insets)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(the_weight_rises_from_the_outline_by_a_cubic),

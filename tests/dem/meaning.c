@@ -6,6 +6,7 @@
 #include <cmocka.h>
 
 #include "raster.h"
+#include "../support/program.h"
 
 #define HOLE (-9999.0)
 
@@ -177,7 +178,7 @@ static void what_no_ground_is_is_refused_where_it_stands(void **state)
 	}
 }
 
-int main(void)
+TEST_PROGRAM(meaning)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(nodata_is_what_its_tag_or_the_user_says_and_nan),

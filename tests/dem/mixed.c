@@ -8,6 +8,7 @@
 #include <cpl_conv.h>
 
 #include "raster.h"
+#include "../support/program.h"
 
 #define TRUTH "EPSG:32633"
 
@@ -387,7 +388,7 @@ static void every_failing_allocation_of_mixed_sources_is_told(void **state)
 	fail_each(&params);
 }
 
-int main(void)
+TEST_PROGRAM(mixed)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(three_systems_and_units_become_one_plane),

@@ -7,6 +7,7 @@
 #include <math.h>
 
 #include "numbers.h"
+#include "../support/program.h"
 
 static const struct extent extent = {9, 7, 2, 8};
 
@@ -138,7 +139,7 @@ static void memory_that_runs_out_is_told(void **state)
 	assert_placed_tells_memory(&params, DEM_PLACED_NUMBERS);
 }
 
-int main(void)
+TEST_PROGRAM(numbers)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_png_is_bilinear_between_posts),

@@ -8,6 +8,7 @@
 
 #include "numbers.h"
 #include "placed_gdal.h"
+#include "../support/program.h"
 
 /* A plane: interpolated anywhere it is itself. */
 static double plane(int column, int row)
@@ -192,7 +193,7 @@ static void what_is_no_raster_of_numbers_is_refused(void **state)
 	dem_pixels_close(numbers);
 }
 
-int main(void)
+TEST_PROGRAM(numbers_gdal)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_plane_is_itself_wherever_posts_lie),

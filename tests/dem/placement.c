@@ -6,6 +6,7 @@
 #include <cmocka.h>
 
 #include "raster.h"
+#include "../support/program.h"
 
 static void a_pixels_centre_is_its_post_and_row_0_is_south(void **state)
 {
@@ -165,7 +166,7 @@ static void coordinates_have_x_east_first(void **state)
 	assert_int_equal(dem_transform("EPSG:4326", "EPSG:32633", 1, &x, &y), STATUS_INPUT);
 }
 
-int main(void)
+TEST_PROGRAM(placement)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_pixels_centre_is_its_post_and_row_0_is_south),

@@ -6,6 +6,8 @@
 #include <cmocka.h>
 
 #include "files.h"
+#include "../support/program.h"
+#include "../support/skip.h"
 
 struct seen {
 	double low, high, holes; /* metres, and the share of posts without data */
@@ -20,7 +22,7 @@ static const char *shared_file(const char *name)
 	char *path = paths[turn++ % 2];
 	snprintf(path, sizeof paths[0], "%s/dem/%s", shared != NULL ? shared : "", name);
 	if (shared == NULL || access(path, R_OK) != 0)
-		skip();
+		skip_since(SKIP_ELSEWHERE "no shared elevation data");
 	return path;
 }
 
@@ -130,7 +132,7 @@ static void a_16_bit_png_is_a_metre_a_unit(void **state)
 	dem_close(dem);
 }
 
-int main(void)
+TEST_PROGRAM(shared)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(two_srtm_tiles_share_a_row_and_become_one_in_utm),

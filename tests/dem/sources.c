@@ -6,6 +6,7 @@
 #include <cmocka.h>
 
 #include "raster.h"
+#include "../support/program.h"
 
 static double ramp_higher(int x, int y)
 {
@@ -189,7 +190,7 @@ static void every_failing_allocation_is_told(void **state)
 	}
 }
 
-int main(void)
+TEST_PROGRAM(sources)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(the_first_named_wins_and_disagreement_is_measured),

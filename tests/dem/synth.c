@@ -7,6 +7,7 @@
 #include <cmocka.h>
 
 #include "dem/dem.h"
+#include "../support/program.h"
 
 enum { W = 611, H = 97 };
 
@@ -93,7 +94,7 @@ static void no_relief_is_level_ground(void **state)
 	mem_free(row);
 }
 
-int main(void)
+TEST_PROGRAM(synth)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_post_does_not_depend_on_the_strip_it_is_asked_in),

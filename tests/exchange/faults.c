@@ -3,6 +3,7 @@
 
 #include "exchange/exchange.h"
 #include "support.h"
+#include "../support/program.h"
 
 static double hills(int64_t x, int64_t y)
 {
@@ -169,7 +170,7 @@ static void a_full_disk_is_told(void **state)
 	store_close(store);
 }
 
-int main(void)
+TEST_PROGRAM(faults)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(every_failing_allocation_of_tiles_is_told),

@@ -5,6 +5,7 @@
 
 #include "exchange/exchange.h"
 #include "support.h"
+#include "../support/program.h"
 
 #define CELLS 32
 
@@ -115,7 +116,7 @@ static void assimp_reads_what_was_told(void **state)
 	}
 }
 
-int main(void)
+TEST_PROGRAM(meshes)
 {
 	const struct CMUnitTest tests[] = {cmocka_unit_test(assimp_reads_what_was_told)};
 	return cmocka_run_group_tests(tests, support_enter, support_leave);

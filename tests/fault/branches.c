@@ -3,6 +3,7 @@
  * whole as it was or as it is to be, an overlay names its old base or the new one, and each failure is told.
  */
 #include "sides.h"
+#include "../support/program.h"
 
 #define MOST 16
 
@@ -120,7 +121,7 @@ static void a_copy_of_the_base_is_whole_or_absent(void **state)
 	assert_true(ran > 30 / SWEEP_PART);
 }
 
-int main(void)
+TEST_PROGRAM(branches)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_merge_is_whole_or_absent),

@@ -6,6 +6,8 @@
  * the calls a drive makes. The threads' order makes each of them another drive.
  */
 #include "../support.h"
+#include "../support/program.h"
+#include "../support/skip.h"
 
 #include "sweep.h"
 
@@ -119,7 +121,7 @@ static void every_fault(const char *scene, int most, enum lasting lasting)
 	enum status status = drive(&result);
 	fault_disarm();
 	if (status == STATUS_NO_GL)
-		skip();
+		skip_since("no GL");
 	assert_ok(status);
 	assert_true(support_figure(result.json, "\"cache\"", "writebacks") > 20);
 	mem_free(result.json);
@@ -160,7 +162,7 @@ static int leave(void **state)
 	return folder_remove(state);
 }
 
-int main(void)
+TEST_PROGRAM(drive)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_drive_whose_store_fails_says_so_and_loses_nothing),

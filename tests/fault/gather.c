@@ -3,6 +3,7 @@
  * again. A part that cannot be made is absent.
  */
 #include "lockstep.h"
+#include "../support/program.h"
 
 #define MOST 16
 
@@ -72,7 +73,7 @@ static int leave(void **state)
 	return rmdir(in_folder("trial")) + remove_runs(state);
 }
 
-int main(void)
+TEST_PROGRAM(gather)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_run_is_gathered_whole_or_not_at_all),

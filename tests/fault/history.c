@@ -3,6 +3,7 @@
  * acknowledged left (or, where a COMMIT failed, the next one), and every revision that it keeps is what it was.
  */
 #include "epochs.h"
+#include "../support/program.h"
 
 #define MOST 16
 
@@ -191,7 +192,7 @@ static int enter(void **state)
 	return 0;
 }
 
-int main(void)
+TEST_PROGRAM(history)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(what_is_kept_is_kept_whatever_fails),

@@ -5,6 +5,7 @@
  * (MOST): there are thousands, nearly all in the same few functions.
  */
 #include "intake.h"
+#include "../support/program.h"
 
 #define MOST 80
 
@@ -125,7 +126,7 @@ static int enter(void **state)
 	return 0;
 }
 
-int main(void)
+TEST_PROGRAM(import)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_failed_import_leaves_nothing),

@@ -10,6 +10,8 @@
 
 #include "resident/resident.h"
 #include "world/record.h"
+#include "../support/program.h"
+#include "../support/skip.h"
 
 #define MOST 25
 #define LEVEL -1
@@ -447,7 +449,7 @@ static void an_epoch_that_cannot_be_acknowledged_is_told(void **state)
 {
 	FILE *log = fopen("/dev/full", "a+");
 	if (log == NULL)
-		skip();
+		skip_since(SKIP_ELSEWHERE "no /dev/full");
 	trial_with(&(struct fault){FAULT_NONE, UINT64_MAX, false}, log, true);
 	fclose(log);
 }
@@ -460,7 +462,7 @@ static int enter(void **state)
 	return 0;
 }
 
-int main(void)
+TEST_PROGRAM(pages)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_failed_write_back_is_told_and_its_pages_are_kept),

@@ -8,6 +8,8 @@
 #include "epochs.h"
 #include "intake.h"
 #include "power_image.h"
+#include "../support/chosen.h"
+#include "../support/program.h"
 
 /* --- an import --- */
 
@@ -64,11 +66,13 @@ static void every_import_cut(enum before before)
 
 static void a_power_cut_leaves_no_part_of_an_import(void **state)
 {
+	chosen_or_skip(0, 5);
 	every_import_cut(NOTHING);
 }
 
 static void a_power_cut_leaves_the_store_or_the_one_it_was_to_replace(void **state)
 {
+	chosen_or_skip(1, 5);
 	every_import_cut(STORE);
 	every_import_cut(KILLED);
 }
@@ -147,16 +151,19 @@ static void every_epoch_cut(bool durable_full, bool keep_history)
 
 static void a_power_cut_leaves_the_last_epoch_that_was_synced(void **state)
 {
+	chosen_or_skip(2, 5);
 	every_epoch_cut(false, false);
 }
 
 static void a_power_cut_leaves_the_last_epoch_when_every_commit_is_synced(void **state)
 {
+	chosen_or_skip(3, 5);
 	every_epoch_cut(true, false);
 }
 
 static void a_power_cut_leaves_the_history_of_what_it_leaves(void **state)
 {
+	chosen_or_skip(4, 5);
 	every_epoch_cut(false, true);
 }
 
@@ -175,7 +182,7 @@ static int leave(void **state)
 	return remove_disk() + folder_remove(state);
 }
 
-int main(void)
+TEST_PROGRAM(power)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_power_cut_leaves_no_part_of_an_import),

@@ -5,6 +5,7 @@
  */
 #include "power_image.h"
 #include "sides.h"
+#include "../support/program.h"
 
 /* Of six disks, which differ from cut to cut, one is gone on from. */
 static bool goes_on(uint64_t cut, uint32_t seed)
@@ -144,7 +145,7 @@ static int leave(void **state)
 	return remove_disk() + folder_remove(state);
 }
 
-int main(void)
+TEST_PROGRAM(power_branches)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_power_cut_leaves_a_whole_merge_or_none),

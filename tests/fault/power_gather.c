@@ -5,6 +5,7 @@
  */
 #include "lockstep.h"
 #include "power_image.h"
+#include "../support/program.h"
 
 enum { IMAGES = 4 };
 
@@ -138,7 +139,7 @@ static int leave(void **state)
 	return remove_disk() + remove_runs(state);
 }
 
-int main(void)
+TEST_PROGRAM(power_gather)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_power_cut_leaves_parts_that_can_be_gathered),

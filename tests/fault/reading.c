@@ -6,6 +6,7 @@
  * 2,500; all of them were tried once).
  */
 #include "epochs.h"
+#include "../support/program.h"
 
 #define MOST 400
 
@@ -150,7 +151,7 @@ static int enter(void **state)
 	return 0;
 }
 
-int main(void)
+TEST_PROGRAM(reading)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(what_is_read_is_right_or_the_machine_is_told_of),

@@ -5,6 +5,7 @@
  * SQLite is short of memory throughout, so that also what is kept for the rollback goes through a file.
  */
 #include "epochs.h"
+#include "../support/program.h"
 
 #define MOST 60
 
@@ -127,7 +128,7 @@ static int enter(void **state)
 	return 0;
 }
 
-int main(void)
+TEST_PROGRAM(rollback)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_failed_rollback_leaves_what_was_and_goes_through_again),

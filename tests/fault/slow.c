@@ -3,6 +3,7 @@
  * time that the disk adds to a drive.
  */
 #include "../support.h"
+#include "../support/program.h"
 
 #include <pthread.h>
 #include <sqlite3.h>
@@ -179,7 +180,7 @@ static int prepare(void **state)
 	return support_enter(state);
 }
 
-int main(void)
+TEST_PROGRAM(slow)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(whatever_the_steps_thread_waits_for_is_counted),

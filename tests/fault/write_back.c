@@ -6,6 +6,7 @@
  * (MOST).
  */
 #include "epochs.h"
+#include "../support/program.h"
 
 #define MOST 80
 
@@ -91,7 +92,7 @@ static int enter(void **state)
 	return 0;
 }
 
-int main(void)
+TEST_PROGRAM(write_back)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_failed_epoch_leaves_the_one_before),

@@ -1,5 +1,6 @@
 /* Groups of bodies that share tiles, and the ranks that they get: against a plain second way, on random items. */
 #include "../support.h"
+#include "../support/program.h"
 #include "fleet/groups.h"
 
 #define LEVEL (-3)
@@ -140,7 +141,7 @@ static void no_items_make_no_groups(void **test)
 	fleet_groups_finish(&groups);
 }
 
-int main(void)
+TEST_PROGRAM(groups)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(items_that_share_tiles_are_one_group),

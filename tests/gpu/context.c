@@ -3,6 +3,8 @@
 
 #include "base/thread.h"
 #include "gpu_test.h"
+#include "../support/program.h"
+#include "../support/skip.h"
 
 static void it_says_what_it_is(void **state)
 {
@@ -95,7 +97,7 @@ static void more_memory_than_there_is_is_refused(void **state)
 	enum status status = gpu_texture_create(test_gpu, GPU_R32I, 16384, 16384, 2048, &texture);
 	if (status == STATUS_OK && !gpu_info(test_gpu)->software) {
 		gpu_texture_destroy(texture);
-		skip(); /* a driver that takes memory only when a texture is used */
+		skip_since(SKIP_ELSEWHERE "the driver takes memory when a texture is used");
 	}
 	assert_int_equal(status, STATUS_FAILED);
 	assert_non_null(strstr(failure_message(), "texture: "));
@@ -116,7 +118,7 @@ static void without_gl_it_says_so(void **state)
 	enum status status = gpu_create(&(struct gpu_params){.draws = false}, &test_gpu);
 	unsetenv("MESA_GL_VERSION_OVERRIDE");
 	if (status == STATUS_OK)
-		skip();
+		skip_since(SKIP_ELSEWHERE "the driver is not Mesa's");
 	assert_int_equal(status, STATUS_NO_GL);
 	assert_int_equal(strncmp(failure_message(), "GL: ", 4), 0);
 	assert_non_null(strstr(failure_message(), "; "));
@@ -191,7 +193,7 @@ static void several_threads_take_turns_on_software_gl(void **state)
 	assert_ok(gpu_create(&(struct gpu_params){.draws = false}, &test_gpu));
 }
 
-int main(void)
+TEST_PROGRAM(context)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(it_says_what_it_is),

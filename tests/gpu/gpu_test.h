@@ -10,6 +10,7 @@
 #include <cmocka.h>
 
 #include "gpu/internal.h"
+#include "../support/skip.h"
 
 static struct gpu *test_gpu; /* NULL: no GL */
 
@@ -35,7 +36,7 @@ static inline int close_gpu(void **state)
 #define need_gpu()                                                                                 \
 	do {                                                                                       \
 		if (test_gpu == NULL)                                                              \
-			skip();                                                                    \
+			skip_since("no GL");                                                       \
 	} while (0)
 
 #define assert_ok(call)                                                                            \

@@ -1,5 +1,6 @@
 /* shaders/lib/int64.glsl computes what C's int64_t does, wrapping. */
 #include "gpu_test.h"
+#include "../support/program.h"
 
 enum { SIDE = 96, COUNT = SIDE * SIDE };
 
@@ -164,7 +165,7 @@ static void a_float_is_near_and_has_the_sign(void **state)
 	}
 }
 
-int main(void)
+TEST_PROGRAM(int64)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(every_operation_is_that_of_int64),

@@ -1,5 +1,6 @@
 /* shaders/lib/lattice.glsl gives what src/base/lattice.c gives, bit for bit. */
 #include "gpu_test.h"
+#include "../support/program.h"
 
 enum { SIDE = 128, COUNT = SIDE * SIDE };
 
@@ -59,7 +60,7 @@ static void interpolation_in_glsl_is_interpolation_in_c(void **state)
 	gpu_texture_destroy(out);
 }
 
-int main(void)
+TEST_PROGRAM(lattice)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(interpolation_in_glsl_is_interpolation_in_c),

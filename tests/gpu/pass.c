@@ -1,5 +1,6 @@
 /* Passes: parameters, viewports, indexed draws, depth, storage. */
 #include "gpu_test.h"
+#include "../support/program.h"
 
 static struct gpu_target *target_over(struct gpu_texture *colour, struct gpu_texture *depth)
 {
@@ -457,7 +458,7 @@ static void compute_passes_are_ordered_with_draws(void **state)
 	gpu_buffer_destroy(buffer);
 }
 
-int main(void)
+TEST_PROGRAM(pass)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(every_pass_sees_its_own_parameters),

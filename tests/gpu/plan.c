@@ -3,6 +3,7 @@
 
 #include "gpu_test.h"
 #include "staged.h"
+#include "../support/program.h"
 
 enum { CELLS = 16, COUNT = 9, POSTS = (CELLS + 1) * (CELLS + 1) };
 #define STATE_PLANES (PLANE_BIT(PLANE_DEPOSITED) | PLANE_BIT(PLANE_PLASTIC_SINKAGE) | PLANE_BIT(PLANE_SHEAR))
@@ -245,7 +246,7 @@ static void a_program_linked_behind_the_seal_is_counted(void **state)
 	assert_int_equal(stats.unplanned, 2);
 }
 
-int main(void)
+TEST_PROGRAM(plan)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(programs_are_listed_by_their_names),

@@ -1,5 +1,6 @@
 /* Programs: variants, includes, what an error says, and that every shader of the program compiles. */
 #include "gpu_test.h"
+#include "../support/program.h"
 
 static void the_same_request_is_the_same_program(void **state)
 {
@@ -181,7 +182,7 @@ static void a_failed_allocation_is_told(void **state)
 	assert_true(nth > 4);
 }
 
-int main(void)
+TEST_PROGRAM(program)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(the_same_request_is_the_same_program),

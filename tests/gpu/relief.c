@@ -1,5 +1,6 @@
 /* A tile that the GPU divides with relief is what base makes of it, bit for bit. */
 #include "slots.h"
+#include "../support/program.h"
 
 /* Tiles near the origin and far from it, to the north and to the east. */
 static struct tile any_tile(int level, int i)
@@ -55,7 +56,7 @@ static void relief_in_glsl_is_relief_in_c(void **state)
 	assert_true(raised > 200000 && holes > 1000);
 }
 
-int main(void)
+TEST_PROGRAM(relief)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(relief_in_glsl_is_relief_in_c),

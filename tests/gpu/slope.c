@@ -2,6 +2,7 @@
 #include <math.h>
 
 #include "gpu_test.h"
+#include "../support/program.h"
 
 enum { CELLS = 24, POSTS = CELLS + 1, SIDE = 128, COUNT = SIDE * SIDE, OUTPUTS = 5 };
 
@@ -185,7 +186,7 @@ static void tiles_agree_along_an_edge(void **state)
 	}
 }
 
-int main(void)
+TEST_PROGRAM(slope)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(slopes_in_glsl_are_slopes_in_c),

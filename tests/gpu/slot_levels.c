@@ -1,5 +1,6 @@
 /* Subdivision of base heights and decimation of offsets in slots: the passes compute what the pure functions of base compute. */
 #include "slots.h"
+#include "../support/program.h"
 
 /* lattice_decimate_i32, for a plane of bytes. */
 static void decimate_bytes(const uint8_t *fine, uint32_t cells, uint32_t qx, uint32_t qy, uint8_t *coarse)
@@ -190,7 +191,7 @@ static void an_untouched_fine_tile_decimates_as_zeros(void **state)
 	pair_finish(&pair);
 }
 
-int main(void)
+TEST_PROGRAM(slot_levels)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(subdivision_is_that_of_base_at_every_level),

@@ -1,5 +1,6 @@
 /* Planes in slots: they are allocated when first needed and reused, and return the bits that were loaded. */
 #include "slots.h"
+#include "../support/program.h"
 
 #define ALL ((1u << PLANES) - 1)
 
@@ -348,7 +349,7 @@ static void a_failed_allocation_loses_nothing(void **state)
 	check_failures(true);
 }
 
-int main(void)
+TEST_PROGRAM(slots)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_failed_allocation_loses_nothing), /* first: while no program is linked */

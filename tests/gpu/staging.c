@@ -1,6 +1,7 @@
 /* Staging: the same bits arrive by either way of transfer, in the order they were begun; and what
  * fails is told. */
 #include "gpu_test.h"
+#include "../support/program.h"
 
 /* How a driver's kind is served; the other way must work on it too. */
 static const bool ways[] = {false, true};
@@ -333,7 +334,7 @@ static void a_transfer_that_fails_is_told_by_the_next_check(void **state)
 	}
 }
 
-int main(void)
+TEST_PROGRAM(staging)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(bits_come_back_whatever_the_size),

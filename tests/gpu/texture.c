@@ -1,5 +1,6 @@
 /* Textures: what goes in comes out, for every format, layer and rectangle; targets clear. */
 #include "gpu_test.h"
+#include "../support/program.h"
 
 enum { WIDTH = 21, HEIGHT = 13, LAYERS = 3 };
 
@@ -242,7 +243,7 @@ static void a_view_has_the_texels_of_its_layer(void **state)
 	assert_int_equal(after.textures, before.textures);
 }
 
-int main(void)
+TEST_PROGRAM(texture)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(uploads_clears_and_copies_are_read_back_exactly),

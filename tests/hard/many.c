@@ -1,5 +1,6 @@
 /* Many objects far from each other: a step does not wait for the commit of the one before, and slots change no row. */
 #include "hard.h"
+#include "../support/program.h"
 
 enum { ACROSS = 12, OBJECTS = ACROSS * ACROSS };
 
@@ -44,7 +45,7 @@ static void many_objects_wait_for_no_commit(void **state)
 	support_verify(store);
 }
 
-int main(void)
+TEST_PROGRAM(many)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(many_objects_wait_for_no_commit),

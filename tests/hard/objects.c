@@ -1,5 +1,6 @@
 /* Objects that are too small, too large, too fast, in the wrong place or in each other's way, under every model. */
 #include "hard.h"
+#include "../support/program.h"
 
 #define EACH_MODEL(model) \
 	for (const struct hard_model *model = hard_models; model < hard_models + HARD_MODELS; model++)
@@ -327,7 +328,7 @@ static void beyond_an_offsets_range_it_is_refused_counted_and_nothing_is_lost(vo
 	}
 }
 
-int main(void)
+TEST_PROGRAM(objects)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(an_object_smaller_than_a_post_presses_one_at_most),

@@ -2,9 +2,10 @@
  * Many passes over one rut: what the ground becomes stays bounded, and settles.
  *
  * HARD_PASSES says how many (80); a million by hand:
- *   HARD_PASSES=1000000 build/tests/test_hard_passes
+ *   HARD_PASSES=1000000 build-test/tests/test_hard passes
  */
 #include "hard.h"
+#include "../support/program.h"
 
 static int passes_wanted(void)
 {
@@ -62,7 +63,7 @@ static void many_passes_over_one_rut_stay_bounded_and_converge(void **state)
 	}
 }
 
-int main(void)
+TEST_PROGRAM(passes)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(many_passes_over_one_rut_stay_bounded_and_converge),

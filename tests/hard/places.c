@@ -1,5 +1,6 @@
 /* A rut of a millimetre has the same bits wherever it lies (law 9), under every model. */
 #include "hard.h"
+#include "../support/program.h"
 
 static const char *one_millimetre(const char *coordinates, double x, double y)
 {
@@ -101,7 +102,7 @@ static void ten_thousand_kilometres_along_the_terrain_it_is_the_same_bits(void *
 	}
 }
 
-int main(void)
+TEST_PROGRAM(places)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_millimetre_on_a_summit_and_in_a_trench_is_the_same_bits),

@@ -3,6 +3,7 @@
  * slots: offsets, and the soil's memory with them.
  */
 #include "hard.h"
+#include "../support/program.h"
 
 /* The first wheel leaves the world, and the ground comes to rest, before the second sets down where the first was. */
 static const char first_pass[] =
@@ -56,7 +57,7 @@ static void a_pass_over_a_reloaded_rut_leaves_the_bits_of_one_over_a_resident_ru
 	}
 }
 
-int main(void)
+TEST_PROGRAM(reload)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_pass_over_a_reloaded_rut_leaves_the_bits_of_one_over_a_resident_rut),

@@ -3,6 +3,7 @@
  * lost on the way, and whether everything is resident does not show. And soils at the limits of what they may be.
  */
 #include "hard.h"
+#include "../support/program.h"
 
 static const char *const few[] = {"cache.slots=4", "cache.loaders=1", "cache.prefetch=0", NULL};
 static const char *const all[] = {"cache.slots=512", NULL};
@@ -260,7 +261,7 @@ static void ground_that_is_too_steep_by_itself_loses_nothing(void **state)
 	}
 }
 
-int main(void)
+TEST_PROGRAM(slopes)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_spike_and_a_cliff_of_1000_m_are_driven_over_through_four_slots),

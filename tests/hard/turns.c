@@ -1,5 +1,6 @@
 /* Objects that turn: lugs print where they roll to, and what an object no longer rests on is free to slide. */
 #include "hard.h"
+#include "../support/program.h"
 
 static double flat(int64_t x, int64_t y)
 {
@@ -115,7 +116,7 @@ static void what_an_object_left_at_the_edge_of_the_world_slides(void **state)
 	}
 }
 
-int main(void)
+TEST_PROGRAM(turns)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(lugs_print_as_far_apart_as_the_wheel_rolls_between_them),

@@ -49,7 +49,7 @@ class PackageTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         if not (ROOT / ".git").exists():
-            raise unittest.SkipTest("meson dist packs commits, and this is no git repository")
+            raise unittest.SkipTest("not on this machine: meson dist packs commits, and this is no git repository")
         shutil.rmtree(FOLDER, ignore_errors=True)
         FOLDER.mkdir()
         cls.missing = missing()
@@ -93,7 +93,7 @@ class PackageTest(unittest.TestCase):
                      f"--customize-hook=copy-in {FOLDER}/checks.sh /", '--customize-hook=chroot "$1" sh /checks.sh > ' + f"{FOLDER}/told",
                      release["VERSION_CODENAME"].strip('"'), "/dev/null")
         if not begun.exists():
-            self.skipTest("no clean Debian can be made here: " + (result.stderr.strip().splitlines() or ["mmdebstrap says nothing"])[-1])
+            self.skipTest("not on this machine: no clean Debian can be made here: " + (result.stderr.strip().splitlines() or ["mmdebstrap says nothing"])[-1])
         told = (FOLDER / "told").read_text().splitlines()
         self.assertEqual(result.returncode, 0, "\n".join(told) + result.stderr[-3000:])
         self.assertEqual(told[0], f"furrow {self.version}")

@@ -3,6 +3,8 @@
  * after another. The bodies cross tiles' sides, corners, and each other's ruts.
  */
 #include "../support.h"
+#include "../support/program.h"
+#include "../support/skip.h"
 
 #define BODIES 14
 
@@ -98,7 +100,7 @@ static struct left drive(const struct setup *setup, bool alone)
 	enum status status = api_drive(&params, &result);
 	scene_destroy(scene);
 	if (status == STATUS_NO_GL)
-		skip();
+		skip_since("no GL");
 	must(status);
 	support_verify(store);
 	left.rows = support_hash(store);
@@ -129,7 +131,7 @@ static void batches_do_not_show_in_the_rows(void **state)
 	}
 }
 
-int main(void)
+TEST_PROGRAM(batches)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(batches_do_not_show_in_the_rows),

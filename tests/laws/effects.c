@@ -6,6 +6,7 @@
  * was, their units too are the same. So what was counted differs by the effect's own rows, and by no other.
  */
 #include "effects.h"
+#include "../support/program.h"
 
 /* --- scenes --- */
 
@@ -252,7 +253,7 @@ static void a_view_that_nobody_asked_for_costs_nothing(void **state)
 	finish(&without);
 }
 
-int main(void)
+TEST_PROGRAM(effects)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(each_effect_comes_and_goes_alone),

@@ -4,6 +4,7 @@
 
 #include "../counts.h"
 #include "../planned.h"
+#include "../support/skip.h"
 
 static const struct extent extent = {129, 129, 1, 32};
 
@@ -93,7 +94,7 @@ static inline struct outcome drive_on(const char *text, const char *store)
 	struct api_result result;
 	enum status status = api_drive(&params, &result);
 	if (status == STATUS_NO_GL)
-		skip();
+		skip_since("no GL");
 	must(status);
 	outcome.repeats = support_counts_repeat(result.json);
 	outcome.json = cJSON_Parse(result.json);

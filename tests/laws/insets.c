@@ -5,6 +5,7 @@
 #include "../support.h"
 
 #include "../resident/insets.h"
+#include "../support/program.h"
 
 static const char scene_text[] =
 	"scene: 1\n"
@@ -122,7 +123,7 @@ static void a_rut_is_cut_into_the_inset(void **state)
 	store_close(store);
 }
 
-int main(void)
+TEST_PROGRAM(insets)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(the_fewest_slots_leave_the_same_rows_as_all_resident),

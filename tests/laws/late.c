@@ -7,6 +7,7 @@
 #include "where.h"
 
 #include "gpu/gpu.h"
+#include "../support/program.h"
 
 #define UNDER_WAY 256
 
@@ -91,7 +92,7 @@ static void however_late_flags_come_rows_are_the_same(void **unused)
 		}
 }
 
-int main(void)
+TEST_PROGRAM(late)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(however_late_flags_come_rows_are_the_same),

@@ -4,6 +4,7 @@
  */
 #include "../long.h"
 #include "../support.h"
+#include "../support/program.h"
 
 static const struct extent extent = {513, 513, 2, 256};
 
@@ -237,7 +238,7 @@ static void ten_thousand_kilometres_out_the_bits_are_the_same(void **state)
 	free(b);
 }
 
-int main(void)
+TEST_PROGRAM(laws)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(the_fewest_slots_leave_the_same_rows_as_all_resident),

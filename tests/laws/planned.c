@@ -2,6 +2,7 @@
 #include <glob.h>
 
 #include "effects.h"
+#include "../support/program.h"
 
 static void nothing_is_made_or_run_for_nothing(void **state)
 {
@@ -275,7 +276,7 @@ static void a_resting_object_runs_no_pass(void **state)
 	}
 }
 
-int main(void)
+TEST_PROGRAM(planned)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(nothing_is_made_or_run_for_nothing),

@@ -16,7 +16,7 @@ import time
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent.parent / "cli"))
-from furrow_test import FULL, FURROW, FurrowTest, long, main
+from furrow_test import FULL, FURROW, FurrowTest, chosen_tests, main
 
 RANKS = [int(n) for n in os.environ.get("RANKS", "2,3").split(",")]
 KILLS = int(os.environ.get("KILLS", "4" if FULL else "1"))
@@ -149,31 +149,27 @@ class Ranks(FurrowTest):
             self.assertGreater(blocks_moved, 0, "no sliding soil moved between ranks")
 
 
+@chosen_tests(2)
 class TheSame(Ranks):
     def test_wheels_that_cross_at_the_corner_of_four_tiles(self):
         self.compare(CROSSING)
 
-    @long
     def test_wheels_that_cross_each_other_everywhere(self):
         self.compare(SPREAD, "ridged.furrow")
 
     def test_heaps_that_slide_over_the_edge_of_a_rank(self):
         self.compare(HEAPS, blocks=True)
 
-    @long
     def test_a_loaded_wheel_that_stands_on_sliding_soil_goes_over_to_another_rank(self):
         self.compare(STANDING, ranks=RANKS[:1])
 
-    @long
     def test_rows_that_come_later_than_their_contact(self):
         text = CROSSING.replace("load: 2000", "sink: 0.06").replace("load: 1500", "sink: 0.05")
         self.compare(text.replace("forces: 20", "forces: 3").replace("time_step: 0.05", "time_step: 0.01"), ranks=RANKS[-1:])
 
-    @long
     def test_forces_that_are_asked_for_long_before_their_row(self):
         self.compare(LATE)
 
-    @long
     def test_blocks_that_two_ranks_have_woken_stand_once_in_the_record(self):
         self.compare(BOTH_SIDES, ranks=[2], moves=False)
         awake = [self.record(name)[1] for name in ("one", "many2")]
@@ -182,11 +178,9 @@ class TheSame(Ranks):
         balance = json.loads((self.folder / "many2" / "run.json").read_text())["ranks"]["balance"]
         self.assertLess(balance, 1.5, "one rank had both")
 
-    @long
     def test_a_convoy_in_one_rut_leaves_a_rank_with_nothing(self):
         self.compare(CONVOY, moves=False)
 
-    @long
     def test_a_path_that_leaves_the_terrain_ends_all_after_one_step(self):
         self.scene(scene("box", 4, wheel("stays", [[20, 30], [60, 33]], 8, "sink: 0.1") + wheel("leaves", [[240, 200], [300, 201]], 9, "sink: 0.1")))
         for ranks, name in ((1, "one"), (2, "two")):
@@ -197,7 +191,6 @@ class TheSame(Ranks):
         self.assertIn("leaves: no ground under it", self.run_command(self.command(2, "scene.yaml", "two", "--resume"), expect=1))
         self.same("one", "two", reports)
 
-    @long
     def test_more_ranks_than_bodies(self):
         self.compare(ALONE, ranks=[3], moves=False)
 
@@ -282,6 +275,7 @@ class Killed(Ranks):
         self.same("one", "many", (one, many))
 
 
+@chosen_tests(2)
 class Refused(Ranks):
     def mpmd(self, first, second):
         """A run of two processes that are not started alike."""
@@ -299,7 +293,6 @@ class Refused(Ranks):
         self.assertFalse((self.folder / "many.furrow").exists())
         self.run_command(command + ["--set", "view.images=0"])
 
-    @long
     def test_a_rank_without_gl(self):
         self.scene(CONVOY)
         drive = self.command(1, "scene.yaml", "many")
@@ -316,20 +309,18 @@ class Refused(Ranks):
         self.assertIn("rank 1: its scene is not that of rank 0", said)
         self.assertEqual(list(self.folder.glob("many.furrow*")), [])
 
-    @long
     def test_a_rank_with_another_renderer(self):
         self.scene(CONVOY)
         drive = self.command(1, "scene.yaml", "many")
         gl = self.run_command(self.command(1, "scene.yaml", "one"))["gl"]
         if "Mesa" not in gl["version"] or gl["version"].startswith("4.6"):
-            self.skipTest(f"the version of {gl['version']} cannot be changed")
+            self.skipTest(f"not on this machine: the version of {gl['version']} cannot be changed")
         other = ["env", "MESA_GL_VERSION_OVERRIDE=4.6", *drive]
         said = self.run_command(self.mpmd(drive, other), expect=1)
         self.assertRegex(said, r"rank 1: its GL is .*, 4\.6 .*, and that of rank 0 is .*, 4\.5 .*; start all ranks")
         self.assertEqual(list(self.folder.glob("many.furrow*")), [])
         self.assertFalse((self.folder / "many" / "run.json").exists())
 
-    @long
     def test_a_rank_whose_disk_is_full(self):
         self.scene(CROSSING)
         drive = self.command(1, "scene.yaml", "many")
@@ -342,7 +333,6 @@ class Refused(Ranks):
         many = self.run_command(self.command(2, "scene.yaml", "many", "--resume"))
         self.same("one", "many", (one, many))
 
-    @long
     def test_an_overlay_that_is_there(self):
         self.scene(CONVOY)
         self.run_command(self.command(1, "scene.yaml", "one"))
@@ -356,13 +346,13 @@ class Refused(Ranks):
         self.assertIn("--resume", self.refused(3, "drive", "scene.yaml", "-o", "x", "--overlay", "many.furrow", "--store", "plain.furrow"))
 
 
+@chosen_tests(2)
 class Staged(Ranks):
     """--stage: all ranks of a machine read the base from one copy."""
 
     def copies(self):
         return sorted(path.name for path in (self.folder / "stage").iterdir())
 
-    @long
     def test_a_staged_base_gives_the_same(self):
         self.scene(CROSSING)
         for store in ("plain", "ridged"):
@@ -380,7 +370,6 @@ class Staged(Ranks):
                 shutil.rmtree(path) if path.is_dir() else path.unlink()
         self.assertEqual([name.split("-")[0] for name in self.copies()], ["plain", "ridged"])
 
-    @long
     def test_a_drive_goes_on_with_a_staged_base_or_without(self):
         self.scene(CROSSING)
         one = self.run_command(self.command(1, "scene.yaml", "one"))
@@ -430,12 +419,11 @@ exec unshare --uts --mount sh -c "hostname $host && mount $(cat $host.mount) {fo
         try:
             tried = subprocess.run([*command, "hostname"], cwd=self.folder, capture_output=True, text=True, timeout=60)
         except subprocess.TimeoutExpired:
-            self.skipTest("no machines can be made here: mpirun does not end")
+            self.skipTest("not on this machine: no machines can be made here: mpirun does not end")
         if sorted(tried.stdout.split()) != [f"machine{i}" for i in range(len(mounts)) for _ in range(2)]:
-            self.skipTest("no machines can be made here: " + tried.stderr.strip()[-300:])
+            self.skipTest("not on this machine: no machines can be made here: " + tried.stderr.strip()[-300:])
         return command
 
-    @long
     def test_each_machine_has_a_copy_of_its_own(self):
         disks = [self.folder / name for name in ("disk0", "disk1")]
         for disk in disks:
@@ -451,7 +439,6 @@ exec unshare --uts --mount sh -c "hostname $host && mount $(cat $host.mount) {fo
         self.assertEqual(*names)
         self.assertEqual(list((self.folder / "node").iterdir()), [])
 
-    @long
     def test_the_disk_of_one_machine_is_full(self):
         begin = self.machines("-t tmpfs -o size=20m tmpfs", "-t tmpfs -o size=64k tmpfs")
         self.scene(CONVOY)
@@ -459,7 +446,6 @@ exec unshare --uts --mount sh -c "hostname $host && mount $(cat $host.mount) {fo
         self.assertRegex(said, r"rank [23]: .*stage/plain-[0-9a-f]{16}\.furrow: .*(disk|space)")
         self.assertEqual(list(self.folder.glob("many*")), [])
 
-    @long
     def test_a_disk_that_is_full(self):
         self.scene(CROSSING)
         one = self.run_command(self.command(1, "scene.yaml", "one"))
@@ -475,7 +461,6 @@ exec unshare --uts --mount sh -c "hostname $host && mount $(cat $host.mount) {fo
         self.assertFalse((self.folder / "many.furrow.parts").exists())
         self.same("one", "many", (one, self.run_command(command)))
 
-    @long
     def test_a_kill_while_the_base_is_copied(self):
         self.ok("synth", "-o", "large.tif", "--posts", "1537x1537", "--spacing", 1, "--relief", 30)
         self.ok("import", "large.tif", "-o", "large.furrow", "--tile", 64)

@@ -3,6 +3,7 @@
  * pictures beside, and by class of soil too.
  */
 #include "../support.h"
+#include "../support/program.h"
 
 static const struct extent extent = {129, 129, 4, 64};
 
@@ -131,7 +132,7 @@ static void the_base_is_never_written(void **state)
 	assert_true(support_hash(path) != support_hash(other));
 }
 
-int main(void)
+TEST_PROGRAM(relief)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(the_fewest_slots_leave_the_same_rows_as_all_resident),

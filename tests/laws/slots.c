@@ -3,6 +3,7 @@
  * whether or not somebody watches, the same rows are left, by one content hash.
  */
 #include "../support.h"
+#include "../support/program.h"
 
 static const struct extent extent = {257, 257, 2, 64};
 
@@ -99,7 +100,7 @@ static void no_picture_shows_in_the_rows(void **state)
 	assert_true(first != 0 && hash == first);
 }
 
-int main(void)
+TEST_PROGRAM(slots)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(no_slots_loaders_or_prefetch_show_in_the_rows),

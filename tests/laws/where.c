@@ -1,6 +1,7 @@
 /* Law 7: a contact is computed only where it has something to do. Bodies that fly and hop over ground that nothing touched, over
  * rims and over the parts of a shape: what is left out would have changed nothing. */
 #include "../long.h"
+#include "../support/program.h"
 #include "where.h"
 
 /* --- ground --- */
@@ -198,7 +199,7 @@ static void a_bar_of_a_wheel_reaches_farther_than_its_height(void **state)
 	assert_true(support_verify(support_path("few.furrow")).offset_sum[-4 - TILE_LEVEL_MIN] < 0);
 }
 
-int main(void)
+TEST_PROGRAM(where)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(what_hops_leaves_the_same_rows),

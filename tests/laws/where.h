@@ -6,6 +6,7 @@
 #define FURROW_TESTS_WHERE_H
 
 #include "../support.h"
+#include "../support/skip.h"
 
 static const char *const models[] = {"none", "box", "sumner", "slippage", "scm"};
 #define MODELS 5
@@ -67,7 +68,7 @@ static inline char *drive(const char *scene_path, const char *store, const char 
 	enum status status = api_drive(&params, &result);
 	scene_destroy(scene);
 	if (status == STATUS_NO_GL)
-		skip();
+		skip_since("no GL");
 	must(status);
 	return result.json;
 }

@@ -1,6 +1,7 @@
 /* Law 7: what nothing touches costs nothing. A body that never comes down, settled soil, and effects that the scene does not name
  * run no pass. */
 #include "where.h"
+#include "../support/program.h"
 
 static void what_never_comes_down_costs_nothing(void **state)
 {
@@ -126,7 +127,7 @@ static void what_is_tolerated_sleeps_sooner(void **state)
 	}
 }
 
-int main(void)
+TEST_PROGRAM(where_idle)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(what_never_comes_down_costs_nothing),

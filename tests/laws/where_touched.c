@@ -1,6 +1,7 @@
 /* Law 7 over soil that was touched: bodies that walk and bounce over their own prints, and resumed drives of such bodies. What is
  * left out would have changed nothing. */
 #include "../long.h"
+#include "../support/program.h"
 #include "where.h"
 
 /* --- over soil that was touched, and beside it --- */
@@ -148,7 +149,7 @@ static void what_parks_in_the_air_is_told_so_when_resumed(void **state)
 	free(csv);
 }
 
-int main(void)
+TEST_PROGRAM(where_touched)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(what_walks_is_aloft_between_its_prints),

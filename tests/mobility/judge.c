@@ -2,6 +2,7 @@
 #include <math.h>
 
 #include "../support.h"
+#include "../support/program.h"
 #include "mobility/mobility.h"
 
 #define RADIANS (3.14159265358979323846 / 180)
@@ -253,7 +254,7 @@ static void soils_vary_by_their_factors(void **state)
 	assert_null(mobility_soil_varied("moondust", (double[]){1, 1, 1}));
 }
 
-int main(void)
+TEST_PROGRAM(judge)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(slip_is_that_of_the_slope),

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 
 #include "../support.h"
+#include "../support/program.h"
 #include "mobility/mobility.h"
 
 #define RADIANS (3.14159265358979323846 / 180)
@@ -75,7 +76,7 @@ static void each_share_of_each_number_has_one_soil(void **state)
 	assert_true(fabs(sum) < 0.4);
 }
 
-int main(void)
+TEST_PROGRAM(spread)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(one_number_gives_its_distribution),

@@ -5,6 +5,7 @@
 #include <math.h>
 
 #include "../support.h"
+#include "../support/program.h"
 #include "mobility/mobility.h"
 
 #define RADIANS (3.14159265358979323846 / 180)
@@ -135,7 +136,7 @@ static void without_a_slip_angle_it_is_the_curve(void **state)
 	assert_true(slip < 0 && fabs(mobility_wheel_straight(&wheel, slip).torque) < 1e-6);
 }
 
-int main(void)
+TEST_PROGRAM(wheel)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_slip_angle_gives_the_forces_of_the_integrals),

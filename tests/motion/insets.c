@@ -6,6 +6,7 @@
 #include "../support.h"
 
 #include "../resident/insets.h"
+#include "../support/program.h"
 #include "motion/insets.h"
 #include "motion/prefetcher.h"
 
@@ -175,7 +176,7 @@ static void no_tile_is_out_of_reach(void **state)
 	}
 }
 
-int main(void)
+TEST_PROGRAM(insets)
 {
 	const struct CMUnitTest tests[] = {
 	        cmocka_unit_test(no_step_reads_the_base_of_an_inset),

@@ -3,6 +3,7 @@
  * first step, and nothing else is.
  */
 #include "support.h"
+#include "../support/program.h"
 
 static const struct extent extent = {.cells = 64, .width = 513, .height = 385, .spacing = 1};
 
@@ -59,7 +60,7 @@ static void all_that_plates_will_touch_is_there_and_nothing_else(void **state)
 	expect_all_there(plates, "cache.loaders=3");
 }
 
-int main(void)
+TEST_PROGRAM(look_ahead)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(all_that_wheels_will_touch_is_there_and_nothing_else),

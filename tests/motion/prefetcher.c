@@ -3,6 +3,7 @@
  * Where a test waits for the prefetcher after each step there must be none.
  */
 #include "../support.h"
+#include "../support/program.h"
 
 #include "damage.h"
 #include "motion/prefetcher.h"
@@ -455,7 +456,7 @@ static int enter(void **state)
 	return 0;
 }
 
-int main(void)
+TEST_PROGRAM(prefetcher)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(no_step_reads_what_the_scout_could_bring),

@@ -6,6 +6,7 @@
 #include <cmocka.h>
 
 #include "motion/motion.h"
+#include "../support/program.h"
 
 static void wishes_come_out_soonest_first_and_once(void **state)
 {
@@ -29,7 +30,7 @@ static void wishes_come_out_soonest_first_and_once(void **state)
 	motion_requests_finish(&requests);
 }
 
-int main(void)
+TEST_PROGRAM(requests)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(wishes_come_out_soonest_first_and_once),

@@ -8,6 +8,7 @@
 #include <cmocka.h>
 
 #include "motion/motion.h"
+#include "../support/program.h"
 
 #define MOST 64
 
@@ -372,7 +373,7 @@ static void memory_that_is_out_is_told(void **state)
 	motion_route_finish(&made.route);
 }
 
-int main(void)
+TEST_PROGRAM(route)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_curve_through_points_of_a_circle_is_the_circle),

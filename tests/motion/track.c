@@ -7,6 +7,7 @@
 #include <cmocka.h>
 
 #include "motion/motion.h"
+#include "../support/program.h"
 
 static struct track *track_of(struct scene_path *path, const double (*points)[2])
 {
@@ -220,7 +221,7 @@ static void a_way_has_its_corners_and_ends_where_the_object_is(void **state)
 	motion_track_destroy(track);
 }
 
-int main(void)
+TEST_PROGRAM(track)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(stations_are_one_post_apart_and_the_last_is_the_end),

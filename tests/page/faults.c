@@ -1,5 +1,6 @@
 /* Faults: every allocation fails once, and the threads are stopped in the middle of things. */
 #include "page/fake.h"
+#include "../support/program.h"
 
 /* A short run; the first failure ends it. Only steps that ended count, but none is torn here:
  * `model` changes only when the page has been pinned. */
@@ -94,7 +95,7 @@ static void page_destroy_commits_nothing(void **state)
 	fake_finish(&fake);
 }
 
-int main(void)
+TEST_PROGRAM(faults)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(page_failed_allocations_lose_nothing),

@@ -11,6 +11,7 @@
 #include "page/fake.h"
 
 #include "page/page_internal.h"
+#include "../support/program.h"
 
 /* --- a late load overwrites a newer page --- */
 
@@ -286,7 +287,7 @@ static void page_pinned_while_its_given_up_load_runs_is_loaded_again(void **stat
 	}
 }
 
-int main(void)
+TEST_PROGRAM(hazards)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(page_late_load_overwrites_no_newer_page),

@@ -3,6 +3,7 @@
  * yet, or in the store; against the model, while pages come, change, go and are committed. Looking changes nothing.
  */
 #include "page/fake.h"
+#include "../support/program.h"
 
 static void take_version(void *user, const struct page_image *image)
 {
@@ -125,7 +126,7 @@ static void page_newest_that_fails_is_told(void **state)
 	fake_finish(&fake);
 }
 
-int main(void)
+TEST_PROGRAM(newest)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(page_newest_is_found_wherever_it_is),

@@ -1,5 +1,6 @@
 /* Pins: what is resident, what is evicted, what is refused. */
 #include "page/fake.h"
+#include "../support/program.h"
 
 static void page_pin_shows_the_bits_of_the_store(void **state)
 {
@@ -192,7 +193,7 @@ static void page_touched_counts_different_pages(void **state)
 	fake_finish(&fake);
 }
 
-int main(void)
+TEST_PROGRAM(pin)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(page_pin_shows_the_bits_of_the_store),

@@ -1,6 +1,7 @@
 /* Prefetching: it makes pins hits, and takes nothing from the step that runs. */
 #include "page/fake.h"
 #include "page/page_internal.h"
+#include "../support/program.h"
 
 /* Polls until a prefetched page is resident; its load must be on its way and not held. */
 static void poll_until_resident(struct fake *fake, uint64_t key)
@@ -465,7 +466,7 @@ static void page_prefetches_that_nobody_polls_do_not_starve_pins(void **state)
 	fake_finish(&fake);
 }
 
-int main(void)
+TEST_PROGRAM(prefetch)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(page_prefetched_and_polled_is_a_hit),

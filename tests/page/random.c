@@ -6,13 +6,14 @@
  * A seed is a trial of up to STEPS steps: how many slots and loaders, what a step does, what fails and
  * when, what is late. Threads add their own luck. Others, and more, by hand:
  *
- *     PAGE_SEED=1000 PAGE_STEPS=1000000 build-test/tests/test_page_random
+ *     PAGE_SEED=1000 PAGE_STEPS=1000000 build-test/tests/test_page random
  */
 #include "page/trial.h"
 
 #include <stdlib.h>
 
 #include "page/page_internal.h"
+#include "../support/program.h"
 
 enum { STEPS = 2000, TAKE_MOST = 6, ROUNDS_MOST = 3, STEP_PAGES = ROUNDS_MOST * TAKE_MOST + HELD_MOST };
 #define STEPS_IN_ALL 30000
@@ -364,7 +365,7 @@ static int say_which(void **state)
 	return 0;
 }
 
-int main(void)
+TEST_PROGRAM(random)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test_teardown(page_random_steps_agree_with_the_model, say_which),

@@ -3,6 +3,7 @@
  * went back to, and what did not change stays resident.
  */
 #include "page/fake.h"
+#include "../support/program.h"
 
 struct going {
 	struct fake *fake;
@@ -268,7 +269,7 @@ static void page_rollback_gives_all_slots_back(void **state)
 	fake_finish(&fake);
 }
 
-int main(void)
+TEST_PROGRAM(rollback)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(page_rollback_drops_what_changed_and_nothing_else),

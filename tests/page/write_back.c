@@ -1,5 +1,6 @@
 /* Write-back: the queue, epochs, and what a load sees of what is not committed. hazards.c goes on. */
 #include "page/fake.h"
+#include "../support/program.h"
 
 static void page_reads_its_own_write_while_its_commit_is_blocked(void **state)
 {
@@ -372,7 +373,7 @@ static void page_old_change_starts_an_epoch_and_a_young_one_does_not(void **stat
 	}
 }
 
-int main(void)
+TEST_PROGRAM(write_back)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(page_reads_its_own_write_while_its_commit_is_blocked),

@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "render/internal.h"
+#include "../support/program.h"
 
 static const struct extent extent = {1025, 1025, 1, 256};
 static struct render_screen screen = {.width = 1280, .height = 720};
@@ -233,7 +234,7 @@ static void running_out_of_memory_is_told(void **state)
 	}
 }
 
-int main(void)
+TEST_PROGRAM(blocks)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(every_visible_cell_of_its_quadrants_is_drawn_once),

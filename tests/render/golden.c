@@ -16,6 +16,8 @@
 #include <string.h>
 
 #include "../gpu/staged.h"
+#include "../support/program.h"
+#include "../support/skip.h"
 #include "render/internal.h"
 
 #define WIDTH 320
@@ -378,8 +380,10 @@ static void is_as_its_golden(void **state)
 	const struct golden *golden = *state;
 	const char *folder = getenv("GOLDEN"), *write = getenv("GOLDEN_WRITE");
 	char path[512];
-	if (gpu == NULL || gpu_info(gpu)->samples_most < (uint32_t)golden->samples)
-		skip();
+	if (gpu == NULL)
+		skip_since("no GL");
+	if (gpu_info(gpu)->samples_most < (uint32_t)golden->samples)
+		skip_since(SKIP_ELSEWHERE "the driver has no pictures with so many samples");
 	draw(golden, pixels);
 	if (write != NULL) {
 		write_golden(write, golden->name, pixels);
@@ -444,7 +448,7 @@ static int close_gpu(void **state)
 	return 0;
 }
 
-int main(void)
+TEST_PROGRAM(golden)
 {
 	struct CMUnitTest tests[GOLDENS];
 	for (size_t i = 0; i < GOLDENS; i++)

@@ -12,13 +12,14 @@
 #include <string.h>
 
 #include "../gpu/staged.h"
+#include "../support/skip.h"
 
 static struct gpu *gpu; /* NULL: no GL */
 
 #define need_gpu()                                                                                 \
 	do {                                                                                       \
 		if (gpu == NULL)                                                                   \
-			skip();                                                                    \
+			skip_since("no GL");                                                       \
 	} while (0)
 
 #define assert_ok(call)                                                                            \

@@ -10,6 +10,7 @@
  *   2. A ray through it that is raised by more than what is drawn can be too low meets the true ground.
  */
 #include "land.h"
+#include "../support/program.h"
 
 enum { WIDTH = 96, HEIGHT = 54, CAMERAS = 1000 };
 #define FOV 0.95
@@ -322,7 +323,7 @@ static void the_complete_picture_by_radii_needs_no_skirts(void **state)
 	assert_int_equal(holed + tell_counts(&counts), 0);
 }
 
-int main(void)
+TEST_PROGRAM(holes)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(no_sky_is_seen_through_the_ground_from_a_thousand_cameras),

@@ -10,6 +10,8 @@
 #include <sys/stat.h>
 
 #include "../support.h"
+#include "../support/program.h"
+#include "../support/skip.h"
 
 #include "gpu/internal.h"
 #include "render/internal.h"
@@ -127,7 +129,7 @@ static int leave(void **state)
 static void open_up(void)
 {
 	if (gpu == NULL)
-		skip();
+		skip_since("no GL");
 	open_folder();
 	must(create());
 }
@@ -192,7 +194,7 @@ static void every_picture_is_whole_whatever_is_drawn_after(void **state)
 static void open_up_with_fences(void)
 {
 	if (gpu == NULL)
-		skip();
+		skip_since("no GL");
 	bool software = gpu->info.software;
 	open_folder();
 	gpu->info.software = false;
@@ -304,7 +306,7 @@ static void a_full_disk_is_told_and_the_others_are_whole(void **state)
 	open_up();
 	if (access("/dev/full", W_OK) != 0 || symlink("/dev/full", name_of(1, ".part")) != 0) {
 		close_down();
-		skip();
+		skip_since(SKIP_ELSEWHERE "no /dev/full");
 	}
 	fails("No space left");
 	assert_false(is_there(1));
@@ -385,7 +387,7 @@ static void a_disk_that_is_full_after_any_byte_is_told(void **state)
 static void each_allocation_that_fails_is_told(void **state)
 {
 	if (gpu == NULL)
-		skip();
+		skip_since("no GL");
 	int failed = 0;
 	for (uint64_t nth = 1; nth < 100; nth++) {
 		open_folder();
@@ -416,7 +418,7 @@ static void a_thread_that_cannot_be_had_is_told(void **state)
 {
 	pthread_attr_t before, huge;
 	if (gpu == NULL)
-		skip();
+		skip_since("no GL");
 	assert_int_equal(pthread_getattr_default_np(&before), 0);
 	assert_int_equal(pthread_attr_init(&huge), 0);
 	assert_int_equal(pthread_attr_setstacksize(&huge, (size_t)1 << 47), 0);
@@ -444,7 +446,7 @@ static void what_the_gpu_did_not_give_is_no_picture(void **state)
 	assert_no_parts();
 }
 
-int main(void)
+TEST_PROGRAM(image_files)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(every_picture_is_whole_whatever_is_drawn_after),

@@ -17,6 +17,7 @@
 #include <string.h>
 
 #include "../gpu/staged.h"
+#include "../support/skip.h"
 #include "dem/dem.h"
 #include "render/internal.h"
 
@@ -266,7 +267,7 @@ static inline int land_close(void **state)
 #define need_land()                                                                                \
 	do {                                                                                       \
 		if (land.gpu == NULL)                                                              \
-			skip();                                                                    \
+			skip_since("no GL");                                                       \
 	} while (0)
 
 /* --- what a selection asks --- */

@@ -1,5 +1,7 @@
 /* Shadows of objects: they lie on the ground alone, away from the sun, with samples too. Skipped without GL. */
 #include "objects_rig.h"
+#include "../support/program.h"
+#include "../support/skip.h"
 
 /* --- pictures of one tile, or of nothing, with objects --- */
 
@@ -258,7 +260,7 @@ static void with_samples_a_shadow_lies_there_too(void **state)
 {
 	need_gpu();
 	if (gpu_info(gpu)->samples_most < 4)
-		skip();
+		skip_since(SKIP_ELSEWHERE "the driver has no pictures with so many samples");
 	samples = 4;
 	a_shadow_lies_beside_its_object_away_from_the_sun(state);
 	a_shadow_is_on_the_ground_alone(state);
@@ -322,7 +324,7 @@ static void an_eye_within_the_volume_sees_the_shadow(void **state)
 	test_free(pixels[1]);
 }
 
-int main(void)
+TEST_PROGRAM(object_shadows)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_shadow_lies_beside_its_object_away_from_the_sun),

@@ -1,6 +1,7 @@
 /* The meshes that are drawn for shapes: closed, and as deform presses them; a wheel is seen to turn. Skipped without GL. */
 #include "deform/reference/reference.h"
 #include "objects_rig.h"
+#include "../support/program.h"
 
 /* --- silhouettes, by rays on the CPU --- */
 
@@ -146,7 +147,7 @@ static void meshes_are_closed_and_turned_outward(void **state)
 	}
 }
 
-int main(void)
+TEST_PROGRAM(object_shapes)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_wheel_is_seen_to_turn),

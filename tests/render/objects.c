@@ -1,5 +1,6 @@
 /* Objects in the picture: they cover what they must, whatever their number and distance. Skipped without GL. */
 #include "objects_rig.h"
+#include "../support/program.h"
 
 #define FAR (600ll * 16384 / 16) /* tiles: about 10,000 km, and whole periods of the ground's pattern */
 
@@ -302,7 +303,7 @@ static void what_cannot_be_allocated_is_told(void **state)
 	end();
 }
 
-int main(void)
+TEST_PROGRAM(objects)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(objects_cover_what_they_must),

@@ -1,5 +1,6 @@
 /* The picture itself: holes, ruts, repeatability, pairs of effects, lack of memory. Skipped without GL. */
 #include "../pairs.h"
+#include "../support/program.h"
 #include "picture_rig.h"
 
 #define ALL (EFFECT_BIT(EFFECT_TEXTURE) | EFFECT_BIT(EFFECT_DETAIL) | EFFECT_BIT(EFFECT_FOG) | EFFECT_BIT(EFFECT_SKY) | EFFECT_BIT(EFFECT_GEOMORPH) | EFFECT_BIT(EFFECT_SKIRTS))
@@ -209,7 +210,7 @@ static void what_cannot_be_allocated_is_told(void **state)
 	end();
 }
 
-int main(void)
+TEST_PROGRAM(picture)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(nodata_shows_what_is_behind_and_nothing_else_does),

@@ -1,5 +1,6 @@
 /* Detail that changes with the distance: geomorphing hides the change, and a pixel error bounds what is lost. Skipped without GL. */
 #include "picture_rig.h"
+#include "../support/program.h"
 
 /* The largest jump between pictures five centimetres apart where the mesh changed: by how much more
  * they differ than the pair before them, where only the eye had moved. */
@@ -130,7 +131,7 @@ static void a_pixel_error_trades_triangles_for_truth(void **state)
 	pixel_error = 0;
 }
 
-int main(void)
+TEST_PROGRAM(picture_detail)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(geomorphing_takes_the_jumps_out_of_the_mesh),

@@ -1,6 +1,7 @@
 /* Tiles and blocks of several levels in one picture: no sky is seen between them, what closes the gaps looks like the ground, and blocks
  * are drawn near to far. Shadows of the ground go on from map to map. Skipped without GL. */
 #include "picture_rig.h"
+#include "../support/program.h"
 
 static int count_background(const uint8_t *pixels, const uint8_t background[4])
 {
@@ -240,7 +241,7 @@ static void hills_are_drawn_near_to_far_and_triangles_are_those_of_blocks(void *
 	}
 }
 
-int main(void)
+TEST_PROGRAM(picture_seams)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(no_sky_is_seen_through_the_ground),

@@ -1,6 +1,7 @@
 /* Whole drives that are watched: with slots for all the pictures are the same however tiles come;
  * with few they are coarser, and the ground is not. */
 #include "../support.h"
+#include "../support/program.h"
 
 static const struct extent extent = {513, 513, 1, 32};
 
@@ -85,7 +86,7 @@ static void few_slots_coarsen_the_picture_and_leave_the_ground_alone(void **stat
 	}
 }
 
-int main(void)
+TEST_PROGRAM(pictures)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(the_same_pictures_whatever_loads_the_tiles),

@@ -3,6 +3,8 @@
 
 #include "gpu_rig.h"
 #include "render/internal.h"
+#include "../support/program.h"
+#include "../support/skip.h"
 
 #define WIDTH 192
 #define HEIGHT 108
@@ -18,8 +20,10 @@ static struct terrain_selection selection;
 
 #define need_samples(samples)                                                                      \
 	do {                                                                                       \
-		if (gpu == NULL || gpu_info(gpu)->samples_most < (samples))                        \
-			skip();                                                                    \
+		if (gpu == NULL)                                                                   \
+			skip_since("no GL");                                                       \
+		if (gpu_info(gpu)->samples_most < (samples))                                       \
+			skip_since(SKIP_ELSEWHERE "the driver has no pictures with so many samples"); \
 	} while (0)
 
 static struct render_params params_of(const struct extent *extent, int samples)
@@ -299,7 +303,7 @@ static void what_passes_the_depth_test_is_counted(void **state)
 	}
 }
 
-int main(void)
+TEST_PROGRAM(samples)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(what_is_behind_has_the_byte_of_its_light),

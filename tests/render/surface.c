@@ -1,6 +1,7 @@
 /* What the ground and the sky look like: by body, by the sun, by the soil map, by what was pressed. Skipped without GL. */
 #include "gpu_rig.h"
 #include "render/internal.h"
+#include "../support/program.h"
 
 #define WIDTH 160
 #define HEIGHT 90
@@ -300,7 +301,7 @@ static void pressed_ground_is_darker_and_darkest_where_it_is_dirty(void **state)
 	}
 }
 
-int main(void)
+TEST_PROGRAM(surface)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(no_green_on_mars_and_grass_on_earth),

@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "render/textures.h"
+#include "../support/program.h"
 
 #define SIZE RENDER_GROUND_SIZE
 #define TEXELS ((size_t)SIZE * SIZE)
@@ -110,7 +111,7 @@ static void a_level_is_the_means_of_the_one_before(void **state)
 	}
 }
 
-int main(void)
+TEST_PROGRAM(textures)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(each_repeats_without_an_edge),

@@ -7,6 +7,7 @@
  * from one picture to the next, and along an edge from one side to the other.
  */
 #include "land.h"
+#include "../support/program.h"
 
 enum { WIDTH = 192, HEIGHT = 108, PIXELS = WIDTH * HEIGHT, STEPS = 12 };
 #define FOV 0.25
@@ -257,7 +258,7 @@ static void both_sides_of_an_edge_agree(void **state)
 	assert_true(most < 1.5);
 }
 
-int main(void)
+TEST_PROGRAM(vertices)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(nothing_moves_faster_than_the_morph_allows),

@@ -5,6 +5,7 @@
 #include <time.h>
 
 #include "view_rig.h"
+#include "../support/program.h"
 
 static void nap(void)
 {
@@ -490,7 +491,7 @@ static void a_picture_in_a_window_waits_for_no_range(void **state)
 	rig_close(&rig);
 }
 
-int main(void)
+TEST_PROGRAM(view)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_still_view_settles_in_any_number_of_slots),

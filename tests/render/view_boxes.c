@@ -5,6 +5,8 @@
 #include "view_rig.h"
 
 #include "api/internal.h"
+#include "../support/program.h"
+#include "../support/skip.h"
 
 enum { WIDTH = 160, HEIGHT = 90 };
 
@@ -137,7 +139,7 @@ static void world_and_look(const char *model, const char *object, const char *st
 	scene_destroy(scene);
 	mem_free(result.json);
 	if (status == STATUS_NO_GL)
-		skip();
+		skip_since("no GL");
 	must(status);
 }
 
@@ -337,7 +339,7 @@ static void a_late_view_knows_what_is_there(void **state)
 	rig_close(&rig);
 }
 
-int main(void)
+TEST_PROGRAM(view_boxes)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(boxes_hold_what_is_pressed_in_every_step),

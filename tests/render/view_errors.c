@@ -1,5 +1,6 @@
 /* How far off a view takes tiles to be drawn: the store's errors, ruts at once and about right, and what was committed. */
 #include "view_rig.h"
+#include "../support/program.h"
 
 static void rig_open_with(struct rig *rig, double pixel_error, int level)
 {
@@ -255,7 +256,7 @@ static void what_was_committed_is_known_exactly(void **state)
 	rig_close(&rig);
 }
 
-int main(void)
+TEST_PROGRAM(view_errors)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(without_a_pixel_error_no_errors_are_kept),

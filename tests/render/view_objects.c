@@ -2,6 +2,7 @@
 #include "view_rig.h"
 
 #include "render/objects.h"
+#include "../support/program.h"
 
 /* The rig's object is of another shape, and its way another, or one in time; the picture shows it. */
 static void show(struct rig *rig, struct deform_shape shape, struct scene_path path)
@@ -123,7 +124,7 @@ static void where_there_is_no_ground_it_is_drawn_if_that_is_known(void **state)
 	rig_close(&rig);
 }
 
-int main(void)
+TEST_PROGRAM(view_objects)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_wheel_rolls_on_from_its_last_station_to_the_next),

@@ -3,6 +3,7 @@
 #define FURROW_TESTS_VIEW_RIG_H
 
 #include "../support.h"
+#include "../support/skip.h"
 
 #include "render/view.h"
 #include "world/internal.h"
@@ -113,7 +114,7 @@ static inline void rig_open(struct rig *rig, uint32_t slots, double speed, doubl
 	enum status status = gpu_create(&(struct gpu_params){.draws = true}, &world->gpu);
 	if (status == STATUS_NO_GL) {
 		store_close(world->store);
-		skip();
+		skip_since("no GL");
 	}
 	must(status);
 	must(gpu_slots_create(world->gpu, CELLS, slots, 0, &world->slots));

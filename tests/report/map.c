@@ -1,5 +1,7 @@
 /* map.png of whole drives: what is on it, that it costs the drive nothing, and that it comes however a drive ends. */
 #include "../support.h"
+#include "../support/program.h"
+#include "../support/skip.h"
 
 #include <png.h>
 #include <sys/stat.h>
@@ -41,7 +43,7 @@ static enum status drive(const char *scene_text, const char *store, struct drive
 	enum status status = api_drive(&params, result);
 	scene_destroy(scene);
 	if (status == STATUS_NO_GL)
-		skip();
+		skip_since("no GL");
 	return status;
 }
 
@@ -247,7 +249,7 @@ static void a_map_that_cannot_be_written_is_the_failure_if_nothing_else_was(void
 {
 	struct api_result result;
 	if (access("/dev/full", W_OK) != 0)
-		skip();
+		skip_since(SKIP_ELSEWHERE "no /dev/full");
 	mkdir(support_path("g"), 0777);
 	assert_int_equal(symlink("/dev/full", in_out("g", "map.png.part")), 0);
 	enum status status = drive(SCENE("3", "", PATH), fresh("g.furrow"), (struct drive_asked){.out = "g", .map = true}, &result);
@@ -315,7 +317,7 @@ static void a_vehicle_s_ruts_fill_the_map_and_its_way_is_between_them(void **sta
 	struct api_result result;
 	const enum status status = drive(text, fresh("car.furrow"), (struct drive_asked){.out = "car", .map = true}, &result);
 	if (status == STATUS_INPUT && strstr(failure_message(), "no MuJoCo") != NULL)
-		skip();
+		skip_since("this build has no MuJoCo");
 	must(status);
 	assert_non_null(strstr(result.json, "\"way\""));
 	mem_free(result.json);
@@ -328,7 +330,7 @@ static void a_vehicle_s_ruts_fill_the_map_and_its_way_is_between_them(void **sta
 	free(picture.pixels);
 }
 
-int main(void)
+TEST_PROGRAM(map)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(ruts_and_the_way_are_where_they_were_driven),

@@ -1,5 +1,6 @@
 /* run.json says every number of each soil that a drive had, and each object's load and slip. */
 #include "../support.h"
+#include "../support/program.h"
 
 #include <cJSON.h>
 
@@ -117,7 +118,7 @@ static void a_model_that_reads_no_soil_has_none(void **state)
 	cJSON_Delete(root);
 }
 
-int main(void)
+TEST_PROGRAM(soils)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_drive_tells_its_soil_its_load_and_its_slip),

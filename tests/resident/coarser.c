@@ -4,6 +4,7 @@
  * whatever of the change is in a slot, in the queue or in the store by then.
  */
 #include "rig.h"
+#include "../support/program.h"
 
 enum { LEVEL = -1, SIDE = 8 * CELLS + 1 };
 
@@ -97,7 +98,7 @@ static void coarser_tiles_that_come_late_have_every_change(void **state)
 	world_and_compare(6);
 }
 
-int main(void)
+TEST_PROGRAM(coarser)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(coarser_tiles_that_stay_follow_every_change),

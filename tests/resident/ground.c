@@ -1,5 +1,6 @@
 /* The base on the CPU: patches, ranges and heights against the posts they come from. */
 #include "../support.h"
+#include "../support/program.h"
 
 #include "damage.h"
 #include "resident/resident.h"
@@ -425,7 +426,7 @@ static void two_threads_that_bring_the_same_tiles_leave_one_of_each(void **state
 	store_close(store);
 }
 
-int main(void)
+TEST_PROGRAM(ground)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_patch_subdivides_to_the_interpolated_tile),

@@ -1,5 +1,6 @@
 /* Base heights where insets lie, by every way to them, against a second way. Tiles of any size. */
 #include "../support.h"
+#include "../support/program.h"
 
 #include <sqlite3.h>
 
@@ -297,7 +298,7 @@ static void a_missing_inset_tile_is_found(void **state)
 	store_close(store);
 }
 
-int main(void)
+TEST_PROGRAM(insets)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(the_store_says_how_fine_it_is),

@@ -4,6 +4,7 @@
  * asked all the time leaves what one leaves that is not.
  */
 #include "rig.h"
+#include "../support/program.h"
 
 enum { POINTS = 1500, RAYS = 600, SLOTS = 6 };
 
@@ -422,7 +423,7 @@ static void bounds_hold_what_was_added_in_a_tile_and_above(void **state)
 	resident_bounds_finish(&bounds);
 }
 
-int main(void)
+TEST_PROGRAM(newest)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(at_the_source_s_level), cmocka_unit_test(below_it),

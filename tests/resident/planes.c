@@ -6,6 +6,8 @@
  */
 #include "../gpu/staged.h"
 #include "../support.h"
+#include "../support/program.h"
+#include "../support/skip.h"
 
 #include "resident/resident.h"
 #include "world/record.h"
@@ -77,7 +79,7 @@ static void rig_open(struct rig *rig, const char *path, unsigned planes, bool so
 	enum status status = gpu_create(&(struct gpu_params){.draws = false}, &rig->gpu);
 	if (status == STATUS_NO_GL) {
 		store_close(rig->store);
-		skip();
+		skip_since("no GL");
 	}
 	must(status);
 	must(gpu_slots_create(rig->gpu, CELLS, SLOTS, planes, &rig->slots));
@@ -306,7 +308,7 @@ static void state_comes_back_the_same_bits(void **state)
 	check_store(path, 0, PLANE_BIT(PLANE_OFFSET), false);
 }
 
-int main(void)
+TEST_PROGRAM(planes)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(state_comes_back_the_same_bits),

@@ -1,5 +1,6 @@
 /* The ground with relief over nested insets: posts, points, ranges and the store's own readers, each against one formula for a post. */
 #include "../support.h"
+#include "../support/program.h"
 
 #include "insets.h"
 
@@ -206,7 +207,7 @@ static void without_relief_posts_are_as_they_were(void **state)
 	store_close(store);
 }
 
-int main(void)
+TEST_PROGRAM(relief)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(every_way_gives_the_same_posts),

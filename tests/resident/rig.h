@@ -4,6 +4,7 @@
 
 #include "../gpu/staged.h"
 #include "../support.h"
+#include "../support/skip.h"
 
 #include "world/internal.h"
 
@@ -51,7 +52,7 @@ static void rig_open(struct rig *rig, const char *path, const struct rig_params 
 	enum status status = gpu_create(&(struct gpu_params){.draws = false}, &world->gpu);
 	if (status == STATUS_NO_GL) {
 		store_close(world->store);
-		skip();
+		skip_since("no GL");
 	}
 	must(status);
 	must(gpu_slots_create(world->gpu, CELLS, params->slots, PLANE_BIT(PLANE_DISTURBANCE), &world->slots));

@@ -1,5 +1,6 @@
 /* Numbers of the soil at posts: a byte for each raster, the same alone and in a tile; ranges; what is refused. */
 #include "../support.h"
+#include "../support/program.h"
 
 #include "resident/resident.h"
 
@@ -162,7 +163,7 @@ static void memory_that_runs_out_is_told(void **state)
 	resident_soil_rasters_close(rasters);
 }
 
-int main(void)
+TEST_PROGRAM(soil_rasters)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_post_has_a_byte_of_each_raster),

@@ -2,6 +2,8 @@
 #include <math.h>
 
 #include "fixture.h"
+#include "../support/program.h"
+#include "../support/skip.h"
 
 /* Nothing is to be said of it. */
 static const char sound[] = "scene: 1\nend_time: 10\ntime_step: 0.1\n"
@@ -363,7 +365,7 @@ static void the_examples_are_told_what_they_mean(void **state)
 	};
 	const char *scenes = getenv("SCENES");
 	if (scenes == NULL)
-		skip();
+		skip_since("the scenes that ship are not named");
 	for (size_t i = 0; i < sizeof examples / sizeof examples[0]; i++) {
 		char path[1024];
 		struct scene *scene;
@@ -381,7 +383,7 @@ static void the_examples_are_told_what_they_mean(void **state)
 	}
 }
 
-int main(void)
+TEST_PROGRAM(advice)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_sound_scene_is_told_nothing),

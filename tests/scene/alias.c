@@ -1,5 +1,6 @@
 /* Former names of keys and words: taken, the same scene, and told by the present name. */
 #include "fixture.h"
+#include "../support/program.h"
 
 static const char scm[] = "{scene: 1, end_time: 1, soil: {name: lunar}, redistribute: {model: scm, undisturbed: stands}, attributes: [dirt],\n"
 			  "objects: [{name: a, shape: {wheel: {radius: 1, width: 1, lugs: 9, lug_height: 0.1, lug_thickness: 0.2}},\n"
@@ -137,7 +138,7 @@ static void failing_memory_is_told(void **state)
 	unlink(in_folder("scene.yaml"));
 }
 
-int main(void)
+TEST_PROGRAM(alias)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(each_former_name_makes_the_same_scene),

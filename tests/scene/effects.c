@@ -3,6 +3,7 @@
 
 #include "fixture.h"
 #include "gpu/shader_table.h"
+#include "../support/program.h"
 
 static const struct shader_text *shader(const char *path)
 {
@@ -192,7 +193,7 @@ static void pictures_are_counted_by_the_step(void **state)
 #undef BALL
 }
 
-int main(void)
+TEST_PROGRAM(effects)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(every_effect_has_a_row_that_says_what_it_costs),

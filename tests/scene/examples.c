@@ -10,6 +10,8 @@
 #include <string.h>
 
 #include "scene/scene.h"
+#include "../support/program.h"
+#include "../support/skip.h"
 
 /* NULL: it has meshes, and this build none. */
 static struct scene *load(const char *name)
@@ -18,7 +20,7 @@ static struct scene *load(const char *name)
 	struct scene *scene;
 	const char *scenes = getenv("SCENES");
 	if (scenes == NULL)
-		skip();
+		skip_since("the scenes that ship are not named");
 	snprintf(path, sizeof path, "%s/%s.yaml", scenes, name);
 	if (scene_load(path, NULL, 0, &scene) == STATUS_OK)
 		return scene;
@@ -77,7 +79,7 @@ static void the_demonstrations_vehicle_is_rigid(void **state)
 	scene_destroy(scene);
 }
 
-int main(void)
+TEST_PROGRAM(examples)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(every_example_loads_and_stays_within_its_ground),

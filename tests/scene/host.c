@@ -2,6 +2,7 @@
 #include "fixture.h"
 
 #include "base/thread.h"
+#include "../support/program.h"
 
 static struct scene *load_as(const char *text, enum scene_reader reader)
 {
@@ -315,7 +316,7 @@ static void failing_memory_is_told(void **state)
 	scene_destroy(base);
 }
 
-int main(void)
+TEST_PROGRAM(host)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_text_is_the_scene_that_its_file_is),

@@ -2,6 +2,7 @@
 #include <sys/stat.h>
 
 #include "fixture.h"
+#include "../support/program.h"
 
 static void refuses(const void *bytes, size_t length, const char *says)
 {
@@ -114,7 +115,7 @@ static void memory_that_runs_out_is_told_at_every_allocation(void **state)
 	free(text);
 }
 
-int main(void)
+TEST_PROGRAM(hostile)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(deep_nesting_is_refused),

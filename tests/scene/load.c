@@ -1,5 +1,6 @@
 /* What a good scene becomes. */
 #include "fixture.h"
+#include "../support/program.h"
 
 static struct scene *load(const char *text)
 {
@@ -220,7 +221,7 @@ static void a_scene_of_soil_keeps_its_hash(void **state)
 	}
 }
 
-int main(void)
+TEST_PROGRAM(load)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(the_manuals_scene_has_the_values_it_says),

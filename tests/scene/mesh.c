@@ -3,6 +3,8 @@
 
 #include "fixture.h"
 #include "scene/scene_mesh.h"
+#include "../support/program.h"
+#include "../support/skip.h"
 
 /* A wedge, 2 forward, 1 left, 3 up. */
 static const float wedge[6][3] = {{0, 0, 0}, {2, 0, 0}, {2, 1, 0}, {0, 1, 0}, {0, 0, 3}, {0, 1, 3}};
@@ -133,7 +135,7 @@ static enum status load_scaled(const char *name, struct bytes bytes, double scal
 	enum status status = scene_mesh_load(in_folder(name), "scene.yaml:5: objects[0].shape.mesh.file", scale, mesh);
 	unlink(in_folder(name));
 	if (status != STATUS_OK && strstr(failure_message(), "this build reads no meshes") != NULL)
-		skip();
+		skip_since("this build reads no meshes");
 	return status;
 }
 
@@ -258,7 +260,7 @@ static void what_is_no_surface_is_refused(void **state)
 	enum status status = scene_mesh_load(in_folder("none.stl"), "file", 1, &mesh);
 	assert_int_equal(status, STATUS_INPUT);
 	if (strstr(failure_message(), "this build reads no meshes") != NULL)
-		skip();
+		skip_since("this build reads no meshes");
 	assert_says("file: No such file");
 	refused("a.ply", obj_wedge(), "allowed: .obj, .stl, .gltf, .glb");
 	refused("obj", obj_wedge(), "allowed: .obj, .stl, .gltf, .glb");
@@ -379,7 +381,7 @@ static void a_file_too_large_is_refused(void **state)
 	unlink(in_folder("a.obj"));
 	assert_int_equal(status, STATUS_INPUT);
 	if (strstr(failure_message(), "this build reads no meshes") != NULL)
-		skip();
+		skip_since("this build reads no meshes");
 	assert_says("allowed: 67108864 bytes");
 }
 
@@ -399,13 +401,13 @@ static void every_allocation_may_fail(void **state)
 				break;
 		}
 		if (status != STATUS_OK && strstr(failure_message(), "this build reads no meshes") != NULL)
-			skip();
+			skip_since("this build reads no meshes");
 		assert_true(nth < 100);
 	}
 	free(obj.at);
 }
 
-int main(void)
+TEST_PROGRAM(mesh)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(every_format_is_the_same_wedge),

@@ -1,5 +1,6 @@
 /* Paths that follow others, and objects that are given once for many places. */
 #include "fixture.h"
+#include "../support/program.h"
 
 #include <math.h>
 
@@ -156,7 +157,7 @@ static void memory_that_is_out_is_told(void **state)
 	unlink(in_folder("scene.yaml"));
 }
 
-int main(void)
+TEST_PROGRAM(paths)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(chains_of_leaders_add_up),

@@ -2,6 +2,7 @@
 #include <math.h>
 
 #include "fixture.h"
+#include "../support/program.h"
 
 static const char with_poses[] = "scene: 1\n"
 				 "end_time: 1\n"
@@ -112,7 +113,7 @@ static void many_poses_all_arrive(void **state)
 	free(text);
 }
 
-int main(void)
+TEST_PROGRAM(poses)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(three_columns_are_a_path_in_time),

@@ -1,5 +1,6 @@
 /* Each thing that is wrong with a scene is told with its line, its key and what is allowed. */
 #include "fixture.h"
+#include "../support/program.h"
 
 /* `from` of the manual's scene becomes `to`; the message must hold `says`. */
 static const struct {
@@ -216,7 +217,7 @@ static void the_first_mistake_of_the_file_is_the_one_told(void **state)
 	free(both);
 }
 
-int main(void)
+TEST_PROGRAM(refuse)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(each_mistake_is_told_with_line_key_and_what_is_allowed),

@@ -1,5 +1,6 @@
 /* `--set KEY=VALUE`. */
 #include "fixture.h"
+#include "../support/program.h"
 
 static void a_setting_replaces_or_adds_what_its_key_names(void **state)
 {
@@ -160,7 +161,7 @@ static void a_wrong_setting_is_told_as_one(void **state)
 	}
 }
 
-int main(void)
+TEST_PROGRAM(set)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_setting_replaces_or_adds_what_its_key_names),

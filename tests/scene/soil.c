@@ -1,5 +1,6 @@
 /* Soils and maps of soils in a scene: what they become, and what is refused. */
 #include "soil.h"
+#include "../support/program.h"
 
 #define DEGREE (3.14159265358979323846 / 180)
 
@@ -391,7 +392,7 @@ static void memory_that_runs_out_is_told_at_every_allocation(void **state)
 	free(text);
 }
 
-int main(void)
+TEST_PROGRAM(soil)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_soil_by_name_is_that_of_the_table),

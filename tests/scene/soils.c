@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "fixture.h"
+#include "../support/program.h"
 
 static const char *const models[] = {"none", "box", "sumner", "slippage", "scm"};
 
@@ -326,7 +327,7 @@ static void every_row_names_what_a_scene_knows(void **state)
 	}
 }
 
-int main(void)
+TEST_PROGRAM(soils)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_soil_goes_with_the_models_that_it_has_the_numbers_for),

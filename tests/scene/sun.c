@@ -3,6 +3,7 @@
 
 #include "fixture.h"
 #include "scene/scene_sun.h"
+#include "../support/program.h"
 
 #define DEGREES (180 / M_PI)
 
@@ -88,7 +89,7 @@ static void what_is_no_time_is_refused(void **state)
 	assert_near(days, 8825 + 0.5 / 86400, 1e-9);
 }
 
-int main(void)
+TEST_PROGRAM(sun)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(the_example_of_spa_is_met),

@@ -2,6 +2,8 @@
 #include <dirent.h>
 
 #include "fixture.h"
+#include "../support/program.h"
+#include "../support/skip.h"
 
 static const char scm[] = "scene: 1\nend_time: 10\ntime_step: 0.1\n"
 			  "soil: {name: dry_sand}\n"
@@ -208,7 +210,7 @@ static void shipped_scenes_get_none(void **state)
 {
 	const char *scenes = getenv("SCENES");
 	if (scenes == NULL)
-		skip();
+		skip_since("the scenes that ship are not named");
 	DIR *directory = opendir(scenes);
 	assert_non_null(directory);
 	int seen = 0;
@@ -243,7 +245,7 @@ static void memory_that_runs_out_is_told(void **state)
 	unlink(in_folder("scene.yaml"));
 }
 
-int main(void)
+TEST_PROGRAM(units)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(angles_in_radians),

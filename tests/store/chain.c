@@ -1,5 +1,6 @@
 /* Overlays over overlays: a chain is the store that it would have been in one file. */
 #include "chain.h"
+#include "../support/program.h"
 
 static enum status take_key(void *user, uint64_t key)
 {
@@ -244,7 +245,7 @@ static void a_parent_is_not_written_while_a_child_is_open(void **state)
 	chain_free(&chain);
 }
 
-int main(void)
+TEST_PROGRAM(chain)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(random_drives_in_a_chain_are_the_same_drives_in_one_store),

@@ -1,5 +1,6 @@
 /* Chains that cannot be read: a parent that changed, is gone or is another's, loops, and too many files. Each gets one line. */
 #include "chain.h"
+#include "../support/program.h"
 
 static void assert_says(const char *path, const char *why, const char *what_to_do)
 {
@@ -150,7 +151,7 @@ static void what_a_file_of_the_chain_lies_about_is_found(void **state)
 	chain_free(&chain);
 }
 
-int main(void)
+TEST_PROGRAM(chain_refused)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_parent_that_changed_is_refused),

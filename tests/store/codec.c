@@ -3,6 +3,7 @@
 
 #include "store/codec_kernels.h"
 #include "store/codec_widths.h"
+#include "../support/program.h"
 
 #define CODEC_SIDE 65
 #define CODEC_POSTS (CODEC_SIDE * CODEC_SIDE)
@@ -399,7 +400,7 @@ static void failed_allocations_are_told(void **state)
 	mem_fail_nth(0, 0);
 }
 
-int main(void)
+TEST_PROGRAM(codec)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(every_post_comes_back),

@@ -4,6 +4,7 @@
 #include <sys/wait.h>
 
 #include "fixture.h"
+#include "../support/program.h"
 
 /* What store_commit is to have written, from the field alone, at one coarser level. */
 static struct field coarser(const struct field *fine)
@@ -326,7 +327,7 @@ static void readers_see_a_whole_epoch_or_the_one_before(void **state)
 	assert_int_equal(files_of("seen.furrow"), 1);
 }
 
-int main(void)
+TEST_PROGRAM(commits)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(every_level_is_the_decimation_of_the_finer),

@@ -6,6 +6,7 @@
  * a rim at the angle of repose whose grains are whole quanta.
  */
 #include "fixture.h"
+#include "../support/program.h"
 
 enum { CELLS = 256, TILES = 8, LEVEL = -2, SIDE_POSTS = CELLS + 1, TILE_POSTS = SIDE_POSTS * SIDE_POSTS };
 
@@ -135,7 +136,7 @@ static void a_plane_of_one_value_takes_4_bytes(void **state)
 	store_close(store);
 }
 
-int main(void)
+TEST_PROGRAM(density)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_rut_with_all_its_planes_takes_8_bytes_a_post),

@@ -1,5 +1,6 @@
 /* Shared posts have the same bits in every tile that holds them, though each is packed alone. */
 #include "fixture.h"
+#include "../support/program.h"
 
 /* Heights of any kind with holes, by post of level 0: so that no tile packs as its neighbour does. */
 struct ground {
@@ -207,7 +208,7 @@ static void a_tile_that_the_tiles_below_do_not_make_is_refused(void **state)
 	assert_refused(path, odd, "it is missing");
 }
 
-int main(void)
+TEST_PROGRAM(edges)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(shared_posts_decode_to_the_same_bits_at_every_level),

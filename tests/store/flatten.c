@@ -1,5 +1,6 @@
 /* Flattened chains: one plain store with the same content, row for row; whatever stops the work, nothing of it is left. */
 #include "chain.h"
+#include "../support/program.h"
 
 static char flat[256];
 
@@ -211,7 +212,7 @@ static void what_is_in_the_way_is_kept_and_what_is_damaged_is_refused(void **sta
 	chain_free(&chain);
 }
 
-int main(void)
+TEST_PROGRAM(flatten)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_flat_chain_is_the_store_that_had_all_drives),

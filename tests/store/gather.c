@@ -3,6 +3,7 @@
  * of one that got the same commits itself.
  */
 #include "parts.h"
+#include "../support/program.h"
 
 static char base[256];
 static const struct relief_spec relief = {.seed = 7, .classes = 1, .waves = {{0.05, 4}}};
@@ -288,7 +289,7 @@ static int enter(void **state)
 	return failed;
 }
 
-int main(void)
+TEST_PROGRAM(gather)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(parts_gather_to_what_one_overlay_would_have),

@@ -3,6 +3,7 @@
  * and restores come at random, with and without keep_history, in a plain store and in an overlay over ruts.
  */
 #include "marked.h"
+#include "../support/program.h"
 
 struct past {
 	bool kept, named;
@@ -331,7 +332,7 @@ static void damage_in_a_history_is_found(void **state)
 	}
 }
 
-int main(void)
+TEST_PROGRAM(history)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(every_kept_revision_comes_back_row_for_row),

@@ -1,6 +1,7 @@
 /* Files that are no stores, or once were: one line and STATUS_INPUT. Random changes of stores: tests/fuzz/store_file.c. */
 #define _GNU_SOURCE /* memmem */
 #include "fixture.h"
+#include "../support/program.h"
 
 static void write_file(const char *path, const char *text, size_t size)
 {
@@ -220,7 +221,7 @@ static void a_tile_listed_that_cannot_be_found_is_told(void **state)
 	store_close(store);
 }
 
-int main(void)
+TEST_PROGRAM(hostile)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(what_is_no_store_is_refused),

@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "store/store.h"
+#include "../support/program.h"
 
 static const struct extent extent = {1000, 800, 30, 64};
 
@@ -48,7 +49,7 @@ static void what_is_no_line_ends_the_reading(void **state)
 	}
 }
 
-int main(void)
+TEST_PROGRAM(insets_text)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(lines_come_back),

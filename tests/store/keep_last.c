@@ -3,6 +3,7 @@
  * bounded. In a plain store, in an overlay over ruts, and with marks between.
  */
 #include "marked.h"
+#include "../support/program.h"
 
 static struct store *open_last(const char *path)
 {
@@ -147,7 +148,7 @@ static void named_revisions_are_not_dropped(void **state)
 	store_close(store);
 }
 
-int main(void)
+TEST_PROGRAM(keep_last)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(the_last_revision_is_kept),

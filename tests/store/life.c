@@ -3,6 +3,7 @@
 #include <sys/wait.h>
 
 #include "fixture.h"
+#include "../support/program.h"
 
 static void what_was_put_is_read_back(void **state)
 {
@@ -392,7 +393,7 @@ static void every_allocation_may_fail(void **state)
 	}
 }
 
-int main(void)
+TEST_PROGRAM(life)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(what_was_put_is_read_back),

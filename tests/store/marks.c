@@ -4,6 +4,7 @@
 #include <time.h>
 
 #include "marked.h"
+#include "../support/program.h"
 
 static void a_store_that_was_never_deformed_is_that_again(void **state)
 {
@@ -190,7 +191,7 @@ static void a_kill_leaves_the_last_commit_and_nothing_of_the_mark(void **state)
 	assert_int_equal(files_of("killed.furrow"), 1);
 }
 
-int main(void)
+TEST_PROGRAM(marks)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_store_that_was_never_deformed_is_that_again),

@@ -1,5 +1,6 @@
 /* Merges: two overlays driven over disjoint ground are both drives in one store, row for row; what both changed is refused. */
 #include "chain.h"
+#include "../support/program.h"
 
 /* Digs into a store and into the field of all. `side` 0 keeps to the west, 1 to the east. */
 static void drive_side(struct chain *chain, struct field *field, struct store *store, struct store *copy, int side)
@@ -131,7 +132,7 @@ static void what_cannot_be_merged_is_refused(void **state)
 	assert_int_equal(files_of("out.furrow"), 0);
 }
 
-int main(void)
+TEST_PROGRAM(merge)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(disjoint_drives_become_both_in_one_store),

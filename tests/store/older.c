@@ -1,5 +1,6 @@
 /* A store of version 3, whose shear was a length: its ruts are read and driven over, its shear counts as none. */
 #include "fixture.h"
+#include "../support/program.h"
 
 static char told[512];
 static int notes;
@@ -175,7 +176,7 @@ static void a_store_of_version_4_is_what_it_was(void **state)
 	field_free(&field);
 }
 
-int main(void)
+TEST_PROGRAM(older)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(ruts_of_the_version_before_are_read_without_their_shear),

@@ -2,6 +2,7 @@
 #include <sys/wait.h>
 
 #include "overlay.h"
+#include "../support/program.h"
 
 static void assert_bytes(const char *path, const char *want, size_t want_size)
 {
@@ -358,7 +359,7 @@ static void a_killed_writer_leaves_its_last_epoch(void **state)
 	assert_int_equal(files_of("over.furrow"), 1);
 }
 
-int main(void)
+TEST_PROGRAM(overlay)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(an_overlay_is_the_store_it_would_have_been),

@@ -1,5 +1,6 @@
 /* Overlays that are damaged or lie, and bases that are not theirs: one line and a status, never harm. */
 #include "overlay.h"
+#include "../support/program.h"
 
 static void write_file(const char *path, const char *bytes, size_t size)
 {
@@ -274,7 +275,7 @@ static void every_allocation_may_fail(void **state)
 	}
 }
 
-int main(void)
+TEST_PROGRAM(overlay_hostile)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_base_that_is_not_there_or_another_is_refused),

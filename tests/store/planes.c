@@ -1,5 +1,6 @@
 /* The planes of a commit: offsets, disturbance and the state of the soil, with and without some of them, and what was compacted. */
 #include "fixture.h"
+#include "../support/program.h"
 
 static void pages_without_dirt_leave_the_soil_alone(void **state)
 {
@@ -182,7 +183,7 @@ static void what_was_compacted_is_counted(void **state)
 	store_close(store);
 }
 
-int main(void)
+TEST_PROGRAM(planes)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(pages_without_dirt_leave_the_soil_alone),

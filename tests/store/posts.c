@@ -1,5 +1,6 @@
 /* Posts and points out of a store, against the same computed post by post from the terrain. */
 #include "fixture.h"
+#include "../support/program.h"
 
 static int32_t reference;
 
@@ -273,7 +274,7 @@ static void keys_of_a_level_come_in_order_until_told_to_stop(void **state)
 	field_free(&field);
 }
 
-int main(void)
+TEST_PROGRAM(posts)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(posts_are_those_of_the_definition),

@@ -3,6 +3,7 @@
  * level's posts below it, whether an edit widened them, narrowed them or undid them.
  */
 #include "fixture.h"
+#include "../support/program.h"
 
 /* Of the field's posts that the tile shows; the ground beyond the field is as it was. */
 static bool true_range(const struct field *field, struct tile tile, int32_t *low, int32_t *high)
@@ -102,7 +103,7 @@ static void ranges_follow_every_edit(void **state)
 	}
 }
 
-int main(void)
+TEST_PROGRAM(ranges)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(ranges_follow_every_edit),

@@ -1,5 +1,6 @@
 /* The relief over which a store was deformed: kept as a text, never as heights; another is refused until a reset. */
 #include "fixture.h"
+#include "../support/program.h"
 
 #define LEVEL (-2)
 
@@ -199,7 +200,7 @@ static void a_wrong_text_is_refused(void **state)
 	}
 }
 
-int main(void)
+TEST_PROGRAM(relief)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(another_relief_is_refused_until_a_reset),

@@ -1,5 +1,6 @@
 /* Relinks: an overlay finds its base again by content, wherever that was moved; anything else is refused, and nothing is written. */
 #include "chain.h"
+#include "../support/program.h"
 
 static char elsewhere[300]; /* a folder beside `folder` */
 
@@ -179,7 +180,7 @@ static void what_is_not_the_base_is_refused(void **state)
 	chain_free(&chain);
 }
 
-int main(void)
+TEST_PROGRAM(relink)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(after_a_move_of_either_the_same_content_is_there),

@@ -3,6 +3,7 @@
  * after which revision.
  */
 #include "marked.h"
+#include "../support/program.h"
 
 static void model_reopen(struct model *model)
 {
@@ -98,7 +99,7 @@ static void much_is_kept_in_a_temporary_file(void **state)
 	field_free(&field);
 }
 
-int main(void)
+TEST_PROGRAM(rollback)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_rollback_is_the_mark_in_every_row),

@@ -1,5 +1,6 @@
 /* Staged bases: an overlay reads its base from a copy, and names the original; a copy that is not what its name says is refused. */
 #include "chain.h"
+#include "../support/program.h"
 
 #include <pthread.h>
 
@@ -298,7 +299,7 @@ static void of_many_that_stage_at_once_one_copies(void **state)
 	}
 }
 
-int main(void)
+TEST_PROGRAM(stage)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(an_overlay_reads_the_copy_and_names_the_original),

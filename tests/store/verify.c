@@ -1,5 +1,6 @@
 /* Verify finds each kind of damage, names the tile, and finds none where there is none. */
 #include "fixture.h"
+#include "../support/program.h"
 
 static char told[64][512];
 static int told_count;
@@ -361,7 +362,7 @@ static void content_is_what_the_rows_mean(void **state)
 	}
 }
 
-int main(void)
+TEST_PROGRAM(verify)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_sound_store_has_no_problem),

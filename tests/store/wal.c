@@ -8,6 +8,7 @@
 #include <time.h>
 
 #include "fixture.h"
+#include "../support/program.h"
 
 enum { TILES = 8, CELLS = 256, LEVEL = -2 };
 #define MEGABYTE (INT64_C(1) << 20)
@@ -184,7 +185,7 @@ static int leave(void **state)
 	return folder_remove(state);
 }
 
-int main(void)
+TEST_PROGRAM(wal)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(it_stays_short_while_others_read),

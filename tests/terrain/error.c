@@ -1,6 +1,7 @@
 /* Selection by error on the screen (Equation 3): against its definition at every point, where it spends tiles, how it
  * is fitted, and what a source may say without harm. */
 #include "fake.h"
+#include "../support/program.h"
 
 static struct terrain_selection selection;
 
@@ -322,7 +323,7 @@ static void whatever_a_source_calls_an_error_each_point_is_drawn_once(void **sta
 	assert_true(seen > 5000 && cut > 20);
 }
 
-int main(void)
+TEST_PROGRAM(error)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(every_visible_point_has_the_tile_that_its_error_asks_for),

@@ -1,6 +1,7 @@
 /* Fitting a view into fewer tiles: never more than the budget, no coarser than it must be, and only
  * what is furthest for its size is given up. */
 #include "fake.h"
+#include "../support/program.h"
 
 static struct terrain_selection selection;
 
@@ -167,7 +168,7 @@ static void without_ground_there_is_nothing_to_fit(void **state)
 	assert_int_equal(selection.needed, 1);
 }
 
-int main(void)
+TEST_PROGRAM(fit)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(what_a_picture_needs_is_counted_and_wanted_once_each),

@@ -7,6 +7,7 @@
 #include <math.h>
 
 #include "terrain/terrain.h"
+#include "../support/program.h"
 
 static const double forward[3] = {1, 0, 0}, right[3] = {0, -1, 0}, up[3] = {0, 0, 1};
 
@@ -56,7 +57,7 @@ static void a_tile_ends_at_the_worlds_edge(void **state)
 	assert_true(low[0] == 64 && low[1] == 128 && high[0] == 128 && high[1] == 192);
 }
 
-int main(void)
+TEST_PROGRAM(frustum)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_box_is_seen_where_the_camera_looks_and_nowhere_else),

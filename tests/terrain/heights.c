@@ -1,5 +1,6 @@
 /* Heights and normals at points, against every face of the ground. */
 #include "query_rig.h"
+#include "../support/program.h"
 
 static const struct rig rough = {.extent = {61, 45, 2, 8}, .finest = -2, .fine = 30, .relief = 9, .rut = 0.7};
 
@@ -111,7 +112,7 @@ static void many_are_as_one(void **unused)
 	assert_int_equal(terrain_heights(&rig.ground, points, 0, together), STATUS_OK);
 }
 
-int main(void)
+TEST_PROGRAM(heights)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(every_face_agrees),

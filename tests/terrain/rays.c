@@ -2,6 +2,7 @@
  * Rays, against every face of the ground in long doubles; and rays that could slip through where faces meet.
  */
 #include "query_rig.h"
+#include "../support/program.h"
 
 #define FAR 1e-9 /* metres a hit may be off */
 
@@ -324,7 +325,7 @@ static void many_are_as_one(void **unused)
 	}
 }
 
-int main(void)
+TEST_PROGRAM(rays)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(every_face_agrees), cmocka_unit_test(nothing_slips_through), cmocka_unit_test(far_is_as_near),

@@ -1,5 +1,6 @@
 /* Which tiles a view draws: coverage, stand-ins, order and bounds, over random worlds. */
 #include "fake.h"
+#include "../support/program.h"
 
 static struct terrain_selection selection;
 
@@ -251,7 +252,7 @@ static void selection_does_not_depend_on_where_the_world_lies(void **state)
 	assert_int_equal(counts[0], counts[1]);
 }
 
-int main(void)
+TEST_PROGRAM(selection)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(every_visible_point_is_drawn_exactly_once),

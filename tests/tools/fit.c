@@ -11,6 +11,7 @@
 #include <cmocka.h>
 
 #include "fit/fit.h"
+#include "../support/program.h"
 
 #define assert_close(a, b, share) \
 	do { \
@@ -495,7 +496,7 @@ static void a_damaged_file_is_read_or_refused(void **state)
 	assert_true(refused > 500 && fitted > 500);
 }
 
-int main(void)
+TEST_PROGRAM(fit)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(exact_data_gives_back_the_exact_numbers),

@@ -12,6 +12,7 @@
 #include <cmocka.h>
 
 #include "sim/sim.h"
+#include "../support/program.h"
 
 enum { ACCESSES_MOST = 6000, TILES_MOST = 400 };
 
@@ -466,7 +467,7 @@ static void sim_without_memory_says_so(void **state)
 	}
 }
 
-int main(void)
+TEST_PROGRAM(sim)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(sim_lru_is_the_plain_one),

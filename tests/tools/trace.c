@@ -3,6 +3,7 @@
 #include <sys/stat.h>
 
 #include "traces.h"
+#include "../support/program.h"
 
 static int files_there(void)
 {
@@ -244,7 +245,7 @@ static void page_cache_notes_every_access(void **state)
 	sim_accesses_finish(&accesses);
 }
 
-int main(void)
+TEST_PROGRAM(trace)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test_setup_teardown(page_trace_gives_back_what_was_noted, enter, leave),

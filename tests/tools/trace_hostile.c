@@ -2,6 +2,7 @@
 #include <xxhash.h>
 
 #include "traces.h"
+#include "../support/program.h"
 
 /* --- bytes by hand --- */
 
@@ -196,7 +197,7 @@ static void page_trace_that_is_none_is_refused(void **state)
 	assert_non_null(strstr(failure_message(), "is no trace"));
 }
 
-int main(void)
+TEST_PROGRAM(trace_hostile)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test_setup_teardown(page_trace_cut_anywhere_is_refused, enter, leave),

@@ -3,6 +3,7 @@
 
 #include "bed.h"
 #include "wheel_march.h"
+#include "../support/program.h"
 
 static const char *const wong_soils[] = {
 	"dry_sand", "sandy_loam_15", "sandy_loam_22", "clayey_38", "heavy_clay_25", "heavy_clay_40",
@@ -308,7 +309,7 @@ static void plates_and_spheres_settle(void **state)
 	assert_true(isnan(reference_sphere(&soft, 1e9, 0.1)));
 }
 
-int main(void)
+TEST_PROGRAM(closed_forms)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(two_derivations_agree),

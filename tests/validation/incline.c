@@ -3,6 +3,7 @@
  * what is left along the slope is what the soil's shear does not hold.
  */
 #include "bed.h"
+#include "../support/program.h"
 
 enum { POSTS = 160, STATIONS = 6 };
 
@@ -179,7 +180,7 @@ static void the_state_is_of_the_surface_where_that_is_weaker(void **state)
 		}
 }
 
-int main(void)
+TEST_PROGRAM(incline)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(the_load_is_balanced_by_weak_surfaces_too),

@@ -5,6 +5,7 @@
 #include <stdio.h>
 
 #include "bed_gpu.h"
+#include "../support/program.h"
 
 #define PRESSURE 20e3
 #define ACROSS 0.1
@@ -204,7 +205,7 @@ static void a_stiff_clay_carries_any_second_load(void **state)
 	kind->destroy(bed);
 }
 
-int main(void)
+TEST_PROGRAM(plate)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_plate_sinks_after_bekker),

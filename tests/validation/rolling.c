@@ -5,6 +5,7 @@
 #include <stdio.h>
 
 #include "bed_gpu.h"
+#include "../support/program.h"
 
 struct told {
 	double drawbar, side, vertical, moment, area, sinkage;
@@ -214,7 +215,7 @@ static void normals_of_the_ground_are_chronos(void **state)
 	}
 }
 
-int main(void)
+TEST_PROGRAM(rolling)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_wheel_tells_what_the_closed_form_does),

@@ -2,6 +2,7 @@
 #include <stdio.h>
 
 #include "bed_gpu.h"
+#include "../support/program.h"
 
 static struct deform_soil cut_soil(void)
 {
@@ -132,7 +133,7 @@ static void a_pile_of_sand_relaxes_to_its_angle(void **state)
 	kind->destroy(bed);
 }
 
-int main(void)
+TEST_PROGRAM(slope)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_vertical_cut_stands_after_culmann),

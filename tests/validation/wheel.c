@@ -2,6 +2,7 @@
 #include <stdio.h>
 
 #include "bed_gpu.h"
+#include "../support/program.h"
 
 static const struct towed {
 	const char *soil;
@@ -161,7 +162,7 @@ static void the_rims_integrals_are_what_they_are_on_paper(void **state)
 	bed_near("and its sinkage, m", reference_wong_reece_sinkage(&soil, &wheel, sum), sinkage, 1e-6);
 }
 
-int main(void)
+TEST_PROGRAM(wheel)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_towed_wheel_sinks_after_bekker),

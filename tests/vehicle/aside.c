@@ -5,6 +5,7 @@
 #include <math.h>
 
 #include "drive.h"
+#include "../support/program.h"
 
 #define RADIUS 0.32
 #define WIDTH 0.24
@@ -105,7 +106,7 @@ static void a_wheel_at_an_angle_has_the_side_force_of_the_integrals(void **state
 	}
 }
 
-int main(void)
+TEST_PROGRAM(aside)
 {
 	const struct CMUnitTest tests[] = {cmocka_unit_test(a_wheel_at_an_angle_has_the_side_force_of_the_integrals)};
 	return cmocka_run_group_tests_name("a wheel at an angle to its way", tests, support_enter, support_leave);

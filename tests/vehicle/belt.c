@@ -7,6 +7,7 @@
 #include "drive.h"
 #include "rig.h"
 #include "vehicle/internal.h"
+#include "../support/program.h"
 
 #define LENGTH 1.2
 #define WIDTH 0.3
@@ -180,7 +181,7 @@ static void a_belt_that_is_wrong_is_refused(void **state)
 	}
 }
 
-int main(void)
+TEST_PROGRAM(belt)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(it_pulls_as_a_rigid_track),

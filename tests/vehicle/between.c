@@ -5,6 +5,7 @@
 #include <math.h>
 
 #include "../support.h"
+#include "../support/program.h"
 #include "vehicle/between.h"
 
 static const char free_body[] = "<mujoco>%s<option timestep=\"%g\"/><worldbody><body><freejoint/>"
@@ -311,7 +312,7 @@ static void each_allocation_that_fails_is_told(void **state)
 	forget(&pair);
 }
 
-int main(void)
+TEST_PROGRAM(between)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(head_on_they_part_as_the_law_says),

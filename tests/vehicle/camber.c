@@ -2,6 +2,7 @@
 #include <math.h>
 
 #include "drive.h"
+#include "../support/program.h"
 
 #define DEGREES (M_PI / 180)
 #define YAW 20.0 /* degrees, across the lattice */
@@ -88,7 +89,7 @@ static void with_camber_to_one_side_it_drives_to_that_side(void **state)
 	}
 }
 
-int main(void)
+TEST_PROGRAM(camber)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(with_camber_on_both_sides_it_drives_straight),

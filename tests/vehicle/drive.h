@@ -3,6 +3,7 @@
 #define TESTS_VEHICLE_DRIVE_H
 
 #include "../support.h"
+#include "../support/skip.h"
 
 struct drive_row {
 	double t, x, y, z, roll, pitch, yaw, vx, vy, vz, kinetic, work;
@@ -39,7 +40,7 @@ static inline enum status drive_run(const char *scene_path, const char *store, c
 	enum status status = api_drive(&params, &result);
 	scene_destroy(scene);
 	if (status == STATUS_NO_GL)
-		skip();
+		skip_since("no GL");
 	if (json != NULL)
 		*json = result.json;
 	else

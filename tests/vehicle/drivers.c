@@ -3,6 +3,7 @@
 
 #include "rig.h"
 #include "vehicle/internal.h"
+#include "../support/program.h"
 
 #define STEP "time_step: 0.002"
 
@@ -132,7 +133,7 @@ static void all_wheels_turn_about_one_middle(void **state)
 	scene_destroy(scene);
 }
 
-int main(void)
+TEST_PROGRAM(drivers)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(names_that_are_not_there_are_refused),

@@ -6,6 +6,7 @@
 #include <math.h>
 
 #include "drive.h"
+#include "../support/program.h"
 
 static const struct extent extent = {129, 129, 0.25, 64};
 
@@ -155,7 +156,7 @@ static void shorter_steps_converge(void **state)
 		assert_true(fabs(x[i] - x[3]) < ways[i] * (x[3] - 10) && fabs(z[i] - z[3]) < depths[i]);
 }
 
-int main(void)
+TEST_PROGRAM(energy)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_fall_ends_in_the_soil),

@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include "../support.h"
+#include "../support/program.h"
 #include "vehicle/guard.h"
 
 static void fails(void *argument)
@@ -65,7 +66,7 @@ static void the_handlers_of_others_stay(void **state)
 	mju_user_warning = NULL;
 }
 
-int main(void)
+TEST_PROGRAM(guard)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(an_error_is_a_status),

@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "../long.h"
+#include "../support/program.h"
 #include "drive.h"
 #include "rig/rig.h"
 
@@ -179,7 +180,7 @@ static void the_steepest_slope_is_the_rigs(void **state)
 	}
 }
 
-int main(void)
+TEST_PROGRAM(held)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_vehicle_on_a_spring_pulls_as_the_rig_says),

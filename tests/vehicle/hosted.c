@@ -3,6 +3,8 @@
 
 #include "../api/hosted.h"
 #include "../comma.h"
+#include "../support/program.h"
+#include "../support/skip.h"
 #include "drive.h"
 
 #include "api/library.h"
@@ -199,7 +201,7 @@ static void a_decimal_comma_changes_nothing(void **state)
 	support_write(support_path("controls.csv"), "t,drive\n0,0.5\n0.75,2.25\n");
 	assert_int_equal(drive_run(support_path("scene.yaml"), support_path("ground.furrow"), NULL, &cut, NULL), STATUS_OK);
 	if (!comma_begin(support_folder))
-		skip();
+		skip_since("no locale with a decimal comma");
 	for (int part = 0; part < 2; part++) {
 		struct furrow_world *world = NULL;
 		done(furrow_world_open(&open, &world));
@@ -307,7 +309,7 @@ static void it_stands_in_pictures(void **unused)
 	done(furrow_world_close(world));
 }
 
-int main(void)
+TEST_PROGRAM(hosted)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(it_drives_as_the_command_drives_it),

@@ -4,6 +4,7 @@
 
 #include "rig.h"
 #include "vehicle/internal.h"
+#include "../support/program.h"
 
 #define STEP "time_step: 0.002"
 
@@ -173,7 +174,7 @@ static void gravity_is_the_scene_s(void **state)
 	scene_destroy(scene);
 }
 
-int main(void)
+TEST_PROGRAM(load)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_model_that_does_not_load_is_refused),

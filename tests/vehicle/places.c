@@ -5,6 +5,7 @@
 #include <math.h>
 
 #include "drive.h"
+#include "../support/program.h"
 
 #define STEPS 500 /* rows */
 
@@ -93,7 +94,7 @@ static void the_place_does_not_matter(void **state)
 	}
 }
 
-int main(void)
+TEST_PROGRAM(places)
 {
 	const struct CMUnitTest tests[] = {cmocka_unit_test(the_place_does_not_matter)};
 	return cmocka_run_group_tests_name("places of vehicles", tests, support_enter, support_leave);

@@ -6,6 +6,7 @@
 
 #include "drive.h"
 #include "rig/rig.h"
+#include "../support/program.h"
 
 #define RADIUS 0.32
 #define WIDTH 0.24
@@ -141,7 +142,7 @@ static void it_climbs_as_the_rig_says(void **state)
 		check(&trials[i]);
 }
 
-int main(void)
+TEST_PROGRAM(pull)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(it_pulls_on_the_level_as_on_the_rig),

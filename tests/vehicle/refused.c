@@ -1,5 +1,6 @@
 /* A build without MuJoCo refuses vehicles with what to do, and loads every other scene as before. */
 #include "../support.h"
+#include "../support/program.h"
 #include "vehicle/vehicle.h"
 
 static const char scene_text[] = "scene: 1\nend_time: 1\nsoil: {name: dry_sand}\nredistribute: {model: scm}\nvehicles:\n"
@@ -22,7 +23,7 @@ static void it_says_what_to_do(void **state)
 	scene_destroy(scene);
 }
 
-int main(void)
+TEST_PROGRAM(refused)
 {
 	const struct CMUnitTest tests[] = {cmocka_unit_test(it_says_what_to_do)};
 	return cmocka_run_group_tests_name("a build without MuJoCo", tests, support_enter, support_leave);

@@ -4,6 +4,7 @@
 #include <sys/wait.h>
 
 #include "drive.h"
+#include "../support/program.h"
 
 extern char **environ;
 
@@ -128,7 +129,7 @@ static void killed_it_goes_on_to_the_same_bits(void **state)
 	for (int i = 0; i < 4; i++) {
 		/* A program of its own: a hardware driver does not work in a fork of a process that has used it. */
 		pid_t child;
-		char *const args[] = {"repeat", (char *)scene, (char *)store, (char *)cut, (char *)outs[1], i > 0 ? "resume" : "begin", NULL};
+		char *const args[] = {"test_vehicle", "repeat", (char *)scene, (char *)store, (char *)cut, (char *)outs[1], i > 0 ? "resume" : "begin", NULL};
 		assert_int_equal(posix_spawn(&child, "/proc/self/exe", NULL, NULL, args, environ), 0);
 		usleep(400000 + 350000 * (useconds_t)i);
 		kill(child, SIGKILL);
@@ -140,19 +141,19 @@ static void killed_it_goes_on_to_the_same_bits(void **state)
 }
 
 /* repeat SCENE STORE OVERLAY DIRECTORY begin|resume: the drive that is killed. */
-static int drive_alone(char **args)
+static int drive_alone(char *const args[])
 {
-	const struct drive_cut part = {args[3], args[4], strcmp(args[5], "resume") == 0, 0};
+	const struct drive_cut part = {args[2], args[3], strcmp(args[4], "resume") == 0, 0};
 	char *json = NULL;
-	const bool done = drive_run(args[1], args[2], NULL, &part, &json) == STATUS_OK;
+	const bool done = drive_run(args[0], args[1], NULL, &part, &json) == STATUS_OK;
 	mem_free(json);
 	return done ? 0 : 1;
 }
 
-int main(int argc, char **argv)
+TEST_PROGRAM(repeat)
 {
-	if (argc == 6)
-		return drive_alone(argv);
+	if (program_words[0] != NULL && program_words[1] != NULL)
+		return drive_alone(program_words);
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(the_same_bits_however_it_is_driven),
 		cmocka_unit_test(so_are_those_of_belts),

@@ -2,6 +2,7 @@
 #include <math.h>
 
 #include "drive.h"
+#include "../support/program.h"
 
 static const struct extent extent = {129, 129, 0.25, 64};
 static double slope; /* tangent */
@@ -75,7 +76,7 @@ static void four_wheels_rest(void **state)
 	drive(15, 8, "four wheels");
 }
 
-int main(void)
+TEST_PROGRAM(rest)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(one_wheel_rests),

@@ -4,6 +4,7 @@
 #include <math.h>
 
 #include "drive.h"
+#include "../support/program.h"
 
 static const struct extent extent = {65, 65, 0.25, 64};
 static double slope; /* tangent */
@@ -123,7 +124,7 @@ static void a_block_holds_on_a_slope(void **state)
 	assert_true(fabs(last->pitch - 15) < 2);
 }
 
-int main(void)
+TEST_PROGRAM(settle)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_wheel_settles_at_the_two_sided_arc),

@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "drive.h"
+#include "../support/program.h"
 
 static const struct extent extent = {65, 65, 0.25, 64};
 
@@ -139,7 +140,7 @@ static void wheels_that_lean_carry_their_load(void **state)
 	stands("wheels with grousers", 100, 2e-4);
 }
 
-int main(void)
+TEST_PROGRAM(shapes)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(feet_of_every_shape_carry_their_load),

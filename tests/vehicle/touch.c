@@ -2,6 +2,7 @@
 #include <math.h>
 
 #include "drive.h"
+#include "../support/program.h"
 
 static const struct extent extent = {129, 129, 0.25, 64};
 
@@ -214,7 +215,7 @@ static void one_that_starts_inside_another_one_is_refused(void **state)
 	assert_non_null(strstr(failure_message(), ".yaml:10: vehicles.b.start: its geom block starts 0.113 m inside block of vehicles.a; move"));
 }
 
-int main(void)
+TEST_PROGRAM(touch)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(one_pushes_another_one),

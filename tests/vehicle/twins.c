@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "drive.h"
+#include "../support/program.h"
 
 #define RATE 2.0   /* rad/s */
 #define RADIUS 0.3 /* m, of wheels and sprockets */
@@ -74,7 +75,7 @@ static void two_on_one_hinge_go_as_far_as_one(void **state)
 	assert_true(rolled < way && way < ran);
 }
 
-int main(void)
+TEST_PROGRAM(twins)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(two_on_one_hinge_go_as_far_as_one),

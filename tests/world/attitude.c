@@ -1,5 +1,6 @@
 /* A host's quaternion and deformation's yaw, pitch, roll and turn are the same attitude, in every direction. */
 #include "../support.h"
+#include "../support/program.h"
 
 #include <math.h>
 
@@ -115,7 +116,7 @@ static void what_is_no_pose_is_refused(void **state)
 		assert_int_equal(world_attitude(&box, "box", &bad[i], &got), STATUS_USAGE);
 }
 
-int main(void)
+TEST_PROGRAM(attitude)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(an_attitude_comes_back),

@@ -1,5 +1,7 @@
 /* objects.csv: its rows are those that were asked for, whatever the time step, the delay, and where the drive was cut. */
 #include "../support.h"
+#include "../support/program.h"
+#include "../support/skip.h"
 
 static const struct extent extent = {129, 129, 0.25, 64};
 
@@ -47,7 +49,7 @@ static struct api_result drive(const char *store, const char *out, bool resume, 
 	enum status status = api_drive(&params, &result);
 	scene_destroy(scene);
 	if (status == STATUS_NO_GL)
-		skip();
+		skip_since("no GL");
 	assert_int_equal(status, stopped ? STATUS_INTERRUPTED : STATUS_OK);
 	return result;
 }
@@ -279,7 +281,7 @@ static void sinkages(const char *store, bool settle, double before[STEPS], doubl
 	must(world_prepare(&world, &(struct world_params){.scene = scene, .store = store}));
 	enum status status = world_start(&world);
 	if (status == STATUS_NO_GL)
-		skip();
+		skip_since("no GL");
 	must(status);
 	FILE *epochs = tmpfile();
 	assert_non_null(epochs);
@@ -311,7 +313,7 @@ static void the_sinkage_that_pictures_see_does_not_depend_on_who_waited(void **s
 	assert_true(memcmp(now[0], now[1], sizeof now[0]) != 0);
 }
 
-int main(void)
+TEST_PROGRAM(forces)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(each_object_has_its_row_at_each_time),

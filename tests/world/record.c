@@ -11,6 +11,7 @@
 #include <cmocka.h>
 
 #include "world/record.h"
+#include "../support/program.h"
 
 #define SUM_MOST (INT64_MAX / 4)
 
@@ -197,7 +198,7 @@ static void as_many_blocks_as_may_be_awake_and_no_more(void **state)
 	mem_free(text);
 }
 
-int main(void)
+TEST_PROGRAM(record)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(it_comes_back_to_the_bit),

@@ -1,0 +1,24 @@
+/* Kills and power cuts: a run takes two cases of each file, chosen by the hash of the commit, so that all come up over some commits.
+ * `sh tools/test.sh long` takes all. */
+#ifndef FURROW_TESTS_SUPPORT_CHOSEN_H
+#define FURROW_TESTS_SUPPORT_CHOSEN_H
+
+#include "../long.h"
+#include "skip.h"
+
+/* Whether case `index` of `count` is one of the two. FURROW_COMMIT is the commit's hash (tools/test.sh); without it the first two are. */
+static inline bool chosen(size_t index, size_t count)
+{
+	const char *commit = getenv("FURROW_COMMIT");
+	const size_t first = commit != NULL ? (size_t)(strtoull(commit, NULL, 16) % count) : 0;
+	/* strtoull takes a hash of 40 digits as its largest number, so tools/test.sh gives eight. */
+	return long_run() || (index + count - first) % count < 2;
+}
+
+#define chosen_or_skip(index, count)                                                               \
+	do {                                                                                       \
+		if (!chosen(index, count))                                                         \
+			skip_since("for sh tools/test.sh long");                                   \
+	} while (0)
+
+#endif
