@@ -3,6 +3,7 @@
  * nothing. The height is held to the reference in doubles, and to a search from above in small steps.
  */
 #include "../validation/bed_gpu.h"
+#include "../long.h"
 #include "../support/program.h"
 
 enum { POSTS = 60, STEPS = 100 };
@@ -119,9 +120,10 @@ static void the_reference_carries_it_there_and_nowhere_above(void **state)
 		for (int b = 0; b < BODIES; b++)
 			for (int p = 0; p < PLACES; p++)
 				for (int l = 0; l < 4; l++)
-					run(kind, b, p, loads[l], (kind + l) % 2 == 0 ? 0.02 : 0.03, &seen);
+					if (by_turn((size_t)(kind + b + p + l), 2))
+						run(kind, b, p, loads[l], (kind + l) % 2 == 0 ? 0.02 : 0.03, &seen);
 	print_message("%d carried, %d not; carried at most %.3g m higher\n", seen.carried, seen.skipped, seen.least);
-	assert_true(seen.carried > 150);
+	assert_true(seen.carried > (long_run() ? 150 : 60));
 	assert_true(seen.least <= 1.5 * 0x1p-20); /* heights are whole units */
 }
 

@@ -1,9 +1,12 @@
 /* Objects that are too small, too large, too fast, in the wrong place or in each other's way, under every model. */
+#include "../long.h"
 #include "hard.h"
 #include "../support/program.h"
 
+/* Every other model in turn. */
 #define EACH_MODEL(model) \
-	for (const struct hard_model *model = hard_models; model < hard_models + HARD_MODELS; model++)
+	for (const struct hard_model *model = hard_models; model < hard_models + HARD_MODELS; model++) \
+		if (by_turn((size_t)(model - hard_models), 2))
 
 /* --- what a drive changed --- */
 

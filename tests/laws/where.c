@@ -19,7 +19,7 @@ static void what_hops_leaves_the_same_rows(void **state)
 	static const support_height heights[] = {support_hills, flat, cliff, holed};
 	for (int h = 0; h < 4; h++)
 		for (int m = 0; m < MODELS; m++) {
-			if (!long_or_part((size_t)m, (size_t)h, 2))
+			if (!long_or_part((size_t)m, (size_t)h, 4))
 				continue;
 			write_hops(heights[h]);
 			/* Where soil slides a tile that was touched is looked at, and the next to it then is touched. */
@@ -52,6 +52,8 @@ static void what_flies_into_a_rim_presses_it(void **state)
 	write_poses("fly.csv", &(struct hops){flat, 2, 40, 61, 20, 0.3, 0.25, -0.05, 0.06, 1, 4, false});
 	const char *first = scene_of("first.yaml", 3, digs);
 	for (int m = 0; m < MODELS; m++) {
+		if (!by_turn((size_t)m, 2))
+			continue;
 		the_same_either_way(extent, flat, scene_of("fly.yaml", m, flies), first, (struct least){0.1, 1});
 		struct store_check check = support_verify(support_path("few.furrow"));
 		assert_int_equal(check.finest, -3);

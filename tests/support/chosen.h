@@ -6,13 +6,10 @@
 #include "../long.h"
 #include "skip.h"
 
-/* Whether case `index` of `count` is one of the two. FURROW_COMMIT is the commit's hash (tools/test.sh); without it the first two are. */
+/* Whether case `index` of `count` is one of the two; without a commit's hash the first two are. */
 static inline bool chosen(size_t index, size_t count)
 {
-	const char *commit = getenv("FURROW_COMMIT");
-	const size_t first = commit != NULL ? (size_t)(strtoull(commit, NULL, 16) % count) : 0;
-	/* strtoull takes a hash of 40 digits as its largest number, so tools/test.sh gives eight. */
-	return long_run() || (index + count - first) % count < 2;
+	return long_run() || (index + count - commit_number() % count) % count < 2;
 }
 
 #define chosen_or_skip(index, count)                                                               \

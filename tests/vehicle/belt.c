@@ -7,6 +7,7 @@
 #include "drive.h"
 #include "rig.h"
 #include "vehicle/internal.h"
+#include "../long.h"
 #include "../support/program.h"
 
 #define LENGTH 1.2
@@ -89,7 +90,8 @@ static void it_pulls_as_a_rigid_track(void **state)
 	};
 	(void)state;
 	for (size_t i = 0; i < sizeof trials / sizeof *trials; i++)
-		check(&trials[i]);
+		if (by_turn(i, 2))
+			check(&trials[i]);
 }
 
 /* --- up a slope --- */
