@@ -11,7 +11,7 @@ import subprocess
 import time
 import unittest
 
-from furrow_test import FURROW, MAPS, FurrowTest, has_gdal, long, main
+from furrow_test import FURROW, chosen, MAPS, FurrowTest, has_gdal, long, main
 import rasters
 
 SCENES = pathlib.Path(__file__).parents[2] / "tools" / "scenes"
@@ -83,8 +83,9 @@ class Mobility(FurrowTest):
             self.assertTrue(0 < slope < steepest, told)
             ups = [told["slopes"][round(slope / 0.5) + more]["verdicts"][0] for more in (0, 1)]
             self.assertTrue(ups[0]["slip"] <= float(slip) and (ups[1]["slip"] > float(slip) or ups[1]["reason"] != "go"), ups)
-        for share in (0.5, 0.8, 1.25):
-            degrees = share * steepest
+        shares = (0.5, 0.8, 1.25)
+        for place in chosen(2, len(shares)):
+            degrees = shares[place] * steepest
             row = told["slopes"][round(degrees / 0.5)]
             up = row["verdicts"][0]
             self.assertEqual(up["heading"], 90)
@@ -165,8 +166,6 @@ class Mobility(FurrowTest):
 
     def test_ctrl_c_leaves_nothing(self):
         store = self.ramp("level", 0)
-        self.judged(store, "--spacing", "0.125")
-        (self.folder / "out.png").unlink()
         before = sorted(path.name for path in self.folder.iterdir())
         running = subprocess.Popen([FURROW, "mobility", store, "--vehicle", "car.xml", "--soil", "dry_sand", "--spacing", "0.02", "-o", "out.png"],
                                    cwd=self.folder, env=dict(os.environ, TMPDIR=str(self.folder)), stderr=subprocess.PIPE, text=True)
@@ -179,7 +178,6 @@ class Mobility(FurrowTest):
 
     def test_wrong_input_is_told(self):
         store = self.ramp("level", 0)
-        self.judged(store, "--spacing", "0.125")
         car = ["--vehicle", "car.xml"]
         for status, arguments, part in (
                 (2, [*car, "--soil", "lunar"], "-o is missing"), (2, ["-o", "x.png", "--soil", "lunar"], "--vehicle and --scene"),
