@@ -175,7 +175,8 @@ struct chart_written {
 	size_t names, unlabelled; /* ways that are drawn, and those of them that have no name beside them on the map */
 };
 /* Draws a map and writes it: under another name first, then renamed. `written` may be NULL. The frame is as long as asked for, text
- * has the same size on every map. STATUS_FAILED: chart_missing(), no memory, or the file cannot be written. */
+ * has the same size on every map. A note names signs that no installed font has. STATUS_FAILED: chart_missing(), no memory, or the
+ * file cannot be written. */
 enum status chart_map_write(const struct chart_map *map, const char *path, struct chart_written *written) FURROW_CHECKED;
 
 /* The ground of a map alone, as pixels. A build without Pango has it, too. */
@@ -211,7 +212,8 @@ enum status chart_pen_create(struct chart_pen **out) FURROW_CHECKED;
 void chart_pen_destroy(struct chart_pen *pen); /* pen may be NULL */
 /* Returns the width of a line in pixels. `size`: of the letters, pixels from one line to the next. */
 int chart_pen_width(struct chart_pen *pen, int size, const char *text);
-/* (x, y): the lower left corner of a line that is `size` pixels high. */
+/* (x, y): the lower left corner of a line that is `size` pixels high. A note names signs that no installed font has, the first time that
+ * they are written. */
 enum status chart_pen_write(struct chart_pen *pen, const struct chart_pixels *pixels, int x, int y, int size, const char *text,
 			    struct chart_colour colour) FURROW_CHECKED;
 

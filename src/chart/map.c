@@ -381,6 +381,8 @@ enum status chart_map_write(const struct chart_map *map, const char *path, struc
 	enum status status = chart_map_page(map, path, &page, &frame, written != NULL ? written : &unasked);
 	if (status == STATUS_OK)
 		status = chart_page_write(&page, path);
+	if (status == STATUS_OK)
+		chart_unknown_tell(&page.unknown, path);
 	chart_page_finish(&page);
 	return status;
 }

@@ -36,6 +36,14 @@ struct chart_said {
 	char *text;
 };
 
+/* Signs of a page's texts that no installed font has, each once. */
+#define CHART_UNKNOWN_MOST 8
+struct chart_unknown {
+	gunichar signs[CHART_UNKNOWN_MOST];
+	size_t count;
+	bool more; /* there are others */
+};
+
 struct chart_page {
 	PangoFontMap *fonts;
 	PangoContext *context;
@@ -55,6 +63,7 @@ struct chart_page {
 	struct chart_said *said;
 	size_t said_count, said_room;
 	bool lacking; /* memory ran out */
+	struct chart_unknown unknown;
 };
 
 enum status chart_page_create(struct chart_page *page) FURROW_CHECKED;
@@ -82,6 +91,12 @@ void chart_text(struct chart_page *page, const struct chart_style *style, double
 void chart_text_on(struct chart_page *page, cairo_t *cairo, const struct chart_style *style, double x, double y, const char *text);
 /* Returns a copy in valid UTF-8, of one line, with what is not replaced; freed by g_free. */
 char *chart_text_valid(const char *text);
+
+/* --- unknown.c --- */
+/* Adds the signs of a layout that no installed font has. */
+void chart_unknown_add(struct chart_unknown *unknown, PangoLayout *layout);
+/* Tells them in a note that begins with `what`, with what to install. Tells nothing if there are none. */
+void chart_unknown_tell(const struct chart_unknown *unknown, const char *what);
 
 /* --- marks.c --- */
 /* Draws a bar of a round length, at most `most` points long, from x on; its labels are below it. `metres`: of a point. */

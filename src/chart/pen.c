@@ -77,10 +77,13 @@ enum status chart_pen_write(struct chart_pen *pen, const struct chart_pixels *pi
 		return fail_memory("letters");
 	cairo_surface_t *surface = cairo_image_surface_create_for_data(cover, CAIRO_FORMAT_A8, width, height, stride);
 	cairo_t *cairo = cairo_create(surface);
+	const size_t before = pen->page.unknown.count;
 	chart_text_on(&pen->page, cairo, &style, 0, (height - high) / 2, text);
 	const cairo_status_t failed = cairo_status(cairo);
 	cairo_destroy(cairo);
 	cairo_surface_destroy(surface);
+	if (pen->page.unknown.count > before)
+		chart_unknown_tell(&pen->page.unknown, "text");
 	if (failed == CAIRO_STATUS_SUCCESS)
 		lay(pixels, x, y, cover, width, height, stride, colour);
 	mem_free(cover);

@@ -18,9 +18,12 @@ const char *chart_missing(void)
 char *chart_text_valid(const char *text)
 {
 	char *valid = g_utf8_make_valid(text, -1);
-	for (char *p = valid; *p != '\0'; p++)
-		if ((unsigned char)*p < 0x20 || *p == 0x7f)
-			*p = ' ';
+	for (char *p = valid, *next; *p != '\0'; p = next) {
+		const gunichar c = g_utf8_get_char(p);
+		next = g_utf8_next_char(p);
+		if (g_unichar_iscntrl(c) || c == 0x2028 || c == 0x2029)
+			memset(p, ' ', (size_t)(next - p)); /* control characters, and ends of lines and paragraphs */
+	}
 	return valid;
 }
 
@@ -80,7 +83,7 @@ static void remember(struct chart_page *page, enum chart_text_kind kind, struct 
 }
 
 /* Sets the layout on `cairo`, and fills its rectangle. */
-static void set(cairo_t *cairo, PangoLayout *layout, const struct chart_style *style, double x, double y, struct chart_rect *rect)
+static void set(struct chart_page *page, cairo_t *cairo, PangoLayout *layout, const struct chart_style *style, double x, double y, struct chart_rect *rect)
 {
 	double left, width, height;
 	extents(layout, &left, &width, &height);
@@ -100,6 +103,7 @@ static void set(cairo_t *cairo, PangoLayout *layout, const struct chart_style *s
 	cairo_set_source_rgba(cairo, colour.r / 255.0, colour.g / 255.0, colour.b / 255.0, colour.a / 255.0);
 	cairo_move_to(cairo, 0, 0);
 	pango_cairo_show_layout(cairo, layout);
+	chart_unknown_add(&page->unknown, layout);
 	cairo_restore(cairo);
 	*rect = (struct chart_rect){x, y, x + (style->turned ? height : width), y + (style->turned ? width : height)};
 }
@@ -109,7 +113,7 @@ void chart_text_on(struct chart_page *page, cairo_t *cairo, const struct chart_s
 	struct chart_rect rect;
 	char *valid = chart_text_valid(text);
 	PangoLayout *layout = layout_of(page, style, valid);
-	set(cairo, layout, style, x, y, &rect);
+	set(page, cairo, layout, style, x, y, &rect);
 	g_object_unref(layout);
 	g_free(valid);
 }
@@ -119,7 +123,7 @@ void chart_text(struct chart_page *page, const struct chart_style *style, double
 	struct chart_rect rect;
 	char *valid = chart_text_valid(text);
 	PangoLayout *layout = layout_of(page, style, valid);
-	set(page->cairo, layout, style, x, y, &rect);
+	set(page, page->cairo, layout, style, x, y, &rect);
 	g_object_unref(layout);
 	remember(page, style->kind, rect, valid);
 }

@@ -356,13 +356,12 @@ class Script(unittest.TestCase):
         self.assertEqual(self.written(), {"accuracy.jsonl.part"})
 
     def test_an_interrupt_ends_it_and_what_it_started(self):
-        self.programs(f"head -2 {self.folder / 'lines'}; echo $$ > {self.folder / 'pid'}; exec sleep 100\n", "true\n")
+        self.programs(f"head -2 {self.folder / 'lines'}; echo $$ > {self.folder / 'pid.part'}; mv {self.folder / 'pid.part'} {self.folder / 'pid'}; exec sleep 100\n", "true\n")
         process = subprocess.Popen([sys.executable, str(BENCH / "accuracy.py"), "--build", str(self.folder), "-o", str(self.out)],
                                    stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         part = self.out / "accuracy.jsonl.part"
-        deadline = time.monotonic() + 60
-        while time.monotonic() < deadline and not (part.exists() and part.read_text().count("\n") == 2 and
-                                                   (self.folder / "pid").exists()):
+        self.addCleanup(process.kill)
+        while process.poll() is None and not (part.exists() and part.read_text().count("\n") == 2 and (self.folder / "pid").exists()):
             time.sleep(0.01)
         process.send_signal(signal.SIGINT)
         said, errors = process.communicate(timeout=60)

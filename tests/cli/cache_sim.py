@@ -4,7 +4,6 @@ import json
 import signal
 import struct
 import subprocess
-import time
 import xml.etree.ElementTree
 
 from furrow_test import FURROW, FurrowTest, main
@@ -351,13 +350,9 @@ class CacheSim(FurrowTest):
         self.endless()
         process = subprocess.Popen([FURROW, "drive", "scene.yaml", "-o", "out", "--trace", "t.trace"], cwd=self.folder,
                                    stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
-        log = self.folder / "out" / "epochs.log"
-        while process.poll() is None and not (log.exists() and log.stat().st_size > 0):
-            time.sleep(0.01)
+        self.until_committed(process)
         process.send_signal(signal.SIGINT)
-        _, errors = process.communicate(timeout=100)
-        if process.returncode == 4:
-            self.skipTest("no GL here")
+        _, errors = process.communicate(timeout=250)
         self.assertEqual(process.returncode, 130, errors)
         run = json.loads((self.folder / "out" / "run.json").read_text())
         got = self.json("cache-sim", "t.trace", "--policy", "lru")

@@ -8,7 +8,6 @@ import signal
 import sqlite3
 import subprocess
 import sys
-import time
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
 from furrow_test import FURROW, SCENE, FurrowTest, long, main, part, sampled, write_png16
@@ -256,8 +255,7 @@ cache: {slots: 16}
             before = len(log.read_text().splitlines()) if resumed else 0
             process = subprocess.Popen([FURROW, "drive", scene, "--store", self.store, "-o", "out", *resumed], cwd=self.folder,
                                        stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True)
-            while process.poll() is None and not (log.exists() and len(log.read_text().splitlines()) >= before + commits):
-                time.sleep(0.005)
+            self.until_committed(process, commits=before + commits)
             process.send_signal(signal.SIGINT)
             _, errors = process.communicate(timeout=280)
             report = json.loads((self.folder / "out/run.json").read_text())

@@ -7,6 +7,7 @@ import struct
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 import zlib
 
@@ -127,6 +128,14 @@ class FurrowTest(unittest.TestCase):
             self.skipTest("no GL here: " + result.stderr.strip())
         self.assertEqual(result.returncode, 0, result.stderr)
         return json.loads(result.stdout)
+
+    def until_committed(self, process, out="out", commits=1):
+        """Waits until a drive into the folder `out` has committed so often, or has ended: however long that takes. Skips where there is no GL."""
+        log = self.folder / out / "epochs.log"
+        while process.poll() is None and not (log.exists() and log.read_text().count("\n") >= commits):
+            time.sleep(0.01)
+        if process.poll() == 4:
+            self.skipTest("no GL here: " + (process.communicate()[1] or ""))
 
 
 def main():

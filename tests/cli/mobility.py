@@ -169,9 +169,11 @@ class Mobility(FurrowTest):
         before = sorted(path.name for path in self.folder.iterdir())
         running = subprocess.Popen([FURROW, "mobility", store, "--vehicle", "car.xml", "--soil", "dry_sand", "--spacing", "0.02", "-o", "out.png"],
                                    cwd=self.folder, env=dict(os.environ, TMPDIR=str(self.folder)), stderr=subprocess.PIPE, text=True)
-        time.sleep(1.5)
+        self.addCleanup(running.kill)
+        while running.poll() is None and not list(self.folder.glob("furrow-mobility-*")):  # it begins to measure the vehicle
+            time.sleep(0.01)
         running.send_signal(signal.SIGINT)
-        _, error = running.communicate(timeout=60)
+        _, error = running.communicate(timeout=250)
         self.assertEqual(running.returncode, 130, error)
         self.assertIn("interrupted", error)
         self.assertEqual(before, sorted(path.name for path in self.folder.iterdir()))

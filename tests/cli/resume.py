@@ -69,7 +69,9 @@ class Resume(FurrowTest):
         chance = random.Random(int(os.environ.get("KILL_SEED", "7")))
         part = self.folder / "killed.furrow.part"
         committed = kills = 0
-        while not (self.folder / "killed.furrow").exists():
+        while kills == 0 or committed == 0 or not (self.folder / "killed.furrow").exists():
+            if (self.folder / "killed.furrow").exists():  # done before anything of it was killed: again
+                (self.folder / "killed.furrow").unlink()
             status, errors = self.stopped(signal.SIGKILL, chance.uniform(0, took), "--resume", "--jobs",
                                           str(chance.choice([1, 2, 5])))
             self.assertIn(status, (0, -signal.SIGKILL), errors)
@@ -77,8 +79,6 @@ class Resume(FurrowTest):
             committed = max(committed, self.tiles_in(part))
             if kills > 60:  # were nothing kept, it would never end
                 self.ok(*self.arguments("killed.furrow", "--resume"))
-        self.assertGreater(kills, 0)
-        self.assertGreater(committed, 0)
         self.assertEqual(self.hash_of("killed.furrow"), self.hash_of("whole.furrow"))
         self.assertTrue(self.json("verify", "killed.furrow")["ok"])
         left = sorted(p.name for p in self.folder.glob("killed*"))
@@ -87,15 +87,17 @@ class Resume(FurrowTest):
         self.assertEqual(left, ["killed.furrow"])
 
     def test_in_a_log_it_tells_how_far_it_is_every_ten_seconds(self):
-        started = time.monotonic()
-        process = self.start()
-        part = self.folder / "killed.furrow.part"
-        while process.poll() is None and not (part.exists() and part.stat().st_size > 1 << 20):
-            time.sleep(0.001)
-        process.send_signal(signal.SIGSTOP)  # it takes long, and no processor
+        part, process = self.folder / "killed.furrow.part", None
+        for _ in range(5):
+            if process is None or process.poll() is not None:  # done before it could be stopped: again
+                started, process = time.monotonic(), self.start("--overwrite")
+                self.addCleanup(process.kill)
+            while process.poll() is None and not (part.exists() and part.stat().st_size > 1 << 20):
+                time.sleep(0.001)
+            process.send_signal(signal.SIGSTOP)  # it takes long, and no processor
         time.sleep(10.5)
         process.send_signal(signal.SIGCONT)
-        _, errors = process.communicate(timeout=100)
+        _, errors = process.communicate(timeout=250)
         self.assertEqual(process.returncode, 0, errors)
         self.assertRegex(errors, r"(?m)^furrow: note: killed.furrow: \d+ of 5121 rows \(\d+ %\), \d+ a second, \d+ s left$")
         self.assertLessEqual(errors.count(" s left"), (time.monotonic() - started) // 10)

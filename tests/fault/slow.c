@@ -12,7 +12,7 @@
 #include "api/api.h"
 #include "through.h"
 
-#define DELAY 20 /* ms a read */
+#define DELAY 10 /* ms a read */
 #define WAITS 65536
 
 static const struct extent extent = {1025, 1025, 1, 32};

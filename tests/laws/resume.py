@@ -177,15 +177,16 @@ class Campaign:
         return committed
 
     def wait(self, process, out):
-        """For the instant of the kill: some commits from now and a while, or anywhere in the beginning."""
+        """For the instant of the kill: some commits from now and a while, or anywhere in the beginning. Returns whether it is after new commits."""
         if self.chance.random() < 0.15:
             time.sleep(self.chance.uniform(0, self.starting))
-            return
+            return False
         log = out / "epochs.log"
         lines, more = (len(log.read_bytes().splitlines()) if log.exists() else 0), self.chance.randint(1, 2 + self.commits // 4)
         while process.poll() is None and not (log.exists() and len(log.read_bytes().splitlines()) >= lines + more):
             time.sleep(0.002)
         time.sleep(self.chance.uniform(0, self.seconds / self.commits))
+        return True
 
     def drive_once(self, round_, kills):
         """From the start to the end, with at most so many kills."""
@@ -195,8 +196,7 @@ class Campaign:
             self.counts["resumed"] += resume
             left = self.counts["kills"] < kills
             gently = self.chance.random() < 0.15
-            if left:
-                self.wait(process, out)
+            late = left and self.wait(process, out)
             if not left or process.poll() is not None:
                 self.ended(process, 0)
                 break
@@ -207,7 +207,8 @@ class Campaign:
             # An interrupt may come before it is caught.
             self.test.assertIn(process.returncode, (-signal.SIGINT, 130) if gently else (-signal.SIGKILL,), (self.name, errors))
             self.counts["interrupts" if gently else "kills"] += 1
-            committed = self.look(out, store, committed)
+            before, committed = committed, self.look(out, store, committed)
+            self.test.assertTrue(committed > before or not late, (self.name, "commits that were acknowledged are gone", before, committed))
             # Killed when all was done and told: the next will find nothing left, and leave that as it is.
             report = out / "run.json"
             told = report.exists() and json.loads(report.read_text())["ended"] == "complete"
@@ -258,9 +259,7 @@ class Resume(FurrowTest):
                 self.skipTest(f"no GL here: {error}")
         print("all", total, flush=True)
         self.assertGreaterEqual(total["kills"], kills)
-        # Worth something only if drives went on from what a kill left.
-        self.assertGreater(total["resumed"], kills // 2)
-        self.assertLess(total["nothing_new"], kills // 2)
+        self.assertGreaterEqual(total["resumed"], kills)
         self.assertEqual(hashlib.sha256((self.folder / "hills.furrow").read_bytes()).digest(), base)
 
 

@@ -147,11 +147,26 @@ static void block(int64_t step)
 	assert_int_equal(mkfifo(name_of(step, ".part"), 0600), 0);
 }
 
+/* Waits until the main thread sleeps, as it does once it waits for a picture: then it sleeps each time that this looks. */
+static void await_sleep(void)
+{
+	for (int asleep = 0; asleep < 10;) {
+		char path[64], text[256] = "";
+		snprintf(path, sizeof path, "/proc/self/task/%d/stat", (int)getpid());
+		const int file = open(path, O_RDONLY);
+		assert_true(file >= 0 && read(file, text, sizeof text - 1) > 0);
+		close(file);
+		const char *state = strrchr(text, ')');
+		asleep = state != NULL && state[1] == ' ' && state[2] == 'S' ? asleep + 1 : 0;
+		usleep(1000);
+	}
+}
+
 /* The writer's open of the pipe, and its write, go on. */
 static void *unblock_body(void *path)
 {
 	char bytes[4096];
-	usleep(50000);
+	await_sleep();
 	int file = open(path, O_RDONLY);
 	while (file >= 0 && read(file, bytes, sizeof bytes) > 0)
 		;

@@ -45,16 +45,15 @@ static void a_still_view_settles_in_any_number_of_slots(void **state)
 		int frames = 0;
 		uint64_t before = 0;
 		for (int quiet = 0; quiet < 30; quiet++) {
-			assert_true(frames++ < 3000); /* or it never comes to rest */
+			assert_true(frames++ < 100000); /* or it never comes to rest */
 			step(&rig, 0.02);
 			nap();
 			assert_true(view->selection->draw_count > 0);
-			if (traffic(&rig) != before)
+			if (traffic(&rig) != before || view->selection->wanted_count > 0) /* a loader may have no processor for a while */
 				quiet = 0;
 			before = traffic(&rig);
 		}
 		/* All of the picture that fits is there, and so it stays. */
-		assert_int_equal(view->selection->wanted_count, 0);
 		assert_true(view->selection->needed <= view->budget && view->budget < counts[i]);
 		assert_true(view->selection->draw_count >= drawn);
 		drawn = view->selection->draw_count;
@@ -104,7 +103,7 @@ static void load_wishes(struct rig *rig)
 {
 	struct world *world = &rig->world;
 	for (int tries = 0;; tries++) {
-		assert_true(tries < 3000);
+		assert_true(tries < 100000);
 		motion_requests_clear(&rig->requests);
 		must(render_view_requests(rig->view, &rig->requests));
 		if (rig->requests.count == 0)
@@ -432,7 +431,7 @@ static void looking_ahead_waits_for_no_range_at(int level)
 	struct view *view = rig.view;
 	bool guessed = true;
 	for (int tries = 0; guessed; tries++) {
-		assert_true(tries < 3000);
+		assert_true(tries < 100000);
 		guessed = false;
 		for (int i = 0; i < VIEW_LOOKS; i++) {
 			must(render_view_look_ahead(view));
@@ -468,7 +467,7 @@ static void a_picture_in_a_window_waits_for_no_range(void **state)
 	must(render_view_frame(view, NULL, false));
 	assert_true(view->guessed && render_view_lacks(view));
 	for (int tries = 0; render_view_lacks(view); tries++) {
-		assert_true(tries < 3000);
+		assert_true(tries < 100000);
 		step(&rig, 0.02);
 		nap();
 	}

@@ -37,7 +37,7 @@ static struct guest guest;
 
 static void wait_for_tiles(struct drive *drive, const struct render_camera *camera)
 {
-	for (int tries = 0; tries < 4000; tries++) {
+	for (int tries = 0; tries < 100000; tries++) {
 		must(render_view_select(drive->view, camera, false));
 		const struct terrain_selection *selection = drive->view->selection;
 		if (selection->wanted_count == 0)

@@ -97,8 +97,9 @@ static void it_stays_short_while_others_read(void **state)
 		assert_null(failed);
 	}
 	assert_true(written > 240 * MEGABYTE);
-	/* Up to twice the bound nobody is waited for; and the epoch that went over. */
-	assert_true(most > BOUND / 2 && most < 2 * BOUND + 32 * MEGABYTE);
+	/* Up to twice the bound nobody is waited for; then comes the epoch that went over. Once, a reader may have had no processor
+	 * for longer than the wait. */
+	assert_true(most > BOUND / 2 && most < 3 * BOUND + 32 * MEGABYTE);
 	store_close(store);
 	assert_int_equal(wal_bytes(path), 0);
 }
