@@ -11,7 +11,7 @@ import subprocess
 import time
 import unittest
 
-from furrow_test import FURROW, chosen, MAPS, FurrowTest, has_gdal, long, main
+from furrow_test import FURROW, MAPS, FurrowTest, chosen, has_gdal, long, main
 import rasters
 
 SCENES = pathlib.Path(__file__).parents[2] / "tools" / "scenes"
