@@ -429,6 +429,8 @@ struct store_numbers {
 enum status store_count(struct store *store, struct store_numbers *numbers) FURROW_CHECKED;
 /* Gives only the last run, as store_count does. */
 enum status store_last_run(struct store *store, struct store_run *run) FURROW_CHECKED;
+/* Returns true if that last run is of the parent: the overlay began with it and has no commit of its own. Call it after store_last_run(). */
+bool store_run_inherited(const struct store *store);
 
 struct store_check {
 	int64_t problems;   /* number of all problems, including those that were not passed to `problem` */

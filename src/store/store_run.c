@@ -141,3 +141,13 @@ enum status store_last_run(struct store *store, struct store_run *run)
 		};
 	return status;
 }
+
+bool store_run_inherited(const struct store *store)
+{
+	const int64_t commit = store->last_run.commit;
+	if (!store->last_run.found || store->under == NULL)
+		return false;
+	/* A rank's part that has no commit of its own: what counts is the file under it. */
+	const struct store *file = store->part.count > 0 && commit == store->parent_revision ? store->under : store;
+	return file->under != NULL && commit == file->parent_revision;
+}

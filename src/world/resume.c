@@ -126,10 +126,15 @@ enum status world_resume(struct world *world)
 		note("%s: nothing was driven there; begins at step 0", store);
 		return STATUS_OK;
 	}
-	if (strcmp(run.scene_hash, world->scene->hash) != 0)
-		return fail_with(STATUS_INPUT, "%s: its last drive, to step %lld, was of another scene (%.8s, not %.8s); resume with "
-				 "that scene, or drive this one without --resume", store, (long long)run.step,
-				 run.scene_hash, world->scene->hash);
+	const bool other = strcmp(run.scene_hash, world->scene->hash) != 0;
+	if (other && store_run_inherited(world->store)) {
+		note("%s: nothing was driven there: what it begins with is of another scene; begins at step 0, over those ruts", store);
+		return STATUS_OK;
+	}
+	if (other)
+		return fail_with(STATUS_INPUT, "%s: its last drive, to step %lld, was of another scene, or of this one with other values "
+				 "(%.8s, not %.8s); resume with the same scene and the same --set, or drive without --resume: it then goes "
+				 "over those ruts", store, (long long)run.step, run.scene_hash, world->scene->hash);
 	status = world_record_parse(&run, store, world->scene, world->record);
 	if (status == STATUS_OK)
 		status = check(world);

@@ -164,6 +164,34 @@ cache: {slots: 16}
             self.assert_same((report, driven), whole)
             self.ok("reset", self.store)
 
+    def test_on_a_fresh_branch_of_a_driven_store_it_begins(self):
+        text = """scene: 1
+time_step: 0.1
+end_time: 1
+spacing: 0.5
+soil: {name: dry_sand}
+redistribute: {model: scm}
+objects:
+  - {name: ball, shape: {sphere: {radius: 2}}, sink: 0.1, path: {points: [[20, 20], [40, 30]], speed: 5}}
+"""
+        first, other = self.scene(text), self.scene(text.replace("0.1, path", "0.3, path"), "other.yaml")
+        self.drive(first, "--store", self.store)
+        for name in ("a", "b"):
+            self.ok("branch", self.store, f"{name}.furrow")
+        begins = r"a\.furrow: nothing was driven there: what it begins with is of another scene; begins at step 0"
+        self.assertRegex(self.furrow("drive", other, "--store", "a.furrow", "-o", "out", "--resume", "--steps", "3").stderr, begins)
+        # From its first commit on the record is the branch's own.
+        self.assertEqual(self.drive(other, "--store", "a.furrow", "--resume")["resumed_from"], 3)
+        self.assertIn("resume with the same scene and the same --set",
+                      self.refused(3, "drive", first, "--store", "a.furrow", "-o", "out", "--resume"))
+        self.assertIsNone(self.drive(other, "--store", self.store, "--overlay", "new.furrow", "--resume")["resumed_from"])
+        self.drive(other, "--store", "b.furrow")
+        for name in ("a", "new"):
+            self.assertTrue(self.rows(self.folder / f"{name}.furrow") == self.rows(self.folder / "b.furrow"), name)
+        # The same scene goes on where its parent's drive ended, after a reset too.
+        self.ok("reset", "b.furrow")
+        self.assertEqual(self.drive(first, "--store", "b.furrow", "--resume", "--set", "end_time=2")["resumed_from"], 10)
+
     def test_what_is_complete_is_left_as_it_is(self):
         scene = self.scene()
         report = self.drive(scene, "--store", self.store)

@@ -64,10 +64,13 @@ const char *__asan_default_options(void)
 static uint8_t reached_now[PLACES] __attribute__((aligned(8))), reached_ever[PLACES];
 static uintptr_t reached_last;
 
+/* The linker's: where the program begins, which is another place in each process. */
+extern const char __executable_start[];
+
 void __sanitizer_cov_trace_pc(void);
 __attribute__((no_sanitize("address", "undefined"))) void __sanitizer_cov_trace_pc(void)
 {
-	uintptr_t at = (uintptr_t)__builtin_return_address(0);
+	uintptr_t at = (uintptr_t)__builtin_return_address(0) - (uintptr_t)__executable_start;
 	at = at ^ at >> 16;
 	uint8_t *count = &reached_now[(at ^ reached_last) & (PLACES - 1)];
 	*count = (uint8_t)(*count + (*count < 255));

@@ -1,12 +1,14 @@
 /*
- * Every allocation counted: by the sanitizer's hooks where there is one, else by standing before
- * the C library's functions. What libraries take counts too.
+ * Every allocation counted: by the sanitizer's hooks where there is one, else by functions of ours
+ * in place of the C library's. What libraries take counts too, and what the C library itself takes:
+ * so these functions are visible outside of the program, which is compiled with hidden symbols.
  *
  * Invariant: a block is counted by the size it has in the allocator, when it is taken and when it
  * is given back; blocks taken while `paused` are given back while `paused`.
  */
 #include "fuzz.h"
 
+#include <errno.h>
 #include <malloc.h>
 #include <sqlite3.h>
 #include <stdlib.h>
@@ -52,6 +54,9 @@ static void given_back(size_t size)
 {
 	if (paused > 0)
 		return;
+	/* A block that was never counted: the limits would mean nothing. */
+	if (live < size)
+		abort();
 	blocks--;
 	live -= size;
 }
@@ -78,9 +83,11 @@ static __attribute__((constructor)) void install(void)
 	__sanitizer_install_malloc_and_free_hooks(hook_taken, hook_given_back);
 }
 #else
+#define SEEN __attribute__((visibility("default")))
 void *__libc_malloc(size_t size);
 void *__libc_calloc(size_t count, size_t size);
 void *__libc_realloc(void *block, size_t size);
+void *__libc_memalign(size_t alignment, size_t size);
 void __libc_free(void *block);
 
 static void *counted(void *block)
@@ -90,17 +97,17 @@ static void *counted(void *block)
 	return block;
 }
 
-void *malloc(size_t size)
+SEEN void *malloc(size_t size)
 {
 	return counted(__libc_malloc(size));
 }
 
-void *calloc(size_t count, size_t size)
+SEEN void *calloc(size_t count, size_t size)
 {
 	return counted(__libc_calloc(count, size));
 }
 
-void *realloc(void *block, size_t size)
+SEEN void *realloc(void *block, size_t size)
 {
 	size_t old = block != NULL ? malloc_usable_size(block) : 0;
 	void *moved = __libc_realloc(block, size);
@@ -109,7 +116,28 @@ void *realloc(void *block, size_t size)
 	return counted(moved);
 }
 
-void free(void *block)
+SEEN void *memalign(size_t alignment, size_t size)
+{
+	return counted(__libc_memalign(alignment, size));
+}
+
+SEEN void *aligned_alloc(size_t alignment, size_t size)
+{
+	return counted(__libc_memalign(alignment, size));
+}
+
+SEEN int posix_memalign(void **block, size_t alignment, size_t size)
+{
+	if (alignment % sizeof(void *) != 0 || (alignment & (alignment - 1)) != 0 || alignment == 0)
+		return EINVAL;
+	void *made = __libc_memalign(alignment, size);
+	if (made == NULL)
+		return ENOMEM;
+	*block = counted(made);
+	return 0;
+}
+
+SEEN void free(void *block)
 {
 	if (block != NULL)
 		given_back(malloc_usable_size(block));

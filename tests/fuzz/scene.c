@@ -184,7 +184,7 @@ static void check_scene(const struct scene *scene)
 		check_object(scene, &scene->objects[i]);
 	check_soils(scene);
 	scene_advise(scene, scene->spacing > 0 ? scene->spacing : 1, check_advice, NULL);
-	fuzz_check(scene->forces >= 0 && (scene->forces == 0 || scene->model == DEFORM_SCM));
+	fuzz_check(scene->forces >= 0 && scene->forces <= 1e6);
 	fuzz_check(scene->forces_delay >= 0 && scene->forces_delay <= 64);
 	if (!view->present)
 		return;
