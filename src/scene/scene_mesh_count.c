@@ -1,6 +1,6 @@
 /*
- * Counts what an OBJ or an STL file has before assimp reads it. assimp takes some hundred bytes for a face, more for a group, and
- * for some shapes a time that grows with the square of their number. So a small file could take all memory, or hours.
+ * Counts what an OBJ or an STL file has before assimp reads it. assimp takes some hundred bytes for a face, and more for a group.
+ * For some shapes its time grows with the square of their number. So a small file could take all memory, or hours.
  */
 #include <string.h>
 
