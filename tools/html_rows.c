@@ -240,9 +240,9 @@ static enum status read_file(struct html_run *run, const char *name, bool vehicl
 	snprintf(path, sizeof path, "%s/%s", run->folder, name);
 	if (!html_is_file(path))
 		return STATUS_OK;
-	FILE *file = fopen(path, "r");
+	FILE *file = input_open(path);
 	if (file == NULL)
-		return fail_with(STATUS_INPUT, "%s: %s; give a folder that can be read", path, strerror(errno));
+		return fail_with(STATUS_INPUT, "%s: %s; give a folder that can be read", path, input_problem());
 	struct table table = {.run = run, .bodies = bodies, .path = path, .columns = columns, .count = count, .vehicles = vehicles};
 	enum status status = read_rows(&table, file);
 	html_actuators_finish(&table.actuators);

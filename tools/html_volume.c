@@ -66,7 +66,7 @@ static enum status read_rows(FILE *file, const char *path, struct html_volumes *
 			status = fail_with(STATUS_INPUT, "%s:%llu: is no line of such a file; give a folder that furrow drive left, or remove the file", path, number);
 	}
 	if (status == STATUS_OK && ferror(file))
-		status = fail_with(STATUS_INPUT, "%s: %s; give a folder that can be read", path, strerror(errno));
+		status = fail_with(STATUS_INPUT, "%s: %s; give a folder that can be read", path, input_problem());
 	free(line);
 	return status;
 }
@@ -77,7 +77,7 @@ enum status html_volumes_read(struct html_run *run)
 	snprintf(path, sizeof path, "%s/volume.csv", run->folder);
 	if (!html_is_file(path))
 		return STATUS_OK;
-	FILE *file = fopen(path, "r");
+	FILE *file = input_open(path);
 	if (file == NULL)
 		return fail_with(STATUS_INPUT, "%s: %s; give a folder that can be read", path, strerror(errno));
 	enum status status = read_rows(file, path, &run->volumes);

@@ -100,7 +100,7 @@ static bool may_be_a_store(const char *path)
 	struct stat file;
 	if (stat(path, &file) != 0 || !S_ISREG(file.st_mode))
 		return false;
-	FILE *in = fopen(path, "rb");
+	FILE *in = input_open(path);
 	bool read = in != NULL && fread(head, 1, sizeof head, in) == sizeof head;
 	if (in != NULL)
 		fclose(in);

@@ -108,7 +108,7 @@ static enum status read_all(const char *path, FILE *file, struct rig_measured *l
 		*count += !skip;
 	}
 	if (ferror(file))
-		return fail_with(STATUS_INPUT, "%s: %s; give a file that can be read", path, strerror(errno));
+		return fail_with(STATUS_INPUT, "%s: %s; give a file that can be read", path, input_problem());
 	if (*count == 0)
 		return fail_with(STATUS_INPUT, "%s: has no trial; give a line for each", path);
 	return STATUS_OK;
@@ -120,7 +120,7 @@ enum status rig_measured_read(const char *path, struct rig_measured **out, size_
 	*out = mem_alloc(RIG_MEASURED_MOST, sizeof **out);
 	if (*out == NULL)
 		return fail_memory("measured trials");
-	FILE *file = fopen(path, "r");
+	FILE *file = input_open(path);
 	if (file == NULL)
 		return fail_with(STATUS_INPUT, "%s: %s; give a file that can be read", path, strerror(errno));
 	enum status status = read_all(path, file, *out, count);

@@ -125,9 +125,9 @@ static enum status read_file(const struct study *study, size_t run, enum study_s
 	if (wanted == NULL)
 		return STATUS_OK;
 	snprintf(name, sizeof name, "%s.csv", names[source]);
-	FILE *file = fopen(study_path(study, run, name, path), "r");
+	FILE *file = input_open(study_path(study, run, name, path));
 	if (file == NULL)
-		return scene_error(study->file, wanted->node, "%s: %s; allowed: with output.%s in the scene", path, strerror(errno),
+		return scene_error(study->file, wanted->node, "%s: %s; allowed: with output.%s in the scene", path, input_problem(),
 				   source == STUDY_OBJECTS ? "forces" : "vehicles");
 	enum status status = read_rows(study, source, file, figures);
 	if (status == STATUS_OK && ferror(file))

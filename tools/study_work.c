@@ -60,9 +60,9 @@ static enum status start(struct work *work, struct job *job, size_t run)
 	enum status status = study_arguments(work->study, run, &arguments);
 	if (status != STATUS_OK)
 		return status;
-	const int log = open(study_path(work->study, run, "log.txt", path), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
+	const int log = output_create(study_path(work->study, run, "log.txt", path), O_WRONLY | O_APPEND);
 	if (log < 0) {
-		status = fail_with(STATUS_FAILED, "%s: %s; give a folder that can be written", path, strerror(errno));
+		status = fail_with(STATUS_FAILED, "%s: %s; give a folder that can be written", path, input_problem());
 	} else {
 		const pid_t parent = getpid();
 		fflush(NULL);
@@ -85,7 +85,7 @@ static enum status start(struct work *work, struct job *job, size_t run)
 static const char *last_error(struct study *study, size_t run)
 {
 	char path[PATH_MAX], tail[TAIL_BYTES + 1];
-	FILE *file = fopen(study_path(study, run, "log.txt", path), "rb");
+	FILE *file = input_open(study_path(study, run, "log.txt", path));
 	if (file == NULL)
 		return NULL;
 	if (fseek(file, -TAIL_BYTES, SEEK_END) != 0)

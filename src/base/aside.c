@@ -1,9 +1,11 @@
 #include "base/aside.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <string.h>
 #include <unistd.h>
 
+#include "base/input.h"
 #include "base/memory.h"
 
 enum status aside_name(struct aside *aside, const char *path)
@@ -21,10 +23,15 @@ enum status aside_begin(struct aside *aside, const char *path)
 	enum status status = aside_name(aside, path);
 	if (status != STATUS_OK)
 		return status;
-	aside->file = fopen(aside->part, "w");
+	const int file = output_create(aside->part, O_WRONLY | O_TRUNC);
+	aside->file = file >= 0 ? fdopen(file, "w") : NULL;
 	aside->begun = aside->file != NULL;
-	return aside->begun ? STATUS_OK
-			    : fail_with(STATUS_FAILED, "%s: %s; give a file that can be written", aside->path, strerror(errno));
+	if (aside->begun)
+		return STATUS_OK;
+	status = fail_with(STATUS_FAILED, "%s: %s: %s; give a file that can be written", aside->path, aside->part, input_problem());
+	if (file >= 0)
+		close(file);
+	return status;
 }
 
 enum status aside_whole(struct aside *aside, bool synced)

@@ -11,6 +11,7 @@
 #include "base/c_locale.h"
 #include "base/clock.h"
 #include "base/height_code.h"
+#include "base/input.h"
 #include "base/lattice.h"
 #include "base/memory.h"
 #include "base/misfit.h"

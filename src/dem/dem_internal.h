@@ -7,6 +7,8 @@
 #ifndef FURROW_DEM_INTERNAL_H
 #define FURROW_DEM_INTERNAL_H
 
+#include <stdio.h>
+
 #include "dem/dem.h"
 #include "dem_kernel.h"
 
@@ -94,6 +96,8 @@ struct dem_sink {
 };
 
 /* `part`: path of the file to write. `raster` must stay valid longer than the sink. */
+/* Opens PATH.part to write it, as output_create does. NULL: it failed, and input_problem says why. */
+FILE *dem_part_open(const char *part);
 enum status dem_gdal_sink(const struct dem_raster *raster, const char *part, struct dem_sink **out)
 	FURROW_CHECKED;
 enum status dem_png_sink(const struct dem_raster *raster, const char *part, struct dem_sink **out)

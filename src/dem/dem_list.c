@@ -237,10 +237,10 @@ static enum status add_list(struct dem_list *list, const char *path)
 	struct stat file;
 	if (stat(path, &file) == 0 && S_ISDIR(file.st_mode))
 		return fail_with(STATUS_INPUT, "@%s: a directory, not a list; name it without the @", path);
-	FILE *lines = fopen(path, "r");
+	FILE *lines = input_open(path);
 	if (lines == NULL)
 		return fail_with(STATUS_INPUT, "@%s: cannot open this list: %s; check the name", path,
-				 strerror(errno));
+				 input_problem());
 	char *line = NULL;
 	size_t room = 0, first = list->count;
 	ssize_t length;

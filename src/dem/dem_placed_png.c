@@ -56,10 +56,10 @@ static int64_t big_endian(const unsigned char bytes[4])
 static enum status png_check(const char *path, enum dem_placed_kind kind)
 {
 	unsigned char header[26];
-	FILE *file = fopen(path, "rb");
+	FILE *file = input_open(path);
 	if (file == NULL)
 		return fail_with(STATUS_INPUT, "%s: cannot be opened: %s; name a grey PNG or a GeoTIFF", path,
-				 strerror(errno));
+				 input_problem());
 	size_t got = fread(header, 1, sizeof header, file);
 	fclose(file);
 	if (got < sizeof header || memcmp(header, "\x89PNG\r\n\x1a\n\0\0\0\rIHDR", 16) != 0)

@@ -128,10 +128,10 @@ static bool decode(png_structp reader, png_infop header, FILE *file, struct png 
 
 static enum status load(const char *path, struct png *png, int *full)
 {
-	FILE *file = fopen(path, "rb");
+	FILE *file = input_open(path);
 	if (file == NULL)
 		return fail_with(STATUS_INPUT, "%s: cannot be opened: %s; check its permissions", path,
-				 strerror(errno));
+				 input_problem());
 	struct png_problem problem = {.text = "out of memory"};
 	enum status status = dem_scratch_open(&png->scratch, path);
 	if (status != STATUS_OK) {

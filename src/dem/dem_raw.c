@@ -50,11 +50,11 @@ enum status dem_raw_open(const struct dem_params *params, const char *path, stru
 		return fail_memory(path);
 	raw->grid.destroy = raw_destroy;
 	enum status status;
-	raw->file = fopen(path, "rb");
+	raw->file = input_open(path);
 	struct stat file;
 	if (raw->file == NULL || fstat(fileno(raw->file), &file) != 0) {
 		status = fail_with(STATUS_INPUT, "%s: cannot be opened: %s; check its permissions", path,
-				   strerror(errno));
+				   input_problem());
 		goto error;
 	}
 	int64_t posts = file.st_size / 2, side = (int64_t)llround(sqrt((double)posts));

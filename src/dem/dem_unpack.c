@@ -76,12 +76,12 @@ static enum status unpack_file(struct dem_unpacked *unpacked, const char *path, 
 	const size_t room = 1 << 16;
 	lzma_stream stream = LZMA_STREAM_INIT;
 	uint8_t *in = mem_alloc(room, 1), *out = mem_alloc(room, 1);
-	FILE *file = in != NULL && out != NULL ? fopen(path, "rb") : NULL;
+	FILE *file = in != NULL && out != NULL ? input_open(path) : NULL;
 	enum status status = STATUS_OK;
 	if (in == NULL || out == NULL)
 		status = fail_memory(path);
 	else if (file == NULL)
-		status = fail_with(STATUS_INPUT, "%s: cannot be read: %s; check its permissions", path, strerror(errno));
+		status = fail_with(STATUS_INPUT, "%s: cannot be read: %s; check its permissions", path, input_problem());
 	else if (lzma_stream_decoder(&stream, MEMORY_MOST, LZMA_CONCATENATED) != LZMA_OK)
 		status = fail_memory(path);
 	if (status == STATUS_OK)

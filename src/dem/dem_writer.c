@@ -108,6 +108,12 @@ enum status dem_writer_rows(struct dem_writer *writer, int64_t rows, const doubl
 	return STATUS_OK;
 }
 
+FILE *dem_part_open(const char *part)
+{
+	const int file = output_create(part, O_WRONLY | O_TRUNC);
+	return file >= 0 ? fdopen(file, "wb") : NULL;
+}
+
 static enum status sync_part(const struct dem_writer *writer)
 {
 	int file = open(writer->aside.part, O_RDONLY | O_CLOEXEC);

@@ -128,6 +128,14 @@ enum status dem_gdal_sink(const struct dem_raster *raster, const char *part, str
 	gdal->raster = raster;
 	gdal->row = mem_alloc((size_t)raster->width, sizeof *gdal->row);
 	status = gdal->row != NULL ? STATUS_OK : fail_memory(raster->path);
+	if (status == STATUS_OK) { /* GDAL would write where a link leads to */
+		FILE *made = dem_part_open(part);
+		if (made == NULL)
+			status = fail_with(STATUS_FAILED, "%s: cannot be created: %s; check the folder and its permissions", raster->path,
+					   input_problem());
+		else
+			fclose(made);
+	}
 	GDALDriverH driver = GDALGetDriverByName("GTiff");
 	if (status == STATUS_OK) {
 		char **options = CSLSetNameValue(NULL, "BIGTIFF", "IF_SAFER");

@@ -112,9 +112,9 @@ enum status dem_png_sink(const struct dem_raster *raster, const char *part, stru
 	png->row_bytes = (size_t)row_bytes;
 	png->rows = mem_alloc((size_t)raster->height, png->row_bytes);
 	enum status status = png->rows != NULL ? STATUS_OK : fail_memory(raster->path);
-	if (status == STATUS_OK && (png->file = fopen(part, "wb")) == NULL)
+	if (status == STATUS_OK && (png->file = dem_part_open(part)) == NULL)
 		status = fail_with(STATUS_FAILED, "%s: cannot be created: %s; check the folder and its permissions",
-				   raster->path, strerror(errno));
+				   raster->path, input_problem());
 	if (status != STATUS_OK) {
 		sink_destroy(&png->sink);
 		return status;

@@ -58,9 +58,9 @@ enum status dem_raw_sink(const struct dem_raster *raster, const char *part, stru
 	raw->raster = raster;
 	raw->row = mem_alloc((size_t)raster->width, 2);
 	enum status status = raw->row != NULL ? STATUS_OK : fail_memory(raster->path);
-	if (status == STATUS_OK && (raw->file = fopen(part, "wb")) == NULL)
+	if (status == STATUS_OK && (raw->file = dem_part_open(part)) == NULL)
 		status = fail_with(STATUS_FAILED, "%s: cannot be created: %s; check the folder and its permissions", raster->path,
-				   strerror(errno));
+				   input_problem());
 	if (status != STATUS_OK) {
 		sink_destroy(&raw->sink);
 		return status;

@@ -36,11 +36,11 @@ enum status exchange_file_get(const char *path, size_t most, struct exchange_byt
 {
 	*found = false;
 	out->size = 0;
-	FILE *file = fopen(path, "rb");
+	FILE *file = input_open(path);
 	if (file == NULL)
 		return errno == ENOENT || errno == ENOTDIR
 			       ? STATUS_OK
-			       : fail_with(STATUS_FAILED, "%s: cannot be read: %s; check its permissions", path, strerror(errno));
+			       : fail_with(STATUS_FAILED, "%s: cannot be read: %s; check its permissions", path, input_problem());
 	uint8_t block[16384];
 	size_t size;
 	enum status status = STATUS_OK;
@@ -56,7 +56,7 @@ enum status exchange_file_get(const char *path, size_t most, struct exchange_byt
 /* True if the file has just these bytes. */
 static bool same(const char *path, const struct exchange_bytes *bytes)
 {
-	FILE *file = fopen(path, "rb");
+	FILE *file = input_open(path);
 	if (file == NULL)
 		return false;
 	uint8_t block[16384];

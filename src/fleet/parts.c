@@ -7,6 +7,7 @@
 #include <cjson/cJSON.h>
 #include <dirent.h>
 #include <errno.h>
+#include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -313,8 +314,8 @@ enum status fleet_note_resumed(struct fleet *fleet)
 {
 	char path[PATH_MOST];
 	snprintf(path, sizeof path, "%s/" RESUMED, fleet->parts);
-	FILE *file = fopen(path, "w");
-	if (file == NULL || fclose(file) != 0)
+	const int file = output_create(path, O_WRONLY | O_TRUNC);
+	if (file < 0 || close(file) != 0)
 		return fail_with(STATUS_FAILED, "%s: %s; free some disk space", path, strerror(errno));
 	return STATUS_OK;
 }

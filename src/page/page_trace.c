@@ -83,7 +83,7 @@ static enum status check_replaceable(const char *path)
 						   strerror(errno));
 	bool replaceable = S_ISREG(found.st_mode) && found.st_size == 0;
 	if (S_ISREG(found.st_mode) && !replaceable) {
-		FILE *file = fopen(path, "rb");
+		FILE *file = input_open(path);
 		replaceable = file != NULL && fread(magic, sizeof magic, 1, file) == 1 &&
 			      memcmp(magic, PAGE_TRACE_MAGIC, sizeof magic) == 0;
 		if (file != NULL)
@@ -95,9 +95,9 @@ static enum status check_replaceable(const char *path)
 
 static enum status begin(struct page_trace *trace)
 {
-	int file = open(trace->aside.part, O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
+	int file = output_create(trace->aside.part, O_WRONLY);
 	if (file < 0)
-		return fail_with(STATUS_FAILED, "%s: %s; give a file that can be written", trace->path, strerror(errno));
+		return fail_with(STATUS_FAILED, "%s: %s: %s; give a file that can be written", trace->path, trace->aside.part, input_problem());
 	/* Between open and lock another drive may have published this very file, so that it is no .part any more. */
 	struct stat found, named;
 	if (flock(file, LOCK_EX | LOCK_NB) != 0 || stat(trace->aside.part, &named) != 0 || fstat(file, &found) != 0 ||

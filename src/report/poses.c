@@ -5,6 +5,7 @@
  * A resumed drive goes on with the rows that it finds. A frame that is drawn again replaces its row and all that follow.
  */
 #include <errno.h>
+#include <fcntl.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -92,14 +93,15 @@ static enum status begin_file(struct poses_of *poses, const char *path)
 	status = aside_end(&aside, false, status);
 	if (status != STATUS_OK)
 		return status;
-	poses->file = fopen(path, "a");
+	const int file = output_create(path, O_WRONLY | O_APPEND);
+	poses->file = file >= 0 ? fdopen(file, "a") : NULL;
 	return poses->file != NULL ? STATUS_OK : failed(path);
 }
 
 /* Reads the rows until `time` of an earlier part of the drive. A kill may have torn the last line. */
 static enum status read_rows(struct poses_of *poses, const struct scene_camera *camera, const char *path, double time)
 {
-	FILE *file = fopen(path, "r");
+	FILE *file = input_open(path);
 	char *line = NULL;
 	size_t room = 0;
 	ssize_t length;

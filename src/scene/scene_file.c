@@ -13,12 +13,12 @@
 static enum status fail_missing(const char *path, const char *told)
 {
 	char folder[PATH_MAX] = "";
-	const int why = errno;
+	const char *why = input_problem();
 	if (strcmp(path, told) == 0)
-		return fail_with(STATUS_INPUT, "%s: %s; name a file that can be read", told, strerror(why));
+		return fail_with(STATUS_INPUT, "%s: %s; name a file that can be read", told, why);
 	if (path[0] != '/' && getcwd(folder, sizeof folder - 1) != NULL)
 		strcat(folder, "/");
-	return fail_with(STATUS_INPUT, "%s: %s; name a file that can be read; it was looked for at %.500s%.500s", told, strerror(why), folder, path);
+	return fail_with(STATUS_INPUT, "%s: %s; name a file that can be read; it was looked for at %.500s%.500s", told, why, folder, path);
 }
 
 enum status scene_file_read(const char *path, const char *told, size_t limit, char **bytes,
@@ -27,7 +27,7 @@ enum status scene_file_read(const char *path, const char *told, size_t limit, ch
 	enum status status = STATUS_OK;
 	char *text = NULL;
 	size_t used = 0, size = 0;
-	FILE *file = fopen(path, "rb");
+	FILE *file = input_open(path);
 	if (file == NULL)
 		return fail_missing(path, told);
 	for (;;) {
@@ -86,10 +86,7 @@ static enum status hash_bytes(FILE *file, const char *told, uint64_t limit, XXH3
 
 enum status scene_file_hash(const char *path, const char *told, uint64_t limit, uint64_t hash[2])
 {
-	struct stat stats;
-	if (stat(path, &stats) == 0 && !S_ISREG(stats.st_mode))
-		return fail_with(STATUS_INPUT, "%s: not a file; name one", told);
-	FILE *file = fopen(path, "rb");
+	FILE *file = input_open(path);
 	if (file == NULL)
 		return fail_missing(path, told);
 	XXH3_state_t *state = XXH3_createState();

@@ -1,9 +1,6 @@
 /*
- * Reads mesh files through assimp. It gets bytes and never a path: the file itself, and files that a glTF names in its folder.
- * All together are within SCENE_MESH_BYTES.
- *
- * Only nodes and the triangles of their meshes are used. They are counted before anything is allocated, since nodes may show
- * one mesh many times.
+ * Reads mesh files. A glTF is read by scene_gltf.c: assimp follows its brackets and nodes without a limit. OBJ and STL are read by
+ * assimp, once scene_mesh_count.c has counted what they have. assimp gets bytes and never a path, and opens no other file.
  */
 #include "scene/scene_mesh_import.h"
 
@@ -18,20 +15,19 @@
 #include <strings.h>
 
 #include "scene/scene_file.h"
+#include "scene/scene_gltf.h"
 
 #define DEPTH_MAX 256 /* of nodes */
 
-/* The files that one import may open: the mesh file, which was read before, and files in the same folder. */
-struct folder {
-	const char *path; /* of the mesh file */
-	char name[16];    /* name of the mesh file that assimp is told, in place of its path */
-	const char *bytes; /* the content of the mesh file */
-	size_t length, left; /* bytes of it; bytes that other files may still have */
+/* The one file that an import may open. It was read before. */
+struct given {
+	char name[16]; /* that assimp is told, in place of its path */
+	const char *bytes;
+	size_t length;
 };
 
 struct open_file {
 	struct aiFile file;
-	char *owned; /* the content, freed when the file is closed; NULL: this is the mesh file, whose content the folder has */
 	const char *bytes; /* the content */
 	size_t length, at; /* bytes of it; place of the next read */
 };
@@ -83,35 +79,16 @@ static void flush_proc(struct aiFile *file)
 {
 }
 
-/* Returns true if this is a file name without a folder. */
-static bool is_beside(const char *name)
-{
-	return name[0] != '\0' && name[0] != '.' && strpbrk(name, "/\\:") == NULL;
-}
-
 static struct aiFile *open_proc(struct aiFileIO *io, const char *name, const char *mode)
 {
-	struct folder *folder = (struct folder *)(void *)io->UserData;
-	struct open_file *open = mem_calloc(1, sizeof *open);
-	if (open == NULL)
-		return NULL;
+	const struct given *given = (const struct given *)(void *)io->UserData;
 	if (strncmp(name, "./", 2) == 0)
 		name += 2;
-	if (strcmp(name, folder->name) == 0) {
-		open->bytes = folder->bytes;
-		open->length = folder->length;
-	} else {
-		char *path = is_beside(name) ? scene_file_beside(folder->path, name) : NULL;
-		enum status status = path != NULL ? scene_file_read(path, name, folder->left, &open->owned, &open->length)
-						  : STATUS_INPUT;
-		mem_free(path);
-		if (status != STATUS_OK) {
-			mem_free(open);
-			return NULL;
-		}
-		folder->left -= open->length;
-		open->bytes = open->owned;
-	}
+	struct open_file *open = strcmp(name, given->name) == 0 ? mem_calloc(1, sizeof *open) : NULL;
+	if (open == NULL)
+		return NULL;
+	open->bytes = given->bytes;
+	open->length = given->length;
 	open->file = (struct aiFile){
 		.ReadProc = read_proc,
 		.WriteProc = write_proc,
@@ -127,7 +104,6 @@ static struct aiFile *open_proc(struct aiFileIO *io, const char *name, const cha
 static void close_proc(struct aiFileIO *io, struct aiFile *file)
 {
 	struct open_file *open = opened(file);
-	mem_free(open->owned);
 	mem_free(open);
 }
 
@@ -201,10 +177,9 @@ static enum status take_node(const struct aiScene *scene, const struct aiNode *n
 	return status;
 }
 
-static enum status take_scene(const struct aiScene *scene, bool gltf, const char *told, struct mesh_corners *corners)
+static enum status take_scene(const struct aiScene *scene, const char *told, struct mesh_corners *corners)
 {
 	static const double as_it_is[3][4] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}};
-	static const double front_is_z[3][4] = {{0, 0, 1, 0}, {1, 0, 0, 0}, {0, 1, 0, 0}};
 	size_t triangles = 0, nodes = 0;
 	enum status status = count_node(scene, scene->mRootNode, 0, told, &triangles, &nodes);
 	if (status != STATUS_OK)
@@ -212,7 +187,7 @@ static enum status take_scene(const struct aiScene *scene, bool gltf, const char
 	corners->at = mem_alloc(3 * triangles + 1, sizeof *corners->at);
 	if (corners->at == NULL)
 		return fail_memory("a mesh");
-	status = take_node(scene, scene->mRootNode, gltf ? front_is_z : as_it_is, told, corners);
+	status = take_node(scene, scene->mRootNode, as_it_is, told, corners);
 	if (status == STATUS_OK && corners->triangles == 0)
 		status = fail_with(STATUS_INPUT, "%s: it has no triangle; needed: a surface of triangles", told);
 	return status;
@@ -233,9 +208,9 @@ static enum status not_a_mesh(const char *told)
 /* All threads share one last error of assimp. So only one thread at a time imports. */
 static pthread_mutex_t assimp = PTHREAD_MUTEX_INITIALIZER;
 
-static enum status import(struct folder *folder, bool gltf, const char *told, struct mesh_corners *corners)
+static enum status import(struct given *given, const char *told, struct mesh_corners *corners)
 {
-	struct aiFileIO io = {open_proc, close_proc, (aiUserData)(void *)folder};
+	struct aiFileIO io = {open_proc, close_proc, (aiUserData)(void *)given};
 	struct aiPropertyStore *properties = aiCreatePropertyStore();
 	aiSetImportPropertyInteger(properties, AI_CONFIG_PP_RVC_FLAGS,
 				   aiComponent_NORMALS | aiComponent_TANGENTS_AND_BITANGENTS | aiComponent_COLORS |
@@ -243,7 +218,7 @@ static enum status import(struct folder *folder, bool gltf, const char *told, st
 					   aiComponent_TEXTURES | aiComponent_LIGHTS | aiComponent_CAMERAS);
 	pthread_mutex_lock(&assimp);
 	const struct aiScene *scene = aiImportFileExWithProperties(
-		folder->name, aiProcess_Triangulate | aiProcess_RemoveComponent | aiProcess_ValidateDataStructure, &io,
+		given->name, aiProcess_Triangulate | aiProcess_RemoveComponent | aiProcess_ValidateDataStructure, &io,
 		properties);
 	aiReleasePropertyStore(properties);
 	enum status status = STATUS_OK;
@@ -251,31 +226,48 @@ static enum status import(struct folder *folder, bool gltf, const char *told, st
 		status = not_a_mesh(told);
 	pthread_mutex_unlock(&assimp);
 	if (status == STATUS_OK)
-		status = take_scene(scene, gltf, told, corners);
+		status = take_scene(scene, told, corners);
 	if (scene != NULL)
 		aiReleaseImport(scene);
+	return status;
+}
+
+/* Front is z, left x, up y. */
+static enum status import_gltf(const char *path, const char *told, bool packed, const char *bytes, size_t length, struct mesh_corners *corners)
+{
+	struct scene_gltf gltf;
+	enum status status = scene_gltf_open(&gltf, path, told, packed, bytes, length);
+	if (status == STATUS_OK)
+		status = scene_gltf_triangles(&gltf, corners);
+	scene_gltf_close(&gltf);
+	for (size_t i = 0; i < 3 * corners->triangles; i++) {
+		const double corner[3] = {corners->at[i][2], corners->at[i][0], corners->at[i][1]};
+		memcpy(corners->at[i], corner, sizeof corner);
+	}
 	return status;
 }
 
 enum status scene_mesh_import(const char *path, const char *told, struct mesh_corners *corners)
 {
 	static const char *const endings[] = {".obj", ".stl", ".gltf", ".glb"};
-	const char *dot = strrchr(path, '.'), *ending = NULL;
-	struct folder folder = {.path = path};
+	const char *dot = strrchr(path, '.');
+	size_t ending = 0;
+	struct given given;
 	char *bytes;
 	*corners = (struct mesh_corners){0};
-	for (size_t i = 0; i < sizeof endings / sizeof *endings && dot != NULL; i++)
-		if (strcasecmp(dot, endings[i]) == 0)
-			ending = endings[i];
-	if (ending == NULL)
+	while (ending < 4 && (dot == NULL || strcasecmp(dot, endings[ending]) != 0))
+		ending++;
+	if (ending == 4)
 		return fail_with(STATUS_INPUT, "%s: its name does not say what it is; allowed: .obj, .stl, .gltf, .glb", told);
-	enum status status = scene_file_read(path, told, SCENE_MESH_BYTES, &bytes, &folder.length);
+	enum status status = scene_file_read(path, told, SCENE_MESH_BYTES, &bytes, &given.length);
 	if (status != STATUS_OK)
 		return status;
-	snprintf(folder.name, sizeof folder.name, "mesh%s", ending);
-	folder.bytes = bytes;
-	folder.left = SCENE_MESH_BYTES - folder.length;
-	status = import(&folder, ending[1] == 'g', told, corners);
+	snprintf(given.name, sizeof given.name, "mesh%s", endings[ending]);
+	given.bytes = bytes;
+	if (ending < 2)
+		status = ending == 0 ? scene_mesh_count_obj(bytes, given.length, told) : scene_mesh_count_stl(bytes, given.length, told);
+	if (status == STATUS_OK)
+		status = ending < 2 ? import(&given, told, corners) : import_gltf(path, told, ending == 3, bytes, given.length, corners);
 	mem_free(bytes);
 	return status;
 }

@@ -13,4 +13,8 @@ struct mesh_corners {
 /* Reads the corners of all triangles of a file. The caller frees `at` with mem_free, also after a failure. */
 enum status scene_mesh_import(const char *path, const char *told, struct mesh_corners *corners) FURROW_CHECKED;
 
+/* Refuse a file that has more parts than its triangles may need; see scene_mesh_count.c. STATUS_INPUT: it has. */
+enum status scene_mesh_count_obj(const char *bytes, size_t length, const char *told) FURROW_CHECKED;
+enum status scene_mesh_count_stl(const char *bytes, size_t length, const char *told) FURROW_CHECKED;
+
 #endif

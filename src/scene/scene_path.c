@@ -4,7 +4,6 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-#include <sys/stat.h>
 
 #include "scene/scene_error.h"
 #include "scene/scene_file.h"
@@ -120,10 +119,6 @@ enum status scene_path_read(const char *file, const char *told, struct scene_pat
 	struct reader reader = {.file = file, .path = path};
 	char *bytes;
 	size_t length;
-	struct stat stats;
-	/* A scene is a stranger's: it may name a pipe that nobody writes to, or a device. */
-	if (stat(file, &stats) == 0 && !S_ISREG(stats.st_mode))
-		return fail_with(STATUS_INPUT, "%s: not a file; name a file of poses", told);
 	enum status status = scene_file_read(file, told, SCENE_POSES_BYTES, &bytes, &length);
 	if (status != STATUS_OK)
 		return status;

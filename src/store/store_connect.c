@@ -31,17 +31,33 @@ static char *uri_of(const char *path)
 	return uri;
 }
 
+/* SQLite follows a link beside a store, and waits for a pipe. */
+static enum status check_beside(const char *path, const char *named)
+{
+	static const char *const suffixes[] = {"-journal", "-wal", "-shm"};
+	char beside[PATH_MAX + 16];
+	struct stat file;
+	for (size_t i = 0; i < sizeof suffixes / sizeof suffixes[0]; i++) {
+		snprintf(beside, sizeof beside, "%s%s", path, suffixes[i]);
+		if (lstat(beside, &file) == 0 && !S_ISREG(file.st_mode))
+			return fail_with(STATUS_INPUT, "%s: %s lies beside it and is no plain file; remove that", named, beside);
+	}
+	return STATUS_OK;
+}
+
 enum status store_connect_file(const char *path, const char *named, bool writing, bool immutable, sqlite3 **db)
 {
+	*db = NULL;
+	enum status status = check_beside(path, named);
+	if (status != STATUS_OK)
+		return status;
 	char *uri = immutable ? uri_of(path) : mem_strdup(path);
 	if (uri == NULL)
 		return fail_memory("opening a store");
 	int flags = SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_EXRESCODE | (immutable ? SQLITE_OPEN_URI : 0) |
 		    (writing ? SQLITE_OPEN_READWRITE : SQLITE_OPEN_READONLY);
-	*db = NULL;
 	int code = sqlite3_open_v2(uri, db, flags, NULL);
 	mem_free(uri);
-	enum status status = STATUS_OK;
 	if (code != SQLITE_OK)
 		status = store_sql_fail(*db, code, named, "opening it");
 	if (status == STATUS_OK) {

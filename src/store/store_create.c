@@ -71,7 +71,7 @@ static enum status looks_like_a_store(const struct store *store, bool *looks)
 	static const uint8_t id[4] = {STORE_APPLICATION_ID >> 24, STORE_APPLICATION_ID >> 16 & 0xff,
 				      STORE_APPLICATION_ID >> 8 & 0xff, STORE_APPLICATION_ID & 0xff};
 	uint8_t header[72];
-	int file = open(store->real_path, O_RDONLY | O_CLOEXEC);
+	int file = open(store->real_path, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
 	ssize_t length = file >= 0 ? read(file, header, sizeof header) : -1;
 	int error = errno;
 	if (file >= 0)
@@ -143,7 +143,7 @@ static enum status resume_part(struct store *store, bool *resumed)
 {
 	struct stat file;
 	*resumed = false;
-	if (stat(store->part_path, &file) != 0 || !S_ISREG(file.st_mode) || file.st_size == 0)
+	if (lstat(store->part_path, &file) != 0 || !S_ISREG(file.st_mode) || file.st_size == 0)
 		return STATUS_OK;
 	int64_t tables;
 	enum status status = connect_part(store);

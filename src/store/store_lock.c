@@ -25,10 +25,10 @@ enum status store_lock_try(const char *lock_path, const char *named, int *descri
 {
 	*taken = false;
 	for (;;) {
-		int lock = open(lock_path, O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+		int lock = output_create(lock_path, O_RDWR | O_NONBLOCK);
 		if (lock < 0)
-			return fail_with(STATUS_FAILED, "%s: cannot be written: %s: %s; make its folder writable",
-					 named, lock_path, strerror(errno));
+			return fail_with(STATUS_FAILED, errno == ELOOP ? "%s: cannot be written: %s: %s; remove that link" :
+					 "%s: cannot be written: %s: %s; make its folder writable", named, lock_path, input_problem());
 		if (flock(lock, LOCK_EX | LOCK_NB) != 0) {
 			int error = errno;
 			close(lock);

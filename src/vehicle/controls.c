@@ -117,10 +117,10 @@ enum status vehicle_read_controls(struct vehicle *vehicle, const char *where)
 	if (table == NULL)
 		return fail_memory("a table of controls");
 	*table = (struct table){.vehicle = vehicle, .where = where, .path = vehicle->scene->controls};
-	table->file = fopen(table->path, "r");
+	table->file = input_open(table->path);
 	enum status status;
 	if (table->file == NULL) {
-		status = fail_with(STATUS_INPUT, "%s: driver.controls: %s: %s; name a file that can be read", where, table->path, strerror(errno));
+		status = fail_with(STATUS_INPUT, "%s: driver.controls: %s: %s; name a file that can be read", where, table->path, input_problem());
 	} else {
 		status = read(table);
 		fclose(table->file);

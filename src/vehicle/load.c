@@ -4,6 +4,7 @@
 #include <string.h>
 #include <xxhash.h>
 
+#include "vehicle/check.h"
 #include "vehicle/internal.h"
 #include "vehicle/load.h"
 
@@ -35,7 +36,10 @@ static enum status refuse(const char *where, const char *path, const char *why)
 static enum status read(struct vehicle *vehicle, const char *where)
 {
 	struct reading reading = {.path = vehicle->scene->model, .error = ""};
-	enum status status = vehicle_guard(where, read_model, &reading);
+	enum status status = vehicle_check_model(where, vehicle->scene->model);
+	if (status != STATUS_OK)
+		return status;
+	status = vehicle_guard(where, read_model, &reading);
 	vehicle->model = reading.model;
 	vehicle->data = reading.data;
 	if (status != STATUS_OK) /* what MuJoCo refuses is wrong with the file */

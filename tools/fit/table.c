@@ -293,9 +293,9 @@ static enum status read_lines(FILE *file, enum fit_test test, struct fit_table *
 enum status fit_table_read(const char *path, enum fit_test test, struct fit_table *out)
 {
 	*out = (struct fit_table){.path = path};
-	FILE *file = fopen(path, "r");
+	FILE *file = input_open(path);
 	if (file == NULL)
-		return fail_with(STATUS_INPUT, "%s: %s; give a file that can be read", path, strerror(errno));
+		return fail_with(STATUS_INPUT, "%s: %s; give a file that can be read", path, input_problem());
 	enum status status = read_lines(file, test, out);
 	fclose(file);
 	if (status != STATUS_OK)

@@ -204,9 +204,9 @@ enum status sim_accesses_parse(const char *path, const uint8_t *bytes, size_t si
 
 static enum status read_all(const char *path, uint8_t **bytes, size_t *size)
 {
-	FILE *file = fopen(path, "rb");
+	FILE *file = input_open(path);
 	if (file == NULL)
-		return fail_with(STATUS_INPUT, "%s: %s; give a trace that can be read", path, strerror(errno));
+		return fail_with(STATUS_INPUT, "%s: %s; give a trace that can be read", path, input_problem());
 	enum status status = STATUS_OK;
 	for (size_t room = 1 << 16; status == STATUS_OK && !feof(file); room *= 2) {
 		uint8_t *wider = mem_realloc(*bytes, room, 1);

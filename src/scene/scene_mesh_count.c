@@ -1,0 +1,86 @@
+/*
+ * Counts what an OBJ or an STL file has before assimp reads it. assimp takes some hundred bytes for a face, and more for a group.
+ * For some shapes its time grows with the square of their number. So a small file could take all memory, or hours.
+ */
+#include <string.h>
+
+#include "scene/scene_mesh_import.h"
+
+#define GROUPS_MOST 20000u /* lines o, g, usemtl and mtllib of an OBJ; solids of an STL */
+#define CORNERS_MOST 1000u /* of one face */
+
+struct counts {
+	size_t triangles, others, groups; /* others: points and lines */
+};
+
+static enum status too_many(const char *told, const char *what, unsigned most)
+{
+	return fail_with(STATUS_INPUT, "%s: it has more than %u %s; give a simpler mesh", told, most, what);
+}
+
+static enum status check(const char *told, const struct counts *counts)
+{
+	if (counts->triangles > SCENE_MESH_TRIANGLES)
+		return too_many(told, "triangles", SCENE_MESH_TRIANGLES);
+	if (counts->others > SCENE_MESH_TRIANGLES)
+		return too_many(told, "points and lines", SCENE_MESH_TRIANGLES);
+	return counts->groups > GROUPS_MOST ? too_many(told, "groups", GROUPS_MOST) : STATUS_OK;
+}
+
+/* Counts the words of a line, and finds its end. A line that ends in a backslash goes on. */
+static size_t words_of(const char *at, const char *end, const char **next)
+{
+	size_t words = 0;
+	bool word = false;
+	for (; at < end && *at != '\n'; at++) {
+		const bool joined = *at == '\\' && end - at > 1 && (at[1] == '\n' || at[1] == '\r');
+		if (joined)
+			at += end - at > 2 && at[1] == '\r' && at[2] == '\n' ? 2 : 1;
+		const bool space = joined || *at == ' ' || *at == '\t' || *at == '\r' || *at == '\f';
+		words += !space && !word;
+		word = !space;
+	}
+	*next = at < end ? at + 1 : end;
+	return words;
+}
+
+enum status scene_mesh_count_obj(const char *bytes, size_t length, const char *told)
+{
+	struct counts counts = {0, 0, 0};
+	enum status status = STATUS_OK;
+	const char *end = bytes + length;
+	for (const char *at = bytes, *next; at < end && status == STATUS_OK; at = next) {
+		while (at < end && (*at == ' ' || *at == '\t'))
+			at++;
+		const char first = at < end ? *at : '\0';
+		const size_t words = words_of(at, end, &next);
+		if (first == 'f' && words > CORNERS_MOST + 1)
+			return too_many(told, "corners in one face", CORNERS_MOST);
+		counts.triangles += first == 'f' && words > 3 ? words - 3 : 0;
+		counts.others += first == 'l' || first == 'p' || (first == 'f' && words <= 3) ? words : 0;
+		counts.groups += first == 'o' || first == 'g' || first == 'u' || first == 'm';
+		status = check(told, &counts);
+	}
+	return status;
+}
+
+static size_t count_of(const char *bytes, size_t length, const char *word)
+{
+	const size_t size = strlen(word);
+	size_t count = 0;
+	for (size_t i = 0; i + size <= length; i++)
+		count += bytes[i] == word[0] && memcmp(bytes + i, word, size) == 0;
+	return count;
+}
+
+enum status scene_mesh_count_stl(const char *bytes, size_t length, const char *told)
+{
+	uint32_t triangles = 0;
+	if (length >= 84)
+		memcpy(&triangles, bytes + 80, sizeof triangles);
+	if (length >= 84 && 84 + 50 * (uint64_t)triangles == length) /* binary */
+		return check(told, &(struct counts){triangles, 0, 0});
+	struct counts counts = {count_of(bytes, length, "facet normal"), 0, count_of(bytes, length, "solid")};
+	counts.others = count_of(bytes, length, "vertex") / 3;
+	return check(told, &counts);
+}
