@@ -4,8 +4,8 @@
  * A writer that was killed leaves a header that says WAL. SQLite then makes FILE-wal and FILE-shm beside it for each reader, and needs a folder
  * that may be written. Where no process has them open, a reader takes one of two other ways:
  *
- *   IMMUTABLE  there is no WAL, or an empty one: the file alone is read
- *   ASIDE      there is a WAL with pages: its index is made in memory, under a VFS that neither locks nor writes
+ * - IMMUTABLE: there is no WAL, or an empty one. The file alone is read.
+ * - ASIDE: there is a WAL with pages. Its index is made in memory, under a VFS that neither locks nor writes.
  *
  * Both are right only as long as nobody writes. So a reader keeps what file and WAL looked like. It asks before and after it reads whether
  * they still look so (store_frozen_changed), and connects again where they do not.
