@@ -40,13 +40,13 @@ static enum status step(struct furrow_world *host, double seconds)
 	struct world *world = &host->world;
 	if (!(seconds >= 0) || !isfinite(seconds))
 		return fail_with(STATUS_USAGE, "step: %g s is no step; give 0 for the scene's time_step, or seconds above 0", seconds);
-	if (world->time + seconds > TIME_MOST)
+	const double until = seconds == 0 ? host->origin + (double)(host->steps + 1) * host->scene->time_step : world->time + seconds;
+	if (until > TIME_MOST)
 		return fail_with(STATUS_USAGE, "step: %g s from %g s on lead beyond %g s, where time does not tell steps of a microsecond apart; give %g s or less",
-				 seconds, world->time, TIME_MOST, fmax(TIME_MOST - world->time, 0));
+				 until - world->time, world->time, TIME_MOST, fmax(TIME_MOST - world->time, 0));
 	if (world->torn)
 		return fail_with(STATUS_FAILED, "step: the last one failed half-way; roll back first, or close the world");
 	const double began = clock_seconds();
-	const double until = seconds == 0 ? host->origin + (double)(host->steps + 1) * host->scene->time_step : world->time + seconds;
 	enum status status = host->vehicles != NULL ? step_vehicles(host, seconds) : world_step_to(world, until);
 	const double took = clock_seconds() - began;
 	host->busy += took;
