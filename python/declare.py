@@ -19,6 +19,8 @@ SCALARS = {
 }
 # Of these Python makes objects; the others are handed over as arrays of structs.
 RECORDS = ("furrow_info", "furrow_pose", "furrow_state", "furrow_contact", "furrow_vehicle_state")
+# Members with a second name.
+SAME = {"linear": "velocity"}
 HINTS = {"bool": "bool", "double": "float", "float": "float"}
 DTYPES = {"double": "float64", "float": "float32"}
 
@@ -176,11 +178,27 @@ def structure(header, name, members):
     return lines + ["    ]"]
 
 
+def inner(header, members):
+    """The members of structs inside a struct, at any depth: [(name, the struct's own name, C type, lengths, comment)]."""
+    found = []
+    for member, kind, *_ in members:
+        if kind in header.structs:
+            within = header.structs[kind][1]
+            found += [(name, member, of, lengths, said) for name, of, _, lengths, said in within]
+            found += [(name, member, of, lengths, said) for name, _, of, lengths, said in inner(header, within)]
+    return found
+
+
 def record(header, name, comment, members):
-    """A class of Python with a property for each member, but for the size."""
+    """A class of Python with a property for each member, but for the size, and for each one of structs inside it."""
     lines = [f"class {camel(name)}(Record):", f'    """{comment}"""', f"    _structure = {name}"]
+    short = inner(header, members)
+    short += [(SAME[part], *rest) for part, *rest in short if part in SAME]
+    short += [(SAME[member], "", kind, lengths, said) for member, kind, _, lengths, said in members if member in SAME]
+    if short:
+        lines.append(f"    _short = {tuple(part for part, *_ in short)!r}")
     for member, kind, pointers, lengths, said in members:
-        if member == "size" and kind == "size_t":
+        if member in ("size", "reserved") and kind == "size_t":
             continue
         kind = header.typedefs.get(kind, kind)
         of = ""
@@ -203,6 +221,13 @@ def record(header, name, comment, members):
         got = f'self._get("{member}")'
         lines.append(f"        return {camel(kind)}({got})" if kind in header.structs or kind in header.enums
                      else f"        return {got}")
+    same = {other: part for part, other in SAME.items()}
+    for part, member, kind, lengths, said in short:
+        hint = f'"{camel(kind)}"' if kind in header.structs else "numpy.ndarray" if lengths else HINTS.get(kind, "int")
+        text = " ".join(said.split()).removesuffix(".") + "."
+        of = f" {DTYPES.get(kind, kind)}, shape {tuple(lengths)}." if lengths else ""
+        path = ".".join(filter(None, (member, same.get(part, part))))
+        lines += ["", "    @property", f"    def {part}(self) -> {hint}:", f'        """{text}{of} The same as .{path}."""', f"        return self.{path}"]
     return lines
 
 

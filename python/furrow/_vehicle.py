@@ -31,7 +31,8 @@ class Vehicle:
 
     @property
     def state(self) -> VehicleState:
-        """Where it is, and what it has done: .state.pose.position (3,), m; .state.linear (3,), m/s; .distance, m; .work, J; and more."""
+        """Where it is, and what it has done: .position (3,), m; .orientation (4,), a quaternion; .velocity (3,), m/s; .angular (3,), rad/s;
+        .distance, m; .work, J; and more."""
         state = declared.furrow_vehicle_state(size=ctypes.sizeof(declared.furrow_vehicle_state))
         self.world._call("furrow_vehicle_get", self.handle, ctypes.byref(state))
         return VehicleState(state)

@@ -25,7 +25,7 @@ LEVEL_WITH_NO_TURN = (1.0, 0.0, 0.0, 0.0)
 CHASE = (-6.0, 3.0)  # m: where render is from what it looks at: to the north, and up
 LEAST_ABOVE = 1.0    # m: of that place above the ground
 OVERVIEW = 0.6       # rad: how steeply render looks down on a whole terrain
-STILL = (0.0, 0.0, 0.0)
+UNKNOWN = (math.nan, math.nan, math.nan)  # a velocity that is to be that of the poses
 
 
 def _array(values: Any, what: str, *shape: int) -> numpy.ndarray:
@@ -71,13 +71,18 @@ class Body:
         pose = _pose(position, orientation)
         self.world._call("furrow_place", self.handle, ctypes.byref(pose))
 
-    def set(self, position: Vector, orientation: Vector = LEVEL_WITH_NO_TURN, linear: Vector = STILL,
-            angular: Vector = STILL) -> None:
+    def set(self, position: Vector, orientation: Vector = LEVEL_WITH_NO_TURN, linear: Optional[Vector] = None,
+            angular: Optional[Vector] = None) -> None:
         """Says where the body is at the end of the next step, and how it moves there.
 
         position: (3,), m. orientation: (4,), a quaternion w, x, y, z. linear: (3,), m/s, of the body's origin.
         angular: (3,), rad/s. All of them in local axes: x east, y north, z up.
+
+        Without linear or angular, the velocity is that of the poses: from the one after the last step, or from the place, to this one, in the
+        time of the next step. A body that turns by more than half a turn in a step needs angular. Its slip would be wrong. Poses that do
+        not turn with a wheel say that it is locked.
         """
+        linear, angular = (UNKNOWN if rate is None else rate for rate in (linear, angular))
         state = declared.furrow_state(_pose(position, orientation),
                                       (ctypes.c_double * 3)(*_array(linear, "linear", 3)),
                                       (ctypes.c_double * 3)(*_array(angular, "angular", 3)))
@@ -91,7 +96,7 @@ class Body:
 
     @property
     def state(self) -> State:
-        """Where the body is now, and how it moves: .pose.position (3,), .pose.orientation (4,), .linear (3,), .angular (3,)."""
+        """Where the body is now, and how it moves: .position (3,), m; .orientation (4,); .velocity (3,), m/s, also .linear; .angular (3,)."""
         state, handle = declared.furrow_state(), ctypes.c_int32(self.handle)
         self.world._call("furrow_get_states", 1, ctypes.byref(handle), ctypes.byref(state))
         return State(state)
@@ -130,18 +135,21 @@ class World:
 
     def __init__(self, scene: Union[dict, Path], store: Optional[Path] = None, *, overlay: Optional[Path] = None,
                  output: Optional[Path] = None, resume: bool = False, durable: bool = False,
-                 keep_history: bool = False) -> None:
+                 keep_history: bool = False, readonly: bool = False) -> None:
         """Opens a world.
 
         scene: a dict, the scene's text (a str with a line break or a brace), or the path of a scene.
         store: path of the terrain; None: the scene names it. overlay: path of a file that keeps the deformation; the store is
         only read then. output: folder for run.json and objects.csv; None: neither is written. resume: go on from the store's
         last drive of this scene. durable: a commit survives a power cut. keep_history: each commit keeps what it replaces, so that
-        `furrow restore` returns to any.
+        `furrow restore` returns to any. readonly: only to look. Nothing is ever written, so files and folders without write permission
+        will do; step, checkpoint, Body.place and Body.set raise.
+
+        Until the first step no byte of store and overlay changes, whatever is added, placed, probed, asked or drawn.
         """
         given = declared.furrow_open(size=ctypes.sizeof(declared.furrow_open), store=text(store), overlay=text(overlay),
                                      output=text(output), resume=resume, durable=durable,
-                                     keep_history=keep_history)
+                                     keep_history=keep_history, readonly=readonly)
         if isinstance(scene, dict):
             given.scene = yaml({"scene": 1, **scene})
         elif isinstance(scene, str) and ("\n" in scene or "{" in scene):

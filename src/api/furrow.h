@@ -15,6 +15,12 @@
  * NULL, a size that is off, a NaN and a body that is gone are FURROW_USAGE, never a crash. A call that fails with
  * FURROW_USAGE changed nothing. Results are written only by a call that returns FURROW_OK, unless said otherwise.
  *
+ * Processes. A world belongs to the process that opened it. In a child made by fork, its functions are FURROW_USAGE, furrow_world_close as
+ * well, and none waits. The child then lets go of the world's locks; its memory goes with the child. Open worlds after the fork.
+ *
+ * Functions of the host (`progress`, the log) return to the library: never leave them by longjmp or a C++ exception. What the library had
+ * open then stays open and locked until the process ends. A store that was being made is then refused as one that this process writes.
+ *
  * Threads. One thread at a time uses a world. Several threads may use several worlds at once. The functions without a world
  * may be called from any thread. On software GL, calls on several worlds take turns: llvmpipe is not safe to use from several
  * threads (seen with Mesa 22.3.6). A host that draws on llvmpipe itself does so on the thread that calls the library.
@@ -104,16 +110,23 @@ struct furrow_open {
 	const char *scene;      /* the scene's text, YAML or JSON. Either this or scene_file */
 	const char *scene_file; /* path of the scene; paths inside it count from its folder */
 	const char *store;      /* path of the store; NULL: the scene names it */
-	const char *overlay;    /* path of a file that keeps the deformation, so that the store is only read; made if absent */
+	const char *overlay;    /* path of a file that keeps the deformation, so that the store is only read. Made if absent, and removed
+				   again if there is no step */
 	const char *output;     /* folder for run.json and objects.csv, made if absent; NULL: neither is written */
 	bool resume;            /* go on from the store's last drive of this scene; begin anew if there was none */
 	bool durable;           /* a commit survives a power cut; slower */
 	bool keep_history;      /* each commit keeps what it replaces in the store, so that furrow restore returns to any; slower, and
 				   the store grows with each commit */
+	bool readonly;          /* only to look: nothing is ever written, so files and folders without write permission will do, and another
+				   process may write the store meanwhile. furrow_step, furrow_checkpoint, furrow_place and furrow_set_states
+				   are FURROW_USAGE. It goes with no `output` */
+	size_t reserved;        /* 0. Hosts that were built before `readonly` have a smaller struct */
 };
 
 /*
- * Opens a world. Of a scene, `end_time`, `objects` and `output` may be absent here.
+ * Opens a world. Of a scene, `end_time`, `objects` and `output` may be absent here. Looking changes nothing: until the first furrow_step
+ * store and overlay stay as they are, byte for byte, whatever is added, placed, probed, asked or drawn. No other process can write them
+ * meanwhile, unless the world is readonly.
  * *world gets the world, or NULL when the call fails. Close it with furrow_world_close.
  * FURROW_INPUT: the scene or the store is not usable; the message names the line. FURROW_NO_GL: there is no usable GL.
  * FURROW_USAGE: not exactly one of scene and scene_file is given, or `size` is off.
@@ -122,8 +135,8 @@ struct furrow_open {
 FURROW_API furrow_status furrow_world_open(const struct furrow_open *open, struct furrow_world **world);
 
 /*
- * Commits the ground as the last whole step left it and frees the world. After a rollback the ground is the rolled-back one. If the
- * last step failed, run.json ends with "failed". NULL: does nothing, FURROW_OK.
+ * Commits the ground as the last whole step left it and frees the world. A world that was not stepped writes nothing. After a rollback the
+ * ground is the rolled-back one. If the last step failed, run.json ends with "failed". NULL: does nothing, FURROW_OK.
  * FURROW_FAILED: the last changes could not be committed; the store has its last commit, and the world is freed. So it is after a step
  * that failed half-way, if whole steps before it had no commit. FURROW_NO_GL: the world's GL cannot be made current here. Then nothing
  * was done and the world is still open: close it again, as "Manners" says.
@@ -134,7 +147,8 @@ FURROW_API furrow_status furrow_world_close(struct furrow_world *world);
  * Moves time on by `seconds`. Bodies with paths follow them; the others get to where furrow_set_states said.
  * 0: the scene's time_step; n such steps end at n x time_step exactly. A step with bodies of the host ends when the ground
  * under them is on the host. The scene's `end_time` ends nothing: time goes on beyond it.
- * FURROW_USAGE: `seconds` is negative, NaN or infinite; with vehicles also if it is no multiple of time_step.
+ * FURROW_USAGE: `seconds` is negative, NaN or infinite, or leads beyond 1e9 s; with vehicles also if it is no multiple of time_step. Beyond
+ * 1e9 s, the longest end_time of a scene, a double cannot tell steps of a microsecond apart.
  * FURROW_FAILED: the step could not be completed, and nothing of it is committed. Where a body leaves the terrain it fails before it
  * changes the ground. Then the world is as it was and may go on; contacts of vehicles are not known until the next step. A step that
  * fails later leaves a world that can only be rolled back or closed. Of several time_steps of vehicles those before the failure stay.
@@ -144,7 +158,10 @@ FURROW_API furrow_status furrow_step(struct furrow_world *world, double seconds)
 /* Returns the simulated seconds since the scene's start; NaN if `world` is NULL. */
 FURROW_API double furrow_time(const struct furrow_world *world);
 
-/* Commits all so far. The store then holds it, and furrow_rollback returns to it. If the call fails, to the checkpoint before. */
+/*
+ * Commits all so far. The store then holds it, and furrow_rollback returns to it. If the call fails, to the checkpoint before. Before the
+ * first step there is nothing to commit, and no file changes.
+ */
 FURROW_API furrow_status furrow_checkpoint(struct furrow_world *world);
 
 /*
@@ -188,7 +205,7 @@ struct furrow_pose {
 	double orientation[4]; /* w, x, y, z: from the body's axes to the local ones; of length 1 within 0.001 */
 };
 
-/* Where a body is and how it moves. */
+/* Where a body is and how it moves. furrow_set_states and furrow_probe take three NaN as a velocity: it is then that of the poses. */
 struct furrow_state {
 	struct furrow_pose pose; /* where the body is */
 	double linear[3];  /* m/s, local axes: of the body's origin */
@@ -241,7 +258,7 @@ FURROW_API furrow_status furrow_body_remove(struct furrow_world *world, furrow_b
  * `bodies`, `states`, `contacts`: `count` entries each. `contact_size`: sizeof(struct furrow_contact). `count` 0: does nothing.
  * A state may lie two working posts beside the body's last one. Where it lies farther, contact.state is FURROW_UNKNOWN and its
  * numbers are NaN. This is also the answer for a body with a path and for one that was not placed. So it is under all soil models but
- * scm.
+ * scm. A velocity of three NaN is that of the poses, as furrow_set_states has it, in a step of the scene's time_step.
  * FURROW_USAGE and FURROW_INPUT as furrow_set_states.
  */
 FURROW_API furrow_status furrow_probe(struct furrow_world *world, size_t count, const furrow_body *bodies,
@@ -251,7 +268,12 @@ FURROW_API furrow_status furrow_probe(struct furrow_world *world, size_t count, 
  * Says where `count` bodies are at the end of the next step. `bodies`, `states`: `count` entries each; 0: does nothing.
  * The way comes from poses; slip and spin come from `linear` and `angular`. Motion accumulates. It changes the ground after a
  * working post of travel or turn, or a tenth of a post of sinkage. It also does so at a checkpoint, and before a query.
- * FURROW_USAGE: a body follows a path, is gone, was never placed, or is twice in the list. Or a number is NaN or infinite, or
+ * `linear` or `angular` of three NaN: that of the straight motion to this pose, in the time of the next step. It begins at the pose after the
+ * last step, or where furrow_place put the body since. Of several calls before a step the last one counts. The body turns the shorter way:
+ * if it turns by more than half a turn in a step, give `angular`. A body that is not set before a step does not move in it. Velocities that
+ * were given then stay; those of the poses are 0. A velocity of 0 is given, too: a wheel with it is locked.
+ * The log is told once of a body whose velocities and poses differ by more than half in three steps on end.
+ * FURROW_USAGE: a body follows a path, is gone, was never placed, or is twice in the list. Or a number is NaN or infinite (but for the above), or
  * a quaternion is not of length 1. A body may have any attitude. The axle of a wheel is its own y axis, and may have camber.
  */
 FURROW_API furrow_status furrow_set_states(struct furrow_world *world, size_t count, const furrow_body *bodies,

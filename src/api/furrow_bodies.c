@@ -54,7 +54,7 @@ static void tell_contact(const struct world_contact *from, struct furrow_contact
 static enum status need_lists(const struct furrow_world *world, size_t count, const void *bodies, const void *items, size_t bytes,
 			      const char *name)
 {
-	enum status status = api_library_need(world, "world");
+	enum status status = api_library_need_world(world);
 	if (status == STATUS_OK)
 		status = api_library_need_count(count, bytes);
 	if (status == STATUS_OK && count > 0)
@@ -134,7 +134,7 @@ furrow_status furrow_body_find(struct furrow_world *world, const char *name, fur
 {
 	enum status status = api_library_begin();
 	if (status == STATUS_OK)
-		status = api_library_need(world, "world");
+		status = api_library_need_world(world);
 	if (body != NULL)
 		*body = -1;
 	if (status == STATUS_OK)
@@ -164,6 +164,8 @@ furrow_status furrow_place(struct furrow_world *world, furrow_body body, const s
 	if (status == STATUS_OK)
 		status = api_library_need(pose, "pose");
 	if (status == STATUS_OK)
+		status = api_library_need_writable(world, "place");
+	if (status == STATUS_OK)
 		status = need_free(world, 1, &body);
 	if (status == STATUS_OK) {
 		const struct world_pose at = pose_of(pose);
@@ -182,6 +184,8 @@ furrow_status furrow_set_states(struct furrow_world *world, size_t count, const 
 		list = mem_alloc(count, sizeof *list);
 		status = list != NULL ? STATUS_OK : fail_memory("states");
 	}
+	if (status == STATUS_OK)
+		status = api_library_need_writable(world, "states");
 	if (status == STATUS_OK)
 		status = need_free(world, count, bodies);
 	for (size_t i = 0; i < count && status == STATUS_OK; i++)

@@ -6,7 +6,7 @@
 
 static enum status need_vehicle(const struct furrow_world *world, furrow_vehicle vehicle)
 {
-	enum status status = api_library_need(world, "world");
+	enum status status = api_library_need_world(world);
 	if (status != STATUS_OK || (vehicle >= 0 && (size_t)vehicle < vehicle_count(world->vehicles)))
 		return status;
 	return fail_with(STATUS_USAGE, "vehicle %d: there is none; use a handle that furrow_vehicle_find gave", (int)vehicle);
@@ -27,7 +27,7 @@ furrow_status furrow_vehicle_find(struct furrow_world *world, const char *name, 
 {
 	enum status status = api_library_begin();
 	if (status == STATUS_OK)
-		status = api_library_need(world, "world");
+		status = api_library_need_world(world);
 	if (vehicle != NULL)
 		*vehicle = -1;
 	if (status == STATUS_OK)

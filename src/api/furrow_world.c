@@ -1,12 +1,16 @@
-/* furrow.h: a world is opened, stepped, rolled back and closed. */
+/* furrow.h: a world is opened, closed, and tells what it is. */
 #include "api/library.h"
 
 #include <math.h>
+#include <stddef.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "api/internal.h"
 
 /* --- opening --- */
+
+#define OPEN_FIRST offsetof(struct furrow_open, reserved) /* bytes of the first version, which ended with unused bytes behind its last flag */
 
 static enum status load_scene(const struct furrow_open *open, struct scene **out)
 {
@@ -36,17 +40,6 @@ static enum status start_output(struct furrow_world *host)
 	if (status == STATUS_OK)
 		status = report_vehicles_open(&host->world, host->vehicles, host->output, &host->vehicle_rows);
 	vehicle_set_rows(host->vehicles, report_vehicles_sink(host->vehicle_rows));
-	return status;
-}
-
-static enum status checkpoint(struct furrow_world *host)
-{
-	struct library_mark mark = {host->origin, host->steps, 0};
-	enum status status = report_vehicles_mark(host->vehicle_rows, &mark.rows_end);
-	if (status == STATUS_OK)
-		status = world_checkpoint(&host->world);
-	if (status == STATUS_OK)
-		host->mark = mark;
 	return status;
 }
 
@@ -80,7 +73,7 @@ static enum status start(struct furrow_world *host)
 		vehicle_advise(host->vehicles, world, tell_advice, NULL);
 		status = vehicle_begin(host->vehicles);
 	}
-	return status == STATUS_OK ? checkpoint(host) : status;
+	return status == STATUS_OK ? api_library_checkpoint(host) : status;
 }
 
 static void destroy(struct furrow_world *host, enum status status)
@@ -119,6 +112,7 @@ static enum status create(const struct furrow_open *open, struct furrow_world **
 			.resume = open->resume,
 			.durable_full = open->durable,
 			.keep_history = open->keep_history,
+			.readonly = open->readonly,
 			.draws = host->scene->view.present,
 			.rows = open->output != NULL,
 		};
@@ -132,6 +126,7 @@ static enum status create(const struct furrow_open *open, struct furrow_world **
 		destroy(host, status);
 		return failure_restore(&failure);
 	}
+	host->process = getpid();
 	host->origin = host->world.time;
 	if (host->world.time == world_step_time(host->scene, host->world.step)) { /* whole steps from the scene's start */
 		host->origin = 0;
@@ -156,10 +151,15 @@ furrow_status furrow_world_open(const struct furrow_open *open, struct furrow_wo
 	if (status == STATUS_OK)
 		status = api_library_need(world, "world");
 	if (status == STATUS_OK)
-		status = api_library_need_size(open->size, sizeof *open, sizeof *open, "open");
+		status = api_library_need_size(open->size, OPEN_FIRST, sizeof *open, "open");
 	if (status != STATUS_OK)
 		return api_library_end(status);
-	memcpy(&known, open, sizeof known < open->size ? sizeof known : open->size);
+	/* What the first version has behind its last flag was never set. */
+	memcpy(&known, open, open->size == OPEN_FIRST ? offsetof(struct furrow_open, readonly) : sizeof known < open->size ? sizeof known : open->size);
+	if (known.readonly && known.output != NULL) {
+		status = fail_with(STATUS_USAGE, "open: output %s is a folder to write to, and readonly writes nothing; leave one of them out", known.output);
+		return api_library_end(status);
+	}
 	gpu_keep(NULL, &kept);
 	status = create(&known, world);
 	gpu_give(&kept);
@@ -243,102 +243,13 @@ furrow_status furrow_world_close(struct furrow_world *world)
 	return api_library_leave(&call, status);
 }
 
-/* --- steps --- */
-
-/* Vehicles take whole steps of time_step. Those before one that failed stay. */
-static enum status step_vehicles(struct furrow_world *host, double seconds)
-{
-	struct world *world = &host->world;
-	const double time_step = host->scene->time_step, count = seconds == 0 ? 1 : round(seconds / time_step);
-	if (count < 1 || (seconds != 0 && fabs(seconds - count * time_step) > 1e-9 * seconds))
-		return fail_with(STATUS_USAGE, "step: %g s is no whole number of time_steps of %g s, which vehicles need; give a multiple, or 0 for one", seconds,
-				 time_step);
-	enum status status = STATUS_OK;
-	for (double i = 0; i < count && status == STATUS_OK; i++)
-		status = vehicle_step(host->vehicles);
-	if (status == STATUS_OK || world->torn)
-		return status;
-	struct failure failure;
-	failure_capture(&failure, status);
-	world->torn = vehicle_step_back(host->vehicles) != STATUS_OK;
-	return failure_restore(&failure);
-}
-
-static enum status step(struct furrow_world *host, double seconds)
-{
-	struct world *world = &host->world;
-	if (!(seconds >= 0) || !isfinite(seconds))
-		return fail_with(STATUS_USAGE, "step: %g s is no step; give 0 for the scene's time_step, or seconds above 0", seconds);
-	if (world->torn)
-		return fail_with(STATUS_FAILED, "step: the last one failed half-way; roll back first, or close the world");
-	const double began = clock_seconds();
-	const double until = seconds == 0 ? host->origin + (double)(host->steps + 1) * host->scene->time_step : world->time + seconds;
-	enum status status = host->vehicles != NULL ? step_vehicles(host, seconds) : world_step_to(world, until);
-	const double took = clock_seconds() - began;
-	host->busy += took;
-	host->failed = status != STATUS_OK && status != STATUS_USAGE;
-	if (status != STATUS_OK)
-		return status;
-	host->steps++;
-	if (host->vehicles != NULL) {
-		host->steps = world->step;
-	} else if (seconds != 0) {
-		host->origin = until;
-		host->steps = 0;
-	}
-	times_add(&host->report.step_ms, took * 1e3);
-	times_add(&host->report.frame_ms, took * 1e3);
-	return STATUS_OK;
-}
-
-furrow_status furrow_step(struct furrow_world *world, double seconds)
-{
-	struct library_call call;
-	enum status status = api_library_enter(&call, world);
-	return api_library_leave(&call, status == STATUS_OK ? step(world, seconds) : status);
-}
-
-double furrow_time(const struct furrow_world *world)
-{
-	return world != NULL ? world->world.time : (double)NAN;
-}
-
-furrow_status furrow_checkpoint(struct furrow_world *world)
-{
-	struct library_call call;
-	enum status status = api_library_enter(&call, world);
-	if (status == STATUS_OK)
-		status = checkpoint(world);
-	return api_library_leave(&call, status);
-}
-
-furrow_status furrow_rollback(struct furrow_world *world)
-{
-	struct library_call call;
-	enum status status = api_library_enter(&call, world);
-	if (status == STATUS_OK)
-		status = world_rollback(&world->world);
-	if (status == STATUS_OK && world->vehicles != NULL) {
-		status = vehicle_rollback(world->vehicles);
-		if (status == STATUS_OK)
-			status = report_vehicles_rollback(world->vehicle_rows, world->mark.rows_end);
-		world->world.torn = status != STATUS_OK;
-	}
-	if (status == STATUS_OK) {
-		world->origin = world->mark.origin;
-		world->steps = world->mark.steps;
-		world->failed = false;
-	}
-	return api_library_leave(&call, status);
-}
-
 /* --- what it is --- */
 
 furrow_status furrow_info(struct furrow_world *world, struct furrow_info *info)
 {
 	enum status status = api_library_begin();
 	if (status == STATUS_OK)
-		status = api_library_need(world, "world");
+		status = api_library_need_world(world);
 	if (status == STATUS_OK)
 		status = api_library_need(info, "info");
 	if (status == STATUS_OK)

@@ -3,6 +3,7 @@
 
 #include <pthread.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "dem/dem.h"
 
@@ -102,7 +103,7 @@ enum status api_library_enter(struct library_call *call, struct furrow_world *wo
 	enum status status = api_library_begin();
 	*call = (struct library_call){.world = NULL};
 	if (status == STATUS_OK)
-		status = api_library_need(world, "world");
+		status = api_library_need_world(world);
 	if (status != STATUS_OK)
 		return status;
 	gpu_keep(world->world.gpu, &call->kept);
@@ -129,12 +130,32 @@ enum status api_library_need_count(size_t count, size_t bytes)
 					    : fail_with(STATUS_USAGE, "count: %zu entries are more than memory has; give the number of your entries", count);
 }
 
+enum status api_library_need_world(const struct furrow_world *world)
+{
+	if (world == NULL || world->process == (int64_t)getpid())
+		return api_library_need(world, "world");
+	/* The struct is the child's own copy, in memory that this library has allocated. */
+	bool *forked = (bool *)(uintptr_t)&world->forked;
+	if (!*forked)
+		world_forked(&world->world);
+	*forked = true;
+	return fail_with(STATUS_USAGE, "world: process %lld opened it, and this is a child of that process, without its threads; open a world of its own "
+				       "after the fork", (long long)world->process);
+}
+
 /* A struct's size is a multiple of its first member's. */
 enum status api_library_need_size(size_t size, size_t least, size_t known, const char *name)
 {
 	if (size >= least && size <= SIZE_MOST && size % sizeof size == 0)
 		return STATUS_OK;
 	return fail_with(STATUS_USAGE, "%s: its size is %zu; set it to sizeof(struct furrow_%s), %zu", name, size, name, known);
+}
+
+enum status api_library_need_writable(const struct furrow_world *world, const char *what)
+{
+	return !world->world.params.readonly
+		       ? STATUS_OK
+		       : fail_with(STATUS_USAGE, "%s: the world is readonly, and this would change it; open it without readonly to change it", what);
 }
 
 enum status api_library_settle(struct furrow_world *world)

@@ -16,6 +16,8 @@
 
 struct furrow_world {
 	struct world world;
+	int64_t process;          /* number of the process that opened it */
+	bool forked;              /* this is a child of that process, and has let go of the world's locks */
 	struct scene *scene;
 	char *output;             /* NULL: nothing is written */
 	struct vehicles *vehicles; /* NULL: the scene has none */
@@ -55,8 +57,14 @@ furrow_status api_library_leave(struct library_call *call, enum status status);
 
 /* furrow_bodies.c: tells a state of the world. */
 void api_library_tell_state(const struct world_state *from, struct furrow_state *state);
+/* furrow_steps.c: makes a checkpoint. */
+enum status api_library_checkpoint(struct furrow_world *host) FURROW_CHECKED;
+/* Checks that the world may be changed. STATUS_USAGE: it is readonly. `what`: the call. */
+enum status api_library_need_writable(const struct furrow_world *world, const char *what) FURROW_CHECKED;
 /* furrow_render.c: makes the view of the scene, which draws pictures. */
 enum status api_library_start_view(struct furrow_world *host) FURROW_CHECKED;
+/* Checks that a world is not NULL, and is of this process. STATUS_USAGE: it is not. In a child of the world's process lets go of its locks. */
+enum status api_library_need_world(const struct furrow_world *world) FURROW_CHECKED;
 /* Checks that an argument is not NULL. If it is: STATUS_USAGE, with a message that has `name`. */
 enum status api_library_need(const void *pointer, const char *name) FURROW_CHECKED;
 /* Checks a count of entries of `bytes` each. STATUS_USAGE: they are more than an array can have. */

@@ -148,6 +148,8 @@ enum status page_cache_poll(struct page_cache *cache) FURROW_CHECKED;
  * committed in the background. After that they are clean, until a later step changes them. Also returns failures of the
  * threads. */
 enum status page_cache_end_step(struct page_cache *cache, const void *record) FURROW_CHECKED;
+/* While held, page_cache_end_step begins no commit. A cache is not held at first. */
+void page_cache_hold(struct page_cache *cache, bool held);
 /* Commits all changes with this record, and waits until it is done. */
 enum status page_cache_flush(struct page_cache *cache, const void *record) FURROW_CHECKED;
 

@@ -206,9 +206,15 @@ enum status page_cache_end_step(struct page_cache *cache, const void *record)
 	cache->table.used = 0;
 	if (status == STATUS_OK)
 		status = page_sticky_locked(cache);
-	bool due = status == STATUS_OK && !cache->params.commits_begun && page_commit_is_due_locked(cache);
+	bool due = status == STATUS_OK && !cache->params.commits_begun && !cache->held && page_commit_is_due_locked(cache);
 	mutex_unlock(&cache->mutex);
 	return due ? page_start_commit(cache, record, true) : status;
+}
+
+void page_cache_hold(struct page_cache *cache, bool held)
+{
+	assert(page_owner(cache));
+	cache->held = held;
 }
 
 enum status page_cache_flush(struct page_cache *cache, const void *record)

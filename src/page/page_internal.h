@@ -136,6 +136,7 @@ struct page_cache {
 	struct condition work; /* for loaders and writer: there is work, or they must stop */
 	struct condition done; /* for the owner: a load or a commit has ended */
 	bool stopping;
+	bool held;             /* the end of a step begins no commit */
 	struct page_table table;
 	struct page_queue queue;
 	struct key_set touched; /* the keys that were ever pinned */

@@ -304,6 +304,23 @@ void store_undo_destroy(struct undo *undo); /* undo may be NULL */
 /* Tells if a table of the soil's state has rows. */
 enum state_rows { STATE_UNKNOWN, STATE_NONE, STATE_MAYBE };
 
+/* --- store_frozen.c: reading a store that nobody writes --- */
+
+enum store_way { STORE_PLAIN, STORE_IMMUTABLE, STORE_ASIDE };
+enum { STORE_FILE_NUMBERS = 4 };
+struct store_frozen {
+	bool is; /* the connection sees the file as it was when it was made */
+	int64_t file[STORE_FILE_NUMBERS], wal[STORE_FILE_NUMBERS]; /* what they looked like before that */
+};
+/* Finds how a store whose header says WAL is read without making a file beside it. Fills `frozen`, but leaves frozen->is false. */
+enum store_way store_frozen_way(const char *path, struct store_frozen *frozen);
+/* Returns true if file or WAL look other than when the connection was made, and it is frozen. */
+bool store_frozen_changed(const char *path, const struct store_frozen *frozen);
+/* Returns true if the header of the connection's file says WAL. Reads it without a lock, and makes no file. */
+bool store_frozen_says_wal(sqlite3 *db);
+/* Returns the name of the VFS that a connection of the way STORE_ASIDE uses. */
+const char *store_frozen_vfs(void);
+
 struct store {
 	struct history history;
 	char *path;      /* the path that messages show */
@@ -316,7 +333,9 @@ struct store {
 	bool overwrite;
 	bool keeps_part; /* store_close leaves PATH.part */
 	bool writing;    /* opened for writing */
-	bool immutable;  /* the header says WAL, there is no WAL file, and none can be made in this folder */
+	bool late;       /* opened for writing, and nothing of the file was changed yet: `db` can only read (store_begin) */
+	bool older;      /* late, and of an earlier version */
+	atomic_bool raised; /* it was made one of this version since it was opened: readers connect anew */
 	bool durable_full;
 	char *scene;     /* from store_options; NULL: none */
 	char who[64];    /* who writes */
@@ -366,11 +385,18 @@ struct store {
 struct store_reader {
 	struct store *store;
 	sqlite3 *db;
+	struct store_frozen frozen, layer_frozen[STORE_DEPTH_MOST]; /* of `db`, and of layer_db */
+	bool older; /* it was made before the store was raised to this version */
 	struct rows rows;
 	/* Of an overlay: a connection to each file under it that is read. `base`: `rows`, or those of the plain store. */
 	sqlite3 *layer_db[STORE_DEPTH_MOST];
 	struct rows layer_rows[STORE_DEPTH_MOST], *layers[STORE_DEPTH_MOST], *base;
 };
+
+/* In store_read.c. Call the first before rows of the reader are used, outside a transaction: it connects anew if the reader is outdated. It is
+ * when somebody wrote that its connection cannot see. A result counts only if the reader is not outdated afterwards. */
+enum status store_reader_begin(struct store_reader *reader) FURROW_CHECKED;
+bool store_reader_outdated(const struct store_reader *reader);
 
 /* Returns the rows of `table`. Base tiles of an overlay are in another file. */
 static inline struct rows *store_table(struct store *store, enum row_table table)
@@ -387,12 +413,10 @@ static inline void level_keys(int level, uint64_t *first, uint64_t *last)
 
 /* --- store_connect.c --- */
 
-enum status store_connect_file(const char *path, const char *named, bool writing, bool immutable, sqlite3 **db)
-	FURROW_CHECKED;
-/* Connects a reader. Undoes an unfinished transaction if there is a journal. Sets *immutable if the store can be read only in
- * that way and this is safe. */
-enum status store_connect_reader(const char *path, const char *named, bool *immutable, sqlite3 **db)
-	FURROW_CHECKED;
+enum status store_connect_file(const char *path, const char *named, bool writing, sqlite3 **db) FURROW_CHECKED;
+/* Connects a reader. Undoes an unfinished transaction if there is a journal. Otherwise changes and makes no file, if nobody has the store open
+ * for writing. frozen->is: what it reads is right until store_frozen_changed() says that somebody wrote; connect anew then. */
+enum status store_connect_reader(const char *path, const char *named, struct store_frozen *frozen, sqlite3 **db) FURROW_CHECKED;
 /* Returns true if there is a WAL beside the file, which may hold pages of it. `path` is a real path. */
 bool store_connect_has_wal(const char *path);
 /* returns true if there is a journal, with which an unfinished transaction can be undone */

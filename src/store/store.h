@@ -95,6 +95,7 @@ enum status store_put_packed(struct store *store, struct tile tile, const struct
 enum store_mode { STORE_READ, STORE_WRITE };
 struct store_options {
 	enum store_mode mode;
+	bool late;         /* for writing: nobody else can write from now on, but no byte of the file changes before store_begin() */
 	bool durable_full; /* synchronous=FULL */
 	bool keep_history; /* each commit keeps what it replaces, so that store_restore() can return to every revision */
 	bool keep_last;    /* the same for the last revision only: each commit drops older ones. STATUS_INPUT: one of them has a name */
@@ -104,9 +105,16 @@ struct store_options {
 };
 enum status store_open(const char *path, const struct store_options *options, struct store **out)
 	FURROW_CHECKED;
+/* Makes a store ready for its first commit, if it was opened late; otherwise does nothing. A commit does so, too. On the thread that commits,
+ * or while none does. After a failure it is as before: call it again, or close the store. */
+enum status store_begin(struct store *store) FURROW_CHECKED;
 /* Closes a store; it may be NULL. After writing, moves the WAL into the file. Removes a store that was being made and is not
- * published, unless it was resumed. */
+ * published, unless it was resumed. Removes an overlay that store_open_overlay() made, if it was opened late and not begun. */
 void store_close(struct store *store);
+
+/* In a child of the process that opened the store: closes the lock that the child has inherited. Otherwise the store stays locked as long as the
+ * child lives, if its process is killed. The store must not be used in the child. */
+void store_forked(const struct store *store);
 
 const struct store_meta *store_meta(const struct store *store);
 

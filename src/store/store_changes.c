@@ -134,7 +134,7 @@ static enum status reach_back_locked(struct store_reader *reader, int64_t since)
 {
 	struct reaching reaching = {.reader = reader, .since = since};
 	uint64_t first, last;
-	enum status status = STATUS_OK;
+	enum status status = store_reader_begin(reader);
 	level_keys(reader->store->working, &first, &last);
 	for (int table = ROW_OFFSET; table < ROW_TABLES && reader->store->has_working && status == STATUS_OK; table++) {
 		reaching.table = (enum row_table)table;

@@ -45,18 +45,18 @@ static enum status check_beside(const char *path, const char *named)
 	return STATUS_OK;
 }
 
-enum status store_connect_file(const char *path, const char *named, bool writing, bool immutable, sqlite3 **db)
+static enum status connect_as(const char *path, const char *named, bool writing, enum store_way way, sqlite3 **db)
 {
 	*db = NULL;
 	enum status status = check_beside(path, named);
 	if (status != STATUS_OK)
 		return status;
-	char *uri = immutable ? uri_of(path) : mem_strdup(path);
+	char *uri = way == STORE_IMMUTABLE ? uri_of(path) : mem_strdup(path);
 	if (uri == NULL)
 		return fail_memory("opening a store");
-	int flags = SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_EXRESCODE | (immutable ? SQLITE_OPEN_URI : 0) |
+	int flags = SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_EXRESCODE | (way == STORE_IMMUTABLE ? SQLITE_OPEN_URI : 0) |
 		    (writing ? SQLITE_OPEN_READWRITE : SQLITE_OPEN_READONLY);
-	int code = sqlite3_open_v2(uri, db, flags, NULL);
+	int code = sqlite3_open_v2(uri, db, flags, way == STORE_ASIDE ? store_frozen_vfs() : NULL);
 	mem_free(uri);
 	if (code != SQLITE_OK)
 		status = store_sql_fail(*db, code, named, "opening it");
@@ -66,14 +66,23 @@ enum status store_connect_file(const char *path, const char *named, bool writing
 		sqlite3_db_config(*db, SQLITE_DBCONFIG_DEFENSIVE, 1, (int *)NULL);
 		sqlite3_db_config(*db, SQLITE_DBCONFIG_ENABLE_TRIGGER, 0, (int *)NULL);
 		sqlite3_db_config(*db, SQLITE_DBCONFIG_ENABLE_VIEW, 0, (int *)NULL);
+		sqlite3_db_config(*db, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, way == STORE_ASIDE, (int *)NULL);
 		sqlite3_limit(*db, SQLITE_LIMIT_LENGTH, VALUE_BYTES);
 		status = store_sql_exec(*db, named, "opening it", "PRAGMA cell_size_check=ON");
 	}
+	/* Only so does SQLite keep the index of the WAL in memory. */
+	if (status == STATUS_OK && way == STORE_ASIDE)
+		status = store_sql_exec(*db, named, "opening it", "PRAGMA locking_mode=EXCLUSIVE");
 	if (status != STATUS_OK) {
 		sqlite3_close(*db);
 		*db = NULL;
 	}
 	return status;
+}
+
+enum status store_connect_file(const char *path, const char *named, bool writing, sqlite3 **db)
+{
+	return connect_as(path, named, writing, STORE_PLAIN, db);
 }
 
 static bool has_beside(const char *path, const char *suffix)
@@ -107,7 +116,7 @@ static bool may_write(const char *path)
 static enum status roll_back(const char *path, const char *named)
 {
 	sqlite3 *db;
-	enum status status = store_connect_file(path, named, true, false, &db);
+	enum status status = store_connect_file(path, named, true, &db);
 	if (status == STATUS_OK)
 		status = store_sql_exec(db, named, "undoing what a power cut left", "SELECT count(*) FROM sqlite_schema");
 	sqlite3_close(db);
@@ -125,32 +134,42 @@ static enum status keep_little(sqlite3 **db, const char *named)
 	return status;
 }
 
-enum status store_connect_reader(const char *path, const char *named, bool *immutable, sqlite3 **db)
+/* Connects in the way that fits what is beside the file: nobody may have to make a file there. */
+static enum status connect_quietly(const char *path, const char *named, struct store_frozen *frozen, sqlite3 **db)
+{
+	const enum store_way way = store_frozen_way(path, frozen);
+	enum status status = connect_as(path, named, false, STORE_PLAIN, db);
+	if (status != STATUS_OK || way == STORE_PLAIN || !store_frozen_says_wal(*db))
+		return status;
+	sqlite3_close(*db);
+	frozen->is = true;
+	return connect_as(path, named, false, way, db);
+}
+
+enum status store_connect_reader(const char *path, const char *named, struct store_frozen *frozen, sqlite3 **db)
 {
 	for (bool undone = false;; undone = true) {
-		enum status status = store_connect_file(path, named, false, *immutable, db);
+		enum status status = connect_quietly(path, named, frozen, db);
 		if (status != STATUS_OK)
 			return status;
-		if (*immutable)
-			return keep_little(db, named);
 		int code = sqlite3_exec(*db, "SELECT count(*) FROM sqlite_schema", NULL, NULL, NULL);
 		if (code == SQLITE_OK)
 			return keep_little(db, named);
-		/* A store's header says WAL if its writer did not end cleanly. SQLite then needs a file beside it, which it cannot
-		 * create in a folder without write permission. If no WAL file is there, that file is not needed. */
+		/* SQLite may need to make or to write a file beside the store, in a folder that may not be written. */
 		bool beside = (code & 0xff) == SQLITE_CANTOPEN || (code & 0xff) == SQLITE_READONLY;
 		bool journal = store_connect_has_journal(path);
-		if (!beside || (journal && undone) || (!journal && may_write(path)))
+		if (frozen->is || !beside || (journal && undone) || (!journal && may_write(path)))
 			status = store_sql_fail(*db, code, named, "opening it");
-		else if (!journal && store_connect_has_wal(path))
-			status = fail_with(STATUS_INPUT, "%s: its last writer did not close it and its folder cannot be "
-					   "written; copy it and its -wal file to a folder that can", named);
 		sqlite3_close(*db);
 		*db = NULL;
 		if (status == STATUS_OK && journal)
 			status = roll_back(path, named);
 		if (status != STATUS_OK)
 			return status;
-		*immutable = !journal;
+		if (journal)
+			continue;
+		frozen->is = true;
+		status = connect_as(path, named, false, store_connect_has_wal(path) ? STORE_ASIDE : STORE_IMMUTABLE, db);
+		return status == STATUS_OK ? keep_little(db, named) : status;
 	}
 }

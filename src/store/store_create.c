@@ -111,7 +111,7 @@ bool store_create_remove_part(const struct store *store)
 
 static enum status connect_part(struct store *store)
 {
-	enum status status = store_connect_file(store->part_path, store->path, true, false, &store->db);
+	enum status status = store_connect_file(store->part_path, store->path, true, &store->db);
 	return status == STATUS_OK ? store_sql_exec(store->db, store->path, "making the store",
 					      "PRAGMA page_size=8192; PRAGMA auto_vacuum=INCREMENTAL; "
 					      "PRAGMA journal_mode=DELETE; PRAGMA synchronous=FULL; "

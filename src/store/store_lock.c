@@ -4,15 +4,78 @@
  *
  * The store itself is not locked: closing any descriptor of it would release SQLite's own locks. The writer removes the lock file
  * at the end. So a process that has locked a removed file must start again.
+ *
+ * Who finds a lock taken wants to know whether to wait for another process. So this process keeps a list of the locks that it has.
  */
 #include "store/internal.h"
 
 #include <errno.h>
 #include <fcntl.h>
+#include <pthread.h>
 #include <string.h>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
+
+/* --- the locks of this process --- */
+
+struct held {
+	dev_t device;
+	ino_t file;
+	struct held *next;
+};
+
+static pthread_mutex_t mutex = PTHREAD_MUTEX_INITIALIZER;
+static struct held *all;
+
+/* Returns where the lock's entry hangs; if there is none, the list's end. */
+static struct held **find_locked(const struct stat *file)
+{
+	struct held **at = &all;
+	while (*at != NULL && ((*at)->device != file->st_dev || (*at)->file != file->st_ino))
+		at = &(*at)->next;
+	return at;
+}
+
+/* Without memory for the entry only a message is less exact. */
+static void note_held(int lock)
+{
+	struct stat file;
+	struct held *held = fstat(lock, &file) == 0 ? mem_calloc(1, sizeof *held) : NULL;
+	if (held == NULL)
+		return;
+	*held = (struct held){.device = file.st_dev, .file = file.st_ino};
+	pthread_mutex_lock(&mutex);
+	held->next = all;
+	all = held;
+	pthread_mutex_unlock(&mutex);
+}
+
+static void forget_held(int lock)
+{
+	struct stat file;
+	if (fstat(lock, &file) != 0)
+		return;
+	pthread_mutex_lock(&mutex);
+	struct held **at = find_locked(&file), *held = *at;
+	if (held != NULL)
+		*at = held->next;
+	pthread_mutex_unlock(&mutex);
+	mem_free(held);
+}
+
+static bool is_own(const char *lock_path)
+{
+	struct stat file;
+	if (stat(lock_path, &file) != 0)
+		return false;
+	pthread_mutex_lock(&mutex);
+	bool own = *find_locked(&file) != NULL;
+	pthread_mutex_unlock(&mutex);
+	return own;
+}
+
+/* --- locking --- */
 
 static bool still_there(const char *lock_path, int descriptor)
 {
@@ -40,6 +103,7 @@ enum status store_lock_try(const char *lock_path, const char *named, int *descri
 					 named, strerror(error));
 		}
 		if (still_there(lock_path, lock)) {
+			note_held(lock);
 			*descriptor = lock;
 			*taken = true;
 			return STATUS_OK;
@@ -52,13 +116,19 @@ enum status store_lock_take(const char *lock_path, const char *named, int *descr
 {
 	bool taken;
 	enum status status = store_lock_try(lock_path, named, descriptor, &taken);
-	return status != STATUS_OK || taken ? status : fail_with(STATUS_FAILED, "%s: another process is writing it; wait for it to end", named);
+	if (status != STATUS_OK || taken)
+		return status;
+	if (is_own(lock_path))
+		return fail_with(STATUS_FAILED, "%s: this process has it open for writing already; close that world or end that import first, or open it "
+						"readonly", named);
+	return fail_with(STATUS_FAILED, "%s: another process is writing it; wait for it to end, or only look at it (readonly)", named);
 }
 
 void store_lock_drop(const char *lock_path, int descriptor)
 {
 	if (descriptor < 0)
 		return;
+	forget_held(descriptor);
 	unlink(lock_path); /* while it is held; a failure leaves an empty file that locks nothing */
 	close(descriptor);
 }

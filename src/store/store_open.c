@@ -2,8 +2,10 @@
  * Opens and closes stores.
  *
  *   published: one file, rollback journal mode
- *     --open for writing--> lock taken, WAL
+ *     --open for writing--> lock taken --at once, or store_begin if it was opened late--> WAL
  *     --close--> checkpoint, rollback mode again, one file; lock released
+ *
+ * Until then nothing of the file changes: a store that was opened late, and was not begun, has the bytes that it had.
  *
  * A killed writer leaves FILE, FILE-wal and FILE-shm. The next process that opens the store, for reading or writing, sees its last
  * complete commit.
@@ -91,18 +93,17 @@ static enum status adapt(struct store *store, bool writing, int version)
 	if (status == STATUS_OK && any != 0 && (store->over == NULL || store->over->inherits))
 		note("%s: an older furrow drove there; its ruts stay, its shear counts as none%s", store->path,
 		     writing ? ", and older furrows cannot read the store any more" : "");
+	store->older = !writing;
 	return status;
 }
 
-static enum status connect_writer(struct store *store)
+/* Makes this process the only writer. */
+static enum status lock(struct store *store)
 {
 	if (access(store->real_path, W_OK) != 0)
-		return fail_with(STATUS_FAILED, "%s: cannot be written: %s; make the file writable", store->path,
+		return fail_with(STATUS_FAILED, "%s: cannot be written: %s; make the file writable, or only look at it (readonly)", store->path,
 				 strerror(errno));
-	enum status status = store_lock_take(store->lock_path, store->path, &store->lock);
-	if (status == STATUS_OK)
-		status = store_connect_file(store->real_path, store->path, true, false, &store->db);
-	return status;
+	return store_lock_take(store->lock_path, store->path, &store->lock);
 }
 
 /* The level is in the upper bits of a key, so the lowest key has the finest level. */
@@ -126,9 +127,11 @@ static enum status connect(struct store *store, const struct store_options *opti
 	if (status == STATUS_OK)
 		status = find_copy(store);
 	if (status == STATUS_OK && options->mode == STORE_WRITE)
-		status = connect_writer(store);
+		status = lock(store);
+	if (status == STATUS_OK && options->mode == STORE_WRITE && !options->late)
+		status = store_connect_file(store->real_path, store->path, true, &store->db);
 	else if (status == STATUS_OK)
-		status = store_connect_reader(store_file_read(store), store->path, &store->immutable, &store->db);
+		status = store_connect_reader(store_file_read(store), store->path, &(struct store_frozen){.is = false}, &store->db);
 	if (status == STATUS_OK)
 		status = store_schema_check(store->db, store->path, version);
 	if (status == STATUS_OK)
@@ -159,6 +162,7 @@ static enum status open_it(const char *path, const struct store_options *options
 	struct store *store = mem_calloc(1, sizeof *store);
 	if (store == NULL)
 		return fail_memory("a store");
+	const bool begins = options->mode == STORE_WRITE && !options->late;
 	int version = STORE_VERSION;
 	store->lock = -1;
 	store->base = &store->rows;
@@ -178,13 +182,14 @@ static enum status open_it(const char *path, const struct store_options *options
 	if (status == STATUS_OK && store->base_path != NULL && !alone)
 		status = store_overlay_connect(store);
 	if (status == STATUS_OK && version < STORE_VERSION)
-		status = adapt(store, options->mode == STORE_WRITE, version);
+		status = adapt(store, begins, version);
 	if (status == STATUS_OK)
 		status = find_finest_base(store);
-	if (status == STATUS_OK && options->mode == STORE_WRITE)
+	if (status == STATUS_OK && begins)
 		status = store_wal_begin(store);
 	if (status == STATUS_OK) {
 		store->writing = options->mode == STORE_WRITE;
+		store->late = store->writing && options->late;
 		status = store_rows_init(&store->rows, store->db, store->path, &store->meta.extent,
 				   store->meta.pack == STORE_PACK_SMALL ? CODEC_SMALL : CODEC_FAST);
 	}
@@ -226,6 +231,62 @@ enum status store_open(const char *path, const struct store_options *options, st
 	return store_open_as(path, options, NULL, NULL, out);
 }
 
+/* --- the first change --- */
+
+/* Makes the connection that writes. */
+static enum status connect_begun(struct store *store, sqlite3 **db)
+{
+	int version = STORE_VERSION;
+	enum status status = store_connect_file(store->real_path, store->path, true, db);
+	if (status == STATUS_OK)
+		status = store_schema_check(*db, store->path, &version);
+	if (status == STATUS_OK && version < STORE_VERSION) {
+		status = store_schema_raise(*db, store->path, version);
+		atomic_store(&store->raised, status == STATUS_OK);
+		if (status == STATUS_OK && store->working_stored)
+			note("%s: it is a store of this version from now on; older furrows cannot read it any more", store->path);
+	}
+	return status;
+}
+
+enum status store_begin(struct store *store)
+{
+	struct rows rows;
+	sqlite3 *db = NULL, *reading = store->db;
+	if (!store->late)
+		return STATUS_OK;
+	assert(store->writing);
+	enum status status = connect_begun(store, &db);
+	if (status == STATUS_OK)
+		status = store_rows_init(&rows, db, store->path, &store->meta.extent, store->meta.pack == STORE_PACK_SMALL ? CODEC_SMALL : CODEC_FAST);
+	if (status != STATUS_OK) {
+		sqlite3_close(db);
+		return status;
+	}
+	store->db = db;
+	status = store_wal_begin(store);
+	if (status != STATUS_OK) {
+		store->db = reading;
+		store_rows_finish(&rows);
+		sqlite3_close(db);
+		return status;
+	}
+	store_rows_finish(&store->rows);
+	store_history_finish(store);
+	sqlite3_finalize(store->run_statement);
+	sqlite3_finalize(store->meta_statement);
+	store->run_statement = store->meta_statement = NULL;
+	store->rows = rows;
+	if (!store->alone)
+		store_overlay_inherit(store);
+	sqlite3_close(reading);
+	store_statements_count(&store->statements, db);
+	store->late = false;
+	return STATUS_OK;
+}
+
+/* --- closing --- */
+
 /* Back to one file. Where that fails (another process reads it) everything is in the WAL still. */
 static void end_writing(struct store *store)
 {
@@ -246,7 +307,7 @@ static void close_store(struct store *store, bool remove)
 	store_changes_finish(&store->changes);
 	sqlite3_finalize(store->run_statement);
 	sqlite3_finalize(store->meta_statement);
-	if (store->writing)
+	if (store->writing && !store->late)
 		end_writing(store);
 	int code = sqlite3_close(store->db);
 	assert(code == SQLITE_OK);
@@ -269,14 +330,20 @@ static void close_store(struct store *store, bool remove)
 	mem_free(store);
 }
 
+void store_forked(const struct store *store)
+{
+	if (store->lock >= 0)
+		close(store->lock);
+}
+
 void store_close(struct store *store)
 {
-	close_store(store, false);
+	close_store(store, store != NULL && store->made && store->late);
 }
 
 void store_abandon(struct store *store)
 {
-	close_store(store, store != NULL && store->made && store->commit == 0);
+	close_store(store, store != NULL && store->made && (store->late || store->commit == 0));
 }
 
 /* --- what it is --- */

@@ -404,6 +404,8 @@ enum status store_open_overlay(const char *path, const char *base_path, const st
 {
 	struct stat file;
 	bool absent = stat(path, &file) != 0 && errno == ENOENT;
+	if (absent && options->mode == STORE_READ)
+		return fail_with(STATUS_INPUT, "%s: there is no such overlay, and none is made where everything is only read; check the path", path);
 	enum status status = absent ? store_create_overlay(path, base_path) : check_overlay(path, base_path);
 	if (status == STATUS_OK)
 		status = store_open(path, options, out);

@@ -234,7 +234,7 @@ static enum status read_stored(struct reading *reading, struct post_rect rect)
 static enum status read_in_transaction(struct reading *reading, enum status (*read)(struct reading *reading, struct post_rect rect))
 {
 	struct store_reader *reader = reading->reader;
-	const struct extent *extent = reader->rows.extent;
+	const struct extent *extent = &reader->store->meta.extent;
 	const struct post_rect *rect = &reading->rect;
 	const struct post_rect all = {0, 0, extent_posts(extent->width, reading->level), extent_posts(extent->height, reading->level)};
 	const struct post_rect within = post_rect_intersect(*rect, all);
@@ -246,8 +246,8 @@ static enum status read_in_transaction(struct reading *reading, enum status (*re
 	reading->posts = mem_alloc(side * side, sizeof *reading->posts);
 	if (reading->posts == NULL)
 		return fail_memory("a tile");
-	bool outermost = sqlite3_get_autocommit(reader->db) != 0; /* store_sample() began one already */
-	enum status status = STATUS_OK;
+	enum status status = store_reader_begin(reader);
+	bool outermost = reader->db != NULL && sqlite3_get_autocommit(reader->db) != 0; /* store_sample() began one already */
 	if (outermost)
 		status = store_sql_exec(reader->db, reader->rows.path, "reading it", "BEGIN");
 	if (status == STATUS_OK) {
@@ -256,22 +256,22 @@ static enum status read_in_transaction(struct reading *reading, enum status (*re
 			sqlite3_exec(reader->db, "ROLLBACK", NULL, NULL, NULL); /* only read */
 	}
 	mem_free(reading->posts);
-	return status;
+	return store_reader_outdated(reader) ? read_in_transaction(reading, read) : status;
 }
 
 enum status store_read_posts(struct store_reader *reader, enum store_layer layer, int level,
 			     struct post_rect rect, double *values)
 {
-	const struct extent *extent = reader->rows.extent;
 	const struct store_meta *meta = &reader->store->meta;
+	const struct extent *extent = &meta->extent;
 	if (level < TILE_LEVEL_MIN || level > extent_coarsest(extent))
-		return fail_with(STATUS_INPUT, "%s: there is no level %d; give one from %d to %d", reader->rows.path,
+		return fail_with(STATUS_INPUT, "%s: there is no level %d; give one from %d to %d", reader->store->path,
 				 level, TILE_LEVEL_MIN, extent_coarsest(extent));
 	if (post_rect_empty(rect))
 		return STATUS_OK;
 	if (level < 0 && !isnan(meta->low) && !lattice_fits(meta->low, meta->high))
 		return fail_with(STATUS_INPUT, "%s: heights from %g to %g m are more relief than can be divided below level "
-				 "0; ask for level 0, or import with another --height-range", reader->rows.path,
+				 "0; ask for level 0, or import with another --height-range", reader->store->path,
 				 meta->low, meta->high);
 	struct reading reading = {
 		.reader = reader,

@@ -1,16 +1,20 @@
-/* Reads whole tiles and their ranges. Each reader has its own read-only connection to the store. */
+/*
+ * Reads whole tiles and their ranges. Each reader has its own read-only connection to the store.
+ *
+ * A connection may be frozen (store_frozen.c). Then what it read counts only if nobody wrote meanwhile. Otherwise the reader connects anew
+ * and reads again.
+ */
 #include "base/wide.h"
 #include "store/internal.h"
 
 #include <assert.h>
 #include <string.h>
 
-static enum status connect_rows(struct store *store, sqlite3 **db, struct rows *rows)
+static enum status connect_rows(struct store *store, struct store_frozen *frozen, sqlite3 **db, struct rows *rows)
 {
-	bool immutable = store->immutable;
 	int version = STORE_VERSION;
 	uint64_t hash = 0;
-	enum status status = store_connect_reader(store_file_read(store), store->path, &immutable, db);
+	enum status status = store_connect_reader(store_file_read(store), store->path, frozen, db);
 	/* The name may meanwhile be another file's. */
 	if (status == STATUS_OK)
 		status = store_schema_check(*db, store->path, &version);
@@ -33,7 +37,7 @@ static enum status connect_layers(struct store_reader *reader)
 		int at = layer->depth;
 		if (at > 0 && !store_lineage_uses(&store->lineage, (uint32_t)at))
 			continue;
-		status = connect_rows(layer, &reader->layer_db[at], &reader->layer_rows[at]);
+		status = connect_rows(layer, &reader->layer_frozen[at], &reader->layer_db[at], &reader->layer_rows[at]);
 		if (status == STATUS_OK && store->inherits)
 			status = store_overlay_hold(layer, reader->layer_db[at]);
 		if (status == STATUS_OK)
@@ -48,6 +52,32 @@ static enum status connect_layers(struct store_reader *reader)
 	return status;
 }
 
+static void disconnect(struct store_reader *reader)
+{
+	store_rows_finish(&reader->rows);
+	sqlite3_close(reader->db);
+	for (int at = 0; at < STORE_DEPTH_MOST; at++) {
+		store_rows_finish(&reader->layer_rows[at]);
+		sqlite3_close(reader->layer_db[at]);
+	}
+	*reader = (struct store_reader){.store = reader->store};
+}
+
+static enum status connect(struct store_reader *reader)
+{
+	struct store *store = reader->store;
+	reader->base = store->under != NULL ? &reader->layer_rows[0] : &reader->rows;
+	reader->older = store->older && !atomic_load(&store->raised);
+	enum status status = connect_rows(store, &reader->frozen, &reader->db, &reader->rows);
+	if (status == STATUS_OK)
+		store_statements_count(&store->statements, reader->db);
+	if (status == STATUS_OK)
+		status = connect_layers(reader);
+	if (status != STATUS_OK)
+		disconnect(reader);
+	return status;
+}
+
 enum status store_reader_create(struct store *store, struct store_reader **out)
 {
 	assert(store->part_path == NULL);
@@ -55,12 +85,7 @@ enum status store_reader_create(struct store *store, struct store_reader **out)
 	if (reader == NULL)
 		return fail_memory("a reader");
 	reader->store = store;
-	reader->base = store->under != NULL ? &reader->layer_rows[0] : &reader->rows;
-	enum status status = connect_rows(store, &reader->db, &reader->rows);
-	if (status == STATUS_OK)
-		store_statements_count(&store->statements, reader->db);
-	if (status == STATUS_OK)
-		status = connect_layers(reader);
+	enum status status = connect(reader);
 	if (status != STATUS_OK) {
 		store_reader_destroy(reader);
 		return status;
@@ -73,13 +98,27 @@ void store_reader_destroy(struct store_reader *reader)
 {
 	if (reader == NULL)
 		return;
-	store_rows_finish(&reader->rows);
-	sqlite3_close(reader->db);
-	for (int at = 0; at < STORE_DEPTH_MOST; at++) {
-		store_rows_finish(&reader->layer_rows[at]);
-		sqlite3_close(reader->layer_db[at]);
-	}
+	disconnect(reader);
 	mem_free(reader);
+}
+
+bool store_reader_outdated(const struct store_reader *reader)
+{
+	const struct store *store = reader->store;
+	if (reader->db == NULL || sqlite3_get_autocommit(reader->db) == 0)
+		return false;
+	bool is = store_frozen_changed(store_file_read(store), &reader->frozen) || (reader->older && atomic_load(&store->raised));
+	for (const struct store *layer = store->under; layer != NULL && !is; layer = layer->under)
+		is = store_frozen_changed(store_file_read(layer), &reader->layer_frozen[layer->depth]);
+	return is;
+}
+
+enum status store_reader_begin(struct store_reader *reader)
+{
+	if (reader->db != NULL && !store_reader_outdated(reader))
+		return STATUS_OK;
+	disconnect(reader);
+	return connect(reader);
 }
 
 static enum status missing(const struct store_reader *reader, struct tile tile)
@@ -115,8 +154,7 @@ static bool may_be_missing(const struct store_reader *reader, struct tile tile, 
 	return tile.level < 0;
 }
 
-enum status store_find_base(struct store_reader *reader, struct tile tile, int32_t *codes, struct store_range *range,
-			    bool *found)
+static enum status find_base(struct store_reader *reader, struct tile tile, int32_t *codes, struct store_range *range, bool *found)
 {
 	struct row row;
 	bool may = may_be_missing(reader, tile, found);
@@ -139,6 +177,14 @@ enum status store_find_base(struct store_reader *reader, struct tile tile, int32
 	return STATUS_OK;
 }
 
+enum status store_find_base(struct store_reader *reader, struct tile tile, int32_t *codes, struct store_range *range, bool *found)
+{
+	enum status status = store_reader_begin(reader);
+	if (status == STATUS_OK)
+		status = find_base(reader, tile, codes, range, found);
+	return store_reader_outdated(reader) ? store_find_base(reader, tile, codes, range, found) : status;
+}
+
 enum status store_read_base(struct store_reader *reader, struct tile tile, int32_t *codes, struct store_range *range)
 {
 	bool found;
@@ -146,7 +192,7 @@ enum status store_read_base(struct store_reader *reader, struct tile tile, int32
 	return store_find_base(reader, tile, codes, range, &found);
 }
 
-enum status store_find_base_range(struct store_reader *reader, struct tile tile, struct store_range *range, bool *found)
+static enum status find_base_range(struct store_reader *reader, struct tile tile, struct store_range *range, bool *found)
 {
 	struct row row;
 	bool may = may_be_missing(reader, tile, found);
@@ -158,6 +204,14 @@ enum status store_find_base_range(struct store_reader *reader, struct tile tile,
 	if (status == STATUS_OK && *found)
 		range_of(&row, range);
 	return status;
+}
+
+enum status store_find_base_range(struct store_reader *reader, struct tile tile, struct store_range *range, bool *found)
+{
+	enum status status = store_reader_begin(reader);
+	if (status == STATUS_OK)
+		status = find_base_range(reader, tile, range, found);
+	return store_reader_outdated(reader) ? store_find_base_range(reader, tile, range, found) : status;
 }
 
 enum status store_read_base_range(struct store_reader *reader, struct tile tile, struct store_range *range)
@@ -193,8 +247,8 @@ static enum status read_plane(struct store_reader *reader, struct tile tile, enu
 enum status store_read_deformed(struct store_reader *reader, struct tile tile, unsigned wanted,
 				void *const planes[PLANES], unsigned *present)
 {
-	size_t side = tile_posts(reader->rows.extent);
-	enum status status = STATUS_OK;
+	enum status status = store_reader_begin(reader);
+	size_t side = tile_posts(&reader->store->meta.extent);
 	*present = 0;
 	for (int plane = 0; plane < PLANES && status == STATUS_OK; plane++) {
 		bool found = false;
@@ -204,19 +258,21 @@ enum status store_read_deformed(struct store_reader *reader, struct tile tile, u
 		if (found)
 			*present |= PLANE_BIT(plane);
 	}
-	return status;
+	return store_reader_outdated(reader) ? store_read_deformed(reader, tile, wanted, planes, present) : status;
 }
 
 enum status store_read_offset_range(struct store_reader *reader, struct tile tile, double *low,
 				    double *high, bool *found)
 {
 	struct row row;
-	enum status status = store_rows_head(&reader->rows, ROW_OFFSET, tile, &row, found);
+	enum status status = store_reader_begin(reader);
+	if (status == STATUS_OK)
+		status = store_rows_head(&reader->rows, ROW_OFFSET, tile, &row, found);
 	if (status == STATUS_OK && *found) {
 		*low = row.low;
 		*high = row.high;
 	}
-	return status;
+	return store_reader_outdated(reader) ? store_read_offset_range(reader, tile, low, high, found) : status;
 }
 
 struct keys {
@@ -235,25 +291,33 @@ static enum status pass_key(void *user, const struct row_entry *entry)
 			 keys->rows->path, store_rows_name(keys->table));
 }
 
-static enum status each_key(struct rows *rows, enum row_table table, int level, store_key_fn fn, void *user)
+/* `of_base`: the rows of the base's file. Rows that were already passed on are not passed on again, so an outdated reader fails. */
+static enum status each_key(struct store_reader *reader, bool of_base, enum row_table table, int level, store_key_fn fn, void *user)
 {
+	enum status status = store_reader_begin(reader);
+	if (status != STATUS_OK)
+		return status;
+	struct rows *rows = of_base ? reader->base : &reader->rows;
 	struct keys keys = {rows, table, fn, user};
 	uint64_t first, last;
 	level_keys(level, &first, &last);
-	return store_rows_each(rows, table, first, last, pass_key, &keys);
+	status = store_rows_each(rows, table, first, last, pass_key, &keys);
+	if (status == STATUS_OK && store_reader_outdated(reader))
+		status = fail_with(STATUS_FAILED, "%s: another process began to write it while it was read; read it again", reader->store->path);
+	return status;
 }
 
 enum status store_each_base(struct store_reader *reader, int level, store_key_fn fn, void *user)
 {
-	return each_key(reader->base, ROW_BASE, level, fn, user);
+	return each_key(reader, true, ROW_BASE, level, fn, user);
 }
 
 enum status store_each_offset(struct store_reader *reader, int level, store_key_fn fn, void *user)
 {
-	return each_key(&reader->rows, ROW_OFFSET, level, fn, user);
+	return each_key(reader, false, ROW_OFFSET, level, fn, user);
 }
 
 enum status store_each_plane(struct store_reader *reader, enum plane plane, int level, store_key_fn fn, void *user)
 {
-	return each_key(&reader->rows, row_table_of(plane), level, fn, user);
+	return each_key(reader, false, row_table_of(plane), level, fn, user);
 }

@@ -129,7 +129,7 @@ static enum status sample_inside(struct store_reader *reader, double x, double y
 
 enum status store_sample(struct store_reader *reader, double x, double y, struct store_sample *sample)
 {
-	const struct extent *extent = reader->rows.extent;
+	const struct extent *extent = &reader->store->meta.extent;
 	*sample = (struct store_sample){
 		.height = (double)NAN,
 		.base = (double)NAN,
@@ -144,10 +144,12 @@ enum status store_sample(struct store_reader *reader, double x, double y, struct
 	}
 	x = fmin(fmax(x, 0), east);
 	y = fmin(fmax(y, 0), north);
-	enum status status = store_sql_exec(reader->db, reader->rows.path, "reading it", "BEGIN");
+	enum status status = store_reader_begin(reader);
+	if (status == STATUS_OK)
+		status = store_sql_exec(reader->db, reader->rows.path, "reading it", "BEGIN");
 	if (status != STATUS_OK)
 		return status;
 	status = sample_inside(reader, x, y, sample);
 	sqlite3_exec(reader->db, "ROLLBACK", NULL, NULL, NULL); /* only read */
-	return status;
+	return store_reader_outdated(reader) ? store_sample(reader, x, y, sample) : status;
 }

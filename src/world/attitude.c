@@ -83,11 +83,16 @@ enum status world_attitude(const struct deform_shape *shape, const char *name, c
 	return STATUS_OK;
 }
 
+/* A velocity, or three NaN in its place. */
+static bool is_rate(const double rate[3])
+{
+	return (isfinite(rate[0]) && isfinite(rate[1]) && isfinite(rate[2])) || (isnan(rate[0]) && isnan(rate[1]) && isnan(rate[2]));
+}
+
 enum status world_state_check(const struct deform_shape *shape, const char *name, const struct world_state *state, struct deform_pose *pose)
 {
-	for (int i = 0; i < 3; i++)
-		if (!isfinite(state->linear[i]) || !isfinite(state->angular[i]))
-			return fail_with(STATUS_USAGE, "%s: a velocity is not a finite number; give m/s and rad/s", name);
+	if (!is_rate(state->linear) || !is_rate(state->angular))
+		return fail_with(STATUS_USAGE, "%s: a velocity is not a finite number; give m/s and rad/s, or three NaN for what the poses give", name);
 	return world_attitude(shape, name, &state->pose, pose);
 }
 

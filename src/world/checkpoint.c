@@ -22,6 +22,7 @@ struct checkpoint {
 	struct host_body *hosts;  /* host_count of them; all zero where a number has no body */
 	size_t host_count;
 	struct forces_saved *forces; /* NULL: nobody asks for any */
+	bool begun; /* as world.begun */
 };
 
 void world_checkpoint_free(struct checkpoint *saved)
@@ -54,6 +55,7 @@ static enum status save(struct world *world, struct checkpoint **out)
 		.time = world->time,
 		.intervals = world->relaxation.intervals,
 		.revision = world->changes.revision,
+		.begun = world->begun,
 		.record = copy_of(world->record, world_record_bytes_with(objects, world->record->attached_count)),
 		.bodies = copy_of(world->bodies, (objects + 1) * sizeof *world->bodies),
 		.hosts = mem_calloc(world->hosts.count + 1, sizeof *saved->hosts),
@@ -87,11 +89,11 @@ enum status world_checkpoint(struct world *world)
 	enum status status = world_hosts_commit(world);
 	if (status == STATUS_OK)
 		status = world_forces_wait(world->forces);
-	if (status == STATUS_OK)
+	if (status == STATUS_OK && world->begun)
 		status = page_cache_flush(world->cache, world->record);
 	if (status == STATUS_OK)
 		status = save(world, &saved);
-	if (status == STATUS_OK)
+	if (status == STATUS_OK && !world->params.readonly)
 		status = resident_pages_mark(world->pages);
 	if (status != STATUS_OK) {
 		world_checkpoint_free(saved);
@@ -100,6 +102,16 @@ enum status world_checkpoint(struct world *world)
 	world_checkpoint_free(world->checkpoint);
 	world->checkpoint = saved;
 	return STATUS_OK;
+}
+
+enum status world_checkpoint_begun(struct world *world)
+{
+	struct checkpoint *saved = world->checkpoint;
+	if (saved == NULL || saved->begun || world->params.attached.count == 0)
+		return STATUS_OK;
+	enum status status = resident_pages_mark(world->pages);
+	saved->begun = status == STATUS_OK;
+	return status;
 }
 
 /* Sets active blocks and equilibrium heights back to those of the record. */
@@ -128,8 +140,10 @@ static void restore_hosts(struct world *world, const struct checkpoint *saved)
 		if (i < saved->host_count) {
 			/* The ground under it is read again. */
 			const struct host_mirror mirror = {.patch = host->mirror.patch, .stale = true, .anew = true};
+			const bool told = host->rates_told;
 			*host = saved->hosts[i];
 			host->mirror = mirror;
+			host->rates_told = told;
 			continue;
 		}
 		world_host_free(host);
@@ -159,10 +173,12 @@ enum status world_rollback(struct world *world)
 		return fail_with(STATUS_FAILED, "rollback: there is no checkpoint; make one first");
 	const size_t objects = world->scene->object_count;
 	enum status status = world_forces_wait(world->forces);
-	if (status == STATUS_OK)
+	if (status == STATUS_OK && world->begun) /* else the ground is as it was */
 		status = resident_pages_rollback(world->pages);
 	if (status != STATUS_OK)
 		return status;
+	world->begun = saved->begun;
+	page_cache_hold(world->cache, !world->begun);
 	world->step = saved->step;
 	world->time = saved->time;
 	world->relaxation.intervals = saved->intervals;

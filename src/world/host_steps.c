@@ -248,9 +248,7 @@ static enum status step_body(struct world *world, int32_t number, double seconds
 	struct deform_pose to;
 	if (host->quiet)
 		return step_quiet(world, number, until);
-	if (host->has_next)
-		host->now = host->next;
-	host->has_next = false;
+	world_rates_take(host, seconds);
 	enum status status = pose_of(host, &to);
 	if (status != STATUS_OK)
 		return status;
@@ -298,6 +296,8 @@ enum status world_hosts_commit(struct world *world)
 	enum status status = STATUS_OK;
 	bool any = false;
 	struct deform_pose to;
+	if (!world->begun) /* no step has moved a body */
+		return STATUS_OK;
 	for (size_t i = 0; i < world->hosts.count && status == STATUS_OK; i++) {
 		if (!is_behind(world, world->hosts.list[i], &to))
 			continue;

@@ -340,7 +340,8 @@ enum status world_body_place(struct world *world, int32_t number, const struct w
 	if (status != STATUS_OK)
 		return status;
 	host->placed = world->unplaced = true;
-	host->has_next = false;
+	host->has_next = host->posed_linear = host->posed_angular = false;
+	host->rates_far = 0;
 	host->now = (struct world_state){.pose = *pose};
 	return STATUS_OK;
 }

@@ -31,11 +31,19 @@ void world_free_bodies(struct world *world); /* the world may have no bodies */
  * length is. `name`: the body's name, for messages. */
 enum status world_attitude(const struct deform_shape *shape, const char *name, const struct world_pose *from, struct deform_pose *pose)
 	FURROW_CHECKED;
-/* Checks a state that a host gave, and finds its pose. STATUS_USAGE as world_attitude, or a velocity is not finite. */
+/* Checks a state that a host gave, and finds its pose. STATUS_USAGE as world_attitude, or a velocity is neither finite nor all NaN. */
 enum status world_state_check(const struct deform_shape *shape, const char *name, const struct world_state *state, struct deform_pose *pose)
 	FURROW_CHECKED;
 /* Returns how fast a wheel in this pose turns forwards about its axle, rad/s. angular: its angular velocity, rad/s. */
 double world_spin(const struct deform_pose *pose, const double angular[3]);
+/* --- rates.c --- */
+/* Returns false if a velocity is all NaN, which stands for that of the poses. */
+bool world_rates_given(const double rate[3]);
+/* Replaces velocities of `state` that were not given by those of the straight motion from a pose to that state. 0 s: they are 0. */
+void world_rates_fill(const struct world_pose *from, double seconds, struct world_state *state);
+/* Moves a body to where its host set it for the step that begins, which takes `seconds`. Velocities are known afterwards. */
+void world_rates_take(struct host_body *host, double seconds);
+
 /* Computes the quaternion w, x, y, z of a pose. */
 void world_orientation(const struct deform_pose *pose, double q[4]);
 
@@ -96,6 +104,9 @@ void world_changes_rollback(struct world *world, uint64_t revision);
 void world_changes_finish(struct world *world);
 
 /* --- checkpoint.c --- */
+/* The run's start was committed. If ground of it is what the opening has made (vehicles that were set down), a rollback to the opening returns to
+ * that. Otherwise it returns to the store as it was before. */
+enum status world_checkpoint_begun(struct world *world) FURROW_CHECKED;
 void world_checkpoint_free(struct checkpoint *saved); /* saved may be NULL */
 
 /* --- plan.c: facts that follow from the scene and the store --- */

@@ -245,10 +245,15 @@ enum status world_probe(struct world *world, size_t count, const int32_t *number
 			continue;
 		}
 		status = need_mirror(world, host);
+		struct world_state state = states[i];
 		if (status == STATUS_OK)
-			status = probe_host(world, host, &states[i], &probed);
+			status = check(world, numbers[i], &state);
+		if (status == STATUS_OK && host->placed)
+			world_rates_fill(&host->now.pose, world->scene->time_step, &state);
+		if (status == STATUS_OK)
+			status = probe_host(world, host, &state, &probed);
 		if (probed.known)
-			world_tell_probed(host, &states[i], &probed, world->time, &contacts[i]);
+			world_tell_probed(host, &state, &probed, world->time, &contacts[i]);
 	}
 	return ranks != NULL ? ranks->probed(ranks->user, count, numbers, contacts, status) : status;
 }

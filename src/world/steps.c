@@ -111,10 +111,10 @@ enum status world_begin(struct world *world)
 {
 	world_intervals_from(world, world->time);
 	motion_look_ahead_begin(world->ahead, world->resumed.time);
-	/* A drive that is killed before its first commit must not be taken for the run before it. */
 	enum status status = world->resumed.is ? STATUS_OK : world_fill_record(world);
-	if (status == STATUS_OK && !world->resumed.is)
-		status = page_cache_flush(world->cache, world->record);
+	page_cache_hold(world->cache, true);
+	if (status == STATUS_OK && !world->scene->hosted)
+		status = world_begin_run(world);
 	world->warmed.stalls = world->warmed.range_waits = (struct stalls){0, 0};
 	struct stalls stalls, ranges;
 	world_stalls(world, &stalls);
@@ -122,6 +122,26 @@ enum status world_begin(struct world *world)
 	world->warmed.stalls = stalls;
 	world->warmed.range_waits = ranges;
 	return status;
+}
+
+enum status world_begin_run(struct world *world)
+{
+	if (world->begun)
+		return STATUS_OK;
+	if (world->params.readonly)
+		return fail_with(STATUS_USAGE, "world: it was opened to be read only, and this would change it; open it without readonly");
+	/* If the store cannot be written now, nothing has happened, and the step can be made later. */
+	enum status status = store_begin(world->store);
+	if (status != STATUS_OK)
+		return status;
+	page_cache_hold(world->cache, false);
+	/* A run that is killed before its first commit must not be taken for the run before it. */
+	if (!world->resumed.is || world->params.attached.count > 0)
+		status = page_cache_flush(world->cache, world->record);
+	if (status != STATUS_OK)
+		return status;
+	world->begun = true;
+	return world_checkpoint_begun(world);
 }
 
 enum status world_end_step(struct world *world)
@@ -173,6 +193,8 @@ static enum status prepare(struct world *world, double until)
 enum status world_step_to(struct world *world, double until)
 {
 	enum status status = prepare(world, until);
+	if (status == STATUS_OK)
+		status = world_begin_run(world);
 	if (status != STATUS_OK) {
 		world_forget_events(world);
 		return status;
@@ -237,5 +259,5 @@ enum status world_end(struct world *world, bool ended)
 {
 	world->record->ended = ended;
 	/* A step that failed half-way must not be committed. The last commit remains. */
-	return world->torn ? STATUS_OK : page_cache_flush(world->cache, world->record);
+	return world->torn || !world->begun ? STATUS_OK : page_cache_flush(world->cache, world->record);
 }

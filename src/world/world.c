@@ -3,6 +3,7 @@
 
 #include <math.h>
 #include <string.h>
+#include <unistd.h>
 
 /*
  * llvmpipe's raster threads draw a picture in half of the time, but small passes take up to five times longer with them. On two cores a
@@ -21,7 +22,8 @@ enum status world_prepare(struct world *world, const struct world_params *params
 	if (path == NULL)
 		return fail_with(STATUS_INPUT, "%s: names no store; add store:, or give --store", scene->file);
 	const struct store_options options = {
-		.mode = STORE_WRITE,
+		.mode = params->readonly ? STORE_READ : STORE_WRITE,
+		.late = !params->readonly,
 		.durable_full = params->durable_full,
 		.keep_history = params->keep_history,
 		.scene = scene->file,
@@ -263,8 +265,8 @@ enum status world_start_drawing(struct world *world)
 {
 	if (world->pyramid != NULL)
 		return STATUS_OK;
-	/* Coarser tiles of changed pages are made from the store, so commit first. */
-	enum status status = page_cache_flush(world->cache, world->record);
+	/* Coarser tiles of changed pages are made from the store, so commit first. Before the first step there is hardly any. */
+	enum status status = world->begun ? page_cache_flush(world->cache, world->record) : STATUS_OK;
 	if (status == STATUS_OK)
 		status = resident_pyramid_create(&world->meta->extent, world->level, world->slots, &world->pyramid);
 	world->params.draws = status == STATUS_OK;
@@ -326,6 +328,13 @@ void world_stop(struct world *world)
 	motion_look_ahead_stop(world->ahead);
 	if (world->pages != NULL)
 		resident_pages_stop(world->pages);
+}
+
+void world_forked(const struct world *world)
+{
+	store_forked(world->store);
+	if (world->commit_log != NULL)
+		close(fileno(world->commit_log));
 }
 
 void world_finish(struct world *world, enum status status)

@@ -149,6 +149,7 @@ struct world_params {
 	bool resume;               /* continue the store's last drive of this scene; if there was none, start from the beginning */
 	bool durable_full;
 	bool keep_history;         /* each commit keeps what it replaces */
+	bool readonly;             /* nothing is ever written: store and overlay are only read, and there are no steps */
 	bool alone;                /* compute every contact alone; for tests that compare */
 	bool everywhere;           /* compute also contacts that change nothing; for tests that compare */
 	bool draws;                /* pictures are drawn, so coarser levels are kept */
@@ -190,8 +191,8 @@ struct world_pose {
 };
 struct world_state {
 	struct world_pose pose;
-	double linear[3];  /* m/s, velocity of the origin */
-	double angular[3]; /* rad/s */
+	double linear[3];  /* m/s, velocity of the origin. Of a state that a host gives: all NaN: that of the poses (rates.c) */
+	double angular[3]; /* rad/s. All NaN: likewise */
 	struct world_belt {
 		double travel, speed; /* m: how far its belt has run, counted from anywhere, and m/s. 0: it has none */
 	} belt;                       /* world_bodies_set takes it of quiet bodies alone. Of others world_belts_set tells it */
@@ -220,6 +221,9 @@ struct host_body {
 	bool fresh;                   /* placed since the last step, so there is no motion from an earlier pose */
 	bool has_next;
 	struct world_state now, next; /* now: after the last step. next: after the next step, if has_next */
+	bool posed_linear, posed_angular; /* rates.c: the velocities in `now` are those of the poses */
+	bool rates_told;              /* a note told what is wrong with its velocities */
+	int rates_far;                /* for so many steps on end, velocities and poses differed by far */
 	double since;                 /* s: time of its motion since `last` */
 	struct world_belt belt;       /* as world_belts_set told it; of a quiet body now.belt counts */
 	bool belt_told;               /* it was called for this body */
@@ -312,6 +316,7 @@ struct world {
 	int64_t step;     /* steps done since the scene's start */
 	double time;      /* s of simulated time since the scene's start */
 	bool torn;        /* true inside a step: the ground must not be committed now */
+	bool begun;       /* this run has changed the store, or is about to (world_begin_run). Until then no byte of a file has changed */
 	struct world_resumed {
 		bool is;
 		int64_t from;  /* step */
@@ -424,16 +429,22 @@ enum status world_start_drawing(struct world *world) FURROW_CHECKED;
 enum status world_warm(struct world *world) FURROW_CHECKED;
 /* From now on passes count as those of steps. Linking another program counts as an error. */
 void world_seal(struct world *world);
-/* Commits the start of this run. If the run is resumed, continues where it stopped. */
+/* Begins this run. If it is resumed, continues where it stopped. A run of a command commits its start now. A host's may only want to look: its
+ * start is committed with the first step. */
 enum status world_begin(struct world *world) FURROW_CHECKED;
+/* Commits the start of this run, unless that was done. Each step calls it before it changes anything. STATUS_USAGE: the world is readonly. */
+enum status world_begin_run(struct world *world) FURROW_CHECKED;
 /* Makes one time step. STATUS_FAILED, and nothing has changed: a path leaves the terrain, and the scene's `outside` is stop. */
 enum status world_step(struct world *world) FURROW_CHECKED;
 /* Makes one step that ends at time `until`, in s, later than now. */
 enum status world_step_to(struct world *world, double until) FURROW_CHECKED;
-/* Commits everything. `ended` is written to the record. If a step failed half-way, nothing is committed. */
+/* Commits everything. `ended` is written to the record. If a step failed half-way, or none was made, nothing is committed. */
 enum status world_end(struct world *world, bool ended) FURROW_CHECKED;
 /* Stops the threads, so that figures are final. The world need not have been started. */
 void world_stop(struct world *world);
+/* For a child of the world's process: lets go of the locks that it has inherited, so that they end with those of the world's process. The
+ * world must not be used in the child. */
+void world_forked(const struct world *world);
 /* Frees everything. `status`: how the drive ended. After a failure, an overlay without a commit is removed. The world may be
  * all zero, or half made. */
 void world_finish(struct world *world, enum status status);

@@ -1,0 +1,111 @@
+/* furrow.h: a world is stepped, and rolled back to a checkpoint. */
+#include "api/library.h"
+
+#include <math.h>
+
+#define TIME_MOST 1e9 /* s: the longest end_time of a scene, too */
+
+enum status api_library_checkpoint(struct furrow_world *host)
+{
+	struct library_mark mark = {host->origin, host->steps, 0};
+	enum status status = report_vehicles_mark(host->vehicle_rows, &mark.rows_end);
+	if (status == STATUS_OK)
+		status = world_checkpoint(&host->world);
+	if (status == STATUS_OK)
+		host->mark = mark;
+	return status;
+}
+
+/* Vehicles take whole steps of time_step. Those before one that failed stay. */
+static enum status step_vehicles(struct furrow_world *host, double seconds)
+{
+	struct world *world = &host->world;
+	const double time_step = host->scene->time_step, count = seconds == 0 ? 1 : round(seconds / time_step);
+	if (count < 1 || (seconds != 0 && fabs(seconds - count * time_step) > 1e-9 * seconds))
+		return fail_with(STATUS_USAGE, "step: %g s is no whole number of time_steps of %g s, which vehicles need; give a multiple, or 0 for one", seconds,
+				 time_step);
+	enum status status = STATUS_OK;
+	for (double i = 0; i < count && status == STATUS_OK; i++)
+		status = vehicle_step(host->vehicles);
+	if (status == STATUS_OK || world->torn)
+		return status;
+	struct failure failure;
+	failure_capture(&failure, status);
+	world->torn = vehicle_step_back(host->vehicles) != STATUS_OK;
+	return failure_restore(&failure);
+}
+
+static enum status step(struct furrow_world *host, double seconds)
+{
+	struct world *world = &host->world;
+	if (!(seconds >= 0) || !isfinite(seconds))
+		return fail_with(STATUS_USAGE, "step: %g s is no step; give 0 for the scene's time_step, or seconds above 0", seconds);
+	const double until = seconds == 0 ? host->origin + (double)(host->steps + 1) * host->scene->time_step : world->time + seconds;
+	if (until > TIME_MOST)
+		return fail_with(STATUS_USAGE, "step: %g s from %g s on lead beyond %g s, where time does not tell steps of a microsecond apart; give %g s or less",
+				 until - world->time, world->time, TIME_MOST, fmax(TIME_MOST - world->time, 0));
+	if (world->torn)
+		return fail_with(STATUS_FAILED, "step: the last one failed half-way; roll back first, or close the world");
+	const double began = clock_seconds();
+	enum status status = host->vehicles != NULL ? step_vehicles(host, seconds) : world_step_to(world, until);
+	const double took = clock_seconds() - began;
+	host->busy += took;
+	host->failed = status != STATUS_OK && status != STATUS_USAGE;
+	if (status != STATUS_OK)
+		return status;
+	host->steps++;
+	if (host->vehicles != NULL) {
+		host->steps = world->step;
+	} else if (seconds != 0) {
+		host->origin = until;
+		host->steps = 0;
+	}
+	times_add(&host->report.step_ms, took * 1e3);
+	times_add(&host->report.frame_ms, took * 1e3);
+	return STATUS_OK;
+}
+
+furrow_status furrow_step(struct furrow_world *world, double seconds)
+{
+	struct library_call call;
+	enum status status = api_library_enter(&call, world);
+	if (status == STATUS_OK)
+		status = api_library_need_writable(world, "step");
+	return api_library_leave(&call, status == STATUS_OK ? step(world, seconds) : status);
+}
+
+double furrow_time(const struct furrow_world *world)
+{
+	return world != NULL ? world->world.time : (double)NAN;
+}
+
+furrow_status furrow_checkpoint(struct furrow_world *world)
+{
+	struct library_call call;
+	enum status status = api_library_enter(&call, world);
+	if (status == STATUS_OK)
+		status = api_library_need_writable(world, "checkpoint");
+	if (status == STATUS_OK)
+		status = api_library_checkpoint(world);
+	return api_library_leave(&call, status);
+}
+
+furrow_status furrow_rollback(struct furrow_world *world)
+{
+	struct library_call call;
+	enum status status = api_library_enter(&call, world);
+	if (status == STATUS_OK)
+		status = world_rollback(&world->world);
+	if (status == STATUS_OK && world->vehicles != NULL) {
+		status = vehicle_rollback(world->vehicles);
+		if (status == STATUS_OK)
+			status = report_vehicles_rollback(world->vehicle_rows, world->mark.rows_end);
+		world->world.torn = status != STATUS_OK;
+	}
+	if (status == STATUS_OK) {
+		world->origin = world->mark.origin;
+		world->steps = world->mark.steps;
+		world->failed = false;
+	}
+	return api_library_leave(&call, status);
+}
