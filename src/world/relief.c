@@ -116,9 +116,13 @@ void world_advise_relief(const struct world *world, scene_advice_fn tell, void *
 	advise_slopes(world, tell, user);
 	if (spec->classes == 0 || world->store == NULL || world_relief(world) != NULL)
 		return;
+	double shows = own;
+	while (shows > longest / 2)
+		shows /= 2;
 	if (world->level >= 0)
 		snprintf(text, sizeof text, "relief: it raises posts between the store's, which are %g m apart, and none are used; give a smaller spacing", own);
 	else
-		snprintf(text, sizeof text, "relief: posts %g m apart show no waves of %g m; give a spacing of at most %g", world->spacing, longest, longest / 2);
+		snprintf(text, sizeof text, "relief: posts %g m apart show no waves of %g m; give a spacing of at most %s", world->spacing, longest,
+			 number_exact(shows).text);
 	tell(user, text);
 }
