@@ -201,7 +201,7 @@ static void advise_ground(const struct adviser *adviser)
 	const struct scene *scene = adviser->scene;
 	if (scene->object_count == 0)
 		return;
-	if (scene->soil_map != NULL && is_one_soil(scene) && !scene_draws_classes(scene))
+	if (scene->soil_map != NULL && scene->soil_default && is_one_soil(scene) && !scene_draws_classes(scene))
 		advise(adviser, "soil.map: all its classes are the default's soil; give them others, or one soil and no map");
 	if (deform_model_row(scene->model)->smooths && all_stand_still(scene))
 		advise(adviser, "redistribute.model: %s smooths where an object leaves, and none moves; let one move, or take it away",
