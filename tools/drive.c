@@ -29,8 +29,8 @@ static const struct command_option options[] = {
 static void print_summary(const struct api_result *result, const struct api_params *params)
 {
 	const bool unfinished = strcmp(result->ended, "interrupted") == 0 || strcmp(result->ended, "failed") == 0;
-	printf("%s: %lld steps in %.1f s (%.2f times real time), posts of %.9g m (level %d), %s%s/run.json%s", result->ended, (long long)result->steps,
-	       result->seconds, result->rtf, result->spacing, result->level, result->reported ? "in " : "but ", params->directory, result->reported ? "" : " could not be written");
+	printf("%s: %lld steps in %.1f s (%.2f times real time), posts of %s m (level %d), %s%s/run.json%s", result->ended, (long long)result->steps,
+	       result->seconds, result->rtf, number_exact(result->spacing).text, result->level, result->reported ? "in " : "but ", params->directory, result->reported ? "" : " could not be written");
 	if (result->map)
 		printf("; a map in %s/map.png", params->directory);
 	if (result->map_also)

@@ -14,7 +14,7 @@ static void print_head(const struct scene *scene, const struct report_plan *plan
 		printf("%s over no store%s%s%s\n  assumed: one of little relief that is not deformed, with posts and tiles as follow\n",
 		       scene->file, plan->missing != NULL ? ": " : "", plan->missing != NULL ? plan->missing : "",
 		       plan->missing != NULL ? " is not there" : "");
-	printf("  posts %g m apart (level %d) in tiles of %u x %u cells", plan->spacing, plan->level, plan->cells, plan->cells);
+	printf("  posts %s m apart (level %d) in tiles of %u x %u cells", number_exact(plan->spacing).text, plan->level, plan->cells, plan->cells);
 	if (plan->window_tiles > 0)
 		printf("; a window touches at most %zu", plan->window_tiles);
 	if (plan->batch_windows > 0)

@@ -208,9 +208,9 @@ static void print_vehicle(const struct report_plan *plan, size_t vehicle)
 	vehicle_info(plan->vehicles, vehicle, &info);
 	FILE *stream = open_memstream(&text, &size);
 	if (stream != NULL) {
-		fprintf(stream, "%s: %.6g kg, %zu soil geom%s, %zu actuator%s, %d engine step%s in a time step; time_step at most %.3g s (%s: %.3g kg on %.3g m2)",
+		fprintf(stream, "%s: %.6g kg, %zu soil geom%s, %zu actuator%s, %d engine step%s in a time step; time_step at most %s s (%s: %.3g kg on %.3g m2)",
 			info.name, info.mass, info.geom_count, info.geom_count == 1 ? "" : "s", info.actuator_count, info.actuator_count == 1 ? "" : "s", info.engine_steps,
-			info.engine_steps == 1 ? "" : "s", info.largest_step,
+			info.engine_steps == 1 ? "" : "s", number_at_most(info.largest_step, 3).text,
 			info.largest_geom, info.largest_mass, info.largest_area);
 		print_wrapped(stream, &text);
 	}

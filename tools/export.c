@@ -168,8 +168,8 @@ enum status export_find_rect(const struct export_request *request, const struct 
 		return fail_with(STATUS_INPUT, "%s: --window: its corners are swapped; give X0,Y0,X1,Y1, the south-west corner first", request->command);
 	if (post_rect_empty(*rect))
 		return fail_with(STATUS_INPUT, "%s: no post lies in --window; give X0,Y0,X1,Y1 in metres, inside "
-					       "0,0,%g,%g", request->command,
-				 (double)(extent->width - 1) * extent->spacing, (double)(extent->height - 1) * extent->spacing);
+					       "%s", request->command,
+				 number_window(0, 0, (double)(extent->width - 1) * extent->spacing, (double)(extent->height - 1) * extent->spacing).text);
 	return STATUS_OK;
 }
 
@@ -262,8 +262,9 @@ static void note_side(const struct export_request *request, struct post_rect rec
 	if (fits || side == 0)
 		return;
 	const double west = (double)rect.x0 * spacing, south = (double)rect.y0 * spacing, length = (double)(side - 1) * spacing;
-	note("%s: %lld x %lld posts are no size of Unreal's Landscape; the nearest that lies within is %lld x %lld: --window %.10g,%.10g,%.10g,%.10g",
-	     request->path, (long long)width, (long long)height, (long long)side, (long long)side, west, south, west + length, south + length);
+	note("%s: %lld x %lld posts are no size of Unreal's Landscape; the nearest that lies within is %lld x %lld: --window %s",
+	     request->path, (long long)width, (long long)height, (long long)side, (long long)side,
+	     number_window(west, south, west + length, south + length).text);
 }
 
 /* So that the error bound of the import holds in the raster too. */
@@ -281,9 +282,9 @@ static enum status tell_finer_ruts(const struct export_request *request, struct 
 		return STATUS_OK;
 	enum status status = ruts_window(store, ruts, &any);
 	if (status == STATUS_OK && any)
-		note("%s: at level %d it has one of %lld posts of the ruts, which are %g m apart: for all of them give --level %d --window %.10g,%.10g,%.10g,%.10g",
+		note("%s: at level %d it has one of %lld posts of the ruts, which are %g m apart: for all of them give --level %d --window %s",
 		     request->path, (int)request->level, 1LL << 2 * (request->level - working), extent_spacing(&store_meta(store)->extent, working), working,
-		     ruts[0], ruts[1], ruts[2], ruts[3]);
+		     number_window(ruts[0], ruts[1], ruts[2], ruts[3]).text);
 	return status;
 }
 

@@ -75,7 +75,8 @@ enum status export_take_changed(struct export_request *request, struct store *st
 	request->has_window = true;
 	if (!request->map)
 		snprintf(size, sizeof size, " has %.1f GB at this spacing", gigabytes);
-	note("%s: only what changed is %s, --window %.10g,%.10g,%.10g,%.10g; the whole terrain%s: give --window 0,0,%.10g,%.10g for it", request->path,
-	     request->map ? "drawn" : "written", window[0], window[1], window[2], window[3], size, ends[0], ends[1]);
+	note("%s: only what changed is %s, --window %s; the whole terrain%s: give --window %s for it", request->path,
+	     request->map ? "drawn" : "written", number_window(window[0], window[1], window[2], window[3]).text, size,
+	     number_window(0, 0, ends[0], ends[1]).text);
 	return STATUS_OK;
 }

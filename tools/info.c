@@ -91,10 +91,11 @@ static void print_insets(const struct store_meta *meta)
 	for (const char *text = meta->insets; store_inset_next(&text, &meta->extent, &inset);) {
 		double bounds[4];
 		inset_bounds(meta, &inset, bounds);
-		printf("inset      %.*s: %lld x %lld posts, %g m apart, level %d, %lld tiles; %.3f, %.3f to %.3f, %.3f; --window %.3f,%.3f,%.3f,%.3f\n", (int)inset.source_length,
+		printf("inset      %.*s: %lld x %lld posts, %g m apart, level %d, %lld tiles; %.3f, %.3f to %.3f, %.3f; --window %s\n", (int)inset.source_length,
 		       inset.source, (long long)inset.width, (long long)inset.height, extent_spacing(&meta->extent, inset.level), inset.level,
-		       (long long)inset_tiles(meta, &inset), bounds[0], bounds[1], bounds[2], bounds[3], bounds[0] - meta->origin[0],
-		       bounds[1] - meta->origin[1], bounds[2] - meta->origin[0], bounds[3] - meta->origin[1]);
+		       (long long)inset_tiles(meta, &inset), bounds[0], bounds[1], bounds[2], bounds[3],
+		       number_window(bounds[0] - meta->origin[0], bounds[1] - meta->origin[1], bounds[2] - meta->origin[0],
+				     bounds[3] - meta->origin[1]).text);
 	}
 }
 
@@ -244,18 +245,18 @@ static void print_text(struct store *store, const struct store_numbers *numbers,
 	int working;
 	int64_t revision;
 	const char *parent = store_parent(store, &revision);
-	printf("posts      %lld x %lld, %g m apart: %.3f x %.3f km\n", (long long)extent->width,
-	       (long long)extent->height, extent->spacing, (double)(extent->width - 1) * extent->spacing / 1e3,
+	printf("posts      %lld x %lld, %s m apart: %.3f x %.3f km\n", (long long)extent->width,
+	       (long long)extent->height, number_exact(extent->spacing).text, (double)(extent->width - 1) * extent->spacing / 1e3,
 	       (double)(extent->height - 1) * extent->spacing / 1e3);
 	printf("tiles      %u x %u posts; %lld base, %lld offset, %lld soil\n", extent->cells + 1, extent->cells + 1,
 	       (long long)numbers->base_tiles, (long long)numbers->plane_tiles[PLANE_OFFSET],
 	       (long long)soil_sum(numbers->plane_tiles));
 	printf("levels     %d to %d", store_finest(store), extent_coarsest(extent));
 	if (store_has_working_level(store, &working))
-		printf("; deformed at level %d, %g m", working, extent_spacing(extent, working));
+		printf("; deformed at level %d, %s m", working, number_exact(extent_spacing(extent, working)).text);
 	if (ruts != NULL)
-		printf("\nruts       within %.10g,%.10g,%.10g,%.10g (west, south, east, north of the tiles with ruts, m; for --window)", ruts[0], ruts[1],
-		       ruts[2], ruts[3]);
+		printf("\nruts       within %s (west, south, east, north of the tiles with ruts, m; for --window)",
+		       number_window(ruts[0], ruts[1], ruts[2], ruts[3]).text);
 	if (store_relief_text(store) != NULL)
 		printf("\nrelief     %s", store_relief_text(store));
 	printf("\nheight     %.2f to %.2f m\n", meta->low, meta->high);

@@ -207,7 +207,7 @@ static enum status check_posts(const struct asked *asked, const struct store_met
 	if (meta->extent.spacing <= length)
 		return STATUS_OK;
 	return fail_with(STATUS_INPUT, "mobility: %s: its posts are %g m apart, and %s is %.2g m long, so all would be unknown; give a terrain with posts of "
-				       "at most %.2g m", asked->store, meta->extent.spacing, asked->vehicle.name, length, floor(length * 100) / 100);
+				       "at most %s m", asked->store, meta->extent.spacing, asked->vehicle.name, length, number_at_most(length, 2).text);
 }
 
 /* Finds the posts that are judged, and their level. A picture has at most SIDE_MOST cells on a side. */

@@ -20,7 +20,7 @@ static enum status run(const struct arguments *arguments)
 		printf("%s: it is at revision %lld already\n", arguments_at(arguments, 0), (long long)revision);
 	else if (status == STATUS_OK)
 		printf("%s: revision %lld is revision %lld again; furrow restore %s %lld undoes that\n", arguments_at(arguments, 0),
-		       (long long)after.commits, (long long)revision, arguments_at(arguments, 0), (long long)before.commits);
+		       (long long)after.commits, (long long)revision, shell_path(arguments_at(arguments, 0)).text, (long long)before.commits);
 	store_close(store);
 	return status;
 }

@@ -87,7 +87,7 @@ static enum status run(const struct arguments *arguments)
 	else if (status == STATUS_OK)
 		status = study_read(first, NULL, &study);
 	if (status == STATUS_OK && !again)
-		status = study_prepare(&study, directory);
+		status = study_prepare(&study, directory, arguments_flag(arguments, "collect"));
 	if (status == STATUS_OK && (again || arguments_flag(arguments, "collect"))) {
 		status = collect(&study);
 	} else if (status == STATUS_OK && kind >= 0) {

@@ -51,6 +51,21 @@ struct study_result {
 	const struct scene_node *node;
 };
 
+/* What the scenes of the runs have of a result; the most that one of them has. */
+enum study_found {
+	STUDY_NOTHING,
+	STUDY_NAME, /* its object or vehicle */
+	STUDY_ROWS, /* and it writes rows of it */
+};
+
+#define STUDY_NAMED 3
+/* Runs that cannot begin. The first ones are named, with their values. */
+struct study_refused {
+	size_t count;
+	char named[STUDY_NAMED][280];
+	char why[1024]; /* of the first */
+};
+
 struct study_plot {
 	size_t x, by; /* parameters; by: SIZE_MAX if the plot has one series */
 	size_t y;     /* a result */
@@ -124,9 +139,9 @@ enum status study_choice(const struct study *study, const struct scene_node *par
 			 int *value) FURROW_CHECKED;
 
 /* --- study_runs.c, study_state.c --- */
-/* Loads each run's scene, which checks its values; names the runs; makes DIR and a folder with
- * run.sh for each. Finds what is complete. */
-enum status study_prepare(struct study *study, const char *directory) FURROW_CHECKED;
+/* Checks that each run can begin; names the runs; makes DIR and a folder with run.sh for each.
+ * Finds what is complete. `collects`: nothing is to run, so what is there is not checked. */
+enum status study_prepare(struct study *study, const char *directory, bool collects) FURROW_CHECKED;
 /* Reads the study that DIR was last prepared for, and the names of its runs. */
 enum status study_reopen(struct study *study, const char *directory) FURROW_CHECKED;
 /* Fills the list of `settings`: those of every run, then the values of this one. *store: the
@@ -148,6 +163,19 @@ const char *study_path(const struct study *study, size_t run, const char *file, 
 /* Writes a text as one word of a shell. */
 void study_quote(const char *text, FILE *file);
 
+/* --- study_check.c --- */
+/* Notes that a run cannot begin, with this thread's message. */
+void study_refuse(const struct study *study, struct study_refused *refused, size_t run);
+/* STATUS_INPUT, with a few of the runs and how many they are, if any was refused. */
+enum status study_tell_refused(const struct study *study, const struct study_refused *refused) FURROW_CHECKED;
+/* Checks all that is known of a run before it begins: over its store, with its vehicles, all but what only the drive finds. Not of
+ * runs that are complete. STATUS_INPUT: some cannot begin. STATUS_INTERRUPTED after Ctrl-C. */
+enum status study_check_runs(struct study *study) FURROW_CHECKED;
+/* Looks for what the results are read from in the scene of a run. `found`: one for each result. */
+void study_seek_results(const struct study *study, const struct scene *scene, enum study_found *found);
+/* STATUS_INPUT, with the line, for a result that no run can have. */
+enum status study_check_sought(const struct study *study, const enum study_found *found) FURROW_CHECKED;
+
 /* --- study_work.c, study_write.c --- */
 /* Runs all that is not complete, `jobs` at once. STATUS_FAILED if a run failed, STATUS_INTERRUPTED
  * after Ctrl-C. */
@@ -166,8 +194,13 @@ struct study_cell {
 enum status study_collect(struct study *study) FURROW_CHECKED;
 /* Fills the cells of a run, one for each result, from its objects.csv and vehicles.csv. */
 enum status study_columns(const struct study *study, size_t run, struct study_cell *cells) FURROW_CHECKED;
+/* STATUS_INPUT if a result cannot be read from a run that is complete. */
+enum status study_check_run(struct study *study, size_t run) FURROW_CHECKED;
 /* Sets a cell to a number, in as few digits as tell it apart. */
 enum status study_cell_number(struct study_cell *cell, double number) FURROW_CHECKED;
+/* STATUS_INPUT if a parameter of the plot has too many values that are no numbers. `node`: where
+ * the study file has the plot. */
+enum status study_plot_check(const struct study *study, const struct study_plot *plot, const struct scene_node *node) FURROW_CHECKED;
 /* Draws one plot. `cells`: run x result. */
 enum status study_plot_write(const struct study *study, const struct study_plot *plot, const struct study_cell *cells,
 			     FILE *file) FURROW_CHECKED;

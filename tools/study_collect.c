@@ -167,6 +167,15 @@ static enum status write_plot(const struct study *study, const struct study_plot
 	return aside_end(&aside, false, status);
 }
 
+enum status study_check_run(struct study *study, size_t run)
+{
+	struct study_cell cells[STUDY_RESULTS] = {{.text = NULL}};
+	enum status status = take_run(study, run, cells);
+	for (size_t i = 0; i < study->result_count; i++)
+		mem_free(cells[i].text);
+	return status;
+}
+
 enum status study_collect(struct study *study)
 {
 	const size_t count = study->run_count * study->result_count;

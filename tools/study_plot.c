@@ -11,6 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "scene/scene_error.h"
 #include "study_groups.h"
 #include "svg.h"
 
@@ -254,20 +255,32 @@ static void write_all(const struct plot *plot, FILE *file)
 		LEFT, HEIGHT - 12);
 }
 
+/* Finds the groups of both parameters. */
+static enum status group(const struct study *study, const struct study_plot *wanted, const struct scene_node *node, struct plot *plot)
+{
+	const size_t parts = study->run_count < 8 ? 1 : study->run_count < 4 * PARTS ? study->run_count / 4 : PARTS;
+	*plot = (struct plot){.study = study, .plot = wanted, .series = {.count = 1}};
+	if (!study_groups_find(study, wanted->x, STUDY_GROUPS, parts, &plot->across))
+		return scene_error(study->file, node, "has %s across, which has more than %d values that are no numbers; allowed: another parameter as x",
+				   study->parameters[wanted->x].name, STUDY_GROUPS);
+	if (wanted->by != SIZE_MAX && !study_groups_find(study, wanted->by, SERIES_MOST, SERIES_PARTS, &plot->series))
+		return scene_error(study->file, node, "is by %s, which has more than %d values that are no numbers; allowed: another parameter as by, or none",
+				   study->parameters[wanted->by].name, SERIES_MOST);
+	return STATUS_OK;
+}
+
+enum status study_plot_check(const struct study *study, const struct study_plot *wanted, const struct scene_node *node)
+{
+	struct plot plot;
+	return group(study, wanted, node, &plot);
+}
+
 enum status study_plot_write(const struct study *study, const struct study_plot *wanted, const struct study_cell *cells, FILE *file)
 {
-	struct plot plot = {.study = study, .plot = wanted, .series = {.count = 1}};
-	const size_t parts = study->run_count < 8 ? 1 : study->run_count < 4 * PARTS ? study->run_count / 4 : PARTS;
-	if (!study_groups_find(study, wanted->x, STUDY_GROUPS, parts, &plot.across))
-		return fail_with(STATUS_INPUT,
-				 "%s: %s has more than %d values that are no numbers; plot another "
-				 "parameter across",
-				 study->file, study->parameters[wanted->x].name, STUDY_GROUPS);
-	if (wanted->by != SIZE_MAX && !study_groups_find(study, wanted->by, SERIES_MOST, SERIES_PARTS, &plot.series))
-		return fail_with(STATUS_INPUT,
-				 "%s: %s has more than %d values that are no numbers; plot by "
-				 "another parameter",
-				 study->file, study->parameters[wanted->by].name, SERIES_MOST);
+	struct plot plot;
+	enum status status = group(study, wanted, study->root, &plot);
+	if (status != STATUS_OK)
+		return status;
 	plot.dots = mem_calloc(study->run_count, sizeof *plot.dots);
 	if (plot.dots == NULL)
 		return fail_memory("a plot of the study");

@@ -96,12 +96,19 @@ static enum status take_plot(const struct study *study, const struct scene_node 
 		       : scene_error(study->file, scene_node_child(node, "y"), "is no result of this study; give one of %s, or add it under results", list.text);
 }
 
-/* Without `plots`: each result over the first parameter, by the second. */
+/* Without `plots`: each result over the first parameter, by the second where it has few enough values. */
 static void plot_all(struct study *study)
 {
-	for (size_t i = 0; i < study->result_count && i < STUDY_PLOTS; i++)
-		study->plots[study->plot_count++] =
-			(struct study_plot){.x = 0, .by = study->parameter_count > 1 ? 1 : SIZE_MAX, .y = i};
+	struct study_plot plot = {.x = 0, .by = study->parameter_count > 1 ? 1 : SIZE_MAX};
+	if (study_plot_check(study, &plot, study->root) != STATUS_OK)
+		plot.by = SIZE_MAX;
+	if (study_plot_check(study, &plot, study->root) != STATUS_OK) {
+		note("%s: no plot is drawn, since %s has too many values that are no numbers; name another parameter as x under plots", study->file,
+		     study->parameters[0].name);
+		return;
+	}
+	for (plot.y = 0; plot.y < study->result_count && plot.y < STUDY_PLOTS; plot.y++)
+		study->plots[study->plot_count++] = plot;
 }
 
 enum status study_read_results(struct study *study)
@@ -129,6 +136,8 @@ enum status study_read_results(struct study *study)
 		return scene_error(study->file, plots, "is no list; allowed: up to %d plots", STUDY_PLOTS);
 	for (const struct scene_node *node = plots->first; node != NULL; node = node->next) {
 		enum status status = take_plot(study, node, &study->plots[study->plot_count]);
+		if (status == STATUS_OK)
+			status = study_plot_check(study, &study->plots[study->plot_count], node);
 		if (status != STATUS_OK)
 			return status;
 		study->plot_count++;

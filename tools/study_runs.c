@@ -105,8 +105,8 @@ static uint64_t add_text(uint64_t hash, const char *text)
 	return hash;
 }
 
-/* Checks a run's scene and hashes all that decides its results. `hash`: of the scene's file. */
-static enum status name_run(struct study *study, size_t run, uint64_t hash)
+/* Checks a run's scene and hashes all that decides its results. `hash`: of the scene's file. `found`: of results. */
+static enum status name_run(struct study *study, size_t run, uint64_t hash, enum study_found *found)
 {
 	struct settings settings = {.count = 0};
 	struct scene *scene = NULL;
@@ -120,11 +120,10 @@ static enum status name_run(struct study *study, size_t run, uint64_t hash)
 	if (status == STATUS_OK && access(terrain, R_OK) != 0)
 		status = fail_with(STATUS_INPUT, "%s: %s; give a store that can be read", terrain, strerror(errno));
 	if (status != STATUS_OK) {
-		char why[512];
-		snprintf(why, sizeof why, "%s", failure_message());
 		scene_destroy(scene);
-		return fail_with(status, "%s: run %zu: %s", study->file, run + 1, why);
+		return status;
 	}
+	study_seek_results(study, scene, found);
 	const struct scene_node *named = scene_node_child(study->root, "store");
 	hash = add_text(add_text(hash, scene->hash), named != NULL ? named->text : "");
 	for (size_t i = 0; i < study->parameter_count; i++)
@@ -182,8 +181,10 @@ static enum status keep_folders(const struct study *study, const char *runs)
 	return status;
 }
 
-static enum status name_runs(struct study *study, const char *runs)
+static enum status name_runs(struct study *study, const char *runs, bool collects)
 {
+	struct study_refused refused = {.count = 0};
+	enum study_found found[STUDY_RESULTS] = {STUDY_NOTHING};
 	char *text;
 	size_t length;
 	enum status status = scene_file_read(study->scene, study->scene, SCENE_BYTES, &text, &length);
@@ -191,8 +192,17 @@ static enum status name_runs(struct study *study, const char *runs)
 		return status;
 	const uint64_t hash = add_text(HASH_START, text);
 	mem_free(text);
-	for (size_t run = 0; run < study->run_count && status == STATUS_OK; run++)
-		status = name_run(study, run, hash);
+	for (size_t run = 0; run < study->run_count && status == STATUS_OK; run++) {
+		status = name_run(study, run, hash, found);
+		if (status == STATUS_INPUT) {
+			study_refuse(study, &refused, run);
+			status = STATUS_OK;
+		}
+	}
+	if (status == STATUS_OK)
+		status = study_tell_refused(study, &refused);
+	if (status == STATUS_OK && !collects)
+		status = study_check_sought(study, found);
 	return status == STATUS_OK ? keep_folders(study, runs) : status;
 }
 
@@ -269,7 +279,7 @@ static enum status find_paths(struct study *study, const char *directory)
 	return study->program != NULL && study->directory != NULL ? STATUS_OK : fail_memory("paths of the study");
 }
 
-enum status study_prepare(struct study *study, const char *directory)
+enum status study_prepare(struct study *study, const char *directory, bool collects)
 {
 	char path[PATH_MAX];
 	struct stat found;
@@ -282,7 +292,11 @@ enum status study_prepare(struct study *study, const char *directory)
 	if (status == STATUS_OK)
 		status = api_folder_make(path);
 	if (status == STATUS_OK)
-		status = name_runs(study, path);
+		status = name_runs(study, path, collects);
+	for (size_t run = 0; run < study->run_count && status == STATUS_OK; run++)
+		study_look(study, run);
+	if (status == STATUS_OK && !collects)
+		status = study_check_runs(study);
 	if (status != STATUS_OK && !there && study->directory != NULL) { /* a refused study leaves nothing */
 		(void)rmdir(path);
 		(void)rmdir(study->directory);
@@ -291,7 +305,6 @@ enum status study_prepare(struct study *study, const char *directory)
 		status = api_folder_make(study_path(study, run, "", path));
 		if (status == STATUS_OK)
 			status = write_script(study, run);
-		study_look(study, run);
 	}
 	if (status == STATUS_OK)
 		status = write_copy(study);

@@ -32,6 +32,8 @@ struct work {
 	size_t next; /* the first run that was not looked at */
 	size_t done, total, failed;
 	size_t first_failed;
+	bool checked;         /* a complete run was looked at: whether it has the results */
+	struct failure wrong; /* what it lacks; STATUS_OK: nothing */
 	double written; /* when study.json was */
 	struct progress progress;
 };
@@ -110,6 +112,9 @@ static void take_end(struct work *work, const struct job *job, int ended)
 	struct study_run *run = &work->study->runs[job->run];
 	study_look(work->study, job->run);
 	work->done++;
+	if (run->state == STUDY_COMPLETE && !work->checked)
+		failure_capture(&work->wrong, study_check_run(work->study, job->run));
+	work->checked = work->checked || run->state == STUDY_COMPLETE;
 	if (run->state == STUDY_COMPLETE)
 		return;
 	if (run->state == STUDY_INTERRUPTED || (interrupted && WIFEXITED(ended) && WEXITSTATUS(ended) == 130))
@@ -174,6 +179,8 @@ static enum status run_all(struct work *work)
 		if (status == STATUS_OK && !interrupted)
 			status = start_some(work);
 		const int running = look_at_children(work);
+		if (status == STATUS_OK && work->wrong.status != STATUS_OK) /* all others would end without that result, too */
+			status = failure_restore(&work->wrong);
 		if ((interrupted || status != STATUS_OK) && !ending) {
 			end_children(work);
 			ending = true;
@@ -227,6 +234,11 @@ enum status study_work(struct study *study, int jobs)
 		status = fail_memory("jobs of the study");
 	interrupt_catch();
 	progress_start(&work.progress, "study", "runs");
+	for (size_t run = 0; run < study->run_count && status == STATUS_OK && !work.checked; run++)
+		if (study->runs[run].state == STUDY_COMPLETE) {
+			status = study_check_run(study, run);
+			work.checked = true;
+		}
 	if (status == STATUS_OK)
 		status = run_all(&work);
 	const enum status written = study_manifest(study);

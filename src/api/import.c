@@ -314,8 +314,8 @@ static void note_sentinel(const struct intake *intake)
 			return;
 		}
 	if (intake->low <= -12000)
-		note("the lowest height is %g m; if a value of the sources means nodata, as -32767 often does, import "
-		     "again with --nodata and that value", intake->low);
+		note("the lowest height is %s m; if a value of the sources means nodata, as -32767 often does, import "
+		     "again with --nodata and that value", number_exact(intake->low).text);
 }
 
 /* Heights that were whole numbers of a unit are none when they were converted, and are rounded to the unit again. */

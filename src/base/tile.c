@@ -111,7 +111,7 @@ int extent_coarsest(const struct extent *extent)
 int extent_level_for(const struct extent *extent, double spacing)
 {
 	int level = extent_coarsest(extent);
-	while (level >= TILE_LEVEL_MIN && extent_spacing(extent, level) > spacing)
+	while (level >= TILE_LEVEL_MIN && extent_spacing(extent, level) > spacing * (1 + SPACING_PRINTED))
 		level--;
 	return level;
 }

@@ -47,7 +47,10 @@ int64_t extent_posts(int64_t posts, int level);                /* posts along a 
 uint32_t extent_tiles_x(const struct extent *extent, int level); /* at least 1 */
 uint32_t extent_tiles_y(const struct extent *extent, int level);
 int extent_coarsest(const struct extent *extent); /* returns the finest level at which the world is one tile */
-/* Returns the coarsest level whose spacing is at most `spacing` metres. Returns TILE_LEVEL_MIN - 1 if there is none. */
+/* A spacing that was printed with six digits is off by half of this share of it, at most. */
+#define SPACING_PRINTED 1e-5
+/* Returns the coarsest level whose spacing is at most `spacing` metres, or more by less than SPACING_PRINTED of it. So a spacing that
+ * was printed is the level that it was printed for. Returns TILE_LEVEL_MIN - 1 if there is none. */
 int extent_level_for(const struct extent *extent, double spacing);
 bool extent_has(const struct extent *extent, struct tile tile);
 /* Returns NULL if this program can handle such a world. Otherwise returns the reason, a static text. */

@@ -18,8 +18,8 @@ static enum status check_grousers(const struct deform_shape *shape)
 		return fail_with(STATUS_INPUT, "wheel: its lugs have no size; give lug_height and lug_thickness above 0");
 	double room = 2 * M_PI * shape->radius / (shape->grousers > 0 ? shape->grousers : 1);
 	if (shape->grousers > 0 && shape->grouser_thickness > room)
-		return fail_with(STATUS_INPUT, "wheel: %d lugs %g m thick do not fit around it; give at most %g m", shape->grousers,
-				 shape->grouser_thickness, room);
+		return fail_with(STATUS_INPUT, "wheel: %d lugs %g m thick do not fit around it; give at most %s m", shape->grousers,
+				 shape->grouser_thickness, number_at_most(room, 6).text);
 	return STATUS_OK;
 }
 
@@ -63,9 +63,9 @@ enum status deform_shape_check(const struct deform_shape *shape, double spacing)
 	if (!(least > 0))
 		return fail_with(STATUS_INPUT, "shape: it has no width; give sizes above 0");
 	if (most > limit)
-		return fail_with(STATUS_INPUT, "shape: %g m across is too large for posts %g m apart; give at most %g m, or a "
+		return fail_with(STATUS_INPUT, "shape: %g m across is too large for posts %g m apart; give at most %s m, or a "
 					       "coarser spacing%s",
-				 most, spacing, limit, most > LARGE ? "; the unit of a size is m: if it is in mm, give thousandths of it" : "");
+				 most, spacing, number_at_most(limit, 6).text, most > LARGE ? "; the unit of a size is m: if it is in mm, give thousandths of it" : "");
 	return STATUS_OK;
 }
 

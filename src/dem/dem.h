@@ -255,7 +255,7 @@ enum dem_placed_kind {
 };
 struct dem_placed_params {
 	/* A grey PNG of 8 or 16 bits: one pixel for each post of level 0, beginning at the store's north-west post, north up.
-	 * With GDAL also a GeoTIFF in any SRS. A GeoTIFF without an SRS is in the store's coordinates. */
+	 * With GDAL also a GeoTIFF in any SRS. A GeoTIFF without an SRS is in metres from the store's south-west post. */
 	const char *path;
 	const struct extent *extent;
 	const char *srs;  /* the store's WKT; "" for local metres */

@@ -238,8 +238,8 @@ static enum status refuse_height(double height, double step, int64_t x, int64_t 
 				 "with --nodata or repair the source", (long long)x, (long long)y);
 	if (step == 0)
 		return fail_with(STATUS_INPUT, "post %lld, %lld: its height %.17g is not exact in 32 bits, "
-				 "which a lossless store keeps; give --max-error %.1g or more",
-				 (long long)x, (long long)y, height, fmax(fabs(height) * 1e-7, 1e-7));
+				 "which a lossless store keeps; give --max-error %s or more",
+				 (long long)x, (long long)y, height, number_at_least(fmax(fabs(height) * 1e-7, 1e-7), 1).text);
 	return fail_with(STATUS_INPUT, "post %lld, %lld: its height %.17g m is too far from zero for a step "
 			 "of %g m; give a larger --max-error, or name that value with --nodata",
 			 (long long)x, (long long)y, height, step);

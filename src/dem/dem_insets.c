@@ -59,8 +59,8 @@ static enum status choose_level(const struct dem_insets_params *params, struct i
 				 "instead of an inset", source, spacing, coarse);
 	if (inset->info.level < TILE_LEVEL_MIN)
 		return fail_with(STATUS_INPUT, "%s: its posts of %g m are more than %d times as fine as the terrain's %g m; resample it to "
-				 "%g m, or give the terrain a finer --spacing", source, spacing, 1 << -TILE_LEVEL_MIN, coarse,
-				 ldexp(coarse, TILE_LEVEL_MIN));
+				 "%s m, or give the terrain a finer --spacing", source, spacing, 1 << -TILE_LEVEL_MIN, coarse,
+				 number_exact(ldexp(coarse, TILE_LEVEL_MIN)).text);
 	inset->info.spacing = ldexp(coarse, inset->info.level);
 	return STATUS_OK;
 }

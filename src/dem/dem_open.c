@@ -218,8 +218,8 @@ static enum status check_heights(struct post_rect rect, const double *heights)
 	if (isinf(heights[i]))
 		return fail_with(STATUS_INPUT, "post %lld, %lld: its height is infinite; name that value with --nodata or "
 				 "repair the source", x, y);
-	return fail_with(STATUS_INPUT, "post %lld, %lld: no ground is at %.9g m; if that value means nodata, name it "
-			 "with --nodata", x, y, heights[i]);
+	return fail_with(STATUS_INPUT, "post %lld, %lld: no ground is at %.9g m; if that value means nodata, give "
+			 "--nodata %s", x, y, heights[i], number_exact(heights[i]).text);
 }
 
 enum status dem_read(struct dem *dem, struct post_rect rect, double *heights)

@@ -19,6 +19,7 @@ struct gdal_of_values {
 	double scale, offset; /* of a pixel's stored value; classes are as they are stored */
 	double pixels[6]; /* the geotransform's inverse */
 	OGRCoordinateTransformationH move; /* NULL: none is needed */
+	bool local;  /* its coordinates are metres from the store's south-west post */
 	double turn; /* the raster's units in a full circle of longitude; 0: x has none */
 };
 
@@ -66,8 +67,8 @@ static void gdal_locate(struct dem_placed *raster, size_t count, double *x, doub
 	const struct gdal_of_values *gdal = (const struct gdal_of_values *)raster;
 	const struct dem_placed_params *params = gdal->params;
 	for (size_t i = 0; i < count; i++) {
-		x[i] = params->origin[0] + x[i] * params->extent->spacing;
-		y[i] = params->origin[1] + y[i] * params->extent->spacing;
+		x[i] = (gdal->local ? 0 : params->origin[0]) + x[i] * params->extent->spacing;
+		y[i] = (gdal->local ? 0 : params->origin[1]) + y[i] * params->extent->spacing;
 		if (gdal->move != NULL && !OCTTransform(gdal->move, 1, &x[i], &y[i], NULL))
 			x[i] = y[i] = (double)NAN;
 		else
@@ -153,6 +154,16 @@ static enum status take_way(struct gdal_of_values *gdal, OGRSpatialReferenceH sr
 	return status;
 }
 
+/* Returns true if the store has this SRS, too. One on no planet has no other way to a store. */
+static bool is_of_store(const struct dem_placed_params *params, OGRSpatialReferenceH srs)
+{
+	OGRSpatialReferenceH store = params->srs[0] != '\0' ? dem_srs_parse(params->srs) : NULL;
+	const bool same = store != NULL && OSRIsSame(store, srs);
+	if (store != NULL)
+		OSRDestroySpatialReference(store);
+	return same;
+}
+
 static enum status take_place(struct gdal_of_values *gdal)
 {
 	const char *path = gdal->params->path;
@@ -167,9 +178,9 @@ static enum status take_place(struct gdal_of_values *gdal)
 		return fail_with(STATUS_INPUT, "%s: its geotransform has no area; give it a place with gdal_translate "
 				 "-a_ullr", path);
 	OGRSpatialReferenceH srs = GDALGetSpatialRef(gdal->dataset); /* with its axes as the geotransform's */
-	if (srs == NULL || OSRIsLocal(srs))
-		return STATUS_OK; /* in the store's own coordinates */
-	return take_way(gdal, srs);
+	/* X and Y are from the south-west post wherever no SRS says otherwise: those of a scene, of a command, and of a raster. */
+	gdal->local = srs == NULL || (OSRIsLocal(srs) && !is_of_store(gdal->params, srs));
+	return gdal->local || OSRIsLocal(srs) ? STATUS_OK : take_way(gdal, srs);
 }
 
 /* Refuses a file that has the ending of a format of polygons. It is not opened: a scene is a stranger's. */

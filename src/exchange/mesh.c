@@ -11,6 +11,7 @@
 
 #include <assert.h>
 #include <errno.h>
+#include <math.h>
 #include <string.h>
 
 #include "base/aside.h"
@@ -178,7 +179,12 @@ static enum status check_size(const struct exchange_surface *surface, const stru
 	double bytes = format->bytes(width * rows, triangles);
 	if (bytes <= BYTES_MOST)
 		return STATUS_OK;
-	int coarser = (int)ceil(log2(bytes / BYTES_MOST) / 2);
+	int coarser = 0;
+	double least;
+	do { /* a coarser level has at most two posts more than its share, one at each end */
+		const double share = exp2(-++coarser), posts = (width * share + 2) * (rows * share + 2);
+		least = format->bytes(posts, 2 * posts);
+	} while (least > BYTES_MOST);
 	return fail_with(STATUS_INPUT, "%s: %lld x %lld posts make %.0f triangles in %.1f GB, and 4.2 GB is the most; give a smaller --window, or "
 			 "--level %d", params->path, (long long)surface->width, (long long)surface->rows, triangles, bytes / 1e9,
 			 params->level + coarser);

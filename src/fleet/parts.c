@@ -170,7 +170,7 @@ static enum status read_before(const char *over, const char *folder, struct gath
 		return status;
 	status = store_last_run(store, &run);
 	if (status == STATUS_OK && run.scene_hash != NULL && !read_sums(run.state, gathering->before, NULL))
-		status = fail_with(STATUS_INPUT, "%s: what its last drive left to go on from is damaged; drive without --resume, or furrow reset it", over);
+		status = fail_with(STATUS_INPUT, "%s: what its last drive left to go on from is damaged; drive without --resume, or furrow reset %s", over, shell_path(over).text);
 	store_close(store);
 	return status;
 }

@@ -11,6 +11,24 @@
 #define COLUMNS "t,name,x,y,z,sinkage,fx,fy,fz,tx,ty,tz,slip,contact_area,load,soil,state,residual"
 static const char header_of_objects[] = COLUMNS "\n", header_of_vehicles[] = COLUMNS ",work\n";
 
+const char *report_objects_columns(void)
+{
+	return "t, x, y, z, sinkage, fx, fy, fz, tx, ty, tz, slip, contact_area, load, residual; with vehicles work, too";
+}
+
+bool report_objects_column(const char *name)
+{
+	static const char *const texts[] = {"name", "soil", "state"};
+	for (size_t i = 0; i < sizeof texts / sizeof *texts; i++)
+		if (strcmp(name, texts[i]) == 0)
+			return false;
+	const size_t length = strlen(name);
+	for (const char *at = header_of_vehicles; *at != '\0'; at += strcspn(at, ",\n") + 1)
+		if (strncmp(at, name, length) == 0 && (at[length] == ',' || at[length] == '\n'))
+			return true;
+	return false;
+}
+
 struct report_rows {
 	const struct world *world;
 	const char *directory;

@@ -299,6 +299,28 @@ static enum status describe(struct world *world, struct report_plan *out)
 	return status == STATUS_OK && notes.failed ? fail_memory("the plan") : status;
 }
 
+enum status report_check(const struct scene *scene, const char *store)
+{
+	struct world world;
+	struct scene driven;
+	struct store_meta assumed;
+	struct vehicles *vehicles = NULL;
+	struct failure failure = {.status = STATUS_OK};
+	scene_unwatched(scene, &driven);
+	enum status status = vehicle_load(scene, &vehicles);
+	if (status == STATUS_OK) {
+		status = world_prepare_plan(&world, &driven, store != NULL ? store : scene->store, false, &assumed);
+		if (status == STATUS_OK)
+			status = vehicle_check_rasters(vehicles, &world);
+		failure_capture(&failure, status);
+		world_finish(&world, STATUS_OK);
+		status = status != STATUS_OK ? failure_restore(&failure) : STATUS_OK;
+	}
+	failure_capture(&failure, status);
+	vehicle_destroy(vehicles);
+	return status != STATUS_OK ? failure_restore(&failure) : STATUS_OK;
+}
+
 enum status report_plan(const struct scene *scene, const char *store, bool keep_history, struct report_plan *out)
 {
 	struct world world;

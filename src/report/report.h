@@ -182,6 +182,11 @@ struct report_plan {
  * is to keep one. Fails where a drive could not begin. STATUS_INPUT: the store or its spacing does not allow the scene. On failure
  * `out` is all zero. */
 enum status report_plan(const struct scene *scene, const char *store, bool keep_history, struct report_plan *out) FURROW_CHECKED;
+/* Does the checks of report_plan, and makes no plan. `store`: NULL: the scene's own. */
+enum status report_check(const struct scene *scene, const char *store) FURROW_CHECKED;
+/* objects.csv: all its columns, and whether a name is one of them that holds numbers. */
+const char *report_objects_columns(void);
+bool report_objects_column(const char *name);
 void report_plan_finish(struct report_plan *plan); /* also takes one that is all zero */
 
 #endif

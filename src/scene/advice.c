@@ -201,7 +201,7 @@ static void advise_ground(const struct adviser *adviser)
 	const struct scene *scene = adviser->scene;
 	if (scene->object_count == 0)
 		return;
-	if (scene->soil_map != NULL && is_one_soil(scene) && !scene_draws_classes(scene))
+	if (scene->soil_map != NULL && scene->soil_default && is_one_soil(scene) && !scene_draws_classes(scene))
 		advise(adviser, "soil.map: all its classes are the default's soil; give them others, or one soil and no map");
 	if (deform_model_row(scene->model)->smooths && all_stand_still(scene))
 		advise(adviser, "redistribute.model: %s smooths where an object leaves, and none moves; let one move, or take it away",
@@ -293,9 +293,9 @@ void scene_advise_narrow(const char *key, double across, size_t others, double s
 	const struct adviser adviser = {.tell = tell, .user = user};
 	struct alike alike = {.count = others};
 	say_alike(&alike);
-	if (across < spacing)
-		advise(&adviser, "%s: is %g m across%s and posts are %g m apart: it can pass between them and leave nothing; give a spacing of at most %g",
-		       key, across, alike.others, spacing, across);
+	if (across < spacing * (1 - SPACING_PRINTED))
+		advise(&adviser, "%s: is %g m across%s and posts are %g m apart: it can pass between them and leave nothing; give a spacing of at most %s",
+		       key, across, alike.others, spacing, number_at_most(across, 6).text);
 }
 
 void scene_advise_grousers(const char *key, const struct deform_shape *shape, double slip, size_t others, double spacing, scene_advice_fn tell,
@@ -305,9 +305,9 @@ void scene_advise_grousers(const char *key, const struct deform_shape *shape, do
 	struct alike alike = {.count = others};
 	const double pitch = pitch_of(shape, slip);
 	say_alike(&alike);
-	if (pitch < 2 * spacing)
+	if (pitch < 2 * spacing * (1 - SPACING_PRINTED))
 		advise(&adviser, "%s: their prints are %.3g m apart%s less than two posts of %g m: the ground cannot tell them apart; give fewer, or a "
-				 "spacing of at most %.3g", key, pitch, alike.others, spacing, pitch / 2);
+				 "spacing of at most %s", key, pitch, alike.others, spacing, number_at_most(pitch / 2, 3).text);
 }
 
 static void advise_shape(const struct adviser *adviser, const struct scene_object *object)
@@ -378,12 +378,12 @@ static void advise_forces(const struct adviser *adviser)
 				"redistribute: {model: %s} computes them", deform_model_row(scene->model)->name, scene_models_with_forces().text);
 	double samples = adviser->spacing > 0 || fastest == 0 ? fastest / fmax(adviser->spacing, 1e-9) : INFINITY;
 	if (scene->forces > samples && samples > 0)
-		advise(adviser, "output.forces: %g rows a second, and no object comes to more than %.4g posts in one: rows between repeat the "
+		advise(adviser, "output.forces: %g rows a second, and no object comes to more than %s posts in one: rows between repeat the "
 				"last; give at most that",
-		       scene->forces, samples);
+		       scene->forces, number_at_most(samples, 4).text);
 	if (samples == 0 && all_are_there(scene) && scene->forces * scene->end_time >= 1)
-		advise(adviser, "output.forces: no object moves: all rows of an object are the same; one is enough, with less than %.4g",
-		       1 / scene->end_time);
+		advise(adviser, "output.forces: no object moves: all rows of an object are the same; one is enough, with less than %s",
+		       number_at_most(1 / scene->end_time, 4).text);
 	if (scene->forces * scene->end_time < 1)
 		advise(adviser, "output.forces: a row every %.4g s, and the drive ends after %g s: only that of its beginning is written; "
 				"give more",

@@ -261,6 +261,7 @@ struct scene {
 	int soil_count;
 	/* "unnamed" if the scene gives numbers without a name; such a class of the map is "unnamed_VALUE" */
 	char soil_names[DEFORM_SOILS][64];
+	bool soil_default;       /* false: the scene has a map and says no soil for ground without a class; soils[0] is that of the first class */
 	char *soil_map;          /* path of a raster, resolved relative to the scene's file; NULL: soils[0] everywhere */
 	uint8_t soil_class[256]; /* index of the soil for each value of the map */
 	uint64_t soil_map_hash[2]; /* hash of the raster's bytes */

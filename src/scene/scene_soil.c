@@ -265,8 +265,8 @@ enum status scene_check_bearing(const struct scene_tree *tree, const struct scen
 	return STATUS_OK;
 }
 
-static enum status check_map(const struct scene_tree *tree, const struct raw_soil *raw, bool read,
-			     struct scene *scene)
+/* `moved`: bodies go where no path of the scene says. */
+static enum status check_map(const struct scene_tree *tree, const struct raw_soil *raw, bool read, bool moved, struct scene *scene)
 {
 	const struct scene_node *node = scene_tree_find(tree, "soil.map");
 	bool alone = raw->all.name == NULL;
@@ -275,8 +275,11 @@ static enum status check_map(const struct scene_tree *tree, const struct raw_soi
 	if (!alone)
 		return scene_error(tree->file, node, "does not go with a soil beside it; allowed: map, classes, "
 				   "default, rasters");
-	if (raw->classes == NULL || raw->elsewhere == NULL)
-		return scene_error(tree->file, node, "has no %s; write {map: FILE, classes: {1: dry_sand, ...}, default: dry_sand}", raw->classes == NULL ? "classes" : "default");
+	if (raw->classes == NULL)
+		return scene_error(tree->file, node, "has no classes; write {map: FILE, classes: {1: dry_sand, ...}, default: dry_sand}");
+	if (raw->elsewhere == NULL && moved)
+		return scene_error(tree->file, node, "has no default, and it is not known where %s go; write {map: FILE, classes: {1: dry_sand, ...}, default: dry_sand}",
+				   scene->hosted ? "bodies" : "vehicles");
 	if (!read)
 		return STATUS_OK;
 	scene->soil_map = scene_file_beside(tree->folder, raw->map);
@@ -337,15 +340,19 @@ enum status scene_check_soil(const struct scene_tree *tree, const struct raw_sce
 				   scene_tree_find(tree, soil->classes != NULL ? "soil.classes" : "soil.default"),
 				   "is of a map, and there is none; allowed with: map");
 	bool drawn = mapped && (draws_soil(raw) || raises_by_class(raw));
-	enum status status = mapped ? check_map(tree, soil, read || drawn, scene) : STATUS_OK;
+	enum status status = mapped ? check_map(tree, soil, read || drawn, scene->hosted || raw->vehicles_count > 0, scene) : STATUS_OK;
+	const bool first = mapped && soil->elsewhere == NULL && status == STATUS_OK; /* the first class is the default, too */
+	const struct raw_class *elsewhere = !mapped ? &soil->all : first ? &soil->classes[0] : soil->elsewhere;
+	const char *where = !mapped ? "soil" : first ? "soil.classes[0]" : "soil.default";
+	scene->soil_default = !first;
 	if (status == STATUS_OK)
-		status = check_class(tree, mapped ? soil->elsewhere : &soil->all, mapped ? "soil.default" : "soil", scene, 0);
+		status = check_class(tree, elsewhere, where, scene, 0);
 	scene->soil_count = 1;
-	keep_name(scene, 0, mapped && soil->elsewhere != NULL ? soil->elsewhere->name : soil->all.name, -1);
-	if (status == STATUS_OK && read)
-		status = check_unread(mapped ? soil->elsewhere : &soil->all, mapped ? "soil.default" : "soil", scene);
-	if (status == STATUS_OK && read)
-		status = check_replaced(tree, mapped ? soil->elsewhere : &soil->all, mapped ? "soil.default" : "soil", scene);
+	keep_name(scene, 0, elsewhere != NULL ? elsewhere->name : soil->all.name, first ? (int)elsewhere->value : -1);
+	if (status == STATUS_OK && read && !first)
+		status = check_unread(elsewhere, where, scene);
+	if (status == STATUS_OK && read && !first)
+		status = check_replaced(tree, elsewhere, where, scene);
 	if (status == STATUS_OK)
 		status = check_classes(tree, soil, scene);
 	if (status == STATUS_OK && deform_model_reads(scene->model, "bekker_kc"))

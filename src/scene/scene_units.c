@@ -44,14 +44,27 @@ static enum status doubt(const struct units *units, const struct scene_node *nod
 	return doubts[scene->doubt_count++] != NULL ? STATUS_OK : fail_memory("reading the scene");
 }
 
+/* What to write if the unit is another one. "": that would be doubted as well, so it is not the unit either. */
+struct other_unit {
+	char text[96];
+};
+static struct other_unit if_converted(const char *before, double value, int digits, double least, const char *after)
+{
+	struct other_unit other = {""};
+	if (value >= least)
+		snprintf(other.text, sizeof other.text, "%s%.*g%s", before, digits, value, after);
+	return other;
+}
+
 /* Doubts the angle of the soil, or of an object's surface, at `where`. 0 means no friction in any unit. */
 static enum status doubt_angle(const struct units *units, const char *where, const char *key, const double *angle)
 {
 	char why[200];
 	if (angle == NULL || *angle == 0 || *angle >= LEAST_ANGLE)
 		return STATUS_OK;
-	snprintf(why, sizeof why, "%g degrees is less than soils have, and probably in radians; the unit is degrees: give %.4g", *angle,
-		 fmin(*angle * DEGREES, 89));
+	const struct other_unit radians = if_converted("and probably in radians; the unit is degrees: give ", fmin(*angle * DEGREES, 89), 4, LEAST_ANGLE, "");
+	snprintf(why, sizeof why, "%g degrees is less than soils have%s%s", *angle, radians.text[0] != '\0' ? ", " : "; the unit is degrees: give 0 for none",
+		 radians.text);
 	return doubt(units, scene_tree_find(units->tree, "%s.%s", where, key), why);
 }
 
@@ -61,8 +74,9 @@ static enum status doubt_cohesion(const struct units *units, const char *where, 
 	char why[200];
 	if (cohesion == NULL || *cohesion == 0 || *cohesion >= LEAST_COHESION)
 		return STATUS_OK;
-	snprintf(why, sizeof why, "%g Pa is less than soils have, and probably in kPa; the unit is Pa: give %.6g, or 0 for none", *cohesion,
-		 *cohesion * 1e3);
+	const struct other_unit kilo = if_converted("", *cohesion * 1e3, 6, LEAST_COHESION, ", or ");
+	snprintf(why, sizeof why, "%g Pa is less than soils have%s; the unit is Pa: give %s0 for none", *cohesion,
+		 kilo.text[0] != '\0' ? ", and probably in kPa" : "", kilo.text);
 	return doubt(units, scene_tree_find(units->tree, "%s.%s", where, key), why);
 }
 
@@ -75,8 +89,11 @@ static enum status doubt_moduli(const struct units *units, const char *where, co
 		return STATUS_OK;
 	if (kc != NULL && *kc != 0 && fabs(*kc) < LEAST_KC)
 		snprintf(with, sizeof with, ", and bekker_kc %.9g", *kc * 1e3);
-	snprintf(why, sizeof why, "%.9g N/m^(n+2) is less than soils have, and probably in kN/m^(n+2); the unit is N/m^(n+2): give %.9g%s", *kphi,
-		 *kphi * 1e3, with);
+	if (*kphi * 1e3 < SCENE_LEAST_KPHI)
+		snprintf(why, sizeof why, "%.9g N/m^(n+2) is less than soils have; the unit is N/m^(n+2): give more, as docs/SOILS.md has of its soils", *kphi);
+	else
+		snprintf(why, sizeof why, "%.9g N/m^(n+2) is less than soils have, and probably in kN/m^(n+2); the unit is N/m^(n+2): give %.9g%s", *kphi,
+			 *kphi * 1e3, with);
 	return doubt(units, scene_tree_find(units->tree, "%s.bekker_kphi", where), why);
 }
 
@@ -183,9 +200,11 @@ static enum status doubt_loads(const struct units *units)
 			continue;
 		if (alike > 0)
 			snprintf(others, sizeof others, ", as %zu other%s,", alike, alike > 1 ? "s have" : " has");
-		snprintf(why, sizeof why, "%g N on a wheel of %g m radius%s is less than the wheel's own weight; the unit is N: if it is in "
-					  "kN give %.6g, if it is in kg give %.6g",
-			 objects[i].load, objects[i].shape.radius, others, objects[i].load * 1e3, objects[i].load * GRAVITY);
+		const struct other_unit kilonewtons = if_converted("if it is in kN give ", objects[i].load * 1e3, 6, LEAST_LOAD, "");
+		const struct other_unit kilograms = if_converted(", if it is in kg give ", objects[i].load * GRAVITY, 6, LEAST_LOAD, "");
+		snprintf(why, sizeof why, "%g N on a wheel of %g m radius%s is less than the wheel's own weight; the unit is N: %s%s%s",
+			 objects[i].load, objects[i].shape.radius, others, kilonewtons.text, kilograms.text,
+			 kilonewtons.text[0] != '\0' || kilograms.text[0] != '\0' ? "" : "give more");
 		status = doubt(units, scene_tree_find(units->tree, "objects[%zu].load", i), why);
 	}
 	return status;
@@ -205,10 +224,10 @@ static enum status doubt_sun(const struct units *units)
 		brightest = fmax(fmax(view->sun->colour[0], view->sun->colour[1]), view->sun->colour[2]);
 	if (brightest * sin(*height / DEGREES) >= sin(LEAST_SUN / DEGREES))
 		return STATUS_OK;
-	if (*height > 0 && *height <= M_PI / 2)
+	if (*height * DEGREES >= LEAST_SUN && *height <= M_PI / 2)
 		snprintf(radians, sizeof radians, "if it is in radians give %.4g, else ", *height * DEGREES);
 	snprintf(why, sizeof why, "%g degrees above the horizon: level ground is drawn almost black; the unit is degrees: %sgive %g or more, "
-				  "a brighter view.sun.colour, or exposure: sun",
+				  "a brighter view.sun.colour, or view.exposure: sun",
 		 *height, radians, LEAST_SUN);
 	return doubt(units, scene_tree_find(units->tree, "view.sun.height"), why);
 }
@@ -221,8 +240,11 @@ static enum status doubt_cameras(const struct units *units)
 		char why[200];
 		if (fov == NULL || *fov >= LEAST_FOV)
 			continue;
-		snprintf(why, sizeof why, "%g degrees is narrow, and probably in radians; the unit is degrees: if it is in radians give %.3g", *fov,
-			 fmin(*fov * DEGREES, 170));
+		if (*fov * DEGREES < LEAST_FOV)
+			snprintf(why, sizeof why, "%g degrees is narrow: so the picture shows little; the unit is degrees: give %g or more for a usual lens", *fov, LEAST_FOV);
+		else
+			snprintf(why, sizeof why, "%g degrees is narrow, and probably in radians; the unit is degrees: if it is in radians give %.3g", *fov,
+				 fmin(*fov * DEGREES, 170));
 		status = doubt(units, scene_tree_find(units->tree, "cameras[%u].fov", i), why);
 	}
 	return status;

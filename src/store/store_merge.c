@@ -231,9 +231,9 @@ static enum status settle_level(struct merging *merging)
 	if (!ours->working_stored && !theirs->working_stored)
 		return fail_with(STATUS_INPUT, "%s: neither it nor %s has ruts; drive them first", ours->path, theirs->path);
 	if (ours->working_stored && theirs->working_stored && ours->working != theirs->working)
-		return fail_with(STATUS_INPUT, "%s: it is deformed at a spacing of %g m, and %s at %g m; merge what has one spacing", ours->path,
-				 extent_spacing(&ours->meta.extent, ours->working), theirs->path,
-				 extent_spacing(&ours->meta.extent, theirs->working));
+		return fail_with(STATUS_INPUT, "%s: it is deformed at a spacing of %s m, and %s at %s m; merge what has one spacing", ours->path,
+				 number_exact(extent_spacing(&ours->meta.extent, ours->working)).text, theirs->path,
+				 number_exact(extent_spacing(&ours->meta.extent, theirs->working)).text);
 	if (ours->working_stored && theirs->working_stored &&
 	    !store_relief_equal(ours->relief_text, theirs->relief_text))
 		return fail_with(

@@ -326,7 +326,7 @@ enum status store_meta_add_compacted(struct store *store, int64_t more)
 	if (more == 0)
 		return STATUS_OK;
 	if (__builtin_add_overflow(store->compacted, more, &sum) || sum > COMPACTED_MAX || sum < -COMPACTED_MAX)
-		return fail_with(STATUS_FAILED, "%s: more soil was compacted than it can count; furrow reset it", store->path);
+		return fail_with(STATUS_FAILED, "%s: more soil was compacted than it can count; furrow reset %s", store->path, shell_path(store->path).text);
 	return store_meta_put_integer(store, "compacted", sum);
 }
 

@@ -380,12 +380,13 @@ enum status store_set_working_level(struct store *store, int level)
 		return fail_with(STATUS_INPUT, "%s: level %d cannot be deformed; give one from %d to %d", store->path,
 				 level, TILE_LEVEL_MIN, extent_coarsest(extent));
 	if (store->has_working && store->working != level)
-		return fail_with(STATUS_INPUT, "%s: it is deformed at a spacing of %g m, not %g m; use that spacing, "
-				 "or furrow reset %s", first->path, extent_spacing(extent, store->working),
-				 extent_spacing(extent, level), first->path);
+		return fail_with(STATUS_INPUT, "%s: it is deformed at a spacing of %s m, not %s m; use that spacing, "
+				 "or furrow reset %s", first->path, number_exact(extent_spacing(extent, store->working)).text,
+				 number_exact(extent_spacing(extent, level)).text, shell_path(first->path).text);
 	if (store->history.has_level && store->history.level != level)
-		return fail_with(STATUS_INPUT, "%s: its history is of ground that was deformed at a spacing of %g m, not %g m; use that spacing, or "
-				 "furrow reset", store->path, extent_spacing(extent, store->history.level), extent_spacing(extent, level));
+		return fail_with(STATUS_INPUT, "%s: its history is of ground that was deformed at a spacing of %s m, not %s m; use that spacing, or "
+				 "furrow reset %s", store->path, number_exact(extent_spacing(extent, store->history.level)).text,
+				 number_exact(extent_spacing(extent, level)).text, shell_path(store->path).text);
 	store->has_working = true;
 	store->working = level;
 	return STATUS_OK;

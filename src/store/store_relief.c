@@ -60,8 +60,8 @@ enum status store_set_relief(struct store *store, const struct relief_spec *spec
 	}
 	if ((store->working_stored || store->history.has_level) && !store_relief_equal(text, store->relief_text)) {
 		const char *had = store->relief_text != NULL ? store->relief_text : "none";
-		enum status status = fail_with(STATUS_INPUT, "%s: it was deformed over relief %s, not %s; give the scene that relief, or furrow reset",
-					       store->path, had, text != NULL ? text : "none");
+		enum status status = fail_with(STATUS_INPUT, "%s: it was deformed over relief %s, not %s; give the scene that relief, or furrow reset %s",
+					       store->path, had, text != NULL ? text : "none", shell_path(store->path).text);
 		mem_free(text);
 		return status;
 	}

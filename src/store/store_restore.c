@@ -175,7 +175,7 @@ static enum status put_header(struct store *store, struct kept *kept)
 	enum status status = STATUS_OK;
 	snprintf(what, sizeof what, "restore %lld", (long long)kept->run.commit);
 	if (kept->header.has_working)
-		status = store_meta_put_working(store, store->history.level, store->relief_text);
+		status = store_meta_put_working(store, store->working, store->relief_text);
 	else
 		status = store_meta_drop(store, "working");
 	if (status == STATUS_OK)
@@ -213,6 +213,8 @@ enum status store_restore(struct store *store, const char *text, int64_t *revisi
 	status = store_run_copy_kept(store, *revision, &kept.run, &kept.header);
 	bool had_working = store->has_working;
 	int working = store->working;
+	/* Where nothing has a row, no drive left a rut, and nothing tells which level it had. */
+	kept.header.has_working = kept.header.has_working && (had_working || store->history.has_level);
 	if (status == STATUS_OK && store->history.has_level) { /* the present revision may be of ground that was never deformed */
 		store->has_working = true;
 		store->working = store->history.level;

@@ -117,7 +117,8 @@ static void advise_gravity(const struct vehicles *vehicles, const struct world *
 		if (most == 0 || hypot(hypot(own[0], own[1]), own[2] + used) <= SAME_GRAVITY * used)
 			continue;
 		snprintf(text, sizeof text, "gravity: it is not given, so vehicles weigh as on the Earth, %g m/s2 straight down; that of the model of %.64s, "
-					    "%g %g %g, does not count; give gravity: %g", used, info.name, own[0], own[1], own[2], most);
+					    "%g %g %g, does not count; give gravity: %s", used, info.name, own[0], own[1], own[2],
+				     number_exact(most).text);
 		tell(user, text);
 		return;
 	}

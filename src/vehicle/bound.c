@@ -101,8 +101,8 @@ static enum status check(const struct vehicle *vehicle, const struct scene *scen
 	if (scene->time_step <= vehicle->largest_step)
 		return STATUS_OK;
 	vehicle_where(vehicle, scene, where);
-	return fail_with(STATUS_INPUT, "%s: time_step: %g s is longer than %.3g s, the longest that is stable (%s: %.3g kg on %.3g m2 of soil%s); give "
-				       "at most that", where, scene->time_step, vehicle->largest_step, vehicle->geoms[vehicle->largest_geom].name,
+	return fail_with(STATUS_INPUT, "%s: time_step: %g s is longer than %s s, the longest that is stable (%s: %.3g kg on %.3g m2 of soil%s); give "
+				       "at most that", where, scene->time_step, number_at_most(vehicle->largest_step, 3).text, vehicle->geoms[vehicle->largest_geom].name,
 			 vehicle->largest_mass, vehicle->largest_area, raster);
 }
 

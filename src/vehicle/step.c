@@ -215,8 +215,9 @@ static enum status move_one(struct vehicles *vehicles, struct vehicle *vehicle, 
 	if (status != STATUS_OK)
 		return status;
 	if (!is_finite(vehicle))
-		return fail_with(STATUS_FAILED, "%s: its motion diverged after %.6g s; shorten time_step (now %g s, at most %.3g s), soften its "
-						"actuators, or give its joints damping", vehicle->scene->name, time, seconds, vehicle->largest_step);
+		return fail_with(STATUS_FAILED, "%s: its motion diverged after %.6g s; shorten time_step (now %g s, at most %s s), soften its "
+						"actuators, or give its joints damping", vehicle->scene->name, time, seconds,
+				 number_at_most(vehicle->largest_step, 3).text);
 	mju_copy(after, &vehicle->data->xpos[3 * vehicle->root], 2);
 	vehicle->distance += drives ? hypot(after[0] - before[0], after[1] - before[1]) : 0;
 	return STATUS_OK;

@@ -32,9 +32,9 @@ enum status world_settle_level(struct world *world)
 	if (asked > 0) {
 		level = extent_level_for(extent, asked);
 		if (level < TILE_LEVEL_MIN)
-			return fail_with(STATUS_INPUT, "spacing: %g m is finer than %g m, the finest this store can be divided to; "
-						       "raise it, or import with a finer --spacing",
-					 asked, extent_spacing(extent, TILE_LEVEL_MIN));
+			return fail_with(STATUS_INPUT, "spacing: %g m is finer than %s m, the finest this store can be divided to; "
+						       "give that or more, or import with a finer --spacing",
+					 asked, number_exact(extent_spacing(extent, TILE_LEVEL_MIN)).text);
 	} else {
 		store_has_working_level(world->store, &level); /* stays 0 without one */
 	}
@@ -153,12 +153,12 @@ static void advise_spacing(const struct world *world, scene_advice_fn tell, void
 	if (!(asked > 1.01 * is))
 		return;
 	if (world->level == extent_coarsest(extent))
-		snprintf(text, sizeof text, "spacing: %g m: posts will be %g m apart, and this store has none that are farther; give %g",
-			 asked, is, is);
+		snprintf(text, sizeof text, "spacing: %g m: posts will be %s m apart, and this store has none that are farther; give %s",
+			 asked, number_exact(is).text, number_exact(is).text);
 	else
-		snprintf(text, sizeof text, "spacing: %g m: posts will be %g m apart, the coarsest of this store that is at most that; give "
-					    "%g, or %g for a quarter of the posts",
-			 asked, is, is, extent_spacing(extent, world->level + 1));
+		snprintf(text, sizeof text, "spacing: %g m: posts will be %s m apart, the coarsest of this store that is at most that; give "
+					    "%s, or %s for a quarter of the posts",
+			 asked, number_exact(is).text, number_exact(is).text, number_exact(extent_spacing(extent, world->level + 1)).text);
 	tell(user, text);
 }
 
@@ -290,8 +290,8 @@ static void advise_unfinished(const struct world *world, scene_advice_fn tell, v
 	if (unfinished > 1)
 		snprintf(others, sizeof others, ", and %zu other%s not at the end either", unfinished - 1, unfinished > 2 ? "s are" : " is");
 	snprintf(text, sizeof text, "objects.%s.path: the drive ends after %.6g s, when it has come %.4g m of %.4g m%s; the whole path takes %.6g s: give "
-				    "end_time %.6g, or a shorter path", longest->object->name, scene->end_time, way_at(longest->track, scene->end_time),
-		 way_at(longest->track, needed), others, needed, ceil(needed * 1e3) / 1e3);
+				    "end_time %s, or a shorter path", longest->object->name, scene->end_time, way_at(longest->track, scene->end_time),
+		 way_at(longest->track, needed), others, needed, number_at_least(ceil(needed * 1e3) / 1e3, 6).text);
 	tell(user, text);
 }
 

@@ -253,7 +253,7 @@ static bool get_attached(const cJSON *root, size_t objects, struct record *recor
 enum status world_record_damaged(const char *store, const char *why)
 {
 	return fail_with(STATUS_INPUT, "%s: what its last drive left to go on from is damaged: %s; drive without --resume, "
-			 "or furrow reset it", store, why);
+			 "or furrow reset %s", store, why, shell_path(store).text);
 }
 
 static enum status parse_objects(const cJSON *objects, const char *store, const struct scene *scene,

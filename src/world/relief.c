@@ -116,9 +116,14 @@ void world_advise_relief(const struct world *world, scene_advice_fn tell, void *
 	advise_slopes(world, tell, user);
 	if (spec->classes == 0 || world->store == NULL || world_relief(world) != NULL)
 		return;
+	double shows = longest / 2;
+	const double level = extent_spacing(&world->meta->extent, extent_level_for(&world->meta->extent, shows));
+	if (level > shows) /* by less than SPACING_PRINTED */
+		shows = level / 2;
 	if (world->level >= 0)
 		snprintf(text, sizeof text, "relief: it raises posts between the store's, which are %g m apart, and none are used; give a smaller spacing", own);
 	else
-		snprintf(text, sizeof text, "relief: posts %g m apart show no waves of %g m; give a spacing of at most %g", world->spacing, longest, longest / 2);
+		snprintf(text, sizeof text, "relief: posts %g m apart show no waves of %g m; give a spacing of at most %s", world->spacing, longest,
+			 number_at_most(shows, 6).text);
 	tell(user, text);
 }

@@ -24,7 +24,8 @@ enum status world_find_ruts(struct world *world)
 	if (high > 0)
 		snprintf(heaps, sizeof heaps, " and heaps up to %.3g m high", high);
 	note("%s: the ground has ruts already, up to %.3g m deep%s; this run goes on over them; for the ground as it was imported %s"
-	     "run furrow reset %s", world->path, fmax(-low, 0), heaps, store_base_path(world->store) != NULL ? "give another --overlay, or " : "", world->path);
+	     "run furrow reset %s", world->path, fmax(-low, 0), heaps, store_base_path(world->store) != NULL ? "give another --overlay, or " : "",
+	     shell_path(world->path).text);
 	return STATUS_OK;
 }
 
@@ -35,6 +36,6 @@ void world_tell_written(const struct world *world)
 	if (world->was_deformed || made_here || store_base_path(world->store) != NULL || world->params.resume || world->params.keep_history ||
 	    (scene->object_count == 0 && scene->vehicle_count == 0))
 		return;
-	note("%s: this run writes its ruts into the imported store itself; to keep the store as it is, give --overlay FILE. furrow reset removes ruts",
-	     world->path);
+	note("%s: this run writes its ruts into the imported store itself; to keep the store as it is, give --overlay FILE. furrow reset %s removes ruts",
+	     world->path, shell_path(world->path).text);
 }

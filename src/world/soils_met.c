@@ -134,6 +134,43 @@ void world_soils_met_free(struct world_soils_met *met)
 	mem_free(met);
 }
 
+/* Writes "value 3" or "values 3, 4" of those that some path comes to and no class has. Returns their share of the places. */
+static double unlisted(const struct world *world, char *text, size_t room)
+{
+	const struct world_soils_met *met = world->met;
+	double share = 0;
+	char list[80] = "";
+	size_t used = 0, count = 0;
+	for (int value = 0; value < VALUES; value++)
+		if (met->values[value] > 0 && world->scene->soil_class[value] == 0) {
+			share += met->values[value] / met->all;
+			if (count < 8)
+				used += (size_t)snprintf(list + used, sizeof list - used, "%s%d", used > 0 ? ", " : "", value);
+			count++;
+		}
+	snprintf(text, room, "value%s %s%s", count == 1 ? "" : "s", list, count > 8 ? ", ..." : "");
+	return share;
+}
+
+/* Without a default, ground that has no class has no soil. */
+static enum status check_covered(const struct world *world)
+{
+	const struct scene *scene = world->scene;
+	const struct world_soils_met *met = world->met;
+	char values[120];
+	if (world->soil_map == NULL || scene->soil_default)
+		return STATUS_OK;
+	if (met->none > 0)
+		return fail_with(STATUS_INPUT, "soil.map: %.200s covers %.3g %% of the paths, and there is no soil.default; look at its place and its reference "
+					       "system (gdalinfo): without one it is in metres from the south-west post; or give soil.default",
+				 scene->soil_map, 100 * (1 - met->none / met->all));
+	const double share = unlisted(world, values, sizeof values);
+	if (share > 0)
+		return fail_with(STATUS_INPUT, "soil.map: %s, along %.3g %% of the paths, %s in no class, and there is no soil.default; give a soil in soil.classes, "
+					       "or soil.default", values, 100 * share, strchr(values, ',') != NULL ? "are" : "is");
+	return STATUS_OK;
+}
+
 enum status world_find_soils_met(struct world *world)
 {
 	const struct scene *scene = world->scene;
@@ -159,7 +196,7 @@ enum status world_find_soils_met(struct world *world)
 		world->met = met;
 	else
 		world_soils_met_free(met);
-	return STATUS_OK;
+	return world->met != NULL ? check_covered(world) : STATUS_OK;
 }
 
 int world_soil_index(const struct world *world, double x, double y)
@@ -171,24 +208,6 @@ int world_soil_index(const struct world *world, double x, double y)
 }
 
 /* --- what is told --- */
-
-/* Writes "value 3" or "values 3, 4" of those that some path comes to and no class has. Returns their share of the places. */
-static double unlisted(const struct world *world, char *text, size_t room)
-{
-	const struct world_soils_met *met = world->met;
-	double share = 0;
-	char list[80] = "";
-	size_t used = 0, count = 0;
-	for (int value = 0; value < VALUES; value++)
-		if (met->values[value] > 0 && world->scene->soil_class[value] == 0) {
-			share += met->values[value] / met->all;
-			if (count < 8)
-				used += (size_t)snprintf(list + used, sizeof list - used, "%s%d", used > 0 ? ", " : "", value);
-			count++;
-		}
-	snprintf(text, room, "value%s %s%s", count == 1 ? "" : "s", list, count > 8 ? ", ..." : "");
-	return share;
-}
 
 /* One line for all classes: a map of a region has many that a drive does not come to. */
 static void advise_unmet(const struct world *world, scene_advice_fn tell, void *user)
@@ -212,10 +231,10 @@ static void advise_map(const struct world *world, scene_advice_fn tell, void *us
 {
 	const struct scene *scene = world->scene;
 	const struct world_soils_met *met = world->met;
-	char text[500], values[120];
+	char text[600], values[120];
 	if (met->none == met->all) {
 		snprintf(text, sizeof text, "soil.map: %.200s covers 0 %% of the paths of objects and vehicles: all get the default soil, %s; look at its place and "
-					    "its reference system (gdalinfo)", scene->soil_map, scene->soil_names[0]);
+					    "its reference system (gdalinfo): without one it is in metres from the south-west post", scene->soil_map, scene->soil_names[0]);
 		tell(user, text);
 		return;
 	}
@@ -233,11 +252,11 @@ static void advise_numbers(const struct world *world, scene_advice_fn tell, void
 {
 	for (int i = 0; world->soil_rasters != NULL && i < world->scene->raster_count; i++) {
 		const struct world_raster told = world_raster(world, i);
-		char text[400];
+		char text[500];
 		if (world->met->numbers[i] > 0)
 			continue;
 		snprintf(text, sizeof text, "soil.rasters.%s: %.200s covers 0 %% of the paths of objects and vehicles: the soil's own number counts there; look at its "
-					    "place and its reference system (gdalinfo)", told.key, told.path);
+					    "place and its reference system (gdalinfo): without one it is in metres from the south-west post", told.key, told.path);
 		tell(user, text);
 	}
 }

@@ -157,7 +157,22 @@ class SoilMap(FurrowTest):
         notes, shares = self.told(west)
         self.assertEqual(shares, {("dry_sand", None): 1, ("dry_sand", 1): 0, ("sandy_loam_15", 2): 0})
         self.assertEqual(notes, [f"soil.map: {self.folder / 'west.png'} covers 0 % of the paths of objects and vehicles: all get the default soil, dry_sand; look at "
-                                 "its place and its reference system (gdalinfo)"])
+                                 "its place and its reference system (gdalinfo): without one it is in metres from the south-west post"])
+        # Without a default that is refused, and so is a path of which a part has no class.
+        bare = lambda path: both.replace(", default: dry_sand", "").replace("map.png", path)
+        write_png16(self.folder / "part.png", 100, POSTS, lambda x, y: 1)  # no path is to the east of it all the time
+        for path, says in (("west.png", r"soil.map: \S*west.png covers 0 % of the paths, and there is no soil.default; look at "),
+                           ("part.png", r"soil.map: \S*part.png covers \d\d.?\d* % of the paths, and there is no soil.default; ")):
+            self.scene(SCENE.format(model="scm", soil=bare(path)), "bare.yaml")
+            self.assertRegex(FurrowTest.told(self, 3, self.furrow("explain", "bare.yaml", "--store", "hills.furrow")), says)
+            self.assertRegex(FurrowTest.told(self, 3, self.furrow("drive", "bare.yaml", "--store", "hills.furrow", "--overlay", "a.furrow", "-o", "out")), says)
+        write_png16(self.folder / "all.png", POSTS, POSTS, lambda x, y: 1 + (x > POSTS // 2))
+        self.scene(SCENE.format(model="scm", soil=bare("all.png")), "bare.yaml")
+        plan = self.json("explain", "bare.yaml", "--store", "hills.furrow")
+        self.assertEqual(round(sum(row["share"] for row in plan["soils"] if row.get("class")), 6), 1)
+        self.scene(SCENE.format(model="scm", soil=bare("all.png").replace("2: sandy_loam_15", "4: sandy_loam_15")), "bare.yaml")
+        self.assertRegex(FurrowTest.told(self, 3, self.furrow("explain", "bare.yaml", "--store", "hills.furrow")),
+                         r"soil.map: value 2, along \d+.?\d* % of the paths, is in no class, and there is no soil.default; give a soil in soil.classes, or soil.default")
         text = self.ok("explain", "scene.yaml", "--store", "hills.furrow")
         self.assertIn("  dry_sand (class 1 and default; 100 % of the paths): the name's", text)  # both at once
         self.assertIn("  soil.map has no value along 100 % of the paths: the default soil is there", text)

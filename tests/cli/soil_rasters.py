@@ -192,7 +192,7 @@ class SoilRasters(FurrowTest):
         self.assertEqual(told["rasters"][0]["share"], 0)
         notes = [note for note in told["notes"] if note.startswith("soil.rasters")]
         self.assertEqual(notes, [f"soil.rasters.cohesion: {self.folder / 'corner.png'} covers 0 % of the paths of objects and vehicles: the soil's own number counts "
-                                 "there; look at its place and its reference system (gdalinfo)"])
+                                 "there; look at its place and its reference system (gdalinfo): without one it is in metres from the south-west post"])
 
     def test_a_raster_in_a_wrong_unit_is_told(self):
         self.png("one.png", 0, 1)

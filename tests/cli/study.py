@@ -411,14 +411,53 @@ class Study(FurrowTest):
             self.assertFalse((self.folder / "out").exists())
 
     def test_every_run_s_scene_is_checked_before_one_runs(self):
-        for change, why in ((("soil.name}", "soil.nmae}"), "nmae"), (("1600]", "-5]"), "run 5: "), (("lunar]", "cheese]"), "run 2: "),
+        for change, why in ((("soil.name}", "soil.nmae}"), "nmae"), (("1600]", "-5]"), "2 of 6 runs cannot begin: 5 (load: -5, soil: dry_sand), 6 (load: -5, soil: lunar): of the first: "),
+                            (("lunar]", "cheese]"), "3 of 6 runs cannot begin: 2 (load: 400, soil: cheese), 4 (load: 800, soil: cheese), 6 (load: 1600, soil: cheese): of "),
+                            (("[400, 800, 1600]", "[" + ", ".join(map(str, range(-5, 15))) + "]"), "(load: -4, soil: dry_sand) and 9 more: of the first: "),
+                            (("grid:", "set: {spacing: 1e-9}\ngrid:"), " and 3 more: of the first: spacing: 1e-09 m is finer than "),
                             (("flat.furrow", "none.furrow"), "none.furrow"), (("scene.yaml", "none.yaml"), "none.yaml"),
-                            (("[dry_sand, lunar]", "[dry_sand, ' dry_sand']"), "run 2")):
+                            (("[dry_sand, lunar]", "[dry_sand, ' dry_sand']"), ': 2 (load: 400, soil: " dry_sand"), 4 ')):
             self.scene(GRID.replace(*change), "study.yaml")
             self.assertIn(why, self.refused(3, "study", "study.yaml", "-o", "out"))
             self.assertFalse((self.folder / "out").exists())
         self.scene("study: 1\nscene: scene.yaml\nstore: flat.furrow\nlist: [{soil.name: clayey_38}, {soil.name: lunar}, {soil.name: clayey_38}]\n", "study.yaml")
         self.assertIn("runs 1 and 3 have the same settings", self.refused(3, "study", "study.yaml", "-o", "out"))
+
+    def test_vehicles_of_every_run_are_checked_before_one_runs(self):
+        model = pathlib.Path(__file__).parents[1] / "vehicle/one_wheel.xml"
+        self.scene("scene: 1\ntime_step: 0.002\nend_time: 0.02\nspacing: 0.25\nsoil: {name: dry_sand}\nredistribute: {model: scm}\n"
+                   f"vehicles: [{{name: car, model: {model}, start: {{at: [8, 8]}}, driver: {{hold: {{drive: 1}}}}}}]\n", "car.yaml")
+        steps = ", ".join(f"{0.002 + 0.1 * i:g}" for i in range(200))
+        self.scene(f"study: 1\nscene: car.yaml\nstore: flat.furrow\ngrid: {{time_step: [{steps}]}}\n", "study.yaml")
+        error = self.refused(3, "study", "study.yaml", "-o", "out")
+        if "MuJoCo" in error:
+            self.skipTest(error)
+        self.assertRegex(error, r"199 of 200 runs cannot begin: 2 \(time_step: 0.102\), 3 .* and 196 more: of the first: .*car: time_step: 0.102 s is longer than ")
+        self.assertFalse((self.folder / "out").exists())
+
+    def test_results_and_plots_are_checked_before_one_runs(self):
+        ten = "[dry_sand, sandy_loam_15, sandy_loam_22, clayey_38, heavy_clay_25, heavy_clay_40, lean_clay_22, lete_sand, snow_us, lunar]"
+        many = GRID.replace("[400, 800, 1600]", "[400]").replace("[dry_sand, lunar]", ten)
+        for text, why in ((many + "plots: [{x: load, y: end, by: soil}]\n", "study.yaml:16: plots[0]: is by soil, which has more than 8 values that are no numbers; "),
+                          (GRID.replace("objects: fx", "objects: fq"), "study.yaml:12: results.pull: fq is no column; allowed: t, x, y"),
+                          (GRID.replace("objects: fx", "objects: state"), "state is no column"),
+                          (GRID.replace("of: wheel, take: max", "of: whale, take: max"), "results.deepest: no run has whale among its objects; allowed: "),
+                          (GRID.replace("objects: fx", "vehicles: vx"), "no run has wheel among its vehicles; "),
+                          (GRID.replace("grid:", "set: {output.forces: 0}\ngrid:"), "no run writes such rows; allowed with: output.forces above 0")):
+            self.scene(text, "study.yaml")
+            self.assertIn(why, self.refused(3, "study", "study.yaml", "-o", "out"))
+            self.assertFalse((self.folder / "out").exists())
+        # Values of run.json are known from the first run that is complete: no other is begun then.
+        self.scene(GRID.replace("objects.wheel.sinkage", "objects.wheel.sinkag").replace("results:", "set: {end_time: 0.1}\nresults:"), "study.yaml")
+        self.assertIn("sinkag is not in run.json", self.refused(3, "study", "study.yaml", "-o", "out", "--jobs", "1"))
+        states = [run["state"] for run in self.manifest()["runs"]]
+        self.assertEqual(states[0], "complete")
+        self.assertEqual(set(states[2:]), {"waiting"})
+
+    def test_plots_that_nobody_named_leave_out_what_has_too_many_values(self):
+        many = GRID.replace("[400, 800, 1600]", "[400]").replace("[dry_sand, lunar]", str([f"{{name: lunar, cohesion: {i}}}" for i in range(100, 109)]).replace("'", ""))
+        self.study(many.replace("soil.name", "soil").replace("results:", "set: {end_time: 0.1}\nresults:"))
+        self.assertTrue((self.folder / "out/steps-over-load.svg").exists())
 
     def test_wrong_usage(self):
         self.scene(GRID, "study.yaml")

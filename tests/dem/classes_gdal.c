@@ -264,19 +264,42 @@ static void what_is_no_map_of_classes_is_refused(void **state)
 	assert_placed_refused(&params, DEM_PLACED_CLASSES, "cannot be opened as a map of classes");
 }
 
-static void a_map_without_an_srs_is_in_the_stores_coordinates(void **state)
+/* Wherever the store lies: by its own SRS, by none but with a place, or nowhere. */
+static void a_map_without_an_srs_is_in_metres_from_the_south_west_post(void **state)
 {
-	struct tif map = classes_tif("plain.tif");
-	map.srs = NULL;
-	check_levels(&map, 0);
-	memcpy(map.place, (double[]){20, 50, 0, 1000, 0, -50}, sizeof map.place);
+	const struct {
+		const char *srs, *of_map;
+		double x, y;
+	} stores[] = {{"", NULL, 0, 0}, {"", NULL, 20, -7}, {wkt_of(ZONE), NULL, WEST, SOUTH}, {"", "LOCAL_CS[\"a field\",UNIT[\"metre\",1]]", 300, 400}};
+	for (size_t i = 0; i < sizeof stores / sizeof *stores; i++) {
+		struct tif map = classes_tif("plain.tif");
+		map.srs = stores[i].of_map;
+		memcpy(map.place, (double[]){20, 50, 0, 1000, 0, -50}, sizeof map.place);
+		make(&map);
+		struct dem_placed_params params = placed("plain.tif", &extent, stores[i].srs, stores[i].x, stores[i].y);
+		struct dem_pixels *classes = open_placed(&params, DEM_PLACED_CLASSES);
+		uint8_t *values = read_classes(classes, 0, (struct post_rect){0, 0, 10, 10});
+		assert_int_equal(values[5 * 10 + 1], ABSENT);
+		assert_int_equal(values[5 * 10 + 3], (int)mixed(0, 19));
+		assert_int_equal(values[5 * 10 + 8], (int)mixed(1, 19));
+		free(values);
+		dem_pixels_close(classes);
+	}
+}
+
+/* A raster on no planet that has the store's own SRS, as an export of it has, lies where it says. */
+static void a_local_srs_that_is_the_stores_own_counts(void **state)
+{
+	static const char field[] = "LOCAL_CS[\"a field\",UNIT[\"metre\",1]]";
+	struct tif map = classes_tif("field.tif");
+	map.srs = field;
+	memcpy(map.place, (double[]){320, 50, 0, 1400, 0, -50}, sizeof map.place);
 	make(&map);
-	struct dem_placed_params params = placed("plain.tif", &extent, "", 0, 0);
+	struct dem_placed_params params = placed("field.tif", &extent, field, 300, 400);
 	struct dem_pixels *classes = open_placed(&params, DEM_PLACED_CLASSES);
 	uint8_t *values = read_classes(classes, 0, (struct post_rect){0, 0, 10, 10});
 	assert_int_equal(values[5 * 10 + 1], ABSENT);
 	assert_int_equal(values[5 * 10 + 3], (int)mixed(0, 19));
-	assert_int_equal(values[5 * 10 + 8], (int)mixed(1, 19));
 	free(values);
 	dem_pixels_close(classes);
 }
@@ -292,7 +315,8 @@ TEST_PROGRAM(classes_gdal)
 		cmocka_unit_test(nodata_and_masks_are_absent),
 		cmocka_unit_test(a_coarse_level_over_many_pixels_is_read_in_parts),
 		cmocka_unit_test(what_is_no_map_of_classes_is_refused),
-		cmocka_unit_test(a_map_without_an_srs_is_in_the_stores_coordinates),
+		cmocka_unit_test(a_map_without_an_srs_is_in_metres_from_the_south_west_post),
+		cmocka_unit_test(a_local_srs_that_is_the_stores_own_counts),
 	};
 	return cmocka_run_group_tests_name("classes_gdal", tests, folder_make, folder_remove);
 }

@@ -215,7 +215,7 @@ static void what_is_wrong_with_a_map_is_told(void **state)
 	static const struct {
 		const char *soil, *says;
 	} cases[] = {
-		{"{map: m.png, classes: {1: lunar}}", ":3: soil.map: has no default; write {map: FILE"},
+		{"{map: m.png}", ":3: soil.map: has no classes; write {map: FILE"},
 		{"{map: m.png, default: lunar}", ":3: soil.map: has no classes; write {map: FILE"},
 		{"{name: lunar, classes: {1: lunar}}", ":3: soil.classes: is of a map, and there is none; allowed with: map"},
 		{"{name: lunar, default: lunar}", ":3: soil.default: is of a map, and there is none"},

@@ -49,6 +49,16 @@ static void noted(const char *key, const char *value, const char *says)
 		fail_msg("%s: %s: %d notes: %s", key, value, heard.count, heard.text);
 	if (says != NULL && strstr(heard.text, says) == NULL)
 		fail_msg("\"%s\" does not say \"%s\"", heard.text, says);
+	/* No number that the note tells to give is noted again. */
+	for (const char *at = value[0] != '{' && value[0] != '[' ? strstr(heard.text, "give ") : NULL; at != NULL; at = strstr(at + 1, "give ")) {
+		char given[64];
+		if (sscanf(at, "give %63[0-9.e+-]", given) != 1)
+			continue;
+		const struct scene_setting again = {key, given};
+		const struct heard once_more = heard_of(scm, &again, 1);
+		if (once_more.count != 0)
+			fail_msg("%s: %s is told to be given, and then: %s", key, given, once_more.text);
+	}
 }
 
 static void angles_in_radians(void **state)
@@ -56,6 +66,7 @@ static void angles_in_radians(void **state)
 	noted("soil.friction_angle", "0.5", "--set soil.friction_angle: soil.friction_angle: 0.5 degrees is less than soils have, and probably "
 					    "in radians; the unit is degrees: give 28.65");
 	noted("soil.friction_angle", "1.599", "give 89");
+	noted("soil.friction_angle", "0.02", "0.02 degrees is less than soils have; the unit is degrees: give 0 for none");
 	noted("soil.friction_angle", "1.6", NULL);
 	noted("soil.friction_angle", "1.61", NULL);
 	noted("soil.repose", "0.6", "soil.repose: 0.6 degrees");
@@ -67,6 +78,7 @@ static void cohesion_in_kilopascals(void **state)
 {
 	noted("soil.cohesion", "1.04", "soil.cohesion: 1.04 Pa is less than soils have, and probably in kPa; the unit is Pa: give 1040,");
 	noted("soil.cohesion", "49.9", "give 49900");
+	noted("soil.cohesion", "0.02", "0.02 Pa is less than soils have; the unit is Pa: give 0 for none");
 	noted("soil.cohesion", "50", NULL);
 	noted("soil.cohesion", "50.1", NULL);
 	noted("soil.cohesion", "0", NULL);
@@ -74,6 +86,7 @@ static void cohesion_in_kilopascals(void **state)
 
 static void moduli_in_kilonewtons(void **state)
 {
+	noted("soil.bekker_kphi", "5", "5 N/m^(n+2) is less than soils have; the unit is N/m^(n+2): give more, ");
 	noted("soil.bekker_kphi", "1528.43", "--set soil.bekker_kphi: soil.bekker_kphi: 1528.43 N/m^(n+2) is less than soils have, and probably in "
 					     "kN/m^(n+2); the unit is N/m^(n+2): give 1528430");
 	noted("soil", "{name: dry_sand, bekker_kphi: 5301, bekker_kc: 102}", "give 5301000, and bekker_kc 102000");
@@ -157,7 +170,7 @@ static void loads_in_kilonewtons_or_kilograms(void **state)
 static void a_sun_that_leaves_the_picture_black(void **state)
 {
 	noted("view.sun.height", "0.6", "view.sun.height: 0.6 degrees above the horizon: level ground is drawn almost black; the unit is degrees: "
-					"if it is in radians give 34.38, else give 10 or more, a brighter view.sun.colour, or exposure: sun");
+					"if it is in radians give 34.38, else give 10 or more, a brighter view.sun.colour, or view.exposure: sun");
 	noted("view.sun.height", "9.9", "the unit is degrees: give 10 or more");
 	noted("view.sun.height", "0", "the unit is degrees: give 10 or more");
 	noted("view.sun.height", "10", NULL);
