@@ -163,7 +163,7 @@ class Bench:
 def figures(run):
     """Of one drive. ms: all its time over its steps, pictures and commits with them; p50: of a step and its picture."""
     steps, counts = run["steps"], run["counts"]
-    return {"ms": run["seconds"] * 1e3 / steps, "p50": 1e3 / run["fps"]["p50"], "step_p50": run["step_ms"]["p50"],
+    return {"ms": run["seconds"] * 1e3 / steps, "p50": run["step_ms"]["p50"] + (1e3 / run["fps"]["p50"] if run["fps"] else 0), "step_p50": run["step_ms"]["p50"],
             "bytes": counts["bytes"], "programs": len(counts["programs"]), "threads": counts["threads"],
             "passes": {stage: count / steps for stage, count in counts["passes"].items()}, "gl": run["gl"]["renderer"]}
 

@@ -154,7 +154,7 @@ void accuracy_drive(const struct accuracy_drive *drive, const struct accuracy_tr
 	double end = seconds_of(drive);
 	char *json = run(drive, overlay, end, false);
 	figures->steps = (int64_t)bench_figure(json, "steps");
-	figures->ms_step = 1e3 / bench_figure(json, "fps.mean");
+	figures->ms_step = 1e3 / bench_figure(json, "steps_per_second.mean");
 	figures->p99 = bench_figure(json, "step_ms.p99");
 	figures->worst = bench_figure(json, "step_ms.max");
 	figures->slot_bytes = slot_bytes(json);

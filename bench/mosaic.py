@@ -51,10 +51,10 @@ with tempfile.TemporaryDirectory(prefix="furrow-mosaic-") as name:
         print(json.dumps({"bench": "mosaic", "posts": info["posts"], "spacing": report["spacing"], "metres": metres,
                           "pictures": bool(view), "rss_peak_mb": round(report["memory"]["rss_peak"] / 1e6, 1),
                           "cache": report["cache"], "commits": report["io"]["commits"], "step_ms": report["step_ms"],
-                          "fps": report["fps"], "rtf": report["rtf"], "verify_ok": check["ok"],
+                          "fps": report["fps"], "steps_per_second": report["steps_per_second"], "rtf": report["rtf"], "verify_ok": check["ok"],
                           "gl": report["gl"]["renderer"]}), flush=True)
         kept.seen(report)
-        for key, value, unit in (("rtf", report["rtf"], ""), ("fps", report["fps"]["mean"] if view else None, "1/s"),
+        for key, value, unit in (("rtf", report["rtf"], ""), ("fps", report["view"]["frames"] / report["seconds"] if view else None, "1/s"),
                                  ("rss_peak", report["memory"]["rss_peak"] / 1e6, "MB"),
                                  *((key, report["cache"][key], "") for key in ("touched", "evictions", "writebacks"))):
             if value is not None:

@@ -105,7 +105,7 @@ def figures(report, samples, wal):
              "mb_read": io["bytes_read"] / 1e6, "mb_written": io["bytes_written"] / 1e6, "commits": io["commits"],
              "rss_mb": statistics.mean(stable), "growth": growth(samples), "wal_mb": wal / 1e6,
              "rss_peak_mb": report["memory"]["rss_peak"] / 1e6, "starved": view.get("starved"),
-             "frame_p99": 1e3 / report["fps"]["p99"] if view else None, "naps": view.get("naps"), "nap_ms": view.get("nap_ms"),
+             "frame_p99": 1e3 / report["fps"]["p99"] if report["fps"] else None, "naps": view.get("naps"), "nap_ms": view.get("nap_ms"),
              "warm_s": report.get("warm_up", {}).get("seconds"),
              # those after the first second; of a program that does not count them apart, all
              "stalls_late": cache.get("stalls_late", cache["stalls"])}

@@ -157,7 +157,7 @@ def draw_all(studio):
     studio.drive("passes", "ten passes in one rut", scene(folder, "passes", *passes(10)), plain, 325,
                  {"camera": studio.camera(plain, (106.2, 98.7, 1.2), (107.2, 100.1, 0)), **low})
 
-    shutil.copy(drive / "map.png", folder / "map.png")
+    shutil.copy(drive / "map.png", folder / "map.png")  # its scene asks for one
     studio.add("a drive's map", folder / "map.png")
 
 

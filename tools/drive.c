@@ -17,7 +17,7 @@ static const struct command_option options[] = {
 	{"set", "KEY=VALUE", .help = "override a key of the scene, as in cache.slots=16", .repeats = true},
 	{"steps", "N", .help = "stop after N steps, counted from the scene's start"},
 	{"resume", .help = "go on from the last committed step, to the same bits as in one go"},
-	{"map", "FILE", .help = "the map of the drive in another file, too", .files = "png svg pdf"},
+	{"map", "FILE", .help = "draw the map of the drive to this file", .files = "png svg pdf"},
 	{"trace", "FILE", .help = "what was asked of the page cache, for furrow cache-sim", .files = "*"},
 	{"durable", "KIND", .help = "what a power cut may cost: the last commits, or with full none", .choices = durable,
 	 .preset = "normal"},
@@ -85,14 +85,12 @@ static const struct world_rows *share_rows(void *user, const struct world_rows *
 /* Before the drive, whose map comes last. */
 static enum status check_map(const struct arguments *arguments)
 {
-	const char *path = arguments_text(arguments, "map"), *missing = chart_missing();
+	const char *path = arguments_text(arguments, "map"), *missing = path != NULL ? chart_missing() : NULL;
 	enum chart_format format;
 	if (path != NULL && !chart_path_format(path, &format))
 		return fail_with(STATUS_USAGE, "drive: --map %s: has another ending; name a .png, .svg or .pdf", path);
-	if (missing != NULL && path != NULL)
-		return fail_with(STATUS_FAILED, "drive: --map %s: %s", path, missing);
 	if (missing != NULL)
-		note("drive: no map.png: %s", missing);
+		return fail_with(STATUS_FAILED, "drive: --map %s: %s", path, missing);
 	return STATUS_OK;
 }
 
@@ -204,7 +202,7 @@ static enum status run(const struct arguments *arguments)
 			.durable_full = durability == 1,
 			.keep_history = arguments_flag(arguments, "keep-history"),
 			.progress = true,
-			.map = chart_missing() == NULL,
+			.map = scene->map,
 			.map_also = arguments_text(arguments, "map"),
 			.stop = &interrupted,
 		};
@@ -222,8 +220,8 @@ const struct command command_drive = {
 	.arguments = COMMAND_ARGUMENTS(COMMAND_SCENE),
 	.options = options,
 	.details = "What a scene may say is in scene(5), which is src/scene/SCENE.md: every key, its unit, range and default.\n\n"
-		   "Leaves in DIR: run.json (figures, also when interrupted), epochs.log (a line for each commit), map.png (each "
-		   "object's way and the ruts, on the hillshade), frame-NNNNNN.png, and cameras/NAME for each camera of the scene: pictures, "
+		   "Leaves in DIR: run.json (figures, also when interrupted), epochs.log (a line for each commit), and what the scene asks for: map.png (output: {map: true}: each "
+		   "object's way and the ruts, on the hillshade), objects.csv, vehicles.csv, frame-NNNNNN.png, and cameras/NAME for each camera of the scene: pictures, "
 		   "camera.json, poses.tum, and COLMAP's text files (docs/CAMERAS.md). Ruts are written to the overlay, or else to the store itself; the last line tells which. Ctrl-C ends it cleanly with everything "
 		   "committed, status 130.\n\n"
 		   "--resume goes on where a drive of the same scene into the same store ended or was killed (end_time, cache and "

@@ -24,7 +24,7 @@ static void print_head(const struct scene *scene, const struct report_plan *plan
 	if (plan->pictures > 0)
 		printf(", %s picture%s: one every %s steps", layout_number((uint64_t)plan->pictures).text, plan->pictures == 1 ? "" : "s",
 		       layout_number((uint64_t)plan->picture_steps).text);
-	puts("");
+	puts(scene->map ? "; a map at the end" : "");
 }
 
 static void print_rasters(const struct report_plan *plan)

@@ -91,15 +91,15 @@ struct api_params {
 	const char *store;     /* path; overrides the scene's; may be NULL if that names one */
 	const char *overlay;   /* path of the overlay that takes the deformation instead of the store; made if absent. May be NULL */
 	const struct store_staged *staged; /* the base is read from its copy (store_stage). NULL: from where it is */
-	const char *directory; /* directory for run.json, epochs.log, frame-*.png and map.png; made if absent */
+	const char *directory; /* directory for run.json, epochs.log, frame-*.png and what `output` asks for; made if absent */
 	const char *trace;     /* path of a trace of every access to the page cache (page/page.h). May be NULL */
 	int64_t steps;         /* last step, counted from the scene's start; 0: until end_time */
 	bool resume;           /* goes on from the store's last drive of this scene, with the same bits; begins anew if there was none */
 	bool durable_full;
 	bool keep_history;     /* each commit keeps what it replaces, for furrow restore */
 	bool progress;         /* writes a line of progress on stderr */
-	bool map;              /* also writes map.png, of the whole drive, at the end, unless it failed in its first step; run.json does not count it */
-	const char *map_also;  /* with `map`: the same map to this file too, .png, .svg or .pdf; NULL: only map.png */
+	bool map;              /* writes map.png, of the whole drive, at the end, unless it failed in its first step; run.json does not count it */
+	const char *map_also;  /* writes the same map to this file, .png, .svg or .pdf, with or without `map`. May be NULL */
 	bool alone;            /* computes every contact alone: for tests that compare results */
 	bool everywhere;       /* computes every contact, also one that changes nothing: for tests that compare results */
 	/* The host that watches and controls the drive; NULL: none. Only for a scene with a view; then the scene's images are not

@@ -100,12 +100,31 @@ static void show_progress(const struct drive *drive, bool terminal, int64_t tota
 	fflush(stderr);
 }
 
+/* Drawing that was timed, and not yet added to the times of pictures. */
+struct pictures_time {
+	uint64_t frames; /* when it was last added */
+	double seconds;
+};
+
+/* Adds `seconds` of drawing to the time of the pictures that came in them. Where none came, to that of the next: its tiles are loaded in the
+ * steps before. */
+static void count_pictures(struct drive *drive, struct pictures_time *pictures, double seconds)
+{
+	const uint64_t frames = frames_of(drive), count = frames - pictures->frames;
+	pictures->seconds += seconds;
+	for (uint64_t i = 0; i < count; i++)
+		times_add(&drive->report.picture_ms, pictures->seconds / (double)count * 1e3);
+	if (count > 0)
+		*pictures = (struct pictures_time){.frames = frames};
+}
+
 /* Makes all steps, some of them with a picture. */
 static enum status all_steps(struct drive *drive, int64_t total)
 {
 	struct world *world = &drive->world;
 	bool terminal = drive->params->progress && isatty(STDERR_FILENO) != 0;
 	double shown = terminal ? 0 : drive->began, drawing = 0;
+	struct pictures_time pictures = {.frames = frames_of(drive)};
 	const uint64_t before = frames_of(drive);
 	enum status status = STATUS_OK;
 	while (world->step < total && status == STATUS_OK && !vehicle_stuck(drive->vehicles)) {
@@ -120,13 +139,12 @@ static enum status all_steps(struct drive *drive, int64_t total)
 			status = draw_step(drive);
 			framed = clock_seconds();
 			drawing += framed - stepped;
+			count_pictures(drive, &pictures, framed - stepped);
 		}
 		if (status == STATUS_OK)
 			status = page_trace_status(world->trace);
-		if (status == STATUS_OK) {
+		if (status == STATUS_OK)
 			times_add(&drive->report.step_ms, (stepped - started) * 1e3);
-			times_add(&drive->report.frame_ms, (framed - started) * 1e3);
-		}
 		if (!drive->report.settled && framed - drive->began > 1) {
 			world_stalls(world, &drive->report.stalls_settled);
 			drive->report.settled = true;
@@ -243,7 +261,9 @@ enum status api_drive(const struct api_params *params, struct api_result *result
 	if (params->host == NULL)
 		scene_unwatched(params->scene, &drive.scene);
 	*result = (struct api_result){.ended = "failed"};
-	enum status status = vehicle_load(&drive.scene, &drive.vehicles);
+	enum status status = params->map ? report_map_check(&drive.scene) : STATUS_OK;
+	if (status == STATUS_OK)
+		status = vehicle_load(&drive.scene, &drive.vehicles);
 	const struct world_params world = world_params_of(&drive);
 	if (status == STATUS_OK)
 		status = world_prepare(&drive.world, &world);

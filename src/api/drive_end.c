@@ -62,12 +62,17 @@ static enum status report(struct drive *drive, bool keep, struct api_result *res
 	return status;
 }
 
-/* Draws map.png and what is asked for beside it. `keep`: only those that do not exist. */
+static bool asks_for_a_map(const struct api_params *params)
+{
+	return params->map || params->map_also != NULL;
+}
+
+/* Draws the maps that are asked for. `keep`: only those that do not exist. */
 static enum status write_maps(const struct drive *drive, const struct world *world, bool keep, struct api_result *result)
 {
 	char path[4096];
 	snprintf(path, sizeof path, "%s/map.png", drive->params->directory);
-	const char *const paths[] = {path, drive->params->map_also};
+	const char *const paths[] = {drive->params->map ? path : NULL, drive->params->map_also};
 	enum status status = STATUS_OK;
 	for (size_t i = 0; i < 2 && status == STATUS_OK; i++) {
 		if (paths[i] == NULL || (keep && access(paths[i], F_OK) == 0))
@@ -81,13 +86,13 @@ static enum status write_maps(const struct drive *drive, const struct world *wor
 	return status;
 }
 
-/* Draws the maps, if asked for, unless the drive failed in its first step. `keep` is as in write_maps. Returns `status` if that is a failure,
+/* Draws the maps that are asked for, unless the drive failed in its first step. `keep` is as in write_maps. Returns `status` if that is a failure,
  * otherwise the status of the maps. */
 static enum status draw_map(const struct drive *drive, bool keep, struct api_result *result, enum status status)
 {
 	struct failure failure;
 	const bool empty = status != STATUS_OK && status != STATUS_INTERRUPTED && drive->world.step == 0;
-	if (!drive->params->map || empty)
+	if (!asks_for_a_map(drive->params) || empty)
 		return status;
 	failure_capture(&failure, status);
 	enum status drawn = write_maps(drive, &drive->world, keep, result);
@@ -241,7 +246,7 @@ enum status api_conclude(const struct drive *drive, int64_t step, double time, s
 		if (gathered == STATUS_OK)
 			gathered = report_write(drive->params->directory, result->json);
 		result->reported = gathered == STATUS_OK;
-		if (gathered == STATUS_OK && drive->params->map)
+		if (gathered == STATUS_OK && asks_for_a_map(drive->params))
 			gathered = map_gathered(drive, step, time, result);
 	}
 	if (status == STATUS_OK || (status == STATUS_INTERRUPTED && gathered != STATUS_OK))

@@ -98,10 +98,12 @@ enum status api_folder_clear(const struct world *world, const char *directory)
 		return fail_with(STATUS_FAILED, "%s/epochs.log: %s; give a folder that can be written", directory, strerror(errno));
 	rewind(commit_log);
 	snprintf(path, sizeof path, "%s/run.json", directory);
-	if ((unlink(path) == 0 || logged) && !world->resumed.is)
+	const bool driven = unlink(path) == 0 || logged;
+	if (driven && !world->resumed.is)
 		clear_pictures(directory, 0);
 	snprintf(path, sizeof path, "%s/map.png", directory);
-	unlink(path);
+	if (driven) /* the map of an earlier drive, or of this one's part before the resume */
+		unlink(path);
 	return STATUS_OK;
 }
 

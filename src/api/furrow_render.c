@@ -102,7 +102,10 @@ static enum status picture(struct furrow_world *host, const struct furrow_camera
 	if (rgb != NULL && pixels == NULL)
 		return fail_memory("a picture");
 	render_view_look_from(host->view, &camera);
+	const double began = clock_seconds();
 	status = render_view_picture(host->view, pixels, depth);
+	if (status == STATUS_OK)
+		times_add(&host->report.picture_ms, (clock_seconds() - began) * 1e3);
 	if (status == STATUS_OK && rgb != NULL)
 		tell_colours(pixels, from->width, from->height, rgb);
 	if (status == STATUS_OK && depth != NULL)

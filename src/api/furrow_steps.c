@@ -61,7 +61,6 @@ static enum status step(struct furrow_world *host, double seconds)
 		host->steps = 0;
 	}
 	times_add(&host->report.step_ms, took * 1e3);
-	times_add(&host->report.frame_ms, took * 1e3);
 	return STATUS_OK;
 }
 

@@ -120,7 +120,7 @@ static enum status show(struct host *host)
 	host->drawn = host->read = false;
 	double now = clock_seconds();
 	host->frame_ms = (now - host->began) * 1e3;
-	times_add(&drive->report.frame_ms, host->frame_ms);
+	times_add(&drive->report.picture_ms, host->frame_ms);
 	count_picture(host, now);
 	return host->calls->picture(host->calls->user, drive, gpu_staging_bytes(host->staging), host->width, host->height);
 }

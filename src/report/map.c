@@ -2,7 +2,7 @@
  * The map of a drive: where its objects and vehicles went, and how they changed the ground. It has the hillshade around their ways,
  * and the offsets in false colour.
  *
- * The map is made at the drive's end, from the last commit, with a store reader of its own. The drive's counts do not include it.
+ * The map is made only where the scene or the command asks for it. It is made at the drive's end, from the last commit, with a store reader of its own. The drive's counts do not include it.
  *
  * The map has at most PIXELS posts on a side. Its level is the finest one that fits, but no finer than the stored one. It reads
  * at most TILES_MOST tiles of offsets. If the drive left more, it reads those of a coarser level. So its cost is about the same for
@@ -197,6 +197,12 @@ static enum status draw(const struct map *map, const char *path, const char *end
 	enum status status = chart_map_write(&chart, path, NULL);
 	mem_free(ways);
 	return status;
+}
+
+enum status report_map_check(const struct scene *scene)
+{
+	const char *missing = scene->map ? chart_missing() : NULL;
+	return missing == NULL ? STATUS_OK : fail_with(STATUS_INPUT, "%s: output.map: %s; or take it away", scene->file, missing);
 }
 
 enum status report_map(const struct world *world, const struct vehicles *vehicles, const char *path, const char *ended)

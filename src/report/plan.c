@@ -333,7 +333,9 @@ enum status report_plan(const struct scene *scene, const char *store, bool keep_
 	if (path == NULL && scene->store != NULL && (out->missing = mem_strdup(scene->store)) == NULL)
 		return fail_memory("the plan");
 	scene_unwatched(scene, &driven);
-	enum status status = vehicle_load(scene, &out->vehicles);
+	enum status status = report_map_check(scene);
+	if (status == STATUS_OK)
+		status = vehicle_load(scene, &out->vehicles);
 	if (status == STATUS_OK)
 		status = vehicle_find_shares(out->vehicles);
 	if (status != STATUS_OK) {

@@ -24,13 +24,23 @@ static void add_range(void *user, double from, double to, uint64_t count)
 	cJSON_AddItemToArray(lists[1], cJSON_CreateNumber((double)count));
 }
 
+/* Adds how many of something there are in a second. p99 is at the slow end. null: there was none. */
+static void add_rates(cJSON *root, const char *name, const struct times *ms)
+{
+	if (ms->count == 0) {
+		cJSON_AddNullToObject(root, name);
+		return;
+	}
+	cJSON *rates = cJSON_AddObjectToObject(root, name);
+	json_number(rates, "mean", 1e3 / times_mean(ms));
+	json_number(rates, "p50", 1e3 / times_percentile(ms, 0.5));
+	json_number(rates, "p99", 1e3 / times_percentile(ms, 0.99));
+}
+
 static void add_times(cJSON *root, const struct report *report)
 {
-	/* p99 of frames a second: at the slow end. */
-	cJSON *fps = cJSON_AddObjectToObject(root, "fps");
-	json_number(fps, "mean", 1e3 / times_mean(&report->frame_ms));
-	json_number(fps, "p50", 1e3 / times_percentile(&report->frame_ms, 0.5));
-	json_number(fps, "p99", 1e3 / times_percentile(&report->frame_ms, 0.99));
+	add_rates(root, "steps_per_second", &report->step_ms);
+	add_rates(root, "fps", &report->picture_ms);
 	cJSON *step = cJSON_AddObjectToObject(root, "step_ms");
 	json_number(step, "p50", times_percentile(&report->step_ms, 0.5));
 	json_number(step, "p95", times_percentile(&report->step_ms, 0.95));

@@ -26,7 +26,8 @@ struct report {
 	const struct report_poses *poses; /* of cameras; NULL: none */
 	const struct vehicles *vehicles; /* NULL: there are none */
 	bool advised;                    /* a drive: run.json has all notes on its scene; of a host only those on units */
-	struct times step_ms, frame_ms;  /* a frame is a step and its picture, or a step alone if none is drawn */
+	struct times step_ms;            /* without drawing */
+	struct times picture_ms;         /* of each picture alone, without the step that it follows; empty if none is drawn */
 	struct stalls stalls_settled;    /* in the first second of the loop; complete once `settled` */
 	bool settled;
 	double warm_seconds;             /* wall clock until the loop began */
@@ -44,6 +45,9 @@ enum status report_write(const char *directory, const char *json) FURROW_CHECKED
 /* Draws the map of the run so far, from what is committed. Writes it under another name first, then renames it. `vehicles`: NULL:
  * there are none. */
 enum status report_map(const struct world *world, const struct vehicles *vehicles, const char *path, const char *ended) FURROW_CHECKED;
+/* Checks before a drive that the map which the scene asks for (output.map) can be drawn. STATUS_INPUT: this build draws none, or there is no
+ * font. Looks for fonts only if the scene asks. */
+enum status report_map_check(const struct scene *scene) FURROW_CHECKED;
 
 /* asked.c: tells of each object of whose path samples more than 1 % had no ground. Of many processes: nothing, since none has all samples. */
 void report_groundless(const struct world *world, scene_advice_fn tell, void *user);

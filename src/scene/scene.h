@@ -277,6 +277,7 @@ struct scene {
 	size_t vehicle_count;
 	double stuck_after, stuck_below; /* s, m/s: a vehicle that is slower for so long is stuck; 0: nobody asks */
 	double vehicle_rows; /* rows of vehicles.csv for each second of simulated time; 0: none */
+	bool map;           /* a drive writes map.png at its end */
 	double forces;      /* rows of objects.csv for each second of simulated time; 0: none */
 	int forces_delay;   /* steps after which forces are read back from the GPU; 0: read at once, and wait for them */
 	struct scene_view view;

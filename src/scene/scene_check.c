@@ -95,6 +95,7 @@ static enum status check_output(const struct scene_tree *tree, const struct raw_
 	if (output == NULL)
 		return STATUS_OK;
 	scene->vehicle_rows = output->vehicles != NULL ? *output->vehicles : 0;
+	scene->map = output->map != NULL && *output->map;
 	if (output->forces == NULL && output->delay != NULL)
 		return scene_error(tree->file, scene_tree_find(tree, "output.delay"),
 				   "is of forces, and none are asked for; allowed with: forces");

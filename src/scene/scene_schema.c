@@ -190,6 +190,7 @@ static const cyaml_schema_field_t output_fields[] = {
 	CYAML_FIELD_FLOAT_PTR("forces", OPTIONAL, struct raw_output, forces),
 	CYAML_FIELD_INT_PTR("delay", OPTIONAL, struct raw_output, delay),
 	CYAML_FIELD_FLOAT_PTR("vehicles", OPTIONAL, struct raw_output, vehicles),
+	CYAML_FIELD_BOOL_PTR("map", OPTIONAL, struct raw_output, map),
 	CYAML_FIELD_END,
 };
 static const cyaml_schema_field_t overhead_fields[] = {

@@ -110,6 +110,7 @@ struct raw_output {
 	double *forces;
 	int64_t *delay;
 	double *vehicles;
+	bool *map;
 };
 struct raw_overhead {
 	char *over;

@@ -4,6 +4,7 @@
 #include <xxhash.h>
 
 #include "hosted.h"
+#include "../support/program.h"
 
 #define FEW 0.01 /* s */
 
@@ -215,7 +216,7 @@ static void an_older_host_is_not_readonly(void **state)
 	misused(furrow_world_open(&open, &world));
 }
 
-int main(void)
+TEST_PROGRAM(looking)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_world_that_does_not_step_leaves_each_byte),

@@ -3,6 +3,7 @@
 #include <sys/wait.h>
 
 #include "hosted.h"
+#include "../support/program.h"
 
 /* Number of the first check that fails; 0: none does. Each call is refused, with a message that says why. */
 static int in_child(struct furrow_world *world, furrow_body ball)
@@ -117,7 +118,7 @@ static void no_step_leads_beyond_what_time_can_tell(void **state)
 	done(furrow_world_close(world));
 }
 
-int main(void)
+TEST_PROGRAM(misuse)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_forked_child_is_refused_and_never_waits),

@@ -1,5 +1,6 @@
 /* Velocities of a host's bodies that it does not give are those of its poses, and a note tells where both differ by far. */
 #include "hosted.h"
+#include "../support/program.h"
 
 #define RADIUS 0.5
 #define SLIP 0.2
@@ -201,7 +202,7 @@ static void velocities_that_contradict_the_poses_are_told_once(void **state)
 	done(furrow_world_close(world));
 }
 
-int main(void)
+TEST_PROGRAM(rates)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_wheel_pulls_the_same_by_its_poses_alone),

@@ -15,6 +15,7 @@
 
 #include "base/aside.h"
 #include "base/base.h"
+#include "../support/program.h"
 
 static char folder[] = "/tmp/furrow-input-XXXXXX";
 
@@ -94,7 +95,7 @@ static void a_file_aside_follows_no_link(void **state)
 	unlink("out.part");
 }
 
-int main(void)
+TEST_PROGRAM(input)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(only_regular_files_are_read),

@@ -10,6 +10,7 @@
 #include <cmocka.h>
 
 #include "base/number.h"
+#include "../support/program.h"
 
 static double back(struct number_text number)
 {
@@ -60,7 +61,7 @@ static void rounded_numbers_lie_on_their_side_and_within_a_digit(void **state)
 	assert_string_equal(number_at_most(INFINITY, 3).text, "inf");
 }
 
-int main(void)
+TEST_PROGRAM(number)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(exact_numbers_are_read_back_with_few_digits),

@@ -496,11 +496,14 @@ class Drives(FurrowTest):
     def test_a_drive_leaves_ruts_figures_and_a_clean_store(self):
         store = self.synth()
         report = self.drive(self.scene(), "--store", store)
-        for key in ("ended steps seconds processor_seconds rtf fps step_ms stage_ms cache passes gl memory programs io volume "
+        for key in ("ended steps seconds processor_seconds rtf fps steps_per_second step_ms stage_ms cache passes gl memory programs io volume "
                     "objects").split():
             self.assertIn(key, report)
         self.assertEqual(report["ended"], "complete")
         self.assertEqual(report["steps"], 80)
+        self.assertIsNone(report["fps"])  # no picture
+        self.assertEqual(sorted(report["steps_per_second"]), ["mean", "p50", "p99"])
+        self.assertAlmostEqual(report["steps_per_second"]["p99"] * report["step_ms"]["p99"], 1000, places=6)
         self.assertGreater(report["volume"]["removed"], 1)
         self.assertAlmostEqual(report["objects"]["left"]["sinkage"], 0.15, places=4)
         self.assertAlmostEqual(report["objects"]["left"]["distance"], 120, delta=1)
@@ -599,6 +602,8 @@ objects:
                 "effects: [texture, fog, sky, skirts], images: 40}\n")
         report = self.drive(self.scene(SCENE + view), "--store", store)
         self.assertEqual(report["view"]["frames"], 2)
+        # Drawing and stepping are parts of the time, and neither is in the other.
+        self.assertLessEqual(2 / report["fps"]["mean"] + 80 / report["steps_per_second"]["mean"], report["seconds"])
         for name in ("frame-000040.png", "frame-000080.png"):
             data = (self.folder / "out" / name).read_bytes()
             self.assertEqual(data[:8], b"\x89PNG\r\n\x1a\n")
@@ -632,14 +637,17 @@ objects:
         self.assertEqual((self.folder / "other/frame-000010.png").read_text(), "mine")
 
     @unittest.skipUnless(MAPS, "this build draws no maps")
-    def test_a_drive_leaves_a_map_and_says_where(self):
-        store = self.synth()
-        result = self.furrow("drive", self.scene(), "--store", store, "-o", "out")
+    def test_a_drive_leaves_a_map_where_it_is_asked_for_and_says_where(self):
+        store, asked = self.synth(), ("--set", "output.map=true")
+        self.assertRegex(self.furrow("explain", self.scene(), "--store", store, *asked).stdout, r"\n  \d+ steps; a map at the end\n")
+        self.assertNotIn("map", self.furrow("explain", self.scene(), "--store", store).stdout.replace("soil.map", ""))
+        self.assertIs(self.json("explain", self.scene(), "--store", store, *asked)["map"], True)
+        result = self.furrow("drive", self.scene(), "--store", store, "-o", "out", *asked)
         if result.returncode == 4:
             self.skipTest("no GL here")
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertRegex(result.stdout, r"^complete: .* in out/run\.json; a map in out/map\.png; ruts in .*world\.furrow itself\n$")
-        self.assertRegex(self.ok("drive", self.scene(), "--store", store, "--overlay", "o.furrow", "-o", "o", "--map", "both.pdf"),
+        self.assertRegex(self.ok("drive", self.scene(), "--store", store, "--overlay", "o.furrow", "-o", "o", "--map", "both.pdf", *asked),
                          r"^complete: .* in o/run\.json; a map in o/map\.png and both\.pdf; ruts in o\.furrow\n$")
         result = self.furrow("drive", self.scene(), "--store", store, "-o", "out", "--resume", "--map", "way.pdf")
         self.assertRegex(result.stdout, r"json; a map in way\.pdf; ruts in .*itself\n$")
@@ -651,6 +659,13 @@ objects:
         before = (self.folder / "out/map.png").read_bytes()
         self.refused(3, "drive", self.scene(), "--store", store, "-o", "out", "--set", "spacing=0.125")
         self.assertEqual((self.folder / "out/map.png").read_bytes(), before)
+        # A drive that does not ask draws none, and leaves no map of another drive. A file of that name that no drive made stays.
+        self.ok("drive", self.scene(), "--store", store, "-o", "out", "--steps", "1")
+        self.assertFalse((self.folder / "out/map.png").exists())
+        (self.folder / "mine").mkdir()
+        (self.folder / "mine/map.png").write_text("mine")
+        self.ok("drive", self.scene(), "--store", store, "-o", "mine", "--steps", "1")
+        self.assertEqual((self.folder / "mine/map.png").read_text(), "mine")
 
 
 class RealElevation(FurrowTest):

@@ -327,7 +327,7 @@ objects:
 
     @long
     def test_a_picture_of_the_step_that_was_committed_is_not_left_out(self):
-        scene = self.scene(SCENE + "view: {size: [64, 48], camera: {chase: left, back: 8, up: 4}, images: 20}\n")
+        scene = self.scene(SCENE + "view: {size: [64, 48], camera: {chase: left, back: 8, up: 4}, images: 20}\noutput: {map: true}\n")
         self.drive(scene, "--store", self.copy())
         out = self.folder / "out"
         self.assertTrue((out / "map.png").exists())  # it names its store, and so differs

@@ -121,7 +121,7 @@ class Maps(FurrowTest):
                 self.assertEqual(len(result.stderr.splitlines()), 1)
         self.assertEqual(sorted(path.name for path in self.folder.iterdir()), [store])
 
-    def test_without_a_font_it_is_told_and_a_drive_goes_on(self):
+    def test_without_a_font_it_is_refused_and_a_drive_without_a_map_goes_on(self):
         store = self.synth()
         (self.folder / "none.conf").write_text('<?xml version="1.0"?><!DOCTYPE fontconfig SYSTEM "fonts.dtd"><fontconfig><dir>/nowhere</dir></fontconfig>')
         env = {"FONTCONFIG_FILE": str(self.folder / "none.conf")}
@@ -129,11 +129,16 @@ class Maps(FurrowTest):
         self.assertEqual(result.returncode, 1)
         self.assertRegex(result.stderr, r"^furrow: map: there is no font .*; install one.*\n$")
         (self.folder / "scene.yaml").write_text(SCENE)
+        for command in (("drive", "scene.yaml", "--store", store, "-o", "asked"), ("explain", "scene.yaml")):
+            result = self.furrow(*command, "--set", "output.map=true", env=env)
+            self.assertEqual(result.returncode, 3)
+            self.assertRegex(result.stderr, r"^furrow: scene\.yaml: output\.map: there is no font .*; install one, .*; or take it away\n$")
+            self.assertFalse((self.folder / "asked").exists())
         result = self.furrow("drive", "scene.yaml", "--store", store, "-o", "out", env=env)
         if result.returncode == 4:
             self.skipTest("no GL here")
         self.assertEqual(result.returncode, 0, result.stderr)
-        self.assertIn("no map.png: there is no font", result.stderr)
+        self.assertNotIn("map", result.stderr + result.stdout)
         self.assertFalse((self.folder / "out/map.png").exists())
 
     # --- what stands on the page ---
@@ -283,7 +288,7 @@ class Maps(FurrowTest):
                 if result.returncode == 4:
                     self.skipTest("no GL here")
                 self.assertEqual(result.returncode, 0, result.stderr)
-                self.assertTrue((self.folder / f"out{count}/map.png").exists())
+                self.assertFalse((self.folder / f"out{count}/map.png").exists())  # --map asks for its own file alone
                 page = self.words("way.pdf")
                 self.assertEqual(page.meeting(), [])
                 names = {word[0] for word in page.words if re.fullmatch(r"object_of_a_drive_\d+", word[0])}

@@ -37,7 +37,7 @@ objects:
     path: {points: [[3, 6.8], [10, 7.8], [12, 13]], speed: 2}
     load: 1500
     slip: 0.1
-output: {forces: 20, delay: 0}
+output: {forces: 20, delay: 0, map: true}
 cache: {slots: 16}
 """
 BOX = """scene: 1
@@ -62,7 +62,7 @@ vehicles:
     start: {at: [12, 12], yaw: 40}
     soil: [wheel_*]
     driver: {path: {points: [[12, 12], [24, 22]], speed: 3}, steer: [steer_*], drive: [drive_*]}
-output: {forces: 50, vehicles: 50}
+output: {forces: 50, vehicles: 50, map: true}
 """
 ALWAYS = ["run", "results", "map", "curves", "rut", "volume", "steps", "cache", "soils", "notes", "settings"]
 OFFROAD = pathlib.Path(__file__).resolve().parents[2] / "tools/scenes/vehicles/offroad.xml"

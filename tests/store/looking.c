@@ -8,6 +8,7 @@
 #include <xxhash.h>
 
 #include "fixture.h"
+#include "../support/program.h"
 
 /* What a killed writer left beside FILE, or what somebody copied of it. */
 enum { WAL = 1, SHM = 2, EMPTY = 4 };
@@ -236,7 +237,7 @@ static void a_late_store_is_written_when_it_is_begun(void **state)
 	field_free(&field);
 }
 
-int main(void)
+TEST_PROGRAM(looking)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(looking_leaves_what_a_killed_writer_left),

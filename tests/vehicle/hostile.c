@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include "../support.h"
+#include "../support/program.h"
 #include "vehicle/check.h"
 
 static void write_model(const char *name, const char *format, ...) FURROW_PRINTF(2, 3);
@@ -143,7 +144,7 @@ static int enter(void **state)
 	return support_enter(state) != 0 || mkdir(support_path("m"), 0700) != 0 || mkdir(support_path("m/n"), 0700) != 0;
 }
 
-int main(void)
+TEST_PROGRAM(hostile)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(numbers_have_limits),
