@@ -5,6 +5,7 @@
 #include "fixture.h"
 #include "scene/scene_mesh.h"
 #include "../support/program.h"
+#include "../support/skip.h"
 
 #define MEMORY_MOST (400 << 10) /* KiB by which all of these may grow the program */
 
