@@ -14,7 +14,7 @@ static void a_model_that_does_not_load_is_refused(void **state)
 		const char *text, *says;
 	} cases[] = {
 		{"this is no XML", "vehicles.car: "},
-		{"<mujoco><worldbody>", "give an MJCF or URDF file that MuJoCo reads"},
+		{"<mujoco><worldbody>", "its XML is not whole"},
 		{"<mujoco><worldbody><body><goem/></body></worldbody></mujoco>", "vehicles.car: "},
 		{"<mujoco><worldbody><body><geom type=\"mesh\" mesh=\"none\"/></body></worldbody></mujoco>", "vehicles.car: "},
 		{"<robot name=\"r\"><link name=\"l\"><geometry/></link></robot", "vehicles.car: "},
