@@ -42,7 +42,7 @@ bool world_is_quiet(const struct world *world, size_t index)
 	return world_is_hosts(world, index) && world->hosts.list[index - world->scene->object_count - 1]->quiet;
 }
 
-static bool follows_path(const struct world *world, int32_t number)
+bool world_follows_path(const struct world *world, int32_t number)
 {
 	return number >= 0 && (size_t)number < world->scene->object_count && world->bodies[number].track != NULL;
 }
@@ -59,7 +59,7 @@ static enum status find(const struct world *world, int32_t number, struct host_b
 	*out = world_host_body(world, number);
 	if (*out != NULL && !(*out)->removed)
 		return STATUS_OK;
-	if (follows_path(world, number))
+	if (world_follows_path(world, number))
 		return fail_with(STATUS_USAGE, "%s: it follows its path; only bodies without one are the host's to move",
 				 world->bodies[number].object->name);
 	return gone(number);
@@ -136,40 +136,27 @@ void world_free_hosts(struct world *world)
 	for (size_t i = 0; i < world->hosts.count; i++)
 		world_host_free(world->hosts.list[i]);
 	mem_free(world->hosts.list);
+	world_names_free(world);
+	world_touched_free(&world->hosts.touched);
 	world->hosts = (struct world_hosts){.list = NULL};
 }
 
-static bool is_named(const struct world *world, int32_t number, const char *name)
+enum status world_body_find(struct world *world, const char *name, int32_t *number)
 {
-	const struct host_body *host = world_host_body(world, number);
-	if (follows_path(world, number))
-		return strcmp(world->bodies[number].object->name, name) == 0;
-	return host != NULL && !host->removed && strcmp(host->body.object->name, name) == 0;
-}
-
-enum status world_body_find(const struct world *world, const char *name, int32_t *number)
-{
-	for (size_t i = 0; i < world->hosts.count; i++)
-		if (is_named(world, (int32_t)i, name)) {
-			*number = (int32_t)i;
-			return STATUS_OK;
-		}
-	*number = -1;
-	return fail_with(STATUS_INPUT, "%s: no body has this name; give one of the scene's objects, or one that was added", name);
+	*number = world_names_find(world, name);
+	return *number >= 0 ? STATUS_OK
+			    : fail_with(STATUS_INPUT, "%s: no body has this name; give one of the scene's objects, or one that was added", name);
 }
 
 /* Gives a free name in place of one that the scene made, if that is taken. A name that the host gave stays. */
 static enum status name_it(struct world *world, struct scene_object *object)
 {
-	int32_t other;
 	char name[32];
-	if (world_body_find(world, object->name, &other) != STATUS_OK)
+	if (world_names_find(world, object->name) < 0)
 		return STATUS_OK;
 	if (!object->name_is_made)
 		return fail_with(STATUS_INPUT, "%s: another body has this name; give one that is free", object->name);
-	do
-		snprintf(name, sizeof name, "body-%u", ++world->hosts.named);
-	while (world_body_find(world, name, &other) == STATUS_OK);
+	world_names_next(world, name, sizeof name);
 	char *copy = mem_alloc(strlen(name) + 1, 1);
 	if (copy == NULL)
 		return fail_memory("a body");
@@ -210,7 +197,7 @@ enum status world_body_add(struct world *world, struct scene_object *object, int
 	struct host_body *host = owned != NULL ? new_body(owned, owned) : NULL;
 	if (host == NULL) {
 		mem_free(owned);
-		world->hosts.named = 0; /* its name is free again */
+		world_names_freed(world, object->name); /* it is free again */
 		return status != STATUS_OK ? status : fail_memory("a body");
 	}
 	*owned = *object;
@@ -354,7 +341,8 @@ enum status world_body_remove(struct world *world, int32_t number)
 		status = lift(world, host);
 	if (status == STATUS_OK)
 		host->removed = true;
-	world->hosts.named = 0; /* its name may be one of them */
+	if (status == STATUS_OK)
+		world_names_freed(world, host->body.object->name);
 	return status;
 }
 
@@ -370,7 +358,7 @@ enum status world_body_state(const struct world *world, int32_t number, struct w
 				state->linear[i] = state->angular[i] = NAN;
 		return STATUS_OK;
 	}
-	if (!follows_path(world, number))
+	if (!world_follows_path(world, number))
 		return gone(number);
 	return world_path_state(world, (size_t)number, state);
 }

@@ -391,9 +391,22 @@ struct world {
 	struct world_hosts {      /* hosts.c: by number. NULL for a body with a path, and for a body that a rollback removed */
 		struct host_body **list;
 		size_t count, room;
-		unsigned named;       /* names body-1 .. body-NAMED are taken */
+		struct world_names {  /* names.c */
+			struct key_set keys; /* hashes of names */
+			int32_t *numbers;    /* by a key's number: the body that had the name last */
+			size_t room, known;  /* known: bodies with lower numbers are in the table */
+			unsigned taken;      /* names body-1 .. body-TAKEN are taken */
+		} names;
 		uint64_t turn;        /* number of calls of world_bodies_set so far */
+		struct world_touched { /* touched.c: posts that changed since the mirrors of the ground were last compared with them */
+			struct post_rect *rects;
+			size_t count, room;
+			bool all;        /* for lack of memory: any may have changed */
+			bool north;      /* sorted from south to north, not from west to east */
+			int64_t longest; /* posts along that axis */
+		} touched;
 		double until;         /* s: the end of the current step */
+		size_t mirrors;       /* bodies that were ever probed: at least so many mirrors are there */
 	} hosts;
 	struct checkpoint *checkpoint; /* checkpoint.c; NULL: none yet */
 	struct world_changes {    /* changes.c: for a host's world */
@@ -496,7 +509,7 @@ enum status world_settle_forces(struct world *world) FURROW_CHECKED;
  * fails. STATUS_INPUT: the name is used already, or the shape is too large for the spacing or the slots. */
 enum status world_body_add(struct world *world, struct scene_object *object, int32_t *number) FURROW_CHECKED;
 /* Finds a body by name. STATUS_INPUT: no body has that name; then *number is -1. */
-enum status world_body_find(const struct world *world, const char *name, int32_t *number) FURROW_CHECKED;
+enum status world_body_find(struct world *world, const char *name, int32_t *number) FURROW_CHECKED;
 /* Removes a body. Its weight no longer acts on the soil. */
 enum status world_body_remove(struct world *world, int32_t number) FURROW_CHECKED;
 /* Puts a body at a pose, at rest. It touches nothing on the way from the old pose to the new one. */
