@@ -117,9 +117,9 @@ struct furrow_open {
 	bool durable;           /* a commit survives a power cut; slower */
 	bool keep_history;      /* each commit keeps what it replaces in the store, so that furrow restore returns to any; slower, and
 				   the store grows with each commit */
-	bool readonly;          /* only to look: nothing is ever written, so files and folders without write permission will do, and another
-				   process may write the store meanwhile. furrow_step, furrow_checkpoint, furrow_place and furrow_set_states
-				   are FURROW_USAGE. It goes with no `output` */
+	bool readonly;          /* only to look: nothing is ever written, so files and folders without write permission will do. Another process
+				   may write the store meanwhile: each query then tells the ground of its last commit. furrow_step,
+				   furrow_checkpoint, furrow_place and furrow_set_states are FURROW_USAGE. It goes with no `output` */
 	size_t reserved;        /* 0. Hosts that were built before `readonly` have a smaller struct */
 };
 

@@ -37,7 +37,7 @@ enum status world_state_check(const struct deform_shape *shape, const char *name
 /* Returns how fast a wheel in this pose turns forwards about its axle, rad/s. angular: its angular velocity, rad/s. */
 double world_spin(const struct deform_pose *pose, const double angular[3]);
 /* --- rates.c --- */
-/* Returns false if a velocity is all NaN, which stands for that of the poses. */
+/* Returns false if a velocity is all NaN, in place of that of the poses. */
 bool world_rates_given(const double rate[3]);
 /* Replaces velocities of `state` that were not given by those of the straight motion from a pose to that state. 0 s: they are 0. */
 void world_rates_fill(const struct world_pose *from, double seconds, struct world_state *state);

@@ -366,6 +366,7 @@ void world_finish(struct world *world, enum status status)
 	if (world->commit_log != NULL)
 		fclose(world->commit_log);
 	resident_ground_destroy(world->ground);
+	store_reader_destroy(world->follower);
 	if (status == STATUS_OK)
 		store_close(world->store);
 	else

@@ -330,6 +330,7 @@ struct world {
 	const struct store_meta *meta;
 	int level;         /* the working level */
 	double spacing;    /* m, of the working level */
+	struct store_reader *follower; /* follow.c; NULL: nothing is followed yet */
 	bool was_deformed; /* the store was deformed before this world was opened */
 	struct world_began {
 		double low, high; /* m: the deepest rut, at most 0, and the highest heap that earlier runs left. Of a run that is resumed both are 0 */
@@ -455,8 +456,12 @@ enum status world_step_to(struct world *world, double until) FURROW_CHECKED;
 enum status world_end(struct world *world, bool ended) FURROW_CHECKED;
 /* Stops the threads, so that figures are final. The world need not have been started. */
 void world_stop(struct world *world);
-/* For a child of the world's process: lets go of the locks that it has inherited, so that they end with those of the world's process. The
- * world must not be used in the child. */
+/* Before a query: a readonly world drops what it has read, if another process has committed since. STATUS_INPUT: it must be opened again. */
+enum status world_follow(struct world *world) FURROW_CHECKED;
+/* After a query: *moved: another process has committed meanwhile, so ask once more. */
+enum status world_has_moved(struct world *world, bool *moved) FURROW_CHECKED;
+/* For a child of the world's process: lets go of the locks that it has inherited. So they end with those of the world's process. The world must
+ * not be used in the child. */
 void world_forked(const struct world *world);
 /* Frees everything. `status`: how the drive ended. After a failure, an overlay without a commit is removed. The world may be
  * all zero, or half made. */

@@ -195,6 +195,74 @@ static void a_readonly_world_is_not_changed(void **state)
 	assert_int_equal(access(open.output, F_OK), -1);
 }
 
+static double height_of(struct furrow_world *world, double x, double y)
+{
+	const double xy[1][2] = {{x, y}};
+	struct furrow_point point;
+	done(furrow_points(world, 1, xy, &point));
+	return point.height;
+}
+
+/* A readonly world tells the last commit of whoever writes: heights, posts, rays, and what changed. */
+static void a_readonly_world_follows_who_writes(void **state)
+{
+	const char *store = support_path("follow.furrow");
+	static const double down[2][3] = {{20, 20, 200}, {0, 0, -1}};
+	struct furrow_hit hit;
+	struct furrow_rect rects[64];
+	struct furrow_info info = {.size = sizeof info};
+	double posts[9];
+	size_t count = 64;
+	support_store(store, hosted_extent, hosted_flat);
+	drive(store, NULL, 2);
+	struct furrow_open open = hosted_open(HOSTED_SCENE, store);
+	struct furrow_world *writing = opened(open);
+	open.readonly = true;
+	struct furrow_world *looking = opened(open);
+	assert_true(height_of(looking, 20, 20) == 100);
+	done(furrow_info(looking, &info));
+	const furrow_body ball = hosted_ball(writing, 20, 20);
+	for (int turn = 1; turn <= 2; turn++) {
+		hosted_move(writing, ball, 20, 20, 100.5 - 0.1 * turn);
+		done(furrow_checkpoint(writing));
+		const double height = height_of(writing, 20, 20);
+		assert_true(height < 100 - 0.05 * turn);
+		assert_true(height_of(looking, 20, 20) == height);
+		done(furrow_rays(looking, 1, &down[0], &down[1], &hit));
+		assert_true(fabs(hit.position[2] - height) < 1e-3);
+		done(furrow_read(looking, FURROW_SURFACE, info.level, 159, 159, 3, 3, posts, 3));
+		assert_true(fabs(posts[4] - height) < 1e-5);
+		count = 64;
+		done(furrow_changes(looking, info.revision, rects, &count, &info.revision));
+		bool told = false;
+		for (size_t i = 0; i < count; i++)
+			told = told || (rects[i].column <= 160 && rects[i].row <= 160 && rects[i].column + rects[i].columns > 160 && rects[i].row + rects[i].rows > 160);
+		assert_true(told);
+	}
+	done(furrow_rollback(writing)); /* to the checkpoint */
+	assert_true(height_of(looking, 20, 20) == height_of(writing, 20, 20));
+	done(furrow_world_close(writing));
+	assert_true(height_of(looking, 20, 20) < 99.9);
+	done(furrow_world_close(looking));
+}
+
+/* What it cannot follow it says. */
+static void a_first_drive_is_told_to_who_looked_before(void **state)
+{
+	const char *store = support_path("first.furrow");
+	const double xy[1][2] = {{10, 10}};
+	struct furrow_point point;
+	support_store(store, hosted_extent, hosted_flat);
+	struct furrow_open open = hosted_open(HOSTED_SCENE, store);
+	open.readonly = true;
+	struct furrow_world *looking = opened(open);
+	assert_true(height_of(looking, 10, 10) == 100);
+	drive(store, NULL, 2);
+	refused(FURROW_INPUT, furrow_points(looking, 1, xy, &point));
+	assert_non_null(strstr(furrow_last_error(), "open it again"));
+	done(furrow_world_close(looking));
+}
+
 /* A host of an earlier version: its struct ends with bytes that nobody sets. */
 static void an_older_host_is_not_readonly(void **state)
 {
@@ -221,6 +289,8 @@ int main(void)
 		cmocka_unit_test(a_world_that_does_not_step_leaves_each_byte),
 		cmocka_unit_test(what_steps_and_goes_back_to_the_opening_leaves_the_record),
 		cmocka_unit_test(a_readonly_world_is_not_changed),
+		cmocka_unit_test(a_readonly_world_follows_who_writes),
+		cmocka_unit_test(a_first_drive_is_told_to_who_looked_before),
 		cmocka_unit_test(an_older_host_is_not_readonly),
 	};
 	return cmocka_run_group_tests(tests, support_enter, support_leave);
