@@ -200,7 +200,7 @@ class World:
 
     def step(self, seconds: float = 0.0) -> None:
         """Moves time on by `seconds`; 0: by the scene's time_step. Ctrl-C is raised when the step is over."""
-        self._call("furrow_step", seconds)
+        self._call("furrow_step", float(seconds))
 
     @property
     def time(self) -> float:

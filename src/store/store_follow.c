@@ -16,7 +16,21 @@ static enum status latest(struct store_reader *reader, int64_t *commit, bool *de
 
 static enum status open_again(const struct store *store, const char *why)
 {
-	return fail_with(STATUS_INPUT, "%s: another process %s since it was opened; open it again", store->path, why);
+	return fail_with(STATUS_INPUT, "%s: since it was opened, %s; open it again", store->path, why);
+}
+
+/* The first deformation fits if it is at the level that was set for this opening, over the same ground. */
+static enum status first(struct store_reader *reader, int working)
+{
+	struct store *store = reader->store;
+	int64_t relief = 0;
+	enum status status = store_sql_integer(reader->db, reader->rows.path, "SELECT count(*) FROM meta WHERE key = 'relief'", &relief);
+	if (status != STATUS_OK)
+		return status;
+	if (!store->has_working || working != store->working || relief != 0 || store->relief_text != NULL)
+		return open_again(store, "it was driven for the first time, at another spacing or over relief");
+	store->working_stored = true;
+	return STATUS_OK;
 }
 
 enum status store_follow(struct store_reader *reader, store_key_fn fn, void *user, bool *moved)
@@ -30,12 +44,14 @@ enum status store_follow(struct store_reader *reader, store_key_fn fn, void *use
 	enum status status = latest(reader, &commit, &deformed, &working);
 	if (status != STATUS_OK || commit == since)
 		return status;
-	if (deformed != store->working_stored)
-		return open_again(store, deformed ? "drove there for the first time" : "has reset it");
-	if (deformed && working != store->working)
-		return open_again(store, "has reset it, and drove at another spacing");
-	if (commit < since)
-		return open_again(store, "has reset it");
+	if (commit < since || (!deformed && store->working_stored))
+		return open_again(store, "it was reset");
+	if (deformed && store->working_stored && working != store->working)
+		return open_again(store, "it was reset, and driven at another spacing");
+	if (deformed && !store->working_stored)
+		status = first(reader, working);
+	if (status != STATUS_OK)
+		return status;
 	*moved = true;
 	store->commit = commit;
 	store_changes_restart(&store->changes, commit);
