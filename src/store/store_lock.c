@@ -129,6 +129,7 @@ void store_lock_drop(const char *lock_path, int descriptor)
 	if (descriptor < 0)
 		return;
 	forget_held(descriptor);
-	unlink(lock_path); /* while it is held; a failure leaves an empty file that locks nothing */
+	if (lock_path != NULL)
+		unlink(lock_path); /* while it is held; a failure leaves an empty file that locks nothing */
 	close(descriptor);
 }

@@ -235,11 +235,40 @@ static double pages_of(const struct world *world, const struct host_body *host, 
 	return (2 * (way / side) + across) * across;
 }
 
+/* Adds the tiles that one body's motion can change, within the terrain. */
+static enum status add_tiles(const struct world *world, const struct host_body *host, const struct world_state *state, struct key_set *tiles)
+{
+	const double *from = host->now.pose.position, *to = state->pose.position;
+	const double beside = deform_shape_bound(&host->body.object->shape) + 8 * world->spacing;
+	const struct post_rect rect = {
+		(int64_t)floor((fmin(from[0], to[0]) - beside) / world->spacing), (int64_t)floor((fmin(from[1], to[1]) - beside) / world->spacing),
+		(int64_t)ceil((fmax(from[0], to[0]) + beside) / world->spacing), (int64_t)ceil((fmax(from[1], to[1]) + beside) / world->spacing),
+	};
+	struct tile first, last;
+	enum status status = STATUS_OK;
+	if (!tile_range_of(&world->meta->extent, world->level, rect, &first, &last))
+		return STATUS_OK;
+	for (uint32_t y = first.y; y <= last.y && status == STATUS_OK; y++)
+		for (uint32_t x = first.x; x <= last.x && status == STATUS_OK && tiles->count <= WORLD_HOST_PAGES; x++)
+			status = key_set_add(tiles, tile_key((struct tile){world->level, x, y}));
+	return status;
+}
+
 static enum status check_pages(const struct world *world, size_t count, const int32_t *numbers, const struct world_state *states)
 {
 	double pages = 0;
 	for (size_t i = 0; i < count; i++)
 		pages += pages_of(world, world_host_body(world, numbers[i]), &states[i]);
+	if (pages > WORLD_HOST_PAGES && pages / (double)count <= WORLD_HOST_PAGES) { /* bodies may share tiles */
+		struct key_set tiles = {.count = 0};
+		enum status status = STATUS_OK;
+		for (size_t i = 0; i < count && status == STATUS_OK; i++)
+			status = add_tiles(world, world_host_body(world, numbers[i]), &states[i], &tiles);
+		pages = (double)tiles.count;
+		key_set_finish(&tiles);
+		if (status != STATUS_OK)
+			return status;
+	}
 	if (pages > WORLD_HOST_PAGES)
 		return fail_with(STATUS_USAGE, "states: these motions touch up to %.0f tiles in one step, and %d is the most; step more often, or use "
 					       "larger tiles", pages, WORLD_HOST_PAGES);

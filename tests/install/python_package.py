@@ -345,6 +345,12 @@ class PythonPackageTest(unittest.TestCase):
                 raises(KeyError, world.read, "colour", x=0, y=0, width=1, height=1)
                 raises(ValueError, world.read, "offset", x=0)
                 raises(ctypes.ArgumentError, world.step, "long")
+                assert "offset" in str(raises(KeyError, world.read, "colour", columns=1, rows=1))
+                raises(ValueError, world.read, "offset", columns=-1, rows=1)
+                raises(ValueError, world.read, "offset", x=float("nan"), y=0, width=1, height=1)
+                for wrong in ({"size": (0, 0)}, {"fovy": 0}, {"fovy": float("nan")}):
+                    refused(furrow.Status.USAGE, world.render, **wrong)
+                raises(TypeError, world.render, size=(10.5, 3))
             with furrow.World({"spacing": np.float64(0.125), "soil": {"name": "dry_sand"}}, store=store, overlay=work + "/np.furrow"):
                 pass
             """)
