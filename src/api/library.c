@@ -140,8 +140,8 @@ enum status api_library_need_world(const struct furrow_world *world)
 	if (!*forked)
 		world_forked(&world->world);
 	*forked = true;
-	return fail_with(STATUS_USAGE, "world: process %lld opened it, and this is a child of that process, without its threads; open a world of its own "
-				       "after the fork", (long long)world->process);
+	return fail_with(STATUS_USAGE, "world: process %lld opened it, and this is a child of that process, without its threads; use it there, or start the "
+				       "child as a program of its own (exec, or spawn in Python)", (long long)world->process);
 }
 
 /* A struct's size is a multiple of its first member's. */

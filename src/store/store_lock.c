@@ -22,6 +22,7 @@
 struct held {
 	dev_t device;
 	ino_t file;
+	pid_t process; /* a child by fork inherits the list, and not the locks */
 	struct held *next;
 };
 
@@ -44,7 +45,7 @@ static void note_held(int lock)
 	struct held *held = fstat(lock, &file) == 0 ? mem_calloc(1, sizeof *held) : NULL;
 	if (held == NULL)
 		return;
-	*held = (struct held){.device = file.st_dev, .file = file.st_ino};
+	*held = (struct held){.device = file.st_dev, .file = file.st_ino, .process = getpid()};
 	pthread_mutex_lock(&mutex);
 	held->next = all;
 	all = held;
@@ -70,7 +71,8 @@ static bool is_own(const char *lock_path)
 	if (stat(lock_path, &file) != 0)
 		return false;
 	pthread_mutex_lock(&mutex);
-	bool own = *find_locked(&file) != NULL;
+	const struct held *held = *find_locked(&file);
+	const bool own = held != NULL && held->process == getpid();
 	pthread_mutex_unlock(&mutex);
 	return own;
 }
@@ -90,7 +92,7 @@ enum status store_lock_try(const char *lock_path, const char *named, int *descri
 	for (;;) {
 		int lock = open(lock_path, O_RDWR | O_CREAT | O_CLOEXEC, 0666);
 		if (lock < 0)
-			return fail_with(STATUS_FAILED, "%s: cannot be written: %s: %s; make its folder writable",
+			return fail_with(STATUS_FAILED, "%s: cannot be written: %s: %s; make its folder writable, or only look at it (readonly)",
 					 named, lock_path, strerror(errno));
 		if (flock(lock, LOCK_EX | LOCK_NB) != 0) {
 			int error = errno;
