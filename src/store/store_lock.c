@@ -38,18 +38,20 @@ static struct held **find_locked(const struct stat *file)
 	return at;
 }
 
-/* Without memory for the entry only a message is less exact. */
-static void note_held(int lock)
+static enum status note_held(int lock)
 {
 	struct stat file;
-	struct held *held = fstat(lock, &file) == 0 ? mem_calloc(1, sizeof *held) : NULL;
+	if (fstat(lock, &file) != 0)
+		return STATUS_OK; /* then only a message is less exact */
+	struct held *held = mem_calloc(1, sizeof *held);
 	if (held == NULL)
-		return;
+		return fail_memory("a store's lock");
 	*held = (struct held){.device = file.st_dev, .file = file.st_ino, .process = getpid()};
 	pthread_mutex_lock(&mutex);
 	held->next = all;
 	all = held;
 	pthread_mutex_unlock(&mutex);
+	return STATUS_OK;
 }
 
 static void forget_held(int lock)
@@ -105,7 +107,11 @@ enum status store_lock_try(const char *lock_path, const char *named, int *descri
 					 named, strerror(error));
 		}
 		if (still_there(lock_path, lock)) {
-			note_held(lock);
+			const enum status status = note_held(lock);
+			if (status != STATUS_OK) {
+				store_lock_drop(lock_path, lock);
+				return status;
+			}
 			*descriptor = lock;
 			*taken = true;
 			return STATUS_OK;

@@ -130,6 +130,18 @@ static void a_world_that_does_not_step_leaves_each_byte(void **state)
 				print_error("case %zu, readonly %d\n", i, readonly);
 			assert_true(folder_now() == before);
 		}
+	/* A scene with a path, and one whose undisturbed ground slides. */
+	static const char *const scenes[] = {
+		"{scene: 1, spacing: 0.125, redistribute: {model: box}, objects: [{name: w, shape: {sphere: {radius: 0.5}}, sink: 0.1,"
+		" path: {points: [[4, 4], [28, 28]], speed: 5}}]}",
+		"{scene: 1, spacing: 0.125, soil: {name: dry_sand}, redistribute: {model: slippage, undisturbed: slides}}",
+	};
+	for (int i = 0; i < 2; i++) {
+		struct furrow_world *world = opened(hosted_open(scenes[i], over));
+		look(world, false, false);
+		done(furrow_world_close(world));
+		assert_true(folder_now() == before);
+	}
 	/* The record of the drive is there still. */
 	struct furrow_open open = hosted_open(HOSTED_SCENE, over);
 	open.resume = open.readonly = true;
