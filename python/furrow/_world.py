@@ -2,6 +2,7 @@
 import ctypes
 import json
 import math
+import operator
 import os
 import threading
 import weakref
@@ -345,7 +346,13 @@ class World:
             row, rows = _posts_between(y, height, spacing)
         elif columns is None or rows is None:
             raise ValueError("furrow: read needs a rectangle: x, y, width and height in metres, or columns and rows in posts")
+        names = [name.name.lower() for name in Layer]
+        if isinstance(layer, str) and layer.lower() not in names:
+            raise KeyError(f"furrow: {layer!r} is no layer; give one of {', '.join(names)}")
         wanted = Layer[layer.upper()] if isinstance(layer, str) else Layer(layer)
+        columns, rows = operator.index(columns), operator.index(rows)
+        if columns < 0 or rows < 0:
+            raise ValueError(f"furrow: read was asked for {columns} columns and {rows} rows; give 0 or more")
         if out is None:
             out = numpy.empty((rows, columns))
         if out.shape != (rows, columns) or out.dtype != numpy.float64 or not out.flags.writeable:
@@ -389,7 +396,7 @@ class World:
         Returns rgb, (height, width, 3) uint8, sRGB, and depth, (height, width) float32, m along the view direction, inf: sky.
         Rows come from the top.
         """
-        width, height = size
+        width, height = map(operator.index, size)
         if orientation is not None and look_at is not None:
             raise ValueError("furrow: render takes an orientation or look_at, not both")
         if position is None and orientation is not None:
@@ -397,6 +404,8 @@ class World:
         target = self._target(look_at)
         if position is None and target is None:
             target = self._place_of(0)
+        if position is None and not (0 < fovy < math.pi and width > 0 and height > 0):
+            position = (0.0, 0.0, 0.0)  # the library says what is wrong
         if position is None:
             position, target = self._beside(target) if target is not None else self._overview(fovy, width / height)
         if orientation is None:
@@ -455,6 +464,8 @@ def _toward(eye: numpy.ndarray, target: numpy.ndarray) -> Tuple[float, float, fl
 
 def _posts_between(start: float, length: float, spacing: float) -> Tuple[int, int]:
     """The first post and the number of posts between two places, both included; a millionth of the spacing is no distance."""
+    if not (math.isfinite(start) and math.isfinite(length)):
+        raise ValueError(f"furrow: {start} and {length} are no place and length; give metres")
     first = int(numpy.ceil(start / spacing - 1e-6))
     last = int(numpy.floor((start + length) / spacing + 1e-6))
     if last < first:

@@ -26,7 +26,7 @@ enum status api_folder_commits(const char *directory, FILE **out)
 {
 	char path[4096];
 	snprintf(path, sizeof path, "%s/epochs.log", directory);
-	*out = fopen(path, "a+");
+	*out = fopen(path, "a+e"); /* a program that the host starts does not keep the lock */
 	if (*out == NULL)
 		return fail_with(STATUS_FAILED, "%s: %s; give a folder that can be written", path, strerror(errno));
 	if (flock(fileno(*out), LOCK_EX | LOCK_NB) == 0)

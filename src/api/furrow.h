@@ -16,7 +16,8 @@
  * FURROW_USAGE changed nothing. Results are written only by a call that returns FURROW_OK, unless said otherwise.
  *
  * Processes. A world belongs to the process that opened it. In a child made by fork, its functions are FURROW_USAGE, furrow_world_close as
- * well, and none waits. The child then lets go of the world's locks; its memory goes with the child. Open worlds after the fork.
+ * well, and none waits. The child then lets go of the world's locks; its memory goes with the child. Such a child cannot open worlds, since
+ * GL does not come along with a fork: that is FURROW_USAGE, too. Fork before the first world is opened, or start a program of its own (exec).
  *
  * Functions of the host (`progress`, the log) return to the library: never leave them by longjmp or a C++ exception. What the library had
  * open then stays open and locked until the process ends. A store that was being made is then refused as one that this process writes.
@@ -117,9 +118,9 @@ struct furrow_open {
 	bool durable;           /* a commit survives a power cut; slower */
 	bool keep_history;      /* each commit keeps what it replaces in the store, so that furrow restore returns to any; slower, and
 				   the store grows with each commit */
-	bool readonly;          /* only to look: nothing is ever written, so files and folders without write permission will do, and another
-				   process may write the store meanwhile. furrow_step, furrow_checkpoint, furrow_place and furrow_set_states
-				   are FURROW_USAGE. It goes with no `output` */
+	bool readonly;          /* only to look: nothing is ever written, so files and folders without write permission will do. Another process
+				   may write the store meanwhile: each query then tells the ground of its last commit. furrow_step,
+				   furrow_checkpoint, furrow_place and furrow_set_states are FURROW_USAGE. It goes with no `output` */
 	size_t reserved;        /* 0. Hosts that were built before `readonly` have a smaller struct */
 };
 

@@ -57,12 +57,15 @@ furrow_status furrow_points(struct furrow_world *world, size_t count, const doub
 	at = mem_alloc(count, sizeof *at);
 	heights = mem_alloc(count, sizeof *heights);
 	status = at != NULL && heights != NULL ? points_of(count, xy, at) : fail_memory("points");
-	if (status == STATUS_OK)
-		status = api_library_settle(world);
-	if (status == STATUS_OK)
-		status = world_heights(&world->world, at, count, heights);
-	for (size_t i = 0; i < count && status == STATUS_OK; i++)
-		status = tell_point(world, &at[i], &heights[i], &points[i]);
+	int tries = 0;
+	do {
+		if (status == STATUS_OK)
+			status = api_library_settle(world);
+		if (status == STATUS_OK)
+			status = world_heights(&world->world, at, count, heights);
+		for (size_t i = 0; i < count && status == STATUS_OK; i++)
+			status = tell_point(world, &at[i], &heights[i], &points[i]);
+	} while (api_library_again(world, ++tries, &status));
 	mem_free(at);
 	mem_free(heights);
 	return api_library_leave(&call, status);
@@ -115,10 +118,13 @@ furrow_status furrow_rays(struct furrow_world *world, size_t count, const double
 	rays = mem_alloc(count, sizeof *rays);
 	found = mem_alloc(count, sizeof *found);
 	status = rays != NULL && found != NULL ? rays_of(count, origin, direction, rays) : fail_memory("rays");
-	if (status == STATUS_OK)
-		status = api_library_settle(world);
-	if (status == STATUS_OK)
-		status = world_rays(&world->world, rays, count, found);
+	int tries = 0;
+	do {
+		if (status == STATUS_OK)
+			status = api_library_settle(world);
+		if (status == STATUS_OK)
+			status = world_rays(&world->world, rays, count, found);
+	} while (api_library_again(world, ++tries, &status));
 	for (size_t i = 0; i < count && status == STATUS_OK; i++)
 		tell_hit(&found[i], &hits[i]);
 	mem_free(rays);
@@ -208,8 +214,6 @@ furrow_status furrow_read(struct furrow_world *world, enum furrow_layer layer, i
 		return api_library_leave(&call, status);
 	if (status == STATUS_OK)
 		status = check_read(world, layer, level, columns, rows, posts, row_stride);
-	if (status == STATUS_OK)
-		status = api_library_settle(world);
 	if (status != STATUS_OK)
 		return api_library_leave(&call, status);
 	const enum store_layer kept = layer_of(layer);
@@ -221,9 +225,13 @@ furrow_status furrow_read(struct furrow_world *world, enum furrow_layer layer, i
 	if (column < all.x1 && row < all.y1 && column > -(int64_t)columns && row > -(int64_t)rows)
 		rect = post_rect_intersect((struct post_rect){column, row, column + columns, row + rows}, all);
 	fill_nan(posts, columns, rows, row_stride);
-	if (!post_rect_empty(rect) && !(soil && level != world->world.level))
-		status = read_rows(world, kept, level, rect, posts + (size_t)(rect.y0 - row) * row_stride + (size_t)(rect.x0 - column),
-				   row_stride);
+	int tries = 0;
+	do {
+		status = api_library_settle(world);
+		if (status == STATUS_OK && !post_rect_empty(rect) && !(soil && level != world->world.level))
+			status = read_rows(world, kept, level, rect, posts + (size_t)(rect.y0 - row) * row_stride + (size_t)(rect.x0 - column),
+					   row_stride);
+	} while (api_library_again(world, ++tries, &status));
 	return api_library_leave(&call, status);
 }
 

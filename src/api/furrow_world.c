@@ -2,6 +2,7 @@
 #include "api/library.h"
 
 #include <math.h>
+#include <stdatomic.h>
 #include <stddef.h>
 #include <string.h>
 #include <unistd.h>
@@ -9,6 +10,19 @@
 #include "api/internal.h"
 
 /* --- opening --- */
+
+static _Atomic int64_t gl_process; /* the process that made GL contexts, or a parent of it; 0: none did */
+
+/* A driver's threads and locks do not come along with a fork, so GL would wait for ever. */
+static enum status need_own_gl(void)
+{
+	const int64_t process = getpid();
+	int64_t before = 0;
+	if (atomic_compare_exchange_strong(&gl_process, &before, process) || before == process)
+		return STATUS_OK;
+	return fail_with(STATUS_USAGE, "open: this process is a child, by fork, of process %lld, which had opened worlds, and GL waits for ever here; start the "
+				       "child as a program of its own (exec, or spawn in Python)", (long long)before);
+}
 
 #define OPEN_FIRST offsetof(struct furrow_open, reserved) /* bytes of the first version, which ended with unused bytes behind its last flag */
 
@@ -118,6 +132,8 @@ static enum status create(const struct furrow_open *open, struct furrow_world **
 		};
 		status = world_prepare(&host->world, &params);
 	}
+	if (status == STATUS_OK)
+		status = need_own_gl();
 	if (status == STATUS_OK)
 		status = start(host);
 	if (status != STATUS_OK) {

@@ -7,6 +7,7 @@
 
 #include "dem/dem.h"
 
+#define TRIES_MOST 16 /* of a query beside a writer */
 #define SIZE_MOST 4096 /* bytes: more than any version of a struct of furrow.h will have */
 
 /* --- messages --- */
@@ -139,8 +140,8 @@ enum status api_library_need_world(const struct furrow_world *world)
 	if (!*forked)
 		world_forked(&world->world);
 	*forked = true;
-	return fail_with(STATUS_USAGE, "world: process %lld opened it, and this is a child of that process, without its threads; open a world of its own "
-				       "after the fork", (long long)world->process);
+	return fail_with(STATUS_USAGE, "world: process %lld opened it, and this is a child of that process, without its threads; use it there, or start the "
+				       "child as a program of its own (exec, or spawn in Python)", (long long)world->process);
 }
 
 /* A struct's size is a multiple of its first member's. */
@@ -162,5 +163,19 @@ enum status api_library_settle(struct furrow_world *world)
 {
 	if (world->world.torn)
 		return fail_with(STATUS_FAILED, "world: its last step failed half-way; roll back first, or close it");
-	return world_hosts_commit(&world->world);
+	const enum status status = world_follow(&world->world);
+	return status == STATUS_OK ? world_hosts_commit(&world->world) : status;
+}
+
+bool api_library_again(struct furrow_world *world, int tries, enum status *status)
+{
+	bool moved = false;
+	if (*status != STATUS_OK)
+		return false;
+	*status = world_has_moved(&world->world, &moved);
+	if (*status != STATUS_OK || !moved)
+		return false;
+	if (tries >= TRIES_MOST)
+		*status = fail_with(STATUS_FAILED, "%s: another process commits to it more often than it can be read; ask for less at a time", world->world.path);
+	return *status == STATUS_OK;
 }

@@ -72,7 +72,10 @@ enum status api_library_need_count(size_t count, size_t bytes) FURROW_CHECKED;
 /* Checks the `size` of a struct furrow_`name` of the host. `least`: that of its first version; `known`: that of this library's version. A later
  * version is larger. STATUS_USAGE: no version has that size. */
 enum status api_library_need_size(size_t size, size_t least, size_t known, const char *name) FURROW_CHECKED;
-/* Commits the motion of the host's bodies, so that a query sees the ground as it is. */
+/* Commits the motion of the host's bodies, so that a query sees the ground as it is. A readonly world sees what others have committed. */
 enum status api_library_settle(struct furrow_world *world) FURROW_CHECKED;
+/* After a query that returned *status: returns true if it is to be made again, with api_library_settle() first, since another process has
+ * committed meanwhile. `tries`: how often it was made. *status gets a failure. */
+bool api_library_again(struct furrow_world *world, int tries, enum status *status);
 
 #endif

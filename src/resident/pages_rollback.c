@@ -99,3 +99,22 @@ enum status resident_pages_rollback(struct pages *pages)
 	pages->tallied = pages->marked.tallied;
 	return STATUS_OK;
 }
+
+static enum status stay(void *user)
+{
+	(void)user;
+	return STATUS_OK;
+}
+
+static bool always(void *user, uint64_t key)
+{
+	(void)user;
+	(void)key;
+	return true;
+}
+
+enum status resident_pages_forget(struct pages *pages)
+{
+	const struct page_rollback rollback = {pages, stay, always, dropped};
+	return page_cache_rollback(pages->cache, &rollback);
+}

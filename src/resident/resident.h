@@ -335,6 +335,8 @@ enum status resident_pages_mark(struct pages *pages) FURROW_CHECKED;
 /* Restores the store, the sums and the pages to the mark. Pages that changed since are dropped. Call it between two steps. On
  * failure nothing changes. */
 enum status resident_pages_rollback(struct pages *pages) FURROW_CHECKED;
+/* Drops all pages: another process has changed the store, which is only read here. Call it between two steps. On failure some may stay. */
+enum status resident_pages_forget(struct pages *pages) FURROW_CHECKED;
 void resident_pages_io(struct pages *pages, struct resident_pages_io *io);
 /* From now on writes a line into `file` after each commit: time (s), step, and three volumes (m3). These are what the whole drive removed,
  * raised and compacted. `unit`: m3 of a fixed-point unit. The file must outlive the pages' threads. Call it before the first commit. */

@@ -330,6 +330,7 @@ struct store {
 	char *part_path; /* path of the file being written; NULL after publishing, and for opened stores */
 	char *lock_path;
 	int lock;        /* file descriptor of the lock; -1: none */
+	bool lock_was_there; /* a killed writer left the lock's file: who only looks leaves it, too */
 	bool overwrite;
 	bool keeps_part; /* store_close leaves PATH.part */
 	bool writing;    /* opened for writing */
@@ -531,7 +532,7 @@ enum status store_state_put(struct store *store, enum row_table table, const str
 /* --- store_lock.c: one writer --- */
 
 enum status store_lock_take(const char *lock_path, const char *named, int *descriptor) FURROW_CHECKED;
-void store_lock_drop(const char *lock_path, int descriptor); /* also removes the lock file */
+void store_lock_drop(const char *lock_path, int descriptor); /* also removes the lock's file, unless lock_path is NULL */
 /* As store_lock_take, but if another process has the lock, *taken is false and *descriptor stays. */
 enum status store_lock_try(const char *lock_path, const char *named, int *descriptor, bool *taken) FURROW_CHECKED;
 

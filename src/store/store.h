@@ -254,6 +254,13 @@ enum status store_each_plane(struct store_reader *reader, enum plane plane, int 
 enum status store_each_changed(struct store_reader *reader, int64_t since, store_key_fn fn, void *user, int64_t *now)
 	FURROW_CHECKED;
 
+/* For a store that is open for reading, while another process may write it. *moved: there are commits that the last call did not know, or the
+ * opening. Then calls `fn` with the key of each tile of the working level that they changed; fn may be NULL. STATUS_INPUT: it was reset, or
+ * deformed for the first time at another level than that set here; open it again. */
+enum status store_follow(struct store_reader *reader, store_key_fn fn, void *user, bool *moved) FURROW_CHECKED;
+/* Tells only whether there are such commits. */
+enum status store_has_moved(struct store_reader *reader, bool *moved) FURROW_CHECKED;
+
 /* --- commits: on the writer thread --- */
 struct store_page {
 	struct tile tile; /* of the working level */

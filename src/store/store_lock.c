@@ -22,6 +22,7 @@
 struct held {
 	dev_t device;
 	ino_t file;
+	pid_t process; /* a child by fork inherits the list, and not the locks */
 	struct held *next;
 };
 
@@ -37,18 +38,20 @@ static struct held **find_locked(const struct stat *file)
 	return at;
 }
 
-/* Without memory for the entry only a message is less exact. */
-static void note_held(int lock)
+static enum status note_held(int lock)
 {
 	struct stat file;
-	struct held *held = fstat(lock, &file) == 0 ? mem_calloc(1, sizeof *held) : NULL;
+	if (fstat(lock, &file) != 0)
+		return STATUS_OK; /* then only a message is less exact */
+	struct held *held = mem_calloc(1, sizeof *held);
 	if (held == NULL)
-		return;
-	*held = (struct held){.device = file.st_dev, .file = file.st_ino};
+		return fail_memory("a store's lock");
+	*held = (struct held){.device = file.st_dev, .file = file.st_ino, .process = getpid()};
 	pthread_mutex_lock(&mutex);
 	held->next = all;
 	all = held;
 	pthread_mutex_unlock(&mutex);
+	return STATUS_OK;
 }
 
 static void forget_held(int lock)
@@ -70,7 +73,8 @@ static bool is_own(const char *lock_path)
 	if (stat(lock_path, &file) != 0)
 		return false;
 	pthread_mutex_lock(&mutex);
-	bool own = *find_locked(&file) != NULL;
+	const struct held *held = *find_locked(&file);
+	const bool own = held != NULL && held->process == getpid();
 	pthread_mutex_unlock(&mutex);
 	return own;
 }
@@ -91,7 +95,7 @@ enum status store_lock_try(const char *lock_path, const char *named, int *descri
 		int lock = output_create(lock_path, O_RDWR | O_NONBLOCK);
 		if (lock < 0)
 			return fail_with(STATUS_FAILED, errno == ELOOP ? "%s: cannot be written: %s: %s; remove that link" :
-					 "%s: cannot be written: %s: %s; make its folder writable", named, lock_path, input_problem());
+					 "%s: cannot be written: %s: %s; make its folder writable, or only look at it (readonly)", named, lock_path, input_problem());
 		if (flock(lock, LOCK_EX | LOCK_NB) != 0) {
 			int error = errno;
 			close(lock);
@@ -103,7 +107,11 @@ enum status store_lock_try(const char *lock_path, const char *named, int *descri
 					 named, strerror(error));
 		}
 		if (still_there(lock_path, lock)) {
-			note_held(lock);
+			const enum status status = note_held(lock);
+			if (status != STATUS_OK) {
+				store_lock_drop(lock_path, lock);
+				return status;
+			}
 			*descriptor = lock;
 			*taken = true;
 			return STATUS_OK;
@@ -129,6 +137,7 @@ void store_lock_drop(const char *lock_path, int descriptor)
 	if (descriptor < 0)
 		return;
 	forget_held(descriptor);
-	unlink(lock_path); /* while it is held; a failure leaves an empty file that locks nothing */
+	if (lock_path != NULL)
+		unlink(lock_path); /* while it is held; a failure leaves an empty file that locks nothing */
 	close(descriptor);
 }

@@ -103,6 +103,7 @@ static enum status lock(struct store *store)
 	if (access(store->real_path, W_OK) != 0)
 		return fail_with(STATUS_FAILED, "%s: cannot be written: %s; make the file writable, or only look at it (readonly)", store->path,
 				 strerror(errno));
+	store->lock_was_there = access(store->lock_path, F_OK) == 0;
 	return store_lock_take(store->lock_path, store->path, &store->lock);
 }
 
@@ -316,7 +317,7 @@ static void close_store(struct store *store, bool remove)
 		store_create_remove_part(store);
 	if (remove)
 		unlink(store->real_path);
-	store_lock_drop(store->lock_path, store->lock);
+	store_lock_drop(store->late && store->lock_was_there ? NULL : store->lock_path, store->lock);
 	store_meta_finish(&store->meta);
 	store_run_copy_finish(&store->last_run);
 	mem_free(store->path);

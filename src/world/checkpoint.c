@@ -132,7 +132,7 @@ static enum status restore_deform(struct world *world, const struct checkpoint *
 
 static void restore_hosts(struct world *world, const struct checkpoint *saved)
 {
-	world->hosts.named = 0;
+	world_names_forget(world);
 	for (size_t i = 0; i < world->hosts.count; i++) {
 		struct host_body *host = world->hosts.list[i];
 		if (host == NULL)

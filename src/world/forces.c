@@ -46,6 +46,7 @@ struct forces {
 	int delay;
 	int64_t row;                /* the next */
 	uint64_t tag, tag_before;   /* the last; before this step */
+	struct world_tags tags;     /* whose they are */
 	struct standing *standing;  /* by object */
 	struct world_force *known; /* the latest forces of each object, for known_tag */
 	uint64_t *known_tag;
@@ -120,6 +121,7 @@ void world_forces_destroy(struct forces *forces)
 {
 	if (forces == NULL)
 		return;
+	world_tags_free(&forces->tags);
 	mem_free(forces->standing);
 	mem_free(forces->known);
 	mem_free(forces->known_tag);
@@ -193,6 +195,13 @@ enum status world_forces_rows(struct forces *forces, double until, bool inclusiv
 	}
 }
 
+/* Gives a new tag for forces on this body. */
+static uint64_t new_tag(struct forces *forces, size_t body)
+{
+	world_tags_add(&forces->tags, ++forces->tag, body);
+	return forces->tag;
+}
+
 uint64_t world_forces_ask(struct forces *forces, size_t object, const struct event *event, bool last_in_step)
 {
 	if (forces == NULL)
@@ -200,7 +209,7 @@ uint64_t world_forces_ask(struct forces *forces, size_t object, const struct eve
 	if (world_is_hosts(forces->world, object)) {
 		if (world_is_quiet(forces->world, object) || !world_feels(forces->world))
 			return 0;
-		const uint64_t tag = last_in_step ? ++forces->tag : 0;
+		const uint64_t tag = last_in_step ? new_tag(forces, object) : 0;
 		if (last_in_step)
 			world_host_asked(forces->world, object, tag, event);
 		return tag;
@@ -219,7 +228,7 @@ uint64_t world_forces_ask(struct forces *forces, size_t object, const struct eve
 	if (!feels)
 		forces->known[object] = (struct world_force){.sinkage = fmax(event->sinkage, 0), .z = event->pose.z,
 							     .state = event->sinkage > 0 ? DEFORM_TOUCHING : DEFORM_AIR};
-	*standing = (struct standing){asked && feels ? ++forces->tag : 0, event->pose, true};
+	*standing = (struct standing){asked && feels ? new_tag(forces, object) : 0, event->pose, true};
 	return standing->tag;
 }
 
@@ -251,12 +260,16 @@ static void arrived(struct forces *forces, const struct deform_forces *from)
 	memcpy(force.force, from->force, sizeof force.force);
 	memcpy(force.moment, from->moment, sizeof force.moment);
 	forces->saturated += from->saturated;
-	for (size_t i = 0; i < forces->world->scene->object_count; i++)
+	const size_t objects = forces->world->scene->object_count;
+	size_t body = SIZE_MAX;
+	const bool found = world_tags_find(&forces->tags, from->tag, &body);
+	for (size_t i = found ? body : 0; i < objects && (!found || i == body); i++)
 		if (forces->standing[i].tag == from->tag) {
 			forces->known[i] = force;
 			forces->known_tag[i] = from->tag;
 		}
-	world_host_arrived(forces->world, from->tag, &force);
+	if (!found || body >= objects)
+		world_host_arrived(forces->world, from->tag, body, &force);
 	for (size_t i = forces->first; i < forces->count; i++)
 		if (forces->entries[i].at.tag == from->tag) {
 			forces->entries[i].force = force;

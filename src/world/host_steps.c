@@ -348,9 +348,12 @@ void world_host_absent(struct world *world, size_t index)
 	host->told = world->hosts.until;
 }
 
-void world_host_arrived(struct world *world, uint64_t tag, const struct world_force *force)
+void world_host_arrived(struct world *world, uint64_t tag, size_t index, const struct world_force *force)
 {
-	for (size_t i = 0; i < world->hosts.count; i++) {
+	const size_t first = world->scene->object_count + 1;
+	for (size_t i = index != SIZE_MAX ? index - first : 0; i < world->hosts.count; i++) {
+		if (index != SIZE_MAX && i != index - first)
+			return;
 		struct host_body *host = world->hosts.list[i];
 		if (host == NULL || host->tag != tag)
 			continue;

@@ -42,7 +42,7 @@ bool world_is_quiet(const struct world *world, size_t index)
 	return world_is_hosts(world, index) && world->hosts.list[index - world->scene->object_count - 1]->quiet;
 }
 
-static bool follows_path(const struct world *world, int32_t number)
+bool world_follows_path(const struct world *world, int32_t number)
 {
 	return number >= 0 && (size_t)number < world->scene->object_count && world->bodies[number].track != NULL;
 }
@@ -59,7 +59,7 @@ static enum status find(const struct world *world, int32_t number, struct host_b
 	*out = world_host_body(world, number);
 	if (*out != NULL && !(*out)->removed)
 		return STATUS_OK;
-	if (follows_path(world, number))
+	if (world_follows_path(world, number))
 		return fail_with(STATUS_USAGE, "%s: it follows its path; only bodies without one are the host's to move",
 				 world->bodies[number].object->name);
 	return gone(number);
@@ -136,40 +136,27 @@ void world_free_hosts(struct world *world)
 	for (size_t i = 0; i < world->hosts.count; i++)
 		world_host_free(world->hosts.list[i]);
 	mem_free(world->hosts.list);
+	world_names_free(world);
+	world_touched_free(&world->hosts.touched);
 	world->hosts = (struct world_hosts){.list = NULL};
 }
 
-static bool is_named(const struct world *world, int32_t number, const char *name)
+enum status world_body_find(struct world *world, const char *name, int32_t *number)
 {
-	const struct host_body *host = world_host_body(world, number);
-	if (follows_path(world, number))
-		return strcmp(world->bodies[number].object->name, name) == 0;
-	return host != NULL && !host->removed && strcmp(host->body.object->name, name) == 0;
-}
-
-enum status world_body_find(const struct world *world, const char *name, int32_t *number)
-{
-	for (size_t i = 0; i < world->hosts.count; i++)
-		if (is_named(world, (int32_t)i, name)) {
-			*number = (int32_t)i;
-			return STATUS_OK;
-		}
-	*number = -1;
-	return fail_with(STATUS_INPUT, "%s: no body has this name; give one of the scene's objects, or one that was added", name);
+	*number = world_names_find(world, name);
+	return *number >= 0 ? STATUS_OK
+			    : fail_with(STATUS_INPUT, "%s: no body has this name; give one of the scene's objects, or one that was added", name);
 }
 
 /* Gives a free name in place of one that the scene made, if that is taken. A name that the host gave stays. */
 static enum status name_it(struct world *world, struct scene_object *object)
 {
-	int32_t other;
 	char name[32];
-	if (world_body_find(world, object->name, &other) != STATUS_OK)
+	if (world_names_find(world, object->name) < 0)
 		return STATUS_OK;
 	if (!object->name_is_made)
 		return fail_with(STATUS_INPUT, "%s: another body has this name; give one that is free", object->name);
-	do
-		snprintf(name, sizeof name, "body-%u", ++world->hosts.named);
-	while (world_body_find(world, name, &other) == STATUS_OK);
+	world_names_next(world, name, sizeof name);
 	char *copy = mem_alloc(strlen(name) + 1, 1);
 	if (copy == NULL)
 		return fail_memory("a body");
@@ -210,7 +197,7 @@ enum status world_body_add(struct world *world, struct scene_object *object, int
 	struct host_body *host = owned != NULL ? new_body(owned, owned) : NULL;
 	if (host == NULL) {
 		mem_free(owned);
-		world->hosts.named = 0; /* its name is free again */
+		world_names_freed(world, object->name); /* it is free again */
 		return status != STATUS_OK ? status : fail_memory("a body");
 	}
 	*owned = *object;
@@ -248,11 +235,40 @@ static double pages_of(const struct world *world, const struct host_body *host, 
 	return (2 * (way / side) + across) * across;
 }
 
+/* Adds the tiles that one body's motion can change, within the terrain. */
+static enum status add_tiles(const struct world *world, const struct host_body *host, const struct world_state *state, struct key_set *tiles)
+{
+	const double *from = host->now.pose.position, *to = state->pose.position;
+	const double beside = deform_shape_bound(&host->body.object->shape) + 8 * world->spacing;
+	const struct post_rect rect = {
+		(int64_t)floor((fmin(from[0], to[0]) - beside) / world->spacing), (int64_t)floor((fmin(from[1], to[1]) - beside) / world->spacing),
+		(int64_t)ceil((fmax(from[0], to[0]) + beside) / world->spacing), (int64_t)ceil((fmax(from[1], to[1]) + beside) / world->spacing),
+	};
+	struct tile first, last;
+	enum status status = STATUS_OK;
+	if (!tile_range_of(&world->meta->extent, world->level, rect, &first, &last))
+		return STATUS_OK;
+	for (uint32_t y = first.y; y <= last.y && status == STATUS_OK; y++)
+		for (uint32_t x = first.x; x <= last.x && status == STATUS_OK && tiles->count <= WORLD_HOST_PAGES; x++)
+			status = key_set_add(tiles, tile_key((struct tile){world->level, x, y}));
+	return status;
+}
+
 static enum status check_pages(const struct world *world, size_t count, const int32_t *numbers, const struct world_state *states)
 {
 	double pages = 0;
 	for (size_t i = 0; i < count; i++)
 		pages += pages_of(world, world_host_body(world, numbers[i]), &states[i]);
+	if (pages > WORLD_HOST_PAGES && pages / (double)count <= WORLD_HOST_PAGES) { /* bodies may share tiles */
+		struct key_set tiles = {.count = 0};
+		enum status status = STATUS_OK;
+		for (size_t i = 0; i < count && status == STATUS_OK; i++)
+			status = add_tiles(world, world_host_body(world, numbers[i]), &states[i], &tiles);
+		pages = (double)tiles.count;
+		key_set_finish(&tiles);
+		if (status != STATUS_OK)
+			return status;
+	}
 	if (pages > WORLD_HOST_PAGES)
 		return fail_with(STATUS_USAGE, "states: these motions touch up to %.0f tiles in one step, and %d is the most; step more often, or use "
 					       "larger tiles", pages, WORLD_HOST_PAGES);
@@ -354,7 +370,8 @@ enum status world_body_remove(struct world *world, int32_t number)
 		status = lift(world, host);
 	if (status == STATUS_OK)
 		host->removed = true;
-	world->hosts.named = 0; /* its name may be one of them */
+	if (status == STATUS_OK)
+		world_names_freed(world, host->body.object->name);
 	return status;
 }
 
@@ -370,66 +387,7 @@ enum status world_body_state(const struct world *world, int32_t number, struct w
 				state->linear[i] = state->angular[i] = NAN;
 		return STATUS_OK;
 	}
-	if (!follows_path(world, number))
+	if (!world_follows_path(world, number))
 		return gone(number);
 	return world_path_state(world, (size_t)number, state);
-}
-
-/* --- quiet bodies --- */
-
-void world_body_quiet(struct world *world, int32_t number)
-{
-	world_host_body(world, number)->quiet = true;
-}
-
-enum status world_body_tell(struct world *world, int32_t number, const struct world_state *state, const struct world_force *force,
-			    double slip)
-{
-	struct host_body *host = world_host_body(world, number);
-	enum status status = world_attitude(&host->body.object->shape, host->body.object->name, &state->pose, &host->shown);
-	host->force = *force;
-	host->force.z = host->shown.z;
-	host->slip = slip;
-	return status;
-}
-
-void world_body_save(const struct world *world, int32_t number, double numbers[WORLD_BODY_NUMBERS])
-{
-	const struct host_body *host = world_host_body(world, number);
-	const struct deform_pose *last = &host->body.last;
-	const struct world_state *now = &host->now;
-	const double all[WORLD_BODY_NUMBERS] = {
-		host->placed, host->body.in_contact, (double)last->x, (double)last->y, (double)last->z, last->yaw, last->pitch, last->roll,
-		last->turn, host->since, host->body.distance, host->body.sinkage, host->stamped,
-		now->pose.position[0], now->pose.position[1], now->pose.position[2],
-		now->pose.orientation[0], now->pose.orientation[1], now->pose.orientation[2], now->pose.orientation[3],
-		now->linear[0], now->linear[1], now->linear[2], now->angular[0], now->angular[1], now->angular[2],
-	};
-	for (int i = 0; i < WORLD_BODY_NUMBERS; i++)
-		numbers[i] = host->placed ? all[i] : 0;
-}
-
-enum status world_body_restore(struct world *world, int32_t number, const double numbers[WORLD_BODY_NUMBERS])
-{
-	struct host_body *host = world_host_body(world, number);
-	struct deform_pose pose;
-	const double *n = numbers;
-	if (n[0] == 0)
-		return STATUS_OK;
-	struct world_state now = {.pose = {{n[13], n[14], n[15]}, {n[16], n[17], n[18], n[19]}}, .linear = {n[20], n[21], n[22]},
-				  .angular = {n[23], n[24], n[25]}, .belt = {.travel = n[8]}};
-	if (world_attitude(&host->body.object->shape, host->body.object->name, &now.pose, &pose) != STATUS_OK || fabs(n[2]) > 0x1p52 ||
-	    fabs(n[3]) > 0x1p52 || fabs(n[4]) > 0x1p52)
-		return world_record_damaged(world->path, "where a vehicle is");
-	host->placed = world->unplaced = true;
-	host->body.in_contact = n[1] != 0;
-	host->body.last = (struct deform_pose){(int64_t)n[2], (int64_t)n[3], (int64_t)n[4], n[5], n[6], n[7], n[8]};
-	host->since = n[9];
-	host->body.distance = n[10];
-	host->body.sinkage = n[11];
-	host->stamped = n[12];
-	host->now = now;
-	host->has_next = false;
-	host->fresh = !host->body.in_contact;
-	return STATUS_OK;
 }

@@ -37,7 +37,7 @@ enum status world_state_check(const struct deform_shape *shape, const char *name
 /* Returns how fast a wheel in this pose turns forwards about its axle, rad/s. angular: its angular velocity, rad/s. */
 double world_spin(const struct deform_pose *pose, const double angular[3]);
 /* --- rates.c --- */
-/* Returns false if a velocity is all NaN, which stands for that of the poses. */
+/* Returns false if a velocity is all NaN, in place of that of the poses. */
 bool world_rates_given(const double rate[3]);
 /* Replaces velocities of `state` that were not given by those of the straight motion from a pose to that state. 0 s: they are 0. */
 void world_rates_fill(const struct world_pose *from, double seconds, struct world_state *state);
@@ -60,6 +60,15 @@ struct host_body *world_host_body(const struct world *world, int32_t number);
  * host's bodies by number. */
 struct body *world_body_at(const struct world *world, size_t index);
 bool world_is_hosts(const struct world *world, size_t index);
+bool world_follows_path(const struct world *world, int32_t number);
+/* --- names.c --- */
+/* Returns the number of the body with this name; -1: there is none. */
+int32_t world_names_find(struct world *world, const char *name);
+/* Gives the first name body-N that is free. */
+void world_names_next(struct world *world, char *name, size_t room);
+void world_names_freed(struct world *world, const char *name); /* no body has this name any more */
+void world_names_forget(struct world *world); /* bodies came and went in another way, as in a rollback */
+void world_names_free(struct world *world);
 bool world_is_quiet(const struct world *world, size_t index); /* a host's body whose caller computes its forces */
 /* --- host_steps.c --- */
 
@@ -70,9 +79,17 @@ size_t world_host_rests(const struct world *world, struct deform_rest *rests);
 /* Notes that the forces of this event are being computed under this tag. 0: the model does not compute forces. */
 void world_host_asked(struct world *world, size_t index, uint64_t tag, const struct event *event);
 void world_host_absent(struct world *world, size_t index); /* notes that the body touches nothing */
-void world_host_arrived(struct world *world, uint64_t tag, const struct world_force *force);
+/* Forces with this tag have come. `index`: the body's, as in event.body; SIZE_MAX: it is not known. */
+void world_host_arrived(struct world *world, uint64_t tag, size_t index, const struct world_force *force);
 /* In told.c: gives the state of a body with a path. */
 enum status world_path_state(const struct world *world, size_t body, struct world_state *state) FURROW_CHECKED;
+
+/* --- touched.c --- */
+void world_touched_note(struct world_touched *touched, struct post_rect rect); /* posts of this rectangle changed */
+void world_touched_sort(struct world_touched *touched); /* before it is asked */
+bool world_touched_meets(const struct world_touched *touched, struct post_rect rect); /* has a post of this rectangle changed? */
+void world_touched_clear(struct world_touched *touched);
+void world_touched_free(struct world_touched *touched);
 
 /* --- probes.c: the ground under a host's bodies, mirrored on the host --- */
 
@@ -245,6 +262,17 @@ enum status world_see(struct world *world, const struct deform_tile *held) FURRO
  * pin tiles for a while. */
 enum status world_is_aloft(struct world *world, const struct event *event, struct deform_contact *contact,
 			   const struct deform_window *windows, size_t count, bool *aloft) FURROW_CHECKED;
+
+/* --- tags.c --- */
+struct world_tags {
+	uint64_t first;         /* tag of the first entry */
+	size_t *bodies;         /* count of them: indices of bodies */
+	size_t count, room, most; /* most: the greatest index */
+};
+void world_tags_add(struct world_tags *tags, uint64_t tag, size_t body);
+/* Returns false if the tag is not in the table. */
+bool world_tags_find(const struct world_tags *tags, uint64_t tag, size_t *body);
+void world_tags_free(struct world_tags *tags);
 
 /* --- forces.c; `forces` may be NULL: no forces are computed --- */
 

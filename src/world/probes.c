@@ -16,12 +16,22 @@
 
 void world_probes_changed(struct world *world, struct post_rect rect)
 {
+	if (world->hosts.mirrors > 0)
+		world_touched_note(&world->hosts.touched, rect);
+}
+
+static void find_stale(struct world *world)
+{
+	struct world_touched *touched = &world->hosts.touched;
+	if (touched->count == 0 && !touched->all)
+		return;
+	world_touched_sort(touched);
 	for (size_t i = 0; i < world->hosts.count; i++) {
 		struct host_body *host = world->hosts.list[i];
-		if (host != NULL && host->mirror.patch != NULL &&
-		    !post_rect_empty(post_rect_intersect(rect, deform_patch_rect(host->mirror.patch))))
+		if (host != NULL && host->mirror.patch != NULL && world_touched_meets(touched, deform_patch_rect(host->mirror.patch)))
 			host->mirror.stale = true;
 	}
+	world_touched_clear(touched);
 }
 
 static bool has(struct post_rect outer, struct post_rect inner)
@@ -88,6 +98,7 @@ static enum status land(struct host_body *host)
 enum status world_probes_refresh(struct world *world)
 {
 	enum status status = STATUS_OK;
+	find_stale(world);
 	for (size_t i = 0; i < world->hosts.count && status == STATUS_OK; i++) {
 		struct host_body *host = world->hosts.list[i];
 		if (host != NULL && host->mirror.patch != NULL && !host->body.elsewhere)
@@ -212,8 +223,10 @@ static enum status need_mirror(struct world *world, struct host_body *host)
 	enum status status = STATUS_OK;
 	if (!host->placed || world->torn || (mirror->patch != NULL && !mirror->stale))
 		return STATUS_OK;
-	if (mirror->patch == NULL)
+	if (mirror->patch == NULL) {
 		status = deform_patch_create(world->deform, &mirror->patch);
+		world->hosts.mirrors += status == STATUS_OK;
+	}
 	mirror->stale = true;
 	if (status == STATUS_OK)
 		status = begin(world, host);

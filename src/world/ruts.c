@@ -23,6 +23,8 @@ enum status world_find_ruts(struct world *world)
 	world->began = (struct world_began){fmin(low, 0), fmax(high, 0)};
 	if (high > 0)
 		snprintf(heaps, sizeof heaps, " and heaps up to %.3g m high", high);
+	if (world->params.readonly)
+		return STATUS_OK;
 	note("%s: the ground has ruts already, up to %.3g m deep%s; this run goes on over them; for the ground as it was imported %s"
 	     "run furrow reset %s", world->path, fmax(-low, 0), heaps, store_base_path(world->store) != NULL ? "give another --overlay, or " : "",
 	     shell_path(world->path).text);

@@ -58,7 +58,7 @@ enum status world_prepare(struct world *world, const struct world_params *params
 		status = world_find_ruts(world);
 	if (status == STATUS_OK && params->resume)
 		status = world_resume(world);
-	else if (status == STATUS_OK)
+	else if (status == STATUS_OK && !params->readonly)
 		world_tell_unfinished(world);
 	return status;
 }
@@ -366,6 +366,7 @@ void world_finish(struct world *world, enum status status)
 	if (world->commit_log != NULL)
 		fclose(world->commit_log);
 	resident_ground_destroy(world->ground);
+	store_reader_destroy(world->follower);
 	if (status == STATUS_OK)
 		store_close(world->store);
 	else

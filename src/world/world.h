@@ -330,6 +330,7 @@ struct world {
 	const struct store_meta *meta;
 	int level;         /* the working level */
 	double spacing;    /* m, of the working level */
+	struct store_reader *follower; /* follow.c; NULL: nothing is followed yet */
 	bool was_deformed; /* the store was deformed before this world was opened */
 	struct world_began {
 		double low, high; /* m: the deepest rut, at most 0, and the highest heap that earlier runs left. Of a run that is resumed both are 0 */
@@ -391,9 +392,22 @@ struct world {
 	struct world_hosts {      /* hosts.c: by number. NULL for a body with a path, and for a body that a rollback removed */
 		struct host_body **list;
 		size_t count, room;
-		unsigned named;       /* names body-1 .. body-NAMED are taken */
+		struct world_names {  /* names.c */
+			struct key_set keys; /* hashes of names */
+			int32_t *numbers;    /* by a key's number: the body that had the name last */
+			size_t room, known;  /* known: bodies with lower numbers are in the table */
+			unsigned taken;      /* names body-1 .. body-TAKEN are taken */
+		} names;
 		uint64_t turn;        /* number of calls of world_bodies_set so far */
+		struct world_touched { /* touched.c: posts that changed since the mirrors of the ground were last compared with them */
+			struct post_rect *rects;
+			size_t count, room;
+			bool all;        /* for lack of memory: any may have changed */
+			bool north;      /* sorted from south to north, not from west to east */
+			int64_t longest; /* posts along that axis */
+		} touched;
 		double until;         /* s: the end of the current step */
+		size_t mirrors;       /* bodies that were ever probed: at least so many mirrors are there */
 	} hosts;
 	struct checkpoint *checkpoint; /* checkpoint.c; NULL: none yet */
 	struct world_changes {    /* changes.c: for a host's world */
@@ -442,8 +456,12 @@ enum status world_step_to(struct world *world, double until) FURROW_CHECKED;
 enum status world_end(struct world *world, bool ended) FURROW_CHECKED;
 /* Stops the threads, so that figures are final. The world need not have been started. */
 void world_stop(struct world *world);
-/* For a child of the world's process: lets go of the locks that it has inherited, so that they end with those of the world's process. The
- * world must not be used in the child. */
+/* Before a query: a readonly world drops what it has read, if another process has committed since. STATUS_INPUT: it must be opened again. */
+enum status world_follow(struct world *world) FURROW_CHECKED;
+/* After a query: *moved: another process has committed meanwhile, so ask once more. */
+enum status world_has_moved(struct world *world, bool *moved) FURROW_CHECKED;
+/* For a child of the world's process: lets go of the locks that it has inherited. So they end with those of the world's process. The world must
+ * not be used in the child. */
 void world_forked(const struct world *world);
 /* Frees everything. `status`: how the drive ended. After a failure, an overlay without a commit is removed. The world may be
  * all zero, or half made. */
@@ -496,7 +514,7 @@ enum status world_settle_forces(struct world *world) FURROW_CHECKED;
  * fails. STATUS_INPUT: the name is used already, or the shape is too large for the spacing or the slots. */
 enum status world_body_add(struct world *world, struct scene_object *object, int32_t *number) FURROW_CHECKED;
 /* Finds a body by name. STATUS_INPUT: no body has that name; then *number is -1. */
-enum status world_body_find(const struct world *world, const char *name, int32_t *number) FURROW_CHECKED;
+enum status world_body_find(struct world *world, const char *name, int32_t *number) FURROW_CHECKED;
 /* Removes a body. Its weight no longer acts on the soil. */
 enum status world_body_remove(struct world *world, int32_t number) FURROW_CHECKED;
 /* Puts a body at a pose, at rest. It touches nothing on the way from the old pose to the new one. */

@@ -131,6 +131,18 @@ static void a_world_that_does_not_step_leaves_each_byte(void **state)
 				print_error("case %zu, readonly %d\n", i, readonly);
 			assert_true(folder_now() == before);
 		}
+	/* A scene with a path, and one whose undisturbed ground slides. */
+	static const char *const scenes[] = {
+		"{scene: 1, spacing: 0.125, redistribute: {model: box}, objects: [{name: w, shape: {sphere: {radius: 0.5}}, sink: 0.1,"
+		" path: {points: [[4, 4], [28, 28]], speed: 5}}]}",
+		"{scene: 1, spacing: 0.125, soil: {name: dry_sand}, redistribute: {model: slippage, undisturbed: slides}}",
+	};
+	for (int i = 0; i < 2; i++) {
+		struct furrow_world *world = opened(hosted_open(scenes[i], over));
+		look(world, false, false);
+		done(furrow_world_close(world));
+		assert_true(folder_now() == before);
+	}
 	/* The record of the drive is there still. */
 	struct furrow_open open = hosted_open(HOSTED_SCENE, over);
 	open.resume = open.readonly = true;
@@ -171,6 +183,29 @@ static void what_steps_and_goes_back_to_the_opening_leaves_the_record(void **sta
 	done(furrow_world_close(world));
 }
 
+static int told;
+
+static void listen(int level, const char *message, void *user)
+{
+	print_error("%s\n", message);
+	told++;
+}
+
+/* What a drive is told of ruts that are there is nothing to who looks. */
+static void a_readonly_world_is_told_nothing_of_a_run(void **state)
+{
+	const char *store = support_path("quiet.furrow");
+	support_store(store, hosted_extent, hosted_flat);
+	drive(store, NULL, 3);
+	struct furrow_open open = hosted_open(HOSTED_SCENE, store);
+	open.readonly = true;
+	furrow_set_log(listen, NULL);
+	struct furrow_world *world = opened(open);
+	done(furrow_world_close(world));
+	furrow_set_log(NULL, NULL);
+	assert_int_equal(told, 0);
+}
+
 static void a_readonly_world_is_not_changed(void **state)
 {
 	const char *store = support_path("still.furrow");
@@ -194,6 +229,81 @@ static void a_readonly_world_is_not_changed(void **state)
 	misused(furrow_world_open(&open, &other));
 	assert_null(other);
 	assert_int_equal(access(open.output, F_OK), -1);
+}
+
+static double height_of(struct furrow_world *world, double x, double y)
+{
+	const double xy[1][2] = {{x, y}};
+	struct furrow_point point;
+	done(furrow_points(world, 1, xy, &point));
+	return point.height;
+}
+
+/* A readonly world tells the last commit of whoever writes: heights, posts, rays, and what changed. */
+static void a_readonly_world_follows_who_writes(void **state)
+{
+	const char *store = support_path("follow.furrow");
+	static const double down[2][3] = {{20, 20, 200}, {0, 0, -1}};
+	struct furrow_hit hit;
+	struct furrow_rect rects[64];
+	struct furrow_info info = {.size = sizeof info};
+	double posts[9];
+	size_t count = 64;
+	support_store(store, hosted_extent, hosted_flat);
+	drive(store, NULL, 2);
+	struct furrow_open open = hosted_open(HOSTED_SCENE, store);
+	struct furrow_world *writing = opened(open);
+	open.readonly = true;
+	struct furrow_world *looking = opened(open);
+	assert_true(height_of(looking, 20, 20) == 100);
+	done(furrow_info(looking, &info));
+	const furrow_body ball = hosted_ball(writing, 20, 20);
+	for (int turn = 1; turn <= 2; turn++) {
+		hosted_move(writing, ball, 20, 20, 100.5 - 0.1 * turn);
+		done(furrow_checkpoint(writing));
+		const double height = height_of(writing, 20, 20);
+		assert_true(height < 100 - 0.05 * turn);
+		assert_true(height_of(looking, 20, 20) == height);
+		done(furrow_rays(looking, 1, &down[0], &down[1], &hit));
+		assert_true(fabs(hit.position[2] - height) < 1e-3);
+		done(furrow_read(looking, FURROW_SURFACE, info.level, 159, 159, 3, 3, posts, 3));
+		assert_true(fabs(posts[4] - height) < 1e-5);
+		count = 64;
+		done(furrow_changes(looking, info.revision, rects, &count, &info.revision));
+		bool changed = false;
+		for (size_t i = 0; i < count; i++)
+			changed = changed || (rects[i].column <= 160 && rects[i].row <= 160 && rects[i].column + rects[i].columns > 160 && rects[i].row + rects[i].rows > 160);
+		assert_true(changed);
+	}
+	done(furrow_rollback(writing)); /* to the checkpoint */
+	assert_true(height_of(looking, 20, 20) == height_of(writing, 20, 20));
+	done(furrow_world_close(writing));
+	assert_true(height_of(looking, 20, 20) < 99.9);
+	done(furrow_world_close(looking));
+}
+
+/* It sees the first ruts of a store, too. What it cannot follow it says: other posts. */
+static void a_first_drive_is_seen_or_told(void **state)
+{
+	static const char *const scenes[] = {HOSTED_SCENE, "{\"scene\": 1, \"spacing\": 0.25}", "{\"scene\": 1, \"spacing\": 0.125}"};
+	const double xy[1][2] = {{10, 10}};
+	struct furrow_point point;
+	for (int i = 0; i < 3; i++) {
+		const char *store = support_path("first.furrow");
+		support_store(store, hosted_extent, hosted_flat);
+		struct furrow_open open = hosted_open(scenes[i], store);
+		open.readonly = true;
+		struct furrow_world *looking = opened(open);
+		assert_true(height_of(looking, 10, 10) == 100);
+		drive(store, NULL, 2);
+		if (i != 1) {
+			assert_true(height_of(looking, 10.05, 10) < 99.95);
+		} else {
+			refused(FURROW_INPUT, furrow_points(looking, 1, xy, &point));
+			assert_non_null(strstr(furrow_last_error(), "open it again"));
+		}
+		done(furrow_world_close(looking));
+	}
 }
 
 /* A host of an earlier version: its struct ends with bytes that nobody sets. */
@@ -221,7 +331,10 @@ TEST_PROGRAM(looking)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_world_that_does_not_step_leaves_each_byte),
 		cmocka_unit_test(what_steps_and_goes_back_to_the_opening_leaves_the_record),
+		cmocka_unit_test(a_readonly_world_is_told_nothing_of_a_run),
 		cmocka_unit_test(a_readonly_world_is_not_changed),
+		cmocka_unit_test(a_readonly_world_follows_who_writes),
+		cmocka_unit_test(a_first_drive_is_seen_or_told),
 		cmocka_unit_test(an_older_host_is_not_readonly),
 	};
 	return cmocka_run_group_tests(tests, support_enter, support_leave);

@@ -71,6 +71,11 @@ class PythonPackageTest(unittest.TestCase):
                 assert wheel.slip > 0 and 800 < wheel.force[2] < 1200 and cart.joints["turn"][1] > 1.5, (wheel, cart.joints)
                 assert cart.actuators["drive"][0] == 2 and cart.state.distance > 0.1, (cart.actuators, cart.state)
                 assert "drive" in str(raises(ValueError, cart.set, drives=2))
+                state, inner = cart.state, cart.state.state
+                assert np.array_equal(state.position, inner.pose.position) and np.array_equal(state.orientation, inner.pose.orientation)
+                assert np.array_equal(state.velocity, inner.linear) and np.array_equal(state.angular, inner.angular)
+                assert state.position.shape == (3,) and state.position[0] > 10.1 and state.velocity[0] > 0.1, state
+                assert np.array_equal(cart.bodies["wheel"].state.position, cart.bodies["wheel"].state.pose.position)
                 cart.set(drive=None)
                 world.step(0.004)
                 assert cart.actuators["drive"][0] == 0
@@ -128,6 +133,50 @@ class PythonPackageTest(unittest.TestCase):
             assert "it is closed" in refused(furrow.Status.USAGE, world.step)
             world.close()
             """)
+
+    def test_velocities_that_are_not_given_are_those_of_the_poses(self):
+        self.run_script("""
+            with furrow.World(SCENE, store=store, overlay=work + "/rolls.furrow") as world:
+                wheels = [world.add(shape={"wheel": {"radius": 0.5, "width": 0.4}}) for _ in range(3)]
+                z = [world.points([(20, 20 + 5 * i)])["height"][0] + 0.45 for i in range(3)]
+                for i, wheel in enumerate(wheels):
+                    wheel.place(position=(20, 20 + 5 * i, z[i]))
+                speed, spin = 1.0, 2.5  # a slip of 0.2
+                for step in range(1, 40):
+                    turn = spin * step * 0.01 / 2
+                    rolled = (np.cos(turn), 0, np.sin(turn), 0)
+                    wheels[0].set((20 + speed * step * 0.01, 20, z[0]), rolled)
+                    wheels[1].set((20 + speed * step * 0.01, 25, z[1]), rolled, (speed, 0, 0), (0, spin, 0))
+                    wheels[2].set((20 + speed * step * 0.01, 30, z[2]), rolled, (speed, 0, 0), (0, 0, 0))
+                    world.step()
+                posed, given, locked = (wheel.contact for wheel in wheels)
+                assert abs(posed.slip - 0.2) < 1e-3 and abs(given.slip - 0.2) < 1e-3, (posed.slip, given.slip)
+                pulls = [contact.force[0] / contact.force[2] for contact in (posed, given, locked)]  # the ground under each is another
+                assert pulls[0] > 0.1 and abs(pulls[0] - pulls[1]) < 0.03 and pulls[2] < -0.5, pulls
+                assert np.allclose(wheels[0].state.velocity, (speed, 0, 0)) and np.allclose(wheels[0].state.angular, (0, spin, 0))
+        """)
+
+    def test_looking_changes_nothing(self):
+        self.run_script("""
+            import hashlib, pathlib
+            overlay = pathlib.Path(work + "/looked.furrow")
+            with furrow.World(SCENE, store=store, overlay=overlay) as world:
+                rut(world)
+            before = hashlib.sha256(overlay.read_bytes()).digest(), sorted(os.listdir(work))
+            with furrow.World({"spacing": 0.125}, store=overlay) as world:
+                world.read("offset", columns=10, rows=10)
+            overlay.chmod(0o444)
+            with furrow.World(SCENE, store=overlay, readonly=True) as world:
+                ball = world.add(shape={"sphere": {"radius": 0.5}})
+                assert world.points([(21, 20)])["offset"][0] < 0
+                world.render(size=(64, 48))
+                for call in (world.step, world.checkpoint, lambda: ball.place((20, 20, 9)), lambda: ball.set((20, 20, 9))):
+                    assert "readonly" in refused(furrow.Status.USAGE, call)
+            assert before == (hashlib.sha256(overlay.read_bytes()).digest(), sorted(os.listdir(work)))
+            overlay.chmod(0o644)
+            with furrow.World(SCENE, store=overlay, resume=True, readonly=True) as world:
+                assert abs(world.time - 0.2) < 1e-9
+        """)
 
     def test_arrays_are_not_copied(self):
         self.run_script("""
@@ -295,6 +344,12 @@ class PythonPackageTest(unittest.TestCase):
                 raises(KeyError, world.read, "colour", x=0, y=0, width=1, height=1)
                 raises(ValueError, world.read, "offset", x=0)
                 raises(ctypes.ArgumentError, world.step, "long")
+                assert "offset" in str(raises(KeyError, world.read, "colour", columns=1, rows=1))
+                raises(ValueError, world.read, "offset", columns=-1, rows=1)
+                raises(ValueError, world.read, "offset", x=float("nan"), y=0, width=1, height=1)
+                for wrong in ({"size": (0, 0)}, {"fovy": 0}, {"fovy": float("nan")}):
+                    refused(furrow.Status.USAGE, world.render, **wrong)
+                raises(TypeError, world.render, size=(10.5, 3))
             with furrow.World({"spacing": np.float64(0.125), "soil": {"name": "dry_sand"}}, store=store, overlay=work + "/np.furrow"):
                 pass
             """)

@@ -214,6 +214,12 @@ static void a_late_store_is_written_when_it_is_begun(void **state)
 	struct field field = field_make(-1);
 	make_store(path);
 	const struct files before = files_of_store(path);
+	fclose(fopen(in_folder("late.furrow-lock"), "w")); /* a killed writer left it: it locks nothing, and stays */
+	const struct files left = files_of_store(path);
+	assert_ok(store_open(path, &late, &store));
+	store_close(store);
+	assert_same(left, path);
+	assert_int_equal(unlink(in_folder("late.furrow-lock")), 0);
 	assert_ok(store_open(path, &late, &store));
 	assert_status(store_open(path, &late, &other), STATUS_FAILED);
 	assert_non_null(strstr(failure_message(), "this process"));

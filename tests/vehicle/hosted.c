@@ -292,6 +292,56 @@ static void what_cannot_be_is_refused(void **unused)
 	done(furrow_world_close(world));
 }
 
+static double deepest(struct furrow_world *world)
+{
+	static double posts[96 * 96];
+	double least = 0;
+	done(furrow_read(world, FURROW_OFFSET, -2, 100, 100, 96, 96, posts, 96));
+	for (size_t i = 0; i < sizeof posts / sizeof *posts; i++)
+		least = fmin(least, posts[i]);
+	return least;
+}
+
+/* Where it was set down there is a print, in memory alone until the first step. A rollback to the opening returns to it, also after steps. */
+static void a_vehicle_that_is_not_stepped_changes_no_file(void **unused)
+{
+	const char *store = support_path("ground.furrow");
+	struct furrow_world *world = NULL;
+	struct furrow_camera camera = {sizeof camera, {{10, 4, 8}, {0.7071067811865476, 0, 0, 0.7071067811865476}}, 1, 64, 48};
+	uint8_t rgb[64 * 48 * 3];
+	prepare("");
+	char *before = support_text(store), *after;
+	for (int readonly = 0; readonly < 2; readonly++) {
+		const struct furrow_open open = {.size = sizeof open, .scene_file = support_path("scene.yaml"), .store = store, .readonly = readonly != 0};
+		done(furrow_world_open(&open, &world));
+		assert_true(deepest(world) < -0.005);
+		done(furrow_render(world, &camera, rgb, NULL));
+		done(furrow_rollback(world));
+		assert_true(deepest(world) < -0.005);
+		if (readonly)
+			misused(furrow_step(world, 0));
+		done(furrow_world_close(world));
+		after = support_text(store);
+		assert_memory_equal(before, after, 1 << 22);
+		free(after);
+	}
+	free(before);
+	world = opened(NULL, NULL);
+	const double print = deepest(world);
+	const struct furrow_vehicle_state began = state_of(world);
+	for (int i = 0; i < 5; i++)
+		done(furrow_step(world, 0));
+	done(furrow_rollback(world));
+	const struct furrow_vehicle_state back = state_of(world);
+	assert_same_state(&began, &back);
+	assert_true(deepest(world) == print);
+	done(furrow_world_close(world));
+	const struct furrow_open look = {.size = sizeof look, .scene = "{spacing: 0.0625}", .store = store, .readonly = true};
+	done(furrow_world_open(&look, &world));
+	assert_true(deepest(world) == print);
+	done(furrow_world_close(world));
+}
+
 /* A camera 3 m beside the axle's middle sees the wheel's side, which is 0.12 m nearer but for what its hub lies back. */
 static void it_stands_in_pictures(void **unused)
 {
@@ -318,6 +368,7 @@ TEST_PROGRAM(hosted)
 		cmocka_unit_test_teardown(a_decimal_comma_changes_nothing, comma_end),
 		cmocka_unit_test(the_host_sets_controls),
 		cmocka_unit_test(what_cannot_be_is_refused),
+		cmocka_unit_test(a_vehicle_that_is_not_stepped_changes_no_file),
 		cmocka_unit_test(it_stands_in_pictures),
 	};
 	return cmocka_run_group_tests(tests, support_enter, support_leave);
