@@ -93,7 +93,9 @@ enum status store_commit(struct store *store, const struct store_page *pages, si
 		assert(pages[i].tile.level == store->working && extent_has(&store->meta.extent, pages[i].tile) &&
 		       pages[i].planes[PLANE_OFFSET] != NULL);
 	*result = (struct store_commit_result){.commit = store->commit + 1};
-	enum status status = store_sql_begin(store->db, store->path, "beginning a commit");
+	enum status status = store_place_check(store);
+	if (status == STATUS_OK)
+		status = store_sql_begin(store->db, store->path, "beginning a commit");
 	if (status != STATUS_OK)
 		return status;
 	status = store_history_begin(store, false);
