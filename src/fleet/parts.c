@@ -14,6 +14,7 @@
 #include <unistd.h>
 
 #include "base/json.h"
+#include "base/limits.h"
 
 #define PATH_MOST 4096
 #define PREFIX "part-"
@@ -270,7 +271,8 @@ static enum status make_files(struct fleet *fleet)
 	if (!fleet->founded && errno == EEXIST)
 		return fail_with(STATUS_FAILED, "%s: the folder has files that are not of a drive; remove it", fleet->parts);
 	if (!fleet->founded)
-		return fail_with(STATUS_FAILED, "%s: %s; give an --overlay in a folder that can be written", fleet->parts, strerror(errno));
+		return fail_with(STATUS_FAILED, "%s: %s; %s", fleet->parts, strerror(errno),
+				 limits_advice(errno, "give an --overlay in a folder that can be written"));
 	return STATUS_OK;
 }
 

@@ -19,6 +19,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "base/limits.h"
+
 char *store_path_with(const char *path, const char *suffix)
 {
 	size_t room = strlen(path) + strlen(suffix) + 1;
@@ -97,8 +99,8 @@ static enum status adapt(struct store *store, bool writing, int version)
 static enum status connect_writer(struct store *store)
 {
 	if (access(store->real_path, W_OK) != 0)
-		return fail_with(STATUS_FAILED, "%s: cannot be written: %s; make the file writable", store->path,
-				 strerror(errno));
+		return fail_with(STATUS_FAILED, "%s: cannot be written: %s; %s", store->path, strerror(errno),
+				 limits_advice(errno, "make the file writable"));
 	enum status status = store_lock_take(store->lock_path, store->path, &store->lock);
 	if (status == STATUS_OK)
 		status = store_connect_file(store->real_path, store->path, true, false, &store->db);
