@@ -276,6 +276,22 @@ static enum status make_files(struct fleet *fleet)
 	return STATUS_OK;
 }
 
+/* Compares what names the run's files on each rank, before anything is made. All ranks return the same. */
+static enum status same_files(const struct fleet *fleet)
+{
+	const struct fleet_params *params = &fleet->params;
+	char mine[3 * PATH_MOST];
+	const char *base = params->store != NULL ? params->store : params->scene->store;
+	snprintf(mine, sizeof mine, "%s\n%s\n%s", params->overlay, base != NULL ? base : "", params->resume ? "resumes" : "begins");
+	const void *const *all;
+	const size_t *sizes;
+	fleet_comm_exchange(mine, strlen(mine) + 1, &all, &sizes);
+	for (int i = 1; i < fleet->ranks; i++)
+		if (sizes[i] != sizes[0] || memcmp(all[i], all[0], sizes[0]) != 0)
+			return fail_with(STATUS_INPUT, "rank %d: its --store, --overlay or --resume is not that of rank 0; give all ranks the same", i);
+	return STATUS_OK;
+}
+
 enum status fleet_open(const struct fleet_params *params, struct fleet **out)
 {
 	char name[64];
@@ -295,7 +311,12 @@ enum status fleet_open(const struct fleet_params *params, struct fleet **out)
 		status = fleet_put(&fleet->sent, head, sizeof head);
 	}
 	uint64_t run = 0;
-	if (status == STATUS_OK && fleet->rank == 0)
+	status = fleet_agree(status);
+	if (status == STATUS_OK)
+		status = same_files(fleet);
+	if (status != STATUS_OK)
+		return status;
+	if (fleet->rank == 0)
 		status = make_files(fleet);
 	if (status == STATUS_OK && fleet->rank == 0)
 		status = store_part_run(&run);
