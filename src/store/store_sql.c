@@ -12,6 +12,8 @@ enum status store_sql_fail(sqlite3 *db, int code, const char *path, const char *
 	int error = db != NULL ? sqlite3_system_errno(db) : 0;
 	if (code == SQLITE_IOERR_NOMEM)
 		return fail_memory(doing);
+	if (error == 0 && limits_advice(errno, NULL) != NULL) /* SQLite keeps none of a COMMIT */
+		error = errno;
 	switch (code & 0xff) {
 	case SQLITE_CORRUPT:
 		return fail_with(STATUS_INPUT, "%s: %s: %s, the file is damaged or was cut short; "
@@ -51,6 +53,7 @@ enum status store_sql_fail(sqlite3 *db, int code, const char *path, const char *
 
 enum status store_sql_exec(sqlite3 *db, const char *path, const char *doing, const char *sql)
 {
+	errno = 0;
 	int code = sqlite3_exec(db, sql, NULL, NULL, NULL);
 	return code == SQLITE_OK ? STATUS_OK : store_sql_fail(db, code, path, doing);
 }

@@ -2,6 +2,7 @@
 import pathlib
 import re
 import resource
+import signal
 import subprocess
 import sys
 
@@ -23,6 +24,7 @@ objects:
 class Limits(FurrowTest):
     def limited(self, which, most, *arguments):
         def prepare():
+            signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
             resource.setrlimit(which, (most, most))
         return subprocess.run([FURROW, *map(str, arguments)], cwd=self.folder, capture_output=True, text=True,
                               preexec_fn=prepare, timeout=280)
@@ -58,6 +60,15 @@ class Limits(FurrowTest):
                 if not line.startswith("furrow: GL: "):
                     self.assertTrue(line.endswith("; raise the limit on open files (ulimit -n)"), line)
         self.assertTrue(self.json("verify", store)["ok"])
+
+    def test_a_commit_that_does_not_fit_leaves_no_ruts_and_is_told(self):
+        store, scene = self.synth(posts="65x65"), self.scene(BALL)
+        # More than the index of the WAL, and less than the WAL of the first commit with ruts.
+        result = self.limited(resource.RLIMIT_FSIZE, 45000, "drive", scene, "--store", store, "-o", "out")
+        self.assertIn("committing: disk I/O error: File too large; raise the limit on the size of files (ulimit -f)", self.told_in((1,), result))
+        self.assertIn(f"; no ruts in {store} itself from this drive\n", result.stdout)
+        self.assertTrue(self.json("verify", store)["ok"])
+        self.assertEqual(self.json("info", store)["tiles"]["offset"], 0)
 
     def test_too_little_memory_is_told(self):
         store = self.synth(posts="65x65")
