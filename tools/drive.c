@@ -35,10 +35,14 @@ static void print_summary(const struct api_result *result, const struct api_para
 		printf("; a map in %s/map.png", params->directory);
 	if (result->map_also)
 		printf("%s%s", result->map ? " and " : "; a map in ", params->map_also);
+	/* Of many processes the committed step is not known. */
+	const char *none = unfinished && result->committed == 0 && !fleet_is_launched() ? "no " : "";
 	if (params->overlay != NULL)
-		printf("; ruts in %s", params->overlay);
+		printf("; %sruts in %s", none, params->overlay);
 	else
-		printf("; ruts in %s itself", params->store != NULL ? params->store : params->scene->store);
+		printf("; %sruts in %s itself", none, params->store != NULL ? params->store : params->scene->store);
+	if (none[0] != '\0')
+		printf(" from this drive");
 	if (unfinished && result->committed > 0)
 		printf(", up to step %lld; --resume goes on with the same scene from there", (long long)result->committed);
 	putchar('\n');

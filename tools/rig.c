@@ -8,6 +8,7 @@
 
 #include "command.h"
 #include "base/aside.h"
+#include "base/limits.h"
 #include "rig_plot.h"
 #include "settings.h"
 #include "soil_given.h"
@@ -291,7 +292,7 @@ static enum status make_folder(const char *path)
 {
 	if (mkdir(path, 0777) == 0 || errno == EEXIST)
 		return STATUS_OK;
-	return fail_with(STATUS_FAILED, "%s: %s; give a folder that can be made", path, strerror(errno));
+	return fail_with(STATUS_FAILED, "%s: %s; %s", path, strerror(errno), limits_advice(errno, "give a folder that can be made"));
 }
 
 static enum status run(const struct arguments *arguments)

@@ -15,6 +15,7 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "base/limits.h"
 #include "study.h"
 
 #define TAIL_BYTES 4096
@@ -64,7 +65,7 @@ static enum status start(struct work *work, struct job *job, size_t run)
 		return status;
 	const int log = output_create(study_path(work->study, run, "log.txt", path), O_WRONLY | O_APPEND);
 	if (log < 0) {
-		status = fail_with(STATUS_FAILED, "%s: %s; give a folder that can be written", path, input_problem());
+		status = fail_with(STATUS_FAILED, "%s: %s; %s", path, input_problem(), limits_advice(errno, "give a folder that can be written"));
 	} else {
 		const pid_t parent = getpid();
 		fflush(NULL);

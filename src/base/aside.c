@@ -1,4 +1,5 @@
 #include "base/aside.h"
+#include "base/limits.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -28,7 +29,8 @@ enum status aside_begin(struct aside *aside, const char *path)
 	aside->begun = aside->file != NULL;
 	if (aside->begun)
 		return STATUS_OK;
-	status = fail_with(STATUS_FAILED, "%s: %s: %s; give a file that can be written", aside->path, aside->part, input_problem());
+	const int why = errno;
+	status = fail_with(STATUS_FAILED, "%s: %s: %s; %s", aside->path, aside->part, input_problem(), limits_advice(why, "give a file that can be written"));
 	if (file >= 0)
 		close(file);
 	return status;

@@ -104,7 +104,7 @@ enum status thread_start(struct thread *thread, void *(*body)(void *), void *arg
 	must(pthread_sigmask(SIG_SETMASK, &before, NULL));
 	thread->started = error == 0;
 	if (error != 0)
-		return fail_with(STATUS_FAILED, "thread %s: %s; raise the limit on threads (ulimit -u)", name,
+		return fail_with(STATUS_FAILED, "thread %s: %s; raise the limit on threads or on memory (ulimit -u, -v)", name,
 			    strerror(error));
 	atomic_fetch_add(&running, 1);
 	pthread_setname_np(thread->handle, name);

@@ -26,7 +26,7 @@ static double middle_of(int bucket)
 
 void times_add(struct times *times, double ms)
 {
-	assert(ms >= 0);
+	ms = ms > 0 ? ms : 0;
 	times->least = times->count == 0 ? ms : fmin(times->least, ms);
 	times->most = fmax(times->most, ms);
 	times->sum += ms;

@@ -21,7 +21,7 @@ struct times {
 	uint64_t buckets[TIMES_OCTAVES * TIMES_PARTS];
 };
 
-void times_add(struct times *times, double ms); /* 0 or more */
+void times_add(struct times *times, double ms); /* below 0 counts as 0: some machines' clocks go back */
 double times_mean(const struct times *times);   /* NaN if empty, also for times_percentile */
 /* Returns a percentile. share 0: the smallest, 1: the largest; both are exact. */
 double times_percentile(const struct times *times, double share);

@@ -1,6 +1,10 @@
 /* Opens a struct dem: finds the files of the sources, makes one grid from them, and collects what is known about that grid. */
 #include "dem_internal.h"
 
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
 #include "base/wide.h"
 
 #define READ_POSTS (1 << 20) /* asked of a grid at once, about */
@@ -125,6 +129,24 @@ static enum status grid_open(const struct dem_params *params, struct dem_list *l
 	return status == STATUS_OK && params->has_window ? crop(params, out) : status;
 }
 
+/* Tells that a heightmap's spacing is taken as 1 m. A world file beside it says another, but is not read: it has no reference system. */
+static void tell_spacing(const char *path)
+{
+	static const char *const endings[] = {".pgw", ".pngw", ".wld"};
+	const char *name = strrchr(path, '/') != NULL ? strrchr(path, '/') + 1 : path, *dot = strrchr(name, '.');
+	const int stem = dot != NULL ? (int)(dot - path) : (int)strlen(path);
+	char beside[4096];
+	for (size_t i = 0; i < sizeof endings / sizeof *endings; i++) {
+		snprintf(beside, sizeof beside, "%.*s%s", stem, path, endings[i]);
+		if (access(beside, F_OK) == 0) {
+			note("%s: the world file %s is not read, and posts are taken as 1 m apart; give the first number of that file as --spacing",
+			     path, beside);
+			return;
+		}
+	}
+	note("%s: says no distance between posts; taken as 1 m. --spacing names another", path);
+}
+
 enum status dem_open(const struct dem_params *params, struct dem **out)
 {
 	enum status status = params_check(params);
@@ -137,7 +159,7 @@ enum status dem_open(const struct dem_params *params, struct dem **out)
 	if (status == STATUS_OK)
 		status = grid_open(params, &dem->list, &dem->grid);
 	if (status == STATUS_OK && !dem->grid->placed && params->spacing == 0 && params->anchor == NULL)
-		note("%s: says no distance between posts; taken as 1 m. --spacing names another", dem->list.paths[0]);
+		tell_spacing(dem->list.paths[0]);
 	if (status == STATUS_OK && (dem->grid->width < 2 || dem->grid->height < 2))
 		status = fail_with(STATUS_INPUT, "%s: %lld x %lld posts are no terrain; it needs at least 2 x 2",
 				   dem->list.paths[0], (long long)dem->grid->width,

@@ -21,6 +21,7 @@
 #include <unistd.h>
 
 #include "base/json.h"
+#include "base/limits.h"
 
 #define STAMP "furrow-tiles.json"
 #define JOURNAL "furrow-tiles.journal"
@@ -125,8 +126,9 @@ enum status exchange_journal_begin(struct exchange_journal *journal, const char 
 	const bool plain = file < 0 || (fstat(file, &found) == 0 && S_ISREG(found.st_mode));
 	journal->file = file >= 0 && plain ? fdopen(file, "a+") : NULL;
 	if (journal->file == NULL) {
-		status = fail_with(STATUS_FAILED, "%s: cannot be written: %s; give a folder that can be written", journal->path,
-				   plain ? input_problem() : "not a file");
+		const int why = errno;
+		status = fail_with(STATUS_FAILED, "%s: cannot be written: %s; %s", journal->path, plain ? input_problem() : "not a file",
+				   limits_advice(plain ? why : 0, "give a folder that can be written"));
 		if (file >= 0)
 			close(file);
 		return status;

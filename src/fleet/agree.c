@@ -9,8 +9,8 @@
 struct common {
 	char version[64], scene[40];
 	uint64_t base;
-	double spacing;
-	int64_t step;
+	double spacing, end_time, forces;
+	int64_t step, steps, delay;
 	int32_t resumed;
 };
 
@@ -29,6 +29,10 @@ static enum status compare(void *user, int rank, struct fleet_bytes *bytes)
 		return fail_with(STATUS_INPUT, "rank %d: its base is not that of rank 0; give all ranks the same --store", rank);
 	if (strncmp(other.scene, first->scene, sizeof other.scene) != 0 || other.spacing != first->spacing)
 		return fail_with(STATUS_INPUT, "rank %d: its scene is not that of rank 0; give all ranks the same file", rank);
+	if (other.end_time != first->end_time || other.steps != first->steps)
+		return fail_with(STATUS_INPUT, "rank %d: its end_time or --steps is not that of rank 0; give all ranks the same", rank);
+	if (other.forces != first->forces || other.delay != first->delay)
+		return fail_with(STATUS_INPUT, "rank %d: its output.forces or output.delay is not that of rank 0; give all ranks the same", rank);
 	if (other.step != first->step || other.resumed != first->resumed)
 		return fail_with(STATUS_FAILED, "rank %d: it begins at step %lld, and rank 0 at step %lld; report this", rank, (long long)other.step,
 				 (long long)first->step);
@@ -43,6 +47,10 @@ static enum status put_common(struct fleet *fleet, const struct world *world)
 	snprintf(mine.scene, sizeof mine.scene, "%s", world->scene->hash);
 	mine.base = store_base_hash(world->store);
 	mine.spacing = world->spacing;
+	mine.end_time = world->scene->end_time;
+	mine.steps = world->params.steps;
+	mine.forces = world->scene->forces;
+	mine.delay = world->scene->forces_delay;
 	mine.step = world->step;
 	mine.resumed = world->resumed.is;
 	enum status status = world->resumed.is && fleet->rank == 0 ? fleet_note_resumed(fleet) : STATUS_OK;

@@ -7,9 +7,13 @@
 #include <unistd.h>
 
 #include "fleet/comm.h"
+#include "fleet/watch.h"
 
 #define INLINE_BYTES 504 /* bytes of an exchange that go with its first message. More need a second one */
 #define TAG 7
+/* s of waiting for the others until it is told */
+#define STARTS 10.0
+#define WAITS 30.0
 
 struct first {
 	uint64_t size;
@@ -77,11 +81,26 @@ static void yield_when_idle(void)
 		setenv("OMPI_MCA_mpi_yield_when_idle", "1", 0);
 }
 
+/* The rank that the launcher gave to this process; 0: it does not say. */
+static int rank_given(void)
+{
+	const char *const names[] = {"OMPI_COMM_WORLD_RANK", "PMI_RANK", "PMIX_RANK"};
+	for (size_t i = 0; i < sizeof names / sizeof *names; i++)
+		if (getenv(names[i]) != NULL)
+			return atoi(getenv(names[i]));
+	return 0;
+}
+
 enum status fleet_comm_start(int *rank, int *ranks)
 {
 	int given;
 	yield_when_idle();
+	if (rank_given() <= 1)
+		fleet_watch_start();
+	if (rank_given() == 0)
+		fleet_watch_begin(-1, STARTS);
 	int error = MPI_Init_thread(NULL, NULL, MPI_THREAD_FUNNELED, &given);
+	fleet_watch_end();
 	if (error != MPI_SUCCESS || given < MPI_THREAD_FUNNELED)
 		return fail_with(STATUS_FAILED, "MPI: it does not start, or not for a program with threads; try mpirun -n 2 hostname");
 	error = MPI_Comm_dup(MPI_COMM_WORLD, &at.comm);
@@ -108,10 +127,12 @@ void fleet_comm_finish(void)
 {
 	int begun = 0;
 	MPI_Initialized(&begun);
+	fleet_watch_begin(at.rank, WAITS);
 	if (begun && at.ranks > 0)
 		MPI_Barrier(at.comm); /* MPI_Finalize need not wait for the others */
 	if (begun)
 		MPI_Finalize();
+	fleet_watch_finish();
 	mem_free(at.firsts);
 	mem_free(at.rest);
 	mem_free(at.all);
@@ -163,6 +184,7 @@ void fleet_comm_exchange(const void *bytes, size_t size, const void *const **all
 	bool rest = false;
 	if (size > 0)
 		memcpy(first.bytes, bytes, size < INLINE_BYTES ? size : INLINE_BYTES);
+	fleet_watch_begin(at.rank, WAITS);
 	check("exchange", MPI_Allgather(&first, sizeof first, MPI_BYTE, at.firsts, sizeof first, MPI_BYTE, at.comm));
 	for (int i = 0; i < at.ranks; i++) {
 		at.all[i] = at.firsts[i].bytes;
@@ -171,6 +193,7 @@ void fleet_comm_exchange(const void *bytes, size_t size, const void *const **all
 	}
 	if (rest)
 		exchange_rest(bytes, size);
+	fleet_watch_end();
 	*all = at.all;
 	*sizes = at.sizes;
 }
@@ -191,6 +214,7 @@ static void take(struct fleet_message *in)
 
 void fleet_comm_move(const struct fleet_message *out, size_t out_count, struct fleet_message *in, size_t in_count)
 {
+	fleet_watch_begin(at.rank, WAITS);
 	MPI_Request *requests = need(mem_alloc(out_count > 0 ? out_count : 1, sizeof *requests), "message");
 	for (size_t i = 0; i < out_count; i++) {
 		if (out[i].size > INT_MAX)
@@ -200,5 +224,6 @@ void fleet_comm_move(const struct fleet_message *out, size_t out_count, struct f
 	for (size_t i = 0; i < in_count; i++)
 		take(&in[i]);
 	check("message", MPI_Waitall((int)out_count, requests, MPI_STATUSES_IGNORE));
+	fleet_watch_end();
 	mem_free(requests);
 }

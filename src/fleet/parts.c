@@ -15,6 +15,7 @@
 #include <unistd.h>
 
 #include "base/json.h"
+#include "base/limits.h"
 
 #define PATH_MOST 4096
 #define PREFIX "part-"
@@ -271,7 +272,24 @@ static enum status make_files(struct fleet *fleet)
 	if (!fleet->founded && errno == EEXIST)
 		return fail_with(STATUS_FAILED, "%s: the folder has files that are not of a drive; remove it", fleet->parts);
 	if (!fleet->founded)
-		return fail_with(STATUS_FAILED, "%s: %s; give an --overlay in a folder that can be written", fleet->parts, strerror(errno));
+		return fail_with(STATUS_FAILED, "%s: %s; %s", fleet->parts, strerror(errno),
+				 limits_advice(errno, "give an --overlay in a folder that can be written"));
+	return STATUS_OK;
+}
+
+/* Compares what names the run's files on each rank, before anything is made. All ranks return the same. */
+static enum status same_files(const struct fleet *fleet)
+{
+	const struct fleet_params *params = &fleet->params;
+	char mine[3 * PATH_MOST];
+	const char *base = params->store != NULL ? params->store : params->scene->store;
+	snprintf(mine, sizeof mine, "%s\n%s\n%s", params->overlay, base != NULL ? base : "", params->resume ? "resumes" : "begins");
+	const void *const *all;
+	const size_t *sizes;
+	fleet_comm_exchange(mine, strlen(mine) + 1, &all, &sizes);
+	for (int i = 1; i < fleet->ranks; i++)
+		if (sizes[i] != sizes[0] || memcmp(all[i], all[0], sizes[0]) != 0)
+			return fail_with(STATUS_INPUT, "rank %d: its --store, --overlay or --resume is not that of rank 0; give all ranks the same", i);
 	return STATUS_OK;
 }
 
@@ -294,7 +312,12 @@ enum status fleet_open(const struct fleet_params *params, struct fleet **out)
 		status = fleet_put(&fleet->sent, head, sizeof head);
 	}
 	uint64_t run = 0;
-	if (status == STATUS_OK && fleet->rank == 0)
+	status = fleet_agree(status);
+	if (status == STATUS_OK)
+		status = same_files(fleet);
+	if (status != STATUS_OK)
+		return status;
+	if (fleet->rank == 0)
 		status = make_files(fleet);
 	if (status == STATUS_OK && fleet->rank == 0)
 		status = store_part_run(&run);

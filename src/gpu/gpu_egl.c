@@ -6,6 +6,7 @@
  * the program we are a library in. setenv is called here, so no other thread may be reading the
  * environment meanwhile.
  */
+#include <dlfcn.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -13,6 +14,17 @@
 
 #define DEVICES_MAX 16
 #define ADVICE "install a driver with OpenGL 4.5 (Mesa's llvmpipe will do), or use a command that needs no GL"
+
+/* Loads EGL and OpenGL before their first call. They stay loaded. Returns NULL, or why they cannot be loaded. libepoxy would end the
+ * process: a library may be missing, or the limit on open files may be reached. */
+static const char *load_libraries(void)
+{
+	if (dlopen("libEGL.so.1", RTLD_LAZY | RTLD_LOCAL) == NULL)
+		return dlerror();
+	if (dlopen("libOpenGL.so.0", RTLD_LAZY | RTLD_LOCAL) != NULL || dlopen("libGL.so.1", RTLD_LAZY | RTLD_LOCAL) != NULL)
+		return NULL;
+	return dlerror();
+}
 
 static bool has_word(const char *list, const char *word)
 {
@@ -166,6 +178,9 @@ enum status gpu_egl_open(bool draws, struct gpu_egl *egl)
 {
 	/* Without raster threads llvmpipe runs the small passes of a simulation 3-7 times faster. It
 	 * reads this once, when the process first opens its display. */
+	const char *missing = load_libraries();
+	if (missing != NULL)
+		return fail_with(STATUS_NO_GL, "GL: %s; " ADVICE, missing);
 	bool set = !draws && getenv("LP_NUM_THREADS") == NULL && setenv("LP_NUM_THREADS", "0", 0) == 0;
 	enum status status = open_any(egl);
 	if (set)
@@ -178,6 +193,9 @@ void gpu_keep(const struct gpu *gpu, struct gpu_kept *kept)
 	bool turn = gpu == NULL || gpu->egl.software;
 	if (turn)
 		gpu_turn_begin();
+	*kept = (struct gpu_kept){.turn = turn};
+	if (gpu == NULL && load_libraries() != NULL) /* gpu_create() will say so */
+		return;
 	*kept = (struct gpu_kept){.api = eglQueryAPI(), .context = eglGetCurrentContext(), .turn = turn};
 	if (kept->context == EGL_NO_CONTEXT)
 		return;
@@ -188,8 +206,10 @@ void gpu_keep(const struct gpu *gpu, struct gpu_kept *kept)
 
 void gpu_give(const struct gpu_kept *kept)
 {
-	EGLDisplay ours = eglGetCurrentDisplay();
-	if (kept->api != EGL_NONE)
+	EGLDisplay ours = EGL_NO_DISPLAY;
+	if (kept->api != 0 || load_libraries() == NULL)
+		ours = eglGetCurrentDisplay();
+	if (kept->api != 0 && kept->api != EGL_NONE)
 		eglBindAPI(kept->api);
 	if (kept->context != EGL_NO_CONTEXT)
 		eglMakeCurrent(kept->display, kept->draw, kept->read, kept->context);

@@ -19,6 +19,7 @@
 
 #include "base/aside.h"
 #include "base/key_set.h"
+#include "base/limits.h"
 #include "page/page.h"
 
 #define BUFFER_BYTES ((size_t)1 << 16)
@@ -97,7 +98,8 @@ static enum status begin(struct page_trace *trace)
 {
 	int file = output_create(trace->aside.part, O_WRONLY);
 	if (file < 0)
-		return fail_with(STATUS_FAILED, "%s: %s: %s; give a file that can be written", trace->path, trace->aside.part, input_problem());
+		return fail_with(STATUS_FAILED, "%s: %s: %s; %s", trace->path, trace->aside.part, input_problem(),
+				 limits_advice(errno, "give a file that can be written"));
 	/* Between open and lock another drive may have published this very file, so that it is no .part any more. */
 	struct stat found, named;
 	if (flock(file, LOCK_EX | LOCK_NB) != 0 || stat(trace->aside.part, &named) != 0 || fstat(file, &found) != 0 ||

@@ -11,6 +11,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
+#include "base/limits.h"
 #include "render/internal.h"
 #include "render/view.h"
 
@@ -361,7 +362,7 @@ void render_view_free_cameras(struct view *view)
 static enum status make_folder(const char *path)
 {
 	if (mkdir(path, 0777) != 0 && errno != EEXIST)
-		return fail_with(STATUS_FAILED, "%s: %s; give a folder that can be written", path, strerror(errno));
+		return fail_with(STATUS_FAILED, "%s: %s; %s", path, strerror(errno), limits_advice(errno, "give a folder that can be written"));
 	return STATUS_OK;
 }
 

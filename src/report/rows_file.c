@@ -1,4 +1,5 @@
 /* Opens files of rows, and cuts those of a resumed run. */
+#include "base/limits.h"
 #include "report/rows_file.h"
 
 #include <errno.h>
@@ -24,15 +25,15 @@ static long whole_until(FILE *file, const char *header, double time)
 
 enum status report_rows_file_failed(const char *path)
 {
-	return fail_with(STATUS_FAILED, "%s: %s; give a folder that can be written", path, strerror(errno));
+	return fail_with(STATUS_FAILED, "%s: %s; %s", path, strerror(errno), limits_advice(errno, "give a folder that can be written"));
 }
 
 enum status report_rows_file_open(const struct world *world, const char *path, const char *header, FILE **file, bool *begins)
 {
 	long end = 0;
+	struct world_recorded recorded = {.step = 0};
 	*file = fopen(path, world->resumed.is ? "a+" : "w+");
 	if (*file != NULL && world->resumed.is) {
-		struct world_recorded recorded;
 		world_recorded(world, &recorded);
 		rewind(*file);
 		end = whole_until(*file, header, recorded.step > 0 ? recorded.time : -1); /* the first step gives the rows of time 0 */
@@ -40,6 +41,9 @@ enum status report_rows_file_open(const struct world *world, const char *path, c
 	*begins = end == 0;
 	if (*file == NULL || end < 0 || ftruncate(fileno(*file), end) != 0 || fseek(*file, 0, SEEK_END) != 0)
 		return report_rows_file_failed(path);
+	if (*begins && recorded.step > 0)
+		note("%s: has no rows of the steps up to %lld: the file was not there, or was damaged; give the -o of the drive that is resumed",
+		     path, (long long)recorded.step);
 	return STATUS_OK;
 }
 

@@ -95,6 +95,8 @@ enum status store_commit(struct store *store, const struct store_page *pages, si
 	*result = (struct store_commit_result){.commit = store->commit + 1};
 	enum status status = store_begin(store);
 	if (status == STATUS_OK)
+		status = store_place_check(store);
+	if (status == STATUS_OK)
 		status = store_sql_begin(store->db, store->path, "beginning a commit");
 	if (status != STATUS_OK)
 		return status;

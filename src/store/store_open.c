@@ -21,6 +21,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "base/limits.h"
+
 char *store_path_with(const char *path, const char *suffix)
 {
 	size_t room = strlen(path) + strlen(suffix) + 1;
@@ -101,8 +103,8 @@ static enum status adapt(struct store *store, bool writing, int version)
 static enum status lock(struct store *store)
 {
 	if (access(store->real_path, W_OK) != 0)
-		return fail_with(STATUS_FAILED, "%s: cannot be written: %s; make the file writable, or only look at it (readonly)", store->path,
-				 strerror(errno));
+		return fail_with(STATUS_FAILED, "%s: cannot be written: %s; %s", store->path, strerror(errno),
+				 limits_advice(errno, "make the file writable, or only look at it (readonly)"));
 	store->lock_was_there = access(store->lock_path, F_OK) == 0;
 	return store_lock_take(store->lock_path, store->path, &store->lock);
 }

@@ -357,14 +357,15 @@ enum status store_create_overlay(const char *path, const char *parent_path)
 
 /* --- one to write to --- */
 
-/* Returns true if `base` is a file that the overlay is over, or one with the same content. */
+/* Returns true if `base` is a file that the overlay is over, or one with the same content: terrain and ruts. */
 static bool is_over(struct store *overlay, const struct store *base, uint64_t state)
 {
 	if (overlay->base_hash != base->base_hash || strcmp(overlay->real_path, base->real_path) == 0)
 		return false;
-	bool over = base->under == NULL;
+	bool over = base->under == NULL && !base->working_stored; /* terrain alone */
 	for (const struct store *at = overlay; at->under != NULL; at = at->under)
-		over |= at->inherits && at->parent_hash == state;
+		over |= (at->inherits && at->parent_hash == state) || strcmp(path_of(at->under), base->path) == 0 ||
+			strcmp(at->under->real_path, base->real_path) == 0;
 	return over;
 }
 

@@ -4,12 +4,16 @@
 #include <errno.h>
 #include <string.h>
 
+#include "base/limits.h"
+
 enum status store_sql_fail(sqlite3 *db, int code, const char *path, const char *doing)
 {
 	const char *why = db != NULL ? sqlite3_errmsg(db) : sqlite3_errstr(code);
 	int error = db != NULL ? sqlite3_system_errno(db) : 0;
 	if (code == SQLITE_IOERR_NOMEM)
 		return fail_memory(doing);
+	if (error == 0 && limits_advice(errno, NULL) != NULL) /* SQLite keeps none of a COMMIT */
+		error = errno;
 	switch (code & 0xff) {
 	case SQLITE_CORRUPT:
 		return fail_with(STATUS_INPUT, "%s: %s: %s, the file is damaged or was cut short; "
@@ -17,9 +21,13 @@ enum status store_sql_fail(sqlite3 *db, int code, const char *path, const char *
 	case SQLITE_NOTADB:
 		return fail_with(STATUS_INPUT, "%s: not a Furrow store (%s); name a store, or make one with furrow import",
 				 path, why);
-	case SQLITE_CANTOPEN:
+	case SQLITE_CANTOPEN: { /* SQLite's own text is "unable to open database file" */
+		const char *limit = limits_advice(error, NULL);
+		if (limit != NULL)
+			return fail_with(STATUS_FAILED, "%s: %s: %s; %s", path, doing, strerror(error), limit);
 		return fail_with(STATUS_INPUT, "%s: %s: %s; check the path and its permissions", path,
 				 doing, why);
+	}
 	case SQLITE_TOOBIG:
 		return fail_with(STATUS_INPUT, "%s: %s: %s; no store holds values as large, the file is "
 				 "damaged", path, doing, why);
@@ -29,8 +37,8 @@ enum status store_sql_fail(sqlite3 *db, int code, const char *path, const char *
 		return fail_with(STATUS_FAILED, "%s: %s: %s; free some disk space, then run it again",
 				 path, doing, why);
 	case SQLITE_IOERR:
-		return fail_with(STATUS_FAILED, "%s: %s: %s%s%s; check the disk and its free space", path, doing,
-				 why, error != 0 ? ": " : "", error != 0 ? strerror(error) : "");
+		return fail_with(STATUS_FAILED, "%s: %s: %s%s%s; %s", path, doing, why, error != 0 ? ": " : "",
+				 error != 0 ? strerror(error) : "", limits_advice(error, "check the disk and its free space"));
 	case SQLITE_BUSY:
 		return fail_with(STATUS_FAILED, "%s: %s: %s; wait for the other process to end", path,
 				 doing, why);
@@ -45,6 +53,7 @@ enum status store_sql_fail(sqlite3 *db, int code, const char *path, const char *
 
 enum status store_sql_exec(sqlite3 *db, const char *path, const char *doing, const char *sql)
 {
+	errno = 0;
 	int code = sqlite3_exec(db, sql, NULL, NULL, NULL);
 	return code == SQLITE_OK ? STATUS_OK : store_sql_fail(db, code, path, doing);
 }

@@ -117,8 +117,11 @@ void world_tell_unfinished(const struct world *world)
 
 enum status world_resume(struct world *world)
 {
-	const char *store = world->path;
+	int64_t revision;
+	const char *store = world->path, *over = store_parent(world->store, &revision);
 	struct store_run run;
+	if (world->params.ranks != NULL && over != NULL) /* a rank's part lies over the run's overlay, which the user knows */
+		store = over;
 	enum status status = store_last_run(world->store, &run);
 	if (status != STATUS_OK)
 		return status;

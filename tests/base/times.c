@@ -44,6 +44,15 @@ static void compare(double *values, size_t count)
 	}
 }
 
+/* A machine's clock that goes back: no time, and the others stay what they are. */
+static void a_time_below_zero_counts_as_none(void **state)
+{
+	static struct times times;
+	times_add(&times, 2);
+	times_add(&times, -1e8);
+	assert_true(times.count == 2 && times.least == 0 && times.most == 2 && times.sum == 2);
+}
+
 static void percentiles_are_within_the_error_of_the_sorted_ones(void **state)
 {
 	static double values[MOST];
@@ -159,6 +168,7 @@ static void ranges_follow_each_other_and_hold_every_value(void **state)
 TEST_PROGRAM(times)
 {
 	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(a_time_below_zero_counts_as_none),
 		cmocka_unit_test(percentiles_are_within_the_error_of_the_sorted_ones),
 		cmocka_unit_test(every_value_is_within_the_error_alone),
 		cmocka_unit_test(what_lies_beyond_the_buckets_is_counted_at_their_ends),

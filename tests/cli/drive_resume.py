@@ -175,6 +175,7 @@ objects:
   - {name: ball, shape: {sphere: {radius: 2}}, sink: 0.1, path: {points: [[20, 20], [40, 30]], speed: 5}}
 """
         first, other = self.scene(text), self.scene(text.replace("0.1, path", "0.3, path"), "other.yaml")
+        another = self.copy()
         self.drive(first, "--store", self.store)
         for name in ("a", "b"):
             self.ok("branch", self.store, f"{name}.furrow")
@@ -184,10 +185,17 @@ objects:
         self.assertEqual(self.drive(other, "--store", "a.furrow", "--resume")["resumed_from"], 3)
         self.assertIn("resume with the same scene and the same --set",
                       self.refused(3, "drive", first, "--store", "a.furrow", "-o", "out", "--resume"))
-        self.assertIsNone(self.drive(other, "--store", self.store, "--overlay", "new.furrow", "--resume")["resumed_from"])
         self.drive(other, "--store", "b.furrow")
+        self.assertIsNone(self.drive(other, "--store", self.store, "--overlay", "new.furrow", "--resume", "--set", "output.forces=10")["resumed_from"])
         for name in ("a", "new"):
             self.assertTrue(self.rows(self.folder / f"{name}.furrow") == self.rows(self.folder / "b.furrow"), name)
+        # In another folder, the rows of the steps before are missing.
+        for store, folder, told in (("a", "elsewhere", True), ("new", "out", False)):
+            result = self.furrow("drive", other, "--store", f"{store}.furrow", "-o", folder, "--resume", "--set", "end_time=1.5", "--set", "output.forces=10")
+            self.assertEqual(f"{folder}/objects.csv: has no rows of the steps up to 10" in result.stderr, told, result.stderr)
+        # The same terrain with other ruts is another store.
+        self.drive(other, "--store", another)
+        self.assertIn("it is an overlay of", self.refused(3, "drive", other, "--store", another, "--overlay", "a.furrow", "-o", "out", "--resume"))
         # The same scene goes on where its parent's drive ended, after a reset too.
         self.ok("reset", "b.furrow")
         self.assertEqual(self.drive(first, "--store", "b.furrow", "--resume", "--set", "end_time=2")["resumed_from"], 10)

@@ -74,6 +74,14 @@ class Notes(FurrowTest):
         self.assertIn("as it was imported run furrow reset world.furrow", told[0])
         self.assertNotIn("--overlay", told[0], "an overlay goes over no store with ruts")
 
+    def test_a_world_file_beside_a_heightmap_is_told(self):
+        self.ok("synth", "-o", "a.png", "--posts", "33x33", "--spacing", "2")
+        self.assertIn("a.png: says no distance between posts; taken as 1 m", self.furrow("import", "a.png", "-o", "a.furrow").stderr)
+        (self.folder / "a.pgw").write_text("2\n0\n0\n-2\n500000\n4600000\n")
+        self.assertRegex(self.furrow("import", "a.png", "-o", "a.furrow", "--overwrite").stderr,
+                         r"the world file a\.pgw is not read, and posts are taken as 1 m apart; give the first number of that file as --spacing")
+        self.assertEqual(self.furrow("import", "a.png", "-o", "a.furrow", "--overwrite", "--spacing", "2").stderr, "")
+
     def test_a_resumed_drive_is_told_nothing(self):
         self.notes("ruts", "--overlay", "a.furrow", "--steps", "40")
         shutil.copy(self.folder / "a.furrow", self.folder / "b.furrow")

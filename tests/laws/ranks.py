@@ -306,6 +306,30 @@ class Refused(Ranks):
         self.assertEqual(list(self.folder.glob("many.furrow*")), [])
         self.assertFalse((self.folder / "many" / "run.json").exists())
 
+    def test_ranks_that_are_given_different_things(self):
+        self.scene(BOTH_SIDES)
+        drive = self.command(1, "scene.yaml", "many")
+        for other, told in (([*drive, "--steps", "3"], "its end_time or --steps is not that of rank 0"),
+                            ([*drive, "--set", "output.forces=7"], "its output.forces or output.delay is not that of rank 0"),
+                            (self.command(1, "scene.yaml", "many", store="ridged.furrow"), "its --store, --overlay or --resume is not that of rank 0")):
+            self.assertIn(f"rank 1: {told}; give all ranks the same", self.run_command(self.mpmd(drive, other), expect=1))
+            self.assertEqual(list(self.folder.glob("many*")), [])
+
+    def test_a_rank_that_does_not_start_is_told(self):
+        self.scene(BOTH_SIDES)
+        command = self.mpmd(self.command(1, "scene.yaml", "many"), ["sleep", "100"])
+        launcher = subprocess.Popen(command, cwd=self.folder, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+        lines = []
+        try:
+            for line in launcher.stderr:
+                lines.append(line)
+                if "furrow: note: has waited" in line:
+                    break
+        finally:
+            launcher.terminate()
+            launcher.communicate(timeout=60)
+        self.assertRegex(lines[-1], r"has waited \d+ s for the other ranks to start; each must be furrow drive, and Ctrl-C ends all")
+
     def test_a_rank_with_another_scene(self):
         self.scene(CONVOY)
         self.scene(ALONE, "other.yaml")

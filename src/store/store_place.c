@@ -1,0 +1,30 @@
+/*
+ * Whether the files that a store writes are still where it opened them.
+ *
+ * SQLite goes on writing to a file that was moved, replaced or deleted. It says nothing, and what it writes is not where anybody
+ * looks for it.
+ */
+#include "store/internal.h"
+
+#include <unistd.h>
+
+/* True if the file of the WAL is gone. It is there from the first commit of this connection to its end. */
+static bool wal_gone(struct store *store)
+{
+	const char *wal = sqlite3_filename_wal(sqlite3_db_filename(store->db, "main"));
+	const bool there = wal != NULL && access(wal, F_OK) == 0;
+	store->wal_seen |= there;
+	return store->wal_seen && !there;
+}
+
+enum status store_place_check(struct store *store)
+{
+	int moved = 0;
+	if (sqlite3_file_control(store->db, "main", SQLITE_FCNTL_HAS_MOVED, &moved) == SQLITE_OK && moved != 0)
+		return fail_with(STATUS_FAILED, "%s: the file was moved, replaced or deleted while it was being written; put it back, then go on "
+				 "with --resume: it has all until its last commit", store->path);
+	if (wal_gone(store))
+		return fail_with(STATUS_FAILED, "%s-wal: the file was deleted while the store was being written; leave it there until the writer "
+				 "ends, and go on with --resume", store->path);
+	return STATUS_OK;
+}
