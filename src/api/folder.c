@@ -26,9 +26,9 @@ enum status api_folder_commits(const char *directory, FILE **out)
 {
 	char path[4096];
 	snprintf(path, sizeof path, "%s/epochs.log", directory);
-	*out = fopen(path, "a+");
+	*out = output_open(path, "a+");
 	if (*out == NULL)
-		return fail_with(STATUS_FAILED, "%s: %s; give a folder that can be written", path, strerror(errno));
+		return fail_with(STATUS_FAILED, "%s: %s; give a folder that can be written", path, input_problem());
 	if (flock(fileno(*out), LOCK_EX | LOCK_NB) == 0)
 		return STATUS_OK;
 	fclose(*out);

@@ -24,13 +24,13 @@ static long whole_until(FILE *file, const char *header, double time)
 
 enum status report_rows_file_failed(const char *path)
 {
-	return fail_with(STATUS_FAILED, "%s: %s; give a folder that can be written", path, strerror(errno));
+	return fail_with(STATUS_FAILED, "%s: %s; give a folder that can be written", path, input_problem());
 }
 
 enum status report_rows_file_open(const struct world *world, const char *path, const char *header, FILE **file, bool *begins)
 {
 	long end = 0;
-	*file = fopen(path, world->resumed.is ? "a+" : "w+");
+	*file = output_open(path, world->resumed.is ? "a+" : "w+");
 	if (*file != NULL && world->resumed.is) {
 		struct world_recorded recorded;
 		world_recorded(world, &recorded);

@@ -103,7 +103,7 @@ class Hostile(ft.FurrowTest):
             "+proj=utm +zone=33 +geoidgrids=@../pipe": "it names a file by a path",
         }
         commands = [["query", "s.furrow", "13.0", "45.0", "--srs", "degrees"], ["export", "s.furrow", "-o", "x.tif"],
-                    ["export", "s.furrow", "--tiles", "relief", "-o", "tiles"], ["map", "s.furrow", "-o", "x.png"],
+                    ["export", "s.furrow", "--tiles", "tiles"], ["map", "s.furrow", "-o", "x.png"],
                     ["explain", "scene.yaml", "--store", "s.furrow"]]
         known = [command for command in commands if command[0] != "map" or ft.MAPS]
         (self.folder / "scene.yaml").write_text(SCENE % "EPSG:32633")
@@ -240,6 +240,12 @@ class Hostile(ft.FurrowTest):
         self.assertIn("not a file", self.refused(3, "info", "pipe.furrow"))
         self.assertIn("not a file", self.refused(3, "cache-sim", "pipe.csv"))
         self.assertIn("not a file", self.refused(3, "fit-soil", "pipe.csv"))
+        for name in ("epochs.log", "objects.csv"):
+            shutil.rmtree(self.folder / "out", ignore_errors=True)
+            (self.folder / "out").mkdir()
+            (os.mkfifo if name == "epochs.log" else lambda path: os.symlink("../made", path))(self.folder / "out" / name)
+            self.furrow("drive", scene, "--store", "s.furrow", "-o", "out")
+            self.assertFalse((self.folder / "made").exists())
         (self.folder / "site").mkdir()
         shutil.copy(self.folder / "a.asc", self.folder / "site/a.asc")
         os.mkfifo(self.folder / "site/a.prj")
