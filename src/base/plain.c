@@ -55,7 +55,7 @@ void plain_line(char *text)
 		bool odd;
 		const size_t length = plain_next(at, (size_t)(end - at), &odd, NULL);
 		if (odd || *at == '\n' || *at == '\t')
-			*to++ = odd && (unsigned char)*at >= 0x7f ? '?' : ' ';
+			*to++ = odd && (unsigned char)*at > 0x7f ? '?' : ' ';
 		else
 			for (size_t i = 0; i < length; i++)
 				*to++ = at[i];

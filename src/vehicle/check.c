@@ -238,7 +238,7 @@ static enum status check_text(struct vehicle_check *check, const char *path, con
 			status = add_element(check, &xml, &element, in_default > 0);
 	}
 	if (status == STATUS_OK && event == VEHICLE_XML_BAD)
-		status = fail_with(STATUS_INPUT, "%s: %s: its XML is not whole; check the file with a reader of XML", check->where, path);
+		status = fail_with(STATUS_INPUT, "%s: %s: its XML is not whole; give an MJCF or URDF file that MuJoCo reads", check->where, path);
 	return status;
 }
 

@@ -18,7 +18,7 @@ static void a_line_has_no_odd_characters(void **state)
 		{"", ""},
 		{"a\nb\tc", "a b c"},
 		{"\x1b]0;title\x07", " ]0;title "},
-		{"\x1b[2J\x7f", " [2J?"},
+		{"\x1b[2J\x7f", " [2J "},
 		{"\xc2\x9b" "2J", "?2J"},                         /* CSI, a C1 control */
 		{"\x9b" "2J", "?2J"},                             /* the same in Latin-1 */
 		{"a\xe2\x80\xae" "b\xe2\x81\xa6" "c\xd8\x9c", "a?b?c?"}, /* right to left */
