@@ -93,6 +93,8 @@ enum status dem_outside_file(const char *path, const char *vrt_folder, int depth
 enum status dem_outside_check(const char *name, const char *vrt_folder)
 {
 	char file[PATH_MAX];
+	if (name[0] == '<' || strncasecmp(name, "vrt://", 6) == 0)
+		return fail_with(STATUS_INPUT, "%.80s: is no name of a file; name the raster itself, or write the VRT to a file", name);
 	if (dem_network_is_open() && dem_outside_is_address(name))
 		return STATUS_OK;
 	if (dem_outside_is_address(name))
@@ -103,8 +105,6 @@ enum status dem_outside_check(const char *name, const char *vrt_folder)
 		snprintf(file, sizeof file, "%s", name);
 	if (dem_outside_is_special(file))
 		return fail_with(STATUS_INPUT, "%s: not a file; give a raster", name);
-	if (name[0] == '<')
-		return fail_with(STATUS_INPUT, "%.80s: is no name of a file; write it to a file", name);
 	if (strncmp(name, "/vsi", 4) == 0) {
 		enum status status = dem_outside_packed(name);
 		if (status != STATUS_OK)

@@ -142,6 +142,7 @@ class Hostile(ft.FurrowTest):
         for name in ("/vsicurl/" + self.url + "/a.tif", self.url + "/a.tif", "/vsicurl_streaming/" + self.url + "/a.tif", "/vsigzip//vsicurl/" + self.url + "/a",
                      "/vsis3/bucket/a.tif"):
             refused(network, name)
+        refused("is no name of a file", "vrt://a.tif")
         (self.folder / "wms.tif").write_text(f'<GDAL_WMS><Service name="WMS"><ServerUrl>{self.url}/?</ServerUrl><Layers>a</Layers><SRS>EPSG:4326</SRS></Service>'
                                              '<DataWindow><UpperLeftX>0</UpperLeftX><UpperLeftY>10</UpperLeftY><LowerRightX>10</LowerRightX><LowerRightY>0'
                                              '</LowerRightY><SizeX>10</SizeX><SizeY>10</SizeY></DataWindow><BandsCount>1</BandsCount></GDAL_WMS>')
@@ -157,6 +158,10 @@ class Hostile(ft.FurrowTest):
         refused("with WMS, which uses a network", vrt("wms.tif"))
         refused(network, vrt(vrt(self.url + "/a.tif", name="in.vrt")))
         refused(outside, vrt("/etc/hostname"))
+        (self.folder / "m.mrf").write_text("<MRF_META><CachedSource><Source>%s/x</Source></CachedSource></MRF_META>" % self.url)
+        refused(network, "m.mrf")
+        (self.folder / "sub/a.kml").write_text("<kml><Document><GroundOverlay><Icon><href>%s/x.png</href></Icon></GroundOverlay></Document></kml>" % self.url)
+        self.refused(3, *make, "sub/a.kml")
         refused(outside, vrt("../a.tif", relative=1, name="sub/v.vrt"))
         refused("8 deep", vrt("v.vrt"))
         os.symlink("../a.tif", self.folder / "sub/link.tif")
