@@ -8,6 +8,7 @@
 #include "dem/dem.h"
 #include "fleet/fleet.h"
 #include "help.h"
+#include "screen.h"
 
 static int report(enum status status)
 {
@@ -81,6 +82,7 @@ int main(int argc, char **argv)
 			help_command(stdout, command);
 			return 0;
 		}
+	screen_begin();
 	struct arguments *arguments = NULL;
 	enum status status = arguments_parse(command, argc - 2, argv + 2, &arguments);
 	if (status == STATUS_OK)

@@ -18,7 +18,7 @@ static const struct command_option options[] = {
 	{"tile", "N", .help = "cells along a tile's side, a power of two from 8 to 1024", .preset = "256"},
 	{"max-error", "M", .help = "most that a stored height may be off its source; 0: lossless", .unit = "m",
 	 .preset = "half the source's unit"},
-	{"s-srs", "SRS", .help = "the sources' reference system, if they do not say or say it wrong"},
+	{"s-srs", "SRS", .help = "the sources' reference system, if they do not say or say it wrong; also a file with its WKT"},
 	{"t-srs", "SRS", .help = "the store's reference system, in metres, or auto, or source: see below", .preset = "auto"},
 	{"s-vertical", "REF", .help = "above what the sources' heights are, if they do not say or say it wrong: see below"},
 	{"s-unit", "UNIT", .help = "unit of the sources' heights; otherwise what they say, or the vertical reference, or m",
@@ -37,6 +37,8 @@ static const struct command_option options[] = {
 	 .files = SOURCES, .repeats = true},
 	{"feather", "M", .help = "width over which an inset's rim blends into what surrounds it", .unit = "m",
 	 .preset = "10 posts of what surrounds it, at most a quarter of the inset"},
+	{"vrt-folder", "FOLDER", .help = "where else a VRT's rasters may lie; otherwise in its own folder and below it", .files = "/"},
+	{"allow-network", .help = "let GDAL read sources from networks, as /vsicurl/URL, and PROJ fetch grids"},
 	{"match-heights", .help = "raise or lower each inset by its median difference from what surrounds it"},
 	{"height-range", "MIN,MAX", .help = "heights that a PNG's 0 and full scale mean", .unit = "m",
 	 .preset = "one metre a unit"},
@@ -230,7 +232,9 @@ const struct command command_import = {
 		   "SRS. --radii auto finds them by their size, and tells.\n\n"
 		   "Heights are above an ellipsoid, a geoid or a sea level. Import tells what a source says, and keeps it. "
 		   "--t-vertical converts, by PROJ and its grids: ellipsoid (of the source's SRS), egm96, egm2008, or any vertical "
-		   "SRS as EPSG:5703. If a source does not say, --s-vertical must: SRTM is above egm96.\n",
+		   "SRS as EPSG:5703. If a source does not say, --s-vertical must: SRTM is above egm96.\n\n"
+		   "Sources may come from strangers. Without --allow-network nothing that a source names is fetched. A VRT names files of its own "
+		   "folder and those below it, or of --vrt-folder.\n",
 	.examples = "furrow import N46E007.hgt -o alps.furrow\n"
 		    "furrow import tiles/ -o site.furrow --t-srs EPSG:25832 --spacing 1\n"
 		    "furrow import wide.tif --inset site.tif -o site.furrow --match-heights\n",

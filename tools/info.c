@@ -9,6 +9,7 @@
 #include "errors.h"
 #include "json.h"
 #include "ruts.h"
+#include "screen.h"
 #include "store/store.h"
 
 static const struct command_option options[] = {
@@ -202,6 +203,19 @@ static enum status print_json(struct store *store, const struct store_numbers *n
 	return json_print(object);
 }
 
+/* What a store says is one line each, whatever it has in it. */
+static void put_part(const char *before, const char *text)
+{
+	fputs(before, stdout);
+	screen_put(text);
+}
+
+static void put_line(const char *before, const char *text, const char *after)
+{
+	put_part(before, text);
+	puts(after);
+}
+
 static void print_srs(const char *wkt)
 {
 	char name[160];
@@ -209,9 +223,9 @@ static void print_srs(const char *wkt)
 	if (wkt[0] == '\0')
 		puts("srs        none: local metres");
 	else if (name[0] != '\0')
-		printf("srs        %s; --json has all of it\n", name);
+		put_line("srs        ", name, "; --json has all of it");
 	else
-		printf("srs        %s\n", wkt);
+		put_line("srs        ", wkt, "");
 }
 
 #define PLACE_OFF 1e-6 /* m, inwards: furrow query finds the printed place on the terrain */
@@ -258,7 +272,7 @@ static void print_text(struct store *store, const struct store_numbers *numbers,
 		printf("\nruts       within %s (west, south, east, north of the tiles with ruts, m; for --window)",
 		       number_window(ruts[0], ruts[1], ruts[2], ruts[3]).text);
 	if (store_relief_text(store) != NULL)
-		printf("\nrelief     %s", store_relief_text(store));
+		put_part("\nrelief     ", store_relief_text(store));
 	printf("\nheight     %.2f to %.2f m\n", meta->low, meta->high);
 	print_holes(meta, "no data    ");
 	print_errors(meta, "errors     ", "           ");
@@ -272,8 +286,10 @@ static void print_text(struct store *store, const struct store_numbers *numbers,
 		printf("history    %lld revisions, %lld names, %lld rows of %lld bytes\n", (long long)numbers->revisions,
 		       (long long)numbers->snapshots, (long long)numbers->history_rows, (long long)numbers->history_bytes);
 	printf("base       %016llx", (unsigned long long)store_base_hash(store));
-	if (store_base_path(store) != NULL)
-		printf(" in %s; this is an overlay", store_base_path(store));
+	if (store_base_path(store) != NULL) {
+		put_part(" in ", store_base_path(store));
+		fputs("; this is an overlay", stdout);
+	}
 	putchar('\n');
 	if (store_depth(store) > 1 || (parent != NULL && revision > 0))
 		printf("parent     %s at revision %lld; %d files under this one\n", parent, (long long)revision, store_depth(store));
@@ -283,7 +299,7 @@ static void print_text(struct store *store, const struct store_numbers *numbers,
 	print_place(meta->origin[1]);
 	puts(" (south-west post)");
 	if (meta->vertical[0] != '\0' || meta->srs[0] != '\0')
-		printf("vertical   %s\n", meta->vertical[0] != '\0' ? meta->vertical : "not said");
+		put_line("vertical   ", meta->vertical[0] != '\0' ? meta->vertical : "not said", "");
 	print_srs(meta->srs);
 	for (const char *line = meta->sources; *line != '\0';) {
 		int length = (int)strcspn(line, "\n");

@@ -13,7 +13,7 @@ void json_pair(cJSON *object, const char *name, double a, double b)
 
 enum status json_print(cJSON *object)
 {
-	char *text = object != NULL ? cJSON_Print(object) : NULL;
+	char *text = object != NULL ? json_text(object) : NULL;
 	cJSON_Delete(object);
 	if (text == NULL)
 		return fail_memory("JSON");

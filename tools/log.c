@@ -10,6 +10,7 @@
 
 #include "command.h"
 #include "json.h"
+#include "screen.h"
 #include "store/store.h"
 
 static const struct command_option options[] = {
@@ -37,18 +38,25 @@ static enum status print_revision(void *user, const struct store_revision *revis
 {
 	struct listing *listing = user;
 	char made[32];
-	if (strcmp(listing->file, revision->file) != 0)
-		printf("%s%s\n", listing->count > 0 ? "over " : "", revision->file);
+	if (strcmp(listing->file, revision->file) != 0) {
+		fputs(listing->count > 0 ? "over " : "", stdout);
+		screen_put(revision->file);
+		putchar('\n');
+	}
 	snprintf(listing->file, sizeof listing->file, "%s", revision->file);
 	listing->count++;
 	print_time(revision->made, "%Y-%m-%d %H:%M:%S", made, sizeof made);
-	printf("%c %6lld  %-19s  %-8s  ", revision->present ? '*' : ' ', (long long)revision->revision, made,
-	       revision->who[0] != '\0' ? revision->who : "-");
+	printf("%c %6lld  %-19s  ", revision->present ? '*' : ' ', (long long)revision->revision, made);
+	screen_put(revision->who[0] != '\0' ? revision->who : "-");
+	printf("%*s", strlen(revision->who) < 8 ? 10 - (int)(revision->who[0] != '\0' ? strlen(revision->who) : 1) : 2, "");
 	if (revision->scene_hash[0] != '\0')
 		printf("step %lld (%.3f s)  ", (long long)revision->step, revision->time);
-	printf("%s", revision->what[0] != '\0' ? revision->what : revision->revision == 0 ? "as imported" : "-");
-	if (revision->names[0] != '\0')
-		printf("  [%s]", revision->names);
+	screen_put(revision->what[0] != '\0' ? revision->what : revision->revision == 0 ? "as imported" : "-");
+	if (revision->names[0] != '\0') {
+		fputs("  [", stdout);
+		screen_put(revision->names);
+		putchar(']');
+	}
 	putchar('\n');
 	return STATUS_OK;
 }

@@ -91,7 +91,7 @@ static char *manifest_text(const struct study *study)
 	cJSON *list = cJSON_AddArrayToObject(json, "runs");
 	for (size_t run = 0; run < study->run_count; run++)
 		add_run(study, run, list);
-	char *text = cJSON_Print(json);
+	char *text = json_text(json);
 	cJSON_Delete(json);
 	return text;
 }

@@ -27,9 +27,9 @@ enum status api_folder_commits(const char *directory, FILE **out)
 {
 	char path[4096];
 	snprintf(path, sizeof path, "%s/epochs.log", directory);
-	*out = fopen(path, "a+e"); /* a program that the host starts does not keep the lock */
+	*out = output_open(path, "a+");
 	if (*out == NULL)
-		return fail_with(STATUS_FAILED, "%s: %s; %s", path, strerror(errno), limits_advice(errno, "give a folder that can be written"));
+		return fail_with(STATUS_FAILED, "%s: %s; %s", path, input_problem(), limits_advice(errno, "give a folder that can be written"));
 	if (flock(fileno(*out), LOCK_EX | LOCK_NB) == 0)
 		return STATUS_OK;
 	fclose(*out);

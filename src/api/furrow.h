@@ -92,6 +92,8 @@ FURROW_API void furrow_free(void *memory);
  * `sources`: `count` paths of rasters, folders, or "@list.txt"; at least one. `store`: path of the file to make.
  * `options`: a YAML mapping of the command's long names, as in "{max_error: 0.01, spacing: 1}"; NULL: all defaults.
  * `nodata` and `inset` may be lists of values; `height_range` and `window` are lists of numbers. No other option is a list.
+ * Without {allow_network: true} GDAL fetches nothing from a network. No other function fetches anything, either. A host's own settings of
+ * GDAL come back when the call returns. PROJ may fetch its own grids where the host allows that.
  * `progress`: gets the share that is done, 0 to 1, and returns false to stop; NULL: nobody asks. It is called on this thread.
  * `user` is handed on to it.
  * FURROW_INTERRUPTED: `progress` stopped it; a call with {resume: true} goes on. FURROW_INPUT: a source cannot be read, or

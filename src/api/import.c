@@ -42,7 +42,9 @@ static const struct option options[] = {
 	{"height-range", RANGE, 0, 0, NULL},
 	{"window", WINDOW, 0, 0, NULL},
 	{"window-srs", TEXT, 0, 0, NULL},
+	{"vrt-folder", TEXT, 0, 0, NULL},
 	{"match-heights", FLAG, 0, 0, NULL},
+	{"allow-network", FLAG, 0, 0, NULL},
 	{"fill", FLAG, 0, 0, NULL},
 	{"resume", FLAG, 0, 0, NULL},
 	{"overwrite", FLAG, 0, 0, NULL},
@@ -148,7 +150,7 @@ static enum status take_named_text(struct import *import, const char *name, cons
 	const struct {
 		const char *name, **to;
 	} texts[] = {{"s-srs", &dem->s_srs}, {"t-srs", &dem->t_srs}, {"window-srs", &dem->window_srs}, {"s-vertical", &dem->s_vertical},
-		     {"t-vertical", &dem->t_vertical}};
+		     {"t-vertical", &dem->t_vertical}, {"vrt-folder", &dem->vrt_folder}};
 	size_t i = 0;
 	while (strcmp(texts[i].name, name) != 0)
 		i++;
@@ -168,9 +170,20 @@ static enum status take_inset(struct import *import, const char *text)
 	return STATUS_OK;
 }
 
+static void allow_network(struct import *import, bool on)
+{
+	if (on && !import->allow_network)
+		dem_network_begin();
+	if (!on && import->allow_network)
+		dem_network_end();
+	import->allow_network = on;
+}
+
 static enum status take_flag(struct import *import, const char *name, bool on)
 {
-	if (strcmp(name, "fill") == 0)
+	if (strcmp(name, "allow-network") == 0)
+		allow_network(import, on);
+	else if (strcmp(name, "fill") == 0)
 		import->dem.fill = on;
 	else if (strcmp(name, "match-heights") == 0)
 		import->match_heights = on;
@@ -286,6 +299,7 @@ void api_import_finish(struct import *import)
 	free(import->inset_lines);
 	free(import->description);
 	dem_close(import->opened);
+	allow_network(import, false);
 }
 
 /* --- making the store --- */

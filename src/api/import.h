@@ -15,6 +15,7 @@ struct import {
 	double max_error; /* m; below 0: the default */
 	double feather;   /* m; below 0: the default */
 	bool match_heights;
+	bool allow_network; /* dem_network_begin was called */
 	char **inset_sources; /* owned; those that were named */
 	size_t inset_count;
 	enum store_pack pack;
@@ -27,7 +28,7 @@ struct import {
 	struct dem_insets *insets; /* NULL: there are none */
 	double coarse_step; /* m: heights of the terrain are rounded to multiples of it; 0: they are stored as they come */
 	struct store_meta meta; /* of the store that will be made */
-	char *lines, *inset_lines, *description, *texts[5];
+	char *lines, *inset_lines, *description, *texts[6];
 };
 
 void api_import_init(struct import *import); /* sets all options to their defaults */

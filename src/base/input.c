@@ -67,3 +67,25 @@ int output_create(const char *path, int flags)
 	errno = ELOOP;
 	return -1;
 }
+
+FILE *output_open(const char *path, const char *mode)
+{
+	struct stat found;
+	const bool both = strchr(mode, '+') != NULL, end = mode[0] == 'a';
+	const int file = output_create(path, (both ? O_RDWR : O_WRONLY) | (end ? O_APPEND : O_TRUNC) | O_NONBLOCK);
+	if (file < 0) {
+		errno = errno == ENXIO ? NO_FILE : errno; /* a pipe, or a socket */
+		return NULL;
+	}
+	int why = NO_FILE;
+	FILE *stream = NULL;
+	if (fstat(file, &found) != 0)
+		why = errno;
+	else if ((S_ISREG(found.st_mode) || S_ISCHR(found.st_mode)) && (stream = fdopen(file, mode)) == NULL)
+		why = errno;
+	if (stream == NULL) {
+		close(file);
+		errno = why;
+	}
+	return stream;
+}

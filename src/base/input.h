@@ -22,5 +22,7 @@ const char *input_problem(void);
  * link in the last part of the path. A link to a character device is followed: nothing is made there. Returns the descriptor; -1:
  * it failed, and input_problem says why. */
 int output_create(const char *path, int flags);
+/* The same for fopen's modes "w", "w+", "a" and "a+". Refuses a pipe. The caller closes the file with fclose. NULL: it failed. */
+FILE *output_open(const char *path, const char *mode);
 
 #endif

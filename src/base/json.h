@@ -9,6 +9,9 @@
 #include <stdint.h>
 
 void json_integer(cJSON *object, const char *name, int64_t value);
+/* Prints JSON without characters that move a terminal's cursor: each is written as \\u and its number. Returns a text to be freed with cJSON_free; NULL:
+ * out of memory. */
+char *json_text(const cJSON *root);
 void json_number(cJSON *object, const char *name, double value); /* null if not finite */
 
 #endif

@@ -4,6 +4,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "base/plain.h"
+
 static _Thread_local char last_message[sizeof(((struct failure *)0)->message)];
 
 enum status fail_with(enum status status, const char *format, ...)
@@ -15,9 +17,7 @@ enum status fail_with(enum status status, const char *format, ...)
 	va_end(args);
 	/* The arguments may point into last_message itself, so it is copied. An error is one line. Nothing in it moves a
 	 * terminal's cursor, whatever a file put into its text. */
-	for (char *c = text; *c != '\0'; c++)
-		if ((unsigned char)*c < 0x20 || *c == 0x7f)
-			*c = ' ';
+	plain_line(text);
 	memcpy(last_message, text, sizeof last_message);
 	return status;
 }
@@ -77,6 +77,7 @@ void note(const char *format, ...)
 	va_start(args, format);
 	vsnprintf(text, sizeof text, format, args);
 	va_end(args);
+	plain_line(text);
 	void (*take)(const char *text) = atomic_load(&taker);
 	if (take != NULL)
 		take(text);

@@ -20,6 +20,7 @@ enum dem_radii { DEM_RADII_AUTO, DEM_RADII_YES, DEM_RADII_NO };
 struct dem_params {
 	const char *const *sources; /* rasters, directories, or "@list.txt" */
 	size_t source_count;        /* at least 1 */
+	const char *vrt_folder;     /* a folder in which files lie that a VRT may name beside those in its own; NULL: none */
 	const char *s_srs;          /* overrides the SRS of the sources; NULL: no override */
 	/* SRS of the result. NULL or "auto": the first source's, if it is in true metres, otherwise a metric one that suits the
 	 * place. "source": the first source's, true or not, but metres. */
@@ -341,5 +342,10 @@ void dem_globe_from_degrees(struct dem_globe *globe, size_t count, double *x, do
 void dem_quiet_process(void);
 void dem_quiet_begin(void);
 void dem_quiet_end(void);
+
+/* GDAL uses no network on a thread between dem_quiet_begin and dem_quiet_end, and in the command. These allow it, for all threads, from
+ * the one call to the other; they are called on one thread, and may be nested. */
+void dem_network_begin(void);
+void dem_network_end(void);
 
 #endif

@@ -52,7 +52,7 @@ static enum status open_sources(struct gdal_grid *gdal, const struct dem_params 
 {
 	OGRSpatialReferenceH override = NULL;
 	if (params->s_srs != NULL) {
-		override = dem_srs_parse(params->s_srs);
+		override = dem_srs_parse_given(params->s_srs);
 		if (override == NULL)
 			return STATUS_INPUT;
 	}
@@ -272,13 +272,13 @@ static enum status describe(struct gdal_grid *gdal, const struct dem_params *par
 }
 
 /* Drops files that were found in a directory and have no place, as previews, unless none has. */
-static void skip_placeless(struct dem_list *list)
+static void skip_placeless(const struct dem_params *params, struct dem_list *list)
 {
 	size_t placeless = 0;
 	for (size_t i = 0; list->count > 1 && i < list->count; i++)
-		placeless += list->found[i] && !dem_source_is_placed(list->paths[i]);
+		placeless += list->found[i] && !dem_source_is_placed(params, list->paths[i]);
 	for (size_t i = list->count; placeless > 0 && placeless < list->count && i-- > 0;)
-		if (list->found[i] && !dem_source_is_placed(list->paths[i])) {
+		if (list->found[i] && !dem_source_is_placed(params, list->paths[i])) {
 			dem_list_skip(list, i);
 			placeless--;
 		}
@@ -286,7 +286,7 @@ static void skip_placeless(struct dem_list *list)
 
 static enum status open_grid(struct gdal_grid *gdal, const struct dem_params *params, struct dem_list *list)
 {
-	skip_placeless(list);
+	skip_placeless(params, list);
 	gdal->sources = mem_calloc(list->count, sizeof *gdal->sources);
 	gdal->name = mem_strdup(list->paths[0]);
 	enum status status = gdal->sources != NULL && gdal->name != NULL ? open_sources(gdal, params, list)

@@ -42,12 +42,27 @@ void dem_gdal_register(void);       /* of dem_gdal_init: drivers, the size of th
 /* ": " and the last message of GDAL, "" if there is none; valid until the next call in this thread. */
 const char *dem_gdal_because(void);
 
+/* --- dem_network.c: GDAL fetches nothing, unless it was allowed --- */
+void dem_network_close_process(void); /* for all threads; of the command */
+/* For this thread; of callers of the library. May be nested. GDAL is loaded. */
+void dem_network_close_thread(void);
+void dem_network_reopen_thread(void);
+bool dem_network_is_open(void); /* dem_network_begin was called, and dem_network_end not yet */
+/* Returns true for a driver that uses a network, or whose files name others anywhere. */
+bool dem_gdal_is_networked(GDALDriverH driver);
+/* Returns the names of drivers that open sources, ended by NULL. NULL: all do. */
+const char *const *dem_gdal_drivers(void);
+
+/* --- dem_srs_text.c --- */
+/* Returns why the text of an SRS is not read: it leads to a file or a network. NULL: it may be. */
+const char *dem_srs_text_problem(const char *text);
+
 /* --- dem_source.c --- */
 /* Opens a source. Adds to `files` the other files that belong to it. */
 enum status dem_source_init(struct gdal_source *source, const struct dem_params *params, const char *path,
 			    OGRSpatialReferenceH override, int number, struct dem_list *files) FURROW_CHECKED;
 /* Returns false if the file can be opened and has no place. */
-bool dem_source_is_placed(const char *path);
+bool dem_source_is_placed(const struct dem_params *params, const char *path);
 void dem_source_finish(struct gdal_source *source);
 /* Keeps what is to be told of the source. Without memory it is not told. */
 void dem_source_remark(struct gdal_source *source, enum source_remark which, const char *format, ...) FURROW_PRINTF(3, 4);
@@ -200,6 +215,10 @@ enum status dem_overlap(struct gdal_source *sources, size_t count, const struct 
 /* --- dem_srs.c --- */
 /* Returns a new SRS with x east. Returns NULL and sets the failure message if `text` is not an SRS. */
 OGRSpatialReferenceH dem_srs_parse(const char *text);
+/* As dem_srs_parse, for what a user gives: it may also be the name of a file that holds the text. */
+OGRSpatialReferenceH dem_srs_parse_given(const char *text);
+/* Checks the SRS of a raster: STATUS_INPUT if it names a file by a path. */
+enum status dem_srs_check(const char *path, OGRSpatialReferenceH srs) FURROW_CHECKED;
 /* Longitude and latitude in degrees: WGS 84 on the Earth, on another body its own. NULL: the SRS is local, or GDAL fails. */
 OGRSpatialReferenceH dem_srs_degrees(OGRSpatialReferenceH srs);
 /* As dem_srs_parse, but DEM_SRS_DEGREES means the degrees of the body of `other`. */

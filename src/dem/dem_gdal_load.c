@@ -45,14 +45,18 @@ static void load_once(void)
 		dem_gdal_calls.CPLSetErrorHandler(dem_gdal_calls.CPLQuietErrorHandler);
 	find_proj(library);
 	dem_gdal_register();
+	if (quiet)
+		dem_network_close_process();
 	loaded = true;
 }
 
 /* What this thread asked for before GDAL was there. */
 static void push_handlers(void)
 {
-	for (; pushed < begun; pushed++)
+	for (; pushed < begun; pushed++) {
 		dem_gdal_calls.CPLPushErrorHandler(dem_gdal_calls.CPLQuietErrorHandler);
+		dem_network_close_thread();
+	}
 }
 
 enum status dem_gdal_init(const char *what)
@@ -71,8 +75,10 @@ enum status dem_gdal_init(const char *what)
 void dem_quiet_process(void)
 {
 	quiet = true;
-	if (loaded)
+	if (loaded) {
 		dem_gdal_calls.CPLSetErrorHandler(dem_gdal_calls.CPLQuietErrorHandler);
+		dem_network_close_process();
+	}
 }
 
 void dem_quiet_begin(void)
@@ -85,6 +91,8 @@ void dem_quiet_begin(void)
 void dem_quiet_end(void)
 {
 	begun--;
-	for (; pushed > begun; pushed--)
+	for (; pushed > begun; pushed--) {
+		dem_network_reopen_thread();
 		dem_gdal_calls.CPLPopErrorHandler();
+	}
 }

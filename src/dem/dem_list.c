@@ -206,6 +206,8 @@ static enum status add_one(struct dem_list *list, const char *path)
 			return add_directory(list, path);
 		if (file.st_size == 0 && S_ISREG(file.st_mode))
 			return fail_with(STATUS_INPUT, "%s: the file is empty; fetch it again", path);
+		if (!S_ISREG(file.st_mode))
+			return fail_with(STATUS_INPUT, "%s: not a file; give a raster, a directory or @list.txt", path);
 	} else if (errno != ENOENT && errno != ENOTDIR) {
 		return fail_with(STATUS_INPUT, "%s: cannot be read: %s; check its permissions", path,
 				 strerror(errno));

@@ -91,6 +91,14 @@ enum status dem_placed_gdal_open(const struct dem_placed_params *params, enum de
 			 "or build with GDAL", params->path, kind == DEM_PLACED_CLASSES ? "classes" : "a soil's numbers");
 }
 
+void dem_network_begin(void)
+{
+}
+
+void dem_network_end(void)
+{
+}
+
 void dem_quiet_process(void)
 {
 }

@@ -5,7 +5,7 @@
 #include <math.h>
 
 #include "dem_placed.h"
-#include "dem_gdal.h"
+#include "dem_outside.h"
 
 struct gdal_of_values {
 	struct dem_placed raster;
@@ -138,10 +138,12 @@ static enum status take_way(struct gdal_of_values *gdal, OGRSpatialReferenceH sr
 	if (params->srs[0] == '\0')
 		return fail_with(STATUS_INPUT, "%s: lies on a planet, and the store is local metres; give one without "
 				 "an SRS, in metres from the south-west post, or a PNG", params->path);
+	enum status status = dem_srs_check(params->path, srs);
+	if (status != STATUS_OK)
+		return status;
 	OGRSpatialReferenceH store = dem_srs_parse(params->srs);
 	if (store == NULL)
 		return STATUS_INPUT;
-	enum status status = STATUS_OK;
 	if (!OSRIsSame(store, srs)) {
 		gdal->move = OCTNewCoordinateTransformation(store, srs);
 		if (gdal->move == NULL)
@@ -207,6 +209,8 @@ enum status dem_placed_gdal_open(const struct dem_placed_params *params, enum de
 	enum status status = refuse_vector(params->path, kind);
 	if (status == STATUS_OK)
 		status = dem_gdal_init(params->path);
+	if (status == STATUS_OK)
+		status = dem_outside_check(params->path, NULL);
 	if (status != STATUS_OK)
 		return status;
 	struct gdal_of_values *gdal = mem_calloc(1, sizeof *gdal);
@@ -223,6 +227,8 @@ enum status dem_placed_gdal_open(const struct dem_placed_params *params, enum de
 	if (gdal->dataset == NULL)
 		status = fail_with(STATUS_INPUT, "%s: cannot be opened as %s%s; give a whole GeoTIFF or a grey PNG",
 				   params->path, names[kind], dem_gdal_because());
+	if (status == STATUS_OK)
+		status = dem_outside_opened(params->path, NULL, gdal->dataset);
 	if (status == STATUS_OK)
 		status = take_band(gdal);
 	if (status == STATUS_OK)

@@ -8,7 +8,7 @@
 #include <proj.h>
 
 #define DEM_PROJ_EACH(CALL) \
-	CALL(proj_context_create) CALL(proj_context_destroy) CALL(proj_context_get_user_writable_directory) CALL(proj_log_level) \
+	CALL(proj_context_create) CALL(proj_context_destroy) CALL(proj_context_set_enable_network) CALL(proj_context_get_user_writable_directory) CALL(proj_log_level) \
 	CALL(proj_create) CALL(proj_destroy) CALL(proj_get_type) CALL(proj_get_name) CALL(proj_crs_get_sub_crs) \
 	CALL(proj_crs_get_coordinate_system) CALL(proj_cs_get_axis_info) CALL(proj_as_wkt) CALL(proj_is_equivalent_to) \
 	CALL(proj_create_operation_factory_context) CALL(proj_operation_factory_context_destroy) \

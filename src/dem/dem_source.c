@@ -2,6 +2,7 @@
  * Opens one source file with GDAL. Finds out what kind of raster it is and where it lies. Makes a VRT that gives its heights in
  * metres.
  */
+#include "dem_outside.h"
 #include "dem_vertical.h"
 
 #include <stdatomic.h>
@@ -91,6 +92,9 @@ static enum status place_source(struct gdal_source *source, GDALDatasetH dataset
 	if (OSRIsGeocentric(own))
 		return fail_with(STATUS_INPUT, "%s: geocentric coordinates are no map; project it first",
 				 source->path);
+	enum status status = dem_srs_check(source->path, own);
+	if (status != STATUS_OK)
+		return status;
 	source->srs = OSRClone(own);
 	if (source->srs == NULL)
 		return fail_memory(source->path);
@@ -278,16 +282,20 @@ enum status dem_source_init(struct gdal_source *source, const struct dem_params 
 			return unpacked;
 		source->name = source->unpacked.name;
 	}
+	enum status status = dem_outside_check(source->name, params->vrt_folder);
+	if (status != STATUS_OK)
+		return status;
 	CPLErrorReset();
-	GDALDatasetH dataset = GDALOpenEx(source->name, GDAL_OF_RASTER | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR,
-					  NULL, NULL, NULL);
+	GDALDatasetH dataset = GDALOpenEx(source->name, GDAL_OF_RASTER | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR, dem_gdal_drivers(), NULL, NULL);
 	if (dataset == NULL)
 		return fail_with(STATUS_INPUT, "%s: cannot be opened as a raster%s; give a whole raster that "
 				 "GDAL reads", path, dem_gdal_because());
 	double unit;
 	bool said;
 	struct dem_radius radius;
-	enum status status = add_files(dataset, source, files);
+	status = dem_outside_opened(source->name, params->vrt_folder, dataset);
+	if (status == STATUS_OK)
+		status = add_files(dataset, source, files);
 	if (status != STATUS_OK)
 		goto close;
 	if (GDALGetRasterCount(dataset) < 1) {
@@ -339,12 +347,12 @@ close:
 	return status;
 }
 
-bool dem_source_is_placed(const char *path)
+bool dem_source_is_placed(const struct dem_params *params, const char *path)
 {
 	double place[6];
-	if (dem_unpack_is_packed(path))
+	if (dem_unpack_is_packed(path) || dem_outside_check(path, params->vrt_folder) != STATUS_OK) /* dem_source_init tells */
 		return true;
-	GDALDatasetH dataset = GDALOpenEx(path, GDAL_OF_RASTER | GDAL_OF_READONLY, NULL, NULL, NULL);
+	GDALDatasetH dataset = GDALOpenEx(path, GDAL_OF_RASTER | GDAL_OF_READONLY, dem_gdal_drivers(), NULL, NULL);
 	if (dataset == NULL)
 		return true;
 	bool placed = has_place(dataset, place) || GDALGetGCPCount(dataset) > 0;

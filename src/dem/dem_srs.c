@@ -8,6 +8,7 @@
 
 #define SCALE_TOLERANCE 1e-3
 #define SCALE_TOLD 5e-3
+#define GIVEN_MOST (64 << 10) /* bytes of a file that holds the text of an SRS */
 
 /* `more`: what else may be given, for the message. */
 static OGRSpatialReferenceH parse(const char *text, const char *more)
@@ -15,6 +16,13 @@ static OGRSpatialReferenceH parse(const char *text, const char *more)
 	OGRSpatialReferenceH srs = OSRNewSpatialReference(NULL);
 	text += strspn(text, " \t\r\n"); /* WKT of a file or a here-document often begins with a new line */
 	CPLErrorReset();
+	const char *problem = dem_srs_text_problem(text);
+	if (problem != NULL) {
+		if (srs != NULL)
+			OSRDestroySpatialReference(srs);
+		(void)fail_with(STATUS_INPUT, "SRS \"%.80s\": %s; give an EPSG code, WKT, PROJ or IAU name%s", text, problem, more);
+		return NULL;
+	}
 	if (srs == NULL || OSRSetFromUserInput(srs, text) != OGRERR_NONE) {
 		if (srs != NULL)
 			OSRDestroySpatialReference(srs);
@@ -29,6 +37,29 @@ static OGRSpatialReferenceH parse(const char *text, const char *more)
 OGRSpatialReferenceH dem_srs_parse(const char *text)
 {
 	return parse(text, "");
+}
+
+OGRSpatialReferenceH dem_srs_parse_given(const char *text)
+{
+	char *held = input_is_file(text) ? mem_calloc(GIVEN_MOST + 1, 1) : NULL;
+	FILE *file = held != NULL ? input_open(text) : NULL;
+	if (file == NULL) {
+		mem_free(held);
+		return dem_srs_parse(text);
+	}
+	(void)fread(held, 1, GIVEN_MOST, file);
+	fclose(file);
+	OGRSpatialReferenceH srs = dem_srs_parse(held);
+	mem_free(held);
+	return srs;
+}
+
+enum status dem_srs_check(const char *path, OGRSpatialReferenceH srs)
+{
+	char *wkt = dem_srs_wkt(srs);
+	const char *problem = wkt != NULL ? dem_srs_text_problem(wkt) : NULL;
+	mem_free(wkt);
+	return problem == NULL ? STATUS_OK : fail_with(STATUS_INPUT, "%s: its SRS: %s; name another with --s-srs", path, problem);
 }
 
 static bool is_earth(OGRSpatialReferenceH srs)

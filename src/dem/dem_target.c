@@ -186,7 +186,7 @@ static bool is_automatic(const struct dem_params *params)
 
 static enum status parse_target(const char *text, OGRSpatialReferenceH *out)
 {
-	*out = dem_srs_parse(text);
+	*out = dem_srs_parse_given(text);
 	if (*out == NULL)
 		return STATUS_INPUT;
 	if (!OSRIsProjected(*out) || !is_metric(*out))

@@ -16,6 +16,8 @@ PJ_CONTEXT *dem_vertical_context(void)
 		(void)fail_memory("a vertical reference");
 	else
 		P.proj_log_level(context, PJ_LOG_NONE);
+	if (context != NULL)
+		(void)P.proj_context_set_enable_network(context, dem_network_is_open());
 	return context;
 }
 
@@ -49,6 +51,9 @@ enum status dem_vertical_init(PJ_CONTEXT *context, const char *text, struct dem_
 	*vertical = (struct dem_vertical){NULL, 1};
 	if (strcmp(text, DEM_ELLIPSOID) == 0)
 		return STATUS_OK;
+	const char *problem = dem_srs_text_problem(text);
+	if (problem != NULL)
+		return refuse(text, problem);
 	PJ *crs = P.proj_create(context, text_of(text));
 	if (crs != NULL && P.proj_get_type(crs) == PJ_TYPE_COMPOUND_CRS) {
 		vertical->crs = P.proj_crs_get_sub_crs(context, crs, 1);

@@ -12,12 +12,10 @@
 
 #include <cJSON.h>
 #include <errno.h>
-#include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/file.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include "base/json.h"
@@ -121,18 +119,10 @@ enum status exchange_journal_begin(struct exchange_journal *journal, const char 
 	journal->done = mem_calloc((size_t)units + 1, 1);
 	if (journal->done == NULL)
 		return fail_memory("the journal of tiles");
-	struct stat found;
-	const int file = output_create(journal->path, O_RDWR | O_APPEND | O_NONBLOCK);
-	const bool plain = file < 0 || (fstat(file, &found) == 0 && S_ISREG(found.st_mode));
-	journal->file = file >= 0 && plain ? fdopen(file, "a+") : NULL;
-	if (journal->file == NULL) {
-		const int why = errno;
-		status = fail_with(STATUS_FAILED, "%s: cannot be written: %s; %s", journal->path, plain ? input_problem() : "not a file",
-				   limits_advice(plain ? why : 0, "give a folder that can be written"));
-		if (file >= 0)
-			close(file);
-		return status;
-	}
+	journal->file = output_open(journal->path, "a+");
+	if (journal->file == NULL)
+		return fail_with(STATUS_FAILED, "%s: cannot be written: %s; %s", journal->path, input_problem(),
+				 limits_advice(errno, "give a folder that can be written"));
 	if (flock(fileno(journal->file), LOCK_EX | LOCK_NB) != 0)
 		return fail_with(STATUS_FAILED, "%s: another export writes to this folder; wait for it, or give another folder", directory);
 	rewind(journal->file);

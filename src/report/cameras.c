@@ -287,7 +287,7 @@ static void print_json(const struct report_poses *poses, size_t index, FILE *fil
 		sun = (struct report_sun){.drawn = false};
 	report_sun_add(root, &sun);
 	add_frames(root, &poses->cameras[index], &sun);
-	char *text = cJSON_Print(root);
+	char *text = json_text(root);
 	cJSON_Delete(root);
 	if (text != NULL)
 		fprintf(file, "%s\n", text);

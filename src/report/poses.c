@@ -5,7 +5,6 @@
  * A resumed drive goes on with the rows that it finds. A frame that is drawn again replaces its row and all that follow.
  */
 #include <errno.h>
-#include <fcntl.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -19,7 +18,7 @@
 
 static enum status failed(const char *path)
 {
-	return fail_with(STATUS_FAILED, "%s: %s; %s", path, strerror(errno), limits_advice(errno, "give a folder that can be written"));
+	return fail_with(STATUS_FAILED, "%s: %s; %s", path, input_problem(), limits_advice(errno, "give a folder that can be written"));
 }
 
 /* Fills the quaternion x, y, z, w of a rotation, given by its columns. `w` is not negative. (Shepperd 1978: the largest of the four
@@ -94,8 +93,7 @@ static enum status begin_file(struct poses_of *poses, const char *path)
 	status = aside_end(&aside, false, status);
 	if (status != STATUS_OK)
 		return status;
-	const int file = output_create(path, O_WRONLY | O_APPEND);
-	poses->file = file >= 0 ? fdopen(file, "a") : NULL;
+	poses->file = output_open(path, "a");
 	return poses->file != NULL ? STATUS_OK : failed(path);
 }
 

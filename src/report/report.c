@@ -403,7 +403,7 @@ static void add_process(cJSON *root, const struct report *report, const struct r
 /* Returns the text of the object, and frees the object. */
 static char *print(cJSON *root)
 {
-	char *printed = cJSON_Print(root), *json = NULL;
+	char *printed = json_text(root), *json = NULL;
 	cJSON_Delete(root);
 	if (printed != NULL)
 		json = mem_strdup(printed);

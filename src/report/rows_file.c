@@ -25,14 +25,14 @@ static long whole_until(FILE *file, const char *header, double time)
 
 enum status report_rows_file_failed(const char *path)
 {
-	return fail_with(STATUS_FAILED, "%s: %s; %s", path, strerror(errno), limits_advice(errno, "give a folder that can be written"));
+	return fail_with(STATUS_FAILED, "%s: %s; %s", path, input_problem(), limits_advice(errno, "give a folder that can be written"));
 }
 
 enum status report_rows_file_open(const struct world *world, const char *path, const char *header, FILE **file, bool *begins)
 {
 	long end = 0;
 	struct world_recorded recorded = {.step = 0};
-	*file = fopen(path, world->resumed.is ? "a+" : "w+");
+	*file = output_open(path, world->resumed.is ? "a+" : "w+");
 	if (*file != NULL && world->resumed.is) {
 		world_recorded(world, &recorded);
 		rewind(*file);

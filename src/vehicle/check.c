@@ -14,7 +14,7 @@
 #include "vehicle/xml.h"
 
 #define DEPTH_MOST 100
-#define ELEMENTS_MOST 200000
+#define ELEMENTS_MOST 20000
 #define BODIES_MOST 10000
 #define KEYS_MOST 1000
 #define FREEDOMS_MOST 3000
@@ -112,6 +112,9 @@ static enum status take_names(struct vehicle_check *check, const struct vehicle_
 {
 	static const char *const folders[] = {"meshdir", "texturedir", "assetdir"};
 	const bool include = vehicle_xml_is(xml->name, xml->name_length, "include");
+	if (names_file(attribute) && vehicle_xml_is(xml->name, xml->name_length, "skin"))
+		return fail_with(STATUS_INPUT, "%s: %s: files of skins are not read; take the skin out, since nothing here draws it", check->where,
+				 check->path);
 	if (names_file(attribute))
 		return vehicle_check_name_add(check, attribute->value, attribute->value_length, include);
 	for (size_t i = 0; i < sizeof folders / sizeof folders[0]; i++)
@@ -125,10 +128,29 @@ static enum status take_names(struct vehicle_check *check, const struct vehicle_
 struct element {
 	double rows, columns, width, height, size, count;
 	double freedoms; /* of a joint; 0: it says no type */
+	size_t vertices; /* of a mesh in the text */
+	struct vehicle_xml_attribute face; /* value NULL: it has none */
 };
+
+static size_t count_numbers(const struct vehicle_xml_attribute *attribute)
+{
+	size_t count = 0;
+	bool word = false;
+	for (size_t i = 0; i < attribute->value_length; i++) {
+		const char c = attribute->value[i];
+		const bool space = c == ' ' || c == '\t' || c == '\n' || c == '\r';
+		count += !space && !word;
+		word = !space;
+	}
+	return count;
+}
 
 static void take_number(struct element *element, const struct vehicle_xml_attribute *attribute)
 {
+	if (vehicle_xml_is(attribute->name, attribute->name_length, "vertex"))
+		element->vertices = count_numbers(attribute) / 3;
+	if (vehicle_xml_is(attribute->name, attribute->name_length, "face"))
+		element->face = *attribute;
 	const struct {
 		const char *name;
 		double *number;
@@ -152,6 +174,9 @@ static void take_number(struct element *element, const struct vehicle_xml_attrib
 /* Adds an element whose attributes were read. `in_default`: it only says what other elements are. */
 static enum status add_element(struct vehicle_check *check, const struct vehicle_xml *xml, const struct element *element, bool in_default)
 {
+	if (element->face.value != NULL && !vehicle_check_faces(element->face.value, element->face.value_length, element->vertices))
+		return fail_with(STATUS_INPUT, "%s: %s: a face of a mesh in its text names a vertex that is not there; export the model again", check->where,
+				 check->path);
 	const bool joint = vehicle_xml_is(xml->name, xml->name_length, "joint"), composite = vehicle_xml_is(xml->name, xml->name_length, "composite");
 	if (joint && in_default)
 		check->heaviest = fmax(check->heaviest, element->freedoms);
@@ -213,7 +238,7 @@ static enum status check_text(struct vehicle_check *check, const char *path, con
 			status = add_element(check, &xml, &element, in_default > 0);
 	}
 	if (status == STATUS_OK && event == VEHICLE_XML_BAD)
-		status = fail_with(STATUS_INPUT, "%s: %s: its XML is not whole; check the file with a reader of XML", check->where, path);
+		status = fail_with(STATUS_INPUT, "%s: %s: its XML is not whole; give an MJCF or URDF file that MuJoCo reads", check->where, path);
 	return status;
 }
 

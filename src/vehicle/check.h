@@ -39,6 +39,13 @@ enum status vehicle_check_name(struct vehicle_check *check, const char *name) FU
 enum status vehicle_check_read(struct vehicle_check *check, const char *path, char **text, size_t *length) FURROW_CHECKED;
 #define VEHICLE_CHECK_TEXTS ((size_t)64 << 20)
 #define VEHICLE_CHECK_FILE ((int64_t)64 << 20) /* bytes of one mesh, image or height field */
+/* --- check_mesh.c --- */
+/* Return why MuJoCo must not read this OBJ or MSH; NULL: it may. `text` has a NUL behind it, and is changed. */
+const char *vehicle_check_obj(char *text, size_t length);
+const char *vehicle_check_msh(const char *bytes, size_t length);
+/* Returns true if all numbers of a text are numbers of vertices. */
+bool vehicle_check_faces(const char *faces, size_t length, size_t vertices);
+/* --- check_files.c --- */
 /* Returns the path of a name in the model's folder, or in a folder within it; `folder` may be NULL. To be freed with mem_free. */
 char *vehicle_check_path(const struct vehicle_check *check, const char *folder, const char *name);
 

@@ -14,8 +14,10 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include <sys/stat.h>
 
+static const char beside[] = "put the file beside the model, and name it from there";
 static const char package[] = "package://"; /* MuJoCo takes it off in a URDF */
 
 char *vehicle_check_path(const struct vehicle_check *check, const char *folder, const char *name)
@@ -45,15 +47,16 @@ enum status vehicle_check_read(struct vehicle_check *check, const char *path, ch
 	}
 	*text = mem_alloc((size_t)found.st_size + 1, 1);
 	*length = *text != NULL ? fread(*text, 1, (size_t)found.st_size, file) : 0;
+	if (*text != NULL)
+		(*text)[*length] = '\0';
 	check->texts += *length;
 	fclose(file);
 	return *text != NULL ? STATUS_OK : fail_memory("a vehicle");
 }
 
-static enum status refuse(const struct vehicle_check *check, const char *name, const char *why)
+static enum status refuse(const struct vehicle_check *check, const char *name, const char *why, const char *what_to_do)
 {
-	return fail_with(STATUS_INPUT, "%s: %s: it names the file \"%.100s\": %s; put the file beside the model, and name it from there", check->where,
-			 check->path, name, why);
+	return fail_with(STATUS_INPUT, "%s: %s: it names the file \"%.100s\": %s; %s", check->where, check->path, name, why, what_to_do);
 }
 
 static char *text_of(const char *text, size_t length)
@@ -73,8 +76,8 @@ static enum status check_written(const struct vehicle_check *check, const char *
 {
 	const char *rest = without_package(name);
 	if (strchr(name, '&') != NULL)
-		return refuse(check, name, "it has an &");
-	return rest[0] == '/' || rest[0] == '\\' || strchr(rest, ':') != NULL ? refuse(check, name, "only names that are relative are followed") : STATUS_OK;
+		return refuse(check, name, "it has an &", "give it another name");
+	return rest[0] == '/' || rest[0] == '\\' || strchr(rest, ':') != NULL ? refuse(check, name, "only names that are relative are followed", beside) : STATUS_OK;
 }
 
 enum status vehicle_check_name_add(struct vehicle_check *check, const char *text, size_t length, bool include)
@@ -141,24 +144,43 @@ static double png_bytes(const char *path)
 	return 8 * side[0] * side[1];
 }
 
+static enum status check_mesh(const char *path, bool obj, size_t bytes, const char **problem)
+{
+	FILE *file = input_open(path);
+	char *text = mem_calloc(bytes + 1, 1);
+	if (file != NULL && text != NULL) {
+		const size_t length = fread(text, 1, bytes, file);
+		*problem = obj ? vehicle_check_obj(text, length) : vehicle_check_msh(text, length);
+	}
+	if (file != NULL)
+		fclose(file);
+	enum status status = text != NULL ? STATUS_OK : fail_memory("a vehicle");
+	mem_free(text);
+	return status;
+}
+
 static enum status check_place(struct vehicle_check *check, const char *path, const char *name)
 {
 	char real[PATH_MAX];
 	struct stat found;
+	enum status status = STATUS_OK;
 	if (stat(path, &found) != 0)
 		return STATUS_OK; /* MuJoCo does not find it there */
 	if (realpath(path, real) == NULL)
-		return refuse(check, name, strerror(errno));
+		return refuse(check, name, strerror(errno), beside);
 	if (!is_below(real, check->reach))
-		return refuse(check, name, "it lies neither in the model's folder nor in the one above");
+		return refuse(check, name, "it lies neither in the model's folder nor in the one above", beside);
 	if (S_ISDIR(found.st_mode))
 		return STATUS_OK;
 	if (!S_ISREG(found.st_mode))
-		return refuse(check, name, "not a file");
+		return refuse(check, name, "not a file", "name a file");
 	if (found.st_size > VEHICLE_CHECK_FILE)
-		return refuse(check, name, "it has more than 64 MiB");
+		return refuse(check, name, "it has more than 64 MiB", "give a smaller one");
 	check->bytes += png_bytes(path);
-	return STATUS_OK;
+	const char *dot = strrchr(path, '.'), *problem = NULL;
+	if (dot != NULL && (strcasecmp(dot, ".obj") == 0 || strcasecmp(dot, ".msh") == 0))
+		status = check_mesh(path, strcasecmp(dot, ".obj") == 0, (size_t)found.st_size, &problem);
+	return problem != NULL ? refuse(check, name, problem, "export it again") : status;
 }
 
 enum status vehicle_check_name(struct vehicle_check *check, const char *name)

@@ -82,6 +82,19 @@ static void what_is_made_follows_no_link(void **state)
 	assert_true(device >= 0);
 	close(device);
 	unlink("dangling"), unlink("elsewhere");
+	static const char *const modes[] = {"w", "w+", "a", "a+"};
+	for (int i = 0; i < 4; i++) {
+		assert_int_equal(mkfifo("pipe", 0600), 0);
+		assert_null(output_open("pipe", modes[i]));
+		assert_string_equal(input_problem(), "not a file");
+		unlink("pipe");
+		FILE *made = output_open("made", modes[i]);
+		assert_non_null(made);
+		assert_true(fputs("text", made) >= 0);
+		assert_int_equal(ftell(made), i < 2 ? 4 : 4 * i);
+		fclose(made);
+	}
+	unlink("made");
 }
 
 static void a_file_aside_follows_no_link(void **state)

@@ -95,7 +95,7 @@ static void elements_have_limits(void **state)
 {
 	many("", "<body>", 1000000, "", "elements in each other: 101 is too much; allowed: 100");
 	many("<worldbody>", "<body/>", 10001, "</worldbody>", "bodies: 10001 is too much");
-	many("<worldbody>", "<geom/>", 200001, "</worldbody>", "elements: 200001 is too much");
+	many("<worldbody>", "<geom/>", 20001, "</worldbody>", "elements: 20001 is too much");
 	many("<worldbody><body>", "<joint/>", 3001, "</body></worldbody>", "degrees of freedom of its joints and composites: 3001 is too much; allowed: 3000");
 	many("<worldbody>", "<body><freejoint/></body>", 501, "</worldbody>", "degrees of freedom");
 	many("<default><joint type='ball'/></default><worldbody><body>", "<joint/>", 1001, "</body></worldbody>", "degrees of freedom");
@@ -139,6 +139,47 @@ static void files_are_beside_the_model(void **state)
 	assert_refused("a URDF", "not a file");
 }
 
+static void faces_of_an_obj_have_corners(void **state)
+{
+	static const char *const bad[] = {"f 1 2 5", "f 1 2 99999999", "f -9 -99 -999", "f 1 2 0", "f 1/2 2 3", "f 1//2 2 3", "f 1/1/1/1 2 3", "f 1 2 x",
+					  "f 1 2 3.5", "f 1 2 99999999999999999999", "f -5 1 2", "\tf 1 2 5", "f\t1 2 5", "f 1 2 \\\n9"};
+	static const char *const good[] = {"f 1 2 3 4", "f -1 -2 -3", "f 1/1 2/1 3/1", "f 1//1 2//1 3//1", "f 1/1/1 2/1/1 3/1/1\r", "# f 1 2 9", "l 1 2"};
+	const char *model = "<asset><mesh file='a.obj'/></asset>";
+	for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+		write_model("m/n/a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nvt 0 0\nvn 0 0 1\n%s\n", bad[i]);
+		write_model("m/n/model.xml", "<mujoco>%s</mujoco>", model);
+		assert_refused(bad[i], "\"a.obj\": ");
+	}
+	for (size_t i = 0; i < sizeof good / sizeof good[0]; i++) {
+		write_model("m/n/a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nvt 0 0\nvn 0 0 1\n%s\n", good[i]);
+		taken(model);
+	}
+	FILE *file = fopen(support_path("m/n/a.obj"), "w");
+	assert_non_null(file);
+	fputs("v 0 0 0\nf", file);
+	for (int i = 0; i < 1001; i++)
+		fputs(" 1", file);
+	fclose(file);
+	refused(model, "more than 1000 corners");
+	refused("<asset><mesh vertex='0 0 0 1 0 0 0 1 0 0 0 1' face='0 1 4'/></asset>", "names a vertex that is not there");
+	refused("<asset><mesh face='0 1 -5' vertex='0 0 0 1 0 0 0 1 0 0 0 1'/></asset>", "names a vertex that is not there");
+	refused("<asset><mesh file='none.stl' face='0 1 99999999'/></asset>", "names a vertex that is not there");
+	taken("<asset><mesh vertex='0 0 0 1 0 0 0 1 0 0 0 1' face='0 1 3'/></asset>");
+	refused("<asset><skin file='a.skn'/></asset>", "files of skins are not read");
+	for (int32_t corner = -1; corner < 5; corner++) {
+		int32_t words[4 + 12 + 3] = {4, 0, 0, 1};
+		words[18] = corner;
+		file = fopen(support_path("m/n/a.msh"), "wb");
+		assert_non_null(file);
+		assert_int_equal(fwrite(words, sizeof words, 1, file), 1);
+		fclose(file);
+		if (corner >= 0 && corner < 4)
+			taken("<asset><mesh file='a.msh'/></asset>");
+		else
+			refused("<asset><mesh file='a.msh'/></asset>", "a corner that is not there");
+	}
+}
+
 static int enter(void **state)
 {
 	return support_enter(state) != 0 || mkdir(support_path("m"), 0700) != 0 || mkdir(support_path("m/n"), 0700) != 0;
@@ -150,6 +191,7 @@ TEST_PROGRAM(hostile)
 		cmocka_unit_test(numbers_have_limits),
 		cmocka_unit_test(elements_have_limits),
 		cmocka_unit_test(files_are_beside_the_model),
+		cmocka_unit_test(faces_of_an_obj_have_corners),
 	};
 	return cmocka_run_group_tests_name("vehicle/hostile", tests, enter, support_leave);
 }
