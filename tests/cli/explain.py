@@ -5,6 +5,7 @@ import json
 import math
 import pathlib
 import re
+import resource
 import shutil
 import sqlite3
 import subprocess
@@ -87,6 +88,31 @@ class Explain(FurrowTest):
                             self.assertEqual(row["reason"], called[row["effect"]]["reason"])
                 for effect in plan["effects"]:
                     self.assertEqual(effect["called"], effect["reason"] is not None)
+
+    def test_what_is_not_called_for_is_told(self):
+        """No loaders where every tile has a slot; no slip where nothing slips; forces where loads sum them; a queue within the memory there is."""
+        store = self.synth(posts="257x257", kind="plain")
+        wheel = self.scene(BARE.replace("sphere: {radius: 2}", "wheel: {radius: 2, width: 1}").replace("sink: 0.2", "load: 900") +
+                           "soil: {name: dry_sand}\nredistribute: {model: scm}\n")
+        called = lambda plan: {effect["name"]: effect["reason"] for effect in plan["effects"] if effect["called"]}
+        plan = self.json("explain", wheel, "--store", store)
+        self.assertEqual([row["name"] for row in plan["threads"]], ["furrow-write"])
+        self.assertIs(plan["memory"]["holds_all"], True)
+        self.assertEqual({"slip", "loaders", "prefetch"} & set(called(plan)), set())
+        self.assertEqual(called(plan)["forces"], "objects.a.load")
+        text = self.ok("explain", wheel, "--store", store, "--all")
+        self.assertIn("every tile of the store has a slot: none is loaded ahead, and there are no loaders", text)
+        few = self.json("explain", wheel, "--store", store, "--set", "spacing=0.25", "--set", "cache.slots=12", "--set", "objects.a.slip=0.1")
+        self.assertEqual((few["memory"]["holds_all"], called(few)["slip"], called(few)["loaders"]),
+                         (False, "redistribute.slip_sinkage: 1.35", "cache.loaders: 2"))
+        bounds = []
+        for limit in (resource.RLIM_INFINITY, 3 * 10**9):  # of a large terrain, where one step may change thousands of tiles
+            large = json.loads(subprocess.run([FURROW, "explain", wheel, "--set", "spacing=0.25", "--json"], capture_output=True, check=True,
+                                              preexec_fn=lambda limit=limit: resource.setrlimit(resource.RLIMIT_AS, (limit, limit))).stdout)["memory"]
+            self.assertLessEqual(large["most"]["total"], large["usable"]["bytes"])
+            bounds.append((large["most"]["queue"], large["usable"]["of"]))
+        self.assertEqual(bounds[1][1], "ulimit -v")
+        self.assertLess(bounds[1][0], bounds[0][0])
 
     def test_soils_and_vehicles_tell_where_their_numbers_come_from(self):
         scene, own = self.folder / "tools/scenes/vehicles/offroad.yaml", ("--set", "soil.cohesion=1040", "--set", "soil.damping=null", "--set", "vehicles.car.driver.drive=[drive_rear_*]")
