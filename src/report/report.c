@@ -369,6 +369,7 @@ static void add_view(cJSON *root, const struct report *report)
 	json_integer(view, "images", (int64_t)pictures.written);
 	json_integer(view, "image_waits", (int64_t)pictures.waits);
 	json_number(view, "image_wait_ms", pictures.wait_ms);
+	json_integer(view, "black", (int64_t)pictures.black);
 }
 
 /* What this process did and what it used. */

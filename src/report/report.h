@@ -51,6 +51,11 @@ enum status report_map_check(const struct scene *scene) FURROW_CHECKED;
 
 /* asked.c: tells of each object of whose path samples more than 1 % had no ground. Of many processes: nothing, since none has all samples. */
 void report_groundless(const struct world *world, scene_advice_fn tell, void *user);
+/* told.c: tells report_groundless, bodies that touched nothing in this run, pictures that are black, and report_slow_pictures. Call it when all pictures are
+ * in their files. */
+void report_end_notes(const struct report *report, scene_advice_fn tell, void *user);
+/* Tells if pictures took most of the time: 5 s or more, and 20 times as long as the steps. Names what draws most pixels. */
+void report_slow_pictures(const struct scene *scene, const struct times *steps, const struct times *pictures, scene_advice_fn tell, void *user);
 /* failed.c: tells how often loads were not carried, or not held on a slope, and which object most, where and when first. Adds that object to
  * run.json's "forces". `sunk`, `slid`: how often in the whole drive. */
 void report_failed(struct cJSON *forces, const struct world *world, int64_t sunk, int64_t slid);

@@ -262,8 +262,7 @@ static void advise_ways(const struct world *world, scene_advice_fn tell, void *u
 	}
 }
 
-/* Metres along the ground that the object has come at `time`; NAN: out of memory. */
-static double way_at(const struct track *track, double time)
+double world_way_at(const struct track *track, double time)
 {
 	double(*places)[2] = mem_alloc(motion_track_corners(track), sizeof *places), way = 0;
 	if (places == NULL)
@@ -302,8 +301,8 @@ static void advise_unfinished(const struct world *world, scene_advice_fn tell, v
 	if (unfinished > 1)
 		snprintf(others, sizeof others, ", and %zu other%s not at the end either", unfinished - 1, unfinished > 2 ? "s are" : " is");
 	snprintf(text, sizeof text, "objects.%s.path: the drive ends after %.6g s, when it has come %.4g m of %.4g m%s; the whole path takes %.6g s: give "
-				    "end_time %.6g, or a shorter path", longest->object->name, scene->end_time, way_at(longest->track, scene->end_time),
-		 way_at(longest->track, needed), others, needed, ceil(needed * 1e3) / 1e3);
+				    "end_time %.6g, or a shorter path", longest->object->name, scene->end_time, world_way_at(longest->track, scene->end_time),
+		 world_way_at(longest->track, needed), others, needed, ceil(needed * 1e3) / 1e3);
 	tell(user, text);
 }
 
@@ -323,6 +322,7 @@ void world_advise(const struct world *world, scene_advice_fn tell, void *user)
 		advise_leaving(world, tell, user);
 		advise_ways(world, tell, user);
 		advise_unfinished(world, tell, user);
+		world_advise_samples(world, tell, user);
 		world_advise_relief(world, tell, user);
 	}
 	world_advise_limits(world, tell, user);
