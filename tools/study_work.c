@@ -16,6 +16,7 @@
 #include <unistd.h>
 
 #include "study.h"
+#include "base/aside.h"
 
 #define TAIL_BYTES 4096
 #define MANIFEST_SECONDS 2.0 /* study.json is written this often at most, and at the end */
@@ -62,7 +63,7 @@ static enum status start(struct work *work, struct job *job, size_t run)
 		return status;
 	const int log = open(study_path(work->study, run, "log.txt", path), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
 	if (log < 0) {
-		status = fail_with(STATUS_FAILED, "%s: %s; give a folder that can be written", path, strerror(errno));
+		status = fail_with(STATUS_FAILED, "%s: %s; %s", path, strerror(errno), aside_way_out(errno, "give a folder that can be written"));
 	} else {
 		const pid_t parent = getpid();
 		fflush(NULL);

@@ -10,12 +10,14 @@
 #include <unistd.h>
 
 #include "api/internal.h"
+#include "base/aside.h"
 
 enum status api_folder_make(const char *path)
 {
 	struct stat found;
 	if (mkdir(path, 0777) != 0 && errno != EEXIST)
-		return fail_with(STATUS_FAILED, "%s: %s; give a folder that can be made", path, strerror(errno));
+		return fail_with(STATUS_FAILED, "%s: %s; give a folder that can be made", path,
+				 errno == ENOENT ? "the folder that it is to be in is not there" : strerror(errno));
 	if (stat(path, &found) != 0 || !S_ISDIR(found.st_mode))
 		return fail_with(STATUS_FAILED, "%s: is not a folder; give another", path);
 	return STATUS_OK;
@@ -28,7 +30,7 @@ enum status api_folder_commits(const char *directory, FILE **out)
 	snprintf(path, sizeof path, "%s/epochs.log", directory);
 	*out = fopen(path, "a+");
 	if (*out == NULL)
-		return fail_with(STATUS_FAILED, "%s: %s; give a folder that can be written", path, strerror(errno));
+		return fail_with(STATUS_FAILED, "%s: %s; %s", path, strerror(errno), aside_way_out(errno, "give a folder that can be written"));
 	if (flock(fileno(*out), LOCK_EX | LOCK_NB) == 0)
 		return STATUS_OK;
 	fclose(*out);
@@ -95,7 +97,7 @@ enum status api_folder_clear(const struct world *world, const char *directory)
 		if (c == '\n')
 			whole = ftell(commit_log);
 	if (whole < 0 || ferror(commit_log) || ftruncate(fileno(commit_log), whole) != 0)
-		return fail_with(STATUS_FAILED, "%s/epochs.log: %s; give a folder that can be written", directory, strerror(errno));
+		return fail_with(STATUS_FAILED, "%s/epochs.log: %s; %s", directory, strerror(errno), aside_way_out(errno, "give a folder that can be written"));
 	rewind(commit_log);
 	snprintf(path, sizeof path, "%s/run.json", directory);
 	const bool driven = unlink(path) == 0 || logged;

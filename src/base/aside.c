@@ -2,6 +2,7 @@
 
 #include <errno.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "base/memory.h"
@@ -16,6 +17,40 @@ enum status aside_name(struct aside *aside, const char *path)
 	return STATUS_OK;
 }
 
+const char *aside_way_out(int reason, const char *otherwise)
+{
+	return reason == ENOSPC || reason == EDQUOT ? "free some disk space" : otherwise;
+}
+
+/* Returns the folder of a file, as a length of its path. 0: it is the present one. */
+static int folder_length(const char *path)
+{
+	const char *slash = strrchr(path, '/');
+	return slash == NULL ? 0 : slash == path ? 1 : (int)(slash - path);
+}
+
+/* Fails for what cannot be opened, by errno. */
+static enum status fail_open(enum status status, const char *path, int reason)
+{
+	const int folder = folder_length(path);
+	if (reason == ENOENT && folder > 0)
+		return fail_with(status, "%s: the folder %.*s is not there; make it, or give a file in another", path, folder, path);
+	return fail_with(status, "%s: %s; %s", path, strerror(reason), aside_way_out(reason, "give a file that can be written"));
+}
+
+enum status aside_check(const char *path)
+{
+	char folder[4096];
+	struct stat file;
+	if (stat(path, &file) == 0 && S_ISDIR(file.st_mode))
+		return fail_open(STATUS_INPUT, path, EISDIR);
+	const int length = folder_length(path);
+	if (length >= (int)sizeof folder)
+		return fail_open(STATUS_INPUT, path, ENAMETOOLONG);
+	snprintf(folder, sizeof folder, "%.*s", length > 0 ? length : 1, length > 0 ? path : ".");
+	return access(folder, W_OK | X_OK) == 0 ? STATUS_OK : fail_open(STATUS_INPUT, path, errno);
+}
+
 enum status aside_begin(struct aside *aside, const char *path)
 {
 	enum status status = aside_name(aside, path);
@@ -24,7 +59,7 @@ enum status aside_begin(struct aside *aside, const char *path)
 	aside->file = fopen(aside->part, "w");
 	aside->begun = aside->file != NULL;
 	return aside->begun ? STATUS_OK
-			    : fail_with(STATUS_FAILED, "%s: %s; give a file that can be written", aside->path, strerror(errno));
+			    : fail_open(STATUS_FAILED, aside->path, errno);
 }
 
 enum status aside_whole(struct aside *aside, bool synced)

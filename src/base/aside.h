@@ -23,6 +23,9 @@ struct aside {
 /* Sets the name `part` and makes no file. It is for a caller that makes PATH.part without aside_begin. Such a caller sets `begun`
  * when it has made the file. Returns STATUS_FAILED if memory runs out. */
 enum status aside_name(struct aside *aside, const char *path) FURROW_CHECKED;
+/* Checks before long work that aside_begin can make this file. Makes no file. STATUS_INPUT: its folder is not there or may not be written to, or
+ * PATH is a folder. */
+enum status aside_check(const char *path) FURROW_CHECKED;
 /* Sets the name, and opens a new PATH.part as `file`. Returns a failure if it cannot be made. */
 enum status aside_begin(struct aside *aside, const char *path) FURROW_CHECKED;
 /* Closes the file; it is then whole. Returns the failure if a write failed. `synced`: also syncs the file to the disk. */
@@ -34,5 +37,8 @@ void aside_finish(struct aside *aside);
 /* All three in one, for a single file. `status`: how its writer ended. STATUS_OK: completes and publishes the file. Finishes it in any case.
  * Returns `status`, or the first failure after it. */
 enum status aside_end(struct aside *aside, bool synced, enum status status) FURROW_CHECKED;
+
+/* Returns what to do where a file cannot be written. `reason`: errno. On a full disk it is to free some space, else it is `otherwise`. */
+const char *aside_way_out(int reason, const char *otherwise);
 
 #endif

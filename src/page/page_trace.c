@@ -97,7 +97,7 @@ static enum status begin(struct page_trace *trace)
 {
 	int file = open(trace->aside.part, O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
 	if (file < 0)
-		return fail_with(STATUS_FAILED, "%s: %s; give a file that can be written", trace->path, strerror(errno));
+		return fail_with(STATUS_FAILED, "%s: %s; %s", trace->path, strerror(errno), aside_way_out(errno, "give a file that can be written"));
 	/* Between open and lock another drive may have published this very file, so that it is no .part any more. */
 	struct stat found, named;
 	if (flock(file, LOCK_EX | LOCK_NB) != 0 || stat(trace->aside.part, &named) != 0 || fstat(file, &found) != 0 ||

@@ -13,6 +13,7 @@
 
 #include "render/internal.h"
 #include "render/view.h"
+#include "base/aside.h"
 
 /* --- where they are --- */
 
@@ -361,7 +362,7 @@ void render_view_free_cameras(struct view *view)
 static enum status make_folder(const char *path)
 {
 	if (mkdir(path, 0777) != 0 && errno != EEXIST)
-		return fail_with(STATUS_FAILED, "%s: %s; give a folder that can be written", path, strerror(errno));
+		return fail_with(STATUS_FAILED, "%s: %s; %s", path, strerror(errno), aside_way_out(errno, "give a folder that can be written"));
 	return STATUS_OK;
 }
 

@@ -17,7 +17,7 @@
 
 static enum status failed(const char *path)
 {
-	return fail_with(STATUS_FAILED, "%s: %s; give a folder that can be written", path, strerror(errno));
+	return fail_with(STATUS_FAILED, "%s: %s; %s", path, strerror(errno), aside_way_out(errno, "give a folder that can be written"));
 }
 
 /* Fills the quaternion x, y, z, w of a rotation, given by its columns. `w` is not negative. (Shepperd 1978: the largest of the four

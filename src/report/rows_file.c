@@ -1,5 +1,6 @@
 /* Opens files of rows, and cuts those of a resumed run. */
 #include "report/rows_file.h"
+#include "base/aside.h"
 
 #include <errno.h>
 #include <stdlib.h>
@@ -24,7 +25,7 @@ static long whole_until(FILE *file, const char *header, double time)
 
 enum status report_rows_file_failed(const char *path)
 {
-	return fail_with(STATUS_FAILED, "%s: %s; give a folder that can be written", path, strerror(errno));
+	return fail_with(STATUS_FAILED, "%s: %s; %s", path, strerror(errno), aside_way_out(errno, "give a folder that can be written"));
 }
 
 enum status report_rows_file_open(const struct world *world, const char *path, const char *header, FILE **file, bool *begins)

@@ -1,4 +1,4 @@
-/* Tells about paths that have far more path samples than their way has posts: a body that turns makes a contact for each post that it sweeps. */
+/* Tells about paths that have far more path samples than their way has posts. A body that turns makes a contact for each post that it passes. */
 #include <math.h>
 
 #include "world/internal.h"

@@ -174,7 +174,7 @@ struct body {
 	int64_t raised;           /* 2^-20 m: height of `equilibrium` above the height where the search for it began */
 	uint32_t loaded_body;         /* for a body with a load: its number among the loaded bodies, from 1 */
 	int64_t skipped;          /* number of path samples without ground */
-	int64_t near;             /* path samples of this run in which it was near the ground; of a body with a load: steps at whose end the soil bore it */
+	int64_t near;             /* path samples of this run in which it was near the ground. With a load: steps at whose end the soil bore it */
 	uint64_t windows, windows_moved; /* windows computed; of these, the windows in which the body moved */
 	_Atomic bool elsewhere;   /* another rank computes its contacts. Threads that load ahead read it */
 	/* Of a body with a load, since this run began: the soil did not carry it, or did not hold it on its slope */
