@@ -85,6 +85,8 @@ static enum status take_option(struct arguments *arguments, const char *token, i
 					 option->value);
 		value = argv[++*at];
 	}
+	if (option->files != NULL && value[0] == '\0') /* as of a variable of a shell that is not set */
+		return fail_with(STATUS_USAGE, "%s: %s is empty; give %s", command->name, token, option->value);
 	arguments->given[arguments->given_count++] = (struct given){option, value};
 	return STATUS_OK;
 }
@@ -123,10 +125,13 @@ static enum status check_count(const struct arguments *arguments)
 	const size_t count = arguments->positional_count;
 	size_t least, ignored;
 	const bool also = command->also != NULL && count > 0 && strcmp(arguments->positional[0], command->also->name) == 0;
-	if (may_have(command->arguments, count, &least) || (also && may_have(command->also, count, &ignored)))
-		return STATUS_OK;
 	char usage[256];
 	tell_usage(command, usage, sizeof usage);
+	for (size_t i = 0; i < count; i++)
+		if (arguments->positional[i][0] == '\0')
+			return fail_with(STATUS_USAGE, "%s: an argument is empty; usage: %s", command->name, usage);
+	if (may_have(command->arguments, count, &least) || (also && may_have(command->also, count, &ignored)))
+		return STATUS_OK;
 	if (count < least)
 		return fail_with(STATUS_USAGE, "%s: something is missing; usage: %s", command->name, usage);
 	return fail_with(STATUS_USAGE, "%s: %s is one argument too many; usage: %s", command->name, arguments->positional[count - 1], usage);

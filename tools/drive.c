@@ -4,6 +4,7 @@
 
 #include "command.h"
 #include "api/api.h"
+#include "base/aside.h"
 #include "fleet/fleet.h"
 #include "settings.h"
 
@@ -95,7 +96,7 @@ static enum status check_map(const struct arguments *arguments)
 		return fail_with(STATUS_USAGE, "drive: --map %s: has another ending; name a .png, .svg or .pdf", path);
 	if (missing != NULL)
 		return fail_with(STATUS_FAILED, "drive: --map %s: %s", path, missing);
-	return STATUS_OK;
+	return path != NULL ? aside_check(path) : STATUS_OK;
 }
 
 /* What many processes cannot do together. */

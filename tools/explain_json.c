@@ -128,6 +128,8 @@ static void add_memory(cJSON *root, const struct scene *scene, const struct repo
 	}
 	report_most(memory, "most", &plan->most);
 	report_tile_counts(memory, &plan->tiles);
+	report_usable(memory, &plan->usable);
+	cJSON_AddBoolToObject(memory, "holds_all", plan->all);
 	if (scene->memory > 0)
 		json_integer(memory, "asked", (int64_t)scene->memory);
 }

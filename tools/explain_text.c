@@ -57,7 +57,7 @@ static uint64_t bytes_once(const struct plan *plan)
 static void print_memory(const struct scene *scene, const struct report_plan *plan, bool all)
 {
 	const uint64_t few = plan->most.slots + plan->most.loads + plan->most.queue_few + plan->most.ground;
-	char most[760], asked[96] = "", worst[160] = "";
+	char most[860], asked[96] = "", worst[240] = "";
 	puts("\nmemory");
 	if (all)
 		explain_bytes_text(scene, &plan->plan);
@@ -66,14 +66,16 @@ static void print_memory(const struct scene *scene, const struct report_plan *pl
 	if (scene->memory > 0)
 		snprintf(asked, sizeof asked, " of cache.memory: %s", layout_bytes(scene->memory).text);
 	if (all) /* far more than any drive needs: it frightens who does not ask */
-		snprintf(worst, sizeof worst, "; at most %s if one step changed every tile that the scene's objects could reach in it",
-			 layout_bytes(few + plan->most.queue - plan->most.queue_few).text);
+		snprintf(worst, sizeof worst, "; at most %s, and so within %s (%s), if one step changes very many tiles",
+			 layout_bytes(few + plan->most.queue - plan->most.queue_few).text, plan->usable.of, layout_bytes(plan->usable.bytes).text);
 	snprintf(most, sizeof most, "for tiles %s%s (%s in %u slots, %s in loads, %s in %u tiles of base heights and those of loaders%s, %s in "
 				    "%u changed tiles) while no more changed tiles are on their way%s",
 		 layout_bytes(few).text, asked, layout_bytes(plan->most.slots).text, plan->tiles.slots, layout_bytes(plan->most.loads).text,
 		 layout_bytes(plan->most.ground).text, plan->tiles.ground, plan->tiles.queries > 0 ? " and queries" : "",
 		 layout_bytes(plan->most.queue_few).text, plan->tiles.changed, worst);
 	layout_wrapped(most, 4);
+	if (plan->all)
+		puts("  every tile of the store has a slot: none is loaded ahead, and there are no loaders");
 }
 
 static void print_notes(const struct report_plan *plan)

@@ -6,6 +6,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "base/aside.h"
 #include "dem/dem.h"
 #include "export.h"
 #include "mobility.h"
@@ -290,6 +291,8 @@ static enum status read_arguments(const struct arguments *arguments, struct aske
 	enum chart_format format;
 	if (asked->out == NULL || !(chart_path_format(asked->out, &format) || dem_path_ends(asked->out, ".tif")))
 		status = fail_with(STATUS_USAGE, "mobility: -o is missing or ends in neither .tif nor .png, .svg, .pdf; give such a file");
+	if (status == STATUS_OK)
+		status = aside_check(asked->out);
 	if (status == STATUS_OK && (asked->model == NULL) == (asked->scene == NULL))
 		status = fail_with(STATUS_USAGE, "mobility: --vehicle and --scene are both given, or neither; give one of them");
 	if (status == STATUS_OK)

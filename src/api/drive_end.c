@@ -28,17 +28,22 @@ static enum status publish_trace(const struct drive *drive, enum status status)
 	return status == STATUS_OK ? STATUS_OK : failure_restore(&failure);
 }
 
-/* Makes the text of run.json. */
-static enum status describe(struct drive *drive, struct api_result *result)
+static void fill_report(struct drive *drive)
 {
-	const struct world *world = &drive->world;
 	struct report *report = &drive->report;
-	report->world = world;
+	report->world = &drive->world;
 	report->view = drive->view;
 	report->pictures = drive->pictures;
 	report->poses = drive->poses;
 	report->vehicles = drive->vehicles;
 	report->advised = drive->params->host == NULL;
+}
+
+/* Makes the text of run.json. */
+static enum status describe(struct drive *drive, struct api_result *result)
+{
+	const struct world *world = &drive->world;
+	const struct report *report = &drive->report;
 	result->steps = world->step;
 	result->level = world->level;
 	result->spacing = world->spacing;
@@ -166,7 +171,7 @@ static void tell_end(struct drive *drive, const char *ended)
 {
 	if (strcmp(ended, "complete") == 0 && api_writes(drive)) {
 		tell_on_the_way(drive);
-		report_groundless(&drive->world, tell_note, NULL);
+		report_end_notes(&drive->report, tell_note, NULL);
 	}
 	if (strcmp(ended, "stuck") == 0 && api_writes(drive))
 		tell_stuck(drive);
@@ -188,6 +193,7 @@ enum status api_end(struct drive *drive, struct api_result *result, enum status 
 	if (drive->unbegun)
 		return status;
 	result->ended = ending(drive, status);
+	fill_report(drive);
 	tell_end(drive, result->ended);
 	struct failure failure;
 	failure_capture(&failure, status);
@@ -210,6 +216,7 @@ enum status api_end(struct drive *drive, struct api_result *result, enum status 
 enum status api_end_again(struct drive *drive, struct api_result *result)
 {
 	result->ended = "complete";
+	fill_report(drive);
 	if (drive->params->trace != NULL)
 		note("%s: no trace is written, since nothing is left to drive", drive->params->trace);
 	if (!api_writes(drive))

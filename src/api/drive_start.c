@@ -97,7 +97,7 @@ enum status api_start(struct drive *drive)
 	if (status == STATUS_OK && scene->view.present)
 		status = render_check_samples(world->gpu, scene->view.samples);
 	if (status == STATUS_OK && drive->params->host == NULL)
-		status = render_cameras_fit(scene, mem_physical());
+		status = render_cameras_fit(scene, mem_usable().bytes);
 	/* A drive that could not begin leaves nothing behind. */
 	if (status == STATUS_OK && api_writes(drive))
 		status = api_folder_make(drive->params->directory);

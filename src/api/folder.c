@@ -16,7 +16,8 @@ enum status api_folder_make(const char *path)
 {
 	struct stat found;
 	if (mkdir(path, 0777) != 0 && errno != EEXIST)
-		return fail_with(STATUS_FAILED, "%s: %s; %s", path, strerror(errno), limits_advice(errno, "give a folder that can be made"));
+		return fail_with(STATUS_FAILED, "%s: %s; %s", path, errno == ENOENT ? "the folder that it is to be in is not there" : strerror(errno),
+				 limits_advice(errno, "give a folder that can be made"));
 	if (stat(path, &found) != 0 || !S_ISDIR(found.st_mode))
 		return fail_with(STATUS_FAILED, "%s: is not a folder; give another", path);
 	return STATUS_OK;

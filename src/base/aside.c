@@ -4,6 +4,7 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "base/input.h"
@@ -19,6 +20,36 @@ enum status aside_name(struct aside *aside, const char *path)
 	return STATUS_OK;
 }
 
+/* Returns the folder of a file, as a length of its path. 0: it is the present one. */
+static int folder_length(const char *path)
+{
+	const char *slash = strrchr(path, '/');
+	return slash == NULL ? 0 : slash == path ? 1 : (int)(slash - path);
+}
+
+/* Fails for what cannot be opened, by errno. */
+static enum status fail_open(enum status status, const char *path, int reason)
+{
+	const int folder = folder_length(path);
+	if (reason == ENOENT && folder > 0)
+		return fail_with(status, "%s: the folder %.*s is not there; make it, or give a file in another", path, folder, path);
+	errno = reason;
+	return fail_with(status, "%s: %s; %s", path, input_problem(), limits_advice(reason, "give a file that can be written"));
+}
+
+enum status aside_check(const char *path)
+{
+	char folder[4096];
+	struct stat file;
+	if (stat(path, &file) == 0 && S_ISDIR(file.st_mode))
+		return fail_open(STATUS_INPUT, path, EISDIR);
+	const int length = folder_length(path);
+	if (length >= (int)sizeof folder)
+		return fail_open(STATUS_INPUT, path, ENAMETOOLONG);
+	snprintf(folder, sizeof folder, "%.*s", length > 0 ? length : 1, length > 0 ? path : ".");
+	return access(folder, W_OK | X_OK) == 0 ? STATUS_OK : fail_open(STATUS_INPUT, path, errno);
+}
+
 enum status aside_begin(struct aside *aside, const char *path)
 {
 	enum status status = aside_name(aside, path);
@@ -29,8 +60,7 @@ enum status aside_begin(struct aside *aside, const char *path)
 	aside->begun = aside->file != NULL;
 	if (aside->begun)
 		return STATUS_OK;
-	const int why = errno;
-	status = fail_with(STATUS_FAILED, "%s: %s: %s; %s", aside->path, aside->part, input_problem(), limits_advice(why, "give a file that can be written"));
+	status = fail_open(STATUS_FAILED, aside->path, errno);
 	if (file >= 0)
 		close(file);
 	return status;

@@ -23,6 +23,9 @@ struct aside {
 /* Sets the name `part` and makes no file. It is for a caller that makes PATH.part without aside_begin. Such a caller sets `begun`
  * when it has made the file. Returns STATUS_FAILED if memory runs out. */
 enum status aside_name(struct aside *aside, const char *path) FURROW_CHECKED;
+/* Checks before long work that aside_begin can make this file. Makes no file. STATUS_INPUT: its folder is not there or may not be written to, or
+ * PATH is a folder. */
+enum status aside_check(const char *path) FURROW_CHECKED;
 /* Sets the name, and opens a new PATH.part as `file`. Returns a failure if it cannot be made. */
 enum status aside_begin(struct aside *aside, const char *path) FURROW_CHECKED;
 /* Closes the file; it is then whole. Returns the failure if a write failed. `synced`: also syncs the file to the disk. */

@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 static _Atomic uint64_t made, failing;
@@ -78,8 +79,73 @@ uint64_t mem_peak_resident(void)
 	return status_line("VmHWM");
 }
 
-uint64_t mem_physical(void)
+static _Atomic uint64_t pretended;
+
+void mem_pretend_usable(uint64_t bytes)
+{
+	atomic_store(&pretended, bytes);
+}
+
+static uint64_t physical(void)
 {
 	const long pages = sysconf(_SC_PHYS_PAGES), bytes = sysconf(_SC_PAGESIZE);
 	return pages > 0 && bytes > 0 ? (uint64_t)pages * (uint64_t)bytes : 0;
+}
+
+/* Takes the number in the file, if it is less and above 0. A file with "max" has no number. */
+static void limit_by_file(const char *path, struct mem_usable *least)
+{
+	unsigned long long bytes = 0;
+	FILE *file = fopen(path, "r");
+	if (file == NULL)
+		return;
+	if (fscanf(file, "%llu", &bytes) == 1 && bytes > 0 && (least->bytes == 0 || bytes < least->bytes))
+		*least = (struct mem_usable){bytes, "the limit of the cgroup"};
+	fclose(file);
+}
+
+/* Looks into the group and all groups around it. A container sees its own group as the topmost. */
+static void limit_by_groups(const char *top, char *group, const char *name, struct mem_usable *least)
+{
+	char path[4096];
+	for (;;) {
+		if (snprintf(path, sizeof path, "%s%s/%s", top, group, name) < (int)sizeof path)
+			limit_by_file(path, least);
+		char *last = strrchr(group, '/');
+		if (last == NULL)
+			return;
+		*last = '\0';
+	}
+}
+
+static void limit_by_cgroups(struct mem_usable *least)
+{
+	char line[4096];
+	FILE *file = fopen("/proc/self/cgroup", "r");
+	while (file != NULL && fgets(line, sizeof line, file) != NULL) {
+		line[strcspn(line, "\n")] = '\0';
+		char *kind = strchr(line, ':'), *group = kind != NULL ? strchr(kind + 1, ':') : NULL;
+		if (group == NULL)
+			continue;
+		*group++ = '\0';
+		if (kind[1] == '\0')
+			limit_by_groups("/sys/fs/cgroup", group, "memory.max", least);
+		else if (strcmp(kind + 1, "memory") == 0)
+			limit_by_groups("/sys/fs/cgroup/memory", group, "memory.limit_in_bytes", least);
+	}
+	if (file != NULL)
+		fclose(file);
+}
+
+struct mem_usable mem_usable(void)
+{
+	struct mem_usable least = {atomic_load(&pretended), "the machine's memory"};
+	struct rlimit limit;
+	if (least.bytes > 0)
+		return least;
+	least.bytes = physical();
+	limit_by_cgroups(&least);
+	if (getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY && (least.bytes == 0 || limit.rlim_cur < least.bytes))
+		least = (struct mem_usable){limit.rlim_cur, "ulimit -v"};
+	return least;
 }

@@ -20,7 +20,15 @@ uint64_t mem_fail_nth(uint64_t nth, int forever);
 
 /* Returns the largest resident memory of this process so far, in bytes (VmHWM); 0 if unknown. */
 uint64_t mem_peak_resident(void);
-/* Returns the machine's memory in bytes; 0 if unknown. */
-uint64_t mem_physical(void);
+/* The memory that this process may use. */
+struct mem_usable {
+	uint64_t bytes; /* 0: unknown */
+	const char *of; /* what sets it: "the machine's memory", "the limit of the cgroup" or "ulimit -v" */
+};
+/* Returns the least of the machine's memory, the limits of the cgroups that the process is in, and its limit of virtual memory. Reads files of
+ * /proc and /sys/fs/cgroup at each call. */
+struct mem_usable mem_usable(void);
+/* For tests only: mem_usable() returns so many bytes, as the machine's memory. 0: it returns what there is again. */
+void mem_pretend_usable(uint64_t bytes);
 
 #endif

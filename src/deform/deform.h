@@ -261,6 +261,10 @@ struct deform_params {
 	bool batches;        /* contacts of several bodies may be computed together, if the model can */
 };
 
+/* m: a body that slips less in a contact digs nothing. Poses are whole fixed-point units of 2^-20 m, so a wheel that rolls without slip seems to
+ * slip by some of them. Then a drive in which nothing slips digs nothing, whether or not it keeps what was dug. */
+#define DEFORM_SLIP_LEAST 0x1p-18
+
 /* Returns the planes that a model keeps, a mask of PLANE_BIT. `digs`: slip digs. */
 unsigned deform_planes(enum deform_model model, bool disturbance, bool digs);
 

@@ -81,7 +81,7 @@ static void look(const struct deform_params *params, const struct deform_planned
 	if (any->found == NULL && (load || deform_is_counted(params, shape, false)))
 		any->found = load ? "load" : deform_displace_effect(params->model);
 	if (any->forces == NULL && deform_tells_forces(params->model) && (load || forces))
-		any->forces = forces ? "forces" : "load";
+		any->forces = "forces";
 }
 
 static void plan_intervals(const struct deform_params *params, const struct any *any, struct plan *plan)

@@ -332,7 +332,7 @@ static void each_felt(struct each *each, const struct deform_planned *object, bo
 		add(each, load ? "load" : deform_displace_effect(each->params->model));
 		if (forces || load) {
 			deform_programs_contact(each->params, with | WITH_FORCES, batch, &each->request);
-			add(each, forces ? "forces" : "load");
+			add(each, "forces");
 		}
 	}
 }

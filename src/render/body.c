@@ -85,6 +85,13 @@ double render_body_exposure(const struct scene_light *light)
 	return fmin(level_light(light, SCENE_SUN_HEIGHT) / fmax(level_light(light, light->height), 1e-6), 32);
 }
 
+double render_sun_brightens(const struct scene_light *light)
+{
+	struct scene_light by_sun = *light;
+	by_sun.exposure = SCENE_EXPOSURE_SUN;
+	return fmax(render_body_exposure(&by_sun), 1);
+}
+
 void render_body_textures(const struct scene_light *light, enum render_ground kinds[RENDER_GROUND_LAYERS])
 {
 	memcpy(kinds, bodies[light->body].kinds, sizeof bodies[light->body].kinds);

@@ -27,8 +27,8 @@ struct pictures {
 	struct render_picture pictures[PICTURES_ROOM];
 	struct thread thread;
 	uint64_t begun;              /* only the owner uses it */
-	struct render_pictures_figures figures; /* the same */
 	struct mutex mutex;          /* guards what follows */
+	struct render_pictures_figures figures; /* its waits are the owner's alone */
 	struct condition changed;
 	uint64_t handed, written, marked;
 	bool stopping;
@@ -56,9 +56,42 @@ static enum status sticky(struct pictures *pictures)
 
 /* --- the thread --- */
 
-static enum status write_one(const struct pictures *pictures, uint64_t which)
+/* Returns what share of the pixels is black; less than RENDER_BLACK_SHARE as soon as so many are brighter. */
+static double black_share(const struct render_picture *picture, const uint8_t *pixels)
+{
+	const size_t count = (size_t)picture->width * picture->height, enough = (size_t)((1 - RENDER_BLACK_SHARE) * (double)count) + 1;
+	size_t bright = 0;
+	for (const uint8_t *pixel = pixels; pixel < pixels + 4 * count && bright < enough; pixel += 4)
+		bright += pixel[0] > RENDER_BLACK || pixel[1] > RENDER_BLACK || pixel[2] > RENDER_BLACK;
+	return 1 - (double)bright / (double)count;
+}
+
+/* Counts the picture if it is black. */
+static void look(struct pictures *pictures, uint64_t which)
+{
+	const struct render_picture *picture = &pictures->pictures[which % PICTURES_ROOM];
+	struct render_pictures_figures *figures = &pictures->figures;
+	if (picture->image != SCENE_IMAGE_COLOUR)
+		return;
+	const double dark = black_share(picture, gpu_staging_bytes(pictures->places[which % PICTURES_ROOM]));
+	if (dark < RENDER_BLACK_SHARE)
+		return;
+	mutex_lock(&pictures->mutex);
+	if (figures->black++ == 0) {
+		figures->dark = dark;
+		if (picture->frame < 0)
+			snprintf(figures->first_black, sizeof figures->first_black, "%.100s.png", picture->name);
+		else
+			snprintf(figures->first_black, sizeof figures->first_black, "%.100s/%s/%06lld.png", picture->name, scene_image_name(picture->image),
+				 (long long)picture->frame);
+	}
+	mutex_unlock(&pictures->mutex);
+}
+
+static enum status write_one(struct pictures *pictures, uint64_t which)
 {
 	uint64_t place = which % PICTURES_ROOM;
+	look(pictures, which);
 	return render_picture_write(pictures->directory, &pictures->pictures[place], gpu_staging_bytes(pictures->places[place]));
 }
 

@@ -165,6 +165,8 @@ struct render_sun {
 enum status render_sun_find(const struct scene_light *light, const struct store_meta *meta, struct render_sun *out) FURROW_CHECKED;
 /* Gives where the sun is at a time of the drive, s. Angles in rad: azimuth clockwise from the store's north, height above the horizon. */
 void render_sun_at(const struct render_sun *sun, double time, double *azimuth, double *height);
+/* Returns how many times as bright pictures get with `view.exposure: sun` under this light, 1 to 32. Pure. */
+double render_sun_brightens(const struct scene_light *light);
 /* Fills the parameters of a picture of this world, except gpu, slots, reference, low, high and layers. Pure. */
 void render_view_params(const struct world *world, struct render_params *params);
 /* Returns true if pictures have tiles below level 0 that nothing deformed. The ground between posts of level 0 is bilinear, and its
@@ -290,7 +292,12 @@ enum status render_pictures_await(struct pictures *pictures) FURROW_CHECKED;
 struct render_pictures_figures {
 	uint64_t written, waits; /* files written; times that a call waited */
 	double wait_ms;
+	uint64_t black;          /* pictures of colours of which RENDER_BLACK_SHARE is no brighter than RENDER_BLACK in any channel */
+	char first_black[160];   /* the file of the first of them, in the run's folder, */
+	double dark;             /* and what share of its pixels is so dark, 0 .. 1 */
 };
+#define RENDER_BLACK 10u         /* of 255: what looks black on a screen */
+#define RENDER_BLACK_SHARE 0.95  /* beyond the terrain there may be sky */
 void render_pictures_figures(struct pictures *pictures, struct render_pictures_figures *figures);
 
 #endif

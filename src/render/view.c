@@ -50,7 +50,7 @@ static enum status load_wanted(struct view *view, const struct terrain_view *who
 		/* Coarser tiles that are drawn meanwhile must not take slots from the tiles that they replace. */
 		render_view_mark_used(view, false);
 		ask(view);
-		if (world->scene->loaders == 0 || now - progressed > 1) {
+		if (world->limits.loaders == 0 || now - progressed > 1) {
 			status = load_first(view, whole);
 			continue;
 		}
@@ -154,7 +154,7 @@ static enum status draw(struct view *view, bool complete)
 enum status render_view_warm(struct view *view)
 {
 	const struct world *world = view->world;
-	bool deformed = world_planes(world->scene, world->was_deformed) != 0;
+	bool deformed = world_planes(world) != 0;
 	const bool divided = world->level < 0, smooth = render_view_smooths(world);
 	enum status status = render_warm(view->render, deformed, divided, smooth);
 	if (status == STATUS_OK)

@@ -56,7 +56,7 @@ static double choose_picture(const struct world *world, unsigned turn)
 	const struct scene *scene = world->scene;
 	if (scene->view.images == 0)
 		return INFINITY;
-	double steps = fmin(floor((world->time + scene->prefetch) / scene->time_step + 1e-9), (double)world_step_count(world));
+	double steps = fmin(floor((world->time + world->limits.prefetch) / scene->time_step + 1e-9), (double)world_step_count(world));
 	int64_t within = (int64_t)steps / scene->view.images - world->step / scene->view.images;
 	if (within > VIEW_LOOKS)
 		return picture_time(world, within * (turn + 1) / VIEW_LOOKS - 1);
@@ -92,7 +92,7 @@ static bool choose_time(struct view *view, struct view_look **look, double *time
 	for (int i = 0; i < VIEW_LOOKS; i++) {
 		unsigned turn = view->turn++ % VIEW_LOOKS;
 		*look = &view->ahead[turn];
-		*time = world->time + world->scene->prefetch * (turn + 1) / VIEW_LOOKS;
+		*time = world->time + world->limits.prefetch * (turn + 1) / VIEW_LOOKS;
 		if (!view->at_steps)
 			return true;
 		*time = choose_picture(world, turn);
@@ -132,12 +132,12 @@ enum status render_view_look(struct view *view, const struct render_camera *came
 enum status render_view_look_ahead(struct view *view)
 {
 	const struct scene *scene = view->world->scene;
-	if (scene->prefetch > 0 && view->camera_count > 0) {
+	if (view->world->limits.prefetch > 0 && view->camera_count > 0) {
 		enum status status = render_view_look_camera(view);
 		if (status != STATUS_OK)
 			return status;
 	}
-	if (scene->prefetch <= 0 || view->free || (scene->view.aim.kind == SCENE_FIXED && !view->at_steps))
+	if (view->world->limits.prefetch <= 0 || view->free || (scene->view.aim.kind == SCENE_FIXED && !view->at_steps))
 		return STATUS_OK;
 	struct view_look *look;
 	struct render_camera camera;

@@ -181,14 +181,14 @@ static bool not_resident(void *user, struct tile tile, uint32_t *slot)
 #define MOST (TERRAIN_DRAWS_MAX - 2 * (TILE_LEVEL_MAX - TILE_LEVEL_MIN))
 
 /* Returns how many of the slots pictures and their requests may take. *budget: those of one picture. */
-static size_t room_of(const struct scene *scene, size_t slots, size_t *budget)
+static size_t room_of(const struct world *world, size_t slots, size_t *budget)
 {
 	/* For each object, the tiles that one window touches, and as many for the next window. */
-	size_t half = slots / 2, hold = 2 * 4 * scene->object_count;
+	size_t half = slots / 2, hold = 2 * 4 * world->scene->object_count;
 	hold = hold < 4 ? 4 : hold;
 	size_t room = slots - (hold < half ? hold : half);
 	/* Leave some for running loads. */
-	size_t loads = 3 * (size_t)scene->loaders, quarter = room / 4;
+	size_t loads = 3 * (size_t)world->limits.loaders, quarter = room / 4;
 	*budget = room - (loads < quarter ? loads : quarter);
 	if (*budget > MOST)
 		*budget = MOST;
@@ -197,13 +197,11 @@ static size_t room_of(const struct scene *scene, size_t slots, size_t *budget)
 
 void render_view_find_room(struct view *view)
 {
-	const struct scene *scene = view->world->scene;
-	view->room = room_of(scene, view->world->limits.slots, &view->budget);
+	view->room = room_of(view->world, view->world->limits.slots, &view->budget);
 }
 
 static void tell(struct view *view)
 {
-	const struct scene *scene = view->world->scene;
 	size_t needed = view->selection->needed, enough = view->world->limits.slots, budget = view->budget;
 	if (view->told)
 		return;
@@ -213,7 +211,7 @@ static void tell(struct view *view)
 		return;
 	}
 	while (budget < needed && budget < MOST)
-		room_of(scene, ++enough, &budget);
+		room_of(view->world, ++enough, &budget);
 	note("the view needs %zu tiles here, and of %u slots objects and loads leave it %zu: drawn coarser, without the finest "
 	     "ruts; give cache.slots at least %zu", needed, view->world->limits.slots, view->budget, enough);
 }

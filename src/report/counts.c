@@ -75,7 +75,7 @@ static void add_object_units(cJSON *units, const struct report *report)
 
 static void add_table_units(cJSON *units, const struct report *report, const struct pages_counts *pages)
 {
-	unsigned planes = world_planes(report->world->scene, report->world->was_deformed);
+	unsigned planes = world_planes(report->world);
 	cJSON *changed = cJSON_AddObjectToObject(units, plan_unit_name(PLAN_CHANGED));
 	cJSON *left = cJSON_AddObjectToObject(units, plan_unit_name(PLAN_LEFT));
 	for (int plane = 0; plane < PLANES; plane++) {

@@ -97,7 +97,7 @@ static enum status plan_lines(const struct world *world, struct report_plan *out
 	struct plan *plan = &out->plan;
 	const struct scene *scene = world->scene;
 	uint32_t cells = world->meta->extent.cells;
-	unsigned planes = world_planes(scene, world->was_deformed);
+	unsigned planes = world_planes(world);
 	bool classes = world_needs_soil_map(scene);
 	bool numbers = world_needs_rasters(scene);
 	bool decimates = planes != 0 && scene->view.present;
@@ -266,13 +266,15 @@ static enum status describe(struct world *world, struct report_plan *out)
 	if (status != STATUS_OK)
 		return status;
 	world_budget(world, &most);
-	out->effects = scene_effects(scene, world->level);
+	out->effects = world_effects(world);
 	out->cells = world->meta->extent.cells;
 	out->level = world->level;
 	out->spacing = world->spacing;
 	out->deformed = world->was_deformed;
 	out->most = most;
 	out->tiles = report_tiles_of(world, &most);
+	out->usable = world->limits.usable;
+	out->all = world->limits.all;
 	out->window_tiles = world->windows.tiles;
 	out->steps = (int64_t)world_steps_until(scene, scene->end_time);
 	out->picture_steps = scene->view.present ? scene->view.images : 0;

@@ -65,6 +65,8 @@ static void add_cache(cJSON *root, const struct report *report, const struct pag
 {
 	cJSON *cache = cJSON_AddObjectToObject(root, "cache");
 	json_integer(cache, "slots", report->world->limits.slots);
+	json_integer(cache, "loaders", report->world->limits.loaders);
+	cJSON_AddBoolToObject(cache, "holds_all", report->world->limits.all);
 	json_integer(cache, "touched", (int64_t)stats->touched);
 	json_integer(cache, "hits", (int64_t)stats->hits);
 	json_integer(cache, "misses", (int64_t)stats->misses);
@@ -136,6 +138,13 @@ void report_tile_counts(cJSON *memory, const struct report_tiles *tiles)
 		json_integer(object, "queries", tiles->queries);
 }
 
+void report_usable(cJSON *memory, const struct mem_usable *usable)
+{
+	cJSON *object = cJSON_AddObjectToObject(memory, "usable");
+	json_integer(object, "bytes", (int64_t)usable->bytes);
+	cJSON_AddStringToObject(object, "of", usable->of);
+}
+
 static void add_memory(cJSON *root, const struct report *report, const struct gpu_stats *gpu,
 		       const struct resident_pages_io *io)
 {
@@ -151,6 +160,7 @@ static void add_memory(cJSON *root, const struct report *report, const struct gp
 	report_most(memory, "budget", &most);
 	const struct report_tiles tiles = report_tiles_of(report->world, &most);
 	report_tile_counts(memory, &tiles);
+	report_usable(memory, &report->world->limits.usable);
 	cJSON *bytes = cJSON_AddObjectToObject(memory, "plane_bytes");
 	json_integer(bytes, "base", (int64_t)planes.base);
 	if (planes.classes > 0)
@@ -359,6 +369,7 @@ static void add_view(cJSON *root, const struct report *report)
 	json_integer(view, "images", (int64_t)pictures.written);
 	json_integer(view, "image_waits", (int64_t)pictures.waits);
 	json_number(view, "image_wait_ms", pictures.wait_ms);
+	json_integer(view, "black", (int64_t)pictures.black);
 }
 
 /* What this process did and what it used. */

@@ -51,6 +51,11 @@ enum status report_map_check(const struct scene *scene) FURROW_CHECKED;
 
 /* asked.c: tells of each object of whose path samples more than 1 % had no ground. Of many processes: nothing, since none has all samples. */
 void report_groundless(const struct world *world, scene_advice_fn tell, void *user);
+/* told.c: tells report_groundless, bodies that touched nothing in this run, pictures that are black, and report_slow_pictures. Call it when all pictures are
+ * in their files. */
+void report_end_notes(const struct report *report, scene_advice_fn tell, void *user);
+/* Tells if pictures took most of the time: 5 s or more, and 20 times as long as the steps. Names what draws most pixels. */
+void report_slow_pictures(const struct scene *scene, const struct times *steps, const struct times *pictures, scene_advice_fn tell, void *user);
 /* failed.c: tells how often loads were not carried, or not held on a slope, and which object most, where and when first. Adds that object to
  * run.json's "forces". `sunk`, `slid`: how often in the whole drive. */
 void report_failed(struct cJSON *forces, const struct world *world, int64_t sunk, int64_t slid);
@@ -63,9 +68,10 @@ struct report_tiles {
 	uint32_t slots, changed, ground; /* slots; images of changed pages, of queue_few; base heights on the CPU */
 	uint32_t queries;                /* tiles that queries keep; 0: none are asked */
 };
-/* Adds the most bytes that tiles take, and the number of tiles that they are computed from. */
+/* Adds the most bytes that tiles take, the number of tiles that they are computed from, and the memory that there is. */
 void report_most(struct cJSON *memory, const char *name, const struct resident_pages_budget *most);
 void report_tile_counts(struct cJSON *memory, const struct report_tiles *tiles);
+void report_usable(struct cJSON *memory, const struct mem_usable *usable);
 struct report_tiles report_tiles_of(const struct world *world, const struct resident_pages_budget *most);
 /* where.c: adds where effects were computed, and where they might have been. */
 void report_where(struct cJSON *root, const struct report *report, const struct gpu_stats *gpu);
@@ -151,7 +157,7 @@ struct report_body {
 };
 struct report_plan {
 	struct plan plan;
-	uint64_t effects;     /* scene_effects() of the working level */
+	uint64_t effects;     /* world_effects() */
 	char *store;          /* path; NULL: none was given or found. Then the members below are assumed: */
 	char *missing;        /* path of the store that the scene names, if that file is missing; else NULL */
 	uint32_t cells;       /* on a tile's side; assumed 256 */
@@ -160,6 +166,8 @@ struct report_plan {
 	bool deformed;        /* the store is deformed before the run; assumed false */
 	struct resident_pages_budget most; /* bytes, as memory.budget of run.json: planes in slots, and tiles on the host */
 	struct report_tiles tiles; /* that `most` is computed from */
+	struct mem_usable usable;  /* memory of this machine, or less; `most.queue` is within it */
+	bool all;             /* every tile has a slot, so none is loaded ahead */
 	size_t window_tiles;  /* most tiles that one window, or one block of relaxing soil, can touch */
 	size_t batch_windows; /* most contacts that are computed together; 0: each is computed alone */
 	uint64_t batch_bytes; /* of GPU memory for that, beside what a contact needs that is alone */

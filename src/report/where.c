@@ -12,7 +12,7 @@ static void add(cJSON *where, const char *name, uint64_t visited, uint64_t possi
 static void add_windows(cJSON *where, const struct report *report, const struct gpu_stats *gpu)
 {
 	const enum deform_model model = report->world->scene->model;
-	const uint64_t used = scene_effects(report->world->scene, report->world->level);
+	const uint64_t used = world_effects(report->world);
 	for (int effect = EFFECT_MODEL; effect <= EFFECT_DISTURBANCE; effect++) {
 		uint64_t visited = report->world->windows.computed;
 		if ((effect > EFFECT_SPREAD && effect < EFFECT_DISTURBANCE) || (used >> effect & 1) == 0)
@@ -35,7 +35,7 @@ void report_where(cJSON *root, const struct report *report, const struct gpu_sta
 	cJSON *where = cJSON_AddObjectToObject(root, "where");
 	add_windows(where, report, gpu);
 	for (int effect = EFFECT_SHED; effect <= EFFECT_SLIDE; effect++)
-		if (scene_effects(report->world->scene, report->world->level) >> effect & 1)
+		if (world_effects(report->world) >> effect & 1)
 			add(where, scene_effect_row((enum scene_effect)effect)->name, report->world->relaxation.visited, report->world->relaxation.possible);
 	if (report->view != NULL) {
 		struct resident_pyramid_figures pyramid;

@@ -49,19 +49,29 @@ static uint32_t images_of(const struct pages_params *params, uint32_t soft)
 	return images > least ? images : least;
 }
 
+/* Commits that are begun for all ranks come some steps later, and pages come from other ranks besides. */
 #define RANKS_MORE 4
+
+/* Returns how many images may be made at all: `enough` are never all needed. Only so many are allowed as there is memory for, but always a step's
+ * own besides those that are being committed. */
+static uint64_t most_images(const struct pages_params *params, const struct pages_layout *layout, uint32_t few, uint64_t enough)
+{
+	const uint64_t fit = params->queue_bytes > 0 && layout->changed > 0 ? params->queue_bytes / layout->changed : UINT64_MAX, least = 2 * (uint64_t)few;
+	const uint64_t most = fit > least ? fit : least;
+	return enough > most ? most : enough > few ? enough : few;
+}
 
 static struct page_params cache_params(const struct pages_params *params, const struct pages_layout *layout)
 {
 	uint32_t soft = commit_pages_most(params, layout);
-	const uint32_t few = images_of(params, soft), most = PAGE_QUEUE_MOST(soft, params->step_pages);
+	const uint32_t few = images_of(params, soft);
+	const uint64_t most = most_images(params, layout, few, PAGE_QUEUE_MOST(soft, params->step_pages) * (params->commits_begun ? RANKS_MORE : 1));
 	soft = soft < few - few / 4 ? soft : few - few / 4; /* the rest is for the step that starts the commit */
 	return (struct page_params){
 		.slots = params->count,
 		.loaders = params->loaders,
 		.queue_soft = soft,
-		/* Commits that are begun for all ranks come some steps later, and pages come from other ranks besides. */
-		.queue_most = (most > few ? most : few) * (params->commits_begun ? RANKS_MORE : 1),
+		.queue_most = (uint32_t)most,
 		.queue_few = few,
 		.commit_age = params->commit_age,
 		.commits_begun = params->commits_begun,

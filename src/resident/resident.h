@@ -247,6 +247,7 @@ struct pages_params {
 	uint32_t step_pages;     /* most pages that one step can change; bounds the queue */
 	uint32_t work_pages;     /* pages that change step after step; fewer than twice as many do not start a commit */
 	uint32_t images;         /* images of changed pages that are made before a page waits for one; 0: as many as four commits have */
+	uint64_t queue_bytes;    /* most bytes of images of changed pages, unless twice as many as are made without a wait are more; 0: no limit */
 	struct pages_record record;
 	struct pages_sums before; /* sums of this drive at the time when these pages were made */
 	FILE *commit_log;           /* a line for each commit; NULL: none */

@@ -178,6 +178,20 @@ uint64_t scene_object_effects(const struct scene_object *object)
 	       (object->shape.grousers > 0 ? EFFECT_BIT(EFFECT_GROUSERS) : 0) | (object->load > 0 ? EFFECT_BIT(EFFECT_LOAD) : 0);
 }
 
+static const struct scene_object *first_loaded(const struct scene *scene)
+{
+	for (size_t i = 0; i < scene->object_count; i++)
+		if (scene->objects[i].load > 0)
+			return &scene->objects[i];
+	return NULL;
+}
+
+/* Forces are summed for rows, for loads, and for soil geoms of vehicles. A host asks for them as it likes. */
+static bool feels(const struct scene *scene)
+{
+	return deform_tells_forces(scene->model) && (scene->forces > 0 || scene->vehicle_count > 0 || first_loaded(scene) != NULL);
+}
+
 static uint64_t object_effects(const struct scene *scene)
 {
 	uint64_t effects = model_effects(scene->model);
@@ -185,11 +199,11 @@ static uint64_t object_effects(const struct scene *scene)
 		effects |= EFFECT_BIT(EFFECT_DISTURBANCE);
 	if (scene->soil_map != NULL && deform_model_row(scene->model)->numbers != NULL)
 		effects |= EFFECT_BIT(EFFECT_SOIL_MAP);
-	if (scene->slip_sinkage > 0)
+	if (scene->slip_sinkage > 0 && scene_slips(scene))
 		effects |= EFFECT_BIT(EFFECT_SLIP);
 	if (scene->raster_count > 0)
 		effects |= EFFECT_BIT(EFFECT_SOIL_RASTERS);
-	if (scene->forces > 0 && deform_tells_forces(scene->model))
+	if (feels(scene))
 		effects |= EFFECT_BIT(EFFECT_FORCES);
 	if (scene->prefetch > 0)
 		effects |= EFFECT_BIT(EFFECT_PREFETCH);
@@ -306,8 +320,12 @@ void scene_effect_reason(const struct scene *scene, enum scene_effect effect, ch
 		snprintf(text, size, "%s: %s", key, deform_model_row(scene->model)->name);
 	else if (strcmp(key, "view.effects") == 0 || strcmp(key, "attributes") == 0)
 		snprintf(text, size, "%s.%s", key, scene_name_now(row->name));
-	else if (effect == EFFECT_FORCES)
+	else if (effect == EFFECT_FORCES && scene->forces > 0)
 		snprintf(text, size, "%s: %g", key, scene->forces);
+	else if (effect == EFFECT_FORCES && first_loaded(scene) != NULL)
+		snprintf(text, size, "objects.%s.load", first_loaded(scene)->name);
+	else if (effect == EFFECT_FORCES)
+		snprintf(text, size, "vehicles");
 	else if (effect == EFFECT_SLIP)
 		snprintf(text, size, "%s: %g", key, scene->slip_sinkage);
 	else if (effect == EFFECT_PREFETCH)

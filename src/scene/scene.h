@@ -361,6 +361,8 @@ void scene_object_finish(struct scene_object *object);
 uint64_t scene_effects(const struct scene *scene, int level);
 /* Returns those of EFFECT_MESH, EFFECT_GROUSERS and EFFECT_LOAD that this object uses. */
 uint64_t scene_object_effects(const struct scene_object *object);
+/* Returns false if no body of the scene can slip. Such a body never moves, or it is a wheel of slip 0 that rolls straight ahead. */
+bool scene_slips(const struct scene *scene);
 /* Returns true if bodies without a path may come: those of a host, or geoms of vehicles. */
 bool scene_moves_bodies(const struct scene *scene);
 /* Copies the scene as it is run without a window: the view is left out unless pictures are written. `out` shares the memory of

@@ -117,12 +117,29 @@ static const cyaml_schema_field_t *field_of(const cyaml_schema_field_t *fields, 
 	return NULL;
 }
 
+/* Returns the keys of the scene that have this one in a mapping of theirs, as output.forces for forces. */
+static struct scene_list elsewhere(const char *key)
+{
+	struct scene_list found = {.length = 0};
+	char path[160];
+	for (const cyaml_schema_field_t *field = scene_schema.mapping.fields; field->key != NULL; field++) {
+		if (field->value.type != CYAML_MAPPING || field_of(field->value.mapping.fields, key) == NULL)
+			continue;
+		snprintf(path, sizeof path, "%s.%s", field->key, key);
+		scene_list_add(&found, path);
+	}
+	return found;
+}
+
 static enum status unknown_key(const struct scene_tree *tree, const cyaml_schema_field_t *fields, const struct scene_node *node, const char *keys)
 {
 	struct nearest nearest = nearest_begin(node->key);
 	for (; fields->key != NULL; fields++)
 		nearest_offer(&nearest, fields->key);
-	return scene_error(tree->file, node, "unknown key; allowed: %s%s", keys, nearest_ask(&nearest).text);
+	const struct nearest_text asks = nearest_ask(&nearest);
+	const struct scene_list inner = asks.text[0] == '\0' ? elsewhere(node->key) : (struct scene_list){.length = 0};
+	return scene_error(tree->file, node, "unknown key; allowed: %s%s%s%s%s", keys, asks.text, inner.length > 0 ? "; did you mean " : "",
+			   inner.length > 0 ? inner.text : "", inner.length > 0 ? "?" : "");
 }
 
 /* Says what kind of value a key takes. */

@@ -383,11 +383,31 @@ static enum status check_same(struct store *overlay, struct store *base)
 	return status;
 }
 
+/* A file of another kind, or a folder, has the name. The advice differs from that for a store. */
+static enum status check_kind(const char *path)
+{
+	static const char magic[] = "SQLite format 3";
+	char begins[sizeof magic] = "";
+	struct stat is;
+	if (stat(path, &is) != 0)
+		return fail_with(STATUS_INPUT, "%s: %s; name an overlay, or a file that is not there yet, in a folder that can be read", path, strerror(errno));
+	FILE *file = S_ISREG(is.st_mode) ? fopen(path, "rb") : NULL;
+	const bool read = file != NULL && fread(begins, sizeof begins, 1, file) == 1;
+	if (file != NULL)
+		fclose(file);
+	if (read ? memcmp(begins, magic, sizeof magic) == 0 : S_ISREG(is.st_mode)) /* store_open tells why it cannot be read */
+		return STATUS_OK;
+	return fail_with(STATUS_INPUT, "%s: it is %s, not an overlay; name an overlay, or a file that is not there yet", path,
+			 S_ISDIR(is.st_mode) ? "a folder" : "another file");
+}
+
 /* Before it is opened for writing, which would change a store that is none. */
 static enum status check_overlay(const char *path, const char *base_path)
 {
 	struct store *store = NULL, *base = NULL;
-	enum status status = store_open(path, &reading, &store);
+	enum status status = check_kind(path);
+	if (status == STATUS_OK)
+		status = store_open(path, &reading, &store);
 	if (status == STATUS_OK && store->under == NULL)
 		status = fail_with(STATUS_INPUT, "%s: it is a whole store, not an overlay; name a file that is not there yet%s", path,
 				   strcmp(path, base_path) == 0 ? ", or leave --overlay out to keep the ruts in the store" : "");

@@ -146,14 +146,31 @@ uint32_t world_step_pages(const struct world *world)
 	return pages < 1e6 ? (uint32_t)pages + 4 : 1000000;
 }
 
+/* Returns the bytes of tiles that the steps' thread, the look-ahead and queries keep. */
+static uint64_t kept_bytes(const struct world *world)
+{
+	const uint64_t side = tile_posts(&world->meta->extent);
+	/* each thread that loads ahead has one tile of its own */
+	const unsigned ahead = motion_look_ahead_threads(world->limits.prefetch, world->scene->object_count);
+	return ((uint64_t)world->limits.ground + (ahead > 1 ? ahead : 1)) * side * side * sizeof(int32_t) +
+	       world->limits.queries * resident_newest_tile_bytes(world->meta->extent.cells);
+}
+
+uint64_t world_queue_bytes(const struct world *world, const struct pages_params *params)
+{
+	const uint64_t usable = world->limits.usable.bytes;
+	struct resident_pages_budget others;
+	if (usable == 0)
+		return 0;
+	resident_pages_budget(params, world->meta->extent.cells, &others);
+	const uint64_t taken = others.slots + others.loads + others.ground + kept_bytes(world);
+	return usable > taken + 1 ? (usable - taken) / 2 : 1;
+}
+
 void world_budget(const struct world *world, struct resident_pages_budget *budget)
 {
-	uint64_t side = tile_posts(&world->meta->extent);
 	struct pages_params params;
 	world_pages_params(world, &params);
 	resident_pages_budget(&params, world->meta->extent.cells, budget);
-	/* each thread that loads ahead has one tile of its own */
-	const unsigned ahead = motion_look_ahead_threads(world->scene->prefetch, world->scene->object_count);
-	budget->ground += ((uint64_t)world->limits.ground + (ahead > 1 ? ahead : 1)) * side * side * sizeof(int32_t);
-	budget->ground += world->limits.queries * resident_newest_tile_bytes(world->meta->extent.cells);
+	budget->ground += kept_bytes(world);
 }

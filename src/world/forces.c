@@ -326,6 +326,7 @@ static enum status use(struct forces *forces, int64_t step)
 			status = give_row(forces, entry);
 		} else {
 			struct body *body = &forces->world->bodies[entry->object];
+			body->near += entry->force.area > 0;
 			body->sinkage = entry->force.sinkage;
 			body->equilibrium = entry->force.z;
 			body->raised = entry->force.z - entry->at.pose.z;

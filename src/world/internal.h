@@ -182,6 +182,11 @@ size_t world_least_slots(const struct world *world);
 
 /* Sets world->limits. Call it after world_make_bodies. STATUS_INPUT: cache.memory is too little; the message has the least. */
 enum status world_settle_limits(struct world *world) FURROW_CHECKED;
+/* plan.c: returns the metres along the ground that the object has come at `time`; NAN: out of memory. */
+double world_way_at(const struct track *track, double time);
+void world_advise_samples(const struct world *world, scene_advice_fn tell, void *user); /* samples.c */
+/* budget.c: returns how many bytes images of changed pages may take: half of the usable memory that all other tiles leave. 0: it is not known. */
+uint64_t world_queue_bytes(const struct world *world, const struct pages_params *params);
 /* Pages that bodies lie on at one time, in the mean over where tiles begin. */
 uint32_t world_work_pages(const struct world *world);
 /* Returns the number of all tiles of the working level and of coarser ones. In plan.c. */

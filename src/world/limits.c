@@ -37,7 +37,7 @@ static double ground_under(const struct world *world, const struct deform_shape 
 	double tiles = 0;
 	for (int level = finest; level <= 0; level++) {
 		const double side = extent_spacing(extent, level) * extent->cells;
-		tiles += tiles_under(2 * deform_shape_bound(shape), side) + speed * world->scene->prefetch / side;
+		tiles += tiles_under(2 * deform_shape_bound(shape), side) + speed * world->limits.prefetch / side;
 	}
 	return tiles;
 }
@@ -99,10 +99,19 @@ uint32_t world_work_pages(const struct world *world)
 	return pages < 1e6 ? (uint32_t)ceil(pages) : 1000000;
 }
 
+/* Tells whether so many slots hold every tile that the drive may come to. A picture also draws base tiles finer than the working level. */
+static bool holds_all(const struct world *world, uint32_t slots)
+{
+	return world->store != NULL && store_finest_base(world->store) >= world->level && world_all_tiles(world) <= slots;
+}
+
 /* Fills the limits for so many slots. `part`: bytes from which base heights and queries get their parts; 0: they have no limit of bytes. */
 static void set(struct world *world, uint32_t slots, uint64_t part)
 {
 	world->limits.slots = slots;
+	world->limits.all = holds_all(world, slots);
+	world->limits.loaders = world->limits.all ? 0 : world->scene->loaders;
+	world->limits.prefetch = world->limits.all ? 0 : world->scene->prefetch;
 	world->limits.images = world->scene->memory > 0 ? slots / 2 + 1 : 0;
 	world->limits.ground = ground_tiles(world, slots, part / GROUND_PART);
 	world->limits.queries = query_tiles(world, part / QUERIES_PART);
@@ -120,6 +129,9 @@ static uint64_t told(const struct world *world)
 static bool fit(struct world *world, uint32_t least, uint32_t most, uint64_t memory, uint64_t part)
 {
 	uint32_t low = least, high = most > least ? most : least;
+	set(world, high, part); /* may need less than one slot fewer: without loaders */
+	if (told(world) <= memory)
+		return true;
 	set(world, least, part);
 	if (told(world) > memory)
 		return false;
@@ -159,6 +171,7 @@ enum status world_settle_limits(struct world *world)
 	const struct scene *scene = world->scene;
 	struct scene_parameter slots;
 	scene_parameter("cache.slots", &slots);
+	world->limits.usable = mem_usable();
 	if (scene->memory == 0) {
 		set(world, scene->slots, 0);
 		return STATUS_OK;

@@ -47,7 +47,7 @@ enum status world_open_rasters(struct world *world)
 	const struct scene *scene = world->scene;
 	struct soil_rasters_params params = {
 		.count = scene->raster_count,
-		.loaders = scene->loaders,
+		.loaders = world->limits.loaders,
 		.places = scene_moves_bodies(scene),
 		.meta = world->meta,
 	};

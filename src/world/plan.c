@@ -27,6 +27,7 @@ enum status world_settle_level(struct world *world)
 					       "km); import a smaller part, or say what a PNG means with --height-range",
 				 world->meta->low, world->meta->high);
 	world->was_deformed = store_has_working_level(world->store, NULL);
+	world->slip_sinkage = world->was_deformed || scene_slips(world->scene) ? world->scene->slip_sinkage : 0;
 	double asked = world->scene->spacing;
 	int level = 0;
 	if (asked > 0) {
@@ -43,12 +44,23 @@ enum status world_settle_level(struct world *world)
 	return store_set_working_level(world->store, level);
 }
 
-unsigned world_planes(const struct scene *scene, bool was_deformed)
+unsigned world_planes(const struct world *world)
 {
-	unsigned planes = deform_planes(scene->model, scene->disturbance, scene->slip_sinkage > 0);
+	const struct scene *scene = world->scene;
+	unsigned planes = deform_planes(scene->model, scene->disturbance, world->slip_sinkage > 0);
 	if (scene->object_count > 0 || scene_moves_bodies(scene))
 		return planes;
-	return was_deformed && scene->view.present ? planes & GPU_DRAWN_PLANES : 0;
+	return world->was_deformed && scene->view.present ? planes & GPU_DRAWN_PLANES : 0;
+}
+
+uint64_t world_effects(const struct world *world)
+{
+	uint64_t effects = scene_effects(world->scene, world->level);
+	if (world->limits.all)
+		effects &= ~(EFFECT_BIT(EFFECT_LOADERS) | EFFECT_BIT(EFFECT_PREFETCH));
+	if (world->slip_sinkage > 0 && world_deforms(world))
+		effects |= EFFECT_BIT(EFFECT_SLIP);
+	return effects;
 }
 
 bool world_needs_soil_map(const struct scene *scene)
@@ -64,7 +76,7 @@ enum status world_open_soil_map(struct world *world)
 	const struct soil_map_params params = {
 		.path = scene->soil_map,
 		.classes = scene->soil_class,
-		.loaders = scene->loaders,
+		.loaders = world->limits.loaders,
 		.places = scene_moves_bodies(scene) || (scene->forces > 0 && scene->object_count > 0),
 		.meta = world->meta,
 	};
@@ -99,7 +111,7 @@ void world_deform_params(const struct world *world, struct deform_params *params
 		.unsettled = world->was_deformed,
 		.tolerance = scene->tolerance,
 		.bulldozing = scene->bulldozing,
-		.slip_sinkage = scene->slip_sinkage,
+		.slip_sinkage = world->slip_sinkage,
 		.ground_normals = scene->normals == SCENE_GROUND,
 		.touched = world_asks_touched(world),
 		.disturbance = scene->disturbance,
@@ -250,8 +262,7 @@ static void advise_ways(const struct world *world, scene_advice_fn tell, void *u
 	}
 }
 
-/* Metres along the ground that the object has come at `time`; NAN: out of memory. */
-static double way_at(const struct track *track, double time)
+double world_way_at(const struct track *track, double time)
 {
 	double(*places)[2] = mem_alloc(motion_track_corners(track), sizeof *places), way = 0;
 	if (places == NULL)
@@ -290,8 +301,8 @@ static void advise_unfinished(const struct world *world, scene_advice_fn tell, v
 	if (unfinished > 1)
 		snprintf(others, sizeof others, ", and %zu other%s not at the end either", unfinished - 1, unfinished > 2 ? "s are" : " is");
 	snprintf(text, sizeof text, "objects.%s.path: the drive ends after %.6g s, when it has come %.4g m of %.4g m%s; the whole path takes %.6g s: give "
-				    "end_time %s, or a shorter path", longest->object->name, scene->end_time, way_at(longest->track, scene->end_time),
-		 way_at(longest->track, needed), others, needed, number_at_least(ceil(needed * 1e3) / 1e3, 6).text);
+				    "end_time %s, or a shorter path", longest->object->name, scene->end_time, world_way_at(longest->track, scene->end_time),
+		 world_way_at(longest->track, needed), others, needed, number_at_least(ceil(needed * 1e3) / 1e3, 6).text);
 	tell(user, text);
 }
 
@@ -311,6 +322,7 @@ void world_advise(const struct world *world, scene_advice_fn tell, void *user)
 		advise_leaving(world, tell, user);
 		advise_ways(world, tell, user);
 		advise_unfinished(world, tell, user);
+		world_advise_samples(world, tell, user);
 		world_advise_relief(world, tell, user);
 	}
 	world_advise_limits(world, tell, user);
@@ -354,8 +366,8 @@ void world_plan_pages(const struct world *world, struct plan *plan)
 	const bool deforms = scene->object_count > 0 || scene->vehicle_count > 0;
 	const struct pages_planned planned = {
 		.cells = world->meta->extent.cells,
-		.planes = world_planes(scene, world->was_deformed),
-		.loaders = scene->loaders,
+		.planes = world_planes(world),
+		.loaders = world->limits.loaders,
 		.was_deformed = world->was_deformed,
 		.history = world->params.keep_history || (world->store != NULL && store_has_history(world->store)),
 		.inherits = world->store != NULL && store_depth(world->store) > 0,
@@ -370,7 +382,7 @@ void world_plan_pages(const struct world *world, struct plan *plan)
 		.picture_effect = scene_effect_row(EFFECT_PICTURE)->name,
 	};
 	resident_pages_plan(&planned, plan);
-	motion_look_ahead_plan(scene->prefetch, scene->object_count, plan);
+	motion_look_ahead_plan(world->limits.prefetch, scene->object_count, plan);
 }
 
 uint64_t world_samples_until(const struct track *track, double end)
@@ -403,12 +415,7 @@ static enum status over_store(struct world *world, const char *path)
 	world->meta = store_meta(world->store);
 	world_settle_light(world);
 	status = world_settle_level(world);
-	if (status == STATUS_OK)
-		status = world_settle_relief(world);
-	/* A drive refuses a map or a raster of the soil that cannot be read, so this does too. */
-	if (status == STATUS_OK)
-		status = world_open_soil_map(world);
-	return status == STATUS_OK ? world_open_rasters(world) : status;
+	return status == STATUS_OK ? world_settle_relief(world) : status;
 }
 
 static enum status over_nothing(struct world *world, struct store_meta *assumed)
@@ -431,6 +438,7 @@ static enum status over_nothing(struct world *world, struct store_meta *assumed)
 	world->meta = assumed;
 	world_settle_light(world);
 	world->spacing = spacing;
+	world->slip_sinkage = scene_slips(scene) ? scene->slip_sinkage : 0;
 	return STATUS_OK;
 }
 
@@ -442,6 +450,11 @@ enum status world_prepare_plan(struct world *world, const struct scene *scene, c
 	if (status == STATUS_OK)
 		status = world_make_bodies(world);
 	if (status == STATUS_OK)
-		status = world_find_soils_met(world);
-	return status == STATUS_OK ? world_settle_limits(world) : status;
+		status = world_settle_limits(world);
+	/* A drive refuses a map or a raster of the soil that cannot be read, so this does too. */
+	if (status == STATUS_OK && store != NULL)
+		status = world_open_soil_map(world);
+	if (status == STATUS_OK && store != NULL)
+		status = world_open_rasters(world);
+	return status == STATUS_OK ? world_find_soils_met(world) : status;
 }

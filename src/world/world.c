@@ -43,15 +43,15 @@ enum status world_prepare(struct world *world, const struct world_params *params
 	if (status == STATUS_OK)
 		status = world_settle_relief(world);
 	if (status == STATUS_OK)
+		status = world_make_bodies(world);
+	if (status == STATUS_OK)
+		status = world_settle_limits(world);
+	if (status == STATUS_OK)
 		status = world_open_soil_map(world);
 	if (status == STATUS_OK)
 		status = world_open_rasters(world);
 	if (status == STATUS_OK)
-		status = world_make_bodies(world);
-	if (status == STATUS_OK)
 		status = world_find_soils_met(world);
-	if (status == STATUS_OK)
-		status = world_settle_limits(world);
 	if (status == STATUS_OK)
 		status = resident_ground_create(world->store, world->limits.ground, &world->ground);
 	if (status == STATUS_OK)
@@ -98,7 +98,7 @@ static enum status start_look_ahead(struct world *world)
 		.camera = follows ? camera_places : NULL,
 		.camera_user = world,
 		.camera_speed = follows ? motion_track_fastest(world->bodies[scene->view.aim.object].track) : 0,
-		.prefetch = scene->prefetch,
+		.prefetch = world->limits.prefetch,
 		.end = scene->hosted ? (double)INFINITY : scene->end_time,
 	};
 	enum status status = motion_look_ahead_create(&params, &world->ahead);
@@ -131,7 +131,6 @@ static bool has_large_passes(const struct world *world, const struct deform_para
 
 enum status world_start(struct world *world)
 {
-	const struct scene *scene = world->scene;
 	struct deform_params deform;
 	world_deform_params(world, &deform);
 	const struct gpu_params gpu = {.draws = has_large_passes(world, &deform)};
@@ -140,7 +139,7 @@ enum status world_start(struct world *world)
 		status = gpu_create(&gpu, &world->gpu);
 	if (status == STATUS_OK)
 		status = gpu_slots_create(world->gpu, world->meta->extent.cells, world->limits.slots,
-					  world_planes(scene, world->was_deformed), &world->slots);
+					  world_planes(world), &world->slots);
 	if (status == STATUS_OK && world_computes_together(world))
 		status = gpu_slots_in_arrays(world->slots);
 	world->aloft.asks_touched = deform.touched;
@@ -208,10 +207,10 @@ void world_pages_params(const struct world *world, struct pages_params *params)
 {
 	const struct scene *scene = world->scene;
 	*params = (struct pages_params){
-		.planes = world_planes(scene, world->was_deformed),
+		.planes = world_planes(world),
 		.level = world->level,
 		.count = world->limits.slots,
-		.loaders = scene->loaders,
+		.loaders = world->limits.loaders,
 		.step_pages = world_step_pages(world),
 		.work_pages = world_work_pages(world),
 		.images = world->limits.images,
@@ -227,6 +226,7 @@ void world_pages_params(const struct world *world, struct pages_params *params)
 		.classes_drawn = scene_draws_classes(scene),
 	};
 	params->record.bytes = world_record_bytes_with(scene->object_count, world->params.attached.count);
+	params->queue_bytes = world_queue_bytes(world, params);
 }
 
 static enum status watcher_requests(void *user, struct requests *requests)
@@ -298,7 +298,7 @@ enum status world_warm(struct world *world)
 	}
 	if (status == STATUS_OK)
 		status = world_warm_drops(world);
-	bool deformed = world_planes(scene, world->was_deformed) != 0;
+	bool deformed = world_planes(world) != 0;
 	if (status == STATUS_OK)
 		status = gpu_slots_warm(world->slots, world_division(world),
 					deformed && world->params.draws);

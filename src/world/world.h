@@ -175,6 +175,7 @@ struct body {
 	int64_t raised;           /* 2^-20 m: height of `equilibrium` above the height where the search for it began */
 	uint32_t loaded_body;         /* for a body with a load: its number among the loaded bodies, from 1 */
 	int64_t skipped;          /* number of path samples without ground */
+	int64_t near;             /* path samples of this run in which it was near the ground. With a load: steps at whose end the soil bore it */
 	uint64_t windows, windows_moved; /* windows computed; of these, the windows in which the body moved */
 	_Atomic bool elsewhere;   /* another rank computes its contacts. Threads that load ahead read it */
 	/* Of a body with a load, since this run began: the soil did not carry it, or did not hold it on its slope */
@@ -332,6 +333,7 @@ struct world {
 	double spacing;    /* m, of the working level */
 	struct store_reader *follower; /* follow.c; NULL: nothing is followed yet */
 	bool was_deformed; /* the store was deformed before this world was opened */
+	double slip_sinkage; /* the scene's; 0 where no body slips and no earlier drive may have dug */
 	struct world_began {
 		double low, high; /* m: the deepest rut, at most 0, and the highest heap that earlier runs left. Of a run that is resumed both are 0 */
 	} began;
@@ -343,6 +345,10 @@ struct world {
 		uint32_t images;   /* of changed pages, as in pages_params */
 		uint32_t ground;   /* base heights that `ground` keeps */
 		uint32_t queries;  /* that `newest` keeps; 0: nobody asks */
+		bool all;          /* every tile that the drive may come to has a slot, so nothing is read ahead */
+		uint32_t loaders;  /* threads that load tiles: the scene's, or 0 with `all` */
+		double prefetch;   /* s of travel that is looked ahead: the scene's, or 0 with `all` */
+		struct mem_usable usable; /* by this process: bounds the queue of changed pages */
 		double hosts_need, hosts_work; /* tiles of base heights, and pages, under bodies that a host added */
 	} limits;
 	struct soil_map *soil_map; /* NULL: one soil */
@@ -645,9 +651,12 @@ enum status world_record_ranks(struct world *world, const struct deform_block *o
 
 /* --- facts that follow from scene and store, before anything is made: plan.c --- */
 
-/* Returns the planes that are read and committed. With bodies: the planes of the scene's model, and disturbance if the scene
- * asks for it. Without bodies: the drawn planes if the store `was_deformed`, otherwise none. */
-unsigned world_planes(const struct scene *scene, bool was_deformed);
+/* Returns the planes that are read and committed. With bodies: the planes of the scene's model, disturbance if the scene asks for it, and what
+ * slip dug if a body may slip. Without bodies: the drawn planes if the store was deformed before, otherwise none. */
+unsigned world_planes(const struct world *world);
+/* Returns the effects that run over this store, as scene_effects does. Where all tiles have a slot, nothing is loaded ahead. Where earlier drives
+ * deformed the ground, slip may have dug there. */
+uint64_t world_effects(const struct world *world);
 bool world_computes_together(const struct world *world); /* contacts of several bodies, whose passes read and write tiles, so the slots lie in arrays */
 const struct relief *world_relief(const struct world *world); /* returns what raises the ground below level 0; NULL: nothing */
 enum gpu_division world_division(const struct world *world);  /* returns how tiles below level 0 get their base */

@@ -1,5 +1,6 @@
 /* Names of bodies, and many of them: the first that is free, gone with the body, back after a rollback. */
 #include "hosted.h"
+#include "../support/program.h"
 
 #define SCENE "{\"scene\": 1, \"spacing\": 0.25, \"redistribute\": {\"model\": \"box\"}, \"objects\": [" \
 	      "{\"name\": \"held\", \"shape\": {\"sphere\": {\"radius\": 0.3}}}]}"
@@ -87,7 +88,7 @@ static void a_hundred_thousand_bodies_are_added_found_and_removed(void **state)
 	done(furrow_world_close(world));
 }
 
-int main(void)
+TEST_PROGRAM(names)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(names_come_and_go_with_bodies),

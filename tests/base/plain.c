@@ -10,6 +10,7 @@
 #include "base/base.h"
 #include "base/json.h"
 #include "base/plain.h"
+#include "../support/program.h"
 
 static void a_line_has_no_odd_characters(void **state)
 {
@@ -66,7 +67,7 @@ static void json_escapes_them(void **state)
 	cJSON_free(text);
 }
 
-int main(void)
+TEST_PROGRAM(plain)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_line_has_no_odd_characters),

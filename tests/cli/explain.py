@@ -5,6 +5,7 @@ import json
 import math
 import pathlib
 import re
+import resource
 import shutil
 import sqlite3
 import subprocess
@@ -87,6 +88,31 @@ class Explain(FurrowTest):
                             self.assertEqual(row["reason"], called[row["effect"]]["reason"])
                 for effect in plan["effects"]:
                     self.assertEqual(effect["called"], effect["reason"] is not None)
+
+    def test_what_is_not_called_for_is_told(self):
+        """No loaders where every tile has a slot; no slip where nothing slips; forces where loads sum them; a queue within the memory there is."""
+        store = self.synth(posts="257x257", kind="plain")
+        wheel = self.scene(BARE.replace("sphere: {radius: 2}", "wheel: {radius: 2, width: 1}").replace("sink: 0.2", "load: 900") +
+                           "soil: {name: dry_sand}\nredistribute: {model: scm}\n")
+        called = lambda plan: {effect["name"]: effect["reason"] for effect in plan["effects"] if effect["called"]}
+        plan = self.json("explain", wheel, "--store", store)
+        self.assertEqual([row["name"] for row in plan["threads"]], ["furrow-write"])
+        self.assertIs(plan["memory"]["holds_all"], True)
+        self.assertEqual({"slip", "loaders", "prefetch"} & set(called(plan)), set())
+        self.assertEqual(called(plan)["forces"], "objects.a.load")
+        text = self.ok("explain", wheel, "--store", store, "--all")
+        self.assertIn("every tile of the store has a slot: none is loaded ahead, and there are no loaders", text)
+        few = self.json("explain", wheel, "--store", store, "--set", "spacing=0.25", "--set", "cache.slots=12", "--set", "objects.a.slip=0.1")
+        self.assertEqual((few["memory"]["holds_all"], called(few)["slip"], called(few)["loaders"]),
+                         (False, "redistribute.slip_sinkage: 1.35", "cache.loaders: 2"))
+        bounds = []
+        for limit in (resource.RLIM_INFINITY, 3 * 10**9):  # of a large terrain, where one step may change thousands of tiles
+            large = json.loads(subprocess.run([FURROW, "explain", wheel, "--set", "spacing=0.25", "--json"], capture_output=True, check=True,
+                                              preexec_fn=lambda limit=limit: resource.setrlimit(resource.RLIMIT_AS, (limit, limit))).stdout)["memory"]
+            self.assertLessEqual(large["most"]["total"], large["usable"]["bytes"])
+            bounds.append((large["most"]["queue"], large["usable"]["of"]))
+        self.assertEqual(bounds[1][1], "ulimit -v")
+        self.assertLess(bounds[1][0], bounds[0][0])
 
     def test_soils_and_vehicles_tell_where_their_numbers_come_from(self):
         scene, own = self.folder / "tools/scenes/vehicles/offroad.yaml", ("--set", "soil.cohesion=1040", "--set", "soil.damping=null", "--set", "vehicles.car.driver.drive=[drive_rear_*]")
@@ -180,15 +206,11 @@ class Explain(FurrowTest):
         bare = self.bare()
         for setting, effects in [("attributes=[dirt]", {"dirt"}), ("redistribute.model=box", {"box"}),
                                  ("objects.a.shape.wheel.lugs=8", {"lugs"}), ("spacing=0.5", {"subdivide"}),
-                                 ("cache.loaders=0", {"loaders"}), ("cache.prefetch=0", {"prefetch"}),
                                  ("view=" + VIEW, {"picture", "normals", "pyramid", "images"})]:
             with self.subTest(setting=setting):
                 plan = self.bare(setting)
                 before, after = rows(bare), rows(plan)
                 changed = [row for row in after if row not in before] + [row for row in before if row not in after]
-                # Without loaders fewer images of pages wait: the same lines, of another amount.
-                if setting == "cache.loaders=0":
-                    changed = [row for row in changed if not row[1].startswith("loads: ")]
                 # An object that leaves a mark needs to know what it touched: the press is another variant.
                 variants = [row for row in changed if row[0] == "programs" and row[5] == "displace"]
                 # The last pass of a batch writes the tiles: without box that is the press.
@@ -201,6 +223,13 @@ class Explain(FurrowTest):
                 was = {effect["name"] for effect in bare["effects"] if effect["called"]}
                 self.assertEqual(called ^ was, effects)
                 self.assertEqual(rows(self.bare()), before)
+        # Where every tile has a slot, these call for nothing. Here they have none.
+        few = ("spacing=0.125", "cache.slots=8")
+        for setting, effect in (("cache.loaders=0", "loaders"), ("cache.prefetch=0", "prefetch")):
+            self.assertEqual(rows(self.bare(setting)), rows(bare))
+            before, after = rows(self.bare(*few)), rows(self.bare(*few, setting))
+            # Without loaders fewer images of pages wait: the same lines, of another amount.
+            self.assertEqual({row[5] for row in set(before) ^ set(after) if not row[1].startswith("loads: ")}, {effect})
 
     def test_dirt_adds_its_plane_program_pass_and_table(self):
         self.synth()

@@ -44,7 +44,7 @@ class MemoryTest(FurrowTest):
                 told = self.refused(3, "drive", scene, "--store", "base.furrow", "-o", "out", "--set", "cache.memory=0.01 MB")
                 least = int(re.search(r"give at least (\d+) MB", told).group(1))
                 self.refused(3, "explain", scene, "--store", "base.furrow", "--set", f"cache.memory={least - 1} MB")
-                hashes, slots = set(), []
+                hashes, slots, fits = set(), [], []
                 for memory in (least, 2 * least, 8 * least):
                     plan = self.plan(scene, f"{memory} MB")
                     self.assertEqual(plan["asked"], memory * 10**6)
@@ -59,11 +59,12 @@ class MemoryTest(FurrowTest):
                     self.assertLessEqual(taken["host_bytes"], budget["loads"] + budget["queue_few"])
                     self.assertLessEqual(sum(taken["plane_bytes"].values()), budget["slots"])
                     slots.append(plan["tiles"]["slots"])
+                    fits.append(plan["holds_all"])
                     hashes.add(self.ok("export", "ruts.furrow", "--layer", "offset", "-o", "ruts.tif") and
                                (self.folder / "ruts.tif").read_bytes())
                 self.assertEqual(len(hashes), 1)
                 self.assertEqual(slots, sorted(slots))
-                self.assertLess(slots[0], slots[2])
+                self.assertTrue(slots[0] < slots[2] or fits[0])  # a small terrain may fit whole into the least
 
     def test_units_of_memory_are_those_of_their_names(self):
         self.ok("synth", "-o", "base.furrow", "--posts", "289x289", "--spacing", "1")

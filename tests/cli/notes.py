@@ -282,6 +282,46 @@ class Notes(FurrowTest):
         self.assertRegex(told[0], f"objects.off.path: all {run['objects']['off']['skipped']} path samples had no ground, ")
         self.assertEqual([f"furrow: note: {note}" for note in run["notes"] if "had no ground" in note], told)
 
+    def test_what_touches_nothing_and_black_pictures_are_told_at_the_end(self):
+        (self.folder / "foot.obj").write_text("v 0 0 0\nv 0.02 0 0\nv 0 0.02 0\nv 0 0 0.02\nf 3 2 1\nf 1 2 4\nf 2 3 4\nf 3 1 4\n")
+        (self.folder / "aloft.csv").write_text("t,x,y,z\n0,20,30,900\n1,22,30,900\n")
+        self.scene("scene: 1\ntime_step: 0.02\nend_time: 1\nspacing: 0.25\nsoil: {name: dry_sand}\nredistribute: {model: scm}\nobjects:\n"
+                   "  - {name: foot, shape: {mesh: {file: foot.obj}}, load: 500, path: {points: [[20.1, 30.1]], speed: 1}}\n"
+                   "  - {name: bird, shape: {sphere: {radius: 1}}, path: {file: aloft.csv}}\n"
+                   "  - {name: stone, shape: {sphere: {radius: 1}}, sink: 0.1, path: {points: [[40, 40]], speed: 1}}\n"
+                   "view: {camera: {fixed: {eye: [128, 128, 110], target: [129, 128, 0]}}, size: [64, 48], images: 25}\n", "end.yaml")
+        mesh = "this build reads no meshes" not in self.furrow("explain", "end.yaml").stderr
+        without = () if mesh else ("--set", "objects.foot.shape={sphere: {radius: 0.01}}")
+        night = ("--set", "view.sun={time: 2026-11-27T00:30:00Z, at: [0, 50]}")
+        told = self.notes("", "--overlay", "a.furrow", *night, *without, scene="end.yaml")
+        run = json.loads((self.folder / "out/run.json").read_text())
+        end = [note.removeprefix("furrow: note: ") for note in told if "left nothing" in note or "is black" in note]
+        self.assertEqual([note for note in run["notes"] if "left nothing" in note or "is black" in note], end)
+        foot, bird, black = end
+        self.assertRegex(foot, r"^objects\.foot: no post was below it in any of its 1 path samples, so nothing bore its load, and it left nothing: it is 0\.0\d+ m large, "
+                               r"and posts are 0\.25 m apart; give a finer spacing" + (r", or another shape\.mesh\.scale" if mesh else "$"))
+        self.assertRegex(bird, r"^objects\.bird: it touched the ground in none of its \d+ path samples, and left nothing; lower the z of its path")
+        self.assertRegex(black, r"^frame-000025\.png: is black, and 1 more: [\d.]+ % of its pixels are darker than 11 of 255: the sun is 59\.9 degrees below the horizon, so "
+                                r"nothing is lit, and no exposure helps; give another time in view\.sun\.time$")
+        self.assertEqual(run["view"]["black"], 2)
+        low = ("--set", "view.sun.height=0.2", "--set", "view.body=moon")
+        self.synth("flat.furrow", kind="plain", relief=0)
+        flat = {"scene": "end.yaml", "store": ("--store", "flat.furrow")}
+        black, = self.notes("is black", "--overlay", "b.furrow", *low, *without, **flat)
+        self.assertRegex(black, r"the sun is only 0\.2 degrees high, and lights little; view\.exposure: sun makes pictures \d+ times as bright$")
+        self.assertEqual(self.notes("is black", "--overlay", "b.furrow", *low, "--set", "view.exposure=sun", *without, **flat), [])
+
+    def test_a_path_that_turns_far_from_row_to_row_is_told(self):
+        (self.folder / "spin.csv").write_text("t,x,y,z,yaw,pitch,roll\n" + "".join(f"{i / 10},{20 + i / 20},30,1,{170 * i},0,0\n" for i in range(201)))
+        self.scene("scene: 1\ntime_step: 0.02\nend_time: 20\nspacing: 0.0625\nobjects:\n"
+                   "  - {name: box, shape: {box: {size: [2, 1, 0.5]}}, path: {file: spin.csv}}\n", "spin.yaml")
+        explained = self.json("explain", "spin.yaml", "--store", "world.furrow")
+        note, = [note for note in explained["notes"] if "path samples" in note]
+        self.assertRegex(note, rf"^objects\.box\.path: has {explained['stations']['box']} path samples, each a contact: \d+ times as many as there are posts on its way of 10 m, "
+                               r"since it turns by up to 170 degrees from one row to the next; look at its angles, which are in degrees, or give a coarser spacing$")
+        (self.folder / "spin.csv").write_text("t,x,y,z,yaw,pitch,roll\n" + "".join(f"{i / 10},{20 + i / 20},30,1,{2 * i},0,0\n" for i in range(201)))
+        self.assertEqual([note for note in self.json("explain", "spin.yaml", "--store", "world.furrow")["notes"] if "path samples" in note], [])
+
     def test_few_posts_below_a_wheel_are_told(self):
         self.scene(SCM, "scm.yaml")
         told = self.notes("forces may be off", "--overlay", "a.furrow", "--set", "spacing=0.0625", "--steps", "1", scene="scm.yaml")

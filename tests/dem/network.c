@@ -10,6 +10,7 @@
 #include <sys/socket.h>
 
 #include "files.h"
+#include "../support/program.h"
 
 #define NAMES "CPL_VSIL_CURL_ALLOWED_FILENAME"
 
@@ -121,7 +122,7 @@ static void texts_of_an_srs_lead_nowhere(void **state)
 	}
 }
 
-int main(void)
+TEST_PROGRAM(network)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(nothing_is_fetched_between_begin_and_end),

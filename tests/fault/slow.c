@@ -1,6 +1,6 @@
 /*
  * A slow disk: each read of a store takes a while. Whatever the step's thread waits for is in run.json, and so is most of the
- * time that the disk adds to a drive.
+ * time that the disk adds to a drive. Where each write takes a while, changed pages wait in memory, within the bound that is told.
  */
 #include "../support.h"
 #include "../support/program.h"
@@ -13,6 +13,7 @@
 #include "through.h"
 
 #define DELAY 10 /* ms a read */
+#define WRITE_DELAY 2 /* ms a write */
 #define WAITS 65536
 
 static const struct extent extent = {1025, 1025, 1, 32};
@@ -35,7 +36,7 @@ static const char scene_text[] =
 static sqlite3_vfs *real, slow_vfs;
 static sqlite3_io_methods methods;
 static pthread_t steps_thread;
-static bool slow;
+static bool slow, slow_writes;
 static struct {
 	double at, ms;
 } waits[WAITS]; /* of the step's thread */
@@ -54,6 +55,13 @@ static int slow_read(sqlite3_file *file, void *bytes, int count, sqlite3_int64 a
 	return through_methods.xRead(file, bytes, count, at);
 }
 
+static int slow_write(sqlite3_file *file, const void *bytes, int count, sqlite3_int64 at)
+{
+	if (slow_writes)
+		nanosleep(&(struct timespec){0, WRITE_DELAY * 1000000}, NULL);
+	return through_methods.xWrite(file, bytes, count, at);
+}
+
 static int slow_open(sqlite3_vfs *vfs, const char *name, sqlite3_file *file, int flags, int *out)
 {
 	struct through *opened = (struct through *)file;
@@ -69,6 +77,7 @@ static void install(void)
 {
 	methods = through_methods;
 	methods.xRead = slow_read;
+	methods.xWrite = slow_write;
 	real = sqlite3_vfs_find(NULL);
 	slow_vfs = *real;
 	slow_vfs.szOsFile = (int)sizeof(struct through) + real->szOsFile;
@@ -174,6 +183,50 @@ static void what_looks_ahead_brings_the_ranges(void **state)
 	assert_true(with.range_waits < without.range_waits);
 }
 
+/* Four bodies come to new tiles in every step, and there are few slots. */
+static const char hurried_text[] =
+	"scene: 1\n"
+	"time_step: 0.1\n"
+	"end_time: 0.8\n"
+	"spacing: 1\n"
+	"cache: {slots: 16}\n"
+	"objects:\n"
+	"  - {name: a, shape: {sphere: {radius: 2.5}}, sink: 0.5, path: {points: [[20, 120], [900, 120]], speed: 1000}}\n"
+	"  - {name: b, shape: {sphere: {radius: 2.5}}, sink: 0.5, path: {points: [[20, 320], [900, 320]], speed: 1000}}\n"
+	"  - {name: c, shape: {sphere: {radius: 2.5}}, sink: 0.5, path: {points: [[20, 520], [900, 520]], speed: 1000}}\n"
+	"  - {name: d, shape: {sphere: {radius: 2.5}}, sink: 0.5, path: {points: [[20, 720], [900, 720]], speed: 1000}}\n";
+
+static uint64_t hurry(double *queue, double *peak, double *commits)
+{
+	const char *scene = support_path("hurried.yaml"), *store = support_path("hurried.furrow");
+	support_write(scene, hurried_text);
+	support_store(store, extent, support_hills);
+	char *json = support_drive(scene, store, (const char *const[]){NULL});
+	*queue = number(json, "\"budget\"", "queue");
+	*peak = number(json, "\"units\"", "page") * 33 * 33 * sizeof(int32_t); /* the offset alone is changed */
+	*commits = number(json, "\"io\"", "commits");
+	mem_free(json);
+	support_verify(store);
+	return support_hash(store);
+}
+
+/* Where memory is short a step waits for the disk, and no more images of changed pages are made than are told. Nothing is lost. */
+static void the_queue_stays_within_the_memory_that_there_is(void **state)
+{
+	double wide, bound, peak, commits;
+	const uint64_t whole = hurry(&wide, &peak, &commits);
+	assert_true(peak > 0 && peak <= wide);
+	mem_pretend_usable(400000);
+	slow_writes = true;
+	const uint64_t slowly = hurry(&bound, &peak, &commits);
+	slow_writes = false;
+	mem_pretend_usable(0);
+	print_message("at most %.0f bytes in the queue, of %.0f without a bound; %.0f were used, in %.0f commits\n", bound, wide, peak, commits);
+	assert_true(bound < wide && bound < 1000000);
+	assert_true(peak > 0 && peak <= bound && commits > 1);
+	assert_true(slowly == whole);
+}
+
 static int prepare(void **state)
 {
 	install();
@@ -185,6 +238,7 @@ TEST_PROGRAM(slow)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(whatever_the_steps_thread_waits_for_is_counted),
 		cmocka_unit_test(what_looks_ahead_brings_the_ranges),
+		cmocka_unit_test(the_queue_stays_within_the_memory_that_there_is),
 	};
 	return cmocka_run_group_tests_name("slow", tests, prepare, support_leave);
 }

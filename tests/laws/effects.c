@@ -12,6 +12,8 @@
 
 #define LOADED SCM "objects:\n  - {name: a, shape: {sphere: {radius: 1.5}}, load: 3000, " PATH "}\n"
 
+#define STANDING "objects:\n  - {name: a, shape: {box: {size: [2, 2, 1]}}, sink: 0.2, path: {points: [[40, 40]], speed: 1}}\n"
+
 #define VIEW_BY_ERROR(effects) "view: {" CAMERA ", pixel_error: 4, effects: [" effects "]}\n"
 #define SAMPLED "view: {" CAMERA ", samples: 4}\n"
 
@@ -42,7 +44,7 @@ static const struct pair pairs[] = {
 	{EFFECT_GROUSERS, HEAD OBJECT(WHEEL "}"), HEAD OBJECT(WHEEL ", lugs: 12}"), false},
 	{EFFECT_LOAD, HEAD SPHERE SCM, HEAD LOADED, false},
 	{EFFECT_FORCES, HEAD SPHERE SCM, HEAD SPHERE SCM "output: {forces: 20}\n", true},
-	{EFFECT_FORCES, HEAD LOADED, HEAD LOADED "output: {forces: 20}\n", true},
+	{EFFECT_FORCES, HEAD SPHERE SCM, HEAD LOADED, false},
 	{EFFECT_DISTURBANCE, HEAD SPHERE, HEAD SEEN, true},
 	{EFFECT_DISTURBANCE, HEAD SPHERE VIEW(""), HEAD SEEN VIEW(""), true},
 	{EFFECT_SUBDIVIDE, HEAD SPHERE, HEAD SPHERE "spacing: 0.5\n", false},
@@ -52,8 +54,8 @@ static const struct pair pairs[] = {
 	{EFFECT_NORMALS, HEAD SPHERE, HEAD SPHERE VIEW(""), false},
 	{EFFECT_IMAGES, HEAD SPHERE, HEAD SPHERE VIEW(""), false},
 	{EFFECT_CAMERAS, HEAD SEEN VIEW(""), HEAD SEEN VIEW("") ONE_CAMERA, false},
-	{EFFECT_LOADERS, HEAD SPHERE, READ("loaders: 2, prefetch: 0") SPHERE, false},
-	{EFFECT_PREFETCH, HEAD SPHERE, READ("loaders: 0, prefetch: 0.5") SPHERE, false},
+	{EFFECT_LOADERS, SCARCE_HEAD SPHERE, SCARCE("loaders: 2, prefetch: 0") SPHERE, false},
+	{EFFECT_PREFETCH, SCARCE_HEAD SPHERE, SCARCE("loaders: 0, prefetch: 0.5") SPHERE, false},
 	{EFFECT_TEXTURE, HEAD SEEN VIEW(""), HEAD SEEN VIEW("texture"), true},
 	{EFFECT_DETAIL, HEAD SEEN VIEW("texture"), HEAD SEEN VIEW("texture, detail"), true},
 	{EFFECT_FOG, HEAD SEEN VIEW(""), HEAD SEEN VIEW("fog"), true},
@@ -253,10 +255,39 @@ static void a_view_that_nobody_asked_for_costs_nothing(void **state)
 	finish(&without);
 }
 
+/* Settings that call for nothing here make and run nothing: the plan is that of the scene without them, and so is what was counted. */
+static void what_is_not_called_for_costs_nothing(void **state)
+{
+	static const struct {
+		const char *without, *with;
+		enum scene_effect effect;
+	} cases[] = {
+		/* Every tile has a slot. */
+		{HEAD SPHERE, READ("loaders: 2, prefetch: 0.5") SPHERE, EFFECT_LOADERS},
+		{HEAD SPHERE VIEW(""), READ("loaders: 2, prefetch: 0.5") SPHERE VIEW(""), EFFECT_PREFETCH},
+		/* Nothing slips: a wheel that rolls straight ahead, and a body that stands. */
+		{HEAD OBJECT(WHEEL "}") STILL_SCM, HEAD OBJECT(WHEEL "}") SCM, EFFECT_SLIP},
+		{HEAD STANDING STILL_SCM, HEAD STANDING SCM, EFFECT_SLIP},
+		/* Loads sum forces, whether or not rows tell them. */
+		{HEAD LOADED, HEAD LOADED "output: {forces: 20}\n", EFFECT_IMAGES},
+	};
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+		struct outcome without = drive(cases[i].without), with = drive(cases[i].with);
+		assert_true(with.effects == without.effects);
+		assert_false(with.effects >> cases[i].effect & 1);
+		assert_int_equal(check_lines(&without.plan, &with.plan, 0) + check_lines(&with.plan, &without.plan, 0), 0);
+		assert_int_equal(check_units(&without, &with), 0);
+		assert_true(cJSON_Compare(counts_get(without.json, "volume"), counts_get(with.json, "volume"), true));
+		finish(&with);
+		finish(&without);
+	}
+}
+
 TEST_PROGRAM(effects)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(each_effect_comes_and_goes_alone),
+		cmocka_unit_test(what_is_not_called_for_costs_nothing),
 		cmocka_unit_test(a_view_that_nobody_asked_for_costs_nothing),
 	};
 	return cmocka_run_group_tests_name("effects", tests, support_enter, support_leave);

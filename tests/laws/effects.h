@@ -18,6 +18,9 @@ static inline double gentle(int64_t x, int64_t y)
 /* Nothing is loaded ahead, so that what is loaded when does not go by the clock. */
 #define READ(how) "scene: 1\ntime_step: 0.1\nend_time: 0.6\ncache: {slots: 48, " how "}\n"
 #define HEAD READ("loaders: 0, prefetch: 0")
+/* The store has more tiles than these slots. Where they all have one, none is loaded ahead. */
+#define SCARCE(how) "scene: 1\ntime_step: 0.1\nend_time: 0.6\ncache: {slots: 16, " how "}\n"
+#define SCARCE_HEAD SCARCE("loaders: 0, prefetch: 0")
 #define PATH "path: {points: [[30, 30], [60, 50]], speed: 10}"
 #define OBJECT(shape) "objects:\n  - {name: a, shape: {" shape "}, sink: 0.3, " PATH "}\n"
 #define SPHERE OBJECT("sphere: {radius: 1.5}")

@@ -30,10 +30,11 @@ static const char plates[] = /* larger than a tile, deep in the ground, turned a
 	"  - {name: over, shape: {box: {size: [3, 2, 1]}}, sink: 0.2,\n"
 	"     path: {points: [[480, 300], [540, 320], [500, 380]], speed: 10}}\n";
 
-static void expect_all_there(const char *text, const char *loaders)
+/* `slots`: fewer than there are tiles, or nothing would be loaded ahead. */
+static void expect_all_there(const char *text, const char *slots, const char *loaders)
 {
 	const char *store = support_path("world.furrow"), *scene = support_path("scene.yaml");
-	const char *settings[] = {"cache.slots=1024", "cache.prefetch=3600", loaders, NULL};
+	const char *settings[] = {slots, "cache.prefetch=3600", loaders, NULL};
 	support_store(store, extent, support_hills);
 	support_write(support_path("plate.csv"), "t,x,y,z,yaw,pitch,roll\n0,100,100,91,0,0,0\n5,200,220,92,1.4,0.1,0\n"
 						 "6,200,220,92,-1,0,0.1\n12,333,190,90,-2,0,0\n");
@@ -51,13 +52,13 @@ static void expect_all_there(const char *text, const char *loaders)
 
 static void all_that_wheels_will_touch_is_there_and_nothing_else(void **state)
 {
-	expect_all_there(wheels, "cache.loaders=2");
-	expect_all_there(wheels, "cache.loaders=1");
+	expect_all_there(wheels, "cache.slots=1024", "cache.loaders=2");
+	expect_all_there(wheels, "cache.slots=1024", "cache.loaders=1");
 }
 
 static void all_that_plates_will_touch_is_there_and_nothing_else(void **state)
 {
-	expect_all_there(plates, "cache.loaders=3");
+	expect_all_there(plates, "cache.slots=60", "cache.loaders=3");
 }
 
 TEST_PROGRAM(look_ahead)

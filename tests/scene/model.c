@@ -74,7 +74,10 @@ static void a_load_takes_the_place_of_a_sinkage(void **state)
 	struct scene *scene = load_edited(base, "3}\n", "3}\n    load: 4000\n    slip: -0.25\n");
 	assert_true(scene->objects[0].load == 4000 && scene->objects[0].sink == 0 && scene->objects[0].slip == -0.25);
 	assert_int_equal(scene_effects(scene, 0), EFFECT_BIT(EFFECT_OF(DEFORM_SCM)) | EFFECT_BIT(EFFECT_SPREAD) | EFFECT_BIT(EFFECT_SLIDE) |
-							 EFFECT_BIT(EFFECT_SLIP) | EFFECT_BIT(EFFECT_LOAD) | CACHE_EFFECTS);
+							 EFFECT_BIT(EFFECT_LOAD) | EFFECT_BIT(EFFECT_FORCES) | CACHE_EFFECTS);
+	char reason[80];
+	scene_effect_reason(scene, EFFECT_FORCES, reason, sizeof reason); /* forces are summed for the load */
+	assert_string_equal(reason, "objects.a.load");
 	scene_destroy(scene);
 	refuse("3}\n", "3}\n    load: 1\n    sink: 0\n", ":9: objects[0].load: sink is given too; allowed: one of sink, load");
 	refuse("scm}\nobjects:\n  - name: a\n", "box}\nobjects:\n  - name: a\n    load: 4\n", ":7: objects[0].load: model box computes no "
@@ -201,6 +204,36 @@ static void forces_are_of_scm_and_their_delay_of_forces(void **state)
 	scene_destroy(scene);
 }
 
+/* Slip is called for where some body may slip, and nowhere else. */
+static void slip_is_of_bodies_that_may_slip(void **state)
+{
+	static const struct {
+		const char *shape, *path;
+		bool slips;
+	} cases[] = {
+		{"wheel: {radius: 0.5, width: 0.4}", "path: {points: [[1, 2], [9, 2]], speed: 3}", false},
+		{"wheel: {radius: 0.5, width: 0.4}", "path: {points: [[1, 2], [3, 4], [7, 8]], speed: 3}", false},
+		{"wheel: {radius: 0.5, width: 0.4}", "path: {points: [[1, 2]], speed: 3}", false},
+		{"box: {size: [1, 1, 1]}", "path: {points: [[1, 2]], speed: 3}", false},
+		{"wheel: {radius: 0.5, width: 0.4}", "slip: 0.2, path: {points: [[1, 2], [9, 2]], speed: 3}", true},
+		{"wheel: {radius: 0.5, width: 0.4}", "path: {points: [[1, 2], [9, 2], [9, 5]], speed: 3}", true},
+		{"wheel: {radius: 0.5, width: 0.4}", "path: {points: [[1, 2], [9, 2], [4, 2]], speed: 3}", true},
+		{"wheel: {radius: 0.5, width: 0.4}", "path: {points: [[1, 2], [9, 2]], loop: true, speed: 3}", true},
+		{"box: {size: [1, 1, 1]}", "path: {points: [[1, 2], [9, 2]], speed: 3}", true},
+		{"sphere: {radius: 1}", "path: {points: [[1, 2], [9, 2]], speed: 3}", true},
+	};
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+		char text[400];
+		snprintf(text, sizeof text, "scene: 1\nend_time: 1\nsoil: {name: dry_sand}\nredistribute: {model: scm}\nobjects:\n  - {name: a, shape: {%s}, %s}\n",
+			 cases[i].shape, cases[i].path);
+		struct scene *scene;
+		assert_int_equal(load_text(text, NULL, 0, &scene), STATUS_OK);
+		assert_int_equal(scene_slips(scene), cases[i].slips);
+		assert_int_equal(scene_effects(scene, 0) >> EFFECT_SLIP & 1, cases[i].slips);
+		scene_destroy(scene);
+	}
+}
+
 static void each_model_calls_for_its_own_effects(void **state)
 {
 	static const struct {
@@ -211,7 +244,7 @@ static void each_model_calls_for_its_own_effects(void **state)
 		{"box", EFFECT_BIT(EFFECT_OF(DEFORM_NONE)) | EFFECT_BIT(EFFECT_OF(DEFORM_BOX_FILTER))},
 		{"sumner", EFFECT_BIT(EFFECT_OF(DEFORM_SUMNER)) | EFFECT_BIT(EFFECT_SPREAD) | EFFECT_BIT(EFFECT_SHED)},
 		{"slippage", EFFECT_BIT(EFFECT_OF(DEFORM_SLIPPAGE)) | EFFECT_BIT(EFFECT_SPREAD) | EFFECT_BIT(EFFECT_SLIDE)},
-		{"scm", EFFECT_BIT(EFFECT_OF(DEFORM_SCM)) | EFFECT_BIT(EFFECT_SPREAD) | EFFECT_BIT(EFFECT_SLIDE) | EFFECT_BIT(EFFECT_SLIP)},
+		{"scm", EFFECT_BIT(EFFECT_OF(DEFORM_SCM)) | EFFECT_BIT(EFFECT_SPREAD) | EFFECT_BIT(EFFECT_SLIDE)},
 	};
 	for (size_t i = 0; i < sizeof models / sizeof models[0]; i++) {
 		struct scene *scene = load_edited(base, "scm", models[i].model);
@@ -284,6 +317,7 @@ TEST_PROGRAM(model)
 		cmocka_unit_test(lugs_have_a_height_and_a_thickness),
 		cmocka_unit_test(a_mesh_is_read_beside_the_scene_and_counts_by_its_triangles),
 		cmocka_unit_test(forces_are_of_scm_and_their_delay_of_forces),
+		cmocka_unit_test(slip_is_of_bodies_that_may_slip),
 		cmocka_unit_test(each_model_calls_for_its_own_effects),
 		cmocka_unit_test(the_hash_is_of_all_that_decides_how_the_ground_gives_way),
 	};

@@ -8,6 +8,7 @@
 #include <cmocka.h>
 
 #include "world/internal.h"
+#include "../support/program.h"
 
 static uint32_t seed = 1;
 
@@ -76,7 +77,7 @@ static void a_tag_leads_to_its_body(void **state)
 	world_tags_free(&tags);
 }
 
-int main(void)
+TEST_PROGRAM(touched)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_rectangle_meets_what_the_loop_finds),

@@ -127,7 +127,7 @@ LANES_CLONED static void slide(const struct probe_form *restrict form, struct la
 		directions[0][i] = slip.direction[0];
 		directions[1][i] = slip.direction[1];
 	}
-	if (form->dig_most > 0 && form->slip > 0)
+	if (form->dig_most > 0 && form->slip >= DEFORM_SLIP_LEAST)
 		dig(form, l, directions);
 }
 
@@ -140,7 +140,7 @@ LANES_CLONED static void print(const struct probe_form *restrict form, struct la
 		for (int k = 0; k < 2; k++)
 			before[k][i] = l->at[k][i] + form->way[k];
 	deform_over_heights(form, l, before[0], before[1], l->print_height);
-	if (form->dig_most > 0 && form->slip > 0)
+	if (form->dig_most > 0 && form->slip >= DEFORM_SLIP_LEAST)
 		put_plastic(l);
 	for (int i = 0; i < LANES; i++) {
 		const double depth = l->depth[i] + l->face.height[i] - l->print_height[i] + rose, stays = l->plastic[i] * l->by_up[i];

@@ -31,7 +31,7 @@ enum status deform_patch_create(struct deform *deform, struct deform_patch **out
 
 void deform_patch_plan(const struct deform_params *params, struct plan *plan)
 {
-	plan_add(plan, &(struct plan_line){.kind = PLAN_BUFFER, .unit = PLAN_PROBED, .effect = deform_displace_effect(params->model), .object = -1,
+	plan_add(plan, &(struct plan_line){.kind = PLAN_BUFFER, .unit = PLAN_PROBED, .effect = "forces", .object = -1,
 					   .amount = 1, .bytes = POST_BYTES}, "ground under probed bodies");
 }
 

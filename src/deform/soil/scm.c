@@ -127,7 +127,8 @@ static void fill_digging(const struct deform *deform, const struct deform_contac
 	params->digs[3] = contact->hosted ? 1 + (float)contact->stamped : 0;
 	if (deform_is_contact_only(contact))
 		return;
-	params->digs[0] = (float)slip_of(contact, params->way) * passes;
+	const float slip = (float)slip_of(contact, params->way) * passes;
+	params->digs[0] = slip >= (float)DEFORM_SLIP_LEAST ? slip : 0;
 }
 
 static void fill_surface(const struct deform_interface *interface, float surface[4])
