@@ -63,7 +63,7 @@ MAPPED = SCM | {"soil": {"map": "classes.png", "classes": {1: "dry_sand", 2: "le
 PAIRS = [
     ("displace", scene(**view()), SEEN),
     ("box", scene(WHEEL), scene(WHEEL, "box")),
-    ("sumner", scene(WHEEL), scene(WHEEL, "sumner", soil={"name": "sand"})),
+    ("sumner", scene(WHEEL), scene(WHEEL, "sumner", soil={"name": "sand", "compression": 0.3})),
     ("slippage", scene(WHEEL), scene(WHEEL, "slippage", **SAND)),
     ("scm", scene(WHEEL), SCM),
     ("soil_map", SCM, MAPPED),

@@ -227,7 +227,7 @@ const struct command command_drive = {
 	.details = "What a scene may say is in scene(5), which is src/scene/SCENE.md: every key, its unit, range and default.\n\n"
 		   "Leaves in DIR: run.json (figures, also when interrupted), epochs.log (a line for each commit), and what the scene asks for: map.png (output: {map: true}: each "
 		   "object's way and the ruts, on the hillshade), objects.csv, vehicles.csv, frame-NNNNNN.png, and cameras/NAME for each camera of the scene: pictures, "
-		   "camera.json, poses.tum, and COLMAP's text files (docs/CAMERAS.md). Ruts are written to the overlay, or else to the store itself; the last line tells which. Ctrl-C ends it cleanly with everything "
+		   "camera.json, poses.tum, and COLMAP's text files (docs/CAMERAS.md). Ruts are written to the overlay, or else to the store itself; the last line tells which. Ctrl-C ends it cleanly (a second one within a second changes nothing, a third one ends it at once) with everything "
 		   "committed, status 130.\n\n"
 		   "--resume goes on where a drive of the same scene into the same store ended or was killed (end_time, cache and "
 		   "view may differ by then), and begins where there was none; run.json's resumed_from says at which step.\n\n"

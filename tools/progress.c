@@ -3,6 +3,7 @@
 
 #include <stdio.h>
 #include <string.h>
+#include <time.h>
 #include <unistd.h>
 
 #define TERMINAL_SECONDS 0.1
@@ -10,16 +11,38 @@
 
 volatile sig_atomic_t interrupted;
 
+#define AGAIN_NS 1000000000LL /* signals that come within this time are one request: a terminal and a parent process may both send it */
+
+static int64_t now_ns(void)
+{
+	struct timespec now;
+	clock_gettime(CLOCK_MONOTONIC, &now);
+	return (int64_t)now.tv_sec * 1000000000 + now.tv_nsec;
+}
+
+/* The first signal asks for an end. A second one within a second changes nothing: what runs is still ended cleanly. A third one, or a
+ * second one later, ends the process at once. */
 static void on_signal(int number)
 {
+	static volatile sig_atomic_t count;
+	static volatile int64_t first;
 	interrupted = 1;
+	if (++count == 1) {
+		first = now_ns();
+	} else if (count > 2 || now_ns() - first > AGAIN_NS) {
+		signal(number, SIG_DFL);
+		(void)raise(number); /* comes when this function returns */
+	}
 }
 
 void interrupt_catch(void)
 {
-	struct sigaction action = {.sa_handler = on_signal, .sa_flags = SA_RESTART | SA_RESETHAND};
+	struct sigaction action = {.sa_handler = on_signal, .sa_flags = SA_RESTART};
 	sigemptyset(&action.sa_mask);
-	sigaction(SIGINT, &action, NULL); /* a second Ctrl-C ends the process at once */
+	sigaddset(&action.sa_mask, SIGINT);
+	sigaddset(&action.sa_mask, SIGTERM);
+	sigaddset(&action.sa_mask, SIGHUP);
+	sigaction(SIGINT, &action, NULL);
 	sigaction(SIGTERM, &action, NULL);
 	sigaction(SIGHUP, &action, NULL);
 }

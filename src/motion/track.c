@@ -171,6 +171,30 @@ static void between(const struct track *track, size_t k, double share, struct tr
 	}
 }
 
+/* m of the path at a time. Of a timed path alone. */
+static double length_at(const struct track *track, double time)
+{
+	const struct knot *knots = track->knots;
+	if (time <= knots[0].at.time || track->count == 1)
+		return 0;
+	if (time >= knots[track->count - 1].at.time)
+		return track->length;
+	const size_t k = find(track, time, true);
+	const double begin = knots[k].at.time, end = knots[k + 1].at.time;
+	return knots[k].length + (end > begin ? (time - begin) / (end - begin) : 1) * (knots[k + 1].length - knots[k].length);
+}
+
+double motion_track_most(const struct track *track, double seconds)
+{
+	double most = track->timed ? 0 : track->speed * seconds;
+	/* The way of an interval is longest where it begins or ends at a knot. */
+	for (size_t k = 0; track->timed && k < track->count; k++) {
+		const double time = track->knots[k].at.time;
+		most = fmax(most, fmax(length_at(track, time + seconds) - track->knots[k].length, track->knots[k].length - length_at(track, time - seconds)));
+	}
+	return (track->loop ? most : fmin(most, track->length)) / track->post + 1;
+}
+
 /* Converts a point that is given from the track's origin to one that is given from the world's origin. */
 static void place(const struct track *track, struct track_point *point)
 {

@@ -193,6 +193,16 @@ static void fill_soil(const char *name, struct deform_soil *soil)
 	memcpy(soil, numbers, sizeof numbers);
 }
 
+/* What a named soil's compression was when hashes were first kept: the share that is displaced, taken for the share that is lost. */
+static double former_compression(double compression)
+{
+	static const double named[][2] = {{0.7, 0.3}, {0.59, 0.41}, {1, 0}}; /* sand, mud, snow */
+	for (size_t i = 0; i < sizeof named / sizeof named[0]; i++)
+		if (compression == named[i][0])
+			return named[i][1];
+	return compression;
+}
+
 static void add_soil(XXH3_state_t *state, const struct deform_soil *soil)
 {
 	const double numbers[] = {soil->bekker_kc,	   soil->bekker_kphi, soil->bekker_n,
@@ -220,6 +230,8 @@ static void add_soils(XXH3_state_t *state, const struct scene *scene)
 	for (int i = 0; i < scene->soil_count; i++) {
 		struct deform_soil soil = scene->soils[i];
 		fill_soil(scene->soil_names[i], &soil);
+		if (!deform_model_reads(scene->model, "compression"))
+			soil.compression = former_compression(soil.compression);
 		add_soil(state, &soil);
 	}
 	if (scene->normals != SCENE_BODY)

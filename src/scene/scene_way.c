@@ -2,6 +2,7 @@
 #include "scene/scene_way.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "base/nearest.h"
@@ -121,7 +122,18 @@ struct following {
 	const struct scene_tree *tree;
 	const struct raw_scene *raw;
 	struct scene *scene;
+	size_t *leaders; /* of each object that follows one: its place in the scene's objects */
 };
+
+struct named {
+	const char *name;
+	size_t index;
+};
+
+static int by_name(const void *a, const void *b)
+{
+	return strcmp(((const struct named *)a)->name, ((const struct named *)b)->name);
+}
 
 static const char *leader_of(const struct following *following, size_t index)
 {
@@ -129,18 +141,13 @@ static const char *leader_of(const struct following *following, size_t index)
 	return raw != NULL ? raw->relative_to : NULL;
 }
 
-static enum status find_object(const struct following *following, size_t index, const char *name, size_t *found)
+static enum status refuse_leader(const struct following *following, size_t index, const char *name, bool there)
 {
 	const struct scene *scene = following->scene;
 	const struct scene_node *node = scene_tree_find(following->tree, "objects[%zu].path.relative_to", index);
 	struct scene_list names = {.length = 0};
 	struct nearest nearest = nearest_begin(name);
-	for (*found = 0; *found < scene->object_count; ++*found)
-		if (strcmp(scene->objects[*found].name, name) == 0)
-			break;
-	if (*found < scene->object_count && (leader_of(following, *found) != NULL || scene->objects[*found].path.count > 0))
-		return STATUS_OK;
-	if (*found < scene->object_count)
+	if (there)
 		return scene_error(following->tree->file, node, "%s has no path, the host moves it; allowed: an object with a path",
 				   scene_quote(name).text);
 	for (size_t i = 0; i < scene->object_count; i++)
@@ -155,7 +162,23 @@ static enum status find_object(const struct following *following, size_t index, 
 			   nearest_ask(&nearest).text);
 }
 
-/* Copies the path at the end of the chain of leaders. Offsets and delays of the chain add up. */
+/* Finds the leader of each follower. `names` is sorted, and has every object. */
+static enum status find_leaders(const struct following *following, const struct named *names)
+{
+	const struct scene *scene = following->scene;
+	enum status status = STATUS_OK;
+	for (size_t i = 0; i < scene->object_count && status == STATUS_OK; i++) {
+		const char *leader = leader_of(following, i);
+		const struct named *found = leader != NULL ? bsearch(&(struct named){leader, 0}, names, scene->object_count, sizeof *names, by_name) : NULL;
+		if (found != NULL)
+			following->leaders[i] = found->index;
+		if (leader != NULL && (found == NULL || (leader_of(following, found->index) == NULL && scene->objects[found->index].path.count == 0)))
+			status = refuse_leader(following, i, leader, found != NULL);
+	}
+	return status;
+}
+
+/* Copies the path at the end of the chain of leaders. Offsets and delays of the chain add up, from this object on. */
 static enum status follow(const struct following *following, size_t index)
 {
 	struct scene *scene = following->scene;
@@ -167,9 +190,7 @@ static enum status follow(const struct following *following, size_t index)
 		for (int i = 0; i < 2; i++)
 			beside[i] += link->offset != NULL ? link->offset[i] : 0;
 		delay += link->delay != NULL ? *link->delay : 0;
-		enum status status = find_object(following, at, link->relative_to, &at);
-		if (status != STATUS_OK)
-			return status;
+		at = following->leaders[at];
 		if (links == scene->object_count)
 			return scene_error(following->tree->file, scene_tree_find(following->tree, "objects[%zu].path.relative_to", index),
 					   "leads back to %s itself; allowed: a chain that ends at an object with points or a file",
@@ -190,12 +211,21 @@ static enum status follow(const struct following *following, size_t index)
 
 enum status scene_way_follow(const struct scene_tree *tree, const struct raw_scene *raw, struct scene *scene)
 {
-	const struct following following = {tree, raw, scene};
-	enum status status = STATUS_OK;
+	struct following following = {tree, raw, scene, mem_calloc(scene->object_count + 1, sizeof *following.leaders)};
+	struct named *names = mem_calloc(scene->object_count + 1, sizeof *names);
+	enum status status = following.leaders != NULL && names != NULL ? STATUS_OK : fail_memory("reading a path");
+	for (size_t i = 0; i < scene->object_count && status == STATUS_OK; i++)
+		names[i] = (struct named){scene->objects[i].name, i};
+	if (status == STATUS_OK) {
+		qsort(names, scene->object_count, sizeof *names, by_name);
+		status = find_leaders(&following, names);
+	}
 	for (size_t i = 0; i < scene->object_count && status == STATUS_OK; i++) {
 		if (leader_of(&following, i) == NULL)
 			continue;
 		status = follow(&following, i);
 	}
+	mem_free(names);
+	mem_free(following.leaders);
 	return status;
 }

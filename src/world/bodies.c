@@ -6,6 +6,8 @@
 #include "dem/dem.h"
 #include "world/internal.h"
 
+#define LEAST_STEP 1e-6 /* s, of a scene's time_step */
+
 /* Puts the scene's line and key before the message of a failed dem_transform from `srs`: `key`, or coordinates if no point is convertible. */
 static enum status tell_key(const struct world *world, const char *srs, int line, const char *key, enum status status)
 {
@@ -94,6 +96,22 @@ enum status world_route(const struct world *world, const struct scene_path *path
 	return status;
 }
 
+/* A step keeps all its path samples in memory, and they cannot be given up between. A host says itself how long a step is. */
+static enum status check_samples(const struct world *world, const struct body *body)
+{
+	const double step = world->scene->time_step, most = motion_track_most(body->track, step);
+	char shorter[64] = "";
+	double fits = step;
+	if (most <= WORLD_SAMPLES_MOST)
+		return STATUS_OK;
+	while (fits >= LEAST_STEP && motion_track_most(body->track, fits) > WORLD_SAMPLES_MOST)
+		fits /= 2;
+	if (fits >= LEAST_STEP)
+		snprintf(shorter, sizeof shorter, "a time_step of %s or less, ", number_at_most(fits, 3).text);
+	return fail_with(STATUS_INPUT, "objects.%s.path: %.3g path samples are due in one step of %g s, and %d is the most; give %s%s, or a coarser spacing than %g m",
+			 body->object->name, most, step, WORLD_SAMPLES_MOST, shorter, body->object->path.timed ? "its rows more time" : "less speed", world->spacing);
+}
+
 static enum status make_track(const struct world *world, struct body *body)
 {
 	const struct deform_shape *shape = &body->object->shape;
@@ -104,7 +122,7 @@ static enum status make_track(const struct world *world, struct body *body)
 		return status;
 	status = motion_track_create(&route, world->spacing, turn_reach, &body->track);
 	motion_route_finish(&route);
-	return status;
+	return status == STATUS_OK && !world->scene->hosted ? check_samples(world, body) : status;
 }
 
 enum status world_make_bodies(struct world *world)

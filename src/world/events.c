@@ -71,19 +71,29 @@ static int compare(const void *a, const void *b)
 	return first->body < second->body ? -1 : first->body > second->body;
 }
 
+/* Asks now and then, so that long loops over path samples end soon. Nothing has changed by then. */
+static bool asked_to_stop(const struct world *world, int64_t count)
+{
+	return count % 1024 == 0 && world_stopped(world);
+}
+
 /* Lists time and body of every path sample that is due. Samples of one body are alike, since they are placed in their order. */
 static enum status list_due(struct world *world, double until)
 {
 	enum status status = STATUS_OK;
 	world->events.count = 0;
-	for (size_t i = 0; i < world->scene->object_count; i++) {
+	for (size_t i = 0; i < world->scene->object_count && status == STATUS_OK; i++) {
 		const struct body *body = &world->bodies[i];
+		const size_t before = world->events.count;
 		const int64_t samples = body->track != NULL && !body->elsewhere ? motion_track_samples(body->track) : 0;
 		for (int64_t next = body->next; next < samples && status == STATUS_OK; next++) {
 			const struct event event = {.time = motion_track_sample_time(body->track, next), .body = i};
 			if (event.time > until)
 				break;
-			status = add_event(world, &event);
+			if (world->events.count - before >= WORLD_SAMPLES_MOST)
+				status = fail_with(STATUS_USAGE, "%s: more than %d path samples are due in one step; make shorter steps", body->object->name, WORLD_SAMPLES_MOST);
+			else
+				status = asked_to_stop(world, next) ? world_interrupted(world) : add_event(world, &event);
 		}
 	}
 	if (status == STATUS_OK && world->events.count > 1)
@@ -129,7 +139,7 @@ enum status world_check_events(struct world *world, double until)
 		*run = (struct event_run){body->next, events->ahead_count, 0};
 		for (int64_t k = body->next; k < samples && status == STATUS_OK && motion_track_sample_time(body->track, k) <= until; k++) {
 			struct event event = {.time = 0};
-			status = world_set_down(world, body, k, &event);
+			status = asked_to_stop(world, k) ? world_interrupted(world) : world_set_down(world, body, k, &event);
 			if (status == STATUS_OK)
 				status = add_ahead(events, &event);
 			run->count += status == STATUS_OK;
@@ -162,7 +172,7 @@ enum status world_collect_events(struct world *world, double until)
 	for (size_t i = 0; i < world->events.count && status == STATUS_OK; i++) {
 		struct event *event = &world->events.list[i];
 		struct body *body = &world->bodies[event->body];
-		status = place(world, event);
+		status = asked_to_stop(world, (int64_t)i) ? world_interrupted(world) : place(world, event);
 		if (status == STATUS_OK)
 			body->next++;
 		else

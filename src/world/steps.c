@@ -71,6 +71,24 @@ const double *world_attached_last(const struct world *world)
 	return world_record_attached(world->record, world->scene->object_count);
 }
 
+#define STOP_SECONDS 2.0 /* a step that takes less is made whole, and committed */
+
+/* Returns true if the drive is to end, and waited for this step for STOP_SECONDS. */
+static bool must_stop(struct world *world)
+{
+	if (!world_stopped(world))
+		return false;
+	if (world->stop_seen == 0)
+		world->stop_seen = clock_seconds();
+	return clock_seconds() - world->stop_seen > STOP_SECONDS;
+}
+
+static enum status torn_by_stop(const struct world *world)
+{
+	return fail_with(STATUS_INTERRUPTED, "drive: interrupted in step %lld, which is a long one; the store has the steps up to its last commit, and --resume goes on from there",
+			 (long long)world->step + 1);
+}
+
 static enum status deform_step(struct world *world, double until)
 {
 	enum status status = STATUS_OK;
@@ -78,7 +96,7 @@ static enum status deform_step(struct world *world, double until)
 	for (size_t i = 0; i < world->events.count && status == STATUS_OK; i++) {
 		struct event *event = &world->events.list[i];
 		struct body *body = &world->bodies[event->body];
-		status = world_intervals(world, event->time, false);
+		status = must_stop(world) ? torn_by_stop(world) : world_intervals(world, event->time, false);
 		if (status == STATUS_OK)
 			status = world_forces_rows(world->forces, event->time, false);
 		if (status != STATUS_OK)

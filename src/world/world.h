@@ -316,6 +316,7 @@ struct world {
 	struct world_figures figures; /* count 0: none. Set it before a view is made */
 	int64_t step;     /* steps done since the scene's start */
 	double time;      /* s of simulated time since the scene's start */
+	double stop_seen; /* s of the clock: when a step first saw that the drive is to end; 0: not yet */
 	bool torn;        /* true inside a step: the ground must not be committed now */
 	bool begun;       /* this run has changed the store, or is about to (world_begin_run). Until then no byte of a file has changed */
 	struct world_resumed {
@@ -489,6 +490,8 @@ double world_steps_until(const struct scene *scene, double time); /* number of w
 double world_step_time(const struct scene *scene, int64_t step);  /* s at which this step ends; at most end_time, unless a host steps */
 bool world_stopped(const struct world *world); /* true after Ctrl-C */
 enum status world_interrupted(const struct world *world) FURROW_CHECKED;
+/* The most path samples of one object in a step. */
+#define WORLD_SAMPLES_MOST 1000000
 /* Ends a change of the ground. From now on it may be committed with the present record. */
 enum status world_end_step(struct world *world) FURROW_CHECKED;
 void world_stalls(const struct world *world, struct stalls *stalls); /* waits since world_begin */

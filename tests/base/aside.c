@@ -10,8 +10,8 @@
 
 static void a_full_disk_is_told_as_one(void **state)
 {
-	assert_string_equal(limits_advice(ENOSPC, "give another"), "free some space: the disk's quota is used up");
-	assert_string_equal(limits_advice(EDQUOT, "give another"), "free some disk space");
+	assert_string_equal(limits_advice(ENOSPC, "give another"), "free some disk space");
+	assert_string_equal(limits_advice(EDQUOT, "give another"), "free some space: the disk's quota is used up");
 	assert_string_equal(limits_advice(EACCES, "give another"), "give another");
 }
 

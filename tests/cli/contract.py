@@ -573,6 +573,7 @@ objects:
         self.addCleanup(process.kill)
         self.until_committed(process)
         process.send_signal(signal.SIGINT)
+        process.send_signal(signal.SIGTERM)  # within a second of the first, so it changes nothing
         _, errors = process.communicate(timeout=250)
         self.assertEqual(process.returncode, 130, errors)
         told = [line for line in errors.splitlines() if not line.startswith("furrow: note: ")]
@@ -581,6 +582,44 @@ objects:
         self.assertEqual(report["ended"], "interrupted")
         self.assertTrue(self.json("verify", store)["ok"])
         self.assertEqual(self.json("info", store)["last_run"]["step"], report["steps"])
+
+    def test_a_long_step_gives_way_and_a_third_signal_ends_at_once(self):
+        """Of 800,000 path samples: the step is left, the store has what was committed before. Other signals than one another do not merge."""
+        import signal
+        import time
+        self.synth(posts="65x65")
+        scene = self.scene("scene: 1\ntime_step: 20\nend_time: 200\nspacing: 0.25\nobjects:\n"
+                           "  - {name: a, shape: {sphere: {radius: 0.5}}, sink: 0.1, path: {points: [[10, 10], [50, 10], [50, 50]], speed: 10000, loop: true}}\n")
+        for name, numbers in (("left", [signal.SIGTERM]), ("ended", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])):
+            process = subprocess.Popen([FURROW, "drive", scene, "--store", "world.furrow", "--overlay", f"{name}.furrow", "-o", name],
+                                       stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True, cwd=self.folder)
+            log = self.folder / name / "epochs.log"
+            while process.poll() is None and not (log.exists() and log.read_text()):
+                time.sleep(0.05)
+            for number in numbers:
+                if process.poll() is None:
+                    process.send_signal(number)
+            _, errors = process.communicate(timeout=250)
+            if process.returncode == 4:
+                self.skipTest("no GL here")
+            if name == "ended":
+                self.assertIn(-process.returncode, numbers, errors)
+                continue
+            self.assertEqual(process.returncode, 130, errors)
+            self.assertIn("interrupted", errors)
+            report = json.loads((self.folder / name / "run.json").read_text())
+            self.assertEqual((report["ended"], report["steps"]), ("interrupted", 0))
+            self.assertTrue(self.json("verify", f"{name}.furrow")["ok"])
+        far = "t,x,y\n0,10,10\n1e-300,1000000000,10\n"
+        for text, says in ((far, r"objects.a.path: 4e\+09 path samples are due in one step of 20 s, and 1000000 is the most; give its rows more time, or a coarser spacing"),
+                           (far.replace("1e-300", "30000"), r"; give a time_step of (\S+) or less, its rows more time"), ("t,x,y\n1,-5,10\n3,20,10\n", r"no ground under it at -5.000, 10.000 m after 1.000 s")):
+            (self.folder / "far.csv").write_text(text)
+            arguments = ("drive", scene, "--store", "world.furrow", "--overlay", "far.furrow", "-o", "far", "--set", "objects.a.path={file: far.csv}")
+            error = FurrowTest.told(self, 1 if "-5" in text else 3, self.furrow(*arguments))
+            self.assertRegex(error, says)
+        found = re.search(r"a time_step of (\S+) or less", self.told(3, self.furrow("explain", scene, "--store", "world.furrow", "--set", "objects.a.path={points: [[1, 1], [1e9, 1]], speed: 10000}",
+                                                                                     "--set", "time_step=3600")))
+        self.ok("explain", scene, "--store", "world.furrow", "--set", "objects.a.path={points: [[1, 1], [1e9, 1]], speed: 10000}", "--set", f"time_step={found[1]}")
 
     def test_a_second_drive_is_refused_the_same_store_and_the_same_folder(self):
         one, two = self.synth("one.furrow"), self.synth("two.furrow")

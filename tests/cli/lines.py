@@ -176,6 +176,19 @@ class Lines(FurrowTest):
         (self.folder / "poses.csv").write_text("".join(f"{t},{x},{y}\n" for t, x, y in local))
         self.assert_near(self.places("track", "{file: track.gpx}"), self.places("poses", "{file: poses.csv}"), 1e-4)
 
+    def test_a_driver_follows_the_line_that_is_asked_for(self):
+        self.utm()
+        shutil.copy(pathlib.Path(__file__).parents[1] / "vehicle/one_wheel.xml", self.folder)
+        self.gpx("ways.gpx", [self.degrees, self.globe([(500010, 5000080), (510000, 5000080)])])
+        self.gpx("other.gpx", [self.globe([(500010, 5000080), (500090, 5900080)])])
+        car = (HEAD.split("redistribute")[0].replace("0.1", "0.002") + "soil: {name: dry_sand}\nredistribute: {model: scm}\nvehicles:\n"
+               "  - {name: car, model: one_wheel.xml, start: {at: [20, 20]}, driver: {path: {file: %s, speed: 1%s}, drive: [drive]}}\n")
+        for file, line, off in (("ways.gpx", ", line: 1", False), ("ways.gpx", ", line: 2", True), ("other.gpx", "", True)):
+            result = self.furrow("explain", self.scene(car % (file, line), "car.yaml"), "--store", "base.furrow", "--json")
+            if "this build has no MuJoCo" in result.stderr:
+                self.skipTest(result.stderr)
+            self.assertEqual("driver.path: point 2" in result.stdout, off, (file, line, result.stderr))
+
     @long
     def test_one_of_several_lines(self):
         self.utm()

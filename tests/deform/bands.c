@@ -18,6 +18,7 @@ static struct deform_soil loose(enum deform_model model)
 	struct deform_soil soil;
 	assert_ok(deform_soil_named(model == DEFORM_SUMNER ? "sand" : "dry_sand", &soil));
 	soil.cohesion = 0;
+	soil.compression = 0.3; /* so that sumner's rim is high: of sand it has less than half of this */
 	return soil;
 }
 

@@ -104,7 +104,7 @@ static void a_drive_on_a_map_tells_each_of_its_soils(void **state)
 	const cJSON *soils = soils_of(root, 3);
 	assert_soil(cJSON_GetArrayItem(soils, 0), "mud", -1,
 		    "{\"cohesion\": 1, \"friction_angle\": 10, \"unit_weight\": 17000, \"repose\": 10, \"theta_in\": 80, \"theta_out\": 60, "
-		    "\"theta_stop\": 70, \"roughness\": 0.2, \"compression\": 0.41}");
+		    "\"theta_stop\": 70, \"roughness\": 0.2, \"compression\": 0.59}");
 	assert_soil(cJSON_GetArrayItem(soils, 1), "lunar", 3, LUNAR("170"));
 	assert_soil(cJSON_GetArrayItem(soils, 2), "unnamed_40", 40,
 		    "{\"cohesion\": 9, \"friction_angle\": 31, \"unit_weight\": 15000, \"repose\": 31}");

@@ -40,6 +40,25 @@ static void chains_of_leaders_add_up(void **state)
 	scene_destroy(scene);
 }
 
+enum { MOST = 4096 }; /* objects of a scene */
+
+/* As long as a scene may be. It takes as long as as many objects apart; it took minutes. */
+static void a_chain_of_all_objects_is_followed(void **state)
+{
+	static char text[600000];
+	size_t used = (size_t)snprintf(text, sizeof text, BEGIN "  - {name: o0, " SHAPE ", path: {points: [[1, 2], [3, 4]], speed: 5}}\n");
+	for (int i = 1; i < MOST; i++)
+		used += (size_t)snprintf(text + used, sizeof text - used, "  - {name: o%d, " SHAPE ", path: {relative_to: o%d, offset: [-1, 0.5], delay: 0.25}}\n", i, i - 1);
+	assert_true(used < sizeof text - 1);
+	struct scene *scene = loaded(text);
+	assert_int_equal(scene->object_count, MOST);
+	for (int i = 0; i < MOST; i++) {
+		const struct scene_path *path = &scene->objects[i].path;
+		assert_true(path->beside[0] == -i && path->beside[1] == 0.5 * i && path->delay == 0.25 * i && path->points[1].x == 3);
+	}
+	scene_destroy(scene);
+}
+
 static void paths_that_cannot_be_followed_are_refused(void **state)
 {
 	static const struct {
@@ -161,6 +180,7 @@ TEST_PROGRAM(paths)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(chains_of_leaders_add_up),
+		cmocka_unit_test(a_chain_of_all_objects_is_followed),
 		cmocka_unit_test(paths_that_cannot_be_followed_are_refused),
 		cmocka_unit_test(a_template_is_written_out),
 		cmocka_unit_test(a_grid_goes_row_by_row),

@@ -6,8 +6,8 @@
  * is a bulk density of the kind. The stiffness of unloading and the damping are those of the soft soil of Project Chrono's
  * demonstrations: Krenn and Hirzinger 2009 leave them open.
  *
- * sand, mud, snow: Sumner, O'Brien and Hodgins 1999. These could not be checked against the paper itself. Compression here
- * is the share of the soil that is lost.
+ * sand, mud, snow: Sumner, O'Brien and Hodgins 1999. These could not be checked against the paper itself. Its alpha is the share
+ * of the soil that is displaced: 0.3, 0.41, 0. Compression here is the share that is lost, 1 - alpha.
  */
 #include <math.h>
 #include <stdio.h>
@@ -15,7 +15,7 @@
 
 #include "deform/deform.h"
 
-#define SUMNER_SAND {0.8, 0.436, 0.2, 0.8, 0.3}
+#define SUMNER_SAND {0.8, 0.436, 0.2, 0.8, 0.7}
 
 static const struct row {
 	const char *name;
@@ -39,8 +39,8 @@ static const struct row {
 	{.name = "snow_sweden", .wong = {1.44, 10.55, 66.08, 6, 20.7, 3, 3}},
 	{.name = "lunar", .wong = {1, 1.4, 820, 0.17, 35, 1.8, 2.5}},
 	{.name = "sand", .sumner = SUMNER_SAND},
-	{.name = "mud", .sumner = {1.57, 1.1, 0.2, 1.1, 0.41}},
-	{.name = "snow", .sumner = {1.57, 1.57, 0.2, 1.57, 0}},
+	{.name = "mud", .sumner = {1.57, 1.1, 0.2, 1.1, 0.59}},
+	{.name = "snow", .sumner = {1.57, 1.57, 0.2, 1.57, 1}},
 };
 #define ROWS (sizeof rows / sizeof rows[0])
 
