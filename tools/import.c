@@ -44,6 +44,7 @@ static const struct command_option options[] = {
 	{"jobs", "N", .help = "threads that pack tiles beside the one that reads; 1: one for everything", .preset = "all cores"},
 	{"resume", .help = "go on with an import that was broken off or killed; the same store, whatever --jobs"},
 	{"overwrite", .help = "replace STORE"},
+	{"force", .help = "with --overwrite: also if its snapshots, or overlays that depend on it, are lost; says which"},
 	{"json", .help = "one JSON object: what was made, off_resampled and off_source"},
 	{"dry-run", .help = "say what would be made, and make nothing"},
 	{.name = NULL},
