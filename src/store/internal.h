@@ -344,6 +344,7 @@ struct store {
 	struct rows *layers[STORE_DEPTH_MOST]; /* the rows of each file under it; 0: the plain store */
 	struct rows *base;  /* where base tiles are read: `rows`, or those of the plain store under it */
 	bool made;          /* an overlay that did not exist before it was opened */
+	bool moved_on;      /* while an overlay of it is made: it was committed to since it was opened */
 	bool alone;         /* an overlay whose parent is not opened (store_part_open) */
 	struct store_part part; /* count 0: it is none */
 	struct store_meta meta; /* its texts are owned by the store */

@@ -22,6 +22,8 @@
 #include <string.h>
 #include <sys/stat.h>
 
+#define TRIES 8 /* of an overlay of a store that another process drives: it commits about once a second */
+
 static const struct store_options reading = {.mode = STORE_READ};
 
 bool store_overlay_path_fits(const char *path, size_t length)
@@ -291,6 +293,7 @@ static enum status inherit_from(struct store *store, struct store *parent)
 	struct store_run_copy run = {0};
 	store->inherits = true;
 	enum status status = store_overlay_hold(parent, parent->db);
+	parent->moved_on = status == STATUS_INPUT;
 	if (status == STATUS_OK)
 		status = store_lineage_make(parent, parent->commit, &lineage);
 	if (status == STATUS_OK)
@@ -329,8 +332,9 @@ static enum status pin_parent(struct store *store, struct store *parent)
 	return store->part.count > 0 ? STATUS_OK : store_pins_add(parent, store->real_path, &pin);
 }
 
-enum status store_overlay_make(const char *path, const char *parent_path, const uint64_t *state, const struct store_part *part,
-			       enum status (*fill)(struct store *store, void *user), void *user)
+/* *again: the parent was committed to meanwhile. */
+static enum status make_once(const char *path, const char *parent_path, const uint64_t *state, const struct store_part *part,
+			     enum status (*fill)(struct store *store, void *user), void *user, bool *again)
 {
 	struct store *parent = NULL, *store = NULL;
 	enum status status = state != NULL ? store_open_state(parent_path, *state, &parent) : store_open(parent_path, &reading, &parent);
@@ -359,8 +363,19 @@ enum status store_overlay_make(const char *path, const char *parent_path, const 
 		if (status != STATUS_OK && store->part_path != NULL && store->part.count == 0)
 			store_pins_withdraw_from(store, over);
 	}
+	*again = status != STATUS_OK && over != NULL && over->moved_on;
 	store_close(store);
 	store_close(parent);
+	return status;
+}
+
+enum status store_overlay_make(const char *path, const char *parent_path, const uint64_t *state, const struct store_part *part,
+			       enum status (*fill)(struct store *store, void *user), void *user)
+{
+	bool again = true;
+	enum status status = STATUS_OK;
+	for (int i = 0; i < TRIES && again; i++)
+		status = make_once(path, parent_path, state, part, fill, user, &again);
 	return status;
 }
 

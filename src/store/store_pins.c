@@ -61,8 +61,11 @@ static enum status check_list(struct list *list, bool *empty)
 	status = store_sql_prepare(list->db, list->path, &statement, "SELECT sql FROM sqlite_schema");
 	if (status != STATUS_OK)
 		return status;
-	const char *sql = sqlite3_step(statement) == SQLITE_ROW ? (const char *)sqlite3_column_text(statement, 0) : NULL;
-	if (id != LIST_APPLICATION_ID || objects != 1 || sql == NULL || strcmp(sql, LIST_TABLE) != 0)
+	int code = sqlite3_step(statement);
+	const char *sql = code == SQLITE_ROW ? (const char *)sqlite3_column_text(statement, 0) : NULL;
+	if (code != SQLITE_ROW && code != SQLITE_DONE)
+		status = store_sql_fail(list->db, code, list->path, "reading it");
+	else if (id != LIST_APPLICATION_ID || objects != 1 || sql == NULL || strcmp(sql, LIST_TABLE) != 0)
 		status = damaged(list);
 	sqlite3_finalize(statement);
 	return status;
@@ -217,7 +220,7 @@ enum status store_pins_drop(const char *real_path, const char *path)
 {
 	struct list list;
 	sqlite3_stmt *statement = NULL;
-	int64_t lines = 0, others = 0;
+	int64_t others = 0;
 	enum status status = list_open(real_path, &list);
 	bool there = list.db != NULL;
 	list_close(&list);
@@ -225,18 +228,20 @@ enum status store_pins_drop(const char *real_path, const char *path)
 		return status;
 	status = list_begin(real_path, &list);
 	if (status == STATUS_OK)
-		status = store_sql_integer(list.db, list.path, "SELECT count(*) FROM pin", &lines);
-	if (status == STATUS_OK)
 		status = store_sql_prepare(list.db, list.path, &statement, "SELECT count(*) FROM pin WHERE path <> ?1");
 	if (status == STATUS_OK) {
 		sqlite3_bind_text(statement, 1, path, -1, SQLITE_STATIC);
-		others = sqlite3_step(statement) == SQLITE_ROW ? sqlite3_column_int64(statement, 0) : lines;
+		int code = sqlite3_step(statement);
+		others = code == SQLITE_ROW ? sqlite3_column_int64(statement, 0) : -1;
+		if (code != SQLITE_ROW)
+			status = store_sql_fail(list.db, code, list.path, "reading it");
 		sqlite3_finalize(statement);
 		statement = NULL;
-		if (others == 0)
-			return list_remove(&list);
-		status = store_sql_prepare(list.db, list.path, &statement, "DELETE FROM pin WHERE path = ?1");
 	}
+	if (status == STATUS_OK && others == 0)
+		return list_remove(&list);
+	if (status == STATUS_OK)
+		status = store_sql_prepare(list.db, list.path, &statement, "DELETE FROM pin WHERE path = ?1");
 	if (status == STATUS_OK) {
 		sqlite3_bind_text(statement, 1, path, -1, SQLITE_STATIC);
 		status = step(&list, statement);
@@ -304,7 +309,8 @@ static enum status hold(struct store *parent, sqlite3 **db)
 	if (status == STATUS_OK)
 		status = store_sql_integer(*db, parent->path, "SELECT coalesce(max(epoch), 0) FROM run", &commit);
 	/* A pinned revision stays. */
-	if (status == STATUS_OK && parent->shown < 0 && commit != parent->commit)
+	parent->moved_on = status == STATUS_OK && parent->shown < 0 && commit != parent->commit;
+	if (parent->moved_on)
 		status = fail_with(STATUS_FAILED, "%s: it was driven on while an overlay of it was made; try again", parent->path);
 	return status;
 }
