@@ -127,7 +127,7 @@ static void a_parent_that_is_driven_on_keeps_what_its_branches_stand_on(void **s
 
 static void whatever_changes_a_parent_keeps_it(void **state)
 {
-	const char *p = in("w.furrow"), *q = in("wq.furrow");
+	const char *p = in("w.furrow"), *q = in("wq.furrow"), *between = in("wb.furrow");
 	int64_t revision;
 	struct store *store;
 	struct store_commit_result result;
@@ -148,10 +148,16 @@ static void whatever_changes_a_parent_keeps_it(void **state)
 	assert_ok(store_mark(store));
 	field_dig(&field, 40, 40, 30, 77);
 	assert_ok(field_commit(&field, field_all(&field), store, 9, &result));
+	assert_ok(store_create_overlay(between, p)); /* while it is written; of what is rolled back then */
+	const uint64_t sbetween = seen(between);
 	assert_ok(store_rollback(store));
 	assert_ok(field_commit(&field, field_all(&field), store, 10, &result));
 	store_close(store);
 	field_free(&field);
+	assert_true(seen(q) == sq && seen(between) == sbetween);
+	assert_int_equal(unlink(between), 0);
+	struct counted counted = {.all = 0};
+	assert_ok(store_prune(p, count_pin, &counted));
 	assert_true(seen(q) == sq);
 	store = open_store(p, STORE_WRITE); /* a reset is refused, and says what would be lost */
 	assert_status(store_reset(store, false), STATUS_INPUT);
