@@ -305,11 +305,23 @@ static void a_store_with_pins_can_be_moved_merged_and_flattened(void **state)
 	drive(p, 30, 3);
 	assert_ok(store_flatten(q, flat, STORE_OVERWRITE_NOT, NULL, NULL));
 	assert_true(seen(flat) == sq);
+	/* A copy on another disk is of what the branch depends on, not of what the parent holds now. */
+	struct store_staged staged;
+	struct store *store;
+	bool made;
+	assert_ok(store_stage_name(q, folder, &staged));
+	assert_ok(store_stage(&staged, NULL, NULL, &made));
+	assert_ok(store_open(q, &(struct store_options){.mode = STORE_READ, .staged = &staged}, &store));
+	struct store *plain = open_store(flat, STORE_READ);
+	assert_true(made && store_copy_path(store) != NULL && content(store) == content(plain));
+	store_close(plain);
+	store_close(store);
+	store_staged_finish(&staged);
 	/* Both are merged over what both have: the older revision. */
 	assert_ok(store_create_overlay(r, p));
 	enum status merged = store_merge(q, r, joined, &conflicts);
 	if (merged == STATUS_OK) {
-		struct store *store = open_store(joined, STORE_READ);
+		store = open_store(joined, STORE_READ);
 		verified(store);
 		store_close(store);
 	} else {
