@@ -151,12 +151,25 @@ static enum status list_remove(struct list *list)
 	return status;
 }
 
+/* Removes a list to which nothing could be written, unless somebody else has written to it. */
+static void give_up(struct list *list)
+{
+	struct failure failure;
+	bool empty = false;
+	failure_capture(&failure, STATUS_FAILED);
+	store_sql_undo(list->db);
+	if (store_sql_begin(list->db, list->path, "writing it") == STATUS_OK && check_list(list, &empty) == STATUS_OK && empty)
+		unlink(list->path);
+	store_sql_undo(list->db);
+	failure_restore(&failure);
+}
+
 static enum status list_end(struct list *list, enum status status)
 {
 	if (status == STATUS_OK)
 		status = store_sql_exec(list->db, list->path, "writing it", "COMMIT");
 	if (status != STATUS_OK && list->db != NULL)
-		store_sql_undo(list->db);
+		give_up(list);
 	list_close(list);
 	return status;
 }
@@ -338,9 +351,11 @@ enum status store_pins_add(struct store *parent, const char *real_path, const st
 		mem_free(from);
 		return STATUS_OK;
 	}
-	if (!may_list(parent->real_path) || !store_overlay_path_fits(from, strlen(from))) {
+	if (!store_overlay_path_fits(from, strlen(from))) {
+		status = fail_with(STATUS_INPUT, "%s: its list of overlays takes no path with control characters; give the overlay another name", parent->path);
+	} else if (!may_list(parent->real_path)) {
 		if (!pin->base)
-			note("%s: it cannot be told of %s, since its folder cannot be written; whoever drives it makes that overlay unusable",
+			note("%s: it cannot be told of %s, since its list of overlays cannot be written; whoever drives it makes that overlay unusable",
 			     parent->path, real_path);
 	} else {
 		status = pin->base ? STATUS_OK : hold(parent, &db);

@@ -81,14 +81,17 @@ static enum status add_line(void *user, const struct pin *pin)
 /* Opens an overlay that may depend on the store: it names the store, or a file that is not there. *out NULL: it is none. */
 static enum status open_overlay(const struct finding *finding, const char *path, struct store **out)
 {
-	char head[16] = "";
+	static const uint8_t id[4] = {STORE_APPLICATION_ID >> 24, STORE_APPLICATION_ID >> 16 & 0xff,
+				      STORE_APPLICATION_ID >> 8 & 0xff, STORE_APPLICATION_ID & 0xff};
+	char head[72] = "";
 	struct stat file;
 	struct store *overlay = NULL;
 	*out = NULL;
 	if (strcmp(path, finding->store->real_path) == 0 || lstat(path, &file) != 0 || !S_ISREG(file.st_mode))
 		return STATUS_OK;
 	FILE *in = fopen(path, "rb");
-	bool may = in != NULL && fread(head, 1, sizeof head, in) == sizeof head && memcmp(head, "SQLite format 3", sizeof head) == 0;
+	bool may = in != NULL && fread(head, 1, sizeof head, in) == sizeof head && memcmp(head, "SQLite format 3", 16) == 0 &&
+		   memcmp(head + 68, id, sizeof id) == 0; /* what is no store is not opened */
 	if (in != NULL)
 		fclose(in);
 	enum status status = may ? store_open_alone(path, &overlay) : STATUS_INPUT;

@@ -68,6 +68,9 @@ class Pins(FurrowTest):
                 if "chain" not in told:  # a file of the chain is refused in any case
                     self.assertRegex(told, "1 overlay depends on it: q.furrow, and it has 1 snapshot, which would be lost; .*--force")
         self.assertEqual(self.seen("s.furrow"), before)
+        self.ok("synth", "-o", "dem.tif", "--posts", "65x65", "--spacing", "1")
+        told = self.furrow("import", "dem.tif", "-o", "p.furrow", "--overwrite", "--dry-run")
+        self.assertIn("1 overlay depends on it: q.furrow, and it has 1 snapshot, which would be lost; without --force", told.stderr)
         self.assertFalse(list(self.folder.glob("*.part*")))
         for way in (["reset", "p.furrow"], ["synth", "-o", "p.furrow", "--posts", "65x65", "--spacing", "1", "--overwrite"]):
             shutil.copy(self.folder / "p.furrow", self.folder / "kept")

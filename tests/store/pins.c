@@ -375,6 +375,9 @@ static void a_list_that_is_none_is_refused(void **state)
 	assert_int_equal(access(in("elsewhere"), F_OK), -1);
 	assert_int_equal(access(r, F_OK), -1);
 	assert_int_equal(unlink(list), 0);
+	assert_status(store_create_overlay(in("l\nr.furrow"), p), STATUS_INPUT);
+	assert_non_null(strstr(failure_message(), "control characters"));
+	assert_int_equal(files_of("l\n"), 0);
 	assert_int_equal(mkfifo(list, 0600), 0);
 	assert_status(store_create_overlay(r, p), STATUS_INPUT);
 	assert_int_equal(unlink(list), 0);
