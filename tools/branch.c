@@ -13,7 +13,7 @@ static enum status run(const struct arguments *arguments)
 		status = store_open(arguments_at(arguments, 1), &(struct store_options){.mode = STORE_READ}, &store);
 	if (status == STATUS_OK) {
 		(void)store_parent(store, &revision);
-		printf("%s: a branch of %s at revision %lld; drive it as a store, and leave %s as it is\n", arguments_at(arguments, 1),
+		printf("%s: a branch of %s at revision %lld; drive it as a store; %s keeps what it depends on\n", arguments_at(arguments, 1),
 		       arguments_at(arguments, 0), (long long)revision, arguments_at(arguments, 0));
 	}
 	store_close(store);
@@ -25,8 +25,9 @@ const struct command command_branch = {
 	.summary = "make an overlay that goes on from a store",
 	.arguments = COMMAND_ARGUMENTS(COMMAND_STORE, {"NEW", .help = "the overlay to make", .files = "furrow", .needed = true}),
 	.details = "NEW is an overlay: it shows all that STORE has, and takes what comes. STORE may be an overlay itself; up to 16 "
-		   "lie one over another. While NEW is wanted STORE stays as it is: after a drive of STORE itself NEW is refused. "
-		   "Removing NEW is the undo. furrow log tells where branches begin, furrow merge joins two.\n",
-	.see = "furrow-log(1), furrow-merge(1), furrow-relink(1)",
+		   "lie one over another. STORE may be driven on: it keeps what NEW depends on, and lists NEW in the file STORE-pins. Move that "
+		   "file with STORE. Removing NEW is the undo; furrow prune then drops what was kept. furrow log tells where branches begin, "
+		   "furrow merge joins two.\n",
+	.see = "furrow-log(1), furrow-merge(1), furrow-prune(1), furrow-relink(1)",
 	.run = run,
 };

@@ -7,6 +7,7 @@
 static const struct command_option options[] = {
 	{"o", "OUT", .help = "the new store", .files = "furrow", .needed = true},
 	{"overwrite", .help = "replace OUT if it is a store"},
+	{"force", .help = "with --overwrite: also if snapshots of OUT, or overlays that depend on it, are lost; says which"},
 	{.name = NULL},
 };
 
@@ -33,9 +34,12 @@ static enum status run(const struct arguments *arguments)
 	if (status != STATUS_OK)
 		return status;
 	const char *path = arguments_at(arguments, 0);
+	enum store_overwrite overwrite = arguments_flag(arguments, "overwrite") ? STORE_OVERWRITE : STORE_OVERWRITE_NOT;
+	if (overwrite == STORE_OVERWRITE && arguments_flag(arguments, "force"))
+		overwrite = STORE_OVERWRITE_FORCE;
 	interrupt_catch();
 	progress_start(&progress, out, "tiles");
-	status = store_flatten(path, out, arguments_flag(arguments, "overwrite"), progress_step, &progress);
+	status = store_flatten(path, out, overwrite, progress_step, &progress);
 	progress_end(&progress);
 	return status == STATUS_OK ? tell(out, path) : status;
 }

@@ -46,6 +46,7 @@ static const struct command_option options[] = {
 	{"jobs", "N", .help = "threads that pack tiles beside the one that reads; 1: one for everything", .preset = "all cores"},
 	{"resume", .help = "go on with an import that was broken off or killed; the same store, whatever --jobs"},
 	{"overwrite", .help = "replace STORE"},
+	{"force", .help = "with --overwrite: also if its snapshots, or overlays that depend on it, are lost; says which"},
 	{"json", .help = "one JSON object: what was made, off_resampled and off_source"},
 	{"dry-run", .help = "say what would be made, and make nothing"},
 	{.name = NULL},
@@ -97,8 +98,17 @@ static void print_plan(const struct dem_info *info, const struct dem_insets *ins
 static void note_output(const struct import *import, const char *path)
 {
 	struct stat file;
-	if (!import->overwrite && stat(path, &file) == 0)
+	struct store *store = NULL;
+	char text[1400];
+	int64_t count = 0;
+	if (stat(path, &file) != 0)
+		return;
+	if (!import->overwrite)
 		note("%s: it exists; without --overwrite it is not replaced", path);
+	if (!import->force && store_open(path, &(struct store_options){.mode = STORE_READ}, &store) == STATUS_OK &&
+	    store_losses(store, true, text, sizeof text, &count) == STATUS_OK && count > 0)
+		note("%s: %s, which would be lost; without --force it is not replaced", path, text);
+	store_close(store);
 }
 
 static enum status read_options(const struct arguments *arguments, struct import *import)

@@ -10,6 +10,7 @@
 
 #include "command.h"
 #include "json.h"
+#include "pins.h"
 #include "screen.h"
 #include "store/store.h"
 
@@ -181,16 +182,41 @@ static void add_branch(void *user, const char *path, int64_t revision)
 	cJSON_AddItemToArray(user, branch);
 }
 
-static enum status print_text(const struct store *store, const char *path)
+/* --- pins: overlays that the store keeps its ground for, wherever they are --- */
+
+static enum status print_pin(void *user, const struct store_pin *pin)
+{
+	char of[64];
+	const char *path = user;
+	pin_of(pin, of, sizeof of);
+	if (pin->state == STORE_PIN_FOUND)
+		printf("not listed: %s depends on %s; furrow prune %s lists it\n", pin->path, of, path);
+	else if (pin->state == STORE_PIN_MOVED)
+		printf("pinned %s for %s, which is at %s\n", of, pin->path, pin->found);
+	else
+		printf("pinned %s for %s%s\n", of, pin->path != NULL ? pin->path : "an overlay that is not known",
+		       pin->state == STORE_PIN_GONE ? ", which is gone; furrow prune drops that" : "");
+	return STATUS_OK;
+}
+
+static enum status add_pin(void *user, const struct store_pin *pin)
+{
+	cJSON_AddItemToArray(user, pin_json(pin));
+	return STATUS_OK;
+}
+
+static enum status print_text(struct store *store, const char *path)
 {
 	struct listing listing = {.file = ""};
 	enum status status = store_log(store, print_revision, &listing);
 	if (status == STATUS_OK && listing.count == 0)
 		printf("%s\n* never driven\n", path);
-	return status == STATUS_OK ? each_branch(path, print_branch, NULL) : status;
+	if (status == STATUS_OK)
+		status = each_branch(path, print_branch, NULL);
+	return status == STATUS_OK ? store_each_pin(store, print_pin, (void *)(uintptr_t)path) : status;
 }
 
-static enum status print_json(const struct store *store, const char *path)
+static enum status print_json(struct store *store, const char *path)
 {
 	struct listing listing = {.file = ""};
 	cJSON *object = cJSON_CreateObject();
@@ -198,6 +224,8 @@ static enum status print_json(const struct store *store, const char *path)
 	enum status status = store_log(store, add_revision, &listing);
 	if (status == STATUS_OK)
 		status = each_branch(path, add_branch, cJSON_AddArrayToObject(object, "branches"));
+	if (status == STATUS_OK)
+		status = store_each_pin(store, add_pin, cJSON_AddArrayToObject(object, "pins"));
 	if (status == STATUS_OK)
 		return json_print(object);
 	cJSON_Delete(object);
@@ -221,7 +249,8 @@ const struct command command_log = {
 	.arguments = COMMAND_ARGUMENTS(COMMAND_STORE),
 	.options = options,
 	.details = "The newest first; * is what the store holds. [NAME] is a snapshot. Of an overlay the revisions of the files "
-		   "under it follow. Branches are the overlays in the store's folder that begin at it. Times are UTC.\n",
-	.see = "furrow-branch(1), furrow-restore(1), furrow-snapshot(1)",
+		   "under it follow. Branches are the overlays in the store's folder that begin at it. Pins are the overlays, wherever they are, "
+		   "for which the store keeps what they depend on. Times are UTC.\n",
+	.see = "furrow-branch(1), furrow-prune(1), furrow-restore(1)",
 	.run = run,
 };

@@ -4,6 +4,22 @@
 #include "command.h"
 #include "store/store.h"
 
+static const struct command_option options[] = {
+	{"force", .help = "also if snapshots, or overlays that depend on its ruts, are lost; says which"},
+	{.name = NULL},
+};
+
+/* Says what will be lost, before it is. */
+static enum status tell_losses(struct store *store, const char *path)
+{
+	char text[1400];
+	int64_t count = 0;
+	enum status status = store_losses(store, false, text, sizeof text, &count);
+	if (status == STATUS_OK && count > 0)
+		note("%s: %s; that is lost now", path, text);
+	return status;
+}
+
 static enum status run(const struct arguments *arguments)
 {
 	struct store *store = NULL;
@@ -11,11 +27,14 @@ static enum status run(const struct arguments *arguments)
 	enum status status = store_open(arguments_at(arguments, 0), &(struct store_options){.mode = STORE_WRITE}, &store);
 	if (status == STATUS_OK)
 		status = store_count(store, &before);
+	const bool force = arguments_flag(arguments, "force");
+	if (status == STATUS_OK && force)
+		status = tell_losses(store, arguments_at(arguments, 0));
 	int64_t soil = 0;
 	for (int plane = PLANE_DISTURBANCE; plane < PLANES && status == STATUS_OK; plane++)
 		soil += before.plane_tiles[plane];
 	if (status == STATUS_OK)
-		status = store_reset(store);
+		status = store_reset(store, force);
 	if (status == STATUS_OK)
 		printf("%s: %lld offset and %lld soil tiles dropped; the base is as it was imported\n",
 		       arguments_at(arguments, 0), (long long)before.plane_tiles[PLANE_OFFSET], (long long)soil);
@@ -27,7 +46,9 @@ const struct command command_reset = {
 	.name = "reset",
 	.summary = "drop every deformation, keep the base",
 	.arguments = COMMAND_ARGUMENTS(COMMAND_STORE),
-	.details = "An overlay of a store with ruts shows its parent's ground again. All snapshots are dropped, too.\n",
-	.see = "furrow-restore(1)",
+	.options = options,
+	.details = "An overlay of a store with ruts shows its parent's ground again. A store with snapshots, or with overlays that depend on its ruts, is reset only "
+		   "with --force: those are lost. Overlays that depend on the base alone stay.\n",
+	.see = "furrow-log(1), furrow-restore(1)",
 	.run = run,
 };

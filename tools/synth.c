@@ -23,6 +23,7 @@ static const struct command_option options[] = {
 	{"jobs", "N", .help = "threads that work posts out, and as many that pack tiles; 1: one for everything",
 	 .preset = "all cores"},
 	{"overwrite", .help = "replace a store; rasters are replaced in any case"},
+	{"force", .help = "with --overwrite: also if its snapshots, or overlays that depend on it, are lost; says which"},
 	{.name = NULL},
 };
 
@@ -169,6 +170,7 @@ static enum status run(const struct arguments *arguments)
 	struct intake intake = {
 		.path = path,
 		.overwrite = arguments_flag(arguments, "overwrite"),
+		.force = arguments_flag(arguments, "force"),
 		.jobs = making.jobs,
 		.posts = make_posts,
 		.posts_user = &making,

@@ -97,7 +97,8 @@ FURROW_API void furrow_free(void *memory);
  * `progress`: gets the share that is done, 0 to 1, and returns false to stop; NULL: nobody asks. It is called on this thread.
  * `user` is handed on to it.
  * FURROW_INTERRUPTED: `progress` stopped it; a call with {resume: true} goes on. FURROW_INPUT: a source cannot be read, or
- * the store exists and {overwrite: true} is not given. FURROW_USAGE: an option is unknown or out of its range.
+ * the store exists and {overwrite: true} is not given. It is also FURROW_INPUT if overlays depend on that store or it has
+ * snapshots, and {force: true} is not given, too. FURROW_USAGE: an option is unknown or out of its range.
  * Any thread. Needs no GL.
  */
 FURROW_API furrow_status furrow_import(const char *const *sources, size_t count, const char *store, const char *options,

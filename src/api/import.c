@@ -48,6 +48,7 @@ static const struct option options[] = {
 	{"fill", FLAG, 0, 0, NULL},
 	{"resume", FLAG, 0, 0, NULL},
 	{"overwrite", FLAG, 0, 0, NULL},
+	{"force", FLAG, 0, 0, NULL},
 };
 
 static enum status refuse(const char *name, const char *text, const char *allowed)
@@ -189,6 +190,8 @@ static enum status take_flag(struct import *import, const char *name, bool on)
 		import->match_heights = on;
 	else if (strcmp(name, "resume") == 0)
 		import->resume = on;
+	else if (strcmp(name, "force") == 0)
+		import->force = on;
 	else
 		import->overwrite = on;
 	return STATUS_OK;
@@ -388,6 +391,7 @@ enum status api_import_run(struct import *import, const char *store, dem_progres
 	*made = (struct intake){
 		.path = store,
 		.overwrite = import->overwrite,
+		.force = import->force,
 		.resume = import->resume,
 		.jobs = import->jobs,
 		.posts = read_posts,

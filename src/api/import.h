@@ -19,7 +19,7 @@ struct import {
 	char **inset_sources; /* owned; those that were named */
 	size_t inset_count;
 	enum store_pack pack;
-	bool resume, overwrite;
+	bool resume, overwrite, force;
 	double nodata[IMPORT_NODATA_MOST];
 	/* After api_import_open: */
 	struct dem *opened;

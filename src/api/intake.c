@@ -154,9 +154,9 @@ enum status api_intake_run(struct intake *intake)
 	struct store *store = NULL;
 	const double started = clock_seconds();
 	int64_t stored = 0;
-	enum status status = intake->resume
-				     ? store_resume(intake->path, &intake->meta, intake->overwrite, &store, &stored)
-				     : store_create(intake->path, &intake->meta, intake->overwrite, &store);
+	const enum store_overwrite overwrite = !intake->overwrite ? STORE_OVERWRITE_NOT : intake->force ? STORE_OVERWRITE_FORCE : STORE_OVERWRITE;
+	enum status status = intake->resume ? store_resume(intake->path, &intake->meta, overwrite, &store, &stored)
+					    : store_create(intake->path, &intake->meta, overwrite, &store);
 	if (status != STATUS_OK)
 		return status;
 	status = cut_and_store(intake, store, stored);

@@ -9,6 +9,7 @@ struct intake {
 	const char *path; /* of the store to make */
 	struct store_meta meta; /* describes the store; its errors are results. If it has a request, an interrupted import can be resumed later */
 	bool overwrite, resume;
+	bool force; /* with `overwrite`: also a store that overlays depend on, or that has snapshots */
 	int64_t jobs; /* threads that pack; 1: one thread for everything */
 	dem_posts_fn posts;
 	void *posts_user;

@@ -11,6 +11,7 @@
 #include "store/changes.h"
 #include "store/codec.h"
 #include "store/lineage.h"
+#include "store/pins.h"
 #include "store/store.h"
 
 #define STORE_APPLICATION_ID 0x46757277 /* "Furw" */
@@ -18,6 +19,7 @@
 #define STORE_VERSION_OLDEST 3 /* it is read too: its shear, a length without direction, counts as none */
 #define STORE_VERSION_SHEAR 4  /* the first with a shear that is read */
 #define STORE_VERSION_HISTORY 5 /* the first that can keep a history */
+#define STORE_VERSION_PINS 6    /* that of a store which keeps what overlays depend on */
 #define STORE_BUSY_MS 5000
 #define STORE_DEPTH_MOST 16 /* overlays over a plain store */
 
@@ -326,6 +328,8 @@ const char *store_frozen_vfs(void);
 
 struct store {
 	struct history history;
+	struct pins pins;
+	int version;     /* of the file: STORE_VERSION, or STORE_VERSION_PINS */
 	char *path;      /* the path that messages show */
 	char *real_path; /* the path of the file, links resolved */
 	const struct store_staged *staged; /* while it is being opened: the copy to read in place of the base under it; NULL: none */
@@ -334,7 +338,7 @@ struct store {
 	char *lock_path;
 	int lock;        /* file descriptor of the lock; -1: none */
 	bool lock_was_there; /* a killed writer left the lock's file: who only looks leaves it, too */
-	bool overwrite;
+	enum store_overwrite overwrite;
 	bool keeps_part; /* store_close leaves PATH.part */
 	bool writing;    /* opened for writing */
 	bool late;       /* opened for writing, and nothing of the file was changed yet: `db` can only read (store_begin) */
@@ -352,6 +356,8 @@ struct store {
 	char *base_path;    /* of an overlay: path of its parent as stored, relative to the overlay's folder; NULL: a plain store */
 	struct store *under; /* of an overlay: its parent, open for reading; NULL: a plain store */
 	struct store *over; /* while a parent is being opened: the overlay that names it */
+	const uint64_t *wanted; /* while it is being opened: the state that must be shown (store_lineage_hash); NULL: that of an overlay's parent, or the present one */
+	int64_t shown;   /* a pinned revision that is shown in place of the present one; -1: none */
 	const char *parent_given; /* while it is being relinked: the file to take for its parent; NULL: the one that it names */
 	bool over_told;     /* the parent is an overlay, and has told what is wrong with a file under it */
 	int depth;          /* files under this one; 0: a plain store */
@@ -362,6 +368,7 @@ struct store {
 	struct rows *layers[STORE_DEPTH_MOST]; /* the rows of each file under it; 0: the plain store */
 	struct rows *base;  /* where base tiles are read: `rows`, or those of the plain store under it */
 	bool made;          /* an overlay that did not exist before it was opened */
+	bool moved_on;      /* while an overlay of it is made: it was committed to since it was opened */
 	bool alone;         /* an overlay whose parent is not opened (store_part_open) */
 	struct store_part part; /* count 0: it is none */
 	struct store_meta meta; /* its texts are owned by the store */
@@ -442,6 +449,8 @@ enum status store_schema_check(sqlite3 *db, const char *path, int *version) FURR
 enum status store_schema_hide(sqlite3 *db, const char *path, int version) FURROW_CHECKED;
 /* Makes an older store one of this version, in one transaction. Shear of version 3 is dropped. */
 enum status store_schema_raise(sqlite3 *db, const char *path, int version) FURROW_CHECKED;
+/* Gives a store of this version the tables that keep what overlays depend on. In a transaction. */
+enum status store_schema_raise_pins(sqlite3 *db, const char *path) FURROW_CHECKED;
 
 /* --- store_misfit.c: meta.off_resampled and meta.off_source in the file --- */
 enum status store_misfit_write(struct store *store) FURROW_CHECKED; /* in a transaction */
@@ -544,7 +553,7 @@ enum status store_lock_try(const char *lock_path, const char *named, int *descri
 
 /* Copies what an open store shows into a new plain store at `out`. Kept revisions and their names are not copied. `what` made the file.
  * `progress` is called with rows; NULL: none. From then on `from` reads what it is now (store_overlay_hold). */
-enum status store_copy(struct store *from, const char *out, bool overwrite, const char *what, store_progress_fn progress, void *user)
+enum status store_copy(struct store *from, const char *out, enum store_overwrite overwrite, const char *what, store_progress_fn progress, void *user)
 	FURROW_CHECKED;
 
 /* --- store_posts.c --- */
@@ -576,11 +585,15 @@ enum status store_open_as(const char *path, const struct store_options *options,
 /* Opens an overlay for reading, without its parent. Only rows of its own file can be read. */
 enum status store_open_alone(const char *path, struct store **out) FURROW_CHECKED;
 char *store_path_with(const char *path, const char *suffix);
+/* Opens a store for reading, and shows the state with this hash, the present one or a pinned one. If it has neither, shows the present one. */
+enum status store_open_state(const char *path, uint64_t hash, struct store **out) FURROW_CHECKED;
 /* Returns the path of the file that is read: its own, links resolved, or that of its copy. */
 const char *store_file_read(const struct store *store);
 
 /* --- store_lineage.c --- */
 
+/* Computes the hash of the state that a store shows now. */
+enum status store_lineage_state(struct store *store, uint64_t *hash) FURROW_CHECKED;
 /* Gathers the rows that an overlay of `under` inherits. `newest`: the revision of `under` that the overlay names. */
 enum status store_lineage_make(struct store *under, int64_t newest, struct lineage *out) FURROW_CHECKED;
 /* Computes the hash of the state of `under`: its base, working level, compacted soil, and the hash of every row that counts. It does
@@ -591,15 +604,20 @@ enum status store_lineage_hash(const struct store *under, const struct lineage *
 
 /* Opens the parent that an overlay names. STATUS_INPUT if it is not as it was when the overlay was made. */
 enum status store_overlay_connect(struct store *store) FURROW_CHECKED;
+/* Returns the path of the parent that an overlay names: the real path, if the file exists. NULL: out of memory. */
+char *store_overlay_parent_file(const struct store *store);
+/* Returns the relative path from `folder` to `file`, both real paths; the absolute one if they share no folder. NULL: out of memory. */
+char *store_overlay_path_between(const char *folder, const char *file);
 /* Gives store->rows what the overlay inherits. Call this when both are open. */
 void store_overlay_inherit(struct store *store);
 /* Sets in memory what an overlay says of its parent: its path from the overlay's folder, and its base. */
 enum status store_overlay_name_parent(struct store *store, const struct store *parent) FURROW_CHECKED;
 /* Returns true if both headers describe the same terrain. */
 bool store_overlay_same_terrain(const struct store_meta *a, const struct store_meta *b);
-/* Makes an overlay, as store_create_overlay. `part`: it is this part; NULL: it is none. `fill` writes rows before it is published; NULL:
+/* Makes an overlay, as store_create_overlay. `state`: the hash of the state of the parent that it goes on from, the present one or a pinned
+ * one; NULL: the present one. `part`: it is this part; NULL: it is none. `fill` writes rows before it is published; NULL:
  * none. */
-enum status store_overlay_make(const char *path, const char *parent_path, const struct store_part *part,
+enum status store_overlay_make(const char *path, const char *parent_path, const uint64_t *state, const struct store_part *part,
 			       enum status (*fill)(struct store *store, void *user), void *user) FURROW_CHECKED;
 /* Writes to a new file what lets a drive go on where `parent` is: its working level, compacted soil and run. `run`: the record, with the
  * number that the file's last commit gets. `what` made the file. In a transaction. */

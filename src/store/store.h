@@ -58,11 +58,16 @@ struct store_staged;
  *
  * A new store is written as PATH.part, with a commit from time to time. If the process is killed, that file remains, and
  * store_resume continues from its last commit. One thread at a time. */
-enum status store_create(const char *path, const struct store_meta *meta, bool overwrite,
+enum store_overwrite {
+	STORE_OVERWRITE_NOT,
+	STORE_OVERWRITE,       /* a store that overlays depend on, or with snapshots, is not replaced: STATUS_INPUT */
+	STORE_OVERWRITE_FORCE, /* it is, too */
+};
+enum status store_create(const char *path, const struct store_meta *meta, enum store_overwrite overwrite,
 			 struct store **out) FURROW_CHECKED;
 /* As store_create, but continues an unfinished PATH.part if there is one. *tiles: how many tiles it already has; these are the
  * first that were put. STATUS_INPUT: the unfinished store has another request. */
-enum status store_resume(const char *path, const struct store_meta *meta, bool overwrite, struct store **out,
+enum status store_resume(const char *path, const struct store_meta *meta, enum store_overwrite overwrite, struct store **out,
 			 int64_t *tiles) FURROW_CHECKED;
 /* Puts one tile. `codes`: (cells + 1)^2. Put each tile once. To resume a store, put the tiles in the same order as before. */
 enum status store_put_base(struct store *store, struct tile tile, const int32_t *codes,
@@ -182,7 +187,7 @@ enum status store_relink(const char *path, const char *parent_path) FURROW_CHECK
  * `progress` is called with rows; NULL: none; what it returns ends the work. On failure the file at `out` stays as it was.
  * STATUS_INPUT: `path` is no overlay; a row is damaged; `out` exists and `overwrite` is false, or is a file of the chain. */
 typedef enum status (*store_progress_fn)(void *user, int64_t done, int64_t total);
-enum status store_flatten(const char *path, const char *out, bool overwrite, store_progress_fn progress, void *user) FURROW_CHECKED;
+enum status store_flatten(const char *path, const char *out, enum store_overwrite overwrite, store_progress_fn progress, void *user) FURROW_CHECKED;
 #define STORE_CONFLICTS_MOST 20
 struct store_conflicts {
 	int64_t posts, places; /* places: all, also those that are not in `rects` */
@@ -388,8 +393,37 @@ enum status store_gather(const char *path, const char *const *parts, size_t coun
 			 struct store_commit_result *result) FURROW_CHECKED;
 
 /* Drops all deformation and the working level. Keeps the base. Drops the history, too. An overlay becomes as it was made: what its parent has stays. The mark
- * is lost. */
-enum status store_reset(struct store *store) FURROW_CHECKED;
+ * is lost. STATUS_INPUT: overlays depend on its ruts, or it has snapshots; `force` loses them. */
+enum status store_reset(struct store *store, bool force) FURROW_CHECKED;
+
+/* --- pins: overlays that depend on a store ---
+ *
+ * A store keeps a list of its overlays, in the file PATH-pins. What commits, rollbacks and restores replace of a revision in that list is
+ * kept, so that the overlay goes on reading it. Nobody who only reads writes that list. Overlays of the base alone that lie beside the store are not
+ * listed: they are found there. */
+enum store_pin_state {
+	STORE_PIN_THERE, /* the file is where the list says */
+	STORE_PIN_MOVED,  /* it is at `found`: a file there depends on the same */
+	STORE_PIN_GONE,   /* no such file is known */
+	STORE_PIN_FOUND,  /* the list lacks the overlay at `path`, which lies beside the store */
+};
+struct store_pin {
+	const char *path;  /* absolute; NULL: a revision is kept, and the list has lost for whom */
+	const char *found; /* NULL: at `path` */
+	int64_t revision;  /* that it depends on */
+	uint64_t hash;     /* of the store's ground then, or of its base */
+	bool base;         /* it depends on the base alone, which no drive changes */
+	int64_t made;      /* seconds since 1970; 0: not known */
+	enum store_pin_state state;
+};
+typedef enum status (*store_pin_fn)(void *user, const struct store_pin *pin);
+/* Calls `fn` for each. Reads what each file says of itself. Texts are valid during the call. */
+enum status store_each_pin(struct store *store, store_pin_fn fn, void *user) FURROW_CHECKED;
+/* Drops the pins whose files are gone, and what is kept for them alone. Lists those that were moved, or that the list lacks. Calls `fn` for
+ * each, as it was before. Writes nothing if all stand. */
+enum status store_prune(const char *path, store_pin_fn fn, void *user) FURROW_CHECKED;
+/* Tells in a sentence without an end what a reset would lose; `whole`: what a new store in its place would. *count 0: nothing. */
+enum status store_losses(struct store *store, bool whole, char *text, size_t room, int64_t *count) FURROW_CHECKED;
 
 /* --- executed statements --- */
 

@@ -12,6 +12,8 @@ static enum status begin(struct store *store, enum row_table table, struct tile 
 	if (store->marked)
 		status = store_undo_keep(store, row_plane(table), tile, had);
 	if (status == STATUS_OK)
+		status = store_pinned_keep(store, (int)table, tile_key(tile));
+	if (status == STATUS_OK)
 		status = store_history_before(store, table, tile);
 	return status == STATUS_OK && tile.level == store->working ? store_changes_note(&store->changes, tile_key(tile)) : status;
 }

@@ -76,7 +76,7 @@ static enum status copy_run(struct copying *copying)
 	return status;
 }
 
-enum status store_copy(struct store *from, const char *out, bool overwrite, const char *what, store_progress_fn progress, void *user)
+enum status store_copy(struct store *from, const char *out, enum store_overwrite overwrite, const char *what, store_progress_fn progress, void *user)
 {
 	struct copying copying = {.from = from, .what = what, .progress = progress, .user = user};
 	enum status status = store_overlay_hold(from, from->db);

@@ -84,6 +84,25 @@ static enum status looks_like_a_store(const struct store *store, bool *looks)
 	return STATUS_OK;
 }
 
+/* Fails if the store at PATH, which is to be replaced, has what others need. One that cannot be opened has nothing. */
+static enum status refuse_losses(const struct store *store)
+{
+	struct store *there = NULL;
+	char text[1400];
+	int64_t count = 0;
+	enum status status = store_open(store->path, &(struct store_options){.mode = STORE_READ}, &there);
+	if (status != STATUS_OK)
+		return status == STATUS_INPUT ? STATUS_OK : status;
+	if (store->overwrite != STORE_OVERWRITE_FORCE)
+		status = store_losses_refuse(there, true);
+	else if (store->part_path == NULL) /* at first, before anything is done */
+		status = store_losses(there, true, text, sizeof text, &count);
+	if (status == STATUS_OK && count > 0)
+		note("%s: %s; that is lost when the new store is there", store->path, text);
+	store_close(there);
+	return status;
+}
+
 /* Fails if there is a file at PATH, unless it is a store and may be overwritten. So a wrong name never destroys a DEM, for example. */
 static enum status refuse_existing(const struct store *store)
 {
@@ -92,12 +111,14 @@ static enum status refuse_existing(const struct store *store)
 		return STATUS_OK;
 	if (S_ISDIR(file.st_mode))
 		return fail_with(STATUS_INPUT, "%s: it is a folder; name a file, as in %s/terrain.furrow", store->path, store->path);
-	if (!store->overwrite)
+	if (store->overwrite == STORE_OVERWRITE_NOT)
 		return fail_with(STATUS_INPUT, "%s: it exists; give --overwrite to replace it, or another name",
 				 store->path);
 	bool looks = false;
 	enum status status = S_ISREG(file.st_mode) ? looks_like_a_store(store, &looks) : STATUS_OK;
-	if (status != STATUS_OK || looks)
+	if (status == STATUS_OK && looks)
+		return refuse_losses(store);
+	if (status != STATUS_OK)
 		return status;
 	return fail_with(STATUS_INPUT, "%s: it is no Furrow store, and --overwrite replaces nothing else; give another "
 			 "name, or remove it", store->path);
@@ -184,7 +205,7 @@ static enum status open_part(struct store *store, bool resume)
 	return status != STATUS_OK || resumed ? status : begin_part(store);
 }
 
-static enum status make(const char *path, const struct store_meta *meta, bool overwrite, bool resume,
+static enum status make(const char *path, const struct store_meta *meta, enum store_overwrite overwrite, bool resume,
 			struct store **out)
 {
 	enum status status = check_meta(path, meta);
@@ -198,6 +219,8 @@ static enum status make(const char *path, const struct store_meta *meta, bool ov
 	store_changes_begin(&store->changes);
 	store->overwrite = overwrite;
 	store->history.kept = store->history.label = -1;
+	store->pins.newest = store->pins.label = store->shown = -1;
+	store->version = STORE_VERSION;
 	store_who(store->who, sizeof store->who);
 	store->commit_bytes = COMMIT_BYTES;
 	store->path = mem_strdup(path);
@@ -224,12 +247,12 @@ static enum status make(const char *path, const struct store_meta *meta, bool ov
 	return STATUS_OK;
 }
 
-enum status store_create(const char *path, const struct store_meta *meta, bool overwrite, struct store **out)
+enum status store_create(const char *path, const struct store_meta *meta, enum store_overwrite overwrite, struct store **out)
 {
 	return make(path, meta, overwrite, false, out);
 }
 
-enum status store_resume(const char *path, const struct store_meta *meta, bool overwrite, struct store **out,
+enum status store_resume(const char *path, const struct store_meta *meta, enum store_overwrite overwrite, struct store **out,
 			 int64_t *tiles)
 {
 	enum status status = make(path, meta, overwrite, true, out);
@@ -299,7 +322,7 @@ static enum status sync_part(const struct store *store)
 /* Removes files beside a store that is replaced. Otherwise they would be taken for files of the new store. */
 static enum status remove_beside(const struct store *store)
 {
-	static const char *const suffixes[] = {"-wal", "-shm", "-journal"};
+	static const char *const suffixes[] = {"-wal", "-shm", "-journal", PINS_SUFFIX, PINS_SUFFIX "-journal"};
 	enum status status = store_replace_settle(store->real_path, store->path);
 	for (size_t i = 0; i < sizeof suffixes / sizeof *suffixes && status == STATUS_OK; i++) {
 		char *beside = store_path_with(store->real_path, suffixes[i]);

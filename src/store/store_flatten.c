@@ -23,7 +23,7 @@ static enum status check_out(const struct store *from, const char *out)
 	return STATUS_OK;
 }
 
-enum status store_flatten(const char *path, const char *out, bool overwrite, store_progress_fn progress, void *user)
+enum status store_flatten(const char *path, const char *out, enum store_overwrite overwrite, store_progress_fn progress, void *user)
 {
 	struct store *from = NULL;
 	enum status status = store_open(path, &(struct store_options){.mode = STORE_READ}, &from);

@@ -150,9 +150,10 @@ enum status store_history_begin(struct store *store, bool always)
 	history->copies = history->last && !always;
 	history->label = history->deltas || history->copies ? store->commit : history->kept;
 	history->before_read = false;
-	if (history->label < 0)
-		return STATUS_OK;
-	enum status status = prepare(store);
+	enum status status = store_pinned_begin(store);
+	if (status != STATUS_OK || history->label < 0)
+		return status;
+	status = prepare(store);
 	if (status == STATUS_OK && (history->deltas || history->copies))
 		status = store_history_keep(store);
 	return status == STATUS_OK && history->copies ? drop_older(store) : status;
@@ -164,6 +165,7 @@ void store_history_end(struct store *store, bool committed)
 	if (committed && history->label > history->kept)
 		history->kept = history->label;
 	history->label = -1;
+	store_pinned_end(store, committed);
 }
 
 /* --- rows --- */

@@ -124,3 +124,13 @@ enum status store_lineage_hash(const struct store *under, const struct lineage *
 	XXH3_freeState(state);
 	return STATUS_OK;
 }
+
+enum status store_lineage_state(struct store *store, uint64_t *hash)
+{
+	struct lineage lineage = {0};
+	enum status status = store_lineage_make(store, store->commit, &lineage);
+	if (status == STATUS_OK)
+		status = store_lineage_hash(store, &lineage, hash);
+	store_lineage_finish(&lineage);
+	return status;
+}

@@ -35,27 +35,22 @@ static struct store *shown(const struct store *store)
 	return store->inherits ? store->under : NULL;
 }
 
-static enum status state_of(struct store *store, uint64_t *hash)
-{
-	struct lineage lineage = {0};
-	enum status status = store_lineage_make(store, store->commit, &lineage);
-	if (status == STATUS_OK)
-		status = store_lineage_hash(store, &lineage, hash);
-	store_lineage_finish(&lineage);
-	return status;
-}
-
-/* Finds the nearest file of one chain whose state a file of the other has, too. *found NULL: none, they share only the base. */
+/* Finds the nearest file of one chain whose state a file of the other has, too. A file that both chains have, at two of its revisions, is
+ * shared as it was at the older one. *found NULL: none, they share only the base. */
 static enum status find_base(struct store *ours, struct store *theirs, struct store **found)
 {
 	*found = NULL;
 	for (struct store *a = ours; a != NULL; a = shown(a)) {
 		uint64_t mine, other;
-		enum status status = state_of(a, &mine);
+		enum status status = store_lineage_state(a, &mine);
 		for (struct store *b = theirs; b != NULL && status == STATUS_OK; b = shown(b)) {
-			status = state_of(b, &other);
+			status = store_lineage_state(b, &other);
 			if (status == STATUS_OK && mine == other) {
 				*found = a;
+				return STATUS_OK;
+			}
+			if (status == STATUS_OK && strcmp(a->real_path, b->real_path) == 0) {
+				*found = a->commit < b->commit ? a : b;
 				return STATUS_OK;
 			}
 		}
@@ -265,7 +260,11 @@ static enum status merge(struct merging *merging, const char *path, struct store
 		status = seek_conflicts(merging, conflicts, scratch);
 	mem_free(scratch);
 	const char *parent = merging->sides[BASE] != NULL ? merging->sides[BASE]->real_path : store_base_path(ours);
-	return status == STATUS_OK ? store_overlay_make(path, parent, NULL, fill, merging) : status;
+	uint64_t state = 0;
+	bool earlier = merging->sides[BASE] != NULL && merging->sides[BASE]->shown >= 0;
+	if (status == STATUS_OK && earlier)
+		status = store_lineage_state(merging->sides[BASE], &state);
+	return status == STATUS_OK ? store_overlay_make(path, parent, earlier ? &state : NULL, NULL, fill, merging) : status;
 }
 
 enum status store_merge(const char *ours, const char *theirs, const char *path, struct store_conflicts *conflicts)

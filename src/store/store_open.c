@@ -123,6 +123,29 @@ static enum status find_finest_base(struct store *store)
 	return status;
 }
 
+/* What an overlay depends on is shown, if the store has gone on since and keeps it. */
+static enum status show_pinned(struct store *store)
+{
+	const uint64_t *wanted = store->wanted;
+	int64_t present = 0, commit = -1;
+	if (wanted == NULL && store->over != NULL && store->over->inherits) {
+		wanted = &store->over->parent_hash;
+		commit = store->over->parent_revision;
+	}
+	if (wanted == NULL)
+		return STATUS_OK;
+	enum status status = store_pinned_find(store, *wanted, &store->shown);
+	if (status == STATUS_OK && store->shown >= 0)
+		status = store_sql_integer(store->db, store->path, "SELECT coalesce(max(epoch), 0) FROM main.run", &present);
+	if (status != STATUS_OK || store->shown < 0)
+		return status;
+	if (store->shown == present || commit == present) {
+		store->shown = -1;
+		return STATUS_OK;
+	}
+	return store_pinned_show(store->db, store->path, store->shown);
+}
+
 /* Connects the file, and reads what it says of itself. */
 static enum status connect(struct store *store, const struct store_options *options, int *version)
 {
@@ -137,8 +160,11 @@ static enum status connect(struct store *store, const struct store_options *opti
 		status = store_connect_reader(store_file_read(store), store->path, &(struct store_frozen){.is = false}, &store->db);
 	if (status == STATUS_OK)
 		status = store_schema_check(store->db, store->path, version);
+	store->version = *version;
 	if (status == STATUS_OK)
 		status = check_length(store);
+	if (status == STATUS_OK)
+		status = show_pinned(store);
 	return status == STATUS_OK ? store_meta_read(store) : status;
 }
 
@@ -160,7 +186,7 @@ static enum status settle_history(struct store *store, const struct store_option
 }
 
 static enum status open_it(const char *path, const struct store_options *options, struct store *over, const char *parent, bool alone,
-			   struct store **out)
+			   const uint64_t *wanted, struct store **out)
 {
 	struct store *store = mem_calloc(1, sizeof *store);
 	if (store == NULL)
@@ -173,6 +199,8 @@ static enum status open_it(const char *path, const struct store_options *options
 	store->parent_given = parent;
 	store->staged = options->staged;
 	store->alone = alone;
+	store->wanted = wanted;
+	store->shown = -1;
 	store_changes_begin(&store->changes);
 	store->durable_full = options->durable_full;
 	store_who(store->who, sizeof store->who);
@@ -202,6 +230,8 @@ static enum status open_it(const char *path, const struct store_options *options
 		status = store_history_open(store);
 	}
 	if (status == STATUS_OK)
+		status = store_pinned_open(store);
+	if (status == STATUS_OK)
 		status = settle_history(store, options);
 	/* What an opening reads is not counted, in the files under it neither. */
 	for (struct store *under = store->under; under != NULL && status == STATUS_OK; under = under->under)
@@ -210,6 +240,7 @@ static enum status open_it(const char *path, const struct store_options *options
 		store_statements_count(&store->statements, store->db);
 	store_changes_restart(&store->changes, store->commit);
 	store->staged = NULL;
+	store->wanted = NULL;
 	if (status != STATUS_OK) {
 		store_close(store);
 		return status;
@@ -221,12 +252,17 @@ static enum status open_it(const char *path, const struct store_options *options
 enum status store_open_as(const char *path, const struct store_options *options, struct store *over, const char *parent,
 			  struct store **out)
 {
-	return open_it(path, options, over, parent, false, out);
+	return open_it(path, options, over, parent, false, NULL, out);
 }
 
 enum status store_open_alone(const char *path, struct store **out)
 {
-	return open_it(path, &(struct store_options){.mode = STORE_READ}, NULL, NULL, true, out);
+	return open_it(path, &(struct store_options){.mode = STORE_READ}, NULL, NULL, true, NULL, out);
+}
+
+enum status store_open_state(const char *path, uint64_t hash, struct store **out)
+{
+	return open_it(path, &(struct store_options){.mode = STORE_READ}, NULL, NULL, false, &hash, out);
 }
 
 enum status store_open(const char *path, const struct store_options *options, struct store **out)
@@ -243,6 +279,8 @@ static enum status connect_begun(struct store *store, sqlite3 **db)
 	enum status status = store_connect_file(store->real_path, store->path, true, db);
 	if (status == STATUS_OK)
 		status = store_schema_check(*db, store->path, &version);
+	if (status == STATUS_OK)
+		store->version = version;
 	if (status == STATUS_OK && version < STORE_VERSION) {
 		status = store_schema_raise(*db, store->path, version);
 		atomic_store(&store->raised, status == STATUS_OK);
@@ -306,6 +344,7 @@ static void close_store(struct store *store, bool remove)
 	store_rows_finish(&store->rows);
 	store_lineage_finish(&store->lineage);
 	store_history_finish(store);
+	store_pinned_finish(store);
 	store_undo_destroy(store->undo);
 	store_changes_finish(&store->changes);
 	sqlite3_finalize(store->run_statement);
@@ -346,7 +385,10 @@ void store_close(struct store *store)
 
 void store_abandon(struct store *store)
 {
-	close_store(store, store != NULL && store->made && (store->late || store->commit == 0));
+	bool remove = store != NULL && store->made && (store->late || store->commit == 0);
+	if (remove)
+		store_pins_withdraw(store);
+	close_store(store, remove);
 }
 
 /* --- what it is --- */

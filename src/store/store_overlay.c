@@ -22,6 +22,8 @@
 #include <string.h>
 #include <sys/stat.h>
 
+#define TRIES 8 /* of an overlay of a store that another process drives: it commits about once a second */
+
 static const struct store_options reading = {.mode = STORE_READ};
 
 bool store_overlay_path_fits(const char *path, size_t length)
@@ -34,8 +36,7 @@ bool store_overlay_path_fits(const char *path, size_t length)
 
 /* --- to the base and back --- */
 
-/* Returns the relative path from `folder` to `file`; both are real paths. NULL: out of memory. */
-static char *path_between(const char *folder, const char *file)
+char *store_overlay_path_between(const char *folder, const char *file)
 {
 	size_t same = 0, at = 0, up = 0;
 	while (folder[at] != '\0' && folder[at] == file[at]) {
@@ -58,9 +59,7 @@ static char *path_between(const char *folder, const char *file)
 	return path;
 }
 
-/* Returns the path of the parent: the one that a relink gives, or the one in the overlay's header. If the file exists, it is the
- * real path. NULL: out of memory. */
-static char *parent_file(const struct store *store)
+char *store_overlay_parent_file(const struct store *store)
 {
 	char there[PATH_MAX];
 	const char *given = store->parent_given != NULL ? store->parent_given : store->base_path;
@@ -153,7 +152,7 @@ static enum status connect_parent(struct store *store)
 	enum status status = check_chain(store);
 	if (status != STATUS_OK)
 		return status;
-	char *path = parent_file(store);
+	char *path = store_overlay_parent_file(store);
 	if (path == NULL)
 		return fail_memory("an overlay");
 	status = store_open_as(path, &(struct store_options){.mode = STORE_READ, .staged = store->staged}, store, NULL, &store->under);
@@ -257,7 +256,7 @@ enum status store_overlay_name_parent(struct store *store, const struct store *p
 	store->base_path = NULL;
 	char *folder = mem_strdup(store->real_path);
 	if (folder != NULL)
-		store->base_path = path_between(dirname(folder), parent->real_path);
+		store->base_path = store_overlay_path_between(dirname(folder), parent->real_path);
 	mem_free(folder);
 	if (store->base_path == NULL)
 		return fail_memory("an overlay");
@@ -294,6 +293,7 @@ static enum status inherit_from(struct store *store, struct store *parent)
 	struct store_run_copy run = {0};
 	store->inherits = true;
 	enum status status = store_overlay_hold(parent, parent->db);
+	parent->moved_on = status == STATUS_INPUT;
 	if (status == STATUS_OK)
 		status = store_lineage_make(parent, parent->commit, &lineage);
 	if (status == STATUS_OK)
@@ -321,11 +321,23 @@ static enum status go_over(struct store *store, struct store *parent)
 	return status;
 }
 
-enum status store_overlay_make(const char *path, const char *parent_path, const struct store_part *part,
-			       enum status (*fill)(struct store *store, void *user), void *user)
+/* The parent knows of the overlay before that is there. A part ends with its run. */
+static enum status pin_parent(struct store *store, struct store *parent)
+{
+	const struct pin pin = {
+		.revision = store->parent_revision,
+		.hash = store->inherits ? store->parent_hash : store->base_hash,
+		.base = !store->inherits,
+	};
+	return store->part.count > 0 ? STATUS_OK : store_pins_add(parent, store->real_path, &pin);
+}
+
+/* *again: the parent was committed to meanwhile. */
+static enum status make_once(const char *path, const char *parent_path, const uint64_t *state, const struct store_part *part,
+			     enum status (*fill)(struct store *store, void *user), void *user, bool *again)
 {
 	struct store *parent = NULL, *store = NULL;
-	enum status status = store_open(parent_path, &reading, &parent);
+	enum status status = state != NULL ? store_open_state(parent_path, *state, &parent) : store_open(parent_path, &reading, &parent);
 	if (status == STATUS_OK && parent->depth == STORE_DEPTH_MOST)
 		status = fail_with(STATUS_INPUT, "%s: %d overlays lie one over another already, and no more can; drive it, or branch one further down",
 				   parent_path, STORE_DEPTH_MOST);
@@ -337,6 +349,7 @@ enum status store_overlay_make(const char *path, const char *parent_path, const 
 		store->part = *part;
 	if (status == STATUS_OK && (parent->under != NULL || parent->working_stored || part != NULL))
 		status = inherit_from(store, parent);
+	struct store *const over = parent;
 	if (status == STATUS_OK && fill != NULL) {
 		status = go_over(store, parent);
 		parent = NULL;
@@ -344,15 +357,31 @@ enum status store_overlay_make(const char *path, const char *parent_path, const 
 			status = fill(store, user);
 	}
 	if (status == STATUS_OK)
+		status = pin_parent(store, over);
+	if (status == STATUS_OK) {
 		status = store_publish(store);
+		if (status != STATUS_OK && store->part_path != NULL && store->part.count == 0)
+			store_pins_withdraw_from(store, over);
+	}
+	*again = status != STATUS_OK && over != NULL && over->moved_on;
 	store_close(store);
 	store_close(parent);
 	return status;
 }
 
+enum status store_overlay_make(const char *path, const char *parent_path, const uint64_t *state, const struct store_part *part,
+			       enum status (*fill)(struct store *store, void *user), void *user)
+{
+	bool again = true;
+	enum status status = STATUS_OK;
+	for (int i = 0; i < TRIES && again; i++)
+		status = make_once(path, parent_path, state, part, fill, user, &again);
+	return status;
+}
+
 enum status store_create_overlay(const char *path, const char *parent_path)
 {
-	return store_overlay_make(path, parent_path, NULL, NULL, NULL);
+	return store_overlay_make(path, parent_path, NULL, NULL, NULL, NULL);
 }
 
 /* --- one to write to --- */

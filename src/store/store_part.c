@@ -33,7 +33,7 @@ enum status store_create_part(const char *path, const char *over, const struct s
 	if (part->index >= part->count || part->count > STORE_PARTS_MOST)
 		return fail_with(STATUS_USAGE, "%s: it cannot be part %u of %u; count from 0, and make at most %d parts", path, part->index,
 				 part->count, STORE_PARTS_MOST);
-	return store_overlay_make(path, over, part, NULL, NULL);
+	return store_overlay_make(path, over, NULL, part, NULL, NULL);
 }
 
 enum status store_part_refuse(const struct store *store, const char *what)

@@ -20,6 +20,8 @@ static enum status connect_rows(struct store *store, struct store_frozen *frozen
 		status = store_schema_check(*db, store->path, &version);
 	if (status == STATUS_OK && version < STORE_VERSION)
 		status = store_schema_hide(*db, store->path, version);
+	if (status == STATUS_OK && store->shown >= 0)
+		status = store_pinned_show(*db, store->path, store->shown);
 	if (status == STATUS_OK)
 		status = store_meta_base_hash(*db, store->path, &hash);
 	if (status == STATUS_OK && hash != store->base_hash)

@@ -29,6 +29,8 @@ enum status store_relink(const char *path, const char *parent_path)
 		status = store_overlay_name_parent(store, store->under);
 	if (status == STATUS_OK)
 		status = put_path(store);
+	if (status == STATUS_OK)
+		status = store_pins_tell_parent(store);
 	store_close(store);
 	return status;
 }

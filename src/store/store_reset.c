@@ -13,17 +13,21 @@ static enum status remove_all(struct store *store)
 			       "history; DELETE FROM revision; "
 			       "DELETE FROM snapshot; "
 			       "DELETE FROM meta WHERE key IN ('working', 'compacted', 'relief')");
+	if (status == STATUS_OK)
+		status = store_pinned_clear(store);
 	if (status == STATUS_OK && store->inherits)
 		status = store_overlay_begin(store);
 	return status == STATUS_OK ? store_sql_exec(store->db, store->path, "resetting it", "COMMIT") : status;
 }
 
-enum status store_reset(struct store *store)
+enum status store_reset(struct store *store, bool force)
 {
 	assert(store->writing);
 	const struct store *parent = store->inherits ? store->under : NULL;
 	int64_t commit = store->commit;
 	enum status status = store_sql_begin(store->db, store->path, "resetting it");
+	if (status == STATUS_OK && !force)
+		status = store_losses_refuse(store, false);
 	if (status == STATUS_OK)
 		status = remove_all(store);
 	if (status != STATUS_OK) {
@@ -47,9 +51,11 @@ enum status store_reset(struct store *store)
 		store->state_rows[table] = STATE_UNKNOWN;
 	store->commit = parent != NULL ? store->parent_revision : 0;
 	store->marked = store->history.has_level = false;
-	store->history.kept = -1;
+	store->history.kept = store->pins.newest = -1;
 	store_changes_restart(&store->changes, store->commit);
 	/* The pages that are free now are given back to the disk; the base's mostly lie before them. */
 	status = store_sql_exec(store->db, store->path, "resetting it", "PRAGMA incremental_vacuum");
+	if (status == STATUS_OK)
+		status = store_pins_clear(store->real_path);
 	return status == STATUS_OK ? store_checkpoint(store) : status;
 }

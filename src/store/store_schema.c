@@ -7,6 +7,8 @@
  *
  *   3: no table `dug`; its `shear` has another meaning, a length that only grew, and counts as none.
  *   4: no history; who made the last commit, and when, is not known. No overlays that show the deformation of their parent.
+ *
+ * A store gets version 6, with two more tables, when it first keeps what an overlay depends on (store_pinned.c).
  */
 #include "store/internal.h"
 
@@ -38,7 +40,13 @@ static const struct object objects[] = {
 	 "CREATE TABLE \"offset\"(key INTEGER PRIMARY KEY, low REAL, high REAL, below INTEGER NOT NULL, "
 	 "above INTEGER NOT NULL, codec INTEGER NOT NULL, revision INTEGER NOT NULL, "
 	 "hash INTEGER NOT NULL, blob BLOB NOT NULL)"},
+	{"pinned",
+	 "CREATE TABLE pinned(revision INTEGER PRIMARY KEY, hash INTEGER NOT NULL, scene_hash TEXT, step INTEGER, time REAL, state TEXT, "
+	 "made INTEGER, who TEXT, what TEXT, working INTEGER, compacted INTEGER NOT NULL, relief TEXT)"},
 	{"pressed", PLANE_TABLE("pressed")},
+	{"replaced",
+	 "CREATE TABLE replaced(plane INTEGER NOT NULL, key INTEGER NOT NULL, pinned INTEGER NOT NULL, low REAL, high REAL, below INTEGER, "
+	 "above INTEGER, codec INTEGER, revision INTEGER, hash INTEGER, blob BLOB, PRIMARY KEY(plane, key, pinned)) WITHOUT ROWID"},
 	{"revision",
 	 "CREATE TABLE revision(revision INTEGER PRIMARY KEY, scene_hash TEXT NOT NULL, step INTEGER NOT NULL, time REAL NOT NULL, "
 	 "state TEXT NOT NULL, made INTEGER NOT NULL, who TEXT NOT NULL, what TEXT NOT NULL, working INTEGER, compacted INTEGER NOT NULL)"},
@@ -66,6 +74,8 @@ static const struct object *object_of(size_t index, int version)
 	const char *name = objects[index].name;
 	if (strcmp(name, "dug") == 0 && version < STORE_VERSION_SHEAR)
 		return NULL;
+	if ((strcmp(name, "pinned") == 0 || strcmp(name, "replaced") == 0) && version < STORE_VERSION_PINS)
+		return NULL;
 	for (size_t i = 0; i < sizeof since_history / sizeof *since_history; i++)
 		if (strcmp(name, since_history[i]) == 0 && version < STORE_VERSION_HISTORY)
 			return NULL;
@@ -87,7 +97,8 @@ enum status store_schema_create(sqlite3 *db, const char *path)
 		 STORE_APPLICATION_ID, STORE_VERSION);
 	enum status status = store_sql_exec(db, path, "making the store", header);
 	for (size_t i = 0; i < OBJECTS && status == STATUS_OK; i++)
-		status = store_sql_exec(db, path, "making the store", objects[i].sql);
+		if (object_of(i, STORE_VERSION) != NULL)
+			status = store_sql_exec(db, path, "making the store", objects[i].sql);
 	return status;
 }
 
@@ -139,9 +150,9 @@ enum status store_schema_check(sqlite3 *db, const char *path, int *out)
 	if (id != STORE_APPLICATION_ID)
 		return fail_with(STATUS_INPUT, "%s: not a Furrow store (application id %llx); make one with "
 				 "furrow import", path, (unsigned long long)id & 0xffffffffu);
-	if (version < STORE_VERSION_OLDEST || version > STORE_VERSION)
+	if (version < STORE_VERSION_OLDEST || version > STORE_VERSION_PINS)
 		return fail_with(STATUS_INPUT, "%s: a store of version %lld, this program knows versions %d to %d; use "
-				 "the furrow that made it, or import it again", path, (long long)version, STORE_VERSION_OLDEST, STORE_VERSION);
+				 "the furrow that made it, or import it again", path, (long long)version, STORE_VERSION_OLDEST, STORE_VERSION_PINS);
 	*out = (int)version;
 	return check_objects(db, path, *out);
 }
@@ -179,7 +190,7 @@ enum status store_schema_raise(sqlite3 *db, const char *path, int version)
 	snprintf(raise, sizeof raise, "PRAGMA user_version=%d; COMMIT", STORE_VERSION);
 	enum status status = store_sql_begin(db, path, doing);
 	for (size_t i = 0; i < OBJECTS && status == STATUS_OK; i++)
-		if (object_of(i, version) == NULL)
+		if (object_of(i, version) == NULL && object_of(i, STORE_VERSION) != NULL)
 			status = store_sql_exec(db, path, doing, objects[i].sql);
 	if (status == STATUS_OK && version < STORE_VERSION_SHEAR)
 		status = store_sql_exec(db, path, doing, "DELETE FROM shear");
@@ -190,4 +201,15 @@ enum status store_schema_raise(sqlite3 *db, const char *path, int version)
 	if (status != STATUS_OK)
 		store_sql_undo(db);
 	return status;
+}
+
+enum status store_schema_raise_pins(sqlite3 *db, const char *path)
+{
+	static const char doing[] = "keeping what overlays depend on";
+	char raise[64];
+	snprintf(raise, sizeof raise, "PRAGMA user_version=%d", STORE_VERSION_PINS);
+	enum status status = store_sql_exec(db, path, doing, sql_of("pinned"));
+	if (status == STATUS_OK)
+		status = store_sql_exec(db, path, doing, sql_of("replaced"));
+	return status == STATUS_OK ? store_sql_exec(db, path, doing, raise) : status;
 }

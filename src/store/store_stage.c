@@ -28,16 +28,6 @@ static const struct store_options reading = {.mode = STORE_READ};
 
 /* --- names --- */
 
-static enum status state_of(struct store *plain, uint64_t *state)
-{
-	struct lineage lineage = {0};
-	enum status status = store_lineage_make(plain, plain->commit, &lineage);
-	if (status == STATUS_OK)
-		status = store_lineage_hash(plain, &lineage, state);
-	store_lineage_finish(&lineage);
-	return status;
-}
-
 /* FOLDER/NAME-HASH.furrow */
 static char *copy_name(const char *folder, const char *original, uint64_t state)
 {
@@ -65,7 +55,7 @@ enum status store_stage_name(const char *path, const char *folder, struct store_
 	while (plain != NULL && plain->under != NULL)
 		plain = plain->under;
 	if (status == STATUS_OK)
-		status = state_of(plain, &out->state);
+		status = store_lineage_state(plain, &out->state);
 	if (status == STATUS_OK) {
 		out->original = mem_strdup(plain->real_path);
 		out->copy = copy_name(folder, plain->real_path, out->state);
@@ -136,7 +126,7 @@ static enum status check_copy(const struct store_staged *staged, store_progress_
 	if (status == STATUS_OK)
 		status = store_overlay_hold(copy, copy->db);
 	if (status == STATUS_OK)
-		status = state_of(copy, &state);
+		status = store_lineage_state(copy, &state);
 	if (status == STATUS_OK)
 		status = store_identity_compute(copy, &base);
 	if (status == STATUS_OK && (state != staged->state || base != copy->base_hash))
@@ -175,9 +165,9 @@ static enum status make_copy(const struct store_staged *staged, store_progress_f
 {
 	struct store *original = NULL;
 	uint64_t state = 0;
-	enum status status = store_open(staged->original, &reading, &original);
+	enum status status = store_open_state(staged->original, staged->state, &original);
 	if (status == STATUS_OK)
-		status = state_of(original, &state);
+		status = store_lineage_state(original, &state);
 	if (status == STATUS_OK && state != staged->state)
 		status = fail_with(STATUS_FAILED, "%s: it was driven since this run began; start again", staged->original);
 	if (status == STATUS_OK)

@@ -130,6 +130,8 @@ static enum status put_back_row(struct store *store, enum row_table table, struc
 	if (status == STATUS_OK && tile.level == store->working)
 		status = store_changes_note(&store->changes, tile_key(tile));
 	if (status == STATUS_OK)
+		status = store_pinned_keep(store, (int)table, tile_key(tile));
+	if (status == STATUS_OK)
 		status = store_history_before(store, table, tile);
 	if (status != STATUS_OK)
 		return status;

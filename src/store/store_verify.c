@@ -171,6 +171,8 @@ static enum status check_all(struct verifying *verifying)
 	if (status == STATUS_OK)
 		status = store_verify_history(verifying);
 	if (status == STATUS_OK)
+		status = store_verify_pins(verifying);
+	if (status == STATUS_OK)
 		status = check_missing(verifying);
 	if (status == STATUS_OK)
 		status = check_top(verifying);

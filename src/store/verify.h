@@ -44,6 +44,8 @@ void store_verify_tell_tile(struct verifying *verifying, struct tile tile, const
 /* Checks the rows of an overlay's own file, if it inherits: those that undo an inherited row, and those that repeat one. */
 enum status store_verify_own(struct verifying *verifying) FURROW_CHECKED;
 enum status store_verify_history(struct verifying *verifying) FURROW_CHECKED;
+/* Checks what the store keeps for overlays. */
+enum status store_verify_pins(struct verifying *verifying) FURROW_CHECKED;
 /* Checks one row of verifying->table. The tile is within the terrain. */
 enum status store_verify_tile(struct verifying *verifying, struct tile tile) FURROW_CHECKED;
 

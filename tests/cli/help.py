@@ -62,7 +62,7 @@ class Help(FurrowTest):
     def test_all_are_found(self):
         self.assertGreater(len(self.commands), 21)
         self.assertGreater(len(self.options["import"]), 20)
-        self.assertEqual(self.options["reset"], {})
+        self.assertEqual(self.options["snapshot"], {})
 
     def test_the_usage_names_what_is_listed(self):
         for command, text in self.help.items():

@@ -87,11 +87,12 @@ class History(FurrowTest):
         files = [entry["file"] for entry in self.json("log", "d.furrow")["revisions"]]
         self.assertEqual(list(dict.fromkeys(pathlib.Path(file).name for file in files)), ["d.furrow", "a.furrow", "world.furrow"])
         self.assertIn("* ", self.ok("log", "d.furrow"))
-        # A branch returns to where it began, by its parent's name for that.
+        # A branch returns to where it began, by its parent's name for that. What depends on it stays as it was.
+        deep = self.content("d.furrow")
         before = self.content(store)
         self.ok("restore", "a.furrow", "half")
         self.assertEqual(self.content("a.furrow"), before)
-        self.assertIn("has changed since", self.refused(3, "info", "d.furrow"))
+        self.assertEqual(self.content("d.furrow"), deep)
         self.assertIn("never driven", self.ok("log", self.synth("bare.furrow", posts="65x65")))
 
     def test_what_cannot_be_is_refused(self):
@@ -109,7 +110,8 @@ class History(FurrowTest):
         self.refused(3, "log", "absent.furrow")
         self.assertFalse((self.folder / "x.furrow").exists())
         self.assertEqual(self.json("info", store)["history"], {"revisions": 1, "snapshots": 1, "rows": 0, "bytes": 0})
-        self.ok("reset", store)
+        self.assertIn("1 snapshot", self.refused(3, "reset", store))
+        self.assertIn("1 snapshot; that is lost now", self.furrow("reset", store, "--force").stderr)
         self.assertEqual(self.json("info", store)["history"]["revisions"], 0)
 
 

@@ -27,6 +27,7 @@ CHOSEN = {
     "fit_soil": ["FitSoil.test_what_is_wrong_is_refused_and_leaves_nothing", "FitSoil.test_a_name_cannot_break_out_of_the_soil_or_the_page"],
     "history": ["History.test_what_cannot_be_is_refused"],
     "meshes": ["Meshes.test_refusals"],
+    "pins": ["Pins.test_a_parent_that_cannot_be_told_says_so"],
     "study": ["Study.test_refused_studies"],
     "tiles": ["Tiles.test_refusals"],
     "overlay": ["Refusals.test_what_is_no_overlay_of_that_store_is_refused_and_kept"],

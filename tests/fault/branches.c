@@ -97,6 +97,42 @@ static uint64_t trial_stage(const void *user, const struct fault *fault)
 	return calls;
 }
 
+/* A parent with an overlay is driven on. What the overlay depends on is kept with what replaces it, or nothing is replaced. */
+static uint64_t trial_driven_on(const void *user, const struct fault *fault)
+{
+	char path[256], over[256];
+	struct store *store = NULL;
+	struct store_commit_result result;
+	struct field field = field_make(LEVEL);
+	snprintf(path, sizeof path, "%s/on.furrow", folder);
+	snprintf(over, sizeof over, "%s/over-on.furrow", folder);
+	remove_store(path);
+	remove_store(over);
+	unlink(in_folder("on.furrow" PINS_SUFFIX));
+	copy_file(base, path);
+	assert_ok(store_create_overlay(over, path));
+	dig(&field, 6);
+	fault_arm_for(fault);
+	enum status status = store_open(path, &(struct store_options){.mode = STORE_WRITE}, &store);
+	if (status == STATUS_OK)
+		status = store_set_working_level(store, LEVEL);
+	for (int i = 5; i < 7 && status == STATUS_OK; i++)
+		status = field_commit(&field, field_all(&field), store, i, &result);
+	store_close(store);
+	uint64_t calls = fault_disarm();
+	field_free(&field);
+	expect(status == STATUS_OK || told(status));
+	expect(calls >= fault->nth || status == STATUS_OK);
+	expect(found_in(over) == driven_hash);
+	found_in(path);
+	return calls;
+}
+
+static void what_an_overlay_depends_on_is_kept_whatever_fails(void **state)
+{
+	sweep_kinds(trial_driven_on, 2 * MOST);
+}
+
 static void a_merge_is_whole_or_absent(void **state)
 {
 	sweep_kinds(trial_merge, MOST);
@@ -128,6 +164,7 @@ TEST_PROGRAM(branches)
 		cmocka_unit_test(a_flat_store_replaces_another_whole_or_not_at_all),
 		cmocka_unit_test(an_overlay_names_its_old_base_or_the_new_one),
 		cmocka_unit_test(a_copy_of_the_base_is_whole_or_absent),
+		cmocka_unit_test(what_an_overlay_depends_on_is_kept_whatever_fails),
 	};
 	fault_install();
 	return cmocka_run_group_tests(tests, make_sides, folder_remove);

@@ -276,7 +276,7 @@ static void write_all(struct store *store, bool clean, uint64_t hash)
 	bool still = look(store);
 	fuzz_check(still || !clean || !good);
 	if ((hash >> 21 & 3) == 0) {
-		enum status status = store_reset(store);
+		enum status status = store_reset(store, true);
 		must(clean, status);
 		still = look(store);
 		fuzz_check(still || !clean);

@@ -91,13 +91,13 @@ static void ten_thousand_kilometres_along_the_terrain_it_is_the_same_bits(void *
 		mem_free(hard_drive(&hard_models[m], one_millimetre("", 0, 0), store, NULL));
 		double *first = rut(store, 0, 0);
 		must(store_open(store, &(struct store_options){.mode = STORE_WRITE}, &opened));
-		must(store_reset(opened));
+		must(store_reset(opened, true));
 		store_close(opened);
 		mem_free(hard_drive(&hard_models[m], one_millimetre("", out, 0), store, NULL));
 		same(first, rut(store, out, 0));
 		free(first);
 		must(store_open(store, &(struct store_options){.mode = STORE_WRITE}, &opened));
-		must(store_reset(opened));
+		must(store_reset(opened, true));
 		store_close(opened);
 	}
 }

@@ -217,7 +217,7 @@ static void soils_at_the_limits_of_their_parameters_leave_numbers(void **state)
 			assert_int_equal(support_figure(json, "\"quanta\"", "compacted"), support_figure(json, "\"quanta\"", "removed"));
 		mem_free(json);
 		must(store_open(store, &(struct store_options){.mode = STORE_WRITE}, &opened));
-		must(store_reset(opened));
+		must(store_reset(opened, true));
 		store_close(opened);
 	}
 }

@@ -126,7 +126,7 @@ static void a_rut_that_is_filled_again_is_stored_as_zeros(void **state)
 	field_clear(&field);
 	store_close(store);
 	assert_ok(store_open(child, &writing, &store));
-	assert_ok(store_reset(store));
+	assert_ok(store_reset(store, true));
 	assert_true(content(store) == before);
 	assert_int_equal(store->commit, 2);
 	assert_ok(store_sql_integer(store->db, child, "SELECT count(*) FROM \"offset\"", &own));

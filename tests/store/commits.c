@@ -217,7 +217,7 @@ static void a_working_level_is_fixed_by_the_first_epoch_until_reset(void **state
 	assert_string_equal(numbers.last_run.scene_hash, "abc");
 	assert_string_equal(numbers.last_run.state, "{\"poses\":[]}");
 	assert_true(content(store) != fresh);
-	assert_ok(store_reset(store));
+	assert_ok(store_reset(store, true));
 	assert_true(content(store) == fresh);
 	assert_ok(store_count(store, &numbers));
 	assert_null(numbers.last_run.scene_hash);

@@ -16,7 +16,7 @@ static struct store *make(const char *path)
 	const struct tile tiles[] = {{0, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 1, 1}, {1, 0, 0}};
 	int32_t *codes = calloc(TILE_POSTS, sizeof *codes);
 	struct store *store;
-	assert_ok(store_create(path, &meta, true, &store));
+	assert_ok(store_create(path, &meta, STORE_OVERWRITE_FORCE, &store));
 	for (size_t i = 0; i < sizeof tiles / sizeof *tiles; i++)
 		assert_ok(store_put_base(store, tiles[i], codes, &(struct store_range){0, 0, 0}));
 	assert_ok(store_publish(store));

@@ -62,7 +62,7 @@ static void ground_store(const struct ground *ground, enum store_pack pack, bool
 	size_t side = ground->extent.cells + 1;
 	int32_t *codes = mem_alloc(side * side, sizeof *codes);
 	struct store_packer *packer;
-	assert_ok(store_create(path, &meta, true, &store));
+	assert_ok(store_create(path, &meta, STORE_OVERWRITE_FORCE, &store));
 	assert_ok(store_packer_create(&meta, &packer));
 	for (int level = 0; level <= extent_coarsest(&meta.extent); level++)
 		for (uint32_t y = 0; y < extent_tiles_y(&meta.extent, level); y++)

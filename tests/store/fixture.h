@@ -48,13 +48,19 @@ static UNUSED int folder_remove(void **state)
 	return rmdir(folder);
 }
 
-/* Files in the folder whose name begins with `name`. */
+static UNUSED bool is_list(const char *name)
+{
+	size_t length = strlen(name);
+	return length > strlen(PINS_SUFFIX) && strcmp(name + length - strlen(PINS_SUFFIX), PINS_SUFFIX) == 0;
+}
+
+/* Files in the folder whose name begins with `name`, without lists of pins. */
 static UNUSED int files_of(const char *name)
 {
 	int count = 0;
 	DIR *dir = opendir(folder);
 	for (struct dirent *entry; dir != NULL && (entry = readdir(dir)) != NULL;)
-		count += strncmp(entry->d_name, name, strlen(name)) == 0;
+		count += strncmp(entry->d_name, name, strlen(name)) == 0 && !is_list(entry->d_name);
 	if (dir != NULL)
 		closedir(dir);
 	return count;
@@ -146,7 +152,7 @@ static UNUSED void make_store(const char *path)
 {
 	struct store *store;
 	struct store_meta meta = terrain_meta();
-	assert_ok(store_create(path, &meta, true, &store));
+	assert_ok(store_create(path, &meta, STORE_OVERWRITE_FORCE, &store));
 	terrain_put(store);
 	assert_ok(store_publish(store));
 	store_close(store);

@@ -271,7 +271,7 @@ static void history_has_a_price_and_an_end(void **state)
 	assert_false(store_has_working_level(store, NULL));
 	assert_status(store_set_working_level(store, LEVEL + 1), STATUS_INPUT);
 	assert_non_null(strstr(failure_message(), "history"));
-	assert_ok(store_reset(store));
+	assert_ok(store_reset(store, true));
 	assert_ok(store_count(store, &numbers));
 	assert_int_equal(numbers.revisions + numbers.history_rows + numbers.snapshots, 0);
 	assert_ok(store_set_working_level(store, LEVEL + 1));

@@ -69,7 +69,7 @@ static void lossless_codes_and_holes_everywhere_come_back(void **state)
 				codes[i] = HEIGHT_CODE_NODATA;
 			range.low = range.high = (double)NAN;
 		}
-		assert_ok(store_create(path, &meta, true, &store));
+		assert_ok(store_create(path, &meta, STORE_OVERWRITE_FORCE, &store));
 		assert_ok(store_put_base(store, (struct tile){0, 0, 0}, codes, &range));
 		assert_ok(store_publish(store));
 		store_close(store);
@@ -185,7 +185,7 @@ static void an_existing_store_is_replaced_only_when_told(void **state)
 	assert_non_null(strstr(failure_message(), "--overwrite"));
 	/* Not while it is written. */
 	writer = open_store(path, STORE_WRITE);
-	assert_status(store_create(path, &meta, true, &store), STATUS_FAILED);
+	assert_status(store_create(path, &meta, STORE_OVERWRITE_FORCE, &store), STATUS_FAILED);
 	store_close(writer);
 	/* A WAL that a killed writer left is not applied to what replaces its store. */
 	pid_t child = fork();
@@ -379,7 +379,7 @@ static void every_allocation_may_fail(void **state)
 		struct store *store = NULL;
 		struct store_meta meta = terrain_meta();
 		mem_fail_nth(nth, 0);
-		enum status status = store_create(path, &meta, true, &store);
+		enum status status = store_create(path, &meta, STORE_OVERWRITE_FORCE, &store);
 		if (status == STATUS_OK) {
 			terrain_put(store);
 			status = store_publish(store);

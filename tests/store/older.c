@@ -176,9 +176,41 @@ static void a_store_of_version_4_is_what_it_was(void **state)
 	field_free(&field);
 }
 
+/* A store of each version is branched. It stays as it is, and keeps what the branch depends on when it is driven. */
+static void a_branch_of_an_older_store_stays_what_it_is(void **state)
+{
+	for (int version = 3; version < 5; version++) {
+		const char *path = in_folder(version == 3 ? "b3.furrow" : "b4.furrow"), *over = in_folder(version == 3 ? "o3.furrow" : "o4.furrow");
+		struct field field;
+		struct store_commit_result result;
+		make_older(path, &field, true);
+		if (version == 4) {
+			store_close(open_store(path, STORE_WRITE));
+			older_tables(path);
+		}
+		assert_ok(store_create_overlay(over, path));
+		assert_int_equal(version_of(path), version);
+		struct store *store = open_store(over, STORE_READ);
+		const uint64_t hash = content(store);
+		store_close(store);
+		store = open_store(path, STORE_WRITE);
+		field_dig(&field, 40, 40, 30, 2);
+		assert_ok(field_commit(&field, field_all(&field), store, 2, &result));
+		verified(store);
+		store_close(store);
+		assert_int_equal(version_of(path), STORE_VERSION_PINS);
+		store = open_store(over, STORE_WRITE);
+		assert_true(content(store) == hash);
+		verified(store);
+		store_close(store);
+		field_free(&field);
+	}
+}
+
 TEST_PROGRAM(older)
 {
 	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(a_branch_of_an_older_store_stays_what_it_is),
 		cmocka_unit_test(ruts_of_the_version_before_are_read_without_their_shear),
 		cmocka_unit_test(who_writes_makes_it_one_of_this_version),
 		cmocka_unit_test(an_import_of_the_version_before_is_read_in_silence),

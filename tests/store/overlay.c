@@ -84,7 +84,7 @@ static void a_reset_overlay_is_as_it_was_made(void **state)
 	struct store *store = open_store(overlay, STORE_WRITE), *plain = open_store(base, STORE_READ);
 	dig(store, 5, 2);
 	assert_true(content(store) != content(plain));
-	assert_ok(store_reset(store));
+	assert_ok(store_reset(store, true));
 	assert_true(content(store) == content(plain));
 	verified(store);
 	store_close(store);
@@ -115,7 +115,7 @@ static void a_base_is_known_by_its_hash(void **state)
 		meta.origin[1] += change == 2;
 		meta.srs = change == 3 ? "LOCAL_CS[\"there\"]" : meta.srs;
 		meta.vertical = change == 4 ? "up" : meta.vertical;
-		assert_ok(store_create(again, &meta, true, &store));
+		assert_ok(store_create(again, &meta, STORE_OVERWRITE_FORCE, &store));
 		terrain_put(store);
 		if (change == 5) {
 			int32_t codes[POSTS];
@@ -142,7 +142,7 @@ static void zeros_of_either_sign_make_a_base(void **state)
 	meta.origin[0] = -0.0;
 	for (int i = 0; i < POSTS; i++)
 		codes[i] = height_code_of_float(i == 3 ? -0.0f : 5);
-	assert_ok(store_create(base, &meta, true, &store));
+	assert_ok(store_create(base, &meta, STORE_OVERWRITE_FORCE, &store));
 	assert_ok(store_put_base(store, (struct tile){0, 0, 0}, codes, &(struct store_range){-0.0, 5, 0}));
 	assert_ok(store_publish(store));
 	store_close(store);
@@ -193,7 +193,7 @@ static void an_overlay_is_opened_over_its_own_base_only(void **state)
 	store_close(store);
 	struct store_meta meta = terrain_meta();
 	meta.origin[0]++;
-	assert_ok(store_create(other, &meta, true, &store));
+	assert_ok(store_create(other, &meta, STORE_OVERWRITE_FORCE, &store));
 	terrain_put(store);
 	assert_ok(store_publish(store));
 	store_close(store);
@@ -286,6 +286,8 @@ static void both_may_be_moved_together(void **state)
 	assert_int_equal(rmdir(deeper) + rmdir(far), 0);
 	unlink(overlay);
 	unlink(base);
+	snprintf(base, sizeof base, "%s/base.furrow" PINS_SUFFIX, to);
+	assert_int_equal(unlink(base), 0); /* moved together with both */
 	snprintf(overlay, sizeof overlay, "%s/deep", to);
 	assert_int_equal(rmdir(overlay) + rmdir(to), 0);
 }

@@ -22,7 +22,7 @@ static void a_base_that_is_not_there_or_another_is_refused(void **state)
 	struct store_meta meta = terrain_meta();
 	struct store *store;
 	meta.origin[0]++;
-	assert_ok(store_create(base, &meta, true, &store));
+	assert_ok(store_create(base, &meta, STORE_OVERWRITE_FORCE, &store));
 	terrain_put(store);
 	assert_ok(store_publish(store));
 	store_close(store);
@@ -119,7 +119,7 @@ static void a_base_replaced_while_it_is_open_is_noticed(void **state)
 	struct store_meta meta = terrain_meta();
 	meta.extent = (struct extent){600, 400, 1, 32};
 	int32_t *zeros = calloc(33 * 33, sizeof *zeros);
-	assert_ok(store_create(base, &meta, true, &other));
+	assert_ok(store_create(base, &meta, STORE_OVERWRITE_FORCE, &other));
 	for (int level = 0; level <= extent_coarsest(&meta.extent); level++)
 		for (uint32_t y = 0; y < extent_tiles_y(&meta.extent, level); y++)
 			for (uint32_t x = 0; x < extent_tiles_x(&meta.extent, level); x++)

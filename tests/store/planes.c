@@ -177,7 +177,7 @@ static void what_was_compacted_is_counted(void **state)
 	run.compacted = 1;
 	assert_ok(store_commit(store, NULL, 0, &run, &result));
 	assert_int_equal(verified(store).compacted, sum + 1);
-	assert_ok(store_reset(store));
+	assert_ok(store_reset(store, true));
 	assert_int_equal(verified(store).compacted, 0);
 	assert_true(content(store) == fresh);
 	store_close(store);

@@ -66,7 +66,7 @@ static void another_relief_is_refused_until_a_reset(void **state)
 	refuse(path, &classes);
 	store = open_at(path, &one, false, STATUS_OK);
 	assert_true(content(store) == deformed && relief_any(store_relief(store)));
-	assert_ok(store_reset(store));
+	assert_ok(store_reset(store, true));
 	assert_true(content(store) == undeformed);
 	assert_ok(store_set_working_level(store, LEVEL));
 	assert_ok(store_set_relief(store, NULL, NULL));
@@ -129,7 +129,7 @@ static void overlays_have_their_parents_relief(void **state)
 	store = open_at(child, &one, false, STATUS_OK);
 	dig_at(store, 30, 30);
 	const uint64_t both = content(store);
-	assert_ok(store_reset(store));
+	assert_ok(store_reset(store, true));
 	assert_ok(store_set_working_level(store, LEVEL));
 	assert_status(store_set_relief(store, &other, NULL), STATUS_INPUT);
 	assert_ok(store_set_relief(store, &one, NULL));
@@ -169,7 +169,7 @@ static void readers_add_it(void **state)
 		relief_make(&one, store->meta.extent.spacing, LEVEL, &relief);
 		assert_ok(relief_heights(&relief, LEVEL, 0, rect, heights));
 		store_reader_destroy(reader);
-		assert_ok(store_reset(store));
+		assert_ok(store_reset(store, true));
 		assert_ok(store_reader_create(store, &reader));
 		assert_ok(store_read_posts(reader, STORE_SURFACE, LEVEL, rect, flat));
 		int differ = 0;

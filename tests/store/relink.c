@@ -14,6 +14,9 @@ static int make_folders(void **state)
 
 static int remove_folders(void **state)
 {
+	char list[340];
+	snprintf(list, sizeof list, "%s/parent.furrow" PINS_SUFFIX, elsewhere);
+	unlink(list); /* what depends on it */
 	return rmdir(elsewhere) == 0 ? folder_remove(state) : -1;
 }
 
@@ -147,7 +150,7 @@ static void what_is_not_the_base_is_refused(void **state)
 	chain_grow(&chain, 3, 2);
 	copy_file(chain.paths[1], kept);
 	meta.origin[1]--;
-	assert_ok(store_create(other, &meta, true, &store));
+	assert_ok(store_create(other, &meta, STORE_OVERWRITE_FORCE, &store));
 	terrain_put(store);
 	assert_ok(store_publish(store));
 	store_close(store);
@@ -161,7 +164,10 @@ static void what_is_not_the_base_is_refused(void **state)
 	copy_file(kept, in_folder("cut"));
 	assert_int_equal(truncate(in_folder("cut"), 40000), 0);
 	assert_kept(chain.paths[2], in_folder("cut"), "; ");
-	/* The parent, driven on; and back at the revision. */
+	/* The parent, driven on without its list; and back at the revision. */
+	char list[340];
+	snprintf(list, sizeof list, "%s" PINS_SUFFIX, chain.paths[1]);
+	assert_int_equal(unlink(list), 0);
 	struct field field = field_make(-1);
 	struct store_commit_result result;
 	assert_ok(store_open(chain.paths[1], &(struct store_options){.mode = STORE_WRITE, .keep_history = true}, &store));

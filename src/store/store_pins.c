@@ -1,0 +1,428 @@
+/*
+ * The list of the overlays that depend on a store: the file PATH-pins beside it.
+ *
+ *   the parent is held (BEGIN IMMEDIATE: no commit now) -> it is still what the overlay depends on -> the line, synced -> the overlay
+ *   gets its name
+ *
+ * A parent that is only branched stays as it is, byte for byte. So the list is a file of its own, a SQLite database of one table. It is
+ * lost if the store is moved without it. The overlay then says so when the parent has gone on.
+ *
+ * Invariants:
+ *   1. A commit reads the list in its transaction on the store. A process that adds a line has a transaction on the store, too. So no
+ *      commit misses a line.
+ *   2. The list is not believed. A line keeps rows only if its hash is that of the store's state.
+ */
+#include "store/internal.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <libgen.h>
+#include <limits.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <time.h>
+#include <unistd.h>
+
+#define LIST_APPLICATION_ID 0x46757270 /* "Furp" */
+#define LIST_TABLE                                                                                                     \
+	"CREATE TABLE pin(path TEXT PRIMARY KEY, revision INTEGER NOT NULL, hash INTEGER NOT NULL, base INTEGER NOT NULL, " \
+	"made INTEGER NOT NULL) WITHOUT ROWID"
+
+struct list {
+	char *path;
+	sqlite3 *db; /* NULL: there is no list */
+};
+
+static void list_close(struct list *list)
+{
+	sqlite3_close(list->db);
+	mem_free(list->path);
+	*list = (struct list){.path = NULL};
+}
+
+static enum status damaged(const struct list *list)
+{
+	return fail_with(STATUS_INPUT, "%s: it is no list of the overlays of a store; restore it, or remove it: then overlays are lost when the store is driven",
+			 list->path);
+}
+
+/* *empty: nothing was written to it yet. */
+static enum status check_list(struct list *list, bool *empty)
+{
+	sqlite3_stmt *statement = NULL;
+	int64_t id = 0, objects = 0;
+	enum status status = store_sql_integer(list->db, list->path, "SELECT count(*) FROM sqlite_schema", &objects);
+	if (status == STATUS_OK)
+		status = store_sql_integer(list->db, list->path, "PRAGMA application_id", &id);
+	*empty = status == STATUS_OK && objects == 0 && id == 0;
+	if (status != STATUS_OK || *empty)
+		return status;
+	status = store_sql_prepare(list->db, list->path, &statement, "SELECT sql FROM sqlite_schema");
+	if (status != STATUS_OK)
+		return status;
+	int code = sqlite3_step(statement);
+	const char *sql = code == SQLITE_ROW ? (const char *)sqlite3_column_text(statement, 0) : NULL;
+	if (code != SQLITE_ROW && code != SQLITE_DONE)
+		status = store_sql_fail(list->db, code, list->path, "reading it");
+	else if (id != LIST_APPLICATION_ID || objects != 1 || sql == NULL || strcmp(sql, LIST_TABLE) != 0)
+		status = damaged(list);
+	sqlite3_finalize(statement);
+	return status;
+}
+
+static enum status make_list(struct list *list)
+{
+	char sql[sizeof LIST_TABLE + 64];
+	snprintf(sql, sizeof sql, "PRAGMA application_id=%d; %s", LIST_APPLICATION_ID, LIST_TABLE);
+	return store_sql_exec(list->db, list->path, "making it", sql);
+}
+
+/* Opens the list of a store for reading; without one, list->db is NULL. */
+static enum status list_open(const char *real_path, struct list *list)
+{
+	struct stat file;
+	bool empty = false;
+	*list = (struct list){.path = store_path_with(real_path, PINS_SUFFIX)};
+	if (list->path == NULL)
+		return fail_memory("a list of overlays");
+	if (lstat(list->path, &file) != 0)
+		return STATUS_OK;
+	if (!S_ISREG(file.st_mode))
+		return damaged(list);
+	enum status status = store_connect_reader(list->path, list->path, &(struct store_frozen){.is = false}, &list->db);
+	if (status == STATUS_OK)
+		status = check_list(list, &empty);
+	if (status == STATUS_OK && empty) {
+		sqlite3_close(list->db);
+		list->db = NULL;
+	}
+	return status;
+}
+
+static enum status find_or_make(const struct list *list, struct stat *file)
+{
+	if (lstat(list->path, file) == 0 && !S_ISREG(file->st_mode))
+		return damaged(list);
+	int made = open(list->path, O_RDWR | O_CREAT | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC, 0666);
+	if (made < 0 && errno != ELOOP)
+		return fail_with(STATUS_FAILED, "%s: cannot be made: %s; make its folder writable", list->path, strerror(errno));
+	bool regular = made >= 0 && fstat(made, file) == 0 && S_ISREG(file->st_mode);
+	if (made >= 0)
+		close(made);
+	return regular ? STATUS_OK : damaged(list);
+}
+
+/* Opens the list of a store for writing, and begins a transaction. Makes the list if there is none. */
+static enum status list_begin(const char *real_path, struct list *list)
+{
+	struct stat file = {0}, now;
+	bool empty = false, same = false;
+	enum status status = STATUS_OK;
+	*list = (struct list){.path = store_path_with(real_path, PINS_SUFFIX)};
+	if (list->path == NULL)
+		return fail_memory("a list of overlays");
+	while (status == STATUS_OK && !same) {
+		sqlite3_close(list->db);
+		list->db = NULL;
+		status = find_or_make(list, &file);
+		if (status == STATUS_OK)
+			status = store_connect_file(list->path, list->path, true, &list->db);
+		if (status == STATUS_OK)
+			status = store_sql_exec(list->db, list->path, "opening it", "PRAGMA synchronous=EXTRA");
+		if (status == STATUS_OK)
+			status = store_sql_begin(list->db, list->path, "writing it");
+		/* Who dropped the last line has removed the list meanwhile (list_remove). */
+		same = lstat(list->path, &now) == 0 && now.st_ino == file.st_ino && now.st_dev == file.st_dev;
+	}
+	if (status == STATUS_OK)
+		status = check_list(list, &empty);
+	return status == STATUS_OK && empty ? make_list(list) : status;
+}
+
+/* Removes a list that would have no line. Who waits for it finds that out. */
+static enum status list_remove(struct list *list)
+{
+	bool removed = unlink(list->path) == 0 || errno == ENOENT;
+	enum status status = removed ? STATUS_OK
+				     : fail_with(STATUS_FAILED, "%s: cannot be removed: %s; make its folder writable", list->path, strerror(errno));
+	store_sql_undo(list->db);
+	list_close(list);
+	return status;
+}
+
+/* Removes a list to which nothing could be written, unless somebody else has written to it. */
+static void give_up(struct list *list)
+{
+	struct failure failure;
+	bool empty = false;
+	failure_capture(&failure, STATUS_FAILED);
+	store_sql_undo(list->db);
+	if (store_sql_begin(list->db, list->path, "writing it") == STATUS_OK && check_list(list, &empty) == STATUS_OK && empty)
+		unlink(list->path);
+	store_sql_undo(list->db);
+	failure_restore(&failure);
+}
+
+static enum status list_end(struct list *list, enum status status)
+{
+	if (status == STATUS_OK)
+		status = store_sql_exec(list->db, list->path, "writing it", "COMMIT");
+	if (status != STATUS_OK && list->db != NULL)
+		give_up(list);
+	list_close(list);
+	return status;
+}
+
+/* --- lines --- */
+
+enum status store_pins_each(const char *real_path, pin_fn fn, void *user)
+{
+	struct list list;
+	sqlite3_stmt *statement = NULL;
+	int code = SQLITE_DONE;
+	enum status status = list_open(real_path, &list);
+	if (status == STATUS_OK && list.db != NULL)
+		status = store_sql_prepare(list.db, list.path, &statement, "SELECT path, revision, hash, base, made FROM pin ORDER BY path");
+	while (status == STATUS_OK && statement != NULL && (code = sqlite3_step(statement)) == SQLITE_ROW) {
+		const char *path = (const char *)sqlite3_column_text(statement, 0);
+		const struct pin pin = {
+			.path = (char *)(uintptr_t)path,
+			.revision = sqlite3_column_int64(statement, 1),
+			.hash = (uint64_t)sqlite3_column_int64(statement, 2),
+			.base = sqlite3_column_int(statement, 3) != 0,
+			.made = sqlite3_column_int64(statement, 4),
+		};
+		bool fits = path != NULL && store_overlay_path_fits(path, (size_t)sqlite3_column_bytes(statement, 0)) && pin.revision >= 0;
+		status = fits ? fn(user, &pin) : damaged(&list);
+	}
+	if (status == STATUS_OK && code != SQLITE_DONE)
+		status = store_sql_fail(list.db, code, list.path, "reading it");
+	sqlite3_finalize(statement);
+	list_close(&list);
+	return status;
+}
+
+static enum status step(struct list *list, sqlite3_stmt *statement)
+{
+	int code = sqlite3_step(statement);
+	enum status status = code == SQLITE_DONE ? STATUS_OK : store_sql_fail(list->db, code, list->path, "writing it");
+	sqlite3_finalize(statement);
+	return status;
+}
+
+enum status store_pins_put(const char *real_path, const struct pin *pin)
+{
+	struct list list;
+	sqlite3_stmt *statement = NULL;
+	enum status status = list_begin(real_path, &list);
+	if (status == STATUS_OK)
+		status = store_sql_prepare(list.db, list.path, &statement, "INSERT OR REPLACE INTO pin VALUES(?1, ?2, ?3, ?4, ?5)");
+	if (status == STATUS_OK) {
+		sqlite3_bind_text(statement, 1, pin->path, -1, SQLITE_STATIC);
+		sqlite3_bind_int64(statement, 2, pin->revision);
+		sqlite3_bind_int64(statement, 3, (sqlite3_int64)pin->hash);
+		sqlite3_bind_int(statement, 4, pin->base);
+		sqlite3_bind_int64(statement, 5, pin->made);
+		status = step(&list, statement);
+	}
+	return list_end(&list, status);
+}
+
+enum status store_pins_drop(const char *real_path, const char *path)
+{
+	struct list list;
+	sqlite3_stmt *statement = NULL;
+	int64_t others = 0;
+	enum status status = list_open(real_path, &list);
+	bool there = list.db != NULL;
+	list_close(&list);
+	if (status != STATUS_OK || !there)
+		return status;
+	status = list_begin(real_path, &list);
+	if (status == STATUS_OK)
+		status = store_sql_prepare(list.db, list.path, &statement, "SELECT count(*) FROM pin WHERE path <> ?1");
+	if (status == STATUS_OK) {
+		sqlite3_bind_text(statement, 1, path, -1, SQLITE_STATIC);
+		int code = sqlite3_step(statement);
+		others = code == SQLITE_ROW ? sqlite3_column_int64(statement, 0) : -1;
+		if (code != SQLITE_ROW)
+			status = store_sql_fail(list.db, code, list.path, "reading it");
+		sqlite3_finalize(statement);
+		statement = NULL;
+	}
+	if (status == STATUS_OK && others == 0)
+		return list_remove(&list);
+	if (status == STATUS_OK)
+		status = store_sql_prepare(list.db, list.path, &statement, "DELETE FROM pin WHERE path = ?1");
+	if (status == STATUS_OK) {
+		sqlite3_bind_text(statement, 1, path, -1, SQLITE_STATIC);
+		status = step(&list, statement);
+	}
+	return list_end(&list, status);
+}
+
+enum status store_pins_clear(const char *real_path)
+{
+	struct list list;
+	int64_t others = 0;
+	enum status status = list_open(real_path, &list);
+	bool there = list.db != NULL;
+	list_close(&list);
+	if (status != STATUS_OK || !there)
+		return status;
+	status = list_begin(real_path, &list);
+	if (status == STATUS_OK)
+		status = store_sql_integer(list.db, list.path, "SELECT count(*) FROM pin WHERE base <> 0", &others);
+	if (status == STATUS_OK && others == 0)
+		return list_remove(&list);
+	if (status == STATUS_OK)
+		status = store_sql_exec(list.db, list.path, "writing it", "DELETE FROM pin WHERE base = 0");
+	return list_end(&list, status);
+}
+
+/* --- an overlay is noted --- */
+
+static bool may_list(const char *real_path)
+{
+	char folder[PATH_MAX];
+	struct stat file;
+	snprintf(folder, sizeof folder, "%s%s", real_path, PINS_SUFFIX);
+	if (lstat(folder, &file) == 0 && S_ISREG(file.st_mode) && access(folder, W_OK) != 0)
+		return false;
+	return access(dirname(folder), W_OK) == 0;
+}
+
+/* Commits of a writer that does not sync them could be lost with the power, but not what an overlay depends on. */
+static enum status sync_wal(const struct store *parent)
+{
+	char path[PATH_MAX + 8];
+	snprintf(path, sizeof path, "%s-wal", parent->real_path);
+	if (!store_connect_has_wal(parent->real_path))
+		return STATUS_OK;
+	int file = open(path, O_RDONLY | O_CLOEXEC);
+	bool synced = file >= 0 && fsync(file) == 0;
+	if (file >= 0)
+		close(file);
+	return synced ? STATUS_OK : fail_with(STATUS_FAILED, "%s: cannot be synced: %s; check the disk", path, strerror(errno));
+}
+
+/* Begins a transaction in which nobody commits to the parent. *db NULL: its file cannot be written. */
+static enum status hold(struct store *parent, sqlite3 **db)
+{
+	int64_t commit = 0;
+	*db = NULL;
+	if (access(parent->real_path, W_OK) != 0)
+		return STATUS_OK;
+	enum status status = store_connect_file(parent->real_path, parent->path, true, db);
+	if (status != STATUS_OK)
+		return status;
+	sqlite3_db_config(*db, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, (int *)NULL);
+	status = store_sql_begin(*db, parent->path, "noting an overlay of it");
+	if (status == STATUS_OK)
+		status = store_sql_integer(*db, parent->path, "SELECT coalesce(max(epoch), 0) FROM run", &commit);
+	/* A pinned revision stays. */
+	parent->moved_on = status == STATUS_OK && parent->shown < 0 && commit != parent->commit;
+	if (parent->moved_on)
+		status = fail_with(STATUS_FAILED, "%s: it was driven on while an overlay of it was made; try again", parent->path);
+	return status;
+}
+
+/* What lies beside the store and depends on its base alone is found without a list. */
+static bool needs_no_list(const struct pin *pin, const char *from)
+{
+	return pin->base && strchr(from, '/') == NULL;
+}
+
+enum status store_pins_add(struct store *parent, const char *real_path, const struct pin *pin)
+{
+	char *folder = mem_strdup(parent->real_path), *from = NULL;
+	sqlite3 *db = NULL;
+	if (folder != NULL)
+		from = store_overlay_path_between(dirname(folder), real_path);
+	mem_free(folder);
+	if (from == NULL)
+		return fail_memory("a list of overlays");
+	struct pin named = *pin;
+	named.path = from;
+	named.made = (int64_t)time(NULL);
+	enum status status = STATUS_OK;
+	if (needs_no_list(pin, from)) {
+		mem_free(from);
+		return STATUS_OK;
+	}
+	if (!store_overlay_path_fits(from, strlen(from))) {
+		status = fail_with(STATUS_INPUT, "%s: its list of overlays takes no path with control characters; give the overlay another name", parent->path);
+	} else if (!may_list(parent->real_path)) {
+		if (!pin->base)
+			note("%s: it cannot be told of %s, since its list of overlays cannot be written; whoever drives it makes that overlay unusable",
+			     parent->path, real_path);
+	} else {
+		status = pin->base ? STATUS_OK : hold(parent, &db);
+		if (status == STATUS_OK && !pin->base)
+			status = sync_wal(parent);
+		if (status == STATUS_OK)
+			status = store_pins_put(parent->real_path, &named);
+	}
+	if (db != NULL)
+		store_sql_undo(db);
+	sqlite3_close(db);
+	mem_free(from);
+	return status;
+}
+
+struct seeking {
+	const char *path;
+	const struct pin *pin;
+	bool found;
+};
+
+static enum status seek(void *user, const struct pin *pin)
+{
+	struct seeking *seeking = user;
+	seeking->found |= strcmp(pin->path, seeking->path) == 0 && pin->hash == seeking->pin->hash && pin->base == seeking->pin->base;
+	return STATUS_OK;
+}
+
+enum status store_pins_tell_parent(struct store *store)
+{
+	struct store *parent = store->under;
+	const struct pin pin = {
+		.revision = store->parent_revision,
+		.hash = store->inherits ? store->parent_hash : store->base_hash,
+		.base = !store->inherits,
+	};
+	char *folder = mem_strdup(parent->real_path);
+	char *from = folder != NULL ? store_overlay_path_between(dirname(folder), store->real_path) : NULL;
+	struct seeking seeking = {.path = from, .pin = &pin};
+	mem_free(folder);
+	if (from == NULL)
+		return fail_memory("a list of overlays");
+	enum status status = STATUS_OK;
+	seeking.found = needs_no_list(&pin, from);
+	if (!seeking.found)
+		status = store_pins_each(parent->real_path, seek, &seeking);
+	mem_free(from);
+	if (status != STATUS_OK || seeking.found || !may_list(parent->real_path))
+		return status;
+	return store_pins_add(parent, store->real_path, &pin);
+}
+
+void store_pins_withdraw_from(const struct store *store, const struct store *parent)
+{
+	char *folder = mem_strdup(parent->real_path);
+	char *from = folder != NULL ? store_overlay_path_between(dirname(folder), store->real_path) : NULL;
+	struct failure failure;
+	failure_capture(&failure, STATUS_FAILED);
+	enum status dropped = from != NULL && may_list(parent->real_path) ? store_pins_drop(parent->real_path, from) : STATUS_OK;
+	(void)dropped;
+	failure_restore(&failure);
+	mem_free(from);
+	mem_free(folder);
+}
+
+void store_pins_withdraw(const struct store *store)
+{
+	if (store->under != NULL && store->part.count == 0)
+		store_pins_withdraw_from(store, store->under);
+}

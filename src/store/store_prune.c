@@ -1,0 +1,429 @@
+/*
+ * Finds out which overlays still depend on a store, and drops what is kept for those that are gone.
+ *
+ *   lines of the list -> the file that each names -> where that is gone: files in its folder and in the store's, by hash
+ *
+ * An overlay names what it depends on by a hash of the store's state. So a file that was moved or copied is found by that hash. Files are
+ * opened alone: only what they say of themselves is read, and nothing is written.
+ */
+#include "store/internal.h"
+
+#include <dirent.h>
+#include <libgen.h>
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+struct standing {
+	struct store_pin pin;
+	char *path, *found, *line; /* owned; line: as the list has it */
+};
+
+struct finding {
+	struct store *store;
+	char *folder; /* of the store */
+	struct standing *all;
+	size_t count;
+	bool has_state;
+	uint64_t state; /* of the store now */
+};
+
+static void finding_finish(struct finding *finding)
+{
+	for (size_t i = 0; i < finding->count; i++) {
+		mem_free(finding->all[i].path);
+		mem_free(finding->all[i].found);
+		mem_free(finding->all[i].line);
+	}
+	mem_free(finding->all);
+	mem_free(finding->folder);
+}
+
+static char *path_in(const char *folder, const char *name)
+{
+	size_t room = strlen(folder) + strlen(name) + 2;
+	char there[PATH_MAX], *path = mem_alloc(room, 1);
+	if (path == NULL)
+		return NULL;
+	snprintf(path, room, "%s%s%s", name[0] == '/' ? "" : folder, name[0] == '/' ? "" : "/", name);
+	if (realpath(path, there) == NULL)
+		return path;
+	mem_free(path);
+	return mem_strdup(there);
+}
+
+static enum status add(struct finding *finding, const struct store_pin *pin, const char *line)
+{
+	struct standing *more = mem_realloc(finding->all, finding->count + 1, sizeof *more);
+	if (more == NULL)
+		return fail_memory("the overlays of a store");
+	finding->all = more;
+	struct standing *standing = &finding->all[finding->count++];
+	*standing = (struct standing){.pin = *pin};
+	if (line == NULL)
+		return STATUS_OK;
+	standing->line = mem_strdup(line);
+	standing->path = path_in(finding->folder, line);
+	return standing->line != NULL && standing->path != NULL ? STATUS_OK : fail_memory("the overlays of a store");
+}
+
+static enum status add_line(void *user, const struct pin *pin)
+{
+	const struct store_pin known = {.revision = pin->revision, .hash = pin->hash, .base = pin->base, .made = pin->made, .state = STORE_PIN_GONE};
+	return add(user, &known, pin->path);
+}
+
+/* --- what a file says of itself --- */
+
+/* Opens an overlay that may depend on the store: it names the store, or a file that is not there. *out NULL: it is none. */
+static enum status open_overlay(const struct finding *finding, const char *path, struct store **out)
+{
+	static const uint8_t id[4] = {STORE_APPLICATION_ID >> 24, STORE_APPLICATION_ID >> 16 & 0xff,
+				      STORE_APPLICATION_ID >> 8 & 0xff, STORE_APPLICATION_ID & 0xff};
+	char head[72] = "";
+	struct stat file;
+	struct store *overlay = NULL;
+	*out = NULL;
+	if (strcmp(path, finding->store->real_path) == 0 || lstat(path, &file) != 0 || !S_ISREG(file.st_mode))
+		return STATUS_OK;
+	FILE *in = fopen(path, "rb");
+	bool may = in != NULL && fread(head, 1, sizeof head, in) == sizeof head && memcmp(head, "SQLite format 3", 16) == 0 &&
+		   memcmp(head + 68, id, sizeof id) == 0; /* what is no store is not opened */
+	if (in != NULL)
+		fclose(in);
+	enum status status = may ? store_open_alone(path, &overlay) : STATUS_INPUT;
+	if (status != STATUS_OK)
+		return status == STATUS_INPUT ? STATUS_OK : status; /* it is no store, or damaged */
+	bool names = overlay->base_path != NULL && overlay->part.count == 0 && overlay->base_hash == finding->store->base_hash;
+	char *parent = names ? store_overlay_parent_file(overlay) : NULL;
+	if (names && parent == NULL)
+		status = fail_memory("the overlays of a store");
+	bool there = parent != NULL && (strcmp(parent, finding->store->real_path) == 0 || access(parent, F_OK) != 0);
+	mem_free(parent);
+	if (there)
+		*out = overlay;
+	else
+		store_close(overlay);
+	return status;
+}
+
+static bool depends_on(const struct store *overlay, const struct store_pin *pin)
+{
+	return overlay->inherits == !pin->base && (pin->base || overlay->parent_hash == pin->hash);
+}
+
+static enum status look_at(const struct finding *finding, struct standing *standing)
+{
+	struct store *overlay = NULL;
+	enum status status = open_overlay(finding, standing->path, &overlay);
+	if (overlay != NULL && depends_on(overlay, &standing->pin))
+		standing->pin.state = STORE_PIN_THERE;
+	store_close(overlay);
+	return status;
+}
+
+/* --- files that no line names --- */
+
+static bool is_known(const struct finding *finding, const char *path)
+{
+	for (size_t i = 0; i < finding->count; i++)
+		if ((finding->all[i].path != NULL && strcmp(finding->all[i].path, path) == 0) ||
+		    (finding->all[i].found != NULL && strcmp(finding->all[i].found, path) == 0))
+			return true;
+	return false;
+}
+
+static enum status is_kept(struct finding *finding, const struct store *overlay, bool *kept)
+{
+	int64_t revision = -1;
+	enum status status = STATUS_OK;
+	*kept = !overlay->inherits;
+	if (*kept)
+		return STATUS_OK;
+	if (!finding->has_state)
+		status = store_lineage_state(finding->store, &finding->state);
+	finding->has_state = status == STATUS_OK;
+	if (status == STATUS_OK)
+		status = store_pinned_find(finding->store, overlay->parent_hash, &revision);
+	*kept = status == STATUS_OK && (revision >= 0 || finding->state == overlay->parent_hash);
+	return status;
+}
+
+static bool same_folder(const char *a, const char *b)
+{
+	const char *end = a != NULL ? strrchr(a, '/') : NULL;
+	return end != NULL && strncmp(a, b, (size_t)(end - a) + 1) == 0 && strchr(b + (end - a) + 1, '/') == NULL;
+}
+
+/* A line whose file is gone may be of this one. Otherwise the list lacks it. */
+static enum status take(struct finding *finding, const struct store *overlay, const char *path)
+{
+	bool kept = false;
+	for (size_t i = 0; i < 2 * finding->count; i++) { /* first one that was in the same folder */
+		struct standing *standing = &finding->all[i % finding->count];
+		if (standing->pin.state != STORE_PIN_GONE || standing->found != NULL || !depends_on(overlay, &standing->pin) ||
+		    (i < finding->count && !same_folder(standing->path, path)))
+			continue;
+		standing->found = mem_strdup(path);
+		standing->pin.state = STORE_PIN_MOVED;
+		return standing->found != NULL ? STATUS_OK : fail_memory("the overlays of a store");
+	}
+	enum status status = is_kept(finding, overlay, &kept);
+	if (status != STATUS_OK || !kept)
+		return status;
+	const struct store_pin pin = {
+		.revision = overlay->parent_revision,
+		.hash = overlay->inherits ? overlay->parent_hash : overlay->base_hash,
+		.base = !overlay->inherits,
+		.state = overlay->inherits ? STORE_PIN_FOUND : STORE_PIN_THERE, /* the list names only those elsewhere that need the base alone */
+	};
+	return add(finding, &pin, path);
+}
+
+static enum status search(struct finding *finding, const char *folder)
+{
+	enum status status = STATUS_OK;
+	DIR *directory = opendir(folder);
+	for (struct dirent *entry; directory != NULL && status == STATUS_OK && (entry = readdir(directory)) != NULL;) {
+		char path[PATH_MAX + 256];
+		snprintf(path, sizeof path, "%s/%s", folder, entry->d_name);
+		struct store *overlay = NULL;
+		if (!is_known(finding, path))
+			status = open_overlay(finding, path, &overlay);
+		if (overlay != NULL)
+			status = take(finding, overlay, path);
+		store_close(overlay);
+	}
+	if (directory != NULL)
+		closedir(directory);
+	return status;
+}
+
+/* Where the folder of a file that is gone is another one. */
+static enum status search_elsewhere(struct finding *finding)
+{
+	enum status status = STATUS_OK;
+	for (size_t i = 0, count = finding->count; i < count && status == STATUS_OK; i++) {
+		if (finding->all[i].pin.state != STORE_PIN_GONE || finding->all[i].path == NULL)
+			continue;
+		char *path = mem_strdup(finding->all[i].path);
+		if (path == NULL)
+			return fail_memory("the overlays of a store");
+		const char *folder = dirname(path);
+		if (strcmp(folder, finding->folder) != 0)
+			status = search(finding, folder);
+		mem_free(path);
+	}
+	return status;
+}
+
+/* --- all --- */
+
+/* A revision may be kept for an overlay that the list has lost. */
+static enum status add_unlisted(struct finding *finding)
+{
+	sqlite3_stmt *statement = NULL;
+	int code = SQLITE_DONE;
+	struct store *store = finding->store;
+	if (store->version < STORE_VERSION_PINS)
+		return STATUS_OK;
+	enum status status = store_sql_prepare(store->db, store->path, &statement, "SELECT revision, hash FROM main.pinned ORDER BY revision");
+	while (status == STATUS_OK && (code = sqlite3_step(statement)) == SQLITE_ROW) {
+		const struct store_pin pin = {
+			.revision = sqlite3_column_int64(statement, 0), .hash = (uint64_t)sqlite3_column_int64(statement, 1), .state = STORE_PIN_GONE,
+		};
+		bool listed = false;
+		for (size_t i = 0; i < finding->count; i++)
+			listed |= !finding->all[i].pin.base && finding->all[i].pin.hash == pin.hash;
+		if (!listed)
+			status = add(finding, &pin, NULL);
+	}
+	if (status == STATUS_OK && code != SQLITE_DONE)
+		status = store_sql_fail(store->db, code, store->path, "reading what overlays depend on");
+	sqlite3_finalize(statement);
+	return status;
+}
+
+static enum status finding_make(struct store *store, struct finding *finding)
+{
+	char *path = mem_strdup(store->real_path);
+	*finding = (struct finding){.store = store};
+	finding->folder = path != NULL ? mem_strdup(dirname(path)) : NULL;
+	mem_free(path);
+	if (finding->folder == NULL)
+		return fail_memory("the overlays of a store");
+	enum status status = store_pins_each(store->real_path, add_line, finding);
+	for (size_t i = 0; i < finding->count && status == STATUS_OK; i++)
+		status = look_at(finding, &finding->all[i]);
+	if (status == STATUS_OK)
+		status = add_unlisted(finding);
+	if (status == STATUS_OK)
+		status = search(finding, finding->folder);
+	if (status == STATUS_OK)
+		status = search_elsewhere(finding);
+	for (size_t i = 0; i < finding->count; i++) {
+		finding->all[i].pin.path = finding->all[i].path;
+		finding->all[i].pin.found = finding->all[i].found;
+	}
+	return status;
+}
+
+enum status store_each_pin(struct store *store, store_pin_fn fn, void *user)
+{
+	struct finding finding;
+	enum status status = finding_make(store, &finding);
+	for (size_t i = 0; i < finding.count && status == STATUS_OK; i++)
+		status = fn(user, &finding.all[i].pin);
+	finding_finish(&finding);
+	return status;
+}
+
+/* --- pruning --- */
+
+static bool is_wanted(void *user, int64_t revision, uint64_t hash)
+{
+	const struct finding *finding = user;
+	for (size_t i = 0; i < finding->count; i++)
+		if (finding->all[i].pin.state != STORE_PIN_GONE && !finding->all[i].pin.base && finding->all[i].pin.hash == hash)
+			return true;
+	return false;
+}
+
+static enum status put_line(struct finding *finding, const struct standing *standing)
+{
+	const char *at = standing->found != NULL ? standing->found : standing->path;
+	char *line = store_overlay_path_between(finding->folder, at);
+	if (line == NULL)
+		return fail_memory("the overlays of a store");
+	const struct pin pin = {.path = line, .revision = standing->pin.revision, .hash = standing->pin.hash, .base = standing->pin.base, .made = standing->pin.made};
+	enum status status = store_overlay_path_fits(line, strlen(line)) ? store_pins_put(finding->store->real_path, &pin) : STATUS_OK;
+	mem_free(line);
+	return status;
+}
+
+static enum status prune_list(struct finding *finding)
+{
+	enum status status = STATUS_OK;
+	for (size_t i = 0; i < finding->count && status == STATUS_OK; i++) {
+		const struct standing *standing = &finding->all[i];
+		if (standing->pin.state == STORE_PIN_MOVED || standing->pin.state == STORE_PIN_FOUND)
+			status = put_line(finding, standing);
+		if (status == STATUS_OK && standing->line != NULL && (standing->pin.state == STORE_PIN_MOVED || standing->pin.state == STORE_PIN_GONE))
+			status = store_pins_drop(finding->store->real_path, standing->line);
+	}
+	return status;
+}
+
+static enum status prune(struct store *store, store_pin_fn fn, void *user)
+{
+	struct finding finding = {0};
+	int64_t dropped = 0;
+	enum status status = store_sql_begin(store->db, store->path, "pruning it");
+	if (status == STATUS_OK)
+		status = finding_make(store, &finding);
+	if (status == STATUS_OK)
+		status = prune_list(&finding);
+	if (status == STATUS_OK)
+		status = store_pinned_drop(store, is_wanted, &finding, &dropped);
+	if (status == STATUS_OK)
+		status = store_sql_exec(store->db, store->path, "pruning it", "COMMIT");
+	if (status != STATUS_OK)
+		store_sql_undo(store->db);
+	if (status == STATUS_OK && dropped > 0)
+		status = store_sql_exec(store->db, store->path, "pruning it", "PRAGMA incremental_vacuum");
+	for (size_t i = 0; i < finding.count && status == STATUS_OK; i++)
+		status = fn(user, &finding.all[i].pin);
+	finding_finish(&finding);
+	return status;
+}
+
+enum status store_prune(const char *path, store_pin_fn fn, void *user)
+{
+	struct store *store = NULL;
+	struct finding finding = {0};
+	bool there = true;
+	enum status status = store_open(path, &(struct store_options){.mode = STORE_READ}, &store);
+	if (status == STATUS_OK)
+		status = finding_make(store, &finding);
+	for (size_t i = 0; i < finding.count; i++)
+		there &= finding.all[i].pin.state == STORE_PIN_THERE;
+	for (size_t i = 0; i < finding.count && there && status == STATUS_OK; i++)
+		status = fn(user, &finding.all[i].pin);
+	finding_finish(&finding);
+	store_close(store);
+	if (status != STATUS_OK || there)
+		return status; /* nothing is written */
+	status = store_open(path, &(struct store_options){.mode = STORE_WRITE}, &store);
+	if (status != STATUS_OK)
+		return status;
+	status = prune(store, fn, user);
+	store_close(store);
+	return status;
+}
+
+/* --- what would be lost --- */
+
+#define TOLD_MOST 4
+
+struct losses {
+	bool whole;
+	int64_t count;
+	char text[1024];
+};
+
+/* The folder is there, and the file is not. Otherwise its disk may be elsewhere. */
+static bool was_removed(const char *path)
+{
+	char folder[PATH_MAX];
+	snprintf(folder, sizeof folder, "%s", path);
+	return access(dirname(folder), F_OK) == 0;
+}
+
+static enum status count_loss(void *user, const struct store_pin *pin)
+{
+	struct losses *losses = user;
+	const size_t used = strlen(losses->text);
+	if (pin->base && !losses->whole)
+		return STATUS_OK; /* the base stays */
+	if (pin->base && pin->state == STORE_PIN_GONE && was_removed(pin->path))
+		return STATUS_OK;
+	if (losses->count++ >= TOLD_MOST)
+		return STATUS_OK;
+	const char *path = pin->found != NULL ? pin->found : pin->path != NULL ? pin->path : "an overlay that is not known";
+	const char *slash = strrchr(path, '/');
+	snprintf(losses->text + used, sizeof losses->text - used, "%s%s%s", used > 0 ? ", " : "", slash != NULL ? slash + 1 : path,
+		 pin->state == STORE_PIN_GONE ? " (gone)" : "");
+	return STATUS_OK;
+}
+
+enum status store_losses(struct store *store, bool whole, char *text, size_t room, int64_t *count)
+{
+	struct losses losses = {.whole = whole};
+	int64_t names = 0;
+	enum status status = store_each_pin(store, count_loss, &losses);
+	if (status == STATUS_OK)
+		status = store_sql_integer(store->db, store->path, "SELECT count(*) FROM snapshot", &names);
+	if (status != STATUS_OK)
+		return status;
+	*count = losses.count + names;
+	int used = losses.count == 0 ? 0
+				     : snprintf(text, room, "%lld overlay%s depend%s on it: %s%s", (long long)losses.count, losses.count == 1 ? "" : "s",
+						losses.count == 1 ? "s" : "", losses.text, losses.count > TOLD_MOST ? ", ..." : "");
+	if (names > 0 && used >= 0 && (size_t)used < room)
+		snprintf(text + used, room - (size_t)used, "%sit has %lld snapshot%s", used > 0 ? ", and " : "", (long long)names, names == 1 ? "" : "s");
+	return STATUS_OK;
+}
+
+enum status store_losses_refuse(struct store *store, bool whole)
+{
+	char text[1400];
+	int64_t count = 0;
+	enum status status = store_losses(store, whole, text, sizeof text, &count);
+	if (status == STATUS_OK && count > 0)
+		status = fail_with(STATUS_INPUT, "%s: %s, which would be lost; furrow log tells them, furrow flatten makes an overlay a store of its own, furrow "
+				   "prune drops those that are gone, and --force loses them", store->path, text);
+	return status;
+}
