@@ -123,12 +123,25 @@ static void no_step_leads_beyond_what_time_can_tell(void **state)
 	done(furrow_world_close(world));
 }
 
+static void no_step_passes_more_of_a_path_than_memory_has(void **state)
+{
+	static const char scene[] = "{scene: 1, spacing: 0.25, time_step: 0.1, redistribute: {model: box}, objects: [{name: w, shape: {sphere: {radius: 0.5}},"
+				    " sink: 0.1, path: {points: [[4, 4], [28, 28]], speed: 5, loop: true}}]}";
+	struct furrow_world *world = hosted_world_over("loop.furrow", scene, hosted_flat);
+	misused(furrow_step(world, 1e8));
+	assert_non_null(strstr(furrow_last_error(), "path samples"));
+	assert_true(furrow_time(world) == 0);
+	done(furrow_step(world, 20));
+	done(furrow_world_close(world));
+}
+
 TEST_PROGRAM(misuse)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_forked_child_is_refused_and_never_waits),
 		cmocka_unit_test(a_longjmp_out_of_progress_is_told),
 		cmocka_unit_test(no_step_leads_beyond_what_time_can_tell),
+		cmocka_unit_test(no_step_passes_more_of_a_path_than_memory_has),
 	};
 	return cmocka_run_group_tests(tests, support_enter, support_leave);
 }
