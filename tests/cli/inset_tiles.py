@@ -6,7 +6,7 @@ import random
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
-from furrow_test import main
+from furrow_test import largest, main
 from raster_test import RasterTest
 import tile_readers
 
@@ -88,7 +88,7 @@ class InsetTiles(RasterTest):
                     points.append((east, north))
                     heights.append(tile[row, column])
         self.assertGreater(len(points), 60)
-        return max(abs(point["height"] - height) for point, height in zip(self.queried(store, points), heights))
+        return largest(abs(point["height"] - height) for point, height in zip(self.queried(store, points), heights))
 
     def test_insets_are_shown_as_finely_as_they_are(self):
         for tile in (16, 64, 256):

@@ -17,7 +17,7 @@ import xml.etree.ElementTree
 import zlib
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
-from furrow_test import FURROW, MAPS, FurrowTest, long, main, sampled
+from furrow_test import FURROW, MAPS, FurrowTest, largest, long, main, sampled
 
 SCENE = """scene: 1
 time_step: 0.02
@@ -633,7 +633,7 @@ class Report(FurrowTest):
         way = run["vehicles"]["car"]["way"]
         self.assertEqual([f"{value:.9g}" for value in way[0] + way[-1]], [f"{row[key]:.9g}" for row in (rows[0], rows[-1]) for key in "xy"])
         self.assertTrue(20 < len(way) <= 66)
-        self.assertLess(max(min(math.hypot(x - row["x"], y - row["y"]) for row in rows) for x, y in way), 0.04)
+        self.assertLess(largest(min(math.hypot(x - row["x"], y - row["y"]) for row in rows) for x, y in way), 0.04)
         self.assertGreater(run["vehicles"]["car"]["distance"], 128 * 0.02)
         self.assertEqual(page.sections(), ALWAYS[:4] + ["vehicles"] + ALWAYS[4:])
         results = page.rows("results")

@@ -1,4 +1,5 @@
 /* Objects that are too small, too large, too fast, in the wrong place or in each other's way, under every model. */
+#include "../support/near.h"
 #include "hard.h"
 
 #define EACH_MODEL(model) \
@@ -34,8 +35,8 @@ static struct changes changes_of(const char *store, int level, struct post_rect 
 			continue;
 		changes.lowered += metres < 0;
 		changes.raised += metres > 0;
-		changes.low = fmin(changes.low, metres);
-		changes.high = fmax(changes.high, metres);
+		changes.low = support_least(changes.low, metres);
+		changes.high = support_most(changes.high, metres);
 		around(&changes.all, rect.x0 + i % width, rect.y0 + i / width);
 		if (metres < 0)
 			around(&changes.under, rect.x0 + i % width, rect.y0 + i / width);
