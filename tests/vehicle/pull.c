@@ -129,7 +129,7 @@ static double leaning_pulls_more(const struct trial *trial, double slip)
 
 /* Each level wheel beside the rig, and two of them again with camber. A cambered wheel pulls as much at another slip. The rig says what
  * an upright one pulls at that slip, so both its pulls tell what camber changes. */
-static void it_pulls_on_the_level_as_on_the_rig_and_a_little_camber_hardly_changes_that(void **state)
+static void it_pulls_on_the_level_as_on_the_rig_and_with_a_little_camber_as_the_integral_says(void **state)
 {
 	static const struct trial trials[] = {
 		{"dry_sand", ", damping: 0", 0.015625, 9.81, 1.25, 0.2, 0, 0}, {"sandy_loam_15", ", damping: 0", 0.015625, 9.81, 2, 0.25, 0, 0},
@@ -146,7 +146,7 @@ static void it_pulls_on_the_level_as_on_the_rig_and_a_little_camber_hardly_chang
 		const double more = upright / check(&leaning) - 1; /* what it pulls, beside an upright wheel at its slip */
 		const double wanted = leaning_pulls_more(&leaning, told(",slip,", 10));
 		print_message("%s, camber %g: pulls %.2f %% more than without, by the integral %.2f %%\n", trials[i].soil, cambers[i], 100 * more, 100 * wanted);
-		assert_true(fabs(wanted) < 0.03);
+		/* Posts of half the width give 2.2 and -0.2 %. 3 degrees raise one side of the wheel by more than it sinks into this soil. */
 		assert_near(more, wanted, 0.01);
 	}
 }
@@ -165,7 +165,7 @@ static void it_climbs_as_the_rig_says(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(it_pulls_on_the_level_as_on_the_rig_and_a_little_camber_hardly_changes_that),
+		cmocka_unit_test(it_pulls_on_the_level_as_on_the_rig_and_with_a_little_camber_as_the_integral_says),
 		cmocka_unit_test(it_climbs_as_the_rig_says),
 	};
 	return cmocka_run_group_tests_name("pull of a driven wheel beside the rig", tests, support_enter, support_leave);
