@@ -72,6 +72,15 @@ class PlacesTest(unittest.TestCase):
             for target in re.findall(r"!\[[^\]]*\]\(([^)#]+)\)", page.read_text()):
                 self.assertTrue((page.parent / target).exists(), f"{page.name}: {target}")
 
+    def test_everybody_can_read_what_somebody_with_a_narrow_umask_installed(self):
+        paths = [prefix.prefix, *prefix.prefix.rglob("*")]
+        self.assertGreater(len(paths), 150)
+        for path in paths:
+            mode = path.stat().st_mode
+            self.assertEqual(mode & 0o444, 0o444, path)
+            if path.is_dir() or path.parent == prefix.prefix / "bin":
+                self.assertEqual(mode & 0o111, 0o111, path)
+
     def test_no_path_of_the_build_is_installed(self):
         for path in prefix.prefix.rglob("*"):
             if path.is_file() and path.suffix in (".1", ".3", ".5", ".pc", ".h", ".fish", ".py") or path.name in ("furrow", "_furrow") and path.is_file():
