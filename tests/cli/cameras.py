@@ -321,8 +321,11 @@ class Cameras(FurrowTest):
 
     def test_every_file_tells_the_same_pose(self):
         self.make()
-        for folder in sorted((self.folder / "out/cameras").iterdir()):
+        folders = sorted((self.folder / "out/cameras").iterdir())
+        self.assertGreater(len(folders), 2)
+        for folder in folders:
             camera = Camera(folder)
+            self.assertGreater(len(camera.frames), 0)
             rows, told = camera.tum(), camera.told
             self.assertEqual(len(rows), len(camera.frames))
             model = (folder / "cameras.txt").read_text().splitlines()[1].split()

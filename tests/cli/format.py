@@ -206,7 +206,7 @@ class Bases(FormatTest):
                 width, high, pixels, _ = self.raster(path, "base", 0, "f")
                 _, _, source = rasters.pixels(self.folder / "in.tif", "f")
                 source = [source[(high - 1 - y) * width + x] for y in range(high) for x in range(width)]
-                most = largest(abs(a - b) for a, b in zip(pixels, source))
+                most = largest(abs(a - b) for a, b in zip(pixels, source, strict=True))
                 self.assertTrue(step * 0.49 < most <= float(error), most)
 
     @long

@@ -435,13 +435,13 @@ class RealInsets(RasterTest):
         self.assertEqual((wide, high), rasters.pixels(self.folder / "truth.tif")[:2])
         truth = rasters.pixels(self.folder / "truth.tif")[2]
         self.assertGreater(len(ours), 5000)
-        self.assertLessEqual(largest(abs(a - b) for a, b in zip(ours, truth)), bound)
+        self.assertLessEqual(largest(abs(a - b) for a, b in zip(ours, truth, strict=True)), bound)
         # and by points, as a user asks
         pixels = random.Random(level).sample(range(len(ours)), 40)
         points = [(gt[0] + (i % width + 0.5) * step, gt[3] - (i // width + 0.5) * step) for i in pixels]
         lines = "".join(f"{x!r} {y!r}\n" for x, y in points)
         heights = [p["height"] for p in self.json("query", "s.furrow", "--srs", "EPSG:32611", stdin=lines)["points"]]
-        self.assertLessEqual(largest(abs(h - truth[i]) for h, i in zip(heights, pixels)), bound)
+        self.assertLessEqual(largest(abs(h - truth[i]) for h, i in zip(heights, pixels, strict=True)), bound)
 
 
 if __name__ == "__main__":

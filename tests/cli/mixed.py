@@ -124,7 +124,7 @@ class Mixed(MixedTest):
             lines = "".join(f"{x!r} {y!r}\n" for x, y in points)
             a, b = ([p["height"] for p in self.json("query", store, "--srs", "store", stdin=lines)["points"]]
                     for store in ("part.furrow", "whole.furrow"))
-            for mine, theirs in zip(a, b):
+            for mine, theirs in zip(a, b, strict=True):
                 self.assertEqual(mine is None, theirs is None)
                 self.assertAlmostEqual(mine or 0, theirs or 0, delta=0.01)  # places are off by at most 0.01 of a source's post
             self.assertGreater(sum(v is not None for v in a), 50)

@@ -50,7 +50,7 @@ class Planets(RasterTest):
         return found, result.stderr
 
     def assert_near(self, found, wanted, within=0.002):
-        self.assertLess(largest(abs(a - b) for a, b in zip(found, wanted)), within)
+        self.assertLess(largest(abs(a - b) for a, b in zip(found, wanted, strict=True)), within)
 
     def test_an_image_is_read_by_its_label_whichever_is_named(self):
         hashes = set()

@@ -106,7 +106,7 @@ class Relief(FurrowTest):
         points = [f"{x * 0.125:.9g}" for place in places for x in place]
         answers = self.json("query", "over.furrow", *points)["points"]
         low, high = 0, 0
-        for (x, y), answer in zip(places, answers):
+        for (x, y), answer in zip(places, answers, strict=True):
             quanta = raised(x, y, -4, 2, 7, lambda *place: (0.08, 3))
             self.assertAlmostEqual((answer["base"] - 1000) * 2 ** 18, quanta, places=4, msg=(x, y))
             wanted = quanta / 2 ** 18
