@@ -110,7 +110,7 @@ enum status exchange_file_put(const char *path, const struct exchange_bytes *byt
 			return status;
 		status = aside_begin(&aside, path);
 	}
-	if (status == STATUS_OK) {
+	if (status == STATUS_OK && bytes->size > 0) {
 		(void)fwrite(bytes->data, 1, bytes->size, aside.file); /* aside_whole tells a failure */
 	}
 	status = aside_end(&aside, false, status);

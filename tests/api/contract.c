@@ -1,4 +1,5 @@
 /* What furrow.h promises of a world that is imported, stepped, asked and looked at. */
+#include "../support/near.h"
 #include "rut.h"
 #include "../support/program.h"
 
@@ -12,9 +13,9 @@ static void steps_end_at_multiples_of_the_time_step(void **state)
 		assert_true(furrow_time(world) == i * 0.01);
 	}
 	done(furrow_step(world, 0.25));
-	assert_float_equal(furrow_time(world), 3.25, 1e-12);
+	assert_near(furrow_time(world), 3.25, 1e-12);
 	done(furrow_step(world, 0));
-	assert_float_equal(furrow_time(world), 3.26, 1e-12);
+	assert_near(furrow_time(world), 3.26, 1e-12);
 	done(furrow_world_close(world));
 }
 
@@ -55,13 +56,13 @@ static void a_ball_leaves_a_rut_that_every_question_sees(void **state)
 	assert_true(contact.force[2] > 100 && contact.normal_force > 100);
 	/* 0.1 m below the flat ground; soil that is heaped before the ball counts, too. */
 	assert_true(contact.area > 0 && contact.sinkage > 0.09 && contact.sinkage < 0.2);
-	assert_float_equal(contact.time, furrow_time(world), 1e-12);
+	assert_near(contact.time, furrow_time(world), 1e-12);
 	assert_true(isnan(contact.slip));
 	assert_true(isnan(contact.stiffness[0][0]) && isnan(contact.damping[5][5]));
 
 	const struct furrow_point in = point_at(world, 11, 16), beside = point_at(world, 11, 20), out = point_at(world, -1, 16);
 	assert_true(in.offset < -0.05 && in.height < 99.95 && !in.nodata);
-	assert_float_equal(in.height, 100 + in.offset, 1e-6);
+	assert_near(in.height, 100 + in.offset, 1e-6);
 	assert_true(beside.offset == 0 && beside.height == 100 && beside.normal[2] == 1);
 	assert_true(out.nodata && isnan(out.height));
 
@@ -69,20 +70,20 @@ static void a_ball_leaves_a_rut_that_every_question_sees(void **state)
 	struct furrow_hit hits[2];
 	done(furrow_rays(world, 2, from, to, hits));
 	assert_true(hits[0].hit && !hits[1].hit);
-	assert_float_equal(hits[0].position[2], in.height, 1e-6);
-	assert_float_equal(hits[0].distance, 120 - in.height, 1e-6);
+	assert_near(hits[0].position[2], in.height, 1e-6);
+	assert_near(hits[0].distance, 120 - in.height, 1e-6);
 
 	struct furrow_info info;
 	double *surface = hosted_read(world, FURROW_SURFACE, &info), *base = hosted_read(world, FURROW_BASE, &info),
 	       *offset = hosted_read(world, FURROW_OFFSET, &info), *sinkage = hosted_read(world, FURROW_SINKAGE, &info);
 	double deepest = 0, sunk = 0;
 	for (int64_t i = 0; i < info.columns * info.rows; i++) {
-		assert_float_equal(surface[i], base[i] + offset[i], 1e-5);
-		deepest = fmin(deepest, offset[i]);
-		sunk = fmax(sunk, sinkage[i]);
+		assert_near(surface[i], base[i] + offset[i], 1e-5);
+		deepest = support_least(deepest, offset[i]);
+		sunk = support_most(sunk, sinkage[i]);
 	}
 	assert_true(deepest < -0.05 && deepest > -0.15 && sunk > 0.01);
-	assert_float_equal(offset[128 * info.columns + 88], in.offset, 1e-6);
+	assert_near(offset[128 * info.columns + 88], in.offset, 1e-6);
 	free(surface);
 	free(base);
 	free(offset);
@@ -132,7 +133,7 @@ static void a_shear_limit_is_of_the_rasters_number(void **state)
 		const struct furrow_contact contact = contact_of(world, ball);
 		assert_true(contact.area > 0.01 && contact.normal_force > 0);
 		double cohesion = (contact.shear_limit - contact.normal_force * tan(28 * M_PI / 180)) / contact.area;
-		assert_float_equal(cohesion, cohesions[i], 0.01);
+		assert_near(cohesion, cohesions[i], 0.01);
 	}
 	done(furrow_world_close(world));
 }
@@ -159,7 +160,7 @@ static void a_shear_limit_is_of_the_body_s_surface(void **state)
 			hosted_move(world, ball, 8 + 0.025 * step, y, 100.45);
 		const struct furrow_contact contact = contact_of(world, ball);
 		double limit = rows[i].adhesion * contact.area + contact.normal_force * tan(rows[i].angle * M_PI / 180);
-		assert_float_equal(contact.shear_limit, limit, 1e-6 * limit);
+		assert_near(contact.shear_limit, limit, 1e-6 * limit);
 		pull[i] = contact.force[0];
 	}
 	/* Weaker surfaces hold it back less, and a stronger one as the soil itself. */
@@ -189,13 +190,13 @@ static void wheels_may_lean(void **state)
 			done(furrow_step(world, 0));
 		}
 		contacts[i] = contact_of(world, wheel);
-		assert_float_equal(contacts[i].slip, 0.2, 1e-9);
+		assert_near(contacts[i].slip, 0.2, 1e-9);
 	}
 	assert_true(contacts[0].force[1] < -0.02 * contacts[0].force[2] && contacts[0].force[0] > 0);
 	for (int k = 0; k < 3; k++) { /* a mirror turns forces across it, and moments along it */
 		const double size = 2e-3 * contacts[0].force[2];
-		assert_float_equal(contacts[1].force[k], (k == 1 ? -1 : 1) * contacts[0].force[k], size);
-		assert_float_equal(contacts[1].moment[k], (k == 1 ? 1 : -1) * contacts[0].moment[k], size);
+		assert_near(contacts[1].force[k], (k == 1 ? -1 : 1) * contacts[0].force[k], size);
+		assert_near(contacts[1].moment[k], (k == 1 ? 1 : -1) * contacts[0].moment[k], size);
 	}
 	done(furrow_world_close(world));
 }
@@ -222,7 +223,7 @@ static void states_are_as_they_were_set(void **state)
 	set.angular[1] = 3;
 	done(furrow_set_states(world, 1, &ball, &set));
 	done(furrow_get_states(world, 1, &ball, &got));
-	assert_float_equal(got.pose.position[0], 16, 1e-6); /* until the step */
+	assert_near(got.pose.position[0], 16, 1e-6); /* until the step */
 	done(furrow_step(world, 0));
 	done(furrow_get_states(world, 1, &ball, &got));
 	assert_memory_equal(&got, &set, sizeof got);
@@ -241,7 +242,7 @@ static void a_picture_has_depths_in_metres(void **state)
 	done(furrow_render(world, &camera, rgb[0][0], depth[0]));
 	for (int y = 0; y < HEIGHT; y++)
 		for (int x = 0; x < WIDTH; x++)
-			assert_float_equal(depth[y][x], 10, 0.01);
+			assert_near(depth[y][x], 10, 0.01);
 	/* Level, to the east: the ground below, the sky above. */
 	camera.pose = (struct furrow_pose){{16, 16, 101}, {1, 0, 0, 0}};
 	done(furrow_render(world, &camera, rgb[0][0], depth[0]));
@@ -280,21 +281,21 @@ static void a_picture_has_the_bodies_that_a_host_moves(void **state)
 						       "objects: [{name: own, shape: {sphere: {radius: 1}}}]}", hosted_flat);
 	furrow_body own, wheel;
 	const struct furrow_pose first = hosted_pose(8, 8, 101), second = {{16, 16, 101}, {sqrt(0.5), 0, 0, sqrt(0.5)}};
-	assert_float_equal(depth_below(world, 8, 8), 10, 0.01);
+	assert_near(depth_below(world, 8, 8), 10, 0.01);
 	done(furrow_body_find(world, "own", &own));
 	done(furrow_place(world, own, &first));
-	assert_float_equal(depth_below(world, 8, 8), 8, 0.05);
+	assert_near(depth_below(world, 8, 8), 8, 0.05);
 	const furrow_body ball = hosted_ball(world, 24, 24);
 	done(furrow_body_add(world, "{shape: {wheel: {radius: 1, width: 0.5}}}", &wheel));
-	assert_float_equal(depth_below(world, 16, 16), 10, 0.01); /* it is nowhere yet */
+	assert_near(depth_below(world, 16, 16), 10, 0.01); /* it is nowhere yet */
 	done(furrow_place(world, wheel, &second));
 	/* It rolls to the north: 0.8 m ahead there is its rim, 0.8 m beside it the ground. */
-	assert_float_equal(depth_below(world, 16, 16.8), 8.4, 0.05);
-	assert_float_equal(depth_below(world, 16.8, 16), 10, 0.05);
-	assert_float_equal(depth_below(world, 24, 24), 9, 0.05);
+	assert_near(depth_below(world, 16, 16.8), 8.4, 0.05);
+	assert_near(depth_below(world, 16.8, 16), 10, 0.05);
+	assert_near(depth_below(world, 24, 24), 9, 0.05);
 	done(furrow_body_remove(world, ball));
-	assert_float_equal(depth_below(world, 24, 24), 10, 0.05);
-	assert_float_equal(depth_below(world, 8, 8), 8, 0.05);
+	assert_near(depth_below(world, 24, 24), 10, 0.05);
+	assert_near(depth_below(world, 8, 8), 8, 0.05);
 	done(furrow_world_close(world));
 }
 
@@ -431,7 +432,7 @@ static void a_host_on_a_path_leaves_what_the_path_leaves(void **state)
 					print_error("%s, layer %zu, post %lld: %g, %g\n", models[m], l, (long long)i, a[i], b[i]);
 			assert_memory_equal(a, b, (size_t)(info.columns * info.rows) * sizeof *a);
 			for (int64_t i = 0; l == 0 && i < info.columns * info.rows; i++)
-				lowest = fmin(lowest, a[i]);
+				lowest = support_least(lowest, a[i]);
 			free(a);
 			free(b);
 		}

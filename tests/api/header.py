@@ -68,7 +68,9 @@ class HeaderTest(unittest.TestCase):
             self.assertEqual(result.returncode, 0, result.stderr)
 
     def test_the_compilers_are_strict(self):
-        for command in compilers("CC", ["gcc", "clang"]):
+        found = compilers("CC", ["gcc", "clang"])
+        self.assertTrue(found)
+        for command in found:
             self.assertNotEqual(self.compile(command, "c99", ".c", "enum { A, };\nint a[0];\n").returncode, 0)
 
     def test_needs_only_the_three_standard_headers(self):

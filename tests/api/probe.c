@@ -1,4 +1,5 @@
 /* furrow_probe beside what the GPU tells of the same motion, beside closed forms, and beside its own differences; what it does not know. */
+#include "../support/near.h"
 #include "probing.h"
 #include "../support/program.h"
 
@@ -44,11 +45,11 @@ static double worst_on(const struct probing_ground *ground, const struct way *wa
 		const struct furrow_contact probed = probing_ask(world, body, &state);
 		probing_step(world, body, &state, 0);
 		done(furrow_get_contacts(world, 1, &body, &told, sizeof told));
-		greatest = fmax(greatest, told.force[2]);
+		greatest = support_most(greatest, told.force[2]);
 		const double by = fmax(told.force[2], 0.5 * greatest);
 		assert_true(told.force[2] < 0.002 * greatest || probed.state == told.state);
 		for (int k = 0; k < 3; k++)
-			worst = fmax(worst, fmax(fabs(probed.force[k] - told.force[k]), fabs(probed.moment[k] - told.moment[k]) / 0.25) / by);
+			worst = support_most(worst, support_most(fabs(probed.force[k] - told.force[k]), fabs(probed.moment[k] - told.moment[k]) / 0.25) / by);
 		assert_true(told.state == FURROW_AIR || fabs(probed.area - told.area) < 0.02 * told.area + 0.4 * ground->spacing * ground->spacing);
 		if (step == 24) { /* a query commits; what follows is one straight motion */
 			struct furrow_point point;
@@ -112,20 +113,20 @@ static void a_plate_and_a_wheel_bear_as_their_closed_forms(void **state)
 				const double x = reach * ((i + 0.5) / parts);
 				arc += 2 * reach / parts * 0.2 * sand_pressure(0.2, sqrt(0.25 * 0.25 - x * x) - 0.25 + sinkage);
 			}
-			assert_float_equal(flat.force[2], wanted, 1e-3 * wanted);
-			assert_float_equal(flat.area, 0.06, 1e-6);
-			assert_float_equal(flat.normal_force, flat.force[2], 1e-9 * wanted);
-			assert_float_equal(flat.shear_limit, 1.04e3 * 0.06 + wanted * tan(28 * DEGREES), 1e-3 * wanted);
-			assert_float_equal(flat.sinkage, sinkage, 2e-6);
+			assert_near(flat.force[2], wanted, 1e-3 * wanted);
+			assert_near(flat.area, 0.06, 1e-6);
+			assert_near(flat.normal_force, flat.force[2], 1e-9 * wanted);
+			assert_near(flat.shear_limit, 1.04e3 * 0.06 + wanted * tan(28 * DEGREES), 1e-3 * wanted);
+			assert_near(flat.sinkage, sinkage, 2e-6);
 			/* Of a flat plate: n p A / z downwards, and as it tips about its edges. */
 			const double grows = -1.1 * wanted / sinkage;
-			assert_float_equal(flat.stiffness[2][2], grows, 2e-3 * fabs(grows));
+			assert_near(flat.stiffness[2][2], grows, 2e-3 * fabs(grows));
 			/* As it tips, its lower face also slides by its distance from the centre. */
 			const double tips = grows * 0.2 * 0.2 / 12 - flat.shear_limit / 0.02 * 0.1 * 0.1;
-			assert_float_equal(flat.stiffness[3][3], tips, (k == 2 ? 0.1 : 0.05) * fabs(tips));
+			assert_near(flat.stiffness[3][3], tips, (k == 2 ? 0.1 : 0.05) * fabs(tips));
 			print_message("%g m, %d mm: plate %.2f N (%.2f), wheel %.2f N (%.2f)\n", 0.015625 * (1 << k), deep, flat.force[2], wanted,
 				      round.force[2], arc);
-			assert_float_equal(round.force[2], arc, (k == 2 ? 0.02 : 0.005) * arc);
+			assert_near(round.force[2], arc, (k == 2 ? 0.02 : 0.005) * arc);
 		}
 		done(furrow_world_close(world));
 	}
@@ -380,7 +381,7 @@ static void unloading_is_as_stiff_after_any_short_way(void **state)
 				high.pose.position[2] += 1e-4;
 				const double drop = probing_ask(world, body, &low).force[2] - probing_ask(world, body, &high).force[2];
 				still = k == 0 ? drop : still;
-				stiffest = fmax(stiffest, drop / still);
+				stiffest = support_most(stiffest, drop / still);
 			}
 			done(furrow_body_remove(world, body));
 		}

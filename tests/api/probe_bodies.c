@@ -1,6 +1,7 @@
 /* furrow_probe beside what the GPU tells, and beside its own differences, of bodies of every shape in any attitude: wheels with camber and
  * grousers, cylinders, capsules, ellipsoids, meshes. */
 #include "../long.h"
+#include "../support/near.h"
 #include "../support/program.h"
 #include "probing.h"
 
@@ -74,7 +75,7 @@ static double difference(const struct furrow_contact *probed, const struct furro
 {
 	double worst = 0;
 	for (int k = 0; k < 3; k++)
-		worst = fmax(worst, fmax(fabs(probed->force[k] - told->force[k]), fabs(probed->moment[k] - told->moment[k]) / 0.25) / by);
+		worst = support_most(worst, support_most(fabs(probed->force[k] - told->force[k]), fabs(probed->moment[k] - told->moment[k]) / 0.25) / by);
 	return worst;
 }
 
@@ -95,11 +96,11 @@ static struct off worst_on(const struct probing_ground *ground, const struct pro
 		const struct furrow_contact probed = probing_ask(world, number, &state);
 		probing_step(world, number, &state, 0);
 		done(furrow_get_contacts(world, 1, &number, &told, sizeof told));
-		greatest = fmax(greatest, told.force[2]);
+		greatest = support_most(greatest, told.force[2]);
 		double *worst = step > SINKS ? &off.moves : &off.rests;
 		/* Just above the ground only the slope of a mesh reaches below it, in some cells. Not every contact there is computed. */
 		if (body->shape != foot || (told.state != FURROW_AIR && probed.state != FURROW_AIR) || greatest > 15)
-			*worst = fmax(*worst, difference(&probed, &told, fmax(told.force[2], 0.5 * greatest)));
+			*worst = support_most(*worst, difference(&probed, &told, support_most(told.force[2], 0.5 * greatest)));
 		if (step == SINKS || body->commits)
 			commit(world);
 	}

@@ -2,6 +2,7 @@
  * Bodies that move as the soil pushes them: a host integrates by furrow_probe, and commits by furrow_set_states and furrow_step.
  * They settle where statics says, lose their energy and hold on slopes.
  */
+#include "../support/near.h"
 #include "probing.h"
 #include "../support/program.h"
 
@@ -59,9 +60,9 @@ static void advance(struct mover *mover, double seconds)
 		print_message("   E %.6f x %.7f z %.7f v %.6f %.6f w %.6f F %.3f %.3f M %.4f\n", mechanical(mover) - 122982.5, s->pose.position[0], s->pose.position[2], s->linear[0], s->linear[2], s->angular[1], mover->contact.force[0], mover->contact.force[2], mover->contact.moment[1]);
 	const double energy = mechanical(mover);
 	if (mover->support == 0 && !isnan(mover->energy))
-		mover->most = fmax(mover->most, energy - mover->lowest);
+		mover->most = support_most(mover->most, energy - mover->lowest);
 	mover->energy = energy;
-	mover->lowest = fmin(mover->lowest, energy);
+	mover->lowest = support_least(mover->lowest, energy);
 	for (int k = 0; k < 3; k++) {
 		const double gravity = k == 2 ? -mover->mass * G + mover->support : 0;
 		s->linear[k] += (mover->contact.force[k] + gravity) / mover->mass * seconds;
@@ -148,7 +149,7 @@ static void a_body_that_is_let_down_settles_where_statics_says(void **state)
 		const double sunk = 100 + rows[i].reach - rest[1][2], wanted = static_sinkage(rows[i].shape);
 		print_message("%s, %g m: %.3f mm (%.3f), speed %.2g m/s, energy rose by at most %.2g J\n", rows[i].name, rows[i].spacing, sunk * 1e3, wanted * 1e3,
 			      speed(&mover), mover.most);
-		assert_float_equal(sunk, wanted, 0.02 * wanted);
+		assert_near(sunk, wanted, 0.02 * wanted);
 		assert_true(speed(&mover) < 1e-6);
 		/* No more than what the soil may give back: the load times half of its elastic sinkage, of at most a millimetre. */
 		assert_true(mover.most < MASS * G * 0.5e-3);
@@ -172,7 +173,7 @@ static void on_a_slope_it_holds(void **state)
 		print_message("%s: creeps %.3g um/s, speed %.2g m/s\n", rows[i].name, sqrt(creep) * 1e6, speed(&mover));
 		assert_true(sqrt(creep) < 0.1e-6 && speed(&mover) < 1e-6);
 		/* It is held by the soil, not by its place: on a slope a body that lies on it needs shear. */
-		assert_float_equal(mover.contact.force[2], MASS * G, 1e-3 * MASS * G);
+		assert_near(mover.contact.force[2], MASS * G, 1e-3 * MASS * G);
 		done(furrow_world_close(world));
 	}
 }

@@ -4,6 +4,7 @@
 
 #include <math.h>
 
+#include "../support/near.h"
 #include "hosted.h"
 
 #define DEGREES (M_PI / 180)
@@ -105,10 +106,10 @@ static inline struct probing_off probing_off_by(struct furrow_world *world, furr
 		for (int i = 0; i < 6; i++) {
 			const double slope = (probing_part(&high, i) - probing_part(&low, i)) / (2 * by);
 			if (freedoms & 1u << i)
-				off.worst = fmax(off.worst, fabs(matrix[i][k] - slope) / sqrt(fabs(matrix[i][i] * matrix[k][k])));
+				off.worst = support_most(off.worst, fabs(matrix[i][k] - slope) / sqrt(fabs(matrix[i][i] * matrix[k][k])));
 			if (i == k) {
-				off.least = fmin(off.least, matrix[i][i] / slope);
-				off.most = fmax(off.most, matrix[i][i] / slope);
+				off.least = support_least(off.least, matrix[i][i] / slope);
+				off.most = support_most(off.most, matrix[i][i] / slope);
 			}
 		}
 	}

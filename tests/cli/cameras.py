@@ -19,7 +19,7 @@ import zlib
 import numpy as np
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
-from furrow_test import FURROW, FurrowTest, long, main, write_png16
+from furrow_test import FURROW, FurrowTest, largest, long, main, write_png16
 
 ROOT = pathlib.Path(__file__).parents[2]
 SCENE = """scene: 1
@@ -159,7 +159,7 @@ class Cameras(FurrowTest):
             sides = [np.polyfit(rows + 0.5, [edge(u[high & (v == row)]) for row in rows], 1) for edge in (np.min, lambda pixels: pixels.max() + 1)]
             found_y = (sides[1][1] - sides[0][1]) / (sides[0][0] - sides[1][0])
             found_x = np.polyval(sides[0], found_y)
-            self.assertLess(max(abs(found_x - x), abs(found_y - y)), 0.5, (name, found_x, x, found_y, y))
+            self.assertLess(largest((abs(found_x - x), abs(found_y - y))), 0.5, (name, found_x, x, found_y, y))
             self.assertAlmostEqual(depth[int(y) + 1, int(x)], z, delta=0.02, msg=name)
 
     def seen(self, camera, frame, depth):
@@ -317,8 +317,11 @@ class Cameras(FurrowTest):
 
     def test_every_file_tells_the_same_pose(self):
         self.make()
-        for folder in sorted((self.folder / "out/cameras").iterdir()):
+        folders = sorted((self.folder / "out/cameras").iterdir())
+        self.assertGreater(len(folders), 2)
+        for folder in folders:
             camera = Camera(folder)
+            self.assertGreater(len(camera.frames), 0)
             rows, told = camera.tum(), camera.told
             self.assertEqual(len(rows), len(camera.frames))
             model = (folder / "cameras.txt").read_text().splitlines()[1].split()

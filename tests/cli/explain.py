@@ -41,6 +41,7 @@ class Explain(FurrowTest):
         # A demo that was driven here has left its store where its scene looks for one.
         scenes = shutil.copytree(SCENES, self.folder / "tools" / "scenes")
         self.all_shipped = sorted(scenes.glob("*.yaml"))
+        self.assertGreater(len(self.all_shipped), 5)
 
     def shipped(self, scene, *arguments):
         result = self.furrow("explain", scene, *arguments)

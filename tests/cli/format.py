@@ -10,7 +10,7 @@ import struct
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
-from furrow_test import has_gdal, long, main, part
+from furrow_test import has_gdal, largest, long, main, part
 from raster_test import RasterTest
 import rasters
 import store_reader
@@ -206,7 +206,7 @@ class Bases(FormatTest):
                 width, high, pixels, _ = self.raster(path, "base", 0, "f")
                 _, _, source = rasters.pixels(self.folder / "in.tif", "f")
                 source = [source[(high - 1 - y) * width + x] for y in range(high) for x in range(width)]
-                most = max(abs(a - b) for a, b in zip(pixels, source))
+                most = largest(abs(a - b) for a, b in zip(pixels, source, strict=True))
                 self.assertTrue(step * 0.49 < most <= float(error), most)
 
     @long

@@ -1,5 +1,6 @@
 """What the tests of the command share: runs build/tools/furrow in a folder of its own."""
 import json
+import math
 import os
 import pathlib
 import shutil
@@ -80,6 +81,12 @@ def sampled(cases):
     """Returns the cases; with sanitizers (cli/sanitized) every eighth, but in `sh tools/test.sh long` all of them."""
     cases, every = list(cases), int(os.environ.get("FURROW_EVERY", "1"))
     return cases[min(every, len(cases)) // 2::every]  # from the middle, since the first case is often the plainest
+
+
+def largest(values):
+    """Returns the largest value; NaN if one is NaN, which max() drops. No values are an error."""
+    values = list(values)
+    return math.nan if any(math.isnan(value) for value in values) else max(values)
 
 
 class FurrowTest(unittest.TestCase):

@@ -6,7 +6,7 @@ import random
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
-from furrow_test import main
+from furrow_test import largest, main
 from raster_test import RasterTest
 import tile_readers
 
@@ -88,7 +88,7 @@ class InsetTiles(RasterTest):
                     points.append((east, north))
                     heights.append(tile[row, column])
         self.assertGreater(len(points), 60)
-        return max(abs(point["height"] - height) for point, height in zip(self.queried(store, points), heights))
+        return largest(abs(point["height"] - height) for point, height in zip(self.queried(store, points), heights, strict=True))
 
     def test_insets_are_shown_as_finely_as_they_are(self):
         for tile in (16, 64, 256):
@@ -138,7 +138,7 @@ class InsetTiles(RasterTest):
                         self.assertEqual(quarter.any(), fine is not False and fine.any())
                     continue
                 pixels = [pixel for pixel in self.middles(z, x, y) if 0 < pixel[2] < 96 * 32 and 0 < pixel[3] < 80 * 32]
-                for pixel, point in zip(pixels, self.queried(store, [pixel[2:] for pixel in pixels])):
+                for pixel, point in zip(pixels, self.queried(store, [pixel[2:] for pixel in pixels]), strict=True):
                     self.assertEqual(index[pixel[0], pixel[1]] != 0, point["offset"] != 0, (z, x, y, pixel))
         # Nothing else changes when a drive comes later.
         self.drive(self.scene(SCENE.format(points=[[1015, 805], [1039, 782]]), "more.yaml"), "--store", store)

@@ -9,7 +9,7 @@ import time
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
-from furrow_test import FURROW, SHARED, long, main, part
+from furrow_test import FURROW, SHARED, largest, long, main, part
 from raster_test import RasterTest
 import rasters
 
@@ -62,7 +62,7 @@ class Insets(RasterTest):
     def assertCore(self, store, level, window, truth, bound, most):
         heights = self.base_of(store, level, *window)
         self.assertGreater(len(heights), most)
-        worst = max(abs(v - truth(x, y)) for (x, y), v in heights.items())
+        worst = largest(abs(v - truth(x, y)) for (x, y), v in heights.items())
         self.assertLessEqual(worst, bound)
 
     @unittest.skipUnless(os.environ.get("FURROW_MAPS") == "1", "this build draws no maps")
@@ -123,11 +123,11 @@ class Insets(RasterTest):
             own = self.steps({p: self.site(*p) for p in heights}, 1)
             under = self.steps(self.base_of(self.imported(name="plain.furrow"), -5, 790, 700, 860, 720), 1)
             bound = max(own) + max(under) + 1.5 * apart / feather + 0.002
-            self.assertLessEqual(max(self.steps(heights, 1)), bound)
+            self.assertLessEqual(largest(self.steps(heights, 1)), bound)
             self.assertGreater(max(self.steps(heights, 1)), 1.5 * 6 / feather)  # it rises at all
             # across the outline, where the weight begins, there is hardly any
             edge = [abs(heights[800.0, float(y)] - heights[801.0, float(y)]) for y in range(701, 719)]
-            self.assertLess(max(edge), max(own) + max(under) + 3 * apart / feather ** 2 + 0.002)
+            self.assertLess(largest(edge), largest(own) + largest(under) + 3 * apart / feather ** 2 + 0.002)
 
     @long
     def test_its_offset_is_found_and_taken_off_when_asked(self):
@@ -158,7 +158,7 @@ class Insets(RasterTest):
         self.assertAlmostEqual(heights[1200.0, 1000.0], 450, delta=0.01)
         self.assertEqual(heights[700.0, 1000.0], 450)
         self.assertAlmostEqual(heights[900.0, 1000.0], 460, delta=0.002)
-        self.assertLess(max(self.steps(heights, 4.0)), 1.5 * 10 / 40 * 4 + 0.1)
+        self.assertLess(largest(self.steps(heights, 4.0)), 1.5 * 10 / 40 * 4 + 0.1)
 
     @long
     def test_of_two_the_first_named_lies_on_top(self):
@@ -382,8 +382,8 @@ cache: {slots: 256}
                     off.append((a * (1 - u) + b * u) * (1 - v) + (c * (1 - u) + d * u) * v - self.site(x, y))
             told = found["off_source"]
             self.assertAlmostEqual(told["posts"] - plain["posts"], len(off), delta=0.12 * len(off) + 40)
-            self.assertGreaterEqual(told["greatest"], max(map(abs, off)) - 0.001)
-            self.assertLess(told["greatest"], 1.3 * max(map(abs, off)) + 0.011)
+            self.assertGreaterEqual(told["greatest"], largest(map(abs, off)) - 0.001)
+            self.assertLess(told["greatest"], 1.3 * largest(map(abs, off)) + 0.011)
             squares = told["rms"] ** 2 * told["posts"]
             self.assertAlmostEqual(squares, sum(v * v for v in off), delta=0.2 * sum(v * v for v in off) + 0.01)
 
@@ -435,13 +435,13 @@ class RealInsets(RasterTest):
         self.assertEqual((wide, high), rasters.pixels(self.folder / "truth.tif")[:2])
         truth = rasters.pixels(self.folder / "truth.tif")[2]
         self.assertGreater(len(ours), 5000)
-        self.assertLessEqual(max(abs(a - b) for a, b in zip(ours, truth)), bound)
+        self.assertLessEqual(largest(abs(a - b) for a, b in zip(ours, truth, strict=True)), bound)
         # and by points, as a user asks
         pixels = random.Random(level).sample(range(len(ours)), 40)
         points = [(gt[0] + (i % width + 0.5) * step, gt[3] - (i // width + 0.5) * step) for i in pixels]
         lines = "".join(f"{x!r} {y!r}\n" for x, y in points)
         heights = [p["height"] for p in self.json("query", "s.furrow", "--srs", "EPSG:32611", stdin=lines)["points"]]
-        self.assertLessEqual(max(abs(h - truth[i]) for h, i in zip(heights, pixels)), bound)
+        self.assertLessEqual(largest(abs(h - truth[i]) for h, i in zip(heights, pixels, strict=True)), bound)
 
 
 if __name__ == "__main__":

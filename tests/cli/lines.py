@@ -8,7 +8,7 @@ import shutil
 import subprocess
 import unittest
 
-from furrow_test import MAPS, FurrowTest, has_gdal, long, main
+from furrow_test import MAPS, FurrowTest, has_gdal, largest, long, main
 import rasters
 
 HEAD = "scene: 1\ntime_step: 0.1\nend_time: 12\nspacing: 0.25\nredistribute: {model: box}\nobjects:\n"
@@ -102,7 +102,7 @@ class Lines(FurrowTest):
         self.assertEqual(len(found), len(wanted))
         self.assertGreater(len(found), 50)
         for a, b in zip(found, wanted):
-            self.assertLess(max(abs(p - q) for p, q in zip(a, b)), tolerance, (a, b))
+            self.assertLess(largest(abs(p - q) for p, q in zip(a, b)), tolerance, (a, b))
 
     def test_points_nowhere_and_unknown_coordinates_name_their_key(self):
         self.utm()
@@ -158,7 +158,7 @@ class Lines(FurrowTest):
         points = [list(point) for point in degrees]
         self.assert_near(self.places("named", f"{{points: {points}, speed: 8}}", "--set", "coordinates=degrees"), wanted, 1e-4)
         point = self.json("query", "base.furrow", *degrees[0], "--srs", "degrees")["points"][0]
-        self.assertLess(max(abs(point[key] - value) for key, value in zip("xy", degrees[0])), 1e-9, point)
+        self.assertLess(largest(abs(point[key] - value) for key, value in zip("xy", degrees[0])), 1e-9, point)
         window = ",".join(f"{value:.10f}" for value in (*degrees[0], *degrees[2]))
         self.ok("export", "base.furrow", "-o", "there.tif", "--window", window, "--window-srs", "degrees")
         self.ok("import", "mars.tif", "-o", "part.furrow", "--window", window, "--window-srs", "degrees")

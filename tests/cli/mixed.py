@@ -13,7 +13,7 @@ import unittest
 import zipfile
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
-from furrow_test import FURROW, long, main, part, write_png16
+from furrow_test import FURROW, largest, long, main, part, write_png16
 from raster_test import RasterTest
 import rasters
 
@@ -124,7 +124,7 @@ class Mixed(MixedTest):
             lines = "".join(f"{x!r} {y!r}\n" for x, y in points)
             a, b = ([p["height"] for p in self.json("query", store, "--srs", "store", stdin=lines)["points"]]
                     for store in ("part.furrow", "whole.furrow"))
-            for mine, theirs in zip(a, b):
+            for mine, theirs in zip(a, b, strict=True):
                 self.assertEqual(mine is None, theirs is None)
                 self.assertAlmostEqual(mine or 0, theirs or 0, delta=0.01)  # places are off by at most 0.01 of a source's post
             self.assertGreater(sum(v is not None for v in a), 50)
@@ -148,7 +148,7 @@ class Mixed(MixedTest):
             # gdalwarp goes on for half a pixel beyond the outermost posts.
             off += [back[i] - own[i] for i in range(width * height) if not math.isnan(back[i]) and
                     4 <= i % width < width - 4 and 4 <= i // width < height - 4]
-        return max(map(abs, off)), math.sqrt(sum(v * v for v in off) / len(off)), len(off)
+        return largest(map(abs, off)), math.sqrt(sum(v * v for v in off) / len(off)), len(off)
 
     def test_the_error_at_a_sources_own_posts_is_what_gdalwarp_finds(self):
         noise = random.Random(3)

@@ -7,7 +7,7 @@ import sys
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
-from furrow_test import long, main
+from furrow_test import largest, long, main
 from raster_test import RasterTest
 import rasters
 
@@ -50,7 +50,7 @@ class Planets(RasterTest):
         return found, result.stderr
 
     def assert_near(self, found, wanted, within=0.002):
-        self.assertLess(max(abs(a - b) for a, b in zip(found, wanted)), within)
+        self.assertLess(largest(abs(a - b) for a, b in zip(found, wanted, strict=True)), within)
 
     def test_an_image_is_read_by_its_label_whichever_is_named(self):
         hashes = set()
@@ -114,7 +114,7 @@ class Planets(RasterTest):
                     kept.setdefault(north, []).append(point["height"])
                     self.assertAlmostEqual(self.json("query", "s.furrow", *point["local"])["height"], point["height"], delta=1e-6)
         for heights in kept.values():
-            self.assertLess(max(heights) - min(heights), 0.5)
+            self.assertLess(largest(heights) - min(heights), 0.5)
         # Kept as it is, it is told.
         self.make("mars.tif", WIDTH, HEIGHT, lambda x, y: 5, west=11860000.0, north=200.0, step=20.0, srs="IAU_2015:49910")
         result = self.furrow("import", "mars.tif", "-o", "s.furrow", "--overwrite", "--t-srs", "source")

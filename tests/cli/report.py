@@ -17,7 +17,7 @@ import xml.etree.ElementTree
 import zlib
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
-from furrow_test import FURROW, MAPS, FurrowTest, long, main, sampled
+from furrow_test import FURROW, MAPS, FurrowTest, largest, long, main, sampled
 
 SCENE = """scene: 1
 time_step: 0.02
@@ -399,7 +399,7 @@ class Report(FurrowTest):
         plot = page.plots("rut")["The ground across the way"]
         asked = "".join(f"{x + across * left[0]} {y + across * left[1]}\n" for across, _ in plot.curves[0])
         points = self.json("query", self.made / "a.furrow", stdin=asked)["points"]
-        for (across, change), point in zip(plot.curves[0], points):
+        for (across, change), point in zip(plot.curves[0], points, strict=True):
             self.assertAlmostEqual(change, point["offset"] * 1e3, delta=1.5, msg=across)
         self.assertAlmostEqual(deep, -min(y for _, y in plot.curves[0]), delta=plot.grain(1) + 0.05)
         self.assertAlmostEqual(high, max(y for _, y in plot.curves[0]), delta=plot.grain(1) + 0.05)
@@ -460,7 +460,7 @@ class Report(FurrowTest):
         points = self.json("query", self.made / "a.furrow", stdin=asked)["points"]
         scale = [plot.scale[axis] for axis in range(2)]
         seen = 0
-        for (east, north), point in zip(places, points):
+        for (east, north), point in zip(places, points, strict=True):
             column = int(((east - scale[0][1]) / scale[0][2] + scale[0][0] - x) / wide * png.width)
             row = int(((north - scale[1][1]) / scale[1][2] + scale[1][0] - y) / tall * png.height)
             red, _, blue = png.at(column, row)
@@ -633,7 +633,7 @@ class Report(FurrowTest):
         way = run["vehicles"]["car"]["way"]
         self.assertEqual([f"{value:.9g}" for value in way[0] + way[-1]], [f"{row[key]:.9g}" for row in (rows[0], rows[-1]) for key in "xy"])
         self.assertTrue(20 < len(way) <= 66)
-        self.assertLess(max(min(math.hypot(x - row["x"], y - row["y"]) for row in rows) for x, y in way), 0.04)
+        self.assertLess(largest(min(math.hypot(x - row["x"], y - row["y"]) for row in rows) for x, y in way), 0.04)
         self.assertGreater(run["vehicles"]["car"]["distance"], 128 * 0.02)
         self.assertEqual(page.sections(), ALWAYS[:4] + ["vehicles"] + ALWAYS[4:])
         results = page.rows("results")

@@ -47,7 +47,7 @@ class Rig(FurrowTest):
     def test_a_row_is_what_a_drive_tells(self):
         row, = self.rig("--slip", "0.2", "--load", "800", "--spacing", "0.02")
         wanted = self.driven(0.2, 800, 0.02, 2.56)
-        for got, want, name in zip((row["sinkage"], row["drawbar"], row["torque"], row["fz"]), wanted, ("sinkage", "drawbar", "torque", "fz")):
+        for got, want, name in zip((row["sinkage"], row["drawbar"], row["torque"], row["fz"]), wanted, ("sinkage", "drawbar", "torque", "fz"), strict=True):
             self.assertAlmostEqual(got, want, delta=0.005 * abs(want), msg=name)
 
     def test_it_meets_closed_forms_at_three_spacings(self):
@@ -77,7 +77,7 @@ class Rig(FurrowTest):
         self.assertEqual([(row["load"], row["slip"]) for row in by_slip], [(load, slip) for load in (500, 1000) for slip in (-0.1, 0.15, 0.4)])
         torques = ",".join(repr(row["torque"]) for row in by_slip[3:])
         by_torque = self.rig("--torque", torques, "--load", "1000", "--spacing", "0.04")
-        for row, found in zip(by_slip[3:], by_torque):
+        for row, found in zip(by_slip[3:], by_torque, strict=True):
             self.assertAlmostEqual(found["slip"], row["slip"], delta=0.01)
             self.assertAlmostEqual(found["torque"], row["torque"], delta=max(0.005 * abs(row["torque"]), 0.005 * 0.05 * 1000 * 0.32) + 1e-6)
         far, = self.rig("--torque", "5000", "--spacing", "0.04")
@@ -182,7 +182,7 @@ class Rig(FurrowTest):
         self.assertLess(abs(rolls["drawbar"]), 3)
         by_slip = self.rig("--load", "3000", "--slip", "0.1,0.3", "--spacing", "0.04", wheel=belt)
         by_pull = self.rig("--load", "3000", "--torque", ",".join(repr(row["torque"]) for row in by_slip), "--spacing", "0.04", wheel=belt)
-        for row, found in zip(by_slip, by_pull):
+        for row, found in zip(by_slip, by_pull, strict=True):
             self.assertAlmostEqual(found["slip"], row["slip"], delta=0.02)
 
     @long

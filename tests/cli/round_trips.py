@@ -130,7 +130,7 @@ class Places(RasterTest):
         found = self.heights_at("s.furrow", points, "EPSG:4326")
         wanted = rasters.values_at(self.folder / name, points, "EPSG:4326")
         self.assertGreater(len(points), 50)
-        for point, height, value in zip(points, found, wanted):
+        for point, height, value in zip(points, found, wanted, strict=True):
             self.assertLess(abs(height - float(value)), 0.08, point)
 
     @long
@@ -157,7 +157,7 @@ class Places(RasterTest):
         self.ok("import", "in.tif", "-o", "s.furrow")
         posts = [(x, y) for x in range(40) for y in range(30)]
         points = [(400814.8 + (x + 0.5) * 87.2, 3097562.1 - (y + 0.5) * 87.2) for x, y in posts]
-        for (x, y), height in zip(posts, self.heights_at("s.furrow", points, "store")):
+        for (x, y), height in zip(posts, self.heights_at("s.furrow", points, "store"), strict=True):
             self.assertEqual(height, 7 if (x + y) % 2 else None, (x, y))
 
     def test_levels_and_windows_export_in_their_place(self):
@@ -175,7 +175,7 @@ class Places(RasterTest):
                 self.assertEqual(info["geoTransform"], [x - step / 2, step, 0, y + (height - 0.5) * step, 0, -step])
                 points = [(x + i * step, y + j * step) for i in (0, 1, width - 1) for j in (0, 1, height - 1)]
                 values = [float(v) for v in rasters.values_at(self.folder / "out.tif", points)]
-                for value, wanted in zip(values, self.heights_at("s.furrow", points, "store")):
+                for value, wanted in zip(values, self.heights_at("s.furrow", points, "store"), strict=True):
                     self.assertAlmostEqual(value, wanted, places=3)
 
 
@@ -196,7 +196,7 @@ class ErrorBound(RasterTest):
                 self.ok("import", "in.tif", "-o", "s.furrow", "--overwrite", "--tile", "16", *options)
                 self.ok("export", "s.furrow", "-o", "out.tif", "--layer", "base")
                 _, _, back = rasters.pixels(self.folder / "out.tif", "d")  # doubles, where floats do not hold the bound
-                for source, stored in zip(cells, back):
+                for source, stored in zip(cells, back, strict=True):
                     if math.isnan(source):
                         self.assertTrue(stored == -32767 or math.isnan(stored))
                     else:
@@ -210,7 +210,7 @@ class ErrorBound(RasterTest):
         for bound in (0.001, 0.03, 2):
             self.ok("import", "in.tif", "-o", "s.furrow", "--overwrite", "--max-error", bound)
             lines = "".join(f"{10 * x} {190 - 10 * y}\n" for y in range(20) for x in range(20))
-            for source, point in zip(cells, self.json("query", "s.furrow", stdin=lines)["points"]):
+            for source, point in zip(cells, self.json("query", "s.furrow", stdin=lines)["points"], strict=True):
                 self.assertLessEqual(abs(point["base"] - source), bound)
 
     def test_whole_numbers_are_kept_as_they_are(self):
@@ -220,7 +220,7 @@ class ErrorBound(RasterTest):
             rasters.make(self.folder / "in.tif", 30, 30, cells, code, options=["-a_scale", scale])
             self.ok("import", "in.tif", "-o", "s.furrow", "--overwrite")
             lines = "".join(f"{10 * x} {290 - 10 * y}\n" for y in range(30) for x in range(30))
-            for source, point in zip(cells, self.json("query", "s.furrow", stdin=lines)["points"]):
+            for source, point in zip(cells, self.json("query", "s.furrow", stdin=lines)["points"], strict=True):
                 self.assertAlmostEqual(point["base"], source * scale, places=9)
 
 
@@ -242,7 +242,7 @@ class RoundTrips(RasterTest):
         self.assertEqual(rasters.proj4(a["srs"]), rasters.proj4(self.wkt("a.tif")))
         info = rasters.gdalinfo(self.folder / "a.tif")
         self.assertEqual(info["size"], a["posts"])
-        for ours, theirs in zip(a["geotransform"], info["geoTransform"]):
+        for ours, theirs in zip(a["geotransform"], info["geoTransform"], strict=True):
             self.assertAlmostEqual(ours, theirs, places=6)
         self.assertEqual(info["bands"][0]["noDataValue"], -32767)
         first, second = (rasters.pixels(self.folder / name, "f")[2] for name in ("a.tif", "b.tif"))
@@ -252,7 +252,7 @@ class RoundTrips(RasterTest):
         points = [(place[0] + (x + 0.5) * place[1], place[3] + (y + 0.5) * place[5]) for x, y in posts]
         found = [float(v) for v in rasters.values_at(self.folder / "a.tif", points)]
         lines = "".join(f"{x!r} {y!r}\n" for x, y in points)
-        for value, point in zip(found, self.json("query", "a.furrow", "--srs", "store", stdin=lines)["points"]):
+        for value, point in zip(found, self.json("query", "a.furrow", "--srs", "store", stdin=lines)["points"], strict=True):
             if point["nodata"]:
                 self.assertEqual(value, -32767)
             else:
@@ -267,7 +267,7 @@ class RoundTrips(RasterTest):
         _, _, cells = rasters.pixels(self.folder / source, "f")
         _, _, back = rasters.pixels(self.folder / "a.tif", "f")
         nodata = was["bands"][0].get("noDataValue")
-        for source_cell, cell in zip(cells, back):
+        for source_cell, cell in zip(cells, back, strict=True):
             if source_cell == nodata or math.isnan(source_cell):
                 self.assertEqual(cell, -32767)
             else:

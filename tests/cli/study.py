@@ -174,7 +174,7 @@ class Study(FurrowTest):
         slip = [(float(run["slip"]) + 0.1) / 0.6 for run in runs]
         for values, name in ((load, "load"), (slip, "slip")):
             self.assertEqual(sorted(int(value * 8) for value in values), list(range(8)), name)
-            for value, wanted in zip(values, python_cube(name, 41, 8)):
+            for value, wanted in zip(values, python_cube(name, 41, 8), strict=True):
                 self.assertAlmostEqual(value, wanted, delta=1e-9)
         self.assertEqual([run["grousers"] for run in runs], [str(int(share * 12)) for share in python_cube("grousers", 41, 8)])
         self.assertEqual(sorted(run["soil"] for run in runs), sorted(["dry_sand", "lunar", "sandy_loam_15", "clayey_38"] * 2))

@@ -73,8 +73,8 @@ class Vertical(RasterTest):
                         found = rasters.gdal("gdaltransform", "-s_srs", srs, "-t_srs", "EPSG:4326", "-output_xy", stdin=text)
                         degrees = [tuple(map(float, line.split())) for line in found.splitlines()]
                     wanted = converted([(x, y, 0.0) for x, y in degrees], names[before], names[after])
-                    pairs = zip(self.heights_at("s.furrow", points, srs), self.heights_at("plain.furrow", points, srs))
-                    for (found, plain), difference in zip(pairs, wanted):
+                    pairs = zip(self.heights_at("s.furrow", points, srs), self.heights_at("plain.furrow", points, srs), strict=True)
+                    for (found, plain), difference in zip(pairs, wanted, strict=True):
                         # Heights of the store lie between posts, of a geoid that is bent there.
                         self.assertAlmostEqual(found - plain, difference, delta=0.0025 + 1e-8 * (step if metric else step * 1e5) ** 2)
                     self.assertGreater(max(map(abs, wanted)), 5)

@@ -6,6 +6,7 @@
  * underside, all that follows, to the quanta that are rounded on the way. Where doubles and whole quanta must decide between
  * two ways they may differ at a tie: such posts are found, counted, and must be few.
  */
+#include "../support/near.h"
 #include "matched.h"
 #include "../support/program.h"
 
@@ -78,7 +79,7 @@ static double aslant(void)
 			if (x < 0 || y < 0 || x >= POSTS || y >= POSTS || match.reference.hole[j])
 				continue;
 			double rise = match.reference.base[i] - match.reference.base[j];
-			steepest = fmax(steepest, fabs(rise) / match.reference.spacing);
+			steepest = support_most(steepest, fabs(rise) / match.reference.spacing);
 		}
 	return fmin(20, sqrt(1 + 2 * steepest * steepest));
 }
@@ -200,7 +201,7 @@ static void compare_forces(const struct deform_forces *got, const struct referen
 		if (!(fabs(got->force[k] - wanted->force[k]) <= error) || !(fabs(got->moment[k] - wanted->moment[k]) <= error * arm))
 			fail_msg("force %d: %.9g N, %.9g N m, by the reference %.9g, %.9g; allowed %.3g N", k, got->force[k], got->moment[k],
 				 wanted->force[k], wanted->moment[k], error);
-		seen.force = fmax(seen.force, fabs(got->force[k] - wanted->force[k]) / error);
+		seen.force = support_most(seen.force, fabs(got->force[k] - wanted->force[k]) / error);
 	}
 }
 

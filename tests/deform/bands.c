@@ -2,6 +2,7 @@
  * Bands of laid soil: their size, shape and place do not depend on the spacing, on the axes or on windows. The tests use directions of
  * 0, 22.5 and 45 degrees, and halve the spacing twice.
  */
+#include "../support/near.h"
 #include "ground.h"
 #include "../support/program.h"
 
@@ -90,8 +91,8 @@ static struct berm berm_of(const struct ground *ground, const struct way *way, d
 		else
 			berm.right += section;
 		if (height > 0.0005)
-			berm.widest = fmax(berm.widest, fabs(place[1]) - half_width);
-		berm.crest = fmax(berm.crest, height);
+			berm.widest = support_most(berm.widest, fabs(place[1]) - half_width);
+		berm.crest = support_most(berm.crest, height);
 	}
 	return berm;
 }
@@ -146,7 +147,7 @@ static void the_heap_ahead_of_a_sledge_is_bounded(void **state)
 			double place[2];
 			place_of(&ground, i, way.x, way.y, 0, place);
 			if (fabs(place[1]) < 0.2 && place[0] > way.length / 2)
-				highest[k / 2][k % 2] = fmax(highest[k / 2][k % 2], lattice_offset_metres(ground.offset[i]));
+				highest[k / 2][k % 2] = support_most(highest[k / 2][k % 2], lattice_offset_metres(ground.offset[i]));
 		}
 		ground_finish(&ground);
 	}
@@ -169,10 +170,10 @@ static void crests(const struct ground *ground, double x, double y, double *leas
 			double i = (x + far * u) / d, j = (y + far * v) / d, p = i - floor(i), q = j - floor(j);
 			const int32_t *at = ground->offset + (int64_t)j * ground->posts + (int64_t)i;
 			double height = (1 - q) * ((1 - p) * at[0] + p * at[1]) + q * ((1 - p) * at[ground->posts] + p * at[ground->posts + 1]);
-			crest = fmax(crest, ldexp(height, -OFFSET_BITS));
+			crest = support_most(crest, ldexp(height, -OFFSET_BITS));
 		}
-		*least = fmin(*least, crest);
-		*most = fmax(*most, crest);
+		*least = support_least(*least, crest);
+		*most = support_most(*most, crest);
 	}
 }
 

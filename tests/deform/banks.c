@@ -3,6 +3,7 @@
  * carried, are held to the reference in doubles.
  */
 #include "../validation/bed_gpu.h"
+#include "../support/near.h"
 #include "../support/program.h"
 
 enum { POSTS = 60 };
@@ -45,8 +46,8 @@ static void move(const struct deform_shape *shape, double before, double above, 
 		double lower = 0, size = 0, off = 0;
 		assert_int_equal(reference_sweep(&reference->ground, &reference->params, &sweep, &wanted, &lower), STATUS_OK);
 		for (int k = 0; k < 3; k++) {
-			size = fmax(size, fabs(wanted.force[k]));
-			off = fmax(off, fabs(got.force[k] - wanted.force[k]));
+			size = support_most(size, fabs(wanted.force[k]));
+			off = support_most(off, fabs(got.force[k] - wanted.force[k]));
 		}
 		if (!(off <= 1e-3 * size + 0.01))
 			fail_msg("body %d, bank of %g, %g m before it, step %d: %g %g %g N, wanted %g %g %g", (int)shape->kind, bank_slope, before,

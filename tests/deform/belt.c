@@ -6,6 +6,7 @@
 #include <stdio.h>
 
 #include "../long.h"
+#include "../support/near.h"
 #include "../support/program.h"
 #include "ground.h"
 
@@ -111,8 +112,8 @@ static void a_track_draws_what_the_closed_form_says(void **state)
 				near("vertical force", &how, got.vertical, load, 0.002 * load);
 				near("side force", &how, got.side, 0, 1e-3 * load);
 				near("pull of the belt", &how, got.pull, got.drawbar, 1e-4 * load);
-				most = fmax(most, fabs(got.drawbar / wanted - 1));
-				deep = fmax(deep, fabs(got.sinkage / sinkage - 1));
+				most = support_most(most, fabs(got.drawbar / wanted - 1));
+				deep = support_most(deep, fabs(got.sinkage / sinkage - 1));
 				near("drawbar", &how, got.drawbar, wanted, allowed[n] * wanted);
 				near("sinkage", &how, got.sinkage, sinkage, 0.005 * sinkage);
 			}
@@ -268,7 +269,7 @@ static void a_front_that_rises_resists_as_the_integral_says(void **state)
 				const struct drive how = {.shape = &shape, .soil = &soil, .spacing = spacings[n], .heading = headings[m / 3],
 							  .rim = 1 / (1 - slip), .height = -sinkage, .way = 1.5};
 				const struct drawn got = drive(&how);
-				most = fmax(most, fabs(got.drawbar / got.vertical - wanted.drawbar / wanted.vertical));
+				most = support_most(most, fabs(got.drawbar / got.vertical - wanted.drawbar / wanted.vertical));
 				near("drawbar over vertical force", &how, got.drawbar / got.vertical, wanted.drawbar / wanted.vertical, allowed[n]);
 				near("pull over vertical force", &how, got.pull / got.vertical, wanted.pull / wanted.vertical, allowed[n]);
 				assert_true(wanted.pull > wanted.drawbar + 0.01 * wanted.vertical);

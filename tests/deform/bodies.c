@@ -28,7 +28,7 @@ static double size_of(const double v[3])
 	return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
 }
 
-static void assert_near(const struct deform_forces *got, const struct deform_forces *wanted, double within, double arm, const char *what)
+static void assert_forces_near(const struct deform_forces *got, const struct deform_forces *wanted, double within, double arm, const char *what)
 {
 	double size = size_of(wanted->force);
 	for (int i = 0; i < 3; i++)
@@ -48,7 +48,7 @@ static void compare(const struct deform_shape *a, const struct deform_pose *as, 
 			init(&one, &soil, spacings[s], 0);
 			init(&other, &soil, spacings[s], 0);
 			struct deform_forces wanted = press(&one, a, as, 0.05, ways[k], 4), got = press(&other, b, bs, 0.05, ways[k], 4);
-			assert_near(&got, &wanted, k < 2 ? 2e-5 : within, deform_shape_bound(a), what);
+			assert_forces_near(&got, &wanted, k < 2 ? 2e-5 : within, deform_shape_bound(a), what);
 			ground_finish(&one);
 			ground_finish(&other);
 		}

@@ -1,4 +1,5 @@
 /* Wheels that lean, under scm: beside an integral over the wheel's surface, from no camber to much, and to both sides. */
+#include "../support/near.h"
 #include "scm_rig.h"
 #include "../support/program.h"
 
@@ -87,7 +88,7 @@ static double off_by(const struct deform_forces *got, const struct reference_wre
 {
 	double worst = 0;
 	for (int k = 0; k < 3; k++)
-		worst = fmax(worst, fmax(fabs(got->force[k] - wanted->force[k]), fabs(got->moment[k] - wanted->moment[k]) / wheel.radius) / load);
+		worst = support_most(worst, support_most(fabs(got->force[k] - wanted->force[k]), fabs(got->moment[k] - wanted->moment[k]) / wheel.radius) / load);
 	return worst;
 }
 
@@ -122,7 +123,7 @@ static void forces_are_the_integral_over_the_surface(void **state)
 					const struct deform_forces got = forces_at(&ground, place, yaw, camber, sinkages[i], motions[m].turned);
 					const struct reference_wrench wanted = integral(&soil, camber, sinkages[i], motions[m].turned);
 					const double load = wanted.force[2], off = off_by(&got, &wanted, load);
-					worst = fmax(worst, off);
+					worst = support_most(worst, off);
 					if (!(off <= 0.03))
 						fail_at(camber, soils[s], motions[m].name, spacings[p], &got, &wanted);
 					if (i == 0) {
@@ -131,7 +132,7 @@ static void forces_are_the_integral_over_the_surface(void **state)
 					}
 					for (int k = 0; k < 3 && cambers[i] <= 1; k++) {
 						const double jump = fabs(got.force[k] - level.force[k]) - fabs(wanted.force[k] - level_wanted.force[k]);
-						jumps = fmax(jumps, jump / load);
+						jumps = support_most(jumps, jump / load);
 						if (!(jump <= 0.005 * load))
 							fail_at(camber, soils[s], motions[m].name, spacings[p], &got, &wanted);
 					}

@@ -75,7 +75,7 @@ static void compare(struct ground *ground, const struct deform_contact *sweep, s
 		long double pressed = ldexpl((int64_t)ground->offset[i] + 4 * (int64_t)ground->base[i] - start, -OFFSET_BITS);
 		long double error = fabsl(pressed - z);
 		tally->posts++;
-		if (error > NEAR && !on_flank(sweep, x, y, pressed))
+		if (!(error <= NEAR) && !on_flank(sweep, x, y, pressed))
 			fail_msg("post %lld, %lld: %.2Lf um from the reference; spacing %g, size %g %g, yaw %.17g, motion %lld %lld %lld",
 				 (long long)px, (long long)py, (pressed - z) * 1e6L, ground->params.spacing,
 				 sweep->shape->radius, sweep->shape->width, sweep->to.yaw,

@@ -4,6 +4,7 @@
  */
 #include "../validation/bed_gpu.h"
 #include "../long.h"
+#include "../support/near.h"
 #include "../support/program.h"
 
 enum { POSTS = 60, STEPS = 100 };
@@ -77,11 +78,11 @@ static void compare(const struct deform_contact *sweep, void *bed, double lower,
 			 sweep->load, lower, higher, deeper);
 	for (size_t i = 0; i < count; i++)
 		if (rest[i] < INFINITY && !reference->ground.hole[i])
-			top = fmin(top, rest[i] - reference->ground.base[i]);
+			top = support_least(top, rest[i] - reference->ground.base[i]);
 	for (int k = 1; k < STEPS; k++) {
 		double share = (double)k / STEPS, above = (lower - top) * share * share, at = lower - above;
 		if (reference_scm_vertical(&reference->ground, soil, sweep, under, rest, at) >= sweep->load * 1.0001)
-			seen->least = fmax(seen->least, above);
+			seen->least = support_most(seen->least, above);
 	}
 	mem_free(under);
 	mem_free(rest);

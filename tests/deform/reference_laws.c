@@ -1,4 +1,5 @@
 /* The reference alone: it neither makes nor loses soil, and its rules give what a hand computes for a few posts. */
+#include "../support/near.h"
 #include "reference_rig.h"
 #include "../support/program.h"
 
@@ -35,7 +36,7 @@ static void soil_is_neither_made_nor_lost(void **state)
 			sweep.turned = 0.1;
 			swept(&ground, &params, &sweep, &forces);
 			for (int p = 0; p < 48 * 24; p++)
-				lowest = fmin(lowest, ground.offset[p]);
+				lowest = support_least(lowest, ground.offset[p]);
 		}
 		assert_true(lowest < -0.1);
 		assert_true(fabs(reference_volume(&ground)) < 1e-12);
@@ -43,7 +44,7 @@ static void soil_is_neither_made_nor_lost(void **state)
 		assert_true(models[m] == DEFORM_SLIPPAGE ? ground.compacted == 0 : ground.compacted > 0.05);
 		double highest = 0;
 		for (int p = 0; p < 48 * 24; p++)
-			highest = fmax(highest, ground.offset[p]);
+			highest = support_most(highest, ground.offset[p]);
 		assert_true(models[m] == DEFORM_NONE ? highest == 0 : highest > 0.01);
 		reference_ground_finish(&ground);
 	}

@@ -4,6 +4,7 @@
  */
 #include <stdio.h>
 
+#include "../support/near.h"
 #include "ground.h"
 #include "../support/program.h"
 
@@ -84,7 +85,7 @@ static void take(struct reference_ground *reference, const struct ground *ground
 	reference->compacted = 0;
 }
 
-static void assert_near(const char *what, double got, double wanted, double within)
+static void near_reference(const char *what, double got, double wanted, double within)
 {
 	if (!(fabs(got - wanted) <= within))
 		fail_msg("%s: %.9g, not %.9g", what, got, wanted);
@@ -100,10 +101,10 @@ static void compare(const struct ground *ground, const struct state *before, con
 	for (int64_t i = 0; i < ground->posts * ground->posts; i++) {
 		char where[64];
 		snprintf(where, sizeof where, "post %lld, %lld", (long long)(i % ground->posts), (long long)(i / ground->posts));
-		assert_near(where, lattice_offset_metres(after->offset[i]), reference->offset[i], METRES);
-		assert_near(where, lattice_offset_metres(after->pressed[i]), reference->pressed[i], METRES);
+		near_reference(where, lattice_offset_metres(after->offset[i]), reference->offset[i], METRES);
+		near_reference(where, lattice_offset_metres(after->pressed[i]), reference->pressed[i], METRES);
 		for (int part = PLANE_SHEAR_EAST; part <= PLANE_SHEAR_NORTH; part++)
-			assert_near(where, ldexp(plane_shear(after->shear[i], part), -PLANE_SHEAR_BITS), reference->shear[part][i], SHEAR);
+			near_reference(where, ldexp(plane_shear(after->shear[i], part), -PLANE_SHEAR_BITS), reference->shear[part][i], SHEAR);
 		assert_int_equal(after->heaped[i], before->heaped[i]);
 		bool touched = after->offset[i] != before->offset[i];
 		seen->pressed += touched;
@@ -150,12 +151,12 @@ static void every_sweep_is_that_of_the_reference(void **state)
 			compare(&ground, &before, &after, &reference, &seen);
 			double most = 0;
 			for (int i = 0; i < 3; i++)
-				most = fmax(most, fabs(forces.force[i]));
+				most = support_most(most, fabs(forces.force[i]));
 			for (int i = 0; i < 3; i++) {
-				assert_near("force", got.force[i], forces.force[i], 1e-3 * most + 1);
-				assert_near("moment", got.moment[i], forces.moment[i], 1e-3 * most + 1);
+				near_reference("force", got.force[i], forces.force[i], 1e-3 * most + 1);
+				near_reference("moment", got.moment[i], forces.moment[i], 1e-3 * most + 1);
 			}
-			assert_near("area", got.area, forces.area, 1e-4 * forces.area + 1e-5);
+			near_reference("area", got.area, forces.area, 1e-4 * forces.area + 1e-5);
 			state_free(&before);
 			state_free(&after);
 		}

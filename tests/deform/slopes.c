@@ -1,4 +1,5 @@
 /* High slopes of cohesive soil: at any spacing they fall above Culmann's height, and are stable below it. */
+#include "../support/near.h"
 #include "late.h"
 #include "sliding.h"
 #include "deform/soil/stability.h"
@@ -111,7 +112,7 @@ static double steepest(struct ground *ground)
 	int64_t row = ground->posts / 2 * ground->posts;
 	ground_read(ground);
 	for (int64_t i = row + 1; i < row + ground->posts; i++)
-		most = fmax(most, ldexp(4.0 * (ground->base[i - 1] - ground->base[i]) + ground->offset[i - 1] - ground->offset[i], -OFFSET_BITS));
+		most = support_most(most, ldexp(4.0 * (ground->base[i - 1] - ground->base[i]) + ground->offset[i - 1] - ground->offset[i], -OFFSET_BITS));
 	return atan(most / ground->params.spacing);
 }
 

@@ -1,4 +1,5 @@
 /* The underside in doubles is that of the reference, and its normals are those of its slopes. */
+#include "../support/near.h"
 #include "ground.h"
 
 #include "deform/shape/body.h"
@@ -75,7 +76,7 @@ static void it_is_that_of_the_reference(void **state)
 				if (!(wanted < INFINITY))
 					continue;
 				above[kind]++;
-				if (fabs(place.z - wanted) > 1e-9 * (1 + 1 / fmax(place.normal[2], 1e-9)))
+				if (!(fabs(place.z - wanted) <= 1e-9 * (1 + 1 / fmax(place.normal[2], 1e-9))))
 					fail_msg("shape %d: %.12g at %g, %g; by the reference %.12g; pitch %.17g, roll %.17g", kind, place.z, x, y, wanted,
 						 standing.to.pitch, standing.to.roll);
 				smooth[kind] += compare_normal(&standing, &place, x, y);
@@ -104,9 +105,9 @@ static void reach_and_extent_are_its_own(void **state)
 				double x = bound * (k % 201 - 100) / 100, y = bound * (k / 201 - 100) / 100;
 				if (!deform_lower_at(&lower, x, y, &place))
 					continue;
-				lowest = fmin(lowest, place.z);
-				far[0] = fmax(far[0], fabs(x));
-				far[1] = fmax(far[1], fabs(y));
+				lowest = support_least(lowest, place.z);
+				far[0] = support_most(far[0], fabs(x));
+				far[1] = support_most(far[1], fabs(y));
 			}
 			double reach = deform_shape_reach(&shape, pose.pitch, pose.roll);
 			assert_true(lowest >= -reach - 1e-9 && lowest <= -reach + 0.03 * bound);
@@ -144,7 +145,7 @@ static void grousers_are_those_of_the_reference(void **state)
 		double lowest = 0, outer = hypot(shape.radius + shape.grouser_height, shape.grouser_thickness / 2);
 		for (int k = 0; k < 401 * 401; k++)
 			if (deform_lower_at(&lower, bound * (k % 401 - 200) / 200, bound * (k / 401 - 200) / 200, &place))
-				lowest = fmin(lowest, place.z);
+				lowest = support_least(lowest, place.z);
 		double most = outer * cos(0.3) + shape.width / 2 * sin(0.3), least = shape.radius * cos(0.3) + shape.width / 2 * sin(0.3);
 		assert_true(lowest >= -most && lowest < -least);
 	}

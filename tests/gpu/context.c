@@ -109,22 +109,6 @@ static void more_memory_than_there_is_is_refused(void **state)
 	assert_ok(gpu_create(&(struct gpu_params){.draws = false}, &test_gpu));
 }
 
-static void without_gl_it_says_so(void **state)
-{
-	(void)state;
-	need_gpu();
-	close_gpu(NULL);
-	setenv("MESA_GL_VERSION_OVERRIDE", "3.3", 1); /* drivers other than Mesa's do not listen */
-	enum status status = gpu_create(&(struct gpu_params){.draws = false}, &test_gpu);
-	unsetenv("MESA_GL_VERSION_OVERRIDE");
-	if (status == STATUS_OK)
-		skip_since(SKIP_ELSEWHERE "the driver is not Mesa's");
-	assert_int_equal(status, STATUS_NO_GL);
-	assert_int_equal(strncmp(failure_message(), "GL: ", 4), 0);
-	assert_non_null(strstr(failure_message(), "; "));
-	assert_ok(gpu_create(&(struct gpu_params){.draws = false}, &test_gpu));
-}
-
 enum { TURNS = 300, USERS = 2 };
 
 struct user {
@@ -202,7 +186,6 @@ TEST_PROGRAM(context)
 		cmocka_unit_test(a_second_context_after_the_first_works_and_draws),
 		cmocka_unit_test(a_gl_error_is_told_and_stays),
 		cmocka_unit_test(more_memory_than_there_is_is_refused),
-		cmocka_unit_test(without_gl_it_says_so),
 		cmocka_unit_test(several_threads_take_turns_on_software_gl),
 	};
 	return cmocka_run_group_tests(tests, open_gpu, close_gpu);

@@ -1,5 +1,6 @@
 /* Objects that are too small, too large, too fast, in the wrong place or in each other's way, under every model. */
 #include "../long.h"
+#include "../support/near.h"
 #include "hard.h"
 #include "../support/program.h"
 
@@ -38,8 +39,8 @@ static struct changes changes_of(const char *store, int level, struct post_rect 
 			continue;
 		changes.lowered += metres < 0;
 		changes.raised += metres > 0;
-		changes.low = fmin(changes.low, metres);
-		changes.high = fmax(changes.high, metres);
+		changes.low = support_least(changes.low, metres);
+		changes.high = support_most(changes.high, metres);
 		around(&changes.all, rect.x0 + i % width, rect.y0 + i / width);
 		if (metres < 0)
 			around(&changes.under, rect.x0 + i % width, rect.y0 + i / width);

@@ -4,6 +4,7 @@
  * HARD_PASSES says how many (80); a million by hand:
  *   HARD_PASSES=1000000 build-test/tests/test_hard passes
  */
+#include "../support/near.h"
 #include "hard.h"
 #include "../support/program.h"
 
@@ -31,8 +32,8 @@ static struct rut rut_after(const struct hard_model *model, int passes)
 	mem_free(hard_drive(model, rest, store, NULL));
 	struct rut rut = {0, 0, support_quanta(store, -2, (struct post_rect){112, 112, 112 + SIDE, 112 + SIDE})};
 	for (int i = 0; i < SIDE * SIDE; i++) {
-		rut.low = fmin(rut.low, rut.quanta[i] / (1 << OFFSET_BITS));
-		rut.high = fmax(rut.high, rut.quanta[i] / (1 << OFFSET_BITS));
+		rut.low = support_least(rut.low, rut.quanta[i] / (1 << OFFSET_BITS));
+		rut.high = support_most(rut.high, rut.quanta[i] / (1 << OFFSET_BITS));
 	}
 	return rut;
 }
@@ -41,7 +42,7 @@ static double difference(const struct rut *a, const struct rut *b)
 {
 	double most = 0;
 	for (int i = 0; i < SIDE * SIDE; i++)
-		most = fmax(most, fabs(a->quanta[i] - b->quanta[i]) / (1 << OFFSET_BITS));
+		most = support_most(most, fabs(a->quanta[i] - b->quanta[i]) / (1 << OFFSET_BITS));
 	return most;
 }
 

@@ -1,4 +1,5 @@
 /* Objects that turn: lugs print where they roll to, and what an object no longer rests on is free to slide. */
+#include "../support/near.h"
 #include "hard.h"
 #include "../support/program.h"
 
@@ -44,7 +45,7 @@ static void lugs_print_as_far_apart_as_the_wheel_rolls_between_them(void **state
 		for (int k = 0; k < 40; k++) {
 			double other = 0.26 * pow(1.05, k);
 			if (fabs(log(other / apart)) > 0.15 && fabs(log(other / (apart / 2))) > 0.15 && fabs(log(other / (apart / 3))) > 0.15 &&
-			    repeats(quanta, other) > there / 2)
+			    !(repeats(quanta, other) <= there / 2))
 				fail_msg("slip %g: it repeats after %g m, and not after %g m", slips[i], other, apart);
 		}
 		free(quanta);
@@ -58,9 +59,9 @@ static double steepest(const char *store, struct post_rect rect)
 	int64_t width = rect.x1 - rect.x0, height = rect.y1 - rect.y0;
 	for (int64_t i = 0; i < width * height; i++) {
 		if (i % width > 0)
-			most = fmax(most, fabs(quanta[i] - quanta[i - 1]));
+			most = support_most(most, fabs(quanta[i] - quanta[i - 1]));
 		if (i >= width)
-			most = fmax(most, fabs(quanta[i] - quanta[i - width]));
+			most = support_most(most, fabs(quanta[i] - quanta[i - width]));
 	}
 	free(quanta);
 	return ldexp(most, -OFFSET_BITS);

@@ -123,20 +123,47 @@ class ExamplesTest(unittest.TestCase):
         self.assertEqual((missing.returncode, len(missing.stderr.splitlines())), (1, 1), missing.stderr)
         self.assertIn("there is no matplotlib", missing.stderr)
 
-    def test_the_programs_of_the_readme(self):
+    def readme(self):
+        """The command that makes the terrain, and the two programs."""
         section = (prefix.ROOT / "README.md").read_text(encoding="utf-8").split("## From C and Python")[1].split("\n## ")[0]
         sources = dict(re.findall(r"```(python|c)\n(.*?)```", section, re.DOTALL))
-        prefix.synthesize("plain.furrow", "plain")
+        return re.search(r"`(furrow synth [^`]*)`", section)[1].split(), sources["c"], sources["python"]
+
+    def stranger(self, name, *arguments):
+        """Somebody with the terrain in a folder of his own."""
+        stranger = prefix.Stranger(name, *arguments)
+        synth, *self.sources = self.readme()
+        stranger.run(*synth)
+        return stranger
+
+    def private(self, stranger, name):
+        """What a stranger's umask keeps to himself stays so."""
+        self.assertEqual((stranger.folder / name).stat().st_mode & 0o077, 0, name)
+
+    def test_the_readme_s_program_in_c_by_a_stranger_without_a_home(self):
+        stranger = self.stranger("stränger", "de_DE.UTF-8")
         source = prefix.work / "readme.c"
-        source.write_text(sources["c"])
-        program = prefix.work / "readme"
-        prefix.run("cc", "-std=c99", "-Wall", "-Wextra", "-Werror", *prefix.compile_flags, source, "-o", program,
-                   *prefix.package_config("--cflags", "--libs"))
-        self.assertAlmostEqual(float(re.match(r"offset: (\S+) m", self.run_example(program)).group(1)), -0.05, delta=0.01)
-        (prefix.work / "readme.py").write_text(sources["python"])
-        force, offset = map(float, re.match(r"force: (\S+) N; offset: (\S+) m", prefix.run_python("readme.py").stdout).groups())
+        source.write_text(self.sources[0])
+        stranger.run("cc", "-std=c99", "-Wall", "-Wextra", "-Werror", *prefix.compile_flags, source, "-o", "readme", *prefix.package_config("--cflags", "--libs"))
+        result = stranger.run("./readme", check=False)
+        if result.returncode == 4:
+            self.skipTest("there is no GL")
+        self.assertEqual((result.returncode, result.stderr), (0, ""))
+        self.assertAlmostEqual(float(re.match(r"offset: (\S+) m", result.stdout).group(1)), -0.05, delta=0.01)
+        self.private(stranger, "wheel.furrow")
+
+    def test_the_readme_s_program_in_python_by_a_stranger_who_cannot_write_his_home(self):
+        stranger = self.stranger("another", "C", "/")
+        python = prefix.python_with("numpy")
+        self.assertIsNotNone(python, "no python3 has numpy; run tools/packages.sh")
+        result = stranger.run(python, "-c", self.sources[1], check=False, **prefix.loaded)
+        if "no GL" in result.stderr or "OpenGL 4.5" in result.stderr:
+            self.skipTest("there is no GL")
+        self.assertEqual((result.returncode, result.stderr), (0, ""))
+        force, offset = map(float, re.match(r"force: (\S+) N; offset: (\S+) m", result.stdout).groups())
         self.assertGreater(force, 0)
         self.assertAlmostEqual(offset, -0.05, delta=0.002)
+        self.private(stranger, "ball.furrow")
 
     def test_the_program_of_the_manual_page(self):
         page = (prefix.prefix / "share" / "man" / "man3" / "furrow.3").read_text(encoding="utf-8")

@@ -23,7 +23,9 @@ class PlacesTest(unittest.TestCase):
             self.assertEqual(path.parent.name, "man" + path.suffix[1:])
 
     def test_manual_pages_are_clean(self):
-        for path in sorted((SHARE / "man").rglob("*.[35]")):
+        paths = sorted((SHARE / "man").rglob("*.[35]"))
+        self.assertEqual(len(paths), 3)
+        for path in paths:
             with self.subTest(path.name):
                 result = prefix.run("groff", "-mandoc", "-ww", "-Tutf8", "-P-c", "-rLL=80n", path)
                 self.assertEqual(result.stderr, "")
@@ -72,11 +74,23 @@ class PlacesTest(unittest.TestCase):
             for target in re.findall(r"!\[[^\]]*\]\(([^)#]+)\)", page.read_text()):
                 self.assertTrue((page.parent / target).exists(), f"{page.name}: {target}")
 
+    def test_everybody_can_read_what_somebody_with_a_narrow_umask_installed(self):
+        paths = [prefix.prefix, *prefix.prefix.rglob("*")]
+        self.assertGreater(len(paths), 150)
+        for path in paths:
+            mode = path.stat().st_mode
+            self.assertEqual(mode & 0o444, 0o444, path)
+            if path.is_dir() or path.parent == prefix.prefix / "bin":
+                self.assertEqual(mode & 0o111, 0o111, path)
+
     def test_no_path_of_the_build_is_installed(self):
+        seen = 0
         for path in prefix.prefix.rglob("*"):
             if path.is_file() and path.suffix in (".1", ".3", ".5", ".pc", ".h", ".fish", ".py") or path.name in ("furrow", "_furrow") and path.is_file():
                 if path.parent.name != "bin":
                     self.assertNotIn(str(prefix.BUILD), path.read_text(encoding="utf-8"), path)
+                    seen += 1
+        self.assertGreater(seen, 30)
 
 
 if __name__ == "__main__":

@@ -13,6 +13,7 @@ BUILD = pathlib.Path(os.environ["FURROW_BUILD"])
 SANITIZE = os.environ.get("SANITIZE", "none")
 
 _folder = pathlib.Path(tempfile.mkdtemp(prefix="furrow-install-"))
+_folder.chmod(0o755)  # other users come through it
 atexit.register(shutil.rmtree, _folder, ignore_errors=True)
 work = _folder / "work"  # examples are built and run here
 work.mkdir()
@@ -26,9 +27,9 @@ def where_it_waits(process):
                           text=True, timeout=60).stdout
 
 
-def run(*command, cwd=None, env=None, check=True):
+def run(*command, cwd=None, env=None, check=True, **more):
     command = [*map(str, command)]
-    with subprocess.Popen(command, cwd=cwd or work, env=env, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+    with subprocess.Popen(command, cwd=cwd or work, env=env, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, **more) as process:
         try:
             out, err = process.communicate(timeout=600)
         except subprocess.TimeoutExpired:
@@ -42,11 +43,11 @@ def run(*command, cwd=None, env=None, check=True):
 
 
 def install():
-    """Installs what is built; returns (prefix, where each installed file is, by its path below the prefix)."""
+    """Installs what is built, by somebody whose files are his own; returns (prefix, where libraries lie below it)."""
     options = json.loads(run("meson", "introspect", "--buildoptions", BUILD).stdout)
     prefix = next(option["value"] for option in options if option["name"] == "prefix")
     libdir = next(option["value"] for option in options if option["name"] == "libdir")
-    run("meson", "install", "-C", BUILD, "--no-rebuild", "--quiet", "--destdir", _folder)
+    run("meson", "install", "-C", BUILD, "--no-rebuild", "--quiet", "--destdir", _folder, umask=0o077)
     return _folder / prefix.lstrip("/"), libdir
 
 
@@ -68,6 +69,31 @@ if "address" in SANITIZE:
 elif "thread" in SANITIZE:
     loaded = {"LD_PRELOAD": subprocess.run(["cc", "-print-file-name=libtsan.so"], capture_output=True, text=True,
                                            check=True).stdout.strip()}
+
+
+def open_to_all(path):
+    """Whether every user may come to a file."""
+    path = pathlib.Path(path).resolve()
+    return all(each.stat().st_mode & 0o001 for each in (path, *path.parents))
+
+
+class Stranger:
+    """Somebody else: always with another PATH, locale, umask and home, and another user where root runs this and a user may come to what is
+    needed. `home` may be absent or not writable."""
+
+    def __init__(self, name, locale, home="/nonexistent"):
+        self.folder = _folder / name
+        self.folder.mkdir()
+        # As docs/INSTALL.md tells for a prefix that the system does not know.
+        self.environment = {"PATH": f"{prefix / 'bin'}:/usr/bin:/bin", "LD_LIBRARY_PATH": str(libdir), "PKG_CONFIG_PATH": str(libdir / "pkgconfig"),
+                            "PYTHONPATH": str(package.parent), "LANG": locale, "HOME": str(home)}
+        self.user = {"umask": 0o077}
+        if os.getuid() == 0 and open_to_all(_folder) and open_to_all(sys.executable):
+            os.chown(self.folder, 65534, 65534)
+            self.user.update(user=65534, group=65534, extra_groups=[])
+
+    def run(self, *command, check=True, **environment):
+        return run(*command, cwd=self.folder, env=dict(self.environment, **environment), check=check, **self.user)
 
 
 def package_config(*options):

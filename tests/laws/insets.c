@@ -5,6 +5,7 @@
 #include "../support.h"
 
 #include "../resident/insets.h"
+#include "../support/near.h"
 #include "../support/program.h"
 
 static const char scene_text[] =
@@ -115,8 +116,8 @@ static void a_rut_is_cut_into_the_inset(void **state)
 	/* under the box all posts are cut to one height for each sample, so the surface is smoother than the inset's noise */
 	double rough = 0, cut = 0;
 	for (int64_t x = 0; x < 8; x++) {
-		rough = fmax(rough, fabs(base[0][x + 1] - base[0][x]));
-		cut = fmax(cut, fabs(surface[0][x + 1] - surface[0][x]));
+		rough = support_most(rough, fabs(base[0][x + 1] - base[0][x]));
+		cut = support_most(cut, fabs(surface[0][x + 1] - surface[0][x]));
 	}
 	assert_true(cut < rough);
 	store_reader_destroy(reader);

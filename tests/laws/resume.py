@@ -214,7 +214,7 @@ class Campaign:
             told = report.exists() and json.loads(report.read_text())["ended"] == "complete"
             resume = True
         report, found = self.result(out, store)
-        for part, (got, wanted) in enumerate(zip(found, self.wanted)):
+        for part, (got, wanted) in enumerate(zip(found, self.wanted, strict=True)):
             self.test.assertTrue(got == wanted, f"{self.name}: {'rows figures pictures forces'.split()[part]} are not those of a "
                                                 f"drive that was left alone: {(got, wanted) if part == 1 else ''}")
         if not told:

@@ -5,6 +5,7 @@
 #include <math.h>
 
 #include "../support.h"
+#include "../support/near.h"
 #include "../support/program.h"
 #include "mobility/mobility.h"
 
@@ -84,13 +85,13 @@ static void a_slip_angle_gives_the_forces_of_the_integrals(void **state)
 					struct mobility_wheel wheel;
 					mobility_wheel_load(&curves, load, &wheel);
 					const struct mobility_pull got = mobility_wheel_at(&wheel, slip, tangent);
-					worst = fmax(worst, fabs(got.drawbar - wanted.drawbar) / load);
-					side_worst = fmax(side_worst, fabs(got.side - wanted.side) / load);
-					rim_worst = fmax(rim_worst, fabs(got.torque - wanted.torque) / curves.radius / load);
+					worst = support_most(worst, fabs(got.drawbar - wanted.drawbar) / load);
+					side_worst = support_most(side_worst, fabs(got.side - wanted.side) / load);
+					rim_worst = support_most(rim_worst, fabs(got.torque - wanted.torque) / curves.radius / load);
 				}
 			print_message("%s, r %g m: drawbar within %.3f of the load, side force within %.3f, torque within %.3f of it times r\n", soils[i].name,
 				      curves.radius, worst, side_worst, rim_worst);
-			worst_of_all = fmax(worst_of_all, fmax(worst, fmax(side_worst, rim_worst)));
+			worst_of_all = support_most(worst_of_all, support_most(worst, support_most(side_worst, rim_worst)));
 		}
 	assert_true(worst_of_all < 0.085);
 }

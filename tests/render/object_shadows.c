@@ -66,7 +66,7 @@ static void a_shadow_lies_beside_its_object_away_from_the_sun(void **state)
 			double place[3] = {object.at[0] + way[0] * along, object.at[1] + way[1] * along, GROUND};
 			project(&camera, place, at);
 			double ratio = (double)luminance(pixels[1], (int)at[0], (int)at[1]) / luminance(pixels[0], (int)at[0], (int)at[1]);
-			if (ratio < places[k].least || ratio > places[k].most)
+			if (!(ratio >= places[k].least && ratio <= places[k].most))
 				fail_msg("shape %zu, %g m along its shadow: %g of the light", i, along, ratio);
 		}
 		end();
@@ -162,7 +162,7 @@ static void a_shadow_is_as_long_as_the_sun_is_low(void **state)
 		while (end < last && ratios[end] < (1 + least) / 2)
 			end++;
 		const double found = (end - first + 1) / pixels;
-		if (!(least < 0.95) || fabs(found - wanted) > 0.2 + 0.05 * wanted)
+		if (!(least < 0.95) || !(fabs(found - wanted) <= 0.2 + 0.05 * wanted))
 			fail_msg("sun %g degrees high: a shadow of %g m, not %g; %g of the light", sun, found, wanted, least);
 		/* beyond the penumbra, and the sky's shade beside the object */
 		for (int x = first + (int)(pixels * fmax(1.3 * wanted + 0.4, side)); x < last; x++)

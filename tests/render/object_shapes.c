@@ -1,4 +1,5 @@
 /* The meshes that are drawn for shapes: closed, and as deform presses them; a wheel is seen to turn. Skipped without GL. */
+#include "../support/near.h"
 #include "deform/reference/reference.h"
 #include "objects_rig.h"
 #include "../support/program.h"
@@ -46,7 +47,7 @@ static double lowest(const struct object_mesh *mesh, double axes[3][3], double x
 		double u = ((x - p[0][0]) * (p[2][1] - p[0][1]) - (p[2][0] - p[0][0]) * (y - p[0][1])) / area;
 		double v = ((p[1][0] - p[0][0]) * (y - p[0][1]) - (x - p[0][0]) * (p[1][1] - p[0][1])) / area;
 		if (fabs(area) > 1e-12 && u >= 0 && v >= 0 && u + v <= 1)
-			low = fmin(low, p[0][2] + u * (p[1][2] - p[0][2]) + v * (p[2][2] - p[0][2]));
+			low = support_least(low, p[0][2] + u * (p[1][2] - p[0][2]) + v * (p[2][2] - p[0][2]));
 	}
 	return low;
 }
@@ -75,8 +76,8 @@ static void lugs_are_drawn_where_they_press(void **state)
 			if (!is || !beside)
 				continue;
 			double slack = 0.0015 + fabs((double)(left - right));
-			steepest = fmax(steepest, fabs((double)(left - right)));
-			if (fabs(drawn - (double)z) > slack)
+			steepest = support_most(steepest, fabs((double)(left - right)));
+			if (!(fabs(drawn - (double)z) <= slack))
 				fail_msg("at %g of turn %g: %g drawn, %g presses", u, sweep.to.turn, drawn, (double)z);
 			bars += drawn < -0.5 - 0.03;
 			compared++;
@@ -140,7 +141,7 @@ static void meshes_are_closed_and_turned_outward(void **state)
 			for (int k = 0; k < 3; k++)
 				volume += (double)a[k] * ((double)b[(k + 1) % 3] * c[(k + 2) % 3] - (double)b[(k + 2) % 3] * c[(k + 1) % 3]) / 6;
 		}
-		if (volume < shapes[i].least || volume > shapes[i].most)
+		if (!(volume >= shapes[i].least && volume <= shapes[i].most))
 			fail_msg("shape %zu: %g m3, not %g to %g", i, volume, shapes[i].least, shapes[i].most);
 		assert_in_range((mesh.first[1] - mesh.first[0]) / 3, 12, 3200);
 		render_object_mesh_finish(&mesh);

@@ -1,4 +1,5 @@
 /* Detail that changes with the distance: geomorphing hides the change, and a pixel error bounds what is lost. Skipped without GL. */
+#include "../support/near.h"
 #include "picture_rig.h"
 #include "../support/program.h"
 
@@ -15,7 +16,7 @@ static double largest_jump(uint64_t effects)
 		uint8_t *now = draw(60 + 0.05 * i, 60, 20, 300, 300, 0);
 		double apart = difference(before, now);
 		if (render_triangles(render) != triangles) {
-			largest = fmax(largest, apart - usual);
+			largest = support_most(largest, apart - usual);
 			changes++;
 		} else {
 			usual = apart;

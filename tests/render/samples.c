@@ -122,7 +122,7 @@ static bool is_between(const uint8_t *pixel, const uint8_t *ground, int samples_
 {
 	for (int c = 0; c < 3; c++) {
 		double light = (samples_on * light_of(ground[c]) + (4 - samples_on) * light_of(behind[c])) / 4;
-		if (fabs(byte_of(light) - pixel[c]) > 2)
+		if (!(fabs(byte_of(light) - pixel[c]) <= 2))
 			return false;
 	}
 	return true;

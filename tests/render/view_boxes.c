@@ -2,6 +2,7 @@
  * The boxes pictures are culled by: they hold what is there, in the step in which it is pressed; what lies beyond the base's
  * box is drawn; and what was there before a drive is known exactly.
  */
+#include "../support/near.h"
 #include "view_rig.h"
 
 #include "api/internal.h"
@@ -77,17 +78,17 @@ static void check_tile(struct drive *drive, struct tile tile, uint32_t slot)
 	gpu_texture_read(offsets, 0, (struct gpu_rect){0, 0, side, side}, posts);
 	double low = 0, high = 0;
 	for (uint32_t i = 0; i < side * side; i++) {
-		low = fmin(low, lattice_offset_metres(posts[i]));
-		high = fmax(high, lattice_offset_metres(posts[i]));
+		low = support_least(low, lattice_offset_metres(posts[i]));
+		high = support_most(high, lattice_offset_metres(posts[i]));
 	}
 	guest.posts += side * side;
 	guest.tiles++;
-	guest.deepest = fmin(guest.deepest, low);
-	guest.highest = fmax(guest.highest, high);
+	guest.deepest = support_least(guest.deepest, low);
+	guest.highest = support_most(guest.highest, high);
 	for (int level = tile.level; level <= extent_coarsest(of); level++) {
 		double lowest, highest;
 		must(render_view_offsets(view, tile_ancestor(tile, level), false, &lowest, &highest));
-		if (low < lowest || high > highest)
+		if (!(low >= lowest && high <= highest))
 			fail_msg("tile %d/%u/%u: %g to %g, level %d says %g to %g", tile.level, tile.x, tile.y, low, high, level, lowest,
 				 highest);
 	}

@@ -1,4 +1,5 @@
 /* How far off a view takes tiles to be drawn: the store's errors, ruts at once and about right, and what was committed. */
+#include "../support/near.h"
 #include "view_rig.h"
 #include "../support/program.h"
 
@@ -141,7 +142,7 @@ static double deepest(struct rig *rig, double x, double y, double sink)
 	for (double v = -r; v <= r; v += r / 16)
 		for (double u = -r; u <= r; u += r / 16)
 			if (u * u + v * v < r * r)
-				deep = fmax(deep, height(rig, x + u, y + v) - (bottom + r - sqrt(r * r - u * u - v * v)));
+				deep = support_most(deep, height(rig, x + u, y + v) - (bottom + r - sqrt(r * r - u * u - v * v)));
 	return deep;
 }
 
@@ -155,7 +156,7 @@ static void a_rut_counts_about_as_deep_as_it_is(void **state)
 		press(&rig, (struct tile){-3, (uint32_t)(x / 2), 125}, x, y, 0.1);
 		chain(&rig, -3, x, y, errors);
 		assert_true(errors[1] >= 0.1 - 1e-9 && errors[1] > 0.7 * deep && errors[1] < 1.1 * deep);
-		most = fmax(most, deep);
+		most = support_most(most, deep);
 	}
 	assert_true(most > 0.4);
 	rig_close(&rig);

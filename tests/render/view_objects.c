@@ -1,4 +1,5 @@
 /* Where objects are drawn: as they pressed at a station, and evenly on from there to the next. */
+#include "../support/near.h"
 #include "view_rig.h"
 
 #include "render/objects.h"
@@ -57,27 +58,27 @@ static void a_wheel_rolls_on_from_its_last_station_to_the_next(void **state)
 		press(&rig, k, 0.7);
 		struct deform_pose last = rig.body.last;
 		assert_int_equal(shown(&rig, time, &now), 1);
-		assert_float_equal(now.at[0], lattice_offset_metres(last.x), 1e-5);
-		assert_float_equal(now.at[1], lattice_offset_metres(last.y), 1e-5);
-		assert_float_equal(now.at[2], lattice_offset_metres(last.z), 1e-5);
-		assert_float_equal(now.yaw, last.yaw, 1e-9);
-		assert_float_equal(now.turned, 0.7, 1e-5);
+		assert_near(now.at[0], lattice_offset_metres(last.x), 1e-5);
+		assert_near(now.at[1], lattice_offset_metres(last.y), 1e-5);
+		assert_near(now.at[2], lattice_offset_metres(last.z), 1e-5);
+		assert_near(now.yaw, last.yaw, 1e-9);
+		assert_near(now.turned, 0.7, 1e-5);
 		assert_int_equal(shown(&rig, time + 0.25 * (next - time), &then), 1);
-		assert_float_equal(then.turned, 0.7 + 0.25 * step, 1e-5);
-		assert_float_equal(hypot(then.at[0] - now.at[0], then.at[1] - now.at[1]), 0.25, 1e-5);
+		assert_near(then.turned, 0.7 + 0.25 * step, 1e-5);
+		assert_near(hypot(then.at[0] - now.at[0], then.at[1] - now.at[1]), 0.25, 1e-5);
 		/* Just before the next station it is where that will press. */
 		assert_int_equal(shown(&rig, next - 1e-9, &then), 1);
 		press(&rig, k + 1, 0.7 + step);
 		assert_int_equal(shown(&rig, next, &now), 1);
 		for (int i = 0; i < 3; i++)
-			assert_float_equal(then.at[i], now.at[i], 1e-5);
-		assert_float_equal(then.turned, now.turned, 1e-5);
+			assert_near(then.at[i], now.at[i], 1e-5);
+		assert_near(then.turned, now.turned, 1e-5);
 	}
 	/* A load stands as much higher than it was looked for as it was found to. */
 	rig.body.raised = lattice_offset(0.05);
 	then = now;
 	shown(&rig, rig.world.time, &now);
-	assert_float_equal(now.at[2], then.at[2] + 0.05, 1e-5);
+	assert_near(now.at[2], then.at[2] + 0.05, 1e-5);
 	rig_close(&rig);
 }
 
@@ -91,7 +92,7 @@ static void a_ball_rolls_by_its_way(void **state)
 	for (int64_t k = 1; k < 4; k++)
 		press(&rig, k, 0);
 	assert_int_equal(shown(&rig, motion_track_sample_time(rig.body.track, 3) + 0.2, &now), 1);
-	assert_float_equal(now.turned, (3 + 0.4) / 2, 1e-5);
+	assert_near(now.turned, (3 + 0.4) / 2, 1e-5);
 	rig_close(&rig);
 }
 
@@ -109,8 +110,8 @@ static void where_there_is_no_ground_it_is_drawn_if_that_is_known(void **state)
 	rig.body.in_contact = false;
 	rig.body.distance = 10;
 	assert_int_equal(shown(&rig, 6, &now), 1);
-	assert_float_equal(now.at[0], 514, 1e-5);
-	assert_float_equal(now.at[2], last.at[2], 1e-5);
+	assert_near(now.at[0], 514, 1e-5);
+	assert_near(now.at[2], last.at[2], 1e-5);
 	/* A path that says where it is in time, and how it lies; before it begins it is nowhere. */
 	struct scene_waypoint timed[2] = {{.t = 2, .x = 520, .y = 100, .z = 7, .roll = 0.5}, {.t = 4, .x = 530, .y = 100, .z = 9, .roll = 0.7}};
 	rig.body.in_contact = false;
@@ -118,9 +119,9 @@ static void where_there_is_no_ground_it_is_drawn_if_that_is_known(void **state)
 	     (struct scene_path){.points = timed, .count = 2, .timed = true, .has_z = true, .has_attitude = true});
 	assert_int_equal(shown(&rig, 1.9, &now), 0);
 	assert_int_equal(shown(&rig, 3, &now), 1);
-	assert_float_equal(now.at[0], 525, 1e-5);
-	assert_float_equal(now.at[2], 8, 1e-5);
-	assert_float_equal(now.roll, 0.6, 1e-9);
+	assert_near(now.at[0], 525, 1e-5);
+	assert_near(now.at[2], 8, 1e-5);
+	assert_near(now.roll, 0.6, 1e-9);
 	rig_close(&rig);
 }
 

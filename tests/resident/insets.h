@@ -34,6 +34,9 @@ static bool insets_inner(int64_t x, int64_t y)
 /* Returns the code of a post that is stored. *stored: false if it is not. */
 static int32_t insets_code(int level, int64_t x, int64_t y, bool *stored)
 {
+	*stored = false;
+	if (level < INSETS_FINEST)
+		return HEIGHT_CODE_NODATA;
 	const int64_t fine_x = x << (level - INSETS_FINEST), fine_y = y << (level - INSETS_FINEST);
 	const uint32_t noise = (uint32_t)(fine_x * 7919 + fine_y * 104729) * 2654435761u >> 24;
 	const bool inner = insets_inner(fine_x, fine_y), outer = level >= -2 && insets_outer(fine_x, fine_y);

@@ -68,7 +68,7 @@ static void ask_anew(struct rig *rig, struct answers *answers)
 static void check_same(const struct answers *a, const struct answers *b)
 {
 	for (int i = 0; i < POINTS; i++)
-		assert_memory_equal(&a->heights[i], &b->heights[i], sizeof a->heights[i]);
+		assert_memory_equal(&a->heights[i], &b->heights[i], offsetof(struct terrain_height, nodata) + sizeof a->heights[i].nodata); /* what follows is padding */
 	for (int i = 0; i < RAYS; i++) {
 		assert_int_equal(a->hits[i].hit, b->hits[i].hit);
 		assert_true(a->hits[i].distance == b->hits[i].distance && a->hits[i].normal[0] == b->hits[i].normal[0] &&

@@ -186,7 +186,7 @@ static void pictures_are_counted_by_the_step(void **state)
 		struct scene *scene = NULL;
 		if (load_text(cases[i].text, NULL, 0, &scene) != STATUS_OK)
 			fail_msg("%s: %s", cases[i].text, failure_message());
-		if (fabs(scene_pixels_a_step(scene) - cases[i].pixels) > 1e-9)
+		if (!(fabs(scene_pixels_a_step(scene) - cases[i].pixels) <= 1e-9))
 			fail_msg("%s: %g pixels", cases[i].text, scene_pixels_a_step(scene));
 		scene_destroy(scene);
 	}

@@ -1,6 +1,7 @@
 /* The sun of a time and a place, beside published values. */
 #include <math.h>
 
+#include "../support/near.h"
 #include "fixture.h"
 #include "scene/scene_sun.h"
 #include "../support/program.h"
@@ -14,12 +15,6 @@ static void look(enum scene_body body, const char *time, double longitude, doubl
 	scene_sun_at(body, days, longitude / DEGREES, latitude / DEGREES, azimuth, height);
 	*azimuth *= DEGREES;
 	*height *= DEGREES;
-}
-
-static void assert_near(double found, double wanted, double within)
-{
-	if (fabs(found - wanted) > within)
-		fail_msg("%.5f, wanted %.5f within %g", found, wanted, within);
 }
 
 /* NREL/TP-560-34302 (SPA), appendix A.5: zenith 50.11162, azimuth 194.34024; sunrise 13:12:43 and sunset 00:20:19 of that

@@ -105,7 +105,7 @@ static void many_are_as_one(void **unused)
 	for (int i = 0; i < COUNT; i++) {
 		struct terrain_height alone;
 		assert_int_equal(terrain_heights(&rig.ground, &points[i], 1, &alone), STATUS_OK);
-		assert_memory_equal(&alone, &together[i], sizeof alone);
+		assert_memory_equal(&alone, &together[i], offsetof(struct terrain_height, nodata) + sizeof alone.nodata); /* what follows is padding */
 	}
 	rig.fails_at = rig.reads + 3;
 	assert_int_equal(terrain_heights(&rig.ground, points, COUNT, together), STATUS_INPUT);

@@ -236,7 +236,7 @@ static void assert_rates(const struct rate *rates, size_t number)
 	for (size_t i = 0; i < number; i++) {
 		const double trials = rates[i].trials, one = rates[i].within[0] / trials, two = rates[i].within[1] / trials;
 		print_message("%s: %.3f within one standard error, %.3f within two, mean %+.3f\n", rates[i].name, one, two, rates[i].bias / trials);
-		if (one < 0.64 || one > 0.73 || two < 0.935 || two > 0.97 || fabs(rates[i].bias / trials) > 0.12)
+		if (!(one >= 0.64 && one <= 0.73 && two >= 0.935 && two <= 0.97 && fabs(rates[i].bias / trials) <= 0.12))
 			fail_msg("%s: %.3f, %.3f, %.3f", rates[i].name, one, two, rates[i].bias / trials);
 	}
 }

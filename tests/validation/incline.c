@@ -2,6 +2,7 @@
  * A body on a vertical guide: the soil's whole vertical force is the load, on any slope, in any direction and at any speed. And
  * what is left along the slope is what the soil's shear does not hold.
  */
+#include "../support/near.h"
 #include "bed.h"
 #include "../support/program.h"
 
@@ -85,7 +86,7 @@ static void the_soil_s_vertical_force_is_the_load(void **state)
 				}
 				carried++;
 				assert_int_equal(forces.state, DEFORM_TOUCHING);
-				worst = fmax(worst, fabs(forces.force[2] / of.load - 1));
+				worst = support_most(worst, fabs(forces.force[2] / of.load - 1));
 				if (!(fabs(forces.force[2] / of.load - 1) <= 0.005))
 					fail_msg("%s, body %d, %g N on %.1f degrees: %.9g N", soils[s], k, of.load, of.slope / RADIANS, forces.force[2]);
 			}
@@ -165,7 +166,7 @@ static void the_state_is_of_the_surface_where_that_is_weaker(void **state)
 			if (i < 8) {
 				of.soil.cohesion = 0;
 				of.interface = (struct deform_interface){.has_friction = true, .friction_angle = friction + other[i / 4] * RADIANS};
-				friction = fmin(friction, of.interface.friction_angle);
+				friction = support_least(friction, of.interface.friction_angle);
 			} else {
 				of.interface.has_adhesion = true;
 			}

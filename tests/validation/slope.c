@@ -1,6 +1,7 @@
 /* Numbers 5 and 6 of the soil models: a vertical cut stands to its height, a pile at its angle. */
 #include <stdio.h>
 
+#include "../support/near.h"
 #include "bed_gpu.h"
 #include "../support/program.h"
 
@@ -103,8 +104,8 @@ static void a_pile_of_sand_relaxes_to_its_angle(void **state)
 		for (int i = 1; i < MIDDLE; i++) {
 			double next = kind->surface(bed, MIDDLE + i * ways[k][0], MIDDLE + i * ways[k][1]);
 			double off = fabs(next - fmax(0, top - i * step * steep)) / (step * steep);
-			steepest = fmax(steepest, (here - next) / step);
-			furthest = fmax(furthest, off);
+			steepest = support_most(steepest, (here - next) / step);
+			furthest = support_most(furthest, off);
 			here = next;
 		}
 		/* Half way down a row or a column the slope itself, neither less nor more. */
@@ -120,7 +121,7 @@ static void a_pile_of_sand_relaxes_to_its_angle(void **state)
 				continue;
 			double east = kind->surface(bed, x + 1, y) - kind->surface(bed, x - 1, y);
 			double north = kind->surface(bed, x, y + 1) - kind->surface(bed, x, y - 1);
-			face = fmax(face, hypot(east, north) / (2 * spacing));
+			face = support_most(face, hypot(east, north) / (2 * spacing));
 		}
 	print_message("steepest of two neighbours %.6f of tan 30, furthest from the cone %.3f of a post, steepest face %.3f\n",
 		      steepest / steep, furthest, face / steep);

@@ -42,7 +42,7 @@ class ClosedForms(unittest.TestCase):
         """Sinkage in mm, drawbar in N, torque in N m: a wheel of 0.32 m by 0.24 m, 1 kN, slip 0.2, dry_sand."""
         for law, wanted in ((Law(), (33.40, 233.5, 119.5)), (Law("ground"), (34.32, 296.5, 138.0))):
             got = under_load(named("dry_sand"), Wheel(0.32, 0.24), 1000, 0.2, law)
-            for value, number in zip((got.sinkage * 1e3, got.fx, got.my), wanted):
+            for value, number in zip((got.sinkage * 1e3, got.fx, got.my), wanted, strict=True):
                 self.assertAlmostEqual(value, number, delta=0.06, msg=law)
 
     def test_a_smooth_rim_pulls_less(self):

@@ -3,6 +3,7 @@
 
 #include "../api/hosted.h"
 #include "../comma.h"
+#include "../support/near.h"
 #include "../support/program.h"
 #include "../support/skip.h"
 #include "drive.h"
@@ -133,7 +134,7 @@ static void it_drives_as_the_command_drives_it(void **unused)
 	done(furrow_world_close(world));
 	double *here = offsets(overlay, &bytes), *there = offsets(cut.overlay, &bytes), deepest = 0;
 	for (size_t i = 0; i < bytes / sizeof *here; i++)
-		deepest = fmin(deepest, here[i]);
+		deepest = support_least(deepest, here[i]);
 	assert_true(deepest < -0.01);
 	assert_memory_equal(here, there, bytes);
 	free(here);

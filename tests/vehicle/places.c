@@ -4,6 +4,7 @@
  */
 #include <math.h>
 
+#include "../support/near.h"
 #include "drive.h"
 #include "../support/program.h"
 
@@ -83,8 +84,8 @@ static void the_place_does_not_matter(void **state)
 		for (int r = 0; r <= STEPS; r++) {
 			const double way[3] = {rows[r].x - place->x - (first[r].x - places[0].x), rows[r].y - place->y - (first[r].y - places[0].y),
 					       rows[r].z - place->height - (first[r].z - places[0].height)};
-			worst = fmax(worst, sqrt(way[0] * way[0] + way[1] * way[1] + way[2] * way[2]));
-			highest = fmax(highest, rows[r].z - rows[0].z);
+			worst = support_most(worst, sqrt(way[0] * way[0] + way[1] * way[1] + way[2] * way[2]));
+			highest = support_most(highest, rows[r].z - rows[0].z);
 		}
 		const int air = lost();
 		print_message("%s: came %.3f m far, rose by %.3f m, at most %.2g m elsewhere, %d rows in the air\n", place->name,

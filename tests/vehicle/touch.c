@@ -1,6 +1,7 @@
 /* Vehicles on the ground that touch each other: one pushes another one, one carries another one, and some only stand side by side. */
 #include <math.h>
 
+#include "../support/near.h"
 #include "drive.h"
 #include "../support/program.h"
 
@@ -105,8 +106,8 @@ static void one_pushes_another_one(void **state)
 			const double speeds[2] = {one[r].vx * c + one[r].vy * s, other[r].vx * c + other[r].vy * s};
 			given += 0.002 * (wheels[r].along + blocks[r].along);
 			pushed -= 0.002 * blocks[r].along;
-			most = fmax(most, fabs(100 * speeds[0]) + mass * fabs(speeds[1]));
-			worst = fmax(worst, fabs(100 * speeds[0] + mass * speeds[1] - given));
+			most = support_most(most, fabs(100 * speeds[0]) + mass * fabs(speeds[1]));
+			worst = support_most(worst, fabs(100 * speeds[0] + mass * speeds[1] - given));
 		}
 		const double way = (other[count - 1].x - other[0].x) * c + (other[count - 1].y - other[0].y) * s;
 		print_message("%g kg at %g m/s, %g degrees: pushed by %.3f m; the soil took %.1f N s from it; %.2g N s of %.1f are not the soil's\n", mass,
@@ -134,7 +135,7 @@ static void the_order_of_vehicles_does_not_matter(void **state)
 	for (int r = 0; r < 1001; r++) {
 		const double off = hypot(rows[0][r].x - rows[1][r].x, rows[0][r].y - rows[1][r].y) + fabs(rows[0][r].z - rows[1][r].z);
 		early = r <= 500 ? fmax(early, off) : early;
-		worst = fmax(worst, off);
+		worst = support_most(worst, off);
 	}
 	print_message("in the other order the block is %.3g m elsewhere after a second, %.3g m after two\n", early, worst);
 	assert_true(early == 0 && worst < 1e-4);
