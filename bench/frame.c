@@ -117,7 +117,7 @@ static void open_rig(struct rig *rig, const char *store, const char *overlay, ui
 	bench_must(world_make_bodies(world));
 	bench_must(world_settle_limits(world));
 	bench_must(resident_ground_create(world->store, world->limits.ground, &world->ground));
-	unsigned planes = world_planes(rig->scene, world->was_deformed);
+	unsigned planes = world_planes(world);
 	bench_must(gpu_slots_create(gpu, CELLS, slots, planes, &world->slots));
 	world->gpu = gpu;
 	bench_must(resident_pages_create(&(struct pages_params){.gpu = gpu, .store = world->store, .slots = world->slots, .planes = planes,

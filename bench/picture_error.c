@@ -96,12 +96,13 @@ static void open_rig(struct rig *rig, const char *store)
 	world->scene = &rig->scene;
 	world->meta = store_meta(world->store);
 	world->limits.slots = SLOTS;
+	world->limits.loaders = 2;
 	world_settle_light(world);
 	if (!store_has_working_level(world->store, &world->level))
 		bench_must(fail_with(STATUS_FAILED, "%s: no rut was made; look at the drive", store));
 	world->was_deformed = true;
 	world->spacing = extent_spacing(&world->meta->extent, world->level);
-	const unsigned planes = world_planes(&rig->scene, true);
+	const unsigned planes = world_planes(world);
 	world->commit_log = tmpfile();
 	if (world->commit_log == NULL)
 		bench_must(fail_with(STATUS_FAILED, "/tmp: no file can be made; free some space"));

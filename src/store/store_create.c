@@ -110,7 +110,7 @@ static enum status refuse_existing(const struct store *store)
 	if (lstat(store->real_path, &file) != 0)
 		return STATUS_OK;
 	if (S_ISDIR(file.st_mode))
-		return fail_with(STATUS_INPUT, "%s: it is a folder; name a file, as in %s/terrain.furrow", store->path, store->path);
+		return fail_with(STATUS_INPUT, "%s: it is a folder, no Furrow store; name a file, as in %s/terrain.furrow", store->path, store->path);
 	if (store->overwrite == STORE_OVERWRITE_NOT)
 		return fail_with(STATUS_INPUT, "%s: it exists; give --overwrite to replace it, or another name",
 				 store->path);

@@ -421,10 +421,10 @@ static enum status check_kind(const char *path)
 	if (stat(path, &is) != 0)
 		return fail_with(STATUS_INPUT, "%s: %s; name an overlay, or a file that is not there yet, in a folder that can be read", path, strerror(errno));
 	FILE *file = S_ISREG(is.st_mode) ? fopen(path, "rb") : NULL;
-	const bool read = file != NULL && fread(begins, sizeof begins, 1, file) == 1;
+	const size_t got = file != NULL ? fread(begins, 1, sizeof begins, file) : 0;
 	if (file != NULL)
 		fclose(file);
-	if (read ? memcmp(begins, magic, sizeof magic) == 0 : S_ISREG(is.st_mode)) /* store_open tells why it cannot be read */
+	if (S_ISREG(is.st_mode) && memcmp(begins, magic, got) == 0) /* store_open tells if it is empty or cannot be read */
 		return STATUS_OK;
 	return fail_with(STATUS_INPUT, "%s: it is %s, not an overlay; name an overlay, or a file that is not there yet", path,
 			 S_ISDIR(is.st_mode) ? "a folder" : "another file");

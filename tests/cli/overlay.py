@@ -274,10 +274,10 @@ class Refusals(Overlay):
         self.assertIn("not an overlay", refuse(store, "other.furrow"))
         self.assertIn("not an overlay", refuse(store, store))
         (self.folder / "text").write_text("no store")
-        self.assertIn("not a Furrow store", refuse(store, "text"))
-        self.assertIn("not a file", refuse(store, self.folder))
+        self.assertIn("it is another file, not an overlay; name an overlay, or a file that is not there yet", refuse(store, "text"))
+        self.assertIn("it is a folder, not an overlay", refuse(store, self.folder))
         os.mkfifo(self.folder / "fifo")
-        self.assertIn("not a file", refuse(store, "fifo"))
+        self.assertIn("it is another file, not an overlay", refuse(store, "fifo"))
         self.assertEqual({path: digest(path) for path in before}, before)
 
     def test_an_overlay_whose_base_is_gone_or_another_is_refused_by_every_command(self):

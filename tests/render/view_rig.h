@@ -103,6 +103,8 @@ static inline void rig_open(struct rig *rig, uint32_t slots, double speed, doubl
 	must(store_open(path, &(struct store_options){.mode = rig_mode}, &world->store)); /* nothing is deformed */
 	world->scene = &rig->scene;
 	world->limits.slots = slots;
+	world->limits.loaders = 2;
+	world->limits.prefetch = prefetch;
 	world->meta = store_meta(world->store);
 	world->was_deformed = store_has_working_level(world->store, NULL);
 	world->spacing = extent.spacing;
