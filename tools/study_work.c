@@ -15,7 +15,6 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "base/limits.h"
 #include "study.h"
 
 #define TAIL_BYTES 4096
@@ -63,7 +62,7 @@ static enum status start(struct work *work, struct job *job, size_t run)
 		return status;
 	const int log = open(study_path(work->study, run, "log.txt", path), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
 	if (log < 0) {
-		status = fail_with(STATUS_FAILED, "%s: %s; %s", path, strerror(errno), limits_advice(errno, "give a folder that can be written"));
+		status = fail_with(STATUS_FAILED, "%s: %s; give a folder that can be written", path, strerror(errno));
 	} else {
 		const pid_t parent = getpid();
 		fflush(NULL);

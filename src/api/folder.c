@@ -9,14 +9,13 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "base/limits.h"
 #include "api/internal.h"
 
 enum status api_folder_make(const char *path)
 {
 	struct stat found;
 	if (mkdir(path, 0777) != 0 && errno != EEXIST)
-		return fail_with(STATUS_FAILED, "%s: %s; %s", path, strerror(errno), limits_advice(errno, "give a folder that can be made"));
+		return fail_with(STATUS_FAILED, "%s: %s; give a folder that can be made", path, strerror(errno));
 	if (stat(path, &found) != 0 || !S_ISDIR(found.st_mode))
 		return fail_with(STATUS_FAILED, "%s: is not a folder; give another", path);
 	return STATUS_OK;
@@ -29,7 +28,7 @@ enum status api_folder_commits(const char *directory, FILE **out)
 	snprintf(path, sizeof path, "%s/epochs.log", directory);
 	*out = fopen(path, "a+");
 	if (*out == NULL)
-		return fail_with(STATUS_FAILED, "%s: %s; %s", path, strerror(errno), limits_advice(errno, "give a folder that can be written"));
+		return fail_with(STATUS_FAILED, "%s: %s; give a folder that can be written", path, strerror(errno));
 	if (flock(fileno(*out), LOCK_EX | LOCK_NB) == 0)
 		return STATUS_OK;
 	fclose(*out);
@@ -96,8 +95,7 @@ enum status api_folder_clear(const struct world *world, const char *directory)
 		if (c == '\n')
 			whole = ftell(commit_log);
 	if (whole < 0 || ferror(commit_log) || ftruncate(fileno(commit_log), whole) != 0)
-		return fail_with(STATUS_FAILED, "%s/epochs.log: %s; %s", directory, strerror(errno),
-				 limits_advice(errno, "give a folder that can be written"));
+		return fail_with(STATUS_FAILED, "%s/epochs.log: %s; give a folder that can be written", directory, strerror(errno));
 	rewind(commit_log);
 	snprintf(path, sizeof path, "%s/run.json", directory);
 	if ((unlink(path) == 0 || logged) && !world->resumed.is)

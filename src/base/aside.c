@@ -1,5 +1,4 @@
 #include "base/aside.h"
-#include "base/limits.h"
 
 #include <errno.h>
 #include <string.h>
@@ -25,7 +24,7 @@ enum status aside_begin(struct aside *aside, const char *path)
 	aside->file = fopen(aside->part, "w");
 	aside->begun = aside->file != NULL;
 	return aside->begun ? STATUS_OK
-			    : fail_with(STATUS_FAILED, "%s: %s; %s", aside->path, strerror(errno), limits_advice(errno, "give a file that can be written"));
+			    : fail_with(STATUS_FAILED, "%s: %s; give a file that can be written", aside->path, strerror(errno));
 }
 
 enum status aside_whole(struct aside *aside, bool synced)

@@ -13,7 +13,6 @@
 #include <unistd.h>
 
 #include "base/aside.h"
-#include "base/limits.h"
 
 static const struct {
 	const char *folder, *ending;
@@ -80,8 +79,7 @@ static enum status make_folders(const char *path)
 	for (char *slash = strchr(part + 1, '/'); slash != NULL; slash = strchr(slash + 1, '/')) {
 		*slash = '\0';
 		if (mkdir(part, 0777) != 0 && errno != EEXIST)
-			return fail_with(STATUS_FAILED, "%s: cannot be made: %s; %s", part, strerror(errno),
-					 limits_advice(errno, "give a folder that can be written"));
+			return fail_with(STATUS_FAILED, "%s: cannot be made: %s; give a folder that can be written", part, strerror(errno));
 		*slash = '/';
 	}
 	return STATUS_OK;

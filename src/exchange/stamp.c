@@ -19,7 +19,6 @@
 #include <unistd.h>
 
 #include "base/json.h"
-#include "base/limits.h"
 
 #define STAMP "furrow-tiles.json"
 #define JOURNAL "furrow-tiles.journal"
@@ -121,8 +120,7 @@ enum status exchange_journal_begin(struct exchange_journal *journal, const char 
 		return fail_memory("the journal of tiles");
 	journal->file = fopen(journal->path, "a+");
 	if (journal->file == NULL)
-		return fail_with(STATUS_FAILED, "%s: cannot be written: %s; %s", journal->path, strerror(errno),
-				 limits_advice(errno, "give a folder that can be written"));
+		return fail_with(STATUS_FAILED, "%s: cannot be written: %s; give a folder that can be written", journal->path, strerror(errno));
 	if (flock(fileno(journal->file), LOCK_EX | LOCK_NB) != 0)
 		return fail_with(STATUS_FAILED, "%s: another export writes to this folder; wait for it, or give another folder", directory);
 	rewind(journal->file);

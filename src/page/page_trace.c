@@ -19,7 +19,6 @@
 
 #include "base/aside.h"
 #include "base/key_set.h"
-#include "base/limits.h"
 #include "page/page.h"
 
 #define BUFFER_BYTES ((size_t)1 << 16)
@@ -98,8 +97,7 @@ static enum status begin(struct page_trace *trace)
 {
 	int file = open(trace->aside.part, O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
 	if (file < 0)
-		return fail_with(STATUS_FAILED, "%s: %s; %s", trace->path, strerror(errno),
-				 limits_advice(errno, "give a file that can be written"));
+		return fail_with(STATUS_FAILED, "%s: %s; give a file that can be written", trace->path, strerror(errno));
 	/* Between open and lock another drive may have published this very file, so that it is no .part any more. */
 	struct stat found, named;
 	if (flock(file, LOCK_EX | LOCK_NB) != 0 || stat(trace->aside.part, &named) != 0 || fstat(file, &found) != 0 ||

@@ -11,7 +11,6 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "base/limits.h"
 #include "render/internal.h"
 #include "render/view.h"
 
@@ -362,7 +361,7 @@ void render_view_free_cameras(struct view *view)
 static enum status make_folder(const char *path)
 {
 	if (mkdir(path, 0777) != 0 && errno != EEXIST)
-		return fail_with(STATUS_FAILED, "%s: %s; %s", path, strerror(errno), limits_advice(errno, "give a folder that can be written"));
+		return fail_with(STATUS_FAILED, "%s: %s; give a folder that can be written", path, strerror(errno));
 	return STATUS_OK;
 }
 

@@ -11,14 +11,13 @@
 #include <string.h>
 
 #include "base/aside.h"
-#include "base/limits.h"
 #include "report/poses.h"
 
 #define HEADER "# timestamp tx ty tz qx qy qz qw\n"
 
 static enum status failed(const char *path)
 {
-	return fail_with(STATUS_FAILED, "%s: %s; %s", path, strerror(errno), limits_advice(errno, "give a folder that can be written"));
+	return fail_with(STATUS_FAILED, "%s: %s; give a folder that can be written", path, strerror(errno));
 }
 
 /* Fills the quaternion x, y, z, w of a rotation, given by its columns. `w` is not negative. (Shepperd 1978: the largest of the four

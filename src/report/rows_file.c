@@ -1,5 +1,4 @@
 /* Opens files of rows, and cuts those of a resumed run. */
-#include "base/limits.h"
 #include "report/rows_file.h"
 
 #include <errno.h>
@@ -25,7 +24,7 @@ static long whole_until(FILE *file, const char *header, double time)
 
 enum status report_rows_file_failed(const char *path)
 {
-	return fail_with(STATUS_FAILED, "%s: %s; %s", path, strerror(errno), limits_advice(errno, "give a folder that can be written"));
+	return fail_with(STATUS_FAILED, "%s: %s; give a folder that can be written", path, strerror(errno));
 }
 
 enum status report_rows_file_open(const struct world *world, const char *path, const char *header, FILE **file, bool *begins)
