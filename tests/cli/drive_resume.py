@@ -180,7 +180,7 @@ objects:
         self.drive(first, "--store", self.store)
         for name in ("a", "b"):
             self.ok("branch", self.store, f"{name}.furrow")
-        begins = r"a\.furrow: nothing was driven there: what it begins with is of another scene; begins at step 0"
+        begins = r"a\.furrow: nothing was driven there: the drive that it begins with is of another scene, or has ended; begins at step 0"
         self.assertRegex(self.furrow("drive", other, "--store", "a.furrow", "-o", "out", "--resume", "--steps", "3").stderr, begins)
         # From its first commit on the record is the branch's own.
         self.assertEqual(self.drive(other, "--store", "a.furrow", "--resume")["resumed_from"], 3)
@@ -197,8 +197,10 @@ objects:
         # The same terrain with other ruts is another store.
         self.drive(other, "--store", another)
         self.assertIn("it is an overlay of", self.refused(3, "drive", other, "--store", another, "--overlay", "a.furrow", "-o", "out", "--resume"))
-        # The same scene goes on where its parent's drive ended, after a reset too.
+        # The same scene goes on where its parent's drive ended, after a reset too; if there is a step left.
         self.ok("reset", "b.furrow")
+        self.ok("branch", "b.furrow", "c.furrow")
+        self.assertIsNone(self.drive(first, "--store", "c.furrow", "--resume")["resumed_from"])
         self.assertEqual(self.drive(first, "--store", "b.furrow", "--resume", "--set", "end_time=2")["resumed_from"], 10)
 
     def test_parts_of_many_processes_that_are_damaged_are_told_with_what_to_do(self):
