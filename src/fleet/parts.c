@@ -68,7 +68,7 @@ static enum status list_parts(const char *folder, struct part_list *list)
 	enum status status = STATUS_OK;
 	const int count = scandir(folder, &entries, is_part, by_name);
 	if (count < 0)
-		return fail_with(STATUS_FAILED, "%s: %s; make it readable", folder, strerror(errno));
+		return fail_with(STATUS_FAILED, "%s: %s; remove it, if it is no folder of a drive, or make it readable", folder, strerror(errno));
 	list->paths = mem_calloc((size_t)count + 1, sizeof *list->paths);
 	for (int i = 0; i < count; i++) {
 		char path[PATH_MOST];
@@ -216,6 +216,17 @@ static void remove_folder(const char *folder)
 	rmdir(folder);
 }
 
+/* A part is damaged, or is none: what to do about a store is not what to do about a part. Returns STATUS_INPUT. */
+static enum status advise_to_give_up(const char *folder)
+{
+	struct failure failure;
+	failure_capture(&failure, STATUS_INPUT);
+	char *advice = strstr(failure.message, "; ");
+	if (advice != NULL)
+		*advice = '\0';
+	return fail_with(STATUS_INPUT, "%s; put the part back, or remove %s, which gives up what that drive did", failure.message, folder);
+}
+
 /* Gathers what an earlier run left. */
 static enum status gather_left(const char *over, const char *folder, bool resume)
 {
@@ -227,6 +238,8 @@ static enum status gather_left(const char *over, const char *folder, bool resume
 		return fail_with(STATUS_INPUT, "%s: a drive by several processes was cut off, and left this; add --resume to go on, or remove "
 					       "the folder to give up what it did", folder);
 	enum status status = gather_folder(over, folder, &gathering, &any);
+	if (status == STATUS_INPUT && strncmp(failure_message(), folder, strlen(folder)) == 0)
+		return advise_to_give_up(folder);
 	if (status != STATUS_OK)
 		return status;
 	if (any)

@@ -25,8 +25,8 @@
 
 /* In store_commit.c: returns STATUS_INTERRUPTED if run->given_up tells to give up the commit. */
 enum status store_commit_goes_on(const struct store *store, const struct store_run *run) FURROW_CHECKED;
-/* store_place.c: STATUS_FAILED if the file was moved, replaced or deleted since it was opened, or its WAL was deleted. Call it before a
- * transaction, on the writer's thread. */
+/* store_place.c: STATUS_FAILED if the file was moved, replaced or deleted since it was opened, or its WAL was deleted. A file under an overlay
+ * that is gone is only told, once. Call it before a transaction, on the writer's thread. */
 enum status store_place_check(struct store *store) FURROW_CHECKED;
 
 /* --- store_sql.c: calls of SQLite, with error messages --- */
@@ -345,6 +345,7 @@ struct store {
 	bool older;      /* late, and of an earlier version */
 	atomic_bool raised; /* it was made one of this version since it was opened: readers connect anew */
 	bool wal_seen;   /* the file of the WAL was there when store_place_check() looked */
+	bool base_told;  /* a file under it was gone then, and was told */
 	bool durable_full;
 	char *scene;     /* from store_options; NULL: none */
 	char who[64];    /* who writes */

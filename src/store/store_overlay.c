@@ -393,8 +393,7 @@ static bool is_over(struct store *overlay, const struct store *base, uint64_t st
 		return false;
 	bool over = base->under == NULL && !base->working_stored; /* terrain alone */
 	for (const struct store *at = overlay; at->under != NULL; at = at->under)
-		over |= (at->inherits && at->parent_hash == state) || strcmp(path_of(at->under), base->path) == 0 ||
-			strcmp(at->under->real_path, base->real_path) == 0;
+		over |= (at->inherits && at->parent_hash == state) || strcmp(at->under->real_path, base->real_path) == 0;
 	return over;
 }
 

@@ -17,6 +17,16 @@ static bool wal_gone(struct store *store)
 	return store->wal_seen && !there;
 }
 
+/* The overlay is whole without its base, and cannot be read. */
+static void look_for_base(struct store *store)
+{
+	for (const struct store *at = store->under; at != NULL && !store->base_told; at = at->under)
+		if (at->copied_from == NULL && access(at->real_path, F_OK) != 0) {
+			note("%s: %s was moved or deleted while it was in use; put it back, or tell where it is with furrow relink", store->path, at->real_path);
+			store->base_told = true;
+		}
+}
+
 enum status store_place_check(struct store *store)
 {
 	int moved = 0;
@@ -26,5 +36,6 @@ enum status store_place_check(struct store *store)
 	if (wal_gone(store))
 		return fail_with(STATUS_FAILED, "%s-wal: the file was deleted while the store was being written; leave it there until the writer "
 				 "ends, and go on with --resume", store->path);
+	look_for_base(store);
 	return STATUS_OK;
 }

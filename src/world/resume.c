@@ -100,19 +100,39 @@ static void restore(struct world *world)
 	}
 }
 
-void world_tell_unfinished(const struct world *world)
+/* Returns true if `run` is of this scene and its record can be read. *ended: whether it came to its end. */
+static bool is_of_this_scene(const struct world *world, const struct store_run *run, bool *ended)
 {
-	struct store_run run;
 	const size_t attached = world->params.attached.count;
 	struct record *record = mem_calloc(1, world_record_bytes_with(world->scene->object_count, attached));
 	if (record != NULL)
 		record->attached_count = attached;
-	if (record != NULL && store_last_run(world->store, &run) == STATUS_OK && run.scene_hash != NULL && run.step > 0 &&
-	    strcmp(run.scene_hash, world->scene->hash) == 0 &&
-	    world_record_parse(&run, world->path, world->scene, record) == STATUS_OK && !record->ended)
+	const bool is = record != NULL && run->scene_hash != NULL && strcmp(run->scene_hash, world->scene->hash) == 0 &&
+			world_record_parse(run, world->path, world->scene, record) == STATUS_OK;
+	*ended = is && record->ended;
+	mem_free(record);
+	return is;
+}
+
+void world_tell_unfinished(const struct world *world)
+{
+	struct store_run run;
+	bool ended;
+	if (store_last_run(world->store, &run) == STATUS_OK && run.step > 0 && is_of_this_scene(world, &run, &ended) && !ended)
 		note("%s: this scene was driven to step %lld there and not to its end; it begins anew, over those ruts "
 		     "(--resume would go on)", world->path, (long long)run.step);
-	mem_free(record);
+}
+
+/* Returns true if nothing was driven in an overlay, and its parent's drive cannot go on there. That drive is of another scene, or has no step
+ * left. */
+static bool begins_anew(struct world *world, const struct store_run *run)
+{
+	bool ended;
+	if (!store_run_inherited(world->store))
+		return false;
+	if (strcmp(run->scene_hash, world->scene->hash) != 0)
+		return true;
+	return !world->scene->hosted && run->step >= world_step_count(world) && is_of_this_scene(world, run, &ended) && ended;
 }
 
 enum status world_resume(struct world *world)
@@ -129,12 +149,11 @@ enum status world_resume(struct world *world)
 		note("%s: nothing was driven there; begins at step 0", store);
 		return STATUS_OK;
 	}
-	const bool other = strcmp(run.scene_hash, world->scene->hash) != 0;
-	if (other && store_run_inherited(world->store)) {
-		note("%s: nothing was driven there: what it begins with is of another scene; begins at step 0, over those ruts", store);
+	if (begins_anew(world, &run)) {
+		note("%s: nothing was driven there: the drive that it begins with is of another scene, or has ended; begins at step 0, over its ruts", store);
 		return STATUS_OK;
 	}
-	if (other)
+	if (strcmp(run.scene_hash, world->scene->hash) != 0)
 		return fail_with(STATUS_INPUT, "%s: its last drive, to step %lld, was of another scene, or of this one with other values "
 				 "(%.8s, not %.8s); resume with the same scene and the same --set, or drive without --resume: it then goes "
 				 "over those ruts", store, (long long)run.step, run.scene_hash, world->scene->hash);

@@ -179,7 +179,7 @@ objects:
         self.drive(first, "--store", self.store)
         for name in ("a", "b"):
             self.ok("branch", self.store, f"{name}.furrow")
-        begins = r"a\.furrow: nothing was driven there: what it begins with is of another scene; begins at step 0"
+        begins = r"a\.furrow: nothing was driven there: the drive that it begins with is of another scene, or has ended; begins at step 0"
         self.assertRegex(self.furrow("drive", other, "--store", "a.furrow", "-o", "out", "--resume", "--steps", "3").stderr, begins)
         # From its first commit on the record is the branch's own.
         self.assertEqual(self.drive(other, "--store", "a.furrow", "--resume")["resumed_from"], 3)
@@ -196,9 +196,27 @@ objects:
         # The same terrain with other ruts is another store.
         self.drive(other, "--store", another)
         self.assertIn("it is an overlay of", self.refused(3, "drive", other, "--store", another, "--overlay", "a.furrow", "-o", "out", "--resume"))
-        # The same scene goes on where its parent's drive ended, after a reset too.
+        # The same scene goes on where its parent's drive ended, after a reset too; if there is a step left.
         self.ok("reset", "b.furrow")
+        self.ok("branch", "b.furrow", "c.furrow")
+        self.assertIsNone(self.drive(first, "--store", "c.furrow", "--resume")["resumed_from"])
         self.assertEqual(self.drive(first, "--store", "b.furrow", "--resume", "--set", "end_time=2")["resumed_from"], 10)
+
+    def test_parts_of_many_processes_that_are_damaged_are_told_with_what_to_do(self):
+        scene = self.scene("{scene: 1, time_step: 0.1, end_time: 1, spacing: 1, soil: {name: dry_sand}, redistribute: {model: scm}, objects: [{name: a, "
+                           "shape: {sphere: {radius: 2}}, sink: 0.1, path: {points: [[20, 20], [40, 30]], speed: 5}}]}")
+        drive = ["drive", scene, "--store", self.store, "--overlay", "a.furrow", "-o", "out", "--steps", "2"]
+        self.ok(*drive)
+        parts = self.folder / "a.furrow.parts"
+        parts.mkdir()
+        for content in (b"rubbish", (self.folder / "a.furrow").read_bytes()):
+            (parts / "part-00000.furrow").write_bytes(content)
+            self.assertRegex(self.refused(3, *drive, "--resume"),
+                             r"a\.furrow\.parts/part-00000\.furrow: .*; put the part back, or remove a\.furrow\.parts, which gives up what that drive did$")
+            self.assertEqual((parts / "part-00000.furrow").read_bytes(), content)
+        shutil.rmtree(parts)
+        parts.write_text("no folder")
+        self.assertIn("remove it, if it is no folder of a drive", self.refused(1, *drive, "--resume"))
 
     def test_what_is_complete_is_left_as_it_is(self):
         scene = self.scene()

@@ -57,7 +57,7 @@ class Limits(FurrowTest):
                                   ((6, 9, 12, 14, 17, 18, 40), ("drive", scene, "--store", store, "-o", "out"))):
             for line in self.swept(resource.RLIMIT_NOFILE, limits, (1, 4), *arguments):
                 self.assertIn("Too many open files", line)
-                if not line.startswith("furrow: GL: "):
+                if line.startswith(f"furrow: {store}: "):
                     self.assertTrue(line.endswith("; raise the limit on open files (ulimit -n)"), line)
         self.assertTrue(self.json("verify", store)["ok"])
 

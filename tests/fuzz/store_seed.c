@@ -114,11 +114,11 @@ static void repage(const char *path, int page_size)
 {
 	char sql[64];
 	sqlite3 *db;
-	if (page_size == 0)
-		return;
-	snprintf(sql, sizeof sql, "PRAGMA page_size=%d; VACUUM", page_size);
 	fuzz_check(sqlite3_open(path, &db) == SQLITE_OK);
-	fuzz_check(sqlite3_exec(db, sql, NULL, NULL, NULL) == SQLITE_OK);
+	/* The same bytes at any time, of any user. */
+	fuzz_check(sqlite3_exec(db, "UPDATE run SET made = 1000000000, who = 'a'", NULL, NULL, NULL) == SQLITE_OK);
+	snprintf(sql, sizeof sql, "PRAGMA page_size=%d; VACUUM", page_size);
+	fuzz_check(page_size == 0 || sqlite3_exec(db, sql, NULL, NULL, NULL) == SQLITE_OK);
 	sqlite3_close(db);
 }
 

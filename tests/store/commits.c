@@ -147,45 +147,6 @@ static void rows_that_did_not_change_are_not_written(void **state)
 	store_close(store);
 }
 
-/* What a commit says after `change` was done to the store's file or its WAL. All up to the commit before is kept. */
-static void a_file_that_is_taken_away_while_it_is_written_is_told(void **state)
-{
-	static const char *const told[] = {"moved, replaced or deleted", "moved, replaced or deleted", "moved, replaced or deleted", "-wal: "};
-	for (int way = 0; way < 4; way++) {
-		const char *path = in_folder("taken.furrow"), *elsewhere = in_folder("elsewhere.furrow");
-		struct store_commit_result result;
-		struct store_numbers numbers;
-		make_store(path);
-		make_store(elsewhere);
-		struct store *store = open_store(path, STORE_WRITE);
-		assert_ok(store_set_working_level(store, 0));
-		struct field field = field_make(0);
-		field_dig(&field, 20, 20, 6, 1);
-		assert_ok(field_commit(&field, around(20, 20, 6), store, 5, &result));
-		uint64_t first = content(store);
-		if (way == 0)
-			assert_int_equal(unlink(path), 0);
-		else if (way == 1) /* another store in its place */
-			assert_int_equal(rename(elsewhere, path), 0);
-		else if (way == 2)
-			assert_int_equal(rename(path, elsewhere), 0);
-		else
-			assert_int_equal(unlink(in_folder("taken.furrow-wal")), 0);
-		field_dig(&field, 50, 30, 6, 2);
-		assert_status(field_commit(&field, around(50, 30, 6), store, 6, &result), STATUS_FAILED);
-		assert_non_null(strstr(failure_message(), told[way]));
-		store_close(store);
-		field_free(&field);
-		if (way < 2)
-			continue;
-		store = open_store(way == 2 ? elsewhere : path, STORE_READ);
-		assert_ok(store_count(store, &numbers));
-		assert_int_equal(numbers.last_run.step, 5);
-		assert_true(content(store) == first);
-		store_close(store);
-	}
-}
-
 static void a_working_level_is_fixed_by_the_first_epoch_until_reset(void **state)
 {
 	const char *path = in_folder("level.furrow");
@@ -372,7 +333,6 @@ TEST_PROGRAM(commits)
 		cmocka_unit_test(every_level_is_the_decimation_of_the_finer),
 		cmocka_unit_test(content_does_not_depend_on_how_it_was_split),
 		cmocka_unit_test(rows_that_did_not_change_are_not_written),
-		cmocka_unit_test(a_file_that_is_taken_away_while_it_is_written_is_told),
 		cmocka_unit_test(a_working_level_is_fixed_by_the_first_epoch_until_reset),
 		cmocka_unit_test(a_failed_epoch_leaves_the_one_before),
 		cmocka_unit_test(a_killed_writer_leaves_its_last_epoch),
