@@ -86,7 +86,7 @@ ELSEWHERE = {
     "is too large for posts": "about sizes of a shape: no key of its own", "is too large for one; give sink": "no number", "are too different": "a ratio",
     "it is %g m long": "a range of the file's size", "user says %g grousers": "a range",
     # needs what no test here has, or is told elsewhere
-    "give an end_time of": "cli/notes.py", "are too many sizes": "a range", "give smaller sizes": "a machine with little memory", "the view needs %zu tiles": "needs a GL drive of many tiles",
+    "give an end_time of": "cli/notes.py", "are too many sizes": "a range", "path samples are due in one step": "cli/contract", "give smaller sizes": "a machine with little memory", "the view needs %zu tiles": "needs a GL drive of many tiles",
     "touches up to %zu tiles at once": "tests/world", "pages must be resident at once": "a caller's error", "each step loads tiles again": "limits",
     "move the path%s, or import": "cli/nodata", "no ground under it": "above", "are too coarse to be divided": "levels no drive makes",
     "try it by hand on": "needs ffmpeg that fails", "try another GL driver": "a driver that fails", "report this, or try another": "a driver that fails",
