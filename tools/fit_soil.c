@@ -102,7 +102,7 @@ const struct command command_fit_soil = {
 		   "              shear stress tau       Pa, kPa or MPa\n\n"
 		   "One word of each name is enough, as in \"b mm,z mm,p kPa\". The width is a plate's shorter side, or the radius of a round one. Other "
 		   "columns, empty lines and lines that begin with # are passed over.\n\n"
-		   "Plates of one width do not tell kc and kphi apart. Then kc is 0, and kphi is their sum for that width. One normal stress does "
+		   "Plates of one width do not tell kc and kphi apart: give plates of two. With one, kc is 0, and kphi is their sum for that width. One normal stress does "
 		   "not tell cohesion and friction apart. Then the soil has no cohesion.\n\n"
 		   "A drive takes the soil in place of its scene's: furrow drive SCENE -o DIR --set soil=soil.yaml. So do explain and view; rig and mobility "
 		   "take it by --soil.\n\n"

@@ -60,11 +60,18 @@ int main(int argc, char **argv)
 {
 	dem_quiet_process();
 	(void)signal(SIGXFSZ, SIG_IGN); /* a file that may not grow is a failed write, which is told */
+	if (argc >= 3 && strcmp(argv[1], "help") == 0 && !is_help(argv[2]) && strcmp(argv[2], "help") != 0) {
+		const struct command *asked = command_find(argv[2]);
+		if (asked == NULL)
+			return report(unknown_command(argv[2]));
+		help_command(stdout, asked);
+		return 0;
+	}
 	if (argc >= 2 && (is_help(argv[1]) || strcmp(argv[1], "help") == 0)) {
 		help_overview(stdout);
 		return 0;
 	}
-	if (argc >= 2 && strcmp(argv[1], "--version") == 0) {
+	if (argc >= 2 && (strcmp(argv[1], "--version") == 0 || strcmp(argv[1], "-V") == 0 || strcmp(argv[1], "version") == 0)) {
 		puts("furrow " FURROW_VERSION);
 		return 0;
 	}

@@ -369,7 +369,7 @@ const struct command command_mobility = {
 		   "  probability  of going straight up, of the soils of the spread\n\n"
 		   "With --spread a map shows the probability of going straight up, of a Latin hypercube of soils.\n\n"
 		   "It is for constant speed on ground that is even over the vehicle's length: steps, ditches and rocks are not "
-		   "seen. Map and drives rest on the same soil model: that they agree says that both are consistent, not that they "
+		   "seen. For those drive the way with furrow drive. Map and drives rest on the same soil model: that they agree says that both are consistent, not that they "
 		   "are true.\n",
 	.examples = "furrow mobility site.furrow --vehicle rover.xml --soil lunar -o go.png\n"
 		    "furrow mobility site.furrow --scene scene.yaml -o go.tif --window 0,0,400,300\n",

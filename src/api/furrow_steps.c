@@ -3,8 +3,6 @@
 
 #include <math.h>
 
-#define SAMPLES_MOST 1e6
-#define LONG_STEP 100 /* time_steps: shorter ones are not counted */
 #define TIME_MOST 1e9 /* s: the longest end_time of a scene, too */
 
 enum status api_library_checkpoint(struct furrow_world *host)
@@ -37,23 +35,6 @@ static enum status step_vehicles(struct furrow_world *host, double seconds)
 	return failure_restore(&failure);
 }
 
-/* A step places all path samples that are due in it before it changes the ground. */
-static enum status need_few_samples(const struct furrow_world *host, double until)
-{
-	const struct world *world = &host->world;
-	const double seconds = until - world->time;
-	double due = 0;
-	if (seconds <= LONG_STEP * host->scene->time_step)
-		return STATUS_OK;
-	for (size_t i = 0; i < host->scene->object_count; i++)
-		if (world->bodies[i].track != NULL)
-			due += (double)world_samples_until(world->bodies[i].track, until) - (double)world->bodies[i].next;
-	if (due <= SAMPLES_MOST)
-		return STATUS_OK;
-	return fail_with(STATUS_USAGE, "step: in %g s bodies pass %.3g path samples, and %g is the most in one step; take steps of %.2g s or less", seconds, due,
-			 SAMPLES_MOST, seconds * SAMPLES_MOST / due);
-}
-
 static enum status step(struct furrow_world *host, double seconds)
 {
 	struct world *world = &host->world;
@@ -65,9 +46,6 @@ static enum status step(struct furrow_world *host, double seconds)
 				 until - world->time, world->time, TIME_MOST, fmax(TIME_MOST - world->time, 0));
 	if (world->torn)
 		return fail_with(STATUS_FAILED, "step: the last one failed half-way; roll back first, or close the world");
-	const enum status few = need_few_samples(host, until);
-	if (few != STATUS_OK)
-		return few;
 	const double began = clock_seconds();
 	enum status status = host->vehicles != NULL ? step_vehicles(host, seconds) : world_step_to(world, until);
 	const double took = clock_seconds() - began;

@@ -220,7 +220,7 @@ enum status chart_page_write(struct chart_page *page, const char *path)
 		return fail_with(STATUS_FAILED, "%s: cannot write the map: %s; check space and permissions of its folder", path,
 				 strerror(page->full));
 	if (failed != CAIRO_STATUS_SUCCESS)
-		return fail_with(STATUS_FAILED, "%s: cannot draw the map: %s; draw a smaller one", path,
+		return fail_with(STATUS_FAILED, "%s: cannot draw the map: %s; give a smaller --size or a smaller --window", path,
 				 cairo_status_to_string(failed));
 	if (page->lacking)
 		return fail_memory("a map's words");

@@ -52,7 +52,7 @@ enum status motion_track_create(const struct scene_path *path, double post, doub
 void motion_track_destroy(struct track *track);
 
 int64_t motion_track_samples(const struct track *track); /* INT64_MAX for a loop */
-/* Returns the most path samples that are due within any `seconds` of time. It may be one too many. */
+/* Returns the most path samples that are due within any `seconds` of time. It is not too few, and at most two too many. */
 double motion_track_most(const struct track *track, double seconds);
 void motion_track_sample(const struct track *track, int64_t index, struct track_point *point);
 double motion_track_sample_time(const struct track *track, int64_t index);

@@ -220,6 +220,24 @@ static void advise_ground(const struct adviser *adviser)
 				"stable");
 }
 
+/* Depth is that of sliding. It is taken for the thickness of a layer, and nothing is firm below it. */
+static void advise_depth(const struct adviser *adviser)
+{
+	const struct scene *scene = adviser->scene;
+	if (!deform_tells_forces(scene->model) || scene->depth <= 0)
+		return;
+	for (size_t i = 0; i < scene->object_count; i++)
+		for (int k = 0; k < scene->soil_count; k++) {
+			const struct scene_object *object = &scene->objects[i];
+			const double sinks = object->load > 0 ? deform_sinkage_guess(&object->shape, &scene->soils[k], object->load) : 0;
+			if (sinks <= scene->depth)
+				continue;
+			advise(adviser, "redistribute.depth: %g m is how deep soil slides, and no firm ground begins there: %s sinks by about %.2g m; give numbers of the "
+					"whole ground, as a plate test on it tells them, or take it away", scene->depth, object->name, sinks);
+			return;
+		}
+}
+
 static void advise_attributes(const struct adviser *adviser)
 {
 	const struct scene *scene = adviser->scene;
@@ -466,6 +484,7 @@ void scene_advise(const struct scene *scene, double spacing, scene_advice_fn tel
 	advise_time(&adviser);
 	advise_without_objects(&adviser);
 	advise_ground(&adviser);
+	advise_depth(&adviser);
 	advise_attributes(&adviser);
 	for (size_t i = 0; i < scene->object_count; i++) {
 		advise_shape(&adviser, &scene->objects[i]);

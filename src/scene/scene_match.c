@@ -134,6 +134,13 @@ static struct scene_list elsewhere(const char *key)
 static enum status unknown_key(const struct scene_tree *tree, const cyaml_schema_field_t *fields, const struct scene_node *node, const char *keys)
 {
 	struct nearest nearest = nearest_begin(node->key);
+	/* Layers are asked for by names that no key is near to. */
+	static const char *const layers[] = {"depth", "thickness", "layer", "layers"};
+	const bool of_soil = node->parent != NULL && node->parent->key != NULL && strcmp(node->parent->key, "soil") == 0;
+	for (size_t i = 0; of_soil && i < sizeof layers / sizeof *layers; i++)
+		if (strcmp(node->key, layers[i]) == 0)
+			return scene_error(tree->file, node, "unknown key: a soil is the same down to any depth, and has no layers; allowed: numbers of the whole ground, "
+					   "as a plate test on it tells them; redistribute.depth is how deep soil slides");
 	for (; fields->key != NULL; fields++)
 		nearest_offer(&nearest, fields->key);
 	const struct nearest_text asks = nearest_ask(&nearest);

@@ -84,16 +84,14 @@ static enum status list_due(struct world *world, double until)
 	world->events.count = 0;
 	for (size_t i = 0; i < world->scene->object_count && status == STATUS_OK; i++) {
 		const struct body *body = &world->bodies[i];
-		const size_t before = world->events.count;
 		const int64_t samples = body->track != NULL && !body->elsewhere ? motion_track_samples(body->track) : 0;
+		if (samples - body->next > WORLD_SAMPLES_MOST && motion_track_sample_time(body->track, body->next + WORLD_SAMPLES_MOST) <= until)
+			status = fail_with(STATUS_USAGE, "%s: more than %d path samples are due in one step; make shorter steps", body->object->name, WORLD_SAMPLES_MOST);
 		for (int64_t next = body->next; next < samples && status == STATUS_OK; next++) {
 			const struct event event = {.time = motion_track_sample_time(body->track, next), .body = i};
 			if (event.time > until)
 				break;
-			if (world->events.count - before >= WORLD_SAMPLES_MOST)
-				status = fail_with(STATUS_USAGE, "%s: more than %d path samples are due in one step; make shorter steps", body->object->name, WORLD_SAMPLES_MOST);
-			else
-				status = asked_to_stop(world, next) ? world_interrupted(world) : add_event(world, &event);
+			status = asked_to_stop(world, next) ? world_interrupted(world) : add_event(world, &event);
 		}
 	}
 	if (status == STATUS_OK && world->events.count > 1)

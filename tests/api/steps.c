@@ -77,11 +77,27 @@ static void a_contact_on_a_path_has_the_time_of_its_path_sample(void **state)
 	done(furrow_world_close(world));
 }
 
+/* A step of too many path samples is refused before anything changes, however many they are. */
+static void a_step_of_too_many_path_samples_is_refused(void **state)
+{
+	static const char scene[] = "{\"scene\": 1, \"time_step\": 0.05, \"spacing\": 0.125, \"soil\": {\"name\": \"dry_sand\"},"
+				    " \"redistribute\": {\"model\": \"scm\"}, \"objects\": [{\"name\": \"ball\", \"shape\": {\"sphere\": {\"radius\": 0.5}},"
+				    " \"sink\": 0.1, \"path\": {\"points\": [[10, 16], [20, 16]], \"speed\": 10, \"loop\": true}}]}";
+	struct furrow_world *world = hosted_world_over("many.furrow", scene, hosted_flat);
+	refused(FURROW_USAGE, furrow_step(world, 12600)); /* a million posts of 0.125 m are 12,500 s of way */
+	refused(FURROW_USAGE, furrow_step(world, 1e15));
+	assert_true(furrow_time(world) == 0);
+	done(furrow_step(world, 0));
+	assert_true(fabs(furrow_time(world) - 0.05) < 1e-12);
+	done(furrow_world_close(world));
+}
+
 TEST_PROGRAM(steps)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_step_that_fails_before_anything_changed_changes_no_later_one),
 		cmocka_unit_test(a_contact_on_a_path_has_the_time_of_its_path_sample),
+		cmocka_unit_test(a_step_of_too_many_path_samples_is_refused),
 	};
 	return cmocka_run_group_tests(tests, support_enter, support_leave);
 }

@@ -59,6 +59,16 @@ class Help(FurrowTest):
         self.assertEqual((result.returncode, result.stderr), (0, ""))
         return sorted(result.stdout.splitlines())
 
+    def test_help_and_version_are_found_by_the_words_that_people_try(self):
+        for name in ("drive", "study"):
+            self.assertEqual(self.ok("help", name), self.ok(name, "--help"))
+            self.assertEqual(self.ok(name, "-h"), self.ok(name, "--help"))
+        for words in (["-h"], ["help"], ["help", "help"], ["help", "-h"]):
+            self.assertEqual(self.ok(*words), self.ok("--help"))
+        for words in (["-V"], ["version"]):
+            self.assertEqual(self.ok(*words), self.ok("--version"))
+        self.assertIn("did you mean drive?", self.refused(2, "help", "drvie"))
+
     def test_all_are_found(self):
         self.assertGreater(len(self.commands), 21)
         self.assertGreater(len(self.options["import"]), 20)

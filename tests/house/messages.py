@@ -34,6 +34,21 @@ class Messages(unittest.TestCase):
         self.assertEqual(found, [])
         self.assertGreater(count, 600)
 
+    def test_each_limit_names_the_way_that_exists(self):
+        """In the pages' lists of limits, and in sentences of --help that say what cannot be done."""
+        way = re.compile(r"`|\]\(|\b(give|use|run|leave|take|is a store)\b", re.I)
+        for page in (SOURCES.parent / "README.md", SOURCES / "vehicle/VEHICLES.md"):
+            limits = page.read_text().split("\n## Limits\n")[1].split("\n## ")[0]
+            points = re.split(r"\n- ", limits)[1:]
+            self.assertGreater(len(points), 5)
+            self.assertEqual([point for point in points if not way.search(point)], [], page)
+        ways = re.compile(r"\b(give|use|leave|name|drive|see|furrow)\b|--", re.I)
+        for path in TOOLS.glob("*.c"):
+            for details in re.findall(r"\.details = ((?:\"(?:[^\"\\]|\\.)*\"\s*)+)", path.read_text()):
+                text = "".join(re.findall(r'"((?:[^"\\]|\\.)*)"', details)).replace("\\n", " ")
+                for sentence in re.findall(r"[^.]*\b(?:cannot|refused|do not tell|are not seen)\b[^.]*\.[^.]*", text):
+                    self.assertRegex(sentence, ways, path.name)
+
     def test_it_finds_what_lacks_advice(self):
         text = 'fail_with(STATUS_INPUT, "%s: it is damaged", name); fail_with(STATUS_FAILED, "a: b; " ADVICE); fail_with(STATUS_USAGE, "a: b "\n "c; d")'
         self.assertEqual([lacks_advice(message) for _, message in messages(text)], [True, False, False])

@@ -140,6 +140,33 @@ static void a_single_point_is_one_station(void **state)
 }
 
 /* The slow way round: station by station. */
+/* The most samples within any time, against a count at each sample. */
+static void the_most_samples_of_an_interval_are_known(void **state)
+{
+	struct scene_waypoint waypoints[6] = {{0}};
+	const double points[][2] = {{0, 0}, {1, 0}, {9, 0}, {9, 0}, {9, 30}, {10, 30}}, times[] = {0, 4, 5, 9, 9 + 1e-9, 30};
+	for (int timed = 0; timed < 2; timed++) {
+		struct scene_path path = {.points = waypoints, .count = 6, .speed = 3, .timed = timed != 0, .delay = 2};
+		for (int i = 0; i < 6; i++)
+			waypoints[i].t = times[i];
+		struct track *track = track_of(&path, points);
+		const int64_t samples = motion_track_samples(track);
+		for (double seconds = 1e-12; seconds < 100; seconds *= 3) {
+			int64_t most = 0;
+			for (int64_t i = 0; i < samples; i++) {
+				int64_t due = 1;
+				while (i + due < samples && motion_track_sample_time(track, i + due) <= motion_track_sample_time(track, i) + seconds)
+					due++;
+				most = due > most ? due : most;
+			}
+			const double told = motion_track_most(track, seconds);
+			if (!(told >= (double)most - 1e-3 && told <= (double)most + 2))
+				fail_msg("%d: within %g s %g, counted %lld", timed, seconds, told, (long long)most);
+		}
+		motion_track_destroy(track);
+	}
+}
+
 static int64_t first_outside(const struct track *track, int64_t count, double width, double height)
 {
 	for (int64_t i = 0; i < count; i++) {
@@ -231,6 +258,7 @@ TEST_PROGRAM(track)
 		cmocka_unit_test(a_timed_path_that_stands_still_is_there_from_when_it_came),
 		cmocka_unit_test(a_single_point_is_one_station),
 		cmocka_unit_test(where_a_path_leaves_is_found),
+		cmocka_unit_test(the_most_samples_of_an_interval_are_known),
 		cmocka_unit_test(a_way_has_its_corners_and_ends_where_the_object_is),
 	};
 	return cmocka_run_group_tests_name("track", tests, NULL, NULL);
