@@ -32,6 +32,7 @@
 struct list {
 	char *path;
 	sqlite3 *db; /* NULL: there is no list */
+	struct stat file; /* that is written */
 };
 
 static void list_close(struct list *list)
@@ -100,8 +101,15 @@ static enum status list_open(const char *real_path, struct list *list)
 	return status;
 }
 
-static enum status find_or_make(const struct list *list, struct stat *file)
+static bool is_there(const struct list *list)
 {
+	struct stat now;
+	return lstat(list->path, &now) == 0 && now.st_ino == list->file.st_ino && now.st_dev == list->file.st_dev;
+}
+
+static enum status find_or_make(struct list *list)
+{
+	struct stat *file = &list->file;
 	if (lstat(list->path, file) == 0 && !S_ISREG(file->st_mode))
 		return damaged(list);
 	int made = open(list->path, O_RDWR | O_CREAT | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC, 0666);
@@ -116,7 +124,6 @@ static enum status find_or_make(const struct list *list, struct stat *file)
 /* Opens the list of a store for writing, and begins a transaction. Makes the list if there is none. */
 static enum status list_begin(const char *real_path, struct list *list)
 {
-	struct stat file = {0}, now;
 	bool empty = false, same = false;
 	enum status status = STATUS_OK;
 	*list = (struct list){.path = store_path_with(real_path, PINS_SUFFIX)};
@@ -125,7 +132,7 @@ static enum status list_begin(const char *real_path, struct list *list)
 	while (status == STATUS_OK && !same) {
 		sqlite3_close(list->db);
 		list->db = NULL;
-		status = find_or_make(list, &file);
+		status = find_or_make(list);
 		if (status == STATUS_OK)
 			status = store_connect_file(list->path, list->path, true, false, &list->db);
 		if (status == STATUS_OK)
@@ -133,7 +140,7 @@ static enum status list_begin(const char *real_path, struct list *list)
 		if (status == STATUS_OK)
 			status = store_sql_begin(list->db, list->path, "writing it");
 		/* Who dropped the last line has removed the list meanwhile (list_remove). */
-		same = lstat(list->path, &now) == 0 && now.st_ino == file.st_ino && now.st_dev == file.st_dev;
+		same = is_there(list);
 	}
 	if (status == STATUS_OK)
 		status = check_list(list, &empty);
@@ -151,23 +158,21 @@ static enum status list_remove(struct list *list)
 	return status;
 }
 
-/* Removes a list to which nothing could be written, unless somebody else has written to it. */
+/* Removes a list to which nothing could be written. Who is about to write to it finds that out (list_end). */
 static void give_up(struct list *list)
 {
-	struct failure failure;
-	bool empty = false;
-	failure_capture(&failure, STATUS_FAILED);
+	struct stat file;
 	store_sql_undo(list->db);
-	if (store_sql_begin(list->db, list->path, "writing it") == STATUS_OK && check_list(list, &empty) == STATUS_OK && empty)
+	if (is_there(list) && lstat(list->path, &file) == 0 && file.st_size == 0)
 		unlink(list->path);
-	store_sql_undo(list->db);
-	failure_restore(&failure);
 }
 
 static enum status list_end(struct list *list, enum status status)
 {
 	if (status == STATUS_OK)
 		status = store_sql_exec(list->db, list->path, "writing it", "COMMIT");
+	if (status == STATUS_OK && !is_there(list))
+		status = fail_with(STATUS_FAILED, "%s: it was removed while it was written; try again", list->path);
 	if (status != STATUS_OK && list->db != NULL)
 		give_up(list);
 	list_close(list);
