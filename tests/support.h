@@ -81,7 +81,7 @@ static inline void support_store_at(const char *path, struct extent extent, supp
 	struct store_meta meta = {.extent = extent, .step = 1.0 / 1024, .max_error = 1.0 / 2048, .srs = "",
 				  .vertical = "", .sources = "a function", .origin = {x, y}};
 	struct store *store;
-	must(store_create(path, &meta, true, &store));
+	must(store_create(path, &meta, STORE_OVERWRITE_FORCE, &store));
 	must(dem_cut(&(struct dem_cut){.extent = &extent, .step = meta.step, .posts = support_posts, .posts_user = &ground,
 				       .emit = support_put, .emit_user = store}));
 	must(store_publish(store));

@@ -25,7 +25,7 @@ const struct command command_snapshot = {
 	.arguments = COMMAND_ARGUMENTS(COMMAND_STORE,
 				       {"NAME", .help = "1 to 64 characters, not all digits, no blanks and commas", .needed = true}),
 	.details = "From now on the store keeps what later drives replace of it: the first change of each tile, whole. furrow "
-		   "reset drops all names.\n",
+		   "reset drops all names, and only with --force.\n",
 	.see = "furrow-log(1), furrow-restore(1)",
 	.run = run,
 };

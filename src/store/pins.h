@@ -39,7 +39,7 @@ struct pin {
 
 struct store;
 
-/* --- store_pins.c: the list --- */
+/* --- store_pins_tell.c: an overlay is noted in it --- */
 
 /* Notes in the list of `parent` that the overlay at `real_path` depends on it. `parent` is open for reading, and shows what the overlay
  * depends on. Nobody can change the parent between this check and the note. The list is synced. A folder that cannot be written gets no list; that is told
@@ -50,6 +50,8 @@ enum status store_pins_tell_parent(struct store *store) FURROW_CHECKED;
 /* Takes the note back: the overlay was not made, or is removed. Says nothing if that fails. */
 void store_pins_withdraw_from(const struct store *store, const struct store *parent);
 void store_pins_withdraw(const struct store *store);
+/* --- store_pins.c: the list --- */
+
 /* Calls `fn` for each line, by path. */
 typedef enum status (*pin_fn)(void *user, const struct pin *pin);
 enum status store_pins_each(const char *real_path, pin_fn fn, void *user) FURROW_CHECKED;
@@ -59,7 +61,7 @@ enum status store_pins_put(const char *real_path, const struct pin *pin) FURROW_
 /* Removes the lines of overlays that show ruts of the store. */
 enum status store_pins_clear(const char *real_path) FURROW_CHECKED;
 
-/* --- store_prune.c: what of it is still needed --- */
+/* --- store_losses.c: what would be lost with the store --- */
 
 /* STATUS_INPUT, with what would be lost, if overlays or snapshots need what a reset drops; `whole`: what a new store in its place would drop. */
 enum status store_losses_refuse(struct store *store, bool whole) FURROW_CHECKED;

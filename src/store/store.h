@@ -171,7 +171,7 @@ enum status store_set_relief(struct store *store, const struct relief_spec *spec
 
 /* Makes an overlay of a store, or of another overlay. It is used like a store. Base tiles are read from the plain store at the end
  * of the chain. If the parent is deformed or an overlay, the new one shows its deformation as it is now, and its record of a run.
- * Changes go to the overlay's file alone. The parent must stay as it is: a drive on it makes the overlay unusable.
+ * Changes go to the overlay's file alone. The parent stays as it is. It may be driven on: it keeps what the overlay depends on (see pins).
  * STATUS_INPUT: `path` exists, or 16 overlays lie one over another already. */
 enum status store_create_overlay(const char *path, const char *parent_path) FURROW_CHECKED;
 /* Opens the overlay at `path`. Makes it if it does not exist. STATUS_INPUT: the file is not an overlay of that store, nor of an

@@ -7,7 +7,8 @@
  *
  * Invariants:
  *   1. All files but the overlay itself are opened for reading only. No chain is longer than STORE_DEPTH_MOST, and none has a loop.
- *   2. A parent is refused if its base's hash, its header or the hash of its state differs from what the overlay has.
+ *   2. A parent is refused if its base's hash, its header or the hash of its state differs from what the overlay has. If the parent has gone on,
+ *      the state is the pinned one (store_pinned.c).
  *   3. While an overlay that inherits is open, its parent stays as it is to each connection.
  *   4. The path to the parent starts at the overlay's folder, so that both can be moved together. It is absolute if they share
  *      no folder.

@@ -1,9 +1,6 @@
 /*
  * The list of the overlays that depend on a store: the file PATH-pins beside it.
  *
- *   the parent is held (BEGIN IMMEDIATE: no commit now) -> it is still what the overlay depends on -> the line, synced -> the overlay
- *   gets its name
- *
  * A parent that is only branched stays as it is, byte for byte. So the list is a file of its own, a SQLite database of one table. It is
  * lost if the store is moved without it. The overlay then says so when the parent has gone on.
  *
@@ -16,12 +13,9 @@
 
 #include <errno.h>
 #include <fcntl.h>
-#include <libgen.h>
-#include <limits.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
-#include <time.h>
 #include <unistd.h>
 
 #define LIST_APPLICATION_ID 0x46757270 /* "Furp" */
@@ -32,6 +26,7 @@
 struct list {
 	char *path;
 	sqlite3 *db; /* NULL: there is no list */
+	struct stat file; /* that is written */
 };
 
 static void list_close(struct list *list)
@@ -100,8 +95,15 @@ static enum status list_open(const char *real_path, struct list *list)
 	return status;
 }
 
-static enum status find_or_make(const struct list *list, struct stat *file)
+static bool is_there(const struct list *list)
 {
+	struct stat now;
+	return lstat(list->path, &now) == 0 && now.st_ino == list->file.st_ino && now.st_dev == list->file.st_dev;
+}
+
+static enum status find_or_make(struct list *list)
+{
+	struct stat *file = &list->file;
 	if (lstat(list->path, file) == 0 && !S_ISREG(file->st_mode))
 		return damaged(list);
 	int made = open(list->path, O_RDWR | O_CREAT | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC, 0666);
@@ -116,7 +118,6 @@ static enum status find_or_make(const struct list *list, struct stat *file)
 /* Opens the list of a store for writing, and begins a transaction. Makes the list if there is none. */
 static enum status list_begin(const char *real_path, struct list *list)
 {
-	struct stat file = {0}, now;
 	bool empty = false, same = false;
 	enum status status = STATUS_OK;
 	*list = (struct list){.path = store_path_with(real_path, PINS_SUFFIX)};
@@ -125,7 +126,7 @@ static enum status list_begin(const char *real_path, struct list *list)
 	while (status == STATUS_OK && !same) {
 		sqlite3_close(list->db);
 		list->db = NULL;
-		status = find_or_make(list, &file);
+		status = find_or_make(list);
 		if (status == STATUS_OK)
 			status = store_connect_file(list->path, list->path, true, &list->db);
 		if (status == STATUS_OK)
@@ -133,7 +134,7 @@ static enum status list_begin(const char *real_path, struct list *list)
 		if (status == STATUS_OK)
 			status = store_sql_begin(list->db, list->path, "writing it");
 		/* Who dropped the last line has removed the list meanwhile (list_remove). */
-		same = lstat(list->path, &now) == 0 && now.st_ino == file.st_ino && now.st_dev == file.st_dev;
+		same = is_there(list);
 	}
 	if (status == STATUS_OK)
 		status = check_list(list, &empty);
@@ -151,23 +152,21 @@ static enum status list_remove(struct list *list)
 	return status;
 }
 
-/* Removes a list to which nothing could be written, unless somebody else has written to it. */
+/* Removes a list to which nothing could be written. Who is about to write to it finds that out (list_end). */
 static void give_up(struct list *list)
 {
-	struct failure failure;
-	bool empty = false;
-	failure_capture(&failure, STATUS_FAILED);
+	struct stat file;
 	store_sql_undo(list->db);
-	if (store_sql_begin(list->db, list->path, "writing it") == STATUS_OK && check_list(list, &empty) == STATUS_OK && empty)
+	if (is_there(list) && lstat(list->path, &file) == 0 && file.st_size == 0)
 		unlink(list->path);
-	store_sql_undo(list->db);
-	failure_restore(&failure);
 }
 
 static enum status list_end(struct list *list, enum status status)
 {
 	if (status == STATUS_OK)
 		status = store_sql_exec(list->db, list->path, "writing it", "COMMIT");
+	if (status == STATUS_OK && !is_there(list))
+		status = fail_with(STATUS_FAILED, "%s: it was removed while it was written; try again", list->path);
 	if (status != STATUS_OK && list->db != NULL)
 		give_up(list);
 	list_close(list);
@@ -279,150 +278,4 @@ enum status store_pins_clear(const char *real_path)
 	if (status == STATUS_OK)
 		status = store_sql_exec(list.db, list.path, "writing it", "DELETE FROM pin WHERE base = 0");
 	return list_end(&list, status);
-}
-
-/* --- an overlay is noted --- */
-
-static bool may_list(const char *real_path)
-{
-	char folder[PATH_MAX];
-	struct stat file;
-	snprintf(folder, sizeof folder, "%s%s", real_path, PINS_SUFFIX);
-	if (lstat(folder, &file) == 0 && S_ISREG(file.st_mode) && access(folder, W_OK) != 0)
-		return false;
-	return access(dirname(folder), W_OK) == 0;
-}
-
-/* Commits of a writer that does not sync them could be lost with the power, but not what an overlay depends on. */
-static enum status sync_wal(const struct store *parent)
-{
-	char path[PATH_MAX + 8];
-	snprintf(path, sizeof path, "%s-wal", parent->real_path);
-	if (!store_connect_has_wal(parent->real_path))
-		return STATUS_OK;
-	int file = open(path, O_RDONLY | O_CLOEXEC);
-	bool synced = file >= 0 && fsync(file) == 0;
-	if (file >= 0)
-		close(file);
-	return synced ? STATUS_OK : fail_with(STATUS_FAILED, "%s: cannot be synced: %s; check the disk", path, strerror(errno));
-}
-
-/* Begins a transaction in which nobody commits to the parent. *db NULL: its file cannot be written. */
-static enum status hold(struct store *parent, sqlite3 **db)
-{
-	int64_t commit = 0;
-	*db = NULL;
-	if (access(parent->real_path, W_OK) != 0)
-		return STATUS_OK;
-	enum status status = store_connect_file(parent->real_path, parent->path, true, db);
-	if (status != STATUS_OK)
-		return status;
-	sqlite3_db_config(*db, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, (int *)NULL);
-	status = store_sql_begin(*db, parent->path, "noting an overlay of it");
-	if (status == STATUS_OK)
-		status = store_sql_integer(*db, parent->path, "SELECT coalesce(max(epoch), 0) FROM run", &commit);
-	/* A pinned revision stays. */
-	parent->moved_on = status == STATUS_OK && parent->shown < 0 && commit != parent->commit;
-	if (parent->moved_on)
-		status = fail_with(STATUS_FAILED, "%s: it was driven on while an overlay of it was made; try again", parent->path);
-	return status;
-}
-
-/* What lies beside the store and depends on its base alone is found without a list. */
-static bool needs_no_list(const struct pin *pin, const char *from)
-{
-	return pin->base && strchr(from, '/') == NULL;
-}
-
-enum status store_pins_add(struct store *parent, const char *real_path, const struct pin *pin)
-{
-	char *folder = mem_strdup(parent->real_path), *from = NULL;
-	sqlite3 *db = NULL;
-	if (folder != NULL)
-		from = store_overlay_path_between(dirname(folder), real_path);
-	mem_free(folder);
-	if (from == NULL)
-		return fail_memory("a list of overlays");
-	struct pin named = *pin;
-	named.path = from;
-	named.made = (int64_t)time(NULL);
-	enum status status = STATUS_OK;
-	if (needs_no_list(pin, from)) {
-		mem_free(from);
-		return STATUS_OK;
-	}
-	if (!store_overlay_path_fits(from, strlen(from))) {
-		status = fail_with(STATUS_INPUT, "%s: its list of overlays takes no path with control characters; give the overlay another name", parent->path);
-	} else if (!may_list(parent->real_path)) {
-		if (!pin->base)
-			note("%s: it cannot be told of %s, since its list of overlays cannot be written; whoever drives it makes that overlay unusable",
-			     parent->path, real_path);
-	} else {
-		status = pin->base ? STATUS_OK : hold(parent, &db);
-		if (status == STATUS_OK && !pin->base)
-			status = sync_wal(parent);
-		if (status == STATUS_OK)
-			status = store_pins_put(parent->real_path, &named);
-	}
-	if (db != NULL)
-		store_sql_undo(db);
-	sqlite3_close(db);
-	mem_free(from);
-	return status;
-}
-
-struct seeking {
-	const char *path;
-	const struct pin *pin;
-	bool found;
-};
-
-static enum status seek(void *user, const struct pin *pin)
-{
-	struct seeking *seeking = user;
-	seeking->found |= strcmp(pin->path, seeking->path) == 0 && pin->hash == seeking->pin->hash && pin->base == seeking->pin->base;
-	return STATUS_OK;
-}
-
-enum status store_pins_tell_parent(struct store *store)
-{
-	struct store *parent = store->under;
-	const struct pin pin = {
-		.revision = store->parent_revision,
-		.hash = store->inherits ? store->parent_hash : store->base_hash,
-		.base = !store->inherits,
-	};
-	char *folder = mem_strdup(parent->real_path);
-	char *from = folder != NULL ? store_overlay_path_between(dirname(folder), store->real_path) : NULL;
-	struct seeking seeking = {.path = from, .pin = &pin};
-	mem_free(folder);
-	if (from == NULL)
-		return fail_memory("a list of overlays");
-	enum status status = STATUS_OK;
-	seeking.found = needs_no_list(&pin, from);
-	if (!seeking.found)
-		status = store_pins_each(parent->real_path, seek, &seeking);
-	mem_free(from);
-	if (status != STATUS_OK || seeking.found || !may_list(parent->real_path))
-		return status;
-	return store_pins_add(parent, store->real_path, &pin);
-}
-
-void store_pins_withdraw_from(const struct store *store, const struct store *parent)
-{
-	char *folder = mem_strdup(parent->real_path);
-	char *from = folder != NULL ? store_overlay_path_between(dirname(folder), store->real_path) : NULL;
-	struct failure failure;
-	failure_capture(&failure, STATUS_FAILED);
-	enum status dropped = from != NULL && may_list(parent->real_path) ? store_pins_drop(parent->real_path, from) : STATUS_OK;
-	(void)dropped;
-	failure_restore(&failure);
-	mem_free(from);
-	mem_free(folder);
-}
-
-void store_pins_withdraw(const struct store *store)
-{
-	if (store->under != NULL && store->part.count == 0)
-		store_pins_withdraw_from(store, store->under);
 }

@@ -28,9 +28,9 @@ enum status store_relink(const char *path, const char *parent_path)
 	if (status == STATUS_OK)
 		status = store_overlay_name_parent(store, store->under);
 	if (status == STATUS_OK)
-		status = put_path(store);
+		status = store_pins_tell_parent(store); /* before it is named: a kill leaves a line too many, not one too few */
 	if (status == STATUS_OK)
-		status = store_pins_tell_parent(store);
+		status = put_path(store);
 	store_close(store);
 	return status;
 }

@@ -6,6 +6,7 @@ import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
 from furrow_test import SCENE, FurrowTest, main
+from store_reader import Store
 
 SHORT = SCENE.replace("end_time: 4", "end_time: 0.5")
 OTHER = SHORT.replace("sink: 0.15", "sink: 0.25")
@@ -39,6 +40,10 @@ class Pins(FurrowTest):
         revision = self.json("log", "q.furrow")["revisions"][-1]["revision"]
         self.assertEqual(self.pins(), {"q.furrow": (revision, "there"), "o.furrow": (revision, "there")})
         self.assertRegex(self.ok("log", "p.furrow"), rf"\npinned revision {revision} for \S+/q\.furrow\n")
+        # The second reader, made from FORMAT.md alone, finds the state that each of them names.
+        for name in "qro":
+            Store(self.folder / f"{name}.furrow")
+        self.assertEqual([Store(self.folder / name).version for name in ("p.furrow", "q.furrow", "r.furrow")], [6, 6, 5])
         # An overlay is opened by its parent's name, and drives go on in it.
         self.drive(self.a, "--store", "p.furrow", "--overlay", "o.furrow")
         self.assertIn("is over p.furrow", self.ok("relink", "q.furrow", "p.furrow"))

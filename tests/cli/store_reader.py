@@ -12,6 +12,12 @@ import struct
 
 HOLE = -2**31
 WORD = 2**32 - 1
+PINS_SCHEMA = {
+    "pinned": "pinned(revision INTEGER PRIMARY KEY, hash INTEGER NOT NULL, scene_hash TEXT, step INTEGER, time REAL, state TEXT, made INTEGER, "
+              "who TEXT, what TEXT, working INTEGER, compacted INTEGER NOT NULL, relief TEXT)",
+    "replaced": "replaced(plane INTEGER NOT NULL, key INTEGER NOT NULL, pinned INTEGER NOT NULL, low REAL, high REAL, below INTEGER, "
+                "above INTEGER, codec INTEGER, revision INTEGER, hash INTEGER, blob BLOB, PRIMARY KEY(plane, key, pinned)) WITHOUT ROWID",
+}
 SCHEMA = {
     "meta": "meta(key TEXT PRIMARY KEY, value) WITHOUT ROWID",
     "base": "base(key INTEGER PRIMARY KEY, low REAL, high REAL, error REAL NOT NULL, codec INTEGER NOT NULL, "
@@ -390,7 +396,8 @@ class Row:
 
 
 class Store:
-    def __init__(self, path):
+    def __init__(self, path, depended_on=None):
+        """`depended_on`: the hash of a state that an overlay names; shows that, if it is pinned."""
         path = pathlib.Path(path)
         db = sqlite3.connect(f"file:{path}?mode=ro", uri=True)
         db.row_factory = sqlite3.Row
@@ -405,11 +412,13 @@ class Store:
                 row.base = self.rows["base"]
             self.run = db.execute("SELECT * FROM run").fetchall()
             self.history = db.execute("SELECT * FROM history ORDER BY revision DESC").fetchall()
+            if self.version == 6 and depended_on is not None:
+                self.show_pinned(db, depended_on)
         finally:
             db.close()
         self.base_store = None
         if "base_path" in self.meta:
-            self.base_store = Store(path.parent / self.meta["base_path"])
+            self.base_store = Store(path.parent / self.meta["base_path"], self.meta.get("parent_hash"))
             need("base_path" not in self.base_store.meta or "parent_hash" in self.meta, "an overlay of an overlay without its hash")
             need(not self.rows["base"], "an overlay with base rows")
             if "parent_hash" in self.meta:
@@ -418,6 +427,18 @@ class Store:
             for name in SAME_IN_AN_OVERLAY:
                 need(self.meta[name] == self.base_store.meta[name], name, "is not the base's")
             self.rows["base"] = self.base_store.rows["base"]
+
+    def show_pinned(self, db, depended_on):
+        for pinned in db.execute("SELECT * FROM pinned WHERE hash = ?", (depended_on,)).fetchall():
+            self.working, self.compacted = pinned["working"], pinned["compacted"]
+            for number, table in enumerate(TABLES[1:], 1):
+                columns = "key, low, high, " + ("below, above, " if table == "offset" else "") + "codec, revision, hash, blob"
+                kept = db.execute(f"SELECT {columns} FROM replaced WHERE plane = ? AND pinned >= ? ORDER BY pinned DESC", (number, pinned["revision"]))
+                for record in kept.fetchall():  # the least number comes last
+                    self.rows[table].pop(record["key"], None)
+                    if record["codec"] is not None:
+                        self.rows[table][record["key"]] = Row(record, self.cells + 1, table)
+                self.rows[table] = dict(sorted(self.rows[table].items()))
 
     def posts_then(self, table, key, revision):
         """A tile's posts at a revision that is kept."""
@@ -452,11 +473,14 @@ class Store:
         return signed(xxh3(b"".join(map(bits_of, words))), 64)
 
     def check_file(self, db):
-        for name, value in (("application_id", 0x46757277), ("user_version", 5), ("page_size", 8192), ("auto_vacuum", 2)):
+        for name, value in (("application_id", 0x46757277), ("page_size", 8192), ("auto_vacuum", 2)):
             found = db.execute(f"PRAGMA {name}").fetchone()[0]
             need(found == value, name, found)
+        self.version = db.execute("PRAGMA user_version").fetchone()[0]
+        need(self.version in (5, 6), "user_version", self.version)
+        schema = {**SCHEMA, **PINS_SCHEMA} if self.version == 6 else SCHEMA
         found = sorted(sql for sql, in db.execute("SELECT sql FROM sqlite_schema WHERE name NOT LIKE 'sqlite_%'"))
-        need(found == sorted("CREATE TABLE " + words for words in SCHEMA.values()), "tables", found)
+        need(found == sorted("CREATE TABLE " + words for words in schema.values()), "tables", found)
 
     def check_meta(self):
         for kind, names in META.items():
