@@ -151,9 +151,8 @@ FURROW_API furrow_status furrow_world_close(struct furrow_world *world);
  * Moves time on by `seconds`. Bodies with paths follow them; the others get to where furrow_set_states said.
  * 0: the scene's time_step; n such steps end at n x time_step exactly. A step with bodies of the host ends when the ground
  * under them is on the host. The scene's `end_time` ends nothing: time goes on beyond it.
- * FURROW_USAGE, and nothing has changed: `seconds` is negative, NaN or infinite, or leads beyond 1e9 s, the longest end_time of a scene: a double
- * cannot tell steps of a microsecond apart there. Or more than 1,000,000 path samples of one body are due in the step; make shorter
- * steps. With vehicles also if it is no multiple of time_step.
+ * FURROW_USAGE, and nothing has changed: `seconds` is negative, NaN or infinite, or leads beyond 1e9 s, the longest end_time of a scene. Or more
+ * than 1,000,000 path samples of one body are due in the step; make shorter steps. With vehicles also if it is no multiple of time_step.
  * FURROW_FAILED: the step could not be completed, and nothing of it is committed. Where a body leaves the terrain it fails before it
  * changes the ground. Then the world is as it was and may go on; contacts of vehicles are not known until the next step. A step that
  * fails later leaves a world that can only be rolled back or closed. Of several time_steps of vehicles those before the failure stay.
