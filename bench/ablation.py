@@ -44,7 +44,14 @@ def view(*effects, images=1, **more):
 
 
 def cache(loaders, prefetch):
-    return {"cache": {"loaders": loaders, "prefetch": prefetch}}
+    """With fewer slots than there are tiles: where every tile has one, nothing is loaded ahead."""
+    return {"cache": {"slots": 8, "loaders": loaders, "prefetch": prefetch}}
+
+
+def slipping(made):
+    for thing in made["objects"]:
+        thing["slip"] = 0.2
+    return made
 
 
 def loaded(made):
@@ -72,6 +79,7 @@ PAIRS = [
     ("lugs", scene(WHEEL), scene({"wheel": WHEEL["wheel"] | {"lugs": 18}})),
     ("load", SCM, loaded(copy.deepcopy(SCM))),
     ("forces", SCM, SCM | {"output": {"forces": 20}}),
+    ("slip", SCM, slipping(copy.deepcopy(SCM))),
     ("dirt", scene(WHEEL), scene(WHEEL, attributes=["dirt"])),
     ("subdivide", scene(WHEEL), scene(WHEEL, store="coarse.furrow")),
     ("relief", scene(WHEEL, store="coarse.furrow"), scene(WHEEL, store="coarse.furrow", relief={"roughness": 0.02, "wavelength": 2, "seed": 7})),

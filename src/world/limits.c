@@ -99,10 +99,11 @@ uint32_t world_work_pages(const struct world *world)
 	return pages < 1e6 ? (uint32_t)ceil(pages) : 1000000;
 }
 
-/* Tells whether so many slots hold every tile that the drive may come to. A picture also draws base tiles finer than the working level. */
+/* Tells whether so many slots hold every tile that the drive may come to. A picture also draws base tiles finer than the working level. A window
+ * never waits for a tile, so it always needs loaders. */
 static bool holds_all(const struct world *world, uint32_t slots)
 {
-	return world->store != NULL && store_finest_base(world->store) >= world->level && world_all_tiles(world) <= slots;
+	return world->store != NULL && !world->params.drops && store_finest_base(world->store) >= world->level && world_all_tiles(world) <= slots;
 }
 
 /* Fills the limits for so many slots. `part`: bytes from which base heights and queries get their parts; 0: they have no limit of bytes. */

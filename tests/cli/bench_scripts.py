@@ -60,7 +60,7 @@ def beaten(point, points):
 
 class Ablation(unittest.TestCase):
     def test_every_effect_has_a_pair_that_calls_for_it(self):
-        with tempfile.TemporaryDirectory() as folder, unittest.mock.patch.object(ablation, "SIDE", 8):
+        with tempfile.TemporaryDirectory() as folder, unittest.mock.patch.object(ablation, "SIDE", 40):
             bench = ablation.Bench(os.environ["FURROW"], pathlib.Path(folder))
             changes, lacking = bench.changes(ablation.PAIRS)
         self.assertEqual(lacking, [])
