@@ -134,12 +134,13 @@ static enum status keep_little(sqlite3 **db, const char *named)
 	return status;
 }
 
-/* Connects in the way that fits what is beside the file: nobody may have to make a file there. */
+/* Connects in the way that fits what is beside the file: nobody may have to make a file there. A journal has to be undone first, and may
+ * change what the header says. */
 static enum status connect_quietly(const char *path, const char *named, struct store_frozen *frozen, sqlite3 **db)
 {
 	const enum store_way way = store_frozen_way(path, frozen);
 	enum status status = connect_as(path, named, false, STORE_PLAIN, db);
-	if (status != STATUS_OK || way == STORE_PLAIN || !store_frozen_says_wal(*db))
+	if (status != STATUS_OK || way == STORE_PLAIN || store_connect_has_journal(path) || !store_frozen_says_wal(*db))
 		return status;
 	sqlite3_close(*db);
 	frozen->is = true;
