@@ -186,7 +186,7 @@ static enum status doubt_loads(const struct units *units)
 	const struct scene_object *objects = units->scene->objects;
 	enum status status = STATUS_OK;
 	for (size_t i = 0; i < units->scene->object_count && status == STATUS_OK; i++) {
-		char why[320], others[48] = "";
+		char why[400], others[48] = "";
 		size_t before = 0, alike = 0;
 		if (!is_light(&objects[i]))
 			continue;
