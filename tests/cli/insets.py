@@ -80,7 +80,7 @@ class Insets(RasterTest):
         found = self.json("info", "with.furrow")
         for inset in found["insets"]:
             self.assertEqual(inset["window"], [b - found["origin"][i % 2] for i, b in enumerate(inset["bounds"])])
-            self.assertIn("; --window {:.3f},{:.3f},{:.3f},{:.3f}\n".format(*inset["window"]), self.ok("info", "with.furrow"))
+            self.assertIn("; --window {:.10g},{:.10g},{:.10g},{:.10g}\n".format(*inset["window"]), self.ok("info", "with.furrow"))
         scan, beside, site = spans.values()
         self.assertGreater(scan, 8 + 2 * max(site, beside))
 
