@@ -380,10 +380,12 @@ class ScenePage(FurrowTest):
 
     def test_bytes_are_as_it_says(self):
         text = PAGE.read_text()
-        dirt, scm = map(int, re.search(r"a post has (\d+) byte\s+more with disturbance, (\d+) with `scm`", text).groups())
+        said = re.search(r"a post has (\d+) byte\s+more with disturbance, (\d+) with `scm`, (\d+) where a body slips", text)
+        dirt, scm, slip = map(int, said.groups())
+        bearing = {"soil": {"name": "lunar"}, "redistribute": {"model": "scm"}}
         path = self.folder / "scene.yaml"
-        for keys, more in (({}, 0), ({"attributes": ["disturbance"]}, dirt), ({"soil": {"name": "lunar"}, "redistribute": {"model": "scm"}}, scm)):
-            path.write_text(json.dumps(scene(WHEEL, **keys)))
+        for body, keys, more in ((WHEEL, {}, 0), (WHEEL, {"attributes": ["disturbance"]}, dirt), (WHEEL, bearing, scm), (wheel(slip=0.1), bearing, slip)):
+            path.write_text(json.dumps(scene(body, **keys)))
             self.assertEqual(sum(plane["bytes"] for plane in self.json("explain", path)["planes"]), 8 + more, keys)
         rows = re.findall(r"^\| ([\d.]+) \| ([\d.]+) \| (\d+) \| ([\d.]+) (kB|MB) \|$", text, re.M)
         self.assertGreater(len(rows), 4)

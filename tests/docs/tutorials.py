@@ -19,6 +19,9 @@ import tempfile
 import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "tests" / "cli"))
+from furrow_test import chosen_tests  # noqa: E402
+
 PAGES = ROOT / "docs" / "tutorials"
 FURROW = pathlib.Path(os.environ["FURROW"])
 BUILD = os.environ.get("FURROW_BUILD")
@@ -96,6 +99,7 @@ class Runner:
         return result.returncode, PROGRESS.sub("", result.stdout)
 
 
+@chosen_tests(6)  # of twelve
 class Tutorials(unittest.TestCase):
     maxDiff = None
 

@@ -234,7 +234,7 @@ class Campaign:
 
 class Resume(FurrowTest):
     def test_killed_over_and_over_it_ends_as_one_that_was_left_alone(self):
-        kills, seed = int(os.environ.get("KILLS", "48" if FULL else "4")), int(os.environ.get("RESUME_SEED", "1"))
+        kills, seed = int(os.environ.get("KILLS", "48" if FULL else "2")), int(os.environ.get("RESUME_SEED", "1"))
         print(f"KILLS={kills} RESUME_SEED={seed}", flush=True)
         write_png16(self.folder / "hills.png", 193, 193, lambda x, y: 100 + (x * 7 + y * 3) % 11 % 4)
         write_png16(self.folder / "holes.png", 193, 193,
