@@ -78,6 +78,7 @@ if [ "${1:-}" = quick ]; then
 elif [ $# -gt 0 ]; then
 	run "$build" "$@"
 else
+	ninja -C "$build" --quiet benches
 	# shellcheck disable=SC2086
 	run "$build" --no-suite packages --no-suite sanitized $length
 	setup "$asan" "" -Doptimization=1 -Db_sanitize=address,undefined
