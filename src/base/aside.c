@@ -27,13 +27,15 @@ static int folder_length(const char *path)
 	return slash == NULL ? 0 : slash == path ? 1 : (int)(slash - path);
 }
 
-/* Fails for what cannot be opened, by errno. */
-static enum status fail_open(enum status status, const char *path, int reason)
+/* Fails for what cannot be opened, by errno. `file`: the name of what was to be opened for the file at `path`. */
+static enum status fail_open(enum status status, const char *path, const char *file, int reason)
 {
 	const int folder = folder_length(path);
 	if (reason == ENOENT && folder > 0)
 		return fail_with(status, "%s: the folder %.*s is not there; make it, or give a file in another", path, folder, path);
 	errno = reason;
+	if (reason == ELOOP) /* the link is to be removed, so it is named */
+		return fail_with(status, "%s: %s: %s; give a file that can be written", path, file, input_problem());
 	return fail_with(status, "%s: %s; %s", path, input_problem(), limits_advice(reason, "give a file that can be written"));
 }
 
@@ -42,12 +44,12 @@ enum status aside_check(const char *path)
 	char folder[4096];
 	struct stat file;
 	if (stat(path, &file) == 0 && S_ISDIR(file.st_mode))
-		return fail_open(STATUS_INPUT, path, EISDIR);
+		return fail_open(STATUS_INPUT, path, path, EISDIR);
 	const int length = folder_length(path);
 	if (length >= (int)sizeof folder)
-		return fail_open(STATUS_INPUT, path, ENAMETOOLONG);
+		return fail_open(STATUS_INPUT, path, path, ENAMETOOLONG);
 	snprintf(folder, sizeof folder, "%.*s", length > 0 ? length : 1, length > 0 ? path : ".");
-	return access(folder, W_OK | X_OK) == 0 ? STATUS_OK : fail_open(STATUS_INPUT, path, errno);
+	return access(folder, W_OK | X_OK) == 0 ? STATUS_OK : fail_open(STATUS_INPUT, path, path, errno);
 }
 
 enum status aside_begin(struct aside *aside, const char *path)
@@ -60,7 +62,7 @@ enum status aside_begin(struct aside *aside, const char *path)
 	aside->begun = aside->file != NULL;
 	if (aside->begun)
 		return STATUS_OK;
-	status = fail_open(STATUS_FAILED, aside->path, errno);
+	status = fail_open(STATUS_FAILED, aside->path, aside->part, errno);
 	if (file >= 0)
 		close(file);
 	return status;

@@ -79,6 +79,8 @@ ELSEWHERE = {
     "less than the wheel's own weight": "scene/units.c", "degrees is narrow": "scene/units.c", "degrees above the horizon": "scene/units.c",
     # ranges: what is allowed is named, and the range's own tests try its ends
     "is not kept; give %d to %d": "a range", "pixels; give 1 to %u each": "a range", "not a value it takes; give %s": "help.py types the words",
+    "step: %g s from %g s on lead beyond": "api/misuse.c", "give an EPSG code, WKT, PROJ or IAU name": "cli/hostile", "no post was below it in any of": "cli/notes",
+    "the sun is %.1f degrees below the horizon": "cli/notes", "as in %s/terrain.furrow": "cli/mistakes", "is empty; give %s": "cli/mistakes", "furrow prune %s lists it": "cli/pins",
     "set it to sizeof": "api/arguments.c", "cannot be deformed; give one from": "a range", "there is no level %d; give one": "a range",
     "are numbers; give at most": "a range", "numbers; give at most %d": "a range", "is out of range; give %g to %g": "a range", "are too many; give": "a range",
     "names no snapshot": "any name will do", "needs a value; give": "help.py", "is no number of slots": "a range", "is not an option; see": "help.py",

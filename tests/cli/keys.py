@@ -210,7 +210,7 @@ ROWS = {
 ROWS |= {f"soil.rasters.{key}": (SCM, {"soil.rasters": f"{{{key}: {key}.png}}"}) for key in
          ("bekker_kc", "bekker_kphi", "bekker_n", "cohesion", "friction_angle", "janosi_shear", "elastic_stiffness")}
 # They need a store that lies on the Earth, and GDAL. These tests drive with two values of each.
-ELSEWHERE = {"coordinates": "tests/cli/lines.py", "objects[].path.line": "tests/cli/lines.py", "vehicles[].driver.path.file": "tests/cli/lines.py",
+ELSEWHERE = {"output.map": "tests/cli/contract.py", "coordinates": "tests/cli/lines.py", "objects[].path.line": "tests/cli/lines.py", "vehicles[].driver.path.file": "tests/cli/lines.py",
              "vehicles[].driver.path.line": "tests/cli/lines.py"}
 TIMES = ("output.delay",)  # how long a step waits, and no result
 RASTERS = {"bekker_kc": 5000, "bekker_kphi": 60000, "bekker_n": 2, "cohesion": 9000, "friction_angle": 45, "janosi_shear": 1, "elastic_stiffness": 50000}

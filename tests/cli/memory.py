@@ -36,7 +36,7 @@ class MemoryTest(FurrowTest):
         for cells, *case in self.CASES:
             with self.subTest(cells=cells, case=case):
                 self.ok("synth", "-o", "dem.png", "--posts", "289x289", "--spacing", "1")
-                self.ok("import", "dem.png", "-o", "base.furrow", "--tile", cells, "--spacing", "1", "--overwrite")
+                self.ok("import", "dem.png", "-o", "base.furrow", "--tile", cells, "--spacing", "1", "--overwrite", "--force")
                 scene = self.scene_of(*case)
                 told = self.refused(3, "explain", scene, "--store", "base.furrow", "--set", "cache.memory=1000 MiB",
                                     "--set", "cache.slots=16")

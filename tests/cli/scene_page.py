@@ -380,7 +380,7 @@ class ScenePage(FurrowTest):
 
     def test_bytes_are_as_it_says(self):
         text = PAGE.read_text()
-        said = re.search(r"a post has (\d+) byte\s+more with disturbance, (\d+) with `scm`, (\d+) where a body slips", text)
+        said = re.search(r"Each post has (\d+) byte\s+more with disturbance, (\d+) with `scm`, (\d+) where a body slips", text)
         dirt, scm, slip = map(int, said.groups())
         bearing = {"soil": {"name": "lunar"}, "redistribute": {"model": "scm"}}
         path = self.folder / "scene.yaml"

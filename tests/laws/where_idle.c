@@ -85,8 +85,8 @@ static void settled_soil_is_not_relaxed(void **state)
 		for (int i = 0; i < 2; i++) {
 			char rest[256];
 			snprintf(rest, sizeof rest, "end_time: %d\nspacing: 0.5\nobjects:\n"
-				 "  - {name: a, shape: {sphere: {radius: 3}}, sink: 1, path: {points: [[50, 50], [60, 52]], speed: 10}}\n",
-				 30 << i);
+				 "  - {name: a, shape: {sphere: {radius: 3}}, sink: %g, path: {points: [[50, 50], [60, 52]], speed: 10}}\n",
+				 30 << i, m == 2 ? 2.5 : 1.0); /* sumner loses most of what it displaces, so its rims are low */
 			const char *store = support_path("settled.furrow");
 			support_store(store, extent, flat);
 			char *json = drive(scene_of("settled.yaml", m, rest), store, "out", false, false, 0);

@@ -126,7 +126,7 @@ static void it_drives_as_the_command_drives_it(void **unused)
 		done(furrow_step(world, 0.01));
 	done(furrow_rollback(world));
 	const struct furrow_vehicle_state back = state_of(world);
-	assert_memory_equal(&before, &back, sizeof before);
+	assert_same_state(&before, &back);
 	assert_true(fabs(furrow_time(world) - 0.3) < 1e-12);
 	for (int i = 0; i < 70; i++)
 		done(furrow_step(world, 0.01));

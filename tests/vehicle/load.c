@@ -77,7 +77,8 @@ static void a_step_that_does_not_fit_is_refused(void **state)
 	scene_destroy(scene);
 	const double steps = ceil(info.largest_step / 0.002);
 	snprintf(keys, sizeof keys, "time_step: %g", steps * 0.002);
-	snprintf(says, sizeof says, "is longer than %.3g s, the longest that is stable (car.wheel: 100 kg", info.largest_step);
+	snprintf(says, sizeof says, "is longer than %s s, the longest that is stable (car.wheel: 100 kg",
+		 number_at_most(info.largest_step, 3).text);
 	rig_refused(keys, "", STATUS_INPUT, says);
 	snprintf(keys, sizeof keys, "time_step: %g", (steps - 1) * 0.002);
 	must(rig_load(keys, "", &scene, &vehicles));
