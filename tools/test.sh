@@ -1,12 +1,13 @@
 #!/bin/sh
 # Packages, builds, tests:
 #
-#   sh tools/test.sh            what finds most for its time: at most ten minutes on two cores, the builds included
+#   sh tools/test.sh            what finds most for its time: at most ten minutes on two cores, the builds included. Of the slow tests a third,
+#                               which the hash of the commit chooses
 #   sh tools/test.sh quick      the tests of suite `quick`: under a minute once they are built
 #   sh tools/test.sh long       every test, at full length: an hour or more
 #   sh tools/test.sh ARGUMENT   what `meson test` takes: names, --suite X; in build-test alone
 #
-# Three builds. build-test is optimized, with asserts, and ends where UBSan finds undefined behaviour: it runs everything. build-asan has
+# Three builds. build-test is optimized, with asserts, and ends where UBSan finds undefined behaviour: it runs everything but faults and fuzz targets. build-asan has
 # address and undefined-behaviour sanitizers: it runs fuzz targets and faults always, the tests of each folder of src whose sources changed
 # since the last tag, and in the long run all that is not `plain`. build-tsan has ThreadSanitizer, for the tests of threads, in the long run.
 # Each builds only what its tests need.
@@ -29,7 +30,9 @@ FURROW_COMMIT=${FURROW_COMMIT:-$(git rev-parse HEAD 2>/dev/null | cut -c1-8)}
 export FURROW_COMMIT
 status=0
 logs=
-length='--no-suite long --no-suite asan'
+# Higher digits than those that choose cases within a test, so that each case meets each third.
+turn=$((0x${FURROW_COMMIT:-0} / 144 % 3))
+length="--no-suite long --no-suite asan --no-suite turn_$(((turn + 1) % 3)) --no-suite turn_$(((turn + 2) % 3))"
 if [ "${1:-}" = long ]; then
 	shift
 	length=
@@ -55,9 +58,9 @@ run() {
 }
 
 # Prints `--suite NAME` for each folder of src, and for tools, whose sources changed since the last tag; where there is no tag, in the
-# last twenty commits.
+# last five commits.
 changed() {
-	since=$(git describe --tags --abbrev=0 2>/dev/null || git rev-list --max-count=20 HEAD 2>/dev/null | tail -n 1)
+	since=$(git describe --tags --abbrev=0 2>/dev/null || git rev-list --max-count=6 HEAD 2>/dev/null | tail -n 1)
 	git diff --name-only "$since" -- src tools 2>/dev/null | sed -n 's,^src/\([a-z]*\)/.*\.[ch]$,\1,p; s,^tools/.*\.[ch]$,tools,p' | sort -u | sed 's/^/--suite /'
 }
 

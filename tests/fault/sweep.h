@@ -2,6 +2,7 @@
 #ifndef FURROW_TEST_FAULT_SWEEP_H
 #define FURROW_TEST_FAULT_SWEEP_H
 
+#include "../long.h"
 #include "../store/fixture.h"
 #include "fault_vfs.h"
 
@@ -52,11 +53,12 @@ enum lasting {
 	IN_TURN,    /* the first from then on, the second once, and so on */
 };
 
-/* With sanitizers a sweep takes one of so many calls, another in each way. Without them (suite `plain`) it takes each. */
+/* A sweep takes one of so many calls, another in each way and with each commit. In the long run it takes one of four with sanitizers, and each
+ * without them. */
 #ifdef __SANITIZE_ADDRESS__
-#define SWEEP_PART 4
+#define SWEEP_PART (long_run() ? 4u : 8u)
 #else
-#define SWEEP_PART 1
+#define SWEEP_PART (long_run() ? 1u : 4u)
 #endif
 
 /* At most about `most` Ns spread over the calls that a trial without a fault makes; returns how many
@@ -70,7 +72,7 @@ static UNUSED uint64_t sweep_lasting(trial_fn trial, const void *user, enum faul
 	for (int pass = 0; pass < (lasting == BOTH ? 2 : 1); pass++) {
 		struct fault fault = {kind, UINT64_MAX, pass == 1};
 		uint64_t stride = SWEEP_PART * (trial(user, &fault) / most + 1), tried = 0;
-		for (fault.nth = 1 + ((uint64_t)kind + (uint64_t)pass + lasting) % SWEEP_PART;; fault.nth += stride) {
+		for (fault.nth = 1 + ((uint64_t)kind + (uint64_t)pass + lasting + commit_number()) % SWEEP_PART;; fault.nth += stride) {
 			fault.forever = lasting == BOTH ? pass == 1 : (tried++ + (lasting == IN_TURN)) % 2 == 1;
 			uint64_t calls = trial(user, &fault);
 			if (calls < fault.nth)
