@@ -131,7 +131,7 @@ static void every_fault(const char *scene, int most, enum lasting lasting)
 	assert_true(acknowledged() >= 3);
 	for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
 		ran += sweep_lasting(trial, NULL, kinds[i], most, lasting);
-	assert_true((int)ran > 3 * (int)most / SWEEP_PART);
+	assert_true((uint64_t)ran > 3 * (uint64_t)most / SWEEP_PART);
 }
 
 static void a_drive_whose_store_fails_says_so_and_loses_nothing(void **state)
