@@ -8,8 +8,8 @@ ninja -C build --quiet tools/furrow
 furrow=build/tools/furrow
 mkdir -p demo
 $furrow synth -o demo/demo.tif --posts 2049x2049 --spacing 1 --kind ridged --relief 160 --seed 7
+rm -rf demo/drive demo/ruts.furrow # of an earlier demo: a terrain that has ruts over it is not replaced
 $furrow import demo/demo.tif -o demo/demo.furrow --overwrite
-rm -rf demo/drive demo/ruts.furrow
 $furrow drive tools/scenes/vehicles/offroad.yaml --store demo/demo.furrow --overlay demo/ruts.furrow -o demo/drive
 $furrow verify demo/ruts.furrow
 $furrow export demo/ruts.furrow -o demo/ruts.png --layer offset --window 30,30,100,70
