@@ -28,7 +28,7 @@ def ask_to_close(display, window):
     x11.XCloseDisplay(server)
 
 
-@unittest.skipIf(WINDOW, "this build has a window")
+@unittest.skipIf(WINDOW, "not on this machine: a build without a window")
 class NoWindow(FurrowTest):
     def test_a_build_without_a_window_says_so(self):
         self.scene(SCENE)
