@@ -39,7 +39,7 @@ static inline const char *support_path(const char *name)
 	static char paths[64][128];
 	static int next;
 	char *path = paths[next++ % 64];
-	snprintf(path, sizeof paths[0], "%s/%s", support_folder, name);
+	snprintf(path, sizeof paths[0], "%s/%.60s", support_folder, name);
 	return path;
 }
 

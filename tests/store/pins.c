@@ -59,9 +59,11 @@ static uint64_t seen(const char *path)
 
 static const char *in(const char *name)
 {
-	char *path = strdup(in_folder(name));
-	assert_non_null(path);
-	return path; /* few, and the test ends */
+	static char paths[64][128];
+	static int next;
+	char *path = paths[next++ % 64];
+	snprintf(path, sizeof paths[0], "%s", in_folder(name));
+	return path;
 }
 
 struct counted {
