@@ -61,7 +61,7 @@ run() {
 # last five commits.
 changed() {
 	since=$(git describe --tags --abbrev=0 2>/dev/null || git rev-list --max-count=6 HEAD 2>/dev/null | tail -n 1)
-	git diff --name-only "$since" -- src tools 2>/dev/null | sed -n 's,^src/\([a-z]*\)/.*\.[ch]$,\1,p; s,^tools/.*\.[ch]$,tools,p' | sort -u | sed 's/^/--suite /'
+	git diff --name-only "$since" -- src tools 2>/dev/null | sed -n 's,^src/\([a-z]*\)/.*\.[ch]$,\1,p; s,^tools/.*\.[ch]$,tools,p' | sort -u | sed 's/^/--suite /; s/tools$/tools --suite sanitized/'
 }
 
 # Whether the compiler has it, and this machine lets it run.
