@@ -297,7 +297,10 @@ enum status store_begin(struct store *store)
 	if (!store->late)
 		return STATUS_OK;
 	assert(store->writing);
-	enum status status = connect_begun(store, &db);
+	/* The name may be another file's by now. */
+	enum status status = store_place_check(store);
+	if (status == STATUS_OK)
+		status = connect_begun(store, &db);
 	if (status == STATUS_OK)
 		status = store_rows_init(&rows, db, store->path, &store->meta.extent, store->meta.pack == STORE_PACK_SMALL ? CODEC_SMALL : CODEC_FAST);
 	if (status != STATUS_OK) {

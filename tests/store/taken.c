@@ -43,6 +43,36 @@ static void a_file_that_is_taken_away_while_it_is_written_is_told(void **state)
 
 static char noted[1024];
 
+/* A store that was opened and not yet changed is not mistaken for the one that lies in its place now. */
+static void a_file_that_is_replaced_before_its_first_commit_is_told(void **state)
+{
+	const char *path = in_folder("late.furrow"), *elsewhere = in_folder("elsewhere.furrow");
+	struct store_commit_result result;
+	struct store *store;
+	make_store(path);
+	make_store(elsewhere);
+	store = open_store(path, STORE_WRITE);
+	assert_ok(store_set_working_level(store, 0));
+	store_close(store);
+	store = open_store(elsewhere, STORE_READ);
+	const uint64_t other = content(store);
+	store_close(store);
+	assert_ok(store_open(path, &(struct store_options){.mode = STORE_WRITE, .late = true}, &store));
+	if (!store_has_working_level(store, &(int){0}))
+		assert_ok(store_set_working_level(store, 0));
+	struct field field = field_make(0);
+	field_dig(&field, 20, 20, 6, 1);
+	assert_int_equal(rename(elsewhere, path), 0);
+	assert_int_equal(field_commit(&field, around(20, 20, 6), store, 5, &result), STATUS_FAILED);
+	assert_non_null(strstr(failure_message(), "moved, replaced or deleted"));
+	store_close(store);
+	field_free(&field);
+	store = open_store(path, STORE_READ);
+	assert_true(content(store) == other);
+	store_close(store);
+	unlink(path);
+}
+
 static void take_note(const char *text)
 {
 	snprintf(noted, sizeof noted, "%s", text);
@@ -80,6 +110,7 @@ TEST_PROGRAM(taken)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_file_that_is_taken_away_while_it_is_written_is_told),
+		cmocka_unit_test(a_file_that_is_replaced_before_its_first_commit_is_told),
 		cmocka_unit_test(a_base_that_is_deleted_while_it_is_in_use_is_told_and_loses_nothing),
 	};
 	return cmocka_run_group_tests(tests, folder_make, folder_remove);
