@@ -141,6 +141,15 @@ static enum status list_begin(const char *real_path, struct list *list)
 	return status == STATUS_OK && empty ? make_list(list) : status;
 }
 
+/* The same, but makes no list; without one, list->db is NULL. */
+static enum status list_begin_if_there(const char *real_path, struct list *list)
+{
+	enum status status = list_open(real_path, list);
+	const bool there = list->db != NULL;
+	list_close(list);
+	return status == STATUS_OK && there ? list_begin(real_path, list) : status;
+}
+
 /* Removes a list that would have no line. Who waits for it finds that out. */
 static enum status list_remove(struct list *list)
 {
@@ -233,12 +242,9 @@ enum status store_pins_drop(const char *real_path, const char *path)
 	struct list list;
 	sqlite3_stmt *statement = NULL;
 	int64_t others = 0;
-	enum status status = list_open(real_path, &list);
-	bool there = list.db != NULL;
-	list_close(&list);
-	if (status != STATUS_OK || !there)
-		return status;
-	status = list_begin(real_path, &list);
+	enum status status = list_begin_if_there(real_path, &list);
+	if (status == STATUS_OK && list.db == NULL)
+		return STATUS_OK;
 	if (status == STATUS_OK)
 		status = store_sql_prepare(list.db, list.path, &statement, "SELECT count(*) FROM pin WHERE path <> ?1");
 	if (status == STATUS_OK) {
@@ -265,12 +271,9 @@ enum status store_pins_clear(const char *real_path)
 {
 	struct list list;
 	int64_t others = 0;
-	enum status status = list_open(real_path, &list);
-	bool there = list.db != NULL;
-	list_close(&list);
-	if (status != STATUS_OK || !there)
-		return status;
-	status = list_begin(real_path, &list);
+	enum status status = list_begin_if_there(real_path, &list);
+	if (status == STATUS_OK && list.db == NULL)
+		return STATUS_OK;
 	if (status == STATUS_OK)
 		status = store_sql_integer(list.db, list.path, "SELECT count(*) FROM pin WHERE base <> 0", &others);
 	if (status == STATUS_OK && others == 0)
