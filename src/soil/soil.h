@@ -46,6 +46,10 @@ struct soil_pose {
 	double yaw, pitch, roll, turn;
 };
 
+/* Returns true if a body that goes from one pose to the other does not move, or rises or falls so far that it counts as set down anew. Then
+ * only its end pose acts on the ground. */
+bool soil_stands_only(const struct soil_pose *from, const struct soil_pose *to);
+
 /* Returns true for a body whose surface runs over it: a wheel, or a body with a belt. Only such a body has a slip. */
 bool soil_shape_runs(const struct soil_shape *shape);
 /* Returns how far the surface of a body ran over it, metres. `turned`: of a wheel radians about its axis, of a belt the metres that
@@ -136,5 +140,21 @@ double soil_sinkage_guess(const struct soil_shape *shape, const struct soil_numb
  * another shape, of which it is not known. */
 double soil_load_at(const struct soil_shape *shape, const struct soil_interface *interface, double slip, const struct soil_numbers *soil,
 		    double sinkage);
+
+/* Planes of a rectangle of posts in host memory, row by row from the south-west. A plane that nothing needs is NULL. */
+struct soil_planes {
+	struct post_rect rect;   /* posts of the working level */
+	size_t width;            /* posts in a row */
+	int32_t *base;           /* 2^-18 m above the store's reference; BASE_NODATA: a hole */
+	int32_t *offset, *deposited, *sinkage, *shear, *dug; /* as the planes of base/plane.h */
+	uint8_t *disturbance;
+	uint8_t *classes;        /* NULL: one soil */
+	uint8_t *levels;         /* 4 for each post; NULL: no raster */
+	uint8_t *contact;        /* of this contact: SOIL_LOWERED, SOIL_HELD, ... (the bits of shaders/lib/window.glsl and friends) */
+};
+/* Bits of a post's contact. A post that is neither lowered nor held can take soil. */
+enum { SOIL_LOWERED = 1, SOIL_HELD = 2, SOIL_NEAR = 16, SOIL_NO_GROUND = 32 };
+
+#define SOIL_BAND_POSTS 95 /* the widest band of laid soil */
 
 #endif
