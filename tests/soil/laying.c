@@ -217,13 +217,16 @@ static void fill(const struct ground *ground, const struct deform_contact *conta
 	field.write = all;
 	const double middle[2] = {(double)(shadow.x0 + shadow.x1 - 1) / 2, (double)(shadow.y0 + shadow.y1 - 1) / 2};
 	const uint32_t blocked = round % 3 == 0 ? 0 : any_word() % 16, holed = any_word() % 4;
+	/* The patch lies in the middle, or to one side of the body. */
+	const double aside[2] = {round % 4 == 1 ? 0.4 * any_share() : 0, round % 4 == 1 ? 0.4 * any_share() : 0}, size = round % 4 == 1 ? 0.02 : 0.2;
 	const bool full = round % 17 == 3; /* much soil, and hardly a free post */
 	const int most = full ? 23 : (int)(any_word() % 24);
 	for (int64_t y = all.y0, i = 0; y < all.y1; y++)
 		for (int64_t x = all.x0; x < all.x1; x++, i++) {
 			const double u = ((double)x - middle[0]) / (double)(shadow.x1 - shadow.x0), v = ((double)y - middle[1]) / (double)(shadow.y1 - shadow.y0);
 			const bool below = x >= shadow.x0 && y >= shadow.y0 && x < shadow.x1 && y < shadow.y1;
-			const bool touched = below && u * u + v * v < 0.2 && any_word() % 16 != 0;
+			const double far = (u - aside[0]) * (u - aside[0]) + (v - aside[1]) * (v - aside[1]);
+			const bool touched = below && far < size && any_word() % 16 != 0;
 			/* Another body's. The GPU takes its posts for the patch if they lie in these rows. */
 			const bool other = any_word() % 16 < blocked && !below && !(laying.around && y >= shadow.y0 && y < shadow.y1);
 			const bool hole = !touched && (full ? any_word() % 512 > 0 : any_word() % 16 < holed);

@@ -1,4 +1,6 @@
 /* What a contact adds up for the laying of its soil, over rows of posts. */
+#include <string.h>
+
 #include "soil/laying/laying.h"
 #include "soil/lanes.h"
 
@@ -72,12 +74,25 @@ static struct sums sum_classes(const struct soil_row *row, int first, int last, 
 	return sums;
 }
 
+/* Tells whether the body touches none of the eight posts from here. */
+static bool touches_none(const uint8_t *contact)
+{
+	const uint64_t bits = 0x0101010101010101u * (SOIL_LOWERED | SOIL_HELD);
+	uint64_t eight;
+	memcpy(&eight, contact, sizeof eight);
+	return (eight & bits) == 0;
+}
+
 void soil_measure_row(struct soil_measured *measured, const struct soil_laying *laying, const struct soil_laid soils[SOIL_CLASSES],
 		      const struct soil_row *row)
 {
 	int first = 0, last = row->count - 1;
+	while (first + 7 <= last && touches_none(row->contact + first))
+		first += 8;
 	while (first <= last && !touches(row->contact[first]))
 		first++;
+	while (last - 7 > first && touches_none(row->contact + last - 7))
+		last -= 8;
 	while (first < last && !touches(row->contact[last]))
 		last--;
 	if (first > last)
