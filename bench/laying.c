@@ -48,7 +48,10 @@ static void fill(struct field *field, const struct soil_laying *laying, const st
 	struct post_rect rect = soil_laying_posts(laying, &motion->shape, to, spacing, field->shadow);
 	rect = (struct post_rect){rect.x0 - BY, rect.y0 - BY, rect.x1 + BY, rect.y1 + BY};
 	const size_t width = (size_t)(rect.x1 - rect.x0), posts = width * (size_t)(rect.y1 - rect.y0);
-	field->planes = (struct soil_planes){.rect = rect, .width = width, .base = calloc(posts, 4), .offset = calloc(posts, 4), .contact = calloc(posts, 1)};
+	field->planes = (struct soil_planes){.rect = rect, .width = width};
+	field->planes.base = calloc(posts, 4);
+	field->planes.offset = calloc(posts, 4);
+	field->planes.contact = calloc(posts, 1);
 	field->carried = calloc(posts, 4);
 	field->deposits = calloc(posts, 4);
 	field->scratch = malloc(soil_lay_scratch(width, posts / width));

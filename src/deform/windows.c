@@ -9,7 +9,7 @@ _Static_assert(FUNCTIONAL_POSTS == DEFORM_WINDOWS_MAX * DEFORM_WINDOW_POSTS, "fu
 
 bool deform_is_contact_only(const struct deform_contact *contact)
 {
-	return soil_stands_only(&contact->from, &contact->to);
+	return soil_only_set_down(&contact->from, &contact->to);
 }
 
 bool deform_is_swept(const struct deform *deform, const struct deform_contact *contact)

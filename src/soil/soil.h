@@ -46,9 +46,9 @@ struct soil_pose {
 	double yaw, pitch, roll, turn;
 };
 
-/* Returns true if a body that goes from one pose to the other does not move, or rises or falls so far that it counts as set down anew. Then
- * only its end pose acts on the ground. */
-bool soil_stands_only(const struct soil_pose *from, const struct soil_pose *to);
+/* Returns true if a body that goes from one pose to the other does not move. One that rises or falls very far counts as set down anew, too.
+ * Then only its end pose acts on the ground. */
+bool soil_only_set_down(const struct soil_pose *from, const struct soil_pose *to);
 
 /* Returns true for a body whose surface runs over it: a wheel, or a body with a belt. Only such a body has a slip. */
 bool soil_shape_runs(const struct soil_shape *shape);

@@ -1,6 +1,6 @@
 /*
  * The strip around a patch, whatever the patch's form is. The weight of a post follows from its distance to the nearest post of the patch,
- * less half a post. Distances are exact: first along each column to the nearest post of the patch in it, in two sweeps over the rows. Then
+ * less half a post. Distances are exact: first along each column to the nearest post of the patch in it, once from the south and once from the north. Then
  * the least sum of two squares along each row. Nothing farther than the band is looked at.
  */
 #include <math.h>
@@ -20,7 +20,7 @@ struct ring {
 };
 
 /* Distances along columns, from the row before to this one. `before`: of that row; NULL: there is none. */
-SOIL_LANES static void sweep_up(const uint8_t *patch, const int16_t *before, int16_t *apart, int count)
+SOIL_LANES static void from_south(const uint8_t *patch, const int16_t *before, int16_t *apart, int count)
 {
 	for (int i = 0; i < count; i++) {
 		const int16_t next = before != NULL && before[i] < FARTHEST ? (int16_t)(before[i] + 1) : FARTHEST;
@@ -29,7 +29,7 @@ SOIL_LANES static void sweep_up(const uint8_t *patch, const int16_t *before, int
 }
 
 /* The lesser of these and of the distances from the row after, as squares. `after`: distances of that row, which this row's replace. */
-SOIL_LANES static void sweep_down(const int16_t *apart, int16_t *after, int16_t *squares, int count)
+SOIL_LANES static void from_north(const int16_t *apart, int16_t *after, int16_t *squares, int count)
 {
 	for (int i = 0; i < count; i++) {
 		const int16_t next = after[i] < FARTHEST ? (int16_t)(after[i] + 1) : FARTHEST;
@@ -100,9 +100,9 @@ void soil_strip_around(const struct laying_field *field, const struct soil_measu
 	const uint8_t *patch = field->patch + ring.x0 + ring.patch_x;
 	for (int k = 0; k < ring.height; k++) {
 		int16_t *row = field->apart + (size_t)k * (size_t)columns;
-		sweep_up(patch + (size_t)(ring.y0 + k) * field->stride, k > 0 ? row - columns : NULL, row, columns);
+		from_south(patch + (size_t)(ring.y0 + k) * field->stride, k > 0 ? row - columns : NULL, row, columns);
 	}
-	/* From north to south. The rows of a strip are added from south to north, so the last row is found by the other comparison. */
+	/* From north to south. So of rows with an equally heavy post the first one counts. */
 	int16_t *after = field->apart + (size_t)ring.height * (size_t)columns, *aside = after + columns, *least = aside + ring.width + 2 * STRIP_FAR_MOST;
 	int16_t *squares = aside + STRIP_FAR_MOST;
 	for (int i = 0; i < columns; i++)
@@ -112,7 +112,7 @@ void soil_strip_around(const struct laying_field *field, const struct soil_measu
 	for (int k = ring.height - 1; k >= 0; k--) {
 		const int row = ring.y0 + k;
 		uint32_t sum, heaviest;
-		sweep_down(field->apart + (size_t)k * (size_t)columns, after, squares + ring.patch_x, columns);
+		from_north(field->apart + (size_t)k * (size_t)columns, after, squares + ring.patch_x, columns);
 		for (int i = 0; i < ring.width; i++)
 			least[i] = squares[i];
 		for (int by = 1; by <= ring.far; by += ABREAST)

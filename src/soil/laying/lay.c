@@ -1,9 +1,9 @@
 /*
  * Lays the soil of a contact: each post of a face gets soil by its weight.
  *
- * A face's soil is divided by the sum of its weights to a rate. A post gets the rate times the sum of the weights of its row up to it, less the
- * same up to the post before it. Both are rounded down. What is left goes to the heaviest post of the face; of several to the last one, in
- * rows from south to north. So the sum is exact.
+ * A face's soil is divided by the sum of its weights to a rate. A post gets the rate times the sum of weights of its row up to it. The same
+ * up to the post before it is taken off. Both are rounded down. What is left goes to the heaviest post of the face; of several to the last
+ * one, in rows from south to north. So the sum is exact.
  */
 #include "soil/laying/strips.h"
 

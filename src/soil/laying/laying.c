@@ -117,7 +117,7 @@ struct soil_laying soil_laying_of(const struct soil_shape *shape, const struct s
 	double dx = lattice_offset_metres(to->x - from->x), dy = lattice_offset_metres(to->y - from->y);
 	double dz = lattice_offset_metres(to->z - from->z), way = hypot(dx, dy), push[2] = {1, 0};
 	struct soil_laying laying = {.heading = to->yaw};
-	if (soil_stands_only(from, to))
+	if (soil_only_set_down(from, to))
 		way = 0;
 	const bool wheel = shape->kind == SOIL_WHEEL;
 	if (wheel || (shape->belt && (way > fabs(dz) || turned != 0))) {

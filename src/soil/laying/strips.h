@@ -23,7 +23,7 @@ struct laying_field {
 	int32_t rectangle[4];    /* around the patch, in the frame: most and least x, most and least y */
 	int32_t band;            /* its width, 2^-6 post */
 	uint16_t *weights;       /* width x height; only runs are ever written or read */
-	int16_t *apart;          /* width x height: used by soil_strip_around */
+	int16_t *apart;          /* distances around a patch, and rows that finding them takes: soil_lay_scratch */
 };
 
 /* The posts of a strip in a row: from `first` on; count 0: none. */
