@@ -1,7 +1,7 @@
 /*
  * The strip around a patch, whatever the patch's form is. The weight of a post follows from its distance to the nearest post of the patch,
- * less half a post. Distances are exact: first along each column to the nearest post of the patch in it, once from the south and once from the north. Then
- * the least sum of two squares along each row. Nothing farther than the band is looked at.
+ * less half a post. Distances are exact: first along each column to the nearest post of the patch in it, once from the south and once from
+ * the north. Then the least sum of two squares along each row. Nothing farther than the band is looked at.
  */
 #include <math.h>
 
