@@ -46,6 +46,10 @@ struct soil_pose {
 	double yaw, pitch, roll, turn;
 };
 
+/* Returns true if a body that goes from one pose to the other does not move. One that rises or falls very far counts as set down anew, too.
+ * Then only its end pose acts on the ground. */
+bool soil_only_set_down(const struct soil_pose *from, const struct soil_pose *to);
+
 /* Returns true for a body whose surface runs over it: a wheel, or a body with a belt. Only such a body has a slip. */
 bool soil_shape_runs(const struct soil_shape *shape);
 /* Returns how far the surface of a body ran over it, metres. `turned`: of a wheel radians about its axis, of a belt the metres that
@@ -155,6 +159,11 @@ struct soil_planes {
 	uint8_t *levels;         /* SOIL_RASTERS for each post; NULL: no raster */
 	uint8_t *contact;        /* what a contact did to each post: SOIL_LOWERED, SOIL_HELD */
 };
+
+/* Bits of a post's contact. A post that is neither lowered nor held can take soil. */
+enum { SOIL_LOWERED = 1, SOIL_HELD = 2, SOIL_NEAR = 16, SOIL_NO_GROUND = 32 };
+
+#define SOIL_BAND_POSTS 95 /* the widest band of laid soil */
 
 /* What is the same for all contacts of a world. */
 struct soil_law {
