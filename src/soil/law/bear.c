@@ -378,11 +378,10 @@ SOIL_INLINED float fade_slope(float fades)
 
 /* Adds damping: of soil that is pushed down fast, and of a surface that hardly slides. damping: Pa s/m, what counts of the soil's. Grousers do not count
  * for the speed: a bar that passes pushes no more soil down. */
-SOIL_INLINED void put_rates(const struct soil_form *f, float damping, float down, float above, struct place *place)
+SOIL_INLINED void put_rates(const struct soil_form *f, float damping, float down, struct place *place)
 {
 	const float slow = fade(down * down / (SETTLES * SETTLES)), settles = SETTLING * damping, damps = either(down >= 0, damping, 0);
 	float along[2];
-	(void)above;
 	place->stress = most(place->stress + (damps + settles * slow) * down, 0);
 	place->damps = damps + settles * fade_slope(slow);
 	running_at(f, f->angular, f->runs, place->arm, place->normal, place->across, along);
@@ -406,8 +405,8 @@ SOIL_INLINED float down_at(const struct soil_form *f, const float arm[3], float 
 	return -(dot3(f->linear, normal) + dot3(moves, normal));
 }
 
-SOIL_INLINED void put_place(const struct soil_form *f, enum soil_form_kind kind, bool rates, bool asked, const struct lane_posts *p, int i,
-			    const struct block *l, const struct spots *spots, int lane, struct face *face, struct place *place)
+SOIL_INLINED void put_place(const struct soil_form *f, enum soil_form_kind kind, bool asked, const struct lane_posts *p, int i,
+			    const struct spots *spots, int lane, struct face *face, struct place *place)
 {
 	const struct stress_soil s = soil_of(p, i);
 	const float up = p->up[i], x = spots->x[lane], y = spots->y[lane], largest = spots->most[lane], z = up * spots->deep[lane], yields = spots->yields[lane];
@@ -419,7 +418,7 @@ SOIL_INLINED void put_place(const struct soil_form *f, enum soil_form_kind kind,
 	place->arm[2] = face->height + p->above[i];
 	const float plastic = plastic_part(&s, largest, yields), by_elastic = 1 / most(largest - plastic, 1e-9f);
 	const float springs = clamped((z + SOIL_LEAST - plastic) * by_elastic, 0, 1), share = either(z >= largest, 1, springs);
-	const float down = rates ? down_at(f, place->arm, p->above[i], place->normal) : 0;
+	const float down = down_at(f, place->arm, p->above[i], place->normal);
 	place->ground = either(least(z, share) > 0, spots->part[lane], 0);
 	/* A flat end that is as wide as several cells bears by its area in plan: all of it on level ground. */
 	const float level = clamped(1 - (place->normal[0] * p->rise_x[i] + place->normal[1] * p->rise_y[i]) / most(place->normal[2], 1e-6f), 0, 1);
@@ -427,11 +426,9 @@ SOIL_INLINED void put_place(const struct soil_form *f, enum soil_form_kind kind,
 	place->area = place->ground * bears / plane;
 	place->stress = yields * share;
 	/* At the yield surface the soil yields if the body goes on down, and springs back if it does not. */
-	const float flows = either(z >= largest - SOIL_LEAST, rates ? either(down > 0, 1, 0) : 1, 0), unloads = (1 - flows) * either(z >= largest - SOIL_LEAST, 1, spots->unloads[lane]);
+	const float flows = either(z >= largest - SOIL_LEAST, either((down > 0) | (f->rates == 0), 1, 0), 0), unloads = (1 - flows) * either(z >= largest - SOIL_LEAST, 1, spots->unloads[lane]);
 	place->sinks = up * ((1 - unloads) * yield_growth(&s, yields, largest) + unloads * yields * by_elastic);
-	place->dragged[0] = place->dragged[1] = 0;
-	if (rates)
-		put_rates(f, s.damping * least(4 * share, 1) * least(4 * most(largest, 0) * s.by_modulus, 1), down, p->above[i], place);
+	put_rates(f, s.damping * least(4 * share, 1) * least(4 * most(largest, 0) * s.by_modulus, 1), down, place);
 	const struct slip slip = slip_at(f, place->arm, place->normal, place->across);
 	place->mobilised[0] = sheared(p->shear_x[i], slip.direction[0], spots->stays[lane]);
 	place->mobilised[1] = sheared(p->shear_y[i], slip.direction[1], spots->stays[lane]);
@@ -445,7 +442,6 @@ SOIL_INLINED void put_place(const struct soil_form *f, enum soil_form_kind kind,
 				place->shears[k][j] = either(slip.size > 1e-9f, grows, k == j ? s.by_modulus : 0);
 			}
 	}
-	(void)l;
 }
 
 /* --- sums --- */
@@ -690,14 +686,14 @@ SOIL_INLINED void add_changes(const struct soil_form *f, enum soil_form_kind kin
 }
 
 /* Adds what one place of each lane bears. */
-SOIL_INLINED void add_places(const struct soil_form *f, enum soil_form_kind kind, bool rates, bool asked, float unit, const struct lane_posts *p,
-			     const struct block *l, const struct spots *spots, float stresses[7][LANES], struct counts *counts, struct lane_places *all)
+SOIL_INLINED void add_places(const struct soil_form *f, enum soil_form_kind kind, bool asked, float unit, const struct lane_posts *p,
+			     const struct spots *spots, float stresses[7][LANES], struct counts *counts, struct lane_places *all)
 {
 	EACH_LANE {
 		struct face face;
 		struct place place;
 		float shear[3], stress[3], moment[3], belt[3];
-		put_place(f, kind, rates, asked, p, i, l, spots, i, &face, &place);
+		put_place(f, kind, asked, p, i, spots, i, &face, &place);
 		stress_at(&place, shear, stress);
 		cross3(place.arm, stress, moment);
 		cross3(place.normal, f->belt, belt);
@@ -776,7 +772,7 @@ struct asked {
 	struct lane_changes *changes; /* NULL: not asked */
 };
 
-SOIL_INLINED void bear(const struct soil_form *f, enum soil_form_kind kind, bool rates, bool asked, const struct soil_posts *posts, const struct asked *a)
+SOIL_INLINED void bear(const struct soil_form *f, enum soil_form_kind kind, bool asked, const struct soil_posts *posts, const struct asked *a)
 {
 	const float unit = BEAR_UNITS_A_PASCAL / a->share;
 	for (size_t b = 0; b < posts->count; b += LANES) {
@@ -806,7 +802,7 @@ SOIL_INLINED void bear(const struct soil_form *f, enum soil_form_kind kind, bool
 			memset(&all, 0, sizeof all);
 		for (int k = 0; k < 2; k++) {
 			put_spots(f, kind, p, &l, k == 0 ? -0.28867513f : 0.28867513f, &spots);
-			add_places(f, kind, rates, asked, unit, p, &l, &spots, stresses, &counts, &all);
+			add_places(f, kind, asked, unit, p, &spots, stresses, &counts, &all);
 		}
 		if (asked)
 			add_changes(f, kind, p, &l, &all, a->changes);
@@ -818,11 +814,9 @@ SOIL_INLINED void bear(const struct soil_form *f, enum soil_form_kind kind, bool
 	SOIL_CLONED static void bear_##name(const struct soil_form *restrict f, const struct soil_posts *restrict p, const struct asked *restrict a) \
 	{ \
 		if (a->changes != NULL) \
-			bear(f, kind, true, true, p, a); \
-		else if (f->rates) \
-			bear(f, kind, true, false, p, a); \
+			bear(f, kind, true, p, a); \
 		else \
-			bear(f, kind, false, false, p, a); \
+			bear(f, kind, false, p, a); \
 	}
 BEAR_OF(FORM_RIM, rim)
 BEAR_OF(FORM_BALL, ball)

@@ -58,7 +58,7 @@ SOIL_INLINED void lower_round(const struct soil_form *restrict f, enum soil_form
 	const float sinks = either(f->run > 0, 0, most(f->way[2], 0));
 	for (int i = 0; i < POSTS_LANES; i++) {
 		const float x = p->x[b + i], y = p->y[b + i];
-		struct face face;
+		struct face face = {.height = 0};
 		float since;
 		face_at(f, kind, 0, x, y, &face);
 		p->height[b + i] = face.height;
@@ -168,7 +168,7 @@ static void cover_post(const struct soil_body *body, const struct soil_form *f, 
 	const float x = p->x[i], y = p->y[i];
 	const bool hole = p->base[i] == BASE_NODATA;
 	double height = 0, away, lowest = 0;
-	struct face face;
+	struct face face = {.height = 0};
 	const bool over = !hole && placed(body, (double)x, (double)y, &height, &away), swept = !hole && lowest_of(body, (double)x, (double)y, &lowest);
 	p->own[i] = f->kind == FORM_END ? (2 * f->half_axis * f->level < 0.25f * f->spacing ? 1 : 2) : 0;
 	face_at(f, f->kind, p->own[i], x, y, &face);

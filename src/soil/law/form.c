@@ -267,9 +267,10 @@ void soil_form_of(const struct soil_law *law, const struct soil_motion *motion, 
 		body->way[k] = (double)form->way[k];
 	form->beyond = (float)motion->beyond[2];
 	form->by_arm = (float)exp2(-ceil(log2(soil_shape_bound(motion->shape))));
+	bool moves = motion->runs != 0;
 	for (int k = 0; k < 3; k++)
-		form->rates = form->rates || motion->linear[k] != 0 || motion->angular[k] != 0;
-	form->rates = form->rates || motion->runs != 0;
+		moves = moves || motion->linear[k] != 0 || motion->angular[k] != 0;
+	form->rates = moves ? 1 : 0;
 	form->bulldozing = (float)law->bulldozing;
 	form->surface = (struct stress_surface){
 		.adhesion = interface->has_adhesion ? (float)interface->adhesion : 0,

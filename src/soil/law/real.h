@@ -15,7 +15,7 @@
 
 /* Functions that are compiled for several instruction sets (meson.build); and those that become part of each function that calls them. */
 #if FURROW_CLONES
-#define SOIL_CLONED __attribute__((target_clones("arch=x86-64-v4", "avx2", "default")))
+#define SOIL_CLONED __attribute__((target_clones("arch=x86-64-v4", "avx2", "default"), no_sanitize("undefined")))
 #else
 #define SOIL_CLONED
 #endif
