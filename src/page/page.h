@@ -62,6 +62,9 @@ struct page_executor {
 	enum status (*snapshot)(void *user, struct page_image *image);
 	/* Tells whether the last transfer of this image has finished. Never waits. */
 	enum status (*settled)(void *user, const struct page_image *image, bool *settled);
+	/* Nobody uses what the image holds any more. Called on any thread that uses the cache, with its mutex held. So it must be
+	 * quick, and must not call the cache. NULL: nothing to do. */
+	void (*drop)(void *user, struct page_image *image);
 };
 
 struct page_params {
@@ -165,8 +168,9 @@ typedef enum status (*page_taken_fn)(void *user, uint64_t key, const struct page
 /* Gives pages, each key once. Begins all read-backs before it waits for the first. On failure pages are lost from the cache, so the
  * run must end without a commit. */
 enum status page_cache_take(struct page_cache *cache, const uint64_t *keys, size_t count, page_taken_fn fn, void *user) FURROW_CHECKED;
-/* Puts a page into the queue, as the next commit is to write it. `fn` fills bytes and flags of its image, that of a changed page. */
-typedef void (*page_fill_fn)(void *user, struct page_image *image);
+/* Puts a page into the queue, as the next commit is to write it. `fn` fills its image, that of a changed page, and sets its flags. If it
+ * fails, nothing is put. */
+typedef enum status (*page_fill_fn)(void *user, struct page_image *image);
 enum status page_cache_put(struct page_cache *cache, uint64_t key, page_fill_fn fn, void *user) FURROW_CHECKED;
 
 /* For a cache with params.commits_begun. Tells whether page_cache_end_step would have begun a commit without that. */

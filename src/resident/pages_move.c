@@ -56,7 +56,7 @@ struct putting {
 };
 
 /* A plane that the tile does not have is 0 in every post. So the next commit drops what this store has of it from before. */
-static void fill(void *user, struct page_image *image)
+static enum status fill(void *user, struct page_image *image)
 {
 	const struct putting *putting = user;
 	image->flags = putting->pages->planes;
@@ -64,6 +64,7 @@ static void fill(void *user, struct page_image *image)
 		memcpy(image->bytes, putting->bytes, putting->pages->layout.changed);
 	else
 		memset(image->bytes, 0, putting->pages->layout.changed);
+	return STATUS_OK;
 }
 
 enum status resident_pages_put(struct pages *pages, struct tile tile, unsigned planes, const void *bytes)
