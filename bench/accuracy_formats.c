@@ -77,8 +77,8 @@ static void sample(struct rig *rig, const struct track *track, int64_t index)
 	motion_track_sample(track, index, &point);
 	bench_must(resident_ground_height(rig->ground, point.qx, point.qy, &ground, &any));
 	struct deform_contact of = {.shape = &rig_wheel};
-	of.to = (struct deform_pose){.x = point.qx, .y = point.qy, .z = ground + lattice_offset(ACCURACY_RADIUS - ACCURACY_SINK),
-				     .yaw = point.yaw};
+	of.to = (struct soil_pose){.x = point.qx, .y = point.qy, .z = ground + lattice_offset(ACCURACY_RADIUS - ACCURACY_SINK),
+				   .yaw = point.yaw};
 	of.from = index > 0 ? rig->rest.pose : of.to;
 	if (index > 0) {
 		double along = lattice_offset_metres(of.to.x - of.from.x) * cos(of.to.yaw) +

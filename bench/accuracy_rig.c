@@ -30,7 +30,7 @@ static const struct {
 	[KEPT_R32F] = {"R32F", GPU_R32F, 0, 4}, [KEPT_R32I] = {"R32I", GPU_R32I, 0, 4},
 };
 
-const struct deform_shape rig_wheel = {.kind = DEFORM_WHEEL, .radius = ACCURACY_RADIUS, .width = ACCURACY_WIDTH};
+const struct soil_shape rig_wheel = {.kind = SOIL_WHEEL, .radius = ACCURACY_RADIUS, .width = ACCURACY_WIDTH};
 
 const char *accuracy_format_name(enum accuracy_format format)
 {

@@ -43,7 +43,7 @@ struct rig {
 	int64_t intervals;       /* that are over */
 };
 
-extern const struct deform_shape rig_wheel;
+extern const struct soil_shape rig_wheel;
 
 /* Over the store of the variant's spacing; nothing has moved. */
 void rig_open(const struct accuracy_variant *of, const struct scene *scene, struct rig *rig);

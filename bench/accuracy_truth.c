@@ -61,15 +61,15 @@ static size_t rect_posts(struct post_rect rect)
 	return (size_t)((rect.x1 - rect.x0) * (rect.y1 - rect.y0));
 }
 
-static const struct deform_shape wheel = {.kind = DEFORM_WHEEL, .radius = ACCURACY_RADIUS, .width = ACCURACY_WIDTH};
+static const struct soil_shape wheel = {.kind = SOIL_WHEEL, .radius = ACCURACY_RADIUS, .width = ACCURACY_WIDTH};
 
-static struct deform_pose pose_at(const struct track *track, int64_t sample)
+static struct soil_pose pose_at(const struct track *track, int64_t sample)
 {
 	struct track_point point;
 	motion_track_sample(track, sample, &point);
 	double ground = accuracy_height(lattice_offset_metres(point.qx), lattice_offset_metres(point.qy));
-	return (struct deform_pose){.x = point.qx, .y = point.qy, .z = lattice_offset(ground + ACCURACY_RADIUS - ACCURACY_SINK),
-				    .yaw = point.yaw};
+	return (struct soil_pose){.x = point.qx, .y = point.qy, .z = lattice_offset(ground + ACCURACY_RADIUS - ACCURACY_SINK),
+				  .yaw = point.yaw};
 }
 
 /* The wheel's plan, and where it came from, with room to spare: elsewhere it is not above the post. */
@@ -150,7 +150,7 @@ static struct deform_params params_of(enum deform_model model)
 {
 	struct deform_params params = {.model = model, .soil_count = 1, .bulldozing = 0.5,
 				       .depth = deform_model_row(model)->depth};
-	bench_must(deform_soil_named("dry_sand", &params.soils[0]));
+	bench_must(soil_named("dry_sand", &params.soils[0]));
 	params.soils[0].cohesion = 0;
 	params.soils[0].compression = 0.3; /* as when the figures were measured: sumner lays 0.7 of what is pressed */
 	return params;
@@ -236,7 +236,7 @@ static void make(struct accuracy_truth *truth)
 		bench_must(fail_memory("bench"));
 	double began = clock_seconds();
 	for (size_t i = 0; i < count; i++) {
-		struct deform_pose to = pose_at(track, (int64_t)i), from = i > 0 ? sweeps[i - 1].sweep.to : to;
+		struct soil_pose to = pose_at(track, (int64_t)i), from = i > 0 ? sweeps[i - 1].sweep.to : to;
 		double seconds = i > 0 ? motion_track_sample_time(track, (int64_t)i) - motion_track_sample_time(track, (int64_t)i - 1) : 0;
 		double way = lattice_offset_metres(to.x - from.x) * cos(to.yaw) + lattice_offset_metres(to.y - from.y) * sin(to.yaw);
 		sweeps[i].sweep = (struct deform_contact){.shape = &wheel, .from = from, .to = to, .seconds = seconds,

@@ -23,7 +23,7 @@
 enum { STEPS = 400, RUNS = 5, SIDE = 5, CELLS = 256, WHEELS_MOST = 4 };
 
 static char renderer[256]; /* of the last ground */
-static const struct deform_shape wheel = {.kind = DEFORM_WHEEL, .radius = 0.5, .width = 0.4};
+static const struct soil_shape wheel = {.kind = SOIL_WHEEL, .radius = 0.5, .width = 0.4};
 
 struct bench_case {
 	enum deform_model model;
@@ -51,13 +51,13 @@ struct figures {
 	double interval_ms, blocks; /* an interval */
 };
 
-static struct deform_pose pose_of(const struct ground *ground, int step, int number)
+static struct soil_pose pose_of(const struct ground *ground, int step, int number)
 {
 	/* Begins a little before a tile's edge, and beside one. */
 	double start = (CELLS - 40) * ground->of.spacing, lane = CELLS * ground->of.spacing + 2.0 * number;
 	if (start < 1)
 		start = 1;
-	return (struct deform_pose){
+	return (struct soil_pose){
 		.x = lattice_offset(start + ground->of.spacing * step),
 		.y = lattice_offset(lane),
 		.z = lattice_offset(0.4),
@@ -172,7 +172,7 @@ static void open_ground(const struct bench_case *of, bool draws, struct ground *
 		.along_lines = true,
 		.disturbance = of->dirt,
 	};
-	bench_must(deform_soil_named(of->soil, &params.soils[0]));
+	bench_must(soil_named(of->soil, &params.soils[0]));
 	if (of->cohesion >= 0)
 		params.soils[0].cohesion = of->cohesion;
 	params.soils[0].compression = 0.3; /* as when the figures were measured: sumner lays 0.7 of what is pressed */

@@ -100,8 +100,8 @@ static void measure_store(const char *path, const char *gl)
 
 /* --- a drive that runs --- */
 
-static const struct deform_shape wheel = {.kind = DEFORM_WHEEL, .radius = 0.5, .width = 0.4};
-static const struct scene_object object = {.name = "wheel", .shape = {.kind = DEFORM_WHEEL, .radius = 0.5, .width = 0.4}};
+static const struct soil_shape wheel = {.kind = SOIL_WHEEL, .radius = 0.5, .width = 0.4};
+static const struct scene_object object = {.name = "wheel", .shape = {.kind = SOIL_WHEEL, .radius = 0.5, .width = 0.4}};
 
 static enum status before_read_back(void *user, struct tile tile, uint32_t slot)
 {

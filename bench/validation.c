@@ -26,17 +26,17 @@ static const struct {
 #define WIDTH 0.05
 static const double loads[] = {24.5, 22, 27}; /* the middle, and the bounds */
 
-static struct deform_soil rig_soil(double slip)
+static struct soil_numbers rig_soil(double slip)
 {
-	return (struct deform_soil){
+	return (struct soil_numbers){
 		.bekker_kphi = 8e6, .bekker_n = 1.46 + 0.01 * slip, .cohesion = 1e3, .friction_angle = 29 * RADIANS,
 		.janosi_shear = 0.021, .elastic_stiffness = 4e7, .unit_weight = 13.03e3, .repose = 29 * RADIANS,
 	};
 }
 
-static struct deform_pose at(double x, double y, double z, double spacing)
+static struct soil_pose at(double x, double y, double z, double spacing)
 {
-	return (struct deform_pose){lattice_offset(x * spacing), lattice_offset(y * spacing), lattice_offset(z), 0, 0, 0, 0};
+	return (struct soil_pose){lattice_offset(x * spacing), lattice_offset(y * spacing), lattice_offset(z), 0, 0, 0, 0};
 }
 
 static bool has_gpu;
@@ -46,14 +46,14 @@ struct rut {
 };
 
 /* Rolls a wheel at a slip until its sinkage stands still; its axle over a post, its middle over one too. */
-static struct rut rolled(bool on_gpu, const struct deform_soil *soil, double load, double width, double radius, double slip,
+static struct rut rolled(bool on_gpu, const struct soil_numbers *soil, double load, double width, double radius, double slip,
 			 double spacing)
 {
 	double deep = reference_arc(soil, load, width, radius, false), contact = radius * sin(acos(1 - deep / radius));
 	int samples = (int)(1.5 * contact / spacing) + 1, far = (int)(radius / spacing) + RIM;
 	int across = 2 * ((int)(width / 2 / spacing) + RIM) + 1;
 	struct reference_forces forces;
-	struct deform_shape wheel = {.kind = DEFORM_WHEEL, .radius = radius, .width = width};
+	struct soil_shape wheel = {.kind = SOIL_WHEEL, .radius = radius, .width = width};
 	struct deform_contact sweep = {.shape = &wheel, .load = load};
 	struct rut rut;
 	struct bed *bed = bed_create(on_gpu, 2 * far + 1 + samples, across, spacing, soil);
@@ -79,7 +79,7 @@ static void rig(const double *spacings, size_t count)
 	} sands[] = {{"loose", 0.18, 0.32}, {"compact", 0.43, 0.32}};
 	for (size_t i = 0; i < MEASURED; i++) {
 		double slip = measured[i].slip;
-		struct deform_soil soil = rig_soil(slip);
+		struct soil_numbers soil = rig_soil(slip);
 		printf("{\"what\": \"rig\", \"slip\": %g, \"measured_mm\": %g", slip, measured[i].millimetres);
 		for (size_t s = 0; s < 2; s++) {
 			struct reference_wheel wheel = {RADIUS, WIDTH, slip, sands[s].a0, sands[s].a1};
@@ -117,8 +117,8 @@ static void towed(void)
 	} wheels[] = {{"lunar", 283, 0.23, 0.81}, {"dry_sand", 5000, 0.3, 1}};
 	static const double spacings[] = {0.04, 0.02, 0.01};
 	for (size_t i = 0; i < 2; i++) {
-		struct deform_soil soil;
-		bench_must(deform_soil_named(wheels[i].soil, &soil));
+		struct soil_numbers soil;
+		bench_must(soil_named(wheels[i].soil, &soil));
 		double width = wheels[i].width, radius = wheels[i].diameter / 2, load = wheels[i].load;
 		double bekker = reference_towed(&soil, load, width, 2 * radius), arc = reference_arc(&soil, load, width, radius, true);
 		printf("{\"what\": \"towed\", \"soil\": \"%s\", \"bekker_mm\": %.4f, \"bekker_n\": %.4f, \"arc_mm\": %.4f, "
@@ -140,11 +140,11 @@ static void towed(void)
 }
 
 /* The mean pressure under a square plate that is pushed so deep, Pa: over its own area. */
-static double pushed(bool on_gpu, const struct deform_soil *soil, double side, double sinkage, double spacing)
+static double pushed(bool on_gpu, const struct soil_numbers *soil, double side, double sinkage, double spacing)
 {
-	struct deform_shape plate = {.kind = DEFORM_BOX, .size = {side, side, 1}};
+	struct soil_shape plate = {.kind = SOIL_BOX, .size = {side, side, 1}};
 	int posts = (int)(side / spacing) + 2 * RIM;
-	struct deform_pose pose = at(posts / 2, posts / 2, 0.5 - sinkage, spacing);
+	struct soil_pose pose = at(posts / 2, posts / 2, 0.5 - sinkage, spacing);
 	struct deform_contact sweep = {.shape = &plate, .from = pose, .to = pose};
 	struct reference_forces forces;
 	double lower;
@@ -162,8 +162,8 @@ static void plates(void)
 	double side = 0.1;
 	for (size_t i = 0; i < sizeof soils / sizeof *soils; i++)
 		for (size_t k = 0; k < sizeof millimetres / sizeof *millimetres; k++) {
-			struct deform_soil soil;
-			bench_must(deform_soil_named(soils[i], &soil));
+			struct soil_numbers soil;
+			bench_must(soil_named(soils[i], &soil));
 			double sinkage = millimetres[k] / 1e3;
 			printf("{\"what\": \"plate\", \"soil\": \"%s\", \"mm\": %g, \"closed_kpa\": %.6g", soils[i], millimetres[k],
 			       reference_bekker(&soil, side, sinkage) / 1e3);
@@ -187,9 +187,9 @@ static void leaning(void)
 	} rows[] = {{"dry_sand", 0}, {"dry_sand", 1}, {"dry_sand", 3},  {"dry_sand", 9},  {"dry_sand", 23}, {"lunar", 0},
 		    {"lunar", 1},    {"lunar", 9},    {"clayey_38", 0}, {"clayey_38", 1}, {"clayey_38", 9}};
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
-		struct deform_soil soil;
+		struct soil_numbers soil;
 		struct reference_leaning wheel = {.radius = 0.32, .width = 0.24, .camber = rows[i].degrees * RADIANS, .rolls = true, .turned = reference_turned(0.2)};
-		bench_must(deform_soil_named(rows[i].soil, &soil));
+		bench_must(soil_named(rows[i].soil, &soil));
 		wheel.sinkage = reference_leaning_sinkage(&soil, &wheel, 1000);
 		const struct reference_wrench got = reference_leaning(&soil, &wheel);
 		printf("{\"what\": \"leaning\", \"soil\": \"%s\", \"degrees\": %g, \"mm\": %.4f, \"drawbar_n\": %.4f, \"side_n\": %.4f}\n", rows[i].soil,

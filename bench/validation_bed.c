@@ -54,7 +54,7 @@ static void make_tiles(struct bed *bed, uint32_t side)
 	gpu_staging_destroy(flat);
 }
 
-struct bed *bed_create(bool on_gpu, int width, int height, double spacing, const struct deform_soil *soil)
+struct bed *bed_create(bool on_gpu, int width, int height, double spacing, const struct soil_numbers *soil)
 {
 	struct bed *bed = mem_calloc(1, sizeof *bed);
 	if (bed == NULL)

@@ -12,7 +12,7 @@ struct bed;
 /* False: there is no GL. Once; bed_close at the end. */
 bool bed_open(void);
 void bed_close(void);
-struct bed *bed_create(bool on_gpu, int width, int height, double spacing, const struct deform_soil *soil);
+struct bed *bed_create(bool on_gpu, int width, int height, double spacing, const struct soil_numbers *soil);
 void bed_destroy(struct bed *bed);
 /* Of the forces the GPU tells no work; its `normal` is the vertical part of all. *lower: how far a load sank. */
 void bed_sweep(struct bed *bed, const struct deform_contact *sweep, struct reference_forces *forces, double *lower);

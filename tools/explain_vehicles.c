@@ -125,24 +125,24 @@ void explain_soils_text(const struct scene *scene, const struct report_plan *pla
 
 /* --- vehicles --- */
 
-void explain_geom(const struct deform_shape *shape, char *text, size_t size)
+void explain_geom(const struct soil_shape *shape, char *text, size_t size)
 {
 	const double *s = shape->size;
 	switch (shape->kind) {
-	case DEFORM_WHEEL:
+	case SOIL_WHEEL:
 		snprintf(text, size, "wheel, radius %.4g m, width %.4g m", shape->radius, shape->width);
 		return;
-	case DEFORM_SPHERE:
+	case SOIL_SPHERE:
 		snprintf(text, size, "sphere, radius %.4g m", shape->radius);
 		return;
-	case DEFORM_BOX:
+	case SOIL_BOX:
 		snprintf(text, size, "box%s, %.4g x %.4g x %.4g m", shape->belt ? " with a belt" : "", s[0], s[1], s[2]);
 		return;
-	case DEFORM_CYLINDER:
-	case DEFORM_CAPSULE:
-		snprintf(text, size, "%s, radius %.4g m, length %.4g m", shape->kind == DEFORM_CYLINDER ? "cylinder" : "capsule", shape->radius, shape->length);
+	case SOIL_CYLINDER:
+	case SOIL_CAPSULE:
+		snprintf(text, size, "%s, radius %.4g m, length %.4g m", shape->kind == SOIL_CYLINDER ? "cylinder" : "capsule", shape->radius, shape->length);
 		return;
-	case DEFORM_ELLIPSOID:
+	case SOIL_ELLIPSOID:
 		snprintf(text, size, "ellipsoid, half axes %.4g, %.4g, %.4g m", s[0], s[1], s[2]);
 		return;
 	default:

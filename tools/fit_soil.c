@@ -52,14 +52,14 @@ static enum status fit_all(const struct arguments *arguments, struct fit_soil *f
 static enum status run(const struct arguments *arguments)
 {
 	struct fit_soil fit = {.named = arguments_text(arguments, "soil")};
-	struct deform_soil soil;
+	struct soil_numbers soil;
 	const char *path = arguments_text(arguments, "o");
 	int method = FIT_PLAIN;
 	if (fit.named == NULL)
 		fit.named = "dry_sand";
 	enum status status = arguments_choice(arguments, "method", &method);
 	if (status == STATUS_OK)
-		status = deform_soil_named(fit.named, &soil);
+		status = soil_named(fit.named, &soil);
 	fit.method = (enum fit_method)method;
 	if (status == STATUS_OK && isnan(soil.elastic_stiffness))
 		status = fail_with(STATUS_INPUT, "fit-soil: --soil: %s has no numbers of Bekker's and Janosi's soils; name one that docs/SOILS.md has there", fit.named);

@@ -291,7 +291,7 @@ static size_t each_soil(const struct html_report *report, void (*tell)(const str
 	return count;
 }
 
-static void soil_name(const struct html_report *report, const cJSON *soil, const char *key)
+static void soil_title(const struct html_report *report, const cJSON *soil, const char *key)
 {
 	const char *name = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(soil, "name"));
 	fputs("<th scope=\"col\">", report->file);
@@ -364,7 +364,7 @@ void html_tables_soils(const struct html_report *report)
 		fputs("<p>No soil: the drive's model uses none.</p>\n", report->file);
 	} else {
 		fputs("<div class=\"scroll\"><table><thead><tr><th scope=\"col\">number</th>", report->file);
-		each_soil(report, soil_name, NULL);
+		each_soil(report, soil_title, NULL);
 		fputs("</tr></thead><tbody>\n", report->file);
 		each_soil(report, soil_keys, NULL);
 		html_table_end(report);

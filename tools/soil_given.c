@@ -108,9 +108,9 @@ enum status soil_given_of_scene(const struct scene *scene, const char *path, str
 	const char *name = scene->soil_names[0];
 	if (scene->soil_count == 0)
 		return fail_with(STATUS_INPUT, "%s: its model reads no soil; give --soil", path);
-	struct deform_soil named;
+	struct soil_numbers named;
 	soil->text = rig_soil_text(&scene->soils[0], scene->model);
-	char *plain = deform_soil_named(name, &named) == STATUS_OK ? rig_soil_text(&named, scene->model) : NULL;
+	char *plain = soil_named(name, &named) == STATUS_OK ? rig_soil_text(&named, scene->model) : NULL;
 	/* A named soil with numbers of the scene's own is another one. */
 	const bool own = soil->text != NULL && (plain == NULL || strcmp(plain, soil->text) != 0);
 	const size_t room = strlen(name) + strlen(path) + 8;

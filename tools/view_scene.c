@@ -18,7 +18,7 @@ static void default_view(const struct scene *scene, char *text, size_t size)
 			 scene->vehicles[0].name);
 		return;
 	}
-	double back = fmax(DEFAULT_BACK * deform_shape_bound(&scene->objects[0].shape), DEFAULT_BACK_LEAST);
+	double back = fmax(DEFAULT_BACK * soil_shape_bound(&scene->objects[0].shape), DEFAULT_BACK_LEAST);
 	snprintf(text, size, "{size: " DEFAULT_SIZE ", camera: {chase: \"%.100s\", back: %g, up: %g}, effects: " DEFAULT_EFFECTS "}",
 		 scene->objects[0].name, back, DEFAULT_UP * back);
 }

@@ -7,7 +7,7 @@
 const int ONE = 1 << 28;   // 1 as a fraction: of the motion, of a sine
 const int REACH = (1 << 30) - 1;
 
-// F(i, j) = at + i * di + j * dj, in 64 bits, then an arithmetic shift: what src/deform/shape/affine.h holds.
+// F(i, j) = at + i * di + j * dj, in 64 bits, then an arithmetic shift: what src/soil/shape/affine.h holds.
 struct functional {
 	ivec4 at_di;    // lo, hi of at; lo, hi of di
 	ivec4 dj_shift; // lo, hi of dj; the shift
@@ -158,7 +158,7 @@ bool envelope(int which, ivec2 post, out int height)
 //
 // - 0, 1: place across and along the axis, from the centre at the start
 // - 2: height of the axis above that centre; 3: height of a cylinder's lower end plane
-// - 4 to 6 and 10 to 12: src/deform/shape/body.c, rod_ends; 7 to 9: rod_face
+// - 4 to 6 and 10 to 12: src/soil/shape/body.c, rod_ends; 7 to 9: rod_face
 
 // The lower envelope of the shape at one time, above the centre at the start. v, a: place across and along the axis; axis: height of the
 // axis there; end: of the lower end plane; centre: of the centre.

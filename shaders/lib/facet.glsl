@@ -1,4 +1,4 @@
-// A facet: a triangle in straight motion over the posts of a window. src/deform/shape/facet.c computes the numbers, all of them
+// A facet: a triangle in straight motion over the posts of a window. src/soil/shape/facet.c computes the numbers, all of them
 // integers. Each facet has its own post, near it. Places are in 2^-16 posts from that post. Heights are in fixed-point units from the
 // window's zero. Times are in 2^-28 of the motion, counted back from its end.
 //

@@ -3,7 +3,7 @@
 // Defines:
 // - SOIL_MAP: posts differ in their soil
 // - SOIL_RASTERS: rasters give some numbers of the soil at each post. A post has a byte for each raster. Three bits of the define's
-//   value belong to each byte: 0: there is no raster; otherwise 1 + the number as in enum deform_number
+//   value belong to each byte: 0: there is no raster; otherwise 1 + the number as in enum soil_number
 // - SLIP: slip digs
 // - BATCH: over all windows of a batch. Posts are counted from the first of their own window, so that numbers are rounded as in a window
 //   that is alone

@@ -47,9 +47,9 @@ void deform_batch_plan(const struct deform_params *params, struct plan *plan)
 	deform_plan_buffer(plan, deform_displace_effect(params->model), 1 + conserves + deform_tells_forces(params->model), bytes, DEFORM_BATCH_BUFFER);
 }
 
-static bool is_batched(const struct deform_params *params, const struct deform_shape *shape)
+static bool is_batched(const struct deform_params *params, const struct soil_shape *shape)
 {
-	return params->batches && deform_model_row(params->model)->batch != NULL && shape->kind != DEFORM_MESH && shape->grousers == 0;
+	return params->batches && deform_model_row(params->model)->batch != NULL && shape->kind != SOIL_MESH && shape->grousers == 0;
 }
 
 /* A model that smooths has fewer passes for a contact without motion, which comes once for each body. */
@@ -138,9 +138,9 @@ enum status deform_batch_add(struct deform *deform, const struct deform_contact 
 
 enum group deform_group_of(const struct under_params *under)
 {
-	if (under->kind == DEFORM_WHEEL)
+	if (under->kind == SOIL_WHEEL)
 		return under->sideways ? SIDEWAYS_WHEELS : WHEELS;
-	return under->kind == DEFORM_SPHERE ? SPHERES : OTHERS;
+	return under->kind == SOIL_SPHERE ? SPHERES : OTHERS;
 }
 
 static void *put(void *to, const void *numbers, size_t bytes)

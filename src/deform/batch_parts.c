@@ -142,8 +142,8 @@ static void rectangle(const int32_t posts[4], float hull[4][2])
 static void hull_of(const struct deform *deform, const struct batched *batched, int reach, float hull[4][2])
 {
 	const struct deform_contact *contact = &batched->contact;
-	const struct deform_shape *shape = contact->shape;
-	const struct deform_pose *to = &contact->to, *from = deform_is_contact_only(contact) ? to : &contact->from;
+	const struct soil_shape *shape = contact->shape;
+	const struct soil_pose *to = &contact->to, *from = deform_is_contact_only(contact) ? to : &contact->from;
 	const bool round = batched->group == SPHERES;
 	const double c = round ? 1 : cos(to->yaw), s = round ? 0 : sin(to->yaw), spacing = deform->spacing;
 	const double dx = lattice_offset_metres(to->x - from->x) / spacing, dy = lattice_offset_metres(to->y - from->y) / spacing;

@@ -4,7 +4,7 @@
  * each stage.
  *
  * Results are integers and the same on every driver. The lower envelope of an object is its lowest height above each post during
- * the motion. It is computed from affine functions of the post's position, in 64-bit fixed point (shape/affine.h). Results do not
+ * the motion. It is computed from affine functions of the post's position, in 64-bit fixed point (src/soil/shape/affine.h). Results do not
  * depend on tiles, since a window knows only global posts. Functions on a struct deform are for the GPU's thread.
  */
 #ifndef FURROW_DEFORM_H
@@ -16,52 +16,13 @@
 #include "base/base.h"
 #include "base/effect.h"
 #include "gpu/gpu.h"
-
-/* Their numbers are in the hashes of scenes, so a new shape comes last. */
-enum deform_shape_kind { DEFORM_WHEEL, DEFORM_SPHERE, DEFORM_BOX, DEFORM_MESH, DEFORM_CYLINDER, DEFORM_CAPSULE, DEFORM_ELLIPSOID, DEFORM_SHAPES };
-
-/* Triangles in the object's own axes, metres. Its maker owns it. It must outlive every use. */
-struct deform_mesh {
-	float (*vertices)[3];
-	uint32_t (*triangles)[3]; /* indices into vertices; clockwise or not */
-	uint32_t vertex_count, triangle_count;
-	double low[3], high[3];   /* bounds of the vertices */
-};
-
-struct deform_shape {
-	enum deform_shape_kind kind;
-	double radius;  /* wheel, sphere, cylinder, capsule: metres */
-	double width;   /* wheel: metres along its axis */
-	double length;  /* cylinder, capsule: metres along its axis, its own z; of a capsule without its two ends */
-	double size[3]; /* box: metres along its own x (forward), y (left), z (up); ellipsoid: its half axes along these */
-	int grousers;       /* wheel: grousers, evenly spaced bars across the rim that turn with it; 0: a smooth wheel */
-	double grouser_height, grouser_thickness; /* of a grouser, metres: beyond the radius, and along the rim */
-	/* box, mesh: its surface is a belt that runs around its own y axis, as a wheel's rim does. Below a body that it draws forwards it
-	 * runs backwards */
-	bool belt;
-	const struct deform_mesh *mesh;
-};
-
-/* The object's centre and attitude, in radians: yaw about z from east to north, then pitch (nose up), then roll (right side
- * down). A wheel's axis is its own y; it rolls along its own x. Its roll is its camber. Its pitch does not count: it only turns the wheel
- * about its axis. `turn`: how far a wheel has turned forwards about its axis, radians. It decides where the grousers are. Of a body with
- * a belt: how far the belt has run, metres. */
-struct deform_pose {
-	int64_t x, y, z; /* 2^-20 m from the south-west post; z absolute */
-	double yaw, pitch, roll, turn;
-};
-
-/* Shear along an object's surface. Where that is weaker than the soil, the soil slides along it. */
-struct deform_interface {
-	bool has_friction, has_adhesion; /* false: in its place counts the soil's own friction_angle, cohesion */
-	double friction_angle, adhesion; /* rad, Pa */
-};
+#include "soil/soil.h"
 
 /* A contact: the object moves straight from `from` to `to` with the attitude of `to`. A first contact has from == to. */
 struct deform_contact {
-	const struct deform_shape *shape;
-	struct deform_interface interface; /* for models that compute forces */
-	struct deform_pose from, to;
+	const struct soil_shape *shape;
+	struct soil_interface interface; /* for models that compute forces */
+	struct soil_pose from, to;
 	double seconds; /* duration of the motion, s; 0: models ignore speeds */
 	/* wheel: radians turned about its axis during the motion (slip 0: distance / radius); body with a belt: metres that the belt ran
 	 * (slip 0: distance) */
@@ -101,7 +62,6 @@ enum deform_model { DEFORM_MODELS_EACH(DEFORM_MODEL_NUMBER) DEFORM_MODELS };
 
 struct deform;
 struct deform_params;
-struct deform_soil;
 struct deform_window;
 struct soil_slide; /* how soil slides: src/deform/internal.h */
 
@@ -140,7 +100,7 @@ struct soil_model {
 	bool blind;              /* the model does not need to know which posts were touched */
 	bool measures;           /* its contact pass sums the soil that it displaces; false: a further pass does */
 	bool in_place;           /* the contact writes the planes that it reads. So it may look only at posts below the object */
-	bool rasters;            /* the contact reads the numbers of `enum deform_number`, and these may come from rasters */
+	bool rasters;            /* the contact reads the numbers of `enum soil_number`, and these may come from rasters */
 	bool contact_soils;      /* the contact's shader reads the soils' numbers, so it is compiled with the define SOILS */
 	bool smooths;            /* the model smooths the track of a moving object, by the keys `radius` and `repetitions` */
 	/* how soil slides; NULL: it does not slide, and displaced soil is lost. With sliding, only compacted soil is lost */
@@ -148,13 +108,13 @@ struct soil_model {
 	int directions; /* of the lines along which soil slides in a contact: 4, or 2 of them in turn, or 0 */
 	/* Computes the largest height difference, fixed-point units, at which two posts of a soil are stable. `apart`: their
 	 * distance, metres. Used if soil slides by excess (deform_slide_excess). */
-	int32_t (*critical)(const struct deform_soil *soil, double apart);
+	int32_t (*critical)(const struct soil_numbers *soil, double apart);
 	/* Returns the cotangent of the steepest angle at which a slope of `height` metres is stable; NULL: it does not depend on the
 	 * height. */
-	double (*cotangent)(const struct deform_soil *soil, double height);
+	double (*cotangent)(const struct soil_numbers *soil, double height);
 	/* For a model that conserves soil: the angle at which displaced soil is laid, rad, and its share of the displaced soil. */
-	double (*laid_at)(const struct deform_soil *soil);
-	double (*laid_share)(const struct deform_params *params, const struct deform_soil *soil);
+	double (*laid_at)(const struct soil_numbers *soil);
+	double (*laid_share)(const struct deform_params *params, const struct soil_numbers *soil);
 };
 
 /* Returns the struct that describes a model. It is constant. */
@@ -177,55 +137,6 @@ const char *deform_plane_effect(enum deform_model model, enum plane plane);
 const char *deform_slide_effect(enum deform_model model);
 const char *deform_contact_effect(enum deform_model model);
 
-/* The numbers of one soil, SI, angles in radians. The scene checks ranges. NAN: the soil has no such number, and no model may
- * read it. */
-struct deform_soil {
-	double bekker_kc, bekker_kphi, bekker_n; /* N/m^(n+1), N/m^(n+2), 1 */
-	double cohesion, friction_angle;         /* Pa, rad */
-	double janosi_shear;                     /* K, m */
-	double elastic_stiffness, damping;       /* Pa/m, Pa s/m */
-	double unit_weight;                      /* N/m3 */
-	/* Sumner's model: angles in rad; shares of 1. */
-	double theta_in, theta_out, theta_stop, roughness, compression;
-	double repose; /* rad: model scm: angle of repose of deposited soil */
-};
-#define DEFORM_SOILS 16
-
-/* Numbers of a soil that may differ from post to post. lib/soil.glsl has the same order. */
-#define DEFORM_NUMBERS_EACH(NUMBER) \
-	NUMBER(DEFORM_BEKKER_KC, bekker_kc) \
-	NUMBER(DEFORM_BEKKER_KPHI, bekker_kphi) \
-	NUMBER(DEFORM_BEKKER_N, bekker_n) \
-	NUMBER(DEFORM_COHESION, cohesion) \
-	NUMBER(DEFORM_FRICTION_ANGLE, friction_angle) \
-	NUMBER(DEFORM_JANOSI_SHEAR, janosi_shear) \
-	NUMBER(DEFORM_ELASTIC_STIFFNESS, elastic_stiffness)
-#define DEFORM_NUMBER(number, key) number,
-enum deform_number { DEFORM_NUMBERS_EACH(DEFORM_NUMBER) DEFORM_NUMBERS };
-#undef DEFORM_NUMBER
-const char *deform_number_key(enum deform_number number);
-double *deform_number_in(struct deform_soil *soil, enum deform_number number);
-/* How a number is kept at each post: a byte. 0: the number is that of the post's soil; 1 to 255: levels from `low` to `high`, which
- * are equally far apart. SI. */
-struct deform_raster {
-	enum deform_number number;
-	double low, high;
-};
-#define DEFORM_RASTERS 4 /* the bytes of a post */
-#define DEFORM_LEVELS 255
-double deform_raster_value(const struct deform_raster *raster, uint8_t level); /* `level`: not 0 */
-
-/* All predefined soils of Wong's table have these, as no source gives them by soil. */
-#define DEFORM_USUAL_STIFFNESS 4e7 /* Pa/m */
-#define DEFORM_USUAL_DAMPING 3e4   /* Pa s/m */
-/* Sets every number to NAN. */
-void deform_soil_clear(struct deform_soil *soil);
-/* Returns the name of a predefined soil by its index, 0, 1, ...; NULL beyond the last. */
-const char *deform_soil_name(size_t index);
-/* Fills the numbers of a predefined soil, from Wong's table, Sumner's table, or both. STATUS_INPUT: no soil has this name; the
- * message lists all names. */
-enum status deform_soil_named(const char *name, struct deform_soil *soil) FURROW_CHECKED;
-
 struct deform_params {
 	struct gpu *gpu;
 	struct gpu_slots *slots;
@@ -236,9 +147,9 @@ struct deform_params {
 	int box_radius;      /* posts, 1 .. 4 */
 	int box_repetitions; /* 1 .. 8 */
 	/* For models that conserve soil: */
-	struct deform_soil soils[DEFORM_SOILS];
+	struct soil_numbers soils[SOIL_CLASSES];
 	int soil_count;      /* number of soils: 1, or one for each class in the slots' class planes */
-	struct deform_raster rasters[DEFORM_RASTERS]; /* of the bytes in the slots' numbers, in their order */
+	struct soil_raster rasters[SOIL_RASTERS]; /* of the bytes in the slots' numbers, in their order */
 	int raster_count;    /* 0: the slots have no numbers */
 	int iterations;      /* relaxation iterations of a contact and of an interval; 1 .. 8 */
 	bool along_lines;    /* in a contact soil also slides along lines (soil/lines.c); false: from post to post only */
@@ -261,41 +172,8 @@ struct deform_params {
 	bool batches;        /* contacts of several bodies may be computed together, if the model can */
 };
 
-/* m: a body that slips less in a contact digs nothing. Poses are whole fixed-point units of 2^-20 m, so a wheel that rolls without slip seems to
- * slip by some of them. Then a drive in which nothing slips digs nothing, whether or not it keeps what was dug. */
-#define DEFORM_SLIP_LEAST 0x1p-18
-
 /* Returns the planes that a model keeps, a mask of PLANE_BIT. `digs`: slip digs. */
 unsigned deform_planes(enum deform_model model, bool disturbance, bool digs);
-
-struct deform;
-
-/* Returns true for a body whose surface runs over it: a wheel, or a body with a belt. Only such a body has a slip. */
-bool deform_shape_runs(const struct deform_shape *shape);
-/* Returns how far the surface of a body ran over it, metres. `turned`: as in struct deform_contact. 0: the body has no such surface. */
-double deform_shape_ran(const struct deform_shape *shape, double turned);
-/* Checks that a shape can be simulated with posts `spacing` metres apart. STATUS_INPUT: it cannot; the message tells the limit. */
-enum status deform_shape_check(const struct deform_shape *shape, double spacing) FURROW_CHECKED;
-/* Returns a distance from the object's centre that holds the whole object in any attitude, metres. */
-double deform_shape_bound(const struct deform_shape *shape);
-/* Computes the object's own axes in a pose: forward, left and up, unit vectors, with `turn` about its own left. */
-void deform_axes(double yaw, double pitch, double roll, double turn, double axes[3][3]);
-/* Computes the yaw and the roll, -pi / 2 to pi / 2, of a wheel whose axle points along this unit vector. */
-void deform_wheel_attitude(const double axle[3], double *yaw, double *roll);
-/* Returns the height of the centre above the object's lowest point in this attitude, metres, positive. */
-double deform_shape_reach(const struct deform_shape *shape, double pitch, double roll);
-
-/* Returns the largest shear force on an area, N: of the soil, or along the object's surface if that is less. `area`: m2; `normal`:
- * force across it, N. */
-double deform_shear_limit(const struct deform_soil *soil, const struct deform_interface *interface, double area, double normal);
-
-/* Returns about how deep the object sinks under a load, m, as the start of a search. A wheel: Bekker's formula for a towed
- * wheel. Other shapes: as plates. */
-double deform_sinkage_guess(const struct deform_shape *shape, const struct deform_soil *soil, double load);
-/* Returns about what load sinks a wheel that rolls with this slip, or an upright box, by so much, N. `sinkage`: m, above 0. INFINITY:
- * another shape, of which it is not known. */
-double deform_load_at(const struct deform_shape *shape, const struct deform_interface *interface, double slip, const struct deform_soil *soil,
-		      double sinkage);
 
 enum status deform_create(const struct deform_params *params, struct deform **out) FURROW_CHECKED;
 void deform_destroy(struct deform *deform);
@@ -317,7 +195,7 @@ size_t deform_windows_computed(const struct deform_window *windows, size_t count
 /* Returns true if the contact has no motion. Then only its end pose acts on the ground. */
 bool deform_is_contact_only(const struct deform_contact *contact);
 /* Returns a number of posts. A contact of this shape reads and changes no post that lies farther from the rectangle around its origins. */
-int64_t deform_contact_reach(const struct deform *deform, const struct deform_shape *shape);
+int64_t deform_contact_reach(const struct deform *deform, const struct soil_shape *shape);
 /* Finds the windows of a contact. *count 0: it lies outside the world. STATUS_INPUT: it needs more than DEFORM_WINDOWS_MAX. */
 enum status deform_windows(struct deform *deform, const struct deform_contact *contact,
 			   struct deform_window *windows, size_t *count) FURROW_CHECKED;
@@ -345,7 +223,7 @@ enum status deform_feel(struct deform *deform, const struct deform_contact *cont
 			const struct deform_tile *tiles, size_t count) FURROW_CHECKED;
 /* The facts about an object that decide its resources and passes. */
 struct deform_planned {
-	const struct deform_shape *shape;
+	const struct soil_shape *shape;
 	double load; /* N. If it is not 0 and the model computes forces, the forces on the object are computed too */
 	bool moves;  /* the object moves after it was set down */
 	bool leans;  /* a wheel that may have camber at times */
@@ -402,7 +280,7 @@ int64_t deform_interval_rim(const struct deform *deform);
 enum status deform_wake_swept(struct deform *deform, const struct deform_window *window, uint32_t layer) FURROW_CHECKED;
 /* Returns true if the contact reads everything that the object rests on in a pose, and around it. Then nothing need be made
  * active when the object leaves that pose. */
-bool deform_covers(const struct deform *deform, const struct deform_contact *contact, const struct deform_pose *rest);
+bool deform_covers(const struct deform *deform, const struct deform_contact *contact, const struct soil_pose *rest);
 /*
  * Touched posts: posts whose planes may have changed since the deform was made, and posts named with deform_touch. Only if the
  * parameters ask for it. They include posts that contacts wrote, and posts that sliding soil can have reached. After a contact
@@ -421,8 +299,8 @@ size_t deform_blocks_sort(struct deform_block *blocks, size_t count);
 
 /* An object at rest, in the pose of its last path sample. */
 struct deform_rest {
-	const struct deform_shape *shape;
-	struct deform_pose pose;
+	const struct soil_shape *shape;
+	struct soil_pose pose;
 	/* not 0: it is at the equilibrium height that the last contact of this loaded body found, relative to this pose */
 	uint32_t loaded_body;
 };
@@ -544,7 +422,7 @@ void deform_patch_plan(const struct deform_params *params, struct plan *plan);
 enum status deform_patch_create(struct deform *deform, struct deform_patch **out) FURROW_CHECKED; /* `deform` must outlive it */
 void deform_patch_destroy(struct deform_patch *patch); /* patch may be NULL */
 /* Returns the posts that a patch must have for probes of this body up to `margin` posts around a pose. */
-struct post_rect deform_probe_posts(const struct deform *deform, const struct deform_shape *shape, const struct deform_pose *pose, int64_t margin);
+struct post_rect deform_probe_posts(const struct deform *deform, const struct soil_shape *shape, const struct soil_pose *pose, int64_t margin);
 /* Begins to read posts. `tiles`: all tiles that have one of them; their slots may be used for something else afterwards. */
 enum status deform_patch_begin(struct deform_patch *patch, struct post_rect rect, const struct deform_tile *tiles, size_t count) FURROW_CHECKED;
 /* Waits for the posts, if they are being read. `anew`: a contact of the body has changed the ground since the last read, so what
@@ -554,9 +432,9 @@ void deform_patch_forget(struct deform_patch *patch); /* the posts are not valid
 struct post_rect deform_patch_rect(const struct deform_patch *patch); /* empty: there are no posts */
 
 struct deform_probe {
-	const struct deform_shape *shape;
-	struct deform_interface interface;
-	struct deform_pose from, to;  /* the end of the body's last contact, and the probed pose; the same if it had none */
+	const struct soil_shape *shape;
+	struct soil_interface interface;
+	struct soil_pose from, to;  /* the end of the body's last contact, and the probed pose; the same if it had none */
 	double beyond[3];             /* m from `to`, which is rounded, to the probed place */
 	double stamped;               /* as in struct deform_contact */
 	double turned;                /* wheel: rad about its axis since `from`; belt: m that it ran since then */

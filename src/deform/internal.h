@@ -4,7 +4,7 @@
 
 #include "deform/deform.h"
 #include "deform/programs.h"
-#include "deform/shape/affine.h"
+#include "soil/shape/affine.h"
 
 #define SIDE DEFORM_WINDOW_POSTS
 #define WARM_FACTS 6 /* besides the shape, that decide which programs an object needs */
@@ -57,7 +57,7 @@ struct soil_slide {
 	bool bounded;       /* the layer of soil that can relax may have a bottom */
 	bool held_still;    /* soil below an object does not slide */
 	/* Computes the limits in `to` from the numbers of a soil. */
-	void (*prepare)(const struct deform *deform, const struct deform_soil *soil, struct slide_soil *to);
+	void (*prepare)(const struct deform *deform, const struct soil_numbers *soil, struct slide_soil *to);
 	enum status (*iterate)(struct deform *deform, const struct slide_place *place, int iteration);
 };
 extern const struct soil_slide deform_slide_excess; /* a part of the height difference above the critical one slides */
@@ -104,7 +104,7 @@ struct deform {
 	struct interval *interval;
 	struct batch *batch;                   /* batch.c; NULL: every window is computed alone */
 	struct together *together;             /* together.c: batches of a model that conserves soil; NULL: there are none */
-	struct gpu_program *under_program[2 * DEFORM_SHAPES]; /* every program is linked when it is first needed */
+	struct gpu_program *under_program[2 * SOIL_SHAPES]; /* every program is linked when it is first needed */
 	struct gpu_program *box, *contact, *disturbance;
 	struct gpu_program *spread[2][SPREAD_PASSES]; /* first index: 1 over a batch */
 	struct gpu_program *held[2];           /* index: 1 if the object carries a load */
@@ -114,7 +114,7 @@ struct deform {
 	struct gpu_program *slide[OVERS][2], *shed[OVERS]; /* indices: enum deform_over; 1 in the last iteration */
 	struct gpu_program *lines[2][2];       /* indices: 1 over a batch; 1: diagonal ones */
 	struct gpu_program *slope[SLOPE_HOPS], *steep;
-	struct slide_soil soils[DEFORM_SOILS];
+	struct slide_soil soils[SOIL_CLASSES];
 	bool contacts_flag;                    /* the flags that a contact writes show all blocks where soil moves after it */
 	struct gpu_program *scm[2][WITH_ALL];  /* indices: 1 over a batch; the variant */
 	struct gpu_program *find[2][FIND_ALL]; /* indices: 1 over a batch; the variant */
@@ -126,7 +126,7 @@ struct deform {
 	struct gpu_buffer *tally;              /* counts on the GPU: a struct deform_tally */
 	struct gpu_buffer *felt;               /* a tally for deform_feel, which must not change `tally`; NULL until it is called */
 	struct deform_figures figures;         /* its window_layers is unused: see `layers` */
-	bool warmed[DEFORM_SHAPES << WARM_FACTS]; /* kinds of objects whose programs deform_warm has prepared (warm.c) */
+	bool warmed[SOIL_SHAPES << WARM_FACTS]; /* kinds of objects whose programs deform_warm has prepared (warm.c) */
 };
 
 /* deform.c: returns which of planes_of[0 .. 1] a gather of a window writes this plane to. */
@@ -185,14 +185,14 @@ struct gpu_rect deform_window_rect(const struct deform_window *window);
 /* shape/envelope.c: draws the object's lower envelope over the window into `under` and `rest`. deform_envelope_is_brief: returns
  * true if the parameters are few enough for passed.vert. */
 #define DEFORM_BRIEF_BYTES 224
-bool deform_envelope_is_brief(enum deform_shape_kind kind, bool sideways);
+bool deform_envelope_is_brief(enum soil_shape_kind kind, bool sideways);
 enum status deform_envelope(struct deform *deform, const struct deform_contact *contact,
 			     const struct deform_window *window, uint32_t layer) FURROW_CHECKED;
 /* What that draws for a closed form. deform_under_of: computes it for posts that are counted from post (x0, y0). deform_under_run: draws it
  * over posts of a layer. */
 struct under_params {
 	struct body motion, end; /* std140 twin of the uniform block in lib/envelope.glsl */
-	enum deform_shape_kind kind;
+	enum soil_shape_kind kind;
 	bool sideways;
 };
 /* Returns the posts of a window that the object can be above, in the window's layer; one post if there are none. */
@@ -211,10 +211,9 @@ void deform_facets_end(struct deform *deform);
 void deform_facets_plan(const char *effect, struct plan *plan);
 void deform_facets_destroy(struct facets *facets);
 
-/* shape/mesh.c: draws a mesh's lower envelope over the window. deform_mesh_reach: as deform_shape_reach. */
+/* shape/mesh.c: draws a mesh's lower envelope over the window. */
 enum status deform_mesh(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
 			uint32_t layer) FURROW_CHECKED;
-double deform_mesh_reach(const struct deform_mesh *mesh, double pitch, double roll);
 
 /* shape/grousers.c: draws a wheel's grousers over the window. The smooth wheel must be drawn before. */
 enum status deform_grousers(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
@@ -240,8 +239,8 @@ struct scm_params {
 	float surface[4];
 	float belt[4]; /* read only with BELT */
 	int32_t frame[4], frame_axis[4];
-	struct scm_soil soils[DEFORM_SOILS];
-	float rasters[DEFORM_RASTERS][4]; /* read only with SOIL_RASTERS */
+	struct scm_soil soils[SOIL_CLASSES];
+	float rasters[SOIL_RASTERS][4]; /* read only with SOIL_RASTERS */
 };
 /* Returns the viewport of a pass with one invocation for each row of `posts`. The rows lie DEFORM_ROWS_ABREAST side by side. */
 #define DEFORM_ROWS_ABREAST 4
@@ -249,10 +248,10 @@ struct gpu_rect deform_rows(const int32_t posts[4]);
 
 /* soil/load.c: finds the size of the contact patch, the equilibrium height, or both, in one pass. `what`: bits of enum
  * deform_find_what. The results are in the buffer `found`. `tally` counts loads that are not carried. */
-enum status deform_find(struct deform *deform, const struct scm_params *params, unsigned what, enum deform_shape_kind kind,
+enum status deform_find(struct deform *deform, const struct scm_params *params, unsigned what, enum soil_shape_kind kind,
 			struct gpu_buffer *tally) FURROW_CHECKED;
 /* The same over windows of a batch that lie in a row: the numbers are in their records. */
-enum status deform_find_together(struct deform *deform, const struct scm_params *params, unsigned what, enum deform_shape_kind kind, uint32_t count)
+enum status deform_find_together(struct deform *deform, const struct scm_params *params, unsigned what, enum soil_shape_kind kind, uint32_t count)
 	FURROW_CHECKED;
 #define DEFORM_FOUND_BYTES 20 /* lib/found.glsl: of one window */
 /* soil/between.c: fills what the shaders need to compute the lower envelope between posts (lib/scm_body.glsl). Needs `way`
@@ -273,7 +272,7 @@ struct deform_rim_times {
 struct deform_rim_times deform_rim_times_of(double forward, double way, double rise, double ran, bool hosted);
 /* Returns true for a box with pitch and roll, which has six sides in plan. Its edges are not computed: each post that it covers bears for
  * its whole cell. A box that a host moves is hardly ever quite level. So a corner that is cut off by less than a tenth of a post does not count. */
-bool deform_box_is_cut(const struct deform_shape *shape, const struct deform_pose *pose, double spacing, bool hosted);
+bool deform_box_is_cut(const struct soil_shape *shape, const struct soil_pose *pose, double spacing, bool hosted);
 /* Returns true if a side of a box is no part of its lower envelope. Of a box that a host moves a strip of less than a quarter of a post
  * counts as none. half: the box's half-axes. */
 bool deform_box_is_upright(const double half[3][3], int side, double spacing, bool hosted);
@@ -313,14 +312,14 @@ struct deform_window deform_whole(const struct deform *deform, const struct defo
  * deform_spread_params: computes how the soil of a contact is laid. deform_spread_posts: the shadow, and all posts on which soil may be
  * laid. */
 struct spread_params { /* std140 twin of lib/spread.glsl's block */
-	int32_t place[4], written[4], shadow[4], origin[4], axis[4], shares[4], soils[DEFORM_SOILS][4];
+	int32_t place[4], written[4], shadow[4], origin[4], axis[4], shares[4], soils[SOIL_CLASSES][4];
 };
 struct spread_params deform_spread_params(const struct deform *deform, const struct deform_contact *contact,
 					  const struct deform_window *window, uint32_t layer);
 void deform_spread_begin(struct deform *deform, const struct deform_window *window, uint32_t layer);
 enum status deform_spread(struct deform *deform, const struct spread_params *params, const struct deform_window *window,
 			  uint32_t layer) FURROW_CHECKED;
-double deform_spread_band(const struct deform *deform, const struct deform_shape *shape); /* posts: how wide it is at most; 0: none is laid */
+double deform_spread_band(const struct deform *deform, const struct soil_shape *shape); /* posts: how wide it is at most; 0: none is laid */
 struct post_rect deform_spread_posts(const struct deform *deform, const struct deform_contact *contact, struct post_rect shadow);
 #define DEFORM_LAYING_BYTES (47 * 4) /* lib/laying.glsl: of one window */
 /* Over a batch: runs the passes; fills numbers of a window's record from its parameters. posts: where the window lies in the layer. */
@@ -384,7 +383,7 @@ int64_t deform_slope_reach(const struct deform_params *params); /* returns over 
 enum status deform_slopes_run(struct deform *deform, const struct slide_place *place) FURROW_CHECKED;
 struct gpu_texture *deform_slopes_found(const struct deform *deform);
 int32_t deform_slopes_least(const struct deform *deform); /* returns the least critical difference that a slope can have */
-void deform_slopes_prepare(const struct deform *deform, const struct deform_soil *soil, struct slide_soil *to);
+void deform_slopes_prepare(const struct deform *deform, const struct soil_numbers *soil, struct slide_soil *to);
 /* Returns by how much a difference may exceed the critical one without sliding; that added to a difference; fixed-point units. */
 int32_t deform_tolerance(const struct deform *deform);
 int32_t deform_with_tolerance(const struct deform *deform, int32_t critical);
@@ -473,7 +472,7 @@ enum status deform_active_visited(struct deform *deform, struct gpu_buffer *flag
 /* interval.c */
 enum status deform_interval_create(struct deform *deform) FURROW_CHECKED;
 /* Prepares the interval's programs, as deform_warm does for contacts. */
-enum status deform_interval_warm(struct deform *deform, const struct deform_shape *shape, uint32_t loaded_body) FURROW_CHECKED;
+enum status deform_interval_warm(struct deform *deform, const struct soil_shape *shape, uint32_t loaded_body) FURROW_CHECKED;
 void deform_interval_plan(const struct deform_params *params, struct plan *plan);
 void deform_interval_destroy(struct deform *deform); /* does nothing if it was never created */
 

@@ -52,7 +52,7 @@ static void plan_windows(const struct deform_params *params, const struct deform
 			 struct plan *plan)
 {
 	const char *displace = deform_displace_effect(params->model), *slide = deform_slide_effect(params->model);
-	add_passes(plan, displace, number, PLAN_WINDOW, GPU_ENVELOPE, object->shape->kind != DEFORM_MESH);
+	add_passes(plan, displace, number, PLAN_WINDOW, GPU_ENVELOPE, object->shape->kind != SOIL_MESH);
 	add_passes(plan, is_loaded(params, object) ? "load" : displace, number, PLAN_WINDOW, GPU_LOAD, is_searched(params, object));
 	add_passes(plan, displace, number, PLAN_WINDOW, GPU_CONTACT, 1);
 	if (deform_model_row(params->model)->smooths && object->moves)
@@ -73,11 +73,11 @@ struct any {
 
 static void look(const struct deform_params *params, const struct deform_planned *object, bool forces, struct any *any)
 {
-	const struct deform_shape *shape = object->shape;
+	const struct soil_shape *shape = object->shape;
 	bool load = is_loaded(params, object);
-	any->closed = any->closed || shape->kind != DEFORM_MESH;
-	if (any->facets == NULL && (shape->kind == DEFORM_MESH || shape->grousers > 0))
-		any->facets = shape->kind == DEFORM_MESH ? "mesh" : "lugs";
+	any->closed = any->closed || shape->kind != SOIL_MESH;
+	if (any->facets == NULL && (shape->kind == SOIL_MESH || shape->grousers > 0))
+		any->facets = shape->kind == SOIL_MESH ? "mesh" : "lugs";
 	if (any->found == NULL && (load || deform_is_counted(params, shape, false)))
 		any->found = load ? "load" : deform_displace_effect(params->model);
 	if (any->forces == NULL && deform_tells_forces(params->model) && (load || forces))

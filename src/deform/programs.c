@@ -41,7 +41,7 @@ static void define_rasters(const struct deform_params *params, struct deform_req
 		which |= (1 + (int)params->rasters[i].number) << 3 * i;
 	define_number(out, "SOIL_RASTERS", which);
 }
-static const char *const shapes[DEFORM_SHAPES] = {"SHAPE_WHEEL", "SHAPE_SPHERE", "SHAPE_BOX", NULL, "SHAPE_CYLINDER", "SHAPE_CAPSULE", "SHAPE_ELLIPSOID"};
+static const char *const shapes[SOIL_SHAPES] = {"SHAPE_WHEEL", "SHAPE_SPHERE", "SHAPE_BOX", NULL, "SHAPE_CYLINDER", "SHAPE_CAPSULE", "SHAPE_ELLIPSOID"};
 
 static bool has_thickness(const struct deform_params *params)
 {
@@ -58,7 +58,7 @@ static void begin_batch(struct deform_request *out, const char *passed, bool row
 	define(out, "REACHED", reached);
 }
 
-void deform_programs_envelope(const struct deform_params *params, enum deform_shape_kind kind, bool sideways, bool batch,
+void deform_programs_envelope(const struct deform_params *params, enum soil_shape_kind kind, bool sideways, bool batch,
 			struct deform_request *out)
 {
 	bool brief = deform_envelope_is_brief(kind, sideways);
@@ -101,7 +101,7 @@ void deform_programs_contact(const struct deform_params *params, unsigned with, 
 		define_number(out, "SOILS", deform_soil_slots(params));
 }
 
-void deform_programs_find(const struct deform_params *params, unsigned what, enum deform_shape_kind kind, bool batch, struct deform_request *out)
+void deform_programs_find(const struct deform_params *params, unsigned what, enum soil_shape_kind kind, bool batch, struct deform_request *out)
 {
 	*out = (struct deform_request){.gl = {.compute = "deform/scm_find.comp"}};
 	define(out, "BATCH", batch);
@@ -261,18 +261,18 @@ void deform_programs_batch(const struct deform_params *params, enum deform_batch
 /* --- programs that an object can need --- */
 
 /* Returns true if every contact of the object fits one window, wherever it is. */
-static bool always_fits(const struct deform_params *params, const struct deform_shape *shape)
+static bool always_fits(const struct deform_params *params, const struct soil_shape *shape)
 {
 	if (params->extent == NULL)
 		return true;
 	/* Two path samples are one post apart, at corners more, and places are rounded. */
-	double across = 2 * deform_shape_bound(shape) / extent_spacing(params->extent, params->level) + 2 * M_SQRT2 + 4;
+	double across = 2 * soil_shape_bound(shape) / extent_spacing(params->extent, params->level) + 2 * M_SQRT2 + 4;
 	return across + 2 * (double)deform_reach(params) <= (double)deform_core(params);
 }
 
-bool deform_is_counted(const struct deform_params *params, const struct deform_shape *shape, bool loaded)
+bool deform_is_counted(const struct deform_params *params, const struct soil_shape *shape, bool loaded)
 {
-	bool round = shape->kind != DEFORM_WHEEL && shape->kind != DEFORM_BOX && shape->kind != DEFORM_CYLINDER;
+	bool round = shape->kind != SOIL_WHEEL && shape->kind != SOIL_BOX && shape->kind != SOIL_CYLINDER;
 	/* A loaded object too large for one window is refused, so a loaded one always fits. */
 	return deform_tells_forces(params->model) && round && (loaded || always_fits(params, shape));
 }
@@ -291,27 +291,27 @@ static void add(struct each *each, const char *effect)
 
 static void each_envelope(struct each *each, const struct deform_planned *object)
 {
-	const struct deform_shape *shape = object->shape;
+	const struct soil_shape *shape = object->shape;
 	const char *displace = deform_displace_effect(each->params->model);
-	if (shape->kind != DEFORM_MESH) {
+	if (shape->kind != SOIL_MESH) {
 		deform_programs_envelope(each->params, shape->kind, false, false, &each->request);
 		add(each, displace);
 	}
 	if (object->leans) {
-		deform_programs_envelope(each->params, DEFORM_CYLINDER, false, false, &each->request);
+		deform_programs_envelope(each->params, SOIL_CYLINDER, false, false, &each->request);
 		add(each, displace);
 	}
-	if (shape->kind == DEFORM_WHEEL && object->moves) {
+	if (shape->kind == SOIL_WHEEL && object->moves) {
 		deform_programs_envelope(each->params, shape->kind, true, false, &each->request);
 		add(each, displace);
 	}
-	if (shape->kind == DEFORM_MESH || shape->grousers > 0) {
+	if (shape->kind == SOIL_MESH || shape->grousers > 0) {
 		deform_programs_facet(each->params, &each->request);
-		add(each, shape->kind == DEFORM_MESH ? "mesh" : "lugs");
+		add(each, shape->kind == SOIL_MESH ? "mesh" : "lugs");
 	}
 }
 
-static void each_find(struct each *each, unsigned with, enum deform_shape_kind kind, bool batch)
+static void each_find(struct each *each, unsigned with, enum soil_shape_kind kind, bool batch)
 {
 	const bool load = with & WITH_LOAD;
 	if (!(with & (WITH_PATCH | WITH_LOAD)))
@@ -325,7 +325,7 @@ static void each_felt(struct each *each, const struct deform_planned *object, bo
 {
 	bool load = object->load > 0, patch = deform_is_counted(each->params, object->shape, load);
 	for (int leans = 0; leans <= object->leans; leans++) {
-		const enum deform_shape_kind form = leans ? DEFORM_CYLINDER : object->shape->kind;
+		const enum soil_shape_kind form = leans ? SOIL_CYLINDER : object->shape->kind;
 		unsigned with = (patch ? WITH_PATCH : 0) | (load ? WITH_LOAD : 0) | (object->shape->belt ? WITH_BELT : 0) | WITH_SHAPE * (unsigned)form;
 		each_find(each, with, form, batch);
 		deform_programs_contact(each->params, with, batch, &each->request);
@@ -373,9 +373,9 @@ static void each_together(struct each *each, const struct deform_planned *object
 {
 	const struct deform_params *params = each->params;
 	const char *displace = deform_displace_effect(params->model);
-	const enum deform_shape_kind kind = object->shape->kind;
+	const enum soil_shape_kind kind = object->shape->kind;
 	for (int sideways = 0; sideways < 2; sideways++)
-		if ((kind == DEFORM_WHEEL && (!sideways || object->moves)) || (kind == DEFORM_SPHERE && !sideways)) {
+		if ((kind == SOIL_WHEEL && (!sideways || object->moves)) || (kind == SOIL_SPHERE && !sideways)) {
 			deform_programs_envelope(params, kind, sideways, true, &each->request);
 			add(each, displace);
 		}
@@ -391,17 +391,17 @@ static void each_batch(struct each *each, const struct deform_planned *object, b
 {
 	const struct deform_params *params = each->params;
 	const char *displace = deform_displace_effect(params->model);
-	const enum deform_shape_kind kind = object->shape->kind;
+	const enum soil_shape_kind kind = object->shape->kind;
 	const bool smooths = deform_model_row(params->model)->smooths;
 	const struct {
 		enum deform_batch_pass pass;
 		bool wanted;
 		const char *effect;
 	} passes[] = {
-		{BATCH_WHEELS, kind == DEFORM_WHEEL, displace},
-		{BATCH_SIDEWAYS_WHEELS, kind == DEFORM_WHEEL && object->moves, displace},
-		{BATCH_SPHERES, kind == DEFORM_SPHERE, displace},
-		{BATCH_OTHERS, (kind != DEFORM_WHEEL && kind != DEFORM_SPHERE) || object->leans, displace},
+		{BATCH_WHEELS, kind == SOIL_WHEEL, displace},
+		{BATCH_SIDEWAYS_WHEELS, kind == SOIL_WHEEL && object->moves, displace},
+		{BATCH_SPHERES, kind == SOIL_SPHERE, displace},
+		{BATCH_OTHERS, (kind != SOIL_WHEEL && kind != SOIL_SPHERE) || object->leans, displace},
 		{BATCH_GATHER, true, displace},
 		{BATCH_BOX, smooths && params->box_repetitions > 1, deform_model_row(params->model)->effect.name},
 		{BATCH_BOX_STORE, smooths, deform_model_row(params->model)->effect.name},

@@ -14,12 +14,12 @@ struct deform_request {
 };
 
 /* Variants of the contact pass of a model that computes forces, as bits: it sums forces; counts the contact patch. The object
- * carries a load; it has a belt. Then comes the object's shape (enum deform_shape_kind), whose lower envelope the pass computes between posts. */
-enum { WITH_FORCES = 1, WITH_PATCH = 2, WITH_LOAD = 4, WITH_BELT = 8, WITH_SHAPE = 16, WITH_ALL = WITH_SHAPE * DEFORM_SHAPES };
+ * carries a load; it has a belt. Then comes the object's shape (enum soil_shape_kind), whose lower envelope the pass computes between posts. */
+enum { WITH_FORCES = 1, WITH_PATCH = 2, WITH_LOAD = 4, WITH_BELT = 8, WITH_SHAPE = 16, WITH_ALL = WITH_SHAPE * SOIL_SHAPES };
 
 /* What scm's search finds, as bits: the size of the contact patch, the equilibrium height; of an object with a belt. The same as WITH_PATCH,
  * WITH_LOAD and WITH_BELT, halved. Then the object's shape. */
-enum deform_find_what { FIND_PATCH = 1, FIND_LOAD = 2, FIND_BELT = 4, FIND_SHAPE = 8, FIND_ALL = FIND_SHAPE * DEFORM_SHAPES };
+enum deform_find_what { FIND_PATCH = 1, FIND_LOAD = 2, FIND_BELT = 4, FIND_SHAPE = 8, FIND_ALL = FIND_SHAPE * SOIL_SHAPES };
 
 /* Passes of an iteration of sliding: EXCESS alone, or SHED and TAKE. */
 enum slide_what { SLIDE_EXCESS, SLIDE_SHED, SLIDE_TAKE };
@@ -35,11 +35,11 @@ enum spread_pass deform_spread_first(enum deform_model model);
 enum deform_over { OVER_WINDOW, OVER_BLOCKS, OVER_BATCH, OVERS };
 
 /* Each fills `out` completely. Pure. `batch`: over all windows of a batch. */
-void deform_programs_envelope(const struct deform_params *params, enum deform_shape_kind kind, bool sideways, bool batch,
+void deform_programs_envelope(const struct deform_params *params, enum soil_shape_kind kind, bool sideways, bool batch,
 			struct deform_request *out);
 void deform_programs_facet(const struct deform_params *params, struct deform_request *out);
 void deform_programs_contact(const struct deform_params *params, unsigned with, bool batch, struct deform_request *out);
-void deform_programs_find(const struct deform_params *params, unsigned what, enum deform_shape_kind kind, bool batch, struct deform_request *out);
+void deform_programs_find(const struct deform_params *params, unsigned what, enum soil_shape_kind kind, bool batch, struct deform_request *out);
 void deform_programs_box(const struct deform_params *params, struct deform_request *out);
 void deform_programs_spread(const struct deform_params *params, enum spread_pass pass, bool batch, struct deform_request *out);
 /* `loaded`: over a window of an object with a load. */
@@ -69,6 +69,6 @@ void deform_programs_each(const struct deform_params *params, const struct defor
 
 /* Returns true if the size of the object's contact patch is counted on the ground. So it is for a shape without a width of its
  * own, if every contact fits one window. */
-bool deform_is_counted(const struct deform_params *params, const struct deform_shape *shape, bool loaded);
+bool deform_is_counted(const struct deform_params *params, const struct soil_shape *shape, bool loaded);
 
 #endif

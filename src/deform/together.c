@@ -263,7 +263,7 @@ static enum status prepare(struct deform *deform, const struct together_model *m
 /* Draws the lower envelopes of windows of one group. */
 static enum status draw_under(struct deform *deform, enum group group, uint32_t first, uint32_t count)
 {
-	const enum deform_shape_kind kind = group == SPHERES ? DEFORM_SPHERE : DEFORM_WHEEL;
+	const enum soil_shape_kind kind = group == SPHERES ? SOIL_SPHERE : SOIL_WHEEL;
 	struct gpu_program **program = &deform->together->under[group];
 	int32_t draw[4];
 	struct deform_request request;

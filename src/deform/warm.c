@@ -35,8 +35,8 @@ static enum status contact_all(struct deform *deform, const struct deform_planne
 {
 	const struct post_rect beyond = {-64, -64, -48, -48};
 	const struct deform_window window = {.read = beyond, .write = beyond};
-	const struct deform_pose middle = {.x = lattice_offset(-56 * deform->spacing), .y = lattice_offset(-56 * deform->spacing)};
-	int ways = !object->moves ? 1 : object->shape->kind == DEFORM_WHEEL ? 3 : 2;
+	const struct soil_pose middle = {.x = lattice_offset(-56 * deform->spacing), .y = lattice_offset(-56 * deform->spacing)};
+	int ways = !object->moves ? 1 : object->shape->kind == SOIL_WHEEL ? 3 : 2;
 	enum status status = STATUS_OK;
 	for (int i = 0; i < ways * (1 + tags) * (1 + object->leans) && status == STATUS_OK; i++) {
 		struct deform_contact contact = {.shape = object->shape, .from = middle, .to = middle, .load = object->load,
@@ -53,8 +53,8 @@ static enum status contact_all(struct deform *deform, const struct deform_planne
 static enum status batch_all(struct deform *deform, const struct deform_planned *object, bool tags)
 {
 	const struct deform_window window = {.read = {-64, -64, -48, -48}, .write = {-64, -64, -48, -48}};
-	const struct deform_pose middle = {.x = lattice_offset(-56 * deform->spacing), .y = lattice_offset(-56 * deform->spacing)};
-	int ways = !object->moves ? 1 : object->shape->kind == DEFORM_WHEEL ? 3 : 2;
+	const struct soil_pose middle = {.x = lattice_offset(-56 * deform->spacing), .y = lattice_offset(-56 * deform->spacing)};
+	int ways = !object->moves ? 1 : object->shape->kind == SOIL_WHEEL ? 3 : 2;
 	enum status status = STATUS_OK;
 	if (!deform_batches(&deform->params, object))
 		return STATUS_OK;
@@ -77,7 +77,7 @@ static enum status batch_all(struct deform *deform, const struct deform_planned 
 /* Returns the kind of an object, below WARM_KINDS. Objects of one kind need the same programs. */
 static int kind_of(const struct deform_params *params, const struct deform_planned *object)
 {
-	const struct deform_shape *shape = object->shape;
+	const struct soil_shape *shape = object->shape;
 	const bool facts[WARM_FACTS] = {shape->grousers > 0, object->load > 0, object->moves, object->leans, shape->belt,
 					deform_is_counted(params, shape, object->load > 0)};
 	int kind = (int)shape->kind;

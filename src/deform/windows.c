@@ -1,134 +1,11 @@
 /* Finds the posts that a contact can change, and cuts them into windows. */
 #include <math.h>
 
-#include "deform/shape/body.h"
+#include "soil/shape/body.h"
 #include "deform/internal.h"
 
-/* Heights within an object are int32 fixed-point units. Half its height and the rise of a contact must fit. */
-#define SIZE_MAX_METRES 512.0
-#define GROUSERS_MAX 360
-#define LARGE 20.0 /* m across: larger bodies are probably given in mm */
-#define THINNEST 1000.0 /* an ellipsoid is at most so many times as long as it is thick */
-
-static enum status check_grousers(const struct deform_shape *shape)
-{
-	if (shape->grousers < 0 || shape->grousers > GROUSERS_MAX)
-		return fail_with(STATUS_INPUT, "wheel: %d lugs; give 0 to %d", shape->grousers, GROUSERS_MAX);
-	if (shape->grousers > 0 && (!(shape->grouser_height > 0) || !(shape->grouser_thickness > 0)))
-		return fail_with(STATUS_INPUT, "wheel: its lugs have no size; give lug_height and lug_thickness above 0");
-	double room = 2 * M_PI * shape->radius / (shape->grousers > 0 ? shape->grousers : 1);
-	if (shape->grousers > 0 && shape->grouser_thickness > room)
-		return fail_with(STATUS_INPUT, "wheel: %d lugs %g m thick do not fit around it; give at most %s m", shape->grousers,
-				 shape->grouser_thickness, number_at_most(room, 6).text);
-	return STATUS_OK;
-}
-
-/* Returns a mesh's width in any attitude, counted from its origin, metres. Windows are cut around the origin. */
-static double mesh_across(const struct deform_mesh *mesh)
-{
-	double squares = 0;
-	for (int k = 0; k < 3; k++) {
-		double far = fmax(fabs(mesh->low[k]), fabs(mesh->high[k]));
-		squares += far * far;
-	}
-	return 2 * sqrt(squares);
-}
-
-enum status deform_shape_check(const struct deform_shape *shape, double spacing)
-{
-	double least = 2 * shape->radius, most = 2 * shape->radius;
-	enum status status = shape->kind == DEFORM_WHEEL ? check_grousers(shape) : STATUS_OK;
-	if (status != STATUS_OK)
-		return status;
-	if (shape->kind == DEFORM_WHEEL) {
-		least = fmin(least, shape->width);
-		most = hypot(2 * deform_body_wheel_radius(shape), shape->width);
-	} else if (shape->kind == DEFORM_MESH) {
-		least = most = mesh_across(shape->mesh); /* a flat mesh has no thickness, and still is a surface */
-	} else if (shape->kind == DEFORM_BOX) {
-		least = fmin(fmin(shape->size[0], shape->size[1]), shape->size[2]);
-		most = hypot(hypot(shape->size[0], shape->size[1]), shape->size[2]);
-	}
-	if (shape->kind == DEFORM_CYLINDER || shape->kind == DEFORM_CAPSULE) {
-		least = shape->kind == DEFORM_CYLINDER ? fmin(least, shape->length) : least;
-		most = 2 * deform_shape_bound(shape);
-	} else if (shape->kind == DEFORM_ELLIPSOID) {
-		least = 2 * fmin(fmin(shape->size[0], shape->size[1]), shape->size[2]);
-		most = 2 * deform_shape_bound(shape);
-		if (most > THINNEST * least)
-			return fail_with(STATUS_INPUT, "ellipsoid: radii of %g and %g m are too different; give radii of which none is more than %g times "
-					 "another", least / 2, most / 2, THINNEST);
-	}
-	double limit = fmin((DEFORM_WINDOW_POSTS - 32) * 3 * spacing, SIZE_MAX_METRES);
-	if (!(least > 0))
-		return fail_with(STATUS_INPUT, "shape: it has no width; give sizes above 0");
-	if (most > limit)
-		return fail_with(STATUS_INPUT, "shape: %g m across is too large for posts %g m apart; give at most %s m, or a "
-					       "coarser spacing%s",
-				 most, spacing, number_at_most(limit, 6).text, most > LARGE ? "; the unit of a size is m: if it is in mm, give thousandths of it" : "");
-	return STATUS_OK;
-}
-
-bool deform_shape_runs(const struct deform_shape *shape)
-{
-	return shape->kind == DEFORM_WHEEL || shape->belt;
-}
-
-double deform_shape_ran(const struct deform_shape *shape, double turned)
-{
-	if (shape->kind == DEFORM_WHEEL)
-		return shape->radius * turned;
-	return shape->belt ? turned : 0;
-}
-
-double deform_shape_bound(const struct deform_shape *shape)
-{
-	switch (shape->kind) {
-	case DEFORM_WHEEL:
-		return hypot(deform_body_wheel_radius(shape), shape->width / 2);
-	case DEFORM_BOX:
-		return hypot(hypot(shape->size[0], shape->size[1]), shape->size[2]) / 2;
-	case DEFORM_MESH:
-		return mesh_across(shape->mesh) / 2;
-	case DEFORM_CYLINDER:
-		return hypot(shape->radius, shape->length / 2);
-	case DEFORM_CAPSULE:
-		return shape->radius + shape->length / 2;
-	case DEFORM_ELLIPSOID:
-		return fmax(fmax(shape->size[0], shape->size[1]), shape->size[2]);
-	case DEFORM_SPHERE:
-	case DEFORM_SHAPES:
-		break;
-	}
-	return shape->radius;
-}
-
-double deform_shape_reach(const struct deform_shape *shape, double pitch, double roll)
-{
-	if (shape->kind == DEFORM_MESH)
-		return deform_mesh_reach(shape->mesh, pitch, roll);
-	double axes[3][3];
-	switch (shape->kind) {
-	case DEFORM_WHEEL: /* its pitch does not count */
-		return (shape->radius + (shape->grousers > 0 ? shape->grouser_height : 0)) * fabs(cos(roll)) + shape->width / 2 * fabs(sin(roll));
-	case DEFORM_BOX:
-		deform_body_axes(shape->size, 0, pitch, roll, axes);
-		return fabs(axes[0][2]) + fabs(axes[1][2]) + fabs(axes[2][2]);
-	case DEFORM_ELLIPSOID:
-		deform_body_axes(shape->size, 0, pitch, roll, axes); /* half of its half axes */
-		return 2 * hypot(hypot(axes[0][2], axes[1][2]), axes[2][2]);
-	case DEFORM_CYLINDER:
-	case DEFORM_CAPSULE:
-		deform_axes(0, pitch, roll, 0, axes);
-		return fabs(axes[2][2]) * shape->length / 2 +
-		       shape->radius * (shape->kind == DEFORM_CAPSULE ? 1 : hypot(axes[2][0], axes[2][1]));
-	case DEFORM_SPHERE:
-	case DEFORM_MESH:
-	case DEFORM_SHAPES:
-		break;
-	}
-	return shape->radius;
-}
+_Static_assert(SOIL_SHAPE_POSTS == (DEFORM_WINDOW_POSTS - 32) * 3, "the widest body fits its windows");
+_Static_assert(FUNCTIONAL_POSTS == DEFORM_WINDOWS_MAX * DEFORM_WINDOW_POSTS, "functionals hold over all windows of a body");
 
 bool deform_is_contact_only(const struct deform_contact *contact)
 {
@@ -139,10 +16,10 @@ bool deform_is_contact_only(const struct deform_contact *contact)
 
 bool deform_is_swept(const struct deform *deform, const struct deform_contact *contact)
 {
-	const struct deform_pose *from = &contact->from, *to = &contact->to;
+	const struct soil_pose *from = &contact->from, *to = &contact->to;
 	double turned = fabs(remainder(to->yaw - from->yaw, 2 * M_PI)) + fabs(to->pitch - from->pitch) + fabs(to->roll - from->roll);
 	if (!deform_is_contact_only(contact))
-		return turned * deform_shape_bound(contact->shape) <= deform->spacing;
+		return turned * soil_shape_bound(contact->shape) <= deform->spacing;
 	return turned == 0 && to->turn == from->turn && to->x == from->x && to->y == from->y && to->z == from->z;
 }
 
@@ -167,10 +44,10 @@ static int64_t floor_to(int64_t v, int64_t step)
 
 struct post_rect deform_shadow(const struct deform *deform, const struct deform_contact *contact)
 {
-	const struct deform_pose *from = deform_is_contact_only(contact) ? &contact->to : &contact->from;
+	const struct soil_pose *from = deform_is_contact_only(contact) ? &contact->to : &contact->from;
 	double extent[2];
 	struct post_rect shadow;
-	deform_body_extent(contact->shape, &contact->to, extent);
+	soil_body_extent(contact->shape, &contact->to, extent);
 	span(deform, from->x, contact->to.x, extent[0], &shadow.x0, &shadow.x1);
 	span(deform, from->y, contact->to.y, extent[1], &shadow.y0, &shadow.y1);
 	return shadow;
@@ -196,7 +73,7 @@ struct post_rect deform_reached(const struct deform *deform, const struct deform
 	return post_rect_intersect(grown(rect, deform->reach), world_of(deform));
 }
 
-bool deform_covers(const struct deform *deform, const struct deform_contact *contact, const struct deform_pose *rest)
+bool deform_covers(const struct deform *deform, const struct deform_contact *contact, const struct soil_pose *rest)
 {
 	const struct deform_contact standing = {.shape = contact->shape, .from = *rest, .to = *rest};
 	struct post_rect held = post_rect_intersect(grown(deform_shadow(deform, &standing), deform_slide_step(deform)), world_of(deform));
@@ -204,10 +81,10 @@ bool deform_covers(const struct deform *deform, const struct deform_contact *con
 	return post_rect_empty(held) || (held.x0 >= all.x0 && held.y0 >= all.y0 && held.x1 <= all.x1 && held.y1 <= all.y1);
 }
 
-int64_t deform_contact_reach(const struct deform *deform, const struct deform_shape *shape)
+int64_t deform_contact_reach(const struct deform *deform, const struct soil_shape *shape)
 {
 	/* A band of soil is laid along the sides of a rectangle around the object, which may lie aslant. */
-	const double band = M_SQRT2 * deform_spread_band(deform, shape), bound = deform_shape_bound(shape) / deform->spacing;
+	const double band = M_SQRT2 * deform_spread_band(deform, shape), bound = soil_shape_bound(shape) / deform->spacing;
 	return (int64_t)ceil(bound + band) + 3 + deform->reach + deform->border;
 }
 

@@ -8,7 +8,7 @@ char *mobility_soil_varied(const char *soil, const double factor[3])
 	struct scene *scene;
 	if (rig_soil_scene(soil, &scene) != STATUS_OK)
 		return NULL;
-	struct deform_soil varied = scene->soils[0];
+	struct soil_numbers varied = scene->soils[0];
 	const enum deform_model model = scene->model;
 	scene_destroy(scene);
 	varied.cohesion *= factor[0];

@@ -26,7 +26,7 @@ struct ahead_tile {
 struct watch {
 	struct look_ahead_body body;
 	int64_t sample; /* the next it goes to */
-	struct deform_pose last;
+	struct soil_pose last;
 	struct ahead_tile *tiles;
 	size_t count, room;
 	bool away;                     /* the body was elsewhere in the last step */

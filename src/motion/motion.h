@@ -113,7 +113,7 @@ typedef enum status (*look_ahead_requests_fn)(void *user, struct requests *reque
 
 struct look_ahead_body {
 	const struct track *track;         /* must stay valid longer than the look-ahead */
-	const struct deform_shape *shape;  /* must stay valid longer than the look-ahead */
+	const struct soil_shape *shape;  /* must stay valid longer than the look-ahead */
 	int64_t next;                      /* its next path sample */
 	/* While it is true nothing is loaded for the body; changed on the world's thread. NULL: it is always false */
 	const _Atomic bool *elsewhere;

@@ -39,7 +39,7 @@ static double turn(double from, double to)
 static enum status add_fixed(struct route *route, const double beside[2], struct scene_waypoint pose)
 {
 	double axes[3][3];
-	deform_axes(pose.yaw, pose.pitch, pose.roll, 0, axes);
+	soil_axes(pose.yaw, pose.pitch, pose.roll, 0, axes);
 	pose.x += beside[0] * axes[0][0] + beside[1] * axes[1][0];
 	pose.y += beside[0] * axes[0][1] + beside[1] * axes[1][1];
 	pose.z += beside[0] * axes[0][2] + beside[1] * axes[1][2];

@@ -31,7 +31,7 @@ struct picture_params {
 	float ground[4];
 	float detail[4];
 	float sunlight[4], tint[4];
-	float soils[DEFORM_SOILS][4];
+	float soils[SOIL_CLASSES][4];
 	int32_t tile[4];
 	float layer[4]; /* only for programs with the define LAYER */
 	float reaches[TERRAIN_STRIDES]; /* only for programs with the define REACHES */

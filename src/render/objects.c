@@ -21,17 +21,17 @@ static const double details_from[OBJECT_DETAILS] = {50, 12, 0};
 static const uint16_t volume_sides[36] = {0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4,
 					  2, 6, 7, 2, 7, 3, 0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5};
 
-static bool same_shape(const struct deform_shape *a, const struct deform_shape *b)
+static bool same_shape(const struct soil_shape *a, const struct soil_shape *b)
 {
 	if (a->kind != b->kind)
 		return false;
-	if (a->kind == DEFORM_MESH)
+	if (a->kind == SOIL_MESH)
 		return a->mesh == b->mesh;
-	if (a->kind == DEFORM_BOX || a->kind == DEFORM_ELLIPSOID)
+	if (a->kind == SOIL_BOX || a->kind == SOIL_ELLIPSOID)
 		return memcmp(a->size, b->size, sizeof a->size) == 0;
-	if (a->kind == DEFORM_CYLINDER || a->kind == DEFORM_CAPSULE)
+	if (a->kind == SOIL_CYLINDER || a->kind == SOIL_CAPSULE)
 		return a->radius == b->radius && a->length == b->length;
-	if (a->radius != b->radius || a->kind == DEFORM_SPHERE)
+	if (a->radius != b->radius || a->kind == SOIL_SPHERE)
 		return a->radius == b->radius;
 	return a->width == b->width && a->grousers == b->grousers &&
 	       (a->grousers == 0 || (a->grouser_height == b->grouser_height && a->grouser_thickness == b->grouser_thickness));
@@ -167,13 +167,13 @@ void render_objects_plan(const struct render_params *params, struct plan *plan)
 
 /* --- life --- */
 
-static enum status make_shape(struct render *render, const struct deform_shape *shape, struct object_shape *out)
+static enum status make_shape(struct render *render, const struct soil_shape *shape, struct object_shape *out)
 {
 	struct object_mesh mesh;
 	enum status status = render_object_mesh_make(shape, &mesh);
 	if (status != STATUS_OK)
 		return status;
-	*out = (struct object_shape){.shape = shape, .bound = deform_shape_bound(shape), .closed = mesh.closed};
+	*out = (struct object_shape){.shape = shape, .bound = soil_shape_bound(shape), .closed = mesh.closed};
 	memcpy(out->first, mesh.first, sizeof out->first);
 	status = gpu_buffer_create(render->gpu, GPU_STORAGE, mesh.corner_count * sizeof *mesh.corners, mesh.corners, &out->corners);
 	if (status == STATUS_OK)
@@ -319,7 +319,7 @@ static void look(const struct render *render, const struct render_camera *camera
 		if (object->posed)
 			memcpy(own, object->axes, sizeof own);
 		else
-			deform_axes(object->yaw, object->pitch, object->roll, object->turned, own);
+			soil_axes(object->yaw, object->pitch, object->roll, object->turned, own);
 		if (objects->casts) {
 			render_object_shadow_of(shape->shape, own, at, sun, &objects->shadows[*shadow_count], middle, &radius);
 			*shadow_count += ball_visible(view, camera->eye, middle, radius);

@@ -27,13 +27,13 @@ struct object_mesh {
 	bool failed; /* out of memory; render_object_mesh_make returns the failure */
 };
 /* Makes the triangles of a shape. A wheel is made at turn 0, with its grousers where deform computes them. */
-enum status render_object_mesh_make(const struct deform_shape *shape, struct object_mesh *mesh) FURROW_CHECKED;
+enum status render_object_mesh_make(const struct soil_shape *shape, struct object_mesh *mesh) FURROW_CHECKED;
 void render_object_mesh_finish(struct object_mesh *mesh);
 /* Adds a corner and returns its number. */
 uint32_t render_object_mesh_corner(struct object_mesh *mesh, const double at[3], uint32_t look);
 void render_object_mesh_triangle(struct object_mesh *mesh, uint32_t a, uint32_t b, uint32_t c);
 /* In objects_file.c: adds the triangles of a mesh file. Two triangles that meet at less than 40 degrees are shaded smoothly. */
-void render_object_mesh_of_file(struct object_mesh *mesh, const struct deform_mesh *file);
+void render_object_mesh_of_file(struct object_mesh *mesh, const struct soil_mesh *file);
 
 /* --- objects_shadow.c --- */
 
@@ -46,13 +46,13 @@ struct object_shadow {
 };
 /* Computes the shadow of an object. `at`: its centre, relative to the eye. Also gives a ball that contains the shadow's volume:
  * `middle` relative to the eye, and `radius`. Metres. */
-void render_object_shadow_of(const struct deform_shape *shape, double axes[3][3], const double at[3], const double sun[3],
+void render_object_shadow_of(const struct soil_shape *shape, double axes[3][3], const double at[3], const double sun[3],
 		      struct object_shadow *shadow, double middle[3], double *radius);
 
 /* --- objects.c --- */
 
 struct object_shape {
-	const struct deform_shape *shape;
+	const struct soil_shape *shape;
 	struct gpu_buffer *corners, *indices;
 	uint32_t first[OBJECT_DETAILS + 1];
 	double bound; /* metres: radius of a ball around the object's centre that contains it */

@@ -16,7 +16,7 @@ struct meeting {
 	float (*normals)[3]; /* of triangles; the length is twice the area */
 };
 
-static void normal_of(const struct deform_mesh *file, uint32_t triangle, float normal[3])
+static void normal_of(const struct soil_mesh *file, uint32_t triangle, float normal[3])
 {
 	const uint32_t *t = file->triangles[triangle];
 	double u[3], v[3];
@@ -33,7 +33,7 @@ static double dot(const float a[3], const float b[3])
 	return (double)a[0] * b[0] + (double)a[1] * b[1] + (double)a[2] * b[2];
 }
 
-static bool meet(const struct deform_mesh *file, struct meeting *meeting)
+static bool meet(const struct soil_mesh *file, struct meeting *meeting)
 {
 	size_t triangles = file->triangle_count;
 	meeting->begin = mem_calloc((size_t)file->vertex_count + 2, sizeof *meeting->begin);
@@ -73,7 +73,7 @@ static void smooth(const struct meeting *meeting, uint32_t vertex, uint32_t tria
 	}
 }
 
-void render_object_mesh_of_file(struct object_mesh *mesh, const struct deform_mesh *file)
+void render_object_mesh_of_file(struct object_mesh *mesh, const struct soil_mesh *file)
 {
 	struct meeting meeting = {NULL, NULL, NULL};
 	/* For each vertex of the file: the last corner that was made there. The next triangle uses this corner again if its normal

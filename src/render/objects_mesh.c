@@ -204,7 +204,7 @@ static void wheel_side(struct object_mesh *mesh, double radius, double half, dou
 
 /* Bars as deform has them (deform.h): evenly round from straight down, forwards turning them back and up. Their inner
  * faces lie in the tyre. */
-static void grousers(struct object_mesh *mesh, const struct deform_shape *shape, double shoulder)
+static void grousers(struct object_mesh *mesh, const struct soil_shape *shape, double shoulder)
 {
 	double inner = shape->radius - shoulder, outer = shape->radius + shape->grouser_height;
 	for (int i = 0; i < shape->grousers; i++) {
@@ -215,7 +215,7 @@ static void grousers(struct object_mesh *mesh, const struct deform_shape *shape,
 	}
 }
 
-static void wheel(struct object_mesh *mesh, const struct deform_shape *shape)
+static void wheel(struct object_mesh *mesh, const struct soil_shape *shape)
 {
 	static const int steps[OBJECT_DETAILS] = {64, 28, 14}, rounds[OBJECT_DETAILS] = {SHOULDER_STEPS, 2, 1};
 	double half = shape->width / 2, shoulder = fmin(0.12 * shape->radius, 0.35 * half);
@@ -247,11 +247,11 @@ static int ball_rings(double radius, double half, int steps, struct ring rings[R
 }
 
 /* Adds a shape that is round. Its poles are on its axis. Every second stripe from pole to pole is dark, so that one can see it roll. */
-static void round_shape(struct object_mesh *mesh, const struct deform_shape *shape)
+static void round_shape(struct object_mesh *mesh, const struct soil_shape *shape)
 {
 	static const int steps[OBJECT_DETAILS] = {56, 32, 16};
-	struct form form = {shape->kind == DEFORM_CYLINDER || shape->kind == DEFORM_CAPSULE, {1, 1, 1}};
-	bool stretched = shape->kind == DEFORM_ELLIPSOID;
+	struct form form = {shape->kind == SOIL_CYLINDER || shape->kind == SOIL_CAPSULE, {1, 1, 1}};
+	bool stretched = shape->kind == SOIL_ELLIPSOID;
 	double half = shape->length / 2, r = shape->radius;
 	if (stretched)
 		memcpy(form.stretch, shape->size, sizeof form.stretch);
@@ -261,24 +261,24 @@ static void round_shape(struct object_mesh *mesh, const struct deform_shape *sha
 		int gore = steps[detail] / GORES, count = ball_rings(stretched ? 1 : r, half, steps[detail], rings);
 		for (int i = 0; i < GORES; i++) {
 			enum object_material look = i % 2 > 0 ? OBJECT_DARK : OBJECT_PAINT;
-			if (shape->kind != DEFORM_CYLINDER)
+			if (shape->kind != SOIL_CYLINDER)
 				lathe_formed(mesh, &form, rings, count, i * gore, (i + 1) * gore, steps[detail], look);
-			for (int part = 0; part < 3 && shape->kind == DEFORM_CYLINDER; part++)
+			for (int part = 0; part < 3 && shape->kind == SOIL_CYLINDER; part++)
 				lathe_formed(mesh, &form, parts[part], 2, i * gore, (i + 1) * gore, steps[detail], look);
 		}
 		end_detail(mesh, detail);
 	}
 }
 
-enum status render_object_mesh_make(const struct deform_shape *shape, struct object_mesh *mesh)
+enum status render_object_mesh_make(const struct soil_shape *shape, struct object_mesh *mesh)
 {
-	*mesh = (struct object_mesh){.closed = shape->kind != DEFORM_MESH};
-	bool plain = shape->kind == DEFORM_MESH || shape->kind == DEFORM_BOX;
-	if (shape->kind == DEFORM_WHEEL)
+	*mesh = (struct object_mesh){.closed = shape->kind != SOIL_MESH};
+	bool plain = shape->kind == SOIL_MESH || shape->kind == SOIL_BOX;
+	if (shape->kind == SOIL_WHEEL)
 		wheel(mesh, shape);
 	else if (!plain)
 		round_shape(mesh, shape);
-	else if (shape->kind == DEFORM_MESH)
+	else if (shape->kind == SOIL_MESH)
 		render_object_mesh_of_file(mesh, shape->mesh);
 	else
 		brick(mesh, (const double[3]){0, 0, 0},

@@ -28,23 +28,23 @@ static double extent(const struct object_shadow *shadow, double axes[3][3], cons
 }
 
 /* Fills the form around the object's centre. *middle: the form's own middle, in the object's axes. */
-static void form_of(const struct deform_shape *shape, struct object_shadow *shadow, double middle[3])
+static void form_of(const struct soil_shape *shape, struct object_shadow *shadow, double middle[3])
 {
 	double half[3] = {shape->radius, shape->radius, shape->radius};
 	memset(middle, 0, 3 * sizeof *middle);
-	const bool rod = shape->kind == DEFORM_CYLINDER || shape->kind == DEFORM_CAPSULE;
-	shadow->kind[0] = shape->kind == DEFORM_SPHERE || shape->kind == DEFORM_ELLIPSOID ? 2 : rod || shape->kind == DEFORM_WHEEL ? 1 : 0;
+	const bool rod = shape->kind == SOIL_CYLINDER || shape->kind == SOIL_CAPSULE;
+	shadow->kind[0] = shape->kind == SOIL_SPHERE || shape->kind == SOIL_ELLIPSOID ? 2 : rod || shape->kind == SOIL_WHEEL ? 1 : 0;
 	if (rod)
-		half[1] = shape->length / 2 + (shape->kind == DEFORM_CAPSULE ? shape->radius : 0);
-	for (int k = 0; k < 3 && shape->kind == DEFORM_ELLIPSOID; k++) /* a ball of its volume */
+		half[1] = shape->length / 2 + (shape->kind == SOIL_CAPSULE ? shape->radius : 0);
+	for (int k = 0; k < 3 && shape->kind == SOIL_ELLIPSOID; k++) /* a ball of its volume */
 		half[k] = cbrt(shape->size[0] * shape->size[1] * shape->size[2]);
-	if (shape->kind == DEFORM_WHEEL) {
+	if (shape->kind == SOIL_WHEEL) {
 		half[1] = shape->width / 2;
 		half[0] = half[2] = shape->radius + (shape->grousers > 0 ? shape->grouser_height / 2 : 0);
 	}
-	for (int k = 0; k < 3 && shape->kind == DEFORM_BOX; k++)
+	for (int k = 0; k < 3 && shape->kind == SOIL_BOX; k++)
 		half[k] = shape->size[k] / 2;
-	for (int k = 0; k < 3 && shape->kind == DEFORM_MESH; k++) {
+	for (int k = 0; k < 3 && shape->kind == SOIL_MESH; k++) {
 		half[k] = fmax((shape->mesh->high[k] - shape->mesh->low[k]) / 2, 1e-4);
 		middle[k] = (shape->mesh->high[k] + shape->mesh->low[k]) / 2;
 	}
@@ -54,9 +54,9 @@ static void form_of(const struct deform_shape *shape, struct object_shadow *shad
 }
 
 /* Fills the axes of the form. A cylinder and a capsule are round about their own z, and their form about its y axis. */
-static void axes_of(const struct deform_shape *shape, double axes[3][3], double form[3][3])
+static void axes_of(const struct soil_shape *shape, double axes[3][3], double form[3][3])
 {
-	bool upright = shape->kind == DEFORM_CYLINDER || shape->kind == DEFORM_CAPSULE;
+	bool upright = shape->kind == SOIL_CYLINDER || shape->kind == SOIL_CAPSULE;
 	memcpy(form, axes, 9 * sizeof **axes);
 	for (int k = 0; k < 3 && upright; k++) {
 		form[1][k] = axes[2][k];
@@ -71,7 +71,7 @@ static void row(float to[4], const double axis[3], const double origin[3], doubl
 	to[3] = (float)(-(axis[0] * origin[0] + axis[1] * origin[1] + axis[2] * origin[2]) * scale);
 }
 
-void render_object_shadow_of(const struct deform_shape *shape, double axes[3][3], const double at[3], const double sun[3],
+void render_object_shadow_of(const struct soil_shape *shape, double axes[3][3], const double at[3], const double sun[3],
 		      struct object_shadow *shadow, double middle[3], double *radius)
 {
 	double own[3], centre[3], form[3][3], level = hypot(sun[0], sun[1]);

@@ -50,7 +50,7 @@ struct render_params {
 struct render_object {
 	size_t object;           /* index into render_params.objects */
 	double at[3];            /* its centre, absolute metres */
-	double yaw, pitch, roll; /* radians, as deform_pose has them */
+	double yaw, pitch, roll; /* radians, as soil_pose has them */
 	bool posed;              /* `axes` count instead of the four angles: forward, left, up, with what it turned */
 	double axes[3][3];
 	double turned;           /* radians about its own left axis, forwards: of a wheel, or of a ball that rolls */

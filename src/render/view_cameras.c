@@ -41,7 +41,7 @@ static void stand_at(const struct scene_path *poses, double time, struct stand *
 	for (int i = 0; i < 6; i++)
 		now[i] = from[i] + part * (i < 3 ? to[i] - from[i] : remainder(to[i] - from[i], 2 * M_PI));
 	memcpy(stand->at, now, sizeof stand->at);
-	deform_axes(now[3], now[4], now[5], 0, stand->axes);
+	soil_axes(now[3], now[4], now[5], 0, stand->axes);
 }
 
 static double middle_height(const struct world *world)
@@ -56,12 +56,12 @@ static void stand_later(struct view *view, const struct body *body, double time,
 	const struct scene_object *object = body->object;
 	struct track_point point;
 	motion_track_at(body->track, time, &point);
-	const bool attitude = object->shape.kind != DEFORM_WHEEL;
+	const bool attitude = object->shape.kind != SOIL_WHEEL;
 	stand->at[0] = point.x;
 	stand->at[1] = point.y;
 	stand->at[2] = object->path.has_z ? point.z : render_view_ground_at(view, point.x, point.y, middle_height(view->world)) +
-						      deform_shape_reach(&object->shape, point.pitch, point.roll) - object->sink;
-	deform_axes(point.yaw, attitude ? point.pitch : 0, point.roll, 0, stand->axes);
+						      soil_shape_reach(&object->shape, point.pitch, point.roll) - object->sink;
+	soil_axes(point.yaw, attitude ? point.pitch : 0, point.roll, 0, stand->axes);
 }
 
 /* Where a vehicle, or a body of its model, is. Before the vehicle was set down, where it starts. */
@@ -73,7 +73,7 @@ static void stand_on_vehicle(struct view *view, size_t index, const char *body, 
 		return;
 	memcpy(stand->at, vehicle->at, sizeof vehicle->at);
 	stand->at[2] = render_view_ground_at(view, vehicle->at[0], vehicle->at[1], middle_height(view->world));
-	deform_axes(vehicle->yaw, 0, 0, 0, stand->axes);
+	soil_axes(vehicle->yaw, 0, 0, 0, stand->axes);
 }
 
 /* `now`: exactly as pictures show the body. */
@@ -93,7 +93,7 @@ static enum status stand_on(struct view *view, const struct scene_camera *given,
 	if (!known)
 		return STATUS_OK;
 	memcpy(stand->at, object.at, sizeof object.at);
-	deform_axes(object.yaw, object.pitch, object.roll, 0, stand->axes);
+	soil_axes(object.yaw, object.pitch, object.roll, 0, stand->axes);
 	return STATUS_OK;
 }
 
@@ -101,7 +101,7 @@ static enum status stand_on(struct view *view, const struct scene_camera *given,
 static void mount(const struct scene_camera *given, const struct stand *on, struct stand *stand)
 {
 	double own[3][3];
-	deform_axes(given->yaw, given->pitch, given->roll, 0, own);
+	soil_axes(given->yaw, given->pitch, given->roll, 0, own);
 	for (int i = 0; i < 3; i++) {
 		stand->at[i] = on->at[i];
 		for (int k = 0; k < 3; k++)

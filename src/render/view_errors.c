@@ -36,7 +36,7 @@ enum status render_view_errors_create(const struct world *world, struct view_err
 	errors->bounds.extent = &world->meta->extent;
 	for (size_t i = 0; i < scene->object_count; i++) {
 		const struct scene_object *object = &scene->objects[i];
-		double deep = object->load > 0 ? deform_sinkage_guess(&object->shape, &scene->soils[0], object->load) : object->sink;
+		double deep = object->load > 0 ? soil_sinkage_guess(&object->shape, &scene->soils[0], object->load) : object->sink;
 		errors->lowest = fmin(errors->lowest, -deep);
 	}
 	if (deform_conserves(scene->model))
@@ -65,31 +65,31 @@ enum status render_view_errors_touch(struct view *view, struct tile tile)
 
 /* Finds how far beside a shape's middle the ground counts, forwards and to the left. Also finds how much higher its lower envelope
  * is there. Metres. */
-static void sides(const struct deform_shape *shape, double far[2], double lift[2])
+static void sides(const struct soil_shape *shape, double far[2], double lift[2])
 {
 	lift[0] = lift[1] = 0;
 	switch (shape->kind) {
-	case DEFORM_WHEEL: /* a wheel is round only along its motion. (0.6, 0.8) is a point of the unit circle */
-	case DEFORM_SPHERE:
+	case SOIL_WHEEL: /* a wheel is round only along its motion. (0.6, 0.8) is a point of the unit circle */
+	case SOIL_SPHERE:
 		far[0] = 0.6 * shape->radius;
 		lift[0] = shape->radius - 0.8 * shape->radius;
-		far[1] = shape->kind == DEFORM_WHEEL ? shape->width / 2 : far[0];
-		lift[1] = shape->kind == DEFORM_WHEEL ? 0 : lift[0];
+		far[1] = shape->kind == SOIL_WHEEL ? shape->width / 2 : far[0];
+		lift[1] = shape->kind == SOIL_WHEEL ? 0 : lift[0];
 		return;
-	case DEFORM_BOX:
+	case SOIL_BOX:
 		far[0] = shape->size[0] / 2;
 		far[1] = shape->size[1] / 2;
 		return;
-	case DEFORM_MESH:
+	case SOIL_MESH:
 		for (int i = 0; i < 2; i++)
 			far[i] = fmax(-shape->mesh->low[i], shape->mesh->high[i]);
 		return;
-	case DEFORM_CYLINDER: /* in any attitude: more than it is */
-	case DEFORM_CAPSULE:
-	case DEFORM_ELLIPSOID:
-		far[0] = far[1] = 0.6 * deform_shape_bound(shape);
+	case SOIL_CYLINDER: /* in any attitude: more than it is */
+	case SOIL_CAPSULE:
+	case SOIL_ELLIPSOID:
+		far[0] = far[1] = 0.6 * soil_shape_bound(shape);
 		return;
-	case DEFORM_SHAPES:
+	case SOIL_SHAPES:
 		break;
 	}
 	far[0] = far[1] = 0;
@@ -98,7 +98,7 @@ static void sides(const struct deform_shape *shape, double far[2], double lift[2
 /* Finds how much deeper an object on a slope digs beside its middle than at the middle, metres. */
 static enum status rise_beside(struct view *view, const struct event *event, double *rise)
 {
-	const struct deform_pose *pose = &event->pose;
+	const struct soil_pose *pose = &event->pose;
 	double far[2], lift[2], c = cos(pose->yaw), s = sin(pose->yaw);
 	int64_t middle = 0;
 	sides(&world_body_of(view->world, event)->object->shape, far, lift);

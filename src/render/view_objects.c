@@ -11,13 +11,13 @@
  * roll: another shape, or a ball whose path gives its attitude. */
 static double turned_at(const struct body *body, const struct track_point *point)
 {
-	const struct deform_shape *shape = &body->object->shape;
+	const struct soil_shape *shape = &body->object->shape;
 	double dx = lattice_offset_metres(point->qx - body->last.x), dy = lattice_offset_metres(point->qy - body->last.y);
-	if (shape->kind == DEFORM_WHEEL) {
+	if (shape->kind == SOIL_WHEEL) {
 		double along = body->in_contact ? dx * cos(point->yaw) + dy * sin(point->yaw) : 0;
 		return body->last.turn + along / (shape->radius * (1 - body->object->slip));
 	}
-	if (shape->kind != DEFORM_SPHERE || body->object->path.has_attitude)
+	if (shape->kind != SOIL_SPHERE || body->object->path.has_attitude)
 		return 0;
 	return remainder((body->distance + (body->in_contact ? hypot(dx, dy) : 0)) / shape->radius, 2 * M_PI);
 }
@@ -34,8 +34,8 @@ static enum status height_at(struct world *world, const struct body *body, const
 	enum status status = resident_ground_height(world->ground, point->qx, point->qy, &ground, known);
 	if (status != STATUS_OK)
 		return status;
-	double depth = object->load > 0 ? deform_sinkage_guess(&object->shape, &world->scene->soils[0], object->load) : object->sink;
-	*height = *known ? ground + lattice_offset(deform_shape_reach(&object->shape, point->pitch, point->roll) - depth) + body->raised :
+	double depth = object->load > 0 ? soil_sinkage_guess(&object->shape, &world->scene->soils[0], object->load) : object->sink;
+	*height = *known ? ground + lattice_offset(soil_shape_reach(&object->shape, point->pitch, point->roll) - depth) + body->raised :
 			   body->last.z + body->raised;
 	*known = *known || body->in_contact || body->distance > 0;
 	return STATUS_OK;
@@ -49,7 +49,7 @@ enum status render_view_object(struct view *view, size_t index, struct render_ob
 	int64_t height;
 	motion_track_at(body->track, world->time, &point);
 	enum status status = height_at(world, body, &point, &height, known);
-	const bool attitude = body->object->shape.kind != DEFORM_WHEEL; /* the pitch of a wheel only turns it */
+	const bool attitude = body->object->shape.kind != SOIL_WHEEL; /* the pitch of a wheel only turns it */
 	if (status == STATUS_OK)
 		*object = (struct render_object){
 			.object = index,

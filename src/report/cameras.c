@@ -39,10 +39,10 @@ static void eye_on(const struct body *body, const struct track_point *start, dou
 {
 	const struct scene_object *object = body->object;
 	double axes[3][3];
-	deform_axes(start->yaw, 0, 0, 0, axes);
+	soil_axes(start->yaw, 0, 0, 0, axes);
 	eye[0] = start->x;
 	eye[1] = start->y;
-	eye[2] = ground + deform_shape_reach(&object->shape, 0, 0) - object->sink;
+	eye[2] = ground + soil_shape_reach(&object->shape, 0, 0) - object->sink;
 	for (int i = 0; i < 3; i++)
 		for (int k = 0; k < 3; k++)
 			eye[i] += own[k] * axes[k][i];

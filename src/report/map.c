@@ -37,7 +37,7 @@ struct map {
 static void take_object(const struct body *body, double time, struct way *way)
 {
 	way->name = body->object->name;
-	way->reach = deform_shape_bound(&body->object->shape);
+	way->reach = soil_shape_bound(&body->object->shape);
 	way->count = motion_track_way(body->track, time, way->places);
 }
 

@@ -61,7 +61,7 @@ static enum status list_bodies(const struct world *world, struct report_plan *ou
 static enum status plan_bodies(const struct world *world, struct report_plan *out)
 {
 	const size_t first = world->scene->object_count, count = out->body_count - first;
-	const struct deform_shape **added = mem_calloc(count + 1, sizeof *added);
+	const struct soil_shape **added = mem_calloc(count + 1, sizeof *added);
 	if (added == NULL)
 		return fail_memory("the plan");
 	for (size_t i = 0; i < count; i++)
@@ -247,9 +247,9 @@ static void describe_soils(const struct world *world, struct report_plan *out)
 	out->soils_known = true;
 	out->places = met->places;
 	out->unmapped = met->none / met->all;
-	for (int i = 0; i < DEFORM_SOILS; i++)
+	for (int i = 0; i < SOIL_CLASSES; i++)
 		out->soils[i] = met->soils[i] / met->all;
-	for (int i = 0; i < DEFORM_RASTERS; i++)
+	for (int i = 0; i < SOIL_RASTERS; i++)
 		out->covered[i] = met->numbers[i] / met->all;
 }
 

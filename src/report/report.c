@@ -202,7 +202,7 @@ static void add_volume(cJSON *root, double spacing, const struct pages_sums *sum
 }
 
 /* Adds an interface in the scene's units. null: the soil's own number. Adds nothing if both numbers are the soil's own. */
-static void add_interface(cJSON *object, const struct deform_interface *interface)
+static void add_interface(cJSON *object, const struct soil_interface *interface)
 {
 	if (!interface->has_friction && !interface->has_adhesion)
 		return;

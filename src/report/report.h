@@ -151,7 +151,7 @@ void report_videos(const struct report_poses *poses);
  */
 struct report_body {
 	const char *name;
-	const struct deform_shape *shape;
+	const struct soil_shape *shape;
 	double over;          /* metres over which the soil bears it; 0: not known */
 	double contacts;      /* of a soil geom: contacts a metre, as vehicle_geom tells it; 0: an object of the scene */
 };
@@ -176,13 +176,13 @@ struct report_plan {
 	uint64_t *samples;   /* path samples of each object, until end_time */
 	struct report_body *bodies; /* what the plan's lines call objects: those of the scene, then soil geoms of vehicles */
 	size_t body_count;
-	struct world_raster rasters[DEFORM_RASTERS]; /* as the store's posts get them. Paths are the scene's */
+	struct world_raster rasters[SOIL_RASTERS]; /* as the store's posts get them. Paths are the scene's */
 	int raster_count;     /* 0: there is none, or no store */
 	/* Of what lies along the paths of objects and drivers, shares of 1: */
 	bool soils_known;     /* false: no path, or no store and a map */
-	double soils[DEFORM_SOILS];     /* of each soil */
+	double soils[SOIL_CLASSES];     /* of each soil */
 	double unmapped;      /* where the map of soils has no value, so that the default soil is there */
-	double covered[DEFORM_RASTERS]; /* where each raster has a number */
+	double covered[SOIL_RASTERS]; /* where each raster has a number */
 	size_t places;        /* that were looked at */
 	struct vehicles *vehicles; /* loaded; NULL: there are none */
 	struct report_sun sun;

@@ -28,7 +28,7 @@ static void tell_untouched(const struct world *world, scene_advice_fn tell, void
 	for (size_t i = 0; i < world->scene->object_count; i++) {
 		const struct body *body = &world->bodies[i];
 		const struct scene_object *object = body->object;
-		const double across = 2 * deform_shape_bound(&object->shape);
+		const double across = 2 * soil_shape_bound(&object->shape);
 		if (!is_untouched(body))
 			continue;
 		if (object->load > 0)

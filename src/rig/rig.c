@@ -76,7 +76,7 @@ enum status rig_soil_scene(const char *soil, struct scene **out)
 	return fail_with(status, "soil %s: %.400s", soil, why);
 }
 
-char *rig_soil_text(const struct deform_soil *soil, enum deform_model model)
+char *rig_soil_text(const struct soil_numbers *soil, enum deform_model model)
 {
 	char *text = NULL, *made = NULL;
 	size_t length;
@@ -135,10 +135,10 @@ static enum status measure(struct rig *rig)
 		snprintf(why, sizeof why, "%s", failure_message());
 		return fail_with(status, "rig: shape %s: %.400s", rig->shape, why);
 	}
-	const struct deform_shape *shape = &object.shape;
+	const struct soil_shape *shape = &object.shape;
 	struct rig_found *found = &rig->found;
-	const double bound = deform_shape_bound(shape);
-	found->wheel = shape->kind == DEFORM_WHEEL;
+	const double bound = soil_shape_bound(shape);
+	found->wheel = shape->kind == SOIL_WHEEL;
 	found->belt = shape->belt;
 	found->radius = found->wheel ? shape->radius : (double)NAN;
 	found->arm = found->wheel ? shape->radius : 1;

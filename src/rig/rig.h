@@ -88,6 +88,6 @@ enum status rig_run(const struct rig_params *params, struct rig_found *found, ri
 /* Makes a scene that has this soil and nothing else: its soils[0] has the numbers. `soil`: as in struct rig_params. */
 enum status rig_soil_scene(const char *soil, struct scene **out) FURROW_CHECKED;
 /* Writes a soil as YAML in braces, with those of its numbers that the model reads. NULL: out of memory. Free it with mem_free. */
-char *rig_soil_text(const struct deform_soil *soil, enum deform_model model) FURROW_CHECKED;
+char *rig_soil_text(const struct soil_numbers *soil, enum deform_model model) FURROW_CHECKED;
 
 #endif

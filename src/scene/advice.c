@@ -229,7 +229,7 @@ static void advise_depth(const struct adviser *adviser)
 	for (size_t i = 0; i < scene->object_count; i++)
 		for (int k = 0; k < scene->soil_count; k++) {
 			const struct scene_object *object = &scene->objects[i];
-			const double sinks = object->load > 0 ? deform_sinkage_guess(&object->shape, &scene->soils[k], object->load) : 0;
+			const double sinks = object->load > 0 ? soil_sinkage_guess(&object->shape, &scene->soils[k], object->load) : 0;
 			if (sinks <= scene->depth)
 				continue;
 			advise(adviser, "redistribute.depth: %g m is how deep soil slides, and no firm ground begins there: %s sinks by about %.2g m; give numbers of the "
@@ -252,24 +252,24 @@ static void advise_attributes(const struct adviser *adviser)
  * known here. */
 static double narrowest(const struct scene_object *object)
 {
-	const struct deform_shape *shape = &object->shape;
+	const struct soil_shape *shape = &object->shape;
 	/* What goes straight ahead meets a post sooner or later, however short it is. */
 	bool ahead = !object->path.has_attitude && !is_fixed(&object->path);
-	if (shape->kind == DEFORM_WHEEL)
+	if (shape->kind == SOIL_WHEEL)
 		return ahead ? shape->width : fmin(shape->width, 2 * shape->radius);
-	if (shape->kind == DEFORM_SPHERE)
+	if (shape->kind == SOIL_SPHERE)
 		return 2 * shape->radius;
-	if (shape->kind == DEFORM_CYLINDER || shape->kind == DEFORM_CAPSULE) /* a cylinder may lie */
-		return object->path.has_attitude && shape->kind == DEFORM_CYLINDER ? fmin(shape->length, 2 * shape->radius) : 2 * shape->radius;
-	if ((shape->kind != DEFORM_BOX && shape->kind != DEFORM_ELLIPSOID) || object->path.has_attitude)
+	if (shape->kind == SOIL_CYLINDER || shape->kind == SOIL_CAPSULE) /* a cylinder may lie */
+		return object->path.has_attitude && shape->kind == SOIL_CYLINDER ? fmin(shape->length, 2 * shape->radius) : 2 * shape->radius;
+	if ((shape->kind != SOIL_BOX && shape->kind != SOIL_ELLIPSOID) || object->path.has_attitude)
 		return INFINITY;
-	if (shape->kind == DEFORM_ELLIPSOID)
+	if (shape->kind == SOIL_ELLIPSOID)
 		return 2 * (ahead ? shape->size[1] : fmin(shape->size[0], shape->size[1]));
 	return ahead ? shape->size[1] : fmin(shape->size[0], shape->size[1]);
 }
 
 /* Metres between the prints of bars, on the ground. */
-static double pitch_of(const struct deform_shape *shape, double slip)
+static double pitch_of(const struct soil_shape *shape, double slip)
 {
 	return shape->grousers > 0 ? 2 * M_PI * shape->radius * (1 - slip) / shape->grousers : INFINITY;
 }
@@ -316,7 +316,7 @@ void scene_advise_narrow(const char *key, double across, size_t others, double s
 		       key, across, alike.others, spacing, number_at_most(across, 6).text);
 }
 
-void scene_advise_grousers(const char *key, const struct deform_shape *shape, double slip, size_t others, double spacing, scene_advice_fn tell,
+void scene_advise_grousers(const char *key, const struct soil_shape *shape, double slip, size_t others, double spacing, scene_advice_fn tell,
 			   void *user)
 {
 	const struct adviser adviser = {.tell = tell, .user = user};
@@ -357,11 +357,11 @@ static void advise_path(const struct adviser *adviser, const struct scene_object
 }
 
 /* Returns true if the surface is nowhere weaker than the soil. */
-static bool is_no_weaker(const struct scene *scene, const struct deform_interface *interface)
+static bool is_no_weaker(const struct scene *scene, const struct soil_interface *interface)
 {
 	bool weaker = scene->raster_count > 0; /* not known here */
 	for (int i = 0; i < scene->soil_count; i++) {
-		const struct deform_soil *soil = &scene->soils[i];
+		const struct soil_numbers *soil = &scene->soils[i];
 		weaker = weaker || (interface->has_friction && interface->friction_angle < soil->friction_angle) ||
 			 (interface->has_adhesion && interface->adhesion < soil->cohesion);
 	}

@@ -174,7 +174,7 @@ static uint64_t model_effects(enum deform_model model)
 
 uint64_t scene_object_effects(const struct scene_object *object)
 {
-	return (object->shape.kind == DEFORM_MESH ? EFFECT_BIT(EFFECT_MESH) : 0) |
+	return (object->shape.kind == SOIL_MESH ? EFFECT_BIT(EFFECT_MESH) : 0) |
 	       (object->shape.grousers > 0 ? EFFECT_BIT(EFFECT_GROUSERS) : 0) | (object->load > 0 ? EFFECT_BIT(EFFECT_LOAD) : 0);
 }
 
@@ -302,7 +302,7 @@ static const struct scene_object *caller(const struct scene *scene, enum scene_e
 	const bool called = effect == EFFECT_MESH || effect == EFFECT_GROUSERS || effect == EFFECT_LOAD;
 	for (size_t i = 0; i < scene->object_count && called; i++) {
 		const struct scene_object *object = &scene->objects[i];
-		if ((effect == EFFECT_MESH && object->shape.kind == DEFORM_MESH) ||
+		if ((effect == EFFECT_MESH && object->shape.kind == SOIL_MESH) ||
 		    (effect == EFFECT_GROUSERS && object->shape.grousers > 0) || (effect == EFFECT_LOAD && object->load > 0))
 			return object;
 	}

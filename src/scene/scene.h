@@ -113,15 +113,15 @@ struct scene_path {
 struct scene_object {
 	char *name;
 	bool name_is_made; /* the scene gave none: it is body-N */
-	struct deform_shape shape;
+	struct soil_shape shape;
 	struct scene_path path;
-	struct deform_mesh *mesh; /* owned by the object; it is also shape.mesh. NULL: no mesh */
+	struct soil_mesh *mesh; /* owned by the object; it is also shape.mesh. NULL: no mesh */
 	double sink; /* metres that the object sinks below the base at the path's point; 0 if it has a load */
 	double load; /* N that the soil carries; given instead of `sink`, for models that compute forces. 0: no load */
 	/* of a wheel, for models that compute forces: 1 - distance / (radius x angle turned); below 0 if the wheel is dragged. Of a belt:
 	 * 1 - distance / what the belt ran */
 	double slip;
-	struct deform_interface interface; /* for models that compute forces */
+	struct soil_interface interface; /* for models that compute forces */
 };
 
 /* What sets the controls of a vehicle's actuators. SCENE_IDLE: nothing; all controls are 0. */
@@ -230,7 +230,7 @@ struct scene_value {
 
 /* A raster that gives a number of the soil at each post. Where it has no value, the number is that of the post's soil. */
 struct scene_raster {
-	enum deform_number number;
+	enum soil_number number;
 	char *path;       /* resolved relative to the scene's file */
 	uint64_t hash[2]; /* of the file's bytes */
 };
@@ -256,16 +256,16 @@ struct scene {
 	double slip_sinkage; /* how deep slip digs, in units of the soil's shear modulus; 0: not */
 	enum scene_normals normals; /* along which stresses act: those of a body itself, or of the ground */
 	enum scene_undisturbed undisturbed; /* what undisturbed ground does where it is steeper than the soil's critical slope */
-	struct deform_soil soils[DEFORM_SOILS]; /* with a map, soils[0] is used where the map names no other soil */
-	unsigned soil_given[DEFORM_SOILS]; /* for scene_soil_given */
+	struct soil_numbers soils[SOIL_CLASSES]; /* with a map, soils[0] is used where the map names no other soil */
+	unsigned soil_given[SOIL_CLASSES]; /* for scene_soil_given */
 	int soil_count;
 	/* "unnamed" if the scene gives numbers without a name; such a class of the map is "unnamed_VALUE" */
-	char soil_names[DEFORM_SOILS][64];
+	char soil_names[SOIL_CLASSES][64];
 	bool soil_default;       /* false: the scene has a map and says no soil for ground without a class; soils[0] is that of the first class */
 	char *soil_map;          /* path of a raster, resolved relative to the scene's file; NULL: soils[0] everywhere */
 	uint8_t soil_class[256]; /* index of the soil for each value of the map */
 	uint64_t soil_map_hash[2]; /* hash of the raster's bytes */
-	struct scene_raster rasters[DEFORM_RASTERS]; /* in the order of their numbers */
+	struct scene_raster rasters[SOIL_RASTERS]; /* in the order of their numbers */
 	int raster_count;        /* 0: every number is that of a post's soil */
 	struct relief_spec relief; /* below the source's level; its classes are indices of soils;
 				      classes 0: none */
@@ -326,7 +326,7 @@ void scene_destroy(struct scene *scene);
  * "cohesion". `value`: in the unit that a scene uses, so angles are in degrees; NAN: the soil has no such number. Returns false
  * if `index` is beyond the last number.
  */
-bool scene_soil_number(const struct deform_soil *soil, size_t index, const char **key, double *value);
+bool scene_soil_number(const struct soil_numbers *soil, size_t index, const char **key, double *value);
 /* Returns true if the scene gives the number itself. Returns false if the number is that of a named soil, or a default. */
 bool scene_soil_given(const struct scene *scene, int soil, const char *key);
 /* Soils have more than these, but for the last. A smaller number is probably in a wrong unit. */
@@ -335,10 +335,10 @@ bool scene_soil_given(const struct scene *scene, int soil, const char *key);
 #define SCENE_LEAST_KPHI 10000.0  /* N/m^(n+2): of the soils in the tables the least has 43120, and the largest 5301 in kN */
 #define SCENE_MOST_SHEAR 0.15     /* m: of the soils in the tables the largest has 0.03. A larger number is probably in cm or mm */
 /* Returns the SI value of 1 in the unit that a scene and a raster use for the number. */
-double scene_raster_unit(enum deform_number number);
+double scene_raster_unit(enum soil_number number);
 /* Returns k_c / b + k_phi of a soil under an object. *width: b, metres; 0: it depends on the contact. Then the larger of k_c and
  * k_phi is returned. Above 0: the soil bears the object. */
-double scene_soil_modulus(const struct deform_soil *soil, const struct deform_shape *shape, double *width);
+double scene_soil_modulus(const struct soil_numbers *soil, const struct soil_shape *shape, double *width);
 /* Returns the value of the map of soils that means soils[soil]. Returns -1 for the default soil, or if there is no map. */
 int scene_soil_value(const struct scene *scene, int soil);
 
@@ -388,17 +388,17 @@ void scene_advise(const struct scene *scene, double spacing, scene_advice_fn tel
 /* Tells that a body is narrower than posts are apart. `across`: m; the rest as in scene_advise_posts_below. */
 void scene_advise_narrow(const char *key, double across, size_t others, double spacing, scene_advice_fn tell, void *user);
 /* Tells that posts cannot tell the prints of a wheel's bars apart. */
-void scene_advise_grousers(const char *key, const struct deform_shape *shape, double slip, size_t others, double spacing, scene_advice_fn tell,
+void scene_advise_grousers(const char *key, const struct soil_shape *shape, double slip, size_t others, double spacing, scene_advice_fn tell,
 			   void *user);
 /* Returns over how many metres the soil bears a wheel or a sphere. `load`: N; 0: `sink` is how deep it is, m. The result is its width or,
  * if less, twice the sinkage over the slope of its rim where it enters the soil. A wheel that hardly sinks enters it so far ahead of its
  * axle. */
-double scene_bears_over(const struct scene *scene, const struct deform_shape *shape, double load, double sink);
+double scene_bears_over(const struct scene *scene, const struct soil_shape *shape, double load, double sink);
 /* The same of any object of the scene. Returns 0 if it is not known: without load and sink, and for a shape whose attitude changes. */
 double scene_object_bears_over(const struct scene *scene, const struct scene_object *object);
 /* Tells how far off forces are where `over` metres hold few posts. Tells nothing where they are hardly off. scene_advise does this for
  * the scene's objects. `key`: of the body; `others`: how many are alike. */
-void scene_advise_posts_below(const char *key, const struct deform_shape *shape, double over, size_t others, double spacing, scene_advice_fn tell,
+void scene_advise_posts_below(const char *key, const struct soil_shape *shape, double over, size_t others, double spacing, scene_advice_fn tell,
 			      void *user);
 /* What a soil's rebound does to a wheel: scene_rebound.c. */
 struct scene_rebound {
@@ -410,7 +410,7 @@ struct scene_rebound {
 #define SCENE_REBOUND_TOLD 0.2 /* smaller shares are not told */
 /* Estimates the rebound below a wheel under `load` N, in each soil whose elastic_stiffness the scene does not give. Replaces *worst where the
  * wheel's resistance is less by more. `key`: of the body. A body that is no wheel changes nothing. */
-void scene_rebound_look(const struct scene *scene, const char *key, const struct deform_shape *shape, double load, struct scene_rebound *worst);
+void scene_rebound_look(const struct scene *scene, const char *key, const struct soil_shape *shape, double load, struct scene_rebound *worst);
 /* Tells of *worst, if its share is large enough. scene_advise does it for the scene's objects. */
 void scene_rebound_advise(const struct scene *scene, const struct scene_rebound *worst, scene_advice_fn tell, void *user);
 /* Calls `tell` for each number that seems to be given in a wrong unit. The text is one line, "FILE:LINE: KEY: WHY; WHAT TO DO".

@@ -34,7 +34,7 @@ static void add_text(XXH3_state_t *state, const char *text)
 
 static void add_object(XXH3_state_t *state, const struct scene_object *object)
 {
-	const struct deform_shape *shape = &object->shape;
+	const struct soil_shape *shape = &object->shape;
 	const struct scene_path *path = &object->path;
 	add_text(state, object->name);
 	add_whole(state, (uint64_t)shape->kind);
@@ -67,7 +67,7 @@ static void add_part(XXH3_state_t *state, char letter, size_t index)
 	add_whole(state, index);
 }
 
-static void add_mesh(XXH3_state_t *state, size_t index, const struct deform_mesh *mesh)
+static void add_mesh(XXH3_state_t *state, size_t index, const struct soil_mesh *mesh)
 {
 	add_part(state, 'm', index);
 	add_whole(state, mesh->vertex_count);
@@ -108,7 +108,7 @@ static void add_way(XXH3_state_t *state, size_t index, const struct scene_path *
 
 static void add_object_more(XXH3_state_t *state, size_t index, const struct scene_object *object)
 {
-	const struct deform_shape *shape = &object->shape;
+	const struct soil_shape *shape = &object->shape;
 	if (shape->grousers > 0) {
 		add_part(state, 'g', index);
 		add_whole(state, (uint64_t)shape->grousers);
@@ -179,12 +179,12 @@ static void add_vehicle(XXH3_state_t *state, size_t index, const struct scene_ve
  * What a soil has no number for was filled in from another soil when hashes were first kept. It counts as that still, so that
  * drives of then can be resumed. No model reads it.
  */
-static void fill_soil(const char *name, struct deform_soil *soil)
+static void fill_soil(const char *name, struct soil_numbers *soil)
 {
-	struct deform_soil from = {.cohesion = 0};
+	struct soil_numbers from = {.cohesion = 0};
 	double numbers[sizeof *soil / sizeof(double)], others[sizeof *soil / sizeof(double)];
 	if (strncmp(name, "unnamed", strlen("unnamed")) != 0 &&
-	    deform_soil_named(strcmp(name, "snow") == 0 ? "snow_us" : "dry_sand", &from) != STATUS_OK)
+	    soil_named(strcmp(name, "snow") == 0 ? "snow_us" : "dry_sand", &from) != STATUS_OK)
 		return;
 	memcpy(numbers, soil, sizeof numbers);
 	memcpy(others, &from, sizeof others);
@@ -203,7 +203,7 @@ static double former_compression(double compression)
 	return compression;
 }
 
-static void add_soil(XXH3_state_t *state, const struct deform_soil *soil)
+static void add_soil(XXH3_state_t *state, const struct soil_numbers *soil)
 {
 	const double numbers[] = {soil->bekker_kc,	   soil->bekker_kphi, soil->bekker_n,
 				  soil->cohesion,	   soil->friction_angle,
@@ -228,7 +228,7 @@ static void add_soils(XXH3_state_t *state, const struct scene *scene)
 		add_number(state, scene->slip_sinkage);
 	add_whole(state, (uint64_t)scene->soil_count);
 	for (int i = 0; i < scene->soil_count; i++) {
-		struct deform_soil soil = scene->soils[i];
+		struct soil_numbers soil = scene->soils[i];
 		fill_soil(scene->soil_names[i], &soil);
 		if (!deform_model_reads(scene->model, "compression"))
 			soil.compression = former_compression(soil.compression);

@@ -39,7 +39,7 @@ static size_t hash_of(const float at[3])
 	return (size_t)hash;
 }
 
-static uint32_t vertex_at(struct places *places, struct deform_mesh *mesh, const float at[3])
+static uint32_t vertex_at(struct places *places, struct soil_mesh *mesh, const float at[3])
 {
 	size_t i = hash_of(at) & places->mask;
 	for (; places->vertex[i] != 0; i = (i + 1) & places->mask)
@@ -84,7 +84,7 @@ static enum status check_places(const struct mesh_corners *corners, const char *
 	return STATUS_OK;
 }
 
-static void fill(struct deform_mesh *mesh, struct places *places, const struct mesh_corners *corners, double scale)
+static void fill(struct soil_mesh *mesh, struct places *places, const struct mesh_corners *corners, double scale)
 {
 	for (size_t t = 0; t < corners->triangles; t++) {
 		float at[3][3];
@@ -109,7 +109,7 @@ static void fill(struct deform_mesh *mesh, struct places *places, const struct m
 
 /* Gives back memory. Room was made for every triangle and three corners each, but triangles without area are left out and equal
  * corners are shared. */
-static enum status trim(struct deform_mesh *mesh)
+static enum status trim(struct soil_mesh *mesh)
 {
 	void *vertices = mem_realloc(mesh->vertices, mesh->vertex_count, sizeof *mesh->vertices);
 	if (vertices == NULL)
@@ -122,7 +122,7 @@ static enum status trim(struct deform_mesh *mesh)
 	return STATUS_OK;
 }
 
-static enum status mesh_of(const struct mesh_corners *corners, const char *told, double scale, struct deform_mesh *mesh)
+static enum status mesh_of(const struct mesh_corners *corners, const char *told, double scale, struct soil_mesh *mesh)
 {
 	struct places places = {NULL, 0};
 	enum status status = check_places(corners, told, scale);
@@ -141,10 +141,10 @@ static enum status mesh_of(const struct mesh_corners *corners, const char *told,
 	return status == STATUS_OK ? trim(mesh) : status;
 }
 
-enum status scene_mesh_load(const char *path, const char *told, double scale, struct deform_mesh **out)
+enum status scene_mesh_load(const char *path, const char *told, double scale, struct soil_mesh **out)
 {
 	struct mesh_corners corners = {NULL, 0};
-	struct deform_mesh *mesh = mem_calloc(1, sizeof *mesh);
+	struct soil_mesh *mesh = mem_calloc(1, sizeof *mesh);
 	if (mesh == NULL)
 		return fail_memory("a mesh");
 	enum status status = scene_mesh_import(path, told, &corners);
@@ -159,7 +159,7 @@ enum status scene_mesh_load(const char *path, const char *told, double scale, st
 	return STATUS_OK;
 }
 
-void scene_mesh_destroy(struct deform_mesh *mesh)
+void scene_mesh_destroy(struct soil_mesh *mesh)
 {
 	if (mesh == NULL)
 		return;

@@ -2,7 +2,7 @@
 #ifndef FURROW_SCENE_MESH_H
 #define FURROW_SCENE_MESH_H
 
-#include "deform/deform.h"
+#include "soil/soil.h"
 
 #define SCENE_MESH_BYTES (64u << 20) /* most bytes of the file together with the files it names */
 #define SCENE_MESH_TRIANGLES 1000000u
@@ -23,8 +23,8 @@
  *
  * A glTF may name buffers in its own folder. No other file is opened. Any thread may call this; files are read one at a time.
  */
-enum status scene_mesh_load(const char *path, const char *told, double scale, struct deform_mesh **out)
+enum status scene_mesh_load(const char *path, const char *told, double scale, struct soil_mesh **out)
 	FURROW_CHECKED;
-void scene_mesh_destroy(struct deform_mesh *mesh); /* mesh may be NULL */
+void scene_mesh_destroy(struct soil_mesh *mesh); /* mesh may be NULL */
 
 #endif

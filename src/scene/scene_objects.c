@@ -68,7 +68,7 @@ static enum status check_forces(const struct scene_tree *tree, const struct raw_
 				   "redistribute: {model: %s}", model, scene_models_with_forces().text);
 	if (raw->load != NULL && object->path.has_z)
 		return scene_error(tree->file, load, "its poses say z already; allowed with: poses t,x,y, or points");
-	if (raw->slip != NULL && !deform_shape_runs(&object->shape))
+	if (raw->slip != NULL && !soil_shape_runs(&object->shape))
 		return scene_error(tree->file, slip, "only a wheel or a belt slips; allowed with: wheel, or belt: true of a box or a mesh");
 	if (raw->slip != NULL && !forces)
 		return scene_error(tree->file, slip, "model %s does not depend on it; allowed with: redistribute: "
@@ -89,9 +89,9 @@ static enum status check_hosted(const struct scene_tree *tree, const struct raw_
 			   "is for an object with a path, and the host moves this one; allowed with: path");
 }
 
-static struct deform_interface interface_of(const struct raw_interface *raw)
+static struct soil_interface interface_of(const struct raw_interface *raw)
 {
-	struct deform_interface interface = {.has_friction = false};
+	struct soil_interface interface = {.has_friction = false};
 	if (raw == NULL)
 		return interface;
 	interface.has_friction = raw->friction_angle != NULL;

@@ -144,15 +144,15 @@ enum status scene_path_read(const char *file, const char *told, struct scene_pat
 	return status;
 }
 
-void scene_level_pitch(const struct deform_shape *shape, struct scene_path *path)
+void scene_level_pitch(const struct soil_shape *shape, struct scene_path *path)
 {
-	for (size_t i = 0; i < path->count && shape->kind == DEFORM_WHEEL; i++) {
+	for (size_t i = 0; i < path->count && shape->kind == SOIL_WHEEL; i++) {
 		struct scene_waypoint *point = &path->points[i];
 		double axes[3][3];
 		if (point->roll == 0)
 			continue;
-		deform_axes(point->yaw, point->pitch, point->roll, 0, axes);
-		deform_wheel_attitude(axes[1], &point->yaw, &point->roll);
+		soil_axes(point->yaw, point->pitch, point->roll, 0, axes);
+		soil_wheel_attitude(axes[1], &point->yaw, &point->roll);
 		point->pitch = 0;
 	}
 }

@@ -22,6 +22,6 @@ bool scene_path_is_other_line(const char *file); /* by its ending: a format of l
  */
 enum status scene_path_read_line(const char *file, const char *told, size_t number, bool has_speed, struct scene_path *path) FURROW_CHECKED;
 /* The pitch of a wheel only turns it about its axle. So waypoints with camber get pitch 0, and the yaw and roll of the same axle. */
-void scene_level_pitch(const struct deform_shape *shape, struct scene_path *path);
+void scene_level_pitch(const struct soil_shape *shape, struct scene_path *path);
 
 #endif

@@ -12,11 +12,11 @@
 
 #define TOLD_ABOVE 2 /* percent: smaller errors are not told */
 
-double scene_bears_over(const struct scene *scene, const struct deform_shape *shape, double load, double sink)
+double scene_bears_over(const struct scene *scene, const struct soil_shape *shape, double load, double sink)
 {
-	double least = shape->kind == DEFORM_WHEEL ? shape->width : 2 * shape->radius;
+	double least = shape->kind == SOIL_WHEEL ? shape->width : 2 * shape->radius;
 	for (int i = 0; i < scene->soil_count; i++) {
-		double sinkage = load > 0 ? deform_sinkage_guess(shape, &scene->soils[i], load) : sink;
+		double sinkage = load > 0 ? soil_sinkage_guess(shape, &scene->soils[i], load) : sink;
 		sinkage = fmin(sinkage, 0.9 * shape->radius);
 		least = fmin(least, 2 * sinkage * (shape->radius - sinkage) / sqrt(sinkage * (2 * shape->radius - sinkage)));
 	}
@@ -25,28 +25,28 @@ double scene_bears_over(const struct scene *scene, const struct deform_shape *sh
 
 double scene_object_bears_over(const struct scene *scene, const struct scene_object *object)
 {
-	const struct deform_shape *shape = &object->shape;
-	if ((object->load <= 0 && object->sink <= 0) || (object->path.has_attitude && shape->kind != DEFORM_WHEEL && shape->kind != DEFORM_SPHERE))
+	const struct soil_shape *shape = &object->shape;
+	if ((object->load <= 0 && object->sink <= 0) || (object->path.has_attitude && shape->kind != SOIL_WHEEL && shape->kind != SOIL_SPHERE))
 		return 0;
-	if (shape->kind == DEFORM_CYLINDER) /* it is upright */
+	if (shape->kind == SOIL_CYLINDER) /* it is upright */
 		return 2 * shape->radius;
-	if (shape->kind == DEFORM_ELLIPSOID)
+	if (shape->kind == SOIL_ELLIPSOID)
 		return 0;
-	if (shape->kind == DEFORM_BOX)
+	if (shape->kind == SOIL_BOX)
 		return fmin(shape->size[0], shape->size[1]);
-	if (shape->kind == DEFORM_MESH)
+	if (shape->kind == SOIL_MESH)
 		return fmin(shape->mesh->high[0] - shape->mesh->low[0], shape->mesh->high[1] - shape->mesh->low[1]);
 	return scene_bears_over(scene, shape, object->load, object->sink);
 }
 
-static int error_of_row(const struct deform_shape *shape, size_t row)
+static int error_of_row(const struct soil_shape *shape, size_t row)
 {
-	return shape->kind == DEFORM_WHEEL ? scene_posts[row].wheel : scene_posts[row].other;
+	return shape->kind == SOIL_WHEEL ? scene_posts[row].wheel : scene_posts[row].other;
 }
 
 /* Returns the error in percent that no body of the bench exceeded that had at least so many posts below it. Between two rows it goes with the
  * logarithm of the posts. */
-static int error_of(const struct deform_shape *shape, double posts)
+static int error_of(const struct soil_shape *shape, double posts)
 {
 	size_t row = 0;
 	while (row + 1 < SCENE_POSTS_ROWS && posts >= scene_posts[row + 1].posts)
@@ -61,10 +61,10 @@ static int error_of(const struct deform_shape *shape, double posts)
 /* Returns whether no object before it is told the same. `others`: how many objects behind it are. */
 static bool is_first_told(const struct scene *scene, const struct scene_object *object, size_t *others)
 {
-	bool wheel = object->shape.kind == DEFORM_WHEEL;
+	bool wheel = object->shape.kind == SOIL_WHEEL;
 	*others = 0;
 	for (const struct scene_object *other = scene->objects; other < scene->objects + scene->object_count; other++) {
-		if (scene_object_bears_over(scene, other) != scene_object_bears_over(scene, object) || (other->shape.kind == DEFORM_WHEEL) != wheel)
+		if (scene_object_bears_over(scene, other) != scene_object_bears_over(scene, object) || (other->shape.kind == SOIL_WHEEL) != wheel)
 			continue;
 		if (other < object)
 			return false;
@@ -73,7 +73,7 @@ static bool is_first_told(const struct scene *scene, const struct scene_object *
 	return true;
 }
 
-void scene_advise_posts_below(const char *key, const struct deform_shape *shape, double over, size_t others, double spacing, scene_advice_fn tell,
+void scene_advise_posts_below(const char *key, const struct soil_shape *shape, double over, size_t others, double spacing, scene_advice_fn tell,
 			      void *user)
 {
 	char text[400], posts[24], alike[48] = "", off[32] = "more than 100 %";
@@ -89,7 +89,7 @@ void scene_advise_posts_below(const char *key, const struct deform_shape *shape,
 	if (error <= 100)
 		snprintf(off, sizeof off, "about %d %%", error);
 	snprintf(posts, sizeof posts, "%.2g", over / spacing);
-	const char *apart = shape->kind == DEFORM_WHEEL ? "" : ", without the heaps that it pushes";
+	const char *apart = shape->kind == SOIL_WHEEL ? "" : ", without the heaps that it pushes";
 	snprintf(text, sizeof text, "%s: the soil bears it over about %.2g m%s, %s post%s: forces may be off by %s here%s; at %g m by %d %%", key, over,
 		 alike, posts, strcmp(posts, "1") == 0 ? "" : "s", off, apart, finer, error_of(shape, over / finer));
 	tell(user, text);

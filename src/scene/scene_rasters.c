@@ -5,16 +5,16 @@
 #include "scene/scene_error.h"
 #include "scene/scene_file.h"
 
-static const char *path_of(const struct raw_rasters *raw, enum deform_number number)
+static const char *path_of(const struct raw_rasters *raw, enum soil_number number)
 {
-	const char *const paths[DEFORM_NUMBERS] = {
-		[DEFORM_BEKKER_KC] = raw->bekker_kc,
-		[DEFORM_BEKKER_KPHI] = raw->bekker_kphi,
-		[DEFORM_BEKKER_N] = raw->bekker_n,
-		[DEFORM_COHESION] = raw->cohesion,
-		[DEFORM_FRICTION_ANGLE] = raw->friction_angle,
-		[DEFORM_JANOSI_SHEAR] = raw->janosi_shear,
-		[DEFORM_ELASTIC_STIFFNESS] = raw->elastic_stiffness,
+	const char *const paths[SOIL_NUMBERS] = {
+		[SOIL_BEKKER_KC] = raw->bekker_kc,
+		[SOIL_BEKKER_KPHI] = raw->bekker_kphi,
+		[SOIL_BEKKER_N] = raw->bekker_n,
+		[SOIL_COHESION] = raw->cohesion,
+		[SOIL_FRICTION_ANGLE] = raw->friction_angle,
+		[SOIL_JANOSI_SHEAR] = raw->janosi_shear,
+		[SOIL_ELASTIC_STIFFNESS] = raw->elastic_stiffness,
 	};
 	return paths[number];
 }
@@ -28,12 +28,12 @@ static struct scene_list models_with_rasters(void)
 	return models;
 }
 
-static enum status take(const struct scene_tree *tree, const char *path, enum deform_number number, struct scene *scene)
+static enum status take(const struct scene_tree *tree, const char *path, enum soil_number number, struct scene *scene)
 {
-	const char *key = deform_number_key(number);
+	const char *key = soil_number_key(number);
 	const struct scene_node *node = scene_tree_find(tree, "soil.rasters.%s", key);
-	if (scene->raster_count == DEFORM_RASTERS)
-		return scene_error(tree->file, node, "is one raster too many; allowed: at most %d", DEFORM_RASTERS);
+	if (scene->raster_count == SOIL_RASTERS)
+		return scene_error(tree->file, node, "is one raster too many; allowed: at most %d", SOIL_RASTERS);
 	struct scene_raster *raster = &scene->rasters[scene->raster_count];
 	raster->number = number;
 	raster->path = scene_file_beside(tree->folder, path);
@@ -53,15 +53,15 @@ enum status scene_check_rasters(const struct scene_tree *tree, const struct raw_
 		return scene_error(tree->file, scene_tree_find(tree, "soil.rasters"),
 				   "model %s reads a soil's numbers by class alone; allowed with: %s; or give soil.map", model->name,
 				   models_with_rasters().text);
-	for (int number = 0; model->rasters && number < DEFORM_NUMBERS && status == STATUS_OK; number++) {
-		const char *path = path_of(raw, (enum deform_number)number);
+	for (int number = 0; model->rasters && number < SOIL_NUMBERS && status == STATUS_OK; number++) {
+		const char *path = path_of(raw, (enum soil_number)number);
 		if (path != NULL)
-			status = take(tree, path, (enum deform_number)number, scene);
+			status = take(tree, path, (enum soil_number)number, scene);
 	}
 	return status;
 }
 
-double scene_raster_unit(enum deform_number number)
+double scene_raster_unit(enum soil_number number)
 {
-	return number == DEFORM_FRICTION_ANGLE ? 3.14159265358979323846 / 180 : 1;
+	return number == SOIL_FRICTION_ANGLE ? 3.14159265358979323846 / 180 : 1;
 }

@@ -55,7 +55,7 @@ static double resistance_of(const struct wheel *wheel, double sinkage)
 	return wheel->width * pressure_at(wheel, sinkage) * (sinkage / (wheel->n + 1) - rebound_at(wheel, sinkage) / 2);
 }
 
-static void find(const struct deform_soil *soil, const struct deform_shape *shape, double load, struct scene_rebound *out)
+static void find(const struct soil_numbers *soil, const struct soil_shape *shape, double load, struct scene_rebound *out)
 {
 	struct wheel wheel = {.k = soil->bekker_kc / shape->width + soil->bekker_kphi, .n = soil->bekker_n, .stiffness = soil->elastic_stiffness,
 			      .width = shape->width, .radius = shape->radius, .load = load};
@@ -70,13 +70,13 @@ static bool is_given(const struct scene *scene, int soil)
 {
 	bool given = scene_soil_given(scene, soil, "elastic_stiffness");
 	for (int i = 0; i < scene->raster_count; i++)
-		given = given || scene->rasters[i].number == DEFORM_ELASTIC_STIFFNESS;
+		given = given || scene->rasters[i].number == SOIL_ELASTIC_STIFFNESS;
 	return given;
 }
 
-void scene_rebound_look(const struct scene *scene, const char *key, const struct deform_shape *shape, double load, struct scene_rebound *worst)
+void scene_rebound_look(const struct scene *scene, const char *key, const struct soil_shape *shape, double load, struct scene_rebound *worst)
 {
-	if (shape->kind != DEFORM_WHEEL || !(load > 0) || !deform_model_reads(scene->model, "elastic_stiffness"))
+	if (shape->kind != SOIL_WHEEL || !(load > 0) || !deform_model_reads(scene->model, "elastic_stiffness"))
 		return;
 	for (int i = 0; i < scene->soil_count; i++) {
 		struct scene_rebound found = {.soil = i};

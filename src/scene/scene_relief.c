@@ -5,7 +5,7 @@
 #include "scene/scene_check.h"
 #include "scene/scene_error.h"
 
-_Static_assert(RELIEF_CLASSES == DEFORM_SOILS, "a class of relief is a soil");
+_Static_assert(RELIEF_CLASSES == SOIL_CLASSES, "a class of relief is a soil");
 
 static enum status check_class(const struct scene_tree *tree, const struct raw_relief *raw, uint32_t index, bool given[RELIEF_CLASSES],
 			       struct scene *scene)

@@ -138,7 +138,7 @@ static const cyaml_schema_field_t soil_fields[] = {
 	SOIL_FIELDS(struct raw_soil, all.),
 	CYAML_FIELD_STRING_PTR("map", OPTIONAL, struct raw_soil, map, 1, 4096),
 	CYAML_FIELD_SEQUENCE("classes", OPTIONAL_POINTER, struct raw_soil, classes, &class_entry, 1,
-			     DEFORM_SOILS - 1),
+			     SOIL_CLASSES - 1),
 	CYAML_FIELD_MAPPING_PTR("default", OPTIONAL, struct raw_soil, elsewhere, elsewhere_fields),
 	CYAML_FIELD_MAPPING_PTR("rasters", OPTIONAL, struct raw_soil, rasters, raster_fields),
 	CYAML_FIELD_END,

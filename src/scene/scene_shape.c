@@ -11,9 +11,9 @@
 #define GROUSER_THICKNESS 0.1
 
 static enum status check_wheel(const struct scene_tree *tree, const struct raw_wheel *raw, size_t index,
-			       struct deform_shape *shape)
+			       struct soil_shape *shape)
 {
-	shape->kind = DEFORM_WHEEL;
+	shape->kind = SOIL_WHEEL;
 	shape->radius = raw->radius;
 	shape->width = raw->width;
 	shape->grousers = raw->grousers != NULL ? (int)*raw->grousers : 0;
@@ -40,7 +40,7 @@ static enum status check_mesh(const struct scene_tree *tree, const struct raw_me
 	char *file = scene_file_beside(tree->folder, raw->file);
 	if (file == NULL)
 		return fail_memory("reading a mesh");
-	object->shape.kind = DEFORM_MESH;
+	object->shape.kind = SOIL_MESH;
 	object->shape.belt = raw->belt != NULL && *raw->belt;
 	enum status status = scene_mesh_load(file, scene_told(tree->file, node, raw->file).text,
 					     raw->scale != NULL ? *raw->scale : 1, &object->mesh);
@@ -52,7 +52,7 @@ static enum status check_mesh(const struct scene_tree *tree, const struct raw_me
 enum status scene_check_shape(const struct scene_tree *tree, const struct raw_shape *raw, size_t index,
 			      struct scene_object *object)
 {
-	struct deform_shape *shape = &object->shape;
+	struct soil_shape *shape = &object->shape;
 	const struct raw_rod *rod = raw->cylinder != NULL ? raw->cylinder : raw->capsule;
 	int named = (raw->wheel != NULL) + (raw->sphere != NULL) + (raw->box != NULL) + (raw->mesh != NULL) + (raw->cylinder != NULL) +
 		    (raw->capsule != NULL) + (raw->ellipsoid != NULL);
@@ -64,17 +64,17 @@ enum status scene_check_shape(const struct scene_tree *tree, const struct raw_sh
 	if (raw->mesh != NULL)
 		return check_mesh(tree, raw->mesh, index, object);
 	if (rod != NULL) {
-		shape->kind = raw->cylinder != NULL ? DEFORM_CYLINDER : DEFORM_CAPSULE;
+		shape->kind = raw->cylinder != NULL ? SOIL_CYLINDER : SOIL_CAPSULE;
 		shape->radius = rod->radius;
 		shape->length = rod->length;
 	} else if (raw->ellipsoid != NULL) {
-		shape->kind = DEFORM_ELLIPSOID;
+		shape->kind = SOIL_ELLIPSOID;
 		memcpy(shape->size, raw->ellipsoid->radii, sizeof shape->size);
 	} else if (raw->sphere != NULL) {
-		shape->kind = DEFORM_SPHERE;
+		shape->kind = SOIL_SPHERE;
 		shape->radius = raw->sphere->radius;
 	} else {
-		shape->kind = DEFORM_BOX;
+		shape->kind = SOIL_BOX;
 		memcpy(shape->size, raw->box->size, sizeof shape->size);
 		shape->belt = raw->box->belt != NULL && *raw->box->belt;
 	}

@@ -40,7 +40,7 @@ static bool is_straight(const struct scene *scene, const struct scene_path *path
 static bool rolls_straight(const struct scene *scene, const struct scene_object *object)
 {
 	const struct scene_path *path = &object->path;
-	return object->shape.kind == DEFORM_WHEEL && !object->shape.belt && object->slip == 0 && !path->has_attitude && !path->has_z &&
+	return object->shape.kind == SOIL_WHEEL && !object->shape.belt && object->slip == 0 && !path->has_attitude && !path->has_z &&
 	       is_straight(scene, path);
 }
 

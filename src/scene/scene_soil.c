@@ -14,7 +14,7 @@
 #include "scene/scene_file.h"
 
 #define PARAMETER(name, unit, optional) \
-	{#name, offsetof(struct raw_class, name), offsetof(struct deform_soil, name), unit, optional}
+	{#name, offsetof(struct raw_class, name), offsetof(struct soil_numbers, name), unit, optional}
 #define DEGREE (3.14159265358979323846 / 180)
 
 static const struct parameter {
@@ -49,14 +49,14 @@ static const double *given(const struct raw_class *raw, const struct parameter *
 }
 
 static enum status take_name(const struct scene_tree *tree, const char *name, const char *where,
-			     struct deform_soil *soil)
+			     struct soil_numbers *soil)
 {
-	enum status status = deform_soil_named(name, soil);
+	enum status status = soil_named(name, soil);
 	if (status != STATUS_INPUT)
 		return status;
 	struct nearest nearest = nearest_begin(name);
 	const char *known;
-	for (size_t i = 0; (known = deform_soil_name(i)) != NULL; i++)
+	for (size_t i = 0; (known = soil_name(i)) != NULL; i++)
 		nearest_offer(&nearest, known);
 	/* Its message ends in the names there are. */
 	return scene_error(tree->file, scene_tree_find(tree, "%s.name", where), "%s is unknown; allowed:%s%s", scene_quote(name).text,
@@ -98,13 +98,13 @@ static bool reads_soil(const struct scene *scene)
 	return deform_model_row(scene->model)->numbers != NULL;
 }
 
-static double *number_of(struct deform_soil *soil, const struct parameter *parameter)
+static double *number_of(struct soil_numbers *soil, const struct parameter *parameter)
 {
 	return (double *)((char *)soil + parameter->to);
 }
 
 /* Returns the keys that the model needs and for which the soil has no number. */
-static struct scene_list missing_keys(struct deform_soil *soil, enum deform_model model)
+static struct scene_list missing_keys(struct soil_numbers *soil, enum deform_model model)
 {
 	struct scene_list missing = {.length = 0};
 	for (size_t i = 0; i < PARAMETERS; i++)
@@ -117,16 +117,16 @@ static struct scene_list missing_keys(struct deform_soil *soil, enum deform_mode
 static struct scene_list whole_soils(enum deform_model model)
 {
 	struct scene_list whole = {.length = 0};
-	struct deform_soil soil;
+	struct soil_numbers soil;
 	const char *name;
-	for (size_t i = 0; (name = deform_soil_name(i)) != NULL; i++)
-		if (deform_soil_named(name, &soil) == STATUS_OK && missing_keys(&soil, model).length == 0)
+	for (size_t i = 0; (name = soil_name(i)) != NULL; i++)
+		if (soil_named(name, &soil) == STATUS_OK && missing_keys(&soil, model).length == 0)
 			scene_list_add(&whole, name);
 	return whole;
 }
 
 static enum status check_whole(const struct scene_tree *tree, const char *name, const char *where, enum deform_model model,
-			       struct deform_soil *soil)
+			       struct soil_numbers *soil)
 {
 	struct scene_list missing = missing_keys(soil, model);
 	if (missing.length == 0)
@@ -145,8 +145,8 @@ static enum status check_class(const struct scene_tree *tree, const struct raw_c
 			       struct scene *scene, size_t index)
 {
 	const enum deform_model model = scene->model;
-	struct deform_soil *soil = &scene->soils[index];
-	deform_soil_clear(soil);
+	struct soil_numbers *soil = &scene->soils[index];
+	soil_clear(soil);
 	enum status status = raw->name != NULL ? take_name(tree, raw->name, where, soil) : STATUS_OK;
 	if (status != STATUS_OK)
 		return status;
@@ -162,9 +162,9 @@ static enum status check_class(const struct scene_tree *tree, const struct raw_c
 	if (isnan(soil->repose))
 		soil->repose = soil->friction_angle;
 	if (deform_model_reads(model, "elastic_stiffness") && isnan(soil->elastic_stiffness))
-		soil->elastic_stiffness = DEFORM_USUAL_STIFFNESS;
+		soil->elastic_stiffness = SOIL_USUAL_STIFFNESS;
 	if (deform_model_reads(model, "damping") && isnan(soil->damping))
-		soil->damping = DEFORM_USUAL_DAMPING;
+		soil->damping = SOIL_USUAL_DAMPING;
 	if (deform_model_reads(model, "repose") && soil->repose <= 0)
 		return scene_error(tree->file, scene_tree_find(tree, "%s", where),
 				   "without friction it needs repose too; allowed: above 0 to 89");
@@ -195,9 +195,9 @@ static enum status check_unread(const struct raw_class *raw, const char *where, 
 static enum status check_replaced(const struct scene_tree *tree, const struct raw_class *raw, const char *where, struct scene *scene)
 {
 	struct scene_list remain = {.length = 0};
-	struct deform_soil named;
+	struct soil_numbers named;
 	bool differs = false;
-	if (raw->name == NULL || deform_soil_named(raw->name, &named) != STATUS_OK || missing_keys(&named, scene->model).length > 0)
+	if (raw->name == NULL || soil_named(raw->name, &named) != STATUS_OK || missing_keys(&named, scene->model).length > 0)
 		return STATUS_OK;
 	for (size_t i = 0; i < PARAMETERS; i++) {
 		const double *value = given(raw, &parameters[i]);
@@ -219,24 +219,24 @@ static enum status check_replaced(const struct scene_tree *tree, const struct ra
 }
 
 /* Metres: scm's b of an object whose shape says it; 0: it depends on the contact. */
-static double contact_width(const struct deform_shape *shape)
+static double contact_width(const struct soil_shape *shape)
 {
-	if (shape->kind == DEFORM_WHEEL)
+	if (shape->kind == SOIL_WHEEL)
 		return shape->width;
-	if (shape->kind == DEFORM_CYLINDER) /* the least: b depends on its attitude */
+	if (shape->kind == SOIL_CYLINDER) /* the least: b depends on its attitude */
 		return fmin(shape->length, shape->radius);
-	return shape->kind == DEFORM_BOX ? fmin(shape->size[0], shape->size[1]) : 0;
+	return shape->kind == SOIL_BOX ? fmin(shape->size[0], shape->size[1]) : 0;
 }
 
 /* k_c / b + k_phi under an object that is `width` metres wide; 1 where the width depends on the contact. */
-static double modulus_under(const struct deform_soil *soil, double width)
+static double modulus_under(const struct soil_numbers *soil, double width)
 {
 	return width > 0 ? soil->bekker_kc / width + soil->bekker_kphi : 1;
 }
 
 /* A soil's resistance must grow with sinkage: checks that k_c / b + k_phi is above 0. */
 static enum status check_bearing(const struct scene_tree *tree, const struct scene *scene, const char *where,
-				 const struct deform_soil *soil)
+				 const struct soil_numbers *soil)
 {
 	const struct scene_node *node = scene_tree_find(tree, "%s.bekker_kc", where);
 	if (soil->bekker_kc <= 0 && soil->bekker_kphi <= 0)
@@ -373,13 +373,13 @@ enum status scene_check_soil(const struct scene_tree *tree, const struct raw_sce
 				 deform_model_row(scene->model)->name);
 }
 
-double scene_soil_modulus(const struct deform_soil *soil, const struct deform_shape *shape, double *width)
+double scene_soil_modulus(const struct soil_numbers *soil, const struct soil_shape *shape, double *width)
 {
 	*width = contact_width(shape);
 	return *width > 0 ? modulus_under(soil, *width) : fmax(soil->bekker_kc, soil->bekker_kphi);
 }
 
-bool scene_soil_number(const struct deform_soil *soil, size_t index, const char **key, double *value)
+bool scene_soil_number(const struct soil_numbers *soil, size_t index, const char **key, double *value)
 {
 	if (index >= PARAMETERS)
 		return false;

@@ -158,18 +158,18 @@ static enum status doubt_soils(const struct units *units)
 
 static bool is_light(const struct scene_object *object)
 {
-	return object->load > 0 && object->load < LEAST_LOAD && object->shape.kind == DEFORM_WHEEL &&
+	return object->load > 0 && object->load < LEAST_LOAD && object->shape.kind == SOIL_WHEEL &&
 	       2 * object->shape.radius >= LARGE_WHEEL;
 }
 
 /* Doubts a radius that only a building has. */
 static enum status doubt_radii(const struct units *units)
 {
-	static const char *const names[DEFORM_SHAPES] = {[DEFORM_WHEEL] = "wheel", [DEFORM_SPHERE] = "sphere", [DEFORM_CYLINDER] = "cylinder", [DEFORM_CAPSULE] = "capsule"};
+	static const char *const names[SOIL_SHAPES] = {[SOIL_WHEEL] = "wheel", [SOIL_SPHERE] = "sphere", [SOIL_CYLINDER] = "cylinder", [SOIL_CAPSULE] = "capsule"};
 	const struct scene_object *objects = units->scene->objects;
 	enum status status = STATUS_OK;
 	for (size_t i = 0; i < units->scene->object_count && status == STATUS_OK; i++) {
-		const struct deform_shape *shape = &objects[i].shape;
+		const struct soil_shape *shape = &objects[i].shape;
 		char where[80], why[120];
 		if (names[shape->kind] == NULL || shape->radius <= LARGEST_RADIUS)
 			continue;

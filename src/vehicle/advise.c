@@ -9,7 +9,7 @@
 /* Returns over how many metres the soil bears a soil geom. 0: not known, since it is neither a wheel nor a sphere. */
 static double bears_over(const struct scene *scene, const struct vehicle_info *vehicle, const struct vehicle_geom *geom)
 {
-	if (geom->shape->kind != DEFORM_WHEEL && geom->shape->kind != DEFORM_SPHERE)
+	if (geom->shape->kind != SOIL_WHEEL && geom->shape->kind != SOIL_SPHERE)
 		return 0;
 	return scene_bears_over(scene, geom->shape, vehicle->mass * scene->gravity / (double)vehicle->geom_count, 0);
 }
@@ -23,13 +23,13 @@ double vehicle_bears_over(const struct vehicles *vehicles, size_t vehicle, size_
 	return bears_over(scene, &info, &geom);
 }
 
-static double across(const struct deform_shape *shape)
+static double across(const struct soil_shape *shape)
 {
-	return shape->kind == DEFORM_WHEEL ? shape->width : 2 * shape->radius;
+	return shape->kind == SOIL_WHEEL ? shape->width : 2 * shape->radius;
 }
 
 /* Bars of a wheel cut soil out and carry it, and pull by that. Here they are part of its outline alone: VALIDATION.md, "A measured wheel". */
-static void advise_grousers(const char *key, const struct deform_shape *shape, size_t alike, double spacing, scene_advice_fn tell, void *user)
+static void advise_grousers(const char *key, const struct soil_shape *shape, size_t alike, double spacing, scene_advice_fn tell, void *user)
 {
 	char grousers[216], text[400], others[40] = "";
 	if (shape->grousers == 0)

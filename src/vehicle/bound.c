@@ -31,7 +31,7 @@ static double flattest(const double radii[3], double sinkage)
 	return M_PI * radii[0] * radii[1] * radii[2] / least * (1 - up * up);
 }
 
-static double of_box(const struct deform_mesh *mesh)
+static double of_box(const struct soil_mesh *mesh)
 {
 	double size[3];
 	for (int k = 0; k < 3; k++)
@@ -40,33 +40,33 @@ static double of_box(const struct deform_mesh *mesh)
 }
 
 /* About the area in plan that touches at a sinkage. */
-static double area_of(const struct deform_shape *shape, double sinkage)
+static double area_of(const struct soil_shape *shape, double sinkage)
 {
 	const double depth = fmin(fmax(sinkage, 0), shape->radius);
 	const double half = sqrt(depth * (2 * shape->radius - depth)); /* of the chord of a circle */
 	switch (shape->kind) {
-	case DEFORM_WHEEL:
+	case SOIL_WHEEL:
 		return shape->width * 2 * half;
-	case DEFORM_SPHERE:
+	case SOIL_SPHERE:
 		return M_PI * half * half;
-	case DEFORM_BOX:
+	case SOIL_BOX:
 		return shape->size[0] * shape->size[1];
-	case DEFORM_CAPSULE: /* lying */
+	case SOIL_CAPSULE: /* lying */
 		return M_PI * half * half + shape->length * 2 * half;
-	case DEFORM_CYLINDER: /* upright, or lying */
+	case SOIL_CYLINDER: /* upright, or lying */
 		return fmax(M_PI * shape->radius * shape->radius, shape->length * 2 * half);
-	case DEFORM_ELLIPSOID:
+	case SOIL_ELLIPSOID:
 		return flattest(shape->size, sinkage);
-	case DEFORM_MESH: /* on the largest side of the box around it */
+	case SOIL_MESH: /* on the largest side of the box around it */
 		return of_box(shape->mesh);
 	default: {
-		const double bound = deform_shape_bound(shape);
+		const double bound = soil_shape_bound(shape);
 		return M_PI * bound * bound;
 	}
 	}
 }
 
-static double stiffest(const struct scene *scene, const struct deform_soil **soil)
+static double stiffest(const struct scene *scene, const struct soil_numbers **soil)
 {
 	double most = 0;
 	for (int i = 0; i < scene->soil_count; i++)
@@ -78,12 +78,12 @@ static double stiffest(const struct scene *scene, const struct deform_soil **soi
 }
 
 /* Shortens the longest step to what a soil of this stiffness, Pa/m, allows. */
-static void allow(struct vehicle *vehicle, const struct scene *scene, const struct deform_soil *soil, double stiffness)
+static void allow(struct vehicle *vehicle, const struct scene *scene, const struct soil_numbers *soil, double stiffness)
 {
 	const double load = mj_getTotalmass(vehicle->model) * scene->gravity / (double)vehicle->geom_count;
 	for (size_t i = 0; i < vehicle->geom_count; i++) {
 		const struct soil_geom *geom = &vehicle->geoms[i];
-		const double area = area_of(&geom->shape, deform_sinkage_guess(&geom->shape, soil, load)), effective = mass_of(vehicle, geom->geom);
+		const double area = area_of(&geom->shape, soil_sinkage_guess(&geom->shape, soil, load)), effective = mass_of(vehicle, geom->geom);
 		const double step = 2 * sqrt(effective / (stiffness * area));
 		if (step >= vehicle->largest_step)
 			continue;
@@ -108,7 +108,7 @@ static enum status check(const struct vehicle *vehicle, const struct scene *scen
 
 enum status vehicle_check_step(struct vehicle *vehicle, const struct scene *scene)
 {
-	const struct deform_soil *soil = &scene->soils[0];
+	const struct soil_numbers *soil = &scene->soils[0];
 	const double stiffness = stiffest(scene, &soil);
 	vehicle->largest_step = INFINITY;
 	allow(vehicle, scene, soil, stiffness);
@@ -131,7 +131,7 @@ enum status vehicle_check_rasters(struct vehicles *vehicles, const struct world 
 	enum status status = STATUS_OK;
 	for (int i = 0; world->soil_rasters != NULL && i < scene->raster_count; i++) {
 		const struct world_raster raster = world_raster(world, i);
-		for (size_t v = 0; v < vehicle_count(vehicles) && scene->rasters[i].number == DEFORM_ELASTIC_STIFFNESS && status == STATUS_OK; v++)
+		for (size_t v = 0; v < vehicle_count(vehicles) && scene->rasters[i].number == SOIL_ELASTIC_STIFFNESS && status == STATUS_OK; v++)
 			status = check_raster(&vehicles->list[v], scene, &raster);
 	}
 	return status;

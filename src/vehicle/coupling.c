@@ -158,7 +158,7 @@ static void set_directions(struct contact *contact)
 {
 	const struct soil_geom *geom = contact->geom;
 	const double *normal = geom->contact.normal;
-	const bool wheel = geom->shape.kind == DEFORM_WHEEL;
+	const bool wheel = geom->shape.kind == SOIL_WHEEL;
 	double axes[3][3], across[3];
 	world_axes(geom->now.pose.orientation, axes);
 	if (wheel) /* along its axle: its own x axis turns with it */
@@ -251,7 +251,7 @@ static void fill_rows(struct step *step, size_t index)
 {
 	struct contact *contact = &step->list[index];
 	const struct soil_geom *geom = contact->geom;
-	const double *free = step->free + 6 * index, h = step->h, length = deform_shape_bound(&geom->shape);
+	const double *free = step->free + 6 * index, h = step->h, length = soil_shape_bound(&geom->shape);
 	double *force = step->force + 6 * index, moved[6], at[6];
 	displacement(step->vehicle, contact, moved);
 	take_resisting((const double(*)[6])geom->contact.stiffness, length, contact->stiffness);

@@ -55,7 +55,7 @@ static const struct soil_geom *crossed(const struct vehicle *vehicle, int joint,
 	for (const struct soil_geom *geom = vehicle->geoms; geom < vehicle->geoms + vehicle->geom_count; geom++) {
 		const double *mat = &vehicle->data->geom_xmat[9 * geom->geom], axis[3] = {mat[2], mat[5], mat[8]};
 		*degrees = acos(fmin(fabs(mju_dot3(axis, &vehicle->data->xaxis[3 * joint])), 1)) * 180 / M_PI;
-		if (geom->shape.kind == DEFORM_CYLINDER && model->geom_bodyid[geom->geom] == model->jnt_bodyid[joint] && *degrees > 0.05)
+		if (geom->shape.kind == SOIL_CYLINDER && model->geom_bodyid[geom->geom] == model->jnt_bodyid[joint] && *degrees > 0.05)
 			return geom;
 	}
 	return NULL;

@@ -34,20 +34,20 @@ static enum status make_figure(const struct vehicle *vehicle, struct figure *fig
 	if (drawn->name == NULL)
 		return fail_memory("the parts of a vehicle");
 	memcpy(figure->axes, soil != NULL ? soil->axes : same, sizeof figure->axes);
-	if (soil != NULL && soil->shape.kind == DEFORM_WHEEL) {
+	if (soil != NULL && soil->shape.kind == SOIL_WHEEL) {
 		drawn->shape = soil->shape;
 		return STATUS_OK;
 	}
 	if (model->geom_type[figure->geom] == mjGEOM_SPHERE) {
-		drawn->shape = (struct deform_shape){.kind = DEFORM_SPHERE, .radius = size[0]};
+		drawn->shape = (struct soil_shape){.kind = SOIL_SPHERE, .radius = size[0]};
 		return STATUS_OK;
 	}
 	if (model->geom_type[figure->geom] == mjGEOM_BOX) {
-		drawn->shape = (struct deform_shape){.kind = DEFORM_BOX, .size = {2 * size[0], 2 * size[1], 2 * size[2]}};
+		drawn->shape = (struct soil_shape){.kind = SOIL_BOX, .size = {2 * size[0], 2 * size[1], 2 * size[2]}};
 		return STATUS_OK;
 	}
 	enum status status = vehicle_make_mesh(model, figure->geom, &figure->mesh);
-	drawn->shape = (struct deform_shape){.kind = DEFORM_MESH, .mesh = figure->mesh};
+	drawn->shape = (struct soil_shape){.kind = SOIL_MESH, .mesh = figure->mesh};
 	return status;
 }
 

@@ -114,7 +114,7 @@ static enum status make_wheel(const struct vehicle *vehicle, struct soil_geom *o
 	const mjModel *model = vehicle->model;
 	const double *size = &model->geom_size[3 * out->geom], *mat = &vehicle->data->geom_xmat[9 * out->geom];
 	const double side = mat[5] >= 0 ? 1 : -1;
-	out->shape = (struct deform_shape){.kind = DEFORM_WHEEL, .radius = size[0], .width = 2 * size[1]};
+	out->shape = (struct soil_shape){.kind = SOIL_WHEEL, .radius = size[0], .width = 2 * size[1]};
 	set_axes(out, (const double[]){1, 0, 0}, (const double[]){0, 0, side}, (const double[]){0, -side, 0});
 	return set_grousers(model, out, where);
 }
@@ -165,7 +165,7 @@ static enum status check_belts(const struct vehicle *vehicle, const char *where)
 static enum status make_mesh(const struct vehicle *vehicle, struct soil_geom *out)
 {
 	enum status status = vehicle_make_mesh(vehicle->model, out->geom, &out->mesh);
-	out->shape = (struct deform_shape){.kind = DEFORM_MESH, .mesh = out->mesh};
+	out->shape = (struct soil_shape){.kind = SOIL_MESH, .mesh = out->mesh};
 	return status;
 }
 
@@ -177,16 +177,16 @@ static enum status make_shape(const struct vehicle *vehicle, struct soil_geom *o
 	set_axes(out, (const double[]){1, 0, 0}, (const double[]){0, 1, 0}, (const double[]){0, 0, 1});
 	switch (model->geom_type[out->geom]) {
 	case mjGEOM_SPHERE:
-		out->shape = (struct deform_shape){.kind = DEFORM_SPHERE, .radius = size[0]};
+		out->shape = (struct soil_shape){.kind = SOIL_SPHERE, .radius = size[0]};
 		return STATUS_OK;
 	case mjGEOM_BOX:
-		out->shape = (struct deform_shape){.kind = DEFORM_BOX, .size = {2 * size[0], 2 * size[1], 2 * size[2]}};
+		out->shape = (struct soil_shape){.kind = SOIL_BOX, .size = {2 * size[0], 2 * size[1], 2 * size[2]}};
 		return make_belt(vehicle, out, where);
 	case mjGEOM_CAPSULE:
-		out->shape = (struct deform_shape){.kind = DEFORM_CAPSULE, .radius = size[0], .length = 2 * size[1]};
+		out->shape = (struct soil_shape){.kind = SOIL_CAPSULE, .radius = size[0], .length = 2 * size[1]};
 		return STATUS_OK;
 	case mjGEOM_ELLIPSOID:
-		out->shape = (struct deform_shape){.kind = DEFORM_ELLIPSOID, .size = {size[0], size[1], size[2]}};
+		out->shape = (struct soil_shape){.kind = SOIL_ELLIPSOID, .size = {size[0], size[1], size[2]}};
 		return STATUS_OK;
 	case mjGEOM_MESH:
 		return make_mesh(vehicle, out);
@@ -194,7 +194,7 @@ static enum status make_shape(const struct vehicle *vehicle, struct soil_geom *o
 		out->dof = turns(model, out->geom);
 		if (out->dof >= 0)
 			return make_wheel(vehicle, out, where);
-		out->shape = (struct deform_shape){.kind = DEFORM_CYLINDER, .radius = size[0], .length = 2 * size[1]};
+		out->shape = (struct soil_shape){.kind = SOIL_CYLINDER, .radius = size[0], .length = 2 * size[1]};
 		return STATUS_OK;
 	default:
 		break;
@@ -301,7 +301,7 @@ const struct soil_geom *vehicle_driven(const struct vehicle *vehicle, int joint)
 	const mjModel *model = vehicle->model;
 	for (size_t g = 0; g < vehicle->geom_count; g++) {
 		const struct soil_geom *geom = &vehicle->geoms[g];
-		const bool wheel = geom->shape.kind == DEFORM_WHEEL && model->geom_bodyid[geom->geom] == model->jnt_bodyid[joint];
+		const bool wheel = geom->shape.kind == SOIL_WHEEL && model->geom_bodyid[geom->geom] == model->jnt_bodyid[joint];
 		if (wheel || (geom->shape.belt && geom->dof == model->jnt_dofadr[joint]))
 			return geom;
 	}

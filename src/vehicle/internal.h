@@ -13,8 +13,8 @@ struct soil_geom {
 	int dof;                    /* of a wheel: the freedom in which it turns; of a belt that of its sprocket; -1: neither */
 	double sprocket;            /* m: how far its belt runs for each radian of that; below 0: the hinge looks to the right. 0: no belt */
 	char *name;                 /* VEHICLE.GEOM, the name of its body in the world */
-	struct deform_shape shape;
-	struct deform_mesh *mesh;   /* of the shape; owned; NULL: none */
+	struct soil_shape shape;
+	struct soil_mesh *mesh;   /* of the shape; owned; NULL: none */
 	double axes[9];             /* the body's axes forward, left, up as columns, in the geom's axes */
 	int32_t number;             /* its body in the world */
 	struct world_state now;     /* where the coupling step ends if the velocity stays as it is at its start */
@@ -92,7 +92,7 @@ struct figure {
 	size_t vehicle;
 	int geom;
 	double axes[9];             /* the shape's axes forward, left, up as columns, in the geom's axes */
-	struct deform_mesh *mesh;   /* owned; NULL: none */
+	struct soil_mesh *mesh;   /* owned; NULL: none */
 };
 
 struct between;
@@ -151,8 +151,8 @@ void vehicle_trail_add(struct vehicle *vehicle);
 
 /* Makes triangles of a geom of the model: its mesh, or a cylinder, a capsule or an ellipsoid. Free it with vehicle_free_mesh, even after
  * a failure. */
-enum status vehicle_make_mesh(const mjModel *model, int geom, struct deform_mesh **out) FURROW_CHECKED;
-void vehicle_free_mesh(struct deform_mesh *mesh); /* takes NULL */
+enum status vehicle_make_mesh(const mjModel *model, int geom, struct soil_mesh **out) FURROW_CHECKED;
+void vehicle_free_mesh(struct soil_mesh *mesh); /* takes NULL */
 
 /* --- figures.c --- */
 enum status vehicle_make_figures(struct vehicles *vehicles) FURROW_CHECKED;

@@ -129,7 +129,7 @@ static void doubt_sizes(const struct vehicle *vehicle, const char *where)
 {
 	size_t large = 0, first = 0;
 	for (size_t i = vehicle->geom_count; i-- > 0;)
-		if (deform_shape_bound(&vehicle->geoms[i].shape) > LARGE) {
+		if (soil_shape_bound(&vehicle->geoms[i].shape) > LARGE) {
 			first = i;
 			large++;
 		}
@@ -139,7 +139,7 @@ static void doubt_sizes(const struct vehicle *vehicle, const char *where)
 	if (large > 0)
 		note("%s: %s reaches %.4g m from its middle%s: that is large, and perhaps in mm; the unit of a model is m: if its sizes are in mm give "
 		     "thousandths of them",
-		     where, vehicle->geoms[first].name, deform_shape_bound(&vehicle->geoms[first].shape), others);
+		     where, vehicle->geoms[first].name, soil_shape_bound(&vehicle->geoms[first].shape), others);
 }
 
 void vehicle_where(const struct vehicle *vehicle, const struct scene *scene, char where[VEHICLE_WHERE])

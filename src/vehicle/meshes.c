@@ -12,17 +12,17 @@ struct ring {
 	double radius[2], height; /* along x and y */
 };
 
-static enum status make(size_t corners, size_t faces, struct deform_mesh **out)
+static enum status make(size_t corners, size_t faces, struct soil_mesh **out)
 {
-	struct deform_mesh *mesh = *out = mem_calloc(1, sizeof *mesh);
+	struct soil_mesh *mesh = *out = mem_calloc(1, sizeof *mesh);
 	if (mesh == NULL)
 		return fail_memory("a mesh");
-	*mesh = (struct deform_mesh){mem_calloc(corners + 1, sizeof *mesh->vertices), mem_calloc(faces + 1, sizeof *mesh->triangles), (uint32_t)corners,
-				     (uint32_t)faces, {INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+	*mesh = (struct soil_mesh){mem_calloc(corners + 1, sizeof *mesh->vertices), mem_calloc(faces + 1, sizeof *mesh->triangles), (uint32_t)corners,
+				   (uint32_t)faces, {INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
 	return mesh->vertices != NULL && mesh->triangles != NULL ? STATUS_OK : fail_memory("a mesh");
 }
 
-static void put_corner(struct deform_mesh *mesh, size_t corner, const double at[3])
+static void put_corner(struct soil_mesh *mesh, size_t corner, const double at[3])
 {
 	for (int k = 0; k < 3; k++) {
 		mesh->vertices[corner][k] = (float)at[k];
@@ -31,7 +31,7 @@ static void put_corner(struct deform_mesh *mesh, size_t corner, const double at[
 	}
 }
 
-static enum status of_file(const mjModel *model, int geom, struct deform_mesh **out)
+static enum status of_file(const mjModel *model, int geom, struct soil_mesh **out)
 {
 	const int mesh = model->geom_dataid[geom];
 	const size_t corners = (size_t)model->mesh_vertnum[mesh], faces = (size_t)model->mesh_facenum[mesh];
@@ -47,12 +47,12 @@ static enum status of_file(const mjModel *model, int geom, struct deform_mesh **
 }
 
 /* Rings from below to above. The first and the last may be points. */
-static enum status of_rings(const struct ring *rings, size_t count, struct deform_mesh **out)
+static enum status of_rings(const struct ring *rings, size_t count, struct soil_mesh **out)
 {
 	enum status status = make(count * ROUND + 2, 2 * ROUND * count, out);
 	if (status != STATUS_OK)
 		return status;
-	struct deform_mesh *mesh = *out;
+	struct soil_mesh *mesh = *out;
 	size_t face = 0;
 	for (size_t r = 0; r < count; r++)
 		for (size_t i = 0; i < ROUND; i++) {
@@ -74,7 +74,7 @@ static enum status of_rings(const struct ring *rings, size_t count, struct defor
 	return STATUS_OK;
 }
 
-enum status vehicle_make_mesh(const mjModel *model, int geom, struct deform_mesh **out)
+enum status vehicle_make_mesh(const mjModel *model, int geom, struct soil_mesh **out)
 {
 	const double *size = &model->geom_size[3 * geom];
 	struct ring rings[2 * RINGS + 2];
@@ -99,7 +99,7 @@ enum status vehicle_make_mesh(const mjModel *model, int geom, struct deform_mesh
 	return of_rings(rings, count, out);
 }
 
-void vehicle_free_mesh(struct deform_mesh *mesh)
+void vehicle_free_mesh(struct soil_mesh *mesh)
 {
 	if (mesh == NULL)
 		return;

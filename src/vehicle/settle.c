@@ -225,7 +225,7 @@ static enum status check_sunk(const struct vehicles *vehicles)
 	char text[500];
 	for (size_t v = 0; v < vehicles->count; v++) {
 		const struct soil_geom *geom = vehicle_sunk(&vehicles->list[v]);
-		if (geom == NULL || geom->contact.sinkage <= 2 * deform_shape_bound(&geom->shape))
+		if (geom == NULL || geom->contact.sinkage <= 2 * soil_shape_bound(&geom->shape))
 			continue;
 		vehicle_say_sunk(vehicles, &vehicles->list[v], geom, text, sizeof text);
 		return fail_with(STATUS_INPUT, "%s: while it settles, %s", vehicles->scene->file, text);

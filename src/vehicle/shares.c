@@ -91,7 +91,7 @@ static void find_fixed(struct statics *statics, double soil)
 }
 
 /* Returns the stiffness of all springs together. `load`: N, of each geom. */
-static double find_springs(struct statics *statics, const struct deform_soil *soil, double load)
+static double find_springs(struct statics *statics, const struct soil_numbers *soil, double load)
 {
 	const mjModel *model = statics->vehicle->model;
 	double lowest = INFINITY, stiffness = 0;
@@ -102,7 +102,7 @@ static double find_springs(struct statics *statics, const struct deform_soil *so
 		vehicle_geom_support(model, statics->data, geom->geom, direction, place);
 		mj_jac(model, statics->data, rows, NULL, place, model->geom_bodyid[geom->geom]);
 		statics->springs[i] = (struct spring){.up = rows + 2 * model->nv, .gap = place[2], .touches = true};
-		statics->springs[i].stiffness = load / PLACES / fmax(deform_sinkage_guess(&geom->shape, soil, load), SINKAGE_LEAST);
+		statics->springs[i].stiffness = load / PLACES / fmax(soil_sinkage_guess(&geom->shape, soil, load), SINKAGE_LEAST);
 		stiffness += statics->springs[i].stiffness;
 		lowest = fmin(lowest, place[2]);
 	}

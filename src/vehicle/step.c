@@ -63,9 +63,9 @@ static enum status find_due(const struct vehicles *vehicles, const struct soil_g
 		return status;
 	mju_sub(way, to->pose.position, from->position, 2);
 	const double level = hypot(way[0], way[1]), turn = turn_between(from, &to->pose), sank = heights[TOUCHED] - heights[END];
-	const double turned = geom->shape.kind == DEFORM_SPHERE ? 0 : turn;
+	const double turned = geom->shape.kind == SOIL_SPHERE ? 0 : turn;
 	if (level >= spacing || fabs(to->belt.travel - geom->touched.belt.travel) >= spacing || fabs(sank) >= SINKAGE_SHARE * spacing ||
-	    turned >= TURN_MOST || turned * deform_shape_bound(&geom->shape) >= spacing)
+	    turned >= TURN_MOST || turned * soil_shape_bound(&geom->shape) >= spacing)
 		return STATUS_OK;
 	const bool rises = sank > RISES_LEAST && heights[END] > heights[START] && heights[GOES] <= heights[START];
 	const bool returns = level > BACK_SHARE * spacing && way[0] * to->linear[0] + way[1] * to->linear[1] < 0 &&
@@ -77,9 +77,9 @@ static enum status find_due(const struct vehicles *vehicles, const struct soil_g
 void vehicle_geom(const struct vehicles *vehicles, size_t vehicle, size_t geom, double spacing, struct vehicle_geom *out)
 {
 	const struct soil_geom *from = &vehicles->list[vehicle].geoms[geom];
-	const double bound = deform_shape_bound(&from->shape), turn = fmin(TURN_MOST, spacing / bound);
+	const double bound = soil_shape_bound(&from->shape), turn = fmin(TURN_MOST, spacing / bound);
 	*out = (struct vehicle_geom){.name = from->name, .shape = &from->shape, .share = from->share, .contacts = 1 / spacing};
-	if (from->shape.kind == DEFORM_WHEEL)
+	if (from->shape.kind == SOIL_WHEEL)
 		out->contacts = fmax(out->contacts, 1 / (turn * from->shape.radius));
 }
 

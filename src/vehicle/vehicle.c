@@ -309,7 +309,7 @@ void vehicle_info(const struct vehicles *vehicles, size_t index, struct vehicle_
 	double slips = 0;
 	for (size_t g = 0; g < vehicle->geom_count && vehicles->world != NULL; g++) {
 		const double slip = vehicle->geoms[g].contact.slip;
-		if (deform_shape_runs(&vehicle->geoms[g].shape) && isfinite(slip)) {
+		if (soil_shape_runs(&vehicle->geoms[g].shape) && isfinite(slip)) {
 			info->slip += slip;
 			slips++;
 		}
@@ -319,7 +319,7 @@ void vehicle_info(const struct vehicles *vehicles, size_t index, struct vehicle_
 		}
 		const double *place = &vehicle->data->xpos[3 * vehicle->root];
 		const double *at = &vehicle->data->geom_xpos[3 * vehicle->geoms[g].geom];
-		info->reach = fmax(info->reach, hypot(at[0] - place[0], at[1] - place[1]) + deform_shape_bound(&vehicle->geoms[g].shape));
+		info->reach = fmax(info->reach, hypot(at[0] - place[0], at[1] - place[1]) + soil_shape_bound(&vehicle->geoms[g].shape));
 	}
 	info->slip = slips > 0 ? info->slip / slips : (double)NAN;
 	if (vehicles->world != NULL && vehicle->begun > VEHICLE_ABOVE)

@@ -121,7 +121,7 @@ enum status vehicle_rollback(struct vehicles *vehicles) FURROW_CHECKED;
 /* A soil geom, 0 .. geom_count - 1. */
 struct vehicle_geom {
 	const char *name;          /* VEHICLE.GEOM, the name of its body in the world */
-	const struct deform_shape *shape;
+	const struct soil_shape *shape;
 	double share;              /* of the weight that it bears on level ground, in the first pose: see vehicle_find_shares */
 	double contacts;           /* that change the ground, for each metre on level ground: a wheel rolls without slip, others slide */
 };

@@ -31,13 +31,13 @@
 
 int64_t world_lowest(const struct deform_contact *contact)
 {
-	const struct deform_shape *shape = contact->shape;
-	const struct deform_pose *from = &contact->from, *to = &contact->to;
-	double reach = deform_shape_reach(shape, to->pitch, to->roll);
-	if (shape->kind == DEFORM_WHEEL && shape->grousers > 0) /* their corners */
+	const struct soil_shape *shape = contact->shape;
+	const struct soil_pose *from = &contact->from, *to = &contact->to;
+	double reach = soil_shape_reach(shape, to->pitch, to->roll);
+	if (shape->kind == SOIL_WHEEL && shape->grousers > 0) /* their corners */
 		reach += hypot(shape->radius + shape->grouser_height, shape->grouser_thickness / 2) - shape->radius - shape->grouser_height;
 	double way = hypot(lattice_offset_metres(to->x - from->x), lattice_offset_metres(to->y - from->y));
-	double below = ldexp(reach, OFFSET_BITS) + ldexp(way + deform_shape_bound(shape), OFFSET_BITS - AIR_SHARE);
+	double below = ldexp(reach, OFFSET_BITS) + ldexp(way + soil_shape_bound(shape), OFFSET_BITS - AIR_SHARE);
 	return (from->z < to->z ? from->z : to->z) - (int64_t)ceil(below) - AIR_UNITS;
 }
 

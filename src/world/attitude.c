@@ -24,13 +24,13 @@ void world_axes(const double q[4], double axes[3][3])
 }
 
 /* Computes a wheel's pose. Its turn is the angle of its own x axis below its heading, seen along its axle. */
-static void wheel_of(const double axes[3][3], struct deform_pose *pose)
+static void wheel_of(const double axes[3][3], struct soil_pose *pose)
 {
 	double level[3][3];
-	deform_wheel_attitude(axes[1], &pose->yaw, &pose->roll);
+	soil_wheel_attitude(axes[1], &pose->yaw, &pose->roll);
 	if (fabs(axes[1][2]) <= LEVEL)
 		pose->roll = 0;
-	deform_axes(pose->yaw, 0, pose->roll, 0, level);
+	soil_axes(pose->yaw, 0, pose->roll, 0, level);
 	double along = 0, up = 0;
 	for (int k = 0; k < 3; k++) {
 		along += axes[0][k] * level[0][k];
@@ -39,14 +39,14 @@ static void wheel_of(const double axes[3][3], struct deform_pose *pose)
 	pose->turn = atan2(-up, along);
 }
 
-double world_spin(const struct deform_pose *pose, const double angular[3])
+double world_spin(const struct soil_pose *pose, const double angular[3])
 {
 	double axes[3][3];
-	deform_axes(pose->yaw, 0, pose->roll, 0, axes);
+	soil_axes(pose->yaw, 0, pose->roll, 0, axes);
 	return axes[1][0] * angular[0] + axes[1][1] * angular[1] + axes[1][2] * angular[2];
 }
 
-enum status world_attitude(const struct deform_shape *shape, const char *name, const struct world_pose *from, struct deform_pose *pose)
+enum status world_attitude(const struct soil_shape *shape, const char *name, const struct world_pose *from, struct soil_pose *pose)
 {
 	double q[4], length = 0, axes[3][3];
 	for (int i = 0; i < 4; i++)
@@ -60,15 +60,15 @@ enum status world_attitude(const struct deform_shape *shape, const char *name, c
 		return fail_with(STATUS_USAGE, "%s: its orientation has length %g; give a unit quaternion w, x, y, z", name, length);
 	for (int i = 0; i < 4; i++)
 		q[i] = from->orientation[i] / length;
-	*pose = (struct deform_pose){
+	*pose = (struct soil_pose){
 		.x = lattice_offset(from->position[0]),
 		.y = lattice_offset(from->position[1]),
 		.z = lattice_offset(from->position[2]),
 	};
-	if (shape->kind == DEFORM_SPHERE)
+	if (shape->kind == SOIL_SPHERE)
 		return STATUS_OK;
 	world_axes(q, axes);
-	if (shape->kind == DEFORM_WHEEL) {
+	if (shape->kind == SOIL_WHEEL) {
 		wheel_of((const double(*)[3])axes, pose);
 		return STATUS_OK;
 	}
@@ -89,17 +89,17 @@ static bool is_rate(const double rate[3])
 	return (isfinite(rate[0]) && isfinite(rate[1]) && isfinite(rate[2])) || (isnan(rate[0]) && isnan(rate[1]) && isnan(rate[2]));
 }
 
-enum status world_state_check(const struct deform_shape *shape, const char *name, const struct world_state *state, struct deform_pose *pose)
+enum status world_state_check(const struct soil_shape *shape, const char *name, const struct world_state *state, struct soil_pose *pose)
 {
 	if (!is_rate(state->linear) || !is_rate(state->angular))
 		return fail_with(STATUS_USAGE, "%s: a velocity is not a finite number; give m/s and rad/s, or three NaN for what the poses give", name);
 	return world_attitude(shape, name, &state->pose, pose);
 }
 
-void world_orientation(const struct deform_pose *pose, double q[4])
+void world_orientation(const struct soil_pose *pose, double q[4])
 {
 	double axes[3][3];
-	deform_axes(pose->yaw, pose->pitch, pose->roll, pose->turn, axes);
+	soil_axes(pose->yaw, pose->pitch, pose->roll, pose->turn, axes);
 	/* Shepperd's method finds the largest of the four first, so that it never divides by a small number. */
 	const double m[3][3] = {
 		{axes[0][0], axes[1][0], axes[2][0]},

@@ -114,8 +114,8 @@ static enum status check_samples(const struct world *world, const struct body *b
 
 static enum status make_track(const struct world *world, struct body *body)
 {
-	const struct deform_shape *shape = &body->object->shape;
-	const double turn_reach = shape->kind == DEFORM_WHEEL ? shape->radius : deform_shape_bound(shape);
+	const struct soil_shape *shape = &body->object->shape;
+	const double turn_reach = shape->kind == SOIL_WHEEL ? shape->radius : soil_shape_bound(shape);
 	struct scene_path route;
 	enum status status = world_route(world, &body->object->path, body->object->name, &route);
 	if (status != STATUS_OK)
@@ -140,12 +140,12 @@ enum status world_make_bodies(struct world *world)
 		body->object = &scene->objects[i];
 		body->loaded_body = body->object->load > 0 ? ++loaded_bodies : 0;
 		if (body->object->path.count == 0) { /* the host's */
-			enum status fits = deform_shape_check(&body->object->shape, world->spacing);
+			enum status fits = soil_shape_check(&body->object->shape, world->spacing);
 			if (fits != STATUS_OK)
 				return fits;
 			continue;
 		}
-		enum status status = deform_shape_check(&body->object->shape, world->spacing);
+		enum status status = soil_shape_check(&body->object->shape, world->spacing);
 		if (status == STATUS_OK)
 			status = make_track(world, body);
 		if (status != STATUS_OK)

@@ -23,10 +23,10 @@ static int64_t at_most(int64_t posts)
 
 /* Returns the most tiles that a window of this object touches. It takes a contact of the object's bounding sphere in the middle
  * of the world. How several windows are cut depends on the place, so one of them may have the full size. */
-static size_t window_tiles(const struct world *world, const struct deform_params *params, const struct deform_shape *shape)
+static size_t window_tiles(const struct world *world, const struct deform_params *params, const struct soil_shape *shape)
 {
 	const struct extent *extent = &world->meta->extent;
-	const struct deform_shape around = {.kind = DEFORM_SPHERE, .radius = deform_shape_bound(shape)};
+	const struct soil_shape around = {.kind = SOIL_SPHERE, .radius = soil_shape_bound(shape)};
 	int64_t post = lattice_offset(world->spacing);
 	int64_t x = lattice_offset((double)(extent->width - 1) * extent->spacing / 2);
 	int64_t y = lattice_offset((double)(extent->height - 1) * extent->spacing / 2);
@@ -65,7 +65,7 @@ static enum status check_active(const struct world *world)
 	return STATUS_OK;
 }
 
-static enum status shape_budget(struct world *world, const struct deform_params *params, const char *name, const struct deform_shape *shape)
+static enum status shape_budget(struct world *world, const struct deform_params *params, const char *name, const struct soil_shape *shape)
 {
 	const size_t tiles = window_tiles(world, params, shape);
 	if (tiles > WORLD_TILES_MOST)
@@ -79,7 +79,7 @@ static enum status shape_budget(struct world *world, const struct deform_params 
 	return STATUS_OK;
 }
 
-enum status world_shape_budget(struct world *world, const char *name, const struct deform_shape *shape)
+enum status world_shape_budget(struct world *world, const char *name, const struct soil_shape *shape)
 {
 	struct deform_params params;
 	world_deform_params(world, &params);
@@ -132,7 +132,7 @@ uint32_t world_step_pages(const struct world *world)
 		if (world->bodies[i].track == NULL)
 			continue;
 		/* also the posts that are smoothed around it */
-		double size = 2 * deform_shape_bound(&world->scene->objects[i].shape) + 16 * world->spacing;
+		double size = 2 * soil_shape_bound(&world->scene->objects[i].shape) + 16 * world->spacing;
 		double way = motion_track_fastest(world->bodies[i].track) * world->scene->time_step;
 		double along = way / side + 2, across = ceil(size / side) + 1, around = ceil((size + way) / side) + 1;
 		pages += fmin(2 * along * across + across * across, around * around);

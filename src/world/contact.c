@@ -90,10 +90,10 @@ static enum status scatter(struct world *world, const struct deform_window *wind
 /* Computes how far a belt ran between two path samples: with slip s it is the way along the body's own x axis / (1 - s). */
 static void run(const struct scene_object *object, struct deform_contact *contact)
 {
-	const struct deform_pose *to = &contact->to, *from = &contact->from;
+	const struct soil_pose *to = &contact->to, *from = &contact->from;
 	const double way[3] = {lattice_offset_metres(to->x - from->x), lattice_offset_metres(to->y - from->y), lattice_offset_metres(to->z - from->z)};
 	double axes[3][3], along = 0;
-	deform_axes(to->yaw, to->pitch, to->roll, 0, axes);
+	soil_axes(to->yaw, to->pitch, to->roll, 0, axes);
 	for (int k = 0; k < 3; k++)
 		along += way[k] * axes[0][k];
 	contact->turned = along / (1 - object->slip);
@@ -109,7 +109,7 @@ static void roll(const struct body *body, struct deform_contact *contact)
 		run(object, contact);
 		return;
 	}
-	if (object->shape.kind != DEFORM_WHEEL)
+	if (object->shape.kind != SOIL_WHEEL)
 		return;
 	double along = lattice_offset_metres(contact->to.x - contact->from.x) * cos(contact->to.yaw) +
 		       lattice_offset_metres(contact->to.y - contact->from.y) * sin(contact->to.yaw);

@@ -15,13 +15,13 @@
 static struct scene_object dropped(const struct world *world, enum world_drop_shape shape)
 {
 	struct scene_object object = world->scene->objects[0];
-	double bound = deform_shape_bound(&object.shape);
+	double bound = soil_shape_bound(&object.shape);
 	if (shape == WORLD_DROP_BALL)
-		object.shape = (struct deform_shape){
-			.kind = DEFORM_SPHERE,
+		object.shape = (struct soil_shape){
+			.kind = SOIL_SPHERE,
 			.radius = fmin(fmax(BALL_RADIUS, BALL_POSTS * world->spacing), bound),
 		};
-	double reach = deform_shape_reach(&object.shape, 0, 0);
+	double reach = soil_shape_reach(&object.shape, 0, 0);
 	if (!(object.sink > 0) || object.sink > reach)
 		object.sink = SINK_SHARE * reach;
 	return object;
@@ -49,13 +49,13 @@ static enum status surface(struct world *world, double x, double y, int64_t *hei
 }
 
 /* Several drops at one place go deeper than any object of the scene. Bounding boxes of tiles must include this. */
-static enum status tell_watcher(struct world *world, const struct event *event, int64_t height, const struct deform_shape *shape)
+static enum status tell_watcher(struct world *world, const struct event *event, int64_t height, const struct soil_shape *shape)
 {
 	int64_t base;
 	bool any;
 	enum status status = resident_ground_height(world->ground, event->pose.x, event->pose.y, &base, &any);
 	if (status == STATUS_OK && any && world->watcher != NULL)
-		world->watcher->reach(world->watcher->user, fabs(lattice_offset_metres(height - base)) + event->sinkage + 2 * deform_shape_bound(shape));
+		world->watcher->reach(world->watcher->user, fabs(lattice_offset_metres(height - base)) + event->sinkage + 2 * soil_shape_bound(shape));
 	return status;
 }
 
@@ -88,10 +88,10 @@ enum status world_drop(struct world *world, enum world_drop_shape shape, double 
 	enum status status = surface(world, x, y, &height, landed);
 	if (status != STATUS_OK || !*landed)
 		return status;
-	event.pose = (struct deform_pose){.x = lattice_offset(x), .y = lattice_offset(y), .yaw = yaw};
+	event.pose = (struct soil_pose){.x = lattice_offset(x), .y = lattice_offset(y), .yaw = yaw};
 	*body = (struct body){.object = &object};
-	double reach = deform_shape_reach(&object.shape, 0, 0);
-	double sink = object.load > 0 ? deform_sinkage_guess(&object.shape, &world->scene->soils[0], object.load) : object.sink;
+	double reach = soil_shape_reach(&object.shape, 0, 0);
+	double sink = object.load > 0 ? soil_sinkage_guess(&object.shape, &world->scene->soils[0], object.load) : object.sink;
 	event.pose.z = height + lattice_offset(reach - sink);
 	event.sinkage = sink;
 	status = tell_watcher(world, &event, height, &object.shape);

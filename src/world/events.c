@@ -29,7 +29,7 @@ enum status world_set_down(struct world *world, struct body *body, int64_t sampl
 	struct track_point point;
 	motion_track_sample(body->track, sample, &point);
 	event->next_time = sample + 1 < motion_track_samples(body->track) ? motion_track_sample_time(body->track, sample + 1) : INFINITY;
-	event->pose = (struct deform_pose){
+	event->pose = (struct soil_pose){
 		.x = point.qx,
 		.y = point.qy,
 		.yaw = point.yaw,
@@ -44,14 +44,14 @@ enum status world_set_down(struct world *world, struct body *body, int64_t sampl
 		return world_no_ground(world, body->object->name, body->object->path.degrees, point.x, point.y, point.time);
 	if (!event->contact)
 		return STATUS_OK;
-	double reach = deform_shape_reach(&body->object->shape, point.pitch, point.roll);
+	double reach = soil_shape_reach(&body->object->shape, point.pitch, point.roll);
 	const bool carried = body->object->load > 0 && (world_feels(world) || !body->object->path.has_z);
 	/* A body that the soil carries follows the ground from sample to sample. Contacts add the equilibrium height to both poses. */
 	if (body->object->path.has_z && !carried)
 		event->pose.z = lattice_offset(point.z);
 	else if (carried)
-		event->pose.z = ground + lattice_offset(reach - deform_sinkage_guess(&body->object->shape, &world->scene->soils[0],
-										     body->object->load));
+		event->pose.z = ground + lattice_offset(reach - soil_sinkage_guess(&body->object->shape, &world->scene->soils[0],
+										   body->object->load));
 	else
 		event->pose.z = ground + lattice_offset(reach - body->object->sink);
 	event->sinkage = lattice_offset_metres(ground - event->pose.z) + reach;

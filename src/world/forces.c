@@ -25,7 +25,7 @@
 /* Identifies an object's latest path sample. */
 struct standing {
 	uint64_t tag; /* 0: it touches nothing, or no row needs it */
-	struct deform_pose pose;
+	struct soil_pose pose;
 	bool placed;  /* it was set down once */
 };
 
@@ -243,7 +243,7 @@ void world_forces_absent(struct forces *forces, size_t object, const struct even
 	if (object == forces->world->scene->object_count)
 		return;
 	struct standing *standing = &forces->standing[object];
-	struct deform_pose pose = event->pose;
+	struct soil_pose pose = event->pose;
 	if (!event->contact)
 		pose.z = standing->pose.z; /* there is no ground */
 	if (event->contact || !world_feels(forces->world)) /* in the air above it; the record has the same */
@@ -280,7 +280,7 @@ static void arrived(struct forces *forces, const struct deform_forces *from)
 static enum status give_row(const struct forces *forces, const struct entry *entry)
 {
 	const struct world_rows *rows = forces->world->rows;
-	const struct deform_pose *pose = &entry->at.pose;
+	const struct soil_pose *pose = &entry->at.pose;
 	struct world_row row = {
 		.time = entry->t,
 		.body = entry->object,

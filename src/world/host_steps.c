@@ -29,22 +29,22 @@ static struct host_body *body_of(const struct world *world, size_t index)
 	return world->hosts.list[index - world->scene->object_count - 1];
 }
 
-static struct event event_of(const struct world *world, int32_t number, const struct deform_pose *pose, double time)
+static struct event event_of(const struct world *world, int32_t number, const struct soil_pose *pose, double time)
 {
 	return (struct event){.body = index_of(world, number), .time = time, .contact = true, .next_time = INFINITY, .pose = *pose};
 }
 
 /* Sets what depends on the base below the body: whether there is a contact, and how deep the body is below the base. */
-static enum status over_ground(struct world *world, struct event *event, const struct deform_shape *shape)
+static enum status over_ground(struct world *world, struct event *event, const struct soil_shape *shape)
 {
 	int64_t ground;
 	enum status status = resident_ground_height(world->ground, event->pose.x, event->pose.y, &ground, &event->contact);
 	if (status == STATUS_OK && event->contact)
-		event->sinkage = lattice_offset_metres(ground - event->pose.z) + deform_shape_reach(shape, event->pose.pitch, event->pose.roll);
+		event->sinkage = lattice_offset_metres(ground - event->pose.z) + soil_shape_reach(shape, event->pose.pitch, event->pose.roll);
 	return status;
 }
 
-static double travel(const struct deform_pose *from, const struct deform_pose *to)
+static double travel(const struct soil_pose *from, const struct soil_pose *to)
 {
 	return hypot(lattice_offset_metres(to->x - from->x), lattice_offset_metres(to->y - from->y));
 }
@@ -55,18 +55,18 @@ static double turn_between(double from, double to)
 }
 
 /* Metres by which its outermost points have turned, or its belt has run. */
-static double turned_by(const struct host_body *host, const struct deform_pose *to)
+static double turned_by(const struct host_body *host, const struct soil_pose *to)
 {
-	const struct deform_pose *from = &host->body.last;
+	const struct soil_pose *from = &host->body.last;
 	const double attitude = fabs(turn_between(from->yaw, to->yaw)) + fabs(to->pitch - from->pitch) +
 				fabs(turn_between(from->roll, to->roll));
-	const struct deform_shape *shape = &host->body.object->shape;
-	const double bound = deform_shape_bound(shape);
+	const struct soil_shape *shape = &host->body.object->shape;
+	const double bound = soil_shape_bound(shape);
 	return shape->belt ? fmax(bound * attitude, fabs(host->turned)) : bound * fmax(attitude, fabs(host->turned));
 }
 
 /* Finds where it is now. How far its belt has run is told beside the attitude. */
-static enum status pose_of(const struct host_body *host, struct deform_pose *pose)
+static enum status pose_of(const struct host_body *host, struct soil_pose *pose)
 {
 	enum status status = world_attitude(&host->body.object->shape, host->body.object->name, &host->now.pose, pose);
 	if (host->body.object->shape.belt)
@@ -75,31 +75,31 @@ static enum status pose_of(const struct host_body *host, struct deform_pose *pos
 }
 
 /* Returns what its belt has run since its last contact, m. */
-static double ran_to(const struct host_body *host, const struct deform_pose *to)
+static double ran_to(const struct host_body *host, const struct soil_pose *to)
 {
 	return host->body.in_contact ? to->turn - host->body.last.turn : 0;
 }
 
-static bool is_worth_a_contact(const struct world *world, const struct host_body *host, const struct deform_pose *to)
+static bool is_worth_a_contact(const struct world *world, const struct host_body *host, const struct soil_pose *to)
 {
 	const double sinkage = fabs(lattice_offset_metres(to->z - host->body.last.z));
 	return travel(&host->body.last, to) >= world->spacing || turned_by(host, to) >= world->spacing ||
 	       sinkage >= SINKAGE_SHARE * world->spacing;
 }
 
-static bool has_moved(const struct host_body *host, const struct deform_pose *to)
+static bool has_moved(const struct host_body *host, const struct soil_pose *to)
 {
-	const struct deform_pose *at = &host->felt;
+	const struct soil_pose *at = &host->felt;
 	return at->x != to->x || at->y != to->y || at->z != to->z || at->yaw != to->yaw || at->pitch != to->pitch || at->roll != to->roll ||
 	       host->turned != host->felt_turned;
 }
 
-static struct deform_pose between(const struct deform_pose *a, const struct deform_pose *b, size_t part, size_t parts)
+static struct soil_pose between(const struct soil_pose *a, const struct soil_pose *b, size_t part, size_t parts)
 {
 	if (part == parts)
 		return *b;
 	const double share = (double)part / (double)parts;
-	return (struct deform_pose){
+	return (struct soil_pose){
 		.x = a->x + llround((double)(b->x - a->x) * share),
 		.y = a->y + llround((double)(b->y - a->y) * share),
 		.z = a->z + llround((double)(b->z - a->z) * share),
@@ -111,26 +111,26 @@ static struct deform_pose between(const struct deform_pose *a, const struct defo
 }
 
 /* Notes the shape of the hollow that a contact leaves: an impression of the body where it sank, a flat rut where it moved on. */
-static void put_stamp(const struct world *world, struct host_body *host, const struct deform_pose *to)
+static void put_stamp(const struct world *world, struct host_body *host, const struct soil_pose *to)
 {
-	const struct deform_pose *from = &host->body.last;
+	const struct soil_pose *from = &host->body.last;
 	const double stamps = host->body.in_contact ? fmax(1 - 2 * travel(from, to) / world->spacing, 0) : 1;
 	const bool sinks = !host->body.in_contact || lattice_offset_metres(from->z - to->z) > DIP_SHARE * world->spacing;
 	host->stamped = sinks ? stamps : fmin(stamps, host->stamped);
 }
 
 /* Changes the ground up to this pose, by swept contacts of at most 1 + PART_MORE post spacings each. `last`: no other contact of the body follows. */
-static enum status touch_straight(struct world *world, int32_t number, const struct deform_pose *to, double time, bool last)
+static enum status touch_straight(struct world *world, int32_t number, const struct soil_pose *to, double time, bool last)
 {
 	struct host_body *host = world_host_body(world, number);
 	struct body *body = &host->body;
-	const struct deform_pose from = body->last;
+	const struct soil_pose from = body->last;
 	size_t parts = 1;
 	if (body->in_contact)
 		parts = (size_t)fmin(WORLD_HOST_WAY, fmax(1, ceil(fmax(travel(&from, to), turned_by(host, to)) / world->spacing - PART_MORE)));
 	enum status status = STATUS_OK;
 	for (size_t part = 1; part <= parts && status == STATUS_OK; part++) {
-		struct deform_pose pose = body->in_contact ? between(&from, to, part, parts) : *to;
+		struct soil_pose pose = body->in_contact ? between(&from, to, part, parts) : *to;
 		if (body->object->shape.belt)
 			pose.turn = to->turn - host->turned * (double)(parts - part) / (double)parts;
 		struct event event = event_of(world, number, &pose, time);
@@ -166,7 +166,7 @@ static enum status touch_straight(struct world *world, int32_t number, const str
 }
 
 /* Changes the ground up to this pose. Where the body was deeper in between, it goes by its lowest pose, so that the soil stays compacted. */
-static enum status touch(struct world *world, int32_t number, const struct deform_pose *to, double time)
+static enum status touch(struct world *world, int32_t number, const struct soil_pose *to, double time)
 {
 	struct host_body *host = world_host_body(world, number);
 	const struct host_dip dip = host->dip;
@@ -189,7 +189,7 @@ static enum status touch(struct world *world, int32_t number, const struct defor
 }
 
 /* Notes a pose that does not change the ground. */
-static void pass_by(struct host_body *host, const struct deform_pose *to)
+static void pass_by(struct host_body *host, const struct soil_pose *to)
 {
 	if (to->z < host->dip.pose.z) {
 		host->dip = (struct host_dip){.pose = *to, .since = host->since, .turned = host->turned};
@@ -199,7 +199,7 @@ static void pass_by(struct host_body *host, const struct deform_pose *to)
 }
 
 /* Computes only the forces, without changing the ground. */
-static enum status feel(struct world *world, int32_t number, const struct deform_pose *to, double time, bool moves)
+static enum status feel(struct world *world, int32_t number, const struct soil_pose *to, double time, bool moves)
 {
 	struct host_body *host = world_host_body(world, number);
 	struct event event = event_of(world, number, to, time);
@@ -224,7 +224,7 @@ static enum status step_quiet(struct world *world, int32_t number, double until)
 {
 	struct host_body *host = world_host_body(world, number);
 	const double began = host->since;
-	struct deform_pose to;
+	struct soil_pose to;
 	if (!host->has_next)
 		return STATUS_OK;
 	world_rotation_between(host->now.pose.orientation, host->next.pose.orientation, host->rotated);
@@ -245,14 +245,14 @@ static enum status step_quiet(struct world *world, int32_t number, double until)
 static enum status step_body(struct world *world, int32_t number, double seconds, double until)
 {
 	struct host_body *host = world_host_body(world, number);
-	struct deform_pose to;
+	struct soil_pose to;
 	if (host->quiet)
 		return step_quiet(world, number, until);
 	world_rates_take(host, seconds);
 	enum status status = pose_of(host, &to);
 	if (status != STATUS_OK)
 		return status;
-	if (host->body.object->shape.kind == DEFORM_WHEEL)
+	if (host->body.object->shape.kind == SOIL_WHEEL)
 		host->turned += world_spin(&to, host->now.angular) * seconds;
 	if (host->body.object->shape.belt)
 		host->turned = ran_to(host, &to);
@@ -281,12 +281,12 @@ enum status world_hosts_step(struct world *world, double seconds, double until)
 	return status;
 }
 
-static bool is_behind(const struct world *world, const struct host_body *host, struct deform_pose *to)
+static bool is_behind(const struct world *world, const struct host_body *host, struct soil_pose *to)
 {
 	if (host == NULL || !host->placed || host->removed || host->fresh || !host->body.in_contact ||
 	    pose_of(host, to) != STATUS_OK)
 		return false;
-	const struct deform_pose *last = &host->body.last;
+	const struct soil_pose *last = &host->body.last;
 	return to->x != last->x || to->y != last->y || to->z != last->z || to->yaw != last->yaw || to->pitch != last->pitch ||
 	       to->roll != last->roll;
 }
@@ -295,7 +295,7 @@ enum status world_hosts_commit(struct world *world)
 {
 	enum status status = STATUS_OK;
 	bool any = false;
-	struct deform_pose to;
+	struct soil_pose to;
 	if (!world->begun) /* no step has moved a body */
 		return STATUS_OK;
 	for (size_t i = 0; i < world->hosts.count && status == STATUS_OK; i++) {

@@ -166,9 +166,9 @@ static enum status name_it(struct world *world, struct scene_object *object)
 	return STATUS_OK;
 }
 
-struct deform_planned world_planned_host(const struct deform_shape *shape)
+struct deform_planned world_planned_host(const struct soil_shape *shape)
 {
-	return (struct deform_planned){shape, 0, true, shape->kind == DEFORM_WHEEL};
+	return (struct deform_planned){shape, 0, true, shape->kind == SOIL_WHEEL};
 }
 
 enum status world_body_add(struct world *world, struct scene_object *object, int32_t *number)
@@ -178,7 +178,7 @@ enum status world_body_add(struct world *world, struct scene_object *object, int
 	if (object->path.count > 0)
 		return fail_with(STATUS_INPUT, "%s: it has a path; a body that is added is the host's: leave the path out, or put it into the "
 					       "scene's objects", object->name);
-	enum status status = deform_shape_check(&object->shape, world->spacing);
+	enum status status = soil_shape_check(&object->shape, world->spacing);
 	if (status == STATUS_OK)
 		status = world_shape_budget(world, object->name, &object->shape);
 	if (status == STATUS_OK)
@@ -210,7 +210,7 @@ enum status world_body_add(struct world *world, struct scene_object *object, int
 
 static enum status check_state(const struct world *world, const struct host_body *host, const struct world_state *state)
 {
-	struct deform_pose pose;
+	struct soil_pose pose;
 	const char *name = host->body.object->name;
 	if (!host->placed)
 		return fail_with(STATUS_USAGE, "%s: it was not placed; call furrow_place first, since it has nowhere to come from", name);
@@ -229,7 +229,7 @@ static enum status check_state(const struct world *world, const struct host_body
 static double pages_of(const struct world *world, const struct host_body *host, const struct world_state *state)
 {
 	const double side = world->spacing * world->meta->extent.cells;
-	const double across = ceil((2 * deform_shape_bound(&host->body.object->shape) + 16 * world->spacing) / side) + 1;
+	const double across = ceil((2 * soil_shape_bound(&host->body.object->shape) + 16 * world->spacing) / side) + 1;
 	const double way = fmax(fabs(state->pose.position[0] - host->now.pose.position[0]),
 				fabs(state->pose.position[1] - host->now.pose.position[1]));
 	return (2 * (way / side) + across) * across;
@@ -239,7 +239,7 @@ static double pages_of(const struct world *world, const struct host_body *host, 
 static enum status add_tiles(const struct world *world, const struct host_body *host, const struct world_state *state, struct key_set *tiles)
 {
 	const double *from = host->now.pose.position, *to = state->pose.position;
-	const double beside = deform_shape_bound(&host->body.object->shape) + 8 * world->spacing;
+	const double beside = soil_shape_bound(&host->body.object->shape) + 8 * world->spacing;
 	const struct post_rect rect = {
 		(int64_t)floor((fmin(from[0], to[0]) - beside) / world->spacing), (int64_t)floor((fmin(from[1], to[1]) - beside) / world->spacing),
 		(int64_t)ceil((fmax(from[0], to[0]) + beside) / world->spacing), (int64_t)ceil((fmax(from[1], to[1]) + beside) / world->spacing),
@@ -347,7 +347,7 @@ static enum status lift(struct world *world, struct host_body *host)
 enum status world_body_place(struct world *world, int32_t number, const struct world_pose *pose)
 {
 	struct host_body *host;
-	struct deform_pose at;
+	struct soil_pose at;
 	enum status status = find(world, number, &host);
 	if (status == STATUS_OK)
 		status = world_attitude(&host->body.object->shape, host->body.object->name, pose, &at);

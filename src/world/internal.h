@@ -29,13 +29,13 @@ void world_free_bodies(struct world *world); /* the world may have no bodies */
 
 /* Converts a pose that a host gave into a pose for deform, for this shape. STATUS_USAGE: a number is wrong, or the quaternion's
  * length is. `name`: the body's name, for messages. */
-enum status world_attitude(const struct deform_shape *shape, const char *name, const struct world_pose *from, struct deform_pose *pose)
+enum status world_attitude(const struct soil_shape *shape, const char *name, const struct world_pose *from, struct soil_pose *pose)
 	FURROW_CHECKED;
 /* Checks a state that a host gave, and finds its pose. STATUS_USAGE as world_attitude, or a velocity is neither finite nor all NaN. */
-enum status world_state_check(const struct deform_shape *shape, const char *name, const struct world_state *state, struct deform_pose *pose)
+enum status world_state_check(const struct soil_shape *shape, const char *name, const struct world_state *state, struct soil_pose *pose)
 	FURROW_CHECKED;
 /* Returns how fast a wheel in this pose turns forwards about its axle, rad/s. angular: its angular velocity, rad/s. */
-double world_spin(const struct deform_pose *pose, const double angular[3]);
+double world_spin(const struct soil_pose *pose, const double angular[3]);
 /* --- rates.c --- */
 /* Returns false if a velocity is all NaN, in place of that of the poses. */
 bool world_rates_given(const double rate[3]);
@@ -45,7 +45,7 @@ void world_rates_fill(const struct world_pose *from, double seconds, struct worl
 void world_rates_take(struct host_body *host, double seconds);
 
 /* Computes the quaternion w, x, y, z of a pose. */
-void world_orientation(const struct deform_pose *pose, double q[4]);
+void world_orientation(const struct soil_pose *pose, double q[4]);
 
 /* --- hosts.c: bodies of a host (a program that calls the library and moves bodies itself) --- */
 
@@ -100,7 +100,7 @@ enum status world_probes_refresh(struct world *world) FURROW_CHECKED;
 /* Gives the rotation from one attitude to another as a vector, rad. */
 void world_rotation_between(const double from[4], const double to[4], double rotated[3]);
 /* Notes a pose of a body between two contacts. */
-void world_probes_reach(struct host_body *host, const struct deform_pose *to);
+void world_probes_reach(struct host_body *host, const struct soil_pose *to);
 /* Computes the contact at the body's present state. Returns false if it is not known. */
 bool world_probes_now(const struct world *world, const struct host_body *host, struct deform_probed *probed);
 void world_probes_free(struct world *world); /* frees the mirrors; before deform and GPU are destroyed */
@@ -145,7 +145,7 @@ enum status world_open_soil_map(struct world *world) FURROW_CHECKED;
 /* Opens the rasters of soil numbers, if the scene needs them, and checks what they hold. */
 enum status world_open_rasters(struct world *world) FURROW_CHECKED;
 /* STATUS_INPUT: with the least numbers of the rasters some soil does not bear this shape. */
-enum status world_check_bearing(const struct world *world, const char *name, const struct deform_shape *shape) FURROW_CHECKED;
+enum status world_check_bearing(const struct world *world, const char *name, const struct soil_shape *shape) FURROW_CHECKED;
 /* Tells the rasters whose values seem to be in a wrong unit. */
 void world_advise_rasters(const struct world *world, scene_advice_fn tell, void *user);
 /* --- soils_met.c --- */
@@ -156,9 +156,9 @@ void world_soils_met_free(struct world_soils_met *met); /* takes NULL */
 void world_advise_soils_met(const struct world *world, scene_advice_fn tell, void *user);
 /* --- numbers.c --- */
 /* Fills the rasters as deform takes them. Returns their number. Ranges are 0 while the rasters are not open. */
-int world_rasters(const struct world *world, struct deform_raster *rasters);
+int world_rasters(const struct world *world, struct soil_raster *rasters);
 /* Gives the numbers of the soil at the nearest post, as contacts read them there. *found false: outside of the terrain. */
-enum status world_soil_numbers_at(struct world *world, double x, double y, struct deform_soil *soil, bool *found) FURROW_CHECKED;
+enum status world_soil_numbers_at(struct world *world, double x, double y, struct soil_numbers *soil, bool *found) FURROW_CHECKED;
 
 /* --- plan.c --- */
 /* Fills the parameters of deform, except gpu, slots and reference. */
@@ -166,13 +166,13 @@ void world_deform_params(const struct world *world, struct deform_params *params
 struct deform_planned world_planned(const struct scene_object *object);
 /* Returns how many bodies with a path make contacts that can be computed together. */
 size_t world_batched_bodies(const struct world *world, const struct deform_params *params);
-struct deform_planned world_planned_host(const struct deform_shape *shape); /* a body that a host moves */
+struct deform_planned world_planned_host(const struct soil_shape *shape); /* a body that a host moves */
 /* Fills the parameters of pages, except store, gpu, slots, and the sums so far. */
 void world_pages_params(const struct world *world, struct pages_params *params);
 
 bool world_deforms(const struct world *world); /* true if bodies change the ground, or bodies of a host may */
 /* STATUS_INPUT: one window of this shape touches more tiles than there are slots, or more than can be pinned together. */
-enum status world_shape_budget(struct world *world, const char *name, const struct deform_shape *shape) FURROW_CHECKED;
+enum status world_shape_budget(struct world *world, const char *name, const struct soil_shape *shape) FURROW_CHECKED;
 /* --- budget.c: most pages that one step can touch; bounds the queue --- */
 uint32_t world_step_pages(const struct world *world);
 /* Returns the slots that the scene's objects need at least. */
@@ -194,7 +194,7 @@ double world_all_tiles(const struct world *world);
 /* Tells if bodies lie on more tiles than there are slots. */
 void world_advise_limits(const struct world *world, scene_advice_fn tell, void *user);
 /* Raises the limits for one more body of a host. */
-enum status world_limits_add(struct world *world, const struct deform_shape *shape) FURROW_CHECKED;
+enum status world_limits_add(struct world *world, const struct soil_shape *shape) FURROW_CHECKED;
 
 /* --- events.c --- */
 

@@ -30,14 +30,14 @@ static double tiles_under(double across, double side)
 
 /* --- base heights --- */
 
-static double ground_under(const struct world *world, const struct deform_shape *shape, double speed)
+static double ground_under(const struct world *world, const struct soil_shape *shape, double speed)
 {
 	const struct extent *extent = &world->meta->extent;
 	const int finest = world->store != NULL ? store_finest_base(world->store) : 0;
 	double tiles = 0;
 	for (int level = finest; level <= 0; level++) {
 		const double side = extent_spacing(extent, level) * extent->cells;
-		tiles += tiles_under(2 * deform_shape_bound(shape), side) + speed * world->limits.prefetch / side;
+		tiles += tiles_under(2 * soil_shape_bound(shape), side) + speed * world->limits.prefetch / side;
 	}
 	return tiles;
 }
@@ -95,7 +95,7 @@ uint32_t world_work_pages(const struct world *world)
 	double pages = world->limits.hosts_work;
 	for (size_t i = 0; i < world->scene->object_count; i++)
 		if (world->bodies[i].track != NULL)
-			pages += tiles_under(2 * deform_shape_bound(&world->scene->objects[i].shape), side);
+			pages += tiles_under(2 * soil_shape_bound(&world->scene->objects[i].shape), side);
 	return pages < 1e6 ? (uint32_t)ceil(pages) : 1000000;
 }
 
@@ -208,10 +208,10 @@ void world_advise_limits(const struct world *world, scene_advice_fn tell, void *
 	tell(user, text);
 }
 
-enum status world_limits_add(struct world *world, const struct deform_shape *shape)
+enum status world_limits_add(struct world *world, const struct soil_shape *shape)
 {
 	world->limits.hosts_need += ground_under(world, shape, 0);
-	world->limits.hosts_work += tiles_under(2 * deform_shape_bound(shape), world->spacing * world->meta->extent.cells);
+	world->limits.hosts_work += tiles_under(2 * soil_shape_bound(shape), world->spacing * world->meta->extent.cells);
 	const uint64_t part = world->scene->memory;
 	world->limits.ground = ground_tiles(world, world->limits.slots, part / GROUND_PART);
 	world->limits.queries = query_tiles(world, part / QUERIES_PART);

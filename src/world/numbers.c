@@ -8,31 +8,31 @@ bool world_needs_rasters(const struct scene *scene)
 	return scene->raster_count > 0 && (scene->object_count > 0 || scene_moves_bodies(scene));
 }
 
-static struct scene_parameter parameter_of(enum deform_number number)
+static struct scene_parameter parameter_of(enum soil_number number)
 {
 	char key[64];
 	struct scene_parameter parameter = {.low = -INFINITY, .high = INFINITY};
-	snprintf(key, sizeof key, "soil.%s", deform_number_key(number));
+	snprintf(key, sizeof key, "soil.%s", soil_number_key(number));
 	scene_parameter(key, &parameter);
 	return parameter;
 }
 
 /* Sets the numbers on which bearing depends to the least that a post of this soil may have. */
-static void take_least(const struct world *world, struct deform_soil *soil)
+static void take_least(const struct world *world, struct soil_numbers *soil)
 {
-	struct deform_raster rasters[DEFORM_RASTERS];
+	struct soil_raster rasters[SOIL_RASTERS];
 	int count = world_rasters(world, rasters);
 	for (int i = 0; i < count; i++) {
-		double *number = deform_number_in(soil, rasters[i].number);
-		if (rasters[i].number == DEFORM_BEKKER_KC || rasters[i].number == DEFORM_BEKKER_KPHI)
+		double *number = soil_number_in(soil, rasters[i].number);
+		if (rasters[i].number == SOIL_BEKKER_KC || rasters[i].number == SOIL_BEKKER_KPHI)
 			*number = fmin(*number, rasters[i].low);
 	}
 }
 
-enum status world_check_bearing(const struct world *world, const char *name, const struct deform_shape *shape)
+enum status world_check_bearing(const struct world *world, const char *name, const struct soil_shape *shape)
 {
 	for (int i = 0; world->soil_rasters != NULL && i < world->scene->soil_count; i++) {
-		struct deform_soil soil = world->scene->soils[i];
+		struct soil_numbers soil = world->scene->soils[i];
 		take_least(world, &soil);
 		double width, modulus = scene_soil_modulus(&soil, shape, &width);
 		if (!(modulus > 0))
@@ -57,7 +57,7 @@ enum status world_open_rasters(struct world *world)
 		const struct scene_parameter parameter = parameter_of(scene->rasters[i].number);
 		params.rasters[i] = (struct soil_raster_params){
 			.path = scene->rasters[i].path,
-			.name = deform_number_key(scene->rasters[i].number),
+			.name = soil_number_key(scene->rasters[i].number),
 			.unit = parameter.unit,
 			.low = parameter.low,
 			.high = parameter.high,
@@ -70,14 +70,14 @@ enum status world_open_rasters(struct world *world)
 	return status;
 }
 
-int world_rasters(const struct world *world, struct deform_raster *rasters)
+int world_rasters(const struct world *world, struct soil_raster *rasters)
 {
 	const struct scene *scene = world->scene;
 	for (int i = 0; i < scene->raster_count; i++) {
 		double low = 0, high = 0, unit = scene_raster_unit(scene->rasters[i].number);
 		if (world->soil_rasters != NULL)
 			resident_soil_rasters_range(world->soil_rasters, i, &low, &high);
-		rasters[i] = (struct deform_raster){scene->rasters[i].number, low * unit, high * unit};
+		rasters[i] = (struct soil_raster){scene->rasters[i].number, low * unit, high * unit};
 	}
 	return scene->raster_count;
 }
@@ -85,9 +85,9 @@ int world_rasters(const struct world *world, struct deform_raster *rasters)
 struct world_raster world_raster(const struct world *world, int raster)
 {
 	const struct scene_raster *of = &world->scene->rasters[raster];
-	struct world_raster told = {.key = deform_number_key(of->number), .unit = parameter_of(of->number).unit, .path = of->path};
+	struct world_raster told = {.key = soil_number_key(of->number), .unit = parameter_of(of->number).unit, .path = of->path};
 	resident_soil_rasters_range(world->soil_rasters, raster, &told.low, &told.high);
-	told.step = (told.high - told.low) / (DEFORM_LEVELS - 1);
+	told.step = (told.high - told.low) / (SOIL_LEVELS - 1);
 	return told;
 }
 
@@ -96,15 +96,15 @@ void world_advise_rasters(const struct world *world, scene_advice_fn tell, void 
 	static const struct {
 		double least;
 		const char *probably;
-	} doubts[DEFORM_NUMBERS] = {
-		[DEFORM_FRICTION_ANGLE] = {SCENE_LEAST_ANGLE, "radians"},
-		[DEFORM_COHESION] = {SCENE_LEAST_COHESION, "kPa"},
-		[DEFORM_BEKKER_KPHI] = {SCENE_LEAST_KPHI, "kN/m^(n+2)"},
+	} doubts[SOIL_NUMBERS] = {
+		[SOIL_FRICTION_ANGLE] = {SCENE_LEAST_ANGLE, "radians"},
+		[SOIL_COHESION] = {SCENE_LEAST_COHESION, "kPa"},
+		[SOIL_BEKKER_KPHI] = {SCENE_LEAST_KPHI, "kN/m^(n+2)"},
 	};
 	for (int i = 0; world->soil_rasters != NULL && i < world->scene->raster_count; i++) {
 		const struct world_raster told = world_raster(world, i);
-		const enum deform_number number = world->scene->rasters[i].number;
-		const bool long_shear = number == DEFORM_JANOSI_SHEAR && told.low > SCENE_MOST_SHEAR;
+		const enum soil_number number = world->scene->rasters[i].number;
+		const bool long_shear = number == SOIL_JANOSI_SHEAR && told.low > SCENE_MOST_SHEAR;
 		char text[400];
 		if (!long_shear && (told.high <= 0 || told.high >= doubts[number].least))
 			continue;
@@ -115,11 +115,11 @@ void world_advise_rasters(const struct world *world, scene_advice_fn tell, void 
 	}
 }
 
-enum status world_soil_numbers_at(struct world *world, double x, double y, struct deform_soil *soil, bool *found)
+enum status world_soil_numbers_at(struct world *world, double x, double y, struct soil_numbers *soil, bool *found)
 {
 	int index;
 	uint8_t levels[PAGES_NUMBER_BYTES];
-	struct deform_raster rasters[DEFORM_RASTERS];
+	struct soil_raster rasters[SOIL_RASTERS];
 	enum status status = world_soil_at(world, x, y, &index);
 	*found = status == STATUS_OK && index >= 0;
 	if (!*found)
@@ -132,6 +132,6 @@ enum status world_soil_numbers_at(struct world *world, double x, double y, struc
 					  (int64_t)floor(y / world->spacing + 0.5), levels);
 	for (int i = 0; i < count && status == STATUS_OK; i++)
 		if (levels[i] != 0)
-			*deform_number_in(soil, rasters[i].number) = deform_raster_value(&rasters[i], levels[i]);
+			*soil_number_in(soil, rasters[i].number) = soil_raster_value(&rasters[i], levels[i]);
 	return status;
 }

@@ -137,7 +137,7 @@ static bool leans(const struct scene_object *object)
 	bool found = object->path.count == 0;
 	for (size_t i = 0; i < object->path.count && object->path.has_attitude; i++)
 		found = found || object->path.points[i].roll != 0;
-	return found && object->shape.kind == DEFORM_WHEEL;
+	return found && object->shape.kind == SOIL_WHEEL;
 }
 
 struct deform_planned world_planned(const struct scene_object *object)
@@ -338,7 +338,7 @@ void world_advise(const struct world *world, scene_advice_fn tell, void *user)
 
 /* --- plans --- */
 
-enum status world_plan_deform(const struct world *world, const struct deform_shape *const *added, size_t count, struct plan *plan)
+enum status world_plan_deform(const struct world *world, const struct soil_shape *const *added, size_t count, struct plan *plan)
 {
 	const struct scene *scene = world->scene;
 	const size_t all = scene->object_count + count;

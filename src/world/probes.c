@@ -40,7 +40,7 @@ static bool has(struct post_rect outer, struct post_rect inner)
 }
 
 /* Gives the pose around which the ground is mirrored. Returns false if the body has none, or is gone. */
-static bool place_of(const struct host_body *host, struct deform_pose *pose)
+static bool place_of(const struct host_body *host, struct soil_pose *pose)
 {
 	if (!host->placed || host->removed ||
 	    world_attitude(&host->body.object->shape, host->body.object->name, &host->now.pose, pose) != STATUS_OK)
@@ -63,13 +63,13 @@ static bool fits(const struct world *world, struct post_rect rect)
 static enum status begin(struct world *world, struct host_body *host)
 {
 	struct host_mirror *mirror = &host->mirror;
-	struct deform_pose pose;
+	struct soil_pose pose;
 	struct held_tiles held = {.count = 0};
 	if (!place_of(host, &pose)) {
 		deform_patch_forget(mirror->patch);
 		return STATUS_OK;
 	}
-	const struct deform_shape *shape = &host->body.object->shape;
+	const struct soil_shape *shape = &host->body.object->shape;
 	const struct post_rect needed = deform_probe_posts(world->deform, shape, &pose, MARGIN), had = deform_patch_rect(mirror->patch);
 	const struct post_rect more = deform_probe_posts(world->deform, shape, &pose, MARGIN + SPARE);
 	const bool holds = !post_rect_empty(had) && has(had, needed);
@@ -146,8 +146,8 @@ static void put_beyond(const struct world_pose *pose, struct deform_probe *probe
 		probe->beyond[k] = rint((pose->position[k] - lattice_offset_metres(place[k])) * 0x1p40) * 0x1p-40;
 }
 
-static void motion_of(const struct host_body *host, const struct world_state *state, const struct deform_pose *now,
-		      const struct deform_pose *to, struct deform_probe *probe)
+static void motion_of(const struct host_body *host, const struct world_state *state, const struct soil_pose *now,
+		      const struct soil_pose *to, struct deform_probe *probe)
 {
 	const struct scene_object *object = host->body.object;
 	*probe = (struct deform_probe){
@@ -175,7 +175,7 @@ static enum status probe_host(const struct world *world, const struct host_body 
 			      struct deform_probed *probed)
 {
 	const struct scene_object *object = host->body.object;
-	struct deform_pose to, now;
+	struct soil_pose to, now;
 	struct deform_probe probe;
 	probed->known = false;
 	enum status status = world_state_check(&object->shape, object->name, state, &to);
@@ -186,7 +186,7 @@ static enum status probe_host(const struct world *world, const struct host_body 
 	return STATUS_OK;
 }
 
-void world_probes_reach(struct host_body *host, const struct deform_pose *to)
+void world_probes_reach(struct host_body *host, const struct soil_pose *to)
 {
 	struct deform_probe probe = {.shape = &host->body.object->shape, .from = *to, .to = *to};
 	put_beyond(&host->now.pose, &probe);
@@ -238,7 +238,7 @@ static enum status check(const struct world *world, int32_t number, const struct
 {
 	const struct host_body *host = world_host_body(world, number);
 	const struct scene_object *object = host != NULL ? host->body.object : world->bodies[number].object;
-	struct deform_pose pose;
+	struct soil_pose pose;
 	return world_state_check(&object->shape, object->name, state, &pose);
 }
 

@@ -22,7 +22,7 @@ enum status world_body_tell(struct world *world, int32_t number, const struct wo
 void world_body_save(const struct world *world, int32_t number, double numbers[WORLD_BODY_NUMBERS])
 {
 	const struct host_body *host = world_host_body(world, number);
-	const struct deform_pose *last = &host->body.last;
+	const struct soil_pose *last = &host->body.last;
 	const struct world_state *now = &host->now;
 	const double all[WORLD_BODY_NUMBERS] = {
 		host->placed, host->body.in_contact, (double)last->x, (double)last->y, (double)last->z, last->yaw, last->pitch, last->roll,
@@ -38,7 +38,7 @@ void world_body_save(const struct world *world, int32_t number, double numbers[W
 enum status world_body_restore(struct world *world, int32_t number, const double numbers[WORLD_BODY_NUMBERS])
 {
 	struct host_body *host = world_host_body(world, number);
-	struct deform_pose pose;
+	struct soil_pose pose;
 	const double *n = numbers;
 	if (n[0] == 0)
 		return STATUS_OK;
@@ -49,7 +49,7 @@ enum status world_body_restore(struct world *world, int32_t number, const double
 		return world_record_damaged(world->path, "where a vehicle is");
 	host->placed = world->unplaced = true;
 	host->body.in_contact = n[1] != 0;
-	host->body.last = (struct deform_pose){(int64_t)n[2], (int64_t)n[3], (int64_t)n[4], n[5], n[6], n[7], n[8]};
+	host->body.last = (struct soil_pose){(int64_t)n[2], (int64_t)n[3], (int64_t)n[4], n[5], n[6], n[7], n[8]};
 	host->since = n[9];
 	host->body.distance = n[10];
 	host->body.sinkage = n[11];

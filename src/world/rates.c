@@ -59,11 +59,11 @@ static bool are_far(const double given[3], const double posed[3])
 /* Nothing shows how a round body is turned about its axle, so many hosts leave its orientation as it is. */
 static bool turns_are_far(const struct host_body *host, const double given[3], const double posed[3], double seconds)
 {
-	const enum deform_shape_kind kind = host->body.object->shape.kind;
+	const enum soil_shape_kind kind = host->body.object->shape.kind;
 	const double rate = length_of(given), turns = length_of(posed);
 	if (rate * seconds > ALIKE || turns * seconds > ALIKE)
 		return false;
-	if ((kind == DEFORM_WHEEL || kind == DEFORM_SPHERE) && turns < TURNS * rate)
+	if ((kind == SOIL_WHEEL || kind == SOIL_SPHERE) && turns < TURNS * rate)
 		return false;
 	return are_far(given, posed);
 }

@@ -22,7 +22,7 @@
 struct record_object {
 	int64_t next;             /* path sample */
 	bool in_contact;          /* `last` is a pose in contact, so the next contact is swept from it */
-	struct deform_pose last;
+	struct soil_pose last;
 	double distance, sinkage; /* m */
 	int64_t skipped;          /* number of path samples without contact */
 	struct world_force force;

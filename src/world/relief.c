@@ -76,7 +76,7 @@ enum status world_settle_relief(struct world *world)
 }
 
 /* Returns the steepest slope between two posts at which a soil is stable, as a tangent; NAN: the model does not let it slide. */
-static double stable_slope(const struct world *world, const struct deform_soil *soil)
+static double stable_slope(const struct world *world, const struct soil_numbers *soil)
 {
 	const struct soil_model *row = deform_model_row(world->scene->model);
 	if (row->slide == NULL)

@@ -38,7 +38,7 @@ static enum status check_object(struct world *world, struct body *body, const st
 	if (status != STATUS_OK)
 		return status;
 	/* Not compared bit for bit: another machine's mathematics may have made it. */
-	const struct deform_pose *pose = &event.pose, *last = &object->last;
+	const struct soil_pose *pose = &event.pose, *last = &object->last;
 	if (object->in_contact != event.contact ||
 	    (event.contact && !(near(last->x, pose->x) && near(last->y, pose->y) && near(last->z, pose->z))))
 		return world_record_damaged(store, "an object is not where its path was");

@@ -14,8 +14,8 @@
 /* What is at one post. */
 struct post_soil {
 	int soil, value; /* value: the map's; -1: it has none, or there is no map */
-	bool has[DEFORM_RASTERS];
-	struct deform_soil numbers;
+	bool has[SOIL_RASTERS];
+	struct soil_numbers numbers;
 };
 
 /* Needs a post of the terrain. */
@@ -23,7 +23,7 @@ static enum status read_post(const struct world *world, int64_t column, int64_t 
 {
 	const struct scene *scene = world->scene;
 	uint8_t levels[PAGES_NUMBER_BYTES] = {0};
-	struct deform_raster rasters[DEFORM_RASTERS];
+	struct soil_raster rasters[SOIL_RASTERS];
 	enum status status = STATUS_OK;
 	*out = (struct post_soil){.value = -1};
 	if (world->soil_map != NULL)
@@ -37,15 +37,15 @@ static enum status read_post(const struct world *world, int64_t column, int64_t 
 	for (int i = 0; i < count && status == STATUS_OK; i++) {
 		out->has[i] = levels[i] != 0;
 		if (out->has[i])
-			*deform_number_in(&out->numbers, rasters[i].number) = deform_raster_value(&rasters[i], levels[i]);
+			*soil_number_in(&out->numbers, rasters[i].number) = soil_raster_value(&rasters[i], levels[i]);
 	}
 	return status;
 }
 
 /* Returns the depth at which the soil bears about as much as it ever does, m. A wheel below its axle finds no more soil. A box sinks in whole. */
-static double sinks_at_most(const struct deform_shape *shape)
+static double sinks_at_most(const struct soil_shape *shape)
 {
-	return deform_shape_reach(shape, 0, 0) * (shape->kind == DEFORM_WHEEL ? 1 : 2);
+	return soil_shape_reach(shape, 0, 0) * (shape->kind == SOIL_WHEEL ? 1 : 2);
 }
 
 /* Adds one place, which counts as `weight` path samples. `object` NULL: a driver's. Places off the terrain do not count. */
@@ -63,13 +63,13 @@ static enum status add_place(const struct world *world, double x, double y, doub
 	met->all += weight;
 	met->soils[post.soil] += weight;
 	*(post.value >= 0 ? &met->values[post.value] : &met->none) += weight;
-	for (int i = 0; i < DEFORM_RASTERS; i++)
+	for (int i = 0; i < SOIL_RASTERS; i++)
 		met->numbers[i] += post.has[i] ? weight : 0;
 	if (object != NULL && object->load > 0) {
-		const double carries = deform_load_at(&object->shape, &object->interface, object->slip, &post.numbers, sinks_at_most(&object->shape));
+		const double carries = soil_load_at(&object->shape, &object->interface, object->slip, &post.numbers, sinks_at_most(&object->shape));
 		if (!(least[post.soil] <= carries)) { /* or nothing yet: NAN */
 			least[post.soil] = carries;
-			met->weakest[(size_t)(object - world->scene->objects) * DEFORM_SOILS + (size_t)post.soil] = post.numbers;
+			met->weakest[(size_t)(object - world->scene->objects) * SOIL_CLASSES + (size_t)post.soil] = post.numbers;
 		}
 	}
 	return STATUS_OK;
@@ -118,7 +118,7 @@ static enum status add_all(const struct world *world, struct world_soils_met *me
 	for (size_t i = 0; i < scene->object_count && status == STATUS_OK; i++) {
 		met->partly = met->partly || world->bodies[i].track == NULL;
 		if (world->bodies[i].track != NULL)
-			status = add_track(world, world->bodies[i].track, most, &scene->objects[i], &met->least[i * DEFORM_SOILS], met);
+			status = add_track(world, world->bodies[i].track, most, &scene->objects[i], &met->least[i * SOIL_CLASSES], met);
 	}
 	for (size_t i = 0; i < scene->vehicle_count && status == STATUS_OK; i++)
 		status = add_vehicle(world, &scene->vehicles[i], most, met);
@@ -174,7 +174,7 @@ static enum status check_covered(const struct world *world)
 enum status world_find_soils_met(struct world *world)
 {
 	const struct scene *scene = world->scene;
-	const size_t rows = scene->object_count * DEFORM_SOILS + 1;
+	const size_t rows = scene->object_count * SOIL_CLASSES + 1;
 	const bool read = world->soil_map != NULL || world->soil_rasters != NULL;
 	/* Without the files it is known only if there are none. */
 	if (scene->hosted || scene->object_count + scene->vehicle_count == 0 || deform_model_row(scene->model)->numbers == NULL ||
@@ -276,7 +276,7 @@ static bool is_like(const struct scene_object *a, const struct scene_object *b)
 
 static bool is_too_much(const struct world *world, size_t object, int soil)
 {
-	return world->met->least[object * DEFORM_SOILS + (size_t)soil] < world->scene->objects[object].load;
+	return world->met->least[object * SOIL_CLASSES + (size_t)soil] < world->scene->objects[object].load;
 }
 
 /* Tells of one object for all that are like it. */
@@ -284,7 +284,7 @@ static void advise_load(const struct world *world, size_t first, int soil, scene
 {
 	const struct scene *scene = world->scene;
 	const struct scene_object *object = &scene->objects[first];
-	const double most = sinks_at_most(&object->shape), shallow = deform_shape_reach(&object->shape, 0, 0) / 2;
+	const double most = sinks_at_most(&object->shape), shallow = soil_shape_reach(&object->shape, 0, 0) / 2;
 	char text[500], others[48] = "";
 	size_t alike = 0;
 	for (size_t i = 0; i < scene->object_count; i++)
@@ -295,12 +295,12 @@ static void advise_load(const struct world *world, size_t first, int soil, scene
 		}
 	if (alike > 0)
 		snprintf(others, sizeof others, " (nor that of %zu other%s)", alike, alike > 1 ? "s" : "");
-	const struct deform_soil *weakest = &world->met->weakest[first * DEFORM_SOILS + (size_t)soil];
+	const struct soil_numbers *weakest = &world->met->weakest[first * SOIL_CLASSES + (size_t)soil];
 	snprintf(text, sizeof text, "objects.%.160s.load: %s on its path does not carry %.6g N%s: it bears about %.9g N when the object has sunk by %.2g m, and "
 				    "about %.9g N at %.2g m; give less load, or %s", object->name, scene->soil_names[soil], object->load, others,
-		 about(world->met->least[first * DEFORM_SOILS + (size_t)soil]), most,
-		 about(deform_load_at(&object->shape, &object->interface, object->slip, weakest, shallow)), shallow,
-		 object->shape.kind == DEFORM_WHEEL ? "a wider wheel" : "a larger plate");
+		 about(world->met->least[first * SOIL_CLASSES + (size_t)soil]), most,
+		 about(soil_load_at(&object->shape, &object->interface, object->slip, weakest, shallow)), shallow,
+		 object->shape.kind == SOIL_WHEEL ? "a wider wheel" : "a larger plate");
 	tell(user, text);
 }
 

@@ -111,7 +111,7 @@ static enum status deform_step(struct world *world, double until)
 		body->distance += event->distance;
 		if (body->object->load == 0) {
 			body->sinkage = event->sinkage;
-			body->near += event->sinkage > -2 * deform_shape_bound(&body->object->shape); /* the ground beside it may be higher */
+			body->near += event->sinkage > -2 * soil_shape_bound(&body->object->shape); /* the ground beside it may be higher */
 		}
 		status = world_contact_or_wait(world, event, event->next_time > until);
 	}

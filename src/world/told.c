@@ -80,7 +80,7 @@ static void line_of(const double origin[3], double reach, const double force[3],
  * on a path has no vertical velocity, so there it is upright. */
 static double slip_of(const struct scene_object *object, const struct world_state *state, double belt, const double normal[3])
 {
-	struct deform_pose pose;
+	struct soil_pose pose;
 	if (object->shape.belt) {
 		double axes[3][3], along = 0;
 		world_axes(state->pose.orientation, axes);
@@ -88,7 +88,7 @@ static double slip_of(const struct scene_object *object, const struct world_stat
 			along += state->linear[k] * axes[0][k];
 		return belt != 0 ? 1 - along / belt : NAN;
 	}
-	if (object->shape.kind != DEFORM_WHEEL || world_attitude(&object->shape, object->name, &state->pose, &pose) != STATUS_OK)
+	if (object->shape.kind != SOIL_WHEEL || world_attitude(&object->shape, object->name, &state->pose, &pose) != STATUS_OK)
 		return NAN;
 	const double c = cos(pose.yaw), s = sin(pose.yaw), rise = normal[2] > 0 ? -(normal[0] * c + normal[1] * s) / normal[2] : 0;
 	const double along = (state->linear[0] * c + state->linear[1] * s + state->linear[2] * rise) / hypot(1, rise);
@@ -110,20 +110,20 @@ static enum status fill(struct world *world, const struct scene_object *object, 
 	memcpy(contact->force, force->force, sizeof contact->force);
 	memcpy(contact->moment, force->moment, sizeof contact->moment);
 	contact->area = force->area;
-	struct deform_pose pose = {.x = 0};
+	struct soil_pose pose = {.x = 0};
 	status = world_attitude(&object->shape, object->name, &state->pose, &pose);
 	if (status != STATUS_OK)
 		return status;
-	line_of(state->pose.position, deform_shape_reach(&object->shape, pose.pitch, pose.roll), force->force, force->moment, contact->point);
+	line_of(state->pose.position, soil_shape_reach(&object->shape, pose.pitch, pose.roll), force->force, force->moment, contact->point);
 	contact->normal_force = 0;
 	for (int i = 0; i < 3; i++)
 		contact->normal_force += contact->force[i] * contact->normal[i];
-	struct deform_soil soil;
+	struct soil_numbers soil;
 	bool found;
 	status = world_soil_numbers_at(world, state->pose.position[0], state->pose.position[1], &soil, &found);
 	if (status != STATUS_OK || !found)
 		return status;
-	contact->shear_limit = deform_shear_limit(&soil, &object->interface, force->area, fmax(contact->normal_force, 0));
+	contact->shear_limit = soil_shear_limit(&soil, &object->interface, force->area, fmax(contact->normal_force, 0));
 	return STATUS_OK;
 }
 
@@ -131,7 +131,7 @@ void world_tell_probed(const struct host_body *host, const struct world_state *s
 		       struct world_contact *contact)
 {
 	const struct scene_object *object = host->body.object;
-	struct deform_pose pose = {.x = 0};
+	struct soil_pose pose = {.x = 0};
 	*contact = world_contact_unknown();
 	contact->time = time;
 	contact->state = world_contact_state_of(probed->state);
@@ -147,7 +147,7 @@ void world_tell_probed(const struct host_body *host, const struct world_state *s
 	memcpy(contact->stiffness, probed->stiffness, sizeof contact->stiffness);
 	memcpy(contact->damping, probed->damping, sizeof contact->damping);
 	if (world_attitude(&object->shape, object->name, &state->pose, &pose) == STATUS_OK)
-		line_of(state->pose.position, deform_shape_reach(&object->shape, pose.pitch, pose.roll), probed->force, probed->moment,
+		line_of(state->pose.position, soil_shape_reach(&object->shape, pose.pitch, pose.roll), probed->force, probed->moment,
 			contact->point);
 }
 
@@ -196,7 +196,7 @@ enum status world_path_state(const struct world *world, size_t body, struct worl
 	const double moment = 1e-3; /* s over which velocities are measured */
 	motion_track_at(at->track, world->time, &point);
 	motion_track_at(at->track, fmax(world->time - moment, 0), &before);
-	struct deform_pose pose = at->last;
+	struct soil_pose pose = at->last;
 	pose.yaw = point.yaw;
 	pose.pitch = point.pitch;
 	pose.roll = point.roll;
@@ -213,11 +213,11 @@ enum status world_path_state(const struct world *world, size_t body, struct worl
 		state->angular[2] = remainder(point.yaw - before.yaw, 2 * M_PI) / seconds;
 	}
 	const struct scene_object *object = at->object;
-	if (object->shape.kind == DEFORM_WHEEL) {
+	if (object->shape.kind == SOIL_WHEEL) {
 		const double rolls = (state->linear[0] * cos(pose.yaw) + state->linear[1] * sin(pose.yaw)) /
 				     (object->shape.radius * (1 - object->slip));
 		double axes[3][3];
-		deform_axes(pose.yaw, 0, pose.roll, 0, axes);
+		soil_axes(pose.yaw, 0, pose.roll, 0, axes);
 		for (int k = 0; k < 3; k++)
 			state->angular[k] += axes[1][k] * rolls;
 	}

@@ -64,7 +64,7 @@ struct event {
 	double turned;    /* rad that a wheel has turned, m that a belt has run, since the last sample; only for a host's bodies */
 	double stamped;   /* as in struct deform_contact; only for a host's bodies */
 	double rotated[3]; /* rad about local axes that another body of a host has turned since the last sample */
-	struct deform_pose pose;
+	struct soil_pose pose;
 };
 
 /* The area in which a body is about to change the ground. */
@@ -166,7 +166,7 @@ struct body {
 	struct track *track;
 	int64_t next;             /* number of its next path sample */
 	bool in_contact;          /* `last` is a pose in contact, so the next contact is swept from it */
-	struct deform_pose last;
+	struct soil_pose last;
 	double distance, sinkage; /* m */
 	/* m, for a body with a load: the value of `sinkage` a fixed number of steps ago. It does not depend on how long commits
 	 * or pictures took */
@@ -232,10 +232,10 @@ struct host_body {
 	double rotated[3];            /* other shapes: rad about local axes since `last` */
 	double stamped;               /* 1: the hollow below `last` is an impression of the body; 0: it is a flat rut */
 	struct host_dip {             /* its lowest pose since `last`, and the motion until then; pose.z INT64_MAX: there is none */
-		struct deform_pose pose;
+		struct soil_pose pose;
 		double since, turned, rotated[3];
 	} dip;
-	struct deform_pose felt;      /* the pose for which forces were last computed, */
+	struct soil_pose felt;      /* the pose for which forces were last computed, */
 	double felt_turned;           /* the value of `turned` then, */
 	bool felt_moving;             /* and true if it moved then */
 	uint64_t tag;                 /* tag of the forces that are being computed; 0: none */
@@ -251,7 +251,7 @@ struct host_body {
 	} mirror;
 	bool quiet;                   /* world_body_quiet; then `since` is the time of the last contact, */
 	double slip;                  /* and these two are what its caller told for rows */
-	struct deform_pose shown;
+	struct soil_pose shown;
 };
 
 /* A changed tile of the working level: changes.c. */
@@ -636,7 +636,7 @@ void world_forget_events(struct world *world);
 struct world_moved {
 	int64_t index, next, skipped, equilibrium;
 	uint64_t windows, windows_moved;
-	struct deform_pose last, shown; /* shown: the pose of its rows */
+	struct soil_pose last, shown; /* shown: the pose of its rows */
 	struct world_force force;
 	double distance, sinkage;
 	bool in_contact, placed, felt;  /* placed: it has rows; felt: `force` is that of its last contact */
@@ -670,13 +670,13 @@ bool world_needs_rasters(const struct scene *scene);  /* true if there are raste
 struct world_soils_met {
 	size_t places;              /* that were looked at, on the terrain */
 	bool partly;                /* some body comes elsewhere: a vehicle without a path, or a host's */
-	double all, soils[DEFORM_SOILS];
+	double all, soils[SOIL_CLASSES];
 	double values[256], none;   /* by the value of the map of soils; none: the map has no value there */
-	double numbers[DEFORM_RASTERS]; /* by raster of soil numbers: where it has a number */
-	/* Of object i and soil k, at i * DEFORM_SOILS + k: about what load the soil bears that is weakest there, N, and that soil. NAN: the object has no
+	double numbers[SOIL_RASTERS]; /* by raster of soil numbers: where it has a number */
+	/* Of object i and soil k, at i * SOIL_CLASSES + k: about what load the soil bears that is weakest there, N, and that soil. NAN: the object has no
 	 * load, or does not come to it. INFINITY: not known for its shape */
 	double *least;
-	struct deform_soil *weakest;
+	struct soil_numbers *weakest;
 };
 /* One of the scene's rasters, in the unit of its key. Only if world->soil_rasters is not NULL. `step`: from one level to the next. */
 struct world_raster {
@@ -697,7 +697,7 @@ bool world_assumes_gravity(const struct world *world);
 void world_advise(const struct world *world, scene_advice_fn tell, void *user);
 /* Add lines to a plan: the first for the passes and resources of contacts, the second for pages and the look-ahead. `added`: shapes of
  * bodies that will be added (world_body_add). Lines count them as objects, after those of the scene. */
-enum status world_plan_deform(const struct world *world, const struct deform_shape *const *added, size_t count, struct plan *plan)
+enum status world_plan_deform(const struct world *world, const struct soil_shape *const *added, size_t count, struct plan *plan)
 	FURROW_CHECKED;
 void world_plan_pages(const struct world *world, struct plan *plan);
 uint64_t world_samples_until(const struct track *track, double end); /* number of path samples that are due until `end`, s */

@@ -128,7 +128,7 @@ static void what_an_object_rests_on_is_held(void **state)
 		start(&few, &setup);
 		start(&all, &setup);
 		struct ground *grounds[] = {&few, &all};
-		struct deform_shape box = {.kind = DEFORM_BOX, .size = {1.4, 0.9, 4}}, ball = {.kind = DEFORM_SPHERE, .radius = 0.5};
+		struct soil_shape box = {.kind = SOIL_BOX, .size = {1.4, 0.9, 4}}, ball = {.kind = SOIL_SPHERE, .radius = 0.5};
 		struct deform_contact sweep = {.shape = &box, .from = ground_pose(&few, 64.3, 63.8, 0.7)};
 		sweep.from.yaw = 0.5;
 		sweep.to = sweep.from;
@@ -193,7 +193,7 @@ static void what_slid_out_of_an_object_slides_on(void **state)
 {
 	struct ground few, all;
 	const struct setup setup = {DEFORM_SUMNER, 32, 3, 0.0625, 0, 4, spike};
-	const struct deform_shape ball = {.kind = DEFORM_SPHERE, .radius = 0.5};
+	const struct soil_shape ball = {.kind = SOIL_SPHERE, .radius = 0.5};
 	(void)state;
 	need_gpu();
 	start(&few, &setup);

@@ -22,7 +22,7 @@ static void shift_rest(double by)
 static struct reference_forces press(double lower, const struct deform_contact *sweep)
 {
 	struct reference_ground *reference = &match.reference;
-	const struct deform_soil *soil = &match.params.soils[0];
+	const struct soil_numbers *soil = &match.params.soils[0];
 	struct reference_forces forces = {.area = 0};
 	begin_reference();
 	if (match.params.model == DEFORM_NONE)
@@ -107,7 +107,7 @@ static void loosen(int at, int by)
  * get. `error`: metres that heights may be off by. */
 static void loosen_undecided(double error)
 {
-	const struct deform_soil *soil = &match.params.soils[0];
+	const struct soil_numbers *soil = &match.params.soils[0];
 	const double angles[] = {soil->theta_in, soil->theta_out, soil->theta_stop};
 	const struct reference_ground *r = &match.reference;
 	static bool undecided[COUNT];
@@ -186,10 +186,10 @@ static double brush(void)
 }
 
 static void compare_forces(const struct deform_forces *got, const struct reference_forces *wanted, int ties,
-			   const struct deform_shape *shape)
+			   const struct soil_shape *shape)
 {
-	const struct deform_soil *soil = &match.params.soils[0];
-	double post = match.reference.spacing * match.reference.spacing, arm = deform_shape_bound(shape) * 1.5, size = 0;
+	const struct soil_numbers *soil = &match.params.soils[0];
+	double post = match.reference.spacing * match.reference.spacing, arm = soil_shape_bound(shape) * 1.5, size = 0;
 	for (int k = 0; k < 3; k++)
 		size = hypot(size, wanted->force[k]);
 	/* A tie moves a part's border by a post each way. Each part is rounded. */
@@ -217,7 +217,7 @@ static void scale(struct reference_forces *forces, double by)
 static void compare_load(const struct deform_contact *sweep, const struct deform_forces *got, double slant)
 {
 	double lower = lattice_offset_metres(sweep->to.z - got->z), wanted, within = (1 + slant) * QUANTUM;
-	const struct deform_soil *soil = &match.params.soils[0];
+	const struct soil_numbers *soil = &match.params.soils[0];
 	begin_reference();
 	assert_int_equal(reference_load(&match.reference, soil, sweep, match.under, match.rest, &wanted), STATUS_OK);
 	shift_rest(-within);
@@ -236,7 +236,7 @@ static void compare_load(const struct deform_contact *sweep, const struct deform
 /* What a load is borne by may jump: a cell bears as a whole, or not. Where the load lies between, a quantum decides. */
 static int at_a_jump(double lower, const struct deform_contact *sweep, double slant)
 {
-	const struct deform_soil *soil = &match.params.soils[0];
+	const struct soil_numbers *soil = &match.params.soils[0];
 	double within = (1 + slant) * QUANTUM;
 	shift_rest(-within);
 	struct reference_forces deeper = press(lower + within, sweep);
@@ -347,9 +347,9 @@ static double any_between(double low, double high)
 	return low + (high - low) * (any_share() + 1) / 2;
 }
 
-static struct deform_shape any_shape(double spacing)
+static struct soil_shape any_shape(double spacing)
 {
-	struct deform_shape shape = {.kind = (enum deform_shape_kind)(any_word() % 3)};
+	struct soil_shape shape = {.kind = (enum soil_shape_kind)(any_word() % 3)};
 	shape.radius = any_between(3, 14) * spacing;
 	shape.width = any_between(1.5, 12) * spacing;
 	for (int k = 0; k < 3; k++)
@@ -357,20 +357,20 @@ static struct deform_shape any_shape(double spacing)
 	return shape;
 }
 
-static struct deform_contact any_sweep(const struct deform_shape *shape, int k, double x, double y)
+static struct deform_contact any_sweep(const struct soil_shape *shape, int k, double x, double y)
 {
 	double spacing = match.reference.spacing;
-	struct deform_pose pose = {.yaw = 4 * any_share()};
-	if (shape->kind == DEFORM_BOX && any_word() % 2) {
+	struct soil_pose pose = {.yaw = 4 * any_share()};
+	if (shape->kind == SOIL_BOX && any_word() % 2) {
 		pose.pitch = 0.3 * any_share();
 		pose.roll = 0.3 * any_share();
 	}
 	/* As deep in the ground there as some posts. */
 	int at = (int)fmin(fmax(y, 0), POSTS - 1) * POSTS + (int)fmin(fmax(x, 0), POSTS - 1);
 	double ground = match.ground.base[at] == BASE_NODATA ? 0 : lattice_base_metres(match.ground.base[at]);
-	double z = ground + deform_shape_reach(shape, pose.pitch, pose.roll) - any_between(-0.2, 3) * spacing;
+	double z = ground + soil_shape_reach(shape, pose.pitch, pose.roll) - any_between(-0.2, 3) * spacing;
 	struct deform_contact sweep = {.shape = shape, .from = ground_pose(&match.ground, x, y, z), .to = pose};
-	struct deform_pose to = ground_pose(&match.ground, x + 2 * any_share(), y + 2 * any_share(), z - 0.5 * spacing * any_share());
+	struct soil_pose to = ground_pose(&match.ground, x + 2 * any_share(), y + 2 * any_share(), z - 0.5 * spacing * any_share());
 	sweep.to.x = to.x;
 	sweep.to.y = to.y;
 	sweep.to.z = to.z;
@@ -378,7 +378,7 @@ static struct deform_contact any_sweep(const struct deform_shape *shape, int k, 
 		sweep.from = sweep.to;
 	} else if (match.params.model == DEFORM_SCM) {
 		sweep.seconds = any_word() % 2 ? any_between(0.01, 1) : 0;
-		sweep.turned = shape->kind == DEFORM_WHEEL ? any_between(-1, 3) * spacing / shape->radius : shape->belt ? (k - 0.6) * spacing : 0;
+		sweep.turned = shape->kind == SOIL_WHEEL ? any_between(-1, 3) * spacing / shape->radius : shape->belt ? (k - 0.6) * spacing : 0;
 	}
 	return sweep;
 }
@@ -386,7 +386,7 @@ static struct deform_contact any_sweep(const struct deform_shape *shape, int k, 
 #define DEGREES (M_PI / 180)
 
 /* The soil's own strength; and surfaces that are smooth, sticky, both, and no weaker than any soil. */
-static const struct deform_interface interfaces[] = {
+static const struct soil_interface interfaces[] = {
 	{.has_friction = false},
 	{.has_friction = true, .friction_angle = 10 * DEGREES},
 	{.has_adhesion = true, .adhesion = 300},
@@ -403,8 +403,8 @@ static void rounds(enum deform_model model, int count)
 	for (int round = 0; round < count; round++) {
 		static const double spacings[] = {0.0625, 0.05, 0.125};
 		double spacing = spacings[round % 3];
-		struct deform_soil soil;
-		assert_ok(deform_soil_named(model == DEFORM_SUMNER ? "sand" : soils[round % 7], &soil));
+		struct soil_numbers soil;
+		assert_ok(soil_named(model == DEFORM_SUMNER ? "sand" : soils[round % 7], &soil));
 		soil.cohesion *= model == DEFORM_SCM || round % 4 == 0;
 		rough_seed = any_word();
 		rough_height = (round % 4) * 0.1 * spacing;
@@ -425,11 +425,11 @@ static void rounds(enum deform_model model, int count)
 			match.reference.hole[i] = match.ground.base[i] == BASE_NODATA;
 			match.reference.base[i] = match.reference.hole[i] ? 0 : lattice_base_metres(match.ground.base[i]);
 		}
-		struct deform_shape shape = any_shape(spacing);
+		struct soil_shape shape = any_shape(spacing);
 		/* Near a corner of four tiles, the hole, or the edge of the world; several sweeps about one place. */
 		double x = round % 5 == 4 ? 1 : 32 + 8 * any_share(), y = round % 5 == 3 ? POSTS - 3 : 50 + 16 * any_share();
 		for (int k = 0; k < 5; k++) {
-			shape.belt = model == DEFORM_SCM && shape.kind == DEFORM_BOX && round % 3 == 0;
+			shape.belt = model == DEFORM_SCM && shape.kind == SOIL_BOX && round % 3 == 0;
 			struct deform_contact sweep = any_sweep(&shape, k, x + 3 * any_share(), y + 3 * any_share());
 			if (model == DEFORM_SCM) {
 				sweep.tag = 1;

@@ -1,7 +1,7 @@
 /* The whole-number arithmetic under the undersides is exact on this driver, as it must be on every one. */
 #include "ground.h"
 
-#include "deform/shape/affine.h"
+#include "soil/shape/affine.h"
 #include "../support/program.h"
 
 enum { EDGE = 256, COUNT = EDGE * EDGE };
@@ -98,7 +98,7 @@ static void functionals_are_their_integers_at_every_post(void **state)
 		long double size = ldexpl(1, round % 40 - 20);
 		struct affine value = {any_share() * size * 200, any_share() * size, any_share() * size};
 		int64_t x0 = (int64_t)(any_share() * 700), y0 = (int64_t)(any_share() * 700);
-		block.f[0] = deform_functional_of(value, 20, 12, x0, y0);
+		block.f[0] = soil_functional_of(value, 20, 12, x0, y0);
 		compute("EXPRESSION AT(0, 0, ivec2(gl_FragCoord.xy))", &block, sizeof block);
 		const uint32_t *a = block.f[0].at_di, *b = block.f[0].dj_shift;
 		int64_t at = (int64_t)((uint64_t)a[1] << 32 | a[0]), di = (int64_t)((uint64_t)a[3] << 32 | a[2]);
@@ -124,7 +124,7 @@ static void windows_see_the_same_functional(void **state)
 	for (int round = 0; round < 1000; round++) {
 		struct affine value = {any_share() * 33, any_share() / 3, any_share() / 3};
 		int64_t x0 = (int64_t)(any_share() * 700), y0 = (int64_t)(any_share() * 700);
-		struct functional a = deform_functional_of(value, 25, 12, x0, y0), b = deform_functional_of(value, 25, 12, x0 + 37, y0 - 11);
+		struct functional a = soil_functional_of(value, 25, 12, x0, y0), b = soil_functional_of(value, 25, 12, x0 + 37, y0 - 11);
 		int64_t at_a = (int64_t)((uint64_t)a.at_di[1] << 32 | a.at_di[0]);
 		int64_t at_b = (int64_t)((uint64_t)b.at_di[1] << 32 | b.at_di[0]);
 		int64_t di = (int64_t)((uint64_t)a.at_di[3] << 32 | a.at_di[2]);

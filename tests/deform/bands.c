@@ -8,16 +8,16 @@
 
 static const double headings[] = {0, M_PI / 8, M_PI / 4};
 
-static struct ground_params soil_of(enum deform_model model, double spacing, uint32_t tiles, const struct deform_soil *soil)
+static struct ground_params soil_of(enum deform_model model, double spacing, uint32_t tiles, const struct soil_numbers *soil)
 {
 	return (struct ground_params){.cells = 64, .tiles = tiles, .spacing = spacing, .model = model, .soils = soil, .soil_count = 1,
 				      .iterations = 1, .bulldozing = model == DEFORM_SCM ? 1 : 0, .stands = true};
 }
 
-static struct deform_soil loose(enum deform_model model)
+static struct soil_numbers loose(enum deform_model model)
 {
-	struct deform_soil soil;
-	assert_ok(deform_soil_named(model == DEFORM_SUMNER ? "sand" : "dry_sand", &soil));
+	struct soil_numbers soil;
+	assert_ok(soil_named(model == DEFORM_SUMNER ? "sand" : "dry_sand", &soil));
 	soil.cohesion = 0;
 	soil.compression = 0.3; /* so that sumner's rim is high: of sand it has less than half of this */
 	return soil;
@@ -32,7 +32,7 @@ static void place_of(const struct ground *ground, int64_t at, double x, double y
 }
 
 struct way {
-	const struct deform_shape *shape;
+	const struct soil_shape *shape;
 	double x, y, heading, length, sink, load; /* from its middle, m; N */
 	double slip; /* 1: locked */
 };
@@ -45,8 +45,8 @@ static double drive(struct ground *ground, const struct way *way)
 	struct deform_contact sweep = {.shape = way->shape, .load = way->load, .seconds = way->load > 0 ? d : 0, .tag = way->load > 0};
 	for (int i = 0; i <= samples; i++) {
 		double along = i * d - way->length / 2;
-		struct deform_pose pose = ground_pose(ground, (way->x + along * cos(way->heading)) / d, (way->y + along * sin(way->heading)) / d,
-						      deform_shape_reach(way->shape, 0, 0) - way->sink);
+		struct soil_pose pose = ground_pose(ground, (way->x + along * cos(way->heading)) / d, (way->y + along * sin(way->heading)) / d,
+						    soil_shape_reach(way->shape, 0, 0) - way->sink);
 		pose.yaw = way->heading;
 		sweep.from = i == 0 ? pose : sweep.to;
 		sweep.to = pose;
@@ -101,8 +101,8 @@ static struct berm berm_of(const struct ground *ground, const struct way *way, d
  * behind its axle, so the way is longer than what is looked at. */
 static void a_rolling_wheel_lays_the_same_berm_at_every_spacing(void **state)
 {
-	const struct deform_shape wheel = {.kind = DEFORM_WHEEL, .radius = 0.5, .width = 0.5};
-	const struct deform_soil soil = loose(DEFORM_SLIPPAGE);
+	const struct soil_shape wheel = {.kind = SOIL_WHEEL, .radius = 0.5, .width = 0.5};
+	const struct soil_numbers soil = loose(DEFORM_SLIPPAGE);
 	double sink = 0.02, half = wheel.width / 2, width = sqrt(4.5 * sink * half / tan(soil.friction_angle));
 	(void)state;
 	need_gpu();
@@ -130,8 +130,8 @@ static void a_rolling_wheel_lays_the_same_berm_at_every_spacing(void **state)
 /* A locked wheel is a sledge: half of what it displaces goes ahead. The heap stops growing when as much goes aside as is cut. */
 static void the_heap_ahead_of_a_sledge_is_bounded(void **state)
 {
-	const struct deform_shape wheel = {.kind = DEFORM_WHEEL, .radius = 0.5, .width = 0.5};
-	const struct deform_soil soil = loose(DEFORM_SLIPPAGE);
+	const struct soil_shape wheel = {.kind = SOIL_WHEEL, .radius = 0.5, .width = 0.5};
+	const struct soil_numbers soil = loose(DEFORM_SLIPPAGE);
 	double highest[2][2];
 	(void)state;
 	need_gpu();
@@ -180,19 +180,19 @@ static void crests(const struct ground *ground, double x, double y, double *leas
 static void crests_are_as_high_all_around(void **state)
 {
 	static const enum deform_model models[] = {DEFORM_SLIPPAGE, DEFORM_SUMNER, DEFORM_SCM};
-	const struct deform_shape ball = {.kind = DEFORM_SPHERE, .radius = 0.6}, box = {.kind = DEFORM_BOX, .size = {1.2, 0.8, 0.6}};
+	const struct soil_shape ball = {.kind = SOIL_SPHERE, .radius = 0.6}, box = {.kind = SOIL_BOX, .size = {1.2, 0.8, 0.6}};
 	(void)state;
 	need_gpu();
 	for (int m = 0; m < 3; m++)
 		for (int k = 0; k < 12; k++) {
-			const struct deform_shape *shape = k % 4 == 3 ? &ball : &box;
+			const struct soil_shape *shape = k % 4 == 3 ? &ball : &box;
 			double d = 0.125 / (1 << k / 4), least, most, x = 4.013, y = 3.987;
-			const struct deform_soil soil = loose(models[m]);
+			const struct soil_numbers soil = loose(models[m]);
 			const struct ground_params params = soil_of(models[m], d, (uint32_t)(1 << k / 4), &soil);
 			struct ground ground;
 			ground_init(&ground, &params);
 			struct deform_contact sweep = {.shape = shape,
-						       .from = ground_pose(&ground, x / d, y / d, deform_shape_reach(shape, 0, 0) - 0.3)};
+						       .from = ground_pose(&ground, x / d, y / d, soil_shape_reach(shape, 0, 0) - 0.3)};
 			sweep.from.yaw = k % 4 == 3 ? 0 : headings[k % 4];
 			sweep.to = sweep.from;
 			ground_sweep(&ground, &sweep);
@@ -209,11 +209,11 @@ static void parts_of_a_window_leave_no_trace(void **state)
 {
 	static const enum deform_model models[] = {DEFORM_SLIPPAGE, DEFORM_SUMNER, DEFORM_SCM};
 	static const int64_t moved[][2] = {{144, 0}, {0, 64}, {-37, 11}};
-	const struct deform_shape plate = {.kind = DEFORM_BOX, .size = {5, 5, 1}};
+	const struct soil_shape plate = {.kind = SOIL_BOX, .size = {5, 5, 1}};
 	(void)state;
 	need_gpu();
 	for (int m = 0; m < 3; m++) {
-		const struct deform_soil soil = loose(models[m]);
+		const struct soil_numbers soil = loose(models[m]);
 		struct ground_params params = soil_of(models[m], 0x1p-6, 4, &soil);
 		struct ground first, other;
 		params.cells = 256;
@@ -247,11 +247,11 @@ static void parts_of_a_window_leave_no_trace(void **state)
 /* The default wheel of 800 N on dry sand: what is laid does not push it back, and it sinks no deeper with finer posts. */
 static void a_loaded_wheel_sinks_as_deep_with_finer_posts(void **state)
 {
-	const struct deform_shape wheel = {.kind = DEFORM_WHEEL, .radius = 0.32, .width = 0.24};
-	struct deform_soil soil;
+	const struct soil_shape wheel = {.kind = SOIL_WHEEL, .radius = 0.32, .width = 0.24};
+	struct soil_numbers soil;
 	(void)state;
 	need_gpu();
-	assert_ok(deform_soil_named("dry_sand", &soil));
+	assert_ok(soil_named("dry_sand", &soil));
 	for (int k = 0; k < 3; k++) {
 		double finest = 0;
 		for (int step = 2; step >= 0; step--) {
@@ -273,12 +273,12 @@ static void a_loaded_wheel_sinks_as_deep_with_finer_posts(void **state)
 /* Chrono's soft soil, 10 kN: a rut of 0.32 m. Its wheel does not climb what it lays beside itself, even where it lays all of it. */
 static void a_heavy_wheel_does_not_climb_what_it_lays(void **state)
 {
-	const struct deform_shape wheel = {.kind = DEFORM_WHEEL, .radius = 0.5, .width = 0.4};
-	struct deform_soil soil;
+	const struct soil_shape wheel = {.kind = SOIL_WHEEL, .radius = 0.5, .width = 0.4};
+	struct soil_numbers soil;
 	double sinkage[2];
 	(void)state;
 	need_gpu();
-	assert_ok(deform_soil_named("dry_sand", &soil));
+	assert_ok(soil_named("dry_sand", &soil));
 	soil.bekker_kc = soil.cohesion = soil.damping = 0;
 	soil.bekker_kphi = 2e5;
 	soil.friction_angle = M_PI / 6;
@@ -300,12 +300,12 @@ static void a_heavy_wheel_does_not_climb_what_it_lays(void **state)
 /* Ten passes in one rut: each sinks a little deeper, by less than the first passes, and no pass jumps. */
 static void ten_passes_deepen_a_rut_steadily(void **state)
 {
-	const struct deform_shape wheel = {.kind = DEFORM_WHEEL, .radius = 0.32, .width = 0.24};
-	struct deform_soil soil;
+	const struct soil_shape wheel = {.kind = SOIL_WHEEL, .radius = 0.32, .width = 0.24};
+	struct soil_numbers soil;
 	double sinkage[2][10];
 	(void)state;
 	need_gpu();
-	assert_ok(deform_soil_named("dry_sand", &soil));
+	assert_ok(soil_named("dry_sand", &soil));
 	for (int k = 0; k < 2; k++) {
 		struct ground ground;
 		struct ground_params params = soil_of(DEFORM_SCM, 0.016 / (1 << k), (uint32_t)(2 << k), &soil);

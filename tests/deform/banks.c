@@ -9,10 +9,10 @@
 enum { POSTS = 60 };
 #define SPACING 0.02
 
-static const struct deform_shape bodies[] = {
-	{.kind = DEFORM_WHEEL, .radius = 0.32, .width = 0.14},
-	{.kind = DEFORM_SPHERE, .radius = 0.3},
-	{.kind = DEFORM_BOX, .size = {0.3, 0.2, 0.4}},
+static const struct soil_shape bodies[] = {
+	{.kind = SOIL_WHEEL, .radius = 0.32, .width = 0.14},
+	{.kind = SOIL_SPHERE, .radius = 0.3},
+	{.kind = SOIL_BOX, .size = {0.3, 0.2, 0.4}},
 };
 enum { BODIES = sizeof bodies / sizeof *bodies };
 
@@ -26,7 +26,7 @@ static double bank(int x, int y)
 }
 
 /* The centre is `before` m before the bank's foot, and `above` the level below it. */
-static struct deform_contact stand(const struct deform_shape *shape, double before, double above, double load)
+static struct deform_contact stand(const struct soil_shape *shape, double before, double above, double load)
 {
 	double x = POSTS / 2 + 0.3 - before * cos(bank_yaw) / SPACING, y = POSTS / 2 + 0.2 - before * sin(bank_yaw) / SPACING;
 	struct deform_contact sweep = {.shape = shape, .load = load, .tag = 1};
@@ -37,7 +37,7 @@ static struct deform_contact stand(const struct deform_shape *shape, double befo
 }
 
 /* Set down at a height, and moved towards the bank, twice. */
-static void move(const struct deform_shape *shape, double before, double above, struct bed_gpu *gpu, struct bed_reference *reference)
+static void move(const struct soil_shape *shape, double before, double above, struct bed_gpu *gpu, struct bed_reference *reference)
 {
 	struct deform_contact sweep = stand(shape, before, above, 0);
 	for (int step = 0; step < 3; step++) {
@@ -54,19 +54,19 @@ static void move(const struct deform_shape *shape, double before, double above, 
 				 step, got.force[0], got.force[1], got.force[2], wanted.force[0], wanted.force[1], wanted.force[2]);
 		sweep.from = sweep.to;
 		/* After half a post the end of a cell is where another post was: a tie but for rounding, which a wheel must not feel. */
-		double way = shape->kind == DEFORM_WHEEL ? 0.5 * SPACING : 0.37 * SPACING;
+		double way = shape->kind == SOIL_WHEEL ? 0.5 * SPACING : 0.37 * SPACING;
 		sweep.to.x += lattice_offset(way * cos(bank_yaw));
 		sweep.to.y += lattice_offset(way * sin(bank_yaw));
-		sweep.turned = shape->kind == DEFORM_WHEEL ? 0.6 * SPACING / shape->radius : 0;
+		sweep.turned = shape->kind == SOIL_WHEEL ? 0.6 * SPACING / shape->radius : 0;
 	}
 }
 
 /* Returns true if something carries the load. Then the reference does so at that height, and at none above it. */
-static bool let_down(const struct deform_shape *shape, double before, double above, double load, struct bed_gpu *gpu,
+static bool let_down(const struct soil_shape *shape, double before, double above, double load, struct bed_gpu *gpu,
 		     struct bed_reference *reference)
 {
 	static double under[POSTS * POSTS], rest[POSTS * POSTS];
-	const struct deform_soil *soil = &reference->params.soils[0];
+	const struct soil_numbers *soil = &reference->params.soils[0];
 	struct deform_contact sweep = stand(shape, before, above, load);
 	struct deform_forces got = ground_forces(&gpu->ground, &sweep);
 	if (got.state == DEFORM_SUNK)
@@ -84,7 +84,7 @@ static bool let_down(const struct deform_shape *shape, double before, double abo
 }
 
 /* With a load: returns true if it is carried. */
-static bool press(const struct deform_shape *shape, double before, double above, double load)
+static bool press(const struct soil_shape *shape, double before, double above, double load)
 {
 	struct bed_params params = bed_scm(POSTS, POSTS, SPACING, bed_soil("dry_sand"));
 	bool carried = true;
@@ -108,7 +108,7 @@ static void presses(double slope, double height)
 	bank_height = height;
 	for (int b = 0; b < BODIES; b++)
 		for (int i = 0; i < 3; i++) {
-			double reach = deform_shape_reach(&bodies[b], 0, 0);
+			double reach = soil_shape_reach(&bodies[b], 0, 0);
 			bank_yaw = yaws[i] * RADIANS;
 			for (double before = 0.02; before < 0.35; before += 0.13) {
 				press(&bodies[b], before, reach + 0.02, 0);

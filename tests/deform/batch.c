@@ -4,13 +4,13 @@
 
 #define CONTACTS 9
 
-static const struct deform_shape ball = {.kind = DEFORM_SPHERE, .radius = 0.9}, crate = {.kind = DEFORM_BOX, .size = {1.2, 0.8, 0.6}};
-static const struct deform_shape wheel = {.kind = DEFORM_WHEEL, .radius = 0.8, .width = 0.5}, egg = {.kind = DEFORM_ELLIPSOID, .size = {0.9, 0.6, 0.5}};
-static const struct deform_shape barrel = {.kind = DEFORM_CYLINDER, .radius = 0.5, .length = 0.8}, pill = {.kind = DEFORM_CAPSULE, .radius = 0.4, .length = 0.5};
-static const struct deform_shape *const shapes[] = {&wheel, &ball, &wheel, &crate, &barrel, &wheel, &pill, &egg};
+static const struct soil_shape ball = {.kind = SOIL_SPHERE, .radius = 0.9}, crate = {.kind = SOIL_BOX, .size = {1.2, 0.8, 0.6}};
+static const struct soil_shape wheel = {.kind = SOIL_WHEEL, .radius = 0.8, .width = 0.5}, egg = {.kind = SOIL_ELLIPSOID, .size = {0.9, 0.6, 0.5}};
+static const struct soil_shape barrel = {.kind = SOIL_CYLINDER, .radius = 0.5, .length = 0.8}, pill = {.kind = SOIL_CAPSULE, .radius = 0.4, .length = 0.5};
+static const struct soil_shape *const shapes[] = {&wheel, &ball, &wheel, &crate, &barrel, &wheel, &pill, &egg};
 /* Under scm: few on each ground, since each kind has programs of its own. The posts that a ball touches are counted first. */
-static const struct deform_shape track = {.kind = DEFORM_BOX, .size = {1.4, 0.5, 0.6}, .belt = true};
-static const struct deform_shape *const of_scm[3][4] = {{&wheel, &ball, &wheel, &ball}, {&wheel, &barrel, &wheel, &barrel}, {&wheel, &track, &wheel, &track}};
+static const struct soil_shape track = {.kind = SOIL_BOX, .size = {1.4, 0.5, 0.6}, .belt = true};
+static const struct soil_shape *const of_scm[3][4] = {{&wheel, &ball, &wheel, &ball}, {&wheel, &barrel, &wheel, &barrel}, {&wheel, &track, &wheel, &track}};
 
 static int32_t holed(int64_t x, int64_t y)
 {
@@ -19,9 +19,9 @@ static int32_t holed(int64_t x, int64_t y)
 
 /* A contact somewhere around the middle of square (x, y) of posts: on a tile's side or a corner, too. `way`: 0: it does not move; 1: along x;
  * 2: anywhere. */
-static struct deform_contact any_contact(const struct ground *ground, const struct deform_shape *shape, double x, double y, int way)
+static struct deform_contact any_contact(const struct ground *ground, const struct soil_shape *shape, double x, double y, int way)
 {
-	double z = deform_shape_reach(shape, 0, 0) - 0.25 + 0.1 * any_share();
+	double z = soil_shape_reach(shape, 0, 0) - 0.25 + 0.1 * any_share();
 	struct deform_contact contact = {.shape = shape, .from = ground_pose(ground, x + 3 * any_share(), y + 3 * any_share(), z)};
 	contact.to = contact.from;
 	if (way == 2)
@@ -36,7 +36,7 @@ static struct deform_contact any_contact(const struct ground *ground, const stru
 	}
 	/* Under scm: slip. */
 	contact.turned = way > 0 ? 0.3 * any_share() : 0;
-	contact.rotated[2] = way > 0 && shape->kind != DEFORM_WHEEL ? 0.01 * any_share() : 0;
+	contact.rotated[2] = way > 0 && shape->kind != SOIL_WHEEL ? 0.01 * any_share() : 0;
 	return contact;
 }
 
@@ -202,12 +202,12 @@ static void a_batch_leaves_the_bits_of_contacts_that_are_alone(void **state)
 		{.cells = 64, .spacing = 0.09, .model = DEFORM_SCM, .bulldozing = 0.7, .iterations = 2, .soil_count = 3, .lines = true,
 		 .ground_normals = true, .relief = 100},
 	};
-	struct deform_soil soils[3];
+	struct soil_numbers soils[3];
 	(void)state;
 	need_gpu();
-	assert_ok(deform_soil_named("dry_sand", &soils[0]));
-	assert_ok(deform_soil_named("sandy_loam_15", &soils[1]));
-	assert_ok(deform_soil_named("lunar", &soils[2]));
+	assert_ok(soil_named("dry_sand", &soils[0]));
+	assert_ok(soil_named("sandy_loam_15", &soils[1]));
+	assert_ok(soil_named("lunar", &soils[2]));
 	for (size_t i = 0; i < sizeof grounds / sizeof *grounds; i++) {
 		struct ground_params params = grounds[i];
 		params.tiles = 6;
@@ -256,15 +256,15 @@ static void what_does_not_fit_a_batch_goes_into_the_next(void **state)
 static void only_small_contacts_that_are_alike_are_batched(void **state)
 {
 	struct ground_params params = {.cells = 64, .tiles = 6, .spacing = 0.25, .model = DEFORM_BOX_FILTER, .batches = true};
-	static const struct deform_shape hall = {.kind = DEFORM_BOX, .size = {80, 70, 1}};
-	static const struct deform_shape lugged = {.kind = DEFORM_WHEEL, .radius = 0.5, .width = 0.4, .grousers = 9, .grouser_height = 0.06,
-						   .grouser_thickness = 0.05};
+	static const struct soil_shape hall = {.kind = SOIL_BOX, .size = {80, 70, 1}};
+	static const struct soil_shape lugged = {.kind = SOIL_WHEEL, .radius = 0.5, .width = 0.4, .grousers = 9, .grouser_height = 0.06,
+						 .grouser_thickness = 0.05};
 	struct ground ground;
 	(void)state;
 	need_gpu();
 	ground_init(&ground, &params);
 	const struct {
-		const struct deform_shape *shape;
+		const struct soil_shape *shape;
 		int way;
 		bool batched;
 	} cases[] = {{&wheel, 1, true}, {&wheel, 0, false}, {&crate, 2, true}, {&hall, 2, false}, {&lugged, 1, false}};

@@ -15,8 +15,8 @@
 
 /* A belted body that goes straight over level, undisturbed ground. */
 struct drive {
-	const struct deform_shape *shape;
-	const struct deform_soil *soil;
+	const struct soil_shape *shape;
+	const struct soil_numbers *soil;
 	double spacing, heading; /* m, rad */
 	double rim;              /* what the belt runs, for each metre of the way */
 	double height;           /* m: of its centre above the undisturbed ground */
@@ -34,7 +34,7 @@ struct drawn {
 static struct drawn drive(const struct drive *how)
 {
 	struct ground ground;
-	const double c = cos(how->heading), s = sin(how->heading), spacing = how->spacing, reach = deform_shape_bound(how->shape) / spacing;
+	const double c = cos(how->heading), s = sin(how->heading), spacing = how->spacing, reach = soil_shape_bound(how->shape) / spacing;
 	const int steps = (int)ceil(how->way / spacing);
 	const double from = 1.05 * reach + 3.3;
 	ground_init(&ground, &(struct ground_params){.cells = CELLS, .tiles = (uint32_t)ceil((2 * from + steps + 4) / CELLS), .spacing = spacing,
@@ -59,10 +59,10 @@ static struct drawn drive(const struct drive *how)
 	return drawn;
 }
 
-static struct deform_soil soil_of(const char *name)
+static struct soil_numbers soil_of(const char *name)
 {
-	struct deform_soil soil;
-	assert_ok(deform_soil_named(name, &soil));
+	struct soil_numbers soil;
+	assert_ok(soil_named(name, &soil));
 	return soil;
 }
 
@@ -83,9 +83,9 @@ static void near(const char *what, const struct drive *how, double got, double w
 
 /* --- level tracks --- */
 
-static const struct deform_shape track = {.kind = DEFORM_BOX, .size = {1.2, 0.3, 0.5}, .belt = true};
+static const struct soil_shape track = {.kind = SOIL_BOX, .size = {1.2, 0.3, 0.5}, .belt = true};
 
-static double effort(const struct deform_soil *soil, const struct deform_shape *shape, double load, double slip)
+static double effort(const struct soil_numbers *soil, const struct soil_shape *shape, double load, double slip)
 {
 	const double length = shape->size[0], strength = length * shape->size[1] * soil->cohesion + load * tan(soil->friction_angle);
 	return strength * (1 - soil->janosi_shear / (slip * length) * (1 - exp(-slip * length / soil->janosi_shear)));
@@ -101,7 +101,7 @@ static void a_track_draws_what_the_closed_form_says(void **state)
 		for (int n = 0; n < 3; n++) {
 			if (!long_or_part((size_t)k, (size_t)n, 3))
 				continue;
-			const struct deform_soil soil = soil_of(soils[k]);
+			const struct soil_numbers soil = soil_of(soils[k]);
 			const double area = track.size[0] * track.size[1], load = 12e3 * area, sinkage = reference_plate(&soil, track.size[1], 12e3);
 			double most = 0, deep = 0;
 			for (int m = 0; m < 9; m += step_at(n)) {
@@ -125,7 +125,7 @@ static void a_track_draws_what_the_closed_form_says(void **state)
 static void a_belt_brakes_as_it_draws(void **state)
 {
 	static const double rims[] = {1, 0.8, 0.5, 0, -1};
-	const struct deform_soil soil = soil_of("dry_sand");
+	const struct soil_numbers soil = soil_of("dry_sand");
 	const double load = 4000, modulus = soil.janosi_shear, length = track.size[0];
 	(void)state;
 	need_gpu();
@@ -144,7 +144,7 @@ static void a_belt_brakes_as_it_draws(void **state)
 
 /* Where the belt has slid by u shear moduli, slip has dug kappa K (1 - exp(1 - exp(-u) - u)) from below it. So much less deep is the rear of a level
  * track in its soil than the front. It never digs itself free. Returns the load that it carries where its front is at a sinkage. */
-static double carries(const struct deform_soil *soil, double slip, double kappa, double sinkage, double *drawbar)
+static double carries(const struct soil_numbers *soil, double slip, double kappa, double sinkage, double *drawbar)
 {
 	const int parts = 20000;
 	double load = 0;
@@ -168,7 +168,7 @@ static void a_belt_that_slips_digs_by_the_formula(void **state)
 	need_gpu();
 	for (int k = 0; k < 3; k++)
 		for (int n = 0; n < 2; n++) {
-			const struct deform_soil soil = soil_of(soft[k]);
+			const struct soil_numbers soil = soil_of(soft[k]);
 			for (int m = 0; m < 9; m += 4) {
 				const double slip = slips[m % 3];
 				double low = 0, high = 0.2, drawbar;
@@ -190,7 +190,7 @@ static void a_belt_that_slips_digs_by_the_formula(void **state)
 
 static void what_does_not_slip_digs_nothing(void **state)
 {
-	const struct deform_soil soil = soil_of("dry_sand");
+	const struct soil_numbers soil = soil_of("dry_sand");
 	(void)state;
 	need_gpu();
 	for (int m = 0; m < 3; m++) {
@@ -208,11 +208,11 @@ static void what_does_not_slip_digs_nothing(void **state)
 static const double flat = 0.5, rise = 0.2, half_width = 0.15; /* m: half its level length, height and half width */
 
 /* Its rear is upright, its front rises; its centre is at its bottom. */
-static void make_ramp(struct deform_mesh *mesh, float (*vertices)[3], uint32_t (*triangles)[3])
+static void make_ramp(struct soil_mesh *mesh, float (*vertices)[3], uint32_t (*triangles)[3])
 {
 	const double nose = flat + rise / tan(RAMP), outline[4][2] = {{-flat, 0}, {flat, 0}, {nose, rise}, {-flat, rise}};
-	*mesh = (struct deform_mesh){.vertices = vertices, .triangles = triangles, .vertex_count = 8, .triangle_count = 8,
-				     .low = {-flat, -half_width, 0}, .high = {nose, half_width, rise}};
+	*mesh = (struct soil_mesh){.vertices = vertices, .triangles = triangles, .vertex_count = 8, .triangle_count = 8,
+				   .low = {-flat, -half_width, 0}, .high = {nose, half_width, rise}};
 	for (uint32_t i = 0; i < 4; i++)
 		for (uint32_t side = 0; side < 2; side++) {
 			const uint32_t a = 2 * i, b = 2 * ((i + 1) % 4);
@@ -226,7 +226,7 @@ static void make_ramp(struct deform_mesh *mesh, float (*vertices)[3], uint32_t (
 
 /* Integrates along the belt, from the place where its front first touches. A metre of a face that rises by `angle` slips by 1 - (1 - i) cos(angle)
  * metres of the belt. */
-static struct drawn integrate(const struct deform_soil *soil, double width, double slip, double sinkage)
+static struct drawn integrate(const struct soil_numbers *soil, double width, double slip, double sinkage)
 {
 	struct drawn sum = {0};
 	const int parts = 200000;
@@ -250,16 +250,16 @@ static void a_front_that_rises_resists_as_the_integral_says(void **state)
 	static const double allowed[] = {0.05, 0.025, 0.012};
 	float vertices[8][3];
 	uint32_t triangles[8][3];
-	struct deform_mesh mesh;
+	struct soil_mesh mesh;
 	(void)state;
 	need_gpu();
 	make_ramp(&mesh, vertices, triangles);
-	const struct deform_shape shape = {.kind = DEFORM_MESH, .mesh = &mesh, .belt = true};
+	const struct soil_shape shape = {.kind = SOIL_MESH, .mesh = &mesh, .belt = true};
 	for (int k = 0; k < 3; k++)
 		for (int n = 0; n < 3; n++) {
 			if (!long_or_part((size_t)k, (size_t)n, 3))
 				continue;
-			struct deform_soil soil = soil_of(soils[k]);
+			struct soil_numbers soil = soil_of(soils[k]);
 			const double sinkage = 0.06;
 			double most = 0;
 			soil.bekker_kc = 0; /* so that b does not count: it is of the posts that are touched */
@@ -281,9 +281,9 @@ static void a_front_that_rises_resists_as_the_integral_says(void **state)
 /* --- bits --- */
 
 /* Drives one body over tiles of a size, and gives a plane of what it left. */
-static int32_t *left_by(const struct deform_shape *shape, uint32_t cells, uint32_t tiles, double rim, enum plane plane)
+static int32_t *left_by(const struct soil_shape *shape, uint32_t cells, uint32_t tiles, double rim, enum plane plane)
 {
-	const struct deform_soil soil = soil_of("dry_sand");
+	const struct soil_numbers soil = soil_of("dry_sand");
 	struct ground ground;
 	ground_init(&ground, &(struct ground_params){.cells = cells, .tiles = tiles, .spacing = 0.05, .model = DEFORM_SCM, .soils = &soil,
 						     .slip_sinkage = 1.35, .bulldozing = 0.5, .stands = true});

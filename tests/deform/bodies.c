@@ -1,16 +1,16 @@
 /* Bodies of any attitude under scm: cylinders, capsules, ellipsoids. Wheels with camber: camber.c. */
 #include "scm_rig.h"
 
-#include "deform/shape/lower_envelope.h"
+#include "soil/shape/lower_envelope.h"
 #include "../support/program.h"
 
 /* --- shapes that are others --- */
 
-static struct deform_forces press(struct ground *ground, const struct deform_shape *shape, const struct deform_pose *attitude, double deep,
+static struct deform_forces press(struct ground *ground, const struct soil_shape *shape, const struct soil_pose *attitude, double deep,
 				  const double way[3], int steps)
 {
 	struct deform_contact contact = {.shape = shape};
-	contact.to = ground_pose(ground, 64.2, 64.7, deform_shape_reach(shape, attitude->pitch, attitude->roll) - deep);
+	contact.to = ground_pose(ground, 64.2, 64.7, soil_shape_reach(shape, attitude->pitch, attitude->roll) - deep);
 	contact.to.yaw = attitude->yaw;
 	contact.to.pitch = attitude->pitch;
 	contact.to.roll = attitude->roll;
@@ -37,18 +37,18 @@ static void assert_forces_near(const struct deform_forces *got, const struct def
 }
 
 /* Set down, pressed down, and moved up and down a slope: the forces are the same, to a share of their size. */
-static void compare(const struct deform_shape *a, const struct deform_pose *as, const struct deform_shape *b, const struct deform_pose *bs, double within,
+static void compare(const struct soil_shape *a, const struct soil_pose *as, const struct soil_shape *b, const struct soil_pose *bs, double within,
 		    const char *what)
 {
 	static const double ways[][3] = {{0, 0, 0}, {0, 0, -0.004}, {0.02, 0.011, 0.001}, {-0.015, 0.02, -0.002}}, spacings[] = {0.04, 0.03, 0.02};
-	struct deform_soil soil = soft();
+	struct soil_numbers soil = soft();
 	for (int k = 0; k < 4; k++)
 		for (int s = 0; s < 3; s++) {
 			struct ground one, other;
 			init(&one, &soil, spacings[s], 0);
 			init(&other, &soil, spacings[s], 0);
 			struct deform_forces wanted = press(&one, a, as, 0.05, ways[k], 4), got = press(&other, b, bs, 0.05, ways[k], 4);
-			assert_forces_near(&got, &wanted, k < 2 ? 2e-5 : within, deform_shape_bound(a), what);
+			assert_forces_near(&got, &wanted, k < 2 ? 2e-5 : within, soil_shape_bound(a), what);
 			ground_finish(&one);
 			ground_finish(&other);
 		}
@@ -60,30 +60,30 @@ static void a_level_cylinder_is_a_wheel_that_does_not_turn(void **state)
 	need_gpu();
 	for (int k = 0; k < 3; k++) {
 		const double yaw = (const double[]){0, 0.6, -2}[k];
-		const struct deform_shape log = {.kind = DEFORM_CYLINDER, .radius = wheel.radius, .length = wheel.width};
-		compare(&wheel, &(struct deform_pose){.yaw = yaw}, &log, &(struct deform_pose){.yaw = yaw, .roll = M_PI / 2}, 2e-5, "cylinder");
+		const struct soil_shape log = {.kind = SOIL_CYLINDER, .radius = wheel.radius, .length = wheel.width};
+		compare(&wheel, &(struct soil_pose){.yaw = yaw}, &log, &(struct soil_pose){.yaw = yaw, .roll = M_PI / 2}, 2e-5, "cylinder");
 	}
 }
 
 static void an_ellipsoid_of_equal_radii_is_a_sphere(void **state)
 {
-	const struct deform_shape ball = {.kind = DEFORM_SPHERE, .radius = 0.25}, egg = {.kind = DEFORM_ELLIPSOID, .size = {0.25, 0.25, 0.25}};
+	const struct soil_shape ball = {.kind = SOIL_SPHERE, .radius = 0.25}, egg = {.kind = SOIL_ELLIPSOID, .size = {0.25, 0.25, 0.25}};
 	(void)state;
 	need_gpu();
-	compare(&ball, &(struct deform_pose){.yaw = 0}, &egg, &(struct deform_pose){.yaw = 1, .pitch = 0.4, .roll = 2}, 2e-5, "ellipsoid");
+	compare(&ball, &(struct soil_pose){.yaw = 0}, &egg, &(struct soil_pose){.yaw = 1, .pitch = 0.4, .roll = 2}, 2e-5, "ellipsoid");
 }
 
 static void a_capsule_without_length_is_a_sphere(void **state)
 {
-	const struct deform_shape ball = {.kind = DEFORM_SPHERE, .radius = 0.25}, pill = {.kind = DEFORM_CAPSULE, .radius = 0.25};
+	const struct soil_shape ball = {.kind = SOIL_SPHERE, .radius = 0.25}, pill = {.kind = SOIL_CAPSULE, .radius = 0.25};
 	(void)state;
 	need_gpu();
-	compare(&ball, &(struct deform_pose){.yaw = 0}, &pill, &(struct deform_pose){.yaw = 1, .pitch = 0.4, .roll = 2}, 0.015, "capsule");
+	compare(&ball, &(struct soil_pose){.yaw = 0}, &pill, &(struct soil_pose){.yaw = 1, .pitch = 0.4, .roll = 2}, 0.015, "capsule");
 }
 
 /* --- against integrals --- */
 
-static double yields(const struct deform_soil *soil, double width, double sinkage)
+static double yields(const struct soil_numbers *soil, double width, double sinkage)
 {
 	return sinkage > 0 ? reference_yield(soil, width, sinkage) : 0;
 }
@@ -102,20 +102,20 @@ static void add(struct sum *sum, const double arm[3], const double force[3])
 
 /* Any body that is set down on level soil: normal stress p(z) over its lower envelope, in doubles, on a grid of half a millimetre. A flat end of a
  * cylinder counts by its area in plan. */
-static struct sum grid_of(const struct deform_soil *soil, const struct deform_shape *shape, const struct deform_pose *pose, double deep)
+static struct sum grid_of(const struct soil_numbers *soil, const struct soil_shape *shape, const struct soil_pose *pose, double deep)
 {
 	struct lower_envelope lower;
 	struct lower_place place;
 	struct sum sum = {.force = {0}};
-	const double step = 5e-4, height = deform_shape_reach(shape, pose->pitch, pose->roll) - deep;
-	const int side = (int)(deform_shape_bound(shape) / step) + 1;
-	deform_lower_of(shape, pose, &lower);
+	const double step = 5e-4, height = soil_shape_reach(shape, pose->pitch, pose->roll) - deep;
+	const int side = (int)(soil_shape_bound(shape) / step) + 1;
+	soil_lower_of(shape, pose, &lower);
 	for (int i = -side; i < side; i++)
 		for (int k = -side; k < side; k++) {
 			double x = (i + 0.5) * step, y = (k + 0.5) * step;
-			if (!deform_lower_at(&lower, x, y, &place) || height + place.z >= 0)
+			if (!soil_lower_at(&lower, x, y, &place) || height + place.z >= 0)
 				continue;
-			const bool end = shape->kind == DEFORM_CYLINDER && memcmp(place.normal, lower.axis, sizeof lower.axis) == 0;
+			const bool end = shape->kind == SOIL_CYLINDER && memcmp(place.normal, lower.axis, sizeof lower.axis) == 0;
 			double p = yields(soil, 1, -height - place.z), area = step * step / (end ? 1 : fmax(place.normal[2], 0.05));
 			const double arm[3] = {x, y, place.z};
 			add(&sum, arm, (const double[]){p * area * place.normal[0], p * area * place.normal[1], p * area * place.normal[2]});
@@ -125,15 +125,15 @@ static struct sum grid_of(const struct deform_soil *soil, const struct deform_sh
 
 static void bodies_set_down_are_the_integral_over_their_lower_envelopes(void **state)
 {
-	static const struct deform_shape shapes[] = {
-		{.kind = DEFORM_CYLINDER, .radius = 0.2, .length = 0.5},
-		{.kind = DEFORM_CAPSULE, .radius = 0.2, .length = 0.4},
-		{.kind = DEFORM_ELLIPSOID, .size = {0.4, 0.25, 0.2}},
+	static const struct soil_shape shapes[] = {
+		{.kind = SOIL_CYLINDER, .radius = 0.2, .length = 0.5},
+		{.kind = SOIL_CAPSULE, .radius = 0.2, .length = 0.4},
+		{.kind = SOIL_ELLIPSOID, .size = {0.4, 0.25, 0.2}},
 	};
 	static const double spacings[] = {0.03, 0.02, 0.01};
 	/* Lying, tilted a little, tilted much, and nearly upright. */
-	static const struct deform_pose poses[] = {{.roll = M_PI / 2, .yaw = 0.4}, {.roll = M_PI / 2 - 0.2, .yaw = 2}, {.roll = M_PI / 2 + 0.7, .pitch = 0.3}, {.roll = 0.15, .pitch = -0.1, .yaw = -1}};
-	struct deform_soil soil = soft();
+	static const struct soil_pose poses[] = {{.roll = M_PI / 2, .yaw = 0.4}, {.roll = M_PI / 2 - 0.2, .yaw = 2}, {.roll = M_PI / 2 + 0.7, .pitch = 0.3}, {.roll = 0.15, .pitch = -0.1, .yaw = -1}};
+	struct soil_numbers soil = soft();
 	(void)state;
 	need_gpu();
 	soil.damping = 0;
@@ -163,13 +163,13 @@ static int32_t steep_ground(int64_t x, int64_t y)
 /* Law 11: a host that asks for forces leaves the same ground. Also on steep ground, and far below it. */
 static void asking_for_forces_changes_no_post(void **state)
 {
-	static const struct deform_shape shapes[] = {
-		{.kind = DEFORM_WHEEL, .radius = 0.3, .width = 0.2},
-		{.kind = DEFORM_CYLINDER, .radius = 0.2, .length = 0.5},
-		{.kind = DEFORM_CAPSULE, .radius = 0.15, .length = 0.3},
-		{.kind = DEFORM_ELLIPSOID, .size = {0.4, 0.25, 0.1}},
+	static const struct soil_shape shapes[] = {
+		{.kind = SOIL_WHEEL, .radius = 0.3, .width = 0.2},
+		{.kind = SOIL_CYLINDER, .radius = 0.2, .length = 0.5},
+		{.kind = SOIL_CAPSULE, .radius = 0.15, .length = 0.3},
+		{.kind = SOIL_ELLIPSOID, .size = {0.4, 0.25, 0.1}},
 	};
-	struct deform_soil soil = soft();
+	struct soil_numbers soil = soft();
 	(void)state;
 	need_gpu();
 	for (int i = 0; i < 4; i++)
@@ -179,8 +179,8 @@ static void asking_for_forces_changes_no_post(void **state)
 			for (int asks = 0; asks < 2; asks++) {
 				ground_init(&grounds[asks], &(struct ground_params){.cells = 64, .tiles = 2, .first = 2, .spacing = 0.02, .model = DEFORM_SCM,
 										    .soils = &soil, .bulldozing = 0.5, .slip_sinkage = 1, .lines = true, .stands = true, .height = deep == 2 ? steep_ground : NULL});
-				const struct deform_pose pose = {.yaw = 0.7, .pitch = i > 0 ? 0.4 : 0, .roll = 0.3};
-				double z = deform_shape_reach(&shapes[i], pose.pitch, pose.roll) - (const double[]){0.03, 0.15, 3}[deep];
+				const struct soil_pose pose = {.yaw = 0.7, .pitch = i > 0 ? 0.4 : 0, .roll = 0.3};
+				double z = soil_shape_reach(&shapes[i], pose.pitch, pose.roll) - (const double[]){0.03, 0.15, 3}[deep];
 				struct deform_contact contact = {.shape = &shapes[i], .to = ground_pose(&grounds[asks], 50, 60, z)};
 				contact.to.yaw = pose.yaw;
 				contact.to.pitch = pose.pitch;

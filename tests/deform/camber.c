@@ -35,7 +35,7 @@ static struct deform_forces forces_at(struct ground *ground, const double place[
 	const double spacing = ground->params.spacing;
 	struct deform_contact contact = {.shape = &wheel, .tag = 1};
 	ground_reset(ground);
-	contact.to = ground_pose(ground, place[0], place[1], deform_shape_reach(&wheel, 0, camber) - sinkage);
+	contact.to = ground_pose(ground, place[0], place[1], soil_shape_reach(&wheel, 0, camber) - sinkage);
 	contact.to.yaw = yaw;
 	contact.to.roll = camber;
 	contact.from = contact.to;
@@ -50,12 +50,12 @@ static struct deform_forces forces_at(struct ground *ground, const double place[
 	return forces;
 }
 
-static void bed_init(struct ground *ground, const struct deform_soil *soil, double spacing)
+static void bed_init(struct ground *ground, const struct soil_numbers *soil, double spacing)
 {
 	ground_init(ground, &(struct ground_params){.cells = 128, .tiles = 1, .first = 2, .spacing = spacing, .model = DEFORM_SCM, .soils = soil});
 }
 
-static struct reference_wrench integral(const struct deform_soil *soil, double camber, double sinkage, double turned)
+static struct reference_wrench integral(const struct soil_numbers *soil, double camber, double sinkage, double turned)
 {
 	return reference_leaning(soil, &(struct reference_leaning){.radius = wheel.radius, .width = wheel.width, .camber = camber, .sinkage = sinkage,
 								    .rolls = turned > 0, .turned = turned});
@@ -66,7 +66,7 @@ static void the_integral_of_a_level_wheel_is_the_closed_form(void **state)
 	(void)state;
 	for (size_t s = 0; s < COUNT(soils); s++)
 		for (size_t m = 1; m < COUNT(motions); m++) {
-			const struct deform_soil soil = named(soils[s]);
+			const struct soil_numbers soil = named(soils[s]);
 			const struct reference_wrench got = integral(&soil, 0, 0.02, motions[m].turned);
 			const struct reference_rolling rolling = {.radius = wheel.radius, .width = wheel.width, .turned = motions[m].turned, .rebound = true,
 								  .normals = REFERENCE_NORMALS_SURFACE, .follows = REFERENCE_FOLLOWS_RIM};
@@ -78,7 +78,7 @@ static void the_integral_of_a_level_wheel_is_the_closed_form(void **state)
 }
 
 /* The depth at which the soil carries a wheel that is set down. */
-static double carries(const struct deform_soil *soil, double camber, double load)
+static double carries(const struct soil_numbers *soil, double camber, double load)
 {
 	return reference_leaning_sinkage(soil, &(struct reference_leaning){.radius = wheel.radius, .width = wheel.width, .camber = camber}, load);
 }
@@ -105,7 +105,7 @@ static void forces_are_the_integral_over_the_surface(void **state)
 	(void)state;
 	need_gpu();
 	for (size_t s = 0; s < COUNT(soils); s++) {
-		const struct deform_soil soil = named(soils[s]);
+		const struct soil_numbers soil = named(soils[s]);
 		double sinkages[COUNT(cambers)];
 		for (size_t i = 0; i < COUNT(cambers); i++)
 			sinkages[i] = carries(&soil, cambers[i] * DEGREES, 1500);
@@ -148,7 +148,7 @@ static void forces_are_the_integral_over_the_surface(void **state)
 static void camber_to_the_other_side_mirrors_all_forces(void **state)
 {
 	static const double signs[] = {1, -1, 1, -1, 1, -1}; /* of forces forward, aside, up; of moments the other way round */
-	const struct deform_soil soil = named("dry_sand");
+	const struct soil_numbers soil = named("dry_sand");
 	struct ground ground;
 	(void)state;
 	need_gpu();
@@ -178,7 +178,7 @@ static int32_t side_slope(int64_t x, int64_t y)
 static void across_a_slope_a_wheel_that_stands_straight_on_it_is_level(void **state)
 {
 	static const double degrees[] = {3, 8, 15};
-	const struct deform_soil soil = named("dry_sand");
+	const struct soil_numbers soil = named("dry_sand");
 	(void)state;
 	need_gpu();
 	for (size_t i = 0; i < COUNT(degrees); i++)
@@ -214,12 +214,12 @@ static void a_loaded_wheel_sinks_as_the_integral_says(void **state)
 	(void)state;
 	need_gpu();
 	for (size_t s = 0; s < COUNT(soils); s++) {
-		const struct deform_soil soil = named(soils[s]);
+		const struct soil_numbers soil = named(soils[s]);
 		double level = 0, level_wanted = 0;
 		struct ground ground;
 		bed_init(&ground, &soil, 0.01);
 		for (size_t i = 0; i < COUNT(cambers); i++) {
-			const double camber = cambers[i] * DEGREES, reach = deform_shape_reach(&wheel, 0, camber);
+			const double camber = cambers[i] * DEGREES, reach = soil_shape_reach(&wheel, 0, camber);
 			struct deform_contact contact = {.shape = &wheel, .to = ground_pose(&ground, 64.2, 64.7, reach), .tag = 1, .load = load};
 			contact.to.yaw = yaws[i % 3];
 			contact.to.roll = camber;
@@ -241,8 +241,8 @@ static void a_loaded_wheel_sinks_as_the_integral_says(void **state)
 
 static void a_cylinder_that_leans_is_a_wheel_that_does_not_turn(void **state)
 {
-	const struct deform_shape log = {.kind = DEFORM_CYLINDER, .radius = wheel.radius, .length = wheel.width};
-	const struct deform_soil soil = named("dry_sand");
+	const struct soil_shape log = {.kind = SOIL_CYLINDER, .radius = wheel.radius, .length = wheel.width};
+	const struct soil_numbers soil = named("dry_sand");
 	struct ground ground;
 	(void)state;
 	need_gpu();
@@ -252,7 +252,7 @@ static void a_cylinder_that_leans_is_a_wheel_that_does_not_turn(void **state)
 		for (int k = 0; k < 2; k++) {
 			struct deform_contact contact = {.shape = k == 0 ? &wheel : &log, .tag = 1};
 			ground_reset(&ground);
-			contact.to = ground_pose(&ground, 64.2, 64.7, deform_shape_reach(&wheel, 0, cambers[i] * DEGREES) - 0.02);
+			contact.to = ground_pose(&ground, 64.2, 64.7, soil_shape_reach(&wheel, 0, cambers[i] * DEGREES) - 0.02);
 			contact.to.yaw = yaws[i % 3];
 			contact.to.roll = cambers[i] * DEGREES + (k == 0 ? 0 : M_PI / 2);
 			contact.from = contact.to;

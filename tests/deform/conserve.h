@@ -48,18 +48,18 @@ static inline void conserve_every_quantum(enum deform_model model)
 		int64_t sum = 0, compacted = 0;
 		bool large = params.tiles == 10;
 		for (int k = 0; k < (large ? 2 : 6); k++) {
-			struct deform_shape shape = {.kind = (enum deform_shape_kind)(any_word() % 3)};
+			struct soil_shape shape = {.kind = (enum soil_shape_kind)(any_word() % 3)};
 			shape.radius = large ? 18 : 0.2 + 0.5 * fabs(any_share());
 			shape.width = large ? 30 : 0.2 + 0.5 * fabs(any_share());
 			for (int i = 0; i < 3; i++)
 				shape.size[i] = large ? 30 : 0.3 + fabs(any_share());
 			double middle = (double)ground.posts / 2, x = middle * (1 + any_share()), y = middle * (1 + any_share());
 			double z = (heights[round % 4] == conserve_cliff && x > 40 ? 1000 : 0) +
-				   deform_shape_reach(&shape, 0, 0) - 0.3 * fabs(any_share());
+				   soil_shape_reach(&shape, 0, 0) - 0.3 * fabs(any_share());
 			struct deform_contact sweep = {.shape = &shape, .from = ground_pose(&ground, x, y, z)};
 			sweep.to = ground_pose(&ground, x + 2 * any_share(), y + 2 * any_share(), z - 0.05 * any_share());
 			sweep.to.yaw = 3 * any_share();
-			if (shape.kind == DEFORM_BOX)
+			if (shape.kind == SOIL_BOX)
 				sweep.to.pitch = 0.3 * any_share();
 			if (k % 3 == 2)
 				sweep.from = sweep.to;

@@ -89,7 +89,7 @@ static void compare(struct ground *ground, const struct deform_contact *sweep, s
 }
 
 /* Every fourth motion goes straight up or down, every fourth is level. */
-static struct deform_contact any_sweep(const struct ground *ground, const struct deform_shape *shape, int number)
+static struct deform_contact any_sweep(const struct ground *ground, const struct soil_shape *shape, int number)
 {
 	double middle = (double)ground->posts / 2, far = number % 5 == 0 ? 20 : 1.5, spacing = ground->params.spacing;
 	double dx = number % 4 == 1 ? 0 : any_share() * far, dy = number % 4 == 1 ? 0 : any_share() * far;
@@ -104,7 +104,7 @@ static struct deform_contact any_sweep(const struct ground *ground, const struct
 }
 
 /* `leans`: wheels have camber. */
-static void many(enum deform_shape_kind kind, bool leans, int count)
+static void many(enum soil_shape_kind kind, bool leans, int count)
 {
 	struct tally tally = {0};
 	count /= long_run() ? 1 : 3;
@@ -114,17 +114,17 @@ static void many(enum deform_shape_kind kind, bool leans, int count)
 		for (int i = 0; i < count; i++) {
 			/* From smaller than a cell to some thirty posts. */
 			double size = spacings[s] * exp2(3 + 2 * any_share());
-			struct deform_shape shape = {.kind = kind};
-			if (kind == DEFORM_BOX || kind == DEFORM_ELLIPSOID) {
+			struct soil_shape shape = {.kind = kind};
+			if (kind == SOIL_BOX || kind == SOIL_ELLIPSOID) {
 				for (int k = 0; k < 3; k++)
-					shape.size[k] = size * exp2(any_share()) / (kind == DEFORM_BOX ? 1 : 2);
+					shape.size[k] = size * exp2(any_share()) / (kind == SOIL_BOX ? 1 : 2);
 			} else {
 				shape.radius = size / 2;
-				shape.width = kind == DEFORM_WHEEL ? size * exp2(any_share() - 1) : 0;
-				shape.length = kind == DEFORM_CYLINDER || kind == DEFORM_CAPSULE ? size * exp2(2 * any_share() - 1) : 0;
+				shape.width = kind == SOIL_WHEEL ? size * exp2(any_share() - 1) : 0;
+				shape.length = kind == SOIL_CYLINDER || kind == SOIL_CAPSULE ? size * exp2(2 * any_share() - 1) : 0;
 			}
 			struct deform_contact sweep = any_sweep(&ground, &shape, i);
-			if (kind != DEFORM_SPHERE && (kind != DEFORM_WHEEL || leans) && i % 3 != 0) {
+			if (kind != SOIL_SPHERE && (kind != SOIL_WHEEL || leans) && i % 3 != 0) {
 				sweep.to.pitch = i % 6 == 1 ? 1.5707963267948966 : any_share() * 4;
 				sweep.to.roll = i % 6 == 2 ? 0 : any_share() * 4;
 			}
@@ -144,49 +144,49 @@ static void a_wheel_is_that_of_the_reference(void **state)
 {
 	(void)state;
 	need_gpu();
-	many(DEFORM_WHEEL, false, 40);
+	many(SOIL_WHEEL, false, 40);
 }
 
 static void a_sphere_is_that_of_the_reference(void **state)
 {
 	(void)state;
 	need_gpu();
-	many(DEFORM_SPHERE, false, 40);
+	many(SOIL_SPHERE, false, 40);
 }
 
 static void a_box_of_any_attitude_is_that_of_the_reference(void **state)
 {
 	(void)state;
 	need_gpu();
-	many(DEFORM_BOX, false, 60);
+	many(SOIL_BOX, false, 60);
 }
 
 static void a_wheel_with_camber_is_that_of_the_reference(void **state)
 {
 	(void)state;
 	need_gpu();
-	many(DEFORM_WHEEL, true, 60);
+	many(SOIL_WHEEL, true, 60);
 }
 
 static void a_cylinder_of_any_attitude_is_that_of_the_reference(void **state)
 {
 	(void)state;
 	need_gpu();
-	many(DEFORM_CYLINDER, false, 60);
+	many(SOIL_CYLINDER, false, 60);
 }
 
 static void a_capsule_of_any_attitude_is_that_of_the_reference(void **state)
 {
 	(void)state;
 	need_gpu();
-	many(DEFORM_CAPSULE, false, 60);
+	many(SOIL_CAPSULE, false, 60);
 }
 
 static void an_ellipsoid_of_any_attitude_is_that_of_the_reference(void **state)
 {
 	(void)state;
 	need_gpu();
-	many(DEFORM_ELLIPSOID, false, 60);
+	many(SOIL_ELLIPSOID, false, 60);
 }
 
 TEST_PROGRAM(envelope)

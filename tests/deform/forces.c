@@ -2,11 +2,11 @@
 #include "ground.h"
 #include "../support/program.h"
 
-static const struct deform_shape plate = {.kind = DEFORM_BOX, .size = {0.4, 0.4, 0.5}};
+static const struct soil_shape plate = {.kind = SOIL_BOX, .size = {0.4, 0.4, 0.5}};
 
 static struct deform_contact press(const struct ground *ground, int i)
 {
-	struct deform_pose pose = ground_pose(ground, 20 + i % 30, 20 + i / 30 % 30, 0.25 - 0.001 * (1 + i % 7));
+	struct soil_pose pose = ground_pose(ground, 20 + i % 30, 20 + i / 30 % 30, 0.25 - 0.001 * (1 + i % 7));
 	return (struct deform_contact){.shape = &plate, .from = pose, .to = pose, .tag = 100 + (uint64_t)i};
 }
 
@@ -87,7 +87,7 @@ static void moments_are_about_the_centre(void **state)
 	(void)state;
 	need_gpu();
 	ground_init(&ground, &(struct ground_params){.cells = 64, .tiles = 1, .first = 2, .spacing = 0.0625, .model = DEFORM_SCM, .height = eastern});
-	struct deform_pose pose = ground_pose(&ground, 23.8, 23.8, 0.25 - 0.004);
+	struct soil_pose pose = ground_pose(&ground, 23.8, 23.8, 0.25 - 0.004);
 	struct deform_contact sweep = {.shape = &plate, .from = pose, .to = pose};
 	struct deform_forces forces = ground_forces(&ground, &sweep);
 	/* The ground is there from half a post before post 24 to the plate's eastern side. */
@@ -115,14 +115,14 @@ static void moments_are_about_the_centre(void **state)
 /* A large one takes several windows: it is told once, of all of them. */
 static void windows_of_one_sweep_add_up(void **state)
 {
-	const struct deform_shape large = {.kind = DEFORM_BOX, .size = {16, 12, 1}};
+	const struct soil_shape large = {.kind = SOIL_BOX, .size = {16, 12, 1}};
 	struct ground ground;
 	(void)state;
 	need_gpu();
 	ground_init(&ground, &(struct ground_params){.cells = 512, .tiles = 1, .first = 1, .spacing = 0.03125, .model = DEFORM_SCM});
-	struct deform_pose pose = ground_pose(&ground, 256.3, 256.3, 0.5 - 0.01);
+	struct soil_pose pose = ground_pose(&ground, 256.3, 256.3, 0.5 - 0.01);
 	struct deform_contact sweep = {.shape = &large, .from = pose, .to = pose};
-	struct deform_soil soil = ground.deform->params.soils[0];
+	struct soil_numbers soil = ground.deform->params.soils[0];
 	struct deform_forces forces = ground_forces(&ground, &sweep);
 	assert_true(ground.window_count > 1);
 	assert_true(fabs(forces.area - 16 * 12) < 0.6);

@@ -21,7 +21,7 @@ struct ground_params {
 	enum deform_model model;
 	int radius, repetitions; /* 0: 1 */
 	bool dirt;
-	const struct deform_soil *soils; /* NULL: dry_sand */
+	const struct soil_numbers *soils; /* NULL: dry_sand */
 	int soil_count;                  /* 0: 1 */
 	int iterations;                  /* 0: 4 */
 	bool lines;                      /* soil slides along lines too */
@@ -111,7 +111,7 @@ static inline void ground_init(struct ground *ground, const struct ground_params
 		.loaded_bodies = params->loaded_bodies,
 		.batches = params->batches,
 	};
-	assert_ok(deform_soil_named("dry_sand", &deform.soils[0]));
+	assert_ok(soil_named("dry_sand", &deform.soils[0]));
 	for (int i = 0; i < deform.soil_count && params->soils != NULL; i++)
 		deform.soils[i] = params->soils[i];
 	assert_ok(deform_create(&deform, &ground->deform));
@@ -337,9 +337,9 @@ static inline double any_share(void)
 }
 
 /* A place of the block on the lattice. x, y: in posts from the block's first post; z: metres. */
-static inline struct deform_pose ground_pose(const struct ground *ground, double x, double y, double z)
+static inline struct soil_pose ground_pose(const struct ground *ground, double x, double y, double z)
 {
-	return (struct deform_pose){
+	return (struct soil_pose){
 		.x = lattice_offset(((double)ground->x0 + x) * ground->params.spacing),
 		.y = lattice_offset(((double)ground->x0 + y) * ground->params.spacing),
 		.z = lattice_offset(z),
@@ -347,9 +347,9 @@ static inline struct deform_pose ground_pose(const struct ground *ground, double
 }
 
 /* An object that is set down there and does not move. */
-static inline struct deform_contact ground_stand(const struct ground *ground, const struct deform_shape *shape, double x, double y, double z)
+static inline struct deform_contact ground_stand(const struct ground *ground, const struct soil_shape *shape, double x, double y, double z)
 {
-	struct deform_pose pose = ground_pose(ground, x, y, z);
+	struct soil_pose pose = ground_pose(ground, x, y, z);
 	return (struct deform_contact){.shape = shape, .from = pose, .to = pose};
 }
 

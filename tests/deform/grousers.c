@@ -4,7 +4,7 @@
 
 #define BELOW 250 /* how deep in the ground the wheels run */
 
-static const struct deform_shape lugged = {.kind = DEFORM_WHEEL, .radius = 0.5, .width = 0.4, .grousers = 12, .grouser_height = 0.05, .grouser_thickness = 0.06};
+static const struct soil_shape lugged = {.kind = SOIL_WHEEL, .radius = 0.5, .width = 0.4, .grousers = 12, .grouser_height = 0.05, .grouser_thickness = 0.06};
 
 /* Lowest and highest of the reference around a post, and how many of eight places are under the wheel. */
 static int around(const struct deform_contact *sweep, long double x, long double y, long double radius, long double *low,
@@ -60,10 +60,10 @@ static void a_standing_wheel_is_that_of_the_reference(void **state)
 		struct ground ground;
 		ground_init(&ground, &(struct ground_params){.cells = 32, .tiles = 2, .first = 3, .spacing = spacings[s]});
 		for (int i = 0; i < 24; i++) {
-			struct deform_shape shape = {.kind = DEFORM_WHEEL, .radius = 0.4 + 0.1 * any_share(), .width = 0.3 + 0.2 * any_share(),
-						     .grousers = 1 + i % 24, .grouser_height = 0.02 + 0.1 * fabs(any_share()), .grouser_thickness = 0.01 + 0.04 * fabs(any_share())};
-			assert_ok(deform_shape_check(&shape, spacings[s]));
-			struct deform_pose pose = ground_pose(&ground, 32 + any_share(), 32 + any_share(), -BELOW);
+			struct soil_shape shape = {.kind = SOIL_WHEEL, .radius = 0.4 + 0.1 * any_share(), .width = 0.3 + 0.2 * any_share(),
+						   .grousers = 1 + i % 24, .grouser_height = 0.02 + 0.1 * fabs(any_share()), .grouser_thickness = 0.01 + 0.04 * fabs(any_share())};
+			assert_ok(soil_shape_check(&shape, spacings[s]));
+			struct soil_pose pose = ground_pose(&ground, 32 + any_share(), 32 + any_share(), -BELOW);
 			pose.yaw = i % 4 == 0 ? M_PI / 2 * i / 4 : any_share() * 4;
 			pose.turn = i % 5 == 0 ? 0 : any_share() * 20;
 			pose.roll = i % 3 == 0 ? 0 : i % 3 == 1 ? any_share() * 0.4 : any_share() * 4;
@@ -110,7 +110,7 @@ static void turned_by_one_lug_it_is_the_same(void **state)
 	need_gpu();
 	ground_init(&ground, &(struct ground_params){.cells = 32, .tiles = 2, .spacing = 0.0625});
 	for (int i = 0; i < 30; i++) {
-		struct deform_shape shape = lugged;
+		struct soil_shape shape = lugged;
 		shape.grousers = 1 + i;
 		shape.grouser_thickness = 0.03;
 		struct deform_contact sweep = {.shape = &shape, .from = ground_pose(&ground, 31.3, 31.8, -1), .to = ground_pose(&ground, 32.1, 32.2, -1)};
@@ -141,7 +141,7 @@ static void without_lugs_it_is_the_smooth_wheel(void **state)
 	(void)state;
 	need_gpu();
 	ground_init(&ground, &(struct ground_params){.cells = 32, .tiles = 2, .spacing = 0.0625, .model = DEFORM_BOX_FILTER, .radius = 1});
-	struct deform_shape smooth = {.kind = DEFORM_WHEEL, .radius = 0.5, .width = 0.4}, none = lugged;
+	struct soil_shape smooth = {.kind = SOIL_WHEEL, .radius = 0.5, .width = 0.4}, none = lugged;
 	none.grousers = 0;
 	struct deform_contact sweep = {.shape = &smooth, .from = ground_pose(&ground, 31.3, 31.8, 0.4), .to = ground_pose(&ground, 32.1, 32.2, 0.4)};
 	sweep.to.turn = 1;
@@ -164,10 +164,10 @@ static void a_track_shows_every_lug(void **state)
 	(void)state;
 	need_gpu();
 	ground_init(&ground, &(struct ground_params){.cells = 256, .tiles = 1, .spacing = 0.015625});
-	struct deform_shape shape = lugged;
-	struct deform_pose pose = ground_pose(&ground, 60, 128, 0.5);
+	struct soil_shape shape = lugged;
+	struct soil_pose pose = ground_pose(&ground, 60, 128, 0.5);
 	for (int i = 0; i < 140; i++) {
-		struct deform_pose next = pose;
+		struct soil_pose next = pose;
 		next.x += lattice_offset(0.015625);
 		struct deform_contact sweep = {.shape = &shape, .from = pose, .to = next, .turned = 0.015625 / 0.55}; /* on its lugs */
 		next.turn = sweep.to.turn = remainder(pose.turn + sweep.turned, 2 * M_PI);
@@ -187,25 +187,25 @@ static void a_track_shows_every_lug(void **state)
 
 static void lugs_that_cannot_be_are_refused(void **state)
 {
-	struct deform_shape shape = lugged;
+	struct soil_shape shape = lugged;
 	(void)state;
-	assert_int_equal(deform_shape_check(&shape, 0.1), STATUS_OK);
-	assert_true(fabs(deform_shape_reach(&shape, 1, 0) - 0.55) < 1e-12);
-	assert_true(deform_shape_bound(&shape) >= hypot(0.55, 0.2));
+	assert_int_equal(soil_shape_check(&shape, 0.1), STATUS_OK);
+	assert_true(fabs(soil_shape_reach(&shape, 1, 0) - 0.55) < 1e-12);
+	assert_true(soil_shape_bound(&shape) >= hypot(0.55, 0.2));
 	shape.grouser_height = 0;
-	assert_int_equal(deform_shape_check(&shape, 0.1), STATUS_INPUT);
+	assert_int_equal(soil_shape_check(&shape, 0.1), STATUS_INPUT);
 	shape = lugged;
 	shape.grouser_thickness = 0.3;
-	assert_int_equal(deform_shape_check(&shape, 0.1), STATUS_INPUT);
+	assert_int_equal(soil_shape_check(&shape, 0.1), STATUS_INPUT);
 	assert_non_null(strstr(failure_message(), "do not fit"));
 	shape = lugged;
 	shape.grousers = 361;
-	assert_int_equal(deform_shape_check(&shape, 0.1), STATUS_INPUT);
+	assert_int_equal(soil_shape_check(&shape, 0.1), STATUS_INPUT);
 	shape.grousers = -1;
-	assert_int_equal(deform_shape_check(&shape, 0.1), STATUS_INPUT);
+	assert_int_equal(soil_shape_check(&shape, 0.1), STATUS_INPUT);
 	shape = lugged;
 	shape.grouser_height = 300;
-	assert_int_equal(deform_shape_check(&shape, 0.1), STATUS_INPUT);
+	assert_int_equal(soil_shape_check(&shape, 0.1), STATUS_INPUT);
 }
 
 TEST_PROGRAM(grousers)

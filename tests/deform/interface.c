@@ -6,23 +6,23 @@
 #define DEGREES (M_PI / 180)
 #define SPACING 0.0125
 
-static const struct deform_shape block = {.kind = DEFORM_BOX, .size = {1, 0.3, 0.5}};
-static const struct deform_shape bodies[] = {
-	{.kind = DEFORM_WHEEL, .radius = 0.3, .width = 0.2},
-	{.kind = DEFORM_SPHERE, .radius = 0.3},
-	{.kind = DEFORM_BOX, .size = {0.5, 0.3, 0.4}},
+static const struct soil_shape block = {.kind = SOIL_BOX, .size = {1, 0.3, 0.5}};
+static const struct soil_shape bodies[] = {
+	{.kind = SOIL_WHEEL, .radius = 0.3, .width = 0.2},
+	{.kind = SOIL_SPHERE, .radius = 0.3},
+	{.kind = SOIL_BOX, .size = {0.5, 0.3, 0.4}},
 };
 
-static void init(struct ground *ground, const struct deform_soil *soil, double slip_sinkage)
+static void init(struct ground *ground, const struct soil_numbers *soil, double slip_sinkage)
 {
 	ground_init(ground, &(struct ground_params){.cells = 64, .tiles = 3, .first = 1, .spacing = SPACING, .model = DEFORM_SCM, .soils = soil,
 						    .slip_sinkage = slip_sinkage, .bulldozing = slip_sinkage > 0 ? 0.5 : 0});
 }
 
-static struct deform_soil soil_of(const char *name)
+static struct soil_numbers soil_of(const char *name)
 {
-	struct deform_soil soil;
-	assert_ok(deform_soil_named(name, &soil));
+	struct soil_numbers soil;
+	assert_ok(soil_named(name, &soil));
 	return soil;
 }
 
@@ -32,7 +32,7 @@ static struct deform_soil soil_of(const char *name)
  */
 static void a_dragged_block_is_held_back_by_adhesion_and_friction(void **state)
 {
-	static const struct deform_interface surfaces[] = {
+	static const struct soil_interface surfaces[] = {
 		{true, true, 15 * DEGREES, 500}, {true, true, 0, 800}, {.has_friction = true, .friction_angle = 20 * DEGREES},
 		{.has_adhesion = true, .adhesion = 0}, {true, true, 60 * DEGREES, 1e5}, {.has_friction = false},
 	};
@@ -41,15 +41,15 @@ static void a_dragged_block_is_held_back_by_adhesion_and_friction(void **state)
 	for (size_t i = 0; i < 3 * sizeof surfaces / sizeof *surfaces; i++) {
 		static const char *const names[] = {"dry_sand", "lete_sand", "upland_loam_51"};
 		static const double loads[] = {2000, 4000, 3000};
-		const struct deform_soil soil = soil_of(names[i % 3]);
-		const struct deform_interface *surface = &surfaces[i / 3];
+		const struct soil_numbers soil = soil_of(names[i % 3]);
+		const struct soil_interface *surface = &surfaces[i / 3];
 		const double load = loads[i % 3], length = block.size[0], area = length * block.size[1], modulus = soil.janosi_shear;
 		struct ground ground;
 		struct deform_forces forces = {.z = 0};
 		init(&ground, &soil, 0);
 		struct deform_contact sweep = {.shape = &block, .interface = *surface, .load = load};
 		for (int step = 0; step <= (int)(length / SPACING) + 20; step++) {
-			struct deform_pose pose = ground_pose(&ground, 46.5 + step, 96.5, 0.25);
+			struct soil_pose pose = ground_pose(&ground, 46.5 + step, 96.5, 0.25);
 			sweep.from = step == 0 ? pose : sweep.to;
 			sweep.to = pose;
 			forces = ground_forces(&ground, &sweep);
@@ -72,18 +72,18 @@ struct left {
 	int32_t *planes[PLANES];
 };
 
-static void drive(const struct deform_shape *shape, const struct deform_soil *soil, const struct deform_interface *surface, struct left *out)
+static void drive(const struct soil_shape *shape, const struct soil_numbers *soil, const struct soil_interface *surface, struct left *out)
 {
 	struct ground ground;
 	init(&ground, soil, 0.55);
 	struct deform_contact sweep = {.shape = shape, .interface = *surface};
 	for (int step = 0; step < 8; step++) {
-		struct deform_pose pose = ground_pose(&ground, 90 + 1.3 * step, 95 + 0.4 * step, deform_shape_reach(shape, 0, 0) - 0.02);
+		struct soil_pose pose = ground_pose(&ground, 90 + 1.3 * step, 95 + 0.4 * step, soil_shape_reach(shape, 0, 0) - 0.02);
 		pose.yaw = 0.3;
 		sweep.load = step % 4 == 3 ? 0 : 600; /* under its load; and at a height */
 		sweep.from = step == 0 ? pose : sweep.to;
 		sweep.to = pose;
-		sweep.turned = step > 0 && shape->kind == DEFORM_WHEEL ? 1.25 * 1.36 * SPACING / shape->radius : 0;
+		sweep.turned = step > 0 && shape->kind == SOIL_WHEEL ? 1.25 * 1.36 * SPACING / shape->radius : 0;
 		out->forces[step] = ground_forces(&ground, &sweep);
 		out->forces[step].tag = 0;
 	}
@@ -109,10 +109,10 @@ static bool is_same(const struct left *a, const struct left *b)
 
 static void a_surface_no_weaker_than_the_soil_changes_no_bit(void **state)
 {
-	const struct deform_soil soil = soil_of("sandy_loam_15");
-	const struct deform_interface none = {.has_friction = false};
+	const struct soil_numbers soil = soil_of("sandy_loam_15");
+	const struct soil_interface none = {.has_friction = false};
 	const struct {
-		struct deform_interface surface;
+		struct soil_interface surface;
 		bool same;
 	} rows[] = {
 		{{true, true, soil.friction_angle, soil.cohesion}, true},
@@ -139,13 +139,13 @@ static void a_surface_no_weaker_than_the_soil_changes_no_bit(void **state)
 
 static void the_shear_limit_is_the_weaker_line(void **state)
 {
-	const struct deform_soil soil = {.cohesion = 1000, .friction_angle = M_PI / 4};
+	const struct soil_numbers soil = {.cohesion = 1000, .friction_angle = M_PI / 4};
 	(void)state;
-	assert_near(deform_shear_limit(&soil, &(struct deform_interface){.has_friction = false}, 2, 300), 2300, 1e-9);
-	assert_near(deform_shear_limit(&soil, &(struct deform_interface){.has_friction = true}, 2, 300), 2000, 1e-9);
-	assert_near(deform_shear_limit(&soil, &(struct deform_interface){.has_adhesion = true, .adhesion = 10}, 2, 300), 320, 1e-9);
-	assert_near(deform_shear_limit(&soil, &(struct deform_interface){true, true, 0, 1200}, 2, 300), 2300, 1e-9);
-	assert_near(deform_shear_limit(&soil, &(struct deform_interface){true, true, 0, 1200}, 2, 500), 2400, 1e-9);
+	assert_near(soil_shear_limit(&soil, &(struct soil_interface){.has_friction = false}, 2, 300), 2300, 1e-9);
+	assert_near(soil_shear_limit(&soil, &(struct soil_interface){.has_friction = true}, 2, 300), 2000, 1e-9);
+	assert_near(soil_shear_limit(&soil, &(struct soil_interface){.has_adhesion = true, .adhesion = 10}, 2, 300), 320, 1e-9);
+	assert_near(soil_shear_limit(&soil, &(struct soil_interface){true, true, 0, 1200}, 2, 300), 2300, 1e-9);
+	assert_near(soil_shear_limit(&soil, &(struct soil_interface){true, true, 0, 1200}, 2, 500), 2400, 1e-9);
 }
 
 TEST_PROGRAM(interface)

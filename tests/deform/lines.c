@@ -117,9 +117,9 @@ static void slide_along_lines(struct ground *ground)
 
 static void start_round(struct ground *ground, int round)
 {
-	static struct deform_soil soils[2];
-	assert_ok(deform_soil_named("dry_sand", &soils[0]));
-	assert_ok(deform_soil_named("snow_us", &soils[1]));
+	static struct soil_numbers soils[2];
+	assert_ok(soil_named("dry_sand", &soils[0]));
+	assert_ok(soil_named("snow_us", &soils[1]));
 	soils[0].cohesion = 0;
 	soils[1].unit_weight = 3000;
 	soils[1].friction_angle = round % 7 == 6 ? 0 : soils[1].friction_angle;
@@ -194,8 +194,8 @@ static void the_sum_stays_and_the_potential_energy_never_rises(void **state)
 static int calls_to_rest(double spacing)
 {
 	struct ground ground;
-	struct deform_soil soil;
-	assert_ok(deform_soil_named("dry_sand", &soil));
+	struct soil_numbers soil;
+	assert_ok(soil_named("dry_sand", &soil));
 	soil.cohesion = 0;
 	stands = false;
 	tolerance = 0;

@@ -33,25 +33,25 @@ static void bed_finish(struct bed *bed)
 }
 
 /* N at a sinkage of the lowest point. */
-static double force_at(const struct bed *bed, const struct deform_soil *soil, double sinkage)
+static double force_at(const struct bed *bed, const struct soil_numbers *soil, double sinkage)
 {
-	double reach = deform_shape_reach(bed->sweep.shape, 0, 0), lower = sinkage - reach + lattice_offset_metres(bed->sweep.to.z);
+	double reach = soil_shape_reach(bed->sweep.shape, 0, 0), lower = sinkage - reach + lattice_offset_metres(bed->sweep.to.z);
 	return reference_scm_vertical(&bed->ground, soil, &bed->sweep, bed->under, bed->rest, lower);
 }
 
-static void try_shape(const struct deform_shape *shape, double spacing)
+static void try_shape(const struct soil_shape *shape, double spacing)
 {
-	double reach = deform_shape_reach(shape, 0, 0);
+	double reach = soil_shape_reach(shape, 0, 0);
 	for (size_t k = 0; k < sizeof soils / sizeof *soils; k++) {
 		struct ground ground;
-		struct deform_soil soil;
-		assert_ok(deform_soil_named(soils[k], &soil));
+		struct soil_numbers soil;
+		assert_ok(soil_named(soils[k], &soil));
 		ground_init(&ground, &(struct ground_params){.cells = 64, .tiles = 1, .first = 2, .spacing = spacing, .model = DEFORM_SCM,
 							     .soils = &soil});
 		/* Every other one, and those between with the next soil. */
 		for (int i = (int)k % 2; i < LOADS; i += 2) {
 			double load = pow(10, i);
-			struct deform_pose pose = ground_pose(&ground, 32.37, 32.21, reach - deform_sinkage_guess(shape, &soil, load));
+			struct soil_pose pose = ground_pose(&ground, 32.37, 32.21, reach - soil_sinkage_guess(shape, &soil, load));
 			struct deform_contact sweep = {.shape = shape, .from = pose, .to = pose, .load = load};
 			struct bed bed;
 			bed_init(&bed, &ground, &sweep);
@@ -73,7 +73,7 @@ static void try_shape(const struct deform_shape *shape, double spacing)
 
 static void plates_stand_where_the_soil_carries_them(void **state)
 {
-	const struct deform_shape plate = {.kind = DEFORM_BOX, .size = {0.6, 0.3, 0.4}};
+	const struct soil_shape plate = {.kind = SOIL_BOX, .size = {0.6, 0.3, 0.4}};
 	(void)state;
 	need_gpu();
 	try_shape(&plate, 0.03125);
@@ -81,7 +81,7 @@ static void plates_stand_where_the_soil_carries_them(void **state)
 
 static void wheels_stand_where_the_soil_carries_them(void **state)
 {
-	const struct deform_shape wheel = {.kind = DEFORM_WHEEL, .radius = 0.5, .width = 0.3};
+	const struct soil_shape wheel = {.kind = SOIL_WHEEL, .radius = 0.5, .width = 0.3};
 	(void)state;
 	need_gpu();
 	try_shape(&wheel, 0.03125);
@@ -89,7 +89,7 @@ static void wheels_stand_where_the_soil_carries_them(void **state)
 
 static void spheres_stand_where_the_soil_carries_them(void **state)
 {
-	const struct deform_shape ball = {.kind = DEFORM_SPHERE, .radius = 0.5};
+	const struct soil_shape ball = {.kind = SOIL_SPHERE, .radius = 0.5};
 	(void)state;
 	need_gpu();
 	try_shape(&ball, 0.03125);
@@ -97,7 +97,7 @@ static void spheres_stand_where_the_soil_carries_them(void **state)
 
 static void the_guess_does_not_matter(void **state)
 {
-	const struct deform_shape wheel = {.kind = DEFORM_WHEEL, .radius = 0.5, .width = 0.3};
+	const struct soil_shape wheel = {.kind = SOIL_WHEEL, .radius = 0.5, .width = 0.3};
 	struct ground ground;
 	int64_t z = 0;
 	(void)state;
@@ -106,7 +106,7 @@ static void the_guess_does_not_matter(void **state)
 	const double guesses[] = {0.45, 0.5, 0.2, 3, -3, 400, -400};
 	for (size_t i = 0; i < sizeof guesses / sizeof *guesses; i++) {
 		ground_reset(&ground);
-		struct deform_pose pose = ground_pose(&ground, 64.37, 64.21, guesses[i]);
+		struct soil_pose pose = ground_pose(&ground, 64.37, 64.21, guesses[i]);
 		struct deform_contact sweep = {.shape = &wheel, .from = pose, .to = pose, .load = 3000};
 		struct deform_forces forces = ground_forces(&ground, &sweep);
 		assert_true(i == 0 || llabs(forces.z - z) <= 1);
@@ -118,12 +118,12 @@ static void the_guess_does_not_matter(void **state)
 /* It stands on what it left itself: no deeper, as often as it stands there. */
 static void a_wheel_that_stands_again_stands_as_high(void **state)
 {
-	const struct deform_shape wheel = {.kind = DEFORM_WHEEL, .radius = 0.5, .width = 0.3};
+	const struct soil_shape wheel = {.kind = SOIL_WHEEL, .radius = 0.5, .width = 0.3};
 	struct ground ground;
 	(void)state;
 	need_gpu();
 	ground_init(&ground, &(struct ground_params){.cells = 64, .tiles = 2, .first = 2, .spacing = 0.03125, .model = DEFORM_SCM});
-	struct deform_pose pose = ground_pose(&ground, 64.37, 64.21, 0.45);
+	struct soil_pose pose = ground_pose(&ground, 64.37, 64.21, 0.45);
 	struct deform_contact sweep = {.shape = &wheel, .from = pose, .to = pose, .load = 3000};
 	int64_t z = ground_forces(&ground, &sweep).z;
 	for (int i = 0; i < 20; i++)
@@ -133,14 +133,14 @@ static void a_wheel_that_stands_again_stands_as_high(void **state)
 
 static void an_object_over_nothing_stays_where_it_is(void **state)
 {
-	const struct deform_shape wheel = {.kind = DEFORM_WHEEL, .radius = 0.5, .width = 0.3};
+	const struct soil_shape wheel = {.kind = SOIL_WHEEL, .radius = 0.5, .width = 0.3};
 	struct ground ground;
 	struct deform_tally tally;
 	(void)state;
 	need_gpu();
 	ground_init(&ground, &(struct ground_params){.cells = 64, .tiles = 2, .first = 0, .spacing = 0.03125, .model = DEFORM_SCM});
 	/* Its rim reaches over the world's edge, itself not. */
-	struct deform_pose pose = ground_pose(&ground, -17, 64, 0.45);
+	struct soil_pose pose = ground_pose(&ground, -17, 64, 0.45);
 	struct deform_contact sweep = {.shape = &wheel, .from = pose, .to = pose, .load = 3000};
 	struct deform_forces forces = ground_forces(&ground, &sweep);
 	assert_true(forces.z == pose.z && forces.force[2] == 0 && forces.area == 0 && forces.state == DEFORM_AIR);
@@ -150,7 +150,7 @@ static void an_object_over_nothing_stays_where_it_is(void **state)
 }
 
 /* The intervals that follow a press of one wheel; `at`: where it is said to stand. */
-static int32_t *slid_on(const struct deform_soil *soil, const struct deform_contact *sweep, const struct deform_rest *at, bool told)
+static int32_t *slid_on(const struct soil_numbers *soil, const struct deform_contact *sweep, const struct deform_rest *at, bool told)
 {
 	struct ground ground;
 	ground_init(&ground, &(struct ground_params){.cells = 64, .tiles = 2, .spacing = 0.03125, .model = DEFORM_SCM, .bulldozing = 1,
@@ -173,16 +173,16 @@ static int32_t *slid_on(const struct deform_soil *soil, const struct deform_cont
 /* What holds the soil meanwhile is the wheel as the soil carries it, not as it was guessed to stand. */
 static void the_ground_slides_around_where_it_stands(void **state)
 {
-	const struct deform_shape wheel = {.kind = DEFORM_WHEEL, .radius = 0.5, .width = 0.3};
+	const struct soil_shape wheel = {.kind = SOIL_WHEEL, .radius = 0.5, .width = 0.3};
 	const size_t bytes = 129 * 129 * sizeof(int32_t);
-	struct deform_soil soil;
+	struct soil_numbers soil;
 	(void)state;
 	need_gpu();
-	assert_ok(deform_soil_named("dry_sand", &soil));
+	assert_ok(soil_named("dry_sand", &soil));
 	soil.repose = 0.1;
 	for (int i = 0; i < 2; i++) {
-		struct deform_pose pose = {.x = lattice_offset(64.37 * 0.03125), .y = lattice_offset(64.21 * 0.03125),
-					   .z = lattice_offset(i == 0 ? 0.55 : 0.2)};
+		struct soil_pose pose = {.x = lattice_offset(64.37 * 0.03125), .y = lattice_offset(64.21 * 0.03125),
+					 .z = lattice_offset(i == 0 ? 0.55 : 0.2)};
 		struct deform_contact sweep = {.shape = &wheel, .from = pose, .to = pose, .load = 6000, .loaded_body = 1};
 		int32_t *where = slid_on(&soil, &sweep, &(struct deform_rest){&wheel, pose, 0}, false);
 		int32_t *found = slid_on(&soil, &sweep, &(struct deform_rest){&wheel, pose, 1}, false);

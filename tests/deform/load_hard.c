@@ -9,16 +9,16 @@
 
 enum { POSTS = 60, STEPS = 100 };
 
-static const struct deform_shape bodies[] = {
-	{.kind = DEFORM_WHEEL, .radius = 0.32, .width = 0.24},
-	{.kind = DEFORM_BOX, .size = {0.3, 0.2, 0.4}},
-	{.kind = DEFORM_SPHERE, .radius = 0.3},
+static const struct soil_shape bodies[] = {
+	{.kind = SOIL_WHEEL, .radius = 0.32, .width = 0.24},
+	{.kind = SOIL_BOX, .size = {0.3, 0.2, 0.4}},
+	{.kind = SOIL_SPHERE, .radius = 0.3},
 };
 enum { BODIES = sizeof bodies / sizeof *bodies };
 
-static struct deform_soil soil_of(int kind)
+static struct soil_numbers soil_of(int kind)
 {
-	struct deform_soil soil = bed_soil(kind == 2 ? "heavy_clay_25" : kind == 4 ? "snow_us" : "dry_sand");
+	struct soil_numbers soil = bed_soil(kind == 2 ? "heavy_clay_25" : kind == 4 ? "snow_us" : "dry_sand");
 	if (kind == 1) { /* stiff: nearly rock */
 		soil.bekker_kphi = 1e8;
 		soil.bekker_n = 1;
@@ -64,7 +64,7 @@ struct seen {
 static void compare(const struct deform_contact *sweep, void *bed, double lower, const char *kind, struct seen *seen)
 {
 	struct bed_reference *reference = bed;
-	const struct deform_soil *soil = &reference->params.soils[0];
+	const struct soil_numbers *soil = &reference->params.soils[0];
 	const size_t count = (size_t)POSTS * POSTS;
 	double *under = mem_alloc(count, sizeof *under), *rest = mem_alloc(count, sizeof *rest), top = INFINITY;
 	assert_true(under != NULL && rest != NULL);
@@ -91,9 +91,9 @@ static void compare(const struct deform_contact *sweep, void *bed, double lower,
 static void run(int kind, int b, int p, double load, double spacing, struct seen *seen)
 {
 	struct bed_params params = bed_scm(POSTS, POSTS, spacing, soil_of(kind));
-	const struct deform_shape *shape = &bodies[b];
+	const struct soil_shape *shape = &bodies[b];
 	const struct place *place = &places[p];
-	const double reach = deform_shape_reach(shape, 0, 0);
+	const double reach = soil_shape_reach(shape, 0, 0);
 	params.ground = place->ground;
 	void *bed = bed_gpu.make(&params), *reference = bed_reference.make(&params);
 	struct deform_contact sweep = {.shape = shape, .load = load, .tag = 1};

@@ -11,14 +11,14 @@
 #define VERTICES 4096
 
 struct made {
-	struct deform_mesh mesh;
+	struct soil_mesh mesh;
 	float vertices[VERTICES][3];
 	uint32_t triangles[2 * VERTICES][3];
 };
 
 static void start(struct made *made)
 {
-	made->mesh = (struct deform_mesh){.vertices = made->vertices, .triangles = made->triangles};
+	made->mesh = (struct soil_mesh){.vertices = made->vertices, .triangles = made->triangles};
 }
 
 static uint32_t vertex(struct made *made, double x, double y, double z)
@@ -182,7 +182,7 @@ static void compare(struct ground *ground, const struct deform_contact *sweep, i
 
 static const double spacings[] = {1, 0.25, 0.0903, 0.015625};
 
-static struct deform_contact any_sweep(const struct ground *ground, const struct deform_shape *shape, int number)
+static struct deform_contact any_sweep(const struct ground *ground, const struct soil_shape *shape, int number)
 {
 	double middle = (double)ground->posts / 2, far = number % 5 == 0 ? 12 : 1.2, spacing = ground->params.spacing;
 	double dx = number % 4 == 1 ? 0 : any_share() * far, dy = number % 4 == 1 ? 0 : any_share() * far;
@@ -226,8 +226,8 @@ static void every_mesh_is_that_of_the_reference(void **state)
 		ground_init(&ground, &(struct ground_params){.cells = 32, .tiles = 2, .first = 3, .spacing = spacings[s]});
 		for (int i = 0; i < 60; i++) {
 			make_any(&made, i % 5, spacings[s] * exp2(2.6 + 1.6 * any_share()));
-			struct deform_shape shape = {.kind = DEFORM_MESH, .mesh = &made.mesh};
-			assert_ok(deform_shape_check(&shape, spacings[s]));
+			struct soil_shape shape = {.kind = SOIL_MESH, .mesh = &made.mesh};
+			assert_ok(soil_shape_check(&shape, spacings[s]));
 			struct deform_contact sweep = any_sweep(&ground, &shape, i);
 			compare(&ground, &sweep, 1, &tally);
 		}
@@ -248,7 +248,7 @@ static void a_mesh_larger_than_a_window_is_that_of_the_reference(void **state)
 	need_gpu();
 	ground_init(&ground, &(struct ground_params){.cells = 512, .tiles = 1, .spacing = 0.25});
 	arch(&made, 80);
-	struct deform_shape shape = {.kind = DEFORM_MESH, .mesh = &made.mesh};
+	struct soil_shape shape = {.kind = SOIL_MESH, .mesh = &made.mesh};
 	struct deform_contact sweep = {.shape = &shape, .from = ground_pose(&ground, 255.3, 256.1, -BELOW), .to = ground_pose(&ground, 256.1, 255.9, -BELOW - 0.1)};
 	sweep.to.yaw = 0.4;
 	sweep.to.pitch = 0.1;
@@ -267,7 +267,7 @@ static void a_brick_is_the_box(void **state)
 	need_gpu();
 	ground_init(&ground, &(struct ground_params){.cells = 32, .tiles = 2, .spacing = 0.25});
 	brick(&made, 2, 1.5, 1);
-	struct deform_shape mesh = {.kind = DEFORM_MESH, .mesh = &made.mesh}, box = {.kind = DEFORM_BOX, .size = {2, 1.5, 1}};
+	struct soil_shape mesh = {.kind = SOIL_MESH, .mesh = &made.mesh}, box = {.kind = SOIL_BOX, .size = {2, 1.5, 1}};
 	static const double ways[][3] = {{0, 0, 0}, {1, 0, 0}, {0, -2, 0}, {2, 1, 0}, {0, 0, -0.5}, {1, 1, 0.25}};
 	for (size_t i = 0; i < sizeof ways / sizeof ways[0]; i++)
 		for (int turned = 0; turned < 2; turned++) {
@@ -298,7 +298,7 @@ static void a_fine_ball_is_the_sphere(void **state)
 	need_gpu();
 	ground_init(&ground, &(struct ground_params){.cells = 32, .tiles = 2, .spacing = 0.0625});
 	ball(&made, 1, 40);
-	struct deform_shape mesh = {.kind = DEFORM_MESH, .mesh = &made.mesh}, sphere = {.kind = DEFORM_SPHERE, .radius = 1};
+	struct soil_shape mesh = {.kind = SOIL_MESH, .mesh = &made.mesh}, sphere = {.kind = SOIL_SPHERE, .radius = 1};
 	struct deform_contact sweep = {.shape = &mesh, .from = ground_pose(&ground, 30.3, 31.8, -2), .to = ground_pose(&ground, 31.1, 32.2, -2.01)};
 	sweep.to.pitch = 0.7;
 	int32_t *a = ground_swept(&ground, &sweep);
@@ -330,7 +330,7 @@ static void what_stands_under_an_arch_is_left_standing(void **state)
 	need_gpu();
 	ground_init(&ground, &(struct ground_params){.cells = 32, .tiles = 2, .spacing = 0.125});
 	arch(&made, 2);
-	struct deform_shape shape = {.kind = DEFORM_MESH, .mesh = &made.mesh};
+	struct soil_shape shape = {.kind = SOIL_MESH, .mesh = &made.mesh};
 	/* Its feet 0.2 deep, its crown 1.2 above the ground. */
 	struct deform_contact sweep = {.shape = &shape, .from = ground_pose(&ground, 32, 32, 0.8), .to = ground_pose(&ground, 32, 32, 0.8)};
 	int32_t *a = ground_swept(&ground, &sweep);
@@ -356,7 +356,7 @@ static void it_rests_where_it_ends(void **state)
 	ground_init(&ground, &(struct ground_params){.cells = 32, .tiles = 2, .spacing = 0.0625, .model = DEFORM_BOX_FILTER, .radius = 1});
 	for (int k = 0; k < 20; k++) {
 		make_any(&made, k % 5, 1);
-		struct deform_shape shape = {.kind = DEFORM_MESH, .mesh = &made.mesh};
+		struct soil_shape shape = {.kind = SOIL_MESH, .mesh = &made.mesh};
 		struct deform_contact sweep = any_sweep(&ground, &shape, k);
 		assert_rests_where_it_ends(&ground, &sweep);
 	}
@@ -377,7 +377,7 @@ static void ten_thousand_kilometres_away_are_the_same_bits(void **state)
 		ground_init(&far, &params);
 		for (int k = 0; k < 10; k++) {
 			make_any(&made, k % 5, fine[i] * 12);
-			struct deform_shape shape = {.kind = DEFORM_MESH, .mesh = &made.mesh};
+			struct soil_shape shape = {.kind = SOIL_MESH, .mesh = &made.mesh};
 			uint32_t seed = test_seed;
 			struct deform_contact here = any_sweep(&near, &shape, k);
 			test_seed = seed;
@@ -398,15 +398,15 @@ static void shapes_know_their_size(void **state)
 	double extent[2];
 	(void)state;
 	brick(&made, 2, 1, 0.5);
-	struct deform_shape shape = {.kind = DEFORM_MESH, .mesh = &made.mesh}, box = {.kind = DEFORM_BOX, .size = {2, 1, 0.5}};
+	struct soil_shape shape = {.kind = SOIL_MESH, .mesh = &made.mesh}, box = {.kind = SOIL_BOX, .size = {2, 1, 0.5}};
 	for (int i = 0; i < 100; i++) {
 		double pitch = any_share() * 4, roll = any_share() * 4;
-		assert_true(fabs(deform_shape_reach(&shape, pitch, roll) - deform_shape_reach(&box, pitch, roll)) < 1e-6);
+		assert_true(fabs(soil_shape_reach(&shape, pitch, roll) - soil_shape_reach(&box, pitch, roll)) < 1e-6);
 	}
 	(void)extent;
-	assert_true(fabs(deform_shape_bound(&shape) - deform_shape_bound(&box)) < 1e-6);
+	assert_true(fabs(soil_shape_bound(&shape) - soil_shape_bound(&box)) < 1e-6);
 	brick(&made, 900, 1, 1);
-	assert_int_equal(deform_shape_check(&shape, 1), STATUS_INPUT);
+	assert_int_equal(soil_shape_check(&shape, 1), STATUS_INPUT);
 	assert_non_null(strstr(failure_message(), "too large"));
 }
 
@@ -420,7 +420,7 @@ static void any_number_of_triangles(void **state)
 	need_gpu();
 	ground_init(&ground, &(struct ground_params){.cells = 32, .tiles = 2, .spacing = 0.0625});
 	ball(&made, 1.5, 44); /* 7,744 */
-	struct deform_shape shape = {.kind = DEFORM_MESH, .mesh = &made.mesh};
+	struct soil_shape shape = {.kind = SOIL_MESH, .mesh = &made.mesh};
 	struct deform_contact sweep = {.shape = &shape, .from = ground_pose(&ground, 31.4, 31.5, -BELOW), .to = ground_pose(&ground, 32.2, 32.6, -BELOW)};
 	sweep.to.roll = 1;
 	compare(&ground, &sweep, 17, &tally);

@@ -18,21 +18,21 @@ static const struct range {
 	bool from_zero;   /* it is */
 	size_t at;
 } ranges[] = {
-	{-1e12, 1e12, false, offsetof(struct deform_soil, bekker_kc)},
-	{0, 1e12, true, offsetof(struct deform_soil, bekker_kphi)},
-	{0, 3, false, offsetof(struct deform_soil, bekker_n)},
-	{0, 1e9, true, offsetof(struct deform_soil, cohesion)},
-	{0, 89 * DEGREES, true, offsetof(struct deform_soil, friction_angle)},
-	{0, 10, false, offsetof(struct deform_soil, janosi_shear)},
-	{0, 1e12, false, offsetof(struct deform_soil, elastic_stiffness)},
-	{0, 1e12, true, offsetof(struct deform_soil, damping)},
-	{0, 1e6, false, offsetof(struct deform_soil, unit_weight)},
-	{0, 89 * DEGREES, false, offsetof(struct deform_soil, repose)},
-	{0, 90 * DEGREES, false, offsetof(struct deform_soil, theta_in)},
-	{0, 90 * DEGREES, false, offsetof(struct deform_soil, theta_out)},
-	{0, 90 * DEGREES, false, offsetof(struct deform_soil, theta_stop)},
-	{0, 0.2, false, offsetof(struct deform_soil, roughness)},
-	{0, 1, true, offsetof(struct deform_soil, compression)},
+	{-1e12, 1e12, false, offsetof(struct soil_numbers, bekker_kc)},
+	{0, 1e12, true, offsetof(struct soil_numbers, bekker_kphi)},
+	{0, 3, false, offsetof(struct soil_numbers, bekker_n)},
+	{0, 1e9, true, offsetof(struct soil_numbers, cohesion)},
+	{0, 89 * DEGREES, true, offsetof(struct soil_numbers, friction_angle)},
+	{0, 10, false, offsetof(struct soil_numbers, janosi_shear)},
+	{0, 1e12, false, offsetof(struct soil_numbers, elastic_stiffness)},
+	{0, 1e12, true, offsetof(struct soil_numbers, damping)},
+	{0, 1e6, false, offsetof(struct soil_numbers, unit_weight)},
+	{0, 89 * DEGREES, false, offsetof(struct soil_numbers, repose)},
+	{0, 90 * DEGREES, false, offsetof(struct soil_numbers, theta_in)},
+	{0, 90 * DEGREES, false, offsetof(struct soil_numbers, theta_out)},
+	{0, 90 * DEGREES, false, offsetof(struct soil_numbers, theta_stop)},
+	{0, 0.2, false, offsetof(struct soil_numbers, roughness)},
+	{0, 1, true, offsetof(struct soil_numbers, compression)},
 };
 
 static double any_of(double low, double high, bool from_zero)
@@ -50,9 +50,9 @@ static double any_of(double low, double high, bool from_zero)
 }
 
 /* As a scene may have it under an object whose b is `width`. */
-static struct deform_soil any_soil(double width)
+static struct soil_numbers any_soil(double width)
 {
-	struct deform_soil soil = {.cohesion = 0};
+	struct soil_numbers soil = {.cohesion = 0};
 	for (size_t i = 0; i < sizeof ranges / sizeof *ranges; i++)
 		*(double *)((char *)&soil + ranges[i].at) = any_of(ranges[i].low, ranges[i].high, ranges[i].from_zero);
 	if (!(soil.bekker_kc / width + soil.bekker_kphi > 0))
@@ -70,18 +70,18 @@ static int32_t rough(int64_t x, int64_t y)
 	return h % 97 == 0 ? BASE_NODATA : (int32_t)(h >> 16) + (cliff ? 300 << BASE_BITS : 0);
 }
 
-static struct deform_contact any_sweep(const struct ground *ground, const struct deform_shape *shape)
+static struct deform_contact any_sweep(const struct ground *ground, const struct soil_shape *shape)
 {
 	double spacing = ground->params.spacing, x = 48 + 40 * any_share(), y = 48 + 40 * any_share();
 	double height = any_word() % 8 == 0 ? 600 * any_share() : x > 60 && y > 40 ? 300 : 0;
-	double z = height + deform_shape_reach(shape, 0, 0) - 4 * spacing * any_share();
+	double z = height + soil_shape_reach(shape, 0, 0) - 4 * spacing * any_share();
 	struct deform_contact sweep = {.shape = shape, .tag = 1};
 	sweep.from = ground_pose(ground, x, y, z);
 	sweep.to = ground_pose(ground, x + 2 * any_share(), y + 2 * any_share(), z + spacing * any_share());
 	sweep.to.yaw = 4 * any_share();
 	double way = hypot(lattice_offset_metres(sweep.to.x - sweep.from.x), lattice_offset_metres(sweep.to.y - sweep.from.y));
 	sweep.seconds = way / any_of(0, 1e4, false);
-	if (shape->kind == DEFORM_WHEEL)
+	if (shape->kind == SOIL_WHEEL)
 		sweep.turned = way / (shape->radius * (1 - 0.99 * any_share()));
 	if (ground->params.model == DEFORM_SCM && any_word() % 2) {
 		sweep.load = any_of(0, 1e9, false);
@@ -99,10 +99,10 @@ static void forces_are_numbers(struct ground *ground, const struct deform_contac
 	if (!taken)
 		return;
 	/* No post below the object bears more than 2^31 sixteenths of a pascal, however small the part of its cell is. */
-	double reach = deform_shape_reach(sweep->shape, 0, 0), spacing = ground->params.spacing;
-	double across = 2 * deform_shape_bound(sweep->shape) + 2 * spacing, most = across * across * 0x1p27;
+	double reach = soil_shape_reach(sweep->shape, 0, 0), spacing = ground->params.spacing;
+	double across = 2 * soil_shape_bound(sweep->shape) + 2 * spacing, most = across * across * 0x1p27;
 	for (int k = 0; k < 3; k++) {
-		if (!(fabs(forces.force[k]) <= most) || !(fabs(forces.moment[k]) <= most * 4 * (deform_shape_bound(sweep->shape) + spacing)))
+		if (!(fabs(forces.force[k]) <= most) || !(fabs(forces.moment[k]) <= most * 4 * (soil_shape_bound(sweep->shape) + spacing)))
 			fail_msg("force %d of %g m2: %g N, %g N m", k, forces.area, forces.force[k], forces.moment[k]);
 	}
 	assert_true(forces.area >= 0 && forces.sinkage >= 0 && forces.sinkage <= 1024);
@@ -142,13 +142,13 @@ static void at_its_limits(enum deform_model model, int rounds)
 		struct deform_tally tally;
 		test_seed = 100000u * (uint32_t)model + (uint32_t)round;
 		double spacing = exp2(-(double)(round % 7));
-		struct deform_shape shape = {.kind = (enum deform_shape_kind)(any_word() % 3)};
+		struct soil_shape shape = {.kind = (enum soil_shape_kind)(any_word() % 3)};
 		shape.radius = fmax(0.001, spacing * exp2(4 * any_share()));
 		shape.width = fmax(0.001, spacing * exp2(4 * any_share()));
 		for (int k = 0; k < 3; k++)
 			shape.size[k] = fmax(0.001, spacing * exp2(4 * any_share()));
-		double width = shape.kind == DEFORM_WHEEL ? shape.width : shape.kind == DEFORM_BOX ? fmin(shape.size[0], shape.size[1]) : spacing;
-		struct deform_soil soil = any_soil(width);
+		double width = shape.kind == SOIL_WHEEL ? shape.width : shape.kind == SOIL_BOX ? fmin(shape.size[0], shape.size[1]) : spacing;
+		struct soil_numbers soil = any_soil(width);
 		struct ground_params params = {
 			.cells = CELLS, .tiles = TILES, .spacing = spacing, .height = rough, .model = model, .soils = &soil, .soil_count = 1,
 			.iterations = 1 + (int)(any_word() % 8), .depth = any_word() % 2 ? 0 : any_of(0, 1024, false),

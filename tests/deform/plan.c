@@ -9,18 +9,18 @@
 #define OBJECTS_MAX 6
 #define NAMES_MAX 64
 
-static const struct deform_shape wheel = {.kind = DEFORM_WHEEL, .radius = 0.5, .width = 0.4};
-static const struct deform_shape lugged = {.kind = DEFORM_WHEEL, .radius = 0.5, .width = 0.4, .grousers = 9, .grouser_height = 0.06,
-					   .grouser_thickness = 0.05};
-static const struct deform_shape ball = {.kind = DEFORM_SPHERE, .radius = 0.6};
-static const struct deform_shape barrel = {.kind = DEFORM_CYLINDER, .radius = 0.5, .length = 0.8}, pill = {.kind = DEFORM_CAPSULE, .radius = 0.4, .length = 0.5};
-static const struct deform_shape egg = {.kind = DEFORM_ELLIPSOID, .size = {0.6, 0.5, 0.4}};
-static const struct deform_shape crate = {.kind = DEFORM_BOX, .size = {1, 0.8, 0.6}};
-static const struct deform_shape hall = {.kind = DEFORM_BOX, .size = {34, 30, 1}}; /* of several windows */
+static const struct soil_shape wheel = {.kind = SOIL_WHEEL, .radius = 0.5, .width = 0.4};
+static const struct soil_shape lugged = {.kind = SOIL_WHEEL, .radius = 0.5, .width = 0.4, .grousers = 9, .grouser_height = 0.06,
+					 .grouser_thickness = 0.05};
+static const struct soil_shape ball = {.kind = SOIL_SPHERE, .radius = 0.6};
+static const struct soil_shape barrel = {.kind = SOIL_CYLINDER, .radius = 0.5, .length = 0.8}, pill = {.kind = SOIL_CAPSULE, .radius = 0.4, .length = 0.5};
+static const struct soil_shape egg = {.kind = SOIL_ELLIPSOID, .size = {0.6, 0.5, 0.4}};
+static const struct soil_shape crate = {.kind = SOIL_BOX, .size = {1, 0.8, 0.6}};
+static const struct soil_shape hall = {.kind = SOIL_BOX, .size = {34, 30, 1}}; /* of several windows */
 static float corners[4][3] = {{-0.5f, -0.5f, 0.3f}, {0.6f, -0.4f, 0.3f}, {0, 0.6f, 0.3f}, {0.1f, 0, -0.4f}};
 static uint32_t faces[4][3] = {{0, 1, 2}, {0, 3, 1}, {1, 3, 2}, {2, 3, 0}};
-static const struct deform_mesh tetrahedron = {corners, faces, 4, 4, {-0.5, -0.5, -0.4}, {0.6, 0.6, 0.3}};
-static const struct deform_shape cone = {.kind = DEFORM_MESH, .mesh = &tetrahedron};
+static const struct soil_mesh tetrahedron = {corners, faces, 4, 4, {-0.5, -0.5, -0.4}, {0.6, 0.6, 0.3}};
+static const struct soil_shape cone = {.kind = SOIL_MESH, .mesh = &tetrahedron};
 
 struct scenario {
 	const char *name;
@@ -71,7 +71,7 @@ struct drive {
 static void sweep_at(struct drive *drive, size_t object, double x, double y, double dx, double dy, bool asks, double roll)
 {
 	const struct deform_planned *planned = &drive->scenario->objects[object];
-	double z = deform_shape_reach(planned->shape, 0, 0) - 0.1;
+	double z = soil_shape_reach(planned->shape, 0, 0) - 0.1;
 	struct deform_contact sweep = {.shape = planned->shape, .from = ground_pose(&drive->ground, x, y, z), .load = planned->load};
 	sweep.to = ground_pose(&drive->ground, x + dx, y + dy, z);
 	sweep.turned = dx * drive->ground.params.spacing / 0.5;
@@ -113,7 +113,7 @@ static void go(struct drive *drive)
 	double middle = (double)drive->ground.posts / 2;
 	for (size_t i = 0; i < scenario->count; i++) {
 		const struct deform_planned *planned = &scenario->objects[i];
-		double x = middle - 25 + 10 * (double)i, reach = 2 * deform_shape_reach(planned->shape, 0, 0) / drive->ground.params.spacing;
+		double x = middle - 25 + 10 * (double)i, reach = 2 * soil_shape_reach(planned->shape, 0, 0) / drive->ground.params.spacing;
 		bool can_ask = scenario->model == DEFORM_SCM && (scenario->forces || planned->load > 0);
 		for (int asks = 0; asks <= can_ask; asks++) {
 			sweep(drive, i, x, middle, 0, 0, asks);
@@ -124,7 +124,7 @@ static void go(struct drive *drive)
 			}
 		}
 		rests[i] = (struct deform_rest){.shape = planned->shape, .pose = ground_pose(&drive->ground, x + 0.7, middle + 1,
-											     deform_shape_reach(planned->shape, 0, 0) - 0.1),
+											     soil_shape_reach(planned->shape, 0, 0) - 0.1),
 						.loaded_body = planned->load > 0 ? (uint32_t)i + 1 : 0};
 	}
 	take_forces(drive);
@@ -257,10 +257,10 @@ static void hold_to_plan(const struct scenario *scenario)
 	struct plan plan = {.lines = NULL};
 	struct deform_figures figures;
 	assert_ok(gpu_create(&(struct gpu_params){.draws = false}, &test_gpu)); /* no programs yet */
-	struct deform_soil soils[DEFORM_SOILS];
+	struct soil_numbers soils[SOIL_CLASSES];
 	uint32_t loaded_bodies = 0;
-	for (int i = 0; i < DEFORM_SOILS; i++)
-		assert_ok(deform_soil_named("dry_sand", &soils[i]));
+	for (int i = 0; i < SOIL_CLASSES; i++)
+		assert_ok(soil_named("dry_sand", &soils[i]));
 	for (size_t i = 0; i < scenario->count; i++)
 		loaded_bodies = scenario->objects[i].load > 0 ? (uint32_t)i + 1 : loaded_bodies;
 	ground_init(&drive.ground, &(struct ground_params){

@@ -9,8 +9,8 @@ static void forces_are_those_of_a_plate(void **state)
 	struct reference_ground ground = made(30, 30, 0.1);
 	struct deform_params params = with(DEFORM_SCM, "dry_sand");
 	params.bulldozing = 0;
-	const struct deform_soil *soil = &params.soils[0];
-	struct deform_shape plate = {.kind = DEFORM_BOX, .size = {1, 0.8, 0.6}};
+	const struct soil_numbers *soil = &params.soils[0];
+	struct soil_shape plate = {.kind = SOIL_BOX, .size = {1, 0.8, 0.6}};
 	struct deform_contact sweep = {.shape = &plate, .from = at(&ground, 14.5, 14.5, 0.28), .to = at(&ground, 14.5, 14.5, 0.28)};
 	struct reference_forces forces;
 	swept(&ground, &params, &sweep, &forces);
@@ -53,7 +53,7 @@ static void shear_is_against_the_way_of_the_rim(void **state)
 {
 	(void)state;
 	struct deform_params params = with(DEFORM_SCM, "dry_sand");
-	struct deform_shape wheel = {.kind = DEFORM_WHEEL, .radius = 0.5, .width = 0.4};
+	struct soil_shape wheel = {.kind = SOIL_WHEEL, .radius = 0.5, .width = 0.4};
 	static const double yaws[] = {0, 1, 2.5, -1.5707963267948966};
 	for (int i = 0; i < 4; i++)
 		for (int spins = 0; spins < 2; spins++) {
@@ -82,7 +82,7 @@ static void a_load_is_carried_wherever_there_is_ground(void **state)
 {
 	(void)state;
 	struct deform_params params = with(DEFORM_SCM, "lunar");
-	struct deform_shape sphere = {.kind = DEFORM_SPHERE, .radius = 0.3};
+	struct soil_shape sphere = {.kind = SOIL_SPHERE, .radius = 0.3};
 	struct reference_ground ground = made(20, 20, 0.05);
 	struct reference_forces forces;
 	struct deform_contact sweep = {.shape = &sphere, .load = 40};
@@ -113,7 +113,7 @@ static void heaped_soil_is_undisturbed(void **state)
 {
 	(void)state;
 	struct deform_params params = with(DEFORM_SCM, "dry_sand");
-	struct deform_shape plate = {.kind = DEFORM_BOX, .size = {0.4, 0.4, 1}};
+	struct soil_shape plate = {.kind = SOIL_BOX, .size = {0.4, 0.4, 1}};
 	struct reference_ground ground = made(20, 20, 0.1);
 	struct deform_contact sweep = {.shape = &plate, .from = at(&ground, 9.5, 9.5, 0.4), .to = at(&ground, 9.5, 9.5, 0.4)};
 	struct reference_forces forces;
@@ -146,7 +146,7 @@ static void what_is_pressed_and_what_is_held_is_told(void **state)
 {
 	(void)state;
 	struct deform_params params = with(DEFORM_SLIPPAGE, "dry_sand");
-	struct deform_shape plate = {.kind = DEFORM_BOX, .size = {0.4, 0.4, 1}};
+	struct soil_shape plate = {.kind = SOIL_BOX, .size = {0.4, 0.4, 1}};
 	struct reference_ground ground = made(20, 20, 0.1);
 	struct deform_contact sweep = {.shape = &plate, .from = at(&ground, 8.5, 9.5, 0.4), .to = at(&ground, 11.5, 9.5, 0.4)};
 	struct reference_forces forces;
@@ -168,7 +168,7 @@ static void stress_is_along_the_undisturbed_normal(void **state)
 {
 	(void)state;
 	struct deform_params params = with(DEFORM_SCM, "dry_sand");
-	struct deform_shape plate = {.kind = DEFORM_BOX, .size = {0.1, 0.1, 1}};
+	struct soil_shape plate = {.kind = SOIL_BOX, .size = {0.1, 0.1, 1}};
 	struct reference_ground ground = made(20, 20, 0.1);
 	struct reference_forces forces;
 	params.bulldozing = params.iterations = 0;

@@ -17,7 +17,7 @@ static void soil_is_neither_made_nor_lost(void **state)
 {
 	(void)state;
 	static const enum deform_model models[] = {DEFORM_NONE, DEFORM_SUMNER, DEFORM_SLIPPAGE, DEFORM_SCM};
-	struct deform_shape wheel = {.kind = DEFORM_WHEEL, .radius = 0.5, .width = 0.4};
+	struct soil_shape wheel = {.kind = SOIL_WHEEL, .radius = 0.5, .width = 0.4};
 	for (size_t m = 0; m < sizeof models / sizeof *models; m++) {
 		struct reference_ground ground = made(48, 24, 0.1);
 		struct deform_params params = with(models[m], "dry_sand");
@@ -63,7 +63,7 @@ static void what_is_lifted_goes_around_by_its_distance(void **state)
 	(void)state;
 	struct reference_ground ground = made(9, 9, 0.5);
 	struct deform_params params = with(DEFORM_SLIPPAGE, "dry_sand");
-	const struct deform_shape ball = {.kind = DEFORM_SPHERE, .radius = 1};
+	const struct soil_shape ball = {.kind = SOIL_SPHERE, .radius = 1};
 	struct deform_contact sweep = {.shape = &ball, .from = at(&ground, 4, 4, 0), .to = at(&ground, 4, 4, 0)};
 	ground.contact[POST(4, 4)] = REFERENCE_SWEPT;
 	ground.carried[POST(4, 4)] = 1;
@@ -124,8 +124,8 @@ static void a_wheel_lays_beside_its_way_and_a_sledge_ahead(void **state)
 {
 	(void)state;
 	struct reference_ground ground = made(41, 41, 0.05);
-	const struct deform_shape wheel = {.kind = DEFORM_WHEEL, .radius = 0.53, .width = 0.26};
-	const struct deform_shape box = {.kind = DEFORM_BOX, .size = {0.3, 0.25, 0.2}};
+	const struct soil_shape wheel = {.kind = SOIL_WHEEL, .radius = 0.53, .width = 0.26};
+	const struct soil_shape box = {.kind = SOIL_BOX, .size = {0.3, 0.25, 0.2}};
 	struct deform_contact sweep = {.shape = &wheel, .from = at(&ground, 19, 20, 0), .to = at(&ground, 20, 20, 0)};
 	double sums[5];
 	reference_ground_finish(&ground);

@@ -33,15 +33,15 @@ static inline struct reference_ground made(int width, int height, double spacing
 static inline struct deform_params with(enum deform_model model, const char *name)
 {
 	struct deform_params params = {.model = model, .soil_count = 1, .iterations = 4, .depth = INFINITY, .bulldozing = 0.6};
-	assert_int_equal(deform_soil_named(name, &params.soils[0]), STATUS_OK);
+	assert_int_equal(soil_named(name, &params.soils[0]), STATUS_OK);
 	if (model == DEFORM_SCM)
 		params.depth = 0;
 	return params;
 }
 
-static inline struct deform_pose at(const struct reference_ground *ground, double x, double y, double z)
+static inline struct soil_pose at(const struct reference_ground *ground, double x, double y, double z)
 {
-	return (struct deform_pose){
+	return (struct soil_pose){
 		.x = lattice_offset(((double)ground->left + x) * ground->spacing),
 		.y = lattice_offset(((double)ground->bottom + y) * ground->spacing),
 		.z = lattice_offset(z),

@@ -2,7 +2,7 @@
 #include "scm_rig.h"
 #include "../support/program.h"
 
-static const struct deform_shape plate = {.kind = DEFORM_BOX, .size = {0.4, 0.1, 0.5}};
+static const struct soil_shape plate = {.kind = SOIL_BOX, .size = {0.4, 0.1, 0.5}};
 
 /* soil-models.md 4.1. The numbers there are rounded to 0.01 mm, so a sinkage may be off by 5e-6 m. */
 static void plates_sink_as_bekker_says(void **state)
@@ -15,7 +15,7 @@ static void plates_sink_as_bekker_says(void **state)
 	need_gpu();
 	for (size_t i = 0; i < sizeof plates / sizeof *plates; i++) {
 		struct ground ground;
-		struct deform_soil soil = named(plates[i].soil);
+		struct soil_numbers soil = named(plates[i].soil);
 		init(&ground, &soil, 0.015625, 0);
 		struct deform_contact sweep = ground_stand(&ground, &plate, 64.3, 64.4, 0.25 - plates[i].sinkage / 1000);
 		struct deform_forces forces = ground_forces(&ground, &sweep);
@@ -29,7 +29,7 @@ static void plates_sink_as_bekker_says(void **state)
 }
 
 /* Returns the mean shear below the plate after a straight way of (x, y) metres. At each place the plate has slid since it came over it. */
-static double mean_shear(const struct deform_soil *soil, double pressure, double x, double y)
+static double mean_shear(const struct soil_numbers *soil, double pressure, double x, double y)
 {
 	enum { PIECES = 400 };
 	double sum = 0;
@@ -44,7 +44,7 @@ static double mean_shear(const struct deform_soil *soil, double pressure, double
 /* 4.2: of the whole way at once. What was below the plate from the start is sheared so far. The plate is 6.4 posts wide. */
 static void plates_shear_as_janosi_says(void **state)
 {
-	struct deform_soil soil = named("dry_sand");
+	struct soil_numbers soil = named("dry_sand");
 	struct ground ground;
 	const struct {
 		double way, tau, within; /* of the last, a post slides a K further than the one before it */
@@ -72,7 +72,7 @@ static void plates_shear_as_janosi_says(void **state)
 /* Damping adds R v to the pressure where the body moves down, and nothing where it moves up or has no time of motion. */
 static void soil_that_is_pressed_fast_bears_more(void **state)
 {
-	struct deform_soil soil = soft();
+	struct soil_numbers soil = soft();
 	struct ground ground;
 	(void)state;
 	need_gpu();
@@ -94,7 +94,7 @@ static void soil_that_is_pressed_fast_bears_more(void **state)
 /* 4.3: it rebounds by 0.5 mm, and bears the same again without sinking deeper. */
 static void a_load_rebounds_and_presses_no_deeper_again(void **state)
 {
-	struct deform_soil soil = soft();
+	struct soil_numbers soil = soft();
 	struct ground ground;
 	(void)state;
 	need_gpu();
@@ -138,7 +138,7 @@ static void roll(struct ground *ground, const struct deform_contact *start, int 
 
 static void a_second_pass_sinks_no_deeper(void **state)
 {
-	struct deform_soil soil = soft();
+	struct soil_numbers soil = soft();
 	struct ground ground;
 	(void)state;
 	need_gpu();
@@ -162,7 +162,7 @@ static void a_second_pass_sinks_no_deeper(void **state)
 
 static void left_and_right_are_the_same(void **state)
 {
-	struct deform_soil soil = soft();
+	struct soil_numbers soil = soft();
 	struct deform_forces forces;
 	struct ground ground;
 	(void)state;
@@ -188,7 +188,7 @@ static void left_and_right_are_the_same(void **state)
 
 static void a_wheel_that_slips_more_pulls_more(void **state)
 {
-	struct deform_soil soil = named("dry_sand");
+	struct soil_numbers soil = named("dry_sand");
 	struct ground ground;
 	double before = -INFINITY;
 	(void)state;

@@ -13,10 +13,10 @@ static int32_t rough(int64_t x, int64_t y)
 /* A random drive of a random object; deep and shallow, rates and none. */
 static void drive_about(struct ground *ground, int sweeps)
 {
-	static const struct deform_shape shapes[] = {
-		{.kind = DEFORM_WHEEL, .radius = 0.8, .width = 0.5}, {.kind = DEFORM_SPHERE, .radius = 0.6}, {.kind = DEFORM_BOX, .size = {1, 0.6, 0.4}}};
-	const struct deform_shape *shape = &shapes[any_word() % 3];
-	double heading = any_share() * M_PI, reach = deform_shape_reach(shape, 0, 0);
+	static const struct soil_shape shapes[] = {
+		{.kind = SOIL_WHEEL, .radius = 0.8, .width = 0.5}, {.kind = SOIL_SPHERE, .radius = 0.6}, {.kind = SOIL_BOX, .size = {1, 0.6, 0.4}}};
+	const struct soil_shape *shape = &shapes[any_word() % 3];
+	double heading = any_share() * M_PI, reach = soil_shape_reach(shape, 0, 0);
 	struct deform_contact sweep = ground_stand(ground, shape, 64 + 40 * any_share(), 64 + 40 * any_share(), reach - 0.1 + 0.15 * any_share());
 	for (int i = 0; i < sweeps; i++) {
 		ground_sweep(ground, &sweep);
@@ -40,7 +40,7 @@ static void drive_about(struct ground *ground, int sweeps)
 
 static void what_is_not_compacted_is_somewhere(void **state)
 {
-	struct deform_soil soil = soft();
+	struct soil_numbers soil = soft();
 	(void)state;
 	need_gpu();
 	for (int round = 0; round < 4; round++) {
@@ -89,7 +89,7 @@ static void page_out_and_in(struct ground *ground)
 
 static void a_rut_that_was_paged_is_the_same_to_the_next_wheel(void **state)
 {
-	struct deform_soil soil = soft();
+	struct soil_numbers soil = soft();
 	struct planes results[2];
 	struct ground ground;
 	(void)state;
@@ -134,7 +134,7 @@ static void height_and_distance_do_not_matter(void **state)
 		int64_t first;
 		double z;
 	} places[] = {{slope, 0, 2, 0}, {raised, 7168, 2, 8144}, {lowered, -10240, 2, -11000}, {slope, 0, 5000000, 0}};
-	struct deform_soil soil = soft();
+	struct soil_numbers soil = soft();
 	struct planes first = {{NULL}};
 	(void)state;
 	need_gpu();
@@ -173,9 +173,9 @@ static void no_soil_makes_anything_but_numbers(void **state)
 	(void)state;
 	need_gpu();
 	for (int round = 0; round < 40; round++) {
-		const struct deform_soil low = {0, 1, 0.01, 0, 0, 1e-6, 1, 0, 1, 0, 0, 0, 0, 0, 0};
-		const struct deform_soil high = {1e12, 1e12, 3, 1e9, 89 * M_PI / 180, 100, 1e12, 1e9, 1e6, 1.5, 1.5, 1.5, 0.2, 1, 1.5};
-		struct deform_soil soil;
+		const struct soil_numbers low = {0, 1, 0.01, 0, 0, 1e-6, 1, 0, 1, 0, 0, 0, 0, 0, 0};
+		const struct soil_numbers high = {1e12, 1e12, 3, 1e9, 89 * M_PI / 180, 100, 1e12, 1e9, 1e6, 1.5, 1.5, 1.5, 0.2, 1, 1.5};
+		struct soil_numbers soil;
 		struct ground ground;
 		struct deform_tally tally;
 		for (size_t k = 0; k < sizeof soil / sizeof(double); k++)

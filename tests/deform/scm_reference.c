@@ -24,11 +24,11 @@ static int32_t uneven(int64_t x, int64_t y)
 	return (int32_t)(x * 9000 + y * 4000) + (int32_t)(h >> 19);
 }
 
-static struct deform_soil soil_of(int round)
+static struct soil_numbers soil_of(int round)
 {
 	static const char *const names[] = {"dry_sand", "lete_sand", "snow_us", "heavy_clay_40"};
-	struct deform_soil soil;
-	assert_ok(deform_soil_named(names[round % 4], &soil));
+	struct soil_numbers soil;
+	assert_ok(soil_named(names[round % 4], &soil));
 	soil.repose = 89.95 * M_PI / 180; /* nothing slides: what is pressed is seen as it is */
 	return soil;
 }
@@ -123,7 +123,7 @@ static void every_sweep_is_that_of_the_reference(void **state)
 	for (int round = 0; round < 8; round++) {
 		struct ground ground;
 		struct reference_ground reference;
-		struct deform_soil soil = soil_of(round);
+		struct soil_numbers soil = soil_of(round);
 		ground_init(&ground, &(struct ground_params){.cells = 32, .tiles = 2, .first = 3, .spacing = 0.125, .model = DEFORM_SCM,
 							     .height = uneven, .soils = &soil, .iterations = 1});
 		int side = (int)ground.posts;
@@ -132,14 +132,14 @@ static void every_sweep_is_that_of_the_reference(void **state)
 		double *under = ground_room(side * side, sizeof *under), *rest = ground_room(side * side, sizeof *rest);
 		heap(&ground);
 		for (int k = 0; k < 12; k++) {
-			struct deform_shape shape = {.kind = k % 3 ? DEFORM_WHEEL : DEFORM_BOX, .radius = 0.9, .width = 0.7, .size = {1, 1.5, 1.8}, .belt = k % 6 == 0};
+			struct soil_shape shape = {.kind = k % 3 ? SOIL_WHEEL : SOIL_BOX, .radius = 0.9, .width = 0.7, .size = {1, 1.5, 1.8}, .belt = k % 6 == 0};
 			double x = 32 + 12 * any_share(), y = 32 + 12 * any_share();
 			double z = ldexp(x * 9000 + y * 4000, -BASE_BITS) + 0.9 - 0.12 * (1 + any_share());
 			struct deform_contact sweep = {.shape = &shape, .from = ground_pose(&ground, x, y, z)};
 			sweep.to = ground_pose(&ground, x + any_share(), y + any_share(), z - 0.01 * any_share());
 			sweep.to.yaw = sweep.from.yaw = 3 * any_share();
 			sweep.seconds = k % 4 ? 0.05 : 0;
-			sweep.turned = deform_shape_runs(&shape) ? 0.2 * any_share() : 0;
+			sweep.turned = soil_shape_runs(&shape) ? 0.2 * any_share() : 0;
 			sweep.to.pitch = sweep.from.pitch = shape.belt && k < 6 ? 0.2 * any_share() : 0;
 			struct state before = state_of(&ground), after;
 			struct reference_forces forces;
@@ -172,8 +172,8 @@ static void every_sweep_is_that_of_the_reference(void **state)
 /* Of the plastic flow a share is laid aside: once. */
 static void pressed_again_as_deep_it_lays_nothing_more_aside(void **state)
 {
-	struct deform_soil soil = soil_of(0);
-	struct deform_shape plate = {.kind = DEFORM_BOX, .size = {1, 1.5, 1}};
+	struct soil_numbers soil = soil_of(0);
+	struct soil_shape plate = {.kind = SOIL_BOX, .size = {1, 1.5, 1}};
 	struct ground ground;
 	int64_t sums[3] = {0};
 	(void)state;

@@ -4,17 +4,17 @@
 
 #include "ground.h"
 
-static inline struct deform_soil named(const char *name)
+static inline struct soil_numbers named(const char *name)
 {
-	struct deform_soil soil;
-	assert_ok(deform_soil_named(name, &soil));
+	struct soil_numbers soil;
+	assert_ok(soil_named(name, &soil));
 	return soil;
 }
 
 /* Project Chrono's soft soil. */
-static inline struct deform_soil soft(void)
+static inline struct soil_numbers soft(void)
 {
-	struct deform_soil soil = named("dry_sand");
+	struct soil_numbers soil = named("dry_sand");
 	soil.bekker_kc = soil.cohesion = 0;
 	soil.bekker_kphi = 0.2e6;
 	soil.bekker_n = 1.1;
@@ -25,9 +25,9 @@ static inline struct deform_soil soft(void)
 	return soil;
 }
 
-static const struct deform_shape wheel = {.kind = DEFORM_WHEEL, .radius = 0.3, .width = 0.2};
+static const struct soil_shape wheel = {.kind = SOIL_WHEEL, .radius = 0.3, .width = 0.2};
 
-static inline void init(struct ground *ground, const struct deform_soil *soil, double spacing, double bulldozing)
+static inline void init(struct ground *ground, const struct soil_numbers *soil, double spacing, double bulldozing)
 {
 	ground_init(ground, &(struct ground_params){.cells = 64, .tiles = 2, .first = 2, .spacing = spacing, .model = DEFORM_SCM,
 						    .soils = soil, .bulldozing = bulldozing});

@@ -4,18 +4,18 @@
 
 #define UNIT 0x1p-15
 
-static const struct deform_shape plate = {.kind = DEFORM_BOX, .size = {0.5, 0.5, 0.5}};
+static const struct soil_shape plate = {.kind = SOIL_BOX, .size = {0.5, 0.5, 0.5}};
 
-static struct deform_soil soil_with(double modulus)
+static struct soil_numbers soil_with(double modulus)
 {
-	struct deform_soil soil;
-	assert_ok(deform_soil_named("dry_sand", &soil));
+	struct soil_numbers soil;
+	assert_ok(soil_named("dry_sand", &soil));
 	soil.janosi_shear = modulus;
 	soil.damping = 0;
 	return soil;
 }
 
-static void init(struct ground *ground, const struct deform_soil *soil)
+static void init(struct ground *ground, const struct soil_numbers *soil)
 {
 	ground_init(ground, &(struct ground_params){.cells = 64, .tiles = 2, .first = 2, .spacing = 0.015625, .model = DEFORM_SCM, .soils = soil});
 }
@@ -45,7 +45,7 @@ static void a_way_shears_the_same_however_it_is_cut(void **state)
 	need_gpu();
 	for (size_t k = 0; k < 3 * 3 * 4; k++) {
 		const double modulus = moduli[k % 3], way = ways[k / 3 % 3] * modulus, angle = directions[k / 9] * M_PI / 180;
-		const struct deform_soil soil = soil_with(modulus);
+		const struct soil_numbers soil = soil_with(modulus);
 		struct ground ground;
 		init(&ground, &soil);
 		for (int pieces = 1; pieces <= 16; pieces *= 4) {
@@ -77,7 +77,7 @@ static void a_way_shears_the_same_however_it_is_cut(void **state)
 static void on_the_way_back_the_shear_turns_over_about_3_k(void **state)
 {
 	const double modulus = 0.02;
-	const struct deform_soil soil = soil_with(modulus);
+	const struct soil_numbers soil = soil_with(modulus);
 	struct ground ground;
 	double shear[2], last;
 	(void)state;
@@ -110,7 +110,7 @@ static void on_the_way_back_the_shear_turns_over_about_3_k(void **state)
 static void shear_turns_with_the_way(void **state)
 {
 	const double modulus = 0.02;
-	const struct deform_soil soil = soil_with(modulus);
+	const struct soil_numbers soil = soil_with(modulus);
 	struct ground ground;
 	double shear[2];
 	(void)state;
@@ -150,7 +150,7 @@ static int sheared(struct ground *ground, int64_t before, int64_t *count)
 
 static void shear_ends_with_the_contact(void **state)
 {
-	const struct deform_soil soil = soil_with(0.02);
+	const struct soil_numbers soil = soil_with(0.02);
 	struct ground ground;
 	int64_t count;
 	(void)state;
@@ -176,8 +176,8 @@ static void shear_ends_with_the_contact(void **state)
 /* Passes of a wheel at one height in one rut: each has the same pull, wherever the passes before ended. */
 static void passes_at_one_height_pull_the_same(void **state)
 {
-	static const struct deform_shape wheel = {.kind = DEFORM_WHEEL, .radius = 0.3, .width = 0.2};
-	const struct deform_soil soil = soil_with(0.02);
+	static const struct soil_shape wheel = {.kind = SOIL_WHEEL, .radius = 0.3, .width = 0.2};
+	const struct soil_numbers soil = soil_with(0.02);
 	struct ground ground;
 	double pulls[4][40];
 	(void)state;

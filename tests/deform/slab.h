@@ -3,7 +3,7 @@
 #define FURROW_TESTS_DEFORM_SLAB_H
 
 #include "ground.h"
-#include "deform/soil/stability.h"
+#include "soil/stability.h"
 
 #define N 40 /* posts a side of what is written */
 #define RIM 2 /* posts of other ground around it */
@@ -44,7 +44,7 @@ static bool stands;   /* undisturbed ground does */
 static bool along_lines; /* soil slides along lines too */
 
 static inline void start(struct ground *ground, enum deform_model model, double spacing, int iterations, double depth,
-		  const struct deform_soil *soils, int count)
+		  const struct soil_numbers *soils, int count)
 {
 	ground_init(ground, &(struct ground_params){.cells = 32, .tiles = 1, .spacing = spacing, .model = model, .soils = soils,
 						    .soil_count = count, .iterations = iterations, .depth = depth, .relief = relief, .tolerance = tolerance,

@@ -131,13 +131,13 @@ static void every_rule_is_the_obvious_one_bit_for_bit(void **state)
 	/* What slippage reads of one soil, and what sumner reads of another. */
 	static const char *const names[][2] = {{"dry_sand", "sand"}, {"clayey_38", "sand"}, {"dry_sand", "sand"},
 					       {"dry_sand", "mud"}, {"snow_us", "snow"}, {"dry_sand", "sand"}};
-	struct deform_soil soils[6];
+	struct soil_numbers soils[6];
 	(void)state;
 	need_gpu();
 	for (int i = 0; i < 6; i++) {
-		struct deform_soil own;
-		assert_ok(deform_soil_named(names[i][0], &own));
-		assert_ok(deform_soil_named(names[i][1], &soils[i]));
+		struct soil_numbers own;
+		assert_ok(soil_named(names[i][0], &own));
+		assert_ok(soil_named(names[i][1], &soils[i]));
 		soils[i].cohesion = own.cohesion;
 		soils[i].friction_angle = own.friction_angle;
 		soils[i].unit_weight = own.unit_weight;
@@ -167,10 +167,10 @@ static void every_rule_is_the_obvious_one_bit_for_bit(void **state)
 
 static void a_tolerance_is_whole_quanta_on_every_difference(void **state)
 {
-	struct deform_soil soil;
+	struct soil_numbers soil;
 	(void)state;
 	need_gpu();
-	assert_ok(deform_soil_named("sand", &soil));
+	assert_ok(soil_named("sand", &soil));
 	for (int i = 0; i < 3; i++) {
 		struct ground ground;
 		tolerance = i == 0 ? 0 : i == 1 ? ldexp(3.5, -20) : 1;
@@ -179,9 +179,9 @@ static void a_tolerance_is_whole_quanta_on_every_difference(void **state)
 		for (int k = 0; k < 2; k++) {
 			const struct slide_soil *is = &ground.deform->soils[0];
 			double apart = k == 0 ? 0.5 : 0.5 * M_SQRT2;
-			assert_int_equal(is->critical[k], deform_critical_difference(soil.theta_out, apart) + quanta);
-			assert_int_equal(is->held[k], deform_critical_difference(soil.theta_in, apart) + quanta);
-			assert_int_equal(is->stop[k], deform_critical_difference(soil.theta_stop, apart) + quanta);
+			assert_int_equal(is->critical[k], soil_critical_difference(soil.theta_out, apart) + quanta);
+			assert_int_equal(is->held[k], soil_critical_difference(soil.theta_in, apart) + quanta);
+			assert_int_equal(is->stop[k], soil_critical_difference(soil.theta_stop, apart) + quanta);
 		}
 		ground_finish(&ground);
 	}
@@ -203,8 +203,8 @@ static void no_iteration_raises_the_potential_energy(void **state)
 	need_gpu();
 	for (int round = 0; round < 54; round++) {
 		struct ground ground;
-		struct deform_soil soil;
-		assert_ok(deform_soil_named(names[round % 3], &soil));
+		struct soil_numbers soil;
+		assert_ok(soil_named(names[round % 3], &soil));
 		soil.cohesion = round % 2 ? 0 : soil.cohesion;
 		soil.friction_angle = round % 4 == 3 ? 0 : soil.friction_angle;
 		start(&ground, round % 3 ? DEFORM_SUMNER : DEFORM_SLIPPAGE, 0.125, 1, 0, &soil, 1);

@@ -19,8 +19,8 @@ static inline int32_t hills(int64_t x, int64_t y)
 
 static inline void start(struct ground *ground, const struct setup *setup)
 {
-	struct deform_soil soil;
-	assert_ok(deform_soil_named("dry_sand", &soil));
+	struct soil_numbers soil;
+	assert_ok(soil_named("dry_sand", &soil));
 	soil.cohesion = 0;
 	soil.theta_stop = soil.theta_out + 0.1;
 	ground_init(ground, &(struct ground_params){.cells = setup->cells, .tiles = setup->tiles, .spacing = setup->spacing,
@@ -34,7 +34,7 @@ static inline void start(struct ground *ground, const struct setup *setup)
 /* A mound and a pit across the corners of tiles and blocks, and the ground awake there. The ball that made them is gone at once. */
 static inline struct post_rect disturb(struct ground *ground, int64_t x, int64_t y, double height)
 {
-	struct deform_shape ball = {.kind = DEFORM_SPHERE, .radius = 6 * ground->params.spacing};
+	struct soil_shape ball = {.kind = SOIL_SPHERE, .radius = 6 * ground->params.spacing};
 	double z = ldexp(ground->base[y * ground->posts + x], -BASE_BITS) + ball.radius - height;
 	struct deform_contact sweep = {.shape = &ball, .from = ground_pose(ground, (double)x, (double)y, z)};
 	sweep.to = sweep.from;

@@ -4,18 +4,18 @@
 
 #define KAPPA 1.1
 
-static const struct deform_shape plate = {.kind = DEFORM_BOX, .size = {0.5, 0.5, 0.5}};
-static const struct deform_shape wheel = {.kind = DEFORM_WHEEL, .radius = 0.058, .width = 0.05};
+static const struct soil_shape plate = {.kind = SOIL_BOX, .size = {0.5, 0.5, 0.5}};
+static const struct soil_shape wheel = {.kind = SOIL_WHEEL, .radius = 0.058, .width = 0.05};
 
-static struct deform_soil sand(void)
+static struct soil_numbers sand(void)
 {
-	struct deform_soil soil;
-	assert_ok(deform_soil_named("dry_sand", &soil));
+	struct soil_numbers soil;
+	assert_ok(soil_named("dry_sand", &soil));
 	soil.damping = 0;
 	return soil;
 }
 
-static void init(struct ground *ground, const struct deform_soil *soil, double spacing, double slip_sinkage, double bulldozing)
+static void init(struct ground *ground, const struct soil_numbers *soil, double spacing, double slip_sinkage, double bulldozing)
 {
 	ground_init(ground, &(struct ground_params){.cells = 128, .tiles = spacing < 0.003 ? 3 : 1, .first = 2, .spacing = spacing, .model = DEFORM_SCM,
 						    .soils = soil, .bulldozing = bulldozing, .slip_sinkage = slip_sinkage, .iterations = 1});
@@ -26,7 +26,7 @@ static void go(struct deform_contact *contact, double east, double rim)
 {
 	contact->from = contact->to;
 	contact->to.x += lattice_offset(east);
-	if (contact->shape->kind == DEFORM_WHEEL)
+	if (contact->shape->kind == SOIL_WHEEL)
 		contact->turned = lattice_offset_metres(contact->to.x - contact->from.x) * rim / contact->shape->radius;
 }
 
@@ -34,7 +34,7 @@ static void go(struct deform_contact *contact, double east, double rim)
  * integral is u - e: it sinks by kappa K (1 - exp(e - u)). */
 static void a_plate_that_slips_sinks_by_the_formula(void **state)
 {
-	struct deform_soil soil = sand();
+	struct soil_numbers soil = sand();
 	struct ground ground;
 	(void)state;
 	need_gpu();
@@ -60,7 +60,7 @@ static void a_plate_that_slips_sinks_by_the_formula(void **state)
 static void what_rolls_digs_nothing(void **state)
 {
 	static const enum plane planes[] = {PLANE_OFFSET, PLANE_DEPOSITED, PLANE_PLASTIC_SINKAGE, PLANE_SHEAR};
-	const struct deform_soil soil = sand();
+	const struct soil_numbers soil = sand();
 	int32_t *seen[2][4];
 	(void)state;
 	need_gpu();
@@ -95,7 +95,7 @@ struct rut {
 /* A wheel of 20 N after 0.2 m. */
 static struct rut rut(double spacing, double rim, double slip_sinkage)
 {
-	const struct deform_soil soil = sand();
+	const struct soil_numbers soil = sand();
 	const double way = 0.2;
 	struct deform_forces forces = {0};
 	struct ground ground;
@@ -123,14 +123,14 @@ static struct rut rut(double spacing, double rim, double slip_sinkage)
 /* Bars reach below the rim, and press posts that the rim does not touch. */
 static void a_wheel_with_grousers_carries_its_load_while_it_slips(void **state)
 {
-	struct deform_shape lugged = wheel;
+	struct soil_shape lugged = wheel;
 	lugged.grousers = 16;
 	lugged.grouser_height = 0.007;
 	lugged.grouser_thickness = 0.003;
 	(void)state;
 	need_gpu();
 	for (int k = 0; k < 6; k++) {
-		const struct deform_soil soil = sand();
+		const struct soil_numbers soil = sand();
 		double spacing = 0.008 / (1 << k % 3), rim = k < 3 ? 1.25 : 2;
 		struct ground ground;
 		init(&ground, &soil, spacing, KAPPA, 0);
@@ -183,7 +183,7 @@ static void the_more_it_slips_the_deeper_it_digs_at_any_spacing(void **state)
 /* Pass after pass in one rut slip digs less, and in all no more than kappa K. */
 static void each_pass_digs_less(void **state)
 {
-	const struct deform_soil soil = sand();
+	const struct soil_numbers soil = sand();
 	const int32_t most = (int32_t)lround(ldexp(KAPPA * soil.janosi_shear, OFFSET_BITS));
 	struct ground ground;
 	int32_t before = 0, gained = most;
@@ -210,7 +210,7 @@ static void each_pass_digs_less(void **state)
 /* What is dug is laid somewhere: without bulldozing too. */
 static void every_unit_that_is_dug_is_laid(void **state)
 {
-	struct deform_soil soil = sand();
+	struct soil_numbers soil = sand();
 	(void)state;
 	need_gpu();
 	for (int round = 0; round < 6; round++) {

@@ -31,8 +31,8 @@ static int32_t bank_post(int64_t x, int64_t y)
 
 static void start_bank(struct ground *ground, int iterations)
 {
-	struct deform_soil soil;
-	assert_ok(deform_soil_named("dry_sand", &soil));
+	struct soil_numbers soil;
+	assert_ok(soil_named("dry_sand", &soil));
 	soil.cohesion = 2600;
 	ground_init(ground, &(struct ground_params){.cells = 32, .tiles = 2, .spacing = spacing, .model = DEFORM_SLIPPAGE, .soils = &soil,
 						    .soil_count = 1, .iterations = iterations, .relief = 100, .height = bank_post});
@@ -95,7 +95,7 @@ static void a_pile_that_slides_onto_a_slope_activates_its_other_block(void **sta
 /* Half of the rounds: the contact's flags tell which blocks become active. The others: all blocks near what it wrote do. */
 static void a_pit_at_the_foot_of_a_slope_activates_its_other_block(void **state)
 {
-	const struct deform_shape ball = {.kind = DEFORM_SPHERE, .radius = 0.6};
+	const struct soil_shape ball = {.kind = SOIL_SPHERE, .radius = 0.6};
 	(void)state;
 	need_gpu();
 	for (int round = 0; round < 8; round++) {

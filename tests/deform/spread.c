@@ -60,7 +60,7 @@ static void open_ground(struct ground *ground)
 	ground_init(ground, &(struct ground_params){.cells = 64, .tiles = 10, .spacing = 0.125, .model = DEFORM_SLIPPAGE});
 }
 
-static struct deform_contact any_sweep(const struct ground *ground, const struct deform_shape *shape)
+static struct deform_contact any_sweep(const struct ground *ground, const struct soil_shape *shape)
 {
 	struct deform_contact sweep = {.shape = shape, .from = ground_pose(ground, MIDDLE + any_share(), MIDDLE + any_share(), 0)};
 	sweep.to = ground_pose(ground, MIDDLE + any_share(), MIDDLE + any_share(), 0);
@@ -79,9 +79,9 @@ static void every_quantum_goes_where_it_may(void **state)
 	need_gpu();
 	open_ground(&ground);
 	for (int round = 0; round < 90; round++) {
-		const struct deform_shape shapes[] = {{.kind = DEFORM_WHEEL, .radius = 1.2 + fabs(any_share()), .width = 2.4},
-						      {.kind = DEFORM_SPHERE, .radius = 1.2},
-						      {.kind = DEFORM_BOX, .radius = 1, .size = {2.2, 2.4, 0.7}}};
+		const struct soil_shape shapes[] = {{.kind = SOIL_WHEEL, .radius = 1.2 + fabs(any_share()), .width = 2.4},
+						    {.kind = SOIL_SPHERE, .radius = 1.2},
+						    {.kind = SOIL_BOX, .radius = 1, .size = {2.2, 2.4, 0.7}}};
 		struct deform_contact sweep = any_sweep(&ground, &shapes[round % 3]);
 		/* From few free posts to many; holes; up to what a press may carry. */
 		uint32_t blocked = (uint32_t)(round / 3) * 4294967295u / 30;
@@ -114,7 +114,7 @@ static void every_quantum_goes_where_it_may(void **state)
 static void a_post_gets_no_more_than_it_can_hold(void **state)
 {
 	struct ground ground;
-	const struct deform_shape ball = {.kind = DEFORM_SPHERE, .radius = 1};
+	const struct soil_shape ball = {.kind = SOIL_SPHERE, .radius = 1};
 	(void)state;
 	need_gpu();
 	open_ground(&ground);
@@ -139,10 +139,10 @@ static void a_post_gets_no_more_than_it_can_hold(void **state)
 /* --- maps of soils --- */
 
 /* Returns a soil that is laid at this angle, degrees, under each model; sumner compacts a part of it. */
-static struct deform_soil laid_at(double degrees, double compression)
+static struct soil_numbers laid_at(double degrees, double compression)
 {
-	struct deform_soil soil;
-	assert_ok(deform_soil_named("dry_sand", &soil));
+	struct soil_numbers soil;
+	assert_ok(soil_named("dry_sand", &soil));
 	soil.cohesion = 0;
 	soil.friction_angle = soil.repose = soil.theta_in = soil.theta_out = soil.theta_stop = degrees * M_PI / 180;
 	soil.compression = compression;
@@ -150,10 +150,10 @@ static struct deform_soil laid_at(double degrees, double compression)
 }
 
 /* A ball that is set down in a hollow, all of whose posts have this class. Around it lies `around`, and `one` at one post in it. */
-static void press(enum deform_model model, const struct deform_soil *soils, int count, uint8_t class, uint8_t around, uint8_t one)
+static void press(enum deform_model model, const struct soil_numbers *soils, int count, uint8_t class, uint8_t around, uint8_t one)
 {
 	struct ground ground;
-	const struct deform_shape ball = {.kind = DEFORM_SPHERE, .radius = 1.5};
+	const struct soil_shape ball = {.kind = SOIL_SPHERE, .radius = 1.5};
 	ground_init(&ground, &(struct ground_params){.cells = 64, .tiles = 10, .spacing = 0.125, .model = model, .soils = soils,
 						     .soil_count = count});
 	const struct deform_contact sweep = ground_stand(&ground, &ball, MIDDLE, MIDDLE, 0);
@@ -181,8 +181,8 @@ static int posts_laid_on(void)
 static void only_soils_that_are_carried_set_the_width_of_bands(void **state)
 {
 	static const enum deform_model models[] = {DEFORM_SLIPPAGE, DEFORM_SUMNER};
-	const struct deform_soil steep = laid_at(40, 0.5), flat = laid_at(12, 0.1);
-	const struct deform_soil map[] = {flat, steep, laid_at(6, 0), flat};
+	const struct soil_numbers steep = laid_at(40, 0.5), flat = laid_at(12, 0.1);
+	const struct soil_numbers map[] = {flat, steep, laid_at(6, 0), flat};
 	(void)state;
 	need_gpu();
 	for (int m = 0; m < 2; m++) {
@@ -210,8 +210,8 @@ static void only_soils_that_are_carried_set_the_width_of_bands(void **state)
 static void a_contact_on_one_soil_is_that_of_a_ground_of_this_soil(void **state)
 {
 	static const enum deform_model models[] = {DEFORM_SLIPPAGE, DEFORM_SUMNER, DEFORM_SCM};
-	const struct deform_soil steep = laid_at(40, 0.5), flat = laid_at(12, 0.1);
-	const struct deform_shape ball = {.kind = DEFORM_SPHERE, .radius = 1.5};
+	const struct soil_numbers steep = laid_at(40, 0.5), flat = laid_at(12, 0.1);
+	const struct soil_shape ball = {.kind = SOIL_SPHERE, .radius = 1.5};
 	(void)state;
 	need_gpu();
 	for (int m = 0; m < 3; m++) {
@@ -219,7 +219,7 @@ static void a_contact_on_one_soil_is_that_of_a_ground_of_this_soil(void **state)
 		size_t bytes = 0;
 		for (int k = 0; k < 3; k++) {
 			/* No map was loaded, so all posts have the first class. */
-			const struct deform_soil map[] = {k < 2 ? steep : flat, flat};
+			const struct soil_numbers map[] = {k < 2 ? steep : flat, flat};
 			struct ground ground;
 			ground_init(&ground, &(struct ground_params){.cells = 64, .tiles = 1, .spacing = 0.125, .model = models[m], .soils = map,
 								     .soil_count = k == 1 ? 2 : 1, .bulldozing = 0.5});

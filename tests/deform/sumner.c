@@ -16,13 +16,13 @@ static void what_is_compacted_is_its_share(void **state)
 	need_gpu();
 	for (int i = 0; i < 3; i++) {
 		struct ground ground;
-		struct deform_soil soil;
+		struct soil_numbers soil;
 		struct deform_tally tally;
-		assert_ok(deform_soil_named("snow", &soil)); /* stands however steep */
+		assert_ok(soil_named("snow", &soil)); /* stands however steep */
 		soil.compression = 0.5 * i;
 		ground_init(&ground, &(struct ground_params){.cells = 32, .tiles = 2, .spacing = 0.125, .height = conserve_rough,
 							     .model = DEFORM_SUMNER, .soils = &soil, .soil_count = 1});
-		struct deform_shape ball = {.kind = DEFORM_SPHERE, .radius = 1};
+		struct soil_shape ball = {.kind = SOIL_SPHERE, .radius = 1};
 		struct deform_contact sweep = {.shape = &ball, .from = ground_pose(&ground, 31, 32, 0.8), .to = ground_pose(&ground, 32, 32, 0.8)};
 		ground_sweep(&ground, &sweep);
 		int64_t sum = conserve_sum(&ground), low = 0, high = 0;
@@ -58,10 +58,10 @@ static void rims_have_what_is_not_lost(void **state)
 	for (int round = 0; round < 12; round++) {
 		const double spacing = 0.25 / (1 << round % 3), radius = 1.2, deep = 0.3;
 		struct ground ground;
-		struct deform_soil soil;
-		assert_ok(deform_soil_named(materials[round / 3].name, &soil));
+		struct soil_numbers soil;
+		assert_ok(soil_named(materials[round / 3].name, &soil));
 		ground_init(&ground, &(struct ground_params){.cells = 32, .tiles = 4, .spacing = spacing, .model = DEFORM_SUMNER, .soils = &soil, .soil_count = 1});
-		const struct deform_shape ball = {.kind = DEFORM_SPHERE, .radius = radius};
+		const struct soil_shape ball = {.kind = SOIL_SPHERE, .radius = radius};
 		const struct deform_contact stand = ground_stand(&ground, &ball, 64, 64, radius - deep);
 		ground_sweep(&ground, &stand);
 		double print = 0;

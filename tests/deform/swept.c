@@ -4,7 +4,7 @@
 #include "../support/program.h"
 
 /* What a sweep leaves awake, by its own flags or all of it: the drive's rules. */
-static void sweep_and_wake(struct ground *ground, const struct deform_contact *sweep, const struct deform_pose *left, bool all)
+static void sweep_and_wake(struct ground *ground, const struct deform_contact *sweep, const struct soil_pose *left, bool all)
 {
 	struct deform_contact rest = {.shape = sweep->shape, .from = left != NULL ? *left : sweep->to};
 	rest.to = rest.from;
@@ -22,17 +22,17 @@ static void sweep_and_wake(struct ground *ground, const struct deform_contact *s
 }
 
 struct walker {
-	struct deform_shape shape;
+	struct soil_shape shape;
 	double load;
 	bool stands;
-	struct deform_pose last;
+	struct soil_pose last;
 };
 
 static struct walker any_walker(const struct ground *ground, int kind)
 {
 	double d = ground->params.spacing;
 	bool large = kind == 3;
-	struct walker walker = {.shape.kind = kind % 2 == 0 ? DEFORM_WHEEL : kind == 1 ? DEFORM_BOX : DEFORM_SPHERE};
+	struct walker walker = {.shape.kind = kind % 2 == 0 ? SOIL_WHEEL : kind == 1 ? SOIL_BOX : SOIL_SPHERE};
 	walker.shape.radius = large ? 120 * d : (6 + 4 * fabs(any_share())) * d;
 	walker.shape.width = 7 * d;
 	for (int i = 0; i < 3; i++)
@@ -45,7 +45,7 @@ static struct walker any_walker(const struct ground *ground, int kind)
 static bool any_way(const struct ground *ground, const struct walker *walker, int kind, struct deform_contact *sweep)
 {
 	double middle = (double)ground->posts / 2, d = ground->params.spacing, x = middle * (1 + any_share());
-	double y = middle * (1 + any_share()), z = deform_shape_reach(&walker->shape, 0, 0) - 1.5 * d * any_share() * any_share();
+	double y = middle * (1 + any_share()), z = soil_shape_reach(&walker->shape, 0, 0) - 1.5 * d * any_share() * any_share();
 	bool jumps = !walker->stands || any_word() % 16 == 0;
 	if (kind == 3)
 		z = walker->shape.radius - d * fabs(any_share());
@@ -148,11 +148,11 @@ static void a_settled_rut_wakes_nothing(void **state)
 		struct ground ground;
 		start(&ground, &(struct setup){models[m], 64, 3, 0.0625, 0, 4, NULL});
 		/* Shallower than what stands, beside the corner of four tiles; then on, four posts. */
-		struct deform_shape plate = {.kind = DEFORM_BOX, .size = {1.6, 1.2, 0.5}};
+		struct soil_shape plate = {.kind = SOIL_BOX, .size = {1.6, 1.2, 0.5}};
 		struct deform_contact sweep = {.shape = &plate, .from = ground_pose(&ground, 70, 60, 0.249)};
 		sweep.to = sweep.from;
 		for (int n = 0; n < 4; n++) {
-			const struct deform_pose left = sweep.to;
+			const struct soil_pose left = sweep.to;
 			sweep_and_wake(&ground, &sweep, n > 0 ? &left : NULL, false);
 			sweep.from = sweep.to;
 			sweep.to.x += lattice_offset(0.0625);
@@ -193,7 +193,7 @@ static void soil_slides_to_where_an_object_was(void **state)
 		const struct setup setup = {models[m], 64, 3, 0.0625, 1, 1, NULL};
 		start(&few, &setup);
 		start(&all, &setup);
-		struct deform_shape plate = {.kind = DEFORM_BOX, .size = {0.8, 0.6, 0.5}};
+		struct soil_shape plate = {.kind = SOIL_BOX, .size = {0.8, 0.6, 0.5}};
 		struct deform_contact sweep = {.shape = &plate, .from = ground_pose(&few, 70, 60, -0.05)};
 		sweep.to = sweep.from;
 		const struct deform_rest rest = {.shape = &plate, .pose = sweep.to};
@@ -245,7 +245,7 @@ static int32_t slid_after(enum deform_model model, int32_t wall, int32_t beyond,
 {
 	struct ground ground;
 	struct setup setup = {model, 64, 2, 0.0625, 0, 8, to_the_rim};
-	struct deform_shape plate = {.kind = DEFORM_BOX, .size = {0.8, 0.5, 0.5}};
+	struct soil_shape plate = {.kind = SOIL_BOX, .size = {0.8, 0.5, 0.5}};
 	rim.beyond = beyond;
 	start(&ground, &setup);
 	int32_t *before = ground_room(65 * 65, sizeof *before);
@@ -324,7 +324,7 @@ static void what_is_not_known_to_sleep_is_awake(void **state)
 	late_by = LATE_UNTIL_WAITED;
 	assert_true(interval(&ground, NULL, 0) > 0);
 	late_by = 0;
-	struct deform_shape plate = {.kind = DEFORM_BOX, .size = {1.2, 0.8, 0.5}};
+	struct soil_shape plate = {.kind = SOIL_BOX, .size = {1.2, 0.8, 0.5}};
 	struct deform_contact sweep = {.shape = &plate, .from = ground_pose(&ground, 200, 200, 0.249)};
 	sweep.to = sweep.from;
 	sweep_and_wake(&ground, &sweep, NULL, false);
@@ -345,7 +345,7 @@ static void many_sweeps_are_as_right(void **state)
 	need_gpu();
 	start(&few, &setup);
 	start(&all, &setup);
-	struct deform_shape ball = {.kind = DEFORM_SPHERE, .radius = 5.5};
+	struct soil_shape ball = {.kind = SOIL_SPHERE, .radius = 5.5};
 	for (int n = 0; n < 500; n++) {
 		struct deform_contact sweep = {.shape = &ball, .from = ground_pose(&few, 96 + n % 7, 96 - n % 5, 5.1 - n % 3 * 0.02)};
 		sweep.to = sweep.from;

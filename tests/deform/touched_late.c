@@ -23,8 +23,8 @@ static int32_t slope(int64_t x, int64_t y)
 
 static void begin(struct ground *ground, const struct trip *trip)
 {
-	struct deform_soil soil;
-	assert_ok(deform_soil_named("dry_sand", &soil));
+	struct soil_numbers soil;
+	assert_ok(soil_named("dry_sand", &soil));
 	soil.cohesion = 0;
 	soil.theta_stop = soil.theta_out + 0.1;
 	ground_init(ground, &(struct ground_params){.cells = trip->cells, .tiles = trip->tiles, .spacing = trip->spacing,
@@ -96,8 +96,8 @@ static void any_station(struct ground *ground, bool above, bool large, double at
 {
 	double d = ground->params.spacing, radius = (5 + 7 * fabs(any_share())) * d, length = large ? 180 * d : 2 * radius;
 	bool box = above || large, jumps = large || any_word() % 6 == 0;
-	const struct deform_shape shape = {.kind = box ? DEFORM_BOX : DEFORM_SPHERE, .radius = radius,
-					   .size = {length, large ? length / 3 : radius, 2 * d}};
+	const struct soil_shape shape = {.kind = box ? SOIL_BOX : SOIL_SPHERE, .radius = radius,
+					 .size = {length, large ? length / 3 : radius, 2 * d}};
 	struct deform_contact sweep = {.shape = &shape, .seconds = 0.05, .above = above};
 	sweep.from = ground_pose(ground, at[0], at[1], 0);
 	for (int i = 0; i < 2; i++)
@@ -159,7 +159,7 @@ static void what_comes_takes_back_the_guess(void **state)
 		struct ground ground;
 		begin(&ground, &(struct trip){DEFORM_SLIPPAGE, 64, 3, 0.0625, 4, NULL, false, 0});
 		double d = ground.params.spacing;
-		const struct deform_shape ball = {.kind = DEFORM_SPHERE, .radius = 24 * d};
+		const struct soil_shape ball = {.kind = SOIL_SPHERE, .radius = 24 * d};
 		struct deform_contact sweep = {.shape = &ball, .above = above};
 		assert_ok(deform_touch(ground.deform, (struct post_rect){96, 96, 97, 97}));
 		sweep.from = sweep.to = ground_pose(&ground, 96, 96, (above ? 24.1 : 23.9) * d);
@@ -189,7 +189,7 @@ static void only_over_touched_ground_is_guessed(void **state)
 	struct ground ground;
 	begin(&ground, &(struct trip){DEFORM_SUMNER, 64, 3, 0.0625, 4, NULL, false, 0});
 	double d = ground.params.spacing;
-	const struct deform_shape ball = {.kind = DEFORM_SPHERE, .radius = 12 * d};
+	const struct soil_shape ball = {.kind = SOIL_SPHERE, .radius = 12 * d};
 	struct deform_contact sweep = {.shape = &ball, .above = true};
 	sweep.from = sweep.to = ground_pose(&ground, 96, 96, 12.1 * d);
 	late_by = LATE_UNTIL_WAITED;
@@ -212,7 +212,7 @@ static void a_guess_leads_to_a_guess(void **state)
 	struct ground ground;
 	begin(&ground, &(struct trip){DEFORM_SLIPPAGE, 64, 3, 0.0625, 4, NULL, false, 0});
 	double d = ground.params.spacing;
-	const struct deform_shape ball = {.kind = DEFORM_SPHERE, .radius = 12 * d};
+	const struct soil_shape ball = {.kind = SOIL_SPHERE, .radius = 12 * d};
 	struct deform_contact press = {.shape = &ball}, over = {.shape = &ball, .above = true};
 	press.from = press.to = ground_pose(&ground, 80, 80, 11 * d);
 	over.from = over.to = ground_pose(&ground, 100, 100, 12.1 * d);
@@ -238,7 +238,7 @@ static void sweeps_nobody_looked_at_are_touched(void **state)
 	struct ground ground;
 	begin(&ground, &(struct trip){DEFORM_SLIPPAGE, 64, 3, 0.0625, 4, NULL, false, 0});
 	double d = ground.params.spacing;
-	const struct deform_shape ball = {.kind = DEFORM_SPHERE, .radius = 12 * d};
+	const struct soil_shape ball = {.kind = SOIL_SPHERE, .radius = 12 * d};
 	struct deform_contact sweep = {.shape = &ball};
 	sweep.from = sweep.to = ground_pose(&ground, 80, 80, 11 * d);
 	late_by = 1;

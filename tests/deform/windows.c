@@ -19,14 +19,14 @@ static int32_t summit(int64_t x, int64_t y)
 	return height == BASE_NODATA ? height : height + (int32_t)lattice_base(7900);
 }
 
-static const struct deform_shape shapes[] = {
-	{.kind = DEFORM_WHEEL, .radius = 2.1, .width = 1.3},
-	{.kind = DEFORM_SPHERE, .radius = 3.3},
-	{.kind = DEFORM_BOX, .size = {5.2, 2.9, 1.7}},
-	{.kind = DEFORM_WHEEL, .radius = 1.7, .width = 1.1, .grousers = 11, .grouser_height = 0.3, .grouser_thickness = 0.2},
-	{.kind = DEFORM_CYLINDER, .radius = 1.4, .length = 3.5},
-	{.kind = DEFORM_CAPSULE, .radius = 1.2, .length = 2.5},
-	{.kind = DEFORM_ELLIPSOID, .size = {2.3, 1.2, 0.9}},
+static const struct soil_shape shapes[] = {
+	{.kind = SOIL_WHEEL, .radius = 2.1, .width = 1.3},
+	{.kind = SOIL_SPHERE, .radius = 3.3},
+	{.kind = SOIL_BOX, .size = {5.2, 2.9, 1.7}},
+	{.kind = SOIL_WHEEL, .radius = 1.7, .width = 1.1, .grousers = 11, .grouser_height = 0.3, .grouser_thickness = 0.2},
+	{.kind = SOIL_CYLINDER, .radius = 1.4, .length = 3.5},
+	{.kind = SOIL_CAPSULE, .radius = 1.2, .length = 2.5},
+	{.kind = SOIL_ELLIPSOID, .size = {2.3, 1.2, 0.9}},
 };
 enum { SHAPES = sizeof shapes / sizeof *shapes };
 
@@ -35,10 +35,10 @@ static void drive(struct ground *ground, double height)
 {
 	double middle = (double)(ground->posts - 1) / 2;
 	for (int k = 0; k < SHAPES; k++) {
-		struct deform_pose last = {0};
+		struct soil_pose last = {0};
 		for (int i = 0; i < 12; i++) {
 			double x = middle - 7 + i * 1.25 - k % 3, y = middle - 5 + i * 0.875 + k % 3 * 2;
-			struct deform_pose pose = ground_pose(ground, x, y, height + 0.75 - 0.015625 * i + k % 3 * 0.5);
+			struct soil_pose pose = ground_pose(ground, x, y, height + 0.75 - 0.015625 * i + k % 3 * 0.5);
 			pose.yaw = 0.3 * i;
 			pose.pitch = k >= 2 ? 0.11 * i : 0;
 			pose.roll = k >= 2 ? -0.17 * i : 0;
@@ -132,22 +132,22 @@ static void heights_do_not_matter(void **state)
 }
 
 /* One sweep of a shape too large for a window, moved by whole posts with the ground under it. */
-static void sweep_large(struct ground *ground, const struct deform_shape *shape, int64_t dx, int64_t dy)
+static void sweep_large(struct ground *ground, const struct soil_shape *shape, int64_t dx, int64_t dy)
 {
 	double x = 500 + (double)dx, y = 520 + (double)dy;
 	struct deform_contact sweep = {.shape = shape, .from = ground_pose(ground, x, y, shape->radius - 1), .to = ground_pose(ground, x + 3.25, y + 2.5, shape->radius - 1.25)};
 	sweep.to.yaw = 0.7;
-	sweep.to.pitch = shape->kind != DEFORM_SPHERE ? 0.05 : 0;
-	sweep.to.roll = shape->kind != DEFORM_SPHERE ? -0.03 : 0;
+	sweep.to.pitch = shape->kind != SOIL_SPHERE ? 0.05 : 0;
+	sweep.to.roll = shape->kind != SOIL_SPHERE ? -0.03 : 0;
 	ground_sweep(ground, &sweep);
 	ground_read(ground);
 }
 
 static void cuts_between_windows_leave_no_trace(void **state)
 {
-	static const struct deform_shape large[] = {
-		{.kind = DEFORM_SPHERE, .radius = 60}, {.kind = DEFORM_BOX, .size = {90, 70, 3}}, {.kind = DEFORM_CYLINDER, .radius = 40, .length = 90},
-		{.kind = DEFORM_CAPSULE, .radius = 45, .length = 40}, {.kind = DEFORM_ELLIPSOID, .size = {50, 40, 30}}};
+	static const struct soil_shape large[] = {
+		{.kind = SOIL_SPHERE, .radius = 60}, {.kind = SOIL_BOX, .size = {90, 70, 3}}, {.kind = SOIL_CYLINDER, .radius = 40, .length = 90},
+		{.kind = SOIL_CAPSULE, .radius = 45, .length = 40}, {.kind = SOIL_ELLIPSOID, .size = {50, 40, 30}}};
 	static const int64_t moved[][2] = {{37, 0}, {-101, 59}, {128, -20}};
 	(void)state;
 	need_gpu();
@@ -189,7 +189,7 @@ static void a_large_sphere_is_that_of_the_reference_in_every_window(void **state
 	(void)state;
 	need_gpu();
 	ground_init(&ground, &(struct ground_params){.cells = 1024, .tiles = 1, .spacing = 0.25});
-	struct deform_shape shape = {.kind = DEFORM_SPHERE, .radius = 60};
+	struct soil_shape shape = {.kind = SOIL_SPHERE, .radius = 60};
 	struct deform_contact sweep = {.shape = &shape, .from = ground_pose(&ground, 510.3, 511.8, -10), .to = ground_pose(&ground, 512.9, 512.1, -10.4)};
 	ground_sweep(&ground, &sweep);
 	ground_read(&ground);
@@ -221,7 +221,7 @@ static void a_sweep_holds_its_own_halves(void **state)
 		struct ground_params params = {.cells = 64, .tiles = 1, .spacing = 0.25};
 		ground_init(&whole, &params);
 		ground_init(&halves, &params);
-		struct deform_pose a = ground_pose(&whole, 30, 31, -4), c = ground_pose(&whole, 32, 32, -4.25), b = a;
+		struct soil_pose a = ground_pose(&whole, 30, 31, -4), c = ground_pose(&whole, 32, 32, -4.25), b = a;
 		b.x = (a.x + c.x) / 2;
 		b.y = (a.y + c.y) / 2;
 		b.z = (a.z + c.z) / 2;

@@ -51,8 +51,8 @@ FILE *__real_fopen64(const char *path, const char *mode);
 FILE *__wrap_fopen64(const char *path, const char *mode);
 FILE *__wrap_fopen(const char *path, const char *mode);
 void __wrap_note(const char *format, ...);
-enum status __wrap_scene_mesh_load(const char *path, const char *told, double scale, struct deform_mesh **out);
-void __wrap_scene_mesh_destroy(struct deform_mesh *mesh);
+enum status __wrap_scene_mesh_load(const char *path, const char *told, double scale, struct soil_mesh **out);
+void __wrap_scene_mesh_destroy(struct soil_mesh *mesh);
 
 static bool loading;
 
@@ -75,13 +75,13 @@ void __wrap_note(const char *format, ...)
 }
 
 /* One mesh there is, without a reader; readers are tested with meshes. */
-enum status __wrap_scene_mesh_load(const char *path, const char *told, double scale, struct deform_mesh **out)
+enum status __wrap_scene_mesh_load(const char *path, const char *told, double scale, struct soil_mesh **out)
 {
 	static const float corners[4][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
 	static const uint32_t sides[4][3] = {{0, 1, 2}, {0, 1, 3}, {0, 2, 3}, {1, 2, 3}};
 	if (strcmp(path, fuzz_path("foot.obj")) != 0)
 		return fail_with(STATUS_INPUT, "%s: not found; name a mesh", told);
-	struct deform_mesh *mesh = mem_calloc(1, sizeof *mesh);
+	struct soil_mesh *mesh = mem_calloc(1, sizeof *mesh);
 	fuzz_check(mesh != NULL);
 	mesh->vertex_count = mesh->triangle_count = 4;
 	mesh->vertices = mem_alloc(4, sizeof *mesh->vertices);
@@ -94,7 +94,7 @@ enum status __wrap_scene_mesh_load(const char *path, const char *told, double sc
 	return STATUS_OK;
 }
 
-void __wrap_scene_mesh_destroy(struct deform_mesh *mesh)
+void __wrap_scene_mesh_destroy(struct soil_mesh *mesh)
 {
 	if (mesh == NULL)
 		return;
@@ -108,7 +108,7 @@ void __wrap_scene_mesh_destroy(struct deform_mesh *mesh)
 static void check_object(const struct scene *scene, const struct scene_object *object)
 {
 	const struct scene_path *path = &object->path;
-	const struct deform_shape *shape = &object->shape;
+	const struct soil_shape *shape = &object->shape;
 	fuzz_check(object->name != NULL && isfinite(object->sink));
 	fuzz_check(path->count > 0 && path->points != NULL);
 	fuzz_check(path->timed || (isfinite(path->speed) && path->speed > 0));
@@ -118,9 +118,9 @@ static void check_object(const struct scene *scene, const struct scene_object *o
 		fuzz_check(isfinite(point->yaw) && isfinite(point->pitch) && isfinite(point->roll));
 		fuzz_check(!path->timed || i == 0 || point->t > point[-1].t);
 	}
-	if (shape->kind == DEFORM_BOX)
+	if (shape->kind == SOIL_BOX)
 		fuzz_check(shape->size[0] > 0 && shape->size[1] > 0 && shape->size[2] > 0);
-	else if (shape->kind == DEFORM_MESH)
+	else if (shape->kind == SOIL_MESH)
 		fuzz_check(object->mesh != NULL && shape->mesh == object->mesh);
 	else
 		fuzz_check(shape->radius > 0 && isfinite(shape->radius));
@@ -128,7 +128,7 @@ static void check_object(const struct scene *scene, const struct scene_object *o
 	fuzz_check(shape->grouser_height <= shape->radius && (shape->grousers == 0) == (shape->grouser_thickness == 0));
 	fuzz_check(object->load >= 0 && object->load <= 1e9 && object->slip >= -1000 && object->slip < 1);
 	fuzz_check((object->load == 0 && object->slip == 0) || scene->model == DEFORM_SCM);
-	const struct deform_interface *interface = &object->interface;
+	const struct soil_interface *interface = &object->interface;
 	fuzz_check(interface->friction_angle >= 0 && interface->friction_angle < 1.6 && interface->adhesion >= 0 && interface->adhesion <= 1e9);
 	fuzz_check((!interface->has_friction && !interface->has_adhesion) || scene->model == DEFORM_SCM);
 	fuzz_check(object->load == 0 || (object->sink == 0 && !path->has_z));
@@ -137,16 +137,16 @@ static void check_object(const struct scene *scene, const struct scene_object *o
 static void check_soils(const struct scene *scene)
 {
 	bool moves = scene->model >= DEFORM_SUMNER;
-	fuzz_check(scene->model < DEFORM_MODELS && scene->soil_count <= DEFORM_SOILS);
+	fuzz_check(scene->model < DEFORM_MODELS && scene->soil_count <= SOIL_CLASSES);
 	fuzz_check((scene->soil_count > 0) == moves && (scene->iterations > 0) == moves);
 	fuzz_check(!moves || (scene->interval > 0 && scene->depth >= 0));
-	fuzz_check(scene->raster_count >= 0 && scene->raster_count <= DEFORM_RASTERS && (scene->raster_count == 0 || moves));
+	fuzz_check(scene->raster_count >= 0 && scene->raster_count <= SOIL_RASTERS && (scene->raster_count == 0 || moves));
 	for (int i = 0; i < scene->raster_count; i++)
 		fuzz_check(scene->rasters[i].path != NULL && (i == 0 || scene->rasters[i].number > scene->rasters[i - 1].number));
 	for (int i = 0; i < 256; i++)
 		fuzz_check(scene->soil_class[i] == 0 || (scene->soil_map != NULL && scene->soil_class[i] < scene->soil_count));
 	for (int i = 0; i < scene->soil_count; i++) {
-		const struct deform_soil *soil = &scene->soils[i];
+		const struct soil_numbers *soil = &scene->soils[i];
 		double values[sizeof *soil / sizeof(double)];
 		memcpy(values, soil, sizeof values);
 		for (size_t k = 0; k < sizeof values / sizeof *values; k++)

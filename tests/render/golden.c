@@ -253,8 +253,8 @@ static void select_all(struct shown *shown, const struct terrain_view *view, str
 /* --- drawing --- */
 
 static const struct scene_object objects[2] = {
-	{.name = "wheel", .shape = {.kind = DEFORM_WHEEL, .radius = 0.45, .width = 0.5, .grousers = 14, .grouser_height = 0.05, .grouser_thickness = 0.07}},
-	{.name = "ball", .shape = {.kind = DEFORM_SPHERE, .radius = 0.5}},
+	{.name = "wheel", .shape = {.kind = SOIL_WHEEL, .radius = 0.45, .width = 0.5, .grousers = 14, .grouser_height = 0.05, .grouser_thickness = 0.07}},
+	{.name = "ball", .shape = {.kind = SOIL_SPHERE, .radius = 0.5}},
 };
 
 static void place_objects(struct render *render)

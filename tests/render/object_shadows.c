@@ -33,7 +33,7 @@ static void shadow_way(double way[2])
 static void a_shadow_lies_beside_its_object_away_from_the_sun(void **state)
 {
 	need_gpu();
-	const struct deform_shape shapes[3] = {wheel, ball, box};
+	const struct soil_shape shapes[3] = {wheel, ball, box};
 	const double heights[3] = {0.5, 0.6, 0.15};
 	double way[2];
 	shadow_way(way);
@@ -148,7 +148,7 @@ static void a_shadow_is_as_long_as_the_sun_is_low(void **state)
 	static const double cases[][2] = {{60, 1.6}, {40, 1.6}, {20, 1}, {10, 0.8}, {5, 0.8}, {2, 0.4}}; /* degrees; metres along a side */
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		const double sun = cases[i][0], side = cases[i][1], east = 2 + side / 2;
-		const struct deform_shape cube = {.kind = DEFORM_BOX, .size = {side, side, side}};
+		const struct soil_shape cube = {.kind = SOIL_BOX, .size = {side, side, side}};
 		const struct render_object object = posed(0, 2, 8, side / 2);
 		double ratios[WIDTH];
 		begin(OBJECTS | SHADOW, flat, &cube, 1);
@@ -226,7 +226,7 @@ static double rough(double x, double y)
 static void in_a_shadow_ground_is_as_without_the_sun(void **state)
 {
 	need_gpu();
-	const struct deform_shape cube = {.kind = DEFORM_BOX, .size = {1.6, 1.6, 1.6}}, cubes[2] = {cube, cube};
+	const struct soil_shape cube = {.kind = SOIL_BOX, .size = {1.6, 1.6, 1.6}}, cubes[2] = {cube, cube};
 	const struct render_object both[2] = {posed(0, 2, 8, 0.8), posed(1, 4.5, 8, 0.8)};
 	const struct render_camera camera = FROM_ABOVE;
 	uint8_t *pixels[4]; /* by 0, 1 and 2 objects; without the sun */
@@ -310,7 +310,7 @@ static void an_eye_within_the_volume_sees_the_shadow(void **state)
 	uint8_t *pixels[2];
 	double way[2];
 	shadow_way(way);
-	const struct deform_shape large = {.kind = DEFORM_SPHERE, .radius = 3};
+	const struct soil_shape large = {.kind = SOIL_SPHERE, .radius = 3};
 	struct render_camera camera = camera_at((double[3]){8 + 4 * way[0], 8 + 4 * way[1], 0.4}, (double[3]){8 + 5 * way[0], 8 + 5 * way[1], 0});
 	struct render_object object = posed(0, 8, 8, 3);
 	begin(OBJECTS | SHADOW, flat, &large, 1);

@@ -10,7 +10,7 @@
 static void a_wheel_is_seen_to_turn(void **state)
 {
 	need_gpu();
-	const struct deform_shape shapes[2] = {wheel, lugged};
+	const struct soil_shape shapes[2] = {wheel, lugged};
 	begin(OBJECTS, NULL, shapes, 2);
 	struct render_camera camera = camera_at((double[3]){8, 6.6, 1}, (double[3]){8, 8, 1});
 	for (size_t i = 0; i < 2; i++) {
@@ -62,7 +62,7 @@ static void lugs_are_drawn_where_they_press(void **state)
 		struct deform_contact sweep = {.shape = &lugged, .from = {.yaw = 0.6 * k, .turn = 0.37 * k}};
 		double axes[3][3], yaw = 0.6 * k;
 		sweep.to = sweep.from;
-		deform_axes(yaw, 0, 0, sweep.to.turn, axes);
+		soil_axes(yaw, 0, 0, sweep.to.turn, axes);
 		for (int i = -60; i <= 60; i++) {
 			double u = 0.0091 * i, side = (i % 3) * 0.4 * (lugged.width / 2 - shoulder);
 			double x = u * cos(yaw) - side * sin(yaw), y = u * sin(yaw) + side * cos(yaw);
@@ -87,23 +87,23 @@ static void lugs_are_drawn_where_they_press(void **state)
 	render_object_mesh_finish(&mesh);
 }
 
-static const struct deform_shape barrel = {.kind = DEFORM_CYLINDER, .radius = 0.4, .length = 0.9}, pill = {.kind = DEFORM_CAPSULE, .radius = 0.3, .length = 0.8};
-static const struct deform_shape egg = {.kind = DEFORM_ELLIPSOID, .size = {0.6, 0.4, 0.2}};
+static const struct soil_shape barrel = {.kind = SOIL_CYLINDER, .radius = 0.4, .length = 0.9}, pill = {.kind = SOIL_CAPSULE, .radius = 0.3, .length = 0.8};
+static const struct soil_shape egg = {.kind = SOIL_ELLIPSOID, .size = {0.6, 0.4, 0.2}};
 
 /* Round shapes are drawn within, and nearly as, the shape that presses, in any attitude. */
 static void round_shapes_are_drawn_as_they_press(void **state)
 {
-	const struct deform_shape *shapes[] = {&barrel, &pill, &egg, &wheel};
+	const struct soil_shape *shapes[] = {&barrel, &pill, &egg, &wheel};
 	(void)state;
 	for (int i = 0; i < 4; i++)
 		for (int k = 0; k < 4; k++) {
 			struct object_mesh mesh;
 			struct deform_contact sweep = {.shape = shapes[i], .from = {.yaw = 0.8 * k, .pitch = i < 3 ? 0.5 * k : 0, .roll = 0.3 + 0.6 * k}};
-			double axes[3][3], bound = deform_shape_bound(shapes[i]);
+			double axes[3][3], bound = soil_shape_bound(shapes[i]);
 			int compared = 0;
 			sweep.to = sweep.from;
 			assert_ok(render_object_mesh_make(shapes[i], &mesh));
-			deform_axes(sweep.to.yaw, sweep.to.pitch, sweep.to.roll, 0, axes);
+			soil_axes(sweep.to.yaw, sweep.to.pitch, sweep.to.roll, 0, axes);
 			for (int n = 0; n < 900; n++) {
 				double x = bound * (n % 30 - 15) / 15, y = bound * (n / 30 - 15) / 15, drawn = lowest(&mesh, axes, x, y);
 				long double z;
@@ -121,7 +121,7 @@ static void round_shapes_are_drawn_as_they_press(void **state)
 static void meshes_are_closed_and_turned_outward(void **state)
 {
 	static const struct {
-		const struct deform_shape *shape;
+		const struct soil_shape *shape;
 		double least, most; /* m3 */
 	} shapes[] = {
 		{&ball, 0.98 * 4 / 3 * M_PI * 0.6 * 0.6 * 0.6, 4.0 / 3 * M_PI * 0.6 * 0.6 * 0.6},

@@ -37,30 +37,30 @@ static void within_round(double a, double b, double c, double part[2])
 }
 
 /* Whether the ray meets the shape, cut by so much on all sides. */
-static bool meets(const struct deform_shape *shape, const double from[3], const double step[3], double less)
+static bool meets(const struct soil_shape *shape, const double from[3], const double step[3], double less)
 {
 	double part[2] = {0, INFINITY};
-	if (shape->kind == DEFORM_BOX) {
+	if (shape->kind == SOIL_BOX) {
 		for (int k = 0; k < 3; k++)
 			within_slab(from[k], step[k], shape->size[k] / 2 - less, part);
 		return part[0] < part[1];
 	}
-	double r = shape->radius - less, y = shape->kind == DEFORM_SPHERE;
+	double r = shape->radius - less, y = shape->kind == SOIL_SPHERE;
 	within_round(step[0] * step[0] + step[2] * step[2] + y * step[1] * step[1], from[0] * step[0] + from[2] * step[2] + y * from[1] * step[1],
 		     from[0] * from[0] + from[2] * from[2] + y * from[1] * from[1] - r * r, part);
-	if (shape->kind == DEFORM_WHEEL)
+	if (shape->kind == SOIL_WHEEL)
 		within_slab(from[1], step[1], shape->width / 2 - less, part);
 	return part[0] < part[1];
 }
 
 /* By pixel: whether the shape, cut by `less`, is there; at its middle, or anywhere within `reach` pixels of that. */
-static bool covers(const struct render_camera *camera, const struct render_object *object, const struct deform_shape *shape, double less,
+static bool covers(const struct render_camera *camera, const struct render_object *object, const struct soil_shape *shape, double less,
 		   double x, double y)
 {
 	struct render_axes axes;
 	double own[3][3], from[3] = {0, 0, 0}, step[3] = {0, 0, 0};
 	render_axes(render, camera, &axes);
-	deform_axes(object->yaw, object->pitch, object->roll, object->turned, own);
+	soil_axes(object->yaw, object->pitch, object->roll, object->turned, own);
 	for (int k = 0; k < 3; k++) {
 		double ray = axes.forward[k] + (x - WIDTH / 2.0) / axes.focal * axes.right[k] + (y - HEIGHT / 2.0) / axes.focal * axes.up[k];
 		for (int i = 0; i < 3; i++) {
@@ -72,7 +72,7 @@ static bool covers(const struct render_camera *camera, const struct render_objec
 }
 
 /* Over nothing: what is drawn is the shape, but for a pixel at its edge and what its rounding takes. */
-static void check_silhouette(const struct deform_shape *shape, const struct render_camera *camera, const struct render_object *object,
+static void check_silhouette(const struct soil_shape *shape, const struct render_camera *camera, const struct render_object *object,
 			     double rounding)
 {
 	uint8_t *without = draw(camera, object, 0), *with = draw(camera, object, 1);
@@ -97,7 +97,7 @@ static void check_silhouette(const struct deform_shape *shape, const struct rend
 static void objects_cover_what_they_must(void **state)
 {
 	need_gpu();
-	const struct deform_shape shapes[3] = {wheel, ball, box};
+	const struct soil_shape shapes[3] = {wheel, ball, box};
 	/* The wheel's shoulders, and that corners alone lie on a circle: less than half a pixel. */
 	const double roundings[3] = {0.12 * 0.5, 0.002, 0};
 	begin(OBJECTS, NULL, shapes, 3);
@@ -107,9 +107,9 @@ static void objects_cover_what_they_must(void **state)
 			double far = k % 3 == 0 ? 1.9 : k % 3 == 1 ? 7 : 20, turn = 0.7 * k;
 			struct render_object object = posed(i, 8, 8, 1);
 			object.yaw = 0.4 * k;
-			object.turned = shapes[i].kind != DEFORM_BOX ? 1.1 * k : 0;
-			object.pitch = shapes[i].kind == DEFORM_BOX ? 0.3 * k : 0;
-			object.roll = shapes[i].kind == DEFORM_BOX ? -0.2 * k : 0;
+			object.turned = shapes[i].kind != SOIL_BOX ? 1.1 * k : 0;
+			object.pitch = shapes[i].kind == SOIL_BOX ? 0.3 * k : 0;
+			object.roll = shapes[i].kind == SOIL_BOX ? -0.2 * k : 0;
 			struct render_camera camera = camera_at((double[3]){8 + far * cos(turn), 8 + far * sin(turn), 1 + 0.3 * far},
 								(double[3]){8.1, 8, 1.05});
 			check_silhouette(&shapes[i], &camera, &object, roundings[i]);
@@ -121,7 +121,7 @@ static void objects_cover_what_they_must(void **state)
 static void each_is_drawn_where_it_is(void **state)
 {
 	need_gpu();
-	const struct deform_shape shapes[4] = {box, wheel, box, ball};
+	const struct soil_shape shapes[4] = {box, wheel, box, ball};
 	struct render_object shown[4];
 	struct render_camera camera = camera_at((double[3]){8, 2, 2}, (double[3]){8, 8, 1});
 	begin(OBJECTS, NULL, shapes, 4);
@@ -188,7 +188,7 @@ static void ten_thousand_kilometres_away_it_is_the_same(void **state)
 static void what_is_small_or_out_of_sight_costs_less(void **state)
 {
 	need_gpu();
-	const struct deform_shape shapes[4] = {lugged, lugged, lugged, box};
+	const struct soil_shape shapes[4] = {lugged, lugged, lugged, box};
 	struct gpu_stats before, after;
 	begin(OBJECTS | SHADOW, NULL, shapes, 4);
 	assert_ptr_equal(render->objects->shapes[2].corners, NULL); /* two shapes */
@@ -226,7 +226,7 @@ static void a_million_triangles_draw(void **state)
 	enum { ROUND = 1000, RINGS = 501 };
 	static float vertices[ROUND * RINGS][3];
 	static uint32_t triangles[2 * ROUND * (RINGS - 1)][3];
-	struct deform_mesh mesh = {vertices, triangles, ROUND * RINGS, 2 * ROUND * (RINGS - 1), {-0.6, -0.6, -0.6}, {0.6, 0.6, 0.6}};
+	struct soil_mesh mesh = {vertices, triangles, ROUND * RINGS, 2 * ROUND * (RINGS - 1), {-0.6, -0.6, -0.6}, {0.6, 0.6, 0.6}};
 	for (uint32_t i = 0; i < ROUND * RINGS; i++) {
 		double turn = 2 * M_PI * (i % ROUND) / ROUND, down = M_PI * (0.0005 + 0.999 * (i / ROUND) / (RINGS - 1));
 		vertices[i][0] = (float)(0.6 * sin(down) * cos(turn));
@@ -242,7 +242,7 @@ static void a_million_triangles_draw(void **state)
 		triangles[k + 1][2] = two[1 - i % 2][0];
 		k += 2;
 	}
-	const struct deform_shape shape = {.kind = DEFORM_MESH, .mesh = &mesh};
+	const struct soil_shape shape = {.kind = SOIL_MESH, .mesh = &mesh};
 	begin(OBJECTS, NULL, &shape, 1);
 	struct render_object object = posed(0, 8, 8, 1);
 	for (int k = 0; k < 2; k++) {

@@ -15,10 +15,10 @@
 
 /* Tiles are 16 m wide. */
 static const struct extent extent = {40000001, 40000001, 0.25, CELLS};
-static const struct deform_shape wheel = {.kind = DEFORM_WHEEL, .radius = 0.5, .width = 0.4};
-static const struct deform_shape lugged = {.kind = DEFORM_WHEEL, .radius = 0.5, .width = 0.4, .grousers = 11, .grouser_height = 0.06, .grouser_thickness = 0.09};
-static const struct deform_shape ball = {.kind = DEFORM_SPHERE, .radius = 0.6};
-static const struct deform_shape box = {.kind = DEFORM_BOX, .size = {1.2, 0.5, 0.3}};
+static const struct soil_shape wheel = {.kind = SOIL_WHEEL, .radius = 0.5, .width = 0.4};
+static const struct soil_shape lugged = {.kind = SOIL_WHEEL, .radius = 0.5, .width = 0.4, .grousers = 11, .grouser_height = 0.06, .grouser_thickness = 0.09};
+static const struct soil_shape ball = {.kind = SOIL_SPHERE, .radius = 0.6};
+static const struct soil_shape box = {.kind = SOIL_BOX, .size = {1.2, 0.5, 0.3}};
 
 static struct gpu_slots *slots;
 static struct render *render;
@@ -35,7 +35,7 @@ static inline double flat(double x, double y)
 }
 
 /* `height` NULL: no ground at all. */
-static inline void begin(uint64_t effects, double (*height)(double x, double y), const struct deform_shape *shapes, size_t count)
+static inline void begin(uint64_t effects, double (*height)(double x, double y), const struct soil_shape *shapes, size_t count)
 {
 	static int32_t base[POSTS * POSTS];
 	struct render_params params = {

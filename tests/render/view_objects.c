@@ -6,7 +6,7 @@
 #include "../support/program.h"
 
 /* The rig's object is of another shape, and its way another, or one in time; the picture shows it. */
-static void show(struct rig *rig, struct deform_shape shape, struct scene_path path)
+static void show(struct rig *rig, struct soil_shape shape, struct scene_path path)
 {
 	struct world *world = &rig->world;
 	rig->object.shape = shape;
@@ -42,7 +42,7 @@ static void press(struct rig *rig, int64_t sample, double turn)
 	rig->body.distance += event.distance;
 }
 
-static const struct deform_shape wheel = {.kind = DEFORM_WHEEL, .radius = 0.5, .width = 0.4, .grousers = 11, .grouser_height = 0.05, .grouser_thickness = 0.05};
+static const struct soil_shape wheel = {.kind = SOIL_WHEEL, .radius = 0.5, .width = 0.4, .grousers = 11, .grouser_height = 0.05, .grouser_thickness = 0.05};
 
 static void a_wheel_rolls_on_from_its_last_station_to_the_next(void **state)
 {
@@ -56,7 +56,7 @@ static void a_wheel_rolls_on_from_its_last_station_to_the_next(void **state)
 		double time = motion_track_sample_time(rig.body.track, k), next = motion_track_sample_time(rig.body.track, k + 1);
 		double step = 1 / (0.5 * (1 - 0.2)); /* a post's way */
 		press(&rig, k, 0.7);
-		struct deform_pose last = rig.body.last;
+		struct soil_pose last = rig.body.last;
 		assert_int_equal(shown(&rig, time, &now), 1);
 		assert_near(now.at[0], lattice_offset_metres(last.x), 1e-5);
 		assert_near(now.at[1], lattice_offset_metres(last.y), 1e-5);
@@ -87,7 +87,7 @@ static void a_ball_rolls_by_its_way(void **state)
 	struct rig rig;
 	struct render_object now;
 	rig_open(&rig, 64, 2, 0);
-	show(&rig, (struct deform_shape){.kind = DEFORM_SPHERE, .radius = 2}, (struct scene_path){.points = rig.points, .count = 2, .speed = 2});
+	show(&rig, (struct soil_shape){.kind = SOIL_SPHERE, .radius = 2}, (struct scene_path){.points = rig.points, .count = 2, .speed = 2});
 	press(&rig, 0, 0);
 	for (int64_t k = 1; k < 4; k++)
 		press(&rig, k, 0);
@@ -115,7 +115,7 @@ static void where_there_is_no_ground_it_is_drawn_if_that_is_known(void **state)
 	/* A path that says where it is in time, and how it lies; before it begins it is nowhere. */
 	struct scene_waypoint timed[2] = {{.t = 2, .x = 520, .y = 100, .z = 7, .roll = 0.5}, {.t = 4, .x = 530, .y = 100, .z = 9, .roll = 0.7}};
 	rig.body.in_contact = false;
-	show(&rig, (struct deform_shape){.kind = DEFORM_BOX, .size = {1, 1, 1}},
+	show(&rig, (struct soil_shape){.kind = SOIL_BOX, .size = {1, 1, 1}},
 	     (struct scene_path){.points = timed, .count = 2, .timed = true, .has_z = true, .has_attitude = true});
 	assert_int_equal(shown(&rig, 1.9, &now), 0);
 	assert_int_equal(shown(&rig, 3, &now), 1);

@@ -90,7 +90,7 @@ static inline void rig_open(struct rig *rig, uint32_t slots, double speed, doubl
 	*rig = (struct rig){.points = {{.x = 40, .y = 60}, {.x = 460, .y = 440}}};
 	rig->object = (struct scene_object){
 		.name = "it",
-		.shape = {.kind = DEFORM_SPHERE, .radius = 0.5},
+		.shape = {.kind = SOIL_SPHERE, .radius = 0.5},
 		.path = {.points = rig->points, .count = 2, .speed = speed},
 	};
 	rig->scene = (struct scene){

@@ -10,8 +10,8 @@
 
 enum { CELLS = 32 };
 static const struct extent extent = {129, 129, 1, CELLS};
-static const struct deform_shape sphere = {.kind = DEFORM_SPHERE, .radius = 2.5};
-static const struct scene_object object = {.name = "ball", .shape = {.kind = DEFORM_SPHERE, .radius = 2.5}};
+static const struct soil_shape sphere = {.kind = SOIL_SPHERE, .radius = 2.5};
+static const struct scene_object object = {.name = "ball", .shape = {.kind = SOIL_SPHERE, .radius = 2.5}};
 
 struct rig_params {
 	support_height ground; /* heights of the store's posts */

@@ -27,7 +27,7 @@ static void the_manuals_scene_has_the_values_it_says(void **state)
 	assert_int_equal(scene->object_count, 1);
 	const struct scene_object *wheel = &scene->objects[0];
 	assert_string_equal(wheel->name, "front_left");
-	assert_int_equal(wheel->shape.kind, DEFORM_WHEEL);
+	assert_int_equal(wheel->shape.kind, SOIL_WHEEL);
 	assert_true(wheel->shape.radius == 0.5 && wheel->shape.width == 0.4);
 	assert_int_equal(wheel->path.count, 2);
 	assert_true(wheel->path.points[0].x == 10 && wheel->path.points[0].y == 10);

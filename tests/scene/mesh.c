@@ -126,7 +126,7 @@ static struct bytes glb(const char *json, struct bytes buffer)
 	return all;
 }
 
-static enum status load_scaled(const char *name, struct bytes bytes, double scale, struct deform_mesh **mesh)
+static enum status load_scaled(const char *name, struct bytes bytes, double scale, struct soil_mesh **mesh)
 {
 	if (bytes.length > 0)
 		write_bytes(name, bytes.at, bytes.length);
@@ -139,9 +139,9 @@ static enum status load_scaled(const char *name, struct bytes bytes, double scal
 	return status;
 }
 
-static struct deform_mesh *loaded(const char *name, struct bytes bytes)
+static struct soil_mesh *loaded(const char *name, struct bytes bytes)
 {
-	struct deform_mesh *mesh;
+	struct soil_mesh *mesh;
 	if (load_scaled(name, bytes, 1, &mesh) != STATUS_OK)
 		fail_msg("%s: %s", name, failure_message());
 	free(bytes.at);
@@ -149,7 +149,7 @@ static struct deform_mesh *loaded(const char *name, struct bytes bytes)
 }
 
 /* Every triangle of the wedge, as often as it is there, whatever the order and the first corner. */
-static void assert_wedge(const struct deform_mesh *mesh)
+static void assert_wedge(const struct soil_mesh *mesh)
 {
 	bool seen[6] = {false};
 	double volume = 0;
@@ -182,7 +182,7 @@ static void every_format_is_the_same_wedge(void **state)
 	write_bytes("wedge.bin", buffer.at, buffer.length);
 	free(buffer.at);
 	for (size_t i = 0; i < 5; i++) {
-		struct deform_mesh *mesh = loaded(names[i], files[i]);
+		struct soil_mesh *mesh = loaded(names[i], files[i]);
 		assert_wedge(mesh);
 		scene_mesh_destroy(mesh);
 	}
@@ -196,7 +196,7 @@ static void nodes_place_what_they_show(void **state)
 	char *json = edited(GLTF, "\"nodes\":[{\"mesh\":0}]",
 			    "\"nodes\":[{\"children\":[1,2],\"translation\":[0,5,0]},{\"mesh\":0},{\"mesh\":0,\"translation\":[0,5,0]}]");
 	char *inside = edited(json, ",\"uri\":\"wedge.bin\"", "");
-	struct deform_mesh *mesh = loaded("a.glb", glb(inside, buffer));
+	struct soil_mesh *mesh = loaded("a.glb", glb(inside, buffer));
 	assert_int_equal(mesh->triangle_count, 16);
 	assert_int_equal(mesh->vertex_count, 12);
 	assert_true(mesh->low[2] == 5 && mesh->high[2] == 13);
@@ -209,7 +209,7 @@ static void nodes_place_what_they_show(void **state)
 static void a_scale_makes_metres(void **state)
 {
 	struct bytes obj = obj_wedge();
-	struct deform_mesh *mesh;
+	struct soil_mesh *mesh;
 	assert_int_equal(load_scaled("a.obj", obj, 0.001, &mesh), STATUS_OK);
 	assert_true(fabs(mesh->high[2] - 0.003) < 1e-9);
 	scene_mesh_destroy(mesh);
@@ -227,14 +227,14 @@ static void points_lines_and_slivers_are_left_out(void **state)
 	struct bytes obj = obj_wedge();
 	ADD(&obj, "v 9 9 9\np 7\nl 1 7\nf 1 1 2\nf 1 2 2\n");
 	ADD(&obj, "v 1 0 0\nf 1 8 2\n"); /* three in a row */
-	struct deform_mesh *mesh = loaded("a.obj", obj);
+	struct soil_mesh *mesh = loaded("a.obj", obj);
 	assert_wedge(mesh);
 	scene_mesh_destroy(mesh);
 }
 
 static void the_order_is_the_files(void **state)
 {
-	struct deform_mesh *a = loaded("a.stl", binary_wedge()), *b = loaded("a.stl", binary_wedge());
+	struct soil_mesh *a = loaded("a.stl", binary_wedge()), *b = loaded("a.stl", binary_wedge());
 	for (int t = 0; t < 8; t++)
 		for (int c = 0; c < 3; c++)
 			assert_memory_equal(a->vertices[a->triangles[t][c]], wedge[sides[t][c]], sizeof wedge[0]);
@@ -246,7 +246,7 @@ static void the_order_is_the_files(void **state)
 
 static void refused(const char *name, struct bytes bytes, const char *why)
 {
-	struct deform_mesh *mesh;
+	struct soil_mesh *mesh;
 	if (load_scaled(name, bytes, 1, &mesh) != STATUS_INPUT)
 		fail_msg("%s, %zu bytes, was taken, or failed otherwise", name, bytes.length);
 	assert_says("scene.yaml:5: objects[0].shape.mesh.file: ");
@@ -256,7 +256,7 @@ static void refused(const char *name, struct bytes bytes, const char *why)
 
 static void what_is_no_surface_is_refused(void **state)
 {
-	struct deform_mesh *mesh;
+	struct soil_mesh *mesh;
 	enum status status = scene_mesh_load(in_folder("none.stl"), "file", 1, &mesh);
 	assert_int_equal(status, STATUS_INPUT);
 	if (strstr(failure_message(), "this build reads no meshes") != NULL)
@@ -374,7 +374,7 @@ static void a_million_triangles_and_no_more(void **state)
 
 static void a_file_too_large_is_refused(void **state)
 {
-	struct deform_mesh *mesh;
+	struct soil_mesh *mesh;
 	write_text("a.obj", "v 0 0 0\n");
 	assert_int_equal(truncate(in_folder("a.obj"), (64 << 20) + 1), 0);
 	enum status status = scene_mesh_load(in_folder("a.obj"), "file", 1, &mesh);
@@ -389,7 +389,7 @@ static void every_allocation_may_fail(void **state)
 {
 	struct bytes obj = obj_wedge();
 	for (uint64_t nth = 1;; nth++) {
-		struct deform_mesh *mesh;
+		struct soil_mesh *mesh;
 		write_bytes("a.obj", obj.at, obj.length);
 		mem_fail_nth(nth, 0);
 		enum status status = scene_mesh_load(in_folder("a.obj"), "file", 1, &mesh);

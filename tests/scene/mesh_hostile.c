@@ -35,7 +35,7 @@ static struct text repeated(const char *before, const char *part, size_t times, 
 	return text;
 }
 
-static enum status load(const char *name, const char *bytes, size_t length, struct deform_mesh **mesh)
+static enum status load(const char *name, const char *bytes, size_t length, struct soil_mesh **mesh)
 {
 	write_bytes(name, bytes, length);
 	enum status status = scene_mesh_load(in_folder(name), "file", 1, mesh);
@@ -47,7 +47,7 @@ static enum status load(const char *name, const char *bytes, size_t length, stru
 
 static void refused(const char *name, struct text text, const char *why)
 {
-	struct deform_mesh *mesh;
+	struct soil_mesh *mesh;
 	if (load(name, text.at, text.length, &mesh) != STATUS_INPUT)
 		fail_msg("%s, \"%.60s...\": was taken, or failed otherwise", name, text.at);
 	assert_says(why);
@@ -116,7 +116,7 @@ static void a_buffer_that_is_not_there_is_not_believed(void **state)
 	};
 	static const char whole[] = "{" REST ",\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"mesh\":0}]}";
 	static const char lying[] = "glTF\2\0\0\0\377\377\377\377\360\377\377\377JSON{}";
-	struct deform_mesh *mesh;
+	struct soil_mesh *mesh;
 	assert_int_equal(load("a.gltf", whole, strlen(whole), &mesh), STATUS_OK);
 	assert_int_equal(mesh->triangle_count, 1);
 	scene_mesh_destroy(mesh);
@@ -137,7 +137,7 @@ static void a_buffer_that_is_not_there_is_not_believed(void **state)
 static void obj_and_stl_are_counted_first(void **state)
 {
 	static const char corners[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
-	struct deform_mesh *mesh;
+	struct soil_mesh *mesh;
 	refused("a.obj", repeated(corners, "f 1 2 3\n", 1000001, ""), "more than 1000000 triangles");
 	refused("a.obj", repeated(corners, "g\n", 20001, "f 1 2 3\n"), "more than 20000 groups");
 	refused("a.obj", repeated("v 0 0 0\nf", " 1", 1001, "\n"), "more than 1000 corners in one face");
@@ -160,7 +160,7 @@ static void obj_and_stl_are_counted_first(void **state)
 static void a_mesh_that_is_a_pipe_is_refused(void **state)
 {
 	static const char *const names[] = {"a.obj", "a.stl", "a.gltf", "a.glb"};
-	struct deform_mesh *mesh;
+	struct soil_mesh *mesh;
 	for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
 		assert_int_equal(mkfifo(in_folder(names[i]), 0600), 0);
 		assert_int_equal(scene_mesh_load(in_folder(names[i]), "file", 1, &mesh), STATUS_INPUT);

@@ -46,7 +46,7 @@ static void a_surface_has_friction_and_adhesion_each_alone(void **state)
 {
 	static const struct {
 		const char *text;
-		struct deform_interface wanted;
+		struct soil_interface wanted;
 	} cases[] = {
 		{"", {.has_friction = false}},
 		{"    interface: {}\n", {.has_friction = false}},
@@ -58,7 +58,7 @@ static void a_surface_has_friction_and_adhesion_each_alone(void **state)
 		char with[120];
 		snprintf(with, sizeof with, "3}\n%s", cases[i].text);
 		struct scene *scene = load_edited(base, "3}\n", with);
-		const struct deform_interface *got = &scene->objects[0].interface;
+		const struct soil_interface *got = &scene->objects[0].interface;
 		assert_true(got->has_friction == cases[i].wanted.has_friction && got->has_adhesion == cases[i].wanted.has_adhesion);
 		assert_true(fabs(got->friction_angle - cases[i].wanted.friction_angle) < 1e-15 && got->adhesion == cases[i].wanted.adhesion);
 		scene_destroy(scene);
@@ -120,7 +120,7 @@ static void a_belt_slips(void **state)
 static void lugs_have_a_height_and_a_thickness(void **state)
 {
 	struct scene *scene = load_edited(base, "0.4}", "0.4, grousers: 12}");
-	const struct deform_shape *shape = &scene->objects[0].shape;
+	const struct soil_shape *shape = &scene->objects[0].shape;
 	assert_int_equal(shape->grousers, 12);
 	assert_true(shape->grouser_height == 0.025 && shape->grouser_thickness == 0.05);
 	assert_true((scene_effects(scene, 0) >> EFFECT_GROUSERS & 1) == 1);
@@ -152,7 +152,7 @@ static void a_mesh_is_read_beside_the_scene_and_counts_by_its_triangles(void **s
 		skip_since("this build reads no meshes");
 	}
 	const struct scene_object *foot = &scene->objects[0];
-	assert_int_equal(foot->shape.kind, DEFORM_MESH);
+	assert_int_equal(foot->shape.kind, SOIL_MESH);
 	assert_ptr_equal(foot->shape.mesh, foot->mesh);
 	assert_int_equal(foot->mesh->triangle_count, 4);
 	assert_true(foot->mesh->high[2] == 1);

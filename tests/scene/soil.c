@@ -13,9 +13,9 @@ static void a_soil_by_name_is_that_of_the_table(void **state)
 {
 	static const char *const names[] = {"dry_sand", "sandy_loam_15", "lete_sand", "snow_us", "lunar"};
 	for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
-		struct deform_soil known;
+		struct soil_numbers known;
 		struct scene *scene = load_edited(base, "dry_sand", names[i]);
-		assert_int_equal(deform_soil_named(names[i], &known), STATUS_OK);
+		assert_int_equal(soil_named(names[i], &known), STATUS_OK);
 		assert_int_equal(scene->soil_count, 1);
 		assert_memory_equal(&scene->soils[0], &known, sizeof known);
 		assert_null(scene->soil_map);
@@ -30,7 +30,7 @@ static void a_soil_by_name_is_that_of_the_table(void **state)
 
 static void every_parameter_may_be_given_and_counts_over_the_names(void **state)
 {
-	const struct deform_soil all = {
+	const struct soil_numbers all = {
 		.bekker_kc = -100, .bekker_kphi = 2000, .bekker_n = 1.5, .cohesion = 7, .friction_angle = 30 * DEGREE,
 		.janosi_shear = 0.03, .elastic_stiffness = 4e6, .damping = 5, .unit_weight = 16000, .repose = 31 * DEGREE,
 		.theta_in = 41 * DEGREE, .theta_out = 21 * DEGREE, .theta_stop = 22 * DEGREE, .roughness = 0.1,
@@ -41,8 +41,8 @@ static void every_parameter_may_be_given_and_counts_over_the_names(void **state)
 		assert_memory_equal(&scene->soils[0], &all, sizeof all);
 		scene_destroy(scene);
 	}
-	struct deform_soil sand;
-	assert_int_equal(deform_soil_named("dry_sand", &sand), STATUS_OK);
+	struct soil_numbers sand;
+	assert_int_equal(soil_named("dry_sand", &sand), STATUS_OK);
 	struct scene *scene = load_edited(base, "dry_sand", "dry_sand, friction_angle: 33, cohesion: 0");
 	assert_true(scene->soils[0].friction_angle == 33 * DEGREE && scene->soils[0].cohesion == 0);
 	assert_true(scene->soils[0].repose == sand.repose && scene->soils[0].bekker_n == sand.bekker_n);
@@ -164,14 +164,14 @@ static void a_map_gives_each_value_its_soil(void **state)
 {
 	write_text("soils.png", "any bytes");
 	struct scene *scene = load_edited(base, "{name: dry_sand}", mapped);
-	struct deform_soil known;
+	struct soil_numbers known;
 	assert_int_equal(scene->soil_count, 4);
 	assert_string_equal(scene->soil_map, in_folder("soils.png"));
 	for (int value = 0; value < 256; value++)
 		assert_int_equal(scene->soil_class[value], value == 1 ? 1 : value == 7 ? 2 : value == 255 ? 3 : 0);
-	assert_int_equal(deform_soil_named("clayey_38", &known), STATUS_OK);
+	assert_int_equal(soil_named("clayey_38", &known), STATUS_OK);
 	assert_memory_equal(&scene->soils[0], &known, sizeof known);
-	assert_int_equal(deform_soil_named("lete_sand", &known), STATUS_OK);
+	assert_int_equal(soil_named("lete_sand", &known), STATUS_OK);
 	known.cohesion = 500;
 	assert_memory_equal(&scene->soils[2], &known, sizeof known);
 	assert_int_equal(scene_effects(scene, 0) & EFFECT_BIT(EFFECT_SOIL_MAP), EFFECT_BIT(EFFECT_SOIL_MAP));
@@ -251,7 +251,7 @@ static void what_is_wrong_with_a_map_is_told(void **state)
 	for (int i = 0; i < 15; i++)
 		snprintf(classes + strlen(classes), sizeof classes - strlen(classes), "%d: clayey_38%s", i * 17, i < 14 ? ", " : "}}");
 	struct scene *scene = load_edited(base, "{name: dry_sand}", classes);
-	assert_int_equal(scene->soil_count, DEFORM_SOILS);
+	assert_int_equal(scene->soil_count, SOIL_CLASSES);
 	assert_int_equal(scene->soil_class[14 * 17], 15);
 	scene_destroy(scene);
 	strcpy(classes + strlen(classes) - 2, ", 3: clayey_38}}");
@@ -273,7 +273,7 @@ static void rasters_are_in_the_order_of_their_numbers_and_their_bytes_count(void
 	struct scene *scene = load_edited(base, "{name: dry_sand}", rasters);
 	assert_int_equal(plain->raster_count, 0);
 	assert_int_equal(scene->raster_count, 2);
-	assert_true(scene->rasters[0].number == DEFORM_COHESION && scene->rasters[1].number == DEFORM_FRICTION_ANGLE);
+	assert_true(scene->rasters[0].number == SOIL_COHESION && scene->rasters[1].number == SOIL_FRICTION_ANGLE);
 	assert_string_equal(scene->rasters[0].path, in_folder("c.png"));
 	assert_string_equal(scene->rasters[1].path, in_folder("phi.png"));
 	assert_memory_equal(&scene->soils[0], &plain->soils[0], sizeof scene->soils[0]);

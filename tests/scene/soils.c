@@ -67,7 +67,7 @@ static void refuse_named(const char *name, const char *model, const char *missin
 static void a_soil_goes_with_the_models_that_it_has_the_numbers_for(void **state)
 {
 	size_t names = 0;
-	while (deform_soil_name(names) != NULL)
+	while (soil_name(names) != NULL)
 		names++;
 	assert_int_equal(names, 1 + COUNT(by_wong) + COUNT(by_sumner));
 	for (size_t m = 0; m < COUNT(models); m++) {
@@ -112,7 +112,7 @@ static void only_what_the_model_reads_and_the_soil_lacks_is_asked_for(void **sta
 	scene_destroy(scene);
 	take("{name: snow, bekker_kc: 1000, bekker_kphi: 2e5, bekker_n: 1.5, cohesion: 900, friction_angle: 21, janosi_shear: 0.03}", "scm", &scene);
 	assert_true(scene->soils[0].repose == scene->soils[0].friction_angle);
-	assert_true(scene->soils[0].elastic_stiffness == DEFORM_USUAL_STIFFNESS && scene->soils[0].damping == DEFORM_USUAL_DAMPING);
+	assert_true(scene->soils[0].elastic_stiffness == SOIL_USUAL_STIFFNESS && scene->soils[0].damping == SOIL_USUAL_DAMPING);
 	scene_destroy(scene);
 	refuse("{name: snow, bekker_kc: 1000, bekker_kphi: 2e5, bekker_n: 1.5, cohesion: 900, friction_angle: 0, janosi_shear: 0.03, "
 	       "elastic_stiffness: 4e7, damping: 3e4}", "scm", ": soil: without friction it needs repose too; allowed: above 0 to 89");
@@ -170,7 +170,7 @@ static void add_cell(struct text *text, double value)
 }
 
 /* A table of those numbers that the soil `like` has, and of the soils that have any of them. */
-static void add_table(struct text *text, const struct deform_soil *like)
+static void add_table(struct text *text, const struct soil_numbers *like)
 {
 	const char *key, *name;
 	double has, value;
@@ -189,11 +189,11 @@ static void add_table(struct text *text, const struct deform_soil *like)
 	add(text, "\n| --- |");
 	for (size_t i = 0; i < columns; i++)
 		add(text, " --- |");
-	for (size_t n = 0; (name = deform_soil_name(n)) != NULL; n++) {
-		struct deform_soil soil;
+	for (size_t n = 0; (name = soil_name(n)) != NULL; n++) {
+		struct soil_numbers soil;
 		struct text line = {(char[1024]){""}, 0, 1024};
 		bool any = false;
-		assert_int_equal(deform_soil_named(name, &soil), STATUS_OK);
+		assert_int_equal(soil_named(name, &soil), STATUS_OK);
 		for (size_t i = 0; scene_soil_number(like, i, &key, &has); i++)
 			if (!isnan(has) && scene_soil_number(&soil, i, &key, &value)) {
 				any = any || !isnan(value);
@@ -234,10 +234,10 @@ static void page_has(const char *name, const struct text *table)
 static void the_docs_have_every_number_of_every_named_soil(void **state)
 {
 	static char bytes[1 << 15];
-	struct deform_soil wong, sumner;
-	assert_int_equal(deform_soil_named("lunar", &wong), STATUS_OK);
-	assert_int_equal(deform_soil_named("mud", &sumner), STATUS_OK);
-	const struct deform_soil *const tables[] = {&wong, &sumner};
+	struct soil_numbers wong, sumner;
+	assert_int_equal(soil_named("lunar", &wong), STATUS_OK);
+	assert_int_equal(soil_named("mud", &sumner), STATUS_OK);
+	const struct soil_numbers *const tables[] = {&wong, &sumner};
 	for (size_t i = 0; i < COUNT(tables); i++) {
 		struct text text = {bytes, 0, sizeof bytes};
 		add_table(&text, tables[i]);
@@ -247,7 +247,7 @@ static void the_docs_have_every_number_of_every_named_soil(void **state)
 }
 
 /* A number of a soil by its key; NAN: it has none. Fails if no soil has such a number. */
-static double number_of(const struct deform_soil *soil, const char *key)
+static double number_of(const struct soil_numbers *soil, const char *key)
 {
 	const char *name;
 	double value;
@@ -270,10 +270,10 @@ static void add_numbers(struct text *text, const char *const *numbers)
 static void add_soils(struct text *text, const char *const *numbers)
 {
 	const char *name, *before = " ";
-	for (size_t n = 0; numbers != NULL && (name = deform_soil_name(n)) != NULL; n++) {
-		struct deform_soil soil;
+	for (size_t n = 0; numbers != NULL && (name = soil_name(n)) != NULL; n++) {
+		struct soil_numbers soil;
 		bool whole = true;
-		assert_int_equal(deform_soil_named(name, &soil), STATUS_OK);
+		assert_int_equal(soil_named(name, &soil), STATUS_OK);
 		for (size_t i = 0; numbers[i] != NULL; i++)
 			whole = whole && !isnan(number_of(&soil, numbers[i]));
 		if (whole)

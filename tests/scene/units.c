@@ -118,10 +118,10 @@ static void shear_in_centimetres_or_millimetres(void **state)
 static void named_soils_get_none_but_in_the_units_of_their_table(void **state)
 {
 	const char *name;
-	for (size_t i = 0; (name = deform_soil_name(i)) != NULL; i++) {
-		struct deform_soil soil;
+	for (size_t i = 0; (name = soil_name(i)) != NULL; i++) {
+		struct soil_numbers soil;
 		char text[320];
-		assert_int_equal(deform_soil_named(name, &soil), STATUS_OK);
+		assert_int_equal(soil_named(name, &soil), STATUS_OK);
 		if (isnan(soil.bekker_n))
 			continue;
 		for (int table = 0; table < 2; table++) {

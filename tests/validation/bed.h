@@ -86,14 +86,14 @@ static const struct bed_kind bed_reference = {
 	bed_reference_settle, bed_reference_surface, bed_reference_volume,
 };
 
-static inline struct deform_soil bed_soil(const char *name)
+static inline struct soil_numbers bed_soil(const char *name)
 {
-	struct deform_soil soil;
-	assert_int_equal(deform_soil_named(name, &soil), STATUS_OK);
+	struct soil_numbers soil;
+	assert_int_equal(soil_named(name, &soil), STATUS_OK);
 	return soil;
 }
 
-static inline struct bed_params bed_scm(int width, int height, double spacing, struct deform_soil soil)
+static inline struct bed_params bed_scm(int width, int height, double spacing, struct soil_numbers soil)
 {
 	return (struct bed_params){
 		.width = width, .height = height, .spacing = spacing,
@@ -102,9 +102,9 @@ static inline struct bed_params bed_scm(int width, int height, double spacing, s
 }
 
 /* Centre at a place in posts and a height in metres. */
-static inline struct deform_pose bed_pose(double x, double y, double z, double spacing)
+static inline struct soil_pose bed_pose(double x, double y, double z, double spacing)
 {
-	return (struct deform_pose){lattice_offset(x * spacing), lattice_offset(y * spacing), lattice_offset(z), 0, 0, 0, 0};
+	return (struct soil_pose){lattice_offset(x * spacing), lattice_offset(y * spacing), lattice_offset(z), 0, 0, 0, 0};
 }
 
 /* Within `share` of what is wanted. Says both. */

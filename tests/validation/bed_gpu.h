@@ -51,10 +51,10 @@ static void bed_gpu_destroy(void *user)
 }
 
 /* Of what is pressed since, J: the soil yielded along Bekker's curve. */
-static double bed_gpu_work(struct bed_gpu *bed, const struct deform_shape *shape)
+static double bed_gpu_work(struct bed_gpu *bed, const struct soil_shape *shape)
 {
-	const struct deform_soil *soil = &bed->params.deform.soils[0];
-	double width = shape->kind == DEFORM_WHEEL ? shape->width : fmin(shape->size[0], shape->size[1]);
+	const struct soil_numbers *soil = &bed->params.deform.soils[0];
+	double width = shape->kind == SOIL_WHEEL ? shape->width : fmin(shape->size[0], shape->size[1]);
 	double power = soil->bekker_n + 1, sum = 0;
 	int32_t *now = ground_room((BED_CELLS + 1) * (BED_CELLS + 1), sizeof *now);
 	for (uint32_t k = 0; k < bed->ground.tile_count; k++) {

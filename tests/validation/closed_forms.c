@@ -31,9 +31,9 @@ static double between_powers(double low, double high)
 	return low * pow(high / low, random_share());
 }
 
-static struct deform_soil random_soil(void)
+static struct soil_numbers random_soil(void)
 {
-	return (struct deform_soil){
+	return (struct soil_numbers){
 		.bekker_kc = between(0, 1e5), .bekker_kphi = between_powers(1e4, 5e6), .bekker_n = between(0.1, 1.6),
 		.cohesion = random_share() < 0.3 ? 0 : between_powers(100, 7e4), .friction_angle = between(0, 40) * RADIANS,
 		.janosi_shear = between_powers(0.005, 0.05), .elastic_stiffness = between_powers(3e6, 1e9),
@@ -45,7 +45,7 @@ static void two_derivations_agree(void **state)
 	(void)state;
 	double worst = 0;
 	for (int i = 0; i < 200; i++) {
-		struct deform_soil soil = random_soil();
+		struct soil_numbers soil = random_soil();
 		struct reference_rolling wheel = {.radius = between_powers(0.05, 1), .rebound = i % 4 != 0};
 		wheel.width = wheel.radius * between(0.2, 1.2);
 		double slip = i % 20 == 0 ? -1 : i % 20 == 1 ? 0 : between(-1, 0.9);
@@ -77,10 +77,10 @@ static void close_to(const char *what, double got, double wanted, double error)
 }
 
 /* Project Chrono's demonstration of soft soil. */
-static struct deform_soil soft_soil(void)
+static struct soil_numbers soft_soil(void)
 {
-	return (struct deform_soil){.bekker_kphi = 0.2e6, .bekker_n = 1.1, .friction_angle = 30 * RADIANS, .janosi_shear = 0.01,
-				    .elastic_stiffness = 4e7};
+	return (struct soil_numbers){.bekker_kphi = 0.2e6, .bekker_n = 1.1, .friction_angle = 30 * RADIANS, .janosi_shear = 0.01,
+				     .elastic_stiffness = 4e7};
 }
 
 /*
@@ -100,7 +100,7 @@ static void chronos_soft_soil(void **state)
 		{REFERENCE_FOLLOWS_RIM, 0.1, 0, -659, 1350, 178}, {REFERENCE_FOLLOWS_RIM, 0.1, 0.2, 624, 1350, -446},
 		{REFERENCE_FOLLOWS_RIM, 0.1, 0.5, 767, 1350, -512},
 	};
-	struct deform_soil soil = soft_soil();
+	struct soil_numbers soil = soft_soil();
 	struct reference_rolling wheel = {.radius = 0.5, .width = 0.4, .normals = REFERENCE_NORMALS_GROUND, .rebound = true};
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
 		wheel.follows = rows[i].follows;
@@ -129,7 +129,7 @@ static void a_kilonewton_on_dry_sand(void **state)
 		{"ground, soil", REFERENCE_NORMALS_GROUND, REFERENCE_FOLLOWS_SOIL, 34.32, 329.0, -148.3, -104.2},
 		{"surface, soil", REFERENCE_NORMALS_SURFACE, REFERENCE_FOLLOWS_SOIL, 33.32, 262.25, -128.6, -128.6},
 	};
-	struct deform_soil soil = bed_soil("dry_sand");
+	struct soil_numbers soil = bed_soil("dry_sand");
 	struct reference_rolling wheel = {.radius = 0.32, .width = 0.24, .turned = reference_turned(0.2), .rebound = true};
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
 		print_message("%s\n", rows[i].name);
@@ -155,7 +155,7 @@ static void a_kilonewton_on_dry_sand(void **state)
 static void simpsons_rule_says_the_same(void **state)
 {
 	(void)state;
-	struct deform_soil soil = bed_soil("dry_sand");
+	struct soil_numbers soil = bed_soil("dry_sand");
 	struct reference_rolling wheel = {.radius = 0.32, .width = 0.24, .rebound = true};
 	for (double sinkage = 0.001; sinkage < 0.3; sinkage *= 2) {
 		wheel.normals = REFERENCE_NORMALS_GROUND;
@@ -182,7 +182,7 @@ static void the_sinkage_is_the_least(void **state)
 	static const double slips[] = {-1, -0.5, 0, 0.2, 0.8};
 	int carried = 0;
 	for (int i = 0; i < 60; i++) {
-		struct deform_soil soil = bed_soil(wong_soils[i % WONG_SOILS]);
+		struct soil_numbers soil = bed_soil(wong_soils[i % WONG_SOILS]);
 		struct reference_rolling wheel = {.radius = 0.32, .width = 0.24, .turned = reference_turned(slips[i / 12]),
 						  .normals = REFERENCE_NORMALS_SURFACE, .follows = REFERENCE_FOLLOWS_RIM,
 						  .rebound = true};
@@ -197,7 +197,7 @@ static void the_sinkage_is_the_least(void **state)
 	print_message("%d of 60 are carried\n", carried);
 	assert_true(carried >= 40);
 	/* A locked wheel drags itself down: the force grows to 1434 N at 175 mm, and falls to 1040 N at the axle. */
-	struct deform_soil soil = bed_soil("sandy_loam_22");
+	struct soil_numbers soil = bed_soil("sandy_loam_22");
 	struct reference_rolling wheel = {.radius = 0.32, .width = 0.24, .normals = REFERENCE_NORMALS_SURFACE,
 					  .follows = REFERENCE_FOLLOWS_RIM, .rebound = true};
 	double sinkage = reference_rolling_sinkage(&soil, &wheel, 1200);
@@ -208,13 +208,13 @@ static void the_sinkage_is_the_least(void **state)
 }
 
 /* p by the definition, and the sum of a box's strips or a sphere's rings: midpoints. */
-static double pressure_of(const struct deform_soil *soil, double width, double sinkage)
+static double pressure_of(const struct soil_numbers *soil, double width, double sinkage)
 {
 	return sinkage > 0 ? march_pressure(soil, width, sinkage) : 0;
 }
 
 /* The vertical force of a level box, or of one that lies on the slope, with what shear may hold. */
-static double vertical_of(const struct deform_soil *soil, bool level, double load, double slope, double sinkage)
+static double vertical_of(const struct soil_numbers *soil, bool level, double load, double slope, double sinkage)
 {
 	enum { STRIPS = 4000 };
 	/* Of a level box only what is below the ground. */
@@ -235,7 +235,7 @@ static void a_box_on_a_slope_is_in_balance(void **state)
 	static const double loads[] = {1, 30, 1e3, 5e4};
 	int checked = 0;
 	for (size_t i = 0; i < WONG_SOILS; i++) {
-		struct deform_soil soil = bed_soil(wong_soils[i]);
+		struct soil_numbers soil = bed_soil(wong_soils[i]);
 		for (size_t l = 0; l < sizeof loads / sizeof *loads; l++)
 			for (int part = 0; part <= 4; part++) {
 				/* To 5 degrees below friction; at last 8 beyond, where only cohesion may hold. */
@@ -263,7 +263,7 @@ static void a_box_on_a_slope_is_in_balance(void **state)
 				}
 			}
 	}
-	struct deform_soil sand = bed_soil("dry_sand");
+	struct soil_numbers sand = bed_soil("dry_sand");
 	struct reference_rest slides = reference_rest_flat(&sand, 0.5, 0.3, 5e4, 36 * RADIANS);
 	print_message("%d boxes; 50 kN on dry_sand at 36 degrees: residual %.1f N\n", checked, slides.residual);
 	assert_true(slides.residual > 0);
@@ -272,10 +272,10 @@ static void a_box_on_a_slope_is_in_balance(void **state)
 static void plates_and_spheres_settle(void **state)
 {
 	(void)state;
-	struct deform_soil soft = soft_soil();
+	struct soil_numbers soft = soft_soil();
 	close_to("a plate of soft soil, 20 kPa, mm", 1e3 * reference_yield_sinkage(&soft, 0.1, 20e3), 123.28, 0.005);
 	for (size_t i = 0; i < WONG_SOILS; i++) {
-		struct deform_soil soil = bed_soil(wong_soils[i]);
+		struct soil_numbers soil = bed_soil(wong_soils[i]);
 		double n = soil.bekker_n;
 		for (double radius = 0.05; radius < 2; radius *= 3)
 			for (double share = 0.001; share <= 1; share *= 10) {

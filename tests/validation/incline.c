@@ -20,17 +20,17 @@ static int32_t plane_height(int64_t x, int64_t y)
 }
 
 struct drive {
-	const struct deform_shape *shape;
-	struct deform_soil soil;
+	const struct soil_shape *shape;
+	struct soil_numbers soil;
 	double load, slope, up, yaw, seconds, slip, spacing; /* up: the slope's direction, rad */
 	double bulldozing;
-	struct deform_interface interface;
+	struct soil_interface interface;
 };
 
 /* Rolls on along its yaw; the forces of its last station. */
 static struct deform_forces drive(const struct drive *of, struct ground *ground)
 {
-	const double reach = deform_shape_reach(of->shape, 0, 0);
+	const double reach = soil_shape_reach(of->shape, 0, 0);
 	struct deform_forces forces = {.tag = 0};
 	rise_x = tan(of->slope) * cos(of->up) * of->spacing;
 	rise_y = tan(of->slope) * sin(of->up) * of->spacing;
@@ -40,21 +40,21 @@ static struct deform_forces drive(const struct drive *of, struct ground *ground)
 	for (int i = 0; i < STATIONS; i++) {
 		double x = POSTS / 2 + 0.3 + i * cos(of->yaw), y = POSTS / 2 + 0.4 + i * sin(of->yaw);
 		double z = (x - POSTS / 2) * rise_x + (y - POSTS / 2) * rise_y + reach;
-		struct deform_pose pose = ground_pose(ground, x, y, z);
+		struct soil_pose pose = ground_pose(ground, x, y, z);
 		pose.yaw = of->yaw;
 		sweep.from = i == 0 ? pose : sweep.to;
 		sweep.to = pose;
-		if (of->shape->kind == DEFORM_WHEEL && i > 0)
+		if (of->shape->kind == SOIL_WHEEL && i > 0)
 			sweep.turned = of->spacing / (of->shape->radius * (1 - of->slip));
 		forces = ground_forces(ground, &sweep);
 	}
 	return forces;
 }
 
-static const struct deform_shape bodies[] = {
-	{.kind = DEFORM_WHEEL, .radius = 0.32, .width = 0.24},
-	{.kind = DEFORM_BOX, .size = {0.5, 0.4, 0.4}},
-	{.kind = DEFORM_SPHERE, .radius = 0.4},
+static const struct soil_shape bodies[] = {
+	{.kind = SOIL_WHEEL, .radius = 0.32, .width = 0.24},
+	{.kind = SOIL_BOX, .size = {0.5, 0.4, 0.4}},
+	{.kind = SOIL_SPHERE, .radius = 0.4},
 };
 
 static void the_soil_s_vertical_force_is_the_load(void **state)
@@ -68,7 +68,7 @@ static void the_soil_s_vertical_force_is_the_load(void **state)
 	for (int s = 0; s < SOILS; s++)
 		for (int l = 0; l < 6; l++)
 			for (int k = 0; k < 3; k++) {
-				struct deform_soil soil = bed_soil(soils[s]);
+				struct soil_numbers soil = bed_soil(soils[s]);
 				/* Each soil and load meets each body, and each of the others in turn. */
 				double most = soil.friction_angle - 5 * RADIANS, share = (s + l + k) % 4 / 3.0;
 				struct drive of = {
@@ -107,7 +107,7 @@ static void the_load_is_balanced_by_weak_surfaces_too(void **state)
 				.yaw = (s + k) % 5 * 22.5 * RADIANS, .slip = 0.3 * (s % 3 - 1), .spacing = 0.02, .bulldozing = k == 0 ? 0.5 : 0,
 			};
 			of.slope = fmax(of.soil.friction_angle - 5 * RADIANS, 0) * (k + s % 2) / 3;
-			of.interface = (struct deform_interface){true, s % 3 > 0, of.soil.friction_angle / 2, of.soil.cohesion / 2};
+			of.interface = (struct soil_interface){true, s % 3 > 0, of.soil.friction_angle / 2, of.soil.cohesion / 2};
 			struct ground ground;
 			struct deform_forces forces = drive(&of, &ground);
 			ground_finish(&ground);
@@ -165,7 +165,7 @@ static void the_state_is_of_the_surface_where_that_is_weaker(void **state)
 			double friction = of.soil.friction_angle;
 			if (i < 8) {
 				of.soil.cohesion = 0;
-				of.interface = (struct deform_interface){.has_friction = true, .friction_angle = friction + other[i / 4] * RADIANS};
+				of.interface = (struct soil_interface){.has_friction = true, .friction_angle = friction + other[i / 4] * RADIANS};
 				friction = support_least(friction, of.interface.friction_angle);
 			} else {
 				of.interface.has_adhesion = true;

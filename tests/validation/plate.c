@@ -20,21 +20,21 @@ static const struct {
 #define PLATES (sizeof plates / sizeof *plates)
 
 /* Project Chrono's soft soil. */
-static struct deform_soil soft_soil(void)
+static struct soil_numbers soft_soil(void)
 {
-	return (struct deform_soil){
+	return (struct soil_numbers){
 		.bekker_kphi = 0.2e6, .bekker_n = 1.1, .friction_angle = 30 * RADIANS, .janosi_shear = 0.01,
 		.elastic_stiffness = 4e7, .damping = 3e4, .unit_weight = 16e3, .repose = 30 * RADIANS,
 	};
 }
 
 /* A plate in the middle of a bed, its underside on the ground; `fit`: its edges lie between posts. */
-static double sinkage(const struct bed_kind *kind, struct deform_soil soil, double spacing, double at)
+static double sinkage(const struct bed_kind *kind, struct soil_numbers soil, double spacing, double at)
 {
 	int posts = (int)(3 * ACROSS / spacing);
 	struct bed_params params = bed_scm(posts, posts, spacing, soil);
-	struct deform_shape plate = {.kind = DEFORM_BOX, .size = {ACROSS, ACROSS, 1}};
-	struct deform_pose pose = bed_pose(at, at, 0.5, spacing);
+	struct soil_shape plate = {.kind = SOIL_BOX, .size = {ACROSS, ACROSS, 1}};
+	struct soil_pose pose = bed_pose(at, at, 0.5, spacing);
 	struct deform_contact sweep = {.shape = &plate, .from = pose, .to = pose, .load = PRESSURE * ACROSS * ACROSS};
 	struct reference_forces forces;
 	double lower;
@@ -51,7 +51,7 @@ static void a_plate_sinks_after_bekker(void **state)
 {
 	(void)state;
 	for (size_t i = 0; i < PLATES; i++) {
-		struct deform_soil soil = bed_soil(plates[i].soil);
+		struct soil_numbers soil = bed_soil(plates[i].soil);
 		double wanted = reference_plate(&soil, ACROSS, PRESSURE);
 		bed_near(plates[i].soil, wanted * 1e3, plates[i].millimetres, plates[i].printed / plates[i].millimetres);
 		bed_near("and Bekker's pressure there", reference_bekker(&soil, ACROSS, wanted), PRESSURE, 1e-12);
@@ -62,7 +62,7 @@ static void a_plate_of_posts_sinks_as_deep(void **state)
 {
 	const struct bed_kind *kind = *state;
 	for (size_t i = 0; i < PLATES; i++) {
-		struct deform_soil soil = bed_soil(plates[i].soil);
+		struct soil_numbers soil = bed_soil(plates[i].soil);
 		double got = sinkage(kind, soil, 0.01, 14.5), step = kind->quantum / got;
 		bed_near(plates[i].soil, got, reference_plate(&soil, ACROSS, PRESSURE), 1e-6 + step + kind->stress / soil.bekker_n);
 		bed_near("as printed", got * 1e3, plates[i].millimetres, plates[i].printed / plates[i].millimetres + step);
@@ -73,7 +73,7 @@ static void a_plate_of_posts_sinks_as_deep(void **state)
 static void a_plate_between_posts_is_off_by_its_rim_at_most(void **state)
 {
 	static const double spacings[] = {0.03, 0.017, 0.012, 0.006};
-	struct deform_soil soil = bed_soil("dry_sand");
+	struct soil_numbers soil = bed_soil("dry_sand");
 	for (size_t i = 0; i < sizeof spacings / sizeof *spacings; i++) {
 		double got = sinkage(*state, soil, spacings[i], (int)(1.5 * ACROSS / spacings[i]) + 0.3);
 		double rim = spacings[i] / ACROSS;
@@ -84,9 +84,9 @@ static void a_plate_between_posts_is_off_by_its_rim_at_most(void **state)
 	}
 }
 
-static struct deform_soil shear_soil(void)
+static struct soil_numbers shear_soil(void)
 {
-	struct deform_soil soil = bed_soil("dry_sand");
+	struct soil_numbers soil = bed_soil("dry_sand");
 	soil.janosi_shear = 0.025;
 	return soil;
 }
@@ -94,7 +94,7 @@ static struct deform_soil shear_soil(void)
 static void shear_rises_after_janosi(void **state)
 {
 	(void)state;
-	struct deform_soil soil = shear_soil();
+	struct soil_numbers soil = shear_soil();
 	bed_near("tau, most, kPa", reference_janosi(&soil, PRESSURE, INFINITY) / 1e3, 11.674, 0.0005 / 11.674);
 	/* 7.3795: printed as 7.380. */
 	bed_near("tau at K, kPa", reference_janosi(&soil, PRESSURE, 0.025) / 1e3, 7.380, 0.00051 / 7.380);
@@ -109,10 +109,10 @@ static void a_dragged_plate_is_held_back_by_that_shear(void **state)
 {
 	const struct bed_kind *kind = *state;
 	double spacing = 0.0125, length = 2;
-	struct deform_soil soil = shear_soil();
+	struct soil_numbers soil = shear_soil();
 	struct bed_params params = bed_scm(180, 16, spacing, soil);
-	struct deform_shape plate = {.kind = DEFORM_BOX, .size = {length, ACROSS, 1}};
-	struct deform_pose pose = bed_pose(84.5, 7.5, 0.5, spacing);
+	struct soil_shape plate = {.kind = SOIL_BOX, .size = {length, ACROSS, 1}};
+	struct soil_pose pose = bed_pose(84.5, 7.5, 0.5, spacing);
 	struct deform_contact sweep = {.shape = &plate, .from = pose, .to = pose, .load = PRESSURE * length * ACROSS};
 	struct reference_forces forces;
 	double lower, way = 0;
@@ -145,10 +145,10 @@ static void a_dragged_plate_is_held_back_by_that_shear(void **state)
 static void a_second_equal_load_sinks_no_deeper(void **state)
 {
 	const struct bed_kind *kind = *state;
-	struct deform_soil soil = soft_soil();
+	struct soil_numbers soil = soft_soil();
 	struct bed_params params = bed_scm(30, 30, 0.01, soil);
-	struct deform_shape plate = {.kind = DEFORM_BOX, .size = {ACROSS, ACROSS, 1}};
-	struct deform_pose pose = bed_pose(14.5, 14.5, 0.5, 0.01), lifted = bed_pose(14.5, 14.5, 2, 0.01);
+	struct soil_shape plate = {.kind = SOIL_BOX, .size = {ACROSS, ACROSS, 1}};
+	struct soil_pose pose = bed_pose(14.5, 14.5, 0.5, 0.01), lifted = bed_pose(14.5, 14.5, 2, 0.01);
 	struct deform_contact press = {.shape = &plate, .from = pose, .to = pose, .load = PRESSURE * ACROSS * ACROSS};
 	struct deform_contact lift = {.shape = &plate, .from = pose, .to = lifted};
 	struct reference_forces forces;
@@ -180,10 +180,10 @@ static void a_second_equal_load_sinks_no_deeper(void **state)
 static void a_stiff_clay_carries_any_second_load(void **state)
 {
 	const struct bed_kind *kind = *state;
-	struct deform_soil soil = bed_soil("heavy_clay_25");
+	struct soil_numbers soil = bed_soil("heavy_clay_25");
 	struct bed_params params = bed_scm(30, 30, 0.01, soil);
-	struct deform_shape plate = {.kind = DEFORM_BOX, .size = {ACROSS, ACROSS, 1}};
-	struct deform_pose deep = bed_pose(14.5, 14.5, 0.499, 0.01), lifted = bed_pose(14.5, 14.5, 2, 0.01);
+	struct soil_shape plate = {.kind = SOIL_BOX, .size = {ACROSS, ACROSS, 1}};
+	struct soil_pose deep = bed_pose(14.5, 14.5, 0.499, 0.01), lifted = bed_pose(14.5, 14.5, 2, 0.01);
 	struct deform_contact press = {.shape = &plate, .from = deep, .to = deep};
 	struct deform_contact lift = {.shape = &plate, .from = deep, .to = lifted};
 	struct reference_forces forces;

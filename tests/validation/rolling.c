@@ -19,7 +19,7 @@ struct rolled {
 };
 
 /* Rolls as far as the contact is long and two posts more. The forces are those of the last path sample. */
-static struct told roll(const struct deform_soil *soil, const struct reference_rolling *wheel, const struct rolled *how)
+static struct told roll(const struct soil_numbers *soil, const struct reference_rolling *wheel, const struct rolled *how)
 {
 	struct ground ground;
 	double heading = how->degrees * RADIANS, c = cos(heading), s = sin(heading), spacing = how->spacing, r = wheel->radius;
@@ -28,7 +28,7 @@ static struct told roll(const struct deform_soil *soil, const struct reference_r
 	ground_init(&ground, &(struct ground_params){.cells = 64, .tiles = (uint32_t)ceil((2 * edge + stations + 2) / 64), .spacing = spacing,
 						     .model = DEFORM_SCM, .soils = soil, .iterations = 1,
 						     .ground_normals = wheel->normals == REFERENCE_NORMALS_GROUND});
-	struct deform_shape shape = {.kind = DEFORM_WHEEL, .radius = r, .width = wheel->width};
+	struct soil_shape shape = {.kind = SOIL_WHEEL, .radius = r, .width = wheel->width};
 	struct deform_contact sweep = {.shape = &shape, .interface = wheel->interface, .load = how->load};
 	struct deform_forces forces = {.z = 0};
 	for (int i = 0; i <= stations; i++) {
@@ -65,7 +65,7 @@ static const char *const soils[] = {"dry_sand", "lunar", "lete_sand", "snow_us",
 static const double angles[] = {0, 22.5, 45}, shifts[] = {0, 0.31, 0.62};
 
 /* The worst at all angles and places. */
-static struct off worst(const struct deform_soil *soil, const struct reference_rolling *wheel, double sinkage, double spacing, double load)
+static struct off worst(const struct soil_numbers *soil, const struct reference_rolling *wheel, double sinkage, double spacing, double load)
 {
 	struct reference_rolling_force wanted = reference_rolling(soil, wheel, sinkage);
 	struct off most = {0, 0, 0};
@@ -96,7 +96,7 @@ static void a_wheel_tells_what_the_closed_form_does(void **state)
 	(void)state;
 	need_gpu();
 	for (size_t k = 0; k < sizeof soils / sizeof *soils; k++) {
-		struct deform_soil soil = bed_soil(soils[k]);
+		struct soil_numbers soil = bed_soil(soils[k]);
 		double sinkage = reference_rolling_sinkage(&soil, &driven, 1000);
 		print_message("%s, %.2f mm\n", soils[k], sinkage * 1e3);
 		struct off coarse = worst(&soil, &driven, sinkage, 0.04, 0), fine = worst(&soil, &driven, sinkage, 0.02, 0);
@@ -108,7 +108,7 @@ static void a_wheel_tells_what_the_closed_form_does(void **state)
 
 static void a_loaded_wheel_sinks_as_deep(void **state)
 {
-	struct deform_soil soil = bed_soil("dry_sand");
+	struct soil_numbers soil = bed_soil("dry_sand");
 	(void)state;
 	need_gpu();
 	double sinkage = reference_rolling_sinkage(&soil, &driven, 1000);
@@ -123,7 +123,7 @@ static void a_rim_weaker_than_the_soil_pulls_as_the_closed_form_does(void **stat
 {
 	static const struct {
 		const char *soil;
-		struct deform_interface rim;
+		struct soil_interface rim;
 	} rows[] = {
 		{"dry_sand", {.has_friction = true, .friction_angle = 15 * RADIANS}},
 		{"dry_sand", {.has_adhesion = true, .adhesion = 0}},
@@ -134,7 +134,7 @@ static void a_rim_weaker_than_the_soil_pulls_as_the_closed_form_does(void **stat
 	(void)state;
 	need_gpu();
 	for (size_t k = 0; k < sizeof rows / sizeof *rows; k++) {
-		struct deform_soil soil = bed_soil(rows[k].soil);
+		struct soil_numbers soil = bed_soil(rows[k].soil);
 		struct reference_rolling wheel = driven;
 		double drawbar = reference_rolling(&soil, &wheel, reference_rolling_sinkage(&soil, &wheel, 1000)).drawbar;
 		wheel.interface = rows[k].rim;
@@ -153,7 +153,7 @@ static void a_rim_weaker_than_the_soil_pulls_as_the_closed_form_does(void **stat
 /* Its sides are on posts, or some fixed-point units beside them: what it bears on hardly changes. */
 static void a_hair_beside_posts_is_nothing(void **state)
 {
-	struct deform_soil soil = bed_soil("dry_sand");
+	struct soil_numbers soil = bed_soil("dry_sand");
 	(void)state;
 	need_gpu();
 	for (double spacing = 0.04; spacing > 0.01; spacing /= 2) {
@@ -171,7 +171,7 @@ static void a_hair_beside_posts_is_nothing(void **state)
 /* A wheel of 25 mm over posts of 31 mm: also where it goes between them. */
 static void a_wheel_narrower_than_the_posts_is_carried_everywhere(void **state)
 {
-	struct deform_soil soil = bed_soil("dry_sand");
+	struct soil_numbers soil = bed_soil("dry_sand");
 	struct reference_rolling narrow = driven;
 	(void)state;
 	need_gpu();
@@ -190,8 +190,8 @@ static void a_wheel_narrower_than_the_posts_is_carried_everywhere(void **state)
 /* Project Chrono's soft soil, and stresses as it has them: along the ground's normal. Its own figures differ by 1 %. */
 static void normals_of_the_ground_are_chronos(void **state)
 {
-	struct deform_soil soil = {.bekker_kphi = 0.2e6, .bekker_n = 1.1, .friction_angle = 30 * RADIANS, .janosi_shear = 0.01,
-				   .elastic_stiffness = 4e7, .unit_weight = 16e3, .repose = 30 * RADIANS};
+	struct soil_numbers soil = {.bekker_kphi = 0.2e6, .bekker_n = 1.1, .friction_angle = 30 * RADIANS, .janosi_shear = 0.01,
+				    .elastic_stiffness = 4e7, .unit_weight = 16e3, .repose = 30 * RADIANS};
 	static const struct {
 		double sinkage, slip, drawbar, vertical, moment;
 	} rows[] = {

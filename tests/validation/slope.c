@@ -5,12 +5,12 @@
 #include "bed_gpu.h"
 #include "../support/program.h"
 
-static struct deform_soil cut_soil(void)
+static struct soil_numbers cut_soil(void)
 {
-	return (struct deform_soil){.cohesion = 4140, .friction_angle = 13 * RADIANS, .unit_weight = 16e3};
+	return (struct soil_numbers){.cohesion = 4140, .friction_angle = 13 * RADIANS, .unit_weight = 16e3};
 }
 
-static struct deform_params slippage(struct deform_soil soil)
+static struct deform_params slippage(struct soil_numbers soil)
 {
 	return (struct deform_params){
 		.model = DEFORM_SLIPPAGE, .soils = {soil}, .soil_count = 1, .iterations = 4, .depth = INFINITY,
@@ -20,7 +20,7 @@ static struct deform_params slippage(struct deform_soil soil)
 static void a_vertical_cut_stands_after_culmann(void **state)
 {
 	(void)state;
-	struct deform_soil soil = cut_soil();
+	struct soil_numbers soil = cut_soil();
 	bed_near("height, m", reference_culmann(&soil, 90 * RADIANS), 1.301, 0.0005 / 1.301);
 	/* And by trying every plane, for that slope and others. */
 	for (int slope = 20; slope <= 90; slope += 10) {
@@ -63,7 +63,7 @@ static double fallen(const struct bed_kind *kind, double height, double spacing)
 static void a_cut_between_posts_stands_to_that_and_slips_above(void **state)
 {
 	static const double spacings[] = {1.0 / 4096, 1.0 / 64, 0.05};
-	struct deform_soil soil = cut_soil();
+	struct soil_numbers soil = cut_soil();
 	for (size_t i = 0; i < sizeof spacings / sizeof *spacings; i++) {
 		struct deform_params params = slippage(soil);
 		double stands = reference_stands(&params, spacings[i]);
@@ -95,7 +95,7 @@ static void a_pile_of_sand_relaxes_to_its_angle(void **state)
 	const struct bed_kind *kind = *state;
 	double spacing = 0.1, steep = tan(30 * RADIANS), volume = 0;
 	struct bed_params params = {.width = 2 * MIDDLE + 1, .height = 2 * MIDDLE + 1, .spacing = spacing, .ground = column_ground,
-				    .deform = slippage((struct deform_soil){.friction_angle = 30 * RADIANS, .unit_weight = 16e3})};
+				    .deform = slippage((struct soil_numbers){.friction_angle = 30 * RADIANS, .unit_weight = 16e3})};
 	void *bed = kind->make(&params);
 	kind->settle(bed, 1e-9);
 	double top = kind->surface(bed, MIDDLE, MIDDLE), steepest = 0, face = 0, furthest = 0;

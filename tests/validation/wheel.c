@@ -18,7 +18,7 @@ static void a_towed_wheel_sinks_after_bekker(void **state)
 {
 	(void)state;
 	for (size_t i = 0; i < WHEELS; i++) {
-		struct deform_soil soil = bed_soil(wheels[i].soil);
+		struct soil_numbers soil = bed_soil(wheels[i].soil);
 		double sinkage = reference_towed(&soil, wheels[i].load, wheels[i].width, wheels[i].diameter);
 		bed_near(wheels[i].soil, sinkage * 1e3, wheels[i].millimetres, 0.005 / wheels[i].millimetres);
 		bed_near("its resistance, N", reference_resistance(&soil, wheels[i].width, sinkage), wheels[i].resistance,
@@ -32,16 +32,16 @@ struct rut {
 
 /* Rolls without slip, an axle `shift` of a post past one, until it has left what it stood on at first. `stiff`: of what it
  * stands on then no square metre is stiffer, Pa/m. */
-static struct rut roll(const struct bed_kind *kind, const struct towed *wheel, const struct deform_soil *soil,
+static struct rut roll(const struct bed_kind *kind, const struct towed *wheel, const struct soil_numbers *soil,
 		       double spacing, double shift, double stiff)
 {
 	double radius = wheel->diameter / 2, contact = sqrt(wheel->millimetres / 1e3 * wheel->diameter);
 	int samples = (int)(1.3 * contact / spacing) + 1, rim = 3;
 	int width = (int)(wheel->diameter / spacing) + samples + 2 * rim, height = (int)lround(wheel->width / spacing) + 2 * rim;
 	struct bed_params params = bed_scm(width, height, spacing, *soil);
-	struct deform_shape shape = {.kind = DEFORM_WHEEL, .radius = radius, .width = wheel->width};
+	struct soil_shape shape = {.kind = SOIL_WHEEL, .radius = radius, .width = wheel->width};
 	double x = ceil(rim + radius / spacing) + shift, y = (height - 1) / 2.0;
-	struct deform_pose start = bed_pose(x, y, radius, spacing);
+	struct soil_pose start = bed_pose(x, y, radius, spacing);
 	struct deform_contact sweep = {.shape = &shape, .from = start, .to = start, .load = wheel->load};
 	struct reference_forces forces;
 	struct rut rut;
@@ -67,7 +67,7 @@ static struct rut roll(const struct bed_kind *kind, const struct towed *wheel, c
  * A sum over posts is off by half a post at the lowest of the arc, where the stress is greatest and ends; sinkage goes with the
  * load's 2 / (2 n + 1). A tenth more for what is of second order.
  */
-static double allowed(const struct towed *wheel, const struct deform_soil *soil, double spacing)
+static double allowed(const struct towed *wheel, const struct soil_numbers *soil, double spacing)
 {
 	double stress = reference_bekker(soil, wheel->width, wheel->millimetres / 1e3);
 	return 1.1 * stress * wheel->width * spacing / 2 / wheel->load * 2 / (2 * soil->bekker_n + 1);
@@ -83,7 +83,7 @@ static void a_wheel_on_posts_sinks_as_a_towed_one(void **state)
 {
 	for (size_t i = 0; i < sizeof rolls / sizeof *rolls; i++) {
 		const struct towed *wheel = &wheels[rolls[i].wheel];
-		struct deform_soil soil = bed_soil(wheel->soil);
+		struct soil_numbers soil = bed_soil(wheel->soil);
 		soil.elastic_stiffness = 1e12;
 		soil.cohesion = soil.friction_angle = 0; /* Bekker's wheel has no shear */
 		double arc = reference_arc(&soil, wheel->load, wheel->width, wheel->diameter / 2, false);
@@ -109,7 +109,7 @@ static void a_wheel_on_elastic_soil_sinks_less(void **state)
 {
 	for (size_t i = 0; i < sizeof rolls / sizeof *rolls; i++) {
 		const struct towed *wheel = &wheels[rolls[i].wheel];
-		struct deform_soil soil = bed_soil(wheel->soil);
+		struct soil_numbers soil = bed_soil(wheel->soil);
 		soil.cohesion = soil.friction_angle = 0;
 		double arc = reference_arc(&soil, wheel->load, wheel->width, wheel->diameter / 2, true);
 		print_message("%s, posts of %g m\n", wheel->soil, rolls[i].spacing);
@@ -125,7 +125,7 @@ static void a_wheel_on_elastic_soil_sinks_less(void **state)
 static void the_rims_integrals_are_what_they_are_on_paper(void **state)
 {
 	(void)state;
-	struct deform_soil soil = bed_soil("dry_sand");
+	struct soil_numbers soil = bed_soil("dry_sand");
 	struct reference_wheel wheel = {.radius = 0.5, .width = 0.3, .slip = 0.4};
 	double sinkage = 0.06, entry = acos(1 - sinkage / wheel.radius), r = wheel.radius, b = wheel.width, c = 2000;
 	/* No shear, all stress in front: the arc's load, and Bekker's resistance. */

@@ -22,7 +22,7 @@ struct march_vector {
 };
 
 /* z^n or K_e z, whichever is softer. */
-static inline double march_pressure(const struct deform_soil *soil, double width, double sinkage)
+static inline double march_pressure(const struct soil_numbers *soil, double width, double sinkage)
 {
 	double plastic = (soil->bekker_kc / width + soil->bekker_kphi) * exp(soil->bekker_n * log(sinkage));
 	double elastic = soil->elastic_stiffness * sinkage;
@@ -30,7 +30,7 @@ static inline double march_pressure(const struct deform_soil *soil, double width
 }
 
 /* Adds the posts from x0 back to x1, `posts` of them; none if that is nowhere. *slid: j at x0, then at x1. */
-static inline void march_piece(const struct deform_soil *soil, const struct reference_rolling *wheel, double sinkage, double x0,
+static inline void march_piece(const struct soil_numbers *soil, const struct reference_rolling *wheel, double sinkage, double x0,
 			       double x1, int posts, double *slid, struct march_force *force)
 {
 	double r = wheel->radius, most = march_pressure(soil, wheel->width, sinkage);
@@ -75,7 +75,7 @@ static inline double march_place(double radius, double sinkage, double deep)
 	return sqrt(up * (2 * radius - up));
 }
 
-static inline struct march_force march_posts(const struct deform_soil *soil, const struct reference_rolling *wheel,
+static inline struct march_force march_posts(const struct soil_numbers *soil, const struct reference_rolling *wheel,
 					     double sinkage, int posts)
 {
 	struct march_force force = {{0, 0, 0}};
@@ -91,7 +91,7 @@ static inline struct march_force march_posts(const struct deform_soil *soil, con
 	return force;
 }
 
-static inline struct march_force march_wheel(const struct deform_soil *soil, const struct reference_rolling *wheel,
+static inline struct march_force march_wheel(const struct soil_numbers *soil, const struct reference_rolling *wheel,
 					     double sinkage)
 {
 	struct march_force at[3], out;

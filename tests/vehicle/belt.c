@@ -61,8 +61,8 @@ static void check(const struct trial *trial)
 	static struct drive_row rows[2000];
 	const char *store = support_path("world.furrow");
 	const double weight = MASS * 9.81, pull = trial->share * weight, seconds = BEGIN + 3 / (RADIUS * trial->turns);
-	struct deform_soil soil;
-	must(deform_soil_named(trial->soil, &soil));
+	struct soil_numbers soil;
+	must(soil_named(trial->soil, &soil));
 	write_scene(trial, pull, seconds);
 	slope = 0;
 	support_store(store, extent, ground);
@@ -97,7 +97,7 @@ static void it_pulls_as_a_rigid_track(void **state)
 /* --- up a slope --- */
 
 /* What a rigid track at a slip shears, where its pressure grows evenly to its rear, as its load does that acts behind its middle. */
-static double effort(const struct deform_soil *soil, double length, double width, double load, double behind, double slip)
+static double effort(const struct soil_numbers *soil, double length, double width, double load, double behind, double slip)
 {
 	const int parts = 2000;
 	double sum = 0;
@@ -139,8 +139,8 @@ static void the_shipped_vehicle_climbs_at_the_slip_of_its_slope(void **state)
 	free(shipped);
 	for (size_t i = 0; i < sizeof trials / sizeof *trials; i++) {
 		const double angle = trials[i].degrees * M_PI / 180, weight = 1000 * 9.81, length = 1.9, width = 0.24;
-		struct deform_soil soil;
-		must(deform_soil_named(trials[i].soil, &soil));
+		struct soil_numbers soil;
+		must(soil_named(trials[i].soil, &soil));
 		slope = tan(angle);
 		support_store(store, extent, ground);
 		snprintf(text, sizeof text, "scene: 1\nend_time: 10\ntime_step: 0.002\nspacing: 0.0625\nsoil: {name: %s, damping: 0}\n"

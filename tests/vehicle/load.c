@@ -103,14 +103,14 @@ static void wheels_are_cylinders_that_turn_about_their_axis(void **state)
 	must(rig_load(STEP, "", &scene, &vehicles));
 	const struct vehicle *vehicle = &vehicles->list[0];
 	assert_int_equal(vehicle->geom_count, 3);
-	assert_int_equal(vehicle->geoms[0].shape.kind, DEFORM_BOX);
+	assert_int_equal(vehicle->geoms[0].shape.kind, SOIL_BOX);
 	assert_true(vehicle->geoms[0].shape.size[0] == 1 && vehicle->geoms[0].shape.size[2] == 0.2);
 	assert_string_equal(vehicle->geoms[0].name, "car.hull");
 	assert_string_equal(vehicle->geoms[2].name, "car.a_b");
 	for (int i = 1; i < 3; i++) {
 		struct world_state at;
 		double axes[3][3];
-		assert_int_equal(vehicle->geoms[i].shape.kind, DEFORM_WHEEL);
+		assert_int_equal(vehicle->geoms[i].shape.kind, SOIL_WHEEL);
 		assert_true(vehicle->geoms[i].shape.radius == 0.3 && vehicle->geoms[i].shape.width == 0.2);
 		vehicle_geom_state(vehicle, &vehicle->geoms[i], &at);
 		world_axes(at.pose.orientation, axes);

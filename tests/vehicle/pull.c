@@ -118,8 +118,8 @@ static double check(const struct trial *trial)
 static double leaning_pulls_more(const struct trial *trial, double slip)
 {
 	double pulls[2];
-	struct deform_soil soil;
-	must(deform_soil_named(trial->soil, &soil));
+	struct soil_numbers soil;
+	must(soil_named(trial->soil, &soil));
 	for (int i = 0; i < 2; i++) {
 		struct reference_leaning wheel = {.radius = RADIUS, .width = WIDTH, .camber = i * fabs(trial->camber) * M_PI / 180,
 						  .rolls = true, .turned = reference_turned(slip)};

@@ -13,7 +13,7 @@
 static bool placed(const struct probe_form *form, const double at[2], double *height, double *away)
 {
 	struct lower_place place;
-	if (!deform_lower_at(&form->lower, form->axis[0] * at[0] - form->axis[1] * at[1], form->axis[1] * at[0] + form->axis[0] * at[1], &place))
+	if (!soil_lower_at(&form->lower, form->axis[0] * at[0] - form->axis[1] * at[1], form->axis[1] * at[0] + form->axis[0] * at[1], &place))
 		return false;
 	const double *n = place.normal, ahead = form->axis[0] * n[0] + form->axis[1] * n[1], aside = form->axis[0] * n[1] - form->axis[1] * n[0];
 	*height = place.z;
@@ -56,9 +56,9 @@ static double lowest_of(const struct probe_form *form, const double at[2], doubl
 
 static bool over_ball(const struct probe_form *form, const double at[2], double *height)
 {
-	const double r = form->radius, squares = at[0] * at[0] + (form->kind == DEFORM_SPHERE ? at[1] * at[1] : 0);
+	const double r = form->radius, squares = at[0] * at[0] + (form->kind == SOIL_SPHERE ? at[1] * at[1] : 0);
 	*height = -probe_root(r * r - squares);
-	return squares <= r * r * (1 + 1e-12) && (form->kind == DEFORM_SPHERE || fabs(at[1]) <= form->half[1] + PROBE_BESIDE);
+	return squares <= r * r * (1 + 1e-12) && (form->kind == SOIL_SPHERE || fabs(at[1]) <= form->half[1] + PROBE_BESIDE);
 }
 
 /* Adds what is known only at posts. */
@@ -73,9 +73,9 @@ bool deform_form_rests(const struct probe_form *form, size_t number, const doubl
 {
 	bool over = false;
 	double away;
-	if (form->kind == DEFORM_WHEEL || form->kind == DEFORM_SPHERE)
+	if (form->kind == SOIL_WHEEL || form->kind == SOIL_SPHERE)
 		over = over_ball(form, at, height);
-	else if (form->kind != DEFORM_MESH)
+	else if (form->kind != SOIL_MESH)
 		over = placed(form, at, height, &away);
 	return form->low.rests != NULL ? lower(over, form->low.rests[number], height) : over;
 }
@@ -85,10 +85,10 @@ bool deform_form_over(const struct probe_form *form, size_t number, const double
 	bool over = false;
 	double away = 0, since;
 	*lowest = INFINITY;
-	if (form->kind == DEFORM_WHEEL || form->kind == DEFORM_SPHERE) {
+	if (form->kind == SOIL_WHEEL || form->kind == SOIL_SPHERE) {
 		over = over_ball(form, at, height);
 		*lowest = *height - (form->run > 0 ? probe_lowered(form, at, form->run, 0, &since) : probe_most(form->way[2], 0));
-	} else if (form->kind != DEFORM_MESH) {
+	} else if (form->kind != SOIL_MESH) {
 		over = placed(form, at, height, &away);
 		*lowest = over ? lowest_of(form, at, *height, away) : INFINITY;
 	}
@@ -108,9 +108,9 @@ static double middle_slope(double before, double after)
 void deform_form_own(const struct probe_form *form, size_t number, double own[2])
 {
 	own[0] = own[1] = 0;
-	if (form->kind == DEFORM_CYLINDER && !probe_strips(form))
+	if (form->kind == SOIL_CYLINDER && !probe_strips(form))
 		own[0] = 2 * form->half_axis * form->level < 0.25 * form->spacing ? 1 : 2;
-	if (form->kind != DEFORM_MESH || !(form->low.rests[number] < INFINITY))
+	if (form->kind != SOIL_MESH || !(form->low.rests[number] < INFINITY))
 		return;
 	for (int k = 0; k < 2; k++) {
 		const size_t next = k == 0 ? 1 : form->low.width;
@@ -154,7 +154,7 @@ double deform_form_share(const struct probe_form *form, const double own[2], con
 		if (speed > 0)
 			share = gains / speed;
 	}
-	if (form->kind == DEFORM_BOX && over)
+	if (form->kind == SOIL_BOX && over)
 		share = fmin(share, until_beyond(at[0], form->half[0], form->way[0]));
 	if (form->half[1] > 0 && over)
 		share = fmin(share, until_beyond(probe_aside(form, at), form->half[1], form->way[1]));
@@ -187,7 +187,7 @@ static void part_between(const struct probe_form *form, const double at[2], doub
 static bool bears_beside(const struct probe_form *form, const double at[2], double aside, bool narrow)
 {
 	const bool between = narrow && fabs(aside - 1e-4 * form->step_aside) <= 0.5 * form->step_aside;
-	return (form->kind == DEFORM_WHEEL || form->kind == DEFORM_CYLINDER) && fabs(at[0]) < form->radius + form->half_across &&
+	return (form->kind == SOIL_WHEEL || form->kind == SOIL_CYLINDER) && fabs(at[0]) < form->radius + form->half_across &&
 	       (between || (fabs(at[0]) > form->radius && fabs(aside) <= form->half[1]));
 }
 
@@ -197,7 +197,7 @@ static double part_across(const struct probe_form *form, const double at[2], boo
 	const double size = form->half[1], aside = probe_aside(form, at);
 	const bool narrow = 2 * size < form->step_aside;
 	double part[2];
-	if (form->kind == DEFORM_CYLINDER) {
+	if (form->kind == SOIL_CYLINDER) {
 		part_between(form, at, part, sides);
 		over = over && fabs(aside) <= size + PROBE_BESIDE;
 	} else {
@@ -221,7 +221,7 @@ double deform_form_part(const struct probe_form *form, const double at[2], bool 
 	sides[0] = sides[1] = sides[2] = sides[3] = false;
 	if (form->half[1] > 0)
 		share = part_across(form, at, over, middle, sides + 2);
-	if (form->kind == DEFORM_BOX && form->half[0] > 0 && form->half[1] > 0) {
+	if (form->kind == SOIL_BOX && form->half[0] > 0 && form->half[1] > 0) {
 		double part[2];
 		part_of(form, at[0], form->half[0], part, sides);
 		share *= fmax(part[1] - part[0], 0);

@@ -54,7 +54,7 @@ static inline bool probe_is_end(const struct probe_form *form, const double own[
 /* Returns true if the body bears on a place with a flat end that may be as wide as several cells. */
 static inline bool probe_bears_by_end(const struct probe_form *form, const double own[2], const double at[2])
 {
-	return form->kind == DEFORM_CYLINDER && !probe_strips(form) &&
+	return form->kind == SOIL_CYLINDER && !probe_strips(form) &&
 	       probe_is_end(form, own, at, (form->lean * at[1] - probe_half_strip(form, at[0])) * form->lift);
 }
 
@@ -144,22 +144,22 @@ static inline void probe_box_face(const struct probe_form *form, const double at
 static inline void probe_face_at(const struct probe_form *form, const double own[2], const double at[2], struct probe_face *face)
 {
 	switch (form->kind) {
-	case DEFORM_WHEEL:
+	case SOIL_WHEEL:
 		probe_wheel_face(form, at, face);
 		break;
-	case DEFORM_SPHERE:
+	case SOIL_SPHERE:
 		probe_ball_face(form, at, 0, face);
 		break;
-	case DEFORM_CYLINDER:
+	case SOIL_CYLINDER:
 		probe_cylinder_face(form, own, at, face);
 		break;
-	case DEFORM_CAPSULE:
+	case SOIL_CAPSULE:
 		probe_capsule_face(form, at, face);
 		break;
-	case DEFORM_ELLIPSOID:
+	case SOIL_ELLIPSOID:
 		probe_ellipsoid_face(form, at, face);
 		break;
-	case DEFORM_BOX:
+	case SOIL_BOX:
 		probe_box_face(form, at, face);
 		break;
 	default: /* a mesh */
@@ -171,15 +171,15 @@ static inline void probe_face_at(const struct probe_form *form, const double own
 
 static inline double probe_height_at(const struct probe_form *form, const double own[2], const double at[2])
 {
-	if (form->kind == DEFORM_WHEEL)
+	if (form->kind == SOIL_WHEEL)
 		return -probe_half_strip(form, at[0]);
 	if (probe_strips(form))
 		return (form->lean * at[1] - probe_half_strip(form, at[0])) * form->lift;
-	if (form->kind == DEFORM_SPHERE)
+	if (form->kind == SOIL_SPHERE)
 		return -probe_root(form->radius * form->radius - at[0] * at[0] - at[1] * at[1]);
-	if (form->kind == DEFORM_BOX)
+	if (form->kind == SOIL_BOX)
 		return probe_box_height(form, at);
-	if (form->kind == DEFORM_MESH)
+	if (form->kind == SOIL_MESH)
 		return own[0] * at[0] + own[1] * at[1];
 	struct probe_face face;
 	probe_face_at(form, own, at, &face);
@@ -199,17 +199,17 @@ static inline void probe_ball_bends(const struct probe_form *form, const double 
 static inline void probe_bends_at(const struct probe_form *form, const double own[2], const double at[2], const struct probe_face *face, double bends[3])
 {
 	bends[0] = bends[1] = bends[2] = 0;
-	if (form->kind == DEFORM_WHEEL) {
+	if (form->kind == SOIL_WHEEL) {
 		const double up = face->normal[2];
 		bends[0] = form->by_radius / (up * up * up);
-	} else if (form->kind == DEFORM_SPHERE) {
+	} else if (form->kind == SOIL_SPHERE) {
 		probe_ball_bends(form, face->normal, bends);
-	} else if (form->kind == DEFORM_CYLINDER) {
+	} else if (form->kind == SOIL_CYLINDER) {
 		if (probe_bears_by_end(form, own, at))
 			return;
 		const double up = face->normal[2] / form->level;
 		bends[0] = form->lift * form->by_radius / (up * up * up);
-	} else if (form->kind == DEFORM_CAPSULE) {
+	} else if (form->kind == SOIL_CAPSULE) {
 		double axial, aside;
 		if (probe_capsule_end(form, at, &axial, &aside) != 0) {
 			probe_ball_bends(form, face->normal, bends);
@@ -220,7 +220,7 @@ static inline void probe_bends_at(const struct probe_form *form, const double ow
 		bends[0] = by * x * x;
 		bends[1] = by * x * y;
 		bends[2] = by * y * y;
-	} else if (form->kind == DEFORM_ELLIPSOID) {
+	} else if (form->kind == SOIL_ELLIPSOID) {
 		const double grows = form->ahead_by * (at[0] + form->skew * at[1]), half[2] = {grows, form->skew * grows + form->aside_by * at[1]};
 		const double squares = at[0] * half[0] + at[1] * half[1];
 		const double root = probe_most(probe_root(1 - squares), sqrt(probe_most(1, squares)) * (1 / PROBE_STEEPEST));
@@ -236,9 +236,9 @@ static inline void probe_ring(const struct probe_form *form, const double at[2],
 {
 	*ahead = at[0];
 	*squares = form->radius * form->radius;
-	if (form->kind == DEFORM_SPHERE)
+	if (form->kind == SOIL_SPHERE)
 		*squares = probe_most(*squares - at[1] * at[1], 0);
-	if (form->kind != DEFORM_ELLIPSOID)
+	if (form->kind != SOIL_ELLIPSOID)
 		return;
 	*squares = probe_most(1 - form->aside_by * at[1] * at[1], 0) / form->ahead_by;
 	*ahead = at[0] + form->skew * at[1];
@@ -274,7 +274,7 @@ static inline double probe_lowered(const struct probe_form *form, const double a
 	if (!(form->run > 0))
 		return 0;
 	probe_ring(form, at, &squares, &ahead);
-	const double ring = form->kind == DEFORM_WHEEL ? form->radius : sqrt(squares), rise = form->kind == DEFORM_ELLIPSOID ? ground - form->tilt[0] : ground;
+	const double ring = form->kind == SOIL_WHEEL ? form->radius : sqrt(squares), rise = form->kind == SOIL_ELLIPSOID ? ground - form->tilt[0] : ground;
 	return probe_lowered_on(form, squares, ring, ahead, back, rise, since);
 }
 
@@ -284,27 +284,27 @@ static inline double probe_lowest_near(const struct probe_form *form, const doub
 	const double r = form->radius;
 	double lowest = -1e9;
 	switch (form->kind) {
-	case DEFORM_WHEEL: {
+	case SOIL_WHEEL: {
 		const double near = probe_most(fabs(at[0]) - reach, 0);
 		return -probe_root(r * r - near * near);
 	}
-	case DEFORM_SPHERE: {
+	case SOIL_SPHERE: {
 		const double near = probe_most(sqrt(at[0] * at[0] + at[1] * at[1]) - reach, 0);
 		return -probe_root(r * r - near * near);
 	}
-	case DEFORM_CYLINDER: {
+	case SOIL_CYLINDER: {
 		const double side = (form->lean * at[1] - fabs(form->lean) * reach - probe_half_strip(form, probe_most(fabs(at[0]) - reach, 0))) * form->lift;
 		const double end = probe_end_height(form, at) - reach * form->level / probe_most(fabs(form->lean), 1e-6);
 		return probe_strips(form) ? side : own[0] > 1 ? probe_most(side, end) : end;
 	}
-	case DEFORM_CAPSULE:
+	case SOIL_CAPSULE:
 		return -form->half_axis * form->lean - r;
-	case DEFORM_ELLIPSOID: {
+	case SOIL_ELLIPSOID: {
 		const double ahead = at[0] + form->skew * at[1], squares = form->ahead_by * ahead * ahead + form->aside_by * at[1] * at[1];
 		const double near = probe_most(sqrt(squares) - reach * form->shrinks, 0);
 		return form->tilt[0] * at[0] + form->tilt[1] * at[1] - hypot(form->tilt[0], form->tilt[1]) * reach - form->drop * probe_root(1 - near * near);
 	}
-	case DEFORM_BOX:
+	case SOIL_BOX:
 		for (int k = 0; k < 3; k++) {
 			const double *f = form->faces[k];
 			lowest = probe_most(lowest, f[0] + f[1] * at[0] + f[2] * at[1] - reach * sqrt(f[1] * f[1] + f[2] * f[2]));

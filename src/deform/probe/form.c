@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "deform/internal.h"
-#include "deform/shape/body.h"
+#include "soil/shape/body.h"
 
 
 
@@ -124,10 +124,10 @@ static void ellipsoid(struct probe_form *form)
 
 static void box(const struct deform_probe *probe, struct probe_form *form)
 {
-	const struct deform_pose *to = &probe->to;
+	const struct soil_pose *to = &probe->to;
 	const double *size = probe->shape->size;
 	double sides[3][3];
-	deform_body_axes(size, to->yaw, to->pitch, to->roll, sides);
+	soil_body_axes(size, to->yaw, to->pitch, to->roll, sides);
 	put_axis(form, cos(to->yaw), sin(to->yaw));
 	form->slip = hypot(form->way[0], form->way[1]);
 	for (int k = 0; k < 3; k++) {
@@ -148,26 +148,26 @@ static void box(const struct deform_probe *probe, struct probe_form *form)
 static void put_shape(const struct deform_probe *probe, struct probe_form *form)
 {
 	switch (form->kind) {
-	case DEFORM_WHEEL:
+	case SOIL_WHEEL:
 		wheel(probe, form);
 		break;
-	case DEFORM_SPHERE:
+	case SOIL_SPHERE:
 		sphere(form);
 		break;
-	case DEFORM_BOX:
+	case SOIL_BOX:
 		box(probe, form);
 		break;
-	case DEFORM_CYLINDER:
+	case SOIL_CYLINDER:
 		cylinder(probe, form);
 		break;
-	case DEFORM_CAPSULE:
+	case SOIL_CAPSULE:
 		capsule(form);
 		break;
-	case DEFORM_ELLIPSOID:
+	case SOIL_ELLIPSOID:
 		ellipsoid(form);
 		break;
-	case DEFORM_MESH:
-	case DEFORM_SHAPES: /* its posts tell; its frame is the lattice's */
+	case SOIL_MESH:
+	case SOIL_SHAPES: /* its posts tell; its frame is the lattice's */
 		form->slip = hypot(form->way[0], form->way[1]);
 		break;
 	}
@@ -196,10 +196,10 @@ static void put_motion(const struct deform_probe *probe, struct probe_form *form
 /* A belt: as in soil/scm.c and soil/between.c. */
 static void put_belt(const struct deform_probe *probe, struct probe_form *form)
 {
-	const struct deform_pose *to = &probe->to;
+	const struct soil_pose *to = &probe->to;
 	const double forward = form->way[0] * cos(to->yaw) + form->way[1] * sin(to->yaw);
 	double axes[3][3], along[2] = {0, 0};
-	deform_axes(to->yaw, to->pitch, to->roll, 0, axes);
+	soil_axes(to->yaw, to->pitch, to->roll, 0, axes);
 	for (int i = 0; i < 2; i++)
 		for (int k = 0; k < 3; k++)
 			along[i] += form->way[k] * axes[i][k];
@@ -241,24 +241,24 @@ static void turn_into_frame(struct probe_form *form)
 void deform_probe_form_of(const struct deform *deform, const struct deform_probe *probe, struct probe_form *form)
 {
 	*form = (struct probe_form){
-		.kind = deform_kind_in(probe->shape, &probe->to), .wheel = probe->shape->kind == DEFORM_WHEEL, .radius = probe->shape->radius,
-		.outer = deform_body_wheel_radius(probe->shape), .axis = {1, 0}, .spacing = deform->spacing, .smooth = *probe->shape,
+		.kind = soil_kind_in(probe->shape, &probe->to), .wheel = probe->shape->kind == SOIL_WHEEL, .radius = probe->shape->radius,
+		.outer = soil_body_wheel_radius(probe->shape), .axis = {1, 0}, .spacing = deform->spacing, .smooth = *probe->shape,
 		.ground_normals = deform->params.ground_normals ? 1 : 0, .dig_most = deform->params.slip_sinkage, .lift = 1, .level = 1,
 	};
 	form->smooth.grousers = 0;
-	if (form->kind != DEFORM_WHEEL && form->kind != DEFORM_SPHERE)
-		deform_lower_of(&form->smooth, &probe->to, &form->lower);
+	if (form->kind != SOIL_WHEEL && form->kind != SOIL_SPHERE)
+		soil_lower_of(&form->smooth, &probe->to, &form->lower);
 	form->lower.beside = PROBE_BESIDE;
 	put_motion(probe, form);
 	put_shape(probe, form);
 	if (probe->shape->belt)
 		put_belt(probe, form);
 	if (!(form->radius > 0))
-		form->radius = deform_shape_bound(probe->shape);
+		form->radius = soil_shape_bound(probe->shape);
 	form->by_radius = 1 / form->radius;
 	turn_into_frame(form);
 	const double larger = fmax(fabs(form->axis[0]), fabs(form->axis[1])), way = hypot(form->way[0], form->way[1]);
-	form->half_across = 0.5 * form->spacing / (form->kind == DEFORM_WHEEL || probe_strips(form) ? larger : 1);
+	form->half_across = 0.5 * form->spacing / (form->kind == SOIL_WHEEL || probe_strips(form) ? larger : 1);
 	form->step_aside = larger * form->spacing;
 	form->by_step = 1 / form->step_aside;
 	for (int k = 0; k < 2; k++)

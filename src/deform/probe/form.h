@@ -10,7 +10,7 @@
 #include <math.h>
 
 #include "deform/deform.h"
-#include "deform/shape/lower_envelope.h"
+#include "soil/shape/lower_envelope.h"
 
 #define PROBE_STEEPEST 19.974984 /* lib/soil.glsl: the steepest slope, */
 #define PROBE_UPRIGHT 0.05       /* and the z of its unit normal */
@@ -23,7 +23,7 @@ struct probe_low {
 };
 
 struct probe_form {
-	enum deform_shape_kind kind; /* the form it is computed as: a wheel with camber is a cylinder (deform_kind_in) */
+	enum soil_shape_kind kind; /* the form it is computed as: a wheel with camber is a cylinder (soil_kind_in) */
 	bool wheel;             /* it turns about an axle */
 	double radius;          /* wheel, sphere, cylinder, capsule; of other shapes: of a sphere around the body */
 	double outer;           /* wheel: with its grousers */
@@ -49,7 +49,7 @@ struct probe_form {
 	double along[2];        /* capsule: the axis in plan */
 	/* Ellipsoid: height = tilt . at - drop sqrt(1 - squares), squares = ahead_by (x + skew y)^2 + aside_by y^2 <= (shrinks |at|)^2 */
 	double tilt[2], drop, ahead_by, skew, aside_by, shrinks;
-	struct deform_shape smooth;   /* without grousers */
+	struct soil_shape smooth;   /* without grousers */
 	struct lower_envelope lower;  /* of `smooth`; points to it, so a form is not copied */
 	struct probe_low low;         /* mesh; grousers of a wheel */
 	double cut[2][2];       /* from a post to the next, along the lattice's axis that is nearest to the frame's x, and y */
@@ -111,13 +111,13 @@ static inline double probe_root(double squares)
 /* Returns true for a cylinder whose side alone bears, and its lower end beside that. */
 static inline bool probe_strips(const struct probe_form *form)
 {
-	return form->kind == DEFORM_CYLINDER && form->half[1] > 0;
+	return form->kind == SOIL_CYLINDER && form->half[1] > 0;
 }
 
 /* Returns true if circles tell how the body moved over a place. */
 static inline bool probe_is_round(const struct probe_form *form)
 {
-	return form->kind == DEFORM_WHEEL || form->kind == DEFORM_SPHERE || form->kind == DEFORM_ELLIPSOID || probe_strips(form);
+	return form->kind == SOIL_WHEEL || form->kind == SOIL_SPHERE || form->kind == SOIL_ELLIPSOID || probe_strips(form);
 }
 
 /* Returns half the width of a cylinder's strip, `ahead` of its axis. */
@@ -129,7 +129,7 @@ static inline double probe_half_strip(const struct probe_form *form, double ahea
 /* Returns how far to the left of the middle between its sides a place is. */
 static inline double probe_aside(const struct probe_form *form, const double at[2])
 {
-	return form->kind == DEFORM_CYLINDER ? at[1] - form->lean * probe_half_strip(form, at[0]) : at[1];
+	return form->kind == SOIL_CYLINDER ? at[1] - form->lean * probe_half_strip(form, at[0]) : at[1];
 }
 
 /* -1: a cylinder's lower end is to the right. */

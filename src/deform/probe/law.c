@@ -36,7 +36,7 @@ void deform_law_take(const struct probe_law *law, size_t number, const double at
 	l->modulus[i] = soil->shear;
 	l->by_modulus[i] = soil->by_shear;
 	l->damping[i] = soil->damping;
-	if (law->form.kind == DEFORM_WHEEL || deform_over_post(&law->form, l, i))
+	if (law->form.kind == SOIL_WHEEL || deform_over_post(&law->form, l, i))
 		l->count++;
 }
 
@@ -127,7 +127,7 @@ LANES_CLONED static void slide(const struct probe_form *restrict form, struct la
 		directions[0][i] = slip.direction[0];
 		directions[1][i] = slip.direction[1];
 	}
-	if (form->dig_most > 0 && form->slip >= DEFORM_SLIP_LEAST)
+	if (form->dig_most > 0 && form->slip >= SOIL_SLIP_LEAST)
 		dig(form, l, directions);
 }
 
@@ -140,7 +140,7 @@ LANES_CLONED static void print(const struct probe_form *restrict form, struct la
 		for (int k = 0; k < 2; k++)
 			before[k][i] = l->at[k][i] + form->way[k];
 	deform_over_heights(form, l, before[0], before[1], l->print_height);
-	if (form->dig_most > 0 && form->slip >= DEFORM_SLIP_LEAST)
+	if (form->dig_most > 0 && form->slip >= SOIL_SLIP_LEAST)
 		put_plastic(l);
 	for (int i = 0; i < LANES; i++) {
 		const double depth = l->depth[i] + l->face.height[i] - l->print_height[i] + rose, stays = l->plastic[i] * l->by_up[i];
@@ -204,7 +204,7 @@ LANES_CLONED void deform_law_remembered(const struct probe_form *restrict form, 
 
 LANES_CLONED static void put_line(const struct probe_form *restrict form, struct lanes *restrict l)
 {
-	const double least = form->kind == DEFORM_WHEEL || probe_strips(form) ? INFINITY : 1e-8;
+	const double least = form->kind == SOIL_WHEEL || probe_strips(form) ? INFINITY : 1e-8;
 	for (int i = 0; i < LANES; i++) {
 		const double x = l->rise[0][i] - l->face.slope[0][i], y = l->rise[1][i] - l->face.slope[1][i], squares = x * x + y * y;
 		const double by = form->half_across / sqrt(probe_most(squares, 1e-8));
@@ -249,7 +249,7 @@ LANES_CLONED bool deform_law_bear(const struct probe_law *restrict law, struct l
 {
 	const struct probe_form *form = &law->form;
 	double there[2][LANES], rise[LANES], heights[LANES], remembered[LANES], lowered[LANES], since[LANES], depths[3][LANES], mosts[3][LANES];
-	if (form->kind == DEFORM_WHEEL)
+	if (form->kind == SOIL_WHEEL)
 		deform_over_wheel(form, l);
 	for (int i = l->count; i < LANES; i++)
 		l->share[i] = 0;

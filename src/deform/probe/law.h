@@ -26,7 +26,7 @@ static inline bool deform_law_in_strip(const struct probe_form *form, const doub
 	const double leans = fabs(form->lean), away = probe_most(fabs(at[0]) - reach, 0);
 	if (fabs(at[1]) > probe_most(form->half[1], 0.5 * form->step_aside) + leans * form->radius + 1e-3 * form->spacing)
 		return false;
-	if (form->kind == DEFORM_WHEEL)
+	if (form->kind == SOIL_WHEEL)
 		return height >= 0 || away * away + height * height <= form->outer * form->outer;
 	const double side = height * form->level - form->lean * at[1] + leans * (reach + form->step_aside);
 	return away <= form->outer && (side >= 0 || away * away + side * side <= form->outer * form->outer);
@@ -41,9 +41,9 @@ static inline bool deform_law_may_bear(const struct probe_law *law, size_t numbe
 	const double height = ground->height - law->above_zero + slack + 1e-3 * form->spacing;
 	if (ground->hole)
 		return false;
-	if (form->kind == DEFORM_WHEEL || probe_strips(form))
+	if (form->kind == SOIL_WHEEL || probe_strips(form))
 		return deform_law_in_strip(form, at, height, reach);
-	if (form->kind != DEFORM_SPHERE)
+	if (form->kind != SOIL_SPHERE)
 		return height > law->lowest;
 	const double away = probe_most(sqrt(at[0] * at[0] + at[1] * at[1]) - 1.5 * reach, 0);
 	return height >= 0 || away * away + height * height <= form->radius * form->radius;

@@ -8,8 +8,8 @@
 #include "deform/probe/low.h"
 
 #include "deform/internal.h"
-#include "deform/shape/bars.h"
-#include "deform/shape/body.h"
+#include "soil/shape/bars.h"
+#include "soil/shape/body.h"
 
 #define BESIDE 1e-9   /* m: a post that lies beside an edge by less is below both triangles of the edge */
 #define STEEPEST 4096.0 /* a steeper triangle counts as upright: the triangles beside it have its edges */
@@ -120,10 +120,10 @@ static void draw(const struct raster *raster, const double at[3][3], const doubl
 			draw_at(raster, &m, column, row);
 }
 
-static void draw_mesh(const struct raster *raster, const struct deform_mesh *mesh, const struct deform_pose *pose, const double way[3])
+static void draw_mesh(const struct raster *raster, const struct soil_mesh *mesh, const struct soil_pose *pose, const double way[3])
 {
 	double axes[3][3];
-	deform_axes(pose->yaw, pose->pitch, pose->roll, 0, axes);
+	soil_axes(pose->yaw, pose->pitch, pose->roll, 0, axes);
 	for (uint32_t t = 0; t < mesh->triangle_count; t++) {
 		double at[3][3];
 		for (int i = 0; i < 3; i++)
@@ -160,28 +160,28 @@ static void clear(const struct raster *raster)
 
 void deform_low_of(const struct deform_patch *patch, const struct deform_probe *probe, const struct post_rect *below, struct probe_form *form)
 {
-	const struct deform_shape *shape = probe->shape;
+	const struct soil_shape *shape = probe->shape;
 	const double *to = form->axis;
 	const double way[3] = {to[0] * form->way[0] - to[1] * form->way[1], to[1] * form->way[0] + to[0] * form->way[1], form->way[2]};
-	if (shape->kind != DEFORM_MESH && shape->grousers == 0)
+	if (shape->kind != SOIL_MESH && shape->grousers == 0)
 		return;
 	/* A row and a column more on each side, since slopes are between posts. */
 	struct raster raster = {
 		.low = {patch->lows, patch->lows + patch->count, patch->width}, .spacing = form->spacing,
-		.corner = {-(double)deform_body_from_post(probe->to.x, below->x0 - 1, form->spacing) - probe->beyond[0],
-			   -(double)deform_body_from_post(probe->to.y, below->y0 - 1, form->spacing) - probe->beyond[1]},
+		.corner = {-(double)soil_body_from_post(probe->to.x, below->x0 - 1, form->spacing) - probe->beyond[0],
+			   -(double)soil_body_from_post(probe->to.y, below->y0 - 1, form->spacing) - probe->beyond[1]},
 		.first = (size_t)(below->y0 - 1 - patch->rect.y0) * patch->width + (size_t)(below->x0 - 1 - patch->rect.x0),
 		.columns = (size_t)(below->x1 - below->x0 + 2), .rows = (size_t)(below->y1 - below->y0 + 2),
 	};
 	clear(&raster);
 	form->low = raster.low;
-	if (shape->kind == DEFORM_MESH) {
+	if (shape->kind == SOIL_MESH) {
 		draw_mesh(&raster, shape->mesh, &probe->to, way);
 		return;
 	}
 	const bool moves = form->way[0] != 0 || form->way[1] != 0 || form->way[2] != 0;
 	const struct bars_motion motion = {.x = -way[0], .y = -way[1], .dx = way[0], .dy = way[1], .z = -way[2], .dz = way[2], .turned = moves ? probe->turned : 0};
-	deform_bars(shape, &probe->to, &motion, draw_face, &raster);
+	soil_bars(shape, &probe->to, &motion, draw_face, &raster);
 }
 
 bool deform_low_is_aloft(const struct probe_law *law, const struct post_rect *below)

@@ -6,7 +6,7 @@
 /* Returns true for a wheel, and for a cylinder whose side alone bears: a rim, which may lean. */
 static bool is_rim(const struct probe_form *form)
 {
-	return form->kind == DEFORM_WHEEL || probe_strips(form);
+	return form->kind == SOIL_WHEEL || probe_strips(form);
 }
 
 static void put_face(struct lane_faces *faces, int i, const struct probe_face *face)
@@ -90,7 +90,7 @@ LANES_CLONED void deform_over_wheel(const struct probe_form *restrict form, stru
 bool deform_over_post(const struct probe_form *form, struct lanes *l, int i)
 {
 	/* The lower edge of a cylinder that leans lies up to a post beside the line. */
-	const double reach = form->half_across + (form->kind == DEFORM_CYLINDER ? form->step_aside : 0);
+	const double reach = form->half_across + (form->kind == SOIL_CYLINDER ? form->step_aside : 0);
 	const double at[2] = {l->at[0][i], l->at[1][i]}, x = l->rise[0][i], y = l->rise[1][i];
 	struct probe_face face;
 	double own[2], middle[2], rests = 0, lowest = 0;
@@ -159,7 +159,7 @@ LANES_CLONED void deform_over_faces(const struct probe_form *restrict form, cons
 		       const double y[restrict LANES], struct lane_faces *restrict faces)
 {
 	struct probe_face face;
-	if (form->kind == DEFORM_WHEEL) {
+	if (form->kind == SOIL_WHEEL) {
 		for (int i = 0; i < LANES; i++) {
 			const double at[2] = {x[i], y[i]};
 			probe_wheel_face(form, at, &face);

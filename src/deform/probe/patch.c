@@ -164,12 +164,12 @@ enum status deform_patch_begin(struct deform_patch *patch, struct post_rect rect
 
 /* --- landing --- */
 
-static struct probe_soil soil_of(const struct deform_params *params, uint32_t class, const uint8_t levels[DEFORM_RASTERS])
+static struct probe_soil soil_of(const struct deform_params *params, uint32_t class, const uint8_t levels[SOIL_RASTERS])
 {
-	struct deform_soil soil = params->soils[class < (uint32_t)params->soil_count ? class : 0];
+	struct soil_numbers soil = params->soils[class < (uint32_t)params->soil_count ? class : 0];
 	for (int i = 0; i < params->raster_count; i++)
 		if (levels[i] != 0)
-			*deform_number_in(&soil, params->rasters[i].number) = deform_raster_value(&params->rasters[i], levels[i]);
+			*soil_number_in(&soil, params->rasters[i].number) = soil_raster_value(&params->rasters[i], levels[i]);
 	return (struct probe_soil){
 		.k_c = soil.bekker_kc, .k_phi = soil.bekker_kphi, .n = soil.bekker_n,
 		.elastic = fmin(soil.elastic_stiffness, 1e30), .by_elastic = fmin(1 / soil.elastic_stiffness, 1e30),
@@ -196,7 +196,7 @@ static enum status find_soil(struct deform_patch *patch, const uint32_t kind[2],
 			return fail_memory("the ground of a probe");
 		patch->soil_room = room;
 	}
-	uint8_t levels[DEFORM_RASTERS];
+	uint8_t levels[SOIL_RASTERS];
 	memcpy(levels, &kind[1], sizeof levels);
 	*soil = (uint32_t)patch->soil_count;
 	patch->soil_kinds[2 * patch->soil_count] = kind[0];

@@ -12,7 +12,7 @@
 #include "deform/probe/law.h"
 #include "deform/probe/low.h"
 #include "deform/probe/sums.h"
-#include "deform/shape/body.h"
+#include "soil/shape/body.h"
 
 /* --- the posts --- */
 
@@ -21,7 +21,7 @@ static bool posts_below(const struct deform_patch *patch, const struct deform_pr
 {
 	const double spacing = patch->deform->spacing;
 	double extent[2];
-	deform_body_extent(probe->shape, &probe->to, extent);
+	soil_body_extent(probe->shape, &probe->to, extent);
 	const double x = lattice_offset_metres(probe->to.x), y = lattice_offset_metres(probe->to.y);
 	*below = (struct post_rect){(int64_t)floor((x - extent[0]) / spacing), (int64_t)floor((y - extent[1]) / spacing),
 				    (int64_t)ceil((x + extent[0]) / spacing) + 1, (int64_t)ceil((y + extent[1]) / spacing) + 1};
@@ -29,7 +29,7 @@ static bool posts_below(const struct deform_patch *patch, const struct deform_pr
 	return patch->known && !patch->coming && below->x0 > has->x0 && below->y0 > has->y0 && below->x1 < has->x1 && below->y1 < has->y1;
 }
 
-struct post_rect deform_probe_posts(const struct deform *deform, const struct deform_shape *shape, const struct deform_pose *pose, int64_t margin)
+struct post_rect deform_probe_posts(const struct deform *deform, const struct soil_shape *shape, const struct soil_pose *pose, int64_t margin)
 {
 	const struct deform_contact standing = {.shape = shape, .from = *pose, .to = *pose};
 	const struct post_rect shadow = deform_shadow(deform, &standing);
@@ -47,8 +47,8 @@ static struct walk walk_of(const struct probe_form *form, const struct deform_pr
 	const double spacing = form->spacing;
 	return (struct walk){
 		.below = below,
-		.corner = {-(double)deform_body_from_post(probe->to.x, below.x0, spacing) - probe->beyond[0],
-			   -(double)deform_body_from_post(probe->to.y, below.y0, spacing) - probe->beyond[1]},
+		.corner = {-(double)soil_body_from_post(probe->to.x, below.x0, spacing) - probe->beyond[0],
+			   -(double)soil_body_from_post(probe->to.y, below.y0, spacing) - probe->beyond[1]},
 		.step = {form->axis[0] * spacing, -form->axis[1] * spacing},
 	};
 }
@@ -79,7 +79,7 @@ static void cut_row(const struct walk *walk, const struct probe_form *form, cons
 	const double leans = fabs(form->lean) * form->radius, aside = probe_most(form->half[1], 0.5 * form->step_aside) + leans;
 	columns[0] = 0;
 	columns[1] = walk->below.x1 - walk->below.x0;
-	if (form->kind != DEFORM_WHEEL && !probe_strips(form))
+	if (form->kind != SOIL_WHEEL && !probe_strips(form))
 		return;
 	cut(at[1], walk->step[1], aside + 1e-2 * form->spacing, columns);
 	cut(at[0], walk->step[0], form->outer + form->half_across + form->spacing, columns);
@@ -103,29 +103,29 @@ static size_t touched_posts(const struct probe_law *law, const struct walk *walk
 /* Returns 1 / b, b the width of the contact patch: src/deform/soil/scm.c. touched: posts; 0: they are not counted. */
 static double width_of(const struct probe_law *law, const struct deform_probe *probe, size_t touched)
 {
-	const struct deform_shape *shape = probe->shape;
+	const struct soil_shape *shape = probe->shape;
 	double extent[2];
-	if (shape->kind == DEFORM_WHEEL || shape->kind == DEFORM_CYLINDER) {
+	if (shape->kind == SOIL_WHEEL || shape->kind == SOIL_CYLINDER) {
 		const double squares = law->form.lean * law->form.lean;
-		return (1 - squares) / (shape->kind == DEFORM_WHEEL ? shape->width : shape->length) + squares / shape->radius;
+		return (1 - squares) / (shape->kind == SOIL_WHEEL ? shape->width : shape->length) + squares / shape->radius;
 	}
-	if (shape->kind == DEFORM_BOX)
+	if (shape->kind == SOIL_BOX)
 		return 1 / fmin(shape->size[0], shape->size[1]);
 	const struct deform *deform = law->patch->deform;
-	deform_body_extent(shape, &probe->to, extent);
-	const double shadow = shape->kind == DEFORM_SPHERE ? M_PI * shape->radius * shape->radius : 4 * extent[0] * extent[1];
+	soil_body_extent(shape, &probe->to, extent);
+	const double shadow = shape->kind == SOIL_SPHERE ? M_PI * shape->radius * shape->radius : 4 * extent[0] * extent[1];
 	return 1 / sqrt((touched > 0 ? (double)touched * deform->spacing * deform->spacing : shadow) / M_PI);
 }
 
 /* Sets all but `by_width`. law->form points to itself, so a law is not copied. */
 static void put_law(const struct deform_patch *patch, const struct deform_probe *probe, const struct post_rect *below, struct probe_law *law)
 {
-	const struct deform_interface *interface = &probe->interface;
+	const struct soil_interface *interface = &probe->interface;
 	deform_probe_form_of(patch->deform, probe, &law->form);
 	deform_low_of(patch, probe, below, &law->form);
 	law->patch = patch;
 	law->above_zero = lattice_offset_metres(probe->to.z - patch->zero) + probe->beyond[2];
-	law->lowest = -deform_shape_bound(probe->shape);
+	law->lowest = -soil_shape_bound(probe->shape);
 	law->surface[0] = interface->has_adhesion ? interface->adhesion : 0;
 	law->surface[1] = interface->has_friction ? tan(interface->friction_angle) : 0;
 	law->own[0] = interface->has_adhesion ? 0 : 1;
@@ -191,7 +191,7 @@ static enum deform_state state_of(const struct deform_probe *probe, const struct
 {
 	if (!(out->area > 0))
 		return DEFORM_AIR;
-	if (out->sinkage > 2 * deform_shape_reach(probe->shape, probe->to.pitch, probe->to.roll))
+	if (out->sinkage > 2 * soil_shape_reach(probe->shape, probe->to.pitch, probe->to.roll))
 		return DEFORM_SUNK;
 	return sqrt(sheared[0] * sheared[0] + sheared[1] * sheared[1] + sheared[2] * sheared[2]) > 0.99 * out->shear_limit ? DEFORM_SLIDES : DEFORM_TOUCHING;
 }
@@ -280,7 +280,7 @@ void deform_probe(const struct deform_patch *patch, const struct deform_probe *p
 	const size_t touched = counted ? touched_posts(&law, &walk) : 0;
 	law.by_width = width_of(&law, probe, counted && touched == 0 ? 1 : touched);
 	/* Between posts only the slope of a mesh is known, which may reach below the mesh. */
-	if (law.form.kind != DEFORM_MESH || !deform_low_is_aloft(&law, &below))
+	if (law.form.kind != SOIL_MESH || !deform_low_is_aloft(&law, &below))
 		add_posts(&law, &walk, &sums);
 	answer(probe, &law.form, &sums, out);
 }

@@ -254,7 +254,7 @@ static enum status hold_all(struct deform *deform, const struct deform_rest *obj
 		if (!overlaps(deform, windows[i].read, first, last))
 			continue;
 		status = deform_envelope(deform, &contact, &windows[i], 0);
-		deform->figures.resting += object->shape->kind != DEFORM_MESH;
+		deform->figures.resting += object->shape->kind != SOIL_MESH;
 		for (size_t region = first; region <= last && status == STATUS_OK; region++)
 			status = hold(deform, object, windows[i].read, deform_shadow(deform, &contact), region);
 	}
@@ -397,7 +397,7 @@ enum status deform_interval_gather(struct deform *deform, size_t region, const s
 	return compute(deform, first, region);
 }
 
-enum status deform_interval_warm(struct deform *deform, const struct deform_shape *shape, uint32_t loaded_body)
+enum status deform_interval_warm(struct deform *deform, const struct soil_shape *shape, uint32_t loaded_body)
 {
 	struct interval *interval = deform->interval;
 	const struct deform_rest object = {.shape = shape, .loaded_body = loaded_body};

@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "deform/shape/body.h"
+#include "soil/shape/body.h"
 #include "deform/internal.h"
 
 /* The same for a body that needs few functions of a post's position. */
@@ -18,9 +18,9 @@ struct brief_params {
 };
 _Static_assert(sizeof(struct brief_params) == DEFORM_BRIEF_BYTES, "lib/envelope.glsl");
 
-bool deform_envelope_is_brief(enum deform_shape_kind kind, bool sideways)
+bool deform_envelope_is_brief(enum soil_shape_kind kind, bool sideways)
 {
-	return kind == DEFORM_SPHERE || (kind == DEFORM_WHEEL && !sideways);
+	return kind == SOIL_SPHERE || (kind == SOIL_WHEEL && !sideways);
 }
 
 static struct brief_body brief(const struct body *body)
@@ -46,17 +46,17 @@ struct gpu_rect deform_under_posts(const struct deform *deform, const struct def
 
 void deform_under_of(const struct deform *deform, const struct deform_contact *contact, int64_t x0, int64_t y0, struct under_params *params)
 {
-	const struct deform_pose *from = deform_is_contact_only(contact) ? &contact->to : &contact->from;
+	const struct soil_pose *from = deform_is_contact_only(contact) ? &contact->to : &contact->from;
 	struct body_frame frame = {.x0 = x0, .y0 = y0, .spacing = deform->spacing, .zero = contact->to.z};
-	if (contact->shape->kind == DEFORM_WHEEL) {
+	if (contact->shape->kind == SOIL_WHEEL) {
 		frame.yaw[0] = cosl(contact->to.yaw);
 		frame.yaw[1] = sinl(contact->to.yaw);
 	}
-	deform_body_of(contact->shape, from, &contact->to, &frame, &params->motion);
-	deform_body_of(contact->shape, &contact->to, &contact->to, &frame, &params->end);
-	params->kind = deform_kind_in(contact->shape, &contact->to);
+	soil_body_of(contact->shape, from, &contact->to, &frame, &params->motion);
+	soil_body_of(contact->shape, &contact->to, &contact->to, &frame, &params->end);
+	params->kind = soil_kind_in(contact->shape, &contact->to);
 	/* Only a wheel that moves sideways needs the times at which its sides pass over a post. */
-	params->sideways = params->kind == DEFORM_WHEEL && (params->motion.c[1] != 0 || params->end.c[1] != 0);
+	params->sideways = params->kind == SOIL_WHEEL && (params->motion.c[1] != 0 || params->end.c[1] != 0);
 }
 
 enum status deform_under_run(struct deform *deform, const struct under_params *params, struct gpu_rect posts, uint32_t layer)
@@ -65,7 +65,7 @@ enum status deform_under_run(struct deform *deform, const struct under_params *p
 	bool is_brief = deform_envelope_is_brief(params->kind, params->sideways);
 	struct deform_request request;
 	deform_programs_envelope(&deform->params, params->kind, params->sideways, false, &request);
-	struct gpu_program **program = &deform->under_program[params->kind + (params->sideways ? DEFORM_SHAPES : 0)];
+	struct gpu_program **program = &deform->under_program[params->kind + (params->sideways ? SOIL_SHAPES : 0)];
 	enum status status = deform_program(deform, &request, program);
 	if (status != STATUS_OK)
 		return status;
@@ -85,12 +85,12 @@ enum status deform_envelope(struct deform *deform, const struct deform_contact *
 {
 	const struct post_rect read = window->read;
 	struct under_params params;
-	if (contact->shape->kind == DEFORM_MESH)
+	if (contact->shape->kind == SOIL_MESH)
 		return deform_mesh(deform, contact, window, layer);
 	deform_under_of(deform, contact, read.x0, read.y0, &params);
 	/* A model that works in place reads the envelope only within the object's shadow. */
 	struct gpu_rect posts = deform_model_row(deform->params.model)->in_place ? deform_under_posts(deform, contact, read) : deform_window_rect(window);
 	enum status status = deform_under_run(deform, &params, posts, layer);
-	bool grousers = contact->shape->kind == DEFORM_WHEEL && contact->shape->grousers > 0;
+	bool grousers = contact->shape->kind == SOIL_WHEEL && contact->shape->grousers > 0;
 	return status == STATUS_OK && grousers ? deform_grousers(deform, contact, window, layer) : status;
 }

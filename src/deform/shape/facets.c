@@ -2,7 +2,7 @@
  * Draws moving triangles over a window. Each is one instance: a rectangle around the posts that it can be above. The
  * fragment shader computes its height in whole numbers. An atomic minimum keeps the lowest, so the order does not matter.
  */
-#include "deform/shape/facet.h"
+#include "soil/shape/facet.h"
 #include "deform/internal.h"
 
 #define ROOM 512 /* facets a draw: small enough that drivers need not ask the system for memory */

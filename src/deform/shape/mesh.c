@@ -8,8 +8,8 @@
  */
 #include <math.h>
 
-#include "deform/shape/body.h"
-#include "deform/shape/facet.h"
+#include "soil/shape/body.h"
+#include "soil/shape/facet.h"
 #include "deform/internal.h"
 
 static const double unit[3] = {2, 2, 2}; /* of which half is one */
@@ -20,25 +20,13 @@ static void turn(const float vertex[3], double axes[3][3], double at[3])
 		at[k] = vertex[0] * axes[0][k] + vertex[1] * axes[1][k] + vertex[2] * axes[2][k];
 }
 
-double deform_mesh_reach(const struct deform_mesh *mesh, double pitch, double roll)
-{
-	double axes[3][3], lowest = 0;
-	deform_body_axes(unit, 0, pitch, roll, axes);
-	for (uint32_t i = 0; i < mesh->vertex_count; i++) {
-		const float *v = mesh->vertices[i];
-		double z = v[0] * axes[0][2] + v[1] * axes[1][2] + v[2] * axes[2][2];
-		lowest = i == 0 ? z : fmin(lowest, z);
-	}
-	return -lowest;
-}
-
 /* Where the vertices are at the contact's end. */
-static void place(const struct deform_mesh *mesh, const struct deform_pose *to, const struct body_motion *motion,
+static void place(const struct soil_mesh *mesh, const struct soil_pose *to, const struct body_motion *motion,
 		  double spacing, struct facet_corner *corners)
 {
 	double axes[3][3], posts = ldexp(1, FACET_BITS) / spacing;
 	double x = (double)(motion->x + motion->dx), y = (double)(motion->y + motion->dy), z = (double)(motion->z + motion->dz);
-	deform_body_axes(unit, to->yaw, to->pitch, to->roll, axes);
+	soil_body_axes(unit, to->yaw, to->pitch, to->roll, axes);
 	for (uint32_t i = 0; i < mesh->vertex_count; i++) {
 		double at[3];
 		turn(mesh->vertices[i], axes, at);
@@ -50,13 +38,13 @@ static void place(const struct deform_mesh *mesh, const struct deform_pose *to, 
 	}
 }
 
-static void draw(struct deform *deform, const struct deform_mesh *mesh, const struct facet_corner *corners,
+static void draw(struct deform *deform, const struct soil_mesh *mesh, const struct facet_corner *corners,
 		 const struct facet_motion *motion, const struct facet_window *around)
 {
 	for (uint32_t t = 0; t < mesh->triangle_count; t++) {
 		const uint32_t *index = mesh->triangles[t];
 		const struct facet_corner at[3] = {corners[index[0]], corners[index[1]], corners[index[2]]};
-		if (deform_facet_of(at, motion, true, around, deform_facets_next(deform)))
+		if (soil_facet_of(at, motion, true, around, deform_facets_next(deform)))
 			deform_facets_keep(deform);
 	}
 	deform_facets_end(deform);
@@ -65,12 +53,12 @@ static void draw(struct deform *deform, const struct deform_mesh *mesh, const st
 enum status deform_mesh(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
 			uint32_t layer)
 {
-	const struct deform_mesh *mesh = contact->shape->mesh;
+	const struct soil_mesh *mesh = contact->shape->mesh;
 	const struct post_rect read = window->read;
 	const struct gpu_rect all = deform_window_rect(window);
 	const struct body_frame frame = {.x0 = read.x0, .y0 = read.y0, .spacing = deform->spacing, .zero = contact->to.z};
-	const struct deform_pose *from = deform_is_contact_only(contact) ? &contact->to : &contact->from;
-	struct body_motion motion = deform_body_motion_of(from, &contact->to, &frame);
+	const struct soil_pose *from = deform_is_contact_only(contact) ? &contact->to : &contact->from;
+	struct body_motion motion = soil_body_motion_of(from, &contact->to, &frame);
 	struct facet_corner *corners = mem_alloc(mesh->vertex_count, sizeof *corners);
 	if (corners == NULL)
 		return fail_memory("the vertices of a mesh");

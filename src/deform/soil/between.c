@@ -4,8 +4,8 @@
  */
 #include <math.h>
 
-#include "deform/shape/body.h"
-#include "deform/shape/lower_envelope.h"
+#include "soil/shape/body.h"
+#include "soil/shape/lower_envelope.h"
 #include "deform/internal.h"
 
 static void put_heading(struct scm_params *params, double x, double y)
@@ -47,7 +47,7 @@ static void put_times(const struct deform *deform, const struct deform_contact *
 {
 	if (deform->params.ground_normals)
 		return;
-	const double way = hypot(params->way[0], params->way[1]), ran = deform_shape_ran(contact->shape, contact->turned);
+	const double way = hypot(params->way[0], params->way[1]), ran = soil_shape_ran(contact->shape, contact->turned);
 	const struct deform_rim_times times = deform_rim_times_of(forward, way, rise, ran, contact->hosted);
 	params->moves[3] = (float)times.shears;
 	params->digs[0] = (float)times.digs;
@@ -91,7 +91,7 @@ static void sphere(const struct deform_contact *contact, struct scm_params *para
 	params->moves[2] = (float)(slope / hypot(1, slope));
 }
 
-bool deform_box_is_cut(const struct deform_shape *shape, const struct deform_pose *pose, double spacing, bool hosted)
+bool deform_box_is_cut(const struct soil_shape *shape, const struct soil_pose *pose, double spacing, bool hosted)
 {
 	const double *size = shape->size, least = fmin(size[0], fmin(size[1], size[2]));
 	const double cut = fabs(sin(pose->pitch) * sin(pose->roll)) * least;
@@ -116,7 +116,7 @@ bool deform_box_is_upright(const double half[3][3], int side, double spacing, bo
 static void cylinder(const struct deform *deform, const struct deform_contact *contact, struct scm_params *params)
 {
 	struct lower_envelope lower;
-	deform_lower_of(contact->shape, &contact->to, &lower);
+	soil_lower_of(contact->shape, &contact->to, &lower);
 	double c = fmax(lower.level, DEFORM_LEVEL_LEAST), s = lower.axis[2], x = lower.along[1], y = -lower.along[0];
 	double forward = params->way[0] * x + params->way[1] * y, aside = params->way[0] * lower.along[0] + params->way[1] * lower.along[1];
 	double sign = forward < 0 ? -1 : 1, rise = params->way[2] - aside * s / c, slope = forward != 0 ? rise / fabs(forward) : 0;
@@ -137,7 +137,7 @@ static void cylinder(const struct deform *deform, const struct deform_contact *c
 static void capsule(const struct deform_contact *contact, struct scm_params *params)
 {
 	struct lower_envelope lower;
-	deform_lower_of(contact->shape, &contact->to, &lower);
+	soil_lower_of(contact->shape, &contact->to, &lower);
 	params->body[0] = (float)lower.radius;
 	along_way(params, hypot(params->way[0], params->way[1]));
 	params->faces[0][0] = (float)lower.axis[2];
@@ -151,7 +151,7 @@ static void ellipsoid(const struct deform_contact *contact, struct scm_params *p
 {
 	struct lower_envelope lower;
 	double way = hypot(params->way[0], params->way[1]);
-	deform_lower_of(contact->shape, &contact->to, &lower);
+	soil_lower_of(contact->shape, &contact->to, &lower);
 	along_way(params, way);
 	/* The quadric in the frame: squares = ahead x^2 + 2 both x y + beside y^2. */
 	const double *q = lower.inside, x = params->heading[0], y = params->heading[1];
@@ -173,9 +173,9 @@ static void ellipsoid(const struct deform_contact *contact, struct scm_params *p
 
 static void box(const struct deform_contact *contact, struct scm_params *params)
 {
-	const struct deform_pose *to = &contact->to;
+	const struct soil_pose *to = &contact->to;
 	double half[3][3];
-	deform_body_axes(contact->shape->size, to->yaw, to->pitch, to->roll, half);
+	soil_body_axes(contact->shape->size, to->yaw, to->pitch, to->roll, half);
 	put_heading(params, cos(to->yaw), sin(to->yaw));
 	for (int k = 0; k < 3; k++) {
 		const double *axis = half[k];
@@ -202,27 +202,27 @@ void deform_between_posts(const struct deform *deform, const struct deform_conta
 {
 	deform_posts_in(window, post_rect_intersect(deform_shadow(deform, contact), window->read), params->drawn);
 	put_heading(params, 1, 0);
-	switch (deform_kind_in(contact->shape, &contact->to)) {
-	case DEFORM_WHEEL:
+	switch (soil_kind_in(contact->shape, &contact->to)) {
+	case SOIL_WHEEL:
 		wheel(deform, contact, params);
 		break;
-	case DEFORM_SPHERE:
+	case SOIL_SPHERE:
 		sphere(contact, params);
 		break;
-	case DEFORM_BOX:
+	case SOIL_BOX:
 		box(contact, params);
 		break;
-	case DEFORM_CYLINDER:
+	case SOIL_CYLINDER:
 		cylinder(deform, contact, params);
 		break;
-	case DEFORM_CAPSULE:
+	case SOIL_CAPSULE:
 		capsule(contact, params);
 		break;
-	case DEFORM_ELLIPSOID:
+	case SOIL_ELLIPSOID:
 		ellipsoid(contact, params);
 		break;
-	case DEFORM_MESH:
-	case DEFORM_SHAPES:
+	case SOIL_MESH:
+	case SOIL_SHAPES:
 		break; /* only its posts tell */
 	}
 	if (contact->shape->belt)

@@ -20,7 +20,7 @@ static const int orders[8][4] = {{0, 1, 2, 3}, {0, 2, 1, 3}, {2, 3, 0, 1}, {3, 1
 /* std140 twin of slide_lines.frag's block. */
 struct lines_params {
 	int32_t place[4], window[4], around[4];
-	int32_t limits[DEFORM_SOILS][4];
+	int32_t limits[SOIL_CLASSES][4];
 };
 
 int deform_line_passes(const struct deform_params *params)

@@ -3,15 +3,13 @@
  * depend on the ground. One compute pass of one work group searches both on the GPU (scm_find.comp). Nothing is read back.
  */
 #include <assert.h>
-#include <math.h>
 
 #include "deform/internal.h"
 
-
 /* Fills the textures, images and buffers of the search. */
-static void bind(struct deform *deform, enum deform_shape_kind kind, struct gpu_buffer *tally, struct gpu_buffer *found, struct gpu_pass *pass)
+static void bind(struct deform *deform, enum soil_shape_kind kind, struct gpu_buffer *tally, struct gpu_buffer *found, struct gpu_pass *pass)
 {
-	bool posts_only = kind == DEFORM_MESH; /* lib/soil.glsl */
+	bool posts_only = kind == SOIL_MESH; /* lib/soil.glsl */
 	*pass = (struct gpu_pass){
 		.stage = GPU_LOAD,
 		.textures = {deform->under, deform->classes, deform->numbers, posts_only ? deform->bases : deform->rest},
@@ -21,7 +19,7 @@ static void bind(struct deform *deform, enum deform_shape_kind kind, struct gpu_
 	};
 }
 
-enum status deform_find(struct deform *deform, const struct scm_params *params, unsigned what, enum deform_shape_kind kind,
+enum status deform_find(struct deform *deform, const struct scm_params *params, unsigned what, enum soil_shape_kind kind,
 			struct gpu_buffer *tally)
 {
 	struct gpu_program **program = &deform->find[0][FIND_SHAPE * kind + what];
@@ -42,7 +40,7 @@ enum status deform_find(struct deform *deform, const struct scm_params *params, 
 	return STATUS_OK;
 }
 
-enum status deform_find_together(struct deform *deform, const struct scm_params *params, unsigned what, enum deform_shape_kind kind, uint32_t count)
+enum status deform_find_together(struct deform *deform, const struct scm_params *params, unsigned what, enum soil_shape_kind kind, uint32_t count)
 {
 	struct gpu_program **program = &deform->find[1][FIND_SHAPE * kind + what];
 	struct gpu_pass pass;
@@ -69,22 +67,4 @@ void deform_set_equilibrium(struct deform *deform, uint32_t loaded_body, int32_t
 {
 	assert(loaded_body > 0 && loaded_body <= deform->params.loaded_bodies);
 	gpu_buffer_write(deform->standing, (loaded_body - 1) * sizeof raised, sizeof raised, &raised);
-}
-
-double deform_sinkage_guess(const struct deform_shape *shape, const struct deform_soil *soil, double load)
-{
-	double n = soil->bekker_n, sinkage;
-	if (shape->kind == DEFORM_BOX) {
-		double width = fmin(shape->size[0], shape->size[1]), k = soil->bekker_kc / width + soil->bekker_kphi;
-		sinkage = pow(load / (shape->size[0] * shape->size[1] * k), 1 / n);
-	} else if (shape->kind == DEFORM_MESH) {
-		sinkage = 0;
-	} else {
-		double radius = shape->kind == DEFORM_ELLIPSOID ? cbrt(shape->size[0] * shape->size[1] * shape->size[2]) : shape->radius;
-		double width = shape->kind == DEFORM_WHEEL ? shape->width : shape->kind == DEFORM_CYLINDER ? shape->length : radius;
-		double k = soil->bekker_kc / width + soil->bekker_kphi;
-		sinkage = pow(3 * load / (width * k * fmax(3 - n, 0.1) * sqrt(2 * radius)), 2 / (2 * n + 1));
-	}
-	double most = deform_shape_reach(shape, 0, 0);
-	return sinkage < most ? sinkage : most;
 }

@@ -1,5 +1,4 @@
 /* Collects the rows of all soil models. Each model's own file defines its row, a struct soil_model. */
-#include <stddef.h>
 #include <string.h>
 
 #include "deform/internal.h"
@@ -30,26 +29,6 @@ bool deform_model_takes(enum deform_model model, const char *key)
 bool deform_model_reads(enum deform_model model, const char *number)
 {
 	return has(rows[model]->numbers, number);
-}
-
-#define KEY(number, key) [number] = #key,
-#define PLACE(number, key) [number] = offsetof(struct deform_soil, key),
-const char *deform_number_key(enum deform_number number)
-{
-	static const char *const keys[] = {DEFORM_NUMBERS_EACH(KEY)};
-	return keys[number];
-}
-
-double *deform_number_in(struct deform_soil *soil, enum deform_number number)
-{
-	static const size_t places[] = {DEFORM_NUMBERS_EACH(PLACE)};
-	return (double *)((char *)soil + places[number]);
-}
-
-double deform_raster_value(const struct deform_raster *raster, uint8_t level)
-{
-	return level == DEFORM_LEVELS ? raster->high
-				      : raster->low + (raster->high - raster->low) / (DEFORM_LEVELS - 1) * (level - 1);
 }
 
 bool deform_conserves(enum deform_model model)

@@ -6,10 +6,10 @@
 #include <stddef.h>
 #include <string.h>
 
-#include "deform/shape/body.h"
-#include "deform/shape/lower_envelope.h"
+#include "soil/shape/body.h"
+#include "soil/shape/lower_envelope.h"
 #include "deform/internal.h"
-#include "deform/soil/stability.h"
+#include "soil/stability.h"
 
 struct gpu_rect deform_rows(const int32_t posts[4])
 {
@@ -21,16 +21,16 @@ struct gpu_rect deform_rows(const int32_t posts[4])
 /* Returns 1 / b, b the width of the contact patch; 0: b is computed from the number of posts that the object touches. */
 static double by_width(const struct deform_contact *contact, const double extent[2], bool counted)
 {
-	const struct deform_shape *shape = contact->shape;
-	if (shape->kind == DEFORM_WHEEL || shape->kind == DEFORM_CYLINDER) { /* between a level wheel and a round plate */
+	const struct soil_shape *shape = contact->shape;
+	if (shape->kind == SOIL_WHEEL || shape->kind == SOIL_CYLINDER) { /* between a level wheel and a round plate */
 		double axis[3];
-		deform_shape_axis(shape, &contact->to, axis);
-		return (1 - axis[2] * axis[2]) / (shape->kind == DEFORM_WHEEL ? shape->width : shape->length) + axis[2] * axis[2] / shape->radius;
+		soil_shape_axis(shape, &contact->to, axis);
+		return (1 - axis[2] * axis[2]) / (shape->kind == SOIL_WHEEL ? shape->width : shape->length) + axis[2] * axis[2] / shape->radius;
 	}
-	if (shape->kind == DEFORM_BOX)
+	if (shape->kind == SOIL_BOX)
 		return 1 / fmin(shape->size[0], shape->size[1]);
 	/* An object too large for one window is not counted. Its whole shadow is taken as the patch. */
-	double shadow = shape->kind == DEFORM_SPHERE ? M_PI * shape->radius * shape->radius : 4 * extent[0] * extent[1];
+	double shadow = shape->kind == SOIL_SPHERE ? M_PI * shape->radius * shape->radius : 4 * extent[0] * extent[1];
 	return counted ? 0 : 1 / sqrt(shadow / M_PI);
 }
 
@@ -41,11 +41,11 @@ static float inverse(double value)
 }
 
 /* Returns the unit of length of moments, metres: a power of two, about the largest distance of a touched post from the centre. */
-static double arm_of(const struct deform_shape *shape, const double extent[2])
+static double arm_of(const struct soil_shape *shape, const double extent[2])
 {
-	if (shape->kind >= DEFORM_CYLINDER)
-		return exp2(ceil(log2(deform_shape_bound(shape))));
-	return exp2(ceil(log2(hypot(hypot(extent[0], extent[1]), deform_shape_reach(shape, 0, 0)))));
+	if (shape->kind >= SOIL_CYLINDER)
+		return exp2(ceil(log2(soil_shape_bound(shape))));
+	return exp2(ceil(log2(hypot(hypot(extent[0], extent[1]), soil_shape_reach(shape, 0, 0)))));
 }
 
 double deform_area_units(const struct deform *deform, const struct deform_contact *contact)
@@ -65,10 +65,10 @@ static double rolled(const struct deform_contact *contact, const float way[3])
 /* Returns how far an object with a belt slips: along its own x axis by its way beyond what the belt ran, and aside. */
 static double slip_of_belt(const struct deform_contact *contact)
 {
-	const struct deform_pose *to = &contact->to, *from = &contact->from;
+	const struct soil_pose *to = &contact->to, *from = &contact->from;
 	const double way[3] = {lattice_offset_metres(to->x - from->x), lattice_offset_metres(to->y - from->y), lattice_offset_metres(to->z - from->z)};
 	double axes[3][3], forward = 0, aside = 0;
-	deform_axes(to->yaw, to->pitch, to->roll, 0, axes);
+	soil_axes(to->yaw, to->pitch, to->roll, 0, axes);
 	for (int k = 0; k < 3; k++) {
 		forward += way[k] * axes[0][k];
 		aside += way[k] * axes[1][k];
@@ -83,7 +83,7 @@ static double slip_of(const struct deform_contact *contact, const float way[3])
 	const double ahead[2] = {cos(contact->to.yaw), sin(contact->to.yaw)};
 	if (contact->shape->belt)
 		return slip_of_belt(contact);
-	if (contact->shape->kind != DEFORM_WHEEL)
+	if (contact->shape->kind != SOIL_WHEEL)
 		return hypot(east, north);
 	return hypot((rolled(contact, way) - contact->turned) * contact->shape->radius, north * ahead[0] - east * ahead[1]);
 }
@@ -101,17 +101,17 @@ static void fill_motion(const struct deform_contact *contact, struct scm_params 
 	const double level = cos(contact->to.roll), axle[3] = {-sin(contact->to.yaw) * level, cos(contact->to.yaw) * level, sin(contact->to.roll)};
 	for (int k = 0; k < 3; k++)
 		params->spin[k] = (float)(axle[k] * contact->turned);
-	for (int k = 0; k < 3 && contact->shape->kind != DEFORM_WHEEL; k++)
+	for (int k = 0; k < 3 && contact->shape->kind != SOIL_WHEEL; k++)
 		params->spin[k] = (float)contact->rotated[k];
 	/* Damping depends on how fast soil is pushed down. A smooth wheel that spins does not push it down faster. So its slip is left
 	 * out here. */
-	double turned = contact->shape->kind == DEFORM_WHEEL ? rolled(contact, params->way) : 0;
+	double turned = contact->shape->kind == SOIL_WHEEL ? rolled(contact, params->way) : 0;
 	for (int k = 0; k < 3; k++)
 		params->rolls[k] = (float)(axle[k] * turned);
 	if (!contact->shape->belt)
 		return;
 	double axes[3][3];
-	deform_axes(contact->to.yaw, contact->to.pitch, contact->to.roll, 0, axes);
+	soil_axes(contact->to.yaw, contact->to.pitch, contact->to.roll, 0, axes);
 	for (int k = 0; k < 3; k++)
 		params->belt[k] = (float)axes[1][k];
 	params->belt[3] = (float)contact->turned;
@@ -123,15 +123,15 @@ static void fill_digging(const struct deform *deform, const struct deform_contac
 	const float passes = params->digs[0] > 0 ? params->digs[0] : 1;
 	params->digs[0] = 0;
 	params->digs[1] = (float)deform->params.slip_sinkage;
-	params->digs[2] = contact->shape->kind == DEFORM_WHEEL ? (float)deform_body_wheel_radius(contact->shape) : 0;
+	params->digs[2] = contact->shape->kind == SOIL_WHEEL ? (float)soil_body_wheel_radius(contact->shape) : 0;
 	params->digs[3] = contact->hosted ? 1 + (float)contact->stamped : 0;
 	if (deform_is_contact_only(contact))
 		return;
 	const float slip = (float)slip_of(contact, params->way) * passes;
-	params->digs[0] = slip >= (float)DEFORM_SLIP_LEAST ? slip : 0;
+	params->digs[0] = slip >= (float)SOIL_SLIP_LEAST ? slip : 0;
 }
 
-static void fill_surface(const struct deform_interface *interface, float surface[4])
+static void fill_surface(const struct soil_interface *interface, float surface[4])
 {
 	surface[0] = interface->has_adhesion ? (float)interface->adhesion : 0;
 	surface[1] = interface->has_friction ? (float)tan(interface->friction_angle) : 0;
@@ -139,17 +139,10 @@ static void fill_surface(const struct deform_interface *interface, float surface
 	surface[3] = interface->has_friction ? 0 : 1;
 }
 
-double deform_shear_limit(const struct deform_soil *soil, const struct deform_interface *interface, double area, double normal)
-{
-	double adhesion = interface->has_adhesion ? interface->adhesion : soil->cohesion;
-	double angle = interface->has_friction ? interface->friction_angle : soil->friction_angle;
-	return fmin(soil->cohesion * area + normal * tan(soil->friction_angle), adhesion * area + normal * tan(angle));
-}
-
 static void fill_soils(const struct deform_params *params, struct scm_soil *soils)
 {
 	for (int i = 0; i < params->soil_count; i++) {
-		const struct deform_soil *s = &params->soils[i];
+		const struct soil_numbers *s = &params->soils[i];
 		soils[i] = (struct scm_soil){
 			.a = {(float)s->bekker_kc, (float)s->bekker_kphi, (float)s->bekker_n, inverse(s->elastic_stiffness)},
 			.b = {(float)s->cohesion, (float)tan(s->friction_angle), inverse(s->janosi_shear), (float)s->damping},
@@ -158,23 +151,23 @@ static void fill_soils(const struct deform_params *params, struct scm_soil *soil
 	}
 }
 
-static void fill_rasters(const struct deform_params *params, float rasters[DEFORM_RASTERS][4])
+static void fill_rasters(const struct deform_params *params, float rasters[SOIL_RASTERS][4])
 {
-	for (int i = 0; i < DEFORM_RASTERS; i++) {
-		const struct deform_raster *raster = &params->rasters[i];
+	for (int i = 0; i < SOIL_RASTERS; i++) {
+		const struct soil_raster *raster = &params->rasters[i];
 		bool used = i < params->raster_count;
 		rasters[i][0] = used ? (float)raster->low : 0;
 		rasters[i][1] = used ? (float)raster->high : 0;
-		rasters[i][2] = used ? (float)((raster->high - raster->low) / (DEFORM_LEVELS - 1)) : 0;
+		rasters[i][2] = used ? (float)((raster->high - raster->low) / (SOIL_LEVELS - 1)) : 0;
 	}
 }
 
 /* Returns the largest sinkage of a loaded object, metres: its height. A mesh's centre may lie anywhere in the mesh. */
 static double deepest(const struct deform_contact *contact)
 {
-	const struct deform_shape *shape = contact->shape;
-	return 2 * (shape->kind == DEFORM_MESH ? deform_shape_bound(shape)
-					       : deform_shape_reach(shape, contact->to.pitch, contact->to.roll));
+	const struct soil_shape *shape = contact->shape;
+	return 2 * (shape->kind == SOIL_MESH ? soil_shape_bound(shape)
+					       : soil_shape_reach(shape, contact->to.pitch, contact->to.roll));
 }
 
 /* Copies what the contact pass needs to measure for the passes that lay soil. */
@@ -206,8 +199,8 @@ static struct scm_params params_of(const struct deform *deform, const struct def
 		.zero = {(int32_t)base, (int32_t)(zero & 3), (int32_t)layer},
 		.scale = {(float)(ldexp(1, -OFFSET_BITS) / spacing), (float)spacing, DEFORM_UNITS_A_PASCAL},
 		.spin = {[3] = (float)deform->params.bulldozing},
-		.place = {(float)-deform_body_from_post(contact->to.x, window->read.x0, spacing),
-			  (float)-deform_body_from_post(contact->to.y, window->read.y0, spacing), (float)(1 / arm_of(contact->shape, extent)),
+		.place = {(float)-soil_body_from_post(contact->to.x, window->read.x0, spacing),
+			  (float)-soil_body_from_post(contact->to.y, window->read.y0, spacing), (float)(1 / arm_of(contact->shape, extent)),
 			  (float)(spacing * spacing)},
 		.load = {(float)fmax(contact->load, 1e-6), (float)fmin(ldexp(deepest(contact), OFFSET_BITS), 0x1p28), (float)contact->loaded_body},
 	};
@@ -229,7 +222,7 @@ static unsigned variant(const struct deform *deform, const struct deform_contact
 {
 	return (contact->tag != 0 ? WITH_FORCES : 0) | (is_counted(deform, contact) ? WITH_PATCH : 0) | (contact->load > 0 ? WITH_LOAD : 0) |
 	       (contact->shape->belt ? WITH_BELT : 0) |
-	       WITH_SHAPE * (unsigned)deform_kind_in(contact->shape, &contact->to);
+	       WITH_SHAPE * (unsigned)soil_kind_in(contact->shape, &contact->to);
 }
 
 /* Fills the textures, images and buffers of the contact pass. */
@@ -250,8 +243,8 @@ static enum status run_contact(struct deform *deform, const struct deform_contac
 			       const struct deform_window *window, uint32_t layer, struct gpu_buffer *tally)
 {
 	double extent[2];
-	deform_body_extent(contact->shape, &contact->to, extent);
-	const enum deform_shape_kind form = deform_kind_in(contact->shape, &contact->to);
+	soil_body_extent(contact->shape, &contact->to, extent);
+	const enum soil_shape_kind form = soil_kind_in(contact->shape, &contact->to);
 	struct scm_params params = params_of(deform, contact, spread, window, layer, extent);
 	const unsigned with = variant(deform, contact);
 	struct gpu_buffer *records = NULL;
@@ -268,7 +261,7 @@ static enum status run_contact(struct deform *deform, const struct deform_contac
 	params.zero[3] = (int32_t)record;
 	gpu_texture_clear(deform->contacts, layer, deform_written(window), 0);
 	struct gpu_pass pass;
-	bind(deform, contact->shape->kind == DEFORM_MESH, tally, records, &pass); /* lib/soil.glsl */
+	bind(deform, contact->shape->kind == SOIL_MESH, tally, records, &pass); /* lib/soil.glsl */
 	pass.program = deform->scm[0][with];
 	pass.target = deform->scratch[layer].to[TO_BARE];
 	pass.viewport = deform_rows(params.shadow);
@@ -307,7 +300,7 @@ static enum status fill_numbers(struct deform *deform, const struct deform_conta
 	struct gpu_buffer *records;
 	uint32_t record = 0;
 	enum status status = STATUS_OK;
-	deform_body_extent(contact->shape, &contact->to, extent);
+	soil_body_extent(contact->shape, &contact->to, extent);
 	struct scm_params params = params_of(deform, contact, spread, window, 0, extent);
 	if (contact->tag != 0)
 		status = deform_forces_record(deform, contact, true, arm_of(contact->shape, extent), &records, &record);
@@ -331,7 +324,7 @@ static enum status run_together(struct deform *deform, unsigned with, uint32_t f
 	fill_soils(&deform->params, params.soils);
 	fill_rasters(&deform->params, params.rasters);
 	if (with & (WITH_PATCH | WITH_LOAD))
-		status = deform_find_together(deform, &params, with / WITH_PATCH % FIND_SHAPE, (enum deform_shape_kind)(with / WITH_SHAPE), count);
+		status = deform_find_together(deform, &params, with / WITH_PATCH % FIND_SHAPE, (enum soil_shape_kind)(with / WITH_SHAPE), count);
 	if (status != STATUS_OK)
 		return status;
 	bind(deform, false, deform->tally, with & WITH_FORCES ? deform_forces_records(deform) : NULL, &pass);
@@ -352,17 +345,17 @@ static enum status batch(struct deform *deform)
 	return deform_together(deform, &model);
 }
 
-static int32_t critical(const struct deform_soil *soil, double apart)
+static int32_t critical(const struct soil_numbers *soil, double apart)
 {
-	return deform_critical_difference(soil->repose, apart);
+	return soil_critical_difference(soil->repose, apart);
 }
 
-static double laid_at(const struct deform_soil *soil)
+static double laid_at(const struct soil_numbers *soil)
 {
 	return soil->repose;
 }
 
-static double laid_share(const struct deform_params *params, const struct deform_soil *soil)
+static double laid_share(const struct deform_params *params, const struct soil_numbers *soil)
 {
 	(void)soil;
 	return params->bulldozing;

@@ -11,7 +11,7 @@
 #include <string.h>
 
 #include "deform/internal.h"
-#include "deform/soil/stability.h"
+#include "soil/stability.h"
 
 /* std140 twins of the parameters of slide_begin.frag and slide_take.frag, slide_excess.frag, and slide_shed.frag. */
 struct slide_params {
@@ -19,14 +19,14 @@ struct slide_params {
 };
 struct excess_params {
 	struct slide_params slide;
-	int32_t limits[DEFORM_SOILS][4];
+	int32_t limits[SOIL_CLASSES][4];
 };
 struct shed_params {
 	struct slide_params slide;
 	struct {
 		int32_t out_in[4], stop[4];
 		uint32_t share[8];
-	} soils[DEFORM_SOILS];
+	} soils[SOIL_CLASSES];
 };
 
 static const struct soil_slide *slide_of(const struct deform_params *params)
@@ -36,7 +36,7 @@ static const struct soil_slide *slide_of(const struct deform_params *params)
 
 int deform_soil_slots(const struct deform_params *params)
 {
-	return deform_has_classes(params) ? DEFORM_SOILS : 1;
+	return deform_has_classes(params) ? SOIL_CLASSES : 1;
 }
 
 bool deform_is_bounded(const struct deform_params *params)
@@ -101,7 +101,7 @@ int32_t deform_with_tolerance(const struct deform *deform, int32_t critical)
 	return critical < INT32_MAX - tolerance ? critical + tolerance : INT32_MAX;
 }
 
-static void prepare_excess(const struct deform *deform, const struct deform_soil *soil, struct slide_soil *to)
+static void prepare_excess(const struct deform *deform, const struct soil_numbers *soil, struct slide_soil *to)
 {
 	for (int k = 0; k < 2; k++)
 		to->critical[k] = deform_model_row(deform->params.model)
@@ -110,13 +110,13 @@ static void prepare_excess(const struct deform *deform, const struct deform_soil
 		deform_slopes_prepare(deform, soil, to);
 }
 
-static void prepare_shed(const struct deform *deform, const struct deform_soil *soil, struct slide_soil *to)
+static void prepare_shed(const struct deform *deform, const struct soil_numbers *soil, struct slide_soil *to)
 {
 	for (int k = 0; k < 2; k++) {
 		double apart = k == 0 ? deform->spacing : deform->spacing * M_SQRT2;
-		to->critical[k] = deform_with_tolerance(deform, deform_critical_difference(soil->theta_out, apart));
-		to->held[k] = deform_with_tolerance(deform, deform_critical_difference(soil->theta_in, apart));
-		to->stop[k] = deform_with_tolerance(deform, deform_critical_difference(soil->theta_stop, apart));
+		to->critical[k] = deform_with_tolerance(deform, soil_critical_difference(soil->theta_out, apart));
+		to->held[k] = deform_with_tolerance(deform, soil_critical_difference(soil->theta_in, apart));
+		to->stop[k] = deform_with_tolerance(deform, soil_critical_difference(soil->theta_stop, apart));
 	}
 	for (int n = 1; n <= 8; n++)
 		to->share[n - 1] = (uint32_t)floor(ldexp(soil->roughness, 32) / (n * n));

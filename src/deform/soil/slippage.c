@@ -5,7 +5,7 @@
 #include <math.h>
 
 #include "deform/internal.h"
-#include "deform/soil/stability.h"
+#include "soil/stability.h"
 
 static enum status contact(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
 			   uint32_t layer)
@@ -15,12 +15,12 @@ static enum status contact(struct deform *deform, const struct deform_contact *c
 	return status == STATUS_OK ? deform_spread_and_slide(deform, &spread, window, layer) : status;
 }
 
-static double laid_at(const struct deform_soil *soil)
+static double laid_at(const struct soil_numbers *soil)
 {
 	return soil->friction_angle;
 }
 
-static double laid_share(const struct deform_params *params, const struct deform_soil *soil)
+static double laid_share(const struct deform_params *params, const struct soil_numbers *soil)
 {
 	(void)params;
 	(void)soil;
@@ -43,8 +43,8 @@ const struct soil_model deform_model_slippage = {
 	.shader = "deform/slippage.frag",
 	.slide = &deform_slide_excess,
 	.directions = 4,
-	.critical = deform_critical_difference_cohesive,
-	.cotangent = deform_critical_cotangent,
+	.critical = soil_critical_difference_cohesive,
+	.cotangent = soil_critical_cotangent,
 	.laid_at = laid_at,
 	.laid_share = laid_share,
 };

@@ -17,7 +17,7 @@
 #include <string.h>
 
 #include "deform/internal.h"
-#include "deform/soil/stability.h"
+#include "soil/stability.h"
 
 /* Heights of slopes are whole units of 2^-9 m. The steepest angles are known for eight heights in each octave, from 2^4 units on. */
 #define EXTENT_BITS 9
@@ -32,7 +32,7 @@
 /* std140 twin of slope.frag's block. */
 struct slope_params {
 	int32_t place[4];
-	int32_t soils[DEFORM_SOILS * (1 + SLOPE_HEIGHTS / 4)][4]; /* rises of all soils, then cotangents of all soils */
+	int32_t soils[SOIL_CLASSES * (1 + SLOPE_HEIGHTS / 4)][4]; /* rises of all soils, then cotangents of all soils */
 };
 
 static int hops_of(const struct deform_params *params)
@@ -78,14 +78,14 @@ static int digits_of(const struct deform *deform)
 	return exponent < -6 ? 17 : 11 - exponent;
 }
 
-void deform_slopes_prepare(const struct deform *deform, const struct deform_soil *soil, struct slide_soil *to)
+void deform_slopes_prepare(const struct deform *deform, const struct soil_numbers *soil, struct slide_soil *to)
 {
 	for (int i = 0; i < SLOPE_HEIGHTS; i++) {
 		double cotangent = ldexp(deform_model_row(deform->params.model)->cotangent(soil, known_height(i)), digits_of(deform));
 		to->slope[i] = (int32_t)floor(fmax(-(1 << 19), fmin(cotangent, 1 << 22)));
 	}
 	for (int k = 0; k < 2; k++)
-		to->rise[k] = deform_critical_difference(soil->friction_angle, k == 0 ? deform->spacing : deform->spacing * M_SQRT2);
+		to->rise[k] = soil_critical_difference(soil->friction_angle, k == 0 ? deform->spacing : deform->spacing * M_SQRT2);
 }
 
 static struct gpu_texture *extents(const struct deform *deform, int hop)

@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "deform/shape/body.h"
+#include "soil/shape/body.h"
 #include "deform/internal.h"
 
 #define STEEPEST_TAN 1.0        /* steeper soil is laid as if it stood at 45 degrees */
@@ -31,7 +31,7 @@ static void push_of(const struct deform_contact *contact, double way, double for
 	push[0] = push[1] = 0;
 	if (way == 0)
 		return;
-	double turned = deform_shape_ran(contact->shape, contact->turned);
+	double turned = soil_shape_ran(contact->shape, contact->turned);
 	bool braked = forward * turned >= 0 && fabs(turned) < fabs(forward);
 	push[0] = braked ? (forward - turned) / way : 0;
 	push[1] = aside / way;
@@ -40,7 +40,7 @@ static void push_of(const struct deform_contact *contact, double way, double for
 /* A wheel that goes on lays its soil beside itself, from a whole to five eighths of its radius behind its axle. Laid farther ahead, it would slide in
  * front of the wheel. The more it moves sideways, the farther ahead it lays too. If it hardly goes on, it lays all along its patch. Returns the
  * length, metres, below 0 if the wheel rolls backwards; 0: all along. */
-static double length_behind(const struct deform_shape *shape, double spacing, double forward, double aside, double down)
+static double length_behind(const struct soil_shape *shape, double spacing, double forward, double aside, double down)
 {
 	double way = hypot(forward, aside);
 	if (way == 0 || fabs(down) > way)
@@ -57,7 +57,7 @@ static struct laying laying_of(const struct deform_contact *contact, double spac
 	struct laying laying = {.heading = contact->to.yaw};
 	if (deform_is_contact_only(contact))
 		way = 0;
-	const bool wheel = contact->shape->kind == DEFORM_WHEEL;
+	const bool wheel = contact->shape->kind == SOIL_WHEEL;
 	if (wheel || (contact->shape->belt && (way > fabs(dz) || contact->turned != 0))) {
 		double ahead[2] = {cos(laying.heading), sin(laying.heading)};
 		double forward = dx * ahead[0] + dy * ahead[1], aside = dy * ahead[0] - dx * ahead[1];
@@ -81,39 +81,39 @@ static struct laying laying_of(const struct deform_contact *contact, double spac
 }
 
 /* Returns the widest band of an object, metres. */
-static double widest(const struct deform_shape *shape)
+static double widest(const struct soil_shape *shape)
 {
 	double x = shape->size[0], y = shape->size[1], z = shape->size[2];
 	switch (shape->kind) {
-	case DEFORM_WHEEL:
+	case SOIL_WHEEL:
 		return shape->width;
-	case DEFORM_BOX: /* the middle one of its sizes: a plate may lie or stand */
+	case SOIL_BOX: /* the middle one of its sizes: a plate may lie or stand */
 		return fmax(fmin(x, y), fmin(fmax(x, y), z));
-	case DEFORM_ELLIPSOID: /* twice its middle half axis, halved */
+	case SOIL_ELLIPSOID: /* twice its middle half axis, halved */
 		return fmax(fmin(x, y), fmin(fmax(x, y), z));
-	case DEFORM_MESH:
-		return deform_shape_bound(shape) / 2;
-	case DEFORM_SPHERE:
-	case DEFORM_CYLINDER:
-	case DEFORM_CAPSULE:
-	case DEFORM_SHAPES:
+	case SOIL_MESH:
+		return soil_shape_bound(shape) / 2;
+	case SOIL_SPHERE:
+	case SOIL_CYLINDER:
+	case SOIL_CAPSULE:
+	case SOIL_SHAPES:
 		break;
 	}
 	return shape->radius;
 }
 
-static double band_posts(const struct deform *deform, const struct deform_shape *shape)
+static double band_posts(const struct deform *deform, const struct soil_shape *shape)
 {
 	return fmin(fmax(widest(shape) / deform->spacing, 2), DEFORM_BAND_POSTS);
 }
 
-double deform_spread_band(const struct deform *deform, const struct deform_shape *shape)
+double deform_spread_band(const struct deform *deform, const struct soil_shape *shape)
 {
 	return deform_conserves(deform->params.model) ? band_posts(deform, shape) : 0;
 }
 
 /* Returns how far from a wheel's axle, along it, soil is laid beside the wheel, metres. A wheel that goes on lays it behind only. */
-static double beside(const struct deform_shape *shape, const struct laying *laying)
+static double beside(const struct soil_shape *shape, const struct laying *laying)
 {
 	return laying->behind != 0 ? shape->radius : shape->radius / 2;
 }
@@ -134,8 +134,8 @@ static struct post_rect with_band(struct post_rect rect, const struct deform_con
 static struct post_rect wheel_posts(const struct deform_contact *contact, const struct laying *laying, double spacing, double band,
 				    struct post_rect shadow)
 {
-	const struct deform_shape *shape = contact->shape;
-	double along = deform_body_wheel_radius(shape), across = shape->width / 2, ends = beside(shape, laying);
+	const struct soil_shape *shape = contact->shape;
+	double along = soil_body_wheel_radius(shape), across = shape->width / 2, ends = beside(shape, laying);
 	double to = laying->behind != 0 ? fmin(fabs(laying->behind) - ends, ends) : ends;
 	double first = laying->behind < 0 ? -to : -ends, last = laying->behind < 0 ? ends : to;
 	if (laying->shares[AHEAD] + laying->shares[BEHIND] > 0)
@@ -149,7 +149,7 @@ struct post_rect deform_spread_posts(const struct deform *deform, const struct d
 {
 	const struct laying laying = laying_of(contact, deform->spacing);
 	double spacing = deform->spacing, band = band_posts(deform, contact->shape) * spacing;
-	if (contact->shape->kind == DEFORM_WHEEL)
+	if (contact->shape->kind == SOIL_WHEEL)
 		return wheel_posts(contact, &laying, spacing, band, shadow);
 	/* Around a rectangle that turns with the object. */
 	double ahead[2] = {fabs(cos(laying.heading)), fabs(sin(laying.heading))}, reach[2] = {band, band};
@@ -166,7 +166,7 @@ static int32_t fixed(double value)
 }
 
 /* Fills how each soil is laid. A band's cross-section is 2/9 of its width squared, times the tangent of its sides. */
-static void fill_soils(const struct deform *deform, int32_t soils[DEFORM_SOILS][4])
+static void fill_soils(const struct deform *deform, int32_t soils[SOIL_CLASSES][4])
 {
 	const struct deform_params *params = &deform->params;
 	const struct soil_model *model = deform_model_row(params->model);
@@ -183,10 +183,10 @@ static void place_frame(const struct deform *deform, const struct deform_contact
 			const double ahead[2], struct spread_params *params)
 {
 	double spacing = deform->spacing;
-	int64_t x = (int64_t)floorl(deform_body_from_post(contact->to.x, 0, spacing) / spacing);
-	int64_t y = (int64_t)floorl(deform_body_from_post(contact->to.y, 0, spacing) / spacing);
-	double east = -(double)deform_body_from_post(contact->to.x, x, spacing) / spacing;
-	double north = -(double)deform_body_from_post(contact->to.y, y, spacing) / spacing;
+	int64_t x = (int64_t)floorl(soil_body_from_post(contact->to.x, 0, spacing) / spacing);
+	int64_t y = (int64_t)floorl(soil_body_from_post(contact->to.y, 0, spacing) / spacing);
+	double east = -(double)soil_body_from_post(contact->to.x, x, spacing) / spacing;
+	double north = -(double)soil_body_from_post(contact->to.y, y, spacing) / spacing;
 	int64_t by_x = x - window->read.x0, by_y = y - window->read.y0;
 	params->axis[0] = fixed(ahead[0]);
 	params->axis[1] = fixed(ahead[1]);
@@ -198,12 +198,12 @@ struct spread_params deform_spread_params(const struct deform *deform, const str
 					  const struct deform_window *window, uint32_t layer)
 {
 	const struct laying laying = laying_of(contact, deform->spacing);
-	const struct deform_shape *shape = contact->shape;
+	const struct soil_shape *shape = contact->shape;
 	const double ahead[2] = {cos(laying.heading), sin(laying.heading)};
 	struct spread_params params = {
 		.place = {(int32_t)layer, laying.around, (int32_t)ceil(64 * band_posts(deform, shape)), fixed(laying.rolls)},
-		.origin = {0, 0, shape->kind == DEFORM_WHEEL ? fixed(shape->width / 2 / deform->spacing) : 0, fixed(laying.along)},
-		.axis = {0, 0, shape->kind == DEFORM_WHEEL ? fixed(fmax(beside(shape, &laying) / deform->spacing, 1)) : INT32_MAX,
+		.origin = {0, 0, shape->kind == SOIL_WHEEL ? fixed(shape->width / 2 / deform->spacing) : 0, fixed(laying.along)},
+		.axis = {0, 0, shape->kind == SOIL_WHEEL ? fixed(fmax(beside(shape, &laying) / deform->spacing, 1)) : INT32_MAX,
 			 fixed(fmax(fmin(laying.behind / deform->spacing, FARTHEST), -FARTHEST))},
 	};
 	deform_posts_in(window, window->write, params.written);

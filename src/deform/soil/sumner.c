@@ -8,7 +8,7 @@
 
 struct sumner_params {
 	struct contact_params contact;
-	uint32_t kept[DEFORM_SOILS][4];
+	uint32_t kept[SOIL_CLASSES][4];
 };
 
 static enum status contact(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
@@ -22,12 +22,12 @@ static enum status contact(struct deform *deform, const struct deform_contact *c
 	return status == STATUS_OK ? deform_spread_and_slide(deform, &spread, window, layer) : status;
 }
 
-static double laid_at(const struct deform_soil *soil)
+static double laid_at(const struct soil_numbers *soil)
 {
 	return fmin(soil->theta_out, soil->theta_stop);
 }
 
-static double laid_share(const struct deform_params *params, const struct deform_soil *soil)
+static double laid_share(const struct deform_params *params, const struct soil_numbers *soil)
 {
 	(void)params;
 	return 1 - soil->compression;

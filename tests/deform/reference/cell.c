@@ -11,7 +11,7 @@
 
 /* The object in its end pose, seen from above. Places are from its centre. */
 struct form {
-	const struct deform_shape *shape;
+	const struct soil_shape *shape;
 	double forward[2];      /* unit vector */
 	double half[2];         /* half of its size forwards and to the left; 0: it has no straight sides there */
 	double way[3], run;     /* its motion; how much of that is forwards, of a wheel; all, of a sphere */
@@ -26,11 +26,11 @@ struct underside {
 
 static bool is_round(const struct form *form)
 {
-	return form->shape->kind == DEFORM_WHEEL || form->shape->kind == DEFORM_SPHERE;
+	return form->shape->kind == SOIL_WHEEL || form->shape->kind == SOIL_SPHERE;
 }
 
 /* A unit vector of the box's, in the world. */
-static struct vector axis_of(const struct deform_pose *pose, int k)
+static struct vector axis_of(const struct soil_pose *pose, int k)
 {
 	double cy = cos(pose->yaw), sy = sin(pose->yaw), cp = cos(pose->pitch), sp = sin(pose->pitch);
 	double cr = cos(pose->roll), sr = sin(pose->roll);
@@ -39,7 +39,7 @@ static struct vector axis_of(const struct deform_pose *pose, int k)
 	return (struct vector){cy * v.x - sy * v.y, sy * v.x + cy * v.y, v.z};
 }
 
-static void box_form(const struct deform_pose *pose, struct form *form)
+static void box_form(const struct soil_pose *pose, struct form *form)
 {
 	const double *size = form->shape->size;
 	for (int k = 0; k < 3; k++) {
@@ -74,13 +74,13 @@ static struct form form_of(const struct reference_ground *ground, const struct d
 	form.way[0] = way.x;
 	form.way[1] = way.y;
 	form.way[2] = way.z;
-	if (sweep->shape->kind == DEFORM_SPHERE) {
+	if (sweep->shape->kind == SOIL_SPHERE) {
 		form.run = length;
 		form.forward[0] = length > 0 ? way.x / length : 1;
 		form.forward[1] = length > 0 ? way.y / length : 0;
-	} else if (sweep->shape->kind == DEFORM_BOX) {
+	} else if (sweep->shape->kind == SOIL_BOX) {
 		box_form(&sweep->to, &form);
-	} else if (sweep->shape->kind == DEFORM_WHEEL) {
+	} else if (sweep->shape->kind == SOIL_WHEEL) {
 		put_times(&form, sweep->shape->radius * sweep->turned, length, ahead);
 		form.run = fabs(ahead);
 		form.half[1] = sweep->shape->width / 2;
@@ -90,7 +90,7 @@ static struct form form_of(const struct reference_ground *ground, const struct d
 	if (sweep->shape->belt) {
 		double axes[3][3];
 		put_times(&form, sweep->turned, length, ahead);
-		deform_axes(sweep->to.yaw, sweep->to.pitch, sweep->to.roll, 0, axes);
+		soil_axes(sweep->to.yaw, sweep->to.pitch, sweep->to.roll, 0, axes);
 		form.level = hypot(axes[1][0], axes[1][1]);
 	}
 	if (ground->ground_normals)
@@ -110,7 +110,7 @@ static double ring_squared(const struct form *form, const double at[2])
 {
 	double place[2], aside;
 	seen(form, at, place);
-	aside = form->shape->kind == DEFORM_SPHERE ? place[1] : 0;
+	aside = form->shape->kind == SOIL_SPHERE ? place[1] : 0;
 	return fmax(form->shape->radius * form->shape->radius - aside * aside, 0);
 }
 
@@ -122,11 +122,11 @@ static struct underside underside_at(const struct form *form, const double at[2]
 	seen(form, at, place);
 	if (is_round(form)) {
 		double up = sqrt(fmax(ring_squared(form, at) - place[0] * place[0], 0)), steep = fmax(up, form->shape->radius / STEEPEST);
-		bool ball = form->shape->kind == DEFORM_SPHERE;
+		bool ball = form->shape->kind == SOIL_SPHERE;
 		below.z = -up;
 		for (int k = 0; k < 2; k++)
 			below.rise[k] = (ball ? at[k] : place[0] * form->forward[k]) / steep;
-	} else if (form->shape->kind == DEFORM_BOX) {
+	} else if (form->shape->kind == SOIL_BOX) {
 		below.z = -INFINITY;
 		for (int k = 0; k < 3; k++) {
 			double z = form->faces[k][0] + form->faces[k][1] * at[0] + form->faces[k][2] * at[1];
@@ -186,7 +186,7 @@ static void bear_side(const struct form *form, int side, const double place[2], 
 	double low = fabs(at - step) <= covered ? -0.5 : fmax((-size - at) / step, -1), high = fabs(at + step) <= covered ? 0.5 : fmin((size - at) / step, 1);
 	const double left[2] = {-form->forward[1], form->forward[0]}, *to = side == 0 ? form->forward : left;
 	/* A wheel passes between two posts. Or it has sunk so deep that its rim reaches to a post before it. */
-	bool wheel = form->shape->kind == DEFORM_WHEEL, narrow = 2 * size < step;
+	bool wheel = form->shape->kind == SOIL_WHEEL, narrow = 2 * size < step;
 	bool near = wheel && fabs(place[0]) < form->shape->radius + 0.5 * spacing * spacing / step;
 	bool between = near && narrow && fabs(at - 1e-4 * step) <= 0.5 * step;
 	bool before = near && fabs(place[0]) > form->shape->radius && fabs(at) <= size;
@@ -259,7 +259,7 @@ static void deep_between(const double depths[3], const double stays[2], double h
 
 struct cell {
 	const struct reference_ground *ground;
-	const struct deform_soil *soil;
+	const struct soil_numbers *soil;
 	const struct deform_contact *sweep;
 	const struct form *form;
 	double at[2], own[2];    /* the post */
@@ -296,7 +296,7 @@ static double pushed(const struct cell *cell, struct vector arm, struct vector n
 		return 0;
 	struct vector way = reference_way_at(sweep, 0, (struct vector){0, 0, 0});
 	double ahead = way.x * cos(sweep->to.yaw) + way.y * sin(sweep->to.yaw);
-	double rolls = sweep->shape->kind == DEFORM_WHEEL ? ahead / sweep->shape->radius : 0;
+	double rolls = sweep->shape->kind == SOIL_WHEEL ? ahead / sweep->shape->radius : 0;
 	return fmax(0, -dot(reference_way_at(sweep, rolls, arm), normal)) / sweep->seconds;
 }
 
@@ -310,7 +310,7 @@ static double largest_at(const struct cell *cell, const double at[2], double dee
 /* Adds one place, `area` m2 of the ground, where the underside is `deep` below it. */
 static void add_place(const struct cell *cell, const double at[2], double deep, double area, struct cell_force *out)
 {
-	const struct deform_soil *soil = cell->soil;
+	const struct soil_numbers *soil = cell->soil;
 	struct underside below = underside_at(cell->form, at, cell->own);
 	struct vector normal = normal_here(cell, &below), arm = {at[0], at[1], below.z + cell->above};
 	double ca = cell->normal.z, most = ca * largest_at(cell, at, deep), sunk = ca * deep;
@@ -349,10 +349,10 @@ static bool may_bear_beside(const struct reference_ground *ground, const struct 
 	const double far = sweep->shape->radius + sweep->shape->width + 2 * ground->spacing;
 	double east = (double)(ground->left + at % ground->width) * ground->spacing - lattice_offset_metres(sweep->to.x);
 	double north = (double)(ground->bottom + at / ground->width) * ground->spacing - lattice_offset_metres(sweep->to.y);
-	return sweep->shape->kind == DEFORM_WHEEL && fabs(east) < far && fabs(north) < far;
+	return sweep->shape->kind == SOIL_WHEEL && fabs(east) < far && fabs(north) < far;
 }
 
-struct cell_force reference_cell(const struct reference_ground *ground, const struct deform_soil *soil, double stiffness,
+struct cell_force reference_cell(const struct reference_ground *ground, const struct soil_numbers *soil, double stiffness,
 				 const struct deform_contact *sweep, int at, const double *under, const double *rests, double lower, double since)
 {
 	struct cell_force out = {.normal = 0};
@@ -370,7 +370,7 @@ struct cell_force reference_cell(const struct reference_ground *ground, const st
 	struct part part = part_of(&form, cell.at, spacing, over);
 	if (part.share <= 0)
 		return out;
-	if (sweep->shape->kind == DEFORM_MESH)
+	if (sweep->shape->kind == SOIL_MESH)
 		own_rise(ground, rests, at, cell.own);
 	struct underside post = underside_at(&form, cell.at, cell.own);
 	double depth = ground->base[at] + ground->heaped[at] - (over ? rest - lower : centre + post.z);
@@ -396,7 +396,7 @@ struct cell_force reference_cell(const struct reference_ground *ground, const st
 	out.normal_then = normal;
 
 	/* The line across the cell. */
-	bool wheel = sweep->shape->kind == DEFORM_WHEEL;
+	bool wheel = sweep->shape->kind == SOIL_WHEEL;
 	double grows[2] = {hill[0] - post.rise[0], hill[1] - post.rise[1]}, size = hypot(grows[0], grows[1]);
 	double line[2] = {form.forward[0], form.forward[1]}, half = spacing / 2, depths[3], largest = 0, middle[2];
 	if (wheel)

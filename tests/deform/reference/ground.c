@@ -52,31 +52,31 @@ double reference_volume(const struct reference_ground *ground)
 }
 
 /* No part of the object is further than this from its centre. */
-static double reach_of(const struct deform_shape *shape)
+static double reach_of(const struct soil_shape *shape)
 {
 	double squares = 0;
 	switch (shape->kind) {
-	case DEFORM_WHEEL:
+	case SOIL_WHEEL:
 		return hypot(shape->radius + shape->grouser_height, shape->width / 2);
-	case DEFORM_SPHERE:
+	case SOIL_SPHERE:
 		return shape->radius;
-	case DEFORM_BOX:
+	case SOIL_BOX:
 		for (int k = 0; k < 3; k++)
 			squares += shape->size[k] * shape->size[k] / 4;
 		return sqrt(squares);
-	case DEFORM_MESH:
+	case SOIL_MESH:
 		for (int k = 0; k < 3; k++) {
 			double far = fmax(fabs(shape->mesh->low[k]), fabs(shape->mesh->high[k]));
 			squares += far * far;
 		}
 		return sqrt(squares);
-	case DEFORM_CYLINDER:
+	case SOIL_CYLINDER:
 		return hypot(shape->radius, shape->length / 2);
-	case DEFORM_CAPSULE:
+	case SOIL_CAPSULE:
 		return shape->radius + shape->length / 2;
-	case DEFORM_ELLIPSOID:
+	case SOIL_ELLIPSOID:
 		return fmax(fmax(shape->size[0], shape->size[1]), shape->size[2]);
-	case DEFORM_SHAPES:
+	case SOIL_SHAPES:
 		break;
 	}
 	return 0;

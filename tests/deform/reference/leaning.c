@@ -14,7 +14,7 @@
 #define ANGLES 300
 
 struct leaning {
-	const struct deform_soil *soil;
+	const struct soil_numbers *soil;
 	const struct reference_leaning *wheel;
 	double s, c, half;
 	double height; /* of the axle's middle above the ground */
@@ -37,7 +37,7 @@ static void add(struct leaning *l, const double arm[3], const double force[3])
 	}
 }
 
-static double strength(const struct deform_soil *soil, double pressure)
+static double strength(const struct soil_numbers *soil, double pressure)
 {
 	return pressure > 0 ? soil->cohesion + pressure * tan(soil->friction_angle) : 0;
 }
@@ -91,7 +91,7 @@ static void add_wall(struct leaning *l, double below, double high)
 		add(l, (const double[]){0, -l->half, -below}, (const double[]){0, l->s * high * 2 * reach * p, 0});
 }
 
-struct reference_wrench reference_leaning(const struct deform_soil *soil, const struct reference_leaning *wheel)
+struct reference_wrench reference_leaning(const struct soil_numbers *soil, const struct reference_leaning *wheel)
 {
 	const double s = sin(wheel->camber), c = cos(wheel->camber), half = wheel->width / 2, r = wheel->radius;
 	struct leaning l = {.soil = soil, .wheel = wheel, .s = s, .c = c, .half = half, .height = r * c + half * s - wheel->sinkage,
@@ -104,7 +104,7 @@ struct reference_wrench reference_leaning(const struct deform_soil *soil, const 
 	return l.sum;
 }
 
-double reference_leaning_sinkage(const struct deform_soil *soil, const struct reference_leaning *wheel, double load)
+double reference_leaning_sinkage(const struct soil_numbers *soil, const struct reference_leaning *wheel, double load)
 {
 	struct reference_leaning at = *wheel;
 	double low = 0, high = wheel->radius;

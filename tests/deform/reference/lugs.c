@@ -6,7 +6,7 @@
 #define LOOKS 100
 
 /* The vertical line at (x, y) from the axle, cut by the bar at an angle: its lower end. axes: the wheel's, at no turn. */
-static bool cut(const struct deform_shape *shape, long double axes[3][3], long double angle, long double x, long double y, long double *z)
+static bool cut(const struct soil_shape *shape, long double axes[3][3], long double angle, long double x, long double y, long double *z)
 {
 	long double half = shape->grouser_thickness / 2.0L, outer = shape->radius + (long double)shape->grouser_height, c = cosl(angle), s = sinl(angle);
 	const long double least[3] = {0, -half, -shape->width / 2.0L}, most[3] = {outer, half, shape->width / 2.0L};
@@ -32,7 +32,7 @@ static bool cut(const struct deform_shape *shape, long double axes[3][3], long d
 bool reference_lugs(const struct deform_contact *sweep, long double axes[3][3], const long double way[3], long double x, long double y,
 		    long double *z)
 {
-	const struct deform_shape *shape = sweep->shape;
+	const struct soil_shape *shape = sweep->shape;
 	bool found = false, moves = way[0] != 0 || way[1] != 0 || way[2] != 0 || sweep->turned != 0;
 	for (int look = moves ? 0 : LOOKS; look <= LOOKS; look++) {
 		long double t = (long double)look / LOOKS, w;

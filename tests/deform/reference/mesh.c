@@ -52,7 +52,7 @@ static bool above(const place hull[6], long double x, long double y, long double
 bool reference_mesh(const struct deform_contact *sweep, long double axes[3][3], const long double way[3], long double x,
 		    long double y, long double *z)
 {
-	const struct deform_mesh *mesh = sweep->shape->mesh;
+	const struct soil_mesh *mesh = sweep->shape->mesh;
 	bool found = false;
 	for (uint32_t t = 0; t < mesh->triangle_count; t++) {
 		place hull[6];

@@ -39,7 +39,7 @@ void reference_slippage(struct reference_ground *ground, const double *under, co
 	press(ground, under, rest, 0);
 }
 
-void reference_sumner(struct reference_ground *ground, const struct deform_soil *soil, const double *under,
+void reference_sumner(struct reference_ground *ground, const struct soil_numbers *soil, const double *under,
 		      const double *rest)
 {
 	press(ground, under, rest, soil->compression);

@@ -72,15 +72,15 @@ struct reference_forces {
 
 /* Press: what becomes of each post under the object. Sets contact and carried. */
 void reference_none(struct reference_ground *ground, const double *under, const double *rest);
-void reference_sumner(struct reference_ground *ground, const struct deform_soil *soil, const double *under,
+void reference_sumner(struct reference_ground *ground, const struct soil_numbers *soil, const double *under,
 		      const double *rest);
 void reference_slippage(struct reference_ground *ground, const double *under, const double *rest);
 /* The object is moved down by `lower` metres, the whole sweep. */
-void reference_scm(struct reference_ground *ground, const struct deform_soil *soil, double bulldozing,
+void reference_scm(struct reference_ground *ground, const struct soil_numbers *soil, double bulldozing,
 		   const struct deform_contact *sweep, const double *under, const double *rest, double lower,
 		   struct reference_forces *forces);
 /* The vertical force of the soil, of normal stress and shear: what carries a load. Nothing is changed. */
-double reference_scm_vertical(const struct reference_ground *ground, const struct deform_soil *soil,
+double reference_scm_vertical(const struct reference_ground *ground, const struct soil_numbers *soil,
 			    const struct deform_contact *sweep, const double *under, const double *rest, double lower);
 
 /* How carried soil was laid down. */
@@ -103,7 +103,7 @@ double reference_stands(const struct deform_params *params, double distance);
 
 /* By how much the whole sweep must be lowered for the soil to carry sweep->load; metres. STATUS_INPUT:
  * nothing under the object carries it. */
-enum status reference_load(const struct reference_ground *ground, const struct deform_soil *soil,
+enum status reference_load(const struct reference_ground *ground, const struct soil_numbers *soil,
 			   const struct deform_contact *sweep, const double *under, const double *rest,
 			   double *lower) FURROW_CHECKED;
 /* One contact: press, spread, slide; with a load, all of it is lowered. Of the parameters only those of the model count, and the first soil;
@@ -114,19 +114,19 @@ enum status reference_sweep(struct reference_ground *ground, const struct deform
 			    double *lower) FURROW_CHECKED;
 
 /* Closed forms: wheel.c. Width: the k_c / b of Bekker's formula. */
-double reference_stiffness(const struct deform_soil *soil, double width);                    /* Pa/m^n */
-double reference_bekker(const struct deform_soil *soil, double width, double sinkage);       /* Pa */
-double reference_plate(const struct deform_soil *soil, double width, double pressure);       /* sinkage, m */
-double reference_janosi(const struct deform_soil *soil, double pressure, double displacement); /* Pa */
+double reference_stiffness(const struct soil_numbers *soil, double width);                    /* Pa/m^n */
+double reference_bekker(const struct soil_numbers *soil, double width, double sinkage);       /* Pa */
+double reference_plate(const struct soil_numbers *soil, double width, double pressure);       /* sinkage, m */
+double reference_janosi(const struct soil_numbers *soil, double pressure, double displacement); /* Pa */
 /* The most shear stress at an object's surface, Pa: the soil shears within itself or slides along the surface. */
-double reference_strength(const struct deform_soil *soil, const struct deform_interface *interface, double pressure);
+double reference_strength(const struct soil_numbers *soil, const struct soil_interface *interface, double pressure);
 /* Bekker's towed rigid wheel, m; and the resistance that compaction makes at a sinkage, N. */
-double reference_towed(const struct deform_soil *soil, double load, double width, double diameter);
-double reference_resistance(const struct deform_soil *soil, double width, double sinkage);
+double reference_towed(const struct soil_numbers *soil, double load, double width, double diameter);
+double reference_resistance(const struct soil_numbers *soil, double width, double sinkage);
 /* The load that the exact arc of a rigid wheel carries with vertical stresses alone, N: in front of the
  * axle the soil yields; behind it it springs back (`rebound`) or is not touched. And its inverse. */
-double reference_arc_load(const struct deform_soil *soil, double sinkage, double width, double radius, bool rebound);
-double reference_arc(const struct deform_soil *soil, double load, double width, double radius, bool rebound);
+double reference_arc_load(const struct soil_numbers *soil, double sinkage, double width, double radius, bool rebound);
+double reference_arc(const struct soil_numbers *soil, double load, double width, double radius, bool rebound);
 
 struct reference_wheel {
 	double radius, width; /* m */
@@ -136,33 +136,33 @@ struct reference_wheel {
 struct reference_wheel_forces {
 	double load, drawbar, torque; /* N, N, N m */
 };
-struct reference_wheel_forces reference_wong_reece(const struct deform_soil *soil, const struct reference_wheel *wheel,
+struct reference_wheel_forces reference_wong_reece(const struct soil_numbers *soil, const struct reference_wheel *wheel,
 						   double sinkage);
 /* The sinkage at which it carries the load, m. */
-double reference_wong_reece_sinkage(const struct deform_soil *soil, const struct reference_wheel *wheel, double load);
+double reference_wong_reece_sinkage(const struct soil_numbers *soil, const struct reference_wheel *wheel, double load);
 
 /*
  * Closed forms: statics.c. The pressure of scm soil in yield is p(z) = min(K_s z^n, K_e z): Bekker's curve, nowhere steeper than
  * elastic unloading. z is along the ground's normal. n above 0; K_s = k_c / width + k_phi above 0; all angles in rad.
  */
-double reference_yield(const struct deform_soil *soil, double width, double sinkage);          /* p, Pa, at z in m */
-double reference_yield_sinkage(const struct deform_soil *soil, double width, double pressure); /* its inverse, m */
-double reference_yield_work(const struct deform_soil *soil, double width, double sinkage);     /* integral of p dz, J/m2 */
+double reference_yield(const struct soil_numbers *soil, double width, double sinkage);          /* p, Pa, at z in m */
+double reference_yield_sinkage(const struct soil_numbers *soil, double width, double pressure); /* its inverse, m */
+double reference_yield_work(const struct soil_numbers *soil, double width, double sinkage);     /* integral of p dz, J/m2 */
 /* Returns the sinkage at which the two curves cross, m. Elastic below it if n < 1, above it if n > 1; INFINITY if n = 1. */
-double reference_yield_crossing(const struct deform_soil *soil, double width);
+double reference_yield_crossing(const struct soil_numbers *soil, double width);
 
 /* Returns how deep a plate sinks, m, when its whole load is applied at once and nothing damps: integral of p dz = pressure z.
  * That is (n + 1)^(1/n) times as deep as under a slow load, where all of it follows Bekker's curve. Width m, pressure Pa. */
-double reference_plate_at_once(const struct deform_soil *soil, double width, double pressure);
+double reference_plate_at_once(const struct soil_numbers *soil, double width, double pressure);
 
 /*
  * Returns the load in N that carries a sphere of `radius` m at `sinkage` m, 0 .. radius, below level ground. Each ring of it
  * is a plate of its own: F = 2 pi ((R - z) integral of p dz + integral of z p dz), exact for the circle. The width in K_s is the
  * patch's radius, sqrt(z (2 R - z)).
  */
-double reference_sphere_load(const struct deform_soil *soil, double radius, double sinkage);
+double reference_sphere_load(const struct soil_numbers *soil, double radius, double sinkage);
 /* Its inverse: the sinkage in m under a load in N that is applied slowly. NAN: half of the sphere does not carry it. */
-double reference_sphere(const struct deform_soil *soil, double load, double radius);
+double reference_sphere(const struct soil_numbers *soil, double load, double radius);
 
 /*
  * A box at rest on a slope. Its guide is vertical: it can push along the level, and carries no weight. The soil's vertical force
@@ -182,10 +182,10 @@ struct reference_rest {
 			  * residual / cos a */
 };
 /* The box lies on the slope: the same sinkage everywhere. length x width is measured along the ground. A closed form. */
-struct reference_rest reference_rest_flat(const struct deform_soil *soil, double length, double width, double load, double slope);
+struct reference_rest reference_rest_flat(const struct soil_numbers *soil, double length, double width, double load, double slope);
 /* The box is level: a wedge of soil is below it. length x width is measured along the level. The normal force is
  * width (W(z) - W(z - length sin a)) / (sin a cos a), where W is reference_yield_work. The sinkage z is found by halving. */
-struct reference_rest reference_rest_level(const struct deform_soil *soil, double length, double width, double load, double slope);
+struct reference_rest reference_rest_level(const struct soil_numbers *soil, double length, double width, double load, double slope);
 
 /*
  * Closed forms: wheel_forms.c. A rigid wheel rolls straight over level, undisturbed scm soil at a constant slip, without grousers.
@@ -208,7 +208,7 @@ struct reference_rolling {
 	enum reference_normals normals;
 	enum reference_follows follows;
 	bool rebound;         /* false: contact ends at the lowest point */
-	struct deform_interface interface; /* its rim's */
+	struct soil_interface interface; /* its rim's */
 };
 /* On the wheel, at its axle. */
 struct reference_rolling_force {
@@ -223,13 +223,13 @@ struct reference_rolling_force {
 double reference_turned(double slip);
 /* Returns the forces at a sinkage in m, 0 .. radius, with an error below 1e-9 of radius x width x (p + c) x arc (times radius for
  * moments). Any n above 0. The displacement j is signed: where it changes its sign within the arc, a law of |j| differs. */
-struct reference_rolling_force reference_rolling(const struct deform_soil *soil, const struct reference_rolling *wheel,
+struct reference_rolling_force reference_rolling(const struct soil_numbers *soil, const struct reference_rolling *wheel,
 						 double sinkage);
 /* Returns the least sinkage in m at which the vertical force is the load in N. NAN: none up to the radius. It is found between
  * sinkages that are 8 % apart: a force that reaches the load only between two of these is missed. */
-double reference_rolling_sinkage(const struct deform_soil *soil, const struct reference_rolling *wheel, double load);
+double reference_rolling_sinkage(const struct soil_numbers *soil, const struct reference_rolling *wheel, double load);
 /* Returns the load in N that carries a wheel let down slowly without rolling: both halves of its arc yield vertically. */
-double reference_standing_load(const struct deform_soil *soil, double sinkage, double width, double radius);
+double reference_standing_load(const struct soil_numbers *soil, double sinkage, double width, double radius);
 
 /*
  * An integral: leaning.c. A rigid wheel with camber is set down on level, undisturbed scm soil, or has rolled straight over it at a constant slip,
@@ -248,13 +248,13 @@ struct reference_wrench {
 	double force[3], moment[3]; /* N forward, to the left and up; N m about the wheel's centre */
 };
 /* Returns the soil's force on the wheel. Its error is about 1e-3 of it. */
-struct reference_wrench reference_leaning(const struct deform_soil *soil, const struct reference_leaning *wheel);
+struct reference_wrench reference_leaning(const struct soil_numbers *soil, const struct reference_leaning *wheel);
 /* Returns the sinkage in m, up to the radius, at which the vertical force is the load in N. */
-double reference_leaning_sinkage(const struct deform_soil *soil, const struct reference_leaning *wheel, double load);
+double reference_leaning_sinkage(const struct soil_numbers *soil, const struct reference_leaning *wheel, double load);
 
 /* Closed forms: slope.c. Slopes in rad. The least factor of safety of a slope over all planes, and the height at
  * which that is 1 (INFINITY: for no height). */
-double reference_safety(const struct deform_soil *soil, double slope, double height);
-double reference_culmann(const struct deform_soil *soil, double slope);
+double reference_safety(const struct soil_numbers *soil, double slope, double height);
+double reference_culmann(const struct soil_numbers *soil, double slope);
 
 #endif

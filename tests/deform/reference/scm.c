@@ -19,12 +19,12 @@ struct post {
 };
 
 /* Bekker's curve, but no steeper than elastic unloading. */
-static double yield_of(const struct deform_soil *soil, double stiffness, double sinkage)
+static double yield_of(const struct soil_numbers *soil, double stiffness, double sinkage)
 {
 	return fmin(stiffness * pow(sinkage, soil->bekker_n), soil->elastic_stiffness * sinkage);
 }
 
-double reference_stays(const struct deform_soil *soil, double stiffness, double largest)
+double reference_stays(const struct soil_numbers *soil, double stiffness, double largest)
 {
 	return fmax(0, largest - yield_of(soil, stiffness, largest) / soil->elastic_stiffness);
 }
@@ -51,12 +51,12 @@ struct vector reference_normal_at(const struct reference_ground *ground, int at)
 
 /* b of Bekker's formula: a wheel's width, a box's short side, else the radius of a disc as large as what
  * the object would touch where it comes to rest: of one post at least. */
-static double breadth(const struct reference_ground *ground, const struct deform_shape *shape, const double *rest,
+static double breadth(const struct reference_ground *ground, const struct soil_shape *shape, const double *rest,
 		      double lower)
 {
-	if (shape->kind == DEFORM_WHEEL)
+	if (shape->kind == SOIL_WHEEL)
 		return shape->width;
-	if (shape->kind == DEFORM_BOX)
+	if (shape->kind == SOIL_BOX)
 		return fmin(shape->size[0], shape->size[1]);
 	double area = 0;
 	for (int i = 0; i < ground->width * ground->height; i++)
@@ -76,16 +76,16 @@ struct vector reference_way_at(const struct deform_contact *sweep, double turned
 	return way;
 }
 
-struct vector reference_belt_along(const struct deform_pose *pose, struct vector normal)
+struct vector reference_belt_along(const struct soil_pose *pose, struct vector normal)
 {
 	double axes[3][3];
-	deform_axes(pose->yaw, pose->pitch, pose->roll, 0, axes);
+	soil_axes(pose->yaw, pose->pitch, pose->roll, 0, axes);
 	const struct vector forward = {axes[0][0], axes[0][1], axes[0][2]}, up = {axes[2][0], axes[2][1], axes[2][2]};
 	/* In the body's own upright plane the normal is turned by a right angle: what leans forwards is run over downwards. */
 	return plus(plus((struct vector){0, 0, 0}, -dot(normal, up), forward), dot(normal, forward), up);
 }
 
-static struct post post_of(const struct reference_ground *ground, const struct deform_soil *soil, double stiffness, int at, double under,
+static struct post post_of(const struct reference_ground *ground, const struct soil_numbers *soil, double stiffness, int at, double under,
 			   double rest, double lower)
 {
 	struct post post = {.sinkage = -INFINITY, .deepest = -INFINITY};
@@ -110,18 +110,18 @@ static double slips_by(const struct deform_contact *sweep)
 	double ahead = cos(sweep->to.yaw), aside = sin(sweep->to.yaw), forward = way.x * ahead + way.y * aside;
 	if (sweep->shape->belt) {
 		double axes[3][3], along[2];
-		deform_axes(sweep->to.yaw, sweep->to.pitch, sweep->to.roll, 0, axes);
+		soil_axes(sweep->to.yaw, sweep->to.pitch, sweep->to.roll, 0, axes);
 		for (int k = 0; k < 2; k++)
 			along[k] = way.x * axes[k][0] + way.y * axes[k][1] + way.z * axes[k][2];
 		return hypot(along[0] - sweep->turned, along[1]);
 	}
-	if (sweep->shape->kind == DEFORM_WHEEL)
+	if (sweep->shape->kind == SOIL_WHEEL)
 		forward = copysign(reference_along(fabs(forward), forward, way.z), forward) - sweep->turned * sweep->shape->radius;
 	return hypot(forward, way.y * ahead - way.x * aside);
 }
 
 /* The mean of the mobilised shear at a post during the contact, 0 .. 1, by Simpson's rule. */
-static double mobilised(const struct reference_ground *ground, const struct deform_soil *soil, int at, const struct cell_force *cell)
+static double mobilised(const struct reference_ground *ground, const struct soil_numbers *soil, int at, const struct cell_force *cell)
 {
 	const double before[2] = {ground->shear[0][at], ground->shear[1][at]};
 	const struct vector half = {cell->slid.x / 2, cell->slid.y / 2, cell->slid.z / 2};
@@ -133,7 +133,7 @@ static double mobilised(const struct reference_ground *ground, const struct defo
 
 /* How much slip digs from below the object: of what it lacks of slip_sinkage x K, a share of |e| / K for each way that it slips while the
  * post is in contact. That began at the surface that is dug. Tells since when, in contacts. */
-static double digs(const struct reference_ground *ground, const struct deform_soil *soil, double stiffness, const struct deform_contact *sweep,
+static double digs(const struct reference_ground *ground, const struct soil_numbers *soil, double stiffness, const struct deform_contact *sweep,
 		   int at, const double *under, const double *rest, double lower, double *since)
 {
 	struct cell_force cell = reference_cell(ground, soil, stiffness, sweep, at, under, rest, lower, NAN);
@@ -157,7 +157,7 @@ static void lower_ground(const struct reference_ground *ground, int at, double d
 	ground->pressed[at] = fmax(0, ground->pressed[at] - reference_normal_at(ground, at).z * dug);
 }
 
-double reference_scm_vertical(const struct reference_ground *ground, const struct deform_soil *soil,
+double reference_scm_vertical(const struct reference_ground *ground, const struct soil_numbers *soil,
 			    const struct deform_contact *sweep, const double *under, const double *rest, double lower)
 {
 	double stiffness = reference_stiffness(soil, breadth(ground, sweep->shape, rest, lower)), sum = 0;
@@ -217,9 +217,9 @@ static void add_forces(const struct cell_force *cell, struct reference_forces *f
 }
 
 /* What Bekker's curve takes to be pressed from one sinkage to another, J/m2. */
-static double work_of(const struct deform_soil *soil, double stiffness, double from, double to)
+static double work_of(const struct soil_numbers *soil, double stiffness, double from, double to)
 {
-	struct deform_soil same = *soil;
+	struct soil_numbers same = *soil;
 	same.bekker_kc = 0;
 	same.bekker_kphi = stiffness;
 	return reference_yield_work(&same, 1, to) - reference_yield_work(&same, 1, from);
@@ -231,7 +231,7 @@ static bool is_near(const struct reference_ground *ground, int at, double lowest
 	return lowest - ground->base[at] - ground->offset[at] < 2 * ground->spacing;
 }
 
-void reference_scm(struct reference_ground *ground, const struct deform_soil *soil, double bulldozing,
+void reference_scm(struct reference_ground *ground, const struct soil_numbers *soil, double bulldozing,
 		   const struct deform_contact *sweep, const double *under, const double *rest, double lower,
 		   struct reference_forces *forces)
 {

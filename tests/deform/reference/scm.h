@@ -37,11 +37,11 @@ static inline double reference_along(double length, double ahead, double rise)
 struct vector reference_normal_at(const struct reference_ground *ground, int at);
 /* Along a surface with this unit normal, towards the body: the direction in which a belt runs over it. Across the body's left axis its length
  * is that of the normal's part across that axis. */
-struct vector reference_belt_along(const struct deform_pose *pose, struct vector normal);
+struct vector reference_belt_along(const struct soil_pose *pose, struct vector normal);
 /* How the object's surface at a place from its centre moved over the contact. */
 struct vector reference_way_at(const struct deform_contact *sweep, double turned, struct vector from_centre);
 /* What remains of a sinkage when the load is gone. */
-double reference_stays(const struct deform_soil *soil, double stiffness, double largest);
+double reference_stays(const struct soil_numbers *soil, double stiffness, double largest);
 
 /* Shear at a surface, as shares of the soil's strength to the east and to the north when it is turned level, after the object's
  * surface moved along it. Returns it as a vector along the surface. */
@@ -56,7 +56,7 @@ struct cell_force {
 	double rim;                  /* the time of a wheel's rim, as a share of the soil's time; of others 1 */
 	struct vector slid, normal_then; /* m: how the underside slid along itself over the post, in contact; its normal half way */
 };
-struct cell_force reference_cell(const struct reference_ground *ground, const struct deform_soil *soil, double stiffness,
+struct cell_force reference_cell(const struct reference_ground *ground, const struct soil_numbers *soil, double stiffness,
 				 const struct deform_contact *sweep, int at, const double *under, const double *rests,
 				 double lower, double since);
 

@@ -10,7 +10,7 @@ static const int around[8][2] = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, 1}, {1, -
 
 double reference_stands(const struct deform_params *params, double distance)
 {
-	const struct deform_soil *soil = &params->soils[0];
+	const struct soil_numbers *soil = &params->soils[0];
 	if (params->model == DEFORM_SCM)
 		return distance * tan(soil->repose);
 	if (soil->cohesion == 0)
@@ -72,7 +72,7 @@ static void slide_excess(const struct reference_ground *ground, const struct def
 /* Sumner's: a share of the mean of the differences that are too steep, split among them. */
 static void shed(const struct reference_ground *ground, const struct deform_params *params, int at, double *change)
 {
-	const struct deform_soil *soil = &params->soils[0];
+	const struct soil_numbers *soil = &params->soils[0];
 	bool starts = false, takes[8];
 	double sum = 0;
 	int count = 0;

@@ -5,7 +5,7 @@
 
 #define PLANES 20000 /* that are tried */
 
-double reference_safety(const struct deform_soil *soil, double slope, double height)
+double reference_safety(const struct soil_numbers *soil, double slope, double height)
 {
 	double least = INFINITY;
 	for (int i = 1; i < PLANES; i++) {
@@ -18,7 +18,7 @@ double reference_safety(const struct deform_soil *soil, double slope, double hei
 	return least;
 }
 
-double reference_culmann(const struct deform_soil *soil, double slope)
+double reference_culmann(const struct soil_numbers *soil, double slope)
 {
 	if (slope <= soil->friction_angle)
 		return INFINITY;

@@ -38,7 +38,7 @@ static void place_of(const struct reference_ground *ground, const struct patch *
 /* Of the displaced soil how much is laid, and the tangent of the angle at which it is. */
 static double laid(const struct deform_params *params, double *tangent)
 {
-	const struct deform_soil *soil = &params->soils[0];
+	const struct soil_numbers *soil = &params->soils[0];
 	double angle = params->model == DEFORM_SCM	  ? soil->repose
 		       : params->model == DEFORM_SLIPPAGE ? soil->friction_angle
 							  : fmin(soil->theta_out, soil->theta_stop);
@@ -52,7 +52,7 @@ static void share(struct patch *patch, const struct deform_contact *sweep, doubl
 	double way[3] = {lattice_offset_metres(sweep->to.x - sweep->from.x), lattice_offset_metres(sweep->to.y - sweep->from.y),
 			 lattice_offset_metres(sweep->to.z - sweep->from.z)};
 	double length = deform_is_contact_only(sweep) ? 0 : hypot(way[0], way[1]), heading = sweep->to.yaw, x = 0, y = 0;
-	bool wheel = sweep->shape->kind == DEFORM_WHEEL, runs = sweep->shape->belt && (length > fabs(way[2]) || sweep->turned != 0);
+	bool wheel = sweep->shape->kind == SOIL_WHEEL, runs = sweep->shape->belt && (length > fabs(way[2]) || sweep->turned != 0);
 	if (wheel || runs) {
 		double forward = way[0] * cos(heading) + way[1] * sin(heading), rim = sweep->turned * (wheel ? sweep->shape->radius : 1);
 		double left = way[1] * cos(heading) - way[0] * sin(heading);
@@ -102,7 +102,7 @@ static void measure(const struct reference_ground *ground, const struct deform_p
 		patch->any = true;
 	}
 	patch->beside = INFINITY;
-	if (sweep->shape->kind != DEFORM_WHEEL)
+	if (sweep->shape->kind != SOIL_WHEEL)
 		return;
 	patch->low[1] = -sweep->shape->width / 2;
 	patch->high[1] = sweep->shape->width / 2;
@@ -119,15 +119,15 @@ static double whole(const struct reference_ground *ground, double length)
 static double width_of(const struct reference_ground *ground, const struct deform_params *params, const struct deform_contact *sweep,
 		       const struct patch *patch)
 {
-	const struct deform_shape *shape = sweep->shape;
+	const struct soil_shape *shape = sweep->shape;
 	double along = patch->high[0] - patch->low[0], across = patch->high[1] - patch->low[1], tangent;
 	/* The area beside a metre of contour. */
 	double pushed = patch->shares[AHEAD] + patch->shares[BEHIND] - fabs(patch->shares[AHEAD] - patch->shares[BEHIND]);
 	double beside = patch->around ? along * across / (2 * (along + across)) : (across * (1 - 2 * pushed) + along * 2 * pushed) / 2;
-	double widest = shape->kind == DEFORM_WHEEL ? shape->width : shape->radius;
-	if (shape->kind == DEFORM_MESH)
-		widest = deform_shape_bound(shape) / 2;
-	if (shape->kind == DEFORM_BOX) { /* neither the least nor the largest of its sizes */
+	double widest = shape->kind == SOIL_WHEEL ? shape->width : shape->radius;
+	if (shape->kind == SOIL_MESH)
+		widest = soil_shape_bound(shape) / 2;
+	if (shape->kind == SOIL_BOX) { /* neither the least nor the largest of its sizes */
 		const double *s = shape->size;
 		widest = s[0] + s[1] + s[2] - fmin(fmin(s[0], s[1]), s[2]) - fmax(fmax(s[0], s[1]), s[2]);
 	}

@@ -6,24 +6,24 @@
 
 #include "deform/reference/reference.h"
 
-double reference_yield_crossing(const struct deform_soil *soil, double width)
+double reference_yield_crossing(const struct soil_numbers *soil, double width)
 {
 	double n = soil->bekker_n;
 	return n == 1 ? INFINITY : pow(reference_stiffness(soil, width) / soil->elastic_stiffness, 1 / (1 - n));
 }
 
-double reference_yield(const struct deform_soil *soil, double width, double sinkage)
+double reference_yield(const struct soil_numbers *soil, double width, double sinkage)
 {
 	return fmin(reference_bekker(soil, width, sinkage), soil->elastic_stiffness * sinkage);
 }
 
-double reference_yield_sinkage(const struct deform_soil *soil, double width, double pressure)
+double reference_yield_sinkage(const struct soil_numbers *soil, double width, double pressure)
 {
 	return fmax(reference_plate(soil, width, pressure), pressure / soil->elastic_stiffness);
 }
 
 /* The integral of z^power p(z) from 0 to the sinkage. */
-static double integral(const struct deform_soil *soil, double width, double sinkage, int power)
+static double integral(const struct soil_numbers *soil, double width, double sinkage, int power)
 {
 	double n = soil->bekker_n, k = reference_stiffness(soil, width), stiff = soil->elastic_stiffness;
 	double kink = fmin(reference_yield_crossing(soil, width), sinkage);
@@ -35,12 +35,12 @@ static double integral(const struct deform_soil *soil, double width, double sink
 	return k * pow(kink, bekker) / bekker + stiff * (pow(sinkage, elastic) - pow(kink, elastic)) / elastic;
 }
 
-double reference_yield_work(const struct deform_soil *soil, double width, double sinkage)
+double reference_yield_work(const struct soil_numbers *soil, double width, double sinkage)
 {
 	return integral(soil, width, sinkage, 0);
 }
 
-double reference_plate_at_once(const struct deform_soil *soil, double width, double pressure)
+double reference_plate_at_once(const struct soil_numbers *soil, double width, double pressure)
 {
 	double low = reference_yield_sinkage(soil, width, pressure), high = 2 * low;
 	while (reference_yield_work(soil, width, high) < pressure * high)
@@ -55,7 +55,7 @@ double reference_plate_at_once(const struct deform_soil *soil, double width, dou
 	return high;
 }
 
-double reference_sphere_load(const struct deform_soil *soil, double radius, double sinkage)
+double reference_sphere_load(const struct soil_numbers *soil, double radius, double sinkage)
 {
 	double patch = sqrt(sinkage * (2 * radius - sinkage));
 	if (sinkage <= 0)
@@ -63,7 +63,7 @@ double reference_sphere_load(const struct deform_soil *soil, double radius, doub
 	return 2 * M_PI * ((radius - sinkage) * integral(soil, patch, sinkage, 0) + integral(soil, patch, sinkage, 1));
 }
 
-double reference_sphere(const struct deform_soil *soil, double load, double radius)
+double reference_sphere(const struct soil_numbers *soil, double load, double radius)
 {
 	double low = 0, high = radius;
 	if (reference_sphere_load(soil, radius, radius) < load)
@@ -86,7 +86,7 @@ static struct reference_rest at_rest(double normal, double limit, double load, d
 				       .vertical = normal * cos(slope) + shear * sin(slope)};
 }
 
-struct reference_rest reference_rest_flat(const struct deform_soil *soil, double length, double width, double load,
+struct reference_rest reference_rest_flat(const struct soil_numbers *soil, double length, double width, double load,
 					  double slope)
 {
 	double area = length * width, adhesion = soil->cohesion * area, friction = tan(soil->friction_angle);
@@ -99,7 +99,7 @@ struct reference_rest reference_rest_flat(const struct deform_soil *soil, double
 }
 
 /* A level box whose upper edge lies `deep` below the ground there, both vertically. */
-static struct reference_rest level_at(const struct deform_soil *soil, double length, double width, double load, double slope,
+static struct reference_rest level_at(const struct soil_numbers *soil, double length, double width, double load, double slope,
 				      double deep)
 {
 	double b = fmin(length, width), reach = fmin(length, deep / tan(slope)); /* horizontal */
@@ -112,7 +112,7 @@ static struct reference_rest level_at(const struct deform_soil *soil, double len
 	return rest;
 }
 
-struct reference_rest reference_rest_level(const struct deform_soil *soil, double length, double width, double load,
+struct reference_rest reference_rest_level(const struct soil_numbers *soil, double length, double width, double load,
 					   double slope)
 {
 	if (slope <= 0)

@@ -6,7 +6,7 @@
 
 #define DEEPEST 1024 /* metres: no offset goes further */
 
-enum status reference_load(const struct reference_ground *ground, const struct deform_soil *soil,
+enum status reference_load(const struct reference_ground *ground, const struct soil_numbers *soil,
 			   const struct deform_contact *sweep, const double *under, const double *rest, double *lower)
 {
 	/* From where it does not touch the ground to where it is carried. */
@@ -38,7 +38,7 @@ static enum status press(struct reference_ground *ground, const struct deform_pa
 			 const struct deform_contact *sweep, const double *under, const double *rest,
 			 struct reference_forces *forces, double *lower)
 {
-	const struct deform_soil *soil = &params->soils[0];
+	const struct soil_numbers *soil = &params->soils[0];
 	switch (params->model) {
 	case DEFORM_NONE:
 		reference_none(ground, under, rest);

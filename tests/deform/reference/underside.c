@@ -22,7 +22,7 @@ struct sight {
 };
 
 /* Axis k of the object: x, y or z turned right side down, then nose up, then by the yaw. */
-static void turn(const struct deform_pose *pose, int k, long double v[3])
+static void turn(const struct soil_pose *pose, int k, long double v[3])
 {
 	long double a[3] = {k == 0, k == 1, k == 2}, b[3];
 	long double cr = cosl(pose->roll), sr = sinl(pose->roll), cp = cosl(pose->pitch), sp = sinl(pose->pitch);
@@ -40,7 +40,7 @@ static void turn(const struct deform_pose *pose, int k, long double v[3])
 
 static struct sight see_wheel(const struct way *way, long double x, long double y)
 {
-	const struct deform_shape *shape = way->sweep->shape;
+	const struct soil_shape *shape = way->sweep->shape;
 	long double along = x * way->axes[0][0] + y * way->axes[0][1];
 	long double across = x * way->axes[1][0] + y * way->axes[1][1];
 	long double r = shape->radius;
@@ -81,7 +81,7 @@ static struct sight inside(long double a, long double b, long double c)
 
 static void axis_of(const struct way *way, long double w[3])
 {
-	const long double *own = way->axes[way->sweep->shape->kind == DEFORM_WHEEL ? 1 : 2];
+	const long double *own = way->axes[way->sweep->shape->kind == SOIL_WHEEL ? 1 : 2];
 	for (int k = 0; k < 3; k++)
 		w[k] = own[2] < 0 ? -own[k] : own[k];
 }
@@ -90,8 +90,8 @@ static void axis_of(const struct way *way, long double w[3])
  * its ends, which are ellipses in plan. */
 static struct sight see_cylinder(const struct way *way, long double x, long double y)
 {
-	const struct deform_shape *shape = way->sweep->shape;
-	long double w[3], half = (shape->kind == DEFORM_WHEEL ? shape->width : shape->length) / 2.0L, r = shape->radius;
+	const struct soil_shape *shape = way->sweep->shape;
+	long double w[3], half = (shape->kind == SOIL_WHEEL ? shape->width : shape->length) / 2.0L, r = shape->radius;
 	axis_of(way, w);
 	long double c = hypotl(w[0], w[1]), along = x * w[0] + y * w[1], across = c > 0 ? (y * w[0] - x * w[1]) / c : 0;
 	struct sight sight = {0, -1e30L};
@@ -109,7 +109,7 @@ static struct sight see_cylinder(const struct way *way, long double x, long doub
 /* The lowest of the side and of the two balls. */
 static struct sight see_capsule(const struct way *way, long double x, long double y)
 {
-	const struct deform_shape *shape = way->sweep->shape;
+	const struct soil_shape *shape = way->sweep->shape;
 	long double w[3], half = shape->length / 2.0L, r = shape->radius;
 	axis_of(way, w);
 	long double c = hypotl(w[0], w[1]), along = c > 0 ? (x * w[0] + y * w[1]) / c : 0, across = c > 0 ? (y * w[0] - x * w[1]) / c : hypotl(x, y);
@@ -145,26 +145,26 @@ static struct sight see(const struct way *way, long double t)
 	long double x = way->x - t * way->dx, y = way->y - t * way->dy;
 	struct sight sight = {0, 0};
 	switch (way->sweep->shape->kind) {
-	case DEFORM_WHEEL:
+	case SOIL_WHEEL:
 		sight = way->sweep->to.roll == 0 ? see_wheel(way, x, y) : see_cylinder(way, x, y);
 		break;
-	case DEFORM_CYLINDER:
+	case SOIL_CYLINDER:
 		sight = see_cylinder(way, x, y);
 		break;
-	case DEFORM_CAPSULE:
+	case SOIL_CAPSULE:
 		sight = see_capsule(way, x, y);
 		break;
-	case DEFORM_ELLIPSOID:
+	case SOIL_ELLIPSOID:
 		sight = see_ellipsoid(way, x, y);
 		break;
-	case DEFORM_SPHERE:
+	case SOIL_SPHERE:
 		sight = see_sphere(way, x, y);
 		break;
-	case DEFORM_BOX:
+	case SOIL_BOX:
 		sight = see_box(way, x, y);
 		break;
-	case DEFORM_MESH:
-	case DEFORM_SHAPES:
+	case SOIL_MESH:
+	case SOIL_SHAPES:
 		break;
 	}
 	sight.z += t * way->dz;
@@ -208,7 +208,7 @@ static long double edge(const struct way *way, long double in, long double out)
 /* Returns whether the point is too far from the whole way for the object ever to be above it. */
 static bool is_far(const struct way *way)
 {
-	long double reach = (long double)deform_shape_bound(way->sweep->shape) + 1e-3L;
+	long double reach = (long double)soil_shape_bound(way->sweep->shape) + 1e-3L;
 	return way->x < fminl(way->dx, 0) - reach || way->x > fmaxl(way->dx, 0) + reach || way->y < fminl(way->dy, 0) - reach ||
 	       way->y > fmaxl(way->dy, 0) + reach;
 }
@@ -244,17 +244,17 @@ bool reference_underside(const struct deform_contact *sweep, long double x, long
 		.x = x,
 		.y = y,
 	};
-	struct deform_pose level = sweep->to;
-	if (sweep->shape->kind == DEFORM_WHEEL) /* its pitch only spins it */
+	struct soil_pose level = sweep->to;
+	if (sweep->shape->kind == SOIL_WHEEL) /* its pitch only spins it */
 		level.pitch = 0;
 	for (int k = 0; k < 3; k++)
 		turn(&level, k, way.axes[k]);
 	const long double whole[3] = {way.dx, way.dy, way.dz};
-	if (sweep->shape->kind == DEFORM_MESH)
+	if (sweep->shape->kind == SOIL_MESH)
 		return reference_mesh(sweep, way.axes, whole, x, y, z);
 	long double lug;
 	bool covered = smooth(&way, z);
-	if (sweep->shape->kind != DEFORM_WHEEL || sweep->shape->grousers == 0 || !reference_lugs(sweep, way.axes, whole, x, y, &lug))
+	if (sweep->shape->kind != SOIL_WHEEL || sweep->shape->grousers == 0 || !reference_lugs(sweep, way.axes, whole, x, y, &lug))
 		return covered;
 	*z = covered ? fminl(*z, lug) : lug;
 	return true;

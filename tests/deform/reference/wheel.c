@@ -8,40 +8,40 @@
 
 #define PIECES 2000 /* of an integral: even */
 
-double reference_stiffness(const struct deform_soil *soil, double width)
+double reference_stiffness(const struct soil_numbers *soil, double width)
 {
 	return fmax(soil->bekker_kc / width + soil->bekker_kphi, 0);
 }
 
-double reference_bekker(const struct deform_soil *soil, double width, double sinkage)
+double reference_bekker(const struct soil_numbers *soil, double width, double sinkage)
 {
 	return reference_stiffness(soil, width) * pow(sinkage, soil->bekker_n);
 }
 
-double reference_plate(const struct deform_soil *soil, double width, double pressure)
+double reference_plate(const struct soil_numbers *soil, double width, double pressure)
 {
 	return pow(pressure / reference_stiffness(soil, width), 1 / soil->bekker_n);
 }
 
-double reference_strength(const struct deform_soil *soil, const struct deform_interface *interface, double pressure)
+double reference_strength(const struct soil_numbers *soil, const struct soil_interface *interface, double pressure)
 {
 	double own = soil->cohesion + pressure * tan(soil->friction_angle);
 	double rubs = pressure * tan(interface->has_friction ? interface->friction_angle : soil->friction_angle);
 	return fmin(own, rubs + (interface->has_adhesion ? interface->adhesion : soil->cohesion));
 }
 
-double reference_janosi(const struct deform_soil *soil, double pressure, double displacement)
+double reference_janosi(const struct soil_numbers *soil, double pressure, double displacement)
 {
 	return (soil->cohesion + pressure * tan(soil->friction_angle)) * (1 - exp(-displacement / soil->janosi_shear));
 }
 
-double reference_towed(const struct deform_soil *soil, double load, double width, double diameter)
+double reference_towed(const struct soil_numbers *soil, double load, double width, double diameter)
 {
 	double n = soil->bekker_n;
 	return pow(3 * load / (width * reference_stiffness(soil, width) * (3 - n) * sqrt(diameter)), 2 / (2 * n + 1));
 }
 
-double reference_resistance(const struct deform_soil *soil, double width, double sinkage)
+double reference_resistance(const struct soil_numbers *soil, double width, double sinkage)
 {
 	double n = soil->bekker_n;
 	return width * reference_stiffness(soil, width) * pow(sinkage, n + 1) / (n + 1);
@@ -53,7 +53,7 @@ static double weight(int i)
 	return (i == 0 || i == PIECES ? 1.0 : i % 2 == 1 ? 4.0 : 2.0) / (3.0 * PIECES);
 }
 
-double reference_arc_load(const struct deform_soil *soil, double sinkage, double width, double radius, bool rebound)
+double reference_arc_load(const struct soil_numbers *soil, double sinkage, double width, double radius, bool rebound)
 {
 	double front = acos(1 - sinkage / radius), sum = 0;
 	double most = reference_bekker(soil, width, sinkage), stays = fmax(0, sinkage - most / soil->elastic_stiffness);
@@ -72,7 +72,7 @@ double reference_arc_load(const struct deform_soil *soil, double sinkage, double
 	return width * sum;
 }
 
-double reference_arc(const struct deform_soil *soil, double load, double width, double radius, bool rebound)
+double reference_arc(const struct soil_numbers *soil, double load, double width, double radius, bool rebound)
 {
 	double low = 0, high = radius;
 	for (int i = 0; i < 60; i++) {
@@ -85,7 +85,7 @@ double reference_arc(const struct deform_soil *soil, double load, double width, 
 	return high;
 }
 
-struct reference_wheel_forces reference_wong_reece(const struct deform_soil *soil, const struct reference_wheel *wheel,
+struct reference_wheel_forces reference_wong_reece(const struct soil_numbers *soil, const struct reference_wheel *wheel,
 						   double sinkage)
 {
 	double r = wheel->radius, entry = acos(1 - sinkage / r), leave = 0;
@@ -110,7 +110,7 @@ struct reference_wheel_forces reference_wong_reece(const struct deform_soil *soi
 	return forces;
 }
 
-double reference_wong_reece_sinkage(const struct deform_soil *soil, const struct reference_wheel *wheel, double load)
+double reference_wong_reece_sinkage(const struct soil_numbers *soil, const struct reference_wheel *wheel, double load)
 {
 	double low = 0, high = wheel->radius;
 	for (int i = 0; i < 60; i++) {

@@ -24,7 +24,7 @@
 #define STEPS 256   /* between that and the radius, each by the same factor */
 
 struct arc {
-	const struct deform_soil *soil;
+	const struct soil_numbers *soil;
 	const struct reference_rolling *wheel;
 	double entry, exit; /* rad: t where contact begins, in front, and where it ends */
 };
@@ -93,7 +93,7 @@ static void stresses(const void *user, double t, double *values)
 	values[SHEAR_MOMENT] = -area * r * shear * cos(t);
 }
 
-struct reference_rolling_force reference_rolling(const struct deform_soil *soil, const struct reference_rolling *wheel,
+struct reference_rolling_force reference_rolling(const struct soil_numbers *soil, const struct reference_rolling *wheel,
 						 double sinkage)
 {
 	double r = wheel->radius, sums[QUADRATURE_MOST] = {0};
@@ -114,7 +114,7 @@ struct reference_rolling_force reference_rolling(const struct deform_soil *soil,
 	};
 }
 
-double reference_rolling_sinkage(const struct deform_soil *soil, const struct reference_rolling *wheel, double load)
+double reference_rolling_sinkage(const struct soil_numbers *soil, const struct reference_rolling *wheel, double load)
 {
 	double low = 0, high = LEAST * wheel->radius, factor = pow(LEAST, -1.0 / STEPS);
 	for (int i = 0; reference_rolling(soil, wheel, fmin(high, wheel->radius)).vertical < load; i++) {
@@ -134,7 +134,7 @@ double reference_rolling_sinkage(const struct deform_soil *soil, const struct re
 	return high;
 }
 
-double reference_standing_load(const struct deform_soil *soil, double sinkage, double width, double radius)
+double reference_standing_load(const struct soil_numbers *soil, double sinkage, double width, double radius)
 {
 	/* Both halves yield: each carries what the front of a rolling wheel does. */
 	struct reference_rolling wheel = {.radius = radius, .width = width, .turned = 1, .normals = REFERENCE_NORMALS_GROUND};

@@ -1,10 +1,10 @@
 /* Converts the motion of a shape to whole numbers, from which shaders compute its lower envelope. */
-#include "deform/shape/body.h"
+#include "soil/shape/body.h"
 
 #include <math.h>
 #include <string.h>
 
-#include "deform/shape/lower_envelope.h"
+#include "soil/shape/lower_envelope.h"
 
 /* Converts fixed-point units to metres, rounded once. */
 static long double metres(int64_t units)
@@ -12,7 +12,7 @@ static long double metres(int64_t units)
 	return by_power((long double)units, -OFFSET_BITS);
 }
 
-long double deform_body_from_post(int64_t place, int64_t post, double spacing)
+long double soil_body_from_post(int64_t place, int64_t post, double spacing)
 {
 	double whole = (double)post * spacing, rest = fma((double)post, spacing, -whole);
 	return metres(place) - whole - rest;
@@ -23,15 +23,15 @@ static int64_t anchor_of(int64_t place, double spacing)
 	return (int64_t)floor(lattice_offset_metres(place) / spacing);
 }
 
-struct body_motion deform_body_motion_of(const struct deform_pose *from, const struct deform_pose *to,
+struct body_motion soil_body_motion_of(const struct soil_pose *from, const struct soil_pose *to,
 				  const struct body_frame *frame)
 {
 	int64_t x = anchor_of(to->x, frame->spacing), y = anchor_of(to->y, frame->spacing);
 	return (struct body_motion){
 		.x0 = frame->x0 - x,
 		.y0 = frame->y0 - y,
-		.x = deform_body_from_post(from->x, x, frame->spacing),
-		.y = deform_body_from_post(from->y, y, frame->spacing),
+		.x = soil_body_from_post(from->x, x, frame->spacing),
+		.y = soil_body_from_post(from->y, y, frame->spacing),
 		.dx = metres(to->x - from->x),
 		.dy = metres(to->y - from->y),
 		.z = from->z - frame->zero,
@@ -40,12 +40,12 @@ struct body_motion deform_body_motion_of(const struct deform_pose *from, const s
 }
 
 /* Computes how far a post lies from (m->x, m->y) along the direction (c, s), as an affine function of the post's position. The
- * distance is multiplied by `factor`; then `plus` is added. `scale` and `shift`: as in deform_functional_of. */
+ * distance is multiplied by `factor`; then `plus` is added. `scale` and `shift`: as in soil_functional_of. */
 static struct functional along(const struct body_motion *m, long double c, long double s, double spacing,
 			       long double factor, long double plus, int scale, int shift)
 {
 	struct affine value = {(-(m->x * c + m->y * s)) * factor + plus, spacing * c * factor, spacing * s * factor};
-	return deform_functional_of(value, scale, shift, m->x0, m->y0);
+	return soil_functional_of(value, scale, shift, m->x0, m->y0);
 }
 
 /* Returns how many fraction bits distances may have, so that the object and its motion stay below 2^30. Farther posts are clamped. */
@@ -98,7 +98,7 @@ static void fill_round(struct body *body, const struct body_motion *m, long doub
 	body->c[3] = 1 + (fine > OFFSET_BITS ? fine - OFFSET_BITS : 0);
 }
 
-static void wheel_of(const struct deform_shape *shape, const struct body_motion *m, const struct body_frame *frame, struct body *body)
+static void wheel_of(const struct soil_shape *shape, const struct body_motion *m, const struct body_frame *frame, struct body *body)
 {
 	long double c = frame->yaw[0], s = frame->yaw[1];
 	long double du = m->dx * c + m->dy * s, dv = m->dy * c - m->dx * s;
@@ -120,7 +120,7 @@ static void wheel_of(const struct deform_shape *shape, const struct body_motion 
 	}
 }
 
-static void sphere_of(const struct deform_shape *shape, const struct body_motion *m, const struct body_frame *frame,
+static void sphere_of(const struct soil_shape *shape, const struct body_motion *m, const struct body_frame *frame,
 		      struct body *body)
 {
 	long double length = hypotl(m->dx, m->dy);
@@ -196,12 +196,12 @@ static void rod_ends(const struct rod *rod, long double k, struct body *body)
 	ratio_of(by_power((c * rod->da + k * rod->dz) / n, OFFSET_BITS - rod->fine), &body->d[1], &body->d[2]);
 }
 
-static void rod_of(const struct deform_shape *shape, const struct deform_pose *to, const struct body_motion *m, const struct body_frame *frame,
+static void rod_of(const struct soil_shape *shape, const struct soil_pose *to, const struct body_motion *m, const struct body_frame *frame,
 		   struct body *body)
 {
 	struct lower_envelope u;
-	bool capsule = shape->kind == DEFORM_CAPSULE;
-	deform_lower_of(shape, to, &u);
+	bool capsule = shape->kind == SOIL_CAPSULE;
+	soil_lower_of(shape, to, &u);
 	struct rod rod = {.m = m, .spacing = frame->spacing, .radius = u.radius, .half = u.half, .c = u.level, .s = u.axis[2],
 			  .e = {u.along[0], u.along[1]}, .dz = metres(m->dz)};
 	rod.da = m->dx * rod.e[0] + m->dy * rod.e[1];
@@ -236,11 +236,11 @@ static void rod_of(const struct deform_shape *shape, const struct deform_pose *t
 }
 
 /* An ellipsoid is a sphere that was stretched, and then sheared along the vertical. The sphere's radius is the largest half axis in plan. */
-static void ellipsoid_of(const struct deform_shape *shape, const struct deform_pose *to, const struct body_motion *m,
+static void ellipsoid_of(const struct soil_shape *shape, const struct soil_pose *to, const struct body_motion *m,
 			 const struct body_frame *frame, struct body *body)
 {
 	struct lower_envelope u;
-	deform_lower_of(shape, to, &u);
+	soil_lower_of(shape, to, &u);
 	const double *q = u.inside;
 	long double wide = hypotl((q[0] - q[2]) / 2, q[1]), r = 1 / sqrtl((q[0] + q[2]) / 2 - wide), moved = hypotl(m->dx, m->dy);
 	long double x = moved > 0 ? m->dx / moved : 1, y = moved > 0 ? m->dy / moved : 0;
@@ -262,7 +262,7 @@ static void ellipsoid_of(const struct deform_shape *shape, const struct deform_p
 	body->f[2] = along(m, u.rise[0], u.rise[1], frame->spacing, 1, 0, OFFSET_BITS, 12);
 }
 
-void deform_body_axes(const double size[3], double yaw, double pitch, double roll, double axes[3][3])
+void soil_body_axes(const double size[3], double yaw, double pitch, double roll, double axes[3][3])
 {
 	double cy = cos(yaw), sy = sin(yaw), cp = cos(pitch), sp = sin(pitch), cr = cos(roll), sr = sin(roll);
 	/* Yaw first, then pitch (nose up), then roll (right side down). */
@@ -276,11 +276,11 @@ void deform_body_axes(const double size[3], double yaw, double pitch, double rol
 			axes[i][k] = turned[i][k] * size[i] / 2;
 }
 
-void deform_axes(double yaw, double pitch, double roll, double turn, double axes[3][3])
+void soil_axes(double yaw, double pitch, double roll, double turn, double axes[3][3])
 {
 	const double unit[3] = {2, 2, 2}; /* of which half is one */
 	double c = cos(turn), s = sin(turn);
-	deform_body_axes(unit, yaw, pitch, roll, axes);
+	soil_body_axes(unit, yaw, pitch, roll, axes);
 	for (int k = 0; k < 3; k++) {
 		double forward = axes[0][k], up = axes[2][k];
 		axes[0][k] = c * forward - s * up;
@@ -288,11 +288,11 @@ void deform_axes(double yaw, double pitch, double roll, double turn, double axes
 	}
 }
 
-static void box_of(const struct deform_shape *shape, const struct deform_pose *to, const struct body_motion *m,
+static void box_of(const struct soil_shape *shape, const struct soil_pose *to, const struct body_motion *m,
 		   const struct body_frame *frame, struct body *body)
 {
 	double g[4][3];
-	deform_body_axes(shape->size, to->yaw, to->pitch, to->roll, g);
+	soil_body_axes(shape->size, to->yaw, to->pitch, to->roll, g);
 	/* In fixed-point units above the zero, and in metres along the ground. */
 	g[3][0] = (double)m->dx / 2;
 	g[3][1] = (double)m->dy / 2;
@@ -314,7 +314,7 @@ static void box_of(const struct deform_shape *shape, const struct deform_pose *t
 				support += fabsl(n[0] * g[k][0] + n[1] * g[k][1] + n[2] * g[k][2]);
 			long double gx = -n[0] / n[2], gy = -n[1] / n[2], low = z - support / fabsl(n[2]);
 			struct affine plane = {low - gx * x - gy * y, gx * frame->spacing, gy * frame->spacing};
-			body->f[planes++] = deform_functional_of(plane, OFFSET_BITS, 12, m->x0, m->y0);
+			body->f[planes++] = soil_functional_of(plane, OFFSET_BITS, 12, m->x0, m->y0);
 		}
 	for (int p = 0; p < 4; p++) {
 		long double nx = -g[p][1], ny = g[p][0], half = 0;
@@ -327,66 +327,66 @@ static void box_of(const struct deform_shape *shape, const struct deform_pose *t
 		nx /= half;
 		ny /= half;
 		struct affine slab = {-nx * x - ny * y, nx * frame->spacing, ny * frame->spacing};
-		body->f[6 + slabs++] = deform_functional_of(slab, 28, 12, m->x0, m->y0);
+		body->f[6 + slabs++] = soil_functional_of(slab, 28, 12, m->x0, m->y0);
 	}
 	body->c[1] = planes;
 	body->c[2] = slabs;
 }
 
-void deform_body_of(const struct deform_shape *shape, const struct deform_pose *from, const struct deform_pose *to,
+void soil_body_of(const struct soil_shape *shape, const struct soil_pose *from, const struct soil_pose *to,
 	     const struct body_frame *frame, struct body *body)
 {
-	struct body_motion m = deform_body_motion_of(from, to, frame);
+	struct body_motion m = soil_body_motion_of(from, to, frame);
 	memset(body, 0, sizeof *body);
 	switch (shape->kind) {
-	case DEFORM_WHEEL:
+	case SOIL_WHEEL:
 		if (to->roll == 0)
 			wheel_of(shape, &m, frame, body);
 		else
 			rod_of(shape, to, &m, frame, body);
 		break;
-	case DEFORM_CYLINDER:
-	case DEFORM_CAPSULE:
+	case SOIL_CYLINDER:
+	case SOIL_CAPSULE:
 		rod_of(shape, to, &m, frame, body);
 		break;
-	case DEFORM_ELLIPSOID:
+	case SOIL_ELLIPSOID:
 		ellipsoid_of(shape, to, &m, frame, body);
 		break;
-	case DEFORM_SPHERE:
+	case SOIL_SPHERE:
 		sphere_of(shape, &m, frame, body);
 		break;
-	case DEFORM_BOX:
+	case SOIL_BOX:
 		box_of(shape, to, &m, frame, body);
 		break;
-	case DEFORM_MESH:
-	case DEFORM_SHAPES:
+	case SOIL_MESH:
+	case SOIL_SHAPES:
 		break; /* it has no closed form */
 	}
 }
 
-void deform_wheel_attitude(const double axle[3], double *yaw, double *roll)
+void soil_wheel_attitude(const double axle[3], double *yaw, double *roll)
 {
 	double level = hypot(axle[0], axle[1]);
 	*yaw = level > 1e-9 ? atan2(-axle[0], axle[1]) : 0;
 	*roll = atan2(axle[2], level);
 }
 
-enum deform_shape_kind deform_kind_in(const struct deform_shape *shape, const struct deform_pose *pose)
+enum soil_shape_kind soil_kind_in(const struct soil_shape *shape, const struct soil_pose *pose)
 {
-	return shape->kind == DEFORM_WHEEL && pose->roll != 0 ? DEFORM_CYLINDER : shape->kind;
+	return shape->kind == SOIL_WHEEL && pose->roll != 0 ? SOIL_CYLINDER : shape->kind;
 }
 
-double deform_body_wheel_radius(const struct deform_shape *shape)
+double soil_body_wheel_radius(const struct soil_shape *shape)
 {
 	return shape->grousers > 0 ? hypot(shape->radius + shape->grouser_height, shape->grouser_thickness / 2) : shape->radius;
 }
 
 /* Computes the extent of a mesh: that of its bounding box. */
-static void mesh_extent(const struct deform_mesh *mesh, const struct deform_pose *pose, double extent[2])
+static void mesh_extent(const struct soil_mesh *mesh, const struct soil_pose *pose, double extent[2])
 {
 	const double unit[3] = {2, 2, 2};
 	double axes[3][3];
-	deform_body_axes(unit, pose->yaw, pose->pitch, pose->roll, axes);
+	soil_body_axes(unit, pose->yaw, pose->pitch, pose->roll, axes);
 	for (int k = 0; k < 2; k++) {
 		double low = 0, high = 0;
 		for (int i = 0; i < 3; i++) {
@@ -397,30 +397,30 @@ static void mesh_extent(const struct deform_mesh *mesh, const struct deform_pose
 	}
 }
 
-void deform_body_extent(const struct deform_shape *shape, const struct deform_pose *pose, double extent[2])
+void soil_body_extent(const struct soil_shape *shape, const struct soil_pose *pose, double extent[2])
 {
 	double axes[3][3], axis[3];
 	extent[0] = extent[1] = shape->radius;
-	if (deform_kind_in(shape, pose) == DEFORM_CYLINDER || shape->kind == DEFORM_CAPSULE) {
-		bool wheel = shape->kind == DEFORM_WHEEL;
-		double radius = wheel ? deform_body_wheel_radius(shape) : shape->radius;
-		deform_shape_axis(shape, pose, axis);
+	if (soil_kind_in(shape, pose) == SOIL_CYLINDER || shape->kind == SOIL_CAPSULE) {
+		bool wheel = shape->kind == SOIL_WHEEL;
+		double radius = wheel ? soil_body_wheel_radius(shape) : shape->radius;
+		soil_shape_axis(shape, pose, axis);
 		for (int k = 0; k < 2; k++)
 			extent[k] = fabs(axis[k]) * (wheel ? shape->width : shape->length) / 2 +
-				    radius * (shape->kind == DEFORM_CAPSULE ? 1 : sqrt(1 - fmin(axis[k] * axis[k], 1)));
-	} else if (shape->kind == DEFORM_ELLIPSOID) {
+				    radius * (shape->kind == SOIL_CAPSULE ? 1 : sqrt(1 - fmin(axis[k] * axis[k], 1)));
+	} else if (shape->kind == SOIL_ELLIPSOID) {
 		const double whole[3] = {2 * shape->size[0], 2 * shape->size[1], 2 * shape->size[2]};
-		deform_body_axes(whole, pose->yaw, pose->pitch, pose->roll, axes);
+		soil_body_axes(whole, pose->yaw, pose->pitch, pose->roll, axes);
 		for (int k = 0; k < 2; k++)
 			extent[k] = hypot(hypot(axes[0][k], axes[1][k]), axes[2][k]);
-	} else if (shape->kind == DEFORM_WHEEL) {
-		double radius = deform_body_wheel_radius(shape);
+	} else if (shape->kind == SOIL_WHEEL) {
+		double radius = soil_body_wheel_radius(shape);
 		extent[0] = fabs(cos(pose->yaw)) * radius + fabs(sin(pose->yaw)) * shape->width / 2;
 		extent[1] = fabs(sin(pose->yaw)) * radius + fabs(cos(pose->yaw)) * shape->width / 2;
-	} else if (shape->kind == DEFORM_MESH) {
+	} else if (shape->kind == SOIL_MESH) {
 		mesh_extent(shape->mesh, pose, extent);
-	} else if (shape->kind == DEFORM_BOX) {
-		deform_body_axes(shape->size, pose->yaw, pose->pitch, pose->roll, axes);
+	} else if (shape->kind == SOIL_BOX) {
+		soil_body_axes(shape->size, pose->yaw, pose->pitch, pose->roll, axes);
 		for (int k = 0; k < 2; k++)
 			extent[k] = fabs(axes[0][k]) + fabs(axes[1][k]) + fabs(axes[2][k]);
 	}

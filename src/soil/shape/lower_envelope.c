@@ -5,7 +5,7 @@
  * of the axis' slope. A plane at v cuts a strip of half-width R = sqrt(r^2 - v^2) about the axis. The lower end lies where
  * a <= R s - h c. The side, z = (a s - R) / c, goes on from there to a = R s + h c. A capsule's upper end lies beyond.
  */
-#include "deform/shape/lower_envelope.h"
+#include "soil/shape/lower_envelope.h"
 
 #include <math.h>
 #include <string.h>
@@ -17,17 +17,17 @@ static double dot(const double a[3], const double b[3])
 	return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-void deform_shape_axis(const struct deform_shape *shape, const struct deform_pose *pose, double axis[3])
+void soil_shape_axis(const struct soil_shape *shape, const struct soil_pose *pose, double axis[3])
 {
 	double axes[3][3];
-	bool wheel = shape->kind == DEFORM_WHEEL;
-	deform_axes(pose->yaw, wheel ? 0 : pose->pitch, pose->roll, 0, axes);
+	bool wheel = shape->kind == SOIL_WHEEL;
+	soil_axes(pose->yaw, wheel ? 0 : pose->pitch, pose->roll, 0, axes);
 	const double *own = axes[wheel ? 1 : 2], sign = own[2] < 0 ? -1 : 1;
 	for (int k = 0; k < 3; k++)
 		axis[k] = sign * own[k];
 }
 
-void deform_ellipsoid_of(const double radii[3], double axes[3][3], double rise[2], double *lift, double inside[3])
+void soil_ellipsoid_of(const double radii[3], double axes[3][3], double rise[2], double *lift, double inside[3])
 {
 	double m[3][3];
 	for (int i = 0; i < 3; i++)
@@ -46,18 +46,18 @@ void deform_ellipsoid_of(const double radii[3], double axes[3][3], double rise[2
 	*lift = radii[0] * radii[1] * radii[2] / sqrt(plan);
 }
 
-void deform_lower_of(const struct deform_shape *shape, const struct deform_pose *pose, struct lower_envelope *lower)
+void soil_lower_of(const struct soil_shape *shape, const struct soil_pose *pose, struct lower_envelope *lower)
 {
-	bool wheel = shape->kind == DEFORM_WHEEL;
+	bool wheel = shape->kind == SOIL_WHEEL;
 	*lower = (struct lower_envelope){.shape = shape, .radius = shape->radius, .half = (wheel ? shape->width : shape->length) / 2, .turn = pose->turn};
-	deform_axes(pose->yaw, wheel ? 0 : pose->pitch, pose->roll, 0, lower->axes);
-	deform_shape_axis(shape, pose, lower->axis);
+	soil_axes(pose->yaw, wheel ? 0 : pose->pitch, pose->roll, 0, lower->axes);
+	soil_shape_axis(shape, pose, lower->axis);
 	lower->level = hypot(lower->axis[0], lower->axis[1]);
 	bool upright = lower->level < LEVEL_LEAST;
 	lower->along[0] = upright ? 1 : lower->axis[0] / lower->level;
 	lower->along[1] = upright ? 0 : lower->axis[1] / lower->level;
-	if (shape->kind == DEFORM_ELLIPSOID)
-		deform_ellipsoid_of(shape->size, lower->axes, lower->rise, &lower->lift, lower->inside);
+	if (shape->kind == SOIL_ELLIPSOID)
+		soil_ellipsoid_of(shape->size, lower->axes, lower->rise, &lower->lift, lower->inside);
 }
 
 /* Fills a place by its height and the slopes of the lower envelope there. */
@@ -86,7 +86,7 @@ static bool round_at(const struct lower_envelope *u, double x, double y, struct 
 	if (fabs(v) > r + u->beside)
 		return false;
 	double strip = sqrt(fmax(r * r - v * v, 0));
-	bool capsule = u->shape->kind == DEFORM_CAPSULE, low = a <= strip * s - u->half * c, high = a > strip * s + u->half * c;
+	bool capsule = u->shape->kind == SOIL_CAPSULE, low = a <= strip * s - u->half * c, high = a > strip * s + u->half * c;
 	if (capsule && (low || high)) {
 		double end = low ? -u->half : u->half;
 		return ball_at(u, u->axis[0] * end - x, u->axis[1] * end - y, s * end, place);
@@ -151,7 +151,7 @@ static bool keep_lower(bool any, struct lower_place *place, bool found, const st
 
 static bool mesh_at(const struct lower_envelope *u, double x, double y, struct lower_place *place)
 {
-	const struct deform_mesh *mesh = u->shape->mesh;
+	const struct soil_mesh *mesh = u->shape->mesh;
 	bool any = false;
 	for (uint32_t t = 0; t < mesh->triangle_count; t++) {
 		double at[3][3];
@@ -172,10 +172,10 @@ static bool mesh_at(const struct lower_envelope *u, double x, double y, struct l
 	return any;
 }
 
-/* Bars across a wheel's rim: the same as shape/grousers.c draws. */
+/* Bars across a wheel's rim: the same as soil_bars gives. */
 static bool grousers_at(const struct lower_envelope *u, double x, double y, bool any, struct lower_place *place)
 {
-	const struct deform_shape *shape = u->shape;
+	const struct soil_shape *shape = u->shape;
 	double inner = sqrt(fmax(0, shape->radius * shape->radius - shape->grouser_thickness * shape->grouser_thickness / 4));
 	double outer = shape->radius + shape->grouser_height;
 	const double half[3] = {shape->grouser_thickness / 2, shape->width / 2, (outer - inner) / 2};
@@ -193,26 +193,26 @@ static bool grousers_at(const struct lower_envelope *u, double x, double y, bool
 	return any;
 }
 
-bool deform_lower_at(const struct lower_envelope *u, double x, double y, struct lower_place *place)
+bool soil_lower_at(const struct lower_envelope *u, double x, double y, struct lower_place *place)
 {
 	const double half[3] = {u->shape->size[0] / 2, u->shape->size[1] / 2, u->shape->size[2] / 2};
 	double axes[3][3];
 	switch (u->shape->kind) {
-	case DEFORM_WHEEL:
+	case SOIL_WHEEL:
 		return grousers_at(u, x, y, round_at(u, x, y, place), place);
-	case DEFORM_CYLINDER:
-	case DEFORM_CAPSULE:
+	case SOIL_CYLINDER:
+	case SOIL_CAPSULE:
 		return round_at(u, x, y, place);
-	case DEFORM_SPHERE:
+	case SOIL_SPHERE:
 		return ball_at(u, -x, -y, 0, place);
-	case DEFORM_ELLIPSOID:
+	case SOIL_ELLIPSOID:
 		return ellipsoid_at(u, x, y, place);
-	case DEFORM_BOX:
+	case SOIL_BOX:
 		memcpy(axes, u->axes, sizeof axes);
 		return brick_at(axes, half, (const double[3]){0, 0, 0}, u->beside, x, y, place);
-	case DEFORM_MESH:
+	case SOIL_MESH:
 		return mesh_at(u, x, y, place);
-	case DEFORM_SHAPES:
+	case SOIL_SHAPES:
 		break;
 	}
 	return false;

@@ -2,8 +2,8 @@
  * Affine functions of a post's position (i, j) in a window, as whole numbers: (at + i * di + j * dj) >> shift, in 64 bits. Shapes
  * of objects are described with them. shaders/lib/envelope.glsl evaluates them. Pure.
  */
-#ifndef FURROW_DEFORM_AFFINE_H
-#define FURROW_DEFORM_AFFINE_H
+#ifndef FURROW_SOIL_AFFINE_H
+#define FURROW_SOIL_AFFINE_H
 
 #include <stdint.h>
 
@@ -34,10 +34,12 @@ static inline long double by_power(long double v, int n)
 	return v * (long double)power.value;
 }
 
+#define FUNCTIONAL_POSTS 4096 /* how far from its anchor an object's windows may reach */
+
 /* Converts `value` times 2^scale to whole numbers, rounded to nearest, for a window. The window's first post is (x0, y0) from the
  * anchor. The result has `shift` more bits, or as many as fit 62 bits. Coefficients are rounded before the anchor is moved, so
  * every window has the same bits at a post. A value that does not fit is halved until it fits: at nearly every post only its sign
  * matters. */
-struct functional deform_functional_of(struct affine value, int scale, int shift, int64_t x0, int64_t y0);
+struct functional soil_functional_of(struct affine value, int scale, int shift, int64_t x0, int64_t y0);
 
 #endif

@@ -4,8 +4,8 @@
  * Horizontal positions are in 2^-FACET_BITS posts from an anchor, a post that depends on the object alone. A facet counts from its
  * own post, which is near it. So the bits at a post are the same in every window, wherever the object is.
  */
-#ifndef FURROW_DEFORM_FACET_H
-#define FURROW_DEFORM_FACET_H
+#ifndef FURROW_SOIL_FACET_H
+#define FURROW_SOIL_FACET_H
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -37,7 +37,7 @@ struct facet_window {
 /* Makes the facet of a triangle. `corners`: its position at the end. `resting`: the triangle remains there after the contact.
  * Returns false if it is above no post of the window; *facet is then undefined. A triangle that is almost vertical gives no facet,
  * since the triangles beside it have its edges. */
-bool deform_facet_of(const struct facet_corner corners[3], const struct facet_motion *motion, bool resting,
+bool soil_facet_of(const struct facet_corner corners[3], const struct facet_motion *motion, bool resting,
 	      const struct facet_window *window, struct facet *facet);
 
 #endif

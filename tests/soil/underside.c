@@ -1,21 +1,21 @@
-/* The underside in doubles is that of the reference, and its normals are those of its slopes. */
-#include "../support/near.h"
-#include "ground.h"
+/* The lower envelope in doubles is that of the reference, and its normals are those of its slopes. */
+#include "soil_test.h"
 
-#include "deform/shape/body.h"
-#include "deform/shape/lower_envelope.h"
+#include "deform/reference/reference.h"
+#include "soil/shape/body.h"
+#include "soil/shape/lower_envelope.h"
 #include "../support/program.h"
 
 #define SHAPES 7
 #define PLACES 400
 #define HAIR 1e-7 /* m: over so little slopes are measured */
 
-static struct deform_mesh mesh;
+static struct soil_mesh mesh;
 
-static struct deform_shape any_shape(enum deform_shape_kind kind)
+static struct soil_shape any_shape(enum soil_shape_kind kind)
 {
 	double size = 0.3 * exp2(2 * any_share());
-	struct deform_shape shape = {.kind = kind, .radius = size * exp2(any_share()), .width = size * exp2(any_share()), .length = 2 * size * exp2(any_share()), .mesh = &mesh};
+	struct soil_shape shape = {.kind = kind, .radius = size * exp2(any_share()), .width = size * exp2(any_share()), .length = 2 * size * exp2(any_share()), .mesh = &mesh};
 	for (int k = 0; k < 3; k++)
 		shape.size[k] = size * exp2(any_share());
 	return shape;
@@ -53,22 +53,22 @@ static void it_is_that_of_the_reference(void **state)
 	static const double straight[] = {0, M_PI / 2, -M_PI / 2, 1e-4};
 	int above[SHAPES] = {0}, smooth[SHAPES] = {0};
 	(void)state;
-	mesh = (struct deform_mesh){.vertices = vertices, .triangles = triangles, .vertex_count = 4, .triangle_count = 4, .low = {-0.3, -0.5, -0.4}, .high = {0.4, 0.2, 0.3}};
+	mesh = (struct soil_mesh){.vertices = vertices, .triangles = triangles, .vertex_count = 4, .triangle_count = 4, .low = {-0.3, -0.5, -0.4}, .high = {0.4, 0.2, 0.3}};
 	for (int kind = 0; kind < SHAPES; kind++)
 		for (int i = 0; i < 24; i++) {
-			struct deform_shape shape = any_shape((enum deform_shape_kind)kind);
+			struct soil_shape shape = any_shape((enum soil_shape_kind)kind);
 			struct deform_contact standing = {.shape = &shape};
 			struct lower_envelope lower;
 			standing.to.yaw = 4 * any_share();
 			standing.to.pitch = i % 4 == 0 ? straight[i / 4 % 4] : 4 * any_share();
-			standing.to.roll = i % 4 == 0 || (kind == DEFORM_WHEEL && i % 4 == 1) ? straight[i / 8 % 4] : 4 * any_share();
+			standing.to.roll = i % 4 == 0 || (kind == SOIL_WHEEL && i % 4 == 1) ? straight[i / 8 % 4] : 4 * any_share();
 			standing.from = standing.to;
-			deform_lower_of(&shape, &standing.to, &lower);
-			double bound = deform_shape_bound(&shape);
+			soil_lower_of(&shape, &standing.to, &lower);
+			double bound = soil_shape_bound(&shape);
 			for (int k = 0; k < PLACES; k++) {
 				double x = bound * any_share(), y = bound * any_share(), wanted = height_at(&standing, x, y);
 				struct lower_place place;
-				if (deform_lower_at(&lower, x, y, &place) != (wanted < INFINITY)) {
+				if (soil_lower_at(&lower, x, y, &place) != (wanted < INFINITY)) {
 					double beside = height_at(&standing, x + 1e-9, y);
 					assert_true((beside < INFINITY) != (wanted < INFINITY)); /* on the silhouette */
 					continue;
@@ -86,30 +86,30 @@ static void it_is_that_of_the_reference(void **state)
 		assert_true(above[kind] > 500 && smooth[kind] > 400);
 }
 
-/* The lowest place of a shape is deform_shape_reach below its centre, and nothing of it lies beyond deform_body_extent. */
+/* The lowest place of a shape is soil_shape_reach below its centre, and nothing of it lies beyond soil_body_extent. */
 static void reach_and_extent_are_its_own(void **state)
 {
 	(void)state;
 	for (int kind = 0; kind < SHAPES; kind++)
 		for (int i = 0; i < 40; i++) {
-			if (kind == DEFORM_MESH)
+			if (kind == SOIL_MESH)
 				continue;
-			struct deform_shape shape = any_shape((enum deform_shape_kind)kind);
-			struct deform_pose pose = {.yaw = 4 * any_share(), .pitch = 4 * any_share(), .roll = 4 * any_share()};
+			struct soil_shape shape = any_shape((enum soil_shape_kind)kind);
+			struct soil_pose pose = {.yaw = 4 * any_share(), .pitch = 4 * any_share(), .roll = 4 * any_share()};
 			struct lower_envelope lower;
 			struct lower_place place;
-			double lowest = 0, bound = deform_shape_bound(&shape), far[2] = {0, 0}, extent[2];
-			deform_lower_of(&shape, &pose, &lower);
-			deform_body_extent(&shape, &pose, extent);
+			double lowest = 0, bound = soil_shape_bound(&shape), far[2] = {0, 0}, extent[2];
+			soil_lower_of(&shape, &pose, &lower);
+			soil_body_extent(&shape, &pose, extent);
 			for (int k = 0; k < 201 * 201; k++) {
 				double x = bound * (k % 201 - 100) / 100, y = bound * (k / 201 - 100) / 100;
-				if (!deform_lower_at(&lower, x, y, &place))
+				if (!soil_lower_at(&lower, x, y, &place))
 					continue;
 				lowest = support_least(lowest, place.z);
 				far[0] = support_most(far[0], fabs(x));
 				far[1] = support_most(far[1], fabs(y));
 			}
-			double reach = deform_shape_reach(&shape, pose.pitch, pose.roll);
+			double reach = soil_shape_reach(&shape, pose.pitch, pose.roll);
 			assert_true(lowest >= -reach - 1e-9 && lowest <= -reach + 0.03 * bound);
 			for (int k = 0; k < 2; k++)
 				assert_true(far[k] <= extent[k] + 1e-9 && far[k] >= extent[k] - 0.06 * bound);
@@ -122,7 +122,7 @@ static void grousers_are_those_of_the_reference(void **state)
 	(void)state;
 	int alike = 0;
 	for (int i = 0; i < 20; i++) {
-		struct deform_shape shape = any_shape(DEFORM_WHEEL);
+		struct soil_shape shape = any_shape(SOIL_WHEEL);
 		shape.grousers = 12;
 		shape.grouser_height = 0.1 * shape.radius;
 		shape.grouser_thickness = 0.1 * shape.radius;
@@ -130,21 +130,21 @@ static void grousers_are_those_of_the_reference(void **state)
 		struct lower_envelope lower;
 		struct lower_place place;
 		standing.from = standing.to;
-		deform_lower_of(&shape, &standing.to, &lower);
-		double bound = deform_shape_bound(&shape);
+		soil_lower_of(&shape, &standing.to, &lower);
+		double bound = soil_shape_bound(&shape);
 		for (int k = 0; k < PLACES; k++) {
 			double x = bound * any_share(), y = bound * any_share(), wanted = height_at(&standing, x, y);
-			if (!deform_lower_at(&lower, x, y, &place) || !(wanted < INFINITY))
+			if (!soil_lower_at(&lower, x, y, &place) || !(wanted < INFINITY))
 				continue;
 			alike += fabs(place.z - wanted) < 1e-9;
 			assert_true(fabs(place.z - wanted) < 1e-9 || fabs(height_at(&standing, x + 1e-8, y) - wanted) > 1e-6 ||
 				    fabs(height_at(&standing, x, y + 1e-8) - wanted) > 1e-6);
 		}
 		standing.to.roll = 0.3;
-		deform_lower_of(&shape, &standing.to, &lower);
+		soil_lower_of(&shape, &standing.to, &lower);
 		double lowest = 0, outer = hypot(shape.radius + shape.grouser_height, shape.grouser_thickness / 2);
 		for (int k = 0; k < 401 * 401; k++)
-			if (deform_lower_at(&lower, bound * (k % 401 - 200) / 200, bound * (k / 401 - 200) / 200, &place))
+			if (soil_lower_at(&lower, bound * (k % 401 - 200) / 200, bound * (k / 401 - 200) / 200, &place))
 				lowest = support_least(lowest, place.z);
 		double most = outer * cos(0.3) + shape.width / 2 * sin(0.3), least = shape.radius * cos(0.3) + shape.width / 2 * sin(0.3);
 		assert_true(lowest >= -most && lowest < -least);
@@ -159,5 +159,5 @@ TEST_PROGRAM(underside)
 		cmocka_unit_test(reach_and_extent_are_its_own),
 		cmocka_unit_test(grousers_are_those_of_the_reference),
 	};
-	return cmocka_run_group_tests_name("deform/underside", tests, NULL, NULL);
+	return cmocka_run_group_tests_name("soil/underside", tests, NULL, NULL);
 }

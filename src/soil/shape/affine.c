@@ -1,12 +1,7 @@
 /* Converts affine functions of a post's position to whole numbers that the shaders evaluate. See affine.h. */
-#include "deform/shape/affine.h"
+#include "soil/shape/affine.h"
 
 #include <math.h>
-
-#include "deform/deform.h"
-
-/* How far from its anchor an object's windows may reach, posts. */
-#define POSTS_FAR (DEFORM_WINDOWS_MAX * DEFORM_WINDOW_POSTS)
 
 static void put(uint32_t words[2], int64_t whole)
 {
@@ -14,12 +9,12 @@ static void put(uint32_t words[2], int64_t whole)
 	words[1] = (uint32_t)((uint64_t)whole >> 32);
 }
 
-struct functional deform_functional_of(struct affine value, int scale, int shift, int64_t x0, int64_t y0)
+struct functional soil_functional_of(struct affine value, int scale, int shift, int64_t x0, int64_t y0)
 {
 	value.at = by_power(value.at, scale + shift);
 	value.dx = by_power(value.dx, scale + shift);
 	value.dy = by_power(value.dy, scale + shift);
-	for (; fabsl(value.at) + POSTS_FAR * (fabsl(value.dx) + fabsl(value.dy)) > 0x1p62L; shift -= shift > 0) {
+	for (; fabsl(value.at) + FUNCTIONAL_POSTS * (fabsl(value.dx) + fabsl(value.dy)) > 0x1p62L; shift -= shift > 0) {
 		value.at /= 2;
 		value.dx /= 2;
 		value.dy /= 2;

@@ -1,8 +1,8 @@
 /* A wheel's grousers as moving faces: shape/bars.c. The GPU's lower envelope and that of a probe draw the same faces. Pure. */
-#ifndef FURROW_DEFORM_BARS_H
-#define FURROW_DEFORM_BARS_H
+#ifndef FURROW_SOIL_BARS_H
+#define FURROW_SOIL_BARS_H
 
-#include "deform/deform.h"
+#include "soil/soil.h"
 
 /* The wheel's motion during the contact. The start, and the motion from there, m; from any place and any height. */
 struct bars_motion {
@@ -20,6 +20,6 @@ struct bar_face {
 typedef void (*bars_fn)(void *user, const struct bar_face *face);
 
 /* Calls `face` for each face that may lower the envelope. pose: at the contact's end. */
-void deform_bars(const struct deform_shape *shape, const struct deform_pose *pose, const struct bars_motion *motion, bars_fn face, void *user);
+void soil_bars(const struct soil_shape *shape, const struct soil_pose *pose, const struct bars_motion *motion, bars_fn face, void *user);
 
 #endif

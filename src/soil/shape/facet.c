@@ -1,5 +1,5 @@
 /* Converts a moving triangle to whole numbers, from which the shader computes its lowest height at a post. */
-#include "deform/shape/facet.h"
+#include "soil/shape/facet.h"
 
 #include <math.h>
 #include <string.h>
@@ -135,7 +135,7 @@ static bool clipped(const int64_t posts[2], int64_t first, int32_t side, int32_t
 	return true;
 }
 
-bool deform_facet_of(const struct facet_corner corners[3], const struct facet_motion *motion, bool resting,
+bool soil_facet_of(const struct facet_corner corners[3], const struct facet_motion *motion, bool resting,
 	      const struct facet_window *window, struct facet *facet)
 {
 	const struct facet_corner *c[3] = {&corners[0], &corners[1], &corners[2]};

@@ -5,7 +5,7 @@
  *     H > 4 c sin b cos phi / (gamma (1 - cos(b - phi))).
  * See Taylor, Fundamentals of Soil Mechanics, 1948. Here b depends on H, since the slope is the one between two posts.
  */
-#include "deform/soil/stability.h"
+#include "soil/stability.h"
 
 #include <math.h>
 
@@ -19,12 +19,12 @@ static int32_t whole(double metres)
 	return units < INT32_MAX ? (int32_t)units : INT32_MAX;
 }
 
-int32_t deform_critical_difference(double angle, double apart)
+int32_t soil_critical_difference(double angle, double apart)
 {
 	return angle < UPRIGHT ? whole(tan(angle) * apart) : INT32_MAX;
 }
 
-static bool slips(const struct deform_soil *soil, double apart, int32_t units)
+static bool slips(const struct soil_numbers *soil, double apart, int32_t units)
 {
 	double height = ldexp(units, -OFFSET_BITS), slope = atan2(height, apart), over = slope - soil->friction_angle;
 	if (over <= 0)
@@ -34,9 +34,9 @@ static bool slips(const struct deform_soil *soil, double apart, int32_t units)
 	return height * driving > 4 * soil->cohesion * sin(slope) * cos(soil->friction_angle);
 }
 
-int32_t deform_critical_difference_cohesive(const struct deform_soil *soil, double apart)
+int32_t soil_critical_difference_cohesive(const struct soil_numbers *soil, double apart)
 {
-	int32_t critical = deform_critical_difference(soil->friction_angle, apart), fails = INT32_MAX;
+	int32_t critical = soil_critical_difference(soil->friction_angle, apart), fails = INT32_MAX;
 	if (soil->cohesion <= 0 || critical == INT32_MAX || !slips(soil, apart, fails))
 		return soil->cohesion <= 0 ? critical : INT32_MAX;
 	/* Above phi a steeper slope is also higher, and less stable. So there is one height from which on it fails: bisection. */
@@ -55,7 +55,7 @@ int32_t deform_critical_difference_cohesive(const struct deform_soil *soil, doub
  * square is a quadratic equation in x. Written as below its root is exact for phi = 0 too, and below 0 for a slope that would
  * overhang.
  */
-double deform_critical_cotangent(const struct deform_soil *soil, double height)
+double soil_critical_cotangent(const struct soil_numbers *soil, double height)
 {
 	if (!(soil->friction_angle < UPRIGHT))
 		return 0;

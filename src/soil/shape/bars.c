@@ -9,11 +9,11 @@
  * The turn comes from the contact, since poses may leave whole turns out. A wheel that turns by the angle between two bars
  * has the same bits as before. For that the phase is a whole number of 2^-32 of this angle.
  */
-#include "deform/shape/bars.h"
+#include "soil/shape/bars.h"
 
 #include <math.h>
 
-#include "deform/shape/body.h"
+#include "soil/shape/body.h"
 
 #define STEP 0.2     /* radians */
 #define STEPS_MAX 32 /* so large a turn within one post moves a bar past every place on the rim */
@@ -24,7 +24,7 @@ struct spot {
 };
 
 struct bars {
-	const struct deform_shape *shape;
+	const struct soil_shape *shape;
 	const struct bars_motion *motion;
 	double axes[3][3]; /* along its heading, along the axle to the left, up in the wheel's plane */
 	bool leans;        /* the axle is not level */
@@ -34,7 +34,7 @@ struct bars {
 
 /* Computes the corners of a bar's section. `angle`: from straight down, positive towards the back and up. The inner corners lie
  * inside the rim. */
-static void section(const struct deform_shape *shape, double angle, struct spot corners[4])
+static void section(const struct soil_shape *shape, double angle, struct spot corners[4])
 {
 	double half = shape->grouser_thickness / 2;
 	double inner = sqrt(fmax(0, shape->radius * shape->radius - half * half)), outer = shape->radius + shape->grouser_height;
@@ -44,13 +44,13 @@ static void section(const struct deform_shape *shape, double angle, struct spot 
 		corners[k] = (struct spot){-s * out[k] - c * along[k], -c * out[k] + s * along[k]};
 }
 
-static struct spot centre_of(const struct deform_shape *shape, double angle)
+static struct spot centre_of(const struct soil_shape *shape, double angle)
 {
 	return (struct spot){-sin(angle) * shape->radius, -cos(angle) * shape->radius};
 }
 
 /* Returns true if the bar can lower the envelope: it is in the wheel's lower half, or sticks out beyond the rim. */
-static bool shows(const struct deform_shape *shape, const struct spot corners[4])
+static bool shows(const struct soil_shape *shape, const struct spot corners[4])
 {
 	for (int k = 0; k < 4; k++)
 		if (corners[k].w < 0 || fabs(corners[k].u) > shape->radius)
@@ -128,10 +128,10 @@ static double phase_of(double turn, double share)
 	return (double)(uint32_t)(int64_t)llrint(ldexp(bars - floor(bars), 32)) * ldexp(share, -32);
 }
 
-void deform_bars(const struct deform_shape *shape, const struct deform_pose *pose, const struct bars_motion *motion, bars_fn face, void *user)
+void soil_bars(const struct soil_shape *shape, const struct soil_pose *pose, const struct bars_motion *motion, bars_fn face, void *user)
 {
 	struct bars bars = {.shape = shape, .motion = motion, .leans = pose->roll != 0, .face = face, .user = user};
-	deform_axes(pose->yaw, 0, pose->roll, 0, bars.axes);
+	soil_axes(pose->yaw, 0, pose->roll, 0, bars.axes);
 	double share = 2 * M_PI / shape->grousers, turned = motion->turned;
 	double end = phase_of(pose->turn, share);
 	int steps = (int)fmin(fmax(ceil(fabs(turned) / STEP), 1), STEPS_MAX);

@@ -1,5 +1,5 @@
 /*
- * Soils by name, and the planes a model keeps. docs/SOILS.md has this table in SI units, with the sources; a test compares
+ * Soils by name, and their numbers by key. docs/SOILS.md has this table in SI units, with the sources; a test compares
  * the two.
  *
  * n, k_c, k_phi, c, phi, K: Wong, Theory of Ground Vehicles, 2008, table 2.3, there in kN, kPa, cm and degrees. The weight
@@ -10,10 +10,11 @@
  * of the soil that is displaced: 0.3, 0.41, 0. Compression here is the share that is lost, 1 - alpha.
  */
 #include <math.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <string.h>
 
-#include "deform/deform.h"
+#include "soil/soil.h"
 
 #define SUMNER_SAND {0.8, 0.436, 0.2, 0.8, 0.7}
 
@@ -49,7 +50,7 @@ static double radians(double degrees)
 	return degrees * (M_PI / 180);
 }
 
-static void take_wong(const struct wong *wong, struct deform_soil *soil)
+static void take_wong(const struct wong *wong, struct soil_numbers *soil)
 {
 	soil->bekker_kc = wong->k_c * 1e3;
 	soil->bekker_kphi = wong->k_phi * 1e3;
@@ -57,13 +58,13 @@ static void take_wong(const struct wong *wong, struct deform_soil *soil)
 	soil->cohesion = wong->c * 1e3;
 	soil->friction_angle = radians(wong->phi);
 	soil->janosi_shear = wong->k_cm / 100;
-	soil->elastic_stiffness = DEFORM_USUAL_STIFFNESS;
-	soil->damping = DEFORM_USUAL_DAMPING;
+	soil->elastic_stiffness = SOIL_USUAL_STIFFNESS;
+	soil->damping = SOIL_USUAL_DAMPING;
 	soil->unit_weight = wong->weight * 1e3;
 	soil->repose = radians(wong->phi);
 }
 
-static void take_sumner(const struct sumner *sumner, struct deform_soil *soil)
+static void take_sumner(const struct sumner *sumner, struct soil_numbers *soil)
 {
 	soil->theta_in = sumner->theta_in;
 	soil->theta_out = sumner->theta_out;
@@ -72,27 +73,27 @@ static void take_sumner(const struct sumner *sumner, struct deform_soil *soil)
 	soil->compression = sumner->compression;
 }
 
-void deform_soil_clear(struct deform_soil *soil)
+void soil_clear(struct soil_numbers *soil)
 {
 	const double none = (double)NAN;
-	*soil = (struct deform_soil){
+	*soil = (struct soil_numbers){
 		.bekker_kc = none, .bekker_kphi = none, .bekker_n = none, .cohesion = none, .friction_angle = none,
 		.janosi_shear = none, .elastic_stiffness = none, .damping = none, .unit_weight = none, .repose = none,
 		.theta_in = none, .theta_out = none, .theta_stop = none, .roughness = none, .compression = none,
 	};
 }
 
-const char *deform_soil_name(size_t index)
+const char *soil_name(size_t index)
 {
 	return index < ROWS ? rows[index].name : NULL;
 }
 
-enum status deform_soil_named(const char *name, struct deform_soil *soil)
+enum status soil_named(const char *name, struct soil_numbers *soil)
 {
 	char all[512] = "";
 	for (size_t i = 0; i < ROWS; i++) {
 		if (strcmp(rows[i].name, name) == 0) {
-			deform_soil_clear(soil);
+			soil_clear(soil);
 			if (rows[i].wong.n > 0)
 				take_wong(&rows[i].wong, soil);
 			if (rows[i].sumner.theta_in > 0)
@@ -102,4 +103,24 @@ enum status deform_soil_named(const char *name, struct deform_soil *soil)
 		snprintf(all + strlen(all), sizeof all - strlen(all), "%s%s", i > 0 ? ", " : "", rows[i].name);
 	}
 	return fail_with(STATUS_INPUT, "soil: there is none by that name; known are: %s", all);
+}
+
+#define KEY(number, key) [number] = #key,
+#define PLACE(number, key) [number] = offsetof(struct soil_numbers, key),
+const char *soil_number_key(enum soil_number number)
+{
+	static const char *const keys[] = {SOIL_NUMBERS_EACH(KEY)};
+	return keys[number];
+}
+
+double *soil_number_in(struct soil_numbers *soil, enum soil_number number)
+{
+	static const size_t places[] = {SOIL_NUMBERS_EACH(PLACE)};
+	return (double *)((char *)soil + places[number]);
+}
+
+double soil_raster_value(const struct soil_raster *raster, uint8_t level)
+{
+	return level == SOIL_LEVELS ? raster->high
+				      : raster->low + (raster->high - raster->low) / (SOIL_LEVELS - 1) * (level - 1);
 }

@@ -1,0 +1,140 @@
+/*
+ * soil: what both ways to change the ground share: shapes, poses, and the numbers of soils. deform computes kinematic models on the GPU.
+ * Soil that bears is computed on the CPU. Functions here are pure, and any thread may call them. Lengths are in metres, angles in radians,
+ * unless a comment says otherwise. A fixed-point unit is 2^-20 m.
+ */
+#ifndef FURROW_SOIL_H
+#define FURROW_SOIL_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "base/base.h"
+
+/* Their numbers are in the hashes of scenes, so a new shape comes last. */
+enum soil_shape_kind { SOIL_WHEEL, SOIL_SPHERE, SOIL_BOX, SOIL_MESH, SOIL_CYLINDER, SOIL_CAPSULE, SOIL_ELLIPSOID, SOIL_SHAPES };
+
+/* Triangles in the object's own axes, metres. Its maker owns it. It must outlive every use. */
+struct soil_mesh {
+	float (*vertices)[3];
+	uint32_t (*triangles)[3]; /* indices into vertices; clockwise or not */
+	uint32_t vertex_count, triangle_count;
+	double low[3], high[3];   /* bounds of the vertices */
+};
+
+struct soil_shape {
+	enum soil_shape_kind kind;
+	double radius;  /* wheel, sphere, cylinder, capsule: metres */
+	double width;   /* wheel: metres along its axis */
+	double length;  /* cylinder, capsule: metres along its axis, its own z; of a capsule without its two ends */
+	double size[3]; /* box: metres along its own x (forward), y (left), z (up); ellipsoid: its half axes along these */
+	int grousers;       /* wheel: grousers, evenly spaced bars across the rim that turn with it; 0: a smooth wheel */
+	double grouser_height, grouser_thickness; /* of a grouser, metres: beyond the radius, and along the rim */
+	/* box, mesh: its surface is a belt that runs around its own y axis, as a wheel's rim does. Below a body that it draws forwards it
+	 * runs backwards */
+	bool belt;
+	const struct soil_mesh *mesh;
+};
+
+/* The object's centre and attitude, in radians: yaw about z from east to north, then pitch (nose up), then roll (right side
+ * down). A wheel's axis is its own y; it rolls along its own x. Its roll is its camber. Its pitch does not count: it only turns the wheel
+ * about its axis. `turn`: how far a wheel has turned forwards about its axis, radians. It decides where the grousers are. Of a body with
+ * a belt: how far the belt has run, metres. */
+struct soil_pose {
+	int64_t x, y, z; /* 2^-20 m from the south-west post; z absolute */
+	double yaw, pitch, roll, turn;
+};
+
+/* Returns true for a body whose surface runs over it: a wheel, or a body with a belt. Only such a body has a slip. */
+bool soil_shape_runs(const struct soil_shape *shape);
+/* Returns how far the surface of a body ran over it, metres. `turned`: of a wheel radians about its axis, of a belt the metres that
+ * it ran. 0: the body has no such surface. */
+double soil_shape_ran(const struct soil_shape *shape, double turned);
+#define SOIL_SHAPE_POSTS 672 /* the widest body, in posts */
+/* Checks that a shape can be simulated with posts `spacing` metres apart. STATUS_INPUT: it cannot; the message tells the limit. */
+enum status soil_shape_check(const struct soil_shape *shape, double spacing) FURROW_CHECKED;
+/* Returns a distance from the object's centre that holds the whole object in any attitude, metres. */
+double soil_shape_bound(const struct soil_shape *shape);
+/* Computes the object's own axes in a pose: forward, left and up, unit vectors, with `turn` about its own left. */
+void soil_axes(double yaw, double pitch, double roll, double turn, double axes[3][3]);
+/* Computes the yaw and the roll, -pi / 2 to pi / 2, of a wheel whose axle points along this unit vector. */
+void soil_wheel_attitude(const double axle[3], double *yaw, double *roll);
+/* Returns the height of the centre above the object's lowest point in this attitude, metres, positive. */
+double soil_shape_reach(const struct soil_shape *shape, double pitch, double roll);
+
+/* The numbers of one soil, SI, angles in radians. The scene checks ranges. NAN: the soil has no such number, and no model may
+ * read it. */
+struct soil_numbers {
+	double bekker_kc, bekker_kphi, bekker_n; /* N/m^(n+1), N/m^(n+2), 1 */
+	double cohesion, friction_angle;         /* Pa, rad */
+	double janosi_shear;                     /* K, m */
+	double elastic_stiffness, damping;       /* Pa/m, Pa s/m */
+	double unit_weight;                      /* N/m3 */
+	/* Sumner's model: angles in rad; shares of 1. */
+	double theta_in, theta_out, theta_stop, roughness, compression;
+	double repose; /* rad: model scm: angle of repose of deposited soil */
+};
+#define SOIL_CLASSES 16 /* the most soils in one scene */
+
+/* Numbers of a soil that may differ from post to post. lib/soil.glsl has the same order. */
+#define SOIL_NUMBERS_EACH(NUMBER) \
+	NUMBER(SOIL_BEKKER_KC, bekker_kc) \
+	NUMBER(SOIL_BEKKER_KPHI, bekker_kphi) \
+	NUMBER(SOIL_BEKKER_N, bekker_n) \
+	NUMBER(SOIL_COHESION, cohesion) \
+	NUMBER(SOIL_FRICTION_ANGLE, friction_angle) \
+	NUMBER(SOIL_JANOSI_SHEAR, janosi_shear) \
+	NUMBER(SOIL_ELASTIC_STIFFNESS, elastic_stiffness)
+#define SOIL_NUMBER(number, key) number,
+enum soil_number { SOIL_NUMBERS_EACH(SOIL_NUMBER) SOIL_NUMBERS };
+#undef SOIL_NUMBER
+/* Returns the key of a number in a scene. */
+const char *soil_number_key(enum soil_number number);
+/* Returns the place of a number in a soil. */
+double *soil_number_in(struct soil_numbers *soil, enum soil_number number);
+/* How a number is kept at each post: a byte. 0: the number is that of the post's soil; 1 to 255: levels from `low` to `high`, which
+ * are equally far apart. SI. */
+struct soil_raster {
+	enum soil_number number;
+	double low, high;
+};
+#define SOIL_RASTERS 4 /* the bytes of a post */
+#define SOIL_LEVELS 255
+/* Returns the number of a level. `level`: not 0. */
+double soil_raster_value(const struct soil_raster *raster, uint8_t level);
+
+/* All predefined soils of Wong's table have these, as no source gives them by soil. */
+#define SOIL_USUAL_STIFFNESS 4e7 /* Pa/m */
+#define SOIL_USUAL_DAMPING 3e4   /* Pa s/m */
+/* Sets every number to NAN. */
+void soil_clear(struct soil_numbers *soil);
+/* Returns the name of a predefined soil by its index, 0, 1, ...; NULL beyond the last. */
+const char *soil_name(size_t index);
+/* Fills the numbers of a predefined soil, from Wong's table, Sumner's table, or both. STATUS_INPUT: no soil has this name; the
+ * message lists all names. */
+enum status soil_named(const char *name, struct soil_numbers *soil) FURROW_CHECKED;
+
+/* Shear along an object's surface. Where that is weaker than the soil, the soil slides along it. */
+struct soil_interface {
+	bool has_friction, has_adhesion; /* false: in its place counts the soil's own friction_angle, cohesion */
+	double friction_angle, adhesion; /* rad, Pa */
+};
+
+/* m: a body that slips less in a contact digs nothing. Poses are whole fixed-point units of 2^-20 m, so a wheel that rolls without slip seems to
+ * slip by some of them. Then a drive in which nothing slips digs nothing, whether or not it keeps what was dug. */
+#define SOIL_SLIP_LEAST 0x1p-18
+
+/* Returns the largest shear force on an area, N: of the soil, or along the object's surface if that is less. `area`: m2; `normal`:
+ * force across it, N. */
+double soil_shear_limit(const struct soil_numbers *soil, const struct soil_interface *interface, double area, double normal);
+
+/* Returns about how deep the object sinks under a load, m, as the start of a search. A wheel: Bekker's formula for a towed
+ * wheel. Other shapes: as plates. */
+double soil_sinkage_guess(const struct soil_shape *shape, const struct soil_numbers *soil, double load);
+/* Returns about what load sinks a wheel that rolls with this slip, or an upright box, by so much, N. `sinkage`: m, above 0. INFINITY:
+ * another shape, of which it is not known. */
+double soil_load_at(const struct soil_shape *shape, const struct soil_interface *interface, double slip, const struct soil_numbers *soil,
+		    double sinkage);
+
+#endif
