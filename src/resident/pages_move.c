@@ -30,9 +30,14 @@ static enum status taken(void *user, uint64_t key, const struct page_image *imag
 	struct tile tile = tile_from_key(key);
 	void *into[PLANES] = {NULL};
 	unsigned present;
-	if (image != NULL)
-		return taking->fn(taking->user, tile, image->flags, image->bytes);
 	enum status status = make_reader(pages);
+	if (status == STATUS_OK && image != NULL) {
+		for (int plane = 0; plane < PLANES; plane++)
+			if (image->flags & PLANE_BIT(plane))
+				memcpy(pages_plane(pages, pages->moved.bytes, (enum plane)plane), pages->home->plane(pages, image, (enum plane)plane),
+				       pages->layout.posts * plane_bytes((enum plane)plane));
+		return taking->fn(taking->user, tile, image->flags, pages->moved.bytes);
+	}
 	if (status != STATUS_OK)
 		return status;
 	memset(pages->moved.bytes, 0, pages->layout.changed);

@@ -58,7 +58,7 @@ static void rig_open(struct rig *rig, const char *path, const struct rig_params 
 	must(gpu_slots_create(world->gpu, CELLS, params->slots, PLANE_BIT(PLANE_DISTURBANCE), &world->slots));
 	must(resident_ground_create(world->store, 4, &world->ground));
 	if (params->pyramid)
-		must(resident_pyramid_create(&world->meta->extent, level, world->slots, &world->pyramid));
+		must(resident_pyramid_create(&world->meta->extent, level, world->slots, NULL, &world->pyramid));
 	must(deform_create(&(struct deform_params){.gpu = world->gpu,
 						   .slots = world->slots,
 						   .extent = &world->meta->extent,
