@@ -46,14 +46,14 @@ static enum status show_planes(struct pages *pages, uint32_t slot, struct host_e
 	return status;
 }
 
-enum status resident_pages_show(struct pages *pages, uint32_t slot)
+enum status resident_pages_show(struct pages *pages, uint32_t slot, bool planes)
 {
 	if (pages->params.host == NULL)
 		return STATUS_OK;
 	assert(pages->params.slots != NULL);
 	struct host_entry *entry = host_entry(pages->params.host, slot);
 	enum status status = entry->shown_base ? STATUS_OK : show_base(pages, slot, entry);
-	if (status == STATUS_OK && (!entry->shown_planes || entry->changed.width > 0))
+	if (status == STATUS_OK && planes && (!entry->shown_planes || entry->changed.width > 0))
 		status = show_planes(pages, slot, entry);
 	return status;
 }

@@ -420,11 +420,11 @@ void resident_pages_io(struct pages *pages, struct resident_pages_io *io);
  * drawn ones.
  *
  * resident_pages_mirror sets the GPU and its slots; NULL: there are none from now on. resident_pages_show brings the slot of a resident page up to
- * date, before it is drawn: it uploads the base and drawn classes once after a load, and of drawn planes the rectangle that changed since. It
- * does nothing if the home is the GPU. Call both on the owner's thread, the second between two steps, after resident_pyramid_flush.
+ * date, before it is drawn: it uploads the base and drawn classes once after a load, and of drawn planes the rectangle that changed since.
+ * `planes` false: only the base of the tile is looked at, so its planes stay as they are. It does nothing if the home is the GPU. Call both on the owner's thread, the second between two steps, after resident_pyramid_flush.
  */
 void resident_pages_mirror(struct pages *pages, struct gpu *gpu, struct gpu_slots *slots);
-enum status resident_pages_show(struct pages *pages, uint32_t slot) FURROW_CHECKED;
+enum status resident_pages_show(struct pages *pages, uint32_t slot, bool planes) FURROW_CHECKED;
 /* Returns true if the tile in the slot is deformed, wherever its home is. */
 bool resident_pages_is_deformed(const struct pages *pages, uint32_t slot);
 /* From now on writes a line into `file` after each commit: time (s), step, and three volumes (m3). These are what the whole drive removed,
