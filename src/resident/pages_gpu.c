@@ -84,6 +84,15 @@ static void copy(struct pages *pages, struct page_image *image, const struct pag
 	image->flags = queued->flags;
 }
 
+static enum status fill(struct pages *pages, struct page_image *image, const void *bytes)
+{
+	if (bytes != NULL)
+		memcpy(image->bytes, bytes, pages->layout.changed);
+	else
+		memset(image->bytes, 0, pages->layout.changed);
+	return STATUS_OK;
+}
+
 static const void *plane_of(const struct pages *pages, const struct page_image *changed, enum plane plane)
 {
 	return pages_plane(pages, changed->bytes, plane);
@@ -165,6 +174,6 @@ static bool is_deformed(const struct pages *pages, uint32_t slot)
 }
 
 const struct pages_home resident_pages_gpu = {
-	.create = create, .destroy = destroy, .base = base, .room = room, .planes = planes, .keep = keep, .copy = copy, .plane = plane_of,
+	.create = create, .destroy = destroy, .base = base, .room = room, .planes = planes, .keep = keep, .copy = copy, .fill = fill, .plane = plane_of,
 	.upload = upload, .read_back = read_back, .snapshot = snapshot, .settled = settled, .read_plane = read_plane, .is_deformed = is_deformed,
 };

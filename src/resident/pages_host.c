@@ -80,6 +80,23 @@ static void copy(struct pages *pages, struct page_image *image, const struct pag
 	image->flags = queued->flags;
 }
 
+static enum status fill(struct pages *pages, struct page_image *image, const void *bytes)
+{
+	struct host_slots *slots = pages->params.host;
+	struct host_tile *tile = tile_of(image);
+	const struct host_tile none = {.base = NULL};
+	if (bytes == NULL) {
+		resident_host_tile_share(slots, &none, tile, pages->planes);
+		return STATUS_OK;
+	}
+	enum status status = resident_host_tile_write(slots, tile, pages->planes);
+	for (int plane = 0; plane < PLANES && status == STATUS_OK; plane++)
+		if (pages->planes & PLANE_BIT(plane))
+			memcpy(tile->planes[plane]->posts, (const char *)bytes + pages->layout.places[plane],
+			       pages->layout.posts * plane_bytes((enum plane)plane));
+	return status;
+}
+
 static const void *plane_of(const struct pages *pages, const struct page_image *changed, enum plane plane)
 {
 	return tile_of(changed)->planes[plane]->posts;
@@ -136,6 +153,6 @@ static bool is_deformed(const struct pages *pages, uint32_t slot)
 
 const struct pages_home resident_pages_host = {
 	.create = create, .destroy = destroy, .drop = drop, .base = base, .room = room, .planes = planes, .keep = keep, .copy = copy,
-	.plane = plane_of, .upload = upload, .read_back = read_back, .snapshot = snapshot, .settled = settled, .read_plane = read_plane,
+	.fill = fill, .plane = plane_of, .upload = upload, .read_back = read_back, .snapshot = snapshot, .settled = settled, .read_plane = read_plane,
 	.is_deformed = is_deformed,
 };

@@ -42,14 +42,16 @@ struct pages_home {
 	void (*destroy)(struct pages *pages, struct page_image *image);
 	/* On any thread, as page_executor.drop; NULL: nothing to do. */
 	void (*drop)(struct pages *pages, struct page_image *image);
-	/* On the thread that fills a loaded image. base: fills it. room: gives memory for classes, numbers; NULL: not wanted. */
+	/* Of a loaded image, on the thread that fills it. base: fills it. room: gives memory for classes, numbers; NULL: not wanted. */
 	enum status (*base)(struct pages *pages, struct ground *ground, struct page_image *image);
 	enum status (*room)(struct pages *pages, struct page_image *image, uint8_t **classes, uint8_t **numbers);
 	/* Gives memory for planes of the mask, to write all of their posts. `zeros`: those that the image lacks are zeros, and it has them then. */
 	enum status (*planes)(struct pages *pages, struct page_image *image, unsigned mask, bool zeros, void *into[PLANES]);
 	void (*keep)(struct pages *pages, struct page_image *image, unsigned present); /* it has these planes and no other ones */
 	void (*copy)(struct pages *pages, struct page_image *image, const struct page_image *queued); /* it has the planes of `queued` */
-	/* Returns a plane that the image has. On any thread that may read it. */
+	/* Fills a changed image, each plane of params.planes, from bytes as those of a page that moves. NULL: all are zeros. */
+	enum status (*fill)(struct pages *pages, struct page_image *image, const void *bytes);
+	/* Returns a plane that a changed image has. On any thread that may read it. */
 	const void *(*plane)(const struct pages *pages, const struct page_image *image, enum plane plane);
 	/* On the owner's thread: as in struct page_executor, but `upload` leaves overlays to the caller. */
 	enum status (*upload)(struct pages *pages, uint32_t slot, struct page_image *image);

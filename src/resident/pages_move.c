@@ -55,7 +55,7 @@ enum status resident_pages_take(struct pages *pages, const uint64_t *keys, size_
 }
 
 struct putting {
-	const struct pages *pages;
+	struct pages *pages;
 	unsigned planes;
 	const void *bytes;
 };
@@ -65,11 +65,7 @@ static enum status fill(void *user, struct page_image *image)
 {
 	const struct putting *putting = user;
 	image->flags = putting->pages->planes;
-	if (putting->planes != 0)
-		memcpy(image->bytes, putting->bytes, putting->pages->layout.changed);
-	else
-		memset(image->bytes, 0, putting->pages->layout.changed);
-	return STATUS_OK;
+	return putting->pages->home->fill(putting->pages, image, putting->planes != 0 ? putting->bytes : NULL);
 }
 
 enum status resident_pages_put(struct pages *pages, struct tile tile, unsigned planes, const void *bytes)
