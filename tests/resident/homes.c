@@ -206,6 +206,92 @@ static void one_script_leaves_the_same_rows(void **state)
 	assert_true(host == run_script(support_path("other.furrow"), false));
 }
 
+/* --- threads --- */
+
+enum { HANDS = 4, WINDOW = 40 };
+
+struct hand {
+	struct rig *rig;
+	struct host_held held[4];
+	struct post_rect rect;
+	struct thread thread;
+};
+
+/* Adds one to the offset of each post of a window, and its step to the disturbance. */
+static void *press(void *argument)
+{
+	struct hand *hand = argument;
+	int32_t offset[WINDOW * WINDOW], base[WINDOW * WINDOW];
+	uint8_t disturbance[WINDOW * WINDOW];
+	const struct soil_planes planes = {.rect = hand->rect, .width = WINDOW, .base = base, .offset = offset, .disturbance = disturbance};
+	resident_host_gather(hand->rig->host, hand->held, 4, &planes);
+	for (int i = 0; i < WINDOW * WINDOW; i++) {
+		offset[i]++;
+		disturbance[i]++;
+	}
+	resident_host_scatter(hand->rig->host, hand->held, 4, &planes, hand->rect, PLANE_BIT(PLANE_OFFSET) | PLANE_BIT(PLANE_DISTURBANCE));
+	return NULL;
+}
+
+/* Four windows lie on the same four tiles, and share no post. Meanwhile commits write what steps before left, and loaders load. */
+static void threads_write_windows_that_share_no_post(void **state)
+{
+	const char *path = support_path("threads.furrow");
+	enum { STEPS = 60 };
+	struct rig rig;
+	memset(truth, 0, sizeof truth);
+	begin(&rig, path, true);
+	struct hand hands[HANDS];
+	for (int step = 1; step <= STEPS; step++) {
+		uint64_t keys[4], beside = tile_key((struct tile){LEVEL, (uint32_t)step % 3, (uint32_t)step % SIDE});
+		uint32_t slots[4], slot;
+		page_cache_want(rig.cache, &beside, 1);
+		for (uint32_t i = 0; i < 4; i++)
+			keys[i] = tile_key((struct tile){LEVEL, 3 + i % 2, 3 + i / 2});
+		must(page_cache_pin_all(rig.cache, keys, 4, slots));
+		for (uint32_t i = 0; i < 4; i++)
+			must(resident_host_write(rig.host, slots[i], ALL));
+		for (int h = 0; h < HANDS; h++) {
+			const int64_t x = h % 2 == 0 ? 100 : 140, y = h / 2 == 0 ? 110 : 150, side = h % 2 == 0 ? WINDOW : 15;
+			hands[h] = (struct hand){.rig = &rig, .rect = {x, y, x + side, y + (h / 2 == 0 ? WINDOW : 8)}};
+			for (uint32_t i = 0; i < 4; i++)
+				hands[h].held[i] = (struct host_held){tile_from_key(keys[i]), slots[i]};
+		}
+		for (int h = 0; h < HANDS; h++)
+			must(thread_start(&hands[h].thread, press, &hands[h], "hand"));
+		for (int h = 0; h < HANDS; h++)
+			thread_join(&hands[h].thread);
+		for (uint32_t i = 0; i < 4; i++) {
+			page_cache_dirty(rig.cache, keys[i]);
+			page_cache_unpin(rig.cache, keys[i]);
+		}
+		rig.record->step = step;
+		must(page_cache_end_step(rig.cache, rig.record));
+		if (step % 7 == 0) { /* all leave their slots */
+			for (uint32_t i = 0; i < SLOTS; i++) {
+				const uint64_t key = tile_key((struct tile){LEVEL, i % SIDE, i / SIDE});
+				must(page_cache_pin(rig.cache, key, &slot));
+				page_cache_unpin(rig.cache, key);
+			}
+		}
+	}
+	must(page_cache_flush(rig.cache, rig.record));
+	struct resident_pages_io io;
+	resident_pages_io(rig.pages, &io);
+	assert_true(io.commits > 3);
+	rig_close(&rig);
+	support_verify(path);
+	double *units = support_quanta(path, LEVEL, (struct post_rect){96, 96, 161, 161});
+	for (int i = 0; i < 65 * 65; i++) {
+		const int x = 96 + i % 65, y = 96 + i / 65;
+		bool in = false;
+		for (int h = 0; h < HANDS; h++)
+			in = in || (x >= hands[h].rect.x0 && x < hands[h].rect.x1 && y >= hands[h].rect.y0 && y < hands[h].rect.y1);
+		assert_true(units[i] == (in ? STEPS : 0));
+	}
+	free(units);
+}
+
 /* --- plans --- */
 
 static uint64_t units_of(const struct resident_host_figures *figures, enum plan_unit unit)
@@ -254,6 +340,7 @@ TEST_PROGRAM(homes)
 		cmocka_unit_test(pages_go_back_to_a_mark),
 		cmocka_unit_test(pages_move_with_all_planes),
 		cmocka_unit_test(one_script_leaves_the_same_rows),
+		cmocka_unit_test(threads_write_windows_that_share_no_post),
 		cmocka_unit_test(what_is_made_is_planned),
 	};
 	return cmocka_run_group_tests_name("homes", tests, support_enter, support_leave);
