@@ -172,6 +172,8 @@ enum status resident_host_decimate(struct host_slots *slots, uint32_t fine, stru
 	if (drawn & PLANE_BIT(PLANE_DISTURBANCE))
 		decimate_u8(disturbance != NULL ? disturbance + first : NULL, shift, into, stride, to->planes[PLANE_DISTURBANCE]->posts + at);
 	resident_host_changed(slots, coarse, into);
+	mutex_lock(&slots->mutex);
 	slots->figures.decimated++;
+	mutex_unlock(&slots->mutex);
 	return STATUS_OK;
 }

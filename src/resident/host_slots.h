@@ -1,16 +1,16 @@
 /*
  * Shared by the files host_*.c and pages_host.c: tiles in host memory.
  *
- * A tile has its own base, classes and levels, and planes that it may share with other tiles: with the image of a commit, or with that of a
- * load. A shared plane is never written. Who wants to write it takes a copy first (resident_host_tile_write). So a commit and an eviction copy
+ * A tile has its own base, classes and levels. It may share its planes with other tiles: with the image of a commit, or of a load. A shared
+ * plane is never written. The thread that wants to write it takes a copy first (resident_host_tile_write). So a commit and an eviction copy
  * nothing, and the writer thread reads planes while the owner goes on.
  *
  *     a plane:  free -> held by one tile, which may write it <-> shared by several, which only read it -> free
  *
  * Invariants:
- *   1. plane->refs counts the tiles that hold it. Only a tile that holds the plane gives it to another one. So the number does not grow while
- *      one tile alone holds it.
- *   2. A plane is written only by the holder of the tile that alone holds it. That is the owner of slots, or the thread that an image belongs to.
+ *   1. plane->refs counts the tiles that hold it. Only a tile that holds the plane shares it with another one. So refs stays 1 until the
+ *      thread to which that tile belongs shares it.
+ *   2. A plane is written only while one tile holds it, and by the thread to which this tile belongs. A tile in a slot belongs to the owner.
  *   3. A plane is in the list of free planes of its kind, or refs > 0. The zeros are never free, and never written.
  *   4. The memory of planes, bases, classes and levels is made when it is first needed, and freed with the slots.
  */

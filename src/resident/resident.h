@@ -1,6 +1,6 @@
 /*
- * resident: the ground that is in memory. It holds base heights on the CPU, and pages of the store in slots: of the GPU for kinematic models,
- * in host memory for bearing soil. It also updates coarser levels, gives the newest values, and reads the map of soils.
+ * resident: the ground that is in memory. It holds base heights on the CPU, and pages of the store in slots. For kinematic models these are
+ * slots of the GPU, for bearing soil slots in host memory. It also updates coarser levels, gives the newest values, and reads the map of soils.
  *
  * Loader threads read pages, and the writer thread commits them. Everything else has one owner thread, named at each part.
  */
@@ -212,11 +212,11 @@ enum status resident_soil_rasters_at(struct soil_rasters *rasters, int level, in
  * The image of a page that waits for a commit shares the planes of its slot, so a commit and an eviction copy nothing. Who writes a plane that an
  * image still shares gets a copy first: resident_host_write does that. A plane that is shared is never written.
  *
- * Threads. Slots belong to the owner of the page cache. The owner alone calls what may change which memory a slot has: resident_host_write,
- * resident_host_decimate, and the functions of pages, the cache and coarser levels. Between two such calls any number of threads may gather,
- * scatter, and use the pointers of pinned slots, if no post is written by one thread and used by another. Loader threads fill tiles of their
- * own, which come into slots when the owner makes a page resident. The writer thread reads shared planes. resident_host_figures may be called
- * on any thread.
+ * Threads. Slots belong to the owner of the page cache. Some functions may change which memory a slot has: resident_host_write,
+ * resident_host_decimate, and those of pages, the cache and coarser levels. The owner alone calls them. Between two such calls any thread may
+ * gather, scatter, and use the pointers of pinned slots. But no post that one thread writes may be used by another one. Loader threads fill
+ * tiles of their own. These come into slots when the owner makes a page resident. The writer thread reads shared planes.
+ * resident_host_figures may be called on any thread.
  */
 struct host_slots;
 
@@ -262,12 +262,12 @@ enum status resident_host_decimate(struct host_slots *slots, uint32_t fine, stru
 struct resident_host_figures {
 	uint64_t bases, classes, levels, planes[PLANES];
 	uint64_t base_bytes, class_bytes, level_bytes, plane_bytes[PLANES];
-	uint64_t bytes; /* of all of these */
-	uint64_t decimated;
+	uint64_t bytes;     /* of all of these */
+	uint64_t decimated; /* decimations of a deformed tile */
 };
 void resident_host_figures(struct host_slots *slots, struct resident_host_figures *figures);
-/* Adds the plan's lines of host slots, and images of pages, with these planes (0: nothing is deformed). Their units are PLAN_HOST_BASE and those after it. An effect
- * NULL of classes or levels: there are none. `effects`: what needs each plane. Pure. */
+/* Adds the plan's lines of host slots, and of images of pages, with these planes (0: nothing is deformed). Their units are PLAN_HOST_BASE and
+ * those after it. An effect NULL of classes or levels: there are none. `effects`: what needs each plane. resident_pages_plan calls it. Pure. */
 void resident_host_plan(uint32_t cells, unsigned planes, const char *classes_effect, const char *levels_effect,
 			const char *const effects[PLANES], struct plan *plan);
 
@@ -420,8 +420,8 @@ void resident_pages_io(struct pages *pages, struct resident_pages_io *io);
  * drawn ones.
  *
  * resident_pages_mirror sets the GPU and its slots; NULL: there are none from now on. resident_pages_show brings the slot of a resident page up to
- * date, before it is drawn: it uploads the base and drawn classes once after a load, and of drawn planes the rectangle that changed since.
- * `planes` false: only the base of the tile is looked at, so its planes stay as they are. It does nothing if the home is the GPU. Call both on the owner's thread, the second between two steps, after resident_pyramid_flush.
+ * date, before it is drawn. It uploads the base and drawn classes once after a load. Of drawn planes it uploads the rectangle that changed
+ * since the last time. `planes` false: only the base is needed, so planes stay as they are. It does nothing if the home is the GPU. Call both on the owner's thread, the second between two steps, after resident_pyramid_flush.
  */
 void resident_pages_mirror(struct pages *pages, struct gpu *gpu, struct gpu_slots *slots);
 enum status resident_pages_show(struct pages *pages, uint32_t slot, bool planes) FURROW_CHECKED;
