@@ -1,10 +1,11 @@
 /*
- * page: decides which tiles are resident (in a slot of the GPU), and keeps changed tiles until they are committed.
+ * page: decides which tiles are resident (in a slot), and keeps changed tiles until they are committed.
  *
- * It uses neither GL nor SQLite itself. It has one owner: the thread that owns GL. The owner asks for pages by key. It executes
- * the work that the cache gives it ("upload 7", "read back 9"), and says when a step is over. Loader threads call io.load, and
- * one writer thread calls io.commit, both without holding the mutex. The owner begins an upload or a read-back and does not
- * wait for it. The cache asks later if the transfer is settled (finished). Until then it does not touch the image.
+ * It uses neither GL nor SQLite itself. It does not know whether slots are of the GPU or in host memory. It has one owner: the thread
+ * that owns the slots. The owner asks for pages by key. It executes the work that the cache gives it ("upload 7", "read back 9"), and
+ * says when a step is over. Loader threads call io.load, and one writer thread calls io.commit, both without holding the mutex. The
+ * owner begins an upload or a read-back and does not wait for it. The cache asks later if the transfer is settled (finished). Until
+ * then it does not touch the image.
  *
  * Call every function on the owner thread, unless its comment says otherwise.
  *
@@ -63,7 +64,7 @@ struct page_executor {
 	/* Tells whether the last transfer of this image has finished. Never waits. */
 	enum status (*settled)(void *user, const struct page_image *image, bool *settled);
 	/* Nobody uses what the image holds any more. Called on any thread that uses the cache, with its mutex held. So it must be
-	 * quick, and must not call the cache. NULL: nothing to do. */
+	 * quick, and must not call the cache. Its last transfer has settled, unless the cache is being destroyed. NULL: nothing to do. */
 	void (*drop)(void *user, struct page_image *image);
 };
 
