@@ -349,7 +349,7 @@ static void start_pressing(struct rig *rig)
 	params.slots = world->slots;
 	params.reference = resident_ground_reference(world->store);
 	bench_must(deform_create(&params, &world->deform));
-	bench_must(resident_pyramid_create(&world->meta->extent, world->level, world->slots, &world->pyramid));
+	bench_must(resident_pyramid_create(&world->meta->extent, world->level, world->slots, NULL, &world->pyramid));
 }
 
 static void deform_table(struct rig *rig, struct rig *untouched, struct bar *bar)

@@ -44,6 +44,11 @@ enum plan_unit {
 	PLAN_RESULT_LAYER, /* results of blocks that relax, before they are copied */
 	PLAN_PROBED,       /* posts of the ground under bodies that are probed, with room for them */
 	PLAN_RING,         /* segments of the ring of pass parameters */
+	PLAN_HOST_BASE,    /* tiles in host memory that have base heights */
+	PLAN_HOST_CLASSES, /* of these, those that also have soil classes */
+	PLAN_HOST_NUMBERS, /* and numbers of the soil, from rasters */
+	/* planes of tiles in host memory, in the order of enum plane: PLAN_HOST_OFFSET + plane */
+	PLAN_HOST_OFFSET, PLAN_HOST_DISTURBANCE, PLAN_HOST_DEPOSITED, PLAN_HOST_SINKAGE, PLAN_HOST_SHEAR, PLAN_HOST_DUG,
 	/* units of work; counted over the whole drive */
 	PLAN_WINDOW,       /* windows of an object that were computed alone */
 	PLAN_MOVED,        /* of these, windows in which the object moved */

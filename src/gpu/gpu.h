@@ -145,6 +145,8 @@ struct gpu_rect {
 	uint32_t x, y, width, height;
 };
 void gpu_texture_upload(struct gpu_texture *texture, uint32_t layer, struct gpu_rect rect, const void *data);
+/* Uploads a rectangle of `data`, which has all texels of the layer. */
+void gpu_texture_upload_part(struct gpu_texture *texture, uint32_t layer, struct gpu_rect rect, const void *data);
 void gpu_texture_read(struct gpu_texture *texture, uint32_t layer, struct gpu_rect rect, void *data); /* waits for the GPU */
 void gpu_texture_clear(struct gpu_texture *texture, uint32_t layer, struct gpu_rect rect, int32_t value);
 void gpu_texture_copy(struct gpu_texture *from, uint32_t from_layer, uint32_t from_x, uint32_t from_y,
@@ -363,6 +365,17 @@ enum status gpu_slots_upload_classes(struct gpu_slots *slots, uint32_t slot, str
 /* Fills the numbers of every post, four bytes: a level of each raster of the soil. They stay until the next upload. */
 enum status gpu_slots_upload_numbers(struct gpu_slots *slots, uint32_t slot, struct gpu_staging *staging,
 				     size_t numbers) FURROW_CHECKED;
+/*
+ * Slots that mirror tiles in host memory, for pictures. The tile's posts are read before the call returns, and nothing waits for
+ * the GPU.
+ */
+/* Fills the slot's base heights; and the soil class of every post. */
+enum status gpu_slots_put_base(struct gpu_slots *slots, uint32_t slot, const int32_t *posts) FURROW_CHECKED;
+enum status gpu_slots_put_classes(struct gpu_slots *slots, uint32_t slot, const uint8_t *classes) FURROW_CHECKED;
+/* Fills the drawn planes inside `rect`. A slot that is not deformed gets a deform slot with the drawn planes, and whole planes.
+ * `planes`: each is the whole tile, in the plane's own type; NULL: zeros. Planes that are not drawn are ignored. */
+enum status gpu_slots_put_drawn(struct gpu_slots *slots, uint32_t slot, struct gpu_rect rect, const void *const planes[PLANES])
+	FURROW_CHECKED;
 /* Makes the slot deformed: gives it a deform slot with all planes that may be used. New planes are zeros. */
 enum status gpu_slots_deform(struct gpu_slots *slots, uint32_t slot) FURROW_CHECKED;
 /* Takes the deform slot away, before another tile is loaded into this slot. */

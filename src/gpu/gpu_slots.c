@@ -128,6 +128,16 @@ enum status gpu_slots_upload_base(struct gpu_slots *slots, uint32_t slot, struct
 	return gpu_check(slots->gpu, "upload of a tile");
 }
 
+enum status gpu_slots_put_base(struct gpu_slots *slots, uint32_t slot, const int32_t *posts)
+{
+	struct slot_entry *entry = slots_entry(slots, slot);
+	enum status status = need_base(slots, entry);
+	if (status != STATUS_OK)
+		return status;
+	gpu_texture_upload(entry->slot.base, 0, slots_whole(slots), posts);
+	return gpu_check(slots->gpu, "upload of a tile");
+}
+
 /* Uploads the patch into the next scratch texture. */
 static enum status upload_patch(struct gpu_slots *slots, struct gpu_staging *staging, size_t patch,
 				uint32_t stride, struct gpu_texture **out)
@@ -212,14 +222,17 @@ enum status gpu_slots_subdivide_relief(struct gpu_slots *slots, uint32_t slot,
 			 sizeof params);
 }
 
+static enum status need_texture(struct gpu_slots *slots, enum gpu_format format, struct gpu_texture **texture)
+{
+	const uint32_t posts = slots->cells + 1;
+	return *texture != NULL ? STATUS_OK : gpu_texture_create(slots->gpu, format, posts, posts, 0, texture);
+}
+
 /* Uploads a whole texture of a slot. Makes it if it is not there yet. */
 static enum status upload_whole(struct gpu_slots *slots, enum gpu_format format, struct gpu_texture **texture,
 				struct gpu_staging *staging, size_t place, const char *what)
 {
-	uint32_t posts = slots->cells + 1;
-	enum status status = STATUS_OK;
-	if (*texture == NULL)
-		status = gpu_texture_create(slots->gpu, format, posts, posts, 0, texture);
+	enum status status = need_texture(slots, format, texture);
 	if (status != STATUS_OK)
 		return status;
 	gpu_texture_upload_from(*texture, 0, slots_whole(slots), staging, place);
@@ -235,4 +248,14 @@ enum status gpu_slots_upload_classes(struct gpu_slots *slots, uint32_t slot, str
 enum status gpu_slots_upload_numbers(struct gpu_slots *slots, uint32_t slot, struct gpu_staging *staging, size_t numbers)
 {
 	return upload_whole(slots, GPU_RGBA8UI, &slots_entry(slots, slot)->slot.numbers, staging, numbers, "upload of numbers");
+}
+
+enum status gpu_slots_put_classes(struct gpu_slots *slots, uint32_t slot, const uint8_t *classes)
+{
+	struct slot_entry *entry = slots_entry(slots, slot);
+	enum status status = need_texture(slots, GPU_R8UI, &entry->slot.classes);
+	if (status != STATUS_OK)
+		return status;
+	gpu_texture_upload(entry->slot.classes, 0, slots_whole(slots), classes);
+	return gpu_check(slots->gpu, "upload of classes");
 }

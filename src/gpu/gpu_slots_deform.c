@@ -195,6 +195,25 @@ enum status gpu_slots_read_deform(struct gpu_slots *slots, uint32_t slot, struct
 	return gpu_check(slots->gpu, "read back of offsets");
 }
 
+enum status gpu_slots_put_drawn(struct gpu_slots *slots, uint32_t slot, struct gpu_rect rect, const void *const planes[PLANES])
+{
+	struct slot_entry *entry = slots_entry(slots, slot);
+	unsigned fresh;
+	enum status status = need_planes(slots, entry, GPU_DRAWN_PLANES, &fresh);
+	if (status != STATUS_OK)
+		return status;
+	for (int plane = 0; plane < PLANES; plane++) {
+		if (!(GPU_DRAWN_PLANES & PLANE_BIT(plane)) || entry->slot.planes[plane] == NULL)
+			continue;
+		const struct gpu_rect part = fresh & PLANE_BIT(plane) ? slots_whole(slots) : rect;
+		if (planes[plane] != NULL)
+			gpu_texture_upload_part(entry->slot.planes[plane], 0, part, planes[plane]);
+		else
+			clear_planes(entry, PLANE_BIT(plane), part);
+	}
+	return gpu_check(slots->gpu, "upload of offsets");
+}
+
 /* --- coarser tiles --- */
 
 /* Returns how many of length posts remain if only every 2^steps-th is kept, beginning with the first. */

@@ -225,6 +225,16 @@ void gpu_texture_upload(struct gpu_texture *texture, uint32_t layer, struct gpu_
 	texture->gpu->stats.upload_bytes += gpu_rect_bytes(texture, rect);
 }
 
+void gpu_texture_upload_part(struct gpu_texture *texture, uint32_t layer, struct gpu_rect rect, const void *data)
+{
+	const size_t first = ((size_t)rect.y * texture->width + rect.x) * gpu_texel_bytes(texture);
+	if (!gpu_usable(texture->gpu))
+		return;
+	glPixelStorei(GL_UNPACK_ROW_LENGTH, (GLint)texture->width);
+	gpu_texture_upload(texture, layer, rect, (const char *)data + first);
+	glPixelStorei(GL_UNPACK_ROW_LENGTH, 0);
+}
+
 void gpu_texture_upload_level(struct gpu_texture *texture, uint32_t level, const void *data)
 {
 	const struct format *format = &formats[texture->format];

@@ -1,10 +1,11 @@
 /*
- * page: decides which tiles are resident (in a slot of the GPU), and keeps changed tiles until they are committed.
+ * page: decides which tiles are resident (in a slot), and keeps changed tiles until they are committed.
  *
- * It uses neither GL nor SQLite itself. It has one owner: the thread that owns GL. The owner asks for pages by key. It executes
- * the work that the cache gives it ("upload 7", "read back 9"), and says when a step is over. Loader threads call io.load, and
- * one writer thread calls io.commit, both without holding the mutex. The owner begins an upload or a read-back and does not
- * wait for it. The cache asks later if the transfer is settled (finished). Until then it does not touch the image.
+ * It uses neither GL nor SQLite itself. It does not know whether slots are of the GPU or in host memory. It has one owner: the thread
+ * that owns the slots. The owner asks for pages by key. It executes the work that the cache gives it ("upload 7", "read back 9"), and
+ * says when a step is over. Loader threads call io.load, and one writer thread calls io.commit, both without holding the mutex. The
+ * owner begins an upload or a read-back and does not wait for it. The cache asks later if the transfer is settled (finished). Until
+ * then it does not touch the image.
  *
  * Call every function on the owner thread, unless its comment says otherwise.
  *
@@ -62,6 +63,9 @@ struct page_executor {
 	enum status (*snapshot)(void *user, struct page_image *image);
 	/* Tells whether the last transfer of this image has finished. Never waits. */
 	enum status (*settled)(void *user, const struct page_image *image, bool *settled);
+	/* Nobody uses what the image holds any more. Called on any thread that uses the cache, with its mutex held. So it must be
+	 * quick, and must not call the cache. Its last transfer has settled, unless the cache is being destroyed. NULL: nothing to do. */
+	void (*drop)(void *user, struct page_image *image);
 };
 
 struct page_params {
@@ -165,8 +169,9 @@ typedef enum status (*page_taken_fn)(void *user, uint64_t key, const struct page
 /* Gives pages, each key once. Begins all read-backs before it waits for the first. On failure pages are lost from the cache, so the
  * run must end without a commit. */
 enum status page_cache_take(struct page_cache *cache, const uint64_t *keys, size_t count, page_taken_fn fn, void *user) FURROW_CHECKED;
-/* Puts a page into the queue, as the next commit is to write it. `fn` fills bytes and flags of its image, that of a changed page. */
-typedef void (*page_fill_fn)(void *user, struct page_image *image);
+/* Puts a page into the queue, as the next commit is to write it. `fn` fills its image, that of a changed page, and sets its flags. If it
+ * fails, nothing is put. */
+typedef enum status (*page_fill_fn)(void *user, struct page_image *image);
 enum status page_cache_put(struct page_cache *cache, uint64_t key, page_fill_fn fn, void *user) FURROW_CHECKED;
 
 /* For a cache with params.commits_begun. Tells whether page_cache_end_step would have begun a commit without that. */

@@ -81,13 +81,16 @@ enum status page_cache_put(struct page_cache *cache, uint64_t key, page_fill_fn 
 	enum status status = page_take_changed_image(cache, key, &host);
 	if (status != STATUS_OK)
 		return status;
-	fn(user, &host->image);
+	status = fn(user, &host->image);
 	mutex_lock(&cache->mutex);
-	page_queue_wait_locked(cache, host);
-	if (cache->dirty_since == 0)
+	if (status == STATUS_OK)
+		page_queue_wait_locked(cache, host);
+	else
+		page_host_release_locked(cache, host);
+	if (status == STATUS_OK && cache->dirty_since == 0)
 		cache->dirty_since = clock_seconds();
 	mutex_unlock(&cache->mutex);
-	return STATUS_OK;
+	return status;
 }
 
 /* --- commits that the owner begins --- */

@@ -98,6 +98,8 @@ void page_host_release_locked(struct page_cache *cache, struct page_host *host)
 	if (--host->refs > 0)
 		return;
 	assert(host->place == PAGE_UNQUEUED && !host->filling);
+	if (cache->params.executor.drop != NULL)
+		cache->params.executor.drop(cache->params.executor.user, &host->image);
 	give_back_locked(&cache->queue, host);
 	condition_wake_all(&cache->work);
 }

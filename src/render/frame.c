@@ -190,9 +190,14 @@ static enum status run_tile(struct render *render, const struct gpu_slot *slot, 
 static enum status draw_tile(struct render *render, const struct terrain_draw *draw, const struct drawn *drawn,
 			     const struct picture_params *params)
 {
-	const struct gpu_slot *slot = gpu_slots_get(render->slots, draw->slot);
 	bool interpolated = draw->ground_level != draw->tile.level && draw->ground != TERRAIN_NO_SLOT;
-	enum status status = run_tile(render, slot, interpolated ? gpu_slots_get(render->slots, draw->ground)->base : NULL, drawn->count, params);
+	enum status status = render->show != NULL ? render->show(render->user, draw->slot, true) : STATUS_OK;
+	if (status == STATUS_OK && render->show != NULL && interpolated)
+		status = render->show(render->user, draw->ground, false);
+	if (status != STATUS_OK)
+		return status;
+	const struct gpu_slot *slot = gpu_slots_get(render->slots, draw->slot);
+	status = run_tile(render, slot, interpolated ? gpu_slots_get(render->slots, draw->ground)->base : NULL, drawn->count, params);
 	if (status != STATUS_OK)
 		return status;
 	render->tiles.drawn++;

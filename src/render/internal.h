@@ -175,6 +175,8 @@ void render_screen_finish(struct render_screen *screen);
 struct render {
 	struct gpu *gpu;
 	struct gpu_slots *slots;
+	enum status (*show)(void *user, uint32_t slot, bool planes); /* NULL: slots are always up to date */
+	void *user;
 	struct extent extent;
 	int32_t reference;
 	double low, high;

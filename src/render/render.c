@@ -107,6 +107,8 @@ enum status render_create(const struct render_params *params, struct render **ou
 		.layers = params->layers,
 		.measures = params->measures,
 		.classes = params->classes,
+		.show = params->show,
+		.user = params->user,
 		.layer = {RENDER_NATURAL, 0, 1},
 	};
 	render->screen = &render->own;

@@ -44,6 +44,9 @@ struct render_params {
 	bool layers;          /* render_show_layer will be called; plans do not count layers */
 	bool measures;        /* render_measure will be called */
 	bool classes;         /* the slots have classes of soil, which render_measure tells */
+	/* Brings a slot up to date before it is drawn: resident_pages_show. `planes` false: only its base is needed. NULL: slots always are */
+	enum status (*show)(void *user, uint32_t slot, bool planes);
+	void *user;           /* passed to `show` */
 };
 
 /* Where one of the objects is. */

@@ -254,9 +254,16 @@ void render_view_params(const struct world *world, struct render_params *params)
 	};
 }
 
+/* Pages may be made after the view. */
+static enum status show(void *user, uint32_t slot, bool planes)
+{
+	const struct world *world = user;
+	return resident_pages_show(world->pages, slot, planes);
+}
+
 static enum status make_render(struct view *view, bool watched, struct render **out)
 {
-	const struct world *world = view->world;
+	struct world *world = view->world;
 	struct render_params params;
 	render_view_params(world, &params);
 	enum status status = render_view_list_drawn(view, &params);
@@ -264,6 +271,8 @@ static enum status make_render(struct view *view, bool watched, struct render **
 		return status;
 	params.gpu = world->gpu;
 	params.slots = world->slots;
+	params.show = show;
+	params.user = world;
 	params.reference = resident_ground_reference(world->store);
 	params.low = isnan(world->meta->low) ? 0 : world->meta->low;
 	params.high = isnan(world->meta->high) ? 0 : world->meta->high;

@@ -103,22 +103,11 @@ static void take_image(void *user, const struct page_image *image)
 {
 	const struct taking *taking = user;
 	const size_t bytes = posts_of(taking->newest) * plane_bytes(taking->plane);
+	const struct pages *pages = taking->newest->pages;
 	if (image->flags & PLANE_BIT(taking->plane))
-		memcpy(taking->posts, pages_plane(taking->newest->pages, image->bytes, taking->plane), bytes);
+		memcpy(taking->posts, pages->home->plane(pages, image, taking->plane), bytes);
 	else
 		memset(taking->posts, 0, bytes);
-}
-
-static enum status read_slot(const struct newest *newest, uint32_t slot, enum plane plane, void *posts)
-{
-	const struct pages_params *params = &newest->pages->params;
-	const struct gpu_slot *held = gpu_slots_get(params->slots, slot);
-	const uint32_t side = tile_posts(newest->extent);
-	if (held->planes[plane] == NULL)
-		memset(posts, 0, posts_of(newest) * plane_bytes(plane));
-	else
-		gpu_texture_read(held->planes[plane], 0, (struct gpu_rect){0, 0, side, side}, posts);
-	return gpu_check(params->gpu, "reading the ground for a query");
 }
 
 enum status resident_newest_plane(struct newest *newest, struct tile tile, enum plane plane, void *posts)
@@ -132,7 +121,7 @@ enum status resident_newest_plane(struct newest *newest, struct tile tile, enum 
 	if (status != STATUS_OK || where == PAGE_NEWEST_QUEUED)
 		return status;
 	if (where == PAGE_NEWEST_SLOT)
-		return read_slot(newest, slot, plane, posts);
+		return newest->pages->home->read_plane(newest->pages, slot, plane, posts);
 	void *into[PLANES] = {NULL};
 	unsigned present;
 	into[plane] = posts;

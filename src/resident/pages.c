@@ -94,9 +94,11 @@ enum status resident_pages_create(const struct pages_params *params, struct page
 	if (pages == NULL)
 		return fail_memory("the page cache");
 	assert(params->loaders <= sizeof pages->grounds / sizeof *pages->grounds);
+	assert(params->host == NULL || (params->planes & ~resident_host_planes(params->host)) == 0);
 	pages->params = *params;
 	pages->io.sums = params->before;
 	mutex_init(&pages->mutex);
+	pages->home = params->host != NULL ? &resident_pages_host : &resident_pages_gpu;
 	pages->planes = params->planes;
 	pages->layout = resident_pages_layout_of(store_meta(params->store)->extent.cells, pages->planes, params->classes != NULL,
 						 params->numbers != NULL);
@@ -155,6 +157,11 @@ void resident_pages_io(struct pages *pages, struct resident_pages_io *io)
 	mutex_unlock(&pages->mutex);
 	io->readback_ms = pages->readback_ms;
 	io->host_bytes = pages->host_bytes;
+	if (pages->params.host != NULL) {
+		struct resident_host_figures host;
+		resident_host_figures(pages->params.host, &host);
+		io->host_bytes += host.bytes;
+	}
 	io->changed_images = pages->changed_images;
 	for (uint32_t i = 0; i < reader_count(&pages->params); i++) {
 		struct resident_ground_figures figures;
@@ -171,7 +178,7 @@ void resident_pages_budget(const struct pages_params *params, uint32_t cells, st
 	uint64_t plane = layout.posts * sizeof(int32_t);
 	*budget = (struct resident_pages_budget){
 		.slots = params->count * (plane + layout.loaded - layout.planes),
-		.loads = page_load_images(params->loaders) * (uint64_t)layout.loaded + (params->snapshot != NULL ? PAGES_TALLY_BYTES : 0),
+		.loads = page_load_images(params->loaders) * (uint64_t)layout.loaded + (params->snapshot != NULL || params->tally != NULL ? PAGES_TALLY_BYTES : 0),
 		.queue = cache.queue_most * (uint64_t)layout.changed,
 		.queue_few = cache.queue_few * (uint64_t)layout.changed,
 		.images_few = cache.queue_few,

@@ -7,41 +7,41 @@
 
 /* --- loader threads --- */
 
-static enum status load_base(struct pages *pages, struct ground *ground, struct tile tile,
-			     struct page_image *image)
-{
-	struct pages_head *head = pages_head(image);
-	*head = (struct pages_head){0, 0, 0};
-	if (tile.level < 0)
-		return resident_ground_patch(ground, tile, pages_base(pages, image), &head->shift, &head->sub_x, &head->sub_y);
-	return resident_ground_posts(ground, tile, pages_base(pages, image));
-}
-
 static enum status load_planes(struct pages *pages, struct ground *ground, struct tile tile,
 			       struct page_image *image, const struct page_image *queued)
 {
 	image->flags = 0;
 	image->overlays = tile.level > pages->params.level;
-	void *planes = pages_planes(pages, image);
 	if (queued != NULL) {
-		memcpy(planes, queued->bytes, pages->layout.changed);
-		image->flags = queued->flags;
+		pages->home->copy(pages, image, queued);
 		return STATUS_OK;
 	}
 	if (pages->planes == 0 || tile.level < pages->params.level)
 		return STATUS_OK;
 	unsigned wanted = tile.level == pages->params.level ? pages->planes : pages->planes & GPU_DRAWN_PLANES, present;
 	void *into[PLANES] = {NULL};
-	for (int plane = 0; plane < PLANES; plane++)
-		if (wanted & PLANE_BIT(plane))
-			into[plane] = pages_plane(pages, planes, (enum plane)plane);
-	enum status status = store_read_deformed(resident_ground_reader(ground), tile, wanted, into, &present);
+	enum status status = pages->home->planes(pages, image, wanted, false, into);
 	if (status == STATUS_OK)
-		image->flags = present;
+		status = store_read_deformed(resident_ground_reader(ground), tile, wanted, into, &present);
+	if (status == STATUS_OK)
+		pages->home->keep(pages, image, present);
 	mutex_lock(&pages->mutex);
 	pages->io.counts.loaded += tile.level == pages->params.level;
 	pages->io.counts.loaded_coarser += tile.level > pages->params.level;
 	mutex_unlock(&pages->mutex);
+	return status;
+}
+
+static enum status load_soils(struct pages *pages, unsigned loader, struct tile tile, struct page_image *image)
+{
+	const struct pages_params *params = &pages->params;
+	const bool classed = pages_have_classes(pages, tile), numbered = pages_have_numbers(pages, tile);
+	uint8_t *classes, *numbers;
+	enum status status = pages->home->room(pages, image, classed ? &classes : NULL, numbered ? &numbers : NULL);
+	if (status == STATUS_OK && classed)
+		status = params->classes(params->user, loader, tile, classes);
+	if (status == STATUS_OK && numbered)
+		status = params->numbers(params->user, loader, tile, numbers);
 	return status;
 }
 
@@ -51,14 +51,11 @@ static enum status load(void *user, unsigned loader, struct page_image *image, c
 	struct ground *ground = pages->grounds[loader];
 	struct tile tile = tile_from_key(image->key);
 	double started = clock_seconds();
-	enum status status = load_base(pages, ground, tile, image);
+	enum status status = pages->home->base(pages, ground, image);
 	if (status == STATUS_OK)
 		status = load_planes(pages, ground, tile, image, queued);
-	if (status == STATUS_OK && pages_have_classes(pages, tile))
-		status = pages->params.classes(pages->params.user, loader, tile,
-					       (uint8_t *)image->bytes + pages->layout.classes);
-	if (status == STATUS_OK && pages_have_numbers(pages, tile))
-		status = pages->params.numbers(pages->params.user, loader, tile, (uint8_t *)image->bytes + pages->layout.numbers);
+	if (status == STATUS_OK)
+		status = load_soils(pages, loader, tile, image);
 	mutex_lock(&pages->mutex);
 	if (status == STATUS_OK) {
 		pages->io.tiles_read++;
@@ -143,7 +140,7 @@ static struct store_page store_page_of(const struct pages *pages, const struct p
 	struct store_page page = {.tile = tile_from_key(image->key)};
 	for (int plane = 0; plane < PLANES; plane++)
 		if (image->flags & PLANE_BIT(plane))
-			page.planes[plane] = pages_plane(pages, image->bytes, (enum plane)plane);
+			page.planes[plane] = pages->home->plane(pages, image, (enum plane)plane);
 	return page;
 }
 

@@ -30,9 +30,14 @@ static enum status taken(void *user, uint64_t key, const struct page_image *imag
 	struct tile tile = tile_from_key(key);
 	void *into[PLANES] = {NULL};
 	unsigned present;
-	if (image != NULL)
-		return taking->fn(taking->user, tile, image->flags, image->bytes);
 	enum status status = make_reader(pages);
+	if (status == STATUS_OK && image != NULL) {
+		for (int plane = 0; plane < PLANES; plane++)
+			if (image->flags & PLANE_BIT(plane))
+				memcpy(pages_plane(pages, pages->moved.bytes, (enum plane)plane), pages->home->plane(pages, image, (enum plane)plane),
+				       pages->layout.posts * plane_bytes((enum plane)plane));
+		return taking->fn(taking->user, tile, image->flags, pages->moved.bytes);
+	}
 	if (status != STATUS_OK)
 		return status;
 	memset(pages->moved.bytes, 0, pages->layout.changed);
@@ -50,20 +55,17 @@ enum status resident_pages_take(struct pages *pages, const uint64_t *keys, size_
 }
 
 struct putting {
-	const struct pages *pages;
+	struct pages *pages;
 	unsigned planes;
 	const void *bytes;
 };
 
 /* A plane that the tile does not have is 0 in every post. So the next commit drops what this store has of it from before. */
-static void fill(void *user, struct page_image *image)
+static enum status fill(void *user, struct page_image *image)
 {
 	const struct putting *putting = user;
 	image->flags = putting->pages->planes;
-	if (putting->planes != 0)
-		memcpy(image->bytes, putting->bytes, putting->pages->layout.changed);
-	else
-		memset(image->bytes, 0, putting->pages->layout.changed);
+	return putting->pages->home->fill(putting->pages, image, putting->planes != 0 ? putting->bytes : NULL);
 }
 
 enum status resident_pages_put(struct pages *pages, struct tile tile, unsigned planes, const void *bytes)

@@ -46,8 +46,6 @@ static void add_images(const struct pages_planned *planned, const struct pages_l
 		add_staging(plan, PLAN_ONCE, planned->classes_effect, loads, layout->loaded - layout->classes, "loads", "classes");
 	if (layout->classes > layout->numbers)
 		add_staging(plan, PLAN_ONCE, planned->numbers_effect, loads, layout->classes - layout->numbers, "loads", "numbers");
-	if (planned->deforms)
-		add_staging(plan, PLAN_ONCE, effects[PLANE_OFFSET], 1, PAGES_TALLY_BYTES, "changes", "tally");
 }
 
 void resident_pages_plan(const struct pages_planned *planned, struct plan *plan)
@@ -58,7 +56,13 @@ void resident_pages_plan(const struct pages_planned *planned, struct plan *plan)
 	for (int plane = 0; plane < PLANES; plane++)
 		effects[plane] = effect_of(plan, (enum plane)plane);
 	add_threads(planned, plan);
-	add_images(planned, &layout, effects, plan);
+	if (planned->host)
+		resident_host_plan(planned->cells, planes, planned->classes ? planned->classes_effect : NULL,
+				   planned->numbers ? planned->numbers_effect : NULL, effects, plan);
+	else
+		add_images(planned, &layout, effects, plan);
+	if (planned->deforms)
+		add_staging(plan, PLAN_ONCE, effects[PLANE_OFFSET], 1, PAGES_TALLY_BYTES, "changes", "tally");
 	store_plan_reads(plan, STORE_BASE_TABLE, 1, PLAN_READ, NULL);
 	const char *picture = planned->picture_effect;
 	bool shown = planned->picture && planned->was_deformed;

@@ -1,5 +1,5 @@
 /*
- * Moves pages into slots and out of them, on the GPU's thread. Transfers are begun here, and later settled.
+ * Moves pages into slots and out of them, on the owner's thread. Transfers are begun here, and later settled.
  *
  * When a page coarser than the working level becomes resident, newer values are laid over it. First come the versions that are
  * not in the store yet, then the pages that are dirty in a slot. So it is the decimation of the finer level (law 4), also
@@ -38,33 +38,35 @@ static bool overlaps(const struct pages *pages, struct tile fine, struct tile co
 	return true;
 }
 
-static void copy_post(const struct pages *pages, void *fine, size_t from, void *coarse, size_t to)
+static enum status copy_posts(struct pages *pages, const struct page_image *fine, struct gpu_rect rect, int steps, struct page_image *coarse,
+			      uint32_t to_x, uint32_t to_y)
 {
-	((int32_t *)pages_plane(pages, coarse, PLANE_OFFSET))[to] = ((int32_t *)pages_plane(pages, fine, PLANE_OFFSET))[from];
-	if (pages->planes & PLANE_BIT(PLANE_DISTURBANCE))
-		((uint8_t *)pages_plane(pages, coarse, PLANE_DISTURBANCE))[to] = ((uint8_t *)pages_plane(pages, fine, PLANE_DISTURBANCE))[from];
+	const size_t stride = pages->layout.cells + 1, step = (size_t)1 << steps;
+	void *into[PLANES];
+	enum status status = pages->home->planes(pages, coarse, pages->planes & GPU_DRAWN_PLANES, true, into);
+	if (status != STATUS_OK)
+		return status;
+	const int32_t *offset = pages->home->plane(pages, fine, PLANE_OFFSET);
+	const bool disturbed = pages->planes & PLANE_BIT(PLANE_DISTURBANCE);
+	const uint8_t *disturbance = disturbed ? pages->home->plane(pages, fine, PLANE_DISTURBANCE) : NULL;
+	for (size_t y = 0; y < rect.height; y += step)
+		for (size_t x = 0; x < rect.width; x += step) {
+			const size_t from = (rect.y + y) * stride + rect.x + x, to = (to_y + y / step) * stride + to_x + x / step;
+			((int32_t *)into[PLANE_OFFSET])[to] = offset[from];
+			if (disturbed)
+				((uint8_t *)into[PLANE_DISTURBANCE])[to] = disturbance[from];
+		}
+	return STATUS_OK;
 }
 
 static void overlay_queued(void *user, const struct page_image *fine)
 {
 	struct overlay *overlay = user;
-	struct pages *pages = overlay->pages;
 	int steps;
 	uint32_t to_x, to_y;
 	struct gpu_rect rect;
-	if (!overlaps(pages, tile_from_key(fine->key), overlay->tile, &steps, &to_x, &to_y, &rect))
-		return;
-	size_t stride = pages->layout.cells + 1;
-	void *planes = pages_planes(pages, overlay->image);
-	if (overlay->image->flags == 0)
-		memset(planes, 0, pages->layout.changed);
-	overlay->image->flags = pages->planes & GPU_DRAWN_PLANES;
-	uint32_t step = 1u << steps;
-	for (uint32_t y = 0; y < rect.height; y += step)
-		for (uint32_t x = 0; x < rect.width; x += step) {
-			size_t from = (rect.y + y) * stride + rect.x + x, to = (to_y + y / step) * stride + to_x + x / step;
-			copy_post(pages, fine->bytes, from, planes, to);
-		}
+	if (overlay->status == STATUS_OK && overlaps(overlay->pages, tile_from_key(fine->key), overlay->tile, &steps, &to_x, &to_y, &rect))
+		overlay->status = copy_posts(overlay->pages, fine, rect, steps, overlay->image, to_x, to_y);
 }
 
 static void overlay_resident(void *user, uint64_t key, uint32_t slot, bool dirty)
@@ -76,50 +78,19 @@ static void overlay_resident(void *user, uint64_t key, uint32_t slot, bool dirty
 	if (overlay->status != STATUS_OK || !dirty ||
 	    !overlaps(overlay->pages, tile_from_key(key), overlay->tile, &steps, &to_x, &to_y, &rect))
 		return;
-	struct gpu_slots *slots = overlay->pages->params.slots;
-	overlay->status = gpu_slots_decimate(slots, slot, rect, steps, overlay->slot, to_x, to_y);
-}
-
-/* Finds where the wanted planes are in an image whose planes begin at `planes`. */
-static void places_of(const struct pages *pages, unsigned wanted, size_t planes, size_t places[PLANES])
-{
-	for (int plane = 0; plane < PLANES; plane++)
-		places[plane] = wanted & PLANE_BIT(plane) ? planes + pages->layout.places[plane] : GPU_NO_PLANE;
+	const struct pages_params *params = &overlay->pages->params;
+	overlay->status = host_or_gpu_decimate(params->host, params->slots, slot, rect, steps, overlay->slot, to_x, to_y);
 }
 
 static enum status upload(void *user, uint32_t slot, struct page_image *image)
 {
 	struct pages *pages = user;
-	struct gpu_slots *slots = pages->params.slots;
-	struct gpu_staging *staging = image->memory;
-	const struct pages_layout *layout = &pages->layout;
-	struct pages_head *head = pages_head(image);
 	struct overlay overlay = {pages, image, tile_from_key(image->key), slot, STATUS_OK};
-	const struct relief *relief = store_relief(pages->params.store);
-	if (image->overlays)
+	const bool overlays = image->overlays;
+	if (overlays)
 		page_cache_each_queued(pages->cache, overlay_queued, &overlay);
-	enum status status =
-		head->shift == 0 ? gpu_slots_upload_base(slots, slot, staging, layout->base)
-		: relief_any(relief)
-			? gpu_slots_subdivide_relief(slots, slot, staging, layout->base,
-						     head->sub_x, head->sub_y, overlay.tile, relief)
-			: gpu_slots_subdivide_base(slots, slot, staging, layout->base, head->shift,
-						   head->sub_x, head->sub_y);
-	if (status != STATUS_OK)
-		return status;
-	if (pages_have_classes(pages, overlay.tile))
-		status = gpu_slots_upload_classes(slots, slot, staging, layout->classes);
-	if (status == STATUS_OK && pages_have_numbers(pages, overlay.tile))
-		status = gpu_slots_upload_numbers(slots, slot, staging, layout->numbers);
-	if (status != STATUS_OK)
-		return status;
-	size_t places[PLANES];
-	places_of(pages, image->flags, layout->planes, places);
-	if (image->flags != 0)
-		status = gpu_slots_upload_deform(slots, slot, staging, places);
-	else
-		gpu_slots_undeform(slots, slot);
-	if (status == STATUS_OK && image->overlays)
+	enum status status = overlay.status == STATUS_OK ? pages->home->upload(pages, slot, image) : overlay.status;
+	if (status == STATUS_OK && overlays)
 		page_cache_each_resident(pages->cache, overlay_resident, &overlay);
 	return status == STATUS_OK ? overlay.status : status;
 }
@@ -128,12 +99,10 @@ static enum status read_back(void *user, uint32_t slot, struct page_image *image
 {
 	struct pages *pages = user;
 	double started = clock_seconds();
-	size_t places[PLANES];
-	places_of(pages, pages->planes, 0, places);
 	enum status status =
 		pages->params.before_read_back(pages->params.user, tile_from_key(image->key), slot);
 	if (status == STATUS_OK)
-		status = gpu_slots_read_deform(pages->params.slots, slot, image->memory, places);
+		status = pages->home->read_back(pages, slot, image);
 	image->flags = pages->planes;
 	pages->readback_ms += (clock_seconds() - started) * 1e3;
 	return status;
@@ -142,39 +111,34 @@ static enum status read_back(void *user, uint32_t slot, struct page_image *image
 static enum status snapshot(void *user, struct page_image *image)
 {
 	struct pages *pages = user;
-	return pages->params.snapshot(pages->params.user, image->memory);
+	return pages->home->snapshot(pages, image);
 }
 
 static enum status settled(void *user, const struct page_image *image, bool *settled)
 {
 	const struct pages *pages = user;
-	*settled = gpu_staging_idle(image->memory);
-	return *settled ? gpu_check(pages->params.gpu, "uploads and read-backs") : STATUS_OK;
+	return pages->home->settled(pages, image, settled);
 }
 
 static enum status create_image(void *user, enum page_image_kind kind, struct page_image *image)
 {
 	struct pages *pages = user;
-	const size_t sizes[PAGE_IMAGE_KINDS] = {
-		[PAGE_LOADED_IMAGE] = pages->layout.loaded,
-		[PAGE_CHANGED_IMAGE] = pages->layout.changed,
-		[PAGE_SNAPSHOT_IMAGE] = PAGES_TALLY_BYTES,
-	};
-	size_t bytes = sizes[kind];
-	struct gpu_staging *staging;
-	enum status status = gpu_staging_create(pages->params.gpu, bytes, &staging);
-	if (status != STATUS_OK)
-		return status;
-	image->memory = staging;
-	image->bytes = gpu_staging_bytes(staging);
-	pages->host_bytes += bytes;
-	pages->changed_images += kind == PAGE_CHANGED_IMAGE;
-	return STATUS_OK;
+	enum status status = pages->home->create(pages, kind, image);
+	if (status == STATUS_OK)
+		pages->changed_images += kind == PAGE_CHANGED_IMAGE;
+	return status;
 }
 
 static void destroy_image(void *user, struct page_image *image)
 {
-	gpu_staging_destroy(image->memory);
+	struct pages *pages = user;
+	pages->home->destroy(pages, image);
+}
+
+static void drop(void *user, struct page_image *image)
+{
+	struct pages *pages = user;
+	pages->home->drop(pages, image);
 }
 
 struct page_executor resident_pages_executor_of(struct pages *pages)
@@ -185,7 +149,8 @@ struct page_executor resident_pages_executor_of(struct pages *pages)
 		.destroy = destroy_image,
 		.upload = upload,
 		.read_back = read_back,
-		.snapshot = pages->params.snapshot != NULL ? snapshot : NULL,
+		.snapshot = pages_have_tally(&pages->params) ? snapshot : NULL,
 		.settled = settled,
+		.drop = pages->home->drop != NULL ? drop : NULL,
 	};
 }

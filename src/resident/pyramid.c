@@ -1,4 +1,4 @@
-#include "resident/resident.h"
+#include "resident/host_slots.h"
 
 #include "base/key_set.h"
 
@@ -11,18 +11,20 @@ struct pyramid {
 	const struct extent *extent;
 	int level, coarsest;
 	struct gpu_slots *slots;
+	struct host_slots *host; /* NULL: the home is slots */
 	struct change *changes;
 	size_t count, room;
 	struct key_set updated; /* in this step */
 	struct resident_pyramid_figures figures;
 };
 
-enum status resident_pyramid_create(const struct extent *extent, int level, struct gpu_slots *slots, struct pyramid **out)
+enum status resident_pyramid_create(const struct extent *extent, int level, struct gpu_slots *slots, struct host_slots *host,
+				    struct pyramid **out)
 {
 	struct pyramid *pyramid = mem_calloc(1, sizeof *pyramid);
 	if (pyramid == NULL)
 		return fail_memory("the pyramid");
-	*pyramid = (struct pyramid){.extent = extent, .level = level, .coarsest = extent_coarsest(extent), .slots = slots};
+	*pyramid = (struct pyramid){.extent = extent, .level = level, .coarsest = extent_coarsest(extent), .slots = slots, .host = host};
 	*out = pyramid;
 	return STATUS_OK;
 }
@@ -60,6 +62,10 @@ static enum status decimate(struct pyramid *pyramid, struct page_cache *cache, c
 			    uint32_t slot)
 {
 	struct post_rect own = tile_post_rect(pyramid->extent, change->tile);
+	if (pyramid->host != NULL && !post_rect_empty(change->rect))
+		resident_host_changed(pyramid->host, slot, (struct gpu_rect){
+			(uint32_t)(change->rect.x0 - own.x0), (uint32_t)(change->rect.y0 - own.y0),
+			(uint32_t)(change->rect.x1 - change->rect.x0), (uint32_t)(change->rect.y1 - change->rect.y0)});
 	for (int level = pyramid->level + 1; level <= pyramid->coarsest; level++) {
 		int steps = level - pyramid->level;
 		int64_t x0 = lattice_align(change->rect.x0, steps), y0 = lattice_align(change->rect.y0, steps);
@@ -72,9 +78,9 @@ static enum status decimate(struct pyramid *pyramid, struct page_cache *cache, c
 		int64_t cells = pyramid->extent->cells;
 		struct gpu_rect rect = {(uint32_t)(x0 - own.x0), (uint32_t)(y0 - own.y0),
 					(uint32_t)(change->rect.x1 - x0), (uint32_t)(change->rect.y1 - y0)};
-		enum status status = gpu_slots_decimate(pyramid->slots, slot, rect, steps, coarse,
-							(uint32_t)((x0 >> steps) - above.x * cells),
-							(uint32_t)((y0 >> steps) - above.y * cells));
+		enum status status = host_or_gpu_decimate(pyramid->host, pyramid->slots, slot, rect, steps, coarse,
+							  (uint32_t)((x0 >> steps) - above.x * cells),
+							  (uint32_t)((y0 >> steps) - above.y * cells));
 		if (status == STATUS_OK)
 			status = key_set_add(&pyramid->updated, tile_key(above));
 		if (status != STATUS_OK)

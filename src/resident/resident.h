@@ -1,6 +1,6 @@
 /*
- * resident: the ground that is in memory. It holds base heights on the CPU, and pages of the store in slots of the GPU. It also
- * updates coarser levels, gives the newest values, and reads the map of soils.
+ * resident: the ground that is in memory. It holds base heights on the CPU, and pages of the store in slots. For kinematic models these are
+ * slots of the GPU, for bearing soil slots in host memory. It also updates coarser levels, gives the newest values, and reads the map of soils.
  *
  * Loader threads read pages, and the writer thread commits them. Everything else has one owner thread, named at each part.
  */
@@ -14,6 +14,7 @@
 #include "base/plan.h"
 #include "gpu/gpu.h"
 #include "page/page.h"
+#include "soil/soil.h"
 #include "store/store.h"
 #include "terrain/terrain.h"
 
@@ -203,13 +204,82 @@ enum status resident_soil_rasters_levels(struct soil_rasters *rasters, int level
 enum status resident_soil_rasters_at(struct soil_rasters *rasters, int level, int64_t x, int64_t y, uint8_t *numbers) FURROW_CHECKED;
 
 /*
+ * --- slots in host memory ---
+ *
+ * A slot holds one tile in host memory: base heights, planes (base/plane.h), soil classes, and levels of the soil's rasters. Memory is made when
+ * it is first needed, reused, and freed at the end. A tile that nothing touched has no planes: they count as zeros.
+ *
+ * The image of a page that waits for a commit shares the planes of its slot, so a commit and an eviction copy nothing. Who writes a plane that an
+ * image still shares gets a copy first: resident_host_write does that. A plane that is shared is never written.
+ *
+ * Threads. Slots belong to the owner of the page cache. Some functions may change which memory a slot has: resident_host_write,
+ * resident_host_decimate, and those of pages, the cache and coarser levels. The owner alone calls them. Between two such calls any thread may
+ * gather, scatter, and use the pointers of pinned slots. But no post that one thread writes may be used by another one. Loader threads fill
+ * tiles of their own. These come into slots when the owner makes a page resident. The writer thread reads shared planes.
+ * resident_host_figures may be called on any thread.
+ */
+struct host_slots;
+
+/* Makes `count` empty slots for tiles of (cells + 1)^2 posts. `planes`: a mask of the planes that may be used; the offset is always one of
+ * them. Destroy pages over the slots first. */
+enum status resident_host_create(uint32_t cells, uint32_t count, unsigned planes, struct host_slots **out) FURROW_CHECKED;
+void resident_host_destroy(struct host_slots *slots); /* slots may be NULL */
+unsigned resident_host_planes(const struct host_slots *slots); /* returns the mask of planes that may be used */
+
+/* What a slot has. Pointers are valid until the owner's next call as above, and are read only. */
+struct host_slot {
+	const int32_t *base;             /* 2^-18 m above the store's reference; NULL: no tile was ever loaded into this slot */
+	const uint8_t *classes, *levels; /* a byte, and PAGES_NUMBER_BYTES, for each post; NULL: none were ever loaded */
+	const void *planes[PLANES];      /* in the plane's own type; NULL: zeros */
+};
+void resident_host_get(const struct host_slots *slots, uint32_t slot, struct host_slot *out);
+/* Makes planes of the mask ready to be written: missing ones become zeros, shared ones are copied. On failure some are not ready. */
+enum status resident_host_write(struct host_slots *slots, uint32_t slot, unsigned planes) FURROW_CHECKED;
+/* Returns a plane to write, in its own type. resident_host_write must have made it ready since the last commit began. */
+void *resident_host_plane(struct host_slots *slots, uint32_t slot, enum plane plane);
+/* Notes that posts of the slot changed, in posts of its tile, so that pictures show them. resident_pyramid_flush does it for what was
+ * told to resident_pyramid_changed. */
+void resident_host_changed(struct host_slots *slots, uint32_t slot, struct gpu_rect rect);
+
+/* A tile of the working level, and its slot. */
+struct host_held {
+	struct tile tile;
+	uint32_t slot;
+};
+/* Copies the posts of into->rect from slots into each plane that is not NULL. `held`: every tile that has posts of the rectangle, as
+ * tile_range_of gives them, in any order. Posts beyond the terrain get BASE_NODATA and zeros. Ignores into->contact. Allocates nothing. */
+void resident_host_gather(const struct host_slots *slots, const struct host_held *held, size_t count, const struct soil_planes *into);
+/* Copies the posts of `rect` within from->rect back into all of the tiles that have them. `planes`: a mask of those to copy, none of which
+ * is NULL. They must be ready to be written. Allocates nothing. */
+void resident_host_scatter(struct host_slots *slots, const struct host_held *held, size_t count, const struct soil_planes *from,
+			   struct post_rect rect, unsigned planes);
+
+/* Copies every 2^steps-th post of slot `fine` inside `rect` into slot `coarse`, as gpu_slots_decimate does. */
+enum status resident_host_decimate(struct host_slots *slots, uint32_t fine, struct gpu_rect rect, int steps, uint32_t coarse,
+				   uint32_t to_x, uint32_t to_y) FURROW_CHECKED;
+
+/* What was made so far, which is also the most that existed at once. */
+struct resident_host_figures {
+	uint64_t bases, classes, levels, planes[PLANES];
+	uint64_t base_bytes, class_bytes, level_bytes, plane_bytes[PLANES];
+	uint64_t bytes;     /* of all of these */
+	uint64_t decimated; /* decimations of a deformed tile */
+};
+void resident_host_figures(struct host_slots *slots, struct resident_host_figures *figures);
+/* Adds the plan's lines of host slots, and of images of pages, with these planes (0: nothing is deformed). Their units are PLAN_HOST_BASE and
+ * those after it. An effect NULL of classes or levels: there are none. `effects`: what needs each plane. resident_pages_plan calls it. Pure. */
+void resident_host_plan(uint32_t cells, unsigned planes, const char *classes_effect, const char *levels_effect,
+			const char *const effects[PLANES], struct plan *plan);
+
+/*
  * --- pages ---
  *
- * Connects store, page cache and GPU, and defines the layout of a page's bytes.
+ * Connects store, page cache and slots. The home of a page is a slot of the GPU, or a slot in host memory (params.host). Rows, figures and
+ * messages are the same.
  *
- * Loader threads read through their own grounds. The writer thread commits. The GPU's thread uploads and reads back. A page of
- * the working level has its planes if it was deformed, and the soil classes if there are any. A coarser page has only the drawn
- * planes. When it becomes resident, changes that are not committed yet are applied to it.
+ * Loader threads read through their own grounds. The writer thread commits. The owner's thread, which is the GPU's, moves pages into slots and
+ * out of them. A page of the working level has its planes if it was deformed, and the soil classes if there are any. A coarser page has
+ * only the drawn planes. When it becomes resident, changes that are not committed yet are applied to it.
  */
 struct pages;
 
@@ -241,6 +311,9 @@ struct pages_params {
 	struct store *store;
 	struct gpu *gpu;
 	struct gpu_slots *slots; /* with params.count slots */
+	/* With params.count slots: the home of pages. Then gpu and slots are those of pictures, or NULL: resident_pages_mirror. NULL: the home
+	 * is `slots`. */
+	struct host_slots *host;
 	unsigned planes;         /* planes of the slots that are read and committed; 0: nothing is deformed, and nothing will be */
 	int level;               /* the working level */
 	uint32_t count, loaders;
@@ -259,6 +332,8 @@ struct pages_params {
 	/* Begins to read the tally into `staging`, PAGES_TALLY_BYTES. Called on the GPU's thread when a commit begins. Tally
 	 * and pages are committed as the same step left them. NULL: there is no tally. */
 	enum status (*snapshot)(void *user, struct gpu_staging *staging);
+	/* The same if the home is host memory: fills PAGES_TALLY_BYTES. `snapshot` is not used then. */
+	enum status (*tally)(void *user, uint8_t *bytes);
 	/* Fills the soil class of each post of a tile. Called on loader thread `loader`. NULL: there are no classes, and no
 	 * memory is reserved for them. */
 	enum status (*classes)(void *user, unsigned loader, struct tile tile, uint8_t *classes);
@@ -298,7 +373,7 @@ struct resident_pages_io {
 	int64_t step;           /* of the last commit; 0 if there is none */
 	struct pages_sums sums; /* sums of the whole drive */
 	double load_ms, readback_ms, writeback_ms;
-	uint64_t host_bytes; /* bytes of all images made so far; images are kept until the end */
+	uint64_t host_bytes; /* bytes of all images made so far, which are kept until the end; with a home in host memory also of its slots */
 	uint64_t changed_images; /* images made so far for changed pages */
 	struct pages_counts counts;
 };
@@ -316,12 +391,13 @@ struct pages_planned {
 	bool classes;        /* there is a map of soils */
 	bool numbers;        /* there are rasters of soil numbers */
 	bool picture;        /* pictures are drawn */
+	bool host;           /* the home of pages is host memory */
 	const char *loaders_effect, *classes_effect, *numbers_effect, *picture_effect;
 };
-/* Adds the plan's lines of a drive's pages: threads, staging and statements. This includes lines of the ground and the view
+/* Adds the plan's lines of a drive's pages: threads, staging or planes in host memory, and statements. This includes lines of the ground and the view
  * with the same counts. Call it after deform_plan, which notes the effect that needs each plane. Pure. */
 void resident_pages_plan(const struct pages_planned *planned, struct plan *plan);
-/* Gives the most bytes that pages with these parameters can use, for tiles of `cells` cells. Ignores store, gpu and slots.
+/* Gives the most bytes that pages with these parameters can use, for tiles of `cells` cells. Ignores store, gpu, slots and host.
  * Pure. */
 void resident_pages_budget(const struct pages_params *params, uint32_t cells, struct resident_pages_budget *budget);
 enum status resident_pages_create(const struct pages_params *params, struct pages **out) FURROW_CHECKED;
@@ -339,6 +415,18 @@ enum status resident_pages_rollback(struct pages *pages) FURROW_CHECKED;
 /* Drops all pages: another process has changed the store, which is only read here. Call it between two steps. On failure some may stay. */
 enum status resident_pages_forget(struct pages *pages) FURROW_CHECKED;
 void resident_pages_io(struct pages *pages, struct resident_pages_io *io);
+/*
+ * Pictures of pages whose home is host memory. Slots of the GPU mirror them, with the same numbers. They need not have other planes than the
+ * drawn ones.
+ *
+ * resident_pages_mirror sets the GPU and its slots; NULL: there are none from now on. resident_pages_show brings the slot of a resident page up to
+ * date, before it is drawn. It uploads the base and drawn classes once after a load. Of drawn planes it uploads the rectangle that changed
+ * since the last time. `planes` false: only the base is needed, so planes stay as they are. It does nothing if the home is the GPU. Call both on the owner's thread, the second between two steps, after resident_pyramid_flush.
+ */
+void resident_pages_mirror(struct pages *pages, struct gpu *gpu, struct gpu_slots *slots);
+enum status resident_pages_show(struct pages *pages, uint32_t slot, bool planes) FURROW_CHECKED;
+/* Returns true if the tile in the slot is deformed, wherever its home is. */
+bool resident_pages_is_deformed(const struct pages *pages, uint32_t slot);
 /* From now on writes a line into `file` after each commit: time (s), step, and three volumes (m3). These are what the whole drive removed,
  * raised and compacted. `unit`: m3 of a fixed-point unit. The file must outlive the pages' threads. Call it before the first commit. */
 void resident_pages_volume(struct pages *pages, FILE *file, double unit);
@@ -355,13 +443,14 @@ enum status resident_pages_put(struct pages *pages, struct tile tile, unsigned p
 /*
  * --- coarser levels ---
  *
- * Updates resident coarser tiles on the GPU when posts of the working level change. That is the level which bodies deform. The
+ * Updates resident coarser tiles, where their home is, when posts of the working level change. That is the level which bodies deform. The
  * changes of a step are collected as one rectangle for each tile. Each rectangle is decimated once, before a coarser tile is read or a changed tile leaves its slot.
  */
 struct pyramid;
 
-enum status resident_pyramid_create(const struct extent *extent, int level, struct gpu_slots *slots, struct pyramid **out)
-	FURROW_CHECKED;
+/* The home of pages is `host`, or the GPU's `slots` if that is NULL. */
+enum status resident_pyramid_create(const struct extent *extent, int level, struct gpu_slots *slots, struct host_slots *host,
+				    struct pyramid **out) FURROW_CHECKED;
 void resident_pyramid_destroy(struct pyramid *pyramid);
 /* Notes that the posts of `rect` (global coordinates) changed in this tile. */
 enum status resident_pyramid_changed(struct pyramid *pyramid, struct tile tile, struct post_rect rect) FURROW_CHECKED;
@@ -388,8 +477,9 @@ void resident_pyramid_figures(const struct pyramid *pyramid, struct resident_pyr
  *
  * For a store without a drive: any one thread, without GL. Commits that another process makes meanwhile may be seen or not.
  *
- * Tiles and ranges that were read are kept: about 32 MB of tiles, at least 4, or as many as resident_newest_keep tells. If a tile is dirty in its slot, it is read back
- * from there. On a hardware GPU this waits for all earlier GPU work. It happens once for each tile until the ground changes.
+ * Tiles and ranges that were read are kept: about 32 MB of tiles, at least 4, or as many as resident_newest_keep tells. If a tile is dirty in its slot, it is read
+ * there. From a slot of a hardware GPU this waits for all earlier GPU work; from host memory it waits for nothing. It happens once for each
+ * tile until the ground changes.
  */
 struct newest;
 

@@ -157,7 +157,7 @@ enum status world_start(struct world *world)
 	if (status == STATUS_OK)
 		status = world_forces_create(world, &world->forces);
 	if (status == STATUS_OK && world->params.draws)
-		status = resident_pyramid_create(&world->meta->extent, world->level, world->slots, &world->pyramid);
+		status = resident_pyramid_create(&world->meta->extent, world->level, world->slots, NULL, &world->pyramid);
 	return status;
 }
 
@@ -268,7 +268,7 @@ enum status world_start_drawing(struct world *world)
 	/* Coarser tiles of changed pages are made from the store, so commit first. Before the first step there is hardly any. */
 	enum status status = world->begun ? page_cache_flush(world->cache, world->record) : STATUS_OK;
 	if (status == STATUS_OK)
-		status = resident_pyramid_create(&world->meta->extent, world->level, world->slots, &world->pyramid);
+		status = resident_pyramid_create(&world->meta->extent, world->level, world->slots, NULL, &world->pyramid);
 	world->params.draws = status == STATUS_OK;
 	return status;
 }

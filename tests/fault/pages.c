@@ -3,8 +3,9 @@
  * it is told and goes on being told, no page that the store has not is let go, and the store holds
  * exactly what the ground was at the end of the step of its last epoch.
  *
- * Staging and slots are this file's own: it has the functions of gpu that the adaptor calls, so that
- * the linker takes no others. The threads' calls come in any order; some Ns of each kind are tried.
+ * Staging and slots of the GPU are this file's own: it has the functions of gpu that the adaptor calls, so that
+ * the linker takes no others. The threads' calls come in any order; some Ns of each kind are tried. All of it is tried with pages in
+ * host memory, too.
  */
 #include "sweep.h"
 
@@ -135,11 +136,23 @@ enum status gpu_slots_decimate(struct gpu_slots *slots, uint32_t fine, struct gp
 	return STATUS_FAILED;
 }
 
+const struct gpu_slot *gpu_slots_get(const struct gpu_slots *slots, uint32_t slot)
+{
+	fail_msg("nobody asks for the newest values here");
+	return NULL;
+}
+
+void gpu_texture_read(struct gpu_texture *texture, uint32_t layer, struct gpu_rect rect, void *data)
+{
+	fail_msg("nobody asks for the newest values here");
+}
+
 /* --- a drive of steps, each around the corner of four tiles --- */
 
 struct rig {
 	struct store *store;
 	struct gpu_slots slots;
+	struct host_slots *host; /* NULL: pages are in slots of the GPU */
 	struct pages *pages;
 	struct page_cache *cache;
 	FILE *log;
@@ -175,13 +188,18 @@ static int64_t compacted_by(int64_t step)
 
 #define COMPACTED_BEFORE (-99)
 
-static enum status take_tally(void *user, struct gpu_staging *staging)
+static enum status fill_tally(void *user, uint8_t *bytes)
 {
 	const struct rig *rig = user;
 	int64_t tally[5] = {compacted_by(rig->steps), 0, 0, rig->steps, 3 * rig->steps};
 	_Static_assert(sizeof tally == PAGES_TALLY_BYTES, "the tally");
-	memcpy(staging, tally, sizeof tally);
+	memcpy(bytes, tally, sizeof tally);
 	return STATUS_OK;
+}
+
+static enum status take_tally(void *user, struct gpu_staging *staging)
+{
+	return fill_tally(user, (uint8_t *)staging);
 }
 
 static enum status give_classes(void *user, unsigned loader, struct tile tile, uint8_t *classes)
@@ -192,7 +210,7 @@ static enum status give_classes(void *user, unsigned loader, struct tile tile, u
 	return STATUS_OK;
 }
 
-static enum status rig_open(struct rig *rig, const char *path)
+static enum status rig_open(struct rig *rig, const char *path, bool host)
 {
 	struct store_options options = {.mode = STORE_WRITE};
 	enum status status = store_open(path, &options, &rig->store);
@@ -200,9 +218,14 @@ static enum status rig_open(struct rig *rig, const char *path)
 		status = store_set_working_level(rig->store, LEVEL);
 	if (status != STATUS_OK)
 		return status;
+	if (host)
+		status = resident_host_create(extent.cells, SLOTS, gpu_slots_planes(&rig->slots), &rig->host);
+	if (status != STATUS_OK)
+		return status;
 	struct pages_params params = {
 		.store = rig->store,
-		.slots = &rig->slots,
+		.slots = host ? NULL : &rig->slots,
+		.host = rig->host,
 		.planes = gpu_slots_planes(&rig->slots),
 		.level = LEVEL,
 		.count = SLOTS,
@@ -213,6 +236,7 @@ static enum status rig_open(struct rig *rig, const char *path)
 		.before.compacted = COMPACTED_BEFORE,
 		.before_read_back = nothing_before,
 		.snapshot = take_tally,
+		.tally = fill_tally,
 		.classes = give_classes,
 		.user = rig,
 	};
@@ -222,17 +246,35 @@ static enum status rig_open(struct rig *rig, const char *path)
 	return status;
 }
 
+static void *plane_of(struct rig *rig, uint32_t slot, enum plane plane)
+{
+	return rig->host != NULL ? resident_host_plane(rig->host, slot, plane) : rig->slots.slots[slot].planes[plane];
+}
+
+static const uint8_t *classes_of(const struct rig *rig, uint32_t slot)
+{
+	struct host_slot held;
+	if (rig->host == NULL)
+		return rig->slots.slots[slot].classes;
+	resident_host_get(rig->host, slot, &held);
+	return held.classes;
+}
+
+static enum status make_ready(struct rig *rig, uint32_t slot)
+{
+	return rig->host != NULL ? resident_host_write(rig->host, slot, ~0u) : gpu_slots_deform(&rig->slots, slot);
+}
+
 /* What the tile in the slot holds is what the ground was before the step. */
 static void step_tile(struct rig *rig, struct tile tile, uint32_t slot, const struct field *before)
 {
 	for (int i = 0; i < POSTS; i++)
-		expect(rig->slots.slots[slot].classes[i] == class_of(tile, i));
-	(void)!gpu_slots_deform(&rig->slots, slot);
+		expect(classes_of(rig, slot)[i] == class_of(tile, i));
 	for (int plane = 0; plane < PLANES; plane++) {
 		int32_t texels[POSTS];
 		field_tile_plane(before, tile, (enum plane)plane, texels);
-		expect(memcmp(rig->slots.slots[slot].planes[plane], texels, POSTS * plane_bytes((enum plane)plane)) == 0);
-		field_tile_plane(&rig->field, tile, (enum plane)plane, rig->slots.slots[slot].planes[plane]);
+		expect(memcmp(plane_of(rig, slot, (enum plane)plane), texels, POSTS * plane_bytes((enum plane)plane)) == 0);
+		field_tile_plane(&rig->field, tile, (enum plane)plane, plane_of(rig, slot, (enum plane)plane));
 	}
 	page_cache_dirty(rig->cache, tile_key(tile));
 	page_cache_unpin(rig->cache, tile_key(tile));
@@ -246,6 +288,12 @@ static enum status one_step(struct rig *rig, int step, struct record *record)
 	for (uint32_t i = 0; i < 4; i++)
 		keys[i] = tile_key((struct tile){LEVEL, x - 1 + i % 2, y - 1 + i / 2});
 	enum status status = page_cache_pin_all(rig->cache, keys, 4, slots);
+	if (status != STATUS_OK)
+		return status;
+	for (uint32_t i = 0; i < 4 && status == STATUS_OK; i++)
+		status = make_ready(rig, slots[i]);
+	for (uint32_t i = 0; i < 4 && status != STATUS_OK; i++)
+		page_cache_unpin(rig->cache, keys[i]);
 	if (status != STATUS_OK)
 		return status;
 	struct field before = field_make(LEVEL);
@@ -297,7 +345,11 @@ static void hold_resident(void *user, uint64_t key, uint32_t slot, bool dirty)
 	if (!dirty)
 		return;
 	field_tile(&held->rig->field, tile_from_key(key), offset, dirt);
-	expect(memcmp(held->rig->slots.slots[slot].planes[PLANE_OFFSET], offset, sizeof offset) == 0);
+	struct host_slot in_host;
+	if (held->rig->host != NULL)
+		resident_host_get(held->rig->host, slot, &in_host);
+	expect(memcmp(held->rig->host != NULL ? in_host.planes[PLANE_OFFSET] : held->rig->slots.slots[slot].planes[PLANE_OFFSET], offset,
+		      sizeof offset) == 0);
 	hold(held, key);
 }
 
@@ -396,7 +448,7 @@ static void expect_sticky(struct rig *rig)
 	free(record);
 }
 
-static uint64_t trial_with(const struct fault *fault, FILE *log, bool log_fails)
+static uint64_t trial_with(const struct fault *fault, FILE *log, bool log_fails, bool host)
 {
 	static struct rig rig;
 	const char *path = in_folder("trial.furrow");
@@ -404,7 +456,7 @@ static uint64_t trial_with(const struct fault *fault, FILE *log, bool log_fails)
 	copy_file(in_folder("fresh"), path);
 	rig = (struct rig){.log = log, .field = field_make(LEVEL)};
 	fault_arm_for(fault);
-	enum status status = rig_open(&rig, path);
+	enum status status = rig_open(&rig, path, host);
 	if (status == STATUS_OK)
 		status = drive(&rig);
 	expect(status == STATUS_OK || told(status));
@@ -415,6 +467,7 @@ static uint64_t trial_with(const struct fault *fault, FILE *log, bool log_fails)
 	if (rig.cache != NULL)
 		expect_pages_kept(&rig);
 	resident_pages_destroy(rig.pages);
+	resident_host_destroy(rig.host);
 	store_close(rig.store);
 	expect(calls >= fault->nth || log_fails || (status == STATUS_OK && rig.steps == STEPS));
 	/* The last may have been committed and not acknowledged. */
@@ -432,17 +485,28 @@ static uint64_t trial(const void *user, const struct fault *fault)
 {
 	FILE *log = tmpfile();
 	assert_non_null(log);
-	uint64_t calls = trial_with(fault, log, false);
+	uint64_t calls = trial_with(fault, log, false, user != NULL);
 	fclose(log);
 	return calls;
 }
 
-static void a_failed_write_back_is_told_and_its_pages_are_kept(void **state)
+/* host NULL: pages are in slots of the GPU. */
+static void sweep_all(const char *host)
 {
 	uint64_t ran = 0;
 	for (int kind = FAULT_NONE + 1; kind < FAULT_KINDS; kind++)
-		ran += sweep(trial, NULL, (enum fault_kind)kind, MOST);
+		ran += sweep(trial, host, (enum fault_kind)kind, MOST);
 	assert_true(ran > 100 / SWEEP_PART);
+}
+
+static void a_failed_write_back_is_told_and_its_pages_are_kept(void **state)
+{
+	sweep_all(NULL);
+}
+
+static void so_are_pages_in_host_memory(void **state)
+{
+	sweep_all("host memory");
 }
 
 static void an_epoch_that_cannot_be_acknowledged_is_told(void **state)
@@ -450,7 +514,9 @@ static void an_epoch_that_cannot_be_acknowledged_is_told(void **state)
 	FILE *log = fopen("/dev/full", "a+");
 	if (log == NULL)
 		skip_since(SKIP_ELSEWHERE "no /dev/full");
-	trial_with(&(struct fault){FAULT_NONE, UINT64_MAX, false}, log, true);
+	trial_with(&(struct fault){FAULT_NONE, UINT64_MAX, false}, log, true, false);
+	rewind(log);
+	trial_with(&(struct fault){FAULT_NONE, UINT64_MAX, false}, log, true, true);
 	fclose(log);
 }
 
@@ -466,6 +532,7 @@ TEST_PROGRAM(pages)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_failed_write_back_is_told_and_its_pages_are_kept),
+		cmocka_unit_test(so_are_pages_in_host_memory),
 		cmocka_unit_test(an_epoch_that_cannot_be_acknowledged_is_told),
 	};
 	fault_install();

@@ -65,6 +65,7 @@ struct fake {
 	uint64_t fail_read_back;              /* key + 1; UINT64_MAX: every one */
 	unsigned settle_after;                /* asks; 0: settled when begun */
 	bool fail_settle, fail_snapshot;
+	bool ends;                            /* the cache is being destroyed */
 	unsigned images[PAGE_IMAGE_KINDS];    /* alive, by kind */
 	uint64_t uploaded[LOG_MOST], read_back[LOG_MOST];
 	unsigned uploads, read_backs;
@@ -235,6 +236,14 @@ static inline enum status fake_settled(void *user, const struct page_image *imag
 	return STATUS_OK;
 }
 
+/* Who still reads it finds no version of any page. */
+static inline void fake_drop(void *user, struct page_image *image)
+{
+	const struct fake *fake = user;
+	assert_true(!((const struct fake_memory *)image->memory)->busy || fake->ends);
+	memset(image->bytes, 0xdd, sizeof(struct content));
+}
+
 static inline enum status fake_read_back(void *user, uint32_t slot, struct page_image *image)
 {
 	struct fake *fake = user;
@@ -294,7 +303,7 @@ static inline struct page_params fake_params(struct fake *fake, uint32_t slots, 
 		.queue_most = 64,
 		.record_bytes = sizeof(uint64_t),
 		.io = {fake, fake_load, fake_commit},
-		.executor = {fake, fake_create, fake_destroy, fake_upload, fake_read_back, NULL, fake_settled},
+		.executor = {fake, fake_create, fake_destroy, fake_upload, fake_read_back, NULL, fake_settled, fake_drop},
 	};
 }
 
@@ -316,6 +325,7 @@ static inline void fake_start(struct fake *fake, const struct page_params *param
 
 static inline void fake_finish(struct fake *fake)
 {
+	fake->ends = true;
 	page_cache_destroy(fake->cache);
 	assert_int_equal(fake->images[PAGE_LOADED_IMAGE], 0);
 	assert_int_equal(fake->images[PAGE_CHANGED_IMAGE], 0);

@@ -148,14 +148,14 @@ static void check_posts(const char *path, struct newest *newest, int level)
 	store_close(store);
 }
 
-static void wherever_it_is(int level)
+static void in_this_home(int level, bool host)
 {
 	const char *path = support_path("newest.furrow");
 	struct rig rig;
 	struct newest *alone;
 	struct store *store;
 	size_t where[3];
-	rig_open(&rig, path, &(struct rig_params){.ground = hills_with_a_hole, .level = level, .slots = SLOTS, .commit_age = 0});
+	rig_open(&rig, path, &(struct rig_params){.ground = hills_with_a_hole, .level = level, .slots = SLOTS, .commit_age = 0, .host = host});
 	choose();
 	ask_anew(&rig, &before);
 	/* One step's rut, and a tile that was touched and left as it was. */
@@ -163,7 +163,7 @@ static void wherever_it_is(int level)
 	uint32_t slot, tiles = extent_tiles_x(&extent, level);
 	uint64_t key = tile_key((struct tile){level, tiles - 1, 0});
 	must(page_cache_pin(rig.world.cache, key, &slot));
-	must(gpu_slots_deform(rig.world.slots, slot));
+	rig_touch(&rig, slot);
 	page_cache_dirty(rig.world.cache, key);
 	page_cache_unpin(rig.world.cache, key);
 	end_step(&rig);
@@ -198,6 +198,13 @@ static void wherever_it_is(int level)
 	resident_newest_destroy(alone);
 	store_close(store);
 	rig_close(&rig);
+}
+
+/* Host memory first: without GL the other one skips the test. */
+static void wherever_it_is(int level)
+{
+	in_this_home(level, true);
+	in_this_home(level, false);
 }
 
 static void at_the_source_s_level(void **state)
@@ -238,14 +245,14 @@ static void check_in_rut(struct newest *newest, double x, double y)
 	}
 }
 
-static void ruts_are_lower_than_their_base(void **state)
+static void check_rut(bool host)
 {
 	const char *path = support_path("level.furrow");
 	struct rig rig;
 	struct newest *alone;
 	struct store *store;
 	const double x = 64 + 50 * sin(0.35), y = 64 + 45 * sin(2.1 * 0.35);
-	rig_open(&rig, path, &(struct rig_params){.ground = level_ground, .level = -1, .slots = SLOTS, .commit_age = 0});
+	rig_open(&rig, path, &(struct rig_params){.ground = level_ground, .level = -1, .slots = SLOTS, .commit_age = 0, .host = host});
 	roll(&rig, 7);
 	end_step(&rig);
 	must(resident_newest_create(rig.world.store, rig.world.pages, &rig.world.newest));
@@ -262,12 +269,18 @@ static void ruts_are_lower_than_their_base(void **state)
 	rig_close(&rig);
 }
 
+static void ruts_are_lower_than_their_base(void **state)
+{
+	check_rut(true);
+	check_rut(false);
+}
+
 /* Asked between all steps, with 6 slots, commits on their way, and read-backs that are not over. */
-static uint64_t world_all(const char *path, bool asked)
+static uint64_t world_all(const char *path, bool asked, bool host)
 {
 	struct rig rig;
 	size_t moved = 0;
-	rig_open(&rig, path, &(struct rig_params){.ground = hills_with_a_hole, .level = -1, .slots = SLOTS, .commit_age = 0.002});
+	rig_open(&rig, path, &(struct rig_params){.ground = hills_with_a_hole, .level = -1, .slots = SLOTS, .commit_age = 0.002, .host = host});
 	choose();
 	for (int step = 0; step < 120; step++) {
 		roll(&rig, step);
@@ -305,8 +318,10 @@ static uint64_t world_all(const char *path, bool asked)
 
 static void asking_changes_nothing(void **state)
 {
-	uint64_t asked = world_all(support_path("asked.furrow"), true);
-	assert_true(asked == world_all(support_path("left.furrow"), false));
+	for (int host = 1; host >= 0; host--) {
+		uint64_t asked = world_all(support_path("asked.furrow"), true, host == 1);
+		assert_true(asked == world_all(support_path("left.furrow"), false, host == 1));
+	}
 }
 
 /* The same as by the store's own sampling, which is between four posts. */
