@@ -137,4 +137,16 @@ double soil_sinkage_guess(const struct soil_shape *shape, const struct soil_numb
 double soil_load_at(const struct soil_shape *shape, const struct soil_interface *interface, double slip, const struct soil_numbers *soil,
 		    double sinkage);
 
+/* Planes of a rectangle of posts in host memory, row by row from the south-west. A plane that nothing needs is NULL. */
+struct soil_planes {
+	struct post_rect rect;   /* posts of the working level */
+	size_t width;            /* posts in a row */
+	int32_t *base;           /* 2^-18 m above the store's reference; BASE_NODATA: a hole */
+	int32_t *offset, *deposited, *sinkage, *shear, *dug; /* as the planes of base/plane.h */
+	uint8_t *disturbance;
+	uint8_t *classes;        /* NULL: one soil */
+	uint8_t *levels;         /* 4 for each post; NULL: no raster */
+	uint8_t *contact;        /* of this contact: SOIL_LOWERED, SOIL_HELD, ... (the bits of shaders/lib/window.glsl and friends) */
+};
+
 #endif

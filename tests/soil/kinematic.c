@@ -1,0 +1,246 @@
+/*
+ * A contact of the models none, box, sumner and slippage on the CPU has the same bits as its passes on the GPU: offsets, contacts, soil that is
+ * carried, disturbance, and what is told. On rough ground with holes and the tracks of earlier contacts, far from the origin too.
+ */
+#include "../long.h"
+#include "../support/program.h"
+#include "window.h"
+
+/* The models' names here. BOX is the soil model, not the shape. */
+static const enum deform_model models[] = {DEFORM_NONE, DEFORM_BOX_FILTER, DEFORM_SUMNER, DEFORM_SLIPPAGE};
+#define MODELS ((int)(sizeof models / sizeof *models))
+
+static int32_t rough(int64_t x, int64_t y)
+{
+	const uint32_t noise = (uint32_t)(x * 7919 + y * 104729) * 2654435761u;
+	return (x / 3 + y / 5) % 19 == 0 ? BASE_NODATA : (int32_t)(noise >> 15) - (1 << 16) + (int32_t)(x - y) * 400;
+}
+
+/* Every third post is as low as the range of offsets allows a body to press it. */
+static int32_t deep(int64_t x, int64_t y)
+{
+	return (x + y) % 3 == 0 ? (1024 << 18) - 40000 : 0;
+}
+
+static struct soil_kinematic kinematic_of(const struct ground *ground)
+{
+	const struct deform_params *params = &ground->deform->params;
+	struct soil_kinematic kinematic = {.spacing = ground->deform->spacing, .reference = params->reference};
+	if (params->model == DEFORM_BOX_FILTER) {
+		kinematic.radius = params->box_radius;
+		kinematic.repetitions = params->box_repetitions;
+	} else if (params->model == DEFORM_SUMNER) {
+		soil_kinematic_sumner(&kinematic, params->soils, params->soil_count);
+	} else if (params->model == DEFORM_SLIPPAGE) {
+		soil_kinematic_slippage(&kinematic);
+	}
+	return kinematic;
+}
+
+/* The GPU's contact pass of a model that conserves soil, without laying and sliding. */
+static void run_contact_pass(struct ground *ground, const struct deform_contact *contact, const struct deform_window *window)
+{
+	const struct deform *deform = ground->deform;
+	struct {
+		struct contact_params contact;
+		uint32_t kept[SOIL_CLASSES][4];
+	} params = {.contact = deform_contact_params(deform, contact, window, 0)};
+	for (int i = 0; i < deform->params.soil_count; i++)
+		params.kept[i][0] = (uint32_t)floor(ldexp(1 - deform->params.soils[i].compression, 31));
+	assert_ok(deform_run_contact(ground->deform, &params, deform->params.model == DEFORM_SUMNER ? sizeof params : sizeof params.contact, window, 0));
+}
+
+static void give_classes(const struct ground *ground, const struct deform_window *window)
+{
+	uint8_t *classes = ground_room(SIDE * SIDE, 1);
+	const struct gpu_rect all = deform_window_rect(window);
+	for (int i = 0; i < SIDE * SIDE; i++)
+		classes[i] = (uint8_t)(any_word() % 7 == 0 ? any_word() % 256 : any_word() % 3);
+	if (ground->deform->classes != NULL)
+		gpu_texture_upload(ground->deform->classes, 0, all, classes);
+	mem_free(classes);
+}
+
+/* What the CPU's contacts of a ground have told. */
+struct seen {
+	struct soil_kinematic_tally tally;
+	int64_t lowered, held, near, carried, smoothed;
+};
+
+static void count(const struct host_window *window, const int32_t *before, struct seen *seen)
+{
+	for (size_t i = 0; i < window->posts; i++) {
+		seen->lowered += window->planes.contact[i] & SOIL_LOWERED;
+		seen->held += (window->planes.contact[i] & SOIL_HELD) != 0;
+		seen->near += (window->planes.contact[i] & SOIL_NEAR) != 0;
+		seen->carried += window->carried[i] != 0;
+		seen->smoothed += window->planes.offset[i] != before[i] && (window->planes.contact[i] & SOIL_LOWERED) == 0;
+	}
+}
+
+/* One window on both. The results of a model that smooths mean nothing beyond the written posts, and still are the same. */
+static void compare(struct ground *ground, const struct deform_contact *contact, const struct deform_window *window, struct seen *seen)
+{
+	struct deform *deform = ground->deform;
+	const struct soil_kinematic kinematic = kinematic_of(ground);
+	const struct soil_kinematic_contact own = {.shape = contact->shape, .from = contact->from, .to = contact->to, .turned = contact->turned};
+	const bool conserves = deform_conserves(deform->params.model);
+	struct host_window host;
+	deform_gather(deform, window->read, 0, 0, 0, false, deform->planes, ground->tiles, ground->tile_count);
+	give_classes(ground, window);
+	window_take(ground, window, &host);
+	int32_t *before = ground_room((int64_t)host.posts, 4);
+	memcpy(before, host.planes.offset, host.posts * 4);
+	host.scratch = mem_alloc(1, soil_kinematic_room(&kinematic, &own, host.planes.width, host.posts / host.planes.width));
+	assert_non_null(host.scratch);
+	memset(host.planes.contact, 255, host.posts);
+	soil_kinematic_run(&kinematic, &own, &host.planes, window->write, conserves ? host.carried : NULL, host.scratch, &seen->tally);
+	if (conserves) {
+		deform_begin_layer(deform, contact, window, 0);
+		assert_ok(deform_envelope(deform, contact, window, 0));
+		run_contact_pass(ground, contact, window);
+		window_compare(&host, "carried", host.carried, deform->carried, 4, window->read);
+	} else {
+		assert_ok(deform_run_stages(deform, contact, window, 0));
+	}
+	const int now = deform->scratch[0].now[PLANE_OFFSET];
+	window_compare(&host, "offset", host.planes.offset, deform->planes_of[now][PLANE_OFFSET], 4, window->read);
+	if (deform_needs_contacts(&deform->params))
+		window_compare(&host, "contact", host.planes.contact, deform->contacts, 1, window->read);
+	if (deform->params.disturbance && !conserves)
+		window_compare(&host, "disturbance", host.planes.disturbance, deform->planes_of[1][PLANE_DISTURBANCE], 1, window->read);
+	assert_ok(deform_scatter(deform, window, 0, ground->tiles, ground->tile_count));
+	count(&host, before, seen);
+	mem_free(before);
+	window_drop(&host);
+}
+
+static void compare_tally(struct ground *ground, const struct seen *seen)
+{
+	struct deform_tally tally;
+	assert_ok(deform_tally(ground->deform, &tally));
+	assert_int_equal(tally.compacted, seen->tally.compacted);
+	assert_int_equal(tally.refused, seen->tally.refused);
+}
+
+static struct ground_params params_of(int model, int number)
+{
+	static const double spacings[] = {0.125, 1, 0.0625, 0.1 / 3, 0.4};
+	return (struct ground_params){
+		.cells = 64, .tiles = 2, .first = number % 2 ? 3 : 2500000, .spacing = spacings[number % 5], .height = rough, .reference = number % 3 * 1024,
+		.model = models[model], .radius = 1 + number % 4, .repetitions = 1 + number % 3, .dirt = number % 2 == 0 && models[model] < DEFORM_SUMNER,
+	};
+}
+
+static void contacts_are_those_of_the_gpu(void **state)
+{
+	static struct soil_numbers soils[3];
+	(void)state;
+	need_gpu();
+	assert_ok(soil_named("sand", &soils[0]));
+	assert_ok(soil_named("snow", &soils[1]));
+	assert_ok(soil_named("mud", &soils[2]));
+	for (int model = 0; model < MODELS; model++) {
+		struct seen all = {.lowered = 0};
+		for (int number = 0; number < (long_run() ? 20 : 5); number++) {
+			struct ground_params params = params_of(model, number);
+			struct ground ground;
+			struct seen seen = {.lowered = 0};
+			if (params.model == DEFORM_SUMNER) {
+				params.soils = soils;
+				params.soil_count = number % 2 ? 3 : 1;
+			}
+			ground_init(&ground, &params);
+			for (int i = 0; i < 2 * WINDOW_KINDS; i++) {
+				struct window_mesh mesh;
+				const int kind = i % WINDOW_KINDS;
+				const struct soil_shape shape = window_any_shape(kind, params.spacing * exp2(3 + 1.5 * any_share()), &mesh);
+				const double below = -(double)params.reference - 0.3 * soil_shape_reach(&shape, 0, 0) * any_share();
+				struct deform_contact contact = window_any_contact(&ground, &shape, kind, i + number, below);
+				assert_ok(deform_windows(ground.deform, &contact, ground.windows, &ground.window_count));
+				assert_int_equal(ground.window_count, 1);
+				compare(&ground, &contact, &ground.windows[0], &seen);
+			}
+			compare_tally(&ground, &seen);
+			ground_finish(&ground);
+			all.lowered += seen.lowered;
+			all.held += seen.held;
+			all.near += seen.near;
+			all.carried += seen.carried;
+			all.smoothed += seen.smoothed;
+		}
+		print_message("%s: %lld lowered, %lld held, %lld near, %lld carried, %lld smoothed\n", deform_model_row(models[model])->name, (long long)all.lowered,
+			      (long long)all.held, (long long)all.near, (long long)all.carried, (long long)all.smoothed);
+		assert_true(all.lowered > 1000 && all.held > 1000 && all.near > 1000);
+		assert_true((all.carried > 500) == deform_conserves(models[model]) && (all.smoothed > 500) == (models[model] == DEFORM_BOX_FILTER));
+	}
+}
+
+/* What would leave the range of an offset is refused, and told by the window that writes the post. */
+static void what_is_refused_is_told(void **state)
+{
+	(void)state;
+	need_gpu();
+	for (int model = 0; model < MODELS; model++) {
+		struct ground ground;
+		struct seen seen = {.lowered = 0};
+		ground_init(&ground, &(struct ground_params){.cells = 64, .tiles = 2, .spacing = 0.25, .height = deep, .model = models[model]});
+		const struct soil_shape ball = {.kind = SOIL_SPHERE, .radius = 2};
+		for (int i = 0; i < 4; i++) {
+			struct deform_contact contact = {.shape = &ball, .from = ground_pose(&ground, 60 + i, 60, 1.9 - 0.1 * i), .to = ground_pose(&ground, 61 + i, 60.5, 1.8 - 0.1 * i)};
+			assert_ok(deform_windows(ground.deform, &contact, ground.windows, &ground.window_count));
+			compare(&ground, &contact, &ground.windows[0], &seen);
+		}
+		compare_tally(&ground, &seen);
+		assert_true(seen.tally.refused > 20 && seen.lowered > 20);
+		ground_finish(&ground);
+	}
+}
+
+/* The GPU cuts a large contact into windows; the CPU computes it as one. The written posts are the same. */
+static void windows_do_not_show(void **state)
+{
+	(void)state;
+	need_gpu();
+	for (int number = 0; number < 4; number++) {
+		struct ground ground;
+		struct soil_kinematic_tally tally = {0, 0};
+		ground_init(&ground, &(struct ground_params){.cells = 256, .tiles = 2, .spacing = 0.125, .height = rough, .model = number < 1 ? DEFORM_NONE : DEFORM_BOX_FILTER,
+							     .radius = number, .repetitions = 2});
+		struct soil_shape shape = {.kind = number % 2 ? SOIL_BOX : SOIL_SPHERE, .radius = 17, .size = {30, 36, 2}};
+		const double z = number % 2 ? 0.9 : 14;
+		const struct deform_contact contact = {.shape = &shape, .from = ground_pose(&ground, 250, 255, z), .to = ground_pose(&ground, 251, 256, z)};
+		const struct soil_kinematic_contact own = {.shape = &shape, .from = contact.from, .to = contact.to};
+		const struct soil_kinematic kinematic = kinematic_of(&ground);
+		const struct post_rect block = {ground.x0, ground.x0, ground.x0 + ground.posts, ground.x0 + ground.posts};
+		struct soil_planes planes = {.rect = block, .width = (size_t)ground.posts, .base = ground.base};
+		planes.offset = ground_room(ground.posts * ground.posts, 4);
+		planes.contact = ground_room(ground.posts * ground.posts, 1);
+		void *scratch = mem_alloc(1, soil_kinematic_room(&kinematic, &own, planes.width, planes.width));
+		assert_non_null(scratch);
+		soil_kinematic_run(&kinematic, &own, &planes, block, NULL, scratch, &tally);
+		ground_sweep(&ground, &contact);
+		assert_true(ground.window_count > 1);
+		ground_read(&ground);
+		int64_t changed = 0;
+		for (int64_t i = 0; i < ground.posts * ground.posts; i++) {
+			assert_int_equal(ground.offset[i], planes.offset[i]);
+			changed += planes.offset[i] != 0;
+		}
+		assert_true(changed > 10000);
+		mem_free(planes.offset);
+		mem_free(planes.contact);
+		mem_free(scratch);
+		ground_finish(&ground);
+	}
+}
+
+TEST_PROGRAM(kinematic)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(contacts_are_those_of_the_gpu),
+		cmocka_unit_test(what_is_refused_is_told),
+		cmocka_unit_test(windows_do_not_show),
+	};
+	return cmocka_run_group_tests_name("soil/kinematic", tests, open_gpu, close_gpu);
+}
