@@ -235,12 +235,62 @@ static void windows_do_not_show(void **state)
 	}
 }
 
+/* An interval marks the posts that a body at rest stands on. */
+static void what_a_body_at_rest_holds(void **state)
+{
+	int64_t held = 0;
+	(void)state;
+	need_gpu();
+	for (int kind = 0; kind < WINDOW_KINDS; kind++) {
+		struct ground ground;
+		struct window_mesh mesh;
+		struct deform_interval size;
+		ground_init(&ground, &(struct ground_params){.cells = 64, .tiles = 2, .spacing = 0.125, .height = rough, .model = DEFORM_SLIPPAGE, .iterations = 1, .relief = 100});
+		const struct soil_shape shape = window_any_shape(kind, 1.5, &mesh);
+		struct deform_contact contact = window_any_contact(&ground, &shape, kind, 4, 0);
+		contact.to.yaw = 0.3;
+		ground_sweep(&ground, &contact);
+		ground_read(&ground);
+		const struct deform_rest rest = {.shape = &shape, .pose = contact.to};
+		const struct post_rect block = {ground.x0, ground.x0, ground.x0 + ground.posts, ground.x0 + ground.posts};
+		const struct soil_kinematic kinematic = kinematic_of(&ground);
+		const struct soil_kinematic_contact own = {.shape = &shape};
+		struct soil_planes planes = {.rect = block, .width = (size_t)ground.posts, .base = ground.base, .offset = ground.offset};
+		planes.contact = ground_room(ground.posts * ground.posts, 1);
+		void *scratch = mem_alloc(1, soil_kinematic_room(&kinematic, &own, planes.width, planes.width));
+		assert_non_null(scratch);
+		soil_kinematic_hold(&kinematic, &shape, &rest.pose, &planes, scratch);
+		assert_ok(deform_wake(ground.deform, (struct post_rect){40, 40, 80, 80}));
+		assert_ok(deform_interval_begin(ground.deform, &rest, 1, &size));
+		assert_int_equal(size.regions, 1);
+		assert_ok(deform_interval_gather(ground.deform, 0, ground.tiles, ground.tile_count));
+		const struct post_rect read = deform_interval_reads(ground.deform, 0);
+		const uint32_t at = 16 - (uint32_t)deform_slide_rim(ground.deform), width = (uint32_t)(read.x1 - read.x0), height = (uint32_t)(read.y1 - read.y0);
+		uint8_t *contacts = ground_room((int64_t)width * height, 1);
+		gpu_texture_read(ground.deform->contacts, ground.deform->layers, rect_of(at, at, width, height), contacts);
+		for (uint32_t i = 0; i < width * height; i++) {
+			const int64_t x = read.x0 + i % width - ground.x0, y = read.y0 + i / width - ground.x0;
+			if (contacts[i] == 8 || x < 0 || y < 0 || x >= ground.posts || y >= ground.posts)
+				continue; /* its block is not visited */
+			assert_int_equal(contacts[i], planes.contact[y * ground.posts + x]);
+			held += contacts[i] == SOIL_HELD;
+		}
+		assert_ok(deform_interval_end(ground.deform));
+		mem_free(contacts);
+		mem_free(planes.contact);
+		mem_free(scratch);
+		ground_finish(&ground);
+	}
+	assert_true(held > 100);
+}
+
 TEST_PROGRAM(kinematic)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(contacts_are_those_of_the_gpu),
 		cmocka_unit_test(what_is_refused_is_told),
 		cmocka_unit_test(windows_do_not_show),
+		cmocka_unit_test(what_a_body_at_rest_holds),
 	};
 	return cmocka_run_group_tests_name("soil/kinematic", tests, open_gpu, close_gpu);
 }
