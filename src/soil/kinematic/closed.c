@@ -18,7 +18,7 @@ static SOIL_INLINED void wheel(const struct body *body, bool sideways, int32_t x
 		lane_values(&body->f[2], x, y, p);
 		lane_values(&body->f[3], x, y, q);
 	}
-	for (int i = 0; i < LANES; i++) {
+	EACH_LANE(i) {
 		const int32_t u = along[i];
 		int32_t first = 0, last = ENVELOPE_ONE;
 		if (sideways) {
@@ -51,7 +51,7 @@ static SOIL_INLINED void wheel_at_rest(const struct body *body, int32_t x, int32
 	int32_t along[LANES], across[LANES];
 	lane_values(&body->f[0], x, y, along);
 	lane_values(&body->f[1], x, y, across);
-	for (int i = 0; i < LANES; i++) {
+	EACH_LANE(i) {
 		const int32_t from = lane_clamp(along[i], -r, r);
 		const int32_t up = lane_root(lane_product(r, r) - lane_product(from, from));
 		const int32_t height = lane_sum(z, -lane_scaled(up, units_by, units_shift));
@@ -71,7 +71,7 @@ static SOIL_INLINED void ball(const struct body *body, bool sheared, int32_t x, 
 	lane_values(&body->f[1], x, y, across);
 	if (sheared)
 		lane_values(&body->f[2], x, y, shear);
-	for (int i = 0; i < LANES; i++) {
+	EACH_LANE(i) {
 		const int32_t u = along[i], v = lane_clamp(across[i], -r, r);
 		const int64_t squares = lane_product(r, r) - lane_product(v, v);
 		const int32_t ring = lane_root(squares);
@@ -91,21 +91,21 @@ static SOIL_INLINED void box(const struct body *body, int32_t x, int32_t y, int3
 {
 	const int planes = body->c[1], slabs = body->c[2];
 	int32_t height[LANES], outside[LANES], values[LANES];
-	for (int i = 0; i < LANES; i++) {
+	EACH_LANE(i) {
 		height[i] = -ENVELOPE_REACH;
 		outside[i] = 0;
 	}
 	for (int k = 0; k < slabs; k++) {
 		lane_values(&body->f[6 + k], x, y, values);
-		for (int i = 0; i < LANES; i++)
+		EACH_LANE(i)
 			outside[i] |= lane_size(values[i]) > ENVELOPE_ONE;
 	}
 	for (int k = 0; k < planes; k++) {
 		lane_values(&body->f[k], x, y, values);
-		for (int i = 0; i < LANES; i++)
+		EACH_LANE(i)
 			height[i] = lane_most(height[i], values[i]);
 	}
-	for (int i = 0; i < LANES; i++)
+	EACH_LANE(i)
 		out[i] = outside[i] ? UNDER_NONE : height[i];
 }
 

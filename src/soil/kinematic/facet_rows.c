@@ -1,115 +1,154 @@
-/* The lowest height of a moving triangle at posts of its rows. See facet_rows.h; shaders/lib/facet.glsl tells what the words of a facet hold. */
+/*
+ * The lowest height of a moving triangle at posts of its rows. See facet_rows.h; shaders/lib/facet.glsl tells what the words of a facet hold.
+ *
+ * Loops run over LANES posts at once, from a multiple of LANES on. Posts that lie beside the facet's columns are left as they are.
+ */
 #include "soil/kinematic/facet_rows.h"
 
 #include "soil/kinematic/rows.h"
 
 enum { EDGE_ENTERS = 1, EDGE_LEAVES = 2 }; /* kinds of edges, with time counted back */
 
-/* An affine number along a row: its value at the row's first post, and its change from post to post. right, left: how it is shifted. */
-struct row_affine {
-	uint64_t at, step;
+/* An affine number: its value at the first post of a row; its change for one post to the east, and to the north; how it is shifted. */
+struct affine_row {
+	uint64_t at, east, north;
 	int right, left;
 };
 
-static SOIL_INLINED struct row_affine row_of(const int32_t words[4], int shift, int32_t x, int32_t y)
+/* x, y: the post from which it is given, from the facet's own one. */
+static SOIL_INLINED struct affine_row affine_from(const int32_t words[4], int shift, int32_t x, int32_t y)
 {
-	const uint64_t first = (uint64_t)(uint32_t)words[1] << 32 | (uint32_t)words[0];
-	return (struct row_affine){
-		first + (uint64_t)lane_product(words[2], x) + (uint64_t)lane_product(words[3], y), (uint64_t)(int64_t)words[2],
-		shift > 0 ? shift : 0, shift < 0 ? -shift : 0,
+	const uint64_t own = (uint64_t)(uint32_t)words[1] << 32 | (uint32_t)words[0];
+	const uint64_t east = (uint64_t)(int64_t)words[2], north = (uint64_t)(int64_t)words[3];
+	return (struct affine_row){
+		own + east * (uint64_t)(int64_t)x + north * (uint64_t)(int64_t)y, east, north, shift > 0 ? shift : 0, shift < 0 ? -shift : 0,
 	};
 }
 
-static SOIL_INLINED int32_t fraction_of(uint64_t v, int right, int left)
-{
-	const int64_t w = (int64_t)(v << left) >> right, low = w < -(1 << 30) ? -(1 << 30) : w;
-	return (int32_t)(low > 1 << 30 ? 1 << 30 : low);
-}
-
-/* How far the posts of a row are on the left of an edge: at or above 0. */
-static SOIL_INLINED struct row_affine left_of(const int32_t from[2], const int32_t to[2], int32_t x, int32_t y)
+/* How far posts are on the left of an edge: at or above 0. */
+static SOIL_INLINED struct affine_row left_of(const int32_t from[2], const int32_t to[2], int32_t x, int32_t y)
 {
 	const int64_t ex = (int64_t)to[0] - from[0], ey = (int64_t)to[1] - from[1];
 	const int64_t wx = (int64_t)x * 65536 - from[0], wy = (int64_t)y * 65536 - from[1];
-	return (struct row_affine){(uint64_t)(ex * wy - ey * wx), (uint64_t)(-ey * 65536), 0, 0};
+	return (struct affine_row){(uint64_t)(ex * wy - ey * wx), (uint64_t)(-ey * 65536), (uint64_t)(ex * 65536), 0, 0};
+}
+
+static SOIL_INLINED int32_t fraction_at(const struct affine_row *f, uint64_t post, uint64_t more)
+{
+	const int64_t w = (int64_t)((f->at + post * f->east + more) << f->left) >> f->right, low = w < -(1 << 30) ? -(1 << 30) : w;
+	return (int32_t)(low > 1 << 30 ? 1 << 30 : low);
 }
 
 /* A facet at the posts of a row. */
 struct facet_row {
-	struct row_affine plane, inside[3], when[3], side[3];
+	struct affine_row plane, inside[3], when[3], side[3];
 	int kinds[3];
-	int64_t change;          /* of the plane's height, with its fractions, to the time when the facet is lowest */
+	uint64_t change;         /* of the plane's height, with its fractions, to the time when the facet is lowest */
 	bool later;              /* it is lowest when it leaves */
 	int32_t low[2], high[2]; /* limits of its height: in motion, at rest */
 };
 
-/* Lowers the posts of a row to the facet in motion. `kinds` are told as literals where they are known. */
-static SOIL_INLINED void sweep_row(const struct facet_row *r, int32_t count, int32_t *restrict under)
+static SOIL_INLINED void north(struct affine_row *f)
 {
-	for (int32_t i = 0; i < count; i++) {
-		const uint64_t n = (uint64_t)(uint32_t)i;
-		int32_t first = 0, last = ENVELOPE_ONE;
-		int32_t v = fraction_of(r->plane.at + n * r->plane.step + (uint64_t)r->change, r->plane.right, r->plane.left);
-		bool swept = true;
-		for (int k = 0; k < 3; k++) {
-			const int32_t when = fraction_of(r->when[k].at + n * r->when[k].step, r->when[k].right, r->when[k].left);
-			const int32_t height = fraction_of(r->side[k].at + n * r->side[k].step, r->side[k].right, r->side[k].left);
-			const bool enters = (r->kinds[k] == EDGE_ENTERS) & (when > first), leaves = (r->kinds[k] == EDGE_LEAVES) & (when < last);
-			const bool inside = (int64_t)(r->inside[k].at + n * r->inside[k].step) >= 0;
-			first = enters ? when : first;
-			last = leaves ? when : last;
-			v = (r->later ? leaves : enters) ? height : v;
-			swept = swept & ((r->kinds[k] != 0) | inside);
-		}
-		v = lane_clamp(v, r->low[0], r->high[0]);
-		under[i] = swept & (first <= last) & (v < under[i]) ? v : under[i];
+	f->at += f->north;
+}
+
+/* Returns which of LANES posts from `first` on are within the columns and on the left of the edges that count. */
+static SOIL_INLINED void inside_at(const struct facet_row *r, int32_t first, int32_t columns, bool moving, int64_t in[LANES])
+{
+	EACH_LANE(i) {
+		const int32_t at = first + i;
+		in[i] = (at >= 0) & (at < columns);
+	}
+	for (int k = 0; k < 3; k++) {
+		if (moving && r->kinds[k] != 0)
+			continue;
+		EACH_LANE(i)
+			in[i] &= (int64_t)(r->inside[k].at + (uint64_t)(int64_t)(first + i) * r->inside[k].east) >= 0;
+	}
+}
+
+/* Lowers LANES posts to the facet in motion. first: the number of the first of them in the row. */
+static SOIL_INLINED void sweep(const struct facet_row *r, int32_t first, int32_t columns, int32_t *under)
+{
+	int64_t in[LANES];
+	int32_t begins[LANES], ends[LANES], lowest[LANES];
+	inside_at(r, first, columns, true, in);
+	EACH_LANE(i) {
+		begins[i] = 0;
+		ends[i] = ENVELOPE_ONE;
+		lowest[i] = fraction_at(&r->plane, (uint64_t)(int64_t)(first + i), r->change);
+	}
+	for (int k = 0; k < 3; k++) {
+		if (r->kinds[k] == EDGE_ENTERS)
+			EACH_LANE(i) {
+				const int32_t when = fraction_at(&r->when[k], (uint64_t)(int64_t)(first + i), 0);
+				const int32_t height = fraction_at(&r->side[k], (uint64_t)(int64_t)(first + i), 0);
+				lowest[i] = !r->later & (when > begins[i]) ? height : lowest[i];
+				begins[i] = lane_most(begins[i], when);
+			}
+		else if (r->kinds[k] == EDGE_LEAVES)
+			EACH_LANE(i) {
+				const int32_t when = fraction_at(&r->when[k], (uint64_t)(int64_t)(first + i), 0);
+				const int32_t height = fraction_at(&r->side[k], (uint64_t)(int64_t)(first + i), 0);
+				lowest[i] = r->later & (when < ends[i]) ? height : lowest[i];
+				ends[i] = lane_least(ends[i], when);
+			}
+	}
+	EACH_LANE(i) {
+		const int32_t v = lane_clamp(lowest[i], r->low[0], r->high[0]);
+		under[i] = (in[i] != 0) & (begins[i] <= ends[i]) & (v < under[i]) ? v : under[i];
 	}
 }
 
 /* The same of the facet at rest. */
-static SOIL_INLINED void rest_row(const struct facet_row *r, int32_t count, int32_t *restrict under, int32_t *restrict rest)
+static SOIL_INLINED void stand(const struct facet_row *r, int32_t first, int32_t columns, int32_t *under, int32_t *rest)
 {
-	for (int32_t i = 0; i < count; i++) {
-		const uint64_t n = (uint64_t)(uint32_t)i;
-		const int32_t height = fraction_of(r->plane.at + n * r->plane.step, r->plane.right, r->plane.left);
-		const int32_t v = lane_clamp(height, r->low[1], r->high[1]);
-		const bool inside = ((int64_t)(r->inside[0].at + n * r->inside[0].step) >= 0) & ((int64_t)(r->inside[1].at + n * r->inside[1].step) >= 0) &
-				    ((int64_t)(r->inside[2].at + n * r->inside[2].step) >= 0);
-		under[i] = inside & (v < under[i]) ? v : under[i];
-		rest[i] = inside & (v < rest[i]) ? v : rest[i];
+	int64_t in[LANES];
+	inside_at(r, first, columns, false, in);
+	EACH_LANE(i) {
+		const int32_t height = fraction_at(&r->plane, (uint64_t)(int64_t)(first + i), 0), v = lane_clamp(height, r->low[1], r->high[1]);
+		under[i] = (in[i] != 0) & (v < under[i]) ? v : under[i];
+		rest[i] = (in[i] != 0) & (v < rest[i]) ? v : rest[i];
 	}
 }
 
 SOIL_CLONED void soil_facet_rows(const struct facet *facet, size_t stride, int32_t *under, int32_t *rest)
 {
 	const int32_t *corners[3] = {facet->corners, facet->corners + 2, facet->third};
-	const int32_t x0 = facet->cover[0] & 0xffff, x1 = (int32_t)((uint32_t)facet->cover[0] >> 16);
+	const int32_t x0 = facet->cover[0] & 0xffff, x1 = (int32_t)((uint32_t)facet->cover[0] >> 16), columns = x1 - x0;
 	const int32_t y0 = facet->cover[1] & 0xffff, y1 = (int32_t)((uint32_t)facet->cover[1] >> 16);
+	const int32_t x = x0 - facet->base[0], y = y0 - facet->base[1], before = x0 % LANES;
 	const uint32_t kinds = (uint32_t)facet->cover[2], shifts = (uint32_t)facet->cover[3];
 	const bool resting = (kinds & 1) != 0;
 	struct facet_row row = {
+		.plane = affine_from(facet->plane, (int)(shifts >> 24) - 64, x, y),
 		.later = facet->base[2] < 0,
 		.low = {facet->third[2] - lane_most(facet->base[3], 0), facet->third[2]},
 		.high = {facet->third[3] + lane_most(-facet->base[3], 0), facet->third[3]},
 	};
-	row.change = row.later ? ((int64_t)ENVELOPE_ONE * facet->base[2]) >> (kinds >> 8 & 63) : 0;
-	bool moves = row.change != 0 || facet->base[3] != 0;
+	row.change = row.later ? (uint64_t)(((int64_t)ENVELOPE_ONE * facet->base[2]) >> (kinds >> 8 & 63)) : 0;
+	bool moves = row.change != 0 || facet->base[3] != 0 || !resting;
 	for (int k = 0; k < 3; k++) {
 		row.kinds[k] = (int)(kinds >> (2 + 2 * k) & 3);
+		row.inside[k] = left_of(corners[k], corners[(k + 1) % 3], x, y);
+		row.when[k] = affine_from(facet->edges[k], (int)(shifts >> (8 * k) & 255) - 64, x, y);
+		row.side[k] = affine_from(facet->sides[k], (int)(kinds >> (14 + 6 * k) & 63) - 32, x, y);
 		moves = moves || row.kinds[k] != 0;
 	}
-	for (int32_t y = y0; y < y1; y++) {
-		const int32_t x_from = x0 - facet->base[0], y_from = y - facet->base[1];
-		int32_t *lowest = under + (size_t)y * stride + (size_t)x0;
-		row.plane = row_of(facet->plane, (int)(shifts >> 24) - 64, x_from, y_from);
-		for (int k = 0; k < 3; k++) {
-			row.inside[k] = left_of(corners[k], corners[(k + 1) % 3], x_from, y_from);
-			row.when[k] = row_of(facet->edges[k], (int)(shifts >> (8 * k) & 255) - 64, x_from, y_from);
-			row.side[k] = row_of(facet->sides[k], (int)(kinds >> (14 + 6 * k) & 63) - 32, x_from, y_from);
+	for (int32_t at = y0; at < y1; at++) {
+		int32_t *lowest = under + (size_t)at * stride + (size_t)(x0 - before), *rests = rest + (size_t)at * stride + (size_t)(x0 - before);
+		for (int32_t first = -before; first < columns; first += LANES, lowest += LANES, rests += LANES) {
+			if (moves)
+				sweep(&row, first, columns, lowest);
+			if (resting)
+				stand(&row, first, columns, lowest, rests);
 		}
-		if (moves || !resting)
-			sweep_row(&row, x1 - x0, lowest);
-		if (resting)
-			rest_row(&row, x1 - x0, lowest, rest + (size_t)y * stride + (size_t)x0);
+		north(&row.plane);
+		for (int k = 0; k < 3; k++) {
+			north(&row.inside[k]);
+			north(&row.when[k]);
+			north(&row.side[k]);
+		}
 	}
 }

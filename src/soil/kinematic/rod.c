@@ -26,7 +26,7 @@ static SOIL_INLINED void at_rest(const struct body *body, bool capsule, const st
 	const int32_t r = body->a[0], half = body->a[1], sine = body->a[2], side_by = body->b[2];
 	const int32_t ball_by = body->d[1], ball_up = body->d[3];
 	const int side_shift = body->b[3], ball_shift = capsule ? body->d[2] : 1;
-	for (int i = 0; i < LANES; i++) {
+	EACH_LANE(i) {
 		const int32_t v = p->v[i] - moved[0], a = p->a[i] - moved[1];
 		const int32_t across = lane_clamp(v, -r, r);
 		const int64_t squares = lane_product(r, r) - lane_product(across, across);
@@ -59,7 +59,7 @@ static SOIL_INLINED void ball_moves(const struct body *body, const struct functi
 	int32_t across[LANES], along[LANES];
 	lane_values(&f[0], x, y, across);
 	lane_values(&f[1], x, y, along);
-	for (int i = 0; i < LANES; i++) {
+	EACH_LANE(i) {
 		const int32_t q = lane_clamp(across[i], -r, r), u = along[i];
 		const int64_t squares = lane_product(r, r) - lane_product(q, q);
 		const int32_t ring = lane_root(squares), low = lane_most(u - length, -ring), high = lane_least(u, ring);
@@ -80,7 +80,7 @@ static SOIL_INLINED void rim_moves(const struct body *body, const struct functio
 	lane_values(&f[0], x, y, across);
 	lane_values(&f[1], x, y, along);
 	lane_values(&f[2], x, y, middle);
-	for (int i = 0; i < LANES; i++) {
+	EACH_LANE(i) {
 		const int32_t q = lane_clamp(across[i], -r, r), ring = lane_root(lane_product(r, r) - lane_product(q, q));
 		const int32_t apart = lane_scaled(ring, sine, 28), lift = lane_scaled(ring, lift_by, lift_shift);
 		const int32_t first = lane_sum(along[i], -apart), second = lane_sum(along[i], apart);
@@ -97,7 +97,7 @@ static SOIL_INLINED void face_moves(const struct body *body, int32_t x, int32_t 
 	lane_values(&body->f[7], x, y, height);
 	lane_values(&body->f[8], x, y, one);
 	lane_values(&body->f[9], x, y, other);
-	for (int i = 0; i < LANES; i++) {
+	EACH_LANE(i) {
 		const bool covered = (lane_size(one[i]) <= ENVELOPE_ONE) & (lane_size(other[i]) <= ENVELOPE_ONE);
 		lowest[i] = covered & (height[i] < lowest[i]) ? height[i] : lowest[i];
 	}
@@ -108,7 +108,7 @@ static SOIL_INLINED void rod(const struct body *body, bool capsule, int32_t x, i
 	static const int32_t still[4];
 	struct places p;
 	int32_t lowest[LANES];
-	for (int i = 0; i < LANES; i++)
+	EACH_LANE(i)
 		lowest[i] = ENVELOPE_REACH;
 	places_of(body, x, y, &p);
 	at_rest(body, capsule, &p, still, 0, lowest);
@@ -123,7 +123,7 @@ static SOIL_INLINED void rod(const struct body *body, bool capsule, int32_t x, i
 	}
 	if (body->d[0] != 0)
 		face_moves(body, x, y, lowest);
-	for (int i = 0; i < LANES; i++)
+	EACH_LANE(i)
 		out[i] = lowest[i] != ENVELOPE_REACH ? lane_sum(body->b[0], lowest[i]) : UNDER_NONE;
 }
 

@@ -20,6 +20,12 @@
 #define SOIL_CLONED
 #endif
 #define SOIL_INLINED inline __attribute__((always_inline))
+/* A loop over the lanes. gcc must not unroll it before it makes vector instructions of it. */
+#ifdef __clang__
+#define EACH_LANE(i) for (int i = 0; i < LANES; i++)
+#else
+#define EACH_LANE(i) _Pragma("GCC unroll 1") for (int i = 0; i < LANES; i++)
+#endif
 
 #define UNDER_NONE INT32_MAX         /* in a lower envelope: the body is not above the post */
 #define ENVELOPE_ONE (1 << 28)       /* 1 as a fraction: of the motion, of a sine */
@@ -90,7 +96,7 @@ static SOIL_INLINED void lane_values(const struct functional *functional, int32_
 {
 	const struct lane_affine f = lane_affine_of(functional);
 	const uint64_t first = (uint64_t)f.at + (uint64_t)f.di * (uint64_t)(int64_t)x + (uint64_t)f.dj * (uint64_t)(int64_t)y;
-	for (int i = 0; i < LANES; i++) {
+	EACH_LANE(i) {
 		int64_t v = (int64_t)(first + (uint64_t)f.di * (uint64_t)i) >> f.shift;
 		v = v < -ENVELOPE_REACH ? -ENVELOPE_REACH : v;
 		values[i] = (int32_t)(v > ENVELOPE_REACH ? ENVELOPE_REACH : v);

@@ -34,87 +34,114 @@ void soil_shed_prepare(const struct soil_numbers *soil, double spacing, int32_t 
 		to->share[n - 1] = (uint32_t)floor(ldexp(soil->roughness, 32) / (n * n));
 }
 
-/* What LANES posts have found about their neighbours. */
-struct shedding {
-	int32_t to[LANES], count[LANES], sum[LANES], starts[LANES];
+#define PART 64 /* posts of a row that are computed together */
+
+/* The limits of each of these posts: axial, diagonal. */
+struct limits {
+	int32_t critical[2][PART], held[2][PART], stop[2][PART];
 };
 
-/* Adds a neighbour. `k`, `stood` and `has_classes` are literals. */
-static SOIL_INLINED void add_neighbour(const struct soil_shed *rule, const struct soil_shed_rows *rows, int32_t first, int32_t count, int k, bool stood,
-				       bool has_classes, struct shedding *s)
+/* What these posts have found about their neighbours. */
+struct shedding {
+	int32_t to[PART], count[PART], sum[PART], starts[PART];
+};
+
+static void limit(const struct soil_shed *rule, const uint8_t *classes, int32_t count, struct limits *limits)
 {
-	const int32_t *heights = rows->heights[1] + first, *others = rows->heights[near[k].row] + first + near[k].column;
-	const uint8_t *holds = rows->contacts[1] + first, *other_holds = rows->contacts[near[k].row] + first + near[k].column;
-	const int32_t *grounds = stood ? rows->grounds[1] + first : NULL, *other_grounds = stood ? rows->grounds[near[k].row] + first + near[k].column : NULL;
-	const uint8_t *classes = has_classes ? rows->classes + first : NULL;
-	const int apart = k < 4 ? 0 : 1;
-	const struct soil_shed_class *all = rule->classes;
 	for (int32_t i = 0; i < count; i++) {
-		const struct soil_shed_class *soil = has_classes ? &all[classes[i] < SOIL_CLASSES ? classes[i] : SOIL_CLASSES - 1] : all;
+		const uint8_t class = classes != NULL ? classes[i] : 0;
+		const struct soil_shed_class *soil = &rule->classes[class < SOIL_CLASSES ? class : SOIL_CLASSES - 1];
+		for (int apart = 0; apart < 2; apart++) {
+			limits->critical[apart][i] = soil->critical[apart];
+			limits->held[apart][i] = soil->held[apart];
+			limits->stop[apart][i] = soil->stop[apart];
+		}
+	}
+}
+
+/* Adds a neighbour. k: its number. `stood` is a literal: undisturbed ground is stable. */
+static SOIL_INLINED void add_neighbour(int32_t count, int k, bool stood, int32_t tolerance, const int32_t *restrict heights, const int32_t *restrict others,
+				       const int32_t *restrict grounds, const int32_t *restrict other_grounds, const uint8_t *restrict holds,
+				       const uint8_t *restrict other_holds, const struct limits *restrict limits, struct shedding *restrict s)
+{
+	const int apart = k < 4 ? 0 : 1;
+	const int32_t bit = (int32_t)(1u << (SHARE_BITS + k));
+	for (int32_t i = 0; i < count; i++) {
 		const int32_t difference = (int32_t)((uint32_t)heights[i] - (uint32_t)others[i]);
 		const bool held = ((holds[i] | other_holds[i]) & SOIL_HELD) != 0;
 		bool open = others[i] != SHED_STILL;
 		if (stood)
-			open = open & ((int32_t)((uint32_t)difference - ((uint32_t)grounds[i] - (uint32_t)other_grounds[i])) > rule->tolerance);
-		const bool steep = open & (difference > (held ? soil->held[apart] : soil->critical[apart]));
-		s->starts[i] |= open & (difference > soil->stop[apart]);
-		s->to[i] |= steep ? (int32_t)(1u << (SHARE_BITS + k)) : 0;
+			open = open & ((int32_t)((uint32_t)difference - ((uint32_t)grounds[i] - (uint32_t)other_grounds[i])) > tolerance);
+		const int32_t most = held ? limits->held[apart][i] : limits->critical[apart][i];
+		const bool steep = open & (difference > most);
+		s->starts[i] |= open & (difference > limits->stop[apart][i]);
+		s->to[i] |= steep ? bit : 0;
 		s->count[i] += steep;
 		s->sum[i] += steep ? lane_least(difference, DIFFERENCE_MOST) : 0;
 	}
 }
 
-static SOIL_INLINED void shed_lanes(const struct soil_shed *rule, const struct soil_shed_rows *rows, int32_t first, int32_t count, bool stood,
-				    bool has_classes, int32_t *restrict shed)
+/* Fills the share of each post: of the sum of differences, what each neighbour gets. */
+static void share_of(const struct soil_shed *rule, const uint8_t *classes, int32_t count, const int32_t *counts, uint32_t *shares)
 {
-	struct shedding s = {{0}, {0}, {0}, {0}};
-	for (int k = 0; k < 8; k++)
-		add_neighbour(rule, rows, first, count, k, stood, has_classes, &s);
 	for (int32_t i = 0; i < count; i++) {
-		const uint8_t class = has_classes ? rows->classes[first + i] : 0;
-		const struct soil_shed_class *soil = &rule->classes[class < SOIL_CLASSES ? class : SOIL_CLASSES - 1];
-		const uint32_t part = soil->share[s.count[i] > 0 ? s.count[i] - 1 : 0];
-		const int32_t share = (int32_t)((uint64_t)(uint32_t)s.sum[i] * part >> 32);
-		const bool sheds = (s.starts[i] != 0) & (s.count[i] > 0) & (rows->heights[1][first + i] != SHED_STILL);
-		shed[first + i] = sheds ? s.to[i] | lane_least(share, SHED_MOST) : 0;
+		const uint8_t class = classes != NULL ? classes[i] : 0;
+		shares[i] = rule->classes[class < SOIL_CLASSES ? class : SOIL_CLASSES - 1].share[counts[i] > 0 ? counts[i] - 1 : 0];
 	}
 }
 
-static SOIL_INLINED void shed_row(const struct soil_shed *rule, const struct soil_shed_rows *rows, bool stood, bool has_classes, int32_t *shed)
+static SOIL_INLINED void finish(int32_t count, const struct shedding *restrict s, const uint32_t *restrict shares, const int32_t *restrict heights,
+				int32_t *restrict shed)
 {
-	int32_t first = 0;
-	for (; first + LANES <= rows->count; first += LANES)
-		shed_lanes(rule, rows, first, LANES, stood, has_classes, shed);
-	if (first < rows->count)
-		shed_lanes(rule, rows, first, rows->count - first, stood, has_classes, shed);
+	for (int32_t i = 0; i < count; i++) {
+		const int32_t share = (int32_t)((int64_t)s->sum[i] * (int64_t)shares[i] >> 32);
+		const bool sheds = (s->starts[i] != 0) & (s->count[i] > 0) & (heights[i] != SHED_STILL);
+		shed[i] = sheds ? s->to[i] | lane_least(share, SHED_MOST) : 0;
+	}
 }
 
-static SOIL_CLONED void shed_plain(const struct soil_shed *rule, const struct soil_shed_rows *rows, int32_t *shed)
+/* Computes what up to PART posts of a row shed, from `first` on. */
+static SOIL_INLINED void shed_part(const struct soil_shed *rule, const struct soil_shed_rows *rows, int32_t first, int32_t count, bool stood,
+				   const struct limits *limits, int32_t *shed)
 {
-	shed_row(rule, rows, false, false, shed);
+	const uint8_t *classes = rows->classes != NULL ? rows->classes + first : NULL;
+	struct shedding s;
+	uint32_t shares[PART];
+	for (int32_t i = 0; i < count; i++)
+		s.to[i] = s.count[i] = s.sum[i] = s.starts[i] = 0;
+	/* Each with a literal number, so that each is a loop of vector instructions. */
+#define NEIGHBOUR(k) \
+	add_neighbour(count, k, stood, rule->tolerance, rows->heights[1] + first, rows->heights[near[k].row] + first + near[k].column, \
+		      stood ? rows->grounds[1] + first : NULL, stood ? rows->grounds[near[k].row] + first + near[k].column : NULL, rows->contacts[1] + first, \
+		      rows->contacts[near[k].row] + first + near[k].column, limits, &s)
+	NEIGHBOUR(0);
+	NEIGHBOUR(1);
+	NEIGHBOUR(2);
+	NEIGHBOUR(3);
+	NEIGHBOUR(4);
+	NEIGHBOUR(5);
+	NEIGHBOUR(6);
+	NEIGHBOUR(7);
+#undef NEIGHBOUR
+	share_of(rule, classes, count, s.count, shares);
+	finish(count, &s, shares, rows->heights[1] + first, shed + first);
 }
 
-static SOIL_CLONED void shed_of_classes(const struct soil_shed *rule, const struct soil_shed_rows *rows, int32_t *shed)
+SOIL_CLONED void soil_shed_row(const struct soil_shed *rule, const struct soil_shed_rows *given, int32_t *shed)
 {
-	shed_row(rule, rows, false, true, shed);
-}
-
-static SOIL_CLONED void shed_stood(const struct soil_shed *rule, const struct soil_shed_rows *rows, int32_t *shed)
-{
-	shed_row(rule, rows, true, false, shed);
-}
-
-static SOIL_CLONED void shed_stood_of_classes(const struct soil_shed *rule, const struct soil_shed_rows *rows, int32_t *shed)
-{
-	shed_row(rule, rows, true, true, shed);
-}
-
-void soil_shed_row(const struct soil_shed *rule, const struct soil_shed_rows *rows, int32_t *shed)
-{
-	if (rule->undisturbed_stable)
-		(rows->classes != NULL ? shed_stood_of_classes : shed_stood)(rule, rows, shed);
-	else
-		(rows->classes != NULL ? shed_of_classes : shed_plain)(rule, rows, shed);
+	const struct soil_shed_rows own = *given, *rows = &own; /* nothing that is written lies in it */
+	struct limits limits;
+	if (rows->classes == NULL)
+		limit(rule, NULL, lane_least(rows->count, PART), &limits);
+	for (int32_t first = 0; first < rows->count; first += PART) {
+		const int32_t count = lane_least(rows->count - first, PART);
+		if (rows->classes != NULL)
+			limit(rule, rows->classes + first, count, &limits);
+		if (rule->undisturbed_stable)
+			shed_part(rule, rows, first, count, true, &limits, shed);
+		else
+			shed_part(rule, rows, first, count, false, &limits, shed);
+	}
 }
 
 static SOIL_INLINED int32_t bits_of(int32_t shed)
