@@ -61,6 +61,19 @@ static void give_classes(const struct ground *ground, const struct deform_window
 	mem_free(classes);
 }
 
+/* Offsets of both signs, to the ends of their range, before the contact. */
+static void give_offsets(const struct ground *ground, const struct deform_window *window, double most)
+{
+	int32_t *offsets = ground_room(SIDE * SIDE, 4), *bases = ground_room(SIDE * SIDE, 4);
+	const struct gpu_rect all = deform_window_rect(window);
+	gpu_texture_read(ground->deform->bases, 0, all, bases);
+	for (uint32_t i = 0; i < all.width * all.height; i++)
+		offsets[i] = bases[i] == BASE_NODATA ? 0 : (int32_t)(any_share() * most);
+	gpu_texture_upload(ground->deform->planes_of[0][PLANE_OFFSET], 0, all, offsets);
+	mem_free(offsets);
+	mem_free(bases);
+}
+
 /* What the CPU's contacts of a ground have told. */
 struct seen {
 	struct soil_kinematic_tally tally;
@@ -78,8 +91,9 @@ static void count(const struct host_window *window, const int32_t *before, struc
 	}
 }
 
-/* One window on both. The results of a model that smooths mean nothing beyond the written posts, and still are the same. */
-static void compare(struct ground *ground, const struct deform_contact *contact, const struct deform_window *window, struct seen *seen)
+/* One window on both. The results of a model that smooths mean nothing beyond the written posts, and still are the same. most: fixed-point
+ * units of other offsets than the ground's; 0: the ground's. */
+static void compare_with(struct ground *ground, const struct deform_contact *contact, const struct deform_window *window, double most, struct seen *seen)
 {
 	struct deform *deform = ground->deform;
 	const struct soil_kinematic kinematic = kinematic_of(ground);
@@ -88,6 +102,8 @@ static void compare(struct ground *ground, const struct deform_contact *contact,
 	struct host_window host;
 	deform_gather(deform, window->read, 0, 0, 0, false, deform->planes, ground->tiles, ground->tile_count);
 	give_classes(ground, window);
+	if (most > 0)
+		give_offsets(ground, window, most);
 	window_take(ground, window, &host);
 	int32_t *before = ground_room((int64_t)host.posts, 4);
 	memcpy(before, host.planes.offset, host.posts * 4);
@@ -113,6 +129,11 @@ static void compare(struct ground *ground, const struct deform_contact *contact,
 	count(&host, before, seen);
 	mem_free(before);
 	window_drop(&host);
+}
+
+static void compare(struct ground *ground, const struct deform_contact *contact, const struct deform_window *window, struct seen *seen)
+{
+	compare_with(ground, contact, window, 0, seen);
 }
 
 static void compare_tally(struct ground *ground, const struct seen *seen)
@@ -199,6 +220,27 @@ static void what_is_refused_is_told(void **state)
 		assert_true(seen.tally.refused > 20 && seen.lowered > 20);
 		ground_finish(&ground);
 	}
+}
+
+/* Smoothing of any offsets, also across the world's rim. */
+static void any_offsets_are_smoothed(void **state)
+{
+	struct seen seen = {.lowered = 0};
+	(void)state;
+	need_gpu();
+	for (int round = 0; round < 24; round++) {
+		struct ground ground;
+		ground_init(&ground, &(struct ground_params){.cells = 32, .tiles = 2, .first = 1, .spacing = 0.125, .height = rough, .model = DEFORM_BOX_FILTER,
+							     .radius = 1 + round % 4, .repetitions = 1 + round % 8});
+		const struct soil_shape ball = {.kind = SOIL_SPHERE, .radius = 0.7}, wheel = {.kind = SOIL_WHEEL, .radius = 0.4, .width = 0.3};
+		const double x = round % 5 == 4 ? 62 : 31 + 3 * any_share(), z = -0.2 + 0.1 * any_share();
+		struct deform_contact contact = {.shape = round % 2 ? &ball : &wheel, .from = ground_pose(&ground, x, 30, z), .to = ground_pose(&ground, x + 1, 31, z)};
+		contact.to.yaw = any_share() * 4;
+		assert_ok(deform_windows(ground.deform, &contact, ground.windows, &ground.window_count));
+		compare_with(&ground, &contact, &ground.windows[0], round % 3 == 0 ? 0x1p30 : 0x1p18, &seen);
+		ground_finish(&ground);
+	}
+	assert_true(seen.smoothed > 200);
 }
 
 /* Where a body is hardly above the ground that has its shape, or below it, a fixed-point unit decides whether it rests there. */
@@ -320,6 +362,7 @@ TEST_PROGRAM(kinematic)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(contacts_are_those_of_the_gpu),
 		cmocka_unit_test(what_is_refused_is_told),
+		cmocka_unit_test(any_offsets_are_smoothed),
 		cmocka_unit_test(what_hardly_touches),
 		cmocka_unit_test(windows_do_not_show),
 		cmocka_unit_test(what_a_body_at_rest_holds),
