@@ -20,8 +20,8 @@ struct closed_posts {
 };
 
 /*
- * Computes heights above the window's zero, fixed-point units: `under` of the whole motion, `rest` of the end pose; UNDER_NONE where the shape
- * is not above the post. `stride`: elements from one row to the next, a multiple of LANES and at least `count`; all of them are written.
+ * Computes heights above the window's zero, fixed-point units: `under` of the whole motion, `rest` of the end pose. UNDER_NONE: the shape is not
+ * above the post. `stride`: elements from one row to the next, a multiple of LANES and at least `count`; all of them are written.
  */
 void soil_closed(const struct closed_form *shape, const struct closed_posts *posts, size_t stride, int32_t *under, int32_t *rest);
 /* The same for a cylinder, a capsule, and a wheel whose axle is not level. soil_closed calls it. */

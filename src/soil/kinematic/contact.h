@@ -17,19 +17,21 @@ struct contact_row {
 	int32_t written[2];   /* the posts that are counted: first, one behind the last */
 };
 
-/* Lowers the posts of a row to the body, where it is lower. Where there is less than this many posts to change, nothing else is read. */
+/* Lowers the posts of a row to the body, where it is lower. kept: as in struct soil_kinematic; read if soil is carried. */
 void soil_contact_row(const struct contact_row *row, const uint32_t kept[SOIL_CLASSES], struct soil_kinematic_tally *tally);
-/* Sets SOIL_HELD where a body at rest stands on the ground: reads base, offset, rest. */
+/* Adds SOIL_HELD where a body at rest touches the ground. Reads base, offset, rest, zero. */
 void soil_hold_row(const struct contact_row *row);
 /* Changes the disturbance of posts that were lowered. */
 void soil_disturb_row(int32_t count, const uint8_t *contact, const int32_t *offset, uint8_t *disturbance);
 
-/* Smooths the offsets near the trail, `repetitions` times. trail: posts of the planes around the ones that the body may have lowered: first x, y;
- * one behind the last. Posts beyond the planes take no part in a mean. scratch: soil_smooth_room() bytes. */
+/* Posts, counted from the planes' first one: the first, and one behind the last. */
 struct smooth_posts {
 	int32_t x0, y0, x1, y1;
 };
+/* Returns the bytes of scratch memory that soil_smooth needs. width, height: of the trail, posts. */
 size_t soil_smooth_room(size_t width, size_t height, int radius);
+/* Smooths the offsets of the trail, `repetitions` times. trail: posts that the body may have lowered, and `radius` posts around them. Posts beyond
+ * the planes take no part in a mean. Reads contact, changes offset. scratch: aligned to 8. */
 void soil_smooth(const struct soil_kinematic *kinematic, const struct soil_planes *planes, struct smooth_posts trail, void *scratch);
 
 #endif

@@ -9,7 +9,8 @@
 
 enum { EDGE_ENTERS = 1, EDGE_LEAVES = 2 }; /* kinds of edges, with time counted back */
 
-/* An affine number: its value at the first post of a row; its change for one post to the east, and to the north; how it is shifted. */
+/* An affine number: its value at the first post of a row, and its change for one post to the east and to the north. Its bits are shifted to the
+ * right and to the left. */
 struct affine_row {
 	uint64_t at, east, north;
 	int right, left;
@@ -69,7 +70,7 @@ static SOIL_INLINED void inside_at(const struct facet_row *r, int32_t first, int
 }
 
 /* Lowers LANES posts to the facet in motion. first: the number of the first of them in the row. */
-static SOIL_INLINED void sweep(const struct facet_row *r, int32_t first, int32_t columns, int32_t *under)
+static SOIL_INLINED void move(const struct facet_row *r, int32_t first, int32_t columns, int32_t *under)
 {
 	int64_t in[LANES];
 	int32_t begins[LANES], ends[LANES], lowest[LANES];
@@ -140,7 +141,7 @@ SOIL_CLONED void soil_facet_rows(const struct facet *facet, size_t stride, int32
 		int32_t *lowest = under + (size_t)at * stride + (size_t)(x0 - before), *rests = rest + (size_t)at * stride + (size_t)(x0 - before);
 		for (int32_t first = -before; first < columns; first += LANES, lowest += LANES, rests += LANES) {
 			if (moves)
-				sweep(&row, first, columns, lowest);
+				move(&row, first, columns, lowest);
 			if (resting)
 				stand(&row, first, columns, lowest, rests);
 		}

@@ -7,7 +7,7 @@
 #include "soil/shape/facet.h"
 
 /* Lowers `under`, and where the facet rests at the end `rest`, to the facet: heights above the window's zero, fixed-point units. Both begin at
- * the first post of the facet's window; `stride`: elements from one row to the next, a multiple of LANES, and all of them are there. */
+ * the first post of the facet's window. `stride`: elements from one row to the next, a multiple of LANES (rows.h). */
 void soil_facet_rows(const struct facet *facet, size_t stride, int32_t *under, int32_t *rest);
 
 #endif

@@ -110,7 +110,7 @@ static struct smooth_posts trail_of(const struct soil_planes *planes, struct pos
 				     (int32_t)(posts.y1 - planes->rect.y0)};
 }
 
-static void disturb(const struct soil_planes *planes, struct post_rect posts)
+void soil_kinematic_disturb(const struct soil_planes *planes, struct post_rect posts)
 {
 	for (int64_t y = posts.y0; y < posts.y1; y++) {
 		const size_t at = (size_t)(y - planes->rect.y0) * planes->width + (size_t)(posts.x0 - planes->rect.x0);
@@ -151,7 +151,7 @@ void soil_kinematic_run(const struct soil_kinematic *kinematic, const struct soi
 	if (kinematic->radius > 0 && moves)
 		soil_smooth(kinematic, planes, trail_of(planes, posts, kinematic->radius), scratch);
 	if (planes->disturbance != NULL && !kinematic->carries)
-		disturb(planes, posts);
+		soil_kinematic_disturb(planes, posts);
 }
 
 void soil_kinematic_hold(const struct soil_kinematic *kinematic, const struct soil_shape *shape, const struct soil_pose *pose,

@@ -1,6 +1,6 @@
 /*
- * kinematic: a contact of the models none, box, sumner and slippage over a window in host memory: the same bits as their passes on the GPU. The
- * body follows its path, whatever the soil does. Its lower envelope lowers the ground. What the body displaces is lost, or carried to posts
+ * kinematic: a contact of the models none, box, sumner and slippage over a window in host memory. It has the same bits as their passes on the GPU.
+ * The body follows its path, whatever the soil does. Its lower envelope lowers the ground. What the body displaces is lost, or carried to posts
  * around, where soil/laying lays it and soil/sliding lets it slide.
  *
  * Pure: nothing is allocated, and nothing is kept between calls. Windows that share no post may be computed on several threads.
@@ -46,17 +46,20 @@ size_t soil_kinematic_room(const struct soil_kinematic *kinematic, const struct 
  * Computes a contact over a window.
  *
  * planes: base, offset and contact must be there; classes and disturbance may be. Changes offset, and all of contact: SOIL_LOWERED, SOIL_HELD,
- * SOIL_NEAR, SOIL_NO_GROUND. Posts beyond the world have no data. Posts that are not `written` may change: they belong to another window.
- * With `radius` the window has as many posts more around the written ones as the radius times the repetitions, and the results at posts
- * that are not written mean nothing.
+ * SOIL_NEAR, SOIL_NO_GROUND. Posts beyond the world have no data. Posts that are not `written` may change. They belong to another window.
+ * Changes disturbance too, unless soil is carried: then call soil_kinematic_disturb after sliding.
+ * With `radius` the window must have posts around the written ones: as many as the radius times the repetitions. Their results mean nothing.
  * carried: a plane with the same rows: fixed-point units that each post gives away, all of it written; NULL if nothing is carried.
  * scratch: soil_kinematic_room() bytes, aligned to 8.
  */
 void soil_kinematic_run(const struct soil_kinematic *kinematic, const struct soil_kinematic_contact *contact, struct soil_planes *planes,
 			struct post_rect written, int32_t *carried, void *scratch, struct soil_kinematic_tally *tally);
 
-/* Marks the posts on which a body at rest in a pose stands: adds SOIL_HELD to planes->contact. It does not rest on soil above its lower
- * envelope, which lies against its side. Reads base, offset, contact. scratch: as above. */
+/* Changes the disturbance of lowered posts, by contact and offset. posts: those below the body (soil_shadow), or more; within the planes. */
+void soil_kinematic_disturb(const struct soil_planes *planes, struct post_rect posts);
+
+/* Marks the posts that a body at rest in a pose holds: adds SOIL_HELD to planes->contact. It does not rest on soil above its lower envelope, which
+ * lies against its side. Reads base, offset, contact. scratch: as above. */
 void soil_kinematic_hold(const struct soil_kinematic *kinematic, const struct soil_shape *shape, const struct soil_pose *pose,
 			 struct soil_planes *planes, void *scratch);
 

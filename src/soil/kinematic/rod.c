@@ -1,7 +1,8 @@
 /*
  * Lower envelopes of shapes that are round about an axis: a cylinder, a capsule, a wheel whose axle is not level. shaders/lib/envelope.glsl
- * tells what the numbers and the functionals of their struct body are. The envelope is the lowest of the shape where it starts and where it
- * ends, of what its two ends pass through, and of the flat face that the lowest line along its side passes through.
+ * tells what the numbers and the functionals of their struct body are. The envelope is the
+ * lowest of the shape where it starts and where it ends, and of what it passes through. Two bodies bound that below: what its two ends pass
+ * through, and the flat face that the lowest line of its side passes through.
  */
 #include "soil/kinematic/closed.h"
 #include "soil/kinematic/rows.h"

@@ -38,11 +38,11 @@ struct soil_shed_rows {
 	const uint8_t *classes;      /* of the posts; NULL: all are of class 0 */
 };
 
-/* Computes what each post sheds: bits 0 to 22: soil for each neighbour that gets some; from bit 23 on a bit for each of the eight. */
+/* Computes what each post sheds. Bits 0 to 22: soil for each neighbour that gets some. From bit 23 on: a bit for each of the eight. */
 void soil_shed_row(const struct soil_shed *rule, const struct soil_shed_rows *rows, int32_t *shed);
 
-/* Computes by how much each post's height changes. sheds: rows as in struct soil_shed_rows. moves: 1 where the post gives or gets soil, also where
- * both are equal, or where a share is rounded to 0; over blocks that last case does not count (`shares_count` false). NULL: not wanted. */
+/* Computes by how much each post's height changes. sheds: rows as in struct soil_shed_rows. moves: 1 where the post gives or gets soil, even if both
+ * are equal; NULL: not wanted. shares_count: a share that is rounded to 0 counts as soil: over windows it does, over blocks not. */
 void soil_shed_take_row(int32_t count, const int32_t *const sheds[3], bool shares_count, int32_t *change, uint8_t *moves);
 
 #endif

@@ -2,8 +2,8 @@
  * Smoothing of the model box: the same as shaders/deform/box.frag. A post takes the mean offset of its neighbourhood if the body has left a post
  * in it. The body has left a post that the contact lowered and that its end pose does not hold.
  *
- * Each post is one number of 64 bits: its offset from the lowest possible one, COUNT if it has ground, and LEFT if the body has left it. One sum
- * of these numbers over a neighbourhood gives the sum of offsets, how many there are, and whether the body has left one of them.
+ * Each post is one number of 64 bits. It adds up its offset, counted from the lowest possible one, COUNT if it has ground, and LEFT if the body has
+ * left it. So one sum over a neighbourhood tells the sum of offsets, the number of posts, and whether the body has left one.
  */
 #include <string.h>
 

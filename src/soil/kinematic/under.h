@@ -17,7 +17,7 @@ struct under_motion {
 /* Returns the elements from one row to the next, for so many posts in a row. */
 size_t soil_under_stride(int64_t posts);
 
-/* Computes heights above to->z, fixed-point units: `under` of the whole motion, `rest` of the end pose; UNDER_NONE (rows.h) where the body is
+/* Computes heights above to->z, fixed-point units: `under` of the whole motion, `rest` of the end pose. UNDER_NONE (rows.h): the body is
  * not above the post. Each has soil_under_stride() elements for each row. corners: room for the vertices of a mesh; not read for others. */
 void soil_under(const struct under_motion *motion, struct facet_corner *corners, int32_t *under, int32_t *rest);
 
