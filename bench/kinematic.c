@@ -26,8 +26,8 @@ static double scratch[1 << 18];
 #define RINGS 12
 static float vertices[AROUND * RINGS][3];
 static uint32_t triangles[2 * AROUND * (RINGS - 1)][3];
-static const struct soil_mesh ball = {.vertices = vertices, .triangles = triangles, .vertex_count = AROUND * RINGS, .triangle_count = 2 * AROUND * (RINGS - 1),
-				      .low = {-0.4, -0.4, -0.4}, .high = {0.4, 0.4, 0.4}};
+static const struct soil_mesh ball = {.vertices = vertices, .triangles = triangles, .vertex_count = AROUND * RINGS,
+				      .triangle_count = 2 * AROUND * (RINGS - 1), .low = {-0.4, -0.4, -0.4}, .high = {0.4, 0.4, 0.4}};
 
 static void make_ball(void)
 {
@@ -52,6 +52,11 @@ static void level(void)
 	}
 }
 
+static struct post_rect grown(struct post_rect rect, int64_t by)
+{
+	return (struct post_rect){rect.x0 - by, rect.y0 - by, rect.x1 + by, rect.y1 + by};
+}
+
 /* Runs a path along a heading. Returns the posts of the windows. */
 static double run(const struct soil_kinematic *kinematic, const struct soil_shape *shape, double heading, int samples, struct soil_kinematic_tally *tally)
 {
@@ -68,8 +73,7 @@ static double run(const struct soil_kinematic *kinematic, const struct soil_shap
 		if (along < 1)
 			at.from = at.to;
 		const struct post_rect shadow = soil_shadow(shape, &at.from, &at.to, spacing);
-		const struct post_rect written = {shadow.x0 - kinematic->radius, shadow.y0 - kinematic->radius, shadow.x1 + kinematic->radius, shadow.y1 + kinematic->radius};
-		const struct post_rect read = {shadow.x0 - around, shadow.y0 - around, shadow.x1 + around, shadow.y1 + around};
+		const struct post_rect written = grown(shadow, kinematic->radius), read = grown(shadow, around);
 		const size_t first = (size_t)read.y0 * SIDE + (size_t)read.x0;
 		struct soil_planes planes = {.rect = read, .width = SIDE, .base = base + first, .offset = offset + first, .contact = contact + first};
 		soil_kinematic_run(kinematic, &at, &planes, written, kinematic->carries ? carried + first : NULL, scratch, tally);
@@ -80,7 +84,8 @@ static double run(const struct soil_kinematic *kinematic, const struct soil_shap
 
 static const char *only; /* the one shape that is measured; NULL: all */
 
-static void measure(const char *model, const struct soil_kinematic *kinematic, const char *name, const struct soil_shape *shape, double heading, int samples)
+static void measure(const char *model, const struct soil_kinematic *kinematic, const char *name, const struct soil_shape *shape, double heading,
+		    int samples)
 {
 	double us[GROUPS], posts = 0;
 	if (only != NULL && strcmp(only, name) != 0)
@@ -97,8 +102,8 @@ static void measure(const char *model, const struct soil_kinematic *kinematic, c
 	snprintf(key, sizeof key, "%s.%s.%g.%g", model, name, kinematic->spacing, heading);
 	bench_record_add(key, "us", us, GROUPS);
 	const double median = bench_median(us, GROUPS);
-	printf("{\"bench\": \"kinematic\", \"model\": \"%s\", \"shape\": \"%s\", \"spacing\": %g, \"heading\": %g, \"us\": %.2f, \"best_us\": %.2f, \"posts\": %.0f}\n",
-	       model, name, kinematic->spacing, heading, median, us[0], posts);
+	printf("{\"bench\": \"kinematic\", \"model\": \"%s\", \"shape\": \"%s\", \"spacing\": %g, \"heading\": %g, \"us\": %.2f, "
+	       "\"best_us\": %.2f, \"posts\": %.0f}\n", model, name, kinematic->spacing, heading, median, us[0], posts);
 	fflush(stdout);
 }
 

@@ -148,5 +148,7 @@ struct soil_planes {
 	uint8_t *levels;         /* 4 for each post; NULL: no raster */
 	uint8_t *contact;        /* of this contact: SOIL_LOWERED, SOIL_HELD, ... (the bits of shaders/lib/window.glsl and friends) */
 };
+/* Bits of a post's contact. A post that is neither lowered nor held can take soil. */
+enum { SOIL_LOWERED = 1, SOIL_HELD = 2, SOIL_NEAR = 16, SOIL_NO_GROUND = 32 };
 
 #endif

@@ -212,7 +212,8 @@ static void what_is_refused_is_told(void **state)
 		ground_init(&ground, &(struct ground_params){.cells = 64, .tiles = 2, .spacing = 0.25, .height = deep, .model = models[model]});
 		const struct soil_shape ball = {.kind = SOIL_SPHERE, .radius = 2};
 		for (int i = 0; i < 4; i++) {
-			struct deform_contact contact = {.shape = &ball, .from = ground_pose(&ground, 60 + i, 60, 1.9 - 0.1 * i), .to = ground_pose(&ground, 61 + i, 60.5, 1.8 - 0.1 * i)};
+			struct deform_contact contact = {.shape = &ball, .from = ground_pose(&ground, 60 + i, 60, 1.9 - 0.1 * i)};
+			contact.to = ground_pose(&ground, 61 + i, 60.5, 1.8 - 0.1 * i);
 			assert_ok(deform_windows(ground.deform, &contact, ground.windows, &ground.window_count));
 			compare(&ground, &contact, &ground.windows[0], &seen);
 		}
@@ -276,8 +277,8 @@ static void windows_do_not_show(void **state)
 	for (int number = 0; number < 4; number++) {
 		struct ground ground;
 		struct soil_kinematic_tally tally = {0, 0};
-		ground_init(&ground, &(struct ground_params){.cells = 256, .tiles = 2, .spacing = 0.125, .height = rough, .model = number < 1 ? DEFORM_NONE : DEFORM_BOX_FILTER,
-							     .radius = number, .repetitions = 2});
+		ground_init(&ground, &(struct ground_params){.cells = 256, .tiles = 2, .spacing = 0.125, .height = rough,
+							     .model = number < 1 ? DEFORM_NONE : DEFORM_BOX_FILTER, .radius = number, .repetitions = 2});
 		struct soil_shape shape = {.kind = number % 2 ? SOIL_BOX : SOIL_SPHERE, .radius = 17, .size = {30, 36, 2}};
 		const double z = number % 2 ? 0.9 : 14;
 		const struct deform_contact contact = {.shape = &shape, .from = ground_pose(&ground, 250, 255, z), .to = ground_pose(&ground, 251, 256, z)};
@@ -317,7 +318,8 @@ static void what_a_body_at_rest_holds(void **state)
 		struct ground ground;
 		struct window_mesh mesh;
 		struct deform_interval size;
-		ground_init(&ground, &(struct ground_params){.cells = 64, .tiles = 2, .spacing = 0.125, .height = rough, .model = DEFORM_SLIPPAGE, .iterations = 1, .relief = 100});
+		ground_init(&ground, &(struct ground_params){.cells = 64, .tiles = 2, .spacing = 0.125, .height = rough,
+							     .model = DEFORM_SLIPPAGE, .iterations = 1, .relief = 100});
 		const struct soil_shape shape = window_any_shape(kind, 1.5, &mesh);
 		struct deform_contact contact = window_any_contact(&ground, &shape, kind, 4, 0);
 		contact.to.yaw = 0.3;

@@ -55,7 +55,7 @@ static SOIL_INLINED void wheel_at_rest(const struct body *body, int32_t x, int32
 		const int32_t from = lane_clamp(along[i], -r, r);
 		const int32_t up = lane_root(lane_product(r, r) - lane_product(from, from));
 		const int32_t height = lane_sum(z, -lane_scaled(up, units_by, units_shift));
-		out[i] = (along[i] == from) & (lane_size(across[i]) <= half) ? height : UNDER_NONE;
+		out[i] = ((along[i] == from) & (lane_size(across[i]) <= half)) ? height : UNDER_NONE;
 	}
 }
 
@@ -81,7 +81,7 @@ static SOIL_INLINED void ball(const struct body *body, bool sheared, int32_t x, 
 		const int32_t bottom = lane_root(below < 0 ? 0 : below);
 		const int32_t rise = stays ? dropped : lane_scaled(u - from, rise_by, rise_shift);
 		const int32_t height = lane_sum(lane_sum(z, rise), -lane_scaled(bottom, units_by, units_shift));
-		out[i] = (across[i] == v) & (low <= high) ? (sheared ? lane_sum(height, shear[i]) : height) : UNDER_NONE;
+		out[i] = ((across[i] == v) & (low <= high)) ? (sheared ? lane_sum(height, shear[i]) : height) : UNDER_NONE;
 	}
 }
 

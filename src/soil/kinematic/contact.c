@@ -14,8 +14,8 @@ static SOIL_INLINED int64_t ground_of(int32_t base, int64_t zero)
 }
 
 /* Lowers the posts. `carries` is a literal: writes to `carried` by how much they fell. Returns how many of the written posts refuse. */
-static SOIL_INLINED int32_t lower(const struct contact_row *r, const int32_t *restrict bases, const int32_t *restrict unders, const int32_t *restrict rests,
-				  int32_t *restrict offsets, uint8_t *restrict contacts, bool carries, int32_t *restrict carried)
+static SOIL_INLINED int32_t lower(const struct contact_row *r, const int32_t *restrict bases, const int32_t *restrict unders,
+				  const int32_t *restrict rests, int32_t *restrict offsets, uint8_t *restrict contacts, bool carries, int32_t *restrict carried)
 {
 	const int64_t zero = r->zero;
 	const int32_t count = r->count, first = r->written[0], last = r->written[1];
@@ -54,7 +54,7 @@ static SOIL_INLINED void part(int32_t count, const int32_t written[2], const uin
 		const int64_t fell = (int64_t)(uint32_t)carried[i], by = each ? (int64_t)kept[i] : share, away = fell * by >> 31;
 		const int64_t carries = away < CARRIED_MOST ? away : CARRIED_MOST;
 		carried[i] = (int32_t)carries;
-		compacted += (i >= first) & (i < last) ? fell - carries : 0;
+		compacted += ((i >= first) & (i < last)) ? fell - carries : 0;
 	}
 	tally->compacted += compacted;
 }

@@ -85,20 +85,20 @@ static SOIL_INLINED void move(const struct facet_row *r, int32_t first, int32_t 
 			EACH_LANE(i) {
 				const int32_t when = fraction_at(&r->when[k], (uint64_t)(int64_t)(first + i), 0);
 				const int32_t height = fraction_at(&r->side[k], (uint64_t)(int64_t)(first + i), 0);
-				lowest[i] = !r->later & (when > begins[i]) ? height : lowest[i];
+				lowest[i] = (!r->later & (when > begins[i])) ? height : lowest[i];
 				begins[i] = lane_most(begins[i], when);
 			}
 		else if (r->kinds[k] == EDGE_LEAVES)
 			EACH_LANE(i) {
 				const int32_t when = fraction_at(&r->when[k], (uint64_t)(int64_t)(first + i), 0);
 				const int32_t height = fraction_at(&r->side[k], (uint64_t)(int64_t)(first + i), 0);
-				lowest[i] = r->later & (when < ends[i]) ? height : lowest[i];
+				lowest[i] = (r->later & (when < ends[i])) ? height : lowest[i];
 				ends[i] = lane_least(ends[i], when);
 			}
 	}
 	EACH_LANE(i) {
 		const int32_t v = lane_clamp(lowest[i], r->low[0], r->high[0]);
-		under[i] = (in[i] != 0) & (begins[i] <= ends[i]) & (v < under[i]) ? v : under[i];
+		under[i] = ((in[i] != 0) & (begins[i] <= ends[i]) & (v < under[i])) ? v : under[i];
 	}
 }
 
@@ -109,8 +109,8 @@ static SOIL_INLINED void stand(const struct facet_row *r, int32_t first, int32_t
 	inside_at(r, first, columns, false, in);
 	EACH_LANE(i) {
 		const int32_t height = fraction_at(&r->plane, (uint64_t)(int64_t)(first + i), 0), v = lane_clamp(height, r->low[1], r->high[1]);
-		under[i] = (in[i] != 0) & (v < under[i]) ? v : under[i];
-		rest[i] = (in[i] != 0) & (v < rest[i]) ? v : rest[i];
+		under[i] = ((in[i] != 0) & (v < under[i])) ? v : under[i];
+		rest[i] = ((in[i] != 0) & (v < rest[i])) ? v : rest[i];
 	}
 }
 

@@ -60,7 +60,8 @@ static void begin(const struct under_motion *motion, void *scratch, struct below
 }
 
 /* Returns a row of the posts below the body. */
-static struct contact_row row_of(const struct soil_kinematic *kinematic, const struct soil_planes *planes, const struct below *below, int64_t height, int64_t y)
+static struct contact_row row_of(const struct soil_kinematic *kinematic, const struct soil_planes *planes, const struct below *below, int64_t height,
+				 int64_t y)
 {
 	const size_t at = (size_t)(y - planes->rect.y0) * planes->width + (size_t)(below->posts.x0 - planes->rect.x0);
 	const size_t envelope = (size_t)(y - below->posts.y0) * below->stride;

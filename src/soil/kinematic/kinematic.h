@@ -10,9 +10,6 @@
 
 #include "soil/soil.h"
 
-/* Bits of a contact (shaders/lib/window.glsl). NEAR: the body was less than two spacings above the post. NO_GROUND: the post has no data. */
-enum { SOIL_LOWERED = 1, SOIL_HELD = 2, SOIL_NEAR = 16, SOIL_NO_GROUND = 32 };
-
 /* What becomes of the displaced soil. All zeros: it is lost (model none). */
 struct soil_kinematic {
 	int radius, repetitions;      /* model box: the trail is smoothed over 1 to 4 posts around, 1 to 8 times; 0: not */
@@ -46,7 +43,8 @@ size_t soil_kinematic_room(const struct soil_kinematic *kinematic, const struct 
  * Computes a contact over a window.
  *
  * planes: base, offset and contact must be there; classes and disturbance may be. Changes offset, and all of contact: SOIL_LOWERED, SOIL_HELD,
- * SOIL_NEAR, SOIL_NO_GROUND. Posts beyond the world have no data. Posts that are not `written` may change. They belong to another window.
+ * SOIL_NEAR, SOIL_NO_GROUND. Near: the body was less than two spacings above the post. Posts beyond the world have no ground.
+ * Posts that are not `written` may change. They belong to another window.
  * Changes disturbance too, unless soil is carried: then call soil_kinematic_disturb after sliding.
  * With `radius` the window must have posts around the written ones: as many as the radius times the repetitions. Their results mean nothing.
  * carried: a plane with the same rows: fixed-point units that each post gives away, all of it written; NULL if nothing is carried.

@@ -22,7 +22,8 @@ static SOIL_INLINED void places_of(const struct body *body, int32_t x, int32_t y
 
 /* The lower envelope of the shape at one time, above its centre at the start. `moved`: by how much v, a, axis and end, and the centre's height,
  * have changed since the start. Lowers `lowest` to it. */
-static SOIL_INLINED void at_rest(const struct body *body, bool capsule, const struct places *p, const int32_t moved[4], int32_t centre, int32_t lowest[LANES])
+static SOIL_INLINED void at_rest(const struct body *body, bool capsule, const struct places *p, const int32_t moved[4], int32_t centre,
+				 int32_t lowest[LANES])
 {
 	const int32_t r = body->a[0], half = body->a[1], sine = body->a[2], side_by = body->b[2];
 	const int32_t ball_by = body->d[1], ball_up = body->d[3];
@@ -41,13 +42,13 @@ static SOIL_INLINED void at_rest(const struct body *body, bool capsule, const st
 			const int64_t below = squares - lane_product(along, along);
 			const int32_t bottom = lane_root(below < 0 ? 0 : below);
 			const int32_t ball = lane_sum(lane_sum(centre, low ? -ball_up : ball_up), -lane_scaled(bottom, ball_by, ball_shift));
-			there = low | high ? ball : side;
+			there = (low | high) ? ball : side;
 			covered = covered & ((beyond == along) | !(low | high));
 		} else {
-			there = (sine > 0) & (a <= middle - half) ? lane_sum(p->end[i], moved[3]) : side;
+			there = ((sine > 0) & (a <= middle - half)) ? lane_sum(p->end[i], moved[3]) : side;
 			covered = covered & (lane_size(a) <= middle + half);
 		}
-		lowest[i] = covered & (there < lowest[i]) ? there : lowest[i];
+		lowest[i] = (covered & (there < lowest[i])) ? there : lowest[i];
 	}
 }
 
@@ -68,7 +69,7 @@ static SOIL_INLINED void ball_moves(const struct body *body, const struct functi
 		const int64_t below = squares - lane_product(from, from);
 		const int32_t bottom = lane_root(below < 0 ? 0 : below);
 		const int32_t z = lane_sum(lane_sum(above, lane_scaled(u - from, rise_by, rise_shift)), -lane_scaled(bottom, ball_by, ball_shift));
-		lowest[i] = (across[i] == q) & (low <= high) & (z < lowest[i]) ? z : lowest[i];
+		lowest[i] = ((across[i] == q) & (low <= high) & (z < lowest[i])) ? z : lowest[i];
 	}
 }
 
@@ -87,8 +88,8 @@ static SOIL_INLINED void rim_moves(const struct body *body, const struct functio
 		const int32_t first = lane_sum(along[i], -apart), second = lane_sum(along[i], apart);
 		const int32_t low = lane_sum(middle[i], -lift), high = lane_sum(middle[i], lift);
 		const bool covered = across[i] == q;
-		const int32_t once = covered & (first >= 0) & (first <= length) & (low < lowest[i]) ? low : lowest[i];
-		lowest[i] = covered & (second >= 0) & (second <= length) & (high < once) ? high : once;
+		const int32_t once = (covered & (first >= 0) & (first <= length) & (low < lowest[i])) ? low : lowest[i];
+		lowest[i] = (covered & (second >= 0) & (second <= length) & (high < once)) ? high : once;
 	}
 }
 
@@ -99,8 +100,8 @@ static SOIL_INLINED void face_moves(const struct body *body, int32_t x, int32_t 
 	lane_values(&body->f[8], x, y, one);
 	lane_values(&body->f[9], x, y, other);
 	EACH_LANE(i) {
-		const bool covered = (lane_size(one[i]) <= ENVELOPE_ONE) & (lane_size(other[i]) <= ENVELOPE_ONE);
-		lowest[i] = covered & (height[i] < lowest[i]) ? height[i] : lowest[i];
+		const int32_t far = lane_most(lane_size(one[i]), lane_size(other[i]));
+		lowest[i] = ((far <= ENVELOPE_ONE) & (height[i] < lowest[i])) ? height[i] : lowest[i];
 	}
 }
 

@@ -60,8 +60,8 @@ static void limit(const struct soil_shed *rule, const uint8_t *classes, int32_t 
 }
 
 /* Adds a neighbour. k: its number. `stood` is a literal: undisturbed ground is stable. */
-static SOIL_INLINED void add_neighbour(int32_t count, int k, bool stood, int32_t tolerance, const int32_t *restrict heights, const int32_t *restrict others,
-				       const int32_t *restrict grounds, const int32_t *restrict other_grounds, const uint8_t *restrict holds,
+static SOIL_INLINED void add_neighbour(int32_t count, int k, bool stood, int32_t tolerance, const int32_t *restrict heights,
+				       const int32_t *restrict others, const int32_t *restrict grounds, const int32_t *restrict other_grounds, const uint8_t *restrict holds,
 				       const uint8_t *restrict other_holds, const struct limits *restrict limits, struct shedding *restrict s)
 {
 	const int apart = k < 4 ? 0 : 1;
@@ -152,7 +152,8 @@ static SOIL_INLINED int32_t bits_of(int32_t shed)
 	return count;
 }
 
-static SOIL_INLINED void take_row(int32_t count, const int32_t *const sheds[3], bool shares_count, bool tells, int32_t *restrict change, uint8_t *restrict moves)
+static SOIL_INLINED void take_row(int32_t count, const int32_t *const sheds[3], bool shares_count, bool tells, int32_t *restrict change,
+				  uint8_t *restrict moves)
 {
 	const int32_t *own = sheds[1];
 	const int32_t *const from[8] = {sheds[0], sheds[1] - 1, sheds[1] + 1, sheds[2], sheds[0] - 1, sheds[0] + 1, sheds[2] - 1, sheds[2] + 1};

@@ -48,7 +48,7 @@ static SOIL_INLINED void means(int32_t count, int radius, const uint64_t *restri
 		/* Exact: a quotient that is no whole number is further from the next one than doubles round here. */
 		const double sum_all = (double)(int32_t)(whole >> 20) * 0x1p20 + (double)(int32_t)(whole & 0xfffff);
 		const int32_t smooth = (int32_t)(floor(sum_all / (double)(counted > 0 ? counted : 1)) - 0x1p31);
-		offset[i] = (sum >= LEFT) & ((contact[i] & (SOIL_HELD | SOIL_NO_GROUND)) == 0) ? smooth : offset[i];
+		offset[i] = ((sum >= LEFT) & ((contact[i] & (SOIL_HELD | SOIL_NO_GROUND)) == 0)) ? smooth : offset[i];
 	}
 }
 
