@@ -14,7 +14,6 @@
 #include "record.h"
 #include "soil/kinematic/kinematic.h"
 #include "soil/kinematic/shed.h"
-#include "soil/shape/motion.h"
 
 enum { SIDE = 1024, GROUPS = 200 };
 

@@ -2,7 +2,6 @@
 #include <math.h>
 
 #include "soil/shape/affine.h"
-#include "soil/shape/motion.h"
 #include "deform/internal.h"
 
 _Static_assert(SOIL_SHAPE_POSTS == (DEFORM_WINDOW_POSTS - 32) * 3, "the widest body fits its windows");
@@ -10,7 +9,7 @@ _Static_assert(FUNCTIONAL_POSTS == DEFORM_WINDOWS_MAX * DEFORM_WINDOW_POSTS, "fu
 
 bool deform_is_contact_only(const struct deform_contact *contact)
 {
-	return !soil_moves(&contact->from, &contact->to);
+	return soil_only_set_down(&contact->from, &contact->to);
 }
 
 bool deform_is_swept(const struct deform *deform, const struct deform_contact *contact)

@@ -46,6 +46,13 @@ struct soil_pose {
 	double yaw, pitch, roll, turn;
 };
 
+/* Returns true if a body that goes from one pose to the other does not move. One that rises or falls very far counts as set down anew, too.
+ * Then only its end pose acts on the ground. */
+bool soil_only_set_down(const struct soil_pose *from, const struct soil_pose *to);
+/* Returns the posts that a body may be above while it moves, with one post to spare for rounding. `from`: the same as `to` if it does not
+ * move. spacing: m between posts. */
+struct post_rect soil_shadow(const struct soil_shape *shape, const struct soil_pose *from, const struct soil_pose *to, double spacing);
+
 /* Returns true for a body whose surface runs over it: a wheel, or a body with a belt. Only such a body has a slip. */
 bool soil_shape_runs(const struct soil_shape *shape);
 /* Returns how far the surface of a body ran over it, metres. `turned`: of a wheel radians about its axis, of a belt the metres that
@@ -137,7 +144,14 @@ double soil_sinkage_guess(const struct soil_shape *shape, const struct soil_numb
 double soil_load_at(const struct soil_shape *shape, const struct soil_interface *interface, double slip, const struct soil_numbers *soil,
 		    double sinkage);
 
-/* Planes of a rectangle of posts in host memory, row by row from the south-west. A plane that nothing needs is NULL. */
+/*
+ * --- bearing soil, on the CPU ---
+ *
+ * Soil that bears bodies: Bekker's pressure, Janosi's shear, elastic rebound. docs/SOIL.md has the law. One implementation computes contacts,
+ * equilibrium heights, forces and probes, over planes of posts in host memory. It knows no pages and no tiles.
+ */
+
+/* Planes of a rectangle of posts, row by row from the south-west. A plane that nothing needs is NULL. */
 struct soil_planes {
 	struct post_rect rect;   /* posts of the working level */
 	size_t width;            /* posts in a row */
@@ -145,10 +159,42 @@ struct soil_planes {
 	int32_t *offset, *deposited, *sinkage, *shear, *dug; /* as the planes of base/plane.h */
 	uint8_t *disturbance;
 	uint8_t *classes;        /* NULL: one soil */
-	uint8_t *levels;         /* 4 for each post; NULL: no raster */
-	uint8_t *contact;        /* of this contact: SOIL_LOWERED, SOIL_HELD, ... (the bits of shaders/lib/window.glsl and friends) */
+	uint8_t *levels;         /* SOIL_RASTERS for each post; NULL: no raster */
+	uint8_t *contact;        /* what a contact did to each post: SOIL_LOWERED, SOIL_HELD */
 };
+
 /* Bits of a post's contact. A post that is neither lowered nor held can take soil. */
 enum { SOIL_LOWERED = 1, SOIL_HELD = 2, SOIL_NEAR = 16, SOIL_NO_GROUND = 32 };
+
+#define SOIL_BAND_POSTS 95 /* the widest band of laid soil */
+
+/* What is the same for all contacts of a world. */
+struct soil_law {
+	double spacing;          /* m between posts */
+	int32_t reference;       /* m: heights of bases are above it */
+	struct soil_numbers soils[SOIL_CLASSES];
+	int soil_count;
+	struct soil_raster rasters[SOIL_RASTERS];
+	int raster_count;
+	double bulldozing;       /* share of the plastic flow that is laid around a body, 0 .. 1 */
+	double slip_sinkage;     /* how deep slip digs, in units of the soil's shear modulus; 0: not */
+	bool ground_normals;     /* stresses act along the normal of the ground; false: along that of the body's lower envelope */
+};
+
+/* How a body moved since its last contact: straight, with the attitude of `to`. And how it moves now. Without a last contact from is to. */
+struct soil_motion {
+	const struct soil_shape *shape;
+	struct soil_interface interface;
+	struct soil_pose from, to;
+	double beyond[3];        /* m from `to`, which is rounded, to the very place */
+	double turned;           /* wheel: rad about its axis since `from`; a body with a belt: m that it ran since then */
+	double rotated[3];       /* rad about local axes since `from`, of a body that a host moves and that is no wheel */
+	double linear[3], angular[3]; /* m/s, rad/s, local axes: what damps; 0 for a body on a path */
+	double runs;             /* m/s of its belt */
+	double load;             /* N, downwards. 0: the height is to.z. Otherwise the equilibrium height is searched */
+	double stamped;          /* hosted: 1: the hollow below `from` has the shape of the body; 0: it is a flat rut */
+	bool hosted;             /* a host moves the body, so the motion may be much shorter than a post */
+	bool jumped;             /* it did not move from `from` to `to`: it was set down */
+};
 
 #endif

@@ -8,13 +8,13 @@
 #define CARRIED_MOST (1 << 23)   /* the most soil that one post gives away, so that sums of it fit 32 bits */
 
 /* Returns how far the ground is above the zero of the lower envelopes. */
-static SOIL_INLINED int64_t ground_of(int32_t base, int64_t zero)
+static LANE_INLINED int64_t ground_of(int32_t base, int64_t zero)
 {
 	return (int64_t)base * 4 - zero;
 }
 
 /* Lowers the posts. `carries` is a literal: writes to `carried` by how much they fell. Returns how many of the written posts refuse. */
-static SOIL_INLINED int32_t lower(const struct contact_row *r, const int32_t *restrict bases, const int32_t *restrict unders,
+static LANE_INLINED int32_t lower(const struct contact_row *r, const int32_t *restrict bases, const int32_t *restrict unders,
 				  const int32_t *restrict rests, int32_t *restrict offsets, uint8_t *restrict contacts, bool carries, int32_t *restrict carried)
 {
 	const int64_t zero = r->zero;
@@ -38,13 +38,13 @@ static SOIL_INLINED int32_t lower(const struct contact_row *r, const int32_t *re
 	return refused;
 }
 
-static SOIL_INLINED void lower_row(const struct contact_row *r, bool carries, struct soil_kinematic_tally *tally)
+static LANE_INLINED void lower_row(const struct contact_row *r, bool carries, struct soil_kinematic_tally *tally)
 {
 	tally->refused += (uint64_t)lower(r, r->base, r->under, r->rest, r->offset, r->contact, carries, r->carried);
 }
 
 /* Parts the soil that fell. kept: the share of each post, or of the first alone; `each` is a literal that tells which. */
-static SOIL_INLINED void part(int32_t count, const int32_t written[2], const uint32_t *restrict kept, bool each, int32_t *restrict carried,
+static LANE_INLINED void part(int32_t count, const int32_t written[2], const uint32_t *restrict kept, bool each, int32_t *restrict carried,
 			      struct soil_kinematic_tally *tally)
 {
 	const int32_t first = written[0], last = written[1];
@@ -59,18 +59,18 @@ static SOIL_INLINED void part(int32_t count, const int32_t written[2], const uin
 	tally->compacted += compacted;
 }
 
-static SOIL_CLONED void lose(const struct contact_row *row, struct soil_kinematic_tally *tally)
+static SOIL_LANES void lose(const struct contact_row *row, struct soil_kinematic_tally *tally)
 {
 	lower_row(row, false, tally);
 }
 
-static SOIL_CLONED void carry(const struct contact_row *row, const uint32_t *kept, struct soil_kinematic_tally *tally)
+static SOIL_LANES void carry(const struct contact_row *row, const uint32_t *kept, struct soil_kinematic_tally *tally)
 {
 	lower_row(row, true, tally);
 	part(row->count, row->written, kept, false, row->carried, tally);
 }
 
-static SOIL_CLONED void carry_by_class(const struct contact_row *row, const uint32_t *kept, struct soil_kinematic_tally *tally)
+static SOIL_LANES void carry_by_class(const struct contact_row *row, const uint32_t *kept, struct soil_kinematic_tally *tally)
 {
 	uint32_t shares[8 * LANES];
 	lower_row(row, true, tally);
@@ -90,7 +90,7 @@ void soil_contact_row(const struct contact_row *row, const uint32_t kept[SOIL_CL
 		(row->classes == NULL ? carry : carry_by_class)(row, kept, tally);
 }
 
-static SOIL_INLINED void hold(int32_t count, int64_t zero, const int32_t *restrict bases, const int32_t *restrict offsets, const int32_t *restrict rests,
+static LANE_INLINED void hold(int32_t count, int64_t zero, const int32_t *restrict bases, const int32_t *restrict offsets, const int32_t *restrict rests,
 			      uint8_t *restrict contacts)
 {
 	for (int32_t i = 0; i < count; i++) {
@@ -100,12 +100,12 @@ static SOIL_INLINED void hold(int32_t count, int64_t zero, const int32_t *restri
 	}
 }
 
-SOIL_CLONED void soil_hold_row(const struct contact_row *row)
+SOIL_LANES void soil_hold_row(const struct contact_row *row)
 {
 	hold(row->count, row->zero, row->base, row->offset, row->rest, row->contact);
 }
 
-SOIL_CLONED void soil_disturb_row(int32_t count, const uint8_t *restrict contact, const int32_t *restrict offset, uint8_t *restrict disturbance)
+SOIL_LANES void soil_disturb_row(int32_t count, const uint8_t *restrict contact, const int32_t *restrict offset, uint8_t *restrict disturbance)
 {
 	for (int32_t i = 0; i < count; i++) {
 		const int32_t down = offset[i] < 0 ? -offset[i] >> 10 : 0, depth = 96 + down < 255 ? 96 + down : 255;

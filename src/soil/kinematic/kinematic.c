@@ -6,7 +6,6 @@
 
 #include "soil/kinematic/contact.h"
 #include "soil/kinematic/under.h"
-#include "soil/shape/motion.h"
 
 #define ALIGNED(bytes) (((bytes) + 63) / 64 * 64)
 
@@ -127,7 +126,7 @@ static int64_t clamp(int64_t v, int64_t low, int64_t high)
 void soil_kinematic_run(const struct soil_kinematic *kinematic, const struct soil_kinematic_contact *contact, struct soil_planes *planes,
 			struct post_rect written, int32_t *carried, void *scratch, struct soil_kinematic_tally *tally)
 {
-	const bool moves = soil_moves(&contact->from, &contact->to);
+	const bool moves = !soil_only_set_down(&contact->from, &contact->to);
 	const struct soil_pose *from = moves ? &contact->from : &contact->to;
 	const struct post_rect shadow = soil_shadow(contact->shape, from, &contact->to, kinematic->spacing);
 	const struct under_motion motion = {.shape = contact->shape, .from = from, .to = &contact->to, .turned = contact->turned, .spacing = kinematic->spacing,

@@ -60,7 +60,7 @@ static void limit(const struct soil_shed *rule, const uint8_t *classes, int32_t 
 }
 
 /* Adds a neighbour. k: its number. `stood` is a literal: undisturbed ground is stable. */
-static SOIL_INLINED void add_neighbour(int32_t count, int k, bool stood, int32_t tolerance, const int32_t *restrict heights,
+static LANE_INLINED void add_neighbour(int32_t count, int k, bool stood, int32_t tolerance, const int32_t *restrict heights,
 				       const int32_t *restrict others, const int32_t *restrict grounds, const int32_t *restrict other_grounds, const uint8_t *restrict holds,
 				       const uint8_t *restrict other_holds, const struct limits *restrict limits, struct shedding *restrict s)
 {
@@ -90,7 +90,7 @@ static void share_of(const struct soil_shed *rule, const uint8_t *classes, int32
 	}
 }
 
-static SOIL_INLINED void finish(int32_t count, const struct shedding *restrict s, const uint32_t *restrict shares, const int32_t *restrict heights,
+static LANE_INLINED void finish(int32_t count, const struct shedding *restrict s, const uint32_t *restrict shares, const int32_t *restrict heights,
 				int32_t *restrict shed)
 {
 	for (int32_t i = 0; i < count; i++) {
@@ -101,7 +101,7 @@ static SOIL_INLINED void finish(int32_t count, const struct shedding *restrict s
 }
 
 /* Computes what up to PART posts of a row shed, from `first` on. */
-static SOIL_INLINED void shed_part(const struct soil_shed *rule, const struct soil_shed_rows *rows, int32_t first, int32_t count, bool stood,
+static LANE_INLINED void shed_part(const struct soil_shed *rule, const struct soil_shed_rows *rows, int32_t first, int32_t count, bool stood,
 				   const struct limits *limits, int32_t *shed)
 {
 	const uint8_t *classes = rows->classes != NULL ? rows->classes + first : NULL;
@@ -127,7 +127,7 @@ static SOIL_INLINED void shed_part(const struct soil_shed *rule, const struct so
 	finish(count, &s, shares, rows->heights[1] + first, shed + first);
 }
 
-SOIL_CLONED void soil_shed_row(const struct soil_shed *rule, const struct soil_shed_rows *given, int32_t *shed)
+SOIL_LANES void soil_shed_row(const struct soil_shed *rule, const struct soil_shed_rows *given, int32_t *shed)
 {
 	const struct soil_shed_rows own = *given, *rows = &own; /* nothing that is written lies in it */
 	struct limits limits;
@@ -144,7 +144,7 @@ SOIL_CLONED void soil_shed_row(const struct soil_shed *rule, const struct soil_s
 	}
 }
 
-static SOIL_INLINED int32_t bits_of(int32_t shed)
+static LANE_INLINED int32_t bits_of(int32_t shed)
 {
 	int32_t count = 0;
 	for (int k = 0; k < 8; k++)
@@ -152,7 +152,7 @@ static SOIL_INLINED int32_t bits_of(int32_t shed)
 	return count;
 }
 
-static SOIL_INLINED void take_row(int32_t count, const int32_t *const sheds[3], bool shares_count, bool tells, int32_t *restrict change,
+static LANE_INLINED void take_row(int32_t count, const int32_t *const sheds[3], bool shares_count, bool tells, int32_t *restrict change,
 				  uint8_t *restrict moves)
 {
 	const int32_t *own = sheds[1];
@@ -172,17 +172,17 @@ static SOIL_INLINED void take_row(int32_t count, const int32_t *const sheds[3], 
 	}
 }
 
-static SOIL_CLONED void take_quietly(int32_t count, const int32_t *const sheds[3], int32_t *change)
+static SOIL_LANES void take_quietly(int32_t count, const int32_t *const sheds[3], int32_t *change)
 {
 	take_row(count, sheds, false, false, change, NULL);
 }
 
-static SOIL_CLONED void take_of_window(int32_t count, const int32_t *const sheds[3], int32_t *change, uint8_t *moves)
+static SOIL_LANES void take_of_window(int32_t count, const int32_t *const sheds[3], int32_t *change, uint8_t *moves)
 {
 	take_row(count, sheds, true, true, change, moves);
 }
 
-static SOIL_CLONED void take_of_blocks(int32_t count, const int32_t *const sheds[3], int32_t *change, uint8_t *moves)
+static SOIL_LANES void take_of_blocks(int32_t count, const int32_t *const sheds[3], int32_t *change, uint8_t *moves)
 {
 	take_row(count, sheds, false, true, change, moves);
 }

@@ -14,7 +14,7 @@
 #define LEFT ((uint64_t)1 << 48)
 
 /* Fills the numbers of a row's posts. */
-static SOIL_CLONED void pack(int32_t count, const int32_t *restrict offset, const uint8_t *restrict contact, uint64_t *restrict packed)
+static SOIL_LANES void pack(int32_t count, const int32_t *restrict offset, const uint8_t *restrict contact, uint64_t *restrict packed)
 {
 	for (int32_t i = 0; i < count; i++) {
 		const uint32_t bits = contact[i], left = bits & ~(bits >> 1) & SOIL_LOWERED;
@@ -24,20 +24,20 @@ static SOIL_CLONED void pack(int32_t count, const int32_t *restrict offset, cons
 }
 
 /* Adds a row to the sums of columns, and takes another from them. */
-static SOIL_CLONED void add(int32_t count, const uint64_t *restrict row, uint64_t *restrict sums)
+static SOIL_LANES void add(int32_t count, const uint64_t *restrict row, uint64_t *restrict sums)
 {
 	for (int32_t i = 0; i < count; i++)
 		sums[i] += row[i];
 }
 
-static SOIL_CLONED void take(int32_t count, const uint64_t *restrict row, uint64_t *restrict sums)
+static SOIL_LANES void take(int32_t count, const uint64_t *restrict row, uint64_t *restrict sums)
 {
 	for (int32_t i = 0; i < count; i++)
 		sums[i] -= row[i];
 }
 
 /* Writes the means of a row's posts. sums: of columns, from `radius` columns before the first post on. */
-static SOIL_INLINED void means(int32_t count, int radius, const uint64_t *restrict sums, const uint8_t *restrict contact, int32_t *restrict offset)
+static LANE_INLINED void means(int32_t count, int radius, const uint64_t *restrict sums, const uint8_t *restrict contact, int32_t *restrict offset)
 {
 	for (int32_t i = 0; i < count; i++) {
 		uint64_t sum = 0;
@@ -52,22 +52,22 @@ static SOIL_INLINED void means(int32_t count, int radius, const uint64_t *restri
 	}
 }
 
-static SOIL_CLONED void means_1(int32_t count, const uint64_t *sums, const uint8_t *contact, int32_t *offset)
+static SOIL_LANES void means_1(int32_t count, const uint64_t *sums, const uint8_t *contact, int32_t *offset)
 {
 	means(count, 1, sums, contact, offset);
 }
 
-static SOIL_CLONED void means_2(int32_t count, const uint64_t *sums, const uint8_t *contact, int32_t *offset)
+static SOIL_LANES void means_2(int32_t count, const uint64_t *sums, const uint8_t *contact, int32_t *offset)
 {
 	means(count, 2, sums, contact, offset);
 }
 
-static SOIL_CLONED void means_3(int32_t count, const uint64_t *sums, const uint8_t *contact, int32_t *offset)
+static SOIL_LANES void means_3(int32_t count, const uint64_t *sums, const uint8_t *contact, int32_t *offset)
 {
 	means(count, 3, sums, contact, offset);
 }
 
-static SOIL_CLONED void means_4(int32_t count, const uint64_t *sums, const uint8_t *contact, int32_t *offset)
+static SOIL_LANES void means_4(int32_t count, const uint64_t *sums, const uint8_t *contact, int32_t *offset)
 {
 	means(count, 4, sums, contact, offset);
 }
