@@ -197,4 +197,30 @@ struct soil_motion {
 	bool jumped;             /* it did not move from `from` to `to`: it was set down */
 };
 
+/* How the soil bears a body. */
+enum soil_state {
+	SOIL_TOUCHING,
+	SOIL_SLIDES, /* on a slope where W sin a > c A + W cos a tan phi, of the soil or of the body's surface: without its guide it would slide */
+	SOIL_SUNK,   /* the soil does not carry it: it sank as deep as it is high (a mesh: as its size) */
+	SOIL_AIR,    /* no post bears it */
+	SOIL_STATES
+};
+
+/* The forces of the soil on a body. */
+struct soil_forces {
+	double force[3];      /* N: east, north, up */
+	double moment[3];     /* N m about its centre */
+	double sinkage;       /* m: its greatest depth below the base, where the soil bears it; 0 if it is above the base */
+	double area;          /* m2: of the ground that carries it */
+	double pull;          /* N: what pulls its belt over it, along the belt; below 0 the belt brakes. 0: it has no belt */
+	int64_t z;            /* 2^-20 m: height of its centre; with a load, the equilibrium height */
+	uint32_t saturated;   /* posts whose share was too large to count, and was cut */
+	enum soil_state state;
+};
+
+/* Scratch memory of one thread. destroy takes NULL. */
+struct soil_work;
+enum status soil_work_create(struct soil_work **out) FURROW_CHECKED;
+void soil_work_destroy(struct soil_work *work);
+
 #endif

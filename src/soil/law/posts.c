@@ -125,7 +125,7 @@ static void copy(int32_t *restrict to, const int32_t *restrict from, size_t coun
 		memset(to, 0, count * sizeof *to);
 }
 
-/* Copies what the planes have of a run of posts. Shears and sinkages become numbers later: they wait in the arrays of those. */
+/* Copies what the planes have of a run of posts. */
 static void take_run(const struct soil_planes *planes, size_t at, size_t count, const double place[2], const struct walk *walk, struct soil_posts *p)
 {
 	const size_t to = p->count;
@@ -140,11 +140,14 @@ static void take_run(const struct soil_planes *planes, size_t at, size_t count, 
 	copy(p->south + to, planes->base + at - planes->width, count);
 	copy(p->north + to, planes->base + at + planes->width, count);
 	copy(p->deposited + to, planes->deposited != NULL ? planes->deposited + at : NULL, count);
-	copy((void *)(p->was + to), planes->sinkage != NULL ? planes->sinkage + at : NULL, count);
-	copy((void *)(p->shear_x + to), planes->shear != NULL ? planes->shear + at : NULL, count);
-	copy((void *)(p->dug + to), planes->dug != NULL ? planes->dug + at : NULL, count);
-	for (size_t i = 0; i < count; i++)
+	copy(p->sinkage + to, planes->sinkage != NULL ? planes->sinkage + at : NULL, count);
+	copy(p->shear + to, planes->shear != NULL ? planes->shear + at : NULL, count);
+	copy(p->digs + to, planes->dug != NULL ? planes->dug + at : NULL, count);
+	copy(p->surface + to, planes->offset != NULL ? planes->offset + at : NULL, count);
+	for (size_t i = 0; i < count; i++) {
 		p->ground[to + i] = ground_of(p->base[to + i], p->deposited[to + i], walk->zero);
+		p->surface[to + i] = ground_of(p->base[to + i], p->surface[to + i], walk->zero);
+	}
 	p->count += count;
 }
 
@@ -183,10 +186,6 @@ SOIL_INLINED float rise_between(int32_t low, int32_t at, int32_t high, float sca
 /* Computes the numbers of a block from what the planes have. A slope counts as at most 87 degrees. */
 SOIL_CLONED static void put_numbers(const float axis[restrict 2], float scale, struct soil_posts *restrict p, size_t b)
 {
-	int32_t was[POSTS_LANES], shear[POSTS_LANES], dug[POSTS_LANES];
-	memcpy(was, p->was + b, sizeof was);
-	memcpy(shear, p->shear_x + b, sizeof shear);
-	memcpy(dug, p->dug + b, sizeof dug);
 	const float c = axis[0], s = axis[1];
 	for (int i = 0; i < POSTS_LANES; i++) {
 		const float rise_x = rise_between(p->west[b + i], p->base[b + i], p->east[b + i], scale);
@@ -198,11 +197,11 @@ SOIL_CLONED static void put_numbers(const float axis[restrict 2], float scale, s
 		p->by_up[b + i] = least(by_up, 1 / FORM_UPRIGHT);
 	}
 	for (int i = 0; i < POSTS_LANES; i++) {
-		const float east = (float)(int32_t)((uint32_t)shear[i] << 16 >> 16 ^ 0x8000u) - 32768, north = (float)(shear[i] >> 16);
+		const float east = (float)(int32_t)(((uint32_t)p->shear[b + i] & 0xffffu) ^ 0x8000u) - 32768, north = (float)(p->shear[b + i] >> 16);
 		p->shear_x[b + i] = (c * east + s * north) * 0x1p-15f;
 		p->shear_y[b + i] = (c * north - s * east) * 0x1p-15f;
-		p->was[b + i] = (float)was[i] * SOIL_UNIT;
-		p->dug[b + i] = (float)dug[i] * SOIL_UNIT;
+		p->was[b + i] = (float)p->sinkage[b + i] * SOIL_UNIT;
+		p->dug[b + i] = (float)p->digs[b + i] * SOIL_UNIT;
 	}
 }
 

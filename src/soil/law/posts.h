@@ -13,7 +13,8 @@
 #define POSTS_WHOLES_EACH(EACH) \
 	EACH(index)     /* of the post in the planes */ \
 	EACH(ground)    /* height of the undisturbed surface above the body's centre, fixed-point units */ \
-	EACH(deposited) /* of that; fixed-point units */ \
+	EACH(surface)   /* of the surface as it is; fixed-point units above the centre */ \
+	EACH(deposited) EACH(sinkage) EACH(shear) EACH(digs) /* of the planes, before */ \
 	EACH(west) EACH(east) EACH(south) EACH(north) EACH(base) /* of the base, as in the planes */
 #define POSTS_REALS_EACH(EACH) \
 	EACH(x) EACH(y)             /* m, in the body's frame */ \
