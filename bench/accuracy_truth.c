@@ -26,6 +26,7 @@
 #include "accuracy.h"
 #include "bench.h"
 #include "deform/reference/reference.h"
+#include "soil/kinematic/contact.h"
 
 #define SWEEP_MOST 400   /* iterations after a sweep */
 #define REST_MOST 20000  /* at the end */
@@ -132,18 +133,21 @@ static void bring(const struct reference_ground *field, const struct reference_g
 
 static void box(struct reference_ground *ground, const struct sweep *sweep)
 {
-	size_t count = rect_posts(sweep->rect);
-	int32_t *base = mem_calloc(count, sizeof *base), *offset = mem_alloc(count, sizeof *offset);
-	if (base == NULL || offset == NULL)
+	const size_t count = rect_posts(sweep->rect), width = (size_t)ground->width, height = (size_t)ground->height;
+	const struct soil_kinematic once = {.radius = 1, .repetitions = 1};
+	struct soil_planes planes = {.rect = {0, 0, ground->width, ground->height}, .width = width, .offset = mem_alloc(count, sizeof(int32_t)),
+				     .contact = ground->contact};
+	void *scratch = mem_alloc(1, soil_smooth_room(width, height, once.radius));
+	if (planes.offset == NULL || scratch == NULL)
 		bench_must(fail_memory("bench"));
 	reference_none(ground, sweep->under, sweep->rest);
 	for (size_t i = 0; i < count; i++)
-		offset[i] = (int32_t)lattice_offset(ground->offset[i]);
-	bench_must(reference_box(ground->width, ground->height, base, ground->contact, 1, offset));
+		planes.offset[i] = (int32_t)lattice_offset(ground->offset[i]);
+	soil_smooth(&once, &planes, (struct smooth_posts){0, 0, ground->width, ground->height}, scratch);
 	for (size_t i = 0; i < count; i++)
-		ground->offset[i] = lattice_offset_metres(offset[i]);
-	mem_free(base);
-	mem_free(offset);
+		ground->offset[i] = lattice_offset_metres(planes.offset[i]);
+	mem_free(planes.offset);
+	mem_free(scratch);
 }
 
 static struct deform_params params_of(enum deform_model model)

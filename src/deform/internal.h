@@ -204,13 +204,16 @@ enum status deform_under_run(struct deform *deform, const struct under_params *p
 /* shape/facets.c: draws moving triangles over a window into `under` and `rest`; the lowest height is kept. Begin, add facets,
  * and end, for one window at a time. */
 struct facet;
+struct facets_motion;
 enum status deform_facets_begin(struct deform *deform, struct post_rect read, uint32_t layer) FURROW_CHECKED;
-/* Returns room for one more facet. The facet counts only after deform_facets_keep. */
-struct facet *deform_facets_next(struct deform *deform);
-void deform_facets_keep(struct deform *deform);
+/* Adds a facet: a facets_fn. user: the struct deform. */
+void deform_facets_add(void *user, const struct facet *facet);
 void deform_facets_end(struct deform *deform);
 void deform_facets_plan(const char *effect, struct plan *plan);
 void deform_facets_destroy(struct facets *facets);
+
+/* shape/mesh.c: returns the motion over a window whose facets are drawn. */
+struct facets_motion deform_facets_motion(const struct deform *deform, const struct deform_contact *contact, const struct deform_window *window);
 
 /* shape/mesh.c: draws a mesh's lower envelope over the window. */
 enum status deform_mesh(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,

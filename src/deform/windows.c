@@ -1,7 +1,7 @@
 /* Finds the posts that a contact can change, and cuts them into windows. */
 #include <math.h>
 
-#include "soil/shape/body.h"
+#include "soil/shape/affine.h"
 #include "deform/internal.h"
 
 _Static_assert(SOIL_SHAPE_POSTS == (DEFORM_WINDOW_POSTS - 32) * 3, "the widest body fits its windows");
@@ -21,14 +21,6 @@ bool deform_is_swept(const struct deform *deform, const struct deform_contact *c
 	return turned == 0 && to->turn == from->turn && to->x == from->x && to->y == from->y && to->z == from->z;
 }
 
-/* Finds the posts between a and b, `extent` metres more on both sides, with one post to spare for rounding. */
-static void span(const struct deform *deform, int64_t a, int64_t b, double extent, int64_t *first, int64_t *last)
-{
-	double low = lattice_offset_metres(a < b ? a : b) - extent, high = lattice_offset_metres(a > b ? a : b) + extent;
-	*first = (int64_t)floor(low / deform->spacing);
-	*last = (int64_t)ceil(high / deform->spacing) + 1;
-}
-
 static struct post_rect grown(struct post_rect rect, int64_t by)
 {
 	return (struct post_rect){rect.x0 - by, rect.y0 - by, rect.x1 + by, rect.y1 + by};
@@ -43,12 +35,7 @@ static int64_t floor_to(int64_t v, int64_t step)
 struct post_rect deform_shadow(const struct deform *deform, const struct deform_contact *contact)
 {
 	const struct soil_pose *from = deform_is_contact_only(contact) ? &contact->to : &contact->from;
-	double extent[2];
-	struct post_rect shadow;
-	soil_body_extent(contact->shape, &contact->to, extent);
-	span(deform, from->x, contact->to.x, extent[0], &shadow.x0, &shadow.x1);
-	span(deform, from->y, contact->to.y, extent[1], &shadow.y0, &shadow.y1);
-	return shadow;
+	return soil_shadow(contact->shape, from, &contact->to, deform->spacing);
 }
 
 static struct post_rect world_of(const struct deform *deform)

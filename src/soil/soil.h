@@ -49,6 +49,9 @@ struct soil_pose {
 /* Returns true if a body that goes from one pose to the other does not move. One that rises or falls very far counts as set down anew, too.
  * Then only its end pose acts on the ground. */
 bool soil_only_set_down(const struct soil_pose *from, const struct soil_pose *to);
+/* Returns the posts that a body may be above while it moves, with one post to spare for rounding. `from`: the same as `to` if it does not
+ * move. spacing: m between posts. */
+struct post_rect soil_shadow(const struct soil_shape *shape, const struct soil_pose *from, const struct soil_pose *to, double spacing);
 
 /* Returns true for a body whose surface runs over it: a wheel, or a body with a belt. Only such a body has a slip. */
 bool soil_shape_runs(const struct soil_shape *shape);

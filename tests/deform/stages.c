@@ -112,53 +112,6 @@ static void contacts_tell_what_was_pressed_and_what_is_held(void **state)
 	assert_true(swept > 100 && held > 50 && left > 50);
 }
 
-static void the_box_filter_is_that_of_the_reference_bit_for_bit(void **state)
-{
-	(void)state;
-	need_gpu();
-	for (int round = 0; round < 24; round++) {
-		struct ground pressed, smoothed;
-		struct ground_params params = {.cells = 32, .tiles = 2, .first = 1, .spacing = 0.125, .height = holed};
-		ground_init(&pressed, &params);
-		params.model = DEFORM_BOX_FILTER;
-		params.radius = 1 + round % 4;
-		params.repetitions = 1 + round % 8;
-		ground_init(&smoothed, &params);
-		/* Whatever was there before, of both signs and to the ends of the range. */
-		int32_t *was = ground_room(33 * 33, sizeof *was);
-		for (uint32_t k = 0; k < 4 && round % 3 == 0; k++) {
-			for (int i = 0; i < 33 * 33; i++)
-				was[i] = i % 33 % 32 && i / 33 % 32 ? (int32_t)(any_share() * (round % 2 ? 1 << 30 : 4000)) : 0;
-			for (int i = 0; i < 33 * 33; i++)
-				if (smoothed.base[(k / 2 * 32 + i / 33) * 65 + k % 2 * 32 + i % 33] == BASE_NODATA)
-					was[i] = 0;
-			assert_ok(staged_upload_deform(test_gpu, pressed.slots, 32, k, was, NULL));
-			assert_ok(staged_upload_deform(test_gpu, smoothed.slots, 32, k, was, NULL));
-		}
-		mem_free(was);
-		/* Across the world's rim too. */
-		double x = round % 5 == 4 ? 62 : 31 + 3 * any_share();
-		struct deform_contact sweep = roll(&smoothed, round % 2 ? &ball : &wheel, x, 30 + any_share(), 0.1);
-		ground_sweep(&pressed, &sweep);
-		ground_sweep(&smoothed, &sweep);
-		ground_read(&pressed);
-		ground_read(&smoothed);
-		uint8_t *contacts = ground_contacts(&smoothed);
-		int64_t bytes = smoothed.posts * smoothed.posts * (int64_t)sizeof *pressed.offset;
-		assert_memory_not_equal(pressed.offset, smoothed.offset, (size_t)bytes);
-		for (int i = 0; i < params.repetitions; i++)
-			assert_ok(reference_box((int)pressed.posts, (int)pressed.posts, pressed.base, contacts, params.radius,
-						pressed.offset));
-		for (int64_t i = 0; i < smoothed.posts * smoothed.posts; i++)
-			if (smoothed.offset[i] != pressed.offset[i])
-				fail_msg("radius %d, repetitions %d, post %lld, %lld: %d, not %d", params.radius, params.repetitions,
-					 (long long)(i % 65), (long long)(i / 65), smoothed.offset[i], pressed.offset[i]);
-		mem_free(contacts);
-		ground_finish(&pressed);
-		ground_finish(&smoothed);
-	}
-}
-
 static void an_object_at_rest_changes_nothing_more(void **state)
 {
 	struct ground ground;
@@ -288,7 +241,6 @@ TEST_PROGRAM(stages)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(only_ground_above_the_object_is_pressed),
 		cmocka_unit_test(contacts_tell_what_was_pressed_and_what_is_held),
-		cmocka_unit_test(the_box_filter_is_that_of_the_reference_bit_for_bit),
 		cmocka_unit_test(an_object_at_rest_changes_nothing_more),
 		cmocka_unit_test(what_an_object_rests_on_is_not_smoothed),
 		cmocka_unit_test(depths_beyond_the_range_are_refused_and_counted),

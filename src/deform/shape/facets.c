@@ -78,16 +78,12 @@ static void draw(struct deform *deform)
 	facets->drawn = true;
 }
 
-struct facet *deform_facets_next(struct deform *deform)
+void deform_facets_add(void *user, const struct facet *facet)
 {
+	struct deform *deform = user;
 	if (deform->facets->count == ROOM)
 		draw(deform);
-	return &deform->facets->list[deform->facets->count];
-}
-
-void deform_facets_keep(struct deform *deform)
-{
-	deform->facets->count++;
+	deform->facets->list[deform->facets->count++] = *facet;
 }
 
 void deform_facets_end(struct deform *deform)

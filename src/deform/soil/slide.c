@@ -11,6 +11,7 @@
 #include <string.h>
 
 #include "deform/internal.h"
+#include "soil/kinematic/shed.h"
 #include "soil/stability.h"
 
 /* std140 twins of the parameters of slide_begin.frag and slide_take.frag, slide_excess.frag, and slide_shed.frag. */
@@ -112,14 +113,12 @@ static void prepare_excess(const struct deform *deform, const struct soil_number
 
 static void prepare_shed(const struct deform *deform, const struct soil_numbers *soil, struct slide_soil *to)
 {
-	for (int k = 0; k < 2; k++) {
-		double apart = k == 0 ? deform->spacing : deform->spacing * M_SQRT2;
-		to->critical[k] = deform_with_tolerance(deform, soil_critical_difference(soil->theta_out, apart));
-		to->held[k] = deform_with_tolerance(deform, soil_critical_difference(soil->theta_in, apart));
-		to->stop[k] = deform_with_tolerance(deform, soil_critical_difference(soil->theta_stop, apart));
-	}
-	for (int n = 1; n <= 8; n++)
-		to->share[n - 1] = (uint32_t)floor(ldexp(soil->roughness, 32) / (n * n));
+	struct soil_shed_class limits;
+	soil_shed_prepare(soil, deform->spacing, deform_tolerance(deform), &limits);
+	memcpy(to->critical, limits.critical, sizeof to->critical);
+	memcpy(to->held, limits.held, sizeof to->held);
+	memcpy(to->stop, limits.stop, sizeof to->stop);
+	memcpy(to->share, limits.share, sizeof to->share);
 }
 
 void deform_slide_prepare(struct deform *deform)

@@ -76,6 +76,24 @@ bool soil_only_set_down(const struct soil_pose *from, const struct soil_pose *to
 	return (to->x == from->x && to->y == from->y && rise == 0) || rise > BODY_RISE_MAX || rise < -BODY_RISE_MAX;
 }
 
+/* Finds the posts between a and b, `extent` metres more on both sides. */
+static void span(int64_t a, int64_t b, double extent, double spacing, int64_t *first, int64_t *last)
+{
+	const double low = lattice_offset_metres(a < b ? a : b) - extent, high = lattice_offset_metres(a > b ? a : b) + extent;
+	*first = (int64_t)floor(low / spacing);
+	*last = (int64_t)ceil(high / spacing) + 1;
+}
+
+struct post_rect soil_shadow(const struct soil_shape *shape, const struct soil_pose *from, const struct soil_pose *to, double spacing)
+{
+	double extent[2];
+	struct post_rect shadow;
+	soil_body_extent(shape, to, extent);
+	span(from->x, to->x, extent[0], spacing, &shadow.x0, &shadow.x1);
+	span(from->y, to->y, extent[1], spacing, &shadow.y0, &shadow.y1);
+	return shadow;
+}
+
 bool soil_shape_runs(const struct soil_shape *shape)
 {
 	return shape->kind == SOIL_WHEEL || shape->belt;

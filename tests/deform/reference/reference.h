@@ -22,11 +22,8 @@ bool reference_mesh(const struct deform_contact *sweep, long double axes[3][3], 
 bool reference_lugs(const struct deform_contact *sweep, long double axes[3][3], const long double way[3], long double x, long double y,
 		    long double *z);
 
-/* Ground of width x height posts, row 0 the southern: `box` of radius posts, once. In place. */
 #define REFERENCE_SWEPT 1 /* contact: the contact pressed the post */
 #define REFERENCE_HELD 2  /* contact: the object rests on it at the end */
-enum status reference_box(int width, int height, const int32_t *base, const uint8_t *contact, int radius,
-			  int32_t *offset) FURROW_CHECKED;
 
 /*
  * A field of posts, row 0 the southern, row by row; metres. Volume: the sum of the offsets, times a
