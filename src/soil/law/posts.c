@@ -54,10 +54,12 @@ struct walk {
 	int32_t raised;
 };
 
-static struct walk walk_of(const struct soil_law *law, const struct soil_body *body, const struct soil_form *form, int32_t raised)
+/* Only posts are walked over whose neighbours are in the planes, too. */
+static struct walk walk_of(const struct soil_law *law, const struct soil_planes *planes, const struct soil_body *body, const struct soil_form *form, int32_t raised)
 {
 	const struct soil_motion *motion = body->motion;
-	struct walk walk = {.below = soil_posts_below(law, motion), .step = {body->axis[0] * law->spacing, -body->axis[1] * law->spacing}, .raised = raised};
+	const struct post_rect *rect = &planes->rect, inner = {rect->x0 + 1, rect->y0 + 1, rect->x1 - 1, rect->y1 - 1};
+	struct walk walk = {.below = post_rect_intersect(soil_posts_below(law, motion), inner), .step = {body->axis[0] * law->spacing, -body->axis[1] * law->spacing}, .raised = raised};
 	walk.corner[0] = -(double)soil_body_from_post(motion->to.x, walk.below.x0, law->spacing) - motion->beyond[0];
 	walk.corner[1] = -(double)soil_body_from_post(motion->to.y, walk.below.y0, law->spacing) - motion->beyond[1];
 	walk.zero = motion->to.z - (int64_t)law->reference * ((int64_t)1 << OFFSET_BITS);
@@ -273,7 +275,7 @@ static void fill_lanes(struct soil_posts *p)
 void soil_posts_gather(const struct soil_law *law, const struct soil_planes *planes, const struct soil_body *body, const struct soil_form *form,
 		       int32_t raised, struct soil_posts *posts)
 {
-	const struct walk walk = walk_of(law, body, form, raised);
+	const struct walk walk = walk_of(law, planes, body, form, raised);
 	const float axis[2] = {(float)body->axis[0], (float)body->axis[1]};
 	take_rows(planes, body, form, &walk, posts);
 	if (posts->count == 0)
