@@ -137,4 +137,120 @@ double soil_sinkage_guess(const struct soil_shape *shape, const struct soil_numb
 double soil_load_at(const struct soil_shape *shape, const struct soil_interface *interface, double slip, const struct soil_numbers *soil,
 		    double sinkage);
 
+/* Planes of a rectangle of posts in host memory, row by row from the south-west. A plane that nothing needs is NULL. */
+struct soil_planes {
+	struct post_rect rect;   /* posts of the working level */
+	size_t width;            /* posts in a row */
+	int32_t *base;           /* 2^-18 m above the store's reference; BASE_NODATA: a hole */
+	int32_t *offset, *deposited, *sinkage, *shear, *dug; /* as the planes of base/plane.h */
+	uint8_t *disturbance;
+	uint8_t *classes;        /* NULL: one soil */
+	uint8_t *levels;         /* 4 for each post; NULL: no raster */
+	uint8_t *contact;        /* of this contact: SOIL_LOWERED, SOIL_HELD, ... */
+};
+
+/* Bits of soil_planes' contact (lib/window.glsl). LOWERED: a contact lowered the post. HELD: a body rests on it. NEAR: a body was less than two
+ * spacings above it. NO_GROUND: the post has no data. CLOSED: over blocks: the post's block is not active, so the post does not slide. */
+#define SOIL_LOWERED 1
+#define SOIL_HELD 2
+#define SOIL_CLOSED 8
+#define SOIL_NEAR 16
+#define SOIL_NO_GROUND 32
+
+/*
+ * Sliding (SOIL.md): soil slides between two posts if they differ in height by more than their soil's critical difference. All numbers are
+ * whole, so the CPU and the GPU compute the same bits. The rule is prepared once. Then any thread may use it.
+ */
+#define SOIL_BLOCK 32          /* posts along a side of a block */
+#define SOIL_SLOPE_HEIGHTS 108 /* heights of slopes for which limits are known; a multiple of 4 */
+#define SOIL_SLOPE_HOPS 5      /* the most */
+#define SOIL_STEEP_RELIEF 500.0 /* metres; with less relief no two posts are too far apart in height for 32 bits */
+
+/* The limits by which a class of soil slides, fixed-point units. Index 0: neighbours along x or y. Index 1: diagonal neighbours. */
+struct soil_sliding_class {
+	int32_t critical[2]; /* the largest difference of heights that is stable; INT32_MAX: any is */
+	/* Only if the height of a slope counts. slope: cotangents of the steepest angles, for rising heights of slopes. rise: two posts belong
+	 * to the same slope if they differ by more. */
+	int32_t slope[SOIL_SLOPE_HEIGHTS], rise[2];
+};
+
+struct soil_sliding {
+	struct soil_sliding_class classes[SOIL_CLASSES];
+	int class_count;         /* a post's class is below it */
+	int iterations;          /* 1 .. 8 */
+	int directions;          /* of the lines along which soil slides in a contact: 4, 2, or 0 */
+	int32_t tolerance;       /* a difference may exceed the critical one by so much without sliding, fixed-point units */
+	bool bounded;            /* relaxing soil has a bottom: `depth` below the base, fixed-point units */
+	int32_t depth;
+	bool undisturbed_stable; /* soil slides only where a difference exceeds that of the bases, too */
+	bool steep;              /* neighbours may be too far apart in height for 32 bits */
+	int32_t least[2];        /* no difference up to this slides, if the height of slopes does not count */
+	/* Only if the height of a slope counts. hops: by how many it is followed; 0: it does not count. ways: their posts. reach: the sum. */
+	int hops, ways[SOIL_SLOPE_HOPS], reach;
+	int32_t slope_least;     /* least axial critical difference in a slope */
+	int32_t apart;           /* distance of posts, 2^-20 m, with as many binary digits as the cotangents */
+};
+
+struct soil_sliding_params {
+	const struct soil_numbers *soils;
+	int soil_count;            /* 1 .. SOIL_CLASSES */
+	double spacing;            /* m */
+	/* The model's: critical difference of posts `apart` metres apart, fixed-point units; cotangent of the steepest stable angle of a slope of
+	 * `height` metres, NULL: it does not depend on the height. critical NULL: another rule counts, and only the tolerance is prepared. */
+	int32_t (*critical)(const struct soil_numbers *soil, double apart);
+	double (*cotangent)(const struct soil_numbers *soil, double height);
+	int iterations;            /* 1 .. 8 */
+	int directions;            /* as in struct soil_sliding */
+	double depth;              /* m of soil below the base that can relax; INFINITY: no bottom */
+	double tolerance;          /* m, 0 .. 1 */
+	double relief;             /* m between the world's lowest and highest post; INFINITY: not known */
+	bool undisturbed_stable;
+};
+/* Prepares the rule. */
+void soil_sliding_prepare(const struct soil_sliding_params *params, struct soil_sliding *rule);
+/* Returns a critical difference with the tolerance. INT32_MAX stays. */
+int32_t soil_sliding_with_tolerance(const struct soil_sliding *rule, int32_t critical);
+/* Returns sqrt(2) times a difference, to a ten thousandth. */
+int32_t soil_sliding_diagonal(int32_t axial);
+/* Fills the lengths of the hops by which a slope is followed, in posts, and returns how many there are. */
+int soil_sliding_ways(double spacing, int iterations, int ways[SOIL_SLOPE_HOPS]);
+/* Returns how many posts around a block an interval reads; at most a block. */
+int64_t soil_sliding_rim(const struct soil_sliding *rule);
+/* Returns the direction of a pass along lines over a window that writes these posts: 0: x, 1: y, 2: north-east, 3: south-east. pass: from 0 on. */
+int soil_sliding_direction(struct post_rect written, int pass);
+/* Returns bytes of scratch memory that are enough to slide in planes of this rectangle and with these planes. */
+size_t soil_sliding_scratch(const struct soil_sliding *rule, const struct soil_planes *planes);
+
+/* What is told of laid soil that had no room. */
+struct soil_slid {
+	uint64_t compacted; /* fixed-point units, summed over posts */
+	uint64_t refused;   /* posts */
+};
+
+struct soil_slide_window {
+	struct post_rect written;  /* posts that the window writes */
+	struct post_rect posts;    /* of these, where soil may slide: soil_slide_posts */
+	struct post_rect world;    /* all posts of the world */
+	const int32_t *deposits;   /* laid soil of each post of the planes, fixed-point units, unsigned; NULL: none */
+	bool loaded;               /* a body rests by its load, so what it holds may be freed */
+};
+/* Returns where soil may slide after a contact: near the posts that it reached, which hold all that it lowered, held, laid soil on or left. An
+ * empty `reached` gives no posts. around: how many posts around these. */
+struct post_rect soil_slide_posts(struct post_rect written, struct post_rect reached, int64_t around);
+/* Returns the columns and rows of the blocks on which posts lie. */
+struct post_rect soil_slide_blocks(struct post_rect posts);
+/*
+ * Adds laid soil to offset and deposited, and slides after a contact. Posts that a body holds give and take nothing. `planes` has the window's
+ * read posts. If `rule->steep`, it has one post around `posts`, unless the world ends there. scratch: soil_sliding_scratch bytes. words: one
+ * for each block of soil_slide_blocks(written), row by row: what soil_active_add_words takes. Adds to *slid.
+ */
+void soil_slide_window(const struct soil_sliding *rule, const struct soil_planes *planes, const struct soil_slide_window *window, void *scratch,
+		       uint32_t *words, struct soil_slid *slid);
+/*
+ * Slides for an interval in a region: a rectangle of blocks, as columns and rows. `planes` has their posts and soil_sliding_rim more on each side,
+ * with BASE_NODATA beyond the world; only posts of the blocks are written. So planes are copies if another region reads these posts. contact
+ * tells held posts, and closed ones in blocks that are not active; NULL: none. words: as above, for the region's blocks.
+ */
+void soil_slide_region(const struct soil_sliding *rule, const struct soil_planes *planes, struct post_rect blocks, void *scratch, uint32_t *words);
+
 #endif

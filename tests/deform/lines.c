@@ -16,7 +16,7 @@ static int64_t most(int64_t a, int64_t b)
 
 static int64_t limit_of(const struct ground *ground, const struct slab *of, int high, int low, bool diagonal)
 {
-	int64_t critical = ground->deform->soils[of->classes[high]].critical[diagonal];
+	int64_t critical = ground->deform->sliding.classes[of->classes[high]].critical[diagonal];
 	return stands ? most(critical, 4 * ((int64_t)of->base[high] - of->base[low])) : critical;
 }
 
@@ -201,7 +201,7 @@ static int calls_to_rest(double spacing)
 	tolerance = 0;
 	start(&ground, DEFORM_SLIPPAGE, spacing, 1, 0, &soil, 1);
 	int wide_posts = (int)lrint(0.4 / spacing), calls = 0;
-	int64_t critical[2] = {ground.deform->soils[0].critical[0], ground.deform->soils[0].critical[1]}, over = INT64_MAX;
+	int64_t critical[2] = {ground.deform->sliding.classes[0].critical[0], ground.deform->sliding.classes[0].critical[1]}, over = INT64_MAX;
 	memset(&slab, 0, sizeof slab);
 	for (int i = 0; i < N * N; i++)
 		if (abs(i % N - N / 2) <= wide_posts / 2 && abs(i / N - N / 2) <= wide_posts / 2)

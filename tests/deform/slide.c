@@ -28,7 +28,7 @@ static int64_t least(int64_t a, int64_t b)
 static int64_t excess(const struct ground *ground, const struct slab *of, int i, int j, bool diagonal)
 {
 	int64_t drop = height_of(of, i) - height_of(of, j);
-	int64_t over = drop - ground->deform->soils[of->classes[i]].critical[diagonal];
+	int64_t over = drop - ground->deform->sliding.classes[of->classes[i]].critical[diagonal];
 	int64_t more = stands ? drop - 4 * ((int64_t)of->base[i] - of->base[j]) : INT64_MAX;
 	if (least(over, more) <= (int64_t)ldexp(tolerance, 20))
 		return 0;
@@ -48,7 +48,7 @@ static struct flow sumner(const struct ground *ground, const struct slab *of, co
 	int i = y * N + x, count = 0;
 	int64_t sum = 0;
 	bool starts = false;
-	const struct slide_soil *soil = &ground->deform->soils[of->classes[i]];
+	const struct shed_soil *soil = &ground->deform->soils[of->classes[i]];
 	for (int k = 0; k < 9 && !still[i]; k++) {
 		int px = x + k % 3 - 1, py = y + k / 3 - 1, j = py * N + px;
 		if (k == 4 || px < 0 || py < 0 || px >= N || py >= N || still[j])
@@ -177,7 +177,7 @@ static void a_tolerance_is_whole_quanta_on_every_difference(void **state)
 		int32_t quanta = i == 0 ? 0 : i == 1 ? 3 : 1 << 20;
 		start(&ground, DEFORM_SUMNER, 0.5, 1, 0, &soil, 1);
 		for (int k = 0; k < 2; k++) {
-			const struct slide_soil *is = &ground.deform->soils[0];
+			const struct shed_soil *is = &ground.deform->soils[0];
 			double apart = k == 0 ? 0.5 : 0.5 * M_SQRT2;
 			assert_int_equal(is->critical[k], soil_critical_difference(soil.theta_out, apart) + quanta);
 			assert_int_equal(is->held[k], soil_critical_difference(soil.theta_in, apart) + quanta);

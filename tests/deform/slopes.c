@@ -132,7 +132,7 @@ static int64_t beside(const struct field *field, int64_t at, int k, int64_t way)
 }
 
 /* Returns for each post how far its slope rises above it (sign 1) or falls below it (-1), 2^-9 m. */
-static int64_t *follow(const struct field *field, const struct slide_soil *soil, double spacing, int sign)
+static int64_t *follow(const struct field *field, const struct soil_sliding_class *soil, double spacing, int sign)
 {
 	int64_t count = field->side * field->side, *far = ground_room(count, sizeof *far), *next = ground_room(count, sizeof *next);
 	for (int64_t way = spacing < 0.03 ? 15 : 8; way >= 1; way = way == 15 ? 8 : way / 2) {
@@ -153,7 +153,7 @@ static int64_t *follow(const struct field *field, const struct slide_soil *soil,
 /* Returns the critical difference in a slope of this height. The cotangent is interpolated between two known heights. */
 static int64_t limit_of(const struct ground *ground, int64_t height)
 {
-	const int32_t *slope = ground->deform->soils[0].slope;
+	const int32_t *slope = ground->deform->sliding.classes[0].slope;
 	const int digits = ground->params.spacing >= 0.25 ? 12 : ground->params.spacing >= 0.125 ? 13 : 16;
 	int i = 0;
 	double known[2] = {0, 0};
@@ -186,7 +186,7 @@ static void assert_known(const struct ground *ground, const struct soil_numbers 
 /* One interval of one iteration over all of a ground. */
 static void obvious(struct field *field, const struct ground *ground)
 {
-	const struct slide_soil *soil = &ground->deform->soils[0];
+	const struct soil_sliding_class *soil = &ground->deform->sliding.classes[0];
 	int64_t count = field->side * field->side, *up = follow(field, soil, ground->params.spacing, 1);
 	int64_t *down = follow(field, soil, ground->params.spacing, -1);
 	int64_t *change = ground_room(count, sizeof *change);
