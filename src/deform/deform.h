@@ -260,14 +260,10 @@ enum status deform_batch_compute(struct deform *deform) FURROW_CHECKED;
 
 /*
  * Active blocks: blocks where soil may still relax. In intervals (SOIL.md) the whole lattice makes `iterations` iterations of
- * the relaxation rule. Only active blocks of DEFORM_BLOCK x DEFORM_BLOCK posts are computed. They include all blocks that
+ * the relaxation rule. Only active blocks of SOIL_BLOCK x SOIL_BLOCK posts are computed. They include all blocks that
  * change. So the result does not depend on which blocks are active. Only models that conserve soil have active blocks.
  */
-#define DEFORM_BLOCK 32
 #define DEFORM_BLOCKS_MAX 16384
-struct deform_block {
-	int64_t x, y; /* posts / DEFORM_BLOCK */
-};
 /* Makes the blocks near these posts active. Call it when the posts were changed, or when an object that rested on them has gone. */
 enum status deform_wake(struct deform *deform, struct post_rect changed) FURROW_CHECKED;
 /* Returns the posts of all blocks that deform_wake makes active for this change. */
@@ -288,14 +284,12 @@ bool deform_covers(const struct deform *deform, const struct deform_contact *con
  */
 enum status deform_touch(struct deform *deform, struct post_rect rect) FURROW_CHECKED;
 enum status deform_is_touched(struct deform *deform, struct post_rect rect, bool *is) FURROW_CHECKED;
-enum status deform_wake_block(struct deform *deform, struct deform_block block) FURROW_CHECKED; /* the block must lie inside the world */
+enum status deform_wake_block(struct deform *deform, struct soil_block block) FURROW_CHECKED; /* the block must lie inside the world */
 /* Waits until it is known which blocks are active. Then it makes all of them inactive, so that the caller can make some of them active again. */
 enum status deform_forget_active(struct deform *deform) FURROW_CHECKED;
 /* Gives the list of all active blocks. Its order depends only on which blocks are active. The list is valid until the next call.
  * STATUS_FAILED: there are more than DEFORM_BLOCKS_MAX. Rarely waits for the GPU. */
-enum status deform_active_blocks(struct deform *deform, const struct deform_block **blocks, size_t *count) FURROW_CHECKED;
-/* Sorts blocks into the order of that list, and drops those that stand in it twice. Returns how many are left. Pure. */
-size_t deform_blocks_sort(struct deform_block *blocks, size_t count);
+enum status deform_active_blocks(struct deform *deform, const struct soil_block **blocks, size_t *count) FURROW_CHECKED;
 
 /* An object at rest, in the pose of its last path sample. */
 struct deform_rest {

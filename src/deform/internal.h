@@ -42,7 +42,6 @@ struct layer {
 struct deform;
 
 struct batch;
-struct block_set;
 struct slide_place;
 
 /* A rule by which soil slides (soil/slide.c). The row of a model that conserves soil points to one. */
@@ -449,10 +448,10 @@ struct gpu_buffer *deform_active_words(const struct deform *deform);
 enum status deform_active_forget(struct deform *deform) FURROW_CHECKED;
 /* Begins an interval: one round of sliding, which runs every few steps. Gives the blocks in which soil may still move. The list does
  * not change before deform_active_visited. */
-enum status deform_active_visit(struct deform *deform, const struct block_set **blocks) FURROW_CHECKED;
-bool deform_active_is_visited(const struct deform *deform, struct deform_block block);
+enum status deform_active_visit(struct deform *deform, const struct soil_block_set **blocks) FURROW_CHECKED;
+bool deform_active_is_visited(const struct deform *deform, struct soil_block block);
 /* Returns the block's index in the list, and that of its word in the flags. */
-uint32_t deform_active_word(const struct deform *deform, struct deform_block block);
+uint32_t deform_active_word(const struct deform *deform, struct soil_block block);
 /* Ends an interval. `flags`: a word for each block of the list: where soil still moves in it. */
 enum status deform_active_visited(struct deform *deform, struct gpu_buffer *flags) FURROW_CHECKED;
 

@@ -239,6 +239,47 @@ struct soil_slide_window {
 struct post_rect soil_slide_posts(struct post_rect written, struct post_rect reached, int64_t around);
 /* Returns the columns and rows of the blocks on which posts lie. */
 struct post_rect soil_slide_blocks(struct post_rect posts);
+
+/*
+ * A set of blocks. One thread at a time uses a set. A set starts as {0}, and grows until it is finished. A failure leaves it as it was.
+ */
+struct soil_block {
+	int64_t x, y; /* posts / SOIL_BLOCK */
+};
+struct soil_block_set {
+	struct soil_block *blocks; /* `count` blocks, in the order in which they were added, or sorted */
+	uint32_t *places;          /* 1 + the index in blocks; 0: none */
+	size_t count, room;        /* room: of places, a power of two or 0; blocks have half of it */
+};
+void soil_block_set_finish(struct soil_block_set *set);
+enum status soil_block_set_add(struct soil_block_set *set, struct soil_block block) FURROW_CHECKED;
+bool soil_block_set_has(const struct soil_block_set *set, struct soil_block block);
+/* Returns the block's index in `blocks`; `count` if it is not in the set. */
+size_t soil_block_set_place(const struct soil_block_set *set, struct soil_block block);
+/* Removes all blocks from the set and keeps its memory. */
+void soil_block_set_clear(struct soil_block_set *set);
+/* Sorts the blocks along a Morton curve. Then all blocks of one tile are neighbours in the list, for any size of tiles. No block
+ * may have a negative x or y. */
+void soil_block_set_sort(struct soil_block_set *set);
+/* Sorts a list of blocks in the same way, and drops those that stand in it twice. Returns how many are left. Pure. */
+size_t soil_blocks_sort(struct soil_block *blocks, size_t count);
+
+/*
+ * Active blocks: those in which an interval may change something. After an interval they are the blocks that its words name. What a contact or a
+ * host changed since adds others. world: all posts of the world; blocks beyond it are not added.
+ */
+enum status soil_active_add(struct soil_block_set *set, struct post_rect world, struct soil_block block) FURROW_CHECKED;
+/* Returns the posts of all blocks that an interval may change if these posts changed. rim: soil_sliding_rim. */
+struct post_rect soil_active_near(struct post_rect world, int64_t rim, struct post_rect changed);
+/* Adds these blocks. */
+enum status soil_active_add_near(struct soil_block_set *set, struct post_rect world, int64_t rim, struct post_rect changed) FURROW_CHECKED;
+/* Adds the blocks that a word of flags keeps active: bit 0: the block itself; then its neighbours W, E, S, N, SW, SE, NW, NE. Words of
+ * soil_slide_window and soil_slide_region are so, and have 16 more bits: squares of 8 x 8 posts that changed, from the south-west. */
+enum status soil_active_add_word(struct soil_block_set *set, struct post_rect world, struct soil_block block, uint32_t word) FURROW_CHECKED;
+/* The same of all words of a rectangle of blocks. */
+enum status soil_active_add_words(struct soil_block_set *set, struct post_rect world, struct post_rect blocks, const uint32_t *words) FURROW_CHECKED;
+/* Marks posts in the planes' contact as closed whose blocks are not in the set. */
+void soil_active_close(const struct soil_block_set *set, const struct soil_planes *planes);
 /*
  * Adds laid soil to offset and deposited, and slides after a contact. Posts that a body holds give and take nothing. `planes` has the window's
  * read posts. If `rule->steep`, it has one post around `posts`, unless the world ends there. scratch: soil_sliding_scratch bytes. words: one
