@@ -33,6 +33,7 @@ SLIDING_INLINED void end(const struct end_row *row, size_t width, bool thickness
 	const uint8_t *restrict contact = row->contact, *restrict still = row->still, *restrict moved = row->moved, *restrict steep = row->steep;
 	uint8_t *restrict moves = row->moves, *restrict changed = row->changed;
 	const uint32_t disturbs = (uint32_t)row->disturbs, frees = (uint32_t)row->frees, wakes = row->wakes;
+	SLIDING_ROW
 	for (size_t x = 0; x < width; x++) {
 		int32_t before = offsets[x], heap = thickness ? deposited[x] : before, room = SLIDING_HIGH - most_of(before, heap);
 		uint32_t laid = (uint32_t)deposits[x], most = (uint32_t)(room > 0 ? room : 0), fits = laid < most ? laid : most;

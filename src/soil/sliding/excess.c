@@ -43,6 +43,7 @@ SLIDING_CLONED static bool any_steep(const int32_t *restrict height, const int32
 {
 	const int32_t axial = least[0], diagonal = least[1];
 	uint32_t any = 0;
+	SLIDING_ROW
 	for (size_t x = first; x < end; x++) {
 		int32_t own = height[x];
 		any |= is_steep(own, height[x + 1], axial) | is_steep(own, north[x], axial) | is_steep(own, north[x + 1], diagonal) |
@@ -102,6 +103,7 @@ SLIDING_INLINED void flows_of(const struct rows *rows, size_t first, size_t end,
 	int32_t *restrict to_east = flows[0], *restrict to_north = flows[1], *restrict to_north_east = flows[2], *restrict to_north_west = flows[3];
 	const int32_t limit = rows->limits[0], limit_diagonal = rows->limits[1], tolerance = rows->tolerance;
 	const ptrdiff_t up = (ptrdiff_t)rows->stride;
+	SLIDING_ROW
 	for (ptrdiff_t x = (ptrdiff_t)first; x < (ptrdiff_t)end; x++) {
 #define PAIR(neighbour, at, k) &(const struct pair){ \
 	.a = height[x], .b = neighbour, .tolerance = tolerance, \
@@ -148,6 +150,7 @@ SLIDING_INLINED bool change_by(int32_t *restrict height, int32_t *const own[4], 
 	const int32_t *restrict east = own[0], *restrict north = own[1], *restrict north_east = own[2], *restrict north_west = own[3];
 	const int32_t *restrict south = before[1], *restrict south_west = before[2], *restrict south_east = before[3];
 	int32_t any = 0;
+	SLIDING_ROW
 	for (ptrdiff_t x = (ptrdiff_t)first; x < (ptrdiff_t)end; x++) {
 		int32_t west = east[x - 1], from_south_west = south_west[x - 1], from_south_east = south_east[x + 1];
 		int32_t change = west + south[x] + from_south_west + from_south_east - east[x] - north[x] - north_east[x] - north_west[x];

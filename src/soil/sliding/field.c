@@ -83,6 +83,7 @@ SLIDING_CLONED static bool begin_row(const struct begin_row *row, size_t width, 
 	int32_t *restrict height = row->height, *restrict ground = row->ground, *restrict floor = row->floor;
 	uint8_t *restrict still = row->still;
 	uint32_t refused = 0;
+	SLIDING_ROW
 	for (size_t x = 0; x < width; x++) {
 		int32_t offset = offsets[x], heap = deposited[x], room = SLIDING_HIGH - most_of(offset, heap);
 		uint32_t laid = (uint32_t)deposits[x], most = (uint32_t)(room > 0 ? room : 0), fits = laid < most ? laid : most;
@@ -115,6 +116,7 @@ static void refuse_row(const struct begin_row *row, size_t width, struct soil_sl
 SLIDING_CLONED static void critical_row(const uint8_t *restrict classes, const struct soil_sliding *rule, size_t width, int32_t *restrict axial,
 					int32_t *restrict diagonal)
 {
+	SLIDING_ROW
 	for (size_t x = 0; x < width; x++) {
 		int class = classes[x] < SOIL_CLASSES ? classes[x] : SOIL_CLASSES - 1;
 		axial[x] = rule->classes[class].critical[0];

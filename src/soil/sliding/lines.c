@@ -206,6 +206,7 @@ static bool walk(const struct line *line, int *pops)
 
 SLIDING_CLONED static void look_row(const int32_t *restrict heights, const int32_t *restrict next, size_t count, int32_t least, uint8_t *restrict pieces)
 {
+	SLIDING_ROW
 	for (size_t x = 0; x < count; x++)
 		pieces[x] |= (uint8_t)(may_slide(heights[x], next[x], least) | may_slide(next[x], heights[x], least) << 1);
 }
@@ -213,6 +214,7 @@ SLIDING_CLONED static void look_row(const int32_t *restrict heights, const int32
 SLIDING_CLONED static uint8_t look_along(const int32_t *restrict heights, size_t count, int32_t least)
 {
 	uint8_t any = 0;
+	SLIDING_ROW
 	for (size_t x = 0; x + 1 < count; x++)
 		any |= (uint8_t)(may_slide(heights[x], heights[x + 1], least) | may_slide(heights[x + 1], heights[x], least) << 1);
 	return any;

@@ -16,6 +16,12 @@
 #else
 #define SLIDING_CLONED
 #endif
+/* Before a loop over a row: no post of the row needs what the loop wrote to another one, and no two arrays overlap. */
+#ifdef __clang__
+#define SLIDING_ROW
+#else
+#define SLIDING_ROW _Pragma("GCC ivdep")
+#endif
 #define SLIDING_INLINED static inline __attribute__((always_inline))
 
 #define SLIDING_STILL INT32_MIN      /* a height: the post gives no soil and takes none */

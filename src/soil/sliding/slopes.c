@@ -74,6 +74,7 @@ SLIDING_INLINED void hop(const struct hop *hop, size_t first, size_t end, uint32
 	const int32_t *restrict surfaces = hop->surfaces;
 	const uint32_t *restrict extents = hop->extents;
 	const uint8_t *restrict class = hop->classes;
+	SLIDING_ROW
 	for (ptrdiff_t x = (ptrdiff_t)first; x < (ptrdiff_t)end; x++) {
 		int32_t surface = surfaces[x], up = begins ? 0 : (int32_t)(extents[x] & 0xffffu), down = begins ? 0 : (int32_t)(extents[x] >> 16);
 		int soil = classes ? class[x] < SOIL_CLASSES ? class[x] : SOIL_CLASSES - 1 : 0;
@@ -105,6 +106,7 @@ SLIDING_CLONED static void hop_row(const struct hop *by, size_t first, size_t en
 
 SLIDING_CLONED static void surface_row(const int32_t *restrict base, const int32_t *restrict offset, size_t count, int32_t *restrict to)
 {
+	SLIDING_ROW
 	for (size_t x = 0; x < count; x++)
 		to[x] = base[x] == BASE_NODATA ? SLIDING_STILL : (int32_t)((uint32_t)base[x] * 4u + (uint32_t)offset[x]);
 }

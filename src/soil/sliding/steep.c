@@ -16,6 +16,7 @@ SLIDING_CLONED static void find(const int32_t *restrict base, const int32_t *res
 {
 	int32_t low = bases->least, high = bases->most, lowest = offsets->least, highest = offsets->most;
 	uint32_t most = *laid;
+	SLIDING_ROW
 	for (size_t x = 0; x < count; x++) {
 		int32_t own_low = base[x] == BASE_NODATA ? INT32_MAX : base[x], own = base[x];
 		low = low < own_low ? low : own_low;
