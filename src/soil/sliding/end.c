@@ -32,19 +32,20 @@ SLIDING_INLINED void end(const struct end_row *row, size_t width, bool thickness
 	int32_t *restrict offsets = row->offset, *restrict deposited = row->deposited;
 	const uint8_t *restrict contact = row->contact, *restrict still = row->still, *restrict moved = row->moved, *restrict steep = row->steep;
 	uint8_t *restrict moves = row->moves, *restrict changed = row->changed;
-	const uint32_t disturbs = (uint32_t)row->disturbs, frees = (uint32_t)row->frees, wakes = row->wakes;
+	const uint32_t disturbs = (uint32_t)row->disturbs, frees = (uint32_t)row->frees, wakes = row->wakes ? UINT32_MAX : 0;
 	SLIDING_ROW
 	for (size_t x = 0; x < width; x++) {
 		int32_t before = offsets[x], heap = thickness ? deposited[x] : before, room = SLIDING_HIGH - most_of(before, heap);
 		uint32_t laid = (uint32_t)deposits[x], most = (uint32_t)(room > 0 ? room : 0), fits = laid < most ? laid : most;
 		int32_t with = before + (int32_t)fits, slid = (int32_t)((uint32_t)height[x] - (uint32_t)base[x] * 4u);
 		int32_t offset = still[x] != 0 ? with : slid;
-		uint32_t change = (uint32_t)(offset != with) | (uint32_t)(fits != 0) | (uint32_t)((contact[x] & disturbs) != 0);
+		uint32_t change = ((uint32_t)offset ^ (uint32_t)with) | fits | (contact[x] & disturbs);
+		uint32_t move = moved[x] | (contact[x] & frees) | ((change | steep[x]) & wakes);
 		offsets[x] = offset;
 		if (thickness)
 			deposited[x] = (int32_t)((uint32_t)heap + ((uint32_t)offset - (uint32_t)before));
-		changed[x] = (uint8_t)change;
-		moves[x] = (uint8_t)(moved[x] | (uint32_t)((contact[x] & frees) != 0) | (wakes & (change | steep[x])));
+		changed[x] = (uint8_t)(change != 0);
+		moves[x] = (uint8_t)(move != 0);
 	}
 }
 

@@ -39,9 +39,11 @@ size_t soil_sliding_field_init(struct sliding_field *field, const struct soil_sl
 	for (int k = 0; k < 2 && critical; k++)
 		field->critical[k] = posts(field, scratch, &used);
 	field->stills = part(scratch, &used, field->width * field->height);
-	field->moved = part(scratch, &used, field->width * field->height + field->width + field->height); /* lines.c needs more for a while */
+	field->moved = part(scratch, &used, field->width * field->height);
 	if (rule->hops > 0)
 		field->steeps = part(scratch, &used, field->width * field->height);
+	if (rule->directions > 0)
+		field->ends = part(scratch, &used, 4 * (field->width + field->height) * sizeof(int32_t));
 	for (int row = 0; row < 2; row++)
 		for (int way = 0; way < 4; way++) {
 			int32_t *flows = part(scratch, &used, field->stride * sizeof(int32_t));

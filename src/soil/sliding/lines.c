@@ -171,14 +171,22 @@ SLIDING_INLINED void write_pool(const struct line *line, const struct pool *pool
 	}
 }
 
-/* Walks along a line. Returns true if soil slid. */
-static bool walk(const struct line *line, int *pops)
+/* Posts of a line, or rows of its posts: the first and the last. None: first > last. */
+struct reach {
+	int32_t first, last;
+};
+
+/* Walks along the part of a line in which soil may slide: no pair of posts falls that begins before `falls.first` or after `falls.last`. A pool
+ * takes soil only from pairs that fall, so what lies behind it falls as before. Returns the posts whose heights it wrote, wider by one. */
+static struct reach walk(const struct line *line, struct reach falls, int *pops)
 {
-	bool slid = false, given = false;
-	int32_t height = line->heights[0];
-	for (int at = 0; at < line->count;) {
+	struct reach wrote = {INT32_MAX, -1};
+	bool given = false;
+	int at = falls.first;
+	int32_t height = line->heights[at * line->step];
+	while (given ? at < line->count : at + 1 < line->count && at <= falls.last) {
 		bool found = given;
-		while (!found && at + 1 < line->count) {
+		while (!found && at <= falls.last && at + 1 < line->count) {
 			int32_t next = line->heights[(at + 1) * line->step];
 			found = may_slide(height, next, line->least);
 			at += !found;
@@ -189,38 +197,79 @@ static bool walk(const struct line *line, int *pops)
 		struct pool pool = {.first = at, .last = at, .count = 1, .level = height, .lowest = height, .highest = height,
 				    .bottom = line->floors != NULL ? line->floors[at * line->step] : 0};
 		int32_t surplus = grow_pool(line, &pool, given, pops);
+		const bool written = given || surplus > 0 || pool.count > 1;
 		write_pool(line, &pool);
 		given = surplus > 0;
-		slid = slid || given || pool.count > 1;
+		if (written) {
+			/* The post before it may have given a part. */
+			wrote.first = pool.first - 2 < wrote.first ? pool.first - 2 : wrote.first;
+			wrote.last = pool.last + 1;
+		}
 		at = pool.last + 1;
 		height = at < line->count ? plus(line->heights[at * line->step], surplus) : 0;
 	}
-	return slid;
+	return wrote;
 }
 
 /* --- the lines of a direction --- */
 
-/* What may slide in each piece of a line: bits. */
-#define FALLS 1
-#define RISES 2
-
-SLIDING_CLONED static void look_row(const int32_t *restrict heights, const int32_t *restrict next, size_t count, int32_t least, uint8_t *restrict pieces)
+SLIDING_INLINED int32_t least_of(int32_t a, int32_t b)
 {
-	SLIDING_ROW
-	for (size_t x = 0; x < count; x++)
-		pieces[x] |= (uint8_t)(may_slide(heights[x], next[x], least) | may_slide(next[x], heights[x], least) << 1);
+	return a < b ? a : b;
 }
 
-SLIDING_CLONED static uint8_t look_along(const int32_t *restrict heights, size_t count, int32_t least)
+SLIDING_INLINED int32_t most_of(int32_t a, int32_t b)
 {
-	uint8_t any = 0;
-	SLIDING_ROW
-	for (size_t x = 0; x + 1 < count; x++)
-		any |= (uint8_t)(may_slide(heights[x], heights[x + 1], least) | may_slide(heights[x + 1], heights[x], least) << 1);
-	return any;
+	return a > b ? a : b;
 }
 
-/* A piece with `count` posts from (x, y) on. `to` (+1, 0), (0, +1), (+1, +1), (+1, -1) by direction. */
+/* Where pairs of posts may slide there and back, of lines side by side. */
+struct ends {
+	int32_t *falls_first, *falls_last, *rises_first, *rises_last;
+};
+
+/* Compares a row of posts with the next post of each one's line. at: the number of the row. */
+SLIDING_CLONED static void look_row(const int32_t *heights, const int32_t *next, size_t count, int32_t least, int32_t at, const struct ends *ends)
+{
+	int32_t *falls_first = ends->falls_first, *falls_last = ends->falls_last, *rises_first = ends->rises_first, *rises_last = ends->rises_last;
+	SLIDING_ROW
+	for (size_t x = 0; x < count; x++) {
+		bool falls = may_slide(heights[x], next[x], least), rises = may_slide(next[x], heights[x], least);
+		falls_first[x] = least_of(falls_first[x], falls ? at : INT32_MAX);
+		falls_last[x] = most_of(falls_last[x], falls ? at : -1);
+		rises_first[x] = least_of(rises_first[x], rises ? at : INT32_MAX);
+		rises_last[x] = most_of(rises_last[x], rises ? at : -1);
+	}
+}
+
+/* The same of one row along itself. */
+SLIDING_CLONED static void look_along(const int32_t *heights, int32_t count, int32_t least, struct reach *fall, struct reach *rise)
+{
+	int32_t falls_first = INT32_MAX, falls_last = -1, rises_first = INT32_MAX, rises_last = -1;
+	SLIDING_ROW
+	for (int32_t x = 0; x < count - 1; x++) {
+		bool falls = may_slide(heights[x], heights[x + 1], least), rises = may_slide(heights[x + 1], heights[x], least);
+		falls_first = least_of(falls_first, falls ? x : INT32_MAX);
+		falls_last = most_of(falls_last, falls ? x : -1);
+		rises_first = least_of(rises_first, rises ? x : INT32_MAX);
+		rises_last = most_of(rises_last, rises ? x : -1);
+	}
+	*fall = (struct reach){falls_first, falls_last};
+	*rise = (struct reach){rises_first, rises_last};
+}
+
+static struct reach around(struct reach a, struct reach b)
+{
+	return (struct reach){least_of(a.first, b.first), most_of(a.last, b.last)};
+}
+
+/* Returns where pairs may fall on the way back: `rises` of pairs on the way there, by the post that they begin with. */
+static struct reach back_of(struct reach rises, int count)
+{
+	return (struct reach){most_of(count - 2 - rises.last, 0), least_of(count - 2 - rises.first, count - 2)};
+}
+
+/* A piece with `count` posts from (x, y) on. Directions go by (+1, 0), (0, +1), (+1, +1), (+1, -1). */
 static struct line line_at(const struct sliding_field *field, int direction, size_t x, size_t y, int count, bool back)
 {
 	static const int ways[4][2] = {{1, 0}, {0, 1}, {1, 1}, {1, -1}};
@@ -240,29 +289,60 @@ static struct line line_at(const struct sliding_field *field, int direction, siz
 	};
 }
 
-static void along_rows(struct sliding_field *field)
+/* Walks there. Returns where pairs may rise then. */
+static struct reach walk_there(const struct sliding_field *field, int direction, size_t x, size_t y, int count, struct reach falls, struct reach rises,
+			       int *pops)
 {
+	const struct line line = line_at(field, direction, x, y, count, false);
+	return falls.first <= falls.last ? around(rises, walk(&line, falls, pops)) : rises;
+}
+
+static void walk_back(const struct sliding_field *field, int direction, size_t x, size_t y, int count, struct reach rises, int *pops)
+{
+	const struct line line = line_at(field, direction, x, y, count, true);
+	if (rises.first <= rises.last)
+		walk(&line, back_of(rises, count), pops);
+}
+
+static void along_rows(const struct sliding_field *field)
+{
+	const int count = (int)field->width;
 	for (size_t y = 0; y < field->height; y++) {
-		uint8_t may = look_along(field->heights + y * field->stride, field->width, field->rule->least[0]);
+		struct reach falls, rises;
 		int pops = 0, pops_back = 0;
-		const struct line there = line_at(field, 0, 0, y, (int)field->width, false), back = line_at(field, 0, 0, y, (int)field->width, true);
-		bool slid = (may & FALLS) != 0 && walk(&there, &pops);
-		if (slid || (may & RISES) != 0)
-			walk(&back, &pops_back);
+		look_along(field->heights + y * field->stride, count, field->rule->least[0], &falls, &rises);
+		rises = walk_there(field, 0, 0, y, count, falls, rises, &pops);
+		walk_back(field, 0, 0, y, count, rises, &pops_back);
 	}
 }
 
-static void along_columns(struct sliding_field *field, uint8_t *pieces)
+static struct ends ends_of(const struct sliding_field *field)
 {
-	memset(pieces, 0, field->width);
+	const size_t count = field->width + field->height;
+	const struct ends ends = {field->ends, field->ends + count, field->ends + 2 * count, field->ends + 3 * count};
+	for (size_t i = 0; i < count; i++) {
+		ends.falls_first[i] = ends.rises_first[i] = INT32_MAX;
+		ends.falls_last[i] = ends.rises_last[i] = -1;
+	}
+	return ends;
+}
+
+static struct ends from(struct ends ends, size_t line)
+{
+	return (struct ends){ends.falls_first + line, ends.falls_last + line, ends.rises_first + line, ends.rises_last + line};
+}
+
+static void along_columns(const struct sliding_field *field)
+{
+	const struct ends ends = ends_of(field);
+	const int count = (int)field->height;
 	for (size_t y = 0; y + 1 < field->height; y++)
-		look_row(field->heights + y * field->stride, field->heights + (y + 1) * field->stride, field->width, field->rule->least[0], pieces);
+		look_row(field->heights + y * field->stride, field->heights + (y + 1) * field->stride, field->width, field->rule->least[0], (int32_t)y, &ends);
 	for (size_t x = 0; x < field->width; x++) {
 		int pops = 0, pops_back = 0;
-		const struct line there = line_at(field, 1, x, 0, (int)field->height, false), back = line_at(field, 1, x, 0, (int)field->height, true);
-		bool slid = (pieces[x] & FALLS) != 0 && walk(&there, &pops);
-		if (slid || (pieces[x] & RISES) != 0)
-			walk(&back, &pops_back);
+		struct reach falls = {ends.falls_first[x], ends.falls_last[x]}, rises = {ends.rises_first[x], ends.rises_last[x]};
+		rises = walk_there(field, 1, x, 0, count, falls, rises, &pops);
+		walk_back(field, 1, x, 0, count, rises, &pops_back);
 	}
 }
 
@@ -270,6 +350,7 @@ static void along_columns(struct sliding_field *field, uint8_t *pieces)
 struct piece {
 	size_t x, y;
 	int count;
+	size_t number; /* in `ends`; posts of one row have rising numbers */
 };
 
 /* Returns the piece of line `line` that begins in column x; of a line to the south-east if `down`. */
@@ -277,67 +358,70 @@ static struct piece piece_at(const struct sliding_field *field, size_t line, siz
 {
 	size_t height = field->height, way = x % height, y = down ? (line + height - way) % height : (line + way) % height;
 	size_t to_side = down ? y + 1 : height - y, left = field->width - x;
-	return (struct piece){x, y, (int)(to_side < left ? to_side : left)};
+	return (struct piece){x, y, (int)(to_side < left ? to_side : left), down ? x + y : x + height - 1 - y};
 }
 
-/* Returns the number of a piece in `pieces`. Posts of one row have rising numbers. */
-static size_t number_of(const struct sliding_field *field, struct piece piece, bool down)
+/* Returns the piece of a line that ends before column `end`. */
+static struct piece piece_before(const struct sliding_field *field, size_t line, size_t end, bool down)
 {
-	return down ? piece.x + piece.y : piece.x + field->height - 1 - piece.y;
+	size_t x = end - 1, y = piece_at(field, line, x, down).y, before = down ? field->height - 1 - y : y;
+	return piece_at(field, line, x - (before < x ? before : x), down);
 }
 
-static void look_diagonally(const struct sliding_field *field, bool down, uint8_t *pieces)
+/* Finds where pieces fall and rise. Rows become posts of the pieces later. */
+static void look_diagonally(const struct sliding_field *field, bool down, struct ends ends)
 {
 	const int32_t least = field->rule->least[1];
-	memset(pieces, 0, field->width + field->height);
 	for (size_t y = 0; y + 1 < field->height; y++) {
 		const int32_t *south = field->heights + y * field->stride, *north = south + field->stride;
 		/* The line goes from the west: to the north-east from the row in the south, to the south-east from that in the north. */
-		if (down)
-			look_row(north, south + 1, field->width - 1, least, pieces + y + 1);
-		else
-			look_row(south, north + 1, field->width - 1, least, pieces + (field->height - 1 - y));
+		const struct ends row = from(ends, down ? y + 1 : field->height - 1 - y);
+		look_row(down ? north : south, (down ? south : north) + 1, field->width - 1, least, (int32_t)y + down, &row);
 	}
 }
 
-static void along_diagonals(struct sliding_field *field, bool down, uint8_t *pieces)
+/* Returns posts of a piece from rows of the field. */
+static struct reach posts_of(const struct piece *piece, int32_t first, int32_t last, bool down)
 {
+	const int32_t y = (int32_t)piece->y;
+	if (first > last)
+		return (struct reach){INT32_MAX, -1};
+	return down ? (struct reach){y - last, y - first} : (struct reach){first - y, last - y};
+}
+
+static void along_diagonals(const struct sliding_field *field, bool down)
+{
+	const struct ends ends = ends_of(field);
 	const int direction = down ? 3 : 2;
-	look_diagonally(field, down, pieces);
+	look_diagonally(field, down, ends);
 	for (size_t line = 0; line < field->height; line++) {
-		int pops = 0;
+		int pops = 0, pops_back = 0;
 		for (size_t x = 0; x < field->width;) {
 			const struct piece piece = piece_at(field, line, x, down);
-			uint8_t *may = &pieces[number_of(field, piece, down)];
-			const struct line there = line_at(field, direction, piece.x, piece.y, piece.count, false);
-			if ((*may & FALLS) != 0 && walk(&there, &pops))
-				*may |= RISES;
+			const struct reach falls = posts_of(&piece, ends.falls_first[piece.number], ends.falls_last[piece.number], down);
+			struct reach rises = posts_of(&piece, ends.rises_first[piece.number], ends.rises_last[piece.number], down);
+			rises = walk_there(field, direction, piece.x, piece.y, piece.count, falls, rises, &pops);
+			ends.rises_first[piece.number] = rises.first;
+			ends.rises_last[piece.number] = rises.last;
 			x += (size_t)piece.count;
 		}
-		pops = 0;
-		/* Back from the last piece to the first. */
 		for (size_t end = field->width; end > 0;) {
-			size_t height = field->height, x = end - 1, row = piece_at(field, line, x, down).y;
-			size_t before = down ? height - 1 - row : row;
-			x -= before < x ? before : x;
-			const struct piece piece = piece_at(field, line, x, down);
-			const struct line back = line_at(field, direction, piece.x, piece.y, piece.count, true);
-			if ((pieces[number_of(field, piece, down)] & RISES) != 0)
-				walk(&back, &pops);
-			end = x;
+			const struct piece piece = piece_before(field, line, end, down);
+			const struct reach rises = {ends.rises_first[piece.number], ends.rises_last[piece.number]};
+			walk_back(field, direction, piece.x, piece.y, piece.count, rises, &pops_back);
+			end = piece.x;
 		}
 	}
 }
 
 void soil_sliding_along(struct sliding_field *field, int direction)
 {
-	uint8_t *pieces = field->moved; /* free until the last iteration */
 	if (field->width == 0 || field->height == 0)
 		return;
 	if (direction == 0)
 		along_rows(field);
 	else if (direction == 1)
-		along_columns(field, pieces);
+		along_columns(field);
 	else
-		along_diagonals(field, direction == 3, pieces);
+		along_diagonals(field, direction == 3);
 }

@@ -53,6 +53,7 @@ struct sliding_field {
 	uint8_t *moved;            /* 1: the post gave or got soil in the last iteration */
 	uint8_t *steeps;           /* 1: if its slope is high enough, the post may slide; NULL: the height of slopes does not count */
 	int32_t *flows[2][4];      /* of two rows: soil that goes to the post in the east, north, north-east, north-west */
+	int32_t *ends;             /* lines.c: 4 for each line; NULL: soil does not slide along lines */
 	struct sliding_span *dirty; /* of each row, and of one before and one behind: columns that the last iteration changed */
 	struct sliding_span *next;
 	int32_t limits[2];

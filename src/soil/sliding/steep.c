@@ -3,31 +3,30 @@
 
 #include "soil/sliding/sliding.h"
 
-/* Ranges in which no two posts are too far apart: of bases in 2^-18 m, of offsets and laid soil in 2^-20 m. */
+/* Ranges in which no two posts are too far apart: of bases in 2^-18 m; of offsets and of laid soil in 2^-20 m. */
 #define NEAR_BASES (1 << 27)
-#define NEAR_OFFSETS (1 << 28)
+#define NEAR_OFFSETS (1 << 27)
 
+/* What a rectangle of posts has. */
 struct range {
-	int32_t least, most;
+	int32_t least, most;    /* bases; the least is one less, so that BASE_NODATA wraps to the greatest number */
+	uint32_t offsets, laid; /* bits that are in any offset's amount, and in any laid soil: no value is above them */
 };
 
-SLIDING_CLONED static void find(const int32_t *restrict base, const int32_t *restrict offset, const int32_t *restrict deposits, size_t count,
-				struct range *bases, struct range *offsets, uint32_t *laid)
+SLIDING_CLONED static struct range find(const int32_t *restrict base, const int32_t *restrict offset, const int32_t *restrict deposits, size_t count,
+					struct range range)
 {
-	int32_t low = bases->least, high = bases->most, lowest = offsets->least, highest = offsets->most;
-	uint32_t most = *laid;
+	int32_t least = range.least, most = range.most;
+	uint32_t offsets = range.offsets, laid = range.laid;
 	SLIDING_ROW
 	for (size_t x = 0; x < count; x++) {
-		int32_t own_low = base[x] == BASE_NODATA ? INT32_MAX : base[x], own = base[x];
-		low = low < own_low ? low : own_low;
-		high = high > own ? high : own;
-		lowest = lowest < offset[x] ? lowest : offset[x];
-		highest = highest > offset[x] ? highest : offset[x];
-		most = most > (uint32_t)deposits[x] ? most : (uint32_t)deposits[x];
+		int32_t own = base[x], low = (int32_t)((uint32_t)own - 1u);
+		least = least < low ? least : low;
+		most = most > own ? most : own;
+		offsets |= (uint32_t)(offset[x] ^ (offset[x] >> 31));
+		laid |= (uint32_t)deposits[x];
 	}
-	*bases = (struct range){low, high};
-	*offsets = (struct range){lowest, highest};
-	*laid = most;
+	return (struct range){least, most, offsets, laid};
 }
 
 /* Returns the columns and rows of the planes that the field and a post around it have. */
@@ -42,16 +41,16 @@ static bool is_level(const struct sliding_field *field)
 {
 	const struct soil_planes *planes = field->planes;
 	const struct post_rect rect = around(field), all = planes->rect;
-	struct range bases = {INT32_MAX, INT32_MIN}, offsets = {INT32_MAX, INT32_MIN};
-	uint32_t laid = 0;
+	struct range range = {INT32_MAX, INT32_MIN, 0, 0};
 	for (int64_t y = rect.y0; y < rect.y1; y++) {
 		const size_t at = (size_t)(y - all.y0) * planes->width + (size_t)(rect.x0 - all.x0);
+		const uint32_t laid = range.laid;
 		/* Where no soil is laid, a row that does not matter stands in for it. */
-		const int32_t *deposits = field->deposits != NULL ? field->deposits + at : planes->offset + at;
-		uint32_t unused = 0;
-		find(planes->base + at, planes->offset + at, deposits, (size_t)(rect.x1 - rect.x0), &bases, &offsets, field->deposits != NULL ? &laid : &unused);
+		range = find(planes->base + at, planes->offset + at, (field->deposits != NULL ? field->deposits : planes->offset) + at,
+			     (size_t)(rect.x1 - rect.x0), range);
+		range.laid = field->deposits != NULL ? range.laid : laid;
 	}
-	return (int64_t)bases.most - bases.least < NEAR_BASES && offsets.least > -NEAR_OFFSETS && (int64_t)offsets.most + laid < NEAR_OFFSETS;
+	return (int64_t)range.most - range.least < NEAR_BASES && range.offsets < NEAR_OFFSETS && range.laid < NEAR_OFFSETS;
 }
 
 /* Returns the offset of a post with the soil that is laid on it, as far as its range allows. */
