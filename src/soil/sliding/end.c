@@ -61,13 +61,19 @@ SLIDING_CLONED static void end_row(const struct end_row *row, size_t width)
 static uint32_t bits_of(const uint8_t *bytes)
 {
 	uint32_t bits = 0;
-	for (int i = 0; i < 4; i++) {
-		uint64_t eight = 0;
-		for (int k = 7; k >= 0; k--)
-			eight = eight << 8 | bytes[8 * i + k];
-		bits |= (uint32_t)(eight * 0x0102040810204080u >> 56) << 8 * i;
-	}
+	for (int i = 0; i < SIDE; i++)
+		bits |= (uint32_t)bytes[i] << i;
 	return bits;
+}
+
+static bool is_any(const uint8_t *moves, const uint8_t *changed)
+{
+	uint64_t a[SIDE / 8], b[SIDE / 8], any = 0;
+	memcpy(a, moves, SIDE);
+	memcpy(b, changed, SIDE);
+	for (int i = 0; i < SIDE / 8; i++)
+		any |= a[i] | b[i];
+	return any != 0;
 }
 
 /* Returns the flags of a block for posts of one row that move. */
@@ -111,9 +117,10 @@ static void flag_row(const struct sliding_end *end, int64_t x0, int64_t x1, int6
 {
 	const int64_t columns = end->blocks.x1 - end->blocks.x0, row = y - block_of(y) * SIDE;
 	for (int64_t block = block_of(x0); block * SIDE < x1; block++, moves += SIDE, changed += SIDE) {
+		if (!is_any(moves, changed))
+			continue;
 		uint32_t bits = bits_of(moves), changes = bits_of(changed);
-		if ((bits | changes) != 0)
-			end->words[(block_of(y) - end->blocks.y0) * columns + block - end->blocks.x0] |= flags_of(bits, row, near) | parts_of(changes, row);
+		end->words[(block_of(y) - end->blocks.y0) * columns + block - end->blocks.x0] |= flags_of(bits, row, near) | parts_of(changes, row);
 	}
 }
 

@@ -178,7 +178,7 @@ struct reach {
 
 /* Walks along the part of a line in which soil may slide: no pair of posts falls that begins before `falls.first` or after `falls.last`. A pool
  * takes soil only from pairs that fall, so what lies behind it falls as before. Returns the posts whose heights it wrote, wider by one. */
-static struct reach walk(const struct line *line, struct reach falls, int *pops)
+SLIDING_INLINED struct reach walk_along(const struct line *line, struct reach falls, int *pops)
 {
 	struct reach wrote = {INT32_MAX, -1};
 	bool given = false;
@@ -209,6 +209,25 @@ static struct reach walk(const struct line *line, struct reach falls, int *pops)
 		height = at < line->count ? plus(line->heights[at * line->step], surplus) : 0;
 	}
 	return wrote;
+}
+
+static struct reach walk_any(const struct line *line, struct reach falls, int *pops)
+{
+	return walk_along(line, falls, pops);
+}
+
+/* The same where relaxing soil has no bottom, and one difference is the critical one of all posts. */
+static struct reach walk_plain(const struct line *line, struct reach falls, int *pops)
+{
+	const struct line plain = {.heights = line->heights, .step = line->step, .limit = line->limit, .tolerance = line->tolerance, .least = line->least,
+				   .count = line->count};
+	return walk_along(&plain, falls, pops);
+}
+
+static struct reach walk(const struct line *line, struct reach falls, int *pops)
+{
+	bool plain = line->floors == NULL && line->critical == NULL && line->grounds == NULL;
+	return plain ? walk_plain(line, falls, pops) : walk_any(line, falls, pops);
 }
 
 /* --- the lines of a direction --- */
