@@ -60,12 +60,14 @@ static void fill(struct window *window, const struct kind *kind, int64_t side)
 {
 	const struct post_rect all = window->planes.rect;
 	const double rough = ldexp(1, kind->rough), hill = any_word() % 2 ? 8 : 0, calm = any_word() % 3 == 0 ? 0.02 : 1;
+	const bool sparse = any_word() % 4 == 0, ends = kind->relief == 0 && any_word() % 8 == 0;
 	const uint32_t hole = any_word() % 2 ? 16 : 400, held = any_word() % 2 ? 8 : 200;
 	for (size_t i = 0; i < window->count; i++) {
 		const int64_t x = all.x0 + (int64_t)(i % window->planes.width), y = all.y0 + (int64_t)(i / window->planes.width);
 		const double wave = hill * rough * sin((double)x * 0.3) * cos((double)y * 0.21);
-		bool quiet = kind->scm && x % 23 < 12;
-		window->planes.base[i] = (40 << 18) + (int32_t)(wave + calm * any_share() * rough);
+		/* Quiet posts lie as they did. In sparse ground few others lie between them. */
+		bool quiet = sparse ? x * 7 % 31 > 3 || y * 5 % 29 > 4 : kind->scm && x % 23 < 12;
+		window->planes.base[i] = (40 << 18) + (sparse ? 0 : (int32_t)(wave + calm * any_share() * rough));
 		window->planes.offset[i] = quiet ? 0 : (int32_t)(2 * any_share() * rough);
 		if (window->planes.deposited != NULL)
 			window->planes.deposited[i] = quiet ? 0 : window->planes.offset[i] + (int32_t)(any_share() * rough);
@@ -80,6 +82,8 @@ static void fill(struct window *window, const struct kind *kind, int64_t side)
 			window->planes.contact[i] |= SOIL_NO_GROUND;
 			if (window->planes.deposited != NULL)
 				window->planes.deposited[i] = 0;
+		} else if (ends) { /* one cliff from end to end of what a base may be: as differences wrap, a metre or two */
+			window->planes.base[i] = x % 40 < 20 ? INT32_MAX - (int32_t)(any_word() >> 14) : INT32_MIN + 1 + (int32_t)(any_word() >> 14);
 		} else if (kind->relief == 0 && kind->rough > 20 && any_word() % 16 == 0) {
 			window->planes.base[i] += (int32_t)(any_word() % 3 * 900 - 900) * (1 << 18); /* cliffs of more than 1536 m too */
 		} else if (kind->rough > 16 && any_word() % 64 == 0) {
