@@ -2,14 +2,14 @@
 #include "sliding.h"
 #include "../support/program.h"
 
-#define WORLD 128 /* cells of the world along a side */
-#define WORDS 64  /* blocks on which a window lies, at most */
+#define WORLD 256 /* cells of the world along a side */
+#define WORDS 81  /* blocks on which a window lies, at most */
 
 static const char *const names[] = {"dry_sand", "clayey_38", "sandy_loam_15", "snow_us", "lete_sand", "lunar"};
 
 /* What a round has: every combination comes up, and others at random. */
 struct kind {
-	bool scm, classes, lines, stood, near, loaded;
+	bool scm, classes, lines, stood, near, loaded, large;
 	int iterations, soil_count;
 	double spacing, depth, tolerance, relief, cohesion;
 	int rough; /* 2^rough units from post to post */
@@ -25,6 +25,7 @@ static struct kind any_kind(int round)
 	};
 	if (any_word() % 3 == 0)
 		kind.iterations = 1;
+	kind.large = round % 12 == 6; /* long lines, along which pools may join as often as they are allowed to */
 	kind.soil_count = kind.classes ? 6 : 1;
 	kind.depth = kind.scm ? any_word() % 2 ? 0 : 0.1 : any_word() % 3 == 0 ? 0.3 : 0;
 	/* Where the relief may be large, some rounds have cliffs. */
@@ -198,7 +199,7 @@ static void compare(int round, struct counts *counts)
 	struct window cpu;
 	uint32_t words[WORDS] = {0}, gpu_words[WORDS];
 	start(&ground, &kind);
-	window_init(&cpu, any_rect(ground.posts, MOST), kind.scm, kind.classes);
+	window_init(&cpu, any_rect(ground.posts, kind.large ? LARGE : MOST), kind.scm, kind.classes);
 	fill(&cpu, &kind, ground.posts);
 	const struct post_rect written = cpu.slides.written, world = {0, 0, ground.posts, ground.posts};
 	struct post_rect reached = post_rect_intersect(any_rect(ground.posts, ground.posts), written);

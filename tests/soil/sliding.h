@@ -7,6 +7,7 @@
 
 #define RIM 2    /* posts around those that a window writes */
 #define MOST 100 /* posts along a side of a window, at most */
+#define LARGE 252 /* the same of a few windows */
 
 /* A window's planes. Freed by window_finish. */
 struct window {

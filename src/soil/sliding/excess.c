@@ -210,7 +210,7 @@ static struct sliding_span wanted(const struct sliding_field *field, size_t y, s
 	return wider(both(both(field->dirty[y], field->dirty[y + 1]), field->dirty[y + 2]), within);
 }
 
-/* Computes the flows of a row within a span. Returns the columns that may have some. Elsewhere, as far as a post beside these, flows are 0. */
+/* Computes the flows of a row within a span. Returns the columns that may have some. Elsewhere in the span flows are 0. */
 static struct sliding_span flow(const struct sliding_field *field, flows_fn flows, size_t y, struct sliding_span span, int32_t *const to[4])
 {
 	const size_t at = y * field->stride;
@@ -236,9 +236,6 @@ static struct sliding_span flow(const struct sliding_field *field, flows_fn flow
 		for (int way = 0; way < 4; way++)
 			memset(to[way] + first, 0, (size_t)(end - first) * sizeof **to);
 	}
-	/* Posts beside the span are read, too. */
-	for (int way = 0; way < 4 && !is_empty(span); way++)
-		to[way][span.first - 1] = to[way][span.end] = 0;
 	return has;
 }
 
