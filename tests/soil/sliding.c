@@ -9,7 +9,7 @@ static const char *const names[] = {"dry_sand", "clayey_38", "sandy_loam_15", "s
 
 /* What a round has: every combination comes up, and others at random. */
 struct kind {
-	bool scm, classes, lines, stood, near, loaded, large;
+	bool scm, classes, lines, stood, near, loaded, large, saw;
 	int iterations, soil_count;
 	double spacing, depth, tolerance, relief, cohesion;
 	int rough; /* 2^rough units from post to post */
@@ -30,6 +30,9 @@ static struct kind any_kind(int round)
 	kind.depth = kind.scm ? any_word() % 2 ? 0 : 0.1 : any_word() % 3 == 0 ? 0.3 : 0;
 	/* Where the relief may be large, some rounds have cliffs. */
 	kind.rough += kind.relief == 0 && round % 7 == 6 ? 4 : 0;
+	/* A slope with teeth: each pool takes in all posts of the pools before it, until no more may join. */
+	kind.saw = round % 24 == 18;
+	kind.iterations = kind.saw ? 1 : kind.iterations;
 	return kind;
 }
 
@@ -91,6 +94,20 @@ static void fill(struct window *window, const struct kind *kind, int64_t side)
 			window->planes.offset[i] = (int32_t)(any_share() * (1 << 30)); /* beyond 736 m */
 			window->deposits[i] = (int32_t)any_word();
 		}
+	}
+}
+
+/* A slope at the critical difference along x, y, or both, with teeth of 20000 units that fall by 200 more each. */
+static void fill_saw(struct window *window, const struct soil_sliding *rule, int round)
+{
+	const int64_t width = (int64_t)window->planes.width, way = round / 24 % 4;
+	const int32_t slope = rule->classes[0].critical[way > 1] + 200;
+	for (int64_t i = 0; i < (int64_t)window->count; i++) {
+		const int64_t at = way != 1 ? i % width : i / width;
+		window->planes.base[i] = 40 << 18;
+		window->planes.offset[i] = (int32_t)(-slope * at + (at % 2 ? -20000 : 20000));
+		window->planes.contact[i] = 0;
+		window->deposits[i] = 0;
 	}
 }
 
@@ -201,6 +218,8 @@ static void compare(int round, struct counts *counts)
 	start(&ground, &kind);
 	window_init(&cpu, any_rect(ground.posts, kind.large ? LARGE : MOST), kind.scm, kind.classes);
 	fill(&cpu, &kind, ground.posts);
+	if (kind.saw)
+		fill_saw(&cpu, &ground.deform->sliding, round);
 	const struct post_rect written = cpu.slides.written, world = {0, 0, ground.posts, ground.posts};
 	struct post_rect reached = post_rect_intersect(any_rect(ground.posts, ground.posts), written);
 	cpu.slides.world = world;
