@@ -195,9 +195,10 @@ struct soil_sliding_params {
 	const struct soil_numbers *soils;
 	int soil_count;            /* 1 .. SOIL_CLASSES */
 	double spacing;            /* m */
-	/* The model's: critical difference of posts `apart` metres apart, fixed-point units; cotangent of the steepest stable angle of a slope of
-	 * `height` metres, NULL: it does not depend on the height. critical NULL: another rule counts, and only the tolerance is prepared. */
+	/* The model's critical difference of two posts, fixed-point units. apart: their distance, m. NULL: another rule counts, and only the
+	 * tolerance is prepared. */
 	int32_t (*critical)(const struct soil_numbers *soil, double apart);
+	/* The model's cotangent of the steepest stable angle of a slope. height: of the slope, m. NULL: the angle does not depend on it. */
 	double (*cotangent)(const struct soil_numbers *soil, double height);
 	int iterations;            /* 1 .. 8 */
 	int directions;            /* as in struct soil_sliding */
@@ -234,8 +235,8 @@ struct soil_slide_window {
 	const int32_t *deposits;   /* laid soil of each post of the planes, fixed-point units, unsigned; NULL: none */
 	bool loaded;               /* a body rests by its load, so what it holds may be freed */
 };
-/* Returns where soil may slide after a contact: near the posts that it reached, which hold all that it lowered, held, laid soil on or left. An
- * empty `reached` gives no posts. around: how many posts around these. */
+/* Returns where soil may slide after a contact: the posts that it reached, and `around` posts on each side. reached: a rectangle of all posts
+ * that the contact lowered or held, laid soil on, or left. If it is empty, there are no posts. */
 struct post_rect soil_slide_posts(struct post_rect written, struct post_rect reached, int64_t around);
 /* Returns the columns and rows of the blocks on which posts lie. */
 struct post_rect soil_slide_blocks(struct post_rect posts);
@@ -273,8 +274,9 @@ enum status soil_active_add(struct soil_block_set *set, struct post_rect world, 
 struct post_rect soil_active_near(struct post_rect world, int64_t rim, struct post_rect changed);
 /* Adds these blocks. */
 enum status soil_active_add_near(struct soil_block_set *set, struct post_rect world, int64_t rim, struct post_rect changed) FURROW_CHECKED;
-/* Adds the blocks that a word of flags keeps active: bit 0: the block itself; then its neighbours W, E, S, N, SW, SE, NW, NE. Words of
- * soil_slide_window and soil_slide_region are so, and have 16 more bits: squares of 8 x 8 posts that changed, from the south-west. */
+/* Adds the blocks that a word of flags keeps active. Bit 0 is the block itself. Bits 1 to 8 are its neighbours W, E, S, N, SW, SE, NW, NE.
+ * Words of soil_slide_window and soil_slide_region are so. From bit 16 on they also have the squares of 8 x 8 posts that changed, from the
+ * south-west. */
 enum status soil_active_add_word(struct soil_block_set *set, struct post_rect world, struct soil_block block, uint32_t word) FURROW_CHECKED;
 /* The same of all words of a rectangle of blocks. */
 enum status soil_active_add_words(struct soil_block_set *set, struct post_rect world, struct post_rect blocks, const uint32_t *words) FURROW_CHECKED;
@@ -289,8 +291,9 @@ void soil_slide_window(const struct soil_sliding *rule, const struct soil_planes
 		       uint32_t *words, struct soil_slid *slid);
 /*
  * Slides for an interval in a region: a rectangle of blocks, as columns and rows. `planes` has their posts and soil_sliding_rim more on each side,
- * with BASE_NODATA beyond the world; only posts of the blocks are written. So planes are copies if another region reads these posts. contact
- * tells held posts, and closed ones in blocks that are not active; NULL: none. words: as above, for the region's blocks.
+ * with BASE_NODATA beyond the world. Only posts of the blocks are written. Regions of one interval read each other's posts as they were before it,
+ * so each has planes of its own. contact tells held posts, and closed ones in blocks that are not active; NULL: none. words: as above, for the
+ * region's blocks.
  */
 void soil_slide_region(const struct soil_sliding *rule, const struct soil_planes *planes, struct post_rect blocks, void *scratch, uint32_t *words);
 

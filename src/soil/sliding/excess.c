@@ -6,9 +6,10 @@
  * in the east, north, north-east and north-west. So a post's height changes by what it gave and got in two rows of flows, and rows change
  * in place, one behind the other: the flows of the next row need no height of this one.
  *
- * Two things keep ground at rest cheap, and change no bit. (1) A post keeps its height if none of the nine heights at and around it changed
- * in the iteration before: then all it gives and gets is the same as there, where the sum was 0. So each row has the span of columns that
- * changed. (2) PARTS of a row in which no difference exceeds the least critical one have no flow.
+ * Two things keep ground at rest cheap, and change no bit:
+ * (1) A post keeps its height if the iteration before changed none of the nine heights at and around it. What it gives and gets is then the
+ * same as before, when the sum was 0. So each row has the span of columns that changed.
+ * (2) A part of a row in which no difference exceeds the least critical one has no flow.
  */
 #include <string.h>
 
@@ -91,7 +92,8 @@ SLIDING_INLINED int32_t flow_of(const struct pair *p, bool bounded, bool stood)
 		over = over < more ? over : more;
 	}
 	amount = amount > 0 ? amount : 0;
-	amount = (over > p->tolerance) & (p->a != SLIDING_STILL) & (p->b != SLIDING_STILL) ? amount : 0;
+	int32_t slides = (int32_t)(over > p->tolerance) & (int32_t)(p->a != SLIDING_STILL) & (int32_t)(p->b != SLIDING_STILL);
+	amount = slides != 0 ? amount : 0;
 	return (amount ^ sign) - sign;
 }
 

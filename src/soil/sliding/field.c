@@ -91,8 +91,8 @@ SLIDING_CLONED static bool begin_row(const struct begin_row *row, size_t width, 
 		uint32_t laid = (uint32_t)deposits[x], most = (uint32_t)(room > 0 ? room : 0), fits = laid < most ? laid : most;
 		offset += (int32_t)fits;
 		heap += (int32_t)fits;
-		int32_t beyond = (least_of(offset, heap) < SLIDING_LOW) | (most_of(offset, heap) > SLIDING_HIGH);
-		int32_t is = beyond | (base[x] == BASE_NODATA) | ((contact[x] & (SOIL_HELD | SOIL_CLOSED)) != 0);
+		int32_t beyond = (int32_t)(least_of(offset, heap) < SLIDING_LOW) | (int32_t)(most_of(offset, heap) > SLIDING_HIGH);
+		int32_t is = beyond | (int32_t)(base[x] == BASE_NODATA) | (int32_t)((contact[x] & (SOIL_HELD | SOIL_CLOSED)) != 0);
 		uint32_t up = (uint32_t)base[x] * 4u, top = up + (uint32_t)offset;
 		refused |= (laid - fits) | (uint32_t)beyond;
 		height[x] = is != 0 ? SLIDING_STILL : (int32_t)top;

@@ -75,13 +75,39 @@ void soil_sliding_all_dirty(struct sliding_field *field);
 struct sliding_span soil_sliding_steep_span(const struct sliding_field *field, size_t row);
 /* lines.c: soil slides along lines in one direction: x, y, north-east, south-east. */
 void soil_sliding_along(struct sliding_field *field, int direction);
-/* slopes.c: finds the critical differences in slopes. Returns false if no soil slides in the field. scratch: sliding_slopes_bytes of it. */
+
+/* A piece of a line: posts one behind the other, `step` apart in the field's arrays. */
+struct sliding_line {
+	int32_t *heights;                           /* of the first post; others from it on */
+	const int32_t *floors, *critical, *grounds; /* NULL as in the field */
+	ptrdiff_t step;
+	int32_t limit, tolerance, least;
+	int count;
+};
+
+/* Posts of a line, or rows of its posts: the first and the last. None: first > last. */
+struct sliding_reach {
+	int32_t first, last;
+};
+
+/* Returns whether soil may slide from one post to another. It may be wrong of a post that is still. */
+SLIDING_INLINED bool sliding_may(int32_t high, int32_t low, int32_t least)
+{
+	return (uint32_t)high - (uint32_t)low - (uint32_t)least - 1u < 1u << 30;
+}
+
+/* pools.c: walks along the part of a line in which soil may slide: no pair of posts falls that begins before `falls.first` or after `falls.last`.
+ * Returns the pairs whose heights may have changed. pops: counts posts that joined from before a pool; of a whole line, from 0. */
+struct sliding_reach soil_sliding_walk(const struct sliding_line *line, struct sliding_reach falls, int *pops);
+
+/* slopes.c: finds the critical differences in slopes. Returns false if no soil slides in the field. scratch: soil_sliding_slopes_bytes of it. */
 bool soil_sliding_slopes(struct sliding_field *field, void *scratch);
 /* slopes.c: sets the least difference that slides where the height of slopes counts. */
 void soil_sliding_least_in_slopes(struct sliding_field *field);
 size_t soil_sliding_slopes_bytes(const struct soil_sliding *rule, const struct soil_planes *planes);
 /* slopes.c: marks in `steep` posts of a row beside which a slope could slide if it was high enough. */
 void soil_sliding_steep_row(const struct sliding_field *field, size_t row, uint8_t *steep);
+
 /* end.c: writes offsets and thickness of posts of the field, less `trim` on each side. Sets flags of blocks. */
 struct sliding_end {
 	size_t trim;

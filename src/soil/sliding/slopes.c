@@ -35,8 +35,8 @@ size_t soil_sliding_slopes_bytes(const struct soil_sliding *rule, const struct s
 	return rule->hops > 0 ? 3 * rounded(width * height * sizeof(int32_t)) + rounded(height * sizeof(struct sliding_span)) : 0;
 }
 
-/* Returns the columns of a row, counted from the planes', that a hop must compute: near what is steep, and within the field and `after`
- * posts around it. near: how far from a steep post. */
+/* Returns the columns of a row that a hop must compute, counted from the planes' first column. They are at most `near` posts from a steep
+ * post, and lie within the field and `after` posts around it. */
 static struct sliding_span span_at(const struct slopes *slopes, size_t row, int64_t after, int64_t near)
 {
 	const struct sliding_field *field = slopes->field;
@@ -86,9 +86,10 @@ SLIDING_INLINED void hop(const struct hop *hop, size_t first, size_t end, uint32
 			int32_t high = (int32_t)(((uint32_t)difference ^ (uint32_t)sign) - (uint32_t)sign), least = k < 4 ? axial : diagonal;
 			int32_t by = high >> 11, on_up = begins ? by : (int32_t)(extents[at] & 0xffffu) + by;
 			int32_t on_down = begins ? by : (int32_t)(extents[at] >> 16) + by;
-			bool open = (surface != SLIDING_STILL) & (other != SLIDING_STILL) & (high > least);
-			up = open & (sign == 0) & (on_up > up) ? on_up : up;
-			down = open & (sign != 0) & (on_down > down) ? on_down : down;
+			int32_t open = (int32_t)(surface != SLIDING_STILL) & (int32_t)(other != SLIDING_STILL) & (int32_t)(high > least);
+			int32_t rises = open & (int32_t)(sign == 0) & (int32_t)(on_up > up), falls = open & (int32_t)(sign != 0) & (int32_t)(on_down > down);
+			up = rises != 0 ? on_up : up;
+			down = falls != 0 ? on_down : down;
 		}
 		to[x] = least_of((uint32_t)up, 0xffffu) | least_of((uint32_t)down, 0xffffu) << 16;
 	}

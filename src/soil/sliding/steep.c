@@ -45,7 +45,7 @@ static bool is_level(const struct sliding_field *field)
 	for (int64_t y = rect.y0; y < rect.y1; y++) {
 		const size_t at = (size_t)(y - all.y0) * planes->width + (size_t)(rect.x0 - all.x0);
 		const uint32_t laid = range.laid;
-		/* Where no soil is laid, a row that does not matter stands in for it. */
+		/* Where no soil is laid, any row will do. */
 		range = find(planes->base + at, planes->offset + at, (field->deposits != NULL ? field->deposits : planes->offset) + at,
 			     (size_t)(rect.x1 - rect.x0), range);
 		range.laid = field->deposits != NULL ? range.laid : laid;
