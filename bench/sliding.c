@@ -22,7 +22,7 @@ static int32_t base[COUNT], offset[COUNT], deposited[COUNT], deposits[COUNT], sl
 static uint8_t contact[COUNT], classes[COUNT];
 
 /* What a ground has. */
-enum ground { AT_REST, HEAP, EVERYWHERE };
+enum ground { AT_REST, HEAP, RUT, EVERYWHERE };
 
 struct kind {
 	const char *name;
@@ -39,6 +39,9 @@ static const struct kind kinds[] = {
 	{"heap", HEAP, 1, 0, false, false, false, 0},
 	{"heap.lines", HEAP, 1, 4, false, false, false, 0},
 	{"heap.8_iterations", HEAP, 8, 0, false, false, false, 0},
+	{"rut", RUT, 1, 0, false, false, false, 0},
+	{"rut.lines", RUT, 1, 4, false, false, false, 0},
+	{"rut.scm.lines", RUT, 1, 2, true, false, false, 0},
 	{"moves", EVERYWHERE, 1, 0, false, false, false, 0},
 	{"moves.4_iterations", EVERYWHERE, 4, 0, false, false, false, 0},
 	{"moves.8_iterations", EVERYWHERE, 8, 0, false, false, false, 0},
@@ -66,6 +69,8 @@ static void make(enum ground ground)
 		double height = 0.002 * share();
 		if (ground == HEAP)
 			height += fmax(0, 0.4 - 0.05 * away); /* over 8 posts */
+		if (ground == RUT && fabs(y) < 8)
+			height += fabs(y) < 4 ? -0.1 : 0.06;
 		if (ground == EVERYWHERE)
 			height = 0.5 * share();
 		base[i] = (40 << 18) + (int32_t)(1000 * share());

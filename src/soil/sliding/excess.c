@@ -3,10 +3,10 @@
  * critical one (SOIL.md, "Sliding").
  *
  * Each pair of posts is computed once, from the one in the south or west. `flows` of a row hold what goes from each of its posts to the post
- * in the east, north, north-east and north-west. So a post's height changes by what it gave and got in two rows of flows, and rows change
- * in place, one behind the other: the flows of the next row need no height of this one.
+ * in the east, north, north-east and north-west. A post's height changes by what it gave and got in two rows of flows. The flows of the next
+ * row do not need the height of this one. So rows change in place.
  *
- * Two things keep ground at rest cheap, and change no bit:
+ * Two things keep ground at rest cheap, and change no bit.
  * (1) A post keeps its height if the iteration before changed none of the nine heights at and around it. What it gives and gets is then the
  * same as before, when the sum was 0. So each row has the span of columns that changed.
  * (2) A part of a row in which no difference exceeds the least critical one has no flow.

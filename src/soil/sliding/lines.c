@@ -40,20 +40,26 @@ SLIDING_CLONED static void look_row(const int32_t *heights, const int32_t *next,
 	}
 }
 
-/* The same of one row along itself. */
-SLIDING_CLONED static void look_along(const int32_t *heights, int32_t count, int32_t least, struct sliding_reach *fall, struct sliding_reach *rise)
+/* Returns whether any pair of a row may slide along it. */
+SLIDING_CLONED static bool any_along(const int32_t *heights, size_t pairs, int32_t least)
 {
-	int32_t falls_first = INT32_MAX, falls_last = -1, rises_first = INT32_MAX, rises_last = -1;
+	uint32_t any = 0;
 	SLIDING_ROW
-	for (int32_t x = 0; x < count - 1; x++) {
-		bool falls = sliding_may(heights[x], heights[x + 1], least), rises = sliding_may(heights[x + 1], heights[x], least);
-		falls_first = least_of(falls_first, falls ? x : INT32_MAX);
-		falls_last = most_of(falls_last, falls ? x : -1);
-		rises_first = least_of(rises_first, rises ? x : INT32_MAX);
-		rises_last = most_of(rises_last, rises ? x : -1);
+	for (size_t x = 0; x < pairs; x++)
+		any |= (uint32_t)sliding_may(heights[x], heights[x + 1], least) | (uint32_t)sliding_may(heights[x + 1], heights[x], least);
+	return any != 0;
+}
+
+/* Finds where pairs of a row fall and rise along it. */
+static void look_along(const int32_t *heights, int32_t pairs, int32_t least, struct sliding_reach *falls, struct sliding_reach *rises)
+{
+	*falls = *rises = (struct sliding_reach){INT32_MAX, -1};
+	for (int32_t x = 0; x < pairs; x++) {
+		if (sliding_may(heights[x], heights[x + 1], least))
+			*falls = (struct sliding_reach){least_of(falls->first, x), x};
+		if (sliding_may(heights[x + 1], heights[x], least))
+			*rises = (struct sliding_reach){least_of(rises->first, x), x};
 	}
-	*fall = (struct sliding_reach){falls_first, falls_last};
-	*rise = (struct sliding_reach){rises_first, rises_last};
 }
 
 static struct sliding_reach around(struct sliding_reach a, struct sliding_reach b)
@@ -108,7 +114,9 @@ static void along_rows(const struct sliding_field *field)
 	for (size_t y = 0; y < field->height; y++) {
 		struct sliding_reach falls, rises;
 		int pops = 0, pops_back = 0;
-		look_along(field->heights + y * field->stride, count, field->rule->least[0], &falls, &rises);
+		if (!any_along(field->heights + y * field->stride, field->width - 1, field->rule->least[0]))
+			continue;
+		look_along(field->heights + y * field->stride, count - 1, field->rule->least[0], &falls, &rises);
 		rises = walk_there(field, 0, 0, y, count, falls, rises, &pops);
 		walk_back(field, 0, 0, y, count, rises, &pops_back);
 	}
