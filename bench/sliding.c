@@ -29,30 +29,34 @@ struct kind {
 	enum ground ground;
 	int iterations, directions;
 	bool scm, stood, classes;
-	int block; /* blocks along a side of a region; 0: a window */
+	int block;       /* blocks along a side of a region; 0: a window */
+	double cohesion; /* share of the soil's */
 };
 
 static const struct kind kinds[] = {
-	{"at_rest", AT_REST, 1, 0, false, false, false, 0},
-	{"at_rest.lines", AT_REST, 1, 4, false, false, false, 0},
-	{"at_rest.8_iterations", AT_REST, 8, 0, false, false, false, 0},
-	{"heap", HEAP, 1, 0, false, false, false, 0},
-	{"heap.lines", HEAP, 1, 4, false, false, false, 0},
-	{"heap.8_iterations", HEAP, 8, 0, false, false, false, 0},
-	{"rut", RUT, 1, 0, false, false, false, 0},
-	{"rut.lines", RUT, 1, 4, false, false, false, 0},
-	{"rut.scm.lines", RUT, 1, 2, true, false, false, 0},
-	{"moves", EVERYWHERE, 1, 0, false, false, false, 0},
-	{"moves.4_iterations", EVERYWHERE, 4, 0, false, false, false, 0},
-	{"moves.8_iterations", EVERYWHERE, 8, 0, false, false, false, 0},
-	{"moves.lines", EVERYWHERE, 1, 4, false, false, false, 0},
-	{"moves.stood", EVERYWHERE, 4, 0, false, true, false, 0},
-	{"moves.classes", EVERYWHERE, 4, 0, false, false, true, 0},
-	{"moves.scm", EVERYWHERE, 4, 0, true, false, false, 0},
-	{"moves.scm.lines", EVERYWHERE, 1, 2, true, false, false, 0},
-	{"block.at_rest", AT_REST, 1, 0, false, false, false, 1},
-	{"block.moves", EVERYWHERE, 1, 0, false, false, false, 1},
-	{"blocks.moves", EVERYWHERE, 4, 0, false, false, false, 4},
+	{"at_rest", AT_REST, .iterations = 1},
+	{"at_rest.lines", AT_REST, .iterations = 1, .directions = 4},
+	{"at_rest.8_iterations", AT_REST, .iterations = 8},
+	{"heap", HEAP, .iterations = 1},
+	{"heap.lines", HEAP, .iterations = 1, .directions = 4},
+	{"heap.8_iterations", HEAP, .iterations = 8},
+	{"rut", RUT, .iterations = 1},
+	{"rut.lines", RUT, .iterations = 1, .directions = 4},
+	{"rut.scm.lines", RUT, .iterations = 1, .directions = 2, .scm = true},
+	{"moves", EVERYWHERE, .iterations = 1},
+	{"moves.4_iterations", EVERYWHERE, .iterations = 4},
+	{"moves.8_iterations", EVERYWHERE, .iterations = 8},
+	{"moves.lines", EVERYWHERE, .iterations = 1, .directions = 4},
+	{"moves.stood", EVERYWHERE, .iterations = 4, .stood = true},
+	{"moves.classes", EVERYWHERE, .iterations = 4, .classes = true},
+	{"moves.scm", EVERYWHERE, .iterations = 4, .scm = true},
+	{"moves.scm.lines", EVERYWHERE, .iterations = 1, .directions = 2, .scm = true},
+	{"rut.cohesive.lines", RUT, .iterations = 1, .directions = 4, .cohesion = 0.01},
+	{"blocks.rut.cohesive", RUT, .iterations = 1, .block = 4, .cohesion = 0.01},
+	{"blocks.at_rest.cohesive", AT_REST, .iterations = 1, .block = 4, .cohesion = 0.01},
+	{"block.at_rest", AT_REST, .iterations = 1, .block = 1},
+	{"block.moves", EVERYWHERE, .iterations = 1, .block = 1},
+	{"blocks.moves", EVERYWHERE, .iterations = 4, .block = 4},
 };
 
 static double share(void)
@@ -82,20 +86,23 @@ static void make(enum ground ground)
 
 static int32_t critical(const struct soil_numbers *soil, double apart)
 {
-	return soil_critical_difference(soil->friction_angle, apart);
+	return soil_critical_difference_cohesive(soil, apart);
 }
 
 static void prepare(const struct kind *kind, struct soil_sliding *rule)
 {
 	static const char *const names[] = {"dry_sand", "lete_sand", "sandy_loam_22"};
 	struct soil_numbers soils[3];
-	for (int i = 0; i < 3; i++)
+	for (int i = 0; i < 3; i++) {
 		bench_must(soil_named(names[i], &soils[i]));
+		soils[i].cohesion *= kind->cohesion;
+	}
 	soil_sliding_prepare(&(struct soil_sliding_params){
 		.soils = soils,
 		.soil_count = kind->classes ? 3 : 1,
 		.spacing = SPACING,
 		.critical = critical,
+		.cotangent = kind->cohesion > 0 ? soil_critical_cotangent : NULL,
 		.iterations = kind->iterations,
 		.directions = kind->directions,
 		.depth = kind->scm ? 0 : (double)INFINITY,

@@ -29,8 +29,9 @@ static size_t most_of(size_t a, size_t b)
 size_t soil_sliding_scratch(const struct soil_sliding *rule, const struct soil_planes *planes)
 {
 	struct sliding_field field;
-	size_t bytes = soil_sliding_field_init(&field, rule, planes, planes->rect, NULL);
-	return bytes + most_of(soil_sliding_slopes_bytes(rule, planes), soil_sliding_end_bytes(field.width)) + 64;
+	size_t window = soil_sliding_field_init(&field, rule, planes, planes->rect, false, NULL);
+	size_t region = soil_sliding_field_init(&field, rule, planes, planes->rect, true, NULL);
+	return most_of(window, region) + most_of(soil_sliding_slopes_bytes(rule, planes), soil_sliding_end_bytes(field.width)) + 64;
 }
 
 /* Scratch memory begins at a multiple of 64 bytes. */
@@ -72,7 +73,7 @@ void soil_slide_window(const struct soil_sliding *rule, const struct soil_planes
 	if (post_rect_empty(posts))
 		return;
 	scratch = aligned(scratch);
-	size_t used = soil_sliding_field_init(&field, rule, planes, posts, scratch);
+	size_t used = soil_sliding_field_init(&field, rule, planes, posts, false, scratch);
 	field.deposits = window->deposits;
 	soil_sliding_begin(&field, slid);
 	if (rule->steep)
@@ -106,8 +107,7 @@ void soil_slide_region(const struct soil_sliding *rule, const struct soil_planes
 	assert(planes->rect.y0 <= posts.y0 - rule->steep - rule->reach && planes->rect.y1 >= posts.y1 + rule->steep + rule->reach);
 	memset(words, 0, (size_t)((blocks.x1 - blocks.x0) * (blocks.y1 - blocks.y0)) * sizeof *words);
 	scratch = aligned(scratch);
-	size_t used = soil_sliding_field_init(&field, rule, planes, posts, scratch);
-	field.steeps = NULL;
+	size_t used = soil_sliding_field_init(&field, rule, planes, posts, true, scratch);
 	soil_sliding_begin(&field, &unused);
 	if (rule->steep)
 		soil_sliding_part_steep(&field);

@@ -60,9 +60,10 @@ struct sliding_field {
 	int32_t least[2];          /* no smaller difference slides */
 };
 
-/* field.c: carves the arrays out of scratch memory. Returns the bytes that are used; scratch NULL: only counts. */
+/* field.c: carves the arrays out of scratch memory. blocks: of a region, not of a window. Returns the bytes that are used; scratch NULL: only
+ * counts. */
 size_t soil_sliding_field_init(struct sliding_field *field, const struct soil_sliding *rule, const struct soil_planes *planes, struct post_rect rect,
-			  void *scratch);
+			       bool blocks, void *scratch);
 /* field.c: computes heights, floors and grounds, and which posts are still. Adds to what is told about laid soil. */
 void soil_sliding_begin(struct sliding_field *field, struct soil_slid *slid);
 /* steep.c: posts that are too far above or below a neighbour become still. */

@@ -15,6 +15,8 @@
 
 #define ALIGN 64
 
+static const int ways[8][2] = {{0, -1}, {-1, 0}, {1, 0}, {0, 1}, {-1, -1}, {1, -1}, {-1, 1}, {1, 1}}; /* four axial, four diagonal */
+
 /* Posts of the planes' rectangle, with its width. */
 struct slopes {
 	const struct sliding_field *field;
@@ -70,7 +72,6 @@ SLIDING_INLINED uint32_t least_of(uint32_t a, uint32_t b)
 
 SLIDING_INLINED void hop(const struct hop *hop, size_t first, size_t end, uint32_t *restrict to, bool classes, bool begins)
 {
-	static const int ways[8][2] = {{0, -1}, {-1, 0}, {1, 0}, {0, 1}, {-1, -1}, {1, -1}, {-1, 1}, {1, 1}};
 	const int32_t *restrict surfaces = hop->surfaces;
 	const uint32_t *restrict extents = hop->extents;
 	const uint8_t *restrict class = hop->classes;
@@ -223,35 +224,68 @@ bool soil_sliding_slopes(struct sliding_field *field, void *scratch)
 
 /* --- over a window --- */
 
-SLIDING_INLINED int32_t rise_at(const struct soil_sliding *rule, const uint8_t *classes, size_t at)
+/* The rows of a post's neighbours: pairs are as in excess.c, but of all eight. */
+SLIDING_INLINED void steep_row(const int32_t *restrict heights, const int32_t *restrict grounds, ptrdiff_t stride, size_t width, int32_t rise,
+			       uint8_t *restrict steep, bool stood)
 {
-	int class = classes != NULL ? classes[at] < SOIL_CLASSES ? classes[at] : SOIL_CLASSES - 1 : 0;
-	return rule->classes[class].rise[0];
+	SLIDING_ROW
+	for (ptrdiff_t x = 0; x < (ptrdiff_t)width; x++) {
+		int32_t own = heights[x], any = 0;
+#pragma GCC unroll 8
+		for (int k = 0; k < 8; k++) {
+			ptrdiff_t at = x + ways[k][0] + ways[k][1] * stride;
+			int32_t other = heights[at], difference = (int32_t)((uint32_t)own - (uint32_t)other), sign = difference >> 31;
+			int32_t high = (int32_t)(((uint32_t)difference ^ (uint32_t)sign) - (uint32_t)sign), more = 1;
+			if (stood) {
+				uint32_t risen = (uint32_t)difference - ((uint32_t)grounds[x] - (uint32_t)grounds[at]);
+				more = (int32_t)((risen ^ (uint32_t)sign) - (uint32_t)sign);
+			}
+			any |= (int32_t)(other != SLIDING_STILL) & (int32_t)(high > rise) & (int32_t)(more > 0);
+		}
+		steep[x] = (uint8_t)(any & (int32_t)(own != SLIDING_STILL));
+	}
+}
+
+SLIDING_CLONED static void steep_row_of_one_soil(const struct sliding_field *field, size_t row, uint8_t *steep)
+{
+	const size_t at = row * field->stride;
+	const int32_t rise = field->rule->classes[0].rise[0];
+	if (field->grounds != NULL)
+		steep_row(field->heights + at, field->grounds + at, (ptrdiff_t)field->stride, field->width, rise, steep, true);
+	else
+		steep_row(field->heights + at, NULL, (ptrdiff_t)field->stride, field->width, rise, steep, false);
+}
+
+/* Returns whether soil could slide between two posts of the field, if the slope of the upper one was high enough. at, to: their places in the
+ * field's arrays. from, beside: the same in the planes. */
+static bool could_slide(const struct sliding_field *field, size_t at, size_t to, size_t from, size_t beside)
+{
+	int32_t own = field->heights[at], other = field->heights[to], difference = (int32_t)((uint32_t)own - (uint32_t)other);
+	if (own == SLIDING_STILL || other == SLIDING_STILL)
+		return false;
+	const bool gives = difference > 0;
+	uint8_t class = field->planes->classes[gives ? from : beside];
+	int32_t high = gives ? difference : (int32_t)(0u - (uint32_t)difference), more = 1;
+	if (field->grounds != NULL) {
+		uint32_t risen = (uint32_t)difference - ((uint32_t)field->grounds[at] - (uint32_t)field->grounds[to]);
+		more = (int32_t)(gives ? risen : 0u - risen);
+	}
+	return high > field->rule->classes[class < SOIL_CLASSES ? class : SOIL_CLASSES - 1].rise[0] && more > 0;
 }
 
 void soil_sliding_steep_row(const struct sliding_field *field, size_t row, uint8_t *steep)
 {
-	const struct soil_planes *planes = field->planes;
-	const ptrdiff_t stride = (ptrdiff_t)field->stride;
-	const int32_t *heights = field->heights + row * field->stride, *grounds = field->grounds != NULL ? field->grounds + row * field->stride : NULL;
-	const uint8_t *classes = planes->classes != NULL ? planes->classes + field->from + row * planes->width : NULL;
-	for (ptrdiff_t x = 0; x < (ptrdiff_t)field->width; x++) {
-		uint32_t any = 0;
-		for (int k = 0; k < 9; k++) {
-			ptrdiff_t to = x + k % 3 - 1 + (k / 3 - 1) * stride;
-			int32_t difference = (int32_t)((uint32_t)heights[x] - (uint32_t)heights[to]);
-			if (k == 4 || heights[to] == SLIDING_STILL || heights[x] == SLIDING_STILL || difference == 0)
-				continue;
-			ptrdiff_t giver = difference > 0 ? x : x + k % 3 - 1 + (k / 3 - 1) * (ptrdiff_t)planes->width;
-			int32_t high = difference > 0 ? difference : (int32_t)(0u - (uint32_t)difference);
-			int32_t beyond = (int32_t)((uint32_t)high - (uint32_t)(classes != NULL ? rise_at(field->rule, classes + giver, 0) : rise_at(field->rule, NULL, 0)));
-			if (grounds != NULL) {
-				uint32_t risen = (uint32_t)difference - ((uint32_t)grounds[x] - (uint32_t)grounds[to]);
-				int32_t more = (int32_t)(difference > 0 ? risen : 0u - risen);
-				beyond = beyond < more ? beyond : more;
-			}
-			any |= beyond > 0;
-		}
-		steep[x] = (uint8_t)any;
+	const size_t wide = field->planes->width;
+	if (field->planes->classes == NULL) {
+		steep_row_of_one_soil(field, row, steep);
+		return;
+	}
+	for (size_t x = 0; x < field->width; x++) {
+		const size_t at = row * field->stride + x, from = field->from + row * wide + x;
+		bool any = false;
+		for (int k = 0; k < 8; k++)
+			any = any || could_slide(field, at, at + (size_t)(ways[k][0] + ways[k][1] * (ptrdiff_t)field->stride), from,
+						 from + (size_t)(ways[k][0] + ways[k][1] * (ptrdiff_t)wide));
+		steep[x] = any;
 	}
 }
