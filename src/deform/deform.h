@@ -183,7 +183,6 @@ void deform_destroy(struct deform *deform);
  * soil they are parts of one window, which is computed when its last part was gathered. */
 #define DEFORM_WINDOW_POSTS 256
 #define DEFORM_WINDOWS_MAX 16
-#define DEFORM_BAND_POSTS 95    /* the widest band of laid soil */
 #define DEFORM_WHOLE_POSTS 1024 /* the most posts on a side of a window in parts */
 struct deform_window {
 	struct post_rect read, write;

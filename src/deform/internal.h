@@ -4,6 +4,7 @@
 
 #include "deform/deform.h"
 #include "deform/programs.h"
+#include "soil/laying/laying.h"
 #include "soil/shape/affine.h"
 
 #define SIDE DEFORM_WINDOW_POSTS
@@ -306,6 +307,9 @@ struct deform_window deform_whole(const struct deform *deform, const struct defo
 struct spread_params { /* std140 twin of lib/spread.glsl's block */
 	int32_t place[4], written[4], shadow[4], origin[4], axis[4], shares[4], soils[SOIL_CLASSES][4];
 };
+/* deform_laying: tells how a contact lays soil. deform_laid: how each soil is laid. */
+struct soil_laying deform_laying(const struct deform *deform, const struct deform_contact *contact);
+void deform_laid(const struct deform *deform, struct soil_laid soils[SOIL_CLASSES]);
 struct spread_params deform_spread_params(const struct deform *deform, const struct deform_contact *contact,
 					  const struct deform_window *window, uint32_t layer);
 void deform_spread_begin(struct deform *deform, const struct deform_window *window, uint32_t layer);

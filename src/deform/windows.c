@@ -9,9 +9,7 @@ _Static_assert(FUNCTIONAL_POSTS == DEFORM_WINDOWS_MAX * DEFORM_WINDOW_POSTS, "fu
 
 bool deform_is_contact_only(const struct deform_contact *contact)
 {
-	int64_t rise = contact->to.z - contact->from.z;
-	return (contact->to.x == contact->from.x && contact->to.y == contact->from.y && rise == 0) || rise > BODY_RISE_MAX ||
-	       rise < -BODY_RISE_MAX;
+	return soil_only_set_down(&contact->from, &contact->to);
 }
 
 bool deform_is_swept(const struct deform *deform, const struct deform_contact *contact)

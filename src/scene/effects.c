@@ -17,7 +17,7 @@
 /* Without the models' own: those are in the models' rows. */
 static const struct effect_row rows[EFFECT_COUNT] = {
 	[EFFECT_SPREAD] = {
-		"spread", "redistribute.model", "", LIST("deform/spread_measure.frag", "deform/spread_weigh.frag", "deform/spread_lay.frag"), "offset", "offset", DEFORM_BAND_POSTS, NONE,
+		"spread", "redistribute.model", "", LIST("deform/spread_measure.frag", "deform/spread_weigh.frag", "deform/spread_lay.frag"), "offset", "offset", SOIL_BAND_POSTS, NONE,
 		"a band is at least 2 and at most 95 posts wide; soil that finds no free post there is compacted, and counted",
 		"lays moved soil in bands beside what was touched"},
 	[EFFECT_SHED] = {

@@ -46,6 +46,10 @@ struct soil_pose {
 	double yaw, pitch, roll, turn;
 };
 
+/* Returns true if a body that goes from one pose to the other does not move. One that rises or falls very far counts as set down anew, too.
+ * Then only its end pose acts on the ground. */
+bool soil_only_set_down(const struct soil_pose *from, const struct soil_pose *to);
+
 /* Returns true for a body whose surface runs over it: a wheel, or a body with a belt. Only such a body has a slip. */
 bool soil_shape_runs(const struct soil_shape *shape);
 /* Returns how far the surface of a body ran over it, metres. `turned`: of a wheel radians about its axis, of a belt the metres that
@@ -137,7 +141,14 @@ double soil_sinkage_guess(const struct soil_shape *shape, const struct soil_numb
 double soil_load_at(const struct soil_shape *shape, const struct soil_interface *interface, double slip, const struct soil_numbers *soil,
 		    double sinkage);
 
-/* Planes of a rectangle of posts in host memory, row by row from the south-west. A plane that nothing needs is NULL. */
+/*
+ * --- bearing soil, on the CPU ---
+ *
+ * Soil that bears bodies: Bekker's pressure, Janosi's shear, elastic rebound. docs/SOIL.md has the law. One implementation computes contacts,
+ * equilibrium heights, forces and probes, over planes of posts in host memory. It knows no pages and no tiles.
+ */
+
+/* Planes of a rectangle of posts, row by row from the south-west. A plane that nothing needs is NULL. */
 struct soil_planes {
 	struct post_rect rect;   /* posts of the working level */
 	size_t width;            /* posts in a row */
@@ -145,17 +156,70 @@ struct soil_planes {
 	int32_t *offset, *deposited, *sinkage, *shear, *dug; /* as the planes of base/plane.h */
 	uint8_t *disturbance;
 	uint8_t *classes;        /* NULL: one soil */
-	uint8_t *levels;         /* 4 for each post; NULL: no raster */
-	uint8_t *contact;        /* of this contact: SOIL_LOWERED, SOIL_HELD, ... */
+	uint8_t *levels;         /* SOIL_RASTERS for each post; NULL: no raster */
+	uint8_t *contact;        /* what a contact did to each post: SOIL_LOWERED, SOIL_HELD */
 };
 
-/* Bits of soil_planes' contact (lib/window.glsl). LOWERED: a contact lowered the post. HELD: a body rests on it. NEAR: a body was less than two
- * spacings above it. NO_GROUND: the post has no data. CLOSED: over blocks: the post's block is not active, so the post does not slide. */
-#define SOIL_LOWERED 1
-#define SOIL_HELD 2
-#define SOIL_CLOSED 8
-#define SOIL_NEAR 16
-#define SOIL_NO_GROUND 32
+/* Bits of a post's contact. A post that is neither lowered nor held can take soil. SOIL_CLOSED: over active blocks: the post does not slide, since
+ * its block is not active. */
+enum { SOIL_LOWERED = 1, SOIL_HELD = 2, SOIL_CLOSED = 8, SOIL_NEAR = 16, SOIL_NO_GROUND = 32 };
+
+#define SOIL_BAND_POSTS 95 /* the widest band of laid soil */
+
+/* What is the same for all contacts of a world. */
+struct soil_law {
+	double spacing;          /* m between posts */
+	int32_t reference;       /* m: heights of bases are above it */
+	struct soil_numbers soils[SOIL_CLASSES];
+	int soil_count;
+	struct soil_raster rasters[SOIL_RASTERS];
+	int raster_count;
+	double bulldozing;       /* share of the plastic flow that is laid around a body, 0 .. 1 */
+	double slip_sinkage;     /* how deep slip digs, in units of the soil's shear modulus; 0: not */
+	bool ground_normals;     /* stresses act along the normal of the ground; false: along that of the body's lower envelope */
+};
+
+/* How a body moved since its last contact: straight, with the attitude of `to`. And how it moves now. Without a last contact from is to. */
+struct soil_motion {
+	const struct soil_shape *shape;
+	struct soil_interface interface;
+	struct soil_pose from, to;
+	double beyond[3];        /* m from `to`, which is rounded, to the very place */
+	double turned;           /* wheel: rad about its axis since `from`; a body with a belt: m that it ran since then */
+	double rotated[3];       /* rad about local axes since `from`, of a body that a host moves and that is no wheel */
+	double linear[3], angular[3]; /* m/s, rad/s, local axes: what damps; 0 for a body on a path */
+	double runs;             /* m/s of its belt */
+	double load;             /* N, downwards. 0: the height is to.z. Otherwise the equilibrium height is searched */
+	double stamped;          /* hosted: 1: the hollow below `from` has the shape of the body; 0: it is a flat rut */
+	bool hosted;             /* a host moves the body, so the motion may be much shorter than a post */
+	bool jumped;             /* it did not move from `from` to `to`: it was set down */
+};
+
+/* How the soil bears a body. */
+enum soil_state {
+	SOIL_TOUCHING,
+	SOIL_SLIDES, /* on a slope where W sin a > c A + W cos a tan phi, of the soil or of the body's surface: without its guide it would slide */
+	SOIL_SUNK,   /* the soil does not carry it: it sank as deep as it is high (a mesh: as its size) */
+	SOIL_AIR,    /* no post bears it */
+	SOIL_STATES
+};
+
+/* The forces of the soil on a body. */
+struct soil_forces {
+	double force[3];      /* N: east, north, up */
+	double moment[3];     /* N m about its centre */
+	double sinkage;       /* m: its greatest depth below the base, where the soil bears it; 0 if it is above the base */
+	double area;          /* m2: of the ground that carries it */
+	double pull;          /* N: what pulls its belt over it, along the belt; below 0 the belt brakes. 0: it has no belt */
+	int64_t z;            /* 2^-20 m: height of its centre; with a load, the equilibrium height */
+	uint32_t saturated;   /* posts whose share was too large to count, and was cut */
+	enum soil_state state;
+};
+
+/* Scratch memory of one thread. destroy takes NULL. */
+struct soil_work;
+enum status soil_work_create(struct soil_work **out) FURROW_CHECKED;
+void soil_work_destroy(struct soil_work *work);
 
 /*
  * Sliding (SOIL.md): soil slides between two posts if they differ in height by more than their soil's critical difference. All numbers are

@@ -70,6 +70,12 @@ enum status soil_shape_check(const struct soil_shape *shape, double spacing)
 	return STATUS_OK;
 }
 
+bool soil_only_set_down(const struct soil_pose *from, const struct soil_pose *to)
+{
+	const int64_t rise = to->z - from->z;
+	return (to->x == from->x && to->y == from->y && rise == 0) || rise > BODY_RISE_MAX || rise < -BODY_RISE_MAX;
+}
+
 bool soil_shape_runs(const struct soil_shape *shape)
 {
 	return shape->kind == SOIL_WHEEL || shape->belt;

@@ -1,0 +1,219 @@
+/*
+ * The lower envelope of a body at any place: its height, slope and normal, how it bends, and how much lower it was during the motion. Beside the
+ * body these go on from its edge. `kind` is known where a loop over lanes is compiled, so each form has its own loop.
+ *
+ * own: of an end: x is 1 if the lower end alone bears, 2 if the higher of its end and its side does at each place.
+ */
+#ifndef FURROW_SOIL_FACE_H
+#define FURROW_SOIL_FACE_H
+
+#include "soil/law/form.h"
+
+struct face {
+	float height, slope[2], normal[3];
+	float end; /* 1: the flat end of a cylinder, which bears by its area in plan */
+};
+
+SOIL_INLINED void put_normal(const float slope[2], float normal[3])
+{
+	const float squares = slope[0] * slope[0] + slope[1] * slope[1], less = least(1, FORM_STEEPEST / sqrtf(most(squares, 1)));
+	const float x = slope[0] * less, y = slope[1] * less, up = 1 / sqrtf(1 + x * x + y * y);
+	normal[0] = -x * up;
+	normal[1] = -y * up;
+	normal[2] = up;
+}
+
+SOIL_INLINED void rim_face(const struct soil_form *f, float x, float y, struct face *face)
+{
+	const float far = FORM_STEEPEST_PART * f->radius, ahead = clamped(x, -far, far), strip = half_strip(f, ahead), up = strip * f->by_radius;
+	face->height = (f->lean * y - half_strip(f, x)) * f->lift;
+	face->slope[0] = ahead / strip * f->lift;
+	face->slope[1] = f->lean * f->lift;
+	face->normal[0] = -ahead * f->by_radius;
+	face->normal[1] = -f->lean * up;
+	face->normal[2] = f->level * up;
+	face->end = 0;
+}
+
+SOIL_INLINED void ball_face(const struct soil_form *f, float x, float y, struct face *face)
+{
+	const float grows = f->ahead_by * (x + f->skew * y), half[2] = {grows, f->skew * grows + f->aside_by * y};
+	const float squares = x * half[0] + y * half[1], below = root(1 - squares);
+	const float steep = f->drop / most(below, sqrtf(most(1, squares)) * (1 / FORM_STEEPEST));
+	face->height = f->tilt[0] * x + f->tilt[1] * y - f->drop * below;
+	face->slope[0] = f->tilt[0] + half[0] * steep;
+	face->slope[1] = f->tilt[1] + half[1] * steep;
+	face->end = 0;
+	put_normal(face->slope, face->normal);
+}
+
+SOIL_INLINED float end_height(const struct soil_form *f, float y)
+{
+	return (low_side(f) * y * f->level - f->half_axis) / most(fabsf(f->lean), 1e-6f);
+}
+
+SOIL_INLINED void end_face(const struct soil_form *f, float own, float x, float y, struct face *face)
+{
+	rim_face(f, x, y, face);
+	const float end = end_height(f, y), is = either((own == 1) | (end > face->height), 1, 0);
+	face->height = either(is > 0, end, face->height);
+	face->slope[0] = either(is > 0, 0, face->slope[0]);
+	face->slope[1] = either(is > 0, low_side(f) * f->level / most(fabsf(f->lean), 1e-6f), face->slope[1]);
+	face->end = is;
+	put_normal(face->slope, face->normal);
+}
+
+/* Which part of a capsule is above a place: -1: the lower end, 0: its side, 1: the upper end. */
+SOIL_INLINED float capsule_end(const struct soil_form *f, float axial, float strip)
+{
+	const float middle = strip * f->lean, reach = f->half_axis * f->level;
+	return either(axial <= middle - reach, -1, either(axial > middle + reach, 1, 0));
+}
+
+SOIL_INLINED void capsule_face(const struct soil_form *f, float x, float y, struct face *face)
+{
+	const float axial = f->along[0] * x + f->along[1] * y, aside = f->along[0] * y - f->along[1] * x, strip = half_strip(f, aside);
+	const float end = capsule_end(f, axial, strip), reach = end * f->half_axis;
+	/* The ball at an end. */
+	const float from[2] = {x - reach * f->level * f->along[0], y - reach * f->level * f->along[1]};
+	const float squares = from[0] * from[0] + from[1] * from[1], r2 = f->radius * f->radius, below = root(r2 - squares);
+	const float z = most(below, sqrtf(most(r2, squares)) * (1 / FORM_STEEPEST));
+	/* The side. */
+	const float middle = strip * f->lean, up = most(f->level * strip, f->radius * (1 / FORM_STEEPEST));
+	const float side[2] = {-middle * f->along[0] + aside * f->along[1], -middle * f->along[1] - aside * f->along[0]};
+	face->height = either(end != 0, reach * f->lean - below, (f->lean * axial - strip) / f->level);
+	for (int k = 0; k < 2; k++)
+		face->slope[k] = either(end != 0, from[k] / z, -side[k] / up);
+	face->end = 0;
+	put_normal(face->slope, face->normal);
+}
+
+SOIL_INLINED void box_face(const struct soil_form *f, float x, float y, struct face *face)
+{
+	face->height = -1e9f;
+	face->slope[0] = face->slope[1] = face->end = 0;
+	for (int k = 0; k < 3; k++) {
+		const float height = f->faces[k][0] + f->faces[k][1] * x + f->faces[k][2] * y;
+		const bool higher = height > face->height;
+		face->height = most(height, face->height);
+		face->slope[0] = either(higher, f->faces[k][1], face->slope[0]);
+		face->slope[1] = either(higher, f->faces[k][2], face->slope[1]);
+	}
+	put_normal(face->slope, face->normal);
+}
+
+/* Between the places of a raster the height is bilinear. Beside the body the nearest cell that it covers goes on: soil_fine_fill. */
+SOIL_INLINED void raster_face(const struct soil_form *f, float x, float y, struct face *face)
+{
+	const struct soil_fine *fine = &f->fine;
+	const float east = (fine->axis[0] * x - fine->axis[1] * y - fine->x) * fine->by_step, north = (fine->axis[1] * x + fine->axis[0] * y - fine->y) * fine->by_step;
+	const float u = clamped(east, 0, (float)fine->columns - 1.001f), v = clamped(north, 0, (float)fine->rows - 1.001f);
+	const int32_t column = (int32_t)u, row = (int32_t)v, at = row * fine->columns + column;
+	const float *h = fine->heights, a = h[at], b = h[at + 1], c = h[at + fine->columns], d = h[at + fine->columns + 1];
+	const float p = u - (float)column, q = v - (float)row, low = a + p * (b - a), high = c + p * (d - c);
+	const float rise[2] = {((b - a) + q * ((d - c) - (b - a))) * fine->by_step, (high - low) * fine->by_step};
+	face->height = low + q * (high - low);
+	face->slope[0] = fine->axis[0] * rise[0] + fine->axis[1] * rise[1];
+	face->slope[1] = fine->axis[0] * rise[1] - fine->axis[1] * rise[0];
+	face->end = 0;
+	put_normal(face->slope, face->normal);
+}
+
+SOIL_INLINED void face_at(const struct soil_form *f, enum soil_form_kind kind, float own, float x, float y, struct face *face)
+{
+	switch (kind) {
+	case FORM_RIM:
+		rim_face(f, x, y, face);
+		break;
+	case FORM_BALL:
+		ball_face(f, x, y, face);
+		break;
+	case FORM_CAPSULE:
+		capsule_face(f, x, y, face);
+		break;
+	case FORM_BOX:
+		box_face(f, x, y, face);
+		break;
+	case FORM_END:
+		end_face(f, own, x, y, face);
+		break;
+	case FORM_RASTER:
+		raster_face(f, x, y, face);
+		break;
+	}
+}
+
+SOIL_INLINED float height_at(const struct soil_form *f, enum soil_form_kind kind, float own, float x, float y)
+{
+	struct face face;
+	if (kind == FORM_RIM)
+		return (f->lean * y - half_strip(f, x)) * f->lift;
+	face_at(f, kind, own, x, y, &face); /* what is not used is not computed */
+	return face.height;
+}
+
+/* Returns true if circles tell how a body of this kind moved over a place. */
+SOIL_INLINED bool is_round(enum soil_form_kind kind)
+{
+	return kind == FORM_RIM || kind == FORM_BALL;
+}
+
+/* Gives the square of the radius of the circle through a place, and how far ahead of the circle's middle the place is. */
+SOIL_INLINED float ring_squares(const struct soil_form *f, enum soil_form_kind kind, float y)
+{
+	return kind == FORM_BALL ? most(1 - f->aside_by * y * y, 0) / f->ahead_by : f->radius * f->radius;
+}
+
+SOIL_INLINED float ring_ahead(const struct soil_form *f, enum soil_form_kind kind, float x, float y)
+{
+	return kind == FORM_BALL ? x + f->skew * y : x;
+}
+
+/* Returns how much lower a circle is at x than at `inside`, both m ahead of its middle. down: how far below its middle it is at `inside`. */
+SOIL_INLINED float lower_by(const struct soil_form *f, float squares, float x, float inside, float down)
+{
+	return f->lift * ((inside - x) * (inside + x)) / most(root(squares - x * x) + down, 1e-9f);
+}
+
+/* Returns how much lower than now a round body was above a place during its last `back` metres. Before its present motion it moved along the
+ * ground, which rises by `ground` for each metre. *since: how many metres ago it was lowest. */
+SOIL_INLINED float lowered_at(const struct soil_form *f, enum soil_form_kind kind, float x, float y, float back, float ground, float *since)
+{
+	const float squares = ring_squares(f, kind, y), ring = sqrtf(squares), ahead = ring_ahead(f, kind, x, y);
+	const float rise = kind == FORM_BALL ? ground - f->tilt[0] : ground;
+	const float first = ahead + f->run, inside = clamped(ahead, -ring, ring), down = root(squares - ahead * ahead);
+	const float within = clamped(least(most(ring * f->sine, ahead), first), -ring, ring);
+	const float earlier = clamped(least(most(ring * rise / sqrtf(f->lift * f->lift + rise * rise), first), ahead + back), -ring, ring);
+	const float less = lower_by(f, squares, within, inside, down) + f->rise * (within - ahead);
+	const float before = lower_by(f, squares, earlier, inside, down) + f->rise * (earlier - ahead) + most(earlier - first, 0) * (rise - f->rise);
+	*since = most(either(before > less, earlier, within) - ahead, 0);
+	return either(f->run > 0, most(most(less, before), 0), 0);
+}
+
+/* Adds the second derivatives of a ball's height: xx, xy, yy, 1/m. */
+SOIL_INLINED void put_bends(const struct soil_form *f, enum soil_form_kind kind, float own, float x, float y, const struct face *face, float bends[3])
+{
+	bends[0] = bends[1] = bends[2] = 0;
+	if (kind == FORM_RIM || kind == FORM_END) {
+		const float up = most(half_strip(f, x) * f->by_radius, FORM_UPRIGHT);
+		bends[0] = either(face->end > 0, 0, f->lift * f->by_radius / (up * up * up));
+	} else if (kind == FORM_CAPSULE) {
+		const float axial = f->along[0] * x + f->along[1] * y, aside = f->along[0] * y - f->along[1] * x, strip = half_strip(f, aside);
+		const float *n = face->normal, nx = n[0] / n[2], ny = n[1] / n[2], ball = f->by_radius / n[2];
+		const float up = most(strip * f->by_radius, FORM_UPRIGHT), side = f->by_radius / (f->level * up * up * up);
+		const bool end = capsule_end(f, axial, strip) != 0;
+		bends[0] = either(end, ball * (1 + nx * nx), side * f->along[1] * f->along[1]);
+		bends[1] = either(end, ball * nx * ny, -side * f->along[0] * f->along[1]);
+		bends[2] = either(end, ball * (1 + ny * ny), side * f->along[0] * f->along[0]);
+	} else if (kind == FORM_BALL) {
+		const float grows = f->ahead_by * (x + f->skew * y), half[2] = {grows, f->skew * grows + f->aside_by * y};
+		const float squares = x * half[0] + y * half[1], below = most(root(1 - squares), sqrtf(most(1, squares)) * (1 / FORM_STEEPEST));
+		const float by = f->drop / below, more = by / (below * below);
+		bends[0] = by * f->ahead_by + more * half[0] * half[0];
+		bends[1] = by * f->ahead_by * f->skew + more * half[0] * half[1];
+		bends[2] = by * (f->ahead_by * f->skew * f->skew + f->aside_by) + more * half[1] * half[1];
+	}
+	(void)own;
+}
+
+#endif

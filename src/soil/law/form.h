@@ -1,0 +1,104 @@
+/*
+ * A body as the law sees it: its lower envelope between posts, and its motion since its last contact. Places are in metres from the body's
+ * centre, in plan, in the body's frame: x forwards, y to its left. Heights are above the centre. Prepared once a contact or probe. Pure.
+ */
+#ifndef FURROW_SOIL_FORM_H
+#define FURROW_SOIL_FORM_H
+
+#include "soil/law/real.h"
+#include "soil/law/stress.h"
+#include "soil/shape/lower_envelope.h"
+#include "soil/soil.h"
+
+/* The forms that the law knows. A rim: the side of a wheel or of a cylinder whose axis is level enough. An end: a steeper cylinder. */
+enum soil_form_kind { FORM_RIM, FORM_BALL, FORM_CAPSULE, FORM_BOX, FORM_END, FORM_RASTER };
+
+#define FORM_LEANS_MOST 0.5      /* rise of an axis: up to it a cylinder is a rim, and its lower end a brim beside that */
+#define FORM_LEVEL_LEAST 1e-5    /* length in plan of an axis: an upright one counts as this, so that all numbers are finite */
+#define FORM_BESIDE 2e-9         /* m: a place that lies beside a body by less is below its edge */
+#define FORM_UPRIGHT 0.05f       /* z of a unit normal: steeper slopes are taken as the one with this z, */
+#define FORM_STEEPEST 19.974984f /* which is this slope, */
+#define FORM_STEEPEST_PART 0.99874922f /* and whose normal has this length in plan */
+
+/* The lower envelope of triangles at places `step` apart, m above the centre, row by row; INFINITY: the body is not above. The first place is
+ * (x, y) from the centre, east and north. */
+struct soil_fine {
+	const float *heights;
+	int32_t columns, rows;
+	float x, y, by_step;
+	float axis[2]; /* of the frame's x axis: east, north */
+};
+
+struct soil_form {
+	enum soil_form_kind kind;
+	float radius, by_radius;   /* of other shapes: of a sphere around the body */
+	float half[2];             /* half of its length and of its width in plan; 0: it has no straight sides there */
+	float spacing;
+	float half_across;         /* half the length of a line across a post's cell */
+	float step_aside, by_step; /* between two posts across the body's way */
+	float cut[2][2];           /* from a post to the next, along the lattice's axis that is nearest to the frame's x, and y */
+	/* Its circles: upright planes along the motion cut it in circles, `lift` times as high, and sheared. */
+	float run, rise, sine;     /* way forwards; rise for each metre, less the shear; sine of that slope of the circle */
+	float plunge;              /* how far the circle moved up, in units of `lift` */
+	float lift;
+	/* The axis of a rim, an end, a capsule: its rise (rim, end: towards the left), its length in plan, half the length of its straight part. */
+	float lean, level, half_axis;
+	float along[2];            /* capsule: the axis in plan */
+	float faces[3][3];         /* box: lower faces: height at the centre, slope along the frame's axes */
+	/* Ball and ellipsoid: height = tilt . at - drop sqrt(1 - squares), squares = ahead_by (x + skew y)^2 + aside_by y^2 <= (shrinks |at|)^2 */
+	float tilt[2], drop, ahead_by, skew, aside_by, shrinks;
+	struct soil_fine fine;     /* raster */
+	/* The motion since the last contact: m; rad about the centre, a wheel's turning included; m that a belt ran. */
+	float way[3], spin[3], ran;
+	float by_way[2];
+	float moved;               /* 0: it stood still; 1: it moved over half a cell */
+	float stamps;              /* 1: the hollow that it left has its shape; 0: it is a flat rut */
+	float passes[2];           /* how far it went: in plan, and along the ground, m */
+	float along_ground;        /* the second over the first */
+	float rolls;               /* how much its surface may roll off: less for a motion that is steeper than 45 degrees, 0 from 63 on */
+	float reach;               /* of its lowest place below the centre, grousers apart, m */
+	float belt[3];             /* the body's axis to its left; 0: it has no belt */
+	float belt_level;          /* its length in plan; 1 without a belt */
+	float digs_most;           /* how deep slip digs at most, in units of the shear modulus; 0: slip digs nothing */
+	float beyond;              /* m: the very height of the centre above the rounded one */
+	float by_arm;              /* 1/m: of moments that are summed as whole numbers */
+	bool rates;                /* it moves now, so soil damps it */
+	float ground_normals;      /* 1: stresses act along the ground's normals; 0: along the body's */
+	float linear[3], angular[3], runs; /* m/s, rad/s, m/s of the belt: how it moves now */
+	float bulldozing;
+	struct stress_surface surface;
+};
+
+/* What the posts need beside that, in doubles. */
+struct soil_body {
+	const struct soil_motion *motion;
+	double axis[2];            /* the frame's x axis: east, north */
+	double centre[3];          /* m: `to` and what lies beyond it, from the south-west post */
+	double way[3];             /* m, along the frame's axes */
+	double outer;              /* m: radius of a wheel with its grousers */
+	struct soil_shape smooth;  /* without grousers */
+	struct lower_envelope lower;
+};
+
+/* Fills both. `body` points to itself and to the motion, so it is not copied. The raster is not set. */
+void soil_form_of(const struct soil_law *law, const struct soil_motion *motion, struct soil_body *body, struct soil_form *form);
+
+/* Returns half the width of a rim's strip, `ahead` of its axis. */
+SOIL_INLINED float half_strip(const struct soil_form *f, float ahead)
+{
+	return root(f->radius * f->radius - ahead * ahead);
+}
+
+/* Returns how far to the left of the middle between its sides a place is. */
+SOIL_INLINED float aside_of(const struct soil_form *f, enum soil_form_kind kind, float x, float y)
+{
+	return kind == FORM_RIM || kind == FORM_END ? y - f->lean * half_strip(f, x) : y;
+}
+
+/* Returns on which side a leaning cylinder's lower end is. -1: to the right. */
+SOIL_INLINED float low_side(const struct soil_form *f)
+{
+	return f->lean < 0 ? 1 : -1;
+}
+
+#endif

@@ -1,0 +1,62 @@
+/*
+ * The posts that a body may touch, an array for each number: what a contact or a probe gathers once, and each evaluation of the law reads. Posts
+ * come row by row. Arrays are filled to a multiple of POSTS_LANES; the posts beyond `count` bear nothing and have finite numbers.
+ */
+#ifndef FURROW_SOIL_POSTS_H
+#define FURROW_SOIL_POSTS_H
+
+#include "soil/law/form.h"
+
+#define POSTS_LANES 16
+#define POSTS_NONE INT32_MAX /* the body is not above the post */
+
+#define POSTS_WHOLES_EACH(EACH) \
+	EACH(index)     /* of the post in the planes */ \
+	EACH(ground)    /* height of the undisturbed surface above the body's centre, fixed-point units */ \
+	EACH(surface)   /* of the surface as it is; fixed-point units above the centre */ \
+	EACH(deposited) EACH(sinkage) EACH(shear) EACH(digs) /* of the planes, before */ \
+	EACH(west) EACH(east) EACH(south) EACH(north) EACH(base) /* of the base, as in the planes */
+#define POSTS_REALS_EACH(EACH) \
+	EACH(x) EACH(y)             /* m, in the body's frame */ \
+	EACH(rise_x) EACH(rise_y)   /* of the base, along the frame's axes */ \
+	EACH(up) EACH(by_up)        /* z of the base's normal, and its inverse */ \
+	EACH(was)                   /* m along the normal: the largest sinkage so far */ \
+	EACH(shear_x) EACH(shear_y) /* mobilised before, along the frame's axes */ \
+	EACH(dug)                   /* m: by slip, so far */ \
+	EACH(over)                  /* 1: the body is above the post in its end pose; 0: beside */ \
+	EACH(own)                   /* face.h */ \
+	EACH(height) EACH(slope_x) EACH(slope_y) /* of the lower envelope at the post, m above the centre */ \
+	EACH(above)                 /* m: how much lower grousers are there, 0 or less */ \
+	EACH(lowered)               /* m: how much lower the body was there during its motion */ \
+	EACH(swept)                 /* 1: the body was above the post during its motion */ \
+	EACH(print)                 /* m: height of the lower envelope where the post was at the motion's start */ \
+	EACH(share) EACH(middle_x) EACH(middle_y) /* the part of the post's cell that the body covers: share of a cell's area, its middle from the post */ \
+	EACH(side_behind) EACH(side_ahead) EACH(side_right) EACH(side_left) /* 1: the body's side ends that part there */ \
+	EACH(room)                  /* m: the body touches the cell if it is raised by less */ \
+	EACH(k_c) EACH(k_phi) EACH(k) EACH(n) EACH(elastic) EACH(by_elastic) EACH(cohesion) EACH(tan_phi) EACH(modulus) EACH(by_modulus) EACH(damping) /* struct stress_soil */
+
+struct soil_posts {
+	size_t count, capacity;
+	void *memory;
+#define POSTS_WHOLE(name) int32_t *name;
+#define POSTS_REAL(name) float *name;
+	POSTS_WHOLES_EACH(POSTS_WHOLE)
+	POSTS_REALS_EACH(POSTS_REAL)
+#undef POSTS_WHOLE
+#undef POSTS_REAL
+};
+
+/* Makes room for so many posts, at least. Keeps nothing. STATUS_MEMORY otherwise. soil_posts_finish frees it; zero the struct before first use. */
+enum status soil_posts_need(struct soil_posts *posts, size_t count) FURROW_CHECKED;
+void soil_posts_finish(struct soil_posts *posts);
+
+/* Gathers the posts that the body may touch if its centre is not lower than `raised` fixed-point units above motion->to. planes: of a rectangle that
+ * has all posts below the body with their neighbours. posts->capacity: at least soil_posts_below's posts. Does not set `k`, which soil_posts_width does. */
+void soil_posts_gather(const struct soil_law *law, const struct soil_planes *planes, const struct soil_body *body, const struct soil_form *form,
+		       int32_t raised, struct soil_posts *posts);
+/* Sets `k` for a contact patch of this width: 1/m. */
+void soil_posts_width(float by_width, struct soil_posts *posts);
+/* Returns the posts that may be below a body during its motion. */
+struct post_rect soil_posts_below(const struct soil_law *law, const struct soil_motion *motion);
+
+#endif

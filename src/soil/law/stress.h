@@ -1,0 +1,90 @@
+/*
+ * The soil's law at one place: stress and strength of the soil, and how a surface shears it. Pressure and sinkage: Bekker. Shear: Janosi and
+ * Hanamoto, as a differential equation. Elastic rebound: Krenn and Hirzinger 2009. SI. Pure.
+ */
+#ifndef FURROW_SOIL_STRESS_H
+#define FURROW_SOIL_STRESS_H
+
+#include "soil/law/real.h"
+
+#define SOIL_UNIT 0x1p-20f         /* m: a fixed-point unit */
+#define SOIL_LEAST 1.2e-6f         /* m: a stored sinkage and a height are each rounded by up to half a unit */
+#define SOIL_STRESS_MOST 1e20f     /* Pa: keeps all numbers finite */
+
+/* The soil of a post. k: k_c / b + k_phi, N/m^(n+2), b the width of the contact patch. modulus: of shear, m. */
+struct stress_soil {
+	float k, n, elastic, by_elastic, cohesion, tan_phi, modulus, by_modulus, damping;
+};
+
+/* Returns the stress that the soil bears at sinkage z, m, when it yields; Pa. */
+SOIL_INLINED float yield_stress(const struct stress_soil *s, float z)
+{
+	const float bekker = s->k * power_of(most(z, SOIL_UNIT), s->n);
+	return either(z > 0, least(least(bekker, z * s->elastic), SOIL_STRESS_MOST), 0);
+}
+
+/* Returns how the yield stress grows with the sinkage, Pa/m. */
+SOIL_INLINED float yield_growth(const struct stress_soil *s, float yields, float z)
+{
+	const float flows = yields * s->n / most(z, SOIL_UNIT);
+	return either(yields >= 0.9999999f * s->elastic * z, s->elastic, flows);
+}
+
+/* Returns the plastic part of sinkage z, m: what stays after unloading. */
+SOIL_INLINED float plastic_part(const struct stress_soil *s, float z, float yields)
+{
+	return most(z - yields * s->by_elastic, 0);
+}
+
+SOIL_INLINED float plastic_of(const struct stress_soil *s, float z)
+{
+	return plastic_part(s, z, yield_stress(s, z));
+}
+
+/* A body's surface: its adhesion, Pa, and the tangent of its friction angle. own: 1 where the soil's own cohesion, or friction, counts instead. */
+struct stress_surface {
+	float adhesion, tangent, own[2];
+};
+
+/* Returns the most that shear can hold under a normal stress, Pa: of the soil, or along the surface if that is less. *grows: with the stress. */
+SOIL_INLINED float strength_of(const struct stress_surface *surface, const struct stress_soil *s, float stress, float *grows)
+{
+	const float adhesion = either(surface->own[0] > 0, s->cohesion, surface->adhesion), tangent = either(surface->own[1] > 0, s->tan_phi, surface->tangent);
+	const float soil = s->cohesion + s->tan_phi * stress, along = adhesion + tangent * stress;
+	*grows = either(soil <= along, s->tan_phi, tangent);
+	return least(soil, along);
+}
+
+/* Two unit vectors along the surface whose normal is n: where the shortest rotation that makes the surface level has the axes of the frame. A
+ * mobilised shear is stored along these, so it keeps its length as the surface turns. */
+SOIL_INLINED void put_across(const float n[3], float across[2][3])
+{
+	const float by = 1 / (1 + n[2]);
+	across[0][0] = 1 - n[0] * n[0] * by;
+	across[0][1] = across[1][0] = -n[0] * n[1] * by;
+	across[0][2] = -n[0];
+	across[1][1] = 1 - n[1] * n[1] * by;
+	across[1][2] = -n[1];
+}
+
+/* Gives the mobilised shear after the surface slid a way in a direction: the law de = direction d(way) - e d(way), way in units of the shear
+ * modulus. From rest it is Janosi's 1 - exp(-j / K). It is exact, however many motions the way is cut into. stays: exp(-way). */
+SOIL_INLINED float sheared(float before, float direction, float stays)
+{
+	return direction + stays * (before - direction);
+}
+
+/* Returns the place on a line, from -1 to 1, beyond which a parabola is above 0. It goes through three numbers at -1, 0 and 1. sign: the end
+ * from which it is looked for. */
+SOIL_INLINED float root_from(float sign, const float depths[3])
+{
+	const float bends = 0.5f * (depths[0] + depths[2]) - depths[1], rises = 0.5f * (depths[2] - depths[0]), over = depths[1];
+	const float squares = rises * rises - 4 * bends * over, by = root(squares) - sign * rises;
+	/* A parabola whose top misses 0 by rounding alone has one root, at its top. */
+	const bool touches = (bends < 0) & (squares <= 0);
+	const float top = -0.5f * rises / least(bends, -1e-18f), side = sign * 2 * over / most(by, 1e-15f), at = either(touches, top, side);
+	const bool never = (squares < either(touches, 4 * bends * SOIL_LEAST, 0)) | ((by <= 0) & !touches);
+	return either(depths[sign < 0 ? 0 : 2] > 0, sign, either(never, -sign, clamped(at, -1, 1)));
+}
+
+#endif
