@@ -50,9 +50,14 @@ enum status bearing_wake_block(struct bearing *bearing, struct soil_block block)
 enum status bearing_active_blocks(struct bearing *bearing, const struct soil_block **blocks, size_t *count) FURROW_CHECKED;
 void bearing_forget_active(struct bearing *bearing);
 
+/* Returns the posts of all blocks that bearing_wake makes active for this change. */
+struct post_rect bearing_wakes(const struct bearing *bearing, struct post_rect changed);
+/* Returns a number of posts. A contact of this shape reads and changes no post that lies farther from the rectangle around its origins. */
+int64_t bearing_contact_reach(const struct bearing *bearing, const struct soil_shape *shape);
+
 /*
- * One interval of relaxation. Call bearing_interval_begin; then bearing_interval_gather for the tiles of each region's posts, in as many calls as it
- * takes, and bearing_interval_slide for the region; then bearing_interval_scatter for each region; then bearing_interval_end.
+ * One interval of relaxation. Call bearing_interval_begin; then for each region bearing_interval_start, bearing_interval_gather for parts of its posts
+ * that together are all of them, and bearing_interval_slide; then bearing_interval_scatter for each region; then bearing_interval_end.
  * objects: bodies that hold the soil below them; they must live until the end.
  */
 struct bearing_interval {
@@ -61,7 +66,9 @@ struct bearing_interval {
 enum status bearing_interval_begin(struct bearing *bearing, const struct deform_rest *objects, size_t count, struct bearing_interval *interval) FURROW_CHECKED;
 struct post_rect bearing_interval_reads(const struct bearing *bearing, size_t region);
 struct post_rect bearing_interval_writes(const struct bearing *bearing, size_t region); /* lies on four tiles at most, if tiles have 32 cells or more */
-void bearing_interval_gather(struct bearing *bearing, size_t region, const struct deform_tile *held, size_t count);
+enum status bearing_interval_start(struct bearing *bearing, size_t region) FURROW_CHECKED;
+/* held: all tiles that have posts of the part. */
+void bearing_interval_gather(struct bearing *bearing, struct post_rect part, const struct deform_tile *held, size_t count);
 enum status bearing_interval_slide(struct bearing *bearing, size_t region) FURROW_CHECKED;
 /* held: all tiles that have posts of what the region writes. */
 enum status bearing_interval_scatter(struct bearing *bearing, size_t region, const struct deform_tile *held, size_t count) FURROW_CHECKED;

@@ -17,8 +17,8 @@ enum status bearing_area(const struct bearing *bearing, const struct deform_cont
 	*area = (struct bearing_area){{0, 0, 0, 0}, {0, 0, 0, 0}};
 	enum status status = deform_cut(&bearing->params, contact, windows, &count);
 	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
-		area->read = post_rect_around(area->read, windows[i].read);
-		area->write = post_rect_around(area->write, windows[i].write);
+		area->read = bearing_joined(area->read, windows[i].read);
+		area->write = bearing_joined(area->write, windows[i].write);
 	}
 	return status;
 }
@@ -173,14 +173,14 @@ static struct post_rect redistribute(struct bearing *bearing, const struct defor
 		memset(window->deposits, 0, posts * sizeof *window->deposits);
 		soil_lay(laying, &pressed->measured, bearing->laid, planes, planes->contact, area->write, window->scratch, window->deposits, laid);
 	}
-	const struct post_rect reached = post_rect_around(pressed->reached, laid->posts);
+	const struct post_rect reached = bearing_joined(pressed->reached, laid->posts);
 	const struct soil_slide_window slide = {
 		.written = area->write, .posts = soil_slide_posts(area->write, reached, bearing->around), .world = bearing->world,
 		.deposits = carries ? window->deposits : NULL, .loaded = contact->load > 0,
 	};
 	soil_slide_window(&bearing->rule, planes, &slide, window->scratch, window->words, slid);
 	(void)blocks;
-	return post_rect_intersect(area->write, grown(post_rect_around(reached, slide.posts), 1));
+	return post_rect_intersect(area->write, grown(bearing_joined(reached, slide.posts), 1));
 }
 
 enum status bearing_contact(struct bearing *bearing, const struct deform_contact *contact, const struct bearing_area *area, const struct deform_tile *held,

@@ -6,6 +6,9 @@
 #include "soil/laying/laying.h"
 #include "soil/press.h"
 
+#include <stdlib.h>
+#include <string.h>
+
 /* Memory of a window's planes. Made for the largest window so far. */
 struct bearing_window {
 	struct soil_planes planes;
@@ -46,6 +49,12 @@ struct bearing {
 	size_t region_count, region_room;
 	struct soil_block_set next;  /* blocks that stay active */
 };
+
+/* Returns a rectangle around both; one that is empty does not count. */
+static inline struct post_rect bearing_joined(struct post_rect a, struct post_rect b)
+{
+	return post_rect_empty(a) ? b : post_rect_empty(b) ? a : post_rect_around(a, b);
+}
 
 /* window.c */
 /* Makes room for a window of these posts, with room for sliding and laying in it. */

@@ -74,13 +74,13 @@ static struct post_rect grown(struct post_rect rect, int64_t by)
 /* In each interval soil may begin to slide in the blocks next to those where it slid, and an interval reads a rim around blocks. */
 static int64_t slides_beyond(const struct world *world, int64_t intervals)
 {
-	return (intervals > 1 ? intervals - 1 : 0) * DEFORM_BLOCK + deform_interval_rim(world->deform);
+	return (intervals > 1 ? intervals - 1 : 0) * SOIL_BLOCK + deform_interval_rim(world->deform);
 }
 
-struct post_rect world_block_area(const struct world *world, struct deform_block block, int64_t intervals)
+struct post_rect world_block_area(const struct world *world, struct soil_block block, int64_t intervals)
 {
-	const int64_t x = block.x * DEFORM_BLOCK, y = block.y * DEFORM_BLOCK;
-	return grown((struct post_rect){x, y, x + DEFORM_BLOCK, y + DEFORM_BLOCK}, slides_beyond(world, intervals));
+	const int64_t x = block.x * SOIL_BLOCK, y = block.y * SOIL_BLOCK;
+	return grown((struct post_rect){x, y, x + SOIL_BLOCK, y + SOIL_BLOCK}, slides_beyond(world, intervals));
 }
 
 /* Includes the last path sample that was made, and all that are due until then. Samples are one post apart. The way between two
@@ -193,12 +193,12 @@ enum status world_body_unpack(struct world *world, const struct world_moved *mov
 
 enum status world_active_keep(struct world *world, world_block_fn keeps, void *user)
 {
-	const struct deform_block *list;
+	const struct soil_block *list;
 	size_t count = 0;
 	enum status status = deform_active_blocks(world->deform, &list, &count);
 	if (status != STATUS_OK || count == 0)
 		return status;
-	struct deform_block *copy = mem_alloc(count, sizeof *copy);
+	struct soil_block *copy = mem_alloc(count, sizeof *copy);
 	if (copy == NULL)
 		return fail_memory("active blocks");
 	memcpy(copy, list, count * sizeof *copy);
@@ -221,22 +221,22 @@ enum status world_tile_came(struct world *world, struct tile tile, unsigned plan
 
 /* --- commits --- */
 
-enum status world_record_ranks(struct world *world, const struct deform_block *others, size_t count)
+enum status world_record_ranks(struct world *world, const struct soil_block *others, size_t count)
 {
 	enum status status = world_fill_record(world);
 	struct record *record = world->record;
 	if (status != STATUS_OK || count == 0)
 		return status;
 	/* Two ranks may both have woken a block between their ground. */
-	struct deform_block *all = mem_alloc(record->active_count + count, sizeof *all);
+	struct soil_block *all = mem_alloc(record->active_count + count, sizeof *all);
 	if (all == NULL)
 		return fail_memory("active blocks");
 	memcpy(all, record->active, record->active_count * sizeof *all);
 	memcpy(all + record->active_count, others, count * sizeof *all);
-	const size_t kept = deform_blocks_sort(all, record->active_count + count);
+	const size_t kept = soil_blocks_sort(all, record->active_count + count);
 	if (kept > DEFORM_BLOCKS_MAX) {
 		status = fail_with(STATUS_FAILED, "soil: the ground slides in more than %d blocks of %d x %d posts at once; choose a soil that stands "
-						  "steeper, a coarser spacing, or model none", DEFORM_BLOCKS_MAX, DEFORM_BLOCK, DEFORM_BLOCK);
+						  "steeper, a coarser spacing, or model none", DEFORM_BLOCKS_MAX, SOIL_BLOCK, SOIL_BLOCK);
 	} else {
 		memcpy(record->active, all, kept * sizeof *all);
 		record->active_count = kept;

@@ -87,7 +87,7 @@ static enum status one_interval(struct world *world, size_t *blocks)
 	if (status == STATUS_OK && *blocks > 0)
 		status = deform_interval_end(world->deform);
 	struct page_stats pages;
-	int64_t side = (world->meta->extent.cells + DEFORM_BLOCK - 1) / DEFORM_BLOCK;
+	int64_t side = (world->meta->extent.cells + SOIL_BLOCK - 1) / SOIL_BLOCK;
 	page_cache_stats(world->cache, &pages);
 	world->relaxation.visited += *blocks;
 	world->relaxation.possible += pages.touched * (uint64_t)(side * side);

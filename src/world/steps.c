@@ -27,7 +27,7 @@ double world_step_time(const struct scene *scene, int64_t step)
 enum status world_fill_record(struct world *world)
 {
 	struct record *record = world->record;
-	const struct deform_block *active;
+	const struct soil_block *active;
 	size_t count = 0;
 	if (world->deform != NULL) {
 		enum status status = deform_active_blocks(world->deform, &active, &count);

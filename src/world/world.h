@@ -624,7 +624,7 @@ bool world_ranked(const struct world *world, size_t index); /* false: there is n
 struct post_rect world_body_area(const struct world *world, size_t index, double until);
 int64_t world_intervals_due(const struct world *world, double until); /* number of relaxation intervals until then */
 /* Gives the posts that so many intervals may read or change because of an active block. */
-struct post_rect world_block_area(const struct world *world, struct deform_block block, int64_t intervals);
+struct post_rect world_block_area(const struct world *world, struct soil_block block, int64_t intervals);
 void world_body_here(struct world *world, size_t index, bool here); /* says if this rank computes its contacts */
 void world_pass_elsewhere(struct world *world, double until);       /* counts the path samples of bodies elsewhere */
 /* Returns the failure that collecting the events until then would have. Keeps what it placed for the steps until then. */
@@ -645,12 +645,12 @@ void world_body_pack(const struct world *world, size_t index, struct world_moved
 /* `here`: this rank computes its contacts from now on. STATUS_FAILED: there is no such body. */
 enum status world_body_unpack(struct world *world, const struct world_moved *moved, bool here) FURROW_CHECKED;
 /* Keeps only the active blocks for which `keeps` returns true. Waits for the GPU. */
-typedef bool (*world_block_fn)(void *user, struct deform_block block);
+typedef bool (*world_block_fn)(void *user, struct soil_block block);
 enum status world_active_keep(struct world *world, world_block_fn keeps, void *user) FURROW_CHECKED;
 /* Takes the planes of a tile from another rank: resident_pages_put. */
 enum status world_tile_came(struct world *world, struct tile tile, unsigned planes, const void *bytes) FURROW_CHECKED;
 /* Fills the record of the last whole step. `others`: blocks that are active on other ranks. */
-enum status world_record_ranks(struct world *world, const struct deform_block *others, size_t count) FURROW_CHECKED;
+enum status world_record_ranks(struct world *world, const struct soil_block *others, size_t count) FURROW_CHECKED;
 
 /* --- facts that follow from scene and store, before anything is made: plan.c --- */
 

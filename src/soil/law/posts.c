@@ -230,8 +230,7 @@ static void put_soil(const struct soil_numbers *soil, size_t first, size_t last,
 	}
 }
 
-/* Returns the soil of a post, with what rasters say of it. */
-static struct soil_numbers soil_at(const struct soil_law *law, const struct soil_planes *planes, size_t at)
+struct soil_numbers soil_numbers_at(const struct soil_law *law, const struct soil_planes *planes, size_t at)
 {
 	const int class = planes->classes != NULL ? planes->classes[at] : 0;
 	struct soil_numbers soil = law->soils[class < law->soil_count ? class : 0];
@@ -254,7 +253,7 @@ static void put_soils(const struct soil_law *law, const struct soil_planes *plan
 		const size_t at = (size_t)p->index[first];
 		for (last = first + 1; last < p->count && same_soil(law, planes, at, (size_t)p->index[last]);)
 			last++;
-		const struct soil_numbers soil = soil_at(law, planes, at);
+		const struct soil_numbers soil = soil_numbers_at(law, planes, at);
 		put_soil(&soil, first, last, p);
 	}
 }
