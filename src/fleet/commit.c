@@ -36,7 +36,7 @@ static enum status put_blocks(struct fleet *fleet)
 {
 	const struct soil_block *blocks = NULL;
 	size_t many = 0;
-	enum status status = fleet->world->deform != NULL ? deform_active_blocks(fleet->world->deform, &blocks, &many) : STATUS_OK;
+	enum status status = world_active_blocks(fleet->world, &blocks, &many);
 	const uint32_t count = (uint32_t)many;
 	if (status == STATUS_OK)
 		status = fleet_put(&fleet->sent, &count, sizeof count);

@@ -184,7 +184,7 @@ static enum status put_blocks(struct moving *moving)
 	uint32_t *counts = mem_calloc((size_t)fleet->ranks, sizeof *counts);
 	if (counts == NULL)
 		return fail_memory("blocks that move");
-	enum status status = fleet->world->deform != NULL ? deform_active_blocks(fleet->world->deform, &blocks, &count) : STATUS_OK;
+	enum status status = world_active_blocks(fleet->world, &blocks, &count);
 	for (int pass = 0; pass < 2 && status == STATUS_OK; pass++) {
 		for (int r = 0; r < fleet->ranks && pass == 1 && status == STATUS_OK; r++)
 			if (moving->out[r].size > 0)
@@ -216,7 +216,7 @@ static enum status take_blocks(struct fleet *fleet, struct fleet_bytes *in)
 		struct soil_block block;
 		status = fleet_get(in, &block, sizeof block);
 		if (status == STATUS_OK)
-			status = deform_wake_block(fleet->world->deform, block);
+			status = world_wake_block(fleet->world, block);
 	}
 	return status;
 }

@@ -57,9 +57,9 @@ static enum status put_links(struct fleet *fleet, double until)
 	const struct soil_block *blocks;
 	size_t count = 0;
 	uint32_t links = 0;
-	if (world->deform == NULL)
+	if (!world_changes_ground(world))
 		return fleet_put(&fleet->sent, &links, sizeof links);
-	enum status status = deform_active_blocks(world->deform, &blocks, &count);
+	enum status status = world_active_blocks(world, &blocks, &count);
 	const size_t at = fleet->sent.size;
 	struct link last = {0};
 	if (status == STATUS_OK)

@@ -305,7 +305,8 @@ SOIL_CLONED static void put_after(const struct soil_form *restrict f, const floa
 		a->deposited[i] = heap;
 		a->sinkage[i] = largest_now;
 		a->dug[i] = dug[i] + digs;
-		a->carried[i] = changes ? carries + smaller(digs, CARRIED_MOST) : 0;
+		/* Only soil that the floor gives up is carried. What slip digs under a body that does not go down stays there, loosened. */
+		a->carried[i] = changes ? larger(smaller(carries + smaller(digs, CARRIED_MOST), before[i] - offset), 0) : 0;
 		a->lost[i] = changes ? before[i] - offset - a->carried[i] : 0;
 		/* The body has just left the post, or comes next, and the shear that the post stores ends. Below a higher body that shear may belong to a
 		 * second one, so it stays. */

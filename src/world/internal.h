@@ -203,6 +203,23 @@ enum status world_collect_events(struct world *world, double until) FURROW_CHECK
 /* Places the body on the ground at a path sample. Fills pose, contact, distance and sinkage of `event`. */
 enum status world_set_down(struct world *world, struct body *body, int64_t sample, struct event *event) FURROW_CHECKED;
 
+/* --- surface.c: kinematic models (deform) and bearing soil (bearing) behind one face --- */
+
+/* Returns true if the scene's soil bears: it is computed on the CPU. */
+bool world_is_bearing(const struct world *world);
+/* Makes world->deform or world->bearing, if bodies change the ground. */
+enum status world_surface_create(struct world *world, const struct deform_params *params) FURROW_CHECKED;
+void world_surface_destroy(struct world *world);
+/* The same as the functions of deform.h and bearing.h. */
+enum status world_wake(struct world *world, struct post_rect changed) FURROW_CHECKED;
+struct post_rect world_wakes(const struct world *world, struct post_rect changed);
+enum status world_forget_active(struct world *world) FURROW_CHECKED;
+int64_t world_interval_rim(const struct world *world);
+int64_t world_contact_reach(const struct world *world, const struct soil_shape *shape);
+/* Sets where a loaded body that is in contact rests, fixed-point units above its pose. Does nothing for others. */
+void world_set_equilibrium(struct world *world, const struct body *body, int64_t raised);
+enum status world_restore_tally(struct world *world, const struct deform_tally *tally) FURROW_CHECKED;
+
 /* --- relaxation.c: relaxation of the whole ground --- */
 
 int64_t world_intervals_by(const struct world *world, double time); /* number of intervals that are over then */
@@ -308,6 +325,8 @@ void world_forces_unpack(struct forces *forces, size_t body, const struct world_
 enum status world_forces_wait(struct forces *forces) FURROW_CHECKED;
 /* Gives the last known force on a body with a path. Returns false if its forces were never computed. */
 bool world_forces_known(const struct forces *forces, size_t body, struct world_force *force);
+/* Takes the forces of a contact that was asked for (world_forces_ask), from bearing soil. Without a tag they are not needed. */
+void world_forces_came(struct forces *forces, const struct deform_forces *from);
 /* Notes that the body touches nothing in this event. */
 void world_forces_absent(struct forces *forces, size_t body, const struct event *event);
 /* Waits for all forces in flight and applies them, also to the record. */

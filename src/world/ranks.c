@@ -74,7 +74,7 @@ static struct post_rect grown(struct post_rect rect, int64_t by)
 /* In each interval soil may begin to slide in the blocks next to those where it slid, and an interval reads a rim around blocks. */
 static int64_t slides_beyond(const struct world *world, int64_t intervals)
 {
-	return (intervals > 1 ? intervals - 1 : 0) * SOIL_BLOCK + deform_interval_rim(world->deform);
+	return (intervals > 1 ? intervals - 1 : 0) * SOIL_BLOCK + world_interval_rim(world);
 }
 
 struct post_rect world_block_area(const struct world *world, struct soil_block block, int64_t intervals)
@@ -117,7 +117,7 @@ struct post_rect world_body_area(const struct world *world, size_t index, double
 	enum { PROBED = 6 }; /* posts: a mirror of the ground under a body reaches so far beyond it, and more (probes.c) */
 	struct post_rect area = {INT64_MAX, INT64_MAX, INT64_MIN, INT64_MIN};
 	const struct body *body = world_body_at(world, index);
-	const int64_t posts = deform_contact_reach(world->deform, &body->object->shape);
+	const int64_t posts = world_contact_reach(world, &body->object->shape);
 	if (world_is_hosts(world, index))
 		include_host(world, world_host_body(world, (int32_t)(index - world->scene->object_count - 1)), posts + PROBED, &area);
 	else
@@ -125,7 +125,7 @@ struct post_rect world_body_area(const struct world *world, size_t index, double
 	const int64_t intervals = world_intervals_due(world, until);
 	if (area.x0 >= area.x1 || intervals <= 0)
 		return area;
-	return grown(deform_wakes(world->deform, area), slides_beyond(world, intervals));
+	return grown(world_wakes(world, area), slides_beyond(world, intervals));
 }
 
 void world_pass_elsewhere(struct world *world, double until)
@@ -184,8 +184,7 @@ enum status world_body_unpack(struct world *world, const struct world_moved *mov
 	if (!here)
 		return STATUS_OK;
 	world_forces_unpack(world->forces, index, moved);
-	if (body->loaded_body > 0 && body->in_contact)
-		deform_set_equilibrium(world->deform, body->loaded_body, (int32_t)body->raised);
+	world_set_equilibrium(world, body, body->raised);
 	return STATUS_OK;
 }
 
@@ -195,17 +194,17 @@ enum status world_active_keep(struct world *world, world_block_fn keeps, void *u
 {
 	const struct soil_block *list;
 	size_t count = 0;
-	enum status status = deform_active_blocks(world->deform, &list, &count);
+	enum status status = world_active_blocks(world, &list, &count);
 	if (status != STATUS_OK || count == 0)
 		return status;
 	struct soil_block *copy = mem_alloc(count, sizeof *copy);
 	if (copy == NULL)
 		return fail_memory("active blocks");
 	memcpy(copy, list, count * sizeof *copy);
-	status = deform_forget_active(world->deform);
+	status = world_forget_active(world);
 	for (size_t i = 0; i < count && status == STATUS_OK; i++)
 		if (keeps(user, copy[i]))
-			status = deform_wake_block(world->deform, copy[i]);
+			status = world_wake_block(world, copy[i]);
 	mem_free(copy);
 	return status;
 }

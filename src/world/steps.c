@@ -28,12 +28,10 @@ enum status world_fill_record(struct world *world)
 {
 	struct record *record = world->record;
 	const struct soil_block *active;
-	size_t count = 0;
-	if (world->deform != NULL) {
-		enum status status = deform_active_blocks(world->deform, &active, &count);
-		if (status != STATUS_OK)
-			return status;
-	}
+	size_t count;
+	enum status status = world_active_blocks(world, &active, &count);
+	if (status != STATUS_OK)
+		return status;
 	if (count > 0)
 		memcpy(record->active, active, count * sizeof *active);
 	record->active_count = count;

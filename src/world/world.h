@@ -21,6 +21,7 @@
 #include "base/base.h"
 #include "base/key_map.h"
 #include "base/key_set.h"
+#include "bearing/bearing.h"
 #include "deform/deform.h"
 #include "gpu/gpu.h"
 #include "motion/motion.h"
@@ -363,7 +364,10 @@ struct world {
 	struct newest *newest;    /* NULL until the first query */
 	FILE *commit_log;         /* a line for each commit; NULL: none */
 
-	struct deform *deform;    /* NULL: there is no body */
+	struct deform *deform;    /* kinematic models; NULL: there is no body, or soil bears */
+	struct bearing *bearing;  /* soil that bears; NULL: there is none */
+	struct deform_params surface; /* of deform or bearing */
+	struct host_slots *host;  /* bearing soil: the home of pages */
 	struct forces *forces;    /* forces.c; NULL: forces are not needed */
 	struct look_ahead *ahead; /* motion: loads tiles before they are needed */
 	struct body *bodies;      /* bodies.c: the scene's objects in its order, and one more for drops of a window */
@@ -641,6 +645,12 @@ struct world_moved {
 	double distance, sinkage;
 	bool in_contact, placed, felt;  /* placed: it has rows; felt: `force` is that of its last contact */
 };
+/* Returns true if bodies change the ground. */
+bool world_changes_ground(const struct world *world);
+/* The same as deform_active_blocks, deform_wake_block and deform_tally, whichever way the ground is changed. */
+enum status world_active_blocks(const struct world *world, const struct soil_block **blocks, size_t *count) FURROW_CHECKED;
+enum status world_wake_block(struct world *world, struct soil_block block) FURROW_CHECKED;
+enum status world_tally(const struct world *world, struct deform_tally *tally) FURROW_CHECKED;
 void world_body_pack(const struct world *world, size_t index, struct world_moved *moved);
 /* `here`: this rank computes its contacts from now on. STATUS_FAILED: there is no such body. */
 enum status world_body_unpack(struct world *world, const struct world_moved *moved, bool here) FURROW_CHECKED;
