@@ -8,6 +8,7 @@
 #include "soil/bearing.h"
 
 #define CARRIED_MOST (1 << 23)    /* fixed-point units: the most that one post gives away */
+#define SHEAR_ENDS 2.0                /* posts: where a body is less far above the surface, the shear that a post stores ends */
 #define OFFSET_MOST (1 << 30)         /* fixed-point units: 1024 m */
 
 /* What a block of posts becomes. */
@@ -56,7 +57,7 @@ SOIL_CLONED static void put_after(const struct soil_form *restrict f, const floa
 	int32_t ground[POSTS_LANES], rests[POSTS_LANES], lowest[POSTS_LANES], deposited[POSTS_LANES], sinkage[POSTS_LANES], dug[POSTS_LANES], before[POSTS_LANES];
 	float up[POSTS_LANES], by_up[POSTS_LANES], over[POSTS_LANES], swept[POSTS_LANES], more[POSTS_LANES];
 	struct stress_soil soils[POSTS_LANES];
-	const int32_t near = (int32_t)fminf(f->spacing * 2097152.0f, 1e9f);
+	const int32_t near = (int32_t)fminf((float)SHEAR_ENDS * f->spacing * 1048576.0f, 1e9f);
 	for (int i = 0; i < POSTS_LANES; i++) {
 		const float height = posts->height[b + i] + posts->above[b + i] + f->beyond;
 		ground[i] = posts->ground[b + i] - raised;
@@ -198,7 +199,7 @@ enum status soil_press_body(const struct soil_law *law, const struct soil_planes
 	struct bearing b;
 	struct soil_height height;
 	struct soil_sums sums;
-	enum status status = soil_bearing_begin(law, planes, motion, work, &b);
+	enum status status = soil_bearing_begin(law, planes, motion, work, SHEAR_ENDS * law->spacing, &b);
 	if (status != STATUS_OK)
 		return status;
 	*out = (struct soil_pressed){.reached = {0, 0, 0, 0}};
@@ -217,7 +218,7 @@ enum status soil_feel(const struct soil_law *law, const struct soil_planes *plan
 	struct bearing b;
 	struct soil_height height;
 	struct soil_sums sums;
-	enum status status = soil_bearing_begin(law, planes, motion, work, &b);
+	enum status status = soil_bearing_begin(law, planes, motion, work, 0, &b);
 	if (status != STATUS_OK)
 		return status;
 	evaluate(&b, start, &height, &sums, NULL);

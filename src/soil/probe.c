@@ -82,7 +82,7 @@ enum status soil_probe(const struct soil_law *law, const struct soil_planes *pla
 	*out = (struct soil_probed){.known = false};
 	if (!has_all(planes, soil_posts_below(law, motion)))
 		return STATUS_OK;
-	enum status status = soil_bearing_begin(law, planes, motion, work, &b);
+	enum status status = soil_bearing_begin(law, planes, motion, work, 0, &b);
 	if (status != STATUS_OK)
 		return status;
 	out->known = true;
