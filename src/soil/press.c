@@ -5,215 +5,11 @@
  */
 #include "soil/press.h"
 
-#include <stdlib.h>
-
-#include "soil/law/bear.h"
-#include "soil/shape/body.h"
+#include "soil/bearing.h"
 
 #define CARRIED_MOST (1 << 23)    /* fixed-point units: the most that one post gives away */
+#define SHEAR_ENDS 2.0                /* posts: where a body is less far above the surface, the shear that a post stores ends */
 #define OFFSET_MOST (1 << 30)         /* fixed-point units: 1024 m */
-
-struct soil_work {
-	struct soil_posts posts;
-	struct soil_kept kept;
-	size_t kept_room;
-};
-
-enum status soil_work_create(struct soil_work **out)
-{
-	*out = mem_calloc(1, sizeof **out);
-	return *out != NULL ? STATUS_OK : fail_memory("bearing soil");
-}
-
-void soil_work_destroy(struct soil_work *work)
-{
-	if (work == NULL)
-		return;
-	soil_posts_finish(&work->posts);
-	mem_free(work->kept.more);
-	mem_free(work);
-}
-
-static enum status need(struct soil_work *work, struct post_rect below)
-{
-	const size_t count = (size_t)(below.x1 - below.x0) * (size_t)(below.y1 - below.y0);
-	enum status status = soil_posts_need(&work->posts, count);
-	if (status != STATUS_OK || work->kept_room >= work->posts.capacity)
-		return status;
-	const size_t room = work->posts.capacity;
-	float *memory = mem_realloc(work->kept.more, 3 * room, sizeof *memory);
-	if (memory == NULL)
-		return fail_memory("bearing soil");
-	work->kept = (struct soil_kept){memory, memory + room, memory + 2 * room};
-	work->kept_room = room;
-	return STATUS_OK;
-}
-
-/* --- the width of the contact patch --- */
-
-/* Returns 1 / b, b the width of the contact patch, 1/m. 0: it follows from the number of posts that the body touches. */
-static double width_of(const struct soil_motion *motion, const struct soil_body *body)
-{
-	const struct soil_shape *shape = motion->shape;
-	if (shape->kind == SOIL_WHEEL || shape->kind == SOIL_CYLINDER) { /* between a level wheel and a round plate */
-		const double squares = body->lower.axis[2] * body->lower.axis[2];
-		return (1 - squares) / (shape->kind == SOIL_WHEEL ? shape->width : shape->length) + squares / shape->radius;
-	}
-	return shape->kind == SOIL_BOX ? 1 / fmin(shape->size[0], shape->size[1]) : 0;
-}
-
-/* Returns 1 / b for the posts that the body touches at a height. b is the radius of a round plate of their area. */
-static float counted_width(const struct soil_posts *posts, const struct soil_form *form, int32_t raised)
-{
-	int32_t count = 0;
-	for (size_t i = 0; i < posts->count; i++)
-		count += (posts->over[i] > 0) & ((float)(posts->ground[i] - raised) * SOIL_UNIT - form->beyond > posts->height[i] + posts->above[i]);
-	const float area = (float)(count > 1 ? count : 1) * form->spacing * form->spacing;
-	return 1 / sqrtf(area * 0.31830989f);
-}
-
-/* --- the equilibrium height --- */
-
-/* A bracket begins with at most 2^28 units. At most 5 times it is parted by a geometric mean, and 28 times by the arithmetic one. Before each of
- * these come at most 3 tries that part it worse. So the search always ends, as a rule after a few tries. */
-#define TRIES (4 * (5 + 28))
-#define NOWHERE INT32_MIN
-
-/* Heights are fixed-point units above motion->to.z. */
-struct search {
-	int32_t raised;
-	float share;             /* of the load that the soil carries there; not quite 1, since heights are whole units */
-	enum soil_state state;
-	struct soil_sums sums;
-	float by_width;
-	int tries;
-};
-
-/* Returns the highest height at which the body touches the ground; NOWHERE: there is none below it. */
-static int32_t first_contact(const struct soil_posts *posts)
-{
-	float highest = -1e9f;
-	for (size_t i = 0; i < posts->count; i++)
-		highest = most(highest, posts->share[i] > 0 ? posts->room[i] : -1e9f);
-	return highest > -1e8f ? (int32_t)ceilf(highest * 1048576.0f) + 1 : NOWHERE;
-}
-
-/* Newton's method in the logarithms of force and depth: force is about a power of depth. */
-static int32_t stepped(int32_t top, int32_t at, double share, double grows, int32_t depth)
-{
-	const double z = top - at, power = fmin(fmax(z * grows / fmax(share, 1e-6), 0.1), 1e6);
-	const double step = z * exp2(fmin(fmax(-log2(fmax(share, 1e-6)) / power, -20), 20));
-	return top - (int32_t)lround(fmin(step, depth));
-}
-
-/* Takes force as a power of depth through two tries. Returns the height at which it is the load. */
-static int32_t between(int32_t top, int32_t first, int32_t second, double at_first, double at_second)
-{
-	const double near = top - first > 1 ? top - first : 1, far = top - second > 1 ? top - second : 1, rise = log2(at_second / at_first);
-	const double part = fabs(rise) > 1e-9 ? -log2(at_first) / rise : 0.5;
-	return top - (int32_t)lround(fmin(near * exp2(log2(far / near) * fmin(fmax(part, -20), 20)), 1e9));
-}
-
-/* Returns a height between two depths below the first contact: at the geometric mean if the depths differ much, else at the mean. */
-static int32_t middle(int32_t shallow, int32_t deep, int32_t top)
-{
-	const double least_depth = shallow > 8 ? shallow : 8;
-	return top - (deep > 8 * least_depth ? (int32_t)sqrt(least_depth * (double)deep) : shallow + (deep - shallow) / 2);
-}
-
-struct pressed_body {
-	const struct soil_law *law;
-	const struct soil_planes *planes;
-	const struct soil_motion *motion;
-	struct soil_body body;
-	struct soil_form form;
-	struct soil_posts *posts;
-	double by_width;   /* 0: counted */
-	int32_t gathered;  /* the least height for which the posts were gathered */
-};
-
-/* Gathers the posts for heights from `least` on, if that is not done. */
-static void gather(struct pressed_body *b, int32_t lowest)
-{
-	if (lowest >= b->gathered)
-		return;
-	b->gathered = lowest;
-	soil_posts_gather(b->law, b->planes, &b->body, &b->form, lowest, b->posts);
-}
-
-static float put_width(struct pressed_body *b, int32_t raised)
-{
-	const float by_width = b->by_width > 0 ? (float)b->by_width : counted_width(b->posts, &b->form, raised);
-	soil_posts_width(by_width, b->posts);
-	return by_width;
-}
-
-static int32_t clamp_to(int64_t value, int64_t low, int64_t high)
-{
-	return (int32_t)(value < low ? low : value > high ? high : value);
-}
-
-static void find_height(struct pressed_body *b, int32_t start, struct search *s)
-{
-	const double load = b->motion->load, unit = (double)b->form.spacing * (double)b->form.spacing / (double)BEAR_UNITS_A_PASCAL / load;
-	const double reach = soil_shape_reach(b->motion->shape, b->motion->to.pitch, b->motion->to.roll);
-	const double deepest = 2 * (b->motion->shape->kind == SOIL_MESH ? soil_shape_bound(b->motion->shape) : reach);
-	const int32_t depth = (int32_t)fmin(ldexp(deepest, OFFSET_BITS), 0x1p28);
-	gather(b, start - (int32_t)fmin(ldexp(0.2 * reach, OFFSET_BITS), 0x1p27));
-	int32_t top = first_contact(b->posts);
-	if (top == NOWHERE) {
-		gather(b, -(1 << 30));
-		top = first_contact(b->posts);
-	}
-	*s = (struct search){.share = 1, .state = top == NOWHERE ? SOIL_AIR : SOIL_SUNK};
-	if (top == NOWHERE)
-		return;
-	int32_t low = top - depth, high = top, before = 0;
-	double at_low = 1e30, at_high = 0, at_before = 0, carried = 1;
-	int64_t last = 2 * (int64_t)depth;
-	int stalls = 0;
-	bool done = false;
-	s->raised = clamp_to(start, low + 1, high - 1);
-	for (s->tries = 0; s->tries < TRIES && !done; s->tries++) {
-		gather(b, s->raised);
-		s->by_width = put_width(b, s->raised);
-		soil_bear(&b->form, b->posts, s->raised, 1, &s->sums, NULL, NULL);
-		const double share = (double)s->sums.force[2] * unit, grows_here = s->sums.grows * unit * (double)SOIL_UNIT;
-		const bool bears = share >= 1;
-		s->state = bears ? SOIL_TOUCHING : s->state;
-		carried = bears ? share : carried;
-		low = bears ? s->raised : low;
-		high = bears ? high : s->raised;
-		at_low = bears ? share : at_low;
-		at_high = bears ? at_high : share;
-		const int64_t width = (int64_t)high - low;
-		const bool both = at_low < 1e30 && at_high > 1e-6;
-		/* The height is found if the next step is shorter than half a unit, or if the bracket is one unit wide. */
-		const double gap = abs(s->raised - before) > 1 ? abs(s->raised - before) : 1, chord = s->tries > 0 ? fabs((share - at_before) / gap) : grows_here;
-		const bool there = fabs(share - 1) <= 0.5 * fmin(grows_here, chord);
-		s->state = there ? SOIL_TOUCHING : s->state;
-		carried = there ? share : carried;
-		done = there || width <= 1;
-		/* The first step is one of Newton's method, and so are those that stay in the bracket. */
-		const bool known = s->tries > 0 && fmin(share, at_before) > 1e-6 && s->raised != before;
-		int32_t next = known ? between(top, before, s->raised, at_before, share) : stepped(top, s->raised, share, grows_here, depth);
-		const bool out_of = next <= low || next >= high;
-		next = out_of && both ? between(top, high, low, at_high, at_low) : next;
-		/* If three steps in a row do not halve the bracket, the next try is in its middle. */
-		stalls = 2 * width > last ? stalls + 1 : 0;
-		const bool lags = stalls >= 3 || share <= 1e-6 || (out_of && !both && at_low < 1e30);
-		stalls = lags ? 0 : stalls;
-		last = width;
-		before = s->raised;
-		at_before = share;
-		next = clamp_to(lags ? middle(top - high, top - low, top) : next, low + 1, high - 1 > low + 1 ? high - 1 : low + 1);
-		s->raised = there ? s->raised : done ? low : next;
-	}
-	s->raised = done ? s->raised : low;
-	s->share = (float)carried;
-}
-
-/* --- the new state of posts --- */
 
 /* What a block of posts becomes. */
 struct after {
@@ -261,7 +57,7 @@ SOIL_CLONED static void put_after(const struct soil_form *restrict f, const floa
 	int32_t ground[POSTS_LANES], rests[POSTS_LANES], lowest[POSTS_LANES], deposited[POSTS_LANES], sinkage[POSTS_LANES], dug[POSTS_LANES], before[POSTS_LANES];
 	float up[POSTS_LANES], by_up[POSTS_LANES], over[POSTS_LANES], swept[POSTS_LANES], more[POSTS_LANES];
 	struct stress_soil soils[POSTS_LANES];
-	const int32_t near = (int32_t)fminf(f->spacing * 2097152.0f, 1e9f);
+	const int32_t near = (int32_t)fminf((float)SHEAR_ENDS * f->spacing * 1048576.0f, 1e9f);
 	for (int i = 0; i < POSTS_LANES; i++) {
 		const float height = posts->height[b + i] + posts->above[b + i] + f->beyond;
 		ground[i] = posts->ground[b + i] - raised;
@@ -350,7 +146,7 @@ static void put_post(const struct soil_press *press, const struct soil_planes *p
 	row->deep = deep > row->deep ? deep : row->deep;
 }
 
-static void commit(const struct soil_press *press, const struct pressed_body *b, const struct soil_kept *kept, int32_t raised, struct soil_pressed *out)
+static void commit(const struct soil_press *press, const struct bearing *b, const struct soil_kept *kept, int32_t raised, struct soil_pressed *out)
 {
 	const struct soil_posts *posts = b->posts;
 	const struct soil_planes *planes = b->planes;
@@ -388,60 +184,52 @@ static void commit(const struct soil_press *press, const struct pressed_body *b,
 		out->reached = post_rect_around(near, out->measured.patch);
 }
 
-/* --- forces --- */
+/* --- contact and feel --- */
 
-static void out_of_frame(const struct soil_body *body, const double v[3], double out[3])
+/* Finds the body's height and evaluates the law there. Returns false if there is no ground below it. */
+static bool evaluate(struct bearing *b, int32_t start, struct soil_height *height, struct soil_sums *sums, struct soil_kept *kept)
 {
-	out[0] = body->axis[0] * v[0] - body->axis[1] * v[1];
-	out[1] = body->axis[1] * v[0] + body->axis[0] * v[1];
-	out[2] = v[2];
-}
-
-static void tell(const struct pressed_body *b, const struct search *s, struct soil_forces *forces)
-{
-	const double post = (double)b->form.spacing * (double)b->form.spacing, unit = post / (double)BEAR_UNITS_A_PASCAL;
-	double force[3], moment[3];
-	for (int k = 0; k < 3; k++) {
-		force[k] = (double)s->sums.force[k] * unit;
-		moment[k] = (double)s->sums.moment[k] * unit / (double)b->form.by_arm;
-	}
-	*forces = (struct soil_forces){
-		.sinkage = lattice_offset_metres(s->sums.deepest), .area = (double)s->sums.area / (double)BEAR_AREA_UNITS * post, .pull = (double)s->sums.pull * unit,
-		.z = b->motion->to.z + s->raised, .saturated = (uint32_t)s->sums.saturated, .state = s->state,
-	};
-	out_of_frame(&b->body, force, forces->force);
-	out_of_frame(&b->body, moment, forces->moment);
-}
-
-static void prepare(const struct soil_law *law, const struct soil_planes *planes, const struct soil_motion *motion, struct soil_work *work, struct pressed_body *b)
-{
-	*b = (struct pressed_body){.law = law, .planes = planes, .motion = motion, .posts = &work->posts, .gathered = INT32_MAX};
-	soil_form_of(law, motion, &b->body, &b->form);
-	b->by_width = width_of(motion, &b->body);
+	*height = (struct soil_height){.share = 1, .state = SOIL_TOUCHING};
+	*sums = (struct soil_sums){.deepest = 0};
+	if (b->motion->load > 0)
+		soil_height_find(b, start, height);
+	else
+		soil_bearing_gather(b, 0);
+	if (height->state == SOIL_AIR || b->posts->count == 0)
+		return false;
+	soil_bearing_evaluate(b, height->raised, height->share, sums, kept, NULL);
+	return true;
 }
 
 enum status soil_press_body(const struct soil_law *law, const struct soil_planes *planes, const struct soil_motion *motion, const struct soil_press *press,
 			    struct soil_work *work, struct soil_pressed *out)
 {
-	struct pressed_body b;
-	struct search s = {.share = 1, .state = SOIL_TOUCHING};
-	enum status status = need(work, soil_posts_below(law, motion));
+	struct bearing b;
+	struct soil_height height;
+	struct soil_sums sums;
+	enum status status = soil_bearing_begin(law, planes, motion, work, SHEAR_ENDS * law->spacing, &b);
 	if (status != STATUS_OK)
 		return status;
-	prepare(law, planes, motion, work, &b);
 	*out = (struct soil_pressed){.reached = {0, 0, 0, 0}};
 	soil_measured_begin(&out->measured);
-	if (motion->load > 0)
-		find_height(&b, press->start, &s);
-	else
-		gather(&b, 0);
-	put_width(&b, s.raised);
-	if (s.state != SOIL_AIR && b.posts->count > 0) {
-		soil_bear(&b.form, b.posts, s.raised, s.share, &s.sums, &work->kept, NULL);
-		commit(press, &b, &work->kept, s.raised, out);
-	}
-	tell(&b, &s, &out->forces);
-	out->raised = s.raised;
-	out->tries = s.tries;
+	if (evaluate(&b, press->start, &height, &sums, &work->kept))
+		commit(press, &b, &work->kept, height.raised, out);
+	soil_bearing_tell(&b, &sums, height.raised, height.state, &out->forces);
+	out->raised = height.raised;
+	out->tries = height.tries;
+	return STATUS_OK;
+}
+
+enum status soil_feel(const struct soil_law *law, const struct soil_planes *planes, const struct soil_motion *motion, int32_t start, struct soil_work *work,
+		      struct soil_forces *out)
+{
+	struct bearing b;
+	struct soil_height height;
+	struct soil_sums sums;
+	enum status status = soil_bearing_begin(law, planes, motion, work, 0, &b);
+	if (status != STATUS_OK)
+		return status;
+	evaluate(&b, start, &height, &sums, NULL);
+	soil_bearing_tell(&b, &sums, height.raised, height.state, out);
 	return STATUS_OK;
 }

@@ -28,4 +28,9 @@ struct soil_pressed {
 enum status soil_press_body(const struct soil_law *law, const struct soil_planes *planes, const struct soil_motion *motion, const struct soil_press *press,
 			    struct soil_work *work, struct soil_pressed *out) FURROW_CHECKED;
 
+/* Computes the forces that soil_press_body would tell, and changes nothing. start: as in struct soil_press. STATUS_MEMORY. Any thread; `work` belongs to
+ * one. */
+enum status soil_feel(const struct soil_law *law, const struct soil_planes *planes, const struct soil_motion *motion, int32_t start, struct soil_work *work,
+		      struct soil_forces *out) FURROW_CHECKED;
+
 #endif

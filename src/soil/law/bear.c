@@ -530,9 +530,12 @@ SOIL_INLINED struct place mean_of(const struct lane_places *all, int i)
 /* Adds a column times a row. */
 SOIL_INLINED void add_product(const float a[3], float by, const float b[3], float matrix[3][3])
 {
-	for (int i = 0; i < 3; i++)
-		for (int k = 0; k < 3; k++)
-			matrix[i][k] += a[i] * by * b[k];
+	for (int i = 0; i < 3; i++) {
+		const float times = a[i] * by;
+		matrix[i][0] += times * b[0];
+		matrix[i][1] += times * b[1];
+		matrix[i][2] += times * b[2];
+	}
 }
 
 /* How the force at the lanes' places changes with a way, and with a speed, of the surface there: N/m, N s/m. */
@@ -540,13 +543,31 @@ struct lane_growths {
 	float stiff[3][3][LANES], slow[3][3][LANES], stress[3][LANES];
 };
 
+/* Adds what shear along one of the two directions adds to how the stress grows. along: growths with ways, speeds along both. */
+SOIL_INLINED void add_along(const struct place *place, int r, float by, const float along[2], float matrix[3][3])
+{
+	float both[3];
+	for (int k = 0; k < 3; k++)
+		both[k] = along[0] * place->across[0][k] + along[1] * place->across[1][k];
+	add_product(place->across[r], -by, both, matrix);
+}
+
+SOIL_INLINED void put_matrix(const float matrix[3][3], int i, float to[3][3][LANES])
+{
+	for (int k = 0; k < 3; k++) {
+		to[k][0][i] = matrix[k][0];
+		to[k][1][i] = matrix[k][1];
+		to[k][2][i] = matrix[k][2];
+	}
+}
+
 /* The body's surface rises above a place of the ground by n . motion / n_z. */
 SOIL_INLINED void put_growths(const struct soil_form *f, const struct lane_places *all, struct lane_growths *growths)
 {
 	const float post = f->spacing * f->spacing;
 	EACH_LANE {
 		const struct place place = mean_of(all, i);
-		const float *n = place.normal, area = place.area * post;
+		const float *n = place.normal, area = place.area * post, strength = area * place.strength;
 		float shear[3], stress[3], grows[3], stiff[3][3] = {{0}}, slow[3][3] = {{0}};
 		stress_at(&place, shear, stress);
 		for (int k = 0; k < 3; k++) {
@@ -555,20 +576,12 @@ SOIL_INLINED void put_growths(const struct soil_form *f, const struct lane_place
 		}
 		add_product(grows, -place.sinks / n[2], n, stiff);
 		add_product(grows, -place.damps, n, slow);
-		for (int r = 0; r < 2; r++) {
-			float shears[3], drags[3];
-			for (int k = 0; k < 3; k++) {
-				shears[k] = place.shears[r][0] * place.across[0][k] + place.shears[r][1] * place.across[1][k];
-				drags[k] = place.drags[r][0] * place.across[0][k] + place.drags[r][1] * place.across[1][k];
-			}
-			add_product(place.across[r], -area * place.strength, shears, stiff);
-			add_product(place.across[r], -area, drags, slow);
-		}
-		for (int k = 0; k < 3; k++)
-			for (int j = 0; j < 3; j++) {
-				growths->stiff[k][j][i] = stiff[k][j];
-				growths->slow[k][j][i] = slow[k][j];
-			}
+		add_along(&place, 0, strength, place.shears[0], stiff);
+		add_along(&place, 1, strength, place.shears[1], stiff);
+		add_along(&place, 0, area, place.drags[0], slow);
+		add_along(&place, 1, area, place.drags[1], slow);
+		put_matrix((const float(*)[3])stiff, i, growths->stiff);
+		put_matrix((const float(*)[3])slow, i, growths->slow);
 	}
 }
 

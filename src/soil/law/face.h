@@ -145,7 +145,7 @@ SOIL_INLINED void face_at(const struct soil_form *f, enum soil_form_kind kind, f
 
 SOIL_INLINED float height_at(const struct soil_form *f, enum soil_form_kind kind, float own, float x, float y)
 {
-	struct face face;
+	struct face face = {.height = 0};
 	if (kind == FORM_RIM)
 		return (f->lean * y - half_strip(f, x)) * f->lift;
 	face_at(f, kind, own, x, y, &face); /* what is not used is not computed */

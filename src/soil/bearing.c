@@ -1,0 +1,110 @@
+/* A body on the ground, as contacts and probes evaluate the law of the soil. */
+#include "soil/bearing.h"
+
+#include "soil/shape/body.h"
+
+enum status soil_work_create(struct soil_work **out)
+{
+	*out = mem_calloc(1, sizeof **out);
+	return *out != NULL ? STATUS_OK : fail_memory("bearing soil");
+}
+
+void soil_work_destroy(struct soil_work *work)
+{
+	if (work == NULL)
+		return;
+	soil_posts_finish(&work->posts);
+	mem_free(work->kept.more);
+	mem_free(work);
+}
+
+static enum status need(struct soil_work *work, struct post_rect below)
+{
+	const size_t count = (size_t)(below.x1 - below.x0) * (size_t)(below.y1 - below.y0);
+	enum status status = soil_posts_need(&work->posts, count);
+	if (status != STATUS_OK || work->kept_room >= work->posts.capacity)
+		return status;
+	const size_t room = work->posts.capacity;
+	float *memory = mem_realloc(work->kept.more, 3 * room, sizeof *memory);
+	if (memory == NULL)
+		return fail_memory("bearing soil");
+	work->kept = (struct soil_kept){memory, memory + room, memory + 2 * room};
+	work->kept_room = room;
+	return STATUS_OK;
+}
+
+/* --- the width of the contact patch --- */
+
+/* Returns 1 / b, b the width of the contact patch, 1/m. 0: it follows from the number of posts that the body touches. */
+static double width_of(const struct soil_motion *motion, const struct soil_body *body)
+{
+	const struct soil_shape *shape = motion->shape;
+	if (shape->kind == SOIL_WHEEL || shape->kind == SOIL_CYLINDER) { /* between a level wheel and a round plate */
+		const double squares = body->lower.axis[2] * body->lower.axis[2];
+		return (1 - squares) / (shape->kind == SOIL_WHEEL ? shape->width : shape->length) + squares / shape->radius;
+	}
+	return shape->kind == SOIL_BOX ? 1 / fmin(shape->size[0], shape->size[1]) : 0;
+}
+
+/* Returns 1 / b for the posts that the body touches at a height. b is the radius of a round plate of their area. */
+static float counted_width(const struct soil_posts *posts, const struct soil_form *form, int32_t raised)
+{
+	int32_t count = 0;
+	for (size_t i = 0; i < posts->count; i++)
+		count += (posts->over[i] > 0) & ((float)(posts->ground[i] - raised) * SOIL_UNIT - form->beyond > posts->height[i] + posts->above[i]);
+	const float area = (float)(count > 1 ? count : 1) * form->spacing * form->spacing;
+	return 1 / sqrtf(area * 0.31830989f);
+}
+
+/* --- one evaluation after another --- */
+
+enum status soil_bearing_begin(const struct soil_law *law, const struct soil_planes *planes, const struct soil_motion *motion, struct soil_work *work,
+			       double above, struct bearing *b)
+{
+	const struct post_rect below = soil_posts_below(law, motion);
+	enum status status = need(work, below);
+	if (status != STATUS_OK)
+		return status;
+	*b = (struct bearing){.law = law, .planes = planes, .motion = motion, .posts = &work->posts, .above = above, .gathered = INT32_MAX};
+	soil_form_of(law, motion, &b->body, &b->form);
+	b->by_width = width_of(motion, &b->body);
+	return STATUS_OK;
+}
+
+void soil_bearing_gather(struct bearing *b, int32_t lowest)
+{
+	if (lowest >= b->gathered)
+		return;
+	b->gathered = lowest;
+	soil_posts_gather(b->law, b->planes, &b->body, &b->form, lowest, b->above, b->posts);
+}
+
+void soil_bearing_evaluate(struct bearing *b, int32_t raised, float share, struct soil_sums *sums, struct soil_kept *kept, struct soil_changes *changes)
+{
+	soil_posts_width(b->by_width > 0 ? (float)b->by_width : counted_width(b->posts, &b->form, raised), b->posts);
+	soil_bear(&b->form, b->posts, raised, share, sums, kept, changes);
+}
+
+void soil_bearing_turn(const struct bearing *b, const double v[3], double out[3])
+{
+	const double *axis = b->body.axis, x = v[0], y = v[1];
+	out[0] = axis[0] * x - axis[1] * y;
+	out[1] = axis[1] * x + axis[0] * y;
+	out[2] = v[2];
+}
+
+void soil_bearing_tell(const struct bearing *b, const struct soil_sums *sums, int32_t raised, enum soil_state state, struct soil_forces *forces)
+{
+	const double post = (double)b->form.spacing * (double)b->form.spacing, unit = post / (double)BEAR_UNITS_A_PASCAL;
+	double force[3], moment[3];
+	for (int k = 0; k < 3; k++) {
+		force[k] = (double)sums->force[k] * unit;
+		moment[k] = (double)sums->moment[k] * unit / (double)b->form.by_arm;
+	}
+	*forces = (struct soil_forces){
+		.sinkage = lattice_offset_metres(sums->deepest), .area = (double)sums->area / (double)BEAR_AREA_UNITS * post, .pull = (double)sums->pull * unit,
+		.z = b->motion->to.z + raised, .saturated = (uint32_t)sums->saturated, .state = sums->area == 0 && state != SOIL_SUNK ? SOIL_AIR : state,
+	};
+	soil_bearing_turn(b, force, forces->force);
+	soil_bearing_turn(b, moment, forces->moment);
+}

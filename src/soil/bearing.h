@@ -1,0 +1,51 @@
+/*
+ * A body on the ground: its form, its motion, and the posts that it may touch. Contacts, searches for the equilibrium height and probes evaluate the
+ * law of the soil by these functions alone, so they tell the same forces to the bit. Inside of src/soil.
+ */
+#ifndef FURROW_SOIL_BEARING_H
+#define FURROW_SOIL_BEARING_H
+
+#include "soil/law/bear.h"
+
+struct soil_work {
+	struct soil_posts posts;
+	struct soil_kept kept;
+	size_t kept_room;
+};
+
+/* Heights are fixed-point units above motion->to.z. */
+struct bearing {
+	const struct soil_law *law;
+	const struct soil_planes *planes;
+	const struct soil_motion *motion;
+	struct soil_body body;
+	struct soil_form form;
+	struct soil_posts *posts; /* of the scratch memory */
+	double by_width;   /* 1 / width of the contact patch, 1/m; 0: it follows from the number of posts that the body touches */
+	double above;      /* m: posts count too above whose ground the body is by at most this */
+	int32_t gathered;  /* the least height for which the posts were gathered */
+};
+
+/* Prepares a body. above: as in soil_posts_gather. Keeps pointers to all arguments. The struct points to itself, so it is not copied. STATUS_MEMORY: no room for its posts. */
+enum status soil_bearing_begin(const struct soil_law *law, const struct soil_planes *planes, const struct soil_motion *motion, struct soil_work *work,
+			       double above, struct bearing *b) FURROW_CHECKED;
+/* Gathers the posts for heights from `lowest` on, if that is not done. */
+void soil_bearing_gather(struct bearing *b, int32_t lowest);
+/* Evaluates the law at a height for which the posts were gathered. share, kept, changes: as in soil_bear. */
+void soil_bearing_evaluate(struct bearing *b, int32_t raised, float share, struct soil_sums *sums, struct soil_kept *kept, struct soil_changes *changes);
+/* Turns a vector from the body's frame to east, north, up. */
+void soil_bearing_turn(const struct bearing *b, const double v[3], double out[3]);
+/* Tells the forces of an evaluation. state: SOIL_AIR takes its place where no post bears. */
+void soil_bearing_tell(const struct bearing *b, const struct soil_sums *sums, int32_t raised, enum soil_state state, struct soil_forces *forces);
+
+/* The height of a body with a load. */
+struct soil_height {
+	int32_t raised;
+	float share;          /* of the load that the soil carries there; not quite 1, since heights are whole units */
+	enum soil_state state; /* SOIL_AIR: there is no ground below the body */
+	int tries;            /* evaluations */
+};
+/* Finds the equilibrium height: height.c. start: where the search begins. */
+void soil_height_find(struct bearing *b, int32_t start, struct soil_height *height);
+
+#endif
