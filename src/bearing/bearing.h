@@ -39,6 +39,11 @@ enum status bearing_contact(struct bearing *bearing, const struct deform_contact
 /* Computes its forces alone, and changes nothing. */
 enum status bearing_feel(struct bearing *bearing, const struct deform_contact *contact, const struct bearing_area *area, const struct deform_tile *held,
 			 size_t count, struct deform_forces *forces) FURROW_CHECKED;
+/* Returns the posts that a probe of this motion reads. */
+struct post_rect bearing_probe_posts(const struct bearing *bearing, const struct soil_motion *motion);
+/* Computes what soil_probe tells. held: all tiles that have posts of bearing_probe_posts, pinned. */
+enum status bearing_probe(struct bearing *bearing, const struct soil_motion *motion, const struct deform_tile *held, size_t count, struct soil_probed *out)
+	FURROW_CHECKED;
 /* Sets the equilibrium height of a loaded body that has had no contact yet: how far it rests above its pose, 2^-20 m. */
 void bearing_set_equilibrium(struct bearing *bearing, uint32_t loaded_body, int32_t raised);
 

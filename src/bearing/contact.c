@@ -232,3 +232,21 @@ enum status bearing_feel(struct bearing *bearing, const struct deform_contact *c
 		tell(bearing, contact, &motion, &pressed.forces, forces);
 	return status;
 }
+
+/* --- probes --- */
+
+struct post_rect bearing_probe_posts(const struct bearing *bearing, const struct soil_motion *motion)
+{
+	const struct post_rect world = {bearing->world.x0 - 1, bearing->world.y0 - 1, bearing->world.x1 + 1, bearing->world.y1 + 1};
+	return post_rect_intersect(grown(soil_shadow(motion->shape, motion->jumped ? &motion->to : &motion->from, &motion->to, bearing->law.spacing), 2), world);
+}
+
+enum status bearing_probe(struct bearing *bearing, const struct soil_motion *motion, const struct deform_tile *held, size_t count, struct soil_probed *out)
+{
+	const struct post_rect read = bearing_probe_posts(bearing, motion);
+	*out = (struct soil_probed){.known = false};
+	if (post_rect_empty(read))
+		return STATUS_OK;
+	enum status status = gather(bearing, read, held, count);
+	return status == STATUS_OK ? soil_probe(&bearing->law, &bearing->window.planes, motion, bearing->work, out) : status;
+}

@@ -137,11 +137,8 @@ static void restore_hosts(struct world *world, const struct checkpoint *saved)
 		if (host == NULL)
 			continue;
 		if (i < saved->host_count) {
-			/* The ground under it is read again. */
-			const struct host_mirror mirror = {.patch = host->mirror.patch, .stale = true, .anew = true};
 			const bool told = host->rates_told;
 			*host = saved->hosts[i];
-			host->mirror = mirror;
 			host->rates_told = told;
 			continue;
 		}

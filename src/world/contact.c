@@ -58,7 +58,6 @@ enum status world_mark(struct world *world, struct post_rect rect, const struct 
 {
 	enum status status = STATUS_OK;
 	resident_newest_changed(world->newest);
-	world_probes_changed(world, rect);
 	for (size_t i = 0; i < held->count && status == STATUS_OK; i++) {
 		struct tile tile = held->tiles[i].tile;
 		if (post_rect_empty(post_rect_intersect(rect, tile_post_rect(&world->meta->extent, tile))))
@@ -162,7 +161,13 @@ static struct deform_contact contact_of(const struct world *world, const struct 
 		.loaded_body = body->loaded_body,
 	};
 	if (world_is_hosts(world, event->body)) {
+		const struct host_body *host = world_host_body(world, (int32_t)(event->body - world->scene->object_count - 1));
 		contact.hosted = true;
+		if (event->seconds > 0) {
+			memcpy(contact.linear, host->now.linear, sizeof contact.linear);
+			memcpy(contact.angular, host->now.angular, sizeof contact.angular);
+			contact.runs = contact.shape->belt ? world_belt_of(host, &host->now)->speed : 0;
+		}
 		contact.stamped = event->stamped;
 		contact.seconds = event->seconds;
 		contact.turned = event->turned;

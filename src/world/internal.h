@@ -84,30 +84,16 @@ void world_host_arrived(struct world *world, uint64_t tag, size_t index, const s
 /* In told.c: gives the state of a body with a path. */
 enum status world_path_state(const struct world *world, size_t body, struct world_state *state) FURROW_CHECKED;
 
-/* --- touched.c --- */
-void world_touched_note(struct world_touched *touched, struct post_rect rect); /* posts of this rectangle changed */
-void world_touched_sort(struct world_touched *touched); /* before it is asked */
-bool world_touched_meets(const struct world_touched *touched, struct post_rect rect); /* has a post of this rectangle changed? */
-void world_touched_clear(struct world_touched *touched);
-void world_touched_free(struct world_touched *touched);
+/* --- probes.c --- */
 
-/* --- probes.c: the ground under a host's bodies, mirrored on the host --- */
-
-/* Posts of this rectangle changed. */
-void world_probes_changed(struct world *world, struct post_rect rect);
-/* Reads the ground under all bodies that were probed, where it changed. Call it at the end of a step. Waits for the GPU. */
-enum status world_probes_refresh(struct world *world) FURROW_CHECKED;
 /* Gives the rotation from one attitude to another as a vector, rad. */
 void world_rotation_between(const double from[4], const double to[4], double rotated[3]);
-/* Notes a pose of a body between two contacts. */
-void world_probes_reach(struct host_body *host, const struct soil_pose *to);
-/* Computes the contact at the body's present state. Returns false if it is not known. */
-bool world_probes_now(const struct world *world, const struct host_body *host, struct deform_probed *probed);
-void world_probes_free(struct world *world); /* frees the mirrors; before deform and GPU are destroyed */
+/* Computes the contact at the body's present state. probed->known false: it is not known. */
+enum status world_probes_now(struct world *world, const struct host_body *host, struct soil_probed *probed) FURROW_CHECKED;
 /* hosts.c: returns where the body's belt is in a state. */
 const struct world_belt *world_belt_of(const struct host_body *host, const struct world_state *state);
 /* told.c: fills a contact from what a probe computed. */
-void world_tell_probed(const struct host_body *host, const struct world_state *state, const struct deform_probed *probed, double time,
+void world_tell_probed(const struct host_body *host, const struct world_state *state, const struct soil_probed *probed, double time,
 		       struct world_contact *contact);
 
 /* --- changes.c --- */

@@ -42,14 +42,7 @@ void world_forget_events(struct world *world)
 
 void world_body_here(struct world *world, size_t index, bool here)
 {
-	_Atomic bool *elsewhere = elsewhere_of(world, index);
-	const bool changes = *elsewhere == here;
-	*elsewhere = !here;
-	if (!changes || !world_is_hosts(world, index))
-		return;
-	/* What the mirror has may be old. */
-	struct host_mirror *mirror = &world_host_body(world, (int32_t)(index - world->scene->object_count - 1))->mirror;
-	mirror->stale = mirror->anew = true;
+	*elsewhere_of(world, index) = !here;
 }
 
 /* --- what a step may touch --- */
@@ -108,13 +101,12 @@ static void include_host(const struct world *world, const struct host_body *host
 	}
 	if (host->body.in_contact)
 		include(area, world, host->body.last.x, host->body.last.y, posts);
-	if (host->dip.pose.z != INT64_MAX)
-		include(area, world, host->dip.pose.x, host->dip.pose.y, posts);
+	include(area, world, host->felt.x, host->felt.y, posts);
 }
 
 struct post_rect world_body_area(const struct world *world, size_t index, double until)
 {
-	enum { PROBED = 6 }; /* posts: a mirror of the ground under a body reaches so far beyond it, and more (probes.c) */
+	enum { PROBED = 6 }; /* posts: a probed pose may lie so far beyond the body */
 	struct post_rect area = {INT64_MAX, INT64_MAX, INT64_MIN, INT64_MIN};
 	const struct body *body = world_body_at(world, index);
 	const int64_t posts = world_contact_reach(world, &body->object->shape);

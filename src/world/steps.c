@@ -183,8 +183,6 @@ enum status world_move_hosts(struct world *world)
 	world->torn = true;
 	if (status == STATUS_OK)
 		status = world_hosts_step(world, 0, world->time); /* no row is due: the scene's own objects have not begun */
-	if (status == STATUS_OK)
-		status = world_probes_refresh(world);
 	return status == STATUS_OK ? world_end_step(world) : status;
 }
 
@@ -220,9 +218,6 @@ enum status world_step_to(struct world *world, double until)
 	world->hosts.until = until;
 	world->torn = true;
 	status = deform_step(world, until);
-	if (status != STATUS_OK)
-		return status;
-	status = world_probes_refresh(world);
 	if (status != STATUS_OK)
 		return status;
 	world->step++;

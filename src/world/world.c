@@ -388,7 +388,6 @@ void world_finish(struct world *world, enum status status)
 	world_soils_met_free(world->met);
 	page_trace_destroy(world->trace);
 	world_forces_destroy(world->forces);
-	world_probes_free(world);
 	resident_pyramid_destroy(world->pyramid);
 	world_surface_destroy(world);
 	resident_host_destroy(world->host);

@@ -232,10 +232,6 @@ struct host_body {
 	double turned;                /* rad about a wheel's axle, m that its belt ran, since `last` */
 	double rotated[3];            /* other shapes: rad about local axes since `last` */
 	double stamped;               /* 1: the hollow below `last` is an impression of the body; 0: it is a flat rut */
-	struct host_dip {             /* its lowest pose since `last`, and the motion until then; pose.z INT64_MAX: there is none */
-		struct soil_pose pose;
-		double since, turned, rotated[3];
-	} dip;
 	struct soil_pose felt;      /* the pose for which forces were last computed, */
 	double felt_turned;           /* the value of `turned` then, */
 	bool felt_moving;             /* and true if it moved then */
@@ -245,11 +241,6 @@ struct host_body {
 	struct world_force force;
 	enum world_contact_state state;
 	uint64_t turn;                /* number of the last call of world_bodies_set that named this body */
-	struct host_mirror {          /* probes.c: the ground under the body, on the host */
-		struct deform_patch *patch; /* NULL: no probe asked for it yet */
-		bool stale;           /* the ground or the body's place changed since it was read */
-		bool anew;            /* a contact of the body changed the ground since then */
-	} mirror;
 	bool quiet;                   /* world_body_quiet; then `since` is the time of the last contact, */
 	double slip;                  /* and these two are what its caller told for rows */
 	struct soil_pose shown;
@@ -410,15 +401,7 @@ struct world {
 			unsigned taken;      /* names body-1 .. body-TAKEN are taken */
 		} names;
 		uint64_t turn;        /* number of calls of world_bodies_set so far */
-		struct world_touched { /* touched.c: posts that changed since the mirrors of the ground were last compared with them */
-			struct post_rect *rects;
-			size_t count, room;
-			bool all;        /* for lack of memory: any may have changed */
-			bool north;      /* sorted from south to north, not from west to east */
-			int64_t longest; /* posts along that axis */
-		} touched;
 		double until;         /* s: the end of the current step */
-		size_t mirrors;       /* bodies that were ever probed: at least so many mirrors are there */
 	} hosts;
 	struct checkpoint *checkpoint; /* checkpoint.c; NULL: none yet */
 	struct world_changes {    /* changes.c: for a host's world */
