@@ -254,6 +254,99 @@ static void stiffness_and_damping_are_how_the_force_changes(void **state)
 		}
 }
 
+/* --- hosts --- */
+
+/* Returns how deep a ball goes that falls into the soil: the host integrates every step by a probe, then commits. implicit: by stiffness and damping. */
+static double stops_at(const struct soil_shape *ball, double mass, double speed, double step, bool implicit, double *rebound)
+{
+	struct bed bed;
+	const struct soil_numbers soil = bed_soil("dry_sand");
+	bed_init(&bed, &soil, 0.015625, 96, 0, 0);
+	struct bed_state now = bed_state(0.7503, 0.7411, bed.height + ball->radius, 0, 0, 0);
+	double v = -speed, deepest = 0;
+	*rebound = 0;
+	for (double t = 0; t < 0.5; t += step) {
+		struct soil_motion motion = bed_motion(ball, &now, &now, NULL);
+		motion.linear[2] = v;
+		const struct soil_probed probed = bed_probe(&bed, &motion);
+		const double force = probed.force[2] - mass * 9.81, stiff = probed.stiffness[2][2], slow = probed.damping[2][2];
+		v += implicit ? (step * force + step * step * stiff * v) / (mass - step * slow - step * step * stiff) : step * force / mass;
+		const struct bed_state before = now;
+		now.at[2] += step * v;
+		motion = bed_motion(ball, &before, &now, NULL);
+		motion.linear[2] = v;
+		bed_press(&bed, &motion, 0);
+		deepest = fmax(deepest, bed.height + ball->radius - now.at[2]);
+		*rebound = fmax(*rebound, v);
+	}
+	bed_finish(&bed);
+	return deepest;
+}
+
+/* While the ball sinks, its stiffness is that of yielding soil. At rest or on its way up the soil springs back. */
+static void a_ball_that_falls_stops_at_one_depth_for_every_host(void **state)
+{
+	static const struct soil_shape balls[] = {{.kind = SOIL_SPHERE, .radius = 0.15}, {.kind = SOIL_SPHERE, .radius = 0.1}};
+	for (size_t i = 0; i < COUNT(balls); i++)
+		for (int k = 0; k < 2; k++) {
+			double up[3];
+			const double speed = 1 + 2 * k, fine = stops_at(&balls[i], 20, speed, 1e-4, false, &up[0]), wanted = stops_at(&balls[i], 20, speed, 2.5e-4, false, &up[1]);
+			const double got = stops_at(&balls[i], 20, speed, 2.5e-4, true, &up[2]);
+			print_message("radius %g m, %g m/s: explicit %.3f mm (at a shorter step %.3f), implicit %.3f mm\n", balls[i].radius, speed, wanted * 1e3,
+				      fine * 1e3, got * 1e3);
+			assert_near(got, fine, 0.01 * fine);
+			assert_near(wanted, fine, 0.01 * fine);
+			/* Soil gives no energy. */
+			assert_true(up[0] < 0.3 * speed && up[2] < 0.3 * speed);
+		}
+}
+
+static void stiffness_follows_the_way_that_the_body_goes(void **state)
+{
+	struct bed bed;
+	const struct soil_numbers soil = bed_soil("dry_sand");
+	bed_init(&bed, &soil, 0.015625, SIDE, 0, 0);
+	for (size_t i = 0; i < COUNT(kinds); i++) {
+		bed_reset(&bed);
+		const struct drive d = driven(&bed, &kinds[i], 0.2, 1, 0);
+		double stiff[3];
+		for (int k = 0; k < 3; k++) {
+			struct soil_motion motion = bed_motion(&kinds[i].shape, &d.now, &d.now, NULL);
+			motion.linear[2] = 0.02 * (k - 1);
+			stiff[k] = -bed_probe(&bed, &motion).stiffness[2][2];
+		}
+		print_message("%s: %.4g N/m as it sinks, %.4g at rest, %.4g as it rises\n", kinds[i].name, stiff[0], stiff[1], stiff[2]);
+		assert_true(stiff[0] < 0.2 * stiff[2] && stiff[1] > 0.99 * stiff[2]);
+	}
+	bed_finish(&bed);
+}
+
+/* What moves slowly sticks and settles: damping is greatest at rest. Of a plate it is the soil's, ten times as much down, and none up once it leaves. */
+static void what_moves_slowly_sticks_and_settles(void **state)
+{
+	static const struct kind plate = {"plate", {.kind = SOIL_BOX, .size = {0.32, 0.2, 0.2}}, 0, 0, false};
+	struct bed bed;
+	const struct soil_numbers soil = bed_soil("dry_sand");
+	bed_init(&bed, &soil, 0.01, SIDE, 0, 0);
+	const struct drive d = driven(&bed, &plate, 0, 1, 0);
+	const double area = 0.32 * 0.2, whole = soil.damping * area * fmin(4 * DEPTH / soil.janosi_shear, 1);
+	static const double speeds[] = {0, 0.001, 0.01, 0.1};
+	double before[2] = {INFINITY, INFINITY};
+	for (size_t i = 0; i < COUNT(speeds); i++) {
+		struct soil_motion motion = bed_motion(&plate.shape, &d.now, &d.now, NULL);
+		motion.linear[2] = -speeds[i];
+		motion.linear[0] = speeds[i];
+		const struct soil_probed probed = bed_probe(&bed, &motion);
+		const double down = -probed.damping[2][2], along = -probed.damping[1][1], slow = 1 / (1 + speeds[i] * speeds[i] / (0.002 * 0.002));
+		assert_near(down, whole * (1 + 10 * slow * fmax(2 * slow - 1, 0)), 0.01 * whole);
+		assert_near(along, whole / (1 + speeds[i] * speeds[i] / (0.003 * 0.003)), 0.01 * whole);
+		assert_true(down <= before[0] && along < before[1]);
+		before[0] = down;
+		before[1] = along;
+	}
+	bed_finish(&bed);
+}
+
 TEST_PROGRAM(probe)
 {
 	const struct CMUnitTest tests[] = {
@@ -261,6 +354,9 @@ TEST_PROGRAM(probe)
 		cmocka_unit_test(feeling_with_a_load_is_the_contact),
 		cmocka_unit_test(a_probe_beside_the_planes_is_not_known),
 		cmocka_unit_test(stiffness_and_damping_are_how_the_force_changes),
+		cmocka_unit_test(a_ball_that_falls_stops_at_one_depth_for_every_host),
+		cmocka_unit_test(stiffness_follows_the_way_that_the_body_goes),
+		cmocka_unit_test(what_moves_slowly_sticks_and_settles),
 	};
 	return cmocka_run_group_tests_name("soil/probe", tests, NULL, NULL);
 }
