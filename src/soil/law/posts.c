@@ -382,11 +382,16 @@ static void put_soils(const struct soil_law *law, const struct soil_planes *plan
 	}
 }
 
-/* The lanes after the last post bear nothing. */
+/* The lanes after the last post are copies of it that bear nothing. */
 static void end_lanes(struct soil_posts *p)
 {
+	const size_t last = p->count - 1;
 	for (size_t i = p->count; i < soil_posts_end(p); i++) {
-		p->index[i] = p->index[p->count - 1];
+#define POSTS_COPY(name) p->name[i] = p->name[last];
+		POSTS_WHOLES_EACH(POSTS_COPY)
+#undef POSTS_COPY
+		p->x[i] = p->x[last];
+		p->y[i] = p->y[last];
 		p->base[i] = BASE_NODATA;
 	}
 }
