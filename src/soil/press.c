@@ -101,7 +101,8 @@ SOIL_CLONED static void put_after(const struct soil_form *restrict f, const floa
 		a->deposited[i] = heap;
 		a->sinkage[i] = largest_now;
 		a->dug[i] = dug[i] + digs;
-		a->carried[i] = changes ? carries + smaller(digs, CARRIED_MOST) : 0;
+		/* Only soil that the floor gives up is carried. What slip digs under a body that does not go down stays there, loosened. */
+		a->carried[i] = changes ? larger(smaller(carries + smaller(digs, CARRIED_MOST), before[i] - offset), 0) : 0;
 		a->lost[i] = changes ? before[i] - offset - a->carried[i] : 0;
 		/* The body has just left the post, or comes next, and the shear that the post stores ends. Below a higher body that shear may belong to a
 		 * second one, so it stays. */
@@ -151,6 +152,7 @@ static void commit(const struct soil_press *press, const struct bearing *b, cons
 	const struct soil_planes *planes = b->planes;
 	const float axis[2] = {(float)b->body.axis[0], (float)b->body.axis[1]};
 	struct patch_row row = {.y = INT64_MIN, .first = INT64_MAX, .last = INT64_MIN};
+	struct post_rect near = {INT64_MAX, INT64_MAX, INT64_MIN, INT64_MIN}; /* posts that the body may have freed */
 	for (size_t first = 0; first < posts->count; first += POSTS_LANES) {
 		struct after after;
 		put_after(&b->form, axis, raised, posts, first, kept, (float)b->law->bulldozing, &after);
@@ -161,10 +163,14 @@ static void commit(const struct soil_press *press, const struct bearing *b, cons
 				end_row(press->laying, &row, &out->measured);
 				row.y = y;
 			}
-			if ((after.held[i] || after.ends[i]) && planes->shear != NULL && planes->shear[at] != after.shear[i]) {
+			if ((after.held[i] || after.ends[i]) && planes->shear != NULL)
 				planes->shear[at] = after.shear[i];
-				out->reached = post_rect_around(out->reached, (struct post_rect){planes->rect.x0 + (int64_t)(at % planes->width), y,
-												 planes->rect.x0 + (int64_t)(at % planes->width) + 1, y + 1});
+			if (after.ends[i]) {
+				const int64_t x = planes->rect.x0 + (int64_t)(at % planes->width);
+				near.x0 = x < near.x0 ? x : near.x0;
+				near.x1 = x + 1 > near.x1 ? x + 1 : near.x1;
+				near.y0 = y < near.y0 ? y : near.y0;
+				near.y1 = y + 1;
 			}
 			out->refused += after.refused[i];
 			out->compacted += after.lost[i];
@@ -173,7 +179,9 @@ static void commit(const struct soil_press *press, const struct bearing *b, cons
 		}
 	}
 	end_row(press->laying, &row, &out->measured);
-	out->reached = post_rect_around(out->reached, out->measured.patch);
+	out->reached = near.x0 < near.x1 ? near : out->measured.patch;
+	if (near.x0 < near.x1 && !post_rect_empty(out->measured.patch))
+		out->reached = post_rect_around(near, out->measured.patch);
 }
 
 /* --- contact and feel --- */

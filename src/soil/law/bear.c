@@ -179,7 +179,7 @@ SOIL_INLINED float mean_mobilised(float x, float y, const float direction[2], fl
 
 /* Slip digs soil from below the body, so the body must sink by that much more to be borne as before: dD = |e| (kappa K - D) / K for each way that it
  * slips, D what slip has dug. Compacted soil stays where it is, so it lies less deep below the lowered ground. */
-SOIL_INLINED void dig(const struct soil_form *f, const struct lane_posts *p, int32_t raised, struct block *l)
+SOIL_INLINED void dig(const struct soil_form *f, const struct lane_posts *p, struct block *l)
 {
 	EACH_LANE {
 		const struct stress_soil s = soil_of(p, i);
@@ -191,8 +191,7 @@ SOIL_INLINED void dig(const struct soil_form *f, const struct lane_posts *p, int
 		const float mean = mean_mobilised(p->shear_x[i], p->shear_y[i], direction, halfway);
 		const float limit = least(f->digs_most * s.modulus * p->by_up[i], 95) - p->dug[i];
 		const float digs = most(limit, 0) * (1 - exp_minus(dig_way(f, x, y) * touching * s.by_modulus * mean));
-		/* It never digs itself free. What is dug comes from below the surface that was there: a body that does not go down digs nothing. */
-		const float drop = (float)(p->surface[i] - raised) * SOIL_UNIT - f->beyond - p->height[i] - p->above[i], room = least(l->depth[i] - 2 * SOIL_UNIT, drop);
+		const float room = l->depth[i] - 2 * SOIL_UNIT; /* it never digs itself free */
 		l->more[i] = either((p->over[i] > 0) & (sunk > most(stays, 0)), most(least(digs, room), 0), 0);
 		l->ground[i] -= l->more[i];
 		l->depth[i] -= l->more[i];
@@ -804,7 +803,7 @@ SOIL_INLINED void bear(const struct soil_form *f, enum soil_form_kind kind, bool
 		put_depths(f, kind, p, a->raised, &l);
 		put_slides(f, kind, p, &l);
 		if (f->digs_most > 0)
-			dig(f, p, a->raised, &l);
+			dig(f, p, &l);
 		if (a->kept != NULL)
 			keep(p, b, &l, a->kept);
 		if (!any_above(l.share, 0))

@@ -56,6 +56,7 @@ struct walk {
 	int32_t raised;
 };
 
+<<<<<<< HEAD
 /* Tells by how much at most the soil springs back. It is known only of one soil, and of a body that digs nothing. by_width: of the contact patch. */
 static void put_springs(const struct soil_law *law, const struct soil_planes *planes, const struct soil_form *form, double by_width, struct walk *walk)
 {
@@ -69,9 +70,15 @@ static void put_springs(const struct soil_law *law, const struct soil_planes *pl
 }
 
 static struct walk walk_of(const struct soil_law *law, const struct soil_body *body, const struct soil_form *form, int32_t raised, double above)
+=======
+/* Only posts are walked over whose neighbours are in the planes, too. */
+static struct walk walk_of(const struct soil_law *law, const struct soil_planes *planes, const struct soil_body *body, const struct soil_form *form,
+			   int32_t raised, double above)
+>>>>>>> main
 {
 	const struct soil_motion *motion = body->motion;
-	struct walk walk = {.below = soil_posts_below(law, motion), .step = {body->axis[0] * law->spacing, -body->axis[1] * law->spacing}, .raised = raised};
+	const struct post_rect *rect = &planes->rect, inner = {rect->x0 + 1, rect->y0 + 1, rect->x1 - 1, rect->y1 - 1};
+	struct walk walk = {.below = post_rect_intersect(soil_posts_below(law, motion), inner), .step = {body->axis[0] * law->spacing, -body->axis[1] * law->spacing}, .raised = raised};
 	walk.corner[0] = -(double)soil_body_from_post(motion->to.x, walk.below.x0, law->spacing) - motion->beyond[0];
 	walk.corner[1] = -(double)soil_body_from_post(motion->to.y, walk.below.y0, law->spacing) - motion->beyond[1];
 	walk.zero = motion->to.z - (int64_t)law->reference * ((int64_t)1 << OFFSET_BITS);
@@ -352,8 +359,7 @@ static void fill_soil(const struct soil_numbers *soil, size_t first, size_t last
 	put_soil(&s, (float)soil->bekker_kc, (float)soil->bekker_kphi, first, last, p);
 }
 
-/* Returns the soil of a post, with what rasters say of it. */
-static struct soil_numbers soil_at(const struct soil_law *law, const struct soil_planes *planes, size_t at)
+struct soil_numbers soil_numbers_at(const struct soil_law *law, const struct soil_planes *planes, size_t at)
 {
 	const int class = planes->classes != NULL ? planes->classes[at] : 0;
 	struct soil_numbers soil = law->soils[class < law->soil_count ? class : 0];
@@ -377,7 +383,7 @@ static void put_soils(const struct soil_law *law, const struct soil_planes *plan
 		const size_t at = (size_t)p->index[first];
 		for (last = one ? p->count : first + 1; last < p->count && same_soil(law, planes, at, (size_t)p->index[last]);)
 			last++;
-		const struct soil_numbers soil = soil_at(law, planes, at);
+		const struct soil_numbers soil = soil_numbers_at(law, planes, at);
 		fill_soil(&soil, first, last < p->count ? last : soil_posts_end(p), p);
 	}
 }
@@ -399,7 +405,11 @@ static void end_lanes(struct soil_posts *p)
 void soil_posts_gather(const struct soil_law *law, const struct soil_planes *planes, const struct soil_body *body, const struct soil_form *form,
 		       int32_t raised, double above, double by_width, struct soil_posts *posts)
 {
+<<<<<<< HEAD
 	struct walk walk = walk_of(law, body, form, raised, above);
+=======
+	const struct walk walk = walk_of(law, planes, body, form, raised, above);
+>>>>>>> main
 	const float axis[2] = {(float)body->axis[0], (float)body->axis[1]};
 	put_springs(law, planes, form, by_width, &walk);
 	take_rows(planes, body, form, &walk, posts);
