@@ -56,7 +56,6 @@ struct walk {
 	int32_t raised;
 };
 
-<<<<<<< HEAD
 /* Tells by how much at most the soil springs back. It is known only of one soil, and of a body that digs nothing. by_width: of the contact patch. */
 static void put_springs(const struct soil_law *law, const struct soil_planes *planes, const struct soil_form *form, double by_width, struct walk *walk)
 {
@@ -69,12 +68,9 @@ static void put_springs(const struct soil_law *law, const struct soil_planes *pl
 	walk->springs = 2 * (float)(k * pow(known, soil->bekker_n) / soil->elastic_stiffness) + 1e-5f;
 }
 
-static struct walk walk_of(const struct soil_law *law, const struct soil_body *body, const struct soil_form *form, int32_t raised, double above)
-=======
 /* Only posts are walked over whose neighbours are in the planes, too. */
 static struct walk walk_of(const struct soil_law *law, const struct soil_planes *planes, const struct soil_body *body, const struct soil_form *form,
 			   int32_t raised, double above)
->>>>>>> main
 {
 	const struct soil_motion *motion = body->motion;
 	const struct post_rect *rect = &planes->rect, inner = {rect->x0 + 1, rect->y0 + 1, rect->x1 - 1, rect->y1 - 1};
@@ -405,11 +401,7 @@ static void end_lanes(struct soil_posts *p)
 void soil_posts_gather(const struct soil_law *law, const struct soil_planes *planes, const struct soil_body *body, const struct soil_form *form,
 		       int32_t raised, double above, double by_width, struct soil_posts *posts)
 {
-<<<<<<< HEAD
-	struct walk walk = walk_of(law, body, form, raised, above);
-=======
-	const struct walk walk = walk_of(law, planes, body, form, raised, above);
->>>>>>> main
+	struct walk walk = walk_of(law, planes, body, form, raised, above);
 	const float axis[2] = {(float)body->axis[0], (float)body->axis[1]};
 	put_springs(law, planes, form, by_width, &walk);
 	take_rows(planes, body, form, &walk, posts);
