@@ -76,7 +76,7 @@ void soil_bearing_gather(struct bearing *b, int32_t lowest)
 	if (lowest >= b->gathered)
 		return;
 	b->gathered = lowest;
-	soil_posts_gather(b->law, b->planes, &b->body, &b->form, lowest, b->above, b->posts);
+	soil_posts_gather(b->law, b->planes, &b->body, &b->form, lowest, b->above, b->by_width, b->posts);
 }
 
 void soil_bearing_evaluate(struct bearing *b, int32_t raised, float share, struct soil_sums *sums, struct soil_kept *kept, struct soil_changes *changes)

@@ -86,6 +86,7 @@ enum status soil_probe(const struct soil_law *law, const struct soil_planes *pla
 	if (status != STATUS_OK)
 		return status;
 	out->known = true;
+	b.form.rates = 1; /* its velocity is known: soil below a body at rest springs back */
 	soil_bearing_gather(&b, 0);
 	if (b.posts->count > 0)
 		soil_bearing_evaluate(&b, 0, 1, &sums, NULL, &changes);

@@ -52,8 +52,21 @@ struct walk {
 	int64_t zero;              /* fixed-point units: the centre above the store's reference */
 	double reach;              /* m: how far from its post a place of a cell can be, along an axis */
 	double above;              /* m: posts count up to which the body is so much above their ground */
+	float springs, known;      /* m: soil that sank by at most `known` springs back by less than this */
 	int32_t raised;
 };
+
+/* Tells by how much at most the soil springs back. It is known only of one soil, and of a body that digs nothing. by_width: of the contact patch. */
+static void put_springs(const struct soil_law *law, const struct soil_planes *planes, const struct soil_form *form, double by_width, struct walk *walk)
+{
+	const struct soil_numbers *soil = &law->soils[0];
+	const bool one = planes->classes == NULL && (planes->levels == NULL || law->raster_count == 0);
+	const double known = 0.25 * (double)form->radius, k = fmax(soil->bekker_kc * by_width + soil->bekker_kphi, 0);
+	if (!one || form->digs_most > 0 || !(by_width > 0) || walk->above > 0)
+		return;
+	walk->known = (float)known;
+	walk->springs = 2 * (float)(k * pow(known, soil->bekker_n) / soil->elastic_stiffness) + 1e-5f;
+}
 
 /* Only posts are walked over whose neighbours are in the planes, too. */
 static struct walk walk_of(const struct soil_law *law, const struct soil_planes *planes, const struct soil_body *body, const struct soil_form *form,
@@ -73,8 +86,10 @@ static struct walk walk_of(const struct soil_law *law, const struct soil_planes 
 /* Leaves the columns at which first + column x step is between low and high. */
 static void cut(double first, double step, double low, double high, int64_t columns[2])
 {
-	if (fabs(step) < 1e-9)
+	if (fabs(step) < 1e-9) {
+		columns[1] = first < low || first > high ? columns[0] : columns[1];
 		return;
+	}
 	const double a = (low - first) / step, b = (high - first) / step, end = (double)columns[1];
 	columns[1] = (int64_t)fmin(fmax(ceil(fmax(a, b)) + 1, 0), end);
 	columns[0] = (int64_t)fmin(fmax(floor(fmin(a, b)), (double)columns[0]), (double)columns[1]);
@@ -87,54 +102,82 @@ struct run {
 	int32_t index;
 };
 
-/* Gives the highest ground of a run, and the largest difference of bases of neighbours, both in fixed-point units of bases from the centre. What is
- * farther than 8192 m from it counts as nearer. nodata: above 0 if a base is missing. */
-SOIL_CLONED static void measure_run(const struct run *restrict run, size_t count, int32_t zero, float highest[restrict 3])
+/* What a row of a rim needs to tell which of its posts count. */
+struct marks {
+	float x, y, step_x, step_y;  /* of the first post; from each to the next, m */
+	float radius, outer, reach, run, fell, above; /* m; reach: of a cell's places from its post along the rim */
+	float lean, level, lift, aside; /* aside: how much lower the lower envelope can be because it leans, m */
+	float rise_reach, raised;    /* m: how far from its post a place of a cell can be along each axis, of a slope of 1; the body's centre */
+	float ran;                   /* m: along the rim since the motion's start */
+	float springs, known;        /* m: soil that sank by at most `known` springs back by less than this */
+	int32_t zero;                /* units of bases: the centre above the store's reference */
+};
+
+SOIL_INLINED float further(int32_t from, int32_t to)
 {
-	const int32_t *restrict base = run->base, *restrict deposited = run->deposited, *restrict south = base - run->width, *restrict north = base + run->width;
-	const int32_t *restrict west = base - 1, *restrict east = base + 1;
-	int32_t top = INT32_MIN / 2, rise = 0, holes = 0;
-	for (size_t i = 0; i < count; i++) {
-		const int32_t here = base[i], level = (int32_t)((uint32_t)here - (uint32_t)zero) / 2 + (deposited != NULL ? deposited[i] / 8 : 0) + 1;
-		const int32_t by_x = (int32_t)((uint32_t)east[i] - (uint32_t)here) / 2, by_west = (int32_t)((uint32_t)here - (uint32_t)west[i]) / 2;
-		const int32_t by_y = (int32_t)((uint32_t)north[i] - (uint32_t)here) / 2, by_south = (int32_t)((uint32_t)here - (uint32_t)south[i]) / 2;
-		const int32_t along = (by_x < 0 ? -by_x : by_x) > (by_west < 0 ? -by_west : by_west) ? (by_x < 0 ? -by_x : by_x) : (by_west < 0 ? -by_west : by_west);
-		const int32_t aside = (by_y < 0 ? -by_y : by_y) > (by_south < 0 ? -by_south : by_south) ? (by_y < 0 ? -by_y : by_y) : (by_south < 0 ? -by_south : by_south);
-		const int32_t steep = along > aside ? along : aside;
-		holes |= (here == BASE_NODATA) | (west[i] == BASE_NODATA) | (east[i] == BASE_NODATA) | (south[i] == BASE_NODATA) | (north[i] == BASE_NODATA);
-		top = level > top ? level : top;
-		rise = steep > rise ? steep : rise;
+	const float apart = (float)(int32_t)((uint32_t)to - (uint32_t)from);
+	return either(apart < 0, -apart, apart);
+}
+
+/* Returns the first and, in *end, the end of the posts of a run that may bear a rim or above which it is not higher than `above`. A post does not bear
+ * where the rim is higher than the plastic part of what the post remembers, in all of its cell. */
+SOIL_CLONED static int32_t mark_run(const struct marks *restrict m, const struct run *restrict run, int32_t count, int32_t *restrict end)
+{
+	const int32_t *restrict base = run->base, *restrict west = base - 1, *restrict east = base + 1;
+	const int32_t *restrict south = base - run->width, *restrict north = base + run->width;
+	const int32_t *restrict deposited = run->deposited != NULL ? run->deposited : base, *restrict sinkage = run->sinkage != NULL ? run->sinkage : base;
+	const float heaps = run->deposited != NULL ? SOIL_UNIT : 0, sinks = run->sinkage != NULL ? SOIL_UNIT : 0, unit = 4 * SOIL_UNIT, r2 = m->radius * m->radius;
+	int32_t first = INT32_MAX, last = -1;
+	for (int32_t i = 0; i < count; i++) {
+		const float x = m->x + (float)i * m->step_x, y = m->y + (float)i * m->step_y;
+		const int32_t here = base[i];
+		const bool holes = (here == BASE_NODATA) | (west[i] == BASE_NODATA) | (east[i] == BASE_NODATA) | (south[i] == BASE_NODATA) | (north[i] == BASE_NODATA);
+		const float rise = (most(further(west[i], here), further(here, east[i])) + most(further(south[i], here), further(here, north[i]))) * unit * m->rise_reach;
+		const float ground = (float)(int32_t)((uint32_t)here - (uint32_t)m->zero) * unit + (float)deposited[i] * heaps - m->raised;
+		/* How low the rim is in this cell, and how much its height differs from that at the post now, and at the motion's start. */
+		const float near = most(most(x, -x - m->run) - m->reach, 0), outside = most(m->outer * m->outer - near * near, 0);
+		const float deep = sqrtf(outside) * m->lift, lowest = m->lean * y - m->aside - deep - m->fell;
+		const bool touches = (ground + rise + m->above > lowest) & (near <= m->outer);
+		/* Behind the axle the rim is lower at places that are farther ahead, and was so at the motion's start, but less. */
+		const float inner = most(-x - m->reach, 0), sunk = (float)sinkage[i] * sinks;
+		const float leaves = m->lean * y + sunk - ground - root(r2 - inner * inner) * m->lift;
+		/* A slope of up to 1.7: along its normal it sinks by at least half as much as vertically. */
+		const bool behind = (x < -m->ran - m->reach) & (x > -m->radius) & (rise < 1.7f * m->reach);
+		const bool gone = behind & (sunk > 0) & (sunk <= m->known) & (leaves > m->springs + 2 * (rise + m->aside)) & !holes;
+		const int32_t here_first = (touches | holes) & !gone ? i : INT32_MAX, here_last = (touches | holes) & !gone ? i : -1;
+		first = here_first < first ? here_first : first;
+		last = here_last > last ? here_last : last;
 	}
-	highest[0] = 2 * ((float)top + 1);
-	highest[1] = 2 * ((float)rise + 1);
-	highest[2] = (float)holes;
+	*end = last + 1;
+	return first;
 }
 
 /* Leaves the columns of a row at which a rim may bear on the ground, or is not higher above it than walk->above. */
 static void cut_rim(const struct walk *walk, const struct soil_body *body, const struct soil_form *form, const struct run *row, const double first[2],
 		    int64_t columns[2])
 {
-	const double leans = fabs((double)form->lean), r = (double)form->radius, reach = walk->reach, aside = (double)form->way[1], run = (double)form->run;
-	const double half = fmax((double)form->half[1], 0.5 * (double)form->step_aside) + leans * r + 0.01 * (double)form->spacing;
+	const float leans = fabsf(form->lean), aside = form->way[1], run = walk->above > 0 ? form->run : 0, reach = (float)walk->reach;
+	const double half = (double)(most(form->half[1], 0.5f * form->step_aside) + leans * form->radius) + 1e-3 * (double)form->spacing;
 	const int64_t zero = walk->zero >> (OFFSET_BITS - BASE_BITS);
-	float highest[3];
-	cut(first[1], walk->step[1], -half - fmax(aside, 0), half - fmin(aside, 0), columns);
-	cut(first[0], walk->step[0], -body->outer - reach - run, body->outer + reach, columns);
+	cut(first[1], walk->step[1], -half - fmax((double)aside, 0), half - fmin((double)aside, 0), columns);
+	cut(first[0], walk->step[0], -body->outer - walk->reach - (double)run, body->outer + walk->reach, columns);
 	if (columns[1] <= columns[0] || zero < INT32_MIN / 2 || zero > INT32_MAX / 2)
 		return;
-	const struct run part = {.base = row->base + columns[0], .deposited = row->deposited != NULL ? row->deposited + columns[0] : NULL, .width = row->width};
-	measure_run(&part, (size_t)(columns[1] - columns[0]), (int32_t)zero, highest);
-	if (highest[2] > 0)
-		return;
-	/* The height above the axle's of the highest place in all cells, square to the axle where it leans. */
-	const double unit = lattice_base_metres(1), fell = fmax(body->way[2], 0);
-	const double ground = (double)highest[0] * unit + 2 * (double)highest[1] * unit / (double)form->spacing * reach - lattice_offset_metres(walk->raised);
-	const double height = (ground + walk->above + fell) * (double)form->level + leans * (half + fabs(aside) + reach + (double)form->step_aside) + 8 * (double)SOIL_LEAST;
-	const double chord = height >= 0 ? body->outer : height <= -body->outer ? -1 : sqrt(body->outer * body->outer - height * height);
-	if (chord < 0)
-		columns[1] = columns[0];
-	else
-		cut(first[0], walk->step[0], -chord - reach - run, chord + reach, columns);
+	const struct marks marks = {
+		.x = (float)(first[0] + (double)columns[0] * walk->step[0]), .y = (float)(first[1] + (double)columns[0] * walk->step[1]),
+		.step_x = (float)walk->step[0], .step_y = (float)walk->step[1], .radius = form->radius, .outer = (float)body->outer,
+		.reach = form->half_across + 0.75f * fabsf(form->cut[1][0]) + 1e-5f, .run = run, .fell = walk->above > 0 ? most(form->way[2], 0) + 1e-5f : 1e-5f,
+		.above = (float)walk->above, .lean = form->lean * form->lift, .level = form->level, .lift = form->lift,
+		.aside = leans * form->lift * (fabsf(aside) + reach + form->step_aside), .rise_reach = reach / form->spacing,
+		.raised = (float)lattice_offset_metres(walk->raised), .springs = walk->springs, .known = walk->known, .ran = form->way[0], .zero = (int32_t)zero,
+	};
+	const size_t from = (size_t)columns[0];
+	const struct run part = {.base = row->base + from, .deposited = row->deposited != NULL ? row->deposited + from : NULL,
+				 .sinkage = row->sinkage != NULL ? row->sinkage + from : NULL, .width = row->width};
+	int32_t end;
+	const int32_t begins = mark_run(&marks, &part, (int32_t)(columns[1] - columns[0]), &end);
+	columns[1] = columns[0] + end;
+	columns[0] = end > 0 ? columns[0] + begins : columns[1];
 }
 
 /* Returns the height of the undisturbed surface above the body's centre, fixed-point units. What is too far away is clamped: it touches nothing. */
@@ -341,20 +384,26 @@ static void put_soils(const struct soil_law *law, const struct soil_planes *plan
 	}
 }
 
-/* The lanes after the last post bear nothing. */
+/* The lanes after the last post are copies of it that bear nothing. */
 static void end_lanes(struct soil_posts *p)
 {
+	const size_t last = p->count - 1;
 	for (size_t i = p->count; i < soil_posts_end(p); i++) {
-		p->index[i] = p->index[p->count - 1];
+#define POSTS_COPY(name) p->name[i] = p->name[last];
+		POSTS_WHOLES_EACH(POSTS_COPY)
+#undef POSTS_COPY
+		p->x[i] = p->x[last];
+		p->y[i] = p->y[last];
 		p->base[i] = BASE_NODATA;
 	}
 }
 
 void soil_posts_gather(const struct soil_law *law, const struct soil_planes *planes, const struct soil_body *body, const struct soil_form *form,
-		       int32_t raised, double above, struct soil_posts *posts)
+		       int32_t raised, double above, double by_width, struct soil_posts *posts)
 {
-	const struct walk walk = walk_of(law, planes, body, form, raised, above);
+	struct walk walk = walk_of(law, planes, body, form, raised, above);
 	const float axis[2] = {(float)body->axis[0], (float)body->axis[1]};
+	put_springs(law, planes, form, by_width, &walk);
 	take_rows(planes, body, form, &walk, posts);
 	if (posts->count == 0)
 		return;

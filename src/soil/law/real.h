@@ -95,7 +95,7 @@ SOIL_INLINED float exp_minus(float v)
 	return exp2_of(-1.4426950f * least(v, 80));
 }
 
-/* Rounds to the nearest whole number, halves away from 0. v: -2147483000 .. 2147483000. */
+/* Rounds to the nearest whole number, halves away from 0; beyond 2^22 to a number that is at most 1 away. v: -2147483000 .. 2147483000. */
 SOIL_INLINED int32_t whole_of(float v)
 {
 	return (int32_t)(v + (v < 0 ? -0.5f : 0.5f));
