@@ -79,8 +79,9 @@ static void cover_post(const struct soil_form *f, struct soil_posts *p, size_t i
 	p->slope_x[i] = face.slope[0];
 	p->slope_y[i] = face.slope[1];
 	p->print[i] = height_at(f, FORM_RASTER, 0, x + f->way[0], y + f->way[1]);
-	p->own[i] = height_at(f, FORM_RASTER, 0, x + 0.5f * f->way[0], y + 0.5f * f->way[1]);
-	p->above[i] = p->over[i] = p->share[i] = p->middle_x[i] = p->middle_y[i] = 0;
+	p->begun[i] = p->print[i] - face.height - f->way[2];
+	p->halfway[i] = height_at(f, FORM_RASTER, 0, x + 0.5f * f->way[0], y + 0.5f * f->way[1]) - face.height - 0.5f * f->way[2];
+	p->own[i] = p->above[i] = p->over[i] = p->share[i] = p->middle_x[i] = p->middle_y[i] = 0;
 	p->side_behind[i] = p->side_ahead[i] = p->side_right[i] = p->side_left[i] = 0;
 	const bool within = place_of(fine, x, y, place, cell);
 	if (within) {
@@ -90,6 +91,10 @@ static void cover_post(const struct soil_form *f, struct soil_posts *p, size_t i
 		p->share[i] = fine->areas[at] * hole;
 		p->middle_x[i] = fine->axis[0] * east + fine->axis[1] * north;
 		p->middle_y[i] = fine->axis[0] * north - fine->axis[1] * east;
+		if (fine->earlier[0] != NULL && fine->earlier[0][at] < 0.5f * FINE_NONE && fine->earlier[1][at] < 0.5f * FINE_NONE) {
+			p->halfway[i] = fine->earlier[0][at] - face.height;
+			p->begun[i] = fine->earlier[1][at] - face.height;
+		}
 	}
 	put_swept(f, place, within, p, i);
 }

@@ -155,6 +155,15 @@ SOIL_CLONED static void put_less(const float *restrict heights, const float *res
 		less[i] = either(swept[i] < 0.5f * FINE_NONE, most(heights[i] - swept[i], 0), 0);
 }
 
+void soil_fine_less(const struct soil_fine_work *work, struct soil_fine *fine)
+{
+	put_less(work->heights, work->swept, (size_t)fine->stride * (size_t)fine->rows, work->less);
+	fine->moved = 1;
+	fine->less = work->less;
+	fine->since = work->since;
+	fine->swept = work->swept;
+}
+
 void soil_fine_sweep(const struct soil_fine_work *work, const struct soil_form *form, struct soil_fine *fine)
 {
 	const float *way = form->way, run = form->passes[0];
@@ -163,7 +172,6 @@ void soil_fine_sweep(const struct soil_fine_work *work, const struct soil_form *
 	fine->moved = 0;
 	if (!(run > 0))
 		return;
-	fine->moved = 1;
 	/* The motion before this one was about the same. A part of it counts: over half a cell. */
 	const float before = fabsf(way[2]) <= run ? least(form->half_across / run, 1) : 0;
 	const int32_t own = (int32_t)clamped(ceilf(run * fine->by_step), 1, SAMPLES_MOST), earlier = (int32_t)ceilf(before * (float)own);
@@ -174,8 +182,5 @@ void soil_fine_sweep(const struct soil_fine_work *work, const struct soil_form *
 		const float share = (float)i / (float)own, shift[2] = {turned[0] * share * fine->by_step, turned[1] * share * fine->by_step};
 		sweep_to(fine, work->drawn, shift, share * way[2], share, work->swept, work->since);
 	}
-	put_less(work->heights, work->swept, count, work->less);
-	fine->less = work->less;
-	fine->since = work->since;
-	fine->swept = work->swept;
+	soil_fine_less(work, fine);
 }

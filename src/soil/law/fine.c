@@ -55,7 +55,7 @@ SOIL_INLINED void order(struct corner *a, struct corner *b)
 }
 
 /* Lowers the places below a triangle. area: twice its area, signed. */
-SOIL_INLINED void draw(struct corner a, struct corner b, struct corner c, float area, int32_t stride, float *restrict drawn)
+SOIL_INLINED void draw(struct corner a, struct corner b, struct corner c, float area, const int32_t size[2], int32_t stride, float *restrict drawn)
 {
 	const float by = 1 / area, low = least(a.z, least(b.z, c.z)), high = most(a.z, most(b.z, c.z));
 	const float du = ((b.z - a.z) * (c.v - a.v) - (c.z - a.z) * (b.v - a.v)) * by, dv = ((c.z - a.z) * (b.u - a.u) - (b.z - a.z) * (c.u - a.u)) * by;
@@ -63,12 +63,12 @@ SOIL_INLINED void draw(struct corner a, struct corner b, struct corner c, float 
 	order(&a, &b);
 	order(&b, &c);
 	order(&a, &b);
-	const int32_t first = ceil_of(a.v - NEAR), last = floor_of(c.v + NEAR);
+	const int32_t low_row = ceil_of(a.v - NEAR), high_row = floor_of(c.v + NEAR), first = low_row < 0 ? 0 : low_row, last = high_row < size[1] ? high_row : size[1] - 1;
 	const float tall = most(c.v - a.v, 1e-9f), along = (c.u - a.u) / tall, below = (b.u - a.u) / most(b.v - a.v, 1e-9f), above = (c.u - b.u) / most(c.v - b.v, 1e-9f);
 	for (int32_t row = first; row <= last; row++) {
 		const float v = clamped((float)row, a.v, c.v), one = a.u + (v - a.v) * along;
 		const float two = v < b.v ? a.u + (v - a.v) * below : c.v > b.v ? b.u + (v - b.v) * above : b.u;
-		const int32_t from = ceil_of(least(one, two) - NEAR), to = floor_of(most(one, two) + NEAR);
+		const int32_t left = ceil_of(least(one, two) - NEAR), right = floor_of(most(one, two) + NEAR), from = left < 0 ? 0 : left, to = right < size[0] ? right : size[0] - 1;
 		float *places = drawn + (size_t)row * (size_t)stride;
 		const float level = at + dv * (float)row;
 		for (int32_t column = from; column <= to; column++) {
@@ -78,8 +78,8 @@ SOIL_INLINED void draw(struct corner a, struct corner b, struct corner c, float 
 	}
 }
 
-SOIL_CLONED static void draw_all(const struct soil_surface *restrict s, const float *restrict u, const float *restrict v, const float *restrict z, int32_t stride,
-				 uint8_t *restrict looks, float *restrict drawn)
+SOIL_CLONED static void draw_all(const struct soil_surface *restrict s, const float *restrict u, const float *restrict v, const float *restrict z,
+				 const int32_t size[restrict 2], int32_t stride, uint8_t *restrict looks, float *restrict drawn)
 {
 	for (size_t t = 0; t < s->triangle_count; t++) {
 		const uint32_t *c = s->corners[t], i = c[0], j = c[1], k = c[2];
@@ -92,7 +92,7 @@ SOIL_CLONED static void draw_all(const struct soil_surface *restrict s, const fl
 		const uint32_t *c = s->corners[t], i = c[0], j = c[1], k = c[2];
 		const float area = (u[j] - u[i]) * (v[k] - v[i]) - (u[k] - u[i]) * (v[j] - v[i]);
 		if (area < 0 || area > 0)
-			draw((struct corner){u[i], v[i], z[i]}, (struct corner){u[j], v[j], z[j]}, (struct corner){u[k], v[k], z[k]}, area, stride, drawn);
+			draw((struct corner){u[i], v[i], z[i]}, (struct corner){u[j], v[j], z[j]}, (struct corner){u[k], v[k], z[k]}, area, size, stride, drawn);
 	}
 }
 
@@ -102,10 +102,10 @@ static enum status need(struct soil_fine_work *work, const struct soil_fine *fin
 {
 	const size_t places = (size_t)fine->stride * (size_t)fine->rows, cells = (size_t)(fine->cells[0] + 1) * (size_t)fine->cells[1], strips = (size_t)fine->strips;
 	const size_t pad = 16, counts[] = {vertices, vertices, vertices, places, places, places, places, places, cells, cells, cells, cells, cells,
-					   cells, cells, cells, cells, strips, strips, (triangles + 3) / 4};
+					   cells, cells, cells, cells, cells, cells, strips, strips, vertices, vertices, vertices, (triangles + 3) / 4};
 	float **arrays[] = {&work->u, &work->v, &work->z, &work->drawn, &work->heights, &work->less, &work->since, &work->swept, &work->sums[0], &work->sums[1],
-			    &work->sums[2], &work->sums[3], &work->sums[4], &work->areas, &work->middles[0], &work->middles[1], &work->lows, &work->front,
-			    &work->rear, NULL};
+			    &work->sums[2], &work->sums[3], &work->sums[4], &work->areas, &work->middles[0], &work->middles[1], &work->lows, &work->earlier[0],
+			    &work->earlier[1], &work->front, &work->rear, &work->earlier_u, &work->earlier_v, &work->earlier_z, NULL};
 	size_t all = 0;
 	for (size_t i = 0; i < sizeof counts / sizeof *counts; i++)
 		all += (counts[i] + pad) / pad * pad;
@@ -145,7 +145,7 @@ static void lay_out(const struct soil_body *body, const struct soil_form *form, 
 	double extent[2], first[2];
 	soil_body_extent(motion->shape, &motion->to, extent);
 	const double across = 2 * fmax(extent[0], extent[1]);
-	int parts = (int)fmin(ceil(FINE_ACROSS * spacing / fmax(across, 1e-9)), FINE_PARTS_MOST);
+	int parts = across >= FINE_ENOUGH * spacing ? 1 : (int)fmin(ceil(FINE_ACROSS * spacing / fmax(across, 1e-9)), FINE_PARTS_MOST);
 	parts += parts % 2 == 0;
 	const double step = spacing / parts;
 	const int64_t at[2] = {motion->to.x, motion->to.y};
@@ -178,6 +178,102 @@ static void lay_out(const struct soil_body *body, const struct soil_form *form, 
 	fine->strips = (int32_t)ceil(2 * reach / step) + 3;
 }
 
+/* --- a mesh that turns --- */
+
+/* Puts the vertices where they were `share` of the motion ago. own: the object's axes at the end; at: the place of its centre. */
+static void place_earlier(const struct soil_fine_work *work, const struct soil_form *form, const double own[3][3], const double at[2], double share, float *lift)
+{
+	const struct soil_fine *fine = &form->fine;
+	const double c = (double)fine->axis[0], s = (double)fine->axis[1], by = (double)fine->by_step;
+	const double spin[3] = {c * (double)form->spin[0] - s * (double)form->spin[1], s * (double)form->spin[0] + c * (double)form->spin[1], (double)form->spin[2]};
+	const double way[2] = {c * (double)form->way[0] - s * (double)form->way[1], s * (double)form->way[0] + c * (double)form->way[1]};
+	const double angle = sqrt(spin[0] * spin[0] + spin[1] * spin[1] + spin[2] * spin[2]), back = -share * angle, by_angle = 1 / fmax(angle, 1e-12);
+	const double n[3] = {spin[0] * by_angle, spin[1] * by_angle, spin[2] * by_angle}, cosine = cos(back), sine = sin(back);
+	float axes[3][3];
+	for (int i = 0; i < 3; i++) {
+		const double *a = own[i], along = n[0] * a[0] + n[1] * a[1] + n[2] * a[2];
+		const double crossed[3] = {n[1] * a[2] - n[2] * a[1], n[2] * a[0] - n[0] * a[2], n[0] * a[1] - n[1] * a[0]};
+		for (int k = 0; k < 3; k++)
+			axes[i][k] = (float)((a[k] * cosine + crossed[k] * sine + n[k] * along * (1 - cosine)) * (k < 2 ? by : 1));
+	}
+	const float centre[2] = {(float)(at[0] - share * way[0] * by), (float)(at[1] - share * way[1] * by)};
+	place(work->surface, (const float(*)[3])axes, centre, work->earlier_u, work->earlier_v, work->earlier_z);
+	*lift = (float)(-share * (double)form->way[2]);
+}
+
+/* Returns true if the lower envelope of a mesh changes as the mesh turns about its centre. */
+static bool changes(const struct soil_fine_work *work, const struct soil_form *form, const double own[3][3], const double at[2])
+{
+	const struct soil_fine *fine = &form->fine;
+	const float *spin = form->spin, limit = FINE_ROUND * form->reach;
+	struct soil_form still = *form;
+	float lift;
+	if (!((fabsf(spin[0]) + fabsf(spin[1]) + fabsf(spin[2])) * form->radius > limit))
+		return false;
+	still.way[0] = still.way[1] = still.way[2] = 0;
+	place_earlier(work, &still, own, at, 0.381966, &lift);
+	for (size_t i = 0; i < work->surface->vertex_count; i++) {
+		const float u = clamped(work->earlier_u[i], 0, (float)fine->columns - 1.001f), v = clamped(work->earlier_v[i], 0, (float)fine->rows - 1.001f);
+		const size_t from = (size_t)v * (size_t)fine->stride + (size_t)u;
+		const float *h = work->heights + from, p = u - floorf(u), q = v - floorf(v), low = h[0] + p * (h[1] - h[0]), high = h[fine->stride] + p * (h[fine->stride + 1] - h[fine->stride]);
+		if (work->earlier_z[i] < low + q * (high - low) - limit && work->earlier_z[i] < -0.5f * form->reach)
+			return true;
+	}
+	return false;
+}
+
+SOIL_CLONED static void merge(const float *restrict drawn, size_t count, float lift, float share, float *restrict swept, float *restrict since)
+{
+	for (size_t i = 0; i < count; i++) {
+		const float height = drawn[i] + lift;
+		since[i] = either(height < swept[i], share, since[i]);
+		swept[i] = least(swept[i], height);
+	}
+}
+
+static void keep_posts(const struct soil_fine_work *work, const struct soil_fine *fine, float lift, float *earlier)
+{
+	for (int32_t y = 0; y < fine->cells[1]; y++)
+		for (int32_t x = 0; x < fine->cells[0]; x++) {
+			const float height = work->less[(y * fine->parts + fine->parts / 2) * fine->stride + x * fine->parts + fine->parts / 2];
+			earlier[y * fine->cells[0] + x] = height < 0.5f * FINE_NONE ? height + lift : FINE_NONE;
+		}
+}
+
+/* Draws the mesh in its earlier attitudes. */
+static void sweep_turning(const struct soil_fine_work *work, struct soil_form *form, const double own[3][3], const double at[2])
+{
+	struct soil_fine *fine = &form->fine;
+	const float *spin = form->spin, angle = sqrtf(spin[0] * spin[0] + spin[1] * spin[1] + spin[2] * spin[2]), run = form->passes[0];
+	const float before = fabsf(form->way[2]) <= run ? least(form->half_across / run, 1) : 0;
+	const int32_t own_count = 2 * (int32_t)clamped(ceilf(0.5f * angle / FINE_TURNS), 1, FINE_ATTITUDES / 2), all = own_count + (int32_t)ceilf(before * (float)own_count);
+	const size_t count = (size_t)fine->stride * (size_t)fine->rows;
+	memcpy(work->swept, work->drawn, count * sizeof *work->swept);
+	memset(work->since, 0, count * sizeof *work->since);
+	for (int32_t i = 1; i <= all; i++) {
+		float lift;
+		place_earlier(work, form, own, at, (double)i / own_count, &lift);
+		for (size_t k = 0; k < count; k++)
+			work->less[k] = FINE_NONE;
+		draw_all(work->surface, work->earlier_u, work->earlier_v, work->earlier_z, (const int32_t[2]){fine->columns, fine->rows}, fine->stride, work->looks, work->less);
+		merge(work->less, count, lift, (float)i / (float)own_count, work->swept, work->since);
+		if (2 * i == own_count || i == own_count)
+			keep_posts(work, fine, lift, work->earlier[i == own_count]);
+	}
+	soil_fine_less(work, fine);
+	fine->earlier[0] = work->earlier[0];
+	fine->earlier[1] = work->earlier[1];
+}
+
+static void sweep(const struct soil_fine_work *work, struct soil_form *form, const double own[3][3], const double at[2])
+{
+	form->fine.earlier[0] = form->fine.earlier[1] = NULL;
+	if (form->passes[0] > 0 && changes(work, form, own, at))
+		sweep_turning(work, form, own, at);
+	else
+		soil_fine_sweep(work, form, &form->fine);
+}
+
 enum status soil_fine_draw(const struct soil_body *body, struct soil_form *form, struct soil_fine_work *work)
 {
 	struct soil_fine *fine = &form->fine;
@@ -200,11 +296,11 @@ enum status soil_fine_draw(const struct soil_body *body, struct soil_form *form,
 	const size_t places = (size_t)fine->stride * (size_t)fine->rows;
 	for (size_t i = 0; i < places; i++)
 		work->drawn[i] = FINE_NONE;
-	draw_all(surface, work->u, work->v, work->z, fine->stride, work->looks, work->drawn);
+	draw_all(surface, work->u, work->v, work->z, (const int32_t[2]){fine->columns, fine->rows}, fine->stride, work->looks, work->drawn);
 	bounds_of(work->z, surface->vertex_count, heights);
 	soil_fine_outline(work, fine);
 	soil_fine_fill(work, fine, -heights[0]);
-	soil_fine_sweep(work, form, fine);
+	sweep(work, form, (const double(*)[3])own, at);
 	fine->heights = work->heights;
 	fine->drawn = work->drawn;
 	fine->areas = work->areas;

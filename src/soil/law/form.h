@@ -37,6 +37,9 @@ struct soil_fine {
 	int32_t parts, cells[2];    /* cells: columns and rows of cells */
 	/* Of cells: the share that the post bears, the middle of that from the post, in posts to the east and north, and the lowest place. */
 	const float *areas, *middles[2], *lows;
+	/* A mesh whose facets turn: its height at the posts of cells halfway through the motion, and at its start, m above the centre at the end. NULL:
+	 * turning does not change its lower envelope. */
+	const float *earlier[2];
 	/* Of lines along the motion, a step apart: how far ahead and behind the mesh reaches there, m. aside: m, of the first line. sides: m, of the mesh. */
 	const float *front, *rear;
 	int32_t strips;
