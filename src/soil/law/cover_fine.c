@@ -72,7 +72,7 @@ static void cover_post(const struct soil_form *f, struct soil_posts *p, size_t i
 {
 	const struct soil_fine *fine = &f->fine;
 	const float x = p->x[i], y = p->y[i], hole = p->base[i] == BASE_NODATA ? 0 : 1;
-	int32_t place[2], cell[2];
+	int32_t place[2] = {0, 0}, cell[2];
 	struct face face;
 	raster_face(f, x, y, &face);
 	p->height[i] = face.height;
@@ -109,11 +109,8 @@ float soil_cover_fine_low(const struct soil_form *form, float x, float y)
 {
 	const struct soil_fine *fine = &form->fine;
 	int32_t place[2], cell[2];
-	float low = FINE_NONE;
 	if (!place_of(fine, x, y, place, cell))
-		return -form->reach;
-	for (int32_t j = cell[1] > 0 ? -1 : 0; j <= 1 && cell[1] + j < fine->cells[1]; j++)
-		for (int32_t i = cell[0] > 0 ? -1 : 0; i <= 1 && cell[0] + i < fine->cells[0]; i++)
-			low = least(low, fine->lows[(cell[1] + j) * fine->cells[0] + cell[0] + i]);
-	return low < 0.5f * FINE_NONE ? low : -form->reach;
+		return FINE_NONE;
+	const int32_t at = cell[1] * fine->cells[0] + cell[0];
+	return fine->lows[at] < 0.5f * FINE_NONE || !(fine->areas[at] > 0) ? fine->lows[at] : -form->reach;
 }

@@ -70,19 +70,6 @@ static void copy_rows(float *heights, const struct soil_fine *fine, int32_t from
 	}
 }
 
-SOIL_CLONED static void put_lows(const float *restrict drawn, const struct soil_fine *restrict fine, float *restrict lows)
-{
-	for (int32_t y = 0; y < fine->cells[1]; y++)
-		for (int32_t x = 0; x < fine->cells[0]; x++) {
-			const float *cell = drawn + (size_t)(y * fine->parts) * (size_t)fine->stride + (size_t)(x * fine->parts);
-			float low = FINE_NONE;
-			for (int32_t j = 0; j < fine->parts; j++)
-				for (int32_t i = 0; i < fine->parts; i++)
-					low = least(low, cell[(size_t)j * (size_t)fine->stride + (size_t)i]);
-			lows[y * fine->cells[0] + x] = low;
-		}
-}
-
 void soil_fine_fill(const struct soil_fine_work *work, const struct soil_fine *fine, float bound)
 {
 	float *heights = work->heights;
@@ -111,7 +98,6 @@ void soil_fine_fill(const struct soil_fine_work *work, const struct soil_fine *f
 		copy_rows(heights, fine, first, second ? first + 1 : first, 0, most_height);
 		copy_rows(heights, fine, last, before, fine->rows - 1, most_height);
 	}
-	put_lows(work->drawn, fine, work->lows);
 }
 
 /* --- its motion --- */
@@ -183,4 +169,44 @@ void soil_fine_sweep(const struct soil_fine_work *work, const struct soil_form *
 		sweep_to(fine, work->drawn, shift, share * way[2], share, work->swept, work->since);
 	}
 	soil_fine_less(work, fine);
+}
+
+/* --- the lowest places --- */
+
+SOIL_CLONED static void put_lows(const struct soil_fine *restrict fine, const float *restrict places, float *restrict rows, float *restrict lows)
+{
+	const int32_t columns = fine->cells[0];
+	for (int32_t y = 0; y < fine->cells[1]; y++) {
+		const float *from = places + (size_t)(y * fine->parts) * (size_t)fine->stride;
+		for (int32_t i = 0; i < fine->columns; i++)
+			rows[i] = from[i];
+		for (int32_t j = 1; j < fine->parts; j++)
+			for (int32_t i = 0; i < fine->columns; i++)
+				rows[i] = least(rows[i], from[j * fine->stride + i]);
+		for (int32_t x = 0; x < columns; x++) {
+			float low = rows[x * fine->parts];
+			for (int32_t i = 1; i < fine->parts; i++)
+				low = least(low, rows[x * fine->parts + i]);
+			lows[y * columns + x] = low;
+		}
+	}
+}
+
+/* Each cell takes the lowest of the cells beside it, too. */
+SOIL_CLONED static void spread(int32_t columns, int32_t rows, const float *restrict lows, float *restrict out)
+{
+	for (int32_t y = 0; y < rows; y++)
+		for (int32_t x = 0; x < columns; x++) {
+			const int32_t at = y * columns + x, west = x > 0 ? 1 : 0, east = x < columns - 1 ? 1 : 0;
+			float low = FINE_NONE;
+			for (int32_t j = y > 0 ? -1 : 0; j <= (y < rows - 1 ? 1 : 0); j++)
+				low = least(low, least(lows[at + j * columns], least(lows[at + j * columns - west], lows[at + j * columns + east])));
+			out[at] = low;
+		}
+}
+
+void soil_fine_lows(const struct soil_fine_work *work, const struct soil_fine *fine)
+{
+	put_lows(fine, fine->moved > 0 ? work->swept : work->drawn, work->row, work->sums[1]);
+	spread(fine->cells[0], fine->cells[1], work->sums[1], work->lows);
 }

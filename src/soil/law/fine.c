@@ -3,6 +3,8 @@
 
 #include "soil/shape/body.h"
 
+#define UPRIGHT 1e-3f /* places squared: a triangle with less area from above counts as upright */
+#define ROWS 8     /* of a triangle, at once */
 #define NEAR 1e-4f /* places: what lies beside an edge by less is below both triangles of the edge */
 
 /* Puts the vertices in places, from the first place. */
@@ -57,6 +59,9 @@ SOIL_INLINED void order(struct corner *a, struct corner *b)
 /* Lowers the places below a triangle. area: twice its area, signed. */
 SOIL_INLINED void draw(struct corner a, struct corner b, struct corner c, float area, const int32_t size[2], int32_t stride, float *restrict drawn)
 {
+	const float left_most = least(a.u, least(b.u, c.u)) - NEAR, right_most = most(a.u, most(b.u, c.u)) + NEAR;
+	if (ceil_of(left_most) > floor_of(right_most))
+		return;
 	const float by = 1 / area, low = least(a.z, least(b.z, c.z)), high = most(a.z, most(b.z, c.z));
 	const float du = ((b.z - a.z) * (c.v - a.v) - (c.z - a.z) * (b.v - a.v)) * by, dv = ((c.z - a.z) * (b.u - a.u) - (b.z - a.z) * (c.u - a.u)) * by;
 	const float at = a.z - du * a.u - dv * a.v;
@@ -65,15 +70,22 @@ SOIL_INLINED void draw(struct corner a, struct corner b, struct corner c, float 
 	order(&a, &b);
 	const int32_t low_row = ceil_of(a.v - NEAR), high_row = floor_of(c.v + NEAR), first = low_row < 0 ? 0 : low_row, last = high_row < size[1] ? high_row : size[1] - 1;
 	const float tall = most(c.v - a.v, 1e-9f), along = (c.u - a.u) / tall, below = (b.u - a.u) / most(b.v - a.v, 1e-9f), above = (c.u - b.u) / most(c.v - b.v, 1e-9f);
-	for (int32_t row = first; row <= last; row++) {
-		const float v = clamped((float)row, a.v, c.v), one = a.u + (v - a.v) * along;
-		const float two = v < b.v ? a.u + (v - a.v) * below : c.v > b.v ? b.u + (v - b.v) * above : b.u;
-		const int32_t left = ceil_of(least(one, two) - NEAR), right = floor_of(most(one, two) + NEAR), from = left < 0 ? 0 : left, to = right < size[0] ? right : size[0] - 1;
-		float *places = drawn + (size_t)row * (size_t)stride;
-		const float level = at + dv * (float)row;
-		for (int32_t column = from; column <= to; column++) {
-			const float z = clamped(level + du * (float)column, low, high);
-			places[column] = least(places[column], z);
+	for (int32_t row = first; row <= last; row += ROWS) {
+		int32_t from[ROWS], to[ROWS];
+		for (int32_t i = 0; i < ROWS; i++) {
+			const float v = clamped((float)(row + i), a.v, c.v), one = a.u + (v - a.v) * along;
+			const float two = either(v < b.v, a.u + (v - a.v) * below, either(c.v > b.v, b.u + (v - b.v) * above, b.u));
+			/* Numbers are at least 0 here, so a conversion rounds down. */
+			const float left = clamped(least(one, two) - NEAR, 0, (float)size[0]), right = clamped(most(one, two) + NEAR, -1, (float)(size[0] - 1));
+			const int32_t whole = (int32_t)left;
+			from[i] = whole + ((float)whole < left);
+			to[i] = (int32_t)(right + 1) - 1;
+		}
+		for (int32_t i = 0; i < ROWS && row + i <= last; i++) {
+			float *places = drawn + (size_t)(row + i) * (size_t)stride;
+			const float level = at + dv * (float)(row + i);
+			for (int32_t column = from[i]; column <= to[i]; column++)
+				places[column] = least(places[column], clamped(level + du * (float)column, low, high));
 		}
 	}
 }
@@ -84,7 +96,7 @@ SOIL_CLONED static void draw_all(const struct soil_surface *restrict s, const fl
 	for (size_t t = 0; t < s->triangle_count; t++) {
 		const uint32_t *c = s->corners[t], i = c[0], j = c[1], k = c[2];
 		const float area = (u[j] - u[i]) * (v[k] - v[i]) - (u[k] - u[i]) * (v[j] - v[i]);
-		looks[t] = area < 0;
+		looks[t] = area < -UPRIGHT;
 	}
 	for (size_t t = 0; t < s->triangle_count; t++) {
 		if (s->closed && !looks[t])
@@ -102,10 +114,10 @@ static enum status need(struct soil_fine_work *work, const struct soil_fine *fin
 {
 	const size_t places = (size_t)fine->stride * (size_t)fine->rows, cells = (size_t)(fine->cells[0] + 1) * (size_t)fine->cells[1], strips = (size_t)fine->strips;
 	const size_t pad = 16, counts[] = {vertices, vertices, vertices, places, places, places, places, places, cells, cells, cells, cells, cells,
-					   cells, cells, cells, cells, cells, cells, strips, strips, vertices, vertices, vertices, (triangles + 3) / 4};
+					   cells, cells, cells, cells, cells, cells, strips, strips, (size_t)fine->stride, vertices, vertices, vertices, vertices, (triangles + 3) / 4};
 	float **arrays[] = {&work->u, &work->v, &work->z, &work->drawn, &work->heights, &work->less, &work->since, &work->swept, &work->sums[0], &work->sums[1],
 			    &work->sums[2], &work->sums[3], &work->sums[4], &work->areas, &work->middles[0], &work->middles[1], &work->lows, &work->earlier[0],
-			    &work->earlier[1], &work->front, &work->rear, &work->earlier_u, &work->earlier_v, &work->earlier_z, NULL};
+			    &work->earlier[1], &work->front, &work->rear, &work->row, &work->earlier_u, &work->earlier_v, &work->earlier_z, NULL, NULL};
 	size_t all = 0;
 	for (size_t i = 0; i < sizeof counts / sizeof *counts; i++)
 		all += (counts[i] + pad) / pad * pad;
@@ -121,8 +133,10 @@ static enum status need(struct soil_fine_work *work, const struct soil_fine *fin
 	for (size_t i = 0; i < sizeof counts / sizeof *counts; i++) {
 		if (arrays[i] != NULL)
 			*arrays[i] = memory;
-		else
+		else if (i + 1 == sizeof counts / sizeof *counts)
 			work->looks = (uint8_t *)memory;
+		else
+			work->onward = (uint32_t *)(void *)memory;
 		memory += (counts[i] + pad) / pad * pad;
 	}
 	return STATUS_OK;
@@ -216,7 +230,7 @@ static bool changes(const struct soil_fine_work *work, const struct soil_form *f
 		const float u = clamped(work->earlier_u[i], 0, (float)fine->columns - 1.001f), v = clamped(work->earlier_v[i], 0, (float)fine->rows - 1.001f);
 		const size_t from = (size_t)v * (size_t)fine->stride + (size_t)u;
 		const float *h = work->heights + from, p = u - floorf(u), q = v - floorf(v), low = h[0] + p * (h[1] - h[0]), high = h[fine->stride] + p * (h[fine->stride + 1] - h[fine->stride]);
-		if (work->earlier_z[i] < low + q * (high - low) - limit && work->earlier_z[i] < -0.5f * form->reach)
+		if (work->earlier_z[i] < low + q * (high - low) - limit && work->earlier_z[i] < -0.95f * form->reach)
 			return true;
 	}
 	return false;
@@ -307,6 +321,7 @@ enum status soil_fine_draw(const struct soil_body *body, struct soil_form *form,
 	fine->middles[0] = work->middles[0];
 	fine->middles[1] = work->middles[1];
 	fine->lows = work->lows;
+	soil_fine_lows(work, fine);
 	fine->front = work->front;
 	fine->rear = work->rear;
 	return STATUS_OK;

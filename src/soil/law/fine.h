@@ -20,7 +20,7 @@
 #define FINE_ENOUGH 36       /* a mesh so many posts wide has a place for each post. Otherwise */
 #define FINE_ACROSS 50       /* at least so many places lie across it, */
 #define FINE_PARTS_MOST 7    /* unless a post is parted in more than this */
-#define FINE_ROUND 1e-3f     /* a mesh is round about its axis if turning moves its surface by less than this share of its reach */
+#define FINE_ROUND 5e-4f     /* a mesh is round about its axis if turning moves its surface by less than this share of its reach */
 #define FINE_TURNS 0.06f     /* rad between the attitudes of a mesh that is not, at most, */
 #define FINE_ATTITUDES 16    /* unless these are more */
 
@@ -31,12 +31,14 @@ struct soil_fine_work {
 	/* Vertices: places to the east and north, heights in m. looks: of triangles: 1: down. */
 	float *u, *v, *z;
 	uint8_t *looks;
+	uint32_t *onward; /* of vertices: the next one of the outline */
 	/* Rasters of places; of cells, row by row; of strips along the motion. */
 	float *drawn, *heights, *less, *since, *swept;
 	float *sums[5];
 	float *areas, *middles[2], *lows, *earlier[2];
 	float *earlier_u, *earlier_v, *earlier_z;
 	float *front, *rear;
+	float *row; /* of places */
 	void *memory;
 	size_t room; /* bytes */
 };
@@ -48,6 +50,8 @@ void soil_fine_finish(struct soil_fine_work *work);
 /* The steps, for fine.c. */
 void soil_fine_outline(const struct soil_fine_work *work, struct soil_fine *fine);
 void soil_fine_fill(const struct soil_fine_work *work, const struct soil_fine *fine, float bound);
+/* Sets `lows` from the swept raster. */
+void soil_fine_lows(const struct soil_fine_work *work, const struct soil_fine *fine);
 /* Sets `less` from `swept`. */
 void soil_fine_less(const struct soil_fine_work *work, struct soil_fine *fine);
 void soil_fine_sweep(const struct soil_fine_work *work, const struct soil_form *form, struct soil_fine *fine);

@@ -35,7 +35,8 @@ struct soil_fine {
 	float x, y, step, by_step;
 	float axis[2];              /* of the frame's x axis: east, north */
 	int32_t parts, cells[2];    /* cells: columns and rows of cells */
-	/* Of cells: the share that the post bears, the middle of that from the post, in posts to the east and north, and the lowest place. */
+	/* Of cells: the share that the post bears, the middle of that from the post, in posts to the east and north, and the lowest
+	 * place during the motion of the cell and those beside it. */
 	const float *areas, *middles[2], *lows;
 	/* A mesh whose facets turn: its height at the posts of cells halfway through the motion, and at its start, m above the centre at the end. NULL:
 	 * turning does not change its lower envelope. */

@@ -1,6 +1,9 @@
 /* The outline of a mesh: the exact part of each cell that the mesh covers, and how far it reaches along its motion. See fine.h. */
 #include "soil/law/fine.h"
 
+#define ONWARD_NONE UINT32_MAX
+#define STRAIGHT 2e-3f /* places: an edge that leaves the line of the one before by less goes on along it */
+
 /* Sums over the outline, of cells. An edge that goes north has the mesh to its east. It adds what lies east of it in its own cell: the area, and that times
  * the place to the east and to the north. `rise` and `level` are the same for all cells further east. An edge that goes south takes them away. Places
  * are in cells, from the cell's south-west corner. */
@@ -22,6 +25,8 @@ SOIL_INLINED void add_piece(float *const sums[5], size_t cell, float x0, float y
 static void add_row(float *const sums[5], size_t row, float x0, float y0, float x1, float y1)
 {
 	const int32_t first = (int32_t)x0, last = (int32_t)x1, way = last < first ? -1 : 1;
+	if (!(y1 > y0) && !(y1 < y0))
+		return;
 	float x = x0, y = y0;
 	for (int32_t cell = first; cell != last; cell += way) {
 		const float side = (float)(way > 0 ? cell + 1 : cell), at = y0 + (side - x0) * (y1 - y0) / (x1 - x0);
@@ -138,31 +143,70 @@ static void share_out(const struct soil_fine_work *work, const struct soil_fine 
 	}
 }
 
+/* Adds an edge of the outline, between places of the raster. */
+static void add_outline(const struct soil_fine_work *work, struct soil_fine *fine, const float from[2], const float to[2])
+{
+	const float by = 1 / (float)fine->parts, c = fine->axis[0], q = fine->axis[1];
+	if (work->surface->closed)
+		add_edge(work->sums, (size_t)fine->cells[0] + 1, (from[0] + 0.5f) * by, (from[1] + 0.5f) * by, (to[0] + 0.5f) * by, (to[1] + 0.5f) * by);
+	const float ends[2][2] = {{fine->x + from[0] * fine->step, fine->y + from[1] * fine->step}, {fine->x + to[0] * fine->step, fine->y + to[1] * fine->step}};
+	const float a[2] = {c * ends[0][0] + q * ends[0][1], c * ends[0][1] - q * ends[0][0]}, b[2] = {c * ends[1][0] + q * ends[1][1], c * ends[1][1] - q * ends[1][0]};
+	reach(work, fine, a, b);
+	fine->sides[0] = least(fine->sides[0], least(a[1], b[1]));
+	fine->sides[1] = most(fine->sides[1], most(a[1], b[1]));
+}
+
+/* Goes on along the outline from a vertex. Edges on one line are added as one. */
+static void follow(const struct soil_fine_work *work, struct soil_fine *fine, uint32_t first)
+{
+	const float *u = work->u, *v = work->v;
+	uint32_t from = first, to = work->onward[first];
+	while (to != ONWARD_NONE) {
+		const float x = u[to] - u[from], y = v[to] - v[from], near = STRAIGHT * sqrtf(x * x + y * y);
+		uint32_t next = work->onward[to];
+		work->onward[from] = ONWARD_NONE;
+		while (next != ONWARD_NONE) {
+			const float far_x = u[next] - u[from], far_y = v[next] - v[from], on_x = u[next] - u[to], on_y = v[next] - v[to];
+			if (!(fabsf(x * far_y - y * far_x) <= near) || !(x * on_x + y * on_y >= 0))
+				break;
+			work->onward[to] = ONWARD_NONE;
+			to = next;
+			next = work->onward[to];
+		}
+		add_outline(work, fine, (const float[2]){u[from], v[from]}, (const float[2]){u[to], v[to]});
+		from = to;
+		to = next;
+	}
+}
+
 /* Goes along each edge of the outline. Of a mesh that is not closed all edges count. */
 void soil_fine_outline(const struct soil_fine_work *work, struct soil_fine *fine)
 {
 	const struct soil_surface *s = work->surface;
-	const float *u = work->u, *v = work->v, by = 1 / (float)fine->parts, c = fine->axis[0], q = fine->axis[1];
-	const size_t columns = (size_t)fine->cells[0] + 1;
+	const float *u = work->u, *v = work->v;
+	const uint8_t *looks = work->looks;
 	for (int k = 0; k < 5; k++)
-		memset(work->sums[k], 0, columns * (size_t)fine->cells[1] * sizeof(float));
+		memset(work->sums[k], 0, ((size_t)fine->cells[0] + 1) * (size_t)fine->cells[1] * sizeof(float));
 	for (int32_t i = 0; i < fine->strips; i++) {
 		work->front[i] = -FINE_NONE;
 		work->rear[i] = FINE_NONE;
 	}
-	for (size_t e = 0; e < 3 * (size_t)s->triangle_count; e++) {
-		const size_t t = e / 3, k = e % 3;
-		if (s->closed && (work->looks[t] == 0 || work->looks[s->across[t][k]] != 0))
+	memset(work->onward, 0xff, s->vertex_count * sizeof *work->onward);
+	for (size_t t = 0; t < s->triangle_count; t++) {
+		if (s->closed && looks[t] == 0)
 			continue;
-		const uint32_t from = s->corners[t][k], to = s->corners[t][k == 2 ? 0 : k + 1];
-		if (s->closed)
-			add_edge(work->sums, columns, (u[from] + 0.5f) * by, (v[from] + 0.5f) * by, (u[to] + 0.5f) * by, (v[to] + 0.5f) * by);
-		const float ends[2][2] = {{fine->x + u[from] * fine->step, fine->y + v[from] * fine->step}, {fine->x + u[to] * fine->step, fine->y + v[to] * fine->step}};
-		const float a[2] = {c * ends[0][0] + q * ends[0][1], c * ends[0][1] - q * ends[0][0]}, b[2] = {c * ends[1][0] + q * ends[1][1], c * ends[1][1] - q * ends[1][0]};
-		reach(work, fine, a, b);
-		fine->sides[0] = least(fine->sides[0], least(a[1], b[1]));
-		fine->sides[1] = most(fine->sides[1], most(a[1], b[1]));
+		for (size_t k = 0; k < 3; k++) {
+			if (s->closed && looks[s->across[t][k]] != 0)
+				continue;
+			const uint32_t from = s->corners[t][k], to = s->corners[t][k == 2 ? 0 : k + 1];
+			if (s->closed && work->onward[from] == ONWARD_NONE)
+				work->onward[from] = to;
+			else
+				add_outline(work, fine, (const float[2]){u[from], v[from]}, (const float[2]){u[to], v[to]});
+		}
 	}
+	for (uint32_t i = 0; i < s->vertex_count && s->closed; i++)
+		follow(work, fine, i);
 	if (s->closed)
 		put_areas(work, fine);
 	else

@@ -2,6 +2,7 @@
 #include "soil/law/posts.h"
 
 #include "soil/law/cover.h"
+#include "soil/law/cover_fine.h"
 #include "soil/shape/body.h"
 
 enum status soil_posts_need(struct soil_posts *posts, size_t count)
@@ -90,13 +91,19 @@ static bool rim_is_near(const struct soil_body *body, const struct soil_form *fo
 	return away <= body->outer && (side >= 0 || away * away + side * side <= body->outer * body->outer);
 }
 
+/* The same of a mesh. */
+static bool raster_is_near(const struct soil_form *form, const double at[2], double height)
+{
+	return (double)soil_cover_fine_low(form, (float)at[0], (float)at[1]) <= height;
+}
+
 /* The base of a post as the planes have it. */
 struct ground_row {
 	const int32_t *base, *deposited;
 	int64_t zero;
 };
 
-/* Drops posts at the ends of a row of a rim that surely neither bear nor are passed over. */
+/* Drops posts at the ends of a row of a rim or a mesh that surely neither bear nor are passed over. */
 static void trim(const struct walk *walk, const struct soil_body *body, const struct soil_form *form, const struct ground_row *row, const double first[2],
 		 int64_t columns[2])
 {
@@ -110,7 +117,7 @@ static void trim(const struct walk *walk, const struct soil_body *body, const st
 			const double rise = fmax(fabs((double)row->base[column + 1] - base), fabs((double)base - row->base[column - 1])) * lattice_base_metres(1);
 			const int32_t height = ground_of(base, row->deposited != NULL ? row->deposited[column] : 0, row->zero);
 			const double most_height = lattice_offset_metres((int64_t)height - walk->raised) + fell + 4 * reach;
-			if (base == BASE_NODATA || (rise < 2 * (double)form->spacing && !rim_is_near(body, form, at, most_height, reach)))
+			if (base == BASE_NODATA || (rise < 2 * (double)form->spacing && !(form->kind == FORM_RIM ? rim_is_near(body, form, at, most_height, reach) : raster_is_near(form, at, most_height))))
 				columns[end] += end == 0 ? 1 : -1;
 			else
 				break;
@@ -165,6 +172,9 @@ static void take_rows(const struct soil_planes *planes, const struct soil_body *
 		if (form->kind == FORM_RIM) {
 			cut(first[1], walk->step[1], -half - fmax(aside, 0), half - fmin(aside, 0), columns);
 			cut(first[0], walk->step[0], -body->outer - reach - (double)form->run, body->outer + reach, columns);
+			const struct ground_row row = {planes->base + at, planes->deposited != NULL ? planes->deposited + at : NULL, walk->zero};
+			trim(walk, body, form, &row, first, columns);
+		} else if (form->kind == FORM_RASTER) {
 			const struct ground_row row = {planes->base + at, planes->deposited != NULL ? planes->deposited + at : NULL, walk->zero};
 			trim(walk, body, form, &row, first, columns);
 		}
