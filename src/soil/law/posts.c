@@ -2,6 +2,7 @@
 #include "soil/law/posts.h"
 
 #include "soil/law/cover.h"
+#include "soil/law/cover_fine.h"
 #include "soil/shape/body.h"
 
 enum status soil_posts_need(struct soil_posts *posts, size_t count)
@@ -275,6 +276,25 @@ static void take_run(const struct soil_planes *planes, size_t at, size_t count, 
 	p->count += count;
 }
 
+/* Drops posts at the ends of a row of a mesh that surely neither bear nor are passed over. */
+static void cut_raster(const struct walk *walk, const struct soil_form *form, const struct run *row, const double first[2], int64_t columns[2])
+{
+	const double reach = (double)form->half_across + 0.5 * (double)form->spacing, fell = fmax((double)form->plunge, 0);
+	for (int end = 0; end < 2; end++)
+		while (columns[0] < columns[1]) {
+			const int64_t column = end == 0 ? columns[0] : columns[1] - 1;
+			const float x = (float)(first[0] + (double)column * walk->step[0]), y = (float)(first[1] + (double)column * walk->step[1]);
+			const int32_t base = row->base[column];
+			/* A slope counts as at most 2 here; where it is steeper, nothing is dropped. */
+			const double rise = fmax(fabs((double)row->base[column + 1] - base), fabs((double)base - row->base[column - 1])) * lattice_base_metres(1);
+			const int32_t height = ground_of(base, row->deposited != NULL ? row->deposited[column] : 0, walk->zero);
+			const double highest = lattice_offset_metres((int64_t)height - walk->raised) + fell + 4 * reach;
+			if (base != BASE_NODATA && (rise >= 2 * (double)form->spacing || (double)soil_cover_fine_low(form, x, y) <= highest))
+				break;
+			columns[end] += end == 0 ? 1 : -1;
+		}
+}
+
 static void take_rows(const struct soil_planes *planes, const struct soil_body *body, const struct soil_form *form, const struct walk *walk, struct soil_posts *p)
 {
 	const struct post_rect *below = &walk->below;
@@ -287,6 +307,8 @@ static void take_rows(const struct soil_planes *planes, const struct soil_body *
 		const struct run row = run_at(planes, at);
 		if (form->kind == FORM_RIM)
 			cut_rim(walk, body, form, &row, first, columns);
+		else if (form->kind == FORM_RASTER)
+			cut_raster(walk, form, &row, first, columns);
 		const double place[2] = {first[0] + (double)columns[0] * walk->step[0], first[1] + (double)columns[0] * walk->step[1]};
 		if (columns[1] > columns[0])
 			take_run(planes, at + (size_t)columns[0], (size_t)(columns[1] - columns[0]), place, walk, p);
