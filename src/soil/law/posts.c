@@ -377,16 +377,6 @@ static void fill_soil(const struct soil_numbers *soil, size_t first, size_t last
 	put_soil(&s, (float)soil->bekker_kc, (float)soil->bekker_kphi, first, last, p);
 }
 
-struct soil_numbers soil_numbers_at(const struct soil_law *law, const struct soil_planes *planes, size_t at)
-{
-	const int class = planes->classes != NULL ? planes->classes[at] : 0;
-	struct soil_numbers soil = law->soils[class < law->soil_count ? class : 0];
-	for (int i = 0; i < law->raster_count && planes->levels != NULL; i++)
-		if (planes->levels[SOIL_RASTERS * at + (size_t)i] != 0)
-			*soil_number_in(&soil, law->rasters[i].number) = soil_raster_value(&law->rasters[i], planes->levels[SOIL_RASTERS * at + (size_t)i]);
-	return soil;
-}
-
 static bool same_soil(const struct soil_law *law, const struct soil_planes *planes, size_t a, size_t b)
 {
 	return (planes->classes == NULL || planes->classes[a] == planes->classes[b]) &&
