@@ -18,6 +18,7 @@
 #define soil_bear LANES_NAME(LANES_OF, bear)
 #define soil_cover LANES_NAME(LANES_OF, cover)
 #define soil_form_of LANES_NAME(LANES_OF, form_of)
+#define soil_numbers_at LANES_NAME(LANES_OF, numbers_at)
 #define soil_posts_need LANES_NAME(LANES_OF, posts_need)
 #define soil_posts_finish LANES_NAME(LANES_OF, posts_finish)
 #define soil_posts_gather LANES_NAME(LANES_OF, posts_gather)

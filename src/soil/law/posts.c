@@ -106,10 +106,11 @@ struct run {
 struct marks {
 	float x, y, step_x, step_y;  /* of the first post; from each to the next, m */
 	float radius, outer, reach, run, fell, above; /* m; reach: of a cell's places from its post along the rim */
-	float lean, level, lift, aside; /* aside: how much lower the lower envelope can be because it leans, m */
+	float lean, leans, lift, aside; /* lean, leans: along and across the axis; aside: how much lower the lower envelope can be because it leans, m */
 	float rise_reach, raised;    /* m: how far from its post a place of a cell can be along each axis, of a slope of 1; the body's centre */
 	float ran;                   /* m: along the rim since the motion's start */
 	float springs, known;        /* m: soil that sank by at most `known` springs back by less than this */
+	float low, size;             /* -1: its lower end is on the right, 1: on the left; m: so far from the middle the end bears beside no cell */
 	int32_t zero;                /* units of bases: the centre above the store's reference */
 };
 
@@ -139,11 +140,12 @@ SOIL_CLONED static int32_t mark_run(const struct marks *restrict m, const struct
 		const float deep = sqrtf(outside) * m->lift, lowest = m->lean * y - m->aside - deep - m->fell;
 		const bool touches = (ground + rise + m->above > lowest) & (near <= m->outer);
 		/* Behind the axle the rim is lower at places that are farther ahead, and was so at the motion's start, but less. */
+		const float aside = y - m->leans * root(r2 - x * x);
 		const float inner = most(-x - m->reach, 0), sunk = (float)sinkage[i] * sinks;
 		const float leaves = m->lean * y + sunk - ground - root(r2 - inner * inner) * m->lift;
 		/* A slope of up to 1.7: along its normal it sinks by at least half as much as vertically. */
 		const bool behind = (x < -m->ran - m->reach) & (x > -m->radius) & (rise < 1.7f * m->reach);
-		const bool gone = behind & (sunk > 0) & (sunk <= m->known) & (leaves > m->springs + 2 * (rise + m->aside)) & !holes;
+		const bool gone = behind & (sunk > 0) & (sunk <= m->known) & (leaves > m->springs + 2 * (rise + m->aside)) & !holes & (m->low * aside < m->size);
 		const int32_t here_first = (touches | holes) & !gone ? i : INT32_MAX, here_last = (touches | holes) & !gone ? i : -1;
 		first = here_first < first ? here_first : first;
 		last = here_last > last ? here_last : last;
@@ -167,7 +169,8 @@ static void cut_rim(const struct walk *walk, const struct soil_body *body, const
 		.x = (float)(first[0] + (double)columns[0] * walk->step[0]), .y = (float)(first[1] + (double)columns[0] * walk->step[1]),
 		.step_x = (float)walk->step[0], .step_y = (float)walk->step[1], .radius = form->radius, .outer = (float)body->outer,
 		.reach = form->half_across + 0.75f * fabsf(form->cut[1][0]) + 1e-5f, .run = run, .fell = walk->above > 0 ? most(form->way[2], 0) + 1e-5f : 1e-5f,
-		.above = (float)walk->above, .lean = form->lean * form->lift, .level = form->level, .lift = form->lift,
+		.above = (float)walk->above, 
+		.lean = form->lean * form->lift, .leans = form->lean, .low = low_side(form), .size = form->lean != 0 ? form->half[1] - 1.5f * form->step_aside : 1e9f, .lift = form->lift,
 		.aside = leans * form->lift * (fabsf(aside) + reach + form->step_aside), .rise_reach = reach / form->spacing,
 		.raised = (float)lattice_offset_metres(walk->raised), .springs = walk->springs, .known = walk->known, .ran = form->way[0], .zero = (int32_t)zero,
 	};
