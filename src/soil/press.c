@@ -14,7 +14,7 @@
 /* What a block of posts becomes. */
 struct after {
 	int32_t offset[POSTS_LANES], deposited[POSTS_LANES], sinkage[POSTS_LANES], shear[POSTS_LANES], dug[POSTS_LANES], carried[POSTS_LANES], lost[POSTS_LANES];
-	uint8_t touched[POSTS_LANES], held[POSTS_LANES], refused[POSTS_LANES], ends[POSTS_LANES];
+	int32_t touched[POSTS_LANES], held[POSTS_LANES], refused[POSTS_LANES], ends[POSTS_LANES]; /* 1: it is so */
 };
 
 SOIL_INLINED int32_t whole_units(float metres)
@@ -31,6 +31,12 @@ SOIL_INLINED bool in_contact(int32_t sunk, int32_t largest, float plastic)
 SOIL_INLINED int32_t sinkage_of(float up, int32_t depth)
 {
 	return whole_of(clamped(up * (float)depth, 0, 1.9e9f));
+}
+
+/* Returns one of two numbers. Both are computed, so that a loop over lanes has no branch. */
+SOIL_INLINED int32_t chosen(bool first, int32_t a, int32_t b)
+{
+	return first ? a : b;
 }
 
 SOIL_INLINED int32_t larger(int32_t a, int32_t b)
@@ -56,8 +62,9 @@ SOIL_CLONED static void put_after(const struct soil_form *restrict f, const floa
 {
 	int32_t ground[POSTS_LANES], rests[POSTS_LANES], lowest[POSTS_LANES], deposited[POSTS_LANES], sinkage[POSTS_LANES], dug[POSTS_LANES], before[POSTS_LANES];
 	float up[POSTS_LANES], by_up[POSTS_LANES], over[POSTS_LANES], swept[POSTS_LANES], more[POSTS_LANES];
-	struct stress_soil soils[POSTS_LANES];
+	float k[POSTS_LANES], n[POSTS_LANES], elastic[POSTS_LANES], by_elastic[POSTS_LANES];
 	const int32_t near = (int32_t)fminf((float)SHEAR_ENDS * f->spacing * 1048576.0f, 1e9f);
+	SOIL_APART
 	for (int i = 0; i < POSTS_LANES; i++) {
 		const float height = posts->height[b + i] + posts->above[b + i] + f->beyond;
 		ground[i] = posts->ground[b + i] - raised;
@@ -72,25 +79,29 @@ SOIL_CLONED static void put_after(const struct soil_form *restrict f, const floa
 		over[i] = posts->over[b + i];
 		swept[i] = most(posts->swept[b + i], over[i]);
 		more[i] = kept->more[b + i];
-		soils[i] = (struct stress_soil){.k = posts->k[b + i], .n = posts->n[b + i], .elastic = posts->elastic[b + i], .by_elastic = posts->by_elastic[b + i]};
+		k[i] = posts->k[b + i];
+		n[i] = posts->n[b + i];
+		elastic[i] = posts->elastic[b + i];
+		by_elastic[i] = posts->by_elastic[b + i];
 	}
+	SOIL_APART
 	for (int i = 0; i < POSTS_LANES; i++) {
-		const struct stress_soil *s = &soils[i];
+		const struct stress_soil soil = {.k = k[i], .n = n[i], .elastic = elastic[i], .by_elastic = by_elastic[i]}, *s = &soil;
 		const float had = plastic_of(s, (float)sinkage[i] * SOIL_UNIT);
-		const int32_t deepest = sinkage_of(up[i], ground[i] - lowest[i]), sunk = over[i] > 0 ? sinkage_of(up[i], ground[i] - rests[i]) : 0;
+		const int32_t deepest = sinkage_of(up[i], ground[i] - lowest[i]), sunk = chosen(over[i] > 0, sinkage_of(up[i], ground[i] - rests[i]), 0);
 		const bool may = (swept[i] > 0) & (lowest[i] < ground[i]);
 		const int32_t largest = larger(sinkage[i], deepest);
 		const float plastic = plastic_of(s, (float)largest * SOIL_UNIT);
 		const bool touched = may & in_contact(deepest, sinkage[i], had), held = touched & in_contact(sunk, largest, plastic);
 		/* What slip digs. */
-		const int32_t digs = held ? larger(smaller(whole_units(more[i]), ground[i] - rests[i] - 2), 0) : 0;
+		const int32_t digs = chosen(held, larger(smaller(whole_units(more[i]), ground[i] - rests[i] - 2), 0), 0);
 		const int32_t lowered = ground[i] - digs, remains = larger(sinkage[i] - whole_of(up[i] * (float)digs), 0);
 		const float had_now = plastic_of(s, (float)remains * SOIL_UNIT);
 		const int32_t largest_now = larger(remains, sinkage_of(up[i], lowered - lowest[i]));
 		const float plastic_now = plastic_of(s, (float)largest_now * SOIL_UNIT);
-		const bool held_now = digs > 0 ? in_contact(sinkage_of(up[i], lowered - rests[i]), largest_now, plastic_now) : held;
+		const bool held_then = in_contact(sinkage_of(up[i], lowered - rests[i]), largest_now, plastic_now), held_now = ((digs > 0) & held_then) | ((digs <= 0) & held);
 		const int32_t released = whole_units(plastic_now * by_up[i]), released_before = whole_units(had_now * by_up[i]);
-		const int32_t sinks = held_now ? lowered - rests[i] : released, heap = deposited[i] - digs, offset = heap - sinks;
+		const int32_t sinks = chosen(held_now, lowered - rests[i], released), heap = deposited[i] - digs, offset = heap - sinks;
 		const bool refused = touched & ((sinks > OFFSET_MOST) | (offset > OFFSET_MOST) | (offset < -OFFSET_MOST));
 		const bool changes = touched & !refused;
 		const int32_t flows = larger(released - released_before, 0), carries = (int32_t)least(bulldozing * (float)flows, (float)larger(CARRIED_MOST - digs, 0));
@@ -102,14 +113,15 @@ SOIL_CLONED static void put_after(const struct soil_form *restrict f, const floa
 		a->sinkage[i] = largest_now;
 		a->dug[i] = dug[i] + digs;
 		/* Only soil that the floor gives up is carried. What slip digs under a body that does not go down stays there, loosened. */
-		a->carried[i] = changes ? larger(smaller(carries + smaller(digs, CARRIED_MOST), before[i] - offset), 0) : 0;
-		a->lost[i] = changes ? before[i] - offset - a->carried[i] : 0;
+		a->carried[i] = chosen(changes, larger(smaller(carries + smaller(digs, CARRIED_MOST), before[i] - offset), 0), 0);
+		a->lost[i] = chosen(changes, before[i] - offset - a->carried[i], 0);
 		/* The body has just left the post, or comes next, and the shear that the post stores ends. Below a higher body that shear may belong to a
 		 * second one, so it stays. */
 		a->ends[i] = (swept[i] > 0) & (lowest[i] - (ground[i] - deposited[i] + before[i]) < near);
 	}
+	SOIL_APART
 	for (int i = 0; i < POSTS_LANES; i++)
-		a->shear[i] = a->held[i] ? shear_of(axis, kept->shear_x[b + i], kept->shear_y[b + i]) : 0;
+		a->shear[i] = chosen(a->held[i], shear_of(axis, kept->shear_x[b + i], kept->shear_y[b + i]), 0);
 }
 
 /* A row of the patch as it is measured for laying. */
