@@ -13,6 +13,7 @@
 #include "soil/law/face.h"
 
 #define LANES POSTS_LANES
+_Static_assert(LANES == 16, "total_real");
 /* At rest a body would rock and slide to and fro for long, since soil springs back without loss. So what moves slower than these is damped more. */
 #define STICKS 0.003f    /* m/s along a surface: by the soil's own damping */
 #define SETTLES 0.002f   /* m/s across it: by SETTLING times as much */
@@ -984,10 +985,10 @@ BEAR_OF(FORM_RASTER, raster)
 
 static double total_real(const float lanes[LANES])
 {
-	double sum = 0;
-	for (int i = 0; i < LANES; i++)
-		sum += (double)lanes[i];
-	return sum;
+	float fours[4];
+	for (int i = 0; i < 4; i++)
+		fours[i] = (lanes[i] + lanes[i + 8]) + (lanes[i + 4] + lanes[i + 12]);
+	return ((double)fours[0] + (double)fours[2]) + ((double)fours[1] + (double)fours[3]);
 }
 
 static void total_matrix(float (*lanes)[6][LANES], struct soil_matrix *matrix)
