@@ -28,6 +28,7 @@ static enum status need_view(struct furrow_world *host)
 		return status;
 	host->scene->view = defaults->view;
 	scene_destroy(defaults);
+	api_library_begin_gl(host);
 	status = world_start_drawing(&host->world);
 	if (status == STATUS_OK)
 		status = api_library_start_view(host);

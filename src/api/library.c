@@ -107,15 +107,27 @@ enum status api_library_enter(struct library_call *call, struct furrow_world *wo
 		status = api_library_need_world(world);
 	if (status != STATUS_OK)
 		return status;
-	gpu_keep(world->world.gpu, &call->kept);
 	call->world = world;
+	world->call = call;
 	page_cache_adopt(world->world.cache); /* another thread may have used the world before */
+	if (world->world.gpu == NULL)
+		return STATUS_OK;
+	call->gl = true;
+	gpu_keep(world->world.gpu, &call->kept);
 	return gpu_take(world->world.gpu);
+}
+
+void api_library_begin_gl(struct furrow_world *world)
+{
+	if (world->call == NULL || world->call->gl)
+		return;
+	world->call->gl = true;
+	gpu_keep(NULL, &world->call->kept);
 }
 
 furrow_status api_library_leave(struct library_call *call, enum status status)
 {
-	if (call->world != NULL)
+	if (call->gl)
 		gpu_give(&call->kept);
 	return api_library_end(status);
 }

@@ -25,6 +25,7 @@ struct furrow_world {
 	struct report_vehicles *vehicle_rows; /* NULL: no vehicles.csv */
 	struct report report;
 	struct view *view;        /* NULL until the first picture, if the scene has no view */
+	struct library_call *call; /* the last one that entered */
 	struct world_watcher watcher;
 	double origin;            /* s: time from which steps of time_step are counted */
 	int64_t steps;            /* steps since then */
@@ -41,6 +42,7 @@ struct furrow_world {
 struct library_call {
 	/* the world of the call; NULL if there is none, or if the call has not made its GL context current */
 	struct furrow_world *world;
+	bool gl; /* the world's GL context is current; the thread's own is in `kept` */
 	struct gpu_kept kept;
 };
 
@@ -53,6 +55,8 @@ locale_t api_library_to_host(void);
 void api_library_from_host(locale_t locale);
 /* The same for a call that uses the world's GL. STATUS_USAGE: `world` is NULL. End with api_library_leave, whatever it returns. */
 enum status api_library_enter(struct library_call *call, struct furrow_world *world) FURROW_CHECKED;
+/* Before a world whose drive needs no GL makes a context, for a picture. */
+void api_library_begin_gl(struct furrow_world *world);
 furrow_status api_library_leave(struct library_call *call, enum status status);
 
 /* furrow_bodies.c: tells a state of the world. */

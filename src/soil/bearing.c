@@ -14,6 +14,8 @@ void soil_work_destroy(struct soil_work *work)
 	if (work == NULL)
 		return;
 	soil_posts_finish(&work->posts);
+	soil_fine_finish(&work->fine);
+	soil_grousers_finish(&work->grousers);
 	mem_free(work->kept.more);
 	mem_free(work);
 }
@@ -68,6 +70,10 @@ enum status soil_bearing_begin(const struct soil_law *law, const struct soil_pla
 	*b = (struct bearing){.law = law, .planes = planes, .motion = motion, .below = below, .posts = &work->posts, .above = above, .gathered = INT32_MAX};
 	soil_form_of(law, motion, &b->body, &b->form);
 	b->by_width = width_of(motion, &b->body);
+	if (b->form.kind == FORM_RASTER)
+		return soil_fine_draw(&b->body, &b->form, &work->fine);
+	if (motion->shape->kind == SOIL_WHEEL && motion->shape->grousers > 0)
+		return soil_grousers_draw(&b->body, &below, &b->form, &work->grousers);
 	return STATUS_OK;
 }
 

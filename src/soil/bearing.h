@@ -6,11 +6,15 @@
 #define FURROW_SOIL_BEARING_H
 
 #include "soil/law/bear.h"
+#include "soil/law/fine.h"
+#include "soil/law/grousers.h"
 
 struct soil_work {
 	struct soil_posts posts;
 	struct soil_kept kept;
 	size_t kept_room;
+	struct soil_fine_work fine;
+	struct soil_grousers_work grousers;
 };
 
 /* Heights are fixed-point units above motion->to.z. */

@@ -124,3 +124,13 @@ double soil_raster_value(const struct soil_raster *raster, uint8_t level)
 	return level == SOIL_LEVELS ? raster->high
 				      : raster->low + (raster->high - raster->low) / (SOIL_LEVELS - 1) * (level - 1);
 }
+
+struct soil_numbers soil_numbers_at(const struct soil_law *law, const struct soil_planes *planes, size_t at)
+{
+	const int class = planes->classes != NULL ? planes->classes[at] : 0;
+	struct soil_numbers soil = law->soils[class < law->soil_count ? class : 0];
+	for (int i = 0; i < law->raster_count && planes->levels != NULL; i++)
+		if (planes->levels[SOIL_RASTERS * at + (size_t)i] != 0)
+			*soil_number_in(&soil, law->rasters[i].number) = soil_raster_value(&law->rasters[i], planes->levels[SOIL_RASTERS * at + (size_t)i]);
+	return soil;
+}

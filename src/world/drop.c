@@ -29,7 +29,7 @@ static struct scene_object dropped(const struct world *world, enum world_drop_sh
 
 enum status world_warm_drops(struct world *world)
 {
-	if (!world->params.drops || world->scene->object_count == 0)
+	if (!world->params.drops || world->scene->object_count == 0 || world->deform == NULL)
 		return STATUS_OK;
 	const struct scene_object object = dropped(world, WORLD_DROP_BALL);
 	const struct deform_planned planned = {&object.shape, object.load, false, false};

@@ -194,7 +194,7 @@ static bool turns_back(const struct world *world, const struct host_body *host, 
 		return true;
 	slide_of(host, from, at, host->felt_turned, host->rotated, before);
 	slide_of(host, at, to, turned, rotated, after);
-	return hypot(before[0], before[1]) >= least && before[0] * after[0] + before[1] * after[1] < 0;
+	return hypot(before[0], before[1]) >= SINKAGE_SHARE * world->spacing && before[0] * after[0] + before[1] * after[1] < 0;
 }
 
 /* Computes only the forces, without changing the ground. */

@@ -188,7 +188,7 @@ enum status world_body_add(struct world *world, struct scene_object *object, int
 		status = name_it(world, object);
 	if (status == STATUS_OK)
 		status = world_forces_wait(world->forces); /* warming up drops forces that are being computed */
-	if (status == STATUS_OK)
+	if (status == STATUS_OK && world->deform != NULL)
 		status = deform_warm(world->deform, &planned, world_asks_forces(world));
 	struct scene_object *owned = status == STATUS_OK ? mem_calloc(1, sizeof *owned) : NULL;
 	struct host_body *host = owned != NULL ? new_body(owned, owned) : NULL;

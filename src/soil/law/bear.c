@@ -66,9 +66,10 @@ SOIL_INLINED bool any_above(const float numbers[LANES], float than)
 
 SOIL_INLINED void normal_of(const struct soil_form *f, const struct lane_posts *p, int i, const struct face *face, float normal[3])
 {
-	normal[0] = either(f->ground_normals > 0, -p->rise_x[i] * p->up[i], face->normal[0]);
-	normal[1] = either(f->ground_normals > 0, -p->rise_y[i] * p->up[i], face->normal[1]);
-	normal[2] = either(f->ground_normals > 0, p->up[i], face->normal[2]);
+	const float ground = f->ground_normals, body = 1 - f->ground_normals; /* products, so that no lane skips reading a raster */
+	normal[0] = body * face->normal[0] - ground * p->rise_x[i] * p->up[i];
+	normal[1] = body * face->normal[1] - ground * p->rise_y[i] * p->up[i];
+	normal[2] = body * face->normal[2] + ground * p->up[i];
 }
 
 /* Gives how the surface moves over the body at a place, by the body's turning and by its belt, along `across`. */
@@ -130,6 +131,12 @@ SOIL_INLINED float passed_at(const struct soil_form *f, enum soil_form_kind kind
 		const float beyond = ahead * ahead + level * level - squares, rooted = nears * nears - moves * beyond;
 		share = either(rooted >= 0, -beyond / most(nears + root(rooted), 1e-18f), -4);
 		share = either(moves > 0, share, 1e3f);
+	} else if (kind == FORM_RASTER) {
+		/* A parabola through the heights above the post at the motion's start, halfway, and at its end. */
+		const float whole = p->begun[i], half = p->halfway[i];
+		const float speed = 4 * half - whole, bends = 2 * whole - 4 * half, rooted = speed * speed + 4 * bends * gains, by = speed + root(rooted);
+		share = either(rooted >= 0, either(fabsf(by) > 1e-12f, 2 * gains / either(fabsf(by) > 1e-12f, by, 1), 1e3f), either(gains > 0, 1e3f, -4));
+		share = least(share, either(p->over[i] > 0, p->entered[i], 1e3f));
 	} else {
 		const float speed = p->print[i] - p->height[i] - f->way[2];
 		share = either(speed > 0, gains / most(speed, 1e-18f), 1e3f);
@@ -249,7 +256,7 @@ SOIL_INLINED float remembered_at(const struct soil_form *f, enum soil_form_kind 
 	const float leans = kind == FORM_RIM ? (1 - l->stamped[lane]) * (p->rise_y[i] - f->lean * f->lift) * (y - p->y[i]) : 0;
 	const float hollow = l->stamped[lane] * (depth - l->depth[lane]) + leans;
 	const float all = l->was[lane] * p->by_up[i] + l->printed[lane] * print + (1 - l->printed[lane]) * hollow;
-	return either(l->was[lane] > 0, all, 0);
+	return all * either(l->was[lane] > 0, 1, 0);
 }
 
 /* A line across the cell, in the direction in which the depth of the lower envelope changes most. The depth along it is taken as a parabola. An end of
@@ -273,7 +280,7 @@ SOIL_INLINED void put_line(const struct soil_form *f, enum soil_form_kind kind, 
 			const float rise = p->rise_x[i] * (x - p->x[i]) + p->rise_y[i] * (y - p->y[i]);
 			const float depth = l->depth[i] + p->height[i] + rise - height_at(f, kind, p->own[i], x, y);
 			float since, lower = p->lowered[i] * p->over[i];
-			if (is_round(kind))
+			if (knows_places(kind))
 				lower = lowered_at(f, kind, x, y, l->back[i], p->rise_x[i], &since);
 			depths[k][i] = depth;
 			mosts[k][i] = depth + lower;
@@ -327,14 +334,14 @@ SOIL_INLINED void put_spots(const struct soil_form *f, enum soil_form_kind kind,
 		const float rise = p->rise_x[i] * (x - p->x[i]) + p->rise_y[i] * (y - p->y[i]);
 		const float deep = l->depth[i] + p->height[i] + rise - height_at(f, kind, p->own[i], x, y);
 		float lower = p->lowered[i] * p->over[i], since = 0;
-		if (is_round(kind))
+		if (knows_places(kind))
 			lower = lowered_at(f, kind, x, y, l->back[i], p->rise_x[i], &since);
 		spots->x[i] = x;
 		spots->y[i] = y;
 		spots->deep[i] = deep;
 		spots->most[i] = deep + lower;
 		/* Where the body was deeper before in its motion, its deepest pose sinks by less than the last one. */
-		spots->unloads[i] = either(lower > 0, is_round(kind) ? least(since / most(f->run, 1e-9f), 1) : 1, 0);
+		spots->unloads[i] = either(lower > 0, 1, 0) * (knows_places(kind) ? least(since / most(f->passes[0], 1e-9f), 1) : 1);
 		spots->part[i] = 0.25f * l->share[i] * (l->last[i] - l->first[i]); /* of two places, on a line from -1 to 1 */
 		const float later = ((x - p->x[i]) * f->by_way[0] + (y - p->y[i]) * f->by_way[1]) * l->lasts[i];
 		spots->touching[i] = l->slides[i] * most(lasted(p, i, l->passed[i]) - later, 0);

@@ -1,7 +1,9 @@
 /* Which posts and which parts of their cells a body covers, how low it is there, and how low it was during its motion. */
 #include "soil/law/cover.h"
 
+#include "soil/law/cover_fine.h"
 #include "soil/law/face.h"
+#include "soil/law/grousers.h"
 
 #define HALVINGS 14        /* of the share of a motion: to within 1e-4 of its length */
 #define BESIDE 2e-6f       /* m: a post nearer to a side lies below it */
@@ -38,7 +40,7 @@ SOIL_CLONED static void cover_rim(const struct soil_form *restrict f, struct soi
 		const struct part part = part_of(lower, here, upper, size, step);
 		const bool inside = fabsf(here) <= size + BESIDE, is_over = (x * x <= far) & inside;
 		const bool between = narrow & (fabsf(here - 1e-4f * step) <= 0.5f * step);
-		const bool beside = (fabsf(x) < r + f->half_across) & (between | ((fabsf(x) > r) & inside));
+		const bool beside = (fabsf(x) < f->outer + f->half_across) & (between | ((fabsf(x) > r) & inside));
 		const bool alone = narrow & !is_over;
 		const float low = either(alone, (-size - here) * by_step, part.low), high = either(alone, (size - here) * by_step, part.high);
 		const float middle = 0.5f * (low + high), passed_low = -size - most(f->way[1], 0), passed_high = size - least(f->way[1], 0);
@@ -98,95 +100,125 @@ SOIL_CLONED static void cover_ball(const struct soil_form *restrict f, struct so
 	}
 }
 
-/* --- other forms, post by post, in doubles --- */
+/* --- other forms --- */
 
-/* Gives the lower envelope above a place, in the body's frame. *away is above 0 if the body was lower there shortly before. */
-static bool placed(const struct soil_body *body, double x, double y, double *height, double *away)
+/* Returns true if a form is above a place, in plan. */
+SOIL_INLINED bool is_above(const struct soil_form *f, enum soil_form_kind kind, float x, float y)
 {
-	const double c = body->axis[0], s = body->axis[1], *way = body->way;
-	struct lower_place place;
-	if (!soil_lower_at(&body->lower, c * x - s * y, s * x + c * y, &place))
-		return false;
-	const double *n = place.normal;
-	*height = place.z;
-	*away = way[0] * (c * n[0] + s * n[1]) + way[1] * (c * n[1] - s * n[0]) + way[2] * n[2];
-	return true;
-}
-
-/* The same at a share of the motion, back from its end. */
-static bool placed_before(const struct soil_body *body, double x, double y, double share, double *height, double *away)
-{
-	const bool over = placed(body, x + share * body->way[0], y + share * body->way[1], height, away);
-	*height -= share * body->way[2];
-	return over;
-}
-
-/* Finds the lowest height of a convex body above a place during its motion. The height is a convex function of the time. A body that was above the
- * place only in the middle of its motion is not found: path samples are a post apart. */
-static bool lowest_of(const struct soil_body *body, double x, double y, double *lowest)
-{
-	double height, away, from = 0, to = 1;
-	*lowest = INFINITY;
-	const bool now = placed_before(body, x, y, 0, &height, &away);
-	*lowest = now ? height : *lowest;
-	if (now && away <= 0)
-		return true;
-	const bool before = placed_before(body, x, y, 1, &height, &away);
-	*lowest = before ? fmin(*lowest, height) : *lowest;
-	if ((before && away >= 0) || (!now && !before))
-		return before;
-	for (int k = 0; k < HALVINGS; k++) {
-		const double middle = 0.5 * (from + to);
-		const bool over = placed_before(body, x, y, middle, &height, &away);
-		*lowest = over ? fmin(*lowest, height) : *lowest;
-		*((over ? away > 0 : !now) ? &from : &to) = middle;
+	if (kind == FORM_CAPSULE) {
+		const float axial = f->along[0] * x + f->along[1] * y, aside = f->along[0] * y - f->along[1] * x, straight = f->half_axis * f->level;
+		const float beyond = most(fabsf(axial) - straight, 0), far = f->radius + BESIDE;
+		return aside * aside + beyond * beyond <= far * far;
 	}
-	return true;
-}
-
-/* Returns the part of a box' length or width that a post bears, and cuts the part's middle. */
-static struct part part_along(float at, float size, float step)
-{
-	return part_of(at - step, at, at + step, size, step);
-}
-
-static void put_box_part(const struct soil_form *f, struct soil_posts *p, size_t i)
-{
-	if (!(f->half[0] > 0) || !(p->share[i] > 0))
-		return;
-	const struct part across = part_along(p->y[i], f->half[1], f->step_aside), along = part_along(p->x[i], f->half[0], f->step_aside);
-	p->share[i] = most(across.high - across.low, 0) * most(along.high - along.low, 0);
-	for (int k = 0; k < 2; k++) {
-		float *middle = k == 0 ? &p->middle_x[i] : &p->middle_y[i];
-		*middle = 0.5f * (across.low + across.high) * f->cut[1][k] + 0.5f * (along.low + along.high) * f->cut[0][k];
+	if (kind == FORM_END) {
+		const float disc = fabsf(f->lean) * half_strip(f, x) + f->half_axis * f->level;
+		return (fabsf(x) <= f->radius + BESIDE) & (fabsf(y) <= disc + BESIDE);
 	}
-	p->side_right[i] = across.begins;
-	p->side_left[i] = across.ends;
-	p->side_behind[i] = along.begins;
-	p->side_ahead[i] = along.ends;
+	bool is = true;
+	for (int k = 0; k < 3; k++)
+		is = is & (fabsf(f->slabs[k][0] * x + f->slabs[k][1] * y) <= f->slabs[k][2] + BESIDE);
+	return is;
 }
 
-static void cover_post(const struct soil_body *body, const struct soil_form *f, struct soil_posts *p, size_t i)
+/* A pose of a body during its motion, above a place. */
+struct passing {
+	float height, rises; /* m; rises: of the height with the share of the motion, back from its end */
+	bool above;
+};
+
+SOIL_INLINED struct passing passing_at(const struct soil_form *f, enum soil_form_kind kind, float own, float x, float y, float share)
 {
-	const float x = p->x[i], y = p->y[i];
-	const bool hole = p->base[i] == BASE_NODATA;
-	double height = 0, away, lowest = 0;
+	const float u = x + share * f->way[0], v = y + share * f->way[1];
 	struct face face = {.height = 0};
-	const bool over = !hole && placed(body, (double)x, (double)y, &height, &away), swept = !hole && lowest_of(body, (double)x, (double)y, &lowest);
-	p->own[i] = f->kind == FORM_END ? (2 * f->half_axis * f->level < 0.25f * f->spacing ? 1 : 2) : 0;
-	face_at(f, f->kind, p->own[i], x, y, &face);
-	p->over[i] = p->share[i] = over ? 1 : 0;
-	p->swept[i] = swept ? 1 : 0;
-	p->height[i] = over ? (float)height : face.height;
-	p->slope_x[i] = face.slope[0];
-	p->slope_y[i] = face.slope[1];
-	p->lowered[i] = swept ? most((float)((double)p->height[i] - lowest), 0) : 0;
-	p->above[i] = 0;
-	p->print[i] = height_at(f, f->kind, p->own[i], x + f->way[0], y + f->way[1]);
-	p->middle_x[i] = p->middle_y[i] = 0;
-	p->side_behind[i] = p->side_ahead[i] = p->side_right[i] = p->side_left[i] = 0;
-	if (f->kind == FORM_BOX)
-		put_box_part(f, p, i);
+	face_at(f, kind, own, u, v, &face);
+	return (struct passing){face.height - share * f->way[2], face.slope[0] * f->way[0] + face.slope[1] * f->way[1] - f->way[2], is_above(f, kind, u, v)};
+}
+
+/* Finds the lowest heights of a convex body above posts during its motion: a convex function of the time. A body that was above a post only in the
+ * middle of its motion is not found: path samples are a post apart. */
+SOIL_INLINED void put_lowest(const struct soil_form *restrict f, enum soil_form_kind kind, struct soil_posts *restrict p, size_t b)
+{
+	float from[POSTS_LANES], to[POSTS_LANES], low[POSTS_LANES], above[POSTS_LANES], seeks[POSTS_LANES], any = 0;
+	for (int i = 0; i < POSTS_LANES; i++) {
+		const struct passing now = passing_at(f, kind, p->own[b + i], p->x[b + i], p->y[b + i], 0);
+		const struct passing then = passing_at(f, kind, p->own[b + i], p->x[b + i], p->y[b + i], 1);
+		const bool stays = now.above & (now.rises >= 0), came = then.above & (then.rises <= 0);
+		above[i] = either(now.above, 1, 0);
+		from[i] = 0;
+		to[i] = 1;
+		low[i] = least(either(now.above, now.height, FINE_NONE), either(then.above & !stays, then.height, FINE_NONE));
+		seeks[i] = either(stays | came | !(now.above | then.above), 0, 1);
+		any = most(any, seeks[i]);
+	}
+	for (int k = 0; k < HALVINGS && any > 0; k++)
+		for (int i = 0; i < POSTS_LANES; i++) {
+			const float middle = 0.5f * (from[i] + to[i]);
+			const struct passing is = passing_at(f, kind, p->own[b + i], p->x[b + i], p->y[b + i], middle);
+			const float earlier = either(is.above, either(is.rises < 0, 1, 0), 1 - above[i]);
+			low[i] = either(is.above & (seeks[i] > 0), least(low[i], is.height), low[i]);
+			from[i] = either(earlier > 0, middle, from[i]);
+			to[i] = either(earlier > 0, to[i], middle);
+		}
+	for (int i = 0; i < POSTS_LANES; i++) {
+		const bool was = (low[i] < 0.5f * FINE_NONE) & (p->base[b + i] != BASE_NODATA);
+		p->swept[b + i] = either(was, 1, 0);
+		p->lowered[b + i] = either(was, most(p->height[b + i] - low[i], 0), 0);
+	}
+}
+
+SOIL_INLINED void cover_lanes(const struct soil_form *restrict f, enum soil_form_kind kind, struct soil_posts *restrict p, size_t b)
+{
+	const float own = kind == FORM_END ? (2 * f->half_axis * f->level < 0.25f * f->spacing ? 1 : 2) : 0;
+	for (int i = 0; i < POSTS_LANES; i++) {
+		const float x = p->x[b + i], y = p->y[b + i], over = either(is_above(f, kind, x, y) & (p->base[b + i] != BASE_NODATA), 1, 0);
+		struct face face = {.height = 0};
+		face_at(f, kind, own, x, y, &face);
+		p->own[b + i] = own;
+		p->over[b + i] = p->share[b + i] = p->swept[b + i] = over;
+		p->height[b + i] = face.height;
+		p->slope_x[b + i] = face.slope[0];
+		p->slope_y[b + i] = face.slope[1];
+		p->print[b + i] = height_at(f, kind, own, x + f->way[0], y + f->way[1]);
+		p->above[b + i] = p->lowered[b + i] = p->middle_x[b + i] = p->middle_y[b + i] = 0;
+		p->side_behind[b + i] = p->side_ahead[b + i] = p->side_right[b + i] = p->side_left[b + i] = 0;
+	}
+	if (f->way[0] != 0 || f->way[1] != 0 || f->way[2] != 0)
+		put_lowest(f, kind, p, b);
+}
+
+/* Sets the parts that posts bear of a box' length and width. */
+SOIL_INLINED void put_box_parts(const struct soil_form *restrict f, struct soil_posts *restrict p, size_t b)
+{
+	for (int i = 0; i < POSTS_LANES; i++) {
+		const float x = p->x[b + i], y = p->y[b + i], over = p->over[b + i], along_step = f->step_aside;
+		const struct part across = part_of(y - along_step, y, y + along_step, f->half[1], along_step);
+		const struct part along = part_of(x - along_step, x, x + along_step, f->half[0], along_step);
+		const float side = 0.5f * (across.low + across.high) * over, ahead = 0.5f * (along.low + along.high) * over;
+		p->share[b + i] = most(across.high - across.low, 0) * most(along.high - along.low, 0) * over;
+		p->middle_x[b + i] = side * f->cut[1][0] + ahead * f->cut[0][0];
+		p->middle_y[b + i] = side * f->cut[1][1] + ahead * f->cut[0][1];
+		p->side_right[b + i] = across.begins * over;
+		p->side_left[b + i] = across.ends * over;
+		p->side_behind[b + i] = along.begins * over;
+		p->side_ahead[b + i] = along.ends * over;
+	}
+}
+
+SOIL_CLONED static void cover_box(const struct soil_form *restrict f, struct soil_posts *restrict p, size_t b)
+{
+	cover_lanes(f, FORM_BOX, p, b);
+	if (f->half[0] > 0)
+		put_box_parts(f, p, b);
+}
+
+SOIL_CLONED static void cover_capsule(const struct soil_form *restrict f, struct soil_posts *restrict p, size_t b)
+{
+	cover_lanes(f, FORM_CAPSULE, p, b);
+}
+
+SOIL_CLONED static void cover_end(const struct soil_form *restrict f, struct soil_posts *restrict p, size_t b)
+{
+	cover_lanes(f, FORM_END, p, b);
 }
 
 /* --- when a cell can be touched --- */
@@ -241,18 +273,42 @@ SOIL_CLONED static void put_room(const struct soil_form *restrict f, struct soil
 		room_of(f, FORM_RASTER, p, b);
 }
 
+/* The same as put_room for a raster. */
+static void put_raster_room(const struct soil_form *f, struct soil_posts *p)
+{
+	for (size_t i = 0; i < p->count; i++) {
+		const float steep = sqrtf(p->rise_x[i] * p->rise_x[i] + p->rise_y[i] * p->rise_y[i]) * f->half_across;
+		const float across = p->rise_x[i] * p->middle_x[i] + p->rise_y[i] * p->middle_y[i], ground = (float)p->ground[i] * SOIL_UNIT;
+		if (p->share[i] > 0)
+			p->room[i] = ground + most(across + steep, 0) - least(soil_cover_fine_low(f, p->x[i], p->y[i]), p->height[i]) + 4 * SOIL_LEAST;
+	}
+}
+
+/* Covers all posts with a form. */
+static void cover_all(const struct soil_form *form, struct soil_posts *posts)
+{
+	static void (*const covers[])(const struct soil_form *restrict, struct soil_posts *restrict, size_t) = {
+		[FORM_RIM] = cover_rim, [FORM_BALL] = cover_ball, [FORM_CAPSULE] = cover_capsule, [FORM_BOX] = cover_box, [FORM_END] = cover_end,
+	};
+	for (size_t b = 0; b < posts->count; b += POSTS_LANES) {
+		covers[form->kind](form, posts, b);
+		if (form->kind == FORM_RIM)
+			lower_rim(form, posts, b);
+		else if (form->kind == FORM_BALL)
+			lower_ball(form, posts, b);
+	}
+}
+
 void soil_cover(const struct soil_body *body, const struct soil_form *form, struct soil_posts *posts)
 {
-	for (size_t b = 0; b < posts->count; b += POSTS_LANES) {
-		if (form->kind == FORM_RIM) {
-			cover_rim(form, posts, b);
-			lower_rim(form, posts, b);
-		} else if (form->kind == FORM_BALL) {
-			cover_ball(form, posts, b);
-			lower_ball(form, posts, b);
-		}
-		for (size_t i = b; i < b + POSTS_LANES && form->kind != FORM_RIM && form->kind != FORM_BALL; i++)
-			cover_post(body, form, posts, i);
+	if (form->kind == FORM_RASTER)
+		soil_cover_fine(form, posts);
+	else
+		cover_all(form, posts);
+	if (form->grousers.rests != NULL)
+		soil_grousers_cover(body, form, posts);
+	for (size_t b = 0; b < posts->count; b += POSTS_LANES)
 		put_room(form, posts, b);
-	}
+	if (form->kind == FORM_RASTER)
+		put_raster_room(form, posts);
 }

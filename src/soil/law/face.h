@@ -102,15 +102,34 @@ SOIL_INLINED void box_face(const struct soil_form *f, float x, float y, struct f
 	put_normal(face->slope, face->normal);
 }
 
-/* Between the places of a raster the height is bilinear. Beside the body the nearest cell that it covers goes on: soil_fine_fill. */
+/* A place between those of a raster. */
+struct fine_place {
+	int32_t at;
+	float p, q; /* share of the way to the next column, and to the next row */
+};
+
+SOIL_INLINED struct fine_place fine_place_at(const struct soil_fine *fine, float x, float y)
+{
+	const float east = (fine->axis[0] * x - fine->axis[1] * y - fine->x) * fine->by_step, north = (fine->axis[1] * x + fine->axis[0] * y - fine->y) * fine->by_step;
+	const float u = clamped(east, 0, (float)fine->columns - 1.001f), v = clamped(north, 0, (float)fine->rows - 1.001f);
+	const int32_t column = (int32_t)u, row = (int32_t)v;
+	return (struct fine_place){row * fine->stride + column, u - (float)column, v - (float)row};
+}
+
+SOIL_INLINED float fine_at(const struct soil_fine *fine, const float *raster, const struct fine_place *place)
+{
+	const float a = raster[place->at], b = raster[place->at + fine->east], c = raster[place->at + fine->stride], d = raster[place->at + fine->stride + fine->east];
+	const float low = a + place->p * (b - a), high = c + place->p * (d - c);
+	return low + place->q * (high - low);
+}
+
+/* Between the places of a raster the height is bilinear. */
 SOIL_INLINED void raster_face(const struct soil_form *f, float x, float y, struct face *face)
 {
 	const struct soil_fine *fine = &f->fine;
-	const float east = (fine->axis[0] * x - fine->axis[1] * y - fine->x) * fine->by_step, north = (fine->axis[1] * x + fine->axis[0] * y - fine->y) * fine->by_step;
-	const float u = clamped(east, 0, (float)fine->columns - 1.001f), v = clamped(north, 0, (float)fine->rows - 1.001f);
-	const int32_t column = (int32_t)u, row = (int32_t)v, at = row * fine->columns + column;
-	const float *h = fine->heights, a = h[at], b = h[at + 1], c = h[at + fine->columns], d = h[at + fine->columns + 1];
-	const float p = u - (float)column, q = v - (float)row, low = a + p * (b - a), high = c + p * (d - c);
+	const struct fine_place place = fine_place_at(fine, x, y);
+	const float *h = fine->heights, a = h[place.at], b = h[place.at + fine->east], c = h[place.at + fine->stride], d = h[place.at + fine->stride + fine->east];
+	const float p = place.p, q = place.q, low = a + p * (b - a), high = c + p * (d - c);
 	const float rise[2] = {((b - a) + q * ((d - c) - (b - a))) * fine->by_step, (high - low) * fine->by_step};
 	face->height = low + q * (high - low);
 	face->slope[0] = fine->axis[0] * rise[0] + fine->axis[1] * rise[1];
@@ -152,7 +171,7 @@ SOIL_INLINED float height_at(const struct soil_form *f, enum soil_form_kind kind
 	return face.height;
 }
 
-/* Returns true if circles tell how a body of this kind moved over a place. */
+/* Returns true if circles tell how a body of this kind moved over a place. A raster knows it at each of its places. */
 SOIL_INLINED bool is_round(enum soil_form_kind kind)
 {
 	return kind == FORM_RIM || kind == FORM_BALL;
@@ -175,10 +194,26 @@ SOIL_INLINED float lower_by(const struct soil_form *f, float squares, float x, f
 	return f->lift * ((inside - x) * (inside + x)) / most(root(squares - x * x) + down, 1e-9f);
 }
 
+/* The same as lowered_at of a raster. */
+SOIL_INLINED float raster_lowered(const struct soil_form *f, float x, float y, float *since)
+{
+	const struct fine_place place = fine_place_at(&f->fine, x, y);
+	*since = f->fine.moved * fine_at(&f->fine, f->fine.since, &place) * f->passes[0];
+	return f->fine.moved * fine_at(&f->fine, f->fine.less, &place) + (1 - f->fine.moved) * most(f->way[2], 0);
+}
+
+/* Returns true if lowered_at knows the motion of this kind at any place, not at posts alone. */
+SOIL_INLINED bool knows_places(enum soil_form_kind kind)
+{
+	return is_round(kind) || kind == FORM_RASTER;
+}
+
 /* Returns how much lower than now a round body was above a place during its last `back` metres. Before its present motion it moved along the
  * ground, which rises by `ground` for each metre. *since: how many metres ago it was lowest. */
 SOIL_INLINED float lowered_at(const struct soil_form *f, enum soil_form_kind kind, float x, float y, float back, float ground, float *since)
 {
+	if (kind == FORM_RASTER)
+		return raster_lowered(f, x, y, since);
 	const float squares = ring_squares(f, kind, y), ring = sqrtf(squares), ahead = ring_ahead(f, kind, x, y);
 	const float rise = kind == FORM_BALL ? ground - f->tilt[0] : ground;
 	const float first = ahead + f->run, inside = clamped(ahead, -ring, ring), down = root(squares - ahead * ahead);

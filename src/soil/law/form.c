@@ -128,6 +128,15 @@ static void put_box(struct soil_body *body, struct soil_form *form, double spaci
 		form->faces[k][1] = upright ? 0 : (float)(-axis[0] / axis[2]);
 		form->faces[k][2] = upright ? 0 : (float)(-axis[1] / axis[2]);
 	}
+	for (int k = 0; k < 3; k++) {
+		const double length = hypot(sides[k][0], sides[k][1]), across[2] = {length > 1e-9 ? -sides[k][1] / length : 1, length > 1e-9 ? sides[k][0] / length : 0};
+		double half = 0;
+		for (int i = 0; i < 3; i++)
+			half += fabs(across[0] * sides[i][0] + across[1] * sides[i][1]);
+		form->slabs[k][0] = (float)across[0];
+		form->slabs[k][1] = (float)across[1];
+		form->slabs[k][2] = (float)(length > 1e-9 ? half : 1e9);
+	}
 	if (is_cut(size, to, spacing))
 		return;
 	form->half[0] = (float)(fabs(cos(to->pitch)) * size[0] / 2 + fabs(sin(to->pitch)) * size[2] / 2);
@@ -261,6 +270,7 @@ void soil_form_of(const struct soil_law *law, const struct soil_motion *motion, 
 	if (!(form->radius > 0))
 		form->radius = (float)soil_shape_bound(motion->shape);
 	form->by_radius = 1 / form->radius;
+	form->outer = motion->shape->kind == SOIL_WHEEL ? (float)body->outer : form->radius;
 	put_cell(law, body, form);
 	put_motion(law, body, form, way);
 	for (int k = 0; k < 3; k++)

@@ -15,18 +15,43 @@ enum soil_form_kind { FORM_RIM, FORM_BALL, FORM_CAPSULE, FORM_BOX, FORM_END, FOR
 
 #define FORM_LEANS_MOST 0.5      /* rise of an axis: up to it a cylinder is a rim, and its lower end a brim beside that */
 #define FORM_LEVEL_LEAST 1e-5    /* length in plan of an axis: an upright one counts as this, so that all numbers are finite */
+#define FINE_NONE 1e9f      /* m: height of a place that a mesh or a bar is not above */
 #define FORM_BESIDE 2e-9         /* m: a place that lies beside a body by less is below its edge */
 #define FORM_UPRIGHT 0.05f       /* z of a unit normal: steeper slopes are taken as the one with this z, */
 #define FORM_STEEPEST 19.974984f /* which is this slope, */
 #define FORM_STEEPEST_PART 0.99874922f /* and whose normal has this length in plan */
 
-/* The lower envelope of triangles at places `step` apart, m above the centre, row by row; INFINITY: the body is not above. The first place is
- * (x, y) from the centre, east and north. */
+/*
+ * The lower envelope of triangles at places `step` apart, m above the centre, row by row. The first place is (x, y) from the centre, east and north.
+ * A post's cell has parts x parts places; `parts` is odd, so the post is the middle one. Drawn by fine.c.
+ */
 struct soil_fine {
-	const float *heights;
+	const float *heights;       /* also beside the mesh, where they go on from its edge */
+	const float *drawn;         /* the same, but FINE_NONE beside the mesh */
+	float moved;                /* 1: the mesh moved in plan; 0: the next three do not count */
+	const float *less, *since;  /* how much lower it was during its motion, and how many motions ago */
+	const float *swept;         /* its lowest height during its motion. FINE_NONE: it was not above the place */
+	int32_t columns, rows, stride, east; /* stride, east: elements to the next row and column. `east` is 1: gcc's gathers need a variable */
+	float x, y, step, by_step;
+	float axis[2];              /* of the frame's x axis: east, north */
+	int32_t parts, cells[2];    /* cells: columns and rows of cells */
+	/* Of cells: the share that the post bears, the middle of that from the post, in posts to the east and north, and the lowest
+	 * place during the motion of the cell and those beside it. */
+	const float *areas, *middles[2], *lows;
+	/* A mesh whose facets turn: its height at the posts of cells halfway through the motion, and at its start, m above the centre at the end. NULL:
+	 * turning does not change its lower envelope. */
+	const float *earlier[2];
+	/* Of lines along the motion, a step apart: how far ahead and behind the mesh reaches there, m. aside: m, of the first line. sides: m, of the mesh. */
+	const float *front, *rear;
+	int32_t strips;
+	float aside, sides[2];
+};
+
+/* Heights of a wheel's grousers at posts, row by row, m above the centre. FINE_NONE: no bar is there. Drawn by grousers.c. */
+struct soil_grousers {
+	const float *rests, *lowest; /* in the end pose; during the motion. NULL: it has none */
 	int32_t columns, rows;
-	float x, y, by_step;
-	float axis[2]; /* of the frame's x axis: east, north */
+	float x, y;                  /* of the first post from the centre, m east and north */
 };
 
 struct soil_form {
@@ -45,9 +70,12 @@ struct soil_form {
 	float lean, level, half_axis;
 	float along[2];            /* capsule: the axis in plan */
 	float faces[3][3];         /* box: lower faces: height at the centre, slope along the frame's axes */
+	float slabs[3][3];         /* box: in plan it lies in three slabs: unit vector across, half the width; m */
 	/* Ball and ellipsoid: height = tilt . at - drop sqrt(1 - squares), squares = ahead_by (x + skew y)^2 + aside_by y^2 <= (shrinks |at|)^2 */
 	float tilt[2], drop, ahead_by, skew, aside_by, shrinks;
 	struct soil_fine fine;     /* raster */
+	struct soil_grousers grousers;
+	float outer;               /* radius of a wheel with its grousers, m */
 	/* The motion since the last contact: m; rad about the centre, a wheel's turning included; m that a belt ran. */
 	float way[3], spin[3], ran;
 	float by_way[2];

@@ -2,6 +2,7 @@
 #include "soil/law/posts.h"
 
 #include "soil/law/cover.h"
+#include "soil/law/cover_fine.h"
 #include "soil/shape/body.h"
 
 enum status soil_posts_need(struct soil_posts *posts, size_t count)
@@ -186,7 +187,7 @@ static void cut_rim(const struct walk *walk, const struct soil_body *body, const
 		.above = (float)walk->above, 
 		.lean = form->lean * form->lift, .leans = form->lean, .low = low_side(form), .size = form->lean != 0 ? form->half[1] - 1.5f * form->step_aside : 1e9f, .lift = form->lift,
 		.aside = leans * form->lift * (fabsf(aside) + reach + form->step_aside), .rise_reach = reach / form->spacing,
-		.raised = (float)lattice_offset_metres(walk->raised), .springs = {walk->springs[0], walk->springs[1]}, .by_reach = 1 / reach, .known = walk->known, .ran = form->way[0], .zero = (int32_t)zero,
+		.raised = (float)lattice_offset_metres(walk->raised), .springs = {walk->springs[0], walk->springs[1]}, .by_reach = 1 / reach, .known = body->outer > (double)form->radius ? 0 : walk->known, .ran = form->way[0], .zero = (int32_t)zero,
 	};
 	const size_t from = (size_t)columns[0];
 	const struct run part = {.base = row->base + from, .deposited = row->deposited != NULL ? row->deposited + from : NULL,
@@ -292,6 +293,25 @@ static void take_run(const struct soil_planes *planes, size_t at, size_t count, 
 	p->count += count;
 }
 
+/* Drops posts at the ends of a row of a mesh that surely neither bear nor are passed over. */
+static void cut_raster(const struct walk *walk, const struct soil_form *form, const struct run *row, const double first[2], int64_t columns[2])
+{
+	const double reach = (double)form->half_across + 0.5 * (double)form->spacing, fell = fmax((double)form->plunge, 0);
+	for (int end = 0; end < 2; end++)
+		while (columns[0] < columns[1]) {
+			const int64_t column = end == 0 ? columns[0] : columns[1] - 1;
+			const float x = (float)(first[0] + (double)column * walk->step[0]), y = (float)(first[1] + (double)column * walk->step[1]);
+			const int32_t base = row->base[column];
+			/* A slope counts as at most 2 here; where it is steeper, nothing is dropped. */
+			const double rise = fmax(fabs((double)row->base[column + 1] - base), fabs((double)base - row->base[column - 1])) * lattice_base_metres(1);
+			const int32_t height = ground_of(base, row->deposited != NULL ? row->deposited[column] : 0, walk->zero);
+			const double highest = lattice_offset_metres((int64_t)height - walk->raised) + fell + 4 * reach;
+			if (base != BASE_NODATA && (rise >= 2 * (double)form->spacing || (double)soil_cover_fine_low(form, x, y) <= highest))
+				break;
+			columns[end] += end == 0 ? 1 : -1;
+		}
+}
+
 static void take_rows(const struct soil_planes *planes, const struct soil_body *body, const struct soil_form *form, const struct walk *walk, struct soil_posts *p)
 {
 	const struct post_rect *below = &walk->below;
@@ -304,6 +324,8 @@ static void take_rows(const struct soil_planes *planes, const struct soil_body *
 		const struct run row = run_at(planes, at);
 		if (form->kind == FORM_RIM)
 			cut_rim(walk, body, form, &row, planes->width * (size_t)(planes->rect.y1 - planes->rect.y0), first, columns);
+		else if (form->kind == FORM_RASTER)
+			cut_raster(walk, form, &row, first, columns);
 		const double place[2] = {first[0] + (double)columns[0] * walk->step[0], first[1] + (double)columns[0] * walk->step[1]};
 		if (columns[1] > columns[0])
 			take_run(planes, at + (size_t)columns[0], (size_t)(columns[1] - columns[0]), place, walk, p);
@@ -370,16 +392,6 @@ static void fill_soil(const struct soil_numbers *soil, size_t first, size_t last
 		.by_modulus = bounded(1 / soil->janosi_shear), .damping = (float)soil->damping,
 	};
 	put_soil(&s, (float)soil->bekker_kc, (float)soil->bekker_kphi, first, last, p);
-}
-
-struct soil_numbers soil_numbers_at(const struct soil_law *law, const struct soil_planes *planes, size_t at)
-{
-	const int class = planes->classes != NULL ? planes->classes[at] : 0;
-	struct soil_numbers soil = law->soils[class < law->soil_count ? class : 0];
-	for (int i = 0; i < law->raster_count && planes->levels != NULL; i++)
-		if (planes->levels[SOIL_RASTERS * at + (size_t)i] != 0)
-			*soil_number_in(&soil, law->rasters[i].number) = soil_raster_value(&law->rasters[i], planes->levels[SOIL_RASTERS * at + (size_t)i]);
-	return soil;
 }
 
 static bool same_soil(const struct soil_law *law, const struct soil_planes *planes, size_t a, size_t b)

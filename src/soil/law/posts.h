@@ -29,6 +29,8 @@
 	EACH(above)                 /* m: how much lower grousers are there, 0 or less */ \
 	EACH(lowered)               /* m: how much lower the body was there during its motion */ \
 	EACH(swept)                 /* 1: the body was above the post during its motion */ \
+	EACH(entered)               /* raster: how many motions ago the body came above the post */ \
+	EACH(halfway) EACH(begun)   /* raster: how much higher the body was there halfway through its motion, and at its start, m */ \
 	EACH(print)                 /* m: height of the lower envelope where the post was at the motion's start */ \
 	EACH(share) EACH(middle_x) EACH(middle_y) /* the part of the post's cell that the body covers: share of a cell's area, its middle from the post */ \
 	EACH(side_behind) EACH(side_ahead) EACH(side_right) EACH(side_left) /* 1: the body's side ends that part there */ \

@@ -1,0 +1,212 @@
+/* Heights beside a mesh, and how much lower it was during its motion: see fine.h. */
+#include "soil/law/fine.h"
+
+#define SAMPLES_MOST 128 /* of a motion */
+
+/* --- beside the mesh --- */
+
+SOIL_INLINED bool is_drawn(float height)
+{
+	return height < 0.5f * FINE_NONE;
+}
+
+/* Continues a row from the end of a run of places. from: the last place of the run; inner: the one before it, or the same. to: the last place to set. */
+static void go_on(float *row, int32_t from, int32_t inner, int32_t to, float bound)
+{
+	const float slope = row[from] - row[inner];
+	const int32_t way = to < from ? -1 : 1;
+	float height = row[from];
+	for (int32_t i = from + way; i != to + way; i += way) {
+		height = clamped(height + slope, -bound, bound);
+		row[i] = height;
+	}
+}
+
+/* Fills a row beside and between its runs of places that are drawn. Returns false if it has none. */
+static bool fill_row(float *row, int32_t columns, float bound)
+{
+	int32_t first = 0, last = columns - 1;
+	while (first < columns && !is_drawn(row[first]))
+		first++;
+	if (first == columns)
+		return false;
+	while (!is_drawn(row[last]))
+		last--;
+	for (int32_t i = first; i < last; i++) {
+		if (is_drawn(row[i + 1]))
+			continue;
+		int32_t next = i + 2;
+		while (!is_drawn(row[next]))
+			next++;
+		const int32_t middle = (i + next) / 2;
+		go_on(row, i, i > first && is_drawn(row[i - 1]) ? i - 1 : i, middle, bound);
+		go_on(row, next, is_drawn(row[next + 1]) && next < last ? next + 1 : next, middle + 1, bound);
+		i = next - 1;
+	}
+	if (first > 0)
+		go_on(row, first, first < last ? first + 1 : first, 0, bound);
+	if (last < columns - 1)
+		go_on(row, last, last > first ? last - 1 : last, columns - 1, bound);
+	return true;
+}
+
+/* Continues rows from a filled one. inner: the row before it, or the same. */
+SOIL_CLONED static void next_row(const float *restrict from, const float *restrict inner, float *restrict to, int32_t columns, float bound)
+{
+	for (int32_t i = 0; i < columns; i++)
+		to[i] = clamped(2 * from[i] - inner[i], -bound, bound);
+}
+
+static void copy_rows(float *heights, const struct soil_fine *fine, int32_t from, int32_t inner, int32_t to, float bound)
+{
+	const int32_t way = to < from ? -1 : 1;
+	const size_t stride = (size_t)fine->stride;
+	for (int32_t row = from + way; row != to + way; row += way) {
+		float *next = heights + (size_t)row * stride;
+		if (inner == from)
+			memcpy(next, heights + (size_t)(row - way) * stride, (size_t)fine->columns * sizeof *next);
+		else
+			next_row(next - way * fine->stride, next - 2 * way * fine->stride, next, fine->columns, bound);
+	}
+}
+
+void soil_fine_fill(const struct soil_fine_work *work, const struct soil_fine *fine, float bound)
+{
+	float *heights = work->heights;
+	const size_t stride = (size_t)fine->stride;
+	const float most_height = most(bound, 0);
+	int32_t first = -1, last = -1, before = -1;
+	memcpy(heights, work->drawn, stride * (size_t)fine->rows * sizeof *heights);
+	for (int32_t row = 0; row < fine->rows; row++) {
+		if (!fill_row(heights + (size_t)row * stride, fine->columns, most_height))
+			continue;
+		/* Rows between two parts of the mesh. */
+		if (last >= 0 && row > last + 1) {
+			const int32_t middle = (last + row) / 2;
+			copy_rows(heights, fine, last, last, middle, most_height);
+			copy_rows(heights, fine, row, row, middle + 1, most_height);
+		}
+		before = last == row - 1 ? last : row;
+		first = first < 0 ? row : first;
+		last = row;
+	}
+	if (first < 0) {
+		for (size_t i = 0; i < stride * (size_t)fine->rows; i++)
+			heights[i] = most_height;
+	} else {
+		const bool second = first < last && is_drawn(heights[(size_t)(first + 1) * stride]);
+		copy_rows(heights, fine, first, second ? first + 1 : first, 0, most_height);
+		copy_rows(heights, fine, last, before, fine->rows - 1, most_height);
+	}
+}
+
+/* --- its motion --- */
+
+/* Lowers a row to where the mesh was `share` of its motion ago. near, far: the rows of the raster that are there, so many places on. */
+SOIL_INLINED void sweep_row(const float *restrict near, const float *restrict far, float p, float q, float fell, float share, int32_t from, int32_t to, int32_t by,
+			    float *restrict lowest, float *restrict since)
+{
+	for (int32_t i = from; i < to; i++) {
+		const float a = near[i + by], b = near[i + by + 1], c = far[i + by], d = far[i + by + 1];
+		const float low = a + p * (b - a), high = c + p * (d - c), height = low + q * (high - low) - fell;
+		since[i] = either(height < lowest[i], share, since[i]);
+		lowest[i] = least(lowest[i], height);
+	}
+}
+
+SOIL_CLONED static void sweep_to(const struct soil_fine *restrict fine, const float *restrict drawn, const float shift[restrict 2], float fell, float share,
+				 float *restrict lowest, float *restrict since)
+{
+	int32_t whole[2];
+	float part[2];
+	for (int k = 0; k < 2; k++) {
+		whole[k] = (int32_t)(shift[k] + 65536) - 65536;
+		part[k] = shift[k] - (float)whole[k];
+		part[k] = either(part[k] < 1e-3f, 0, part[k]); /* so that an edge along the motion stays as it is */
+	}
+	const int32_t right = part[0] > 0 ? whole[0] + 1 : whole[0], upper = part[1] > 0 ? whole[1] + 1 : whole[1];
+	const int32_t from = whole[0] < 0 ? -whole[0] : 0, to = right > 0 ? fine->columns - 1 - right : fine->columns - 1;
+	for (int32_t row = 0; row < fine->rows; row++) {
+		if (row + whole[1] < 0 || row + upper >= fine->rows)
+			continue;
+		const float *near = drawn + (int64_t)(row + whole[1]) * fine->stride, *far = drawn + (int64_t)(row + upper) * fine->stride;
+		const size_t at = (size_t)row * (size_t)fine->stride;
+		sweep_row(near, far, part[0], part[1], fell, share, from, to, whole[0], lowest + at, since + at);
+	}
+}
+
+SOIL_CLONED static void put_less(const float *restrict heights, const float *restrict swept, size_t count, float *restrict less)
+{
+	for (size_t i = 0; i < count; i++)
+		less[i] = either(swept[i] < 0.5f * FINE_NONE, most(heights[i] - swept[i], 0), 0);
+}
+
+void soil_fine_less(const struct soil_fine_work *work, struct soil_fine *fine)
+{
+	put_less(work->heights, work->swept, (size_t)fine->stride * (size_t)fine->rows, work->less);
+	fine->moved = 1;
+	fine->less = work->less;
+	fine->since = work->since;
+	fine->swept = work->swept;
+}
+
+void soil_fine_sweep(const struct soil_fine_work *work, const struct soil_form *form, struct soil_fine *fine)
+{
+	const float *way = form->way, run = form->passes[0];
+	const size_t count = (size_t)fine->stride * (size_t)fine->rows;
+	fine->less = fine->since = fine->swept = work->heights;
+	fine->moved = 0;
+	if (!(run > 0))
+		return;
+	/* The motion before this one was about the same. A part of it counts: over half a cell. */
+	const float before = fabsf(way[2]) <= run ? least(form->half_across / run, 1) : 0;
+	const int32_t own = (int32_t)clamped(ceilf(run * fine->by_step), 1, SAMPLES_MOST), earlier = (int32_t)ceilf(before * (float)own);
+	const float turned[2] = {fine->axis[0] * way[0] - fine->axis[1] * way[1], fine->axis[1] * way[0] + fine->axis[0] * way[1]};
+	memcpy(work->swept, work->drawn, count * sizeof *work->swept);
+	memset(work->since, 0, count * sizeof *work->since);
+	for (int32_t i = 1; i <= own + earlier; i++) {
+		const float share = (float)i / (float)own, shift[2] = {turned[0] * share * fine->by_step, turned[1] * share * fine->by_step};
+		sweep_to(fine, work->drawn, shift, share * way[2], share, work->swept, work->since);
+	}
+	soil_fine_less(work, fine);
+}
+
+/* --- the lowest places --- */
+
+SOIL_CLONED static void put_lows(const struct soil_fine *restrict fine, const float *restrict places, float *restrict rows, float *restrict lows)
+{
+	const int32_t columns = fine->cells[0];
+	for (int32_t y = 0; y < fine->cells[1]; y++) {
+		const float *from = places + (size_t)(y * fine->parts) * (size_t)fine->stride;
+		for (int32_t i = 0; i < fine->columns; i++)
+			rows[i] = from[i];
+		for (int32_t j = 1; j < fine->parts; j++)
+			for (int32_t i = 0; i < fine->columns; i++)
+				rows[i] = least(rows[i], from[j * fine->stride + i]);
+		for (int32_t x = 0; x < columns; x++) {
+			float low = rows[x * fine->parts];
+			for (int32_t i = 1; i < fine->parts; i++)
+				low = least(low, rows[x * fine->parts + i]);
+			lows[y * columns + x] = low;
+		}
+	}
+}
+
+/* Each cell takes the lowest of the cells beside it, too. */
+SOIL_CLONED static void spread(int32_t columns, int32_t rows, const float *restrict lows, float *restrict out)
+{
+	for (int32_t y = 0; y < rows; y++)
+		for (int32_t x = 0; x < columns; x++) {
+			const int32_t at = y * columns + x, west = x > 0 ? 1 : 0, east = x < columns - 1 ? 1 : 0;
+			float low = FINE_NONE;
+			for (int32_t j = y > 0 ? -1 : 0; j <= (y < rows - 1 ? 1 : 0); j++)
+				low = least(low, least(lows[at + j * columns], least(lows[at + j * columns - west], lows[at + j * columns + east])));
+			out[at] = low;
+		}
+}
+
+void soil_fine_lows(const struct soil_fine_work *work, const struct soil_fine *fine)
+{
+	put_lows(fine, fine->moved > 0 ? work->swept : work->drawn, work->row, work->sums[1]);
+	spread(fine->cells[0], fine->cells[1], work->sums[1], work->lows);
+}
