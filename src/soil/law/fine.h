@@ -17,7 +17,7 @@
 #include "soil/law/form.h"
 #include "soil/law/surface.h"
 
-#define FINE_ENOUGH 36       /* a mesh so many posts wide has a place for each post. Otherwise */
+#define FINE_ENOUGH 44       /* a mesh so many posts wide has a place for each post. Otherwise */
 #define FINE_ACROSS 50       /* at least so many places lie across it, */
 #define FINE_PARTS_MOST 7    /* unless a post is parted in more than this */
 #define FINE_ROUND 5e-4f     /* a mesh is round about its axis if turning moves its surface by less than this share of its reach */
