@@ -1,6 +1,6 @@
 #!/bin/sh
 # see.sh SRC FARM NAME [BELOW...]: makes FARM/NAME, what the folder NAME may include: itself, all of
-# base, and the outward header of each folder below it. deform may include all of soil.
+# base, and the outward header of each folder below it. deform and bearing may include all of soil.
 set -eu
 src=$1 farm=$2 name=$3
 shift 3
@@ -8,7 +8,7 @@ rm -rf "$farm/$name"
 mkdir -p "$farm/$name"
 ln -s "$src/$name" "$farm/$name/$name"
 for below; do
-	if [ "$below" = base ] || [ "$name/$below" = deform/soil ]; then
+	if [ "$below" = base ] || [ "$name/$below" = deform/soil ] || [ "$name/$below" = bearing/soil ]; then
 		ln -s "$src/$below" "$farm/$name/$below"
 	else
 		mkdir "$farm/$name/$below"

@@ -5,7 +5,7 @@ layout(std430, binding = 1) buffer flags {
 	uint flag_words[]; // one for each block, in the order of the list
 };
 
-const int BLOCK = 32; // DEFORM_BLOCK
+const int BLOCK = 32; // SOIL_BLOCK
 
 // Sets the flags of a post that moves. at: its place in its block; near: so many posts from a side count as near it.
 void flag_post(ivec2 at, int word, int near)

@@ -28,6 +28,8 @@ struct deform_contact {
 	 * (slip 0: distance) */
 	double turned;
 	double rotated[3]; /* other shapes: radians turned about local axes during the motion; for models that compute forces */
+	double linear[3], angular[3]; /* hosted: how the body moves at `to`, m/s, rad/s, local axes: soil that bears damps it */
+	double runs;    /* m/s of its belt */
 	double load;    /* N, downwards. 0: the height is to.z. Otherwise the equilibrium height is searched, starting near to.z */
 	/* with a load: number of the loaded body, 1 to params.loaded_bodies; 0: its equilibrium height is not kept */
 	uint32_t loaded_body;
@@ -126,6 +128,8 @@ bool deform_model_takes(enum deform_model model, const char *key);
 bool deform_model_reads(enum deform_model model, const char *number);
 /* Returns true for a model that moves soil and loses only what is compacted. */
 bool deform_conserves(enum deform_model model);
+/* Returns in how many directions soil slides along lines in a contact, a pass each. */
+int deform_line_passes(const struct deform_params *params);
 /* Returns true if the model computes the forces on an object. Only then an object can have a load. */
 bool deform_tells_forces(enum deform_model model);
 /* Each returns the name of an effect that is needed for every object under the model. deform_displace_effect: the effect that
@@ -259,14 +263,10 @@ enum status deform_batch_compute(struct deform *deform) FURROW_CHECKED;
 
 /*
  * Active blocks: blocks where soil may still relax. In intervals (SOIL.md) the whole lattice makes `iterations` iterations of
- * the relaxation rule. Only active blocks of DEFORM_BLOCK x DEFORM_BLOCK posts are computed. They include all blocks that
+ * the relaxation rule. Only active blocks of SOIL_BLOCK x SOIL_BLOCK posts are computed. They include all blocks that
  * change. So the result does not depend on which blocks are active. Only models that conserve soil have active blocks.
  */
-#define DEFORM_BLOCK 32
 #define DEFORM_BLOCKS_MAX 16384
-struct deform_block {
-	int64_t x, y; /* posts / DEFORM_BLOCK */
-};
 /* Makes the blocks near these posts active. Call it when the posts were changed, or when an object that rested on them has gone. */
 enum status deform_wake(struct deform *deform, struct post_rect changed) FURROW_CHECKED;
 /* Returns the posts of all blocks that deform_wake makes active for this change. */
@@ -287,14 +287,12 @@ bool deform_covers(const struct deform *deform, const struct deform_contact *con
  */
 enum status deform_touch(struct deform *deform, struct post_rect rect) FURROW_CHECKED;
 enum status deform_is_touched(struct deform *deform, struct post_rect rect, bool *is) FURROW_CHECKED;
-enum status deform_wake_block(struct deform *deform, struct deform_block block) FURROW_CHECKED; /* the block must lie inside the world */
+enum status deform_wake_block(struct deform *deform, struct soil_block block) FURROW_CHECKED; /* the block must lie inside the world */
 /* Waits until it is known which blocks are active. Then it makes all of them inactive, so that the caller can make some of them active again. */
 enum status deform_forget_active(struct deform *deform) FURROW_CHECKED;
 /* Gives the list of all active blocks. Its order depends only on which blocks are active. The list is valid until the next call.
  * STATUS_FAILED: there are more than DEFORM_BLOCKS_MAX. Rarely waits for the GPU. */
-enum status deform_active_blocks(struct deform *deform, const struct deform_block **blocks, size_t *count) FURROW_CHECKED;
-/* Sorts blocks into the order of that list, and drops those that stand in it twice. Returns how many are left. Pure. */
-size_t deform_blocks_sort(struct deform_block *blocks, size_t count);
+enum status deform_active_blocks(struct deform *deform, const struct soil_block **blocks, size_t *count) FURROW_CHECKED;
 
 /* An object at rest, in the pose of its last path sample. */
 struct deform_rest {

@@ -43,11 +43,7 @@ struct layer {
 struct deform;
 
 struct batch;
-struct block_set;
-struct slide_soil;
 struct slide_place;
-
-#define SLOPE_HEIGHTS 108 /* number of heights of slopes for which limits are known; a multiple of 4 */
 
 /* A rule by which soil slides (soil/slide.c). The row of a model that conserves soil points to one. */
 struct soil_slide {
@@ -57,25 +53,20 @@ struct soil_slide {
 	enum slide_what passes[2];
 	bool bounded;       /* the layer of soil that can relax may have a bottom */
 	bool held_still;    /* soil below an object does not slide */
-	/* Computes the limits in `to` from the numbers of a soil. */
-	void (*prepare)(const struct deform *deform, const struct soil_numbers *soil, struct slide_soil *to);
 	enum status (*iterate)(struct deform *deform, const struct slide_place *place, int iteration);
 };
 extern const struct soil_slide deform_slide_excess; /* a part of the height difference above the critical one slides */
 /* Sumner's rule: a post that is steep sheds soil to lower posts, by the soil's roughness */
 extern const struct soil_slide deform_slide_shed;
 
-/* The limits by which a soil slides. Each is the largest height difference between two posts that is stable, fixed-point units.
- * Index 0: neighbours along x or y. Index 1: diagonal neighbours. For sumner the limits include the tolerance. */
-struct slide_soil {
+/* The limits by which a soil of sumner slides. Each is the largest height difference between two posts that is stable, and the tolerance,
+ * fixed-point units. Index 0: neighbours along x or y. Index 1: diagonal neighbours. */
+struct shed_soil {
 	int32_t critical[2];
-	int32_t held[2];   /* sumner: the limits if an object holds one of the two posts */
-	int32_t stop[2];   /* sumner: a post sheds no soil if no difference to a neighbour exceeds this */
-	/* sumner: the share of the differences that moves, in 2^-32. Index: number of lower neighbours, 1 .. 8, minus 1 */
+	int32_t held[2];   /* if an object holds one of the two posts */
+	int32_t stop[2];   /* a post sheds no soil if no difference to a neighbour exceeds this */
+	/* the share of the differences that moves, in 2^-32. Index: number of lower neighbours, 1 .. 8, minus 1 */
 	uint32_t share[8];
-	/* Only if the height of a slope counts. `slope`: cotangents of the steepest angles, for rising heights of slopes. `rise`: two
-	 * posts belong to the same slope if they differ by more. */
-	int32_t slope[SLOPE_HEIGHTS], rise[2];
 };
 
 struct deform {
@@ -115,7 +106,8 @@ struct deform {
 	struct gpu_program *slide[OVERS][2], *shed[OVERS]; /* indices: enum deform_over; 1 in the last iteration */
 	struct gpu_program *lines[2][2];       /* indices: 1 over a batch; 1: diagonal ones */
 	struct gpu_program *slope[SLOPE_HOPS], *steep;
-	struct slide_soil soils[SOIL_CLASSES];
+	struct soil_sliding sliding;           /* the rule of all models but sumner; of sumner its tolerance */
+	struct shed_soil soils[SOIL_CLASSES];  /* sumner */
 	bool contacts_flag;                    /* the flags that a contact writes show all blocks where soil moves after it */
 	struct gpu_program *scm[2][WITH_ALL];  /* indices: 1 over a batch; the variant */
 	struct gpu_program *find[2][FIND_ALL]; /* indices: 1 over a batch; the variant */
@@ -145,7 +137,7 @@ bool deform_has_classes(const struct deform_params *params);
 bool deform_has_rasters(const struct deform_params *params);
 int deform_soil_slots(const struct deform_params *params); /* soil/slide.c: classes of soil that a shader's parameters have room for */
 bool deform_is_bounded(const struct deform_params *params); /* the layer of soil that can relax has a bottom */
-/* the height difference of two posts may not fit 32 bits: the relief exceeds STEEP_RELIEF */
+/* the height difference of two posts may not fit 32 bits: the relief exceeds SOIL_STEEP_RELIEF */
 bool deform_is_steep(const struct deform_params *params);
 bool deform_has_slopes(const struct deform_params *params); /* a soil's limit depends on the height of the slope */
 bool deform_asks_what_stood(const struct deform_params *params); /* sliding must compare with the undisturbed ground */
@@ -357,7 +349,7 @@ struct slide_place {
 	uint32_t layer;
 	struct gpu_rect all, written; /* posts that are computed; posts that exchange soil */
 	int32_t around;               /* only over a window: soil slides this many posts around what the contact reached; -1: in all */
-	int turn;                     /* only over a window: which direction comes first when soil slides along lines */
+	struct post_rect first;       /* only over a window: its written posts, which decide in what order soil slides along lines */
 	struct place_flags {
 		struct gpu_buffer *words;
 		/* Only over a window: */
@@ -378,8 +370,7 @@ void deform_slide_numbers(const struct deform *deform, const struct slide_place 
 enum atlas_part { ATLAS_REGIONS, ATLAS_BLOCKS, ATLAS_CELLS, ATLAS_BLOCK_CELLS };
 void deform_atlas_run(struct deform *deform, const struct slide_place *place, enum atlas_part part, int64_t trim, const struct gpu_pass *pass);
 /* soil/lines.c: soil slides along the lines of a window, before the last iteration. `heights`: index of the heights.
- * deform_line_passes: returns in how many directions, a pass each. */
-int deform_line_passes(const struct deform_params *params);
+ */
 enum status deform_lines_run(struct deform *deform, const struct slide_place *place, int heights) FURROW_CHECKED;
 /* Over a batch: fills a number of a window's record for one of its passes. Returns true if the pass is along diagonal lines. */
 bool deform_lines_numbers(const struct deform *deform, const struct slide_place *place, int pass, int32_t numbers[4]);
@@ -389,16 +380,10 @@ int deform_slope_passes(const struct deform_params *params); /* 0 if the height 
 int64_t deform_slope_reach(const struct deform_params *params); /* returns over how many posts a slope is followed each way */
 enum status deform_slopes_run(struct deform *deform, const struct slide_place *place) FURROW_CHECKED;
 struct gpu_texture *deform_slopes_found(const struct deform *deform);
-int32_t deform_slopes_least(const struct deform *deform); /* returns the least critical difference that a slope can have */
-void deform_slopes_prepare(const struct deform *deform, const struct soil_numbers *soil, struct slide_soil *to);
-/* Returns by how much a difference may exceed the critical one without sliding; that added to a difference; fixed-point units. */
-int32_t deform_tolerance(const struct deform *deform);
-int32_t deform_with_tolerance(const struct deform *deform, int32_t critical);
 /* Returns how many posts around a block an interval reads. */
 int64_t deform_slide_rim(const struct deform *deform);
 /* Returns how many posts around a changed post the next iteration may change. */
 int64_t deform_slide_step(const struct deform *deform);
-#define STEEP_RELIEF 500.0 /* metres; with less relief no two posts are too far apart in height for 32 bits */
 /* Computes the critical differences of all soils. */
 void deform_slide_prepare(struct deform *deform);
 
@@ -469,10 +454,10 @@ struct gpu_buffer *deform_active_words(const struct deform *deform);
 enum status deform_active_forget(struct deform *deform) FURROW_CHECKED;
 /* Begins an interval: one round of sliding, which runs every few steps. Gives the blocks in which soil may still move. The list does
  * not change before deform_active_visited. */
-enum status deform_active_visit(struct deform *deform, const struct block_set **blocks) FURROW_CHECKED;
-bool deform_active_is_visited(const struct deform *deform, struct deform_block block);
+enum status deform_active_visit(struct deform *deform, const struct soil_block_set **blocks) FURROW_CHECKED;
+bool deform_active_is_visited(const struct deform *deform, struct soil_block block);
 /* Returns the block's index in the list, and that of its word in the flags. */
-uint32_t deform_active_word(const struct deform *deform, struct deform_block block);
+uint32_t deform_active_word(const struct deform *deform, struct soil_block block);
 /* Ends an interval. `flags`: a word for each block of the list: where soil still moves in it. */
 enum status deform_active_visited(struct deform *deform, struct gpu_buffer *flags) FURROW_CHECKED;
 

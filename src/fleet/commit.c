@@ -8,7 +8,7 @@
 
 struct sharing {
 	struct fleet *fleet;
-	struct deform_block *blocks; /* of other ranks */
+	struct soil_block *blocks; /* of other ranks */
 	size_t count, room;
 };
 
@@ -34,9 +34,9 @@ static enum status put_bodies(struct fleet *fleet)
 
 static enum status put_blocks(struct fleet *fleet)
 {
-	const struct deform_block *blocks = NULL;
+	const struct soil_block *blocks = NULL;
 	size_t many = 0;
-	enum status status = fleet->world->deform != NULL ? deform_active_blocks(fleet->world->deform, &blocks, &many) : STATUS_OK;
+	enum status status = world_active_blocks(fleet->world, &blocks, &many);
 	const uint32_t count = (uint32_t)many;
 	if (status == STATUS_OK)
 		status = fleet_put(&fleet->sent, &count, sizeof count);
@@ -61,11 +61,11 @@ static enum status get_blocks(struct sharing *sharing, int rank, struct fleet_by
 	uint32_t count;
 	enum status status = fleet_get(bytes, &count, sizeof count);
 	for (uint32_t i = 0; i < count && status == STATUS_OK; i++) {
-		struct deform_block block;
+		struct soil_block block;
 		status = fleet_get(bytes, &block, sizeof block);
 		if (status != STATUS_OK || rank == sharing->fleet->rank)
 			continue;
-		struct deform_block *more = fleet_grown(sharing->blocks, &sharing->room, sharing->count + 1, sizeof *more);
+		struct soil_block *more = fleet_grown(sharing->blocks, &sharing->room, sharing->count + 1, sizeof *more);
 		if (more == NULL)
 			return fail_memory("active blocks");
 		sharing->blocks = more;

@@ -108,7 +108,7 @@ bool fleet_has(void *user, uint64_t key);
 enum status fleet_move(struct fleet *fleet, enum status status) FURROW_CHECKED;
 enum status fleet_note_changed(struct fleet *fleet, uint64_t key, bool mine) FURROW_CHECKED;
 bool fleet_is_changed(const struct fleet *fleet, uint64_t key);
-struct fleet_item fleet_block_item(const struct fleet *fleet, struct deform_block block, int64_t intervals);
+struct fleet_item fleet_block_item(const struct fleet *fleet, struct soil_block block, int64_t intervals);
 /* Both are called on all ranks together; `status` is that of this rank so far. A failure of any rank before the exchange is returned on all,
  * and sets fleet->failed. A later one is this rank's alone. */
 enum status fleet_commit(struct fleet *fleet, enum status status) FURROW_CHECKED; /* begins a commit */

@@ -4,7 +4,7 @@
  *
  *     tiles:   count, then for each: key, planes, packed size, LZ4 block of the planes
  *     bodies:  count, then struct world_moved of each
- *     blocks:  count, then struct deform_block of each
+ *     blocks:  count, then struct soil_block of each
  *
  * Both ranks know from the groups that there is a message. A rank that cannot make one sends an empty message, and its failure is told in
  * the next exchange.
@@ -167,7 +167,7 @@ static enum status take_bodies(struct fleet *fleet, struct fleet_bytes *in)
 
 /* --- blocks --- */
 
-static bool block_stays(void *user, struct deform_block block)
+static bool block_stays(void *user, struct soil_block block)
 {
 	struct moving *moving = user;
 	const struct fleet *fleet = moving->fleet;
@@ -179,12 +179,12 @@ static bool block_stays(void *user, struct deform_block block)
 static enum status put_blocks(struct moving *moving)
 {
 	struct fleet *fleet = moving->fleet;
-	const struct deform_block *blocks = NULL;
+	const struct soil_block *blocks = NULL;
 	size_t count = 0;
 	uint32_t *counts = mem_calloc((size_t)fleet->ranks, sizeof *counts);
 	if (counts == NULL)
 		return fail_memory("blocks that move");
-	enum status status = fleet->world->deform != NULL ? deform_active_blocks(fleet->world->deform, &blocks, &count) : STATUS_OK;
+	enum status status = world_active_blocks(fleet->world, &blocks, &count);
 	for (int pass = 0; pass < 2 && status == STATUS_OK; pass++) {
 		for (int r = 0; r < fleet->ranks && pass == 1 && status == STATUS_OK; r++)
 			if (moving->out[r].size > 0)
@@ -213,10 +213,10 @@ static enum status take_blocks(struct fleet *fleet, struct fleet_bytes *in)
 	uint32_t count;
 	enum status status = fleet_get(in, &count, sizeof count);
 	for (uint32_t i = 0; i < count && status == STATUS_OK; i++) {
-		struct deform_block block;
+		struct soil_block block;
 		status = fleet_get(in, &block, sizeof block);
 		if (status == STATUS_OK)
-			status = deform_wake_block(fleet->world->deform, block);
+			status = world_wake_block(fleet->world, block);
 	}
 	return status;
 }

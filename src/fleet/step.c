@@ -40,7 +40,7 @@ static bool tiles_of(const struct fleet *fleet, struct post_rect posts, struct f
 	return true;
 }
 
-struct fleet_item fleet_block_item(const struct fleet *fleet, struct deform_block block, int64_t intervals)
+struct fleet_item fleet_block_item(const struct fleet *fleet, struct soil_block block, int64_t intervals)
 {
 	struct fleet_item item = {.owner = fleet->rank, .weight = 1};
 	/* A block is inside the terrain, so it has tiles. */
@@ -54,12 +54,12 @@ static enum status put_links(struct fleet *fleet, double until)
 {
 	const struct world *world = fleet->world;
 	const int64_t intervals = world_intervals_due(world, until);
-	const struct deform_block *blocks;
+	const struct soil_block *blocks;
 	size_t count = 0;
 	uint32_t links = 0;
-	if (world->deform == NULL)
+	if (!world_changes_ground(world))
 		return fleet_put(&fleet->sent, &links, sizeof links);
-	enum status status = deform_active_blocks(world->deform, &blocks, &count);
+	enum status status = world_active_blocks(world, &blocks, &count);
 	const size_t at = fleet->sent.size;
 	struct link last = {0};
 	if (status == STATUS_OK)

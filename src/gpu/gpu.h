@@ -105,6 +105,7 @@ void gpu_keep(const struct gpu *gpu, struct gpu_kept *kept); /* gpu NULL: it wil
 void gpu_give(const struct gpu_kept *kept);
 /* STATUS_NO_GL: the context cannot be made current on this thread. */
 enum status gpu_take(struct gpu *gpu) FURROW_CHECKED;
+/* gpu NULL: there is no context, and nothing was done. */
 const struct gpu_info *gpu_info(const struct gpu *gpu);
 void gpu_stats(struct gpu *gpu, struct gpu_stats *stats);
 /* Returns the sticky failure, or a GL error since the last check. `what`: what was being done, for the message. */

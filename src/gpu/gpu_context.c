@@ -137,11 +137,15 @@ void gpu_destroy(struct gpu *gpu)
 
 const struct gpu_info *gpu_info(const struct gpu *gpu)
 {
-	return &gpu->info;
+	static const struct gpu_info none = {.vendor = "none", .renderer = "none", .version = "none"};
+	return gpu != NULL ? &gpu->info : &none;
 }
 
 void gpu_stats(struct gpu *gpu, struct gpu_stats *stats)
 {
+	*stats = (struct gpu_stats){0};
+	if (gpu == NULL)
+		return;
 	if (gpu_usable(gpu))
 		gpu_timer_collect(gpu);
 	*stats = gpu->stats;

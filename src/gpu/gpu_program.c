@@ -150,7 +150,7 @@ void gpu_seal(struct gpu *gpu)
 
 void gpu_programs_each(const struct gpu *gpu, void (*each)(void *user, const char *name, uint64_t passes), void *user)
 {
-	for (const struct gpu_program *program = gpu->programs; program != NULL; program = program->next) {
+	for (const struct gpu_program *program = gpu != NULL ? gpu->programs : NULL; program != NULL; program = program->next) {
 		char name[GPU_PROGRAM_NAME];
 		snprintf(name, sizeof name, "%s", program->key);
 		for (char *at = strchr(name, '\n'); at != NULL; at = strchr(at, '\n'))

@@ -32,7 +32,7 @@ struct gpu *gpu_slots_gpu(const struct gpu_slots *slots)
 
 unsigned gpu_slots_planes(const struct gpu_slots *slots)
 {
-	return slots->planes;
+	return slots != NULL ? slots->planes : 0;
 }
 
 void gpu_slots_destroy(struct gpu_slots *slots)
@@ -72,6 +72,8 @@ static uint64_t bytes_of(const struct gpu_texture *texture)
 void gpu_slots_bytes(const struct gpu_slots *slots, struct gpu_slots_bytes *bytes)
 {
 	*bytes = (struct gpu_slots_bytes){0};
+	if (slots == NULL)
+		return;
 	for (uint32_t i = 0; i < slots->count; i++) {
 		bytes->base += bytes_of(slots->entries[i].slot.base);
 		bytes->classes += bytes_of(slots->entries[i].slot.classes);
@@ -91,7 +93,10 @@ void gpu_slots_bytes(const struct gpu_slots *slots, struct gpu_slots_bytes *byte
 
 void gpu_slots_figures(const struct gpu_slots *slots, struct gpu_slots_figures *figures)
 {
-	*figures = (struct gpu_slots_figures){.subdivided = slots->subdivided, .decimated = slots->decimated};
+	*figures = (struct gpu_slots_figures){.subdivided = slots != NULL ? slots->subdivided : 0};
+	if (slots == NULL)
+		return;
+	figures->decimated = slots->decimated;
 	for (uint32_t i = 0; i < slots->count; i++) {
 		figures->base_slots += slots->entries[i].slot.base != NULL;
 		figures->class_slots += slots->entries[i].slot.classes != NULL;

@@ -220,7 +220,7 @@ static enum status note_sample(const struct look_ahead *ahead, struct watch *wat
 	watch->last = contact.to;
 	struct deform_window windows[DEFORM_WINDOWS_MAX];
 	size_t count = 0;
-	enum status status = deform_windows(pages->deform, &contact, windows, &count);
+	enum status status = deform_cut(pages->surface, &contact, windows, &count);
 	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
 		struct tile first, last;
 		if (!tile_range_of(pages->extent, pages->level, windows[i].read, &first, &last))

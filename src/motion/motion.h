@@ -144,7 +144,7 @@ void motion_look_ahead_stop(struct look_ahead *ahead);
 
 /* The data from which requests for pages are computed, and the cache that gets them. */
 struct look_ahead_pages {
-	struct deform *deform;             /* NULL: no body touches anything */
+	const struct deform_params *surface; /* NULL: no body touches anything */
 	const struct extent *extent;
 	int level;                         /* the working level */
 	struct page_cache *cache;

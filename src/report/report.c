@@ -386,7 +386,7 @@ static void add_process(cJSON *root, const struct report *report, const struct r
 	page_cache_stats(report->world->cache, &pages);
 	struct resident_ground_figures ground;
 	resident_ground_figures(report->world->ground, &ground);
-	bool known = report->world->deform == NULL || deform_tally(report->world->deform, &tally) == STATUS_OK;
+	bool known = world_tally(report->world, &tally) == STATUS_OK;
 	if (known && tally.refused > 0)
 		note("%llu times a post would have been pressed deeper than an offset holds (1024 m): refused",
 		     (unsigned long long)tally.refused);

@@ -61,13 +61,13 @@ static float counted_width(const struct soil_posts *posts, const struct soil_for
 /* --- one evaluation after another --- */
 
 enum status soil_bearing_begin(const struct soil_law *law, const struct soil_planes *planes, const struct soil_motion *motion, struct soil_work *work,
-			       struct bearing *b)
+			       double above, struct bearing *b)
 {
 	const struct post_rect below = soil_posts_below(law, motion);
 	enum status status = need(work, below);
 	if (status != STATUS_OK)
 		return status;
-	*b = (struct bearing){.law = law, .planes = planes, .motion = motion, .posts = &work->posts, .gathered = INT32_MAX};
+	*b = (struct bearing){.law = law, .planes = planes, .motion = motion, .posts = &work->posts, .above = above, .gathered = INT32_MAX};
 	soil_form_of(law, motion, &b->body, &b->form);
 	b->by_width = width_of(motion, &b->body);
 	if (b->form.kind == FORM_RASTER)
@@ -82,7 +82,7 @@ void soil_bearing_gather(struct bearing *b, int32_t lowest)
 	if (lowest >= b->gathered)
 		return;
 	b->gathered = lowest;
-	soil_posts_gather(b->law, b->planes, &b->body, &b->form, lowest, b->posts);
+	soil_posts_gather(b->law, b->planes, &b->body, &b->form, lowest, b->above, b->by_width, b->posts);
 }
 
 void soil_bearing_evaluate(struct bearing *b, int32_t raised, float share, struct soil_sums *sums, struct soil_kept *kept, struct soil_changes *changes)

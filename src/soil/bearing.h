@@ -26,12 +26,13 @@ struct bearing {
 	struct soil_form form;
 	struct soil_posts *posts; /* of the scratch memory */
 	double by_width;   /* 1 / width of the contact patch, 1/m; 0: it follows from the number of posts that the body touches */
+	double above;      /* m: posts count too above whose ground the body is by at most this */
 	int32_t gathered;  /* the least height for which the posts were gathered */
 };
 
-/* Prepares a body. It keeps pointers to all arguments. The struct points to itself, so it is not copied. STATUS_MEMORY: no room for its posts. */
+/* Prepares a body. above: as in soil_posts_gather. Keeps pointers to all arguments. The struct points to itself, so it is not copied. STATUS_MEMORY: no room for its posts. */
 enum status soil_bearing_begin(const struct soil_law *law, const struct soil_planes *planes, const struct soil_motion *motion, struct soil_work *work,
-			       struct bearing *b) FURROW_CHECKED;
+			       double above, struct bearing *b) FURROW_CHECKED;
 /* Gathers the posts for heights from `lowest` on, if that is not done. */
 void soil_bearing_gather(struct bearing *b, int32_t lowest);
 /* Evaluates the law at a height for which the posts were gathered. share, kept, changes: as in soil_bear. */

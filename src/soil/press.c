@@ -8,12 +8,13 @@
 #include "soil/bearing.h"
 
 #define CARRIED_MOST (1 << 23)    /* fixed-point units: the most that one post gives away */
+#define SHEAR_ENDS 2.0                /* posts: where a body is less far above the surface, the shear that a post stores ends */
 #define OFFSET_MOST (1 << 30)         /* fixed-point units: 1024 m */
 
 /* What a block of posts becomes. */
 struct after {
 	int32_t offset[POSTS_LANES], deposited[POSTS_LANES], sinkage[POSTS_LANES], shear[POSTS_LANES], dug[POSTS_LANES], carried[POSTS_LANES], lost[POSTS_LANES];
-	uint8_t touched[POSTS_LANES], held[POSTS_LANES], refused[POSTS_LANES], ends[POSTS_LANES];
+	int32_t touched[POSTS_LANES], held[POSTS_LANES], refused[POSTS_LANES], ends[POSTS_LANES]; /* 1: it is so */
 };
 
 SOIL_INLINED int32_t whole_units(float metres)
@@ -30,6 +31,12 @@ SOIL_INLINED bool in_contact(int32_t sunk, int32_t largest, float plastic)
 SOIL_INLINED int32_t sinkage_of(float up, int32_t depth)
 {
 	return whole_of(clamped(up * (float)depth, 0, 1.9e9f));
+}
+
+/* Returns one of two numbers. Both are computed, so that a loop over lanes has no branch. */
+SOIL_INLINED int32_t chosen(bool first, int32_t a, int32_t b)
+{
+	return first ? a : b;
 }
 
 SOIL_INLINED int32_t larger(int32_t a, int32_t b)
@@ -55,8 +62,9 @@ SOIL_CLONED static void put_after(const struct soil_form *restrict f, const floa
 {
 	int32_t ground[POSTS_LANES], rests[POSTS_LANES], lowest[POSTS_LANES], deposited[POSTS_LANES], sinkage[POSTS_LANES], dug[POSTS_LANES], before[POSTS_LANES];
 	float up[POSTS_LANES], by_up[POSTS_LANES], over[POSTS_LANES], swept[POSTS_LANES], more[POSTS_LANES];
-	struct stress_soil soils[POSTS_LANES];
-	const int32_t near = (int32_t)fminf(f->spacing * 2097152.0f, 1e9f);
+	float k[POSTS_LANES], n[POSTS_LANES], elastic[POSTS_LANES], by_elastic[POSTS_LANES];
+	const int32_t near = (int32_t)fminf((float)SHEAR_ENDS * f->spacing * 1048576.0f, 1e9f);
+	SOIL_APART
 	for (int i = 0; i < POSTS_LANES; i++) {
 		const float height = posts->height[b + i] + posts->above[b + i] + f->beyond;
 		ground[i] = posts->ground[b + i] - raised;
@@ -71,25 +79,29 @@ SOIL_CLONED static void put_after(const struct soil_form *restrict f, const floa
 		over[i] = posts->over[b + i];
 		swept[i] = most(posts->swept[b + i], over[i]);
 		more[i] = kept->more[b + i];
-		soils[i] = (struct stress_soil){.k = posts->k[b + i], .n = posts->n[b + i], .elastic = posts->elastic[b + i], .by_elastic = posts->by_elastic[b + i]};
+		k[i] = posts->k[b + i];
+		n[i] = posts->n[b + i];
+		elastic[i] = posts->elastic[b + i];
+		by_elastic[i] = posts->by_elastic[b + i];
 	}
+	SOIL_APART
 	for (int i = 0; i < POSTS_LANES; i++) {
-		const struct stress_soil *s = &soils[i];
+		const struct stress_soil soil = {.k = k[i], .n = n[i], .elastic = elastic[i], .by_elastic = by_elastic[i]}, *s = &soil;
 		const float had = plastic_of(s, (float)sinkage[i] * SOIL_UNIT);
-		const int32_t deepest = sinkage_of(up[i], ground[i] - lowest[i]), sunk = over[i] > 0 ? sinkage_of(up[i], ground[i] - rests[i]) : 0;
+		const int32_t deepest = sinkage_of(up[i], ground[i] - lowest[i]), sunk = chosen(over[i] > 0, sinkage_of(up[i], ground[i] - rests[i]), 0);
 		const bool may = (swept[i] > 0) & (lowest[i] < ground[i]);
 		const int32_t largest = larger(sinkage[i], deepest);
 		const float plastic = plastic_of(s, (float)largest * SOIL_UNIT);
 		const bool touched = may & in_contact(deepest, sinkage[i], had), held = touched & in_contact(sunk, largest, plastic);
 		/* What slip digs. */
-		const int32_t digs = held ? larger(smaller(whole_units(more[i]), ground[i] - rests[i] - 2), 0) : 0;
+		const int32_t digs = chosen(held, larger(smaller(whole_units(more[i]), ground[i] - rests[i] - 2), 0), 0);
 		const int32_t lowered = ground[i] - digs, remains = larger(sinkage[i] - whole_of(up[i] * (float)digs), 0);
 		const float had_now = plastic_of(s, (float)remains * SOIL_UNIT);
 		const int32_t largest_now = larger(remains, sinkage_of(up[i], lowered - lowest[i]));
 		const float plastic_now = plastic_of(s, (float)largest_now * SOIL_UNIT);
-		const bool held_now = digs > 0 ? in_contact(sinkage_of(up[i], lowered - rests[i]), largest_now, plastic_now) : held;
+		const bool held_then = in_contact(sinkage_of(up[i], lowered - rests[i]), largest_now, plastic_now), held_now = ((digs > 0) & held_then) | ((digs <= 0) & held);
 		const int32_t released = whole_units(plastic_now * by_up[i]), released_before = whole_units(had_now * by_up[i]);
-		const int32_t sinks = held_now ? lowered - rests[i] : released, heap = deposited[i] - digs, offset = heap - sinks;
+		const int32_t sinks = chosen(held_now, lowered - rests[i], released), heap = deposited[i] - digs, offset = heap - sinks;
 		const bool refused = touched & ((sinks > OFFSET_MOST) | (offset > OFFSET_MOST) | (offset < -OFFSET_MOST));
 		const bool changes = touched & !refused;
 		const int32_t flows = larger(released - released_before, 0), carries = (int32_t)least(bulldozing * (float)flows, (float)larger(CARRIED_MOST - digs, 0));
@@ -100,14 +112,16 @@ SOIL_CLONED static void put_after(const struct soil_form *restrict f, const floa
 		a->deposited[i] = heap;
 		a->sinkage[i] = largest_now;
 		a->dug[i] = dug[i] + digs;
-		a->carried[i] = changes ? carries + smaller(digs, CARRIED_MOST) : 0;
-		a->lost[i] = changes ? before[i] - offset - a->carried[i] : 0;
+		/* Only soil that the floor gives up is carried. What slip digs under a body that does not go down stays there, loosened. */
+		a->carried[i] = chosen(changes, larger(smaller(carries + smaller(digs, CARRIED_MOST), before[i] - offset), 0), 0);
+		a->lost[i] = chosen(changes, before[i] - offset - a->carried[i], 0);
 		/* The body has just left the post, or comes next, and the shear that the post stores ends. Below a higher body that shear may belong to a
 		 * second one, so it stays. */
 		a->ends[i] = (swept[i] > 0) & (lowest[i] - (ground[i] - deposited[i] + before[i]) < near);
 	}
+	SOIL_APART
 	for (int i = 0; i < POSTS_LANES; i++)
-		a->shear[i] = a->held[i] ? shear_of(axis, kept->shear_x[b + i], kept->shear_y[b + i]) : 0;
+		a->shear[i] = chosen(a->held[i], shear_of(axis, kept->shear_x[b + i], kept->shear_y[b + i]), 0);
 }
 
 /* A row of the patch as it is measured for laying. */
@@ -150,6 +164,7 @@ static void commit(const struct soil_press *press, const struct bearing *b, cons
 	const struct soil_planes *planes = b->planes;
 	const float axis[2] = {(float)b->body.axis[0], (float)b->body.axis[1]};
 	struct patch_row row = {.y = INT64_MIN, .first = INT64_MAX, .last = INT64_MIN};
+	struct post_rect near = {INT64_MAX, INT64_MAX, INT64_MIN, INT64_MIN}; /* posts that the body may have freed */
 	for (size_t first = 0; first < posts->count; first += POSTS_LANES) {
 		struct after after;
 		put_after(&b->form, axis, raised, posts, first, kept, (float)b->law->bulldozing, &after);
@@ -160,10 +175,14 @@ static void commit(const struct soil_press *press, const struct bearing *b, cons
 				end_row(press->laying, &row, &out->measured);
 				row.y = y;
 			}
-			if ((after.held[i] || after.ends[i]) && planes->shear != NULL && planes->shear[at] != after.shear[i]) {
+			if ((after.held[i] || after.ends[i]) && planes->shear != NULL)
 				planes->shear[at] = after.shear[i];
-				out->reached = post_rect_around(out->reached, (struct post_rect){planes->rect.x0 + (int64_t)(at % planes->width), y,
-												 planes->rect.x0 + (int64_t)(at % planes->width) + 1, y + 1});
+			if (after.ends[i]) {
+				const int64_t x = planes->rect.x0 + (int64_t)(at % planes->width);
+				near.x0 = x < near.x0 ? x : near.x0;
+				near.x1 = x + 1 > near.x1 ? x + 1 : near.x1;
+				near.y0 = y < near.y0 ? y : near.y0;
+				near.y1 = y + 1;
 			}
 			out->refused += after.refused[i];
 			out->compacted += after.lost[i];
@@ -172,7 +191,9 @@ static void commit(const struct soil_press *press, const struct bearing *b, cons
 		}
 	}
 	end_row(press->laying, &row, &out->measured);
-	out->reached = post_rect_around(out->reached, out->measured.patch);
+	out->reached = near.x0 < near.x1 ? near : out->measured.patch;
+	if (near.x0 < near.x1 && !post_rect_empty(out->measured.patch))
+		out->reached = post_rect_around(near, out->measured.patch);
 }
 
 /* --- contact and feel --- */
@@ -198,7 +219,7 @@ enum status soil_press_body(const struct soil_law *law, const struct soil_planes
 	struct bearing b;
 	struct soil_height height;
 	struct soil_sums sums;
-	enum status status = soil_bearing_begin(law, planes, motion, work, &b);
+	enum status status = soil_bearing_begin(law, planes, motion, work, SHEAR_ENDS * law->spacing, &b);
 	if (status != STATUS_OK)
 		return status;
 	*out = (struct soil_pressed){.reached = {0, 0, 0, 0}};
@@ -217,7 +238,7 @@ enum status soil_feel(const struct soil_law *law, const struct soil_planes *plan
 	struct bearing b;
 	struct soil_height height;
 	struct soil_sums sums;
-	enum status status = soil_bearing_begin(law, planes, motion, work, &b);
+	enum status status = soil_bearing_begin(law, planes, motion, work, 0, &b);
 	if (status != STATUS_OK)
 		return status;
 	evaluate(&b, start, &height, &sums, NULL);

@@ -16,7 +16,7 @@ struct soil_press {
 struct soil_pressed {
 	struct soil_forces forces;
 	struct soil_measured measured; /* for soil_lay */
-	struct post_rect reached;      /* around the posts that it changed */
+	struct post_rect reached;      /* around the posts that it changed, and those that it may have freed */
 	int64_t compacted;             /* fixed-point units, summed over posts */
 	uint64_t refused;              /* posts whose change would leave the range of an offset */
 	int32_t raised;                /* with a load: the equilibrium height above motion->to.z, fixed-point units */

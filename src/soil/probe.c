@@ -82,10 +82,11 @@ enum status soil_probe(const struct soil_law *law, const struct soil_planes *pla
 	*out = (struct soil_probed){.known = false};
 	if (!has_all(planes, soil_posts_below(law, motion)))
 		return STATUS_OK;
-	enum status status = soil_bearing_begin(law, planes, motion, work, &b);
+	enum status status = soil_bearing_begin(law, planes, motion, work, 0, &b);
 	if (status != STATUS_OK)
 		return status;
 	out->known = true;
+	b.form.rates = 1; /* its velocity is known: soil below a body at rest springs back */
 	soil_bearing_gather(&b, 0);
 	if (b.posts->count > 0)
 		soil_bearing_evaluate(&b, 0, 1, &sums, NULL, &changes);

@@ -163,8 +163,9 @@ struct soil_planes {
 	uint8_t *contact;        /* what a contact did to each post: SOIL_LOWERED, SOIL_HELD */
 };
 
-/* Bits of a post's contact. A post that is neither lowered nor held can take soil. */
-enum { SOIL_LOWERED = 1, SOIL_HELD = 2, SOIL_NEAR = 16, SOIL_NO_GROUND = 32 };
+/* Bits of a post's contact. A post that is neither lowered nor held can take soil. SOIL_CLOSED: over active blocks: the post does not slide, since
+ * its block is not active. */
+enum { SOIL_LOWERED = 1, SOIL_HELD = 2, SOIL_CLOSED = 8, SOIL_NEAR = 16, SOIL_NO_GROUND = 32 };
 
 #define SOIL_BAND_POSTS 95 /* the widest band of laid soil */
 
@@ -180,6 +181,9 @@ struct soil_law {
 	double slip_sinkage;     /* how deep slip digs, in units of the soil's shear modulus; 0: not */
 	bool ground_normals;     /* stresses act along the normal of the ground; false: along that of the body's lower envelope */
 };
+
+/* Returns the soil of a post of the planes, by its class and what rasters say of it. at: the post's place in the planes. */
+struct soil_numbers soil_numbers_at(const struct soil_law *law, const struct soil_planes *planes, size_t at);
 
 /* How a body moved since its last contact: straight, with the attitude of `to`. And how it moves now. Without a last contact from is to. */
 struct soil_motion {
@@ -222,5 +226,164 @@ struct soil_forces {
 struct soil_work;
 enum status soil_work_create(struct soil_work **out) FURROW_CHECKED;
 void soil_work_destroy(struct soil_work *work);
+
+/*
+ * Sliding (SOIL.md): soil slides between two posts if they differ in height by more than their soil's critical difference. All numbers are
+ * whole, so the CPU and the GPU compute the same bits. The rule is prepared once. Then any thread may use it.
+ */
+#define SOIL_BLOCK 32          /* posts along a side of a block */
+#define SOIL_SLOPE_HEIGHTS 108 /* heights of slopes for which limits are known; a multiple of 4 */
+#define SOIL_SLOPE_HOPS 5      /* the most */
+#define SOIL_STEEP_RELIEF 500.0 /* metres; with less relief no two posts are too far apart in height for 32 bits */
+
+/* The limits by which a class of soil slides, fixed-point units. Index 0: neighbours along x or y. Index 1: diagonal neighbours. */
+struct soil_sliding_class {
+	int32_t critical[2]; /* the largest difference of heights that is stable; INT32_MAX: any is */
+	/* Only if the height of a slope counts. slope: cotangents of the steepest angles, for rising heights of slopes. rise: two posts belong
+	 * to the same slope if they differ by more. */
+	int32_t slope[SOIL_SLOPE_HEIGHTS], rise[2];
+};
+
+struct soil_sliding {
+	struct soil_sliding_class classes[SOIL_CLASSES];
+	int class_count;         /* a post's class is below it */
+	int iterations;          /* 1 .. 8 */
+	int directions;          /* of the lines along which soil slides in a contact: 4, 2, or 0 */
+	int32_t tolerance;       /* a difference may exceed the critical one by so much without sliding, fixed-point units */
+	bool bounded;            /* relaxing soil has a bottom: `depth` below the base, fixed-point units */
+	int32_t depth;
+	bool undisturbed_stable; /* soil slides only where a difference exceeds that of the bases, too */
+	bool steep;              /* neighbours may be too far apart in height for 32 bits */
+	int32_t least[2];        /* no difference up to this slides, if the height of slopes does not count */
+	/* Only if the height of a slope counts. hops: by how many it is followed; 0: it does not count. ways: their posts. reach: the sum. */
+	int hops, ways[SOIL_SLOPE_HOPS], reach;
+	int32_t slope_least;     /* least axial critical difference in a slope */
+	int32_t apart;           /* distance of posts, 2^-20 m, with as many binary digits as the cotangents */
+};
+
+struct soil_sliding_params {
+	const struct soil_numbers *soils;
+	int soil_count;            /* 1 .. SOIL_CLASSES */
+	double spacing;            /* m */
+	/* The model's critical difference of two posts, fixed-point units. apart: their distance, m. NULL: another rule counts, and only the
+	 * tolerance is prepared. */
+	int32_t (*critical)(const struct soil_numbers *soil, double apart);
+	/* The model's cotangent of the steepest stable angle of a slope. height: of the slope, m. NULL: the angle does not depend on it. */
+	double (*cotangent)(const struct soil_numbers *soil, double height);
+	int iterations;            /* 1 .. 8 */
+	int directions;            /* as in struct soil_sliding */
+	double depth;              /* m of soil below the base that can relax; INFINITY: no bottom */
+	double tolerance;          /* m, 0 .. 1 */
+	double relief;             /* m between the world's lowest and highest post; INFINITY: not known */
+	bool undisturbed_stable;
+};
+/* Prepares the rule. */
+void soil_sliding_prepare(const struct soil_sliding_params *params, struct soil_sliding *rule);
+/* Returns a critical difference with the tolerance. INT32_MAX stays. */
+int32_t soil_sliding_with_tolerance(const struct soil_sliding *rule, int32_t critical);
+/* Returns sqrt(2) times a difference, to a ten thousandth. */
+int32_t soil_sliding_diagonal(int32_t axial);
+/* Fills the lengths of the hops by which a slope is followed, in posts, and returns how many there are. */
+int soil_sliding_ways(double spacing, int iterations, int ways[SOIL_SLOPE_HOPS]);
+/* Returns how many posts around a block an interval reads; at most a block. */
+int64_t soil_sliding_rim(const struct soil_sliding *rule);
+/* Returns the direction of a pass along lines over a window that writes these posts: 0: x, 1: y, 2: north-east, 3: south-east. pass: from 0 on. */
+int soil_sliding_direction(struct post_rect written, int pass);
+/* Returns bytes of scratch memory that are enough to slide in planes of this rectangle and with these planes. */
+size_t soil_sliding_scratch(const struct soil_sliding *rule, const struct soil_planes *planes);
+
+/* What is told of laid soil that had no room. */
+struct soil_slid {
+	uint64_t compacted; /* fixed-point units, summed over posts */
+	uint64_t refused;   /* posts */
+};
+
+struct soil_slide_window {
+	struct post_rect written;  /* posts that the window writes */
+	struct post_rect posts;    /* of these, where soil may slide: soil_slide_posts */
+	struct post_rect world;    /* all posts of the world */
+	const int32_t *deposits;   /* laid soil of each post of the planes, fixed-point units, unsigned; NULL: none */
+	bool loaded;               /* a body rests by its load, so what it holds may be freed */
+};
+/* Returns where soil may slide after a contact: the posts that it reached, and `around` posts on each side. reached: a rectangle of all posts
+ * that the contact lowered or held, laid soil on, or left. If it is empty, there are no posts. */
+struct post_rect soil_slide_posts(struct post_rect written, struct post_rect reached, int64_t around);
+/* Returns the columns and rows of the blocks on which posts lie. */
+struct post_rect soil_slide_blocks(struct post_rect posts);
+
+/*
+ * A set of blocks. One thread at a time uses a set. A set starts as {0}, and grows until it is finished. A failure leaves it as it was.
+ */
+struct soil_block {
+	int64_t x, y; /* posts / SOIL_BLOCK */
+};
+struct soil_block_set {
+	struct soil_block *blocks; /* `count` blocks, in the order in which they were added, or sorted */
+	uint32_t *places;          /* 1 + the index in blocks; 0: none */
+	size_t count, room;        /* room: of places, a power of two or 0; blocks have half of it */
+};
+void soil_block_set_finish(struct soil_block_set *set);
+enum status soil_block_set_add(struct soil_block_set *set, struct soil_block block) FURROW_CHECKED;
+bool soil_block_set_has(const struct soil_block_set *set, struct soil_block block);
+/* Returns the block's index in `blocks`; `count` if it is not in the set. */
+size_t soil_block_set_place(const struct soil_block_set *set, struct soil_block block);
+/* Removes all blocks from the set and keeps its memory. */
+void soil_block_set_clear(struct soil_block_set *set);
+/* Sorts the blocks along a Morton curve. Then all blocks of one tile are neighbours in the list, for any size of tiles. No block
+ * may have a negative x or y. */
+void soil_block_set_sort(struct soil_block_set *set);
+/* Sorts a list of blocks in the same way, and drops those that stand in it twice. Returns how many are left. Pure. */
+size_t soil_blocks_sort(struct soil_block *blocks, size_t count);
+
+/*
+ * Active blocks: those in which an interval may change something. After an interval they are the blocks that its words name. What a contact or a
+ * host changed since adds others. world: all posts of the world; blocks beyond it are not added.
+ */
+enum status soil_active_add(struct soil_block_set *set, struct post_rect world, struct soil_block block) FURROW_CHECKED;
+/* Returns the posts of all blocks that an interval may change if these posts changed. rim: soil_sliding_rim. */
+struct post_rect soil_active_near(struct post_rect world, int64_t rim, struct post_rect changed);
+/* Adds these blocks. */
+enum status soil_active_add_near(struct soil_block_set *set, struct post_rect world, int64_t rim, struct post_rect changed) FURROW_CHECKED;
+/* Adds the blocks that a word of flags keeps active. Bit 0 is the block itself. Bits 1 to 8 are its neighbours W, E, S, N, SW, SE, NW, NE.
+ * Words of soil_slide_window and soil_slide_region are so. From bit 16 on they also have the squares of 8 x 8 posts that changed, from the
+ * south-west. */
+enum status soil_active_add_word(struct soil_block_set *set, struct post_rect world, struct soil_block block, uint32_t word) FURROW_CHECKED;
+/* The same of all words of a rectangle of blocks. */
+enum status soil_active_add_words(struct soil_block_set *set, struct post_rect world, struct post_rect blocks, const uint32_t *words) FURROW_CHECKED;
+/* Marks posts in the planes' contact as closed whose blocks are not in the set. */
+void soil_active_close(const struct soil_block_set *set, const struct soil_planes *planes);
+/*
+ * Adds laid soil to offset and deposited, and slides after a contact. Posts that a body holds give and take nothing. `planes` has the window's
+ * read posts. If `rule->steep`, it has one post around `posts`, unless the world ends there. scratch: soil_sliding_scratch bytes. words: one
+ * for each block of soil_slide_blocks(written), row by row: what soil_active_add_words takes. Adds to *slid.
+ */
+void soil_slide_window(const struct soil_sliding *rule, const struct soil_planes *planes, const struct soil_slide_window *window, void *scratch,
+		       uint32_t *words, struct soil_slid *slid);
+/*
+ * Slides for an interval in a region: a rectangle of blocks, as columns and rows. `planes` has their posts and soil_sliding_rim more on each side,
+ * with BASE_NODATA beyond the world. Only posts of the blocks are written. Regions of one interval read each other's posts as they were before it,
+ * so each has planes of its own. contact tells held posts, and closed ones in blocks that are not active; NULL: none. words: as above, for the
+ * region's blocks.
+ */
+void soil_slide_region(const struct soil_sliding *rule, const struct soil_planes *planes, struct post_rect blocks, void *scratch, uint32_t *words);
+
+/* What a probe tells: how the soil bears a body in a pose, and how that changes with its pose and its velocity. */
+struct soil_probed {
+	bool known;                   /* false: the planes have not all posts below the body with their neighbours. Then nothing else is set */
+	double force[3], moment[3];   /* N, and N m about the body's centre; east, north, up */
+	double stiffness[6][6];       /* d(force, moment) / d(translation, rotation about east, north, up): N/m, N, N, N m/rad */
+	double damping[6][6];         /* the same of their rates */
+	double normal[3];             /* mean normal of the base where the body bears; NAN without contact */
+	double pull;                  /* N: as in struct soil_forces */
+	double normal_force;          /* N: the normal stress times the body's surface, summed */
+	double shear_limit;           /* N: the most that shear can hold, summed in the same way */
+	double sinkage, area;         /* as in struct soil_forces */
+	enum soil_state state;        /* SOIL_SLIDES: shear is at its limit. SOIL_SUNK: deeper than the body is high */
+};
+
+/* Computes the force of the soil on a body at motion->to, without its load: to the bit as soil_press_body would tell it. Changes nothing. Any
+ * thread; `work` belongs to one. STATUS_MEMORY. */
+enum status soil_probe(const struct soil_law *law, const struct soil_planes *planes, const struct soil_motion *motion, struct soil_work *work,
+		       struct soil_probed *out) FURROW_CHECKED;
 
 #endif

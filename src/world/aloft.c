@@ -90,7 +90,7 @@ bool world_asks_touched(const struct world *world)
 		const struct scene_object *object = &scene->objects[i];
 		rises = rises || (object->load == 0 && (object->path.has_z || object->sink < 0));
 	}
-	bool everywhere = world->params.everywhere;
+	bool everywhere = world->params.everywhere || world_is_bearing(world);
 	return rises && !everywhere && deform_conserves(scene->model) && scene->undisturbed == SCENE_STABLE;
 }
 
@@ -157,6 +157,8 @@ enum status world_is_aloft(struct world *world, const struct event *event, struc
 {
 	bool conserves = deform_conserves(world->scene->model);
 	*aloft = false;
+	if (world->bearing != NULL) /* such a contact costs little */
+		return STATUS_OK;
 	/* Most objects are on the ground: they need no further test. */
 	if (count == 0 || contact->load > 0 || event->sinkage >= 0 || world->params.everywhere)
 		return STATUS_OK;

@@ -47,21 +47,21 @@ static size_t window_tiles(const struct world *world, const struct deform_params
 static size_t block_tiles(const struct world *world)
 {
 	const struct extent *extent = &world->meta->extent;
-	return tiles_across(DEFORM_BLOCK, extent->cells, extent_tiles_x(extent, world->level)) *
-	       tiles_across(DEFORM_BLOCK, extent->cells, extent_tiles_y(extent, world->level));
+	return tiles_across(SOIL_BLOCK, extent->cells, extent_tiles_x(extent, world->level)) *
+	       tiles_across(SOIL_BLOCK, extent->cells, extent_tiles_y(extent, world->level));
 }
 
 /* Checks that undisturbed ground that relaxes fits into the active blocks. */
 static enum status check_active(const struct world *world)
 {
 	const struct extent *extent = &world->meta->extent;
-	double blocks = ceil((double)extent_posts(extent->width, world->level) / DEFORM_BLOCK) *
-			ceil((double)extent_posts(extent->height, world->level) / DEFORM_BLOCK);
+	double blocks = ceil((double)extent_posts(extent->width, world->level) / SOIL_BLOCK) *
+			ceil((double)extent_posts(extent->height, world->level) / SOIL_BLOCK);
 	if (blocks > DEFORM_BLOCKS_MAX)
 		return fail_with(STATUS_INPUT, "redistribute.undisturbed: slides: the whole terrain slides then, and its %.0f blocks of %d x %d "
 					       "posts are more than the %d that may at once; let it stand, import a smaller part, or give a "
 					       "coarser spacing",
-				 blocks, DEFORM_BLOCK, DEFORM_BLOCK, DEFORM_BLOCKS_MAX);
+				 blocks, SOIL_BLOCK, SOIL_BLOCK, DEFORM_BLOCKS_MAX);
 	return STATUS_OK;
 }
 

@@ -69,8 +69,8 @@ static enum status save(struct world *world, struct checkpoint **out)
 			saved->hosts[i] = *world->hosts.list[i];
 	if (status == STATUS_OK)
 		status = world_forces_save(world->forces, &saved->forces);
-	if (status == STATUS_OK && world->deform != NULL)
-		status = deform_tally(world->deform, &saved->tally);
+	if (status == STATUS_OK)
+		status = world_tally(world, &saved->tally);
 	if (status == STATUS_OK && world->rows != NULL && world->rows->mark != NULL)
 		status = world->rows->mark(world->rows->user, &saved->rows_end);
 	if (status != STATUS_OK) {
@@ -117,15 +117,14 @@ enum status world_checkpoint_begun(struct world *world)
 /* Sets active blocks and equilibrium heights back to those of the record. */
 static enum status restore_deform(struct world *world, const struct checkpoint *saved)
 {
-	if (world->deform == NULL)
+	if (!world_changes_ground(world))
 		return STATUS_OK;
-	enum status status = deform_restore(world->deform, &saved->tally);
+	enum status status = world_restore_tally(world, &saved->tally);
 	for (size_t i = 0; i < saved->record->active_count && status == STATUS_OK; i++)
-		status = deform_wake_block(world->deform, saved->record->active[i]);
+		status = world_wake_block(world, saved->record->active[i]);
 	for (size_t i = 0; i < world->scene->object_count; i++) {
 		const struct body *body = &world->bodies[i];
-		if (body->loaded_body > 0 && body->in_contact)
-			deform_set_equilibrium(world->deform, body->loaded_body, (int32_t)(body->equilibrium - body->last.z));
+		world_set_equilibrium(world, body, body->equilibrium - body->last.z);
 	}
 	return status;
 }
@@ -138,11 +137,8 @@ static void restore_hosts(struct world *world, const struct checkpoint *saved)
 		if (host == NULL)
 			continue;
 		if (i < saved->host_count) {
-			/* The ground under it is read again. */
-			const struct host_mirror mirror = {.patch = host->mirror.patch, .stale = true, .anew = true};
 			const bool told = host->rates_told;
 			*host = saved->hosts[i];
-			host->mirror = mirror;
 			host->rates_told = told;
 			continue;
 		}

@@ -58,7 +58,6 @@ enum status world_mark(struct world *world, struct post_rect rect, const struct 
 {
 	enum status status = STATUS_OK;
 	resident_newest_changed(world->newest);
-	world_probes_changed(world, rect);
 	for (size_t i = 0; i < held->count && status == STATUS_OK; i++) {
 		struct tile tile = held->tiles[i].tile;
 		if (post_rect_empty(post_rect_intersect(rect, tile_post_rect(&world->meta->extent, tile))))
@@ -162,7 +161,13 @@ static struct deform_contact contact_of(const struct world *world, const struct 
 		.loaded_body = body->loaded_body,
 	};
 	if (world_is_hosts(world, event->body)) {
+		const struct host_body *host = world_host_body(world, (int32_t)(event->body - world->scene->object_count - 1));
 		contact.hosted = true;
+		if (event->seconds > 0) {
+			memcpy(contact.linear, host->now.linear, sizeof contact.linear);
+			memcpy(contact.angular, host->now.angular, sizeof contact.angular);
+			contact.runs = contact.shape->belt ? world_belt_of(host, &host->now)->speed : 0;
+		}
 		contact.stamped = event->stamped;
 		contact.seconds = event->seconds;
 		contact.turned = event->turned;
@@ -175,6 +180,37 @@ static struct deform_contact contact_of(const struct world *world, const struct 
 	return contact;
 }
 
+/* Returns true if a contact reads everything that the body rests on in a pose, and around it. */
+static bool covers(const struct world *world, const struct deform_contact *contact, const struct soil_pose *rest, const struct bearing_area *area)
+{
+	const struct post_rect shadow = soil_shadow(contact->shape, rest, rest, world->spacing), all = area->write;
+	const struct post_rect world_posts = {0, 0, extent_posts(world->meta->extent.width, world->level), extent_posts(world->meta->extent.height, world->level)};
+	const struct post_rect held = post_rect_intersect((struct post_rect){shadow.x0 - 1, shadow.y0 - 1, shadow.x1 + 1, shadow.y1 + 1}, world_posts);
+	return post_rect_empty(held) || (held.x0 >= all.x0 && held.y0 >= all.y0 && held.x1 <= all.x1 && held.y1 <= all.y1);
+}
+
+static enum status feel_bearing(struct world *world, const struct event *event, struct deform_contact *contact)
+{
+	struct bearing_area area;
+	struct deform_forces forces;
+	struct held_tiles held = {.count = 0};
+	enum status status = bearing_area(world->bearing, contact, &area);
+	if (status != STATUS_OK)
+		return status;
+	if (post_rect_empty(area.write)) {
+		world_forces_absent(world->forces, event->body, event);
+		return STATUS_OK;
+	}
+	contact->tag = world_forces_ask(world->forces, event->body, event, true);
+	status = world_hold(world, area.read, &held);
+	if (status == STATUS_OK)
+		status = bearing_feel(world->bearing, contact, &area, held.tiles, held.count, &forces);
+	world_release(world, &held);
+	if (status == STATUS_OK)
+		world_forces_came(world->forces, &forces);
+	return status;
+}
+
 enum status world_feel(struct world *world, const struct event *event)
 {
 	const struct body *body = world_body_at(world, event->body);
@@ -183,6 +219,8 @@ enum status world_feel(struct world *world, const struct event *event)
 	struct held_tiles held = {.count = 0};
 	size_t count = 0;
 	bool aloft = false;
+	if (world->bearing != NULL)
+		return feel_bearing(world, event, &contact);
 	enum status status = deform_windows(world->deform, &contact, windows, &count);
 	if (status == STATUS_OK)
 		status = world_is_aloft(world, event, &contact, windows, count, &aloft);
@@ -228,6 +266,40 @@ static enum status compute_alone(struct world *world, const struct event *event,
 	return status == STATUS_OK && count > 0 ? world_tell_contact_ended(world) : status;
 }
 
+/* The contact of a body with soil that bears. Its forces are known at once. */
+static enum status bearing_contact_at(struct world *world, const struct event *event, const struct deform_contact *contact)
+{
+	struct body *body = world_body_at(world, event->body);
+	struct bearing_area area;
+	struct bearing_contact done;
+	struct held_tiles held = {.count = 0};
+	enum status status = bearing_area(world->bearing, contact, &area);
+	if (status == STATUS_OK && body->in_contact && !covers(world, contact, &body->last, &area))
+		status = world_let_go(world, body);
+	if (status != STATUS_OK)
+		return status;
+	if (post_rect_empty(area.write)) {
+		world_forces_absent(world->forces, event->body, event);
+		return STATUS_OK;
+	}
+	const struct deform_window window = {.read = area.read, .write = area.write};
+	status = world_tell_contact(world, event, contact, &window, 1);
+	if (status == STATUS_OK)
+		status = world_hold(world, area.read, &held);
+	if (status == STATUS_OK)
+		status = bearing_contact(world->bearing, contact, &area, held.tiles, held.count, &done);
+	if (status == STATUS_OK && !post_rect_empty(done.changed))
+		status = world_mark(world, done.changed, &held);
+	world_release(world, &held);
+	if (status != STATUS_OK)
+		return status;
+	world_forces_came(world->forces, &done.forces);
+	world_count_windows(body, contact, 1);
+	world->windows.due++;
+	world->windows.computed++;
+	return world_tell_contact_ended(world);
+}
+
 static enum status contact_at(struct world *world, const struct event *event, bool last, bool waits)
 {
 	struct body *body = world_body_at(world, event->body);
@@ -238,6 +310,13 @@ static enum status contact_at(struct world *world, const struct event *event, bo
 		body->in_contact = true;
 		body->last = contact.to;
 		return STATUS_OK;
+	}
+	if (world->bearing != NULL) {
+		contact.tag = world_forces_ask(world->forces, event->body, event, last);
+		enum status status = bearing_contact_at(world, event, &contact);
+		body->in_contact = true;
+		body->last = contact.to;
+		return status;
 	}
 	enum status status = deform_windows(world->deform, &contact, windows, &count);
 	bool aloft = false, waiting = false;

@@ -90,7 +90,7 @@ enum status world_forces_create(struct world *world, struct forces **out)
 		return fail_memory("forces");
 	forces->world = world;
 	forces->rate = world->params.rows ? scene->forces : 0;
-	forces->delay = forces->rate > 0 ? scene->forces_delay : LOAD_DELAY;
+	forces->delay = world->bearing != NULL ? 0 : forces->rate > 0 ? scene->forces_delay : LOAD_DELAY;
 	forces->standing = mem_calloc(scene->object_count + 1, sizeof *forces->standing);
 	forces->known = mem_calloc(scene->object_count + 1, sizeof *forces->known);
 	forces->known_tag = mem_calloc(scene->object_count + 1, sizeof *forces->known_tag);
@@ -277,6 +277,12 @@ static void arrived(struct forces *forces, const struct deform_forces *from)
 		}
 }
 
+void world_forces_came(struct forces *forces, const struct deform_forces *from)
+{
+	if (forces != NULL && from->tag != 0)
+		arrived(forces, from);
+}
+
 static enum status give_row(const struct forces *forces, const struct entry *entry)
 {
 	const struct world_rows *rows = forces->world->rows;
@@ -362,7 +368,7 @@ enum status world_forces_end_step(struct forces *forces, double until)
 		if (scene->objects[i].load > 0 && forces->standing[i].tag > forces->tag_before)
 			status = add_entry(forces, &(struct entry){.step = forces->world->step, .t = -1, .object = i, .at = forces->standing[i]});
 	forces->tag_before = forces->tag;
-	if (status == STATUS_OK)
+	if (status == STATUS_OK && forces->world->deform != NULL)
 		status = deform_forces_begin(forces->world->deform);
 	if (status == STATUS_OK)
 		status = use(forces, forces->world->step - forces->delay);
@@ -389,7 +395,7 @@ enum status world_forces_settle(struct forces *forces, struct record *record)
 
 enum status world_forces_wait(struct forces *forces)
 {
-	bool taken = forces != NULL;
+	bool taken = forces != NULL && forces->world->deform != NULL;
 	enum status status = STATUS_OK;
 	while (taken && status == STATUS_OK) {
 		struct deform_forces came;

@@ -5,6 +5,7 @@
  * contact:
  * - after a working post of travel or of turn,
  * - after a tenth of a post of sinkage,
+ * - where it turns back: rises after it sank, or slides back,
  * - at a checkpoint, and before a query.
  *
  * In between only the forces are computed, over the same ground (deform_feel).
@@ -157,45 +158,43 @@ static enum status touch_straight(struct world *world, int32_t number, const str
 	host->fresh = !body->in_contact;
 	host->since = host->turned = 0;
 	memset(host->rotated, 0, sizeof host->rotated);
-	host->dip.pose.z = INT64_MAX;
-	host->mirror.anew = true;
 	host->felt = *to;
 	host->felt_turned = 0;
 	host->felt_moving = parts > 1 || from.x != to->x || from.y != to->y || from.z != to->z;
 	return status;
 }
 
-/* Changes the ground up to this pose. Where the body was deeper in between, it goes by its lowest pose, so that the soil stays compacted. */
+/* Changes the ground up to this pose. */
 static enum status touch(struct world *world, int32_t number, const struct soil_pose *to, double time)
 {
-	struct host_body *host = world_host_body(world, number);
-	const struct host_dip dip = host->dip;
-	const int64_t least = host->body.last.z < to->z ? host->body.last.z : to->z;
-	if (!host->body.in_contact || dip.pose.z == INT64_MAX || lattice_offset_metres(least - dip.pose.z) < DIP_SHARE * world->spacing)
-		return touch_straight(world, number, to, time, true);
-	const double since = host->since - dip.since, turned = host->turned - dip.turned;
-	double rotated[3];
-	for (int k = 0; k < 3; k++) {
-		rotated[k] = host->rotated[k] - dip.rotated[k];
-		host->rotated[k] = dip.rotated[k];
-	}
-	host->since = dip.since;
-	host->turned = dip.turned;
-	enum status status = touch_straight(world, number, &dip.pose, time, false);
-	host->since = since;
-	host->turned = turned;
-	memcpy(host->rotated, rotated, sizeof rotated);
-	return status == STATUS_OK ? touch_straight(world, number, to, time, true) : status;
+	return touch_straight(world, number, to, time, true);
 }
 
-/* Notes a pose that does not change the ground. */
-static void pass_by(struct host_body *host, const struct soil_pose *to)
+/* How far the body's lowest place slid over the ground in a motion, m, east and north. rotated, turned: as in struct host_body. */
+static void slide_of(const struct host_body *host, const struct soil_pose *from, const struct soil_pose *to, double turned, const double rotated[3], double slide[2])
 {
-	if (to->z < host->dip.pose.z) {
-		host->dip = (struct host_dip){.pose = *to, .since = host->since, .turned = host->turned};
-		memcpy(host->dip.rotated, host->rotated, sizeof host->rotated);
-	}
-	world_probes_reach(host, to);
+	const struct soil_shape *shape = &host->body.object->shape;
+	const double ran = soil_shape_ran(shape, turned), reach = soil_shape_runs(shape) ? 0 : soil_shape_reach(shape, to->pitch, to->roll);
+	slide[0] = lattice_offset_metres(to->x - from->x) - cos(to->yaw) * ran - rotated[1] * reach;
+	slide[1] = lattice_offset_metres(to->y - from->y) - sin(to->yaw) * ran + rotated[0] * reach;
+}
+
+/*
+ * Tells whether the motion turns back at the pose of the last step: the body rises there after it sank, or slides back. A contact is taken as straight,
+ * so one must end there. turned, rotated: in this step.
+ */
+static bool turns_back(const struct world *world, const struct host_body *host, const struct soil_pose *to, double turned, const double rotated[3])
+{
+	const struct soil_pose *from = &host->body.last, *at = &host->felt;
+	const double least = DIP_SHARE * world->spacing;
+	double before[2], after[2];
+	if (!host->body.in_contact || host->fresh)
+		return false;
+	if (lattice_offset_metres(from->z - at->z) >= least && to->z > at->z)
+		return true;
+	slide_of(host, from, at, host->felt_turned, host->rotated, before);
+	slide_of(host, at, to, turned, rotated, after);
+	return hypot(before[0], before[1]) >= least && before[0] * after[0] + before[1] * after[1] < 0;
 }
 
 /* Computes only the forces, without changing the ground. */
@@ -252,20 +251,31 @@ static enum status step_body(struct world *world, int32_t number, double seconds
 	enum status status = pose_of(host, &to);
 	if (status != STATUS_OK)
 		return status;
+	double turned = 0, rotated[3];
 	if (host->body.object->shape.kind == SOIL_WHEEL)
-		host->turned += world_spin(&to, host->now.angular) * seconds;
+		turned = world_spin(&to, host->now.angular) * seconds;
 	if (host->body.object->shape.belt)
-		host->turned = ran_to(host, &to);
+		turned = ran_to(host, &to) - host->turned;
 	for (int k = 0; k < 3; k++)
-		host->rotated[k] += host->now.angular[k] * seconds;
+		rotated[k] = host->now.angular[k] * seconds;
+	if (turns_back(world, host, &to, turned, rotated)) {
+		const struct soil_pose at = host->felt;
+		status = touch(world, number, &at, until - seconds);
+		if (status != STATUS_OK)
+			return status;
+	}
+	host->turned += turned;
+	for (int k = 0; k < 3; k++)
+		host->rotated[k] += rotated[k];
 	const bool moved = has_moved(host, &to);
 	host->since += moved ? seconds : 0;
 	if (host->fresh || !host->body.in_contact || is_worth_a_contact(world, host, &to))
 		return touch(world, number, &to, until);
-	pass_by(host, &to);
 	/* Where it came to rest the rates go. */
 	if (world_feels(world) && (moved || host->felt_moving))
 		return feel(world, number, &to, until, moved);
+	host->felt = to;
+	host->felt_turned = host->turned;
 	host->told = until; /* nothing moves: what was told holds */
 	return STATUS_OK;
 }
@@ -306,8 +316,6 @@ enum status world_hosts_commit(struct world *world)
 	}
 	if (status == STATUS_OK && any)
 		status = world_forces_end_step(world->forces, world->time);
-	if (status == STATUS_OK && any)
-		status = world_probes_refresh(world);
 	return status == STATUS_OK && any ? world_end_step(world) : status;
 }
 

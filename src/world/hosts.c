@@ -94,7 +94,6 @@ static struct host_body *new_body(const struct scene_object *object, struct scen
 		return NULL;
 	host->body.object = object;
 	host->owned = owned;
-	host->dip.pose.z = INT64_MAX;
 	host->stamped = 1;
 	for (int i = 0; i < 3; i++)
 		host->now.pose.position[i] = NAN;
@@ -124,7 +123,6 @@ void world_host_free(struct host_body *host)
 {
 	if (host == NULL)
 		return;
-	deform_patch_destroy(host->mirror.patch);
 	if (host->owned != NULL)
 		scene_object_finish(host->owned);
 	mem_free(host->owned);
@@ -137,7 +135,6 @@ void world_free_hosts(struct world *world)
 		world_host_free(world->hosts.list[i]);
 	mem_free(world->hosts.list);
 	world_names_free(world);
-	world_touched_free(&world->hosts.touched);
 	world->hosts = (struct world_hosts){.list = NULL};
 }
 
@@ -335,8 +332,6 @@ static enum status lift(struct world *world, struct host_body *host)
 	host->since = host->turned = 0;
 	memset(host->rotated, 0, sizeof host->rotated);
 	host->stamped = 1;
-	host->dip.pose.z = INT64_MAX;
-	host->mirror.stale = host->mirror.anew = true;
 	host->tag = 0;
 	host->force = world_no_force(0);
 	host->state = WORLD_AIR;

@@ -84,30 +84,16 @@ void world_host_arrived(struct world *world, uint64_t tag, size_t index, const s
 /* In told.c: gives the state of a body with a path. */
 enum status world_path_state(const struct world *world, size_t body, struct world_state *state) FURROW_CHECKED;
 
-/* --- touched.c --- */
-void world_touched_note(struct world_touched *touched, struct post_rect rect); /* posts of this rectangle changed */
-void world_touched_sort(struct world_touched *touched); /* before it is asked */
-bool world_touched_meets(const struct world_touched *touched, struct post_rect rect); /* has a post of this rectangle changed? */
-void world_touched_clear(struct world_touched *touched);
-void world_touched_free(struct world_touched *touched);
+/* --- probes.c --- */
 
-/* --- probes.c: the ground under a host's bodies, mirrored on the host --- */
-
-/* Posts of this rectangle changed. */
-void world_probes_changed(struct world *world, struct post_rect rect);
-/* Reads the ground under all bodies that were probed, where it changed. Call it at the end of a step. Waits for the GPU. */
-enum status world_probes_refresh(struct world *world) FURROW_CHECKED;
 /* Gives the rotation from one attitude to another as a vector, rad. */
 void world_rotation_between(const double from[4], const double to[4], double rotated[3]);
-/* Notes a pose of a body between two contacts. */
-void world_probes_reach(struct host_body *host, const struct soil_pose *to);
-/* Computes the contact at the body's present state. Returns false if it is not known. */
-bool world_probes_now(const struct world *world, const struct host_body *host, struct deform_probed *probed);
-void world_probes_free(struct world *world); /* frees the mirrors; before deform and GPU are destroyed */
+/* Computes the contact at the body's present state. probed->known false: it is not known. */
+enum status world_probes_now(struct world *world, const struct host_body *host, struct soil_probed *probed) FURROW_CHECKED;
 /* hosts.c: returns where the body's belt is in a state. */
 const struct world_belt *world_belt_of(const struct host_body *host, const struct world_state *state);
 /* told.c: fills a contact from what a probe computed. */
-void world_tell_probed(const struct host_body *host, const struct world_state *state, const struct deform_probed *probed, double time,
+void world_tell_probed(const struct host_body *host, const struct world_state *state, const struct soil_probed *probed, double time,
 		       struct world_contact *contact);
 
 /* --- changes.c --- */
@@ -202,6 +188,23 @@ enum status world_limits_add(struct world *world, const struct soil_shape *shape
 enum status world_collect_events(struct world *world, double until) FURROW_CHECKED;
 /* Places the body on the ground at a path sample. Fills pose, contact, distance and sinkage of `event`. */
 enum status world_set_down(struct world *world, struct body *body, int64_t sample, struct event *event) FURROW_CHECKED;
+
+/* --- surface.c: kinematic models (deform) and bearing soil (bearing) behind one face --- */
+
+/* Returns true if the scene's soil bears: it is computed on the CPU. */
+bool world_is_bearing(const struct world *world);
+/* Makes world->deform or world->bearing, if bodies change the ground. */
+enum status world_surface_create(struct world *world, const struct deform_params *params) FURROW_CHECKED;
+void world_surface_destroy(struct world *world);
+/* The same as the functions of deform.h and bearing.h. */
+enum status world_wake(struct world *world, struct post_rect changed) FURROW_CHECKED;
+struct post_rect world_wakes(const struct world *world, struct post_rect changed);
+enum status world_forget_active(struct world *world) FURROW_CHECKED;
+int64_t world_interval_rim(const struct world *world);
+int64_t world_contact_reach(const struct world *world, const struct soil_shape *shape);
+/* Sets where a loaded body that is in contact rests, fixed-point units above its pose. Does nothing for others. */
+void world_set_equilibrium(struct world *world, const struct body *body, int64_t raised);
+enum status world_restore_tally(struct world *world, const struct deform_tally *tally) FURROW_CHECKED;
 
 /* --- relaxation.c: relaxation of the whole ground --- */
 
@@ -308,6 +311,8 @@ void world_forces_unpack(struct forces *forces, size_t body, const struct world_
 enum status world_forces_wait(struct forces *forces) FURROW_CHECKED;
 /* Gives the last known force on a body with a path. Returns false if its forces were never computed. */
 bool world_forces_known(const struct forces *forces, size_t body, struct world_force *force);
+/* Takes the forces of a contact that was asked for (world_forces_ask), from bearing soil. Without a tag they are not needed. */
+void world_forces_came(struct forces *forces, const struct deform_forces *from);
 /* Notes that the body touches nothing in this event. */
 void world_forces_absent(struct forces *forces, size_t body, const struct event *event);
 /* Waits for all forces in flight and applies them, also to the record. */

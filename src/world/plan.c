@@ -354,8 +354,6 @@ enum status world_plan_deform(const struct world *world, const struct soil_shape
 		objects[scene->object_count + i] = world_planned_host(added[i]);
 	world_deform_params(world, &params);
 	deform_plan(&params, objects, all, scene->forces > 0 && world->params.rows, plan);
-	if (count > 0)
-		deform_patch_plan(&params, plan);
 	mem_free(objects);
 	return STATUS_OK;
 }

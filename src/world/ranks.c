@@ -42,14 +42,7 @@ void world_forget_events(struct world *world)
 
 void world_body_here(struct world *world, size_t index, bool here)
 {
-	_Atomic bool *elsewhere = elsewhere_of(world, index);
-	const bool changes = *elsewhere == here;
-	*elsewhere = !here;
-	if (!changes || !world_is_hosts(world, index))
-		return;
-	/* What the mirror has may be old. */
-	struct host_mirror *mirror = &world_host_body(world, (int32_t)(index - world->scene->object_count - 1))->mirror;
-	mirror->stale = mirror->anew = true;
+	*elsewhere_of(world, index) = !here;
 }
 
 /* --- what a step may touch --- */
@@ -74,13 +67,13 @@ static struct post_rect grown(struct post_rect rect, int64_t by)
 /* In each interval soil may begin to slide in the blocks next to those where it slid, and an interval reads a rim around blocks. */
 static int64_t slides_beyond(const struct world *world, int64_t intervals)
 {
-	return (intervals > 1 ? intervals - 1 : 0) * DEFORM_BLOCK + deform_interval_rim(world->deform);
+	return (intervals > 1 ? intervals - 1 : 0) * SOIL_BLOCK + world_interval_rim(world);
 }
 
-struct post_rect world_block_area(const struct world *world, struct deform_block block, int64_t intervals)
+struct post_rect world_block_area(const struct world *world, struct soil_block block, int64_t intervals)
 {
-	const int64_t x = block.x * DEFORM_BLOCK, y = block.y * DEFORM_BLOCK;
-	return grown((struct post_rect){x, y, x + DEFORM_BLOCK, y + DEFORM_BLOCK}, slides_beyond(world, intervals));
+	const int64_t x = block.x * SOIL_BLOCK, y = block.y * SOIL_BLOCK;
+	return grown((struct post_rect){x, y, x + SOIL_BLOCK, y + SOIL_BLOCK}, slides_beyond(world, intervals));
 }
 
 /* Includes the last path sample that was made, and all that are due until then. Samples are one post apart. The way between two
@@ -108,16 +101,15 @@ static void include_host(const struct world *world, const struct host_body *host
 	}
 	if (host->body.in_contact)
 		include(area, world, host->body.last.x, host->body.last.y, posts);
-	if (host->dip.pose.z != INT64_MAX)
-		include(area, world, host->dip.pose.x, host->dip.pose.y, posts);
+	include(area, world, host->felt.x, host->felt.y, posts);
 }
 
 struct post_rect world_body_area(const struct world *world, size_t index, double until)
 {
-	enum { PROBED = 6 }; /* posts: a mirror of the ground under a body reaches so far beyond it, and more (probes.c) */
+	enum { PROBED = 6 }; /* posts: a probed pose may lie so far beyond the body */
 	struct post_rect area = {INT64_MAX, INT64_MAX, INT64_MIN, INT64_MIN};
 	const struct body *body = world_body_at(world, index);
-	const int64_t posts = deform_contact_reach(world->deform, &body->object->shape);
+	const int64_t posts = world_contact_reach(world, &body->object->shape);
 	if (world_is_hosts(world, index))
 		include_host(world, world_host_body(world, (int32_t)(index - world->scene->object_count - 1)), posts + PROBED, &area);
 	else
@@ -125,7 +117,7 @@ struct post_rect world_body_area(const struct world *world, size_t index, double
 	const int64_t intervals = world_intervals_due(world, until);
 	if (area.x0 >= area.x1 || intervals <= 0)
 		return area;
-	return grown(deform_wakes(world->deform, area), slides_beyond(world, intervals));
+	return grown(world_wakes(world, area), slides_beyond(world, intervals));
 }
 
 void world_pass_elsewhere(struct world *world, double until)
@@ -184,8 +176,7 @@ enum status world_body_unpack(struct world *world, const struct world_moved *mov
 	if (!here)
 		return STATUS_OK;
 	world_forces_unpack(world->forces, index, moved);
-	if (body->loaded_body > 0 && body->in_contact)
-		deform_set_equilibrium(world->deform, body->loaded_body, (int32_t)body->raised);
+	world_set_equilibrium(world, body, body->raised);
 	return STATUS_OK;
 }
 
@@ -193,19 +184,19 @@ enum status world_body_unpack(struct world *world, const struct world_moved *mov
 
 enum status world_active_keep(struct world *world, world_block_fn keeps, void *user)
 {
-	const struct deform_block *list;
+	const struct soil_block *list;
 	size_t count = 0;
-	enum status status = deform_active_blocks(world->deform, &list, &count);
+	enum status status = world_active_blocks(world, &list, &count);
 	if (status != STATUS_OK || count == 0)
 		return status;
-	struct deform_block *copy = mem_alloc(count, sizeof *copy);
+	struct soil_block *copy = mem_alloc(count, sizeof *copy);
 	if (copy == NULL)
 		return fail_memory("active blocks");
 	memcpy(copy, list, count * sizeof *copy);
-	status = deform_forget_active(world->deform);
+	status = world_forget_active(world);
 	for (size_t i = 0; i < count && status == STATUS_OK; i++)
 		if (keeps(user, copy[i]))
-			status = deform_wake_block(world->deform, copy[i]);
+			status = world_wake_block(world, copy[i]);
 	mem_free(copy);
 	return status;
 }
@@ -221,22 +212,22 @@ enum status world_tile_came(struct world *world, struct tile tile, unsigned plan
 
 /* --- commits --- */
 
-enum status world_record_ranks(struct world *world, const struct deform_block *others, size_t count)
+enum status world_record_ranks(struct world *world, const struct soil_block *others, size_t count)
 {
 	enum status status = world_fill_record(world);
 	struct record *record = world->record;
 	if (status != STATUS_OK || count == 0)
 		return status;
 	/* Two ranks may both have woken a block between their ground. */
-	struct deform_block *all = mem_alloc(record->active_count + count, sizeof *all);
+	struct soil_block *all = mem_alloc(record->active_count + count, sizeof *all);
 	if (all == NULL)
 		return fail_memory("active blocks");
 	memcpy(all, record->active, record->active_count * sizeof *all);
 	memcpy(all + record->active_count, others, count * sizeof *all);
-	const size_t kept = deform_blocks_sort(all, record->active_count + count);
+	const size_t kept = soil_blocks_sort(all, record->active_count + count);
 	if (kept > DEFORM_BLOCKS_MAX) {
 		status = fail_with(STATUS_FAILED, "soil: the ground slides in more than %d blocks of %d x %d posts at once; choose a soil that stands "
-						  "steeper, a coarser spacing, or model none", DEFORM_BLOCKS_MAX, DEFORM_BLOCK, DEFORM_BLOCK);
+						  "steeper, a coarser spacing, or model none", DEFORM_BLOCKS_MAX, SOIL_BLOCK, SOIL_BLOCK);
 	} else {
 		memcpy(record->active, all, kept * sizeof *all);
 		record->active_count = kept;

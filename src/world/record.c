@@ -224,7 +224,7 @@ static bool get_active(const cJSON *root, struct record *record)
 	if (at == NULL)
 		return false;
 	while (*at != '\0') {
-		struct deform_block *block = &record->active[record->active_count];
+		struct soil_block *block = &record->active[record->active_count];
 		if (record->active_count == DEFORM_BLOCKS_MAX || !get_place(&at, ',', &block->x) || !get_place(&at, ';', &block->y))
 			return false;
 		record->active_count++;

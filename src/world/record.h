@@ -35,7 +35,7 @@ struct record {
 	bool ended;           /* the drive ended with this step */
 	struct pages_sums sums; /* read from the store; not used for writing */
 	size_t active_count;  /* active blocks, where soil may still relax */
-	struct deform_block active[DEFORM_BLOCKS_MAX];
+	struct soil_block active[DEFORM_BLOCKS_MAX];
 	size_t attached_count; /* numbers that another part of the run keeps (struct world_attached); they follow the objects */
 	struct record_object objects[]; /* one for each of the scene's objects, in its order */
 };

@@ -29,7 +29,7 @@ enum status world_wake_all(struct world *world)
 {
 	const struct extent *extent = &world->meta->extent;
 	const struct post_rect all = {0, 0, extent_posts(extent->width, world->level), extent_posts(extent->height, world->level)};
-	return deform_wake(world->deform, all);
+	return world_wake(world, all);
 }
 
 static size_t rests_of(const struct world *world)
@@ -67,7 +67,53 @@ static enum status gather(struct world *world, size_t region)
 	return status == STATUS_OK ? deform_interval_gather(world->deform, region, NULL, 0) : status;
 }
 
-static enum status one_interval(struct world *world, size_t *blocks)
+/* The same of bearing soil. */
+static enum status gather_bearing(struct world *world, size_t region)
+{
+	const struct extent *extent = &world->meta->extent;
+	const struct post_rect reads = bearing_interval_reads(world->bearing, region);
+	const int64_t cells = extent->cells;
+	struct held_tiles held = {.count = 0};
+	struct tile first, last;
+	enum status status = bearing_interval_start(world->bearing, region);
+	bool any = tile_range_of(extent, world->level, reads, &first, &last);
+	for (uint32_t y = first.y; any && y <= last.y; y += 2)
+		for (uint32_t x = first.x; x <= last.x && status == STATUS_OK; x += 2) {
+			/* Tiles x, x + 1 and y, y + 1, without the posts that they share with others. */
+			struct post_rect part = post_rect_intersect(reads, (struct post_rect){x * cells + (x > first.x), y * cells + (y > first.y),
+											  (x + 2) * cells + 1, (y + 2) * cells + 1});
+			part = post_rect_intersect(part, (struct post_rect){0, 0, extent_posts(extent->width, world->level), extent_posts(extent->height, world->level)});
+			if (post_rect_empty(part))
+				continue;
+			status = world_hold(world, part, &held);
+			if (status == STATUS_OK)
+				bearing_interval_gather(world->bearing, part, held.tiles, held.count);
+			world_release(world, &held);
+		}
+	return status == STATUS_OK ? bearing_interval_slide(world->bearing, region) : status;
+}
+
+static enum status bearing_interval(struct world *world, size_t *blocks)
+{
+	struct held_tiles held = {.count = 0};
+	struct bearing_interval size;
+	enum status status = bearing_interval_begin(world->bearing, world->relaxation.rests, rests_of(world), &size);
+	*blocks = size.blocks;
+	for (size_t i = 0; i < size.regions && status == STATUS_OK; i++)
+		status = gather_bearing(world, i);
+	for (size_t i = 0; i < size.regions && status == STATUS_OK; i++) {
+		const struct post_rect writes = bearing_interval_writes(world->bearing, i);
+		status = world_hold(world, writes, &held);
+		if (status == STATUS_OK)
+			status = bearing_interval_scatter(world->bearing, i, held.tiles, held.count);
+		if (status == STATUS_OK)
+			status = world_mark(world, writes, &held);
+		world_release(world, &held);
+	}
+	return status == STATUS_OK && *blocks > 0 ? bearing_interval_end(world->bearing) : status;
+}
+
+static enum status deform_interval(struct world *world, size_t *blocks)
 {
 	struct held_tiles held = {.count = 0};
 	struct deform_interval size;
@@ -84,10 +130,14 @@ static enum status one_interval(struct world *world, size_t *blocks)
 			status = world_mark(world, writes, &held);
 		world_release(world, &held);
 	}
-	if (status == STATUS_OK && *blocks > 0)
-		status = deform_interval_end(world->deform);
+	return status == STATUS_OK && *blocks > 0 ? deform_interval_end(world->deform) : status;
+}
+
+static enum status one_interval(struct world *world, size_t *blocks)
+{
+	const enum status status = world->bearing != NULL ? bearing_interval(world, blocks) : deform_interval(world, blocks);
 	struct page_stats pages;
-	int64_t side = (world->meta->extent.cells + DEFORM_BLOCK - 1) / DEFORM_BLOCK;
+	int64_t side = (world->meta->extent.cells + SOIL_BLOCK - 1) / SOIL_BLOCK;
 	page_cache_stats(world->cache, &pages);
 	world->relaxation.visited += *blocks;
 	world->relaxation.possible += pages.touched * (uint64_t)(side * side);
@@ -96,7 +146,7 @@ static enum status one_interval(struct world *world, size_t *blocks)
 
 enum status world_intervals(struct world *world, double time, bool at_it)
 {
-	if (world->deform == NULL || !deform_conserves(world->scene->model))
+	if (!world_changes_ground(world) || !deform_conserves(world->scene->model))
 		return STATUS_OK;
 	enum status status = STATUS_OK;
 	int64_t over = world_intervals_by(world, time);
@@ -120,8 +170,8 @@ enum status world_let_go(struct world *world, const struct body *body)
 	size_t count = 0;
 	if (!body->in_contact || body->elsewhere || !deform_conserves(world->scene->model))
 		return STATUS_OK;
-	enum status status = deform_windows(world->deform, &rest, windows, &count);
+	enum status status = deform_cut(&world->surface, &rest, windows, &count);
 	for (size_t i = 0; i < count && status == STATUS_OK; i++)
-		status = deform_wake(world->deform, windows[i].write);
+		status = world_wake(world, windows[i].write);
 	return status;
 }

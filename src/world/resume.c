@@ -62,8 +62,8 @@ static enum status check(struct world *world)
 	const struct extent *extent = &world->meta->extent;
 	int64_t width = extent_posts(extent->width, world->level), height = extent_posts(extent->height, world->level);
 	for (size_t i = 0; i < record->active_count; i++)
-		if (record->active[i].x >= (width + DEFORM_BLOCK - 1) / DEFORM_BLOCK ||
-		    record->active[i].y >= (height + DEFORM_BLOCK - 1) / DEFORM_BLOCK)
+		if (record->active[i].x >= (width + SOIL_BLOCK - 1) / SOIL_BLOCK ||
+		    record->active[i].y >= (height + SOIL_BLOCK - 1) / SOIL_BLOCK)
 			return world_record_damaged(store, "what was awake lies beyond the ground");
 	if (record->active_count > 0 && (!world_deforms(world) || !deform_conserves(world->scene->model)))
 		return world_record_damaged(store, "something is awake that cannot be");

@@ -27,13 +27,11 @@ double world_step_time(const struct scene *scene, int64_t step)
 enum status world_fill_record(struct world *world)
 {
 	struct record *record = world->record;
-	const struct deform_block *active;
-	size_t count = 0;
-	if (world->deform != NULL) {
-		enum status status = deform_active_blocks(world->deform, &active, &count);
-		if (status != STATUS_OK)
-			return status;
-	}
+	const struct soil_block *active;
+	size_t count;
+	enum status status = world_active_blocks(world, &active, &count);
+	if (status != STATUS_OK)
+		return status;
 	if (count > 0)
 		memcpy(record->active, active, count * sizeof *active);
 	record->active_count = count;
@@ -185,8 +183,6 @@ enum status world_move_hosts(struct world *world)
 	world->torn = true;
 	if (status == STATUS_OK)
 		status = world_hosts_step(world, 0, world->time); /* no row is due: the scene's own objects have not begun */
-	if (status == STATUS_OK)
-		status = world_probes_refresh(world);
 	return status == STATUS_OK ? world_end_step(world) : status;
 }
 
@@ -222,9 +218,6 @@ enum status world_step_to(struct world *world, double until)
 	world->hosts.until = until;
 	world->torn = true;
 	status = deform_step(world, until);
-	if (status != STATUS_OK)
-		return status;
-	status = world_probes_refresh(world);
 	if (status != STATUS_OK)
 		return status;
 	world->step++;

@@ -127,14 +127,14 @@ static enum status fill(struct world *world, const struct scene_object *object, 
 	return STATUS_OK;
 }
 
-void world_tell_probed(const struct host_body *host, const struct world_state *state, const struct deform_probed *probed, double time,
+void world_tell_probed(const struct host_body *host, const struct world_state *state, const struct soil_probed *probed, double time,
 		       struct world_contact *contact)
 {
 	const struct scene_object *object = host->body.object;
 	struct soil_pose pose = {.x = 0};
 	*contact = world_contact_unknown();
 	contact->time = time;
-	contact->state = world_contact_state_of(probed->state);
+	contact->state = world_contact_state_of((enum deform_state)probed->state);
 	contact->slip = slip_of(object, state, world_belt_of(host, state)->speed, probed->normal);
 	contact->pull = probed->pull;
 	contact->sinkage = probed->sinkage;
@@ -164,10 +164,12 @@ enum status world_body_contact(struct world *world, int32_t number, struct world
 	if (host != NULL && !host->placed)
 		return STATUS_OK;
 	if (host != NULL) {
-		struct deform_probed probed;
+		struct soil_probed probed;
 		status = fill(world, host->body.object, &state, &host->force, host->told, host->state, contact);
 		contact->slip = slip_of(host->body.object, &state, world_belt_of(host, &state)->speed, contact->normal);
-		if (status == STATUS_OK && world_probes_now(world, host, &probed)) {
+		if (status == STATUS_OK)
+			status = world_probes_now(world, host, &probed);
+		if (status == STATUS_OK && probed.known) {
 			memcpy(contact->stiffness, probed.stiffness, sizeof contact->stiffness);
 			memcpy(contact->damping, probed.damping, sizeof contact->damping);
 		}

@@ -110,14 +110,13 @@ static enum status start_look_ahead(struct world *world)
 static enum status go_on_with_ground(struct world *world)
 {
 	const struct record *record = world->record;
-	bool relaxes = world->deform != NULL && world->scene->undisturbed == SCENE_SLIDES && (!world->resumed.is || record->step == 0);
+	bool relaxes = world_changes_ground(world) && world->scene->undisturbed == SCENE_SLIDES && (!world->resumed.is || record->step == 0);
 	enum status status = relaxes ? world_wake_all(world) : STATUS_OK;
 	for (size_t i = 0; i < record->active_count && status == STATUS_OK; i++)
-		status = deform_wake_block(world->deform, record->active[i]);
+		status = world_wake_block(world, record->active[i]);
 	for (size_t i = 0; i < world->scene->object_count && world->resumed.is; i++) {
 		const struct body *body = &world->bodies[i];
-		if (body->loaded_body > 0 && body->in_contact)
-			deform_set_equilibrium(world->deform, body->loaded_body, (int32_t)(body->equilibrium - body->last.z));
+		world_set_equilibrium(world, body, body->equilibrium - body->last.z);
 	}
 	return status;
 }
@@ -129,25 +128,34 @@ static bool has_large_passes(const struct world *world, const struct deform_para
 	       (world->params.draws && (world->params.drops || scene_pixels_a_step(world->scene) >= MANY_PIXELS));
 }
 
+/* Makes the GPU's context and slots: the home of pages; over pages in host memory their mirror, for pictures. */
+static enum status start_gpu(struct world *world, const struct gpu_params *params)
+{
+	enum status status = gpu_create(params, &world->gpu);
+	if (status != STATUS_OK)
+		return status;
+	const unsigned planes = world->host != NULL ? world_planes(world) & (PLANE_BIT(PLANE_OFFSET) | PLANE_BIT(PLANE_DISTURBANCE)) : world_planes(world);
+	return gpu_slots_create(world->gpu, world->meta->extent.cells, world->limits.slots, planes, &world->slots);
+}
+
 enum status world_start(struct world *world)
 {
 	struct deform_params deform;
 	world_deform_params(world, &deform);
 	const struct gpu_params gpu = {.draws = has_large_passes(world, &deform)};
 	enum status status = start_look_ahead(world);
-	if (status == STATUS_OK)
-		status = gpu_create(&gpu, &world->gpu);
-	if (status == STATUS_OK)
-		status = gpu_slots_create(world->gpu, world->meta->extent.cells, world->limits.slots,
-					  world_planes(world), &world->slots);
-	if (status == STATUS_OK && world_computes_together(world))
+	if (status == STATUS_OK && world_is_bearing(world))
+		status = resident_host_create(world->meta->extent.cells, (uint32_t)world->limits.slots, world_planes(world), &world->host);
+	if (status == STATUS_OK && (world->host == NULL || world->params.draws))
+		status = start_gpu(world, &gpu);
+	if (status == STATUS_OK && world->slots != NULL && world_computes_together(world))
 		status = gpu_slots_in_arrays(world->slots);
 	world->aloft.asks_touched = deform.touched;
 	deform.gpu = world->gpu;
 	deform.slots = world->slots;
 	deform.reference = resident_ground_reference(world->store);
-	if (status == STATUS_OK && world_deforms(world))
-		status = deform_create(&deform, &world->deform);
+	if (status == STATUS_OK)
+		status = world_surface_create(world, &deform);
 	if (status == STATUS_OK && world->deform != NULL)
 		status = world_batches_create(world);
 	if (status == STATUS_OK)
@@ -157,7 +165,7 @@ enum status world_start(struct world *world)
 	if (status == STATUS_OK)
 		status = world_forces_create(world, &world->forces);
 	if (status == STATUS_OK && world->params.draws)
-		status = resident_pyramid_create(&world->meta->extent, world->level, world->slots, NULL, &world->pyramid);
+		status = resident_pyramid_create(&world->meta->extent, world->level, world->slots, world->host, &world->pyramid);
 	return status;
 }
 
@@ -191,6 +199,16 @@ static enum status tally_snapshot(void *user, struct gpu_staging *staging)
 	return STATUS_OK;
 }
 
+static enum status tally_bytes(void *user, uint8_t *bytes)
+{
+	const struct world *world = user;
+	struct deform_tally tally;
+	bearing_tally(world->bearing, &tally);
+	_Static_assert(sizeof tally == PAGES_TALLY_BYTES, "resident.h");
+	memcpy(bytes, &tally, sizeof tally);
+	return STATUS_OK;
+}
+
 static enum status soil_classes(void *user, unsigned loader, struct tile tile, uint8_t *classes)
 {
 	const struct world *world = user;
@@ -220,7 +238,8 @@ void world_pages_params(const struct world *world, struct pages_params *params)
 		.before_read_back = before_read_back,
 		.begin_commit = begin_commit,
 		.before_commit = before_commit,
-		.snapshot = world_deforms(world) ? tally_snapshot : NULL,
+		.snapshot = world_deforms(world) && !world_is_bearing(world) ? tally_snapshot : NULL,
+		.tally = world_is_bearing(world) ? tally_bytes : NULL,
 		.classes = world_needs_soil_map(scene) ? soil_classes : NULL,
 		.numbers = world_needs_rasters(scene) ? soil_numbers : NULL,
 		.classes_drawn = scene_draws_classes(scene),
@@ -244,6 +263,11 @@ enum status world_start_pages(struct world *world, FILE *commit_log, struct page
 	params.store = world->store;
 	params.gpu = world->gpu;
 	params.slots = world->slots;
+	params.host = world->host;
+	if (world->host != NULL) {
+		params.gpu = NULL;
+		params.slots = NULL;
+	}
 	params.before = world->record->sums;
 	params.commit_log = commit_log;
 	params.trace = trace;
@@ -251,6 +275,8 @@ enum status world_start_pages(struct world *world, FILE *commit_log, struct page
 	enum status status = resident_pages_create(&params, &world->pages);
 	if (status == STATUS_OK)
 		world->cache = resident_pages_cache(world->pages);
+	if (status == STATUS_OK && world->host != NULL && world->slots != NULL)
+		resident_pages_mirror(world->pages, world->gpu, world->slots);
 	return status;
 }
 
@@ -261,14 +287,25 @@ void world_watch(struct world *world, const struct world_watcher *watcher)
 
 /* --- warming up --- */
 
+/* Pictures of bearing soil need a context that the drive does not. */
+static enum status start_mirror(struct world *world)
+{
+	enum status status = start_gpu(world, &(struct gpu_params){.draws = true});
+	if (status == STATUS_OK)
+		resident_pages_mirror(world->pages, world->gpu, world->slots);
+	return status;
+}
+
 enum status world_start_drawing(struct world *world)
 {
 	if (world->pyramid != NULL)
 		return STATUS_OK;
 	/* Coarser tiles of changed pages are made from the store, so commit first. Before the first step there is hardly any. */
 	enum status status = world->begun ? page_cache_flush(world->cache, world->record) : STATUS_OK;
+	if (status == STATUS_OK && world->gpu == NULL)
+		status = start_mirror(world);
 	if (status == STATUS_OK)
-		status = resident_pyramid_create(&world->meta->extent, world->level, world->slots, NULL, &world->pyramid);
+		status = resident_pyramid_create(&world->meta->extent, world->level, world->slots, world->host, &world->pyramid);
 	world->params.draws = status == STATUS_OK;
 	return status;
 }
@@ -276,7 +313,7 @@ enum status world_start_drawing(struct world *world)
 static void serve(struct world *world)
 {
 	motion_look_ahead_serve(world->ahead, &(struct look_ahead_pages){
-					       .deform = world->deform,
+					       .surface = world_changes_ground(world) ? &world->surface : NULL,
 					       .extent = &world->meta->extent,
 					       .level = world->level,
 					       .cache = world->cache,
@@ -292,14 +329,14 @@ enum status world_warm(struct world *world)
 {
 	const struct scene *scene = world->scene;
 	enum status status = STATUS_OK;
-	for (size_t i = 0; i < scene->object_count && status == STATUS_OK; i++) {
+	for (size_t i = 0; i < scene->object_count && world->deform != NULL && status == STATUS_OK; i++) {
 		const struct deform_planned planned = world_planned(&scene->objects[i]);
 		status = deform_warm(world->deform, &planned, world_asks_forces(world));
 	}
 	if (status == STATUS_OK)
 		status = world_warm_drops(world);
-	bool deformed = world_planes(world) != 0;
-	if (status == STATUS_OK)
+	bool deformed = world_planes(world) != 0 && world->host == NULL;
+	if (status == STATUS_OK && world->slots != NULL)
 		status = gpu_slots_warm(world->slots, world_division(world),
 					deformed && world->params.draws);
 	if (world->ranks != NULL) /* so that nothing is loaded for bodies of other ranks */
@@ -314,6 +351,8 @@ enum status world_warm(struct world *world)
 
 void world_seal(struct world *world)
 {
+	if (world->gpu == NULL)
+		return;
 	gpu_finish(world->gpu);
 	gpu_stats(world->gpu, &world->warmed.gpu);
 	gpu_slots_figures(world->slots, &world->warmed.slots);
@@ -349,9 +388,9 @@ void world_finish(struct world *world, enum status status)
 	world_soils_met_free(world->met);
 	page_trace_destroy(world->trace);
 	world_forces_destroy(world->forces);
-	world_probes_free(world);
 	resident_pyramid_destroy(world->pyramid);
-	deform_destroy(world->deform);
+	world_surface_destroy(world);
+	resident_host_destroy(world->host);
 	gpu_slots_destroy(world->slots);
 	gpu_destroy(world->gpu);
 	world_checkpoint_free(world->checkpoint);

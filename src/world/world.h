@@ -21,6 +21,7 @@
 #include "base/base.h"
 #include "base/key_map.h"
 #include "base/key_set.h"
+#include "bearing/bearing.h"
 #include "deform/deform.h"
 #include "gpu/gpu.h"
 #include "motion/motion.h"
@@ -231,10 +232,6 @@ struct host_body {
 	double turned;                /* rad about a wheel's axle, m that its belt ran, since `last` */
 	double rotated[3];            /* other shapes: rad about local axes since `last` */
 	double stamped;               /* 1: the hollow below `last` is an impression of the body; 0: it is a flat rut */
-	struct host_dip {             /* its lowest pose since `last`, and the motion until then; pose.z INT64_MAX: there is none */
-		struct soil_pose pose;
-		double since, turned, rotated[3];
-	} dip;
 	struct soil_pose felt;      /* the pose for which forces were last computed, */
 	double felt_turned;           /* the value of `turned` then, */
 	bool felt_moving;             /* and true if it moved then */
@@ -244,11 +241,6 @@ struct host_body {
 	struct world_force force;
 	enum world_contact_state state;
 	uint64_t turn;                /* number of the last call of world_bodies_set that named this body */
-	struct host_mirror {          /* probes.c: the ground under the body, on the host */
-		struct deform_patch *patch; /* NULL: no probe asked for it yet */
-		bool stale;           /* the ground or the body's place changed since it was read */
-		bool anew;            /* a contact of the body changed the ground since then */
-	} mirror;
 	bool quiet;                   /* world_body_quiet; then `since` is the time of the last contact, */
 	double slip;                  /* and these two are what its caller told for rows */
 	struct soil_pose shown;
@@ -363,7 +355,10 @@ struct world {
 	struct newest *newest;    /* NULL until the first query */
 	FILE *commit_log;         /* a line for each commit; NULL: none */
 
-	struct deform *deform;    /* NULL: there is no body */
+	struct deform *deform;    /* kinematic models; NULL: there is no body, or soil bears */
+	struct bearing *bearing;  /* soil that bears; NULL: there is none */
+	struct deform_params surface; /* of deform or bearing */
+	struct host_slots *host;  /* bearing soil: the home of pages */
 	struct forces *forces;    /* forces.c; NULL: forces are not needed */
 	struct look_ahead *ahead; /* motion: loads tiles before they are needed */
 	struct body *bodies;      /* bodies.c: the scene's objects in its order, and one more for drops of a window */
@@ -406,15 +401,7 @@ struct world {
 			unsigned taken;      /* names body-1 .. body-TAKEN are taken */
 		} names;
 		uint64_t turn;        /* number of calls of world_bodies_set so far */
-		struct world_touched { /* touched.c: posts that changed since the mirrors of the ground were last compared with them */
-			struct post_rect *rects;
-			size_t count, room;
-			bool all;        /* for lack of memory: any may have changed */
-			bool north;      /* sorted from south to north, not from west to east */
-			int64_t longest; /* posts along that axis */
-		} touched;
 		double until;         /* s: the end of the current step */
-		size_t mirrors;       /* bodies that were ever probed: at least so many mirrors are there */
 	} hosts;
 	struct checkpoint *checkpoint; /* checkpoint.c; NULL: none yet */
 	struct world_changes {    /* changes.c: for a host's world */
@@ -624,7 +611,7 @@ bool world_ranked(const struct world *world, size_t index); /* false: there is n
 struct post_rect world_body_area(const struct world *world, size_t index, double until);
 int64_t world_intervals_due(const struct world *world, double until); /* number of relaxation intervals until then */
 /* Gives the posts that so many intervals may read or change because of an active block. */
-struct post_rect world_block_area(const struct world *world, struct deform_block block, int64_t intervals);
+struct post_rect world_block_area(const struct world *world, struct soil_block block, int64_t intervals);
 void world_body_here(struct world *world, size_t index, bool here); /* says if this rank computes its contacts */
 void world_pass_elsewhere(struct world *world, double until);       /* counts the path samples of bodies elsewhere */
 /* Returns the failure that collecting the events until then would have. Keeps what it placed for the steps until then. */
@@ -641,16 +628,22 @@ struct world_moved {
 	double distance, sinkage;
 	bool in_contact, placed, felt;  /* placed: it has rows; felt: `force` is that of its last contact */
 };
+/* Returns true if bodies change the ground. */
+bool world_changes_ground(const struct world *world);
+/* The same as deform_active_blocks, deform_wake_block and deform_tally, whichever way the ground is changed. */
+enum status world_active_blocks(const struct world *world, const struct soil_block **blocks, size_t *count) FURROW_CHECKED;
+enum status world_wake_block(struct world *world, struct soil_block block) FURROW_CHECKED;
+enum status world_tally(const struct world *world, struct deform_tally *tally) FURROW_CHECKED;
 void world_body_pack(const struct world *world, size_t index, struct world_moved *moved);
 /* `here`: this rank computes its contacts from now on. STATUS_FAILED: there is no such body. */
 enum status world_body_unpack(struct world *world, const struct world_moved *moved, bool here) FURROW_CHECKED;
 /* Keeps only the active blocks for which `keeps` returns true. Waits for the GPU. */
-typedef bool (*world_block_fn)(void *user, struct deform_block block);
+typedef bool (*world_block_fn)(void *user, struct soil_block block);
 enum status world_active_keep(struct world *world, world_block_fn keeps, void *user) FURROW_CHECKED;
 /* Takes the planes of a tile from another rank: resident_pages_put. */
 enum status world_tile_came(struct world *world, struct tile tile, unsigned planes, const void *bytes) FURROW_CHECKED;
 /* Fills the record of the last whole step. `others`: blocks that are active on other ranks. */
-enum status world_record_ranks(struct world *world, const struct deform_block *others, size_t count) FURROW_CHECKED;
+enum status world_record_ranks(struct world *world, const struct soil_block *others, size_t count) FURROW_CHECKED;
 
 /* --- facts that follow from scene and store, before anything is made: plan.c --- */
 

@@ -222,8 +222,8 @@ static void beside_a_block_that_sleeps_no_soil_is_lost(void **state)
 		int64_t sum = 0;
 		start(&ground, &(struct setup){models[m], 64, 2, 0.25, 0, 4, ledge_between_blocks});
 		for (int n = 0; n < 3; n++) {
-			assert_ok(deform_wake_block(ground.deform, (struct deform_block){0, 0}));
-			assert_ok(deform_wake_block(ground.deform, (struct deform_block){2, 1}));
+			assert_ok(deform_wake_block(ground.deform, (struct soil_block){0, 0}));
+			assert_ok(deform_wake_block(ground.deform, (struct soil_block){2, 1}));
 			assert_int_equal(interval(&ground, NULL, 0), 2);
 		}
 		ground_read(&ground);
@@ -252,7 +252,7 @@ static void a_world_at_rest_makes_no_pass(void **state)
 static void more_blocks_than_there_may_be_are_refused(void **state)
 {
 	struct ground ground;
-	const struct deform_block *blocks;
+	const struct soil_block *blocks;
 	size_t count;
 	(void)state;
 	need_gpu();
@@ -260,14 +260,14 @@ static void more_blocks_than_there_may_be_are_refused(void **state)
 	ground.extent.width = ground.extent.height = 129 * 32;
 	for (int64_t y = 0; y < 128; y++)
 		for (int64_t x = 0; x < 128; x++)
-			assert_ok(deform_wake_block(ground.deform, (struct deform_block){x, y}));
+			assert_ok(deform_wake_block(ground.deform, (struct soil_block){x, y}));
 	assert_ok(deform_active_blocks(ground.deform, &blocks, &count));
 	assert_int_equal(count, DEFORM_BLOCKS_MAX);
 	for (size_t i = 1; i < count; i++)
 		assert_true(blocks[i].x != blocks[i - 1].x || blocks[i].y != blocks[i - 1].y);
-	assert_ok(deform_wake_block(ground.deform, (struct deform_block){500, 3})); /* beyond the world */
+	assert_ok(deform_wake_block(ground.deform, (struct soil_block){500, 3})); /* beyond the world */
 	assert_ok(deform_active_blocks(ground.deform, &blocks, &count));
-	assert_ok(deform_wake_block(ground.deform, (struct deform_block){128, 3}));
+	assert_ok(deform_wake_block(ground.deform, (struct soil_block){128, 3}));
 	assert_int_equal(deform_active_blocks(ground.deform, &blocks, &count), STATUS_FAILED);
 	assert_non_null(strstr(failure_message(), "16384"));
 	ground_finish(&ground);

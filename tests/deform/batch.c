@@ -120,7 +120,7 @@ static size_t assert_forces_alike(struct ground *alone, struct ground *together)
 /* The same blocks are active in both. Then soil slides in these. */
 static void assert_slide_alike(struct ground *alone, struct ground *together)
 {
-	const struct deform_block *blocks[2];
+	const struct soil_block *blocks[2];
 	size_t counts[2];
 	if (alone->deform->active == NULL)
 		return;

@@ -25,6 +25,13 @@ static int run_until_still(struct ground *ground, int most)
 	return most;
 }
 
+/* Returns the critical differences of a ground's soil, fixed-point units. */
+static const int32_t *criticals(const struct ground *ground)
+{
+	const struct deform *deform = ground->deform;
+	return ground->params.model == DEFORM_SUMNER ? deform->soils[0].critical : deform->sliding.classes[0].critical;
+}
+
 /* Returns by how much the steepest pair of posts exceeds its critical difference, fixed-point units. */
 static int64_t steepest_over(const struct ground *ground)
 {
@@ -34,7 +41,7 @@ static int64_t steepest_over(const struct ground *ground)
 			int px = i % N + k % 3 - 1, py = i / N + k / 3 - 1, j = py * N + px;
 			if (k == 4 || px < 0 || py < 0 || px >= N || py >= N)
 				continue;
-			int64_t drop = height_of(&slab, i) - height_of(&slab, j) - ground->deform->soils[0].critical[k % 2 == 0];
+			int64_t drop = height_of(&slab, i) - height_of(&slab, j) - criticals(ground)[k % 2 == 0];
 			over = drop > over ? drop : over;
 		}
 	return over;
@@ -57,7 +64,7 @@ static void a_spike_and_a_cliff_of_1000_m_come_to_the_angle_of_repose(void **sta
 		/* It is stable, and no flatter than it must be. A pair gives at least a fixed-point unit while it is too steep. */
 		int64_t over = steepest_over(&ground);
 		assert_true(over <= 0);
-		assert_true(over >= -ground.deform->soils[0].critical[0] / 100);
+		assert_true(over >= -criticals(&ground)[0] / 100);
 		if (!cliff)
 			assert_true(height_of(&slab, N / 2 * N + N / 2) < (int64_t)(200) << 20);
 		ground_finish(&ground);
@@ -107,7 +114,7 @@ static void what_is_tolerated_stays_to_the_last_quantum(void **state)
 		flat_slab();
 		for (int k = 0; k < N * N && stands; k++)
 			slab.base[k] += k % N < N / 2 ? 1 << 17 : 0;
-		int32_t soil_stands = stands ? 0 : ground.deform->soils[0].critical[0], tolerated = sumner && !stands ? 0 : 10485;
+		int32_t soil_stands = stands ? 0 : criticals(&ground)[0], tolerated = sumner && !stands ? 0 : 10485;
 		for (int k = 0; k < N * N; k++)
 			slab.offset[k] = k % N < N / 2 ? soil_stands + tolerated + more : 0;
 		before = slab;

@@ -34,7 +34,7 @@ static void assert_regions(const struct regions *regions, const struct region_li
 	}
 }
 
-static void assert_runs(const struct block_set *set, const struct regions *regions, const struct region_limits *limits)
+static void assert_runs(const struct soil_block_set *set, const struct regions *regions, const struct region_limits *limits)
 {
 	uint8_t *seen = calloc(set->count, 1);
 	uint32_t slot = 0;
@@ -50,7 +50,7 @@ static void assert_runs(const struct block_set *set, const struct regions *regio
 		assert_true(run->first.x >= in->x && run->first.x + run->count <= in->x + in->columns);
 		assert_int_equal(run->first.x * 32 / limits->cells, (run->first.x + run->count - 1) * 32 / limits->cells);
 		for (int64_t k = 0; k < run->count; k++) {
-			size_t place = deform_block_set_place(set, (struct deform_block){run->first.x + k, run->first.y});
+			size_t place = soil_block_set_place(set, (struct soil_block){run->first.x + k, run->first.y});
 			assert_true(place < set->count && !seen[place]);
 			seen[place] = 1;
 		}
@@ -62,44 +62,44 @@ static void assert_runs(const struct block_set *set, const struct regions *regio
 static void each_block_is_in_one_region(void **state)
 {
 	static const uint32_t rims[] = {1, 2, 9, 16, 17, 31};
-	struct block_set set = {.count = 0};
+	struct soil_block_set set = {.count = 0};
 	struct regions regions = {.room = 0};
 	(void)state;
 	for (int round = 0; round < 60; round++) {
 		const struct region_limits limits = {DEFORM_WINDOW_POSTS, rims[any_word() % 6], (int64_t)8 << any_word() % 6, 8};
 		const int tries = (int)(any_word() % (SIDE_BLOCKS * SIDE_BLOCKS * 2)), side = 1 + (int)(any_word() % SIDE_BLOCKS);
-		deform_block_set_clear(&set);
+		soil_block_set_clear(&set);
 		for (int i = 0; i <= tries; i++)
-			assert_ok(deform_block_set_add(&set, (struct deform_block){any_word() % (uint32_t)side, any_word() % (uint32_t)side}));
-		deform_block_set_sort(&set);
+			assert_ok(soil_block_set_add(&set, (struct soil_block){any_word() % (uint32_t)side, any_word() % (uint32_t)side}));
+		soil_block_set_sort(&set);
 		assert_ok(deform_regions_cut(&set, &limits, &regions));
 		assert_regions(&regions, &limits);
 		assert_runs(&set, &regions, &limits);
 	}
-	deform_block_set_clear(&set);
+	soil_block_set_clear(&set);
 	assert_ok(deform_regions_cut(&set, &(struct region_limits){DEFORM_WINDOW_POSTS, 1, 32, 8}, &regions));
 	assert_true(regions.region_count == 0 && regions.run_count == 0 && regions.atlas_count == 0);
 	deform_regions_finish(&regions);
-	deform_block_set_finish(&set);
+	soil_block_set_finish(&set);
 }
 
 static void what_fits_an_atlas_is_one_region(void **state)
 {
 	const struct region_limits limits = {DEFORM_WINDOW_POSTS, 31, 256, 8};
-	struct block_set set = {.count = 0};
+	struct soil_block_set set = {.count = 0};
 	struct regions regions = {.room = 0};
 	(void)state;
 	assert_int_equal(deform_region_blocks(&limits), 6);
 	for (int y = 3; y < 9; y++)
 		for (int x = 2; x < 8; x++)
 			if (x != y) /* a gap does not cut it */
-				assert_ok(deform_block_set_add(&set, (struct deform_block){x, y}));
-	deform_block_set_sort(&set);
+				assert_ok(soil_block_set_add(&set, (struct soil_block){x, y}));
+	soil_block_set_sort(&set);
 	assert_ok(deform_regions_cut(&set, &limits, &regions));
 	assert_true(regions.region_count == 1 && regions.atlas_count == 1);
 	assert_true(regions.regions[0].columns == 6 && regions.regions[0].rows == 6);
 	deform_regions_finish(&regions);
-	deform_block_set_finish(&set);
+	soil_block_set_finish(&set);
 }
 
 TEST_PROGRAM(regions)

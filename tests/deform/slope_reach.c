@@ -84,7 +84,7 @@ static void a_pile_that_slides_onto_a_slope_activates_its_other_block(void **sta
 		start_bank(&all, round < 4 ? 1 : 2);
 		for (int64_t i = 0; i < 3; i++) {
 			int64_t column = bank.mirrored;
-			assert_ok(deform_wake_block(few.deform, bank.north ? (struct deform_block){i, column} : (struct deform_block){column, i}));
+			assert_ok(deform_wake_block(few.deform, bank.north ? (struct soil_block){i, column} : (struct soil_block){column, i}));
 		}
 		run_beyond(&few, &all);
 		ground_finish(&few);

@@ -113,7 +113,7 @@ static void what_a_sweep_lets_sleep_would_not_move(void **state)
 			for (int k = 0; k < 4; k++)
 				if (walkers[k].stands)
 					rests[count++] = (struct deform_rest){.shape = &walkers[k].shape, .pose = walkers[k].last};
-			const struct deform_block *blocks;
+			const struct soil_block *blocks;
 			size_t awake;
 			assert_ok(deform_active_blocks(few.deform, &blocks, &awake));
 			woken += awake;
@@ -157,7 +157,7 @@ static void a_settled_rut_wakes_nothing(void **state)
 			sweep.from = sweep.to;
 			sweep.to.x += lattice_offset(0.0625);
 		}
-		const struct deform_block *blocks;
+		const struct soil_block *blocks;
 		size_t awake;
 		assert_ok(deform_active_blocks(ground.deform, &blocks, &awake));
 		assert_true(awake >= 4);
@@ -304,12 +304,12 @@ static void what_comes_to_the_rim_goes_on(void **state)
 
 static bool is_awake(struct ground *ground, int64_t x, int64_t y)
 {
-	const struct deform_block *blocks;
+	const struct soil_block *blocks;
 	size_t count;
 	bool found = false;
 	assert_ok(deform_active_blocks(ground->deform, &blocks, &count));
 	for (size_t i = 0; i < count; i++)
-		found = found || (blocks[i].x == x / DEFORM_BLOCK && blocks[i].y == y / DEFORM_BLOCK);
+		found = found || (blocks[i].x == x / SOIL_BLOCK && blocks[i].y == y / SOIL_BLOCK);
 	return found;
 }
 

@@ -5,7 +5,7 @@
 #include "../support/program.h"
 
 #define SIDE_BLOCKS 7
-#define FIELD (SIDE_BLOCKS * DEFORM_BLOCK)
+#define FIELD (SIDE_BLOCKS * SOIL_BLOCK)
 
 /* A square of posts somewhere in the world, the set of which is compared. */
 struct field {
@@ -24,8 +24,8 @@ static int64_t below(int64_t n)
 static void begin(struct field *field, int64_t block_x, int64_t block_y)
 {
 	memset(field->bits, 0, sizeof field->bits);
-	field->x0 = block_x * DEFORM_BLOCK;
-	field->y0 = block_y * DEFORM_BLOCK;
+	field->x0 = block_x * SOIL_BLOCK;
+	field->y0 = block_y * SOIL_BLOCK;
 }
 
 /* Around the field too; whole blocks, single posts and rows now and then. */
@@ -34,9 +34,9 @@ static struct post_rect any_rect(const struct field *field)
 	int64_t x = below(FIELD + 40) - 20, y = below(FIELD + 40) - 20, width = 1 + below(50), height = 1 + below(50);
 	switch (any_word() % 6) {
 	case 0:
-		x = below(SIDE_BLOCKS) * DEFORM_BLOCK;
-		y = below(SIDE_BLOCKS) * DEFORM_BLOCK;
-		width = height = DEFORM_BLOCK << below(2);
+		x = below(SIDE_BLOCKS) * SOIL_BLOCK;
+		y = below(SIDE_BLOCKS) * SOIL_BLOCK;
+		width = height = SOIL_BLOCK << below(2);
 		break;
 	case 1:
 		width = 1;
@@ -96,34 +96,34 @@ static void assert_as_the_bits(const struct field *field)
 }
 
 /* A block inside the field whose neighbours are in it, too, or lie beyond the world. */
-static struct deform_block any_block(const struct field *field)
+static struct soil_block any_block(const struct field *field)
 {
 	int64_t x = field->x0 == 0 ? below(SIDE_BLOCKS - 1) : 1 + below(SIDE_BLOCKS - 2);
 	int64_t y = field->y0 == 0 ? below(SIDE_BLOCKS - 1) : 1 + below(SIDE_BLOCKS - 2);
-	return (struct deform_block){field->x0 / DEFORM_BLOCK + x, field->y0 / DEFORM_BLOCK + y};
+	return (struct soil_block){field->x0 / SOIL_BLOCK + x, field->y0 / SOIL_BLOCK + y};
 }
 
 static bool of_parts(uint32_t parts, int64_t x, int64_t y)
 {
-	return parts >> (y / TOUCHED_PART * (DEFORM_BLOCK / TOUCHED_PART) + x / TOUCHED_PART) & 1;
+	return parts >> (y / TOUCHED_PART * (SOIL_BLOCK / TOUCHED_PART) + x / TOUCHED_PART) & 1;
 }
 
 static void grow(struct field *field, const struct field *from)
 {
-	static bool grown[DEFORM_BLOCK][DEFORM_BLOCK];
-	struct deform_block block = any_block(field);
-	int64_t by = any_word() % 8 == 0 ? below(DEFORM_BLOCK) : below(9);
+	static bool grown[SOIL_BLOCK][SOIL_BLOCK];
+	struct soil_block block = any_block(field);
+	int64_t by = any_word() % 8 == 0 ? below(SOIL_BLOCK) : below(9);
 	uint32_t parts = any_word() % 4 == 0 ? TOUCHED_PARTS : 1u << below(16) | 1u << below(16);
-	for (int64_t y = 0; y < DEFORM_BLOCK; y++)
-		for (int64_t x = 0; x < DEFORM_BLOCK; x++) {
-			int64_t at_x = block.x * DEFORM_BLOCK + x, at_y = block.y * DEFORM_BLOCK + y;
+	for (int64_t y = 0; y < SOIL_BLOCK; y++)
+		for (int64_t x = 0; x < SOIL_BLOCK; x++) {
+			int64_t at_x = block.x * SOIL_BLOCK + x, at_y = block.y * SOIL_BLOCK + y;
 			struct post_rect near = {at_x - by, at_y - by, at_x + by + 1, at_y + by + 1};
 			grown[y][x] = of_parts(parts, x, y) && any(from, near);
 		}
 	assert_ok(deform_touched_grow(&field->touched, &from->touched, block, by, parts));
-	for (int64_t y = 0; y < DEFORM_BLOCK; y++)
-		for (int64_t x = 0; x < DEFORM_BLOCK; x++)
-			field->bits[block.y * DEFORM_BLOCK + y - field->y0][block.x * DEFORM_BLOCK + x - field->x0] |= grown[y][x];
+	for (int64_t y = 0; y < SOIL_BLOCK; y++)
+		for (int64_t x = 0; x < SOIL_BLOCK; x++)
+			field->bits[block.y * SOIL_BLOCK + y - field->y0][block.x * SOIL_BLOCK + x - field->x0] |= grown[y][x];
 }
 
 /* At the world's corner, along its edge, inside, and as far out as posts go. */
@@ -163,13 +163,13 @@ static void parts_are_numbered_from_the_south_west(void **state)
 {
 	(void)state;
 	for (int part = 0; part < 16; part++) {
-		struct post_rect rect = deform_touched_part((struct deform_block){3, 5}, part);
+		struct post_rect rect = deform_touched_part((struct soil_block){3, 5}, part);
 		assert_int_equal(rect.x0, 96 + part % 4 * 8);
 		assert_int_equal(rect.y0, 160 + part / 4 * 8);
 		assert_true(rect.x1 == rect.x0 + 8 && rect.y1 == rect.y0 + 8);
 		begin(&fields[0], 0, 0);
 		put(&fields[0], (struct post_rect){0, 0, FIELD, FIELD});
-		assert_ok(deform_touched_grow(&fields[1].touched, &fields[0].touched, (struct deform_block){3, 5}, 1, 1u << part));
+		assert_ok(deform_touched_grow(&fields[1].touched, &fields[0].touched, (struct soil_block){3, 5}, 1, 1u << part));
 		begin(&fields[1], 0, 0);
 		for (int64_t y = rect.y0; y < rect.y1; y++)
 			for (int64_t x = rect.x0; x < rect.x1; x++)

@@ -409,7 +409,7 @@ static void start_bringing(struct rig *rig)
 	must(motion_look_ahead_create(&(struct look_ahead_params){.store = world->store, .ground = world->ground, .tiles = 8, .bodies = &body,
 							   .count = 1, .spacing = world->spacing, .prefetch = rig->scene.prefetch,
 							   .end = rig->scene.end_time}, &world->ahead));
-	motion_look_ahead_serve(world->ahead, &(struct look_ahead_pages){world->deform, &world->meta->extent, world->level, world->cache,
+	motion_look_ahead_serve(world->ahead, &(struct look_ahead_pages){&world->surface, &world->meta->extent, world->level, world->cache,
 								  rig->scene.slots, rig_requests, rig});
 }
 

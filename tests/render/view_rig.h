@@ -72,13 +72,14 @@ static inline void start_look_ahead(struct rig *rig)
 	deform_destroy(world->deform);
 	struct deform_params params = {.gpu = world->gpu, .slots = world->slots, .extent = &world->meta->extent,
 				       .level = world->level};
+	world->surface = params;
 	must(deform_create(&params, &world->deform));
 	const struct look_ahead_body body = {rig->body.track, &rig->object.shape, rig->body.next, NULL};
 	must(motion_look_ahead_create(&(struct look_ahead_params){.store = world->store, .ground = world->ground, .tiles = 8, .bodies = &body,
 							   .count = 1, .spacing = world->spacing, .prefetch = rig->scene.prefetch,
 							   .end = rig->scene.end_time}, &world->ahead));
 	motion_look_ahead_stop(world->ahead);
-	motion_look_ahead_serve(world->ahead, &(struct look_ahead_pages){world->deform, &world->meta->extent, world->level, world->cache,
+	motion_look_ahead_serve(world->ahead, &(struct look_ahead_pages){&world->surface, &world->meta->extent, world->level, world->cache,
 								  rig->scene.slots, rig_requests, rig});
 }
 

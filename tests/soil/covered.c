@@ -47,7 +47,7 @@ static void compare(struct ground *g, const struct soil_motion *motion, double t
 {
 	static struct facet_corner corners[4096];
 	struct bearing b;
-	assert_ok(soil_bearing_begin(&g->law, &g->planes, motion, g->work, &b));
+	assert_ok(soil_bearing_begin(&g->law, &g->planes, motion, g->work, 10, &b));
 	soil_bearing_gather(&b, -(1 << 30));
 	const struct under_motion under = {.shape = motion->shape, .from = &motion->from, .to = &motion->to, .turned = motion->turned, .spacing = SPACING, .posts = g->planes.rect};
 	assert_true(motion->shape->kind != SOIL_MESH || motion->shape->mesh->vertex_count <= 4096);

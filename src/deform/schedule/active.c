@@ -64,9 +64,9 @@ void deform_active_destroy(struct active *active)
 		gpu_staging_destroy(active->periods[i].flags);
 	}
 	gpu_buffer_destroy(active->contact_flags);
-	deform_block_set_finish(&active->known);
-	deform_block_set_finish(&active->blocks);
-	deform_block_set_finish(&active->next);
+	soil_block_set_finish(&active->known);
+	soil_block_set_finish(&active->blocks);
+	soil_block_set_finish(&active->next);
 	deform_touched_finish(&active->touched);
 	deform_touched_finish(&active->maybe);
 	mem_free(active);
@@ -118,7 +118,7 @@ struct place_flags deform_active_flags(struct deform *deform, const struct defor
 		.words = active->contact_flags,
 		.first = scratch->flagged ? active->used : CONTACT_WORDS,
 		.columns = grid.columns,
-		.from = {(int32_t)(read.x0 - grid.x * DEFORM_BLOCK), (int32_t)(read.y0 - grid.y * DEFORM_BLOCK)},
+		.from = {(int32_t)(read.x0 - grid.x * SOIL_BLOCK), (int32_t)(read.y0 - grid.y * SOIL_BLOCK)},
 		/* Beyond the world there is no soil, so at its border all neighbours were looked at. */
 		.step = step,
 		.sides = {write.x0 > 0 ? step : 0, write.y0 > 0 ? step : 0, write.x1 < posts_x ? step : 0, write.y1 < posts_y ? step : 0},
@@ -167,7 +167,7 @@ enum status deform_wake_swept(struct deform *deform, const struct deform_window 
 	return deform_active_add_near(deform, &active->blocks, window->write);
 }
 
-enum status deform_wake_block(struct deform *deform, struct deform_block block)
+enum status deform_wake_block(struct deform *deform, struct soil_block block)
 {
 	struct active *active = deform->active;
 	if (active == NULL)
@@ -185,7 +185,7 @@ enum status deform_wake(struct deform *deform, struct post_rect changed)
 	return status == STATUS_OK ? deform_active_add_near(deform, &this_period(active)->woken, changed) : status;
 }
 
-enum status deform_active_blocks(struct deform *deform, const struct deform_block **blocks, size_t *count)
+enum status deform_active_blocks(struct deform *deform, const struct soil_block **blocks, size_t *count)
 {
 	struct active *active = deform->active;
 	*count = 0;
@@ -201,18 +201,18 @@ enum status deform_active_blocks(struct deform *deform, const struct deform_bloc
 	if (status == STATUS_OK && active->blocks.count > DEFORM_BLOCKS_MAX)
 		status = fail_with(STATUS_FAILED, "soil: the ground slides in more than %d blocks of %d x %d posts at once; choose a "
 						  "soil that stands steeper, a coarser spacing, or model none", DEFORM_BLOCKS_MAX,
-				   DEFORM_BLOCK, DEFORM_BLOCK);
+				   SOIL_BLOCK, SOIL_BLOCK);
 	if (status != STATUS_OK)
 		return status;
-	deform_block_set_sort(&active->blocks);
+	soil_block_set_sort(&active->blocks);
 	*blocks = active->blocks.blocks;
 	*count = active->blocks.count;
 	return STATUS_OK;
 }
 
-enum status deform_active_visit(struct deform *deform, const struct block_set **blocks)
+enum status deform_active_visit(struct deform *deform, const struct soil_block_set **blocks)
 {
-	const struct deform_block *list;
+	const struct soil_block *list;
 	size_t count;
 	bool came;
 	ask_swept(deform);
@@ -225,14 +225,14 @@ enum status deform_active_visit(struct deform *deform, const struct block_set **
 	return deform_active_blocks(deform, &list, &count);
 }
 
-bool deform_active_is_visited(const struct deform *deform, struct deform_block block)
+bool deform_active_is_visited(const struct deform *deform, struct soil_block block)
 {
-	return deform_block_set_has(&deform->active->blocks, block);
+	return soil_block_set_has(&deform->active->blocks, block);
 }
 
-uint32_t deform_active_word(const struct deform *deform, struct deform_block block)
+uint32_t deform_active_word(const struct deform *deform, struct soil_block block)
 {
-	return (uint32_t)deform_block_set_place(&deform->active->blocks, block);
+	return (uint32_t)soil_block_set_place(&deform->active->blocks, block);
 }
 
 enum status deform_active_visited(struct deform *deform, struct gpu_buffer *flags)
@@ -262,9 +262,9 @@ enum status deform_active_forget(struct deform *deform)
 	ask_swept(deform);
 	enum status status = deform_active_wait(deform);
 	assert(status != STATUS_OK || active->visit_count == 0);
-	deform_block_set_clear(&active->known);
-	deform_block_set_clear(&active->blocks);
-	deform_block_set_clear(&active->next);
+	soil_block_set_clear(&active->known);
+	soil_block_set_clear(&active->blocks);
+	soil_block_set_clear(&active->next);
 	deform_active_period_finish(&active->periods[0]);
 	return status;
 }

@@ -2,14 +2,13 @@
 #ifndef FURROW_DEFORM_ACTIVE_H
 #define FURROW_DEFORM_ACTIVE_H
 
-#include "deform/schedule/block_set.h"
 #include "deform/internal.h"
 #include "deform/schedule/touched.h"
 
 #define VISITS 3 /* the most visits whose flags are not read yet; before one more visit, the oldest flags are waited for */
 /* flag words for all contacts of one period; if too few are left, a contact activates all blocks that its window lies on */
 #define CONTACT_WORDS 8192
-#define WINDOW_BLOCKS ((DEFORM_WHOLE_POSTS / DEFORM_BLOCK + 1) * (DEFORM_WHOLE_POSTS / DEFORM_BLOCK + 1)) /* most blocks that a window lies on */
+#define WINDOW_BLOCKS ((DEFORM_WHOLE_POSTS / SOIL_BLOCK + 1) * (DEFORM_WHOLE_POSTS / SOIL_BLOCK + 1)) /* most blocks that a window lies on */
 
 #define CONTACT_BYTES ((CONTACT_WORDS + WINDOW_BLOCKS) * sizeof(uint32_t))
 #define PERIOD_BYTES (CONTACT_WORDS * sizeof(uint32_t))
@@ -18,7 +17,7 @@
 
 struct visit {
 	struct gpu_staging *flags;    /* DEFORM_BLOCKS_MAX words, one for each visited block */
-	struct deform_block *visited; /* the blocks that the interval computed, in the order of the flags */
+	struct soil_block *visited; /* the blocks that the interval computed, in the order of the flags */
 	size_t count;
 };
 
@@ -30,7 +29,7 @@ struct swept {
 
 /* A period: the time from one visit to the next. A visit is one interval of relaxation, in which all active blocks are computed. */
 struct period {
-	struct block_set woken;    /* blocks that were activated without flags */
+	struct soil_block_set woken;    /* blocks that were activated without flags */
 	struct swept *swept;       /* the windows of this period: `count` in use, room for `room` */
 	size_t count, room;
 	struct gpu_staging *flags; /* CONTACT_WORDS: flags of these windows, if `asked` */
@@ -40,7 +39,7 @@ struct period {
 struct active {
 	/* known: blocks that were active after the last visit whose flags were read. blocks: blocks that are active now, as far as is
 	 * known; too many rather than too few. next: used to build the next `blocks` */
-	struct block_set known, blocks, next;
+	struct soil_block_set known, blocks, next;
 	struct visit visits[VISITS];       /* visits whose flags are not read yet, oldest first */
 	size_t visit_count;                /* number of them */
 	/* [0]: the period after the visit whose flags gave `known`; [i + 1]: the period after visits[i] */
@@ -62,11 +61,11 @@ struct block_grid {
 void deform_active_visit_finish(struct visit *visit);    /* keeps its staging buffer */
 void deform_active_period_finish(struct period *period); /* keeps its staging buffer */
 /* Adds a block. Does nothing if it lies outside the world. */
-enum status deform_active_add(const struct deform *deform, struct block_set *set, int64_t x, int64_t y) FURROW_CHECKED;
+enum status deform_active_add(const struct deform *deform, struct soil_block_set *set, int64_t x, int64_t y) FURROW_CHECKED;
 /* Adds all blocks that an interval may change if the posts of `changed` have changed. */
-enum status deform_active_add_near(const struct deform *deform, struct block_set *set, struct post_rect changed) FURROW_CHECKED;
+enum status deform_active_add_near(const struct deform *deform, struct soil_block_set *set, struct post_rect changed) FURROW_CHECKED;
 /* Adds all neighbours of the blocks in the set. */
-enum status deform_active_widen(const struct deform *deform, struct block_set *set) FURROW_CHECKED;
+enum status deform_active_widen(const struct deform *deform, struct soil_block_set *set) FURROW_CHECKED;
 /* Returns the blocks on which these posts lie. */
 struct block_grid deform_active_grid(struct post_rect write);
 /* Returns true if any post of the rectangle is in `touched` or in `maybe`. */

@@ -13,7 +13,7 @@
 
 #define CONTACT_CLOSED 8 /* lib/window.glsl */
 _Static_assert(REGION_ALIGN == CELL, "cells of a block lie in no other block");
-#define RESULT_COLUMNS (SIDE / DEFORM_BLOCK)
+#define RESULT_COLUMNS (SIDE / SOIL_BLOCK)
 #define QUADS (CELLS_ACROSS * CELLS_ACROSS) /* the most that a pass draws */
 #define RESULTS (RESULT_COLUMNS * RESULT_COLUMNS) /* blocks a layer */
 
@@ -139,7 +139,7 @@ enum status deform_interval_begin(struct deform *deform, const struct deform_res
 				  struct deform_interval *size)
 {
 	struct interval *interval = deform->interval;
-	const struct block_set *active;
+	const struct soil_block_set *active;
 	*size = (struct deform_interval){.blocks = 0};
 	if (interval == NULL)
 		return STATUS_OK;
@@ -176,8 +176,8 @@ struct post_rect deform_interval_writes(const struct deform *deform, size_t run)
 {
 	const struct extent *extent = deform->params.extent;
 	const struct run *at = &deform->interval->regions.runs[run];
-	int64_t x = at->first.x * DEFORM_BLOCK, y = at->first.y * DEFORM_BLOCK;
-	return post_rect_intersect((struct post_rect){x, y, x + at->count * DEFORM_BLOCK, y + DEFORM_BLOCK},
+	int64_t x = at->first.x * SOIL_BLOCK, y = at->first.y * SOIL_BLOCK;
+	return post_rect_intersect((struct post_rect){x, y, x + at->count * SOIL_BLOCK, y + SOIL_BLOCK},
 				   (struct post_rect){0, 0, extent_posts(extent->width, deform->params.level),
 						      extent_posts(extent->height, deform->params.level)});
 }
@@ -185,8 +185,8 @@ struct post_rect deform_interval_writes(const struct deform *deform, size_t run)
 struct post_rect deform_interval_reads(const struct deform *deform, size_t region)
 {
 	const struct region *at = &deform->interval->regions.regions[region];
-	int64_t rim = deform->interval->limits.rim, x = at->x * DEFORM_BLOCK, y = at->y * DEFORM_BLOCK;
-	return (struct post_rect){x - rim, y - rim, x + at->columns * DEFORM_BLOCK + rim, y + at->rows * DEFORM_BLOCK + rim};
+	int64_t rim = deform->interval->limits.rim, x = at->x * SOIL_BLOCK, y = at->y * SOIL_BLOCK;
+	return (struct post_rect){x - rim, y - rim, x + at->columns * SOIL_BLOCK + rim, y + at->rows * SOIL_BLOCK + rim};
 }
 
 /* Finds the first post of a region's rim in the atlas. */
@@ -266,7 +266,7 @@ static enum status hold_all(struct deform *deform, const struct deform_rest *obj
 static uint32_t side_of(const struct interval *interval, int64_t column, uint32_t blocks)
 {
 	uint32_t rim = interval->limits.rim;
-	return column < 0 ? 0 : column <= blocks ? rim + DEFORM_BLOCK * (uint32_t)column : 2 * rim + DEFORM_BLOCK * blocks;
+	return column < 0 ? 0 : column <= blocks ? rim + SOIL_BLOCK * (uint32_t)column : 2 * rim + SOIL_BLOCK * blocks;
 }
 
 /* Marks the posts in and around a region whose blocks are not visited, so that they exchange no soil with others. An earlier drive
@@ -279,7 +279,7 @@ static void close_others(struct deform *deform, const struct region *region)
 	for (int64_t j = -1; j <= rows; j++) {
 		uint32_t y0 = side_of(interval, j, region->rows), y1 = side_of(interval, j + 1, region->rows);
 		for (int64_t i = -1, first = -1; i <= columns + 1; i++) {
-			bool visited = i > columns || deform_active_is_visited(deform, (struct deform_block){region->x + i, region->y + j});
+			bool visited = i > columns || deform_active_is_visited(deform, (struct soil_block){region->x + i, region->y + j});
 			if (!visited)
 				continue;
 			uint32_t x0 = side_of(interval, first, region->columns), x1 = side_of(interval, i, region->columns);
@@ -295,8 +295,8 @@ static void close_others(struct deform *deform, const struct region *region)
 static void place_of_run(const struct interval *interval, const struct run *run, uint32_t *x, uint32_t *y)
 {
 	const struct region *region = &interval->regions.regions[run->region];
-	*x = region->at_x + DEFORM_BLOCK * (uint32_t)(run->first.x - region->x);
-	*y = region->at_y + DEFORM_BLOCK * (uint32_t)(run->first.y - region->y);
+	*x = region->at_x + SOIL_BLOCK * (uint32_t)(run->first.x - region->x);
+	*y = region->at_y + SOIL_BLOCK * (uint32_t)(run->first.y - region->y);
 }
 
 /* Copies the blocks of a run from the atlas into `results`. */
@@ -308,8 +308,8 @@ static void keep(struct deform *deform, const struct run *run)
 	for (int plane = 0; plane < PLANES; plane++)
 		if (interval->results[plane] != NULL)
 			gpu_texture_copy(deform->planes_of[1][plane], deform->layers, x, y, interval->results[plane], run->slot / RESULTS,
-					 (struct gpu_rect){to % RESULT_COLUMNS * DEFORM_BLOCK, to / RESULT_COLUMNS * DEFORM_BLOCK,
-							   run->count * DEFORM_BLOCK, DEFORM_BLOCK});
+					 (struct gpu_rect){to % RESULT_COLUMNS * SOIL_BLOCK, to / RESULT_COLUMNS * SOIL_BLOCK,
+							   run->count * SOIL_BLOCK, SOIL_BLOCK});
 }
 
 /* Lists the rectangles of regions first .. last, and of their blocks. */
@@ -323,15 +323,15 @@ static void describe(const struct deform *deform, size_t first, size_t last, str
 	for (size_t number = first; number <= last; number++) {
 		const struct region *region = &interval->regions.regions[number];
 		const int32_t square[4] = {(int32_t)region->at_x - rim, (int32_t)region->at_y - rim,
-					   (int32_t)region->columns * DEFORM_BLOCK + 2 * rim, (int32_t)region->rows * DEFORM_BLOCK + 2 * rim};
+					   (int32_t)region->columns * SOIL_BLOCK + 2 * rim, (int32_t)region->rows * SOIL_BLOCK + 2 * rim};
 		assert(atlas->region_count < ATLAS_MOST);
 		memcpy(atlas->regions[atlas->region_count++], square, sizeof square);
 		for (uint32_t i = 0; i < region->run_count; i++) {
 			const struct run *run = &interval->regions.runs[region->first_run + i];
 			for (uint32_t k = 0; k < run->count; k++) {
-				uint32_t x, y, word = deform_active_word(deform, (struct deform_block){run->first.x + k, run->first.y});
+				uint32_t x, y, word = deform_active_word(deform, (struct soil_block){run->first.x + k, run->first.y});
 				place_of_run(interval, run, &x, &y);
-				const int32_t block[4] = {(int32_t)(x + k * DEFORM_BLOCK), (int32_t)y, (int32_t)word};
+				const int32_t block[4] = {(int32_t)(x + k * SOIL_BLOCK), (int32_t)y, (int32_t)word};
 				assert(atlas->block_count < ATLAS_MOST);
 				memcpy(atlas->blocks[atlas->block_count++], block, sizeof block);
 			}
@@ -403,7 +403,7 @@ enum status deform_interval_warm(struct deform *deform, const struct soil_shape 
 	const struct deform_rest object = {.shape = shape, .loaded_body = loaded_body};
 	interval->begun = 0;
 	interval->object_count = 0;
-	enum status status = deform_regions_one((struct deform_block){-4, -4}, &interval->limits, &interval->regions);
+	enum status status = deform_regions_one((struct soil_block){-4, -4}, &interval->limits, &interval->regions);
 	if (status == STATUS_OK)
 		status = deform_interval_gather(deform, 0, NULL, 0);
 	if (status == STATUS_OK)
@@ -417,8 +417,8 @@ enum status deform_interval_scatter(struct deform *deform, size_t run, const str
 	const uint32_t slot = interval->regions.runs[run].slot, at = slot % RESULTS;
 	struct scatter_from from = {
 		.layer = slot / RESULTS,
-		.x = at % RESULT_COLUMNS * DEFORM_BLOCK,
-		.y = at / RESULT_COLUMNS * DEFORM_BLOCK,
+		.x = at % RESULT_COLUMNS * SOIL_BLOCK,
+		.y = at / RESULT_COLUMNS * SOIL_BLOCK,
 	};
 	for (int plane = 0; plane < PLANES; plane++)
 		from.planes[plane] = interval->results[plane];

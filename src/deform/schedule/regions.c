@@ -41,19 +41,19 @@ static uint32_t aligned(uint32_t posts)
 
 uint32_t deform_region_blocks(const struct region_limits *limits)
 {
-	return (limits->side - aligned(limits->rim) - limits->rim) / DEFORM_BLOCK;
+	return (limits->side - aligned(limits->rim) - limits->rim) / SOIL_BLOCK;
 }
 
 /* --- which blocks belong together --- */
 
 /* Returns the place of a block that no region has yet; set->count if there is no such block. */
-static size_t free_place(const struct block_set *set, const struct regions *regions, int64_t x, int64_t y)
+static size_t free_place(const struct soil_block_set *set, const struct regions *regions, int64_t x, int64_t y)
 {
-	size_t place = deform_block_set_place(set, (struct deform_block){x, y});
+	size_t place = soil_block_set_place(set, (struct soil_block){x, y});
 	return place < set->count && regions->owners[place] == 0 ? place : set->count;
 }
 
-static int64_t free_blocks(const struct block_set *set, const struct regions *regions, const struct region *in)
+static int64_t free_blocks(const struct soil_block_set *set, const struct regions *regions, const struct region *in)
 {
 	int64_t count = 0;
 	for (int64_t y = in->y; y < in->y + in->rows; y++)
@@ -64,11 +64,11 @@ static int64_t free_blocks(const struct block_set *set, const struct regions *re
 
 static int64_t posts_of(const struct region *region, int64_t rim)
 {
-	return (DEFORM_BLOCK * (int64_t)region->columns + 2 * rim) * (DEFORM_BLOCK * (int64_t)region->rows + 2 * rim);
+	return (SOIL_BLOCK * (int64_t)region->columns + 2 * rim) * (SOIL_BLOCK * (int64_t)region->rows + 2 * rim);
 }
 
 /* Adds rows and columns to a region as long as that costs fewer posts than regions of one block for the blocks in them. */
-static void grow(const struct block_set *set, const struct regions *regions, const struct region_limits *limits, struct region *region)
+static void grow(const struct soil_block_set *set, const struct regions *regions, const struct region_limits *limits, struct region *region)
 {
 	static const struct region one = {.columns = 1, .rows = 1};
 	const uint32_t most = deform_region_blocks(limits);
@@ -101,7 +101,7 @@ static void grow(const struct block_set *set, const struct regions *regions, con
 	} while (best > 0);
 }
 
-static void take(const struct block_set *set, struct regions *regions, const struct region *region)
+static void take(const struct soil_block_set *set, struct regions *regions, const struct region *region)
 {
 	for (int64_t y = region->y; y < region->y + region->rows; y++)
 		for (int64_t x = region->x; x < region->x + region->columns; x++) {
@@ -135,7 +135,7 @@ static int by_atlas(const void *pa, const void *pb)
 static bool put(const struct region_limits *limits, struct shelf *shelf, struct region *region)
 {
 	uint32_t x = aligned(shelf->x + limits->rim), y = aligned(shelf->y + limits->rim);
-	uint32_t right = x + DEFORM_BLOCK * region->columns + limits->rim, top = y + DEFORM_BLOCK * region->rows + limits->rim;
+	uint32_t right = x + SOIL_BLOCK * region->columns + limits->rim, top = y + SOIL_BLOCK * region->rows + limits->rim;
 	if (right > limits->side || top > limits->side || (shelf->height != 0 && top - shelf->y > shelf->height))
 		return false;
 	region->atlas = shelf->atlas;
@@ -185,7 +185,7 @@ static void add_run(struct regions *regions, struct run *run, uint32_t *slot)
 	run->count = 0;
 }
 
-static void add_runs(const struct block_set *set, struct regions *regions, const struct region_limits *limits, uint32_t number,
+static void add_runs(const struct soil_block_set *set, struct regions *regions, const struct region_limits *limits, uint32_t number,
 		     uint32_t *slot)
 {
 	struct region *region = &regions->regions[number];
@@ -193,14 +193,14 @@ static void add_runs(const struct block_set *set, struct regions *regions, const
 	for (int64_t y = region->y; y < region->y + region->rows; y++) {
 		struct run run = {.region = number};
 		for (int64_t x = region->x; x < region->x + region->columns; x++) {
-			size_t place = deform_block_set_place(set, (struct deform_block){x, y});
+			size_t place = soil_block_set_place(set, (struct soil_block){x, y});
 			bool is = place < set->count && regions->owners[place] == region->number + 1;
 			bool ends = !is || (*slot + run.count) % limits->in_row == 0 ||
-				    x * DEFORM_BLOCK / limits->cells != run.first.x * DEFORM_BLOCK / limits->cells;
+				    x * SOIL_BLOCK / limits->cells != run.first.x * SOIL_BLOCK / limits->cells;
 			if (ends)
 				add_run(regions, &run, slot);
 			if (is && run.count == 0)
-				run.first = (struct deform_block){x, y};
+				run.first = (struct soil_block){x, y};
 			run.count += is;
 		}
 		add_run(regions, &run, slot);
@@ -208,7 +208,7 @@ static void add_runs(const struct block_set *set, struct regions *regions, const
 	region->run_count = (uint32_t)regions->run_count - region->first_run;
 }
 
-enum status deform_regions_cut(const struct block_set *set, const struct region_limits *limits, struct regions *regions)
+enum status deform_regions_cut(const struct soil_block_set *set, const struct region_limits *limits, struct regions *regions)
 {
 	enum status status = need(regions, set->count);
 	regions->region_count = regions->run_count = regions->atlas_count = 0;
@@ -233,7 +233,7 @@ enum status deform_regions_cut(const struct block_set *set, const struct region_
 	return STATUS_OK;
 }
 
-enum status deform_regions_one(struct deform_block block, const struct region_limits *limits, struct regions *regions)
+enum status deform_regions_one(struct soil_block block, const struct region_limits *limits, struct regions *regions)
 {
 	enum status status = need(regions, 1);
 	if (status != STATUS_OK)

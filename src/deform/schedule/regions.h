@@ -10,7 +10,7 @@
 #ifndef FURROW_DEFORM_REGIONS_H
 #define FURROW_DEFORM_REGIONS_H
 
-#include "deform/schedule/block_set.h"
+#include "deform/deform.h"
 
 struct region {
 	int64_t x, y;           /* the block in the south-west corner */
@@ -22,7 +22,7 @@ struct region {
 };
 
 struct run {
-	struct deform_block first;
+	struct soil_block first;
 	uint32_t count;  /* blocks */
 	uint32_t region;
 	uint32_t slot;   /* number of its first block: blocks are counted in the order of the runs */
@@ -54,9 +54,9 @@ struct region_limits {
 
 void deform_regions_finish(struct regions *regions);
 /* Cuts all blocks of a set. Each belongs to exactly one region, and to one run of it. */
-enum status deform_regions_cut(const struct block_set *set, const struct region_limits *limits, struct regions *regions) FURROW_CHECKED;
+enum status deform_regions_cut(const struct soil_block_set *set, const struct region_limits *limits, struct regions *regions) FURROW_CHECKED;
 /* Makes one region of one block that need not be in a set. */
-enum status deform_regions_one(struct deform_block block, const struct region_limits *limits, struct regions *regions) FURROW_CHECKED;
+enum status deform_regions_one(struct soil_block block, const struct region_limits *limits, struct regions *regions) FURROW_CHECKED;
 /* Returns how many blocks lie side by side in an atlas at most. Pure. */
 uint32_t deform_region_blocks(const struct region_limits *limits);
 

@@ -8,13 +8,13 @@
 static uint32_t columns(int64_t first, int64_t end)
 {
 	first = first > 0 ? first : 0;
-	end = end < DEFORM_BLOCK ? end : DEFORM_BLOCK;
-	return first < end ? UINT32_MAX >> (DEFORM_BLOCK - (end - first)) << first : 0;
+	end = end < SOIL_BLOCK ? end : SOIL_BLOCK;
+	return first < end ? UINT32_MAX >> (SOIL_BLOCK - (end - first)) << first : 0;
 }
 
 void deform_touched_finish(struct touched *touched)
 {
-	deform_block_set_finish(&touched->blocks);
+	soil_block_set_finish(&touched->blocks);
 	mem_free(touched->whiches);
 	mem_free(touched->rows);
 	*touched = (struct touched){.count = 0};
@@ -22,14 +22,14 @@ void deform_touched_finish(struct touched *touched)
 
 void deform_touched_clear(struct touched *touched)
 {
-	deform_block_set_clear(&touched->blocks);
+	soil_block_set_clear(&touched->blocks);
 	touched->count = touched->count > 0;
 }
 
 /* Returns the block's rows; NULL: none of its posts is touched. */
-static const uint32_t *rows_of(const struct touched *touched, struct deform_block block)
+static const uint32_t *rows_of(const struct touched *touched, struct soil_block block)
 {
-	size_t at = deform_block_set_place(&touched->blocks, block);
+	size_t at = soil_block_set_place(&touched->blocks, block);
 	return at < touched->blocks.count ? touched->rows[touched->whiches[at]] : NULL;
 }
 
@@ -57,23 +57,23 @@ static enum status make_room(struct touched *touched)
 	return STATUS_OK;
 }
 
-static enum status add_rows(struct touched *touched, struct deform_block block, const uint32_t rows[DEFORM_BLOCK])
+static enum status add_rows(struct touched *touched, struct soil_block block, const uint32_t rows[SOIL_BLOCK])
 {
-	size_t at = deform_block_set_place(&touched->blocks, block);
+	size_t at = soil_block_set_place(&touched->blocks, block);
 	if (at == touched->blocks.count) {
 		bool all = true;
 		enum status status = make_room(touched);
 		if (status == STATUS_OK)
-			status = deform_block_set_add(&touched->blocks, block);
+			status = soil_block_set_add(&touched->blocks, block);
 		if (status != STATUS_OK)
 			return status;
-		for (int y = 0; y < DEFORM_BLOCK; y++)
+		for (int y = 0; y < SOIL_BLOCK; y++)
 			all = all && rows[y] == UINT32_MAX;
 		touched->whiches[at] = all ? 0 : (uint32_t)touched->count;
 		if (!all)
 			memset(touched->rows[touched->count++], 0, sizeof *touched->rows);
 	}
-	for (int y = 0; y < DEFORM_BLOCK; y++)
+	for (int y = 0; y < SOIL_BLOCK; y++)
 		touched->rows[touched->whiches[at]][y] |= rows[y];
 	return STATUS_OK;
 }
@@ -91,15 +91,15 @@ enum status deform_touched_add(struct touched *touched, struct post_rect rect)
 	enum status status = STATUS_OK;
 	if (post_rect_empty(rect))
 		return STATUS_OK;
-	for (int64_t by = rect.y0 / DEFORM_BLOCK; by <= (rect.y1 - 1) / DEFORM_BLOCK; by++)
-		for (int64_t bx = rect.x0 / DEFORM_BLOCK; bx <= (rect.x1 - 1) / DEFORM_BLOCK && status == STATUS_OK; bx++) {
-			uint32_t rows[DEFORM_BLOCK];
-			uint32_t across = columns(rect.x0 - bx * DEFORM_BLOCK, rect.x1 - bx * DEFORM_BLOCK);
-			for (int64_t y = 0; y < DEFORM_BLOCK; y++) {
-				int64_t post = by * DEFORM_BLOCK + y;
+	for (int64_t by = rect.y0 / SOIL_BLOCK; by <= (rect.y1 - 1) / SOIL_BLOCK; by++)
+		for (int64_t bx = rect.x0 / SOIL_BLOCK; bx <= (rect.x1 - 1) / SOIL_BLOCK && status == STATUS_OK; bx++) {
+			uint32_t rows[SOIL_BLOCK];
+			uint32_t across = columns(rect.x0 - bx * SOIL_BLOCK, rect.x1 - bx * SOIL_BLOCK);
+			for (int64_t y = 0; y < SOIL_BLOCK; y++) {
+				int64_t post = by * SOIL_BLOCK + y;
 				rows[y] = post >= rect.y0 && post < rect.y1 ? across : 0;
 			}
-			status = add_rows(touched, (struct deform_block){bx, by}, rows);
+			status = add_rows(touched, (struct soil_block){bx, by}, rows);
 		}
 	return status;
 }
@@ -109,11 +109,11 @@ bool deform_touched_any(const struct touched *touched, struct post_rect rect)
 	rect = within(rect);
 	if (post_rect_empty(rect))
 		return false;
-	for (int64_t by = rect.y0 / DEFORM_BLOCK; by <= (rect.y1 - 1) / DEFORM_BLOCK; by++)
-		for (int64_t bx = rect.x0 / DEFORM_BLOCK; bx <= (rect.x1 - 1) / DEFORM_BLOCK; bx++) {
-			const uint32_t *rows = rows_of(touched, (struct deform_block){bx, by});
-			uint32_t across = columns(rect.x0 - bx * DEFORM_BLOCK, rect.x1 - bx * DEFORM_BLOCK);
-			int64_t low = by * DEFORM_BLOCK, end = low + DEFORM_BLOCK < rect.y1 ? low + DEFORM_BLOCK : rect.y1;
+	for (int64_t by = rect.y0 / SOIL_BLOCK; by <= (rect.y1 - 1) / SOIL_BLOCK; by++)
+		for (int64_t bx = rect.x0 / SOIL_BLOCK; bx <= (rect.x1 - 1) / SOIL_BLOCK; bx++) {
+			const uint32_t *rows = rows_of(touched, (struct soil_block){bx, by});
+			uint32_t across = columns(rect.x0 - bx * SOIL_BLOCK, rect.x1 - bx * SOIL_BLOCK);
+			int64_t low = by * SOIL_BLOCK, end = low + SOIL_BLOCK < rect.y1 ? low + SOIL_BLOCK : rect.y1;
 			for (int64_t y = rect.y0 > low ? rect.y0 : low; rows != NULL && y < end; y++)
 				if (rows[y - low] & across)
 					return true;
@@ -126,33 +126,33 @@ bool deform_touched_any(const struct touched *touched, struct post_rect rect)
 static uint32_t widened(const uint32_t *const rows[3], int64_t y, int64_t by)
 {
 	uint64_t west = rows[0] != NULL ? rows[0][y] : 0, east = rows[2] != NULL ? rows[2][y] : 0;
-	uint64_t own = rows[1] != NULL ? (uint64_t)rows[1][y] << DEFORM_BLOCK : 0, wide = own;
+	uint64_t own = rows[1] != NULL ? (uint64_t)rows[1][y] << SOIL_BLOCK : 0, wide = own;
 	for (int64_t k = 1; k <= by; k++)
-		wide |= (own | west) << k | own >> k | east << (2 * DEFORM_BLOCK - k);
-	return (uint32_t)(wide >> DEFORM_BLOCK);
+		wide |= (own | west) << k | own >> k | east << (2 * SOIL_BLOCK - k);
+	return (uint32_t)(wide >> SOIL_BLOCK);
 }
 
 /* Returns the bits of row y of a block that lie in the parts. */
 static uint32_t row_of_parts(uint32_t parts, int64_t y)
 {
 	uint32_t row = 0;
-	for (int x = 0; x < DEFORM_BLOCK / TOUCHED_PART; x++)
-		if (parts >> (y / TOUCHED_PART * (DEFORM_BLOCK / TOUCHED_PART) + x) & 1)
+	for (int x = 0; x < SOIL_BLOCK / TOUCHED_PART; x++)
+		if (parts >> (y / TOUCHED_PART * (SOIL_BLOCK / TOUCHED_PART) + x) & 1)
 			row |= columns(x * TOUCHED_PART, (x + 1) * TOUCHED_PART);
 	return row;
 }
 
-enum status deform_touched_grow(struct touched *touched, const struct touched *from, struct deform_block block, int64_t by,
+enum status deform_touched_grow(struct touched *touched, const struct touched *from, struct soil_block block, int64_t by,
 			 uint32_t parts)
 {
 	const uint32_t *near[3][3];
-	uint32_t wide[3 * DEFORM_BLOCK], rows[DEFORM_BLOCK], any = 0;
-	assert(by >= 0 && by < DEFORM_BLOCK);
+	uint32_t wide[3 * SOIL_BLOCK], rows[SOIL_BLOCK], any = 0;
+	assert(by >= 0 && by < SOIL_BLOCK);
 	for (int k = 0; k < 9; k++)
-		near[k / 3][k % 3] = rows_of(from, (struct deform_block){block.x + k % 3 - 1, block.y + k / 3 - 1});
-	for (int64_t y = -by; y < DEFORM_BLOCK + by; y++)
-		wide[y + by] = widened(near[y < 0 ? 0 : y < DEFORM_BLOCK ? 1 : 2], (y + DEFORM_BLOCK) % DEFORM_BLOCK, by);
-	for (int64_t y = 0; y < DEFORM_BLOCK; y++) {
+		near[k / 3][k % 3] = rows_of(from, (struct soil_block){block.x + k % 3 - 1, block.y + k / 3 - 1});
+	for (int64_t y = -by; y < SOIL_BLOCK + by; y++)
+		wide[y + by] = widened(near[y < 0 ? 0 : y < SOIL_BLOCK ? 1 : 2], (y + SOIL_BLOCK) % SOIL_BLOCK, by);
+	for (int64_t y = 0; y < SOIL_BLOCK; y++) {
 		rows[y] = 0;
 		for (int64_t k = 0; k <= 2 * by; k++)
 			rows[y] |= wide[y + k];
@@ -162,9 +162,9 @@ enum status deform_touched_grow(struct touched *touched, const struct touched *f
 	return any != 0 ? add_rows(touched, block, rows) : STATUS_OK;
 }
 
-struct post_rect deform_touched_part(struct deform_block block, int part)
+struct post_rect deform_touched_part(struct soil_block block, int part)
 {
-	int64_t x = block.x * DEFORM_BLOCK + part % (DEFORM_BLOCK / TOUCHED_PART) * TOUCHED_PART;
-	int64_t y = block.y * DEFORM_BLOCK + part / (DEFORM_BLOCK / TOUCHED_PART) * TOUCHED_PART;
+	int64_t x = block.x * SOIL_BLOCK + part % (SOIL_BLOCK / TOUCHED_PART) * TOUCHED_PART;
+	int64_t y = block.y * SOIL_BLOCK + part / (SOIL_BLOCK / TOUCHED_PART) * TOUCHED_PART;
 	return (struct post_rect){x, y, x + TOUCHED_PART, y + TOUCHED_PART};
 }

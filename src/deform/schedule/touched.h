@@ -6,12 +6,12 @@
 #ifndef FURROW_DEFORM_TOUCHED_H
 #define FURROW_DEFORM_TOUCHED_H
 
-#include "deform/schedule/block_set.h"
+#include "deform/deform.h"
 
 struct touched {
-	struct block_set blocks;
+	struct soil_block_set blocks;
 	uint32_t *whiches;              /* for each block its index in `rows`; 0: all its posts are touched */
-	uint32_t (*rows)[DEFORM_BLOCK]; /* `count` entries, the first all ones; rows from the south, bit 0 is the west */
+	uint32_t (*rows)[SOIL_BLOCK]; /* `count` entries, the first all ones; rows from the south, bit 0 is the west */
 	size_t which_room, count, room;
 };
 
@@ -22,13 +22,13 @@ void deform_touched_clear(struct touched *touched);
 enum status deform_touched_add(struct touched *touched, struct post_rect rect) FURROW_CHECKED;
 bool deform_touched_any(const struct touched *touched, struct post_rect rect);
 /* Adds posts of a block that are near posts of the set `from`: at most `by` posts away along x and along y. Only some parts of the
- * block are filled. `by` is less than DEFORM_BLOCK. `parts`: a bit for each square of TOUCHED_PART x TOUCHED_PART posts, from the
+ * block are filled. `by` is less than SOIL_BLOCK. `parts`: a bit for each square of TOUCHED_PART x TOUCHED_PART posts, from the
  * south-west. */
-enum status deform_touched_grow(struct touched *touched, const struct touched *from, struct deform_block block, int64_t by,
+enum status deform_touched_grow(struct touched *touched, const struct touched *from, struct soil_block block, int64_t by,
 			 uint32_t parts) FURROW_CHECKED;
 #define TOUCHED_PART 8
 #define TOUCHED_PARTS 0xffffu
 /* Returns the posts of a part of a block. */
-struct post_rect deform_touched_part(struct deform_block block, int part);
+struct post_rect deform_touched_part(struct soil_block block, int part);
 
 #endif

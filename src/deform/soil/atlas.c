@@ -5,7 +5,7 @@
 #include "deform/internal.h"
 
 #define PARAMS_MOST 12288
-#define BLOCK_CELLS (DEFORM_BLOCK / CELL * (DEFORM_BLOCK / CELL))
+#define BLOCK_CELLS (SOIL_BLOCK / CELL * (SOIL_BLOCK / CELL))
 
 /* std140 twin of the block in regions.vert. */
 struct atlas_params {
@@ -27,7 +27,7 @@ static uint32_t blocks_of(const struct slide_atlas *atlas, int32_t squares[ATLAS
 {
 	for (uint32_t i = 0; i < atlas->block_count; i++) {
 		const int32_t *block = atlas->blocks[i];
-		const int32_t square[4] = {block[0], block[1], DEFORM_BLOCK | DEFORM_BLOCK << 16, block[2]};
+		const int32_t square[4] = {block[0], block[1], SOIL_BLOCK | SOIL_BLOCK << 16, block[2]};
 		memcpy(squares[i], square, sizeof square);
 	}
 	return atlas->block_count;

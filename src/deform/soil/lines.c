@@ -12,11 +12,6 @@
 
 #include "deform/internal.h"
 
-/* Pass by pass the directions, as slide_lines.frag counts them. The order changes from path sample to path sample, so that in the
- * end no direction comes first. Each is among the first two in half of the orders. */
-static const int orders[8][4] = {{0, 1, 2, 3}, {0, 2, 1, 3}, {2, 3, 0, 1}, {3, 1, 2, 0},
-						 {1, 0, 3, 2}, {1, 3, 0, 2}, {3, 2, 1, 0}, {2, 0, 3, 1}};
-
 /* std140 twin of slide_lines.frag's block. */
 struct lines_params {
 	int32_t place[4], window[4], around[4];
@@ -28,27 +23,17 @@ int deform_line_passes(const struct deform_params *params)
 	return params->along_lines ? deform_model_row(params->model)->directions : 0;
 }
 
-/* Returns the least difference of heights that may slide, less one unit. */
-static int32_t least(const struct deform *deform, bool diagonal)
-{
-	int32_t critical = INT32_MAX;
-	for (int i = 0; i < deform->params.soil_count; i++)
-		if (deform->soils[i].critical[diagonal] < critical)
-			critical = deform->soils[i].critical[diagonal];
-	return deform_with_tolerance(deform, critical);
-}
-
 static void place_of(const struct deform *deform, uint32_t layer, int direction, int32_t place[4])
 {
 	place[0] = (int32_t)layer;
 	place[1] = direction;
-	place[2] = deform_tolerance(deform);
-	place[3] = least(deform, direction > 1);
+	place[2] = deform->sliding.tolerance;
+	place[3] = deform->sliding.least[direction > 1];
 }
 
 bool deform_lines_numbers(const struct deform *deform, const struct slide_place *place, int pass, int32_t numbers[4])
 {
-	const int direction = orders[place->turn][pass];
+	const int direction = soil_sliding_direction(place->first, pass);
 	place_of(deform, place->layer, direction, numbers);
 	return direction > 1;
 }
@@ -72,7 +57,7 @@ static enum status run(struct deform *deform, const struct slide_place *place, i
 	place_of(deform, place->layer, direction, params.place);
 	deform_posts_of(w, params.window);
 	for (int i = 0; i < deform->params.soil_count; i++)
-		params.limits[i][0] = deform->soils[i].critical[diagonal];
+		params.limits[i][0] = deform->sliding.classes[i].critical[diagonal];
 	const int32_t rows[4] = {0, 0, 0, (int32_t)(direction == 1 ? w.width : w.height)};
 	if (place->batch)
 		deform_together_draw(deform, TOGETHER_LINES + 2 * pass + diagonal, params.place);
@@ -98,7 +83,7 @@ enum status deform_lines_run(struct deform *deform, const struct slide_place *pl
 	enum status status = STATUS_OK;
 	for (int i = 0; i < deform_line_passes(&deform->params) && status == STATUS_OK; i++) {
 		if (!place->batch)
-			status = run(deform, place, heights, i, orders[place->turn][i]);
+			status = run(deform, place, heights, i, soil_sliding_direction(place->first, i));
 		/* The windows of a batch have different orders, so each pass is in two. A window takes part in one of them. */
 		for (int diagonal = 0; diagonal < 2 && place->batch && status == STATUS_OK; diagonal++)
 			status = run(deform, place, heights, i, 2 * diagonal);

@@ -54,7 +54,7 @@ bool deform_asks_what_stood(const struct deform_params *params)
 
 bool deform_is_steep(const struct deform_params *params)
 {
-	return !(params->relief < STEEP_RELIEF);
+	return !(params->relief < SOIL_STEEP_RELIEF);
 }
 
 bool deform_has_slopes(const struct deform_params *params)
@@ -85,36 +85,10 @@ int64_t deform_slide_rim(const struct deform *deform)
 	return deform_slide_step(deform) * deform->params.iterations + deform_is_steep(&deform->params) + deform_slope_reach(&deform->params);
 }
 
-static int32_t loose_depth(const struct deform *deform)
-{
-	double units = floor(ldexp(deform->params.depth, OFFSET_BITS)), most = (1 << 30) - 1;
-	return (int32_t)(units < most ? units : most);
-}
-
-int32_t deform_tolerance(const struct deform *deform)
-{
-	return (int32_t)floor(ldexp(deform->params.tolerance, OFFSET_BITS));
-}
-
-int32_t deform_with_tolerance(const struct deform *deform, int32_t critical)
-{
-	int32_t tolerance = deform_tolerance(deform);
-	return critical < INT32_MAX - tolerance ? critical + tolerance : INT32_MAX;
-}
-
-static void prepare_excess(const struct deform *deform, const struct soil_numbers *soil, struct slide_soil *to)
-{
-	for (int k = 0; k < 2; k++)
-		to->critical[k] = deform_model_row(deform->params.model)
-					->critical(soil, k == 0 ? deform->spacing : deform->spacing * M_SQRT2);
-	if (deform_has_slopes(&deform->params))
-		deform_slopes_prepare(deform, soil, to);
-}
-
-static void prepare_shed(const struct deform *deform, const struct soil_numbers *soil, struct slide_soil *to)
+static void prepare_shed(const struct deform *deform, const struct soil_numbers *soil, struct shed_soil *to)
 {
 	struct soil_shed_class limits;
-	soil_shed_prepare(soil, deform->spacing, deform_tolerance(deform), &limits);
+	soil_shed_prepare(soil, deform->spacing, deform->sliding.tolerance, &limits);
 	memcpy(to->critical, limits.critical, sizeof to->critical);
 	memcpy(to->held, limits.held, sizeof to->held);
 	memcpy(to->stop, limits.stop, sizeof to->stop);
@@ -123,12 +97,28 @@ static void prepare_shed(const struct deform *deform, const struct soil_numbers 
 
 void deform_slide_prepare(struct deform *deform)
 {
+	const struct deform_params *params = &deform->params;
+	const struct soil_model *model = deform_model_row(params->model);
+	const bool sheds = model->slide == &deform_slide_shed;
+	soil_sliding_prepare(&(struct soil_sliding_params){
+		.soils = params->soils,
+		.soil_count = params->soil_count,
+		.spacing = deform->spacing,
+		.critical = model->critical,
+		.cotangent = model->cotangent,
+		.iterations = params->iterations,
+		.directions = deform_line_passes(params),
+		.depth = model->slide->bounded ? params->depth : (double)INFINITY,
+		.tolerance = params->tolerance,
+		.relief = params->relief,
+		.undisturbed_stable = params->undisturbed_stable,
+	}, &deform->sliding);
 	deform->contacts_flag = true;
-	for (int i = 0; i < deform->params.soil_count; i++)
-		slide_of(&deform->params)->prepare(deform, &deform->params.soils[i], &deform->soils[i]);
+	for (int i = 0; i < params->soil_count && sheds; i++)
+		prepare_shed(deform, &params->soils[i], &deform->soils[i]);
 	/* If soil beside a held post slides at a smaller difference, another object can set it in motion. A contact's flags cannot tell
 	 * that. */
-	for (int i = 0; i < deform->params.soil_count && !slide_of(&deform->params)->held_still; i++)
+	for (int i = 0; i < params->soil_count && sheds; i++)
 		for (int k = 0; k < 2; k++)
 			if (deform->soils[i].held[k] < deform->soils[i].critical[k])
 				deform->contacts_flag = false;
@@ -171,7 +161,7 @@ static enum gpu_stage stage_of(const struct slide_place *place)
 static struct slide_params begin_params(const struct deform *deform, const struct slide_place *place)
 {
 	struct slide_params params = {
-		.place = {(int32_t)place->layer, deform_is_bounded(&deform->params) ? loose_depth(deform) : 0},
+		.place = {(int32_t)place->layer, deform->sliding.depth},
 	};
 	params.place[2] = place->flags.loaded; /* read over a batch only */
 	fill_window(place, &params);
@@ -182,8 +172,8 @@ static struct excess_params excess_params(const struct deform *deform, const str
 {
 	struct excess_params params = {.slide = slide_params(place, deform_slide_rim(deform))};
 	for (int i = 0; i < deform->params.soil_count; i++) {
-		const struct slide_soil *soil = &deform->soils[i];
-		const int32_t limits[4] = {soil->critical[0], soil->critical[1], deform_tolerance(deform), soil->rise[0]};
+		const struct soil_sliding_class *soil = &deform->sliding.classes[i];
+		const int32_t limits[4] = {soil->critical[0], soil->critical[1], deform->sliding.tolerance, soil->rise[0]};
 		memcpy(params.limits[i], limits, sizeof limits);
 	}
 	return params;
@@ -262,7 +252,7 @@ static enum status excess(struct deform *deform, const struct slide_place *place
 	bool slopes = place->atlas != NULL && deform_has_slopes(&deform->params);
 	struct excess_params params = excess_params(deform, place);
 	if (slopes)
-		params.slide.region[2] = deform_slopes_least(deform);
+		params.slide.region[2] = deform->sliding.slope_least;
 	if (place->batch)
 		deform_together_draw(deform, TOGETHER_EXCESS, params.slide.region);
 	run(deform, place, iteration, &(struct gpu_pass){
@@ -287,13 +277,13 @@ static enum status shed(struct deform *deform, const struct slide_place *place, 
 	int64_t rim = deform_slide_rim(deform), left = deform->params.iterations - 1 - iteration;
 	struct shed_params params = {.slide = slide_params(place, rim)};
 	for (int i = 0; i < deform->params.soil_count; i++) {
-		const struct slide_soil *soil = &deform->soils[i];
+		const struct shed_soil *soil = &deform->soils[i];
 		for (int k = 0; k < 2; k++) {
 			params.soils[i].out_in[k] = soil->critical[k];
 			params.soils[i].out_in[2 + k] = soil->held[k];
 			params.soils[i].stop[k] = soil->stop[k];
 		}
-		params.soils[i].stop[2] = deform_tolerance(deform);
+		params.soils[i].stop[2] = deform->sliding.tolerance;
 		for (int n = 0; n < 8; n++)
 			params.soils[i].share[n] = soil->share[n];
 	}
@@ -338,14 +328,12 @@ const struct soil_slide deform_slide_excess = {
 	.passes = {SLIDE_EXCESS},
 	.bounded = true,
 	.held_still = true,
-	.prepare = prepare_excess,
 	.iterate = excess,
 };
 const struct soil_slide deform_slide_shed = {
 	.effect = "shed",
 	.pass_count = 2,
 	.passes = {SLIDE_SHED, SLIDE_TAKE},
-	.prepare = prepare_shed,
 	.iterate = shed_and_take,
 };
 
@@ -370,7 +358,7 @@ struct slide_place deform_slide_place(struct deform *deform, const struct deform
 		.all = deform_window_rect(window),
 		.written = deform_written(window),
 		.around = deform->scratch[layer].near ? (int32_t)deform->reach : -1,
-		.turn = (int)((window->write.x0 + 2 * window->write.y0) & 7),
+		.first = window->write,
 		.flags = deform_active_flags(deform, window, layer),
 	};
 }

@@ -19,73 +19,35 @@
 #include "deform/internal.h"
 #include "soil/stability.h"
 
-/* Heights of slopes are whole units of 2^-9 m. The steepest angles are known for eight heights in each octave, from 2^4 units on. */
-#define EXTENT_BITS 9
-#define OCTAVE 8
-#define FIRST_OCTAVE 4
-
-#define SHORT_HOPS 4 /* 8, 4, 2, 1 */
-#define SHORT_REACH ((1 << SHORT_HOPS) - 1)
 #define NEAR_HOPS 1  /* posts: passes with at most so many posts of hops after them draw only marked cells */
-#define NEAR 0.03 /* m: with a smaller spacing there is a longer hop too */
 
 /* std140 twin of slope.frag's block. */
 struct slope_params {
 	int32_t place[4];
-	int32_t soils[SOIL_CLASSES * (1 + SLOPE_HEIGHTS / 4)][4]; /* rises of all soils, then cotangents of all soils */
+	int32_t soils[SOIL_CLASSES * (1 + SOIL_SLOPE_HEIGHTS / 4)][4]; /* rises of all soils, then cotangents of all soils */
 };
 
-static int hops_of(const struct deform_params *params)
+/* Returns the number of hops, and their lengths in posts. */
+static int ways_of(const struct deform_params *params, int ways[SOIL_SLOPE_HOPS])
 {
 	if (!deform_has_slopes(params))
 		return 0;
-	return params->extent != NULL && extent_spacing(params->extent, params->level) < NEAR ? SHORT_HOPS + 1 : SHORT_HOPS;
+	return soil_sliding_ways(params->extent != NULL ? extent_spacing(params->extent, params->level) : (double)INFINITY, params->iterations, ways);
 }
 
 int deform_slope_passes(const struct deform_params *params)
 {
-	int hops = hops_of(params);
+	int ways[SOIL_SLOPE_HOPS], hops = ways_of(params, ways);
 	return hops > 0 ? 1 + hops : 0;
-}
-
-/* Returns the length of a hop, in posts. The longest hop is as long as it can be: what an interval reads around a block must lie in
- * the blocks beside it. */
-static int64_t way_of(const struct deform_params *params, int number)
-{
-	int shorter = hops_of(params) - 1 - number;
-	return shorter < SHORT_HOPS ? 1 << shorter : DEFORM_BLOCK - SHORT_REACH - params->iterations - 1;
 }
 
 int64_t deform_slope_reach(const struct deform_params *params)
 {
+	int ways[SOIL_SLOPE_HOPS], hops = ways_of(params, ways);
 	int64_t reach = 0;
-	for (int number = 0; number < hops_of(params); number++)
-		reach += way_of(params, number);
+	for (int number = 0; number < hops; number++)
+		reach += ways[number];
 	return reach;
-}
-
-/* Returns a height for which the steepest angle is known, metres. */
-static double known_height(int i)
-{
-	return ldexp(1 + (double)(i % OCTAVE) / OCTAVE, FIRST_OCTAVE + i / OCTAVE - EXTENT_BITS);
-}
-
-/* Returns the binary digits of cotangents behind the point. A post's distance with as many digits fits 31 bits. */
-static int digits_of(const struct deform *deform)
-{
-	int exponent;
-	frexp(deform->spacing, &exponent);
-	return exponent < -6 ? 17 : 11 - exponent;
-}
-
-void deform_slopes_prepare(const struct deform *deform, const struct soil_numbers *soil, struct slide_soil *to)
-{
-	for (int i = 0; i < SLOPE_HEIGHTS; i++) {
-		double cotangent = ldexp(deform_model_row(deform->params.model)->cotangent(soil, known_height(i)), digits_of(deform));
-		to->slope[i] = (int32_t)floor(fmax(-(1 << 19), fmin(cotangent, 1 << 22)));
-	}
-	for (int k = 0; k < 2; k++)
-		to->rise[k] = soil_critical_difference(soil->friction_angle, k == 0 ? deform->spacing : deform->spacing * M_SQRT2);
 }
 
 static struct gpu_texture *extents(const struct deform *deform, int hop)
@@ -95,33 +57,16 @@ static struct gpu_texture *extents(const struct deform *deform, int hop)
 
 struct gpu_texture *deform_slopes_found(const struct deform *deform)
 {
-	return extents(deform, hops_of(&deform->params) - 1);
+	return extents(deform, deform->sliding.hops - 1);
 }
 
 /* Returns the number of posts over which the hops after this one go. */
-static int64_t after(const struct deform_params *params, int number)
+static int64_t after(const struct deform *deform, int number)
 {
 	int64_t posts = 0;
-	while (++number < hops_of(params))
-		posts += way_of(params, number);
+	while (++number < deform->sliding.hops)
+		posts += deform->sliding.ways[number];
 	return posts;
-}
-
-/* Returns the distance of posts with as many binary digits as the cotangents, 2^-20 m. */
-static int32_t apart_of(const struct deform *deform)
-{
-	return (int32_t)floor(ldexp(deform->spacing, OFFSET_BITS + digits_of(deform)));
-}
-
-/* As in_slope() of slope.frag. */
-int32_t deform_slopes_least(const struct deform *deform)
-{
-	int32_t most = 0;
-	for (int i = 0; i < deform->params.soil_count; i++)
-		for (int k = 0; k < SLOPE_HEIGHTS; k++)
-			most = deform->soils[i].slope[k] > most ? deform->soils[i].slope[k] : most;
-	int32_t least = most > 0 ? apart_of(deform) / most : 1 << 30;
-	return least < 1 << 30 ? least : 1 << 30;
 }
 
 /* Returns how far from a steep pair of posts a pass must find extents, if later hops go over so many posts. In an iteration the posts
@@ -139,23 +84,23 @@ static int32_t at_most(int64_t units)
 static enum status hop(struct deform *deform, const struct slide_place *place, int number)
 {
 	struct deform_request request;
-	bool first = number == 0, last = number == hops_of(&deform->params) - 1;
+	bool first = number == 0, last = number == deform->sliding.hops - 1;
 	enum slope_hop kind = first ? SLOPE_FIRST : last ? SLOPE_LAST : SLOPE_BETWEEN;
 	struct gpu_program **program = &deform->slope[kind];
 	deform_programs_slope(&deform->params, kind, &request);
 	enum status status = deform_program(deform, &request, program);
 	if (status != STATUS_OK)
 		return status;
-	int64_t way = way_of(&deform->params, number);
-	bool near = after(&deform->params, number) <= NEAR_HOPS;
+	int64_t way = deform->sliding.ways[number];
+	bool near = after(deform, number) <= NEAR_HOPS;
 	struct slope_params params = {
-		.place = {(int32_t)place->layer, (int32_t)way, apart_of(deform), near ? 0 : 1},
+		.place = {(int32_t)place->layer, (int32_t)way, deform->sliding.apart, near ? 0 : 1},
 	};
 	int slots = deform_soil_slots(&deform->params);
 	for (int i = 0; i < deform->params.soil_count; i++) {
 		for (int k = 0; k < 2; k++)
-			params.soils[i][k] = at_most(way * deform->soils[i].rise[k]);
-		memcpy(params.soils[slots + i * (SLOPE_HEIGHTS / 4)], deform->soils[i].slope, sizeof deform->soils[i].slope);
+			params.soils[i][k] = at_most(way * deform->sliding.classes[i].rise[k]);
+		memcpy(params.soils[slots + i * (SOIL_SLOPE_HEIGHTS / 4)], deform->sliding.classes[i].slope, sizeof deform->sliding.classes[i].slope);
 	}
 	deform_atlas_run(deform, place, ATLAS_CELLS, 0, &(struct gpu_pass){
 		.stage = GPU_SETTLE,
@@ -164,7 +109,7 @@ static enum status hop(struct deform *deform, const struct slide_place *place, i
 		.images = {first ? deform->bases : deform->carried,
 			   first ? deform->planes_of[1][PLANE_OFFSET] : extents(deform, number - 1), deform->classes},
 		.params = &params,
-		.params_bytes = (size_t)((char *)params.soils[last ? slots * (1 + SLOPE_HEIGHTS / 4) : slots] - (char *)&params),
+		.params_bytes = (size_t)((char *)params.soils[last ? slots * (1 + SOIL_SLOPE_HEIGHTS / 4) : slots] - (char *)&params),
 	});
 	return STATUS_OK;
 }
@@ -178,12 +123,12 @@ static enum status mark(struct deform *deform, const struct slide_place *place)
 	if (status != STATUS_OK)
 		return status;
 	/* For diagonal neighbours it is sqrt(2) times as large, by the same sum as in slide_excess.frag. */
-	int32_t slope = deform_slopes_least(deform), least[2] = {slope, slope + (slope >> 2) + (slope >> 3) + (slope >> 5) + (slope >> 7)};
+	int32_t slope = deform->sliding.slope_least, least[2] = {slope, soil_sliding_diagonal(slope)};
 	for (int i = 0; i < deform->params.soil_count; i++)
 		for (int k = 0; k < 2; k++)
-			least[k] = deform->soils[i].critical[k] < least[k] ? deform->soils[i].critical[k] : least[k];
+			least[k] = deform->sliding.classes[i].critical[k] < least[k] ? deform->sliding.classes[i].critical[k] : least[k];
 	const int32_t near = (int32_t)around(deform, NEAR_HOPS), steps = (2 * near + CELL - 1) / CELL, step = (2 * near + steps - 1) / steps;
-	assert(around(deform, after(&deform->params, 0)) <= near + CELL); /* other hops draw the cells around */
+	assert(around(deform, after(deform, 0)) <= near + CELL); /* other hops draw the cells around */
 	const int32_t params[2][4] = {
 		{(int32_t)place->layer, least[0], least[1]},
 		{near, step, steps * step - near},
@@ -203,7 +148,7 @@ static enum status mark(struct deform *deform, const struct slide_place *place)
 enum status deform_slopes_run(struct deform *deform, const struct slide_place *place)
 {
 	enum status status = mark(deform, place);
-	for (int number = 0; number < hops_of(&deform->params) && status == STATUS_OK; number++)
+	for (int number = 0; number < deform->sliding.hops && status == STATUS_OK; number++)
 		status = hop(deform, place, number);
 	return status;
 }

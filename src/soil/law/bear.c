@@ -4,7 +4,7 @@
  *  1. how deep the body is, and for which share of its motion it has been there;
  *  2. how its surface slid over the post, and what slip digs;
  *  3. what the post remembers of its largest sinkage, and which part of a line across its cell bears;
- *  4. at two places of that part (Gauss): pressure, damping, shear; their sum.
+ *  4. at two places of that part (Gauss): pressure, damping, shear; their sum. Beside it what the lower end of a rim that leans bears.
  *
  * Each step is a loop over the lanes without a branch. The loops are compiled for each form of body, with and without what a probe asks.
  */
@@ -187,7 +187,7 @@ SOIL_INLINED float mean_mobilised(float x, float y, const float direction[2], fl
 
 /* Slip digs soil from below the body, so the body must sink by that much more to be borne as before: dD = |e| (kappa K - D) / K for each way that it
  * slips, D what slip has dug. Compacted soil stays where it is, so it lies less deep below the lowered ground. */
-SOIL_INLINED void dig(const struct soil_form *f, const struct lane_posts *p, int32_t raised, struct block *l)
+SOIL_INLINED void dig(const struct soil_form *f, const struct lane_posts *p, struct block *l)
 {
 	EACH_LANE {
 		const struct stress_soil s = soil_of(p, i);
@@ -199,8 +199,7 @@ SOIL_INLINED void dig(const struct soil_form *f, const struct lane_posts *p, int
 		const float mean = mean_mobilised(p->shear_x[i], p->shear_y[i], direction, halfway);
 		const float limit = least(f->digs_most * s.modulus * p->by_up[i], 95) - p->dug[i];
 		const float digs = most(limit, 0) * (1 - exp_minus(dig_way(f, x, y) * touching * s.by_modulus * mean));
-		/* It never digs itself free. What is dug comes from below the surface that was there: a body that does not go down digs nothing. */
-		const float drop = (float)(p->surface[i] - raised) * SOIL_UNIT - f->beyond - p->height[i] - p->above[i], room = least(l->depth[i] - 2 * SOIL_UNIT, drop);
+		const float room = l->depth[i] - 2 * SOIL_UNIT; /* it never digs itself free */
 		l->more[i] = either((p->over[i] > 0) & (sunk > most(stays, 0)), most(least(digs, room), 0), 0);
 		l->ground[i] -= l->more[i];
 		l->depth[i] -= l->more[i];
@@ -496,6 +495,83 @@ SOIL_INLINED void put_place(const struct soil_form *f, enum soil_form_kind kind,
 	}
 }
 
+/* --- the lower end of a rim that leans --- */
+
+/* It covers less than a post in plan, so it is summed beside the last cell. Its shear is followed along its way, in so many steps: it turns over the
+ * soil, downwards ahead of the axle and upwards behind it. */
+#define BRIM_STEPS 4
+
+/* The edge of the lower end beside a cell. */
+struct edge {
+	float at[2], lowest, depth; /* its lowest place beside the part that bears; m below the ground there */
+	float length, strip;        /* of that part, in lines across a cell; half the width of the strip there */
+};
+
+SOIL_INLINED struct edge edge_of(const struct soil_form *f, const struct lane_posts *p, const struct block *l, int i)
+{
+	const float beside = low_side(f) * f->half_axis * f->level, x = l->centre[0][i], y = l->centre[1][i], rise_x = p->rise_x[i], rise_y = p->rise_y[i];
+	const float height = l->ground[i] + rise_x * (x - p->x[i]) + rise_y * (y - p->y[i]) - p->above[i];
+	float depths[3];
+	for (int k = 0; k < 3; k++) {
+		const float along = (float)(k - 1) * f->half_across, strip = half_strip(f, x + along), aside = f->lean * strip + beside;
+		depths[k] = height + rise_x * along + rise_y * (aside - y) - (f->lean * aside - strip) * f->lift;
+	}
+	const float first = root_from(-1, depths), last = most(first, root_from(1, depths)), at = 0.5f * (first + last) * f->half_across;
+	const float strip = half_strip(f, x + at), aside = f->lean * strip + beside, lowest = (f->lean * aside - strip) * f->lift;
+	return (struct edge){{x + at, aside}, lowest, height + rise_x * at + rise_y * (aside - y) - lowest, 0.5f * (last - first), strip};
+}
+
+/* How long the end has slid over the soil beside its edge, in motions. It began when the rim came from ahead, or the end from above. A short motion
+ * says little of it. mean: m, of its depth; below: its place on the rim, ahead of the axle. */
+SOIL_INLINED float brim_since(const struct soil_form *f, const struct edge *edge, float mean, float below)
+{
+	const float came = either(f->run > 0, most(half_strip(f, below) - edge->at[0], 0) / most(f->run, 1e-12f), 1e9f);
+	const float sank = either(f->way[2] < 0, mean / most(-f->way[2], 1e-12f), 1e9f), since = least(came, sank), rolled = least(f->run / f->half_across, 1);
+	return either(since < 1e9f, either(since > 1, 1 + (since - 1) * rolled * rolled, since), 1);
+}
+
+/* Gives what the end bears beside a post's cell. It bears the mean of the pressure from 0 to the depth of its edge, by its area in plan. */
+SOIL_INLINED void put_brim(const struct soil_form *f, bool asked, const struct lane_posts *p, const struct block *l, int i, struct place *place)
+{
+	const struct stress_soil s = soil_of(p, i);
+	const struct edge edge = edge_of(f, p, l, i);
+	const float low = low_side(f), leans = most(fabsf(f->lean), 1e-6f), steep = f->level / leans, up = p->up[i], rise_x = p->rise_x[i], rise_y = p->rise_y[i];
+	const float width = clamped(edge.depth / most(steep - low * rise_y, 1e-6f), 0, 2 * edge.strip * fabsf(f->lean));
+	const float deep = most(edge.depth, SOIL_UNIT), mean = deep * power_of(s.n + 1, -1 / s.n), out_by = width / (s.n + 2);
+	const float bears = either(f->ground_normals > 0, 1, clamped(1 + low * f->level * rise_y / leans, 0, 1));
+	const bool is = ((low < 0 ? p->side_right[i] : p->side_left[i]) > 0) & (l->share[i] > 0) & (edge.depth > 0);
+	place->area = place->ground = either(is, edge.length * width * f->by_step * bears, 0);
+	place->stress = yield_stress(&s, up * mean);
+	place->sinks = place->stress * (s.n + 1) / deep;
+	place->arm[0] = edge.at[0];
+	place->arm[1] = edge.at[1] + low * out_by;
+	place->arm[2] = edge.lowest + out_by * steep + p->above[i];
+	place->normal[0] = either(f->ground_normals > 0, -rise_x * up, 0);
+	place->normal[1] = either(f->ground_normals > 0, -rise_y * up, -low * f->level);
+	place->normal[2] = either(f->ground_normals > 0, up, leans);
+	put_across(place->normal, place->across);
+	put_rates(f, s.damping * least(4 * up * mean * s.by_modulus, 1), down_at(f, place->arm, p->above[i], place->normal), place);
+	place->strength = strength_of(&f->surface, &s, place->stress, &place->holds);
+	const float since = brim_since(f, &edge, mean, edge.strip - out_by / leans), each = since * (1.0f / BRIM_STEPS);
+	place->mobilised[0] = place->mobilised[1] = 0;
+	for (int n = BRIM_STEPS - 1; n >= 0; n--) {
+		const float back = ((float)n + 0.5f) * each, arm[3] = {place->arm[0] + back * f->way[0], place->arm[1] + back * f->way[1], place->arm[2] + back * f->way[2]};
+		const struct slip slip = slip_at(f, arm, place->normal, place->across);
+		const float stays = exp_minus(slip.size * each * s.by_modulus);
+		place->mobilised[0] = sheared(place->mobilised[0], slip.direction[0], stays);
+		place->mobilised[1] = sheared(place->mobilised[1], slip.direction[1], stays);
+	}
+	if (asked) { /* how the way before this motion changes is left out */
+		const struct slip slip = slip_at(f, place->arm, place->normal, place->across);
+		const float turning = (1 - exp_minus(slip.size * least(since, 1) * s.by_modulus)) / most(slip.size, 1e-9f);
+		for (int k = 0; k < 2; k++)
+			for (int j = 0; j < 2; j++) {
+				const float grows = (slip.direction[k] - place->mobilised[k]) * slip.direction[j] * s.by_modulus + ((k == j) - slip.direction[k] * slip.direction[j]) * turning;
+				place->shears[k][j] = either(slip.size > 1e-9f, grows, k == j ? s.by_modulus : 0);
+			}
+	}
+}
+
 /* --- sums --- */
 
 /* Whole numbers of each lane. */
@@ -583,9 +659,12 @@ SOIL_INLINED struct place mean_of(const struct lane_places *all, int i)
 /* Adds a column times a row. */
 SOIL_INLINED void add_product(const float a[3], float by, const float b[3], float matrix[3][3])
 {
-	for (int i = 0; i < 3; i++)
-		for (int k = 0; k < 3; k++)
-			matrix[i][k] += a[i] * by * b[k];
+	for (int i = 0; i < 3; i++) {
+		const float times = a[i] * by;
+		matrix[i][0] += times * b[0];
+		matrix[i][1] += times * b[1];
+		matrix[i][2] += times * b[2];
+	}
 }
 
 /* How the force at the lanes' places changes with a way, and with a speed, of the surface there: N/m, N s/m. */
@@ -593,13 +672,31 @@ struct lane_growths {
 	float stiff[3][3][LANES], slow[3][3][LANES], stress[3][LANES];
 };
 
+/* Adds what shear along one of the two directions adds to how the stress grows. along: growths with ways, speeds along both. */
+SOIL_INLINED void add_along(const struct place *place, int r, float by, const float along[2], float matrix[3][3])
+{
+	float both[3];
+	for (int k = 0; k < 3; k++)
+		both[k] = along[0] * place->across[0][k] + along[1] * place->across[1][k];
+	add_product(place->across[r], -by, both, matrix);
+}
+
+SOIL_INLINED void put_matrix(const float matrix[3][3], int i, float to[3][3][LANES])
+{
+	for (int k = 0; k < 3; k++) {
+		to[k][0][i] = matrix[k][0];
+		to[k][1][i] = matrix[k][1];
+		to[k][2][i] = matrix[k][2];
+	}
+}
+
 /* The body's surface rises above a place of the ground by n . motion / n_z. */
 SOIL_INLINED void put_growths(const struct soil_form *f, const struct lane_places *all, struct lane_growths *growths)
 {
 	const float post = f->spacing * f->spacing;
 	EACH_LANE {
 		const struct place place = mean_of(all, i);
-		const float *n = place.normal, area = place.area * post;
+		const float *n = place.normal, area = place.area * post, strength = area * place.strength;
 		float shear[3], stress[3], grows[3], stiff[3][3] = {{0}}, slow[3][3] = {{0}};
 		stress_at(&place, shear, stress);
 		for (int k = 0; k < 3; k++) {
@@ -608,20 +705,12 @@ SOIL_INLINED void put_growths(const struct soil_form *f, const struct lane_place
 		}
 		add_product(grows, -place.sinks / n[2], n, stiff);
 		add_product(grows, -place.damps, n, slow);
-		for (int r = 0; r < 2; r++) {
-			float shears[3], drags[3];
-			for (int k = 0; k < 3; k++) {
-				shears[k] = place.shears[r][0] * place.across[0][k] + place.shears[r][1] * place.across[1][k];
-				drags[k] = place.drags[r][0] * place.across[0][k] + place.drags[r][1] * place.across[1][k];
-			}
-			add_product(place.across[r], -area * place.strength, shears, stiff);
-			add_product(place.across[r], -area, drags, slow);
-		}
-		for (int k = 0; k < 3; k++)
-			for (int j = 0; j < 3; j++) {
-				growths->stiff[k][j][i] = stiff[k][j];
-				growths->slow[k][j][i] = slow[k][j];
-			}
+		add_along(&place, 0, strength, place.shears[0], stiff);
+		add_along(&place, 1, strength, place.shears[1], stiff);
+		add_along(&place, 0, area, place.drags[0], slow);
+		add_along(&place, 1, area, place.drags[1], slow);
+		put_matrix((const float(*)[3])stiff, i, growths->stiff);
+		put_matrix((const float(*)[3])slow, i, growths->slow);
 	}
 }
 
@@ -764,6 +853,72 @@ SOIL_INLINED void add_places(const struct soil_form *f, enum soil_form_kind kind
 	}
 }
 
+/* Adds a column times a row to a matrix of a lane. */
+SOIL_INLINED void add_outer(const float column[6], const float row[6], float by, int i, float matrix[6][6][LANES])
+{
+	for (int r = 0; r < 6; r++) {
+		const float times = by * column[r];
+		matrix[r][0][i] += times * row[0];
+		matrix[r][1][i] += times * row[1];
+		matrix[r][2][i] += times * row[2];
+		matrix[r][3][i] += times * row[3];
+		matrix[r][4][i] += times * row[4];
+		matrix[r][5][i] += times * row[5];
+	}
+}
+
+SOIL_INLINED void put_both(const float arm[3], const float v[3], float both[6])
+{
+	both[0] = v[0];
+	both[1] = v[1];
+	both[2] = v[2];
+	cross3(arm, v, both + 3);
+}
+
+/* Adds what the lower end of a rim bears beside each cell. Its place moves with the body, and it bears more where its edge sinks below the ground. */
+SOIL_INLINED void add_brims(const struct soil_form *f, bool asked, float unit, const struct lane_posts *p, const struct block *l, float stresses[7][LANES],
+			    struct counts *counts, struct lane_changes *changes)
+{
+	const float post = f->spacing * f->spacing;
+	if (!any_above(f->lean < 0 ? p->side_left : p->side_right, 0))
+		return;
+	EACH_LANE {
+		struct place place;
+		float shear[3], stress[3], moment[3];
+		put_brim(f, asked, p, l, i, &place);
+		stress_at(&place, shear, stress);
+		cross3(place.arm, stress, moment);
+		for (int k = 0; k < 3; k++) {
+			stresses[k][i] += place.area * stress[k];
+			stresses[3 + k][i] += place.area * moment[k];
+		}
+		counts->grows[i] += place.area * place.sinks * place.normal[2] * unit;
+		counts->area[i] += (int32_t)(place.ground * BEAR_AREA_UNITS + 0.5f);
+		if (asked) {
+			const float area = place.area * post, up[3] = {-p->rise_x[i], -p->rise_y[i], 1}, bears = place.ground * p->up[i];
+			float column[6], row[6], along[2][6];
+			put_both(place.arm, place.normal, column);
+			put_both(place.arm, up, row);
+			put_both(place.arm, place.across[0], along[0]);
+			put_both(place.arm, place.across[1], along[1]);
+			add_outer(column, column, -area * place.damps, i, changes->damping);
+			add_outer(column, row, -area * place.sinks, i, changes->stiffness);
+			for (int j = 0; j < 2; j++)
+				for (int k = 0; k < 2; k++) {
+					add_outer(along[j], along[k], -area * place.strength * place.shears[j][k], i, changes->stiffness);
+					add_outer(along[j], along[k], -area * place.drags[j][k], i, changes->damping);
+				}
+			changes->normal_force[i] += area * place.stress;
+			changes->shear_limit[i] += area * place.strength;
+			for (int k = 0; k < 3; k++)
+				changes->sheared[k][i] += area * place.strength * shear[k];
+			changes->normal[0][i] -= bears * p->rise_x[i];
+			changes->normal[1][i] -= bears * p->rise_y[i];
+			changes->normal[2][i] += bears;
+		}
+	}
+}
+
 SOIL_INLINED int64_t total(const int32_t counts[LANES])
 {
 	int64_t sum = 0;
@@ -843,7 +998,7 @@ SOIL_INLINED void bear(const struct soil_form *f, enum soil_form_kind kind, bool
 		put_depths(f, kind, p, a->raised, &l);
 		put_slides(f, kind, p, &l);
 		if (f->digs_most > 0)
-			dig(f, p, a->raised, &l);
+			dig(f, p, &l);
 		if (a->kept != NULL)
 			keep(p, b, &l, a->kept);
 		if (!any_above(l.share, 0))
@@ -858,6 +1013,8 @@ SOIL_INLINED void bear(const struct soil_form *f, enum soil_form_kind kind, bool
 			put_spots(f, kind, p, &l, k == 0 ? -0.28867513f : 0.28867513f, &spots);
 			add_places(f, kind, asked, unit, p, &spots, stresses, &counts, &all);
 		}
+		if (kind == FORM_RIM && f->lean != 0)
+			add_brims(f, asked, unit, p, &l, stresses, &counts, a->changes);
 		if (asked)
 			add_changes(f, kind, p, &l, &all, a->changes);
 		count(f, p, unit, &l, (const float(*)[LANES])stresses, &counts, a->sums);

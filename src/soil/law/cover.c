@@ -32,6 +32,7 @@ SOIL_CLONED static void cover_rim(const struct soil_form *restrict f, struct soi
 {
 	const float size = f->half[1], step = f->step_aside, by_step = f->by_step, r = f->radius, far = r * r * (1 + 1e-6f), back = r + f->run;
 	const bool narrow = 2 * size < step;
+	SOIL_APART
 	for (int i = 0; i < POSTS_LANES; i++) {
 		const float x = p->x[b + i], y = p->y[b + i], hole = either(p->base[b + i] == BASE_NODATA, 0, 1);
 		const float here = aside_of(f, FORM_RIM, x, y), lower = aside_of(f, FORM_RIM, x - f->cut[1][0], y - f->cut[1][1]);
@@ -58,6 +59,7 @@ SOIL_CLONED static void cover_rim(const struct soil_form *restrict f, struct soi
 SOIL_INLINED void lower_round(const struct soil_form *restrict f, enum soil_form_kind kind, struct soil_posts *restrict p, size_t b)
 {
 	const float sinks = either(f->run > 0, 0, most(f->way[2], 0));
+	SOIL_APART
 	for (int i = 0; i < POSTS_LANES; i++) {
 		const float x = p->x[b + i], y = p->y[b + i];
 		struct face face = {.height = 0};
@@ -84,6 +86,7 @@ SOIL_CLONED static void lower_ball(const struct soil_form *restrict f, struct so
 
 SOIL_CLONED static void cover_ball(const struct soil_form *restrict f, struct soil_posts *restrict p, size_t b)
 {
+	SOIL_APART
 	for (int i = 0; i < POSTS_LANES; i++) {
 		const float x = p->x[b + i], y = p->y[b + i], hole = either(p->base[b + i] == BASE_NODATA, 0, 1);
 		/* The place in the motion where the post is nearest to the middle. */
@@ -221,9 +224,9 @@ SOIL_CLONED static void cover_end(const struct soil_form *restrict f, struct soi
 /* --- when a cell can be touched --- */
 
 /* Returns a height that the lower envelope is nowhere below, at places up to `reach` from a place. */
-SOIL_INLINED float lowest_near(const struct soil_form *f, float x, float y, float reach)
+SOIL_INLINED float lowest_near(const struct soil_form *f, enum soil_form_kind kind, float x, float y, float reach)
 {
-	switch (f->kind) {
+	switch (kind) {
 	case FORM_RIM:
 		return (f->lean * y - fabsf(f->lean) * (reach + f->step_aside) - half_strip(f, most(fabsf(x) - reach, 0))) * f->lift;
 	case FORM_BALL: {
@@ -246,15 +249,28 @@ SOIL_INLINED float lowest_near(const struct soil_form *f, float x, float y, floa
 	return -f->reach;
 }
 
-SOIL_CLONED static void put_room(const struct soil_form *restrict f, struct soil_posts *restrict p, size_t b)
+SOIL_INLINED void room_of(const struct soil_form *restrict f, enum soil_form_kind kind, struct soil_posts *restrict p, size_t b)
 {
+	SOIL_APART
 	for (int i = 0; i < POSTS_LANES; i++) {
 		const float x = p->rise_x[b + i], y = p->rise_y[b + i], steep = sqrtf(x * x + y * y) * f->half_across;
 		const float across = x * p->middle_x[b + i] + y * p->middle_y[b + i], ground = (float)p->ground[b + i] * SOIL_UNIT;
-		const float lowest = lowest_near(f, p->x[b + i] + p->middle_x[b + i], p->y[b + i] + p->middle_y[b + i], f->half_across);
+		const float lowest = lowest_near(f, kind, p->x[b + i] + p->middle_x[b + i], p->y[b + i] + p->middle_y[b + i], f->half_across);
 		const float room = ground + most(across + steep - lowest, most(-p->height[b + i], -lowest)) - p->above[b + i] + 4 * SOIL_LEAST;
 		p->room[b + i] = either(p->share[b + i] > 0, room, -1e9f);
 	}
+}
+
+SOIL_CLONED static void put_room(const struct soil_form *restrict f, struct soil_posts *restrict p, size_t b)
+{
+	if (f->kind == FORM_RIM)
+		room_of(f, FORM_RIM, p, b);
+	else if (f->kind == FORM_BALL)
+		room_of(f, FORM_BALL, p, b);
+	else if (f->kind == FORM_BOX)
+		room_of(f, FORM_BOX, p, b);
+	else
+		room_of(f, FORM_RASTER, p, b);
 }
 
 /* The same as put_room for a raster. */

@@ -90,7 +90,7 @@ struct soil_form {
 	float digs_most;           /* how deep slip digs at most, in units of the shear modulus; 0: slip digs nothing */
 	float beyond;              /* m: the very height of the centre above the rounded one */
 	float by_arm;              /* 1/m: of moments that are summed as whole numbers */
-	float rates;               /* 1: it moves now; 0: its velocity is 0 or not known */
+	float rates;               /* 1: how it moves now is known; 0: its velocity is 0 or not known, and it counts as going down */
 	float ground_normals;      /* 1: stresses act along the ground's normals; 0: along the body's */
 	float linear[3], angular[3], runs; /* m/s, rad/s, m/s of the belt: how it moves now */
 	float bulldozing;

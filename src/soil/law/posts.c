@@ -14,7 +14,7 @@ enum status soil_posts_need(struct soil_posts *posts, size_t count)
 	};
 	if (count <= posts->capacity)
 		return STATUS_OK;
-	const size_t capacity = (count + count / 2 + 2 * POSTS_LANES - 1) / POSTS_LANES * POSTS_LANES;
+	const size_t capacity = (count + count / 2 + 3 * POSTS_LANES - 1) / POSTS_LANES * POSTS_LANES;
 	soil_posts_finish(posts);
 	char *memory = mem_alloc(ARRAYS * capacity, sizeof(float));
 	if (memory == NULL)
@@ -51,109 +51,252 @@ struct walk {
 	struct post_rect below;
 	double corner[2], step[2]; /* of the first post from the centre, east and north; from a post to the next one of its row */
 	int64_t zero;              /* fixed-point units: the centre above the store's reference */
-	double slack;              /* m: how much higher than its post the ground of a cell can be, for a slope of 1 */
+	double reach;              /* m: how far from its post a place of a cell can be, along an axis */
+	double above;              /* m: posts count up to which the body is so much above their ground */
+	float springs, known;      /* m: soil that sank by at most `known` springs back by less than this */
 	int32_t raised;
 };
 
-static struct walk walk_of(const struct soil_law *law, const struct soil_body *body, const struct soil_form *form, int32_t raised)
+/* Tells by how much at most the soil springs back. It is known only of one soil, and of a body that digs nothing. by_width: of the contact patch. */
+static void put_springs(const struct soil_law *law, const struct soil_planes *planes, const struct soil_form *form, double by_width, struct walk *walk)
+{
+	const struct soil_numbers *soil = &law->soils[0];
+	const bool one = planes->classes == NULL && (planes->levels == NULL || law->raster_count == 0);
+	const double known = 0.25 * (double)form->radius, k = fmax(soil->bekker_kc * by_width + soil->bekker_kphi, 0);
+	if (!one || form->digs_most > 0 || !(by_width > 0) || walk->above > 0)
+		return;
+	walk->known = (float)known;
+	walk->springs = 2 * (float)(k * pow(known, soil->bekker_n) / soil->elastic_stiffness) + 1e-5f;
+}
+
+/* Only posts are walked over whose neighbours are in the planes, too. */
+static struct walk walk_of(const struct soil_law *law, const struct soil_planes *planes, const struct soil_body *body, const struct soil_form *form,
+			   int32_t raised, double above)
 {
 	const struct soil_motion *motion = body->motion;
-	struct walk walk = {.below = soil_posts_below(law, motion), .step = {body->axis[0] * law->spacing, -body->axis[1] * law->spacing}, .raised = raised};
+	const struct post_rect *rect = &planes->rect, inner = {rect->x0 + 1, rect->y0 + 1, rect->x1 - 1, rect->y1 - 1};
+	struct walk walk = {.below = post_rect_intersect(soil_posts_below(law, motion), inner), .step = {body->axis[0] * law->spacing, -body->axis[1] * law->spacing}, .raised = raised};
 	walk.corner[0] = -(double)soil_body_from_post(motion->to.x, walk.below.x0, law->spacing) - motion->beyond[0];
 	walk.corner[1] = -(double)soil_body_from_post(motion->to.y, walk.below.y0, law->spacing) - motion->beyond[1];
 	walk.zero = motion->to.z - (int64_t)law->reference * ((int64_t)1 << OFFSET_BITS);
-	walk.slack = (double)form->half_across + 0.5 * law->spacing;
+	walk.reach = (double)form->half_across + 0.5 * law->spacing;
+	walk.above = above;
 	return walk;
-}
-
-/* Returns the height of the undisturbed surface above the body's centre, fixed-point units. What is too far away is clamped: it touches nothing. */
-static inline int32_t ground_of(int32_t base, int32_t deposited, int64_t zero)
-{
-	const int64_t far = ((int64_t)1 << 30) - ((int64_t)1 << 20), height = (int64_t)base * (1 << (OFFSET_BITS - BASE_BITS)) + deposited - zero;
-	return (int32_t)(height < -far ? -far : height > far ? far : height);
 }
 
 /* Leaves the columns at which first + column x step is between low and high. */
 static void cut(double first, double step, double low, double high, int64_t columns[2])
 {
-	if (fabs(step) < 1e-9)
+	if (fabs(step) < 1e-9) {
+		columns[1] = first < low || first > high ? columns[0] : columns[1];
 		return;
+	}
 	const double a = (low - first) / step, b = (high - first) / step, end = (double)columns[1];
 	columns[1] = (int64_t)fmin(fmax(ceil(fmax(a, b)) + 1, 0), end);
 	columns[0] = (int64_t)fmin(fmax(floor(fmin(a, b)), (double)columns[0]), (double)columns[1]);
 }
 
-/* Tells whether a rim may bear on a post, or pass over it. at: its place; height: of the highest ground of its cell above the centre. */
-static bool rim_is_near(const struct soil_body *body, const struct soil_form *form, const double at[2], double height, double reach)
-{
-	const double away = fmax(fmax(at[0], -at[0] - (double)form->run) - reach, 0), leans = fabs((double)form->lean);
-	const double side = height * (double)form->level - (double)form->lean * at[1] + leans * (reach + (double)form->step_aside);
-	return away <= body->outer && (side >= 0 || away * away + side * side <= body->outer * body->outer);
-}
-
-/* The same of a mesh. */
-static bool raster_is_near(const struct soil_form *form, const double at[2], double height)
-{
-	return (double)soil_cover_fine_low(form, (float)at[0], (float)at[1]) <= height;
-}
-
-/* The base of a post as the planes have it. */
-struct ground_row {
-	const int32_t *base, *deposited;
-	int64_t zero;
+/* A run of posts of a row in the planes. Planes that are missing are NULL. */
+struct run {
+	const int32_t *base, *deposited, *sinkage, *shear, *dug, *offset;
+	size_t width; /* posts in a row of the planes */
+	int32_t index;
 };
 
-/* Drops posts at the ends of a row of a rim or a mesh that surely neither bear nor are passed over. */
-static void trim(const struct walk *walk, const struct soil_body *body, const struct soil_form *form, const struct ground_row *row, const double first[2],
-		 int64_t columns[2])
+/* What a row of a rim needs to tell which of its posts count. */
+struct marks {
+	float x, y, step_x, step_y;  /* of the first post; from each to the next, m */
+	float radius, outer, reach, run, fell, above; /* m; reach: of a cell's places from its post along the rim */
+	float lean, leans, lift, aside; /* lean, leans: along and across the axis; aside: how much lower the lower envelope can be because it leans, m */
+	float rise_reach, raised;    /* m: how far from its post a place of a cell can be along each axis, of a slope of 1; the body's centre */
+	float ran;                   /* m: along the rim since the motion's start */
+	float springs, known;        /* m: soil that sank by at most `known` springs back by less than this */
+	float low, size;             /* -1: its lower end is on the right, 1: on the left; m: so far from the middle the end bears beside no cell */
+	int32_t zero;                /* units of bases: the centre above the store's reference */
+};
+
+SOIL_INLINED float further(int32_t from, int32_t to)
 {
-	const double reach = walk->slack, fell = (double)form->plunge < 0 ? 0 : (double)form->plunge;
-	for (int end = 0; end < 2; end++)
-		while (columns[0] < columns[1]) {
-			const int64_t column = end == 0 ? columns[0] : columns[1] - 1;
-			const double at[2] = {first[0] + (double)column * walk->step[0], first[1] + (double)column * walk->step[1]};
-			const int32_t base = row->base[column];
-			/* A slope counts as at most 2 here; where it is steeper, nothing is dropped. */
-			const double rise = fmax(fabs((double)row->base[column + 1] - base), fabs((double)base - row->base[column - 1])) * lattice_base_metres(1);
-			const int32_t height = ground_of(base, row->deposited != NULL ? row->deposited[column] : 0, row->zero);
-			const double most_height = lattice_offset_metres((int64_t)height - walk->raised) + fell + 4 * reach;
-			if (base == BASE_NODATA || (rise < 2 * (double)form->spacing && !(form->kind == FORM_RIM ? rim_is_near(body, form, at, most_height, reach) : raster_is_near(form, at, most_height))))
-				columns[end] += end == 0 ? 1 : -1;
-			else
-				break;
-		}
+	const float apart = (float)(int32_t)((uint32_t)to - (uint32_t)from);
+	return either(apart < 0, -apart, apart);
 }
 
-static void copy(int32_t *restrict to, const int32_t *restrict from, size_t count)
+/* Returns the first and, in *end, the end of the posts of a run that may bear a rim or above which it is not higher than `above`. A post does not bear
+ * where the rim is higher than the plastic part of what the post remembers, in all of its cell. */
+SOIL_CLONED static int32_t mark_run(const struct marks *restrict m, const struct run *restrict run, int32_t count, int32_t *restrict end)
+{
+	const int32_t *restrict base = run->base, *restrict west = base - 1, *restrict east = base + 1;
+	const int32_t *restrict south = base - run->width, *restrict north = base + run->width;
+	const int32_t *restrict deposited = run->deposited != NULL ? run->deposited : base, *restrict sinkage = run->sinkage != NULL ? run->sinkage : base;
+	const float heaps = run->deposited != NULL ? SOIL_UNIT : 0, sinks = run->sinkage != NULL ? SOIL_UNIT : 0, unit = 4 * SOIL_UNIT, r2 = m->radius * m->radius;
+	int32_t first = INT32_MAX, last = -1;
+	for (int32_t i = 0; i < count; i++) {
+		const float x = m->x + (float)i * m->step_x, y = m->y + (float)i * m->step_y;
+		const int32_t here = base[i];
+		const bool holes = (here == BASE_NODATA) | (west[i] == BASE_NODATA) | (east[i] == BASE_NODATA) | (south[i] == BASE_NODATA) | (north[i] == BASE_NODATA);
+		const float rise = (most(further(west[i], here), further(here, east[i])) + most(further(south[i], here), further(here, north[i]))) * unit * m->rise_reach;
+		const float ground = (float)(int32_t)((uint32_t)here - (uint32_t)m->zero) * unit + (float)deposited[i] * heaps - m->raised;
+		/* How low the rim is in this cell, and how much its height differs from that at the post now, and at the motion's start. */
+		const float near = most(most(x, -x - m->run) - m->reach, 0), outside = most(m->outer * m->outer - near * near, 0);
+		const float deep = sqrtf(outside) * m->lift, lowest = m->lean * y - m->aside - deep - m->fell;
+		const bool touches = (ground + rise + m->above > lowest) & (near <= m->outer);
+		/* Behind the axle the rim is lower at places that are farther ahead, and was so at the motion's start, but less. */
+		const float aside = y - m->leans * root(r2 - x * x);
+		const float inner = most(-x - m->reach, 0), sunk = (float)sinkage[i] * sinks;
+		const float leaves = m->lean * y + sunk - ground - root(r2 - inner * inner) * m->lift;
+		/* A slope of up to 1.7: along its normal it sinks by at least half as much as vertically. */
+		const bool behind = (x < -m->ran - m->reach) & (x > -m->radius) & (rise < 1.7f * m->reach);
+		const bool gone = behind & (sunk > 0) & (sunk <= m->known) & (leaves > m->springs + 2 * (rise + m->aside)) & !holes & (m->low * aside < m->size);
+		const int32_t here_first = (touches | holes) & !gone ? i : INT32_MAX, here_last = (touches | holes) & !gone ? i : -1;
+		first = here_first < first ? here_first : first;
+		last = here_last > last ? here_last : last;
+	}
+	*end = last + 1;
+	return first;
+}
+
+/* Leaves the columns of a row at which a rim may bear on the ground, or is not higher above it than walk->above. */
+static void cut_rim(const struct walk *walk, const struct soil_body *body, const struct soil_form *form, const struct run *row, const double first[2],
+		    int64_t columns[2])
+{
+	const float leans = fabsf(form->lean), aside = form->way[1], run = walk->above > 0 ? form->run : 0, reach = (float)walk->reach;
+	const double half = (double)(most(form->half[1], 0.5f * form->step_aside) + leans * form->radius) + 1e-3 * (double)form->spacing;
+	const int64_t zero = walk->zero >> (OFFSET_BITS - BASE_BITS);
+	cut(first[1], walk->step[1], -half - fmax((double)aside, 0), half - fmin((double)aside, 0), columns);
+	cut(first[0], walk->step[0], -body->outer - walk->reach - (double)run, body->outer + walk->reach, columns);
+	if (columns[1] <= columns[0] || zero < INT32_MIN / 2 || zero > INT32_MAX / 2)
+		return;
+	const struct marks marks = {
+		.x = (float)(first[0] + (double)columns[0] * walk->step[0]), .y = (float)(first[1] + (double)columns[0] * walk->step[1]),
+		.step_x = (float)walk->step[0], .step_y = (float)walk->step[1], .radius = form->radius, .outer = (float)body->outer,
+		.reach = form->half_across + 0.75f * fabsf(form->cut[1][0]) + 1e-5f, .run = run, .fell = walk->above > 0 ? most(form->way[2], 0) + 1e-5f : 1e-5f,
+		.above = (float)walk->above, 
+		.lean = form->lean * form->lift, .leans = form->lean, .low = low_side(form), .size = form->lean != 0 ? form->half[1] - 1.5f * form->step_aside : 1e9f, .lift = form->lift,
+		.aside = leans * form->lift * (fabsf(aside) + reach + form->step_aside), .rise_reach = reach / form->spacing,
+		.raised = (float)lattice_offset_metres(walk->raised), .springs = walk->springs, .known = walk->known, .ran = form->way[0], .zero = (int32_t)zero,
+	};
+	const size_t from = (size_t)columns[0];
+	const struct run part = {.base = row->base + from, .deposited = row->deposited != NULL ? row->deposited + from : NULL,
+				 .sinkage = row->sinkage != NULL ? row->sinkage + from : NULL, .width = row->width};
+	int32_t end;
+	const int32_t begins = mark_run(&marks, &part, (int32_t)(columns[1] - columns[0]), &end);
+	columns[1] = columns[0] + end;
+	columns[0] = end > 0 ? columns[0] + begins : columns[1];
+}
+
+/* Returns the height of the undisturbed surface above the body's centre, fixed-point units. What is too far away is clamped: it touches nothing. */
+SOIL_INLINED int32_t ground_of(int32_t base, int32_t deposited, int64_t zero)
+{
+	const int64_t far = ((int64_t)1 << 30) - ((int64_t)1 << 20), height = (int64_t)base * (1 << (OFFSET_BITS - BASE_BITS)) + deposited - zero;
+	return (int32_t)(height < -far ? -far : height > far ? far : height);
+}
+
+/* Tells whether a mesh may bear on a post of a row, or is not higher above it than walk->above. A slope counts as at most 2; steeper ground is near. */
+static bool mesh_is_near(const struct walk *walk, const struct soil_form *form, const struct run *row, const double first[2], int64_t column)
+{
+	const float x = (float)(first[0] + (double)column * walk->step[0]), y = (float)(first[1] + (double)column * walk->step[1]);
+	const int32_t base = row->base[column];
+	if (base == BASE_NODATA)
+		return false;
+	const double rise = fmax(fabs((double)row->base[column + 1] - base), fabs((double)base - row->base[column - 1])) * lattice_base_metres(1);
+	const int64_t height = (int64_t)ground_of(base, row->deposited != NULL ? row->deposited[column] : 0, walk->zero) - walk->raised;
+	const float low = soil_cover_fine_low(form, x, y);
+	return low < 0.5f * FINE_NONE && (rise >= 2 * (double)form->spacing || (double)low <= lattice_offset_metres(height) + walk->above + 4 * walk->reach);
+}
+
+/* The same as cut_rim of a mesh. */
+static void cut_mesh(const struct walk *walk, const struct soil_form *form, const struct run *row, const double first[2], int64_t columns[2])
+{
+	while (columns[0] < columns[1] && !mesh_is_near(walk, form, row, first, columns[0]))
+		columns[0]++;
+	while (columns[0] < columns[1] && !mesh_is_near(walk, form, row, first, columns[1] - 1))
+		columns[1]--;
+}
+
+SOIL_INLINED void take(int32_t *restrict to, const int32_t *restrict from)
+{
+	for (int i = 0; i < POSTS_LANES; i++)
+		to[i] = from[i];
+}
+
+SOIL_INLINED void take_if_any(int32_t *restrict to, const int32_t *restrict from)
 {
 	if (from != NULL)
-		memcpy(to, from, count * sizeof *to);
+		take(to, from);
 	else
-		memset(to, 0, count * sizeof *to);
+		memset(to, 0, POSTS_LANES * sizeof *to);
 }
 
-/* Copies what the planes have of a run of posts. */
+/* Copies what the planes have of a block of posts, and where the posts are. */
+SOIL_CLONED static void take_block(const struct run *restrict run, const double place[restrict 2], const double step[restrict 2], int64_t zero,
+				   struct soil_posts *restrict p, size_t to)
+{
+	SOIL_APART
+	for (int i = 0; i < POSTS_LANES; i++) {
+		p->index[to + (size_t)i] = run->index + i;
+		p->x[to + (size_t)i] = (float)(place[0] + i * step[0]);
+		p->y[to + (size_t)i] = (float)(place[1] + i * step[1]);
+	}
+	take(p->base + to, run->base);
+	take(p->west + to, run->base - 1);
+	take(p->east + to, run->base + 1);
+	take(p->south + to, run->base - run->width);
+	take(p->north + to, run->base + run->width);
+	take_if_any(p->deposited + to, run->deposited);
+	take_if_any(p->sinkage + to, run->sinkage);
+	take_if_any(p->shear + to, run->shear);
+	take_if_any(p->digs + to, run->dug);
+	take_if_any(p->surface + to, run->offset);
+	SOIL_APART
+	for (int i = 0; i < POSTS_LANES; i++) {
+		const size_t at = to + (size_t)i;
+		p->ground[at] = ground_of(p->base[at], p->deposited[at], zero);
+		p->surface[at] = ground_of(p->base[at], p->surface[at], zero);
+	}
+}
+
+/* Copies the same of fewer posts, at the end of the planes. The lanes after them get zeros. */
+static void take_few(const struct run *run, size_t count, const double place[2], const double step[2], int64_t zero, struct soil_posts *p, size_t to)
+{
+	int32_t few[10][POSTS_LANES] = {{0}};
+	const int32_t *const from[] = {run->base - run->width, run->base - 1, run->base, run->base + 1, run->base + run->width, run->deposited, run->sinkage, run->shear, run->dug, run->offset};
+	int32_t *const into[] = {p->south, p->west, p->base, p->east, p->north, p->deposited, p->sinkage, p->shear, p->digs, p->surface};
+	for (int k = 0; k < 10; k++) {
+		if (from[k] != NULL)
+			memcpy(few[k], from[k], count * sizeof **few);
+		memcpy(into[k] + to, few[k], sizeof *few);
+	}
+	for (size_t i = 0; i < POSTS_LANES; i++) {
+		p->index[to + i] = run->index + (int32_t)(i < count ? i : count - 1);
+		p->x[to + i] = (float)(place[0] + (double)i * step[0]);
+		p->y[to + i] = (float)(place[1] + (double)i * step[1]);
+		p->ground[to + i] = ground_of(p->base[to + i], p->deposited[to + i], zero);
+		p->surface[to + i] = ground_of(p->base[to + i], p->surface[to + i], zero);
+	}
+}
+
+static const int32_t *after(const int32_t *plane, size_t posts)
+{
+	return plane != NULL ? plane + posts : NULL;
+}
+
+static struct run run_at(const struct soil_planes *planes, size_t at)
+{
+	return (struct run){after(planes->base, at), after(planes->deposited, at), after(planes->sinkage, at), after(planes->shear, at),
+			    after(planes->dug, at), after(planes->offset, at), planes->width, (int32_t)at};
+}
+
+/* Copies a run of posts, in whole blocks: the lanes after its end get posts beyond it, which the next run overwrites. */
 static void take_run(const struct soil_planes *planes, size_t at, size_t count, const double place[2], const struct walk *walk, struct soil_posts *p)
 {
-	const size_t to = p->count;
-	for (size_t i = 0; i < count; i++) {
-		p->index[to + i] = (int32_t)(at + i);
-		p->x[to + i] = (float)(place[0] + (double)i * walk->step[0]);
-		p->y[to + i] = (float)(place[1] + (double)i * walk->step[1]);
-	}
-	copy(p->base + to, planes->base + at, count);
-	copy(p->west + to, planes->base + at - 1, count);
-	copy(p->east + to, planes->base + at + 1, count);
-	copy(p->south + to, planes->base + at - planes->width, count);
-	copy(p->north + to, planes->base + at + planes->width, count);
-	copy(p->deposited + to, planes->deposited != NULL ? planes->deposited + at : NULL, count);
-	copy(p->sinkage + to, planes->sinkage != NULL ? planes->sinkage + at : NULL, count);
-	copy(p->shear + to, planes->shear != NULL ? planes->shear + at : NULL, count);
-	copy(p->digs + to, planes->dug != NULL ? planes->dug + at : NULL, count);
-	copy(p->surface + to, planes->offset != NULL ? planes->offset + at : NULL, count);
-	for (size_t i = 0; i < count; i++) {
-		p->ground[to + i] = ground_of(p->base[to + i], p->deposited[to + i], walk->zero);
-		p->surface[to + i] = ground_of(p->base[to + i], p->surface[to + i], walk->zero);
+	const size_t all = planes->width * (size_t)(planes->rect.y1 - planes->rect.y0);
+	for (size_t i = 0; i < count; i += POSTS_LANES) {
+		const struct run run = run_at(planes, at + i);
+		const double there[2] = {place[0] + (double)i * walk->step[0], place[1] + (double)i * walk->step[1]};
+		if (at + i + planes->width + POSTS_LANES <= all)
+			take_block(&run, there, walk->step, walk->zero, p, p->count + i);
+		else
+			take_few(&run, count - i < POSTS_LANES ? count - i : POSTS_LANES, there, walk->step, walk->zero, p, p->count + i);
 	}
 	p->count += count;
 }
@@ -161,23 +304,17 @@ static void take_run(const struct soil_planes *planes, size_t at, size_t count, 
 static void take_rows(const struct soil_planes *planes, const struct soil_body *body, const struct soil_form *form, const struct walk *walk, struct soil_posts *p)
 {
 	const struct post_rect *below = &walk->below;
-	const double reach = walk->slack, leans = fabs((double)form->lean) * (double)form->radius;
-	const double half = fmax((double)form->half[1], 0.5 * (double)form->step_aside) + leans + 0.01 * (double)form->spacing, aside = (double)form->way[1];
 	p->count = 0;
 	for (int64_t y = below->y0; y < below->y1; y++) {
 		const double north = walk->corner[1] + (double)(y - below->y0) * (double)form->spacing;
 		const double first[2] = {body->axis[0] * walk->corner[0] + body->axis[1] * north, body->axis[0] * north - body->axis[1] * walk->corner[0]};
 		const size_t at = (size_t)(y - planes->rect.y0) * planes->width + (size_t)(below->x0 - planes->rect.x0);
 		int64_t columns[2] = {0, below->x1 - below->x0};
-		if (form->kind == FORM_RIM) {
-			cut(first[1], walk->step[1], -half - fmax(aside, 0), half - fmin(aside, 0), columns);
-			cut(first[0], walk->step[0], -body->outer - reach - (double)form->run, body->outer + reach, columns);
-			const struct ground_row row = {planes->base + at, planes->deposited != NULL ? planes->deposited + at : NULL, walk->zero};
-			trim(walk, body, form, &row, first, columns);
-		} else if (form->kind == FORM_RASTER) {
-			const struct ground_row row = {planes->base + at, planes->deposited != NULL ? planes->deposited + at : NULL, walk->zero};
-			trim(walk, body, form, &row, first, columns);
-		}
+		const struct run row = run_at(planes, at);
+		if (form->kind == FORM_RIM)
+			cut_rim(walk, body, form, &row, first, columns);
+		else if (form->kind == FORM_RASTER)
+			cut_mesh(walk, form, &row, first, columns);
 		const double place[2] = {first[0] + (double)columns[0] * walk->step[0], first[1] + (double)columns[0] * walk->step[1]};
 		if (columns[1] > columns[0])
 			take_run(planes, at + (size_t)columns[0], (size_t)(columns[1] - columns[0]), place, walk, p);
@@ -197,6 +334,7 @@ SOIL_INLINED float rise_between(int32_t low, int32_t at, int32_t high, float sca
 SOIL_CLONED static void put_numbers(const float axis[restrict 2], float scale, struct soil_posts *restrict p, size_t b)
 {
 	const float c = axis[0], s = axis[1];
+	SOIL_APART
 	for (int i = 0; i < POSTS_LANES; i++) {
 		const float rise_x = rise_between(p->west[b + i], p->base[b + i], p->east[b + i], scale);
 		const float rise_y = rise_between(p->south[b + i], p->base[b + i], p->north[b + i], scale);
@@ -206,6 +344,7 @@ SOIL_CLONED static void put_numbers(const float axis[restrict 2], float scale, s
 		p->up[b + i] = most(1 / by_up, FORM_UPRIGHT);
 		p->by_up[b + i] = least(by_up, 1 / FORM_UPRIGHT);
 	}
+	SOIL_APART
 	for (int i = 0; i < POSTS_LANES; i++) {
 		const float east = (float)(int32_t)(((uint32_t)p->shear[b + i] & 0xffffu) ^ 0x8000u) - 32768, north = (float)(p->shear[b + i] >> 16);
 		p->shear_x[b + i] = (c * east + s * north) * 0x1p-15f;
@@ -221,25 +360,30 @@ static float bounded(double value)
 }
 
 /* Puts the numbers of one soil into the posts from `first` to before `last`. */
-static void put_soil(const struct soil_numbers *soil, size_t first, size_t last, struct soil_posts *p)
+SOIL_CLONED static void put_soil(const struct stress_soil *restrict soil, float k_c, float k_phi, size_t first, size_t last, struct soil_posts *restrict p)
 {
-	const float tangent = (float)tan(soil->friction_angle);
-	for (size_t i = first; i < last; i++) {
-		p->k_c[i] = (float)soil->bekker_kc;
-		p->k_phi[i] = (float)soil->bekker_kphi;
-		p->n[i] = (float)soil->bekker_n;
-		p->elastic[i] = bounded(soil->elastic_stiffness);
-		p->by_elastic[i] = bounded(1 / soil->elastic_stiffness);
-		p->cohesion[i] = (float)soil->cohesion;
-		p->tan_phi[i] = tangent;
-		p->modulus[i] = bounded(soil->janosi_shear);
-		p->by_modulus[i] = bounded(1 / soil->janosi_shear);
-		p->damping[i] = (float)soil->damping;
+	const struct stress_soil s = *soil;
+	float *restrict each[] = {p->k_c, p->k_phi, p->n, p->elastic, p->by_elastic, p->cohesion, p->tan_phi, p->modulus, p->by_modulus, p->damping};
+	const float values[] = {k_c, k_phi, s.n, s.elastic, s.by_elastic, s.cohesion, s.tan_phi, s.modulus, s.by_modulus, s.damping};
+	for (int k = 0; k < 10; k++) {
+		float *restrict to = each[k];
+		const float value = values[k];
+		for (size_t i = first; i < last; i++)
+			to[i] = value;
 	}
 }
 
-/* Returns the soil of a post, with what rasters say of it. */
-static struct soil_numbers soil_at(const struct soil_law *law, const struct soil_planes *planes, size_t at)
+static void fill_soil(const struct soil_numbers *soil, size_t first, size_t last, struct soil_posts *p)
+{
+	const struct stress_soil s = {
+		.n = (float)soil->bekker_n, .elastic = bounded(soil->elastic_stiffness), .by_elastic = bounded(1 / soil->elastic_stiffness),
+		.cohesion = (float)soil->cohesion, .tan_phi = (float)tan(soil->friction_angle), .modulus = bounded(soil->janosi_shear),
+		.by_modulus = bounded(1 / soil->janosi_shear), .damping = (float)soil->damping,
+	};
+	put_soil(&s, (float)soil->bekker_kc, (float)soil->bekker_kphi, first, last, p);
+}
+
+struct soil_numbers soil_numbers_at(const struct soil_law *law, const struct soil_planes *planes, size_t at)
 {
 	const int class = planes->classes != NULL ? planes->classes[at] : 0;
 	struct soil_numbers soil = law->soils[class < law->soil_count ? class : 0];
@@ -255,41 +399,44 @@ static bool same_soil(const struct soil_law *law, const struct soil_planes *plan
 	       (planes->levels == NULL || law->raster_count == 0 || memcmp(planes->levels + SOIL_RASTERS * a, planes->levels + SOIL_RASTERS * b, SOIL_RASTERS) == 0);
 }
 
-/* Neighbours of one soil are filled together. */
+/* Neighbours of one soil are filled together. The lanes after the last post have its soil. */
 static void put_soils(const struct soil_law *law, const struct soil_planes *planes, struct soil_posts *p)
 {
+	const bool one = planes->classes == NULL && (planes->levels == NULL || law->raster_count == 0);
 	for (size_t first = 0, last; first < p->count; first = last) {
 		const size_t at = (size_t)p->index[first];
-		for (last = first + 1; last < p->count && same_soil(law, planes, at, (size_t)p->index[last]);)
+		for (last = one ? p->count : first + 1; last < p->count && same_soil(law, planes, at, (size_t)p->index[last]);)
 			last++;
-		const struct soil_numbers soil = soil_at(law, planes, at);
-		put_soil(&soil, first, last, p);
+		const struct soil_numbers soil = soil_numbers_at(law, planes, at);
+		fill_soil(&soil, first, last < p->count ? last : soil_posts_end(p), p);
 	}
 }
 
-/* Copies the last post into the lanes after it. They bear nothing, since their share is 0. */
-static void fill_lanes(struct soil_posts *p)
+/* The lanes after the last post are copies of it that bear nothing. */
+static void end_lanes(struct soil_posts *p)
 {
-	const size_t last = p->count - 1, end = (p->count + POSTS_LANES - 1) / POSTS_LANES * POSTS_LANES;
-	for (size_t i = p->count; i < end; i++) {
-#define POSTS_FILL(name) p->name[i] = p->name[last];
-		POSTS_WHOLES_EACH(POSTS_FILL)
-		POSTS_REALS_EACH(POSTS_FILL)
-#undef POSTS_FILL
+	const size_t last = p->count - 1;
+	for (size_t i = p->count; i < soil_posts_end(p); i++) {
+#define POSTS_COPY(name) p->name[i] = p->name[last];
+		POSTS_WHOLES_EACH(POSTS_COPY)
+#undef POSTS_COPY
+		p->x[i] = p->x[last];
+		p->y[i] = p->y[last];
 		p->base[i] = BASE_NODATA;
 	}
 }
 
 void soil_posts_gather(const struct soil_law *law, const struct soil_planes *planes, const struct soil_body *body, const struct soil_form *form,
-		       int32_t raised, struct soil_posts *posts)
+		       int32_t raised, double above, double by_width, struct soil_posts *posts)
 {
-	const struct walk walk = walk_of(law, body, form, raised);
+	struct walk walk = walk_of(law, planes, body, form, raised, above);
 	const float axis[2] = {(float)body->axis[0], (float)body->axis[1]};
+	put_springs(law, planes, form, by_width, &walk);
 	take_rows(planes, body, form, &walk, posts);
 	if (posts->count == 0)
 		return;
 	put_soils(law, planes, posts);
-	fill_lanes(posts);
+	end_lanes(posts);
 	for (size_t b = 0; b < posts->count; b += POSTS_LANES)
 		put_numbers(axis, (float)(lattice_base_metres(1) / law->spacing), posts, b);
 	soil_cover(body, form, posts);
@@ -299,6 +446,7 @@ SOIL_CLONED void soil_posts_width(float by_width, struct soil_posts *posts)
 {
 	float *restrict k = posts->k;
 	const float *restrict k_c = posts->k_c, *restrict k_phi = posts->k_phi;
-	for (size_t i = 0; i < (posts->count + POSTS_LANES - 1) / POSTS_LANES * POSTS_LANES; i++)
+	SOIL_APART
+	for (size_t i = 0; i < soil_posts_end(posts); i++)
 		k[i] = most(k_c[i] * by_width + k_phi[i], 0); /* k_c may be negative, and a patch small */
 }

@@ -52,10 +52,16 @@ struct soil_posts {
 enum status soil_posts_need(struct soil_posts *posts, size_t count) FURROW_CHECKED;
 void soil_posts_finish(struct soil_posts *posts);
 
-/* Gathers the posts that the body may touch if its centre is not lower than `raised` fixed-point units above motion->to. planes: of a rectangle that
- * has all posts below the body with their neighbours. posts->capacity: at least soil_posts_below's posts. Does not set `k`, which soil_posts_width does. */
+/* Returns the number of posts, rounded up to whole blocks. */
+SOIL_INLINED size_t soil_posts_end(const struct soil_posts *posts)
+{
+	return (posts->count + POSTS_LANES - 1) / POSTS_LANES * POSTS_LANES;
+}
+
+/* Gathers the posts that the body may touch if its centre is not lower than `raised` fixed-point units above motion->to, and those above whose ground
+ * it is by at most `above` m. With `above` 0 it leaves out others that bear nothing. by_width: 1 / width of the contact patch, 1/m; 0: not known. planes: of a rectangle that has all posts below the body with their neighbours. posts->capacity: at least soil_posts_below's posts. Does not set `k`, which soil_posts_width does. */
 void soil_posts_gather(const struct soil_law *law, const struct soil_planes *planes, const struct soil_body *body, const struct soil_form *form,
-		       int32_t raised, struct soil_posts *posts);
+		       int32_t raised, double above, double by_width, struct soil_posts *posts);
 /* Sets `k` for a contact patch of this width: 1/m. */
 void soil_posts_width(float by_width, struct soil_posts *posts);
 /* Returns the posts that may be below a body during its motion. */

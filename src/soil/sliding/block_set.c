@@ -1,17 +1,18 @@
-/* Implements the set of blocks that block_set.h describes. */
-#include "deform/schedule/block_set.h"
+/* A set of blocks: a list, and a hash table of indices into the list. A key_set cannot be used: its keys have 64 bits, and a block has 64
+ * bits in x and 64 bits in y. */
+#include "soil/soil.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-void deform_block_set_finish(struct block_set *set)
+void soil_block_set_finish(struct soil_block_set *set)
 {
 	mem_free(set->blocks);
 	mem_free(set->places);
-	*set = (struct block_set){.count = 0};
+	*set = (struct soil_block_set){.count = 0};
 }
 
-static size_t place_of(const struct block_set *set, struct deform_block block)
+static size_t place_of(const struct soil_block_set *set, struct soil_block block)
 {
 	uint64_t hash = (uint64_t)block.x * 0x9e3779b97f4a7c15u ^ (uint64_t)block.y * 0xc2b2ae3d27d4eb4fu;
 	size_t place = (size_t)((hash ^ hash >> 32) & (set->room - 1));
@@ -22,30 +23,30 @@ static size_t place_of(const struct block_set *set, struct deform_block block)
 	}
 }
 
-static void index_all(struct block_set *set)
+static void index_all(struct soil_block_set *set)
 {
 	memset(set->places, 0, set->room * sizeof *set->places);
 	for (size_t i = 0; i < set->count; i++)
 		set->places[place_of(set, set->blocks[i])] = (uint32_t)i + 1;
 }
 
-static enum status grow(struct block_set *set)
+static enum status grow(struct soil_block_set *set)
 {
 	size_t room = set->room != 0 ? 2 * set->room : 128;
-	struct deform_block *blocks = mem_realloc(set->blocks, room / 2, sizeof *blocks);
+	struct soil_block *blocks = mem_realloc(set->blocks, room / 2, sizeof *blocks);
 	if (blocks == NULL)
-		return fail_memory("the awake blocks");
+		return fail_memory("the active blocks");
 	set->blocks = blocks;
 	uint32_t *places = mem_realloc(set->places, room, sizeof *places);
 	if (places == NULL)
-		return fail_memory("the awake blocks");
+		return fail_memory("the active blocks");
 	set->places = places;
 	set->room = room;
 	index_all(set);
 	return STATUS_OK;
 }
 
-enum status deform_block_set_add(struct block_set *set, struct deform_block block)
+enum status soil_block_set_add(struct soil_block_set *set, struct soil_block block)
 {
 	if (2 * set->count == set->room) {
 		enum status status = grow(set);
@@ -60,18 +61,18 @@ enum status deform_block_set_add(struct block_set *set, struct deform_block bloc
 	return STATUS_OK;
 }
 
-bool deform_block_set_has(const struct block_set *set, struct deform_block block)
+bool soil_block_set_has(const struct soil_block_set *set, struct soil_block block)
 {
 	return set->room != 0 && set->places[place_of(set, block)] != 0;
 }
 
-size_t deform_block_set_place(const struct block_set *set, struct deform_block block)
+size_t soil_block_set_place(const struct soil_block_set *set, struct soil_block block)
 {
 	uint32_t at = set->room != 0 ? set->places[place_of(set, block)] : 0;
 	return at != 0 ? at - 1 : set->count;
 }
 
-void deform_block_set_clear(struct block_set *set)
+void soil_block_set_clear(struct soil_block_set *set)
 {
 	if (set->count > 0)
 		memset(set->places, 0, set->room * sizeof *set->places);
@@ -81,7 +82,7 @@ void deform_block_set_clear(struct block_set *set)
 /* The one with the higher differing bit decides. */
 static int morton(const void *pa, const void *pb)
 {
-	const struct deform_block *a = pa, *b = pb;
+	const struct soil_block *a = pa, *b = pb;
 	uint64_t dx = (uint64_t)(a->x ^ b->x), dy = (uint64_t)(a->y ^ b->y);
 	if (dx == 0 && dy == 0)
 		return 0;
@@ -89,7 +90,7 @@ static int morton(const void *pa, const void *pb)
 	return (by_x ? a->x < b->x : a->y < b->y) ? -1 : 1;
 }
 
-void deform_block_set_sort(struct block_set *set)
+void soil_block_set_sort(struct soil_block_set *set)
 {
 	if (set->count > 0)
 		qsort(set->blocks, set->count, sizeof *set->blocks, morton);
@@ -97,7 +98,7 @@ void deform_block_set_sort(struct block_set *set)
 		index_all(set);
 }
 
-size_t deform_blocks_sort(struct deform_block *blocks, size_t count)
+size_t soil_blocks_sort(struct soil_block *blocks, size_t count)
 {
 	size_t kept = 0;
 	if (count > 0)

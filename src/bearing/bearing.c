@@ -1,0 +1,130 @@
+/* Makes and ends bearing soil over pages in host memory; its active blocks and sums. */
+#include "bearing/internal.h"
+
+#include <math.h>
+
+static struct soil_law law_of(const struct deform_params *params)
+{
+	struct soil_law law = {
+		.spacing = extent_spacing(params->extent, params->level), .reference = params->reference, .soil_count = params->soil_count,
+		.raster_count = params->raster_count, .bulldozing = params->bulldozing, .slip_sinkage = params->slip_sinkage, .ground_normals = params->ground_normals,
+	};
+	memcpy(law.soils, params->soils, sizeof law.soils);
+	memcpy(law.rasters, params->rasters, sizeof law.rasters);
+	return law;
+}
+
+static void prepare(struct bearing *bearing)
+{
+	const struct deform_params *params = &bearing->params;
+	const struct soil_model *model = deform_model_row(params->model);
+	soil_sliding_prepare(&(struct soil_sliding_params){
+		.soils = params->soils, .soil_count = params->soil_count, .spacing = bearing->law.spacing, .critical = model->critical, .cotangent = model->cotangent,
+		.iterations = params->iterations, .directions = deform_line_passes(params), .depth = params->depth,
+		.tolerance = params->tolerance, .relief = params->relief, .undisturbed_stable = params->undisturbed_stable,
+	}, &bearing->rule);
+	for (int i = 0; i < SOIL_CLASSES; i++) {
+		const struct soil_numbers *soil = &params->soils[i < params->soil_count ? i : 0];
+		bearing->laid[i] = soil_laid_of(model->laid_at(soil), model->laid_share(params, soil), bearing->law.spacing);
+	}
+}
+
+enum status bearing_create(const struct deform_params *params, struct host_slots *slots, struct bearing **out)
+{
+	struct bearing *bearing = mem_calloc(1, sizeof *bearing);
+	*out = bearing;
+	if (bearing == NULL)
+		return fail_memory("bearing soil");
+	const struct extent *extent = params->extent;
+	bearing->params = *params;
+	bearing->slots = slots;
+	bearing->planes = deform_planes(params->model, params->disturbance, params->slip_sinkage > 0) & resident_host_planes(slots);
+	bearing->world = (struct post_rect){0, 0, extent_posts(extent->width, params->level), extent_posts(extent->height, params->level)};
+	bearing->law = law_of(params);
+	bearing->around = params->iterations + 2;
+	prepare(bearing);
+	enum status status = soil_work_create(&bearing->work);
+	if (status == STATUS_OK && params->loaded_bodies > 0) {
+		bearing->standing = mem_calloc(params->loaded_bodies, sizeof *bearing->standing);
+		status = bearing->standing != NULL ? STATUS_OK : fail_memory("bearing soil");
+	}
+	return status;
+}
+
+void bearing_destroy(struct bearing *bearing)
+{
+	if (bearing == NULL)
+		return;
+	for (size_t i = 0; i < bearing->region_count; i++)
+		mem_free(bearing->regions[i].offset);
+	mem_free(bearing->regions);
+	soil_block_set_finish(&bearing->active);
+	soil_block_set_finish(&bearing->next);
+	bearing_window_finish(&bearing->window);
+	soil_work_destroy(bearing->work);
+	mem_free(bearing->standing);
+	mem_free(bearing);
+}
+
+void bearing_set_equilibrium(struct bearing *bearing, uint32_t loaded_body, int32_t raised)
+{
+	bearing->standing[loaded_body - 1] = raised;
+}
+
+/* --- active blocks --- */
+
+int64_t bearing_interval_rim(const struct bearing *bearing)
+{
+	return soil_sliding_rim(&bearing->rule);
+}
+
+enum status bearing_wake(struct bearing *bearing, struct post_rect changed)
+{
+	return soil_active_add_near(&bearing->active, bearing->world, bearing_interval_rim(bearing), changed);
+}
+
+struct post_rect bearing_wakes(const struct bearing *bearing, struct post_rect changed)
+{
+	return soil_active_near(bearing->world, bearing_interval_rim(bearing), changed);
+}
+
+enum status bearing_wake_block(struct bearing *bearing, struct soil_block block)
+{
+	return soil_active_add(&bearing->active, bearing->world, block);
+}
+
+enum status bearing_active_blocks(struct bearing *bearing, const struct soil_block **blocks, size_t *count)
+{
+	soil_block_set_sort(&bearing->active);
+	*blocks = bearing->active.blocks;
+	*count = bearing->active.count;
+	if (*count > DEFORM_BLOCKS_MAX)
+		return fail_with(STATUS_FAILED, "relaxation: soil slides in more than %d blocks of %d x %d posts at once; use a coarser spacing, or a soil that "
+						"is steeper at rest", DEFORM_BLOCKS_MAX, SOIL_BLOCK, SOIL_BLOCK);
+	return STATUS_OK;
+}
+
+void bearing_forget_active(struct bearing *bearing)
+{
+	soil_block_set_clear(&bearing->active);
+}
+
+int64_t bearing_contact_reach(const struct bearing *bearing, const struct soil_shape *shape)
+{
+	/* A band of soil is laid along the sides of a rectangle around the body, which may lie aslant. */
+	const double spacing = bearing->law.spacing, band = M_SQRT2 * soil_laying_band(shape, spacing), bound = soil_shape_bound(shape) / spacing;
+	return (int64_t)ceil(bound + band) + 3 + bearing->around + 1;
+}
+
+/* --- sums --- */
+
+void bearing_tally(const struct bearing *bearing, struct deform_tally *tally)
+{
+	*tally = bearing->tally;
+}
+
+void bearing_restore(struct bearing *bearing, const struct deform_tally *tally)
+{
+	bearing->tally = *tally;
+	bearing_forget_active(bearing);
+}

@@ -1,0 +1,90 @@
+/*
+ * bearing: runs bearing soil (src/soil) over pages in host memory: contacts of bodies, relaxation of active blocks, and what they add up.
+ *
+ * A contact takes posts from the pinned tiles into a window, presses the body into it, lays what it displaced, lets soil slide, and puts the
+ * changed posts back. Forces are known when it returns. No function needs GL. Functions on a struct bearing are for the thread that owns the
+ * page cache, unless they say otherwise.
+ */
+#ifndef FURROW_BEARING_H
+#define FURROW_BEARING_H
+
+#include "base/base.h"
+#include "deform/deform.h"
+#include "resident/resident.h"
+#include "soil/soil.h"
+
+struct bearing;
+
+/* Makes it for a world with these parameters, whose model computes forces. Ignores gpu and slots of params; `slots` and params->extent must outlive it. */
+enum status bearing_create(const struct deform_params *params, struct host_slots *slots, struct bearing **out) FURROW_CHECKED;
+void bearing_destroy(struct bearing *bearing); /* takes NULL */
+
+/* --- contacts --- */
+
+/* What a contact reads and may change, posts. Both are empty if it lies outside the world. */
+struct bearing_area {
+	struct post_rect read, write;
+};
+/* STATUS_INPUT: the body is too large. Pure. */
+enum status bearing_area(const struct bearing *bearing, const struct deform_contact *contact, struct bearing_area *area) FURROW_CHECKED;
+
+/* What a contact did. */
+struct bearing_contact {
+	struct deform_forces forces;
+	struct post_rect changed; /* posts whose planes it may have changed; empty: none */
+};
+/* Computes a contact. held: all tiles that have posts of area->read, pinned. It makes posts of `changed` active. After a failure nothing was changed. */
+enum status bearing_contact(struct bearing *bearing, const struct deform_contact *contact, const struct bearing_area *area, const struct deform_tile *held,
+			    size_t count, struct bearing_contact *out) FURROW_CHECKED;
+/* Computes its forces alone, and changes nothing. */
+enum status bearing_feel(struct bearing *bearing, const struct deform_contact *contact, const struct bearing_area *area, const struct deform_tile *held,
+			 size_t count, struct deform_forces *forces) FURROW_CHECKED;
+/* Returns the posts that a probe of this motion reads. */
+struct post_rect bearing_probe_posts(const struct bearing *bearing, const struct soil_motion *motion);
+/* Computes what soil_probe tells. held: all tiles that have posts of bearing_probe_posts, pinned. */
+enum status bearing_probe(struct bearing *bearing, const struct soil_motion *motion, const struct deform_tile *held, size_t count, struct soil_probed *out)
+	FURROW_CHECKED;
+/* Sets the equilibrium height of a loaded body that has had no contact yet: how far it rests above its pose, 2^-20 m. */
+void bearing_set_equilibrium(struct bearing *bearing, uint32_t loaded_body, int32_t raised);
+
+/* --- active blocks: those in which soil may still slide --- */
+
+enum status bearing_wake(struct bearing *bearing, struct post_rect changed) FURROW_CHECKED; /* the blocks near these posts */
+enum status bearing_wake_block(struct bearing *bearing, struct soil_block block) FURROW_CHECKED;
+/* Gives the list of them, in the order of their keys. Valid until the next call. STATUS_FAILED: there are too many. */
+enum status bearing_active_blocks(struct bearing *bearing, const struct soil_block **blocks, size_t *count) FURROW_CHECKED;
+void bearing_forget_active(struct bearing *bearing);
+
+/* Returns the posts of all blocks that bearing_wake makes active for this change. */
+struct post_rect bearing_wakes(const struct bearing *bearing, struct post_rect changed);
+/* Returns a number of posts. A contact of this shape reads and changes no post that lies farther from the rectangle around its origins. */
+int64_t bearing_contact_reach(const struct bearing *bearing, const struct soil_shape *shape);
+
+/*
+ * One interval of relaxation. Call bearing_interval_begin; then for each region bearing_interval_start, bearing_interval_gather for parts of its posts
+ * that together are all of them, and bearing_interval_slide; then bearing_interval_scatter for each region; then bearing_interval_end.
+ * objects: bodies that hold the soil below them; they must live until the end.
+ */
+struct bearing_interval {
+	size_t blocks, regions;
+};
+enum status bearing_interval_begin(struct bearing *bearing, const struct deform_rest *objects, size_t count, struct bearing_interval *interval) FURROW_CHECKED;
+struct post_rect bearing_interval_reads(const struct bearing *bearing, size_t region);
+struct post_rect bearing_interval_writes(const struct bearing *bearing, size_t region); /* lies on four tiles at most, if tiles have 32 cells or more */
+enum status bearing_interval_start(struct bearing *bearing, size_t region) FURROW_CHECKED;
+/* held: all tiles that have posts of the part. */
+void bearing_interval_gather(struct bearing *bearing, struct post_rect part, const struct deform_tile *held, size_t count);
+enum status bearing_interval_slide(struct bearing *bearing, size_t region) FURROW_CHECKED;
+/* held: all tiles that have posts of what the region writes. */
+enum status bearing_interval_scatter(struct bearing *bearing, size_t region, const struct deform_tile *held, size_t count) FURROW_CHECKED;
+enum status bearing_interval_end(struct bearing *bearing) FURROW_CHECKED;
+/* Returns how many posts around its blocks an interval reads. */
+int64_t bearing_interval_rim(const struct bearing *bearing);
+
+/* --- what was added up --- */
+
+void bearing_tally(const struct bearing *bearing, struct deform_tally *tally);
+/* Goes back to an earlier tally, and makes every block inactive. */
+void bearing_restore(struct bearing *bearing, const struct deform_tally *tally);
+
+#endif

@@ -1,0 +1,64 @@
+/* Shared by the files of src/bearing. */
+#ifndef FURROW_BEARING_INTERNAL_H
+#define FURROW_BEARING_INTERNAL_H
+
+#include "bearing/bearing.h"
+#include "soil/laying/laying.h"
+#include "soil/press.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* Memory of a window's planes. Made for the largest window so far. */
+struct bearing_window {
+	struct soil_planes planes;
+	int32_t *deposits;
+	size_t posts;     /* for which there is room */
+	void *memory;
+	void *scratch;    /* for laying and for sliding */
+	size_t scratch_bytes;
+	uint32_t *words;  /* flags of blocks */
+	size_t word_count;
+};
+
+/* The result of a region that waits to be put back. */
+struct bearing_region {
+	struct post_rect blocks; /* columns and rows of blocks */
+	struct post_rect reads, writes;
+	int32_t *offset, *deposited; /* of `writes`; NULL: not computed yet */
+};
+
+struct bearing {
+	struct deform_params params;
+	struct host_slots *slots;
+	struct post_rect world;
+	unsigned planes;             /* that are kept */
+	struct soil_law law;
+	struct soil_sliding rule;
+	struct soil_laid laid[SOIL_CLASSES];
+	int64_t around;              /* posts around what a contact reached in which soil may slide */
+	struct soil_work *work;
+	struct bearing_window window;
+	int32_t *standing;           /* for each loaded body: its equilibrium height above its pose */
+	struct soil_block_set active;
+	struct deform_tally tally;
+	/* The interval that is under way. */
+	const struct deform_rest *objects;
+	size_t object_count;
+	struct bearing_region *regions;
+	size_t region_count, region_room;
+	struct soil_block_set next;  /* blocks that stay active */
+};
+
+/* Returns a rectangle around both; one that is empty does not count. */
+static inline struct post_rect bearing_joined(struct post_rect a, struct post_rect b)
+{
+	return post_rect_empty(a) ? b : post_rect_empty(b) ? a : post_rect_around(a, b);
+}
+
+/* window.c */
+/* Makes room for a window of these posts, with room for sliding and laying in it. */
+enum status bearing_window_need(struct bearing *bearing, struct post_rect rect) FURROW_CHECKED;
+void bearing_window_finish(struct bearing_window *window);
+
+#endif

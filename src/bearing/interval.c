@@ -1,0 +1,191 @@
+/*
+ * An interval of relaxation. Active blocks are parted into regions: blocks of a row one beside the other, on one column of tiles. Every region is
+ * computed from the ground before the interval, and put back when all have been computed.
+ */
+#include <string.h>
+
+#include "bearing/internal.h"
+#include "soil/kinematic/kinematic.h"
+
+#define REGION_BLOCKS 7
+
+static struct post_rect posts_of(struct post_rect blocks)
+{
+	return (struct post_rect){blocks.x0 * SOIL_BLOCK, blocks.y0 * SOIL_BLOCK, blocks.x1 * SOIL_BLOCK, blocks.y1 * SOIL_BLOCK};
+}
+
+static void finish_regions(struct bearing *bearing)
+{
+	for (size_t i = 0; i < bearing->region_count; i++)
+		mem_free(bearing->regions[i].offset);
+	bearing->region_count = 0;
+}
+
+static enum status add_region(struct bearing *bearing, struct post_rect blocks)
+{
+	if (bearing->region_count == bearing->region_room) {
+		const size_t room = bearing->region_room > 0 ? 2 * bearing->region_room : 16;
+		struct bearing_region *regions = mem_realloc(bearing->regions, room, sizeof *regions);
+		if (regions == NULL)
+			return fail_memory("relaxation");
+		bearing->regions = regions;
+		bearing->region_room = room;
+	}
+	const int64_t rim = bearing_interval_rim(bearing);
+	const struct post_rect posts = posts_of(blocks), reads = {posts.x0 - rim, posts.y0 - rim, posts.x1 + rim, posts.y1 + rim};
+	bearing->regions[bearing->region_count++] = (struct bearing_region){.blocks = blocks, .reads = reads, .writes = post_rect_intersect(posts, bearing->world)};
+	return STATUS_OK;
+}
+
+/* Blocks of the list, sorted by row, then by column. */
+static int by_row(const void *a, const void *b)
+{
+	const struct soil_block *p = a, *q = b;
+	if (p->y != q->y)
+		return p->y < q->y ? -1 : 1;
+	return p->x < q->x ? -1 : p->x > q->x;
+}
+
+static enum status cut(struct bearing *bearing)
+{
+	const size_t count = bearing->active.count;
+	const int64_t cells = bearing->params.extent->cells;
+	struct soil_block *blocks = mem_alloc(count, sizeof *blocks);
+	enum status status = STATUS_OK;
+	if (blocks == NULL)
+		return fail_memory("relaxation");
+	memcpy(blocks, bearing->active.blocks, count * sizeof *blocks);
+	qsort(blocks, count, sizeof *blocks, by_row);
+	for (size_t first = 0, last; first < count && status == STATUS_OK; first = last) {
+		for (last = first + 1; last < count && last - first < REGION_BLOCKS && blocks[last].y == blocks[first].y && blocks[last].x == blocks[last - 1].x + 1 &&
+				       blocks[last].x * SOIL_BLOCK / cells == blocks[first].x * SOIL_BLOCK / cells;)
+			last++;
+		status = add_region(bearing, (struct post_rect){blocks[first].x, blocks[first].y, blocks[last - 1].x + 1, blocks[first].y + 1});
+	}
+	mem_free(blocks);
+	return status;
+}
+
+enum status bearing_interval_begin(struct bearing *bearing, const struct deform_rest *objects, size_t count, struct bearing_interval *interval)
+{
+	const struct soil_block *blocks;
+	size_t block_count;
+	finish_regions(bearing);
+	bearing->objects = objects;
+	bearing->object_count = count;
+	enum status status = bearing_active_blocks(bearing, &blocks, &block_count);
+	*interval = (struct bearing_interval){block_count, 0};
+	if (status == STATUS_OK && block_count > 0)
+		status = cut(bearing);
+	interval->regions = bearing->region_count;
+	soil_block_set_clear(&bearing->next);
+	return status;
+}
+
+struct post_rect bearing_interval_reads(const struct bearing *bearing, size_t region)
+{
+	return bearing->regions[region].reads;
+}
+
+struct post_rect bearing_interval_writes(const struct bearing *bearing, size_t region)
+{
+	return bearing->regions[region].writes;
+}
+
+enum status bearing_interval_start(struct bearing *bearing, size_t region)
+{
+	const struct post_rect reads = bearing->regions[region].reads;
+	enum status status = bearing_window_need(bearing, reads);
+	if (status != STATUS_OK)
+		return status;
+	/* Posts of no tile are beyond the world. */
+	struct soil_planes *planes = &bearing->window.planes;
+	const size_t posts = planes->width * (size_t)(reads.y1 - reads.y0);
+	memset(planes->contact, 0, posts);
+	resident_host_gather(bearing->slots, NULL, 0, planes);
+	return STATUS_OK;
+}
+
+void bearing_interval_gather(struct bearing *bearing, struct post_rect part, const struct deform_tile *held, size_t count)
+{
+	struct host_held slots[64];
+	for (size_t i = 0; i < count; i++)
+		slots[i] = (struct host_held){held[i].tile, held[i].slot};
+	/* The part as planes of its own, with the rows of the whole. */
+	struct soil_planes planes = bearing->window.planes;
+	const size_t at = (size_t)(part.y0 - planes.rect.y0) * planes.width + (size_t)(part.x0 - planes.rect.x0);
+	planes.rect = part;
+	planes.base += at;
+	planes.offset += at;
+	planes.deposited += at;
+	planes.sinkage = planes.shear = planes.dug = NULL;
+	planes.disturbance = NULL;
+	planes.classes = planes.classes != NULL ? planes.classes + at : NULL;
+	planes.levels = NULL;
+	resident_host_gather(bearing->slots, slots, count, &planes);
+}
+
+/* Marks posts that bodies at rest hold. */
+static void hold(struct bearing *bearing)
+{
+	struct soil_planes *planes = &bearing->window.planes;
+	struct soil_kinematic kinematic = {.spacing = bearing->law.spacing, .reference = bearing->law.reference};
+	for (size_t i = 0; i < bearing->object_count; i++) {
+		const struct deform_rest *rest = &bearing->objects[i];
+		struct soil_pose pose = rest->pose;
+		if (rest->loaded_body > 0)
+			pose.z += bearing->standing[rest->loaded_body - 1];
+		if (!post_rect_empty(post_rect_intersect(soil_shadow(rest->shape, &pose, &pose, bearing->law.spacing), planes->rect)))
+			soil_kinematic_hold(&kinematic, rest->shape, &pose, planes, bearing->window.scratch);
+	}
+}
+
+enum status bearing_interval_slide(struct bearing *bearing, size_t number)
+{
+	struct bearing_region *region = &bearing->regions[number];
+	struct soil_planes *planes = &bearing->window.planes;
+	const size_t width = (size_t)(region->writes.x1 - region->writes.x0), height = (size_t)(region->writes.y1 - region->writes.y0);
+	hold(bearing);
+	soil_active_close(&bearing->active, planes);
+	soil_slide_region(&bearing->rule, planes, region->blocks, bearing->window.scratch, bearing->window.words);
+	enum status status = soil_active_add_words(&bearing->next, bearing->world, region->blocks, bearing->window.words);
+	if (status != STATUS_OK)
+		return status;
+	region->offset = mem_alloc(2 * width * height, sizeof *region->offset);
+	if (region->offset == NULL)
+		return fail_memory("relaxation");
+	region->deposited = region->offset + width * height;
+	for (size_t row = 0; row < height; row++) {
+		const size_t at = ((size_t)(region->writes.y0 - planes->rect.y0) + row) * planes->width + (size_t)(region->writes.x0 - planes->rect.x0);
+		memcpy(region->offset + row * width, planes->offset + at, width * sizeof *region->offset);
+		memcpy(region->deposited + row * width, planes->deposited + at, width * sizeof *region->deposited);
+	}
+	return STATUS_OK;
+}
+
+enum status bearing_interval_scatter(struct bearing *bearing, size_t number, const struct deform_tile *held, size_t count)
+{
+	const unsigned planes = PLANE_BIT(PLANE_OFFSET) | PLANE_BIT(PLANE_DEPOSITED);
+	struct bearing_region *region = &bearing->regions[number];
+	const struct soil_planes from = {.rect = region->writes, .width = (size_t)(region->writes.x1 - region->writes.x0), .offset = region->offset, .deposited = region->deposited};
+	struct host_held slots[64];
+	enum status status = STATUS_OK;
+	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
+		slots[i] = (struct host_held){held[i].tile, held[i].slot};
+		status = resident_host_write(bearing->slots, held[i].slot, planes);
+	}
+	if (status == STATUS_OK)
+		resident_host_scatter(bearing->slots, slots, count, &from, region->writes, planes);
+	mem_free(region->offset);
+	region->offset = region->deposited = NULL;
+	return status;
+}
+
+enum status bearing_interval_end(struct bearing *bearing)
+{
+	const struct soil_block_set was = bearing->active;
+	bearing->active = bearing->next;
+	bearing->next = was;
+	finish_regions(bearing);
+	return STATUS_OK;
+}

@@ -1,0 +1,92 @@
+/* The planes of one window, which are used again for each contact and region. */
+#include "bearing/internal.h"
+
+#include "base/memory.h"
+
+#define ALIGN 64
+
+static size_t aligned(size_t bytes)
+{
+	return (bytes + ALIGN - 1) / ALIGN * ALIGN;
+}
+
+/* Places the planes of `posts` posts in memory. Returns the bytes; memory NULL: only counts them. */
+static size_t place(struct bearing *bearing, size_t posts, char *memory)
+{
+	struct soil_planes *p = &bearing->window.planes;
+	const size_t whole = aligned(posts * sizeof(int32_t)), byte = aligned(posts);
+	size_t used = 0;
+	int32_t **const wholes[] = {&p->base, &p->offset, &p->deposited, &p->sinkage, &p->shear, &bearing->window.deposits};
+	for (size_t i = 0; i < sizeof wholes / sizeof *wholes; i++, used += whole)
+		*wholes[i] = memory != NULL ? (void *)(memory + used) : NULL;
+	p->dug = NULL;
+	if (bearing->planes & PLANE_BIT(PLANE_DUG)) {
+		p->dug = memory != NULL ? (void *)(memory + used) : NULL;
+		used += whole;
+	}
+	p->contact = memory != NULL ? (void *)(memory + used) : NULL;
+	used += byte;
+	p->disturbance = p->classes = p->levels = NULL;
+	if (bearing->params.disturbance) {
+		p->disturbance = memory != NULL ? (void *)(memory + used) : NULL;
+		used += byte;
+	}
+	if (bearing->params.soil_count > 1) {
+		p->classes = memory != NULL ? (void *)(memory + used) : NULL;
+		used += byte;
+	}
+	if (bearing->params.raster_count > 0) {
+		p->levels = memory != NULL ? (void *)(memory + used) : NULL;
+		used += aligned(posts * SOIL_RASTERS);
+	}
+	return used;
+}
+
+static enum status need_scratch(struct bearing *bearing, size_t bytes, size_t words)
+{
+	struct bearing_window *window = &bearing->window;
+	if (bytes > window->scratch_bytes) {
+		mem_free(window->scratch);
+		window->scratch_bytes = 0;
+		window->scratch = mem_alloc(bytes, 1);
+		if (window->scratch == NULL)
+			return fail_memory("the soil around a body");
+		window->scratch_bytes = bytes;
+	}
+	if (words > window->word_count) {
+		mem_free(window->words);
+		window->word_count = 0;
+		window->words = mem_alloc(words, sizeof *window->words);
+		if (window->words == NULL)
+			return fail_memory("the soil around a body");
+		window->word_count = words;
+	}
+	return STATUS_OK;
+}
+
+enum status bearing_window_need(struct bearing *bearing, struct post_rect rect)
+{
+	struct bearing_window *window = &bearing->window;
+	const size_t width = (size_t)(rect.x1 - rect.x0), height = (size_t)(rect.y1 - rect.y0), posts = width * height;
+	if (posts > window->posts) {
+		mem_free(window->memory);
+		window->posts = 0;
+		window->memory = mem_alloc(place(bearing, posts, NULL), 1);
+		if (window->memory == NULL)
+			return fail_memory("the soil around a body");
+		window->posts = posts;
+		place(bearing, posts, window->memory);
+	}
+	window->planes.rect = rect;
+	window->planes.width = width;
+	const size_t laying = soil_lay_scratch(width, height), sliding = soil_sliding_scratch(&bearing->rule, &window->planes);
+	const size_t blocks = (width / SOIL_BLOCK + 2) * (height / SOIL_BLOCK + 2);
+	return need_scratch(bearing, laying > sliding ? laying : sliding, blocks);
+}
+
+void bearing_window_finish(struct bearing_window *window)
+{
+	mem_free(window->memory);
+	mem_free(window->scratch);
+	mem_free(window->words);
+}

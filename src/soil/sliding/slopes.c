@@ -1,0 +1,291 @@
+/*
+ * Finds how high slopes are. A cohesive soil is stable up to Culmann's height. This is the height of a whole slope, not of the step
+ * between two posts. Over blocks each post finds how far its slope rises above it and falls below it.
+ *
+ * A slope is followed by hops of 8, 4, 2 and 1 posts in eight directions. Each hop leads to a post that is higher (or lower) by
+ * more than the angle of friction gives. With a small spacing a longer hop comes first. Then the height of a post's slope gives the
+ * critical difference there.
+ *
+ * Soil slides only where two neighbours differ by more than the least critical difference. So rows are computed only in the spans of columns
+ * that are near such neighbours.
+ */
+#include <string.h>
+
+#include "soil/sliding/sliding.h"
+
+#define ALIGN 64
+
+static const int ways[8][2] = {{0, -1}, {-1, 0}, {1, 0}, {0, 1}, {-1, -1}, {1, -1}, {-1, 1}, {1, 1}}; /* four axial, four diagonal */
+
+/* Posts of the planes' rectangle, with its width. */
+struct slopes {
+	const struct sliding_field *field;
+	int32_t *surfaces;    /* 4 base + offset; SLIDING_STILL: no data */
+	uint32_t *extents[2]; /* 2^-9 m: how far the slope rises above the post (low 16 bits) and falls below it; in turn by hop */
+	size_t width, height, left, below; /* of the planes; where the field begins */
+	struct sliding_span *steep;        /* of each row of the field: columns beside which soil may slide */
+};
+
+static size_t rounded(size_t bytes)
+{
+	return (bytes + ALIGN - 1) / ALIGN * ALIGN;
+}
+
+size_t soil_sliding_slopes_bytes(const struct soil_sliding *rule, const struct soil_planes *planes)
+{
+	size_t width = (size_t)(planes->rect.x1 - planes->rect.x0), height = (size_t)(planes->rect.y1 - planes->rect.y0);
+	return rule->hops > 0 ? 3 * rounded(width * height * sizeof(int32_t)) + rounded(height * sizeof(struct sliding_span)) : 0;
+}
+
+/* Returns the columns of a row that a hop must compute, counted from the planes' first column. They are at most `near` posts from a steep
+ * post, and lie within the field and `after` posts around it. */
+static struct sliding_span span_at(const struct slopes *slopes, size_t row, int64_t after, int64_t near)
+{
+	const struct sliding_field *field = slopes->field;
+	int64_t first = INT32_MAX, end = 0, y = (int64_t)row - (int64_t)slopes->below, left = (int64_t)slopes->left;
+	int64_t low = y - near > 0 ? y - near : 0, high = y + near < (int64_t)field->height ? y + near + 1 : (int64_t)field->height;
+	for (int64_t i = low; i < high; i++) {
+		first = slopes->steep[i].first < first ? slopes->steep[i].first : first;
+		end = slopes->steep[i].end > end ? slopes->steep[i].end : end;
+	}
+	if (first >= end)
+		return (struct sliding_span){0, 0};
+	first = first - near > -after ? first - near : -after;
+	end = end + near < (int64_t)field->width + after ? end + near : (int64_t)field->width + after;
+	return (struct sliding_span){(int32_t)(left + first), (int32_t)(left + end)};
+}
+
+/* Parameters of a hop over a row. */
+struct hop {
+	const int32_t *surfaces;
+	const uint32_t *extents;
+	const uint8_t *classes; /* NULL: one soil */
+	int32_t rises[SOIL_CLASSES][2];
+	ptrdiff_t way, stride;
+	bool first;
+};
+
+SLIDING_INLINED uint32_t least_of(uint32_t a, uint32_t b)
+{
+	return a < b ? a : b;
+}
+
+SLIDING_INLINED void hop(const struct hop *hop, size_t first, size_t end, uint32_t *restrict to, bool classes, bool begins)
+{
+	const int32_t *restrict surfaces = hop->surfaces;
+	const uint32_t *restrict extents = hop->extents;
+	const uint8_t *restrict class = hop->classes;
+	SLIDING_ROW
+	for (ptrdiff_t x = (ptrdiff_t)first; x < (ptrdiff_t)end; x++) {
+		int32_t surface = surfaces[x], up = begins ? 0 : (int32_t)(extents[x] & 0xffffu), down = begins ? 0 : (int32_t)(extents[x] >> 16);
+		int soil = classes ? class[x] < SOIL_CLASSES ? class[x] : SOIL_CLASSES - 1 : 0;
+		int32_t axial = hop->rises[soil][0], diagonal = hop->rises[soil][1];
+#pragma GCC unroll 8
+		for (int k = 0; k < 8; k++) {
+			ptrdiff_t at = x + hop->way * (ways[k][0] + ways[k][1] * hop->stride);
+			int32_t other = surfaces[at], difference = (int32_t)((uint32_t)other - (uint32_t)surface), sign = difference >> 31;
+			int32_t high = (int32_t)(((uint32_t)difference ^ (uint32_t)sign) - (uint32_t)sign), least = k < 4 ? axial : diagonal;
+			int32_t by = high >> 11, on_up = begins ? by : (int32_t)(extents[at] & 0xffffu) + by;
+			int32_t on_down = begins ? by : (int32_t)(extents[at] >> 16) + by;
+			int32_t open = (int32_t)(surface != SLIDING_STILL) & (int32_t)(other != SLIDING_STILL) & (int32_t)(high > least);
+			int32_t rises = open & (int32_t)(sign == 0) & (int32_t)(on_up > up), falls = open & (int32_t)(sign != 0) & (int32_t)(on_down > down);
+			up = rises != 0 ? on_up : up;
+			down = falls != 0 ? on_down : down;
+		}
+		to[x] = least_of((uint32_t)up, 0xffffu) | least_of((uint32_t)down, 0xffffu) << 16;
+	}
+}
+
+SLIDING_CLONED static void hop_row(const struct hop *by, size_t first, size_t end, uint32_t *to)
+{
+	if (by->classes != NULL)
+		hop(by, first, end, to, true, by->first);
+	else if (by->first)
+		hop(by, first, end, to, false, true);
+	else
+		hop(by, first, end, to, false, false);
+}
+
+SLIDING_CLONED static void surface_row(const int32_t *restrict base, const int32_t *restrict offset, size_t count, int32_t *restrict to)
+{
+	SLIDING_ROW
+	for (size_t x = 0; x < count; x++)
+		to[x] = base[x] == BASE_NODATA ? SLIDING_STILL : (int32_t)((uint32_t)base[x] * 4u + (uint32_t)offset[x]);
+}
+
+/* Returns the axial critical difference in a slope, fixed-point units. height: of the slope, 2^-9 m. The cotangent is interpolated
+ * between the two nearest known heights. */
+static int32_t in_slope(const struct soil_sliding *rule, const struct soil_sliding_class *class, int32_t height)
+{
+	height = height < 16 ? 16 : height > 0x1ffff ? 0x1ffff : height;
+	int octave = 31 - __builtin_clz((unsigned)height), digits = height << (17 - octave);
+	int i = (octave - 4) * 8 + ((digits >> 14) & 7), low = class->slope[i];
+	int32_t cotangent = low + ((class->slope[i + 1] - low) * ((digits >> 6) & 255) >> 8);
+	if (cotangent <= 0)
+		return 1 << 30;
+	return rule->apart / cotangent < 1 << 30 ? rule->apart / cotangent : 1 << 30;
+}
+
+/* Posts in later hops and iterations that a hop concerns: in an iteration the posts beside those that slid may become steep. */
+static int64_t after(const struct soil_sliding *rule, int number)
+{
+	int64_t posts = 0;
+	while (++number < rule->hops)
+		posts += rule->ways[number];
+	return posts;
+}
+
+static void run_hop(const struct slopes *slopes, int number)
+{
+	const struct soil_sliding *rule = slopes->field->rule;
+	const struct soil_planes *planes = slopes->field->planes;
+	const int64_t later = after(rule, number), near = later + rule->iterations + 1;
+	struct hop by = {.way = rule->ways[number], .stride = (ptrdiff_t)slopes->width, .first = number == 0};
+	for (int i = 0; i < rule->class_count; i++)
+		for (int k = 0; k < 2; k++) {
+			int64_t rise = by.way * (int64_t)rule->classes[i].rise[k];
+			by.rises[i][k] = (int32_t)(rise < 1 << 30 ? rise : 1 << 30);
+		}
+	for (size_t y = 0; y < slopes->height; y++) {
+		int64_t row = (int64_t)y - (int64_t)slopes->below;
+		if (row < -later || row >= (int64_t)slopes->field->height + later)
+			continue;
+		const struct sliding_span span = span_at(slopes, y, later, near);
+		by.surfaces = slopes->surfaces + y * slopes->width;
+		by.extents = slopes->extents[(number + 1) % 2] + y * slopes->width;
+		by.classes = planes->classes != NULL ? planes->classes + y * planes->width : NULL;
+		if (span.first < span.end)
+			hop_row(&by, (size_t)span.first, (size_t)span.end, slopes->extents[number % 2] + y * slopes->width);
+	}
+}
+
+/* Lowers the critical differences of posts to those of their slopes. */
+static void lower_critical(struct sliding_field *field, const struct slopes *slopes)
+{
+	const struct soil_sliding *rule = field->rule;
+	const struct soil_planes *planes = field->planes;
+	const uint32_t *extents = slopes->extents[(rule->hops - 1) % 2];
+	for (size_t y = 0; y < field->height; y++) {
+		const size_t row = y + slopes->below;
+		const struct sliding_span span = span_at(slopes, row, 0, rule->iterations + 1);
+		for (int32_t x = span.first; x < span.end; x++) {
+			uint32_t extent = extents[row * slopes->width + (size_t)x];
+			int class = planes->classes != NULL ? planes->classes[row * planes->width + (size_t)x] : 0;
+			class = class < SOIL_CLASSES ? class : SOIL_CLASSES - 1;
+			int32_t limit = in_slope(rule, &rule->classes[class], (int32_t)((extent & 0xffffu) + (extent >> 16)));
+			limit = limit > rule->slope_least ? limit : rule->slope_least;
+			int32_t *axial = &field->critical[0][y * field->stride + ((size_t)x - slopes->left)];
+			int32_t *diagonal = &field->critical[1][y * field->stride + ((size_t)x - slopes->left)];
+			*axial = *axial < limit ? *axial : limit;
+			*diagonal = *diagonal < soil_sliding_diagonal(limit) ? *diagonal : soil_sliding_diagonal(limit);
+		}
+	}
+}
+
+void soil_sliding_least_in_slopes(struct sliding_field *field)
+{
+	const struct soil_sliding *rule = field->rule;
+	const int32_t in_slopes[2] = {rule->slope_least, soil_sliding_diagonal(rule->slope_least)};
+	for (int k = 0; k < 2; k++) {
+		int32_t least = soil_sliding_with_tolerance(rule, in_slopes[k]);
+		field->least[k] = least < field->least[k] ? least : field->least[k];
+	}
+}
+
+bool soil_sliding_slopes(struct sliding_field *field, void *scratch)
+{
+	const struct soil_planes *planes = field->planes;
+	struct slopes slopes = {
+		.field = field,
+		.width = (size_t)(planes->rect.x1 - planes->rect.x0),
+		.height = (size_t)(planes->rect.y1 - planes->rect.y0),
+		.left = (size_t)(field->rect.x0 - planes->rect.x0),
+		.below = (size_t)(field->rect.y0 - planes->rect.y0),
+	};
+	const size_t bytes = rounded(slopes.width * slopes.height * sizeof(int32_t));
+	bool any = false;
+	slopes.surfaces = scratch;
+	slopes.extents[0] = (void *)((char *)scratch + bytes);
+	slopes.extents[1] = (void *)((char *)scratch + 2 * bytes);
+	slopes.steep = (void *)((char *)scratch + 3 * bytes);
+	for (size_t y = 0; y < field->height; y++) {
+		slopes.steep[y] = soil_sliding_steep_span(field, y);
+		any = any || slopes.steep[y].first < slopes.steep[y].end;
+	}
+	if (!any)
+		return false;
+	for (size_t y = 0; y < slopes.height; y++)
+		surface_row(planes->base + y * planes->width, planes->offset + y * planes->width, slopes.width, slopes.surfaces + y * slopes.width);
+	for (int number = 0; number < field->rule->hops; number++)
+		run_hop(&slopes, number);
+	lower_critical(field, &slopes);
+	return true;
+}
+
+/* --- over a window --- */
+
+/* The rows of a post's neighbours: pairs are as in excess.c, but of all eight. */
+SLIDING_INLINED void steep_row(const int32_t *restrict heights, const int32_t *restrict grounds, ptrdiff_t stride, size_t width, int32_t rise,
+			       uint8_t *restrict steep, bool stood)
+{
+	SLIDING_ROW
+	for (ptrdiff_t x = 0; x < (ptrdiff_t)width; x++) {
+		int32_t own = heights[x], any = 0;
+#pragma GCC unroll 8
+		for (int k = 0; k < 8; k++) {
+			ptrdiff_t at = x + ways[k][0] + ways[k][1] * stride;
+			int32_t other = heights[at], difference = (int32_t)((uint32_t)own - (uint32_t)other), sign = difference >> 31;
+			int32_t high = (int32_t)(((uint32_t)difference ^ (uint32_t)sign) - (uint32_t)sign), more = 1;
+			if (stood) {
+				uint32_t risen = (uint32_t)difference - ((uint32_t)grounds[x] - (uint32_t)grounds[at]);
+				more = (int32_t)((risen ^ (uint32_t)sign) - (uint32_t)sign);
+			}
+			any |= (int32_t)(other != SLIDING_STILL) & (int32_t)(high > rise) & (int32_t)(more > 0);
+		}
+		steep[x] = (uint8_t)(any & (int32_t)(own != SLIDING_STILL));
+	}
+}
+
+SLIDING_CLONED static void steep_row_of_one_soil(const struct sliding_field *field, size_t row, uint8_t *steep)
+{
+	const size_t at = row * field->stride;
+	const int32_t rise = field->rule->classes[0].rise[0];
+	if (field->grounds != NULL)
+		steep_row(field->heights + at, field->grounds + at, (ptrdiff_t)field->stride, field->width, rise, steep, true);
+	else
+		steep_row(field->heights + at, NULL, (ptrdiff_t)field->stride, field->width, rise, steep, false);
+}
+
+/* Returns whether soil could slide between two posts of the field, if the slope of the upper one was high enough. at, to: their places in the
+ * field's arrays. from, beside: the same in the planes. */
+static bool could_slide(const struct sliding_field *field, size_t at, size_t to, size_t from, size_t beside)
+{
+	int32_t own = field->heights[at], other = field->heights[to], difference = (int32_t)((uint32_t)own - (uint32_t)other);
+	if (own == SLIDING_STILL || other == SLIDING_STILL)
+		return false;
+	const bool gives = difference > 0;
+	uint8_t class = field->planes->classes[gives ? from : beside];
+	int32_t high = gives ? difference : (int32_t)(0u - (uint32_t)difference), more = 1;
+	if (field->grounds != NULL) {
+		uint32_t risen = (uint32_t)difference - ((uint32_t)field->grounds[at] - (uint32_t)field->grounds[to]);
+		more = (int32_t)(gives ? risen : 0u - risen);
+	}
+	return high > field->rule->classes[class < SOIL_CLASSES ? class : SOIL_CLASSES - 1].rise[0] && more > 0;
+}
+
+void soil_sliding_steep_row(const struct sliding_field *field, size_t row, uint8_t *steep)
+{
+	const size_t wide = field->planes->width;
+	if (field->planes->classes == NULL) {
+		steep_row_of_one_soil(field, row, steep);
+		return;
+	}
+	for (size_t x = 0; x < field->width; x++) {
+		const size_t at = row * field->stride + x, from = field->from + row * wide + x;
+		bool any = false;
+		for (int k = 0; k < 8; k++)
+			any = any || could_slide(field, at, at + (size_t)(ways[k][0] + ways[k][1] * (ptrdiff_t)field->stride), from,
+						 from + (size_t)(ways[k][0] + ways[k][1] * (ptrdiff_t)wide));
+		steep[x] = any;
+	}
+}

@@ -1,0 +1,142 @@
+/* The law gives the same bits with every instruction set. The library chooses one as a program starts. So this program has copies of the law, each
+ * compiled for one set: meson.build, lanes_names.h. */
+
+#include "bed.h"
+#include "../support/program.h"
+
+#define SIDE 96
+
+static uint32_t word(uint32_t *seed)
+{
+	*seed = *seed * 1664525u + 1013904223u;
+	const uint32_t high = *seed >> 16;
+	*seed = *seed * 1664525u + 1013904223u;
+	return high << 16 | *seed >> 16;
+}
+
+static double share(uint32_t *seed)
+{
+	return (double)word(seed) / 2147483648.0 - 1;
+}
+
+static uint64_t hash_of(uint64_t hash, const void *data, size_t bytes)
+{
+	for (const unsigned char *at = data, *end = at + bytes; at < end; at++)
+		hash = (hash ^ *at) * 1099511628211u;
+	return hash;
+}
+
+/* A copy of the law. */
+struct copy {
+	const char *name;
+	enum status (*create)(struct soil_work **out);
+	void (*destroy)(struct soil_work *work);
+	enum status (*press)(const struct soil_law *law, const struct soil_planes *planes, const struct soil_motion *motion, const struct soil_press *press,
+			     struct soil_work *work, struct soil_pressed *out);
+	enum status (*probe)(const struct soil_law *law, const struct soil_planes *planes, const struct soil_motion *motion, struct soil_work *work,
+			     struct soil_probed *out);
+};
+
+#define LANES_COPY(of) \
+	enum status of##_work_create(struct soil_work **out); \
+	void of##_work_destroy(struct soil_work *work); \
+	enum status of##_press_body(const struct soil_law *law, const struct soil_planes *planes, const struct soil_motion *motion, const struct soil_press *press, \
+				    struct soil_work *work, struct soil_pressed *out); \
+	enum status of##_probe(const struct soil_law *law, const struct soil_planes *planes, const struct soil_motion *motion, struct soil_work *work, \
+			       struct soil_probed *out);
+#define LANES_ROW(of) {#of, of##_work_create, of##_work_destroy, of##_press_body, of##_probe}
+LANES_COPY(plain)
+#if LANES_WIDE
+LANES_COPY(avx2)
+LANES_COPY(avx512)
+#endif
+
+/* Presses and probes bodies of all forms by a copy of the law, and hashes forces and planes. */
+static uint64_t contacts(const struct copy *copy, int *touches)
+{
+	static const struct soil_shape shapes[] = {
+		{.kind = SOIL_WHEEL, .radius = 0.25, .width = 0.2}, {.kind = SOIL_SPHERE, .radius = 0.2}, {.kind = SOIL_BOX, .size = {0.3, 0.2, 0.2}},
+		{.kind = SOIL_CYLINDER, .radius = 0.15, .length = 0.3}, {.kind = SOIL_CAPSULE, .radius = 0.15, .length = 0.3}, {.kind = SOIL_ELLIPSOID, .size = {0.3, 0.2, 0.15}},
+	};
+	static const char *const soils[] = {"dry_sand", "lunar", "heavy_clay_25"};
+	uint64_t hash = 14695981039346656037u;
+	struct soil_work *work;
+	uint32_t seed = 1;
+	assert_ok(copy->create(&work));
+	for (int round = 0; round < 36; round++) {
+		const struct soil_shape *shape = &shapes[round % 6];
+		const struct soil_numbers soil = bed_soil(soils[round / 6 % 3]);
+		struct bed bed;
+		bed_init(&bed, &soil, round % 4 == 0 ? 0.0137 : 0.021, SIDE, 0.1 * share(&seed), 0.1 * share(&seed));
+		bed.law.bulldozing = 0.5;
+		bed.law.slip_sinkage = round % 3 == 0 ? 0.5 : 0;
+		bed.law.ground_normals = round % 5 == 4;
+		for (size_t i = 0; i < bed.posts; i++)
+			bed.planes.base[i] += word(&seed) % 97 == 0 ? BASE_NODATA - bed.planes.base[i] : (int32_t)(word(&seed) % 800);
+		const double middle = SIDE / 2 * bed.law.spacing, heading = 3 * share(&seed);
+		struct bed_state now = bed_state(middle, middle, bed_ground(&bed, middle, middle) + soil_shape_reach(shape, 0.2 * (round % 2), 0.1) - 0.01, heading,
+						 0.2 * (round % 2), 0.1);
+		for (int i = 0; i < 8; i++) {
+			const struct bed_state before = now;
+			const double rotated[3] = {0.01 * share(&seed), 0.05 * share(&seed), 0.01 * share(&seed)};
+			now.at[0] += 0.01 * cos(heading) + 0.001 * share(&seed);
+			now.at[1] += 0.01 * sin(heading);
+			now.at[2] -= 0.002 * share(&seed);
+			struct soil_motion motion = bed_motion(shape, &before, &now, rotated);
+			motion.linear[0] = 0.2 * share(&seed);
+			motion.angular[1] = share(&seed);
+			motion.load = i % 3 == 2 ? 600 : 0;
+			motion.stamped = 0.5;
+			const struct soil_laying laying = soil_laying_of(shape, &motion.from, &motion.to, motion.turned, bed.law.spacing);
+			const struct soil_press press = {&laying, bed.laid, -100};
+			struct soil_probed probed;
+			struct soil_pressed pressed;
+			assert_ok(copy->probe(&bed.law, &bed.planes, &motion, work, &probed));
+			assert_ok(copy->press(&bed.law, &bed.planes, &motion, &press, work, &pressed));
+			assert_true(probed.known);
+			*touches += pressed.forces.force[2] > 0;
+			hash = hash_of(hash, &probed.force, sizeof probed.force + sizeof probed.moment + sizeof probed.stiffness + sizeof probed.damping);
+			hash = hash_of(hash, &pressed.forces.force, sizeof pressed.forces.force + sizeof pressed.forces.moment);
+			hash = hash_of(hash, &pressed.raised, sizeof pressed.raised);
+		}
+		const int32_t *const planes[] = {bed.planes.offset, bed.planes.deposited, bed.planes.sinkage, bed.planes.shear, bed.planes.dug};
+		for (size_t k = 0; k < COUNT(planes); k++)
+			hash = hash_of(hash, planes[k], bed.posts * sizeof(int32_t));
+		bed_finish(&bed);
+	}
+	copy->destroy(work);
+	return hash;
+}
+
+static void all_instruction_sets_give_the_same_bits(void **state)
+{
+	static const struct copy chosen = {"chosen", soil_work_create, soil_work_destroy, soil_press_body, soil_probe};
+	static const struct copy copies[] = {
+		LANES_ROW(plain),
+#if LANES_WIDE
+		LANES_ROW(avx2),
+		LANES_ROW(avx512),
+#endif
+	};
+	int touches = 0;
+	const uint64_t wanted = contacts(&chosen, &touches);
+	assert_true(touches > 200);
+	for (size_t i = 0; i < COUNT(copies); i++) {
+#if LANES_WIDE
+		if ((i == 1 && !__builtin_cpu_supports("avx2")) || (i == 2 && !(__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
+										 __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512dq")))) {
+			print_message("%s: not on this processor\n", copies[i].name);
+			continue;
+		}
+#endif
+		const uint64_t got = contacts(&copies[i], &touches);
+		print_message("%s: hash %llx, of the library %llx\n", copies[i].name, (unsigned long long)got, (unsigned long long)wanted);
+		assert_true(got == wanted);
+	}
+}
+
+TEST_PROGRAM(lanes)
+{
+	const struct CMUnitTest tests[] = {cmocka_unit_test(all_instruction_sets_give_the_same_bits)};
+	return cmocka_run_group_tests_name("soil/lanes", tests, NULL, NULL);
+}

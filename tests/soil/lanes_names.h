@@ -1,0 +1,43 @@
+/* Names of a copy of the law that is compiled for one instruction set: LANES_OF is the start of each name. */
+#ifndef FURROW_TESTS_LANES_NAMES_H
+#define FURROW_TESTS_LANES_NAMES_H
+
+#define LANES_PASTE(of, name) of##_##name
+#define LANES_NAME(of, name) LANES_PASTE(of, name)
+#define soil_work_create LANES_NAME(LANES_OF, work_create)
+#define soil_work_destroy LANES_NAME(LANES_OF, work_destroy)
+#define soil_press_body LANES_NAME(LANES_OF, press_body)
+#define soil_feel LANES_NAME(LANES_OF, feel)
+#define soil_probe LANES_NAME(LANES_OF, probe)
+#define soil_bearing_begin LANES_NAME(LANES_OF, bearing_begin)
+#define soil_bearing_gather LANES_NAME(LANES_OF, bearing_gather)
+#define soil_bearing_evaluate LANES_NAME(LANES_OF, bearing_evaluate)
+#define soil_bearing_turn LANES_NAME(LANES_OF, bearing_turn)
+#define soil_bearing_tell LANES_NAME(LANES_OF, bearing_tell)
+#define soil_height_find LANES_NAME(LANES_OF, height_find)
+#define soil_bear LANES_NAME(LANES_OF, bear)
+#define soil_cover LANES_NAME(LANES_OF, cover)
+#define soil_cover_fine LANES_NAME(LANES_OF, cover_fine)
+#define soil_cover_fine_low LANES_NAME(LANES_OF, cover_fine_low)
+#define soil_fine_draw LANES_NAME(LANES_OF, fine_draw)
+#define soil_fine_finish LANES_NAME(LANES_OF, fine_finish)
+#define soil_fine_outline LANES_NAME(LANES_OF, fine_outline)
+#define soil_fine_fill LANES_NAME(LANES_OF, fine_fill)
+#define soil_fine_passed LANES_NAME(LANES_OF, fine_passed)
+#define soil_fine_lows LANES_NAME(LANES_OF, fine_lows)
+#define soil_fine_less LANES_NAME(LANES_OF, fine_less)
+#define soil_fine_sweep LANES_NAME(LANES_OF, fine_sweep)
+#define soil_grousers_draw LANES_NAME(LANES_OF, grousers_draw)
+#define soil_grousers_finish LANES_NAME(LANES_OF, grousers_finish)
+#define soil_grousers_cover LANES_NAME(LANES_OF, grousers_cover)
+#define soil_surface_of LANES_NAME(LANES_OF, surface_of)
+#define soil_surfaces_finish LANES_NAME(LANES_OF, surfaces_finish)
+#define soil_form_of LANES_NAME(LANES_OF, form_of)
+#define soil_numbers_at LANES_NAME(LANES_OF, numbers_at)
+#define soil_posts_need LANES_NAME(LANES_OF, posts_need)
+#define soil_posts_finish LANES_NAME(LANES_OF, posts_finish)
+#define soil_posts_gather LANES_NAME(LANES_OF, posts_gather)
+#define soil_posts_width LANES_NAME(LANES_OF, posts_width)
+#define soil_posts_below LANES_NAME(LANES_OF, posts_below)
+
+#endif
