@@ -46,6 +46,7 @@ struct block {
 	float passed[LANES], slides[LANES], direction[2][LANES]; /* share of the motion; way in units of the modulus; where it slid to */
 	float more[LANES];              /* what slip digs */
 	float stamped[LANES], printed[LANES], lasts[LANES], back[LANES];
+	float beneath[LANES];           /* how much lower than now the body passed the post, or passes it before it leaves the cell */
 	float centre[2][LANES], end[2][LANES], first[LANES], last[LANES], share[LANES];
 };
 
@@ -229,6 +230,52 @@ SOIL_INLINED void put_slides(const struct soil_form *f, enum soil_form_kind kind
 	}
 }
 
+/* A way in plan of the motion: its direction, and how the body rose along it. */
+struct course {
+	float x, y, rise;
+};
+
+SOIL_INLINED struct course course_of(const struct soil_form *f)
+{
+	const float by = f->passes[0] > 0 ? 1 / most(f->passes[0], 1e-9f) : 0;
+	return (struct course){f->way[0] * by, f->way[1] * by, clamped(f->way[2] * by, -1, 1)};
+}
+
+/* Of a form that is known at posts alone: how much lower than now it passed a post. A body that is not flat may pass its lowest place within the
+ * cell, after the post. */
+SOIL_INLINED void put_beneath(const struct soil_form *f, enum soil_form_kind kind, const struct lane_posts *p, struct block *l)
+{
+	const struct course course = course_of(f);
+	EACH_LANE {
+		struct face face = {.height = 0};
+		float bends[3];
+		face_at(f, kind, p->own[i], p->x[i], p->y[i], &face);
+		put_bends(f, kind, p->own[i], p->x[i], p->y[i], &face, bends);
+		const float leans = face.slope[0] * course.x + face.slope[1] * course.y - course.rise;
+		const float curved = bends[0] * course.x * course.x + 2 * bends[1] * course.x * course.y + bends[2] * course.y * course.y;
+		const bool within = (leans > 0) & (leans < curved * least(f->passes[0] + f->half_across, 2 * f->half_across));
+		const float later = either(within, 0.5f * leans * leans / most(curved, 1e-9f), 0);
+		l->beneath[i] = either(p->lowered[i] > 0, p->lowered[i], later);
+	}
+}
+
+/* Returns how much lower than now the body was above a place of a cell. Of a form that is known at posts alone: its lowest height goes on along the
+ * motion from the post, where it was lower before. */
+SOIL_INLINED float lower_at(const struct soil_form *f, enum soil_form_kind kind, const struct lane_posts *p, int i, const struct block *l, float x, float y,
+			    float *since)
+{
+	*since = f->passes[0];
+	if (knows_places(kind))
+		return lowered_at(f, kind, x, y, l->back[i], p->rise_x[i], since);
+	const struct course course = course_of(f);
+	struct face face = {.height = 0};
+	face_at(f, kind, p->own[i], x, y, &face);
+	const float dx = x - p->x[i], dy = y - p->y[i], along = dx * course.x + dy * course.y, aside = course.x * dy - course.y * dx;
+	const float leans = face.slope[0] * course.x + face.slope[1] * course.y - course.rise, across = course.x * p->slope_y[i] - course.y * p->slope_x[i];
+	const float lowest = p->height[i] - l->beneath[i] + course.rise * along + across * aside, lower = either(leans < 0, most(face.height - lowest, 0), 0);
+	return either(f->passes[0] > 0, lower, p->lowered[i]) * p->over[i];
+}
+
 /* The stored sinkage counts for the post's whole cell. Where the body bore at the motion's start, it has the shape of the lower envelope there
  * (printed). Else it is a flat rut, or the impression of a body that hardly moved (stamped). */
 SOIL_INLINED void put_memory(const struct soil_form *f, const struct lane_posts *p, struct block *l)
@@ -279,9 +326,8 @@ SOIL_INLINED void put_line(const struct soil_form *f, enum soil_form_kind kind, 
 			const float x = l->centre[0][i] + (float)(k - 1) * l->end[0][i], y = l->centre[1][i] + (float)(k - 1) * l->end[1][i];
 			const float rise = p->rise_x[i] * (x - p->x[i]) + p->rise_y[i] * (y - p->y[i]);
 			const float depth = l->depth[i] + p->height[i] + rise - height_at(f, kind, p->own[i], x, y);
-			float since, lower = p->lowered[i] * p->over[i];
-			if (knows_places(kind))
-				lower = lowered_at(f, kind, x, y, l->back[i], p->rise_x[i], &since);
+			float since;
+			const float lower = lower_at(f, kind, p, i, l, x, y, &since);
 			depths[k][i] = depth;
 			mosts[k][i] = depth + lower;
 		}
@@ -333,15 +379,14 @@ SOIL_INLINED void put_spots(const struct soil_form *f, enum soil_form_kind kind,
 		const float x = l->centre[0][i] + on * l->end[0][i], y = l->centre[1][i] + on * l->end[1][i];
 		const float rise = p->rise_x[i] * (x - p->x[i]) + p->rise_y[i] * (y - p->y[i]);
 		const float deep = l->depth[i] + p->height[i] + rise - height_at(f, kind, p->own[i], x, y);
-		float lower = p->lowered[i] * p->over[i], since = 0;
-		if (knows_places(kind))
-			lower = lowered_at(f, kind, x, y, l->back[i], p->rise_x[i], &since);
+		float since;
+		const float lower = lower_at(f, kind, p, i, l, x, y, &since);
 		spots->x[i] = x;
 		spots->y[i] = y;
 		spots->deep[i] = deep;
 		spots->most[i] = deep + lower;
 		/* Where the body was deeper before in its motion, its deepest pose sinks by less than the last one. */
-		spots->unloads[i] = either(lower > 0, 1, 0) * (knows_places(kind) ? least(since / most(f->passes[0], 1e-9f), 1) : 1);
+		spots->unloads[i] = either(lower > 0, 1, 0) * either(f->passes[0] > 0, least(since / most(f->passes[0], 1e-9f), 1), 1);
 		spots->part[i] = 0.25f * l->share[i] * (l->last[i] - l->first[i]); /* of two places, on a line from -1 to 1 */
 		const float later = ((x - p->x[i]) * f->by_way[0] + (y - p->y[i]) * f->by_way[1]) * l->lasts[i];
 		spots->touching[i] = l->slides[i] * most(lasted(p, i, l->passed[i]) - later, 0);
@@ -960,6 +1005,8 @@ SOIL_INLINED void bear(const struct soil_form *f, enum soil_form_kind kind, bool
 		if (!any_above(l.share, 0))
 			continue;
 		put_memory(f, p, &l);
+		if (!knows_places(kind))
+			put_beneath(f, kind, p, &l);
 		put_line(f, kind, p, &l);
 		if (asked)
 			memset(&all, 0, sizeof all);

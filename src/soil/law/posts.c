@@ -205,6 +205,28 @@ SOIL_INLINED int32_t ground_of(int32_t base, int32_t deposited, int64_t zero)
 	return (int32_t)(height < -far ? -far : height > far ? far : height);
 }
 
+/* Tells whether a mesh may bear on a post of a row, or is not higher above it than walk->above. A slope counts as at most 2; steeper ground is near. */
+static bool mesh_is_near(const struct walk *walk, const struct soil_form *form, const struct run *row, const double first[2], int64_t column)
+{
+	const float x = (float)(first[0] + (double)column * walk->step[0]), y = (float)(first[1] + (double)column * walk->step[1]);
+	const int32_t base = row->base[column];
+	if (base == BASE_NODATA)
+		return false;
+	const double rise = fmax(fabs((double)row->base[column + 1] - base), fabs((double)base - row->base[column - 1])) * lattice_base_metres(1);
+	const int64_t height = (int64_t)ground_of(base, row->deposited != NULL ? row->deposited[column] : 0, walk->zero) - walk->raised;
+	const float low = soil_cover_fine_low(form, x, y);
+	return low < 0.5f * FINE_NONE && (rise >= 2 * (double)form->spacing || (double)low <= lattice_offset_metres(height) + walk->above + 4 * walk->reach);
+}
+
+/* The same as cut_rim of a mesh. */
+static void cut_mesh(const struct walk *walk, const struct soil_form *form, const struct run *row, const double first[2], int64_t columns[2])
+{
+	while (columns[0] < columns[1] && !mesh_is_near(walk, form, row, first, columns[0]))
+		columns[0]++;
+	while (columns[0] < columns[1] && !mesh_is_near(walk, form, row, first, columns[1] - 1))
+		columns[1]--;
+}
+
 SOIL_INLINED void take(int32_t *restrict to, const int32_t *restrict from)
 {
 	for (int i = 0; i < POSTS_LANES; i++)
@@ -293,25 +315,6 @@ static void take_run(const struct soil_planes *planes, size_t at, size_t count, 
 	p->count += count;
 }
 
-/* Drops posts at the ends of a row of a mesh that surely neither bear nor are passed over. */
-static void cut_raster(const struct walk *walk, const struct soil_form *form, const struct run *row, const double first[2], int64_t columns[2])
-{
-	const double reach = (double)form->half_across + 0.5 * (double)form->spacing, fell = fmax((double)form->plunge, 0);
-	for (int end = 0; end < 2; end++)
-		while (columns[0] < columns[1]) {
-			const int64_t column = end == 0 ? columns[0] : columns[1] - 1;
-			const float x = (float)(first[0] + (double)column * walk->step[0]), y = (float)(first[1] + (double)column * walk->step[1]);
-			const int32_t base = row->base[column];
-			/* A slope counts as at most 2 here; where it is steeper, nothing is dropped. */
-			const double rise = fmax(fabs((double)row->base[column + 1] - base), fabs((double)base - row->base[column - 1])) * lattice_base_metres(1);
-			const int32_t height = ground_of(base, row->deposited != NULL ? row->deposited[column] : 0, walk->zero);
-			const double highest = lattice_offset_metres((int64_t)height - walk->raised) + fell + 4 * reach;
-			if (base != BASE_NODATA && (rise >= 2 * (double)form->spacing || (double)soil_cover_fine_low(form, x, y) <= highest))
-				break;
-			columns[end] += end == 0 ? 1 : -1;
-		}
-}
-
 static void take_rows(const struct soil_planes *planes, const struct soil_body *body, const struct soil_form *form, const struct walk *walk, struct soil_posts *p)
 {
 	const struct post_rect *below = &walk->below;
@@ -325,7 +328,7 @@ static void take_rows(const struct soil_planes *planes, const struct soil_body *
 		if (form->kind == FORM_RIM)
 			cut_rim(walk, body, form, &row, planes->width * (size_t)(planes->rect.y1 - planes->rect.y0), first, columns);
 		else if (form->kind == FORM_RASTER)
-			cut_raster(walk, form, &row, first, columns);
+			cut_mesh(walk, form, &row, first, columns);
 		const double place[2] = {first[0] + (double)columns[0] * walk->step[0], first[1] + (double)columns[0] * walk->step[1]};
 		if (columns[1] > columns[0])
 			take_run(planes, at + (size_t)columns[0], (size_t)(columns[1] - columns[0]), place, walk, p);
