@@ -48,6 +48,9 @@ const char *explain_each_of(enum plan_unit unit)
 		[PLAN_HOST_SINKAGE] = "a tile in memory that was borne on",
 		[PLAN_HOST_SHEAR] = "a tile in memory that was sheared",
 		[PLAN_HOST_DUG] = "a tile in memory that was dug",
+		[PLAN_WINDOW_POST] = "a post of the largest window",
+		[PLAN_WINDOW_SCRATCH] = "a byte of scratch memory for the largest window",
+		[PLAN_RESULT_POST] = "a post of blocks that slide",
 		[PLAN_WINDOW] = "a window",
 		[PLAN_MOVED] = "a window that it moved over",
 		[PLAN_BATCH] = "a batch of windows",
@@ -147,13 +150,13 @@ static void print_passes_of(const struct scene *scene, const struct passes *pass
 }
 
 /* A soil geom's contacts depend on the motion. */
-static void print_contacts(const double contacts[2], bool each)
+static void print_contacts(const double contacts[2], bool each, bool bearing)
 {
 	printf(": about %.3g", contacts[0]);
 	if (contacts[1] > 1.005 * contacts[0])
 		printf(" to %.3g", contacts[1]);
 	printf(" contacts a metre%s,\n    where it rolls without slip or slides on the level; more where it slips, sinks or turns back,\n"
-	       "    at most one a time step; a window or more at each over ground\n", each ? " each" : "");
+	       "    at most one a time step; %s at each over ground\n", each ? " each" : "", bearing ? "one window, on the CPU," : "a window or more");
 }
 
 /* Prints the sums of an object's passes, by what they are run for. */
@@ -217,12 +220,13 @@ static void print_object(const struct scene *scene, const struct passes *passes,
 	if (alike > 1)
 		printf(" and %zu like it", alike - 1);
 	if (contacts[1] > 0) {
-		print_contacts(contacts, alike > 1);
+		print_contacts(contacts, alike > 1, plan->bearing);
 	} else {
 		printf(": %s", layout_number(least).text);
 		if (most > least)
 			printf(" to %s", layout_number(most).text);
-		printf(" %s%s, a window or more each on ground\n", most == 1 ? "path sample" : "path samples", alike > 1 ? " each" : "");
+		printf(" %s%s, %s on ground\n", most == 1 ? "path sample" : "path samples", alike > 1 ? " each" : "",
+		       plan->bearing ? "one window each, on the CPU," : "a window or more each");
 	}
 	if (all) {
 		print_passes_of(scene, passes, (int)first);
@@ -264,18 +268,22 @@ static void print_all_passes(const struct scene *scene, const struct report_plan
 	mem_free(passes.next);
 }
 
+/* The passes of kinematic models are listed by body. Bearing soil has bodies, and may have no pass. */
+static void print_section(const struct scene *scene, const struct report_plan *plan, bool all)
+{
+	const bool passes = explain_count(&plan->plan, PLAN_PASS) > 0, bodies = plan->body_count > 0 && (plan->bearing || !all);
+	if (!passes && !bodies)
+		return;
+	printf("\n%s%s%s\n", bodies ? "bodies" : "", bodies && passes ? ", and " : "", passes ? "passes" : "");
+	print_all_passes(scene, plan, all);
+}
+
 void explain_passes_text(const struct scene *scene, const struct report_plan *plan)
 {
-	if (explain_count(&plan->plan, PLAN_PASS) == 0)
-		return;
-	puts("\npasses");
-	print_all_passes(scene, plan, true);
+	print_section(scene, plan, true);
 }
 
 void explain_bodies_text(const struct scene *scene, const struct report_plan *plan)
 {
-	if (explain_count(&plan->plan, PLAN_PASS) == 0)
-		return;
-	puts(plan->body_count > 0 ? "\nbodies, and passes" : "\npasses");
-	print_all_passes(scene, plan, false);
+	print_section(scene, plan, false);
 }

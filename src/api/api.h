@@ -140,7 +140,7 @@ struct api_result {
  * - slide or shed: blocks of 32 x 32 posts, each interval. `possible` has all blocks of the tiles touched so far.
  * - pyramid, with a view: coarser tiles brought up to date, each step. `possible` has the resident ones.
  * - draw, with a view: tiles drawn with an offset, each frame. `possible` has all drawn tiles.
- * - slots, always: slots for which planes were made. `possible` has all slots.
+ * - slots, always: slots for which planes were made. `possible` has all slots. Of bearing soil: tiles in memory at the end.
  *
  * The entries for windows and blocks do not depend on paging. All others may differ from drive to drive. The windows visited
  * may differ too, where soil moves and an object rises from it. That depends on when the flags of the GPU arrive. Normals have
@@ -148,7 +148,7 @@ struct api_result {
  *
  * "counts" agrees with the lines of the plan (base/plan.h). Each count is the sum of amounts times "units". Units are listed by
  * object or by table, where the lines are. A unit of memory (base_slot to ring) is the largest number that ever existed at
- * once, since none is freed before the end.
+ * once, since none is freed before the end. "bytes" are those of the GPU, and with bearing soil those of tiles and windows in host memory too.
  *
  * Counted from the start of the process: programs, textures, bytes, threads, units of memory, and the store's work (statements,
  * "loaded" to "epoch"). Counted from the first step: passes and the other units. "threads" ran when the last step was over.

@@ -56,7 +56,7 @@ void bearing_destroy(struct bearing *bearing)
 	if (bearing == NULL)
 		return;
 	for (size_t i = 0; i < bearing->region_count; i++)
-		mem_free(bearing->regions[i].offset);
+		bearing_region_finish(bearing, &bearing->regions[i]);
 	mem_free(bearing->regions);
 	soil_block_set_finish(&bearing->active);
 	soil_block_set_finish(&bearing->next);

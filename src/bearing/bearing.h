@@ -87,4 +87,17 @@ void bearing_tally(const struct bearing *bearing, struct deform_tally *tally);
 /* Goes back to an earlier tally, and makes every block inactive. */
 void bearing_restore(struct bearing *bearing, const struct deform_tally *tally);
 
+/* --- memory --- */
+
+/* What was allocated so far: the most that existed at once. */
+struct bearing_figures {
+	uint64_t window_posts;  /* posts for which the window has room */
+	uint64_t scratch_bytes; /* beside it */
+	uint64_t result_posts;  /* posts of regions that wait to be put back */
+	uint64_t bytes;         /* of all three, and of what is made at the start. Without what soil_work allocates. */
+};
+void bearing_figures(const struct bearing *bearing, struct bearing_figures *figures);
+/* Adds the plan's lines of planes, and of the memory that bearing_figures tells. Ignores gpu, slots and extent. Pure. */
+void bearing_plan(const struct deform_params *params, struct plan *plan);
+
 #endif

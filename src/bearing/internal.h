@@ -39,7 +39,7 @@ struct bearing {
 	int64_t around;              /* posts around what a contact reached in which soil may slide */
 	struct soil_work *work;
 	struct bearing_window window;
-	int32_t *standing;           /* for each loaded body: its equilibrium height above its pose */
+	int32_t *standing;           /* for each loaded body (params.loaded_bodies of them): its equilibrium height above its pose */
 	struct soil_block_set active;
 	struct deform_tally tally;
 	/* The interval that is under way. */
@@ -48,6 +48,7 @@ struct bearing {
 	struct bearing_region *regions;
 	size_t region_count, region_room;
 	struct soil_block_set next;  /* blocks that stay active */
+	uint64_t results, results_most; /* posts of regions that wait to be put back: now, and at most */
 };
 
 /* Returns a rectangle around both; one that is empty does not count. */
@@ -60,5 +61,9 @@ static inline struct post_rect bearing_joined(struct post_rect a, struct post_re
 /* Makes room for a window of these posts, with room for sliding and laying in it. */
 enum status bearing_window_need(struct bearing *bearing, struct post_rect rect) FURROW_CHECKED;
 void bearing_window_finish(struct bearing_window *window);
+
+/* interval.c */
+/* Frees the result of a region, if it has one. */
+void bearing_region_finish(struct bearing *bearing, struct bearing_region *region);
 
 #endif

@@ -14,10 +14,23 @@ static struct post_rect posts_of(struct post_rect blocks)
 	return (struct post_rect){blocks.x0 * SOIL_BLOCK, blocks.y0 * SOIL_BLOCK, blocks.x1 * SOIL_BLOCK, blocks.y1 * SOIL_BLOCK};
 }
 
+static uint64_t posts_in(struct post_rect rect)
+{
+	return (uint64_t)(rect.x1 - rect.x0) * (uint64_t)(rect.y1 - rect.y0);
+}
+
+void bearing_region_finish(struct bearing *bearing, struct bearing_region *region)
+{
+	if (region->offset != NULL)
+		bearing->results -= posts_in(region->writes);
+	mem_free(region->offset);
+	region->offset = region->deposited = NULL;
+}
+
 static void finish_regions(struct bearing *bearing)
 {
 	for (size_t i = 0; i < bearing->region_count; i++)
-		mem_free(bearing->regions[i].offset);
+		bearing_region_finish(bearing, &bearing->regions[i]);
 	bearing->region_count = 0;
 }
 
@@ -155,6 +168,8 @@ enum status bearing_interval_slide(struct bearing *bearing, size_t number)
 	if (region->offset == NULL)
 		return fail_memory("relaxation");
 	region->deposited = region->offset + width * height;
+	bearing->results += posts_in(region->writes);
+	bearing->results_most = bearing->results > bearing->results_most ? bearing->results : bearing->results_most;
 	for (size_t row = 0; row < height; row++) {
 		const size_t at = ((size_t)(region->writes.y0 - planes->rect.y0) + row) * planes->width + (size_t)(region->writes.x0 - planes->rect.x0);
 		memcpy(region->offset + row * width, planes->offset + at, width * sizeof *region->offset);
@@ -176,8 +191,7 @@ enum status bearing_interval_scatter(struct bearing *bearing, size_t number, con
 	}
 	if (status == STATUS_OK)
 		resident_host_scatter(bearing->slots, slots, count, &from, region->writes, planes);
-	mem_free(region->offset);
-	region->offset = region->deposited = NULL;
+	bearing_region_finish(bearing, region);
 	return status;
 }
 

@@ -67,7 +67,7 @@ static enum status need_scratch(struct bearing *bearing, size_t bytes, size_t wo
 enum status bearing_window_need(struct bearing *bearing, struct post_rect rect)
 {
 	struct bearing_window *window = &bearing->window;
-	const size_t width = (size_t)(rect.x1 - rect.x0), height = (size_t)(rect.y1 - rect.y0), posts = width * height;
+	const size_t width = (size_t)(rect.x1 - rect.x0), height = (size_t)(rect.y1 - rect.y0), posts = aligned(width * height);
 	if (posts > window->posts) {
 		mem_free(window->memory);
 		window->posts = 0;

@@ -338,6 +338,8 @@ enum status deform_interval_end(struct deform *deform) FURROW_CHECKED;
  */
 void deform_plan(const struct deform_params *params, const struct deform_planned *objects, size_t count, bool forces,
 		 struct plan *plan);
+/* Adds the lines of the planes alone, each with the effect that needs it. deform_plan calls it. Pure. */
+void deform_plan_planes(const struct deform_params *params, struct plan *plan);
 /* Counts of deform's work. Layers: the largest number that existed at once, without the layers of atlases. The others: draws since
  * the start, without those of deform_warm. */
 struct deform_figures {

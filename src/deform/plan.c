@@ -25,7 +25,7 @@ void deform_plan_buffer(struct plan *plan, const char *effect, int64_t amount, u
 		 name);
 }
 
-static void plan_planes(const struct deform_params *params, struct plan *plan)
+void deform_plan_planes(const struct deform_params *params, struct plan *plan)
 {
 	unsigned planes = deform_planes(params->model, params->disturbance, params->slip_sinkage > 0);
 	for (int plane = 0; plane < PLANES; plane++)
@@ -139,7 +139,7 @@ void deform_plan(const struct deform_params *params, const struct deform_planned
 	struct any any = {.facets = NULL};
 	if (count == 0)
 		return;
-	plan_planes(params, plan);
+	deform_plan_planes(params, plan);
 	for (size_t i = 0; i < count; i++) {
 		deform_programs_each(params, &objects[i], forces, add_program, plan);
 		plan_windows(params, &objects[i], (int)i, plan);

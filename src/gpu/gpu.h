@@ -343,6 +343,9 @@ enum gpu_division { GPU_UNDIVIDED, GPU_DIVIDED, GPU_DIVIDED_RELIEF };
 void gpu_slots_plan(uint32_t cells, unsigned planes, bool classes, bool numbers,
 		    enum gpu_division division, bool arrays, bool decimates, const char *effect,
 		    struct plan *plan);
+/* The same of slots that mirror tiles in host memory, for pictures. `planes`: those of the tiles; only drawn ones have textures. classes_effect: the
+ * effect that draws classes; NULL: none are drawn. `effect`: what draws pictures. Pure. */
+void gpu_slots_plan_mirror(uint32_t cells, unsigned planes, const char *classes_effect, const char *effect, struct plan *plan);
 /* Links all programs that these slots can run. */
 enum status gpu_slots_warm(struct gpu_slots *slots, enum gpu_division division,
 			   bool decimates) FURROW_CHECKED;

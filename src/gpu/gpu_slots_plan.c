@@ -91,6 +91,20 @@ void gpu_slots_plan(uint32_t cells, unsigned planes, bool classes, bool numbers,
 					   .bytes = GPU_RING_BYTES}, "parameters");
 }
 
+void gpu_slots_plan_mirror(uint32_t cells, unsigned planes, const char *classes_effect, const char *effect, struct plan *plan)
+{
+	const uint64_t posts = (uint64_t)(cells + 1) * (cells + 1);
+	add_texture(plan, effect, PLAN_BASE_SLOT, posts * sizeof(int32_t), "base");
+	if (classes_effect != NULL)
+		add_texture(plan, classes_effect, PLAN_CLASS_SLOT, posts, "classes");
+	for (int plane = 0; plane < PLANES; plane++)
+		if (planes & GPU_DRAWN_PLANES & PLANE_BIT(plane))
+			add_texture(plan, plane == PLANE_DISTURBANCE ? "dirt" : effect, PLAN_DEFORM_SLOT, posts * plane_bytes((enum plane)plane),
+				    plane_name((enum plane)plane));
+	plan_add(plan, &(struct plan_line){.kind = PLAN_BUFFER, .unit = PLAN_RING, .effect = effect, .object = -1, .amount = 1, .bytes = GPU_RING_BYTES},
+		 "parameters");
+}
+
 enum status gpu_slots_warm(struct gpu_slots *slots, enum gpu_division division, bool decimates)
 {
 	struct gpu *gpu = gpu_slots_gpu(slots);

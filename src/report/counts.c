@@ -35,6 +35,34 @@ static void add_unit(cJSON *units, enum plan_unit unit, uint64_t count)
 	json_integer(units, plan_unit_name(unit), (int64_t)count);
 }
 
+/* Tiles in host memory, and the memory of bearing soil; all are 0 where the home of pages is the GPU. */
+static void add_host_units(cJSON *units, const struct report *report)
+{
+	struct resident_host_figures host = {.bases = 0};
+	struct bearing_figures bearing = {.window_posts = 0};
+	if (report->world->host != NULL)
+		resident_host_figures(report->world->host, &host);
+	if (report->world->bearing != NULL)
+		bearing_figures(report->world->bearing, &bearing);
+	add_unit(units, PLAN_HOST_BASE, host.bases);
+	add_unit(units, PLAN_HOST_CLASSES, host.classes);
+	add_unit(units, PLAN_HOST_NUMBERS, host.levels);
+	for (int plane = 0; plane < PLANES; plane++)
+		add_unit(units, (enum plan_unit)(PLAN_HOST_OFFSET + plane), host.planes[plane]);
+	add_unit(units, PLAN_WINDOW_POST, bearing.window_posts);
+	add_unit(units, PLAN_WINDOW_SCRATCH, bearing.scratch_bytes);
+	add_unit(units, PLAN_RESULT_POST, bearing.result_posts);
+}
+
+/* Returns all bytes that plans have lines of: textures and buffers of the GPU, and memory in the place of slots. */
+static uint64_t all_bytes(const struct report *report, const struct gpu_stats *gpu, const struct resident_pages_io *io)
+{
+	struct bearing_figures bearing = {.bytes = 0};
+	if (report->world->bearing != NULL)
+		bearing_figures(report->world->bearing, &bearing);
+	return gpu->bytes + bearing.bytes + (report->world->host != NULL ? io->host_bytes : 0);
+}
+
 static void add_memory_units(cJSON *units, const struct report *report, const struct gpu_stats *gpu, const struct resident_pages_io *io,
 			     const struct gpu_slots_figures *slots, const struct deform_figures *deform)
 {
@@ -53,6 +81,7 @@ static void add_memory_units(cJSON *units, const struct report *report, const st
 	add_unit(units, PLAN_RESULT_LAYER, deform->result_layers);
 	add_unit(units, PLAN_PROBED, deform->probed);
 	add_unit(units, PLAN_RING, gpu->ring_segments);
+	add_host_units(units, report);
 }
 
 static void add_object_units(cJSON *units, const struct report *report)
@@ -144,7 +173,7 @@ void report_counts(cJSON *root, const struct report *report, const struct gpu_st
 	gpu_programs_each(report->world->gpu, add_program, cJSON_AddArrayToObject(counts, "programs"));
 	json_integer(counts, "unplanned", gpu->unplanned);
 	json_integer(counts, "textures", gpu->textures);
-	json_integer(counts, "bytes", (int64_t)gpu->bytes);
+	json_integer(counts, "bytes", (int64_t)all_bytes(report, gpu, io));
 	json_integer(counts, "threads", report->threads);
 	cJSON *passes = cJSON_AddObjectToObject(counts, "passes");
 	for (int stage = 0; stage < GPU_STAGES; stage++)

@@ -92,6 +92,13 @@ static enum status plan_view(const struct world *world, bool planes, struct repo
 	return STATUS_OK;
 }
 
+/* Returns the effect that draws classes of soil; NULL: nothing does. */
+static const char *drawn_classes_effect(const struct scene *scene)
+{
+	const bool ground = scene->view.effects & EFFECT_BIT(EFFECT_SPLAT);
+	return scene_draws_classes(scene) ? scene_effect_row(ground ? EFFECT_SPLAT : EFFECT_CAMERAS)->name : NULL;
+}
+
 static enum status plan_lines(const struct world *world, struct report_plan *out)
 {
 	struct plan *plan = &out->plan;
@@ -104,7 +111,11 @@ static enum status plan_lines(const struct world *world, struct report_plan *out
 	enum status status = plan_bodies(world, out);
 	/* Its planes come first: the effect that needs the offset is the one that deforms tiles. */
 	const char *effect = plan->count > 0 ? plan->lines[0].effect : NULL;
-	gpu_slots_plan(cells, planes, classes, numbers, world_division(world), world_computes_together(world), decimates, effect, plan);
+	const char *picture = scene_effect_row(EFFECT_PICTURE)->name;
+	if (!world_is_bearing(world))
+		gpu_slots_plan(cells, planes, classes, numbers, world_division(world), world_computes_together(world), decimates, effect, plan);
+	else if (scene->view.present)
+		gpu_slots_plan_mirror(cells, planes, drawn_classes_effect(scene), picture, plan);
 	if (scene->view.present) {
 		if (status == STATUS_OK)
 			status = plan_view(world, planes != 0, out);
@@ -275,6 +286,7 @@ static enum status describe(struct world *world, struct report_plan *out)
 	out->tiles = report_tiles_of(world, &most);
 	out->usable = world->limits.usable;
 	out->all = world->limits.all;
+	out->bearing = world_is_bearing(world);
 	out->window_tiles = world->windows.tiles;
 	out->steps = (int64_t)world_steps_until(scene, scene->end_time);
 	out->picture_steps = scene->view.present ? scene->view.images : 0;

@@ -145,11 +145,31 @@ void report_usable(cJSON *memory, const struct mem_usable *usable)
 	cJSON_AddStringToObject(object, "of", usable->of);
 }
 
+/* Returns the bytes of tiles in slots, wherever these are. A mirror for pictures does not count. */
+static struct gpu_slots_bytes slot_bytes(const struct world *world)
+{
+	struct gpu_slots_bytes bytes;
+	struct resident_host_in_slots in;
+	if (world->host == NULL) {
+		gpu_slots_bytes(world->slots, &bytes);
+		return bytes;
+	}
+	resident_host_in_slots(world->host, &in);
+	bytes = (struct gpu_slots_bytes){.base = in.base_bytes, .classes = in.class_bytes, .numbers = in.level_bytes};
+	for (int plane = 0; plane < PLANES; plane++)
+		bytes.planes[plane] = in.plane_bytes[plane];
+	return bytes;
+}
+
+static unsigned slot_planes(const struct world *world)
+{
+	return world->host != NULL ? resident_host_planes(world->host) : gpu_slots_planes(world->slots);
+}
+
 static void add_memory(cJSON *root, const struct report *report, const struct gpu_stats *gpu,
 		       const struct resident_pages_io *io)
 {
-	struct gpu_slots_bytes planes;
-	gpu_slots_bytes(report->world->slots, &planes);
+	const struct gpu_slots_bytes planes = slot_bytes(report->world);
 	cJSON *memory = cJSON_AddObjectToObject(root, "memory");
 	json_integer(memory, "rss_peak", (int64_t)mem_peak_resident());
 	json_integer(memory, "gpu_bytes", (int64_t)gpu->bytes);
@@ -168,7 +188,7 @@ static void add_memory(cJSON *root, const struct report *report, const struct gp
 	if (planes.numbers > 0)
 		json_integer(bytes, "numbers", (int64_t)planes.numbers);
 	for (int plane = 0; plane < PLANES; plane++)
-		if (gpu_slots_planes(report->world->slots) & PLANE_BIT(plane))
+		if (slot_planes(report->world) & PLANE_BIT(plane))
 			json_integer(bytes, plane_name(plane), (int64_t)planes.planes[plane]);
 	json_integer(root, "programs", gpu->programs);
 }

@@ -26,6 +26,12 @@ static void add_windows(cJSON *where, const struct report *report, const struct 
 static void add_slots(cJSON *where, const struct report *report)
 {
 	struct gpu_slots_figures slots;
+	struct resident_host_in_slots in;
+	if (report->world->host != NULL) {
+		resident_host_in_slots(report->world->host, &in);
+		add(where, "slots", in.deformed, in.bases);
+		return;
+	}
 	gpu_slots_figures(report->world->slots, &slots);
 	add(where, "slots", slots.deform_slots, slots.base_slots);
 }

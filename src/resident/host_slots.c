@@ -101,6 +101,28 @@ void resident_host_figures(struct host_slots *slots, struct resident_host_figure
 	}
 }
 
+void resident_host_in_slots(const struct host_slots *slots, struct resident_host_in_slots *in)
+{
+	*in = (struct resident_host_in_slots){.bases = 0};
+	for (uint32_t i = 0; i < slots->count; i++) {
+		const struct host_tile *tile = &slots->entries[i].tile;
+		bool deformed = false;
+		in->bases += tile->base != NULL;
+		in->classes += tile->classes != NULL;
+		in->levels += tile->levels != NULL;
+		for (int plane = 0; plane < PLANES; plane++) {
+			in->planes[plane] += host_tile_plane(slots, tile, plane) != NULL;
+			deformed = deformed || host_tile_plane(slots, tile, plane) != NULL;
+		}
+		in->deformed += deformed;
+	}
+	in->base_bytes = in->bases * slots->posts * sizeof(int32_t);
+	in->class_bytes = in->classes * slots->posts;
+	in->level_bytes = in->levels * slots->posts * PAGES_NUMBER_BYTES;
+	for (int plane = 0; plane < PLANES; plane++)
+		in->plane_bytes[plane] = in->planes[plane] * slots->posts * plane_bytes((enum plane)plane);
+}
+
 static void add(struct plan *plan, const char *effect, enum plan_unit unit, uint64_t bytes, const char *name)
 {
 	char line[64];
@@ -115,10 +137,15 @@ void resident_host_plan(uint32_t cells, unsigned planes, const char *classes_eff
 	planes |= planes != 0 ? PLANE_BIT(PLANE_OFFSET) : 0;
 	plan_add(plan, &(struct plan_line){.kind = PLAN_PLANE, .object = -1, .amount = 1, .bytes = sizeof(int32_t)}, "base");
 	add(plan, NULL, PLAN_HOST_BASE, posts * sizeof(int32_t), "base");
-	if (classes_effect != NULL)
+	if (classes_effect != NULL) {
+		plan_add(plan, &(struct plan_line){.kind = PLAN_PLANE, .effect = classes_effect, .object = -1, .amount = 1, .bytes = 1}, "classes");
 		add(plan, classes_effect, PLAN_HOST_CLASSES, posts, "classes");
-	if (levels_effect != NULL)
+	}
+	if (levels_effect != NULL) {
+		plan_add(plan, &(struct plan_line){.kind = PLAN_PLANE, .effect = levels_effect, .object = -1, .amount = 1, .bytes = PAGES_NUMBER_BYTES},
+			 "numbers");
 		add(plan, levels_effect, PLAN_HOST_NUMBERS, posts * PAGES_NUMBER_BYTES, "numbers");
+	}
 	for (int plane = 0; plane < PLANES; plane++)
 		if (planes & PLANE_BIT(plane))
 			add(plan, effects[plane], (enum plan_unit)(PLAN_HOST_OFFSET + plane), posts * plane_bytes((enum plane)plane),

@@ -266,6 +266,13 @@ struct resident_host_figures {
 	uint64_t decimated; /* decimations of a deformed tile */
 };
 void resident_host_figures(struct host_slots *slots, struct resident_host_figures *figures);
+/* How many tiles in slots have a base, classes, levels and planes now, and their bytes. A plane that a slot shares with a commit counts, too. */
+struct resident_host_in_slots {
+	uint64_t bases, classes, levels, planes[PLANES];
+	uint64_t deformed; /* tiles that have any plane */
+	uint64_t base_bytes, class_bytes, level_bytes, plane_bytes[PLANES];
+};
+void resident_host_in_slots(const struct host_slots *slots, struct resident_host_in_slots *in);
 /* Adds the plan's lines of host slots, and of images of pages, with these planes (0: nothing is deformed). Their units are PLAN_HOST_BASE and
  * those after it. An effect NULL of classes or levels: there are none. `effects`: what needs each plane. resident_pages_plan calls it. Pure. */
 void resident_host_plan(uint32_t cells, unsigned planes, const char *classes_effect, const char *levels_effect,

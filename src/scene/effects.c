@@ -34,7 +34,7 @@ static const struct effect_row rows[EFFECT_COUNT] = {
 		"at most an eighth of a difference, and 4 m, an iteration; at most 16,384 blocks of 32 x 32 posts awake at once",
 		"slides soil down what is too steep to stand"},
 	[EFFECT_SLIP] = {
-		"slip", "redistribute.slip_sinkage", "SLIP", LIST("deform/scm.frag"), "heaped, dug", "heaped, dug", 0,
+		"slip", "redistribute.slip_sinkage", "", NONE, "heaped, dug", "heaped, dug", 0,
 		LIST("redistribute.slip_sinkage", "soil.janosi_shear", "objects[].slip"),
 		"at most slip_sinkage x janosi_shear in all contacts with a post; nothing without slip",
 		"digs where a body slips, and lays that around"},
@@ -43,7 +43,7 @@ static const struct effect_row rows[EFFECT_COUNT] = {
 		"at most 16 soils, the default among them; the raster's file at most 1 GiB",
 		"reads which soil each post is of"},
 	[EFFECT_SOIL_RASTERS] = {
-		"soil_rasters", "soil.rasters", "SOIL_RASTERS", LIST("lib/soil.glsl"), "numbers", "numbers", 0, LIST("soil.rasters"),
+		"soil_rasters", "soil.rasters", "", NONE, "numbers", "numbers", 0, LIST("soil.rasters"),
 		"at most 4 rasters of 1 GiB each, with 255 levels between a raster's least and greatest value; slides go by the class",
 		"reads numbers of the soil at each post"},
 	[EFFECT_MESH] = {
@@ -57,11 +57,11 @@ static const struct effect_row rows[EFFECT_COUNT] = {
 		"at most 128 grousers, as high as the wheel's radius",
 		"finds the lower envelope of a wheel's grousers"},
 	[EFFECT_LOAD] = {
-		"load", "objects.load", "", LIST("deform/scm_find.comp"), STATE, "height", 1, LIST("objects[].load"),
-		"the object fits one window, and sinks no deeper than it is high",
+		"load", "objects.load", "", NONE, STATE, "height", 1, LIST("objects[].load"),
+		"the object sinks no deeper than it is high",
 		"finds how deep the soil carries a load"},
 	[EFFECT_FORCES] = {
-		"forces", "output.forces", "FORCES", LIST("deform/scm.frag"), STATE, "forces", 1,
+		"forces", "output.forces", "", NONE, STATE, "forces", 1,
 		LIST("output.forces", "output.delay"),
 		"a post bears at most 134 MPa, in steps of a sixteenth of a pascal",
 		"sums the soil's forces on each object"},

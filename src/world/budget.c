@@ -33,14 +33,16 @@ static size_t window_tiles(const struct world *world, const struct deform_params
 	struct deform_contact contact = {.shape = &around, .from = {.x = x, .y = y}, .to = {.x = x + post, .y = y + post}};
 	struct deform_window windows[DEFORM_WINDOWS_MAX];
 	struct post_rect all = {0, 0, DEFORM_WINDOW_POSTS, DEFORM_WINDOW_POSTS};
+	const bool whole = world_is_bearing(world); /* all windows are one */
 	size_t count;
 	/* The sphere may need too many windows. The object is smaller, and no window of it is larger than a full one. */
 	if (deform_cut(params, &contact, windows, &count) == STATUS_OK && count > 0) {
 		const struct post_rect *first = &windows[0].read, *last = &windows[count - 1].read;
 		all = (struct post_rect){first->x0, first->y0, last->x1, last->y1};
 	}
-	return tiles_across(at_most(all.x1 - all.x0), extent->cells, extent_tiles_x(extent, world->level)) *
-	       tiles_across(at_most(all.y1 - all.y0), extent->cells, extent_tiles_y(extent, world->level));
+	const int64_t width = all.x1 - all.x0, height = all.y1 - all.y0;
+	return tiles_across(whole ? width + 1 : at_most(width), extent->cells, extent_tiles_x(extent, world->level)) *
+	       tiles_across(whole ? height + 1 : at_most(height), extent->cells, extent_tiles_y(extent, world->level));
 }
 
 /* Returns how many tiles a block may write at once. It reads at most four at a time, so reading needs no more slots. */
@@ -156,6 +158,18 @@ static uint64_t kept_bytes(const struct world *world)
 	       world->limits.queries * resident_newest_tile_bytes(world->meta->extent.cells);
 }
 
+/* Returns the bytes of the GPU's slots that mirror tiles in host memory for pictures. */
+static uint64_t mirror_bytes(const struct world *world)
+{
+	const uint64_t side = tile_posts(&world->meta->extent);
+	if (!world_is_bearing(world) || !(world->scene->view.present || world->params.draws))
+		return 0;
+	uint64_t post = sizeof(int32_t) + (scene_draws_classes(world->scene) ? 1 : 0);
+	for (int plane = 0; plane < PLANES; plane++)
+		post += world_planes(world) & GPU_DRAWN_PLANES & PLANE_BIT(plane) ? plane_bytes((enum plane)plane) : 0;
+	return world->limits.slots * side * side * post;
+}
+
 uint64_t world_queue_bytes(const struct world *world, const struct pages_params *params)
 {
 	const uint64_t usable = world->limits.usable.bytes;
@@ -163,7 +177,7 @@ uint64_t world_queue_bytes(const struct world *world, const struct pages_params 
 	if (usable == 0)
 		return 0;
 	resident_pages_budget(params, world->meta->extent.cells, &others);
-	const uint64_t taken = others.slots + others.loads + others.ground + kept_bytes(world);
+	const uint64_t taken = others.slots + mirror_bytes(world) + others.loads + others.ground + kept_bytes(world);
 	return usable > taken + 1 ? (usable - taken) / 2 : 1;
 }
 
@@ -172,5 +186,6 @@ void world_budget(const struct world *world, struct resident_pages_budget *budge
 	struct pages_params params;
 	world_pages_params(world, &params);
 	resident_pages_budget(&params, world->meta->extent.cells, budget);
+	budget->slots += mirror_bytes(world);
 	budget->ground += kept_bytes(world);
 }

@@ -294,9 +294,11 @@ static enum status bearing_contact_at(struct world *world, const struct event *e
 	if (status != STATUS_OK)
 		return status;
 	world_forces_came(world->forces, &done.forces);
-	world_count_windows(body, contact, 1);
+	/* What a body does not touch it does not change. */
+	const size_t computed = world->params.everywhere || !post_rect_empty(done.changed);
+	world_count_windows(body, contact, computed);
 	world->windows.due++;
-	world->windows.computed++;
+	world->windows.computed += computed;
 	return world_tell_contact_ended(world);
 }
 

@@ -191,8 +191,6 @@ enum status world_set_down(struct world *world, struct body *body, int64_t sampl
 
 /* --- surface.c: kinematic models (deform) and bearing soil (bearing) behind one face --- */
 
-/* Returns true if the scene's soil bears: it is computed on the CPU. */
-bool world_is_bearing(const struct world *world);
 /* Makes world->deform or world->bearing, if bodies change the ground. */
 enum status world_surface_create(struct world *world, const struct deform_params *params) FURROW_CHECKED;
 void world_surface_destroy(struct world *world);

@@ -353,7 +353,10 @@ enum status world_plan_deform(const struct world *world, const struct soil_shape
 	for (size_t i = 0; i < count; i++)
 		objects[scene->object_count + i] = world_planned_host(added[i]);
 	world_deform_params(world, &params);
-	deform_plan(&params, objects, all, scene->forces > 0 && world->params.rows, plan);
+	if (world_is_bearing(world))
+		bearing_plan(&params, plan);
+	else
+		deform_plan(&params, objects, all, scene->forces > 0 && world->params.rows, plan);
 	mem_free(objects);
 	return STATUS_OK;
 }
@@ -374,6 +377,7 @@ void world_plan_pages(const struct world *world, struct plan *plan)
 		.classes = world_needs_soil_map(scene),
 		.numbers = world_needs_rasters(scene),
 		.picture = scene->view.present,
+		.host = world_is_bearing(world),
 		.loaders_effect = scene_effect_row(EFFECT_LOADERS)->name,
 		.classes_effect = scene_effect_row(EFFECT_SOIL_MAP)->name,
 		.numbers_effect = scene_effect_row(EFFECT_SOIL_RASTERS)->name,

@@ -51,7 +51,7 @@ const struct relief *world_relief(const struct world *world)
 enum gpu_division world_division(const struct world *world)
 {
 	const struct relief *relief = world_relief(world);
-	if (world->level >= 0)
+	if (world->level >= 0 || world_is_bearing(world)) /* tiles in host memory get their base there */
 		return GPU_UNDIVIDED;
 	if (relief == NULL)
 		return GPU_DIVIDED;

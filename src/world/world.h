@@ -653,6 +653,8 @@ unsigned world_planes(const struct world *world);
 /* Returns the effects that run over this store, as scene_effects does. Where all tiles have a slot, nothing is loaded ahead. Where earlier drives
  * deformed the ground, slip may have dug there. */
 uint64_t world_effects(const struct world *world);
+/* Returns true if the scene's soil bears: it is computed on the CPU, and pages have their home in host memory. */
+bool world_is_bearing(const struct world *world);
 bool world_computes_together(const struct world *world); /* contacts of several bodies, whose passes read and write tiles, so the slots lie in arrays */
 const struct relief *world_relief(const struct world *world); /* returns what raises the ground below level 0; NULL: nothing */
 enum gpu_division world_division(const struct world *world);  /* returns how tiles below level 0 get their base */

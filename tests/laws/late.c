@@ -82,7 +82,7 @@ static void however_late_flags_come_rows_are_the_same(void **unused)
 	(void)unused;
 	write_poses("fly.csv", &(struct hops){flat, 1, 40, 61, 20, 0.3, 0.25, -0.05, 0.06, 1, 3, false});
 	for (int over = 0; over < 2; over++) /* over ground that slippage left, and over fresh ground */
-		for (int m = 2; m < MODELS; m++) {
+		for (int m = 2; m < MODELS - 1; m++) { /* of scm the GPU sends nothing */
 			const char *first = over == 0 ? scene_of("first.yaml", 3, digs) : NULL;
 			const char *scene = scene_of("late.yaml", m, rolls);
 			const uint64_t at_once = rows_of(scene, first, 0);
