@@ -49,7 +49,7 @@ const char *explain_each_of(enum plan_unit unit)
 		[PLAN_HOST_SHEAR] = "a tile in memory that was sheared",
 		[PLAN_HOST_DUG] = "a tile in memory that was dug",
 		[PLAN_WINDOW_POST] = "a post of the largest window",
-		[PLAN_WINDOW_SCRATCH] = "a byte of scratch memory for the largest window",
+		[PLAN_WINDOW_SCRATCH] = "a byte of scratch memory beside it",
 		[PLAN_RESULT_POST] = "a post of blocks that slide",
 		[PLAN_WINDOW] = "a window",
 		[PLAN_MOVED] = "a window that it moved over",
@@ -268,13 +268,13 @@ static void print_all_passes(const struct scene *scene, const struct report_plan
 	mem_free(passes.next);
 }
 
-/* The passes of kinematic models are listed by body. Bearing soil has bodies, and may have no pass. */
+/* Bearing soil has bodies, and may have no pass. With --all, passes are listed by body. */
 static void print_section(const struct scene *scene, const struct report_plan *plan, bool all)
 {
-	const bool passes = explain_count(&plan->plan, PLAN_PASS) > 0, bodies = plan->body_count > 0 && (plan->bearing || !all);
-	if (!passes && !bodies)
+	const bool passes = explain_count(&plan->plan, PLAN_PASS) > 0, bodies = plan->body_count > 0;
+	if (!passes && !(bodies && plan->bearing))
 		return;
-	printf("\n%s%s%s\n", bodies ? "bodies" : "", bodies && passes ? ", and " : "", passes ? "passes" : "");
+	puts(!passes ? "\nbodies" : bodies && !all ? "\nbodies, and passes" : "\npasses");
 	print_all_passes(scene, plan, all);
 }
 

@@ -72,7 +72,7 @@ enum status bearing_interval_begin(struct bearing *bearing, const struct deform_
 struct post_rect bearing_interval_reads(const struct bearing *bearing, size_t region);
 struct post_rect bearing_interval_writes(const struct bearing *bearing, size_t region); /* lies on four tiles at most, if tiles have 32 cells or more */
 enum status bearing_interval_start(struct bearing *bearing, size_t region) FURROW_CHECKED;
-/* held: all tiles that have posts of the part. */
+/* held: tiles that together have all posts of the part. */
 void bearing_interval_gather(struct bearing *bearing, struct post_rect part, const struct deform_tile *held, size_t count);
 enum status bearing_interval_slide(struct bearing *bearing, size_t region) FURROW_CHECKED;
 /* held: all tiles that have posts of what the region writes. */

@@ -79,13 +79,13 @@ static enum status gather_bearing(struct world *world, size_t region)
 	bool any = tile_range_of(extent, world->level, reads, &first, &last);
 	for (uint32_t y = first.y; any && y <= last.y; y += 2)
 		for (uint32_t x = first.x; x <= last.x && status == STATUS_OK; x += 2) {
-			/* Tiles x, x + 1 and y, y + 1, without the posts that they share with others. */
+			/* Tiles x, x + 1 and y, y + 1. The part has the posts of their far edges, which these tiles share with the next ones. */
 			struct post_rect part = post_rect_intersect(reads, (struct post_rect){x * cells + (x > first.x), y * cells + (y > first.y),
 											  (x + 2) * cells + 1, (y + 2) * cells + 1});
 			part = post_rect_intersect(part, (struct post_rect){0, 0, extent_posts(extent->width, world->level), extent_posts(extent->height, world->level)});
 			if (post_rect_empty(part))
 				continue;
-			status = world_hold(world, part, &held);
+			status = world_hold(world, post_rect_intersect(part, (struct post_rect){0, 0, (x + 2) * cells, (y + 2) * cells}), &held);
 			if (status == STATUS_OK)
 				bearing_interval_gather(world->bearing, part, held.tiles, held.count);
 			world_release(world, &held);
