@@ -11,7 +11,7 @@
 
 #include "bench.h"
 #include "record.h"
-#include "soil/press.h"
+#include "soil/sink.h"
 #include "soil/probe.h"
 
 enum { SIDE = 512, MOST = 10000, EACH = 10 };
@@ -43,7 +43,7 @@ static void measure(double spacing, double heading, int rounds)
 				     .shear = zeros(4), .contact = zeros(1)};
 	struct soil_laid laid[SOIL_CLASSES] = {soil_laid_of(0.5, 0.5, spacing)};
 	struct soil_work *work;
-	struct soil_pressed pressed = {.raised = -(int32_t)lattice_offset(0.03)};
+	struct soil_imprint pressed = {.raised = -(int32_t)lattice_offset(0.03)};
 	struct soil_probed probed = {.known = false};
 	char key[64];
 	bench_must(soil_named("dry_sand", &law.soils[0]));
@@ -58,9 +58,9 @@ static void measure(double spacing, double heading, int rounds)
 		to.y = lattice_offset(y + i * spacing * sin(heading));
 		const struct soil_motion motion = {.shape = &wheel, .from = last, .to = to, .turned = i > 0 ? turned : 0, .load = LOAD, .jumped = i == 0};
 		const struct soil_laying laying = soil_laying_of(&wheel, &motion.from, &motion.to, motion.turned, spacing);
-		const struct soil_press press = {&laying, laid, pressed.raised};
+		const struct soil_sink press = {&laying, laid, pressed.raised};
 		const double began = processor_seconds();
-		bench_must(soil_press_body(&law, &planes, &motion, &press, work, &pressed));
+		bench_must(soil_sink_body(&law, &planes, &motion, &press, work, &pressed));
 		us[i] = (processor_seconds() - began) * 1e6;
 		tries += pressed.tries;
 		last = to;

@@ -1,8 +1,8 @@
 /*
  * bearing: runs bearing soil (src/soil) over pages in host memory: contacts of bodies, relaxation of active blocks, and what they add up.
  *
- * A contact takes posts from the pinned tiles into a window, presses the body into it, lays what it displaced, lets soil slide, and puts the
- * changed posts back. Forces are known when it returns. No function needs GL. Functions on a struct bearing are for the thread that owns the
+ * A contact takes posts from the pinned tiles into a window. There the body sinks in, what it displaced is laid, and soil slides. Then the changed
+ * posts are put back. Forces are known when it returns. No function needs GL. Functions on a struct bearing are for the thread that owns the
  * page cache, unless they say otherwise.
  */
 #ifndef FURROW_BEARING_H
@@ -61,8 +61,8 @@ struct post_rect bearing_wakes(const struct bearing *bearing, struct post_rect c
 int64_t bearing_contact_reach(const struct bearing *bearing, const struct soil_shape *shape);
 
 /*
- * One interval of relaxation. Call bearing_interval_begin; then for each region bearing_interval_start, bearing_interval_gather for parts of its posts
- * that together are all of them, and bearing_interval_slide; then bearing_interval_scatter for each region; then bearing_interval_end.
+ * One interval of relaxation. Call bearing_interval_begin. For each region call bearing_interval_start, bearing_interval_gather for parts of its posts
+ * that together are all of them, and bearing_interval_slide. Then call bearing_interval_scatter for each region, and bearing_interval_end.
  * objects: bodies that hold the soil below them; they must live until the end.
  */
 struct bearing_interval {

@@ -99,7 +99,8 @@ static void put_slope(const struct bearing *bearing, const struct soil_motion *m
 	slope[1] = slope_between(planes, bearing->law.spacing, mx, y0, mx, y1);
 }
 
-/* Returns true if a slope is too steep to hold a load: W sin a > c A + W cos a tan phi, of the soil below the body's middle, or of its surface. */
+/* Returns true if a slope is too steep to hold a load: W sin a > c A + W cos a tan phi. c and phi are of the soil below the body's middle, or of the
+ * body's surface. */
 static bool slides(const struct bearing *bearing, const struct soil_motion *motion, const struct deform_forces *forces)
 {
 	const struct soil_planes *planes = &bearing->window.planes;
@@ -140,19 +141,19 @@ static void tell(const struct bearing *bearing, const struct deform_contact *con
 
 /* --- contacts --- */
 
-static enum status press(struct bearing *bearing, const struct deform_contact *contact, const struct soil_motion *motion, struct soil_laying *laying,
-			 struct soil_pressed *pressed)
+static enum status sink(struct bearing *bearing, const struct deform_contact *contact, const struct soil_motion *motion, struct soil_laying *laying,
+			 struct soil_imprint *imprint)
 {
 	*laying = soil_laying_of(contact->shape, &contact->from, &contact->to, contact->turned, bearing->law.spacing);
-	const struct soil_press how = {laying, bearing->laid, contact->loaded_body > 0 ? bearing->standing[contact->loaded_body - 1] : 0};
-	return soil_press_body(&bearing->law, &bearing->window.planes, motion, &how, bearing->work, pressed);
+	const struct soil_sink how = {laying, bearing->laid, contact->loaded_body > 0 ? bearing->standing[contact->loaded_body - 1] : 0};
+	return soil_sink_body(&bearing->law, &bearing->window.planes, motion, &how, bearing->work, imprint);
 }
 
-static void add_tally(struct bearing *bearing, const struct soil_pressed *pressed, const struct soil_lay_result *laid, const struct soil_slid *slid,
+static void add_tally(struct bearing *bearing, const struct soil_imprint *imprint, const struct soil_lay_result *laid, const struct soil_slid *slid,
 		      enum deform_state state)
 {
-	bearing->tally.compacted += pressed->compacted + laid->compacted + (int64_t)slid->compacted;
-	bearing->tally.refused += pressed->refused + laid->refused + slid->refused;
+	bearing->tally.compacted += imprint->compacted + laid->compacted + (int64_t)slid->compacted;
+	bearing->tally.refused += imprint->refused + laid->refused + slid->refused;
 	bearing->tally.confined += laid->confined;
 	bearing->tally.sunk += state == DEFORM_SUNK;
 	bearing->tally.slid += state == DEFORM_SLIDES;
@@ -160,7 +161,7 @@ static void add_tally(struct bearing *bearing, const struct soil_pressed *presse
 
 /* Lays what the contact displaced, lets it slide, and returns the posts that may have changed. */
 static struct post_rect redistribute(struct bearing *bearing, const struct deform_contact *contact, const struct bearing_area *area, const struct soil_laying *laying,
-				     const struct soil_pressed *pressed, struct soil_lay_result *laid, struct soil_slid *slid)
+				     const struct soil_imprint *imprint, struct soil_lay_result *laid, struct soil_slid *slid)
 {
 	struct bearing_window *window = &bearing->window;
 	const struct soil_planes *planes = &window->planes;
@@ -168,12 +169,12 @@ static struct post_rect redistribute(struct bearing *bearing, const struct defor
 	const struct post_rect blocks = soil_slide_blocks(area->write);
 	*laid = (struct soil_lay_result){.posts = {0, 0, 0, 0}};
 	*slid = (struct soil_slid){0};
-	const bool carries = pressed->measured.carried > 0;
+	const bool carries = imprint->measured.carried > 0;
 	if (carries) {
 		memset(window->deposits, 0, posts * sizeof *window->deposits);
-		soil_lay(laying, &pressed->measured, bearing->laid, planes, planes->contact, area->write, window->scratch, window->deposits, laid);
+		soil_lay(laying, &imprint->measured, bearing->laid, planes, planes->contact, area->write, window->scratch, window->deposits, laid);
 	}
-	const struct post_rect reached = bearing_joined(pressed->reached, laid->posts);
+	const struct post_rect reached = bearing_joined(imprint->reached, laid->posts);
 	const struct soil_slide_window slide = {
 		.written = area->write, .posts = soil_slide_posts(area->write, reached, bearing->around), .world = bearing->world,
 		.deposits = carries ? window->deposits : NULL, .loaded = contact->load > 0,
@@ -188,21 +189,21 @@ enum status bearing_contact(struct bearing *bearing, const struct deform_contact
 {
 	const struct soil_motion motion = motion_of(contact);
 	struct soil_laying laying;
-	struct soil_pressed pressed;
+	struct soil_imprint imprint;
 	struct soil_lay_result laid;
 	struct soil_slid slid;
 	*out = (struct bearing_contact){.changed = {0, 0, 0, 0}};
 	enum status status = gather(bearing, area->read, held, count);
 	if (status == STATUS_OK)
-		status = press(bearing, contact, &motion, &laying, &pressed);
+		status = sink(bearing, contact, &motion, &laying, &imprint);
 	if (status != STATUS_OK)
 		return status;
-	tell(bearing, contact, &motion, &pressed.forces, &out->forces);
+	tell(bearing, contact, &motion, &imprint.forces, &out->forces);
 	struct post_rect changed = {0, 0, 0, 0};
-	if (!post_rect_empty(pressed.reached)) {
-		changed = redistribute(bearing, contact, area, &laying, &pressed, &laid, &slid);
+	if (!post_rect_empty(imprint.reached)) {
+		changed = redistribute(bearing, contact, area, &laying, &imprint, &laid, &slid);
 		if (bearing->params.disturbance)
-			soil_kinematic_disturb(&bearing->window.planes, post_rect_intersect(pressed.reached, area->write));
+			soil_kinematic_disturb(&bearing->window.planes, post_rect_intersect(imprint.reached, area->write));
 		status = scatter(bearing, changed, held, count);
 		if (status == STATUS_OK)
 			status = soil_active_add_words(&bearing->active, bearing->world, soil_slide_blocks(area->write), bearing->window.words);
@@ -212,9 +213,9 @@ enum status bearing_contact(struct bearing *bearing, const struct deform_contact
 		laid = (struct soil_lay_result){.posts = {0, 0, 0, 0}};
 		slid = (struct soil_slid){0};
 	}
-	add_tally(bearing, &pressed, &laid, &slid, out->forces.state);
+	add_tally(bearing, &imprint, &laid, &slid, out->forces.state);
 	if (contact->loaded_body > 0)
-		bearing->standing[contact->loaded_body - 1] = pressed.raised;
+		bearing->standing[contact->loaded_body - 1] = imprint.raised;
 	out->changed = changed;
 	return STATUS_OK;
 }
@@ -224,12 +225,12 @@ enum status bearing_feel(struct bearing *bearing, const struct deform_contact *c
 {
 	const struct soil_motion motion = motion_of(contact);
 	struct soil_laying laying;
-	struct soil_pressed pressed;
+	struct soil_imprint imprint;
 	enum status status = gather(bearing, area->read, held, count);
 	if (status == STATUS_OK)
-		status = press(bearing, contact, &motion, &laying, &pressed);
+		status = sink(bearing, contact, &motion, &laying, &imprint);
 	if (status == STATUS_OK)
-		tell(bearing, contact, &motion, &pressed.forces, forces);
+		tell(bearing, contact, &motion, &imprint.forces, forces);
 	return status;
 }
 

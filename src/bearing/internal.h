@@ -4,7 +4,7 @@
 
 #include "bearing/bearing.h"
 #include "soil/laying/laying.h"
-#include "soil/press.h"
+#include "soil/sink.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,7 +1,7 @@
 /* Finds the equilibrium height of a body with a load: where the soil carries it. */
 #include <stdlib.h>
 
-#include "soil/bearing.h"
+#include "soil/contact.h"
 
 /* A bracket begins with at most 2^28 units. At most 5 times it is parted by a geometric mean, and 28 times by the arithmetic one. Before each of
  * these come at most 3 tries that part it worse. So the search always ends, as a rule after a few tries. */
@@ -45,16 +45,16 @@ static int32_t clamp_to(int64_t value, int64_t low, int64_t high)
 	return (int32_t)(value < low ? low : value > high ? high : value);
 }
 
-void soil_height_find(struct bearing *b, int32_t start, struct soil_height *s)
+void soil_height_find(struct soil_contact *b, int32_t start, struct soil_height *s)
 {
 	const double load = b->motion->load, unit = (double)b->form.spacing * (double)b->form.spacing / (double)BEAR_UNITS_A_PASCAL / load;
 	const double reach = soil_shape_reach(b->motion->shape, b->motion->to.pitch, b->motion->to.roll);
 	const double deepest = 2 * (b->motion->shape->kind == SOIL_MESH ? soil_shape_bound(b->motion->shape) : reach);
 	const int32_t depth = (int32_t)fmin(ldexp(deepest, OFFSET_BITS), 0x1p28);
-	soil_bearing_gather(b, start - (int32_t)fmin(ldexp(0.2 * reach, OFFSET_BITS), 0x1p27));
+	soil_contact_gather(b, start - (int32_t)fmin(ldexp(0.2 * reach, OFFSET_BITS), 0x1p27));
 	int32_t top = first_contact(b->posts);
 	if (top == NOWHERE) {
-		soil_bearing_gather(b, -(1 << 30));
+		soil_contact_gather(b, -(1 << 30));
 		top = first_contact(b->posts);
 	}
 	*s = (struct soil_height){.share = 1, .state = top == NOWHERE ? SOIL_AIR : SOIL_SUNK};
@@ -68,8 +68,8 @@ void soil_height_find(struct bearing *b, int32_t start, struct soil_height *s)
 	bool done = false;
 	s->raised = clamp_to(start, low + 1, high - 1);
 	for (s->tries = 0; s->tries < TRIES && !done; s->tries++) {
-		soil_bearing_gather(b, s->raised);
-		soil_bearing_evaluate(b, s->raised, 1, &sums, NULL, NULL);
+		soil_contact_gather(b, s->raised);
+		soil_contact_evaluate(b, s->raised, 1, &sums, NULL, NULL);
 		const double share = (double)sums.force[2] * unit, grows_here = sums.grows * unit * (double)SOIL_UNIT;
 		const bool bears = share >= 1;
 		s->state = bears ? SOIL_TOUCHING : s->state;

@@ -3,20 +3,20 @@
 
 #include <math.h>
 
-#include "soil/bearing.h"
+#include "soil/contact.h"
 
 /* Turns a matrix from the body's frame to east, north, up: rows, then columns. */
-static void turn_matrix(const struct bearing *b, const double from[6][6], double to[6][6])
+static void turn_matrix(const struct soil_contact *b, const double from[6][6], double to[6][6])
 {
 	double half[6][6];
 	for (int i = 0; i < 6; i++)
 		for (int k = 0; k < 6; k += 3)
-			soil_bearing_turn(b, &from[i][k], &half[i][k]);
+			soil_contact_turn(b, &from[i][k], &half[i][k]);
 	for (int k = 0; k < 6; k++)
 		for (int i = 0; i < 6; i += 3) {
 			const double column[3] = {half[i][k], half[i + 1][k], half[i + 2][k]};
 			double turned[3];
-			soil_bearing_turn(b, column, turned);
+			soil_contact_turn(b, column, turned);
 			for (int j = 0; j < 3; j++)
 				to[i + j][k] = turned[j];
 		}
@@ -45,15 +45,15 @@ static enum soil_state state_of(const struct soil_motion *motion, const struct s
 	return length_of(sheared) > 0.99 * out->shear_limit ? SOIL_SLIDES : SOIL_TOUCHING;
 }
 
-static void tell(const struct bearing *b, const struct soil_sums *sums, const struct soil_changes *changes, struct soil_probed *out)
+static void tell(const struct soil_contact *b, const struct soil_sums *sums, const struct soil_changes *changes, struct soil_probed *out)
 {
 	struct soil_forces forces;
-	soil_bearing_tell(b, sums, 0, SOIL_TOUCHING, &forces);
+	soil_contact_tell(b, sums, 0, SOIL_TOUCHING, &forces);
 	turn_matrix(b, changes->stiffness.at, out->stiffness);
 	turn_matrix(b, changes->damping.at, out->damping);
 	move_centre(forces.force, out->stiffness);
 	const double length = length_of(changes->normal);
-	soil_bearing_turn(b, changes->normal, out->normal);
+	soil_contact_turn(b, changes->normal, out->normal);
 	for (int k = 0; k < 3; k++) {
 		out->force[k] = forces.force[k];
 		out->moment[k] = forces.moment[k];
@@ -76,18 +76,18 @@ static bool has_all(const struct soil_planes *planes, struct post_rect below)
 enum status soil_probe(const struct soil_law *law, const struct soil_planes *planes, const struct soil_motion *motion, struct soil_work *work,
 		       struct soil_probed *out)
 {
-	struct bearing b;
+	struct soil_contact b;
 	struct soil_sums sums = {.deepest = 0};
 	struct soil_changes changes = {.normal_force = 0};
 	*out = (struct soil_probed){.known = false};
-	enum status status = soil_bearing_begin(law, planes, motion, work, 0, &b);
+	enum status status = soil_contact_begin(law, planes, motion, work, 0, &b);
 	if (status != STATUS_OK || !has_all(planes, b.below))
 		return status;
 	out->known = true;
 	b.form.rates = 1; /* its velocity is known: soil below a body at rest springs back */
-	soil_bearing_gather(&b, 0);
+	soil_contact_gather(&b, 0);
 	if (b.posts->count > 0)
-		soil_bearing_evaluate(&b, 0, 1, &sums, NULL, &changes);
+		soil_contact_evaluate(&b, 0, 1, &sums, NULL, &changes);
 	tell(&b, &sums, &changes, out);
 	return STATUS_OK;
 }

@@ -204,7 +204,7 @@ struct soil_motion {
 /* How the soil bears a body. */
 enum soil_state {
 	SOIL_TOUCHING,
-	SOIL_SLIDES, /* on a slope where W sin a > c A + W cos a tan phi, of the soil or of the body's surface: without its guide it would slide */
+	SOIL_SLIDES, /* without its guide it would slide: W sin a > c A + W cos a tan phi, of the soil or of the body's surface */
 	SOIL_SUNK,   /* the soil does not carry it: it sank as deep as it is high (a mesh: as its size) */
 	SOIL_AIR,    /* no post bears it */
 	SOIL_STATES
@@ -381,7 +381,7 @@ struct soil_probed {
 	enum soil_state state;        /* SOIL_SLIDES: shear is at its limit. SOIL_SUNK: deeper than the body is high */
 };
 
-/* Computes the force of the soil on a body at motion->to, without its load: to the bit as soil_press_body would tell it. Changes nothing. Any
+/* Computes the force of the soil on a body at motion->to, without its load: to the bit as soil_sink_body would tell it. Changes nothing. Any
  * thread; `work` belongs to one. STATUS_MEMORY. */
 enum status soil_probe(const struct soil_law *law, const struct soil_planes *planes, const struct soil_motion *motion, struct soil_work *work,
 		       struct soil_probed *out) FURROW_CHECKED;

@@ -286,7 +286,7 @@ class Notes(FurrowTest):
         (self.folder / "foot.obj").write_text("v 0 0 0\nv 0.02 0 0\nv 0 0.02 0\nv 0 0 0.02\nf 3 2 1\nf 1 2 4\nf 2 3 4\nf 3 1 4\n")
         (self.folder / "aloft.csv").write_text("t,x,y,z\n0,20,30,900\n1,22,30,900\n")
         self.scene("scene: 1\ntime_step: 0.02\nend_time: 1\nspacing: 0.25\nsoil: {name: dry_sand}\nredistribute: {model: scm}\nobjects:\n"
-                   "  - {name: foot, shape: {mesh: {file: foot.obj}}, load: 500, path: {points: [[20.1, 30.1]], speed: 1}}\n"
+                   "  - {name: foot, shape: {mesh: {file: foot.obj, scale: 0.1}}, load: 500, path: {points: [[20.1, 30.1]], speed: 1}}\n"
                    "  - {name: bird, shape: {sphere: {radius: 1}}, path: {file: aloft.csv}}\n"
                    "  - {name: stone, shape: {sphere: {radius: 1}}, sink: 0.1, path: {points: [[40, 40]], speed: 1}}\n"
                    "view: {camera: {fixed: {eye: [128, 128, 110], target: [129, 128, 0]}}, size: [64, 48], images: 25}\n", "end.yaml")

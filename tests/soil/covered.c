@@ -3,7 +3,7 @@
 
 #include "../support/program.h"
 #include "meshes.h"
-#include "soil/bearing.h"
+#include "soil/contact.h"
 #include "soil/kinematic/rows.h"
 #include "soil/kinematic/under.h"
 
@@ -46,9 +46,9 @@ struct differences {
 static void compare(struct ground *g, const struct soil_motion *motion, double tolerance, struct differences *d)
 {
 	static struct facet_corner corners[4096];
-	struct bearing b;
-	assert_ok(soil_bearing_begin(&g->law, &g->planes, motion, g->work, 10, &b));
-	soil_bearing_gather(&b, -(1 << 30));
+	struct soil_contact b;
+	assert_ok(soil_contact_begin(&g->law, &g->planes, motion, g->work, 10, &b));
+	soil_contact_gather(&b, -(1 << 30));
 	const struct under_motion under = {.shape = motion->shape, .from = &motion->from, .to = &motion->to, .turned = motion->turned, .spacing = SPACING, .posts = g->planes.rect};
 	assert_true(motion->shape->kind != SOIL_MESH || motion->shape->mesh->vertex_count <= 4096);
 	soil_under(&under, corners, g->under, g->rest);

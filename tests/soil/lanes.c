@@ -32,8 +32,8 @@ struct copy {
 	const char *name;
 	enum status (*create)(struct soil_work **out);
 	void (*destroy)(struct soil_work *work);
-	enum status (*press)(const struct soil_law *law, const struct soil_planes *planes, const struct soil_motion *motion, const struct soil_press *press,
-			     struct soil_work *work, struct soil_pressed *out);
+	enum status (*press)(const struct soil_law *law, const struct soil_planes *planes, const struct soil_motion *motion, const struct soil_sink *press,
+			     struct soil_work *work, struct soil_imprint *out);
 	enum status (*probe)(const struct soil_law *law, const struct soil_planes *planes, const struct soil_motion *motion, struct soil_work *work,
 			     struct soil_probed *out);
 };
@@ -41,11 +41,11 @@ struct copy {
 #define LANES_COPY(of) \
 	enum status of##_work_create(struct soil_work **out); \
 	void of##_work_destroy(struct soil_work *work); \
-	enum status of##_press_body(const struct soil_law *law, const struct soil_planes *planes, const struct soil_motion *motion, const struct soil_press *press, \
-				    struct soil_work *work, struct soil_pressed *out); \
+	enum status of##_sink_body(const struct soil_law *law, const struct soil_planes *planes, const struct soil_motion *motion, const struct soil_sink *press, \
+				    struct soil_work *work, struct soil_imprint *out); \
 	enum status of##_probe(const struct soil_law *law, const struct soil_planes *planes, const struct soil_motion *motion, struct soil_work *work, \
 			       struct soil_probed *out);
-#define LANES_ROW(of) {#of, of##_work_create, of##_work_destroy, of##_press_body, of##_probe}
+#define LANES_ROW(of) {#of, of##_work_create, of##_work_destroy, of##_sink_body, of##_probe}
 LANES_COPY(plain)
 #if LANES_WIDE
 LANES_COPY(avx2)
@@ -91,9 +91,9 @@ static uint64_t contacts(const struct copy *copy, int *touches)
 			motion.load = i % 3 == 2 ? 600 : 0;
 			motion.stamped = 0.5;
 			const struct soil_laying laying = soil_laying_of(shape, &motion.from, &motion.to, motion.turned, bed.law.spacing);
-			const struct soil_press press = {&laying, bed.laid, -100};
+			const struct soil_sink press = {&laying, bed.laid, -100};
 			struct soil_probed probed;
-			struct soil_pressed pressed;
+			struct soil_imprint pressed;
 			assert_ok(copy->probe(&bed.law, &bed.planes, &motion, work, &probed));
 			assert_ok(copy->press(&bed.law, &bed.planes, &motion, &press, work, &pressed));
 			assert_true(probed.known);
@@ -114,7 +114,7 @@ static uint64_t contacts(const struct copy *copy, int *touches)
 
 static void all_instruction_sets_give_the_same_bits(void **state)
 {
-	static const struct copy chosen = {"chosen", soil_work_create, soil_work_destroy, soil_press_body, soil_probe};
+	static const struct copy chosen = {"chosen", soil_work_create, soil_work_destroy, soil_sink_body, soil_probe};
 	static const struct copy copies[] = {
 		LANES_ROW(plain),
 #if LANES_WIDE

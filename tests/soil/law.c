@@ -53,7 +53,7 @@ static void plates_sink_as_bekker_says(void **state)
 		assert_true(forces.force[0] == 0 && forces.force[1] == 0 && fabs(forces.moment[2]) < 1e-9);
 		bed_reset(&bed);
 		motion.load = 20e3 * 0.04;
-		const struct soil_pressed loaded = bed_press(&bed, &motion, -4000);
+		const struct soil_imprint loaded = bed_press(&bed, &motion, -4000);
 		assert_near(loaded.forces.force[2], motion.load, 1e-3);
 		assert_near(loaded.forces.sinkage, plates[i].sinkage / 1000, rounding / 1000);
 		bed_finish(&bed);
@@ -128,7 +128,7 @@ static void a_load_rebounds_and_presses_no_deeper_again(void **state)
 	const size_t post = 48 * 96 + 48;
 	struct soil_motion load = stand(&bed, &plate, 0.75, 0.75, 0, 0, 0);
 	load.load = 20e3 * 0.04;
-	const struct soil_pressed first = bed_press(&bed, &load, -100000);
+	const struct soil_imprint first = bed_press(&bed, &load, -100000);
 	assert_near(first.forces.sinkage, 0.12328, 6e-6);
 	struct soil_motion lift = stand(&bed, &plate, 0.75, 0.75, first.forces.sinkage, 0, 0);
 	lift.to.z = lattice_offset(bed.height + 1);
@@ -136,7 +136,7 @@ static void a_load_rebounds_and_presses_no_deeper_again(void **state)
 	const int32_t rut = bed.planes.offset[post], pressed = bed.planes.sinkage[post];
 	assert_near(lattice_offset_metres(rut) + first.forces.sinkage, 0.0005, 2e-6);
 	for (int i = 0; i < 3; i++) {
-		const struct soil_pressed again = bed_press(&bed, &load, -100000);
+		const struct soil_imprint again = bed_press(&bed, &load, -100000);
 		assert_near(again.forces.sinkage, first.forces.sinkage, 0x1p-20);
 		assert_true(abs(bed.planes.sinkage[post] - pressed) <= 1);
 		lift.from.z = again.forces.z;
@@ -230,7 +230,7 @@ static void a_wheel_that_slips_is_the_closed_form_at_ever_finer_spacings(void **
 				bed_init(&bed, &soil, spacings[s], 128, 0, 0);
 				const struct soil_forces got = rolled(&bed, &wheel, 0.03, 0, 0, turned[t], nowhere);
 				worst[s] = fmax(fabs(got.force[0] - wanted.drawbar), fabs(got.force[2] - wanted.vertical));
-				worst[s] = fmax(worst[s], fabs(got.moment[1] - wanted.moment) / wheel.radius) / wanted.vertical;
+				worst[s] = support_most(worst[s], fabs(got.moment[1] - wanted.moment) / wheel.radius) / wanted.vertical;
 				bed_finish(&bed);
 			}
 			print_message("%s, turned %g: off by %.3f, %.3f, %.3f %% of %.1f N at 4, 2, 1 cm\n", soils[n], turned[t], worst[0] * 100, worst[1] * 100, worst[2] * 100,

@@ -3,7 +3,7 @@
 
 #include "../support/program.h"
 #include "meshes.h"
-#include "soil/press.h"
+#include "soil/sink.h"
 
 #define SIDE 512
 
@@ -77,9 +77,9 @@ static struct told drive(const struct trial *t)
 	for (int i = 0; i <= samples; i++) {
 		const struct soil_motion m = motion_of(t, i, &last);
 		const struct soil_laying laying = soil_laying_of(t->shape, &m.from, &m.to, m.turned, t->spacing);
-		const struct soil_press press = {&laying, laid, start};
-		struct soil_pressed out;
-		assert_ok(soil_press_body(&law, &planes, &m, &press, work, &out));
+		const struct soil_sink sink = {&laying, laid, start};
+		struct soil_imprint out;
+		assert_ok(soil_sink_body(&law, &planes, &m, &sink, work, &out));
 		start = out.raised;
 		last = m.to;
 		if (2 * i < samples)

@@ -183,7 +183,7 @@ static double scale_of(const double matrix[6][6], int i)
 {
 	double greatest = 0;
 	for (int k = i / 3 * 3; k < i / 3 * 3 + 3; k++)
-		greatest = fmax(greatest, fabs(matrix[k][k]));
+		greatest = support_most(greatest, fabs(matrix[k][k]));
 	return sqrt(fmax(fabs(matrix[i][i]), 0.1 * greatest));
 }
 

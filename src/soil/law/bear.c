@@ -109,7 +109,7 @@ SOIL_INLINED struct slip slip_at(const struct soil_form *f, const float arm[3], 
 	return (struct slip){{x * by, y * by}, squares * by, time_of(f, running, f->passes[0], f->level * f->belt_level / normal[2])};
 }
 
-/* How far the surface slips over the ground, m: as if the place were at the body's lowest level, so that a rim that rolls slips nowhere. It counts for
+/* How far the surface slips over the ground, m, as if the place were at the body's lowest level. So a rim that rolls slips nowhere. It counts for
  * the time in which a rolling surface passes. */
 SOIL_INLINED float dig_way(const struct soil_form *f, float x, float y)
 {
@@ -186,8 +186,8 @@ SOIL_INLINED float mean_mobilised(float x, float y, const float direction[2], fl
 	return (sqrtf(x * x + y * y) + 4 * sqrtf(mx * mx + my * my) + sqrtf(ex * ex + ey * ey)) * (1 / 6.0f);
 }
 
-/* Slip digs soil from below the body, so the body must sink by that much more to be borne as before: dD = |e| (kappa K - D) / K for each way that it
- * slips, D what slip has dug. Compacted soil stays where it is, so it lies less deep below the lowered ground. */
+/* Slip digs soil from below the body, so the body must sink by that much more to be borne as before. For each way that it slips
+ * dD = |e| (kappa K - D) / K, D what slip has dug. Compacted soil stays where it is, so it lies less deep below the lowered ground. */
 SOIL_INLINED void dig(const struct soil_form *f, const struct lane_posts *p, struct block *l)
 {
 	EACH_LANE {
@@ -715,8 +715,8 @@ SOIL_INLINED void put_growths(const struct soil_form *f, const struct lane_place
 	}
 }
 
-/* Adds how the normals turn as the body moves, while the place on the ground stays: with the body, and since a body that is not flat shows another
- * part of its surface. And how the arm grows as the surface rises. */
+/* Adds how the normals turn as the body moves, while the place on the ground stays. They turn with the body, and since a body that is not flat shows
+ * another part of its surface. Adds also how the arm grows as the surface rises. */
 SOIL_INLINED void add_turning(const struct soil_form *f, const struct lane_places *all, struct lane_growths *growths, float matrix[6][6][LANES])
 {
 	const float post = f->spacing * f->spacing, turns = f->ground_normals > 0 ? 0 : 1;

@@ -103,7 +103,7 @@ void soil_fine_fill(const struct soil_fine_work *work, const struct soil_fine *f
 /* --- its motion --- */
 
 /* Lowers a row to where the mesh was `share` of its motion ago. near, far: the rows of the raster that are there, so many places on. */
-SOIL_INLINED void sweep_row(const float *restrict near, const float *restrict far, float p, float q, float fell, float share, int32_t from, int32_t to, int32_t by,
+SOIL_INLINED void swept_row(const float *restrict near, const float *restrict far, float p, float q, float fell, float share, int32_t from, int32_t to, int32_t by,
 			    float *restrict lowest, float *restrict since)
 {
 	for (int32_t i = from; i < to; i++) {
@@ -114,7 +114,7 @@ SOIL_INLINED void sweep_row(const float *restrict near, const float *restrict fa
 	}
 }
 
-SOIL_CLONED static void sweep_to(const struct soil_fine *restrict fine, const float *restrict drawn, const float shift[restrict 2], float fell, float share,
+SOIL_CLONED static void swept_to(const struct soil_fine *restrict fine, const float *restrict drawn, const float shift[restrict 2], float fell, float share,
 				 float *restrict lowest, float *restrict since)
 {
 	int32_t whole[2];
@@ -131,7 +131,7 @@ SOIL_CLONED static void sweep_to(const struct soil_fine *restrict fine, const fl
 			continue;
 		const float *near = drawn + (int64_t)(row + whole[1]) * fine->stride, *far = drawn + (int64_t)(row + upper) * fine->stride;
 		const size_t at = (size_t)row * (size_t)fine->stride;
-		sweep_row(near, far, part[0], part[1], fell, share, from, to, whole[0], lowest + at, since + at);
+		swept_row(near, far, part[0], part[1], fell, share, from, to, whole[0], lowest + at, since + at);
 	}
 }
 
@@ -167,7 +167,7 @@ void soil_fine_less(const struct soil_fine_work *work, struct soil_fine *fine)
 	fine->passed = work->passed;
 }
 
-void soil_fine_sweep(const struct soil_fine_work *work, const struct soil_form *form, struct soil_fine *fine)
+void soil_fine_swept(const struct soil_fine_work *work, const struct soil_form *form, struct soil_fine *fine)
 {
 	const float *way = form->way, run = form->passes[0];
 	const size_t count = (size_t)fine->stride * (size_t)fine->rows;
@@ -183,7 +183,7 @@ void soil_fine_sweep(const struct soil_fine_work *work, const struct soil_form *
 	memset(work->since, 0, count * sizeof *work->since);
 	for (int32_t i = 1; i <= own + earlier; i++) {
 		const float share = (float)i / (float)own, shift[2] = {turned[0] * share * fine->by_step, turned[1] * share * fine->by_step};
-		sweep_to(fine, work->drawn, shift, share * way[2], share, work->swept, work->since);
+		swept_to(fine, work->drawn, shift, share * way[2], share, work->swept, work->since);
 		if (i == own)
 			soil_fine_passed(work, fine);
 	}

@@ -265,7 +265,7 @@ static void keep_posts(const struct soil_fine_work *work, const struct soil_fine
 }
 
 /* Draws the mesh in its earlier attitudes. */
-static void sweep_turning(const struct soil_fine_work *work, struct soil_form *form, const double own[3][3], const double at[2])
+static void swept_turning(const struct soil_fine_work *work, struct soil_form *form, const double own[3][3], const double at[2])
 {
 	struct soil_fine *fine = &form->fine;
 	const float *spin = form->spin, angle = sqrtf(spin[0] * spin[0] + spin[1] * spin[1] + spin[2] * spin[2]), run = form->passes[0];
@@ -291,13 +291,13 @@ static void sweep_turning(const struct soil_fine_work *work, struct soil_form *f
 	fine->earlier[1] = work->earlier[1];
 }
 
-static void sweep(const struct soil_fine_work *work, struct soil_form *form, const double own[3][3], const double at[2])
+static void swept(const struct soil_fine_work *work, struct soil_form *form, const double own[3][3], const double at[2])
 {
 	form->fine.earlier[0] = form->fine.earlier[1] = NULL;
 	if (form->passes[0] > 0 && changes(work, form, own, at))
-		sweep_turning(work, form, own, at);
+		swept_turning(work, form, own, at);
 	else
-		soil_fine_sweep(work, form, &form->fine);
+		soil_fine_swept(work, form, &form->fine);
 }
 
 enum status soil_fine_draw(const struct soil_body *body, struct soil_form *form, struct soil_fine_work *work)
@@ -330,7 +330,7 @@ enum status soil_fine_draw(const struct soil_body *body, struct soil_form *form,
 	draw_all(surface, work->u, work->v, work->z, (const int32_t[2]){fine->columns, fine->rows}, fine->stride, work->looks, work->drawn);
 	soil_fine_outline(work, fine);
 	soil_fine_fill(work, fine, -bounds[2][0]);
-	sweep(work, form, (const double(*)[3])own, at);
+	swept(work, form, (const double(*)[3])own, at);
 	fine->heights = work->heights;
 	fine->drawn = work->drawn;
 	fine->areas = work->areas;

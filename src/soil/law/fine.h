@@ -6,7 +6,7 @@
  *  3. outline: the edges between triangles that look down and others give the exact part of each cell that is covered, and how far the mesh
  *              reaches along its motion (outline.c);
  *  4. fill:    places beside the mesh get heights that go on from its edge (fill.c);
- *  5. sweep:   how much lower the mesh was above each place during its motion (fill.c). The raster is pushed back along the motion. If the mesh turned
+ *  5. motion:  how much lower the mesh was above each place during its motion (fill.c). The raster is pushed back along the motion. If the mesh turned
  *              and is not round about that axis, it is drawn anew in its earlier attitudes (fine.c).
  *
  * A mesh that is open, or that no turning of its triangles makes closed, has no outline. There the places count that it covers.
@@ -56,6 +56,6 @@ void soil_fine_passed(const struct soil_fine_work *work, const struct soil_fine 
 void soil_fine_lows(const struct soil_fine_work *work, const struct soil_fine *fine);
 /* Sets `less` from `swept`. */
 void soil_fine_less(const struct soil_fine_work *work, struct soil_fine *fine);
-void soil_fine_sweep(const struct soil_fine_work *work, const struct soil_form *form, struct soil_fine *fine);
+void soil_fine_swept(const struct soil_fine_work *work, const struct soil_form *form, struct soil_fine *fine);
 
 #endif

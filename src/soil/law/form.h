@@ -35,10 +35,10 @@ struct soil_fine {
 	float x, y, step, by_step;
 	float axis[2];              /* of the frame's x axis: east, north */
 	int32_t parts, cells[2];    /* cells: columns and rows of cells */
-	/* Of cells: the share that the post bears, the middle of that from the post, in posts to the east and north, and the lowest
-	 * place during the motion of the cell and those beside it. */
+	/* Of cells: the share that the post bears, and the middle of that share from the post, in posts to the east and north. lows: the
+	 * lowest place during the motion, of the cell and those beside it. */
 	const float *areas, *middles[2], *lows;
-	/* A mesh whose facets turn: its height at the posts of cells halfway through the motion, and at its start, m above the centre at the end. NULL:
+	/* A mesh whose facets turn: its height at the posts of cells halfway through the motion, and at its start. m above the centre at the end. NULL:
 	 * turning does not change its lower envelope. */
 	const float *earlier[2];
 	/* Of lines along the motion, a step apart: how far ahead and behind the mesh reaches there, m. aside: m, of the first line. sides: m, of the mesh. */
@@ -66,7 +66,7 @@ struct soil_form {
 	float run, rise, sine;     /* way forwards; rise for each metre, less the shear; sine of that slope of the circle */
 	float plunge;              /* how far the circle moved up, in units of `lift` */
 	float lift;
-	/* The axis of a rim, an end, a capsule: its rise (rim, end: towards the left), its length in plan, half the length of its straight part. */
+	/* The axis of a rim, an end, a capsule. lean: its rise (rim, end: towards the left); level: its length in plan; half_axis: half of its straight part. */
 	float lean, level, half_axis;
 	float along[2];            /* capsule: the axis in plan */
 	float faces[3][3];         /* box: lower faces: height at the centre, slope along the frame's axes */

@@ -122,8 +122,8 @@ SOIL_INLINED float further(int32_t from, int32_t to)
 	return either(apart < 0, -apart, apart);
 }
 
-/* Returns the first and, in *end, the end of the posts of a run that may bear a rim or above which it is not higher than `above`. A post does not bear
- * where the rim is higher than the plastic part of what the post remembers, in all of its cell. Reads whole blocks. */
+/* Returns the first and, in *end, the end of the posts of a run that may bear a rim. Posts count, too, above which it is not higher than `above`.
+ * A post does not bear where the rim is higher than the plastic part of what the post remembers, in all of its cell. Reads whole blocks. */
 SOIL_CLONED static int32_t mark_run(const struct marks *restrict m, const struct run *restrict run, int32_t count, int32_t *restrict end)
 {
 	const int32_t *restrict base = run->base, *restrict west = base - 1, *restrict east = base + 1;

@@ -1,5 +1,5 @@
 /*
- * The posts that a body may touch, an array for each number: what a contact or a probe gathers once, and each evaluation of the law reads. Posts
+ * The posts that a body may touch, an array for each number. A contact or a probe gathers them once, and each evaluation of the law reads them. Posts
  * come row by row. Arrays are filled to a multiple of POSTS_LANES; the posts beyond `count` bear nothing and have finite numbers.
  */
 #ifndef FURROW_SOIL_POSTS_H
@@ -58,8 +58,10 @@ SOIL_INLINED size_t soil_posts_end(const struct soil_posts *posts)
 	return (posts->count + POSTS_LANES - 1) / POSTS_LANES * POSTS_LANES;
 }
 
-/* Gathers the posts that the body may touch if its centre is not lower than `raised` fixed-point units above motion->to, and those above whose ground
- * it is by at most `above` m. With `above` 0 it leaves out others that bear nothing. by_width: 1 / width of the contact patch, 1/m; 0: not known. planes: of a rectangle that has all posts below the body with their neighbours. posts->capacity: at least soil_posts_below's posts. Does not set `k`, which soil_posts_width does. */
+/* Gathers the posts that the body may touch if its centre is not lower than `raised` fixed-point units above motion->to. Gathers also those above whose
+ * ground it is by at most `above` m. With `above` 0 it leaves out others that bear nothing. by_width: 1 / width of the contact patch, 1/m; 0: not
+ * known. planes: of a rectangle that has all posts below the body with their neighbours. posts->capacity: at least soil_posts_below's posts. Does not
+ * set `k`, which soil_posts_width does. */
 void soil_posts_gather(const struct soil_law *law, const struct soil_planes *planes, const struct soil_body *body, const struct soil_form *form,
 		       int32_t raised, double above, double by_width, struct soil_posts *posts);
 /* Sets `k` for a contact patch of this width: 1/m. */

@@ -2,8 +2,8 @@
  * Numbers of the soil's law: single precision, in loops over lanes that a compiler turns into vector instructions. Sums, products, quotients and
  * square roots only, so a result has the same bits on every machine and for every width of its vectors.
  *
- * exp and log split a number into a power of two, which is exact, and a part near 1, for which a short series is enough: the exponential
- * series, and log(m) = 2 atanh((m - 1) / (m + 1)); Abramowitz and Stegun 1964, 4.2.1 and 4.1.27. Pure.
+ * exp and log split a number into a power of two, which is exact, and a part near 1. For that a short series is enough: the exponential
+ * series, and log(m) = 2 atanh((m - 1) / (m + 1)): Abramowitz and Stegun 1964, 4.2.1 and 4.1.27. Pure.
  */
 #ifndef FURROW_SOIL_REAL_H
 #define FURROW_SOIL_REAL_H

@@ -67,8 +67,8 @@ SOIL_INLINED void put_across(const float n[3], float across[2][3])
 	across[1][2] = -n[1];
 }
 
-/* Gives the mobilised shear after the surface slid a way in a direction: the law de = direction d(way) - e d(way), way in units of the shear
- * modulus. From rest it is Janosi's 1 - exp(-j / K). It is exact, however many motions the way is cut into. stays: exp(-way). */
+/* Gives the mobilised shear after the surface slid a way in a direction, in units of the shear modulus. The law is de = direction d(way) - e d(way).
+ * From rest it is Janosi's 1 - exp(-j / K). It is exact, however many motions the way is cut into. stays: exp(-way). */
 SOIL_INLINED float sheared(float before, float direction, float stays)
 {
 	return direction + stays * (before - direction);

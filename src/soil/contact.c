@@ -1,5 +1,5 @@
 /* A body on the ground, as contacts and probes evaluate the law of the soil. */
-#include "soil/bearing.h"
+#include "soil/contact.h"
 
 #include "soil/shape/body.h"
 
@@ -60,14 +60,14 @@ static float counted_width(const struct soil_posts *posts, const struct soil_for
 
 /* --- one evaluation after another --- */
 
-enum status soil_bearing_begin(const struct soil_law *law, const struct soil_planes *planes, const struct soil_motion *motion, struct soil_work *work,
-			       double above, struct bearing *b)
+enum status soil_contact_begin(const struct soil_law *law, const struct soil_planes *planes, const struct soil_motion *motion, struct soil_work *work,
+			       double above, struct soil_contact *b)
 {
 	const struct post_rect below = soil_posts_below(law, motion);
 	enum status status = need(work, below);
 	if (status != STATUS_OK)
 		return status;
-	*b = (struct bearing){.law = law, .planes = planes, .motion = motion, .below = below, .posts = &work->posts, .above = above, .gathered = INT32_MAX};
+	*b = (struct soil_contact){.law = law, .planes = planes, .motion = motion, .below = below, .posts = &work->posts, .above = above, .gathered = INT32_MAX};
 	soil_form_of(law, motion, &b->body, &b->form);
 	b->by_width = width_of(motion, &b->body);
 	if (b->form.kind == FORM_RASTER)
@@ -77,7 +77,7 @@ enum status soil_bearing_begin(const struct soil_law *law, const struct soil_pla
 	return STATUS_OK;
 }
 
-void soil_bearing_gather(struct bearing *b, int32_t lowest)
+void soil_contact_gather(struct soil_contact *b, int32_t lowest)
 {
 	if (lowest >= b->gathered)
 		return;
@@ -85,13 +85,13 @@ void soil_bearing_gather(struct bearing *b, int32_t lowest)
 	soil_posts_gather(b->law, b->planes, &b->body, &b->form, lowest, b->above, b->by_width, b->posts);
 }
 
-void soil_bearing_evaluate(struct bearing *b, int32_t raised, float share, struct soil_sums *sums, struct soil_kept *kept, struct soil_changes *changes)
+void soil_contact_evaluate(struct soil_contact *b, int32_t raised, float share, struct soil_sums *sums, struct soil_kept *kept, struct soil_changes *changes)
 {
 	soil_posts_width(b->by_width > 0 ? (float)b->by_width : counted_width(b->posts, &b->form, raised), b->posts);
 	soil_bear(&b->form, b->posts, raised, share, sums, kept, changes);
 }
 
-void soil_bearing_turn(const struct bearing *b, const double v[3], double out[3])
+void soil_contact_turn(const struct soil_contact *b, const double v[3], double out[3])
 {
 	const double *axis = b->body.axis, x = v[0], y = v[1];
 	out[0] = axis[0] * x - axis[1] * y;
@@ -99,7 +99,7 @@ void soil_bearing_turn(const struct bearing *b, const double v[3], double out[3]
 	out[2] = v[2];
 }
 
-void soil_bearing_tell(const struct bearing *b, const struct soil_sums *sums, int32_t raised, enum soil_state state, struct soil_forces *forces)
+void soil_contact_tell(const struct soil_contact *b, const struct soil_sums *sums, int32_t raised, enum soil_state state, struct soil_forces *forces)
 {
 	const double post = (double)b->form.spacing * (double)b->form.spacing, unit = post / (double)BEAR_UNITS_A_PASCAL;
 	double force[3], moment[3];
@@ -111,6 +111,6 @@ void soil_bearing_tell(const struct bearing *b, const struct soil_sums *sums, in
 		.sinkage = lattice_offset_metres(sums->deepest), .area = (double)sums->area / (double)BEAR_AREA_UNITS * post, .pull = (double)sums->pull * unit,
 		.z = b->motion->to.z + raised, .saturated = (uint32_t)sums->saturated, .state = sums->area == 0 && state != SOIL_SUNK ? SOIL_AIR : state,
 	};
-	soil_bearing_turn(b, force, forces->force);
-	soil_bearing_turn(b, moment, forces->moment);
+	soil_contact_turn(b, force, forces->force);
+	soil_contact_turn(b, moment, forces->moment);
 }

@@ -1,9 +1,9 @@
 /*
  * A body on the ground: its form, its motion, and the posts that it may touch. Contacts, searches for the equilibrium height and probes evaluate the
- * law of the soil by these functions alone, so they tell the same forces to the bit. Inside of src/soil.
+ * law of the soil by these functions alone. So they tell the same forces to the bit. Inside of src/soil.
  */
-#ifndef FURROW_SOIL_BEARING_H
-#define FURROW_SOIL_BEARING_H
+#ifndef FURROW_SOIL_CONTACT_H
+#define FURROW_SOIL_CONTACT_H
 
 #include "soil/law/bear.h"
 #include "soil/law/fine.h"
@@ -18,7 +18,7 @@ struct soil_work {
 };
 
 /* Heights are fixed-point units above motion->to.z. */
-struct bearing {
+struct soil_contact {
 	const struct soil_law *law;
 	const struct soil_planes *planes;
 	const struct soil_motion *motion;
@@ -33,16 +33,16 @@ struct bearing {
 
 /* Prepares a body; does not read the planes. above: as in soil_posts_gather. Keeps pointers to all arguments. The struct points to itself, so it is not
  * copied. STATUS_MEMORY: no room for its posts. */
-enum status soil_bearing_begin(const struct soil_law *law, const struct soil_planes *planes, const struct soil_motion *motion, struct soil_work *work,
-			       double above, struct bearing *b) FURROW_CHECKED;
+enum status soil_contact_begin(const struct soil_law *law, const struct soil_planes *planes, const struct soil_motion *motion, struct soil_work *work,
+			       double above, struct soil_contact *b) FURROW_CHECKED;
 /* Gathers the posts for heights from `lowest` on, if that is not done. */
-void soil_bearing_gather(struct bearing *b, int32_t lowest);
+void soil_contact_gather(struct soil_contact *b, int32_t lowest);
 /* Evaluates the law at a height for which the posts were gathered. share, kept, changes: as in soil_bear. */
-void soil_bearing_evaluate(struct bearing *b, int32_t raised, float share, struct soil_sums *sums, struct soil_kept *kept, struct soil_changes *changes);
+void soil_contact_evaluate(struct soil_contact *b, int32_t raised, float share, struct soil_sums *sums, struct soil_kept *kept, struct soil_changes *changes);
 /* Turns a vector from the body's frame to east, north, up. */
-void soil_bearing_turn(const struct bearing *b, const double v[3], double out[3]);
+void soil_contact_turn(const struct soil_contact *b, const double v[3], double out[3]);
 /* Tells the forces of an evaluation. state: SOIL_AIR takes its place where no post bears. */
-void soil_bearing_tell(const struct bearing *b, const struct soil_sums *sums, int32_t raised, enum soil_state state, struct soil_forces *forces);
+void soil_contact_tell(const struct soil_contact *b, const struct soil_sums *sums, int32_t raised, enum soil_state state, struct soil_forces *forces);
 
 /* The height of a body with a load. */
 struct soil_height {
@@ -52,6 +52,6 @@ struct soil_height {
 	int tries;            /* evaluations */
 };
 /* Finds the equilibrium height: height.c. start: where the search begins. */
-void soil_height_find(struct bearing *b, int32_t start, struct soil_height *height);
+void soil_height_find(struct soil_contact *b, int32_t start, struct soil_height *height);
 
 #endif

@@ -1,11 +1,11 @@
 /*
- * Presses a body into the ground: its equilibrium height, the forces on it, and the new state of the posts that it touches. See SOIL.md.
+ * A body sinks into the ground: its equilibrium height, the forces on it, and the new state of the posts that it touches. See SOIL.md.
  *
- * The new state is whole numbers. So a post that a body has left, or presses anew by the same pose, keeps its bits.
+ * The new state is whole numbers. So a post that a body has left, or that it touches again in the same pose, keeps its bits.
  */
-#include "soil/press.h"
+#include "soil/sink.h"
 
-#include "soil/bearing.h"
+#include "soil/contact.h"
 #include "soil/law/after.h"
 
 /* A row of the patch as it is measured for laying. */
@@ -22,7 +22,7 @@ static void end_row(const struct soil_laying *laying, struct patch_row *row, str
 	*row = (struct patch_row){.y = row->y, .first = INT64_MAX, .last = INT64_MIN};
 }
 
-static void put_post(const struct soil_press *press, const struct soil_planes *planes, size_t at, const struct soil_after *a, int i, struct patch_row *row)
+static void put_post(const struct soil_sink *sink, const struct soil_planes *planes, size_t at, const struct soil_after *a, int i, struct patch_row *row)
 {
 	const int64_t x = planes->rect.x0 + (int64_t)(at % planes->width);
 	planes->offset[at] = a->offset[i];
@@ -33,7 +33,7 @@ static void put_post(const struct soil_press *press, const struct soil_planes *p
 	}
 	planes->contact[at] |= (uint8_t)(SOIL_LOWERED | (a->held[i] ? SOIL_HELD : 0));
 	const uint32_t class = planes->classes != NULL ? planes->classes[at] : 0;
-	const int32_t deep = soil_depth_of(a->carried[i], a->offset[i], a->dug[i], press->laying->rolls, press->soils[0].share);
+	const int32_t deep = soil_depth_of(a->carried[i], a->offset[i], a->dug[i], sink->laying->rolls, sink->soils[0].share);
 	row->first = x < row->first ? x : row->first;
 	row->last = x > row->last ? x : row->last;
 	row->carried += a->carried[i];
@@ -42,7 +42,7 @@ static void put_post(const struct soil_press *press, const struct soil_planes *p
 	row->deep = deep > row->deep ? deep : row->deep;
 }
 
-static void commit(const struct soil_press *press, const struct bearing *b, const struct soil_kept *kept, int32_t raised, struct soil_pressed *out)
+static void commit(const struct soil_sink *sink, const struct soil_contact *b, const struct soil_kept *kept, int32_t raised, struct soil_imprint *out)
 {
 	const struct soil_posts *posts = b->posts;
 	const struct soil_planes *planes = b->planes;
@@ -56,7 +56,7 @@ static void commit(const struct soil_press *press, const struct bearing *b, cons
 			const size_t at = (size_t)posts->index[first + i];
 			const int64_t y = planes->rect.y0 + (int64_t)(at / planes->width);
 			if (y != row.y) {
-				end_row(press->laying, &row, &out->measured);
+				end_row(sink->laying, &row, &out->measured);
 				row.y = y;
 			}
 			if ((after.held[i] || after.ends[i]) && planes->shear != NULL)
@@ -71,10 +71,10 @@ static void commit(const struct soil_press *press, const struct bearing *b, cons
 			out->refused += after.refused[i];
 			out->compacted += after.lost[i];
 			if (after.touched[i])
-				put_post(press, planes, at, &after, (int)i, &row);
+				put_post(sink, planes, at, &after, (int)i, &row);
 		}
 	}
-	end_row(press->laying, &row, &out->measured);
+	end_row(sink->laying, &row, &out->measured);
 	out->reached = near.x0 < near.x1 ? near : out->measured.patch;
 	if (near.x0 < near.x1 && !post_rect_empty(out->measured.patch))
 		out->reached = post_rect_around(near, out->measured.patch);
@@ -83,34 +83,34 @@ static void commit(const struct soil_press *press, const struct bearing *b, cons
 /* --- contact and feel --- */
 
 /* Finds the body's height and evaluates the law there. Returns false if there is no ground below it. */
-static bool evaluate(struct bearing *b, int32_t start, struct soil_height *height, struct soil_sums *sums, struct soil_kept *kept)
+static bool evaluate(struct soil_contact *b, int32_t start, struct soil_height *height, struct soil_sums *sums, struct soil_kept *kept)
 {
 	*height = (struct soil_height){.share = 1, .state = SOIL_TOUCHING};
 	*sums = (struct soil_sums){.deepest = 0};
 	if (b->motion->load > 0)
 		soil_height_find(b, start, height);
 	else
-		soil_bearing_gather(b, 0);
+		soil_contact_gather(b, 0);
 	if (height->state == SOIL_AIR || b->posts->count == 0)
 		return false;
-	soil_bearing_evaluate(b, height->raised, height->share, sums, kept, NULL);
+	soil_contact_evaluate(b, height->raised, height->share, sums, kept, NULL);
 	return true;
 }
 
-enum status soil_press_body(const struct soil_law *law, const struct soil_planes *planes, const struct soil_motion *motion, const struct soil_press *press,
-			    struct soil_work *work, struct soil_pressed *out)
+enum status soil_sink_body(const struct soil_law *law, const struct soil_planes *planes, const struct soil_motion *motion, const struct soil_sink *sink,
+			    struct soil_work *work, struct soil_imprint *out)
 {
-	struct bearing b;
+	struct soil_contact b;
 	struct soil_height height;
 	struct soil_sums sums;
-	enum status status = soil_bearing_begin(law, planes, motion, work, AFTER_SHEAR_ENDS * law->spacing, &b);
+	enum status status = soil_contact_begin(law, planes, motion, work, AFTER_SHEAR_ENDS * law->spacing, &b);
 	if (status != STATUS_OK)
 		return status;
-	*out = (struct soil_pressed){.reached = {0, 0, 0, 0}};
+	*out = (struct soil_imprint){.reached = {0, 0, 0, 0}};
 	soil_measured_begin(&out->measured);
-	if (evaluate(&b, press->start, &height, &sums, &work->kept))
-		commit(press, &b, &work->kept, height.raised, out);
-	soil_bearing_tell(&b, &sums, height.raised, height.state, &out->forces);
+	if (evaluate(&b, sink->start, &height, &sums, &work->kept))
+		commit(sink, &b, &work->kept, height.raised, out);
+	soil_contact_tell(&b, &sums, height.raised, height.state, &out->forces);
 	out->raised = height.raised;
 	out->tries = height.tries;
 	return STATUS_OK;
@@ -119,13 +119,13 @@ enum status soil_press_body(const struct soil_law *law, const struct soil_planes
 enum status soil_feel(const struct soil_law *law, const struct soil_planes *planes, const struct soil_motion *motion, int32_t start, struct soil_work *work,
 		      struct soil_forces *out)
 {
-	struct bearing b;
+	struct soil_contact b;
 	struct soil_height height;
 	struct soil_sums sums;
-	enum status status = soil_bearing_begin(law, planes, motion, work, 0, &b);
+	enum status status = soil_contact_begin(law, planes, motion, work, 0, &b);
 	if (status != STATUS_OK)
 		return status;
 	evaluate(&b, start, &height, &sums, NULL);
-	soil_bearing_tell(&b, &sums, height.raised, height.state, out);
+	soil_contact_tell(&b, &sums, height.raised, height.state, out);
 	return STATUS_OK;
 }
