@@ -5,7 +5,7 @@
  * contact:
  * - after a working post of travel or of turn,
  * - after a tenth of a post of sinkage,
- * - where it turns back: rises after it sank, or slides back,
+ * - where it turns back: rises after it sank, goes on less steeply, or slides back,
  * - at a checkpoint, and before a query.
  *
  * In between only the forces are computed, over the same ground (deform_feel).
@@ -18,6 +18,7 @@
 #define SINKAGE_SHARE 0.1 /* of a post */
 #define PART_MORE 0.25    /* a contact may be longer than a post by this share, so that a step that ends just beyond a post makes one contact */
 #define DIP_SHARE 0.002   /* of a post: a body that was deeper than at both ends of its motion by less has not been deeper */
+#define FLATTER 4.0       /* a body that goes in plan by more than this for each metre that it sinks goes on less steeply */
 
 static size_t index_of(const struct world *world, int32_t number)
 {
@@ -179,18 +180,46 @@ static void slide_of(const struct host_body *host, const struct soil_pose *from,
 	slide[1] = lattice_offset_metres(to->y - from->y) - sin(to->yaw) * ran + rotated[0] * reach;
 }
 
+/* How far a place of the body sank and went in plan since the last contact, and how far it does in this step, m. */
+struct sinking {
+	double sank, went, sinks, goes;
+};
+
+/* Tells whether a place was deeper than a straight motion from the last contact on will be: it rises after it sank, or goes on less steeply. */
+static bool leaves_dip(const struct sinking *s, double least)
+{
+	return s->sank >= least && (s->sinks < 0 || (FLATTER * s->sinks < s->goes && s->sank * s->goes - s->went * s->sinks >= least * s->goes));
+}
+
+/* The same of the body: of its middle, and if its turning moves its lower side, of four places around that. */
+static bool body_leaves_dip(const struct host_body *host, const struct soil_pose *to, const double rotated[3], double least)
+{
+	const struct soil_pose *from = &host->body.last, *at = &host->felt;
+	const struct soil_shape *shape = &host->body.object->shape;
+	const bool turns = shape->kind != SOIL_WHEEL && shape->kind != SOIL_SPHERE;
+	const double before = lattice_offset_metres(from->z - at->z), now = lattice_offset_metres(at->z - to->z), reach = M_SQRT1_2 * soil_shape_bound(shape);
+	struct sinking places = {before, travel(from, at), now, travel(at, to)};
+	bool leaves = leaves_dip(&places, least);
+	for (int k = 0; k < 4 && turns && !leaves; k++) {
+		const double by = k % 2 == 0 ? reach : -reach;
+		places.sank = before + by * host->rotated[k / 2];
+		places.sinks = now + by * rotated[k / 2];
+		leaves = leaves_dip(&places, least);
+	}
+	return leaves;
+}
+
 /*
- * Tells whether the motion turns back at the pose of the last step: the body rises there after it sank, or slides back. A contact is taken as straight,
- * so one must end there. turned, rotated: in this step.
+ * Tells whether the motion turns back at the pose of the last step: the body rises there after it sank, goes on less steeply, or slides back. A contact
+ * is taken as straight, so one must end there. turned, rotated: in this step.
  */
 static bool turns_back(const struct world *world, const struct host_body *host, const struct soil_pose *to, double turned, const double rotated[3])
 {
 	const struct soil_pose *from = &host->body.last, *at = &host->felt;
-	const double least = DIP_SHARE * world->spacing;
 	double before[2], after[2];
 	if (!host->body.in_contact || host->fresh)
 		return false;
-	if (lattice_offset_metres(from->z - at->z) >= least && to->z > at->z)
+	if (body_leaves_dip(host, to, rotated, DIP_SHARE * world->spacing))
 		return true;
 	slide_of(host, from, at, host->felt_turned, host->rotated, before);
 	slide_of(host, at, to, turned, rotated, after);
