@@ -180,33 +180,32 @@ static void slide_of(const struct host_body *host, const struct soil_pose *from,
 	slide[1] = lattice_offset_metres(to->y - from->y) - sin(to->yaw) * ran + rotated[0] * reach;
 }
 
-/* How far a place of the body sank and went in plan since the last contact, and how far it does in this step, m. */
-struct sinking {
-	double sank, went, sinks, goes;
-};
-
-/* Tells whether a place was deeper than a straight motion from the last contact on will be: it rises after it sank, or goes on less steeply. */
-static bool leaves_dip(const struct sinking *s, double least)
+bool world_leaves_dip(const struct world_sinking *s, double least)
 {
-	return s->sank >= least && (s->sinks < 0 || (FLATTER * s->sinks < s->goes && s->sank * s->goes - s->went * s->sinks >= least * s->goes));
+	static const int axes[] = {0, 0, 0, 1, 1}, ways[] = {0, 1, -1, 1, -1}; /* the middle, and places to its left, right, behind and ahead */
+	for (int k = 0; k < 5; k++) {
+		const double by = ways[k] * s->reach, sank = s->sank + by * s->turned[axes[k]], sinks = s->sinks + by * s->turns[axes[k]];
+		if (sank >= least && (sinks < 0 || (FLATTER * sinks < s->goes && sank * s->goes - s->went * sinks >= least * s->goes)))
+			return true;
+	}
+	return false;
 }
 
-/* The same of the body: of its middle, and if its turning moves its lower side, of four places around that. */
-static bool body_leaves_dip(const struct host_body *host, const struct soil_pose *to, const double rotated[3], double least)
+/* Tells whether the body leaves a dip in this step. rotated: in this step. */
+static bool leaves_dip(const struct world *world, const struct host_body *host, const struct soil_pose *to, const double rotated[3])
 {
 	const struct soil_pose *from = &host->body.last, *at = &host->felt;
-	const struct soil_shape *shape = &host->body.object->shape;
-	const bool turns = shape->kind != SOIL_WHEEL && shape->kind != SOIL_SPHERE;
-	const double before = lattice_offset_metres(from->z - at->z), now = lattice_offset_metres(at->z - to->z), reach = M_SQRT1_2 * soil_shape_bound(shape);
-	struct sinking places = {before, travel(from, at), now, travel(at, to)};
-	bool leaves = leaves_dip(&places, least);
-	for (int k = 0; k < 4 && turns && !leaves; k++) {
-		const double by = k % 2 == 0 ? reach : -reach;
-		places.sank = before + by * host->rotated[k / 2];
-		places.sinks = now + by * rotated[k / 2];
-		leaves = leaves_dip(&places, least);
-	}
-	return leaves;
+	const struct world_sinking sinking = {
+		.sank = lattice_offset_metres(from->z - at->z), .went = travel(from, at), .turned = {host->rotated[0], host->rotated[1]},
+		.sinks = lattice_offset_metres(at->z - to->z), .goes = travel(at, to), .turns = {rotated[0], rotated[1]},
+		.reach = world_turning_reach(&host->body.object->shape),
+	};
+	return world_leaves_dip(&sinking, DIP_SHARE * world->spacing);
+}
+
+double world_turning_reach(const struct soil_shape *shape)
+{
+	return shape->kind == SOIL_WHEEL || shape->kind == SOIL_SPHERE ? 0 : M_SQRT1_2 * soil_shape_bound(shape);
 }
 
 /*
@@ -219,7 +218,7 @@ static bool turns_back(const struct world *world, const struct host_body *host, 
 	double before[2], after[2];
 	if (!host->body.in_contact || host->fresh)
 		return false;
-	if (body_leaves_dip(host, to, rotated, DIP_SHARE * world->spacing))
+	if (leaves_dip(world, host, to, rotated))
 		return true;
 	slide_of(host, from, at, host->felt_turned, host->rotated, before);
 	slide_of(host, at, to, turned, rotated, after);

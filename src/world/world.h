@@ -524,6 +524,17 @@ enum status world_belts_set(struct world *world, size_t count, const int32_t *nu
 /* For a body whose caller computes its forces with world_probe. The world computes none for it, and each state that is set
  * changes the ground in the next step, however small the motion is. */
 void world_body_quiet(struct world *world, int32_t number);
+/* How a body sank and went in plan since its last contact, and how it does in the step that follows; m. turned, turns: rad about local x and y. */
+struct world_sinking {
+	double sank, went, turned[2];
+	double sinks, goes, turns[2];
+	double reach;                 /* world_turning_reach */
+};
+/* Returns true if some place of the body has been deeper than a straight motion since its last contact will be: it rises after it sank by `least`
+ * metres, or it goes on less steeply. A contact is taken as straight, so one must end there. Pure. */
+bool world_leaves_dip(const struct world_sinking *sinking, double least);
+/* Returns how far from its middle the lower side of a body of this shape is that rises and sinks as it turns, m; 0: it does not. */
+double world_turning_reach(const struct soil_shape *shape);
 /* Tells the force on a quiet body for the next rows of objects.csv. `force->z` is ignored. `slip`: of a wheel. */
 enum status world_body_tell(struct world *world, int32_t number, const struct world_state *state, const struct world_force *force,
 			    double slip) FURROW_CHECKED;
