@@ -547,10 +547,10 @@ enum status world_body_restore(struct world *world, int32_t number, const double
 /* Gives the state of any body, also of a body with a path. NaN: it was never placed. */
 enum status world_body_state(const struct world *world, int32_t number, struct world_state *state) FURROW_CHECKED;
 /*
- * Tells what the soil would do to `count` bodies of the host in these states, as linear functions around them. Changes nothing. The first
- * probe of a body reads the ground under it from the GPU. From then on each step does so at its end, and later probes only compute.
- * world_probe_reads: returns true if a probe of these bodies would read, so that it needs the GL context.
- * The contact is `unknown` where a state is more than two working posts from the body's last one, and for a body with a path. So it is
+ * Tells what the soil would do to `count` bodies of the host in these states, as linear functions around them. Changes nothing. It reads the ground
+ * on the host, and may load tiles.
+ * world_probe_reads: returns true if a probe of these bodies would read the ground.
+ * The contact is `unknown` off the terrain, where a state is hundreds of working posts from the body's last contact, and for a body with a path. So it is
  * for a soil model that probes do not know. STATUS_USAGE, STATUS_INPUT: a state is not one that the body can have.
  */
 bool world_probe_reads(const struct world *world, size_t count, const int32_t *numbers);
