@@ -5,7 +5,7 @@
  * contact:
  * - after a working post of travel or of turn,
  * - after a tenth of a post of sinkage,
- * - where it turns back: rises after it sank, goes on less steeply, or slides back,
+ * - where it turns back: rises after it sank, goes on along the ground after it sank steeply, or slides back,
  * - at a checkpoint, and before a query.
  *
  * In between only the forces are computed, over the same ground (deform_feel).
@@ -18,7 +18,7 @@
 #define SINKAGE_SHARE 0.1 /* of a post */
 #define PART_MORE 0.25    /* a contact may be longer than a post by this share, so that a step that ends just beyond a post makes one contact */
 #define DIP_SHARE 0.002   /* of a post: a body that was deeper than at both ends of its motion by less has not been deeper */
-#define FLATTER 4.0       /* a body that goes in plan by more than this for each metre that it sinks goes on less steeply */
+#define FLATTER 4.0       /* a body that sank by more than it went in plan, and then goes by more than this for each metre that it sinks, leaves a dip */
 
 static size_t index_of(const struct world *world, int32_t number)
 {
@@ -185,7 +185,7 @@ bool world_leaves_dip(const struct world_sinking *s, double least)
 	static const int axes[] = {0, 0, 0, 1, 1}, ways[] = {0, 1, -1, 1, -1}; /* the middle, and places to its left, right, behind and ahead */
 	for (int k = 0; k < 5; k++) {
 		const double by = ways[k] * s->reach, sank = s->sank + by * s->turned[axes[k]], sinks = s->sinks + by * s->turns[axes[k]];
-		if (sank >= least && (sinks < 0 || (FLATTER * sinks < s->goes && sank * s->goes - s->went * sinks >= least * s->goes)))
+		if (sank >= least && (sinks < 0 || (sank > s->went && FLATTER * sinks < s->goes)))
 			return true;
 	}
 	return false;
@@ -209,7 +209,7 @@ double world_turning_reach(const struct soil_shape *shape)
 }
 
 /*
- * Tells whether the motion turns back at the pose of the last step: the body rises there after it sank, goes on less steeply, or slides back. A contact
+ * Tells whether the motion turns back at the pose of the last step: the body leaves a dip there, or slides back. A contact
  * is taken as straight, so one must end there. turned, rotated: in this step.
  */
 static bool turns_back(const struct world *world, const struct host_body *host, const struct soil_pose *to, double turned, const double rotated[3])

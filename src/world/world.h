@@ -531,7 +531,7 @@ struct world_sinking {
 	double reach;                 /* world_turning_reach */
 };
 /* Returns true if some place of the body has been deeper than a straight motion since its last contact will be: it rises after it sank by `least`
- * metres, or it goes on less steeply. A contact is taken as straight, so one must end there. Pure. */
+ * metres, or it sank steeply and goes on along the ground. A contact is taken as straight, so one must end there. Pure. */
 bool world_leaves_dip(const struct world_sinking *sinking, double least);
 /* Returns how far from its middle the lower side of a body of this shape is that rises and sinks as it turns, m; 0: it does not. */
 double world_turning_reach(const struct soil_shape *shape);
