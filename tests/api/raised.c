@@ -82,10 +82,67 @@ static void an_implicit_host_stops_a_ball_as_deep_as_short_steps_do(void **state
 	assert_near(fine, depth, 0.01 * depth);
 }
 
+/* --- a wheel that reverses --- */
+
+#define WAY 0.25 /* m before it reverses, and after */
+
+/* Drives a wheel that bears 500 N with a slip of 0.2, first forwards, then back. pulls: the pull after it reversed, at every 5 mm. *jump: its largest
+ * change from row to row after the first. */
+static void reverse(double row, double pulls[8], double *jump)
+{
+	struct furrow_world *world = probing_world(&(struct probing_ground){"reverse.furrow", "dry_sand, damping: 0", 0.03125, 0, 100, 0, row / 0.25, true});
+	const int steps = (int)lround(WAY / row), each = (int)lround(0.005 / row);
+	furrow_body body;
+	double z = 100.299, turn = 0, before = 0;
+	*jump = 0;
+	struct furrow_state at = hosted_state(20.013, 20.007, 100.301);
+	done(furrow_body_add(world, "{shape: {wheel: {radius: 0.3, width: 0.2}}}", &body));
+	done(furrow_place(world, body, &at.pose));
+	for (int i = 0; i < steps + 8 * each; i++) {
+		const double way = i < steps ? 1 : -1;
+		struct furrow_contact told;
+		at.linear[0] = 0.25 * way;
+		at.angular[1] = at.linear[0] / (0.3 * (1 - 0.2));
+		at.pose.position[0] += row * way;
+		turn += row * way / (0.3 * (1 - 0.2));
+		at.pose.orientation[0] = cos(turn / 2);
+		at.pose.orientation[2] = sin(turn / 2);
+		double low = z - 0.005, high = z + 0.002; /* of its height, at which the soil carries it */
+		for (int k = 0; k < 24; k++) {
+			at.pose.position[2] = z = 0.5 * (low + high);
+			*(probing_ask(world, body, &at).force[2] > 500 ? &low : &high) = z;
+		}
+		at.pose.position[2] = z;
+		probing_step(world, body, &at, row / 0.25);
+		done(furrow_get_contacts(world, 1, &body, &told, sizeof told));
+		if (i > steps)
+			*jump = support_most(*jump, fabs(told.force[0] - before));
+		before = told.force[0];
+		if (i >= steps && (i - steps + 1) % each == 0)
+			pulls[(i - steps) / each] = told.force[0];
+	}
+	done(furrow_world_close(world));
+}
+
+static void a_wheel_that_reverses_pulls_the_other_way_bit_by_bit(void **state)
+{
+	double rows[8], fine[8], jumps[2];
+	reverse(0.005, rows, &jumps[0]);
+	reverse(0.00025, fine, &jumps[1]);
+	for (int i = 0; i < 8; i++)
+		print_message("%d mm back: %.1f N in rows of 5 mm, %.1f N in rows of 0.25 mm\n", 5 * (i + 1), rows[i], fine[i]);
+	print_message("from row to row at most %.1f and %.1f N\n", jumps[0], jumps[1]);
+	/* The probe before the first long row cannot know that the wheel turned back 5 mm earlier, so the soil does not bear 500 N in it. */
+	for (int i = 1; i < 8; i++)
+		assert_near(rows[i], fine[i], 12);
+	assert_true(jumps[1] < 25);
+}
+
 TEST_PROGRAM(raised)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_raised_box_gives_back_the_elastic_energy),
+		cmocka_unit_test(a_wheel_that_reverses_pulls_the_other_way_bit_by_bit),
 		cmocka_unit_test(an_implicit_host_stops_a_ball_as_deep_as_short_steps_do),
 	};
 	return cmocka_run_group_tests_name("api/raised", tests, support_enter, support_leave);
