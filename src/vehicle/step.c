@@ -71,11 +71,13 @@ static enum status find_due(const struct vehicles *vehicles, const struct soil_g
 	    turned >= TURN_MOST || turned * soil_shape_bound(&geom->shape) >= spacing)
 		return STATUS_OK;
 	const double now[2] = {to->angular[0] * vehicles->scene->time_step, to->angular[1] * vehicles->scene->time_step};
+	/* What runs over the ground changes it often enough, so only its middle counts. More contacts would cost it energy. */
+	const bool rolls = soil_shape_runs(&geom->shape);
 	const struct world_sinking sinking = {
 		.sank = heights[TOUCHED] - heights[START], .went = hypot(places[START][0] - from->position[0], places[START][1] - from->position[1]),
 		.turned = {turns[0] - now[0], turns[1] - now[1]}, .sinks = heights[START] - heights[END],
-		.goes = hypot(places[END][0] - places[START][0], places[END][1] - places[START][1]), .turns = {now[0], now[1]},
-		.reach = world_turning_reach(&geom->shape),
+		.goes = rolls ? 0 : hypot(places[END][0] - places[START][0], places[END][1] - places[START][1]), .turns = {now[0], now[1]},
+		.reach = rolls ? 0 : world_turning_reach(&geom->shape),
 	};
 	const bool returns = level > BACK_SHARE * spacing && way[0] * to->linear[0] + way[1] * to->linear[1] < 0 &&
 			     way[0] * geom->now.linear[0] + way[1] * geom->now.linear[1] >= 0;
