@@ -286,8 +286,8 @@ class World:
     def probe(self, bodies: Bodies, states: numpy.ndarray) -> numpy.ndarray:
         """What the soil would do to n bodies in these states; changes nothing.
 
-        states: (n,) of furrow.STATE. Returns (n,) of furrow.CONTACT; where ["state"] is ContactState.UNKNOWN, the ground there
-        is not on the host.
+        states: (n,) of furrow.STATE. Returns (n,) of furrow.CONTACT; where ["state"] is ContactState.UNKNOWN, nothing is known, as
+        off the terrain.
         """
         handles = _handles(bodies)
         states = _structs(states, STATE, len(handles), "states")

@@ -221,7 +221,7 @@ enum furrow_contact_state {
 	FURROW_TOUCHING, /* the soil carries it */
 	FURROW_SLIDES,   /* the shear stress is beyond friction */
 	FURROW_SUNK,     /* the soil does not carry it */
-	FURROW_UNKNOWN   /* the ground there is not on the host */
+	FURROW_UNKNOWN   /* nothing is known of it: furrow_probe */
 };
 
 /* What the soil does to a body. A figure that is not known is NaN. */
@@ -257,12 +257,10 @@ FURROW_API furrow_status furrow_body_remove(struct furrow_world *world, furrow_b
 /*
  * Tells what the soil would do to `count` bodies in these states, and changes nothing. For hosts that integrate motion and ask
  * many times a step. The force is that of a straight motion from the body's last contact to the state; stiffness and damping
- * tell how it changes around that. It reads the ground as the last step left it, on the CPU. The first probe of a body reads
- * that ground from the GPU. From then on each step ends when it is on the host, and a probe waits for nothing.
+ * tell how it changes around that. It reads the ground as the last step left it, on the CPU.
  * `bodies`, `states`, `contacts`: `count` entries each. `contact_size`: sizeof(struct furrow_contact). `count` 0: does nothing.
- * A state may lie two working posts beside the body's last one. Where it lies farther, contact.state is FURROW_UNKNOWN and its
- * numbers are NaN. This is also the answer for a body with a path and for one that was not placed. So it is under all soil models but
- * scm. A velocity of three NaN is that of the poses, as furrow_set_states has it, in a step of the scene's time_step.
+ * Off the terrain contact.state is FURROW_UNKNOWN and its numbers are NaN. So they are where a state lies hundreds of working posts from the
+ * body's last contact, of a body with a path, of one that was not placed, and under all soil models but scm. A velocity of three NaN is that of the poses, as furrow_set_states has it, in a step of the scene's time_step.
  * FURROW_USAGE and FURROW_INPUT as furrow_set_states.
  */
 FURROW_API furrow_status furrow_probe(struct furrow_world *world, size_t count, const furrow_body *bodies,
@@ -311,7 +309,8 @@ FURROW_API furrow_status furrow_get_states(struct furrow_world *world, size_t co
 
 /*
  * Fills `count` contacts: what the soil did to bodies in the last step. May wait for that step's work.
- * `contact_size`: sizeof(struct furrow_contact). stiffness and damping are NaN for bodies that were never probed.
+ * `contact_size`: sizeof(struct furrow_contact). stiffness and damping are NaN for bodies with a path, and under all soil
+ * models but scm.
  */
 FURROW_API furrow_status furrow_get_contacts(struct furrow_world *world, size_t count, const furrow_body *bodies,
 					     struct furrow_contact *contacts, size_t contact_size);

@@ -189,6 +189,14 @@ static void begin(struct vehicles *vehicles, double stage)
 	}
 }
 
+/* Makes all geoms change the ground in the next step, so that it knows how deep they sank. */
+static void touch_all(struct vehicles *vehicles)
+{
+	for (size_t v = 0; v < vehicles->count; v++)
+		for (size_t g = 0; g < vehicles->list[v].geom_count; g++)
+			vehicles->list[v].geoms[g].is_touched = false;
+}
+
 static void tell_unrest(const struct vehicles *vehicles)
 {
 	for (size_t v = 0; v < vehicles->count; v++) {
@@ -308,6 +316,7 @@ enum status vehicle_settle(struct vehicles *vehicles)
 	}
 	if (status == STATUS_OK && first->begun == VEHICLE_SLOWED) {
 		status = until_still(vehicles, SLOWED, STILL_SLOWED, SLOWED_MOST);
+		touch_all(vehicles);
 		if (status == STATUS_OK)
 			begin(vehicles, VEHICLE_FREE);
 	}

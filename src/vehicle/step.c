@@ -4,35 +4,36 @@
 #include "vehicle/between.h"
 
 #define SINKAGE_SHARE 0.1 /* of a post: so much up or down changes the ground */
-#define RISES_LEAST 2e-5  /* m: so much down changes the ground where the body turns up again: a hundredth of what soil springs back */
+#define DIP_LEAST 2e-5    /* m: so much down changes the ground where the body leaves that dip: a hundredth of what soil springs back */
 #define BACK_SHARE 0.05   /* of a post: so much along the level changes it where the motion turns back */
 #define TURN_MOST 1.0     /* rad: so much turn changes the ground */
 
 /* --- the ground --- */
 
-static double turn_between(const struct world_pose *a, const struct world_pose *b)
+static void turn_between(const struct world_pose *a, const struct world_pose *b, double angles[3])
 {
-	double back[4], turn[4], angles[3];
+	double back[4], turn[4];
 	mju_negQuat(back, a->orientation);
 	mju_mulQuat(turn, b->orientation, back);
 	mju_quat2Vel(angles, turn, 1);
-	return mju_norm3(angles);
 }
 
-/* Heights of a geom above the undisturbed ground, m. TOUCHED: where it last changed it. START, END: of this step. GOES: where the velocity
- * at the start would have brought it. */
-enum { TOUCHED, START, GOES, END, HEIGHTS };
+/* Places of a geom: where it last changed the ground; where this step started, and where it ends. */
+enum { TOUCHED, START, END, PLACES };
 
-/* Where a place lies over no ground, all are plain heights. */
-static enum status find_heights(const struct vehicles *vehicles, const struct soil_geom *geom, const struct world_state *to, double heights[HEIGHTS])
+static void find_places(const struct vehicles *vehicles, const struct soil_geom *geom, const struct world_state *to, double places[PLACES][3])
 {
-	double places[HEIGHTS][3], ground[HEIGHTS];
-	bool all = true;
 	mju_copy3(places[TOUCHED], geom->touched.pose.position);
 	mju_addScl3(places[START], geom->now.pose.position, geom->now.linear, -vehicles->scene->time_step);
-	mju_copy3(places[GOES], geom->now.pose.position);
 	mju_copy3(places[END], to->pose.position);
-	for (int i = 0; i < HEIGHTS; i++) {
+}
+
+/* Finds their heights above the undisturbed ground, m. Where a place lies over no ground, all are plain heights. */
+static enum status find_heights(const struct vehicles *vehicles, double places[PLACES][3], double heights[PLACES])
+{
+	double ground[PLACES];
+	bool all = true;
+	for (int i = 0; i < PLACES; i++) {
 		int64_t height;
 		bool any;
 		enum status status = resident_ground_height(vehicles->world->ground, lattice_offset(places[i][0]), lattice_offset(places[i][1]), &height, &any);
@@ -41,7 +42,7 @@ static enum status find_heights(const struct vehicles *vehicles, const struct so
 		all = all && any;
 		ground[i] = any ? lattice_offset_metres(height) : 0;
 	}
-	for (int i = 0; i < HEIGHTS; i++)
+	for (int i = 0; i < PLACES; i++)
 		heights[i] = places[i][2] - (all ? ground[i] : 0);
 	return STATUS_OK;
 }
@@ -54,23 +55,33 @@ static enum status find_due(const struct vehicles *vehicles, const struct soil_g
 {
 	const double spacing = vehicles->world->spacing;
 	const struct world_pose *from = &geom->touched.pose;
-	double way[2], heights[HEIGHTS];
+	double way[2], turns[3], places[PLACES][3], heights[PLACES];
 	*due = true;
 	if (!geom->is_touched)
 		return STATUS_OK;
-	enum status status = find_heights(vehicles, geom, to, heights);
+	find_places(vehicles, geom, to, places);
+	enum status status = find_heights(vehicles, places, heights);
 	if (status != STATUS_OK)
 		return status;
 	mju_sub(way, to->pose.position, from->position, 2);
-	const double level = hypot(way[0], way[1]), turn = turn_between(from, &to->pose), sank = heights[TOUCHED] - heights[END];
+	turn_between(from, &to->pose, turns);
+	const double level = hypot(way[0], way[1]), turn = mju_norm3(turns), sank = heights[TOUCHED] - heights[END];
 	const double turned = geom->shape.kind == SOIL_SPHERE ? 0 : turn;
 	if (level >= spacing || fabs(to->belt.travel - geom->touched.belt.travel) >= spacing || fabs(sank) >= SINKAGE_SHARE * spacing ||
 	    turned >= TURN_MOST || turned * soil_shape_bound(&geom->shape) >= spacing)
 		return STATUS_OK;
-	const bool rises = sank > RISES_LEAST && heights[END] > heights[START] && heights[GOES] <= heights[START];
+	const double now[2] = {to->angular[0] * vehicles->scene->time_step, to->angular[1] * vehicles->scene->time_step};
+	/* What runs over the ground changes it often enough, so only its middle counts. More contacts would cost it energy. */
+	const bool rolls = soil_shape_runs(&geom->shape);
+	const struct world_sinking sinking = {
+		.sank = heights[TOUCHED] - heights[START], .went = hypot(places[START][0] - from->position[0], places[START][1] - from->position[1]),
+		.turned = {turns[0] - now[0], turns[1] - now[1]}, .sinks = heights[START] - heights[END],
+		.goes = rolls ? 0 : hypot(places[END][0] - places[START][0], places[END][1] - places[START][1]), .turns = {now[0], now[1]},
+		.reach = rolls ? 0 : world_turning_reach(&geom->shape),
+	};
 	const bool returns = level > BACK_SHARE * spacing && way[0] * to->linear[0] + way[1] * to->linear[1] < 0 &&
 			     way[0] * geom->now.linear[0] + way[1] * geom->now.linear[1] >= 0;
-	*due = geom->contact.state != WORLD_AIR && (rises || returns);
+	*due = geom->contact.state != WORLD_AIR && (returns || world_leaves_dip(&sinking, DIP_LEAST));
 	return STATUS_OK;
 }
 

@@ -5,7 +5,7 @@
  * contact:
  * - after a working post of travel or of turn,
  * - after a tenth of a post of sinkage,
- * - where it turns back: rises after it sank, or slides back,
+ * - where it turns back: rises after it sank, goes on along the ground after it sank steeply, or slides back,
  * - at a checkpoint, and before a query.
  *
  * In between only the forces are computed, over the same ground (deform_feel).
@@ -18,6 +18,7 @@
 #define SINKAGE_SHARE 0.1 /* of a post */
 #define PART_MORE 0.25    /* a contact may be longer than a post by this share, so that a step that ends just beyond a post makes one contact */
 #define DIP_SHARE 0.002   /* of a post: a body that was deeper than at both ends of its motion by less has not been deeper */
+#define FLATTER 4.0       /* a body that sank by more than it went in plan, and then goes by more than this for each metre that it sinks, leaves a dip */
 
 static size_t index_of(const struct world *world, int32_t number)
 {
@@ -179,18 +180,45 @@ static void slide_of(const struct host_body *host, const struct soil_pose *from,
 	slide[1] = lattice_offset_metres(to->y - from->y) - sin(to->yaw) * ran + rotated[0] * reach;
 }
 
+bool world_leaves_dip(const struct world_sinking *s, double least)
+{
+	static const int axes[] = {0, 0, 0, 1, 1}, ways[] = {0, 1, -1, 1, -1}; /* the middle, and places to its left, right, behind and ahead */
+	for (int k = 0; k < 5; k++) {
+		const double by = ways[k] * s->reach, sank = s->sank + by * s->turned[axes[k]], sinks = s->sinks + by * s->turns[axes[k]];
+		if (sank >= least && (sinks < 0 || (sank > s->went && FLATTER * sinks < s->goes)))
+			return true;
+	}
+	return false;
+}
+
+/* Tells whether the body leaves a dip in this step. rotated: in this step. */
+static bool leaves_dip(const struct world *world, const struct host_body *host, const struct soil_pose *to, const double rotated[3])
+{
+	const struct soil_pose *from = &host->body.last, *at = &host->felt;
+	const struct world_sinking sinking = {
+		.sank = lattice_offset_metres(from->z - at->z), .went = travel(from, at), .turned = {host->rotated[0], host->rotated[1]},
+		.sinks = lattice_offset_metres(at->z - to->z), .goes = travel(at, to), .turns = {rotated[0], rotated[1]},
+		.reach = world_turning_reach(&host->body.object->shape),
+	};
+	return world_leaves_dip(&sinking, DIP_SHARE * world->spacing);
+}
+
+double world_turning_reach(const struct soil_shape *shape)
+{
+	return shape->kind == SOIL_WHEEL || shape->kind == SOIL_SPHERE ? 0 : M_SQRT1_2 * soil_shape_bound(shape);
+}
+
 /*
- * Tells whether the motion turns back at the pose of the last step: the body rises there after it sank, or slides back. A contact is taken as straight,
- * so one must end there. turned, rotated: in this step.
+ * Tells whether the motion turns back at the pose of the last step: the body leaves a dip there, or slides back. A contact
+ * is taken as straight, so one must end there. turned, rotated: in this step.
  */
 static bool turns_back(const struct world *world, const struct host_body *host, const struct soil_pose *to, double turned, const double rotated[3])
 {
 	const struct soil_pose *from = &host->body.last, *at = &host->felt;
-	const double least = DIP_SHARE * world->spacing;
 	double before[2], after[2];
 	if (!host->body.in_contact || host->fresh)
 		return false;
-	if (lattice_offset_metres(from->z - at->z) >= least && to->z > at->z)
+	if (leaves_dip(world, host, to, rotated))
 		return true;
 	slide_of(host, from, at, host->felt_turned, host->rotated, before);
 	slide_of(host, at, to, turned, rotated, after);

@@ -524,6 +524,17 @@ enum status world_belts_set(struct world *world, size_t count, const int32_t *nu
 /* For a body whose caller computes its forces with world_probe. The world computes none for it, and each state that is set
  * changes the ground in the next step, however small the motion is. */
 void world_body_quiet(struct world *world, int32_t number);
+/* How a body sank and went in plan since its last contact, and how it does in the step that follows; m. turned, turns: rad about local x and y. */
+struct world_sinking {
+	double sank, went, turned[2];
+	double sinks, goes, turns[2];
+	double reach;                 /* world_turning_reach */
+};
+/* Returns true if some place of the body has been deeper than a straight motion since its last contact will be: it rises after it sank by `least`
+ * metres, or it sank steeply and goes on along the ground. A contact is taken as straight, so one must end there. Pure. */
+bool world_leaves_dip(const struct world_sinking *sinking, double least);
+/* Returns how far from its middle the lower side of a body of this shape is that rises and sinks as it turns, m; 0: it does not. */
+double world_turning_reach(const struct soil_shape *shape);
 /* Tells the force on a quiet body for the next rows of objects.csv. `force->z` is ignored. `slip`: of a wheel. */
 enum status world_body_tell(struct world *world, int32_t number, const struct world_state *state, const struct world_force *force,
 			    double slip) FURROW_CHECKED;
@@ -536,10 +547,10 @@ enum status world_body_restore(struct world *world, int32_t number, const double
 /* Gives the state of any body, also of a body with a path. NaN: it was never placed. */
 enum status world_body_state(const struct world *world, int32_t number, struct world_state *state) FURROW_CHECKED;
 /*
- * Tells what the soil would do to `count` bodies of the host in these states, as linear functions around them. Changes nothing. The first
- * probe of a body reads the ground under it from the GPU. From then on each step does so at its end, and later probes only compute.
- * world_probe_reads: returns true if a probe of these bodies would read, so that it needs the GL context.
- * The contact is `unknown` where a state is more than two working posts from the body's last one, and for a body with a path. So it is
+ * Tells what the soil would do to `count` bodies of the host in these states, as linear functions around them. Changes nothing. It reads the ground
+ * on the host, and may load tiles.
+ * world_probe_reads: returns true if a probe of these bodies would read the ground.
+ * The contact is `unknown` off the terrain, where a state is hundreds of working posts from the body's last contact, and for a body with a path. So it is
  * for a soil model that probes do not know. STATUS_USAGE, STATUS_INPUT: a state is not one that the body can have.
  */
 bool world_probe_reads(const struct world *world, size_t count, const int32_t *numbers);

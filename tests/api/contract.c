@@ -58,7 +58,7 @@ static void a_ball_leaves_a_rut_that_every_question_sees(void **state)
 	assert_true(contact.area > 0 && contact.sinkage > 0.09 && contact.sinkage < 0.2);
 	assert_near(contact.time, furrow_time(world), 1e-12);
 	assert_true(isnan(contact.slip));
-	assert_true(isnan(contact.stiffness[0][0]) && isnan(contact.damping[5][5]));
+	assert_true(contact.stiffness[2][2] < 0 && contact.damping[2][2] <= 0);
 
 	const struct furrow_point in = point_at(world, 11, 16), beside = point_at(world, 11, 20), out = point_at(world, -1, 16);
 	assert_true(in.offset < -0.05 && in.height < 99.95 && !in.nodata);

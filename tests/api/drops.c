@@ -246,8 +246,9 @@ static const char scm_text[] =
 static enum status drop_all_shapes(struct guest *guest, struct drive *drive, struct api_control *wish)
 {
 	wish->pace = INFINITY;
-	wish->go = guest->step == 20 ? API_STOP : API_ON;
-	if (guest->stage >= 2 || guest->step < 5)
+	/* The drive may make all its steps between two turns, so it waits for both drops. */
+	wish->go = guest->stage < 2 ? API_HOLD : guest->step == 20 ? API_STOP : API_ON;
+	if (guest->stage >= 2)
 		return STATUS_OK;
 	int shape = guest->stage++;
 	return api_drop(drive, shape == 0 ? WORLD_DROP_FIRST : WORLD_DROP_BALL, 150 + 20 * shape, 120, 0.3, &guest->pressed);

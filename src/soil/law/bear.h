@@ -9,7 +9,7 @@
 
 #define BEAR_UNITS_A_PASCAL 16.0f /* of the whole numbers */
 #define BEAR_MOST 2147483000.0f   /* the largest of them */
-#define BEAR_AREA_UNITS 4096.0f   /* a post's area */
+#define BEAR_AREA_UNITS 65536.0f   /* a post's area */
 
 /* Sums in the body's frame: x forwards, y to its left. */
 struct soil_sums {
