@@ -37,7 +37,6 @@ const char *explain_each_of(enum plan_unit unit)
 		[PLAN_PAGE] = "a changed page on its way",
 		[PLAN_WINDOW_LAYER] = "a window of one sweep",
 		[PLAN_RESULT_LAYER] = "256 x 256 posts of blocks that slide",
-		[PLAN_PROBED] = "a post near a soil geom",
 		[PLAN_RING] = "a segment of parameters",
 		[PLAN_HOST_BASE] = "a tile in memory",
 		[PLAN_HOST_CLASSES] = "a tile in memory with classes of soil",

@@ -64,7 +64,7 @@ const char *plan_unit_name(enum plan_unit unit)
 		[PLAN_DEFORM_SLOT] = "deform_slot", [PLAN_STATE_SLOT] = "state_slot",
 		[PLAN_BASE_ARRAY] = "base_array", [PLAN_BASE_LAYER] = "base_layer", [PLAN_DEFORM_ARRAY] = "deform_array",
 		[PLAN_DEFORM_LAYER] = "deform_layer", [PLAN_PATCH] = "patch",
-		[PLAN_PAGE] = "page", [PLAN_WINDOW_LAYER] = "window_layer", [PLAN_RESULT_LAYER] = "result_layer", [PLAN_PROBED] = "probed",
+		[PLAN_PAGE] = "page", [PLAN_WINDOW_LAYER] = "window_layer", [PLAN_RESULT_LAYER] = "result_layer",
 		[PLAN_RING] = "ring",
 		[PLAN_HOST_BASE] = "host_base", [PLAN_HOST_CLASSES] = "host_classes", [PLAN_HOST_NUMBERS] = "host_numbers",
 		[PLAN_HOST_OFFSET] = "host_offset", [PLAN_HOST_DISTURBANCE] = "host_dirt", [PLAN_HOST_DEPOSITED] = "host_heaped",

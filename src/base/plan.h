@@ -42,7 +42,6 @@ enum plan_unit {
 	PLAN_PAGE,         /* copies of pages in main memory, while they are loaded or committed */
 	PLAN_WINDOW_LAYER, /* windows that one contact needs at once */
 	PLAN_RESULT_LAYER, /* results of blocks that relax, before they are copied */
-	PLAN_PROBED,       /* posts of the ground under bodies that are probed, with room for them */
 	PLAN_RING,         /* segments of the ring of pass parameters */
 	PLAN_HOST_BASE,    /* tiles in host memory that have base heights */
 	PLAN_HOST_CLASSES, /* of these, those that also have soil classes */

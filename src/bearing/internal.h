@@ -15,6 +15,7 @@ struct bearing_window {
 	int32_t *deposits;
 	size_t posts;     /* for which there is room */
 	void *memory;
+	size_t bytes;     /* of memory */
 	void *scratch;    /* for laying and for sliding */
 	size_t scratch_bytes;
 	uint32_t *words;  /* flags of blocks */

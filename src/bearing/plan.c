@@ -7,11 +7,6 @@
 #define WINDOW_BYTES (6 * sizeof(int32_t) + sizeof(uint8_t)) /* base, offset, deposited, sinkage, shear, deposits; contact */
 #define RESULT_BYTES (2 * sizeof(int32_t))                   /* offset, deposited */
 
-static bool digs(const struct deform_params *params)
-{
-	return deform_planes(params->model, params->disturbance, params->slip_sinkage > 0) & PLANE_BIT(PLANE_DUG);
-}
-
 static void add(struct plan *plan, const char *effect, enum plan_unit unit, uint64_t bytes, const char *name)
 {
 	plan_add(plan, &(struct plan_line){.kind = PLAN_BUFFER, .unit = unit, .effect = effect, .object = -1, .amount = 1, .bytes = bytes}, name);
@@ -23,7 +18,7 @@ void bearing_plan(const struct deform_params *params, struct plan *plan)
 	deform_plan_planes(params, plan);
 	add(plan, model, PLAN_ONCE, sizeof(struct bearing), "bearing soil");
 	add(plan, model, PLAN_WINDOW_POST, WINDOW_BYTES, "window");
-	if (digs(params))
+	if (deform_planes(params->model, params->disturbance, params->slip_sinkage > 0) & PLANE_BIT(PLANE_DUG))
 		add(plan, deform_plane_effect(params->model, PLANE_DUG), PLAN_WINDOW_POST, sizeof(int32_t), "window: dug");
 	if (params->disturbance)
 		add(plan, deform_plane_effect(params->model, PLANE_DISTURBANCE), PLAN_WINDOW_POST, sizeof(uint8_t), "window: dirt");
@@ -39,15 +34,12 @@ void bearing_plan(const struct deform_params *params, struct plan *plan)
 
 void bearing_figures(const struct bearing *bearing, struct bearing_figures *figures)
 {
-	const struct deform_params *params = &bearing->params;
 	const struct bearing_window *window = &bearing->window;
-	const uint64_t post = WINDOW_BYTES + (digs(params) ? sizeof(int32_t) : 0) + (params->disturbance ? sizeof(uint8_t) : 0) +
-			      (params->soil_count > 1 ? sizeof(uint8_t) : 0) + (params->raster_count > 0 ? SOIL_RASTERS * sizeof(uint8_t) : 0);
 	*figures = (struct bearing_figures){
 		.window_posts = window->posts,
 		.scratch_bytes = window->scratch_bytes + window->word_count * sizeof *window->words,
 		.result_posts = bearing->results_most,
 	};
-	figures->bytes = sizeof *bearing + params->loaded_bodies * sizeof *bearing->standing + figures->window_posts * post + figures->scratch_bytes +
+	figures->bytes = sizeof *bearing + bearing->params.loaded_bodies * sizeof *bearing->standing + window->bytes + figures->scratch_bytes +
 			 figures->result_posts * RESULT_BYTES;
 }

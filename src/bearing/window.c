@@ -70,11 +70,13 @@ enum status bearing_window_need(struct bearing *bearing, struct post_rect rect)
 	const size_t width = (size_t)(rect.x1 - rect.x0), height = (size_t)(rect.y1 - rect.y0), posts = aligned(width * height);
 	if (posts > window->posts) {
 		mem_free(window->memory);
-		window->posts = 0;
-		window->memory = mem_alloc(place(bearing, posts, NULL), 1);
+		window->posts = window->bytes = 0;
+		const size_t bytes = place(bearing, posts, NULL);
+		window->memory = mem_alloc(bytes, 1);
 		if (window->memory == NULL)
 			return fail_memory("the soil around a body");
 		window->posts = posts;
+		window->bytes = bytes;
 		place(bearing, posts, window->memory);
 	}
 	window->planes.rect = rect;

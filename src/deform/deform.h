@@ -344,7 +344,6 @@ void deform_plan_planes(const struct deform_params *params, struct plan *plan);
  * the start, without those of deform_warm. */
 struct deform_figures {
 	uint64_t window_layers, result_layers;
-	uint64_t probed;   /* posts for which patches have room in staging buffers */
 	uint64_t facets;   /* draws of an object's triangles */
 	uint64_t held;     /* regions on which an object at rest was drawn */
 	uint64_t resting;  /* windows drawn for that, of closed forms; triangles are counted in `facets` */
@@ -408,56 +407,5 @@ enum status deform_forces_begin(struct deform *deform) FURROW_CHECKED;
  * also false if the forces have not arrived yet. */
 enum status deform_forces_take(struct deform *deform, bool wait, struct deform_forces *forces,
 			       bool *taken) FURROW_CHECKED;
-
-/*
- * --- probing: what the soil would do to a body in a state, on the CPU. Only for a model that computes forces. ---
- *
- * A patch is the ground under one body, mirrored on the host. Call deform_patch_begin after the ground or the body's place changed,
- * and deform_patch_land before the next probe. Between the two calls the GPU may go on with other work.
- */
-struct deform_patch;
-/* Adds the memory of patches to a plan. */
-void deform_patch_plan(const struct deform_params *params, struct plan *plan);
-enum status deform_patch_create(struct deform *deform, struct deform_patch **out) FURROW_CHECKED; /* `deform` must outlive it */
-void deform_patch_destroy(struct deform_patch *patch); /* patch may be NULL */
-/* Returns the posts that a patch must have for probes of this body up to `margin` posts around a pose. */
-struct post_rect deform_probe_posts(const struct deform *deform, const struct soil_shape *shape, const struct soil_pose *pose, int64_t margin);
-/* Begins to read posts. `tiles`: all tiles that have one of them; their slots may be used for something else afterwards. */
-enum status deform_patch_begin(struct deform_patch *patch, struct post_rect rect, const struct deform_tile *tiles, size_t count) FURROW_CHECKED;
-/* Waits for the posts, if they are being read. `anew`: a contact of the body has changed the ground since the last read, so what
- * deform_patch_reach noted is in the ground now. */
-enum status deform_patch_land(struct deform_patch *patch, bool anew) FURROW_CHECKED;
-void deform_patch_forget(struct deform_patch *patch); /* the posts are not valid any more */
-struct post_rect deform_patch_rect(const struct deform_patch *patch); /* empty: there are no posts */
-
-struct deform_probe {
-	const struct soil_shape *shape;
-	struct soil_interface interface;
-	struct soil_pose from, to;  /* the end of the body's last contact, and the probed pose; the same if it had none */
-	double beyond[3];             /* m from `to`, which is rounded, to the probed place */
-	double stamped;               /* as in struct deform_contact */
-	double turned;                /* wheel: rad about its axis since `from`; belt: m that it ran since then */
-	double rotated[3];            /* other shapes: rad about local axes since `from` */
-	double linear[3], angular[3]; /* m/s, rad/s, local axes: how the body moves at the probed pose */
-	double runs;                  /* m/s: how fast its belt runs there */
-};
-
-struct deform_probed {
-	bool known;                   /* false: the patch has not all posts under the body */
-	double force[3], moment[3];   /* N, and N m about the body's centre; local axes */
-	double stiffness[6][6];       /* d(force, moment) / d(translation, rotation about local axes): N/m, N, N, N m/rad */
-	double damping[6][6];         /* the same of their rates */
-	double normal[3];             /* mean normal of the base where the body bears; NAN without contact */
-	double pull;                  /* N: as in struct deform_forces */
-	double normal_force;          /* N: the normal stress times the body's surface, summed */
-	double shear_limit;           /* N: the most that shear can hold, summed in the same way */
-	double sinkage, area;         /* as in struct deform_forces */
-	enum deform_state state;      /* DEFORM_SLIDES: shear is at its limit. DEFORM_SUNK: deeper than the body is high */
-};
-/* Computes the soil's force on the body, as deform_feel would tell it: that of a straight motion from `from` to `to`. Damping is that of the
- * given velocities. Pure: the same arguments give the same bits. */
-void deform_probe(const struct deform_patch *patch, const struct deform_probe *probe, struct deform_probed *out);
-/* Notes how deep the body is in a pose that does not change the ground. Later probes find the soil compacted that deep. */
-void deform_patch_reach(struct deform_patch *patch, const struct deform_probe *probe);
 
 #endif

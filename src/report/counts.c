@@ -79,7 +79,6 @@ static void add_memory_units(cJSON *units, const struct report *report, const st
 	add_unit(units, PLAN_PAGE, io->changed_images);
 	add_unit(units, PLAN_WINDOW_LAYER, deform->window_layers);
 	add_unit(units, PLAN_RESULT_LAYER, deform->result_layers);
-	add_unit(units, PLAN_PROBED, deform->probed);
 	add_unit(units, PLAN_RING, gpu->ring_segments);
 	add_host_units(units, report);
 }

@@ -67,7 +67,7 @@ enum status soil_contact_begin(const struct soil_law *law, const struct soil_pla
 	enum status status = need(work, below);
 	if (status != STATUS_OK)
 		return status;
-	*b = (struct soil_contact){.law = law, .planes = planes, .motion = motion, .posts = &work->posts, .above = above, .gathered = INT32_MAX};
+	*b = (struct soil_contact){.law = law, .planes = planes, .motion = motion, .below = below, .posts = &work->posts, .above = above, .gathered = INT32_MAX};
 	soil_form_of(law, motion, &b->body, &b->form);
 	b->by_width = width_of(motion, &b->body);
 	if (b->form.kind == FORM_RASTER)

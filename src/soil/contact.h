@@ -24,13 +24,15 @@ struct soil_contact {
 	const struct soil_motion *motion;
 	struct soil_body body;
 	struct soil_form form;
+	struct post_rect below;   /* posts that may be below the body during its motion */
 	struct soil_posts *posts; /* of the scratch memory */
 	double by_width;   /* 1 / width of the contact patch, 1/m; 0: it follows from the number of posts that the body touches */
 	double above;      /* m: posts count too above whose ground the body is by at most this */
 	int32_t gathered;  /* the least height for which the posts were gathered */
 };
 
-/* Prepares a body. above: as in soil_posts_gather. Keeps pointers to all arguments. The struct points to itself, so it is not copied. STATUS_MEMORY: no room for its posts. */
+/* Prepares a body; does not read the planes. above: as in soil_posts_gather. Keeps pointers to all arguments. The struct points to itself, so it is not
+ * copied. STATUS_MEMORY: no room for its posts. */
 enum status soil_contact_begin(const struct soil_law *law, const struct soil_planes *planes, const struct soil_motion *motion, struct soil_work *work,
 			       double above, struct soil_contact *b) FURROW_CHECKED;
 /* Gathers the posts for heights from `lowest` on, if that is not done. */

@@ -80,10 +80,8 @@ enum status soil_probe(const struct soil_law *law, const struct soil_planes *pla
 	struct soil_sums sums = {.deepest = 0};
 	struct soil_changes changes = {.normal_force = 0};
 	*out = (struct soil_probed){.known = false};
-	if (!has_all(planes, soil_posts_below(law, motion)))
-		return STATUS_OK;
 	enum status status = soil_contact_begin(law, planes, motion, work, 0, &b);
-	if (status != STATUS_OK)
+	if (status != STATUS_OK || !has_all(planes, b.below))
 		return status;
 	out->known = true;
 	b.form.rates = 1; /* its velocity is known: soil below a body at rest springs back */

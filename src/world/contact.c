@@ -1,5 +1,4 @@
 /* The deformation at one path sample: pins the tiles that its windows touch, computes, scatters, and marks them dirty. */
-#include <assert.h>
 #include <math.h>
 #include <string.h>
 
@@ -13,7 +12,9 @@ enum status world_hold(struct world *world, struct post_rect rect, struct held_t
 	if (!tile_range_of(extent, world->level, rect, &first, &last))
 		return STATUS_OK;
 	size_t needed = (size_t)(last.x - first.x + 1) * (last.y - first.y + 1);
-	assert(needed <= WORLD_TILES_MOST); /* world_budget_check */
+	if (needed > WORLD_TILES_MOST) /* world_budget_check finds this before the drive, but for a body whose bounding sphere needs too many windows */
+		return fail_with(STATUS_INPUT, "a body: it touches %zu tiles of %u cells at once, and %d is the most; import with larger tiles (--tile)", needed,
+				 extent->cells, WORLD_TILES_MOST);
 	if (needed > 4 && !world->windows.told) {
 		note("tiles of %u cells are smaller than an object's window: it touches %zu of them at once, not four",
 		     extent->cells, needed);

@@ -2,6 +2,7 @@
  * compiled for one set: meson.build, lanes_names.h. */
 
 #include "bed.h"
+#include "meshes.h"
 #include "../support/program.h"
 
 #define SIDE 96
@@ -54,18 +55,20 @@ LANES_COPY(avx512)
 /* Presses and probes bodies of all forms by a copy of the law, and hashes forces and planes. */
 static uint64_t contacts(const struct copy *copy, int *touches)
 {
-	static const struct soil_shape shapes[] = {
+	struct soil_mesh mesh = mesh_pill(24, 6, 0.15, 0.2);
+	const struct soil_shape shapes[] = {
 		{.kind = SOIL_WHEEL, .radius = 0.25, .width = 0.2}, {.kind = SOIL_SPHERE, .radius = 0.2}, {.kind = SOIL_BOX, .size = {0.3, 0.2, 0.2}},
 		{.kind = SOIL_CYLINDER, .radius = 0.15, .length = 0.3}, {.kind = SOIL_CAPSULE, .radius = 0.15, .length = 0.3}, {.kind = SOIL_ELLIPSOID, .size = {0.3, 0.2, 0.15}},
+		{.kind = SOIL_MESH, .mesh = &mesh}, {.kind = SOIL_WHEEL, .radius = 0.25, .width = 0.2, .grousers = 18, .grouser_height = 0.02, .grouser_thickness = 0.01},
 	};
 	static const char *const soils[] = {"dry_sand", "lunar", "heavy_clay_25"};
 	uint64_t hash = 14695981039346656037u;
 	struct soil_work *work;
 	uint32_t seed = 1;
 	assert_ok(copy->create(&work));
-	for (int round = 0; round < 36; round++) {
-		const struct soil_shape *shape = &shapes[round % 6];
-		const struct soil_numbers soil = bed_soil(soils[round / 6 % 3]);
+	for (int round = 0; round < 48; round++) {
+		const struct soil_shape *shape = &shapes[round % 8];
+		const struct soil_numbers soil = bed_soil(soils[round / 8 % 3]);
 		struct bed bed;
 		bed_init(&bed, &soil, round % 4 == 0 ? 0.0137 : 0.021, SIDE, 0.1 * share(&seed), 0.1 * share(&seed));
 		bed.law.bulldozing = 0.5;
@@ -104,6 +107,7 @@ static uint64_t contacts(const struct copy *copy, int *touches)
 			hash = hash_of(hash, planes[k], bed.posts * sizeof(int32_t));
 		bed_finish(&bed);
 	}
+	mesh_free(&mesh);
 	copy->destroy(work);
 	return hash;
 }

@@ -258,7 +258,7 @@ static void a_wheel_that_slips_more_pulls_more(void **state)
 /* Forces and moments of a wheel with camber are those of an integral over its surface. */
 static void camber_is_the_integral_over_the_surface(void **state)
 {
-	static const double cambers[] = {0, 0.2, 1, 3}, yaws[] = {0, 0.7, 2.1}, turned[] = {1, 1.25};
+	static const double cambers[] = {0, 0.2, 1, 3, 9, 23}, yaws[] = {0, 0.7, 2.1}, turned[] = {1, 1.25};
 	static const char *const soils[] = {"dry_sand", "clayey_38"};
 	for (size_t n = 0; n < COUNT(soils); n++) {
 		const struct soil_numbers soil = bed_soil(soils[n]);
@@ -274,7 +274,7 @@ static void camber_is_the_integral_over_the_surface(void **state)
 				for (int k = 0; k < 3; k++)
 					worst = support_most(worst, support_most(fabs(got.force[k] - wanted.force[k]), fabs(got.moment[k] - wanted.moment[k]) / wheel.radius));
 				print_message("%s, camber %g, turned %g: off by %.2f %%\n", soils[n], cambers[i], turned[t], 100 * worst / wanted.force[2]);
-				assert_true(worst < 0.015 * wanted.force[2]);
+				assert_true(worst < 0.01 * wanted.force[2]);
 			}
 		bed_finish(&bed);
 	}

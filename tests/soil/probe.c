@@ -208,7 +208,8 @@ static struct off off_by(const struct drive *d, const struct bed_state *from, co
 			if (freedoms & 1u << i)
 				off.worst = support_most(off.worst, off_here);
 			if (i == k && 0.999 * scale_of(matrix, i) * scale_of(matrix, i) <= fabs(matrix[i][i])) {
-				off.least = support_least(off.least, matrix[i][i] / slope);
+				if (slope < 0)
+					off.least = support_least(off.least, matrix[i][i] / slope);
 				off.most = support_most(off.most, matrix[i][i] / slope);
 			}
 		}

@@ -4,7 +4,7 @@
  *  1. how deep the body is, and for which share of its motion it has been there;
  *  2. how its surface slid over the post, and what slip digs;
  *  3. what the post remembers of its largest sinkage, and which part of a line across its cell bears;
- *  4. at two places of that part (Gauss): pressure, damping, shear; their sum.
+ *  4. at two places of that part (Gauss): pressure, damping, shear; their sum. Beside it what the lower end of a rim that leans bears.
  *
  * Each step is a loop over the lanes without a branch. The loops are compiled for each form of body, with and without what a probe asks.
  */
@@ -13,6 +13,7 @@
 #include "soil/law/face.h"
 
 #define LANES POSTS_LANES
+_Static_assert(LANES == 16, "total_real");
 /* At rest a body would rock and slide to and fro for long, since soil springs back without loss. So what moves slower than these is damped more. */
 #define STICKS 0.003f    /* m/s along a surface: by the soil's own damping */
 #define SETTLES 0.002f   /* m/s across it: by SETTLING times as much */
@@ -45,6 +46,7 @@ struct block {
 	float passed[LANES], slides[LANES], direction[2][LANES]; /* share of the motion; way in units of the modulus; where it slid to */
 	float more[LANES];              /* what slip digs */
 	float stamped[LANES], printed[LANES], lasts[LANES], back[LANES];
+	float beneath[LANES];           /* how much lower than now the body passed the post, or passes it before it leaves the cell */
 	float centre[2][LANES], end[2][LANES], first[LANES], last[LANES], share[LANES];
 };
 
@@ -228,6 +230,52 @@ SOIL_INLINED void put_slides(const struct soil_form *f, enum soil_form_kind kind
 	}
 }
 
+/* A way in plan of the motion: its direction, and how the body rose along it. */
+struct course {
+	float x, y, rise;
+};
+
+SOIL_INLINED struct course course_of(const struct soil_form *f)
+{
+	const float by = f->passes[0] > 0 ? 1 / most(f->passes[0], 1e-9f) : 0;
+	return (struct course){f->way[0] * by, f->way[1] * by, clamped(f->way[2] * by, -1, 1)};
+}
+
+/* Of a form that is known at posts alone: how much lower than now it passed a post. A body that is not flat may pass its lowest place within the
+ * cell, after the post. */
+SOIL_INLINED void put_beneath(const struct soil_form *f, enum soil_form_kind kind, const struct lane_posts *p, struct block *l)
+{
+	const struct course course = course_of(f);
+	EACH_LANE {
+		struct face face = {.height = 0};
+		float bends[3];
+		face_at(f, kind, p->own[i], p->x[i], p->y[i], &face);
+		put_bends(f, kind, p->own[i], p->x[i], p->y[i], &face, bends);
+		const float leans = face.slope[0] * course.x + face.slope[1] * course.y - course.rise;
+		const float curved = bends[0] * course.x * course.x + 2 * bends[1] * course.x * course.y + bends[2] * course.y * course.y;
+		const bool within = (leans > 0) & (leans < curved * least(f->passes[0] + f->half_across, 2 * f->half_across));
+		const float later = either(within, 0.5f * leans * leans / most(curved, 1e-9f), 0);
+		l->beneath[i] = either(p->lowered[i] > 0, p->lowered[i], later);
+	}
+}
+
+/* Returns how much lower than now the body was above a place of a cell. Of a form that is known at posts alone: its lowest height goes on along the
+ * motion from the post, where it was lower before. */
+SOIL_INLINED float lower_at(const struct soil_form *f, enum soil_form_kind kind, const struct lane_posts *p, int i, const struct block *l, float x, float y,
+			    float *since)
+{
+	*since = f->passes[0];
+	if (knows_places(kind))
+		return lowered_at(f, kind, x, y, l->back[i], p->rise_x[i], since);
+	const struct course course = course_of(f);
+	struct face face = {.height = 0};
+	face_at(f, kind, p->own[i], x, y, &face);
+	const float dx = x - p->x[i], dy = y - p->y[i], along = dx * course.x + dy * course.y, aside = course.x * dy - course.y * dx;
+	const float leans = face.slope[0] * course.x + face.slope[1] * course.y - course.rise, across = course.x * p->slope_y[i] - course.y * p->slope_x[i];
+	const float lowest = p->height[i] - l->beneath[i] + course.rise * along + across * aside, lower = either(leans < 0, most(face.height - lowest, 0), 0);
+	return either(f->passes[0] > 0, lower, p->lowered[i]) * p->over[i];
+}
+
 /* The stored sinkage counts for the post's whole cell. Where the body bore at the motion's start, it has the shape of the lower envelope there
  * (printed). Else it is a flat rut, or the impression of a body that hardly moved (stamped). */
 SOIL_INLINED void put_memory(const struct soil_form *f, const struct lane_posts *p, struct block *l)
@@ -278,9 +326,8 @@ SOIL_INLINED void put_line(const struct soil_form *f, enum soil_form_kind kind, 
 			const float x = l->centre[0][i] + (float)(k - 1) * l->end[0][i], y = l->centre[1][i] + (float)(k - 1) * l->end[1][i];
 			const float rise = p->rise_x[i] * (x - p->x[i]) + p->rise_y[i] * (y - p->y[i]);
 			const float depth = l->depth[i] + p->height[i] + rise - height_at(f, kind, p->own[i], x, y);
-			float since, lower = p->lowered[i] * p->over[i];
-			if (knows_places(kind))
-				lower = lowered_at(f, kind, x, y, l->back[i], p->rise_x[i], &since);
+			float since;
+			const float lower = lower_at(f, kind, p, i, l, x, y, &since);
 			depths[k][i] = depth;
 			mosts[k][i] = depth + lower;
 		}
@@ -332,15 +379,14 @@ SOIL_INLINED void put_spots(const struct soil_form *f, enum soil_form_kind kind,
 		const float x = l->centre[0][i] + on * l->end[0][i], y = l->centre[1][i] + on * l->end[1][i];
 		const float rise = p->rise_x[i] * (x - p->x[i]) + p->rise_y[i] * (y - p->y[i]);
 		const float deep = l->depth[i] + p->height[i] + rise - height_at(f, kind, p->own[i], x, y);
-		float lower = p->lowered[i] * p->over[i], since = 0;
-		if (knows_places(kind))
-			lower = lowered_at(f, kind, x, y, l->back[i], p->rise_x[i], &since);
+		float since;
+		const float lower = lower_at(f, kind, p, i, l, x, y, &since);
 		spots->x[i] = x;
 		spots->y[i] = y;
 		spots->deep[i] = deep;
 		spots->most[i] = deep + lower;
 		/* Where the body was deeper before in its motion, its deepest pose sinks by less than the last one. */
-		spots->unloads[i] = either(lower > 0, 1, 0) * (knows_places(kind) ? least(since / most(f->passes[0], 1e-9f), 1) : 1);
+		spots->unloads[i] = either(lower > 0, 1, 0) * either(f->passes[0] > 0, least(since / most(f->passes[0], 1e-9f), 1), 1);
 		spots->part[i] = 0.25f * l->share[i] * (l->last[i] - l->first[i]); /* of two places, on a line from -1 to 1 */
 		const float later = ((x - p->x[i]) * f->by_way[0] + (y - p->y[i]) * f->by_way[1]) * l->lasts[i];
 		spots->touching[i] = l->slides[i] * most(lasted(p, i, l->passed[i]) - later, 0);
@@ -445,6 +491,83 @@ SOIL_INLINED void put_place(const struct soil_form *f, enum soil_form_kind kind,
 		for (int k = 0; k < 2; k++)
 			for (int j = 0; j < 2; j++) {
 				const float grows = (slip.direction[k] - place->mobilised[k]) * slip.direction[j] * by + ((k == j) - slip.direction[k] * slip.direction[j]) * turning;
+				place->shears[k][j] = either(slip.size > 1e-9f, grows, k == j ? s.by_modulus : 0);
+			}
+	}
+}
+
+/* --- the lower end of a rim that leans --- */
+
+/* It covers less than a post in plan, so it is summed beside the last cell. Its shear is followed along its way, in so many steps: it turns over the
+ * soil, downwards ahead of the axle and upwards behind it. */
+#define BRIM_STEPS 4
+
+/* The edge of the lower end beside a cell. */
+struct edge {
+	float at[2], lowest, depth; /* its lowest place beside the part that bears; m below the ground there */
+	float length, strip;        /* of that part, in lines across a cell; half the width of the strip there */
+};
+
+SOIL_INLINED struct edge edge_of(const struct soil_form *f, const struct lane_posts *p, const struct block *l, int i)
+{
+	const float beside = low_side(f) * f->half_axis * f->level, x = l->centre[0][i], y = l->centre[1][i], rise_x = p->rise_x[i], rise_y = p->rise_y[i];
+	const float height = l->ground[i] + rise_x * (x - p->x[i]) + rise_y * (y - p->y[i]) - p->above[i];
+	float depths[3];
+	for (int k = 0; k < 3; k++) {
+		const float along = (float)(k - 1) * f->half_across, strip = half_strip(f, x + along), aside = f->lean * strip + beside;
+		depths[k] = height + rise_x * along + rise_y * (aside - y) - (f->lean * aside - strip) * f->lift;
+	}
+	const float first = root_from(-1, depths), last = most(first, root_from(1, depths)), at = 0.5f * (first + last) * f->half_across;
+	const float strip = half_strip(f, x + at), aside = f->lean * strip + beside, lowest = (f->lean * aside - strip) * f->lift;
+	return (struct edge){{x + at, aside}, lowest, height + rise_x * at + rise_y * (aside - y) - lowest, 0.5f * (last - first), strip};
+}
+
+/* How long the end has slid over the soil beside its edge, in motions. It began when the rim came from ahead, or the end from above. A short motion
+ * says little of it. mean: m, of its depth; below: its place on the rim, ahead of the axle. */
+SOIL_INLINED float brim_since(const struct soil_form *f, const struct edge *edge, float mean, float below)
+{
+	const float came = either(f->run > 0, most(half_strip(f, below) - edge->at[0], 0) / most(f->run, 1e-12f), 1e9f);
+	const float sank = either(f->way[2] < 0, mean / most(-f->way[2], 1e-12f), 1e9f), since = least(came, sank), rolled = least(f->run / f->half_across, 1);
+	return either(since < 1e9f, either(since > 1, 1 + (since - 1) * rolled * rolled, since), 1);
+}
+
+/* Gives what the end bears beside a post's cell. It bears the mean of the pressure from 0 to the depth of its edge, by its area in plan. */
+SOIL_INLINED void put_brim(const struct soil_form *f, bool asked, const struct lane_posts *p, const struct block *l, int i, struct place *place)
+{
+	const struct stress_soil s = soil_of(p, i);
+	const struct edge edge = edge_of(f, p, l, i);
+	const float low = low_side(f), leans = most(fabsf(f->lean), 1e-6f), steep = f->level / leans, up = p->up[i], rise_x = p->rise_x[i], rise_y = p->rise_y[i];
+	const float width = clamped(edge.depth / most(steep - low * rise_y, 1e-6f), 0, 2 * edge.strip * fabsf(f->lean));
+	const float deep = most(edge.depth, SOIL_UNIT), mean = deep * power_of(s.n + 1, -1 / s.n), out_by = width / (s.n + 2);
+	const float bears = either(f->ground_normals > 0, 1, clamped(1 + low * f->level * rise_y / leans, 0, 1));
+	const bool is = ((low < 0 ? p->side_right[i] : p->side_left[i]) > 0) & (l->share[i] > 0) & (edge.depth > 0);
+	place->area = place->ground = either(is, edge.length * width * f->by_step * bears, 0);
+	place->stress = yield_stress(&s, up * mean);
+	place->sinks = place->stress * (s.n + 1) / deep;
+	place->arm[0] = edge.at[0];
+	place->arm[1] = edge.at[1] + low * out_by;
+	place->arm[2] = edge.lowest + out_by * steep + p->above[i];
+	place->normal[0] = either(f->ground_normals > 0, -rise_x * up, 0);
+	place->normal[1] = either(f->ground_normals > 0, -rise_y * up, -low * f->level);
+	place->normal[2] = either(f->ground_normals > 0, up, leans);
+	put_across(place->normal, place->across);
+	put_rates(f, s.damping * least(4 * up * mean * s.by_modulus, 1), down_at(f, place->arm, p->above[i], place->normal), place);
+	place->strength = strength_of(&f->surface, &s, place->stress, &place->holds);
+	const float since = brim_since(f, &edge, mean, edge.strip - out_by / leans), each = since * (1.0f / BRIM_STEPS);
+	place->mobilised[0] = place->mobilised[1] = 0;
+	for (int n = BRIM_STEPS - 1; n >= 0; n--) {
+		const float back = ((float)n + 0.5f) * each, arm[3] = {place->arm[0] + back * f->way[0], place->arm[1] + back * f->way[1], place->arm[2] + back * f->way[2]};
+		const struct slip slip = slip_at(f, arm, place->normal, place->across);
+		const float stays = exp_minus(slip.size * each * s.by_modulus);
+		place->mobilised[0] = sheared(place->mobilised[0], slip.direction[0], stays);
+		place->mobilised[1] = sheared(place->mobilised[1], slip.direction[1], stays);
+	}
+	if (asked) { /* how the way before this motion changes is left out */
+		const struct slip slip = slip_at(f, place->arm, place->normal, place->across);
+		const float turning = (1 - exp_minus(slip.size * least(since, 1) * s.by_modulus)) / most(slip.size, 1e-9f);
+		for (int k = 0; k < 2; k++)
+			for (int j = 0; j < 2; j++) {
+				const float grows = (slip.direction[k] - place->mobilised[k]) * slip.direction[j] * s.by_modulus + ((k == j) - slip.direction[k] * slip.direction[j]) * turning;
 				place->shears[k][j] = either(slip.size > 1e-9f, grows, k == j ? s.by_modulus : 0);
 			}
 	}
@@ -731,6 +854,72 @@ SOIL_INLINED void add_places(const struct soil_form *f, enum soil_form_kind kind
 	}
 }
 
+/* Adds a column times a row to a matrix of a lane. */
+SOIL_INLINED void add_outer(const float column[6], const float row[6], float by, int i, float matrix[6][6][LANES])
+{
+	for (int r = 0; r < 6; r++) {
+		const float times = by * column[r];
+		matrix[r][0][i] += times * row[0];
+		matrix[r][1][i] += times * row[1];
+		matrix[r][2][i] += times * row[2];
+		matrix[r][3][i] += times * row[3];
+		matrix[r][4][i] += times * row[4];
+		matrix[r][5][i] += times * row[5];
+	}
+}
+
+SOIL_INLINED void put_both(const float arm[3], const float v[3], float both[6])
+{
+	both[0] = v[0];
+	both[1] = v[1];
+	both[2] = v[2];
+	cross3(arm, v, both + 3);
+}
+
+/* Adds what the lower end of a rim bears beside each cell. Its place moves with the body, and it bears more where its edge sinks below the ground. */
+SOIL_INLINED void add_brims(const struct soil_form *f, bool asked, float unit, const struct lane_posts *p, const struct block *l, float stresses[7][LANES],
+			    struct counts *counts, struct lane_changes *changes)
+{
+	const float post = f->spacing * f->spacing;
+	if (!any_above(f->lean < 0 ? p->side_left : p->side_right, 0))
+		return;
+	EACH_LANE {
+		struct place place;
+		float shear[3], stress[3], moment[3];
+		put_brim(f, asked, p, l, i, &place);
+		stress_at(&place, shear, stress);
+		cross3(place.arm, stress, moment);
+		for (int k = 0; k < 3; k++) {
+			stresses[k][i] += place.area * stress[k];
+			stresses[3 + k][i] += place.area * moment[k];
+		}
+		counts->grows[i] += place.area * place.sinks * place.normal[2] * unit;
+		counts->area[i] += (int32_t)(place.ground * BEAR_AREA_UNITS + 0.5f);
+		if (asked) {
+			const float area = place.area * post, up[3] = {-p->rise_x[i], -p->rise_y[i], 1}, bears = place.ground * p->up[i];
+			float column[6], row[6], along[2][6];
+			put_both(place.arm, place.normal, column);
+			put_both(place.arm, up, row);
+			put_both(place.arm, place.across[0], along[0]);
+			put_both(place.arm, place.across[1], along[1]);
+			add_outer(column, column, -area * place.damps, i, changes->damping);
+			add_outer(column, row, -area * place.sinks, i, changes->stiffness);
+			for (int j = 0; j < 2; j++)
+				for (int k = 0; k < 2; k++) {
+					add_outer(along[j], along[k], -area * place.strength * place.shears[j][k], i, changes->stiffness);
+					add_outer(along[j], along[k], -area * place.drags[j][k], i, changes->damping);
+				}
+			changes->normal_force[i] += area * place.stress;
+			changes->shear_limit[i] += area * place.strength;
+			for (int k = 0; k < 3; k++)
+				changes->sheared[k][i] += area * place.strength * shear[k];
+			changes->normal[0][i] -= bears * p->rise_x[i];
+			changes->normal[1][i] -= bears * p->rise_y[i];
+			changes->normal[2][i] += bears;
+		}
+	}
+}
+
 SOIL_INLINED int64_t total(const int32_t counts[LANES])
 {
 	int64_t sum = 0;
@@ -816,6 +1005,8 @@ SOIL_INLINED void bear(const struct soil_form *f, enum soil_form_kind kind, bool
 		if (!any_above(l.share, 0))
 			continue;
 		put_memory(f, p, &l);
+		if (!knows_places(kind))
+			put_beneath(f, kind, p, &l);
 		put_line(f, kind, p, &l);
 		if (asked)
 			memset(&all, 0, sizeof all);
@@ -823,6 +1014,8 @@ SOIL_INLINED void bear(const struct soil_form *f, enum soil_form_kind kind, bool
 			put_spots(f, kind, p, &l, k == 0 ? -0.28867513f : 0.28867513f, &spots);
 			add_places(f, kind, asked, unit, p, &spots, stresses, &counts, &all);
 		}
+		if (kind == FORM_RIM && f->lean != 0)
+			add_brims(f, asked, unit, p, &l, stresses, &counts, a->changes);
 		if (asked)
 			add_changes(f, kind, p, &l, &all, a->changes);
 		count(f, p, unit, &l, (const float(*)[LANES])stresses, &counts, a->sums);
@@ -846,10 +1039,10 @@ BEAR_OF(FORM_RASTER, raster)
 
 static double total_real(const float lanes[LANES])
 {
-	double sum = 0;
-	for (int i = 0; i < LANES; i++)
-		sum += (double)lanes[i];
-	return sum;
+	float fours[4];
+	for (int i = 0; i < 4; i++)
+		fours[i] = (lanes[i] + lanes[i + 8]) + (lanes[i + 4] + lanes[i + 12]);
+	return ((double)fours[0] + (double)fours[2]) + ((double)fours[1] + (double)fours[3]);
 }
 
 static void total_matrix(float (*lanes)[6][LANES], struct soil_matrix *matrix)

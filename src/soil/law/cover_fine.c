@@ -35,21 +35,8 @@ static bool reaches(const struct soil_fine *fine, float y, float ends[2])
 	return true;
 }
 
-/* Returns the lowest height of the mesh during its motion at a place or beside it. Beside: FINE_NONE, or a place that the mesh passed. */
-static float swept_near(const struct soil_fine *fine, const int32_t place[2])
-{
-	const int32_t at = place[1] * fine->stride + place[0];
-	float low = fine->swept[at];
-	if (low < 0.5f * FINE_NONE)
-		return low;
-	low = least(low, place[0] > 0 ? fine->swept[at - 1] : FINE_NONE);
-	low = least(low, place[0] < fine->columns - 1 ? fine->swept[at + 1] : FINE_NONE);
-	low = least(low, place[1] > 0 ? fine->swept[at - fine->stride] : FINE_NONE);
-	return least(low, place[1] < fine->rows - 1 ? fine->swept[at + fine->stride] : FINE_NONE);
-}
-
 /* Sets what the motion did. */
-static void put_swept(const struct soil_form *f, const int32_t place[2], bool within, struct soil_posts *p, size_t i)
+static void put_swept(const struct soil_form *f, const int32_t cell[2], bool within, struct soil_posts *p, size_t i)
 {
 	const struct soil_fine *fine = &f->fine;
 	const float x = p->x[i], y = p->y[i], run = f->passes[0];
@@ -63,7 +50,7 @@ static void put_swept(const struct soil_form *f, const int32_t place[2], bool wi
 	p->entered[i] = most(ends[0] - x, 0) / run;
 	if (!within || hole || x > ends[0] + BESIDE || x < ends[1] - run - BESIDE)
 		return;
-	const float low = swept_near(fine, place);
+	const float low = fine->passed[cell[1] * fine->cells[0] + cell[0]];
 	p->swept[i] = low < 0.5f * FINE_NONE ? 1 : p->over[i];
 	p->lowered[i] = low < 0.5f * FINE_NONE ? most(p->height[i] - low, 0) : 0;
 }
@@ -72,7 +59,7 @@ static void cover_post(const struct soil_form *f, struct soil_posts *p, size_t i
 {
 	const struct soil_fine *fine = &f->fine;
 	const float x = p->x[i], y = p->y[i], hole = p->base[i] == BASE_NODATA ? 0 : 1;
-	int32_t place[2] = {0, 0}, cell[2];
+	int32_t place[2], cell[2] = {0, 0};
 	struct face face;
 	raster_face(f, x, y, &face);
 	p->height[i] = face.height;
@@ -96,7 +83,7 @@ static void cover_post(const struct soil_form *f, struct soil_posts *p, size_t i
 			p->begun[i] = fine->earlier[1][at] - face.height;
 		}
 	}
-	put_swept(f, place, within, p, i);
+	put_swept(f, cell, within, p, i);
 }
 
 void soil_cover_fine(const struct soil_form *form, struct soil_posts *posts)

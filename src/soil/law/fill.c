@@ -141,20 +141,37 @@ SOIL_CLONED static void put_less(const float *restrict heights, const float *res
 		less[i] = either(swept[i] < 0.5f * FINE_NONE, most(heights[i] - swept[i], 0), 0);
 }
 
+void soil_fine_passed(const struct soil_fine_work *work, const struct soil_fine *fine)
+{
+	for (int32_t y = 0; y < fine->cells[1]; y++)
+		for (int32_t x = 0; x < fine->cells[0]; x++) {
+			const int32_t row = y * fine->parts + fine->parts / 2, column = x * fine->parts + fine->parts / 2;
+			const float *at = work->swept + row * fine->stride + column;
+			float low = at[0];
+			if (!is_drawn(low)) {
+				low = least(low, column > 0 ? at[-1] : FINE_NONE);
+				low = least(low, column < fine->columns - 1 ? at[1] : FINE_NONE);
+				low = least(low, row > 0 ? at[-fine->stride] : FINE_NONE);
+				low = least(low, row < fine->rows - 1 ? at[fine->stride] : FINE_NONE);
+			}
+			work->passed[y * fine->cells[0] + x] = low;
+		}
+}
+
 void soil_fine_less(const struct soil_fine_work *work, struct soil_fine *fine)
 {
 	put_less(work->heights, work->swept, (size_t)fine->stride * (size_t)fine->rows, work->less);
 	fine->moved = 1;
 	fine->less = work->less;
 	fine->since = work->since;
-	fine->swept = work->swept;
+	fine->passed = work->passed;
 }
 
 void soil_fine_swept(const struct soil_fine_work *work, const struct soil_form *form, struct soil_fine *fine)
 {
 	const float *way = form->way, run = form->passes[0];
 	const size_t count = (size_t)fine->stride * (size_t)fine->rows;
-	fine->less = fine->since = fine->swept = work->heights;
+	fine->less = fine->since = fine->passed = work->heights;
 	fine->moved = 0;
 	if (!(run > 0))
 		return;
@@ -167,6 +184,8 @@ void soil_fine_swept(const struct soil_fine_work *work, const struct soil_form *
 	for (int32_t i = 1; i <= own + earlier; i++) {
 		const float share = (float)i / (float)own, shift[2] = {turned[0] * share * fine->by_step, turned[1] * share * fine->by_step};
 		swept_to(fine, work->drawn, shift, share * way[2], share, work->swept, work->since);
+		if (i == own)
+			soil_fine_passed(work, fine);
 	}
 	soil_fine_less(work, fine);
 }

@@ -19,6 +19,17 @@ SOIL_CLONED static void place(const struct soil_surface *restrict s, const float
 	}
 }
 
+/* Puts the turned vertices in places. */
+SOIL_CLONED static void put_places(const struct soil_surface *restrict s, const float centre[restrict 2], float by_step, float *restrict u, float *restrict v, float *restrict z)
+{
+	const float *x = s->turned[0], *y = s->turned[1], *h = s->turned[2];
+	for (size_t i = 0; i < s->vertex_count; i++) {
+		u[i] = centre[0] + x[i] * by_step;
+		v[i] = centre[1] + y[i] * by_step;
+		z[i] = h[i];
+	}
+}
+
 SOIL_CLONED static void bounds_of(const float *restrict at, size_t count, float bounds[restrict 2])
 {
 	float low = at[0], high = at[0];
@@ -114,9 +125,9 @@ static enum status need(struct soil_fine_work *work, const struct soil_fine *fin
 {
 	const size_t places = (size_t)fine->stride * (size_t)fine->rows, cells = (size_t)(fine->cells[0] + 1) * (size_t)fine->cells[1], strips = (size_t)fine->strips;
 	const size_t pad = 16, counts[] = {vertices, vertices, vertices, places, places, places, places, places, cells, cells, cells, cells, cells,
-					   cells, cells, cells, cells, cells, cells, strips, strips, (size_t)fine->stride, vertices, vertices, vertices, vertices, (triangles + 3) / 4};
+					   cells, cells, cells, cells, cells, cells, cells, strips, strips, (size_t)fine->stride, vertices, vertices, vertices, vertices, (triangles + 3) / 4};
 	float **arrays[] = {&work->u, &work->v, &work->z, &work->drawn, &work->heights, &work->less, &work->since, &work->swept, &work->sums[0], &work->sums[1],
-			    &work->sums[2], &work->sums[3], &work->sums[4], &work->areas, &work->middles[0], &work->middles[1], &work->lows, &work->earlier[0],
+			    &work->sums[2], &work->sums[3], &work->sums[4], &work->areas, &work->middles[0], &work->middles[1], &work->lows, &work->passed, &work->earlier[0],
 			    &work->earlier[1], &work->front, &work->rear, &work->row, &work->earlier_u, &work->earlier_v, &work->earlier_z, NULL, NULL};
 	size_t all = 0;
 	for (size_t i = 0; i < sizeof counts / sizeof *counts; i++)
@@ -151,13 +162,12 @@ void soil_fine_finish(struct soil_fine_work *work)
 
 /* --- the raster --- */
 
-/* Lays the raster so that posts are places. The mesh reaches so far from its centre: extent. */
-static void lay_out(const struct soil_body *body, const struct soil_form *form, struct soil_fine *fine, double centre[2])
+/* Lays the raster so that posts are places. extent: m: how far the mesh reaches from its centre, east and north. */
+static void lay_out(const struct soil_body *body, const struct soil_form *form, const double extent[2], struct soil_fine *fine, double centre[2])
 {
 	const struct soil_motion *motion = body->motion;
 	const double spacing = (double)form->spacing;
-	double extent[2], first[2];
-	soil_body_extent(motion->shape, &motion->to, extent);
+	double first[2];
 	const double across = 2 * fmax(extent[0], extent[1]);
 	int parts = across >= FINE_ENOUGH * spacing ? 1 : (int)fmin(ceil(FINE_ACROSS * spacing / fmax(across, 1e-9)), FINE_PARTS_MOST);
 	parts += parts % 2 == 0;
@@ -273,6 +283,8 @@ static void swept_turning(const struct soil_fine_work *work, struct soil_form *f
 		merge(work->less, count, lift, (float)i / (float)own_count, work->swept, work->since);
 		if (2 * i == own_count || i == own_count)
 			keep_posts(work, fine, lift, work->earlier[i == own_count]);
+		if (i == own_count)
+			soil_fine_passed(work, fine);
 	}
 	soil_fine_less(work, fine);
 	fine->earlier[0] = work->earlier[0];
@@ -291,29 +303,33 @@ static void swept(const struct soil_fine_work *work, struct soil_form *form, con
 enum status soil_fine_draw(const struct soil_body *body, struct soil_form *form, struct soil_fine_work *work)
 {
 	struct soil_fine *fine = &form->fine;
-	double at[2], own[3][3];
-	float axes[3][3], heights[2];
+	const struct soil_pose *to = &body->motion->to;
+	double at[2], own[3][3], extent[2];
+	float axes[3][3], bounds[3][2];
 	enum status status = soil_surface_of(&work->surfaces, body->motion->shape->mesh, &work->surface);
 	if (status != STATUS_OK)
 		return status;
 	const struct soil_surface *surface = work->surface;
-	lay_out(body, form, fine, at);
-	status = need(work, fine, surface->vertex_count, surface->triangle_count);
-	if (status != STATUS_OK)
-		return status;
-	const struct soil_pose *to = &body->motion->to;
 	soil_axes(to->yaw, to->pitch, to->roll, 0, own);
 	for (int i = 0; i < 3; i++)
 		for (int k = 0; k < 3; k++)
-			axes[i][k] = (float)(k < 2 ? own[i][k] * (double)fine->by_step : own[i][k]);
-	place(surface, (const float(*)[3])axes, (const float[2]){(float)at[0], (float)at[1]}, work->u, work->v, work->z);
+			axes[i][k] = (float)own[i][k];
+	place(surface, (const float(*)[3])axes, (const float[2]){0, 0}, surface->turned[0], surface->turned[1], surface->turned[2]);
+	for (int k = 0; k < 3; k++)
+		bounds_of(surface->turned[k], surface->vertex_count, bounds[k]);
+	for (int k = 0; k < 2; k++)
+		extent[k] = (double)most(-bounds[k][0], bounds[k][1]);
+	lay_out(body, form, extent, fine, at);
+	status = need(work, fine, surface->vertex_count, surface->triangle_count);
+	if (status != STATUS_OK)
+		return status;
+	put_places(surface, (const float[2]){(float)at[0], (float)at[1]}, fine->by_step, work->u, work->v, work->z);
 	const size_t places = (size_t)fine->stride * (size_t)fine->rows;
 	for (size_t i = 0; i < places; i++)
 		work->drawn[i] = FINE_NONE;
 	draw_all(surface, work->u, work->v, work->z, (const int32_t[2]){fine->columns, fine->rows}, fine->stride, work->looks, work->drawn);
-	bounds_of(work->z, surface->vertex_count, heights);
 	soil_fine_outline(work, fine);
-	soil_fine_fill(work, fine, -heights[0]);
+	soil_fine_fill(work, fine, -bounds[2][0]);
 	swept(work, form, (const double(*)[3])own, at);
 	fine->heights = work->heights;
 	fine->drawn = work->drawn;

@@ -17,7 +17,7 @@
 #include "soil/law/form.h"
 #include "soil/law/surface.h"
 
-#define FINE_ENOUGH 36       /* a mesh so many posts wide has a place for each post. Otherwise */
+#define FINE_ENOUGH 44       /* a mesh so many posts wide has a place for each post. Otherwise */
 #define FINE_ACROSS 50       /* at least so many places lie across it, */
 #define FINE_PARTS_MOST 7    /* unless a post is parted in more than this */
 #define FINE_ROUND 5e-4f     /* a mesh is round about its axis if turning moves its surface by less than this share of its reach */
@@ -35,7 +35,7 @@ struct soil_fine_work {
 	/* Rasters of places; of cells, row by row; of strips along the motion. */
 	float *drawn, *heights, *less, *since, *swept;
 	float *sums[5];
-	float *areas, *middles[2], *lows, *earlier[2];
+	float *areas, *middles[2], *lows, *passed, *earlier[2];
 	float *earlier_u, *earlier_v, *earlier_z;
 	float *front, *rear;
 	float *row; /* of places */
@@ -50,6 +50,8 @@ void soil_fine_finish(struct soil_fine_work *work);
 /* The steps, for fine.c. */
 void soil_fine_outline(const struct soil_fine_work *work, struct soil_fine *fine);
 void soil_fine_fill(const struct soil_fine_work *work, const struct soil_fine *fine, float bound);
+/* Sets `passed` from the swept raster as it is. */
+void soil_fine_passed(const struct soil_fine_work *work, const struct soil_fine *fine);
 /* Sets `lows` from the swept raster. */
 void soil_fine_lows(const struct soil_fine_work *work, const struct soil_fine *fine);
 /* Sets `less` from `swept`. */

@@ -29,8 +29,8 @@ struct soil_fine {
 	const float *heights;       /* also beside the mesh, where they go on from its edge */
 	const float *drawn;         /* the same, but FINE_NONE beside the mesh */
 	float moved;                /* 1: the mesh moved in plan; 0: the next three do not count */
-	const float *less, *since;  /* how much lower it was during its motion, and how many motions ago */
-	const float *swept;         /* its lowest height during its motion. FINE_NONE: it was not above the place */
+	const float *less, *since;  /* how much lower it was during its motion and half a cell before, and how many motions ago */
+	const float *passed;        /* of cells: its lowest height at the post during its motion, or beside a post that it passed closely. FINE_NONE: none */
 	int32_t columns, rows, stride, east; /* stride, east: elements to the next row and column. `east` is 1: gcc's gathers need a variable */
 	float x, y, step, by_step;
 	float axis[2];              /* of the frame's x axis: east, north */

@@ -53,7 +53,7 @@ struct walk {
 	int64_t zero;              /* fixed-point units: the centre above the store's reference */
 	double reach;              /* m: how far from its post a place of a cell can be, along an axis */
 	double above;              /* m: posts count up to which the body is so much above their ground */
-	float springs, known;      /* m: soil that sank by at most `known` springs back by less than this */
+	float springs[2], known;   /* m: soil that sank by z, at most `known`, springs back by less than springs[0] + springs[1] z along the normal */
 	int32_t raised;
 };
 
@@ -66,7 +66,8 @@ static void put_springs(const struct soil_law *law, const struct soil_planes *pl
 	if (!one || form->digs_most > 0 || !(by_width > 0) || walk->above > 0)
 		return;
 	walk->known = (float)known;
-	walk->springs = 2 * (float)(k * pow(known, soil->bekker_n) / soil->elastic_stiffness) + 1e-5f;
+	const double springs = 1.001 * k * pow(known, soil->bekker_n) / soil->elastic_stiffness;
+	walk->springs[soil->bekker_n >= 1] = (float)(soil->bekker_n >= 1 ? springs / known : springs);
 }
 
 /* Only posts are walked over whose neighbours are in the planes, too. */
@@ -91,9 +92,9 @@ static void cut(double first, double step, double low, double high, int64_t colu
 		columns[1] = first < low || first > high ? columns[0] : columns[1];
 		return;
 	}
-	const double a = (low - first) / step, b = (high - first) / step, end = (double)columns[1];
-	columns[1] = (int64_t)fmin(fmax(ceil(fmax(a, b)) + 1, 0), end);
-	columns[0] = (int64_t)fmin(fmax(floor(fmin(a, b)), (double)columns[0]), (double)columns[1]);
+	const double by = 1 / step, a = (low - first) * by, b = (high - first) * by, from = (a < b ? a : b) - 1e-6, to = (a < b ? b : a) + 1e-6;
+	columns[0] = from > (double)columns[1] ? columns[1] : from > (double)columns[0] ? (int64_t)from : columns[0];
+	columns[1] = to < (double)columns[0] - 1 ? columns[0] : to < (double)columns[1] - 1 ? (int64_t)(to + 1) + 1 : columns[1];
 }
 
 /* A run of posts of a row in the planes. Planes that are missing are NULL. */
@@ -107,10 +108,11 @@ struct run {
 struct marks {
 	float x, y, step_x, step_y;  /* of the first post; from each to the next, m */
 	float radius, outer, reach, run, fell, above; /* m; reach: of a cell's places from its post along the rim */
-	float lean, level, lift, aside; /* aside: how much lower the lower envelope can be because it leans, m */
-	float rise_reach, raised;    /* m: how far from its post a place of a cell can be along each axis, of a slope of 1; the body's centre */
+	float lean, leans, lift, aside; /* lean, leans: along and across the axis; aside: how much lower the lower envelope can be because it leans, m */
+	float rise_reach, by_reach, raised; /* m: how far from its post a place of a cell can be along each axis, of a slope of 1; the body's centre */
 	float ran;                   /* m: along the rim since the motion's start */
-	float springs, known;        /* m: soil that sank by at most `known` springs back by less than this */
+	float springs[2], known;     /* of struct walk */
+	float low, size;             /* -1: its lower end is on the right, 1: on the left; m: so far from the middle the end bears beside no cell */
 	int32_t zero;                /* units of bases: the centre above the store's reference */
 };
 
@@ -121,56 +123,71 @@ SOIL_INLINED float further(int32_t from, int32_t to)
 }
 
 /* Returns the first and, in *end, the end of the posts of a run that may bear a rim. Posts count, too, above which it is not higher than `above`.
- * A post does not bear where the rim is higher than the plastic part of what the post remembers, in all of its cell. */
+ * A post does not bear where the rim is higher than the plastic part of what the post remembers, in all of its cell. Reads whole blocks. */
 SOIL_CLONED static int32_t mark_run(const struct marks *restrict m, const struct run *restrict run, int32_t count, int32_t *restrict end)
 {
 	const int32_t *restrict base = run->base, *restrict west = base - 1, *restrict east = base + 1;
 	const int32_t *restrict south = base - run->width, *restrict north = base + run->width;
 	const int32_t *restrict deposited = run->deposited != NULL ? run->deposited : base, *restrict sinkage = run->sinkage != NULL ? run->sinkage : base;
 	const float heaps = run->deposited != NULL ? SOIL_UNIT : 0, sinks = run->sinkage != NULL ? SOIL_UNIT : 0, unit = 4 * SOIL_UNIT, r2 = m->radius * m->radius;
-	int32_t first = INT32_MAX, last = -1;
-	for (int32_t i = 0; i < count; i++) {
-		const float x = m->x + (float)i * m->step_x, y = m->y + (float)i * m->step_y;
-		const int32_t here = base[i];
-		const bool holes = (here == BASE_NODATA) | (west[i] == BASE_NODATA) | (east[i] == BASE_NODATA) | (south[i] == BASE_NODATA) | (north[i] == BASE_NODATA);
-		const float rise = (most(further(west[i], here), further(here, east[i])) + most(further(south[i], here), further(here, north[i]))) * unit * m->rise_reach;
-		const float ground = (float)(int32_t)((uint32_t)here - (uint32_t)m->zero) * unit + (float)deposited[i] * heaps - m->raised;
-		/* How low the rim is in this cell, and how much its height differs from that at the post now, and at the motion's start. */
-		const float near = most(most(x, -x - m->run) - m->reach, 0), outside = most(m->outer * m->outer - near * near, 0);
-		const float deep = sqrtf(outside) * m->lift, lowest = m->lean * y - m->aside - deep - m->fell;
-		const bool touches = (ground + rise + m->above > lowest) & (near <= m->outer);
-		/* Behind the axle the rim is lower at places that are farther ahead, and was so at the motion's start, but less. */
-		const float inner = most(-x - m->reach, 0), sunk = (float)sinkage[i] * sinks;
-		const float leaves = m->lean * y + sunk - ground - root(r2 - inner * inner) * m->lift;
-		/* A slope of up to 1.7: along its normal it sinks by at least half as much as vertically. */
-		const bool behind = (x < -m->ran - m->reach) & (x > -m->radius) & (rise < 1.7f * m->reach);
-		const bool gone = behind & (sunk > 0) & (sunk <= m->known) & (leaves > m->springs + 2 * (rise + m->aside)) & !holes;
-		const int32_t here_first = (touches | holes) & !gone ? i : INT32_MAX, here_last = (touches | holes) & !gone ? i : -1;
-		first = here_first < first ? here_first : first;
-		last = here_last > last ? here_last : last;
+	int32_t firsts[POSTS_LANES], lasts[POSTS_LANES], first = INT32_MAX, last = -1;
+	for (int32_t lane = 0; lane < POSTS_LANES; lane++) {
+		firsts[lane] = INT32_MAX;
+		lasts[lane] = -1;
+	}
+	for (int32_t b = 0; b < count; b += POSTS_LANES)
+		for (int32_t lane = 0; lane < POSTS_LANES; lane++) {
+			const int32_t i = b + lane;
+			const float x = m->x + (float)i * m->step_x, y = m->y + (float)i * m->step_y;
+			const int32_t here = base[i];
+			const bool holes = (here == BASE_NODATA) | (west[i] == BASE_NODATA) | (east[i] == BASE_NODATA) | (south[i] == BASE_NODATA) | (north[i] == BASE_NODATA);
+			const float rise = (most(further(west[i], here), further(here, east[i])) + most(further(south[i], here), further(here, north[i]))) * unit * m->rise_reach;
+			const float ground = (float)(int32_t)((uint32_t)here - (uint32_t)m->zero) * unit + (float)deposited[i] * heaps - m->raised;
+			/* How low the rim is in this cell, and how much its height differs from that at the post now, and at the motion's start. */
+			const float near = most(most(x, -x - m->run) - m->reach, 0), outside = most(m->outer * m->outer - near * near, 0);
+			const float deep = sqrtf(outside) * m->lift, lowest = m->lean * y - m->aside - deep - m->fell;
+			const bool touches = (ground + rise + m->above > lowest) & (near <= m->outer);
+			/* Behind the axle the rim is lower at places that are farther ahead, and was so at the motion's start, but less. */
+			const float aside = y - m->leans * root(r2 - x * x);
+			const float inner = most(-x - m->reach, 0), sunk = (float)sinkage[i] * sinks;
+			const float leaves = m->lean * y + sunk - ground - root(r2 - inner * inner) * m->lift;
+			const float springs = (m->springs[0] + m->springs[1] * sunk) * (1 + rise * m->by_reach) + 1e-5f; /* vertically */
+			const bool behind = (x < -m->ran - m->reach) & (x > -m->radius);
+			const bool gone = behind & (sunk > 0) & (sunk <= m->known) & (leaves > springs + 2 * (rise + m->aside)) & !holes & (m->low * aside < m->size);
+			const bool counts = (touches | holes) & !gone & (i < count);
+			const int32_t here_first = counts ? i : INT32_MAX, here_last = counts ? i : -1;
+			firsts[lane] = here_first < firsts[lane] ? here_first : firsts[lane];
+			lasts[lane] = here_last > lasts[lane] ? here_last : lasts[lane];
+		}
+	for (int32_t lane = 0; lane < POSTS_LANES; lane++) {
+		first = firsts[lane] < first ? firsts[lane] : first;
+		last = lasts[lane] > last ? lasts[lane] : last;
 	}
 	*end = last + 1;
 	return first;
 }
 
-/* Leaves the columns of a row at which a rim may bear on the ground, or is not higher above it than walk->above. */
-static void cut_rim(const struct walk *walk, const struct soil_body *body, const struct soil_form *form, const struct run *row, const double first[2],
-		    int64_t columns[2])
+/* Leaves the columns of a row at which a rim may bear on the ground, or is not higher above it than walk->above. all: posts of the planes. */
+static void cut_rim(const struct walk *walk, const struct soil_body *body, const struct soil_form *form, const struct run *row, size_t all,
+		    const double first[2], int64_t columns[2])
 {
 	const float leans = fabsf(form->lean), aside = form->way[1], run = walk->above > 0 ? form->run : 0, reach = (float)walk->reach;
 	const double half = (double)(most(form->half[1], 0.5f * form->step_aside) + leans * form->radius) + 1e-3 * (double)form->spacing;
 	const int64_t zero = walk->zero >> (OFFSET_BITS - BASE_BITS);
 	cut(first[1], walk->step[1], -half - fmax((double)aside, 0), half - fmin((double)aside, 0), columns);
 	cut(first[0], walk->step[0], -body->outer - walk->reach - (double)run, body->outer + walk->reach, columns);
-	if (columns[1] <= columns[0] || zero < INT32_MIN / 2 || zero > INT32_MAX / 2)
+	/* At the end of the planes nothing is left out. */
+	const bool ends = (size_t)row->index + (size_t)columns[1] + POSTS_LANES + row->width > all;
+	if (columns[1] <= columns[0] || ends || zero < INT32_MIN / 2 || zero > INT32_MAX / 2)
 		return;
 	const struct marks marks = {
 		.x = (float)(first[0] + (double)columns[0] * walk->step[0]), .y = (float)(first[1] + (double)columns[0] * walk->step[1]),
 		.step_x = (float)walk->step[0], .step_y = (float)walk->step[1], .radius = form->radius, .outer = (float)body->outer,
 		.reach = form->half_across + 0.75f * fabsf(form->cut[1][0]) + 1e-5f, .run = run, .fell = walk->above > 0 ? most(form->way[2], 0) + 1e-5f : 1e-5f,
-		.above = (float)walk->above, .lean = form->lean * form->lift, .level = form->level, .lift = form->lift,
+		.above = (float)walk->above, 
+		.lean = form->lean * form->lift, .leans = form->lean, .low = low_side(form), .size = form->lean != 0 ? form->half[1] - 1.5f * form->step_aside : 1e9f, .lift = form->lift,
 		.aside = leans * form->lift * (fabsf(aside) + reach + form->step_aside), .rise_reach = reach / form->spacing,
-		.raised = (float)lattice_offset_metres(walk->raised), .springs = walk->springs, .known = walk->known, .ran = form->way[0], .zero = (int32_t)zero,
+		.raised = (float)lattice_offset_metres(walk->raised), .springs = {walk->springs[0], walk->springs[1]}, .by_reach = 1 / reach, .known = body->outer > (double)form->radius ? 0 : walk->known, .ran = form->way[0], .zero = (int32_t)zero,
 	};
 	const size_t from = (size_t)columns[0];
 	const struct run part = {.base = row->base + from, .deposited = row->deposited != NULL ? row->deposited + from : NULL,
@@ -186,6 +203,28 @@ SOIL_INLINED int32_t ground_of(int32_t base, int32_t deposited, int64_t zero)
 {
 	const int64_t far = ((int64_t)1 << 30) - ((int64_t)1 << 20), height = (int64_t)base * (1 << (OFFSET_BITS - BASE_BITS)) + deposited - zero;
 	return (int32_t)(height < -far ? -far : height > far ? far : height);
+}
+
+/* Tells whether a mesh may bear on a post of a row, or is not higher above it than walk->above. A slope counts as at most 2; steeper ground is near. */
+static bool mesh_is_near(const struct walk *walk, const struct soil_form *form, const struct run *row, const double first[2], int64_t column)
+{
+	const float x = (float)(first[0] + (double)column * walk->step[0]), y = (float)(first[1] + (double)column * walk->step[1]);
+	const int32_t base = row->base[column];
+	if (base == BASE_NODATA)
+		return false;
+	const double rise = fmax(fabs((double)row->base[column + 1] - base), fabs((double)base - row->base[column - 1])) * lattice_base_metres(1);
+	const int64_t height = (int64_t)ground_of(base, row->deposited != NULL ? row->deposited[column] : 0, walk->zero) - walk->raised;
+	const float low = soil_cover_fine_low(form, x, y);
+	return low < 0.5f * FINE_NONE && (rise >= 2 * (double)form->spacing || (double)low <= lattice_offset_metres(height) + walk->above + 4 * walk->reach);
+}
+
+/* The same as cut_rim of a mesh. */
+static void cut_mesh(const struct walk *walk, const struct soil_form *form, const struct run *row, const double first[2], int64_t columns[2])
+{
+	while (columns[0] < columns[1] && !mesh_is_near(walk, form, row, first, columns[0]))
+		columns[0]++;
+	while (columns[0] < columns[1] && !mesh_is_near(walk, form, row, first, columns[1] - 1))
+		columns[1]--;
 }
 
 SOIL_INLINED void take(int32_t *restrict to, const int32_t *restrict from)
@@ -276,25 +315,6 @@ static void take_run(const struct soil_planes *planes, size_t at, size_t count, 
 	p->count += count;
 }
 
-/* Drops posts at the ends of a row of a mesh that surely neither bear nor are passed over. */
-static void cut_raster(const struct walk *walk, const struct soil_form *form, const struct run *row, const double first[2], int64_t columns[2])
-{
-	const double reach = (double)form->half_across + 0.5 * (double)form->spacing, fell = fmax((double)form->plunge, 0);
-	for (int end = 0; end < 2; end++)
-		while (columns[0] < columns[1]) {
-			const int64_t column = end == 0 ? columns[0] : columns[1] - 1;
-			const float x = (float)(first[0] + (double)column * walk->step[0]), y = (float)(first[1] + (double)column * walk->step[1]);
-			const int32_t base = row->base[column];
-			/* A slope counts as at most 2 here; where it is steeper, nothing is dropped. */
-			const double rise = fmax(fabs((double)row->base[column + 1] - base), fabs((double)base - row->base[column - 1])) * lattice_base_metres(1);
-			const int32_t height = ground_of(base, row->deposited != NULL ? row->deposited[column] : 0, walk->zero);
-			const double highest = lattice_offset_metres((int64_t)height - walk->raised) + fell + 4 * reach;
-			if (base != BASE_NODATA && (rise >= 2 * (double)form->spacing || (double)soil_cover_fine_low(form, x, y) <= highest))
-				break;
-			columns[end] += end == 0 ? 1 : -1;
-		}
-}
-
 static void take_rows(const struct soil_planes *planes, const struct soil_body *body, const struct soil_form *form, const struct walk *walk, struct soil_posts *p)
 {
 	const struct post_rect *below = &walk->below;
@@ -306,9 +326,9 @@ static void take_rows(const struct soil_planes *planes, const struct soil_body *
 		int64_t columns[2] = {0, below->x1 - below->x0};
 		const struct run row = run_at(planes, at);
 		if (form->kind == FORM_RIM)
-			cut_rim(walk, body, form, &row, first, columns);
+			cut_rim(walk, body, form, &row, planes->width * (size_t)(planes->rect.y1 - planes->rect.y0), first, columns);
 		else if (form->kind == FORM_RASTER)
-			cut_raster(walk, form, &row, first, columns);
+			cut_mesh(walk, form, &row, first, columns);
 		const double place[2] = {first[0] + (double)columns[0] * walk->step[0], first[1] + (double)columns[0] * walk->step[1]};
 		if (columns[1] > columns[0])
 			take_run(planes, at + (size_t)columns[0], (size_t)(columns[1] - columns[0]), place, walk, p);

@@ -169,7 +169,7 @@ static enum status make(const struct soil_mesh *mesh, struct soil_surface *s)
 	struct making making = {.table_mask = (uint32_t)(slots - 1)};
 	mem_free(s->memory);
 	*s = (struct soil_surface){0};
-	uint32_t *memory = mem_alloc(6 * vertices + 9 * triangles, sizeof *memory);
+	uint32_t *memory = mem_alloc(9 * vertices + 9 * triangles, sizeof *memory);
 	uint32_t *scratch = mem_alloc(vertices + 2 * triangles + slots, sizeof *scratch);
 	if (memory == NULL || scratch == NULL) {
 		mem_free(memory);
@@ -181,9 +181,11 @@ static enum status make(const struct soil_mesh *mesh, struct soil_surface *s)
 	s->y = s->x + vertices;
 	s->z = s->y + vertices;
 	s->source = (float(*)[3])(s->z + vertices);
-	s->source_triangles = (uint32_t(*)[3])(memory + 6 * vertices);
+	s->source_triangles = (uint32_t(*)[3])(memory + 9 * vertices);
 	s->corners = s->source_triangles + triangles;
 	s->across = (int32_t(*)[3])(s->corners + triangles);
+	for (int k = 0; k < 3; k++)
+		s->turned[k] = (float *)memory + (6 + (size_t)k) * vertices;
 	making.table = scratch;
 	making.same = scratch + slots;
 	making.stack = making.same + vertices;

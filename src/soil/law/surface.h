@@ -13,6 +13,7 @@ struct soil_surface {
 	uint32_t (*corners)[3];    /* indices of vertices; counterclockwise as seen from outside, if it is closed */
 	int32_t (*across)[3];      /* the triangle across the edge from a corner to the next; -1: none, or it is not closed */
 	bool closed;               /* each edge has two triangles, and all can look outwards */
+	float *turned[3];          /* room for the vertices in an attitude */
 	/* What it was made of, to know the mesh again. */
 	float (*source)[3];
 	uint32_t (*source_triangles)[3];
