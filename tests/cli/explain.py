@@ -259,12 +259,12 @@ class Explain(FurrowTest):
         load = ("--set", "redistribute.model=scm", "--set", "soil.name=dry_sand", "--set", "spacing=0.25")
         text = self.ok("explain", self.scene(BARE), "--store", "world.furrow", *load)
         # A wheel is wider than it is long where it is 0.2 m deep: 2 (0.2) (1.5 - 0.2) / sqrt(0.2 (3 - 0.2)).
-        self.assertIn("31 path samples each, a window or more each on ground\n    2.8 posts below each: the soil bears it over about 0.69 m\n    passes: "
-                      .replace("31", "121"), text)
-        plan = self.json("explain", "scene.yaml", "--store", "world.furrow", *load)
+        self.assertIn("121 path samples each, one window each, on the CPU, on ground\n    2.8 posts below each: the soil bears it over about 0.69 m\n  c: ", text)
+        text = self.ok("explain", "scene.yaml", "--store", "world.furrow", "--set", "redistribute.model=box")
+        plan = self.json("explain", "scene.yaml", "--store", "world.furrow", "--set", "redistribute.model=box")
         passes = sum(row["amount"] for row in plan["passes"] if row["object"] == "a" and row["unit"] == "window")
         self.assertGreater(passes, 0)
-        self.assertIn(f"\n    passes: {passes} a window\n  c: ", text)
+        self.assertIn(f"\n    passes: {passes} a window, 1 a window that it moved over\n  c: ", text)
 
     def slots_note(self, setting):
         plan = self.json("explain", self.scene(BARE, "bare.yaml"), "--store", "world.furrow", "--set", setting)

@@ -165,7 +165,7 @@ class Report(FurrowTest):
         super().setUpClass()
         cls.made = pathlib.Path(tempfile.mkdtemp(prefix="furrow-report-"))
         cls.addClassCleanup(shutil.rmtree, cls.made, ignore_errors=True)
-        cls.call("synth", "-o", "flat.furrow", "--posts", "129x129", "--spacing", "0.25", "--kind", "plain", "--relief", "0.3")
+        cls.call("synth", "-o", "flat.furrow", "--posts", "129x129", "--spacing", "0.25", "--kind", "plain", "--relief", "0.4")
         (cls.made / "scene.yaml").write_text(SCENE)
         (cls.made / "box.yaml").write_text(BOX)
         cls.call("drive", "scene.yaml", "-o", "a", "--overlay", "a.furrow", "--trace", "a.trace")
@@ -640,14 +640,14 @@ class Report(FurrowTest):
         for label, key in (("mass, kg", "mass"), ("distance, m", "distance"), ("work, J", "work"), ("kinetic energy, J", "kinetic")):
             self.assertEqual(results["car: " + label], [run["vehicles"]["car"][key]])
         self.means_are_those_of(list(self.csv_of("car").values()), results, "car", sums=", sum of its wheels")
-        # Energy in the same rows: of the actuators, and into the soil. On level ground its wheels pull nothing, so it has no efficiency.
+        # Energy in the same rows: of the actuators, and into the soil. On level ground its wheels pull next to nothing.
         late = [row for row in rows if row["t"] >= 0.75 * rows[-1]["t"] * (1 - 1e-9)]
         work, went = late[-1]["work"] - late[0]["work"], sum(math.hypot(b["x"] - a["x"], b["y"] - a["y"]) for a, b in zip(late, late[1:]))
         self.assertAlmostEqual(results["car: mean power of its actuators, W"][0], work / (late[-1]["t"] - late[0]["t"]), delta=1e-3 * work)
         self.assertAlmostEqual(results["car: work of its actuators for each metre, J/m"][0], work / went, delta=1e-6 * work / went)
         lost = sum(wheel[-1]["work"] - next(row["work"] for row in wheel if row["t"] >= late[0]["t"] * (1 - 1e-9)) for wheel in self.csv_of("car").values())
         self.assertAlmostEqual(results["car: energy into the soil for each metre, J/m"][0], lost / went, delta=1e-3 * lost / went)
-        self.assertNotIn("car: tractive efficiency, share of 1", results)
+        self.assertLess(abs(results.get("car: tractive efficiency, share of 1", [0])[0]), 0.03)
         plots = page.plots("vehicles")
         wanted = {"speed": math.hypot(*(rows[-1][key] for key in ("vx", "vy", "vz"))), "work of the actuators": rows[-1]["work"] / 1e3,
                   "kinetic energy": rows[-1]["kinetic"] / 1e3}

@@ -100,7 +100,7 @@ class Rig(FurrowTest):
         self.assertAlmostEqual(first["sinkage"] * 1e3, float(told[0]), delta=0.08 * float(told[0]))
         self.assertAlmostEqual(1 - first["drawbar"] / rigid["drawbar"], float(told[1]) / 100, delta=0.04)
         second, = self.rig("--soil", soils[0], "--load", "2207", "--torque", "0", "--spacing", "0.0275", "--passes", "2", wheel=shape)
-        self.assertLess(abs(second["torque"]), 0.005 * 0.05 * 2207 * r + 1e-6)
+        self.assertLess(abs(second["torque"]), 0.001 * 2207 * r)  # soil that slides into the rut is a step of up to 0.7 N m
         self.assertTrue(0.8 * first["drawbar"] < second["drawbar"] < 0, (first, second))  # nearly all is pressed down already
 
     def test_soils_in_braces_settings_and_other_objects(self):

@@ -199,7 +199,7 @@ class Study(FurrowTest):
     # --- stopped and killed ---
 
     # Long enough that its first commit, after a second, is far from its end on a fast machine.
-    LONG = GRID.replace("grid:", "set: {time_step: 0.002, end_time: 18}\ngrid:").replace("[400, 800, 1600]", "[800]")
+    LONG = GRID.replace("grid:", "set: {time_step: 0.002, end_time: 18, spacing: 0.015625}\ngrid:").replace("[400, 800, 1600]", "[800]")
 
     def begin(self, *arguments, drives=1):
         """Starts a study, and waits until so many drives have committed something: however long that takes."""

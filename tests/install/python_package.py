@@ -279,9 +279,9 @@ class PythonPackageTest(unittest.TestCase):
                 assert (probed["state"] == furrow.ContactState.TOUCHING).all()
                 assert probed["stiffness"].shape == (4, 6, 6) and (probed["stiffness"][:, 2, 2] < 0).all()
                 assert np.allclose(probed["force"][:, 2], contacts["force"][:, 2], rtol=0.05)
-                states["pose"]["position"][:, 0] += 5
+                states["pose"]["position"][:, 0] += 5000  # off the terrain
                 assert (world.probe(balls, states)["state"] == furrow.ContactState.UNKNOWN).all()
-                states["pose"]["position"][:, 0] -= 5
+                states["pose"]["position"][:, 0] -= 5000
                 raises(ValueError, world.set_states, balls, states[:3])
                 balls[0].remove()
                 refused(furrow.Status.USAGE, balls[0].remove)
