@@ -273,7 +273,9 @@ SOIL_INLINED float lower_at(const struct soil_form *f, enum soil_form_kind kind,
 	face_at(f, kind, p->own[i], x, y, &face);
 	const float dx = x - p->x[i], dy = y - p->y[i], along = dx * course.x + dy * course.y, aside = course.x * dy - course.y * dx;
 	const float leans = face.slope[0] * course.x + face.slope[1] * course.y - course.rise, across = course.x * p->slope_y[i] - course.y * p->slope_x[i];
-	const float lowest = p->height[i] - l->beneath[i] + course.rise * along + across * aside, lower = either(leans < 0, most(face.height - lowest, 0), 0);
+	/* In a short motion it was lower by no more than it rose since. */
+	const float lowest = p->height[i] - l->beneath[i] + course.rise * along + across * aside, rose = most(l->beneath[i], -leans * f->passes[0]);
+	const float lower = either(leans < 0, clamped(face.height - lowest, 0, rose), 0);
 	return either(f->passes[0] > 0, lower, p->lowered[i]) * p->over[i];
 }
 
