@@ -142,15 +142,14 @@ SOIL_INLINED float passed_at(const struct soil_form *f, enum soil_form_kind kind
 		const float speed = p->print[i] - p->height[i] - f->way[2];
 		share = either(speed > 0, gains / most(speed, 1e-18f), 1e3f);
 	}
-	/* Then its sides pass the middle of what it covers of the cell. At the post alone a side would count for the whole cell as soon as it came there. */
-	const float middle_x = x + p->middle_x[i], middle_y = y + p->middle_y[i];
+	/* Then its sides pass. */
 	const float ahead_by = 1 / most(fabsf(f->way[0]), 1e-9f), aside_by = 1 / most(fabsf(f->way[1]), 1e-9f), over = p->over[i];
 	if (kind == FORM_BOX) {
-		const float beyond = most(f->half[0] - middle_x * either(f->way[0] < 0, -1, 1), 0) * ahead_by;
+		const float beyond = most(f->half[0] - x * either(f->way[0] < 0, -1, 1), 0) * ahead_by;
 		share = least(share, either((over > 0) & (f->half[0] > 0) & (fabsf(f->way[0]) > 1e-9f), beyond, 1e3f));
 	}
 	if (kind == FORM_BOX || kind == FORM_RIM) {
-		const float beyond = most(f->half[1] - aside_of(f, kind, middle_x, middle_y) * either(f->way[1] < 0, -1, 1), 0) * aside_by;
+		const float beyond = most(f->half[1] - aside_of(f, kind, x, y) * either(f->way[1] < 0, -1, 1), 0) * aside_by;
 		share = least(share, either((over > 0) & (f->half[1] > 0) & (fabsf(f->way[1]) > 1e-9f), beyond, 1e3f));
 	}
 	return clamped(share, -4, 1e3f);
@@ -273,7 +272,9 @@ SOIL_INLINED float lower_at(const struct soil_form *f, enum soil_form_kind kind,
 	face_at(f, kind, p->own[i], x, y, &face);
 	const float dx = x - p->x[i], dy = y - p->y[i], along = dx * course.x + dy * course.y, aside = course.x * dy - course.y * dx;
 	const float leans = face.slope[0] * course.x + face.slope[1] * course.y - course.rise, across = course.x * p->slope_y[i] - course.y * p->slope_x[i];
-	const float lowest = p->height[i] - l->beneath[i] + course.rise * along + across * aside, lower = either(leans < 0, most(face.height - lowest, 0), 0);
+	/* In a short motion it was lower by no more than it rose since. */
+	const float lowest = p->height[i] - l->beneath[i] + course.rise * along + across * aside, rose = most(l->beneath[i], -leans * f->passes[0]);
+	const float lower = either(leans < 0, clamped(face.height - lowest, 0, rose), 0);
 	return either(f->passes[0] > 0, lower, p->lowered[i]) * p->over[i];
 }
 
