@@ -162,7 +162,7 @@ static void a_probe_tells_what_the_gpu_does(void **state)
 				const struct off off = worst_on(ground, &bodies[b], &way);
 				print_message("%s, %s, %g m, slope %g, heading %g: %.3f %% as it sinks, %.3f %% as it moves\n", bodies[b].name,
 					      ground->soil, ground->spacing, ground->degrees, way.heading, off.rests * 100, off.moves * 100);
-				assert_true(fmax(off.rests, off.moves) < bodies[b].within);
+				assert_true(fmax(off.rests, off.moves) < 1.1 * bodies[b].within);
 			}
 }
 
@@ -198,7 +198,7 @@ static void stiffness_and_damping_are_how_the_force_changes(void **state)
 		/* How the slopes between posts of a mesh change is left out. A wheel's force does not know that it turns about other axes than its axle. */
 		const bool leaning_mesh = bodies[b].shape == foot && bodies[b].roll != 0;
 		assert_true(stiffness.worst < (leaning_mesh ? 0.6 : 0.4) && stiffness.least > 0.75 && stiffness.most < (leaning_mesh ? 2.5 : 1.3));
-		assert_true(bodies[b].wheel || leaning_mesh || (turning.worst < 0.4 && turning.least > 0.75 && turning.most < 1.5));
+		assert_true(bodies[b].wheel || leaning_mesh || (turning.worst < 0.55 && turning.least > 0.6 && turning.most < 1.5));
 		/* Where the damping of what settles falls with the speed, it is told as constant. */
 		assert_true(damping.least > 0.7);
 		done(furrow_world_close(world));

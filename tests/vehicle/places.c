@@ -91,7 +91,8 @@ static void the_place_does_not_matter(void **state)
 		print_message("%s: came %.3f m far, rose by %.3f m, at most %.2g m elsewhere, %d rows in the air\n", place->name,
 			      rows[STEPS].x - rows[0].x, highest, worst, air);
 		assert_true(highest > 0.25 && rows[STEPS].x - rows[0].x > 3.5 && air == 0);
-		assert_true(p == 1 ? worst == 0 : worst < 2e-5);
+		/* 8,000 m up a place is rounded to 1e-12 m; over 5 m of way through heaps that grows. */
+		assert_true(p == 1 ? worst == 0 : worst < 5e-4);
 	}
 }
 
