@@ -259,9 +259,9 @@ FURROW_API furrow_status furrow_body_remove(struct furrow_world *world, furrow_b
  * many times a step. The force is that of a straight motion from the body's last contact to the state; stiffness and damping
  * tell how it changes around that. It reads the ground as the last step left it, on the CPU.
  * `bodies`, `states`, `contacts`: `count` entries each. `contact_size`: sizeof(struct furrow_contact). `count` 0: does nothing.
- * contact.state is FURROW_UNKNOWN, and its numbers are NaN, for a state off the terrain, for a body with a path, for one that was
- * not placed, and under all soil models but scm. The same holds where a state lies hundreds of working posts from the body's last
- * contact. A velocity of three NaN is that of the poses, as furrow_set_states has it, in a step of the scene's time_step.
+ * contact.state is FURROW_UNKNOWN, and its numbers are NaN, off the terrain, for a body with a path, and for one that was not
+ * placed. It is so under all soil models but scm, and where a state lies hundreds of working posts from the body's last contact.
+ * A velocity of three NaN is that of the poses, as furrow_set_states has it, in a step of the scene's time_step.
  * FURROW_USAGE and FURROW_INPUT as furrow_set_states.
  */
 FURROW_API furrow_status furrow_probe(struct furrow_world *world, size_t count, const furrow_body *bodies,

@@ -18,7 +18,7 @@
 #define SINKAGE_SHARE 0.1 /* of a post */
 #define PART_MORE 0.25    /* a contact may be longer than a post by this share, so that a step that ends just beyond a post makes one contact */
 #define DIP_SHARE 0.002   /* of a post: a body that was deeper than at both ends of its motion by less has not been deeper */
-#define FLATTER 4.0       /* a body that sank by more than it went in plan, and then goes by more than this for each metre that it sinks, leaves a dip */
+#define FLATTER 4.0       /* m in plan for each metre of sinking: a body that sank steeply and then goes more level than this leaves a dip */
 
 static size_t index_of(const struct world *world, int32_t number)
 {

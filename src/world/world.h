@@ -530,10 +530,10 @@ struct world_sinking {
 	double sinks, goes, turns[2];
 	double reach;                 /* world_turning_reach */
 };
-/* Returns true if some place of the body has been deeper than a straight motion since its last contact will be: it rises after it sank by `least`
- * metres, or it sank steeply and goes on along the ground. A contact is taken as straight, so one must end there. Pure. */
+/* Returns true if some place of the body has been deeper than a straight motion since its last contact will be. Such a body rises after it sank by
+ * `least` metres. Or it sank steeply and goes on along the ground. A contact is taken as straight, so one must end there. Pure. */
 bool world_leaves_dip(const struct world_sinking *sinking, double least);
-/* Returns how far from its middle the lower side of a body of this shape is that rises and sinks as it turns, m; 0: it does not. */
+/* Returns how far from its middle the lower side of a body lies that rises and sinks as it turns, m. 0: it does not. */
 double world_turning_reach(const struct soil_shape *shape);
 /* Tells the force on a quiet body for the next rows of objects.csv. `force->z` is ignored. `slip`: of a wheel. */
 enum status world_body_tell(struct world *world, int32_t number, const struct world_state *state, const struct world_force *force,
@@ -550,7 +550,8 @@ enum status world_body_state(const struct world *world, int32_t number, struct w
  * Tells what the soil would do to `count` bodies of the host in these states, as linear functions around them. Changes nothing. It reads the ground
  * on the host, and may load tiles.
  * world_probe_reads: returns true if a probe of these bodies would read the ground.
- * The contact is `unknown` off the terrain, where a state is hundreds of working posts from the body's last contact, and for a body with a path. So it is
+ * The contact is `unknown` off the terrain and for a body with a path. It is so, too, where a state is hundreds of working posts from the body's last
+ * contact. So it is
  * for a soil model that probes do not know. STATUS_USAGE, STATUS_INPUT: a state is not one that the body can have.
  */
 bool world_probe_reads(const struct world *world, size_t count, const int32_t *numbers);
