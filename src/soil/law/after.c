@@ -1,6 +1,7 @@
 /* The new state of posts that a body touched, in whole numbers. */
 #include "soil/law/after.h"
 
+#define AFTER_FAR ((1 << 30) - (1 << 20)) /* fixed-point units: ground so far from the body is clamped to this (posts.c) */
 #define CARRIED_MOST (1 << 23)    /* fixed-point units: the most that one post gives away */
 #define OFFSET_MOST (1 << 30)         /* fixed-point units: 1024 m */
 
@@ -51,13 +52,14 @@ SOIL_INLINED void put_plastic(const float k[POSTS_LANES], const float n[POSTS_LA
 SOIL_CLONED void soil_after(const struct soil_form *restrict f, const float axis[restrict 2], int32_t raised, const struct soil_posts *restrict posts, size_t b,
 				  const struct soil_kept *restrict kept, const float bulldozing, struct soil_after *restrict a)
 {
-	int32_t ground[POSTS_LANES], rests[POSTS_LANES], lowest[POSTS_LANES], deposited[POSTS_LANES], sinkage[POSTS_LANES], dug[POSTS_LANES], before[POSTS_LANES];
+	int32_t far[POSTS_LANES], ground[POSTS_LANES], rests[POSTS_LANES], lowest[POSTS_LANES], deposited[POSTS_LANES], sinkage[POSTS_LANES], dug[POSTS_LANES], before[POSTS_LANES];
 	float up[POSTS_LANES], by_up[POSTS_LANES], over[POSTS_LANES], swept[POSTS_LANES], more[POSTS_LANES];
 	float k[POSTS_LANES], n[POSTS_LANES], elastic[POSTS_LANES], by_elastic[POSTS_LANES], shear_x[POSTS_LANES], shear_y[POSTS_LANES];
 	const int32_t near = (int32_t)fminf((float)AFTER_SHEAR_ENDS * f->spacing * 1048576.0f, 1e9f);
 	for (int i = 0; i < POSTS_LANES; i++) {
 		const float height = posts->height[b + i] + posts->above[b + i] + f->beyond;
 		ground[i] = posts->ground[b + i] - raised;
+		far[i] = (posts->ground[b + i] >= AFTER_FAR) | (posts->ground[b + i] <= -AFTER_FAR);
 		rests[i] = whole_units(height);
 		lowest[i] = whole_units(height - posts->lowered[b + i]);
 		deposited[i] = posts->deposited[b + i];
@@ -101,7 +103,7 @@ SOIL_CLONED void soil_after(const struct soil_form *restrict f, const float axis
 		const int32_t still = in_contact(sinkage_of(up[i], sunk[i] - digs[i]), largest[i], plastic[i]), holds = held[i] & (still | (digs[i] == 0));
 		const int32_t released = whole_units(plastic[i] * by_up[i]), released_before = whole_units(had[i] * by_up[i]);
 		const int32_t sinks = released + holds * (sunk[i] - digs[i] - released), heap = deposited[i] - digs[i], offset = heap - sinks;
-		const int32_t refused = touched[i] & ((sinks > OFFSET_MOST) | (offset > OFFSET_MOST) | (offset < -OFFSET_MOST)), changes = touched[i] & (refused ^ 1);
+		const int32_t refused = touched[i] & ((far[i] != 0) | (sinks > OFFSET_MOST) | (offset > OFFSET_MOST) | (offset < -OFFSET_MOST)), changes = touched[i] & (refused ^ 1);
 		const int32_t flows = larger(released - released_before, 0), room = larger(CARRIED_MOST - digs[i], 0);
 		const int32_t carries = (int32_t)least(bulldozing * (float)flows, (float)room) + smaller(digs[i], CARRIED_MOST);
 		/* Only soil that the floor gives up is carried. What slip digs under a body that does not go down stays there, loosened. */
