@@ -78,7 +78,7 @@ static bool asked_to_stop(const struct world *world, int64_t count)
 }
 
 /* Lists time and body of every path sample that is due. Samples of one body are alike, since they are placed in their order. */
-static enum status list_due(struct world *world, double until)
+static enum status list_due(struct world *world, double until, bool agreed)
 {
 	enum status status = STATUS_OK;
 	world->events.count = 0;
@@ -91,7 +91,7 @@ static enum status list_due(struct world *world, double until)
 			const struct event event = {.time = motion_track_sample_time(body->track, next), .body = i};
 			if (event.time > until)
 				break;
-			status = asked_to_stop(world, next) ? world_interrupted(world) : add_event(world, &event);
+			status = !agreed && asked_to_stop(world, next) ? world_interrupted(world) : add_event(world, &event);
 		}
 	}
 	if (status == STATUS_OK && world->events.count > 1)
@@ -162,15 +162,15 @@ static enum status place(struct world *world, struct event *event)
 
 /* --- the events of a step --- */
 
-enum status world_collect_events(struct world *world, double until)
+enum status world_collect_events(struct world *world, double until, bool agreed)
 {
-	enum status status = list_due(world, until);
+	enum status status = list_due(world, until, agreed);
 	if (status != STATUS_OK)
 		world->events.count = 0; /* none was placed */
 	for (size_t i = 0; i < world->events.count && status == STATUS_OK; i++) {
 		struct event *event = &world->events.list[i];
 		struct body *body = &world->bodies[event->body];
-		status = asked_to_stop(world, (int64_t)i) ? world_interrupted(world) : place(world, event);
+		status = !agreed && asked_to_stop(world, (int64_t)i) ? world_interrupted(world) : place(world, event);
 		if (status == STATUS_OK)
 			body->next++;
 		else

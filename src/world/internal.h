@@ -184,8 +184,9 @@ enum status world_limits_add(struct world *world, const struct soil_shape *shape
 
 /* --- events.c --- */
 
-/* Collects the events of the step that ends at `until`, of bodies here. They are sorted by time; at equal times, by the order in the scene. */
-enum status world_collect_events(struct world *world, double until) FURROW_CHECKED;
+/* Collects the events of the step that ends at `until`, of bodies here. They are sorted by time; at equal times, by the order in the scene.
+ * agreed: all ranks make this step, also if the drive is to end; false: then it gives STATUS_INTERRUPTED. */
+enum status world_collect_events(struct world *world, double until, bool agreed) FURROW_CHECKED;
 /* Places the body on the ground at a path sample. Fills pose, contact, distance and sinkage of `event`. */
 enum status world_set_down(struct world *world, struct body *body, int64_t sample, struct event *event) FURROW_CHECKED;
 

@@ -194,11 +194,11 @@ enum status world_step(struct world *world)
 /* Does all that can fail before anything changes: a scene that leaves the ground stops at the end of a step. */
 static enum status prepare(struct world *world, double until)
 {
-	enum status status = world_collect_events(world, until);
+	enum status status = world_collect_events(world, until, false);
 	if (world->ranks != NULL)
 		status = world->ranks->step(world->ranks->user, until, status);
 	if (world->ranks != NULL && status == STATUS_OK && world->events.count == 0) /* of the bodies that are here now */
-		status = world_collect_events(world, until);
+		status = world_collect_events(world, until, true);
 	if (status == STATUS_OK)
 		status = page_cache_poll(world->cache);
 	if (status == STATUS_OK)
