@@ -154,7 +154,7 @@ static void make_tiles(struct rig *rig)
 		bench_must(fail_with(STATUS_FAILED, "bench: the field takes more tiles than expected; raise RIG_TILES"));
 	for (uint32_t y = first.y; y <= last.y; y++)
 		for (uint32_t x = first.x; x <= last.x; x++) {
-			rig->tiles[rig->tile_count] = (struct deform_tile){{0, x, y}, (uint32_t)rig->tile_count};
+			rig->tiles[rig->tile_count] = (struct tile_slot){{0, x, y}, (uint32_t)rig->tile_count};
 			rig->tile_count++;
 		}
 	bench_must(gpu_slots_create(rig->gpu, rig->extent->cells, (uint32_t)rig->tile_count, deform_planes(rig->of->model, false, false),

@@ -31,7 +31,7 @@ struct rig {
 	struct gpu *gpu;
 	struct gpu_slots *slots;
 	struct deform *deform;
-	struct deform_tile tiles[RIG_TILES];
+	struct tile_slot tiles[RIG_TILES];
 	struct kept kept[RIG_TILES][WHICH];
 	bool read[RIG_TILES], written[RIG_TILES];
 	size_t tile_count;

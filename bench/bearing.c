@@ -47,7 +47,7 @@ static struct deform_params params_of(const struct ground *ground)
 	return params;
 }
 
-static size_t tiles_of(const struct ground *ground, struct post_rect rect, struct deform_tile tiles[SIDE * SIDE])
+static size_t tiles_of(const struct ground *ground, struct post_rect rect, struct tile_slot tiles[SIDE * SIDE])
 {
 	size_t count = 0;
 	struct tile first, last;
@@ -55,7 +55,7 @@ static size_t tiles_of(const struct ground *ground, struct post_rect rect, struc
 		bench_must(fail_with(STATUS_FAILED, "bench: the path leaves the terrain; mend it"));
 	for (uint32_t y = first.y; y <= last.y; y++)
 		for (uint32_t x = first.x; x <= last.x; x++)
-			tiles[count++] = (struct deform_tile){{0, x, y}, y * SIDE + x};
+			tiles[count++] = (struct tile_slot){{0, x, y}, y * SIDE + x};
 	return count;
 }
 
@@ -114,7 +114,7 @@ static struct deform_contact contact_of(const struct ground *ground, int step, i
 
 static double run_gpu(struct ground *ground)
 {
-	struct deform_tile tiles[SIDE * SIDE];
+	struct tile_slot tiles[SIDE * SIDE];
 	struct deform_window windows[DEFORM_WINDOWS_MAX];
 	struct deform_forces forces = {.sinkage = 0};
 	bool taken = true;
@@ -143,7 +143,7 @@ static double run_gpu(struct ground *ground)
 
 static double run_cpu(struct ground *ground)
 {
-	struct deform_tile tiles[SIDE * SIDE];
+	struct tile_slot tiles[SIDE * SIDE];
 	struct bearing_area area;
 	struct bearing_contact done = {.forces = {.sinkage = 0}};
 	const double began = clock_seconds();

@@ -65,7 +65,7 @@ static struct soil_pose pose_of(const struct ground *ground, int step, int numbe
 }
 
 /* Every tile that shares a post with the rectangle. */
-static size_t tiles_of(const struct ground *ground, struct post_rect rect, struct deform_tile tiles[SIDE * SIDE])
+static size_t tiles_of(const struct ground *ground, struct post_rect rect, struct tile_slot tiles[SIDE * SIDE])
 {
 	size_t count = 0;
 	struct tile first, last;
@@ -73,7 +73,7 @@ static size_t tiles_of(const struct ground *ground, struct post_rect rect, struc
 		bench_must(fail_with(STATUS_FAILED, "bench: the path leaves the terrain; mend it"));
 	for (uint32_t y = first.y; y <= last.y; y++)
 		for (uint32_t x = first.x; x <= last.x; x++)
-			tiles[count++] = (struct deform_tile){{0, x, y}, y * SIDE + x};
+			tiles[count++] = (struct tile_slot){{0, x, y}, y * SIDE + x};
 	return count;
 }
 
@@ -89,7 +89,7 @@ static void sweep(struct ground *ground, int step, int number)
 		.tag = deform_tells_forces(ground->of.model) ? 1 : 0,
 	};
 	struct deform_window windows[DEFORM_WINDOWS_MAX];
-	struct deform_tile tiles[SIDE * SIDE];
+	struct tile_slot tiles[SIDE * SIDE];
 	size_t count;
 	bench_must(deform_windows(ground->deform, &sweep, windows, &count));
 	for (size_t i = 0; i < count; i++)
@@ -106,7 +106,7 @@ static void sweep(struct ground *ground, int step, int number)
 
 static void interval(struct ground *ground)
 {
-	struct deform_tile tiles[SIDE * SIDE];
+	struct tile_slot tiles[SIDE * SIDE];
 	struct deform_interval size;
 	gpu_finish(ground->gpu);
 	double began = clock_seconds();

@@ -16,7 +16,7 @@ struct bed {
 	struct extent extent;
 	struct gpu_slots *slots;
 	struct deform *deform;
-	struct deform_tile *tiles;
+	struct tile_slot *tiles;
 	size_t tile_count;
 };
 
@@ -48,7 +48,7 @@ static void make_tiles(struct bed *bed, uint32_t side)
 	bench_must(gpu_staging_create(bed_gpu, bytes, &flat));
 	memset(gpu_staging_bytes(flat), 0, bytes);
 	for (uint32_t k = 0; k < side * side; k++) {
-		bed->tiles[k] = (struct deform_tile){{0, k % side, k / side}, k};
+		bed->tiles[k] = (struct tile_slot){{0, k % side, k / side}, k};
 		bench_must(gpu_slots_upload_base(bed->slots, k, flat, 0));
 	}
 	gpu_staging_destroy(flat);

@@ -163,6 +163,16 @@ bool post_rect_empty(struct post_rect rect)
 	return rect.x1 <= rect.x0 || rect.y1 <= rect.y0;
 }
 
+struct post_rect post_rect_joined(struct post_rect a, struct post_rect b)
+{
+	return post_rect_empty(a) ? b : post_rect_empty(b) ? a : post_rect_around(a, b);
+}
+
+struct post_rect post_rect_grown(struct post_rect rect, int64_t by)
+{
+	return (struct post_rect){rect.x0 - by, rect.y0 - by, rect.x1 + by, rect.y1 + by};
+}
+
 struct post_rect tile_post_rect(const struct extent *extent, struct tile tile)
 {
 	int64_t n = extent->cells;

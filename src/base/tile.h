@@ -21,6 +21,12 @@ struct tile {
 	uint32_t x, y; /* each below 2^28 */
 };
 
+/* A tile, and the slot of the page cache that holds it. */
+struct tile_slot {
+	struct tile tile;
+	uint32_t slot;
+};
+
 /* The terrain's size and tiling, which give tile keys their meaning. */
 struct extent {
 	int64_t width, height; /* posts at level 0, at least 2 each */
@@ -81,6 +87,8 @@ struct post_rect {
 struct post_rect post_rect_intersect(struct post_rect a, struct post_rect b);
 struct post_rect post_rect_around(struct post_rect a, struct post_rect b); /* returns the smallest rectangle that contains both */
 bool post_rect_empty(struct post_rect rect);
+struct post_rect post_rect_joined(struct post_rect a, struct post_rect b); /* as post_rect_around, but one that is empty does not count */
+struct post_rect post_rect_grown(struct post_rect rect, int64_t by);       /* by as many posts on each side */
 /* Returns the rectangle of a tile's posts, shared edges included. */
 struct post_rect tile_post_rect(const struct extent *extent, struct tile tile);
 /* Gives the first and last tile of a level that have a post of `rect`, edges included. Returns false if there is none. */

@@ -34,15 +34,15 @@ struct bearing_contact {
 	struct post_rect changed; /* posts whose planes it may have changed; empty: none */
 };
 /* Computes a contact. held: all tiles that have posts of area->read, pinned. It makes posts of `changed` active. After a failure nothing was changed. */
-enum status bearing_contact(struct bearing *bearing, const struct deform_contact *contact, const struct bearing_area *area, const struct deform_tile *held,
+enum status bearing_contact(struct bearing *bearing, const struct deform_contact *contact, const struct bearing_area *area, const struct tile_slot *held,
 			    size_t count, struct bearing_contact *out) FURROW_CHECKED;
 /* Computes its forces alone, and changes nothing. */
-enum status bearing_feel(struct bearing *bearing, const struct deform_contact *contact, const struct bearing_area *area, const struct deform_tile *held,
+enum status bearing_feel(struct bearing *bearing, const struct deform_contact *contact, const struct bearing_area *area, const struct tile_slot *held,
 			 size_t count, struct deform_forces *forces) FURROW_CHECKED;
 /* Returns the posts that a probe of this motion reads. */
 struct post_rect bearing_probe_posts(const struct bearing *bearing, const struct soil_motion *motion);
 /* Computes what soil_probe tells. held: all tiles that have posts of bearing_probe_posts, pinned. */
-enum status bearing_probe(struct bearing *bearing, const struct soil_motion *motion, const struct deform_tile *held, size_t count, struct soil_probed *out)
+enum status bearing_probe(struct bearing *bearing, const struct soil_motion *motion, const struct tile_slot *held, size_t count, struct soil_probed *out)
 	FURROW_CHECKED;
 /* Sets the equilibrium height of a loaded body that has had no contact yet: how far it rests above its pose, 2^-20 m. */
 void bearing_set_equilibrium(struct bearing *bearing, uint32_t loaded_body, int32_t raised);
@@ -61,8 +61,8 @@ struct post_rect bearing_wakes(const struct bearing *bearing, struct post_rect c
 int64_t bearing_contact_reach(const struct bearing *bearing, const struct soil_shape *shape);
 
 /*
- * One interval of relaxation. Call bearing_interval_begin. For each region call bearing_interval_start, bearing_interval_gather for parts of its posts
- * that together are all of them, and bearing_interval_slide. Then call bearing_interval_scatter for each region, and bearing_interval_end.
+ * One interval of relaxation. Call bearing_interval_begin. For each region call bearing_interval_start, bearing_interval_gather until each tile
+ * that has posts of bearing_interval_reads was held once, and bearing_interval_slide. Then call bearing_interval_scatter for each region, and bearing_interval_end.
  * objects: bodies that hold the soil below them; they must live until the end.
  */
 struct bearing_interval {
@@ -72,11 +72,11 @@ enum status bearing_interval_begin(struct bearing *bearing, const struct deform_
 struct post_rect bearing_interval_reads(const struct bearing *bearing, size_t region);
 struct post_rect bearing_interval_writes(const struct bearing *bearing, size_t region); /* lies on four tiles at most, if tiles have 32 cells or more */
 enum status bearing_interval_start(struct bearing *bearing, size_t region) FURROW_CHECKED;
-/* held: tiles that together have all posts of the part. */
-void bearing_interval_gather(struct bearing *bearing, struct post_rect part, const struct deform_tile *held, size_t count);
+/* held: pinned tiles that together make a rectangle. */
+void bearing_interval_gather(struct bearing *bearing, const struct tile_slot *held, size_t count);
 enum status bearing_interval_slide(struct bearing *bearing, size_t region) FURROW_CHECKED;
 /* held: all tiles that have posts of what the region writes. */
-enum status bearing_interval_scatter(struct bearing *bearing, size_t region, const struct deform_tile *held, size_t count) FURROW_CHECKED;
+enum status bearing_interval_scatter(struct bearing *bearing, size_t region, const struct tile_slot *held, size_t count) FURROW_CHECKED;
 enum status bearing_interval_end(struct bearing *bearing) FURROW_CHECKED;
 /* Returns how many posts around its blocks an interval reads. */
 int64_t bearing_interval_rim(const struct bearing *bearing);

@@ -5,11 +5,6 @@
 #include "bearing/internal.h"
 #include "soil/kinematic/kinematic.h"
 
-static struct post_rect grown(struct post_rect rect, int64_t by)
-{
-	return post_rect_empty(rect) ? rect : (struct post_rect){rect.x0 - by, rect.y0 - by, rect.x1 + by, rect.y1 + by};
-}
-
 enum status bearing_area(const struct bearing *bearing, const struct deform_contact *contact, struct bearing_area *area)
 {
 	struct deform_window windows[DEFORM_WINDOWS_MAX];
@@ -17,8 +12,8 @@ enum status bearing_area(const struct bearing *bearing, const struct deform_cont
 	*area = (struct bearing_area){{0, 0, 0, 0}, {0, 0, 0, 0}};
 	enum status status = deform_cut(&bearing->params, contact, windows, &count);
 	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
-		area->read = bearing_joined(area->read, windows[i].read);
-		area->write = bearing_joined(area->write, windows[i].write);
+		area->read = post_rect_joined(area->read, windows[i].read);
+		area->write = post_rect_joined(area->write, windows[i].write);
 	}
 	return status;
 }
@@ -36,32 +31,25 @@ static struct soil_motion motion_of(const struct deform_contact *contact)
 	return motion;
 }
 
-static enum status gather(struct bearing *bearing, struct post_rect read, const struct deform_tile *held, size_t count)
+static enum status gather(struct bearing *bearing, struct post_rect read, const struct tile_slot *held, size_t count)
 {
-	struct host_held slots[64];
+	const struct soil_planes *planes = &bearing->window.planes;
 	enum status status = bearing_window_need(bearing, read);
 	if (status != STATUS_OK)
 		return status;
-	for (size_t i = 0; i < count; i++)
-		slots[i] = (struct host_held){held[i].tile, held[i].slot};
-	struct soil_planes planes = bearing->window.planes;
-	resident_host_gather(bearing->slots, slots, count, &planes);
-	const size_t posts = planes.width * (size_t)(read.y1 - read.y0);
-	memset(planes.contact, 0, posts);
+	resident_host_gather(bearing->slots, held, count, planes);
+	memset(planes->contact, 0, planes->width * (size_t)(read.y1 - read.y0));
 	return STATUS_OK;
 }
 
-static enum status scatter(struct bearing *bearing, struct post_rect rect, const struct deform_tile *held, size_t count)
+static enum status scatter(struct bearing *bearing, struct post_rect rect, const struct tile_slot *held, size_t count)
 {
-	struct host_held slots[64];
 	enum status status = STATUS_OK;
-	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
-		slots[i] = (struct host_held){held[i].tile, held[i].slot};
+	for (size_t i = 0; i < count && status == STATUS_OK; i++)
 		if (!post_rect_empty(post_rect_intersect(tile_post_rect(bearing->params.extent, held[i].tile), rect)))
 			status = resident_host_write(bearing->slots, held[i].slot, bearing->planes);
-	}
 	if (status == STATUS_OK)
-		resident_host_scatter(bearing->slots, slots, count, &bearing->window.planes, rect, bearing->planes);
+		resident_host_scatter(bearing->slots, held, count, &bearing->window.planes, rect, bearing->planes);
 	return status;
 }
 
@@ -166,32 +154,28 @@ static struct post_rect redistribute(struct bearing *bearing, const struct defor
 	struct bearing_window *window = &bearing->window;
 	const struct soil_planes *planes = &window->planes;
 	const size_t posts = planes->width * (size_t)(planes->rect.y1 - planes->rect.y0);
-	const struct post_rect blocks = soil_slide_blocks(area->write);
-	*laid = (struct soil_lay_result){.posts = {0, 0, 0, 0}};
-	*slid = (struct soil_slid){0};
 	const bool carries = imprint->measured.carried > 0;
 	if (carries) {
 		memset(window->deposits, 0, posts * sizeof *window->deposits);
 		soil_lay(laying, &imprint->measured, bearing->laid, planes, planes->contact, area->write, window->scratch, window->deposits, laid);
 	}
-	const struct post_rect reached = bearing_joined(imprint->reached, laid->posts);
+	const struct post_rect reached = post_rect_joined(imprint->reached, laid->posts);
 	const struct soil_slide_window slide = {
 		.written = area->write, .posts = soil_slide_posts(area->write, reached, bearing->around), .world = bearing->world,
 		.deposits = carries ? window->deposits : NULL, .loaded = contact->load > 0,
 	};
 	soil_slide_window(&bearing->rule, planes, &slide, window->scratch, window->words, slid);
-	(void)blocks;
-	return post_rect_intersect(area->write, grown(bearing_joined(reached, slide.posts), 1));
+	return post_rect_intersect(area->write, post_rect_grown(post_rect_joined(reached, slide.posts), 1));
 }
 
-enum status bearing_contact(struct bearing *bearing, const struct deform_contact *contact, const struct bearing_area *area, const struct deform_tile *held,
+enum status bearing_contact(struct bearing *bearing, const struct deform_contact *contact, const struct bearing_area *area, const struct tile_slot *held,
 			    size_t count, struct bearing_contact *out)
 {
 	const struct soil_motion motion = motion_of(contact);
 	struct soil_laying laying;
 	struct soil_imprint imprint;
-	struct soil_lay_result laid;
-	struct soil_slid slid;
+	struct soil_lay_result laid = {.posts = {0, 0, 0, 0}};
+	struct soil_slid slid = {0};
 	*out = (struct bearing_contact){.changed = {0, 0, 0, 0}};
 	enum status status = gather(bearing, area->read, held, count);
 	if (status == STATUS_OK)
@@ -199,28 +183,23 @@ enum status bearing_contact(struct bearing *bearing, const struct deform_contact
 	if (status != STATUS_OK)
 		return status;
 	tell(bearing, contact, &motion, &imprint.forces, &out->forces);
-	struct post_rect changed = {0, 0, 0, 0};
 	if (!post_rect_empty(imprint.reached)) {
-		changed = redistribute(bearing, contact, area, &laying, &imprint, &laid, &slid);
+		out->changed = redistribute(bearing, contact, area, &laying, &imprint, &laid, &slid);
 		if (bearing->params.disturbance)
 			soil_kinematic_disturb(&bearing->window.planes, post_rect_intersect(imprint.reached, area->write));
-		status = scatter(bearing, changed, held, count);
+		status = scatter(bearing, out->changed, held, count);
 		if (status == STATUS_OK)
 			status = soil_active_add_words(&bearing->active, bearing->world, soil_slide_blocks(area->write), bearing->window.words);
 		if (status != STATUS_OK)
 			return status;
-	} else {
-		laid = (struct soil_lay_result){.posts = {0, 0, 0, 0}};
-		slid = (struct soil_slid){0};
 	}
 	add_tally(bearing, &imprint, &laid, &slid, out->forces.state);
 	if (contact->loaded_body > 0)
 		bearing->standing[contact->loaded_body - 1] = imprint.raised;
-	out->changed = changed;
 	return STATUS_OK;
 }
 
-enum status bearing_feel(struct bearing *bearing, const struct deform_contact *contact, const struct bearing_area *area, const struct deform_tile *held,
+enum status bearing_feel(struct bearing *bearing, const struct deform_contact *contact, const struct bearing_area *area, const struct tile_slot *held,
 			 size_t count, struct deform_forces *forces)
 {
 	const struct soil_motion motion = motion_of(contact);
@@ -238,11 +217,11 @@ enum status bearing_feel(struct bearing *bearing, const struct deform_contact *c
 
 struct post_rect bearing_probe_posts(const struct bearing *bearing, const struct soil_motion *motion)
 {
-	const struct post_rect world = {bearing->world.x0 - 1, bearing->world.y0 - 1, bearing->world.x1 + 1, bearing->world.y1 + 1};
-	return post_rect_intersect(grown(soil_shadow(motion->shape, motion->jumped ? &motion->to : &motion->from, &motion->to, bearing->law.spacing), 2), world);
+	const struct post_rect shadow = soil_shadow(motion->shape, motion->jumped ? &motion->to : &motion->from, &motion->to, bearing->law.spacing);
+	return post_rect_empty(shadow) ? shadow : post_rect_intersect(post_rect_grown(shadow, 2), post_rect_grown(bearing->world, 1));
 }
 
-enum status bearing_probe(struct bearing *bearing, const struct soil_motion *motion, const struct deform_tile *held, size_t count, struct soil_probed *out)
+enum status bearing_probe(struct bearing *bearing, const struct soil_motion *motion, const struct tile_slot *held, size_t count, struct soil_probed *out)
 {
 	const struct post_rect read = bearing_probe_posts(bearing, motion);
 	*out = (struct soil_probed){.known = false};

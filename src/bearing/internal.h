@@ -52,12 +52,6 @@ struct bearing {
 	uint64_t results, results_most; /* posts of regions that wait to be put back: now, and at most */
 };
 
-/* Returns a rectangle around both; one that is empty does not count. */
-static inline struct post_rect bearing_joined(struct post_rect a, struct post_rect b)
-{
-	return post_rect_empty(a) ? b : post_rect_empty(b) ? a : post_rect_around(a, b);
-}
-
 /* window.c */
 /* Makes room for a window of these posts, with room for sliding and laying in it. */
 enum status bearing_window_need(struct bearing *bearing, struct post_rect rect) FURROW_CHECKED;

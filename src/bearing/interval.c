@@ -45,7 +45,7 @@ static enum status add_region(struct bearing *bearing, struct post_rect blocks)
 		bearing->region_room = room;
 	}
 	const int64_t rim = bearing_interval_rim(bearing);
-	const struct post_rect posts = posts_of(blocks), reads = {posts.x0 - rim, posts.y0 - rim, posts.x1 + rim, posts.y1 + rim};
+	const struct post_rect posts = posts_of(blocks), reads = post_rect_grown(posts, rim);
 	bearing->regions[bearing->region_count++] = (struct bearing_region){.blocks = blocks, .reads = reads, .writes = post_rect_intersect(posts, bearing->world)};
 	return STATUS_OK;
 }
@@ -119,13 +119,16 @@ enum status bearing_interval_start(struct bearing *bearing, size_t region)
 	return STATUS_OK;
 }
 
-void bearing_interval_gather(struct bearing *bearing, struct post_rect part, const struct deform_tile *held, size_t count)
+void bearing_interval_gather(struct bearing *bearing, const struct tile_slot *held, size_t count)
 {
-	struct host_held slots[64];
-	for (size_t i = 0; i < count; i++)
-		slots[i] = (struct host_held){held[i].tile, held[i].slot};
-	/* The part as planes of its own, with the rows of the whole. */
+	/* The posts of these tiles as planes of their own, with the rows of the whole. */
 	struct soil_planes planes = bearing->window.planes;
+	struct post_rect part = {0, 0, 0, 0};
+	for (size_t i = 0; i < count; i++)
+		part = post_rect_joined(part, tile_post_rect(bearing->params.extent, held[i].tile));
+	part = post_rect_intersect(part, planes.rect);
+	if (post_rect_empty(part))
+		return;
 	const size_t at = (size_t)(part.y0 - planes.rect.y0) * planes.width + (size_t)(part.x0 - planes.rect.x0);
 	planes.rect = part;
 	planes.base += at;
@@ -135,7 +138,7 @@ void bearing_interval_gather(struct bearing *bearing, struct post_rect part, con
 	planes.disturbance = NULL;
 	planes.classes = planes.classes != NULL ? planes.classes + at : NULL;
 	planes.levels = NULL;
-	resident_host_gather(bearing->slots, slots, count, &planes);
+	resident_host_gather(bearing->slots, held, count, &planes);
 }
 
 /* Marks posts that bodies at rest hold. */
@@ -178,19 +181,16 @@ enum status bearing_interval_slide(struct bearing *bearing, size_t number)
 	return STATUS_OK;
 }
 
-enum status bearing_interval_scatter(struct bearing *bearing, size_t number, const struct deform_tile *held, size_t count)
+enum status bearing_interval_scatter(struct bearing *bearing, size_t number, const struct tile_slot *held, size_t count)
 {
 	const unsigned planes = PLANE_BIT(PLANE_OFFSET) | PLANE_BIT(PLANE_DEPOSITED);
 	struct bearing_region *region = &bearing->regions[number];
 	const struct soil_planes from = {.rect = region->writes, .width = (size_t)(region->writes.x1 - region->writes.x0), .offset = region->offset, .deposited = region->deposited};
-	struct host_held slots[64];
 	enum status status = STATUS_OK;
-	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
-		slots[i] = (struct host_held){held[i].tile, held[i].slot};
+	for (size_t i = 0; i < count && status == STATUS_OK; i++)
 		status = resident_host_write(bearing->slots, held[i].slot, planes);
-	}
 	if (status == STATUS_OK)
-		resident_host_scatter(bearing->slots, slots, count, &from, region->writes, planes);
+		resident_host_scatter(bearing->slots, held, count, &from, region->writes, planes);
 	bearing_region_finish(bearing, region);
 	return status;
 }

@@ -20,7 +20,7 @@ struct strip {
 /* Computes the base's slopes at the posts of strip->rect. */
 static enum status read_slopes(struct rasterizing *s, struct strip *strip)
 {
-	struct post_rect r = strip->rect, wide = {r.x0 - 1, r.y0 - 1, r.x1 + 1, r.y1 + 1};
+	struct post_rect r = strip->rect, wide = post_rect_grown(r, 1);
 	enum status status = store_read_posts(s->params->reader, STORE_BASE, strip->level, wide, strip->heights);
 	if (status == STATUS_OK)
 		chart_slopes(strip->heights, r.x1 - r.x0, r.y1 - r.y0, extent_spacing(s->extent, strip->level), strip->east,

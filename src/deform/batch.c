@@ -77,7 +77,7 @@ static uint32_t aligned(int64_t posts)
 	return (uint32_t)(posts + 3) / 4 * 4;
 }
 
-static bool shares(const struct deform *deform, const struct deform_tile *tile, struct post_rect rect)
+static bool shares(const struct deform *deform, const struct tile_slot *tile, struct post_rect rect)
 {
 	return !post_rect_empty(post_rect_intersect(tile_post_rect(deform->params.extent, tile->tile), rect));
 }
@@ -109,7 +109,7 @@ static enum status place(struct deform *deform, uint32_t width, uint32_t height,
 }
 
 enum status deform_batch_add(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
-			     const struct deform_tile *tiles, size_t count, bool *added)
+			     const struct tile_slot *tiles, size_t count, bool *added)
 {
 	struct batch *batch = deform->batch;
 	const struct post_rect read = window->read;

@@ -25,7 +25,7 @@ struct batched {
 	struct deform_contact contact;
 	struct deform_window window;
 	struct gpu_rect posts; /* where it lies in the layer */
-	struct deform_tile tiles[DEFORM_BATCH_TILES];
+	struct tile_slot tiles[DEFORM_BATCH_TILES];
 	size_t tile_count;
 	enum group group;
 	struct record numbers; /* those that all its parts have in common; not of a model that conserves soil */

@@ -13,7 +13,7 @@
 #include "deform/batch.h"
 
 /* Returns a part on a tile, without its posts. */
-static struct part part_of(const struct deform *deform, const struct batched *batched, const struct deform_tile *tile)
+static struct part part_of(const struct deform *deform, const struct batched *batched, const struct tile_slot *tile)
 {
 	const struct post_rect read = batched->window.read, own = tile_post_rect(deform->params.extent, tile->tile);
 	const struct gpu_slot *slot = gpu_slots_get(deform->params.slots, tile->slot);
@@ -32,7 +32,7 @@ static struct part part_of(const struct deform *deform, const struct batched *ba
 }
 
 /* The posts of a tile that none of the window's other tiles to its west and south has. */
-static struct post_rect only(const struct deform *deform, const struct batched *batched, const struct deform_tile *tile)
+static struct post_rect only(const struct deform *deform, const struct batched *batched, const struct tile_slot *tile)
 {
 	struct post_rect own = tile_post_rect(deform->params.extent, tile->tile);
 	for (size_t i = 0; i < batched->tile_count; i++) {
@@ -50,7 +50,7 @@ static void cut(const struct deform *deform, const struct batched *batched)
 	int64_t held = 0;
 	const size_t first = batch->gather_count++; /* for what lies on no tile */
 	for (size_t i = 0; i < batched->tile_count; i++) {
-		const struct deform_tile *tile = &batched->tiles[i];
+		const struct tile_slot *tile = &batched->tiles[i];
 		const struct post_rect gathered = post_rect_intersect(only(deform, batched, tile), read);
 		const struct post_rect stored = post_rect_intersect(tile_post_rect(deform->params.extent, tile->tile), write);
 		struct part part = part_of(deform, batched, tile);

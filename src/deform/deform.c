@@ -106,14 +106,14 @@ static void clear_beyond(struct deform *deform, struct post_rect read, uint32_t 
 }
 
 void deform_gather(struct deform *deform, struct post_rect read, uint32_t layer, uint32_t x, uint32_t y, bool atlas,
-		   unsigned planes, const struct deform_tile *tiles, size_t count)
+		   unsigned planes, const struct tile_slot *tiles, size_t count)
 {
 	clear_beyond(deform, read, layer, x, y, atlas, planes);
 	deform_gather_more(deform, read, layer, x, y, atlas, planes, tiles, count);
 }
 
 void deform_gather_more(struct deform *deform, struct post_rect read, uint32_t layer, uint32_t x, uint32_t y, bool atlas,
-			unsigned planes, const struct deform_tile *tiles, size_t count)
+			unsigned planes, const struct tile_slot *tiles, size_t count)
 {
 	for (size_t i = 0; i < count; i++) {
 		struct gpu_rect from, to;
@@ -145,7 +145,7 @@ void deform_gather_more(struct deform *deform, struct post_rect read, uint32_t l
 }
 
 /* Gathers a window. Of a window in parts it gathers one part. Returns true if all parts are there. */
-static bool gather(struct deform *deform, const struct deform_window *window, uint32_t layer, const struct deform_tile *tiles,
+static bool gather(struct deform *deform, const struct deform_window *window, uint32_t layer, const struct tile_slot *tiles,
 		   size_t count)
 {
 	const struct post_rect read = window->read, whole = deform_whole(deform, window).read;
@@ -162,7 +162,7 @@ static uint32_t layer_of(const struct deform_window *window, uint32_t layer)
 }
 
 enum status deform_compute(struct deform *deform, const struct deform_contact *contact,
-			   const struct deform_window *window, uint32_t layer, const struct deform_tile *tiles,
+			   const struct deform_window *window, uint32_t layer, const struct tile_slot *tiles,
 			   size_t count)
 {
 	if (!gather(deform, window, layer_of(window, layer), tiles, count))
@@ -173,7 +173,7 @@ enum status deform_compute(struct deform *deform, const struct deform_contact *c
 }
 
 enum status deform_feel(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window, uint32_t layer,
-			const struct deform_tile *tiles, size_t count)
+			const struct tile_slot *tiles, size_t count)
 {
 	assert(deform_tells_forces(deform->params.model) && contact->tag != 0);
 	enum status status = STATUS_OK;
@@ -187,7 +187,7 @@ enum status deform_feel(struct deform *deform, const struct deform_contact *cont
 }
 
 enum status deform_scatter_from(struct deform *deform, struct post_rect write, const struct scatter_from *scatter,
-				const struct deform_tile *tiles, size_t count)
+				const struct tile_slot *tiles, size_t count)
 {
 	for (size_t i = 0; i < count; i++) {
 		struct gpu_rect to, from;
@@ -206,7 +206,7 @@ enum status deform_scatter_from(struct deform *deform, struct post_rect write, c
 }
 
 enum status deform_scatter(struct deform *deform, const struct deform_window *window, uint32_t layer,
-			   const struct deform_tile *tiles, size_t count)
+			   const struct tile_slot *tiles, size_t count)
 {
 	const struct post_rect read = deform_whole(deform, window).read;
 	struct scatter_from from = {.layer = layer_of(window, layer), .x = (uint32_t)(window->write.x0 - read.x0),

@@ -208,22 +208,16 @@ enum status deform_windows(struct deform *deform, const struct deform_contact *c
 enum status deform_cut(const struct deform_params *params, const struct deform_contact *contact,
 		       struct deform_window *windows, size_t *count) FURROW_CHECKED;
 
-/* A resident, pinned tile of the working level. */
-struct deform_tile {
-	struct tile tile;
-	uint32_t slot;
-};
-
 /* Computes one window of a contact: gathers it from tiles, displaces and redistributes soil. The result stays in the window's
- * layer, a part of deform's textures. `tiles`: all tiles that hold a post of `read`; they do not change. deform_scatter writes the
+ * layer, a part of deform's textures. `tiles`: all tiles that hold a post of `read`, pinned; they do not change. deform_scatter writes the
  * result. */
 enum status deform_compute(struct deform *deform, const struct deform_contact *contact,
 			   const struct deform_window *window, uint32_t layer,
-			   const struct deform_tile *tiles, size_t count) FURROW_CHECKED;
+			   const struct tile_slot *tiles, size_t count) FURROW_CHECKED;
 /* For a model that computes forces, and a contact with a tag: computes only the forces over one window, as deform_compute would.
  * Changes nothing else, not even the tally (struct deform_tally). Do not call deform_scatter after it. */
 enum status deform_feel(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window, uint32_t layer,
-			const struct deform_tile *tiles, size_t count) FURROW_CHECKED;
+			const struct tile_slot *tiles, size_t count) FURROW_CHECKED;
 /* The facts about an object that decide its resources and passes. */
 struct deform_planned {
 	const struct soil_shape *shape;
@@ -239,7 +233,7 @@ enum status deform_warm(struct deform *deform, const struct deform_planned *obje
 /* Writes the result of deform_compute to the tiles: copies the posts of `write` to every tile that holds them. Gives these tiles
  * deform slots, if they have none. */
 enum status deform_scatter(struct deform *deform, const struct deform_window *window, uint32_t layer,
-			   const struct deform_tile *tiles, size_t count) FURROW_CHECKED;
+			   const struct tile_slot *tiles, size_t count) FURROW_CHECKED;
 
 /*
  * A batch: contacts of one window each that share no post, computed together (batch.c). Call deform_batch_begin; deform_batch_add for each
@@ -258,7 +252,7 @@ void deform_batch_begin(struct deform *deform);
 /* Adds a window. `tiles`: all tiles that hold a post of `read`, at most DEFORM_BATCH_TILES, and maybe others. They keep their slots until the
  * batch is computed. *added is false if there is no room; there is room for a first window. */
 enum status deform_batch_add(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
-			     const struct deform_tile *tiles, size_t count, bool *added) FURROW_CHECKED;
+			     const struct tile_slot *tiles, size_t count, bool *added) FURROW_CHECKED;
 enum status deform_batch_compute(struct deform *deform) FURROW_CHECKED;
 
 /*
@@ -321,11 +315,11 @@ struct post_rect deform_interval_reads(const struct deform *deform, size_t regio
 struct post_rect deform_interval_writes(const struct deform *deform, size_t run);
 /* `tiles`: tiles that hold posts that this region reads: all, but for those given to deform_interval_gather_part before. Call with
  * region 0, 1, ... in turn. So not all tiles need a slot at the same time. */
-void deform_interval_gather_part(struct deform *deform, size_t region, const struct deform_tile *tiles, size_t count);
-enum status deform_interval_gather(struct deform *deform, size_t region, const struct deform_tile *tiles,
+void deform_interval_gather_part(struct deform *deform, size_t region, const struct tile_slot *tiles, size_t count);
+enum status deform_interval_gather(struct deform *deform, size_t region, const struct tile_slot *tiles,
 				   size_t count) FURROW_CHECKED;
 /* `tiles`: all tiles that hold a post of this run. */
-enum status deform_interval_scatter(struct deform *deform, size_t run, const struct deform_tile *tiles,
+enum status deform_interval_scatter(struct deform *deform, size_t run, const struct tile_slot *tiles,
 				    size_t count) FURROW_CHECKED;
 enum status deform_interval_end(struct deform *deform) FURROW_CHECKED;
 

@@ -390,16 +390,16 @@ void deform_slide_prepare(struct deform *deform);
 /* deform.c: deform_gather copies planes of a rectangle of posts from tiles to place (x, y) of a layer; of the atlas: into
  * planes_of[1]. deform_scatter_from copies planes back to tiles. */
 void deform_gather(struct deform *deform, struct post_rect read, uint32_t layer, uint32_t x, uint32_t y, bool atlas,
-		   unsigned planes, const struct deform_tile *tiles, size_t count);
+		   unsigned planes, const struct tile_slot *tiles, size_t count);
 /* As deform_gather, of further tiles of a rectangle that it was called for. */
 void deform_gather_more(struct deform *deform, struct post_rect read, uint32_t layer, uint32_t x, uint32_t y, bool atlas,
-			unsigned planes, const struct deform_tile *tiles, size_t count);
+			unsigned planes, const struct tile_slot *tiles, size_t count);
 struct scatter_from {
 	struct gpu_texture *planes[PLANES]; /* NULL: the tiles keep this plane */
 	uint32_t layer, x, y;
 };
 enum status deform_scatter_from(struct deform *deform, struct post_rect write, const struct scatter_from *from,
-				const struct deform_tile *tiles, size_t count) FURROW_CHECKED;
+				const struct tile_slot *tiles, size_t count) FURROW_CHECKED;
 
 /* batch.c */
 enum status deform_batch_create(struct deform *deform) FURROW_CHECKED;

@@ -21,11 +21,6 @@ bool deform_is_swept(const struct deform *deform, const struct deform_contact *c
 	return turned == 0 && to->turn == from->turn && to->x == from->x && to->y == from->y && to->z == from->z;
 }
 
-static struct post_rect grown(struct post_rect rect, int64_t by)
-{
-	return (struct post_rect){rect.x0 - by, rect.y0 - by, rect.x1 + by, rect.y1 + by};
-}
-
 static int64_t floor_to(int64_t v, int64_t step)
 {
 	int64_t rest = v % step;
@@ -47,7 +42,7 @@ static struct post_rect world_of(const struct deform *deform)
 /* Returns the posts below the object, and those around them that soil beside it may slide to. */
 static struct post_rect below(const struct deform *deform, const struct deform_contact *contact)
 {
-	return post_rect_intersect(grown(deform_shadow(deform, contact), deform->reach), world_of(deform));
+	return post_rect_intersect(post_rect_grown(deform_shadow(deform, contact), deform->reach), world_of(deform));
 }
 
 struct post_rect deform_reached(const struct deform *deform, const struct deform_contact *contact)
@@ -55,13 +50,13 @@ struct post_rect deform_reached(const struct deform *deform, const struct deform
 	struct post_rect rect = deform_shadow(deform, contact);
 	if (deform_conserves(deform->params.model))
 		rect = deform_spread_posts(deform, contact, rect);
-	return post_rect_intersect(grown(rect, deform->reach), world_of(deform));
+	return post_rect_intersect(post_rect_grown(rect, deform->reach), world_of(deform));
 }
 
 bool deform_covers(const struct deform *deform, const struct deform_contact *contact, const struct soil_pose *rest)
 {
 	const struct deform_contact standing = {.shape = contact->shape, .from = *rest, .to = *rest};
-	struct post_rect held = post_rect_intersect(grown(deform_shadow(deform, &standing), deform_slide_step(deform)), world_of(deform));
+	struct post_rect held = post_rect_intersect(post_rect_grown(deform_shadow(deform, &standing), deform_slide_step(deform)), world_of(deform));
 	struct post_rect all = deform_reached(deform, contact);
 	return post_rect_empty(held) || (held.x0 >= all.x0 && held.y0 >= all.y0 && held.x1 <= all.x1 && held.y1 <= all.y1);
 }
@@ -126,7 +121,7 @@ static enum status cut(const struct deform *deform, const struct deform_contact 
 					       "coarser spacing than %g m",
 				 (long long)(under.x1 - under.x0), (long long)(under.y1 - under.y0), deform->spacing);
 	bool one = fits(write, core), whole = deform_conserves(deform->params.model);
-	if (whole && !fits(grown(write, deform->border), DEFORM_WHOLE_POSTS))
+	if (whole && !fits(post_rect_grown(write, deform->border), DEFORM_WHOLE_POSTS))
 		return too_large(write);
 	int64_t x0 = one || whole ? write.x0 : floor_to(write.x0, core), y0 = one || whole ? write.y0 : floor_to(write.y0, core);
 	for (int64_t y = y0; y < write.y1; y += core)
@@ -136,7 +131,7 @@ static enum status cut(const struct deform *deform, const struct deform_contact 
 			struct deform_window *window = &windows[*count];
 			*window = (struct deform_window){.part = (uint32_t)(*count)++};
 			window->write = post_rect_intersect(write, (struct post_rect){x, y, x + core, y + core});
-			window->read = grown(window->write, deform->border);
+			window->read = post_rect_grown(window->write, deform->border);
 		}
 	for (size_t i = 0; whole && *count > 1 && i < *count; i++) {
 		windows[i].whole = write;
@@ -182,7 +177,7 @@ struct deform_window deform_whole(const struct deform *deform, const struct defo
 	struct deform_window whole = *window;
 	if (window->parts > 0) {
 		whole.write = window->whole;
-		whole.read = grown(window->whole, deform->border);
+		whole.read = post_rect_grown(window->whole, deform->border);
 	}
 	return whole;
 }

@@ -250,7 +250,7 @@ static enum status cut_level(const struct dem_insets_cut *cut, int level)
 		const struct post_rect rect = dem_inset_covered_rect(inset, inset->info.level);
 		const int shift = level - inset->info.level;
 		const struct post_rect own = {rect.x0 >> shift, rect.y0 >> shift, (rect.x1 >> shift) + 1, (rect.y1 >> shift) + 1};
-		all = post_rect_empty(all) ? own : post_rect_around(all, own);
+		all = post_rect_joined(all, own);
 	}
 	if (!tile_range_of(&insets->extent, level, all, &first, &last))
 		return STATUS_OK;

@@ -91,7 +91,7 @@ static void clear(const struct soil_planes *into)
 			take_rows(&all, plane_bytes((enum plane)plane), NULL, plane_of(into, plane));
 }
 
-void resident_host_gather(const struct host_slots *slots, const struct host_held *held, size_t count, const struct soil_planes *into)
+void resident_host_gather(const struct host_slots *slots, const struct tile_slot *held, size_t count, const struct soil_planes *into)
 {
 	struct post_rect around = {INT64_MAX, INT64_MAX, INT64_MIN, INT64_MIN};
 	struct part part;
@@ -108,7 +108,7 @@ void resident_host_gather(const struct host_slots *slots, const struct host_held
 
 /* --- into slots --- */
 
-void resident_host_scatter(struct host_slots *slots, const struct host_held *held, size_t count, const struct soil_planes *from,
+void resident_host_scatter(struct host_slots *slots, const struct tile_slot *held, size_t count, const struct soil_planes *from,
 			   struct post_rect rect, unsigned planes)
 {
 	struct part part;

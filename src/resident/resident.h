@@ -241,17 +241,12 @@ void *resident_host_plane(struct host_slots *slots, uint32_t slot, enum plane pl
  * told to resident_pyramid_changed. */
 void resident_host_changed(struct host_slots *slots, uint32_t slot, struct gpu_rect rect);
 
-/* A tile of the working level, and its slot. */
-struct host_held {
-	struct tile tile;
-	uint32_t slot;
-};
 /* Copies the posts of into->rect from slots into each plane that is not NULL. `held`: every tile that has posts of the rectangle, as
  * tile_range_of gives them, in any order. Posts beyond the terrain get BASE_NODATA and zeros. Ignores into->contact. Allocates nothing. */
-void resident_host_gather(const struct host_slots *slots, const struct host_held *held, size_t count, const struct soil_planes *into);
+void resident_host_gather(const struct host_slots *slots, const struct tile_slot *held, size_t count, const struct soil_planes *into);
 /* Copies the posts of `rect` within from->rect back into all of the tiles that have them. `planes`: a mask of those to copy, none of which
  * is NULL. They must be ready to be written. Allocates nothing. */
-void resident_host_scatter(struct host_slots *slots, const struct host_held *held, size_t count, const struct soil_planes *from,
+void resident_host_scatter(struct host_slots *slots, const struct tile_slot *held, size_t count, const struct soil_planes *from,
 			   struct post_rect rect, unsigned planes);
 
 /* Copies every 2^steps-th post of slot `fine` inside `rect` into slot `coarse`, as gpu_slots_decimate does. */

@@ -5,9 +5,21 @@
 /* A function whose loops gcc turns into vector instructions, whatever the build's optimization is. The program takes the widest
  * instruction set that its processor has (meson.build). */
 #if FURROW_CLONES
-#define SOIL_LANES __attribute__((optimize("O3"), target_clones("arch=x86-64-v4", "avx2", "default")))
+#define SOIL_SETS target_clones("arch=x86-64-v4", "avx2", "default")
+#define SOIL_LANES __attribute__((optimize("O3"), SOIL_SETS))
+/* The same in the law's files, which are compiled with -O3 as a whole (meson.build). */
+#define SOIL_CLONED __attribute__((SOIL_SETS, no_sanitize("undefined")))
 #else
 #define SOIL_LANES
+#define SOIL_CLONED
+#endif
+/* A function that becomes part of each function that calls it. */
+#define SOIL_INLINED static inline __attribute__((always_inline))
+/* Before a loop: no turn of it needs what another turn wrote, and no two arrays overlap. */
+#ifdef __clang__
+#define SOIL_APART
+#else
+#define SOIL_APART _Pragma("GCC ivdep")
 #endif
 
 #endif

@@ -94,7 +94,7 @@ bool world_asks_touched(const struct world *world)
 	return rises && !everywhere && deform_conserves(scene->model) && scene->undisturbed == SCENE_STABLE;
 }
 
-enum status world_see(struct world *world, const struct deform_tile *held)
+enum status world_see(struct world *world, const struct tile_slot *held)
 {
 	uint64_t key = tile_key(held->tile);
 	if (!world->aloft.asks_touched || !world->was_deformed || key_set_has(&world->aloft.seen, key))
@@ -109,7 +109,7 @@ enum status world_see(struct world *world, const struct deform_tile *held)
 static enum status look(struct world *world, struct tile tile)
 {
 	uint64_t key = tile_key(tile);
-	struct deform_tile held = {.tile = tile};
+	struct tile_slot held = {.tile = tile};
 	if (key_set_has(&world->aloft.seen, key))
 		return STATUS_OK;
 	enum status status = page_cache_pin_all(world->cache, &key, 1, &held.slot);

@@ -186,7 +186,7 @@ static bool covers(const struct world *world, const struct deform_contact *conta
 {
 	const struct post_rect shadow = soil_shadow(contact->shape, rest, rest, world->spacing), all = area->write;
 	const struct post_rect world_posts = {0, 0, extent_posts(world->meta->extent.width, world->level), extent_posts(world->meta->extent.height, world->level)};
-	const struct post_rect held = post_rect_intersect((struct post_rect){shadow.x0 - 1, shadow.y0 - 1, shadow.x1 + 1, shadow.y1 + 1}, world_posts);
+	const struct post_rect held = post_rect_intersect(post_rect_grown(shadow, 1), world_posts);
 	return post_rect_empty(held) || (held.x0 >= all.x0 && held.y0 >= all.y0 && held.x1 <= all.x1 && held.y1 <= all.y1);
 }
 

@@ -222,7 +222,7 @@ enum status world_let_go(struct world *world, const struct body *body) FURROW_CH
 
 #define WORLD_TILES_MOST 64 /* most tiles that are pinned together */
 struct held_tiles {
-	struct deform_tile tiles[WORLD_TILES_MOST];
+	struct tile_slot tiles[WORLD_TILES_MOST];
 	uint64_t keys[WORLD_TILES_MOST];
 	size_t count;
 };
@@ -264,7 +264,7 @@ bool world_asks_touched(const struct world *world);
 /* Returns a height in 2^-20 m. No part of the body is below it during the contact. */
 int64_t world_lowest(const struct deform_contact *contact);
 /* Notes if a held tile has planes from before this world. Call this before the tile is changed. */
-enum status world_see(struct world *world, const struct deform_tile *held) FURROW_CHECKED;
+enum status world_see(struct world *world, const struct tile_slot *held) FURROW_CHECKED;
 /* Sets *aloft to true if the contact would change nothing, so its windows need not be computed. Sets the contact's `above`. May
  * pin tiles for a while. */
 enum status world_is_aloft(struct world *world, const struct event *event, struct deform_contact *contact,

@@ -59,11 +59,6 @@ int64_t world_intervals_due(const struct world *world, double until)
 	return deform_conserves(world->scene->model) ? world_intervals_by(world, until) - world->relaxation.intervals : 0;
 }
 
-static struct post_rect grown(struct post_rect rect, int64_t by)
-{
-	return (struct post_rect){rect.x0 - by, rect.y0 - by, rect.x1 + by, rect.y1 + by};
-}
-
 /* In each interval soil may begin to slide in the blocks next to those where it slid, and an interval reads a rim around blocks. */
 static int64_t slides_beyond(const struct world *world, int64_t intervals)
 {
@@ -73,7 +68,7 @@ static int64_t slides_beyond(const struct world *world, int64_t intervals)
 struct post_rect world_block_area(const struct world *world, struct soil_block block, int64_t intervals)
 {
 	const int64_t x = block.x * SOIL_BLOCK, y = block.y * SOIL_BLOCK;
-	return grown((struct post_rect){x, y, x + SOIL_BLOCK, y + SOIL_BLOCK}, slides_beyond(world, intervals));
+	return post_rect_grown((struct post_rect){x, y, x + SOIL_BLOCK, y + SOIL_BLOCK}, slides_beyond(world, intervals));
 }
 
 /* Includes the last path sample that was made, and all that are due until then. Samples are one post apart. The way between two
@@ -117,7 +112,7 @@ struct post_rect world_body_area(const struct world *world, size_t index, double
 	const int64_t intervals = world_intervals_due(world, until);
 	if (area.x0 >= area.x1 || intervals <= 0)
 		return area;
-	return grown(world_wakes(world, area), slides_beyond(world, intervals));
+	return post_rect_grown(world_wakes(world, area), slides_beyond(world, intervals));
 }
 
 void world_pass_elsewhere(struct world *world, double until)

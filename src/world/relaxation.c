@@ -46,11 +46,11 @@ static size_t rests_of(const struct world *world)
 static enum status gather(struct world *world, size_t region)
 {
 	const struct extent *extent = &world->meta->extent;
-	const struct post_rect reads = deform_interval_reads(world->deform, region);
+	const struct post_rect reads = world->bearing != NULL ? bearing_interval_reads(world->bearing, region) : deform_interval_reads(world->deform, region);
 	const int64_t cells = extent->cells;
 	struct held_tiles held = {.count = 0};
 	struct tile first, last;
-	enum status status = STATUS_OK;
+	enum status status = world->bearing != NULL ? bearing_interval_start(world->bearing, region) : STATUS_OK;
 	bool any = tile_range_of(extent, world->level, reads, &first, &last);
 	for (uint32_t y = first.y; any && y <= last.y; y += 2)
 		for (uint32_t x = first.x; x <= last.x && status == STATUS_OK; x += 2) {
@@ -60,82 +60,66 @@ static enum status gather(struct world *world, size_t region)
 			if (post_rect_empty(part))
 				continue;
 			status = world_hold(world, part, &held);
-			if (status == STATUS_OK)
+			if (status == STATUS_OK && world->bearing != NULL)
+				bearing_interval_gather(world->bearing, held.tiles, held.count);
+			else if (status == STATUS_OK)
 				deform_interval_gather_part(world->deform, region, held.tiles, held.count);
 			world_release(world, &held);
 		}
-	return status == STATUS_OK ? deform_interval_gather(world->deform, region, NULL, 0) : status;
+	if (status != STATUS_OK)
+		return status;
+	return world->bearing != NULL ? bearing_interval_slide(world->bearing, region) : deform_interval_gather(world->deform, region, NULL, 0);
 }
 
-/* The same of bearing soil. */
-static enum status gather_bearing(struct world *world, size_t region)
+/* Writes a part of the result back: the region of soil that bears, or a run of regions. */
+static enum status scatter(struct world *world, size_t i)
 {
-	const struct extent *extent = &world->meta->extent;
-	const struct post_rect reads = bearing_interval_reads(world->bearing, region);
-	const int64_t cells = extent->cells;
-	struct held_tiles held = {.count = 0};
-	struct tile first, last;
-	enum status status = bearing_interval_start(world->bearing, region);
-	bool any = tile_range_of(extent, world->level, reads, &first, &last);
-	for (uint32_t y = first.y; any && y <= last.y; y += 2)
-		for (uint32_t x = first.x; x <= last.x && status == STATUS_OK; x += 2) {
-			/* Tiles x, x + 1 and y, y + 1. The part has the posts of their far edges, which these tiles share with the next ones. */
-			struct post_rect part = post_rect_intersect(reads, (struct post_rect){x * cells + (x > first.x), y * cells + (y > first.y),
-											  (x + 2) * cells + 1, (y + 2) * cells + 1});
-			part = post_rect_intersect(part, (struct post_rect){0, 0, extent_posts(extent->width, world->level), extent_posts(extent->height, world->level)});
-			if (post_rect_empty(part))
-				continue;
-			status = world_hold(world, post_rect_intersect(part, (struct post_rect){0, 0, (x + 2) * cells, (y + 2) * cells}), &held);
-			if (status == STATUS_OK)
-				bearing_interval_gather(world->bearing, part, held.tiles, held.count);
-			world_release(world, &held);
-		}
-	return status == STATUS_OK ? bearing_interval_slide(world->bearing, region) : status;
+	const struct post_rect writes = world->bearing != NULL ? bearing_interval_writes(world->bearing, i) : deform_interval_writes(world->deform, i);
+	struct held_tiles held;
+	enum status status = world_hold(world, writes, &held);
+	if (status == STATUS_OK)
+		status = world->bearing != NULL ? bearing_interval_scatter(world->bearing, i, held.tiles, held.count)
+						: deform_interval_scatter(world->deform, i, held.tiles, held.count);
+	if (status == STATUS_OK)
+		status = world_mark(world, writes, &held);
+	world_release(world, &held);
+	return status;
 }
 
-static enum status bearing_interval(struct world *world, size_t *blocks)
+struct interval_size {
+	size_t blocks, regions, parts; /* active blocks; regions that are gathered; parts of the result */
+};
+
+static enum status begin_interval(struct world *world, struct interval_size *size)
 {
-	struct held_tiles held = {.count = 0};
-	struct bearing_interval size;
-	enum status status = bearing_interval_begin(world->bearing, world->relaxation.rests, rests_of(world), &size);
-	*blocks = size.blocks;
-	for (size_t i = 0; i < size.regions && status == STATUS_OK; i++)
-		status = gather_bearing(world, i);
-	for (size_t i = 0; i < size.regions && status == STATUS_OK; i++) {
-		const struct post_rect writes = bearing_interval_writes(world->bearing, i);
-		status = world_hold(world, writes, &held);
-		if (status == STATUS_OK)
-			status = bearing_interval_scatter(world->bearing, i, held.tiles, held.count);
-		if (status == STATUS_OK)
-			status = world_mark(world, writes, &held);
-		world_release(world, &held);
-	}
-	return status == STATUS_OK && *blocks > 0 ? bearing_interval_end(world->bearing) : status;
+	const struct deform_rest *rests = world->relaxation.rests;
+	const size_t count = rests_of(world);
+	struct bearing_interval bearing = {0};
+	struct deform_interval deform = {0};
+	const enum status status = world->bearing != NULL ? bearing_interval_begin(world->bearing, rests, count, &bearing)
+							  : deform_interval_begin(world->deform, rests, count, &deform);
+	*size = world->bearing != NULL ? (struct interval_size){bearing.blocks, bearing.regions, bearing.regions}
+				       : (struct interval_size){deform.blocks, deform.regions, deform.runs};
+	return status;
 }
 
-static enum status deform_interval(struct world *world, size_t *blocks)
+static enum status interval(struct world *world, size_t *blocks)
 {
-	struct held_tiles held = {.count = 0};
-	struct deform_interval size;
-	enum status status = deform_interval_begin(world->deform, world->relaxation.rests, rests_of(world), &size);
+	struct interval_size size;
+	enum status status = begin_interval(world, &size);
 	*blocks = size.blocks;
 	for (size_t i = 0; i < size.regions && status == STATUS_OK; i++)
 		status = gather(world, i);
-	for (size_t i = 0; i < size.runs && status == STATUS_OK; i++) {
-		struct post_rect writes = deform_interval_writes(world->deform, i);
-		status = world_hold(world, writes, &held);
-		if (status == STATUS_OK)
-			status = deform_interval_scatter(world->deform, i, held.tiles, held.count);
-		if (status == STATUS_OK)
-			status = world_mark(world, writes, &held);
-		world_release(world, &held);
-	}
-	return status == STATUS_OK && *blocks > 0 ? deform_interval_end(world->deform) : status;
+	for (size_t i = 0; i < size.parts && status == STATUS_OK; i++)
+		status = scatter(world, i);
+	if (status != STATUS_OK || *blocks == 0)
+		return status;
+	return world->bearing != NULL ? bearing_interval_end(world->bearing) : deform_interval_end(world->deform);
 }
 
 static enum status one_interval(struct world *world, size_t *blocks)
 {
-	const enum status status = world->bearing != NULL ? bearing_interval(world, blocks) : deform_interval(world, blocks);
+	const enum status status = interval(world, blocks);
 	struct page_stats pages;
 	int64_t side = (world->meta->extent.cells + SOIL_BLOCK - 1) / SOIL_BLOCK;
 	page_cache_stats(world->cache, &pages);

@@ -41,7 +41,7 @@ struct ground {
 	struct extent extent;
 	struct gpu_slots *slots;
 	struct deform *deform;
-	struct deform_tile *tiles;
+	struct tile_slot *tiles;
 	size_t tile_count;
 	int64_t x0;    /* the block's first post, in x and y */
 	int64_t posts; /* a side of the block */
@@ -83,7 +83,7 @@ static inline void ground_init(struct ground *ground, const struct ground_params
 		for (int64_t y = 0; y <= cells; y++)
 			memcpy(posts + y * (cells + 1), ground->base + (ty * cells + y) * ground->posts + tx * cells,
 			       (size_t)(cells + 1) * sizeof *posts);
-		ground->tiles[k] = (struct deform_tile){
+		ground->tiles[k] = (struct tile_slot){
 			{0, (uint32_t)params->first + tx, (uint32_t)params->first + ty}, k};
 		assert_ok(staged_upload_base(test_gpu, ground->slots, params->cells, k, posts));
 	}

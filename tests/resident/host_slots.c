@@ -130,7 +130,7 @@ static void every_allocation_that_fails_is_told(void **state)
 /* A world of tiles, all of them in slots, in a mixed order; and the same posts as one plane each. */
 struct land {
 	struct host_slots *slots;
-	struct host_held held[SLOTS];
+	struct tile_slot held[SLOTS];
 	int32_t planes[PLANES][SIDE * SIDE], base[SIDE * SIDE];
 	uint8_t classes[SIDE * SIDE], levels[SIDE * SIDE][PAGES_NUMBER_BYTES];
 };
@@ -156,7 +156,7 @@ static void lay(struct land *land)
 		struct host_tile *tile = &land->slots->entries[slot].tile;
 		int32_t *base;
 		uint8_t *classes, *levels;
-		land->held[t] = (struct host_held){{-3, t % ACROSS, t / ACROSS}, slot};
+		land->held[t] = (struct tile_slot){{-3, t % ACROSS, t / ACROSS}, slot};
 		must(resident_host_tile_base(land->slots, tile, &base));
 		must(resident_host_tile_classes(land->slots, tile, &classes));
 		must(resident_host_tile_levels(land->slots, tile, &levels));
@@ -200,7 +200,7 @@ static struct soil_planes planes_of(struct window *window, struct post_rect rect
 }
 
 /* The tiles that have posts of the rectangle, from the last to the first. */
-static size_t find(const struct land *land, struct post_rect rect, struct host_held held[SLOTS])
+static size_t find(const struct land *land, struct post_rect rect, struct tile_slot held[SLOTS])
 {
 	size_t count = 0;
 	for (size_t t = SLOTS; t-- > 0;) {
@@ -264,7 +264,7 @@ static void a_window_is_what_its_tiles_have_and_goes_back_into_all_of_them(void 
 {
 	static struct land land;
 	static struct window window;
-	struct host_held held[SLOTS];
+	struct tile_slot held[SLOTS];
 	size_t many = 0, beyond = 0;
 	lay(&land);
 	for (int trial = 0; trial < 400; trial++) {
@@ -297,7 +297,7 @@ static void a_window_is_what_its_tiles_have_and_goes_back_into_all_of_them(void 
 	assert_true(many > 10 && beyond > 20);
 	/* Every tile has the posts on its edges. */
 	for (uint32_t t = 0; t < SLOTS; t++) {
-		const struct host_held one = land.held[t];
+		const struct tile_slot one = land.held[t];
 		const int64_t x = one.tile.x * CELLS, y = one.tile.y * CELLS;
 		const struct soil_planes planes = planes_of(&window, (struct post_rect){x, y, x + CELLS + 1, y + CELLS + 1}, CELLS + 1, ALL);
 		resident_host_gather(land.slots, &one, 1, &planes);

@@ -155,7 +155,7 @@ static inline void press(struct rig *rig, const struct soil_pose *pose)
 	static int32_t base[MOST * MOST], offset[MOST * MOST];
 	static uint8_t disturbance[MOST * MOST];
 	const struct soil_planes planes = {.rect = rect, .width = MOST, .base = base, .offset = offset, .disturbance = disturbance};
-	struct host_held held[64];
+	struct tile_slot held[64];
 	uint64_t keys[64];
 	uint32_t slots[64];
 	size_t count = 0;
@@ -166,7 +166,7 @@ static inline void press(struct rig *rig, const struct soil_pose *pose)
 			keys[count++] = tile_key((struct tile){world->level, tx, ty});
 	must(page_cache_pin_all(world->cache, keys, count, slots));
 	for (size_t i = 0; i < count; i++) {
-		held[i] = (struct host_held){tile_from_key(keys[i]), slots[i]};
+		held[i] = (struct tile_slot){tile_from_key(keys[i]), slots[i]};
 		must(resident_host_write(rig->host, slots[i], ~0u));
 	}
 	resident_host_gather(rig->host, held, count, &planes);

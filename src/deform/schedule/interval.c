@@ -369,7 +369,7 @@ static enum status compute(struct deform *deform, size_t first, size_t last)
 	return status == STATUS_OK ? gpu_check(deform->params.gpu, "sliding") : status;
 }
 
-void deform_interval_gather_part(struct deform *deform, size_t region, const struct deform_tile *tiles, size_t count)
+void deform_interval_gather_part(struct deform *deform, size_t region, const struct tile_slot *tiles, size_t count)
 {
 	struct interval *interval = deform->interval;
 	const struct post_rect reads = deform_interval_reads(deform, region);
@@ -384,7 +384,7 @@ void deform_interval_gather_part(struct deform *deform, size_t region, const str
 	interval->begun = region + 1;
 }
 
-enum status deform_interval_gather(struct deform *deform, size_t region, const struct deform_tile *tiles, size_t count)
+enum status deform_interval_gather(struct deform *deform, size_t region, const struct tile_slot *tiles, size_t count)
 {
 	const struct regions *regions = &deform->interval->regions;
 	const uint32_t atlas = regions->regions[region].atlas;
@@ -411,7 +411,7 @@ enum status deform_interval_warm(struct deform *deform, const struct soil_shape 
 	return status;
 }
 
-enum status deform_interval_scatter(struct deform *deform, size_t run, const struct deform_tile *tiles, size_t count)
+enum status deform_interval_scatter(struct deform *deform, size_t run, const struct tile_slot *tiles, size_t count)
 {
 	const struct interval *interval = deform->interval;
 	const uint32_t slot = interval->regions.runs[run].slot, at = slot % RESULTS;

@@ -5,7 +5,7 @@
 
 /* Functionals 0 and 1: a post's place along and across the motion, from the centre at the start. 2 and 3: the times at which the two sides of a
  * wheel that moves sideways pass over the post. Those count only then. */
-static LANE_INLINED void wheel(const struct body *body, bool sideways, int32_t x, int32_t y, int32_t *out)
+SOIL_INLINED void wheel(const struct body *body, bool sideways, int32_t x, int32_t y, int32_t *out)
 {
 	const int32_t r = body->a[0], half = body->a[1], length = body->a[2], sine = body->a[3];
 	const int32_t z = body->b[0], rise_all = body->b[1], rise_by = body->b[2], units_by = body->c[0];
@@ -44,7 +44,7 @@ static LANE_INLINED void wheel(const struct body *body, bool sideways, int32_t x
 }
 
 /* The same for a motion of no length. */
-static LANE_INLINED void wheel_at_rest(const struct body *body, int32_t x, int32_t y, int32_t *out)
+SOIL_INLINED void wheel_at_rest(const struct body *body, int32_t x, int32_t y, int32_t *out)
 {
 	const int32_t r = body->a[0], half = body->a[1], z = lane_sum(body->b[0], lane_least(body->b[1], 0)), units_by = body->c[0];
 	const int units_shift = body->c[3];
@@ -60,7 +60,7 @@ static LANE_INLINED void wheel_at_rest(const struct body *body, int32_t x, int32
 }
 
 /* Functionals 0 and 1 as of a wheel. An ellipsoid is a sphere that was stretched, and then sheared along the vertical by functional 2. */
-static LANE_INLINED void ball(const struct body *body, bool sheared, int32_t x, int32_t y, int32_t *out)
+SOIL_INLINED void ball(const struct body *body, bool sheared, int32_t x, int32_t y, int32_t *out)
 {
 	const int32_t r = body->a[0], length = body->a[2], sine = body->a[3], z = body->b[0], rise_by = body->b[2], units_by = body->c[0];
 	const int rise_shift = body->b[3], units_shift = body->c[3];
@@ -87,7 +87,7 @@ static LANE_INLINED void ball(const struct body *body, bool sheared, int32_t x, 
 
 /* A moving box is a zonotope. The post must lie inside all slabs, functionals 6 and on. The height is the highest of the lower planes,
  * functionals 0 and on. */
-static LANE_INLINED void box(const struct body *body, int32_t x, int32_t y, int32_t *out)
+SOIL_INLINED void box(const struct body *body, int32_t x, int32_t y, int32_t *out)
 {
 	const int planes = body->c[1], slabs = body->c[2];
 	int32_t height[LANES], outside[LANES], values[LANES];

@@ -8,13 +8,13 @@
 #define CARRIED_MOST (1 << 23)   /* the most soil that one post gives away, so that sums of it fit 32 bits */
 
 /* Returns how far the ground is above the zero of the lower envelopes. */
-static LANE_INLINED int64_t ground_of(int32_t base, int64_t zero)
+SOIL_INLINED int64_t ground_of(int32_t base, int64_t zero)
 {
 	return (int64_t)base * 4 - zero;
 }
 
 /* Lowers the posts. `carries` is a literal: writes to `carried` by how much they fell. Returns how many of the written posts refuse. */
-static LANE_INLINED int32_t lower(const struct contact_row *r, const int32_t *restrict bases, const int32_t *restrict unders,
+SOIL_INLINED int32_t lower(const struct contact_row *r, const int32_t *restrict bases, const int32_t *restrict unders,
 				  const int32_t *restrict rests, int32_t *restrict offsets, uint8_t *restrict contacts, bool carries, int32_t *restrict carried)
 {
 	const int64_t zero = r->zero;
@@ -38,13 +38,13 @@ static LANE_INLINED int32_t lower(const struct contact_row *r, const int32_t *re
 	return refused;
 }
 
-static LANE_INLINED void lower_row(const struct contact_row *r, bool carries, struct soil_kinematic_tally *tally)
+SOIL_INLINED void lower_row(const struct contact_row *r, bool carries, struct soil_kinematic_tally *tally)
 {
 	tally->refused += (uint64_t)lower(r, r->base, r->under, r->rest, r->offset, r->contact, carries, r->carried);
 }
 
 /* Parts the soil that fell. kept: the share of each post, or of the first alone; `each` is a literal that tells which. */
-static LANE_INLINED void part(int32_t count, const int32_t written[2], const uint32_t *restrict kept, bool each, int32_t *restrict carried,
+SOIL_INLINED void part(int32_t count, const int32_t written[2], const uint32_t *restrict kept, bool each, int32_t *restrict carried,
 			      struct soil_kinematic_tally *tally)
 {
 	const int32_t first = written[0], last = written[1];
@@ -90,7 +90,7 @@ void soil_contact_row(const struct contact_row *row, const uint32_t kept[SOIL_CL
 		(row->classes == NULL ? carry : carry_by_class)(row, kept, tally);
 }
 
-static LANE_INLINED void hold(int32_t count, int64_t zero, const int32_t *restrict bases, const int32_t *restrict offsets, const int32_t *restrict rests,
+SOIL_INLINED void hold(int32_t count, int64_t zero, const int32_t *restrict bases, const int32_t *restrict offsets, const int32_t *restrict rests,
 			      uint8_t *restrict contacts)
 {
 	for (int32_t i = 0; i < count; i++) {

@@ -17,7 +17,7 @@ struct affine_row {
 };
 
 /* x, y: the post from which it is given, from the facet's own one. */
-static LANE_INLINED struct affine_row affine_from(const int32_t words[4], int shift, int32_t x, int32_t y)
+SOIL_INLINED struct affine_row affine_from(const int32_t words[4], int shift, int32_t x, int32_t y)
 {
 	const uint64_t own = (uint64_t)(uint32_t)words[1] << 32 | (uint32_t)words[0];
 	const uint64_t east = (uint64_t)(int64_t)words[2], north = (uint64_t)(int64_t)words[3];
@@ -27,14 +27,14 @@ static LANE_INLINED struct affine_row affine_from(const int32_t words[4], int sh
 }
 
 /* How far posts are on the left of an edge: at or above 0. */
-static LANE_INLINED struct affine_row left_of(const int32_t from[2], const int32_t to[2], int32_t x, int32_t y)
+SOIL_INLINED struct affine_row left_of(const int32_t from[2], const int32_t to[2], int32_t x, int32_t y)
 {
 	const int64_t ex = (int64_t)to[0] - from[0], ey = (int64_t)to[1] - from[1];
 	const int64_t wx = (int64_t)x * 65536 - from[0], wy = (int64_t)y * 65536 - from[1];
 	return (struct affine_row){(uint64_t)(ex * wy - ey * wx), (uint64_t)(-ey * 65536), (uint64_t)(ex * 65536), 0, 0};
 }
 
-static LANE_INLINED int32_t fraction_at(const struct affine_row *f, uint64_t post, uint64_t more)
+SOIL_INLINED int32_t fraction_at(const struct affine_row *f, uint64_t post, uint64_t more)
 {
 	const int64_t w = (int64_t)((f->at + post * f->east + more) << f->left) >> f->right, low = w < -(1 << 30) ? -(1 << 30) : w;
 	return (int32_t)(low > 1 << 30 ? 1 << 30 : low);
@@ -49,13 +49,13 @@ struct facet_row {
 	int32_t low[2], high[2]; /* limits of its height: in motion, at rest */
 };
 
-static LANE_INLINED void north(struct affine_row *f)
+SOIL_INLINED void north(struct affine_row *f)
 {
 	f->at += f->north;
 }
 
 /* Returns which of LANES posts from `first` on are within the columns and on the left of the edges that count. */
-static LANE_INLINED void inside_at(const struct facet_row *r, int32_t first, int32_t columns, bool moving, int64_t in[LANES])
+SOIL_INLINED void inside_at(const struct facet_row *r, int32_t first, int32_t columns, bool moving, int64_t in[LANES])
 {
 	EACH_LANE(i) {
 		const int32_t at = first + i;
@@ -70,7 +70,7 @@ static LANE_INLINED void inside_at(const struct facet_row *r, int32_t first, int
 }
 
 /* Lowers LANES posts to the facet in motion. first: the number of the first of them in the row. */
-static LANE_INLINED void move(const struct facet_row *r, int32_t first, int32_t columns, int32_t *under)
+SOIL_INLINED void move(const struct facet_row *r, int32_t first, int32_t columns, int32_t *under)
 {
 	int64_t in[LANES];
 	int32_t begins[LANES], ends[LANES], lowest[LANES];
@@ -103,7 +103,7 @@ static LANE_INLINED void move(const struct facet_row *r, int32_t first, int32_t 
 }
 
 /* The same of the facet at rest. */
-static LANE_INLINED void stand(const struct facet_row *r, int32_t first, int32_t columns, int32_t *under, int32_t *rest)
+SOIL_INLINED void stand(const struct facet_row *r, int32_t first, int32_t columns, int32_t *under, int32_t *rest)
 {
 	int64_t in[LANES];
 	inside_at(r, first, columns, false, in);

@@ -104,8 +104,7 @@ static void clear_around(const struct soil_planes *planes, struct post_rect post
 /* Returns the posts that smoothing can change, from the planes' first post. */
 static struct smooth_posts trail_of(const struct soil_planes *planes, struct post_rect below, int64_t radius)
 {
-	const struct post_rect around = {below.x0 - radius, below.y0 - radius, below.x1 + radius, below.y1 + radius};
-	const struct post_rect posts = post_rect_intersect(around, planes->rect);
+	const struct post_rect posts = post_rect_intersect(post_rect_grown(below, radius), planes->rect);
 	return (struct smooth_posts){(int32_t)(posts.x0 - planes->rect.x0), (int32_t)(posts.y0 - planes->rect.y0), (int32_t)(posts.x1 - planes->rect.x0),
 				     (int32_t)(posts.y1 - planes->rect.y0)};
 }

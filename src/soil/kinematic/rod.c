@@ -12,7 +12,7 @@ struct places {
 	int32_t v[LANES], a[LANES], axis[LANES], end[LANES];
 };
 
-static LANE_INLINED void places_of(const struct body *body, int32_t x, int32_t y, struct places *p)
+SOIL_INLINED void places_of(const struct body *body, int32_t x, int32_t y, struct places *p)
 {
 	lane_values(&body->f[0], x, y, p->v);
 	lane_values(&body->f[1], x, y, p->a);
@@ -22,7 +22,7 @@ static LANE_INLINED void places_of(const struct body *body, int32_t x, int32_t y
 
 /* The lower envelope of the shape at one time, above its centre at the start. `moved`: by how much v, a, axis and end, and the centre's height,
  * have changed since the start. Lowers `lowest` to it. */
-static LANE_INLINED void at_rest(const struct body *body, bool capsule, const struct places *p, const int32_t moved[4], int32_t centre,
+SOIL_INLINED void at_rest(const struct body *body, bool capsule, const struct places *p, const int32_t moved[4], int32_t centre,
 				 int32_t lowest[LANES])
 {
 	const int32_t r = body->a[0], half = body->a[1], sine = body->a[2], side_by = body->b[2];
@@ -54,7 +54,7 @@ static LANE_INLINED void at_rest(const struct body *body, bool capsule, const st
 
 /* Lowers `lowest` to the lower envelope of a capsule's end while it moves. Functionals f[0], f[1]: a post's place across and along the end's
  * motion. `above`: height of the end. */
-static LANE_INLINED void ball_moves(const struct body *body, const struct functional *f, int32_t above, int32_t x, int32_t y, int32_t lowest[LANES])
+SOIL_INLINED void ball_moves(const struct body *body, const struct functional *f, int32_t above, int32_t x, int32_t y, int32_t lowest[LANES])
 {
 	const int32_t r = body->a[0], length = body->a[3], sine = body->e[0], rise_by = body->e[1], ball_by = body->d[1];
 	const int rise_shift = body->e[2], ball_shift = body->d[2];
@@ -74,7 +74,7 @@ static LANE_INLINED void ball_moves(const struct body *body, const struct functi
 }
 
 /* The same for a cylinder's end, whose rim passes over a post twice. f[2]: height of the rim's middle. */
-static LANE_INLINED void rim_moves(const struct body *body, const struct functional *f, int32_t x, int32_t y, int32_t lowest[LANES])
+SOIL_INLINED void rim_moves(const struct body *body, const struct functional *f, int32_t x, int32_t y, int32_t lowest[LANES])
 {
 	const int32_t r = body->a[0], sine = body->a[2], length = body->a[3], lift_by = body->d[1];
 	const int lift_shift = body->d[2];
@@ -93,7 +93,7 @@ static LANE_INLINED void rim_moves(const struct body *body, const struct functio
 	}
 }
 
-static LANE_INLINED void face_moves(const struct body *body, int32_t x, int32_t y, int32_t lowest[LANES])
+SOIL_INLINED void face_moves(const struct body *body, int32_t x, int32_t y, int32_t lowest[LANES])
 {
 	int32_t height[LANES], one[LANES], other[LANES];
 	lane_values(&body->f[7], x, y, height);
@@ -105,7 +105,7 @@ static LANE_INLINED void face_moves(const struct body *body, int32_t x, int32_t 
 	}
 }
 
-static LANE_INLINED void rod(const struct body *body, bool capsule, int32_t x, int32_t y, int32_t *out)
+SOIL_INLINED void rod(const struct body *body, bool capsule, int32_t x, int32_t y, int32_t *out)
 {
 	static const int32_t still[4];
 	struct places p;

@@ -14,8 +14,6 @@
 #include "soil/shape/affine.h"
 
 #define LANES 16
-/* A function that is part of each function that calls it. */
-#define LANE_INLINED inline __attribute__((always_inline))
 /* A loop over the lanes. gcc must not unroll it before it makes vector instructions of it. */
 #ifdef __clang__
 #define EACH_LANE(i) for (int i = 0; i < LANES; i++)
@@ -27,45 +25,45 @@
 #define ENVELOPE_ONE (1 << 28)       /* 1 as a fraction: of the motion, of a sine */
 #define ENVELOPE_REACH ((1 << 30) - 1)
 
-static LANE_INLINED int32_t lane_least(int32_t a, int32_t b)
+SOIL_INLINED int32_t lane_least(int32_t a, int32_t b)
 {
 	return a < b ? a : b;
 }
 
-static LANE_INLINED int32_t lane_most(int32_t a, int32_t b)
+SOIL_INLINED int32_t lane_most(int32_t a, int32_t b)
 {
 	return a > b ? a : b;
 }
 
-static LANE_INLINED int32_t lane_clamp(int32_t v, int32_t low, int32_t high)
+SOIL_INLINED int32_t lane_clamp(int32_t v, int32_t low, int32_t high)
 {
 	return lane_least(lane_most(v, low), high);
 }
 
-static LANE_INLINED int32_t lane_size(int32_t v)
+SOIL_INLINED int32_t lane_size(int32_t v)
 {
 	return v < 0 ? -v : v;
 }
 
-static LANE_INLINED int64_t lane_product(int32_t a, int32_t b)
+SOIL_INLINED int64_t lane_product(int32_t a, int32_t b)
 {
 	return (int64_t)a * b;
 }
 
 /* Returns the low 32 bits of a sum that may not fit them. */
-static LANE_INLINED int32_t lane_sum(int32_t a, int32_t b)
+SOIL_INLINED int32_t lane_sum(int32_t a, int32_t b)
 {
 	return (int32_t)((uint32_t)a + (uint32_t)b);
 }
 
 /* Returns (a * b) >> n, rounded to nearest; 1 <= n <= 62. */
-static LANE_INLINED int32_t lane_scaled(int32_t a, int32_t b, int n)
+SOIL_INLINED int32_t lane_scaled(int32_t a, int32_t b, int n)
 {
 	return (int32_t)((lane_product(a, b) + ((int64_t)1 << (n - 1))) >> n);
 }
 
 /* Returns floor(sqrt(d)), 0 <= d < 2^61. The square root in doubles is wrong by 1 at most. */
-static LANE_INLINED int32_t lane_root(int64_t d)
+SOIL_INLINED int32_t lane_root(int64_t d)
 {
 	double high = (double)(int32_t)(d >> 31), low = (double)(int32_t)(d & 0x7fffffff);
 	int32_t q = (int32_t)sqrt(high * 0x1p31 + low);
@@ -79,7 +77,7 @@ struct lane_affine {
 	int shift;
 };
 
-static LANE_INLINED struct lane_affine lane_affine_of(const struct functional *f)
+SOIL_INLINED struct lane_affine lane_affine_of(const struct functional *f)
 {
 	return (struct lane_affine){
 		(int64_t)((uint64_t)f->at_di[1] << 32 | f->at_di[0]), (int64_t)((uint64_t)f->at_di[3] << 32 | f->at_di[2]),
@@ -88,7 +86,7 @@ static LANE_INLINED struct lane_affine lane_affine_of(const struct functional *f
 }
 
 /* Computes the functional at LANES posts from (x, y) on, to the east. Far away only the sign matters, so it is clamped. */
-static LANE_INLINED void lane_values(const struct functional *functional, int32_t x, int32_t y, int32_t values[LANES])
+SOIL_INLINED void lane_values(const struct functional *functional, int32_t x, int32_t y, int32_t values[LANES])
 {
 	const struct lane_affine f = lane_affine_of(functional);
 	const uint64_t first = (uint64_t)f.at + (uint64_t)f.di * (uint64_t)(int64_t)x + (uint64_t)f.dj * (uint64_t)(int64_t)y;

@@ -60,7 +60,7 @@ static void limit(const struct soil_shed *rule, const uint8_t *classes, int32_t 
 }
 
 /* Adds a neighbour. k: its number. `stood` is a literal: undisturbed ground is stable. */
-static LANE_INLINED void add_neighbour(int32_t count, int k, bool stood, int32_t tolerance, const int32_t *restrict heights,
+SOIL_INLINED void add_neighbour(int32_t count, int k, bool stood, int32_t tolerance, const int32_t *restrict heights,
 				       const int32_t *restrict others, const int32_t *restrict grounds, const int32_t *restrict other_grounds, const uint8_t *restrict holds,
 				       const uint8_t *restrict other_holds, const struct limits *restrict limits, struct shedding *restrict s)
 {
@@ -90,7 +90,7 @@ static void share_of(const struct soil_shed *rule, const uint8_t *classes, int32
 	}
 }
 
-static LANE_INLINED void finish(int32_t count, const struct shedding *restrict s, const uint32_t *restrict shares, const int32_t *restrict heights,
+SOIL_INLINED void finish(int32_t count, const struct shedding *restrict s, const uint32_t *restrict shares, const int32_t *restrict heights,
 				int32_t *restrict shed)
 {
 	for (int32_t i = 0; i < count; i++) {
@@ -101,7 +101,7 @@ static LANE_INLINED void finish(int32_t count, const struct shedding *restrict s
 }
 
 /* Computes what up to PART posts of a row shed, from `first` on. */
-static LANE_INLINED void shed_part(const struct soil_shed *rule, const struct soil_shed_rows *rows, int32_t first, int32_t count, bool stood,
+SOIL_INLINED void shed_part(const struct soil_shed *rule, const struct soil_shed_rows *rows, int32_t first, int32_t count, bool stood,
 				   const struct limits *limits, int32_t *shed)
 {
 	const uint8_t *classes = rows->classes != NULL ? rows->classes + first : NULL;
@@ -144,7 +144,7 @@ SOIL_LANES void soil_shed_row(const struct soil_shed *rule, const struct soil_sh
 	}
 }
 
-static LANE_INLINED int32_t bits_of(int32_t shed)
+SOIL_INLINED int32_t bits_of(int32_t shed)
 {
 	int32_t count = 0;
 	for (int k = 0; k < 8; k++)
@@ -152,7 +152,7 @@ static LANE_INLINED int32_t bits_of(int32_t shed)
 	return count;
 }
 
-static LANE_INLINED void take_row(int32_t count, const int32_t *const sheds[3], bool shares_count, bool tells, int32_t *restrict change,
+SOIL_INLINED void take_row(int32_t count, const int32_t *const sheds[3], bool shares_count, bool tells, int32_t *restrict change,
 				  uint8_t *restrict moves)
 {
 	const int32_t *own = sheds[1];

@@ -37,7 +37,7 @@ static SOIL_LANES void take(int32_t count, const uint64_t *restrict row, uint64_
 }
 
 /* Writes the means of a row's posts. sums: of columns, from `radius` columns before the first post on. */
-static LANE_INLINED void means(int32_t count, int radius, const uint64_t *restrict sums, const uint8_t *restrict contact, int32_t *restrict offset)
+SOIL_INLINED void means(int32_t count, int radius, const uint64_t *restrict sums, const uint8_t *restrict contact, int32_t *restrict offset)
 {
 	for (int32_t i = 0; i < count; i++) {
 		uint64_t sum = 0;

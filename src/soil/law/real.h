@@ -13,15 +13,7 @@
 #include <stdint.h>
 #include <string.h>
 
-/* Functions that are compiled for several instruction sets (meson.build); and those that become part of each function that calls them. */
-#if FURROW_CLONES
-#define SOIL_CLONED __attribute__((target_clones("arch=x86-64-v4", "avx2", "default"), no_sanitize("undefined")))
-#define SOIL_APART _Pragma("GCC ivdep") /* before a loop whose arrays do not overlap */
-#else
-#define SOIL_CLONED
-#define SOIL_APART
-#endif
-#define SOIL_INLINED static inline __attribute__((always_inline))
+#include "soil/lanes.h"
 
 SOIL_INLINED float least(float a, float b)
 {

@@ -84,8 +84,7 @@ static struct ring ring_of(const struct laying_field *field, const struct soil_m
 	const int far = (field->band >> 6) + 1;
 	const struct post_rect all = {field->x0, field->y0, field->x0 + field->width, field->y0 + field->height};
 	const struct post_rect patch = post_rect_intersect(measured->patch, all);
-	const struct post_rect ring =
-		post_rect_intersect((struct post_rect){patch.x0 - far, patch.y0 - far, patch.x1 + far, patch.y1 + far}, all);
+	const struct post_rect ring = post_rect_intersect(post_rect_grown(patch, far), all);
 	return (struct ring){
 		.x0 = (int)(ring.x0 - field->x0), .y0 = (int)(ring.y0 - field->y0), .width = (int)(ring.x1 - ring.x0),
 		.height = (int)(ring.y1 - ring.y0), .patch_x = (int)(patch.x0 - ring.x0), .patch_width = (int)(patch.x1 - patch.x0), .far = far,

@@ -20,20 +20,20 @@ struct end_row {
 	bool wakes;
 };
 
-SLIDING_INLINED int32_t most_of(int32_t a, int32_t b)
+SOIL_INLINED int32_t most_of(int32_t a, int32_t b)
 {
 	return a > b ? a : b;
 }
 
 /* Writes a row of posts. moves, changed: 1 or 0 of each. */
-SLIDING_INLINED void end(const struct end_row *row, size_t width, bool thickness)
+SOIL_INLINED void end(const struct end_row *row, size_t width, bool thickness)
 {
 	const int32_t *restrict base = row->base, *restrict height = row->height, *restrict deposits = row->deposits;
 	int32_t *restrict offsets = row->offset, *restrict deposited = row->deposited;
 	const uint8_t *restrict contact = row->contact, *restrict still = row->still, *restrict moved = row->moved, *restrict steep = row->steep;
 	uint8_t *restrict moves = row->moves, *restrict changed = row->changed;
 	const uint32_t disturbs = (uint32_t)row->disturbs, frees = (uint32_t)row->frees, wakes = row->wakes ? UINT32_MAX : 0;
-	SLIDING_ROW
+	SOIL_APART
 	for (size_t x = 0; x < width; x++) {
 		int32_t before = offsets[x], heap = thickness ? deposited[x] : before, room = SLIDING_HIGH - most_of(before, heap);
 		uint32_t laid = (uint32_t)deposits[x], most = (uint32_t)(room > 0 ? room : 0), fits = laid < most ? laid : most;
@@ -49,7 +49,7 @@ SLIDING_INLINED void end(const struct end_row *row, size_t width, bool thickness
 	}
 }
 
-SLIDING_CLONED static void end_row(const struct end_row *row, size_t width)
+SOIL_LANES static void end_row(const struct end_row *row, size_t width)
 {
 	if (row->deposited != NULL)
 		end(row, width, true);
@@ -58,14 +58,14 @@ SLIDING_CLONED static void end_row(const struct end_row *row, size_t width)
 }
 
 /* Returns eight bytes as a word, the first one lowest. The compiler makes one load of it. */
-SLIDING_INLINED uint64_t word_of(const uint8_t *b)
+SOIL_INLINED uint64_t word_of(const uint8_t *b)
 {
 	return (uint64_t)b[0] | (uint64_t)b[1] << 8 | (uint64_t)b[2] << 16 | (uint64_t)b[3] << 24 | (uint64_t)b[4] << 32 | (uint64_t)b[5] << 40 |
 	       (uint64_t)b[6] << 48 | (uint64_t)b[7] << 56;
 }
 
 /* Returns a bit for each of 32 bytes that are 0 or 1. The product moves bit 8 k of a word to bit 56 + k, and no two bits meet. */
-SLIDING_INLINED uint32_t bits_of(const uint8_t *bytes)
+SOIL_INLINED uint32_t bits_of(const uint8_t *bytes)
 {
 	uint32_t bits = 0;
 	for (int i = 0; i < SIDE; i += 8)

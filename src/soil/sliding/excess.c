@@ -28,23 +28,23 @@ struct rows {
 	int32_t limits[2], least[2], tolerance;
 };
 
-SLIDING_INLINED uint32_t high_of(uint32_t a, uint32_t b)
+SOIL_INLINED uint32_t high_of(uint32_t a, uint32_t b)
 {
 	int32_t difference = (int32_t)(a - b), sign = difference >> 31;
 	return ((uint32_t)difference ^ (uint32_t)sign) - (uint32_t)sign;
 }
 
 /* Returns 1 if soil may slide between two posts. */
-SLIDING_INLINED uint32_t is_steep(int32_t a, int32_t b, int32_t least)
+SOIL_INLINED uint32_t is_steep(int32_t a, int32_t b, int32_t least)
 {
 	return (uint32_t)((int32_t)high_of((uint32_t)a, (uint32_t)b) > least) & (uint32_t)(a != SLIDING_STILL) & (uint32_t)(b != SLIDING_STILL);
 }
 
-SLIDING_CLONED static bool any_steep(const int32_t *restrict height, const int32_t *restrict north, size_t first, size_t end, const int32_t least[2])
+SOIL_LANES static bool any_steep(const int32_t *restrict height, const int32_t *restrict north, size_t first, size_t end, const int32_t least[2])
 {
 	const int32_t axial = least[0], diagonal = least[1];
 	uint32_t any = 0;
-	SLIDING_ROW
+	SOIL_APART
 	for (size_t x = first; x < end; x++) {
 		int32_t own = height[x];
 		any |= is_steep(own, height[x + 1], axial) | is_steep(own, north[x], axial) | is_steep(own, north[x + 1], diagonal) |
@@ -73,7 +73,7 @@ struct pair {
 };
 
 /* Returns what slides from a to b; below 0 from b to a. */
-SLIDING_INLINED int32_t flow_of(const struct pair *p, bool bounded, bool stood)
+SOIL_INLINED int32_t flow_of(const struct pair *p, bool bounded, bool stood)
 {
 	int32_t difference = (int32_t)((uint32_t)p->a - (uint32_t)p->b), sign = difference >> 31;
 	int32_t high = (int32_t)(((uint32_t)difference ^ (uint32_t)sign) - (uint32_t)sign);
@@ -97,7 +97,7 @@ SLIDING_INLINED int32_t flow_of(const struct pair *p, bool bounded, bool stood)
 	return (amount ^ sign) - sign;
 }
 
-SLIDING_INLINED void flows_of(const struct rows *rows, size_t first, size_t end, int32_t *const flows[4], bool classes, bool bounded, bool stood)
+SOIL_INLINED void flows_of(const struct rows *rows, size_t first, size_t end, int32_t *const flows[4], bool classes, bool bounded, bool stood)
 {
 	const int32_t *restrict height = rows->height, *restrict north = rows->north;
 	const int32_t *restrict ground = rows->ground, *restrict floor = rows->floor;
@@ -105,7 +105,7 @@ SLIDING_INLINED void flows_of(const struct rows *rows, size_t first, size_t end,
 	int32_t *restrict to_east = flows[0], *restrict to_north = flows[1], *restrict to_north_east = flows[2], *restrict to_north_west = flows[3];
 	const int32_t limit = rows->limits[0], limit_diagonal = rows->limits[1], tolerance = rows->tolerance;
 	const ptrdiff_t up = (ptrdiff_t)rows->stride;
-	SLIDING_ROW
+	SOIL_APART
 	for (ptrdiff_t x = (ptrdiff_t)first; x < (ptrdiff_t)end; x++) {
 #define PAIR(neighbour, at, k) &(const struct pair){ \
 	.a = height[x], .b = neighbour, .tolerance = tolerance, \
@@ -123,7 +123,7 @@ SLIDING_INLINED void flows_of(const struct rows *rows, size_t first, size_t end,
 
 typedef void (*flows_fn)(const struct rows *rows, size_t first, size_t end, int32_t *const flows[4]);
 #define FLOWS(name, classes, bounded, stood) \
-	SLIDING_CLONED static void name(const struct rows *rows, size_t first, size_t end, int32_t *const flows[4]) \
+	SOIL_LANES static void name(const struct rows *rows, size_t first, size_t end, int32_t *const flows[4]) \
 	{ \
 		flows_of(rows, first, end, flows, classes, bounded, stood); \
 	}
@@ -146,13 +146,13 @@ static flows_fn flows_for(const struct sliding_field *field)
 /* --- changes --- */
 
 /* Changes heights by the flows of their row and of the row before. Returns whether any changed. */
-SLIDING_INLINED bool change_by(int32_t *restrict height, int32_t *const own[4], int32_t *const before[4], size_t first, size_t end,
+SOIL_INLINED bool change_by(int32_t *restrict height, int32_t *const own[4], int32_t *const before[4], size_t first, size_t end,
 			       uint8_t *restrict moved, bool tells)
 {
 	const int32_t *restrict east = own[0], *restrict north = own[1], *restrict north_east = own[2], *restrict north_west = own[3];
 	const int32_t *restrict south = before[1], *restrict south_west = before[2], *restrict south_east = before[3];
 	int32_t any = 0;
-	SLIDING_ROW
+	SOIL_APART
 	for (ptrdiff_t x = (ptrdiff_t)first; x < (ptrdiff_t)end; x++) {
 		int32_t west = east[x - 1], from_south_west = south_west[x - 1], from_south_east = south_east[x + 1];
 		int32_t change = west + south[x] + from_south_west + from_south_east - east[x] - north[x] - north_east[x] - north_west[x];
@@ -166,12 +166,12 @@ SLIDING_INLINED bool change_by(int32_t *restrict height, int32_t *const own[4], 
 	return any != 0;
 }
 
-SLIDING_CLONED static bool change(int32_t *height, int32_t *const own[4], int32_t *const before[4], size_t first, size_t end)
+SOIL_LANES static bool change(int32_t *height, int32_t *const own[4], int32_t *const before[4], size_t first, size_t end)
 {
 	return change_by(height, own, before, first, end, NULL, false);
 }
 
-SLIDING_CLONED static bool change_and_tell(int32_t *height, int32_t *const own[4], int32_t *const before[4], size_t first, size_t end, uint8_t *moved)
+SOIL_LANES static bool change_and_tell(int32_t *height, int32_t *const own[4], int32_t *const before[4], size_t first, size_t end, uint8_t *moved)
 {
 	return change_by(height, own, before, first, end, moved, true);
 }

@@ -58,12 +58,12 @@ size_t soil_sliding_field_init(struct sliding_field *field, const struct soil_sl
 	return used;
 }
 
-SLIDING_INLINED int32_t least_of(int32_t a, int32_t b)
+SOIL_INLINED int32_t least_of(int32_t a, int32_t b)
 {
 	return a < b ? a : b;
 }
 
-SLIDING_INLINED int32_t most_of(int32_t a, int32_t b)
+SOIL_INLINED int32_t most_of(int32_t a, int32_t b)
 {
 	return a > b ? a : b;
 }
@@ -77,7 +77,7 @@ struct begin_row {
 };
 
 /* Returns whether a post refused soil, or does not slide since its offset is out of range. */
-SLIDING_CLONED static bool begin_row(const struct begin_row *row, size_t width, int32_t depth)
+SOIL_LANES static bool begin_row(const struct begin_row *row, size_t width, int32_t depth)
 {
 	const int32_t *restrict base = row->base, *restrict offsets = row->offset, *restrict deposited = row->deposited;
 	const int32_t *restrict deposits = row->deposits;
@@ -85,7 +85,7 @@ SLIDING_CLONED static bool begin_row(const struct begin_row *row, size_t width, 
 	int32_t *restrict height = row->height, *restrict ground = row->ground, *restrict floor = row->floor;
 	uint8_t *restrict still = row->still;
 	uint32_t refused = 0;
-	SLIDING_ROW
+	SOIL_APART
 	for (size_t x = 0; x < width; x++) {
 		int32_t offset = offsets[x], heap = deposited[x], room = SLIDING_HIGH - most_of(offset, heap);
 		uint32_t laid = (uint32_t)deposits[x], most = (uint32_t)(room > 0 ? room : 0), fits = laid < most ? laid : most;
@@ -115,10 +115,10 @@ static void refuse_row(const struct begin_row *row, size_t width, struct soil_sl
 	}
 }
 
-SLIDING_CLONED static void critical_row(const uint8_t *restrict classes, const struct soil_sliding *rule, size_t width, int32_t *restrict axial,
+SOIL_LANES static void critical_row(const uint8_t *restrict classes, const struct soil_sliding *rule, size_t width, int32_t *restrict axial,
 					int32_t *restrict diagonal)
 {
-	SLIDING_ROW
+	SOIL_APART
 	for (size_t x = 0; x < width; x++) {
 		int class = classes[x] < SOIL_CLASSES ? classes[x] : SOIL_CLASSES - 1;
 		axial[x] = rule->classes[class].critical[0];

@@ -11,12 +11,12 @@
 
 /* --- the lines of a direction --- */
 
-SLIDING_INLINED int32_t least_of(int32_t a, int32_t b)
+SOIL_INLINED int32_t least_of(int32_t a, int32_t b)
 {
 	return a < b ? a : b;
 }
 
-SLIDING_INLINED int32_t most_of(int32_t a, int32_t b)
+SOIL_INLINED int32_t most_of(int32_t a, int32_t b)
 {
 	return a > b ? a : b;
 }
@@ -27,10 +27,10 @@ struct ends {
 };
 
 /* Compares a row of posts with the next post of each one's line. at: the number of the row. */
-SLIDING_CLONED static void look_row(const int32_t *heights, const int32_t *next, size_t count, int32_t least, int32_t at, const struct ends *ends)
+SOIL_LANES static void look_row(const int32_t *heights, const int32_t *next, size_t count, int32_t least, int32_t at, const struct ends *ends)
 {
 	int32_t *falls_first = ends->falls_first, *falls_last = ends->falls_last, *rises_first = ends->rises_first, *rises_last = ends->rises_last;
-	SLIDING_ROW
+	SOIL_APART
 	for (size_t x = 0; x < count; x++) {
 		bool falls = sliding_may(heights[x], next[x], least), rises = sliding_may(next[x], heights[x], least);
 		falls_first[x] = least_of(falls_first[x], falls ? at : INT32_MAX);
@@ -41,10 +41,10 @@ SLIDING_CLONED static void look_row(const int32_t *heights, const int32_t *next,
 }
 
 /* Returns whether any pair of a row may slide along it. */
-SLIDING_CLONED static bool any_along(const int32_t *heights, size_t pairs, int32_t least)
+SOIL_LANES static bool any_along(const int32_t *heights, size_t pairs, int32_t least)
 {
 	uint32_t any = 0;
-	SLIDING_ROW
+	SOIL_APART
 	for (size_t x = 0; x < pairs; x++)
 		any |= (uint32_t)sliding_may(heights[x], heights[x + 1], least) | (uint32_t)sliding_may(heights[x + 1], heights[x], least);
 	return any != 0;

@@ -15,30 +15,30 @@ struct pool {
 	int32_t bottom;          /* the highest level that a post of the pool has at its floor */
 };
 
-SLIDING_INLINED int32_t plus(int32_t a, int32_t b)
+SOIL_INLINED int32_t plus(int32_t a, int32_t b)
 {
 	return (int32_t)((uint32_t)a + (uint32_t)b);
 }
 
-SLIDING_INLINED int32_t minus(int32_t a, int32_t b)
+SOIL_INLINED int32_t minus(int32_t a, int32_t b)
 {
 	return (int32_t)((uint32_t)a - (uint32_t)b);
 }
 
-SLIDING_INLINED int32_t times(int32_t a, int32_t b)
+SOIL_INLINED int32_t times(int32_t a, int32_t b)
 {
 	return (int32_t)((uint32_t)a * (uint32_t)b);
 }
 
 /* Returns a / b rounded down; b > 0. */
-SLIDING_INLINED int32_t quotient(int32_t a, int32_t b)
+SOIL_INLINED int32_t quotient(int32_t a, int32_t b)
 {
 	int32_t q = a / b;
 	return q - (times(q, b) > a);
 }
 
 /* Returns the critical difference between a post and a lower one beside it. */
-SLIDING_INLINED int32_t limit_of(const struct sliding_line *line, int high, int low)
+SOIL_INLINED int32_t limit_of(const struct sliding_line *line, int high, int low)
 {
 	int32_t limit = line->critical != NULL ? line->critical[high * line->step] : line->limit;
 	if (line->grounds != NULL) {
@@ -49,7 +49,7 @@ SLIDING_INLINED int32_t limit_of(const struct sliding_line *line, int high, int 
 }
 
 /* Adds soil to the pool: with a post, by how much that lies above the pool's level. */
-SLIDING_INLINED void add_to_pool(struct pool *pool, int32_t soil, int posts)
+SOIL_INLINED void add_to_pool(struct pool *pool, int32_t soil, int posts)
 {
 	int32_t sum = plus(pool->rest, soil), mean = quotient(sum, pool->count + posts);
 	pool->count += posts;
@@ -64,7 +64,7 @@ struct joining {
 };
 
 /* Returns whether the post before or behind the pool gives soil to it, or takes some. */
-SLIDING_INLINED bool joins(const struct sliding_line *line, const struct pool *pool, bool back, int pops, struct joining *post)
+SOIL_INLINED bool joins(const struct sliding_line *line, const struct pool *pool, bool back, int pops, struct joining *post)
 {
 	post->at = back ? pool->first - 1 : pool->last + 1;
 	if (back ? post->at < 0 || pops >= POPS_MOST : post->at >= line->count)
@@ -83,7 +83,7 @@ SLIDING_INLINED bool joins(const struct sliding_line *line, const struct pool *p
 	return (back ? post->above : minus(pool->rest > 0, post->above)) > line->tolerance && minus(highest, lowest) < SLIDING_POOLED_MOST;
 }
 
-SLIDING_INLINED void take(struct pool *pool, const struct joining *post, bool back)
+SOIL_INLINED void take(struct pool *pool, const struct joining *post, bool back)
 {
 	add_to_pool(pool, post->above, 1);
 	pool->lowest = pool->lowest < post->own ? pool->lowest : post->own;
@@ -99,7 +99,7 @@ SLIDING_INLINED void take(struct pool *pool, const struct joining *post, bool ba
 
 /* Where relaxing soil has a bottom: returns whether a post joins that would do so otherwise. A pool may come down to the bottom. Then it
  * ends, and *surplus is what it cannot keep. A post before it may give only a part. */
-SLIDING_INLINED bool joins_above_bottom(const struct sliding_line *line, struct pool *pool, bool back, struct joining *post, int32_t *surplus)
+SOIL_INLINED bool joins_above_bottom(const struct sliding_line *line, struct pool *pool, bool back, struct joining *post, int32_t *surplus)
 {
 	post->under = plus(line->floors[post->at * line->step], post->fall);
 	if (!(back ? post->own > post->under : pool->level > pool->bottom))
@@ -122,7 +122,7 @@ SLIDING_INLINED bool joins_above_bottom(const struct sliding_line *line, struct 
 
 /* Lets posts before and behind the pool join it as long as soil slides. back: looks before the pool first. Returns soil that the pool cannot
  * keep, for the post behind it. */
-SLIDING_INLINED int32_t grow_pool(const struct sliding_line *line, struct pool *pool, bool back, int *pops)
+SOIL_INLINED int32_t grow_pool(const struct sliding_line *line, struct pool *pool, bool back, int *pops)
 {
 	int32_t surplus = 0;
 	for (bool grows = true; grows;) {
@@ -139,7 +139,7 @@ SLIDING_INLINED int32_t grow_pool(const struct sliding_line *line, struct pool *
 	return surplus;
 }
 
-SLIDING_INLINED void write_pool(const struct sliding_line *line, const struct pool *pool)
+SOIL_INLINED void write_pool(const struct sliding_line *line, const struct pool *pool)
 {
 	int32_t fall = pool->last_fall;
 	for (int i = pool->last, left = pool->rest; i >= pool->first; i--, left--) {
@@ -150,7 +150,7 @@ SLIDING_INLINED void write_pool(const struct sliding_line *line, const struct po
 
 /* Walks along the part of a line in which soil may slide: no pair of posts falls that begins before `falls.first` or after `falls.last`. A pool
  * takes soil only from pairs that fall, so what lies behind it falls as before. Returns the posts whose heights it wrote, wider by one. */
-SLIDING_INLINED struct sliding_reach walk_along(const struct sliding_line *line, struct sliding_reach falls, int *pops)
+SOIL_INLINED struct sliding_reach walk_along(const struct sliding_line *line, struct sliding_reach falls, int *pops)
 {
 	struct sliding_reach wrote = {INT32_MAX, -1};
 	bool given = false;

@@ -49,7 +49,7 @@ struct post_rect soil_slide_posts(struct post_rect written, struct post_rect rea
 {
 	if (post_rect_empty(reached))
 		return (struct post_rect){written.x0, written.y0, written.x0, written.y0};
-	return post_rect_intersect((struct post_rect){reached.x0 - around, reached.y0 - around, reached.x1 + around, reached.y1 + around}, written);
+	return post_rect_intersect(post_rect_grown(reached, around), written);
 }
 
 /* Soil slides along lines, and then the slopes that the flags need are measured. */

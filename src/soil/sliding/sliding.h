@@ -8,21 +8,8 @@
 #ifndef FURROW_SOIL_SLIDING_H
 #define FURROW_SOIL_SLIDING_H
 
+#include "soil/lanes.h"
 #include "soil/soil.h"
-
-/* A function that is compiled for several instruction sets (meson.build), with loops over rows as vector instructions. */
-#if FURROW_CLONES
-#define SLIDING_CLONED __attribute__((target_clones("arch=x86-64-v4", "avx2", "default"), optimize("O3")))
-#else
-#define SLIDING_CLONED
-#endif
-/* Before a loop over a row: no post of the row needs what the loop wrote to another one, and no two arrays overlap. */
-#ifdef __clang__
-#define SLIDING_ROW
-#else
-#define SLIDING_ROW _Pragma("GCC ivdep")
-#endif
-#define SLIDING_INLINED static inline __attribute__((always_inline))
 
 #define SLIDING_STILL INT32_MIN      /* a height: the post gives no soil and takes none */
 #define SLIDING_MOST (1 << 22)       /* most soil that two posts exchange in an iteration, fixed-point units */
@@ -92,7 +79,7 @@ struct sliding_reach {
 };
 
 /* Returns whether soil may slide from one post to another. It may be wrong of a post that is still. */
-SLIDING_INLINED bool sliding_may(int32_t high, int32_t low, int32_t least)
+SOIL_INLINED bool sliding_may(int32_t high, int32_t low, int32_t least)
 {
 	return (uint32_t)high - (uint32_t)low - (uint32_t)least - 1u < 1u << 30;
 }

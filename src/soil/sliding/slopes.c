@@ -65,17 +65,17 @@ struct hop {
 	bool first;
 };
 
-SLIDING_INLINED uint32_t least_of(uint32_t a, uint32_t b)
+SOIL_INLINED uint32_t least_of(uint32_t a, uint32_t b)
 {
 	return a < b ? a : b;
 }
 
-SLIDING_INLINED void hop(const struct hop *hop, size_t first, size_t end, uint32_t *restrict to, bool classes, bool begins)
+SOIL_INLINED void hop(const struct hop *hop, size_t first, size_t end, uint32_t *restrict to, bool classes, bool begins)
 {
 	const int32_t *restrict surfaces = hop->surfaces;
 	const uint32_t *restrict extents = hop->extents;
 	const uint8_t *restrict class = hop->classes;
-	SLIDING_ROW
+	SOIL_APART
 	for (ptrdiff_t x = (ptrdiff_t)first; x < (ptrdiff_t)end; x++) {
 		int32_t surface = surfaces[x], up = begins ? 0 : (int32_t)(extents[x] & 0xffffu), down = begins ? 0 : (int32_t)(extents[x] >> 16);
 		int soil = classes ? class[x] < SOIL_CLASSES ? class[x] : SOIL_CLASSES - 1 : 0;
@@ -96,7 +96,7 @@ SLIDING_INLINED void hop(const struct hop *hop, size_t first, size_t end, uint32
 	}
 }
 
-SLIDING_CLONED static void hop_row(const struct hop *by, size_t first, size_t end, uint32_t *to)
+SOIL_LANES static void hop_row(const struct hop *by, size_t first, size_t end, uint32_t *to)
 {
 	if (by->classes != NULL)
 		hop(by, first, end, to, true, by->first);
@@ -106,9 +106,9 @@ SLIDING_CLONED static void hop_row(const struct hop *by, size_t first, size_t en
 		hop(by, first, end, to, false, false);
 }
 
-SLIDING_CLONED static void surface_row(const int32_t *restrict base, const int32_t *restrict offset, size_t count, int32_t *restrict to)
+SOIL_LANES static void surface_row(const int32_t *restrict base, const int32_t *restrict offset, size_t count, int32_t *restrict to)
 {
-	SLIDING_ROW
+	SOIL_APART
 	for (size_t x = 0; x < count; x++)
 		to[x] = base[x] == BASE_NODATA ? SLIDING_STILL : (int32_t)((uint32_t)base[x] * 4u + (uint32_t)offset[x]);
 }
@@ -225,10 +225,10 @@ bool soil_sliding_slopes(struct sliding_field *field, void *scratch)
 /* --- over a window --- */
 
 /* The rows of a post's neighbours: pairs are as in excess.c, but of all eight. */
-SLIDING_INLINED void steep_row(const int32_t *restrict heights, const int32_t *restrict grounds, ptrdiff_t stride, size_t width, int32_t rise,
+SOIL_INLINED void steep_row(const int32_t *restrict heights, const int32_t *restrict grounds, ptrdiff_t stride, size_t width, int32_t rise,
 			       uint8_t *restrict steep, bool stood)
 {
-	SLIDING_ROW
+	SOIL_APART
 	for (ptrdiff_t x = 0; x < (ptrdiff_t)width; x++) {
 		int32_t own = heights[x], any = 0;
 #pragma GCC unroll 8
@@ -246,7 +246,7 @@ SLIDING_INLINED void steep_row(const int32_t *restrict heights, const int32_t *r
 	}
 }
 
-SLIDING_CLONED static void steep_row_of_one_soil(const struct sliding_field *field, size_t row, uint8_t *steep)
+SOIL_LANES static void steep_row_of_one_soil(const struct sliding_field *field, size_t row, uint8_t *steep)
 {
 	const size_t at = row * field->stride;
 	const int32_t rise = field->rule->classes[0].rise[0];

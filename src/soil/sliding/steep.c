@@ -13,12 +13,12 @@ struct range {
 	uint32_t offsets, laid; /* bits that are in any offset's amount, and in any laid soil: no value is above them */
 };
 
-SLIDING_CLONED static struct range find(const int32_t *restrict base, const int32_t *restrict offset, const int32_t *restrict deposits, size_t count,
+SOIL_LANES static struct range find(const int32_t *restrict base, const int32_t *restrict offset, const int32_t *restrict deposits, size_t count,
 					struct range range)
 {
 	int32_t least = range.least, most = range.most;
 	uint32_t offsets = range.offsets, laid = range.laid;
-	SLIDING_ROW
+	SOIL_APART
 	for (size_t x = 0; x < count; x++) {
 		int32_t own = base[x], low = (int32_t)((uint32_t)own - 1u);
 		least = least < low ? least : low;
@@ -32,8 +32,7 @@ SLIDING_CLONED static struct range find(const int32_t *restrict base, const int3
 /* Returns the columns and rows of the planes that the field and a post around it have. */
 static struct post_rect around(const struct sliding_field *field)
 {
-	const struct post_rect rect = field->rect, all = field->planes->rect;
-	return post_rect_intersect((struct post_rect){rect.x0 - 1, rect.y0 - 1, rect.x1 + 1, rect.y1 + 1}, all);
+	return post_rect_intersect(post_rect_grown(field->rect, 1), field->planes->rect);
 }
 
 /* Returns true if no two posts of the field can be too far apart. */

@@ -1,0 +1,358 @@
+/* Part of bear.c: how deep and how long the body is over each post of a block, how its surface slides there, what the post remembers, and which part
+ * of its cell bears. */
+#ifndef FURROW_SOIL_BEAR_BLOCK_H
+#define FURROW_SOIL_BEAR_BLOCK_H
+
+#include "soil/law/bear.h"
+#include "soil/law/face.h"
+
+#define LANES POSTS_LANES
+_Static_assert(LANES == 16, "total_real");
+#define EACH_LANE for (int i = 0; i < LANES; i++)
+
+/* The numbers of a block of posts. A copy, since a compiler may read all lanes of it, whatever a choice between two numbers needs. */
+struct lane_posts {
+#define LANE_WHOLE(name) int32_t name[LANES];
+#define LANE_REAL(name) float name[LANES];
+	POSTS_WHOLES_EACH(LANE_WHOLE)
+	POSTS_REALS_EACH(LANE_REAL)
+#undef LANE_WHOLE
+#undef LANE_REAL
+};
+
+SOIL_INLINED void take_lanes(const struct soil_posts *posts, size_t b, struct lane_posts *p)
+{
+#define LANE_TAKE(name) memcpy(p->name, posts->name + b, sizeof p->name);
+	POSTS_WHOLES_EACH(LANE_TAKE)
+	POSTS_REALS_EACH(LANE_TAKE)
+#undef LANE_TAKE
+}
+
+/* What one evaluation knows of a block of posts. Heights and depths are in metres. */
+struct block {
+	float ground[LANES];            /* above the centre, less what slip digs */
+	float depth[LANES];             /* of the end pose below the ground, vertically */
+	float was[LANES], plastic[LANES]; /* along the normal: the largest sinkage before, less what slip digs; its plastic part */
+	float passed[LANES], slides[LANES], direction[2][LANES]; /* share of the motion; way in units of the modulus; where it slid to */
+	float more[LANES];              /* what slip digs */
+	float stamped[LANES], printed[LANES], lasts[LANES], back[LANES];
+	float beneath[LANES];           /* how much lower than now the body passed the post, or passes it before it leaves the cell */
+	float centre[2][LANES], end[2][LANES], first[LANES], last[LANES], share[LANES];
+};
+
+SOIL_INLINED struct stress_soil soil_of(const struct lane_posts *p, int i)
+{
+	return (struct stress_soil){p->k[i], p->n[i], p->elastic[i], p->by_elastic[i], p->cohesion[i], p->tan_phi[i], p->modulus[i], p->by_modulus[i], p->damping[i]};
+}
+
+SOIL_INLINED bool any_above(const float numbers[LANES], float than)
+{
+	float highest = numbers[0];
+	for (int i = 1; i < LANES; i++)
+		highest = most(highest, numbers[i]);
+	return highest > than;
+}
+
+/* --- how a surface slides --- */
+
+SOIL_INLINED void normal_of(const struct soil_form *f, const struct lane_posts *p, int i, const struct face *face, float normal[3])
+{
+	const float ground = f->ground_normals, body = 1 - f->ground_normals; /* products, so that no lane skips reading a raster */
+	normal[0] = body * face->normal[0] - ground * p->rise_x[i] * p->up[i];
+	normal[1] = body * face->normal[1] - ground * p->rise_y[i] * p->up[i];
+	normal[2] = body * face->normal[2] + ground * p->up[i];
+}
+
+/* Gives how the surface moves over the body at a place, by the body's turning and by its belt, along `across`. */
+SOIL_INLINED void running_at(const struct soil_form *f, const float spin[3], float ran, const float arm[3], const float normal[3], float across[2][3],
+			     float along[2])
+{
+	float moved[3], belt[3];
+	cross3(spin, arm, moved);
+	cross3(normal, f->belt, belt);
+	for (int k = 0; k < 3; k++)
+		moved[k] += ran * belt[k];
+	along[0] = dot3(moved, across[0]);
+	along[1] = dot3(moved, across[1]);
+}
+
+/* How long a body's rolling surface is above a place, of the time for which the soil lies below the body. A rim passes over the soil faster than the
+ * axle if it slips, and its surface is longer than its way. 1: the surface does not roll. */
+SOIL_INLINED float time_of(const struct soil_form *f, const float running[2], float passes, float up)
+{
+	const float squares = running[0] * running[0] + running[1] * running[1], ran = sqrtf(squares), way = f->passes[0];
+	const float along = running[0] * f->way[0] + running[1] * f->way[1], both = squares * way * way;
+	const float aligned = either(both > 0, along * along / most(both, 1e-30f), 1) * f->rolls;
+	const float share = either(ran > 0.1f * passes, most(passes / most(ran, 1e-30f), 0.1f), 10), rolls = clamped(10 * ran / most(passes, 1e-30f), 0, 1);
+	return 1 + rolls * ((1 + (share - 1) * aligned) * up - 1);
+}
+
+struct slip {
+	float direction[2], size, time; /* along the surface; m; time_of */
+};
+
+SOIL_INLINED struct slip slip_at(const struct soil_form *f, const float arm[3], const float normal[3], float across[2][3])
+{
+	float running[2];
+	running_at(f, f->spin, f->ran, arm, normal, across, running);
+	const float x = dot3(f->way, across[0]) + running[0], y = dot3(f->way, across[1]) + running[1], squares = x * x + y * y, by = 1 / sqrtf(most(squares, 1e-20f));
+	return (struct slip){{x * by, y * by}, squares * by, time_of(f, running, f->passes[0], f->level * f->belt_level / normal[2])};
+}
+
+/* How far the surface slips over the ground, m, as if the place were at the body's lowest level. So a rim that rolls slips nowhere. It counts for
+ * the time in which a rolling surface passes. */
+SOIL_INLINED float dig_way(const struct soil_form *f, float x, float y)
+{
+	const float running[2] = {-f->spin[1] * f->reach - f->spin[2] * y - f->ran * f->belt[1], f->spin[2] * x + f->spin[0] * f->reach + f->ran * f->belt[0]};
+	const float u = f->way[0] * f->along_ground + running[0], v = f->way[1] * f->along_ground + running[1], way = sqrtf(u * u + v * v);
+	return either(way >= (float)SOIL_SLIP_LEAST, way, 0) * time_of(f, running, f->passes[1], 1);
+}
+
+/* --- 1 to 3 --- */
+
+/* Returns for which last share of the motion the body has been deeper than the soil was compacted. Below 0: it is not so deep at the end. */
+SOIL_INLINED float passed_at(const struct soil_form *f, enum soil_form_kind kind, const struct lane_posts *p, int i, float gains)
+{
+	const float x = p->x[i], y = p->y[i];
+	float share;
+	if (is_round(kind)) {
+		/* When the circle in which the body is cut along its motion leaves the place. */
+		const float squares = ring_squares(f, kind, y), ahead = ring_ahead(f, kind, x, y), moves = f->run * f->run + f->plunge * f->plunge;
+		const float level = gains / f->lift - root(squares - ahead * ahead), nears = ahead * f->run + level * f->plunge;
+		const float beyond = ahead * ahead + level * level - squares, rooted = nears * nears - moves * beyond;
+		share = either(rooted >= 0, -beyond / most(nears + root(rooted), 1e-18f), -4);
+		share = either(moves > 0, share, 1e3f);
+	} else if (kind == FORM_RASTER) {
+		/* A parabola through the heights above the post at the motion's start, halfway, and at its end. */
+		const float whole = p->begun[i], half = p->halfway[i];
+		const float speed = 4 * half - whole, bends = 2 * whole - 4 * half, rooted = speed * speed + 4 * bends * gains, by = speed + root(rooted);
+		share = either(rooted >= 0, either(fabsf(by) > 1e-12f, 2 * gains / either(fabsf(by) > 1e-12f, by, 1), 1e3f), either(gains > 0, 1e3f, -4));
+		share = least(share, either(p->over[i] > 0, p->entered[i], 1e3f));
+	} else {
+		const float speed = p->print[i] - p->height[i] - f->way[2];
+		share = either(speed > 0, gains / most(speed, 1e-18f), 1e3f);
+	}
+	/* Then its sides pass. */
+	const float ahead_by = 1 / most(fabsf(f->way[0]), 1e-9f), aside_by = 1 / most(fabsf(f->way[1]), 1e-9f), over = p->over[i];
+	if (kind == FORM_BOX) {
+		const float beyond = most(f->half[0] - x * either(f->way[0] < 0, -1, 1), 0) * ahead_by;
+		share = least(share, either((over > 0) & (f->half[0] > 0) & (fabsf(f->way[0]) > 1e-9f), beyond, 1e3f));
+	}
+	if (kind == FORM_BOX || kind == FORM_RIM) {
+		const float beyond = most(f->half[1] - aside_of(f, kind, x, y) * either(f->way[1] < 0, -1, 1), 0) * aside_by;
+		share = least(share, either((over > 0) & (f->half[1] > 0) & (fabsf(f->way[1]) > 1e-9f), beyond, 1e3f));
+	}
+	return clamped(share, -4, 1e3f);
+}
+
+SOIL_INLINED float lasted(const struct lane_posts *p, int i, float passed)
+{
+	return either(p->over[i] > 0, least(passed, 1), passed);
+}
+
+SOIL_INLINED void put_depths(const struct soil_form *f, enum soil_form_kind kind, const struct lane_posts *p, int32_t raised, struct block *l)
+{
+	EACH_LANE {
+		l->ground[i] = (float)(p->ground[i] - raised) * SOIL_UNIT - f->beyond;
+		l->depth[i] = l->ground[i] - p->height[i] - p->above[i];
+		l->was[i] = p->was[i];
+		l->more[i] = 0;
+		l->share[i] = either(p->room[i] > (float)raised * SOIL_UNIT + f->beyond, p->share[i], 0);
+		l->plastic[i] = 0;
+	}
+	if (any_above(p->was, 0))
+		EACH_LANE {
+			const struct stress_soil s = soil_of(p, i);
+			l->plastic[i] = plastic_of(&s, l->was[i]);
+		}
+	EACH_LANE l->passed[i] = passed_at(f, kind, p, i, l->depth[i] - l->plastic[i] * p->by_up[i]);
+}
+
+/* Returns the mean share of the shear strength, by size, that is mobilised in the motion: Simpson's rule. */
+SOIL_INLINED float mean_mobilised(float x, float y, const float direction[2], float halfway)
+{
+	const float dx = x - direction[0], dy = y - direction[1];
+	const float mx = direction[0] + halfway * dx, my = direction[1] + halfway * dy, ex = direction[0] + halfway * halfway * dx, ey = direction[1] + halfway * halfway * dy;
+	return (sqrtf(x * x + y * y) + 4 * sqrtf(mx * mx + my * my) + sqrtf(ex * ex + ey * ey)) * (1 / 6.0f);
+}
+
+/* Slip digs soil from below the body, so the body must sink by that much more to be borne as before. For each way that it slips
+ * dD = |e| (kappa K - D) / K, D what slip has dug. Compacted soil stays where it is, so it lies less deep below the lowered ground. */
+SOIL_INLINED void dig(const struct soil_form *f, const struct lane_posts *p, struct block *l)
+{
+	EACH_LANE {
+		const struct stress_soil s = soil_of(p, i);
+		const float half = 0.5f * most(lasted(p, i, l->passed[i]), 0), x = p->x[i] + half * f->way[0], y = p->y[i] + half * f->way[1];
+		const float lowest = p->height[i] + p->above[i] - p->lowered[i], up = p->up[i];
+		const float deepest = most(up * (l->ground[i] - lowest), 0), sunk = up * l->depth[i], after = most(l->was[i], deepest);
+		const float stays = least(plastic_of(&s, after), after - SOIL_UNIT), touching = clamped(l->passed[i], 0, 1);
+		const float halfway = exp_minus(0.5f * l->slides[i] * touching), direction[2] = {l->direction[0][i], l->direction[1][i]};
+		const float mean = mean_mobilised(p->shear_x[i], p->shear_y[i], direction, halfway);
+		const float limit = least(f->digs_most * s.modulus * p->by_up[i], 95) - p->dug[i];
+		const float digs = most(limit, 0) * (1 - exp_minus(dig_way(f, x, y) * touching * s.by_modulus * mean));
+		const float room = l->depth[i] - 2 * SOIL_UNIT; /* it never digs itself free */
+		l->more[i] = either((p->over[i] > 0) & (sunk > most(stays, 0)), most(least(digs, room), 0), 0);
+		l->ground[i] -= l->more[i];
+		l->depth[i] -= l->more[i];
+		l->was[i] = most(l->was[i] - up * l->more[i], 0);
+	}
+	if (any_above(l->was, 0))
+		EACH_LANE {
+			const struct stress_soil s = soil_of(p, i);
+			l->plastic[i] = plastic_of(&s, l->was[i]);
+		}
+}
+
+SOIL_INLINED void put_slides(const struct soil_form *f, enum soil_form_kind kind, const struct lane_posts *p, struct block *l)
+{
+	EACH_LANE {
+		const float half = 0.5f * most(lasted(p, i, l->passed[i]), 0), x = p->x[i] + half * f->way[0], y = p->y[i] + half * f->way[1];
+		struct face then;
+		float normal[3], across[2][3];
+		face_at(f, kind, p->own[i], x, y, &then);
+		normal_of(f, p, i, &then, normal);
+		put_across(normal, across);
+		const float arm[3] = {x, y, then.height + p->above[i]};
+		const struct slip slip = slip_at(f, arm, normal, across);
+		l->slides[i] = slip.size * slip.time * p->by_modulus[i];
+		l->direction[0][i] = slip.direction[0];
+		l->direction[1][i] = slip.direction[1];
+	}
+}
+
+/* A way in plan of the motion: its direction, and how the body rose along it. */
+struct course {
+	float x, y, rise;
+};
+
+SOIL_INLINED struct course course_of(const struct soil_form *f)
+{
+	const float by = f->passes[0] > 0 ? 1 / most(f->passes[0], 1e-9f) : 0;
+	return (struct course){f->way[0] * by, f->way[1] * by, clamped(f->way[2] * by, -1, 1)};
+}
+
+/* Of a form that is known at posts alone: how much lower than now it passed a post. A body that is not flat may pass its lowest place within the
+ * cell, after the post. */
+SOIL_INLINED void put_beneath(const struct soil_form *f, enum soil_form_kind kind, const struct lane_posts *p, struct block *l)
+{
+	const struct course course = course_of(f);
+	EACH_LANE {
+		struct face face = {.height = 0};
+		float bends[3];
+		face_at(f, kind, p->own[i], p->x[i], p->y[i], &face);
+		put_bends(f, kind, p->own[i], p->x[i], p->y[i], &face, bends);
+		const float leans = face.slope[0] * course.x + face.slope[1] * course.y - course.rise;
+		const float curved = bends[0] * course.x * course.x + 2 * bends[1] * course.x * course.y + bends[2] * course.y * course.y;
+		const bool within = (leans > 0) & (leans < curved * least(f->passes[0] + f->half_across, 2 * f->half_across));
+		const float later = either(within, 0.5f * leans * leans / most(curved, 1e-9f), 0);
+		l->beneath[i] = either(p->lowered[i] > 0, p->lowered[i], later);
+	}
+}
+
+/* Returns how much lower than now the body was above a place of a cell. Of a form that is known at posts alone: its lowest height goes on along the
+ * motion from the post, where it was lower before. */
+SOIL_INLINED float lower_at(const struct soil_form *f, enum soil_form_kind kind, const struct lane_posts *p, int i, const struct block *l, float x, float y,
+			    float *since)
+{
+	*since = f->passes[0];
+	if (knows_places(kind))
+		return lowered_at(f, kind, x, y, l->back[i], p->rise_x[i], since);
+	const struct course course = course_of(f);
+	struct face face = {.height = 0};
+	face_at(f, kind, p->own[i], x, y, &face);
+	const float dx = x - p->x[i], dy = y - p->y[i], along = dx * course.x + dy * course.y, aside = course.x * dy - course.y * dx;
+	const float leans = face.slope[0] * course.x + face.slope[1] * course.y - course.rise, across = course.x * p->slope_y[i] - course.y * p->slope_x[i];
+	/* In a short motion it was lower by no more than it rose since. */
+	const float lowest = p->height[i] - l->beneath[i] + course.rise * along + across * aside, rose = most(l->beneath[i], -leans * f->passes[0]);
+	const float lower = either(leans < 0, clamped(face.height - lowest, 0, rose), 0);
+	return either(f->passes[0] > 0, lower, p->lowered[i]) * p->over[i];
+}
+
+/* The stored sinkage counts for the post's whole cell. Where the body bore at the motion's start, it has the shape of the lower envelope there
+ * (printed). Else it is a flat rut, or the impression of a body that hardly moved (stamped). */
+SOIL_INLINED void put_memory(const struct soil_form *f, const struct lane_posts *p, struct block *l)
+{
+	EACH_LANE {
+		const float stays = l->plastic[i] * p->by_up[i], whole = l->was[i] * p->by_up[i] - stays;
+		const float before = l->depth[i] + p->height[i] - p->print[i] + f->way[2];
+		l->printed[i] = clamped((before - stays + 4 * SOIL_LEAST) / most(whole, 1e-9f), 0, 1);
+		l->stamped[i] = either(l->was[i] > 0, f->stamps, 0);
+		l->back[i] = either(p->over[i] > 0, f->run + least(f->run, f->half_across), 1e3f);
+		/* Of the places in a cell, those farther ahead came into contact later, so they slid less. But if the post stores less shear than the
+		 * motion since the first touch gives, the body stood on it before it moved. Then the places differ less. */
+		const float mobilised = sqrtf(p->shear_x[i] * p->shear_x[i] + p->shear_y[i] * p->shear_y[i]);
+		const float way = either(mobilised > 0.9999f, 1e3f, -0.69314718f * log2_of(most(1 - mobilised, 1e-4f)));
+		const float known = clamped(way / most(l->slides[i] * (l->passed[i] - 1), 1e-9f), 0, 1);
+		l->lasts[i] = either((p->over[i] > 0) & (l->passed[i] > 1), known, 1) * f->moved;
+	}
+}
+
+/* Returns the largest sinkage that a place of the cell remembers, vertically. depth: of the body there; rise: of the ground from the post. */
+SOIL_INLINED float remembered_at(const struct soil_form *f, enum soil_form_kind kind, const struct lane_posts *p, int i, const struct block *l, int lane,
+				 float x, float y, float depth, float rise)
+{
+	const float print = rise + p->print[i] - height_at(f, kind, p->own[i], x + f->way[0], y + f->way[1]);
+	const float leans = kind == FORM_RIM ? (1 - l->stamped[lane]) * (p->rise_y[i] - f->lean * f->lift) * (y - p->y[i]) : 0;
+	const float hollow = l->stamped[lane] * (depth - l->depth[lane]) + leans;
+	const float all = l->was[lane] * p->by_up[i] + l->printed[lane] * print + (1 - l->printed[lane]) * hollow;
+	return all * either(l->was[lane] > 0, 1, 0);
+}
+
+/* A line across the cell, in the direction in which the depth of the lower envelope changes most. The depth along it is taken as a parabola. An end of
+ * what bears lies where the body leaves the surface; where it unloads, where it leaves the plastic part of the earlier sinkage. */
+SOIL_INLINED void put_line(const struct soil_form *f, enum soil_form_kind kind, const struct lane_posts *p, struct block *l)
+{
+	float depths[3][LANES], mosts[3][LANES], unloads[2][LANES], stays[3][LANES];
+	const bool known = any_above(l->was, 0);
+	EACH_LANE {
+		const float x = p->rise_x[i] - p->slope_x[i], y = p->rise_y[i] - p->slope_y[i], squares = x * x + y * y;
+		const float by = f->half_across / sqrtf(most(squares, 1e-8f));
+		const bool turns = kind != FORM_RIM && squares >= 1e-8f;
+		l->end[0][i] = either(turns, x * by, f->half_across);
+		l->end[1][i] = either(turns, y * by, 0);
+		l->centre[0][i] = p->x[i] + p->middle_x[i];
+		l->centre[1][i] = p->y[i] + p->middle_y[i];
+	}
+	for (int k = 0; k < 3; k++) {
+		EACH_LANE {
+			const float x = l->centre[0][i] + (float)(k - 1) * l->end[0][i], y = l->centre[1][i] + (float)(k - 1) * l->end[1][i];
+			const float rise = p->rise_x[i] * (x - p->x[i]) + p->rise_y[i] * (y - p->y[i]);
+			const float depth = l->depth[i] + p->height[i] + rise - height_at(f, kind, p->own[i], x, y);
+			float since;
+			const float lower = lower_at(f, kind, p, i, l, x, y, &since);
+			depths[k][i] = depth;
+			mosts[k][i] = depth + lower;
+		}
+		if (known)
+			EACH_LANE {
+				const float x = l->centre[0][i] + (float)(k - 1) * l->end[0][i], y = l->centre[1][i] + (float)(k - 1) * l->end[1][i];
+				const float rise = p->rise_x[i] * (x - p->x[i]) + p->rise_y[i] * (y - p->y[i]);
+				mosts[k][i] = most(mosts[k][i], remembered_at(f, kind, p, i, l, i, x, y, depths[k][i], rise));
+			}
+	}
+	for (int k = 0; k < 2; k++)
+		EACH_LANE unloads[k][i] = either(mosts[2 * k][i] > most(depths[2 * k][i], 0) + SOIL_LEAST, 1, 0);
+	const bool any = any_above(unloads[0], 0) || any_above(unloads[1], 0);
+	for (int k = 0; k < 3; k++)
+		if (any)
+			EACH_LANE {
+				const struct stress_soil s = soil_of(p, i);
+				stays[k][i] = plastic_of(&s, mosts[k][i] * p->up[i]) * p->by_up[i];
+			}
+		else
+			memset(stays[k], 0, sizeof stays[k]);
+	EACH_LANE {
+		float from[3], to[3];
+		for (int k = 0; k < 3; k++) {
+			from[k] = depths[k][i] - stays[k][i] * unloads[0][i];
+			to[k] = depths[k][i] - stays[k][i] * unloads[1][i];
+		}
+		l->first[i] = root_from(-1, from);
+		l->last[i] = most(l->first[i], root_from(1, to));
+		/* A wheel that sank to its axle does not bear on the soil in front of its rim. */
+		const bool ahead = (p->over[i] == 0) & (fabsf(p->x[i]) > f->radius) & (l->depth[i] > 0);
+		l->share[i] = either((kind == FORM_RIM) & ahead, 0, l->share[i]);
+	}
+}
+
+#endif

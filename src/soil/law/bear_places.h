@@ -1,0 +1,235 @@
+/* Part of bear.c: pressure, damping and shear at a place of each lane, and at the lower end of a rim that leans. */
+#ifndef FURROW_SOIL_BEAR_PLACES_H
+#define FURROW_SOIL_BEAR_PLACES_H
+
+#include "soil/law/bear_block.h"
+
+/* At rest a body would rock and slide to and fro for long, since soil springs back without loss. So what moves slower than these is damped more. */
+#define STICKS 0.003f    /* m/s along a surface: by the soil's own damping */
+#define SETTLES 0.002f   /* m/s across it: by SETTLING times as much */
+#define SETTLING 10.0f
+
+/* --- 4: places --- */
+
+/* The soil at a place of each lane. */
+struct spots {
+	float x[LANES], y[LANES], deep[LANES], most[LANES], yields[LANES], unloads[LANES], stays[LANES], touching[LANES], part[LANES];
+};
+
+SOIL_INLINED void put_spots(const struct soil_form *f, enum soil_form_kind kind, const struct lane_posts *p, const struct block *l, float at,
+			    struct spots *spots)
+{
+	const bool known = any_above(l->was, 0);
+	EACH_LANE {
+		const float on = 0.5f * (l->first[i] + l->last[i]) + at * (l->last[i] - l->first[i]);
+		const float x = l->centre[0][i] + on * l->end[0][i], y = l->centre[1][i] + on * l->end[1][i];
+		const float rise = p->rise_x[i] * (x - p->x[i]) + p->rise_y[i] * (y - p->y[i]);
+		const float deep = l->depth[i] + p->height[i] + rise - height_at(f, kind, p->own[i], x, y);
+		float since;
+		const float lower = lower_at(f, kind, p, i, l, x, y, &since);
+		spots->x[i] = x;
+		spots->y[i] = y;
+		spots->deep[i] = deep;
+		spots->most[i] = deep + lower;
+		/* Where the body was deeper before in its motion, its deepest pose sinks by less than the last one. */
+		spots->unloads[i] = either(lower > 0, 1, 0) * either(f->passes[0] > 0, least(since / most(f->passes[0], 1e-9f), 1), 1);
+		spots->part[i] = 0.25f * l->share[i] * (l->last[i] - l->first[i]); /* of two places, on a line from -1 to 1 */
+		const float later = ((x - p->x[i]) * f->by_way[0] + (y - p->y[i]) * f->by_way[1]) * l->lasts[i];
+		spots->touching[i] = l->slides[i] * most(lasted(p, i, l->passed[i]) - later, 0);
+	}
+	if (known)
+		EACH_LANE {
+			const float rise = p->rise_x[i] * (spots->x[i] - p->x[i]) + p->rise_y[i] * (spots->y[i] - p->y[i]);
+			const float before = remembered_at(f, kind, p, i, l, i, spots->x[i], spots->y[i], spots->deep[i], rise);
+			spots->unloads[i] = either(before >= spots->most[i], 1, spots->unloads[i]);
+			spots->most[i] = most(spots->most[i], before);
+		}
+	EACH_LANE {
+		const struct stress_soil s = soil_of(p, i);
+		spots->most[i] *= p->up[i];
+		spots->yields[i] = yield_stress(&s, spots->most[i]);
+		spots->stays[i] = exp_minus(spots->touching[i]);
+	}
+}
+
+/* One place, as a probe needs it. Amounts are those of the place's share of a post's area. */
+struct place {
+	float arm[3], normal[3], across[2][3];
+	float area, ground;              /* of the surface, and of the ground that bears; posts */
+	float stress, strength, holds;   /* Pa: normal, with damping; the most that shear can be; how that grows with the normal stress */
+	float mobilised[2], dragged[2];  /* shear along `across`: share of the strength; Pa, of damping */
+	float sinks, damps;              /* growth of the normal stress: Pa/m as the surface goes down, Pa s/m with its speed along the normal */
+	float shears[2][2], drags[2][2]; /* 1/m, Pa s/m: growth of `mobilised` and `dragged` with a way, a speed along `across` */
+};
+
+/* How a damping that is for slow motion alone fades. squares: of the speed, as a share of the speed at which it is halved. */
+SOIL_INLINED float fade(float squares)
+{
+	return 1 / (1 + squares);
+}
+
+/* Returns how the stress of such a damping grows with the speed; 0 where it falls. */
+SOIL_INLINED float fade_slope(float fades)
+{
+	return fades * most(2 * fades - 1, 0);
+}
+
+/* Adds damping: of soil that is pushed down fast, and of a surface that hardly slides. damping: Pa s/m, what counts of the soil's. Grousers do not count
+ * for the speed: a bar that passes pushes no more soil down. */
+SOIL_INLINED void put_rates(const struct soil_form *f, float damping, float down, struct place *place)
+{
+	const float slow = fade(down * down / (SETTLES * SETTLES)), settles = SETTLING * damping, damps = either(down >= 0, damping, 0);
+	float along[2];
+	place->stress = most(place->stress + (damps + settles * slow) * down, 0);
+	place->damps = damps + settles * fade_slope(slow);
+	running_at(f, f->angular, f->runs, place->arm, place->normal, place->across, along);
+	along[0] += dot3(f->linear, place->across[0]);
+	along[1] += dot3(f->linear, place->across[1]);
+	const float squares = along[0] * along[0] + along[1] * along[1], fades = fade(squares / (STICKS * STICKS));
+	const float sticks = damping * fades, drops = either(squares > 0, damping * (fades - fade_slope(fades)) / most(squares, 1e-30f), 0);
+	for (int k = 0; k < 2; k++) {
+		place->dragged[k] = sticks * along[k];
+		for (int j = 0; j < 2; j++)
+			place->drags[k][j] = (k == j ? sticks : 0) - drops * along[k] * along[j];
+	}
+}
+
+/* Returns how fast the surface at a place goes down along its normal, m/s. */
+SOIL_INLINED float down_at(const struct soil_form *f, const float arm[3], float above, const float normal[3])
+{
+	const float place[3] = {arm[0], arm[1], arm[2] - above};
+	float moves[3];
+	cross3(f->angular, place, moves);
+	return -(dot3(f->linear, normal) + dot3(moves, normal));
+}
+
+/* Gives how the mobilised shares grow with a way. by_modulus: 1/m, where the surface has not slid; slides: where it has. turning: 1/m, how they follow
+ * the way's direction. */
+SOIL_INLINED void put_shears(const struct slip *slip, float by_modulus, float slides, float turning, struct place *place)
+{
+	for (int k = 0; k < 2; k++)
+		for (int j = 0; j < 2; j++) {
+			const float grows = (slip->direction[k] - place->mobilised[k]) * slip->direction[j] * slides + ((k == j) - slip->direction[k] * slip->direction[j]) * turning;
+			place->shears[k][j] = either(slip->size > 1e-9f, grows, k == j ? by_modulus : 0);
+		}
+}
+
+SOIL_INLINED void put_place(const struct soil_form *f, enum soil_form_kind kind, bool asked, const struct lane_posts *p, int i,
+			    const struct spots *spots, int lane, struct face *face, struct place *place)
+{
+	const struct stress_soil s = soil_of(p, i);
+	const float up = p->up[i], x = spots->x[lane], y = spots->y[lane], largest = spots->most[lane], z = up * spots->deep[lane], yields = spots->yields[lane];
+	face_at(f, kind, p->own[i], x, y, face);
+	normal_of(f, p, i, face, place->normal);
+	put_across(place->normal, place->across);
+	place->arm[0] = x;
+	place->arm[1] = y;
+	place->arm[2] = face->height + p->above[i];
+	const float plastic = plastic_part(&s, largest, yields), by_elastic = 1 / most(largest - plastic, 1e-9f);
+	const float springs = clamped((z + SOIL_LEAST - plastic) * by_elastic, 0, 1), share = either(z >= largest, 1, springs);
+	const float down = down_at(f, place->arm, p->above[i], place->normal);
+	place->ground = either(least(z, share) > 0, spots->part[lane], 0);
+	/* A flat end that is as wide as several cells bears by its area in plan: all of it on level ground. */
+	const float level = clamped(1 - (place->normal[0] * p->rise_x[i] + place->normal[1] * p->rise_y[i]) / most(place->normal[2], 1e-6f), 0, 1);
+	const float plane = either(f->ground_normals + face->end > 0, 1, place->normal[2]), bears = either((kind == FORM_END) & (face->end > 0) & (f->ground_normals == 0), level, 1);
+	place->area = place->ground * bears / plane;
+	place->stress = yields * share;
+	/* At the yield surface the soil yields if the body goes on down, and springs back if it does not. */
+	const float flows = either(z >= largest - SOIL_LEAST, either((down > 0) | (f->rates == 0), 1, 0), 0), unloads = (1 - flows) * either(z >= largest - SOIL_LEAST, 1, spots->unloads[lane]);
+	place->sinks = up * ((1 - unloads) * yield_growth(&s, yields, largest) + unloads * yields * by_elastic);
+	put_rates(f, s.damping * least(4 * share, 1) * least(4 * most(largest, 0) * s.by_modulus, 1), down, place);
+	const struct slip slip = slip_at(f, place->arm, place->normal, place->across);
+	place->mobilised[0] = sheared(p->shear_x[i], slip.direction[0], spots->stays[lane]);
+	place->mobilised[1] = sheared(p->shear_y[i], slip.direction[1], spots->stays[lane]);
+	place->strength = strength_of(&f->surface, &s, place->stress, &place->holds);
+	if (asked) {
+		const float touching = spots->touching[lane], turning = either(touching > 0, (1 - spots->stays[lane]) / most(slip.size, 1e-9f), 0);
+		/* Where it begins to slide it is half as stiff on, and half as much stiffer back. */
+		put_shears(&slip, s.by_modulus, s.by_modulus * slip.time, turning, place);
+	}
+}
+
+/* --- the lower end of a rim that leans --- */
+
+/* It covers less than a post in plan, so it is summed beside the last cell. Its shear is followed along its way, in so many steps: it turns over the
+ * soil, downwards ahead of the axle and upwards behind it. */
+#define BRIM_STEPS 4
+
+/* The edge of the lower end beside a cell. */
+struct edge {
+	float at[2], lowest, depth; /* its lowest place beside the part that bears; m below the ground there */
+	float length, strip;        /* of that part, in lines across a cell; half the width of the strip there */
+};
+
+SOIL_INLINED struct edge edge_of(const struct soil_form *f, const struct lane_posts *p, const struct block *l, int i)
+{
+	const float beside = low_side(f) * f->half_axis * f->level, x = l->centre[0][i], y = l->centre[1][i], rise_x = p->rise_x[i], rise_y = p->rise_y[i];
+	const float height = l->ground[i] + rise_x * (x - p->x[i]) + rise_y * (y - p->y[i]) - p->above[i];
+	float depths[3];
+	for (int k = 0; k < 3; k++) {
+		const float along = (float)(k - 1) * f->half_across, strip = half_strip(f, x + along), aside = f->lean * strip + beside;
+		depths[k] = height + rise_x * along + rise_y * (aside - y) - (f->lean * aside - strip) * f->lift;
+	}
+	const float first = root_from(-1, depths), last = most(first, root_from(1, depths)), at = 0.5f * (first + last) * f->half_across;
+	const float strip = half_strip(f, x + at), aside = f->lean * strip + beside, lowest = (f->lean * aside - strip) * f->lift;
+	return (struct edge){{x + at, aside}, lowest, height + rise_x * at + rise_y * (aside - y) - lowest, 0.5f * (last - first), strip};
+}
+
+/* How long the end has slid over the soil beside its edge, in motions. It began when the rim came from ahead, or the end from above. A short motion
+ * says little of it. mean: m, of its depth; below: its place on the rim, ahead of the axle. */
+SOIL_INLINED float brim_since(const struct soil_form *f, const struct edge *edge, float mean, float below)
+{
+	const float came = either(f->run > 0, most(half_strip(f, below) - edge->at[0], 0) / most(f->run, 1e-12f), 1e9f);
+	const float sank = either(f->way[2] < 0, mean / most(-f->way[2], 1e-12f), 1e9f), since = least(came, sank), rolled = least(f->run / f->half_across, 1);
+	return either(since < 1e9f, either(since > 1, 1 + (since - 1) * rolled * rolled, since), 1);
+}
+
+/* Gives what the end bears beside a post's cell. It bears the mean of the pressure from 0 to the depth of its edge, by its area in plan. */
+SOIL_INLINED void put_brim(const struct soil_form *f, bool asked, const struct lane_posts *p, const struct block *l, int i, struct place *place)
+{
+	const struct stress_soil s = soil_of(p, i);
+	const struct edge edge = edge_of(f, p, l, i);
+	const float low = low_side(f), leans = most(fabsf(f->lean), 1e-6f), steep = f->level / leans, up = p->up[i], rise_x = p->rise_x[i], rise_y = p->rise_y[i];
+	const float width = clamped(edge.depth / most(steep - low * rise_y, 1e-6f), 0, 2 * edge.strip * fabsf(f->lean));
+	const float deep = most(edge.depth, SOIL_UNIT), mean = deep * power_of(s.n + 1, -1 / s.n), out_by = width / (s.n + 2);
+	const float bears = either(f->ground_normals > 0, 1, clamped(1 + low * f->level * rise_y / leans, 0, 1));
+	const bool is = ((low < 0 ? p->side_right[i] : p->side_left[i]) > 0) & (l->share[i] > 0) & (edge.depth > 0);
+	place->area = place->ground = either(is, edge.length * width * f->by_step * bears, 0);
+	place->stress = yield_stress(&s, up * mean);
+	place->sinks = place->stress * (s.n + 1) / deep;
+	place->arm[0] = edge.at[0];
+	place->arm[1] = edge.at[1] + low * out_by;
+	place->arm[2] = edge.lowest + out_by * steep + p->above[i];
+	place->normal[0] = either(f->ground_normals > 0, -rise_x * up, 0);
+	place->normal[1] = either(f->ground_normals > 0, -rise_y * up, -low * f->level);
+	place->normal[2] = either(f->ground_normals > 0, up, leans);
+	put_across(place->normal, place->across);
+	put_rates(f, s.damping * least(4 * up * mean * s.by_modulus, 1), down_at(f, place->arm, p->above[i], place->normal), place);
+	place->strength = strength_of(&f->surface, &s, place->stress, &place->holds);
+	const float since = brim_since(f, &edge, mean, edge.strip - out_by / leans), each = since * (1.0f / BRIM_STEPS);
+	place->mobilised[0] = place->mobilised[1] = 0;
+	for (int n = BRIM_STEPS - 1; n >= 0; n--) {
+		const float back = ((float)n + 0.5f) * each, arm[3] = {place->arm[0] + back * f->way[0], place->arm[1] + back * f->way[1], place->arm[2] + back * f->way[2]};
+		const struct slip slip = slip_at(f, arm, place->normal, place->across);
+		const float stays = exp_minus(slip.size * each * s.by_modulus);
+		place->mobilised[0] = sheared(place->mobilised[0], slip.direction[0], stays);
+		place->mobilised[1] = sheared(place->mobilised[1], slip.direction[1], stays);
+	}
+	if (asked) { /* how the way before this motion changes is left out */
+		const struct slip slip = slip_at(f, place->arm, place->normal, place->across);
+		const float turning = (1 - exp_minus(slip.size * least(since, 1) * s.by_modulus)) / most(slip.size, 1e-9f);
+		put_shears(&slip, s.by_modulus, s.by_modulus, turning, place);
+	}
+}
+
+/* Gives the stress on the body at a place, Pa of its surface. shear: of its shear, the direction times the share of the strength. */
+SOIL_INLINED void stress_at(const struct place *place, float shear[3], float stress[3])
+{
+	for (int k = 0; k < 3; k++) {
+		shear[k] = place->mobilised[0] * place->across[0][k] + place->mobilised[1] * place->across[1][k];
+		stress[k] = place->stress * place->normal[k] - place->strength * shear[k] - place->dragged[0] * place->across[0][k] -
+			    place->dragged[1] * place->across[1][k];
+	}
+}
+
+#endif
