@@ -87,10 +87,11 @@ void bearing_tally(const struct bearing *bearing, struct deform_tally *tally);
 /* Goes back to an earlier tally, and makes every block inactive. */
 void bearing_restore(struct bearing *bearing, const struct deform_tally *tally);
 
-/* --- memory --- */
+/* --- work and memory --- */
 
-/* What was allocated so far: the most that existed at once. */
+/* What was computed since bearing_create, and what was allocated so far: the most that existed at once. */
 struct bearing_figures {
+	uint64_t contacts, feels, regions; /* of bearing_contact, of bearing_feel, and of intervals of relaxation */
 	uint64_t window_posts;  /* posts for which the window has room */
 	uint64_t scratch_bytes; /* beside it */
 	uint64_t result_posts;  /* posts of regions that wait to be put back */

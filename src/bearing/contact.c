@@ -182,6 +182,7 @@ enum status bearing_contact(struct bearing *bearing, const struct deform_contact
 		status = sink(bearing, contact, &motion, &laying, &imprint);
 	if (status != STATUS_OK)
 		return status;
+	bearing->contacts++;
 	tell(bearing, contact, &motion, &imprint.forces, &out->forces);
 	if (!post_rect_empty(imprint.reached)) {
 		out->changed = redistribute(bearing, contact, area, &laying, &imprint, &laid, &slid);
@@ -208,9 +209,11 @@ enum status bearing_feel(struct bearing *bearing, const struct deform_contact *c
 	enum status status = gather(bearing, area->read, held, count);
 	if (status == STATUS_OK)
 		status = sink(bearing, contact, &motion, &laying, &imprint);
-	if (status == STATUS_OK)
-		tell(bearing, contact, &motion, &imprint.forces, forces);
-	return status;
+	if (status != STATUS_OK)
+		return status;
+	bearing->feels++;
+	tell(bearing, contact, &motion, &imprint.forces, forces);
+	return STATUS_OK;
 }
 
 /* --- probes --- */

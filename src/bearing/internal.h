@@ -49,6 +49,7 @@ struct bearing {
 	struct bearing_region *regions;
 	size_t region_count, region_room;
 	struct soil_block_set next;  /* blocks that stay active */
+	uint64_t contacts, feels, slid; /* computed: contacts, contacts whose forces alone were asked, and regions */
 	uint64_t results, results_most; /* posts of regions that wait to be put back: now, and at most */
 };
 

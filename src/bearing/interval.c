@@ -163,6 +163,7 @@ enum status bearing_interval_slide(struct bearing *bearing, size_t number)
 	const size_t width = (size_t)(region->writes.x1 - region->writes.x0), height = (size_t)(region->writes.y1 - region->writes.y0);
 	hold(bearing);
 	soil_active_close(&bearing->active, planes);
+	bearing->slid++;
 	soil_slide_region(&bearing->rule, planes, region->blocks, bearing->window.scratch, bearing->window.words);
 	enum status status = soil_active_add_words(&bearing->next, bearing->world, region->blocks, bearing->window.words);
 	if (status != STATUS_OK)

@@ -36,6 +36,9 @@ void bearing_figures(const struct bearing *bearing, struct bearing_figures *figu
 {
 	const struct bearing_window *window = &bearing->window;
 	*figures = (struct bearing_figures){
+		.contacts = bearing->contacts,
+		.feels = bearing->feels,
+		.regions = bearing->slid,
 		.window_posts = window->posts,
 		.scratch_bytes = window->scratch_bytes + window->word_count * sizeof *window->words,
 		.result_posts = bearing->results_most,

@@ -125,7 +125,8 @@ void page_cache_destroy(struct page_cache *cache);
 /* Makes a page resident and pins it. If the page must be loaded, waits for that (a stall) and executes other work meanwhile. A
  * page pinned twice must be unpinned twice. STATUS_FAILED: every slot is pinned. */
 enum status page_cache_pin(struct page_cache *cache, uint64_t key, uint32_t *slot) FURROW_CHECKED;
-/* Pins several pages, at most 64. Requests all loads before it waits for the first. */
+#define PAGE_PIN_MOST 512
+/* Pins several pages, at most PAGE_PIN_MOST. Requests all loads before it waits for the first. */
 enum status page_cache_pin_all(struct page_cache *cache, const uint64_t *keys, size_t count,
 			       uint32_t *slots) FURROW_CHECKED;
 void page_cache_unpin(struct page_cache *cache, uint64_t key);

@@ -39,7 +39,6 @@
 #include "page/page.h"
 
 #define PAGE_NO_SLOT UINT32_MAX
-#define PAGE_PIN_MOST 64
 #define PAGE_FLIGHTS_PER_LOADER 3
 #define PAGE_REQUESTS_PER_LOADER 2
 

@@ -11,7 +11,8 @@
 
 static size_t pages_most(const struct page_params *params)
 {
-	return 3 * (size_t)params->slots + PAGE_PIN_MOST + page_load_images(params->loaders);
+	const size_t pinned = params->slots < PAGE_PIN_MOST ? params->slots : PAGE_PIN_MOST;
+	return 3 * (size_t)params->slots + pinned + page_load_images(params->loaders);
 }
 
 enum status page_table_init(struct page_table *table, const struct page_params *params)

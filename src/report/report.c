@@ -102,6 +102,13 @@ static void add_gpu(cJSON *root, const struct report *report, const struct gpu_s
 	cJSON *passes = cJSON_AddObjectToObject(root, "passes");
 	for (int group = 0; group < GPU_GROUPS; group++)
 		json_integer(passes, group_names[group], (int64_t)gpu_group_passes(stats, (enum gpu_group)group));
+	struct bearing_figures bearing = {.contacts = 0};
+	if (report->world->bearing != NULL)
+		bearing_figures(report->world->bearing, &bearing);
+	cJSON *computed = cJSON_AddObjectToObject(root, "computed"); /* by the CPU: soil that bears */
+	json_integer(computed, "contacts", (int64_t)bearing.contacts);
+	json_integer(computed, "feels", (int64_t)bearing.feels);
+	json_integer(computed, "regions", (int64_t)bearing.regions);
 	json_integer(root, "tiles_per_window", (int64_t)report->world->windows.tiles_most);
 	const struct gpu_info *info = gpu_info(report->world->gpu);
 	cJSON *gl = cJSON_AddObjectToObject(root, "gl");

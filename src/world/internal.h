@@ -220,7 +220,7 @@ enum status world_let_go(struct world *world, const struct body *body) FURROW_CH
 
 /* --- contact.c: the deformation by one contact --- */
 
-#define WORLD_TILES_MOST 64 /* most tiles that are pinned together */
+#define WORLD_TILES_MOST PAGE_PIN_MOST /* most tiles that are pinned together */
 struct held_tiles {
 	struct tile_slot tiles[WORLD_TILES_MOST];
 	uint64_t keys[WORLD_TILES_MOST];

@@ -61,7 +61,7 @@ static bool fits(const struct world *world, struct post_rect rect)
 static enum status probe_host(struct world *world, const struct host_body *host, const struct world_state *state, struct soil_probed *probed)
 {
 	const struct scene_object *object = host->body.object;
-	struct held_tiles held = {.count = 0};
+	struct held_tiles held;
 	struct soil_pose to, now;
 	probed->known = false;
 	enum status status = world_state_check(&object->shape, object->name, state, &to);
