@@ -1,5 +1,5 @@
-/* Part of bear.c: how deep and how long the body is over each post of a block, how its surface slides there, what the post remembers, and which part
- * of its cell bears. */
+/* Part of bear.c: how deep and how long the body is over each post of a block, and how its surface slides there. Also what the post remembers, and which
+ * part of its cell bears. */
 #ifndef FURROW_SOIL_BEAR_BLOCK_H
 #define FURROW_SOIL_BEAR_BLOCK_H
 
