@@ -43,7 +43,7 @@ enum status bearing_create(const struct deform_params *params, struct host_slots
 	bearing->law = law_of(params);
 	bearing->around = params->iterations + 2;
 	prepare(bearing);
-	enum status status = soil_work_create(&bearing->work);
+	enum status status = bearing_members_need(bearing, 1);
 	if (status == STATUS_OK && params->loaded_bodies > 0) {
 		bearing->standing = mem_calloc(params->loaded_bodies, sizeof *bearing->standing);
 		status = bearing->standing != NULL ? STATUS_OK : fail_memory("bearing soil");
@@ -61,7 +61,7 @@ void bearing_destroy(struct bearing *bearing)
 	soil_block_set_finish(&bearing->active);
 	soil_block_set_finish(&bearing->next);
 	bearing_window_finish(&bearing->window);
-	soil_work_destroy(bearing->work);
+	bearing_members_finish(bearing);
 	mem_free(bearing->standing);
 	mem_free(bearing);
 }

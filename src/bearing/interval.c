@@ -121,33 +121,25 @@ enum status bearing_interval_start(struct bearing *bearing, size_t region)
 
 void bearing_interval_gather(struct bearing *bearing, const struct tile_slot *held, size_t count)
 {
-	/* The posts of these tiles as planes of their own, with the rows of the whole. */
-	struct soil_planes planes = bearing->window.planes;
+	struct soil_planes planes;
 	struct post_rect part = {0, 0, 0, 0};
 	for (size_t i = 0; i < count; i++)
 		part = post_rect_joined(part, tile_post_rect(bearing->params.extent, held[i].tile));
-	part = post_rect_intersect(part, planes.rect);
+	part = post_rect_intersect(part, bearing->window.planes.rect);
 	if (post_rect_empty(part))
 		return;
-	const size_t at = (size_t)(part.y0 - planes.rect.y0) * planes.width + (size_t)(part.x0 - planes.rect.x0);
-	planes.rect = part;
-	planes.base += at;
-	planes.offset += at;
-	planes.deposited += at;
+	bearing_window_part(&bearing->window, part, &planes);
 	planes.sinkage = planes.shear = planes.dug = NULL;
-	planes.disturbance = NULL;
-	planes.classes = planes.classes != NULL ? planes.classes + at : NULL;
-	planes.levels = NULL;
+	planes.disturbance = planes.levels = NULL;
 	resident_host_gather(bearing->slots, held, count, &planes);
 }
 
-/* Marks posts that bodies at rest hold. */
-static void hold(struct bearing *bearing)
+void bearing_hold(struct bearing *bearing, const struct deform_rest *objects, size_t count)
 {
 	struct soil_planes *planes = &bearing->window.planes;
 	struct soil_kinematic kinematic = {.spacing = bearing->law.spacing, .reference = bearing->law.reference};
-	for (size_t i = 0; i < bearing->object_count; i++) {
-		const struct deform_rest *rest = &bearing->objects[i];
+	for (size_t i = 0; i < count; i++) {
+		const struct deform_rest *rest = &objects[i];
 		struct soil_pose pose = rest->pose;
 		if (rest->loaded_body > 0)
 			pose.z += bearing->standing[rest->loaded_body - 1];
@@ -161,7 +153,7 @@ enum status bearing_interval_slide(struct bearing *bearing, size_t number)
 	struct bearing_region *region = &bearing->regions[number];
 	struct soil_planes *planes = &bearing->window.planes;
 	const size_t width = (size_t)(region->writes.x1 - region->writes.x0), height = (size_t)(region->writes.y1 - region->writes.y0);
-	hold(bearing);
+	bearing_hold(bearing, bearing->objects, bearing->object_count);
 	soil_active_close(&bearing->active, planes);
 	bearing->slid++;
 	soil_slide_region(&bearing->rule, planes, region->blocks, bearing->window.scratch, bearing->window.words);

@@ -4,7 +4,7 @@
  */
 #include "bearing/internal.h"
 
-#define WINDOW_BYTES (6 * sizeof(int32_t) + sizeof(uint8_t)) /* base, offset, deposited, sinkage, shear, deposits; contact */
+#define WINDOW_BYTES (6 * sizeof(int32_t) + 3 * sizeof(uint8_t)) /* base, offset, deposited, sinkage, shear, deposits; contact, owners, patch */
 #define RESULT_BYTES (2 * sizeof(int32_t))                   /* offset, deposited */
 
 static void add(struct plan *plan, const char *effect, enum plan_unit unit, uint64_t bytes, const char *name)
@@ -35,12 +35,16 @@ void bearing_plan(const struct deform_params *params, struct plan *plan)
 void bearing_figures(const struct bearing *bearing, struct bearing_figures *figures)
 {
 	const struct bearing_window *window = &bearing->window;
+	size_t members = bearing->member_room * (sizeof *bearing->members + sizeof *bearing->others + sizeof *bearing->rests) +
+			 bearing->claim_room * sizeof *bearing->claims;
+	for (size_t i = 0; i < bearing->member_room; i++)
+		members += soil_work_bytes(bearing->members[i].work);
 	*figures = (struct bearing_figures){
 		.contacts = bearing->contacts,
 		.feels = bearing->feels,
 		.regions = bearing->slid,
 		.window_posts = window->posts,
-		.scratch_bytes = window->scratch_bytes + window->word_count * sizeof *window->words,
+		.scratch_bytes = window->scratch_bytes + window->word_count * sizeof *window->words + members,
 		.result_posts = bearing->results_most,
 	};
 	figures->bytes = sizeof *bearing + bearing->params.loaded_bodies * sizeof *bearing->standing + window->bytes + figures->scratch_bytes +

@@ -24,8 +24,9 @@ static size_t place(struct bearing *bearing, size_t posts, char *memory)
 		p->dug = memory != NULL ? (void *)(memory + used) : NULL;
 		used += whole;
 	}
-	p->contact = memory != NULL ? (void *)(memory + used) : NULL;
-	used += byte;
+	uint8_t **const bytes[] = {&p->contact, &bearing->window.owners, &bearing->window.patch};
+	for (size_t i = 0; i < sizeof bytes / sizeof *bytes; i++, used += byte)
+		*bytes[i] = memory != NULL ? (void *)(memory + used) : NULL;
 	p->disturbance = p->classes = p->levels = NULL;
 	if (bearing->params.disturbance) {
 		p->disturbance = memory != NULL ? (void *)(memory + used) : NULL;
@@ -67,7 +68,7 @@ static enum status need_scratch(struct bearing *bearing, size_t bytes, size_t wo
 enum status bearing_window_need(struct bearing *bearing, struct post_rect rect)
 {
 	struct bearing_window *window = &bearing->window;
-	const size_t width = (size_t)(rect.x1 - rect.x0), height = (size_t)(rect.y1 - rect.y0), posts = aligned(width * height);
+	const size_t width = (size_t)(rect.x1 - rect.x0), height = (size_t)(rect.y1 - rect.y0), posts = aligned(width * (height + 1)); /* a row more: parts are read in whole blocks */
 	if (posts > window->posts) {
 		mem_free(window->memory);
 		window->posts = window->bytes = 0;
@@ -84,6 +85,22 @@ enum status bearing_window_need(struct bearing *bearing, struct post_rect rect)
 	const size_t laying = soil_lay_scratch(width, height), sliding = soil_sliding_scratch(&bearing->rule, &window->planes);
 	const size_t blocks = (width / SOIL_BLOCK + 2) * (height / SOIL_BLOCK + 2);
 	return need_scratch(bearing, laying > sliding ? laying : sliding, blocks);
+}
+
+size_t bearing_window_part(const struct bearing_window *window, struct post_rect part, struct soil_planes *planes)
+{
+	const struct soil_planes *all = &window->planes;
+	const size_t at = (size_t)(part.y0 - all->rect.y0) * all->width + (size_t)(part.x0 - all->rect.x0);
+	*planes = *all;
+	planes->rect = part;
+	int32_t **const wholes[] = {&planes->base, &planes->offset, &planes->deposited, &planes->sinkage, &planes->shear, &planes->dug};
+	for (size_t i = 0; i < sizeof wholes / sizeof *wholes; i++)
+		*wholes[i] = *wholes[i] != NULL ? *wholes[i] + at : NULL;
+	uint8_t **const bytes[] = {&planes->disturbance, &planes->classes, &planes->contact};
+	for (size_t i = 0; i < sizeof bytes / sizeof *bytes; i++)
+		*bytes[i] = *bytes[i] != NULL ? *bytes[i] + at : NULL;
+	planes->levels = planes->levels != NULL ? planes->levels + SOIL_RASTERS * at : NULL;
+	return at;
 }
 
 void bearing_window_finish(struct bearing_window *window)
