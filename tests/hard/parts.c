@@ -94,7 +94,7 @@ static void the_halves_of_a_wheel_bear_and_leave_a_rut_as_the_wheel(void **state
 		for (int k = 0; k < 3; k++)
 			assert_true(fabs(whole.force[k] - parts.force[k]) < 0.02 * 900);
 		assert_true(fabs(whole.sinkage - parts.sinkage) < 0.02 * whole.sinkage);
-		/* No ridge between them, and nothing of the ground inside of them. */
+		/* No ridge between them. Beside the middle soil slides back into the rut, so how the heaps lie shows there. */
 		const int level = spacings[i / 2] < 0.05 ? -3 : -2;
 		const double by = 0.25 / spacings[i / 2];
 		const struct post_rect around = {(int64_t)(48 * by), (int64_t)(50 * by), (int64_t)(56 * by), (int64_t)(57 * by)};
@@ -102,13 +102,13 @@ static void the_halves_of_a_wheel_bear_and_leave_a_rut_as_the_wheel(void **state
 		for (int64_t k = 0; k < (around.x1 - around.x0) * (around.y1 - around.y0); k++) {
 			const double x = (double)(around.x0 + k % (around.x1 - around.x0)) * spacings[i / 2] - 12.02, y = (double)(around.y0 + k / (around.x1 - around.x0)) * spacings[i / 2] - 13.03;
 			const double c = cos(headings[i % 2]), s = sin(headings[i % 2]), along = c * x + s * y, aside = c * y - s * x;
-			if (fabs(aside) < 0.06 + 0.5 * 0.06 && along > 0.4 && along < 1.5) {
+			if (fabs(aside) < 0.055 && along > 0.4 && along < 1.5) {
 				worst = fmax(worst, fabs(a[k] - b[k]) / (1 << OFFSET_BITS));
 				deepest = fmin(deepest, a[k] / (1 << OFFSET_BITS));
 			}
 		}
 		print_message("the rut differs by up to %.3g mm\n", worst * 1e3);
-		assert_true(deepest < -0.5 * whole.sinkage && worst < 0.1 * whole.sinkage);
+		assert_true(deepest < -0.5 * whole.sinkage && worst < 0.04 * whole.sinkage);
 		free(a);
 		free(b);
 	}
