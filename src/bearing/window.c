@@ -16,13 +16,18 @@ static size_t place(struct bearing *bearing, size_t posts, char *memory)
 	struct soil_planes *p = &bearing->window.planes;
 	const size_t whole = aligned(posts * sizeof(int32_t)), byte = aligned(posts);
 	size_t used = 0;
-	int32_t **const wholes[] = {&p->base, &p->offset, &p->deposited, &p->sinkage, &p->shear, &bearing->window.deposits};
-	for (size_t i = 0; i < sizeof wholes / sizeof *wholes; i++, used += whole)
-		*wholes[i] = memory != NULL ? (void *)(memory + used) : NULL;
-	p->dug = NULL;
-	if (bearing->planes & PLANE_BIT(PLANE_DUG)) {
-		p->dug = memory != NULL ? (void *)(memory + used) : NULL;
-		used += whole;
+	const struct {
+		int32_t **plane;
+		bool kept;
+	} wholes[] = {
+		{&p->base, true}, {&p->offset, true}, {&p->deposited, bearing->planes & PLANE_BIT(PLANE_DEPOSITED)},
+		{&p->sinkage, bearing->planes & PLANE_BIT(PLANE_PLASTIC_SINKAGE)}, {&p->shear, bearing->planes & PLANE_BIT(PLANE_SHEAR)},
+		{&p->dug, bearing->planes & PLANE_BIT(PLANE_DUG)}, {&bearing->window.deposits, bearing->conserves},
+		{&bearing->window.carried, bearing->conserves && !bearing->bears},
+	};
+	for (size_t i = 0; i < sizeof wholes / sizeof *wholes; i++) {
+		*wholes[i].plane = memory != NULL && wholes[i].kept ? (void *)(memory + used) : NULL;
+		used += wholes[i].kept ? whole : 0;
 	}
 	p->contact = memory != NULL ? (void *)(memory + used) : NULL;
 	used += byte;
@@ -42,7 +47,7 @@ static size_t place(struct bearing *bearing, size_t posts, char *memory)
 	return used;
 }
 
-static enum status need_scratch(struct bearing *bearing, size_t bytes, size_t words)
+enum status bearing_scratch_need(struct bearing *bearing, size_t bytes)
 {
 	struct bearing_window *window = &bearing->window;
 	if (bytes > window->scratch_bytes) {
@@ -53,6 +58,12 @@ static enum status need_scratch(struct bearing *bearing, size_t bytes, size_t wo
 			return fail_memory("the soil around a body");
 		window->scratch_bytes = bytes;
 	}
+	return STATUS_OK;
+}
+
+static enum status need_words(struct bearing *bearing, size_t words)
+{
+	struct bearing_window *window = &bearing->window;
 	if (words > window->word_count) {
 		mem_free(window->words);
 		window->word_count = 0;
@@ -81,9 +92,40 @@ enum status bearing_window_need(struct bearing *bearing, struct post_rect rect)
 	}
 	window->planes.rect = rect;
 	window->planes.width = width;
+	if (!bearing->conserves)
+		return STATUS_OK;
 	const size_t laying = soil_lay_scratch(width, height), sliding = soil_sliding_scratch(&bearing->rule, &window->planes);
-	const size_t blocks = (width / SOIL_BLOCK + 2) * (height / SOIL_BLOCK + 2);
-	return need_scratch(bearing, laying > sliding ? laying : sliding, blocks);
+	enum status status = bearing_scratch_need(bearing, laying > sliding ? laying : sliding);
+	return status == STATUS_OK ? need_words(bearing, (width / SOIL_BLOCK + 2) * (height / SOIL_BLOCK + 2)) : status;
+}
+
+void bearing_window_clear(struct bearing *bearing)
+{
+	const struct soil_planes *planes = &bearing->window.planes;
+	memset(planes->contact, 0, planes->width * (size_t)(planes->rect.y1 - planes->rect.y0));
+	resident_host_gather(bearing->slots, NULL, 0, planes);
+}
+
+void bearing_window_gather(struct bearing *bearing, const struct tile_slot *held, size_t count)
+{
+	/* The posts of these tiles as planes of their own, with the rows of the whole. */
+	struct soil_planes planes = bearing->window.planes;
+	struct post_rect part = {0, 0, 0, 0};
+	for (size_t i = 0; i < count; i++)
+		part = post_rect_joined(part, tile_post_rect(bearing->params.extent, held[i].tile));
+	part = post_rect_intersect(part, planes.rect);
+	if (post_rect_empty(part))
+		return;
+	const size_t at = (size_t)(part.y0 - planes.rect.y0) * planes.width + (size_t)(part.x0 - planes.rect.x0);
+	int32_t **const wholes[] = {&planes.base, &planes.offset, &planes.deposited, &planes.sinkage, &planes.shear, &planes.dug};
+	uint8_t **const bytes[] = {&planes.disturbance, &planes.classes};
+	for (size_t i = 0; i < sizeof wholes / sizeof *wholes; i++)
+		*wholes[i] = *wholes[i] != NULL ? *wholes[i] + at : NULL;
+	for (size_t i = 0; i < sizeof bytes / sizeof *bytes; i++)
+		*bytes[i] = *bytes[i] != NULL ? *bytes[i] + at : NULL;
+	planes.levels = planes.levels != NULL ? planes.levels + at * SOIL_RASTERS : NULL;
+	planes.rect = part;
+	resident_host_gather(bearing->slots, held, count, &planes);
 }
 
 void bearing_window_finish(struct bearing_window *window)

@@ -103,7 +103,7 @@ void deform_slide_prepare(struct deform *deform)
 {
 	const struct deform_params *params = &deform->params;
 	const struct soil_model *model = deform_model_row(params->model);
-	const bool sheds = model->slide == &deform_slide_shed;
+	const bool sheds = deform_sheds(params->model);
 	if (sheds)
 		prepare_shed(deform);
 	soil_sliding_prepare(&(struct soil_sliding_params){

@@ -95,7 +95,7 @@ void soil_sliding_prepare(const struct soil_sliding_params *params, struct soil_
 		.iterations = params->iterations,
 		.directions = params->directions,
 		.tolerance = (int32_t)floor(ldexp(params->tolerance, OFFSET_BITS)),
-		.bounded = isfinite(params->depth),
+		.bounded = isfinite(params->depth) && params->shed == NULL,
 		.steep = !(params->relief < SOIL_STEEP_RELIEF),
 		.shed = params->shed,
 		.step = params->shed != NULL ? 2 : 1, /* posts shed, and then take what others shed */
