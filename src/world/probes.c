@@ -81,7 +81,7 @@ static enum status probe_host(struct world *world, const struct host_body *host,
 enum status world_probes_now(struct world *world, const struct host_body *host, struct soil_probed *probed)
 {
 	probed->known = false;
-	return host->placed && world->bearing != NULL && !host->body.elsewhere ? probe_host(world, host, &host->now, probed) : STATUS_OK;
+	return host->placed && world->bearing != NULL && world_feels(world) && !host->body.elsewhere ? probe_host(world, host, &host->now, probed) : STATUS_OK;
 }
 
 static struct host_body *probed_host(const struct world *world, int32_t number)
