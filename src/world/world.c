@@ -151,7 +151,9 @@ static enum status start_home(struct world *world)
 		status = start_gpu(world, &gpu);
 		if (status != STATUS_NO_GL || !may_do_without)
 			return status;
-		note("%s: the CPU computes model %s, with the same result; compute: cpu asks for that", failure_message(), deform_model_row(world->scene->model)->name);
+		const char *why = failure_message(); /* what to do against it follows */
+		note("%.*s: the CPU computes model %s, with the same result; compute: cpu asks for that", (int)strcspn(why, ";"), why,
+		     deform_model_row(world->scene->model)->name);
 		world->without_gl = true;
 	}
 	status = resident_host_create(world->meta->extent.cells, (uint32_t)world->limits.slots, world_planes(world), &world->host);
