@@ -226,7 +226,10 @@ enum status explain_json(const struct scene *scene, const struct report_plan *pl
 	json_integer(root, "steps", plan->steps);
 	json_integer(root, "pictures", plan->pictures);
 	cJSON_AddBoolToObject(root, "map", scene->map);
-	cJSON_AddBoolToObject(root, "bearing", plan->bearing);
+	if (plan->body_count > 0)
+		cJSON_AddStringToObject(root, "compute", plan->bearing ? "cpu" : "gpu");
+	else
+		cJSON_AddNullToObject(root, "compute");
 	json_integer(root, "window_tiles", (int64_t)plan->window_tiles);
 	json_integer(root, "batch_windows", (int64_t)plan->batch_windows);
 	json_integer(root, "batch_bytes", (int64_t)plan->batch_bytes);

@@ -25,6 +25,8 @@ static void print_head(const struct scene *scene, const struct report_plan *plan
 		printf(", %s picture%s: one every %s steps", layout_number((uint64_t)plan->pictures).text, plan->pictures == 1 ? "" : "s",
 		       layout_number((uint64_t)plan->picture_steps).text);
 	puts(scene->map ? "; a map at the end" : "");
+	if (plan->body_count > 0)
+		printf("  the ground is computed by the %s\n", plan->bearing ? "CPU" : scene->compute == SCENE_GPU ? "GPU" : "GPU, or by the CPU where there is no GL");
 }
 
 static void print_rasters(const struct report_plan *plan)

@@ -1,4 +1,4 @@
-/* Makes and ends bearing soil over pages in host memory; its active blocks and sums. */
+/* Makes and ends soil that the CPU computes over pages in host memory; its active blocks and sums. */
 #include "bearing/internal.h"
 
 #include <math.h>
@@ -14,19 +14,41 @@ static struct soil_law law_of(const struct deform_params *params)
 	return law;
 }
 
+/* Prepares how soil slides and is laid, for a model that moves soil. */
 static void prepare(struct bearing *bearing)
 {
 	const struct deform_params *params = &bearing->params;
 	const struct soil_model *model = deform_model_row(params->model);
+	const bool sheds = deform_sheds(params->model);
+	if (sheds)
+		soil_shed_begin(&bearing->shed, params->soils, params->soil_count, bearing->law.spacing, params->tolerance, params->undisturbed_stable);
+	bearing->held_is_stable = !sheds || soil_shed_held_is_stable(&bearing->shed, params->soil_count);
 	soil_sliding_prepare(&(struct soil_sliding_params){
 		.soils = params->soils, .soil_count = params->soil_count, .spacing = bearing->law.spacing, .critical = model->critical, .cotangent = model->cotangent,
 		.iterations = params->iterations, .directions = deform_line_passes(params), .depth = params->depth,
 		.tolerance = params->tolerance, .relief = params->relief, .undisturbed_stable = params->undisturbed_stable,
+		.shed = sheds ? &bearing->shed : NULL,
 	}, &bearing->rule);
 	for (int i = 0; i < SOIL_CLASSES; i++) {
 		const struct soil_numbers *soil = &params->soils[i < params->soil_count ? i : 0];
 		bearing->laid[i] = soil_laid_of(model->laid_at(soil), model->laid_share(params, soil), bearing->law.spacing);
 	}
+}
+
+/* Prepares contacts of a kinematic model. */
+static void prepare_kinematic(struct bearing *bearing)
+{
+	const struct deform_params *params = &bearing->params;
+	struct soil_kinematic *kinematic = &bearing->kinematic;
+	*kinematic = (struct soil_kinematic){.spacing = bearing->law.spacing, .reference = params->reference};
+	if (deform_model_row(params->model)->smooths) {
+		kinematic->radius = params->box_radius;
+		kinematic->repetitions = params->box_repetitions;
+	}
+	if (deform_sheds(params->model))
+		soil_kinematic_sumner(kinematic, params->soils, params->soil_count);
+	else if (bearing->conserves)
+		soil_kinematic_slippage(kinematic);
 }
 
 enum status bearing_create(const struct deform_params *params, struct host_slots *slots, struct bearing **out)
@@ -41,8 +63,13 @@ enum status bearing_create(const struct deform_params *params, struct host_slots
 	bearing->planes = deform_planes(params->model, params->disturbance, params->slip_sinkage > 0) & resident_host_planes(slots);
 	bearing->world = (struct post_rect){0, 0, extent_posts(extent->width, params->level), extent_posts(extent->height, params->level)};
 	bearing->law = law_of(params);
-	bearing->around = params->iterations + 2;
-	prepare(bearing);
+	bearing->conserves = deform_conserves(params->model);
+	bearing->bears = deform_tells_forces(params->model);
+	if (bearing->conserves)
+		prepare(bearing);
+	if (!bearing->bears)
+		prepare_kinematic(bearing);
+	bearing->around = bearing->conserves ? params->iterations + 2 : bearing->kinematic.radius;
 	enum status status = bearing_members_need(bearing, 1);
 	if (status == STATUS_OK && params->loaded_bodies > 0) {
 		bearing->standing = mem_calloc(params->loaded_bodies, sizeof *bearing->standing);
@@ -80,7 +107,7 @@ int64_t bearing_interval_rim(const struct bearing *bearing)
 
 enum status bearing_wake(struct bearing *bearing, struct post_rect changed)
 {
-	return soil_active_add_near(&bearing->active, bearing->world, bearing_interval_rim(bearing), changed);
+	return !bearing->conserves ? STATUS_OK : soil_active_add_near(&bearing->active, bearing->world, bearing_interval_rim(bearing), changed);
 }
 
 struct post_rect bearing_wakes(const struct bearing *bearing, struct post_rect changed)
@@ -90,7 +117,7 @@ struct post_rect bearing_wakes(const struct bearing *bearing, struct post_rect c
 
 enum status bearing_wake_block(struct bearing *bearing, struct soil_block block)
 {
-	return soil_active_add(&bearing->active, bearing->world, block);
+	return bearing->conserves ? soil_active_add(&bearing->active, bearing->world, block) : STATUS_OK;
 }
 
 enum status bearing_active_blocks(struct bearing *bearing, const struct soil_block **blocks, size_t *count)
@@ -112,8 +139,10 @@ void bearing_forget_active(struct bearing *bearing)
 int64_t bearing_contact_reach(const struct bearing *bearing, const struct soil_shape *shape)
 {
 	/* A band of soil is laid along the sides of a rectangle around the body, which may lie aslant. */
-	const double spacing = bearing->law.spacing, band = M_SQRT2 * soil_laying_band(shape, spacing), bound = soil_shape_bound(shape) / spacing;
-	return (int64_t)ceil(bound + band) + 3 + bearing->around + 1;
+	const double spacing = bearing->law.spacing, band = bearing->conserves ? M_SQRT2 * soil_laying_band(shape, spacing) : 0;
+	const double bound = soil_shape_bound(shape) / spacing;
+	const int64_t border = bearing->conserves ? 1 : (int64_t)bearing->kinematic.radius * bearing->kinematic.repetitions;
+	return (int64_t)ceil(bound + band) + 3 + bearing->around + border;
 }
 
 /* --- sums --- */

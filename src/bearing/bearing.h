@@ -1,5 +1,6 @@
 /*
- * bearing: runs bearing soil (src/soil) over pages in host memory: contacts of bodies, relaxation of active blocks, and what they add up.
+ * bearing: what the CPU computes, by src/soil, over pages in host memory: contacts of bodies, relaxation of active blocks, and what they add up. It
+ * computes soil that bears (model scm), and kinematic models where the GPU does not.
  *
  * A contact takes posts from the pinned tiles into a window. There the body sinks in, what it displaced is laid, and soil slides. Then the changed
  * posts are put back. Forces are known when it returns. No function needs GL. Functions on a struct bearing are for the thread that owns the
@@ -15,11 +16,11 @@
 
 struct bearing;
 
-/* Makes it for a world with these parameters, whose model computes forces. Ignores gpu and slots of params; `slots` and params->extent must outlive it. */
+/* Makes it for a world with these parameters, of any model. Ignores gpu and slots of params; `slots` and params->extent must outlive it. */
 enum status bearing_create(const struct deform_params *params, struct host_slots *slots, struct bearing **out) FURROW_CHECKED;
 void bearing_destroy(struct bearing *bearing); /* takes NULL */
 
-/* --- contacts --- */
+/* --- contacts of soil that bears --- */
 
 /* What a contact reads and may change, posts. Both are empty if it lies outside the world. */
 struct bearing_area {
@@ -62,6 +63,25 @@ enum status bearing_probe(struct bearing *bearing, const struct soil_motion *mot
 			  const struct tile_slot *held, size_t count, struct soil_probed *out) FURROW_CHECKED;
 /* Sets the equilibrium height of a loaded body that has had no contact yet: how far it rests above its pose, 2^-20 m. */
 void bearing_set_equilibrium(struct bearing *bearing, uint32_t loaded_body, int32_t raised);
+
+/*
+ * --- contacts of kinematic models: a body follows its path, whatever the soil does ---
+ *
+ * Call bearing_kinematic_begin; then bearing_kinematic_gather until each tile that has posts of area->read was held once; bearing_kinematic_run; then
+ * bearing_kinematic_scatter until each tile that has posts of `changed` was held once. One contact at a time; nothing else in between. The ground has
+ * the same bits as after the passes on the GPU.
+ */
+enum status bearing_kinematic_begin(struct bearing *bearing, const struct deform_contact *contact, const struct bearing_area *area) FURROW_CHECKED;
+/* held: pinned tiles that together make a rectangle. */
+void bearing_kinematic_gather(struct bearing *bearing, const struct tile_slot *held, size_t count);
+/* alone: the contact is not so large that the GPU would cut it into parts. Makes blocks in which soil may slide active. *changed: posts whose planes it
+ * may have changed; empty: none. */
+enum status bearing_kinematic_run(struct bearing *bearing, const struct deform_contact *contact, const struct bearing_area *area, bool alone,
+				  struct post_rect *changed) FURROW_CHECKED;
+/* held: pinned tiles. Writes the changed posts that they have. */
+enum status bearing_kinematic_scatter(struct bearing *bearing, struct post_rect changed, const struct tile_slot *held, size_t count) FURROW_CHECKED;
+/* Returns true if the contact reads all that the body rests on in a pose, and around it. Then nothing need be made active when it leaves that pose. */
+bool bearing_kinematic_covers(const struct bearing *bearing, const struct deform_contact *contact, const struct bearing_area *area, const struct soil_pose *rest);
 
 /* --- active blocks: those in which soil may still slide --- */
 

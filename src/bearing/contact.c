@@ -46,25 +46,20 @@ enum status bearing_meeting_begin(struct bearing *bearing, const struct bearing_
 	const struct soil_planes *planes = &bearing->window.planes;
 	if (status != STATUS_OK)
 		return status;
-	memset(planes->contact, 0, planes->width * (size_t)(reads.y1 - reads.y0));
-	if (!whole) /* posts of no tile are beyond the world */
-		resident_host_gather(bearing->slots, NULL, 0, planes);
+	if (whole)
+		memset(planes->contact, 0, planes->width * (size_t)(reads.y1 - reads.y0));
+	else
+		bearing_window_clear(bearing); /* posts of no tile are beyond the world */
 	bearing->whole = whole;
 	return STATUS_OK;
 }
 
 void bearing_meeting_gather(struct bearing *bearing, const struct tile_slot *held, size_t count)
 {
-	struct soil_planes planes = bearing->window.planes;
-	struct post_rect part = {0, 0, 0, 0};
-	for (size_t i = 0; i < count && !bearing->whole; i++)
-		part = post_rect_joined(part, tile_post_rect(bearing->params.extent, held[i].tile));
-	part = post_rect_intersect(part, planes.rect);
-	if (!bearing->whole && post_rect_empty(part))
-		return;
-	if (!bearing->whole)
-		bearing_window_part(&bearing->window, part, &planes);
-	resident_host_gather(bearing->slots, held, count, &planes);
+	if (bearing->whole)
+		resident_host_gather(bearing->slots, held, count, &bearing->window.planes);
+	else
+		bearing_window_gather(bearing, held, count);
 }
 
 enum status bearing_meeting_scatter(struct bearing *bearing, const struct bearing_contact *contacts, size_t count, const struct tile_slot *held, size_t held_count)
@@ -342,8 +337,8 @@ enum status bearing_meeting_compute(struct bearing *bearing, struct bearing_cont
 	}
 	const bool alone = count == 1 && bearing->rest_count == 0;
 	commit(bearing, count, alone);
-	bearing_hold(bearing, bearing->rests, bearing->rest_count);
-	const bool deposits = lay(bearing, count, alone);
+	status = bearing_hold(bearing, bearing->rests, bearing->rest_count);
+	const bool deposits = status == STATUS_OK && lay(bearing, count, alone);
 	put_clusters(bearing, count);
 	for (size_t i = 0; i < count && status == STATUS_OK; i++)
 		status = slide(bearing, contacts, count, i, deposits);

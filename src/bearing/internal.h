@@ -3,6 +3,8 @@
 #define FURROW_BEARING_INTERNAL_H
 
 #include "bearing/bearing.h"
+#include "soil/kinematic/kinematic.h"
+#include "soil/kinematic/shed.h"
 #include "soil/laying/laying.h"
 #include "soil/sink.h"
 
@@ -14,10 +16,11 @@ struct bearing_window {
 	struct soil_planes planes;
 	int32_t *deposits;
 	uint8_t *owners, *patch; /* which body touched a post last; the posts that one body touched, as soil_lay reads them */
+	int32_t *carried; /* kinematic models: what each post gives away */
 	size_t posts;     /* for which there is room */
 	void *memory;
 	size_t bytes;     /* of memory */
-	void *scratch;    /* for laying and for sliding */
+	void *scratch;    /* for laying, for sliding, and for lower envelopes */
 	size_t scratch_bytes;
 	uint32_t *words;  /* flags of blocks */
 	size_t word_count;
@@ -27,7 +30,7 @@ struct bearing_window {
 struct bearing_region {
 	struct post_rect blocks; /* columns and rows of blocks */
 	struct post_rect reads, writes;
-	int32_t *offset, *deposited; /* of `writes`; NULL: not computed yet */
+	int32_t *offset, *deposited; /* of `writes`; offset NULL: not computed yet; deposited NULL: the model does not keep it */
 };
 
 /* A body of a meeting. */
@@ -55,6 +58,11 @@ struct bearing {
 	unsigned planes;             /* that are kept */
 	struct soil_law law;
 	struct soil_sliding rule;
+	struct soil_shed shed;       /* the rule's, if the model sheds */
+	bool conserves;              /* the model moves soil */
+	bool bears;                  /* it computes forces; false: it is kinematic */
+	bool held_is_stable;         /* the words of a contact tell all blocks in which soil may slide */
+	struct soil_kinematic kinematic;
 	struct soil_laid laid[SOIL_CLASSES];
 	int64_t around;              /* posts around what a contact reached in which soil may slide */
 	struct bearing_member *members;
@@ -82,6 +90,12 @@ struct bearing {
 /* window.c */
 /* Makes room for a window of these posts, with room for sliding and laying in it. */
 enum status bearing_window_need(struct bearing *bearing, struct post_rect rect) FURROW_CHECKED;
+/* Makes room for so many bytes of scratch memory. */
+enum status bearing_scratch_need(struct bearing *bearing, size_t bytes) FURROW_CHECKED;
+/* Copies posts of pinned tiles into the window. The tiles together make a rectangle. Posts of other tiles are not changed. */
+void bearing_window_gather(struct bearing *bearing, const struct tile_slot *held, size_t count);
+/* Makes all posts of the window such that lie beyond the world. */
+void bearing_window_clear(struct bearing *bearing);
 void bearing_window_finish(struct bearing_window *window);
 
 /* Gives the planes of a part of the window. Returns where it begins. */
@@ -106,7 +120,7 @@ void bearing_tell(const struct bearing *bearing, const struct deform_contact *co
 
 /* interval.c */
 /* Marks posts that bodies at rest hold, in the window. */
-void bearing_hold(struct bearing *bearing, const struct deform_rest *objects, size_t count);
+enum status bearing_hold(struct bearing *bearing, const struct deform_rest *objects, size_t count) FURROW_CHECKED;
 /* Frees the result of a region, if it has one. */
 void bearing_region_finish(struct bearing *bearing, struct bearing_region *region);
 

@@ -5,7 +5,6 @@
 #include <string.h>
 
 #include "bearing/internal.h"
-#include "soil/kinematic/kinematic.h"
 
 #define REGION_BLOCKS 7
 
@@ -111,41 +110,33 @@ enum status bearing_interval_start(struct bearing *bearing, size_t region)
 	enum status status = bearing_window_need(bearing, reads);
 	if (status != STATUS_OK)
 		return status;
-	/* Posts of no tile are beyond the world. */
-	struct soil_planes *planes = &bearing->window.planes;
-	const size_t posts = planes->width * (size_t)(reads.y1 - reads.y0);
-	memset(planes->contact, 0, posts);
-	resident_host_gather(bearing->slots, NULL, 0, planes);
+	bearing_window_clear(bearing); /* posts of no tile are beyond the world */
 	return STATUS_OK;
 }
 
 void bearing_interval_gather(struct bearing *bearing, const struct tile_slot *held, size_t count)
 {
-	struct soil_planes planes;
-	struct post_rect part = {0, 0, 0, 0};
-	for (size_t i = 0; i < count; i++)
-		part = post_rect_joined(part, tile_post_rect(bearing->params.extent, held[i].tile));
-	part = post_rect_intersect(part, bearing->window.planes.rect);
-	if (post_rect_empty(part))
-		return;
-	bearing_window_part(&bearing->window, part, &planes);
-	planes.sinkage = planes.shear = planes.dug = NULL;
-	planes.disturbance = planes.levels = NULL;
-	resident_host_gather(bearing->slots, held, count, &planes);
+	bearing_window_gather(bearing, held, count);
 }
 
-void bearing_hold(struct bearing *bearing, const struct deform_rest *objects, size_t count)
+enum status bearing_hold(struct bearing *bearing, const struct deform_rest *objects, size_t count)
 {
 	struct soil_planes *planes = &bearing->window.planes;
-	struct soil_kinematic kinematic = {.spacing = bearing->law.spacing, .reference = bearing->law.reference};
-	for (size_t i = 0; i < count; i++) {
+	const struct soil_kinematic kinematic = {.spacing = bearing->law.spacing, .reference = bearing->law.reference};
+	const size_t height = (size_t)(planes->rect.y1 - planes->rect.y0);
+	enum status status = STATUS_OK;
+	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
 		const struct deform_rest *rest = &objects[i];
 		struct soil_pose pose = rest->pose;
 		if (rest->loaded_body > 0)
 			pose.z += bearing->standing[rest->loaded_body - 1];
-		if (!post_rect_empty(post_rect_intersect(soil_shadow(rest->shape, &pose, &pose, bearing->law.spacing), planes->rect)))
+		if (post_rect_empty(post_rect_intersect(soil_shadow(rest->shape, &pose, &pose, bearing->law.spacing), planes->rect)))
+			continue;
+		status = bearing_scratch_need(bearing, soil_kinematic_room(&kinematic, &(struct soil_kinematic_contact){.shape = rest->shape}, planes->width, height));
+		if (status == STATUS_OK)
 			soil_kinematic_hold(&kinematic, rest->shape, &pose, planes, bearing->window.scratch);
 	}
+	return status;
 }
 
 enum status bearing_interval_slide(struct bearing *bearing, size_t number)
@@ -153,30 +144,33 @@ enum status bearing_interval_slide(struct bearing *bearing, size_t number)
 	struct bearing_region *region = &bearing->regions[number];
 	struct soil_planes *planes = &bearing->window.planes;
 	const size_t width = (size_t)(region->writes.x1 - region->writes.x0), height = (size_t)(region->writes.y1 - region->writes.y0);
-	bearing_hold(bearing, bearing->objects, bearing->object_count);
+	enum status status = bearing_hold(bearing, bearing->objects, bearing->object_count);
+	if (status != STATUS_OK)
+		return status;
 	soil_active_close(&bearing->active, planes);
 	bearing->slid++;
 	soil_slide_region(&bearing->rule, planes, region->blocks, bearing->window.scratch, bearing->window.words);
-	enum status status = soil_active_add_words(&bearing->next, bearing->world, region->blocks, bearing->window.words);
+	status = soil_active_add_words(&bearing->next, bearing->world, region->blocks, bearing->window.words);
 	if (status != STATUS_OK)
 		return status;
-	region->offset = mem_alloc(2 * width * height, sizeof *region->offset);
+	region->offset = mem_alloc((planes->deposited != NULL ? 2 : 1) * width * height, sizeof *region->offset);
 	if (region->offset == NULL)
 		return fail_memory("relaxation");
-	region->deposited = region->offset + width * height;
+	region->deposited = planes->deposited != NULL ? region->offset + width * height : NULL;
 	bearing->results += posts_in(region->writes);
 	bearing->results_most = bearing->results > bearing->results_most ? bearing->results : bearing->results_most;
 	for (size_t row = 0; row < height; row++) {
 		const size_t at = ((size_t)(region->writes.y0 - planes->rect.y0) + row) * planes->width + (size_t)(region->writes.x0 - planes->rect.x0);
 		memcpy(region->offset + row * width, planes->offset + at, width * sizeof *region->offset);
-		memcpy(region->deposited + row * width, planes->deposited + at, width * sizeof *region->deposited);
+		if (planes->deposited != NULL)
+			memcpy(region->deposited + row * width, planes->deposited + at, width * sizeof *region->deposited);
 	}
 	return STATUS_OK;
 }
 
 enum status bearing_interval_scatter(struct bearing *bearing, size_t number, const struct tile_slot *held, size_t count)
 {
-	const unsigned planes = PLANE_BIT(PLANE_OFFSET) | PLANE_BIT(PLANE_DEPOSITED);
+	const unsigned planes = bearing->planes & (PLANE_BIT(PLANE_OFFSET) | PLANE_BIT(PLANE_DEPOSITED));
 	struct bearing_region *region = &bearing->regions[number];
 	const struct soil_planes from = {.rect = region->writes, .width = (size_t)(region->writes.x1 - region->writes.x0), .offset = region->offset, .deposited = region->deposited};
 	enum status status = STATUS_OK;

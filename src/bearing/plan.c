@@ -1,11 +1,28 @@
 /*
- * The memory of bearing soil, for plans and for run.json. A plane of the window has a whole number of cache lines (window.c), so bytes are posts times
+ * The memory of soil that the CPU computes, for plans and for run.json. A plane of the window has a whole number of cache lines (window.c), so bytes are posts times
  * bytes a post.
  */
 #include "bearing/internal.h"
 
-#define WINDOW_BYTES (6 * sizeof(int32_t) + 3 * sizeof(uint8_t)) /* base, offset, deposited, sinkage, shear, deposits; contact, owners, patch */
-#define RESULT_BYTES (2 * sizeof(int32_t))                   /* offset, deposited */
+/* Returns the bytes of a post of the window that every drive with this model has: base, offset, contact; other planes that the model keeps; deposits, and
+ * what a kinematic model carries. */
+static uint64_t window_bytes(enum deform_model model)
+{
+	const unsigned kept = deform_planes(model, false, false);
+	uint64_t whole = 2;
+	whole += (kept & PLANE_BIT(PLANE_DEPOSITED)) != 0;
+	whole += (kept & PLANE_BIT(PLANE_PLASTIC_SINKAGE)) != 0;
+	whole += (kept & PLANE_BIT(PLANE_SHEAR)) != 0;
+	whole += deform_conserves(model);
+	whole += deform_conserves(model) && !deform_tells_forces(model);
+	return whole * sizeof(int32_t) + (deform_tells_forces(model) ? 3 : 1) * sizeof(uint8_t); /* contact; owners, patch */
+}
+
+/* Returns the bytes of a post that an interval changes: offset, and deposited if the model keeps it. */
+static uint64_t result_bytes(enum deform_model model)
+{
+	return deform_planes(model, false, false) & PLANE_BIT(PLANE_DEPOSITED) ? 2 * sizeof(int32_t) : sizeof(int32_t);
+}
 
 static void add(struct plan *plan, const char *effect, enum plan_unit unit, uint64_t bytes, const char *name)
 {
@@ -16,8 +33,8 @@ void bearing_plan(const struct deform_params *params, struct plan *plan)
 {
 	const char *model = deform_displace_effect(params->model);
 	deform_plan_planes(params, plan);
-	add(plan, model, PLAN_ONCE, sizeof(struct bearing), "bearing soil");
-	add(plan, model, PLAN_WINDOW_POST, WINDOW_BYTES, "window");
+	add(plan, model, PLAN_ONCE, sizeof(struct bearing), deform_tells_forces(params->model) ? "bearing soil" : "soil on the CPU");
+	add(plan, model, PLAN_WINDOW_POST, window_bytes(params->model), "window");
 	if (deform_planes(params->model, params->disturbance, params->slip_sinkage > 0) & PLANE_BIT(PLANE_DUG))
 		add(plan, deform_plane_effect(params->model, PLANE_DUG), PLAN_WINDOW_POST, sizeof(int32_t), "window: dug");
 	if (params->disturbance)
@@ -27,7 +44,8 @@ void bearing_plan(const struct deform_params *params, struct plan *plan)
 	if (params->raster_count > 0)
 		add(plan, "soil_rasters", PLAN_WINDOW_POST, SOIL_RASTERS * sizeof(uint8_t), "window: numbers");
 	add(plan, model, PLAN_WINDOW_SCRATCH, 1, "window: scratch");
-	add(plan, deform_slide_effect(params->model), PLAN_RESULT_POST, RESULT_BYTES, "soil that slid");
+	if (deform_conserves(params->model))
+		add(plan, deform_slide_effect(params->model), PLAN_RESULT_POST, result_bytes(params->model), "soil that slid");
 	if (params->loaded_bodies > 0)
 		add(plan, "load", PLAN_ONCE, params->loaded_bodies * sizeof(int32_t), "heights of the loaded");
 }
@@ -48,5 +66,5 @@ void bearing_figures(const struct bearing *bearing, struct bearing_figures *figu
 		.result_posts = bearing->results_most,
 	};
 	figures->bytes = sizeof *bearing + bearing->params.loaded_bodies * sizeof *bearing->standing + window->bytes + figures->scratch_bytes +
-			 figures->result_posts * RESULT_BYTES;
+			 figures->result_posts * result_bytes(bearing->params.model);
 }

@@ -16,16 +16,21 @@ static size_t place(struct bearing *bearing, size_t posts, char *memory)
 	struct soil_planes *p = &bearing->window.planes;
 	const size_t whole = aligned(posts * sizeof(int32_t)), byte = aligned(posts);
 	size_t used = 0;
-	int32_t **const wholes[] = {&p->base, &p->offset, &p->deposited, &p->sinkage, &p->shear, &bearing->window.deposits};
-	for (size_t i = 0; i < sizeof wholes / sizeof *wholes; i++, used += whole)
-		*wholes[i] = memory != NULL ? (void *)(memory + used) : NULL;
-	p->dug = NULL;
-	if (bearing->planes & PLANE_BIT(PLANE_DUG)) {
-		p->dug = memory != NULL ? (void *)(memory + used) : NULL;
-		used += whole;
+	const struct {
+		int32_t **plane;
+		bool kept;
+	} wholes[] = {
+		{&p->base, true}, {&p->offset, true}, {&p->deposited, bearing->planes & PLANE_BIT(PLANE_DEPOSITED)},
+		{&p->sinkage, bearing->planes & PLANE_BIT(PLANE_PLASTIC_SINKAGE)}, {&p->shear, bearing->planes & PLANE_BIT(PLANE_SHEAR)},
+		{&p->dug, bearing->planes & PLANE_BIT(PLANE_DUG)}, {&bearing->window.deposits, bearing->conserves},
+		{&bearing->window.carried, bearing->conserves && !bearing->bears},
+	};
+	for (size_t i = 0; i < sizeof wholes / sizeof *wholes; i++) {
+		*wholes[i].plane = memory != NULL && wholes[i].kept ? (void *)(memory + used) : NULL;
+		used += wholes[i].kept ? whole : 0;
 	}
 	uint8_t **const bytes[] = {&p->contact, &bearing->window.owners, &bearing->window.patch};
-	for (size_t i = 0; i < sizeof bytes / sizeof *bytes; i++, used += byte)
+	for (size_t i = 0; i < (bearing->bears ? sizeof bytes / sizeof *bytes : 1); i++, used += byte)
 		*bytes[i] = memory != NULL ? (void *)(memory + used) : NULL;
 	p->disturbance = p->classes = p->levels = NULL;
 	if (bearing->params.disturbance) {
@@ -43,7 +48,7 @@ static size_t place(struct bearing *bearing, size_t posts, char *memory)
 	return used;
 }
 
-static enum status need_scratch(struct bearing *bearing, size_t bytes, size_t words)
+enum status bearing_scratch_need(struct bearing *bearing, size_t bytes)
 {
 	struct bearing_window *window = &bearing->window;
 	if (bytes > window->scratch_bytes) {
@@ -54,6 +59,12 @@ static enum status need_scratch(struct bearing *bearing, size_t bytes, size_t wo
 			return fail_memory("the soil around a body");
 		window->scratch_bytes = bytes;
 	}
+	return STATUS_OK;
+}
+
+static enum status need_words(struct bearing *bearing, size_t words)
+{
+	struct bearing_window *window = &bearing->window;
 	if (words > window->word_count) {
 		mem_free(window->words);
 		window->word_count = 0;
@@ -68,7 +79,7 @@ static enum status need_scratch(struct bearing *bearing, size_t bytes, size_t wo
 enum status bearing_window_need(struct bearing *bearing, struct post_rect rect)
 {
 	struct bearing_window *window = &bearing->window;
-	const size_t width = (size_t)(rect.x1 - rect.x0), height = (size_t)(rect.y1 - rect.y0), posts = aligned(width * (height + 1)); /* a row more: parts are read in whole blocks */
+	const size_t width = (size_t)(rect.x1 - rect.x0), height = (size_t)(rect.y1 - rect.y0), posts = aligned(width * (height + (bearing->bears ? 1 : 0))); /* a row more: parts are read in whole blocks */
 	if (posts > window->posts) {
 		mem_free(window->memory);
 		window->posts = window->bytes = 0;
@@ -82,9 +93,31 @@ enum status bearing_window_need(struct bearing *bearing, struct post_rect rect)
 	}
 	window->planes.rect = rect;
 	window->planes.width = width;
+	if (!bearing->conserves)
+		return STATUS_OK;
 	const size_t laying = soil_lay_scratch(width, height), sliding = soil_sliding_scratch(&bearing->rule, &window->planes);
-	const size_t blocks = (width / SOIL_BLOCK + 2) * (height / SOIL_BLOCK + 2);
-	return need_scratch(bearing, laying > sliding ? laying : sliding, blocks);
+	enum status status = bearing_scratch_need(bearing, laying > sliding ? laying : sliding);
+	return status == STATUS_OK ? need_words(bearing, (width / SOIL_BLOCK + 2) * (height / SOIL_BLOCK + 2)) : status;
+}
+
+void bearing_window_clear(struct bearing *bearing)
+{
+	const struct soil_planes *planes = &bearing->window.planes;
+	memset(planes->contact, 0, planes->width * (size_t)(planes->rect.y1 - planes->rect.y0));
+	resident_host_gather(bearing->slots, NULL, 0, planes);
+}
+
+void bearing_window_gather(struct bearing *bearing, const struct tile_slot *held, size_t count)
+{
+	struct soil_planes planes;
+	struct post_rect part = {0, 0, 0, 0};
+	for (size_t i = 0; i < count; i++)
+		part = post_rect_joined(part, tile_post_rect(bearing->params.extent, held[i].tile));
+	part = post_rect_intersect(part, bearing->window.planes.rect);
+	if (post_rect_empty(part))
+		return;
+	bearing_window_part(&bearing->window, part, &planes);
+	resident_host_gather(bearing->slots, held, count, &planes);
 }
 
 size_t bearing_window_part(const struct bearing_window *window, struct post_rect part, struct soil_planes *planes)

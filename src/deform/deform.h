@@ -128,6 +128,8 @@ bool deform_model_takes(enum deform_model model, const char *key);
 bool deform_model_reads(enum deform_model model, const char *number);
 /* Returns true for a model that moves soil and loses only what is compacted. */
 bool deform_conserves(enum deform_model model);
+/* Returns true for a model whose soil slides by Sumner's rule: a steep post sheds soil to its lower neighbours (soil/kinematic/shed.h). */
+bool deform_sheds(enum deform_model model);
 /* Returns in how many directions soil slides along lines in a contact, a pass each. */
 int deform_line_passes(const struct deform_params *params);
 /* Returns true if the model computes the forces on an object. Only then an object can have a load. */
@@ -197,6 +199,8 @@ struct deform_window {
 size_t deform_windows_computed(const struct deform_window *windows, size_t count);
 /* Returns true if the contact has no motion. Then only its end pose acts on the ground. */
 bool deform_is_contact_only(const struct deform_contact *contact);
+/* Returns true if soil can slide only near what the contact reached: the object turned by less than a post. spacing: m between posts. Pure. */
+bool deform_slides_near(const struct deform_contact *contact, double spacing);
 /* Returns a number of posts. A contact of this shape reads and changes no post that lies farther from the rectangle around its origins. */
 int64_t deform_contact_reach(const struct deform *deform, const struct soil_shape *shape);
 /* Finds the windows of a contact. *count 0: it lies outside the world. STATUS_INPUT: it needs more than DEFORM_WINDOWS_MAX. */

@@ -4,6 +4,7 @@
 
 #include "deform/deform.h"
 #include "deform/programs.h"
+#include "soil/kinematic/shed.h"
 #include "soil/laying/laying.h"
 #include "soil/shape/affine.h"
 
@@ -108,6 +109,7 @@ struct deform {
 	struct gpu_program *slope[SLOPE_HOPS], *steep;
 	struct soil_sliding sliding;           /* the rule of all models but sumner; of sumner its tolerance */
 	struct shed_soil soils[SOIL_CLASSES];  /* sumner */
+	struct soil_shed sheds;                /* the same rule as the CPU takes it: sliding.shed */
 	bool contacts_flag;                    /* the flags that a contact writes show all blocks where soil moves after it */
 	struct gpu_program *scm[2][WITH_ALL];  /* indices: 1 over a batch; the variant */
 	struct gpu_program *find[2][FIND_ALL]; /* indices: 1 over a batch; the variant */

@@ -12,13 +12,18 @@ bool deform_is_contact_only(const struct deform_contact *contact)
 	return soil_only_set_down(&contact->from, &contact->to);
 }
 
-bool deform_is_swept(const struct deform *deform, const struct deform_contact *contact)
+bool deform_slides_near(const struct deform_contact *contact, double spacing)
 {
 	const struct soil_pose *from = &contact->from, *to = &contact->to;
 	double turned = fabs(remainder(to->yaw - from->yaw, 2 * M_PI)) + fabs(to->pitch - from->pitch) + fabs(to->roll - from->roll);
 	if (!deform_is_contact_only(contact))
-		return turned * soil_shape_bound(contact->shape) <= deform->spacing;
+		return turned * soil_shape_bound(contact->shape) <= spacing;
 	return turned == 0 && to->turn == from->turn && to->x == from->x && to->y == from->y && to->z == from->z;
+}
+
+bool deform_is_swept(const struct deform *deform, const struct deform_contact *contact)
+{
+	return deform_slides_near(contact, deform->spacing);
 }
 
 static int64_t floor_to(int64_t v, int64_t step)

@@ -57,22 +57,24 @@ static enum status put_common(struct fleet *fleet, const struct world *world)
 	return status == STATUS_OK ? fleet_put(&fleet->sent, &mine, sizeof mine) : status;
 }
 
-/* A renderer's name tells the width of llvmpipe's vectors, too, on which sums of floats depend. */
+/* A renderer's name tells the width of llvmpipe's vectors, too, on which sums of floats depend. All zeros: the CPU computes the ground, with the same
+ * bits everywhere. */
 struct renderer {
 	char vendor[100], name[160], version[160];
 };
 
 static enum status compare_renderers(void *user, int rank, struct fleet_bytes *bytes)
 {
+	static const struct renderer cpu;
 	struct renderer *first = user, other;
 	enum status status = fleet_get(bytes, &other, sizeof other);
 	if (status != STATUS_OK)
 		return status;
-	if (rank == 0)
+	if (rank == 0 || memcmp(first, &cpu, sizeof cpu) == 0)
 		*first = other;
-	if (memcmp(&other, first, sizeof other) != 0)
-		return fail_with(STATUS_INPUT, "rank %d: its GL is %.90s, %.50s, and that of rank 0 is %.90s, %.50s, so that their ground could differ; "
-					       "start all ranks on machines with the same GPU and driver",
+	if (memcmp(&other, &cpu, sizeof cpu) != 0 && memcmp(&other, first, sizeof other) != 0)
+		return fail_with(STATUS_INPUT, "rank %d: its GL is %.90s, %.50s, and that of another rank is %.90s, %.50s, so that their ground could differ; "
+					       "start all ranks on machines with the same GPU and driver, or give compute: cpu",
 				 rank, other.name, other.version, first->name, first->version);
 	return STATUS_OK;
 }
@@ -82,6 +84,8 @@ static enum status put_renderer(struct fleet *fleet, const struct world *world)
 	const struct gpu_info *info = gpu_info(world->gpu);
 	struct renderer mine;
 	memset(&mine, 0, sizeof mine);
+	if (world->bearing != NULL)
+		return fleet_put(&fleet->sent, &mine, sizeof mine);
 	snprintf(mine.vendor, sizeof mine.vendor, "%s", info->vendor);
 	snprintf(mine.name, sizeof mine.name, "%s", info->renderer);
 	snprintf(mine.version, sizeof mine.version, "%s", info->version);

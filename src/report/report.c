@@ -105,7 +105,11 @@ static void add_gpu(cJSON *root, const struct report *report, const struct gpu_s
 	struct bearing_figures bearing = {.contacts = 0};
 	if (report->world->bearing != NULL)
 		bearing_figures(report->world->bearing, &bearing);
-	cJSON *computed = cJSON_AddObjectToObject(root, "computed"); /* by the CPU: soil that bears */
+	cJSON *computed = cJSON_AddObjectToObject(root, "computed"); /* what computes the ground, and how much the CPU did */
+	if (world_changes_ground(report->world))
+		cJSON_AddStringToObject(computed, "by", report->world->bearing != NULL ? "cpu" : "gpu");
+	else
+		cJSON_AddNullToObject(computed, "by");
 	json_integer(computed, "contacts", (int64_t)bearing.contacts);
 	json_integer(computed, "feels", (int64_t)bearing.feels);
 	json_integer(computed, "regions", (int64_t)bearing.regions);

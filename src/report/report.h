@@ -168,7 +168,7 @@ struct report_plan {
 	struct report_tiles tiles; /* that `most` is computed from */
 	struct mem_usable usable;  /* memory of this machine, or less; `most.queue` is within it */
 	bool all;             /* every tile has a slot, so none is loaded ahead */
-	bool bearing;         /* the soil bears: contacts are computed on the CPU, and tiles are kept in its memory */
+	bool bearing;         /* the CPU computes the ground, and tiles are kept in its memory */
 	size_t window_tiles;  /* most tiles that one window, or one block of relaxing soil, can touch */
 	size_t batch_windows; /* most contacts that are computed together; 0: each is computed alone */
 	uint64_t batch_bytes; /* of GPU memory for that, beside what a contact needs that is alone */

@@ -18,6 +18,7 @@
 
 enum scene_coordinates { SCENE_LOCAL, SCENE_STORE, SCENE_SRS };
 enum scene_outside { SCENE_STOP, SCENE_SKIP };
+enum scene_compute { SCENE_ANYWHERE, SCENE_GPU, SCENE_CPU };
 enum scene_undisturbed { SCENE_STABLE, SCENE_SLIDES };
 enum scene_normals { SCENE_BODY, SCENE_GROUND };
 enum scene_body { SCENE_EARTH, SCENE_MARS, SCENE_MOON };
@@ -271,6 +272,8 @@ struct scene {
 				      classes 0: none */
 	bool disturbance;
 	enum scene_outside outside;
+	/* What computes the ground; it changes no bit. SCENE_ANYWHERE: scm the CPU, other models the GPU, and the CPU where there is no GL. */
+	enum scene_compute compute;
 	struct scene_object *objects;
 	size_t object_count;
 	struct scene_vehicle *vehicles;

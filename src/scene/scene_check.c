@@ -89,6 +89,15 @@ struct scene_list scene_models_with_forces(void)
 	return models;
 }
 
+static enum status check_compute(const struct scene_tree *tree, const int *compute, struct scene *scene)
+{
+	scene->compute = compute != NULL ? (enum scene_compute)*compute : SCENE_ANYWHERE;
+	if (scene->compute != SCENE_GPU || !deform_tells_forces(scene->model))
+		return STATUS_OK;
+	return scene_error(tree->file, scene_tree_find(tree, "compute"), "model %s is computed by the CPU alone; allowed with it: cpu",
+			   deform_model_row(scene->model)->name);
+}
+
 static enum status check_output(const struct scene_tree *tree, const struct raw_output *output,
 				struct scene *scene)
 {
@@ -188,6 +197,7 @@ enum status scene_check(const struct scene_tree *tree, const struct raw_scene *r
 	if ((status = check_memory(tree, cache, scene)) != STATUS_OK ||
 	    (status = check_coordinates(raw, scene)) != STATUS_OK ||
 	    (status = check_redistribute(tree, raw->redistribute, scene)) != STATUS_OK ||
+	    (status = check_compute(tree, raw->compute, scene)) != STATUS_OK ||
 	    (status = check_attributes(tree, raw, scene)) != STATUS_OK ||
 	    (status = check_output(tree, raw->output, scene)) != STATUS_OK ||
 	    (status = scene_check_objects(tree, raw, scene)) != STATUS_OK ||

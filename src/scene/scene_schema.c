@@ -168,6 +168,7 @@ static const cyaml_strval_t body_words[] = {{"earth", SCENE_EARTH}, {"mars", SCE
 static const cyaml_strval_t camera_words[] = {{"mounted", SCENE_MOUNTED}, {"fixed", SCENE_FIXED}, {"chase", SCENE_CHASE},
 					      {"overhead", SCENE_OVERHEAD}, {"poses", SCENE_BY_POSES}};
 static const cyaml_strval_t exposure_words[] = {{"fixed", SCENE_EXPOSURE_FIXED}, {"sun", SCENE_EXPOSURE_SUN}};
+static const cyaml_strval_t compute_words[] = {{"gpu", SCENE_GPU}, {"cpu", SCENE_CPU}};
 static const cyaml_strval_t outside_words[] = {{"stop", SCENE_STOP}, {"skip", SCENE_SKIP}};
 
 static const cyaml_schema_field_t redistribute_fields[] = {
@@ -325,6 +326,7 @@ static const cyaml_schema_field_t scene_fields[] = {
 	CYAML_FIELD_MAPPING_PTR("relief", OPTIONAL, struct raw_scene, relief, relief_fields),
 	CYAML_FIELD_MAPPING_PTR("redistribute", OPTIONAL, struct raw_scene, redistribute,
 				redistribute_fields),
+	CYAML_FIELD_ENUM_PTR("compute", OPTIONAL, struct raw_scene, compute, compute_words, 2),
 	CYAML_FIELD_SEQUENCE("attributes", OPTIONAL_POINTER, struct raw_scene, attributes,
 			     &word_entry, 0, CYAML_UNLIMITED),
 	CYAML_FIELD_ENUM_PTR("outside", OPTIONAL, struct raw_scene, outside, outside_words, 2),

@@ -211,6 +211,7 @@ struct raw_scene {
 	char **attributes;
 	uint32_t attributes_count;
 	int *outside; /* enum scene_outside */
+	int *compute; /* enum scene_compute */
 	struct raw_object *objects;
 	uint32_t objects_count;
 	struct raw_vehicle *vehicles;

@@ -245,6 +245,8 @@ struct soil_sliding_class {
 	int32_t slope[SOIL_SLOPE_HEIGHTS], rise[2];
 };
 
+struct soil_shed; /* src/soil/kinematic/shed.h */
+
 struct soil_sliding {
 	struct soil_sliding_class classes[SOIL_CLASSES];
 	int class_count;         /* a post's class is below it */
@@ -260,6 +262,9 @@ struct soil_sliding {
 	int hops, ways[SOIL_SLOPE_HOPS], reach;
 	int32_t slope_least;     /* least axial critical difference in a slope */
 	int32_t apart;           /* distance of posts, 2^-20 m, with as many binary digits as the cotangents */
+	/* Sumner's rule, by which posts shed soil, in place of the excess over critical differences; NULL: not. It must outlive this. */
+	const struct soil_shed *shed;
+	int step;                /* an iteration at a post depends on so many posts around it */
 };
 
 struct soil_sliding_params {
@@ -277,6 +282,7 @@ struct soil_sliding_params {
 	double tolerance;          /* m, 0 .. 1 */
 	double relief;             /* m between the world's lowest and highest post; INFINITY: not known */
 	bool undisturbed_stable;
+	const struct soil_shed *shed; /* as in struct soil_sliding */
 };
 /* Prepares the rule. */
 void soil_sliding_prepare(const struct soil_sliding_params *params, struct soil_sliding *rule);

@@ -1,5 +1,5 @@
 /*
- * A contact that changes nothing runs no pass. The CPU finds this out.
+ * A contact that changes nothing is not computed. It is found out before.
  *
  * An object is aloft if its pose is given (it has no load) and computing its windows would change no post. Two things must
  * hold:
@@ -12,7 +12,7 @@
  * 2. No soil slides. Under models that move soil every contact also makes relaxation iterations over its window. Undisturbed
  * ground is stable, unless the scene says that it slides. Soil passes only between two written posts of a window of which one
  * has risen or sunk. So these models need windows in which no written post was ever touched (deform_is_touched). Over other
- * windows the contact is computed, and bounds of offsets do not help.
+ * windows the contact is computed, and bounds of offsets do not help. The CPU does not keep touched posts: there no tile of the windows may have planes.
  *
  * Ground touched before the drive is known by tiles: tiles that have planes when they are first looked at (`old`). A page that
  * comes back was looked at before. All posts of an old tile count as touched. Another model may have left walls in it, and a
@@ -66,6 +66,18 @@ static enum status highest_offset(struct world *world, int64_t *highest)
 	return status;
 }
 
+static bool has_planes(const struct world *world, uint32_t slot)
+{
+	struct host_slot tile;
+	bool has = false;
+	if (world->host == NULL)
+		return gpu_slots_get(world->slots, slot)->target != NULL;
+	resident_host_get(world->host, slot, &tile);
+	for (int plane = 0; plane < PLANES; plane++)
+		has = has || tile.planes[plane] != NULL;
+	return has;
+}
+
 /* Tells whether no tile of the windows has planes. */
 static enum status without_planes(struct world *world, const struct deform_window *windows, size_t count, bool *none)
 {
@@ -75,7 +87,7 @@ static enum status without_planes(struct world *world, const struct deform_windo
 	for (size_t i = 0; i < count && *none && status == STATUS_OK; i++) {
 		status = world_hold(world, windows[i].read, &held);
 		for (size_t k = 0; k < held.count; k++)
-			*none = *none && gpu_slots_get(world->slots, held.tiles[k].slot)->target == NULL;
+			*none = *none && !has_planes(world, held.tiles[k].slot);
 		world_release(world, &held);
 	}
 	return status;
@@ -157,12 +169,10 @@ enum status world_is_aloft(struct world *world, const struct event *event, struc
 {
 	bool conserves = deform_conserves(world->scene->model);
 	*aloft = false;
-	if (world->bearing != NULL) /* such a contact costs little */
-		return STATUS_OK;
 	/* Most objects are on the ground: they need no further test. */
 	if (count == 0 || contact->load > 0 || event->sinkage >= 0 || world->params.everywhere)
 		return STATUS_OK;
-	if (conserves && !world->aloft.asks_touched)
+	if (conserves && (world->bearing != NULL ? world->scene->undisturbed != SCENE_STABLE : !world->aloft.asks_touched))
 		return STATUS_OK;
 	int64_t low = world_lowest(contact), highest;
 	enum status status = highest_base(world, windows, count, &highest);
@@ -170,7 +180,7 @@ enum status world_is_aloft(struct world *world, const struct event *event, struc
 		return status;
 	contact->above = true;
 	if (conserves)
-		return untouched_soil(world, windows, count, aloft);
+		return world->bearing != NULL ? without_planes(world, windows, count, aloft) : untouched_soil(world, windows, count, aloft);
 	int64_t offset;
 	status = highest_offset(world, &offset);
 	if (status != STATUS_OK)

@@ -33,7 +33,7 @@ static size_t window_tiles(const struct world *world, const struct deform_params
 	struct deform_contact contact = {.shape = &around, .from = {.x = x, .y = y}, .to = {.x = x + post, .y = y + post}};
 	struct deform_window windows[DEFORM_WINDOWS_MAX];
 	struct post_rect all = {0, 0, DEFORM_WINDOW_POSTS, DEFORM_WINDOW_POSTS};
-	const bool whole = world_is_bearing(world); /* all windows are one */
+	const bool whole = world_feels(world); /* all windows are one */
 	size_t count;
 	/* The sphere may need too many windows. The object is smaller, and no window of it is larger than a full one. */
 	if (deform_cut(params, &contact, windows, &count) == STATUS_OK && count > 0) {

@@ -292,6 +292,12 @@ static enum status contact_at(struct world *world, const struct event *event, bo
 		body->last = contact.to;
 		return STATUS_OK;
 	}
+	if (world->bearing != NULL && !world_feels(world)) {
+		enum status status = world_kinematic_contact(world, event, &contact, last);
+		body->in_contact = true;
+		body->last = contact.to;
+		return status;
+	}
 	if (world->bearing != NULL) {
 		enum status status = bearing_contact_at(world, event, &contact, last, false);
 		body->in_contact = true;

@@ -190,7 +190,7 @@ enum status world_collect_events(struct world *world, double until, bool agreed)
 /* Places the body on the ground at a path sample. Fills pose, contact, distance and sinkage of `event`. */
 enum status world_set_down(struct world *world, struct body *body, int64_t sample, struct event *event) FURROW_CHECKED;
 
-/* --- surface.c: kinematic models (deform) and bearing soil (bearing) behind one face --- */
+/* --- surface.c: what the GPU computes (deform) and what the CPU computes (bearing) behind one face --- */
 
 /* Makes world->deform or world->bearing, if bodies change the ground. */
 enum status world_surface_create(struct world *world, const struct deform_params *params) FURROW_CHECKED;
@@ -253,6 +253,9 @@ enum status world_tell_contact(const struct world *world, const struct event *ev
 enum status world_tell_contact_ended(const struct world *world) FURROW_CHECKED;
 /* Counts windows of a contact that were computed alone. */
 void world_count_windows(struct body *body, const struct deform_contact *contact, size_t computed);
+
+/* kinematic.c: computes one contact of a kinematic model on the CPU. `last`: as in world_contact. */
+enum status world_kinematic_contact(struct world *world, const struct event *event, struct deform_contact *contact, bool last) FURROW_CHECKED;
 
 /* Computes the forces on a host's body without changing the ground. */
 enum status world_feel(struct world *world, const struct event *event) FURROW_CHECKED;

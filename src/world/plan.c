@@ -128,7 +128,7 @@ bool world_computes_together(const struct world *world)
 {
 	struct deform_params params;
 	world_deform_params(world, &params);
-	return params.batches && !deform_conserves(params.model);
+	return params.batches && !deform_conserves(params.model) && !world_is_bearing(world);
 }
 
 /* A host may turn a wheel as it likes. */

@@ -97,7 +97,7 @@ enum status world_probes_now(struct world *world, int32_t number, struct soil_pr
 	const struct host_body *host = world_host_body(world, number);
 	const size_t index = world->scene->object_count + 1 + (size_t)number;
 	probed->known = false;
-	if (!host->placed || world->bearing == NULL || host->body.elsewhere)
+	if (!host->placed || world->bearing == NULL || !world_feels(world) || host->body.elsewhere)
 		return STATUS_OK;
 	enum status status = world_near_begin(world, 0, NULL, NULL);
 	return status == STATUS_OK ? probe_host(world, index, host, &host->now, probed) : status;

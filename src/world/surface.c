@@ -1,11 +1,12 @@
-/* The two ways to change the ground behind one face: kinematic models on the GPU (deform), and soil that bears on the CPU (bearing). */
+/* The two ways to change the ground behind one face: on the GPU (deform: kinematic models), and on the CPU (bearing: soil that bears, and kinematic models
+ * where the scene asks for it, or where there is no GL). */
 #include <math.h>
 
 #include "world/internal.h"
 
 bool world_is_bearing(const struct world *world)
 {
-	return deform_tells_forces(world->scene->model) && world_deforms(world);
+	return world_deforms(world) && (deform_tells_forces(world->scene->model) || world->scene->compute == SCENE_CPU || world->without_gl);
 }
 
 bool world_changes_ground(const struct world *world)

@@ -138,16 +138,35 @@ static enum status start_gpu(struct world *world, const struct gpu_params *param
 	return gpu_slots_create(world->gpu, world->meta->extent.cells, world->limits.slots, planes, &world->slots);
 }
 
+/* Makes the home of pages: slots of the GPU, or in host memory where the CPU computes. Pictures need the GPU's in any case. A kinematic model needs no
+ * GL, unless the scene says so. */
+static enum status start_home(struct world *world)
+{
+	struct deform_params deform;
+	enum status status = STATUS_OK;
+	world_deform_params(world, &deform);
+	const struct gpu_params gpu = {.draws = has_large_passes(world, &deform)};
+	if (!world_is_bearing(world)) {
+		const bool may_do_without = world_deforms(world) && !world->params.draws && world->scene->compute == SCENE_ANYWHERE;
+		status = start_gpu(world, &gpu);
+		if (status != STATUS_NO_GL || !may_do_without)
+			return status;
+		const char *why = failure_message(); /* what to do against it follows */
+		note("%.*s: the CPU computes model %s, with the same result; compute: cpu asks for that", (int)strcspn(why, ";"), why,
+		     deform_model_row(world->scene->model)->name);
+		world->without_gl = true;
+	}
+	status = resident_host_create(world->meta->extent.cells, (uint32_t)world->limits.slots, world_planes(world), &world->host);
+	return status == STATUS_OK && world->params.draws ? start_gpu(world, &gpu) : status;
+}
+
 enum status world_start(struct world *world)
 {
 	struct deform_params deform;
-	world_deform_params(world, &deform);
-	const struct gpu_params gpu = {.draws = has_large_passes(world, &deform)};
 	enum status status = start_look_ahead(world);
-	if (status == STATUS_OK && world_is_bearing(world))
-		status = resident_host_create(world->meta->extent.cells, (uint32_t)world->limits.slots, world_planes(world), &world->host);
-	if (status == STATUS_OK && (world->host == NULL || world->params.draws))
-		status = start_gpu(world, &gpu);
+	if (status == STATUS_OK)
+		status = start_home(world);
+	world_deform_params(world, &deform);
 	if (status == STATUS_OK && world->slots != NULL && world_computes_together(world))
 		status = gpu_slots_in_arrays(world->slots);
 	world->aloft.asks_touched = deform.touched;

@@ -357,10 +357,11 @@ struct world {
 	struct newest *newest;    /* NULL until the first query */
 	FILE *commit_log;         /* a line for each commit; NULL: none */
 
-	struct deform *deform;    /* kinematic models; NULL: there is no body, or soil bears */
-	struct bearing *bearing;  /* soil that bears; NULL: there is none */
+	bool without_gl;          /* no GL context could be made, so the CPU computes what the GPU would */
+	struct deform *deform;    /* what the GPU computes; NULL: there is no body, or the CPU computes */
+	struct bearing *bearing;  /* what the CPU computes; NULL: nothing */
 	struct deform_params surface; /* of deform or bearing */
-	struct host_slots *host;  /* bearing soil: the home of pages */
+	struct host_slots *host;  /* where the CPU computes: the home of pages */
 	struct forces *forces;    /* forces.c; NULL: forces are not needed */
 	struct look_ahead *ahead; /* motion: loads tiles before they are needed */
 	struct body *bodies;      /* bodies.c: the scene's objects in its order, and one more for drops of a window */
@@ -688,7 +689,8 @@ unsigned world_planes(const struct world *world);
 /* Returns the effects that run over this store, as scene_effects does. Where all tiles have a slot, nothing is loaded ahead. Where earlier drives
  * deformed the ground, slip may have dug there. */
 uint64_t world_effects(const struct world *world);
-/* Returns true if the scene's soil bears: it is computed on the CPU, and pages have their home in host memory. */
+/* Returns true if the CPU computes the ground: soil that bears always, kinematic models if the scene says so or there is no GL. Pages then have their
+ * home in host memory. */
 bool world_is_bearing(const struct world *world);
 bool world_computes_together(const struct world *world); /* contacts of several bodies, whose passes read and write tiles, so the slots lie in arrays */
 const struct relief *world_relief(const struct world *world); /* returns what raises the ground below level 0; NULL: nothing */

@@ -75,6 +75,41 @@ static void a_rollback_leaves_what_the_checkpoint_had(void **state)
 	free_copy(&ways[1]);
 }
 
+/* The same of a kinematic model; `compute`: what computes it. */
+static struct copy ways_of(const char *model, const char *soil, const char *compute, struct copy *back)
+{
+	char scene[300], store[60];
+	struct furrow_info info;
+	snprintf(scene, sizeof scene, "{time_step: 0.01, spacing: 0.125, soil: {name: %s}, redistribute: {model: %s}, compute: %s}", soil, model, compute);
+	snprintf(store, sizeof store, "%s-%s.furrow", model, compute);
+	struct furrow_world *world = hosted_world_over(store, scene, hosted_flat);
+	furrow_body ball = hosted_ball(world, 10, 16);
+	make_rut(world, ball, 10, 16, 12);
+	done(furrow_checkpoint(world));
+	make_rut(world, ball, 12, 17, 9);
+	done(furrow_rollback(world));
+	*back = (struct copy){.offsets = hosted_read(world, FURROW_OFFSET, &info)};
+	make_rut(world, ball, 10.6, 16, 20);
+	struct copy way = {.offsets = hosted_read(world, FURROW_OFFSET, &info), .posts = (size_t)(info.columns * info.rows)};
+	done(furrow_world_close(world));
+	return way;
+}
+
+static void a_rollback_does_not_show_what_computes(void **state)
+{
+	static const char *const models[][2] = {{"none", "sand"}, {"box", "sand"}, {"sumner", "sand"}, {"slippage", "dry_sand"}};
+	for (size_t i = 0; i < sizeof models / sizeof *models; i++) {
+		struct copy back[2], gpu = ways_of(models[i][0], models[i][1], "gpu", &back[0]), cpu = ways_of(models[i][0], models[i][1], "cpu", &back[1]);
+		assert_memory_equal(back[0].offsets, back[1].offsets, gpu.posts * sizeof(double));
+		assert_memory_equal(gpu.offsets, cpu.offsets, gpu.posts * sizeof(double));
+		assert_memory_not_equal(back[0].offsets, gpu.offsets, gpu.posts * sizeof(double));
+		for (int k = 0; k < 2; k++)
+			free_copy(&back[k]);
+		free_copy(&gpu);
+		free_copy(&cpu);
+	}
+}
+
 static enum status no_mark(void *user, int64_t *end)
 {
 	(void)user, (void)end;
@@ -396,6 +431,7 @@ TEST_PROGRAM(rollback)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_rollback_leaves_what_the_checkpoint_had),
+		cmocka_unit_test(a_rollback_does_not_show_what_computes),
 		cmocka_unit_test(a_failed_checkpoint_changes_no_rollback),
 		cmocka_unit_test(a_rollback_without_a_checkpoint_goes_back_to_the_opening),
 		cmocka_unit_test(ground_that_a_rollback_raises_is_pressed),

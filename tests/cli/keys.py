@@ -70,6 +70,7 @@ ROWS = {
     "relief.classes[].value": ({**MAP, "relief": "{roughness: 0.05, wavelength: 0.8, classes: [{value: 1, roughness: 0.01}]}"}, {"relief.classes.0.value": "2"}),
     "relief.classes[].roughness": ({**MAP, "relief": "{roughness: 0.05, wavelength: 0.8, classes: [{value: 1, roughness: 0.01}]}"}, {"relief.classes.0.roughness": "0.02"}),
     "relief.classes[].wavelength": ({**MAP, "relief": "{roughness: 0.05, wavelength: 0.8, classes: [{value: 1, roughness: 0.03}]}"}, {"relief.classes.0.wavelength": "1.6"}),
+    "compute": (SCM, {"compute": "gpu"}),  # it is refused; with other models it changes nothing
     "attributes": (PLAIN, {"attributes": "[disturbance]"}),
     "outside": (pathed("points: [[1, 20], [-5, 20]], speed: 20"), {"outside": "skip"}),
     "objects": (PLAIN, {"objects": f"[{WHEEL % 'sink: 0.1'}]"}),

@@ -1,5 +1,7 @@
-"""Soil that bears needs no GL: where no EGL driver is to be found, drive, rig and mobility leave the same as where there is one."""
+"""Where no EGL driver is to be found, drive, rig and mobility of soil that bears leave the same as where there is one. Kinematic models, which the GPU computes
+otherwise, are computed by the CPU: a note tells it, and the bits are the same."""
 import csv
+import json
 import sqlite3
 
 from furrow_test import MAPS, FurrowTest, main
@@ -60,6 +62,31 @@ class NoEgl(FurrowTest):
         for table in ("offset", "dirt", "heaped", "pressed", "shear", "dug"):
             self.assertGreater(len(blind[0][table]), 0, table)
         self.assertEqual(blind, seeing)
+
+    def test_kinematic_models(self):
+        text = (SCENE % "scm").replace(", slip_sinkage: 1", "").replace(", vehicles: 20", "").replace("load: 900, slip: 0.2", "sink: 0.1").replace("{name: dry_sand}", "{name: %s}")
+        for model, soil in (("none", "sand"), ("box", "sand"), ("sumner", "sand"), ("slippage", "dry_sand")):
+            self.scene(text.replace("model: scm", f"model: {model}") % soil)
+            found = []
+            for out, env in ((f"blind-{model}", self.blind), (f"seeing-{model}", None)):
+                drive = ("drive", "scene.yaml", "--store", "world.furrow", "--overlay", out + ".furrow", "-o", out)
+                result = self.furrow(*drive, env=env)
+                self.assertEqual(result.returncode, 0, result.stderr)
+                notes = [line for line in result.stderr.splitlines() if "the CPU computes" in line]
+                self.assertEqual(len(notes), env is not None, result.stderr)
+                if env is not None:
+                    self.assertRegex(notes[0], rf"^furrow: note: GL: [^;]+: the CPU computes model {model}, .+compute: cpu")
+                store = sqlite3.connect(self.folder / (out + ".furrow"))
+                rows = {table: store.execute(f'SELECT key, low, high, codec, hash, blob FROM "{table}" ORDER BY key').fetchall() for table in TABLES}
+                store.close()
+                self.assertGreater(len(rows["offset"]), 0)
+                run = json.loads((self.folder / out / "run.json").read_text())
+                self.assertEqual(run["computed"]["by"], "cpu" if env is not None else "gpu")
+                found.append((rows, (self.folder / out / "objects.csv").read_bytes(), run["volume"]))
+            self.assertTrue(found[0] == found[1], model)
+            self.assertIn("GL", self.refused(4, *drive, "--set", "compute=gpu", env=self.blind))
+            asked = self.furrow(*drive, "--set", "compute=cpu", "--overlay", f"asked-{model}.furrow", env=self.blind)
+            self.assertEqual((asked.returncode, "the CPU computes" in asked.stderr), (0, False), asked.stderr)
 
     def test_a_rig(self):
         found = []

@@ -60,7 +60,7 @@ SAMPLES = [
     scene(WHEEL, soil={"name": "lunar", "rasters": {key: "classes.png" for key in ("friction_angle", "janosi_shear", "elastic_stiffness")}},
           redistribute={"model": "scm"}, output={"forces": 5}),
     scene(wheel(shape={"sphere": {"radius": 1}}, path={"points": [[20, 20], [30, 20]], "speed": 5, "loop": True}),
-          soil={"name": "mud"}, redistribute={"model": "sumner"}),
+          soil={"name": "mud"}, redistribute={"model": "sumner"}, compute="cpu"),
     scene(wheel(shape={"box": {"size": [1, 1, 1]}}, path={"file": "poses.csv", "rotate": 30, "offset": [1, 2]}), redistribute={"model": "slippage"},
           soil={"map": "classes.png", "classes": [{"value": 1, "name": "lunar"}], "default": {"name": "dry_sand"}}),
     scene(WHEEL, redistribute={"model": "scm"}, spacing=0.25, soil={"map": "classes.png", "classes": [{"value": 1, "name": "lunar"}], "default": {"name": "dry_sand"}},

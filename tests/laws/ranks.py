@@ -154,6 +154,15 @@ class TheSame(Ranks):
     def test_wheels_that_cross_at_the_corner_of_four_tiles(self):
         self.compare(CROSSING)
 
+    def test_what_the_cpu_computes(self):
+        for name, text in (("spread", SPREAD), ("heaps", HEAPS), ("sides", BOTH_SIDES)):
+            self.scene(text)
+            gpu = self.run_command(self.command(1, "scene.yaml", f"{name}_gpu", "--set", "compute=gpu"))
+            cpu = self.run_command(self.command(2, "scene.yaml", f"{name}_cpu", "--set", "compute=cpu"))
+            self.assertEqual((gpu["computed"]["by"], cpu["computed"]["by"]), ("gpu", "cpu"))
+            self.assertGreater(cpu["ranks"]["tiles_moved"] + (name == "sides"), 0)
+            self.same(f"{name}_gpu", f"{name}_cpu", (gpu, cpu))
+
     def test_wheels_that_cross_each_other_everywhere(self):
         self.compare(SPREAD, "ridged.furrow")
 
@@ -301,13 +310,15 @@ class Refused(Ranks):
         drive = self.command(1, "scene.yaml", "many")
         blind = ["env", "__EGL_VENDOR_LIBRARY_FILENAMES=/nonexistent.json", "EGL_PLATFORM=surfaceless", *drive]
         self.scene(BOTH_SIDES)
-        said = self.run_command(self.mpmd(drive, blind), expect=1)
+        said = self.run_command(self.mpmd([*drive, "--set", "compute=gpu"], [*blind, "--set", "compute=gpu"]), expect=1)
         self.assertIn("rank 1", said)
         self.assertEqual(list(self.folder.glob("many.furrow*")), [])
         self.assertFalse((self.folder / "many" / "run.json").exists())
-        self.scene(CROSSING)  # soil that bears is computed on the CPU
-        one = self.run_command(self.command(1, "scene.yaml", "one"))
-        self.same("one", "many", (one, self.run_command(self.mpmd(drive, blind))))
+        for name, text in (("both", BOTH_SIDES), ("bears", CROSSING)):  # there the CPU computes
+            self.scene(text)
+            one = self.run_command(self.command(1, "scene.yaml", f"one_{name}"))
+            many = [[word.replace("many", f"many_{name}") for word in command] for command in (drive, blind)]
+            self.same(f"one_{name}", f"many_{name}", (one, self.run_command(self.mpmd(*many))))
 
     def test_ranks_that_are_given_different_things(self):
         self.scene(BOTH_SIDES)

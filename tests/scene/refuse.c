@@ -24,6 +24,8 @@ static const struct {
 	{"{model: box}", "{}", ":9: redistribute.model: is missing"},
 	{"time_step: 0.02", "store: b", ":3: store: is written twice"},
 	{"slots: 256", "loaders: 3", ":23: cache.loaders: is written twice"},
+	{"{model: box}", "{model: scm}\ncompute: gpu", ":10: compute: model scm is computed by the CPU alone; allowed with it: cpu"},
+	{"{model: box}", "{model: box}\ncompute: both", ":10: compute: \"both\" is unknown; allowed: gpu, cpu"},
 	/* wrong types */
 	{"scene: 1", "scene: one", ":1: scene: \"one\" is not a whole number; allowed: a whole number, 1"},
 	{"scene: 1", "scene: \"1\"", ":1: scene: \"1\" is not a whole number"},

@@ -36,6 +36,11 @@ bool deform_conserves(enum deform_model model)
 	return rows[model]->slide != NULL;
 }
 
+bool deform_sheds(enum deform_model model)
+{
+	return rows[model]->slide == &deform_slide_shed;
+}
+
 bool deform_tells_forces(enum deform_model model)
 {
 	return rows[model]->feel != NULL;

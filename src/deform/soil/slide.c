@@ -85,21 +85,27 @@ int64_t deform_slide_rim(const struct deform *deform)
 	return deform_slide_step(deform) * deform->params.iterations + deform_is_steep(&deform->params) + deform_slope_reach(&deform->params);
 }
 
-static void prepare_shed(const struct deform *deform, const struct soil_numbers *soil, struct shed_soil *to)
+static void prepare_shed(struct deform *deform)
 {
-	struct soil_shed_class limits;
-	soil_shed_prepare(soil, deform->spacing, deform->sliding.tolerance, &limits);
-	memcpy(to->critical, limits.critical, sizeof to->critical);
-	memcpy(to->held, limits.held, sizeof to->held);
-	memcpy(to->stop, limits.stop, sizeof to->stop);
-	memcpy(to->share, limits.share, sizeof to->share);
+	soil_shed_begin(&deform->sheds, deform->params.soils, deform->params.soil_count, deform->spacing, deform->params.tolerance,
+			deform_asks_what_stood(&deform->params));
+	for (int i = 0; i < deform->params.soil_count; i++) {
+		const struct soil_shed_class *limits = &deform->sheds.classes[i];
+		struct shed_soil *to = &deform->soils[i];
+		memcpy(to->critical, limits->critical, sizeof to->critical);
+		memcpy(to->held, limits->held, sizeof to->held);
+		memcpy(to->stop, limits->stop, sizeof to->stop);
+		memcpy(to->share, limits->share, sizeof to->share);
+	}
 }
 
 void deform_slide_prepare(struct deform *deform)
 {
 	const struct deform_params *params = &deform->params;
 	const struct soil_model *model = deform_model_row(params->model);
-	const bool sheds = model->slide == &deform_slide_shed;
+	const bool sheds = deform_sheds(params->model);
+	if (sheds)
+		prepare_shed(deform);
 	soil_sliding_prepare(&(struct soil_sliding_params){
 		.soils = params->soils,
 		.soil_count = params->soil_count,
@@ -112,16 +118,11 @@ void deform_slide_prepare(struct deform *deform)
 		.tolerance = params->tolerance,
 		.relief = params->relief,
 		.undisturbed_stable = params->undisturbed_stable,
+		.shed = sheds ? &deform->sheds : NULL,
 	}, &deform->sliding);
-	deform->contacts_flag = true;
-	for (int i = 0; i < params->soil_count && sheds; i++)
-		prepare_shed(deform, &params->soils[i], &deform->soils[i]);
 	/* If soil beside a held post slides at a smaller difference, another object can set it in motion. A contact's flags cannot tell
 	 * that. */
-	for (int i = 0; i < params->soil_count && sheds; i++)
-		for (int k = 0; k < 2; k++)
-			if (deform->soils[i].held[k] < deform->soils[i].critical[k])
-				deform->contacts_flag = false;
+	deform->contacts_flag = !sheds || soil_shed_held_is_stable(&deform->sheds, params->soil_count);
 }
 
 static void fill_window(const struct slide_place *place, struct slide_params *params)

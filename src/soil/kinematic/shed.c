@@ -34,6 +34,30 @@ void soil_shed_prepare(const struct soil_numbers *soil, double spacing, int32_t 
 		to->share[n - 1] = (uint32_t)floor(ldexp(soil->roughness, 32) / (n * n));
 }
 
+void soil_shed_begin(struct soil_shed *rule, const struct soil_numbers *soils, int count, double spacing, double tolerance, bool undisturbed_stable)
+{
+	*rule = (struct soil_shed){.undisturbed_stable = undisturbed_stable, .tolerance = (int32_t)floor(ldexp(tolerance, OFFSET_BITS))};
+	for (int i = 0; i < count; i++)
+		soil_shed_prepare(&soils[i], spacing, rule->tolerance, &rule->classes[i]);
+}
+
+void soil_shed_least(const struct soil_shed *rule, int count, int32_t least[2])
+{
+	least[0] = least[1] = INT32_MAX;
+	for (int i = 0; i < count; i++)
+		for (int k = 0; k < 2; k++)
+			least[k] = lane_least(least[k], rule->classes[i].stop[k]);
+}
+
+bool soil_shed_held_is_stable(const struct soil_shed *rule, int count)
+{
+	bool is = true;
+	for (int i = 0; i < count; i++)
+		for (int k = 0; k < 2; k++)
+			is = is && rule->classes[i].held[k] >= rule->classes[i].critical[k];
+	return is;
+}
+
 #define PART 64 /* posts of a row that are computed together */
 
 /* The limits of each of these posts: axial, diagonal. */

@@ -26,8 +26,16 @@ struct soil_shed {
 	int32_t tolerance;       /* fixed-point units */
 };
 
+/* Prepares the rule. count: of soils. tolerance: m. */
+void soil_shed_begin(struct soil_shed *rule, const struct soil_numbers *soils, int count, double spacing, double tolerance, bool undisturbed_stable);
 /* Prepares the limits of a soil. spacing: m between posts; tolerance: fixed-point units. */
 void soil_shed_prepare(const struct soil_numbers *soil, double spacing, int32_t tolerance, struct soil_shed_class *to);
+
+/* Finds the difference of heights, axial and diagonal, that some neighbour of a post exceeds before the post sheds anything. count: of soils. */
+void soil_shed_least(const struct soil_shed *rule, int count, int32_t least[2]);
+/* Returns true if soil beside a post that a body holds is stable up to the same difference as elsewhere, or a greater one. Otherwise a body can set
+ * soil in motion by holding it. */
+bool soil_shed_held_is_stable(const struct soil_shed *rule, int count);
 
 /* Rows of posts: of the southern neighbours, the posts themselves, the northern neighbours. Index -1 and `count` are read too. */
 struct soil_shed_rows {

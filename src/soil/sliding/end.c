@@ -40,7 +40,9 @@ SOIL_INLINED void end(const struct end_row *row, size_t width, bool thickness)
 		int32_t with = before + (int32_t)fits, slid = (int32_t)((uint32_t)height[x] - (uint32_t)base[x] * 4u);
 		int32_t offset = still[x] != 0 ? with : slid;
 		uint32_t change = ((uint32_t)offset ^ (uint32_t)with) | fits | (contact[x] & disturbs);
-		uint32_t move = moved[x] | (contact[x] & frees) | ((change | steep[x]) & wakes);
+		/* A body that rested on a post which slid may not rest on it any more. */
+		uint32_t let_go = offset != with ? contact[x] & SOIL_HELD : 0;
+		uint32_t move = moved[x] | (contact[x] & frees) | let_go | ((change | steep[x]) & wakes);
 		offsets[x] = offset;
 		if (thickness)
 			deposited[x] = (int32_t)((uint32_t)heap + ((uint32_t)offset - (uint32_t)before));
@@ -151,11 +153,14 @@ void soil_sliding_end(struct sliding_field *field, const struct sliding_end *end
 		};
 		end_row(&row, width);
 		/* Neighbours beyond a border were not looked at, so a change there may make soil move. */
-		bool beside = end->window && ((end->borders[1] && y == 0) || (end->borders[3] && y == field->height - 1));
+		const size_t step = (size_t)field->rule->step;
+		bool beside = end->window && ((end->borders[1] && y < step) || (end->borders[3] && y + step >= field->height));
 		for (size_t x = 0; x < width && beside; x++)
 			moves[x] |= changed[x];
-		moves[0] |= end->window && end->borders[0] ? changed[0] : 0;
-		moves[width - 1] |= end->window && end->borders[2] ? changed[width - 1] : 0;
+		for (size_t x = 0; x < step && x < width && end->window; x++) {
+			moves[x] |= end->borders[0] ? changed[x] : 0;
+			moves[width - 1 - x] |= end->borders[2] ? changed[width - 1 - x] : 0;
+		}
 		flag_row(end, x0, x0 + (int64_t)width, field->rect.y0 + (int64_t)y, rim, bytes_of[0], bytes_of[1]);
 	}
 }

@@ -24,7 +24,7 @@ static int32_t *posts(const struct sliding_field *field, void *scratch, size_t *
 size_t soil_sliding_field_init(struct sliding_field *field, const struct soil_sliding *rule, const struct soil_planes *planes, struct post_rect rect,
 			       bool blocks, void *scratch)
 {
-	const bool slopes = rule->hops > 0, critical = planes->classes != NULL || (slopes && blocks);
+	const bool slopes = rule->hops > 0, critical = (planes->classes != NULL && rule->shed == NULL) || (slopes && blocks);
 	size_t used = 0;
 	*field = (struct sliding_field){.rule = rule, .planes = planes, .rect = rect, .width = (size_t)(rect.x1 - rect.x0),
 					.height = (size_t)(rect.y1 - rect.y0)};
@@ -38,6 +38,8 @@ size_t soil_sliding_field_init(struct sliding_field *field, const struct soil_sl
 		field->floors = posts(field, scratch, &used);
 	for (int k = 0; k < 2 && critical; k++)
 		field->critical[k] = posts(field, scratch, &used);
+	if (rule->shed != NULL)
+		field->sheds = posts(field, scratch, &used);
 	field->stills = part(scratch, &used, field->width * field->height);
 	field->moved = part(scratch, &used, field->width * field->height);
 	if (slopes && !blocks)
@@ -74,6 +76,7 @@ struct begin_row {
 	const uint8_t *contact;
 	int32_t *height, *ground, *floor;
 	uint8_t *still;
+	uint8_t closes; /* bits of a contact: the post does not slide */
 };
 
 /* Returns whether a post refused soil, or does not slide since its offset is out of range. */
@@ -84,6 +87,7 @@ SOIL_LANES static bool begin_row(const struct begin_row *row, size_t width, int3
 	const uint8_t *restrict contact = row->contact;
 	int32_t *restrict height = row->height, *restrict ground = row->ground, *restrict floor = row->floor;
 	uint8_t *restrict still = row->still;
+	const uint8_t closes = row->closes;
 	uint32_t refused = 0;
 	SOIL_APART
 	for (size_t x = 0; x < width; x++) {
@@ -92,7 +96,7 @@ SOIL_LANES static bool begin_row(const struct begin_row *row, size_t width, int3
 		offset += (int32_t)fits;
 		heap += (int32_t)fits;
 		int32_t beyond = (int32_t)(least_of(offset, heap) < SLIDING_LOW) | (int32_t)(most_of(offset, heap) > SLIDING_HIGH);
-		int32_t is = beyond | (int32_t)(base[x] == BASE_NODATA) | (int32_t)((contact[x] & (SOIL_HELD | SOIL_CLOSED)) != 0);
+		int32_t is = beyond | (int32_t)(base[x] == BASE_NODATA) | (int32_t)((contact[x] & closes) != 0);
 		uint32_t up = (uint32_t)base[x] * 4u, top = up + (uint32_t)offset;
 		refused |= (laid - fits) | (uint32_t)beyond;
 		height[x] = is != 0 ? SLIDING_STILL : (int32_t)top;
@@ -109,7 +113,7 @@ static void refuse_row(const struct begin_row *row, size_t width, struct soil_sl
 	for (size_t x = 0; x < width; x++) {
 		int32_t most = most_of(row->offset[x], row->deposited[x]), least = least_of(row->offset[x], row->deposited[x]);
 		uint32_t laid = (uint32_t)row->deposits[x], room = (uint32_t)(most < SLIDING_HIGH ? SLIDING_HIGH - most : 0), fits = laid < room ? laid : room;
-		bool closed = row->base[x] == BASE_NODATA || (row->contact[x] & (SOIL_HELD | SOIL_CLOSED)) != 0;
+		bool closed = row->base[x] == BASE_NODATA || (row->contact[x] & row->closes) != 0;
 		slid->compacted += laid - fits;
 		slid->refused += (laid > fits) + (!closed && (least + (int32_t)fits < SLIDING_LOW || most + (int32_t)fits > SLIDING_HIGH));
 	}
@@ -141,7 +145,7 @@ static void close_around(struct sliding_field *field)
 	for (size_t y = 0; y < field->height; y++)
 		field->heights[y * stride - 1] = field->heights[y * stride + field->width] = SLIDING_STILL;
 	/* Nothing slides between posts of which one is still, but numbers of both are read. */
-	int32_t *const others[] = {field->grounds, field->floors, field->critical[0], field->critical[1]};
+	int32_t *const others[] = {field->grounds, field->floors, field->critical[0], field->critical[1], field->sheds};
 	for (size_t i = 0; i < sizeof others / sizeof *others; i++) {
 		if (others[i] == NULL)
 			continue;
@@ -183,6 +187,7 @@ void soil_sliding_begin(struct sliding_field *field, struct soil_slid *slid)
 			.ground = field->grounds != NULL ? field->grounds + to : unread,
 			.floor = field->floors != NULL ? field->floors + to : field->flows[0][2],
 			.still = field->stills + y * field->width,
+			.closes = field->rule->shed != NULL ? SOIL_CLOSED : SOIL_HELD | SOIL_CLOSED,
 		};
 		if (begin_row(&row, field->width, field->rule->depth) && field->deposits != NULL)
 			refuse_row(&row, field->width, slid);

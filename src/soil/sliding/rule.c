@@ -1,6 +1,7 @@
 /* The rule of sliding, from the numbers of soils. */
 #include <math.h>
 
+#include "soil/kinematic/shed.h"
 #include "soil/sliding/sliding.h"
 #include "soil/stability.h"
 
@@ -94,8 +95,10 @@ void soil_sliding_prepare(const struct soil_sliding_params *params, struct soil_
 		.iterations = params->iterations,
 		.directions = params->directions,
 		.tolerance = (int32_t)floor(ldexp(params->tolerance, OFFSET_BITS)),
-		.bounded = isfinite(params->depth),
+		.bounded = isfinite(params->depth) && params->shed == NULL,
 		.steep = !(params->relief < SOIL_STEEP_RELIEF),
+		.shed = params->shed,
+		.step = params->shed != NULL ? 2 : 1, /* posts shed, and then take what others shed */
 	};
 	rule->depth = rule->bounded ? (int32_t)(depth < most ? depth : most) : 0;
 	/* If only deposited soil slides, undisturbed ground needs no comparison. */
@@ -112,11 +115,13 @@ void soil_sliding_prepare(const struct soil_sliding_params *params, struct soil_
 			critical = rule->classes[i].critical[k] < critical ? rule->classes[i].critical[k] : critical;
 		rule->least[k] = soil_sliding_with_tolerance(rule, critical);
 	}
+	if (params->shed != NULL)
+		soil_shed_least(params->shed, params->soil_count, rule->least);
 	if (cohesive)
 		prepare_hops(params, rule);
 }
 
 int64_t soil_sliding_rim(const struct soil_sliding *rule)
 {
-	return rule->iterations + rule->steep + rule->reach;
+	return rule->step * rule->iterations + rule->steep + rule->reach;
 }

@@ -83,7 +83,10 @@ void soil_slide_window(const struct soil_sliding *rule, const struct soil_planes
 		bool last = i == rule->iterations - 1;
 		if (last)
 			before_last(&field, window);
-		soil_sliding_iterate(&field, 0, last);
+		if (rule->shed != NULL)
+			soil_sliding_shed(&field, 0, last, true);
+		else
+			soil_sliding_iterate(&field, 0, last);
 	}
 	/* Beyond the world there is no soil, so at its border all neighbours were looked at. */
 	const struct sliding_end end = {
@@ -99,7 +102,7 @@ void soil_slide_window(const struct soil_sliding *rule, const struct soil_planes
 
 void soil_slide_region(const struct soil_sliding *rule, const struct soil_planes *planes, struct post_rect blocks, void *scratch, uint32_t *words)
 {
-	const int64_t by = rule->iterations;
+	const int64_t by = (int64_t)rule->step * rule->iterations;
 	const struct post_rect posts = {blocks.x0 * SOIL_BLOCK - by, blocks.y0 * SOIL_BLOCK - by, blocks.x1 * SOIL_BLOCK + by, blocks.y1 * SOIL_BLOCK + by};
 	struct sliding_field field;
 	struct soil_slid unused = {.compacted = 0};
@@ -117,8 +120,13 @@ void soil_slide_region(const struct soil_sliding *rule, const struct soil_planes
 			return;
 	}
 	soil_sliding_all_dirty(&field);
-	for (int i = 0; i < rule->iterations; i++)
-		soil_sliding_iterate(&field, (size_t)i + 1, i == rule->iterations - 1);
+	for (int i = 0; i < rule->iterations; i++) {
+		const bool last = i == rule->iterations - 1;
+		if (rule->shed != NULL)
+			soil_sliding_shed(&field, 2 * (size_t)i + 2, last, false);
+		else
+			soil_sliding_iterate(&field, (size_t)i + 1, last);
+	}
 	const struct sliding_end end = {.trim = (size_t)by, .blocks = blocks, .words = words};
 	soil_sliding_end(&field, &end, (char *)scratch + used);
 }

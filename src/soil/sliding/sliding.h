@@ -39,6 +39,7 @@ struct sliding_field {
 	uint8_t *stills;           /* 1: the post does not slide */
 	uint8_t *moved;            /* 1: the post gave or got soil in the last iteration */
 	uint8_t *steeps;           /* 1: if its slope is high enough, the post may slide; NULL: the height of slopes does not count */
+	int32_t *sheds;            /* what each post sheds, and 0 around them (kinematic/shed.h); NULL: another rule counts */
 	int32_t *flows[2][4];      /* of two rows: soil that goes to the post in the east, north, north-east, north-west */
 	int32_t *ends;             /* lines.c: 4 for each line; NULL: soil does not slide along lines */
 	struct sliding_span *dirty; /* of each row, and of one before and one behind: columns that the last iteration changed */
@@ -57,6 +58,8 @@ void soil_sliding_begin(struct sliding_field *field, struct soil_slid *slid);
 void soil_sliding_part_steep(struct sliding_field *field);
 /* excess.c: an iteration over the field, less `trim` posts on each side. last: also fills `moved`. */
 void soil_sliding_iterate(struct sliding_field *field, size_t trim, bool last);
+/* shedding.c: the same by Sumner's rule. The planes must have one post around those that are computed. */
+void soil_sliding_shed(struct sliding_field *field, size_t trim, bool last, bool window);
 /* excess.c: all posts count as changed. */
 void soil_sliding_all_dirty(struct sliding_field *field);
 /* excess.c: returns columns of a row that hold all posts which exceed the least critical difference to a neighbour in the row or the next. */

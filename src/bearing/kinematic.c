@@ -1,0 +1,148 @@
+/*
+ * A contact of a kinematic model: from the tiles into a window, the lower envelope into the ground, and back. All of the body is one window, however
+ * large. What the GPU computes in several windows has the same bits.
+ */
+#include <string.h>
+
+#include "bearing/internal.h"
+
+static struct soil_kinematic_contact contact_of(const struct deform_contact *contact)
+{
+	return (struct soil_kinematic_contact){.shape = contact->shape, .from = contact->from, .to = contact->to, .turned = contact->turned};
+}
+
+/* Returns the posts that the body may be above. */
+static struct post_rect shadow_of(const struct bearing *bearing, const struct deform_contact *contact)
+{
+	const struct soil_pose *from = deform_is_contact_only(contact) ? &contact->to : &contact->from;
+	return soil_shadow(contact->shape, from, &contact->to, bearing->law.spacing);
+}
+
+enum status bearing_kinematic_begin(struct bearing *bearing, const struct deform_contact *contact, const struct bearing_area *area)
+{
+	const struct soil_kinematic_contact own = contact_of(contact);
+	const struct post_rect read = area->read, world = bearing->world;
+	const size_t width = (size_t)(read.x1 - read.x0), height = (size_t)(read.y1 - read.y0);
+	enum status status = bearing_window_need(bearing, read);
+	if (status == STATUS_OK)
+		status = bearing_scratch_need(bearing, soil_kinematic_room(&bearing->kinematic, &own, width, height));
+	if (status == STATUS_OK && (read.x0 < world.x0 || read.y0 < world.y0 || read.x1 > world.x1 || read.y1 > world.y1))
+		bearing_window_clear(bearing);
+	return status;
+}
+
+void bearing_kinematic_gather(struct bearing *bearing, const struct tile_slot *held, size_t count)
+{
+	bearing_window_gather(bearing, held, count);
+}
+
+/* Returns a rectangle around the posts of a part of the window whose contact has one of these bits; empty: none has. */
+static struct post_rect posts_with(const struct soil_planes *planes, struct post_rect part, uint8_t bits)
+{
+	struct post_rect found = {INT64_MAX, INT64_MAX, INT64_MIN, INT64_MIN};
+	const int64_t width = part.x1 - part.x0;
+	for (int64_t y = part.y0; y < part.y1; y++) {
+		const uint8_t *row = planes->contact + (size_t)(y - planes->rect.y0) * planes->width + (size_t)(part.x0 - planes->rect.x0);
+		int64_t first = 0, last = width - 1;
+		while (first < width && (row[first] & bits) == 0)
+			first++;
+		while (last > first && (row[last] & bits) == 0)
+			last--;
+		if (first < width)
+			found = post_rect_around(found, (struct post_rect){part.x0 + first, y, part.x0 + last + 1, y + 1});
+	}
+	return found.x0 < found.x1 ? found : (struct post_rect){part.x0, part.y0, part.x0, part.y0};
+}
+
+/* Adds up what the contact displaced. */
+static struct soil_measured measure(const struct bearing *bearing, const struct soil_laying *laying, struct post_rect below)
+{
+	const struct bearing_window *window = &bearing->window;
+	const struct soil_planes *planes = &window->planes;
+	struct soil_measured measured;
+	soil_measured_begin(&measured);
+	for (int64_t y = below.y0; y < below.y1 && below.x0 < below.x1; y++) {
+		const size_t at = (size_t)(y - planes->rect.y0) * planes->width + (size_t)(below.x0 - planes->rect.x0);
+		const struct soil_row row = {
+			.x = below.x0, .y = y, .count = (int)(below.x1 - below.x0), .contact = planes->contact + at, .carried = window->carried + at,
+			.offset = planes->offset + at, .classes = planes->classes != NULL ? planes->classes + at : NULL,
+		};
+		soil_measure_row(&measured, laying, bearing->laid, &row);
+	}
+	return measured;
+}
+
+/* Lays what the contact displaced, and lets soil slide. Returns the posts that may have changed. below: posts below the body. */
+static struct post_rect redistribute(struct bearing *bearing, const struct deform_contact *contact, const struct bearing_area *area, struct post_rect below)
+{
+	struct bearing_window *window = &bearing->window;
+	const struct soil_planes *planes = &window->planes;
+	const struct soil_laying laying = soil_laying_of(contact->shape, &contact->from, &contact->to, contact->turned, bearing->law.spacing);
+	const struct soil_measured measured = measure(bearing, &laying, below);
+	const bool carries = measured.carried > 0, near = deform_slides_near(contact, bearing->law.spacing);
+	struct post_rect reached = posts_with(planes, below, (uint8_t)~SOIL_NO_GROUND);
+	struct soil_lay_result laid = {.compacted = 0};
+	struct soil_slid slid = {0};
+	if (carries) {
+		memset(window->deposits, 0, planes->width * (size_t)(planes->rect.y1 - planes->rect.y0) * sizeof *window->deposits);
+		soil_lay(&laying, &measured, bearing->laid, planes, planes->contact, area->write, window->scratch, window->deposits, &laid);
+		reached = post_rect_joined(reached, laid.posts);
+	}
+	const struct soil_slide_window slide = {
+		.written = area->write, .posts = near ? soil_slide_posts(area->write, reached, bearing->around) : area->write, .world = bearing->world,
+		.deposits = carries ? window->deposits : NULL,
+	};
+	soil_slide_window(&bearing->rule, planes, &slide, window->scratch, window->words, &slid);
+	bearing->tally.compacted += laid.compacted + (int64_t)slid.compacted;
+	bearing->tally.refused += laid.refused + slid.refused;
+	bearing->tally.confined += laid.confined;
+	return post_rect_intersect(area->write, post_rect_joined(reached, slide.posts));
+}
+
+static enum status wake(struct bearing *bearing, struct post_rect write, bool alone)
+{
+	if (!alone || !bearing->held_is_stable)
+		return bearing_wake(bearing, write);
+	return soil_active_add_words(&bearing->active, bearing->world, soil_slide_blocks(write), bearing->window.words);
+}
+
+enum status bearing_kinematic_run(struct bearing *bearing, const struct deform_contact *contact, const struct bearing_area *area, bool alone,
+				  struct post_rect *changed)
+{
+	struct bearing_window *window = &bearing->window;
+	const struct soil_kinematic_contact own = contact_of(contact);
+	const struct post_rect shadow = shadow_of(bearing, contact), below = post_rect_intersect(shadow, area->write);
+	struct soil_kinematic_tally tally = {.compacted = 0};
+	soil_kinematic_run(&bearing->kinematic, &own, &window->planes, area->write, window->carried, window->scratch, &tally);
+	bearing->contacts++;
+	bearing->tally.compacted += tally.compacted;
+	bearing->tally.refused += tally.refused;
+	if (!bearing->conserves) {
+		/* Where the body lowered no post, it left none, and nothing is smoothed. */
+		const struct post_rect lowered = posts_with(&window->planes, post_rect_intersect(shadow, area->read), SOIL_LOWERED);
+		*changed = post_rect_empty(lowered) ? lowered : post_rect_intersect(area->write, post_rect_grown(lowered, bearing->kinematic.radius));
+		return STATUS_OK;
+	}
+	*changed = redistribute(bearing, contact, area, below);
+	if (bearing->params.disturbance)
+		soil_kinematic_disturb(&window->planes, below);
+	return wake(bearing, area->write, alone);
+}
+
+enum status bearing_kinematic_scatter(struct bearing *bearing, struct post_rect changed, const struct tile_slot *held, size_t count)
+{
+	enum status status = STATUS_OK;
+	for (size_t i = 0; i < count && status == STATUS_OK; i++)
+		if (!post_rect_empty(post_rect_intersect(tile_post_rect(bearing->params.extent, held[i].tile), changed)))
+			status = resident_host_write(bearing->slots, held[i].slot, bearing->planes);
+	if (status == STATUS_OK)
+		resident_host_scatter(bearing->slots, held, count, &bearing->window.planes, changed, bearing->planes);
+	return status;
+}
+
+bool bearing_kinematic_covers(const struct bearing *bearing, const struct deform_contact *contact, const struct bearing_area *area, const struct soil_pose *rest)
+{
+	const struct post_rect shadow = soil_shadow(contact->shape, rest, rest, bearing->law.spacing), all = area->write;
+	const struct post_rect held = post_rect_intersect(post_rect_grown(shadow, bearing->rule.step), bearing->world);
+	return post_rect_empty(held) || (held.x0 >= all.x0 && held.y0 >= all.y0 && held.x1 <= all.x1 && held.y1 <= all.y1);
+}

@@ -1,0 +1,92 @@
+/*
+ * The contact of a kinematic model that the CPU computes. As on the GPU, tiles are pinned a window at a time, so a large body needs no more of them at
+ * once. All windows are gathered before anything is computed.
+ */
+#include "world/internal.h"
+
+static enum status gather(struct world *world, const struct deform_window *windows, size_t count, struct held_tiles *held)
+{
+	enum status status = STATUS_OK;
+	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
+		status = world_hold(world, windows[i].read, held);
+		if (status == STATUS_OK)
+			bearing_kinematic_gather(world->bearing, held->tiles, held->count);
+		if (count > 1)
+			world_release(world, held);
+	}
+	return status;
+}
+
+static enum status put(struct world *world, struct post_rect changed, const struct held_tiles *held)
+{
+	enum status status = bearing_kinematic_scatter(world->bearing, changed, held->tiles, held->count);
+	return status == STATUS_OK ? world_mark(world, changed, held) : status;
+}
+
+/* Writes what changed. held: the tiles of a single window are still pinned. */
+static enum status scatter(struct world *world, const struct deform_window *windows, size_t count, struct post_rect changed, struct held_tiles *held)
+{
+	enum status status = STATUS_OK;
+	if (count == 1)
+		return put(world, changed, held);
+	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
+		const struct post_rect part = post_rect_intersect(windows[i].write, changed);
+		if (post_rect_empty(part))
+			continue;
+		status = world_hold(world, part, held);
+		if (status == STATUS_OK)
+			status = put(world, part, held);
+		world_release(world, held);
+	}
+	return status;
+}
+
+/* *changed: the posts that the contact may have changed. */
+static enum status compute(struct world *world, const struct event *event, const struct deform_contact *contact, const struct bearing_area *area,
+			   const struct deform_window *windows, size_t count, struct post_rect *changed)
+{
+	struct held_tiles held = {.count = 0};
+	enum status status = world_tell_contact(world, event, contact, windows, count);
+	if (status == STATUS_OK)
+		status = bearing_kinematic_begin(world->bearing, contact, area);
+	if (status == STATUS_OK)
+		status = gather(world, windows, count, &held);
+	if (status == STATUS_OK)
+		status = bearing_kinematic_run(world->bearing, contact, area, count == 1 && windows[0].parts == 0, changed);
+	if (status == STATUS_OK && !post_rect_empty(*changed))
+		status = scatter(world, windows, count, *changed, &held);
+	world_release(world, &held);
+	return status == STATUS_OK ? world_tell_contact_ended(world) : status;
+}
+
+enum status world_kinematic_contact(struct world *world, const struct event *event, struct deform_contact *contact, bool last)
+{
+	struct body *body = world_body_at(world, event->body);
+	struct deform_window windows[DEFORM_WINDOWS_MAX];
+	struct bearing_area area = {{0, 0, 0, 0}, {0, 0, 0, 0}};
+	struct post_rect changed = {0, 0, 0, 0};
+	size_t count;
+	bool aloft = false;
+	enum status status = deform_cut(&world->surface, contact, windows, &count);
+	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
+		area.read = post_rect_joined(area.read, windows[i].read);
+		area.write = post_rect_joined(area.write, windows[i].write);
+	}
+	if (status == STATUS_OK)
+		status = world_is_aloft(world, event, contact, windows, count, &aloft);
+	if (status == STATUS_OK && count > 0 && !aloft)
+		world_forces_ask(world->forces, event->body, event, last); /* rows tell where the body is */
+	else
+		world_forces_absent(world->forces, event->body, event);
+	if (status == STATUS_OK && body->in_contact && !bearing_kinematic_covers(world->bearing, contact, &area, &body->last))
+		status = world_let_go(world, body);
+	const size_t due = deform_windows_computed(windows, count);
+	world->windows.due += due;
+	if (status != STATUS_OK || count == 0 || aloft)
+		return status;
+	world->windows.computed += due;
+	status = compute(world, event, contact, &area, windows, count, &changed);
+	if (status == STATUS_OK)
+		world_count_windows(body, contact, due);
+	return status;
+}
