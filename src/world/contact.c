@@ -190,54 +190,25 @@ static bool covers(const struct world *world, const struct deform_contact *conta
 	return post_rect_empty(held) || (held.x0 >= all.x0 && held.y0 >= all.y0 && held.x1 <= all.x1 && held.y1 <= all.y1);
 }
 
-static enum status feel_bearing(struct world *world, const struct event *event, struct deform_contact *contact)
+enum status world_feel(struct world *world, const struct event *event)
 {
+	const struct deform_contact contact = contact_of(world, world_body_at(world, event->body), event);
 	struct bearing_area area;
 	struct deform_forces forces;
 	struct held_tiles held = {.count = 0};
-	enum status status = bearing_area(world->bearing, contact, &area);
+	enum status status = bearing_area(world->bearing, &contact, &area);
 	if (status != STATUS_OK)
 		return status;
 	if (post_rect_empty(area.write)) {
 		world_forces_absent(world->forces, event->body, event);
 		return STATUS_OK;
 	}
-	contact->tag = world_forces_ask(world->forces, event->body, event, true);
 	status = world_hold(world, area.read, &held);
 	if (status == STATUS_OK)
-		status = bearing_feel(world->bearing, contact, &area, held.tiles, held.count, &forces);
+		status = bearing_feel(world->bearing, &contact, &area, held.tiles, held.count, &forces);
 	world_release(world, &held);
 	if (status == STATUS_OK)
-		world_forces_came(world->forces, &forces);
-	return status;
-}
-
-enum status world_feel(struct world *world, const struct event *event)
-{
-	const struct body *body = world_body_at(world, event->body);
-	struct deform_contact contact = contact_of(world, body, event);
-	struct deform_window windows[DEFORM_WINDOWS_MAX];
-	struct held_tiles held = {.count = 0};
-	size_t count = 0;
-	bool aloft = false;
-	if (world->bearing != NULL)
-		return feel_bearing(world, event, &contact);
-	enum status status = deform_windows(world->deform, &contact, windows, &count);
-	if (status == STATUS_OK)
-		status = world_is_aloft(world, event, &contact, windows, count, &aloft);
-	if (status != STATUS_OK)
-		return status;
-	if (count == 0 || aloft) {
-		world_forces_absent(world->forces, event->body, event);
-		return STATUS_OK;
-	}
-	contact.tag = world_forces_ask(world->forces, event->body, event, true);
-	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
-		status = world_hold(world, windows[i].read, &held);
-		if (status == STATUS_OK)
-			status = deform_feel(world->deform, &contact, &windows[i], (uint32_t)i, held.tiles, held.count);
-		world_release(world, &held);
-	}
+		world_forces_felt(world->forces, event->body, event, &forces);
 	return status;
 }
 
@@ -294,7 +265,7 @@ static enum status bearing_contact_at(struct world *world, const struct event *e
 	world_release(world, &held);
 	if (status != STATUS_OK)
 		return status;
-	world_forces_came(world->forces, &done.forces);
+	world_forces_felt(world->forces, event->body, event, &done.forces);
 	/* What a body does not touch it does not change. */
 	const size_t computed = world->params.everywhere || !post_rect_empty(done.changed);
 	world_count_windows(body, contact, computed);
@@ -303,7 +274,7 @@ static enum status bearing_contact_at(struct world *world, const struct event *e
 	return world_tell_contact_ended(world);
 }
 
-static enum status contact_at(struct world *world, const struct event *event, bool last, bool waits)
+static enum status contact_at(struct world *world, const struct event *event, bool waits)
 {
 	struct body *body = world_body_at(world, event->body);
 	struct deform_contact contact = contact_of(world, body, event);
@@ -315,7 +286,6 @@ static enum status contact_at(struct world *world, const struct event *event, bo
 		return STATUS_OK;
 	}
 	if (world->bearing != NULL) {
-		contact.tag = world_forces_ask(world->forces, event->body, event, last);
 		enum status status = bearing_contact_at(world, event, &contact);
 		body->in_contact = true;
 		body->last = contact.to;
@@ -330,7 +300,7 @@ static enum status contact_at(struct world *world, const struct event *event, bo
 	if (status == STATUS_OK)
 		status = world_is_aloft(world, event, &contact, windows, count, &aloft);
 	if (status == STATUS_OK && count > 0 && !aloft)
-		contact.tag = world_forces_ask(world->forces, event->body, event, last);
+		world_forces_met(world->forces, event->body, event);
 	else
 		world_forces_absent(world->forces, event->body, event);
 	/* The ground under its last pose is free now. If the object jumped or turned, the contact may not cover it; then make
@@ -350,12 +320,12 @@ static enum status contact_at(struct world *world, const struct event *event, bo
 	return status;
 }
 
-enum status world_contact(struct world *world, const struct event *event, bool last)
+enum status world_contact(struct world *world, const struct event *event)
 {
-	return contact_at(world, event, last, false);
+	return contact_at(world, event, false);
 }
 
-enum status world_contact_or_wait(struct world *world, const struct event *event, bool last)
+enum status world_contact_or_wait(struct world *world, const struct event *event)
 {
-	return contact_at(world, event, last, true);
+	return contact_at(world, event, true);
 }

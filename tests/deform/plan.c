@@ -248,10 +248,10 @@ static void hold_to_plan(const struct scenario *scenario)
 	struct deform_params params = drive.ground.deform->params;
 	params.gpu = NULL;
 	params.slots = NULL;
-	deform_plan(&params, scenario->objects, scenario->count, false, &plan);
+	deform_plan(&params, scenario->objects, scenario->count, &plan);
 	check_effects(&plan);
 	for (size_t i = 0; i < scenario->count; i++)
-		assert_ok(deform_warm(drive.ground.deform, &scenario->objects[i], false));
+		assert_ok(deform_warm(drive.ground.deform, &scenario->objects[i]));
 	check_programs(&drive, &plan);
 	gpu_slots_plan(32, deform_planes(scenario->model, scenario->dirt, false), false, false, GPU_UNDIVIDED, false, false, "displace", &plan);
 	assert_ok(plan_status(&plan));
@@ -303,17 +303,17 @@ static void hold_all_to_plan(const struct scenario *scenarios, size_t count)
 static void compaction_runs_what_is_planned(void **state)
 {
 	static const struct scenario scenarios[] = {
-		{"none, a wheel", DEFORM_NONE, .count = 1, .objects = {{&wheel, 0, true}}},
-		{"none, a box with dirt", DEFORM_NONE, .dirt = true, .count = 1, .objects = {{&crate, 0, true}}},
-		{"none, a wheel that leans", DEFORM_NONE, .count = 1, .objects = {{&wheel, 0, true, true}}},
-		{"none, an ellipsoid and a capsule", DEFORM_NONE, .count = 2, .objects = {{&egg, 0, false}, {&pill, 0, true}}},
-		{"none, a mesh", DEFORM_NONE, .count = 1, .objects = {{&cone, 0, true}}},
-		{"none, lugs and a sphere with dirt", DEFORM_NONE, .dirt = true, .count = 2, .objects = {{&lugged, 0, true}, {&ball, 0, true}}},
-		{"box, two wheels of which one stands", DEFORM_BOX_FILTER, .count = 2, .objects = {{&wheel, 0, false}, {&wheel, 0, true}}},
-		{"box, a wheel that stands", DEFORM_BOX_FILTER, .count = 1, .objects = {{&lugged, 0, false}}},
+		{"none, a wheel", DEFORM_NONE, .count = 1, .objects = {{&wheel, true}}},
+		{"none, a box with dirt", DEFORM_NONE, .dirt = true, .count = 1, .objects = {{&crate, true}}},
+		{"none, a wheel that leans", DEFORM_NONE, .count = 1, .objects = {{&wheel, true, true}}},
+		{"none, an ellipsoid and a capsule", DEFORM_NONE, .count = 2, .objects = {{&egg, false}, {&pill, true}}},
+		{"none, a mesh", DEFORM_NONE, .count = 1, .objects = {{&cone, true}}},
+		{"none, lugs and a sphere with dirt", DEFORM_NONE, .dirt = true, .count = 2, .objects = {{&lugged, true}, {&ball, true}}},
+		{"box, two wheels of which one stands", DEFORM_BOX_FILTER, .count = 2, .objects = {{&wheel, false}, {&wheel, true}}},
+		{"box, a wheel that stands", DEFORM_BOX_FILTER, .count = 1, .objects = {{&lugged, false}}},
 		{"box, all with dirt", DEFORM_BOX_FILTER, .dirt = true, .count = 5,
-		 .objects = {{&wheel, 0, true}, {&ball, 0, true}, {&crate, 0, true}, {&cone, 0, true}, {&lugged, 0, false}}},
-		{"box, of several windows", DEFORM_BOX_FILTER, .tiles = 10, .count = 1, .objects = {{&hall, 0, true}}},
+		 .objects = {{&wheel, true}, {&ball, true}, {&crate, true}, {&cone, true}, {&lugged, false}}},
+		{"box, of several windows", DEFORM_BOX_FILTER, .tiles = 10, .count = 1, .objects = {{&hall, true}}},
 	};
 	need_gl();
 	hold_all_to_plan(scenarios, sizeof scenarios / sizeof *scenarios);
@@ -322,14 +322,14 @@ static void compaction_runs_what_is_planned(void **state)
 static void sliding_runs_what_is_planned(void **state)
 {
 	static const struct scenario scenarios[] = {
-		{"sumner, a wheel", DEFORM_SUMNER, .iterations = 1, .count = 1, .objects = {{&wheel, 0, true}}},
+		{"sumner, a wheel", DEFORM_SUMNER, .iterations = 1, .count = 1, .objects = {{&wheel, true}}},
 		{"sumner, a box and a mesh, 3 iterations, 3 soils, dirt", DEFORM_SUMNER, .dirt = true, .iterations = 3, .soils = 3,
-		 .relief = 10, .count = 2, .objects = {{&crate, 0, true}, {&cone, 0, false}}},
-		{"slippage, lugs, 3 iterations", DEFORM_SLIPPAGE, .iterations = 3, .count = 1, .objects = {{&lugged, 0, true}}},
+		 .relief = 10, .count = 2, .objects = {{&crate, true}, {&cone, false}}},
+		{"slippage, lugs, 3 iterations", DEFORM_SLIPPAGE, .iterations = 3, .count = 1, .objects = {{&lugged, true}}},
 		{"slippage, a sphere with a bottom, 2 soils, dirt", DEFORM_SLIPPAGE, .dirt = true, .iterations = 1, .soils = 2, .depth = 0.2,
-		 .relief = 10, .count = 1, .objects = {{&ball, 0, true}}},
-		{"slippage, meshes alone", DEFORM_SLIPPAGE, .iterations = 2, .count = 2, .objects = {{&cone, 0, true}, {&cone, 0, false}}},
-		{"slippage, of several windows", DEFORM_SLIPPAGE, .iterations = 2, .tiles = 10, .count = 1, .objects = {{&hall, 0, true}}},
+		 .relief = 10, .count = 1, .objects = {{&ball, true}}},
+		{"slippage, meshes alone", DEFORM_SLIPPAGE, .iterations = 2, .count = 2, .objects = {{&cone, true}, {&cone, false}}},
+		{"slippage, of several windows", DEFORM_SLIPPAGE, .iterations = 2, .tiles = 10, .count = 1, .objects = {{&hall, true}}},
 	};
 	need_gl();
 	hold_all_to_plan(scenarios, sizeof scenarios / sizeof *scenarios);
@@ -340,11 +340,11 @@ static void nothing_is_planned_without_objects(void **state)
 {
 	struct plan plan = {.lines = NULL};
 	struct deform_params params = {.model = DEFORM_SLIPPAGE, .soil_count = 1, .iterations = 1, .disturbance = true};
-	const struct deform_planned object = {&wheel, 0, true, false};
+	const struct deform_planned object = {&wheel, true, false};
 	(void)state;
-	deform_plan(&params, NULL, 0, true, &plan);
+	deform_plan(&params, NULL, 0, &plan);
 	assert_int_equal(plan.count, 0);
-	deform_plan(&params, &object, 1, false, &plan);
+	deform_plan(&params, &object, 1, &plan);
 	assert_ok(plan_status(&plan));
 	assert_true(plan.count > 20);
 	check_effects(&plan);

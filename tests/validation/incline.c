@@ -30,7 +30,7 @@ struct drive {
 static struct deform_forces drive(const struct drive *of, struct ground *ground)
 {
 	const double reach = soil_shape_reach(of->shape, 0, 0);
-	struct deform_forces forces = {.tag = 0};
+	struct deform_forces forces = {.z = 0};
 	rise_x = tan(of->slope) * cos(of->up) * of->spacing;
 	rise_y = tan(of->slope) * sin(of->up) * of->spacing;
 	ground_init(ground, &(struct ground_params){.cells = POSTS / 2, .tiles = 2, .first = 0, .spacing = of->spacing, .height = plane_height, .soils = &of->soil,
