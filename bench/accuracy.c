@@ -5,7 +5,7 @@
  *   bench_accuracy [STUDY...] [--quick] [--truth FILE]
  *
  * Studies, all of them if none is named: spacing, divided, settled, base_format, offset_format, iterations, tolerance,
- * interval, time_step, import_error, forces, durability, pairs. --quick: one timed run of each, and not the longest. --truth:
+ * interval, time_step, import_error, durability, pairs. --quick: one timed run of each, and not the longest. --truth:
  * where the truth is kept from one run of the bench to the next; it takes a minute or two to make. Beside what a line is about
  * all is at its default; the store, and so the work, has posts of 1/16 m, the model is slippage.
  *
@@ -34,7 +34,7 @@ enum { LAPS = 100 };
 
 static void spacing(struct study *study)
 {
-	static const enum deform_model models[] = {DEFORM_NONE, DEFORM_BOX_FILTER, DEFORM_SUMNER, DEFORM_SLIPPAGE, DEFORM_SCM};
+	static const enum deform_model models[] = {DEFORM_NONE, DEFORM_BOX_FILTER, DEFORM_SUMNER, DEFORM_SLIPPAGE};
 	enum { EACH = 7 };
 	for (size_t m = 0; m < sizeof models / sizeof models[0]; m++)
 		for (int k = 0; k < EACH; k++) {
@@ -157,20 +157,6 @@ static void import_error(struct study *study)
 	rows_measure(study);
 }
 
-static void forces(struct study *study)
-{
-	for (int delay = 0; delay <= 2; delay += 2) {
-		struct row *row = row_add(study, "forces", delay == 2, "\"model\": \"scm\", \"forces\": 50, \"delay\": %d", delay);
-		row->drive.model = DEFORM_SCM;
-		row_set(row, "output.forces", 50);
-		row_set(row, "output.delay", delay);
-	}
-	rows_measure(study);
-	judge_same(study, "rows being the same however late");
-	if (study->rows[0].figures.rows == 0)
-		judge_doubt(study, "forces: no rows were written");
-}
-
 static void durability(struct study *study)
 {
 	int laps = study->quick ? LAPS / 5 : LAPS;
@@ -226,7 +212,6 @@ static const struct {
 	{"interval", interval},
 	{"time_step", time_step},
 	{"import_error", import_error},
-	{"forces", forces},
 	{"durability", durability},
 	{"pairs", pairs},
 };

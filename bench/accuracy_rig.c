@@ -199,7 +199,7 @@ void rig_open(const struct accuracy_variant *of, const struct scene *scene, stru
 		.bulldozing = scene->bulldozing,
 	};
 	bench_must(deform_create(&params, &rig->deform));
-	bench_must(deform_warm(rig->deform, &(struct deform_planned){&rig_wheel, 0, true, false}, false));
+	bench_must(deform_warm(rig->deform, &(struct deform_planned){&rig_wheel, true, false}));
 	rig_decode(rig, accuracy_rect(of->spacing)); /* warms its programs too; encoding the tiles was that */
 	gpu_finish(rig->gpu);
 	memset(rig->read, 0, sizeof rig->read);

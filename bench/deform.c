@@ -1,7 +1,7 @@
 /*
  * What deformation costs, by model, spacing and number of objects: wheels of 0.5 m radius and 0.4 m width,
  * 0.1 m deep, at 2 m/s over flat ground, one station a step (a post of travel), with the ground's
- * intervals every 0.05 s, forces read back each step under scm, and every tile resident.
+ * intervals every 0.05 s, and every tile resident. Soil that bears: bench/bearing.c.
  *
  * Wall clock around a finish. step_ms is the mean over all steps, intervals included; p50 and p95 of single steps beside it; of
  * several runs in turn the median. ms_a_metre: step_ms for a metre of travel. posts_per_s: posts of the windows that were written.
@@ -86,7 +86,6 @@ static void sweep(struct ground *ground, int step, int number)
 		.to = pose_of(ground, step + 1, number),
 		.seconds = seconds,
 		.turned = ground->of.spacing / (wheel.radius * 0.8), /* slip 0.2 */
-		.tag = deform_tells_forces(ground->of.model) ? 1 : 0,
 	};
 	struct deform_window windows[DEFORM_WINDOWS_MAX];
 	struct tile_slot tiles[SIDE * SIDE];
@@ -125,15 +124,6 @@ static void interval(struct ground *ground)
 	ground->blocks += (double)size.blocks;
 }
 
-static void take_forces(struct ground *ground)
-{
-	struct deform_forces forces;
-	bool taken = true;
-	bench_must(deform_forces_begin(ground->deform));
-	while (taken)
-		bench_must(deform_forces_take(ground->deform, true, &forces, &taken));
-}
-
 static void one_step(struct ground *ground, int step)
 {
 	double seconds = ground->of.spacing / 2;
@@ -141,15 +131,13 @@ static void one_step(struct ground *ground, int step)
 		sweep(ground, step, number);
 	if (floor((step + 1) * seconds / INTERVAL) > floor(step * seconds / INTERVAL))
 		interval(ground);
-	if (deform_tells_forces(ground->of.model))
-		take_forces(ground);
 }
 
 static void open_ground(const struct bench_case *of, bool draws, struct ground *ground)
 {
 	*ground = (struct ground){.of = *of, .extent = {SIDE * CELLS + 1, SIDE * CELLS + 1, of->spacing, CELLS}};
 	bench_must(gpu_create(&(struct gpu_params){.draws = draws}, &ground->gpu));
-	bench_must(gpu_slots_create(ground->gpu, CELLS, SIDE * SIDE, deform_planes(of->model, of->dirt, of->model == DEFORM_SCM), &ground->slots));
+	bench_must(gpu_slots_create(ground->gpu, CELLS, SIDE * SIDE, deform_planes(of->model, of->dirt, false), &ground->slots));
 	size_t flat_bytes = (size_t)(CELLS + 1) * (CELLS + 1) * sizeof(int32_t);
 	struct gpu_staging *flat;
 	bench_must(gpu_staging_create(ground->gpu, flat_bytes, &flat));
@@ -167,8 +155,6 @@ static void open_ground(const struct bench_case *of, bool draws, struct ground *
 		.soil_count = 1,
 		.iterations = 1,
 		.depth = deform_model_row(of->model)->depth,
-		.bulldozing = 0.5,
-		.slip_sinkage = of->model == DEFORM_SCM ? 1.35 : 0,
 		.along_lines = true,
 		.disturbance = of->dirt,
 	};
@@ -177,7 +163,7 @@ static void open_ground(const struct bench_case *of, bool draws, struct ground *
 		params.soils[0].cohesion = of->cohesion;
 	params.soils[0].compression = 0.3; /* as when the figures were measured: sumner lays 0.7 of what is pressed */
 	bench_must(deform_create(&params, &ground->deform));
-	bench_must(deform_warm(ground->deform, &(struct deform_planned){&wheel, 0, true, false}, deform_tells_forces(of->model)));
+	bench_must(deform_warm(ground->deform, &(struct deform_planned){&wheel, true, false}));
 }
 
 static void close_ground(struct ground *ground)
@@ -248,7 +234,7 @@ static size_t post_bytes(const struct bench_case *of)
 {
 	size_t bytes = sizeof(int32_t); /* base */
 	for (int plane = 0; plane < PLANES; plane++)
-		if (deform_planes(of->model, of->dirt, of->model == DEFORM_SCM) & PLANE_BIT(plane))
+		if (deform_planes(of->model, of->dirt, false) & PLANE_BIT(plane))
 			bytes += plane_bytes((enum plane)plane);
 	return bytes;
 }
@@ -318,7 +304,7 @@ int main(int argc, char **argv)
 	for (int model = 0; model < DEFORM_MODELS; model++)
 		one = one || says(argc, argv, deform_model_row((enum deform_model)model)->name);
 	for (int model = 0; model < DEFORM_MODELS; model++)
-		for (size_t s = fine ? COUNT - 1 : 0; s < COUNT && (!one || says(argc, argv, deform_model_row((enum deform_model)model)->name)); s++)
+		for (size_t s = fine ? COUNT - 1 : 0; s < COUNT && !deform_tells_forces((enum deform_model)model) && (!one || says(argc, argv, deform_model_row((enum deform_model)model)->name)); s++)
 			for (int wheels = 1; wheels <= WHEELS_MOST; wheels *= 4)
 				for (int dirt = 0; dirt < (spacings[s] == 0.125 ? 2 : 1); dirt++)
 					measure(&(struct bench_case){(enum deform_model)model, spacings[s], wheels, dirt == 1,

@@ -155,7 +155,7 @@ static void step(struct world *world, double x, double y)
 	bool any;
 	bench_must(resident_ground_height(world->ground, event.pose.x, event.pose.y, &ground, &any));
 	event.pose.z = ground + lattice_offset(wheel.radius - 0.1);
-	bench_must(world_contact(world, &event, true));
+	bench_must(world_contact(world, &event));
 	bench_must(page_cache_end_step(world->cache, world->record));
 }
 

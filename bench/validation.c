@@ -1,10 +1,8 @@
 /*
- * The soil's model on posts, of the reference and of the GPU, beside its closed forms and beside what was measured: a JSON
- * line a figure.
+ * The soil's model on posts beside its closed forms and beside what was measured: a JSON line a figure.
  *
  * Numerical error is posts against the closed form of the same model, at falling spacings; model error is the closed
- * form against the measurement. `bench_validation quick` leaves the finest posts out. Without GL the GPU's
- * figures are left out.
+ * form against the measurement. `bench_validation quick` leaves the finest posts out.
  */
 #include <math.h>
 #include <stdio.h>
@@ -12,6 +10,7 @@
 #include <string.h>
 
 #include "bench.h"
+#include "deform/reference/reference.h"
 #include "validation_bed.h"
 
 #define RADIANS (M_PI / 180)
@@ -39,33 +38,32 @@ static struct soil_pose at(double x, double y, double z, double spacing)
 	return (struct soil_pose){lattice_offset(x * spacing), lattice_offset(y * spacing), lattice_offset(z), 0, 0, 0, 0};
 }
 
-static bool has_gpu;
-
 struct rut {
 	double sinkage, resistance, drawbar; /* m, N, N */
 };
 
 /* Rolls a wheel at a slip until its sinkage stands still; its axle over a post, its middle over one too. */
-static struct rut rolled(bool on_gpu, const struct soil_numbers *soil, double load, double width, double radius, double slip,
+static struct rut rolled(const struct soil_numbers *soil, double load, double width, double radius, double slip,
 			 double spacing)
 {
 	double deep = reference_arc(soil, load, width, radius, false), contact = radius * sin(acos(1 - deep / radius));
 	int samples = (int)(1.5 * contact / spacing) + 1, far = (int)(radius / spacing) + RIM;
 	int across = 2 * ((int)(width / 2 / spacing) + RIM) + 1;
-	struct reference_forces forces;
+	struct deform_forces forces;
+	double work = 0;
 	struct soil_shape wheel = {.kind = SOIL_WHEEL, .radius = radius, .width = width};
 	struct deform_contact sweep = {.shape = &wheel, .load = load};
 	struct rut rut;
-	struct bed *bed = bed_create(on_gpu, 2 * far + 1 + samples, across, spacing, soil);
+	struct bed *bed = bed_create(2 * far + 1 + samples, across, spacing, soil);
 	sweep.from = sweep.to = at(far, across / 2, radius, spacing);
-	bed_sweep(bed, &sweep, &forces, &rut.sinkage);
+	bed_press(bed, &sweep, &forces, &rut.sinkage, &work);
 	sweep.turned = spacing / (radius * (1 - slip));
 	for (int i = 1; i <= samples; i++) {
 		sweep.from = sweep.to;
 		sweep.to = at(far + i, across / 2, radius, spacing);
-		bed_sweep(bed, &sweep, &forces, &rut.sinkage);
+		bed_press(bed, &sweep, &forces, &rut.sinkage, &work);
 	}
-	rut.resistance = forces.work / spacing;
+	rut.resistance = work / spacing;
 	rut.drawbar = forces.force[0];
 	bed_destroy(bed);
 	return rut;
@@ -94,16 +92,10 @@ static void rig(const double *spacings, size_t count)
 			printf("%s%.4f", k == 0 ? "" : ", ", reference_arc(&soil, loads[k], WIDTH, RADIUS, true) * 1e3);
 		printf("], \"posts\": {");
 		for (size_t k = 0; k < count; k++) {
-			struct rut rut = rolled(false, &soil, loads[0], WIDTH, RADIUS, slip, spacings[k]);
+			struct rut rut = rolled(&soil, loads[0], WIDTH, RADIUS, slip, spacings[k]);
 			printf("%s\"%g\": {\"mm\": %.4f, \"drawbar_n\": %.4f, \"resistance_n\": %.4f}", k == 0 ? "" : ", ",
 			       spacings[k] * 1e3, rut.sinkage * 1e3, rut.drawbar, rut.resistance);
 			fflush(stdout);
-		}
-		printf("}, \"gpu\": {");
-		for (size_t k = 0; k < count && has_gpu; k++) {
-			struct rut rut = rolled(true, &soil, loads[0], WIDTH, RADIUS, slip, spacings[k]);
-			printf("%s\"%g\": {\"mm\": %.4f, \"drawbar_n\": %.4f}", k == 0 ? "" : ", ", spacings[k] * 1e3, rut.sinkage * 1e3,
-			       rut.drawbar);
 		}
 		printf("}}\n");
 	}
@@ -127,31 +119,26 @@ static void towed(void)
 		       reference_arc(&soil, load, width, radius, false) * 1e3, arc * 1e3,
 		       reference_resistance(&soil, width, arc));
 		for (size_t k = 0; k < 3; k++) {
-			struct rut rut = rolled(false, &soil, load, width, radius, 0, spacings[k]);
+			struct rut rut = rolled(&soil, load, width, radius, 0, spacings[k]);
 			printf("%s\"%g\": [%.4f, %.4f]", k == 0 ? "" : ", ", spacings[k] * 1e3, rut.sinkage * 1e3, rut.resistance);
 			fflush(stdout);
 		}
-		printf("}, \"gpu_mm\": {");
-		for (size_t k = 0; k < 3 && has_gpu; k++)
-			printf("%s\"%g\": %.4f", k == 0 ? "" : ", ", spacings[k] * 1e3,
-			       rolled(true, &soil, load, width, radius, 0, spacings[k]).sinkage * 1e3);
 		printf("}}\n");
 	}
 }
 
 /* The mean pressure under a square plate that is pushed so deep, Pa: over its own area. */
-static double pushed(bool on_gpu, const struct soil_numbers *soil, double side, double sinkage, double spacing)
+static double pushed(const struct soil_numbers *soil, double side, double sinkage, double spacing)
 {
 	struct soil_shape plate = {.kind = SOIL_BOX, .size = {side, side, 1}};
 	int posts = (int)(side / spacing) + 2 * RIM;
 	struct soil_pose pose = at(posts / 2, posts / 2, 0.5 - sinkage, spacing);
 	struct deform_contact sweep = {.shape = &plate, .from = pose, .to = pose};
-	struct reference_forces forces;
-	double lower;
-	struct bed *bed = bed_create(on_gpu, posts, posts, spacing, soil);
-	bed_sweep(bed, &sweep, &forces, &lower);
+	struct deform_forces forces;
+	struct bed *bed = bed_create(posts, posts, spacing, soil);
+	bed_press(bed, &sweep, &forces, NULL, NULL);
 	bed_destroy(bed);
-	return forces.normal / (side * side);
+	return forces.force[2] / (side * side);
 }
 
 static void plates(void)
@@ -167,14 +154,10 @@ static void plates(void)
 			double sinkage = millimetres[k] / 1e3;
 			printf("{\"what\": \"plate\", \"soil\": \"%s\", \"mm\": %g, \"closed_kpa\": %.6g", soils[i], millimetres[k],
 			       reference_bekker(&soil, side, sinkage) / 1e3);
-			for (int on_gpu = 0; on_gpu < 2; on_gpu++) {
-				printf(", \"%s\": {", on_gpu ? "gpu_kpa" : "posts_kpa");
-				for (size_t s = 0; s < 2 && (!on_gpu || has_gpu); s++)
-					printf("%s\"%g\": %.6g", s == 0 ? "" : ", ", spacings[s] * 1e3,
-					       pushed(on_gpu, &soil, side, sinkage, spacings[s]) / 1e3);
-				printf("}");
-			}
-			printf("}\n");
+			printf(", \"posts_kpa\": {");
+			for (size_t s = 0; s < 2; s++)
+				printf("%s\"%g\": %.6g", s == 0 ? "" : ", ", spacings[s] * 1e3, pushed(&soil, side, sinkage, spacings[s]) / 1e3);
+			printf("}}\n");
 		}
 }
 
@@ -200,11 +183,9 @@ static void leaning(void)
 int main(int argc, char **argv)
 {
 	static const double spacings[] = {0.004, 0.002, 0.001};
-	has_gpu = bed_open();
 	plates();
 	towed();
 	leaning();
 	rig(spacings, argc > 1 && strcmp(argv[1], "quick") == 0 ? 2 : 3);
-	bed_close();
 	return 0;
 }

@@ -83,13 +83,6 @@ class Plot:
         if name:
             self.named(name, mark)
 
-    def crosses(self, name, points, colour):
-        def mark(x, y):
-            return f'<path d="M{x - 4:.1f} {y:.1f}h8M{x:.1f} {y - 4:.1f}v8" stroke="{colour}" fill="none"/>'
-        self.text += [mark(self.across(x), self.up(y)) for x, y in self.inside(points)]
-        if name:
-            self.named(name, mark)
-
     def write(self, path):
         path.write_text("\n".join(self.text + ["</svg>\n"]))
 
@@ -113,22 +106,20 @@ def towed_table(lines):
         wanted = line["elastic_arc_mm"]
         rows.append([line["soil"], f'{line["bekker_mm"]:.2f}', f'{line["arc_mm"]:.2f}', f"{wanted:.2f}"] +
                     [f"{mm:.2f} ({percent(mm, wanted)})" for mm, _ in line["posts"].values()] +
-                    [f"{mm:.2f} ({percent(mm, wanted)})" for mm in line["gpu_mm"].values()] +
                     [percent(wanted, line["bekker_mm"])])
     table(["towed wheel, mm", "Bekker", "exact arc", "and it springs back"] +
-          [f"posts of {spacing} mm" for spacing in lines[0]["posts"]] + [f"GPU, {spacing} mm" for spacing in lines[0]["gpu_mm"]] +
+          [f"posts of {spacing} mm" for spacing in lines[0]["posts"]] +
           ["model: last closed form to Bekker"], rows)
 
 
 def rig_tables(lines):
-    spacings, gpu = list(lines[0]["posts"]), list(lines[0]["gpu"])
+    spacings = list(lines[0]["posts"])
     table(["slip", "measured", "Wong-Reece, loose", "Wong-Reece, compact", "scm, closed"] +
-          [f"scm, posts of {spacing} mm" for spacing in spacings] + [f"GPU, posts of {spacing} mm" for spacing in gpu],
+          [f"scm, posts of {spacing} mm" for spacing in spacings],
           [[f'{line["slip"]:g}', f'{line["measured_mm"]:.1f}'] +
            ["{:.2f} ({:.2f} .. {:.2f})".format(*line[name]) for name in
             ("wong_reece_loose_mm", "wong_reece_compact_mm", "scm_mm")] +
-           [f'{line["posts"][spacing]["mm"]:.2f}' for spacing in spacings] +
-           [f'{line["gpu"][spacing]["mm"]:.2f}' for spacing in gpu] for line in lines])
+           [f'{line["posts"][spacing]["mm"]:.2f}' for spacing in spacings] for line in lines])
 
     def errors(pairs):
         """rms and greatest in mm, rms of the relative ones."""
@@ -138,12 +129,10 @@ def rig_tables(lines):
                 f"{math.sqrt(sum(share) / len(share)) * 100:.2f} %")
 
     finest = spacings[-1]
-    table(["slip", "drawbar, N: Wong-Reece, loose", "compact", f"scm, posts of {finest} mm", "scm less the soil's yielding"] +
-          [f"GPU, posts of {finest} mm" for _ in gpu[-1:]],
+    table(["slip", "drawbar, N: Wong-Reece, loose", "compact", f"scm, posts of {finest} mm", "scm less the soil's yielding"],
           [[f'{line["slip"]:g}', f'{line["wong_reece_loose_drawbar_n"]:.2f}', f'{line["wong_reece_compact_drawbar_n"]:.2f}',
             f'{line["posts"][finest]["drawbar_n"]:.2f}',
-            f'{line["posts"][finest]["drawbar_n"] - line["posts"][finest]["resistance_n"]:.2f}'] +
-           [f'{line["gpu"][finest]["drawbar_n"]:.2f}' for _ in gpu[-1:]] for line in lines])
+            f'{line["posts"][finest]["drawbar_n"] - line["posts"][finest]["resistance_n"]:.2f}'] for line in lines])
 
     none, rows = ("", "", ""), []
     for name, key in (("Wong-Reece, loose sand", "wong_reece_loose_mm"),
@@ -154,9 +143,6 @@ def rig_tables(lines):
     for spacing in spacings:
         rows.append([f"scm, posts of {spacing} mm",
                      *errors([(line["posts"][spacing]["mm"], line["scm_mm"][0]) for line in lines]), *none])
-    for spacing in gpu:
-        rows.append([f"scm on the GPU, posts of {spacing} mm",
-                     *errors([(line["gpu"][spacing]["mm"], line["scm_mm"][0]) for line in lines]), *none])
     table(["", "numerical: rms mm", "greatest mm", "rms share", "model: rms mm", "greatest mm", "rms share"], rows)
 
 
@@ -168,13 +154,8 @@ def plate_table(lines):
         of = [line for line in lines if line["soil"] == soil]
         at = next(line for line in of if line["mm"] == 20)
         rows.append([soil, f'{at["closed_kpa"]:.4g}'] + [f"{kpa:.4g} ({percent(kpa, at['closed_kpa'])})" for kpa in
-                                                         (*at["posts_kpa"].values(), *at["gpu_kpa"].values())])
-    table(["plate of 0.1 m, 20 mm deep, kPa", "Bekker"] + [f"posts of {float(spacing):.4g} mm" for spacing in spacings] +
-          [f"GPU, {float(spacing):.4g} mm" for spacing in lines[0]["gpu_kpa"]], rows)
-    both = [(kpa, line["posts_kpa"][spacing]) for line in lines for spacing, kpa in line["gpu_kpa"].items()]
-    if both:
-        print(f"Of {len(both)} plates the GPU's pressure is {max(abs(got / wanted - 1) for got, wanted in both) * 100:.3f} % from the "
-              "reference's at most.\n")
+                                                         at["posts_kpa"].values()])
+    table(["plate of 0.1 m, 20 mm deep, kPa", "Bekker"] + [f"posts of {float(spacing):.4g} mm" for spacing in spacings], rows)
 
 
 def draw(lines, folder):
@@ -188,8 +169,6 @@ def draw(lines, folder):
     for i, spacing in enumerate(rig[0]["posts"]):
         plot.dots(f"scm, posts of {spacing} mm", [(line["slip"], line["posts"][spacing]["mm"]) for line in rig], COLOURS[3 + i],
                   filled=False)
-    for spacing in list(rig[0]["gpu"])[-1:]:
-        plot.crosses(f"GPU, posts of {spacing} mm", [(line["slip"], line["gpu"][spacing]["mm"]) for line in rig], "#000000")
     plot.dots("measured", [(line["slip"], line["measured_mm"]) for line in rig], "#000000")
     plot.write(folder / "validation-wheel.svg")
 
@@ -201,10 +180,6 @@ def draw(lines, folder):
         plot.line(soil, [(line["mm"], line["closed_kpa"]) for line in of], COLOURS[i], "" if i < 6 else "6 2")
         for k, spacing in enumerate(of[0]["posts_kpa"]):
             plot.dots("", [(line["mm"], line["posts_kpa"][spacing]) for line in of], COLOURS[i], filled=k == 1)
-        for spacing in list(of[0]["gpu_kpa"])[-1:]:
-            plot.crosses("", [(line["mm"], line["gpu_kpa"][spacing]) for line in of], "#000000")
-    for spacing in list(plates[0]["gpu_kpa"])[-1:]:
-        plot.crosses(f"GPU, {float(spacing):.4g} mm", [], "#000000")
     for k, spacing in enumerate(plates[0]["posts_kpa"]):
         plot.dots(f"posts of {float(spacing):.4g} mm", [], "#000000", filled=k == 1)
     plot.write(folder / "validation-plates.svg")
@@ -221,7 +196,7 @@ STIFF = ("heavy_clay_25", "lean_clay_22")   # at 20 mm they yield at K_e z
 def keep(kept, lines):
     """Figures: how far plates of 20 mm and towed wheels are from closed forms, and the wheels that lean."""
     plates = [line for line in lines if line["what"] == "plate" and line["mm"] == 20]
-    for name, key in (("posts", "posts_kpa"), ("gpu", "gpu_kpa")):
+    for name, key in (("posts", "posts_kpa"),):
         off = [kpa / line["closed_kpa"] - 1 for line in plates if line["soil"] not in STIFF for kpa in line[key].values()]
         if off:
             kept.add(f"plates.{name}_off", max(map(abs, off)) * 100, "%")

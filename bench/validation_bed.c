@@ -1,114 +1,83 @@
-/* Beds on the GPU are whole tiles, all resident, of a world as large. */
+/* Beds are whole tiles in host memory, all resident, of a world as large. */
 #include "validation_bed.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
+#include "bearing/bearing.h"
 #include "bench.h"
+#include "resident/host_slots.h"
 
 #define CELLS 64
 
 struct bed {
-	bool on_gpu;
-	struct deform_params params;
-	struct reference_ground ground;
+	struct soil_numbers soil;
 	struct extent extent;
-	struct gpu_slots *slots;
-	struct deform *deform;
+	struct host_slots *slots;
+	struct bearing *bearing;
 	struct tile_slot *tiles;
 	size_t tile_count;
+	double spent; /* J: work of all contacts so far */
 };
 
-static struct gpu *bed_gpu;
-
-bool bed_open(void)
+struct bed *bed_create(int width, int height, double spacing, const struct soil_numbers *soil)
 {
-	enum status status = gpu_create(&(struct gpu_params){.draws = false}, &bed_gpu);
-	if (status == STATUS_NO_GL)
-		return false;
-	bench_must(status);
-	return true;
-}
-
-void bed_close(void)
-{
-	gpu_destroy(bed_gpu);
-}
-
-static void make_tiles(struct bed *bed, uint32_t side)
-{
-	const size_t bytes = (CELLS + 1) * (CELLS + 1) * sizeof(int32_t);
-	struct gpu_staging *flat;
+	struct bed *bed = mem_calloc(1, sizeof *bed);
+	const int most = width > height ? width : height;
+	const uint32_t side = (uint32_t)(most + CELLS - 2) / CELLS;
+	if (bed == NULL)
+		bench_must(fail_memory("bench"));
+	bed->soil = *soil;
+	bed->extent = (struct extent){side * CELLS + 1, side * CELLS + 1, spacing, CELLS};
 	bed->tile_count = (size_t)side * side;
 	bed->tiles = mem_calloc(bed->tile_count, sizeof *bed->tiles);
 	if (bed->tiles == NULL)
 		bench_must(fail_memory("bench"));
-	bench_must(gpu_slots_create(bed_gpu, CELLS, side * side, deform_planes(DEFORM_SCM, false, false), &bed->slots));
-	bench_must(gpu_staging_create(bed_gpu, bytes, &flat));
-	memset(gpu_staging_bytes(flat), 0, bytes);
+	bench_must(resident_host_create(CELLS, side * side, deform_planes(DEFORM_SCM, false, false), &bed->slots));
 	for (uint32_t k = 0; k < side * side; k++) {
+		int32_t *base;
 		bed->tiles[k] = (struct tile_slot){{0, k % side, k / side}, k};
-		bench_must(gpu_slots_upload_base(bed->slots, k, flat, 0));
+		bench_must(resident_host_tile_base(bed->slots, &host_entry(bed->slots, k)->tile, &base));
+		memset(base, 0, (CELLS + 1) * (CELLS + 1) * sizeof *base);
 	}
-	gpu_staging_destroy(flat);
-}
-
-struct bed *bed_create(bool on_gpu, int width, int height, double spacing, const struct soil_numbers *soil)
-{
-	struct bed *bed = mem_calloc(1, sizeof *bed);
-	if (bed == NULL)
-		bench_must(fail_memory("bench"));
-	bed->on_gpu = on_gpu;
-	bed->params = (struct deform_params){.model = DEFORM_SCM, .soils = {*soil}, .soil_count = 1, .iterations = 1};
-	if (!on_gpu) {
-		bench_must(reference_ground_init(&bed->ground, width, height, spacing));
-		return bed;
-	}
-	int most = width > height ? width : height;
-	uint32_t side = (uint32_t)(most + CELLS - 2) / CELLS;
-	bed->extent = (struct extent){side * CELLS + 1, side * CELLS + 1, spacing, CELLS};
-	make_tiles(bed, side);
-	bed->params.gpu = bed_gpu;
-	bed->params.slots = bed->slots;
-	bed->params.extent = &bed->extent;
-	bench_must(deform_create(&bed->params, &bed->deform));
+	bench_must(bearing_create(&(struct deform_params){.extent = &bed->extent, .model = DEFORM_SCM, .soils = {*soil}, .soil_count = 1, .iterations = 1}, bed->slots,
+				  &bed->bearing));
 	return bed;
 }
 
 void bed_destroy(struct bed *bed)
 {
-	if (bed->on_gpu) {
-		deform_destroy(bed->deform);
-		gpu_slots_destroy(bed->slots);
-		mem_free(bed->tiles);
-	} else {
-		reference_ground_finish(&bed->ground);
-	}
+	bearing_destroy(bed->bearing);
+	resident_host_destroy(bed->slots);
+	mem_free(bed->tiles);
 	mem_free(bed);
 }
 
-void bed_sweep(struct bed *bed, const struct deform_contact *sweep, struct reference_forces *forces, double *lower)
+/* Sums z^(n + 1) over all posts, m^(n + 1). Edges of tiles count once. */
+static double sum_of(const struct bed *bed)
 {
-	if (!bed->on_gpu) {
-		bench_must(reference_sweep(&bed->ground, &bed->params, sweep, forces, lower));
-		return;
+	double sum = 0;
+	for (size_t k = 0; k < bed->tile_count; k++) {
+		const int32_t *sinkage = host_tile_plane(bed->slots, &host_entry(bed->slots, (uint32_t)k)->tile, PLANE_PLASTIC_SINKAGE);
+		for (size_t y = 0; y < CELLS && sinkage != NULL; y++)
+			for (size_t x = 0; x < CELLS; x++)
+				sum += pow(lattice_offset_metres(sinkage[y * (CELLS + 1) + x]), bed->soil.bekker_n + 1);
 	}
-	struct deform_contact asked = *sweep;
-	struct deform_window windows[DEFORM_WINDOWS_MAX];
-	struct deform_forces got = {.tag = 0};
-	size_t count;
-	bool taken;
-	asked.tag = 1;
-	bench_must(deform_windows(bed->deform, &asked, windows, &count));
-	for (size_t i = 0; i < count; i++)
-		bench_must(deform_compute(bed->deform, &asked, &windows[i], (uint32_t)i, bed->tiles, bed->tile_count));
-	for (size_t i = 0; i < count; i++)
-		bench_must(deform_scatter(bed->deform, &windows[i], (uint32_t)i, bed->tiles, bed->tile_count));
-	bench_must(deform_forces_begin(bed->deform));
-	bench_must(deform_forces_take(bed->deform, true, &got, &taken));
-	*forces = (struct reference_forces){.normal = got.force[2], .area = got.area, .sinkage = got.sinkage};
-	memcpy(forces->force, got.force, sizeof got.force);
-	memcpy(forces->moment, got.moment, sizeof got.moment);
-	*lower = lattice_offset_metres(sweep->to.z - got.z);
+	return sum;
+}
+
+void bed_press(struct bed *bed, const struct deform_contact *contact, struct deform_forces *forces, double *lower, double *work)
+{
+	const struct soil_shape *shape = contact->shape;
+	const double width = shape->kind == SOIL_WHEEL ? shape->width : fmin(shape->size[0], shape->size[1]);
+	struct bearing_contact done = {.contact = contact};
+	bench_must(bearing_area(bed->bearing, contact, &done.area));
+	bench_must(bearing_contact_alone(bed->bearing, &done, bed->tiles, bed->tile_count));
+	const double spent = (bed->soil.bekker_kc / width + bed->soil.bekker_kphi) * sum_of(bed) / (bed->soil.bekker_n + 1) * bed->extent.spacing * bed->extent.spacing;
+	*forces = done.forces;
+	if (lower != NULL)
+		*lower = lattice_offset_metres(contact->to.z - done.forces.z);
+	if (work != NULL)
+		*work = spent - bed->spent;
+	bed->spent = spent;
 }

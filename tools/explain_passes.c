@@ -54,7 +54,6 @@ const char *explain_each_of(enum plan_unit unit)
 		[PLAN_MOVED] = "a window that it moved over",
 		[PLAN_BATCH] = "a batch of windows",
 		[PLAN_BATCH_DRAW] = "an array, or bodies of a kind, in a batch",
-		[PLAN_BATCH_SEARCH] = "a search for bodies of a kind in a batch",
 		[PLAN_BATCH_STORE] = "an array that a batch writes",
 		[PLAN_BATCH_ENVELOPE] = "a draw of undersides in a batch",
 		[PLAN_FACETS] = "a draw of triangles",

@@ -5,8 +5,6 @@
 // Defines, each present or absent:
 // - BLOCKS: over active blocks. Over a window: only posts near what the contact reached; soil that it deposited counts, and the last
 //   iteration adds it to offsets
-// - LOAD: the object carries a load, so its height is found on the GPU and may change
-// - THICKNESS: the deposited thickness is kept for each post
 // - BOUNDED: only soil down to a depth below the base relaxes, so a floor is written too
 // - STEEP: neighbouring posts may differ in height by 1536 m and more
 // - HELD_STILL: posts on which an object rests do not relax
@@ -17,12 +15,9 @@
 layout(binding = 0, r32i) readonly uniform iimage2DArray bases;
 layout(binding = 1, r32i) readonly uniform iimage2DArray offsets;
 layout(binding = 2, r8ui) readonly uniform uimage2DArray contacts;
-#ifdef THICKNESS
-layout(binding = 4, r32i) readonly uniform iimage2DArray heaps;
-#endif
 
 flat in ivec4 passed[PASSED]; // the parameters, from the vertex shader: passed.vert says why. The first is not read
-ivec4 place = passed[1];   // x: layer of the images; y: depth of relaxing soil below the base, fixed-point units; z: with BATCH: the object carries a load
+ivec4 place = passed[1];   // x: layer of the images; y: depth of relaxing soil below the base, fixed-point units
 ivec4 written = passed[2]; // posts that exchange soil: the first (x, y), one behind the last (z, w)
 
 #ifndef BLOCKS
@@ -41,27 +36,16 @@ void main()
 	ivec3 at = ivec3(post, place.x);
 	int base = imageLoad(bases, at).r;
 	int offset = imageLoad(offsets, at).r;
-	int heap = offset; // top of the relaxing soil above the base, fixed-point units
-#ifdef THICKNESS
-	heap = imageLoad(heaps, at).r;
-#endif
 	bool ours = all(greaterThanEqual(post, written.xy)) && all(lessThan(post, written.zw));
 	uint contact = imageLoad(contacts, at).r;
 	bool still = !ours || base == BASE_NODATA || (contact & CLOSED) != 0u;
-#if defined(BATCH)
-	uint is_held = place.z != 0 ? IS_HELD | MAY_BE_FREED : IS_HELD;
-#elif defined(LOAD)
-	const uint is_held = IS_HELD | MAY_BE_FREED;
-#else
-	const uint is_held = IS_HELD;
-#endif
-	uint marks = ours && (contact & HELD) != 0u ? is_held : 0u;
+	uint marks = ours && (contact & HELD) != 0u ? IS_HELD : 0u;
 #ifdef HELD_STILL
 	still = still || (contact & HELD) != 0u;
 #endif
 #ifndef BLOCKS
 	uint deposit = ours ? uint(imageLoad(deposits, at).r) : 0u;
-	uint room = room_at(offset, heap);
+	uint room = room_at(offset);
 	if (deposit > room) {
 		tally_add(COMPACTED, deposit - room);
 		tally_add(REFUSED, 1u);
@@ -69,11 +53,10 @@ void main()
 	}
 	marks |= ours && (deposit != 0u || (contact & LOWERED) != 0u) ? IS_DISTURBED : 0u;
 	offset += int(deposit);
-	heap += int(deposit);
-	if (!still && (min(offset, heap) < SLIDE_LOW || max(offset, heap) > SLIDE_HIGH))
+	if (!still && (offset < SLIDE_LOW || offset > SLIDE_HIGH))
 		tally_add(REFUSED, 1u);
 #endif
-	still = still || min(offset, heap) < SLIDE_LOW || max(offset, heap) > SLIDE_HIGH;
+	still = still || offset < SLIDE_LOW || offset > SLIDE_HIGH;
 #ifdef STEEP
 	for (int k = 0; k < 8; k++) {
 		ivec3 there = ivec3(post + SLIDE_NEAR[k], place.x);
@@ -89,6 +72,6 @@ void main()
 	height_out = still ? STILL : int(uint(base) * 4u + uint(offset));
 	still_out = marks | (still ? IS_STILL : 0u);
 #ifdef BOUNDED
-	floor_out = int(uint(base) * 4u + uint(offset) - uint(heap) - uint(place.y));
+	floor_out = int(uint(base) * 4u - uint(place.y));
 #endif
 }

@@ -6,7 +6,6 @@
 // - STOOD: undisturbed ground is stable, however steep
 // - SOILS: number of soil classes in the parameters
 // - LAST: the last iteration, which writes offsets
-// - THICKNESS: with LAST: writes the deposited thickness too
 // - SLOPES: the critical difference depends on the height of the slope, over blocks
 // - BLOCKS, WAKES: as in slid.glsl
 

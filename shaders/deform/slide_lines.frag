@@ -27,12 +27,7 @@ layout(std140, binding = 0) uniform params {
 	ivec4 limits[SOILS]; // critical difference of heights in this direction
 };
 
-#ifdef BATCH
-// From windows.vert. Of the parameters only the limits count. written: posts that exchange soil: first, one behind the last
-ivec4 place = passed[0], written = passed[1];
-#else
-ivec4 place = of_pass, written = reached_posts(window, around.x);
-#endif
+ivec4 place = of_pass, written = reached_posts(window, around.x); // written: posts that exchange soil: first, one behind the last
 
 const int POPS_MOST = 512;  // posts that join from before the pool, of all pools of a walk: drivers end long loops
 

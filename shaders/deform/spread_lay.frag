@@ -15,9 +15,9 @@ i64 amount(i64 rate, uint weight)
 
 void lay_rest(int face)
 {
-	i64 rest = i64_sub(words(LAYING.parts[2 * face], LAYING.parts[2 * face + 1]), words(LAYING.laid[2 * face], LAYING.laid[2 * face + 1]));
+	i64 rest = i64_sub(words(handed.parts[2 * face], handed.parts[2 * face + 1]), words(handed.laid[2 * face], handed.laid[2 * face + 1]));
 	if (i64_less(rest, i64_from(REST_MOST))) {
-		uint at = LAYING.heaviest[face];
+		uint at = handed.heaviest[face];
 		imageAtomicAdd(deposits, ivec3(int(at & 1023u), int(at >> 10 & 1023u), place.x), i64_to_int(rest));
 	} else {
 		tally_sum(COMPACTED, uvec2(rest.lo, uint(rest.hi)));
@@ -28,11 +28,11 @@ void lay_rest(int face)
 void main()
 {
 	int y = row_of_pass(written.y);
-	if (y >= written.w || (LAYING.carried[0] | LAYING.carried[1]) == 0u)
+	if (y >= written.w || (handed.carried[0] | handed.carried[1]) == 0u)
 		return;
 	i64 rate[FACES];
 	for (int face = 0; face < FACES; face++)
-		rate[face] = words(LAYING.rates[2 * face], LAYING.rates[2 * face + 1]);
+		rate[face] = words(handed.rates[2 * face], handed.rates[2 * face + 1]);
 	uvec4 sum = uvec4(0u); // of the row's weights so far, by face
 	ivec4 sent = ivec4(0); // the soil that these weights get; differences fit 32 bits
 	find_band();
@@ -55,11 +55,11 @@ void main()
 	for (int face = 0; face < FACES; face++)
 		if (sum[face] > 0u) {
 			i64 all = amount(rate[face], sum[face]);
-			uint before = atomicAdd(LAYING.laid[2 * face], all.lo);
-			atomicAdd(LAYING.laid[2 * face + 1], uint(all.hi) + uint(before + all.lo < before));
+			uint before = atomicAdd(handed.laid[2 * face], all.lo);
+			atomicAdd(handed.laid[2 * face + 1], uint(all.hi) + uint(before + all.lo < before));
 		}
 	if (is_last(1))
 		for (int face = 0; face < FACES; face++)
-			if (LAYING.weights[face] > 0u)
+			if (handed.weights[face] > 0u)
 				lay_rest(face);
 }

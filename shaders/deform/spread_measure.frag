@@ -1,6 +1,5 @@
 #version 450 core
-// The first pass that lays down carried soil, after a contact pass that did not measure it. It measures how much soil there is, and how
-// large and deep the patch is that the body touches. One invocation for each row of posts that the object can be above.
+// The first pass that lays down carried soil. It measures how much soil there is, and how large and deep the patch is that the body touches. One invocation for each row of posts that the object can be above.
 
 #include "lib/spread.glsl"
 
@@ -40,7 +39,7 @@ void main()
 		hi += carry;
 		count += uint(amount > 0);
 		of_classes |= amount > 0 ? 1u << soil : 0u;
-		deepest = max(deepest, depth_of(amount, imageLoad(offsets, post).r, 0, 0, share));
+		deepest = max(deepest, depth_of(amount, imageLoad(offsets, post).r, share));
 		first = min(first, x);
 		last = max(last, x);
 	}

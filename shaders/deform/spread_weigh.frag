@@ -56,30 +56,30 @@ i64 quotient(i64 a, uint b)
 
 void find_rates()
 {
-	i64 all = words(LAYING.carried[0], LAYING.carried[1]), rest = all, part[FACES];
+	i64 all = words(handed.carried[0], handed.carried[1]), rest = all, part[FACES];
 	int most = -1;
 	for (int face = 0; face < FACES; face++) {
-		bool takes = LAYING.weights[face] > 0u;
+		bool takes = handed.weights[face] > 0u;
 		part[face] = takes ? i64_sar(i64_mul_int(all, shares[face]), 16) : i64(0, 0u);
 		rest = i64_sub(rest, part[face]);
 		most = takes && (most < 0 || shares[face] > shares[most]) ? face : most;
 	}
 	if (most < 0) {
 		tally_sum(COMPACTED, uvec2(all.lo, uint(all.hi)));
-		tally_add(CONFINED, LAYING.givers);
+		tally_add(CONFINED, handed.givers);
 		return;
 	}
 	part[most] = i64_add(part[most], rest);
 	for (int face = 0; face < FACES; face++) {
-		if (LAYING.weights[face] == 0u)
+		if (handed.weights[face] == 0u)
 			continue;
-		i64 rate = quotient(i64_shl(part[face], RATE_BITS), LAYING.weights[face]);
-		i64 limit = quotient(i64_shl(i64_from(AMOUNT_MOST), RATE_BITS), LAYING.heaviest[face] >> 20);
+		i64 rate = quotient(i64_shl(part[face], RATE_BITS), handed.weights[face]);
+		i64 limit = quotient(i64_shl(i64_from(AMOUNT_MOST), RATE_BITS), handed.heaviest[face] >> 20);
 		rate = i64_min(rate, limit);
-		LAYING.parts[2 * face] = part[face].lo;
-		LAYING.parts[2 * face + 1] = uint(part[face].hi);
-		LAYING.rates[2 * face] = rate.lo;
-		LAYING.rates[2 * face + 1] = uint(rate.hi);
+		handed.parts[2 * face] = part[face].lo;
+		handed.parts[2 * face + 1] = uint(part[face].hi);
+		handed.rates[2 * face] = rate.lo;
+		handed.rates[2 * face + 1] = uint(rate.hi);
 	}
 }
 
@@ -99,7 +99,7 @@ void weigh(int x, int y, int face, int weight)
 void main()
 {
 	int y = row_of_pass(written.y);
-	if (y >= written.w || (LAYING.carried[0] | LAYING.carried[1]) == 0u)
+	if (y >= written.w || (handed.carried[0] | handed.carried[1]) == 0u)
 		return;
 	// Two loops, not one loop with a branch: a driver may compute both sides of a branch for every post.
 	find_band();
@@ -113,8 +113,8 @@ void main()
 	}
 	for (int face = 0; face < FACES; face++)
 		if (sum[face] > 0u) {
-			atomicAdd(LAYING.weights[face], sum[face]);
-			atomicMax(LAYING.heaviest[face], best[face]);
+			atomicAdd(handed.weights[face], sum[face]);
+			atomicMax(handed.heaviest[face], best[face]);
 		}
 	if (is_last(0))
 		find_rates();

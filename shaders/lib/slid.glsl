@@ -2,7 +2,6 @@
 // its block. Include it after the declaration of the parameters.
 // Defines:
 // - LAST: this is the last iteration
-// - THICKNESS: the deposited thickness is written too
 // - BLOCKS: the pass computes active blocks. Otherwise it computes posts of a window, near what a contact reached, and its last iteration adds
 //   the deposited soil
 // - TOUCHED: flags also tell which parts of a block changed
@@ -11,9 +10,6 @@
 #ifdef LAST
 layout(binding = 4, r32i) restrict uniform iimage2DArray offsets; // before the first iteration
 layout(binding = 5, r8ui) readonly uniform uimage2DArray stills;
-#ifdef THICKNESS
-layout(binding = 6, r32i) restrict uniform iimage2DArray heaps; // deposited thickness before the first iteration
-#endif
 #ifndef BLOCKS
 layout(binding = 3, r32i) readonly uniform iimage2DArray deposits; // not yet in the offsets
 #else
@@ -64,27 +60,18 @@ void slid(ivec3 at, int height, int change, bool moves, bool steep)
 #ifdef LAST
 	int before = imageLoad(offsets, at).r, deposit = 0;
 	uint marks = imageLoad(stills, at).r;
-#ifdef THICKNESS
-	int heap = imageLoad(heaps, at).r;
-#else
-	int heap = before;
-#endif
 #ifndef BLOCKS
-	deposit = int(min(uint(imageLoad(deposits, at).r), room_at(before, heap)));
+	deposit = int(min(uint(imageLoad(deposits, at).r), room_at(before)));
 #endif
 	int offset = (marks & IS_STILL) != 0u ? before + deposit : int(uint(height) - uint(imageLoad(grounds, at).r) * 4u);
 	bool slides = offset != before + deposit, changed = slides;
 	// An object that rested on this post may not rest on it any more.
-	moves = moves || (marks & MAY_BE_FREED) != 0u || ((marks & IS_HELD) != 0u && slides);
+	moves = moves || ((marks & IS_HELD) != 0u && slides);
 #ifndef BLOCKS
 	changed = changed || (marks & IS_DISTURBED) != 0u;
 #endif
-	if (offset != before) {
+	if (offset != before)
 		imageStore(offsets, at, ivec4(offset));
-#ifdef THICKNESS
-		imageStore(heaps, at, ivec4(heap + (offset - before)));
-#endif
-	}
 #ifdef WAKES
 	// Slopes are measured before the first iteration over blocks. So the next interval must measure them where the ground changed. Over
 	// a window they are not measured, so the next interval must also do it where the ground is steep.

@@ -6,7 +6,6 @@
 const int STILL = int(0x80000000u); // a height: the post gives no soil and takes none
 // Bits of a post in `stills`.
 const uint IS_STILL = 1u, IS_HELD = 2u;
-const uint MAY_BE_FREED = 4u; // held, but at its equilibrium height the object may not hold it
 const uint IS_DISTURBED = 8u; // a contact changed the post before sliding
 const int SLIDE_MOST = 1 << 22;     // most soil that two posts exchange in an iteration, fixed-point units
 const int POOLED_MOST = 1 << 22;    // the same along a line
@@ -15,9 +14,9 @@ const int POOLED_MOST = 1 << 22;    // the same along a line
 const int SLIDE_LOW = -OFFSET_LIMIT + (9 << 25), SLIDE_HIGH = OFFSET_LIMIT - (9 << 25);
 
 // Returns how much soil can be deposited on a post, fixed-point units.
-uint room_at(int offset, int heap)
+uint room_at(int offset)
 {
-	return uint(max(0, SLIDE_HIGH - max(offset, heap)));
+	return uint(max(0, SLIDE_HIGH - offset));
 }
 
 // Largest difference between neighbours, 2^-18 m (1536 m). So eight iterations cannot exceed 32 bits.

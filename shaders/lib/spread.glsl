@@ -26,19 +26,14 @@ layout(std140, binding = 0) uniform params {
 	ivec4 soils[SOILS]; // a factor in the square of a band's width, 2^-24 (find_band); share of the depth that is laid, 2^-16
 } given;
 
-// Each is fetched once, before the loops (lib/soil.glsl).
-#ifdef BATCH
-// From windows.vert. Of `given` only the soils count.
-ivec4 place = passed[0], written = passed[1], shadow = passed[2], origin = passed[3], axis = passed[4], shares = passed[5];
-#else
+// Each is fetched once, before the loops.
 ivec4 place = given.place, written = given.written, shadow = given.shadow, origin = given.origin, axis = given.axis, shares = given.shares;
-#endif
 
 // Tells whether this invocation is the last that ends one of the last two passes.
 bool is_last(int pass)
 {
 	memoryBarrier();
-	return atomicAdd(LAYING.ended[pass], 1u) == uint(written.w - written.y - 1);
+	return atomicAdd(handed.ended[pass], 1u) == uint(written.w - written.y - 1);
 }
 
 ivec4 rectangle; // around the patch: most and least x, most and least y
@@ -49,15 +44,15 @@ void find_band()
 {
 	int factor = 0;
 	for (int i = 0; i < SOILS; i++)
-		factor = max(factor, (LAYING.given_soils >> i & 1u) != 0u ? given.soils[i].x : 0);
+		factor = max(factor, (handed.given_soils >> i & 1u) != 0u ? given.soils[i].x : 0);
 	bool wheel = origin.z > 0;
-	rectangle.xy = ivec2(int(LAYING.ends[0]) - BIAS + HALF_POST, BIAS - int(LAYING.ends[1]) - HALF_POST);
-	rectangle.zw = wheel ? ivec2(origin.z, -origin.z) : ivec2(int(LAYING.ends[2]) - BIAS + HALF_POST, BIAS - int(LAYING.ends[3]) - HALF_POST);
+	rectangle.xy = ivec2(int(handed.ends[0]) - BIAS + HALF_POST, BIAS - int(handed.ends[1]) - HALF_POST);
+	rectangle.zw = wheel ? ivec2(origin.z, -origin.z) : ivec2(int(handed.ends[2]) - BIAS + HALF_POST, BIAS - int(handed.ends[3]) - HALF_POST);
 	uint along = uint(rectangle.x - rectangle.y) >> 10, across = uint(rectangle.z - rectangle.w) >> 10;
 	// The cross-section of the soil beside a metre of the patch's contour is this length times the depth.
 	uint half_width = ((across * uint(65536 - origin.w)) >> 17) + ((along * uint(origin.w)) >> 17);
 	int reaches = int(place.y != 0 ? (along >> 1) * across / (along + across) : half_width);
-	i64 square = i64_mul_int(i64_mul(min(int(LAYING.deep), HOLLOW_MOST), reaches), factor);
+	i64 square = i64_mul_int(i64_mul(min(int(handed.deep), HOLLOW_MOST), reaches), factor);
 	band = min(max(square_root(i64_sar(square, 24)), max(reaches / 4, NARROWEST)), place.z);
 }
 

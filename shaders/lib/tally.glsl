@@ -4,7 +4,7 @@ layout(std430, binding = 0) buffer tally {
 	uint tally_words[10]; // compacted, refused, confined, sunk, slid: lo, hi
 };
 
-const int COMPACTED = 0, REFUSED = 2, CONFINED = 4, CARRIED_NOWHERE = 6, SLID = 8;
+const int COMPACTED = 0, REFUSED = 2, CONFINED = 4; // the others are of soil that bears
 
 void tally_add(int what, uint amount)
 {

@@ -71,7 +71,7 @@ const char *plan_unit_name(enum plan_unit unit)
 		[PLAN_HOST_SINKAGE] = "host_pressed", [PLAN_HOST_SHEAR] = "host_shear", [PLAN_HOST_DUG] = "host_dug",
 		[PLAN_WINDOW_POST] = "window_post", [PLAN_WINDOW_SCRATCH] = "window_scratch", [PLAN_RESULT_POST] = "result_post",
 		[PLAN_WINDOW] = "window", [PLAN_MOVED] = "moved", [PLAN_BATCH] = "batch", [PLAN_BATCH_DRAW] = "batch_draw",
-		[PLAN_BATCH_SEARCH] = "batch_search", [PLAN_BATCH_STORE] = "batch_store", [PLAN_BATCH_ENVELOPE] = "batch_underside",
+		[PLAN_BATCH_STORE] = "batch_store", [PLAN_BATCH_ENVELOPE] = "batch_underside",
 		[PLAN_FACETS] = "facets",
 		[PLAN_HELD] = "held", [PLAN_RESTING] = "resting", [PLAN_ATLAS] = "atlas", [PLAN_DECIMATED] = "decimated",
 		[PLAN_SUBDIVIDED] = "subdivided", [PLAN_DRAWN] = "drawn", [PLAN_OBJECTS] = "objects",

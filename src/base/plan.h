@@ -56,7 +56,6 @@ enum plan_unit {
 	PLAN_MOVED,        /* of these, windows in which the object moved */
 	PLAN_BATCH,        /* batches of windows that were computed together */
 	PLAN_BATCH_DRAW,   /* draws in them of the ground, one for each pair of arrays, and of contacts, for each kind of body too */
-	PLAN_BATCH_SEARCH, /* searches before contacts in them: one for each kind of body that needs one */
 	PLAN_BATCH_STORE,  /* draws in them that write tiles: one for each array */
 	PLAN_BATCH_ENVELOPE, /* draws of lower envelopes in them */
 	PLAN_FACETS,       /* draws of an object's triangles */

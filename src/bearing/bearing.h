@@ -53,6 +53,8 @@ enum status bearing_meeting_compute(struct bearing *bearing, struct bearing_cont
 /* Puts back what these tiles, which are pinned, have of the contacts' changed posts. */
 enum status bearing_meeting_scatter(struct bearing *bearing, const struct bearing_contact *contacts, size_t count, const struct tile_slot *held,
 				    size_t held_count) FURROW_CHECKED;
+/* All four calls for one contact, whose tiles are all held. */
+enum status bearing_contact_alone(struct bearing *bearing, struct bearing_contact *contact, const struct tile_slot *held, size_t count) FURROW_CHECKED;
 #define BEARING_TOGETHER 250 /* the most contacts of one call */
 /* Returns the posts that bearing_meet reads. */
 struct post_rect bearing_meeting_reads(const struct bearing_contact *contacts, size_t count);

@@ -353,6 +353,16 @@ enum status bearing_meeting_compute(struct bearing *bearing, struct bearing_cont
 	return status;
 }
 
+enum status bearing_contact_alone(struct bearing *bearing, struct bearing_contact *contact, const struct tile_slot *held, size_t count)
+{
+	enum status status = bearing_meeting_begin(bearing, contact, 1, true);
+	if (status == STATUS_OK)
+		bearing_meeting_gather(bearing, held, count);
+	if (status == STATUS_OK)
+		status = bearing_meeting_compute(bearing, contact, 1, NULL, 0);
+	return status == STATUS_OK ? bearing_meeting_scatter(bearing, contact, 1, held, count) : status;
+}
+
 /* --- probes --- */
 
 struct post_rect bearing_probe_posts(const struct bearing *bearing, const struct soil_motion *motion)

@@ -62,7 +62,7 @@ void bearing_tell(const struct bearing *bearing, const struct deform_contact *co
 		  struct deform_forces *forces)
 {
 	static const enum deform_state states[SOIL_STATES] = {DEFORM_TOUCHING, DEFORM_SLIDES, DEFORM_SUNK, DEFORM_AIR};
-	*forces = (struct deform_forces){.tag = contact->tag, .sinkage = fmax(from->sinkage, 0), .area = from->area, .pull = from->pull, .z = from->z,
+	*forces = (struct deform_forces){.sinkage = fmax(from->sinkage, 0), .area = from->area, .pull = from->pull, .z = from->z,
 					 .saturated = from->saturated, .state = states[from->state]};
 	memcpy(forces->force, from->force, sizeof forces->force);
 	memcpy(forces->moment, from->moment, sizeof forces->moment);

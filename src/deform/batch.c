@@ -9,8 +9,6 @@
  *
  * A batch: begun -> windows are added -> computed -> begun again.
  *
- * Of a model that conserves soil, windows also lie beside each other, and each pass draws all of them (together.c).
- *
  * Invariant: windows lie in rows, from the south-west corner, and do not overlap.
  */
 #include <assert.h>
@@ -19,15 +17,12 @@
 #include "deform/batch.h"
 
 #define SIDE_MOST (4 * SIDE) /* of the layer, posts. It grows when a batch is full */
-#define SIDE_MOST_TOGETHER (2 * SIDE) /* under a model that conserves soil, whose windows need more textures */
 
 enum status deform_batch_create(struct deform *deform)
 {
 	deform->batch = mem_calloc(1, sizeof *deform->batch);
 	if (deform->batch == NULL)
 		return fail_memory("a batch of windows");
-	if (deform_conserves(deform->params.model))
-		return deform_together_create(deform);
 	return gpu_list_create(deform->params.gpu, sizeof deform->batch->records, &deform->batch->list);
 }
 
@@ -36,15 +31,12 @@ void deform_batch_destroy(struct deform *deform)
 	if (deform->batch == NULL)
 		return;
 	gpu_list_destroy(deform->batch->list);
-	deform_together_destroy(deform);
 	mem_free(deform->batch);
 }
 
 void deform_batch_plan(const struct deform_params *params, struct plan *plan)
 {
-	const bool conserves = deform_conserves(params->model);
-	const uint64_t bytes = conserves ? deform_together_bytes(params) : gpu_list_bytes(sizeof ((struct batch *)NULL)->records);
-	deform_plan_buffer(plan, deform_displace_effect(params->model), 1 + conserves + deform_tells_forces(params->model), bytes, DEFORM_BATCH_BUFFER);
+	deform_plan_buffer(plan, deform_displace_effect(params->model), 1, gpu_list_bytes(sizeof ((struct batch *)NULL)->records), DEFORM_BATCH_BUFFER);
 }
 
 static bool is_batched(const struct deform_params *params, const struct soil_shape *shape)
@@ -67,7 +59,7 @@ bool deform_is_batched(const struct deform *deform, const struct deform_contact 
 void deform_batch_begin(struct deform *deform)
 {
 	struct batch *batch = deform->batch;
-	batch->count = batch->part_count = batch->tagged = 0;
+	batch->count = batch->part_count = 0;
 	batch->x = batch->y = batch->height = 0;
 }
 
@@ -95,13 +87,12 @@ static bool is_beyond(const struct deform *deform, struct post_rect rect)
 static enum status place(struct deform *deform, uint32_t width, uint32_t height, bool *found)
 {
 	struct batch *batch = deform->batch;
-	const bool together = deform->together != NULL;
 	if (batch->x + aligned(width) > deform->side) {
 		batch->y += batch->height;
 		batch->x = batch->height = 0;
 	}
-	*found = batch->y + aligned(height) <= deform->side && (!together || batch->count < deform_together_room(deform->side));
-	if (*found || deform->side >= (together ? SIDE_MOST_TOGETHER : SIDE_MOST))
+	*found = batch->y + aligned(height) <= deform->side;
+	if (*found || deform->side >= SIDE_MOST)
 		return STATUS_OK;
 	enum status status = deform_need_layers(deform, 1, 2 * deform->side);
 	*found = status == STATUS_OK;
@@ -116,8 +107,7 @@ enum status deform_batch_add(struct deform *deform, const struct deform_contact 
 	const uint32_t width = (uint32_t)(read.x1 - read.x0), height = (uint32_t)(read.y1 - read.y0);
 	*added = false;
 	assert(width <= SIDE && height <= SIDE);
-	if (batch->count == DEFORM_BATCH_MOST || batch->part_count + DEFORM_BATCH_TILES + 1 > PARTS_MOST ||
-	    (contact->tag != 0 && batch->tagged == DEFORM_FORCES_MOST))
+	if (batch->count == DEFORM_BATCH_MOST || batch->part_count + DEFORM_BATCH_TILES + 1 > PARTS_MOST)
 		return STATUS_OK;
 	enum status status = place(deform, width, height, added);
 	if (status != STATUS_OK || !*added)
@@ -129,14 +119,14 @@ enum status deform_batch_add(struct deform *deform, const struct deform_contact 
 			assert(batched->tile_count < DEFORM_BATCH_TILES);
 			batched->tiles[batched->tile_count++] = tiles[i];
 		}
-	batch->tagged += contact->tag != 0;
 	batch->part_count += batched->tile_count + is_beyond(deform, read);
 	batch->x += aligned(width);
 	batch->height = aligned(height) > batch->height ? aligned(height) : batch->height;
 	return STATUS_OK;
 }
 
-enum group deform_group_of(const struct under_params *under)
+/* Returns the group of a lower envelope. */
+static enum group group_of(const struct under_params *under)
 {
 	if (under->kind == SOIL_WHEEL)
 		return under->sideways ? SIDEWAYS_WHEELS : WHEELS;
@@ -157,7 +147,8 @@ static void *put_body(void *to, const struct body *body, size_t functionals)
 	return put(to, body->c, sizeof body->c);
 }
 
-void deform_put_bodies(const struct under_params *under, int32_t bodies[18][4])
+/* Copies the numbers of a lower envelope as lib/envelope.glsl takes them from the vertex shader. */
+static void put_bodies(const struct under_params *under, int32_t bodies[18][4])
 {
 	put_body(put_body(bodies, &under->motion, under->sideways ? 4 : 2), &under->end, 2);
 }
@@ -172,7 +163,7 @@ static void fill_numbers(const struct deform *deform, const struct under_params 
 	for (int k = 0; k < 4; k++)
 		record->written[k] = contact.written[k] + at[k % 2];
 	if (batched->group != OTHERS)
-		deform_put_bodies(under, record->bodies);
+		put_bodies(under, record->bodies);
 }
 
 /* Fills the records, and draws the lower envelopes that the contact pass does not compute. */
@@ -185,7 +176,7 @@ static enum status prepare(struct deform *deform)
 		const struct post_rect read = batched->window.read;
 		struct under_params under;
 		deform_under_of(deform, &batched->contact, read.x0 - batched->posts.x, read.y0 - batched->posts.y, &under);
-		batched->group = deform_group_of(&under);
+		batched->group = group_of(&under);
 		fill_numbers(deform, &under, batched);
 		if (batched->group == OTHERS) {
 			status = deform_under_run(deform, &under, batched->posts, 0);
@@ -344,10 +335,6 @@ enum status deform_batch_compute(struct deform *deform)
 		return STATUS_OK;
 	if (deform->batch->count == 1) {
 		status = compute_one(deform);
-	} else if (deform->together != NULL) {
-		deform->figures.batches++;
-		status = deform_model_row(deform->params.model)->batch(deform);
-		gpu_start(deform->params.gpu);
 	} else {
 		memset(deform->scratch[0].now, 0, sizeof deform->scratch[0].now);
 		deform->figures.batches++;

@@ -28,7 +28,7 @@ struct batched {
 	struct tile_slot tiles[DEFORM_BATCH_TILES];
 	size_t tile_count;
 	enum group group;
-	struct record numbers; /* those that all its parts have in common; not of a model that conserves soil */
+	struct record numbers; /* those that all its parts have in common */
 };
 
 /* The posts of a window on one tile. Parts with the same arrays are drawn together; where contacts are computed, those of one group. */
@@ -42,7 +42,6 @@ struct part {
 struct batch {
 	struct batched windows[DEFORM_BATCH_MOST];
 	size_t count, part_count; /* part_count: the most parts that they may have */
-	size_t tagged; /* windows whose contact has a tag */
 	uint32_t x, y, height; /* the first free post of the last row of windows, and the rows of posts that it takes */
 	struct part gathers[PARTS_MOST], stores[PARTS_MOST];
 	size_t gather_count, store_count;
@@ -50,11 +49,6 @@ struct batch {
 	struct gpu_list *list;
 	struct gpu_program *contact[GROUPS], *gather, *smooth, *store, *disturb;
 };
-
-/* batch.c: returns the group of a lower envelope. */
-enum group deform_group_of(const struct under_params *under);
-/* Copies the numbers of a lower envelope as lib/envelope.glsl takes them from the vertex shader. */
-void deform_put_bodies(const struct under_params *under, int32_t bodies[18][4]);
 
 /* batch_parts.c: cuts all windows into parts. The tiles that are written get planes. */
 enum status deform_batch_cut(struct deform *deform) FURROW_CHECKED;

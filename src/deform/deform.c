@@ -15,9 +15,10 @@ enum status deform_create(const struct deform_params *params, struct deform **ou
 	struct deform *deform = mem_calloc(1, sizeof *deform);
 	if (deform == NULL)
 		return fail_memory("deformation");
+	assert(!deform_model_row(params->model)->bears);
 	deform->params = *params;
 	deform->params.batches = params->batches && deform_model_row(params->model)->batch != NULL && gpu_info(params->gpu)->vertices_pass;
-	deform->planes = deform_planes(params->model, params->disturbance, params->slip_sinkage > 0);
+	deform->planes = deform_planes(params->model, params->disturbance, false);
 	deform->spacing = extent_spacing(params->extent, params->level);
 	deform->reach = deform_reach(params);
 	deform->border = deform_border(params);
@@ -28,8 +29,6 @@ enum status deform_create(const struct deform_params *params, struct deform **ou
 		status = deform_need_layers(deform, 1, SIDE);
 	if (status == STATUS_OK && deform->params.batches)
 		status = deform_batch_create(deform);
-	if (status == STATUS_OK && params->loaded_bodies > 0)
-		status = gpu_buffer_create(params->gpu, GPU_STORAGE, params->loaded_bodies * sizeof(int32_t), NULL, &deform->standing);
 	if (status == STATUS_OK && deform_conserves(params->model))
 		status = deform_spread_create(deform);
 	if (status == STATUS_OK && deform_conserves(params->model))
@@ -55,10 +54,6 @@ void deform_destroy(struct deform *deform)
 	deform_facets_destroy(deform->facets);
 	gpu_buffer_destroy(deform->laying);
 	gpu_buffer_destroy(deform->tally);
-	gpu_buffer_destroy(deform->felt);
-	gpu_buffer_destroy(deform->found);
-	gpu_buffer_destroy(deform->standing);
-	deform_forces_destroy(deform);
 	mem_free(deform);
 }
 
@@ -77,18 +72,6 @@ static bool shared(const struct deform *deform, struct tile tile, struct post_re
 	return true;
 }
 
-/* A model that works in place changes the offset and the deposited thickness, so they are gathered into the textures where
- * sliding begins. */
-int deform_gathers_into(const struct deform_params *params, int plane)
-{
-	return deform_model_row(params->model)->in_place && (plane == PLANE_OFFSET || plane == PLANE_DEPOSITED);
-}
-
-static int which(const struct deform *deform, int plane, bool atlas)
-{
-	return atlas ? 1 : deform_gathers_into(&deform->params, plane);
-}
-
 /* Beyond the world there is no data. */
 static void clear_beyond(struct deform *deform, struct post_rect read, uint32_t layer, uint32_t x, uint32_t y, bool atlas, unsigned planes)
 {
@@ -100,7 +83,7 @@ static void clear_beyond(struct deform *deform, struct post_rect read, uint32_t 
 	bool beyond = read.x0 < 0 || read.y0 < 0 || read.x1 > extent.x1 || read.y1 > extent.y1;
 	for (int plane = 0; beyond && plane < PLANES; plane++)
 		if (planes & PLANE_BIT(plane))
-			gpu_texture_clear(deform->planes_of[which(deform, plane, atlas)][plane], layer, all, 0);
+			gpu_texture_clear(deform->planes_of[atlas][plane], layer, all, 0);
 	if (beyond)
 		gpu_texture_clear(deform->bases, layer, all, BASE_NODATA);
 }
@@ -127,15 +110,10 @@ void deform_gather_more(struct deform *deform, struct post_rect read, uint32_t l
 			gpu_texture_copy(slot->classes, 0, from.x, from.y, deform->classes, layer, to);
 		else if (deform->classes != NULL)
 			gpu_texture_clear(deform->classes, layer, to, 0);
-		/* Only contacts read numbers. */
-		if (deform->numbers != NULL && !atlas && slot->numbers != NULL)
-			gpu_texture_copy(slot->numbers, 0, from.x, from.y, deform->numbers, layer, to);
-		else if (deform->numbers != NULL && !atlas)
-			gpu_texture_clear(deform->numbers, layer, to, 0);
 		for (int plane = 0; plane < PLANES; plane++) {
 			if (!(planes & PLANE_BIT(plane)))
 				continue;
-			struct gpu_texture *into = deform->planes_of[which(deform, plane, atlas)][plane], *held = slot->planes[plane];
+			struct gpu_texture *into = deform->planes_of[atlas][plane], *held = slot->planes[plane];
 			if (held != NULL)
 				gpu_texture_copy(held, 0, from.x, from.y, into, layer, to);
 			else
@@ -170,20 +148,6 @@ enum status deform_compute(struct deform *deform, const struct deform_contact *c
 	const struct deform_window whole = deform_whole(deform, window);
 	enum status status = deform_run_stages(deform, contact, &whole, layer_of(window, layer));
 	return status == STATUS_OK ? gpu_check(deform->params.gpu, "deformation") : status;
-}
-
-enum status deform_feel(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window, uint32_t layer,
-			const struct tile_slot *tiles, size_t count)
-{
-	assert(deform_tells_forces(deform->params.model) && contact->tag != 0);
-	enum status status = STATUS_OK;
-	if (deform->felt == NULL)
-		status = gpu_buffer_create(deform->params.gpu, GPU_STORAGE, sizeof(struct deform_tally), NULL, &deform->felt);
-	if (status != STATUS_OK || !gather(deform, window, layer_of(window, layer), tiles, count))
-		return status;
-	const struct deform_window whole = deform_whole(deform, window);
-	status = deform_run_feel(deform, contact, &whole, layer_of(window, layer));
-	return status == STATUS_OK ? gpu_check(deform->params.gpu, "forces") : status;
 }
 
 enum status deform_scatter_from(struct deform *deform, struct post_rect write, const struct scatter_from *scatter,

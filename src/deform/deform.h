@@ -21,13 +21,13 @@
 /* A contact: the object moves straight from `from` to `to` with the attitude of `to`. A first contact has from == to. */
 struct deform_contact {
 	const struct soil_shape *shape;
-	struct soil_interface interface; /* for models that compute forces */
+	struct soil_interface interface; /* for soil that bears */
 	struct soil_pose from, to;
 	double seconds; /* duration of the motion, s; 0: models ignore speeds */
 	/* wheel: radians turned about its axis during the motion (slip 0: distance / radius); body with a belt: metres that the belt ran
 	 * (slip 0: distance) */
 	double turned;
-	double rotated[3]; /* other shapes: radians turned about local axes during the motion; for models that compute forces */
+	double rotated[3]; /* other shapes: radians turned about local axes during the motion; for soil that bears */
 	double linear[3], angular[3]; /* hosted: how the body moves at `to`, m/s, rad/s, local axes: soil that bears damps it */
 	double runs;    /* m/s of its belt */
 	double load;    /* N, downwards. 0: the height is to.z. Otherwise the equilibrium height is searched, starting near to.z */
@@ -38,9 +38,6 @@ struct deform_contact {
 	/* The object is above all ground of its windows before the contact. The distance exceeds the rounding of its lower
 	 * envelope. */
 	bool above;
-	/* a number that the caller chooses to find the forces of this contact: deform_forces_take gives them with it. 0: no
-	 * forces are computed */
-	uint64_t tag;
 };
 
 /*
@@ -93,16 +90,13 @@ struct soil_model {
 	double depth;               /* the default of `depth`, metres */
 
 	/* Functions and properties of the model. */
-	soil_contact_fn contact; /* computes one contact over a window and changes the ground */
-	/* computes only the forces on the object; NULL: the model has no forces, and accepts no load and no slip */
-	soil_contact_fn feel;
+	/* The soil bears: src/bearing computes its contacts, on the CPU, and tells forces. A model that does not bear accepts no load and no slip. */
+	bool bears;
+	soil_contact_fn contact; /* computes one contact over a window and changes the ground; NULL: the soil bears */
 	soil_batch_fn batch;     /* computes the contacts of a batch; NULL: the model's contacts are computed alone */
 	const char *shader;      /* file of the shader that computes the contact */
 	unsigned planes;         /* planes that the model stores apart from the offset: a mask of PLANE_BIT */
 	bool blind;              /* the model does not need to know which posts were touched */
-	bool measures;           /* its contact pass sums the soil that it displaces; false: a further pass does */
-	bool in_place;           /* the contact writes the planes that it reads. So it may look only at posts below the object */
-	bool rasters;            /* the contact reads the numbers of `enum soil_number`, and these may come from rasters */
 	bool contact_soils;      /* the contact's shader reads the soils' numbers, so it is compiled with the define SOILS */
 	bool smooths;            /* the model smooths the track of a moving object, by the keys `radius` and `repetitions` */
 	/* how soil slides; NULL: it does not slide, and displaced soil is lost. With sliding, only compacted soil is lost */
@@ -132,7 +126,7 @@ bool deform_conserves(enum deform_model model);
 bool deform_sheds(enum deform_model model);
 /* Returns in how many directions soil slides along lines in a contact, a pass each. */
 int deform_line_passes(const struct deform_params *params);
-/* Returns true if the model computes the forces on an object. Only then an object can have a load. */
+/* Returns true if the soil bears (bearing.h), so that forces are told. Only then an object can have a load. No deform is made for such a model. */
 bool deform_tells_forces(enum deform_model model);
 /* Each returns the name of an effect that is needed for every object under the model. deform_displace_effect: the effect that
  * computes contacts. deform_slide_effect: the effect that lets soil slide; NULL: soil does not slide. deform_contact_effect: the
@@ -218,22 +212,16 @@ enum status deform_cut(const struct deform_params *params, const struct deform_c
 enum status deform_compute(struct deform *deform, const struct deform_contact *contact,
 			   const struct deform_window *window, uint32_t layer,
 			   const struct tile_slot *tiles, size_t count) FURROW_CHECKED;
-/* For a model that computes forces, and a contact with a tag: computes only the forces over one window, as deform_compute would.
- * Changes nothing else, not even the tally (struct deform_tally). Do not call deform_scatter after it. */
-enum status deform_feel(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window, uint32_t layer,
-			const struct tile_slot *tiles, size_t count) FURROW_CHECKED;
 /* The facts about an object that decide its resources and passes. */
 struct deform_planned {
 	const struct soil_shape *shape;
-	double load; /* N. If it is not 0 and the model computes forces, the forces on the object are computed too */
 	bool moves;  /* the object moves after it was set down */
 	bool leans;  /* a wheel that may have camber at times */
 };
 /* Prepares ("warms") the programs that this object needs in contacts and at rest, so that no later step links one. It runs each
- * program once over a window outside the world, since a driver's first draw may take a tenth of a second. Changes no ground.
- * `forces`: contacts of every object may have tags; false: only those with loads. Use the same value in each call. A program is
- * prepared only once. */
-enum status deform_warm(struct deform *deform, const struct deform_planned *object, bool forces) FURROW_CHECKED;
+ * program once over a window outside the world, since a driver's first draw may take a tenth of a second. Changes no ground. A program
+ * is prepared only once. */
+enum status deform_warm(struct deform *deform, const struct deform_planned *object) FURROW_CHECKED;
 /* Writes the result of deform_compute to the tiles: copies the posts of `write` to every tile that holds them. Gives these tiles
  * deform slots, if they have none. */
 enum status deform_scatter(struct deform *deform, const struct deform_window *window, uint32_t layer,
@@ -243,7 +231,7 @@ enum status deform_scatter(struct deform *deform, const struct deform_window *wi
  * A batch: contacts of one window each that share no post, computed together (batch.c). Call deform_batch_begin; deform_batch_add for each
  * window; deform_batch_compute, which also writes the results to the tiles, as deform_scatter does, and then calls deform_wake_swept. The result
  * has the same bits as contacts that are computed one after another. Only if the parameters ask for batches. The slots must lie in
- * arrays then, except under a model that conserves soil.
+ * arrays then.
  */
 #define DEFORM_BATCH_MOST 512 /* windows */
 #define DEFORM_BATCH_TILES 4  /* that hold posts of one window, at most */
@@ -296,12 +284,9 @@ enum status deform_active_blocks(struct deform *deform, const struct soil_block 
 struct deform_rest {
 	const struct soil_shape *shape;
 	struct soil_pose pose;
-	/* not 0: it is at the equilibrium height that the last contact of this loaded body found, relative to this pose */
+	/* Soil that bears. Not 0: it is at the equilibrium height that the last contact of this loaded body found, relative to this pose */
 	uint32_t loaded_body;
 };
-/* Sets the equilibrium height of a loaded body that has had no contact yet. `raised`: how far the body rests above its pose, 2^-20
- * m. */
-void deform_set_equilibrium(struct deform *deform, uint32_t loaded_body, int32_t raised);
 /* One interval of relaxation (SOIL.md). Call deform_interval_begin, which gives the numbers of regions and runs. Then call
  * deform_interval_gather for each region, then deform_interval_scatter for each run, then deform_interval_end. Without blocks
  * nothing is done. The caller keeps the objects, which must live until the end. Soil under an object does not move. */
@@ -334,8 +319,7 @@ enum status deform_interval_end(struct deform *deform) FURROW_CHECKED;
  * Passes are listed by object for PLAN_WINDOW and PLAN_MOVED. For PLAN_FACETS, PLAN_HELD, PLAN_RESTING and PLAN_ATLAS they are for
  * all objects together (-1), as deform_figures counts them.
  */
-void deform_plan(const struct deform_params *params, const struct deform_planned *objects, size_t count, bool forces,
-		 struct plan *plan);
+void deform_plan(const struct deform_params *params, const struct deform_planned *objects, size_t count, struct plan *plan);
 /* Adds the lines of the planes alone, each with the effect that needs it. deform_plan calls it. Pure. */
 void deform_plan_planes(const struct deform_params *params, struct plan *plan);
 /* Counts of deform's work. Layers: the largest number that existed at once, without the layers of atlases. The others: draws since
@@ -348,9 +332,8 @@ struct deform_figures {
 	uint64_t atlases;
 	uint64_t batches;  /* of two windows or more */
 	uint64_t batch_draws;     /* draws in batches of the ground, one for each pair of arrays, and of contacts, for each kind of body too */
-	uint64_t batch_searches;  /* searches before contacts in batches: one for each kind of body that needs one */
 	uint64_t batch_stores;    /* draws that wrote tiles: one for each array */
-	uint64_t batch_envelopes; /* draws of lower envelopes in batches: of one window, or of many under a model that conserves soil */
+	uint64_t batch_envelopes; /* draws of lower envelopes in batches */
 };
 void deform_figures(const struct deform *deform, struct deform_figures *figures);
 
@@ -380,10 +363,9 @@ enum deform_state {
 	DEFORM_STATES
 };
 
-/* The forces of the soil on an object in one contact with a tag. They are sums of whole numbers over the posts that carry the
+/* The forces of soil that bears, on an object in one contact. They are sums of whole numbers over the posts that carry the
  * object at the end of the contact. The share of each post is rounded to 1/16 Pa times the post's area. */
 struct deform_forces {
-	uint64_t tag;
 	double force[3];      /* N on the object: east, north, up */
 	double moment[3];     /* N m about its centre */
 	double sinkage;       /* m: its greatest depth below the base, where the soil bears it; 0 if it is above the base */
@@ -399,11 +381,4 @@ struct deform_forces {
 	uint32_t saturated;   /* posts whose share exceeded 2^31 sixteenths of a pascal, and was cut to that */
 	enum deform_state state;
 };
-/* Begins to read the forces of all contacts since the last call. Does not wait. */
-enum status deform_forces_begin(struct deform *deform) FURROW_CHECKED;
-/* Takes the forces of the next contact, in the order of the contacts. *taken is false if no contact is left. Without `wait` it is
- * also false if the forces have not arrived yet. */
-enum status deform_forces_take(struct deform *deform, bool wait, struct deform_forces *forces,
-			       bool *taken) FURROW_CHECKED;
-
 #endif

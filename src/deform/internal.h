@@ -9,7 +9,7 @@
 #include "soil/shape/affine.h"
 
 #define SIDE DEFORM_WINDOW_POSTS
-#define WARM_FACTS 6 /* besides the shape, that decide which programs an object needs */
+#define WARM_FACTS 3 /* besides the shape, that decide which programs an object needs */
 #define UNDER_NONE INT32_MAX /* lib/window.glsl: the object is not above the post */
 
 /* FBOs over one layer of the scratch textures. FBOs that the parameters do not need are NULL. */
@@ -36,7 +36,6 @@ struct layer {
 	int now[PLANES]; /* for each plane: 0 or 1, the one of planes_of[0 .. 1] that holds the newest result */
 	bool near;       /* soil slides only near what the contact reached */
 	bool alone;      /* the contact has only this window */
-	bool loaded;     /* the object carries a load, so its equilibrium height is still unknown */
 	bool above;      /* as `above` in struct deform_contact: the object is above all ground */
 	bool flagged;    /* sliding wrote flags for this window, which tell where soil still moves */
 };
@@ -87,45 +86,32 @@ struct deform {
 	/* used only while soil slides. floors is NULL if the relaxing soil has no bottom */
 	struct gpu_texture *heights[2], *stills, *floors;
 	struct gpu_texture *classes;           /* the class of soil of each post; NULL if there is only one soil */
-	struct gpu_texture *numbers;           /* the levels of each post's rasters; NULL: there is no raster */
-	/* two textures for each plane, since a pass reads one and writes the other. deform_gathers_into tells which one a gather
-	 * writes */
+	/* two textures for each plane, since a pass reads one and writes the other. A gather writes the first; of the atlas, the second */
 	struct gpu_texture *planes_of[2][PLANES];
 	/* index `layers`: the atlas, in which blocks relax. Only models that conserve soil have it */
 	struct layer scratch[DEFORM_WINDOWS_MAX + 1];
 	struct active *active;                 /* active blocks; NULL: the model does not conserve soil */
 	struct interval *interval;
 	struct batch *batch;                   /* batch.c; NULL: every window is computed alone */
-	struct together *together;             /* together.c: batches of a model that conserves soil; NULL: there are none */
 	struct gpu_program *under_program[2 * SOIL_SHAPES]; /* every program is linked when it is first needed */
 	struct gpu_program *box, *contact, *disturbance;
-	struct gpu_program *spread[2][SPREAD_PASSES]; /* first index: 1 over a batch */
-	struct gpu_program *held[2];           /* index: 1 if the object carries a load */
+	struct gpu_program *spread[SPREAD_PASSES];
+	struct gpu_program *held;
 	struct gpu_program *facet;
 	struct facets *facets;                 /* triangles of meshes and grousers; made when first needed */
-	struct gpu_program *slide_begin[OVERS][2]; /* indices: enum deform_over; 1 if the object carries a load */
+	struct gpu_program *slide_begin[OVERS]; /* index: enum deform_over */
 	struct gpu_program *slide[OVERS][2], *shed[OVERS]; /* indices: enum deform_over; 1 in the last iteration */
-	struct gpu_program *lines[2][2];       /* indices: 1 over a batch; 1: diagonal ones */
+	struct gpu_program *lines[2];          /* index: 1: diagonal ones */
 	struct gpu_program *slope[SLOPE_HOPS], *steep;
 	struct soil_sliding sliding;           /* the rule of all models but sumner; of sumner its tolerance */
 	struct shed_soil soils[SOIL_CLASSES];  /* sumner */
 	struct soil_shed sheds;                /* the same rule as the CPU takes it: sliding.shed */
 	bool contacts_flag;                    /* the flags that a contact writes show all blocks where soil moves after it */
-	struct gpu_program *scm[2][WITH_ALL];  /* indices: 1 over a batch; the variant */
-	struct gpu_program *find[2][FIND_ALL]; /* indices: 1 over a batch; the variant */
-	struct forces *forces;                 /* NULL until a contact has a tag */
-	struct gpu_buffer *found;              /* what soil/load.c found; NULL until a contact needs it */
-	struct gpu_buffer *standing;           /* int32 for each loaded body: equilibrium height above its pose, fixed-point units;
-						* NULL: there are no loaded bodies */
 	struct gpu_buffer *laying;             /* soil/spread.c: what its passes hand on; NULL: the model does not conserve soil */
 	struct gpu_buffer *tally;              /* counts on the GPU: a struct deform_tally */
-	struct gpu_buffer *felt;               /* a tally for deform_feel, which must not change `tally`; NULL until it is called */
 	struct deform_figures figures;         /* its window_layers is unused: see `layers` */
 	bool warmed[SOIL_SHAPES << WARM_FACTS]; /* kinds of objects whose programs deform_warm has prepared (warm.c) */
 };
-
-/* deform.c: returns which of planes_of[0 .. 1] a gather of a window writes this plane to. */
-int deform_gathers_into(const struct deform_params *params, int plane);
 
 /* scratch.c: makes textures and render targets for at least `layers` windows, of at least `side` posts on a side. */
 enum status deform_need_layers(struct deform *deform, uint32_t layers, uint32_t side) FURROW_CHECKED;
@@ -136,7 +122,6 @@ void deform_scratch_plan(const struct deform_params *params, struct plan *plan);
 /* Each returns a property of the deform that depends on its parameters only. */
 bool deform_needs_contacts(const struct deform_params *params); /* scratch.c */
 bool deform_has_classes(const struct deform_params *params);
-bool deform_has_rasters(const struct deform_params *params);
 int deform_soil_slots(const struct deform_params *params); /* soil/slide.c: classes of soil that a shader's parameters have room for */
 bool deform_is_bounded(const struct deform_params *params); /* the layer of soil that can relax has a bottom */
 /* the height difference of two posts may not fit 32 bits: the relief exceeds SOIL_STEEP_RELIEF */
@@ -190,8 +175,6 @@ struct under_params {
 	enum soil_shape_kind kind;
 	bool sideways;
 };
-/* Returns the posts of a window that the object can be above, in the window's layer; one post if there are none. */
-struct gpu_rect deform_under_posts(const struct deform *deform, const struct deform_contact *contact, struct post_rect read);
 void deform_under_of(const struct deform *deform, const struct deform_contact *contact, int64_t x0, int64_t y0, struct under_params *params);
 enum status deform_under_run(struct deform *deform, const struct under_params *params, struct gpu_rect posts, uint32_t layer) FURROW_CHECKED;
 
@@ -225,74 +208,9 @@ enum status deform_run_contact(struct deform *deform, const void *params, size_t
 enum status deform_contact_plainly(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
 				   uint32_t layer) FURROW_CHECKED;
 
-/* std140 twin of lib/soil.glsl's block. */
-struct scm_soil {
-	float a[4], b[4], c[4];
-};
-struct scm_params {
-	int32_t zero[4], written[4], shadow[4];
-	float scale[4], way[4], spin[4], rolls[4], place[4], load[4], body[4], heading[4], moves[4], faces[3][4];
-	int32_t drawn[4];
-	float digs[4];
-	float surface[4];
-	float belt[4]; /* read only with BELT */
-	int32_t frame[4], frame_axis[4];
-	struct scm_soil soils[SOIL_CLASSES];
-	float rasters[SOIL_RASTERS][4]; /* read only with SOIL_RASTERS */
-};
-/* Returns the viewport of a pass with one invocation for each row of `posts`. The rows lie DEFORM_ROWS_ABREAST side by side. */
+/* soil/spread.c: returns the viewport of a pass with one invocation for each row of `posts`. The rows lie DEFORM_ROWS_ABREAST side by side. */
 #define DEFORM_ROWS_ABREAST 4
 struct gpu_rect deform_rows(const int32_t posts[4]);
-
-/* soil/load.c: finds the size of the contact patch, the equilibrium height, or both, in one pass. `what`: bits of enum
- * deform_find_what. The results are in the buffer `found`. `tally` counts loads that are not carried. */
-enum status deform_find(struct deform *deform, const struct scm_params *params, unsigned what, enum soil_shape_kind kind,
-			struct gpu_buffer *tally) FURROW_CHECKED;
-/* The same over windows of a batch that lie in a row: the numbers are in their records. */
-enum status deform_find_together(struct deform *deform, const struct scm_params *params, unsigned what, enum soil_shape_kind kind, uint32_t count)
-	FURROW_CHECKED;
-#define DEFORM_FOUND_BYTES 20 /* lib/found.glsl: of one window */
-/* soil/between.c: fills what the shaders need to compute the lower envelope between posts (lib/scm_body.glsl). Needs `way`
- * and `spin`. deform_turn_into_frame: then turns these, `rolls`, `belt` and the slopes of a box into the object's frame. */
-void deform_between_posts(const struct deform *deform, const struct deform_contact *contact, const struct deform_window *window,
-		      struct scm_params *params);
-void deform_turn_into_frame(struct scm_params *params);
-/* Returns how far a body went along the ground that went `forward` metres in plan and rose by `rise`; of forward's sign. What is steeper than 45
- * degrees counts less and less, from 63 degrees on not: such a body sinks or is lifted. */
-double deform_way_along(double forward, double rise);
-/* Shear displacement adds up over the time in which a wheel's rim, or a belt, passes over the soil. These are shares of the time in which the
- * soil passes below the body: 1 without slip, and for a body that slides sideways. */
-struct deform_rim_times {
-	double shears; /* by the way in plan, as posts pass: the shader divides by the cosine of the surface to the vertical */
-	double digs;   /* by the way along the ground */
-};
-/* forward, rise: of the motion, m. way: its length in plan. ran: how far the rim or the belt went over the body. hosted: a host moves the body. */
-struct deform_rim_times deform_rim_times_of(double forward, double way, double rise, double ran, bool hosted);
-/* Returns true for a box with pitch and roll, which has six sides in plan. Its edges are not computed: each post that it covers bears for
- * its whole cell. A box that a host moves is hardly ever quite level. So a corner that is cut off by less than a tenth of a post does not count. */
-bool deform_box_is_cut(const struct soil_shape *shape, const struct soil_pose *pose, double spacing, bool hosted);
-/* Returns true if a side of a box is no part of its lower envelope. Of a box that a host moves a strip of less than a quarter of a post
- * counts as none. half: the box's half-axes. */
-bool deform_box_is_upright(const double half[3][3], int side, double spacing, bool hosted);
-/* Rise of an axis: up to it the side of a cylinder bears, and its lower end as a brim beside it. A steeper one bears by whole posts. */
-#define DEFORM_LEANS_MOST 0.5
-#define DEFORM_LEVEL_LEAST 1e-5 /* length in plan of an axis: an upright one counts as this, so that all numbers are finite */
-
-void deform_find_plan(const char *effect, struct plan *plan);
-
-/* Forces are whole numbers of (Pa / 16) times a post's area. Moments are forces times `arm`. */
-#define DEFORM_UNITS_A_PASCAL 16
-/* soil/scm.c: returns how many units of area a post counts as, so that the sum over all posts fits 32 bits. */
-double deform_area_units(const struct deform *deform, const struct deform_contact *contact);
-/* forces.c: finds the record, a place in a buffer, to which this contact's windows add their forces. May wait for the GPU. */
-enum status deform_forces_record(struct deform *deform, const struct deform_contact *contact, bool first_window, double arm,
-				 struct gpu_buffer **records, uint32_t *record) FURROW_CHECKED;
-/* Makes room for so many records, at most DEFORM_FORCES_MOST: finding them then does not wait, nor send those before them. */
-#define DEFORM_FORCES_MOST 256
-enum status deform_forces_reserve(struct deform *deform, size_t count) FURROW_CHECKED;
-struct gpu_buffer *deform_forces_records(const struct deform *deform); /* after a record was found */
-void deform_forces_destroy(struct deform *deform);
-void deform_forces_plan(const char *effect, struct plan *plan);
 
 /* windows.c: returns the shadow of a contact: all posts that the object can be above while it moves. */
 struct post_rect deform_shadow(const struct deform *deform, const struct deform_contact *contact);
@@ -306,7 +224,7 @@ bool deform_fits_window(const struct deform *deform, const struct deform_contact
 struct deform_window deform_whole(const struct deform *deform, const struct deform_window *window);
 
 /* soil/spread.c: lays displaced soil down around the object, in `deposits`. The contact pass wrote `carried`, at most 2^23 fixed-point
- * units a post. If the model measures, its contact pass added to `laying` instead; deform_spread_begin came before that pass.
+ * units a post.
  * deform_spread_params: computes how the soil of a contact is laid. deform_spread_posts: the shadow, and all posts on which soil may be
  * laid. */
 struct spread_params { /* std140 twin of lib/spread.glsl's block */
@@ -317,15 +235,10 @@ struct soil_laying deform_laying(const struct deform *deform, const struct defor
 void deform_laid(const struct deform *deform, struct soil_laid soils[SOIL_CLASSES]);
 struct spread_params deform_spread_params(const struct deform *deform, const struct deform_contact *contact,
 					  const struct deform_window *window, uint32_t layer);
-void deform_spread_begin(struct deform *deform, const struct deform_window *window, uint32_t layer);
 enum status deform_spread(struct deform *deform, const struct spread_params *params, const struct deform_window *window,
 			  uint32_t layer) FURROW_CHECKED;
 double deform_spread_band(const struct deform *deform, const struct soil_shape *shape); /* posts: how wide it is at most; 0: none is laid */
 struct post_rect deform_spread_posts(const struct deform *deform, const struct deform_contact *contact, struct post_rect shadow);
-#define DEFORM_LAYING_BYTES (47 * 4) /* lib/laying.glsl: of one window */
-/* Over a batch: runs the passes; fills numbers of a window's record from its parameters. posts: where the window lies in the layer. */
-enum status deform_spread_together(struct deform *deform) FURROW_CHECKED;
-void deform_spread_numbers(const struct spread_params *params, const struct gpu_rect *posts, int32_t numbers[6][4]);
 enum status deform_spread_create(struct deform *deform) FURROW_CHECKED;
 void deform_spread_plan(struct plan *plan);
 
@@ -358,15 +271,12 @@ struct slide_place {
 		uint32_t first, columns;  /* its first word; its blocks in a row */
 		int32_t from[2];          /* its first post, counted from the first post of its first block */
 		int32_t step, sides[4];   /* posts beside a border, and beside each side of the window, that were not looked at */
-		bool loaded;              /* as in struct layer */
 	} flags;
 	const struct slide_atlas *atlas; /* NULL over a window */
-	bool batch;                      /* over all windows of a batch: only `layer` counts, and the rest is in the records (together.c) */
 };
 enum status deform_slide_run(struct deform *deform, const struct slide_place *place) FURROW_CHECKED;
-/* Returns the place of a window. deform_slide_numbers: over a batch: fills numbers of its record. */
+/* Returns the place of a window. */
 struct slide_place deform_slide_place(struct deform *deform, const struct deform_window *window, uint32_t layer);
-void deform_slide_numbers(const struct deform *deform, const struct slide_place *place, int32_t begin[5][4], int32_t excess[6][4]);
 /* soil/atlas.c: runs a pass at a place, and fills its viewport. Over an atlas it also fills the geometry, and the parameters before those
  * of the pass (regions.vert). It draws regions, less `trim` posts along each side; or blocks; or only cells near marked ones. */
 enum atlas_part { ATLAS_REGIONS, ATLAS_BLOCKS, ATLAS_CELLS, ATLAS_BLOCK_CELLS };
@@ -374,9 +284,6 @@ void deform_atlas_run(struct deform *deform, const struct slide_place *place, en
 /* soil/lines.c: soil slides along the lines of a window, before the last iteration. `heights`: index of the heights.
  */
 enum status deform_lines_run(struct deform *deform, const struct slide_place *place, int heights) FURROW_CHECKED;
-/* Over a batch: fills a number of a window's record for one of its passes. Returns true if the pass is along diagonal lines. */
-bool deform_lines_numbers(const struct deform *deform, const struct slide_place *place, int pass, int32_t numbers[4]);
-#define DEFORM_LINES_MOST 4 /* passes */
 /* soil/slopes.c: finds the critical difference in the slope at each post, in blocks. deform_slopes_found: returns the result. */
 int deform_slope_passes(const struct deform_params *params); /* 0 if the height of slopes does not count */
 int64_t deform_slope_reach(const struct deform_params *params); /* returns over how many posts a slope is followed each way */
@@ -413,36 +320,6 @@ enum status deform_batch_contact(struct deform *deform) FURROW_CHECKED;
 enum status deform_batch_store(struct deform *deform) FURROW_CHECKED;
 enum status deform_batch_smooth(struct deform *deform) FURROW_CHECKED;
 
-/*
- * together.c: batches of a model that conserves soil. For soil_batch_fn: deform_together computes all. The model fills the numbers of each
- * contact, in the order of the contacts. It tells which variant of its contact pass computes it. Then it runs that pass for `count` contacts
- * from `first` on, which all have one variant.
- */
-#define TOGETHER_CONTACT_NUMBERS 21 /* lib/soil.glsl: those of struct scm_params before the soils */
-typedef enum status (*together_fill_fn)(struct deform *deform, const struct deform_contact *contact, const struct spread_params *spread,
-					const struct deform_window *window, int32_t numbers[TOGETHER_CONTACT_NUMBERS][4]);
-typedef unsigned (*together_variant_fn)(const struct deform *deform, const struct deform_contact *contact);
-typedef enum status (*together_pass_fn)(struct deform *deform, unsigned variant, uint32_t first, uint32_t count);
-struct together_model {
-	together_variant_fn variant;
-	together_fill_fn fill;
-	together_pass_fn contact;
-};
-enum status deform_together(struct deform *deform, const struct together_model *model) FURROW_CHECKED;
-enum status deform_together_create(struct deform *deform) FURROW_CHECKED;
-void deform_together_destroy(struct deform *deform); /* does nothing if it was never created */
-size_t deform_together_room(uint32_t side); /* windows in a layer of this side, at most */
-uint64_t deform_together_bytes(const struct deform_params *params); /* GPU memory of its buffers */
-struct gpu_buffer *deform_together_found(const struct deform *deform); /* what a search before the contacts finds: lib/found.glsl */
-/* What a draw passes on to the fragments, and where it draws (windows.vert). TOGETHER_LINES: + 2 * pass + 1 if along diagonal lines. */
-enum { TOGETHER_UNDER, TOGETHER_CONTACT, TOGETHER_SPREAD, TOGETHER_BEGIN, TOGETHER_EXCESS, TOGETHER_LINES };
-/* Fills the first parameter of a draw from the first window on. */
-void deform_together_draw(const struct deform *deform, int what, int32_t draw[4]);
-/* Draws so many windows. Fills the pass's geometry, viewport and buffers. */
-#define TOGETHER_ALL 0
-void deform_together_run(struct deform *deform, uint32_t count, struct gpu_pass *pass);
-void deform_together_compute(struct deform *deform, uint32_t count, struct gpu_pass *pass); /* a work group for each */
-
 /* schedule/active.c */
 enum status deform_active_create(struct deform *deform) FURROW_CHECKED;
 void deform_active_destroy(struct active *active); /* takes NULL */
@@ -466,16 +343,14 @@ enum status deform_active_visited(struct deform *deform, struct gpu_buffer *flag
 /* interval.c */
 enum status deform_interval_create(struct deform *deform) FURROW_CHECKED;
 /* Prepares the interval's programs, as deform_warm does for contacts. */
-enum status deform_interval_warm(struct deform *deform, const struct soil_shape *shape, uint32_t loaded_body) FURROW_CHECKED;
+enum status deform_interval_warm(struct deform *deform, const struct soil_shape *shape) FURROW_CHECKED;
 void deform_interval_plan(const struct deform_params *params, struct plan *plan);
 void deform_interval_destroy(struct deform *deform); /* does nothing if it was never created */
 
 /* stages.c: deform_begin_layer: begins a window in its layer. deform_disturb: the pass that writes the disturbance of a window's posts. */
 void deform_begin_layer(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window, uint32_t layer);
 enum status deform_disturb(struct deform *deform, struct post_rect read, uint32_t layer) FURROW_CHECKED;
-/* stages.c: run all passes over a window that was gathered. deform_run_feel: only those that compute forces. */
-enum status deform_run_feel(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window, uint32_t layer)
-	FURROW_CHECKED;
+/* stages.c: runs all passes over a window that was gathered. */
 enum status deform_run_stages(struct deform *deform, const struct deform_contact *contact,
 			      const struct deform_window *window, uint32_t layer) FURROW_CHECKED;
 

@@ -35,30 +35,17 @@ void deform_plan_planes(const struct deform_params *params, struct plan *plan)
 				 plane_name((enum plane)plane));
 }
 
-static bool is_loaded(const struct deform_params *params, const struct deform_planned *object)
-{
-	return deform_tells_forces(params->model) && object->load > 0;
-}
-
-/* True if a search runs before the object's contacts. */
-static bool is_searched(const struct deform_params *params, const struct deform_planned *object)
-{
-	bool load = is_loaded(params, object);
-	return load || deform_is_counted(params, object->shape, load);
-}
-
 /* Over one window of one object. */
 static void plan_windows(const struct deform_params *params, const struct deform_planned *object, int number,
 			 struct plan *plan)
 {
 	const char *displace = deform_displace_effect(params->model), *slide = deform_slide_effect(params->model);
 	add_passes(plan, displace, number, PLAN_WINDOW, GPU_ENVELOPE, object->shape->kind != SOIL_MESH);
-	add_passes(plan, is_loaded(params, object) ? "load" : displace, number, PLAN_WINDOW, GPU_LOAD, is_searched(params, object));
 	add_passes(plan, displace, number, PLAN_WINDOW, GPU_CONTACT, 1);
 	if (deform_model_row(params->model)->smooths && object->moves)
 		add_passes(plan, deform_model_row(params->model)->effect.name, number, PLAN_MOVED, GPU_SMOOTH, params->box_repetitions);
 	if (deform_conserves(params->model)) {
-		add_passes(plan, "spread", number, PLAN_WINDOW, GPU_SPREAD, SPREAD_PASSES - (int)deform_spread_first(params->model));
+		add_passes(plan, "spread", number, PLAN_WINDOW, GPU_SPREAD, SPREAD_PASSES);
 		add_passes(plan, slide, number, PLAN_WINDOW, GPU_SLIDE, deform_slide_passes(params, false));
 	}
 	if (params->disturbance)
@@ -67,21 +54,16 @@ static void plan_windows(const struct deform_params *params, const struct deform
 
 /* What some of the objects call for, once. */
 struct any {
-	const char *facets, *found, *forces; /* the effect that does; NULL: none */
-	bool closed;                         /* some are closed forms */
+	const char *facets; /* the effect that does; NULL: none */
+	bool closed;        /* some are closed forms */
 };
 
-static void look(const struct deform_params *params, const struct deform_planned *object, bool forces, struct any *any)
+static void look(const struct deform_planned *object, struct any *any)
 {
 	const struct soil_shape *shape = object->shape;
-	bool load = is_loaded(params, object);
 	any->closed = any->closed || shape->kind != SOIL_MESH;
 	if (any->facets == NULL && (shape->kind == SOIL_MESH || shape->grousers > 0))
 		any->facets = shape->kind == SOIL_MESH ? "mesh" : "lugs";
-	if (any->found == NULL && (load || deform_is_counted(params, shape, false)))
-		any->found = load ? "load" : deform_displace_effect(params->model);
-	if (any->forces == NULL && deform_tells_forces(params->model) && (load || forces))
-		any->forces = "forces";
 }
 
 static void plan_intervals(const struct deform_params *params, const struct any *any, struct plan *plan)
@@ -95,30 +77,10 @@ static void plan_intervals(const struct deform_params *params, const struct any 
 	deform_interval_plan(params, plan);
 }
 
-/* A batch of a model that conserves soil: together.c. Its lines are in two draws each. `search`: the effect of the search before contacts; NULL: none
- * needs one. */
-static void plan_together(const struct deform_params *params, const char *search, struct plan *plan)
-{
-	const char *displace = deform_displace_effect(params->model);
-	add_passes(plan, displace, -1, PLAN_BATCH_ENVELOPE, GPU_ENVELOPE, 1);
-	add_passes(plan, displace, -1, PLAN_BATCH_DRAW, GPU_CONTACT, 1);
-	if (search != NULL)
-		add_passes(plan, search, -1, PLAN_BATCH_SEARCH, GPU_LOAD, 1);
-	add_passes(plan, "spread", -1, PLAN_BATCH, GPU_SPREAD, SPREAD_PASSES - (int)deform_spread_first(params->model));
-	add_passes(plan, deform_slide_effect(params->model), -1, PLAN_BATCH, GPU_SLIDE,
-		   deform_slide_passes(params, false) + deform_line_passes(params));
-	if (params->disturbance)
-		add_passes(plan, "dirt", -1, PLAN_BATCH, GPU_DISTURBANCE, 1);
-}
-
-static void plan_batches(const struct deform_params *params, const struct any *any, struct plan *plan)
+static void plan_batches(const struct deform_params *params, struct plan *plan)
 {
 	const char *displace = deform_displace_effect(params->model);
 	deform_batch_plan(params, plan);
-	if (deform_conserves(params->model)) {
-		plan_together(params, any->found, plan);
-		return;
-	}
 	add_passes(plan, displace, -1, PLAN_BATCH_ENVELOPE, GPU_ENVELOPE, 1);
 	add_passes(plan, displace, -1, PLAN_BATCH_DRAW, GPU_CONTACT, 1);
 	if (deform_model_row(params->model)->smooths) {
@@ -133,32 +95,25 @@ static void plan_batches(const struct deform_params *params, const struct any *a
 		add_passes(plan, "dirt", -1, PLAN_BATCH_STORE, GPU_DISTURBANCE, 1);
 }
 
-void deform_plan(const struct deform_params *params, const struct deform_planned *objects, size_t count, bool forces,
-		 struct plan *plan)
+void deform_plan(const struct deform_params *params, const struct deform_planned *objects, size_t count, struct plan *plan)
 {
 	struct any any = {.facets = NULL};
 	if (count == 0)
 		return;
 	deform_plan_planes(params, plan);
 	for (size_t i = 0; i < count; i++) {
-		deform_programs_each(params, &objects[i], forces, add_program, plan);
+		deform_programs_each(params, &objects[i], add_program, plan);
 		plan_windows(params, &objects[i], (int)i, plan);
-		look(params, &objects[i], forces, &any);
+		look(&objects[i], &any);
 	}
 	deform_scratch_plan(params, plan);
 	deform_plan_buffer(plan, deform_displace_effect(params->model), 1, sizeof(struct deform_tally), "tally");
 	if (params->batches && deform_model_row(params->model)->batch != NULL)
-		plan_batches(params, &any, plan);
-	if (params->loaded_bodies > 0)
-		deform_plan_buffer(plan, "load", 1, params->loaded_bodies * sizeof(int32_t), "heights of the loaded");
+		plan_batches(params, plan);
 	if (any.facets != NULL) {
 		add_passes(plan, any.facets, -1, PLAN_FACETS, GPU_FACETS, 1);
 		deform_facets_plan(any.facets, plan);
 	}
-	if (any.found != NULL)
-		deform_find_plan(any.found, plan);
-	if (any.forces != NULL)
-		deform_forces_plan(any.forces, plan);
 	if (deform_conserves(params->model)) {
 		deform_spread_plan(plan);
 		plan_intervals(params, &any, plan);

@@ -13,44 +13,32 @@ struct deform_request {
 	char own[24]; /* text of a define with a number */
 };
 
-/* Variants of the contact pass of a model that computes forces, as bits: it sums forces; counts the contact patch. The object
- * carries a load; it has a belt. Then comes the object's shape (enum soil_shape_kind), whose lower envelope the pass computes between posts. */
-enum { WITH_FORCES = 1, WITH_PATCH = 2, WITH_LOAD = 4, WITH_BELT = 8, WITH_SHAPE = 16, WITH_ALL = WITH_SHAPE * SOIL_SHAPES };
-
-/* What scm's search finds, as bits: the size of the contact patch, the equilibrium height; of an object with a belt. The same as WITH_PATCH,
- * WITH_LOAD and WITH_BELT, halved. Then the object's shape. */
-enum deform_find_what { FIND_PATCH = 1, FIND_LOAD = 2, FIND_BELT = 4, FIND_SHAPE = 8, FIND_ALL = FIND_SHAPE * SOIL_SHAPES };
-
 /* Passes of an iteration of sliding: EXCESS alone, or SHED and TAKE. */
 enum slide_what { SLIDE_EXCESS, SLIDE_SHED, SLIDE_TAKE };
 
 /* Hops along slopes: the first, those between, the last. */
 enum slope_hop { SLOPE_FIRST, SLOPE_BETWEEN, SLOPE_LAST, SLOPE_HOPS };
 
-/* Passes that lay down carried soil. deform_spread_first: returns the first that runs; the contact of a model may measure. */
+/* Passes that lay down carried soil. */
 enum spread_pass { SPREAD_MEASURE, SPREAD_WEIGH, SPREAD_LAY, SPREAD_PASSES };
-enum spread_pass deform_spread_first(enum deform_model model);
 
-/* What a pass computes in one draw: a window, blocks of the atlas, or all windows of a batch (together.c). */
-enum deform_over { OVER_WINDOW, OVER_BLOCKS, OVER_BATCH, OVERS };
+/* What a pass computes in one draw: a window, or blocks of the atlas. */
+enum deform_over { OVER_WINDOW, OVER_BLOCKS, OVERS };
 
-/* Each fills `out` completely. Pure. `batch`: over all windows of a batch. */
-void deform_programs_envelope(const struct deform_params *params, enum soil_shape_kind kind, bool sideways, bool batch,
-			struct deform_request *out);
+/* Each fills `out` completely. Pure. */
+void deform_programs_envelope(const struct deform_params *params, enum soil_shape_kind kind, bool sideways, struct deform_request *out);
 void deform_programs_facet(const struct deform_params *params, struct deform_request *out);
-void deform_programs_contact(const struct deform_params *params, unsigned with, bool batch, struct deform_request *out);
-void deform_programs_find(const struct deform_params *params, unsigned what, enum soil_shape_kind kind, bool batch, struct deform_request *out);
+void deform_programs_contact(const struct deform_params *params, struct deform_request *out);
 void deform_programs_box(const struct deform_params *params, struct deform_request *out);
-void deform_programs_spread(const struct deform_params *params, enum spread_pass pass, bool batch, struct deform_request *out);
-/* `loaded`: over a window of an object with a load. */
-void deform_programs_begin(const struct deform_params *params, enum deform_over over, bool loaded, struct deform_request *out);
+void deform_programs_spread(const struct deform_params *params, enum spread_pass pass, struct deform_request *out);
+void deform_programs_begin(const struct deform_params *params, enum deform_over over, struct deform_request *out);
 void deform_programs_slide(const struct deform_params *params, enum slide_what what, enum deform_over over, bool last,
 		    struct deform_request *out);
 /* Along lines of a window. `diagonal`: these cross the window's sides. */
-void deform_programs_lines(const struct deform_params *params, bool diagonal, bool batch, struct deform_request *out);
+void deform_programs_lines(const struct deform_params *params, bool diagonal, struct deform_request *out);
 void deform_programs_steep(struct deform_request *out); /* marks where soil may slide */
 void deform_programs_slope(const struct deform_params *params, enum slope_hop hop, struct deform_request *out);
-void deform_programs_held(bool loaded, struct deform_request *out);
+void deform_programs_held(struct deform_request *out);
 void deform_programs_disturbance(struct deform_request *out);
 
 /* Passes over a batch of windows (batch.c). */
@@ -62,13 +50,8 @@ enum deform_batch_pass {
 #define DEFORM_BATCH_RECORD 25 /* numbers of 16 bytes for each window */
 void deform_programs_batch(const struct deform_params *params, enum deform_batch_pass pass, struct deform_request *out);
 
-/* Calls `each` for every program that an object can need, for some of them twice. Arguments as of deform_warm. */
+/* Calls `each` for every program that an object can need, for some of them twice. */
 typedef void (*programs_fn)(void *user, const char *effect, const struct gpu_program_request *request);
-void deform_programs_each(const struct deform_params *params, const struct deform_planned *object, bool forces, programs_fn each,
-		   void *user);
-
-/* Returns true if the size of the object's contact patch is counted on the ground. So it is for a shape without a width of its
- * own, if every contact fits one window. */
-bool deform_is_counted(const struct deform_params *params, const struct soil_shape *shape, bool loaded);
+void deform_programs_each(const struct deform_params *params, const struct deform_planned *object, programs_fn each, void *user);
 
 #endif

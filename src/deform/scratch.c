@@ -14,7 +14,7 @@ struct row {
 	size_t place; /* offset of its pointer in struct deform */
 };
 struct rows {
-	struct row list[12 + 2 * PLANES];
+	struct row list[11 + 2 * PLANES];
 	size_t count;
 };
 
@@ -30,11 +30,6 @@ bool deform_has_classes(const struct deform_params *params)
 	return deform_conserves(params->model) && params->soil_count > 1;
 }
 
-bool deform_has_rasters(const struct deform_params *params)
-{
-	return deform_model_row(params->model)->rasters && params->raster_count > 0;
-}
-
 static void add(struct rows *rows, bool wanted, struct row row)
 {
 	if (wanted)
@@ -46,19 +41,13 @@ static enum gpu_format format_of(enum plane plane)
 	return plane_bytes(plane) == 1 ? GPU_R8UI : GPU_R32I;
 }
 
-/* Tells whether anything uses planes_of[i] of this plane. A contact in place uses one texture of each plane that it changes. */
-static bool is_used(const struct deform_params *params, int plane, int i)
-{
-	return !deform_model_row(params->model)->in_place || plane == PLANE_DISTURBANCE || i == deform_gathers_into(params, plane);
-}
-
 /* The only list of the textures: deform_need_layers makes them, and deform_scratch_plan plans them. */
 static void rows_of(const struct deform_params *params, struct rows *rows)
 {
 	const char *displace = deform_displace_effect(params->model), *slide = deform_slide_effect(params->model);
 	const char *touched = deform_contact_effect(params->model);
 	bool contacts = deform_needs_contacts(params), conserves = deform_conserves(params->model);
-	unsigned planes = deform_planes(params->model, params->disturbance, params->slip_sinkage > 0);
+	unsigned planes = deform_planes(params->model, params->disturbance, false);
 	rows->count = 0;
 	add(rows, true, (struct row){"window's base", displace, GPU_R32I, PLACE(bases)});
 	add(rows, true, (struct row){"under", displace, GPU_R32I, PLACE(under)});
@@ -71,10 +60,9 @@ static void rows_of(const struct deform_params *params, struct rows *rows)
 	add(rows, conserves, (struct row){"stills", slide, GPU_R8UI, PLACE(stills)});
 	add(rows, conserves && deform_is_bounded(params), (struct row){"floors", slide, GPU_R32I, PLACE(floors)});
 	add(rows, deform_has_classes(params), (struct row){"window's classes", "soil_map", GPU_R8UI, PLACE(classes)});
-	add(rows, deform_has_rasters(params), (struct row){"window's numbers", "soil_rasters", GPU_RGBA8UI, PLACE(numbers)});
 	for (int plane = 0; plane < PLANES; plane++)
 		for (int i = 0; i < 2; i++)
-			add(rows, (planes & PLANE_BIT(plane)) != 0 && is_used(params, plane, i),
+			add(rows, (planes & PLANE_BIT(plane)) != 0,
 			    (struct row){plane_name((enum plane)plane), deform_plane_effect(params->model, (enum plane)plane), format_of((enum plane)plane),
 					 PLACE(planes_of[0][0]) + (size_t)(i * PLANES + plane) * sizeof(struct gpu_texture *)});
 }

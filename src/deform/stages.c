@@ -58,7 +58,7 @@ enum status deform_run_contact(struct deform *deform, const void *params, size_t
 			 const struct deform_window *window, uint32_t layer)
 {
 	struct deform_request request;
-	deform_programs_contact(&deform->params, 0, false, &request);
+	deform_programs_contact(&deform->params, &request);
 	enum status status = deform_program(deform, &request, &deform->contact);
 	if (status != STATUS_OK)
 		return status;
@@ -115,14 +115,6 @@ void deform_begin_layer(struct deform *deform, const struct deform_contact *cont
 	scratch->alone = window->parts == 0 && all.x0 == write.x0 && all.y0 == write.y0 && all.x1 == write.x1 && all.y1 == write.y1;
 	scratch->above = contact->above;
 	scratch->near = deform_is_swept(deform, contact);
-	scratch->loaded = deform_tells_forces(deform->params.model) && contact->load > 0;
-}
-
-enum status deform_run_feel(struct deform *deform, const struct deform_contact *contact, const struct deform_window *window, uint32_t layer)
-{
-	deform_begin_layer(deform, contact, window, layer);
-	enum status status = deform_envelope(deform, contact, window, layer);
-	return status == STATUS_OK ? deform_model_row(deform->params.model)->feel(deform, contact, window, layer) : status;
 }
 
 enum status deform_run_stages(struct deform *deform, const struct deform_contact *contact,

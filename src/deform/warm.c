@@ -18,30 +18,17 @@ static void link_program(void *user, const char *effect, const struct gpu_progra
 		linking->status = gpu_program_get(linking->gpu, request, &program);
 }
 
-/* Takes the forces of the contacts below, which nobody needs. */
-static enum status drop_forces(struct deform *deform)
-{
-	struct deform_forces forces;
-	bool taken = true;
-	enum status status = deform_forces_begin(deform);
-	while (status == STATUS_OK && taken)
-		status = deform_forces_take(deform, true, &forces, &taken);
-	return status;
-}
-
-/* Runs contacts without motion, with a small motion, and for a wheel also with a motion along its axis. Each runs without a tag, and
- * with one if `tags`. */
-static enum status contact_all(struct deform *deform, const struct deform_planned *object, bool tags)
+/* Runs contacts without motion, with a small motion, and for a wheel also with a motion along its axis. */
+static enum status contact_all(struct deform *deform, const struct deform_planned *object)
 {
 	const struct post_rect beyond = {-64, -64, -48, -48};
 	const struct deform_window window = {.read = beyond, .write = beyond};
 	const struct soil_pose middle = {.x = lattice_offset(-56 * deform->spacing), .y = lattice_offset(-56 * deform->spacing)};
 	int ways = !object->moves ? 1 : object->shape->kind == SOIL_WHEEL ? 3 : 2;
 	enum status status = STATUS_OK;
-	for (int i = 0; i < ways * (1 + tags) * (1 + object->leans) && status == STATUS_OK; i++) {
-		struct deform_contact contact = {.shape = object->shape, .from = middle, .to = middle, .load = object->load,
-					     .tag = (uint64_t)(i / ways % (1 + tags))};
-		contact.to.roll = i / ways / (1 + tags) * 0.1;
+	for (int i = 0; i < ways * (1 + object->leans) && status == STATUS_OK; i++) {
+		struct deform_contact contact = {.shape = object->shape, .from = middle, .to = middle};
+		contact.to.roll = i / ways * 0.1;
 		contact.to.x += i % ways > 0;
 		contact.to.y += i % ways > 1;
 		status = deform_compute(deform, &contact, &window, 0, NULL, 0);
@@ -50,7 +37,7 @@ static enum status contact_all(struct deform *deform, const struct deform_planne
 }
 
 /* Runs batches of contacts as above: two windows each. They lie beyond the world. */
-static enum status batch_all(struct deform *deform, const struct deform_planned *object, bool tags)
+static enum status batch_all(struct deform *deform, const struct deform_planned *object)
 {
 	const struct deform_window window = {.read = {-64, -64, -48, -48}, .write = {-64, -64, -48, -48}};
 	const struct soil_pose middle = {.x = lattice_offset(-56 * deform->spacing), .y = lattice_offset(-56 * deform->spacing)};
@@ -58,10 +45,9 @@ static enum status batch_all(struct deform *deform, const struct deform_planned 
 	enum status status = STATUS_OK;
 	if (!deform_batches(&deform->params, object))
 		return STATUS_OK;
-	for (int i = 0; i < ways * (1 + tags) * (1 + object->leans) && status == STATUS_OK; i++) {
-		struct deform_contact contact = {.shape = object->shape, .from = middle, .to = middle, .load = object->load,
-					     .tag = (uint64_t)(i / ways % (1 + tags))};
-		contact.to.roll = i / ways / (1 + tags) * 0.1;
+	for (int i = 0; i < ways * (1 + object->leans) && status == STATUS_OK; i++) {
+		struct deform_contact contact = {.shape = object->shape, .from = middle, .to = middle};
+		contact.to.roll = i / ways * 0.1;
 		contact.to.x += i % ways > 0;
 		contact.to.y += i % ways > 1;
 		deform_batch_begin(deform);
@@ -75,37 +61,33 @@ static enum status batch_all(struct deform *deform, const struct deform_planned 
 }
 
 /* Returns the kind of an object, below WARM_KINDS. Objects of one kind need the same programs. */
-static int kind_of(const struct deform_params *params, const struct deform_planned *object)
+static int kind_of(const struct deform_planned *object)
 {
 	const struct soil_shape *shape = object->shape;
-	const bool facts[WARM_FACTS] = {shape->grousers > 0, object->load > 0, object->moves, object->leans, shape->belt,
-					deform_is_counted(params, shape, object->load > 0)};
+	const bool facts[WARM_FACTS] = {shape->grousers > 0, object->moves, object->leans};
 	int kind = (int)shape->kind;
 	for (int i = 0; i < WARM_FACTS; i++)
 		kind = 2 * kind + facts[i];
 	return kind;
 }
 
-enum status deform_warm(struct deform *deform, const struct deform_planned *object, bool forces)
+enum status deform_warm(struct deform *deform, const struct deform_planned *object)
 {
 	const struct deform_params *params = &deform->params;
-	bool *warmed = &deform->warmed[kind_of(params, object)];
+	bool *warmed = &deform->warmed[kind_of(object)];
 	if (*warmed)
 		return STATUS_OK;
 	*warmed = true;
 	const struct deform_figures before = deform->figures;
-	bool loaded = deform_tells_forces(params->model) && object->load > 0;
 	struct linking linking = {.gpu = params->gpu};
-	deform_programs_each(params, object, forces, link_program, &linking);
+	deform_programs_each(params, object, link_program, &linking);
 	enum status status = linking.status;
 	if (status == STATUS_OK)
-		status = contact_all(deform, object, deform_tells_forces(params->model) && (forces || loaded));
+		status = contact_all(deform, object);
 	if (status == STATUS_OK)
-		status = batch_all(deform, object, deform_tells_forces(params->model) && (forces || loaded));
+		status = batch_all(deform, object);
 	if (status == STATUS_OK && deform->interval != NULL)
-		status = deform_interval_warm(deform, object->shape, loaded && params->loaded_bodies > 0);
-	if (status == STATUS_OK)
-		status = drop_forces(deform);
+		status = deform_interval_warm(deform, object->shape);
 	deform->figures = before;
 	return status;
 }

@@ -1,6 +1,5 @@
 /*
- * What all ranks must have in common, or their bits would differ. Before anything is made they compare version, base and scene. Before the first
- * step they compare GL's renderer.
+ * What all ranks must have in common, or their bits would differ. Before anything is made they compare version, base and scene.
  */
 #include "fleet/internal.h"
 
@@ -10,7 +9,7 @@ struct common {
 	char version[64], scene[40];
 	uint64_t base;
 	double spacing, end_time, forces;
-	int64_t step, steps, delay;
+	int64_t step, steps;
 	int32_t resumed;
 };
 
@@ -31,8 +30,8 @@ static enum status compare(void *user, int rank, struct fleet_bytes *bytes)
 		return fail_with(STATUS_INPUT, "rank %d: its scene is not that of rank 0; give all ranks the same file", rank);
 	if (other.end_time != first->end_time || other.steps != first->steps)
 		return fail_with(STATUS_INPUT, "rank %d: its end_time or --steps is not that of rank 0; give all ranks the same", rank);
-	if (other.forces != first->forces || other.delay != first->delay)
-		return fail_with(STATUS_INPUT, "rank %d: its output.forces or output.delay is not that of rank 0; give all ranks the same", rank);
+	if (other.forces != first->forces)
+		return fail_with(STATUS_INPUT, "rank %d: its output.forces is not that of rank 0; give all ranks the same", rank);
 	if (other.step != first->step || other.resumed != first->resumed)
 		return fail_with(STATUS_FAILED, "rank %d: it begins at step %lld, and rank 0 at step %lld; report this", rank, (long long)other.step,
 				 (long long)first->step);
@@ -50,55 +49,18 @@ static enum status put_common(struct fleet *fleet, const struct world *world)
 	mine.end_time = world->scene->end_time;
 	mine.steps = world->params.steps;
 	mine.forces = world->scene->forces;
-	mine.delay = world->scene->forces_delay;
 	mine.step = world->step;
 	mine.resumed = world->resumed.is;
 	enum status status = world->resumed.is && fleet->rank == 0 ? fleet_note_resumed(fleet) : STATUS_OK;
 	return status == STATUS_OK ? fleet_put(&fleet->sent, &mine, sizeof mine) : status;
 }
 
-/* A renderer's name tells the width of llvmpipe's vectors, too, on which sums of floats depend. All zeros: the CPU computes the ground, with the same
- * bits everywhere. */
-struct renderer {
-	char vendor[100], name[160], version[160];
-};
-
-static enum status compare_renderers(void *user, int rank, struct fleet_bytes *bytes)
-{
-	static const struct renderer cpu;
-	struct renderer *first = user, other;
-	enum status status = fleet_get(bytes, &other, sizeof other);
-	if (status != STATUS_OK)
-		return status;
-	if (rank == 0 || memcmp(first, &cpu, sizeof cpu) == 0)
-		*first = other;
-	if (memcmp(&other, &cpu, sizeof cpu) != 0 && memcmp(&other, first, sizeof other) != 0)
-		return fail_with(STATUS_INPUT, "rank %d: its GL is %.90s, %.50s, and that of another rank is %.90s, %.50s, so that their ground could differ; "
-					       "start all ranks on machines with the same GPU and driver, or give compute: cpu",
-				 rank, other.name, other.version, first->name, first->version);
-	return STATUS_OK;
-}
-
-static enum status put_renderer(struct fleet *fleet, const struct world *world)
-{
-	const struct gpu_info *info = gpu_info(world->gpu);
-	struct renderer mine;
-	memset(&mine, 0, sizeof mine);
-	if (world->bearing != NULL)
-		return fleet_put(&fleet->sent, &mine, sizeof mine);
-	snprintf(mine.vendor, sizeof mine.vendor, "%s", info->vendor);
-	snprintf(mine.name, sizeof mine.name, "%s", info->renderer);
-	snprintf(mine.version, sizeof mine.version, "%s", info->version);
-	return fleet_put(&fleet->sent, &mine, sizeof mine);
-}
-
-/* The first call comes when the files are open, the second when there is GL. Each later one tells only the status. */
+/* The first call comes when the files are open. Each later one tells only the status. */
 enum status fleet_agree_on(void *user, struct world *world, enum status status)
 {
 	struct fleet *fleet = user;
 	struct fleet_told told;
 	struct common common;
-	struct renderer renderer;
 	fleet->world = world;
 	if (fleet->failed) /* all know it */
 		return status;
@@ -106,10 +68,7 @@ enum status fleet_agree_on(void *user, struct world *world, enum status status)
 	enum status put = fleet_begin(fleet, FLEET_AGREE, status);
 	if (call == 0 && status == STATUS_OK && put == STATUS_OK)
 		put = put_common(fleet, world);
-	if (call == 1 && status == STATUS_OK && put == STATUS_OK)
-		put = put_renderer(fleet, world);
-	const fleet_each_fn each = call == 0 ? compare : call == 1 ? compare_renderers : NULL;
 	const enum status any =
-		fleet_tell(fleet, FLEET_AGREE, status != STATUS_OK ? status : put, &told, each, call == 0 ? (void *)&common : &renderer);
+		fleet_tell(fleet, FLEET_AGREE, status != STATUS_OK ? status : put, &told, call == 0 ? compare : NULL, &common);
 	return any != STATUS_OK ? any : status;
 }

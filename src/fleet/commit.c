@@ -93,8 +93,6 @@ enum status fleet_share_record(struct fleet *fleet, enum status status)
 		status = page_cache_await_commit(fleet->world->cache);
 	fleet_wait_end(fleet, wait);
 	if (status == STATUS_OK)
-		status = world_settle_forces(fleet->world);
-	if (status == STATUS_OK)
 		status = fleet_begin(fleet, FLEET_COMMIT, status);
 	if (status == STATUS_OK)
 		status = fleet_rows_put(fleet);

@@ -235,8 +235,6 @@ static enum status pack(struct moving *moving, const bool *goes)
 	moving->packed = mem_alloc((size_t)LZ4_compressBound((int)resident_pages_moved_bytes(fleet->world->pages)) + 1, 1);
 	if (moving->packed == NULL)
 		return fail_memory("tiles that move");
-	/* Forces in flight belong to this rank; afterwards what is known of a body is all there is. */
-	status = world_settle_forces(fleet->world);
 	for (int r = 0; r < fleet->ranks && status == STATUS_OK; r++) {
 		if (!goes[r])
 			continue;

@@ -209,8 +209,7 @@ static enum status plan(struct fleet *fleet, double until, enum status status, e
 	fleet->stop = fleet->stop || told.stop;
 	if (told.leaves)
 		fleet->ahead = 1; /* the areas are larger than they need be */
-	const int delay = world->scene->forces_delay;
-	*mine = world->step > delay ? fleet_rows_write(fleet, world_step_time(world->scene, world->step - delay)) : STATUS_OK;
+	*mine = world->step > 0 ? fleet_rows_write(fleet, world_step_time(world->scene, world->step)) : STATUS_OK;
 	if (told.due)
 		*mine = fleet_commit(fleet, *mine);
 	if (fleet->failed)

@@ -44,7 +44,6 @@ struct gpu_info {
 enum gpu_stage {
 	GPU_ENVELOPE,  /* lower envelope of an object over its window, computed from a formula */
 	GPU_FACETS,    /* the same, computed from triangles */
-	GPU_LOAD,      /* equilibrium height of a loaded body */
 	GPU_CONTACT,
 	GPU_SMOOTH,
 	GPU_SPREAD,

@@ -8,7 +8,7 @@ static const struct {
 	enum gpu_group group;
 } stages[GPU_STAGES] = {
 	[GPU_ENVELOPE] = {"underside", GPU_DISPLACE}, [GPU_FACETS] = {"facets", GPU_DISPLACE},
-	[GPU_LOAD] = {"load", GPU_DISPLACE},	       [GPU_CONTACT] = {"press", GPU_DISPLACE},
+	[GPU_CONTACT] = {"press", GPU_DISPLACE},
 	[GPU_SMOOTH] = {"smooth", GPU_REDISTRIBUTE},   [GPU_SPREAD] = {"spread", GPU_REDISTRIBUTE},
 	[GPU_SLIDE] = {"slide", GPU_REDISTRIBUTE},     [GPU_HOLD] = {"hold", GPU_REDISTRIBUTE},
 	[GPU_SETTLE] = {"settle", GPU_REDISTRIBUTE},   [GPU_DISTURBANCE] = {"dirt", GPU_ATTRIBUTES},

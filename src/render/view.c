@@ -145,7 +145,7 @@ static enum status draw(struct view *view, bool complete)
 		return status;
 	if (!view->at_steps) /* with at_steps no picture stays on a screen */
 		render_view_keep_now(view);
-	status = render_view_set_objects(view, complete);
+	status = render_view_set_objects(view);
 	if (status != STATUS_OK)
 		return status;
 	return render_frame(view->render, &camera, view->selection);

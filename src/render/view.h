@@ -116,9 +116,8 @@ enum status render_view_look_camera(struct view *view) FURROW_CHECKED;
 
 /* view_objects.c: finds the pose of an object now. *known: there is ground below it, or its path says its height. */
 enum status render_view_object(struct view *view, size_t index, struct render_object *object, bool *known) FURROW_CHECKED;
-/* view_objects.c: gives the picture the present places of objects. `settled`: waits for the heights of loaded bodies, so that
- * the picture is always the same. Otherwise the last known heights are used. */
-enum status render_view_set_objects(struct view *view, bool settled) FURROW_CHECKED;
+/* view_objects.c: gives the picture the present places of objects. */
+enum status render_view_set_objects(struct view *view) FURROW_CHECKED;
 
 /* view_bodies.c: bodies of a host, which may add some at any time. Fills params->objects with all that may be drawn. */
 enum status render_view_list_drawn(struct view *view, struct render_params *params) FURROW_CHECKED;

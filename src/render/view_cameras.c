@@ -292,7 +292,7 @@ enum status render_view_cameras(struct view *view, struct pictures *pictures, co
 		if (frame < 0)
 			continue;
 		if (!set)
-			status = render_view_set_objects(view, true);
+			status = render_view_set_objects(view);
 		set = true;
 		view->render->screen = view->cameras[i].screen;
 		if (status == STATUS_OK)

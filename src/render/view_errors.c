@@ -134,8 +134,8 @@ enum status render_view_errors_contact(struct view *view, const struct event *ev
 		return status;
 	const struct body *body = world_body_of(view->world, event);
 	double deep = event->sinkage;
-	if (body->object->load > 0) /* as the soil was found to carry it, some steps ago */
-		deep = fmax(deep, body->sinkage_before);
+	if (body->object->load > 0) /* as the soil was found to carry it in the last step */
+		deep = fmax(deep, body->sinkage);
 	deep = fmax(deep + rise, 0);
 	errors->low = -deep;
 	errors->high = deform_conserves(view->world->scene->model) ? deep : 0;

@@ -62,7 +62,7 @@ enum status render_view_object(struct view *view, size_t index, struct render_ob
 	return status;
 }
 
-enum status render_view_set_objects(struct view *view, bool settled)
+enum status render_view_set_objects(struct view *view)
 {
 	struct world *world = view->world;
 	const struct scene *scene = world->scene;
@@ -73,7 +73,7 @@ enum status render_view_set_objects(struct view *view, bool settled)
 	if (objects == NULL)
 		return fail_memory("the picture's objects");
 	size_t count = 0;
-	enum status status = settled ? world_settle_forces(world) : STATUS_OK;
+	enum status status = STATUS_OK;
 	for (size_t i = 0; i < scene->object_count && status == STATUS_OK; i++) {
 		bool known;
 		if (world->bodies[i].track == NULL) { /* a host moves it */

@@ -142,7 +142,6 @@ static void add_units(cJSON *counts, const struct report *report, const struct g
 	add_object_units(units, report);
 	add_unit(units, PLAN_BATCH, deform.batches);
 	add_unit(units, PLAN_BATCH_DRAW, deform.batch_draws);
-	add_unit(units, PLAN_BATCH_SEARCH, deform.batch_searches);
 	add_unit(units, PLAN_BATCH_STORE, deform.batch_stores);
 	add_unit(units, PLAN_BATCH_ENVELOPE, deform.batch_envelopes);
 	add_unit(units, PLAN_FACETS, deform.facets);

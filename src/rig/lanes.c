@@ -143,7 +143,7 @@ static enum status steps(struct rig *rig, struct world *world, size_t count)
 		if (status == STATUS_OK && rig->params->progress != NULL)
 			status = rig->params->progress(rig->params->user, rig->done, rig->total);
 	}
-	return status == STATUS_OK ? world_settle_forces(world) : status;
+	return status;
 }
 
 static enum status drive(struct rig *rig, const struct scene *scene, struct sums *sums, size_t count)

@@ -23,7 +23,7 @@ static struct scene_list models_with_rasters(void)
 {
 	struct scene_list models = {.length = 0};
 	for (int model = 0; model < DEFORM_MODELS; model++)
-		if (deform_model_row((enum deform_model)model)->rasters)
+		if (deform_model_row((enum deform_model)model)->bears)
 			scene_list_add(&models, deform_model_row((enum deform_model)model)->name);
 	return models;
 }
@@ -49,11 +49,11 @@ enum status scene_check_rasters(const struct scene_tree *tree, const struct raw_
 	enum status status = STATUS_OK;
 	if (raw == NULL)
 		return STATUS_OK;
-	if (!model->rasters && model->numbers != NULL)
+	if (!model->bears && model->numbers != NULL)
 		return scene_error(tree->file, scene_tree_find(tree, "soil.rasters"),
 				   "model %s reads a soil's numbers by class alone; allowed with: %s; or give soil.map", model->name,
 				   models_with_rasters().text);
-	for (int number = 0; model->rasters && number < SOIL_NUMBERS && status == STATUS_OK; number++) {
+	for (int number = 0; model->bears && number < SOIL_NUMBERS && status == STATUS_OK; number++) {
 		const char *path = path_of(raw, (enum soil_number)number);
 		if (path != NULL)
 			status = take(tree, path, (enum soil_number)number, scene);

@@ -47,7 +47,7 @@ static int32_t clamp_to(int64_t value, int64_t low, int64_t high)
 
 void soil_height_find(struct soil_contact *b, int32_t start, struct soil_height *s)
 {
-	const double load = b->motion->load, unit = (double)b->form.spacing * (double)b->form.spacing / (double)BEAR_UNITS_A_PASCAL / load;
+	const double load = fmax(b->motion->load, 1e-6), unit = (double)b->form.spacing * (double)b->form.spacing / (double)BEAR_UNITS_A_PASCAL / load;
 	const double reach = soil_shape_reach(b->motion->shape, b->motion->to.pitch, b->motion->to.roll);
 	const double deepest = 2 * (b->motion->shape->kind == SOIL_MESH ? soil_shape_bound(b->motion->shape) : reach);
 	const int32_t depth = (int32_t)fmin(ldexp(deepest, OFFSET_BITS), 0x1p28);
@@ -82,7 +82,8 @@ void soil_height_find(struct soil_contact *b, int32_t start, struct soil_height 
 		const bool both = at_low < 1e30 && at_high > 1e-6;
 		/* The height is found if the next step is shorter than half a unit, or if the bracket is one unit wide. */
 		const double gap = abs(s->raised - before) > 1 ? abs(s->raised - before) : 1, chord = s->tries > 0 ? fabs((share - at_before) / gap) : grows_here;
-		const bool there = fabs(share - 1) <= 0.5 * fmin(grows_here, chord);
+		/* Where half a unit is more than the load, the body may not touch there at all. */
+		const bool there = share > 0.5 && fabs(share - 1) <= 0.5 * fmin(grows_here, chord);
 		s->state = there ? SOIL_TOUCHING : s->state;
 		carried = there ? share : carried;
 		done = there || width <= 1;

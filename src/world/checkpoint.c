@@ -87,8 +87,6 @@ enum status world_checkpoint(struct world *world)
 	if (world->torn)
 		return fail_with(STATUS_FAILED, "checkpoint: the last step failed half-way; roll back first, or close the world");
 	enum status status = world_hosts_commit(world);
-	if (status == STATUS_OK)
-		status = world_forces_wait(world->forces);
 	if (status == STATUS_OK && world->begun)
 		status = page_cache_flush(world->cache, world->record);
 	if (status == STATUS_OK)
@@ -168,9 +166,7 @@ enum status world_rollback(struct world *world)
 	if (saved == NULL)
 		return fail_with(STATUS_FAILED, "rollback: there is no checkpoint; make one first");
 	const size_t objects = world->scene->object_count;
-	enum status status = world_forces_wait(world->forces);
-	if (status == STATUS_OK && world->begun) /* else the ground is as it was */
-		status = resident_pages_rollback(world->pages);
+	enum status status = world->begun ? resident_pages_rollback(world->pages) : STATUS_OK; /* else the ground is as it was */
 	if (status != STATUS_OK)
 		return status;
 	world->begun = saved->begun;

@@ -207,11 +207,10 @@ static bool covers(const struct world *world, const struct deform_contact *conta
 }
 
 /* A contact with soil that bears. It waits for others of this time: world_meetings_flush computes it. */
-static enum status bearing_contact_at(struct world *world, const struct event *event, struct deform_contact *contact, bool last, bool feels)
+static enum status bearing_contact_at(struct world *world, const struct event *event, const struct deform_contact *contact, bool feels)
 {
 	const struct body *body = world_body_at(world, event->body);
 	struct bearing_area area;
-	contact->tag = feels ? 0 : world_forces_ask(world->forces, event->body, event, last);
 	enum status status = bearing_area(world->bearing, contact, &area);
 	if (status == STATUS_OK && !feels && body->in_contact && !covers(world, contact, &body->last, &area))
 		status = world_let_go(world, body);
@@ -221,38 +220,13 @@ static enum status bearing_contact_at(struct world *world, const struct event *e
 		world_forces_absent(world->forces, event->body, event);
 		return STATUS_OK;
 	}
-	if (feels)
-		contact->tag = world_forces_ask(world->forces, event->body, event, true);
 	return world_meetings_add(world, event, contact, &area, feels);
 }
 
 enum status world_feel(struct world *world, const struct event *event)
 {
-	const struct body *body = world_body_at(world, event->body);
-	struct deform_contact contact = contact_of(world, body, event);
-	struct deform_window windows[DEFORM_WINDOWS_MAX];
-	struct held_tiles held = {.count = 0};
-	size_t count = 0;
-	bool aloft = false;
-	if (world->bearing != NULL)
-		return bearing_contact_at(world, event, &contact, true, true);
-	enum status status = deform_windows(world->deform, &contact, windows, &count);
-	if (status == STATUS_OK)
-		status = world_is_aloft(world, event, &contact, windows, count, &aloft);
-	if (status != STATUS_OK)
-		return status;
-	if (count == 0 || aloft) {
-		world_forces_absent(world->forces, event->body, event);
-		return STATUS_OK;
-	}
-	contact.tag = world_forces_ask(world->forces, event->body, event, true);
-	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
-		status = world_hold(world, windows[i].read, &held);
-		if (status == STATUS_OK)
-			status = deform_feel(world->deform, &contact, &windows[i], (uint32_t)i, held.tiles, held.count);
-		world_release(world, &held);
-	}
-	return status;
+	const struct deform_contact contact = contact_of(world, world_body_at(world, event->body), event);
+	return bearing_contact_at(world, event, &contact, true);
 }
 
 /* Computes windows at once. */
@@ -281,7 +255,7 @@ static enum status compute_alone(struct world *world, const struct event *event,
 	return status == STATUS_OK && count > 0 ? world_tell_contact_ended(world) : status;
 }
 
-static enum status contact_at(struct world *world, const struct event *event, bool last, bool waits)
+static enum status contact_at(struct world *world, const struct event *event, bool waits)
 {
 	struct body *body = world_body_at(world, event->body);
 	struct deform_contact contact = contact_of(world, body, event);
@@ -293,13 +267,13 @@ static enum status contact_at(struct world *world, const struct event *event, bo
 		return STATUS_OK;
 	}
 	if (world->bearing != NULL && !world_feels(world)) {
-		enum status status = world_kinematic_contact(world, event, &contact, last);
+		enum status status = world_kinematic_contact(world, event, &contact);
 		body->in_contact = true;
 		body->last = contact.to;
 		return status;
 	}
 	if (world->bearing != NULL) {
-		enum status status = bearing_contact_at(world, event, &contact, last, false);
+		enum status status = bearing_contact_at(world, event, &contact, false);
 		body->in_contact = true;
 		body->last = contact.to;
 		return status;
@@ -313,7 +287,7 @@ static enum status contact_at(struct world *world, const struct event *event, bo
 	if (status == STATUS_OK)
 		status = world_is_aloft(world, event, &contact, windows, count, &aloft);
 	if (status == STATUS_OK && count > 0 && !aloft)
-		contact.tag = world_forces_ask(world->forces, event->body, event, last);
+		world_forces_met(world->forces, event->body, event);
 	else
 		world_forces_absent(world->forces, event->body, event);
 	/* The ground under its last pose is free now. If the object jumped or turned, the contact may not cover it; then make
@@ -333,12 +307,12 @@ static enum status contact_at(struct world *world, const struct event *event, bo
 	return status;
 }
 
-enum status world_contact(struct world *world, const struct event *event, bool last)
+enum status world_contact(struct world *world, const struct event *event)
 {
-	return contact_at(world, event, last, false);
+	return contact_at(world, event, false);
 }
 
-enum status world_contact_or_wait(struct world *world, const struct event *event, bool last)
+enum status world_contact_or_wait(struct world *world, const struct event *event)
 {
-	return contact_at(world, event, last, true);
+	return contact_at(world, event, true);
 }

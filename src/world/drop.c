@@ -32,8 +32,8 @@ enum status world_warm_drops(struct world *world)
 	if (!world->params.drops || world->scene->object_count == 0 || world->deform == NULL)
 		return STATUS_OK;
 	const struct scene_object object = dropped(world, WORLD_DROP_BALL);
-	const struct deform_planned planned = {&object.shape, object.load, false, false};
-	return deform_warm(world->deform, &planned, world->scene->forces > 0);
+	const struct deform_planned planned = {&object.shape, false, false};
+	return deform_warm(world->deform, &planned);
 }
 
 /* Finds the ground that it is set upon, as it is now, with ruts. */
@@ -65,7 +65,7 @@ static enum status touch(struct world *world, const struct event *event)
 	struct body *body = &world->bodies[event->body];
 	world->torn = true;
 	world->near.stale = true;
-	enum status status = world_contact(world, event, true);
+	enum status status = world_contact(world, event);
 	if (status == STATUS_OK)
 		status = world_meetings_flush(world);
 	if (status == STATUS_OK)

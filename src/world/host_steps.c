@@ -8,7 +8,7 @@
  * - where it turns back: rises after it sank, goes on along the ground after it sank steeply, or slides back,
  * - at a checkpoint, and before a query.
  *
- * In between only the forces are computed, over the same ground (deform_feel).
+ * In between only the forces are computed, over the same ground (bearing_feel).
  */
 #include <math.h>
 #include <string.h>
@@ -121,8 +121,8 @@ static void put_stamp(const struct world *world, struct host_body *host, const s
 	host->stamped = sinks ? stamps : fmin(stamps, host->stamped);
 }
 
-/* Changes the ground up to this pose, by swept contacts of at most 1 + PART_MORE post spacings each. `last`: no other contact of the body follows. */
-static enum status touch_straight(struct world *world, int32_t number, const struct soil_pose *to, double time, bool last)
+/* Changes the ground up to this pose, by swept contacts of at most 1 + PART_MORE post spacings each. */
+static enum status touch(struct world *world, int32_t number, const struct soil_pose *to, double time)
 {
 	struct host_body *host = world_host_body(world, number);
 	struct body *body = &host->body;
@@ -154,7 +154,7 @@ static enum status touch_straight(struct world *world, int32_t number, const str
 		}
 		body->distance += event.distance;
 		body->sinkage = event.sinkage;
-		status = world_contact(world, &event, last && part == parts);
+		status = world_contact(world, &event);
 	}
 	host->fresh = !body->in_contact;
 	host->since = host->turned = 0;
@@ -163,12 +163,6 @@ static enum status touch_straight(struct world *world, int32_t number, const str
 	host->felt_turned = 0;
 	host->felt_moving = parts > 1 || from.x != to->x || from.y != to->y || from.z != to->z;
 	return status;
-}
-
-/* Changes the ground up to this pose. */
-static enum status touch(struct world *world, int32_t number, const struct soil_pose *to, double time)
-{
-	return touch_straight(world, number, to, time, true);
 }
 
 /* How far the body's lowest place slid over the ground in a motion, m, east and north. rotated, turned: as in struct host_body. */
@@ -363,43 +357,20 @@ size_t world_host_rests(const struct world *world, struct deform_rest *rests)
 
 /* --- being told --- */
 
-void world_host_asked(struct world *world, size_t index, uint64_t tag, const struct event *event)
+void world_host_felt(struct world *world, size_t index, double time, const struct world_force *force)
 {
 	struct host_body *host = body_of(world, index);
-	host->tag = tag;
-	host->asked = event->time;
-	if (tag != 0)
-		return;
-	/* The model tells no forces: whether it touches is all that is known. */
-	host->state = event->sinkage > 0 ? WORLD_TOUCHING : WORLD_AIR;
-	host->force = (struct world_force){.sinkage = event->sinkage};
-	host->told = event->time;
+	host->force = *force;
+	host->told = time;
+	host->state = world_contact_state_of(force->state);
 }
 
 void world_host_absent(struct world *world, size_t index)
 {
 	struct host_body *host = body_of(world, index);
-	host->tag = 0;
 	if (host->quiet)
 		return;
 	host->state = WORLD_AIR;
 	host->force = world_no_force(0);
 	host->told = world->hosts.until;
-}
-
-void world_host_arrived(struct world *world, uint64_t tag, size_t index, const struct world_force *force)
-{
-	const size_t first = world->scene->object_count + 1;
-	for (size_t i = index != SIZE_MAX ? index - first : 0; i < world->hosts.count; i++) {
-		if (index != SIZE_MAX && i != index - first)
-			return;
-		struct host_body *host = world->hosts.list[i];
-		if (host == NULL || host->tag != tag)
-			continue;
-		host->tag = 0;
-		host->force = *force;
-		host->told = host->asked;
-		host->state = world_contact_state_of(force->state);
-		return;
-	}
 }

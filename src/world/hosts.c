@@ -165,7 +165,7 @@ static enum status name_it(struct world *world, struct scene_object *object)
 
 struct deform_planned world_planned_host(const struct soil_shape *shape)
 {
-	return (struct deform_planned){shape, 0, true, shape->kind == SOIL_WHEEL};
+	return (struct deform_planned){shape, true, shape->kind == SOIL_WHEEL};
 }
 
 enum status world_body_add(struct world *world, struct scene_object *object, int32_t *number)
@@ -186,10 +186,8 @@ enum status world_body_add(struct world *world, struct scene_object *object, int
 		status = make_room(world);
 	if (status == STATUS_OK)
 		status = name_it(world, object);
-	if (status == STATUS_OK)
-		status = world_forces_wait(world->forces); /* warming up drops forces that are being computed */
 	if (status == STATUS_OK && world->deform != NULL)
-		status = deform_warm(world->deform, &planned, world_asks_forces(world));
+		status = deform_warm(world->deform, &planned);
 	struct scene_object *owned = status == STATUS_OK ? mem_calloc(1, sizeof *owned) : NULL;
 	struct host_body *host = owned != NULL ? new_body(owned, owned) : NULL;
 	if (host == NULL) {
@@ -333,7 +331,6 @@ static enum status lift(struct world *world, struct host_body *host)
 	host->since = host->turned = 0;
 	memset(host->rotated, 0, sizeof host->rotated);
 	host->stamped = 1;
-	host->tag = 0;
 	host->force = world_no_force(0);
 	host->state = WORLD_AIR;
 	host->told = world->time;

@@ -76,11 +76,8 @@ bool world_is_quiet(const struct world *world, size_t index); /* a host's body w
 enum status world_hosts_step(struct world *world, double seconds, double until) FURROW_CHECKED;
 /* Adds the host's bodies that rest on the ground to `rests`. Returns their number. */
 size_t world_host_rests(const struct world *world, struct deform_rest *rests);
-/* Notes that the forces of this event are being computed under this tag. 0: the model does not compute forces. */
-void world_host_asked(struct world *world, size_t index, uint64_t tag, const struct event *event);
+void world_host_felt(struct world *world, size_t index, double time, const struct world_force *force); /* notes the force at a time, s */
 void world_host_absent(struct world *world, size_t index); /* notes that the body touches nothing */
-/* Forces with this tag have come. `index`: the body's, as in event.body; SIZE_MAX: it is not known. */
-void world_host_arrived(struct world *world, uint64_t tag, size_t index, const struct world_force *force);
 /* In told.c: gives the state of a body with a path. */
 enum status world_path_state(const struct world *world, size_t body, struct world_state *state) FURROW_CHECKED;
 
@@ -243,10 +240,9 @@ enum status world_hold_tile(struct world *world, struct tile tile, struct held_t
 void world_release(struct world *world, struct held_tiles *held);
 /* Marks the posts of the rectangle as changed in the held tiles: pages, coarser levels, queries and the watcher learn of it. */
 enum status world_mark(struct world *world, struct post_rect rect, const struct held_tiles *held) FURROW_CHECKED;
-/* Computes one contact. `last`: this body has no later contact in this step. world_contact_or_wait: it may wait until world_batches_flush;
- * the event must stay valid until then. */
-enum status world_contact(struct world *world, const struct event *event, bool last) FURROW_CHECKED;
-enum status world_contact_or_wait(struct world *world, const struct event *event, bool last) FURROW_CHECKED;
+/* Computes one contact. world_contact_or_wait: it may wait until world_batches_flush; the event must stay valid until then. */
+enum status world_contact(struct world *world, const struct event *event) FURROW_CHECKED;
+enum status world_contact_or_wait(struct world *world, const struct event *event) FURROW_CHECKED;
 /* Tell the watcher, if there is one, that a contact begins to change the ground, and that it has ended. */
 enum status world_tell_contact(const struct world *world, const struct event *event, const struct deform_contact *contact,
 			       const struct deform_window *windows, size_t count) FURROW_CHECKED;
@@ -255,7 +251,7 @@ enum status world_tell_contact_ended(const struct world *world) FURROW_CHECKED;
 void world_count_windows(struct body *body, const struct deform_contact *contact, size_t computed);
 
 /* kinematic.c: computes one contact of a kinematic model on the CPU. `last`: as in world_contact. */
-enum status world_kinematic_contact(struct world *world, const struct event *event, struct deform_contact *contact, bool last) FURROW_CHECKED;
+enum status world_kinematic_contact(struct world *world, const struct event *event, struct deform_contact *contact) FURROW_CHECKED;
 
 /* Computes the forces on a host's body without changing the ground. */
 enum status world_feel(struct world *world, const struct event *event) FURROW_CHECKED;
@@ -296,17 +292,6 @@ enum status world_see(struct world *world, const struct tile_slot *held) FURROW_
 enum status world_is_aloft(struct world *world, const struct event *event, struct deform_contact *contact,
 			   const struct deform_window *windows, size_t count, bool *aloft) FURROW_CHECKED;
 
-/* --- tags.c --- */
-struct world_tags {
-	uint64_t first;         /* tag of the first entry */
-	size_t *bodies;         /* count of them: indices of bodies */
-	size_t count, room, most; /* most: the greatest index */
-};
-void world_tags_add(struct world_tags *tags, uint64_t tag, size_t body);
-/* Returns false if the tag is not in the table. */
-bool world_tags_find(const struct world_tags *tags, uint64_t tag, size_t *body);
-void world_tags_free(struct world_tags *tags);
-
 /* --- forces.c; `forces` may be NULL: no forces are computed --- */
 
 enum status world_forces_create(struct world *world, struct forces **out) FURROW_CHECKED; /* *out is NULL if nothing needs forces */
@@ -314,17 +299,15 @@ void world_forces_destroy(struct forces *forces);
 /* Writes the rows of objects.csv that are due before `until` (with `inclusive`, also at `until`). The rows have the forces that
  * are known so far. Call it before an event. */
 enum status world_forces_rows(struct forces *forces, double until, bool inclusive) FURROW_CHECKED;
-/* Returns the tag to put into the contact of this event. A contact with a tag makes deform compute the forces on the body. Returns
- * 0 if these forces are not needed. */
-uint64_t world_forces_ask(struct forces *forces, size_t body, const struct event *event, bool last_in_step);
+/* Takes the forces that bearing soil told at this event. world_forces_met: of a model that tells none. */
+void world_forces_felt(struct forces *forces, size_t body, const struct event *event, const struct deform_forces *from);
+void world_forces_met(struct forces *forces, size_t body, const struct event *event);
 /* Returns true if the scene's model computes forces. */
 bool world_feels(const struct world *world);
-/* Returns true if forces may be needed for the contacts of every body. */
-bool world_asks_forces(const struct world *world);
 /* told.c: the force on a body at this height that touches nothing. */
 struct world_force world_no_force(int64_t z);
 enum world_contact_state world_contact_state_of(enum deform_state state);
-/* Copies the state of the forces, for a checkpoint. No forces may be in flight. If `forces` is NULL, *out is NULL. */
+/* Copies the state of the forces, for a checkpoint. If `forces` is NULL, *out is NULL. */
 struct forces_saved;
 enum status world_forces_save(const struct forces *forces, struct forces_saved **out) FURROW_CHECKED;
 void world_forces_restore(struct forces *forces, const struct forces_saved *saved);
@@ -332,17 +315,13 @@ void world_forces_saved_free(struct forces_saved *saved); /* saved may be NULL *
 /* For world_body_pack and world_body_unpack. A body that is packed has no rows here until it is unpacked. */
 void world_forces_pack(const struct forces *forces, size_t body, struct world_moved *moved);
 void world_forces_unpack(struct forces *forces, size_t body, const struct world_moved *moved);
-/* Waits for all forces that are being computed. */
-enum status world_forces_wait(struct forces *forces) FURROW_CHECKED;
 /* Gives the last known force on a body with a path. Returns false if its forces were never computed. */
 bool world_forces_known(const struct forces *forces, size_t body, struct world_force *force);
-/* Takes the forces of a contact that was asked for (world_forces_ask), from bearing soil. Without a tag they are not needed. */
-void world_forces_came(struct forces *forces, const struct deform_forces *from);
+/* Gives what the record has to keep. Leaves it as it is for a body that another rank has. */
+void world_forces_record(const struct forces *forces, size_t body, struct world_force *force);
 /* Notes that the body touches nothing in this event. */
 void world_forces_absent(struct forces *forces, size_t body, const struct event *event);
-/* Waits for all forces in flight and applies them, also to the record. */
-enum status world_forces_settle(struct forces *forces, struct record *record) FURROW_CHECKED;
-/* Applies the forces that are due at the end of a step. `until`: time of that end, s. */
+/* Gives the rows of a step, and applies its forces. `until`: time of its end, s. */
 enum status world_forces_end_step(struct forces *forces, double until) FURROW_CHECKED;
 
 #endif

@@ -59,7 +59,7 @@ static enum status compute(struct world *world, const struct event *event, const
 	return status == STATUS_OK ? world_tell_contact_ended(world) : status;
 }
 
-enum status world_kinematic_contact(struct world *world, const struct event *event, struct deform_contact *contact, bool last)
+enum status world_kinematic_contact(struct world *world, const struct event *event, struct deform_contact *contact)
 {
 	struct body *body = world_body_at(world, event->body);
 	struct deform_window windows[DEFORM_WINDOWS_MAX];
@@ -75,7 +75,7 @@ enum status world_kinematic_contact(struct world *world, const struct event *eve
 	if (status == STATUS_OK)
 		status = world_is_aloft(world, event, contact, windows, count, &aloft);
 	if (status == STATUS_OK && count > 0 && !aloft)
-		world_forces_ask(world->forces, event->body, event, last); /* rows tell where the body is */
+		world_forces_met(world->forces, event->body, event); /* rows tell where the body is */
 	else
 		world_forces_absent(world->forces, event->body, event);
 	if (status == STATUS_OK && body->in_contact && !bearing_kinematic_covers(world->bearing, contact, &area, &body->last))

@@ -32,7 +32,7 @@ struct meetings {
 
 enum status world_meetings_create(struct world *world)
 {
-	if (world->bearing == NULL)
+	if (world->bearing == NULL || !world_feels(world))
 		return STATUS_OK;
 	world->meetings = mem_calloc(1, sizeof *world->meetings);
 	if (world->meetings == NULL)
@@ -289,7 +289,7 @@ static enum status compute(struct world *world, const size_t *order, struct bear
 		status = whole ? put_back(world, order, contacts, count, &held) : each_tile(world, order, contacts, count);
 	world_release(world, &held);
 	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
-		world_forces_came(world->forces, &contacts[i].forces);
+		world_forces_felt(world->forces, m->list[order[i]].event.body, &m->list[order[i]].event, &contacts[i].forces);
 		count_windows(world, &m->list[order[i]], &contacts[i]);
 	}
 	return status;

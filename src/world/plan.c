@@ -15,7 +15,6 @@ enum { ASSUMED_CELLS = 256 };
 #define ASSUMED_SPACING 1.0
 #define ASSUMED_POSTS ((int64_t)1 << 24)
 /* So few bodies would save less in their steps than the many further programs of a model that conserves soil cost at the start. */
-#define TOGETHER_LEAST 4
 
 /* --- facts that follow from scene and store --- */
 
@@ -121,7 +120,7 @@ void world_deform_params(const struct world *world, struct deform_params *params
 	params->raster_count = world_rasters(world, params->rasters);
 	for (size_t i = 0; i < scene->object_count && world->bodies != NULL; i++)
 		params->loaded_bodies += world->bodies[i].loaded_body > 0;
-	params->batches = world_batched_bodies(world, params) >= (deform_conserves(scene->model) ? TOGETHER_LEAST : 2);
+	params->batches = world_batched_bodies(world, params) >= 2;
 }
 
 bool world_computes_together(const struct world *world)
@@ -142,7 +141,7 @@ static bool leans(const struct scene_object *object)
 
 struct deform_planned world_planned(const struct scene_object *object)
 {
-	return (struct deform_planned){&object->shape, object->load, object->path.count != 1, leans(object)};
+	return (struct deform_planned){&object->shape, object->path.count != 1, leans(object)};
 }
 
 /* --- advice --- */
@@ -356,7 +355,7 @@ enum status world_plan_deform(const struct world *world, const struct soil_shape
 	if (world_is_bearing(world))
 		bearing_plan(&params, plan);
 	else
-		deform_plan(&params, objects, all, scene->forces > 0 && world->params.rows, plan);
+		deform_plan(&params, objects, all, plan);
 	mem_free(objects);
 	return STATUS_OK;
 }

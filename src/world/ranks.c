@@ -162,7 +162,7 @@ enum status world_body_unpack(struct world *world, const struct world_moved *mov
 	body->in_contact = moved->in_contact;
 	body->last = moved->last;
 	body->distance = moved->distance;
-	body->sinkage = body->sinkage_before = moved->sinkage;
+	body->sinkage = moved->sinkage;
 	body->equilibrium = moved->equilibrium;
 	body->raised = body->loaded_body > 0 && body->in_contact ? body->equilibrium - body->last.z : 0;
 	body->windows = moved->windows;

@@ -93,7 +93,7 @@ static void restore(struct world *world)
 		body->in_contact = object->in_contact;
 		body->last = object->last;
 		body->distance = object->distance;
-		body->sinkage = body->sinkage_before = object->sinkage;
+		body->sinkage = object->sinkage;
 		body->equilibrium = object->force.z;
 		body->raised = body->loaded_body > 0 && object->in_contact ? object->force.z - object->last.z : 0;
 		body->skipped = object->skipped;

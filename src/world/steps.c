@@ -41,13 +41,14 @@ enum status world_fill_record(struct world *world)
 	record->ended = false;
 	for (size_t i = 0; i < world->scene->object_count; i++) {
 		const struct body *body = &world->bodies[i];
+		world_forces_record(world->forces, i, &record->objects[i].force);
 		record->objects[i] = (struct record_object){
 			.next = body->next,
 			.in_contact = body->in_contact,
 			.last = body->last,
 			.distance = body->distance,
 			.sinkage = body->sinkage,
-			.force = record->objects[i].force, /* world_forces_settle's */
+			.force = record->objects[i].force,
 			.skipped = body->skipped,
 		};
 	}
@@ -118,7 +119,7 @@ static enum status deform_step(struct world *world, double until)
 			body->sinkage = event->sinkage;
 			body->near += event->sinkage > -2 * soil_shape_bound(&body->object->shape); /* the ground beside it may be higher */
 		}
-		status = world_contact_or_wait(world, event, event->next_time > until);
+		status = world_contact_or_wait(world, event);
 	}
 	if (status == STATUS_OK)
 		status = world_batches_flush(world);

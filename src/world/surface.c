@@ -74,12 +74,8 @@ int64_t world_contact_reach(const struct world *world, const struct soil_shape *
 
 void world_set_equilibrium(struct world *world, const struct body *body, int64_t raised)
 {
-	if (body->loaded_body == 0 || !body->in_contact)
-		return;
-	if (world->bearing != NULL)
+	if (body->loaded_body > 0 && body->in_contact && world->bearing != NULL)
 		bearing_set_equilibrium(world->bearing, body->loaded_body, (int32_t)raised);
-	else
-		deform_set_equilibrium(world->deform, body->loaded_body, (int32_t)raised);
 }
 
 enum status world_tally(const struct world *world, struct deform_tally *tally)

@@ -156,8 +156,6 @@ enum status world_body_contact(struct world *world, int32_t number, struct world
 	struct world_state state;
 	*contact = world_contact_unknown();
 	enum status status = world_body_state(world, number, &state);
-	if (status == STATUS_OK)
-		status = world_forces_wait(world->forces);
 	if (status != STATUS_OK)
 		return status;
 	const struct host_body *host = world_host_body(world, number);

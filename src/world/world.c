@@ -203,7 +203,7 @@ static enum status begin_commit(void *user)
 	struct world *world = user;
 	if (world->commits != NULL && world->commits->before_record != NULL)
 		world->commits->before_record(world->commits->user);
-	return world_settle_forces(world);
+	return STATUS_OK;
 }
 
 static enum status before_commit(void *user)
@@ -352,7 +352,7 @@ enum status world_warm(struct world *world)
 	enum status status = STATUS_OK;
 	for (size_t i = 0; i < scene->object_count && world->deform != NULL && status == STATUS_OK; i++) {
 		const struct deform_planned planned = world_planned(&scene->objects[i]);
-		status = deform_warm(world->deform, &planned, world_asks_forces(world));
+		status = deform_warm(world->deform, &planned);
 	}
 	if (status == STATUS_OK)
 		status = world_warm_drops(world);

@@ -169,9 +169,6 @@ struct body {
 	bool in_contact;          /* `last` is a pose in contact, so the next contact is swept from it */
 	struct soil_pose last;
 	double distance, sinkage; /* m */
-	/* m, for a body with a load: the value of `sinkage` a fixed number of steps ago. It does not depend on how long commits
-	 * or pictures took */
-	double sinkage_before;
 	int64_t equilibrium;           /* 2^-20 m, for a body with a load: its equilibrium height, at which the soil carries it */
 	int64_t raised;           /* 2^-20 m: height of `equilibrium` above the height where the search for it began */
 	uint32_t loaded_body;         /* for a body with a load: its number among the loaded bodies, from 1 */
@@ -237,8 +234,6 @@ struct host_body {
 	struct soil_pose felt;      /* the pose for which forces were last computed, */
 	double felt_turned;           /* the value of `turned` then, */
 	bool felt_moving;             /* and true if it moved then */
-	uint64_t tag;                 /* tag of the forces that are being computed; 0: none */
-	double asked;                 /* s: time of those forces */
 	double told;                  /* s: time of `force` and `state` */
 	struct world_force force;
 	enum world_contact_state state;
@@ -520,8 +515,6 @@ struct world_forces_figures {
 	uint64_t saturated; /* posts whose pressure was too large to count */
 };
 void world_forces_figures(const struct forces *forces, struct world_forces_figures *figures); /* `forces` must not be NULL */
-/* Waits for all forces in flight and applies them, also to the record. */
-enum status world_settle_forces(struct world *world) FURROW_CHECKED;
 
 /*
  * --- bodies of a host: bodies without a path, in a scene that was read for a host ---

@@ -64,7 +64,7 @@ static double along(const struct furrow_contact *contact, double yaw)
 	return contact->force[0] * cos(yaw) + contact->force[1] * sin(yaw);
 }
 
-/* As tests/deform/belt.c; here in steps that are shorter than a post, and longer. */
+/* As tests/bearing/belt.c; here in steps that are shorter than a post, and longer. */
 static void a_belt_draws_at_every_step(void **state)
 {
 	static const double slips[] = {0.1, 0.3, 0.5}, steps[] = {0.01, 0.04, 0.25}, yaws[] = {0, 0.3, 0.8};

@@ -25,14 +25,11 @@ struct ground_params {
 	int soil_count;                  /* 0: 1 */
 	int iterations;                  /* 0: 4 */
 	bool lines;                      /* soil slides along lines too */
-	double depth;                    /* m; 0: no bottom, of scm none below what is heaped */
+	double depth;                    /* m; 0: no bottom */
 	double relief;                   /* m; 0: not known */
 	double tolerance;                /* m */
 	bool stands;                     /* undisturbed ground does */
 	bool touched;                    /* deform_is_touched is asked */
-	double bulldozing, slip_sinkage;
-	bool ground_normals;             /* scm */
-	uint32_t loaded_bodies;
 	bool batches;                    /* contacts may be computed together */
 };
 
@@ -74,7 +71,7 @@ static inline void ground_init(struct ground *ground, const struct ground_params
 	for (int64_t i = 0; i < ground->posts * ground->posts && params->height != NULL; i++)
 		ground->base[i] = params->height(i % ground->posts, i / ground->posts);
 	assert_ok(gpu_slots_create(test_gpu, params->cells, (uint32_t)ground->tile_count,
-				   deform_planes(params->model, params->dirt, params->slip_sinkage > 0), &ground->slots));
+				   deform_planes(params->model, params->dirt, false), &ground->slots));
 	if (params->batches)
 		assert_ok(gpu_slots_in_arrays(ground->slots));
 	int32_t *posts = ground_room((cells + 1) * (cells + 1), sizeof *posts);
@@ -101,14 +98,10 @@ static inline void ground_init(struct ground *ground, const struct ground_params
 		.iterations = params->iterations != 0 ? params->iterations : 4,
 		.along_lines = params->lines,
 		.relief = params->relief != 0 ? params->relief : (double)INFINITY,
-		.depth = params->depth != 0 ? params->depth : params->model == DEFORM_SCM ? 0 : (double)INFINITY,
+		.depth = params->depth != 0 ? params->depth : (double)INFINITY,
 		.tolerance = params->tolerance,
 		.undisturbed_stable = params->stands,
 		.touched = params->touched,
-		.bulldozing = params->bulldozing,
-		.slip_sinkage = params->slip_sinkage,
-		.ground_normals = params->ground_normals,
-		.loaded_bodies = params->loaded_bodies,
 		.batches = params->batches,
 	};
 	assert_ok(soil_named("dry_sand", &deform.soils[0]));
@@ -265,21 +258,6 @@ static inline void assert_rests_where_it_ends(struct ground *ground, const struc
 	assert_true(above > 20);
 	mem_free(rest);
 	mem_free(under);
-}
-
-/* Of a sweep that is made to ask. */
-static inline struct deform_forces ground_forces(struct ground *ground, const struct deform_contact *sweep)
-{
-	static uint64_t tag;
-	struct deform_contact asked = *sweep;
-	struct deform_forces forces;
-	bool taken;
-	asked.tag = ++tag;
-	ground_sweep(ground, &asked);
-	assert_ok(deform_forces_begin(ground->deform));
-	assert_ok(deform_forces_take(ground->deform, true, &forces, &taken));
-	assert_true(taken && forces.tag == tag);
-	return forces;
 }
 
 /* One plane of the block, int32 whatever it is kept in; posts that tiles share must be the same in all of them. */

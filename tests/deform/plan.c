@@ -13,8 +13,7 @@ static const struct soil_shape wheel = {.kind = SOIL_WHEEL, .radius = 0.5, .widt
 static const struct soil_shape lugged = {.kind = SOIL_WHEEL, .radius = 0.5, .width = 0.4, .grousers = 9, .grouser_height = 0.06,
 					 .grouser_thickness = 0.05};
 static const struct soil_shape ball = {.kind = SOIL_SPHERE, .radius = 0.6};
-static const struct soil_shape barrel = {.kind = SOIL_CYLINDER, .radius = 0.5, .length = 0.8}, pill = {.kind = SOIL_CAPSULE, .radius = 0.4, .length = 0.5};
-static const struct soil_shape egg = {.kind = SOIL_ELLIPSOID, .size = {0.6, 0.5, 0.4}};
+static const struct soil_shape pill = {.kind = SOIL_CAPSULE, .radius = 0.4, .length = 0.5}, egg = {.kind = SOIL_ELLIPSOID, .size = {0.6, 0.5, 0.4}};
 static const struct soil_shape crate = {.kind = SOIL_BOX, .size = {1, 0.8, 0.6}};
 static const struct soil_shape hall = {.kind = SOIL_BOX, .size = {34, 30, 1}}; /* of several windows */
 static float corners[4][3] = {{-0.5f, -0.5f, 0.3f}, {0.6f, -0.4f, 0.3f}, {0, 0.6f, 0.3f}, {0.1f, 0, -0.4f}};
@@ -25,9 +24,9 @@ static const struct soil_shape cone = {.kind = SOIL_MESH, .mesh = &tetrahedron};
 struct scenario {
 	const char *name;
 	enum deform_model model;
-	bool dirt, forces;
+	bool dirt;
 	int iterations, soils;
-	double depth, relief, slip_sinkage;
+	double depth, relief;
 	uint32_t tiles; /* 0: 3 */
 	size_t count;
 	struct deform_planned objects[OBJECTS_MAX];
@@ -63,23 +62,18 @@ struct drive {
 	struct ground ground;
 	uint64_t windows[OBJECTS_MAX], moved[OBJECTS_MAX];
 	uint64_t atlases;
-	uint64_t tag;
 };
 
 /* --- a drive --- */
 
-static void sweep_at(struct drive *drive, size_t object, double x, double y, double dx, double dy, bool asks, double roll)
+static void sweep_at(struct drive *drive, size_t object, double x, double y, double dx, double dy, double roll)
 {
 	const struct deform_planned *planned = &drive->scenario->objects[object];
 	double z = soil_shape_reach(planned->shape, 0, 0) - 0.1;
-	struct deform_contact sweep = {.shape = planned->shape, .from = ground_pose(&drive->ground, x, y, z), .load = planned->load};
+	struct deform_contact sweep = {.shape = planned->shape, .from = ground_pose(&drive->ground, x, y, z)};
 	sweep.to = ground_pose(&drive->ground, x + dx, y + dy, z);
 	sweep.turned = dx * drive->ground.params.spacing / 0.5;
 	sweep.to.roll = roll;
-	if (planned->load > 0)
-		sweep.loaded_body = (uint32_t)object + 1;
-	if (asks)
-		sweep.tag = ++drive->tag;
 	ground_sweep(&drive->ground, &sweep);
 	const size_t computed = deform_windows_computed(drive->ground.windows, drive->ground.window_count);
 	drive->windows[object] += computed;
@@ -89,20 +83,11 @@ static void sweep_at(struct drive *drive, size_t object, double x, double y, dou
 }
 
 /* A wheel that may lean is level, too. */
-static void sweep(struct drive *drive, size_t object, double x, double y, double dx, double dy, bool asks)
+static void sweep(struct drive *drive, size_t object, double x, double y, double dx, double dy)
 {
-	sweep_at(drive, object, x, y, dx, dy, asks, 0);
+	sweep_at(drive, object, x, y, dx, dy, 0);
 	if (drive->scenario->objects[object].leans)
-		sweep_at(drive, object, x, y, dx, dy, asks, 0.2);
-}
-
-static void take_forces(struct drive *drive)
-{
-	struct deform_forces forces;
-	bool taken = true;
-	assert_ok(deform_forces_begin(drive->ground.deform));
-	while (taken)
-		assert_ok(deform_forces_take(drive->ground.deform, true, &forces, &taken));
+		sweep_at(drive, object, x, y, dx, dy, 0.2);
 }
 
 /* Standing, straight on, aside, and just beyond the world's edge; then the ground slides with all of them at rest on it. */
@@ -114,26 +99,21 @@ static void go(struct drive *drive)
 	for (size_t i = 0; i < scenario->count; i++) {
 		const struct deform_planned *planned = &scenario->objects[i];
 		double x = middle - 25 + 10 * (double)i, reach = 2 * soil_shape_reach(planned->shape, 0, 0) / drive->ground.params.spacing;
-		bool can_ask = scenario->model == DEFORM_SCM && (scenario->forces || planned->load > 0);
-		for (int asks = 0; asks <= can_ask; asks++) {
-			sweep(drive, i, x, middle, 0, 0, asks);
-			if (planned->moves) {
-				sweep(drive, i, x, middle, 1, 0, asks);
-				sweep(drive, i, x + 1, middle, -0.3, 1, asks);
-				sweep(drive, i, -reach, middle, 0, 1, asks);
-			}
+		sweep(drive, i, x, middle, 0, 0);
+		if (planned->moves) {
+			sweep(drive, i, x, middle, 1, 0);
+			sweep(drive, i, x + 1, middle, -0.3, 1);
+			sweep(drive, i, -reach, middle, 0, 1);
 		}
 		rests[i] = (struct deform_rest){.shape = planned->shape, .pose = ground_pose(&drive->ground, x + 0.7, middle + 1,
-											     soil_shape_reach(planned->shape, 0, 0) - 0.1),
-						.loaded_body = planned->load > 0 ? (uint32_t)i + 1 : 0};
+											     soil_shape_reach(planned->shape, 0, 0) - 0.1)};
 	}
-	take_forces(drive);
 	for (int n = 0; n < 3; n++) {
 		assert_ok(deform_wake(drive->ground.deform, scenario->tiles > 0 ? all_of(&drive->ground) : drive->ground.windows[0].write));
 		drive->atlases += ground_interval(&drive->ground, rests, scenario->count).atlases;
 		gpu_finish(test_gpu);
 		for (size_t i = 0; i < scenario->count; i++)
-			sweep(drive, i, middle - 25 + 10 * (double)i, middle, 0, 0, false);
+			sweep(drive, i, middle - 25 + 10 * (double)i, middle, 0, 0);
 	}
 }
 
@@ -258,25 +238,22 @@ static void hold_to_plan(const struct scenario *scenario)
 	struct deform_figures figures;
 	assert_ok(gpu_create(&(struct gpu_params){.draws = false}, &test_gpu)); /* no programs yet */
 	struct soil_numbers soils[SOIL_CLASSES];
-	uint32_t loaded_bodies = 0;
 	for (int i = 0; i < SOIL_CLASSES; i++)
 		assert_ok(soil_named("dry_sand", &soils[i]));
-	for (size_t i = 0; i < scenario->count; i++)
-		loaded_bodies = scenario->objects[i].load > 0 ? (uint32_t)i + 1 : loaded_bodies;
 	ground_init(&drive.ground, &(struct ground_params){
 		.cells = 32, .tiles = scenario->tiles != 0 ? scenario->tiles : 3, .spacing = 0.125, .height = conserve_rough,
 		.model = scenario->model, .dirt = scenario->dirt, .repetitions = 3, .iterations = scenario->iterations, .soils = soils,
-		.soil_count = scenario->soils, .depth = scenario->depth, .relief = scenario->relief, .loaded_bodies = loaded_bodies, .bulldozing = 0.5, .slip_sinkage = scenario->slip_sinkage,
+		.soil_count = scenario->soils, .depth = scenario->depth, .relief = scenario->relief,
 	});
 	struct deform_params params = drive.ground.deform->params;
 	params.gpu = NULL;
 	params.slots = NULL;
-	deform_plan(&params, scenario->objects, scenario->count, scenario->forces, &plan);
+	deform_plan(&params, scenario->objects, scenario->count, &plan);
 	check_effects(&plan);
 	for (size_t i = 0; i < scenario->count; i++)
-		assert_ok(deform_warm(drive.ground.deform, &scenario->objects[i], scenario->forces));
+		assert_ok(deform_warm(drive.ground.deform, &scenario->objects[i]));
 	check_programs(&drive, &plan);
-	gpu_slots_plan(32, deform_planes(scenario->model, scenario->dirt, scenario->slip_sinkage > 0), false, false, GPU_UNDIVIDED, false, false, "displace", &plan);
+	gpu_slots_plan(32, deform_planes(scenario->model, scenario->dirt, false), false, false, GPU_UNDIVIDED, false, false, "displace", &plan);
 	assert_ok(plan_status(&plan));
 	check_memory(&drive, &plan);
 	deform_figures(drive.ground.deform, &figures);
@@ -326,17 +303,17 @@ static void hold_all_to_plan(const struct scenario *scenarios, size_t count)
 static void compaction_runs_what_is_planned(void **state)
 {
 	static const struct scenario scenarios[] = {
-		{"none, a wheel", DEFORM_NONE, .count = 1, .objects = {{&wheel, 0, true}}},
-		{"none, a box with dirt", DEFORM_NONE, .dirt = true, .count = 1, .objects = {{&crate, 0, true}}},
-		{"none, a wheel that leans", DEFORM_NONE, .count = 1, .objects = {{&wheel, 0, true, true}}},
-		{"none, an ellipsoid and a capsule", DEFORM_NONE, .count = 2, .objects = {{&egg, 0, false}, {&pill, 0, true}}},
-		{"none, a mesh", DEFORM_NONE, .count = 1, .objects = {{&cone, 0, true}}},
-		{"none, lugs and a sphere with dirt", DEFORM_NONE, .dirt = true, .count = 2, .objects = {{&lugged, 0, true}, {&ball, 0, true}}},
-		{"box, two wheels of which one stands", DEFORM_BOX_FILTER, .count = 2, .objects = {{&wheel, 0, false}, {&wheel, 0, true}}},
-		{"box, a wheel that stands", DEFORM_BOX_FILTER, .count = 1, .objects = {{&lugged, 0, false}}},
+		{"none, a wheel", DEFORM_NONE, .count = 1, .objects = {{&wheel, true}}},
+		{"none, a box with dirt", DEFORM_NONE, .dirt = true, .count = 1, .objects = {{&crate, true}}},
+		{"none, a wheel that leans", DEFORM_NONE, .count = 1, .objects = {{&wheel, true, true}}},
+		{"none, an ellipsoid and a capsule", DEFORM_NONE, .count = 2, .objects = {{&egg, false}, {&pill, true}}},
+		{"none, a mesh", DEFORM_NONE, .count = 1, .objects = {{&cone, true}}},
+		{"none, lugs and a sphere with dirt", DEFORM_NONE, .dirt = true, .count = 2, .objects = {{&lugged, true}, {&ball, true}}},
+		{"box, two wheels of which one stands", DEFORM_BOX_FILTER, .count = 2, .objects = {{&wheel, false}, {&wheel, true}}},
+		{"box, a wheel that stands", DEFORM_BOX_FILTER, .count = 1, .objects = {{&lugged, false}}},
 		{"box, all with dirt", DEFORM_BOX_FILTER, .dirt = true, .count = 5,
-		 .objects = {{&wheel, 0, true}, {&ball, 0, true}, {&crate, 0, true}, {&cone, 0, true}, {&lugged, 0, false}}},
-		{"box, of several windows", DEFORM_BOX_FILTER, .tiles = 10, .count = 1, .objects = {{&hall, 0, true}}},
+		 .objects = {{&wheel, true}, {&ball, true}, {&crate, true}, {&cone, true}, {&lugged, false}}},
+		{"box, of several windows", DEFORM_BOX_FILTER, .tiles = 10, .count = 1, .objects = {{&hall, true}}},
 	};
 	need_gl();
 	hold_all_to_plan(scenarios, sizeof scenarios / sizeof *scenarios);
@@ -345,35 +322,14 @@ static void compaction_runs_what_is_planned(void **state)
 static void sliding_runs_what_is_planned(void **state)
 {
 	static const struct scenario scenarios[] = {
-		{"sumner, a wheel", DEFORM_SUMNER, .iterations = 1, .count = 1, .objects = {{&wheel, 0, true}}},
+		{"sumner, a wheel", DEFORM_SUMNER, .iterations = 1, .count = 1, .objects = {{&wheel, true}}},
 		{"sumner, a box and a mesh, 3 iterations, 3 soils, dirt", DEFORM_SUMNER, .dirt = true, .iterations = 3, .soils = 3,
-		 .relief = 10, .count = 2, .objects = {{&crate, 0, true}, {&cone, 0, false}}},
-		{"slippage, lugs, 3 iterations", DEFORM_SLIPPAGE, .iterations = 3, .count = 1, .objects = {{&lugged, 0, true}}},
+		 .relief = 10, .count = 2, .objects = {{&crate, true}, {&cone, false}}},
+		{"slippage, lugs, 3 iterations", DEFORM_SLIPPAGE, .iterations = 3, .count = 1, .objects = {{&lugged, true}}},
 		{"slippage, a sphere with a bottom, 2 soils, dirt", DEFORM_SLIPPAGE, .dirt = true, .iterations = 1, .soils = 2, .depth = 0.2,
-		 .relief = 10, .count = 1, .objects = {{&ball, 0, true}}},
-		{"slippage, meshes alone", DEFORM_SLIPPAGE, .iterations = 2, .count = 2, .objects = {{&cone, 0, true}, {&cone, 0, false}}},
-		{"slippage, of several windows", DEFORM_SLIPPAGE, .iterations = 2, .tiles = 10, .count = 1, .objects = {{&hall, 0, true}}},
-	};
-	need_gl();
-	hold_all_to_plan(scenarios, sizeof scenarios / sizeof *scenarios);
-}
-
-static void soil_contact_runs_what_is_planned(void **state)
-{
-	static const struct scenario scenarios[] = {
-		{"scm, a wheel", DEFORM_SCM, .iterations = 1, .count = 1, .objects = {{&wheel, 0, true}}},
-		{"scm, a wheel with forces", DEFORM_SCM, .forces = true, .iterations = 1, .count = 1, .objects = {{&wheel, 0, true}}},
-		{"scm, a wheel with a load, dirt", DEFORM_SCM, .dirt = true, .iterations = 3, .count = 1, .objects = {{&wheel, 900, true}}},
-		{"scm, a wheel that leans, forces", DEFORM_SCM, .forces = true, .iterations = 1, .count = 1, .objects = {{&wheel, 0, true, true}}},
-		{"scm, a wheel that leans, with a load", DEFORM_SCM, .iterations = 1, .count = 1, .objects = {{&lugged, 900, true, true}}},
-		{"scm, a cylinder, a capsule, an ellipsoid", DEFORM_SCM, .forces = true, .iterations = 1, .count = 3,
-		 .objects = {{&barrel, 900, true}, {&pill, 500, true}, {&egg, 0, true}}},
-		{"scm, a sphere", DEFORM_SCM, .iterations = 3, .relief = 10, .count = 1, .objects = {{&ball, 0, true}}},
-		{"scm, a sphere with a load and forces", DEFORM_SCM, .forces = true, .iterations = 1, .count = 1, .objects = {{&ball, 700, true}}},
-		{"scm, a mesh, 3 soils, forces", DEFORM_SCM, .forces = true, .iterations = 1, .soils = 3, .count = 1, .objects = {{&cone, 0, true}}},
-		{"scm, loads on some, 2 soils", DEFORM_SCM, .iterations = 2, .soils = 2, .count = 4,
-		 .objects = {{&lugged, 800, true}, {&crate, 0, true}, {&cone, 500, false}, {&ball, 0, false}}},
-		{"scm, of several windows", DEFORM_SCM, .iterations = 2, .tiles = 10, .count = 1, .objects = {{&hall, 0, true}}},
+		 .relief = 10, .count = 1, .objects = {{&ball, true}}},
+		{"slippage, meshes alone", DEFORM_SLIPPAGE, .iterations = 2, .count = 2, .objects = {{&cone, true}, {&cone, false}}},
+		{"slippage, of several windows", DEFORM_SLIPPAGE, .iterations = 2, .tiles = 10, .count = 1, .objects = {{&hall, true}}},
 	};
 	need_gl();
 	hold_all_to_plan(scenarios, sizeof scenarios / sizeof *scenarios);
@@ -383,12 +339,12 @@ static void soil_contact_runs_what_is_planned(void **state)
 static void nothing_is_planned_without_objects(void **state)
 {
 	struct plan plan = {.lines = NULL};
-	struct deform_params params = {.model = DEFORM_SCM, .soil_count = 1, .iterations = 1, .disturbance = true};
-	const struct deform_planned object = {&wheel, 0, true, false};
+	struct deform_params params = {.model = DEFORM_SLIPPAGE, .soil_count = 1, .iterations = 1, .disturbance = true};
+	const struct deform_planned object = {&wheel, true, false};
 	(void)state;
-	deform_plan(&params, NULL, 0, true, &plan);
+	deform_plan(&params, NULL, 0, &plan);
 	assert_int_equal(plan.count, 0);
-	deform_plan(&params, &object, 1, false, &plan);
+	deform_plan(&params, &object, 1, &plan);
 	assert_ok(plan_status(&plan));
 	assert_true(plan.count > 20);
 	check_effects(&plan);
@@ -403,7 +359,6 @@ TEST_PROGRAM(plan)
 		cmocka_unit_test(nothing_is_planned_without_objects),
 		cmocka_unit_test(compaction_runs_what_is_planned),
 		cmocka_unit_test(sliding_runs_what_is_planned),
-		cmocka_unit_test(soil_contact_runs_what_is_planned),
 	};
 	return cmocka_run_group_tests_name("deform/plan", tests, find_gl, NULL);
 }

@@ -27,8 +27,7 @@ static inline void start(struct ground *ground, const struct setup *setup)
 						    .model = setup->model, .iterations = setup->iterations, .soils = &soil,
 						    .soil_count = 1, .depth = setup->depth, .height = setup->height,
 						    /* A world known to be low has the narrower rim. */
-						    .relief = setup->iterations == 1 || setup->cells == 64 ? 100 : 0,
-						    .bulldozing = 0.5});
+						    .relief = setup->iterations == 1 || setup->cells == 64 ? 100 : 0});
 }
 
 /* A mound and a pit across the corners of tiles and blocks, and the ground awake there. The ball that made them is gone at once. */

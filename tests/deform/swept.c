@@ -23,7 +23,6 @@ static void sweep_and_wake(struct ground *ground, const struct deform_contact *s
 
 struct walker {
 	struct soil_shape shape;
-	double load;
 	bool stands;
 	struct soil_pose last;
 };
@@ -37,7 +36,6 @@ static struct walker any_walker(const struct ground *ground, int kind)
 	walker.shape.width = 7 * d;
 	for (int i = 0; i < 3; i++)
 		walker.shape.size[i] = (6 + 8 * fabs(any_share())) * d;
-	walker.load = ground->params.model == DEFORM_SCM && kind == 2 ? 3e5 * d * d : 0;
 	return walker;
 }
 
@@ -49,19 +47,16 @@ static bool any_way(const struct ground *ground, const struct walker *walker, in
 	bool jumps = !walker->stands || any_word() % 16 == 0;
 	if (kind == 3)
 		z = walker->shape.radius - d * fabs(any_share());
-	*sweep = (struct deform_contact){.shape = &walker->shape, .from = walker->last, .to = walker->last, .seconds = 0.01,
-				       .load = walker->load};
+	*sweep = (struct deform_contact){.shape = &walker->shape, .from = walker->last, .to = walker->last, .seconds = 0.01};
 	if (jumps) {
 		sweep->to = ground_pose(ground, x, y, z);
 		sweep->from = sweep->to;
 	} else {
 		sweep->to.x += lattice_offset(d * any_share());
 		sweep->to.y += lattice_offset(d * any_share());
-		sweep->to.z += walker->load > 0 ? 0 : lattice_offset(0.2 * d * any_share());
+		sweep->to.z += lattice_offset(0.2 * d * any_share());
 		if (any_word() % 4 == 0)
 			sweep->to.yaw += 0.4 * any_share();
-		if (walker->load > 0)
-			sweep->from.z = sweep->to.z;
 	}
 	return any_word() % 10 != 0;
 }
@@ -73,9 +68,8 @@ static int32_t holed_hills(int64_t x, int64_t y)
 
 static const struct setup walked[] = {
 	{DEFORM_SLIPPAGE, 64, 3, 0.0625, 0, 4, hills},       {DEFORM_SUMNER, 64, 3, 0.0625, 0, 4, hills},
-	{DEFORM_SCM, 64, 3, 0.0625, 0, 4, hills},            {DEFORM_SLIPPAGE, 32, 9, 0.125, 0.02, 1, holed_hills},
-	{DEFORM_SUMNER, 32, 9, 0.125, 0, 1, holed_hills},    {DEFORM_SCM, 32, 9, 0.125, 0.1, 2, hills},
-	{DEFORM_SUMNER, 16, 8, 0.0625, 0, 2, holed_hills},   {DEFORM_SCM, 128, 2, 0.0625, 0, 1, holed_hills},
+	{DEFORM_SLIPPAGE, 32, 9, 0.125, 0.02, 1, holed_hills}, {DEFORM_SUMNER, 32, 9, 0.125, 0, 1, holed_hills},
+	{DEFORM_SLIPPAGE, 128, 2, 0.0625, 0.1, 2, hills},    {DEFORM_SUMNER, 16, 8, 0.0625, 0, 2, holed_hills},
 };
 
 static void what_a_sweep_lets_sleep_would_not_move(void **state)
@@ -126,12 +120,6 @@ static void what_a_sweep_lets_sleep_would_not_move(void **state)
 			possible += interval(&all, rests, count);
 			assert_same(&few, &all, n);
 		}
-		if (few.params.model == DEFORM_SCM) {
-			int32_t *a = ground_plane(&few, PLANE_DEPOSITED), *b = ground_plane(&all, PLANE_DEPOSITED);
-			assert_memory_equal(a, b, (size_t)(few.posts * few.posts) * sizeof *a);
-			mem_free(a);
-			mem_free(b);
-		}
 		/* Before their flags come all that sweeps wrote is awake. */
 		assert_true((s % 2 == 1 ? visited <= woken : visited < woken) && visited < possible / 2);
 		ground_finish(&few);
@@ -141,10 +129,10 @@ static void what_a_sweep_lets_sleep_would_not_move(void **state)
 
 static void a_settled_rut_wakes_nothing(void **state)
 {
-	static const enum deform_model models[] = {DEFORM_SLIPPAGE, DEFORM_SUMNER, DEFORM_SCM};
+	static const enum deform_model models[] = {DEFORM_SLIPPAGE, DEFORM_SUMNER};
 	(void)state;
 	need_gpu();
-	for (int m = 0; m < 3; m++) {
+	for (int m = 0; m < 2; m++) {
 		struct ground ground;
 		start(&ground, &(struct setup){models[m], 64, 3, 0.0625, 0, 4, NULL});
 		/* Shallower than what stands, beside the corner of four tiles; then on, four posts. */
@@ -176,8 +164,7 @@ static void a_settled_rut_wakes_nothing(void **state)
 		/* One that does not stand. */
 		sweep.to.z = sweep.from.z -= lattice_offset(0.2);
 		sweep_and_wake(&ground, &sweep, NULL, false);
-		if (models[m] != DEFORM_SCM)
-			assert_true(interval(&ground, NULL, 0) > 0);
+		assert_true(interval(&ground, NULL, 0) > 0);
 		ground_finish(&ground);
 	}
 }
@@ -185,10 +172,10 @@ static void a_settled_rut_wakes_nothing(void **state)
 /* A plate that stood in a pit is lifted. It touches nothing then, but the walls no longer stand. */
 static void soil_slides_to_where_an_object_was(void **state)
 {
-	static const enum deform_model models[] = {DEFORM_SLIPPAGE, DEFORM_SUMNER, DEFORM_SCM};
+	static const enum deform_model models[] = {DEFORM_SLIPPAGE, DEFORM_SUMNER};
 	(void)state;
 	need_gpu();
-	for (int m = 0; m < 3; m++) {
+	for (int m = 0; m < 2; m++) {
 		struct ground few, all;
 		const struct setup setup = {models[m], 64, 3, 0.0625, 1, 1, NULL};
 		start(&few, &setup);

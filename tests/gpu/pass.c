@@ -441,7 +441,7 @@ static void compute_passes_are_ordered_with_draws(void **state)
 		.stage = GPU_CONTACT, .target = target, .viewport = {0, 0, SIDE, SIDE}, .program = program_of(full, paint), .params = &value,
 		.params_bytes = sizeof value,
 	});
-	const struct gpu_pass pass = {.stage = GPU_LOAD, .program = summing, .groups = GROUPS, .images = {texture}, .storage = {[2] = buffer}};
+	const struct gpu_pass pass = {.stage = GPU_CONTACT, .program = summing, .groups = GROUPS, .images = {texture}, .storage = {[2] = buffer}};
 	gpu_pass_run(test_gpu, &pass);
 	gpu_pass_run(test_gpu, &pass);
 	gpu_buffer_read(buffer, 0, sizeof read, read);
@@ -452,7 +452,7 @@ static void compute_passes_are_ordered_with_draws(void **state)
 	for (int i = 0; i < GROUPS; i++)
 		assert_true(read[i] == once + twice && posts[i * SIDE] == twice && posts[i * SIDE + 1] == 5);
 	assert_true(read[GROUPS] == 0 && posts[GROUPS * SIDE] == 5);
-	assert_int_equal(after.passes[GPU_LOAD] - before.passes[GPU_LOAD], 2);
+	assert_int_equal(after.passes[GPU_CONTACT] - before.passes[GPU_CONTACT], 2);
 	gpu_target_destroy(target);
 	gpu_texture_destroy(texture);
 	gpu_buffer_destroy(buffer);

@@ -23,7 +23,7 @@ static size_t shown(struct rig *rig, double time, struct render_object *out)
 {
 	const struct render_objects *objects = rig->view->render->objects;
 	rig->world.time = time;
-	must(render_view_set_objects(rig->view, true));
+	must(render_view_set_objects(rig->view));
 	if (objects->shown_count > 0)
 		*out = objects->shown[0];
 	return objects->shown_count;

@@ -195,7 +195,7 @@ static bool roll(struct rig *rig, int step)
 	if (rig->host != NULL)
 		press(rig, &event.pose);
 	else
-		must(world_contact(&rig->world, &event, true));
+		must(world_contact(&rig->world, &event));
 	return true;
 }
 

@@ -8,7 +8,7 @@
 /* Ground on the CPU: all posts of the world. */
 struct field {
 	int64_t posts; /* along a side */
-	int32_t *base, *offset, *deposited; /* deposited: NULL under slippage */
+	int32_t *base, *offset, *deposited; /* deposited: NULL: not kept */
 	uint8_t *classes, *contact;         /* classes: NULL: one soil */
 	struct soil_block_set active;
 	struct post_rect world;

@@ -10,7 +10,7 @@
 /* What a contact left, before its soil is laid; row by row of the written posts. */
 struct field {
 	struct post_rect write;
-	int32_t base[POSTS], offset[POSTS], carried[POSTS], dug[POSTS];
+	int32_t base[POSTS], offset[POSTS], carried[POSTS];
 	uint8_t contact[POSTS], patch[POSTS], classes[POSTS];
 };
 /* What was laid. */
@@ -86,8 +86,7 @@ static void lay_on_gpu(struct ground *ground, const struct deform_contact *conta
 
 /* --- on the CPU --- */
 
-static void measure(const struct deform *deform, const struct deform_contact *contact, const struct soil_laid *soils, bool digs,
-		    struct soil_measured *measured)
+static void measure(const struct deform *deform, const struct deform_contact *contact, const struct soil_laid *soils, struct soil_measured *measured)
 {
 	const struct soil_laying laying = deform_laying(deform, contact);
 	const struct post_rect shadow = post_rect_intersect(deform_shadow(deform, contact), field.write);
@@ -96,7 +95,7 @@ static void measure(const struct deform *deform, const struct deform_contact *co
 		const int64_t at = (y - field.write.y0) * width_of(&field) + shadow.x0 - field.write.x0;
 		const struct soil_row row = {
 			.x = shadow.x0, .y = y, .count = (int)(shadow.x1 - shadow.x0), .contact = field.contact + at, .carried = field.carried + at,
-			.offset = field.offset + at, .dug = digs ? field.dug + at : NULL, .classes = deform->classes != NULL ? field.classes + at : NULL,
+			.offset = field.offset + at, .classes = deform->classes != NULL ? field.classes + at : NULL,
 		};
 		if (row.count > 0)
 			soil_measure_row(measured, &laying, soils, &row);
@@ -236,7 +235,6 @@ static void fill(const struct ground *ground, const struct deform_contact *conta
 			field.base[i] = hole ? BASE_NODATA : (int32_t)(any_word() >> 12);
 			field.carried[i] = touched && any_word() % 8 != 0 ? full ? 1 << 23 : (int32_t)(any_word() % (1u << most)) : 0;
 			field.offset[i] = any_word() % 8 == 0 ? 1000 : -(int32_t)(any_word() % (1u << most));
-			field.dug[i] = (int32_t)(any_word() % (1u << most)) - 4;
 			field.classes[i] = (uint8_t)(any_word() % 4 * (uint32_t)(round % 2));
 		}
 }
@@ -272,7 +270,7 @@ static void the_cpu_lays_as_the_gpu_does(void **state)
 			const struct deform_contact contact = any_contact(&ground, &shape, round);
 			fill(&ground, &contact, round);
 			lay_on_gpu(&ground, &contact, &laid[0]);
-			measure(ground.deform, &contact, rules, false, &laid[1].measured);
+			measure(ground.deform, &contact, rules, &laid[1].measured);
 			assert_measured_alike();
 			lay(ground.deform, &contact, rules, &laid[1]);
 			assert_same(round, &contact);
@@ -293,101 +291,10 @@ static void the_cpu_lays_as_the_gpu_does(void **state)
 	assert_true(carried > 600 && around > 100 && confined > 4 && refused > 4);
 }
 
-/* --- scm, whose contact pass measures --- */
-
-static int32_t bumps(int64_t x, int64_t y)
-{
-	return (x * 7 + y * 5) % 97 == 0 ? BASE_NODATA : (int32_t)((x * 37 + y * 91) % 1024) * 8;
-}
-
-/* Runs the contact pass alone, then lays. Fills `field` with what the contact left. */
-static void run_scm(struct ground *ground, struct deform_contact *contact)
-{
-	static uint64_t tag = 1u << 20;
-	struct deform *deform = ground->deform;
-	contact->tag = ++tag;
-	assert_ok(deform_windows(deform, contact, ground->windows, &ground->window_count));
-	assert_int_equal(ground->window_count, 1);
-	const struct deform_window *window = &ground->windows[0];
-	deform_spread_begin(deform, window, 0);
-	assert_ok(deform_feel(deform, contact, window, 0, ground->tiles, ground->tile_count));
-	const struct gpu_rect rect = deform_written(window);
-	field.write = window->write;
-	assert_true(count_of(&field) <= POSTS);
-	gpu_texture_read(deform->bases, 0, rect, field.base);
-	gpu_texture_read(deform->contacts, 0, rect, field.contact);
-	gpu_texture_read(deform->planes_of[1][PLANE_OFFSET], 0, rect, field.offset);
-	memset(field.dug, 0, sizeof field.dug);
-	if (deform->planes_of[0][PLANE_DUG] != NULL)
-		gpu_texture_read(deform->planes_of[0][PLANE_DUG], 0, rect, field.dug);
-	memset(field.carried, 0, sizeof field.carried);
-	memcpy(field.patch, field.contact, sizeof field.patch);
-	struct deform_tally before, after;
-	assert_ok(deform_tally(deform, &before));
-	const struct spread_params params = deform_spread_params(deform, contact, window, 0);
-	assert_ok(deform_spread(deform, &params, window, 0));
-	gpu_texture_read(deform->deposits, 0, rect, laid[0].deposits);
-	assert_ok(deform_tally(deform, &after));
-	laid[0].compacted = after.compacted - before.compacted;
-	laid[0].confined = after.confined - before.confined;
-	laid[0].refused = after.refused - before.refused;
-	read_state(ground, window, &laid[0]);
-	struct deform_forces forces;
-	bool taken;
-	assert_ok(deform_forces_begin(deform));
-	assert_ok(deform_forces_take(deform, true, &forces, &taken));
-}
-
-/* What each post carried stays within the contact pass, so its sum comes from there. */
-static void contacts_of_scm_are_laid_alike(void **state)
-{
-	int64_t laid_some = 0, deep_alike = 0, dug = 0;
-	(void)state;
-	need_gpu();
-	for (int world = 0; world < 4; world++) {
-		struct ground ground;
-		struct soil_laid rules[SOIL_CLASSES];
-		ground_init(&ground, &(struct ground_params){.cells = 64, .tiles = 3, .spacing = world % 2 == 0 ? 0.05 : 0.125, .model = DEFORM_SCM,
-							     .height = world < 2 ? NULL : bumps, .bulldozing = 0.3 + 0.2 * world,
-							     .slip_sinkage = world % 2 == 0 ? 0.6 : 0});
-		deform_laid(ground.deform, rules);
-		for (int round = 0; round < 42; round++) {
-			const struct soil_shape shape = any_shape(round % SOIL_SHAPES, between(0.4, 1));
-			struct deform_contact contact = any_contact(&ground, &shape, round);
-			contact.from.z = contact.to.z = lattice_offset(soil_shape_reach(&shape, 0, 0) - between(0.02, 0.1));
-			ground_reset(&ground);
-			run_scm(&ground, &contact);
-			measure(ground.deform, &contact, rules, true, &laid[1].measured);
-			const struct soil_measured *told = &laid[0].measured, *seen = &laid[1].measured;
-			assert_memory_equal(told->least, seen->least, sizeof told->least);
-			assert_memory_equal(told->most, seen->most, sizeof told->most);
-			assert_true(told->deep >= seen->deep);
-			/* On flat ground the most that a post carries is its share of the depth, which is rounded down by 2^8 units. */
-			if (world == 1 || (world == 0 && deform_laying(ground.deform, &contact).rolls == 1 << 16)) {
-				assert_true(told->deep - seen->deep <= 1 << 8);
-				deep_alike++;
-			}
-			const struct post_rect patch = seen->patch;
-			laid[1].measured = *told;
-			laid[1].measured.patch = patch;
-			lay(ground.deform, &contact, rules, &laid[1]);
-			assert_same(round, &contact);
-			laid_some += told->carried > 0;
-			for (int i = 0; i < count_of(&field); i++)
-				dug += field.dug[i] > 0;
-		}
-		ground_finish(&ground);
-	}
-	print_message("%lld contacts laid soil, of %lld the depth was compared; %lld posts were dug\n", (long long)laid_some, (long long)deep_alike,
-		      (long long)dug);
-	assert_true(laid_some > 120 && deep_alike > 40 && dug > 100);
-}
-
 TEST_PROGRAM(laying)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(the_cpu_lays_as_the_gpu_does),
-		cmocka_unit_test(contacts_of_scm_are_laid_alike),
 	};
 	return cmocka_run_group_tests_name("soil/laying", tests, open_gpu, close_gpu);
 }

@@ -11,7 +11,7 @@ static const char *const names[] = {"dry_sand", "clayey_38", "sandy_loam_15", "s
 
 /* What a round has: every combination comes up, and others at random. */
 struct kind {
-	bool scm, sumner, classes, lines, stood, near, loaded, large, saw, lone;
+	bool deposited, sumner, classes, lines, stood, near, loaded, large, saw, lone; /* deposited: the CPU has that plane, which is the offsets */
 	int iterations, soil_count;
 	double spacing, holds, depth, tolerance, relief, cohesion;
 	int rough; /* 2^rough units from post to post */
@@ -20,7 +20,7 @@ struct kind {
 static struct kind any_kind(int round)
 {
 	struct kind kind = {
-		.scm = round % 2, .sumner = round % 6 == 2, .lines = round / 2 % 2, .stood = round / 4 % 2, .classes = round % 3 == 2, .near = round / 3 % 2,
+		.deposited = round % 2 && round % 6 != 2, .sumner = round % 6 == 2, .lines = round / 2 % 2, .stood = round / 4 % 2, .classes = round % 3 == 2, .near = round / 3 % 2,
 		.loaded = any_word() % 2, .iterations = 1 + (int)(any_word() % 8), .spacing = ldexp(1, -(int)(any_word() % 7)),
 		.tolerance = round % 5 == 4 ? ldexp(1 + any_word() % 1024, -(int)(10 + any_word() % 11)) : 0,
 		.relief = any_word() % 2 ? 300 : 0, .rough = (int)(any_word() % 23), .cohesion = any_word() % 3 == 0 ? 1 : 0,
@@ -31,7 +31,7 @@ static struct kind any_kind(int round)
 	kind.classes = kind.sumner ? round % 4 == 2 : kind.classes;
 	kind.soil_count = kind.sumner ? 3 : 6;
 	kind.soil_count = kind.classes ? kind.soil_count : 1;
-	kind.depth = kind.sumner ? 0 : kind.scm ? any_word() % 2 ? 0 : 0.1 : any_word() % 3 == 0 ? 0.3 : 0;
+	kind.depth = kind.sumner ? 0 : kind.deposited ? any_word() % 2 ? 1e-9 : 0.1 : any_word() % 3 == 0 ? 0.3 : 0; /* 1e-9: 0, but there is a bottom */
 	/* Where the relief may be large, some rounds have cliffs. */
 	kind.rough += kind.relief == 0 && round % 7 == 6 ? 4 : 0;
 	/* A slope with teeth: each pool takes in all posts of the pools before it, until no more may join. */
@@ -53,10 +53,10 @@ static void start(struct ground *ground, const struct kind *kind)
 		soils[i].repose *= 0.5 + 0.5 * fabs(any_share());
 	}
 	soils[kind->soil_count - 1].friction_angle *= any_word() % 8 != 0;
-	ground_init(ground, &(struct ground_params){.cells = WORLD, .tiles = 1, .spacing = kind->spacing, .model = kind->scm ? DEFORM_SCM : kind->sumner ? DEFORM_SUMNER : DEFORM_SLIPPAGE,
+	ground_init(ground, &(struct ground_params){.cells = WORLD, .tiles = 1, .spacing = kind->spacing, .model = kind->sumner ? DEFORM_SUMNER : DEFORM_SLIPPAGE,
 						    .soils = soils, .soil_count = kind->soil_count, .iterations = kind->iterations,
 						    .depth = kind->depth, .relief = kind->relief, .tolerance = kind->tolerance, .stands = kind->stood,
-						    .lines = kind->lines, .touched = kind->stood, .loaded_bodies = 1});
+						    .lines = kind->lines, .touched = kind->stood});
 }
 
 static struct post_rect any_rect(int64_t side, int64_t most)
@@ -78,11 +78,9 @@ static void fill(struct window *window, const struct kind *kind, int64_t side)
 		const int64_t x = all.x0 + (int64_t)(i % window->planes.width), y = all.y0 + (int64_t)(i / window->planes.width);
 		const double wave = hill * rough * sin((double)x * 0.3) * cos((double)y * 0.21);
 		/* Quiet posts lie as they did. In sparse ground few others lie between them. */
-		bool quiet = sparse ? x * 7 % 31 > 3 || y * 5 % 29 > 4 : kind->scm && x % 23 < 12;
+		bool quiet = sparse ? x * 7 % 31 > 3 || y * 5 % 29 > 4 : kind->deposited && x % 23 < 12;
 		window->planes.base[i] = (40 << 18) + (sparse ? 0 : (int32_t)(wave + calm * any_share() * rough));
 		window->planes.offset[i] = quiet ? 0 : (int32_t)(2 * any_share() * rough);
-		if (window->planes.deposited != NULL)
-			window->planes.deposited[i] = quiet ? 0 : window->planes.offset[i] + (int32_t)(any_share() * rough);
 		window->deposits[i] = any_word() % 4 == 0 ? (int32_t)(any_word() % (uint32_t)(1 + rough)) : 0;
 		window->planes.contact[i] = (uint8_t)(any_word() % held == 0 ? any_word() % 4 : any_word() % 8 == 0 ? SOIL_NEAR | SOIL_LOWERED : 0);
 		if (window->planes.classes != NULL)
@@ -92,8 +90,6 @@ static void fill(struct window *window, const struct kind *kind, int64_t side)
 			window->planes.base[i] = BASE_NODATA;
 			window->planes.offset[i] = window->deposits[i] = 0;
 			window->planes.contact[i] |= SOIL_NO_GROUND;
-			if (window->planes.deposited != NULL)
-				window->planes.deposited[i] = 0;
 		} else if (ends) { /* one cliff from end to end of what a base may be: as differences wrap, a metre or two */
 			window->planes.base[i] = x % 40 < 20 ? INT32_MAX - (int32_t)(any_word() >> 14) : INT32_MIN + 1 + (int32_t)(any_word() >> 14);
 		} else if (kind->relief == 0 && kind->rough > 20 && any_word() % 16 == 0) {
@@ -145,8 +141,6 @@ static void slide_on_gpu(struct ground *ground, struct window *window, const str
 	struct gpu_texture *const *planes = deform->planes_of[1];
 	gpu_texture_upload(deform->bases, 0, rect, window->planes.base);
 	gpu_texture_upload(planes[PLANE_OFFSET], 0, rect, window->planes.offset);
-	if (window->planes.deposited != NULL)
-		gpu_texture_upload(planes[PLANE_DEPOSITED], 0, rect, window->planes.deposited);
 	gpu_texture_upload(deform->contacts, 0, rect, window->planes.contact);
 	gpu_texture_upload(deform->deposits, 0, rect, window->deposits);
 	if (window->planes.classes != NULL)
@@ -155,15 +149,12 @@ static void slide_on_gpu(struct ground *ground, struct window *window, const str
 	const uint32_t ends[4] = {bias + (uint32_t)(reached.x1 - 1 - read.x0), bias - (uint32_t)(reached.x0 - read.x0),
 				  bias + (uint32_t)(reached.y1 - 1 - read.y0), bias - (uint32_t)(reached.y0 - read.y0)}, nowhere[4] = {0};
 	gpu_buffer_write(deform->laying, 0, sizeof ends, post_rect_empty(reached) ? nowhere : ends);
-	deform->scratch[0].now[PLANE_OFFSET] = deform->scratch[0].now[PLANE_DEPOSITED] = 1;
+	deform->scratch[0].now[PLANE_OFFSET] = 1;
 	deform->scratch[0].near = kind->near;
 	deform->scratch[0].alone = true;
-	deform->scratch[0].loaded = kind->loaded;
 	assert_ok(deform_slide(deform, &of, 0));
 	assert_ok(gpu_check(test_gpu, "sliding"));
 	gpu_texture_read(planes[PLANE_OFFSET], 0, rect, window->planes.offset);
-	if (window->planes.deposited != NULL)
-		gpu_texture_read(planes[PLANE_DEPOSITED], 0, rect, window->planes.deposited);
 	gpu_buffer_read(deform_active_words(deform), 0, WORDS * sizeof *words, words);
 }
 
@@ -171,8 +162,8 @@ static void slide_on_gpu(struct ground *ground, struct window *window, const str
 static void tell(const struct kind *kind, const struct soil_sliding *rule, const struct window *window)
 {
 	const struct post_rect written = window->slides.written, posts = window->slides.posts;
-	print_message("scm %d, sumner %d, classes %d, directions %d, stood %d, near %d, loaded %d, iterations %d, spacing %g, depth %g, tolerance %d, relief %g, "
-		      "2^%d, hops %d; written %lld,%lld .. %lld,%lld, posts %lld,%lld .. %lld,%lld\n", kind->scm, kind->sumner, kind->classes, rule->directions,
+	print_message("deposited %d, sumner %d, classes %d, directions %d, stood %d, near %d, loaded %d, iterations %d, spacing %g, depth %g, tolerance %d, relief %g, "
+		      "2^%d, hops %d; written %lld,%lld .. %lld,%lld, posts %lld,%lld .. %lld,%lld\n", kind->deposited, kind->sumner, kind->classes, rule->directions,
 		      rule->undisturbed_stable, kind->near, kind->loaded, rule->iterations, kind->spacing, kind->depth, rule->tolerance, kind->relief,
 		      kind->rough, rule->hops, (long long)written.x0, (long long)written.y0, (long long)written.x1, (long long)written.y1,
 		      (long long)posts.x0, (long long)posts.y0, (long long)posts.x1, (long long)posts.y1);
@@ -180,8 +171,7 @@ static void tell(const struct kind *kind, const struct soil_sliding *rule, const
 
 static bool same_planes(const struct window *a, const struct window *b)
 {
-	return memcmp(a->planes.offset, b->planes.offset, a->count * 4) == 0 &&
-	       (a->planes.deposited == NULL || memcmp(a->planes.deposited, b->planes.deposited, a->count * 4) == 0);
+	return memcmp(a->planes.offset, b->planes.offset, a->count * 4) == 0;
 }
 
 static void assert_same_planes(const struct window *cpu, const struct window *gpu, int round)
@@ -190,8 +180,8 @@ static void assert_same_planes(const struct window *cpu, const struct window *gp
 		const long long x = (long long)(i % cpu->planes.width), y = (long long)(i / cpu->planes.width);
 		if (cpu->planes.offset[i] != gpu->planes.offset[i])
 			fail_msg("round %d, post %lld, %lld: %d, the GPU's is %d", round, x, y, cpu->planes.offset[i], gpu->planes.offset[i]);
-		if (cpu->planes.deposited != NULL && cpu->planes.deposited[i] != gpu->planes.deposited[i])
-			fail_msg("round %d, post %lld, %lld: thickness %d, the GPU's is %d", round, x, y, cpu->planes.deposited[i], gpu->planes.deposited[i]);
+		if (cpu->planes.deposited != NULL && cpu->planes.deposited[i] != gpu->planes.offset[i])
+			fail_msg("round %d, post %lld, %lld: thickness %d, the GPU's is %d", round, x, y, cpu->planes.deposited[i], gpu->planes.offset[i]);
 	}
 }
 
@@ -228,6 +218,22 @@ static int64_t laid_on(const struct window *window)
 	return sum;
 }
 
+/* Below a body that rests by its load soil slides alike, and the blocks of what it holds stay active, since it may be freed. */
+static void assert_held_is_flagged(const struct soil_sliding *rule, const struct window *plain, struct window *loaded, const uint32_t words[WORDS])
+{
+	uint32_t flags[WORDS] = {0};
+	const struct post_rect all = loaded->planes.rect, posts = loaded->slides.posts, blocks = soil_slide_blocks(loaded->slides.written);
+	loaded->slides.loaded = true;
+	slide_on_cpu(rule, loaded, flags);
+	assert_true(same_planes(plain, loaded));
+	for (int i = 0; i < WORDS; i++)
+		assert_true((flags[i] & words[i]) == words[i]);
+	for (int64_t y = posts.y0; y < posts.y1; y++)
+		for (int64_t x = posts.x0; x < posts.x1; x++)
+			if (loaded->planes.contact[(size_t)(y - all.y0) * loaded->planes.width + (size_t)(x - all.x0)] & SOIL_HELD)
+				assert_true(flags[(y / SOIL_BLOCK - blocks.y0) * (blocks.x1 - blocks.x0) + x / SOIL_BLOCK - blocks.x0] & 1);
+}
+
 struct counts {
 	size_t moved, changed, flagged, refused, shed, told;
 };
@@ -239,18 +245,19 @@ static void compare(int round, struct counts *counts)
 	struct window cpu;
 	uint32_t words[WORDS] = {0}, gpu_words[WORDS];
 	start(&ground, &kind);
-	window_init(&cpu, any_rect(ground.posts, kind.large ? LARGE : MOST), kind.scm, kind.classes);
+	window_init(&cpu, any_rect(ground.posts, kind.large ? LARGE : MOST), kind.deposited, kind.classes);
 	fill(&cpu, &kind, ground.posts);
 	if (kind.saw)
 		fill_saw(&cpu, &ground.deform->sliding, round);
 	if (kind.lone)
 		fill_lone(&cpu, &ground.deform->sliding);
+	if (kind.deposited)
+		memcpy(cpu.planes.deposited, cpu.planes.offset, cpu.count * 4);
 	const struct post_rect written = cpu.slides.written, world = {0, 0, ground.posts, ground.posts};
 	struct post_rect reached = post_rect_intersect(any_rect(ground.posts, ground.posts), written);
 	cpu.slides.world = world;
-	cpu.slides.loaded = kind.loaded;
 	cpu.slides.posts = kind.near ? soil_slide_posts(written, reached, ground.deform->reach) : written;
-	struct window gpu = twin_of(&cpu);
+	struct window gpu = twin_of(&cpu), loaded = twin_of(&cpu);
 	const struct soil_sliding rule = rule_of(&ground);
 	struct deform_tally tally;
 	const int64_t sum = sum_of(&cpu, cpu.planes.offset), laid = laid_on(&cpu);
@@ -267,6 +274,7 @@ static void compare(int round, struct counts *counts)
 			fail_msg("round %d, block %d: flags %x, the GPU's are %x", round, i, words[i] & mask, gpu_words[i]);
 		counts->flagged += (words[i] & 1) != 0;
 	}
+	assert_held_is_flagged(&rule, &cpu, &loaded, words);
 	assert_ok(deform_tally(ground.deform, &tally));
 	assert_int_equal(slid.compacted, tally.compacted);
 	assert_int_equal(slid.refused, tally.refused);
@@ -280,6 +288,7 @@ static void compare(int round, struct counts *counts)
 	mem_free(before);
 	window_finish(&cpu);
 	window_finish(&gpu);
+	window_finish(&loaded);
 	ground_finish(&ground);
 }
 

@@ -11,13 +11,13 @@
 			fail_msg("%s", failure_message());                                         \
 	} while (0)
 
+static uint32_t test_seed = 1;
 static inline uint32_t any_word(void)
 {
-	static uint32_t seed = 1;
-	seed = seed * 1664525u + 1013904223u;
-	uint32_t high = seed >> 16;
-	seed = seed * 1664525u + 1013904223u;
-	return high << 16 | seed >> 16;
+	test_seed = test_seed * 1664525u + 1013904223u;
+	const uint32_t high = test_seed >> 16;
+	test_seed = test_seed * 1664525u + 1013904223u;
+	return high << 16 | test_seed >> 16;
 }
 
 /* -1 .. 1 */

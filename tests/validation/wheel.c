@@ -1,7 +1,7 @@
 /* Number 4 of the soil models: a wheel that is towed. */
 #include <stdio.h>
 
-#include "bed_gpu.h"
+#include "bed.h"
 #include "../support/program.h"
 
 static const struct towed {
@@ -16,9 +16,8 @@ static const struct towed {
 
 static void a_towed_wheel_sinks_after_bekker(void **state)
 {
-	(void)state;
 	for (size_t i = 0; i < WHEELS; i++) {
-		struct soil_numbers soil = bed_soil(wheels[i].soil);
+		struct soil_numbers soil = soil_of(wheels[i].soil);
 		double sinkage = reference_towed(&soil, wheels[i].load, wheels[i].width, wheels[i].diameter);
 		bed_near(wheels[i].soil, sinkage * 1e3, wheels[i].millimetres, 0.005 / wheels[i].millimetres);
 		bed_near("its resistance, N", reference_resistance(&soil, wheels[i].width, sinkage), wheels[i].resistance,
@@ -32,34 +31,35 @@ struct rut {
 
 /* Rolls without slip, an axle `shift` of a post past one, until it has left what it stood on at first. `stiff`: of what it
  * stands on then no square metre is stiffer, Pa/m. */
-static struct rut roll(const struct bed_kind *kind, const struct towed *wheel, const struct soil_numbers *soil,
+static struct rut roll(const struct towed *wheel, const struct soil_numbers *soil,
 		       double spacing, double shift, double stiff)
 {
 	double radius = wheel->diameter / 2, contact = sqrt(wheel->millimetres / 1e3 * wheel->diameter);
 	int samples = (int)(1.3 * contact / spacing) + 1, rim = 3;
 	int width = (int)(wheel->diameter / spacing) + samples + 2 * rim, height = (int)lround(wheel->width / spacing) + 2 * rim;
-	struct bed_params params = bed_scm(width, height, spacing, *soil);
+	struct bed_params params = {.width = width, .height = height, .spacing = spacing, .soil = *soil};
 	struct soil_shape shape = {.kind = SOIL_WHEEL, .radius = radius, .width = wheel->width};
 	double x = ceil(rim + radius / spacing) + shift, y = (height - 1) / 2.0;
 	struct soil_pose start = bed_pose(x, y, radius, spacing);
 	struct deform_contact sweep = {.shape = &shape, .from = start, .to = start, .load = wheel->load};
-	struct reference_forces forces;
+	struct bed_forces forces;
 	struct rut rut;
-	void *bed = kind->make(&params);
-	kind->sweep(bed, &sweep, &forces, &rut.sinkage);
+	struct bed bed;
+	bed_init(&bed, &params);
+	bed_press(&bed, &sweep, &forces, &rut.sinkage);
 	double standing = rut.sinkage;
 	sweep.turned = spacing / radius;
 	for (int i = 1; i <= samples; i++) {
 		sweep.from = sweep.to;
 		sweep.to = bed_pose(x + i, y, radius, spacing);
-		kind->sweep(bed, &sweep, &forces, &rut.sinkage);
+		bed_press(&bed, &sweep, &forces, &rut.sinkage);
 	}
 	/* Rolling it stands on its front half only. */
 	assert_true(rut.sinkage > 1.1 * standing);
 	bed_near("the load that is carried, N", forces.normal, wheel->load,
-		 1e-6 + kind->stress + kind->quantum * stiff * forces.area / wheel->load);
+		 1e-6 + BED_STRESS + BED_QUANTUM * stiff * forces.area / wheel->load);
 	rut.resistance = forces.work / spacing;
-	kind->destroy(bed);
+	bed_finish(&bed);
 	return rut;
 }
 
@@ -83,7 +83,7 @@ static void a_wheel_on_posts_sinks_as_a_towed_one(void **state)
 {
 	for (size_t i = 0; i < sizeof rolls / sizeof *rolls; i++) {
 		const struct towed *wheel = &wheels[rolls[i].wheel];
-		struct soil_numbers soil = bed_soil(wheel->soil);
+		struct soil_numbers soil = soil_of(wheel->soil);
 		soil.elastic_stiffness = 1e12;
 		soil.cohesion = soil.friction_angle = 0; /* Bekker's wheel has no shear */
 		double arc = reference_arc(&soil, wheel->load, wheel->width, wheel->diameter / 2, false);
@@ -92,7 +92,7 @@ static void a_wheel_on_posts_sinks_as_a_towed_one(void **state)
 		/* The soil at its foot yields. */
 		double stiff = soil.bekker_n * reference_bekker(&soil, wheel->width, 1) *
 			       pow(arc, soil.bekker_n - 1);
-		struct rut rut = roll(*state, wheel, &soil, rolls[i].spacing, rolls[i].shift, stiff);
+		struct rut rut = roll(wheel, &soil, rolls[i].spacing, rolls[i].shift, stiff);
 		bed_near("the arc's sinkage, and Bekker's, m", arc,
 			 reference_towed(&soil, wheel->load, wheel->width, wheel->diameter), 0.005);
 		bed_near("sinkage, and the arc's, m", rut.sinkage, arc, error);
@@ -109,12 +109,12 @@ static void a_wheel_on_elastic_soil_sinks_less(void **state)
 {
 	for (size_t i = 0; i < sizeof rolls / sizeof *rolls; i++) {
 		const struct towed *wheel = &wheels[rolls[i].wheel];
-		struct soil_numbers soil = bed_soil(wheel->soil);
+		struct soil_numbers soil = soil_of(wheel->soil);
 		soil.cohesion = soil.friction_angle = 0;
 		double arc = reference_arc(&soil, wheel->load, wheel->width, wheel->diameter / 2, true);
 		print_message("%s, posts of %g m\n", wheel->soil, rolls[i].spacing);
 		assert_true(arc < 0.95 * reference_towed(&soil, wheel->load, wheel->width, wheel->diameter));
-		struct rut rut = roll(*state, wheel, &soil, rolls[i].spacing, rolls[i].shift, soil.elastic_stiffness);
+		struct rut rut = roll(wheel, &soil, rolls[i].spacing, rolls[i].shift, soil.elastic_stiffness);
 		bed_near("sinkage, and the arc's, m", rut.sinkage, arc, allowed(wheel, &soil, rolls[i].spacing) / 4);
 		bed_near("resistance, and of the arc's, N", rut.resistance,
 			 reference_resistance(&soil, wheel->width, rut.sinkage), 0.01);
@@ -124,8 +124,7 @@ static void a_wheel_on_elastic_soil_sinks_less(void **state)
 /* Where the stresses of the rim have an antiderivative. */
 static void the_rims_integrals_are_what_they_are_on_paper(void **state)
 {
-	(void)state;
-	struct soil_numbers soil = bed_soil("dry_sand");
+	struct soil_numbers soil = soil_of("dry_sand");
 	struct reference_wheel wheel = {.radius = 0.5, .width = 0.3, .slip = 0.4};
 	double sinkage = 0.06, entry = acos(1 - sinkage / wheel.radius), r = wheel.radius, b = wheel.width, c = 2000;
 	/* No shear, all stress in front: the arc's load, and Bekker's resistance. */
@@ -150,7 +149,7 @@ static void the_rims_integrals_are_what_they_are_on_paper(void **state)
 		bed_near("torque of a little cohesion, N m", forces.torque, r * r * b * c / 1e3 * displacement, 1e-3);
 	}
 	/* The greatest stress half way: behind it the stresses of the front again, the other way round. */
-	soil = bed_soil("dry_sand");
+	soil = soil_of("dry_sand");
 	soil.friction_angle = soil.cohesion = 0;
 	wheel = (struct reference_wheel){.radius = 0.5, .width = 0.3, .a0 = 0.25, .a1 = 0.5, .slip = 0.5};
 	double sum = 0, most = 0.5 * entry;
@@ -167,8 +166,8 @@ TEST_PROGRAM(wheel)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_towed_wheel_sinks_after_bekker),
 		cmocka_unit_test(the_rims_integrals_are_what_they_are_on_paper),
-		bed_tests(a_wheel_on_posts_sinks_as_a_towed_one),
-		bed_tests(a_wheel_on_elastic_soil_sinks_less),
+		cmocka_unit_test(a_wheel_on_posts_sinks_as_a_towed_one),
+		cmocka_unit_test(a_wheel_on_elastic_soil_sinks_less),
 	};
-	return cmocka_run_group_tests_name("validation/wheel", tests, open_gpu, close_gpu);
+	return cmocka_run_group_tests_name("validation/wheel", tests, NULL, NULL);
 }

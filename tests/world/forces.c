@@ -262,57 +262,6 @@ static void without_rows_there_is_no_file_and_a_load_is_still_told(void **state)
 	mem_free(result.json);
 }
 
-/* --- what pictures go by --- */
-
-enum { STEPS = 30 };
-
-/* The sinkage that pictures see after each step of a loaded ball; with `settle` somebody asks for its forces in each step. */
-static void sinkages(const char *store, bool settle, double before[STEPS], double now[STEPS])
-{
-	static const char text[] =
-		"scene: 1\ntime_step: 0.05\nend_time: 2\nsoil: {name: dry_sand}\nredistribute: {model: scm}\n"
-		"objects:\n  - {name: a, shape: {sphere: {radius: 0.5}}, load: 2000, path: {points: [[8, 8], [24, 20]], speed: 4}}\n";
-	const char *path = support_path("sinkage.yaml");
-	struct scene *scene;
-	struct world world;
-	support_write(path, text);
-	support_store(store, extent, flat);
-	must(scene_load(path, NULL, 0, &scene));
-	must(world_prepare(&world, &(struct world_params){.scene = scene, .store = store}));
-	enum status status = world_start(&world);
-	if (status == STATUS_NO_GL)
-		skip_since("no GL");
-	must(status);
-	FILE *epochs = tmpfile();
-	assert_non_null(epochs);
-	must(world_start_pages(&world, epochs, NULL));
-	must(world_warm(&world));
-	world_seal(&world);
-	must(world_begin(&world));
-	for (int i = 0; i < STEPS; i++) {
-		must(world_step(&world));
-		if (settle)
-			must(world_settle_forces(&world));
-		before[i] = world.bodies[0].sinkage_before;
-		now[i] = world.bodies[0].sinkage;
-	}
-	must(world_end(&world, false));
-	world_stop(&world);
-	world_finish(&world, STATUS_OK);
-	scene_destroy(scene);
-}
-
-static void the_sinkage_that_pictures_see_does_not_depend_on_who_asked(void **state)
-{
-	double before[2][STEPS], now[2][STEPS];
-	const char *store = support_path("sinkage.furrow");
-	for (int settle = 0; settle < 2; settle++)
-		sinkages(store, settle, before[settle], now[settle]);
-	assert_memory_equal(before[0], before[1], sizeof before[0]);
-	assert_true(before[0][STEPS - 1] > 0);
-	assert_memory_equal(now[0], now[1], sizeof now[0]);
-}
-
 TEST_PROGRAM(forces)
 {
 	const struct CMUnitTest tests[] = {
@@ -322,7 +271,6 @@ TEST_PROGRAM(forces)
 		cmocka_unit_test(on_a_map_each_row_says_the_soil_under_its_object),
 		cmocka_unit_test(a_drive_that_is_cut_goes_on_with_the_same_rows),
 		cmocka_unit_test(without_rows_there_is_no_file_and_a_load_is_still_told),
-		cmocka_unit_test(the_sinkage_that_pictures_see_does_not_depend_on_who_asked),
 	};
 	return cmocka_run_group_tests_name("world/forces", tests, support_enter, support_leave);
 }

@@ -122,7 +122,6 @@ struct place_flags deform_active_flags(struct deform *deform, const struct defor
 		/* Beyond the world there is no soil, so at its border all neighbours were looked at. */
 		.step = step,
 		.sides = {write.x0 > 0 ? step : 0, write.y0 > 0 ? step : 0, write.x1 < posts_x ? step : 0, write.y1 < posts_y ? step : 0},
-		.loaded = scratch->loaded,
 	};
 }
 

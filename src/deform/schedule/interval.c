@@ -48,7 +48,7 @@ static void drop_results(struct deform *deform)
 /* Returns the planes that sliding changes, a mask of PLANE_BIT. */
 static unsigned sliding_planes(const struct deform_params *params)
 {
-	return deform_planes(params->model, params->disturbance, params->slip_sinkage > 0) & (PLANE_BIT(PLANE_OFFSET) | PLANE_BIT(PLANE_DEPOSITED));
+	return deform_planes(params->model, params->disturbance, false) & PLANE_BIT(PLANE_OFFSET);
 }
 
 static enum status need_results(struct deform *deform, size_t blocks)
@@ -202,33 +202,30 @@ static void place_of(const struct interval *interval, size_t region, uint32_t *x
 static enum status hold(struct deform *deform, const struct deform_rest *object, struct post_rect window,
 			struct post_rect shadow, size_t region)
 {
-	bool loaded = object->loaded_body > 0;
 	struct post_rect square = deform_interval_reads(deform, region);
 	struct post_rect both = post_rect_intersect(post_rect_intersect(window, shadow), square);
 	uint32_t x, y;
 	if (post_rect_empty(both))
 		return STATUS_OK;
 	struct deform_request request;
-	deform_programs_held(loaded, &request);
-	enum status status = deform_program(deform, &request, &deform->held[loaded]);
+	deform_programs_held(&request);
+	enum status status = deform_program(deform, &request, &deform->held);
 	if (status != STATUS_OK)
 		return status;
 	place_of(deform->interval, region, &x, &y);
 	int64_t zero = object->pose.z - (int64_t)deform->params.reference * (1 << OFFSET_BITS);
 	const struct held_params params = {
 		.zero = {(uint32_t)zero, (uint32_t)((uint64_t)zero >> 32), 0, deform->layers},
-		.window = {(int32_t)(window.x0 - square.x0 + x), (int32_t)(window.y0 - square.y0 + y),
-			   (int32_t)object->loaded_body - 1},
+		.window = {(int32_t)(window.x0 - square.x0 + x), (int32_t)(window.y0 - square.y0 + y)},
 	};
 	deform->figures.held++;
 	gpu_pass_run(deform->params.gpu, &(struct gpu_pass){
 		.stage = GPU_HOLD,
-		.program = deform->held[loaded],
+		.program = deform->held,
 		.target = deform->scratch[deform->layers].to[TO_HELD],
 		.viewport = {(uint32_t)(both.x0 - square.x0) + x, (uint32_t)(both.y0 - square.y0) + y,
 			     (uint32_t)(both.x1 - both.x0), (uint32_t)(both.y1 - both.y0)},
 		.images = {deform->rest, deform->bases, deform->planes_of[1][PLANE_OFFSET]},
-		.storage = {deform->standing},
 		.params = &params,
 		.params_bytes = sizeof params,
 	});
@@ -397,10 +394,10 @@ enum status deform_interval_gather(struct deform *deform, size_t region, const s
 	return compute(deform, first, region);
 }
 
-enum status deform_interval_warm(struct deform *deform, const struct soil_shape *shape, uint32_t loaded_body)
+enum status deform_interval_warm(struct deform *deform, const struct soil_shape *shape)
 {
 	struct interval *interval = deform->interval;
-	const struct deform_rest object = {.shape = shape, .loaded_body = loaded_body};
+	const struct deform_rest object = {.shape = shape};
 	interval->begun = 0;
 	interval->object_count = 0;
 	enum status status = deform_regions_one((struct soil_block){-4, -4}, &interval->limits, &interval->regions);

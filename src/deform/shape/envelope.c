@@ -33,17 +33,6 @@ static struct brief_body brief(const struct body *body)
 	return out;
 }
 
-/* Returns the posts of the window that the object can be above; one post if there are none. A window always runs the same
- * number of passes. */
-struct gpu_rect deform_under_posts(const struct deform *deform, const struct deform_contact *contact, struct post_rect read)
-{
-	struct post_rect in = post_rect_intersect(deform_shadow(deform, contact), read);
-	if (post_rect_empty(in))
-		return (struct gpu_rect){0, 0, 1, 1};
-	return (struct gpu_rect){(uint32_t)(in.x0 - read.x0), (uint32_t)(in.y0 - read.y0), (uint32_t)(in.x1 - in.x0),
-				 (uint32_t)(in.y1 - in.y0)};
-}
-
 void deform_under_of(const struct deform *deform, const struct deform_contact *contact, int64_t x0, int64_t y0, struct under_params *params)
 {
 	const struct soil_pose *from = deform_is_contact_only(contact) ? &contact->to : &contact->from;
@@ -64,7 +53,7 @@ enum status deform_under_run(struct deform *deform, const struct under_params *p
 	const struct brief_params few = {brief(&params->motion), brief(&params->end)};
 	bool is_brief = deform_envelope_is_brief(params->kind, params->sideways);
 	struct deform_request request;
-	deform_programs_envelope(&deform->params, params->kind, params->sideways, false, &request);
+	deform_programs_envelope(&deform->params, params->kind, params->sideways, &request);
 	struct gpu_program **program = &deform->under_program[params->kind + (params->sideways ? SOIL_SHAPES : 0)];
 	enum status status = deform_program(deform, &request, program);
 	if (status != STATUS_OK)
@@ -88,9 +77,7 @@ enum status deform_envelope(struct deform *deform, const struct deform_contact *
 	if (contact->shape->kind == SOIL_MESH)
 		return deform_mesh(deform, contact, window, layer);
 	deform_under_of(deform, contact, read.x0, read.y0, &params);
-	/* A model that works in place reads the envelope only within the object's shadow. */
-	struct gpu_rect posts = deform_model_row(deform->params.model)->in_place ? deform_under_posts(deform, contact, read) : deform_window_rect(window);
-	enum status status = deform_under_run(deform, &params, posts, layer);
+	enum status status = deform_under_run(deform, &params, deform_window_rect(window), layer);
 	bool grousers = contact->shape->kind == SOIL_WHEEL && contact->shape->grousers > 0;
 	return status == STATUS_OK && grousers ? deform_grousers(deform, contact, window, layer) : status;
 }

@@ -37,10 +37,6 @@ void deform_atlas_run(struct deform *deform, const struct slide_place *place, en
 {
 	const struct slide_atlas *atlas = place->atlas;
 	struct gpu_pass own = *pass;
-	if (place->batch) {
-		deform_together_run(deform, TOGETHER_ALL, &own);
-		return;
-	}
 	own.viewport = place->all;
 	own.instances = 1;
 	if (atlas == NULL) {

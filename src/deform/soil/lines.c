@@ -23,28 +23,12 @@ int deform_line_passes(const struct deform_params *params)
 	return params->along_lines ? deform_model_row(params->model)->directions : 0;
 }
 
-static void place_of(const struct deform *deform, uint32_t layer, int direction, int32_t place[4])
-{
-	place[0] = (int32_t)layer;
-	place[1] = direction;
-	place[2] = deform->sliding.tolerance;
-	place[3] = deform->sliding.least[direction > 1];
-}
-
-bool deform_lines_numbers(const struct deform *deform, const struct slide_place *place, int pass, int32_t numbers[4])
-{
-	const int direction = soil_sliding_direction(place->first, pass);
-	place_of(deform, place->layer, direction, numbers);
-	return direction > 1;
-}
-
-/* Over a batch `direction` only tells diagonal lines from others. */
-static enum status run(struct deform *deform, const struct slide_place *place, int heights, int pass, int direction)
+static enum status run(struct deform *deform, const struct slide_place *place, int heights, int direction)
 {
 	bool diagonal = direction > 1, stood = deform_asks_what_stood(&deform->params);
 	struct deform_request request;
-	deform_programs_lines(&deform->params, diagonal, place->batch, &request);
-	struct gpu_program **program = &deform->lines[place->batch][diagonal];
+	deform_programs_lines(&deform->params, diagonal, &request);
+	struct gpu_program **program = &deform->lines[diagonal];
 	enum status status = deform_program(deform, &request, program);
 	if (status != STATUS_OK)
 		return status;
@@ -52,41 +36,29 @@ static enum status run(struct deform *deform, const struct slide_place *place, i
 	bool large = place->all.width > SIDE || place->all.height > SIDE;
 	const struct gpu_rect w = large ? (struct gpu_rect){0, 0, 0, 0} : place->written;
 	struct lines_params params = {
-		.around = {place->around},
+		.place = {(int32_t)place->layer, direction, deform->sliding.tolerance, deform->sliding.least[diagonal]}, .around = {place->around},
 	};
-	place_of(deform, place->layer, direction, params.place);
 	deform_posts_of(w, params.window);
 	for (int i = 0; i < deform->params.soil_count; i++)
 		params.limits[i][0] = deform->sliding.classes[i].critical[diagonal];
 	const int32_t rows[4] = {0, 0, 0, (int32_t)(direction == 1 ? w.width : w.height)};
-	if (place->batch)
-		deform_together_draw(deform, TOGETHER_LINES + 2 * pass + diagonal, params.place);
-	struct gpu_pass lines = {
+	gpu_pass_run(deform->params.gpu, &(struct gpu_pass){
 		.stage = GPU_SLIDE,
 		.program = *program,
 		.target = deform->scratch[place->layer].to[TO_BARE],
 		.viewport = deform_rows(rows),
 		.images = {deform->heights[heights], deform->floors, deform->classes, [7] = stood ? deform->bases : NULL},
-		.block = place->batch ? NULL : deform->laying,
+		.block = deform->laying,
 		.params = &params,
 		.params_bytes = (size_t)((char *)params.limits[deform_soil_slots(&deform->params)] - (char *)&params),
-	};
-	if (place->batch)
-		deform_together_run(deform, TOGETHER_ALL, &lines);
-	else
-		gpu_pass_run(deform->params.gpu, &lines);
+	});
 	return STATUS_OK;
 }
 
 enum status deform_lines_run(struct deform *deform, const struct slide_place *place, int heights)
 {
 	enum status status = STATUS_OK;
-	for (int i = 0; i < deform_line_passes(&deform->params) && status == STATUS_OK; i++) {
-		if (!place->batch)
-			status = run(deform, place, heights, i, soil_sliding_direction(place->first, i));
-		/* The windows of a batch have different orders, so each pass is in two. A window takes part in one of them. */
-		for (int diagonal = 0; diagonal < 2 && place->batch && status == STATUS_OK; diagonal++)
-			status = run(deform, place, heights, i, 2 * diagonal);
-	}
+	for (int i = 0; i < deform_line_passes(&deform->params) && status == STATUS_OK; i++)
+		status = run(deform, place, heights, soil_sliding_direction(place->first, i));
 	return status;
 }

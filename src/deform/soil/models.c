@@ -43,7 +43,7 @@ bool deform_sheds(enum deform_model model)
 
 bool deform_tells_forces(enum deform_model model)
 {
-	return rows[model]->feel != NULL;
+	return rows[model]->bears;
 }
 
 unsigned deform_planes(enum deform_model model, bool disturbance, bool digs)

@@ -150,7 +150,7 @@ static struct slide_params slide_params(const struct slide_place *place, int64_t
 
 static enum deform_over over_of(const struct slide_place *place)
 {
-	return place->atlas != NULL ? OVER_BLOCKS : place->batch ? OVER_BATCH : OVER_WINDOW;
+	return place->atlas != NULL ? OVER_BLOCKS : OVER_WINDOW;
 }
 
 /* Tells passes over windows from passes over blocks. */
@@ -164,7 +164,6 @@ static struct slide_params begin_params(const struct deform *deform, const struc
 	struct slide_params params = {
 		.place = {(int32_t)place->layer, deform->sliding.depth},
 	};
-	params.place[2] = place->flags.loaded; /* read over a batch only */
 	fill_window(place, &params);
 	return params;
 }
@@ -180,37 +179,26 @@ static struct excess_params excess_params(const struct deform *deform, const str
 	return params;
 }
 
-void deform_slide_numbers(const struct deform *deform, const struct slide_place *place, int32_t begin[5][4], int32_t excess[6][4])
-{
-	const struct slide_params first = begin_params(deform, place);
-	const struct excess_params iterations = excess_params(deform, place);
-	memcpy(begin, &first, sizeof first);
-	memcpy(excess, &iterations, sizeof iterations.slide + sizeof *iterations.limits);
-}
-
 /* Runs the first pass: reads planes_of[1]; writes the heights. */
 static enum status begin(struct deform *deform, const struct slide_place *place)
 {
-	bool blocks = place->atlas != NULL, loaded = place->flags.loaded;
+	const bool blocks = place->atlas != NULL;
 	struct deform_request request;
-	deform_programs_begin(&deform->params, over_of(place), loaded, &request);
-	struct gpu_program **program = &deform->slide_begin[over_of(place)][loaded];
+	deform_programs_begin(&deform->params, over_of(place), &request);
+	struct gpu_program **program = &deform->slide_begin[over_of(place)];
 	enum status status = deform_program(deform, &request, program);
 	if (status != STATUS_OK)
 		return status;
 	struct slide_params params = begin_params(deform, place);
-	if (place->batch)
-		deform_together_draw(deform, TOGETHER_BEGIN, params.region);
 	/* Iterations need no heights where only the extents of slopes are found. Marking steep posts reads one post more. */
 	int64_t reach = deform_slope_reach(&deform->params);
 	deform_atlas_run(deform, place, ATLAS_REGIONS, reach > 0 ? reach - 1 : 0, &(struct gpu_pass){
 		.stage = stage_of(place),
 		.program = *program,
 		.target = deform->scratch[place->layer].to[TO_BEGUN],
-		.images = {deform->bases, deform->planes_of[1][PLANE_OFFSET], deform->contacts, blocks ? NULL : deform->deposits,
-			   deform->planes_of[1][PLANE_DEPOSITED]},
+		.images = {deform->bases, deform->planes_of[1][PLANE_OFFSET], deform->contacts, blocks ? NULL : deform->deposits},
 		.storage = {deform->tally},
-		.block = blocks || place->batch ? NULL : deform->laying,
+		.block = blocks ? NULL : deform->laying,
 		.params = &params,
 		.params_bytes = sizeof params,
 	});
@@ -228,12 +216,11 @@ static void run(struct deform *deform, const struct slide_place *place, int iter
 	pass->target = deform->scratch[place->layer].to[last ? TO_BARE : heights];
 	pass->images[0] = deform->heights[iteration % 2];
 	pass->storage[1] = last ? place->flags.words : NULL;
-	pass->block = blocks || place->batch ? NULL : deform->laying;
+	pass->block = blocks ? NULL : deform->laying;
 	if (last) {
 		pass->images[3] = blocks ? NULL : deform->deposits;
 		pass->images[4] = planes[PLANE_OFFSET];
 		pass->images[5] = deform->stills;
-		pass->images[6] = planes[PLANE_DEPOSITED] != NULL ? planes[PLANE_DEPOSITED] : pass->images[6];
 		pass->images[7] = deform->bases;
 	}
 	bool cells = deform_has_slopes(&deform->params);
@@ -254,8 +241,6 @@ static enum status excess(struct deform *deform, const struct slide_place *place
 	struct excess_params params = excess_params(deform, place);
 	if (slopes)
 		params.slide.region[2] = deform->sliding.slope_least;
-	if (place->batch)
-		deform_together_draw(deform, TOGETHER_EXCESS, params.slide.region);
 	run(deform, place, iteration, &(struct gpu_pass){
 		.program = *program,
 		.images = {NULL, deform->floors, deform->classes, [6] = slopes ? deform_slopes_found(deform) : NULL,
@@ -368,7 +353,6 @@ enum status deform_slide(struct deform *deform, const struct deform_window *wind
 {
 	const struct slide_place place = deform_slide_place(deform, window, layer);
 	assert(deform->scratch[layer].now[PLANE_OFFSET] == 1);
-	assert(!(deform->planes & PLANE_BIT(PLANE_DEPOSITED)) || deform->scratch[layer].now[PLANE_DEPOSITED] == 1);
 	return deform_slide_run(deform, &place);
 }
 

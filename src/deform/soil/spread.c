@@ -6,6 +6,8 @@
 
 #include "deform/internal.h"
 
+#define LAYING_BYTES (47 * 4) /* lib/laying.glsl */
+
 double deform_spread_band(const struct deform *deform, const struct soil_shape *shape)
 {
 	return deform_conserves(deform->params.model) ? soil_laying_band(shape, deform->spacing) : 0;
@@ -61,15 +63,14 @@ struct spread_params deform_spread_params(const struct deform *deform, const str
 	return params;
 }
 
-void deform_spread_begin(struct deform *deform, const struct deform_window *window, uint32_t layer)
+struct gpu_rect deform_rows(const int32_t posts[4])
 {
-	/* Sliding on steep ground reads the posts around those that are written, too (slide_begin.frag). */
-	gpu_texture_clear(deform->deposits, layer, deform_window_rect(window), 0);
-	gpu_buffer_clear(deform->laying, 0, DEFORM_LAYING_BYTES);
+	/* Without rows the pass still runs, and its invocations do nothing. A window always runs the same number of passes. */
+	uint32_t rows = posts[3] > posts[1] ? (uint32_t)(posts[3] - posts[1]) : 1;
+	return (struct gpu_rect){0, 0, DEFORM_ROWS_ABREAST, (rows + DEFORM_ROWS_ABREAST - 1) / DEFORM_ROWS_ABREAST};
 }
 
-/* Runs the passes from `first` on. `batch`: over all windows of a batch. */
-static enum status run(struct deform *deform, const struct spread_params *params, enum spread_pass first, uint32_t layer, bool batch)
+enum status deform_spread(struct deform *deform, const struct spread_params *params, const struct deform_window *window, uint32_t layer)
 {
 	/* The heights are not used before soil slides. */
 	struct gpu_texture *const images[SPREAD_PASSES][3] = {
@@ -77,15 +78,18 @@ static enum status run(struct deform *deform, const struct spread_params *params
 		[SPREAD_WEIGH] = {deform->contacts, deform->heights[0], deform->deposits},
 		[SPREAD_LAY] = {deform->deposits},
 	};
-	for (int pass = first; pass < SPREAD_PASSES; pass++) {
+	/* Sliding on steep ground reads the posts around those that are written, too (slide_begin.frag). */
+	gpu_texture_clear(deform->deposits, layer, deform_window_rect(window), 0);
+	gpu_buffer_clear(deform->laying, 0, LAYING_BYTES);
+	for (int pass = 0; pass < SPREAD_PASSES; pass++) {
 		struct deform_request request;
-		deform_programs_spread(&deform->params, (enum spread_pass)pass, batch, &request);
-		enum status status = deform_program(deform, &request, &deform->spread[batch][pass]);
+		deform_programs_spread(&deform->params, (enum spread_pass)pass, &request);
+		enum status status = deform_program(deform, &request, &deform->spread[pass]);
 		if (status != STATUS_OK)
 			return status;
-		struct gpu_pass spreads = {
+		gpu_pass_run(deform->params.gpu, &(struct gpu_pass){
 			.stage = GPU_SPREAD,
-			.program = deform->spread[batch][pass],
+			.program = deform->spread[pass],
 			.target = deform->scratch[layer].to[TO_BARE],
 			.viewport = deform_rows(pass == SPREAD_MEASURE ? params->shadow : params->written),
 			.textures = {[4] = pass == SPREAD_MEASURE ? deform->classes : NULL},
@@ -93,50 +97,17 @@ static enum status run(struct deform *deform, const struct spread_params *params
 			.storage = {deform->tally, [4] = deform->laying},
 			.params = params,
 			.params_bytes = (size_t)((const char *)params->soils[deform_soil_slots(&deform->params)] - (const char *)params),
-		};
-		if (batch)
-			deform_together_run(deform, TOGETHER_ALL, &spreads);
-		else
-			gpu_pass_run(deform->params.gpu, &spreads);
+		});
 	}
 	return STATUS_OK;
 }
 
-enum status deform_spread(struct deform *deform, const struct spread_params *params, const struct deform_window *window, uint32_t layer)
-{
-	const enum spread_pass first = deform_spread_first(deform->params.model);
-	if (first == SPREAD_MEASURE)
-		deform_spread_begin(deform, window, layer);
-	return run(deform, params, first, layer, false);
-}
-
-enum status deform_spread_together(struct deform *deform)
-{
-	struct spread_params params = {.place = {0}};
-	deform_together_draw(deform, TOGETHER_SPREAD, params.place);
-	fill_soils(deform, params.soils);
-	return run(deform, &params, SPREAD_WEIGH, 0, true);
-}
-
-void deform_spread_numbers(const struct spread_params *params, const struct gpu_rect *posts, int32_t numbers[6][4])
-{
-	const int32_t x = (int32_t)posts->x, y = (int32_t)posts->y;
-	memcpy(numbers, params, 6 * sizeof *numbers);
-	for (int k = 0; k < 4; k++) {
-		numbers[1][k] += k % 2 == 0 ? x : y; /* `written` and `shadow` */
-		numbers[2][k] += k % 2 == 0 ? x : y;
-	}
-	/* The frame's place of the layer's first post, not of the window's. */
-	numbers[3][0] -= x * params->axis[0] + y * params->axis[1];
-	numbers[3][1] -= y * params->axis[0] - x * params->axis[1];
-}
-
 enum status deform_spread_create(struct deform *deform)
 {
-	return gpu_buffer_create(deform->params.gpu, GPU_STORAGE, DEFORM_LAYING_BYTES, NULL, &deform->laying);
+	return gpu_buffer_create(deform->params.gpu, GPU_STORAGE, LAYING_BYTES, NULL, &deform->laying);
 }
 
 void deform_spread_plan(struct plan *plan)
 {
-	deform_plan_buffer(plan, "spread", 1, DEFORM_LAYING_BYTES, "laying");
+	deform_plan_buffer(plan, "spread", 1, LAYING_BYTES, "laying");
 }

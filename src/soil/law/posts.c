@@ -18,7 +18,8 @@ size_t soil_posts_bytes(const struct soil_posts *posts)
 
 enum status soil_posts_need(struct soil_posts *posts, size_t count)
 {
-	if (count <= posts->capacity)
+	/* Runs of posts are copied in whole blocks, so the last one ends up to a block beyond the last post. */
+	if (count + POSTS_LANES <= posts->capacity)
 		return STATUS_OK;
 	const size_t capacity = (count + count / 2 + 3 * POSTS_LANES - 1) / POSTS_LANES * POSTS_LANES;
 	soil_posts_finish(posts);

@@ -1,7 +1,6 @@
 /*
- * The reference of deform: the same ground and the same objects in floating point on the CPU, by
- * brute force and in the plainest words. For tests and accuracy only; it shares nothing with what
- * it checks but the poses and the soils. No state but the ground's; any thread, a ground at a time.
+ * References in floating point: lower envelopes by brute force, closed forms of bearing soil, and the kinematic models for bench_accuracy.
+ * They share nothing with what they check but the poses and the soils. No state but the ground's; any thread, a ground at a time.
  *
  * What it must agree with is ../SOIL.md. Its soil is divisible: no fixed-point units, nothing is rounded.
  */
@@ -35,15 +34,9 @@ struct reference_ground {
 	double spacing;
 	struct post_rect written; /* posts of the field: spreading and sliding stay within */
 	double *base, *offset;    /* surface: base + offset */
-	double *heaped;           /* scm: undisturbed surface: base + heaped */
-	double *pressed;          /* scm: largest sinkage along the normal, so far */
-	double slip_sinkage;      /* scm: how deep slip digs, in units of the soil's shear modulus; 0: not */
-	double *dug;              /* scm: what slip has dug in all contacts */
-	double *shear[2];         /* scm: mobilised shear to the east and to the north, shares of the soil's strength */
 	double *carried;          /* what the last press has lifted and not yet laid down, of height */
 	uint8_t *contact;         /* of the last press */
 	bool *hole;
-	bool ground_normals;      /* scm: as in struct deform_params */
 	double compacted;         /* m3, gone for good */
 	double confined;          /* m3 of it: had no free post to go to */
 };
@@ -51,35 +44,11 @@ struct reference_ground {
 /* Flat at 0, no hole, all of it written. */
 enum status reference_ground_init(struct reference_ground *ground, int width, int height, double spacing) FURROW_CHECKED;
 void reference_ground_finish(struct reference_ground *ground);
-/* m3: of the offsets, of what is carried and of what was compacted. */
-double reference_volume(const struct reference_ground *ground);
-/* The height that the object's lower envelope has above each post, over the contact and at its end; absolute
- * metres, INFINITY where it never is. */
-void reference_undersides(const struct reference_ground *ground, const struct deform_contact *sweep, double *under,
-			  double *rest);
-
-/* On the object, about its centre at the contact's end. */
-struct reference_forces {
-	double force[3], moment[3]; /* N, N m: east, north, up */
-	double normal; /* N: the vertical part of the normal stress without damping */
-	double area;   /* m2 of the ground that bears it */
-	double sinkage; /* m, the deepest of those */
-	double work;   /* J that the soil's yielding took over the contact */
-};
-
 /* Press: what becomes of each post under the object. Sets contact and carried. */
 void reference_none(struct reference_ground *ground, const double *under, const double *rest);
 void reference_sumner(struct reference_ground *ground, const struct soil_numbers *soil, const double *under,
 		      const double *rest);
 void reference_slippage(struct reference_ground *ground, const double *under, const double *rest);
-/* The object is moved down by `lower` metres, the whole sweep. */
-void reference_scm(struct reference_ground *ground, const struct soil_numbers *soil, double bulldozing,
-		   const struct deform_contact *sweep, const double *under, const double *rest, double lower,
-		   struct reference_forces *forces);
-/* The vertical force of the soil, of normal stress and shear: what carries a load. Nothing is changed. */
-double reference_scm_vertical(const struct reference_ground *ground, const struct soil_numbers *soil,
-			    const struct deform_contact *sweep, const double *under, const double *rest, double lower);
-
 /* How carried soil was laid down. */
 struct reference_laying {
 	double rate;      /* the most soil of height for each metre of weight */
@@ -92,23 +61,11 @@ enum status reference_spread(struct reference_ground *ground, const struct defor
 			     struct reference_laying *laying) FURROW_CHECKED;
 
 /* Slides `iterations` times, or fewer once nothing moves more than `tolerance` metres; how far the last moved
- * any post is *moved. DEFORM_SUMNER, DEFORM_SLIPPAGE, DEFORM_SCM. */
+ * any post is *moved. DEFORM_SUMNER, DEFORM_SLIPPAGE. */
 enum status reference_slide(struct reference_ground *ground, const struct deform_params *params, long iterations,
 			    double tolerance, double *moved) FURROW_CHECKED;
 /* The difference of height that stands between two posts `distance` metres apart. */
 double reference_stands(const struct deform_params *params, double distance);
-
-/* By how much the whole sweep must be lowered for the soil to carry sweep->load; metres. STATUS_INPUT:
- * nothing under the object carries it. */
-enum status reference_load(const struct reference_ground *ground, const struct soil_numbers *soil,
-			   const struct deform_contact *sweep, const double *under, const double *rest,
-			   double *lower) FURROW_CHECKED;
-/* One contact: press, spread, slide; with a load, all of it is lowered. Of the parameters only those of the model count, and the first soil;
- * DEFORM_BOX_FILTER has reference_box. A load needs DEFORM_SCM; *lower is what reference_load says, else 0.
- * Forces are 0 but for DEFORM_SCM. */
-enum status reference_sweep(struct reference_ground *ground, const struct deform_params *params,
-			    const struct deform_contact *sweep, struct reference_forces *forces,
-			    double *lower) FURROW_CHECKED;
 
 /* Closed forms: wheel.c. Width: the k_c / b of Bekker's formula. */
 double reference_stiffness(const struct soil_numbers *soil, double width);                    /* Pa/m^n */

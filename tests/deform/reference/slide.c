@@ -11,8 +11,6 @@ static const int around[8][2] = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, 1}, {1, -
 double reference_stands(const struct deform_params *params, double distance)
 {
 	const struct soil_numbers *soil = &params->soils[0];
-	if (params->model == DEFORM_SCM)
-		return distance * tan(soil->repose);
 	if (soil->cohesion == 0)
 		return distance * tan(soil->friction_angle);
 	/* A higher one is steeper, and what a steeper one stands is less: there is one where they meet. */
@@ -55,7 +53,7 @@ static void slide_excess(const struct reference_ground *ground, const struct def
 {
 	if (held(ground, at))
 		return;
-	double loose = (params->model == DEFORM_SCM ? ground->heaped[at] : ground->offset[at]) + params->depth;
+	double loose = ground->offset[at] + params->depth;
 	for (int k = 0; k < 8; k++) {
 		int to = neighbour(ground, at, k);
 		if (to < 0 || held(ground, to))
@@ -129,7 +127,6 @@ enum status reference_slide(struct reference_ground *ground, const struct deform
 			}
 		for (int at = 0; at < count; at++) {
 			ground->offset[at] += change[at];
-			ground->heaped[at] += change[at];
 			*moved = fmax(*moved, fabs(change[at]));
 		}
 	}

@@ -39,11 +39,9 @@ static void place_of(const struct reference_ground *ground, const struct patch *
 static double laid(const struct deform_params *params, double *tangent)
 {
 	const struct soil_numbers *soil = &params->soils[0];
-	double angle = params->model == DEFORM_SCM	  ? soil->repose
-		       : params->model == DEFORM_SLIPPAGE ? soil->friction_angle
-							  : fmin(soil->theta_out, soil->theta_stop);
+	double angle = params->model == DEFORM_SLIPPAGE ? soil->friction_angle : fmin(soil->theta_out, soil->theta_stop);
 	*tangent = fmax(0.01, tan(fmin(angle, M_PI / 4)));
-	return params->model == DEFORM_SCM ? params->bulldozing : params->model == DEFORM_SLIPPAGE ? 1 : 1 - soil->compression;
+	return params->model == DEFORM_SLIPPAGE ? 1 : 1 - soil->compression;
 }
 
 /* To which faces of the rectangle the soil goes. `turned`: a wheel's way along its rim. */
@@ -97,8 +95,8 @@ static void measure(const struct reference_ground *ground, const struct deform_p
 			patch->high[k] = fmax(patch->high[k], place[k] + ground->spacing / 2);
 		}
 		patch->carried += ground->carried[i];
-		double deep = fmin(fmax(-ground->offset[i], 0), 8), dug = patch->rolls * fmin(ground->dug[i], deep);
-		patch->depth = fmax(patch->depth, fmax(ground->carried[i], share_laid * (deep - dug) + dug));
+		double deep = fmin(fmax(-ground->offset[i], 0), 8);
+		patch->depth = fmax(patch->depth, fmax(ground->carried[i], share_laid * deep));
 		patch->any = true;
 	}
 	patch->beside = INFINITY;
@@ -221,7 +219,6 @@ enum status reference_spread(struct reference_ground *ground, const struct defor
 			continue;
 		weight_of(ground, sweep, &patch, width, i, &face, &ignored);
 		ground->offset[i] += laid_on[face] * weights[i] / sums[face];
-		ground->heaped[i] += laid_on[face] * weights[i] / sums[face];
 	}
 	for (int face = 0; face < FACES; face++)
 		laying->rate = sums[face] > 0 ? fmax(laying->rate, laid_on[face] / sums[face]) : laying->rate;

@@ -8,16 +8,14 @@ static const struct soil_shape plate = {.kind = SOIL_BOX, .size = {0.5, 0.5, 0.5
 
 static struct soil_numbers soil_with(double modulus)
 {
-	struct soil_numbers soil;
-	assert_ok(soil_named("dry_sand", &soil));
+	struct soil_numbers soil = soil_of("dry_sand");
 	soil.janosi_shear = modulus;
-	soil.damping = 0;
 	return soil;
 }
 
 static void init(struct ground *ground, const struct soil_numbers *soil)
 {
-	ground_init(ground, &(struct ground_params){.cells = 64, .tiles = 2, .first = 2, .spacing = 0.015625, .model = DEFORM_SCM, .soils = soil});
+	ground_init(ground, &(struct ground_params){.cells = 64, .tiles = 2, .first = 2, .spacing = 0.015625, .soils = soil});
 }
 
 static void go(struct deform_contact *contact, int64_t east, int64_t north, int64_t up)
@@ -41,8 +39,6 @@ static void a_way_shears_the_same_however_it_is_cut(void **state)
 {
 	static const double moduli[] = {0.001, 0.02, 0.1}, ways[] = {0.25, 1, 4};
 	static const double directions[] = {0, 22.5, 45, 200};
-	(void)state;
-	need_gpu();
 	for (size_t k = 0; k < 3 * 3 * 4; k++) {
 		const double modulus = moduli[k % 3], way = ways[k / 3 % 3] * modulus, angle = directions[k / 9] * M_PI / 180;
 		const struct soil_numbers soil = soil_with(modulus);
@@ -53,11 +49,11 @@ static void a_way_shears_the_same_however_it_is_cut(void **state)
 			ground_reset(&ground);
 			/* The plate is over the post from the beginning to the end. */
 			struct deform_contact contact = ground_stand(&ground, &plate, 64.3 - 32 * way * cos(angle), 64.2 - 32 * way * sin(angle), 0.25 - 0.02);
-			ground_sweep(&ground, &contact);
+			ground_forces(&ground, &contact);
 			const int64_t east = lattice_offset(way * cos(angle) / pieces), north = lattice_offset(way * sin(angle) / pieces);
 			for (int i = 0; i < pieces; i++) {
 				go(&contact, east, north, 0);
-				ground_sweep(&ground, &contact);
+				ground_forces(&ground, &contact);
 			}
 			read_shear(&ground, shear);
 			const double gone = pieces * hypot(lattice_offset_metres(east), lattice_offset_metres(north));
@@ -80,11 +76,9 @@ static void on_the_way_back_the_shear_turns_over_about_3_k(void **state)
 	const struct soil_numbers soil = soil_with(modulus);
 	struct ground ground;
 	double shear[2], last;
-	(void)state;
-	need_gpu();
 	init(&ground, &soil);
 	struct deform_contact contact = ground_stand(&ground, &plate, 60, 64, 0.25 - 0.02);
-	ground_sweep(&ground, &contact);
+	ground_forces(&ground, &contact);
 	go(&contact, lattice_offset(5 * modulus), 0, 0);
 	struct deform_forces before = ground_forces(&ground, &contact);
 	read_shear(&ground, shear);
@@ -113,13 +107,11 @@ static void shear_turns_with_the_way(void **state)
 	const struct soil_numbers soil = soil_with(modulus);
 	struct ground ground;
 	double shear[2];
-	(void)state;
-	need_gpu();
 	init(&ground, &soil);
 	struct deform_contact contact = ground_stand(&ground, &plate, 64, 64, 0.25 - 0.02);
-	ground_sweep(&ground, &contact);
+	ground_forces(&ground, &contact);
 	go(&contact, lattice_offset(2 * modulus), 0, 0);
-	ground_sweep(&ground, &contact);
+	ground_forces(&ground, &contact);
 	go(&contact, 0, lattice_offset(modulus), 0);
 	struct deform_forces forces = ground_forces(&ground, &contact);
 	read_shear(&ground, shear);
@@ -153,21 +145,19 @@ static void shear_ends_with_the_contact(void **state)
 	const struct soil_numbers soil = soil_with(0.02);
 	struct ground ground;
 	int64_t count;
-	(void)state;
-	need_gpu();
 	init(&ground, &soil);
 	/* The plate is 32 posts long. What it leaves is behind its west side. */
 	struct deform_contact contact = ground_stand(&ground, &plate, 50.5, 64.5, 0.25 - 0.02);
-	ground_sweep(&ground, &contact);
+	ground_forces(&ground, &contact);
 	for (int i = 1; i <= 20; i++) {
 		go(&contact, lattice_offset(0.015625), 0, 0);
-		ground_sweep(&ground, &contact);
+		ground_forces(&ground, &contact);
 		assert_int_equal(sheared(&ground, 50 + i - 15, &count), 0);
 		assert_int_equal(count, 32 * 32);
 	}
 	/* Raised a little, the plate is out of contact, though it is still below the undisturbed ground. */
 	go(&contact, 0, 0, lattice_offset(0.005));
-	ground_sweep(&ground, &contact);
+	ground_forces(&ground, &contact);
 	sheared(&ground, 0, &count);
 	assert_int_equal(count, 0);
 	ground_finish(&ground);
@@ -180,13 +170,11 @@ static void passes_at_one_height_pull_the_same(void **state)
 	const struct soil_numbers soil = soil_with(0.02);
 	struct ground ground;
 	double pulls[4][40];
-	(void)state;
-	need_gpu();
 	init(&ground, &soil);
 	for (int pass = 0; pass < 4; pass++) {
 		struct deform_contact contact = ground_stand(&ground, &wheel, 35.3, 64, 0.3 - 0.05);
 		contact.turned = 0.015625 / 0.3 / 0.8;
-		ground_sweep(&ground, &contact);
+		ground_forces(&ground, &contact);
 		for (int i = 0; i < 40 - 9 * pass; i++) { /* each pass is shorter than the one before it */
 			go(&contact, lattice_offset(0.015625), 0, 0);
 			pulls[pass][i] = ground_forces(&ground, &contact).force[0];
@@ -209,5 +197,5 @@ TEST_PROGRAM(shear)
 		cmocka_unit_test(shear_ends_with_the_contact),
 		cmocka_unit_test(passes_at_one_height_pull_the_same),
 	};
-	return cmocka_run_group_tests_name("deform/shear", tests, open_gpu, close_gpu);
+	return cmocka_run_group_tests_name("bearing/shear", tests, NULL, NULL);
 }

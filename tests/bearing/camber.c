@@ -1,11 +1,9 @@
 /* Wheels that lean, under scm: beside an integral over the wheel's surface, from no camber to much, and to both sides. */
-#include "../support/near.h"
-#include "scm_rig.h"
+#include "ground.h"
 #include "../support/program.h"
 
 #include <stdlib.h>
 
-#define DEGREES (M_PI / 180)
 #define FAR_BACK 0.32 /* m: after this way nothing is left below the wheel of where it was set down */
 
 /* How the wheel came where it is. turned: rim's way a way of the axle; 0: it was set down. */
@@ -16,24 +14,16 @@ static const struct {
 
 static const char *const soils[] = {"dry_sand", "lunar", "clayey_38"};
 
+static const struct soil_shape wheel = {.kind = SOIL_WHEEL, .radius = 0.3, .width = 0.2};
 static const double cambers[] = {0, 0.05, 0.2, 1, 3, 9, 23}, spacings[] = {0.02, 0.01}, yaws[] = {0, 0.7, 2.1};
 
-#define COUNT(a) (sizeof(a) / sizeof *(a))
-
-/* Turns a vector into the frame of a wheel that looks along `yaw`. */
-static void into(double yaw, double v[3])
-{
-	const double east = v[0], north = v[1];
-	v[0] = cos(yaw) * east + sin(yaw) * north;
-	v[1] = cos(yaw) * north - sin(yaw) * east;
-}
 
 /* The wheel stands at a post (x, y) with its lowest place `sinkage` below the ground, and goes on as the motion says. Returns the forces at
  * the end, in its frame. */
 static struct deform_forces forces_at(struct ground *ground, const double place[2], double yaw, double camber, double sinkage, double turned)
 {
 	const double spacing = ground->params.spacing;
-	struct deform_contact contact = {.shape = &wheel, .tag = 1};
+	struct deform_contact contact = {.shape = &wheel};
 	ground_reset(ground);
 	contact.to = ground_pose(ground, place[0], place[1], soil_shape_reach(&wheel, 0, camber) - sinkage);
 	contact.to.yaw = yaw;
@@ -41,18 +31,18 @@ static struct deform_forces forces_at(struct ground *ground, const double place[
 	contact.from = contact.to;
 	struct deform_forces forces = ground_forces(ground, &contact);
 	for (double way = 0; way < FAR_BACK && turned > 0; way += spacing) {
-		contact = move(&contact, spacing * cos(yaw), spacing * sin(yaw), 0);
+		ground_go(&contact, spacing * cos(yaw), spacing * sin(yaw), 0);
 		contact.turned = spacing * turned / wheel.radius;
 		forces = ground_forces(ground, &contact);
 	}
-	into(yaw, forces.force);
-	into(yaw, forces.moment);
+	ground_into(yaw, forces.force);
+	ground_into(yaw, forces.moment);
 	return forces;
 }
 
-static void bed_init(struct ground *ground, const struct soil_numbers *soil, double spacing)
+static void init(struct ground *ground, const struct soil_numbers *soil, double spacing)
 {
-	ground_init(ground, &(struct ground_params){.cells = 128, .tiles = 1, .first = 2, .spacing = spacing, .model = DEFORM_SCM, .soils = soil});
+	ground_init(ground, &(struct ground_params){.cells = 128, .tiles = 1, .first = 2, .spacing = spacing, .soils = soil});
 }
 
 static struct reference_wrench integral(const struct soil_numbers *soil, double camber, double sinkage, double turned)
@@ -63,10 +53,9 @@ static struct reference_wrench integral(const struct soil_numbers *soil, double 
 
 static void the_integral_of_a_level_wheel_is_the_closed_form(void **state)
 {
-	(void)state;
 	for (size_t s = 0; s < COUNT(soils); s++)
 		for (size_t m = 1; m < COUNT(motions); m++) {
-			const struct soil_numbers soil = named(soils[s]);
+			const struct soil_numbers soil = soil_of(soils[s]);
 			const struct reference_wrench got = integral(&soil, 0, 0.02, motions[m].turned);
 			const struct reference_rolling rolling = {.radius = wheel.radius, .width = wheel.width, .turned = motions[m].turned, .rebound = true,
 								  .normals = REFERENCE_NORMALS_SURFACE, .follows = REFERENCE_FOLLOWS_RIM};
@@ -102,17 +91,15 @@ static void fail_at(double camber, const char *soil, const char *motion, double 
 /* As deep as 1500 N press it, all forces are within 3 % of the load. Up to a degree they change by no more than the integral's do, and 0.5 % of the load. */
 static void forces_are_the_integral_over_the_surface(void **state)
 {
-	(void)state;
-	need_gpu();
 	for (size_t s = 0; s < COUNT(soils); s++) {
-		const struct soil_numbers soil = named(soils[s]);
+		const struct soil_numbers soil = soil_of(soils[s]);
 		double sinkages[COUNT(cambers)];
 		for (size_t i = 0; i < COUNT(cambers); i++)
 			sinkages[i] = carries(&soil, cambers[i] * DEGREES, 1500);
 		for (size_t p = 0; p < COUNT(spacings); p++) {
 			double worst = 0, jumps = 0;
 			struct ground ground;
-			bed_init(&ground, &soil, spacings[p]);
+			init(&ground, &soil, spacings[p]);
 			for (size_t m = 0; m < COUNT(motions); m++) {
 				const double yaw = yaws[(s + p + m) % 3], start = motions[m].turned > 0 ? FAR_BACK / 2 / spacings[p] : 0;
 				const double place[2] = {64.2 - start * cos(yaw), 64.7 - start * sin(yaw)};
@@ -148,11 +135,9 @@ static void forces_are_the_integral_over_the_surface(void **state)
 static void camber_to_the_other_side_mirrors_all_forces(void **state)
 {
 	static const double signs[] = {1, -1, 1, -1, 1, -1}; /* of forces forward, aside, up; of moments the other way round */
-	const struct soil_numbers soil = named("dry_sand");
+	const struct soil_numbers soil = soil_of("dry_sand");
 	struct ground ground;
-	(void)state;
-	need_gpu();
-	bed_init(&ground, &soil, 0.02);
+	init(&ground, &soil, 0.02);
 	for (size_t i = 2; i < COUNT(cambers); i += 2)
 		for (size_t m = 0; m < COUNT(motions); m++) {
 			const double yaw = 0.35, camber = cambers[i] * DEGREES;
@@ -178,22 +163,20 @@ static int32_t side_slope(int64_t x, int64_t y)
 static void across_a_slope_a_wheel_that_stands_straight_on_it_is_level(void **state)
 {
 	static const double degrees[] = {3, 8, 15};
-	const struct soil_numbers soil = named("dry_sand");
-	(void)state;
-	need_gpu();
+	const struct soil_numbers soil = soil_of("dry_sand");
 	for (size_t i = 0; i < COUNT(degrees); i++)
 		for (size_t m = 0; m < COUNT(motions); m++) {
 			const double leans = degrees[i] * DEGREES, s = sin(leans), c = cos(leans), x = m > 0 ? 48.2 : 64.2, y = 64.7, sinkage = 0.03;
-			struct deform_contact contact = {.shape = &wheel, .tag = 1};
+			struct deform_contact contact = {.shape = &wheel};
 			struct ground ground;
 			slope = tan(leans);
-			ground_init(&ground, &(struct ground_params){.cells = 128, .tiles = 1, .first = 2, .spacing = 0.01, .model = DEFORM_SCM, .soils = &soil, .height = side_slope});
+			ground_init(&ground, &(struct ground_params){.cells = 128, .tiles = 1, .first = 2, .spacing = 0.01, .soils = &soil, .height = side_slope});
 			contact.to = ground_pose(&ground, x, y, slope * 0.01 * y + (wheel.radius - sinkage) / c);
 			contact.to.roll = leans;
 			contact.from = contact.to;
 			struct deform_forces got = ground_forces(&ground, &contact);
 			for (double way = 0; way < FAR_BACK && m > 0; way += 0.01) {
-				contact = move(&contact, 0.01, 0, 0);
+				ground_go(&contact, 0.01, 0, 0);
 				contact.turned = 0.01 * motions[m].turned / wheel.radius;
 				got = ground_forces(&ground, &contact);
 			}
@@ -211,16 +194,14 @@ static void across_a_slope_a_wheel_that_stands_straight_on_it_is_level(void **st
 static void a_loaded_wheel_sinks_as_the_integral_says(void **state)
 {
 	const double load = 1500;
-	(void)state;
-	need_gpu();
 	for (size_t s = 0; s < COUNT(soils); s++) {
-		const struct soil_numbers soil = named(soils[s]);
+		const struct soil_numbers soil = soil_of(soils[s]);
 		double level = 0, level_wanted = 0;
 		struct ground ground;
-		bed_init(&ground, &soil, 0.01);
+		init(&ground, &soil, 0.01);
 		for (size_t i = 0; i < COUNT(cambers); i++) {
 			const double camber = cambers[i] * DEGREES, reach = soil_shape_reach(&wheel, 0, camber);
-			struct deform_contact contact = {.shape = &wheel, .to = ground_pose(&ground, 64.2, 64.7, reach), .tag = 1, .load = load};
+			struct deform_contact contact = {.shape = &wheel, .to = ground_pose(&ground, 64.2, 64.7, reach), .load = load};
 			contact.to.yaw = yaws[i % 3];
 			contact.to.roll = camber;
 			contact.from = contact.to;
@@ -242,15 +223,13 @@ static void a_loaded_wheel_sinks_as_the_integral_says(void **state)
 static void a_cylinder_that_leans_is_a_wheel_that_does_not_turn(void **state)
 {
 	const struct soil_shape log = {.kind = SOIL_CYLINDER, .radius = wheel.radius, .length = wheel.width};
-	const struct soil_numbers soil = named("dry_sand");
+	const struct soil_numbers soil = soil_of("dry_sand");
 	struct ground ground;
-	(void)state;
-	need_gpu();
-	bed_init(&ground, &soil, 0.02);
+	init(&ground, &soil, 0.02);
 	for (size_t i = 1; i < COUNT(cambers); i++) {
 		struct deform_forces forces[2];
 		for (int k = 0; k < 2; k++) {
-			struct deform_contact contact = {.shape = k == 0 ? &wheel : &log, .tag = 1};
+			struct deform_contact contact = {.shape = k == 0 ? &wheel : &log};
 			ground_reset(&ground);
 			contact.to = ground_pose(&ground, 64.2, 64.7, soil_shape_reach(&wheel, 0, cambers[i] * DEGREES) - 0.02);
 			contact.to.yaw = yaws[i % 3];
@@ -275,5 +254,5 @@ TEST_PROGRAM(camber)
 		cmocka_unit_test(a_loaded_wheel_sinks_as_the_integral_says),
 		cmocka_unit_test(a_cylinder_that_leans_is_a_wheel_that_does_not_turn),
 	};
-	return cmocka_run_group_tests_name("deform/camber", tests, open_gpu, close_gpu);
+	return cmocka_run_group_tests_name("bearing/camber", tests, NULL, NULL);
 }

@@ -1,9 +1,7 @@
 /* Friction and adhesion of an object's surface: they change forces where they are weaker than the soil, and nothing elsewhere. */
-#include "../support/near.h"
 #include "ground.h"
 #include "../support/program.h"
 
-#define DEGREES (M_PI / 180)
 #define SPACING 0.0125
 
 static const struct soil_shape block = {.kind = SOIL_BOX, .size = {1, 0.3, 0.5}};
@@ -15,15 +13,8 @@ static const struct soil_shape bodies[] = {
 
 static void init(struct ground *ground, const struct soil_numbers *soil, double slip_sinkage)
 {
-	ground_init(ground, &(struct ground_params){.cells = 64, .tiles = 3, .first = 1, .spacing = SPACING, .model = DEFORM_SCM, .soils = soil,
+	ground_init(ground, &(struct ground_params){.cells = 64, .tiles = 3, .first = 1, .spacing = SPACING, .soils = soil,
 						    .slip_sinkage = slip_sinkage, .bulldozing = slip_sinkage > 0 ? 0.5 : 0});
-}
-
-static struct soil_numbers soil_of(const char *name)
-{
-	struct soil_numbers soil;
-	assert_ok(soil_named(name, &soil));
-	return soil;
 }
 
 /*
@@ -36,8 +27,6 @@ static void a_dragged_block_is_held_back_by_adhesion_and_friction(void **state)
 		{true, true, 15 * DEGREES, 500}, {true, true, 0, 800}, {.has_friction = true, .friction_angle = 20 * DEGREES},
 		{.has_adhesion = true, .adhesion = 0}, {true, true, 60 * DEGREES, 1e5}, {.has_friction = false},
 	};
-	(void)state;
-	need_gpu();
 	for (size_t i = 0; i < 3 * sizeof surfaces / sizeof *surfaces; i++) {
 		static const char *const names[] = {"dry_sand", "lete_sand", "upland_loam_51"};
 		static const double loads[] = {2000, 4000, 3000};
@@ -85,7 +74,6 @@ static void drive(const struct soil_shape *shape, const struct soil_numbers *soi
 		sweep.to = pose;
 		sweep.turned = step > 0 && shape->kind == SOIL_WHEEL ? 1.25 * 1.36 * SPACING / shape->radius : 0;
 		out->forces[step] = ground_forces(&ground, &sweep);
-		out->forces[step].tag = 0;
 	}
 	for (int plane = 0; plane < PLANES; plane++)
 		out->planes[plane] = deform_planes(DEFORM_SCM, false, true) & PLANE_BIT(plane) ? ground_plane(&ground, plane) : NULL;
@@ -122,8 +110,6 @@ static void a_surface_no_weaker_than_the_soil_changes_no_bit(void **state)
 		{{.has_friction = true, .friction_angle = 25 * DEGREES}, false},
 		{{.has_adhesion = true, .adhesion = soil.cohesion / 2}, false},
 	};
-	(void)state;
-	need_gpu();
 	for (size_t b = 0; b < sizeof bodies / sizeof *bodies; b++) {
 		struct left plain, other;
 		drive(&bodies[b], &soil, &none, &plain);
@@ -140,7 +126,6 @@ static void a_surface_no_weaker_than_the_soil_changes_no_bit(void **state)
 static void the_shear_limit_is_the_weaker_line(void **state)
 {
 	const struct soil_numbers soil = {.cohesion = 1000, .friction_angle = M_PI / 4};
-	(void)state;
 	assert_near(soil_shear_limit(&soil, &(struct soil_interface){.has_friction = false}, 2, 300), 2300, 1e-9);
 	assert_near(soil_shear_limit(&soil, &(struct soil_interface){.has_friction = true}, 2, 300), 2000, 1e-9);
 	assert_near(soil_shear_limit(&soil, &(struct soil_interface){.has_adhesion = true, .adhesion = 10}, 2, 300), 320, 1e-9);
@@ -155,5 +140,5 @@ TEST_PROGRAM(interface)
 		cmocka_unit_test(a_surface_no_weaker_than_the_soil_changes_no_bit),
 		cmocka_unit_test(the_shear_limit_is_the_weaker_line),
 	};
-	return cmocka_run_group_tests_name("deform/interface", tests, open_gpu, close_gpu);
+	return cmocka_run_group_tests_name("bearing/interface", tests, NULL, NULL);
 }
