@@ -5,17 +5,17 @@
 
 int64_t lattice_base(double metres)
 {
-	return llround(ldexp(metres, BASE_BITS));
+	return llround(metres * (1 << BASE_BITS));
 }
 
 int64_t lattice_offset(double metres)
 {
-	return llround(ldexp(metres, OFFSET_BITS));
+	return llround(metres * (1 << OFFSET_BITS));
 }
 
 double lattice_base_metres(int64_t base)
 {
-	return ldexp((double)base, -BASE_BITS);
+	return (double)base * (1.0 / (1 << BASE_BITS));
 }
 
 double lattice_offset_metres(int64_t offset)

@@ -51,6 +51,12 @@ struct bearing_member {
 	bool crosses;              /* another one may touch its posts */
 };
 
+/* A body at rest. */
+struct bearing_held {
+	struct post_rect shadow;
+	const struct deform_rest *rest;
+};
+
 struct bearing {
 	struct deform_params params;
 	struct host_slots *slots;
@@ -78,8 +84,9 @@ struct bearing {
 	struct soil_block_set active;
 	struct deform_tally tally;
 	/* The interval that is under way. */
-	const struct deform_rest *objects;
-	size_t object_count;
+	struct bearing_held *held;   /* bodies at rest, from south to north */
+	size_t held_count, held_room;
+	int64_t held_tallest;        /* posts: the most that a shadow reaches to the north */
 	struct bearing_region *regions;
 	size_t region_count, region_room;
 	struct soil_block_set next;  /* blocks that stay active */

@@ -54,7 +54,7 @@ void bearing_figures(const struct bearing *bearing, struct bearing_figures *figu
 {
 	const struct bearing_window *window = &bearing->window;
 	size_t members = bearing->member_room * (sizeof *bearing->members + sizeof *bearing->others + sizeof *bearing->rests) +
-			 bearing->claim_room * sizeof *bearing->claims;
+			 bearing->claim_room * sizeof *bearing->claims + bearing->held_room * sizeof *bearing->held;
 	for (size_t i = 0; i < bearing->member_room; i++)
 		members += soil_work_bytes(bearing->members[i].work);
 	*figures = (struct bearing_figures){
