@@ -4,8 +4,8 @@
  */
 #include "bearing/internal.h"
 
-/* Returns the bytes of a post of the window that every drive with this model has: base, offset, contact; other planes that the model keeps; deposits, and
- * what a kinematic model carries. */
+/* Returns the bytes of a post of the window, without the planes that a scene may ask for. Each model has base, offset and contact. Others are planes
+ * that the model keeps, deposits, and what a kinematic model carries. */
 static uint64_t window_bytes(enum deform_model model)
 {
 	const unsigned kept = deform_planes(model, false, false);
