@@ -151,7 +151,12 @@ static double run_cpu(struct ground *ground)
 		for (int number = 0; number < ground->wheels; number++) {
 			const struct deform_contact contact = contact_of(ground, step, number);
 			bench_must(bearing_area(ground->bearing, &contact, &area));
-			bench_must(bearing_contact(ground->bearing, &contact, &area, tiles, tiles_of(ground, area.read, tiles), &done));
+			done = (struct bearing_contact){.contact = &contact, .area = area};
+			const size_t count = tiles_of(ground, area.read, tiles);
+			bench_must(bearing_meeting_begin(ground->bearing, &done, 1, true));
+			bearing_meeting_gather(ground->bearing, tiles, count);
+			bench_must(bearing_meeting_compute(ground->bearing, &done, 1, NULL, 0));
+			bench_must(bearing_meeting_scatter(ground->bearing, &done, 1, tiles, count));
 		}
 	ground->sinkage = done.forces.sinkage;
 	return clock_seconds() - began;

@@ -29,22 +29,38 @@ struct bearing_area {
 /* STATUS_INPUT: the body is too large. Pure. */
 enum status bearing_area(const struct bearing *bearing, const struct deform_contact *contact, struct bearing_area *area) FURROW_CHECKED;
 
-/* What a contact did. */
+/* One of the bodies that meet the ground together, and what it did. */
 struct bearing_contact {
+	const struct deform_contact *contact;
+	struct bearing_area area;
+	bool feels;               /* its forces alone are asked; it changes nothing */
 	struct deform_forces forces;
 	struct post_rect changed; /* posts whose planes it may have changed; empty: none */
 };
-/* Computes a contact. held: all tiles that have posts of area->read, pinned. It makes posts of `changed` active. After a failure nothing was changed. */
-enum status bearing_contact(struct bearing *bearing, const struct deform_contact *contact, const struct bearing_area *area, const struct tile_slot *held,
-			    size_t count, struct bearing_contact *out) FURROW_CHECKED;
-/* Computes its forces alone, and changes nothing. */
-enum status bearing_feel(struct bearing *bearing, const struct deform_contact *contact, const struct bearing_area *area, const struct tile_slot *held,
-			 size_t count, struct deform_forces *forces) FURROW_CHECKED;
+/*
+ * Computes the contacts of bodies that meet the ground together: each finds the ground as it was before, at each post the lowest body bears, and their order
+ * does not show. Call bearing_meeting_begin, then bearing_meeting_gather until each tile that has posts of bearing_meeting_reads was held once. Then
+ * bearing_meeting_compute, and bearing_meeting_scatter with the tiles that have posts of `changed`.
+ */
+/* One call that holds all tiles: `whole`. */
+enum status bearing_meeting_begin(struct bearing *bearing, const struct bearing_contact *contacts, size_t count, bool whole) FURROW_CHECKED;
+/* held: pinned tiles that together make a rectangle. */
+void bearing_meeting_gather(struct bearing *bearing, const struct tile_slot *held, size_t count);
+/* beside: others that may be over the same ground, and stay as they are; no soil is laid below them, nor slides there. Makes posts that changed
+ * active. After a failure nothing was changed. */
+enum status bearing_meeting_compute(struct bearing *bearing, struct bearing_contact *contacts, size_t count, const struct deform_rest *beside,
+				    size_t beside_count) FURROW_CHECKED;
+/* Puts back what these tiles, which are pinned, have of the contacts' changed posts. */
+enum status bearing_meeting_scatter(struct bearing *bearing, const struct bearing_contact *contacts, size_t count, const struct tile_slot *held,
+				    size_t held_count) FURROW_CHECKED;
+#define BEARING_TOGETHER 250 /* the most contacts of one call */
+/* Returns the posts that bearing_meet reads. */
+struct post_rect bearing_meeting_reads(const struct bearing_contact *contacts, size_t count);
 /* Returns the posts that a probe of this motion reads. */
 struct post_rect bearing_probe_posts(const struct bearing *bearing, const struct soil_motion *motion);
-/* Computes what soil_probe tells. held: all tiles that have posts of bearing_probe_posts, pinned. */
-enum status bearing_probe(struct bearing *bearing, const struct soil_motion *motion, const struct tile_slot *held, size_t count, struct soil_probed *out)
-	FURROW_CHECKED;
+/* Computes what soil_probe tells, where others are `beside` it. held: all tiles that have posts of bearing_probe_posts, pinned. */
+enum status bearing_probe(struct bearing *bearing, const struct soil_motion *motion, const struct deform_rest *beside, size_t beside_count,
+			  const struct tile_slot *held, size_t count, struct soil_probed *out) FURROW_CHECKED;
 /* Sets the equilibrium height of a loaded body that has had no contact yet: how far it rests above its pose, 2^-20 m. */
 void bearing_set_equilibrium(struct bearing *bearing, uint32_t loaded_body, int32_t raised);
 
@@ -111,11 +127,11 @@ void bearing_restore(struct bearing *bearing, const struct deform_tally *tally);
 
 /* What was computed since bearing_create, and what was allocated so far: the most that existed at once. */
 struct bearing_figures {
-	uint64_t contacts, feels, regions; /* of bearing_contact, of bearing_feel, and of intervals of relaxation */
+	uint64_t contacts, feels, regions; /* contacts that changed the ground, those whose forces alone were asked, and regions of relaxation */
 	uint64_t window_posts;  /* posts for which the window has room */
 	uint64_t scratch_bytes; /* beside it */
 	uint64_t result_posts;  /* posts of regions that wait to be put back */
-	uint64_t bytes;         /* of all three, and of what is made at the start. Without what soil_work allocates. */
+	uint64_t bytes;         /* of all three, and of what is made at the start. */
 };
 void bearing_figures(const struct bearing *bearing, struct bearing_figures *figures);
 /* Adds the plan's lines of planes, and of the memory that bearing_figures tells. Ignores gpu, slots and extent. Pure. */

@@ -1,9 +1,11 @@
-/* One contact of bearing soil: from the tiles into a window, the body into the ground, and back. */
-#include <math.h>
+/* Contacts of bodies with the ground: from the tiles into a window, the bodies into the ground, and back. */
 #include <string.h>
 
+#include "base/memory.h"
 #include "bearing/internal.h"
 #include "soil/kinematic/kinematic.h"
+
+#define ROUNDS 4 /* in which bodies with loads over the same ground find their heights */
 
 enum status bearing_area(const struct bearing *bearing, const struct deform_contact *contact, struct bearing_area *area)
 {
@@ -18,17 +20,12 @@ enum status bearing_area(const struct bearing *bearing, const struct deform_cont
 	return status;
 }
 
-static struct soil_motion motion_of(const struct deform_contact *contact)
+struct post_rect bearing_meeting_reads(const struct bearing_contact *contacts, size_t count)
 {
-	struct soil_motion motion = {
-		.shape = contact->shape, .interface = contact->interface, .from = contact->from, .to = contact->to, .turned = contact->turned, .load = contact->load,
-		.stamped = contact->stamped, .hosted = contact->hosted, .jumped = deform_is_contact_only(contact) && !contact->hosted,
-	};
-	memcpy(motion.rotated, contact->rotated, sizeof motion.rotated);
-	memcpy(motion.linear, contact->linear, sizeof motion.linear);
-	memcpy(motion.angular, contact->angular, sizeof motion.angular);
-	motion.runs = contact->runs;
-	return motion;
+	struct post_rect reads = {0, 0, 0, 0};
+	for (size_t i = 0; i < count; i++)
+		reads = post_rect_joined(reads, contacts[i].area.read);
+	return reads;
 }
 
 static enum status gather(struct bearing *bearing, struct post_rect read, const struct tile_slot *held, size_t count)
@@ -42,178 +39,325 @@ static enum status gather(struct bearing *bearing, struct post_rect read, const 
 	return STATUS_OK;
 }
 
-static enum status scatter(struct bearing *bearing, struct post_rect rect, const struct tile_slot *held, size_t count)
+enum status bearing_meeting_begin(struct bearing *bearing, const struct bearing_contact *contacts, size_t count, bool whole)
+{
+	const struct post_rect reads = bearing_meeting_reads(contacts, count);
+	enum status status = bearing_window_need(bearing, reads);
+	const struct soil_planes *planes = &bearing->window.planes;
+	if (status != STATUS_OK)
+		return status;
+	memset(planes->contact, 0, planes->width * (size_t)(reads.y1 - reads.y0));
+	if (!whole) /* posts of no tile are beyond the world */
+		resident_host_gather(bearing->slots, NULL, 0, planes);
+	bearing->whole = whole;
+	return STATUS_OK;
+}
+
+void bearing_meeting_gather(struct bearing *bearing, const struct tile_slot *held, size_t count)
+{
+	struct soil_planes planes = bearing->window.planes;
+	struct post_rect part = {0, 0, 0, 0};
+	for (size_t i = 0; i < count && !bearing->whole; i++)
+		part = post_rect_joined(part, tile_post_rect(bearing->params.extent, held[i].tile));
+	part = post_rect_intersect(part, planes.rect);
+	if (!bearing->whole && post_rect_empty(part))
+		return;
+	if (!bearing->whole)
+		bearing_window_part(&bearing->window, part, &planes);
+	resident_host_gather(bearing->slots, held, count, &planes);
+}
+
+enum status bearing_meeting_scatter(struct bearing *bearing, const struct bearing_contact *contacts, size_t count, const struct tile_slot *held, size_t held_count)
 {
 	enum status status = STATUS_OK;
+	for (size_t i = 0; i < count; i++)
+		for (size_t k = 0; k < held_count && status == STATUS_OK; k++)
+			if (!post_rect_empty(post_rect_intersect(tile_post_rect(bearing->params.extent, held[k].tile), contacts[i].changed)))
+				status = resident_host_write(bearing->slots, held[k].slot, bearing->planes);
 	for (size_t i = 0; i < count && status == STATUS_OK; i++)
-		if (!post_rect_empty(post_rect_intersect(tile_post_rect(bearing->params.extent, held[i].tile), rect)))
-			status = resident_host_write(bearing->slots, held[i].slot, bearing->planes);
-	if (status == STATUS_OK)
-		resident_host_scatter(bearing->slots, held, count, &bearing->window.planes, rect, bearing->planes);
+		if (!post_rect_empty(contacts[i].changed))
+			resident_host_scatter(bearing->slots, held, held_count, &bearing->window.planes, contacts[i].changed, bearing->planes);
 	return status;
 }
 
-/* --- forces --- */
+/* --- into the ground --- */
 
-/* Returns the mean slope of the base between two posts along an axis; 0: not known. */
-static double slope_between(const struct soil_planes *planes, double spacing, int64_t x0, int64_t y0, int64_t x1, int64_t y1)
+static int32_t *standing_of(struct bearing *bearing, const struct deform_contact *contact)
 {
-	const int32_t *base = planes->base;
-	const int64_t mx = (x0 + x1) / 2, my = (y0 + y1) / 2;
-#define POST(x, y) base[(size_t)((y) - planes->rect.y0) * planes->width + (size_t)((x) - planes->rect.x0)]
-	int32_t first = POST(x0, y0), last = POST(x1, y1), middle = POST(mx, my);
-#undef POST
-	int64_t posts = x1 - x0 + y1 - y0;
-	if (first == BASE_NODATA || last == BASE_NODATA) {
-		posts = first == BASE_NODATA ? x1 - mx + y1 - my : mx - x0 + my - y0;
-		first = first == BASE_NODATA ? middle : first;
-		last = last == BASE_NODATA ? middle : last;
+	return contact->loaded_body > 0 ? &bearing->standing[contact->loaded_body - 1] : NULL;
+}
+
+/* Begins those beside the first `count` members that may be over the same ground. Adds their number to *all. */
+static enum status begin_rests(struct bearing *bearing, size_t count, const struct deform_rest *beside, size_t beside_count, size_t *all)
+{
+	enum status status = STATUS_OK;
+	bearing->rest_count = 0;
+	for (size_t i = 0; i < beside_count && status == STATUS_OK; i++) {
+		struct bearing_member *member = &bearing->members[*all];
+		bool overlaps = false;
+		if (!bearing_rest_is_near(bearing, &beside[i], &member->motion))
+			continue;
+		bearing->rests[bearing->rest_count++] = beside[i];
+		for (size_t k = 0; k < count && !overlaps; k++)
+			overlaps = bearing_members_overlap(bearing, &bearing->members[k].motion, &member->motion);
+		if (overlaps)
+			status = soil_sink_begin(&bearing->law, NULL, &bearing->members[(*all)++].motion, 0, member->work);
 	}
-	if (first == BASE_NODATA || last == BASE_NODATA || posts <= 0)
-		return 0;
-	return fmin(fmax(lattice_base_metres((int64_t)last - first) / ((double)posts * spacing), -1e4), 1e4);
+	return status;
 }
 
-/* Gives the mean slope of the base under the body: the ground as it was before all drives. */
-static void put_slope(const struct bearing *bearing, const struct soil_motion *motion, double slope[2])
+/* Begins the bodies that meet the ground. */
+static enum status begin(struct bearing *bearing, const struct bearing_contact *contacts, size_t count)
+{
+	enum status status = STATUS_OK;
+	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
+		struct bearing_member *member = &bearing->members[i];
+		const struct deform_contact *contact = contacts[i].contact;
+		const int32_t *standing = standing_of(bearing, contact);
+		member->motion = bearing_motion_of(contact);
+		member->at = bearing_window_part(&bearing->window, contacts[i].area.read, &member->planes);
+		member->laying = soil_laying_of(contact->shape, &contact->from, &contact->to, contact->turned, bearing->law.spacing);
+		member->laid = (struct soil_lay_result){.posts = {0, 0, 0, 0}};
+		member->slides = (struct post_rect){0, 0, 0, 0};
+		member->write = contacts[i].area.write;
+		member->party = i;
+		member->widened = false;
+		member->feels = contacts[i].feels;
+		status = soil_sink_begin(&bearing->law, &member->planes, &member->motion, standing != NULL ? *standing : 0, member->work);
+	}
+	return status;
+}
+
+/* Finds heights and forces. A body with a load stands where the others let it. So heights are found anew while they change. */
+static enum status find(struct bearing *bearing, size_t count, size_t all)
+{
+	enum status status = STATUS_OK;
+	bool again = true;
+	for (int round = 0; round < ROUNDS && again && status == STATUS_OK; round++) {
+		again = false;
+		for (size_t i = 0; i < count && all > 1 && status == STATUS_OK; i++)
+			status = bearing_member_meet(bearing, i, count, all);
+		for (size_t i = 0; i < count && status == STATUS_OK; i++) {
+			struct bearing_member *member = &bearing->members[i];
+			const int32_t before = member->imprint.raised;
+			soil_sink_find(member->work, &member->imprint);
+			again |= member->motion.load > 0 && all > 1 && soil_sink_shares(member->work) && (round == 0 || member->imprint.raised != before);
+		}
+	}
+	return status;
+}
+
+/* Decides which body changes a post, where several touch it. */
+static enum status claim(struct bearing *bearing, const struct bearing_contact *contacts, size_t count)
 {
 	const struct soil_planes *planes = &bearing->window.planes;
-	const struct post_rect below = post_rect_intersect(soil_shadow(motion->shape, &motion->from, &motion->to, bearing->law.spacing), planes->rect);
-	slope[0] = slope[1] = 0;
-	if (post_rect_empty(below))
-		return;
-	const int64_t x0 = below.x0, y0 = below.y0, x1 = below.x1 - 1, y1 = below.y1 - 1, mx = (x0 + x1) / 2, my = (y0 + y1) / 2;
-	slope[0] = slope_between(planes, bearing->law.spacing, x0, my, x1, my);
-	slope[1] = slope_between(planes, bearing->law.spacing, mx, y0, mx, y1);
+	const size_t posts = planes->width * (size_t)(planes->rect.y1 - planes->rect.y0);
+	bool any = false;
+	for (size_t i = 0; i < count && count > 1; i++)
+		any |= bearing->members[i].crosses;
+	if (!any)
+		return STATUS_OK;
+	if (posts > bearing->claim_room) {
+		mem_free(bearing->claims);
+		bearing->claim_room = 0;
+		bearing->claims = mem_alloc(posts, sizeof *bearing->claims);
+		if (bearing->claims == NULL)
+			return fail_memory("bearing soil");
+		bearing->claim_room = posts;
+	}
+	memset(bearing->claims, 0, posts * sizeof *bearing->claims);
+	for (size_t i = 0; i < count; i++)
+		if (bearing->members[i].crosses && !contacts[i].feels)
+			soil_sink_claim(bearing->members[i].work, (uint8_t)(i + 1), bearing->claims + bearing->members[i].at);
+	return STATUS_OK;
 }
 
-/* Returns true if a slope is too steep to hold a load: W sin a > c A + W cos a tan phi. c and phi are of the soil below the body's middle, or of the
- * body's surface. */
-static bool slides(const struct bearing *bearing, const struct soil_motion *motion, const struct deform_forces *forces)
+/* Prepares the laying of members that are parts of one body: as the first of them, for all. */
+static void begin_parties(struct bearing *bearing, size_t count)
+{
+	struct bearing_member *members = bearing->members;
+	for (size_t i = 0; i < count; i++) {
+		if (members[i].party == i)
+			continue;
+		struct bearing_member *first = &members[members[i].party];
+		if (!first->widened)
+			soil_sink_widen(first->work, &first->laying);
+		first->widened = true;
+		first->write = post_rect_joined(first->write, members[i].write);
+	}
+}
+
+static void commit(struct bearing *bearing, size_t count, bool alone)
+{
+	struct bearing_window *window = &bearing->window;
+	struct bearing_member *members = bearing->members;
+	if (!alone)
+		memset(window->owners, 0, window->planes.width * (size_t)(window->planes.rect.y1 - window->planes.rect.y0));
+	begin_parties(bearing, count);
+	for (size_t i = 0; i < count; i++) {
+		struct bearing_member *member = &members[i];
+		const struct soil_sink sink = {.laying = &members[member->party].laying, .soils = bearing->laid};
+		const struct soil_sink_shared shared = {count > 1 && member->crosses ? bearing->claims + member->at : NULL, window->owners + member->at, (uint8_t)(i + 1)};
+		if (!member->feels)
+			soil_sink_commit(member->work, &sink, alone ? NULL : &shared, &member->imprint);
+	}
+	for (size_t i = 0; i < count; i++)
+		if (members[i].party != i && !members[i].feels) {
+			soil_measured_join(&members[members[i].party].imprint.measured, &members[i].imprint.measured);
+			members[i].imprint.measured.carried = 0;
+		}
+}
+
+/* --- laying and sliding --- */
+
+/* Marks the posts that a party touched. */
+static const uint8_t *patch_of(struct bearing *bearing, size_t party)
 {
 	const struct soil_planes *planes = &bearing->window.planes;
-	const double steep = hypot(forces->slope[0], forces->slope[1]), sine = steep / hypot(1, steep);
-	const int64_t x = (int64_t)llround(lattice_offset_metres(motion->to.x) / bearing->law.spacing), y = (int64_t)llround(lattice_offset_metres(motion->to.y) / bearing->law.spacing);
-	const struct post_rect *rect = &planes->rect;
-	size_t at = 0;
-	if (x >= rect->x0 && x < rect->x1 && y >= rect->y0 && y < rect->y1)
-		at = (size_t)(y - rect->y0) * planes->width + (size_t)(x - rect->x0);
-	const struct soil_numbers soil = soil_numbers_at(&bearing->law, planes, at);
-	return motion->load * sine > soil_shear_limit(&soil, &motion->interface, forces->area, motion->load * sqrt(1 - sine * sine));
+	const size_t posts = planes->width * (size_t)(planes->rect.y1 - planes->rect.y0);
+	uint8_t *patch = bearing->window.patch;
+	const uint8_t *owners = bearing->window.owners;
+	for (size_t i = 0; i < posts; i++)
+		patch[i] = owners[i] > 0 && bearing->members[owners[i] - 1].party == party ? SOIL_LOWERED : 0;
+	return patch;
 }
 
-/* The force that the path must add to the soil's, so that the body keeps its motion. */
-static double residual_of(const struct deform_contact *contact, const struct deform_forces *forces)
+/* Lays what the bodies displaced. Returns false if there is nothing. */
+static bool lay(struct bearing *bearing, size_t count, bool alone)
 {
-	const double ahead[2] = {cos(contact->to.yaw), sin(contact->to.yaw)}, *force = forces->force;
-	const double rise = forces->slope[0] * ahead[0] + forces->slope[1] * ahead[1], weight = contact->load > 0 ? contact->load : force[2];
-	return -(force[0] * ahead[0] + force[1] * ahead[1] + (force[2] - weight) * rise) / hypot(1, rise);
+	struct bearing_window *window = &bearing->window;
+	bool any = false;
+	for (size_t i = 0; i < count; i++) {
+		struct bearing_member *member = &bearing->members[i];
+		if (member->feels || member->imprint.measured.carried <= 0)
+			continue;
+		if (!any)
+			memset(window->deposits, 0, window->planes.width * (size_t)(window->planes.rect.y1 - window->planes.rect.y0) * sizeof *window->deposits);
+		any = true;
+		const uint8_t *patch = !alone && member->laying.around ? patch_of(bearing, i) : window->planes.contact;
+		soil_lay(&member->laying, &member->imprint.measured, bearing->laid, &window->planes, patch, member->write, window->scratch, window->deposits,
+			 &member->laid);
+	}
+	return any;
 }
 
-static void tell(const struct bearing *bearing, const struct deform_contact *contact, const struct soil_motion *motion, const struct soil_forces *from,
-		 struct deform_forces *forces)
+static struct post_rect reached_by(const struct bearing_member *member)
 {
-	static const enum deform_state states[SOIL_STATES] = {DEFORM_TOUCHING, DEFORM_SLIDES, DEFORM_SUNK, DEFORM_AIR};
-	*forces = (struct deform_forces){.tag = contact->tag, .sinkage = fmax(from->sinkage, 0), .area = from->area, .pull = from->pull, .z = from->z,
-					 .saturated = from->saturated, .state = states[from->state]};
-	memcpy(forces->force, from->force, sizeof forces->force);
-	memcpy(forces->moment, from->moment, sizeof forces->moment);
-	put_slope(bearing, motion, forces->slope);
-	if (!(forces->area > 0) && forces->state != DEFORM_SUNK)
-		forces->state = DEFORM_AIR;
-	if (forces->state == DEFORM_TOUCHING && contact->load > 0 && slides(bearing, motion, forces))
-		forces->state = DEFORM_SLIDES;
-	if (forces->area > 0)
-		forces->residual = residual_of(contact, forces);
+	return post_rect_joined(member->imprint.reached, member->laid.posts);
 }
 
-/* --- contacts --- */
-
-static enum status sink(struct bearing *bearing, const struct deform_contact *contact, const struct soil_motion *motion, struct soil_laying *laying,
-			 struct soil_imprint *imprint)
+/* Gives members one cluster if soil may slide on the same posts. */
+static void put_clusters(struct bearing *bearing, size_t count)
 {
-	*laying = soil_laying_of(contact->shape, &contact->from, &contact->to, contact->turned, bearing->law.spacing);
-	const struct soil_sink how = {laying, bearing->laid, contact->loaded_body > 0 ? bearing->standing[contact->loaded_body - 1] : 0};
-	return soil_sink_body(&bearing->law, &bearing->window.planes, motion, &how, bearing->work, imprint);
+	struct bearing_member *members = bearing->members;
+	for (size_t i = 0; i < count; i++) {
+		members[i].cluster = i;
+		if (!members[i].feels && !post_rect_empty(members[i].imprint.reached))
+			members[i].slides = soil_slide_posts(members[i].write, reached_by(&members[i]), bearing->around);
+	}
+	for (bool grows = true; grows;) {
+		grows = false;
+		for (size_t i = 0; i < count; i++)
+			for (size_t k = i + 1; k < count; k++) {
+				const struct post_rect a = post_rect_grown(members[i].slides, 1), b = members[k].slides;
+				if (members[k].cluster == members[i].cluster || post_rect_empty(members[i].slides) || post_rect_empty(b) ||
+				    post_rect_empty(post_rect_intersect(a, b)))
+					continue;
+				const size_t into = members[i].cluster < members[k].cluster ? members[i].cluster : members[k].cluster;
+				const size_t from = members[i].cluster < members[k].cluster ? members[k].cluster : members[i].cluster;
+				for (size_t m = 0; m < count; m++)
+					members[m].cluster = members[m].cluster == from ? into : members[m].cluster;
+				grows = true;
+			}
+	}
 }
 
-static void add_tally(struct bearing *bearing, const struct soil_imprint *imprint, const struct soil_lay_result *laid, const struct soil_slid *slid,
-		      enum deform_state state)
+/* Lets the soil of one cluster slide. */
+static enum status slide(struct bearing *bearing, struct bearing_contact *contacts, size_t count, size_t cluster, bool deposits)
 {
-	bearing->tally.compacted += imprint->compacted + laid->compacted + (int64_t)slid->compacted;
-	bearing->tally.refused += imprint->refused + laid->refused + slid->refused;
-	bearing->tally.confined += laid->confined;
+	struct bearing_window *window = &bearing->window;
+	struct bearing_member *members = bearing->members;
+	struct soil_slide_window slide = {.world = bearing->world, .deposits = deposits ? window->deposits : NULL};
+	struct post_rect reached = {0, 0, 0, 0};
+	struct soil_slid slid = {0};
+	for (size_t i = 0; i < count; i++) {
+		if (members[i].cluster != cluster || post_rect_empty(members[i].slides))
+			continue;
+		slide.written = post_rect_joined(slide.written, members[i].write);
+		slide.posts = post_rect_joined(slide.posts, members[i].slides);
+		slide.loaded |= members[i].motion.load > 0;
+		reached = post_rect_joined(reached, reached_by(&members[i]));
+	}
+	if (post_rect_empty(slide.written))
+		return STATUS_OK;
+	soil_slide_window(&bearing->rule, &window->planes, &slide, window->scratch, window->words, &slid);
+	bool first = true;
+	const struct post_rect changed = post_rect_intersect(slide.written, post_rect_grown(post_rect_joined(reached, slide.posts), 1));
+	for (size_t i = 0; i < count; i++) {
+		if (members[i].cluster != cluster || post_rect_empty(members[i].slides))
+			continue;
+		/* The first has all: it may be more than what each of them writes. */
+		contacts[i].changed = first ? changed : post_rect_intersect(contacts[i].area.write, changed);
+		first = false;
+		if (bearing->params.disturbance)
+			soil_kinematic_disturb(&window->planes, post_rect_intersect(members[i].imprint.reached, contacts[i].area.write));
+	}
+	bearing->tally.compacted += (int64_t)slid.compacted;
+	bearing->tally.refused += slid.refused;
+	return soil_active_add_words(&bearing->active, bearing->world, soil_slide_blocks(slide.written), window->words);
+}
+
+/* --- a meeting --- */
+
+static void add_tally(struct bearing *bearing, const struct bearing_member *member, enum deform_state state)
+{
+	bearing->tally.compacted += member->imprint.compacted + member->laid.compacted;
+	bearing->tally.refused += member->imprint.refused + member->laid.refused;
+	bearing->tally.confined += member->laid.confined;
 	bearing->tally.sunk += state == DEFORM_SUNK;
 	bearing->tally.slid += state == DEFORM_SLIDES;
 }
 
-/* Lays what the contact displaced, lets it slide, and returns the posts that may have changed. */
-static struct post_rect redistribute(struct bearing *bearing, const struct deform_contact *contact, const struct bearing_area *area, const struct soil_laying *laying,
-				     const struct soil_imprint *imprint, struct soil_lay_result *laid, struct soil_slid *slid)
+enum status bearing_meeting_compute(struct bearing *bearing, struct bearing_contact *contacts, size_t count, const struct deform_rest *beside,
+				    size_t beside_count)
 {
-	struct bearing_window *window = &bearing->window;
-	const struct soil_planes *planes = &window->planes;
-	const size_t posts = planes->width * (size_t)(planes->rect.y1 - planes->rect.y0);
-	const bool carries = imprint->measured.carried > 0;
-	if (carries) {
-		memset(window->deposits, 0, posts * sizeof *window->deposits);
-		soil_lay(laying, &imprint->measured, bearing->laid, planes, planes->contact, area->write, window->scratch, window->deposits, laid);
-	}
-	const struct post_rect reached = post_rect_joined(imprint->reached, laid->posts);
-	const struct soil_slide_window slide = {
-		.written = area->write, .posts = soil_slide_posts(area->write, reached, bearing->around), .world = bearing->world,
-		.deposits = carries ? window->deposits : NULL, .loaded = contact->load > 0,
-	};
-	soil_slide_window(&bearing->rule, planes, &slide, window->scratch, window->words, slid);
-	return post_rect_intersect(area->write, post_rect_grown(post_rect_joined(reached, slide.posts), 1));
-}
-
-enum status bearing_contact(struct bearing *bearing, const struct deform_contact *contact, const struct bearing_area *area, const struct tile_slot *held,
-			    size_t count, struct bearing_contact *out)
-{
-	const struct soil_motion motion = motion_of(contact);
-	struct soil_laying laying;
-	struct soil_imprint imprint;
-	struct soil_lay_result laid = {.posts = {0, 0, 0, 0}};
-	struct soil_slid slid = {0};
-	*out = (struct bearing_contact){.changed = {0, 0, 0, 0}};
-	enum status status = gather(bearing, area->read, held, count);
+	size_t all = count;
+	enum status status = bearing_members_need(bearing, count + beside_count);
 	if (status == STATUS_OK)
-		status = sink(bearing, contact, &motion, &laying, &imprint);
+		status = begin(bearing, contacts, count);
+	if (status == STATUS_OK)
+		status = begin_rests(bearing, count, beside, beside_count, &all);
+	if (status == STATUS_OK)
+		status = find(bearing, count, all);
+	if (status == STATUS_OK)
+		status = claim(bearing, contacts, count);
 	if (status != STATUS_OK)
 		return status;
-	bearing->contacts++;
-	tell(bearing, contact, &motion, &imprint.forces, &out->forces);
-	if (!post_rect_empty(imprint.reached)) {
-		out->changed = redistribute(bearing, contact, area, &laying, &imprint, &laid, &slid);
-		if (bearing->params.disturbance)
-			soil_kinematic_disturb(&bearing->window.planes, post_rect_intersect(imprint.reached, area->write));
-		status = scatter(bearing, out->changed, held, count);
-		if (status == STATUS_OK)
-			status = soil_active_add_words(&bearing->active, bearing->world, soil_slide_blocks(area->write), bearing->window.words);
-		if (status != STATUS_OK)
-			return status;
+	for (size_t i = 0; i < count; i++) {
+		const struct bearing_member *member = &bearing->members[i];
+		contacts[i].changed = (struct post_rect){0, 0, 0, 0};
+		bearing_tell(bearing, contacts[i].contact, &member->motion, &member->imprint.forces, &contacts[i].forces);
+		bearing->contacts += !contacts[i].feels;
+		bearing->feels += contacts[i].feels;
 	}
-	add_tally(bearing, &imprint, &laid, &slid, out->forces.state);
-	if (contact->loaded_body > 0)
-		bearing->standing[contact->loaded_body - 1] = imprint.raised;
-	return STATUS_OK;
-}
-
-enum status bearing_feel(struct bearing *bearing, const struct deform_contact *contact, const struct bearing_area *area, const struct tile_slot *held,
-			 size_t count, struct deform_forces *forces)
-{
-	const struct soil_motion motion = motion_of(contact);
-	struct soil_laying laying;
-	struct soil_imprint imprint;
-	enum status status = gather(bearing, area->read, held, count);
-	if (status == STATUS_OK)
-		status = sink(bearing, contact, &motion, &laying, &imprint);
+	const bool alone = count == 1 && bearing->rest_count == 0;
+	commit(bearing, count, alone);
+	status = bearing_hold(bearing, bearing->rests, bearing->rest_count);
 	if (status != STATUS_OK)
 		return status;
-	bearing->feels++;
-	tell(bearing, contact, &motion, &imprint.forces, forces);
-	return STATUS_OK;
+	const bool deposits = lay(bearing, count, alone);
+	put_clusters(bearing, count);
+	for (size_t i = 0; i < count && status == STATUS_OK; i++)
+		status = slide(bearing, contacts, count, i, deposits);
+	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
+		int32_t *standing = standing_of(bearing, contacts[i].contact);
+		if (contacts[i].feels)
+			continue;
+		add_tally(bearing, &bearing->members[i], contacts[i].forces.state);
+		if (standing != NULL)
+			*standing = bearing->members[i].imprint.raised;
+	}
+	return status;
 }
 
 /* --- probes --- */
@@ -224,12 +368,23 @@ struct post_rect bearing_probe_posts(const struct bearing *bearing, const struct
 	return post_rect_empty(shadow) ? shadow : post_rect_intersect(post_rect_grown(shadow, 2), post_rect_grown(bearing->world, 1));
 }
 
-enum status bearing_probe(struct bearing *bearing, const struct soil_motion *motion, const struct tile_slot *held, size_t count, struct soil_probed *out)
+enum status bearing_probe(struct bearing *bearing, const struct soil_motion *motion, const struct deform_rest *beside, size_t beside_count,
+			  const struct tile_slot *held, size_t count, struct soil_probed *out)
 {
 	const struct post_rect read = bearing_probe_posts(bearing, motion);
 	*out = (struct soil_probed){.known = false};
 	if (post_rect_empty(read))
 		return STATUS_OK;
-	enum status status = gather(bearing, read, held, count);
-	return status == STATUS_OK ? soil_probe(&bearing->law, &bearing->window.planes, motion, bearing->work, out) : status;
+	enum status status = bearing_members_need(bearing, 1 + beside_count);
+	if (status == STATUS_OK)
+		status = gather(bearing, read, held, count);
+	size_t all = 1;
+	bearing->members[0].motion = *motion;
+	if (status == STATUS_OK)
+		status = begin_rests(bearing, 1, beside, beside_count, &all);
+	for (size_t i = 1; i < all; i++)
+		bearing->others[i - 1] = bearing->members[i].work;
+	if (status != STATUS_OK)
+		return status;
+	return soil_probe_among(&bearing->law, &bearing->window.planes, motion, bearing->others, all - 1, bearing->members[0].work, out);
 }

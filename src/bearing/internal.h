@@ -16,6 +16,7 @@ struct bearing_window {
 	struct soil_planes planes;
 	int32_t *deposits;
 	int32_t *carried; /* kinematic models: what each post gives away */
+	uint8_t *owners, *patch; /* soil that bears: which body touched a post last; the posts that one body touched, as soil_lay reads them */
 	size_t posts;     /* for which there is room */
 	void *memory;
 	size_t bytes;     /* of memory */
@@ -32,6 +33,24 @@ struct bearing_region {
 	int32_t *offset, *deposited; /* of `writes`; offset NULL: not computed yet; deposited NULL: the model does not keep it */
 };
 
+/* A body of a meeting. */
+struct bearing_member {
+	struct soil_work *work;
+	struct soil_motion motion;
+	struct soil_planes planes; /* its part of the window */
+	size_t at;                 /* where that begins in the window */
+	struct soil_laying laying;
+	struct soil_imprint imprint;
+	struct soil_lay_result laid;
+	struct post_rect slides;   /* where soil may slide */
+	struct post_rect write;    /* posts that it, or its party, may change */
+	bool widened;
+	size_t party;              /* the first of the members that are parts of one body with it: they lay their soil together */
+	size_t cluster;            /* members of one cluster slide together */
+	bool feels;                /* it changes nothing */
+	bool crosses;              /* another one may touch its posts */
+};
+
 struct bearing {
 	struct deform_params params;
 	struct host_slots *slots;
@@ -46,7 +65,14 @@ struct bearing {
 	struct soil_kinematic kinematic;
 	struct soil_laid laid[SOIL_CLASSES];
 	int64_t around;              /* posts around what a contact reached in which soil may slide */
-	struct soil_work *work;
+	struct bearing_member *members;
+	size_t member_room;
+	const struct soil_work **others; /* room for all members */
+	struct deform_rest *rests;       /* those beside them that may touch the ground */
+	size_t rest_count;
+	bool whole;                      /* one call gathers all posts of the meeting */
+	struct soil_claim *claims;
+	size_t claim_room;
 	struct bearing_window window;
 	int32_t *standing;           /* for each loaded body (params.loaded_bodies of them): its equilibrium height above its pose */
 	struct soil_block_set active;
@@ -66,13 +92,36 @@ struct bearing {
 enum status bearing_window_need(struct bearing *bearing, struct post_rect rect) FURROW_CHECKED;
 /* Makes room for so many bytes of scratch memory. */
 enum status bearing_scratch_need(struct bearing *bearing, size_t bytes) FURROW_CHECKED;
-/* Copies posts of pinned tiles into the window. The tiles together make a rectangle. Posts of other tiles are not changed. */
-void bearing_window_gather(struct bearing *bearing, const struct tile_slot *held, size_t count);
+/* Copies posts of pinned tiles into the window. The tiles together make a rectangle. Posts of other tiles are not changed. slides: only the planes that
+ * sliding reads. */
+void bearing_window_gather(struct bearing *bearing, const struct tile_slot *held, size_t count, bool slides);
 /* Makes all posts of the window such that lie beyond the world. */
 void bearing_window_clear(struct bearing *bearing);
 void bearing_window_finish(struct bearing_window *window);
 
+/* Gives the planes of a part of the window. Returns where it begins. */
+size_t bearing_window_part(const struct bearing_window *window, struct post_rect part, struct soil_planes *planes);
+
+/* members.c */
+/* Makes room for so many bodies. */
+enum status bearing_members_need(struct bearing *bearing, size_t count) FURROW_CHECKED;
+void bearing_members_finish(struct bearing *bearing);
+/* Tells whether a body that stays as it is may touch ground of the window. Gives it as a motion. */
+bool bearing_rest_is_near(const struct bearing *bearing, const struct deform_rest *rest, struct soil_motion *motion);
+/* Tells whether two bodies may be over the same posts. */
+bool bearing_members_overlap(const struct bearing *bearing, const struct soil_motion *a, const struct soil_motion *b);
+/* Tells a member which of the `all` may be over the same ground. Of them the first `count` may be parts of one body with it. */
+enum status bearing_member_meet(struct bearing *bearing, size_t number, size_t count, size_t all) FURROW_CHECKED;
+struct soil_motion bearing_motion_of(const struct deform_contact *contact);
+
+/* forces.c */
+/* Tells the forces of a contact. */
+void bearing_tell(const struct bearing *bearing, const struct deform_contact *contact, const struct soil_motion *motion, const struct soil_forces *from,
+		  struct deform_forces *forces);
+
 /* interval.c */
+/* Marks posts that bodies at rest hold, in the window. STATUS_MEMORY. */
+enum status bearing_hold(struct bearing *bearing, const struct deform_rest *objects, size_t count) FURROW_CHECKED;
 /* Frees the result of a region, if it has one. */
 void bearing_region_finish(struct bearing *bearing, struct bearing_region *region);
 

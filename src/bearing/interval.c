@@ -116,18 +116,17 @@ enum status bearing_interval_start(struct bearing *bearing, size_t region)
 
 void bearing_interval_gather(struct bearing *bearing, const struct tile_slot *held, size_t count)
 {
-	bearing_window_gather(bearing, held, count);
+	bearing_window_gather(bearing, held, count, true);
 }
 
-/* Marks posts that bodies at rest hold. */
-static enum status hold(struct bearing *bearing)
+enum status bearing_hold(struct bearing *bearing, const struct deform_rest *objects, size_t count)
 {
 	struct soil_planes *planes = &bearing->window.planes;
 	const struct soil_kinematic kinematic = {.spacing = bearing->law.spacing, .reference = bearing->law.reference};
 	const size_t height = (size_t)(planes->rect.y1 - planes->rect.y0);
 	enum status status = STATUS_OK;
-	for (size_t i = 0; i < bearing->object_count && status == STATUS_OK; i++) {
-		const struct deform_rest *rest = &bearing->objects[i];
+	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
+		const struct deform_rest *rest = &objects[i];
 		struct soil_pose pose = rest->pose;
 		if (rest->loaded_body > 0)
 			pose.z += bearing->standing[rest->loaded_body - 1];
@@ -145,7 +144,7 @@ enum status bearing_interval_slide(struct bearing *bearing, size_t number)
 	struct bearing_region *region = &bearing->regions[number];
 	struct soil_planes *planes = &bearing->window.planes;
 	const size_t width = (size_t)(region->writes.x1 - region->writes.x0), height = (size_t)(region->writes.y1 - region->writes.y0);
-	enum status status = hold(bearing);
+	enum status status = bearing_hold(bearing, bearing->objects, bearing->object_count);
 	if (status != STATUS_OK)
 		return status;
 	soil_active_close(&bearing->active, planes);

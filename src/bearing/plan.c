@@ -5,7 +5,7 @@
 #include "bearing/internal.h"
 
 /* Returns the bytes of a post of the window, without the planes that a scene may ask for. Each model has base, offset and contact. Others are planes
- * that the model keeps, deposits, and what a kinematic model carries. */
+ * that the model keeps, and deposits. A kinematic model has what it carries, one that bears has owners and patch. */
 static uint64_t window_bytes(enum deform_model model)
 {
 	const unsigned kept = deform_planes(model, false, false);
@@ -15,7 +15,7 @@ static uint64_t window_bytes(enum deform_model model)
 	whole += (kept & PLANE_BIT(PLANE_SHEAR)) != 0;
 	whole += deform_conserves(model);
 	whole += deform_conserves(model) && !deform_tells_forces(model);
-	return whole * sizeof(int32_t) + sizeof(uint8_t);
+	return whole * sizeof(int32_t) + (deform_tells_forces(model) ? 3 : 1) * sizeof(uint8_t);
 }
 
 /* Returns the bytes of a post that an interval changes: offset, and deposited if the model keeps it. */
@@ -53,12 +53,16 @@ void bearing_plan(const struct deform_params *params, struct plan *plan)
 void bearing_figures(const struct bearing *bearing, struct bearing_figures *figures)
 {
 	const struct bearing_window *window = &bearing->window;
+	size_t members = bearing->member_room * (sizeof *bearing->members + sizeof *bearing->others + sizeof *bearing->rests) +
+			 bearing->claim_room * sizeof *bearing->claims;
+	for (size_t i = 0; i < bearing->member_room; i++)
+		members += soil_work_bytes(bearing->members[i].work);
 	*figures = (struct bearing_figures){
 		.contacts = bearing->contacts,
 		.feels = bearing->feels,
 		.regions = bearing->slid,
 		.window_posts = window->posts,
-		.scratch_bytes = window->scratch_bytes + window->word_count * sizeof *window->words,
+		.scratch_bytes = window->scratch_bytes + window->word_count * sizeof *window->words + members,
 		.result_posts = bearing->results_most,
 	};
 	figures->bytes = sizeof *bearing + bearing->params.loaded_bodies * sizeof *bearing->standing + window->bytes + figures->scratch_bytes +

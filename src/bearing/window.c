@@ -29,8 +29,9 @@ static size_t place(struct bearing *bearing, size_t posts, char *memory)
 		*wholes[i].plane = memory != NULL && wholes[i].kept ? (void *)(memory + used) : NULL;
 		used += wholes[i].kept ? whole : 0;
 	}
-	p->contact = memory != NULL ? (void *)(memory + used) : NULL;
-	used += byte;
+	uint8_t **const bytes[] = {&p->contact, &bearing->window.owners, &bearing->window.patch};
+	for (size_t i = 0; i < (bearing->bears ? 3 : 1); i++, used += byte)
+		*bytes[i] = memory != NULL ? (void *)(memory + used) : NULL;
 	p->disturbance = p->classes = p->levels = NULL;
 	if (bearing->params.disturbance) {
 		p->disturbance = memory != NULL ? (void *)(memory + used) : NULL;
@@ -78,7 +79,7 @@ static enum status need_words(struct bearing *bearing, size_t words)
 enum status bearing_window_need(struct bearing *bearing, struct post_rect rect)
 {
 	struct bearing_window *window = &bearing->window;
-	const size_t width = (size_t)(rect.x1 - rect.x0), height = (size_t)(rect.y1 - rect.y0), posts = aligned(width * height);
+	const size_t width = (size_t)(rect.x1 - rect.x0), height = (size_t)(rect.y1 - rect.y0), posts = aligned(width * (height + 1)); /* a row more: parts are read in whole blocks */
 	if (posts > window->posts) {
 		mem_free(window->memory);
 		window->posts = window->bytes = 0;
@@ -106,25 +107,36 @@ void bearing_window_clear(struct bearing *bearing)
 	resident_host_gather(bearing->slots, NULL, 0, planes);
 }
 
-void bearing_window_gather(struct bearing *bearing, const struct tile_slot *held, size_t count)
+size_t bearing_window_part(const struct bearing_window *window, struct post_rect part, struct soil_planes *planes)
 {
-	/* The posts of these tiles as planes of their own, with the rows of the whole. */
-	struct soil_planes planes = bearing->window.planes;
+	const struct soil_planes *all = &window->planes;
+	const size_t at = (size_t)(part.y0 - all->rect.y0) * all->width + (size_t)(part.x0 - all->rect.x0);
+	*planes = *all;
+	planes->rect = part;
+	int32_t **const wholes[] = {&planes->base, &planes->offset, &planes->deposited, &planes->sinkage, &planes->shear, &planes->dug};
+	for (size_t i = 0; i < sizeof wholes / sizeof *wholes; i++)
+		*wholes[i] = *wholes[i] != NULL ? *wholes[i] + at : NULL;
+	uint8_t **const bytes[] = {&planes->disturbance, &planes->classes, &planes->contact};
+	for (size_t i = 0; i < sizeof bytes / sizeof *bytes; i++)
+		*bytes[i] = *bytes[i] != NULL ? *bytes[i] + at : NULL;
+	planes->levels = planes->levels != NULL ? planes->levels + SOIL_RASTERS * at : NULL;
+	return at;
+}
+
+void bearing_window_gather(struct bearing *bearing, const struct tile_slot *held, size_t count, bool slides)
+{
+	struct soil_planes planes;
 	struct post_rect part = {0, 0, 0, 0};
 	for (size_t i = 0; i < count; i++)
 		part = post_rect_joined(part, tile_post_rect(bearing->params.extent, held[i].tile));
-	part = post_rect_intersect(part, planes.rect);
+	part = post_rect_intersect(part, bearing->window.planes.rect);
 	if (post_rect_empty(part))
 		return;
-	const size_t at = (size_t)(part.y0 - planes.rect.y0) * planes.width + (size_t)(part.x0 - planes.rect.x0);
-	int32_t **const wholes[] = {&planes.base, &planes.offset, &planes.deposited, &planes.sinkage, &planes.shear, &planes.dug};
-	uint8_t **const bytes[] = {&planes.disturbance, &planes.classes};
-	for (size_t i = 0; i < sizeof wholes / sizeof *wholes; i++)
-		*wholes[i] = *wholes[i] != NULL ? *wholes[i] + at : NULL;
-	for (size_t i = 0; i < sizeof bytes / sizeof *bytes; i++)
-		*bytes[i] = *bytes[i] != NULL ? *bytes[i] + at : NULL;
-	planes.levels = planes.levels != NULL ? planes.levels + at * SOIL_RASTERS : NULL;
-	planes.rect = part;
+	bearing_window_part(&bearing->window, part, &planes);
+	if (slides) {
+		planes.sinkage = planes.shear = planes.dug = NULL;
+		planes.disturbance = planes.levels = NULL;
+	}
 	resident_host_gather(bearing->slots, held, count, &planes);
 }
 

@@ -17,7 +17,16 @@ void soil_work_destroy(struct soil_work *work)
 	soil_fine_finish(&work->fine);
 	soil_grousers_finish(&work->grousers);
 	mem_free(work->kept.more);
+	mem_free(work->met);
+	mem_free(work->seen);
+	mem_free(work->abuts);
 	mem_free(work);
+}
+
+size_t soil_work_bytes(const struct soil_work *work)
+{
+	return sizeof *work + soil_posts_bytes(&work->posts) + 3 * work->kept_room * sizeof(float) + work->fine.room + soil_surfaces_bytes(&work->fine.surfaces) +
+	       work->grousers.room * sizeof(float) + work->met_room * (sizeof *work->met + sizeof *work->seen + sizeof *work->abuts);
 }
 
 static enum status need(struct soil_work *work, struct post_rect below)
@@ -67,7 +76,7 @@ enum status soil_contact_begin(const struct soil_law *law, const struct soil_pla
 	enum status status = need(work, below);
 	if (status != STATUS_OK)
 		return status;
-	*b = (struct soil_contact){.law = law, .planes = planes, .motion = motion, .below = below, .posts = &work->posts, .above = above, .gathered = INT32_MAX};
+	*b = (struct soil_contact){.law = law, .planes = planes, .motion = motion, .below = below, .posts = &work->posts, .above = above, .wider = 1, .gathered = INT32_MAX};
 	soil_form_of(law, motion, &b->body, &b->form);
 	b->by_width = width_of(motion, &b->body);
 	if (b->form.kind == FORM_RASTER)
@@ -77,17 +86,60 @@ enum status soil_contact_begin(const struct soil_law *law, const struct soil_pla
 	return STATUS_OK;
 }
 
+static enum status need_met(struct soil_work *work, size_t count)
+{
+	if (count <= work->met_room)
+		return STATUS_OK;
+	struct soil_met *met = mem_realloc(work->met, count, sizeof *met);
+	work->met = met != NULL ? met : work->met;
+	struct soil_seen *seen = mem_realloc(work->seen, count, sizeof *seen);
+	work->seen = seen != NULL ? seen : work->seen;
+	bool *abuts = mem_realloc(work->abuts, count, sizeof *abuts);
+	work->abuts = abuts != NULL ? abuts : work->abuts;
+	if (met == NULL || seen == NULL || abuts == NULL)
+		return fail_memory("bearing soil");
+	work->met_room = count;
+	return STATUS_OK;
+}
+
+enum status soil_contact_meet(struct soil_contact *b, struct soil_work *work, const struct soil_work *const *others, size_t count, int32_t raised)
+{
+	const struct soil_shape *shape = b->motion->shape;
+	const bool rim = shape->kind == SOIL_WHEEL || shape->kind == SOIL_CYLINDER, box = shape->kind == SOIL_BOX;
+	const struct soil_met self = {&b->body, &b->form, raised};
+	enum status status = need_met(work, count);
+	if (status != STATUS_OK)
+		return status;
+	for (size_t i = 0; i < count; i++)
+		work->met[i] = (struct soil_met){&others[i]->contact.body, &others[i]->contact.form, others[i]->raised};
+	soil_meet_see(&self, work->met, count, work->seen);
+	b->seen = work->seen;
+	b->seen_count = count;
+	b->stands = raised;
+	b->shares = false;
+	struct soil_whole whole;
+	soil_meet_whole(&self, work->met, count, rim, (const double[2]){box ? shape->size[0] : 0, box ? shape->size[1] : 0}, work->abuts, &whole);
+	b->wider = whole.wider;
+	b->by_width = width_of(b->motion, &b->body) / b->wider;
+	for (int k = 0; k < 2; k++)
+		for (int end = 0; end < 2; end++)
+			b->form.enters[k][end] = b->form.half[k] + (float)whole.more[k][end];
+	b->gathered = INT32_MAX;
+	return STATUS_OK;
+}
+
 void soil_contact_gather(struct soil_contact *b, int32_t lowest)
 {
 	if (lowest >= b->gathered)
 		return;
 	b->gathered = lowest;
 	soil_posts_gather(b->law, b->planes, &b->body, &b->form, lowest, b->above, b->by_width, b->posts);
+	b->shares = soil_meet_share(&b->form, b->seen, b->seen_count, b->posts) || b->shares;
 }
 
 void soil_contact_evaluate(struct soil_contact *b, int32_t raised, float share, struct soil_sums *sums, struct soil_kept *kept, struct soil_changes *changes)
 {
-	soil_posts_width(b->by_width > 0 ? (float)b->by_width : counted_width(b->posts, &b->form, raised), b->posts);
+	soil_posts_width(b->by_width > 0 ? (float)b->by_width : counted_width(b->posts, &b->form, raised) / (float)b->wider, b->posts);
 	soil_bear(&b->form, b->posts, raised, share, sums, kept, changes);
 }
 

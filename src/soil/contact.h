@@ -8,14 +8,7 @@
 #include "soil/law/bear.h"
 #include "soil/law/fine.h"
 #include "soil/law/grousers.h"
-
-struct soil_work {
-	struct soil_posts posts;
-	struct soil_kept kept;
-	size_t kept_room;
-	struct soil_fine_work fine;
-	struct soil_grousers_work grousers;
-};
+#include "soil/law/meet.h"
 
 /* Heights are fixed-point units above motion->to.z. */
 struct soil_contact {
@@ -27,14 +20,38 @@ struct soil_contact {
 	struct post_rect below;   /* posts that may be below the body during its motion */
 	struct soil_posts *posts; /* of the scratch memory */
 	double by_width;   /* 1 / width of the contact patch, 1/m; 0: it follows from the number of posts that the body touches */
+	double wider;      /* than its own, the patch that it has together with bodies that abut it */
 	double above;      /* m: posts count too above whose ground the body is by at most this */
 	int32_t gathered;  /* the least height for which the posts were gathered */
+	/* Others that may be over the same ground. */
+	const struct soil_seen *seen;
+	size_t seen_count;
+	int32_t stands;    /* the height from which they were seen */
+	bool shares;       /* one of them bore a part of a post */
+};
+
+struct soil_work {
+	struct soil_posts posts;
+	struct soil_kept kept;
+	size_t kept_room;
+	struct soil_fine_work fine;
+	struct soil_grousers_work grousers;
+	struct soil_contact contact; /* of soil_sink_begin */
+	int32_t raised;              /* its height, and whether there is ground below it */
+	bool touches;
+	struct soil_met *met;
+	struct soil_seen *seen;
+	bool *abuts;                 /* of those: they abut it */
+	size_t met_room;
 };
 
 /* Prepares a body; does not read the planes. above: as in soil_posts_gather. Keeps pointers to all arguments. The struct points to itself, so it is not
  * copied. STATUS_MEMORY: no room for its posts. */
 enum status soil_contact_begin(const struct soil_law *law, const struct soil_planes *planes, const struct soil_motion *motion, struct soil_work *work,
 			       double above, struct soil_contact *b) FURROW_CHECKED;
+/* Prepares what others bear of its posts: bodies that were begun, at their height now. raised: the height at which this one is taken to stand. Call it
+ * before posts are gathered. STATUS_MEMORY. */
+enum status soil_contact_meet(struct soil_contact *b, struct soil_work *work, const struct soil_work *const *others, size_t count, int32_t raised) FURROW_CHECKED;
 /* Gathers the posts for heights from `lowest` on, if that is not done. */
 void soil_contact_gather(struct soil_contact *b, int32_t lowest);
 /* Evaluates the law at a height for which the posts were gathered. share, kept, changes: as in soil_bear. */

@@ -73,21 +73,29 @@ static bool has_all(const struct soil_planes *planes, struct post_rect below)
 	return below.x0 > has.x0 && below.y0 > has.y0 && below.x1 < has.x1 && below.y1 < has.y1;
 }
 
-enum status soil_probe(const struct soil_law *law, const struct soil_planes *planes, const struct soil_motion *motion, struct soil_work *work,
-		       struct soil_probed *out)
+enum status soil_probe_among(const struct soil_law *law, const struct soil_planes *planes, const struct soil_motion *motion, const struct soil_work *const *others,
+			      size_t count, struct soil_work *work, struct soil_probed *out)
 {
-	struct soil_contact b;
+	struct soil_contact *b = &work->contact;
 	struct soil_sums sums = {.deepest = 0};
 	struct soil_changes changes = {.normal_force = 0};
 	*out = (struct soil_probed){.known = false};
-	enum status status = soil_contact_begin(law, planes, motion, work, 0, &b);
-	if (status != STATUS_OK || !has_all(planes, b.below))
+	enum status status = soil_contact_begin(law, planes, motion, work, 0, b);
+	if (status == STATUS_OK && count > 0)
+		status = soil_contact_meet(b, work, others, count, 0);
+	if (status != STATUS_OK || !has_all(planes, b->below))
 		return status;
 	out->known = true;
-	b.form.rates = 1; /* its velocity is known: soil below a body at rest springs back */
-	soil_contact_gather(&b, 0);
-	if (b.posts->count > 0)
-		soil_contact_evaluate(&b, 0, 1, &sums, NULL, &changes);
-	tell(&b, &sums, &changes, out);
+	b->form.rates = 1; /* its velocity is known: soil below a body at rest springs back */
+	soil_contact_gather(b, 0);
+	if (b->posts->count > 0)
+		soil_contact_evaluate(b, 0, 1, &sums, NULL, &changes);
+	tell(b, &sums, &changes, out);
 	return STATUS_OK;
+}
+
+enum status soil_probe(const struct soil_law *law, const struct soil_planes *planes, const struct soil_motion *motion, struct soil_work *work,
+		       struct soil_probed *out)
+{
+	return soil_probe_among(law, planes, motion, NULL, 0, work, out);
 }

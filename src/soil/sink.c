@@ -5,8 +5,13 @@
  */
 #include "soil/sink.h"
 
+#include <math.h>
+
 #include "soil/contact.h"
 #include "soil/law/after.h"
+
+#define PART_WAY 0.02    /* of a motion: parts of one body go the same way to so much */
+#define PART_TURNS 1e-3 /* rad: and head the same way */
 
 /* A row of the patch as it is measured for laying. */
 struct patch_row {
@@ -42,19 +47,58 @@ static void put_post(const struct soil_sink *sink, const struct soil_planes *pla
 	row->deep = deep > row->deep ? deep : row->deep;
 }
 
-static void commit(const struct soil_sink *sink, const struct soil_contact *b, const struct soil_kept *kept, int32_t raised, struct soil_imprint *out)
+/* Tells whether a body changes a post to a state, where several touch it: the one that holds it, else the one that was deepest there. */
+static bool takes(const struct soil_claim *claim, const struct soil_after *a, size_t i)
 {
+	const int32_t rank = a->touched[i] ? 1 + a->held[i] : 0;
+	if (claim->owner == 0 || rank != claim->rank)
+		return claim->owner == 0 || rank > claim->rank;
+	if (rank > 0 && a->sinkage[i] != claim->sinkage)
+		return a->sinkage[i] > claim->sinkage;
+	return rank > 0 && a->offset[i] < claim->offset;
+}
+
+/* Computes what a block of posts becomes. */
+static void block_after(const struct soil_work *work, size_t first, struct soil_after *after)
+{
+	const struct soil_contact *b = &work->contact;
+	const float axis[2] = {(float)b->body.axis[0], (float)b->body.axis[1]};
+	soil_after(&b->form, axis, work->raised, b->posts, first, &work->kept, (float)b->law->bulldozing, after);
+}
+
+void soil_sink_claim(const struct soil_work *work, uint8_t number, struct soil_claim *claims)
+{
+	const struct soil_posts *posts = work->contact.posts;
+	for (size_t first = 0; work->touches && first < posts->count; first += POSTS_LANES) {
+		struct soil_after after;
+		block_after(work, first, &after);
+		for (size_t i = 0; i < POSTS_LANES && first + i < posts->count; i++) {
+			struct soil_claim *claim = &claims[posts->index[first + i]];
+			if ((after.touched[i] || after.ends[i]) && takes(claim, &after, i))
+				*claim = (struct soil_claim){after.sinkage[i], after.offset[i], (uint8_t)(after.touched[i] ? 1 + after.held[i] : 0), number};
+		}
+	}
+}
+
+void soil_sink_commit(const struct soil_work *work, const struct soil_sink *sink, const struct soil_sink_shared *shared, struct soil_imprint *out)
+{
+	const struct soil_contact *b = &work->contact;
 	const struct soil_posts *posts = b->posts;
 	const struct soil_planes *planes = b->planes;
-	const float axis[2] = {(float)b->body.axis[0], (float)b->body.axis[1]};
 	struct patch_row row = {.y = INT64_MIN, .first = INT64_MAX, .last = INT64_MIN};
 	struct post_rect near = {INT64_MAX, INT64_MAX, INT64_MIN, INT64_MIN}; /* posts that the body may have freed */
+	out->reached = (struct post_rect){0, 0, 0, 0};
+	soil_measured_begin(&out->measured);
+	if (!work->touches)
+		return;
 	for (size_t first = 0; first < posts->count; first += POSTS_LANES) {
 		struct soil_after after;
-		soil_after(&b->form, axis, raised, posts, first, kept, (float)b->law->bulldozing, &after);
+		block_after(work, first, &after);
 		for (size_t i = 0; i < POSTS_LANES && first + i < posts->count; i++) {
 			const size_t at = (size_t)posts->index[first + i];
 			const int64_t y = planes->rect.y0 + (int64_t)(at / planes->width);
+			if (shared != NULL && shared->claims != NULL && shared->claims[at].owner != shared->number)
+				continue;
 			if (y != row.y) {
 				end_row(sink->laying, &row, &out->measured);
 				row.y = y;
@@ -72,6 +116,8 @@ static void commit(const struct soil_sink *sink, const struct soil_contact *b, c
 			out->compacted += after.lost[i];
 			if (after.touched[i])
 				put_post(sink, planes, at, &after, (int)i, &row);
+			if (after.touched[i] && shared != NULL)
+				shared->owners[at] = shared->number;
 		}
 	}
 	end_row(sink->laying, &row, &out->measured);
@@ -80,52 +126,86 @@ static void commit(const struct soil_sink *sink, const struct soil_contact *b, c
 		out->reached = post_rect_around(near, out->measured.patch);
 }
 
-/* --- contact and feel --- */
+/* --- a body --- */
 
-/* Finds the body's height and evaluates the law there. Returns false if there is no ground below it. */
-static bool evaluate(struct soil_contact *b, int32_t start, struct soil_height *height, struct soil_sums *sums, struct soil_kept *kept)
+enum status soil_sink_begin(const struct soil_law *law, const struct soil_planes *planes, const struct soil_motion *motion, int32_t start, struct soil_work *work)
 {
-	*height = (struct soil_height){.share = 1, .state = SOIL_TOUCHING};
-	*sums = (struct soil_sums){.deepest = 0};
+	work->raised = motion->load > 0 ? start : 0;
+	work->touches = false;
+	return soil_contact_begin(law, planes, motion, work, AFTER_SHEAR_ENDS * law->spacing, &work->contact);
+}
+
+enum status soil_sink_meet(struct soil_work *work, const struct soil_work *const *others, size_t count)
+{
+	return soil_contact_meet(&work->contact, work, others, count, work->raised);
+}
+
+/* Tells whether two motions in plan differ by less than a part of their length. */
+bool soil_sink_is_part(const struct soil_work *work, size_t index, const struct soil_work *other)
+{
+	const struct soil_contact *a = &work->contact, *b = &other->contact;
+	const struct soil_pose *from[2] = {&a->motion->from, &b->motion->from}, *to[2] = {&a->motion->to, &b->motion->to};
+	const double ways[2][2] = {{(double)(to[0]->x - from[0]->x), (double)(to[0]->y - from[0]->y)}, {(double)(to[1]->x - from[1]->x), (double)(to[1]->y - from[1]->y)}};
+	const double apart = hypot(ways[0][0] - ways[1][0], ways[0][1] - ways[1][1]), turned = remainder(to[0]->yaw - to[1]->yaw, 2 * M_PI);
+	return work->abuts[index] && a->motion->jumped == b->motion->jumped && fabs(turned) < PART_TURNS &&
+	       apart <= PART_WAY * hypot(ways[0][0], ways[0][1]) + 2;
+}
+
+void soil_sink_widen(const struct soil_work *work, struct soil_laying *laying)
+{
+	const struct soil_contact *b = &work->contact;
+	const double post = 65536 / b->law->spacing, right = (double)(b->form.enters[1][0] - b->form.half[1]), left = (double)(b->form.enters[1][1] - b->form.half[1]);
+	if (laying->half_width > 0) {
+		laying->at[1] -= (int32_t)lround(0.5 * (left - right) * post);
+		laying->half_width += (int32_t)lround(0.5 * (left + right) * post);
+	}
+	laying->widest = (int32_t)fmin(ceil(laying->widest * b->wider), 64 * SOIL_BAND_POSTS);
+}
+
+bool soil_sink_shares(const struct soil_work *work)
+{
+	return work->contact.shares;
+}
+
+void soil_sink_find(struct soil_work *work, struct soil_imprint *out)
+{
+	struct soil_contact *b = &work->contact;
+	struct soil_height height = {.share = 1, .state = SOIL_TOUCHING};
+	struct soil_sums sums = {.deepest = 0};
+	*out = (struct soil_imprint){.reached = {0, 0, 0, 0}};
 	if (b->motion->load > 0)
-		soil_height_find(b, start, height);
+		soil_height_find(b, work->raised, &height);
 	else
 		soil_contact_gather(b, 0);
-	if (height->state == SOIL_AIR || b->posts->count == 0)
-		return false;
-	soil_contact_evaluate(b, height->raised, height->share, sums, kept, NULL);
-	return true;
+	work->touches = height.state != SOIL_AIR && b->posts->count > 0;
+	work->raised = height.raised;
+	if (work->touches)
+		soil_contact_evaluate(b, height.raised, height.share, &sums, &work->kept, NULL);
+	soil_contact_tell(b, &sums, height.raised, height.state, &out->forces);
+	out->raised = height.raised;
+	out->tries = height.tries;
 }
 
 enum status soil_sink_body(const struct soil_law *law, const struct soil_planes *planes, const struct soil_motion *motion, const struct soil_sink *sink,
 			    struct soil_work *work, struct soil_imprint *out)
 {
-	struct soil_contact b;
-	struct soil_height height;
-	struct soil_sums sums;
-	enum status status = soil_contact_begin(law, planes, motion, work, AFTER_SHEAR_ENDS * law->spacing, &b);
+	enum status status = soil_sink_begin(law, planes, motion, sink->start, work);
 	if (status != STATUS_OK)
 		return status;
-	*out = (struct soil_imprint){.reached = {0, 0, 0, 0}};
-	soil_measured_begin(&out->measured);
-	if (evaluate(&b, sink->start, &height, &sums, &work->kept))
-		commit(sink, &b, &work->kept, height.raised, out);
-	soil_contact_tell(&b, &sums, height.raised, height.state, &out->forces);
-	out->raised = height.raised;
-	out->tries = height.tries;
+	soil_sink_find(work, out);
+	soil_sink_commit(work, sink, NULL, out);
 	return STATUS_OK;
 }
 
 enum status soil_feel(const struct soil_law *law, const struct soil_planes *planes, const struct soil_motion *motion, int32_t start, struct soil_work *work,
 		      struct soil_forces *out)
 {
-	struct soil_contact b;
-	struct soil_height height;
-	struct soil_sums sums;
-	enum status status = soil_contact_begin(law, planes, motion, work, 0, &b);
+	struct soil_imprint imprint;
+	work->raised = motion->load > 0 ? start : 0;
+	enum status status = soil_contact_begin(law, planes, motion, work, 0, &work->contact);
 	if (status != STATUS_OK)
 		return status;
-	evaluate(&b, start, &height, &sums, NULL);
-	soil_contact_tell(&b, &sums, height.raised, height.state, out);
+	soil_sink_find(work, &imprint);
+	*out = imprint.forces;
 	return STATUS_OK;
 }

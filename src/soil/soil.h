@@ -226,6 +226,7 @@ struct soil_forces {
 struct soil_work;
 enum status soil_work_create(struct soil_work **out) FURROW_CHECKED;
 void soil_work_destroy(struct soil_work *work);
+size_t soil_work_bytes(const struct soil_work *work); /* all of it, so far */
 
 /*
  * Sliding (SOIL.md): soil slides between two posts if they differ in height by more than their soil's critical difference. All numbers are
@@ -391,5 +392,8 @@ struct soil_probed {
  * thread; `work` belongs to one. STATUS_MEMORY. */
 enum status soil_probe(const struct soil_law *law, const struct soil_planes *planes, const struct soil_motion *motion, struct soil_work *work,
 		       struct soil_probed *out) FURROW_CHECKED;
+/* The same where other bodies may be over the same ground: soil_sink_begin (soil/sink.h) was called for each. */
+enum status soil_probe_among(const struct soil_law *law, const struct soil_planes *planes, const struct soil_motion *motion,
+			     const struct soil_work *const *others, size_t count, struct soil_work *work, struct soil_probed *out) FURROW_CHECKED;
 
 #endif

@@ -181,6 +181,7 @@ enum status world_rollback(struct world *world)
 	memcpy(world->record, saved->record, world_record_bytes_with(objects, world->record->attached_count));
 	memcpy(world->bodies, saved->bodies, (objects + 1) * sizeof *world->bodies);
 	restore_hosts(world, saved);
+	world->near.stale = true;
 	world_forces_restore(world->forces, saved->forces);
 	world->events.count = 0;
 	resident_ground_forget_offsets(world->ground); /* higher ground may be back than what was read since the checkpoint */

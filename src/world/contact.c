@@ -4,6 +4,42 @@
 
 #include "world/internal.h"
 
+/* Pins the tiles of held->keys. */
+static enum status pin(struct world *world, struct held_tiles *held)
+{
+	uint32_t slots[WORLD_TILES_MOST];
+	for (size_t i = 0; i < held->count && world->ranks != NULL; i++)
+		if (!world->ranks->has(world->ranks->user, held->keys[i])) {
+			held->count = 0;
+			return fail_with(STATUS_FAILED, "ranks: a step reads ground of another rank; report this");
+		}
+	enum status status = page_cache_pin_all(world->cache, held->keys, held->count, slots);
+	if (status != STATUS_OK) {
+		held->count = 0;
+		return status;
+	}
+	for (size_t i = 0; i < held->count && status == STATUS_OK; i++) {
+		held->tiles[i].slot = slots[i];
+		status = world_see(world, &held->tiles[i]);
+	}
+	if (status != STATUS_OK)
+		world_release(world, held);
+	return status;
+}
+
+static void add_tile(struct held_tiles *held, struct tile tile)
+{
+	held->tiles[held->count].tile = tile;
+	held->keys[held->count++] = tile_key(tile);
+}
+
+enum status world_hold_tile(struct world *world, struct tile tile, struct held_tiles *held)
+{
+	held->count = 0;
+	add_tile(held, tile);
+	return pin(world, held);
+}
+
 enum status world_hold(struct world *world, struct post_rect rect, struct held_tiles *held)
 {
 	const struct extent *extent = &world->meta->extent;
@@ -23,29 +59,9 @@ enum status world_hold(struct world *world, struct post_rect rect, struct held_t
 	if (needed > world->windows.tiles_most)
 		world->windows.tiles_most = needed;
 	for (uint32_t y = first.y; y <= last.y; y++)
-		for (uint32_t x = first.x; x <= last.x; x++) {
-			struct tile tile = {world->level, x, y};
-			held->tiles[held->count].tile = tile;
-			held->keys[held->count++] = tile_key(tile);
-		}
-	for (size_t i = 0; i < held->count && world->ranks != NULL; i++)
-		if (!world->ranks->has(world->ranks->user, held->keys[i])) {
-			held->count = 0;
-			return fail_with(STATUS_FAILED, "ranks: a step reads ground of another rank; report this");
-		}
-	uint32_t slots[WORLD_TILES_MOST];
-	enum status status = page_cache_pin_all(world->cache, held->keys, held->count, slots);
-	if (status != STATUS_OK) {
-		held->count = 0;
-		return status;
-	}
-	for (size_t i = 0; i < held->count && status == STATUS_OK; i++) {
-		held->tiles[i].slot = slots[i];
-		status = world_see(world, &held->tiles[i]);
-	}
-	if (status != STATUS_OK)
-		world_release(world, held);
-	return status;
+		for (uint32_t x = first.x; x <= last.x; x++)
+			add_tile(held, (struct tile){world->level, x, y});
+	return pin(world, held);
 }
 
 void world_release(struct world *world, struct held_tiles *held)
@@ -190,26 +206,24 @@ static bool covers(const struct world *world, const struct deform_contact *conta
 	return post_rect_empty(held) || (held.x0 >= all.x0 && held.y0 >= all.y0 && held.x1 <= all.x1 && held.y1 <= all.y1);
 }
 
-static enum status feel_bearing(struct world *world, const struct event *event, struct deform_contact *contact)
+/* A contact with soil that bears. It waits for others of this time: world_meetings_flush computes it. */
+static enum status bearing_contact_at(struct world *world, const struct event *event, struct deform_contact *contact, bool last, bool feels)
 {
+	const struct body *body = world_body_at(world, event->body);
 	struct bearing_area area;
-	struct deform_forces forces;
-	struct held_tiles held = {.count = 0};
+	contact->tag = feels ? 0 : world_forces_ask(world->forces, event->body, event, last);
 	enum status status = bearing_area(world->bearing, contact, &area);
+	if (status == STATUS_OK && !feels && body->in_contact && !covers(world, contact, &body->last, &area))
+		status = world_let_go(world, body);
 	if (status != STATUS_OK)
 		return status;
 	if (post_rect_empty(area.write)) {
 		world_forces_absent(world->forces, event->body, event);
 		return STATUS_OK;
 	}
-	contact->tag = world_forces_ask(world->forces, event->body, event, true);
-	status = world_hold(world, area.read, &held);
-	if (status == STATUS_OK)
-		status = bearing_feel(world->bearing, contact, &area, held.tiles, held.count, &forces);
-	world_release(world, &held);
-	if (status == STATUS_OK)
-		world_forces_came(world->forces, &forces);
-	return status;
+	if (feels)
+		contact->tag = world_forces_ask(world->forces, event->body, event, true);
+	return world_meetings_add(world, event, contact, &area, feels);
 }
 
 enum status world_feel(struct world *world, const struct event *event)
@@ -221,7 +235,7 @@ enum status world_feel(struct world *world, const struct event *event)
 	size_t count = 0;
 	bool aloft = false;
 	if (world->bearing != NULL)
-		return feel_bearing(world, event, &contact);
+		return bearing_contact_at(world, event, &contact, true, true);
 	enum status status = deform_windows(world->deform, &contact, windows, &count);
 	if (status == STATUS_OK)
 		status = world_is_aloft(world, event, &contact, windows, count, &aloft);
@@ -267,42 +281,6 @@ static enum status compute_alone(struct world *world, const struct event *event,
 	return status == STATUS_OK && count > 0 ? world_tell_contact_ended(world) : status;
 }
 
-/* The contact of a body with soil that bears. Its forces are known at once. */
-static enum status bearing_contact_at(struct world *world, const struct event *event, const struct deform_contact *contact)
-{
-	struct body *body = world_body_at(world, event->body);
-	struct bearing_area area;
-	struct bearing_contact done;
-	struct held_tiles held = {.count = 0};
-	enum status status = bearing_area(world->bearing, contact, &area);
-	if (status == STATUS_OK && body->in_contact && !covers(world, contact, &body->last, &area))
-		status = world_let_go(world, body);
-	if (status != STATUS_OK)
-		return status;
-	if (post_rect_empty(area.write)) {
-		world_forces_absent(world->forces, event->body, event);
-		return STATUS_OK;
-	}
-	const struct deform_window window = {.read = area.read, .write = area.write};
-	status = world_tell_contact(world, event, contact, &window, 1);
-	if (status == STATUS_OK)
-		status = world_hold(world, area.read, &held);
-	if (status == STATUS_OK)
-		status = bearing_contact(world->bearing, contact, &area, held.tiles, held.count, &done);
-	if (status == STATUS_OK && !post_rect_empty(done.changed))
-		status = world_mark(world, done.changed, &held);
-	world_release(world, &held);
-	if (status != STATUS_OK)
-		return status;
-	world_forces_came(world->forces, &done.forces);
-	/* What a body does not touch it does not change. */
-	const size_t computed = world->params.everywhere || !post_rect_empty(done.changed);
-	world_count_windows(body, contact, computed);
-	world->windows.due++;
-	world->windows.computed += computed;
-	return world_tell_contact_ended(world);
-}
-
 static enum status contact_at(struct world *world, const struct event *event, bool last, bool waits)
 {
 	struct body *body = world_body_at(world, event->body);
@@ -321,8 +299,7 @@ static enum status contact_at(struct world *world, const struct event *event, bo
 		return status;
 	}
 	if (world->bearing != NULL) {
-		contact.tag = world_forces_ask(world->forces, event->body, event, last);
-		enum status status = bearing_contact_at(world, event, &contact);
+		enum status status = bearing_contact_at(world, event, &contact, last, false);
 		body->in_contact = true;
 		body->last = contact.to;
 		return status;

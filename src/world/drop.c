@@ -64,7 +64,10 @@ static enum status touch(struct world *world, const struct event *event)
 {
 	struct body *body = &world->bodies[event->body];
 	world->torn = true;
+	world->near.stale = true;
 	enum status status = world_contact(world, event, true);
+	if (status == STATUS_OK)
+		status = world_meetings_flush(world);
 	if (status == STATUS_OK)
 		status = world_let_go(world, body);
 	return status == STATUS_OK ? world_end_step(world) : status;

@@ -311,12 +311,13 @@ static enum status step_body(struct world *world, int32_t number, double seconds
 enum status world_hosts_step(struct world *world, double seconds, double until)
 {
 	enum status status = STATUS_OK;
+	world->near.stale |= seconds == 0; /* no step has listed them */
 	for (size_t i = 0; i < world->hosts.count && status == STATUS_OK; i++) {
 		const struct host_body *host = world->hosts.list[i];
 		if (host != NULL && host->placed && !host->removed)
 			status = step_body(world, (int32_t)i, seconds, until);
 	}
-	return status;
+	return status == STATUS_OK ? world_meetings_flush(world) : status;
 }
 
 static bool is_behind(const struct world *world, const struct host_body *host, struct soil_pose *to)
@@ -342,6 +343,8 @@ enum status world_hosts_commit(struct world *world)
 		world->torn = any = true;
 		status = touch(world, (int32_t)i, &to, world->time);
 	}
+	if (status == STATUS_OK)
+		status = world_meetings_flush(world);
 	if (status == STATUS_OK && any)
 		status = world_forces_end_step(world->forces, world->time);
 	return status == STATUS_OK && any ? world_end_step(world) : status;

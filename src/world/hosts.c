@@ -292,6 +292,7 @@ enum status world_bodies_set(struct world *world, size_t count, const int32_t *n
 		host->next = states[i];
 		host->has_next = true;
 	}
+	world->near.stale = true;
 	return status;
 }
 
@@ -354,6 +355,7 @@ enum status world_body_place(struct world *world, int32_t number, const struct w
 	host->has_next = host->posed_linear = host->posed_angular = false;
 	host->rates_far = 0;
 	host->now = (struct world_state){.pose = *pose};
+	world->near.stale = true;
 	return STATUS_OK;
 }
 
@@ -365,6 +367,7 @@ enum status world_body_remove(struct world *world, int32_t number)
 		status = lift(world, host);
 	if (status == STATUS_OK)
 		host->removed = true;
+	world->near.stale = true;
 	if (status == STATUS_OK)
 		world_names_freed(world, host->body.object->name);
 	return status;

@@ -89,7 +89,7 @@ enum status world_path_state(const struct world *world, size_t body, struct worl
 /* Gives the rotation from one attitude to another as a vector, rad. */
 void world_rotation_between(const double from[4], const double to[4], double rotated[3]);
 /* Computes the contact at the body's present state. probed->known false: it is not known. */
-enum status world_probes_now(struct world *world, const struct host_body *host, struct soil_probed *probed) FURROW_CHECKED;
+enum status world_probes_now(struct world *world, int32_t number, struct soil_probed *probed) FURROW_CHECKED;
 /* hosts.c: returns where the body's belt is in a state. */
 const struct world_belt *world_belt_of(const struct host_body *host, const struct world_state *state);
 /* told.c: fills a contact from what a probe computed. */
@@ -218,6 +218,17 @@ enum status world_intervals(struct world *world, double time, bool at_it) FURROW
 /* The body no longer rests there: the ground under it may relax again. */
 enum status world_let_go(struct world *world, const struct body *body) FURROW_CHECKED;
 
+/* --- near.c: bodies near each other --- */
+
+/* Lists the bodies, with all places of this step's events. Call it when a step has its events. */
+enum status world_near_make(struct world *world) FURROW_CHECKED;
+/* Lists them for probes, these hosts' bodies in these states. After the probes call world_near_end. */
+enum status world_near_begin(struct world *world, size_t count, const int32_t *numbers, const struct world_state *states) FURROW_CHECKED;
+void world_near_end(struct world *world);
+/* Puts the bodies that are over these posts now into world->near.found, in their order. */
+void world_near_find(struct world *world, struct post_rect rect);
+void world_near_free(struct near_table *near);
+
 /* --- contact.c: the deformation by one contact --- */
 
 #define WORLD_TILES_MOST PAGE_PIN_MOST /* most tiles that are pinned together */
@@ -228,6 +239,7 @@ struct held_tiles {
 };
 /* Pins all tiles that have a post in the rectangle. After a failure none is pinned. */
 enum status world_hold(struct world *world, struct post_rect rect, struct held_tiles *held) FURROW_CHECKED;
+enum status world_hold_tile(struct world *world, struct tile tile, struct held_tiles *held) FURROW_CHECKED;
 void world_release(struct world *world, struct held_tiles *held);
 /* Marks the posts of the rectangle as changed in the held tiles: pages, coarser levels, queries and the watcher learn of it. */
 enum status world_mark(struct world *world, struct post_rect rect, const struct held_tiles *held) FURROW_CHECKED;
@@ -259,6 +271,17 @@ enum status world_batches_take(struct world *world, const struct event *event, c
 enum status world_batches_flush(struct world *world) FURROW_CHECKED;
 enum status world_batches_flush_near(struct world *world, const struct deform_window *windows, size_t count) FURROW_CHECKED;
 void world_batches_forget(struct world *world); /* drops what a step that failed left */
+
+/* --- meet.c: contacts with soil that bears, which meet the ground together --- */
+
+enum status world_meetings_create(struct world *world) FURROW_CHECKED; /* call it when world->bearing is known */
+void world_meetings_free(struct world *world);
+/* Notes a contact, or, with `feels`, a contact whose forces alone are asked. It waits for world_meetings_flush. */
+enum status world_meetings_add(struct world *world, const struct event *event, const struct deform_contact *contact, const struct bearing_area *area,
+			       bool feels) FURROW_CHECKED;
+/* Computes all contacts that wait. */
+enum status world_meetings_flush(struct world *world) FURROW_CHECKED;
+void world_meetings_forget(struct world *world); /* drops what a step that failed left */
 
 /* --- aloft.c: finds contacts where the body is above the ground --- */
 

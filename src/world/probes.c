@@ -58,7 +58,20 @@ static bool fits(const struct world *world, struct post_rect rect)
 	return (size_t)(last.x - first.x + 1) * (last.y - first.y + 1) <= world->windows.tiles;
 }
 
-static enum status probe_host(struct world *world, const struct host_body *host, const struct world_state *state, struct soil_probed *probed)
+/* Lists the bodies beside a host's body, in world->near.rests. Returns how many there are. */
+static size_t list_beside(struct world *world, size_t body, struct post_rect rect)
+{
+	struct near_table *near = &world->near;
+	size_t count = 0;
+	world_near_find(world, rect);
+	for (size_t i = 0; i < near->found_count; i++)
+		if (near->found[i].body != body)
+			near->rests[count++] = near->found[i].rest;
+	return count;
+}
+
+/* world_near_begin was called. */
+static enum status probe_host(struct world *world, size_t body, const struct host_body *host, const struct world_state *state, struct soil_probed *probed)
 {
 	const struct scene_object *object = host->body.object;
 	struct held_tiles held;
@@ -71,17 +84,23 @@ static enum status probe_host(struct world *world, const struct host_body *host,
 	const struct post_rect rect = bearing_probe_posts(world->bearing, &motion);
 	if (post_rect_empty(rect) || !fits(world, rect))
 		return STATUS_OK;
+	const size_t beside = list_beside(world, body, rect);
 	status = world_hold(world, rect, &held);
 	if (status == STATUS_OK)
-		status = bearing_probe(world->bearing, &motion, held.tiles, held.count, probed);
+		status = bearing_probe(world->bearing, &motion, world->near.rests, beside, held.tiles, held.count, probed);
 	world_release(world, &held);
 	return status;
 }
 
-enum status world_probes_now(struct world *world, const struct host_body *host, struct soil_probed *probed)
+enum status world_probes_now(struct world *world, int32_t number, struct soil_probed *probed)
 {
+	const struct host_body *host = world_host_body(world, number);
+	const size_t index = world->scene->object_count + 1 + (size_t)number;
 	probed->known = false;
-	return host->placed && world->bearing != NULL && world_feels(world) && !host->body.elsewhere ? probe_host(world, host, &host->now, probed) : STATUS_OK;
+	if (!host->placed || world->bearing == NULL || !world_feels(world) || host->body.elsewhere)
+		return STATUS_OK;
+	enum status status = world_near_begin(world, 0, NULL, NULL);
+	return status == STATUS_OK ? probe_host(world, index, host, &host->now, probed) : status;
 }
 
 static struct host_body *probed_host(const struct world *world, int32_t number)
@@ -116,6 +135,8 @@ enum status world_probe(struct world *world, size_t count, const int32_t *number
 	enum status status = STATUS_OK;
 	if (ranks != NULL && world->unplaced)
 		status = ranks->step(ranks->user, world->time, status);
+	if (status == STATUS_OK && world->bearing != NULL && world_feels(world))
+		status = world_near_begin(world, count, numbers, states);
 	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
 		const struct host_body *host = probed_host(world, numbers[i]);
 		struct soil_probed probed = {.known = false};
@@ -129,9 +150,10 @@ enum status world_probe(struct world *world, size_t count, const int32_t *number
 		if (status == STATUS_OK && host->placed)
 			world_rates_fill(&host->now.pose, world->scene->time_step, &state);
 		if (status == STATUS_OK)
-			status = probe_host(world, host, &state, &probed);
+			status = probe_host(world, world->scene->object_count + 1 + (size_t)numbers[i], host, &state, &probed);
 		if (probed.known)
 			world_tell_probed(host, &state, &probed, world->time, &contacts[i]);
 	}
+	world_near_end(world);
 	return ranks != NULL ? ranks->probed(ranks->user, count, numbers, contacts, status) : status;
 }

@@ -55,6 +55,7 @@ enum status world_body_restore(struct world *world, int32_t number, const double
 	host->body.sinkage = n[11];
 	host->stamped = n[12];
 	host->now = now;
+	world->near.stale = true;
 	host->has_next = false;
 	host->fresh = !host->body.in_contact;
 	return STATUS_OK;

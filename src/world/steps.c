@@ -91,9 +91,16 @@ static enum status deform_step(struct world *world, double until)
 {
 	enum status status = STATUS_OK;
 	world_batches_forget(world);
+	world_meetings_forget(world);
+	if (world->meetings != NULL)
+		status = world_near_make(world);
 	for (size_t i = 0; i < world->events.count && status == STATUS_OK; i++) {
 		struct event *event = &world->events.list[i];
 		struct body *body = &world->bodies[event->body];
+		if (i > 0 && event->time != event[-1].time)
+			status = world_meetings_flush(world);
+		if (status != STATUS_OK)
+			return status;
 		status = must_stop(world) ? torn_by_stop(world) : world_intervals(world, event->time, false);
 		if (status == STATUS_OK)
 			status = world_forces_rows(world->forces, event->time, false);
@@ -115,6 +122,8 @@ static enum status deform_step(struct world *world, double until)
 	}
 	if (status == STATUS_OK)
 		status = world_batches_flush(world);
+	if (status == STATUS_OK)
+		status = world_meetings_flush(world);
 	if (status == STATUS_OK && world->hosts.count > 0) {
 		status = world_intervals(world, until, false);
 		if (status == STATUS_OK)
@@ -218,6 +227,7 @@ enum status world_step_to(struct world *world, double until)
 	world->hosts.until = until;
 	world->torn = true;
 	status = deform_step(world, until);
+	world->near.stale = true;
 	if (status != STATUS_OK)
 		return status;
 	world->step++;

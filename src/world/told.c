@@ -168,7 +168,7 @@ enum status world_body_contact(struct world *world, int32_t number, struct world
 		status = fill(world, host->body.object, &state, &host->force, host->told, host->state, contact);
 		contact->slip = slip_of(host->body.object, &state, world_belt_of(host, &state)->speed, contact->normal);
 		if (status == STATUS_OK)
-			status = world_probes_now(world, host, &probed);
+			status = world_probes_now(world, number, &probed);
 		if (status == STATUS_OK && probed.known) {
 			memcpy(contact->stiffness, probed.stiffness, sizeof contact->stiffness);
 			memcpy(contact->damping, probed.damping, sizeof contact->damping);

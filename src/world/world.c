@@ -178,6 +178,8 @@ enum status world_start(struct world *world)
 	if (status == STATUS_OK && world->deform != NULL)
 		status = world_batches_create(world);
 	if (status == STATUS_OK)
+		status = world_meetings_create(world);
+	if (status == STATUS_OK)
 		status = world_budget_check(world);
 	if (status == STATUS_OK)
 		status = go_on_with_ground(world);
@@ -415,6 +417,8 @@ void world_finish(struct world *world, enum status status)
 	world_checkpoint_free(world->checkpoint);
 	world_changes_finish(world);
 	world_batches_free(world);
+	world_meetings_free(world);
+	world_near_free(&world->near);
 	world_free_bodies(world);
 	key_set_finish(&world->aloft.seen);
 	key_set_finish(&world->aloft.old);

@@ -177,6 +177,8 @@ struct body {
 	uint32_t loaded_body;         /* for a body with a load: its number among the loaded bodies, from 1 */
 	int64_t skipped;          /* number of path samples without ground */
 	int64_t near;             /* path samples of this run in which it was near the ground. With a load: steps at whose end the soil bore it */
+	uint64_t met_turn;        /* meet.c: when its contacts waited last, and how many */
+	size_t met;
 	uint64_t windows, windows_moved; /* windows computed; of these, the windows in which the body moved */
 	_Atomic bool elsewhere;   /* another rank computes its contacts. Threads that load ahead read it */
 	/* Of a body with a load, since this run began: the soil did not carry it, or did not hold it on its slope */
@@ -372,6 +374,26 @@ struct world {
 		size_t ahead_count, ahead_room;
 		struct event_run *runs;
 	} events;
+	struct near_table {       /* near.c */
+		struct near_entry {
+			size_t body;
+			struct deform_rest rest; /* where it is; of a body on a path, when it was looked at last */
+			struct post_rect rect;   /* it is over these posts until the table is made anew; empty: nowhere */
+			bool everywhere;         /* over too many cells */
+			uint64_t turn;           /* of the search that looked at it last */
+		} *entries, *found;      /* in the order of bodies; found: by the last search */
+		struct near_kept {
+			size_t at;
+			struct near_entry entry;
+		} *kept;                 /* those that a probe moved, as they were */
+		struct deform_rest *rests;
+		size_t count, room, found_count, moved, everywhere;
+		struct near_cell *cells; /* sorted */
+		size_t cell_count, cell_room;
+		int64_t side;            /* posts */
+		uint64_t turn;
+		bool stale;              /* bodies may have moved */
+	} near;
 	struct world_relaxation { /* relaxation.c */
 		struct deform_rest *rests; /* room for all bodies */
 		int64_t intervals;         /* relaxation intervals that were run or skipped since the scene's start */
@@ -390,6 +412,7 @@ struct world {
 		uint64_t tiles_most;    /* most tiles that one window has touched */
 		bool told;
 	} windows;
+	struct meetings *meetings; /* meet.c; NULL: no soil bears */
 	struct batches *batches;  /* batch.c; NULL: every contact is computed alone */
 	uint64_t drops;           /* drop.c: number of bodies that a window dropped */
 	struct world_hosts {      /* hosts.c: by number. NULL for a body with a path, and for a body that a rollback removed */

@@ -22,6 +22,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
+#include <sys/personality.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <time.h>
@@ -63,6 +64,7 @@ const char *__asan_default_options(void)
 #define PLACES (1u << 16)
 static uint8_t reached_now[PLACES] __attribute__((aligned(8))), reached_ever[PLACES];
 static uintptr_t reached_last;
+static _Thread_local bool is_traced; /* the thread that runs the target: libraries' own threads come at any time */
 
 /* The linker's: where the program begins, which is another place in each process. */
 extern const char __executable_start[];
@@ -70,6 +72,8 @@ extern const char __executable_start[];
 void __sanitizer_cov_trace_pc(void);
 __attribute__((no_sanitize("address", "undefined"))) void __sanitizer_cov_trace_pc(void)
 {
+	if (!is_traced)
+		return;
 	uintptr_t at = (uintptr_t)__builtin_return_address(0) - (uintptr_t)__executable_start;
 	at = at ^ at >> 16;
 	uint8_t *count = &reached_now[(at ^ reached_last) & (PLACES - 1)];
@@ -153,7 +157,9 @@ static void run_once(void)
 	shared->cpu_began = clock_read(CLOCK_PROCESS_CPUTIME_ID);
 	shared->began = clock_read(CLOCK_MONOTONIC);
 	int64_t blocks = fuzz_memory_blocks();
+	is_traced = true;
 	LLVMFuzzerTestOneInput(exact, size);
+	is_traced = false;
 	bool more = fuzz_memory_blocks() > blocks;
 	free(exact);
 	/* More blocks than before may be a library's cache, or lost. */
@@ -332,8 +338,17 @@ static bool take_arguments(char **argv)
 	return true;
 }
 
+/* Libraries that a target calls may go other ways for other addresses. So a run has the same addresses each time, where the machine allows it. */
+static void same_addresses(char **argv)
+{
+	const int now = personality(0xffffffff);
+	if (now >= 0 && (now & ADDR_NO_RANDOMIZE) == 0 && personality((unsigned long)now | ADDR_NO_RANDOMIZE) >= 0)
+		execv("/proc/self/exe", argv);
+}
+
 int main(int argc, char **argv)
 {
+	same_addresses(argv);
 	/* For a longer run of the test command, or another one. */
 	const char *seed = getenv("FUZZ_SEED"), *seconds = getenv("FUZZ_SECONDS");
 	if (!take_arguments(argv)) {

@@ -1,5 +1,5 @@
-/* Part of bear.c: how deep and how long the body is over each post of a block, how its surface slides there, what the post remembers, and which part
- * of its cell bears. */
+/* Part of bear.c: how deep and how long the body is over each post of a block, and how its surface slides there. Also what the post remembers, and which
+ * part of its cell bears. */
 #ifndef FURROW_SOIL_BEAR_BLOCK_H
 #define FURROW_SOIL_BEAR_BLOCK_H
 
@@ -135,11 +135,12 @@ SOIL_INLINED float passed_at(const struct soil_form *f, enum soil_form_kind kind
 	/* Then its sides pass. */
 	const float ahead_by = 1 / most(fabsf(f->way[0]), 1e-9f), aside_by = 1 / most(fabsf(f->way[1]), 1e-9f), over = p->over[i];
 	if (kind == FORM_BOX) {
-		const float beyond = most(f->half[0] - x * either(f->way[0] < 0, -1, 1), 0) * ahead_by;
+		const float side = either(f->way[0] < 0, f->enters[0][0], f->enters[0][1]), beyond = most(side - x * either(f->way[0] < 0, -1, 1), 0) * ahead_by;
 		share = least(share, either((over > 0) & (f->half[0] > 0) & (fabsf(f->way[0]) > 1e-9f), beyond, 1e3f));
 	}
 	if (kind == FORM_BOX || kind == FORM_RIM) {
-		const float beyond = most(f->half[1] - aside_of(f, kind, x, y) * either(f->way[1] < 0, -1, 1), 0) * aside_by;
+		const float side = either(f->way[1] < 0, f->enters[1][0], f->enters[1][1]);
+		const float beyond = most(side - aside_of(f, kind, x, y) * either(f->way[1] < 0, -1, 1), 0) * aside_by;
 		share = least(share, either((over > 0) & (f->half[1] > 0) & (fabsf(f->way[1]) > 1e-9f), beyond, 1e3f));
 	}
 	return clamped(share, -4, 1e3f);

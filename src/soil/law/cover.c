@@ -4,27 +4,9 @@
 #include "soil/law/cover_fine.h"
 #include "soil/law/face.h"
 #include "soil/law/grousers.h"
+#include "soil/law/parts.h"
 
 #define HALVINGS 14        /* of the share of a motion: to within 1e-4 of its length */
-#define BESIDE 2e-6f       /* m: a post nearer to a side lies below it */
-
-/* --- parts of cells --- */
-
-/* What a post bears across a body with straight sides: from low to high, in posts from this post. */
-struct part {
-	float low, high;
-	float begins, ends; /* 1: at that side the body ends */
-};
-
-/* here: the post's place across the strip; lower, upper: of the posts next to it; size: half the strip's width; m. A part goes half way to the next
- * post that the body covers too, or to the strip's side, but no farther than that post. */
-SOIL_INLINED struct part part_of(float lower, float here, float upper, float size, float step)
-{
-	const float closest = 0.25f * step;
-	const bool begins = !(fabsf(lower) <= size + BESIDE), ends = !(fabsf(upper) <= size + BESIDE);
-	const float low = most((-size - here) / most(here - lower, closest), -1), high = least((size - here) / most(upper - here, closest), 1);
-	return (struct part){either(begins, low, -0.5f), either(ends, high, 0.5f), either(begins, 1, 0), either(ends, 1, 0)};
-}
 
 /* Sets what a rim covers. A rim that is narrower than the spacing may pass between two posts: the nearer one bears it. A rim that has sunk nearly to
  * its axle reaches into the cells of posts in front of it. */
@@ -102,24 +84,6 @@ SOIL_CLONED static void cover_ball(const struct soil_form *restrict f, struct so
 
 /* --- other forms --- */
 
-/* Returns true if a form is above a place, in plan. */
-SOIL_INLINED bool is_above(const struct soil_form *f, enum soil_form_kind kind, float x, float y)
-{
-	if (kind == FORM_CAPSULE) {
-		const float axial = f->along[0] * x + f->along[1] * y, aside = f->along[0] * y - f->along[1] * x, straight = f->half_axis * f->level;
-		const float beyond = most(fabsf(axial) - straight, 0), far = f->radius + BESIDE;
-		return aside * aside + beyond * beyond <= far * far;
-	}
-	if (kind == FORM_END) {
-		const float disc = fabsf(f->lean) * half_strip(f, x) + f->half_axis * f->level;
-		return (fabsf(x) <= f->radius + BESIDE) & (fabsf(y) <= disc + BESIDE);
-	}
-	bool is = true;
-	for (int k = 0; k < 3; k++)
-		is = is & (fabsf(f->slabs[k][0] * x + f->slabs[k][1] * y) <= f->slabs[k][2] + BESIDE);
-	return is;
-}
-
 /* A pose of a body during its motion, above a place. */
 struct passing {
 	float height, rises; /* m; rises: of the height with the share of the motion, back from its end */
@@ -168,7 +132,7 @@ SOIL_INLINED void put_lowest(const struct soil_form *restrict f, enum soil_form_
 
 SOIL_INLINED void cover_lanes(const struct soil_form *restrict f, enum soil_form_kind kind, struct soil_posts *restrict p, size_t b)
 {
-	const float own = kind == FORM_END ? (2 * f->half_axis * f->level < 0.25f * f->spacing ? 1 : 2) : 0;
+	const float own = own_of(f, kind);
 	for (int i = 0; i < POSTS_LANES; i++) {
 		const float x = p->x[b + i], y = p->y[b + i], over = either(is_above(f, kind, x, y) & (p->base[b + i] != BASE_NODATA), 1, 0);
 		struct face face = {.height = 0};

@@ -267,6 +267,8 @@ void soil_form_of(const struct soil_law *law, const struct soil_motion *motion, 
 	}
 	put_lower(motion, body);
 	put_shape(body, form, law->spacing, way);
+	for (int k = 0; k < 2; k++)
+		form->enters[k][0] = form->enters[k][1] = form->half[k];
 	if (!(form->radius > 0))
 		form->radius = (float)soil_shape_bound(motion->shape);
 	form->by_radius = 1 / form->radius;

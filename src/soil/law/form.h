@@ -58,6 +58,7 @@ struct soil_form {
 	enum soil_form_kind kind;
 	float radius, by_radius;   /* of other shapes: of a sphere around the body */
 	float half[2];             /* half of its length and of its width in plan; 0: it has no straight sides there */
+	float enters[2][2];        /* how far it reaches behind and ahead, right and left, together with bodies that abut it, m */
 	float spacing;
 	float half_across;         /* half the length of a line across a post's cell */
 	float step_aside, by_step; /* between two posts across the body's way */

@@ -5,13 +5,19 @@
 #include "soil/law/cover_fine.h"
 #include "soil/shape/body.h"
 
+enum {
+#define POSTS_COUNT(name) COUNT_##name,
+	POSTS_WHOLES_EACH(POSTS_COUNT) POSTS_REALS_EACH(POSTS_COUNT) ARRAYS
+#undef POSTS_COUNT
+};
+
+size_t soil_posts_bytes(const struct soil_posts *posts)
+{
+	return ARRAYS * posts->capacity * sizeof(float);
+}
+
 enum status soil_posts_need(struct soil_posts *posts, size_t count)
 {
-	enum {
-#define POSTS_COUNT(name) COUNT_##name,
-		POSTS_WHOLES_EACH(POSTS_COUNT) POSTS_REALS_EACH(POSTS_COUNT) ARRAYS
-#undef POSTS_COUNT
-	};
 	if (count <= posts->capacity)
 		return STATUS_OK;
 	const size_t capacity = (count + count / 2 + 3 * POSTS_LANES - 1) / POSTS_LANES * POSTS_LANES;

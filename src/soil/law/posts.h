@@ -51,6 +51,7 @@ struct soil_posts {
 /* Makes room for so many posts, at least. Keeps nothing. STATUS_MEMORY otherwise. soil_posts_finish frees it; zero the struct before first use. */
 enum status soil_posts_need(struct soil_posts *posts, size_t count) FURROW_CHECKED;
 void soil_posts_finish(struct soil_posts *posts);
+size_t soil_posts_bytes(const struct soil_posts *posts); /* of its arrays */
 
 /* Returns the number of posts, rounded up to whole blocks. */
 SOIL_INLINED size_t soil_posts_end(const struct soil_posts *posts)

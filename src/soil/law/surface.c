@@ -230,3 +230,12 @@ void soil_surfaces_finish(struct soil_surfaces *surfaces)
 		mem_free(surfaces->kept[i].memory);
 	*surfaces = (struct soil_surfaces){0};
 }
+
+size_t soil_surfaces_bytes(const struct soil_surfaces *surfaces)
+{
+	size_t words = 0;
+	for (int i = 0; i < SURFACES; i++)
+		if (surfaces->kept[i].memory != NULL)
+			words += 9 * ((size_t)surfaces->kept[i].source_vertices + surfaces->kept[i].source_count);
+	return words * sizeof(uint32_t);
+}

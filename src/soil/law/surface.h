@@ -31,5 +31,6 @@ struct soil_surfaces {
 /* Gives the surface of a mesh, valid until another mesh is asked for. STATUS_MEMORY: no room. */
 enum status soil_surface_of(struct soil_surfaces *surfaces, const struct soil_mesh *mesh, const struct soil_surface **out) FURROW_CHECKED;
 void soil_surfaces_finish(struct soil_surfaces *surfaces);
+size_t soil_surfaces_bytes(const struct soil_surfaces *surfaces); /* of all that are kept */
 
 #endif

@@ -102,6 +102,20 @@ static inline void soil_measured_add(struct soil_measured *measured, const struc
 	measured->patch = post_rect_around(measured->patch, (struct post_rect){first, y, last + 1, y + 1});
 }
 
+/* Adds what another part of the body added up with the same laying. */
+static inline void soil_measured_join(struct soil_measured *measured, const struct soil_measured *part)
+{
+	measured->carried += part->carried;
+	measured->givers += part->givers;
+	measured->classes |= part->classes;
+	measured->deep = part->deep > measured->deep ? part->deep : measured->deep;
+	for (int k = 0; k < 2; k++) {
+		measured->least[k] = part->least[k] < measured->least[k] ? part->least[k] : measured->least[k];
+		measured->most[k] = part->most[k] > measured->most[k] ? part->most[k] : measured->most[k];
+	}
+	measured->patch = post_rect_joined(measured->patch, part->patch);
+}
+
 /* A row of posts after a contact. dug and classes may be NULL: then they count as zeros. */
 struct soil_row {
 	int64_t x, y; /* its first post */

@@ -1,0 +1,342 @@
+/*
+ * Contacts with soil that bears, which wait until all bodies of a time are there. Then those whose windows share posts meet the ground together.
+ *
+ * Invariants: (1) Tiles are pinned only while a group is computed. (2) All that wait have one time, or belong to one step of hosts. (3) A body's contacts
+ * keep their order: its second one is in the second round. (4) The order of bodies does not show: groups and what is in them depend on places alone.
+ */
+#define _GNU_SOURCE /* qsort_r */
+#include <stdlib.h>
+#include <string.h>
+
+#include "world/internal.h"
+
+#define BLOCK 32       /* posts on a side of a block */
+#define MORE_MOST 4.0  /* a window may have so many times the posts of its contacts */
+
+struct waiting_contact {
+	struct event event;
+	struct deform_contact contact;
+	struct bearing_area area;
+	size_t round, group;
+	bool feels;
+};
+
+struct meetings {
+	struct waiting_contact *list;
+	size_t count, room, rounds;
+	uint64_t turn;                   /* how often they were computed */
+	struct key_map blocks;           /* of a block: the first contact of this round whose window has posts in it, and the round */
+	size_t *order;                   /* of a round, by group */
+	struct bearing_contact *contacts; /* of a group */
+};
+
+enum status world_meetings_create(struct world *world)
+{
+	if (world->bearing == NULL || !world_feels(world))
+		return STATUS_OK;
+	world->meetings = mem_calloc(1, sizeof *world->meetings);
+	if (world->meetings == NULL)
+		return fail_memory("contacts that wait");
+	world->meetings->turn = 1;
+	world->near.stale = true;
+	return STATUS_OK;
+}
+
+void world_meetings_free(struct world *world)
+{
+	struct meetings *m = world->meetings;
+	if (m == NULL)
+		return;
+	key_map_finish(&m->blocks);
+	mem_free(m->list);
+	mem_free(m->order);
+	mem_free(m->contacts);
+	mem_free(m);
+	world->meetings = NULL;
+}
+
+void world_meetings_forget(struct world *world)
+{
+	if (world->meetings != NULL)
+		world->meetings->count = world->meetings->rounds = 0;
+}
+
+static enum status grow(struct meetings *m)
+{
+	const size_t room = m->room != 0 ? 2 * m->room : 16;
+	struct waiting_contact *list = mem_realloc(m->list, room, sizeof *list);
+	m->list = list != NULL ? list : m->list;
+	size_t *order = mem_realloc(m->order, room, sizeof *order);
+	m->order = order != NULL ? order : m->order;
+	struct bearing_contact *contacts = mem_realloc(m->contacts, room, sizeof *contacts);
+	m->contacts = contacts != NULL ? contacts : m->contacts;
+	if (list == NULL || order == NULL || contacts == NULL)
+		return fail_memory("contacts that wait");
+	m->room = room;
+	return STATUS_OK;
+}
+
+enum status world_meetings_add(struct world *world, const struct event *event, const struct deform_contact *contact, const struct bearing_area *area, bool feels)
+{
+	struct meetings *m = world->meetings;
+	struct body *body = world_body_at(world, event->body);
+	enum status status = m->count == m->room ? grow(m) : STATUS_OK;
+	if (status != STATUS_OK)
+		return status;
+	/* The rounds of a body count while anything waits. */
+	const size_t round = m->count > 0 && body->met_turn == m->turn ? body->met : 0;
+	m->list[m->count++] = (struct waiting_contact){*event, *contact, *area, round, 0, feels};
+	body->met_turn = m->turn;
+	body->met = round + 1;
+	m->rounds = round + 1 > m->rounds ? round + 1 : m->rounds;
+	return STATUS_OK;
+}
+
+/* --- groups --- */
+
+/* Returns the first contact of a group. */
+static size_t first_of(const struct waiting_contact *list, size_t i)
+{
+	while (list[i].group != i)
+		i = list[i].group;
+	return i;
+}
+
+static void join(struct waiting_contact *list, size_t a, size_t b)
+{
+	const size_t p = first_of(list, a), q = first_of(list, b);
+	list[p > q ? p : q].group = p > q ? q : p;
+}
+
+static struct post_rect blocks_of(struct post_rect rect)
+{
+	rect.x0 = rect.x0 > 0 ? rect.x0 : 0;
+	rect.y0 = rect.y0 > 0 ? rect.y0 : 0;
+	return (struct post_rect){rect.x0 / BLOCK, rect.y0 / BLOCK, (rect.x1 + BLOCK - 1) / BLOCK, (rect.y1 + BLOCK - 1) / BLOCK};
+}
+
+/* Joins contacts of one round whose windows share a block of posts. order: their indices. */
+static enum status put_groups(struct meetings *m, size_t count)
+{
+	enum status status = STATUS_OK;
+	key_map_clear(&m->blocks);
+	for (size_t n = 0; n < count; n++)
+		m->list[m->order[n]].group = m->order[n];
+	for (size_t n = 0; n < count && count > 1; n++) {
+		const size_t i = m->order[n];
+		const struct post_rect blocks = blocks_of(m->list[i].area.read);
+		for (int64_t y = blocks.y0; y < blocks.y1; y++)
+			for (int64_t x = blocks.x0; x < blocks.x1 && status == STATUS_OK; x++) {
+				const uint64_t key = (uint64_t)y << 32 | (uint64_t)x;
+				const struct key_pair *pair = key_map_find(&m->blocks, key);
+				if (pair != NULL)
+					join(m->list, (size_t)pair->a, i);
+				else
+					status = key_map_put(&m->blocks, key, (double)i, 0);
+			}
+	}
+	for (size_t n = 0; n < count; n++)
+		m->list[m->order[n]].group = first_of(m->list, m->order[n]);
+	return status;
+}
+
+static int compare(double a, double b)
+{
+	return a < b ? -1 : a > b;
+}
+
+/* Orders contacts by groups, and within them by place, shape and motion: the number of a body comes last. */
+static int by_place(const void *a, const void *b, void *user)
+{
+	const struct waiting_contact *list = user, *p = &list[*(const size_t *)a], *q = &list[*(const size_t *)b];
+	const struct soil_pose *u = &p->contact.to, *v = &q->contact.to;
+	if (p->group != q->group)
+		return p->group < q->group ? -1 : 1;
+	const double first[] = {(double)u->x, (double)u->y, (double)u->z, u->yaw, u->pitch, u->roll, u->turn, p->contact.shape->kind, p->contact.shape->radius,
+				p->contact.shape->width, p->contact.shape->length, p->contact.shape->size[0], p->contact.load, p->contact.turned};
+	const double second[] = {(double)v->x, (double)v->y, (double)v->z, v->yaw, v->pitch, v->roll, v->turn, q->contact.shape->kind, q->contact.shape->radius,
+				 q->contact.shape->width, q->contact.shape->length, q->contact.shape->size[0], q->contact.load, q->contact.turned};
+	for (size_t k = 0; k < sizeof first / sizeof *first; k++) {
+		const int order = compare(first[k], second[k]);
+		if (order != 0)
+			return order;
+	}
+	return p->event.body < q->event.body ? -1 : p->event.body > q->event.body;
+}
+
+/* --- computing --- */
+
+static size_t tiles_in(const struct world *world, struct post_rect rect)
+{
+	struct tile first, last;
+	if (!tile_range_of(&world->meta->extent, world->level, rect, &first, &last))
+		return 0;
+	return (size_t)(last.x - first.x + 1) * (last.y - first.y + 1);
+}
+
+static double posts_in(struct post_rect rect)
+{
+	return post_rect_empty(rect) ? 0 : (double)(rect.x1 - rect.x0) * (double)(rect.y1 - rect.y0);
+}
+
+/* Tells whether a group may be computed in one window. Otherwise its contacts are computed one after another, each beside the others. It does not depend
+ * on tiles and slots. */
+static bool fits(const struct bearing_contact *contacts, size_t count)
+{
+	const struct post_rect all = bearing_meeting_reads(contacts, count);
+	double each = 0;
+	for (size_t i = 0; i < count; i++)
+		each += posts_in(contacts[i].area.read);
+	return count == 1 || (count <= BEARING_TOGETHER && posts_in(all) <= MORE_MOST * each && all.x1 - all.x0 <= DEFORM_WHOLE_POSTS &&
+			      all.y1 - all.y0 <= DEFORM_WHOLE_POSTS);
+}
+
+/* Lists the bodies beside a group, in world->near.rests. */
+static enum status list_beside(struct world *world, const size_t *order, const struct bearing_contact *contacts, size_t count, size_t *beside)
+{
+	const struct meetings *m = world->meetings;
+	struct near_table *near = &world->near;
+	struct post_rect area = {0, 0, 0, 0};
+	enum status status = near->stale ? world_near_make(world) : STATUS_OK;
+	*beside = 0;
+	if (status != STATUS_OK)
+		return status;
+	for (size_t i = 0; i < count; i++)
+		area = post_rect_joined(area, contacts[i].area.write);
+	world_near_find(world, area);
+	for (size_t i = 0; i < near->found_count; i++) {
+		bool is_member = false;
+		for (size_t k = 0; k < count && !is_member; k++)
+			is_member = m->list[order[k]].event.body == near->found[i].body;
+		if (!is_member)
+			near->rests[(*beside)++] = near->found[i].rest;
+	}
+	return STATUS_OK;
+}
+
+/* Tells changes of one contact. */
+static enum status tell(struct world *world, const struct waiting_contact *waiting, const struct bearing_contact *done, const struct held_tiles *held)
+{
+	const struct deform_window window = {.read = waiting->area.read, .write = waiting->area.write};
+	if (waiting->feels || post_rect_empty(done->changed))
+		return STATUS_OK;
+	enum status status = world_tell_contact(world, &waiting->event, &waiting->contact, &window, 1);
+	if (status == STATUS_OK)
+		status = world_mark(world, done->changed, held);
+	return status == STATUS_OK ? world_tell_contact_ended(world) : status;
+}
+
+static void count_windows(struct world *world, const struct waiting_contact *waiting, const struct bearing_contact *done)
+{
+	/* What a body does not touch it does not change. */
+	const size_t computed = world->params.everywhere || !post_rect_empty(done->changed);
+	if (waiting->feels)
+		return;
+	world_count_windows(world_body_at(world, waiting->event.body), &waiting->contact, computed);
+	world->windows.due++;
+	world->windows.computed += computed;
+}
+
+/* Puts back what the held tiles have of what changed. */
+static enum status put_back(struct world *world, const size_t *order, const struct bearing_contact *contacts, size_t count, const struct held_tiles *held)
+{
+	enum status status = bearing_meeting_scatter(world->bearing, contacts, count, held->tiles, held->count);
+	for (size_t i = 0; i < count && status == STATUS_OK; i++)
+		status = tell(world, &world->meetings->list[order[i]], &contacts[i], held);
+	return status;
+}
+
+/* Goes over the tiles of a window one by one: it may have more of them than there are slots. order NULL: gathers; else puts back. */
+static enum status each_tile(struct world *world, const size_t *order, const struct bearing_contact *contacts, size_t count)
+{
+	const struct post_rect reads = bearing_meeting_reads(contacts, count);
+	struct tile first, last;
+	enum status status = STATUS_OK;
+	if (!tile_range_of(&world->meta->extent, world->level, reads, &first, &last))
+		return status;
+	for (uint32_t y = first.y; y <= last.y; y++)
+		for (uint32_t x = first.x; x <= last.x && status == STATUS_OK; x++) {
+			struct held_tiles held;
+			status = world_hold_tile(world, (struct tile){world->level, x, y}, &held);
+			if (status == STATUS_OK && order == NULL)
+				bearing_meeting_gather(world->bearing, held.tiles, held.count);
+			else if (status == STATUS_OK)
+				status = put_back(world, order, contacts, count, &held);
+			world_release(world, &held);
+		}
+	return status;
+}
+
+/* Computes contacts that meet the ground together. */
+static enum status compute(struct world *world, const size_t *order, struct bearing_contact *contacts, size_t count)
+{
+	const struct meetings *m = world->meetings;
+	const bool whole = count == 1 || tiles_in(world, bearing_meeting_reads(contacts, count)) <= world->windows.tiles;
+	struct held_tiles held = {.count = 0};
+	size_t beside;
+	enum status status = list_beside(world, order, contacts, count, &beside);
+	if (status == STATUS_OK)
+		status = bearing_meeting_begin(world->bearing, contacts, count, whole);
+	if (status == STATUS_OK && whole)
+		status = world_hold(world, bearing_meeting_reads(contacts, count), &held);
+	if (status == STATUS_OK && whole)
+		bearing_meeting_gather(world->bearing, held.tiles, held.count);
+	else if (status == STATUS_OK)
+		status = each_tile(world, NULL, contacts, count);
+	if (status == STATUS_OK)
+		status = bearing_meeting_compute(world->bearing, contacts, count, world->near.rests, beside);
+	if (status == STATUS_OK)
+		status = whole ? put_back(world, order, contacts, count, &held) : each_tile(world, order, contacts, count);
+	world_release(world, &held);
+	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
+		world_forces_came(world->forces, &contacts[i].forces);
+		count_windows(world, &m->list[order[i]], &contacts[i]);
+	}
+	return status;
+}
+
+static enum status compute_group(struct world *world, const size_t *order, size_t count)
+{
+	struct meetings *m = world->meetings;
+	for (size_t i = 0; i < count; i++) {
+		const struct waiting_contact *waiting = &m->list[order[i]];
+		m->contacts[i] = (struct bearing_contact){.contact = &waiting->contact, .area = waiting->area, .feels = waiting->feels};
+	}
+	if (fits(m->contacts, count))
+		return compute(world, order, m->contacts, count);
+	enum status status = STATUS_OK;
+	for (size_t i = 0; i < count && status == STATUS_OK; i++)
+		status = compute(world, &order[i], &m->contacts[i], 1);
+	return status;
+}
+
+static enum status compute_round(struct world *world, size_t round)
+{
+	struct meetings *m = world->meetings;
+	size_t count = 0;
+	for (size_t i = 0; i < m->count; i++)
+		if (m->list[i].round == round)
+			m->order[count++] = i;
+	enum status status = put_groups(m, count);
+	if (count > 1)
+		qsort_r(m->order, count, sizeof *m->order, by_place, m->list);
+	for (size_t first = 0, last; first < count && status == STATUS_OK; first = last) {
+		for (last = first + 1; last < count && m->list[m->order[last]].group == m->list[m->order[first]].group;)
+			last++;
+		status = compute_group(world, &m->order[first], last - first);
+	}
+	return status;
+}
+
+enum status world_meetings_flush(struct world *world)
+{
+	struct meetings *m = world->meetings;
+	enum status status = STATUS_OK;
+	if (m == NULL || m->count == 0)
+		return status;
+	m->turn++;
+	for (size_t round = 0; round < m->rounds && status == STATUS_OK; round++)
+		status = compute_round(world, round);
+	world_meetings_forget(world);
+	return status;
+}

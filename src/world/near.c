@@ -1,0 +1,300 @@
+/*
+ * Which bodies are near a place: those that may be over the same ground as another one, and those below which no soil is laid.
+ *
+ * The table is made anew when bodies may have moved. A body is in all cells of a grid on which it may lie until the table is made anew. Bodies whose
+ * places a probe gives are in a list beside it.
+ */
+#include <stdlib.h>
+
+#include "world/internal.h"
+
+#define FEW 16          /* bodies: so few need no grid */
+#define CELLS_MOST 64   /* of a body; one that needs more is looked at each time */
+#define CELL_LEAST 32   /* posts */
+
+/* A body that is in a cell. */
+struct near_cell {
+	uint64_t key;
+	size_t entry;
+};
+
+static enum status need_entries(struct near_table *near, size_t count)
+{
+	if (count <= near->room)
+		return STATUS_OK;
+	struct near_entry *entries = mem_realloc(near->entries, 2 * count, sizeof *entries);
+	near->entries = entries != NULL ? entries : near->entries;
+	struct near_entry *found = mem_realloc(near->found, 2 * count, sizeof *found);
+	near->found = found != NULL ? found : near->found;
+	struct near_kept *kept = mem_realloc(near->kept, 2 * count, sizeof *kept);
+	near->kept = kept != NULL ? kept : near->kept;
+	struct deform_rest *rests = mem_realloc(near->rests, 2 * count, sizeof *rests);
+	near->rests = rests != NULL ? rests : near->rests;
+	if (entries == NULL || found == NULL || kept == NULL || rests == NULL)
+		return fail_memory("bodies near each other");
+	near->room = 2 * count;
+	return STATUS_OK;
+}
+
+void world_near_free(struct near_table *near)
+{
+	mem_free(near->entries);
+	mem_free(near->found);
+	mem_free(near->kept);
+	mem_free(near->rests);
+	mem_free(near->cells);
+	*near = (struct near_table){.stale = true};
+}
+
+/* --- the bodies --- */
+
+static struct post_rect shadow_of(const struct world *world, const struct deform_rest *rest)
+{
+	return soil_shadow(rest->shape, &rest->pose, &rest->pose, world->spacing);
+}
+
+/* Returns where a body on a path is now. */
+static struct deform_rest rest_of(const struct body *body)
+{
+	return (struct deform_rest){&body->object->shape, body->last, body->loaded_body};
+}
+
+static void add_paths(struct world *world, struct near_table *near)
+{
+	const size_t first = near->count;
+	for (size_t i = 0; i < world->scene->object_count; i++) {
+		struct body *body = &world->bodies[i];
+		const bool here = body->in_contact && !body->elsewhere;
+		near->entries[near->count++] = (struct near_entry){.body = i, .rest = rest_of(body), .rect = {0, 0, 0, 0}};
+		if (here)
+			near->entries[near->count - 1].rect = shadow_of(world, &near->entries[near->count - 1].rest);
+	}
+	for (size_t i = 0; i < world->events.count; i++) {
+		const struct event *event = &world->events.list[i];
+		struct near_entry *entry = &near->entries[first + event->body];
+		if (event->contact)
+			entry->rect = post_rect_joined(entry->rect, soil_shadow(entry->rest.shape, &event->pose, &event->pose, world->spacing));
+	}
+}
+
+/* Adds the bodies of hosts, at the end of this step. */
+static enum status add_hosts(struct world *world, struct near_table *near)
+{
+	for (size_t i = 0; i < world->hosts.count; i++) {
+		const struct host_body *host = world->hosts.list[i];
+		if (host == NULL || !host->placed || host->removed || host->body.elsewhere)
+			continue;
+		struct near_entry *entry = &near->entries[near->count++];
+		const struct scene_object *object = host->body.object;
+		*entry = (struct near_entry){.body = world->scene->object_count + 1 + i, .rest = {.shape = &object->shape}};
+		enum status status = world_attitude(&object->shape, object->name, host->has_next ? &host->next.pose : &host->now.pose, &entry->rest.pose);
+		if (status != STATUS_OK)
+			return status;
+		entry->rect = shadow_of(world, &entry->rest);
+	}
+	return STATUS_OK;
+}
+
+/* --- the grid --- */
+
+static int by_key(const void *a, const void *b)
+{
+	const struct near_cell *p = a, *q = b;
+	if (p->key != q->key)
+		return p->key < q->key ? -1 : 1;
+	return p->entry < q->entry ? -1 : p->entry > q->entry;
+}
+
+static struct post_rect cells_of(const struct near_table *near, struct post_rect rect)
+{
+	const int64_t side = near->side;
+	const int64_t shift = (int64_t)1 << 30; /* a body may be beyond the world */
+	return (struct post_rect){(rect.x0 + shift * side) / side, (rect.y0 + shift * side) / side, (rect.x1 - 1 + shift * side) / side + 1,
+				  (rect.y1 - 1 + shift * side) / side + 1};
+}
+
+static uint64_t key_of(int64_t x, int64_t y)
+{
+	return (uint64_t)y << 32 | (uint64_t)x;
+}
+
+static enum status make_grid(struct near_table *near)
+{
+	int64_t widest = CELL_LEAST;
+	size_t needed = 0;
+	for (size_t i = 0; i < near->count; i++) {
+		const struct post_rect shadow = near->entries[i].rect;
+		const int64_t wide = shadow.x1 - shadow.x0, high = shadow.y1 - shadow.y0;
+		near->entries[i].everywhere = false;
+		if (post_rect_empty(shadow))
+			continue;
+		widest = wide > widest && wide < 1024 ? wide : widest;
+		widest = high > widest && high < 1024 ? high : widest;
+	}
+	near->side = widest;
+	near->cell_count = near->everywhere = 0;
+	for (size_t i = 0; i < near->count; i++) {
+		const struct post_rect cells = cells_of(near, near->entries[i].rect);
+		if (!post_rect_empty(near->entries[i].rect))
+			needed += cells.x1 - cells.x0 > CELLS_MOST || cells.y1 - cells.y0 > CELLS_MOST ? 0 : (size_t)((cells.x1 - cells.x0) * (cells.y1 - cells.y0));
+	}
+	if (needed > near->cell_room) {
+		struct near_cell *cells = mem_realloc(near->cells, 2 * needed, sizeof *cells);
+		if (cells == NULL)
+			return fail_memory("bodies near each other");
+		near->cells = cells;
+		near->cell_room = 2 * needed;
+	}
+	for (size_t i = 0; i < near->count; i++) {
+		struct near_entry *entry = &near->entries[i];
+		if (post_rect_empty(entry->rect))
+			continue;
+		const struct post_rect cells = cells_of(near, entry->rect);
+		entry->everywhere = cells.x1 - cells.x0 > CELLS_MOST || cells.y1 - cells.y0 > CELLS_MOST;
+		near->everywhere += entry->everywhere;
+		for (int64_t y = cells.y0; y < cells.y1 && !entry->everywhere; y++)
+			for (int64_t x = cells.x0; x < cells.x1; x++)
+				near->cells[near->cell_count++] = (struct near_cell){key_of(x, y), i};
+	}
+	if (near->cell_count > 1)
+		qsort(near->cells, near->cell_count, sizeof *near->cells, by_key);
+	return STATUS_OK;
+}
+
+/* Lists the bodies where they are. */
+static enum status list(struct world *world)
+{
+	struct near_table *near = &world->near;
+	enum status status = need_entries(near, world->scene->object_count + world->hosts.count + 1);
+	near->stale = true;
+	if (status != STATUS_OK)
+		return status;
+	near->count = near->moved = 0;
+	add_paths(world, near);
+	return add_hosts(world, near);
+}
+
+static enum status end_list(struct near_table *near)
+{
+	enum status status = near->count > FEW ? make_grid(near) : STATUS_OK;
+	near->stale = status != STATUS_OK;
+	return status;
+}
+
+enum status world_near_make(struct world *world)
+{
+	enum status status = list(world);
+	return status == STATUS_OK ? end_list(&world->near) : status;
+}
+
+/* Returns the entry of a body; NULL: it has none. */
+static struct near_entry *entry_of(struct near_table *near, size_t body)
+{
+	size_t low = 0, high = near->count;
+	while (low < high) {
+		const size_t middle = low + (high - low) / 2;
+		if (near->entries[middle].body < body)
+			low = middle + 1;
+		else
+			high = middle;
+	}
+	return low < near->count && near->entries[low].body == body ? &near->entries[low] : NULL;
+}
+
+static void move(const struct world *world, struct near_entry *entry, const struct soil_pose *pose)
+{
+	entry->rest.pose = *pose;
+	entry->rect = shadow_of(world, &entry->rest);
+}
+
+enum status world_near_begin(struct world *world, size_t count, const int32_t *numbers, const struct world_state *states)
+{
+	struct near_table *near = &world->near;
+	/* Of one body alone the place does not matter to itself. */
+	const bool most = count > 1 && 4 * count >= world->hosts.count;
+	enum status status = most ? list(world) : near->stale ? world_near_make(world) : STATUS_OK;
+	for (size_t i = 0; i < count && count > 1 && status == STATUS_OK; i++) {
+		struct soil_pose pose;
+		if (world_host_body(world, numbers[i]) == NULL) /* a body on a path */
+			continue;
+		struct near_entry *entry = entry_of(near, world->scene->object_count + 1 + (size_t)numbers[i]);
+		if (entry == NULL || world_state_check(entry->rest.shape, "", &states[i], &pose) != STATUS_OK)
+			continue;
+		if (most) {
+			move(world, entry, &pose);
+			continue;
+		}
+		near->kept[near->moved++] = (struct near_kept){(size_t)(entry - near->entries), *entry};
+		move(world, entry, &pose);
+	}
+	if (status == STATUS_OK && most)
+		status = end_list(near);
+	near->stale |= most;
+	return status;
+}
+
+void world_near_end(struct world *world)
+{
+	struct near_table *near = &world->near;
+	for (; near->moved > 0; near->moved--)
+		near->entries[near->kept[near->moved - 1].at] = near->kept[near->moved - 1].entry;
+}
+/* --- finding --- */
+
+/* Notes a body if it is over these posts. */
+static void look(struct world *world, size_t at, struct post_rect rect)
+{
+	struct near_table *near = &world->near;
+	struct near_entry *entry = &near->entries[at];
+	if (entry->turn == near->turn || post_rect_empty(post_rect_intersect(entry->rect, rect)))
+		return;
+	entry->turn = near->turn;
+	if (entry->body < world->scene->object_count) { /* its path has gone on since the table was made */
+		const struct body *body = &world->bodies[entry->body];
+		entry->rest = rest_of(body);
+		if (!body->in_contact || post_rect_empty(post_rect_intersect(shadow_of(world, &entry->rest), rect)))
+			return;
+	}
+	near->found[near->found_count++] = *entry;
+}
+
+static int by_body(const void *a, const void *b)
+{
+	const struct near_entry *p = a, *q = b;
+	return p->body < q->body ? -1 : p->body > q->body;
+}
+
+static size_t first_of(const struct near_table *near, uint64_t key)
+{
+	size_t low = 0, high = near->cell_count;
+	while (low < high) {
+		const size_t middle = low + (high - low) / 2;
+		if (near->cells[middle].key < key)
+			low = middle + 1;
+		else
+			high = middle;
+	}
+	return low;
+}
+
+void world_near_find(struct world *world, struct post_rect rect)
+{
+	struct near_table *near = &world->near;
+	near->found_count = 0;
+	near->turn++;
+	if (post_rect_empty(rect) || near->count < 2)
+		return;
+	const struct post_rect cells = near->count > FEW ? cells_of(near, rect) : (struct post_rect){0, 0, 0, 0};
+	const bool all = near->count <= FEW || (cells.x1 - cells.x0) * (cells.y1 - cells.y0) > (int64_t)near->count;
+	for (size_t i = 0; i < near->count && (all || near->everywhere > 0); i++)
+		if (all || near->entries[i].everywhere)
+			look(world, i, rect);
+	for (size_t i = 0; i < near->moved && !all; i++)
+		look(world, near->kept[i].at, rect);
+	for (int64_t y = cells.y0; y < cells.y1 && !all; y++)
+		for (int64_t x = cells.x0; x < cells.x1; x++)
+			for (size_t i = first_of(near, key_of(x, y)); i < near->cell_count && near->cells[i].key == key_of(x, y); i++)
+				look(world, near->cells[i].entry, rect);
+	if (near->found_count > 1)
+		qsort(near->found, near->found_count, sizeof *near->found, by_body);
+}
