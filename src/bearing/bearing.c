@@ -89,6 +89,7 @@ void bearing_destroy(struct bearing *bearing)
 	soil_block_set_finish(&bearing->next);
 	bearing_window_finish(&bearing->window);
 	bearing_members_finish(bearing);
+	mem_free(bearing->held);
 	mem_free(bearing->standing);
 	mem_free(bearing);
 }

@@ -33,6 +33,12 @@ struct bearing_region {
 	int32_t *offset, *deposited; /* of `writes`; offset NULL: not computed yet; deposited NULL: the model does not keep it */
 };
 
+/* A body at rest. */
+struct bearing_held {
+	struct post_rect shadow;
+	const struct deform_rest *rest;
+};
+
 /* A body of a meeting. */
 struct bearing_member {
 	struct soil_work *work;
@@ -78,8 +84,9 @@ struct bearing {
 	struct soil_block_set active;
 	struct deform_tally tally;
 	/* The interval that is under way. */
-	const struct deform_rest *objects;
-	size_t object_count;
+	struct bearing_held *held;   /* bodies at rest, from south to north */
+	size_t held_count, held_room;
+	int64_t held_tallest;        /* rows of posts of the tallest shadow */
 	struct bearing_region *regions;
 	size_t region_count, region_room;
 	struct soil_block_set next;  /* blocks that stay active */
@@ -119,9 +126,15 @@ struct soil_motion bearing_motion_of(const struct deform_contact *contact);
 void bearing_tell(const struct bearing *bearing, const struct deform_contact *contact, const struct soil_motion *motion, const struct soil_forces *from,
 		  struct deform_forces *forces);
 
-/* interval.c */
+/* hold.c */
 /* Marks posts that bodies at rest hold, in the window. STATUS_MEMORY. */
 enum status bearing_hold(struct bearing *bearing, const struct deform_rest *objects, size_t count) FURROW_CHECKED;
+/* Notes where these bodies rest, which must live while bearing_hold_near is called. STATUS_MEMORY. */
+enum status bearing_hold_begin(struct bearing *bearing, const struct deform_rest *objects, size_t count) FURROW_CHECKED;
+/* Marks posts that they hold, in the window. It looks at those near the window alone. STATUS_MEMORY. */
+enum status bearing_hold_near(struct bearing *bearing) FURROW_CHECKED;
+
+/* interval.c */
 /* Frees the result of a region, if it has one. */
 void bearing_region_finish(struct bearing *bearing, struct bearing_region *region);
 

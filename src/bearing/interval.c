@@ -83,10 +83,10 @@ enum status bearing_interval_begin(struct bearing *bearing, const struct deform_
 	const struct soil_block *blocks;
 	size_t block_count;
 	finish_regions(bearing);
-	bearing->objects = objects;
-	bearing->object_count = count;
 	enum status status = bearing_active_blocks(bearing, &blocks, &block_count);
 	*interval = (struct bearing_interval){block_count, 0};
+	if (status == STATUS_OK && block_count > 0)
+		status = bearing_hold_begin(bearing, objects, count);
 	if (status == STATUS_OK && block_count > 0)
 		status = cut(bearing);
 	interval->regions = bearing->region_count;
@@ -119,32 +119,12 @@ void bearing_interval_gather(struct bearing *bearing, const struct tile_slot *he
 	bearing_window_gather(bearing, held, count, true);
 }
 
-enum status bearing_hold(struct bearing *bearing, const struct deform_rest *objects, size_t count)
-{
-	struct soil_planes *planes = &bearing->window.planes;
-	const struct soil_kinematic kinematic = {.spacing = bearing->law.spacing, .reference = bearing->law.reference};
-	const size_t height = (size_t)(planes->rect.y1 - planes->rect.y0);
-	enum status status = STATUS_OK;
-	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
-		const struct deform_rest *rest = &objects[i];
-		struct soil_pose pose = rest->pose;
-		if (rest->loaded_body > 0)
-			pose.z += bearing->standing[rest->loaded_body - 1];
-		if (post_rect_empty(post_rect_intersect(soil_shadow(rest->shape, &pose, &pose, bearing->law.spacing), planes->rect)))
-			continue;
-		status = bearing_scratch_need(bearing, soil_kinematic_room(&kinematic, &(struct soil_kinematic_contact){.shape = rest->shape}, planes->width, height));
-		if (status == STATUS_OK)
-			soil_kinematic_hold(&kinematic, rest->shape, &pose, planes, bearing->window.scratch);
-	}
-	return status;
-}
-
 enum status bearing_interval_slide(struct bearing *bearing, size_t number)
 {
 	struct bearing_region *region = &bearing->regions[number];
 	struct soil_planes *planes = &bearing->window.planes;
 	const size_t width = (size_t)(region->writes.x1 - region->writes.x0), height = (size_t)(region->writes.y1 - region->writes.y0);
-	enum status status = bearing_hold(bearing, bearing->objects, bearing->object_count);
+	enum status status = bearing_hold_near(bearing);
 	if (status != STATUS_OK)
 		return status;
 	soil_active_close(&bearing->active, planes);
