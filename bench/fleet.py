@@ -1,10 +1,10 @@
 """What a step of many bodies costs: wheels that drive in all directions, spread over a plain.
 
-    python3 bench/fleet.py build/tools/furrow [--before FURROW] [--wheels 200,400,1000,4096] [--model box] [--steps 60] [--json FILE]
+    python3 bench/fleet.py build/tools/furrow [--before FURROW] [--cpu] [--wheels 200,400,1000,4096] [--model box] [--steps 60] [--json FILE]
 
 Wheels of 0.5 m radius and 0.3 m width, 0.05 m deep, at 2.5 m/s: at posts 1/8 m apart and steps of 0.05 s a path sample for each wheel
 and step. The plain has 2049 x 2049 posts 1 m apart; the wheels stand on a square of 1,800 m. No picture. `--before`: another build, which
-takes turns with the first one. `--scene FILE` only writes a scene of the first number of wheels. Figures are medians over the steps after
+takes turns with the first one. `--cpu`: so does the first build with `compute: cpu`. `--scene FILE` only writes a scene of the first number of wheels. Figures are medians over the steps after
 the first second, of the runs the median. Compare ratios, not figures, between machines."""
 import argparse
 import json
@@ -19,6 +19,7 @@ import pages
 import record
 
 SIDE, TIME_STEP, SPEED, SPACING = 1800, 0.05, 2.5, 0.125
+NAMES = ("before", "now", "cpu")  # what takes turns
 SOILS = ("scm", "sumner", "slippage")  # models that need a soil
 
 
@@ -36,11 +37,11 @@ def scene(wheels, model, steps):
     return "\n".join(lines) + "\n"
 
 
-def drive(furrow, folder, path):
+def drive(furrow, folder, path, settings=()):
     """run.json of one drive into an overlay of its own."""
     overlay, out = folder / "overlay.furrow", folder / "out"
     subprocess.run(["rm", "-rf", str(overlay), str(out)], check=True)
-    done = subprocess.run([furrow, "drive", str(path), "--store", str(folder / "plain.furrow"), "--overlay", str(overlay), "-o", str(out)],
+    done = subprocess.run([furrow, "drive", str(path), "--store", str(folder / "plain.furrow"), "--overlay", str(overlay), "-o", str(out), *settings],
                           capture_output=True, text=True)
     if done.returncode != 0:
         raise pages.Told(f"{furrow}: {done.stderr.strip()}")
@@ -52,14 +53,15 @@ def median(values):
 
 
 def measure(arguments, folder):
-    builds = {"now": arguments.furrow} | ({"before": arguments.before} if arguments.before else {})
+    builds = {"now": (arguments.furrow, ())} | ({"before": (arguments.before, ())} if arguments.before else {})
+    builds |= {"cpu": (arguments.furrow, ("--set", "compute=cpu"))} if arguments.cpu else {}
     for wheels in arguments.wheels:
         path = folder / "fleet.yaml"
         path.write_text(scene(wheels, arguments.model, arguments.steps))
         runs = {name: [] for name in builds}
         for _ in range(arguments.runs):
-            for name, furrow in builds.items():
-                runs[name].append(drive(furrow, folder, path))
+            for name, (furrow, settings) in builds.items():
+                runs[name].append(drive(furrow, folder, path, settings))
         row = {"wheels": wheels, "model": arguments.model, "load": os.getloadavg()[0]}
         for name, found in runs.items():
             row[name] = {"step_ms": median([run["step_ms"]["p50"] for run in found]), "gl": found[0]["gl"]["renderer"],
@@ -71,7 +73,7 @@ def measure(arguments, folder):
 
 def keep(kept, rows):
     for row in rows:
-        for name in ("before", "now"):
+        for name in NAMES:
             if name in row:
                 kept.renderer = row[name]["gl"]
                 kept.add(f"w{row['wheels']}.{name}.step_ms", row[name]["each"], "ms")
@@ -84,6 +86,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("furrow")
     parser.add_argument("--before")
+    parser.add_argument("--cpu", action="store_true")
     parser.add_argument("--wheels", default="200,400,1000,4096", type=lambda text: [int(n) for n in text.split(",")])
     parser.add_argument("--model", default="box")
     parser.add_argument("--steps", default=60, type=int)
@@ -103,7 +106,7 @@ def main():
         for row in measure(arguments, folder):
             rows.append(row)
             print(json.dumps(row), flush=True)
-    names = [name for name in ("before", "now") if name in rows[0]]
+    names = [name for name in NAMES if name in rows[0]]
     head = ["wheels"] + [f"{name}: ms a step" for name in names] + [f"{name}: passes a step" for name in names] + ["load"]
     print(pages.table(head, [[str(row["wheels"])] + [pages.figure(row[name]["step_ms"]) for name in names] +
                              [pages.figure(row[name]["passes_a_step"]) for name in names] + [f"{row['load']:.1f}"] for row in rows]))

@@ -65,7 +65,7 @@ def steps(options):
         Step("looks_tile", [], [python, bench / "looks.py", furrow, "--only", "tile", "--runs", 5]),
         Step("deform", ["bench/bench_deform"], [programs / "bench_deform"]),
         Step("frame", ["bench/bench_frame"], [programs / "bench_frame"]),
-        Step("fleet_quiet", [], [python, bench / "fleet.py", furrow, "--wheels", "200,1000,4096"]),
+        Step("fleet_quiet", [], [python, bench / "fleet.py", furrow, "--wheels", "200,1000,4096", "--cpu"]),
         Step("fleet_scm", [], [python, bench / "fleet.py", furrow, "--wheels", "200,1000", "--model", "scm", "--steps", 40]),
         Step("store_full", ["bench/bench_store"], [python, bench / "store.py", furrow, programs / "bench_store", "--dem", dem, "--mosaic", *srtm,
                                                    "--runs", 3], ["dem"]),

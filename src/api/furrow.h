@@ -132,7 +132,8 @@ struct furrow_open {
  * store and overlay stay as they are, byte for byte, whatever is added, placed, probed, asked or drawn. No other process can write them
  * meanwhile, unless the world is readonly.
  * *world gets the world, or NULL when the call fails. Close it with furrow_world_close.
- * FURROW_INPUT: the scene or the store is not usable; the message names the line. FURROW_NO_GL: there is no usable GL.
+ * FURROW_INPUT: the scene or the store is not usable; the message names the line. FURROW_NO_GL: there is no usable GL, and
+ * the scene needs it: for pictures, or by `compute: gpu`.
  * FURROW_USAGE: not exactly one of scene and scene_file is given, or `size` is off.
  * Any thread. The world's later calls may come from other threads, one at a time.
  */

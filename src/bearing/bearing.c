@@ -70,7 +70,7 @@ enum status bearing_create(const struct deform_params *params, struct host_slots
 	if (!bearing->bears)
 		prepare_kinematic(bearing);
 	bearing->around = bearing->conserves ? params->iterations + 2 : bearing->kinematic.radius;
-	enum status status = bearing_members_need(bearing, 1);
+	enum status status = bearing->bears ? bearing_members_need(bearing, 1) : STATUS_OK;
 	if (status == STATUS_OK && params->loaded_bodies > 0) {
 		bearing->standing = mem_calloc(params->loaded_bodies, sizeof *bearing->standing);
 		status = bearing->standing != NULL ? STATUS_OK : fail_memory("bearing soil");
@@ -85,11 +85,11 @@ void bearing_destroy(struct bearing *bearing)
 	for (size_t i = 0; i < bearing->region_count; i++)
 		bearing_region_finish(bearing, &bearing->regions[i]);
 	mem_free(bearing->regions);
-	mem_free(bearing->held);
 	soil_block_set_finish(&bearing->active);
 	soil_block_set_finish(&bearing->next);
 	bearing_window_finish(&bearing->window);
 	bearing_members_finish(bearing);
+	mem_free(bearing->held);
 	mem_free(bearing->standing);
 	mem_free(bearing);
 }

@@ -69,9 +69,9 @@ void bearing_set_equilibrium(struct bearing *bearing, uint32_t loaded_body, int3
 /*
  * --- contacts of kinematic models: a body follows its path, whatever the soil does ---
  *
- * Call bearing_kinematic_begin; then bearing_kinematic_gather until each tile that has posts of area->read was held once; bearing_kinematic_run; then
- * bearing_kinematic_scatter until each tile that has posts of `changed` was held once. One contact at a time; nothing else in between. The ground has
- * the same bits as after the passes on the GPU.
+ * Call bearing_kinematic_begin. Call bearing_kinematic_gather until each tile that has posts of area->read was held once. Call bearing_kinematic_run. Then
+ * call bearing_kinematic_scatter until each tile that has posts of `changed` was held once. One contact at a time, and nothing else in between. The
+ * ground has the same bits as after the passes on the GPU.
  */
 enum status bearing_kinematic_begin(struct bearing *bearing, const struct deform_contact *contact, const struct bearing_area *area) FURROW_CHECKED;
 /* held: pinned tiles that together make a rectangle. */

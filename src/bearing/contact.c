@@ -59,7 +59,7 @@ void bearing_meeting_gather(struct bearing *bearing, const struct tile_slot *hel
 	if (bearing->whole)
 		resident_host_gather(bearing->slots, held, count, &bearing->window.planes);
 	else
-		bearing_window_gather(bearing, held, count);
+		bearing_window_gather(bearing, held, count, false);
 }
 
 enum status bearing_meeting_scatter(struct bearing *bearing, const struct bearing_contact *contacts, size_t count, const struct tile_slot *held, size_t held_count)
@@ -338,7 +338,9 @@ enum status bearing_meeting_compute(struct bearing *bearing, struct bearing_cont
 	const bool alone = count == 1 && bearing->rest_count == 0;
 	commit(bearing, count, alone);
 	status = bearing_hold(bearing, bearing->rests, bearing->rest_count);
-	const bool deposits = status == STATUS_OK && lay(bearing, count, alone);
+	if (status != STATUS_OK)
+		return status;
+	const bool deposits = lay(bearing, count, alone);
 	put_clusters(bearing, count);
 	for (size_t i = 0; i < count && status == STATUS_OK; i++)
 		status = slide(bearing, contacts, count, i, deposits);

@@ -15,8 +15,8 @@
 struct bearing_window {
 	struct soil_planes planes;
 	int32_t *deposits;
-	uint8_t *owners, *patch; /* which body touched a post last; the posts that one body touched, as soil_lay reads them */
 	int32_t *carried; /* kinematic models: what each post gives away */
+	uint8_t *owners, *patch; /* soil that bears: which body touched a post last; the posts that one body touched, as soil_lay reads them */
 	size_t posts;     /* for which there is room */
 	void *memory;
 	size_t bytes;     /* of memory */
@@ -86,7 +86,7 @@ struct bearing {
 	/* The interval that is under way. */
 	struct bearing_held *held;   /* bodies at rest, from south to north */
 	size_t held_count, held_room;
-	int64_t held_tallest;        /* posts: the most that a shadow reaches to the north */
+	int64_t held_tallest;        /* rows of posts of the tallest shadow */
 	struct bearing_region *regions;
 	size_t region_count, region_room;
 	struct soil_block_set next;  /* blocks that stay active */
@@ -99,8 +99,9 @@ struct bearing {
 enum status bearing_window_need(struct bearing *bearing, struct post_rect rect) FURROW_CHECKED;
 /* Makes room for so many bytes of scratch memory. */
 enum status bearing_scratch_need(struct bearing *bearing, size_t bytes) FURROW_CHECKED;
-/* Copies posts of pinned tiles into the window. The tiles together make a rectangle. Posts of other tiles are not changed. */
-void bearing_window_gather(struct bearing *bearing, const struct tile_slot *held, size_t count);
+/* Copies posts of pinned tiles into the window. The tiles together make a rectangle. Posts of other tiles are not changed. slides: only the planes that
+ * sliding reads. */
+void bearing_window_gather(struct bearing *bearing, const struct tile_slot *held, size_t count, bool slides);
 /* Makes all posts of the window such that lie beyond the world. */
 void bearing_window_clear(struct bearing *bearing);
 void bearing_window_finish(struct bearing_window *window);
@@ -125,9 +126,15 @@ struct soil_motion bearing_motion_of(const struct deform_contact *contact);
 void bearing_tell(const struct bearing *bearing, const struct deform_contact *contact, const struct soil_motion *motion, const struct soil_forces *from,
 		  struct deform_forces *forces);
 
-/* interval.c */
-/* Marks posts that bodies at rest hold, in the window. */
+/* hold.c */
+/* Marks posts that bodies at rest hold, in the window. STATUS_MEMORY. */
 enum status bearing_hold(struct bearing *bearing, const struct deform_rest *objects, size_t count) FURROW_CHECKED;
+/* Notes where these bodies rest, which must live while bearing_hold_near is called. STATUS_MEMORY. */
+enum status bearing_hold_begin(struct bearing *bearing, const struct deform_rest *objects, size_t count) FURROW_CHECKED;
+/* Marks posts that they hold, in the window. It looks at those near the window alone. STATUS_MEMORY. */
+enum status bearing_hold_near(struct bearing *bearing) FURROW_CHECKED;
+
+/* interval.c */
 /* Frees the result of a region, if it has one. */
 void bearing_region_finish(struct bearing *bearing, struct bearing_region *region);
 

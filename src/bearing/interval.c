@@ -78,95 +78,6 @@ static enum status cut(struct bearing *bearing)
 	return status;
 }
 
-/* Marks posts that one body holds. */
-static enum status hold(struct bearing *bearing, const struct soil_shape *shape, const struct soil_pose *pose)
-{
-	struct soil_planes *planes = &bearing->window.planes;
-	const struct soil_kinematic kinematic = {.spacing = bearing->law.spacing, .reference = bearing->law.reference};
-	const size_t height = (size_t)(planes->rect.y1 - planes->rect.y0);
-	enum status status = bearing_scratch_need(bearing, soil_kinematic_room(&kinematic, &(struct soil_kinematic_contact){.shape = shape}, planes->width, height));
-	if (status == STATUS_OK)
-		soil_kinematic_hold(&kinematic, shape, pose, planes, bearing->window.scratch);
-	return status;
-}
-
-static struct soil_pose pose_of(const struct bearing *bearing, const struct deform_rest *rest)
-{
-	struct soil_pose pose = rest->pose;
-	if (rest->loaded_body > 0)
-		pose.z += bearing->standing[rest->loaded_body - 1];
-	return pose;
-}
-
-static struct post_rect shadow_of(const struct bearing *bearing, const struct deform_rest *rest)
-{
-	return soil_shadow(rest->shape, &rest->pose, &rest->pose, bearing->law.spacing);
-}
-
-enum status bearing_hold(struct bearing *bearing, const struct deform_rest *objects, size_t count)
-{
-	enum status status = STATUS_OK;
-	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
-		const struct soil_pose pose = pose_of(bearing, &objects[i]);
-		if (!post_rect_empty(post_rect_intersect(shadow_of(bearing, &objects[i]), bearing->window.planes.rect)))
-			status = hold(bearing, objects[i].shape, &pose);
-	}
-	return status;
-}
-
-static int by_shadow(const void *a, const void *b)
-{
-	const struct bearing_held *p = a, *q = b;
-	if (p->shadow.y0 != q->shadow.y0)
-		return p->shadow.y0 < q->shadow.y0 ? -1 : 1;
-	return p->rest < q->rest ? -1 : p->rest > q->rest;
-}
-
-/* Sorts the bodies at rest from south to north, so that each region looks at few of them. */
-static enum status list_held(struct bearing *bearing, const struct deform_rest *objects, size_t count)
-{
-	bearing->held_count = 0;
-	bearing->held_tallest = 0;
-	if (count > bearing->held_room) {
-		struct bearing_held *held = mem_realloc(bearing->held, 2 * count, sizeof *held);
-		if (held == NULL)
-			return fail_memory("relaxation");
-		bearing->held = held;
-		bearing->held_room = 2 * count;
-	}
-	for (size_t i = 0; i < count; i++) {
-		const struct post_rect shadow = shadow_of(bearing, &objects[i]);
-		const int64_t tall = shadow.y1 - shadow.y0;
-		bearing->held_tallest = tall > bearing->held_tallest ? tall : bearing->held_tallest;
-		bearing->held[bearing->held_count++] = (struct bearing_held){shadow, &objects[i]};
-	}
-	if (count > 1)
-		qsort(bearing->held, count, sizeof *bearing->held, by_shadow);
-	return STATUS_OK;
-}
-
-/* Marks posts of the window that bodies at rest hold. */
-static enum status hold_listed(struct bearing *bearing)
-{
-	const struct post_rect rect = bearing->window.planes.rect;
-	size_t low = 0, high = bearing->held_count;
-	while (low < high) {
-		const size_t middle = low + (high - low) / 2;
-		if (bearing->held[middle].shadow.y0 <= rect.y0 - bearing->held_tallest)
-			low = middle + 1;
-		else
-			high = middle;
-	}
-	enum status status = STATUS_OK;
-	for (; low < bearing->held_count && bearing->held[low].shadow.y0 < rect.y1 && status == STATUS_OK; low++) {
-		const struct bearing_held *held = &bearing->held[low];
-		const struct soil_pose pose = pose_of(bearing, held->rest);
-		if (!post_rect_empty(post_rect_intersect(held->shadow, rect)))
-			status = hold(bearing, held->rest->shape, &pose);
-	}
-	return status;
-}
-
 enum status bearing_interval_begin(struct bearing *bearing, const struct deform_rest *objects, size_t count, struct bearing_interval *interval)
 {
 	const struct soil_block *blocks;
@@ -175,7 +86,7 @@ enum status bearing_interval_begin(struct bearing *bearing, const struct deform_
 	enum status status = bearing_active_blocks(bearing, &blocks, &block_count);
 	*interval = (struct bearing_interval){block_count, 0};
 	if (status == STATUS_OK && block_count > 0)
-		status = list_held(bearing, objects, count);
+		status = bearing_hold_begin(bearing, objects, count);
 	if (status == STATUS_OK && block_count > 0)
 		status = cut(bearing);
 	interval->regions = bearing->region_count;
@@ -205,7 +116,7 @@ enum status bearing_interval_start(struct bearing *bearing, size_t region)
 
 void bearing_interval_gather(struct bearing *bearing, const struct tile_slot *held, size_t count)
 {
-	bearing_window_gather(bearing, held, count);
+	bearing_window_gather(bearing, held, count, true);
 }
 
 enum status bearing_interval_slide(struct bearing *bearing, size_t number)
@@ -213,7 +124,7 @@ enum status bearing_interval_slide(struct bearing *bearing, size_t number)
 	struct bearing_region *region = &bearing->regions[number];
 	struct soil_planes *planes = &bearing->window.planes;
 	const size_t width = (size_t)(region->writes.x1 - region->writes.x0), height = (size_t)(region->writes.y1 - region->writes.y0);
-	enum status status = hold_listed(bearing);
+	enum status status = bearing_hold_near(bearing);
 	if (status != STATUS_OK)
 		return status;
 	soil_active_close(&bearing->active, planes);

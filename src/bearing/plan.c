@@ -4,8 +4,8 @@
  */
 #include "bearing/internal.h"
 
-/* Returns the bytes of a post of the window that every drive with this model has: base, offset, contact; other planes that the model keeps; deposits, and
- * what a kinematic model carries. */
+/* Returns the bytes of a post of the window, without the planes that a scene may ask for. Each model has base, offset and contact. Others are planes
+ * that the model keeps, and deposits. A kinematic model has what it carries, one that bears has owners and patch. */
 static uint64_t window_bytes(enum deform_model model)
 {
 	const unsigned kept = deform_planes(model, false, false);
@@ -15,7 +15,7 @@ static uint64_t window_bytes(enum deform_model model)
 	whole += (kept & PLANE_BIT(PLANE_SHEAR)) != 0;
 	whole += deform_conserves(model);
 	whole += deform_conserves(model) && !deform_tells_forces(model);
-	return whole * sizeof(int32_t) + (deform_tells_forces(model) ? 3 : 1) * sizeof(uint8_t); /* contact; owners, patch */
+	return whole * sizeof(int32_t) + (deform_tells_forces(model) ? 3 : 1) * sizeof(uint8_t);
 }
 
 /* Returns the bytes of a post that an interval changes: offset, and deposited if the model keeps it. */

@@ -107,19 +107,6 @@ void bearing_window_clear(struct bearing *bearing)
 	resident_host_gather(bearing->slots, NULL, 0, planes);
 }
 
-void bearing_window_gather(struct bearing *bearing, const struct tile_slot *held, size_t count)
-{
-	struct soil_planes planes;
-	struct post_rect part = {0, 0, 0, 0};
-	for (size_t i = 0; i < count; i++)
-		part = post_rect_joined(part, tile_post_rect(bearing->params.extent, held[i].tile));
-	part = post_rect_intersect(part, bearing->window.planes.rect);
-	if (post_rect_empty(part))
-		return;
-	bearing_window_part(&bearing->window, part, &planes);
-	resident_host_gather(bearing->slots, held, count, &planes);
-}
-
 size_t bearing_window_part(const struct bearing_window *window, struct post_rect part, struct soil_planes *planes)
 {
 	const struct soil_planes *all = &window->planes;
@@ -134,6 +121,23 @@ size_t bearing_window_part(const struct bearing_window *window, struct post_rect
 		*bytes[i] = *bytes[i] != NULL ? *bytes[i] + at : NULL;
 	planes->levels = planes->levels != NULL ? planes->levels + SOIL_RASTERS * at : NULL;
 	return at;
+}
+
+void bearing_window_gather(struct bearing *bearing, const struct tile_slot *held, size_t count, bool slides)
+{
+	struct soil_planes planes;
+	struct post_rect part = {0, 0, 0, 0};
+	for (size_t i = 0; i < count; i++)
+		part = post_rect_joined(part, tile_post_rect(bearing->params.extent, held[i].tile));
+	part = post_rect_intersect(part, bearing->window.planes.rect);
+	if (post_rect_empty(part))
+		return;
+	bearing_window_part(&bearing->window, part, &planes);
+	if (slides) {
+		planes.sinkage = planes.shear = planes.dug = NULL;
+		planes.disturbance = planes.levels = NULL;
+	}
+	resident_host_gather(bearing->slots, held, count, &planes);
 }
 
 void bearing_window_finish(struct bearing_window *window)

@@ -135,7 +135,7 @@ enum status world_probe(struct world *world, size_t count, const int32_t *number
 	enum status status = STATUS_OK;
 	if (ranks != NULL && world->unplaced)
 		status = ranks->step(ranks->user, world->time, status);
-	if (status == STATUS_OK && world->bearing != NULL)
+	if (status == STATUS_OK && world->bearing != NULL && world_feels(world))
 		status = world_near_begin(world, count, numbers, states);
 	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
 		const struct host_body *host = probed_host(world, numbers[i]);

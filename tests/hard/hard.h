@@ -20,6 +20,10 @@ static const struct hard_model hard_models[] = {
 	{"box", "redistribute: {model: box}\n", false},
 	{"sumner", "redistribute: {model: sumner, iterations: 2, interval: 0.02}\nsoil: {name: sand}\n", true},
 	{"slippage", "redistribute: {model: slippage, iterations: 2, interval: 0.02}\nsoil: {name: dry_sand}\n", true},
+	{"none", "compute: cpu\nredistribute: {model: none}\n", false},
+	{"box", "compute: cpu\nredistribute: {model: box}\n", false},
+	{"sumner", "compute: cpu\nredistribute: {model: sumner, iterations: 2, interval: 0.02}\nsoil: {name: sand}\n", true},
+	{"slippage", "compute: cpu\nredistribute: {model: slippage, iterations: 2, interval: 0.02}\nsoil: {name: dry_sand}\n", true},
 	{"scm", "redistribute: {model: scm}\nsoil: {name: dry_sand}\noutput: {forces: 20}\n", true},
 };
 #define HARD_MODELS (sizeof hard_models / sizeof hard_models[0])

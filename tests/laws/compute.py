@@ -6,7 +6,7 @@ import sqlite3
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent.parent / "cli"))
-from furrow_test import FurrowTest, main, part, write_png16
+from furrow_test import FurrowTest, main, write_png16
 
 TABLES = ("offset", "dirt", "heaped", "pressed", "shear", "dug")
 HEAD = "scene: 1\ntime_step: 0.05\nend_time: %g\nspacing: %g\noutside: skip\noutput: {forces: 20}\n"
@@ -26,6 +26,11 @@ TURNED = """objects:
   - {name: pill, shape: {capsule: {radius: 0.4, length: 1.5}}, path: {file: leaning.csv, offset: [0, 9]}}
   - {name: egg, shape: {ellipsoid: {radii: [1, 0.6, 0.5]}}, path: {file: hops.csv}}
   - {name: track, shape: {box: {size: [2, 0.5, 0.6], belt: true}}, path: {file: hops.csv, offset: [0, 7]}}
+"""
+# One pushes soil against another that stands: posts that a body holds have limits of their own.
+BESIDE = """objects:
+  - {name: stands, shape: {box: {size: [3, 3, 4]}}, sink: 0.1, path: {points: [[30, 30]], speed: 1}}
+  - {name: passes, shape: {sphere: {radius: 1}}, sink: 0.7, path: {points: [[25, 27.2], [35, 27.2]], speed: 8}}
 """
 # So large that the GPU cuts it into windows. Mesa ends the loops that lay the soil of a ball of 30 m.
 LARGE = """objects:
@@ -97,14 +102,15 @@ class Compute(FurrowTest):
         yield "slippage", HEAD % (3, 0.125) + "redistribute: {model: slippage, iterations: 2, interval: 0.05}\nattributes: [disturbance]\n" + SOILS["slippage"] + WHEELS, 128, "dunes", 3
         yield "cohesive, steep", HEAD % (2, 0.25) + "redistribute: {model: slippage, interval: 0.05, depth: 0.5, tolerance: 0.002}\nsoil: {name: clayey_38}\n" + WHEELS, 256, "ridged", 40
         yield "slides by itself", HEAD % (2, 0.25) + "redistribute: {model: slippage, interval: 0.1, undisturbed: slides}\nsoil: {cohesion: 0, friction_angle: 20, unit_weight: 16000}\n" + WHEELS, 32, "dunes", 6
-        yield "erodes by itself", HEAD % (2, 0.25) + "redistribute: {model: sumner, iterations: 4, interval: 0.1, undisturbed: slides}\nsoil: {name: mud, theta_in: 20, theta_out: 30, theta_stop: 32}\n" + WHEELS, 64, "ridged", 30
+        yield "erodes by itself", HEAD % (0.8, 0.25) + "redistribute: {model: sumner, iterations: 4, interval: 0.1, undisturbed: slides}\nsoil: {name: mud, theta_in: 20, theta_out: 30, theta_stop: 32}\n" + WHEELS, 64, "ridged", 30
         yield "soils, sumner", HEAD % (3, 0.125) + "redistribute: {model: sumner, interval: 0.05}\n" + MAP % ("sand", "mud", "snow") + WHEELS, 64, "dunes", 3
         yield "soils, slippage", HEAD % (3, 0.125) + "redistribute: {model: slippage, interval: 0.05}\n" + MAP % ("dry_sand", "lete_sand", "clayey_38") + WHEELS, 64, "dunes", 3
+        yield "beside", HEAD % (2, 0.125) + "redistribute: {model: sumner, iterations: 2, interval: 0.05}\nsoil: {name: sand, theta_in: 8}\n" + BESIDE, 64, "dunes", 3
         for model in ("none", "box", "sumner", "slippage"):
             yield f"turned, {model}", HEAD % (2.5, 0.125) + f"redistribute: {{model: {model}}}\nattributes: [disturbance]\n" + SOILS[model] + TURNED, 32, "plain", 0
-        yield "large, box", HEAD % (1, 0.125) + "redistribute: {model: box, radius: 2, repetitions: 3}\nattributes: [disturbance]\n" + LARGE, 32, "dunes", 3
-        yield "large, slippage", HEAD % (0.5, 0.125) + "redistribute: {model: slippage}\n" + SOILS["slippage"] + LARGE, 64, "dunes", 3
-        yield "large, sumner", HEAD % (0.5, 0.125) + "redistribute: {model: sumner, iterations: 2}\n" + SOILS["sumner"] + LARGE, 64, "dunes", 3
+        yield "large, box", HEAD % (0.3, 0.125) + "redistribute: {model: box, radius: 2, repetitions: 3}\nattributes: [disturbance]\n" + LARGE, 32, "dunes", 3
+        yield "large, slippage", HEAD % (0.2, 0.125) + "redistribute: {model: slippage}\n" + SOILS["slippage"] + LARGE, 64, "dunes", 3
+        yield "large, sumner", HEAD % (0.2, 0.125) + "redistribute: {model: sumner, iterations: 2}\n" + SOILS["sumner"] + LARGE, 64, "dunes", 3
 
     def test_every_model(self):
         for what, text, tile, kind, relief in self.scenes():

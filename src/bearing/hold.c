@@ -1,0 +1,98 @@
+/*
+ * Bodies at rest: they hold the soil below them. An interval has many regions, and there may be many bodies. So it notes once where each body is above,
+ * and looks in each region at the bodies of its rows alone.
+ */
+#include "base/memory.h"
+#include "bearing/internal.h"
+
+static struct soil_pose pose_of(const struct bearing *bearing, const struct deform_rest *rest)
+{
+	struct soil_pose pose = rest->pose;
+	if (rest->loaded_body > 0)
+		pose.z += bearing->standing[rest->loaded_body - 1];
+	return pose;
+}
+
+static struct post_rect shadow_of(const struct bearing *bearing, const struct deform_rest *rest)
+{
+	const struct soil_pose pose = pose_of(bearing, rest);
+	return soil_shadow(rest->shape, &pose, &pose, bearing->law.spacing);
+}
+
+static enum status hold(struct bearing *bearing, const struct deform_rest *rest)
+{
+	struct soil_planes *planes = &bearing->window.planes;
+	const struct soil_kinematic kinematic = {.spacing = bearing->law.spacing, .reference = bearing->law.reference};
+	const struct soil_pose pose = pose_of(bearing, rest);
+	const struct soil_kinematic_contact contact = {.shape = rest->shape};
+	enum status status = bearing_scratch_need(bearing, soil_kinematic_room(&kinematic, &contact, planes->width, (size_t)(planes->rect.y1 - planes->rect.y0)));
+	if (status == STATUS_OK)
+		soil_kinematic_hold(&kinematic, rest->shape, &pose, planes, bearing->window.scratch);
+	return status;
+}
+
+enum status bearing_hold(struct bearing *bearing, const struct deform_rest *objects, size_t count)
+{
+	enum status status = STATUS_OK;
+	for (size_t i = 0; i < count && status == STATUS_OK; i++)
+		if (!post_rect_empty(post_rect_intersect(shadow_of(bearing, &objects[i]), bearing->window.planes.rect)))
+			status = hold(bearing, &objects[i]);
+	return status;
+}
+
+static int from_south(const void *a, const void *b)
+{
+	const struct bearing_held *p = a, *q = b;
+	return p->shadow.y0 < q->shadow.y0 ? -1 : p->shadow.y0 > q->shadow.y0;
+}
+
+enum status bearing_hold_begin(struct bearing *bearing, const struct deform_rest *objects, size_t count)
+{
+	bearing->held_count = 0;
+	bearing->held_tallest = 0;
+	if (count > bearing->held_room) {
+		struct bearing_held *held = mem_realloc(bearing->held, count, sizeof *held);
+		if (held == NULL)
+			return fail_memory("relaxation");
+		bearing->held = held;
+		bearing->held_room = count;
+	}
+	for (size_t i = 0; i < count; i++) {
+		const struct post_rect shadow = shadow_of(bearing, &objects[i]);
+		if (post_rect_empty(shadow))
+			continue;
+		bearing->held[bearing->held_count++] = (struct bearing_held){shadow, &objects[i]};
+		bearing->held_tallest = shadow.y1 - shadow.y0 > bearing->held_tallest ? shadow.y1 - shadow.y0 : bearing->held_tallest;
+	}
+	if (bearing->held_count > 1)
+		qsort(bearing->held, bearing->held_count, sizeof *bearing->held, from_south);
+	return STATUS_OK;
+}
+
+/* Returns the first of the bodies whose shadow begins in this row, or north of it. */
+static size_t first_from(const struct bearing *bearing, int64_t row)
+{
+	size_t low = 0, high = bearing->held_count;
+	while (low < high) {
+		const size_t middle = low + (high - low) / 2;
+		if (bearing->held[middle].shadow.y0 < row)
+			low = middle + 1;
+		else
+			high = middle;
+	}
+	return low;
+}
+
+enum status bearing_hold_near(struct bearing *bearing)
+{
+	const struct post_rect rect = bearing->window.planes.rect;
+	enum status status = STATUS_OK;
+	for (size_t i = first_from(bearing, rect.y0 - bearing->held_tallest + 1); i < bearing->held_count && status == STATUS_OK; i++) {
+		const struct bearing_held *held = &bearing->held[i];
+		if (held->shadow.y0 >= rect.y1)
+			break;
+		if (!post_rect_empty(post_rect_intersect(held->shadow, rect)))
+			status = hold(bearing, held->rest);
+	}
+	return status;
+}
