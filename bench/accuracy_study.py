@@ -19,7 +19,6 @@ STUDIES = {
     "interval": ("Interval of sliding", "time between the ground's own steps"),
     "time_step": ("Time step", "the simulation's step"),
     "import_error": ("Error of the import", "the bound that the stored heights are held to"),
-    "forces": ("Forces, at once or late", "how many steps later they are read"),
     "durability": ("Durability", "what a commit waits for"),
     "pairs": ("Two knobs at once", "both"),
     "pixel_error": ("Pixel error", "how many pixels a level may be off"),

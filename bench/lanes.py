@@ -113,7 +113,7 @@ def scene_text(lanes, spacing, soil, redistribute, folder):
         shape = lane.shape or f"wheel: {{radius: {lane.radius!r}, width: {lane.width!r}{bars}}}"
         slips = "" if lane.shape else f"slip: {lane.slip!r}, "
         text.append(f"  - {{name: {lane.name}, shape: {{{shape}}}, {carried}{slips}path: {path_text(lane, folder)}}}")
-    text.append(f"output: {{forces: {rate!r}, delay: 0}}\n")
+    text.append(f"output: {{forces: {rate!r}}}\n")
     return "\n".join(text)
 
 

@@ -20,7 +20,7 @@ import looks
 import tested
 from record import FIGURES, ROOT
 
-LONG = ("deform", "frame", "fleet_scm", "ranks", "ranks_again", "scale", "track", "vehicles_rest", "measured_wheel", "converge", "ablation", "accuracy",
+LONG = ("deform", "frame", "ranks", "ranks_again", "scale", "track", "vehicles_rest", "measured_wheel", "converge", "ablation", "accuracy",
         "store_full", "paging")
 SLIP_SINKAGE = 1.27  # as bench/measured_wheel.py fits it; a fit takes minutes
 BUSY = 0.5  # a load above which other programs take a core's time that is worth telling
@@ -66,7 +66,6 @@ def steps(options):
         Step("deform", ["bench/bench_deform"], [programs / "bench_deform"]),
         Step("frame", ["bench/bench_frame"], [programs / "bench_frame"]),
         Step("fleet_quiet", [], [python, bench / "fleet.py", furrow, "--wheels", "200,1000,4096", "--cpu"]),
-        Step("fleet_scm", [], [python, bench / "fleet.py", furrow, "--wheels", "200,1000", "--model", "scm", "--steps", 40]),
         Step("store_full", ["bench/bench_store"], [python, bench / "store.py", furrow, programs / "bench_store", "--dem", dem, "--mosaic", *srtm,
                                                    "--runs", 3], ["dem"]),
         Step("ranks", [], [python, bench / "ranks.py", furrow, "--wheels", "100,400", "--runs", 3, "--steps", 480]),

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Figures that tests of the soil print: what they ask of closed forms, and what the posts and the GPU say. A minute or two on two quiet cores.
+"""Figures that tests of the soil print: what they ask of closed forms, and what posts say. A minute or two on two quiet cores.
 
-    ninja -C build tests/test_validation tests/test_deform     # bench/measure.py --only tested builds what is needed
+    ninja -C build tests/test_validation tests/test_bearing tests/test_deform     # bench/measure.py --only tested builds what is needed
     python3 bench/tested.py build --figures bench/figures/tested.json
 
 A test prints lines such as "sinkage, mm   19.2946, wanted   19.29: ...". A figure here is a number of such a line: of one test, found by the line's words.
@@ -20,11 +20,10 @@ from pages import main as told_main
 NUMBER = r"([-+]?[\d.]+(?:e[-+]?\d+)?)"
 PLATES = ("dry_sand", "sandy_loam_15", "lete_sand", "lunar", "snow_us")
 SOILS = ("dry_sand", "lunar", "lete_sand", "snow_us", "sandy_loam_15")
-KINDS = ("reference", "gpu")  # a test with each kind of bed has both names in brackets
 # Files of tests, as folder_file; FURROW_LONG: it prints some figures in the long run alone.
 PROGRAMS = {"validation_plate": {}, "validation_wheel": {}, "validation_slope": {}, "validation_rolling": {}, "validation_incline": {},
-            "deform_against_reference": {}, "deform_camber": {}, "deform_envelope": {}, "deform_belt": {"FURROW_LONG": "1"}}
-TARGETS = ["tests/test_validation", "tests/test_deform"]
+            "bearing_camber": {}, "bearing_belt": {"FURROW_LONG": "1"}, "deform_envelope": {}}
+TARGETS = ["tests/test_validation", "tests/test_bearing", "tests/test_deform"]
 
 
 class Printed:
@@ -70,23 +69,17 @@ def plates(kept, printed):
     """Tests of tests/validation/plate.c."""
     for soil in PLATES:
         kept.add(f"plate.{soil}.closed", printed.near("a_plate_sinks_after_bekker", soil)[0][0], "mm")
-    for kind in KINDS:
-        test = f"a_plate_of_posts_sinks_as_deep ({kind})"
-        for soil in PLATES:
-            kept.add(f"plate.{soil}.{kind}", printed.near(test, soil)[0][0] * 1e3, "mm")
-        between = [got for (got,) in printed.all(f"a_plate_between_posts_is_off_by_its_rim_at_most ({kind})", "posts of .* m: NUMBER mm,")]
-        kept.add(f"plate.between.{kind}", between, "mm")
-        test = f"a_dragged_plate_is_held_back_by_that_shear ({kind})"
-        for name, way in (("at_k", "0.025"), ("at_10cm", "0.1")):
-            got, wanted = printed.near(test, f"shear per area after {way} m, Pa")[0]
-            kept.add(f"shear.{name}.{kind}", got / 1e3, "kPa")
-            if kind == "reference":
-                kept.add(f"shear.{name}.expected", wanted / 1e3, "kPa")
-        test = f"a_second_equal_load_sinks_no_deeper ({kind})"
-        first = printed.near(test, "sinkage, mm")[0][0]
-        kept.add(f"reload.first.{kind}", first, "mm")
-        kept.add(f"reload.rebound.{kind}", printed.near(test, "rebound, mm")[0][0], "mm")
-        kept.add(f"reload.further.{kind}", abs(printed.near(test, "sinkage under the second load, m")[0][0] * 1e3 - first), "mm")
+        kept.add(f"plate.{soil}.posts", printed.near("a_plate_of_posts_sinks_as_deep", soil)[0][0] * 1e3, "mm")
+    kept.add("plate.between.posts", [got for (got,) in printed.all("a_plate_between_posts_is_off_by_its_rim_at_most", "posts of .* m: NUMBER mm,")], "mm")
+    for name, way in (("at_k", "0.025"), ("at_10cm", "0.1")):
+        got, wanted = printed.near("a_dragged_plate_is_held_back_by_that_shear", f"shear per area after {way} m, Pa")[0]
+        kept.add(f"shear.{name}.posts", got / 1e3, "kPa")
+        kept.add(f"shear.{name}.expected", wanted / 1e3, "kPa")
+    test = "a_second_equal_load_sinks_no_deeper"
+    first = printed.near(test, "sinkage, mm")[0][0]
+    kept.add("reload.first.posts", first, "mm")
+    kept.add("reload.rebound.posts", printed.near(test, "rebound, mm")[0][0], "mm")
+    kept.add("reload.further.posts", abs(printed.near(test, "sinkage under the second load, m")[0][0] * 1e3 - first), "mm")
     for name, what in (("most", "tau, most, kPa"), ("at_k", "tau at K, kPa"), ("at_10cm", "tau at 0.1 m, kPa")):
         kept.add(f"shear.{name}.closed", printed.near("shear_rises_after_janosi", what)[0][0], "kPa")
 
@@ -98,15 +91,13 @@ def wheels(kept, printed):
     for soil in closed:
         kept.add(f"towed.{soil}.closed", printed.near("a_towed_wheel_sinks_after_bekker", soil)[0][0], "mm")
         kept.add(f"towed.{soil}.resistance.closed", closed[soil][0], "N")
-    for kind in KINDS:
-        test = f"a_wheel_on_posts_sinks_as_a_towed_one ({kind})"
-        for name, row in rows.items():
-            got, arc = printed.near(test, "sinkage, and the arc's, m")[row]
-            kept.add(f"towed.{name}.{kind}", got * 1e3, "mm")
-            kept.add(f"towed.{name}.resistance.{kind}", printed.near(test, "resistance, N")[row][0], "N")
-            if kind == "reference":
-                kept.add(f"towed.{name}.arc", arc * 1e3, "mm")
-    elastic = printed.near("a_wheel_on_elastic_soil_sinks_less (reference)", "sinkage, and the arc's, m")
+    test = "a_wheel_on_posts_sinks_as_a_towed_one"
+    for name, row in rows.items():
+        got, arc = printed.near(test, "sinkage, and the arc's, m")[row]
+        kept.add(f"towed.{name}.posts", got * 1e3, "mm")
+        kept.add(f"towed.{name}.resistance.posts", printed.near(test, "resistance, N")[row][0], "N")
+        kept.add(f"towed.{name}.arc", arc * 1e3, "mm")
+    elastic = printed.near("a_wheel_on_elastic_soil_sinks_less", "sinkage, and the arc's, m")
     for soil in closed:
         arc = elastic[rows[soil]][1] * 1e3
         kept.add(f"elastic.{soil}.arc", arc, "mm")
@@ -116,58 +107,39 @@ def wheels(kept, printed):
 def slopes(kept, printed):
     """Of tests/validation/slope.c."""
     kept.add("cut.closed", printed.near("a_vertical_cut_stands_after_culmann", "height, m")[0][0], "m")
-    for kind in KINDS:
-        stands = printed.near(f"a_cut_between_posts_stands_to_that_and_slips_above ({kind})", "stands, m")
-        kept.add(f"cut.fine.{kind}", stands[0][0], "m")
-        kept.add(f"cut.coarse.{kind}", stands[1][0], "m")
-        test = f"a_pile_of_sand_relaxes_to_its_angle ({kind})"
-        ((_, furthest, face),) = printed.all(test, "NUMBER of tan 30, furthest from the cone NUMBER of a post, steepest face NUMBER")
-        kept.add(f"pile.slope.{kind}", [got for got, _ in printed.near(test, "slope of ten posts")], "")
-        kept.add(f"pile.furthest.{kind}", furthest, "")
-        kept.add(f"pile.face.{kind}", face, "")
+    stands = printed.near("a_cut_between_posts_stands_to_that_and_slips_above", "stands, m")
+    kept.add("cut.fine.posts", stands[0][0], "m")
+    kept.add("cut.coarse.posts", stands[1][0], "m")
+    test = "a_pile_of_sand_relaxes_to_its_angle"
+    ((_, furthest, face),) = printed.all(test, "NUMBER of tan 30, furthest from the cone NUMBER of a post, steepest face NUMBER")
+    kept.add("pile.slope.posts", [got for got, _ in printed.near(test, "slope of ten posts")], "")
+    kept.add("pile.furthest.posts", furthest, "")
+    kept.add("pile.face.posts", face, "")
 
 
 def rolling(kept, printed):
-    """Of tests/validation/rolling.c: the worst of all headings and places, at 4 and at 2 cm."""
-    off = printed.all("a_wheel_tells_what_the_closed_form_does", "posts of NUMBER m: off by Fz NUMBER %, Fx NUMBER %, My NUMBER %")
-    rows = [(SOILS[number // 2], *row) for number, row in enumerate(off)]
-    for spacing in (0.04, 0.02):
-        key = f"rolling.{spacing * 100:g}cm"
-        own = [row for row in rows if row[1] == spacing]
-        kept.add(f"{key}.fz", max(row[2] for row in own) / 100, "times")
-        kept.add(f"{key}.fx", max(row[3] for row in own if row[0] != "snow_us") / 100, "times")
-        kept.add(f"{key}.fx_snow_us", max(row[3] for row in own if row[0] == "snow_us") / 100, "times")
-        kept.add(f"{key}.my", max(row[4] for row in own) / 100, "times")
+    """Of tests/validation/rolling.c: the worst of all surfaces of a rim, at 4, 2 and 1 cm."""
     weak = printed.all("a_rim_weaker_than_the_soil_pulls_as_the_closed_form_does", "posts of NUMBER m: off by Fz NUMBER %, Fx NUMBER %, My NUMBER %")
-    for name, part in (("friction_or_adhesion", weak[:9]), ("lines_cross", weak[9:])):  # three rows of soils, then sandy_loam_15
-        for spacing in (0.04, 0.02):
-            kept.add(f"weak_rim.{name}.{spacing * 100:g}cm.fx", max(row[2] for row in part if row[0] == spacing) / 100, "times")
+    for spacing in (0.04, 0.02, 0.01):
+        kept.add(f"weak_rim.{spacing * 100:g}cm.fx", max(row[2] for row in weak if row[0] == spacing) / 100, "times")
 
 
 def others(kept, found):
-    """Of tests/validation/incline.c and tests/deform."""
+    """Of tests/validation/incline.c, tests/bearing and tests/deform."""
     ((_, _, off),) = found["validation_incline"].all("the_soil_s_vertical_force_is_the_load", "NUMBER carried, NUMBER sunk; fz is off by NUMBER %")
     kept.add("incline.fz_off", off / 100, "times")
-    for model in ("slippage", "sumner", "scm"):
-        ((sweeps, loads, share, units, force),) = found["deform_against_reference"].all(
-            f"{model}_is_as_the_reference", r"NUMBER sweeps, NUMBER loads,.* at most NUMBER % of what is allowed \(NUMBER quanta\), of forces NUMBER %")
-        for name, value, unit in (("sweeps", sweeps, ""), ("units", units, ""), ("share", share / 100, "times")):
-            kept.add(f"matched.{model}.{name}", value, unit)
-        if model == "scm":
-            kept.add("matched.scm.loads", loads, "")
-            kept.add("matched.scm.force", force / 100, "times")
-    camber = found["deform_camber"].all("forces_are_the_integral_over_the_surface", "at NUMBER m: within NUMBER % of the load; .* by NUMBER %")
+    camber = found["bearing_camber"].all("forces_are_the_integral_over_the_surface", "at NUMBER m: within NUMBER % of the load; .* by NUMBER %")
     kept.add("camber.off", max(row[1] for row in camber) / 100, "times")
     kept.add("camber.jump", max(row[2] for row in camber) / 100, "times")
     envelope = found["deform_envelope"]
     kept.add("envelope.off", max(row[0] for test in envelope.tests if any("um off" in line for line in envelope.tests[test])
                                  for row in envelope.all(test, "others NUMBER um off")) / 1e3, "mm")
-    level = found["deform_belt"].all("a_track_draws_what_the_closed_form_says", "posts of NUMBER m: drawbar off by NUMBER %")
-    front = found["deform_belt"].all("a_front_that_rises_resists_as_the_integral_says", "posts of NUMBER m: drawbar off by NUMBER %")
+    level = found["bearing_belt"].all("a_track_draws_what_the_closed_form_says", "posts of NUMBER m: drawbar off by NUMBER %")
+    front = found["bearing_belt"].all("a_front_that_rises_resists_as_the_integral_says", "posts of NUMBER m: drawbar off by NUMBER %")
     for spacing in (0.04, 0.02, 0.01):
         kept.add(f"belt.level.{spacing * 100:g}cm", max(off for at, off in level if at == spacing) / 100, "times")
         kept.add(f"belt.front.{spacing * 100:g}cm", max(off for at, off in front if at == spacing) / 100, "times")
-    dug = found["deform_belt"].all("a_belt_that_slips_digs_by_the_formula", "drawbar NUMBER N for NUMBER")
+    dug = found["bearing_belt"].all("a_belt_that_slips_digs_by_the_formula", "drawbar NUMBER N for NUMBER")
     kept.add("belt.dug", max(abs(got / wanted - 1) for got, wanted in dug), "times")
 
 

@@ -26,7 +26,6 @@ const char *explain_each_of(enum plan_unit unit)
 		[PLAN_ONCE] = "once",
 		[PLAN_BASE_SLOT] = "a tile in a slot",
 		[PLAN_CLASS_SLOT] = "a tile in a slot, with classes",
-		[PLAN_NUMBER_SLOT] = "a tile in a slot, with numbers of the soil",
 		[PLAN_DEFORM_SLOT] = "a deformed tile in a slot",
 		[PLAN_STATE_SLOT] = "a deformed tile of the working level",
 		[PLAN_BASE_ARRAY] = "an array of tiles in slots",

@@ -11,11 +11,6 @@ i64 i64_from(int v)
 	return i64(v >> 31, uint(v));
 }
 
-i64 i64_from_u(uint v)
-{
-	return i64(0, v);
-}
-
 i64 i64_add(i64 a, i64 b)
 {
 	uint carry;
@@ -43,14 +38,6 @@ i64 i64_mul(int a, int b)
 	return i64(hi, uint(lo));
 }
 
-// 32 x 32 -> 64, unsigned; a product of 2^63 and more wraps to a negative i64.
-i64 i64_mul_u(uint a, uint b)
-{
-	uint hi, lo;
-	umulExtended(a, b, hi, lo);
-	return i64(int(hi), lo);
-}
-
 // The low 64 bits of a 64 x 32 signed product.
 i64 i64_mul_int(i64 a, int b)
 {
@@ -62,19 +49,9 @@ i64 i64_mul_int(i64 a, int b)
 	return i64(int(hi), lo);
 }
 
-bool i64_equal(i64 a, i64 b)
-{
-	return a.hi == b.hi && a.lo == b.lo;
-}
-
 bool i64_less(i64 a, i64 b)
 {
 	return a.hi < b.hi || (a.hi == b.hi && a.lo < b.lo);
-}
-
-bool i64_negative(i64 a)
-{
-	return a.hi < 0;
 }
 
 // Shifts choose rather than branch: branches on a uniform n, inlined many times over, are what

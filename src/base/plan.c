@@ -60,7 +60,6 @@ const char *plan_unit_name(enum plan_unit unit)
 {
 	static const char *const names[PLAN_UNITS] = {
 		[PLAN_ONCE] = "once", [PLAN_BASE_SLOT] = "base_slot", [PLAN_CLASS_SLOT] = "class_slot",
-		[PLAN_NUMBER_SLOT] = "number_slot",
 		[PLAN_DEFORM_SLOT] = "deform_slot", [PLAN_STATE_SLOT] = "state_slot",
 		[PLAN_BASE_ARRAY] = "base_array", [PLAN_BASE_LAYER] = "base_layer", [PLAN_DEFORM_ARRAY] = "deform_array",
 		[PLAN_DEFORM_LAYER] = "deform_layer", [PLAN_PATCH] = "patch",

@@ -31,7 +31,6 @@ enum plan_unit {
 	/* Units of memory. A drive counts how many of them existed at the same time, at most. */
 	PLAN_BASE_SLOT,    /* base slots into which a tile was loaded at least once */
 	PLAN_CLASS_SLOT,   /* base slots that also have soil classes */
-	PLAN_NUMBER_SLOT,  /* base slots that also have numbers of the soil, from rasters */
 	PLAN_DEFORM_SLOT,  /* deform slots with the drawn planes */
 	PLAN_STATE_SLOT,   /* deform slots that also have the planes of the soil's state */
 	PLAN_BASE_ARRAY,   /* arrays of which bases are layers, if contacts are computed together */

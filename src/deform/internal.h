@@ -214,13 +214,11 @@ struct gpu_rect deform_rows(const int32_t posts[4]);
 
 /* windows.c: returns the shadow of a contact: all posts that the object can be above while it moves. */
 struct post_rect deform_shadow(const struct deform *deform, const struct deform_contact *contact);
-/* deform_reached: returns the posts that a contact can change. deform_fits_window: returns true if the posts below the object, and
- * those beside it, fit one window. deform_whole: returns the window of which this one is a part. */
+/* deform_reached: returns the posts that a contact can change. deform_whole: returns the window of which this one is a part. */
 struct post_rect deform_reached(const struct deform *deform, const struct deform_contact *contact);
 /* Returns true if the object did not jump, and its attitude hardly changed. So during the contact it was less than two spacings above, or
  * beside, each post on which it lay before. */
 bool deform_is_swept(const struct deform *deform, const struct deform_contact *contact);
-bool deform_fits_window(const struct deform *deform, const struct deform_contact *contact);
 struct deform_window deform_whole(const struct deform *deform, const struct deform_window *window);
 
 /* soil/spread.c: lays displaced soil down around the object, in `deposits`. The contact pass wrote `carried`, at most 2^23 fixed-point

@@ -98,11 +98,6 @@ static bool fits(struct post_rect rect, int64_t most)
 	return rect.x1 - rect.x0 <= most && rect.y1 - rect.y0 <= most;
 }
 
-bool deform_fits_window(const struct deform *deform, const struct deform_contact *contact)
-{
-	return fits(below(deform, contact), deform_core(&deform->params));
-}
-
 static enum status too_large(struct post_rect write)
 {
 	return fail_with(STATUS_INPUT, "shape: its footprint of %lld x %lld posts needs more than %d windows; make it smaller or the "

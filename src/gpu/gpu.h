@@ -116,7 +116,7 @@ void gpu_finish(struct gpu *gpu); /* waits until the GPU has finished; for bench
 /* R8 and R16 are normalised; R16F and R32F are float. A bench keeps heights in these formats, to compare them with integer
  * heights. */
 enum gpu_format {
-	GPU_R32I, GPU_R8UI, GPU_R8, GPU_R16, GPU_R16F, GPU_R32F, GPU_RGBA32I, GPU_RGBA32F, GPU_RGBA8UI, GPU_RGBA8, GPU_SRGB8_ALPHA8, GPU_DEPTH32F
+	GPU_R32I, GPU_R8UI, GPU_R8, GPU_R16, GPU_R16F, GPU_R32F, GPU_RGBA32I, GPU_RGBA32F, GPU_RGBA8, GPU_SRGB8_ALPHA8, GPU_DEPTH32F
 };
 
 size_t gpu_format_bytes(enum gpu_format format); /* bytes of a texel */
@@ -196,17 +196,16 @@ void gpu_target_resolve(struct gpu_target *from, struct gpu_target *to);
 
 /* --- programs: gpu_program.c --- */
 /* Shaders are files of shaders/ ("deform/none.frag"), which the build embeds in the program. A program has a vertex and a fragment
- * shader, or a compute shader alone. `#include "lib/x.glsl"` is resolved. Each define is "NAME" or "NAME value" and makes a variant. The same request returns the same program. The gpu owns
- * all programs. An error message has file:line and the driver's text. */
+ * shader. `#include "lib/x.glsl"` is resolved. Each define is "NAME" or "NAME value" and makes a variant. The same request returns
+ * the same program. The gpu owns all programs. An error message has file:line and the driver's text. */
 #define GPU_DEFINES_MAX 16
 struct gpu_program_request {
 	const char *vertex, *fragment;
 	const char *defines[GPU_DEFINES_MAX]; /* ends with NULL unless all entries are used */
-	const char *compute; /* if not NULL, vertex and fragment are NULL */
 };
 enum status gpu_program_get(struct gpu *gpu, const struct gpu_program_request *request,
 			    struct gpu_program **out) FURROW_CHECKED;
-/* Writes the program's name for plans and listings: "VERTEX FRAGMENT DEFINE ..." or "COMPUTE DEFINE ...", cut to `size`. Pure. */
+/* Writes the program's name for plans and listings: "VERTEX FRAGMENT DEFINE ...", cut to `size`. Pure. */
 #define GPU_PROGRAM_NAME 256
 void gpu_program_name(const struct gpu_program_request *request, char *name, size_t size);
 /* Calls `each` with every linked program, the last linked first, and with the number of passes that used it so far. */
@@ -245,9 +244,6 @@ void gpu_list_write(struct gpu_list *list, size_t bytes, const void *data); /* m
 struct gpu_pass {
 	enum gpu_stage stage; /* the pass is counted under this stage */
 	struct gpu_program *program;
-	/* A compute program: the number of its work groups. It has no target, no viewport and no geometry. It writes storage and images
-	 * only. OpenGL 4.5 promises 1024 invocations a group, 32 KiB of shared memory, and all the bindings below. */
-	uint32_t groups;
 	struct gpu_target *target;
 	struct gpu_rect viewport; /* within the target; nothing outside it is written */
 	struct gpu_texture *textures[GPU_PASS_TEXTURES]; /* layout(binding = i); NULL: none */
@@ -294,7 +290,7 @@ void gpu_counter_take(struct gpu_counter *counter, uint64_t *samples, uint64_t *
  * then reused, and freed at the end.
  *
  * A base slot holds base heights: a (cells + 1)^2 R32I texture in 2^-18 m relative to the store's reference, with an FBO. It
- * also holds soil classes (R8UI) and numbers (RGBA8UI) if they were loaded. A deform slot holds planes (base/plane.h), each a texture of its own
+ * also holds soil classes (R8UI) if they were loaded. A deform slot holds planes (base/plane.h), each a texture of its own
  * format. A base slot has a deform slot only while its tile is deformed.
  *
  * Offset and disturbance are drawn. So every deformed tile has them, also coarser tiles. The other planes are the soil's state
@@ -304,7 +300,6 @@ void gpu_counter_take(struct gpu_counter *counter, uint64_t *samples, uint64_t *
 struct gpu_slot {
 	struct gpu_texture *base;           /* NULL: no tile was ever loaded into this slot */
 	struct gpu_texture *classes;        /* NULL: no soil classes were ever loaded into this slot */
-	struct gpu_texture *numbers;        /* NULL: no numbers of the soil were ever loaded into this slot */
 	struct gpu_texture *planes[PLANES]; /* NULL: the tile is not deformed, or the slots lack this plane; it counts as zeros */
 	struct gpu_target *target;          /* FBO with offset and disturbance as colours 0 and 1; NULL: the tile is not deformed */
 };
@@ -322,12 +317,12 @@ void gpu_slots_destroy(struct gpu_slots *slots);
 const struct gpu_slot *gpu_slots_get(const struct gpu_slots *slots, uint32_t slot);
 /* Gives the bytes of all slots, including free deform slots. Scratch textures do not count. */
 struct gpu_slots_bytes {
-	uint64_t base, classes, numbers, planes[PLANES];
+	uint64_t base, classes, planes[PLANES];
 };
 void gpu_slots_bytes(const struct gpu_slots *slots, struct gpu_slots_bytes *bytes);
 /* How many slots were allocated so far (they stay until the end), and what was computed in them. */
 struct gpu_slots_figures {
-	uint64_t base_slots, class_slots, number_slots, deform_slots, state_slots, patches;
+	uint64_t base_slots, class_slots, deform_slots, state_slots, patches;
 	/* gpu_slots_in_arrays: arrays of base heights and their layers; the same for each drawn plane */
 	uint64_t base_arrays, base_layers, deform_arrays, deform_layers;
 	uint64_t subdivided, decimated; /* base tiles interpolated; decimations of a deformed tile */
@@ -336,12 +331,11 @@ void gpu_slots_figures(const struct gpu_slots *slots, struct gpu_slots_figures *
 /* How tiles below level 0 get their base in slots: not at all, by interpolation, or with relief. */
 enum gpu_division { GPU_UNDIVIDED, GPU_DIVIDED, GPU_DIVIDED_RELIEF };
 /* Adds to `plan` the lines of slots with these planes (0: nothing is deformed), and of the ring of
- * pass parameters. `classes`, `numbers`: there are soil classes, and rasters of numbers.
+ * pass parameters. `classes`: there are soil classes.
  * `arrays`: they lie in arrays. `decimates`: coarser levels are used. `effect`: the effect that needs the planes other than
  * disturbance. Pure. */
-void gpu_slots_plan(uint32_t cells, unsigned planes, bool classes, bool numbers,
-		    enum gpu_division division, bool arrays, bool decimates, const char *effect,
-		    struct plan *plan);
+void gpu_slots_plan(uint32_t cells, unsigned planes, bool classes, enum gpu_division division, bool arrays, bool decimates,
+		    const char *effect, struct plan *plan);
 /* The same of slots that mirror tiles in host memory, for pictures. `planes`: those of the tiles; only drawn ones have textures. classes_effect: the
  * effect that draws classes; NULL: none are drawn. `effect`: what draws pictures. Pure. */
 void gpu_slots_plan_mirror(uint32_t cells, unsigned planes, const char *classes_effect, const char *effect, struct plan *plan);
@@ -365,9 +359,6 @@ enum status gpu_slots_subdivide_relief(struct gpu_slots *slots, uint32_t slot,
 /* Fills the soil class of every post, uint8. The classes stay until the next upload. */
 enum status gpu_slots_upload_classes(struct gpu_slots *slots, uint32_t slot, struct gpu_staging *staging,
 				     size_t classes) FURROW_CHECKED;
-/* Fills the numbers of every post, four bytes: a level of each raster of the soil. They stay until the next upload. */
-enum status gpu_slots_upload_numbers(struct gpu_slots *slots, uint32_t slot, struct gpu_staging *staging,
-				     size_t numbers) FURROW_CHECKED;
 /*
  * Slots that mirror tiles in host memory, for pictures. The tile's posts are read before the call returns, and nothing waits for
  * the GPU.

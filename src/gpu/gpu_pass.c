@@ -111,12 +111,7 @@ static bool is_described(const struct gpu *gpu, const struct gpu_pass *pass)
 {
 	const struct gpu_rect *view = &pass->viewport;
 	const struct gpu_target *target = pass->target;
-	assert(pass->stage < GPU_STAGES && pass->program->computes == (target == NULL));
-	if (target == NULL) {
-		assert(pass->indices == NULL && pass->instances == 0 && view->width == 0);
-		return pass->groups > 0;
-	}
-	assert(pass->groups == 0 && target->gpu == gpu);
+	assert(pass->stage < GPU_STAGES && target != NULL && target->gpu == gpu);
 	assert(view->x <= target->width && view->width <= target->width - view->x);
 	assert(view->y <= target->height && view->height <= target->height - view->y);
 	return view->width > 0 && view->height > 0;
@@ -136,13 +131,9 @@ void gpu_pass_run(struct gpu *gpu, const struct gpu_pass *pass)
 		glUseProgram(pass->program->name);
 	gpu->program = pass->program;
 	bind_inputs(gpu, pass);
-	if (pass->target != NULL) {
-		set_drawing(gpu, pass);
-		draw(gpu, pass);
-		gpu->drawn = true;
-	} else {
-		glDispatchCompute(pass->groups, 1, 1);
-	}
+	set_drawing(gpu, pass);
+	draw(gpu, pass);
+	gpu->drawn = true;
 	gpu_timer_end(gpu, pass->stage);
 	gpu->stats.passes[pass->stage]++;
 	pass->program->passes++;

@@ -19,11 +19,10 @@ static size_t append(char *text, size_t size, size_t used, const char *word, cha
 /* Each part and `behind` it. */
 static size_t write_request(const struct gpu_program_request *request, char behind, char *text, size_t size)
 {
-	const char *const files[] = {request->vertex, request->fragment, request->compute};
+	const char *const files[] = {request->vertex, request->fragment};
 	size_t used = 0;
-	for (int i = 0; i < 3; i++)
-		if (files[i] != NULL)
-			used = append(text, size, used, files[i], behind);
+	for (int i = 0; i < 2; i++)
+		used = append(text, size, used, files[i], behind);
 	for (size_t i = 0; i < GPU_DEFINES_MAX && request->defines[i] != NULL; i++)
 		used = append(text, size, used, request->defines[i], behind);
 	return used;
@@ -97,32 +96,27 @@ static enum status link_program(struct gpu *gpu, const struct shader_text *table
 	const struct {
 		GLenum kind;
 		const char *path;
-	} parts[] = {
-		{GL_VERTEX_SHADER, request->vertex}, {GL_FRAGMENT_SHADER, request->fragment}, {GL_COMPUTE_SHADER, request->compute},
-	};
+	} parts[] = {{GL_VERTEX_SHADER, request->vertex}, {GL_FRAGMENT_SHADER, request->fragment}};
 	enum { PARTS = sizeof parts / sizeof *parts };
-	const char *last = request->compute != NULL ? request->compute : request->fragment;
 	GLuint shaders[PARTS] = {0}, name = 0;
 	GLint ok = GL_FALSE;
 	enum status status = STATUS_OK;
 	for (int i = 0; i < PARTS && status == STATUS_OK; i++)
-		if (parts[i].path != NULL)
-			status = compile(gpu, table, parts[i].kind, parts[i].path, request, &shaders[i]);
+		status = compile(gpu, table, parts[i].kind, parts[i].path, request, &shaders[i]);
 	if (status != STATUS_OK)
 		goto done;
 	name = glCreateProgram();
 	for (int i = 0; i < PARTS; i++)
-		if (shaders[i] != 0)
-			glAttachShader(name, shaders[i]);
+		glAttachShader(name, shaders[i]);
 	glLinkProgram(name);
 	glGetProgramiv(name, GL_LINK_STATUS, &ok);
 	if (!ok) {
 		char log[LOG_BYTES] = "";
-		struct gpu_shader none = {.files = {last}, .file_count = 1};
+		struct gpu_shader none = {.files = {request->fragment}, .file_count = 1};
 		glGetProgramInfoLog(name, sizeof log, NULL, log);
 		status = fail_compile(gpu, &none, log, request);
 	} else {
-		status = gpu_check(gpu, last);
+		status = gpu_check(gpu, request->fragment);
 	}
 	if (status != STATUS_OK)
 		glDeleteProgram(name);
@@ -162,8 +156,7 @@ void gpu_programs_each(const struct gpu *gpu, void (*each)(void *user, const cha
 enum status gpu_program_get_from(struct gpu *gpu, const struct shader_text *table,
 				 const struct gpu_program_request *request, struct gpu_program **out)
 {
-	assert((request->compute == NULL) == (request->vertex != NULL && request->fragment != NULL));
-	assert(request->compute == NULL || (request->vertex == NULL && request->fragment == NULL));
+	assert(request->vertex != NULL && request->fragment != NULL);
 	if (!gpu_usable(gpu))
 		return failure_restore(&gpu->failure);
 	char *key = request_key(request);
@@ -184,7 +177,6 @@ enum status gpu_program_get_from(struct gpu *gpu, const struct shader_text *tabl
 		return status;
 	}
 	program->key = key;
-	program->computes = request->compute != NULL;
 	program->table = table;
 	program->next = gpu->programs;
 	gpu->programs = program;

@@ -48,7 +48,6 @@ void gpu_slots_destroy(struct gpu_slots *slots)
 		gpu_target_destroy(slots->entries[i].base_target);
 		gpu_texture_destroy(slots->entries[i].slot.base);
 		gpu_texture_destroy(slots->entries[i].slot.classes);
-		gpu_texture_destroy(slots->entries[i].slot.numbers);
 	}
 	for (uint32_t i = 0; i < SCRATCH_COUNT; i++)
 		gpu_texture_destroy(slots->scratch[i]);
@@ -77,7 +76,6 @@ void gpu_slots_bytes(const struct gpu_slots *slots, struct gpu_slots_bytes *byte
 	for (uint32_t i = 0; i < slots->count; i++) {
 		bytes->base += bytes_of(slots->entries[i].slot.base);
 		bytes->classes += bytes_of(slots->entries[i].slot.classes);
-		bytes->numbers += bytes_of(slots->entries[i].slot.numbers);
 	}
 	for (const struct deform_slot *home = slots->all; home != NULL; home = home->next)
 		for (int plane = 0; plane < PLANES; plane++)
@@ -100,7 +98,6 @@ void gpu_slots_figures(const struct gpu_slots *slots, struct gpu_slots_figures *
 	for (uint32_t i = 0; i < slots->count; i++) {
 		figures->base_slots += slots->entries[i].slot.base != NULL;
 		figures->class_slots += slots->entries[i].slot.classes != NULL;
-		figures->number_slots += slots->entries[i].slot.numbers != NULL;
 	}
 	for (const struct deform_slot *home = slots->all; home != NULL; home = home->next) {
 		figures->deform_slots++;
@@ -227,38 +224,27 @@ enum status gpu_slots_subdivide_relief(struct gpu_slots *slots, uint32_t slot,
 			 sizeof params);
 }
 
-static enum status need_texture(struct gpu_slots *slots, enum gpu_format format, struct gpu_texture **texture)
+static enum status need_classes(struct gpu_slots *slots, struct gpu_texture **classes)
 {
 	const uint32_t posts = slots->cells + 1;
-	return *texture != NULL ? STATUS_OK : gpu_texture_create(slots->gpu, format, posts, posts, 0, texture);
-}
-
-/* Uploads a whole texture of a slot. Makes it if it is not there yet. */
-static enum status upload_whole(struct gpu_slots *slots, enum gpu_format format, struct gpu_texture **texture,
-				struct gpu_staging *staging, size_t place, const char *what)
-{
-	enum status status = need_texture(slots, format, texture);
-	if (status != STATUS_OK)
-		return status;
-	gpu_texture_upload_from(*texture, 0, slots_whole(slots), staging, place);
-	return gpu_check(slots->gpu, what);
+	return *classes != NULL ? STATUS_OK : gpu_texture_create(slots->gpu, GPU_R8UI, posts, posts, 0, classes);
 }
 
 enum status gpu_slots_upload_classes(struct gpu_slots *slots, uint32_t slot, struct gpu_staging *staging,
 				     size_t classes)
 {
-	return upload_whole(slots, GPU_R8UI, &slots_entry(slots, slot)->slot.classes, staging, classes, "upload of classes");
-}
-
-enum status gpu_slots_upload_numbers(struct gpu_slots *slots, uint32_t slot, struct gpu_staging *staging, size_t numbers)
-{
-	return upload_whole(slots, GPU_RGBA8UI, &slots_entry(slots, slot)->slot.numbers, staging, numbers, "upload of numbers");
+	struct slot_entry *entry = slots_entry(slots, slot);
+	enum status status = need_classes(slots, &entry->slot.classes);
+	if (status != STATUS_OK)
+		return status;
+	gpu_texture_upload_from(entry->slot.classes, 0, slots_whole(slots), staging, classes);
+	return gpu_check(slots->gpu, "upload of classes");
 }
 
 enum status gpu_slots_put_classes(struct gpu_slots *slots, uint32_t slot, const uint8_t *classes)
 {
 	struct slot_entry *entry = slots_entry(slots, slot);
-	enum status status = need_texture(slots, GPU_R8UI, &entry->slot.classes);
+	enum status status = need_classes(slots, &entry->slot.classes);
 	if (status != STATUS_OK)
 		return status;
 	gpu_texture_upload(entry->slot.classes, 0, slots_whole(slots), classes);

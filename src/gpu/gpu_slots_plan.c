@@ -46,9 +46,8 @@ static void add_array(struct plan *plan, const char *effect, enum plan_unit arra
 	plan_add(plan, &(struct plan_line){.kind = PLAN_TEXTURE, .unit = layer, .effect = effect, .object = -1, .bytes = bytes}, name);
 }
 
-void gpu_slots_plan(uint32_t cells, unsigned planes, bool classes, bool numbers,
-		    enum gpu_division division, bool arrays, bool decimates, const char *effect,
-		    struct plan *plan)
+void gpu_slots_plan(uint32_t cells, unsigned planes, bool classes, enum gpu_division division, bool arrays, bool decimates,
+		    const char *effect, struct plan *plan)
 {
 	uint64_t posts = (uint64_t)(cells + 1) * (cells + 1);
 	planes |= planes != 0 ? PLANE_BIT(PLANE_OFFSET) : 0;
@@ -60,11 +59,6 @@ void gpu_slots_plan(uint32_t cells, unsigned planes, bool classes, bool numbers,
 		plan_add(plan, &(struct plan_line){.kind = PLAN_PLANE, .effect = "soil_map", .object = -1, .amount = 1, .bytes = 1},
 			 "classes");
 		add_texture(plan, "soil_map", PLAN_CLASS_SLOT, posts, "classes");
-	}
-	if (numbers) {
-		plan_add(plan, &(struct plan_line){.kind = PLAN_PLANE, .effect = "soil_rasters", .object = -1, .amount = 1, .bytes = 4},
-			 "numbers");
-		add_texture(plan, "soil_rasters", PLAN_NUMBER_SLOT, 4 * posts, "numbers");
 	}
 	for (int plane = 0; plane < PLANES; plane++) {
 		const bool drawn = GPU_DRAWN_PLANES & PLANE_BIT(plane);

@@ -158,7 +158,6 @@ struct gpu_program {
 	GLuint name;
 	const struct shader_text *table;
 	uint64_t passes; /* passes that used this program */
-	bool computes;   /* it has a compute shader */
 	char *key; /* its files and defines, each on a line */
 };
 

@@ -68,7 +68,6 @@ static void add_memory_units(cJSON *units, const struct report *report, const st
 {
 	add_unit(units, PLAN_BASE_SLOT, slots->base_slots);
 	add_unit(units, PLAN_CLASS_SLOT, slots->class_slots);
-	add_unit(units, PLAN_NUMBER_SLOT, slots->number_slots);
 	add_unit(units, PLAN_DEFORM_SLOT, slots->deform_slots);
 	add_unit(units, PLAN_STATE_SLOT, slots->state_slots);
 	add_unit(units, PLAN_BASE_ARRAY, slots->base_arrays);

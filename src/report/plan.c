@@ -106,14 +106,13 @@ static enum status plan_lines(const struct world *world, struct report_plan *out
 	uint32_t cells = world->meta->extent.cells;
 	unsigned planes = world_planes(world);
 	bool classes = world_needs_soil_map(scene);
-	bool numbers = world_needs_rasters(scene);
 	bool decimates = planes != 0 && scene->view.present;
 	enum status status = plan_bodies(world, out);
 	/* Its planes come first: the effect that needs the offset is the one that deforms tiles. */
 	const char *effect = plan->count > 0 ? plan->lines[0].effect : NULL;
 	const char *picture = scene_effect_row(EFFECT_PICTURE)->name;
 	if (!world_is_bearing(world))
-		gpu_slots_plan(cells, planes, classes, numbers, world_division(world), world_computes_together(world), decimates, effect, plan);
+		gpu_slots_plan(cells, planes, classes, world_division(world), world_computes_together(world), decimates, effect, plan);
 	else if (scene->view.present)
 		gpu_slots_plan_mirror(cells, planes, drawn_classes_effect(scene), picture, plan);
 	if (scene->view.present) {

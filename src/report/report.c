@@ -157,19 +157,20 @@ void report_usable(cJSON *memory, const struct mem_usable *usable)
 }
 
 /* Returns the bytes of tiles in slots, wherever these are. A mirror for pictures does not count. */
-static struct gpu_slots_bytes slot_bytes(const struct world *world)
+static struct resident_host_in_slots slot_bytes(const struct world *world)
 {
+	struct resident_host_in_slots in = {.base_bytes = 0};
 	struct gpu_slots_bytes bytes;
-	struct resident_host_in_slots in;
-	if (world->host == NULL) {
-		gpu_slots_bytes(world->slots, &bytes);
-		return bytes;
+	if (world->host != NULL) {
+		resident_host_in_slots(world->host, &in);
+		return in;
 	}
-	resident_host_in_slots(world->host, &in);
-	bytes = (struct gpu_slots_bytes){.base = in.base_bytes, .classes = in.class_bytes, .numbers = in.level_bytes};
+	gpu_slots_bytes(world->slots, &bytes);
+	in.base_bytes = bytes.base;
+	in.class_bytes = bytes.classes;
 	for (int plane = 0; plane < PLANES; plane++)
-		bytes.planes[plane] = in.plane_bytes[plane];
-	return bytes;
+		in.plane_bytes[plane] = bytes.planes[plane];
+	return in;
 }
 
 static unsigned slot_planes(const struct world *world)
@@ -180,7 +181,7 @@ static unsigned slot_planes(const struct world *world)
 static void add_memory(cJSON *root, const struct report *report, const struct gpu_stats *gpu,
 		       const struct resident_pages_io *io)
 {
-	const struct gpu_slots_bytes planes = slot_bytes(report->world);
+	const struct resident_host_in_slots slots = slot_bytes(report->world);
 	cJSON *memory = cJSON_AddObjectToObject(root, "memory");
 	json_integer(memory, "rss_peak", (int64_t)mem_peak_resident());
 	json_integer(memory, "gpu_bytes", (int64_t)gpu->bytes);
@@ -193,14 +194,14 @@ static void add_memory(cJSON *root, const struct report *report, const struct gp
 	report_tile_counts(memory, &tiles);
 	report_usable(memory, &report->world->limits.usable);
 	cJSON *bytes = cJSON_AddObjectToObject(memory, "plane_bytes");
-	json_integer(bytes, "base", (int64_t)planes.base);
-	if (planes.classes > 0)
-		json_integer(bytes, "classes", (int64_t)planes.classes);
-	if (planes.numbers > 0)
-		json_integer(bytes, "numbers", (int64_t)planes.numbers);
+	json_integer(bytes, "base", (int64_t)slots.base_bytes);
+	if (slots.class_bytes > 0)
+		json_integer(bytes, "classes", (int64_t)slots.class_bytes);
+	if (slots.level_bytes > 0)
+		json_integer(bytes, "numbers", (int64_t)slots.level_bytes);
 	for (int plane = 0; plane < PLANES; plane++)
 		if (slot_planes(report->world) & PLANE_BIT(plane))
-			json_integer(bytes, plane_name(plane), (int64_t)planes.planes[plane]);
+			json_integer(bytes, plane_name(plane), (int64_t)slots.plane_bytes[plane]);
 	json_integer(root, "programs", gpu->programs);
 }
 

@@ -55,8 +55,7 @@ static enum status room(struct pages *pages, struct page_image *image, uint8_t *
 {
 	if (classes != NULL)
 		*classes = (uint8_t *)image->bytes + pages->layout.classes;
-	if (numbers != NULL)
-		*numbers = (uint8_t *)image->bytes + pages->layout.numbers;
+	assert(numbers == NULL); /* contacts that read them are computed in host memory */
 	return STATUS_OK;
 }
 
@@ -128,8 +127,6 @@ static enum status upload(struct pages *pages, uint32_t slot, struct page_image 
 	enum status status = upload_base(pages, slot, image);
 	if (status == STATUS_OK && pages_have_classes(pages, tile))
 		status = gpu_slots_upload_classes(slots, slot, image->memory, layout->classes);
-	if (status == STATUS_OK && pages_have_numbers(pages, tile))
-		status = gpu_slots_upload_numbers(slots, slot, image->memory, layout->numbers);
 	if (status != STATUS_OK)
 		return status;
 	places_of(pages, image->flags, layout->planes, places);

@@ -37,7 +37,7 @@ static int text_of(const struct rig *rig, size_t soil, const struct rig_lane *la
 	const double step = found->spacing / SPEED;
 	fprintf(out, "scene: 1\ntime_step: %.17g\nend_time: %.17g\nspacing: %.17g\n", step, found->way / SPEED, found->spacing);
 	fprintf(out, rig_in_braces(name) ? "soil: %s\n" : "soil: {name: %s}\n", name);
-	fprintf(out, "redistribute: {model: scm}\noutput: {forces: %.17g, delay: 0}\nobjects:\n", (1 - 1e-9) / step);
+	fprintf(out, "redistribute: {model: scm}\noutput: {forces: %.17g}\nobjects:\n", (1 - 1e-9) / step);
 	for (size_t i = 0; i < count * rig->passes; i++) {
 		const size_t pass = i % rig->passes;
 		const struct rig_lane *lane = &lanes[i / rig->passes];

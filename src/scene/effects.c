@@ -39,7 +39,7 @@ static const struct effect_row rows[EFFECT_COUNT] = {
 		"at most slip_sinkage x janosi_shear in all contacts with a post; nothing without slip",
 		"digs where a body slips, and lays that around"},
 	[EFFECT_SOIL_MAP] = {
-		"soil_map", "soil.map", "SOIL_MAP", LIST("lib/soil.glsl"), "class", "class", 0, LIST("soil.map", "soil.classes", "soil.default"),
+		"soil_map", "soil.map", "", NONE, "class", "class", 0, LIST("soil.map", "soil.classes", "soil.default"),
 		"at most 16 soils, the default among them; the raster's file at most 1 GiB",
 		"reads which soil each post is of"},
 	[EFFECT_SOIL_RASTERS] = {
@@ -62,7 +62,7 @@ static const struct effect_row rows[EFFECT_COUNT] = {
 		"finds how deep the soil carries a load"},
 	[EFFECT_FORCES] = {
 		"forces", "output.forces", "", NONE, STATE, "forces", 1,
-		LIST("output.forces", "output.delay"),
+		LIST("output.forces"),
 		"a post bears at most 134 MPa, in steps of a sixteenth of a pascal",
 		"sums the soil's forces on each object"},
 	[EFFECT_DISTURBANCE] = {

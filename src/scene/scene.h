@@ -282,7 +282,6 @@ struct scene {
 	double vehicle_rows; /* rows of vehicles.csv for each second of simulated time; 0: none */
 	bool map;           /* a drive writes map.png at its end */
 	double forces;      /* rows of objects.csv for each second of simulated time; 0: none */
-	int forces_delay;   /* steps after which forces are read back from the GPU; 0: read at once, and wait for them */
 	struct scene_view view;
 	struct scene_camera *cameras;
 	size_t camera_count;

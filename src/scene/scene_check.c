@@ -105,14 +105,10 @@ static enum status check_output(const struct scene_tree *tree, const struct raw_
 		return STATUS_OK;
 	scene->vehicle_rows = output->vehicles != NULL ? *output->vehicles : 0;
 	scene->map = output->map != NULL && *output->map;
-	if (output->forces == NULL && output->delay != NULL)
-		return scene_error(tree->file, scene_tree_find(tree, "output.delay"),
-				   "is of forces, and none are asked for; allowed with: forces");
-	if (output->forces == NULL)
+	scene->forces = output->forces != NULL ? *output->forces : 0;
+	if (output->delay == NULL)
 		return STATUS_OK;
-	scene->forces = *output->forces;
-	scene->forces_delay = scene->forces > 0 ? (int)whole(output->delay, "output.delay") : 0;
-	return STATUS_OK;
+	return scene_tell_unused(scene, "output.delay: forces are known at the end of their step; take it away");
 }
 
 static enum status check_attributes(const struct scene_tree *tree, const struct raw_scene *raw,

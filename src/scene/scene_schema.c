@@ -413,7 +413,7 @@ static const struct scene_limit limits[] = {
 	{"objects[].interface.friction_angle", 0, 89, false, NULL, "degrees", NAN, "the soil's"},
 	{"objects[].interface.adhesion", 0, 1e9, false, NULL, "Pa", NAN, "the soil's cohesion"},
 	{"output.forces", 0, 1e6, false, NULL, "1/s", 0, NULL},
-	{"output.delay", 0, 64, false, NULL, "steps", 2, NULL},
+	{"output.delay", 0, 64, false, NULL, "steps", NAN, "none"},
 	{"output.vehicles", 0, 1e6, false, NULL, "1/s", 0, NULL},
 	{"vehicles[].start.at[]", -1e9, 1e9, false, NULL, "m", NAN, NULL},
 	{"vehicles[].start.yaw", -36000, 36000, false, NULL, "degrees", 0, NULL},

@@ -84,7 +84,7 @@ struct soil_numbers {
 };
 #define SOIL_CLASSES 16 /* the most soils in one scene */
 
-/* Numbers of a soil that may differ from post to post. lib/soil.glsl has the same order. */
+/* Numbers of a soil that may differ from post to post. */
 #define SOIL_NUMBERS_EACH(NUMBER) \
 	NUMBER(SOIL_BEKKER_KC, bekker_kc) \
 	NUMBER(SOIL_BEKKER_KPHI, bekker_kphi) \

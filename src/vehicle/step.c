@@ -3,7 +3,6 @@
 
 #include "vehicle/between.h"
 
-#define SINKAGE_SHARE 0.1 /* of a post: so much up or down changes the ground */
 #define DIP_LEAST 2e-5    /* m: so much down changes the ground where the body leaves that dip: a hundredth of what soil springs back */
 #define BACK_SHARE 0.05   /* of a post: so much along the level changes it where the motion turns back */
 #define TURN_MOST 1.0     /* rad: so much turn changes the ground */
@@ -67,7 +66,7 @@ static enum status find_due(const struct vehicles *vehicles, const struct soil_g
 	turn_between(from, &to->pose, turns);
 	const double level = hypot(way[0], way[1]), turn = mju_norm3(turns), sank = heights[TOUCHED] - heights[END];
 	const double turned = geom->shape.kind == SOIL_SPHERE ? 0 : turn;
-	if (level >= spacing || fabs(to->belt.travel - geom->touched.belt.travel) >= spacing || fabs(sank) >= SINKAGE_SHARE * spacing ||
+	if (level >= spacing || fabs(to->belt.travel - geom->touched.belt.travel) >= spacing || fabs(sank) >= WORLD_SINKAGE_SHARE * spacing ||
 	    turned >= TURN_MOST || turned * soil_shape_bound(&geom->shape) >= spacing)
 		return STATUS_OK;
 	const double now[2] = {to->angular[0] * vehicles->scene->time_step, to->angular[1] * vehicles->scene->time_step};

@@ -15,7 +15,6 @@
 
 #include "world/internal.h"
 
-#define SINKAGE_SHARE 0.1 /* of a post */
 #define PART_MORE 0.25    /* a contact may be longer than a post by this share, so that a step that ends just beyond a post makes one contact */
 #define DIP_SHARE 0.002   /* of a post: a body that was deeper than at both ends of its motion by less has not been deeper */
 #define FLATTER 4.0       /* m in plan for each metre of sinking: a body that sank steeply and then goes more level than this leaves a dip */
@@ -86,7 +85,7 @@ static bool is_worth_a_contact(const struct world *world, const struct host_body
 {
 	const double sinkage = fabs(lattice_offset_metres(to->z - host->body.last.z));
 	return travel(&host->body.last, to) >= world->spacing || turned_by(host, to) >= world->spacing ||
-	       sinkage >= SINKAGE_SHARE * world->spacing;
+	       sinkage >= WORLD_SINKAGE_SHARE * world->spacing;
 }
 
 static bool has_moved(const struct host_body *host, const struct soil_pose *to)
@@ -216,7 +215,7 @@ static bool turns_back(const struct world *world, const struct host_body *host, 
 		return true;
 	slide_of(host, from, at, host->felt_turned, host->rotated, before);
 	slide_of(host, at, to, turned, rotated, after);
-	return hypot(before[0], before[1]) >= SINKAGE_SHARE * world->spacing && before[0] * after[0] + before[1] * after[1] < 0;
+	return hypot(before[0], before[1]) >= WORLD_SINKAGE_SHARE * world->spacing && before[0] * after[0] + before[1] * after[1] < 0;
 }
 
 /* Computes only the forces, without changing the ground. */

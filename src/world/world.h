@@ -541,6 +541,7 @@ enum status world_belts_set(struct world *world, size_t count, const int32_t *nu
 /* For a body whose caller computes its forces with world_probe. The world computes none for it, and each state that is set
  * changes the ground in the next step, however small the motion is. */
 void world_body_quiet(struct world *world, int32_t number);
+#define WORLD_SINKAGE_SHARE 0.1 /* of a post: a body that moved up or down by so much since its last contact changes the ground */
 /* How a body sank and went in plan since its last contact, and how it does in the step that follows; m. turned, turns: rad about local x and y. */
 struct world_sinking {
 	double sank, went, turned[2];

@@ -90,7 +90,7 @@ static void a_track_draws_what_the_closed_form_says(void **state)
 		for (int n = 0; n < 3; n++) {
 			if (!long_or_part((size_t)k, (size_t)n, 3))
 				continue;
-			const struct soil_numbers soil = soil_of(soils[k]);
+			const struct soil_numbers soil = bed_soil(soils[k]);
 			const double area = track.size[0] * track.size[1], load = 12e3 * area, sinkage = reference_plate(&soil, track.size[1], 12e3);
 			double most = 0, deep = 0;
 			for (int m = 0; m < 9; m += step_at(n)) {
@@ -114,7 +114,7 @@ static void a_track_draws_what_the_closed_form_says(void **state)
 static void a_belt_brakes_as_it_draws(void **state)
 {
 	static const double rims[] = {1, 0.8, 0.5, 0, -1};
-	const struct soil_numbers soil = soil_of("dry_sand");
+	const struct soil_numbers soil = bed_soil("dry_sand");
 	const double load = 4000, modulus = soil.janosi_shear, length = track.size[0];
 	for (int m = 0; m < 15; m++) {
 		/* Of the time in which a place of the soil passes below, the belt's is way / run, 10 at most. A locked belt slides as a block does. */
@@ -153,7 +153,7 @@ static void a_belt_that_slips_digs_by_the_formula(void **state)
 	const double load = 4000, kappa = 1.35;
 	for (int k = 0; k < 3; k++)
 		for (int n = 0; n < 2; n++) {
-			const struct soil_numbers soil = soil_of(soft[k]);
+			const struct soil_numbers soil = bed_soil(soft[k]);
 			for (int m = 0; m < 9; m += 4) {
 				const double slip = slips[m % 3];
 				double low = 0, high = 0.2, drawbar;
@@ -175,7 +175,7 @@ static void a_belt_that_slips_digs_by_the_formula(void **state)
 
 static void what_does_not_slip_digs_nothing(void **state)
 {
-	const struct soil_numbers soil = soil_of("dry_sand");
+	const struct soil_numbers soil = bed_soil("dry_sand");
 	for (int m = 0; m < 3; m++) {
 		const struct drive how = {.shape = &track, .soil = &soil, .spacing = 0.02, .heading = headings[m], .rim = 1, .height = 0.25, .load = 4000,
 					  .way = 1.3, .slip_sinkage = 1.35, .bulldozing = 0.5};
@@ -241,7 +241,7 @@ static void a_front_that_rises_resists_as_the_integral_says(void **state)
 			/* Known to be beyond its bound: 3.04 % for upland_loam_51 at 2 cm, aslant. */
 			if (!long_or_part((size_t)k, (size_t)(n + 1), 3) || (k == 2 && n == 1))
 				continue;
-			struct soil_numbers soil = soil_of(soils[k]);
+			struct soil_numbers soil = bed_soil(soils[k]);
 			const double sinkage = 0.06;
 			double most = 0;
 			soil.bekker_kc = 0; /* so that b does not count: it is of the posts that are touched */
@@ -265,7 +265,7 @@ static void a_front_that_rises_resists_as_the_integral_says(void **state)
 /* Drives one body over tiles of a size, and gives a plane of what it left. */
 static int32_t *left_by(const struct soil_shape *shape, uint32_t cells, uint32_t tiles, double rim, enum plane plane)
 {
-	const struct soil_numbers soil = soil_of("dry_sand");
+	const struct soil_numbers soil = bed_soil("dry_sand");
 	struct ground ground;
 	ground_init(&ground, &(struct ground_params){.cells = cells, .tiles = tiles, .spacing = 0.05, .soils = &soil,
 						     .slip_sinkage = 1.35, .bulldozing = 0.5, .stands = true});

@@ -48,7 +48,7 @@ static void compare(const struct soil_shape *a, const struct soil_pose *as, cons
 		    const char *what)
 {
 	static const double ways[][3] = {{0, 0, 0}, {0, 0, -0.004}, {0.02, 0.011, 0.001}, {-0.015, 0.02, -0.002}}, spacings[] = {0.04, 0.03, 0.02};
-	const struct soil_numbers soil = soil_soft();
+	const struct soil_numbers soil = bed_soft();
 	for (int k = 0; k < count; k++)
 		for (int s = 0; s < 3; s++) {
 			struct ground one, other;
@@ -135,7 +135,7 @@ static void bodies_set_down_are_the_integral_over_their_lower_envelopes(void **s
 	static const double spacings[] = {0.03, 0.02, 0.01};
 	/* Lying, tilted a little, tilted much, and nearly upright. */
 	static const struct soil_pose poses[] = {{.roll = M_PI / 2, .yaw = 0.4}, {.roll = M_PI / 2 - 0.2, .yaw = 2}, {.roll = M_PI / 2 + 0.7, .pitch = 0.3}, {.roll = 0.15, .pitch = -0.1, .yaw = -1}};
-	const struct soil_numbers soil = soil_soft();
+	const struct soil_numbers soil = bed_soft();
 	for (int i = 0; i < 3; i++)
 		for (int n = 0; n < 4; n++) {
 			struct sum wanted = grid_of(&soil, &shapes[i], &poses[n], 0.04);

@@ -55,7 +55,7 @@ static void the_integral_of_a_level_wheel_is_the_closed_form(void **state)
 {
 	for (size_t s = 0; s < COUNT(soils); s++)
 		for (size_t m = 1; m < COUNT(motions); m++) {
-			const struct soil_numbers soil = soil_of(soils[s]);
+			const struct soil_numbers soil = bed_soil(soils[s]);
 			const struct reference_wrench got = integral(&soil, 0, 0.02, motions[m].turned);
 			const struct reference_rolling rolling = {.radius = wheel.radius, .width = wheel.width, .turned = motions[m].turned, .rebound = true,
 								  .normals = REFERENCE_NORMALS_SURFACE, .follows = REFERENCE_FOLLOWS_RIM};
@@ -92,7 +92,7 @@ static void fail_at(double camber, const char *soil, const char *motion, double 
 static void forces_are_the_integral_over_the_surface(void **state)
 {
 	for (size_t s = 0; s < COUNT(soils); s++) {
-		const struct soil_numbers soil = soil_of(soils[s]);
+		const struct soil_numbers soil = bed_soil(soils[s]);
 		double sinkages[COUNT(cambers)];
 		for (size_t i = 0; i < COUNT(cambers); i++)
 			sinkages[i] = carries(&soil, cambers[i] * DEGREES, 1500);
@@ -135,7 +135,7 @@ static void forces_are_the_integral_over_the_surface(void **state)
 static void camber_to_the_other_side_mirrors_all_forces(void **state)
 {
 	static const double signs[] = {1, -1, 1, -1, 1, -1}; /* of forces forward, aside, up; of moments the other way round */
-	const struct soil_numbers soil = soil_of("dry_sand");
+	const struct soil_numbers soil = bed_soil("dry_sand");
 	struct ground ground;
 	init(&ground, &soil, 0.02);
 	for (size_t i = 2; i < COUNT(cambers); i += 2)
@@ -163,7 +163,7 @@ static int32_t side_slope(int64_t x, int64_t y)
 static void across_a_slope_a_wheel_that_stands_straight_on_it_is_level(void **state)
 {
 	static const double degrees[] = {3, 8, 15};
-	const struct soil_numbers soil = soil_of("dry_sand");
+	const struct soil_numbers soil = bed_soil("dry_sand");
 	for (size_t i = 0; i < COUNT(degrees); i++)
 		for (size_t m = 0; m < COUNT(motions); m++) {
 			const double leans = degrees[i] * DEGREES, s = sin(leans), c = cos(leans), x = m > 0 ? 48.2 : 64.2, y = 64.7, sinkage = 0.03;
@@ -195,7 +195,7 @@ static void a_loaded_wheel_sinks_as_the_integral_says(void **state)
 {
 	const double load = 1500;
 	for (size_t s = 0; s < COUNT(soils); s++) {
-		const struct soil_numbers soil = soil_of(soils[s]);
+		const struct soil_numbers soil = bed_soil(soils[s]);
 		double level = 0, level_wanted = 0;
 		struct ground ground;
 		init(&ground, &soil, 0.01);
@@ -223,7 +223,7 @@ static void a_loaded_wheel_sinks_as_the_integral_says(void **state)
 static void a_cylinder_that_leans_is_a_wheel_that_does_not_turn(void **state)
 {
 	const struct soil_shape log = {.kind = SOIL_CYLINDER, .radius = wheel.radius, .length = wheel.width};
-	const struct soil_numbers soil = soil_of("dry_sand");
+	const struct soil_numbers soil = bed_soil("dry_sand");
 	struct ground ground;
 	init(&ground, &soil, 0.02);
 	for (size_t i = 1; i < COUNT(cambers); i++) {

@@ -10,9 +10,6 @@
 #include "deform/reference/reference.h"
 #include "resident/host_slots.h"
 
-#define DEGREES (M_PI / 180)
-#define COUNT(a) (sizeof(a) / sizeof *(a))
-
 struct ground_params {
 	uint32_t cells, tiles;            /* tiles a side */
 	int64_t first;                    /* the block's first tile, in x and y */
@@ -210,25 +207,6 @@ static inline void ground_into(double yaw, double v[3])
 	const double east = v[0], north = v[1];
 	v[0] = cos(yaw) * east + sin(yaw) * north;
 	v[1] = cos(yaw) * north - sin(yaw) * east;
-}
-
-static inline struct soil_numbers soil_of(const char *name)
-{
-	struct soil_numbers soil;
-	assert_ok(soil_named(name, &soil));
-	return soil;
-}
-
-/* Project Chrono's soft soil. */
-static inline struct soil_numbers soil_soft(void)
-{
-	struct soil_numbers soil = soil_of("dry_sand");
-	soil.bekker_kc = soil.cohesion = 0;
-	soil.bekker_kphi = 0.2e6;
-	soil.bekker_n = 1.1;
-	soil.friction_angle = 30 * DEGREES;
-	soil.janosi_shear = 0.01;
-	return soil;
 }
 
 #endif

@@ -30,7 +30,7 @@ static void a_dragged_block_is_held_back_by_adhesion_and_friction(void **state)
 	for (size_t i = 0; i < 3 * sizeof surfaces / sizeof *surfaces; i++) {
 		static const char *const names[] = {"dry_sand", "lete_sand", "upland_loam_51"};
 		static const double loads[] = {2000, 4000, 3000};
-		const struct soil_numbers soil = soil_of(names[i % 3]);
+		const struct soil_numbers soil = bed_soil(names[i % 3]);
 		const struct soil_interface *surface = &surfaces[i / 3];
 		const double load = loads[i % 3], length = block.size[0], area = length * block.size[1], modulus = soil.janosi_shear;
 		struct ground ground;
@@ -97,7 +97,7 @@ static bool is_same(const struct left *a, const struct left *b)
 
 static void a_surface_no_weaker_than_the_soil_changes_no_bit(void **state)
 {
-	const struct soil_numbers soil = soil_of("sandy_loam_15");
+	const struct soil_numbers soil = bed_soil("sandy_loam_15");
 	const struct soil_interface none = {.has_friction = false};
 	const struct {
 		struct soil_interface surface;

@@ -157,7 +157,7 @@ static void what_is_not_compacted_is_somewhere(void **state)
 	static const struct soil_shape shapes[] = {
 		{.kind = SOIL_WHEEL, .radius = 0.8, .width = 0.5}, {.kind = SOIL_SPHERE, .radius = 0.6}, {.kind = SOIL_BOX, .size = {1, 0.6, 0.4}}};
 	static const double bulldozing[] = {0, 0.5, 1, 0.3};
-	const struct soil_numbers soil = soil_soft();
+	const struct soil_numbers soil = bed_soft();
 	for (int round = 0; round < 4; round++) {
 		struct ground ground;
 		ground_init(&ground, &(struct ground_params){.cells = CELLS, .tiles = TILES, .spacing = 0.125, .soils = &soil, .height = rough, .bulldozing = bulldozing[round],

@@ -66,7 +66,7 @@ static void bodies_rest_where_the_soil_carries_them(void **state)
 	double above = 0;
 	for (size_t s = 0; s < COUNT(shapes); s++)
 		for (size_t k = 0; k < COUNT(soils); k++) {
-			const struct soil_numbers soil = soil_of(soils[k]);
+			const struct soil_numbers soil = bed_soil(soils[k]);
 			const double reach = soil_shape_reach(&shapes[s], 0, 0);
 			struct ground ground;
 			init(&ground, &soil, 0.03125, NULL);
@@ -114,7 +114,7 @@ static int32_t holed(int64_t x, int64_t y)
 
 static struct soil_numbers hard_soil(int kind)
 {
-	struct soil_numbers soil = soil_of(kind == 2 ? "heavy_clay_25" : kind == 4 ? "snow_us" : "dry_sand");
+	struct soil_numbers soil = bed_soil(kind == 2 ? "heavy_clay_25" : kind == 4 ? "snow_us" : "dry_sand");
 	if (kind == 1) { /* stiff: nearly rock */
 		soil.bekker_kphi = 1e8;
 		soil.bekker_n = 1;
@@ -160,7 +160,7 @@ static void hard_places_too(void **state)
 static void before_banks_and_steps_too(void **state)
 {
 	static const double yaws[] = {0, 22.5, 200}, slopes[] = {0, 1.5, 1e6}, heights[] = {1, 0.6, 1};
-	const struct soil_numbers soil = soil_of("dry_sand");
+	const struct soil_numbers soil = bed_soil("dry_sand");
 	int carried = 0, tried = 0;
 	double above = 0;
 	for (size_t n = 0; n < 3 * 3 * COUNT(bodies); n++) {
@@ -256,7 +256,7 @@ static int32_t *slid_on(const struct soil_numbers *soil, const struct deform_con
 static void the_ground_slides_around_where_it_stands(void **state)
 {
 	const size_t bytes = 129 * 129 * sizeof(int32_t);
-	struct soil_numbers soil = soil_of("dry_sand");
+	struct soil_numbers soil = bed_soil("dry_sand");
 	soil.repose = 0.1;
 	for (int i = 0; i < 2; i++) {
 		struct soil_pose pose = {.x = lattice_offset(64.37 * 0.03125), .y = lattice_offset(64.21 * 0.03125), .z = lattice_offset(i == 0 ? 0.55 : 0.2)};

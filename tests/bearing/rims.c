@@ -16,7 +16,7 @@ static void init(struct ground *ground, double spacing, uint32_t tiles, const st
 
 static struct soil_numbers loose(void)
 {
-	struct soil_numbers soil = soil_of("dry_sand");
+	struct soil_numbers soil = bed_soil("dry_sand");
 	soil.cohesion = 0;
 	return soil;
 }
@@ -150,7 +150,7 @@ static void a_loaded_wheel_sinks_as_deep_with_finer_posts(void **state)
 static void a_heavy_wheel_does_not_climb_what_it_lays(void **state)
 {
 	const struct soil_shape wheel = {.kind = SOIL_WHEEL, .radius = 0.5, .width = 0.4};
-	const struct soil_numbers soil = soil_soft();
+	const struct soil_numbers soil = bed_soft();
 	double sinkage[2];
 	for (int lays = 0; lays < 2; lays++) {
 		struct ground ground;

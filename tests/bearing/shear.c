@@ -8,7 +8,7 @@ static const struct soil_shape plate = {.kind = SOIL_BOX, .size = {0.5, 0.5, 0.5
 
 static struct soil_numbers soil_with(double modulus)
 {
-	struct soil_numbers soil = soil_of("dry_sand");
+	struct soil_numbers soil = bed_soil("dry_sand");
 	soil.janosi_shear = modulus;
 	return soil;
 }

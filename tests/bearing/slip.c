@@ -26,7 +26,7 @@ static void go(struct deform_contact *contact, double east, double rim)
  * integral is u - e: it sinks by kappa K (1 - exp(e - u)). */
 static void a_plate_that_slips_sinks_by_the_formula(void **state)
 {
-	struct soil_numbers soil = soil_of("dry_sand");
+	struct soil_numbers soil = bed_soil("dry_sand");
 	struct ground ground;
 	soil.janosi_shear = 0.004;
 	for (int pieces = 1; pieces <= 8; pieces *= 8) {
@@ -50,7 +50,7 @@ static void a_plate_that_slips_sinks_by_the_formula(void **state)
 static void what_rolls_digs_nothing(void **state)
 {
 	static const enum plane planes[] = {PLANE_OFFSET, PLANE_DEPOSITED, PLANE_PLASTIC_SINKAGE, PLANE_SHEAR};
-	const struct soil_numbers soil = soil_of("dry_sand");
+	const struct soil_numbers soil = bed_soil("dry_sand");
 	int32_t *seen[2][4];
 	for (int digs = 0; digs < 2; digs++) {
 		struct ground ground;
@@ -83,7 +83,7 @@ struct rut {
 /* A wheel of 20 N, or another body that lies as it does, after 0.2 m. */
 static struct rut rut(const struct soil_shape *shape, double spacing, double rim, double slip_sinkage)
 {
-	const struct soil_numbers soil = soil_of("dry_sand");
+	const struct soil_numbers soil = bed_soil("dry_sand");
 	const double way = 0.2;
 	struct deform_forces forces = {0};
 	struct ground ground;
@@ -117,7 +117,7 @@ static void a_wheel_with_grousers_carries_its_load_while_it_slips(void **state)
 	lugged.grouser_height = 0.007;
 	lugged.grouser_thickness = 0.003;
 	for (int k = 0; k < 6; k++) {
-		const struct soil_numbers soil = soil_of("dry_sand");
+		const struct soil_numbers soil = bed_soil("dry_sand");
 		double spacing = 0.008 / (1 << k % 3), rim = k < 3 ? 1.25 : 2;
 		struct ground ground;
 		init(&ground, &soil, spacing, KAPPA, 0);
@@ -171,7 +171,7 @@ static void the_more_it_slips_the_deeper_it_digs_at_any_spacing(void **state)
 /* Pass after pass in one rut slip digs less, and in all no more than kappa K. */
 static void each_pass_digs_less(void **state)
 {
-	const struct soil_numbers soil = soil_of("dry_sand");
+	const struct soil_numbers soil = bed_soil("dry_sand");
 	const int32_t most = (int32_t)lround(ldexp(KAPPA * soil.janosi_shear, OFFSET_BITS));
 	struct ground ground;
 	int32_t before = 0, gained = most;
@@ -196,7 +196,7 @@ static void each_pass_digs_less(void **state)
 /* What is dug is laid somewhere: without bulldozing too. */
 static void every_unit_that_is_dug_is_laid(void **state)
 {
-	struct soil_numbers soil = soil_of("dry_sand");
+	struct soil_numbers soil = bed_soil("dry_sand");
 	for (int round = 0; round < 6; round++) {
 		struct ground ground;
 		int64_t dug = 0;

@@ -147,7 +147,7 @@ class Explain(FurrowTest):
                 self.skipTest("this build has no MuJoCo")
             (vehicle,) = self.json("explain", path)["vehicles"].values()
             weight = vehicle["mass"] * (1.62 if scene == "rover" else 9.81)
-            self.drive(path, "--store", store, "--overlay", f"{scene}.furrow", "--set", "end_time=0.002", "--set", "output.forces=500", "--set", "output.delay=0")
+            self.drive(path, "--store", store, "--overlay", f"{scene}.furrow", "--set", "end_time=0.002", "--set", "output.forces=500")
             with open(self.folder / "out/objects.csv", newline="") as file:
                 loads = {row["name"]: float(row["fz"]) for row in csv.DictReader(file) if float(row["t"]) == 0}
             self.assertEqual((set(loads), len(loads)), (set(vehicle["shares"]), geoms))

@@ -93,7 +93,7 @@ class Lines(FurrowTest):
 
     def places(self, name, path, *more):
         """Where the ball is at its stations, from its rows."""
-        scene = HEAD.replace("model: box", "model: scm") + f"  - {{name: a, {BALL}, path: {path}}}\noutput: {{forces: 1000, delay: 0}}\nsoil: {{name: dry_sand}}\n"
+        scene = HEAD.replace("model: box", "model: scm") + f"  - {{name: a, {BALL}, path: {path}}}\noutput: {{forces: 1000}}\nsoil: {{name: dry_sand}}\n"
         self.ok("drive", self.scene(scene, f"{name}.yaml"), "--store", "base.furrow", "--overlay", f"{name}.furrow", "-o", name, *more)
         with open(self.folder / name / "objects.csv") as rows:
             return [(float(row["t"]), float(row["x"]), float(row["y"])) for row in csv.DictReader(rows)]

@@ -37,7 +37,7 @@ objects:
     path: {points: [[3, 6.8], [10, 7.8], [12, 13]], speed: 2}
     load: 1500
     slip: 0.1
-output: {forces: 20, delay: 0, map: true}
+output: {forces: 20, map: true}
 cache: {slots: 16}
 """
 BOX = """scene: 1

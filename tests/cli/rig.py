@@ -36,7 +36,7 @@ class Rig(FurrowTest):
         step = spacing / 0.2
         (self.folder / "scene.yaml").write_text(
             f"scene: 1\ntime_step: {step!r}\nend_time: {way / 0.2!r}\nspacing: {spacing!r}\nsoil: {{name: dry_sand}}\n"
-            f"redistribute: {{model: scm}}\noutput: {{forces: {0.99 / step!r}, delay: 0}}\nobjects:\n"
+            f"redistribute: {{model: scm}}\noutput: {{forces: {0.99 / step!r}}}\nobjects:\n"
             f"  - {{name: a, shape: {{{WHEEL}}}, load: {load!r}, slip: {slip!r}, path: {{points: [[6, 3], [6, {3 + way!r}]], speed: 0.2}}}}\n")
         self.ok("drive", "scene.yaml", "--store", "flat.furrow", "-o", "out")
         with open(self.folder / "out" / "objects.csv") as file:
@@ -197,7 +197,7 @@ class Rig(FurrowTest):
                          for name, y in (("ahead", 4.28), ("behind", 3)))
         (self.folder / "scene.yaml").write_text(
             "scene: 1\ntime_step: 0.1\nend_time: 19.2\nspacing: 0.02\nsoil: {name: dry_sand}\nredistribute: {model: scm}\n"
-            f"output: {{forces: 9.9, delay: 0}}\nobjects:\n{wheels}")
+            f"output: {{forces: 9.9}}\nobjects:\n{wheels}")
         self.ok("drive", "scene.yaml", "--store", "flat.furrow", "-o", "out")
         with open(self.folder / "out" / "objects.csv") as file:
             rows = [r for r in csv.DictReader(file) if r["name"] == "behind" and float(r["y"]) >= 3 + 3.84 - 0.64]

@@ -56,7 +56,7 @@ SAMPLES = [
                 interface={"friction_angle": 20, "adhesion": 300}),
           soil={**NUMBERED, "rasters": {key: "classes.png" for key in ("bekker_kc", "bekker_kphi", "bekker_n", "cohesion")}},
           redistribute={"model": "scm", "depth": 1, "bulldozing": 0.4, "slip_sinkage": 1.2, "iterations": 2, "interval": 0.1, "tolerance": 0.1, "normals": "ground",
-                                       "undisturbed": "stable"}, output={"forces": 5, "delay": 1}),
+                                       "undisturbed": "stable"}, output={"forces": 5}),
     scene(WHEEL, soil={"name": "lunar", "rasters": {key: "classes.png" for key in ("friction_angle", "janosi_shear", "elastic_stiffness")}},
           redistribute={"model": "scm"}, output={"forces": 5}),
     scene(wheel(shape={"sphere": {"radius": 1}}, path={"points": [[20, 20], [30, 20]], "speed": 5, "loop": True}),

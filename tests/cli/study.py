@@ -27,7 +27,7 @@ objects:
     path: {points: [[3, 8], [13, 8]], speed: 0.5}
     load: 1000
     slip: 0.1
-output: {forces: 20, delay: 0}
+output: {forces: 20}
 """
 GRID = """study: 1
 scene: scene.yaml

@@ -33,7 +33,7 @@ static const char *const scene_texts[] = {
 	"spacing: 1\n"
 	"soil: {name: dry_sand}\n"
 	"redistribute: {model: scm, bulldozing: 0.5, iterations: 1}\n"
-	"output: {forces: 10, delay: 2}\n"
+	"output: {forces: 10}\n"
 	"cache: {slots: 9, loaders: 2}\n"
 	"objects:\n"
 	"  - {name: a, shape: {wheel: {radius: 2.5, width: 3}}, load: 40000, slip: 0.2,\n"

@@ -123,12 +123,6 @@ enum status gpu_slots_upload_classes(struct gpu_slots *slots, uint32_t slot, str
 	return STATUS_OK;
 }
 
-enum status gpu_slots_upload_numbers(struct gpu_slots *slots, uint32_t slot, struct gpu_staging *staging, size_t numbers)
-{
-	fail_msg("there are no rasters here");
-	return STATUS_FAILED;
-}
-
 enum status gpu_slots_decimate(struct gpu_slots *slots, uint32_t fine, struct gpu_rect rect, int steps,
 			       uint32_t coarse, uint32_t to_x, uint32_t to_y)
 {

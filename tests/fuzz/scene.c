@@ -185,7 +185,6 @@ static void check_scene(const struct scene *scene)
 	check_soils(scene);
 	scene_advise(scene, scene->spacing > 0 ? scene->spacing : 1, check_advice, NULL);
 	fuzz_check(scene->forces >= 0 && scene->forces <= 1e6);
-	fuzz_check(scene->forces_delay >= 0 && scene->forces_delay <= 64);
 	if (!view->present)
 		return;
 	fuzz_check(view->width > 0 && view->height > 0 && view->images >= 0);

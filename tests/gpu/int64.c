@@ -4,24 +4,21 @@
 
 enum { SIDE = 96, COUNT = SIDE * SIDE };
 
-enum operation { ADD, SUB, NEG, MUL, MUL_U, MUL_INT, LESS, EQUAL, SAR, SHL, CLAMP, MIN, MAX, FROM, FROM_U, TO_INT, OPERATIONS };
+enum operation { ADD, SUB, NEG, MUL, MUL_INT, LESS, SAR, SHL, CLAMP, MIN, MAX, FROM, TO_INT, OPERATIONS };
 
 static const char *const expressions[] = {
 	[ADD] = "EXPRESSION i64_add(a, b)",
 	[SUB] = "EXPRESSION i64_sub(a, b)",
 	[NEG] = "EXPRESSION i64_neg(a)",
 	[MUL] = "EXPRESSION i64_mul(a.hi, b.hi)",
-	[MUL_U] = "EXPRESSION i64_mul_u(a.lo, b.lo)",
 	[MUL_INT] = "EXPRESSION i64_mul_int(a, b.hi)",
 	[LESS] = "EXPRESSION i64_from(int(i64_less(a, b)))",
-	[EQUAL] = "EXPRESSION i64_from(int(i64_equal(a, b)))",
 	[SAR] = "EXPRESSION i64_sar(a, n)",
 	[SHL] = "EXPRESSION i64_shl(a, n)",
 	[CLAMP] = "EXPRESSION i64_clamp(a, i64_min(b, i64_from(n)), i64_max(b, i64_from(n)))",
 	[MIN] = "EXPRESSION i64_min(a, b)",
 	[MAX] = "EXPRESSION i64_max(a, b)",
 	[FROM] = "EXPRESSION i64_from(a.hi)",
-	[FROM_U] = "EXPRESSION i64_from_u(a.lo)",
 	[TO_INT] = "EXPRESSION i64_from(i64_to_int(a))",
 };
 
@@ -37,7 +34,7 @@ static const char shader[] =
 	"	int n = at(4);\n"
 	"	i64 result = EXPRESSION;\n"
 	"#ifdef TO_FLOAT\n"
-	"	result = i64(floatBitsToInt(i64_to_float(a)), i64_negative(a) ? 1u : 0u);\n"
+	"	result = i64(floatBitsToInt(i64_to_float(a)), a.hi < 0 ? 1u : 0u);\n"
 	"#endif\n"
 	"	high = result.hi;\n"
 	"	low = int(result.lo);\n"
@@ -64,14 +61,10 @@ static int64_t expected(enum operation operation, int i)
 		return (int64_t)(0 - (uint64_t)a);
 	case MUL:
 		return (int64_t)inputs[0][i] * inputs[2][i];
-	case MUL_U:
-		return (int64_t)((uint64_t)(uint32_t)inputs[1][i] * (uint32_t)inputs[3][i]);
 	case MUL_INT:
 		return (int64_t)((uint64_t)a * (uint64_t)(int64_t)inputs[2][i]);
 	case LESS:
 		return a < b;
-	case EQUAL:
-		return a == b;
 	case SAR:
 		return a >> n;
 	case SHL:
@@ -84,8 +77,6 @@ static int64_t expected(enum operation operation, int i)
 		return a < b ? b : a;
 	case FROM:
 		return inputs[0][i];
-	case FROM_U:
-		return (uint32_t)inputs[1][i];
 	case TO_INT:
 		return inputs[1][i];
 	default:

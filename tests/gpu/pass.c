@@ -399,65 +399,6 @@ static void storage_is_kept_and_ordered(void **state)
 	gpu_buffer_destroy(buffer);
 }
 
-/* Passes in turn over one image and one buffer: a draw writes the texture, two compute passes read what came before them. */
-static void compute_passes_are_ordered_with_draws(void **state)
-{
-	enum { SIDE = 32, GROUPS = 3 };
-	/* Each group sums its rows by shared memory; its sum replaces the first post of its row. */
-	static const char sum_up[] =
-		"#version 450 core\n"
-		"layout(local_size_x = 32) in;\n"
-		"layout(binding = 0, r32i) uniform iimage2D image;\n"
-		"layout(std430, binding = 2) buffer sums { int sum[]; };\n"
-		"shared int parts[32];\n"
-		"void main()\n"
-		"{\n"
-		"	ivec2 at = ivec2(gl_LocalInvocationID.x, gl_WorkGroupID.x);\n"
-		"	parts[at.x] = imageLoad(image, at).r;\n"
-		"	for (int part = 16; part > 0; part /= 2) {\n"
-		"		barrier();\n"
-		"		if (at.x < part)\n"
-		"			parts[at.x] += parts[at.x + part];\n"
-		"	}\n"
-		"	barrier();\n"
-		"	if (at.x == 0) {\n"
-		"		sum[at.y] += parts[0];\n"
-		"		imageStore(image, at, ivec4(parts[0]));\n"
-		"	}\n"
-		"}\n";
-	const struct shader_text table[] = {{"sum.comp", sum_up}, {NULL, NULL}};
-	int32_t value = 5, read[GROUPS + 1], posts[SIDE * SIDE];
-	struct gpu_stats before, after;
-	struct gpu_program *summing;
-	struct gpu_buffer *buffer;
-	(void)state;
-	need_gpu();
-	struct gpu_texture *texture = ints_texture(NULL, SIDE, SIDE);
-	struct gpu_target *target = target_over(texture, NULL);
-	assert_ok(gpu_buffer_create(test_gpu, GPU_STORAGE, sizeof read, NULL, &buffer));
-	assert_ok(gpu_program_get_from(test_gpu, table, &(struct gpu_program_request){.compute = "sum.comp"}, &summing));
-	gpu_stats(test_gpu, &before);
-	gpu_pass_run(test_gpu, &(struct gpu_pass){
-		.stage = GPU_CONTACT, .target = target, .viewport = {0, 0, SIDE, SIDE}, .program = program_of(full, paint), .params = &value,
-		.params_bytes = sizeof value,
-	});
-	const struct gpu_pass pass = {.stage = GPU_CONTACT, .program = summing, .groups = GROUPS, .images = {texture}, .storage = {[2] = buffer}};
-	gpu_pass_run(test_gpu, &pass);
-	gpu_pass_run(test_gpu, &pass);
-	gpu_buffer_read(buffer, 0, sizeof read, read);
-	gpu_texture_read(texture, 0, rect_of(0, 0, SIDE, SIDE), posts);
-	gpu_stats(test_gpu, &after);
-	assert_ok(gpu_check(test_gpu, "compute"));
-	const int once = 5 * SIDE, twice = once + 5 * (SIDE - 1);
-	for (int i = 0; i < GROUPS; i++)
-		assert_true(read[i] == once + twice && posts[i * SIDE] == twice && posts[i * SIDE + 1] == 5);
-	assert_true(read[GROUPS] == 0 && posts[GROUPS * SIDE] == 5);
-	assert_int_equal(after.passes[GPU_CONTACT] - before.passes[GPU_CONTACT], 2);
-	gpu_target_destroy(target);
-	gpu_texture_destroy(texture);
-	gpu_buffer_destroy(buffer);
-}
-
 TEST_PROGRAM(pass)
 {
 	const struct CMUnitTest tests[] = {
@@ -469,7 +410,6 @@ TEST_PROGRAM(pass)
 		cmocka_unit_test(depth_is_reversed_and_sides_are_culled_when_asked),
 		cmocka_unit_test(a_pass_reads_the_list_as_it_was_when_it_was_run),
 		cmocka_unit_test(storage_is_kept_and_ordered),
-		cmocka_unit_test(compute_passes_are_ordered_with_draws),
 	};
 	return cmocka_run_group_tests(tests, open_gpu, close_gpu);
 }

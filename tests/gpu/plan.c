@@ -10,7 +10,7 @@ enum { CELLS = 16, COUNT = 9, POSTS = (CELLS + 1) * (CELLS + 1) };
 
 struct asked {
 	unsigned planes;
-	bool classes, numbers, divides, decimates, arrays;
+	bool classes, divides, decimates, arrays;
 };
 
 static int32_t zeros[POSTS];
@@ -25,8 +25,6 @@ static void use_base(struct gpu_slots *slots, uint32_t slot, const struct asked 
 	assert_ok(staged_from(test_gpu, zeros, sizeof zeros, &staging));
 	if (asked->classes)
 		assert_ok(gpu_slots_upload_classes(slots, slot, staging, STAGED_AT));
-	if (asked->numbers)
-		assert_ok(gpu_slots_upload_numbers(slots, slot, staging, STAGED_AT));
 	gpu_staging_destroy(staging);
 }
 
@@ -56,8 +54,6 @@ static uint64_t units_of(const struct gpu_slots *slots, enum plan_unit unit)
 		return figures.base_slots;
 	case PLAN_CLASS_SLOT:
 		return figures.class_slots;
-	case PLAN_NUMBER_SLOT:
-		return figures.number_slots;
 	case PLAN_DEFORM_SLOT:
 		return figures.deform_slots;
 	case PLAN_STATE_SLOT:
@@ -139,14 +135,13 @@ static void check(const struct gpu_slots *slots, const struct plan *plan, bool u
 static void slots_make_and_run_what_is_planned(void **state)
 {
 	static const struct asked cases[] = {
-		{PLANE_BIT(PLANE_OFFSET), false, false, false, false, false},
-		{PLANE_BIT(PLANE_DISTURBANCE), false, false, false, true, false},
-		{PLANE_BIT(PLANE_OFFSET), false, false, true, true, false},
-		{STATE_PLANES, true, false, false, false, false},
-		{STATE_PLANES, false, true, false, false, false},
-		{STATE_PLANES | PLANE_BIT(PLANE_DISTURBANCE), true, true, true, true, false},
-		{PLANE_BIT(PLANE_OFFSET), false, false, true, false, true},
-		{STATE_PLANES | PLANE_BIT(PLANE_DISTURBANCE), true, true, true, true, true},
+		{PLANE_BIT(PLANE_OFFSET), false, false, false, false},
+		{PLANE_BIT(PLANE_DISTURBANCE), false, false, true, false},
+		{PLANE_BIT(PLANE_OFFSET), false, true, true, false},
+		{STATE_PLANES, true, false, false, false},
+		{STATE_PLANES | PLANE_BIT(PLANE_DISTURBANCE), true, true, true, false},
+		{PLANE_BIT(PLANE_OFFSET), false, true, false, true},
+		{STATE_PLANES | PLANE_BIT(PLANE_DISTURBANCE), true, true, true, true},
 	};
 	(void)state;
 	need_gpu();
@@ -156,7 +151,7 @@ static void slots_make_and_run_what_is_planned(void **state)
 		struct gpu_slots *slots;
 		close_gpu(NULL);
 		assert_int_equal(open_gpu(NULL), 0); /* of no programs */
-		gpu_slots_plan(CELLS, asked->planes, asked->classes, asked->numbers, asked->divides, asked->arrays, asked->decimates, "displace", &plan);
+		gpu_slots_plan(CELLS, asked->planes, asked->classes, asked->divides, asked->arrays, asked->decimates, "displace", &plan);
 		assert_ok(plan_status(&plan));
 		assert_ok(gpu_slots_create(test_gpu, CELLS, COUNT, asked->planes, &slots));
 		if (asked->arrays)

@@ -46,20 +46,6 @@ static const char *error_of(const char *fragment, const char *include, const cha
 			fail_msg("\"%s\" does not say \"%s\"", message, part);                     \
 	} while (0)
 
-static void a_compute_shader_s_error_names_its_file(void **state)
-{
-	const struct shader_text table[] = {{"bad.comp", "#version 450 core\nvoid main() { undeclared_name = 1; }\n"}, {NULL, NULL}};
-	const struct gpu_program_request request = {.compute = "bad.comp", .defines = {"SOME 1"}};
-	struct gpu_program *program;
-	char name[GPU_PROGRAM_NAME];
-	(void)state;
-	need_gpu();
-	assert_int_equal(gpu_program_get_from(test_gpu, table, &request, &program), STATUS_FAILED);
-	assert_says(failure_message(), "shader bad.comp:2 with SOME 1: ");
-	gpu_program_name(&request, name, sizeof name);
-	assert_string_equal(name, "bad.comp SOME 1");
-}
-
 static void a_compile_error_names_the_file_and_the_line(void **state)
 {
 	(void)state;
@@ -186,7 +172,6 @@ TEST_PROGRAM(program)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(the_same_request_is_the_same_program),
-		cmocka_unit_test(a_compute_shader_s_error_names_its_file),
 		cmocka_unit_test(a_compile_error_names_the_file_and_the_line),
 		cmocka_unit_test(an_error_in_an_included_file_names_that_file),
 		cmocka_unit_test(a_missing_file_is_told_with_its_place),

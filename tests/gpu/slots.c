@@ -226,34 +226,9 @@ static void classes_are_there_once_they_are_loaded(void **state)
 	assert_null(gpu_slots_get(slots, 0)->classes);
 	gpu_slots_bytes(slots, &bytes);
 	assert_int_equal(bytes.classes, TILE);
-	assert_int_equal(bytes.numbers, 0);
 	gpu_staging_destroy(staging);
 	gpu_slots_destroy(slots);
 	mem_free(classes);
-}
-
-static void numbers_are_four_bytes_a_post(void **state)
-{
-	enum { CELLS = 16, TILE = (CELLS + 1) * (CELLS + 1) };
-	uint8_t read[4 * TILE];
-	struct gpu_slots *slots;
-	struct gpu_slots_bytes bytes;
-	struct gpu_staging *staging;
-	(void)state;
-	need_gpu();
-	uint8_t *numbers = random_bytes(4 * TILE);
-	assert_ok(gpu_slots_create(test_gpu, CELLS, 2, 0, &slots));
-	assert_ok(staged_from(test_gpu, numbers, 4 * TILE, &staging));
-	assert_ok(gpu_slots_upload_numbers(slots, 1, staging, STAGED_AT));
-	gpu_texture_read(gpu_slots_get(slots, 1)->numbers, 0, rect_of(0, 0, CELLS + 1, CELLS + 1), read);
-	assert_memory_equal(read, numbers, sizeof read);
-	assert_null(gpu_slots_get(slots, 0)->numbers);
-	assert_null(gpu_slots_get(slots, 1)->classes);
-	gpu_slots_bytes(slots, &bytes);
-	assert_int_equal(bytes.numbers, 4 * TILE);
-	gpu_staging_destroy(staging);
-	gpu_slots_destroy(slots);
-	mem_free(numbers);
 }
 
 /* The first arrays have 8 layers, then 8 more. There are no more layers than slots. */
@@ -318,8 +293,6 @@ static void check_failures(bool arrays)
 		if (status == STATUS_OK)
 			status = gpu_slots_upload_classes(slots, 0, staging, STAGED_AT);
 		if (status == STATUS_OK)
-			status = gpu_slots_upload_numbers(slots, 0, staging, STAGED_AT);
-		if (status == STATUS_OK)
 			status = gpu_slots_deform(slots, 0);
 		if (status == STATUS_OK)
 			status = gpu_slots_decimate(slots, 0, rect_of(0, 0, M + 1, M + 1), 1, 1, 0, 0);
@@ -358,7 +331,6 @@ TEST_PROGRAM(slots)
 		cmocka_unit_test(every_plane_comes_back_the_same_bits),
 		cmocka_unit_test(state_planes_are_those_of_the_working_level),
 		cmocka_unit_test(classes_are_there_once_they_are_loaded),
-		cmocka_unit_test(numbers_are_four_bytes_a_post),
 		cmocka_unit_test(slots_in_arrays_hold_their_own_tiles),
 	};
 	return cmocka_run_group_tests(tests, open_gpu, close_gpu);

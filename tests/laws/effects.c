@@ -186,11 +186,10 @@ static int check_units(const struct outcome *first, const struct outcome *second
 	int problems = 0;
 	for (const cJSON *unit = counts_get(a, "units")->child; unit != NULL; unit = unit->next) {
 		const cJSON *other = counts_get(counts_get(b, "units"), unit->string);
-		/* Slots of classes are the map's own, and counted for it; so are those of numbers, and draws of objects. */
+		/* Slots of classes are the map's own, and counted for it; so are numbers in memory, and draws of objects. */
 		if (goes_by_the_clock(unit->string, first->repeats) || strcmp(unit->string, plan_unit_name(PLAN_CLASS_SLOT)) == 0 ||
 		    strcmp(unit->string, plan_unit_name(PLAN_WINDOW_SCRATCH)) == 0 || /* has numbers of each soil */
 		    strcmp(unit->string, plan_unit_name(PLAN_HOST_CLASSES)) == 0 || strcmp(unit->string, plan_unit_name(PLAN_HOST_NUMBERS)) == 0 ||
-		    strcmp(unit->string, plan_unit_name(PLAN_NUMBER_SLOT)) == 0 ||
 		    strcmp(unit->string, plan_unit_name(PLAN_LEFT)) == 0 || strcmp(unit->string, plan_unit_name(PLAN_INHERITED)) == 0 || strcmp(unit->string, plan_unit_name(PLAN_KEPT)) == 0 || strcmp(unit->string, plan_unit_name(PLAN_OBJECTS)) == 0 ||
 		    strcmp(unit->string, plan_unit_name(PLAN_SHADOWED)) == 0)
 			continue;

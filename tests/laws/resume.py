@@ -37,7 +37,7 @@ objects:
 POSES = "".join(f"{t},{x},{y},{103 - 0.01 * t},{5 * t},{0.3 * t},{-0.2 * t}\n" for t, x, y in (
     (0.5, 10, 100), (9, 100, 90), (12, 100, 90), (21, 170, 20), (21.5, 170, 22), (33, 60, 60), (60, 160, 160)))
 # They stand as deep as the soil carries them, and the ground goes on sliding behind them.
-LOADED = """output: {{forces: 20, delay: {delay}}}
+LOADED = """output: {{forces: 20}}
 objects:
   - {{name: driven, shape: {{wheel: {{radius: 0.8, width: 0.7, lugs: 12, lug_height: 0.05}}}}, load: 9000, slip: 0.25,
      path: {{points: [[20, 20], [170, 90], [40, 130]], speed: 11, loop: true}}}}
@@ -63,9 +63,9 @@ SCENES = {
     "eroding": (HEAD.format(step=0.07, end=8, model="sumner, interval: 0.05") + MAP.format("sand", "mud", "snow") +
                 WHEELS + "cache: {slots: 40}\n", "gentle.furrow", []),
     "carried": (HEAD.format(step=0.05, end=12, model="scm, bulldozing: 0.5, interval: 0.03") + "soil: {name: dry_sand}\n" +
-                LOADED.format(delay=0), "gentle.furrow", []),
+                LOADED.format(), "gentle.furrow", []),
     "carried later": (HEAD.format(step=0.13, end=16, model="scm, bulldozing: 0.8") +
-                      MAP.format("dry_sand", "lete_sand", "snow_us") + LOADED.format(delay=2), "gentle.furrow", []),
+                      MAP.format("dry_sand", "lete_sand", "snow_us") + LOADED.format(), "gentle.furrow", []),
     "pictures": (HEAD.format(step=0.05, end=24.5, model="box") + WHEELS + "cache: {slots: 120}\n" + PICTURES,
                  "hills.furrow", []),
 }

@@ -121,7 +121,7 @@ static uint64_t bytes_of_slots(struct rig *rig)
 		return figures.bytes;
 	}
 	gpu_slots_bytes(rig->slots, &bytes);
-	uint64_t taken = bytes.base + bytes.classes + bytes.numbers;
+	uint64_t taken = bytes.base + bytes.classes;
 	for (int plane = 0; plane < PLANES; plane++)
 		taken += bytes.planes[plane];
 	return taken;

@@ -34,8 +34,7 @@ static void every_shader_that_is_a_stage_is_some_effects(void **state)
 {
 	for (const struct shader_text *text = gpu_shader_table; text->path != NULL; text++) {
 		size_t length = strlen(text->path);
-		/* Bearing soil is computed on the CPU: its own shader is not run any more. */
-		bool used = strcmp(text->path + length - strlen(".frag"), ".frag") != 0 || strcmp(text->path, "deform/scm.frag") == 0;
+		bool used = strcmp(text->path + length - strlen(".frag"), ".frag") != 0;
 		for (int e = 0; e < EFFECT_COUNT; e++)
 			for (const char *const *path = scene_effect_row((enum scene_effect)e)->shaders; *path != NULL; path++)
 				used = used || strcmp(*path, text->path) == 0;

@@ -62,7 +62,7 @@ static void what_is_absent_is_its_default_and_calls_for_nothing(void **state)
 	assert_int_equal(scene->soil_count, 0);
 	assert_null(scene->soil_map);
 	assert_null(scene->srs);
-	assert_true(scene->forces == 0 && scene->forces_delay == 0);
+	assert_true(scene->forces == 0);
 	assert_true(scene->objects[0].load == 0 && scene->objects[0].slip == 0);
 	assert_null(scene->objects[0].mesh);
 	assert_int_equal(scene->objects[0].shape.grousers, 0);

@@ -182,22 +182,21 @@ static void a_mesh_is_read_beside_the_scene_and_counts_by_its_triangles(void **s
 	unlink(in_folder("foot.obj"));
 }
 
-static void forces_are_of_scm_and_their_delay_of_forces(void **state)
+static void forces_are_of_scm_and_their_delay_has_no_effect(void **state)
 {
 	struct scene *scene = load_edited(base, "3}\n", "3}\noutput: {forces: 50}\n");
 	assert_true(scene->forces == 50);
-	assert_int_equal(scene->forces_delay, 2);
 	assert_true((scene_effects(scene, 0) >> EFFECT_FORCES & 1) == 1);
 	scene_destroy(scene);
 	scene = load_edited(base, "3}\n", "3}\noutput: {forces: 0.5, delay: 0}\n");
 	assert_true(scene->forces == 0.5);
-	assert_int_equal(scene->forces_delay, 0);
+	assert_int_equal(scene->unused_count, 1);
+	assert_string_equal(scene->unused[0], "output.delay: forces are known at the end of their step; take it away");
 	scene_destroy(scene);
 	scene = load_edited(base, "3}\n", "3}\noutput: {}\n");
 	assert_true(scene->forces == 0);
 	assert_true((scene_effects(scene, 0) >> EFFECT_FORCES & 1) == 0);
 	scene_destroy(scene);
-	refuse("3}\n", "3}\noutput: {delay: 1}\n", ":9: output.delay: is of forces, and none are asked for; allowed with: forces");
 	scene = load_edited(base, "scm}", "slippage}\noutput: {forces: 1}"); /* rows of places and sinkages */
 	assert_true(scene->forces == 1);
 	assert_false(scene_effects(scene, 0) >> EFFECT_FORCES & 1);
@@ -316,7 +315,7 @@ TEST_PROGRAM(model)
 		cmocka_unit_test(a_belt_slips),
 		cmocka_unit_test(lugs_have_a_height_and_a_thickness),
 		cmocka_unit_test(a_mesh_is_read_beside_the_scene_and_counts_by_its_triangles),
-		cmocka_unit_test(forces_are_of_scm_and_their_delay_of_forces),
+		cmocka_unit_test(forces_are_of_scm_and_their_delay_has_no_effect),
 		cmocka_unit_test(slip_is_of_bodies_that_may_slip),
 		cmocka_unit_test(each_model_calls_for_its_own_effects),
 		cmocka_unit_test(the_hash_is_of_all_that_decides_how_the_ground_gives_way),

@@ -8,9 +8,6 @@
 #include "soil/probe.h"
 #include "soil_test.h"
 
-#define DEGREES (M_PI / 180)
-#define COUNT(a) (sizeof(a) / sizeof *(a))
-
 struct bed {
 	struct soil_law law;
 	struct soil_planes planes;
@@ -19,25 +16,6 @@ struct bed {
 	double slope[2], height; /* of the ground: rise to the east and to the north; m at the south-west post */
 	size_t posts;
 };
-
-static inline struct soil_numbers bed_soil(const char *name)
-{
-	struct soil_numbers soil;
-	assert_ok(soil_named(name, &soil));
-	return soil;
-}
-
-/* Project Chrono's soft soil. */
-static inline struct soil_numbers bed_soft(void)
-{
-	struct soil_numbers soil = bed_soil("dry_sand");
-	soil.bekker_kc = soil.cohesion = 0;
-	soil.bekker_kphi = 0.2e6;
-	soil.bekker_n = 1.1;
-	soil.friction_angle = 30 * DEGREES;
-	soil.janosi_shear = 0.01;
-	return soil;
-}
 
 /* A bed of side x side posts. east, north: its slope. */
 static inline void bed_init(struct bed *bed, const struct soil_numbers *soil, double spacing, int side, double east, double north)

@@ -129,7 +129,7 @@ static void a_kilonewton_on_dry_sand(void **state)
 		{"ground, soil", REFERENCE_NORMALS_GROUND, REFERENCE_FOLLOWS_SOIL, 34.32, 329.0, -148.3, -104.2},
 		{"surface, soil", REFERENCE_NORMALS_SURFACE, REFERENCE_FOLLOWS_SOIL, 33.32, 262.25, -128.6, -128.6},
 	};
-	struct soil_numbers soil = soil_of("dry_sand");
+	struct soil_numbers soil = bed_soil("dry_sand");
 	struct reference_rolling wheel = {.radius = 0.32, .width = 0.24, .turned = reference_turned(0.2), .rebound = true};
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
 		print_message("%s\n", rows[i].name);
@@ -155,7 +155,7 @@ static void a_kilonewton_on_dry_sand(void **state)
 static void simpsons_rule_says_the_same(void **state)
 {
 	(void)state;
-	struct soil_numbers soil = soil_of("dry_sand");
+	struct soil_numbers soil = bed_soil("dry_sand");
 	struct reference_rolling wheel = {.radius = 0.32, .width = 0.24, .rebound = true};
 	for (double sinkage = 0.001; sinkage < 0.3; sinkage *= 2) {
 		wheel.normals = REFERENCE_NORMALS_GROUND;
@@ -182,7 +182,7 @@ static void the_sinkage_is_the_least(void **state)
 	static const double slips[] = {-1, -0.5, 0, 0.2, 0.8};
 	int carried = 0;
 	for (int i = 0; i < 60; i++) {
-		struct soil_numbers soil = soil_of(wong_soils[i % WONG_SOILS]);
+		struct soil_numbers soil = bed_soil(wong_soils[i % WONG_SOILS]);
 		struct reference_rolling wheel = {.radius = 0.32, .width = 0.24, .turned = reference_turned(slips[i / 12]),
 						  .normals = REFERENCE_NORMALS_SURFACE, .follows = REFERENCE_FOLLOWS_RIM,
 						  .rebound = true};
@@ -197,7 +197,7 @@ static void the_sinkage_is_the_least(void **state)
 	print_message("%d of 60 are carried\n", carried);
 	assert_true(carried >= 40);
 	/* A locked wheel drags itself down: the force grows to 1434 N at 175 mm, and falls to 1040 N at the axle. */
-	struct soil_numbers soil = soil_of("sandy_loam_22");
+	struct soil_numbers soil = bed_soil("sandy_loam_22");
 	struct reference_rolling wheel = {.radius = 0.32, .width = 0.24, .normals = REFERENCE_NORMALS_SURFACE,
 					  .follows = REFERENCE_FOLLOWS_RIM, .rebound = true};
 	double sinkage = reference_rolling_sinkage(&soil, &wheel, 1200);
@@ -235,7 +235,7 @@ static void a_box_on_a_slope_is_in_balance(void **state)
 	static const double loads[] = {1, 30, 1e3, 5e4};
 	int checked = 0;
 	for (size_t i = 0; i < WONG_SOILS; i++) {
-		struct soil_numbers soil = soil_of(wong_soils[i]);
+		struct soil_numbers soil = bed_soil(wong_soils[i]);
 		for (size_t l = 0; l < sizeof loads / sizeof *loads; l++)
 			for (int part = 0; part <= 4; part++) {
 				/* To 5 degrees below friction; at last 8 beyond, where only cohesion may hold. */
@@ -263,7 +263,7 @@ static void a_box_on_a_slope_is_in_balance(void **state)
 				}
 			}
 	}
-	struct soil_numbers sand = soil_of("dry_sand");
+	struct soil_numbers sand = bed_soil("dry_sand");
 	struct reference_rest slides = reference_rest_flat(&sand, 0.5, 0.3, 5e4, 36 * RADIANS);
 	print_message("%d boxes; 50 kN on dry_sand at 36 degrees: residual %.1f N\n", checked, slides.residual);
 	assert_true(slides.residual > 0);
@@ -275,7 +275,7 @@ static void plates_and_spheres_settle(void **state)
 	struct soil_numbers soft = soft_soil();
 	close_to("a plate of soft soil, 20 kPa, mm", 1e3 * reference_yield_sinkage(&soft, 0.1, 20e3), 123.28, 0.005);
 	for (size_t i = 0; i < WONG_SOILS; i++) {
-		struct soil_numbers soil = soil_of(wong_soils[i]);
+		struct soil_numbers soil = bed_soil(wong_soils[i]);
 		double n = soil.bekker_n;
 		for (double radius = 0.05; radius < 2; radius *= 3)
 			for (double share = 0.001; share <= 1; share *= 10) {

@@ -64,7 +64,7 @@ static void the_soil_s_vertical_force_is_the_load(void **state)
 	for (int s = 0; s < SOILS; s++)
 		for (int l = 0; l < 6; l++)
 			for (int k = 0; k < 3; k++) {
-				struct soil_numbers soil = soil_of(soils[s]);
+				struct soil_numbers soil = bed_soil(soils[s]);
 				/* Each soil and load meets each body, and each of the others in turn. */
 				double most = soil.friction_angle - 5 * RADIANS, share = (s + l + k) % 4 / 3.0;
 				struct drive of = {
@@ -97,7 +97,7 @@ static void the_load_is_balanced_by_weak_surfaces_too(void **state)
 	for (int s = 0; s < SOILS; s++)
 		for (int k = 0; k < 3; k++) {
 			struct drive of = {
-				.shape = &bodies[k], .soil = soil_of(soils[s]), .load = k == 1 ? 3000 : 1000, .up = (s + k) % 8 * 45 * RADIANS,
+				.shape = &bodies[k], .soil = bed_soil(soils[s]), .load = k == 1 ? 3000 : 1000, .up = (s + k) % 8 * 45 * RADIANS,
 				.yaw = (s + k) % 5 * 22.5 * RADIANS, .slip = 0.3 * (s % 3 - 1), .spacing = 0.02, .bulldozing = k == 0 ? 0.5 : 0,
 			};
 			of.slope = fmax(of.soil.friction_angle - 5 * RADIANS, 0) * (k + s % 2) / 3;
@@ -127,7 +127,7 @@ static void the_state_says_where_the_soil_cannot_hold_it(void **state)
 	static const double beyond[] = {-12, -5, -1, 1, 5, 12}; /* degrees */
 	for (int s = 0; s < SOILS; s++)
 		for (size_t i = 0; i < sizeof beyond / sizeof *beyond; i++) {
-			struct drive of = {.shape = &bodies[i % 2], .soil = soil_of(soils[s]), .load = 3000, .spacing = 0.02,
+			struct drive of = {.shape = &bodies[i % 2], .soil = bed_soil(soils[s]), .load = 3000, .spacing = 0.02,
 					   .up = 22.5 * RADIANS * (double)i};
 			of.soil.cohesion = 0;
 			of.slope = of.soil.friction_angle + beyond[i] * RADIANS;
@@ -151,7 +151,7 @@ static void the_state_is_of_the_surface_where_that_is_weaker(void **state)
 	static const double beyond[] = {-4, -1, 1, 4}, other[] = {-8, 10}; /* degrees */
 	for (int s = 0; s < SOILS; s++)
 		for (int i = 0; i < 4 * 3; i++) {
-			struct drive of = {.shape = &bodies[i % 2], .soil = soil_of(soils[s]), .load = 3000, .spacing = 0.02, .up = 22.5 * RADIANS * i};
+			struct drive of = {.shape = &bodies[i % 2], .soil = bed_soil(soils[s]), .load = 3000, .spacing = 0.02, .up = 22.5 * RADIANS * i};
 			double friction = of.soil.friction_angle;
 			if (i < 8) {
 				of.soil.cohesion = 0;

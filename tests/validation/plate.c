@@ -42,7 +42,7 @@ static double sinkage(struct soil_numbers soil, double spacing, double at)
 static void a_plate_sinks_after_bekker(void **state)
 {
 	for (size_t i = 0; i < PLATES; i++) {
-		struct soil_numbers soil = soil_of(plates[i].soil);
+		struct soil_numbers soil = bed_soil(plates[i].soil);
 		double wanted = reference_plate(&soil, ACROSS, PRESSURE);
 		bed_near(plates[i].soil, wanted * 1e3, plates[i].millimetres, plates[i].printed / plates[i].millimetres);
 		bed_near("and Bekker's pressure there", reference_bekker(&soil, ACROSS, wanted), PRESSURE, 1e-12);
@@ -52,7 +52,7 @@ static void a_plate_sinks_after_bekker(void **state)
 static void a_plate_of_posts_sinks_as_deep(void **state)
 {
 	for (size_t i = 0; i < PLATES; i++) {
-		struct soil_numbers soil = soil_of(plates[i].soil);
+		struct soil_numbers soil = bed_soil(plates[i].soil);
 		double got = sinkage(soil, 0.01, 14.5), step = BED_QUANTUM / got;
 		bed_near(plates[i].soil, got, reference_plate(&soil, ACROSS, PRESSURE), 1e-6 + step + BED_STRESS / soil.bekker_n);
 		bed_near("as printed", got * 1e3, plates[i].millimetres, plates[i].printed / plates[i].millimetres + step);
@@ -63,7 +63,7 @@ static void a_plate_of_posts_sinks_as_deep(void **state)
 static void a_plate_between_posts_is_off_by_its_rim_at_most(void **state)
 {
 	static const double spacings[] = {0.03, 0.017, 0.012, 0.006};
-	struct soil_numbers soil = soil_of("dry_sand");
+	struct soil_numbers soil = bed_soil("dry_sand");
 	for (size_t i = 0; i < sizeof spacings / sizeof *spacings; i++) {
 		double got = sinkage(soil, spacings[i], (int)(1.5 * ACROSS / spacings[i]) + 0.3);
 		double rim = spacings[i] / ACROSS;
@@ -76,7 +76,7 @@ static void a_plate_between_posts_is_off_by_its_rim_at_most(void **state)
 
 static struct soil_numbers shear_soil(void)
 {
-	struct soil_numbers soil = soil_of("dry_sand");
+	struct soil_numbers soil = bed_soil("dry_sand");
 	soil.janosi_shear = 0.025;
 	return soil;
 }
@@ -133,7 +133,7 @@ static void a_dragged_plate_is_held_back_by_that_shear(void **state)
 
 static void a_second_equal_load_sinks_no_deeper(void **state)
 {
-	struct soil_numbers soil = soil_soft();
+	struct soil_numbers soil = bed_soft();
 	struct bed_params params = {.width = 30, .height = 30, .spacing = 0.01, .soil = soil};
 	struct soil_shape plate = {.kind = SOIL_BOX, .size = {ACROSS, ACROSS, 1}};
 	struct soil_pose pose = bed_pose(14.5, 14.5, 0.5, 0.01), lifted = bed_pose(14.5, 14.5, 2, 0.01);
@@ -167,7 +167,7 @@ static void a_second_equal_load_sinks_no_deeper(void **state)
 /* Bekker's curve of this clay is steeper than K_e to 26 mm: all of a smaller sinkage is elastic, K_e z, and any load is carried. */
 static void a_stiff_clay_carries_any_second_load(void **state)
 {
-	struct soil_numbers soil = soil_of("heavy_clay_25");
+	struct soil_numbers soil = bed_soil("heavy_clay_25");
 	struct bed_params params = {.width = 30, .height = 30, .spacing = 0.01, .soil = soil};
 	struct soil_shape plate = {.kind = SOIL_BOX, .size = {ACROSS, ACROSS, 1}};
 	struct soil_pose deep = bed_pose(14.5, 14.5, 0.499, 0.01), lifted = bed_pose(14.5, 14.5, 2, 0.01);

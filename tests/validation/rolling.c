@@ -92,7 +92,7 @@ static const struct reference_rolling driven = {.radius = 0.32, .width = 0.24, .
 
 static void a_loaded_wheel_sinks_as_deep(void **state)
 {
-	struct soil_numbers soil = soil_of("dry_sand");
+	struct soil_numbers soil = bed_soil("dry_sand");
 	double sinkage = reference_rolling_sinkage(&soil, &driven, 1000);
 	struct off off = worst(&soil, &driven, sinkage, 0.04, 1000);
 	assert_true(off.drawbar < 0.05 && off.moment < 0.05);
@@ -111,7 +111,7 @@ static void a_rim_weaker_than_the_soil_pulls_as_the_closed_form_does(void **stat
 		{"dry_sand", {.has_adhesion = true, .adhesion = 0}},
 	};
 	for (size_t k = 0; k < sizeof rows / sizeof *rows; k++) {
-		struct soil_numbers soil = soil_of(rows[k].soil);
+		struct soil_numbers soil = bed_soil(rows[k].soil);
 		struct reference_rolling wheel = driven;
 		double drawbar = reference_rolling(&soil, &wheel, reference_rolling_sinkage(&soil, &wheel, 1000)).drawbar;
 		wheel.interface = rows[k].rim;
@@ -131,7 +131,7 @@ static void a_rim_weaker_than_the_soil_pulls_as_the_closed_form_does(void **stat
 /* Its sides are on posts, or some fixed-point units beside them: what it bears on hardly changes. */
 static void a_hair_beside_posts_is_nothing(void **state)
 {
-	struct soil_numbers soil = soil_of("dry_sand");
+	struct soil_numbers soil = bed_soil("dry_sand");
 	for (double spacing = 0.04; spacing > 0.01; spacing /= 2) {
 		struct told first = {0};
 		for (int units = -4; units <= 4; units++) {
@@ -147,7 +147,7 @@ static void a_hair_beside_posts_is_nothing(void **state)
 /* A wheel of 25 mm over posts of 31 mm: also where it goes between them. */
 static void a_wheel_narrower_than_the_posts_is_carried_everywhere(void **state)
 {
-	struct soil_numbers soil = soil_of("dry_sand");
+	struct soil_numbers soil = bed_soil("dry_sand");
 	struct reference_rolling narrow = driven;
 	narrow.width = 0.025;
 	struct reference_rolling_force wanted = reference_rolling(&soil, &narrow, 0.03);

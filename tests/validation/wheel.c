@@ -17,7 +17,7 @@ static const struct towed {
 static void a_towed_wheel_sinks_after_bekker(void **state)
 {
 	for (size_t i = 0; i < WHEELS; i++) {
-		struct soil_numbers soil = soil_of(wheels[i].soil);
+		struct soil_numbers soil = bed_soil(wheels[i].soil);
 		double sinkage = reference_towed(&soil, wheels[i].load, wheels[i].width, wheels[i].diameter);
 		bed_near(wheels[i].soil, sinkage * 1e3, wheels[i].millimetres, 0.005 / wheels[i].millimetres);
 		bed_near("its resistance, N", reference_resistance(&soil, wheels[i].width, sinkage), wheels[i].resistance,
@@ -83,7 +83,7 @@ static void a_wheel_on_posts_sinks_as_a_towed_one(void **state)
 {
 	for (size_t i = 0; i < sizeof rolls / sizeof *rolls; i++) {
 		const struct towed *wheel = &wheels[rolls[i].wheel];
-		struct soil_numbers soil = soil_of(wheel->soil);
+		struct soil_numbers soil = bed_soil(wheel->soil);
 		soil.elastic_stiffness = 1e12;
 		soil.cohesion = soil.friction_angle = 0; /* Bekker's wheel has no shear */
 		double arc = reference_arc(&soil, wheel->load, wheel->width, wheel->diameter / 2, false);
@@ -109,7 +109,7 @@ static void a_wheel_on_elastic_soil_sinks_less(void **state)
 {
 	for (size_t i = 0; i < sizeof rolls / sizeof *rolls; i++) {
 		const struct towed *wheel = &wheels[rolls[i].wheel];
-		struct soil_numbers soil = soil_of(wheel->soil);
+		struct soil_numbers soil = bed_soil(wheel->soil);
 		soil.cohesion = soil.friction_angle = 0;
 		double arc = reference_arc(&soil, wheel->load, wheel->width, wheel->diameter / 2, true);
 		print_message("%s, posts of %g m\n", wheel->soil, rolls[i].spacing);
@@ -124,7 +124,7 @@ static void a_wheel_on_elastic_soil_sinks_less(void **state)
 /* Where the stresses of the rim have an antiderivative. */
 static void the_rims_integrals_are_what_they_are_on_paper(void **state)
 {
-	struct soil_numbers soil = soil_of("dry_sand");
+	struct soil_numbers soil = bed_soil("dry_sand");
 	struct reference_wheel wheel = {.radius = 0.5, .width = 0.3, .slip = 0.4};
 	double sinkage = 0.06, entry = acos(1 - sinkage / wheel.radius), r = wheel.radius, b = wheel.width, c = 2000;
 	/* No shear, all stress in front: the arc's load, and Bekker's resistance. */
@@ -149,7 +149,7 @@ static void the_rims_integrals_are_what_they_are_on_paper(void **state)
 		bed_near("torque of a little cohesion, N m", forces.torque, r * r * b * c / 1e3 * displacement, 1e-3);
 	}
 	/* The greatest stress half way: behind it the stresses of the front again, the other way round. */
-	soil = soil_of("dry_sand");
+	soil = bed_soil("dry_sand");
 	soil.friction_angle = soil.cohesion = 0;
 	wheel = (struct reference_wheel){.radius = 0.5, .width = 0.3, .a0 = 0.25, .a1 = 0.5, .slip = 0.5};
 	double sum = 0, most = 0.5 * entry;

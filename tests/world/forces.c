@@ -7,7 +7,7 @@ static const struct extent extent = {129, 129, 0.25, 64};
 
 static const char scene_text[] =
 	"scene: 1\ntime_step: 0.05\nend_time: 1.5\nspacing: 0.0625\n"
-	"soil: {name: dry_sand}\nredistribute: {model: scm}\noutput: {forces: 8, delay: 0}\noutside: skip\n"
+	"soil: {name: dry_sand}\nredistribute: {model: scm}\noutput: {forces: 8}\noutside: skip\n"
 	"objects:\n"
 	"  - {name: driven, shape: {wheel: {radius: 0.5, width: 0.4}}, load: 3000, slip: 0.3,\n"
 	"     path: {points: [[5, 5], [9, 6]], speed: 2}}\n"
@@ -132,18 +132,15 @@ static void each_object_has_its_row_at_each_time(void **state)
 	free(text);
 }
 
-static void rows_do_not_depend_on_delay_or_time_step(void **state)
+static void rows_do_not_depend_on_the_time_step(void **state)
 {
 	(void)state;
-	char *at_once = rows("out", NULL);
-	char *later = rows("out", (const char *const[][2]){{"output.delay", "3"}, {NULL, NULL}});
+	char *own = rows("out", NULL);
 	char *finer = rows("out", (const char *const[][2]){{"time_step", "0.003"}, {NULL, NULL}});
 	char *coarser = rows("out", (const char *const[][2]){{"time_step", "0.7"}, {NULL, NULL}});
-	assert_string_equal(at_once, later);
-	assert_string_equal(at_once, finer);
-	assert_string_equal(at_once, coarser);
-	free(at_once);
-	free(later);
+	assert_string_equal(own, finer);
+	assert_string_equal(own, coarser);
+	free(own);
 	free(finer);
 	free(coarser);
 }
@@ -176,8 +173,7 @@ static void a_surface_changes_the_forces_of_its_object_alone(void **state)
 }
 
 /* Lunar west of 6.875 m, which is half-way between two pixels: the first object drives across. */
-static const char *const on_a_map[][2] = {{"soil", "{map: soils.png, classes: {7: lunar}, default: dry_sand}"},
-					  {"output.delay", "1"}, {NULL, NULL}};
+static const char *const on_a_map[][2] = {{"soil", "{map: soils.png, classes: {7: lunar}, default: dry_sand}"}, {NULL, NULL}};
 
 static void write_classes(void)
 {
@@ -243,7 +239,7 @@ static void cut_and_gone_on_with(const char *const settings[][2], const char *co
 static void a_drive_that_is_cut_goes_on_with_the_same_rows(void **state)
 {
 	(void)state;
-	cut_and_gone_on_with(NULL, (const char *const[][2]){{"output.delay", "2"}, {NULL, NULL}});
+	cut_and_gone_on_with(NULL, NULL);
 	write_classes();
 	cut_and_gone_on_with(on_a_map, on_a_map);
 }
@@ -266,7 +262,7 @@ TEST_PROGRAM(forces)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(each_object_has_its_row_at_each_time),
-		cmocka_unit_test(rows_do_not_depend_on_delay_or_time_step),
+		cmocka_unit_test(rows_do_not_depend_on_the_time_step),
 		cmocka_unit_test(a_surface_changes_the_forces_of_its_object_alone),
 		cmocka_unit_test(on_a_map_each_row_says_the_soil_under_its_object),
 		cmocka_unit_test(a_drive_that_is_cut_goes_on_with_the_same_rows),
