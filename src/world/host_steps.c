@@ -56,12 +56,18 @@ static double turn_between(double from, double to)
 	return remainder(to - from, 2 * M_PI);
 }
 
+/* The pose of a sphere has no attitude. Returns how far it turned, rad; 0: another shape. */
+static double spun(const struct host_body *host, const double rotated[3])
+{
+	return host->body.object->shape.kind == SOIL_SPHERE ? sqrt(rotated[0] * rotated[0] + rotated[1] * rotated[1] + rotated[2] * rotated[2]) : 0;
+}
+
 /* Metres by which its outermost points have turned, or its belt has run. */
 static double turned_by(const struct host_body *host, const struct soil_pose *to)
 {
 	const struct soil_pose *from = &host->body.last;
 	const double attitude = fabs(turn_between(from->yaw, to->yaw)) + fabs(to->pitch - from->pitch) +
-				fabs(turn_between(from->roll, to->roll));
+				fabs(turn_between(from->roll, to->roll)) + spun(host, host->rotated);
 	const struct soil_shape *shape = &host->body.object->shape;
 	const double bound = soil_shape_bound(shape);
 	return shape->belt ? fmax(bound * attitude, fabs(host->turned)) : bound * fmax(attitude, fabs(host->turned));
@@ -295,7 +301,7 @@ static enum status step_body(struct world *world, int32_t number, double seconds
 	host->turned += turned;
 	for (int k = 0; k < 3; k++)
 		host->rotated[k] += rotated[k];
-	const bool moved = has_moved(host, &to);
+	const bool moved = has_moved(host, &to) || spun(host, rotated) > 0;
 	host->since += moved ? seconds : 0;
 	if (host->fresh || !host->body.in_contact || is_worth_a_contact(world, host, &to))
 		return touch(world, number, &to, until);
