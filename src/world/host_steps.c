@@ -5,7 +5,7 @@
  * contact:
  * - after a working post of travel or of turn,
  * - after a tenth of a post of sinkage,
- * - where it turns back: rises after it sank, goes on along the ground after it sank steeply, or slides back,
+ * - where it turns back: rises after it sank, goes on along the ground after it sank steeply, slides back, or sinks steeply after it slid,
  * - at a checkpoint, and before a query.
  *
  * In between only the forces are computed, over the same ground (deform_feel).
@@ -215,8 +215,8 @@ double world_turning_reach(const struct soil_shape *shape)
 }
 
 /*
- * Tells whether the motion turns back at the pose of the last step: the body leaves a dip there, or slides back. A contact
- * is taken as straight, so one must end there. turned, rotated: in this step.
+ * Tells whether the motion turns at the pose of the last step: the body leaves a dip there, slides back, or is pressed down after it slid. A contact
+ * is taken as straight, so one must end there: shear that the body mobilised while it was light is not that of the load. turned, rotated: in this step.
  */
 static bool turns_back(const struct world *world, const struct host_body *host, const struct soil_pose *to, double turned, const double rotated[3])
 {
@@ -228,7 +228,8 @@ static bool turns_back(const struct world *world, const struct host_body *host, 
 		return true;
 	slide_of(host, from, at, host->felt_turned, host->rotated, before);
 	slide_of(host, at, to, turned, rotated, after);
-	return hypot(before[0], before[1]) >= SINKAGE_SHARE * world->spacing && before[0] * after[0] + before[1] * after[1] < 0;
+	const double slid = hypot(before[0], before[1]), sinks = lattice_offset_metres(at->z - to->z);
+	return slid >= SINKAGE_SHARE * world->spacing && (before[0] * after[0] + before[1] * after[1] < 0 || sinks > hypot(after[0], after[1]));
 }
 
 /* Computes only the forces, without changing the ground. */

@@ -35,6 +35,7 @@ struct block {
 	float was[LANES], plastic[LANES]; /* along the normal: the largest sinkage before, less what slip digs; its plastic part */
 	float passed[LANES], slides[LANES], direction[2][LANES]; /* share of the motion; way in units of the modulus; where it slid to */
 	float more[LANES];              /* what slip digs */
+	float springs[LANES];           /* 1: the soil holds shear, and springs back or is loaded anew */
 	float stamped[LANES], printed[LANES], lasts[LANES], back[LANES];
 	float beneath[LANES];           /* how much lower than now the body passed the post, or passes it before it leaves the cell */
 	float centre[2][LANES], end[2][LANES], first[LANES], last[LANES], share[LANES];
@@ -168,6 +169,13 @@ SOIL_INLINED void put_depths(const struct soil_form *f, enum soil_form_kind kind
 	EACH_LANE l->passed[i] = passed_at(f, kind, p, i, l->depth[i] - l->plastic[i] * p->by_up[i]);
 }
 
+/* Returns the strength of a post's soil at a sinkage along the normal, while it springs back or is loaded anew. stress: where it yields; Pa. */
+SOIL_INLINED float strength_at(const struct soil_form *f, const struct stress_soil *s, float stress, float plastic, float by_elastic, float sinkage)
+{
+	float grows;
+	return strength_of(&f->surface, s, stress * clamped((sinkage + SOIL_LEAST - plastic) * by_elastic, 0, 1), &grows);
+}
+
 /* Returns the mean share of the shear strength, by size, that is mobilised in the motion: Simpson's rule. */
 SOIL_INLINED float mean_mobilised(float x, float y, const float direction[2], float halfway)
 {
@@ -217,6 +225,28 @@ SOIL_INLINED void put_slides(const struct soil_form *f, enum soil_form_kind kind
 		l->slides[i] = slip.size * slip.time * p->by_modulus[i];
 		l->direction[0][i] = slip.direction[0];
 		l->direction[1][i] = slip.direction[1];
+	}
+}
+
+/* Soil that is loaded anew gets stronger while it holds shear. If the mobilised share e of the strength S stayed, a body that slid over the soil lightly, was
+ * pressed down and slid back would gain energy: shear can give back at most K S e^2 / 2. So this grows only by what sliding in the motion dissipates, which
+ * is 2 w times as much, w the way in units of K. Where the soil yields, or gets weaker, Janosi's share stays. */
+SOIL_INLINED void put_shares(const struct soil_form *f, struct lane_posts *p, struct block *l)
+{
+	float loads[LANES];
+	memset(l->springs, 0, sizeof l->springs);
+	EACH_LANE loads[i] = either((l->was[i] > 0) & (p->shear[i] != 0), l->depth[i] - (float)(p->ground[i] - p->surface[i]) * SOIL_UNIT, 0);
+	if (!any_above(loads, 2 * SOIL_UNIT))
+		return;
+	EACH_LANE {
+		const struct stress_soil s = soil_of(p, i);
+		const float was = l->was[i], plastic = l->plastic[i], by_elastic = 1 / most(was - plastic, 1e-9f), up = p->up[i], yields = yield_stress(&s, was);
+		const float before = strength_at(f, &s, yields, plastic, by_elastic, up * (float)(p->ground[i] - p->surface[i]) * SOIL_UNIT);
+		const float now = strength_at(f, &s, yields, plastic, by_elastic, up * l->depth[i]), way = l->slides[i] * clamped(lasted(p, i, l->passed[i]), 0, 1);
+		const float pays = exp_minus(way), share = sqrtf(either(loads[i] > 0, least(before / most(now * pays * pays, 1e-9f), 1), 1));
+		l->springs[i] = either((share < 1) & (up * l->depth[i] < was), 1, 0);
+		p->shear_x[i] *= share;
+		p->shear_y[i] *= share;
 	}
 }
 
