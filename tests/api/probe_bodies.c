@@ -125,8 +125,8 @@ static const struct probed bodies[] = {
 	{"upright cylinder", peg, false, 0, 0, 0.03, false, 1}, {"upright capsule", pill, false, 0, 0, 0.03, false, 1},
 	{"capsule that leans", pill, false, 50, 10, 0.02, false, 1}, {"capsule that lies", pill, false, 90, 0, 0.02, false, 1},
 	{"ellipsoid", egg, false, 0, 0, 0.02, false, 1}, {"ellipsoid that leans", egg, false, 20, 30, 0.02, false, 1},
-	/* Known to be wrong: the probe of a mesh and its contact differ where the mesh is few posts wide. */
-	{"mesh", foot, false, 0, 0, 1, false, 1}, {"mesh that leans", foot, false, 7, -11, 1, false, 1},
+	/* Edges between facets move over the posts. */
+	{"mesh", foot, false, 0, 0, 0.03, false, 1}, {"mesh that leans", foot, false, 7, -11, 0.065, false, 1},
 };
 
 /* A block that grows wider upwards. */
@@ -195,11 +195,12 @@ static void stiffness_and_damping_are_how_the_force_changes(void **state)
 			      stiffness.worst, stiffness.least, stiffness.most, turning.worst, turning.least, turning.most, damping.worst, damping.least, damping.most);
 		const struct furrow_contact contact = probing_ask(world, number, &at);
 		for (int i = 0; i < 6; i++)
-			assert_true(bodies[b].shape == foot || (contact.stiffness[i][i] < 0 && contact.damping[i][i] <= 0));
-		/* Known to be wrong: the stiffness of a mesh. A wheel's force does not know that it turns about other axes than its axle. */
-		const bool leaning_mesh = bodies[b].shape == foot;
-		assert_true(leaning_mesh || (stiffness.worst < 0.4 && stiffness.least > 0.75 && stiffness.most < 1.3));
-		assert_true(bodies[b].wheel || leaning_mesh || (turning.worst < 0.65 && turning.least > 0.55 && turning.most < 1.5));
+			assert_true(contact.stiffness[i][i] < 0 && contact.damping[i][i] <= 0);
+		/* How the edges between facets of a mesh move over the posts is left out. A wheel's force does not know that it turns about other axes than its axle. */
+		const bool mesh = bodies[b].shape == foot, leaning_mesh = mesh && bodies[b].roll != 0;
+		assert_true(stiffness.worst < (leaning_mesh ? 0.7 : mesh ? 0.45 : 0.4) && stiffness.least > 0.75 && stiffness.most < (leaning_mesh ? 3.3 : mesh ? 1.8 : 1.3));
+		assert_true(bodies[b].wheel || leaning_mesh || turning.most < (mesh ? 1.8 : 1.5));
+		assert_true(bodies[b].wheel || leaning_mesh || (turning.worst < 0.65 && turning.least > 0.55));
 		/* Where the damping of what settles falls with the speed, it is told as constant. */
 		assert_true(damping.least > 0.7);
 		done(furrow_world_close(world));

@@ -94,18 +94,22 @@ struct slip {
 
 SOIL_INLINED struct slip slip_at(const struct soil_form *f, const float arm[3], const float normal[3], float across[2][3])
 {
-	float running[2];
-	running_at(f, f->spin, f->ran, arm, normal, across, running);
-	const float x = dot3(f->way, across[0]) + running[0], y = dot3(f->way, across[1]) + running[1], squares = x * x + y * y, by = 1 / sqrtf(most(squares, 1e-20f));
-	return (struct slip){{x * by, y * by}, squares * by, time_of(f, running, f->passes[0], f->level * f->belt_level / normal[2])};
+	float running[2], turning[3];
+	running_at(f, f->rolling, f->ran, arm, normal, across, running);
+	cross3(f->turning, arm, turning);
+	const float x = dot3(f->way, across[0]) + dot3(turning, across[0]) + running[0], y = dot3(f->way, across[1]) + dot3(turning, across[1]) + running[1];
+	const float squares = x * x + y * y, by = 1 / sqrtf(most(squares, 1e-20f));
+	return (struct slip){{x * by, y * by}, squares * by, time_of(f, running, f->passes[0], f->rim_level * f->belt_level / normal[2])};
 }
 
 /* How far the surface slips over the ground, m, as if the place were at the body's lowest level. So a rim that rolls slips nowhere. It counts for
  * the time in which a rolling surface passes. */
 SOIL_INLINED float dig_way(const struct soil_form *f, float x, float y)
 {
-	const float running[2] = {-f->spin[1] * f->reach - f->spin[2] * y - f->ran * f->belt[1], f->spin[2] * x + f->spin[0] * f->reach + f->ran * f->belt[0]};
-	const float u = f->way[0] * f->along_ground + running[0], v = f->way[1] * f->along_ground + running[1], way = sqrtf(u * u + v * v);
+	const float *rolls = f->rolling, *turns = f->turning, reach = f->reach;
+	const float running[2] = {-rolls[1] * reach - rolls[2] * y - f->ran * f->belt[1], rolls[2] * x + rolls[0] * reach + f->ran * f->belt[0]};
+	const float u = f->way[0] * f->along_ground - turns[1] * reach - turns[2] * y + running[0], v = f->way[1] * f->along_ground + turns[2] * x + turns[0] * reach + running[1];
+	const float way = sqrtf(u * u + v * v);
 	return either(way >= (float)SOIL_SLIP_LEAST, way, 0) * time_of(f, running, f->passes[1], 1);
 }
 
@@ -361,7 +365,11 @@ SOIL_INLINED void put_line(const struct soil_form *f, enum soil_form_kind kind, 
 			}
 	}
 	for (int k = 0; k < 2; k++)
-		EACH_LANE unloads[k][i] = either(mosts[2 * k][i] > most(depths[2 * k][i], 0) + SOIL_LEAST, 1, 0);
+		EACH_LANE {
+			/* Below a mesh the hollow ends anywhere in a cell, so it counts bit by bit. */
+			const float over = mosts[2 * k][i] - (most(depths[2 * k][i], 0) + SOIL_LEAST);
+			unloads[k][i] = kind == FORM_RASTER ? clamped(over * (50 * f->by_step), 0, 1) : either(over > 0, 1, 0);
+		}
 	const bool any = any_above(unloads[0], 0) || any_above(unloads[1], 0);
 	for (int k = 0; k < 3; k++)
 		if (any)
