@@ -232,6 +232,8 @@ SOIL_INLINED void put_slides(const struct soil_form *f, enum soil_form_kind kind
 	}
 }
 
+#define SHEAR_LENIENT 1.25f /* so much stronger may soil get in a motion, for nothing: a body that rocks on a slope would creep */
+
 /* Soil that is loaded anew gets stronger while it holds shear. If the mobilised share e of the strength S stayed, a body that slid over the soil lightly, was
  * pressed down and slid back would gain energy: shear can give back at most K S e^2 / 2. So this grows only by what sliding in the motion dissipates, which
  * is 2 w times as much, w the way in units of K. Where the soil yields, or gets weaker, Janosi's share stays. */
@@ -247,7 +249,7 @@ SOIL_INLINED void put_shares(const struct soil_form *f, struct lane_posts *p, st
 		const float was = l->was[i], plastic = l->plastic[i], by_elastic = 1 / most(was - plastic, 1e-9f), up = p->up[i], yields = yield_stress(&s, was);
 		const float before = strength_at(f, &s, yields, plastic, by_elastic, up * (float)(p->ground[i] - p->surface[i]) * SOIL_UNIT);
 		const float now = strength_at(f, &s, yields, plastic, by_elastic, up * l->depth[i]), way = l->slides[i] * clamped(lasted(p, i, l->passed[i]), 0, 1);
-		const float pays = exp_minus(way), share = sqrtf(either(loads[i] > 0, least(before / most(now * pays * pays, 1e-9f), 1), 1));
+		const float pays = exp_minus(way), share = sqrtf(either(loads[i] > 0, least(SHEAR_LENIENT * before / most(now * pays * pays, 1e-9f), 1), 1));
 		l->springs[i] = either((share < 1) & (up * l->depth[i] < was), 1, 0);
 		p->shear_x[i] *= share;
 		p->shear_y[i] *= share;
