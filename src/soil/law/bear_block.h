@@ -232,7 +232,7 @@ SOIL_INLINED void put_slides(const struct soil_form *f, enum soil_form_kind kind
 	}
 }
 
-#define SHEAR_LENIENT 1.25f /* so much stronger may soil get in a motion, for nothing: a body that rocks on a slope would creep */
+#define SHEAR_LENIENT 1.1f /* so much stronger may soil get in a motion, for nothing: a body that rocks on a slope would creep */
 
 /* Soil that is loaded anew gets stronger while it holds shear. If the mobilised share e of the strength S stayed, a body that slid over the soil lightly, was
  * pressed down and slid back would gain energy: shear can give back at most K S e^2 / 2. So this grows only by what sliding in the motion dissipates, which

@@ -191,10 +191,10 @@ static double level_share(double forward, double rise)
 
 static void put_rolling(struct soil_form *form)
 {
-	const bool rim = form->kind == FORM_RIM;
+	const bool rim = form->kind == FORM_RIM, flat = form->kind == FORM_BOX || form->kind == FORM_END;
 	const float axis[3] = {0, form->level, form->lean}, about = dot3(form->spin, axis);
 	for (int k = 0; k < 3; k++) {
-		form->rolling[k] = rim ? about * axis[k] : k < 2 ? form->spin[k] : 0;
+		form->rolling[k] = rim ? about * axis[k] : k < 2 && !flat ? form->spin[k] : 0;
 		form->turning[k] = form->spin[k] - form->rolling[k];
 	}
 }

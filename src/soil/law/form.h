@@ -79,7 +79,8 @@ struct soil_form {
 	float outer;               /* radius of a wheel with its grousers, m */
 	/* The motion since the last contact: m; rad about the centre, a wheel's turning included; m that a belt ran. */
 	float way[3], spin[3], ran;
-	/* The two parts of spin. A body rolls off the soil as it turns about the axis of its rim, or without one about a level axis. As it yaws it stays. */
+	/* The two parts of spin. A body rolls off the soil as it turns about the axis of its rim, or without one about a level axis. As it yaws it stays,
+	 * and so does a body with flat faces as it rocks. */
 	float rolling[3], turning[3];
 	float by_way[2];
 	float moved;               /* 0: it stood still; 1: it moved over half a cell */
