@@ -5,7 +5,7 @@
  * contact:
  * - after a working post of travel or of turn,
  * - after a tenth of a post of sinkage,
- * - where it turns back: rises after it sank, goes on along the ground after it sank steeply, or slides back,
+ * - where it turns back: rises after it sank, goes on along the ground after it sank steeply, slides back, or sinks steeply after it slid,
  * - at a checkpoint, and before a query.
  *
  * In between only the forces are computed, over the same ground (bearing_feel).
@@ -55,12 +55,18 @@ static double turn_between(double from, double to)
 	return remainder(to - from, 2 * M_PI);
 }
 
+/* The pose of a sphere has no attitude. Returns how far it turned, rad; 0: another shape. */
+static double spun(const struct host_body *host, const double rotated[3])
+{
+	return host->body.object->shape.kind == SOIL_SPHERE ? sqrt(rotated[0] * rotated[0] + rotated[1] * rotated[1] + rotated[2] * rotated[2]) : 0;
+}
+
 /* Metres by which its outermost points have turned, or its belt has run. */
 static double turned_by(const struct host_body *host, const struct soil_pose *to)
 {
 	const struct soil_pose *from = &host->body.last;
 	const double attitude = fabs(turn_between(from->yaw, to->yaw)) + fabs(to->pitch - from->pitch) +
-				fabs(turn_between(from->roll, to->roll));
+				fabs(turn_between(from->roll, to->roll)) + spun(host, host->rotated);
 	const struct soil_shape *shape = &host->body.object->shape;
 	const double bound = soil_shape_bound(shape);
 	return shape->belt ? fmax(bound * attitude, fabs(host->turned)) : bound * fmax(attitude, fabs(host->turned));
@@ -202,8 +208,8 @@ double world_turning_reach(const struct soil_shape *shape)
 }
 
 /*
- * Tells whether the motion turns back at the pose of the last step: the body leaves a dip there, or slides back. A contact
- * is taken as straight, so one must end there. turned, rotated: in this step.
+ * Tells whether the motion turns at the pose of the last step: the body leaves a dip there, slides back, or is pressed down after it slid. A contact
+ * is taken as straight, so one must end there: shear that the body mobilised while it was light is not that of the load. turned, rotated: in this step.
  */
 static bool turns_back(const struct world *world, const struct host_body *host, const struct soil_pose *to, double turned, const double rotated[3])
 {
@@ -215,7 +221,8 @@ static bool turns_back(const struct world *world, const struct host_body *host, 
 		return true;
 	slide_of(host, from, at, host->felt_turned, host->rotated, before);
 	slide_of(host, at, to, turned, rotated, after);
-	return hypot(before[0], before[1]) >= WORLD_SINKAGE_SHARE * world->spacing && before[0] * after[0] + before[1] * after[1] < 0;
+	const double slid = hypot(before[0], before[1]), sinks = lattice_offset_metres(at->z - to->z);
+	return slid >= WORLD_SINKAGE_SHARE * world->spacing && (before[0] * after[0] + before[1] * after[1] < 0 || sinks > hypot(after[0], after[1]));
 }
 
 /* Computes only the forces, without changing the ground. */
@@ -288,7 +295,7 @@ static enum status step_body(struct world *world, int32_t number, double seconds
 	host->turned += turned;
 	for (int k = 0; k < 3; k++)
 		host->rotated[k] += rotated[k];
-	const bool moved = has_moved(host, &to);
+	const bool moved = has_moved(host, &to) || spun(host, rotated) > 0;
 	host->since += moved ? seconds : 0;
 	if (host->fresh || !host->body.in_contact || is_worth_a_contact(world, host, &to))
 		return touch(world, number, &to, until);

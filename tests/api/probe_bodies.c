@@ -117,16 +117,16 @@ static const char plain[] = "{shape: {wheel: {radius: 0.25, width: 0.2}}}", drum
 /* What slides slowly is damped more by a probe than by the GPU. Below a steep cylinder few posts tell of both its end and its side. Between
  * two contacts a probe remembers how deep a grouser was, which the GPU does not: so each step of grousers is a contact. */
 static const struct probed bodies[] = {
-	{"camber of 0.05 degrees", plain, true, 0.05, 0, 0.005, false, 1}, {"camber of -0.2", plain, true, -0.2, 0, 0.005, false, 1},
+	{"camber of 0.05 degrees", plain, true, 0.05, 0, 0.005, false, 1}, {"camber of -0.2", plain, true, -0.2, 0, 0.0055, false, 1},
 	{"camber of 1", plain, true, 1, 0, 0.005, false, 1}, {"camber of 3", plain, true, 3, 0, 0.005, false, 1},
 	{"camber of -9", plain, true, -9, 0, 0.006, false, 1}, {"camber of 23", plain, true, 23, 0, 0.006, false, 1}, {"grousers", lugged, true, 0, 0, 0.006, true, 1},
 	{"grousers and camber of 9", lugged, true, 9, 0, 0.01, true, 0.04}, {"cylinder that lies", drum, false, 90, 0, 0.012, false, 1},
 	{"cylinder that leans", drum, false, 78, 0, 0.007, false, 1}, {"steep cylinder", peg, false, 25, 0, 0.07, false, 0.02},
-	{"upright cylinder", peg, false, 0, 0, 0.03, false, 1}, {"upright capsule", pill, false, 0, 0, 0.03, false, 1},
+	{"upright cylinder", peg, false, 0, 0, 0.03, false, 1}, {"upright capsule", pill, false, 0, 0, 0.02, false, 1},
 	{"capsule that leans", pill, false, 50, 10, 0.02, false, 1}, {"capsule that lies", pill, false, 90, 0, 0.02, false, 1},
 	{"ellipsoid", egg, false, 0, 0, 0.02, false, 1}, {"ellipsoid that leans", egg, false, 20, 30, 0.02, false, 1},
-	/* Known to be wrong: the probe of a mesh and its contact differ where the mesh is few posts wide. */
-	{"mesh", foot, false, 0, 0, 1, false, 1}, {"mesh that leans", foot, false, 7, -11, 1, false, 1},
+	/* Edges between facets move over the posts. Known to be wrong: in some rows the probe of a mesh that leans is off by a fifth. */
+	{"mesh", foot, false, 0, 0, 0.03, false, 1}, {"mesh that leans", foot, false, 7, -11, 0.22, false, 1},
 };
 
 /* A block that grows wider upwards. */
@@ -163,7 +163,7 @@ static void a_probe_tells_what_the_gpu_does(void **state)
 				const struct off off = worst_on(ground, &bodies[b], &way);
 				print_message("%s, %s, %g m, slope %g, heading %g: %.3f %% as it sinks, %.3f %% as it moves\n", bodies[b].name,
 					      ground->soil, ground->spacing, ground->degrees, way.heading, off.rests * 100, off.moves * 100);
-				assert_true(fmax(off.rests, off.moves) < 1.1 * bodies[b].within);
+				assert_true(fmax(off.rests, off.moves) < bodies[b].within);
 			}
 }
 
@@ -195,11 +195,12 @@ static void stiffness_and_damping_are_how_the_force_changes(void **state)
 			      stiffness.worst, stiffness.least, stiffness.most, turning.worst, turning.least, turning.most, damping.worst, damping.least, damping.most);
 		const struct furrow_contact contact = probing_ask(world, number, &at);
 		for (int i = 0; i < 6; i++)
-			assert_true(bodies[b].shape == foot || (contact.stiffness[i][i] < 0 && contact.damping[i][i] <= 0));
-		/* Known to be wrong: the stiffness of a mesh. A wheel's force does not know that it turns about other axes than its axle. */
-		const bool leaning_mesh = bodies[b].shape == foot;
-		assert_true(leaning_mesh || (stiffness.worst < 0.4 && stiffness.least > 0.75 && stiffness.most < 1.3));
-		assert_true(bodies[b].wheel || leaning_mesh || (turning.worst < 0.65 && turning.least > 0.55 && turning.most < 1.5));
+			assert_true(contact.stiffness[i][i] < 0 && contact.damping[i][i] <= 0);
+		/* How the edges between facets of a mesh move over the posts is left out. A wheel's force does not know that it turns about other axes than its axle. */
+		const bool mesh = bodies[b].shape == foot, leaning_mesh = mesh && bodies[b].roll != 0;
+		assert_true(stiffness.worst < (leaning_mesh ? 0.7 : mesh ? 0.45 : 0.4) && stiffness.least > 0.75 && stiffness.most < (leaning_mesh ? 3.3 : mesh ? 1.8 : 1.3));
+		assert_true(bodies[b].wheel || leaning_mesh || turning.most < (mesh ? 1.8 : 1.5));
+		assert_true(bodies[b].wheel || leaning_mesh || (bodies[b].shape == peg && bodies[b].roll == 0 ? turning.worst < 0.65 && turning.least > 0.55 : turning.worst < 0.45 && turning.least > 0.75));
 		/* Where the damping of what settles falls with the speed, it is told as constant. */
 		assert_true(damping.least > 0.7);
 		done(furrow_world_close(world));

@@ -161,6 +161,7 @@ SOIL_INLINED void bear(const struct soil_form *f, enum soil_form_kind kind, bool
 		memset(counts.grows, 0, sizeof counts.grows);
 		put_depths(f, kind, p, a->raised, &l);
 		put_slides(f, kind, p, &l);
+		put_shares(f, &lanes, &l);
 		if (f->digs_most > 0)
 			dig(f, p, &l);
 		if (a->kept != NULL)

@@ -35,6 +35,7 @@ struct block {
 	float was[LANES], plastic[LANES]; /* along the normal: the largest sinkage before, less what slip digs; its plastic part */
 	float passed[LANES], slides[LANES], direction[2][LANES]; /* share of the motion; way in units of the modulus; where it slid to */
 	float more[LANES];              /* what slip digs */
+	float springs[LANES];           /* 1: the soil holds shear, and springs back or is loaded anew */
 	float stamped[LANES], printed[LANES], lasts[LANES], back[LANES];
 	float beneath[LANES];           /* how much lower than now the body passed the post, or passes it before it leaves the cell */
 	float centre[2][LANES], end[2][LANES], first[LANES], last[LANES], share[LANES];
@@ -93,18 +94,22 @@ struct slip {
 
 SOIL_INLINED struct slip slip_at(const struct soil_form *f, const float arm[3], const float normal[3], float across[2][3])
 {
-	float running[2];
-	running_at(f, f->spin, f->ran, arm, normal, across, running);
-	const float x = dot3(f->way, across[0]) + running[0], y = dot3(f->way, across[1]) + running[1], squares = x * x + y * y, by = 1 / sqrtf(most(squares, 1e-20f));
-	return (struct slip){{x * by, y * by}, squares * by, time_of(f, running, f->passes[0], f->level * f->belt_level / normal[2])};
+	float running[2], turning[3];
+	running_at(f, f->rolling, f->ran, arm, normal, across, running);
+	cross3(f->turning, arm, turning);
+	const float x = dot3(f->way, across[0]) + dot3(turning, across[0]) + running[0], y = dot3(f->way, across[1]) + dot3(turning, across[1]) + running[1];
+	const float squares = x * x + y * y, by = 1 / sqrtf(most(squares, 1e-20f));
+	return (struct slip){{x * by, y * by}, squares * by, time_of(f, running, f->passes[0], f->rim_level * f->belt_level / normal[2])};
 }
 
 /* How far the surface slips over the ground, m, as if the place were at the body's lowest level. So a rim that rolls slips nowhere. It counts for
  * the time in which a rolling surface passes. */
 SOIL_INLINED float dig_way(const struct soil_form *f, float x, float y)
 {
-	const float running[2] = {-f->spin[1] * f->reach - f->spin[2] * y - f->ran * f->belt[1], f->spin[2] * x + f->spin[0] * f->reach + f->ran * f->belt[0]};
-	const float u = f->way[0] * f->along_ground + running[0], v = f->way[1] * f->along_ground + running[1], way = sqrtf(u * u + v * v);
+	const float *rolls = f->rolling, *turns = f->turning, reach = f->reach;
+	const float running[2] = {-rolls[1] * reach - rolls[2] * y - f->ran * f->belt[1], rolls[2] * x + rolls[0] * reach + f->ran * f->belt[0]};
+	const float u = f->way[0] * f->along_ground - turns[1] * reach - turns[2] * y + running[0], v = f->way[1] * f->along_ground + turns[2] * x + turns[0] * reach + running[1];
+	const float way = sqrtf(u * u + v * v);
 	return either(way >= (float)SOIL_SLIP_LEAST, way, 0) * time_of(f, running, f->passes[1], 1);
 }
 
@@ -169,6 +174,13 @@ SOIL_INLINED void put_depths(const struct soil_form *f, enum soil_form_kind kind
 	EACH_LANE l->passed[i] = passed_at(f, kind, p, i, l->depth[i] - l->plastic[i] * p->by_up[i]);
 }
 
+/* Returns the strength of a post's soil at a sinkage along the normal, while it springs back or is loaded anew. stress: where it yields; Pa. */
+SOIL_INLINED float strength_at(const struct soil_form *f, const struct stress_soil *s, float stress, float plastic, float by_elastic, float sinkage)
+{
+	float grows;
+	return strength_of(&f->surface, s, stress * clamped((sinkage + SOIL_LEAST - plastic) * by_elastic, 0, 1), &grows);
+}
+
 /* Returns the mean share of the shear strength, by size, that is mobilised in the motion: Simpson's rule. */
 SOIL_INLINED float mean_mobilised(float x, float y, const float direction[2], float halfway)
 {
@@ -218,6 +230,30 @@ SOIL_INLINED void put_slides(const struct soil_form *f, enum soil_form_kind kind
 		l->slides[i] = slip.size * slip.time * p->by_modulus[i];
 		l->direction[0][i] = slip.direction[0];
 		l->direction[1][i] = slip.direction[1];
+	}
+}
+
+#define SHEAR_LENIENT 1.1f /* so much stronger may soil get in a motion, for nothing: a body that rocks on a slope would creep */
+
+/* Soil that is loaded anew gets stronger while it holds shear. If the mobilised share e of the strength S stayed, a body that slid over the soil lightly, was
+ * pressed down and slid back would gain energy: shear can give back at most K S e^2 / 2. So this grows only by what sliding in the motion dissipates, which
+ * is 2 w times as much, w the way in units of K. Where the soil yields, or gets weaker, Janosi's share stays. */
+SOIL_INLINED void put_shares(const struct soil_form *f, struct lane_posts *p, struct block *l)
+{
+	float loads[LANES];
+	memset(l->springs, 0, sizeof l->springs);
+	EACH_LANE loads[i] = either((l->was[i] > 0) & (p->shear[i] != 0), l->depth[i] - (float)(p->ground[i] - p->surface[i]) * SOIL_UNIT, 0);
+	if (!any_above(loads, 2 * SOIL_UNIT))
+		return;
+	EACH_LANE {
+		const struct stress_soil s = soil_of(p, i);
+		const float was = l->was[i], plastic = l->plastic[i], by_elastic = 1 / most(was - plastic, 1e-9f), up = p->up[i], yields = yield_stress(&s, was);
+		const float before = strength_at(f, &s, yields, plastic, by_elastic, up * (float)(p->ground[i] - p->surface[i]) * SOIL_UNIT);
+		const float now = strength_at(f, &s, yields, plastic, by_elastic, up * l->depth[i]), way = l->slides[i] * clamped(lasted(p, i, l->passed[i]), 0, 1);
+		const float pays = exp_minus(way), share = sqrtf(either(loads[i] > 0, least(SHEAR_LENIENT * before / most(now * pays * pays, 1e-9f), 1), 1));
+		l->springs[i] = either((share < 1) & (up * l->depth[i] < was), 1, 0);
+		p->shear_x[i] *= share;
+		p->shear_y[i] *= share;
 	}
 }
 
@@ -332,7 +368,11 @@ SOIL_INLINED void put_line(const struct soil_form *f, enum soil_form_kind kind, 
 			}
 	}
 	for (int k = 0; k < 2; k++)
-		EACH_LANE unloads[k][i] = either(mosts[2 * k][i] > most(depths[2 * k][i], 0) + SOIL_LEAST, 1, 0);
+		EACH_LANE {
+			/* Below a mesh the hollow ends anywhere in a cell, so it counts bit by bit. */
+			const float over = mosts[2 * k][i] - (most(depths[2 * k][i], 0) + SOIL_LEAST);
+			unloads[k][i] = kind == FORM_RASTER ? clamped(over * (50 * f->by_step), 0, 1) : either(over > 0, 1, 0);
+		}
 	const bool any = any_above(unloads[0], 0) || any_above(unloads[1], 0);
 	for (int k = 0; k < 3; k++)
 		if (any)

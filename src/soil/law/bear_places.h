@@ -13,7 +13,7 @@
 
 /* The soil at a place of each lane. */
 struct spots {
-	float x[LANES], y[LANES], deep[LANES], most[LANES], yields[LANES], unloads[LANES], stays[LANES], touching[LANES], part[LANES];
+	float x[LANES], y[LANES], deep[LANES], most[LANES], yields[LANES], unloads[LANES], stays[LANES], touching[LANES], part[LANES], holds[LANES];
 };
 
 SOIL_INLINED void put_spots(const struct soil_form *f, enum soil_form_kind kind, const struct lane_posts *p, const struct block *l, float at,
@@ -49,6 +49,7 @@ SOIL_INLINED void put_spots(const struct soil_form *f, enum soil_form_kind kind,
 		spots->most[i] *= p->up[i];
 		spots->yields[i] = yield_stress(&s, spots->most[i]);
 		spots->stays[i] = exp_minus(spots->touching[i]);
+		spots->holds[i] = 1 - 0.5f * l->springs[i] * spots->stays[i]; /* put_shares */
 	}
 }
 
@@ -142,6 +143,7 @@ SOIL_INLINED void put_place(const struct soil_form *f, enum soil_form_kind kind,
 	place->mobilised[0] = sheared(p->shear_x[i], slip.direction[0], spots->stays[lane]);
 	place->mobilised[1] = sheared(p->shear_y[i], slip.direction[1], spots->stays[lane]);
 	place->strength = strength_of(&f->surface, &s, place->stress, &place->holds);
+	place->holds *= spots->holds[lane];
 	if (asked) {
 		const float touching = spots->touching[lane], turning = either(touching > 0, (1 - spots->stays[lane]) / most(slip.size, 1e-9f), 0);
 		/* Where it begins to slide it is half as stiff on, and half as much stiffer back. */

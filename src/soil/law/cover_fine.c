@@ -61,10 +61,12 @@ static void cover_post(const struct soil_form *f, struct soil_posts *p, size_t i
 	const float x = p->x[i], y = p->y[i], hole = p->base[i] == BASE_NODATA ? 0 : 1;
 	int32_t place[2], cell[2] = {0, 0};
 	struct face face;
+	float slope[2];
 	raster_face(f, x, y, &face);
+	put_raster_slope(f, x, y, 0.5f * (float)fine->parts, slope);
 	p->height[i] = face.height;
-	p->slope_x[i] = face.slope[0];
-	p->slope_y[i] = face.slope[1];
+	p->slope_x[i] = slope[0];
+	p->slope_y[i] = slope[1];
 	p->print[i] = height_at(f, FORM_RASTER, 0, x + f->way[0], y + f->way[1]);
 	p->begun[i] = p->print[i] - face.height - f->way[2];
 	p->halfway[i] = height_at(f, FORM_RASTER, 0, x + 0.5f * f->way[0], y + 0.5f * f->way[1]) - face.height - 0.5f * f->way[2];

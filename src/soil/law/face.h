@@ -123,17 +123,27 @@ SOIL_INLINED float fine_at(const struct soil_fine *fine, const float *raster, co
 	return low + place->q * (high - low);
 }
 
-/* Between the places of a raster the height is bilinear. */
-SOIL_INLINED void raster_face(const struct soil_form *f, float x, float y, struct face *face)
+/* Puts the mean slopes of a raster over the places that are up to `by` places away, to the east and to the north. They change evenly where the body moves
+ * over the ground, also across an edge of the mesh. */
+SOIL_INLINED void put_raster_slope(const struct soil_form *f, float x, float y, float by, float slope[2])
 {
 	const struct soil_fine *fine = &f->fine;
-	const struct fine_place place = fine_place_at(fine, x, y);
-	const float *h = fine->heights, a = h[place.at], b = h[place.at + fine->east], c = h[place.at + fine->stride], d = h[place.at + fine->stride + fine->east];
-	const float p = place.p, q = place.q, low = a + p * (b - a), high = c + p * (d - c);
-	const float rise[2] = {((b - a) + q * ((d - c) - (b - a))) * fine->by_step, (high - low) * fine->by_step};
-	face->height = low + q * (high - low);
-	face->slope[0] = fine->axis[0] * rise[0] + fine->axis[1] * rise[1];
-	face->slope[1] = fine->axis[0] * rise[1] - fine->axis[1] * rise[0];
+	const float away = by * fine->step, over = 0.5f / away, c = fine->axis[0], s = fine->axis[1];
+	const float ahead[2] = {c * away, -s * away}, aside[2] = {s * away, c * away}; /* to the east, to the north, in the frame */
+	const struct fine_place east = fine_place_at(fine, x + ahead[0], y + ahead[1]), west = fine_place_at(fine, x - ahead[0], y - ahead[1]);
+	const struct fine_place north = fine_place_at(fine, x + aside[0], y + aside[1]), south = fine_place_at(fine, x - aside[0], y - aside[1]);
+	const float rise[2] = {(fine_at(fine, fine->heights, &east) - fine_at(fine, fine->heights, &west)) * over,
+			       (fine_at(fine, fine->heights, &north) - fine_at(fine, fine->heights, &south)) * over};
+	slope[0] = c * rise[0] + s * rise[1];
+	slope[1] = c * rise[1] - s * rise[0];
+}
+
+/* Between the places of a raster the height is bilinear. Two places of a cell bear, so each has the mean slope of half of the cell's length. */
+SOIL_INLINED void raster_face(const struct soil_form *f, float x, float y, struct face *face)
+{
+	const struct fine_place place = fine_place_at(&f->fine, x, y);
+	face->height = fine_at(&f->fine, f->fine.heights, &place);
+	put_raster_slope(f, x, y, 0.25f * (float)f->fine.parts, face->slope);
 	face->end = 0;
 	put_normal(face->slope, face->normal);
 }

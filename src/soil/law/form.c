@@ -51,6 +51,7 @@ static void put_cylinder(struct soil_body *body, struct soil_form *form, const d
 	form->lean = (float)(sign * s);
 	form->level = (float)c;
 	form->lift = (float)(1 / c);
+	form->rim_level = form->kind == FORM_RIM ? (float)c : 1;
 	form->half_axis = (float)lower->half;
 	form->half[1] = form->kind == FORM_RIM ? (float)(lower->half * c) : 0;
 	body->axis[0] = sign * x;
@@ -188,6 +189,16 @@ static double level_share(double forward, double rise)
 	return forward > 0 ? fmin(fmax(2 - fabs(rise / forward), 0), 1) : 0;
 }
 
+static void put_rolling(struct soil_form *form)
+{
+	const bool rim = form->kind == FORM_RIM, flat = form->kind == FORM_BOX || form->kind == FORM_END;
+	const float axis[3] = {0, form->level, form->lean}, about = dot3(form->spin, axis);
+	for (int k = 0; k < 3; k++) {
+		form->rolling[k] = rim ? about * axis[k] : k < 2 && !flat ? form->spin[k] : 0;
+		form->turning[k] = form->spin[k] - form->rolling[k];
+	}
+}
+
 static void put_motion(const struct soil_law *law, struct soil_body *body, struct soil_form *form, const double way[3])
 {
 	const struct soil_motion *motion = body->motion;
@@ -198,6 +209,7 @@ static void put_motion(const struct soil_law *law, struct soil_body *body, struc
 	spin_of(motion, axes, spin);
 	put3(form->way, body, way);
 	put3(form->spin, body, spin);
+	put_rolling(form);
 	put3(form->linear, body, motion->linear);
 	put3(form->angular, body, motion->angular);
 	form->reach = (float)soil_shape_reach(&body->smooth, to->pitch, to->roll);
@@ -257,7 +269,7 @@ void soil_form_of(const struct soil_law *law, const struct soil_motion *motion, 
 	const struct soil_pose *from = &motion->from, *to = &motion->to;
 	const struct soil_interface *interface = &motion->interface;
 	*body = (struct soil_body){.motion = motion, .axis = {1, 0}, .outer = soil_body_wheel_radius(motion->shape)};
-	*form = (struct soil_form){.lift = 1, .level = 1, .radius = (float)motion->shape->radius, .ground_normals = law->ground_normals ? 1 : 0};
+	*form = (struct soil_form){.lift = 1, .level = 1, .rim_level = 1, .radius = (float)motion->shape->radius, .ground_normals = law->ground_normals ? 1 : 0};
 	const int64_t place[3] = {to->x, to->y, to->z}, before[3] = {from->x, from->y, from->z};
 	double way[3];
 	const bool jumped = motion->jumped;

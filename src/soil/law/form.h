@@ -69,6 +69,7 @@ struct soil_form {
 	float lift;
 	/* The axis of a rim, an end, a capsule. lean: its rise (rim, end: towards the left); level: its length in plan; half_axis: half of its straight part. */
 	float lean, level, half_axis;
+	float rim_level;           /* a rim: level; other forms, which may turn about any axis: 1 */
 	float along[2];            /* capsule: the axis in plan */
 	float faces[3][3];         /* box: lower faces: height at the centre, slope along the frame's axes */
 	float slabs[3][3];         /* box: in plan it lies in three slabs: unit vector across, half the width; m */
@@ -79,6 +80,9 @@ struct soil_form {
 	float outer;               /* radius of a wheel with its grousers, m */
 	/* The motion since the last contact: m; rad about the centre, a wheel's turning included; m that a belt ran. */
 	float way[3], spin[3], ran;
+	/* The two parts of spin. A body rolls off the soil as it turns about the axis of its rim, or without one about a level axis. As it yaws it stays,
+	 * and so does a body with flat faces as it rocks. */
+	float rolling[3], turning[3];
 	float by_way[2];
 	float moved;               /* 0: it stood still; 1: it moved over half a cell */
 	float stamps;              /* 1: the hollow that it left has its shape; 0: it is a flat rut */
