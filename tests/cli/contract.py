@@ -211,7 +211,7 @@ objects:
     def test_a_machine_without_gl_is_status_4(self):
         store = self.synth(posts="65x65")
         before = self.ok("info", store)
-        self.assertIn("GL", self.refused(4, "drive", self.scene(), "--store", store, "-o", "out", env=NO_GL))
+        self.assertIn("GL", self.refused(4, "drive", self.scene(), "--store", store, "-o", "out", "--set", "compute=gpu", env=NO_GL))
         self.assertEqual(self.ok("info", store), before)
         # Everything else works there.
         self.assertTrue(self.json("verify", store, env=NO_GL)["ok"])
