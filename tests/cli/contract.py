@@ -216,7 +216,7 @@ objects:
         # Everything else works there.
         self.assertTrue(self.json("verify", store, env=NO_GL)["ok"])
         self.json("info", store, env=NO_GL)
-        told = self.furrow("drive", self.scene(), "--store", store, "-o", "out", env={"MESA_GL_VERSION_OVERRIDE": "3.3"})
+        told = self.furrow("drive", self.scene(), "--store", store, "-o", "out", "--set", "compute=gpu", env={"MESA_GL_VERSION_OVERRIDE": "3.3"})
         if told.returncode != 0:  # drivers other than Mesa's do not listen
             self.assertIn("GL: the driver has no OpenGL 4.5 core context", self.told(4, told))
 
