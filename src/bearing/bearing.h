@@ -38,7 +38,7 @@ struct bearing_contact {
 	struct post_rect changed; /* posts whose planes it may have changed; empty: none */
 };
 /*
- * Computes the contacts of bodies that meet the ground together: each finds the ground as it was before, at each post the lowest body bears, and their order
+ * Computes the contacts of bodies that meet the ground together. Each finds the ground as it was before, at each post the lowest body bears, and their order
  * does not show. Call bearing_meeting_begin, then bearing_meeting_gather until each tile that has posts of bearing_meeting_reads was held once. Then
  * bearing_meeting_compute, and bearing_meeting_scatter with the tiles that have posts of `changed`.
  */
@@ -121,8 +121,8 @@ int64_t bearing_interval_rim(const struct bearing *bearing);
 
 /* --- hands: several threads at once --- */
 
-/* Makes hands, `count` with the bearing itself, which is hand 0. Each computes contacts and regions as the whole does, beside the others, as long as they
- * share no post: bearing_meeting_* (but scatter, which the owner of the page cache calls) and bearing_interval_start, gather and slide take a hand. */
+/* Makes hands, `count` with the bearing itself, which is hand 0. Each computes contacts and regions beside the others, as long as they share no post. A hand
+ * may be given to bearing_meeting_* and to bearing_interval_start, gather and slide. bearing_meeting_scatter is for the owner of the page cache. */
 enum status bearing_hands_need(struct bearing *bearing, size_t count) FURROW_CHECKED;
 struct bearing *bearing_hand(struct bearing *bearing, size_t number);
 /* Adds the sums and active blocks of all hands to the whole. Call it when none of them computes, before anything else is asked of the whole. */
