@@ -103,8 +103,8 @@ static void the_halves_of_a_wheel_bear_and_leave_a_rut_as_the_wheel(void **state
 			const double x = (double)(around.x0 + k % (around.x1 - around.x0)) * spacings[i / 2] - 12.02, y = (double)(around.y0 + k / (around.x1 - around.x0)) * spacings[i / 2] - 13.03;
 			const double c = cos(headings[i % 2]), s = sin(headings[i % 2]), along = c * x + s * y, aside = c * y - s * x;
 			if (fabs(aside) < 0.055 && along > 0.4 && along < 1.5) {
-				worst = fmax(worst, fabs(a[k] - b[k]) / (1 << OFFSET_BITS));
-				deepest = fmin(deepest, a[k] / (1 << OFFSET_BITS));
+				worst = support_most(worst, fabs(a[k] - b[k]) / (1 << OFFSET_BITS));
+				deepest = support_least(deepest, a[k] / (1 << OFFSET_BITS));
 			}
 		}
 		print_message("the rut differs by up to %.3g mm\n", worst * 1e3);

@@ -100,10 +100,10 @@ static void assert_alike(const struct borne *one, const struct borne *parts, dou
 {
 	const double size = sqrt(one->force[0] * one->force[0] + one->force[1] * one->force[1] + one->force[2] * one->force[2]);
 	for (int k = 0; k < 3; k++)
-		if (fabs(parts->force[k] - one->force[k]) > within * size || fabs(parts->moment[k] - one->moment[k]) > within * size * 0.3)
+		if (!(fabs(parts->force[k] - one->force[k]) <= within * size) || !(fabs(parts->moment[k] - one->moment[k]) <= within * size * 0.3))
 			fail_msg("%s: force %g %g %g and moment %g %g %g, of one body %g %g %g and %g %g %g", what, parts->force[0], parts->force[1], parts->force[2],
 				 parts->moment[0], parts->moment[1], parts->moment[2], one->force[0], one->force[1], one->force[2], one->moment[0], one->moment[1], one->moment[2]);
-	if (fabs(parts->area - one->area) > within * one->area)
+	if (!(fabs(parts->area - one->area) <= within * one->area))
 		fail_msg("%s: area %g, of one body %g", what, parts->area, one->area);
 }
 

@@ -235,9 +235,9 @@ SOIL_INLINED void put_slides(const struct soil_form *f, enum soil_form_kind kind
 
 #define SHEAR_LENIENT 1.1f /* so much stronger may soil get in a motion, for nothing: a body that rocks on a slope would creep */
 
-/* Soil that is loaded anew gets stronger while it holds shear. If the mobilised share e of the strength S stayed, a body that slid over the soil lightly, was
- * pressed down and slid back would gain energy: shear can give back at most K S e^2 / 2. So this grows only by what sliding in the motion dissipates, which
- * is 2 w times as much, w the way in units of K. Where the soil yields, or gets weaker, Janosi's share stays. */
+/* Soil that is loaded anew gets stronger while it holds shear. Shear can give back at most K S e^2 / 2, with e the mobilised share of the strength S. If e
+ * stayed, a body that slid over the soil lightly, was loaded and slid back would gain energy. So this grows only by what sliding in the motion dissipates,
+ * which is 2 w times as much, w the way in units of K. Where the soil yields, or gets weaker, Janosi's share stays. */
 SOIL_INLINED void put_shares(const struct soil_form *f, struct lane_posts *p, struct block *l)
 {
 	float loads[LANES];
