@@ -258,7 +258,8 @@ FURROW_API furrow_status furrow_body_remove(struct furrow_world *world, furrow_b
 /*
  * Tells what the soil would do to `count` bodies in these states, and changes nothing. For hosts that integrate motion and ask
  * many times a step. The force is that of a straight motion from the body's last contact to the state; stiffness and damping
- * tell how it changes around that. It reads the ground as the last step left it, on the CPU.
+ * tell how it changes around that. It reads the ground as the last step left it, on the CPU. Where bodies are over the same ground the lowest bears.
+ * Bodies of this call are in the states that are given, all others where they are.
  * `bodies`, `states`, `contacts`: `count` entries each. `contact_size`: sizeof(struct furrow_contact). `count` 0: does nothing.
  * contact.state is FURROW_UNKNOWN, and its numbers are NaN, off the terrain, for a body with a path, and for one that was not
  * placed. It is so under all soil models but scm, and where a state lies hundreds of working posts from the body's last contact.

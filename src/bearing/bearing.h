@@ -38,7 +38,7 @@ struct bearing_contact {
 	struct post_rect changed; /* posts whose planes it may have changed; empty: none */
 };
 /*
- * Computes the contacts of bodies that meet the ground together. Each finds the ground as it was before, at each post the lowest body bears, and their order
+ * Computes the contacts of bodies that meet the ground together. Each finds the ground as it was before. At each post the lowest body bears. Their order
  * does not show. Call bearing_meeting_begin, then bearing_meeting_gather until each tile that has posts of bearing_meeting_reads was held once. Then
  * bearing_meeting_compute, and bearing_meeting_scatter with the tiles that have posts of `changed`.
  */

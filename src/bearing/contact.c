@@ -123,7 +123,7 @@ static enum status begin(struct bearing *bearing, const struct bearing_contact *
 	return status;
 }
 
-/* Finds heights and forces. How deep a loaded body sinks depends on the others. So heights are found anew while they change. */
+/* Finds heights and forces. The height of a body with a load depends on the others. So heights are found anew while they change. */
 static enum status find(struct bearing *bearing, size_t count, size_t all)
 {
 	enum status status = STATUS_OK;

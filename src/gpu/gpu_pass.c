@@ -110,11 +110,9 @@ static void set_drawing(struct gpu *gpu, const struct gpu_pass *pass)
 static bool is_described(const struct gpu *gpu, const struct gpu_pass *pass)
 {
 	const struct gpu_rect *view = &pass->viewport;
-	const struct gpu_target *target = pass->target;
-	assert(pass->stage < GPU_STAGES && target != NULL && target->gpu == gpu);
-	assert(view->x <= target->width && view->width <= target->width - view->x);
-	assert(view->y <= target->height && view->height <= target->height - view->y);
-	(void)gpu, (void)target; /* where asserts are off */
+	assert(pass->stage < GPU_STAGES && pass->target != NULL && pass->target->gpu == gpu);
+	assert(view->x <= pass->target->width && view->width <= pass->target->width - view->x);
+	assert(view->y <= pass->target->height && view->height <= pass->target->height - view->y);
 	return view->width > 0 && view->height > 0;
 }
 

@@ -115,7 +115,6 @@ enum status soil_contact_meet(struct soil_contact *b, struct soil_work *work, co
 	soil_meet_see(&self, work->met, count, work->seen);
 	b->seen = work->seen;
 	b->seen_count = count;
-	b->stands = raised;
 	b->shares = false;
 	struct soil_whole whole;
 	soil_meet_whole(&self, work->met, count, rim, (const double[2]){box ? shape->size[0] : 0, box ? shape->size[1] : 0}, work->abuts, &whole);

@@ -26,7 +26,6 @@ struct soil_contact {
 	/* Others that may be over the same ground. */
 	const struct soil_seen *seen;
 	size_t seen_count;
-	int32_t stands;    /* the height from which they were seen */
 	bool shares;       /* one of them bore a part of a post */
 };
 

@@ -47,7 +47,7 @@ static void put_post(const struct soil_sink *sink, const struct soil_planes *pla
 	row->deep = deep > row->deep ? deep : row->deep;
 }
 
-/* Tells whether a body changes a post to a state, where several touch it: the one that holds it, else the one that was deepest there. */
+/* Tells whether a body changes a post to a state, where several touch it. The one that holds it does, else the one that was deepest there. */
 static bool takes(const struct soil_claim *claim, const struct soil_after *a, size_t i)
 {
 	const int32_t rank = a->touched[i] ? 1 + a->held[i] : 0;

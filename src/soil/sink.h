@@ -29,9 +29,9 @@ enum status soil_sink_body(const struct soil_law *law, const struct soil_planes 
 			    struct soil_work *work, struct soil_imprint *out) FURROW_CHECKED;
 
 /*
- * Several bodies that meet the ground together. Each has a soil_work of its own. First soil_sink_begin for each of them, and for those that are over the
- * same ground and stay as they are; then soil_sink_meet and soil_sink_find for each; when all have been found, soil_sink_claim and soil_sink_commit. So
- * each finds the ground as it was before, and their order does not show. `motion` and `planes` must live until then. Planes of different bodies may be
+ * Several bodies that meet the ground together. Each has a soil_work of its own. Call soil_sink_begin for each of them, and for those that are over
+ * the same ground and stay as they are. Then call soil_sink_meet and soil_sink_find for each. When all have been found, call soil_sink_claim and
+ * soil_sink_commit. So each finds the ground as it was before, and their order does not show. `motion` and `planes` must live until then. Planes of different bodies may be
  * parts of one window, so with rows of equal width. Any thread, one at a time for bodies that meet.
  */
 /* start: as in struct soil_sink. STATUS_MEMORY. */

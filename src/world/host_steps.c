@@ -208,8 +208,8 @@ double world_turning_reach(const struct soil_shape *shape)
 }
 
 /*
- * Tells whether the motion turns at the pose of the last step: the body leaves a dip there, slides back, or is pressed down after it slid. A contact
- * is taken as straight, so one must end there: shear that the body mobilised while it was light is not that of the load. turned, rotated: in this step.
+ * Tells whether the motion turns at the pose of the last step: the body leaves a dip there, slides back, or sinks after it slid. A contact is taken as
+ * straight, so one must end there. Shear that the body mobilised while it was light is not that of the load. turned, rotated: in this step.
  */
 static bool turns_back(const struct world *world, const struct host_body *host, const struct soil_pose *to, double turned, const double rotated[3])
 {

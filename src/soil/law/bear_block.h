@@ -89,7 +89,7 @@ SOIL_INLINED float time_of(const struct soil_form *f, const float running[2], fl
 }
 
 struct slip {
-	float direction[2], size, time; /* along the surface; m; time_of */
+	float direction[2], size, time; /* along the surface; m; time_of, or 1 with normals of the ground */
 };
 
 SOIL_INLINED struct slip slip_at(const struct soil_form *f, const float arm[3], const float normal[3], float across[2][3])
@@ -99,7 +99,8 @@ SOIL_INLINED struct slip slip_at(const struct soil_form *f, const float arm[3], 
 	cross3(f->turning, arm, turning);
 	const float x = dot3(f->way, across[0]) + dot3(turning, across[0]) + running[0], y = dot3(f->way, across[1]) + dot3(turning, across[1]) + running[1];
 	const float squares = x * x + y * y, by = 1 / sqrtf(most(squares, 1e-20f));
-	return (struct slip){{x * by, y * by}, squares * by, time_of(f, running, f->passes[0], f->rim_level * f->belt_level / normal[2])};
+	const float time = time_of(f, running, f->passes[0], f->rim_level * f->belt_level / normal[2]);
+	return (struct slip){{x * by, y * by}, squares * by, either(f->ground_normals > 0, 1, time)};
 }
 
 /* How far the surface slips over the ground, m, as if the place were at the body's lowest level. So a rim that rolls slips nowhere. It counts for
@@ -235,9 +236,9 @@ SOIL_INLINED void put_slides(const struct soil_form *f, enum soil_form_kind kind
 
 #define SHEAR_LENIENT 1.1f /* so much stronger may soil get in a motion, for nothing: a body that rocks on a slope would creep */
 
-/* Soil that is loaded anew gets stronger while it holds shear. If the mobilised share e of the strength S stayed, a body that slid over the soil lightly, was
- * pressed down and slid back would gain energy: shear can give back at most K S e^2 / 2. So this grows only by what sliding in the motion dissipates, which
- * is 2 w times as much, w the way in units of K. Where the soil yields, or gets weaker, Janosi's share stays. */
+/* Soil that is loaded anew gets stronger while it holds shear. Shear can give back at most K S e^2 / 2, with e the mobilised share of the strength S. If e
+ * stayed, a body that slid over the soil lightly, was loaded and slid back would gain energy. So this grows only by what sliding in the motion dissipates,
+ * which is 2 w times as much, w the way in units of K. Where the soil yields, or gets weaker, Janosi's share stays. */
 SOIL_INLINED void put_shares(const struct soil_form *f, struct lane_posts *p, struct block *l)
 {
 	float loads[LANES];
@@ -312,7 +313,7 @@ SOIL_INLINED void put_memory(const struct soil_form *f, const struct lane_posts 
 	EACH_LANE {
 		const float stays = l->plastic[i] * p->by_up[i], whole = l->was[i] * p->by_up[i] - stays;
 		const float before = l->depth[i] + p->height[i] - p->print[i] + f->way[2];
-		l->printed[i] = clamped((before - stays + 4 * SOIL_LEAST) / most(whole, 1e-9f), 0, 1);
+		l->printed[i] = f->prints * clamped((before - stays + 4 * SOIL_LEAST) / most(whole, 1e-9f), 0, 1);
 		l->stamped[i] = either(l->was[i] > 0, f->stamps, 0);
 		l->back[i] = either(p->over[i] > 0, f->run + least(f->run, f->half_across), 1e3f);
 		/* Of the places in a cell, those farther ahead came into contact later, so they slid less. But if the post stores less shear than the

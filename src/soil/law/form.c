@@ -232,6 +232,7 @@ static void put_motion(const struct soil_law *law, struct soil_body *body, struc
 		form->by_way[k] = plan > 0 ? (float)((double)form->way[k] / fmax(plan * plan, 1e-12)) : 0;
 	form->moved = (float)fmin(plan / (double)form->half_across, 1);
 	form->stamps = (float)fmin(1 - (double)form->moved, motion->hosted ? motion->stamped : 1);
+	form->prints = (float)fmin(fmax(2 - 2 * plan / law->spacing, 0), 1);
 	form->digs_most = (float)law->slip_sinkage;
 }
 

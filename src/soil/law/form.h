@@ -86,6 +86,7 @@ struct soil_form {
 	float by_way[2];
 	float moved;               /* 0: it stood still; 1: it moved over half a cell */
 	float stamps;              /* 1: the hollow that it left has its shape; 0: it is a flat rut */
+	float prints;              /* 1: a cell has the body's shape at the motion's start, where it bore then. 0: it went on by a post, and left a flat rut */
 	float passes[2];           /* how far it went: in plan, and along the ground, m */
 	float along_ground;        /* the second over the first */
 	float rolls;               /* how much its surface may roll off: less for a motion that is steeper than 45 degrees, 0 from 63 on */
