@@ -111,7 +111,7 @@ static enum status begin(struct bearing *bearing, const struct bearing_contact *
 		const int32_t *standing = standing_of(bearing, contact);
 		member->motion = bearing_motion_of(contact);
 		member->at = bearing_window_part(&bearing->window, contacts[i].area.read, &member->planes);
-		member->laying = soil_laying_of(contact->shape, &contact->from, &contact->to, contact->turned, bearing->law.spacing);
+		member->laying = soil_laying_of(contact->shape, &contact->from, &contact->to, contact->turned, contact->rotated, bearing->law.spacing);
 		member->laid = (struct soil_lay_result){.posts = {0, 0, 0, 0}};
 		member->slides = (struct post_rect){0, 0, 0, 0};
 		member->write = contacts[i].area.write;

@@ -61,12 +61,24 @@ static double spun(const struct host_body *host, const double rotated[3])
 	return host->body.object->shape.kind == SOIL_SPHERE ? sqrt(rotated[0] * rotated[0] + rotated[1] * rotated[1] + rotated[2] * rotated[2]) : 0;
 }
 
+/* Returns the angle by which one attitude is turned against another, rad. */
+static double angle_between(const struct soil_pose *from, const struct soil_pose *to)
+{
+	double a[3][3], b[3][3], trace = 0;
+	if (from->yaw == to->yaw && from->pitch == to->pitch && from->roll == to->roll)
+		return 0;
+	soil_axes(from->yaw, from->pitch, from->roll, 0, a);
+	soil_axes(to->yaw, to->pitch, to->roll, 0, b);
+	for (int i = 0; i < 3; i++)
+		for (int k = 0; k < 3; k++)
+			trace += (a[i][k] - b[i][k]) * (a[i][k] - b[i][k]);
+	return 2 * asin(fmin(sqrt(trace / 8), 1));
+}
+
 /* Metres by which its outermost points have turned, or its belt has run. */
 static double turned_by(const struct host_body *host, const struct soil_pose *to)
 {
-	const struct soil_pose *from = &host->body.last;
-	const double attitude = fabs(turn_between(from->yaw, to->yaw)) + fabs(to->pitch - from->pitch) +
-				fabs(turn_between(from->roll, to->roll)) + spun(host, host->rotated);
+	const double attitude = angle_between(&host->body.last, to) + spun(host, host->rotated);
 	const struct soil_shape *shape = &host->body.object->shape;
 	const double bound = soil_shape_bound(shape);
 	return shape->belt ? fmax(bound * attitude, fabs(host->turned)) : bound * fmax(attitude, fabs(host->turned));
@@ -101,11 +113,24 @@ static bool has_moved(const struct host_body *host, const struct soil_pose *to)
 	       host->turned != host->felt_turned;
 }
 
-static struct soil_pose between(const struct soil_pose *a, const struct soil_pose *b, size_t part, size_t parts)
+/* Each attitude has two triples of angles. Returns the one of `to` that is nearer to `from`. */
+static struct soil_pose nearer(const struct soil_pose *from, const struct soil_pose *to)
+{
+	struct soil_pose other = *to;
+	other.yaw += M_PI;
+	other.pitch = copysign(M_PI, to->pitch) - to->pitch;
+	other.roll += M_PI;
+	const double near = fabs(turn_between(from->yaw, to->yaw)) + fabs(to->pitch - from->pitch) + fabs(turn_between(from->roll, to->roll));
+	const double far = fabs(turn_between(from->yaw, other.yaw)) + fabs(other.pitch - from->pitch) + fabs(turn_between(from->roll, other.roll));
+	return far < near ? other : *to;
+}
+
+static struct soil_pose between(const struct soil_pose *a, const struct soil_pose *to, size_t part, size_t parts)
 {
 	if (part == parts)
-		return *b;
+		return *to;
 	const double share = (double)part / (double)parts;
+	const struct soil_pose end = nearer(a, to), *b = &end;
 	return (struct soil_pose){
 		.x = a->x + llround((double)(b->x - a->x) * share),
 		.y = a->y + llround((double)(b->y - a->y) * share),
@@ -121,9 +146,9 @@ static struct soil_pose between(const struct soil_pose *a, const struct soil_pos
 static void put_stamp(const struct world *world, struct host_body *host, const struct soil_pose *to)
 {
 	const struct soil_pose *from = &host->body.last;
-	const double stamps = host->body.in_contact ? fmax(1 - 2 * travel(from, to) / world->spacing, 0) : 1;
+	const double less = host->body.in_contact ? 2 * travel(from, to) / world->spacing : 0;
 	const bool sinks = !host->body.in_contact || lattice_offset_metres(from->z - to->z) > DIP_SHARE * world->spacing;
-	host->stamped = sinks ? stamps : fmin(stamps, host->stamped);
+	host->stamped = fmax((sinks ? 1 : host->stamped) - less, 0);
 }
 
 /* Changes the ground up to this pose, by swept contacts of at most 1 + PART_MORE post spacings each. */
