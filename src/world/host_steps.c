@@ -5,7 +5,7 @@
  * contact:
  * - after a working post of travel or of turn,
  * - after a tenth of a post of sinkage,
- * - where it turns back: rises after it sank, goes on along the ground after it sank steeply, slides back, or sinks steeply after it slid,
+ * - where it turns back: rises after it sank, goes on along the ground after it sank steeply, goes or slides back, or sinks steeply after it slid,
  * - at a checkpoint, and before a query.
  *
  * In between only the forces are computed, over the same ground (bearing_feel).
@@ -17,6 +17,7 @@
 
 #define PART_MORE 0.25    /* a contact may be longer than a post by this share, so that a step that ends just beyond a post makes one contact */
 #define DIP_SHARE 0.002   /* of a post: a body that was deeper than at both ends of its motion by less has not been deeper */
+#define BACK_SHARE 0.02   /* of a post: a body that went on by less does not turn back */
 #define FLATTER 4.0       /* m in plan for each metre of sinking: a body that sank steeply and then goes more level than this leaves a dip */
 
 static size_t index_of(const struct world *world, int32_t number)
@@ -142,13 +143,12 @@ static struct soil_pose between(const struct soil_pose *a, const struct soil_pos
 	};
 }
 
-/* Notes the shape of the hollow that a contact leaves: an impression of the body where it sank, a flat rut where it moved on. */
-static void put_stamp(const struct world *world, struct host_body *host, const struct soil_pose *to)
+double world_stamp_after(const struct world *world, const struct host_body *host, const struct soil_pose *to)
 {
 	const struct soil_pose *from = &host->body.last;
 	const double less = host->body.in_contact ? 2 * travel(from, to) / world->spacing : 0;
 	const bool sinks = !host->body.in_contact || lattice_offset_metres(from->z - to->z) > DIP_SHARE * world->spacing;
-	host->stamped = fmax((sinks ? 1 : host->stamped) - less, 0);
+	return fmax((sinks ? 1 : host->stamped) - less, 0);
 }
 
 /* Changes the ground up to this pose, by swept contacts of at most 1 + PART_MORE post spacings each. */
@@ -172,7 +172,7 @@ static enum status touch(struct world *world, int32_t number, const struct soil_
 			event.rotated[k] = host->rotated[k] / (double)parts;
 		event.distance = body->in_contact ? travel(&body->last, &pose) : 0;
 		event.stamped = host->stamped;
-		put_stamp(world, host, &pose);
+		host->stamped = world_stamp_after(world, host, &pose);
 		status = over_ground(world, &event, &body->object->shape);
 		if (status != STATUS_OK)
 			return status;
@@ -232,22 +232,29 @@ double world_turning_reach(const struct soil_shape *shape)
 	return shape->kind == SOIL_WHEEL || shape->kind == SOIL_SPHERE ? 0 : M_SQRT1_2 * soil_shape_bound(shape);
 }
 
-/*
- * Tells whether the motion turns at the pose of the last step: the body leaves a dip there, slides back, or is pressed down after it slid. A contact
- * is taken as straight, so one must end there: shear that the body mobilised while it was light is not that of the load. turned, rotated: in this step.
- */
-static bool turns_back(const struct world *world, const struct host_body *host, const struct soil_pose *to, double turned, const double rotated[3])
+bool world_goes_back(const struct world *world, const struct host_body *host, const struct soil_pose *to, double turned, const double rotated[3])
 {
 	const struct soil_pose *from = &host->body.last, *at = &host->felt;
 	double before[2], after[2];
 	if (!host->body.in_contact || host->fresh)
 		return false;
-	if (leaves_dip(world, host, to, rotated))
+	const double went[2] = {lattice_offset_metres(at->x - from->x), lattice_offset_metres(at->y - from->y)};
+	const double goes[2] = {lattice_offset_metres(to->x - at->x), lattice_offset_metres(to->y - at->y)};
+	if (went[0] * goes[0] + went[1] * goes[1] < 0 && hypot(went[0], went[1]) >= BACK_SHARE * world->spacing)
 		return true;
 	slide_of(host, from, at, host->felt_turned, host->rotated, before);
 	slide_of(host, at, to, turned, rotated, after);
 	const double slid = hypot(before[0], before[1]), sinks = lattice_offset_metres(at->z - to->z);
 	return slid >= WORLD_SINKAGE_SHARE * world->spacing && (before[0] * after[0] + before[1] * after[1] < 0 || sinks > hypot(after[0], after[1]));
+}
+
+/*
+ * Tells whether the motion turns at the pose of the last step: the body leaves a dip there, goes or slides back, or is pressed down after it slid. A contact
+ * is taken as straight, so one must end there: shear that the body mobilised while it was light is not that of the load. turned, rotated: in this step.
+ */
+static bool turns_back(const struct world *world, const struct host_body *host, const struct soil_pose *to, double turned, const double rotated[3])
+{
+	return (host->body.in_contact && !host->fresh && leaves_dip(world, host, to, rotated)) || world_goes_back(world, host, to, turned, rotated);
 }
 
 /* Computes only the forces, without changing the ground. */
