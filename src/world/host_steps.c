@@ -17,7 +17,6 @@
 
 #define PART_MORE 0.25    /* a contact may be longer than a post by this share, so that a step that ends just beyond a post makes one contact */
 #define DIP_SHARE 0.002   /* of a post: a body that was deeper than at both ends of its motion by less has not been deeper */
-#define BACK_SHARE 0.02   /* of a post: a body that went on by less does not turn back */
 #define FLATTER 4.0       /* m in plan for each metre of sinking: a body that sank steeply and then goes more level than this leaves a dip */
 
 static size_t index_of(const struct world *world, int32_t number)
@@ -240,7 +239,7 @@ bool world_goes_back(const struct world *world, const struct host_body *host, co
 		return false;
 	const double went[2] = {lattice_offset_metres(at->x - from->x), lattice_offset_metres(at->y - from->y)};
 	const double goes[2] = {lattice_offset_metres(to->x - at->x), lattice_offset_metres(to->y - at->y)};
-	if (went[0] * goes[0] + went[1] * goes[1] < 0 && hypot(went[0], went[1]) >= BACK_SHARE * world->spacing)
+	if (went[0] * goes[0] + went[1] * goes[1] < 0 && hypot(went[0], went[1]) >= WORLD_SINKAGE_SHARE * world->spacing)
 		return true;
 	slide_of(host, from, at, host->felt_turned, host->rotated, before);
 	slide_of(host, at, to, turned, rotated, after);
