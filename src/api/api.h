@@ -101,6 +101,7 @@ struct api_params {
 	bool map;              /* writes map.png, of the whole drive, at the end, unless it failed in its first step; run.json does not count it */
 	const char *map_also;  /* writes the same map to this file, .png, .svg or .pdf, with or without `map`. May be NULL */
 	bool alone;            /* computes every contact alone: for tests that compare results */
+	int threads;           /* that compute soil that bears, however little there is: for tests that compare results. 0: as many as are worth it */
 	bool everywhere;       /* computes every contact, also one that changes nothing: for tests that compare results */
 	/* The host that watches and controls the drive; NULL: none. Only for a scene with a view; then the scene's images are not
 	 * written. */

@@ -231,6 +231,7 @@ static struct world_params world_params_of(const struct drive *drive)
 		.resume = params->resume,
 		.durable_full = params->durable_full,
 		.keep_history = params->keep_history,
+		.threads = params->threads,
 		.everywhere = params->everywhere,
 		.alone = params->alone,
 		.draws = drive->scene.view.present,

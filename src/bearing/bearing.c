@@ -58,6 +58,7 @@ enum status bearing_create(const struct deform_params *params, struct host_slots
 	if (bearing == NULL)
 		return fail_memory("bearing soil");
 	const struct extent *extent = params->extent;
+	bearing->main = bearing;
 	bearing->params = *params;
 	bearing->slots = slots;
 	bearing->planes = deform_planes(params->model, params->disturbance, params->slip_sinkage > 0) & resident_host_planes(slots);
@@ -89,6 +90,7 @@ void bearing_destroy(struct bearing *bearing)
 	soil_block_set_finish(&bearing->next);
 	bearing_window_finish(&bearing->window);
 	bearing_members_finish(bearing);
+	bearing_hands_finish(bearing);
 	mem_free(bearing->held);
 	mem_free(bearing->standing);
 	mem_free(bearing);

@@ -120,6 +120,15 @@ enum status bearing_interval_end(struct bearing *bearing) FURROW_CHECKED;
 /* Returns how many posts around its blocks an interval reads. */
 int64_t bearing_interval_rim(const struct bearing *bearing);
 
+/* --- hands: several threads at once --- */
+
+/* Makes hands, `count` with the bearing itself, which is hand 0. Each computes contacts and regions as the whole does, beside the others, as long as they
+ * share no post: bearing_meeting_* (but scatter, which the owner of the page cache calls) and bearing_interval_start, gather and slide take a hand. */
+enum status bearing_hands_need(struct bearing *bearing, size_t count) FURROW_CHECKED;
+struct bearing *bearing_hand(struct bearing *bearing, size_t number);
+/* Adds the sums and active blocks of all hands to the whole. Call it when none of them computes, before anything else is asked of the whole. */
+enum status bearing_hands_join(struct bearing *bearing) FURROW_CHECKED;
+
 /* --- what was added up --- */
 
 void bearing_tally(const struct bearing *bearing, struct deform_tally *tally);

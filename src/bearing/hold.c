@@ -85,10 +85,11 @@ static size_t first_from(const struct bearing *bearing, int64_t row)
 
 enum status bearing_hold_near(struct bearing *bearing)
 {
+	const struct bearing *main = bearing->main;
 	const struct post_rect rect = bearing->window.planes.rect;
 	enum status status = STATUS_OK;
-	for (size_t i = first_from(bearing, rect.y0 - bearing->held_tallest + 1); i < bearing->held_count && status == STATUS_OK; i++) {
-		const struct bearing_held *held = &bearing->held[i];
+	for (size_t i = first_from(main, rect.y0 - main->held_tallest + 1); i < main->held_count && status == STATUS_OK; i++) {
+		const struct bearing_held *held = &main->held[i];
 		if (held->shadow.y0 >= rect.y1)
 			break;
 		if (!post_rect_empty(post_rect_intersect(held->shadow, rect)))

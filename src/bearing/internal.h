@@ -57,7 +57,10 @@ struct bearing_held {
 	const struct deform_rest *rest;
 };
 
+/* The whole, or a hand of it (hands.c): a copy with a window, members, active blocks and sums of its own. */
 struct bearing {
+	struct bearing *main, **hands;
+	size_t hand_count;
 	struct deform_params params;
 	struct host_slots *slots;
 	struct post_rect world;
@@ -108,6 +111,9 @@ void bearing_window_finish(struct bearing_window *window);
 
 /* Gives the planes of a part of the window. Returns where it begins. */
 size_t bearing_window_part(const struct bearing_window *window, struct post_rect part, struct soil_planes *planes);
+
+/* hands.c */
+void bearing_hands_finish(struct bearing *bearing);
 
 /* members.c */
 /* Makes room for so many bodies. */

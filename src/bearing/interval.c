@@ -106,7 +106,7 @@ struct post_rect bearing_interval_writes(const struct bearing *bearing, size_t r
 
 enum status bearing_interval_start(struct bearing *bearing, size_t region)
 {
-	const struct post_rect reads = bearing->regions[region].reads;
+	const struct post_rect reads = bearing->main->regions[region].reads;
 	enum status status = bearing_window_need(bearing, reads);
 	if (status != STATUS_OK)
 		return status;
@@ -121,13 +121,13 @@ void bearing_interval_gather(struct bearing *bearing, const struct tile_slot *he
 
 enum status bearing_interval_slide(struct bearing *bearing, size_t number)
 {
-	struct bearing_region *region = &bearing->regions[number];
+	struct bearing_region *region = &bearing->main->regions[number];
 	struct soil_planes *planes = &bearing->window.planes;
 	const size_t width = (size_t)(region->writes.x1 - region->writes.x0), height = (size_t)(region->writes.y1 - region->writes.y0);
 	enum status status = bearing_hold_near(bearing);
 	if (status != STATUS_OK)
 		return status;
-	soil_active_close(&bearing->active, planes);
+	soil_active_close(&bearing->main->active, planes);
 	bearing->slid++;
 	soil_slide_region(&bearing->rule, planes, region->blocks, bearing->window.scratch, bearing->window.words);
 	status = soil_active_add_words(&bearing->next, bearing->world, region->blocks, bearing->window.words);
@@ -138,7 +138,6 @@ enum status bearing_interval_slide(struct bearing *bearing, size_t number)
 		return fail_memory("relaxation");
 	region->deposited = planes->deposited != NULL ? region->offset + width * height : NULL;
 	bearing->results += posts_in(region->writes);
-	bearing->results_most = bearing->results > bearing->results_most ? bearing->results : bearing->results_most;
 	for (size_t row = 0; row < height; row++) {
 		const size_t at = ((size_t)(region->writes.y0 - planes->rect.y0) + row) * planes->width + (size_t)(region->writes.x0 - planes->rect.x0);
 		memcpy(region->offset + row * width, planes->offset + at, width * sizeof *region->offset);

@@ -50,21 +50,25 @@ void bearing_plan(const struct deform_params *params, struct plan *plan)
 		add(plan, "load", PLAN_ONCE, params->loaded_bodies * sizeof(int32_t), "heights of the loaded");
 }
 
+/* Adds what one hand has allocated. */
+static void add_hand(const struct bearing *hand, struct bearing_figures *figures)
+{
+	const struct bearing_window *window = &hand->window;
+	size_t bytes = hand->member_room * (sizeof *hand->members + sizeof *hand->others + sizeof *hand->rests) + hand->claim_room * sizeof *hand->claims +
+		       hand->held_room * sizeof *hand->held + window->scratch_bytes + window->word_count * sizeof *window->words;
+	for (size_t i = 0; i < hand->member_room; i++)
+		bytes += soil_work_bytes(hand->members[i].work);
+	figures->window_posts += window->posts;
+	figures->scratch_bytes += bytes + (hand->main != hand ? sizeof *hand : 0);
+	figures->bytes += window->bytes;
+}
+
 void bearing_figures(const struct bearing *bearing, struct bearing_figures *figures)
 {
-	const struct bearing_window *window = &bearing->window;
-	size_t members = bearing->member_room * (sizeof *bearing->members + sizeof *bearing->others + sizeof *bearing->rests) +
-			 bearing->claim_room * sizeof *bearing->claims + bearing->held_room * sizeof *bearing->held;
-	for (size_t i = 0; i < bearing->member_room; i++)
-		members += soil_work_bytes(bearing->members[i].work);
-	*figures = (struct bearing_figures){
-		.contacts = bearing->contacts,
-		.feels = bearing->feels,
-		.regions = bearing->slid,
-		.window_posts = window->posts,
-		.scratch_bytes = window->scratch_bytes + window->word_count * sizeof *window->words + members,
-		.result_posts = bearing->results_most,
-	};
-	figures->bytes = sizeof *bearing + bearing->params.loaded_bodies * sizeof *bearing->standing + window->bytes + figures->scratch_bytes +
-			 figures->result_posts * result_bytes(bearing->params.model);
+	*figures = (struct bearing_figures){.contacts = bearing->contacts, .feels = bearing->feels, .regions = bearing->slid, .result_posts = bearing->results_most};
+	add_hand(bearing, figures);
+	for (size_t i = 0; i < bearing->hand_count; i++)
+		add_hand(bearing->hands[i], figures);
+	figures->bytes += sizeof *bearing + bearing->params.loaded_bodies * sizeof *bearing->standing + figures->scratch_bytes +
+			  figures->result_posts * result_bytes(bearing->params.model);
 }

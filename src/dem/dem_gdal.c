@@ -14,7 +14,7 @@
 static void gdal_destroy(struct dem_grid *grid)
 {
 	struct gdal_grid *gdal = (struct gdal_grid *)grid;
-	dem_crew_destroy(gdal->crew);
+	crew_destroy(gdal->crew);
 	for (size_t i = 0; gdal->readers != NULL && i < gdal->reader_count; i++)
 		dem_reader_finish(&gdal->readers[i], i > 0);
 	mem_free(gdal->readers);

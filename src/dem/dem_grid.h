@@ -6,7 +6,7 @@
 #ifndef FURROW_DEM_GRID_H
 #define FURROW_DEM_GRID_H
 
-#include "dem_crew.h"
+#include "base/crew.h"
 #include "dem_gdal.h"
 
 /* What one thread reads with: one thread at a time may use a dataset of GDAL, so each has its own. */
@@ -25,7 +25,7 @@ struct gdal_grid {
 	enum dem_resample method;
 	int64_t jobs; /* most threads that read */
 	/* Made when the first rectangle is read that is resampled. The groups of the first reader are `groups`. */
-	struct dem_crew *crew;
+	struct crew *crew;
 	struct dem_reader *readers;
 	size_t reader_count;
 	uint8_t *sampled; /* of a read */

@@ -112,7 +112,7 @@ static enum status make_readers(struct gdal_grid *gdal)
 	enum status status = STATUS_OK;
 	while (gdal->reader_count < count && status == STATUS_OK)
 		status = open_again(gdal, &gdal->readers[gdal->reader_count++].groups);
-	return status == STATUS_OK ? dem_crew_create(count, &gdal->crew) : status;
+	return status == STATUS_OK ? crew_create(count, "furrow-read", dem_quiet_begin, dem_quiet_end, &gdal->crew) : status;
 }
 
 /* --- heights --- */
@@ -164,7 +164,7 @@ static enum status sample(struct gdal_grid *gdal, struct post_rect rect, double 
 	struct sampling sampling = {gdal, {rect, heights, gdal->sampled, owners, 0}};
 	enum status status = make_readers(gdal);
 	const int64_t columns = (rect.x1 - 1) / DEM_BLOCK_SIDE - rect.x0 / DEM_BLOCK_SIDE + 1;
-	return status == STATUS_OK ? dem_crew_run(gdal->crew, (size_t)columns, sample_part, &sampling) : status;
+	return status == STATUS_OK ? crew_run(gdal->crew, (size_t)columns, sample_part, &sampling) : status;
 }
 
 enum status dem_grid_read(struct dem_grid *grid, struct post_rect rect, double *heights)
@@ -216,7 +216,7 @@ static enum status measure_part(void *user, size_t member, size_t task)
 static enum status measure(struct measuring *measuring, size_t count, struct misfit *misfit)
 {
 	measuring->misfits = mem_calloc(count + 1, sizeof *measuring->misfits);
-	enum status status = measuring->misfits != NULL ? dem_crew_run(measuring->gdal->crew, count, measure_part, measuring)
+	enum status status = measuring->misfits != NULL ? crew_run(measuring->gdal->crew, count, measure_part, measuring)
 							: fail_memory("comparing with the sources");
 	for (size_t i = 0; i < count && status == STATUS_OK; i++)
 		misfit_add(misfit, &measuring->misfits[i]);

@@ -3,6 +3,7 @@
 #define FURROW_WORLD_INTERNAL_H
 
 #include "world/record.h"
+#include "base/crew.h"
 #include "world/world.h"
 
 /* --- resume.c --- */
@@ -272,6 +273,16 @@ enum status world_batches_take(struct world *world, const struct event *event, c
 enum status world_batches_flush(struct world *world) FURROW_CHECKED;
 enum status world_batches_flush_near(struct world *world, const struct deform_window *windows, size_t count) FURROW_CHECKED;
 void world_batches_forget(struct world *world); /* drops what a step that failed left */
+
+/* --- crew.c: threads that compute contacts and regions of soil that bears --- */
+
+#define WORLD_CREW_THREAD "furrow-soil"
+size_t world_crew_members(const struct world *world); /* threads, with the one that steps. Does not need world->bearing */
+enum status world_crew_create(struct world *world) FURROW_CHECKED; /* call it when world->bearing is known; makes none where one thread is enough */
+void world_crew_plan(const struct world *world, struct plan *plan);
+/* Returns how many groups or regions are to be computed at once, if so many posts are read. */
+size_t world_hands_for(const struct world *world, double posts);
+enum status world_crew_run(struct world *world, size_t count, crew_task_fn task, void *user) FURROW_CHECKED;
 
 /* --- meet.c: contacts with soil that bears, which meet the ground together --- */
 

@@ -21,13 +21,27 @@ struct waiting_contact {
 	bool feels;
 };
 
+/* A group that is being computed. */
+struct group {
+	const size_t *order;              /* `count` contacts */
+	size_t count;
+	struct bearing_contact *contacts;
+	struct bearing *hand;
+	struct held_tiles held;
+	struct deform_rest *rests;        /* bodies beside it */
+	size_t rest_count, rest_room;
+	bool whole;                       /* all its tiles are pinned at once */
+};
+
 struct meetings {
 	struct waiting_contact *list;
 	size_t count, room, rounds;
 	uint64_t turn;                   /* how often they were computed */
 	struct key_map blocks;           /* of a block: the first contact of this round whose window has posts in it, and the round */
 	size_t *order;                   /* of a round, by group */
-	struct bearing_contact *contacts; /* of a group */
+	struct bearing_contact *contacts; /* in that order */
+	struct group *groups;            /* that are computed at once */
+	size_t group_room;
 };
 
 enum status world_meetings_create(struct world *world)
@@ -51,6 +65,9 @@ void world_meetings_free(struct world *world)
 	mem_free(m->list);
 	mem_free(m->order);
 	mem_free(m->contacts);
+	for (size_t i = 0; i < m->group_room; i++)
+		mem_free(m->groups[i].rests);
+	mem_free(m->groups);
 	mem_free(m);
 	world->meetings = NULL;
 }
@@ -191,27 +208,40 @@ static bool fits(const struct bearing_contact *contacts, size_t count)
 			      all.y1 - all.y0 <= DEFORM_WHOLE_POSTS);
 }
 
-/* Lists the bodies beside a group, in world->near.rests. */
-static enum status list_beside(struct world *world, const size_t *order, const struct bearing_contact *contacts, size_t count, size_t *beside)
+static enum status need_rests(struct group *group, size_t count)
+{
+	if (count <= group->rest_room)
+		return STATUS_OK;
+	struct deform_rest *rests = mem_realloc(group->rests, 2 * count, sizeof *rests);
+	if (rests == NULL)
+		return fail_memory("bodies near each other");
+	group->rests = rests;
+	group->rest_room = 2 * count;
+	return STATUS_OK;
+}
+
+/* Lists the bodies beside a group. */
+static enum status list_beside(struct world *world, struct group *group)
 {
 	const struct meetings *m = world->meetings;
 	struct near_table *near = &world->near;
 	struct post_rect area = {0, 0, 0, 0};
 	enum status status = near->stale ? world_near_make(world) : STATUS_OK;
-	*beside = 0;
+	group->rest_count = 0;
 	if (status != STATUS_OK)
 		return status;
-	for (size_t i = 0; i < count; i++)
-		area = post_rect_joined(area, contacts[i].area.write);
+	for (size_t i = 0; i < group->count; i++)
+		area = post_rect_joined(area, group->contacts[i].area.write);
 	world_near_find(world, area);
-	for (size_t i = 0; i < near->found_count; i++) {
+	status = need_rests(group, near->found_count);
+	for (size_t i = 0; i < near->found_count && status == STATUS_OK; i++) {
 		bool is_member = false;
-		for (size_t k = 0; k < count && !is_member; k++)
-			is_member = m->list[order[k]].event.body == near->found[i].body;
+		for (size_t k = 0; k < group->count && !is_member; k++)
+			is_member = m->list[group->order[k]].event.body == near->found[i].body;
 		if (!is_member)
-			near->rests[(*beside)++] = near->found[i].rest;
+			group->rests[group->rest_count++] = near->found[i].rest;
 	}
-	return STATUS_OK;
+	return status;
 }
 
 /* Tells changes of one contact. */
@@ -238,18 +268,18 @@ static void count_windows(struct world *world, const struct waiting_contact *wai
 }
 
 /* Puts back what the held tiles have of what changed. */
-static enum status put_back(struct world *world, const size_t *order, const struct bearing_contact *contacts, size_t count, const struct held_tiles *held)
+static enum status put_back(struct world *world, const struct group *group, const struct held_tiles *held)
 {
-	enum status status = bearing_meeting_scatter(world->bearing, contacts, count, held->tiles, held->count);
-	for (size_t i = 0; i < count && status == STATUS_OK; i++)
-		status = tell(world, &world->meetings->list[order[i]], &contacts[i], held);
+	enum status status = bearing_meeting_scatter(group->hand, group->contacts, group->count, held->tiles, held->count);
+	for (size_t i = 0; i < group->count && status == STATUS_OK; i++)
+		status = tell(world, &world->meetings->list[group->order[i]], &group->contacts[i], held);
 	return status;
 }
 
-/* Goes over the tiles of a window one by one: it may have more of them than there are slots. order NULL: gathers; else puts back. */
-static enum status each_tile(struct world *world, const size_t *order, const struct bearing_contact *contacts, size_t count)
+/* Goes over the tiles of a window one by one: it may have more of them than there are slots. */
+static enum status each_tile(struct world *world, const struct group *group, bool gathers)
 {
-	const struct post_rect reads = bearing_meeting_reads(contacts, count);
+	const struct post_rect reads = bearing_meeting_reads(group->contacts, group->count);
 	struct tile first, last;
 	enum status status = STATUS_OK;
 	if (!tile_range_of(&world->meta->extent, world->level, reads, &first, &last))
@@ -258,55 +288,117 @@ static enum status each_tile(struct world *world, const size_t *order, const str
 		for (uint32_t x = first.x; x <= last.x && status == STATUS_OK; x++) {
 			struct held_tiles held;
 			status = world_hold_tile(world, (struct tile){world->level, x, y}, &held);
-			if (status == STATUS_OK && order == NULL)
-				bearing_meeting_gather(world->bearing, held.tiles, held.count);
+			if (status == STATUS_OK && gathers)
+				bearing_meeting_gather(group->hand, held.tiles, held.count);
 			else if (status == STATUS_OK)
-				status = put_back(world, order, contacts, count, &held);
+				status = put_back(world, group, &held);
 			world_release(world, &held);
 		}
 	return status;
 }
 
-/* Computes contacts that meet the ground together. */
-static enum status compute(struct world *world, const size_t *order, struct bearing_contact *contacts, size_t count)
+/* Pins the tiles of a group, or gathers it if they are too many. */
+static enum status begin(struct world *world, struct group *group)
+{
+	const struct post_rect reads = bearing_meeting_reads(group->contacts, group->count);
+	group->held.count = 0;
+	enum status status = list_beside(world, group);
+	if (status == STATUS_OK)
+		status = bearing_meeting_begin(group->hand, group->contacts, group->count, group->whole);
+	if (status == STATUS_OK)
+		status = group->whole ? world_hold(world, reads, &group->held) : each_tile(world, group, true);
+	return status;
+}
+
+/* Computes a group. Any thread of the crew. */
+static enum status compute(void *user, size_t member, size_t number)
+{
+	struct group *group = (struct group *)user + number;
+	(void)member;
+	if (group->whole)
+		bearing_meeting_gather(group->hand, group->held.tiles, group->held.count);
+	return bearing_meeting_compute(group->hand, group->contacts, group->count, group->rests, group->rest_count);
+}
+
+static enum status end(struct world *world, struct group *group)
 {
 	const struct meetings *m = world->meetings;
-	const bool whole = count == 1 || tiles_in(world, bearing_meeting_reads(contacts, count)) <= world->windows.tiles;
-	struct held_tiles held = {.count = 0};
-	size_t beside;
-	enum status status = list_beside(world, order, contacts, count, &beside);
-	if (status == STATUS_OK)
-		status = bearing_meeting_begin(world->bearing, contacts, count, whole);
-	if (status == STATUS_OK && whole)
-		status = world_hold(world, bearing_meeting_reads(contacts, count), &held);
-	if (status == STATUS_OK && whole)
-		bearing_meeting_gather(world->bearing, held.tiles, held.count);
-	else if (status == STATUS_OK)
-		status = each_tile(world, NULL, contacts, count);
-	if (status == STATUS_OK)
-		status = bearing_meeting_compute(world->bearing, contacts, count, world->near.rests, beside);
-	if (status == STATUS_OK)
-		status = whole ? put_back(world, order, contacts, count, &held) : each_tile(world, order, contacts, count);
-	world_release(world, &held);
-	for (size_t i = 0; i < count && status == STATUS_OK; i++) {
-		world_forces_felt(world->forces, m->list[order[i]].event.body, &m->list[order[i]].event, &contacts[i].forces);
-		count_windows(world, &m->list[order[i]], &contacts[i]);
+	enum status status = group->whole ? put_back(world, group, &group->held) : each_tile(world, group, false);
+	for (size_t i = 0; i < group->count && status == STATUS_OK; i++) {
+		const struct waiting_contact *waiting = &m->list[group->order[i]];
+		world_forces_felt(world->forces, waiting->event.body, &waiting->event, &group->contacts[i].forces);
+		count_windows(world, waiting, &group->contacts[i]);
 	}
 	return status;
 }
 
-static enum status compute_group(struct world *world, const size_t *order, size_t count)
+/* Computes groups that share no post. */
+static enum status compute_groups(struct world *world, size_t count)
+{
+	struct group *groups = world->meetings->groups;
+	enum status status = STATUS_OK;
+	size_t begun = 0;
+	for (; begun < count && status == STATUS_OK; begun++)
+		status = begin(world, &groups[begun]);
+	if (status == STATUS_OK)
+		status = world_crew_run(world, count, compute, groups);
+	if (status == STATUS_OK)
+		status = bearing_hands_join(world->bearing);
+	for (size_t i = 0; i < begun; i++) {
+		if (status == STATUS_OK)
+			status = end(world, &groups[i]);
+		world_release(world, &groups[i].held);
+	}
+	return status;
+}
+
+/* --- rounds --- */
+
+static enum status need_groups(struct world *world, size_t count)
 {
 	struct meetings *m = world->meetings;
-	for (size_t i = 0; i < count; i++) {
-		const struct waiting_contact *waiting = &m->list[order[i]];
-		m->contacts[i] = (struct bearing_contact){.contact = &waiting->contact, .area = waiting->area, .feels = waiting->feels};
+	if (count <= m->group_room)
+		return STATUS_OK;
+	struct group *groups = mem_realloc(m->groups, count, sizeof *groups);
+	if (groups == NULL)
+		return fail_memory("contacts that wait");
+	m->groups = groups;
+	for (; m->group_room < count; m->group_room++) {
+		groups[m->group_room].rests = NULL;
+		groups[m->group_room].rest_room = 0;
 	}
-	if (fits(m->contacts, count))
-		return compute(world, order, m->contacts, count);
+	return STATUS_OK;
+}
+
+/* Takes the contacts from order[first] to before order[last] as one group. */
+static void put_group(struct world *world, size_t number, size_t first, size_t last)
+{
+	struct meetings *m = world->meetings;
+	struct group *group = &m->groups[number];
+	group->order = &m->order[first];
+	group->count = last - first;
+	group->contacts = &m->contacts[first];
+	group->hand = bearing_hand(world->bearing, number);
+	group->whole = group->count == 1 || tiles_in(world, bearing_meeting_reads(group->contacts, group->count)) <= world->windows.tiles;
+}
+
+/* Returns where the group ends that begins at order[first]. */
+static size_t group_end(const struct meetings *m, size_t first, size_t count)
+{
+	size_t last = first + 1;
+	while (last < count && m->list[m->order[last]].group == m->list[m->order[first]].group)
+		last++;
+	return last;
+}
+
+/* A group that does not fit one window: its contacts are computed one after another, each beside the others. */
+static enum status one_by_one(struct world *world, size_t first, size_t last)
+{
 	enum status status = STATUS_OK;
-	for (size_t i = 0; i < count && status == STATUS_OK; i++)
-		status = compute(world, &order[i], &m->contacts[i], 1);
+	for (size_t i = first; i < last && status == STATUS_OK; i++) {
+		put_group(world, 0, i, i + 1);
+		status = compute_groups(world, 1);
+	}
 	return status;
 }
 
@@ -314,16 +406,39 @@ static enum status compute_round(struct world *world, size_t round)
 {
 	struct meetings *m = world->meetings;
 	size_t count = 0;
+	double posts = 0;
 	for (size_t i = 0; i < m->count; i++)
 		if (m->list[i].round == round)
 			m->order[count++] = i;
 	enum status status = put_groups(m, count);
 	if (count > 1)
 		qsort_r(m->order, count, sizeof *m->order, by_place, m->list);
-	for (size_t first = 0, last; first < count && status == STATUS_OK; first = last) {
-		for (last = first + 1; last < count && m->list[m->order[last]].group == m->list[m->order[first]].group;)
-			last++;
-		status = compute_group(world, &m->order[first], last - first);
+	for (size_t i = 0; i < count; i++) {
+		const struct waiting_contact *waiting = &m->list[m->order[i]];
+		m->contacts[i] = (struct bearing_contact){.contact = &waiting->contact, .area = waiting->area, .feels = waiting->feels};
+		posts += posts_in(waiting->area.read);
+	}
+	const size_t hands = world_hands_for(world, posts), most = world->limits.slots / 2;
+	if (status == STATUS_OK)
+		status = need_groups(world, hands);
+	for (size_t first = 0; first < count && status == STATUS_OK;) {
+		size_t groups = 0, tiles = 0;
+		while (first < count && groups < hands && status == STATUS_OK) {
+			const size_t last = group_end(m, first, count), more = tiles_in(world, bearing_meeting_reads(&m->contacts[first], last - first));
+			if (groups > 0 && tiles + more > most)
+				break;
+			if (fits(&m->contacts[first], last - first)) {
+				put_group(world, groups++, first, last);
+				tiles += more;
+			} else if (groups == 0) {
+				status = one_by_one(world, first, last);
+			} else {
+				break;
+			}
+			first = last;
+		}
+		if (status == STATUS_OK && groups > 0)
+			status = compute_groups(world, groups);
 	}
 	return status;
 }

@@ -352,6 +352,7 @@ enum status world_plan_deform(const struct world *world, const struct soil_shape
 	for (size_t i = 0; i < count; i++)
 		objects[scene->object_count + i] = world_planned_host(added[i]);
 	world_deform_params(world, &params);
+	world_crew_plan(world, plan);
 	if (world_is_bearing(world))
 		bearing_plan(&params, plan);
 	else

@@ -42,15 +42,15 @@ static size_t rests_of(const struct world *world)
 	return count + world_host_rests(world, world->relaxation.rests + count);
 }
 
-/* Gathers a region from tiles that are pinned four at a time, however many it reads. */
-static enum status gather(struct world *world, size_t region)
+/* Gathers a region from tiles that are pinned four at a time, however many it reads. hand: of bearing. */
+static enum status gather(struct world *world, struct bearing *hand, size_t region)
 {
 	const struct extent *extent = &world->meta->extent;
 	const struct post_rect reads = world->bearing != NULL ? bearing_interval_reads(world->bearing, region) : deform_interval_reads(world->deform, region);
 	const int64_t cells = extent->cells;
 	struct held_tiles held = {.count = 0};
 	struct tile first, last;
-	enum status status = world->bearing != NULL ? bearing_interval_start(world->bearing, region) : STATUS_OK;
+	enum status status = hand != NULL ? bearing_interval_start(hand, region) : STATUS_OK;
 	bool any = tile_range_of(extent, world->level, reads, &first, &last);
 	for (uint32_t y = first.y; any && y <= last.y; y += 2)
 		for (uint32_t x = first.x; x <= last.x && status == STATUS_OK; x += 2) {
@@ -61,14 +61,50 @@ static enum status gather(struct world *world, size_t region)
 				continue;
 			status = world_hold(world, part, &held);
 			if (status == STATUS_OK && world->bearing != NULL)
-				bearing_interval_gather(world->bearing, held.tiles, held.count);
+				bearing_interval_gather(hand, held.tiles, held.count);
 			else if (status == STATUS_OK)
 				deform_interval_gather_part(world->deform, region, held.tiles, held.count);
 			world_release(world, &held);
 		}
-	if (status != STATUS_OK)
+	if (status != STATUS_OK || hand != NULL)
 		return status;
-	return world->bearing != NULL ? bearing_interval_slide(world->bearing, region) : deform_interval_gather(world->deform, region, NULL, 0);
+	return deform_interval_gather(world->deform, region, NULL, 0);
+}
+
+/* Regions that are computed at once. */
+struct regions {
+	struct bearing *bearing;
+	size_t first;
+};
+
+static enum status slide(void *user, size_t member, size_t number)
+{
+	const struct regions *regions = user;
+	(void)member;
+	return bearing_interval_slide(bearing_hand(regions->bearing, number), regions->first + number);
+}
+
+/* Gathers and computes all regions of soil that the CPU computes. */
+static enum status slide_all(struct world *world, size_t count)
+{
+	struct bearing *bearing = world->bearing;
+	double posts = 0;
+	enum status status = STATUS_OK;
+	for (size_t i = 0; i < count; i++) {
+		const struct post_rect reads = bearing_interval_reads(bearing, i);
+		posts += (double)(reads.x1 - reads.x0) * (double)(reads.y1 - reads.y0);
+	}
+	const size_t hands = world_hands_for(world, posts);
+	for (size_t first = 0; first < count && status == STATUS_OK; first += hands) {
+		const size_t some = count - first < hands ? count - first : hands;
+		for (size_t i = 0; i < some && status == STATUS_OK; i++)
+			status = gather(world, bearing_hand(bearing, i), first + i);
+		if (status == STATUS_OK)
+			status = world_crew_run(world, some, slide, &(struct regions){bearing, first});
+		if (status == STATUS_OK)
+			status = bearing_hands_join(bearing);
+	}
+	return status;
 }
 
 /* Writes a part of the result back: the region of soil that bears, or a run of regions. */
@@ -108,8 +144,10 @@ static enum status interval(struct world *world, size_t *blocks)
 	struct interval_size size;
 	enum status status = begin_interval(world, &size);
 	*blocks = size.blocks;
-	for (size_t i = 0; i < size.regions && status == STATUS_OK; i++)
-		status = gather(world, i);
+	if (status == STATUS_OK && world->bearing != NULL)
+		status = slide_all(world, size.regions);
+	for (size_t i = 0; i < size.regions && status == STATUS_OK && world->bearing == NULL; i++)
+		status = gather(world, NULL, i);
 	for (size_t i = 0; i < size.parts && status == STATUS_OK; i++)
 		status = scatter(world, i);
 	if (status != STATUS_OK || *blocks == 0)

@@ -180,6 +180,8 @@ enum status world_start(struct world *world)
 	if (status == STATUS_OK)
 		status = world_meetings_create(world);
 	if (status == STATUS_OK)
+		status = world_crew_create(world);
+	if (status == STATUS_OK)
 		status = world_budget_check(world);
 	if (status == STATUS_OK)
 		status = go_on_with_ground(world);
@@ -418,6 +420,7 @@ void world_finish(struct world *world, enum status status)
 	world_changes_finish(world);
 	world_batches_free(world);
 	world_meetings_free(world);
+	crew_destroy(world->crew);
 	world_near_free(&world->near);
 	world_free_bodies(world);
 	key_set_finish(&world->aloft.seen);

@@ -152,6 +152,7 @@ struct world_params {
 	bool keep_history;         /* each commit keeps what it replaces */
 	bool readonly;             /* nothing is ever written: store and overlay are only read, and there are no steps */
 	bool alone;                /* compute every contact alone; for tests that compare */
+	int threads;               /* that compute soil that bears, however little there is; for tests that compare. 0: as many as are worth it */
 	bool everywhere;           /* compute also contacts that change nothing; for tests that compare */
 	bool draws;                /* pictures are drawn, so coarser levels are kept */
 	bool drops;                /* a window may drop bodies */
@@ -407,6 +408,8 @@ struct world {
 		uint64_t tiles_most;    /* most tiles that one window has touched */
 		bool told;
 	} windows;
+	struct crew *crew;        /* crew.c; NULL: one thread computes soil that bears */
+	size_t hands;             /* of world->bearing, with a crew */
 	struct meetings *meetings; /* meet.c; NULL: no soil bears */
 	struct batches *batches;  /* batch.c; NULL: every contact is computed alone */
 	uint64_t drops;           /* drop.c: number of bodies that a window dropped */

@@ -211,12 +211,12 @@ objects:
     def test_a_machine_without_gl_is_status_4(self):
         store = self.synth(posts="65x65")
         before = self.ok("info", store)
-        self.assertIn("GL", self.refused(4, "drive", self.scene(), "--store", store, "-o", "out", env=NO_GL))
+        self.assertIn("GL", self.refused(4, "drive", self.scene(), "--store", store, "-o", "out", "--set", "compute=gpu", env=NO_GL))
         self.assertEqual(self.ok("info", store), before)
         # Everything else works there.
         self.assertTrue(self.json("verify", store, env=NO_GL)["ok"])
         self.json("info", store, env=NO_GL)
-        told = self.furrow("drive", self.scene(), "--store", store, "-o", "out", env={"MESA_GL_VERSION_OVERRIDE": "3.3"})
+        told = self.furrow("drive", self.scene(), "--store", store, "-o", "out", "--set", "compute=gpu", env={"MESA_GL_VERSION_OVERRIDE": "3.3"})
         if told.returncode != 0:  # drivers other than Mesa's do not listen
             self.assertIn("GL: the driver has no OpenGL 4.5 core context", self.told(4, told))
 

@@ -240,7 +240,7 @@ class Refusals(Overlay):
         arguments = ("--store", store, "--overlay", "over.furrow", "-o", "out")
         broken = self.scene(SCENE.replace("sink: 0.15", "sunk: 0.15", 1), "broken.yaml")
         self.refused(3, "drive", broken, *arguments)
-        self.refused(4, "drive", self.scene(), *arguments, env=NO_GL)
+        self.refused(4, "drive", self.scene(), *arguments, "--set", "compute=gpu", env=NO_GL)
         self.refused(3, "drive", self.scene(), *arguments, "--set", "spacing=0.00001")
         self.refused(3, "drive", self.scene(), "--store", store, "--overlay", "no/folder/over.furrow", "-o", "out")
         self.refused(3, "drive", self.scene(), "--store", "absent.furrow", "--overlay", "over.furrow", "-o", "out")
@@ -258,7 +258,7 @@ class Refusals(Overlay):
         store = self.synth()
         self.drive(self.scene(), "--store", store, "--overlay", "over.furrow")
         before = self.deformation("over.furrow")
-        self.refused(4, "drive", self.scene(), "--store", store, "--overlay", "over.furrow", "-o", "out", env=NO_GL)
+        self.refused(4, "drive", self.scene(), "--store", store, "--overlay", "over.furrow", "-o", "out", "--set", "compute=gpu", env=NO_GL)
         self.assertEqual(self.deformation("over.furrow"), before)
 
     def test_what_is_no_overlay_of_that_store_is_refused_and_kept(self):

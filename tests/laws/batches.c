@@ -1,6 +1,6 @@
 /*
  * Whole drives of many bodies: contacts that are computed together leave the rows, by one content hash, of contacts that are computed one
- * after another. The bodies cross tiles' sides, corners, and each other's ruts.
+ * after another. The bodies cross tiles' sides, corners, and each other's ruts. Neither does the number of threads that compute them show.
  */
 #include "../support.h"
 #include "../support/program.h"
@@ -72,7 +72,7 @@ struct left {
 	long long batches, passes;
 };
 
-static struct left drive(const struct setup *setup, bool alone)
+static struct left drive(const struct setup *setup, bool alone, int threads)
 {
 	const char *store = support_path("batches.furrow"), *path = support_path("scene.yaml");
 	struct scene *scene;
@@ -81,7 +81,7 @@ static struct left drive(const struct setup *setup, bool alone)
 	write_scene(path, setup);
 	support_store(store, (struct extent){129, 129, 2, setup->cells}, support_hills);
 	must(scene_load(path, NULL, 0, &scene));
-	struct api_params params = {.scene = scene, .store = store, .directory = support_path("out"), .alone = alone};
+	struct api_params params = {.scene = scene, .store = store, .directory = support_path("out"), .alone = alone, .threads = threads};
 	enum status status = api_drive(&params, &result);
 	scene_destroy(scene);
 	if (status == STATUS_NO_GL)
@@ -104,7 +104,7 @@ static void batches_do_not_show_in_the_rows(void **state)
 	};
 	(void)state;
 	for (size_t i = 0; i < sizeof setups / sizeof *setups; i++) {
-		struct left alone = drive(&setups[i], true), together = drive(&setups[i], false);
+		struct left alone = drive(&setups[i], true, 0), together = drive(&setups[i], false, 0);
 		assert_int_equal(alone.batches, 0);
 		assert_true(together.batches > 0 && together.passes < alone.passes);
 		if (alone.rows != together.rows)
@@ -112,9 +112,27 @@ static void batches_do_not_show_in_the_rows(void **state)
 	}
 }
 
+/* Soil that bears: bodies far apart, bodies that touch each other, and soil that slides in many blocks; few slots, and small tiles. */
+static void threads_do_not_show_in_the_rows(void **state)
+{
+	static const struct setup setups[] = {
+		{"scm, interval: 0.05", "soil: {name: dry_sand}\nattributes: [dirt]\n", 0.25, 0.05, 64, 256, false},
+		{"scm, interval: 0.02", "soil: {name: dry_sand}\n", 0.25, 0.2, 32, 150, true},
+	};
+	static const int threads[] = {2, 3, 7};
+	(void)state;
+	for (size_t i = 0; i < sizeof setups / sizeof *setups; i++) {
+		const struct left one = drive(&setups[i], false, 1);
+		for (size_t k = 0; k < sizeof threads / sizeof *threads; k++)
+			if (drive(&setups[i], false, threads[k]).rows != one.rows)
+				fail_msg("%g m, tiles of %u: other rows with %d threads", setups[i].spacing, setups[i].cells, threads[k]);
+	}
+}
+
 TEST_PROGRAM(batches)
 {
 	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(threads_do_not_show_in_the_rows),
 		cmocka_unit_test(batches_do_not_show_in_the_rows),
 	};
 	return cmocka_run_group_tests_name("batches", tests, support_enter, support_leave);

@@ -10,7 +10,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "dem/dem_crew.h"
+#include "base/crew.h"
 #include "../support/program.h"
 
 #define TASKS 1000
@@ -38,13 +38,13 @@ static enum status note_task(void *user, size_t member, size_t task)
 static void each_task_is_done_once(void **state)
 {
 	for (size_t members = 1; members <= 7; members += 3) {
-		struct dem_crew *crew;
-		assert_int_equal(dem_crew_create(members, &crew), STATUS_OK);
+		struct crew *crew;
+		assert_int_equal(crew_create(members, "crew", NULL, NULL, &crew), STATUS_OK);
 		for (size_t count = 0; count <= TASKS; count = count * 3 + 1) {
 			static struct seen seen;
 			memset(&seen, 0, sizeof seen);
 			seen.fails = TASKS;
-			assert_int_equal(dem_crew_run(crew, count, note_task, &seen), STATUS_OK);
+			assert_int_equal(crew_run(crew, count, note_task, &seen), STATUS_OK);
 			for (size_t i = 0; i < TASKS; i++)
 				assert_int_equal(seen.done[i], i < count);
 			int sum = 0;
@@ -52,44 +52,44 @@ static void each_task_is_done_once(void **state)
 				sum += seen.scratch[i];
 			assert_int_equal(sum, count);
 		}
-		dem_crew_destroy(crew);
+		crew_destroy(crew);
 	}
-	dem_crew_destroy(NULL);
+	crew_destroy(NULL);
 }
 
 static void a_failure_is_told_and_ends_the_call_not_the_crew(void **state)
 {
-	struct dem_crew *crew;
-	assert_int_equal(dem_crew_create(4, &crew), STATUS_OK);
+	struct crew *crew;
+	assert_int_equal(crew_create(4, "crew", NULL, NULL, &crew), STATUS_OK);
 	for (size_t fails = 0; fails < 600; fails += 150) {
 		static struct seen seen;
 		memset(&seen, 0, sizeof seen);
 		seen.fails = fails;
-		assert_int_equal(dem_crew_run(crew, 600, note_task, &seen), STATUS_INPUT);
+		assert_int_equal(crew_run(crew, 600, note_task, &seen), STATUS_INPUT);
 		char wanted[32];
 		snprintf(wanted, sizeof wanted, "task %zu:", fails);
 		assert_non_null(strstr(failure_message(), wanted));
 		const int done = seen.tasks;
 		assert_true(done >= 1 && done <= 600);
 		seen.fails = TASKS;
-		assert_int_equal(dem_crew_run(crew, 3, note_task, &seen), STATUS_OK);
+		assert_int_equal(crew_run(crew, 3, note_task, &seen), STATUS_OK);
 		assert_int_equal(seen.tasks, done + 3); /* none of those that were left */
 	}
-	dem_crew_destroy(crew);
+	crew_destroy(crew);
 	assert_int_equal(thread_running(), 0);
 }
 
 static void every_failing_allocation_is_told(void **state)
 {
-	struct dem_crew *crew = NULL;
+	struct crew *crew = NULL;
 	(void)mem_fail_nth(0, 0);
-	assert_int_equal(dem_crew_create(3, &crew), STATUS_OK);
-	dem_crew_destroy(crew);
+	assert_int_equal(crew_create(3, "crew", NULL, NULL, &crew), STATUS_OK);
+	crew_destroy(crew);
 	const uint64_t count = mem_fail_nth(0, 0);
 	assert_true(count >= 3);
 	for (uint64_t nth = 1; nth <= count; nth++) {
 		(void)mem_fail_nth(nth, 1);
-		assert_int_not_equal(dem_crew_create(3, &crew), STATUS_OK);
+		assert_int_not_equal(crew_create(3, "crew", NULL, NULL, &crew), STATUS_OK);
 		(void)mem_fail_nth(0, 0);
 	}
 	assert_int_equal(thread_running(), 0);

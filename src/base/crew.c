@@ -6,21 +6,19 @@
  *
  * Invariant: `busy` counts the threads that have seen the present call and not left it. A call ends when it is 0 and no task is left.
  */
-#include "dem_crew.h"
-
-#include "dem/dem.h"
+#include "base/crew.h"
 
 struct range {
 	size_t next, end;
 };
 
 struct member {
-	struct dem_crew *crew;
+	struct crew *crew;
 	size_t number;
 	struct thread thread;
 };
 
-struct dem_crew {
+struct crew {
 	struct mutex mutex;
 	struct condition changed;
 	struct member *members;
@@ -29,13 +27,14 @@ struct dem_crew {
 	uint64_t calls;       /* begun so far */
 	size_t busy;
 	bool ended;
-	dem_task_fn task;
+	crew_hook_fn enter, leave;
+	crew_task_fn task;
 	void *user;
 	struct failure failure;
 };
 
 /* Call with the mutex held. Returns false if no task is left. */
-static bool take(struct dem_crew *crew, size_t member, size_t *task)
+static bool take(struct crew *crew, size_t member, size_t *task)
 {
 	struct range *own = &crew->ranges[member], *longest = own;
 	if (crew->failure.status != STATUS_OK)
@@ -50,7 +49,7 @@ static bool take(struct dem_crew *crew, size_t member, size_t *task)
 }
 
 /* Call with the mutex held, which is released while a task runs. */
-static void work(struct dem_crew *crew, size_t member)
+static void work(struct crew *crew, size_t member)
 {
 	size_t task;
 	while (take(crew, member, &task)) {
@@ -67,9 +66,10 @@ static void work(struct dem_crew *crew, size_t member)
 static void *live(void *argument)
 {
 	struct member *member = argument;
-	struct dem_crew *crew = member->crew;
+	struct crew *crew = member->crew;
 	uint64_t seen = 0;
-	dem_quiet_begin();
+	if (crew->enter != NULL)
+		crew->enter();
 	mutex_lock(&crew->mutex);
 	for (;;) {
 		while (!crew->ended && seen == crew->calls)
@@ -83,35 +83,38 @@ static void *live(void *argument)
 		condition_wake_all(&crew->changed);
 	}
 	mutex_unlock(&crew->mutex);
-	dem_quiet_end();
+	if (crew->leave != NULL)
+		crew->leave();
 	return NULL;
 }
 
-enum status dem_crew_create(size_t members, struct dem_crew **out)
+enum status crew_create(size_t members, const char *name, crew_hook_fn enter, crew_hook_fn leave, struct crew **out)
 {
-	struct dem_crew *crew = mem_calloc(1, sizeof *crew);
+	struct crew *crew = mem_calloc(1, sizeof *crew);
 	if (crew == NULL)
-		return fail_memory("reading the sources");
+		return fail_memory("threads");
+	crew->enter = enter;
+	crew->leave = leave;
 	mutex_init(&crew->mutex);
 	condition_init(&crew->changed);
 	crew->members = mem_calloc(members, sizeof *crew->members);
 	crew->ranges = mem_calloc(members, sizeof *crew->ranges);
-	enum status status = crew->members != NULL && crew->ranges != NULL ? STATUS_OK : fail_memory("reading the sources");
+	enum status status = crew->members != NULL && crew->ranges != NULL ? STATUS_OK : fail_memory("threads");
 	for (; status == STATUS_OK && crew->count < members; crew->count++) {
 		struct member *member = &crew->members[crew->count];
 		*member = (struct member){.crew = crew, .number = crew->count};
 		if (crew->count > 0)
-			status = thread_start(&member->thread, live, member, "furrow-read");
+			status = thread_start(&member->thread, live, member, name);
 	}
 	if (status != STATUS_OK) {
-		dem_crew_destroy(crew);
+		crew_destroy(crew);
 		return status;
 	}
 	*out = crew;
 	return STATUS_OK;
 }
 
-void dem_crew_destroy(struct dem_crew *crew)
+void crew_destroy(struct crew *crew)
 {
 	if (crew == NULL)
 		return;
@@ -128,7 +131,7 @@ void dem_crew_destroy(struct dem_crew *crew)
 	mem_free(crew);
 }
 
-enum status dem_crew_run(struct dem_crew *crew, size_t count, dem_task_fn task, void *user)
+enum status crew_run(struct crew *crew, size_t count, crew_task_fn task, void *user)
 {
 	if (count == 1 || crew->count == 1) { /* nobody need be woken */
 		enum status status = STATUS_OK;
