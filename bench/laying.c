@@ -87,7 +87,7 @@ static void of_motion(const struct motion *motion, double spacing, int rounds)
 	to.y += lattice_offset(step * (motion->way[0] * sin(heading) + motion->way[1] * cos(heading)));
 	const struct soil_laid soils[SOIL_CLASSES] = {soil_laid_of(0.5, 0.5, spacing)};
 	const double turned = motion->way[0] * step / radius * (1 - motion->slip);
-	struct soil_laying laying = soil_laying_of(&motion->shape, &from, &to, turned, spacing);
+	struct soil_laying laying = soil_laying_of(&motion->shape, &from, &to, turned, NULL, spacing);
 	struct soil_measured measured;
 	struct soil_lay_result result;
 	struct field field;
@@ -97,7 +97,7 @@ static void of_motion(const struct motion *motion, double spacing, int rounds)
 		us[k] = malloc((size_t)rounds * sizeof **us);
 	for (int i = 0; i < rounds; i++) {
 		const double began = clock_seconds();
-		laying = soil_laying_of(&motion->shape, &from, &to, turned, spacing);
+		laying = soil_laying_of(&motion->shape, &from, &to, turned, NULL, spacing);
 		const double told = clock_seconds();
 		measure(&field, &laying, soils, &measured);
 		const double counted = clock_seconds();

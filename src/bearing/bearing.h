@@ -60,8 +60,9 @@ enum status bearing_contact_alone(struct bearing *bearing, struct bearing_contac
 struct post_rect bearing_meeting_reads(const struct bearing_contact *contacts, size_t count);
 /* Returns the posts that a probe of this motion reads. */
 struct post_rect bearing_probe_posts(const struct bearing *bearing, const struct soil_motion *motion);
-/* Computes what soil_probe tells, where others are `beside` it. held: all tiles that have posts of bearing_probe_posts, pinned. */
-enum status bearing_probe(struct bearing *bearing, const struct soil_motion *motion, const struct deform_rest *beside, size_t beside_count,
+/* Computes what soil_probe tells, where others are `beside` it. before: a motion of the same body that comes first, up to the begin of `motion`; NULL: none.
+ * held: all tiles that have posts of both bearing_probe_posts, pinned. */
+enum status bearing_probe(struct bearing *bearing, const struct soil_motion *before, const struct soil_motion *motion, const struct deform_rest *beside, size_t beside_count,
 			  const struct tile_slot *held, size_t count, struct soil_probed *out) FURROW_CHECKED;
 /* Sets the equilibrium height of a loaded body that has had no contact yet: how far it rests above its pose, 2^-20 m. */
 void bearing_set_equilibrium(struct bearing *bearing, uint32_t loaded_body, int32_t raised);

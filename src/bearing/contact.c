@@ -111,7 +111,7 @@ static enum status begin(struct bearing *bearing, const struct bearing_contact *
 		const int32_t *standing = standing_of(bearing, contact);
 		member->motion = bearing_motion_of(contact);
 		member->at = bearing_window_part(&bearing->window, contacts[i].area.read, &member->planes);
-		member->laying = soil_laying_of(contact->shape, &contact->from, &contact->to, contact->turned, bearing->law.spacing);
+		member->laying = soil_laying_of(contact->shape, &contact->from, &contact->to, contact->turned, contact->rotated, bearing->law.spacing);
 		member->laid = (struct soil_lay_result){.posts = {0, 0, 0, 0}};
 		member->slides = (struct post_rect){0, 0, 0, 0};
 		member->write = contacts[i].area.write;
@@ -373,16 +373,42 @@ struct post_rect bearing_probe_posts(const struct bearing *bearing, const struct
 	return post_rect_empty(shadow) ? shadow : post_rect_intersect(post_rect_grown(shadow, 2), post_rect_grown(bearing->world, 1));
 }
 
-enum status bearing_probe(struct bearing *bearing, const struct soil_motion *motion, const struct deform_rest *beside, size_t beside_count,
-			  const struct tile_slot *held, size_t count, struct soil_probed *out)
+/* Lets member 0 sink into the ground of the window, by a motion. What it displaces is not laid. */
+static enum status sink_before(struct bearing *bearing, const struct soil_motion *motion, const struct deform_rest *beside, size_t beside_count)
 {
-	const struct post_rect read = bearing_probe_posts(bearing, motion);
+	struct bearing_member *member = &bearing->members[0];
+	const struct soil_laying laying = soil_laying_of(motion->shape, &motion->from, &motion->to, motion->turned, motion->rotated, bearing->law.spacing);
+	const struct soil_sink sink = {.laying = &laying, .soils = bearing->laid};
+	size_t all = 1;
+	member->motion = *motion;
+	enum status status = begin_rests(bearing, 1, beside, beside_count, &all);
+	if (status == STATUS_OK)
+		status = soil_sink_begin(&bearing->law, &bearing->window.planes, &member->motion, 0, member->work);
+	for (size_t i = 1; i < all; i++)
+		bearing->others[i - 1] = bearing->members[i].work;
+	if (status == STATUS_OK)
+		status = soil_sink_meet(member->work, bearing->others, all - 1);
+	if (status != STATUS_OK)
+		return status;
+	soil_sink_find(member->work, &member->imprint);
+	soil_sink_commit(member->work, &sink, NULL, &member->imprint);
+	return status;
+}
+
+enum status bearing_probe(struct bearing *bearing, const struct soil_motion *before, const struct soil_motion *motion, const struct deform_rest *beside,
+			  size_t beside_count, const struct tile_slot *held, size_t count, struct soil_probed *out)
+{
+	struct post_rect read = bearing_probe_posts(bearing, motion);
 	*out = (struct soil_probed){.known = false};
 	if (post_rect_empty(read))
 		return STATUS_OK;
+	if (before != NULL)
+		read = post_rect_joined(read, bearing_probe_posts(bearing, before));
 	enum status status = bearing_members_need(bearing, 1 + beside_count);
 	if (status == STATUS_OK)
 		status = gather(bearing, read, held, count);
+	if (status == STATUS_OK && before != NULL)
+		status = sink_before(bearing, before, beside, beside_count);
 	size_t all = 1;
 	bearing->members[0].motion = *motion;
 	if (status == STATUS_OK)

@@ -77,7 +77,7 @@ static struct post_rect redistribute(struct bearing *bearing, const struct defor
 {
 	struct bearing_window *window = &bearing->window;
 	const struct soil_planes *planes = &window->planes;
-	const struct soil_laying laying = soil_laying_of(contact->shape, &contact->from, &contact->to, contact->turned, bearing->law.spacing);
+	const struct soil_laying laying = soil_laying_of(contact->shape, &contact->from, &contact->to, contact->turned, contact->rotated, bearing->law.spacing);
 	const struct soil_measured measured = measure(bearing, &laying, below);
 	const bool carries = measured.carried > 0, near = deform_slides_near(contact, bearing->law.spacing);
 	struct post_rect reached = posts_with(planes, below, (uint8_t)~SOIL_NO_GROUND);

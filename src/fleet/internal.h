@@ -2,6 +2,7 @@
 #ifndef FURROW_FLEET_INTERNAL_H
 #define FURROW_FLEET_INTERNAL_H
 
+#include "base/key_map.h"
 #include "base/key_set.h"
 #include "fleet/comm.h"
 #include "fleet/fleet.h"
@@ -29,6 +30,14 @@ struct fleet_row_list {
 	size_t count, room;
 };
 
+/* Areas of bodies. */
+struct fleet_together {
+	struct post_rect *areas; /* of the posts that each may touch */
+	size_t *first;           /* those that meet the ground together: one of them */
+	struct key_map blocks;   /* the first whose area has posts in a block */
+	size_t room;
+};
+
 struct fleet {
 	struct fleet_params params;
 	int rank, ranks;
@@ -47,6 +56,7 @@ struct fleet {
 	size_t next_room;
 	size_t *planned_bodies;    /* of each item of a body: the body's index */
 	size_t planned_count, planned_room;
+	struct fleet_together together;
 	int64_t intervals;         /* of relaxation in this step */
 	struct key_set changed;    /* tiles that this rank has changed, or got: their numbers are indices of: */
 	bool *mine;                /* false: it was sent away since */
@@ -116,6 +126,12 @@ enum status fleet_commit(struct fleet *fleet, enum status status) FURROW_CHECKED
 enum status fleet_share_record(struct fleet *fleet, enum status status) FURROW_CHECKED;
 enum status fleet_end(void *user, enum status status) FURROW_CHECKED;
 enum status fleet_probed(void *user, size_t count, const int32_t *numbers, struct world_contact *contacts, enum status status) FURROW_CHECKED;
+
+/* --- together.c --- */
+void fleet_together_finish(struct fleet_together *together);
+enum status fleet_together_need(struct fleet_together *together, size_t count) FURROW_CHECKED; /* makes room for so many bodies */
+/* Makes the areas of bodies that may meet the ground together the rectangle around all of them. */
+enum status fleet_together_join(struct fleet_together *together, size_t count) FURROW_CHECKED;
 
 /* --- rows.c --- */
 enum status fleet_rows_put(struct fleet *fleet) FURROW_CHECKED; /* appends the given rows to fleet->sent */

@@ -436,6 +436,7 @@ void fleet_close(struct fleet *fleet)
 	mem_free(fleet->owners);
 	mem_free(fleet->next);
 	mem_free(fleet->planned_bodies);
+	fleet_together_finish(&fleet->together);
 	mem_free(fleet->sent.bytes);
 	mem_free(fleet->over);
 	mem_free(fleet->parts);

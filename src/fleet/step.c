@@ -131,14 +131,29 @@ static enum status make_owners(struct fleet *fleet)
 static enum status add_bodies(struct fleet *fleet, double until)
 {
 	const struct world *world = fleet->world;
+	struct post_rect *areas;
+	struct fleet_item item;
 	enum status status = make_owners(fleet);
-	for (size_t i = 0; i < fleet->owner_count && status == STATUS_OK; i++) {
-		struct fleet_item item = {.owner = fleet->owners[i], .weight = 1};
-		if (world_ranked(world, i) && tiles_of(fleet, world_body_area(world, i, until), &item)) {
+	if (status == STATUS_OK)
+		status = fleet_together_need(&fleet->together, fleet->owner_count);
+	if (status != STATUS_OK)
+		return status;
+	areas = fleet->together.areas;
+	for (size_t i = 0; i < fleet->owner_count; i++) {
+		if (!world_ranked(world, i))
+			continue;
+		areas[fleet->planned_count] = world_body_area(world, i, until);
+		if (tiles_of(fleet, areas[fleet->planned_count], &item))
 			fleet->planned_bodies[fleet->planned_count++] = i;
-			status = fleet_groups_add(&fleet->groups, &item);
-		} else if (world_ranked(world, i) && fleet->owners[i] == FLEET_NONE)
+		else if (fleet->owners[i] == FLEET_NONE)
 			fleet->owners[i] = 0;
+	}
+	if (world->meetings != NULL)
+		status = fleet_together_join(&fleet->together, fleet->planned_count);
+	for (size_t i = 0; i < fleet->planned_count && status == STATUS_OK; i++) {
+		item = (struct fleet_item){.owner = fleet->owners[fleet->planned_bodies[i]], .weight = 1};
+		(void)tiles_of(fleet, areas[i], &item); /* it has some */
+		status = fleet_groups_add(&fleet->groups, &item);
 	}
 	return status;
 }

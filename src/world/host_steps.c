@@ -5,7 +5,7 @@
  * contact:
  * - after a working post of travel or of turn,
  * - after a tenth of a post of sinkage,
- * - where it turns back: rises after it sank, goes on along the ground after it sank steeply, slides back, or sinks steeply after it slid,
+ * - where it turns back: rises after it sank, goes on along the ground after it sank steeply, goes or slides back, or sinks steeply after it slid,
  * - at a checkpoint, and before a query.
  *
  * In between only the forces are computed, over the same ground (bearing_feel).
@@ -61,12 +61,24 @@ static double spun(const struct host_body *host, const double rotated[3])
 	return host->body.object->shape.kind == SOIL_SPHERE ? sqrt(rotated[0] * rotated[0] + rotated[1] * rotated[1] + rotated[2] * rotated[2]) : 0;
 }
 
+/* Returns the angle by which one attitude is turned against another, rad. */
+static double angle_between(const struct soil_pose *from, const struct soil_pose *to)
+{
+	double a[3][3], b[3][3], trace = 0;
+	if (from->yaw == to->yaw && from->pitch == to->pitch && from->roll == to->roll)
+		return 0;
+	soil_axes(from->yaw, from->pitch, from->roll, 0, a);
+	soil_axes(to->yaw, to->pitch, to->roll, 0, b);
+	for (int i = 0; i < 3; i++)
+		for (int k = 0; k < 3; k++)
+			trace += (a[i][k] - b[i][k]) * (a[i][k] - b[i][k]);
+	return 2 * asin(fmin(sqrt(trace / 8), 1));
+}
+
 /* Metres by which its outermost points have turned, or its belt has run. */
 static double turned_by(const struct host_body *host, const struct soil_pose *to)
 {
-	const struct soil_pose *from = &host->body.last;
-	const double attitude = fabs(turn_between(from->yaw, to->yaw)) + fabs(to->pitch - from->pitch) +
-				fabs(turn_between(from->roll, to->roll)) + spun(host, host->rotated);
+	const double attitude = angle_between(&host->body.last, to) + spun(host, host->rotated);
 	const struct soil_shape *shape = &host->body.object->shape;
 	const double bound = soil_shape_bound(shape);
 	return shape->belt ? fmax(bound * attitude, fabs(host->turned)) : bound * fmax(attitude, fabs(host->turned));
@@ -101,11 +113,24 @@ static bool has_moved(const struct host_body *host, const struct soil_pose *to)
 	       host->turned != host->felt_turned;
 }
 
-static struct soil_pose between(const struct soil_pose *a, const struct soil_pose *b, size_t part, size_t parts)
+/* Each attitude has two triples of angles. Returns the one of `to` that is nearer to `from`. */
+static struct soil_pose nearer(const struct soil_pose *from, const struct soil_pose *to)
+{
+	struct soil_pose other = *to;
+	other.yaw += M_PI;
+	other.pitch = copysign(M_PI, to->pitch) - to->pitch;
+	other.roll += M_PI;
+	const double near = fabs(turn_between(from->yaw, to->yaw)) + fabs(to->pitch - from->pitch) + fabs(turn_between(from->roll, to->roll));
+	const double far = fabs(turn_between(from->yaw, other.yaw)) + fabs(other.pitch - from->pitch) + fabs(turn_between(from->roll, other.roll));
+	return far < near ? other : *to;
+}
+
+static struct soil_pose between(const struct soil_pose *a, const struct soil_pose *to, size_t part, size_t parts)
 {
 	if (part == parts)
-		return *b;
+		return *to;
 	const double share = (double)part / (double)parts;
+	const struct soil_pose end = nearer(a, to), *b = &end;
 	return (struct soil_pose){
 		.x = a->x + llround((double)(b->x - a->x) * share),
 		.y = a->y + llround((double)(b->y - a->y) * share),
@@ -117,13 +142,12 @@ static struct soil_pose between(const struct soil_pose *a, const struct soil_pos
 	};
 }
 
-/* Notes the shape of the hollow that a contact leaves: an impression of the body where it sank, a flat rut where it moved on. */
-static void put_stamp(const struct world *world, struct host_body *host, const struct soil_pose *to)
+double world_stamp_after(const struct world *world, const struct host_body *host, const struct soil_pose *to)
 {
 	const struct soil_pose *from = &host->body.last;
-	const double stamps = host->body.in_contact ? fmax(1 - 2 * travel(from, to) / world->spacing, 0) : 1;
+	const double less = host->body.in_contact ? 2 * travel(from, to) / world->spacing : 0;
 	const bool sinks = !host->body.in_contact || lattice_offset_metres(from->z - to->z) > DIP_SHARE * world->spacing;
-	host->stamped = sinks ? stamps : fmin(stamps, host->stamped);
+	return fmax((sinks ? 1 : host->stamped) - less, 0);
 }
 
 /* Changes the ground up to this pose, by swept contacts of at most 1 + PART_MORE post spacings each. */
@@ -147,7 +171,7 @@ static enum status touch(struct world *world, int32_t number, const struct soil_
 			event.rotated[k] = host->rotated[k] / (double)parts;
 		event.distance = body->in_contact ? travel(&body->last, &pose) : 0;
 		event.stamped = host->stamped;
-		put_stamp(world, host, &pose);
+		host->stamped = world_stamp_after(world, host, &pose);
 		status = over_ground(world, &event, &body->object->shape);
 		if (status != STATUS_OK)
 			return status;
@@ -207,22 +231,29 @@ double world_turning_reach(const struct soil_shape *shape)
 	return shape->kind == SOIL_WHEEL || shape->kind == SOIL_SPHERE ? 0 : M_SQRT1_2 * soil_shape_bound(shape);
 }
 
-/*
- * Tells whether the motion turns at the pose of the last step: the body leaves a dip there, slides back, or sinks after it slid. A contact is taken as
- * straight, so one must end there. Shear that the body mobilised while it was light is not that of the load. turned, rotated: in this step.
- */
-static bool turns_back(const struct world *world, const struct host_body *host, const struct soil_pose *to, double turned, const double rotated[3])
+bool world_goes_back(const struct world *world, const struct host_body *host, const struct soil_pose *to, double turned, const double rotated[3])
 {
 	const struct soil_pose *from = &host->body.last, *at = &host->felt;
 	double before[2], after[2];
 	if (!host->body.in_contact || host->fresh)
 		return false;
-	if (leaves_dip(world, host, to, rotated))
+	const double went[2] = {lattice_offset_metres(at->x - from->x), lattice_offset_metres(at->y - from->y)};
+	const double goes[2] = {lattice_offset_metres(to->x - at->x), lattice_offset_metres(to->y - at->y)};
+	if (went[0] * goes[0] + went[1] * goes[1] < 0 && hypot(went[0], went[1]) >= WORLD_SINKAGE_SHARE * world->spacing)
 		return true;
 	slide_of(host, from, at, host->felt_turned, host->rotated, before);
 	slide_of(host, at, to, turned, rotated, after);
 	const double slid = hypot(before[0], before[1]), sinks = lattice_offset_metres(at->z - to->z);
 	return slid >= WORLD_SINKAGE_SHARE * world->spacing && (before[0] * after[0] + before[1] * after[1] < 0 || sinks > hypot(after[0], after[1]));
+}
+
+/*
+ * Tells whether the motion turns at the pose of the last step: the body leaves a dip there, goes or slides back, or is pressed down after it slid. A contact
+ * is taken as straight, so one must end there: shear that the body mobilised while it was light is not that of the load. turned, rotated: in this step.
+ */
+static bool turns_back(const struct world *world, const struct host_body *host, const struct soil_pose *to, double turned, const double rotated[3])
+{
+	return (host->body.in_contact && !host->fresh && leaves_dip(world, host, to, rotated)) || world_goes_back(world, host, to, turned, rotated);
 }
 
 /* Computes only the forces, without changing the ground. */

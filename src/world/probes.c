@@ -24,7 +24,7 @@ static bool place_of(const struct host_body *host, struct soil_pose *pose)
 }
 
 /* The motion since the last contact. Poses are rounded; a probe is of the very place, to 2^-40 m. */
-static struct soil_motion motion_of(const struct host_body *host, const struct world_state *state, const struct soil_pose *now, const struct soil_pose *to)
+static struct soil_motion whole_motion(const struct host_body *host, const struct world_state *state, const struct soil_pose *now, const struct soil_pose *to)
 {
 	const struct scene_object *object = host->body.object;
 	const bool known = host->body.in_contact && !host->fresh;
@@ -46,6 +46,34 @@ static struct soil_motion motion_of(const struct host_body *host, const struct w
 	memcpy(motion.linear, state->linear, sizeof motion.linear);
 	memcpy(motion.angular, state->angular, sizeof motion.angular);
 	return motion;
+}
+
+/*
+ * Gives the motion that a step to this state would end with. Where the body goes back, the step makes a contact first, up to where the body is. Then that
+ * comes before. Returns true if there is one. A dip that the step would leave does not count: a host that looks for a height would find the edge of the dip.
+ */
+static bool motion_of(const struct world *world, const struct host_body *host, const struct world_state *state, const struct soil_pose *now, const struct soil_pose *to,
+		      struct soil_motion *motion, struct soil_motion *before)
+{
+	double turned, rotated[3];
+	*motion = whole_motion(host, state, now, to);
+	turned = motion->turned - host->turned;
+	for (int k = 0; k < 3; k++)
+		rotated[k] = motion->rotated[k] - host->rotated[k];
+	if (host->quiet || !world_goes_back(world, host, to, turned, rotated))
+		return false;
+	*before = *motion;
+	before->to = motion->from = host->felt;
+	before->turned = host->turned;
+	before->runs = 0;
+	memcpy(before->rotated, host->rotated, sizeof before->rotated);
+	memset(before->beyond, 0, sizeof before->beyond);
+	memset(before->linear, 0, sizeof before->linear);
+	memset(before->angular, 0, sizeof before->angular);
+	motion->turned = turned;
+	memcpy(motion->rotated, rotated, sizeof rotated);
+	motion->stamped = world_stamp_after(world, host, &host->felt);
+	return true;
 }
 
 static bool fits(const struct world *world, struct post_rect rect)
@@ -80,14 +108,19 @@ static enum status probe_host(struct world *world, size_t body, const struct hos
 	enum status status = world_state_check(&object->shape, object->name, state, &to);
 	if (status != STATUS_OK || world->torn || !place_of(host, &now))
 		return status;
-	const struct soil_motion motion = motion_of(host, state, &now, &to);
-	const struct post_rect rect = bearing_probe_posts(world->bearing, &motion);
-	if (post_rect_empty(rect) || !fits(world, rect))
+	struct soil_motion motion, before;
+	const bool turns = motion_of(world, host, state, &now, &to, &motion, &before);
+	struct post_rect rect = bearing_probe_posts(world->bearing, &motion);
+	if (post_rect_empty(rect))
+		return STATUS_OK;
+	if (turns)
+		rect = post_rect_joined(rect, bearing_probe_posts(world->bearing, &before));
+	if (!fits(world, rect))
 		return STATUS_OK;
 	const size_t beside = list_beside(world, body, rect);
 	status = world_hold(world, rect, &held);
 	if (status == STATUS_OK)
-		status = bearing_probe(world->bearing, &motion, world->near.rests, beside, held.tiles, held.count, probed);
+		status = bearing_probe(world->bearing, turns ? &before : NULL, &motion, world->near.rests, beside, held.tiles, held.count, probed);
 	world_release(world, &held);
 	return status;
 }

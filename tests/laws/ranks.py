@@ -4,6 +4,7 @@ them the drive is resumed by any number. What cannot be done together is refused
 Here 2 and 3 processes and a few kills. By hand: RANKS=2,3,4,8 KILLS=100 RANKS_SEED=7 python3 ranks.py"""
 import filecmp
 import json
+import math
 import os
 import pathlib
 import random
@@ -65,6 +66,28 @@ LATE = scene("scm", 2.5, "".join(wheel(f"slow{x}", [[x, 60], [x + 3, 60]], speed
     wheel(f"fast{i}", [[30 - 2 * i, 63], [180, 63]], 22, "sink: 0.05") for i in range(6)), step=0.01).replace("forces: 20", "forces: 3")
 SPREAD = scene("box", 4, "".join(
     wheel(f"s{i}", [[16 + 20 * i, 20 + 7 * i], [200 - 19 * i, 190 - 13 * i]], 25, "sink: 0.08") for i in range(9)), step=0.1)
+
+
+def parts(name, shapes, at, to, speed):
+    """Bodies that go one way together. shapes: each with its place ahead and to the left of `at`."""
+    length = math.hypot(to[0] - at[0], to[1] - at[1])
+    c, s = (to[0] - at[0]) / length, (to[1] - at[1]) / length
+    lines = []
+    for i, (shape, ahead, left, more) in enumerate(shapes):
+        x, y = c * ahead - s * left, s * ahead + c * left
+        points = [[round(p[0] + x, 9), round(p[1] + y, 9)] for p in (at, to)]
+        lines.append(f"  - {{name: {name}{i}, shape: {shape}, {more}, path: {{points: {points}, speed: {speed}}}}}\n")
+    return "".join(lines)
+
+
+# What is one body in parts: wheels that abut, a plate in four, a sphere twice. Each crosses edges of tiles of 4 m, some the ways of others.
+TWIN = [("{wheel: {radius: 0.5, width: 0.3}}", 0, side * 0.15, "load: 1500, slip: 0.2") for side in (1, -1)]
+PLATE = [("{box: {size: [0.6, 0.4, 0.3]}}", ahead * 0.3, left * 0.2, "sink: 0.05") for ahead in (1, -1) for left in (1, -1)]
+TWICE = [("{sphere: {radius: 0.5}}", 0, 0, "sink: 0.08")] * 2
+TOGETHER = scene("scm", 3, "".join(
+    parts(f"twin{i}", TWIN, at, to, 6) + parts(f"plate{i}", PLATE, [at[0] + 4.1, at[1] + 7.2], [to[0] - 3.3, to[1] + 6.1], 5) +
+    parts(f"twice{i}", TWICE, [at[0] - 6.2, at[1] + 3.9], [to[0] + 2.2, to[1] - 5.1], 7)
+    for i, (at, to) in enumerate((([30, 30], [50, 41]), ([62, 50], [44, 34]), ([100, 60], [84, 73]), ([84, 90], [101, 76]), ([120, 20], [121, 44])))))
 
 
 class Ranks(FurrowTest):
@@ -199,6 +222,13 @@ class TheSame(Ranks):
         self.assertEqual([report["ended"] for report in reports], ["failed", "failed"])
         self.assertIn("leaves: no ground under it", self.run_command(self.command(2, "scene.yaml", "two", "--resume"), expect=1))
         self.same("one", "two", reports)
+
+    def test_bodies_that_are_one_body_in_parts(self):
+        for cells in (32, 16):
+            self.ok("import", "plain.tif", "-o", f"tiles{cells}.furrow", "--tile", cells)
+            for path in (*self.folder.glob("one*"), *self.folder.glob("many*")):
+                shutil.rmtree(path) if path.is_dir() else path.unlink()
+            self.compare(TOGETHER.replace("slots: 24", f"slots: {128 * 32 // cells}"), f"tiles{cells}.furrow")
 
     def test_more_ranks_than_bodies(self):
         self.compare(ALONE, ranks=[3], moves=False)

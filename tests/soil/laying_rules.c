@@ -82,7 +82,7 @@ static void a_post_gets_soil_by_its_distance(void **state)
 	begin(&ground, 0, 0);
 	ball->shape = (struct soil_shape){.kind = SOIL_SPHERE, .radius = 1};
 	const struct soil_pose pose = pose_at(40, 40, 0, spacing);
-	ball->laying = soil_laying_of(&ball->shape, &pose, &pose, 0, spacing);
+	ball->laying = soil_laying_of(&ball->shape, &pose, &pose, 0, NULL, spacing);
 	assert_true(ball->laying.around && ball->laying.widest == 128);
 	touch(&ground, ball, soils, (struct post_rect){40, 40, 41, 41}, 1 << 20, 1 << 20);
 	const struct soil_lay_result result = lay(&ground, ball, soils);
@@ -107,7 +107,7 @@ static void sums_of_wheel(double slip, double aside, double sums[SOIL_FACES], in
 	begin(&ground, 0, 0);
 	wheel->shape = (struct soil_shape){.kind = SOIL_WHEEL, .radius = 0.6, .width = 0.55};
 	const struct soil_pose from = pose_at(40, 40 - aside, 0, spacing), to = pose_at(41, 40, 0, spacing);
-	wheel->laying = soil_laying_of(&wheel->shape, &from, &to, (1 - slip) * spacing / wheel->shape.radius, spacing);
+	wheel->laying = soil_laying_of(&wheel->shape, &from, &to, (1 - slip) * spacing / wheel->shape.radius, NULL, spacing);
 	touch(&ground, wheel, soils, (struct post_rect){37, 36, 46, 45}, 1 << 18, 1 << 18);
 	assert_true(lay(&ground, wheel, soils).compacted == 0 && sum_of(&ground) == 81 << 18);
 	memset(sums, 0, SOIL_FACES * sizeof *sums);
@@ -153,7 +153,7 @@ static void make_bodies(int64_t x0, int64_t y0, double spacing, const struct soi
 		from.x -= k > 0 ? lattice_offset(spacing * cos(places[k][2])) : 0;
 		from.y -= k > 0 ? lattice_offset(spacing * sin(places[k][2])) : 0;
 		body->shape = shapes[k];
-		body->laying = soil_laying_of(&shapes[k], &from, &to, spacing / 0.75, spacing);
+		body->laying = soil_laying_of(&shapes[k], &from, &to, spacing / 0.75, NULL, spacing);
 		touch(&ground, body, soils, (struct post_rect){x - 5, y - 4 + k, x + 6, y + 5}, 12345 + k, 1 << 16);
 	}
 }

@@ -60,7 +60,7 @@ static struct borne move(struct bed *bed, const struct party *party, const int *
 	for (int k = 0; k < party->count; k++)
 		soil_sink_claim(works[k], (uint8_t)(k + 1), claims);
 	for (int k = 0; k < party->count; k++) {
-		const struct soil_laying laying = soil_laying_of(motions[k].shape, &motions[k].from, &motions[k].to, motions[k].turned, bed->law.spacing);
+		const struct soil_laying laying = soil_laying_of(motions[k].shape, &motions[k].from, &motions[k].to, motions[k].turned, motions[k].rotated, bed->law.spacing);
 		const struct soil_sink sink = {.laying = &laying, .soils = bed->laid};
 		const struct soil_sink_shared shared = {claims, owners, (uint8_t)(k + 1)};
 		const double *force = imprints[k].forces.force, *moment = imprints[k].forces.moment;

@@ -15,7 +15,7 @@ double deform_spread_band(const struct deform *deform, const struct soil_shape *
 
 struct soil_laying deform_laying(const struct deform *deform, const struct deform_contact *contact)
 {
-	return soil_laying_of(contact->shape, &contact->from, &contact->to, contact->turned, deform->spacing);
+	return soil_laying_of(contact->shape, &contact->from, &contact->to, contact->turned, contact->rotated, deform->spacing);
 }
 
 struct post_rect deform_spread_posts(const struct deform *deform, const struct deform_contact *contact, struct post_rect shadow)

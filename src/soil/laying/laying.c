@@ -38,12 +38,12 @@ static void push_of(double ran, double way, double forward, double aside, double
 /* A wheel that goes on lays its soil beside itself, from a whole to five eighths of its radius behind its axle. Laid farther ahead, it would slide
  * in front of the wheel. The more it moves sideways, the farther ahead it lays too. If it hardly goes on, it lays all along its patch. Returns the
  * length, metres, below 0 if the wheel rolls backwards; 0: all along. */
-static double length_behind(const struct soil_shape *shape, double spacing, double forward, double aside, double down)
+static double length_behind(double radius, double spacing, double forward, double aside, double down)
 {
 	double way = hypot(forward, aside);
 	if (way == 0 || fabs(down) > way)
 		return 0;
-	double length = fmax(fmax(fabs(forward), spacing), 0.375 * shape->radius) + aside * aside / (way * way) * shape->radius;
+	double length = fmax(fmax(fabs(forward), spacing), 0.375 * radius) + aside * aside / (way * way) * radius;
 	return copysign(length, forward);
 }
 
@@ -75,9 +75,19 @@ double soil_laying_band(const struct soil_shape *shape, double spacing)
 }
 
 /* Returns how far from a wheel's axle, along it, soil is laid beside the wheel, metres. A wheel that goes on lays it behind only. */
-static double beside(const struct soil_shape *shape, double behind)
+static double beside(double radius, double behind)
 {
-	return behind != 0 ? shape->radius : shape->radius / 2;
+	return behind != 0 ? radius : radius / 2;
+}
+
+#define ROLLS_LEAST 0.1 /* of its way: a body whose surface runs over it by less does not roll */
+
+/* Returns how far the surface of a body that is no wheel ran over it along its way, m. A body with flat sides does not roll. rotated: rad about local axes. */
+static double rolled(const struct soil_shape *shape, const struct soil_pose *to, const double rotated[3], double heading)
+{
+	if (rotated == NULL || shape->kind == SOIL_BOX)
+		return 0;
+	return fmax(cos(heading) * rotated[1] - sin(heading) * rotated[0], 0) * soil_shape_reach(shape, to->pitch, to->roll);
 }
 
 /* Gives each face its share. Half of the pushed soil goes ahead, half aside. So a heap ahead stops growing at about the height that the cut is
@@ -112,10 +122,11 @@ static void place_frame(struct soil_laying *laying, const struct soil_pose *to, 
 }
 
 struct soil_laying soil_laying_of(const struct soil_shape *shape, const struct soil_pose *from, const struct soil_pose *to, double turned,
-				  double spacing)
+				  const double rotated[3], double spacing)
 {
 	double dx = lattice_offset_metres(to->x - from->x), dy = lattice_offset_metres(to->y - from->y);
 	double dz = lattice_offset_metres(to->z - from->z), way = hypot(dx, dy), push[2] = {1, 0};
+	double radius = shape->radius;
 	struct soil_laying laying = {.heading = to->yaw};
 	if (soil_only_set_down(from, to))
 		way = 0;
@@ -124,9 +135,15 @@ struct soil_laying soil_laying_of(const struct soil_shape *shape, const struct s
 		double ahead[2] = {cos(laying.heading), sin(laying.heading)};
 		double forward = dx * ahead[0] + dy * ahead[1], aside = dy * ahead[0] - dx * ahead[1];
 		push_of(soil_shape_ran(shape, turned), way, forward, aside, push);
-		laying.behind = wheel && way > 0 ? length_behind(shape, spacing, forward, aside, dz) : 0;
+		laying.behind = wheel && way > 0 ? length_behind(radius, spacing, forward, aside, dz) : 0;
 	} else if (way > fabs(dz)) {
 		laying.heading = atan2(dy, dx);
+		const double ran = rolled(shape, to, rotated, laying.heading);
+		push_of(ran, way, way, 0, push);
+		if (ran > ROLLS_LEAST * way) {
+			radius = soil_shape_reach(shape, to->pitch, to->roll);
+			laying.behind = length_behind(radius, spacing, way, 0, dz);
+		}
 	} else {
 		laying.around = true;
 		laying.heading = 0;
@@ -136,7 +153,7 @@ struct soil_laying soil_laying_of(const struct soil_shape *shape, const struct s
 	place_frame(&laying, to, spacing);
 	laying.widest = (int32_t)ceil(64 * soil_laying_band(shape, spacing));
 	laying.half_width = wheel ? fixed(shape->width / 2 / spacing) : 0;
-	laying.beside = wheel ? fixed(fmax(beside(shape, laying.behind) / spacing, 1)) : INT32_MAX;
+	laying.beside = wheel || laying.behind != 0 ? fixed(fmax(beside(radius, laying.behind) / spacing, 1)) : INT32_MAX;
 	laying.goes_on = fixed(fmax(fmin(laying.behind / spacing, FARTHEST), -FARTHEST));
 	return laying;
 }
@@ -158,7 +175,7 @@ static struct post_rect with_band(struct post_rect rect, const struct soil_pose 
 static struct post_rect wheel_posts(const struct soil_laying *laying, const struct soil_shape *shape, const struct soil_pose *to, double spacing,
 				    double band, struct post_rect shadow)
 {
-	double along = soil_body_wheel_radius(shape), across = shape->width / 2, ends = beside(shape, laying->behind);
+	double along = soil_body_wheel_radius(shape), across = shape->width / 2, ends = beside(shape->radius, laying->behind);
 	double last = laying->behind != 0 ? fmin(fabs(laying->behind) - ends, ends) : ends;
 	double low = laying->behind < 0 ? -last : -ends, high = laying->behind < 0 ? ends : last;
 	if (laying->ends)

@@ -33,7 +33,7 @@ struct soil_laying {
 	bool around;       /* all around the patch; false: beside the faces of a rectangle around the patch, which heads as the body does */
 	bool ends, sides;  /* false: nothing is laid ahead and behind; to the left and right */
 	double heading;    /* rad: of the frame */
-	double behind;     /* m: a wheel that goes on lays over this length, from `beside` behind its axle on. Below 0: it rolls backwards.
+	double behind;     /* m: a wheel that goes on, or another body that rolls, lays over this length, from `beside` behind its axle on. Below 0: it rolls backwards.
 			    * 0: all along its patch */
 	int32_t axis[2];   /* x axis of the frame, 2^-16 */
 	int64_t x, y;      /* the post south-west of the body's centre */
@@ -46,9 +46,10 @@ struct soil_laying {
 	int32_t goes_on;   /* `behind` in 2^-16 post */
 	int32_t shares[SOIL_FACES]; /* of the soil for each face, 2^-16 */
 };
-/* Tells how a contact from one pose to the other lays soil. turned: how far a wheel turned about its axis, rad, or a belt ran, m. */
+/* Tells how a contact from one pose to the other lays soil. turned: how far a wheel turned about its axis, rad, or a belt ran, m. rotated: how far another
+ * body turned about local axes, rad; NULL: not. */
 struct soil_laying soil_laying_of(const struct soil_shape *shape, const struct soil_pose *from, const struct soil_pose *to, double turned,
-				  double spacing);
+				  const double rotated[3], double spacing);
 /* Returns the widest band of a body, in posts. */
 double soil_laying_band(const struct soil_shape *shape, double spacing);
 /* Returns the shadow of a body and all posts on which it may lay soil. shadow: the posts that the body can be above in the contact. */
