@@ -5,7 +5,8 @@
  * contact:
  * - after a working post of travel or of turn,
  * - after a tenth of a post of sinkage,
- * - where it turns back: rises after it sank, goes on along the ground after it sank steeply, goes or slides back, or sinks steeply after it slid,
+ * - where it turns back: rises after it sank, or goes on along the ground after it sank steeply,
+ * - where it goes or slides back, or sinks steeply after it slid,
  * - at a checkpoint, and before a query.
  *
  * In between only the forces are computed, over the same ground (bearing_feel).
@@ -248,8 +249,8 @@ bool world_goes_back(const struct world *world, const struct host_body *host, co
 }
 
 /*
- * Tells whether the motion turns at the pose of the last step: the body leaves a dip there, goes or slides back, or is pressed down after it slid. A contact
- * is taken as straight, so one must end there: shear that the body mobilised while it was light is not that of the load. turned, rotated: in this step.
+ * Tells whether the motion turns at the pose of the last step: the body leaves a dip there, goes or slides back, or sinks after it slid. A contact is taken
+ * as straight, so one must end there. Shear that the body mobilised while it was light is not that of the load. turned, rotated: in this step.
  */
 static bool turns_back(const struct world *world, const struct host_body *host, const struct soil_pose *to, double turned, const double rotated[3])
 {

@@ -75,12 +75,12 @@ bool world_is_quiet(const struct world *world, size_t index); /* a host's body w
 
 /* Moves the host's bodies to the places that the host gave. The motion takes `seconds` and ends at time `until`. */
 enum status world_hosts_step(struct world *world, double seconds, double until) FURROW_CHECKED;
-/* Adds the host's bodies that rest on the ground to `rests`. Returns their number. */
-/* Tells whether the body goes or slides back from the pose of the last step, or is pressed down after it slid, so that a contact ends there. to, turned,
- * rotated: of the next step. */
+/* Tells whether a contact ends at the pose of the last step: the body goes or slides back there, or sinks after it slid. to, turned, rotated: of the next
+ * step. */
 bool world_goes_back(const struct world *world, const struct host_body *host, const struct soil_pose *to, double turned, const double rotated[3]);
-/* Returns the shape of the hollow that a contact leaves: an impression of the body where it sank (1), a flat rut where it moved on (0). */
+/* Returns the shape of the hollow that a contact leaves. 1: an impression of the body, where it sank. 0: a flat rut, where it moved on. */
 double world_stamp_after(const struct world *world, const struct host_body *host, const struct soil_pose *to);
+/* Adds the host's bodies that rest on the ground to `rests`. Returns their number. */
 size_t world_host_rests(const struct world *world, struct deform_rest *rests);
 void world_host_felt(struct world *world, size_t index, double time, const struct world_force *force); /* notes the force at a time, s */
 void world_host_absent(struct world *world, size_t index); /* notes that the body touches nothing */
