@@ -249,7 +249,7 @@ bool world_goes_back(const struct world *world, const struct host_body *host, co
 }
 
 /*
- * Tells whether the motion turns at the pose of the last step: the body leaves a dip there, goes or slides back, or sinks after it slid. A contact is taken
+ * Tells whether the motion turns at the pose of the last step. There the body leaves a dip, goes or slides back, or sinks after it slid. A contact is taken
  * as straight, so one must end there. Shear that the body mobilised while it was light is not that of the load. turned, rotated: in this step.
  */
 static bool turns_back(const struct world *world, const struct host_body *host, const struct soil_pose *to, double turned, const double rotated[3])
