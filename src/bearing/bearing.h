@@ -28,6 +28,8 @@ struct bearing_area {
 };
 /* STATUS_INPUT: the body is too large. Pure. */
 enum status bearing_area(const struct bearing *bearing, const struct deform_contact *contact, struct bearing_area *area) FURROW_CHECKED;
+/* Returns true if the contact reads all that the body rests on in a pose, and around it. Then nothing need be made active when it leaves that pose. */
+bool bearing_covers(const struct bearing *bearing, const struct deform_contact *contact, const struct bearing_area *area, const struct soil_pose *rest);
 
 /* One of the bodies that meet the ground together, and what it did. */
 struct bearing_contact {
@@ -83,8 +85,6 @@ enum status bearing_kinematic_run(struct bearing *bearing, const struct deform_c
 				  struct post_rect *changed) FURROW_CHECKED;
 /* held: pinned tiles. Writes the changed posts that they have. */
 enum status bearing_kinematic_scatter(struct bearing *bearing, struct post_rect changed, const struct tile_slot *held, size_t count) FURROW_CHECKED;
-/* Returns true if the contact reads all that the body rests on in a pose, and around it. Then nothing need be made active when it leaves that pose. */
-bool bearing_kinematic_covers(const struct bearing *bearing, const struct deform_contact *contact, const struct bearing_area *area, const struct soil_pose *rest);
 
 /* --- active blocks: those in which soil may still slide --- */
 

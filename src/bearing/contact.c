@@ -20,6 +20,13 @@ enum status bearing_area(const struct bearing *bearing, const struct deform_cont
 	return status;
 }
 
+bool bearing_covers(const struct bearing *bearing, const struct deform_contact *contact, const struct bearing_area *area, const struct soil_pose *rest)
+{
+	const struct post_rect shadow = soil_shadow(contact->shape, rest, rest, bearing->law.spacing), all = area->write;
+	const struct post_rect held = post_rect_intersect(post_rect_grown(shadow, bearing->rule.step), bearing->world);
+	return post_rect_empty(held) || (held.x0 >= all.x0 && held.y0 >= all.y0 && held.x1 <= all.x1 && held.y1 <= all.y1);
+}
+
 struct post_rect bearing_meeting_reads(const struct bearing_contact *contacts, size_t count)
 {
 	struct post_rect reads = {0, 0, 0, 0};
@@ -28,30 +35,29 @@ struct post_rect bearing_meeting_reads(const struct bearing_contact *contacts, s
 	return reads;
 }
 
-static enum status gather(struct bearing *bearing, struct post_rect read, const struct tile_slot *held, size_t count)
+static size_t window_posts(const struct bearing *bearing)
 {
 	const struct soil_planes *planes = &bearing->window.planes;
-	enum status status = bearing_window_need(bearing, read);
-	if (status != STATUS_OK)
-		return status;
-	resident_host_gather(bearing->slots, held, count, planes);
-	memset(planes->contact, 0, planes->width * (size_t)(read.y1 - read.y0));
-	return STATUS_OK;
+	return planes->width * (size_t)(planes->rect.y1 - planes->rect.y0);
+}
+
+/* Makes the window, whose posts no contact has touched. All of them are gathered later. */
+static enum status open_window(struct bearing *bearing, struct post_rect rect)
+{
+	enum status status = bearing_window_need(bearing, rect);
+	if (status == STATUS_OK)
+		memset(bearing->window.planes.contact, 0, window_posts(bearing));
+	return status;
 }
 
 enum status bearing_meeting_begin(struct bearing *bearing, const struct bearing_contact *contacts, size_t count, bool whole)
 {
 	const struct post_rect reads = bearing_meeting_reads(contacts, count);
-	enum status status = bearing_window_need(bearing, reads);
-	const struct soil_planes *planes = &bearing->window.planes;
-	if (status != STATUS_OK)
-		return status;
-	if (whole)
-		memset(planes->contact, 0, planes->width * (size_t)(reads.y1 - reads.y0));
-	else
+	enum status status = open_window(bearing, reads);
+	if (status == STATUS_OK && !whole)
 		bearing_window_clear(bearing); /* posts of no tile are beyond the world */
 	bearing->whole = whole;
-	return STATUS_OK;
+	return status;
 }
 
 void bearing_meeting_gather(struct bearing *bearing, const struct tile_slot *held, size_t count)
@@ -82,7 +88,7 @@ static int32_t *standing_of(struct bearing *bearing, const struct deform_contact
 	return contact->loaded_body > 0 ? &bearing->standing[contact->loaded_body - 1] : NULL;
 }
 
-/* Begins those beside the first `count` members that may be over the same ground. Adds their number to *all. */
+/* Begins those beside the first `count` members that may be over the same ground, and lists them in bearing->others. Adds their number to *all. */
 static enum status begin_rests(struct bearing *bearing, size_t count, const struct deform_rest *beside, size_t beside_count, size_t *all)
 {
 	enum status status = STATUS_OK;
@@ -95,8 +101,10 @@ static enum status begin_rests(struct bearing *bearing, size_t count, const stru
 		bearing->rests[bearing->rest_count++] = beside[i];
 		for (size_t k = 0; k < count && !overlaps; k++)
 			overlaps = bearing_members_overlap(bearing, &bearing->members[k].motion, &member->motion);
-		if (overlaps)
-			status = soil_sink_begin(&bearing->law, NULL, &bearing->members[(*all)++].motion, 0, member->work);
+		if (!overlaps)
+			continue;
+		bearing->others[(*all)++ - count] = member->work;
+		status = soil_sink_begin(&bearing->law, NULL, &member->motion, 0, member->work);
 	}
 	return status;
 }
@@ -145,8 +153,7 @@ static enum status find(struct bearing *bearing, size_t count, size_t all)
 /* Decides which body changes a post, where several touch it. */
 static enum status claim(struct bearing *bearing, const struct bearing_contact *contacts, size_t count)
 {
-	const struct soil_planes *planes = &bearing->window.planes;
-	const size_t posts = planes->width * (size_t)(planes->rect.y1 - planes->rect.y0);
+	const size_t posts = window_posts(bearing);
 	bool any = false;
 	for (size_t i = 0; i < count && count > 1; i++)
 		any |= bearing->members[i].crosses;
@@ -187,7 +194,7 @@ static void commit(struct bearing *bearing, size_t count, bool alone)
 	struct bearing_window *window = &bearing->window;
 	struct bearing_member *members = bearing->members;
 	if (!alone)
-		memset(window->owners, 0, window->planes.width * (size_t)(window->planes.rect.y1 - window->planes.rect.y0));
+		memset(window->owners, 0, window_posts(bearing));
 	begin_parties(bearing, count);
 	for (size_t i = 0; i < count; i++) {
 		struct bearing_member *member = &members[i];
@@ -208,8 +215,7 @@ static void commit(struct bearing *bearing, size_t count, bool alone)
 /* Marks the posts that a party touched. */
 static const uint8_t *patch_of(struct bearing *bearing, size_t party)
 {
-	const struct soil_planes *planes = &bearing->window.planes;
-	const size_t posts = planes->width * (size_t)(planes->rect.y1 - planes->rect.y0);
+	const size_t posts = window_posts(bearing);
 	uint8_t *patch = bearing->window.patch;
 	const uint8_t *owners = bearing->window.owners;
 	for (size_t i = 0; i < posts; i++)
@@ -227,7 +233,7 @@ static bool lay(struct bearing *bearing, size_t count, bool alone)
 		if (member->feels || member->imprint.measured.carried <= 0)
 			continue;
 		if (!any)
-			memset(window->deposits, 0, window->planes.width * (size_t)(window->planes.rect.y1 - window->planes.rect.y0) * sizeof *window->deposits);
+			memset(window->deposits, 0, window_posts(bearing) * sizeof *window->deposits);
 		any = true;
 		const uint8_t *patch = !alone && member->laying.around ? patch_of(bearing, i) : window->planes.contact;
 		soil_lay(&member->laying, &member->imprint.measured, bearing->laid, &window->planes, patch, member->write, window->scratch, window->deposits,
@@ -384,8 +390,6 @@ static enum status sink_before(struct bearing *bearing, const struct soil_motion
 	enum status status = begin_rests(bearing, 1, beside, beside_count, &all);
 	if (status == STATUS_OK)
 		status = soil_sink_begin(&bearing->law, &bearing->window.planes, &member->motion, 0, member->work);
-	for (size_t i = 1; i < all; i++)
-		bearing->others[i - 1] = bearing->members[i].work;
 	if (status == STATUS_OK)
 		status = soil_sink_meet(member->work, bearing->others, all - 1);
 	if (status != STATUS_OK)
@@ -406,15 +410,15 @@ enum status bearing_probe(struct bearing *bearing, const struct soil_motion *bef
 		read = post_rect_joined(read, bearing_probe_posts(bearing, before));
 	enum status status = bearing_members_need(bearing, 1 + beside_count);
 	if (status == STATUS_OK)
-		status = gather(bearing, read, held, count);
+		status = open_window(bearing, read);
+	if (status == STATUS_OK)
+		resident_host_gather(bearing->slots, held, count, &bearing->window.planes);
 	if (status == STATUS_OK && before != NULL)
 		status = sink_before(bearing, before, beside, beside_count);
 	size_t all = 1;
 	bearing->members[0].motion = *motion;
 	if (status == STATUS_OK)
 		status = begin_rests(bearing, 1, beside, beside_count, &all);
-	for (size_t i = 1; i < all; i++)
-		bearing->others[i - 1] = bearing->members[i].work;
 	if (status != STATUS_OK)
 		return status;
 	return soil_probe_among(&bearing->law, &bearing->window.planes, motion, bearing->others, all - 1, bearing->members[0].work, out);

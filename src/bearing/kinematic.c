@@ -139,10 +139,3 @@ enum status bearing_kinematic_scatter(struct bearing *bearing, struct post_rect 
 		resident_host_scatter(bearing->slots, held, count, &bearing->window.planes, changed, bearing->planes);
 	return status;
 }
-
-bool bearing_kinematic_covers(const struct bearing *bearing, const struct deform_contact *contact, const struct bearing_area *area, const struct soil_pose *rest)
-{
-	const struct post_rect shadow = soil_shadow(contact->shape, rest, rest, bearing->law.spacing), all = area->write;
-	const struct post_rect held = post_rect_intersect(post_rect_grown(shadow, bearing->rule.step), bearing->world);
-	return post_rect_empty(held) || (held.x0 >= all.x0 && held.y0 >= all.y0 && held.x1 <= all.x1 && held.y1 <= all.y1);
-}

@@ -196,16 +196,3 @@ enum status soil_sink_body(const struct soil_law *law, const struct soil_planes 
 	soil_sink_commit(work, sink, NULL, out);
 	return STATUS_OK;
 }
-
-enum status soil_feel(const struct soil_law *law, const struct soil_planes *planes, const struct soil_motion *motion, int32_t start, struct soil_work *work,
-		      struct soil_forces *out)
-{
-	struct soil_imprint imprint;
-	work->raised = motion->load > 0 ? start : 0;
-	enum status status = soil_contact_begin(law, planes, motion, work, 0, &work->contact);
-	if (status != STATUS_OK)
-		return status;
-	soil_sink_find(work, &imprint);
-	*out = imprint.forces;
-	return STATUS_OK;
-}

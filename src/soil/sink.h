@@ -65,9 +65,4 @@ struct soil_sink_shared {
 /* Changes the posts that a body touches. shared: NULL for one body alone. Fills all other numbers of the imprint. */
 void soil_sink_commit(const struct soil_work *work, const struct soil_sink *sink, const struct soil_sink_shared *shared, struct soil_imprint *out);
 
-/* Computes the forces that soil_sink_body would tell, and changes nothing. start: as in struct soil_sink. STATUS_MEMORY. Any thread; `work` belongs to
- * one. */
-enum status soil_feel(const struct soil_law *law, const struct soil_planes *planes, const struct soil_motion *motion, int32_t start, struct soil_work *work,
-		      struct soil_forces *out) FURROW_CHECKED;
-
 #endif

@@ -14,7 +14,6 @@
 
 #define TILES_MOST DEFORM_BATCH_TILES /* of a contact that may wait: with smaller tiles it is computed alone */
 #define WAITING_MOST 8192
-#define BLOCK 32       /* posts on a side of a block: about as many as a small window has */
 
 struct waiting {
 	const struct event *event;
@@ -75,26 +74,13 @@ static size_t tiles_of(const struct world *world, struct post_rect rect, uint64_
 	return count;
 }
 
-/* The blocks on which posts of a rectangle lie: from the first to before the last. A window may begin beyond the world. */
-static struct post_rect blocks_of(struct post_rect rect)
-{
-	rect.x0 = rect.x0 > 0 ? rect.x0 : 0;
-	rect.y0 = rect.y0 > 0 ? rect.y0 : 0;
-	return (struct post_rect){rect.x0 / BLOCK, rect.y0 / BLOCK, (rect.x1 + BLOCK - 1) / BLOCK, (rect.y1 + BLOCK - 1) / BLOCK};
-}
-
-static uint64_t block_key(int64_t x, int64_t y)
-{
-	return (uint64_t)y << 32 | (uint64_t)x;
-}
-
 static size_t last_round(const struct batches *batches, struct post_rect rect)
 {
-	const struct post_rect blocks = blocks_of(rect);
+	const struct post_rect blocks = world_blocks_of(rect);
 	size_t last = 0;
 	for (int64_t y = blocks.y0; y < blocks.y1; y++)
 		for (int64_t x = blocks.x0; x < blocks.x1; x++) {
-			const struct key_pair *pair = key_map_find(&batches->last, block_key(x, y));
+			const struct key_pair *pair = key_map_find(&batches->last, world_block_key(x, y));
 			if (pair != NULL && (size_t)pair->a > last)
 				last = (size_t)pair->a;
 		}
@@ -103,7 +89,7 @@ static size_t last_round(const struct batches *batches, struct post_rect rect)
 
 static enum status add(struct batches *batches, const struct waiting *waiting)
 {
-	const struct post_rect blocks = blocks_of(waiting->window.read);
+	const struct post_rect blocks = world_blocks_of(waiting->window.read);
 	if (batches->count == batches->room) {
 		size_t room = batches->room != 0 ? 2 * batches->room : 64;
 		struct waiting *list = mem_realloc(batches->list, room, sizeof *list);
@@ -116,7 +102,7 @@ static enum status add(struct batches *batches, const struct waiting *waiting)
 	enum status status = STATUS_OK;
 	for (int64_t y = blocks.y0; y < blocks.y1; y++)
 		for (int64_t x = blocks.x0; x < blocks.x1 && status == STATUS_OK; x++)
-			status = key_map_put(&batches->last, block_key(x, y), (double)waiting->round, 0);
+			status = key_map_put(&batches->last, world_block_key(x, y), (double)waiting->round, 0);
 	return status;
 }
 

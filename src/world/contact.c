@@ -33,6 +33,14 @@ static void add_tile(struct held_tiles *held, struct tile tile)
 	held->keys[held->count++] = tile_key(tile);
 }
 
+size_t world_tiles_in(const struct world *world, struct post_rect rect)
+{
+	struct tile first, last;
+	if (!tile_range_of(&world->meta->extent, world->level, rect, &first, &last))
+		return 0;
+	return (size_t)(last.x - first.x + 1) * (last.y - first.y + 1);
+}
+
 enum status world_hold_tile(struct world *world, struct tile tile, struct held_tiles *held)
 {
 	held->count = 0;
@@ -197,22 +205,13 @@ static struct deform_contact contact_of(const struct world *world, const struct 
 	return contact;
 }
 
-/* Returns true if a contact reads everything that the body rests on in a pose, and around it. */
-static bool covers(const struct world *world, const struct deform_contact *contact, const struct soil_pose *rest, const struct bearing_area *area)
-{
-	const struct post_rect shadow = soil_shadow(contact->shape, rest, rest, world->spacing), all = area->write;
-	const struct post_rect world_posts = {0, 0, extent_posts(world->meta->extent.width, world->level), extent_posts(world->meta->extent.height, world->level)};
-	const struct post_rect held = post_rect_intersect(post_rect_grown(shadow, 1), world_posts);
-	return post_rect_empty(held) || (held.x0 >= all.x0 && held.y0 >= all.y0 && held.x1 <= all.x1 && held.y1 <= all.y1);
-}
-
 /* A contact with soil that bears. It waits for others of this time: world_meetings_flush computes it. */
 static enum status bearing_contact_at(struct world *world, const struct event *event, const struct deform_contact *contact, bool feels)
 {
 	const struct body *body = world_body_at(world, event->body);
 	struct bearing_area area;
 	enum status status = bearing_area(world->bearing, contact, &area);
-	if (status == STATUS_OK && !feels && body->in_contact && !covers(world, contact, &body->last, &area))
+	if (status == STATUS_OK && !feels && body->in_contact && !bearing_covers(world->bearing, contact, &area, &body->last))
 		status = world_let_go(world, body);
 	if (status != STATUS_OK)
 		return status;

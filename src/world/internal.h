@@ -240,6 +240,7 @@ struct held_tiles {
 	uint64_t keys[WORLD_TILES_MOST];
 	size_t count;
 };
+size_t world_tiles_in(const struct world *world, struct post_rect rect); /* returns how many tiles have a post in the rectangle */
 /* Pins all tiles that have a post in the rectangle. After a failure none is pinned. */
 enum status world_hold(struct world *world, struct post_rect rect, struct held_tiles *held) FURROW_CHECKED;
 enum status world_hold_tile(struct world *world, struct tile tile, struct held_tiles *held) FURROW_CHECKED;
@@ -261,6 +262,19 @@ enum status world_kinematic_contact(struct world *world, const struct event *eve
 
 /* Computes the forces on a host's body without changing the ground. */
 enum status world_feel(struct world *world, const struct event *event) FURROW_CHECKED;
+
+/* Returns the blocks on which posts of a window lie that may begin beyond the world. Contacts that share no block share no post. */
+static inline struct post_rect world_blocks_of(struct post_rect rect)
+{
+	rect.x0 = rect.x0 > 0 ? rect.x0 : 0;
+	rect.y0 = rect.y0 > 0 ? rect.y0 : 0;
+	return soil_slide_blocks(rect);
+}
+
+static inline uint64_t world_block_key(int64_t x, int64_t y)
+{
+	return (uint64_t)y << 32 | (uint64_t)x;
+}
 
 /* --- batch.c: contacts that wait, to be computed together --- */
 

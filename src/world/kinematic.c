@@ -78,7 +78,7 @@ enum status world_kinematic_contact(struct world *world, const struct event *eve
 		world_forces_met(world->forces, event->body, event); /* rows tell where the body is */
 	else
 		world_forces_absent(world->forces, event->body, event);
-	if (status == STATUS_OK && body->in_contact && !bearing_kinematic_covers(world->bearing, contact, &area, &body->last))
+	if (status == STATUS_OK && body->in_contact && !bearing_covers(world->bearing, contact, &area, &body->last))
 		status = world_let_go(world, body);
 	const size_t due = deform_windows_computed(windows, count);
 	world->windows.due += due;

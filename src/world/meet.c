@@ -10,7 +10,6 @@
 
 #include "world/internal.h"
 
-#define BLOCK 32       /* posts on a side of a block */
 #define MORE_MOST 4.0  /* a window may have so many times the posts of its contacts */
 
 struct waiting_contact {
@@ -37,7 +36,7 @@ struct meetings {
 	struct waiting_contact *list;
 	size_t count, room, rounds;
 	uint64_t turn;                   /* how often they were computed */
-	struct key_map blocks;           /* of a block: the first contact of this round whose window has posts in it, and the round */
+	struct key_map blocks;           /* of a block: the first contact of this round whose window has posts in it */
 	size_t *order;                   /* of a round, by group */
 	struct bearing_contact *contacts; /* in that order */
 	struct group *groups;            /* that are computed at once */
@@ -125,13 +124,6 @@ static void join(struct waiting_contact *list, size_t a, size_t b)
 	list[p > q ? p : q].group = p > q ? q : p;
 }
 
-static struct post_rect blocks_of(struct post_rect rect)
-{
-	rect.x0 = rect.x0 > 0 ? rect.x0 : 0;
-	rect.y0 = rect.y0 > 0 ? rect.y0 : 0;
-	return (struct post_rect){rect.x0 / BLOCK, rect.y0 / BLOCK, (rect.x1 + BLOCK - 1) / BLOCK, (rect.y1 + BLOCK - 1) / BLOCK};
-}
-
 /* Joins contacts of one round whose windows share a block of posts. order: their indices. */
 static enum status put_groups(struct meetings *m, size_t count)
 {
@@ -141,10 +133,10 @@ static enum status put_groups(struct meetings *m, size_t count)
 		m->list[m->order[n]].group = m->order[n];
 	for (size_t n = 0; n < count && count > 1; n++) {
 		const size_t i = m->order[n];
-		const struct post_rect blocks = blocks_of(m->list[i].area.read);
+		const struct post_rect blocks = world_blocks_of(m->list[i].area.read);
 		for (int64_t y = blocks.y0; y < blocks.y1; y++)
 			for (int64_t x = blocks.x0; x < blocks.x1 && status == STATUS_OK; x++) {
-				const uint64_t key = (uint64_t)y << 32 | (uint64_t)x;
+				const uint64_t key = world_block_key(x, y);
 				const struct key_pair *pair = key_map_find(&m->blocks, key);
 				if (pair != NULL)
 					join(m->list, (size_t)pair->a, i);
@@ -182,14 +174,6 @@ static int by_place(const void *a, const void *b, void *user)
 }
 
 /* --- computing --- */
-
-static size_t tiles_in(const struct world *world, struct post_rect rect)
-{
-	struct tile first, last;
-	if (!tile_range_of(&world->meta->extent, world->level, rect, &first, &last))
-		return 0;
-	return (size_t)(last.x - first.x + 1) * (last.y - first.y + 1);
-}
 
 static double posts_in(struct post_rect rect)
 {
@@ -379,7 +363,7 @@ static void put_group(struct world *world, size_t number, size_t first, size_t l
 	group->count = last - first;
 	group->contacts = &m->contacts[first];
 	group->hand = bearing_hand(world->bearing, number);
-	group->whole = group->count == 1 || tiles_in(world, bearing_meeting_reads(group->contacts, group->count)) <= world->windows.tiles;
+	group->whole = group->count == 1 || world_tiles_in(world, bearing_meeting_reads(group->contacts, group->count)) <= world->windows.tiles;
 }
 
 /* Returns where the group ends that begins at order[first]. */
@@ -424,7 +408,7 @@ static enum status compute_round(struct world *world, size_t round)
 	for (size_t first = 0; first < count && status == STATUS_OK;) {
 		size_t groups = 0, tiles = 0;
 		while (first < count && groups < hands && status == STATUS_OK) {
-			const size_t last = group_end(m, first, count), more = tiles_in(world, bearing_meeting_reads(&m->contacts[first], last - first));
+			const size_t last = group_end(m, first, count), more = world_tiles_in(world, bearing_meeting_reads(&m->contacts[first], last - first));
 			if (groups > 0 && tiles + more > most)
 				break;
 			if (fits(&m->contacts[first], last - first)) {

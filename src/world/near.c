@@ -187,18 +187,16 @@ enum status world_near_make(struct world *world)
 	return status == STATUS_OK ? end_list(&world->near) : status;
 }
 
+static int by_body(const void *a, const void *b)
+{
+	const struct near_entry *p = a, *q = b;
+	return p->body < q->body ? -1 : p->body > q->body;
+}
+
 /* Returns the entry of a body; NULL: it has none. */
 static struct near_entry *entry_of(struct near_table *near, size_t body)
 {
-	size_t low = 0, high = near->count;
-	while (low < high) {
-		const size_t middle = low + (high - low) / 2;
-		if (near->entries[middle].body < body)
-			low = middle + 1;
-		else
-			high = middle;
-	}
-	return low < near->count && near->entries[low].body == body ? &near->entries[low] : NULL;
+	return bsearch(&(struct near_entry){.body = body}, near->entries, near->count, sizeof *near->entries, by_body);
 }
 
 static void move(const struct world *world, struct near_entry *entry, const struct soil_pose *pose)
@@ -239,6 +237,7 @@ void world_near_end(struct world *world)
 	for (; near->moved > 0; near->moved--)
 		near->entries[near->kept[near->moved - 1].at] = near->kept[near->moved - 1].entry;
 }
+
 /* --- finding --- */
 
 /* Notes a body if it is over these posts. */
@@ -256,12 +255,6 @@ static void look(struct world *world, size_t at, struct post_rect rect)
 			return;
 	}
 	near->found[near->found_count++] = *entry;
-}
-
-static int by_body(const void *a, const void *b)
-{
-	const struct near_entry *p = a, *q = b;
-	return p->body < q->body ? -1 : p->body > q->body;
 }
 
 static size_t first_of(const struct near_table *near, uint64_t key)

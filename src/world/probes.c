@@ -78,12 +78,8 @@ static bool motion_of(const struct world *world, const struct host_body *host, c
 
 static bool fits(const struct world *world, struct post_rect rect)
 {
-	struct tile first, last;
-	if (rect.x1 - rect.x0 > DEFORM_WHOLE_POSTS || rect.y1 - rect.y0 > DEFORM_WHOLE_POSTS)
-		return false;
-	if (!tile_range_of(&world->meta->extent, world->level, rect, &first, &last))
-		return false;
-	return (size_t)(last.x - first.x + 1) * (last.y - first.y + 1) <= world->windows.tiles;
+	const size_t tiles = world_tiles_in(world, rect);
+	return rect.x1 - rect.x0 <= DEFORM_WHOLE_POSTS && rect.y1 - rect.y0 <= DEFORM_WHOLE_POSTS && tiles > 0 && tiles <= world->windows.tiles;
 }
 
 /* Lists the bodies beside a host's body, in world->near.rests. Returns how many there are. */

@@ -116,6 +116,15 @@ static inline struct soil_imprint bed_press(struct bed *bed, const struct soil_m
 	return out;
 }
 
+/* Returns the forces that bed_press would tell. Changes nothing. */
+static inline struct soil_forces bed_feel(struct bed *bed, const struct soil_motion *motion, int32_t start)
+{
+	struct soil_imprint out;
+	assert_ok(soil_sink_begin(&bed->law, &bed->planes, motion, start, bed->work));
+	soil_sink_find(bed->work, &out);
+	return out.forces;
+}
+
 static inline struct soil_probed bed_probe(struct bed *bed, const struct soil_motion *motion)
 {
 	struct soil_probed out;

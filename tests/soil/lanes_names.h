@@ -23,7 +23,6 @@
 #define soil_sink_is_part LANES_NAME(LANES_OF, sink_is_part)
 #define soil_sink_widen LANES_NAME(LANES_OF, sink_widen)
 #define soil_meet_whole LANES_NAME(LANES_OF, meet_whole)
-#define soil_feel LANES_NAME(LANES_OF, feel)
 #define soil_probe LANES_NAME(LANES_OF, probe)
 #define soil_contact_begin LANES_NAME(LANES_OF, contact_begin)
 #define soil_contact_gather LANES_NAME(LANES_OF, contact_gather)

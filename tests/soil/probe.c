@@ -96,8 +96,7 @@ static void a_probe_is_the_contact_to_the_bit(void **state)
 				d.motion.linear[0] = 0.01 * k;
 				d.motion.linear[2] = step % 3 == 2 ? 0.01 : -0.03;
 				const struct soil_probed probed = bed_probe(&bed, &d.motion), again = bed_probe(&bed, &d.motion);
-				struct soil_forces felt;
-				assert_ok(soil_feel(&bed.law, &bed.planes, &d.motion, 0, bed.work, &felt));
+				const struct soil_forces felt = bed_feel(&bed, &d.motion, 0);
 				const struct soil_forces told = bed_press(&bed, &d.motion, 0).forces;
 				touches += told.force[2] > 0;
 				all++;
@@ -124,11 +123,10 @@ static void feeling_with_a_load_is_the_contact(void **state)
 		struct drive d = driven(&bed, &kinds[i], 0.7, 0.2, 2);
 		drive_on(&d, 0.02, 0, false);
 		d.motion.load = 900;
-		struct soil_forces felt;
 		int32_t *before = mem_alloc(bed.posts, sizeof *before);
 		assert_non_null(before);
 		memcpy(before, bed.planes.sinkage, bed.posts * sizeof *before);
-		assert_ok(soil_feel(&bed.law, &bed.planes, &d.motion, -3000, bed.work, &felt));
+		const struct soil_forces felt = bed_feel(&bed, &d.motion, -3000);
 		assert_memory_equal(before, bed.planes.sinkage, bed.posts * sizeof *before);
 		const struct soil_forces told = bed_press(&bed, &d.motion, -3000).forces;
 		assert_memory_equal(&felt, &told, sizeof felt);

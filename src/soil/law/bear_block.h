@@ -370,7 +370,7 @@ SOIL_INLINED void put_line(const struct soil_form *f, enum soil_form_kind kind, 
 	}
 	for (int k = 0; k < 2; k++)
 		EACH_LANE {
-			/* Below a mesh the hollow ends anywhere in a cell, so it counts bit by bit. */
+			/* Below a mesh the hollow ends anywhere in a cell. So it counts in proportion to its depth, up to a fiftieth of the distance of two places. */
 			const float over = mosts[2 * k][i] - (most(depths[2 * k][i], 0) + SOIL_LEAST);
 			unloads[k][i] = kind == FORM_RASTER ? clamped(over * (50 * f->by_step), 0, 1) : either(over > 0, 1, 0);
 		}

@@ -146,7 +146,7 @@ SOIL_INLINED void put_place(const struct soil_form *f, enum soil_form_kind kind,
 	place->holds *= spots->holds[lane];
 	if (asked) {
 		const float touching = spots->touching[lane], turning = either(touching > 0, (1 - spots->stays[lane]) / most(slip.size, 1e-9f), 0);
-		/* Where it begins to slide it is half as stiff on, and half as much stiffer back. */
+		/* A surface that slides already: its shear grows only by what Janosi's curve still has to give in the direction of the slide. */
 		put_shears(&slip, s.by_modulus, s.by_modulus * slip.time, turning, place);
 	}
 }

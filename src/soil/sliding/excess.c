@@ -176,28 +176,6 @@ SOIL_LANES static bool change_and_tell(int32_t *height, int32_t *const own[4], i
 	return change_by(height, own, before, first, end, moved, true);
 }
 
-/* --- spans --- */
-
-static bool is_empty(struct sliding_span span)
-{
-	return span.first >= span.end;
-}
-
-static struct sliding_span both(struct sliding_span a, struct sliding_span b)
-{
-	if (is_empty(a) || is_empty(b))
-		return is_empty(a) ? b : a;
-	return (struct sliding_span){a.first < b.first ? a.first : b.first, a.end > b.end ? a.end : b.end};
-}
-
-/* Returns the span with a post more on each side, within the limits. */
-static struct sliding_span wider(struct sliding_span span, struct sliding_span within)
-{
-	if (is_empty(span))
-		return (struct sliding_span){0, 0};
-	return (struct sliding_span){span.first > within.first ? span.first - 1 : within.first, span.end < within.end ? span.end + 1 : within.end};
-}
-
 void soil_sliding_all_dirty(struct sliding_field *field)
 {
 	for (size_t y = 0; y < field->height + 2; y++)
@@ -209,7 +187,7 @@ static struct sliding_span wanted(const struct sliding_field *field, size_t y, s
 {
 	if (last)
 		return within;
-	return wider(both(both(field->dirty[y], field->dirty[y + 1]), field->dirty[y + 2]), within);
+	return soil_sliding_wider(soil_sliding_both(soil_sliding_both(field->dirty[y], field->dirty[y + 1]), field->dirty[y + 2]), within);
 }
 
 /* Computes the flows of a row within a span. Returns the columns that may have some. Elsewhere in the span flows are 0. */
@@ -232,7 +210,7 @@ static struct sliding_span flow(const struct sliding_field *field, flows_fn flow
 		int32_t end = first + PART < span.end ? first + PART : span.end;
 		if (any_steep(rows.height, rows.north, (size_t)first, (size_t)end, field->least)) {
 			flows(&rows, (size_t)first, (size_t)end, to);
-			has = both(has, (struct sliding_span){first, end});
+			has = soil_sliding_both(has, (struct sliding_span){first, end});
 			continue;
 		}
 		for (int way = 0; way < 4; way++)
@@ -259,20 +237,20 @@ void soil_sliding_iterate(struct sliding_field *field, size_t trim, bool last)
 		int32_t *const *own = field->flows[y % 2], *const *south = field->flows[1 - y % 2];
 		struct sliding_span here = y >= bottom ? wanted(field, y, within, last) : none;
 		struct sliding_span after = y + 1 < top ? wanted(field, y + 1, within, last) : none;
-		struct sliding_span span = wider(both(here, after), whole);
+		struct sliding_span span = soil_sliding_wider(soil_sliding_both(here, after), whole);
 		struct sliding_span has = flow(field, flows, y, span, own);
-		struct sliding_span changes = wider(both(has, before), within);
+		struct sliding_span changes = soil_sliding_wider(soil_sliding_both(has, before), within);
 		before = has;
 		changes.first = changes.first > here.first ? changes.first : here.first;
 		changes.end = changes.end < here.end ? changes.end : here.end;
-		if (y < bottom || is_empty(changes))
+		if (y < bottom || soil_sliding_is_empty(changes))
 			continue;
 		for (int32_t first = changes.first; first < changes.end; first += PART) {
 			int32_t end = first + PART < changes.end ? first + PART : changes.end, *height = field->heights + y * field->stride;
 			bool any = last ? change_and_tell(height, own, south, (size_t)first, (size_t)end, field->moved + y * field->width)
 					: change(height, own, south, (size_t)first, (size_t)end);
 			if (any)
-				field->next[y + 1] = both(field->next[y + 1], (struct sliding_span){first, end});
+				field->next[y + 1] = soil_sliding_both(field->next[y + 1], (struct sliding_span){first, end});
 		}
 	}
 	struct sliding_span *dirty = field->dirty;

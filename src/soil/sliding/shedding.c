@@ -11,26 +11,6 @@
 
 #define PART 64 /* posts that are changed together */
 
-static bool is_empty(struct sliding_span span)
-{
-	return span.first >= span.end;
-}
-
-static struct sliding_span both(struct sliding_span a, struct sliding_span b)
-{
-	if (is_empty(a) || is_empty(b))
-		return is_empty(a) ? b : a;
-	return (struct sliding_span){a.first < b.first ? a.first : b.first, a.end > b.end ? a.end : b.end};
-}
-
-/* Returns the span with a post more on each side, within the limits. */
-static struct sliding_span wider(struct sliding_span span, struct sliding_span within)
-{
-	if (is_empty(span))
-		return (struct sliding_span){0, 0};
-	return (struct sliding_span){span.first > within.first ? span.first - 1 : within.first, span.end < within.end ? span.end + 1 : within.end};
-}
-
 /* Computes what a row sheds, in these columns. */
 static void shed_row(const struct sliding_field *field, size_t y, struct sliding_span span)
 {
@@ -78,22 +58,22 @@ void soil_sliding_shed(struct sliding_field *field, size_t trim, bool last, bool
 		field->next[y] = (struct sliding_span){0, 0};
 	for (size_t y = around > 0 ? around - 1 : 0; y < top; y++) {
 		const struct sliding_span here = soil_sliding_steep_span(field, y);
-		const struct sliding_span span = wider(both(here, south), sheds);
+		const struct sliding_span span = soil_sliding_wider(soil_sliding_both(here, south), sheds);
 		south = here;
 		if (y < around)
 			continue;
 		memset(field->sheds + y * field->stride - 1, 0, (field->width + 2) * sizeof *field->sheds);
-		shed[y] = is_empty(span) || span.first >= sheds.end || span.end <= sheds.first ? (struct sliding_span){0, 0} : span;
-		shed[y].first = shed[y].first < sheds.first && !is_empty(shed[y]) ? sheds.first : shed[y].first;
+		shed[y] = soil_sliding_is_empty(span) || span.first >= sheds.end || span.end <= sheds.first ? (struct sliding_span){0, 0} : span;
+		shed[y].first = shed[y].first < sheds.first && !soil_sliding_is_empty(shed[y]) ? sheds.first : shed[y].first;
 		shed[y].end = shed[y].end > sheds.end ? sheds.end : shed[y].end;
-		if (!is_empty(shed[y]))
+		if (!soil_sliding_is_empty(shed[y]))
 			shed_row(field, y, shed[y]);
 	}
 	for (size_t y = trim; y < field->height - trim; y++) {
-		struct sliding_span span = wider(both(both(shed[(ptrdiff_t)y - 1], shed[y]), shed[y + 1]), takes);
+		struct sliding_span span = soil_sliding_wider(soil_sliding_both(soil_sliding_both(shed[(ptrdiff_t)y - 1], shed[y]), shed[y + 1]), takes);
 		span.first = span.first < takes.first ? takes.first : span.first;
 		span.end = span.end > takes.end ? takes.end : span.end;
-		if (!is_empty(span))
+		if (!soil_sliding_is_empty(span))
 			take_row(field, y, span, last, window);
 	}
 }

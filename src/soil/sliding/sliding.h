@@ -25,6 +25,27 @@ struct sliding_span {
 	int32_t first, end;
 };
 
+static inline bool soil_sliding_is_empty(struct sliding_span span)
+{
+	return span.first >= span.end;
+}
+
+/* Returns the columns from the first of both to the end of both. */
+static inline struct sliding_span soil_sliding_both(struct sliding_span a, struct sliding_span b)
+{
+	if (soil_sliding_is_empty(a) || soil_sliding_is_empty(b))
+		return soil_sliding_is_empty(a) ? b : a;
+	return (struct sliding_span){a.first < b.first ? a.first : b.first, a.end > b.end ? a.end : b.end};
+}
+
+/* Returns the span with a post more on each side, within the limits. */
+static inline struct sliding_span soil_sliding_wider(struct sliding_span span, struct sliding_span within)
+{
+	if (soil_sliding_is_empty(span))
+		return (struct sliding_span){0, 0};
+	return (struct sliding_span){span.first > within.first ? span.first - 1 : within.first, span.end < within.end ? span.end + 1 : within.end};
+}
+
 struct sliding_field {
 	const struct soil_sliding *rule;
 	const struct soil_planes *planes;
