@@ -224,6 +224,7 @@ struct host_body {
 	bool has_next;
 	struct world_state now, next; /* now: after the last step. next: after the next step, if has_next */
 	bool posed_linear, posed_angular; /* rates.c: the velocities in `now` are those of the poses */
+	bool unposed;                 /* rates.c: the host leaves the turns of a round body out of its poses */
 	bool rates_told;              /* a note told what is wrong with its velocities */
 	int rates_far;                /* for so many steps on end, velocities and poses differed by far */
 	double since;                 /* s: time of its motion since `last` */

@@ -168,7 +168,7 @@ SOIL_INLINED void bear(const struct soil_form *f, enum soil_form_kind kind, bool
 			keep(p, b, &l, a->kept);
 		if (!any_above(l.share, 0))
 			continue;
-		put_memory(f, p, &l);
+		put_memory(f, kind, p, &l);
 		if (!knows_places(kind))
 			put_beneath(f, kind, p, &l);
 		put_line(f, kind, p, &l);

@@ -37,6 +37,7 @@ struct block {
 	float more[LANES];              /* what slip digs */
 	float springs[LANES];           /* 1: the soil holds shear, and springs back or is loaded anew */
 	float stamped[LANES], printed[LANES], lasts[LANES], back[LANES];
+	float unknown[LANES];           /* by how much the way before the motion would have lowered the post more than it remembers */
 	float beneath[LANES];           /* how much lower than now the body passed the post, or passes it before it leaves the cell */
 	float centre[2][LANES], end[2][LANES], first[LANES], last[LANES], share[LANES];
 };
@@ -294,7 +295,7 @@ SOIL_INLINED float lower_at(const struct soil_form *f, enum soil_form_kind kind,
 {
 	*since = f->passes[0];
 	if (knows_places(kind))
-		return lowered_at(f, kind, x, y, l->back[i], p->rise_x[i], since);
+		return lowered_at(f, kind, x, y, l->back[i], p->rise_x[i], l->unknown[i], since);
 	const struct course course = course_of(f);
 	struct face face = {.height = 0};
 	face_at(f, kind, p->own[i], x, y, &face);
@@ -308,7 +309,7 @@ SOIL_INLINED float lower_at(const struct soil_form *f, enum soil_form_kind kind,
 
 /* The stored sinkage counts for the post's whole cell. Where the body bore at the motion's start, it has the shape of the lower envelope there
  * (printed). Else it is a flat rut, or the impression of a body that hardly moved (stamped). */
-SOIL_INLINED void put_memory(const struct soil_form *f, const struct lane_posts *p, struct block *l)
+SOIL_INLINED void put_memory(const struct soil_form *f, enum soil_form_kind kind, const struct lane_posts *p, struct block *l)
 {
 	EACH_LANE {
 		const float stays = l->plastic[i] * p->by_up[i], whole = l->was[i] * p->by_up[i] - stays;
@@ -316,6 +317,10 @@ SOIL_INLINED void put_memory(const struct soil_form *f, const struct lane_posts 
 		l->printed[i] = f->prints * clamped((before - stays + 4 * SOIL_LEAST) / most(whole, 1e-9f), 0, 1);
 		l->stamped[i] = either(l->was[i] > 0, f->stamps, 0);
 		l->back[i] = either(p->over[i] > 0, f->run + least(f->run, f->half_across), 1e3f);
+		/* The body may have come another way: it turned back, or sank. At the post itself it was no lower than the post remembers. */
+		float since;
+		const float lower = lowered_at(f, kind, p->x[i], p->y[i], l->back[i], p->rise_x[i], 0, &since);
+		l->unknown[i] = either(p->over[i] > 0, most(lower - most(p->lowered[i], l->was[i] * p->by_up[i] - l->depth[i]), 0), 0);
 		/* Of the places in a cell, those farther ahead came into contact later, so they slid less. But if the post stores less shear than the
 		 * motion since the first touch gives, the body stood on it before it moved. Then the places differ less. */
 		const float mobilised = sqrtf(p->shear_x[i] * p->shear_x[i] + p->shear_y[i] * p->shear_y[i]);

@@ -205,11 +205,11 @@ SOIL_INLINED float lower_by(const struct soil_form *f, float squares, float x, f
 }
 
 /* The same as lowered_at of a raster. */
-SOIL_INLINED float raster_lowered(const struct soil_form *f, float x, float y, float *since)
+SOIL_INLINED float raster_lowered(const struct soil_form *f, float x, float y, float less_before, float *since)
 {
 	const struct fine_place place = fine_place_at(&f->fine, x, y);
 	*since = f->fine.moved * fine_at(&f->fine, f->fine.since, &place) * f->passes[0];
-	return f->fine.moved * fine_at(&f->fine, f->fine.less, &place) + (1 - f->fine.moved) * most(f->way[2], 0);
+	return f->fine.moved * most(fine_at(&f->fine, f->fine.less, &place) - less_before, 0) + (1 - f->fine.moved) * most(f->way[2], 0);
 }
 
 /* Returns true if lowered_at knows the motion of this kind at any place, not at posts alone. */
@@ -219,18 +219,18 @@ SOIL_INLINED bool knows_places(enum soil_form_kind kind)
 }
 
 /* Returns how much lower than now a round body was above a place during its last `back` metres. Before its present motion it moved along the
- * ground, which rises by `ground` for each metre. *since: how many metres ago it was lowest. */
-SOIL_INLINED float lowered_at(const struct soil_form *f, enum soil_form_kind kind, float x, float y, float back, float ground, float *since)
+ * ground, which rises by `ground` for each metre; less_before: by how much less that lowered it. *since: how many metres ago it was lowest. */
+SOIL_INLINED float lowered_at(const struct soil_form *f, enum soil_form_kind kind, float x, float y, float back, float ground, float less_before, float *since)
 {
 	if (kind == FORM_RASTER)
-		return raster_lowered(f, x, y, since);
+		return raster_lowered(f, x, y, less_before, since);
 	const float squares = ring_squares(f, kind, y), ring = sqrtf(squares), ahead = ring_ahead(f, kind, x, y);
 	const float rise = kind == FORM_BALL ? ground - f->tilt[0] : ground;
 	const float first = ahead + f->run, inside = clamped(ahead, -ring, ring), down = root(squares - ahead * ahead);
 	const float within = clamped(least(most(ring * f->sine, ahead), first), -ring, ring);
 	const float earlier = clamped(least(most(ring * rise / sqrtf(f->lift * f->lift + rise * rise), first), ahead + back), -ring, ring);
 	const float less = lower_by(f, squares, within, inside, down) + f->rise * (within - ahead);
-	const float before = lower_by(f, squares, earlier, inside, down) + f->rise * (earlier - ahead) + most(earlier - first, 0) * (rise - f->rise);
+	const float before = lower_by(f, squares, earlier, inside, down) + f->rise * (earlier - ahead) + most(earlier - first, 0) * (rise - f->rise) - less_before;
 	*since = most(either(before > less, earlier, within) - ahead, 0);
 	return either(f->run > 0, most(most(less, before), 0), 0);
 }
