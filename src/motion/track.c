@@ -48,7 +48,7 @@ static double distance(const struct track_point *a, const struct track_point *b,
 	return length;
 }
 
-/* Without attitudes, a body faces along the segment that begins at the knot. Where it stands still it faces the way it went, or at the beginning
+/* Without attitudes, a body faces along the segment that begins at the knot. Where it is at rest it faces the way it went, or at the beginning
  * the way it will go. */
 static void face_along(struct track *track)
 {
