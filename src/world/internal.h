@@ -42,8 +42,8 @@ double world_spin(const struct soil_pose *pose, const double angular[3]);
 bool world_rates_given(const double rate[3]);
 /* Replaces velocities of `state` that were not given by those of the straight motion from a pose to that state. 0 s: they are 0. */
 void world_rates_fill(const struct world_pose *from, double seconds, struct world_state *state);
-/* Returns how long the way from where a body is to a state takes at the state's velocity, s, if the body is round and its host leaves its turns out of
- * its poses; else 0. Such a body turns as its angular velocity says, as in a step. */
+/* For a round body whose host leaves its turns out of its poses. Returns how long its way to a state takes at the state's velocity, s. For others: 0.
+ * Such a body turns as its angular velocity says, as in a step. */
 double world_rates_unposed(const struct host_body *host, const struct world_state *state);
 /* Moves a body to where its host set it for the step that begins, which takes `seconds`. Velocities are known afterwards. */
 void world_rates_take(struct host_body *host, double seconds);
