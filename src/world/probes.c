@@ -51,8 +51,8 @@ static struct soil_motion whole_motion(const struct host_body *host, const struc
 }
 
 /*
- * Gives the motion that a step to this state would end with. Where the body goes back, the step makes a contact first, up to where the body is. Then that
- * comes before. Returns true if there is one. A dip that the step would leave does not count: a host that looks for a height would find the edge of the dip.
+ * Gives the motion that a step to this state would end with. Where the motion turns at the pose of the last step, the step makes a contact up to there
+ * first. Then that comes before. Returns true if there is one.
  */
 static bool motion_of(const struct world *world, const struct host_body *host, const struct world_state *state, const struct soil_pose *now, const struct soil_pose *to,
 		      struct soil_motion *motion, struct soil_motion *before)
@@ -62,7 +62,7 @@ static bool motion_of(const struct world *world, const struct host_body *host, c
 	turned = motion->turned - host->turned;
 	for (int k = 0; k < 3; k++)
 		rotated[k] = motion->rotated[k] - host->rotated[k];
-	if (host->quiet || !world_goes_back(world, host, to, turned, rotated))
+	if (host->quiet || !world_turns_back(world, host, to, turned, rotated))
 		return false;
 	*before = *motion;
 	before->to = motion->from = host->felt;

@@ -293,7 +293,7 @@ SOIL_INLINED void put_beneath(const struct soil_form *f, enum soil_form_kind kin
 SOIL_INLINED float lower_at(const struct soil_form *f, enum soil_form_kind kind, const struct lane_posts *p, int i, const struct block *l, float x, float y,
 			    float *since)
 {
-	*since = f->passes[0];
+	*since = 1;
 	if (knows_places(kind))
 		return lowered_at(f, kind, x, y, l->back[i], p->rise_x[i], l->unknown[i], since);
 	const struct course course = course_of(f);
@@ -320,7 +320,7 @@ SOIL_INLINED void put_memory(const struct soil_form *f, enum soil_form_kind kind
 		/* The body may have come another way: it turned back, or sank. At the post itself it was no lower than the post remembers. */
 		float since;
 		const float lower = lowered_at(f, kind, p->x[i], p->y[i], l->back[i], p->rise_x[i], 0, &since);
-		l->unknown[i] = either(p->over[i] > 0, most(lower - most(p->lowered[i], l->was[i] * p->by_up[i] - l->depth[i]), 0), 0);
+		l->unknown[i] = either((p->over[i] > 0) & (f->outer <= f->radius), most(lower - most(p->lowered[i], l->was[i] * p->by_up[i] - l->depth[i]), 0), 0);
 		/* Of the places in a cell, those farther ahead came into contact later, so they slid less. But if the post stores less shear than the
 		 * motion since the first touch gives, the body stood on it before it moved. Then the places differ less. */
 		const float mobilised = sqrtf(p->shear_x[i] * p->shear_x[i] + p->shear_y[i] * p->shear_y[i]);

@@ -32,7 +32,7 @@ SOIL_INLINED void put_spots(const struct soil_form *f, enum soil_form_kind kind,
 		spots->deep[i] = deep;
 		spots->most[i] = deep + lower;
 		/* Where the body was deeper before in its motion, its deepest pose sinks by less than the last one. */
-		spots->unloads[i] = either(lower > 0, 1, 0) * either(f->passes[0] > 0, least(since / most(f->passes[0], 1e-9f), 1), 1);
+		spots->unloads[i] = either(lower > 0, 1, 0) * either(f->passes[0] > 0, least(since, 1), 1);
 		spots->part[i] = 0.25f * l->share[i] * (l->last[i] - l->first[i]); /* of two places, on a line from -1 to 1 */
 		const float later = ((x - p->x[i]) * f->by_way[0] + (y - p->y[i]) * f->by_way[1]) * l->lasts[i];
 		spots->touching[i] = l->slides[i] * most(lasted(p, i, l->passed[i]) - later, 0);

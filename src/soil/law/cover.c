@@ -40,7 +40,6 @@ SOIL_CLONED static void cover_rim(const struct soil_form *restrict f, struct soi
 /* Sets height, slope, lowered, print and room of a form whose circles tell how it moved. */
 SOIL_INLINED void lower_round(const struct soil_form *restrict f, enum soil_form_kind kind, struct soil_posts *restrict p, size_t b)
 {
-	const float sinks = either(f->run > 0, 0, most(f->way[2], 0));
 	SOIL_APART
 	for (int i = 0; i < POSTS_LANES; i++) {
 		const float x = p->x[b + i], y = p->y[b + i];
@@ -50,7 +49,7 @@ SOIL_INLINED void lower_round(const struct soil_form *restrict f, enum soil_form
 		p->height[b + i] = face.height;
 		p->slope_x[b + i] = face.slope[0];
 		p->slope_y[b + i] = face.slope[1];
-		p->lowered[b + i] = lowered_at(f, kind, x, y, f->run, 0, 0, &since) + sinks;
+		p->lowered[b + i] = lowered_at(f, kind, x, y, f->run, 0, 0, &since);
 		p->print[b + i] = height_at(f, kind, 0, x + f->way[0], y + f->way[1]);
 		p->own[b + i] = p->above[b + i] = 0;
 	}

@@ -208,7 +208,7 @@ SOIL_INLINED float lower_by(const struct soil_form *f, float squares, float x, f
 SOIL_INLINED float raster_lowered(const struct soil_form *f, float x, float y, float less_before, float *since)
 {
 	const struct fine_place place = fine_place_at(&f->fine, x, y);
-	*since = f->fine.moved * fine_at(&f->fine, f->fine.since, &place) * f->passes[0];
+	*since = f->fine.moved * fine_at(&f->fine, f->fine.since, &place);
 	return f->fine.moved * most(fine_at(&f->fine, f->fine.less, &place) - less_before, 0) + (1 - f->fine.moved) * most(f->way[2], 0);
 }
 
@@ -219,7 +219,7 @@ SOIL_INLINED bool knows_places(enum soil_form_kind kind)
 }
 
 /* Returns how much lower than now a round body was above a place during its last `back` metres. Before its present motion it moved along the
- * ground, which rises by `ground` for each metre; less_before: by how much less that lowered it. *since: how many metres ago it was lowest. */
+ * ground, which rises by `ground` for each metre; less_before: by how much less that lowered it. *since: how many motions ago it was lowest. */
 SOIL_INLINED float lowered_at(const struct soil_form *f, enum soil_form_kind kind, float x, float y, float back, float ground, float less_before, float *since)
 {
 	if (kind == FORM_RASTER)
@@ -231,8 +231,10 @@ SOIL_INLINED float lowered_at(const struct soil_form *f, enum soil_form_kind kin
 	const float earlier = clamped(least(most(ring * rise / sqrtf(f->lift * f->lift + rise * rise), first), ahead + back), -ring, ring);
 	const float less = lower_by(f, squares, within, inside, down) + f->rise * (within - ahead);
 	const float before = lower_by(f, squares, earlier, inside, down) + f->rise * (earlier - ahead) + most(earlier - first, 0) * (rise - f->rise) - less_before;
-	*since = most(either(before > less, earlier, within) - ahead, 0);
-	return either(f->run > 0, most(most(less, before), 0), 0);
+	/* A body that does not go along its circles was lowest at the motion's start, or is so now. */
+	const bool runs = f->run > 0;
+	*since = either(runs, most(either(before > less, earlier, within) - ahead, 0) / most(f->run, 1e-12f), 1);
+	return most(either(runs, most(less, before), f->plunge * f->lift), 0);
 }
 
 /* Adds the second derivatives of a ball's height: xx, xy, yy, 1/m. */
