@@ -50,6 +50,7 @@ SOIL_INLINED void add_brims(const struct soil_form *f, bool asked, float unit, c
 			    struct counts *counts, struct lane_changes *changes)
 {
 	const float post = f->spacing * f->spacing;
+	struct lane_brims brims;
 	if (!any_above(f->lean < 0 ? p->side_left : p->side_right, 0))
 		return;
 	EACH_LANE {
@@ -65,22 +66,12 @@ SOIL_INLINED void add_brims(const struct soil_form *f, bool asked, float unit, c
 		counts->grows[i] += place.area * place.sinks * place.normal[2] * unit;
 		counts->area[i] += (int32_t)(place.ground * BEAR_AREA_UNITS + 0.5f);
 		if (asked) {
-			const float area = place.area * post, up[3] = {-p->rise_x[i], -p->rise_y[i], 1};
-			float column[6], row[6], along[2][6];
-			put_both(place.arm, place.normal, column);
-			put_both(place.arm, up, row);
-			put_both(place.arm, place.across[0], along[0]);
-			put_both(place.arm, place.across[1], along[1]);
-			add_outer(column, column, -area * place.damps, i, changes->damping);
-			add_outer(column, row, -area * place.sinks, i, changes->stiffness);
-			for (int j = 0; j < 2; j++)
-				for (int k = 0; k < 2; k++) {
-					add_outer(along[j], along[k], -area * place.strength * place.shears[j][k], i, changes->stiffness);
-					add_outer(along[j], along[k], -area * place.drags[j][k], i, changes->damping);
-				}
-			add_figures(p, i, &place, area, shear, changes);
+			put_brim_lane(p, i, &place, place.area * post, &brims);
+			add_figures(p, i, &place, place.area * post, shear, changes);
 		}
 	}
+	if (asked)
+		add_brim_changes(&brims, changes);
 }
 
 SOIL_INLINED int64_t total(const int32_t counts[LANES])
