@@ -132,11 +132,14 @@ FURROW_WIDE static void rotate_all(struct abreast *m)
 
 static void keep_negative(const struct abreast *m, size_t lane, double a[6][6])
 {
+	double kept[6];
+	for (int k = 0; k < 6; k++)
+		kept[k] = fmin(m->a[k][k][lane], 0);
 	for (int i = 0; i < 6; i++)
 		for (int j = 0; j < 6; j++) {
 			a[i][j] = 0;
 			for (int k = 0; k < 6; k++)
-				a[i][j] += m->v[i][k][lane] * fmin(m->a[k][k][lane], 0) * m->v[j][k][lane];
+				a[i][j] += m->v[i][k][lane] * kept[k] * m->v[j][k][lane];
 		}
 }
 
