@@ -136,18 +136,21 @@ struct asked {
 
 SOIL_INLINED void bear(const struct soil_form *f, enum soil_form_kind kind, bool asked, const struct soil_posts *posts, const struct asked *a)
 {
-	const float unit = BEAR_UNITS_A_PASCAL / a->share;
-	for (size_t b = 0; b < posts->count; b += LANES) {
-		if (a->kept == NULL && !any_above(posts->room + b, (float)a->raised * SOIL_UNIT + f->beyond))
+	const float unit = BEAR_UNITS_A_PASCAL / a->share, raised = (float)a->raised * SOIL_UNIT + f->beyond;
+	const bool sparse = a->kept == NULL && are_sparse(posts, raised);
+	struct waiting waiting = {.next = 0};
+	struct lane_posts lanes;
+	for (size_t b = 0; sparse ? take_waiting(posts, raised, &waiting, &lanes) : b < posts->count; b += LANES) {
+		if (a->kept == NULL && !sparse && !any_above(posts->room + b, raised))
 			continue;
-		struct lane_posts lanes;
 		const struct lane_posts *p = &lanes;
 		struct block l;
 		struct spots spots;
 		struct counts counts;
 		struct lane_places all;
 		float stresses[7][LANES] = {{0}};
-		take_lanes(posts, b, &lanes);
+		if (!sparse)
+			take_lanes(posts, b, &lanes);
 		memset(counts.area, 0, sizeof counts.area);
 		memset(counts.grows, 0, sizeof counts.grows);
 		put_depths(f, kind, p, a->raised, &l);
