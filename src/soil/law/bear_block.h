@@ -47,6 +47,7 @@ SOIL_CLONED static bool are_sparse(const struct soil_posts *restrict posts, floa
 	int32_t counts[LANES] = {0}, fills = 0, blocks = 0;
 	for (size_t b = 0; b < posts->count; b += LANES) {
 		int32_t any = 0;
+		SOIL_WHOLE
 		EACH_LANE {
 			const int32_t waits = posts->room[b + (size_t)i] > than ? 1 : 0;
 			counts[i] += waits;
@@ -54,6 +55,7 @@ SOIL_CLONED static bool are_sparse(const struct soil_posts *restrict posts, floa
 		}
 		blocks += any;
 	}
+	SOIL_WHOLE
 	EACH_LANE fills = counts[i] > fills ? counts[i] : fills;
 	return 6 * fills <= 5 * blocks;
 }
@@ -118,6 +120,7 @@ SOIL_INLINED struct stress_soil soil_of(const struct lane_posts *p, int i)
 SOIL_INLINED bool any_above(const float numbers[LANES], float than)
 {
 	uint32_t any = 0;
+	SOIL_WHOLE
 	EACH_LANE any |= numbers[i] > than ? 1 : 0;
 	return any != 0;
 }
