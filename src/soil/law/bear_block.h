@@ -107,7 +107,9 @@ struct block {
 	float passed[LANES], slides[LANES], direction[2][LANES]; /* share of the motion; way in units of the modulus; where it slid to */
 	float more[LANES];              /* what slip digs */
 	float springs[LANES];           /* 1: the soil holds shear, and springs back or is loaded anew */
+	float yields[LANES];            /* Pa: at the largest sinkage before */
 	float stamped[LANES], printed[LANES], lasts[LANES], back[LANES];
+	float bottom[LANES];            /* of a rim: rim_bottom */
 	float beneath[LANES];           /* how much lower than now the body passed the post, or passes it before it leaves the cell */
 	float centre[2][LANES], end[2][LANES], first[LANES], last[LANES], share[LANES];
 };
@@ -236,12 +238,13 @@ SOIL_INLINED void put_depths(const struct soil_form *f, enum soil_form_kind kind
 		l->was[i] = p->was[i];
 		l->more[i] = 0;
 		l->share[i] = either(p->room[i] > (float)raised * SOIL_UNIT + f->beyond, p->share[i], 0);
-		l->plastic[i] = 0;
+		l->yields[i] = l->plastic[i] = 0;
 	}
 	if (any_above(p->was, 0))
 		EACH_LANE {
 			const struct stress_soil s = soil_of(p, i);
-			l->plastic[i] = plastic_of(&s, l->was[i]);
+			l->yields[i] = yield_stress(&s, l->was[i]);
+			l->plastic[i] = plastic_part(&s, l->was[i], l->yields[i]);
 		}
 	EACH_LANE l->passed[i] = passed_at(f, kind, p, i, l->depth[i] - l->plastic[i] * p->by_up[i]);
 }
@@ -319,7 +322,7 @@ SOIL_INLINED void put_shares(const struct soil_form *f, struct lane_posts *p, st
 		return;
 	EACH_LANE {
 		const struct stress_soil s = soil_of(p, i);
-		const float was = l->was[i], plastic = l->plastic[i], by_elastic = 1 / most(was - plastic, 1e-9f), up = p->up[i], yields = yield_stress(&s, was);
+		const float was = l->was[i], plastic = l->plastic[i], by_elastic = 1 / most(was - plastic, 1e-9f), up = p->up[i], yields = l->yields[i];
 		const float before = strength_at(f, &s, yields, plastic, by_elastic, up * (float)(p->ground[i] - p->surface[i]) * SOIL_UNIT);
 		const float now = strength_at(f, &s, yields, plastic, by_elastic, up * l->depth[i]), way = l->slides[i] * clamped(lasted(p, i, l->passed[i]), 0, 1);
 		const float pays = exp_minus(way), share = sqrtf(either(loads[i] > 2 * SOIL_UNIT, least(SHEAR_LENIENT * before / most(now * pays * pays, 1e-9f), 1), 1));
@@ -365,7 +368,7 @@ SOIL_INLINED float lower_at(const struct soil_form *f, enum soil_form_kind kind,
 {
 	*since = f->passes[0];
 	if (knows_places(kind))
-		return lowered_at(f, kind, x, y, l->back[i], p->rise_x[i], since);
+		return lowered_at(f, kind, x, y, l->back[i], p->rise_x[i], l->bottom[i], since);
 	const struct course course = course_of(f);
 	struct face face = {.height = 0};
 	face_at(f, kind, p->own[i], x, y, &face);
@@ -386,6 +389,7 @@ SOIL_INLINED void put_memory(const struct soil_form *f, const struct lane_posts 
 		const float before = l->depth[i] + p->height[i] - p->print[i] + f->way[2];
 		l->printed[i] = f->prints * clamped((before - stays + 4 * SOIL_LEAST) / most(whole, 1e-9f), 0, 1);
 		l->stamped[i] = either(l->was[i] > 0, f->stamps, 0);
+		l->bottom[i] = rim_bottom(f, p->rise_x[i]);
 		l->back[i] = either(p->over[i] > 0, f->run + least(f->run, f->half_across), 1e3f);
 		/* Of the places in a cell, those farther ahead came into contact later, so they slid less. But if the post stores less shear than the
 		 * motion since the first touch gives, the body stood on it before it moved. Then the places differ less. */

@@ -13,7 +13,7 @@
 
 /* The soil at a place of each lane. */
 struct spots {
-	float x[LANES], y[LANES], deep[LANES], most[LANES], yields[LANES], unloads[LANES], stays[LANES], touching[LANES], part[LANES], holds[LANES];
+	float x[LANES], y[LANES], height[LANES], deep[LANES], most[LANES], yields[LANES], unloads[LANES], stays[LANES], touching[LANES], part[LANES], holds[LANES];
 };
 
 SOIL_INLINED void put_spots(const struct soil_form *f, enum soil_form_kind kind, const struct lane_posts *p, const struct block *l, float at,
@@ -24,11 +24,12 @@ SOIL_INLINED void put_spots(const struct soil_form *f, enum soil_form_kind kind,
 		const float on = 0.5f * (l->first[i] + l->last[i]) + at * (l->last[i] - l->first[i]);
 		const float x = l->centre[0][i] + on * l->end[0][i], y = l->centre[1][i] + on * l->end[1][i];
 		const float rise = p->rise_x[i] * (x - p->x[i]) + p->rise_y[i] * (y - p->y[i]);
-		const float deep = l->depth[i] + p->height[i] + rise - height_at(f, kind, p->own[i], x, y);
+		const float height = height_at(f, kind, p->own[i], x, y), deep = l->depth[i] + p->height[i] + rise - height;
 		float since;
 		const float lower = lower_at(f, kind, p, i, l, x, y, &since);
 		spots->x[i] = x;
 		spots->y[i] = y;
+		spots->height[i] = height;
 		spots->deep[i] = deep;
 		spots->most[i] = deep + lower;
 		/* Where the body was deeper before in its motion, its deepest pose sinks by less than the last one. */
@@ -121,6 +122,7 @@ SOIL_INLINED void put_place(const struct soil_form *f, enum soil_form_kind kind,
 	const struct stress_soil s = soil_of(p, i);
 	const float up = p->up[i], x = spots->x[lane], y = spots->y[lane], largest = spots->most[lane], z = up * spots->deep[lane], yields = spots->yields[lane];
 	face_at(f, kind, p->own[i], x, y, face);
+	face->height = spots->height[lane];
 	normal_of(f, p, i, face, place->normal);
 	put_across(place->normal, place->across);
 	place->arm[0] = x;

@@ -50,7 +50,7 @@ SOIL_INLINED void lower_round(const struct soil_form *restrict f, enum soil_form
 		p->height[b + i] = face.height;
 		p->slope_x[b + i] = face.slope[0];
 		p->slope_y[b + i] = face.slope[1];
-		p->lowered[b + i] = lowered_at(f, kind, x, y, f->run, 0, &since) + sinks;
+		p->lowered[b + i] = lowered_at(f, kind, x, y, f->run, 0, rim_bottom(f, 0), &since) + sinks;
 		p->print[b + i] = height_at(f, kind, 0, x + f->way[0], y + f->way[1]);
 		p->own[b + i] = p->above[b + i] = 0;
 	}
