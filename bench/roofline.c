@@ -5,8 +5,8 @@
  *
  *     bench_roofline [ROUNDS] [--figures FILE]      default 200 rounds
  *
- * Operations a post were counted once in the machine code for 512-bit vectors, by stepping through one call; README.md says how. Here they are constants, and so
- * are bytes: of the arrays that a part reads and writes, each once.
+ * Operations and instructions a post were counted once in the machine code for 512-bit vectors, by stepping through one call (README.md). Here they are
+ * constants, and so are bytes: of the arrays that a part reads and writes, each once.
  */
 #include <math.h>
 #include <stdio.h>
@@ -43,7 +43,7 @@ static double processor_seconds(void)
 
 typedef float vector __attribute__((vector_size(64)));
 typedef int32_t whole_vector __attribute__((vector_size(64)));
-enum { CHAINS = 12, TURNS = 20000, LANES = 16 };
+enum { CHAINS = 12, TURNS = 200000, LANES = 16 };
 
 /* Multiplies and adds in as many chains as keep the units busy. */
 SOIL_CLONED static float multiply_and_add(float by, float more)
@@ -81,63 +81,73 @@ SOIL_CLONED static int32_t read_all(const int32_t *memory, size_t count)
 static volatile float kept_real;
 static volatile int32_t kept_whole;
 
-/* Returns 1e9 operations a second. */
+/* Returns 1e9 operations a second: the median. */
 static double peak_operations(void)
 {
-	double best = 0;
 	for (int i = 0; i < rounds; i++) {
 		const double began = processor_seconds();
 		kept_real = multiply_and_add(0.5f, 1 + (float)i);
-		best = fmax(best, 2.0 * CHAINS * TURNS * LANES / (processor_seconds() - began) * 1e-9);
+		ns[i] = 2.0 * CHAINS * TURNS * LANES / (processor_seconds() - began) * 1e-9;
 	}
-	return best;
+	return bench_median(ns, (size_t)rounds);
 }
 
-/* Returns 1e9 bytes a second, read from a buffer that was read before. */
+/* Returns 1e9 bytes a second, read from a buffer that was read before: the median. */
 static double peak_bytes(size_t bytes)
 {
 	const size_t count = bytes / sizeof(int32_t), times = ((size_t)1 << 24) / bytes + 1;
 	int32_t *memory = malloc(bytes);
-	double best = 0;
 	if (memory == NULL)
 		exit(1);
 	memset(memory, 1, bytes);
-	for (int i = 0; i < (rounds < 50 ? rounds : 50); i++) {
+	for (int i = 0; i < rounds; i++) {
 		const double began = processor_seconds();
 		for (size_t k = 0; k < times; k++)
 			kept_whole = read_all(memory, count);
-		best = fmax(best, (double)(bytes * times) / (processor_seconds() - began) * 1e-9);
+		ns[i] = (double)(bytes * times) / (processor_seconds() - began) * 1e-9;
 	}
 	free(memory);
-	return best;
+	return bench_median(ns, (size_t)rounds);
 }
 
 /* --- the parts --- */
 
 struct part {
 	const char *name;
-	double operations, bytes; /* a post */
+	double operations, instructions, bytes; /* a post; operations: of real numbers, or of whole ones where the part has no others */
 };
 
 #define EACH(name) +4.0
 #define LAW_BYTES (0 POSTS_LAW_WHOLES_EACH(EACH) POSTS_LAW_REALS_EACH(EACH))
-static const struct part law_part = {"law", 0, LAW_BYTES}, probe_part = {"law of a probe", 0, LAW_BYTES}, laying_part = {"laying", 0, 13},
-			 sliding_part = {"sliding", 0, 25};
+static const struct part law_part = {"law", 1695, 271, LAW_BYTES}, probe_part = {"probe", 2553, 371, LAW_BYTES}, laying_part = {"laying", 27, 49, 13},
+			 sliding_part = {"sliding", 152, 33, 25};
 #undef EACH
 
 struct machine {
 	double operations, first, second; /* 1e9 a second: operations; bytes of the first and of the second cache */
 };
 
+static void add(const char *part, const char *key, const char *unit, double value)
+{
+	char name[64];
+	snprintf(name, sizeof name, "%s.%s", part, key);
+	bench_record_add(name, unit, &value, 1);
+}
+
+/* Tells a part by the times of its rounds, in `ns`. */
 static void tell(const struct machine *machine, const struct part *part, size_t posts)
 {
-	char key[64];
-	snprintf(key, sizeof key, "%s.ns_a_post", part->name);
-	bench_record_add(key, "ns", ns, (size_t)rounds); /* sorts them */
-	const double each = ns[rounds / 2], operations = part->operations / each, bytes = part->bytes / each;
-	printf("{\"roofline\": \"%s\", \"posts\": %zu, \"ns_a_post\": %.2f, \"operations_a_post\": %.0f, \"bytes_a_post\": %.0f, \"gigaops\": %.1f, "
-	       "\"share_of_operations\": %.3f, \"gigabytes\": %.1f, \"share_of_second_cache\": %.3f}\n",
-	       part->name, posts, each, part->operations, part->bytes, operations, operations / machine->operations, bytes, bytes / machine->second);
+	char name[64];
+	snprintf(name, sizeof name, "%s.ns", part->name);
+	bench_record_add(name, "ns", ns, (size_t)rounds); /* sorts them */
+	const double each = ns[rounds / 2], computed = part->operations / each / machine->operations, read = part->bytes / each / machine->second;
+	add(part->name, "operations", "", part->operations);
+	add(part->name, "instructions", "", part->instructions);
+	add(part->name, "bytes", "", part->bytes);
+	add(part->name, "of_operations", "%", 100 * computed);
+	add(part->name, "of_bytes", "%", 100 * read);
+	printf("{\"roofline\": \"%s\", \"posts\": %zu, \"ns\": %.2f, \"operations\": %.0f, \"instructions\": %.0f, \"bytes\": %.0f, \"share_of_operations\": %.3f, "
+	       "\"share_of_bytes\": %.3f}\n", part->name, posts, each, part->operations, part->instructions, part->bytes, computed, read);
 }
 
 static struct soil_planes planes_of(void)
@@ -193,6 +203,7 @@ static void of_law(const struct machine *machine)
 	soil_work_destroy(work);
 }
 
+/* Lays what a wheel displaced. A post is one that the wheel touched. */
 static void of_laying(const struct machine *machine)
 {
 	const struct soil_pose from = {.x = lattice_offset(1.9), .y = lattice_offset(1.9)};
@@ -204,8 +215,8 @@ static void of_laying(const struct machine *machine)
 	const struct post_rect patch = {84, 85, 106, 105}, around = soil_laying_posts(&laying, &wheel, &to, SPACING, patch);
 	struct soil_measured measured;
 	struct soil_lay_result result;
-	const size_t posts = (size_t)(around.x1 - around.x0) * (size_t)(around.y1 - around.y0);
 	void *scratch = malloc(soil_lay_scratch(SIDE, SIDE));
+	const size_t posts = (size_t)(patch.x1 - patch.x0) * (size_t)(patch.y1 - patch.y0);
 	static int32_t carried[SIDE];
 	if (scratch == NULL)
 		exit(1);
@@ -283,10 +294,10 @@ int main(int count, char **words)
 		return 2;
 	}
 	struct machine machine = {peak_operations(), peak_bytes((size_t)1 << 14), peak_bytes((size_t)1 << 18)};
-	bench_record_add("machine.gigaops", "1e9/s", &machine.operations, 1);
-	bench_record_add("machine.second_cache", "GB/s", &machine.second, 1);
-	printf("{\"roofline\": \"machine\", \"gigaops\": %.1f, \"first_cache_gigabytes\": %.1f, \"second_cache_gigabytes\": %.1f}\n", machine.operations, machine.first,
-	       machine.second);
+	add("machine", "operations", "1e9/s", machine.operations);
+	add("machine", "second_cache", "GB/s", machine.second);
+	printf("{\"roofline\": \"machine\", \"gigaops\": %.1f, \"first_cache_gigabytes\": %.1f, \"second_cache_gigabytes\": %.1f}\n", machine.operations,
+	       machine.first, machine.second);
 	of_law(&machine);
 	of_laying(&machine);
 	of_sliding(&machine);
