@@ -31,8 +31,8 @@ SOIL_INLINED void take_lanes(const struct soil_posts *posts, size_t b, struct la
 /* --- posts that bear nothing --- */
 
 /*
- * A search and a probe need only posts that the body may touch. If there are others in most blocks, they are left out: a lane then takes the next post that it
- * may touch of the same lane in the blocks that follow. Each lane has its posts in their order, so its sums of real numbers have the same bits.
+ * A search and a probe need only posts that the body may touch. If there are others in most blocks, they are left out: their lanes take posts of the blocks
+ * that follow. Each lane has its posts in their order, so its sums of real numbers have the same bits.
  */
 #define WAITING_BLOCKS 8
 #define ALL_LANES ((1u << LANES) - 1)
