@@ -15,7 +15,7 @@
 #endif
 /* A function that becomes part of each function that calls it. */
 #define SOIL_INLINED static inline __attribute__((always_inline))
-/* Before a loop of as many turns as a vector has lanes: gcc is to make one vector of it, not a line for each turn. */
+/* Before a loop of as many turns as a vector has lanes. Without it gcc may write a line for each turn. */
 #ifdef __clang__
 #define SOIL_WHOLE
 #else
