@@ -133,8 +133,7 @@ static void fill_jacobians(const struct step *step)
 			rows[k * nv + (size_t)geom->dof] -= geom->sprocket * step->list[i].forward[k];
 	}
 	mju_copy(step->solved, step->jacobian, (int)(step->rows * nv));
-	for (size_t r = 0; r < step->rows; r++)
-		vehicle_solve_factored(step->mass, step->solved + r * nv, nv);
+	vehicle_solve_rows(step->mass, step->solved, step->rows, nv);
 	for (size_t r = 0; r < step->rows; r++)
 		for (size_t c = 0; c < step->rows; c++)
 			step->inverse[r * step->rows + c] = mju_dot(step->solved + r * nv, step->jacobian + c * nv, (int)nv);
