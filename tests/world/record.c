@@ -17,7 +17,7 @@
 
 static char left[] = "left", odd[] = "a \"b\" \\ c", right[] = "right";
 static struct scene_object two[] = {{.name = left}, {.name = odd}};
-static const struct scene scene = {.objects = two, .object_count = 2};
+static const struct scene scene = {.objects = two, .object_count = 2, .model = DEFORM_SCM};
 
 static const struct record_object objects[] = {
 	{.next = INT64_MAX, .in_contact = true,
@@ -123,6 +123,7 @@ static void any_value_that_is_not_what_it_must_be_is_refused(void **state)
 {
 	static const struct { const char *from, *to; } changes[] = {
 		{"\"version\":3", "\"version\":2"}, {"\"version\":3", "\"version\":\"3\""}, {"\"version\":3,", ""},
+		{"\"law\":", "\"law\":9"}, {"\"law\"", "\"rule\""}, {"\"law\":", "\"law\":-"},
 		{"\"level\":\"-3\"", "\"level\":-3"}, {"\"-3\"", "\"-15\""}, {"\"-3\"", "\"29\""}, {"\"-3\"", "\"\""},
 		{"\"-3\"", "\"-\""}, {"\"-3\"", "\" -3\""}, {"\"-3\"", "\"-3x\""}, {"\"-3\"", "null"},
 		{"\"ended\":true", "\"ended\":1"}, {"\"ended\":true", "\"ended\":\"true\""}, {"\"ended\"", "\"Ended\""},
