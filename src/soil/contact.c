@@ -69,6 +69,20 @@ static float counted_width(const struct soil_posts *posts, const struct soil_for
 
 /* --- one evaluation after another --- */
 
+/* A mesh of a drum rolls as a cylinder does. */
+static enum status begin_mesh(const struct soil_motion *motion, struct soil_work *work, struct soil_contact *b)
+{
+	enum status status = soil_fine_draw(&b->body, &b->form, &work->fine);
+	if (status != STATUS_OK || !work->fine.surface->drum)
+		return status;
+	double own[3][3], axis[3];
+	soil_axes(motion->to.yaw, motion->to.pitch, motion->to.roll, 0, own);
+	for (int k = 0; k < 3; k++)
+		axis[k] = work->fine.surface->axis[0] * own[0][k] + work->fine.surface->axis[1] * own[1][k] + work->fine.surface->axis[2] * own[2][k];
+	soil_form_drum(&b->body, axis, work->fine.surface->radius, &b->form);
+	return STATUS_OK;
+}
+
 enum status soil_contact_begin(const struct soil_law *law, const struct soil_planes *planes, const struct soil_motion *motion, struct soil_work *work,
 			       double above, struct soil_contact *b)
 {
@@ -80,7 +94,7 @@ enum status soil_contact_begin(const struct soil_law *law, const struct soil_pla
 	soil_form_of(law, motion, &b->body, &b->form);
 	b->by_width = width_of(motion, &b->body);
 	if (b->form.kind == FORM_RASTER)
-		return soil_fine_draw(&b->body, &b->form, &work->fine);
+		return begin_mesh(motion, work, b);
 	if (motion->shape->kind == SOIL_WHEEL && motion->shape->grousers > 0)
 		return soil_grousers_draw(&b->body, &below, &b->form, &work->grousers);
 	return STATUS_OK;

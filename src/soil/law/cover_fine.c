@@ -55,6 +55,17 @@ static void put_swept(const struct soil_form *f, const int32_t cell[2], bool wit
 	p->lowered[i] = low < 0.5f * FINE_NONE ? most(p->height[i] - low, 0) : 0;
 }
 
+/* Below a wall the ground is as low as the wall, but the wall bears beside the cell that has its edge. */
+static void put_wall(float wall, float hole, struct soil_posts *p, size_t i)
+{
+	if (!(wall < 0.5f * FINE_NONE) || !(hole > 0))
+		return;
+	p->lowered[i] = most(p->lowered[i] + wall - p->height[i], 0);
+	p->height[i] = wall;
+	p->over[i] = p->swept[i] = 1;
+	p->share[i] = 0;
+}
+
 static void cover_post(const struct soil_form *f, struct soil_posts *p, size_t i)
 {
 	const struct soil_fine *fine = &f->fine;
@@ -86,6 +97,8 @@ static void cover_post(const struct soil_form *f, struct soil_posts *p, size_t i
 		}
 	}
 	put_swept(f, cell, within, p, i);
+	if (within && fine->walls != NULL && !(p->over[i] > 0))
+		put_wall(fine->walls[place[1] * fine->stride + place[0]], hole, p, i);
 }
 
 void soil_cover_fine(const struct soil_form *form, struct soil_posts *posts)

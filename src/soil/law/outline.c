@@ -193,10 +193,10 @@ void soil_fine_outline(const struct soil_fine_work *work, struct soil_fine *fine
 	}
 	memset(work->onward, 0xff, s->vertex_count * sizeof *work->onward);
 	for (size_t t = 0; t < s->triangle_count; t++) {
-		if (s->closed && looks[t] == 0)
+		if (s->closed && looks[t] != FINE_SOLE)
 			continue;
 		for (size_t k = 0; k < 3; k++) {
-			if (s->closed && looks[s->across[t][k]] != 0)
+			if (s->closed && looks[s->across[t][k]] == FINE_SOLE)
 				continue;
 			const uint32_t from = s->corners[t][k], to = s->corners[t][k == 2 ? 0 : k + 1];
 			if (s->closed && work->onward[from] == ONWARD_NONE)
