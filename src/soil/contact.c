@@ -69,7 +69,17 @@ static double width_of_mesh(const struct soil_surface *surface, const double axi
 	return surface->block ? 1 / fmin(surface->sides[0], surface->sides[1]) : 0;
 }
 
-/* Returns 1 / b for the area that the body touches at a height. b is the radius of a round plate of that area. */
+/* Returns 1 / b for the posts that the body touches at a height. b is the radius of a round plate of their area. */
+static float counted_width(const struct soil_posts *posts, const struct soil_form *form, int32_t raised)
+{
+	int32_t count = 0;
+	for (size_t i = 0; i < posts->count; i++)
+		count += (posts->over[i] > 0) & ((float)(posts->ground[i] - raised) * SOIL_UNIT - form->beyond > posts->height[i] + posts->above[i]);
+	const float area = (float)(count > 1 ? count : 1) * form->spacing * form->spacing;
+	return 1 / sqrtf(area * 0.31830989f);
+}
+
+/* The same of a mesh, for the area that it touches. It changes evenly as the mesh moves. */
 static float touched_width(const struct soil_posts *posts, const struct soil_form *form, int32_t raised)
 {
 	float cells = 0;
@@ -186,7 +196,10 @@ void soil_contact_gather(struct soil_contact *b, int32_t lowest)
 
 void soil_contact_evaluate(struct soil_contact *b, int32_t raised, float share, struct soil_sums *sums, struct soil_kept *kept, struct soil_changes *changes)
 {
-	soil_posts_width(b->by_width > 0 ? (float)b->by_width : touched_width(b->posts, &b->form, raised) / (float)b->wider, b->posts);
+	float by_width = (float)b->by_width;
+	if (!(by_width > 0))
+		by_width = (b->form.kind == FORM_RASTER ? touched_width(b->posts, &b->form, raised) : counted_width(b->posts, &b->form, raised)) / (float)b->wider;
+	soil_posts_width(by_width, b->posts);
 	soil_bear(&b->form, b->posts, raised, share, sums, kept, changes);
 }
 

@@ -330,8 +330,9 @@ SOIL_INLINED float remembered_at(const struct soil_form *f, enum soil_form_kind 
 				 float x, float y, float depth, float rise)
 {
 	const float print = rise + p->print[i] - height_at(f, kind, p->own[i], x + f->way[0], y + f->way[1]);
-	const float slope = kind == FORM_RIM ? f->lean * f->lift : p->slope_y[i]; /* a mesh moves along the frame's x axis */
-	const float leans = kind == FORM_RIM || kind == FORM_RASTER ? (1 - l->stamped[lane]) * (p->rise_y[i] - slope) * (y - p->y[i]) : 0;
+	/* The rut of a rim that leans, or of such a drum, leans too. A mesh moves along the frame's x axis. */
+	const float slope = kind == FORM_RIM ? f->lean * f->lift : p->slope_y[i], rut = kind == FORM_RIM ? 1 : kind == FORM_RASTER ? either(f->bulges > 0, 1, 0) : 0;
+	const float leans = kind == FORM_RIM || kind == FORM_RASTER ? rut * (1 - l->stamped[lane]) * (p->rise_y[i] - slope) * (y - p->y[i]) : 0;
 	const float hollow = l->stamped[lane] * (depth - l->depth[lane]) + leans;
 	const float all = l->was[lane] * p->by_up[i] + l->printed[lane] * print + (1 - l->printed[lane]) * hollow;
 	return all * either(l->was[lane] > 0, 1, 0);

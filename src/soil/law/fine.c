@@ -358,7 +358,7 @@ enum status soil_fine_draw(const struct soil_body *body, struct soil_form *form,
 	soil_fine_outline(work, fine);
 	soil_fine_brims(work, fine);
 	draw_walls(work, fine);
-	soil_fine_beside(work, fine, -bounds[2][0]);
+	soil_fine_beside(work, fine, most(fabsf(bounds[2][0]), fabsf(bounds[2][1])));
 	swept(work, form, (const double(*)[3])own, at);
 	fine->heights = work->heights;
 	fine->drawn = work->drawn;
