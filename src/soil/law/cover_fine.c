@@ -44,11 +44,9 @@ static void put_swept(const struct soil_form *f, const int32_t cell[2], bool wit
 	const bool hole = p->base[i] == BASE_NODATA;
 	p->swept[i] = p->over[i];
 	p->lowered[i] = run > 0 || !(p->over[i] > 0) ? 0 : most(f->way[2], 0);
-	p->entered[i] = 1e3f;
-	if (!(run > 0) || !reaches(fine, y, ends))
-		return;
-	p->entered[i] = most(ends[0] - x, 0) / run;
-	if (!within || hole || x > ends[0] + BESIDE || x < ends[1] - run - BESIDE)
+	const bool known = run > 0 && reaches(fine, y, ends);
+	p->entered[i] = known ? most(ends[0] - x, 0) / run : 1e3f;
+	if (!known || !within || hole || x > ends[0] + BESIDE || x < ends[1] - run - BESIDE)
 		return;
 	const float low = fine->passed[cell[1] * fine->cells[0] + cell[0]];
 	p->swept[i] = low < 0.5f * FINE_NONE ? 1 : p->over[i];
@@ -60,9 +58,8 @@ static void put_wall(float wall, float hole, struct soil_posts *p, size_t i)
 {
 	if (!(wall < 0.5f * FINE_NONE) || !(hole > 0))
 		return;
-	p->lowered[i] = most(p->lowered[i] + wall - p->height[i], 0);
 	p->height[i] = wall;
-	p->over[i] = p->swept[i] = 1;
+	p->over[i] = 1;
 	p->share[i] = 0;
 }
 
@@ -96,9 +93,9 @@ static void cover_post(const struct soil_form *f, struct soil_posts *p, size_t i
 			p->begun[i] = fine->earlier[1][at] - face.height;
 		}
 	}
-	put_swept(f, cell, within, p, i);
 	if (within && fine->walls != NULL && !(p->over[i] > 0))
 		put_wall(fine->walls[place[1] * fine->stride + place[0]], hole, p, i);
+	put_swept(f, cell, within, p, i);
 }
 
 void soil_cover_fine(const struct soil_form *form, struct soil_posts *posts)

@@ -38,7 +38,7 @@ struct soil_brim {
 struct soil_fine {
 	const float *heights;       /* also beside the mesh, where they go on from its edge */
 	const float *drawn;         /* the same, but FINE_NONE beside the mesh */
-	const float *walls;         /* heights of steep walls that bear beside the cells; FINE_NONE: none is above the place. NULL: there are none */
+	const float *walls;         /* as `drawn`, with steep walls, which bear beside the cells. NULL: there are none */
 	float moved;                /* 1: the mesh moved in plan; 0: the next three do not count */
 	const float *less, *since;  /* how much lower it was during its motion and half a cell before, and how many motions ago */
 	const float *passed;        /* of cells: its lowest height at the post during its motion, or beside a post that it passed closely. FINE_NONE: none */

@@ -85,11 +85,12 @@ void soil_fine_swept(const struct soil_fine_work *work, const struct soil_form *
 	const float before = fabsf(way[2]) <= run ? least(form->half_across / run, 1) : 0;
 	const int32_t own = (int32_t)clamped(ceilf(run * fine->by_step), 1, SAMPLES_MOST), earlier = (int32_t)ceilf(before * (float)own);
 	const float turned[2] = {fine->axis[0] * way[0] - fine->axis[1] * way[1], fine->axis[1] * way[0] + fine->axis[0] * way[1]};
-	memcpy(work->swept, work->drawn, count * sizeof *work->swept);
+	const float *drawn = work->any_wall ? work->walls : work->drawn;
+	memcpy(work->swept, drawn, count * sizeof *work->swept);
 	memset(work->since, 0, count * sizeof *work->since);
 	for (int32_t i = 1; i <= own + earlier; i++) {
 		const float share = (float)i / (float)own, shift[2] = {turned[0] * share * fine->by_step, turned[1] * share * fine->by_step};
-		swept_to(fine, work->drawn, shift, share * way[2], share, work->swept, work->since);
+		swept_to(fine, drawn, shift, share * way[2], share, work->swept, work->since);
 		if (i == own)
 			soil_fine_passed(work, fine);
 	}

@@ -12,6 +12,7 @@
 #define TREAD 0.9        /* and its width is that of what reaches this part */
 #define FLAT 0.95        /* cosine: a triangle lies across the axis */
 #define ENDS_LEAST 0.4   /* flat ends have at least this share of the area of two discs */
+#define EVEN 1e-3        /* of its radius: how far the middles of an even drum's facets lie below its corners, at most */
 #define BLOCK 0.99       /* a block fills this share of its bounds */
 
 static void put_normals(struct soil_surface *s)
@@ -163,6 +164,30 @@ static double ends_of(const struct soil_surface *s, const double axis[3], double
 	return area;
 }
 
+/* Returns how far the middles of edges between corners on the rim lie below these, at most, as a share of the radius. */
+static double sag_of(const struct soil_surface *s, const double axis[3], double radius)
+{
+	double lowest = radius * radius;
+	for (uint32_t t = 0; t < s->triangle_count; t++) {
+		const double n[3] = {(double)s->normals[t][0], (double)s->normals[t][1], (double)s->normals[t][2]};
+		double at[3][3], squares[3];
+		if (fabs(along(axis, n)) > 0.5) /* edges of its ends go across */
+			continue;
+		for (int i = 0; i < 3; i++) {
+			put_corner(s, s->corners[t][i], at[i]);
+			const double on = along(axis, at[i]);
+			squares[i] = at[i][0] * at[i][0] + at[i][1] * at[i][1] + at[i][2] * at[i][2] - on * on;
+		}
+		for (int i = 0; i < 3; i++) {
+			const int k = (i + 1) % 3;
+			const double middle[3] = {0.5 * (at[i][0] + at[k][0]), 0.5 * (at[i][1] + at[k][1]), 0.5 * (at[i][2] + at[k][2])}, on = along(axis, middle);
+			if (fmin(squares[i], squares[k]) >= (1 - 2 * EVEN) * radius * radius)
+				lowest = fmin(lowest, middle[0] * middle[0] + middle[1] * middle[1] + middle[2] * middle[2] - on * on);
+		}
+	}
+	return 1 - sqrt(lowest) / radius;
+}
+
 /* Finds out whether the mesh is a drum: round about an axis through the object's centre, with flat ends. Its radius is that of the circle with the
  * area of its outline, about: corners and middles of facets are as far from it. */
 static void find_drum(struct soil_surface *s)
@@ -178,6 +203,9 @@ static void find_drum(struct soil_surface *s)
 		for (int d = 0; d < 3; d++)
 			s->axis[d] = axes[k][d];
 		s->radius = radius;
+		const double sag = sag_of(s, axes[k], radius);
+		s->even = s->drum && sag < EVEN;
+		s->mean = radius * (1 - sag * 2 / 3);
 		s->width = width;
 	}
 }
@@ -204,7 +232,7 @@ static void find_block(struct soil_surface *s)
 
 void soil_surface_pieces(struct soil_surface *s, uint32_t *stack)
 {
-	s->drum = s->block = false;
+	s->drum = s->even = s->block = false;
 	s->piece_count = 0;
 	if (!s->closed)
 		return;

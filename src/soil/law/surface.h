@@ -21,6 +21,9 @@ struct soil_surface {
 	float *level, *top;        /* room for numbers of pieces in an attitude */
 	bool drum;                 /* it is round about `axis`, which goes through the object's centre, and has flat ends; m */
 	double axis[3], radius, width;
+	bool even;                 /* the drum's facets are so narrow that it counts as round. Then `mean` is its radius: that of a circle with the area of its
+				    * outline */
+	double mean;
 	bool block;                /* it is a block along the object's axes; m */
 	double sides[3];
 	/* What it was made of, to know the mesh again. */
