@@ -111,5 +111,7 @@ float soil_cover_fine_low(const struct soil_form *form, float x, float y)
 	if (!place_of(fine, x, y, place, cell))
 		return FINE_NONE;
 	const int32_t at = cell[1] * fine->cells[0] + cell[0];
+	if (fine->brims != NULL && fine->brims[at].length > 0) /* its edge lies between places */
+		return -form->reach;
 	return fine->lows[at] < 0.5f * FINE_NONE || !(fine->areas[at] > 0) ? fine->lows[at] : -form->reach;
 }
