@@ -133,6 +133,7 @@ SOIL_INLINED float passed_at(const struct soil_form *f, enum soil_form_kind kind
 		const float whole = p->begun[i], half = p->halfway[i];
 		const float speed = 4 * half - whole, bends = 2 * whole - 4 * half, rooted = speed * speed + 4 * bends * gains, by = speed + root(rooted);
 		share = either(rooted >= 0, either(fabsf(by) > 1e-12f, 2 * gains / either(fabsf(by) > 1e-12f, by, 1), 1e3f), either(gains > 0, 1e3f, -4));
+		share = either((gains <= 0) & (speed <= 0), 1e3f, share); /* it rises, as other forms have it. Rounding would decide */
 		share = least(share, either(p->over[i] > 0, p->entered[i], 1e3f));
 	} else {
 		const float speed = p->print[i] - p->height[i] - f->way[2];
